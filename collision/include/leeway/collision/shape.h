@@ -1,0 +1,89 @@
+#pragma once
+
+#include <memory>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace leeway::collision {
+
+class ConvexHull;    // convex_hull.h
+class TriangleMesh;  // triangle_mesh.h
+
+enum class ShapeType : unsigned char {
+  kSphere,
+  kCapsule,
+  kBox,
+  kCylinder,
+  kCone,
+  kEllipsoid,
+  kHalfSpace,
+  kConvexHull,
+  kMesh,
+};
+
+/// "sphere", "capsule", ...: the word used in files and messages.
+const char* toString(ShapeType type);
+
+/// Thrown by the factories of Shape (never by a query) when a size is not finite or negative, or when
+/// a hull or mesh has no points. The message names the size, its value and what would be accepted.
+class InvalidShape : public std::invalid_argument {
+ public:
+  using std::invalid_argument::invalid_argument;
+};
+
+/// A body in its own frame G: immutable, cheap to copy (vertices are shared). Zero sizes are allowed
+/// (a sphere of radius 0 is a point, a box with a zero half extent a rectangle).
+class Shape {
+ public:
+  /// Centre at the origin. radius >= 0 [m].
+  static Shape sphere(double radius);
+  /// All points within `radius` of the segment from -half_length to +half_length on z [m].
+  static Shape capsule(double radius, double half_length);
+  /// |x| <= half_extents, per coordinate [m].
+  static Shape box(const Eigen::Vector3d& half_extents);
+  /// Axis z, centre at the origin [m].
+  static Shape cylinder(double radius, double half_length);
+  /// Axis z, base disc of `radius` at z = -half_length, apex at z = +half_length [m].
+  static Shape cone(double radius, double half_length);
+  /// (x/a)^2 + (y/b)^2 + (z/c)^2 <= 1 [m].
+  static Shape ellipsoid(const Eigen::Vector3d& semi_axes);
+  /// All points with z <= 0 of its frame. Unbounded.
+  static Shape halfSpace();
+  /// The convex hull of `vertices` [m]; any number >= 1, duplicates and flat sets included.
+  static Shape convexHull(std::span<const Eigen::Vector3d> vertices);
+  static Shape convexHull(std::shared_ptr<const ConvexHull> hull);
+  /// A triangle mesh; its closed components are solids.
+  static Shape mesh(std::shared_ptr<const TriangleMesh> mesh);
+
+  ShapeType type() const { return type_; }
+  /// True for all types but kMesh.
+  bool isConvex() const { return type_ != ShapeType::kMesh; }
+  double radius() const { return radius_; }            // sphere, capsule, cylinder, cone
+  double halfLength() const { return half_length_; }   // capsule, cylinder, cone
+  const Eigen::Vector3d& halfExtents() const { return half_extents_; }  // box; ellipsoid: semi-axes
+  const ConvexHull* hull() const { return hull_.get(); }
+  const TriangleMesh* mesh() const { return mesh_.get(); }
+  const std::shared_ptr<const TriangleMesh>& sharedMesh() const { return mesh_; }
+
+  /// Centre [m, frame G] and radius [m] of a sphere that holds the whole shape, rounded outwards;
+  /// the radius is infinite for a half-space.
+  const Eigen::Vector3d& boundingCenter() const { return bounding_center_; }
+  double boundingRadius() const { return bounding_radius_; }
+
+ private:
+  Shape() = default;
+  ShapeType type_ = ShapeType::kSphere;
+  double radius_ = 0;
+  double half_length_ = 0;
+  Eigen::Vector3d half_extents_ = Eigen::Vector3d::Zero();
+  Eigen::Vector3d bounding_center_ = Eigen::Vector3d::Zero();
+  double bounding_radius_ = 0;
+  std::shared_ptr<const ConvexHull> hull_;
+  std::shared_ptr<const TriangleMesh> mesh_;
+};
+
+}  // namespace leeway::collision

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "leeway/collision/scene.h"
+#include "leeway/planner/configuration_space.h"
+#include "leeway/planner/problem.h"
+#include "leeway/robots/motion_bound.h"
+
+namespace leeway::planner {
+
+/// A problem reduced to what its queries can need: moving bodies only for links that the planned variables move, the rest folded into the
+/// world; pairs that are allowed, rigidly attached or proven apart left out. Constant while it is queried.
+class CompiledScene {
+ public:
+  explicit CompiledScene(const Problem& problem);
+
+  const collision::Scene& scene() const { return scene_; }
+  const ConfigurationSpace& space() const { return *space_; }
+  const robots::Model& model() const { return *model_; }
+  /// Link that carries scene body b, -1 for a static body.
+  int bodyLink(int body) const { return body_link_[static_cast<std::size_t>(body)]; }
+  /// How body a of scene pair p moves seen from body b (static: from the world).
+  const robots::RelativeMotion& pairMotion(int pair) const { return pair_motion_[static_cast<std::size_t>(pair)]; }
+  /// Configuration of the whole model for a point of the space.
+  void expand(std::span<const double> point, std::span<double> q) const;
+  /// Rounding of kinematics, added to every bound [m].
+  double rounding() const { return rounding_; }
+
+  /// What was dropped and why: for `leeway info`.
+  struct Dropped { std::string a, b, reason; };
+  const std::vector<Dropped>& dropped() const { return dropped_; }
+
+ private:
+  std::shared_ptr<const robots::Model> model_;
+  std::shared_ptr<const ConfigurationSpace> space_;
+  std::vector<double> base_configuration_;
+  collision::Scene scene_;
+  std::vector<int> body_link_;
+  std::vector<robots::RelativeMotion> pair_motion_;
+  std::vector<Dropped> dropped_;
+  double rounding_ = 0;
+};
+
+}  // namespace leeway::planner

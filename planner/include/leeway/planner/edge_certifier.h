@@ -1,0 +1,70 @@
+#pragma once
+
+#include <memory>
+#include <span>
+
+#include "leeway/planner/compiled_scene.h"
+
+namespace leeway::planner {
+
+using collision::Interval;
+using collision::Verdict;
+
+/// One configuration, against the margins.
+struct StateCheck {
+  Verdict verdict = Verdict::kUndecided;
+  Interval clearance;  ///< [m]
+  int pair = -1;
+  collision::DistanceResult closest;  ///< in world coordinates
+};
+
+struct EdgeRequest {
+  bool last_valid = false;        ///< find the largest t up to which the edge is certified
+  double smallest_interval = 0;   ///< in t; 0: the default of tolerances (by motion, not by t)
+  int work_limit = 0;             ///< pair queries; 0: the default. Reached: undecided
+};
+
+struct EdgeCheck {
+  Verdict verdict = Verdict::kUndecided;
+  double last_valid = 0;  ///< the edge is certified on [0, last_valid]; 1 when free
+  double t = 0;           ///< not free or undecided: where
+  int pair = -1;          ///< and which pair
+};
+
+/// Where along an edge the least clearance is, as a certified interval.
+struct EdgeClearance {
+  Interval clearance;  ///< of the minimum over the edge, all pairs [m]; (inf, inf) without pairs
+  double t = 0;        ///< where the upper end was found
+  int pair = -1;
+  collision::DistanceResult closest;
+};
+
+/// Decides states and whole edges of one compiled scene: no step size, bounds only. One per thread; allocates in the constructor only.
+class EdgeCertifier {
+ public:
+  explicit EdgeCertifier(std::shared_ptr<const CompiledScene> scene);
+  ~EdgeCertifier();
+
+  const CompiledScene& scene() const;
+
+  /// Valid or not, as fast as it can.
+  Verdict decide(std::span<const double> point);
+  /// Clearance to within tolerance [m], closest pair, witnesses.
+  StateCheck clearance(std::span<const double> point, double tolerance);
+  /// Certifies the edge from a to b as the space interpolates it. `b` is looked at first.
+  EdgeCheck certify(std::span<const double> a, std::span<const double> b, const EdgeRequest& request = {});
+  /// The minimum clearance along the edge to within tolerance [m] (or as near as the work limit allows). `cutoff`: stop as soon as the minimum is
+  /// known to be below (upper < cutoff).
+  EdgeClearance edgeClearance(std::span<const double> a, std::span<const double> b, double tolerance, double cutoff);
+
+  struct Statistics {
+    std::uint64_t states = 0, edges = 0, distance_queries = 0, intervals = 0;
+  };
+  Statistics statistics;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace leeway::planner

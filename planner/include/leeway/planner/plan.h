@@ -1,0 +1,60 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "leeway/planner/edge_certifier.h"
+#include "leeway/planner/problem.h"
+
+namespace leeway::planner {
+
+enum class PlanStatus : unsigned char { kSolved, kUnsolved, kInvalidStart, kInvalidGoal };
+const char* toString(PlanStatus status);  ///< "solved", "unsolved", "invalid_start", "invalid_goal"
+
+/// A path in the space of a group: rows of planned variables.
+struct Path {
+  std::vector<std::string> names;                ///< variable names, in group order
+  std::vector<std::vector<double>> positions;    ///< one row a waypoint
+};
+
+/// The proof that comes with a path: a lower bound of the clearance for every edge.
+struct Certificate {
+  Interval clearance;  ///< of the whole path; (inf, inf) where there is nothing to be near
+  std::string closest_a, closest_b;
+  int closest_segment = -1;
+  double closest_t = 0;
+  std::vector<Interval> segments;
+  bool certified = false;  ///< every edge proven to keep its margins
+};
+
+struct PlanOptions {
+  std::function<bool()> stop;                                   ///< asked often; true ends the run
+  std::function<void(const std::string& phase, double elapsed_s)> progress;
+  double clearance_tolerance = 1e-4;                            ///< of the certificate [m]
+};
+
+struct PlanResult {
+  PlanStatus status = PlanStatus::kUnsolved;
+  std::uint64_t seed = 0;
+  std::string planner;
+  bool deterministic = true;  ///< false for planners with threads or clocks of their own
+  double compile_s = 0, plan_s = 0, simplify_s = 0, certify_s = 0;
+  std::uint64_t iterations = 0, states = 0, edges = 0, distance_queries = 0;
+  Path path;         ///< empty unless solved
+  int goal = -1;     ///< index of the goal reached
+  double length = 0; ///< in the space's distance
+  Certificate certificate;
+  StateCheck offending;           ///< for an invalid start or goal: pair, depth, place
+  std::string offending_a, offending_b;
+};
+
+/// Compiles, plans, simplifies, certifies. Throws robots::InputError only for what a problem file can get wrong (an unknown planner, a bad parameter).
+/// Same problem, seed and iteration limit: same bytes.
+PlanResult plan(const Problem& problem, const PlanOptions& options = {});
+PlanResult plan(std::shared_ptr<const CompiledScene> scene, const Problem& problem, const PlanOptions& options = {});
+
+/// Certificate of any path: each edge's minimum clearance to within tolerance.
+Certificate certify(EdgeCertifier& certifier, const Path& path, double tolerance);
+
+}  // namespace leeway::planner

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "leeway/robots/model.h"
+
+namespace leeway::robots {
+
+/// Joints between two links and how far a body's points can be from their axes: what bounds the motion of the body on
+/// `link`, seen from `base` (-1: the world), along an edge q(t) = q0 + t dq, t in [0, 1]. See DESIGN, Motion along an edge.
+struct RelativeMotion {
+  struct Term {
+    int joint;       ///< a moving joint of the path from `base` to `link`, nearest to `base` first
+    double reach;    ///< rho: no point of the body is ever farther from the joint's axis (floating: origin), over all
+                     ///< configurations within the limits [m]; rounded outwards; infinite behind an unlimited prismatic joint
+  };
+  int link = -1;
+  int base = -1;
+  std::vector<Term> terms;
+};
+
+/// Derives the terms for a body inside the sphere (center_L, radius) fixed to `link`. O(joints^2).
+RelativeMotion relativeMotion(const Model& model, int link, int base, const Eigen::Vector3d& center_L, double radius);
+
+/// |dq| of every joint for the edge dq (variables' differences; floating and planar joints: see below): rotation angle and translation length.
+struct JointMotion {
+  double angle = 0;   ///< [rad]
+  double travel = 0;  ///< [m]
+};
+/// joint_motion has one entry a joint, mimic joints with their multiplier. dq as made by the planner's difference(): continuous joints
+/// the shortest; floating: the three translations and, in the quaternion's first three places, the rotation vector (body frame), 0 in the fourth.
+void jointMotion(const Model& model, std::span<const double> dq, std::span<JointMotion> joint_motion);
+
+/// A bound on the acceleration |p''| of the body's points seen from base, t in [0, 1] [m]. O(terms).
+double accelerationBound(const Model& model, const RelativeMotion& motion, std::span<const JointMotion> joint_motion);
+
+/// A bound on the speed |p'| [m].
+double speedBound(const Model& model, const RelativeMotion& motion, std::span<const JointMotion> joint_motion);
+
+/// Pairs of links that can never touch, proven over all configurations within the limits: returns those of `candidates` that are proven.
+/// Interval subdivision over the joints between the two links with a work limit; what it cannot prove stays checked.
+std::vector<std::pair<int, int>> provenApart(const Model& model, std::span<const std::pair<int, int>> candidates);
+
+}  // namespace leeway::robots
