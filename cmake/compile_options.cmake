@@ -1,0 +1,26 @@
+# How everything here is compiled. Nothing of it reaches a program that links the libraries.
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
+  set(CMAKE_BUILD_TYPE Release)
+endif()
+# No fast-math and no -march: results must not depend on contraction or on the machine compiled on.
+set(CMAKE_CXX_FLAGS_RELEASE "-O2 -DNDEBUG")
+set(CMAKE_CXX_FLAGS_RELWITHASSERTS "-O2 -g1" CACHE STRING "Flags of the optimised build with asserts")
+
+add_library(leeway_options INTERFACE)
+target_compile_options(leeway_options INTERFACE -ffp-contract=off -Wall -Wextra -Wpedantic -Wshadow
+  -Wconversion -Wsign-conversion -Wdouble-promotion -Wold-style-cast -Wnon-virtual-dtor
+  $<$<BOOL:${LEEWAY_WERROR}>:-Werror>)
+
+if(LEEWAY_SANITIZE)
+  add_compile_options(-fsanitize=${LEEWAY_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
+  add_link_options(-fsanitize=${LEEWAY_SANITIZE})
+endif()
+
+find_program(LEEWAY_CCACHE ccache)
+if(LEEWAY_CCACHE AND PROJECT_IS_TOP_LEVEL AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${LEEWAY_CCACHE})
+endif()

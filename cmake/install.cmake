@@ -1,0 +1,33 @@
+# What `cmake --install` puts where: libraries, public headers, the command, a CMake package with one component a layer, pkg-config files.
+include(CMakePackageConfigHelpers)
+set(package_directory ${CMAKE_INSTALL_LIBDIR}/cmake/leeway)
+
+set(layers collision)
+if(LEEWAY_BUILD_PLANNER)
+  list(APPEND layers robots planner)
+endif()
+set(requires_collision "eigen3")
+set(requires_robots "leeway-collision = ${PROJECT_VERSION} urdfdom assimp tinyxml2")
+set(requires_planner "leeway-robots = ${PROJECT_VERSION} ompl yaml-cpp fmt")
+set(description_collision "Signed distances between shapes as guaranteed intervals")
+set(description_robots "Robots from URDF and SRDF: kinematics and motion bounds")
+set(description_planner "Motion planning with certified clearance")
+file(RELATIVE_PATH prefix_from_pkgconfig ${CMAKE_INSTALL_FULL_LIBDIR}/pkgconfig ${CMAKE_INSTALL_PREFIX})
+foreach(layer ${layers})
+  install(TARGETS leeway_${layer} EXPORT leeway-${layer} FILE_SET HEADERS)
+  install(EXPORT leeway-${layer} NAMESPACE leeway:: DESTINATION ${package_directory})
+  set(requires ${requires_${layer}})
+  set(description ${description_${layer}})
+  configure_file(cmake/leeway.pc.in leeway-${layer}.pc @ONLY)
+  install(FILES ${PROJECT_BINARY_DIR}/leeway-${layer}.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+endforeach()
+if(TARGET leeway)
+  install(TARGETS leeway)
+endif()
+
+configure_package_config_file(cmake/leewayConfig.cmake.in leewayConfig.cmake INSTALL_DESTINATION ${package_directory})
+# Before 1.0 a minor version may break its users.
+write_basic_package_version_file(leewayConfigVersion.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${PROJECT_BINARY_DIR}/leewayConfig.cmake ${PROJECT_BINARY_DIR}/leewayConfigVersion.cmake
+  cmake/dependencies.cmake DESTINATION ${package_directory})
+install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
