@@ -1,0 +1,20 @@
+#pragma once
+
+namespace leeway::planner {
+
+/// Below this angle [rad] sin x = x and atan x = x to the last bit (x^2 / 3 is under half an ulp);
+/// larger would cost accuracy, below 1e-150 squares would underflow to zero and lose the direction.
+constexpr double kTinyAngle = 1e-8;
+
+/// How far from 1 the length of a planned body's quaternion may be to count as a rotation. Rounding
+/// leaves 1e-15; loaders normalise anything within kMendableQuaternion, so what is farther off here
+/// was made by a program that forgot to.
+constexpr double kUnitQuaternion = 1e-6;
+
+/// A quaternion in a file this near to unit length was meant to be one (three or four written
+/// digits): normalised, with a warning above kSilentQuaternion; farther off it is taken for an
+/// error in the file.
+constexpr double kMendableQuaternion = 1e-3;
+constexpr double kSilentQuaternion = 1e-8;
+
+}  // namespace leeway::planner
