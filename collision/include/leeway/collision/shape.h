@@ -73,6 +73,8 @@ class Shape {
   /// the radius is infinite for a half-space.
   const Eigen::Vector3d& boundingCenter() const { return bounding_center_; }
   double boundingRadius() const { return bounding_radius_; }
+  /// No point of the shape is farther from the origin of G than this [m]; infinite for a half-space.
+  double extent() const { return extent_; }
 
  private:
   Shape() = default;
@@ -82,6 +84,7 @@ class Shape {
   Eigen::Vector3d half_extents_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d bounding_center_ = Eigen::Vector3d::Zero();
   double bounding_radius_ = 0;
+  double extent_ = 0;
   std::shared_ptr<const ConvexHull> hull_;
   std::shared_ptr<const TriangleMesh> mesh_;
 };

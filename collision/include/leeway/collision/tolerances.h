@@ -1,0 +1,35 @@
+#pragma once
+
+// Every tolerance of collision/: unit, reason, and what goes wrong when it is changed.
+
+namespace leeway::collision {
+
+/// Unit roundoff of double precision: a correctly rounded operation errs by at most this fraction.
+inline constexpr double kUnitRoundoff = 0x1p-53;
+
+/// Rounding of one support plane or witness distance, as a multiple of kUnitRoundoff * (extents + |translation|); derived
+/// in gjk.cc (about 26 are needed). Smaller breaks the guarantee; larger only widens every interval.
+inline constexpr double kSupportRounding = 32;
+
+/// Rounding of a closed form, in the same unit; derived in closed_form.cc.
+inline constexpr double kClosedFormRounding = 32;
+
+/// Rounding of X_BA made from two world poses, in the same unit; derived in convex.cc.
+inline constexpr double kPoseRounding = 24;
+
+/// Largest departure ||R^T R - 1|| (Frobenius) of a matrix that is still taken for a rotation; above, a query is kInvalid. The departure itself always is part of the interval's width.
+inline constexpr double kRotationTolerance = 1e-6;
+
+/// Sums of sizes and distances outside [kSmallestScale, kLargestScale] [m] are answered from bounding spheres, because products
+/// of four lengths would leave the range of double.
+inline constexpr double kLargestScale = 1e60;
+inline constexpr double kSmallestScale = 1e-60;
+
+/// Squared length of the part of a unit direction across the axis below which a round cap is asked at its centre: it moves the support
+/// value by less than 1e-140 of the radius, and keeps the square root away from denormal numbers. No unit.
+inline constexpr double kAcrossAxisSquared = 1e-280;
+
+/// From this many vertices on the support of a hull climbs along its edges; below, scanning all is cheaper (measured).
+inline constexpr int kClimbFrom = 32;
+
+}  // namespace leeway::collision

@@ -1,0 +1,186 @@
+#include "leeway/collision/shape.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <sstream>
+
+#include "leeway/collision/convex_hull.h"
+#include "leeway/collision/triangle_mesh.h"
+
+namespace leeway::collision {
+
+namespace {
+
+// A sum of a few squares and its root err by less than 4 units of roundoff; this rounds outwards.
+constexpr double kOutwards = 1 + 0x1p-50;
+
+void requireSize(double value, const char* shape, const char* name) {
+  // Written so that a NaN fails, too.
+  if (std::isfinite(value) && value >= 0) return;
+  std::ostringstream message;
+  message.precision(17);
+  message << shape << ": " << name << " is " << value
+          << ", but must be a finite number that is not negative [m]";
+  throw InvalidShape(message.str());
+}
+
+void requireSizes(const Eigen::Vector3d& value, const char* shape, const char* const names[3]) {
+  for (int i = 0; i < 3; ++i) requireSize(value[i], shape, names[i]);
+}
+
+// hypot never overflows before its result does.
+double outwardNorm(double x, double y, double z) { return std::hypot(x, y, z) * kOutwards; }
+
+struct Sphere {
+  Eigen::Vector3d center;
+  double radius;
+  double extent;
+};
+
+Sphere sphereAround(std::span<const Eigen::Vector3d> points, double excess) {
+  Eigen::Vector3d lowest = points[0], highest = points[0];
+  for (const Eigen::Vector3d& p : points) {
+    lowest = lowest.cwiseMin(p);
+    highest = highest.cwiseMax(p);
+  }
+  Sphere sphere{0.5 * lowest + 0.5 * highest, 0, 0};
+  for (const Eigen::Vector3d& p : points) {
+    const Eigen::Vector3d d = p - sphere.center;
+    sphere.radius = std::max(sphere.radius, std::hypot(d.x(), d.y(), d.z()));
+    sphere.extent = std::max(sphere.extent, std::hypot(p.x(), p.y(), p.z()));
+  }
+  // The differences are rounded in proportion to the coordinates, not to the radius.
+  sphere.radius = (sphere.radius + excess) * kOutwards + sphere.extent * 0x1p-51;
+  sphere.extent = (sphere.extent + excess) * kOutwards;
+  return sphere;
+}
+
+}  // namespace
+
+const char* toString(ShapeType type) {
+  switch (type) {
+    case ShapeType::kSphere:
+      return "sphere";
+    case ShapeType::kCapsule:
+      return "capsule";
+    case ShapeType::kBox:
+      return "box";
+    case ShapeType::kCylinder:
+      return "cylinder";
+    case ShapeType::kCone:
+      return "cone";
+    case ShapeType::kEllipsoid:
+      return "ellipsoid";
+    case ShapeType::kHalfSpace:
+      return "half-space";
+    case ShapeType::kConvexHull:
+      return "hull";
+    case ShapeType::kMesh:
+      return "mesh";
+  }
+  return "unknown";
+}
+
+Shape Shape::sphere(double radius) {
+  requireSize(radius, "sphere", "radius");
+  Shape shape;
+  shape.type_ = ShapeType::kSphere;
+  shape.radius_ = shape.bounding_radius_ = shape.extent_ = radius;
+  return shape;
+}
+
+Shape Shape::capsule(double radius, double half_length) {
+  requireSize(radius, "capsule", "radius");
+  requireSize(half_length, "capsule", "half length");
+  Shape shape;
+  shape.type_ = ShapeType::kCapsule;
+  shape.radius_ = radius;
+  shape.half_length_ = half_length;
+  shape.bounding_radius_ = shape.extent_ = (radius + half_length) * kOutwards;
+  return shape;
+}
+
+Shape Shape::box(const Eigen::Vector3d& half_extents) {
+  static const char* const kNames[3] = {"half extent in x", "half extent in y", "half extent in z"};
+  requireSizes(half_extents, "box", kNames);
+  Shape shape;
+  shape.type_ = ShapeType::kBox;
+  shape.half_extents_ = half_extents;
+  shape.bounding_radius_ = shape.extent_ =
+      outwardNorm(half_extents.x(), half_extents.y(), half_extents.z());
+  return shape;
+}
+
+Shape Shape::cylinder(double radius, double half_length) {
+  requireSize(radius, "cylinder", "radius");
+  requireSize(half_length, "cylinder", "half length");
+  Shape shape;
+  shape.type_ = ShapeType::kCylinder;
+  shape.radius_ = radius;
+  shape.half_length_ = half_length;
+  shape.bounding_radius_ = shape.extent_ = outwardNorm(radius, half_length, 0);
+  return shape;
+}
+
+Shape Shape::cone(double radius, double half_length) {
+  requireSize(radius, "cone", "radius");
+  requireSize(half_length, "cone", "half length");
+  Shape shape;
+  shape.type_ = ShapeType::kCone;
+  shape.radius_ = radius;
+  shape.half_length_ = half_length;
+  shape.bounding_radius_ = shape.extent_ = outwardNorm(radius, half_length, 0);
+  return shape;
+}
+
+Shape Shape::ellipsoid(const Eigen::Vector3d& semi_axes) {
+  static const char* const kNames[3] = {"semi-axis in x", "semi-axis in y", "semi-axis in z"};
+  requireSizes(semi_axes, "ellipsoid", kNames);
+  Shape shape;
+  shape.type_ = ShapeType::kEllipsoid;
+  shape.half_extents_ = semi_axes;
+  shape.bounding_radius_ = shape.extent_ = semi_axes.maxCoeff();
+  return shape;
+}
+
+Shape Shape::halfSpace() {
+  Shape shape;
+  shape.type_ = ShapeType::kHalfSpace;
+  shape.bounding_radius_ = shape.extent_ = std::numeric_limits<double>::infinity();
+  return shape;
+}
+
+Shape Shape::convexHull(std::span<const Eigen::Vector3d> vertices) {
+  return convexHull(ConvexHull::compute(vertices));
+}
+
+Shape Shape::convexHull(std::shared_ptr<const ConvexHull> hull) {
+  if (!hull || hull->vertices().empty()) {
+    throw InvalidShape("hull: it has no points; at least one is needed");
+  }
+  const Sphere sphere = sphereAround(hull->vertices(), hull->excess());
+  Shape shape;
+  shape.type_ = ShapeType::kConvexHull;
+  shape.bounding_center_ = sphere.center;
+  shape.bounding_radius_ = sphere.radius;
+  shape.extent_ = sphere.extent;
+  shape.hull_ = std::move(hull);
+  return shape;
+}
+
+Shape Shape::mesh(std::shared_ptr<const TriangleMesh> mesh) {
+  if (!mesh || mesh->vertices().empty()) {
+    throw InvalidShape("mesh: it has no triangles; at least one is needed");
+  }
+  const Sphere sphere = sphereAround(mesh->vertices(), 0);
+  Shape shape;
+  shape.type_ = ShapeType::kMesh;
+  shape.bounding_center_ = sphere.center;
+  shape.bounding_radius_ = sphere.radius;
+  shape.extent_ = sphere.extent;
+  shape.mesh_ = std::move(mesh);
+  return shape;
+}
+
+}  // namespace leeway::collision
