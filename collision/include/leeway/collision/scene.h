@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "leeway/collision/coarse_shape.h"
 #include "leeway/collision/distance.h"
 
 namespace leeway::collision {
@@ -17,7 +18,8 @@ struct Geometry {
   std::string name;  // for messages; may be empty
 };
 
-/// A rigid thing with one pose. A body that does not move has its pose here; a moving one has it in the Workspace.
+/// A rigid thing with one pose. A body that does not move has its pose here; a moving one has it in
+/// the Workspace.
 struct Body {
   std::string name;
   std::vector<Geometry> geometries;
@@ -32,6 +34,13 @@ struct ScenePair {
   double margin;                    // [m]
 };
 
+/// Cheap bounds of one geometry, in its body's frame; in the world's for a body that does not move.
+struct GeometryBounds {
+  Ball outer;  ///< holds the geometry, rounding included; infinite radius for a half-space
+  CoarseShape coarse;
+  std::vector<Ball> inner;  ///< balls of the geometry itself
+};
+
 class SceneBuilder;
 
 /// What must not touch what: constant while it is queried. Static-static pairs are never kept.
@@ -42,33 +51,51 @@ class Scene {
   /// Index of the body with that name, -1 when there is none. O(bodies).
   int find(const std::string& name) const;
 
+  /// Geometries of all bodies, numbered through.
+  int geometryCount() const { return static_cast<int>(bounds_.size()); }
+  int geometryIndex(int body, int geometry) const {
+    return first_geometry_[static_cast<std::size_t>(body)] + geometry;
+  }
+  const GeometryBounds& bounds(int geometry_index) const {
+    return bounds_[static_cast<std::size_t>(geometry_index)];
+  }
+  std::size_t bytes() const;  ///< of the bounds and pairs; shared meshes are not counted
+
  private:
   friend class SceneBuilder;
   std::vector<Body> bodies_;
   std::vector<ScenePair> pairs_;
+  std::vector<int> first_geometry_;  // one a body
+  std::vector<GeometryBounds> bounds_;
 };
 
 /// Collects bodies, allowed pairs and margins; build() makes the pairs.
 class SceneBuilder {
  public:
-  int add(Body body);                             ///< the new body's index
-  void allow(int body_a, int body_b);             ///< that pair may touch and is left out
-  void setDefaultMargin(double margin);           ///< [m]; default 0; may be negative (allowed depth)
+  int add(Body body);                    ///< the new body's index
+  void allow(int body_a, int body_b);    ///< that pair may touch and is left out
+  void setDefaultMargin(double margin);  ///< [m]; default 0; may be negative (allowed depth)
   void setMargin(int body_a, int body_b, double margin);
+  /// Throws std::invalid_argument for a margin that is not finite.
   Scene build() const;
 
  private:
   std::vector<Body> bodies_;
   std::vector<std::pair<int, int>> allowed_;
-  struct PairMargin { int a, b; double margin; };
+  struct PairMargin {
+    int a, b;
+    double margin;
+  };
   std::vector<PairMargin> margins_;
   double default_margin_ = 0;
 };
 
-/// Everything that one thread changes while it asks: poses of moving bodies, caches per pair, scratch, statistics.
+/// Everything that one thread changes while it asks: poses of moving bodies, caches per pair,
+/// scratch, statistics.
 class Workspace {
  public:
   explicit Workspace(const Scene& scene);
+  /// Places a moving body; a body that does not move stays where the scene has it.
   void setPose(int body, const Pose& X_WB);
   const Pose& pose(int body) const;
 
@@ -94,16 +121,22 @@ enum class Verdict : unsigned char { kFree, kNotFree, kUndecided };
 
 struct SceneResult {
   Verdict verdict = Verdict::kUndecided;  ///< against the margins; undecided is never free
-  Interval clearance;   ///< minimum over the pairs of the signed separation; (inf, inf) when there is no pair
-  int pair = -1;        ///< the pair that carries the upper end
+  Interval clearance;  ///< minimum over the pairs of the signed separation; (inf, inf) when there
+                       ///< is no pair
+  int pair = -1;       ///< the pair that carries the upper end
   DistanceResult closest;  ///< its result, in world coordinates
 };
 
-/// Decides every pair against its margin; stops at the first that is not free. Coarse bounds first. Clearance is
-/// what is known at the stop.
+/// Decides every pair against its margin; stops at the first that is not free. Coarse bounds first.
+/// Clearance is what is known at the stop.
 SceneResult decide(const Scene& scene, Workspace& workspace);
 
-/// The clearance to within `tolerance` [m], with the closest pair and its witness points. Verdict as decide().
+/// The clearance to within `tolerance` [m], with the closest pair and its witness points. Verdict
+/// as decide().
 SceneResult clearance(const Scene& scene, Workspace& workspace, double tolerance);
+
+/// One pair of the scene as the workspace has its bodies placed, in world coordinates.
+DistanceResult pairDistance(const Scene& scene, Workspace& workspace, int pair,
+                            const DistanceRequest& request);
 
 }  // namespace leeway::collision

@@ -32,4 +32,17 @@ inline constexpr double kAcrossAxisSquared = 1e-280;
 /// From this many vertices on the support of a hull climbs along its edges; below, scanning all is cheaper (measured).
 inline constexpr int kClimbFrom = 32;
 
+// Scene (coarse_shape.cc, scene.cc)
+
+/// Relative rounding of a point's distance to a placed box, cylinder or ball: some twenty operations of 1.2e-16
+/// each, with room for a rotation that departs from orthogonality by the same. Smaller risks a bound that does not hold.
+inline constexpr double kCoarseRounding = 2e-14;
+
+/// Inner balls are made smaller by this much (relative, and in metres at coordinates of 1 m), far above the rounding of a plane
+/// through three vertices that are not a sliver, far below anything that costs a proof.
+inline constexpr double kInnerBallSlack = 1e-9;
+
+/// Composition of two poses and the distance of two centres, relative to the coordinates at play.
+inline constexpr double kTransferRounding = 1e-14;
+
 }  // namespace leeway::collision

@@ -12,8 +12,9 @@
 
 namespace leeway::planner {
 
-/// A problem reduced to what its queries can need: moving bodies only for links that the planned variables move, the rest folded into the
-/// world; pairs that are allowed, rigidly attached or proven apart left out. Constant while it is queried.
+/// A problem reduced to what its queries can need: moving bodies only for links that the planned
+/// variables move, the rest folded into the world; pairs that are allowed, rigidly attached or
+/// proven apart left out. Constant while it is queried.
 class CompiledScene {
  public:
   explicit CompiledScene(const Problem& problem);
@@ -24,14 +25,29 @@ class CompiledScene {
   /// Link that carries scene body b, -1 for a static body.
   int bodyLink(int body) const { return body_link_[static_cast<std::size_t>(body)]; }
   /// How body a of scene pair p moves seen from body b (static: from the world).
-  const robots::RelativeMotion& pairMotion(int pair) const { return pair_motion_[static_cast<std::size_t>(pair)]; }
+  const robots::RelativeMotion& pairMotion(int pair) const {
+    return motions_[static_cast<std::size_t>(pairMotionIndex(pair))];
+  }
+  /// A pair's motion as an index into motions(): geometries' spheres are shared between pairs.
+  int pairMotionIndex(int pair) const { return pair_motion_[static_cast<std::size_t>(pair)]; }
+  std::span<const robots::RelativeMotion> motions() const { return motions_; }
   /// Configuration of the whole model for a point of the space.
   void expand(std::span<const double> point, std::span<double> q) const;
-  /// Rounding of kinematics, added to every bound [m].
+  /// A difference of points as a difference of configurations: 0 for variables that are not
+  /// planned.
+  void expandDifference(std::span<const double> difference, std::span<double> dq) const;
+  /// True when the edge is one smooth motion of every joint: false only where a circle wraps under
+  /// a mimic joint that is not periodic in it, so that the mimic would jump.
+  bool isSmooth(std::span<const double> a, std::span<const double> b,
+                std::span<const double> difference) const;
+  /// Rounding of kinematics, added to every bound [m]: how far any point of a moving body may be
+  /// from where the exact kinematics of the exact point of the edge have it.
   double rounding() const { return rounding_; }
 
   /// What was dropped and why: for `leeway info`.
-  struct Dropped { std::string a, b, reason; };
+  struct Dropped {
+    std::string a, b, reason;
+  };
   const std::vector<Dropped>& dropped() const { return dropped_; }
 
  private:
@@ -40,7 +56,10 @@ class CompiledScene {
   std::vector<double> base_configuration_;
   collision::Scene scene_;
   std::vector<int> body_link_;
-  std::vector<robots::RelativeMotion> pair_motion_;
+  std::vector<int> pair_motion_;
+  std::vector<robots::RelativeMotion> motions_;
+  std::vector<int>
+      jumping_circles_;  // places in a point of circles that a mimic joint is not periodic in
   std::vector<Dropped> dropped_;
   double rounding_ = 0;
 };

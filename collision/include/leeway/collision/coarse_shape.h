@@ -1,0 +1,56 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "leeway/collision/pose.h"
+#include "leeway/collision/shape.h"
+
+namespace leeway::collision {
+
+/// A solid ball in some frame.
+struct Ball {
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();  // [m]
+  double radius = 0;                                 // [m]
+};
+
+/// A stand-in for a placed shape that bounds the distance of a point in a few nanoseconds: the
+/// shape itself for spheres, capsules, boxes, cylinders and half-spaces, else a box around it. What
+/// decides most pairs before GJK is asked.
+class CoarseShape {
+ public:
+  CoarseShape() = default;
+  /// The stand-in of `shape`, placed in frame F by X_FG. O(vertices).
+  CoarseShape(const Shape& shape, const Pose& X_FG);
+
+  /// A lower bound, rounding included, on the signed distance [m] of the point to the shape
+  /// (negative inside).
+  double lower(const Eigen::Vector3d& p_F) const;
+  /// An upper bound on the same; infinite when the stand-in is larger than the shape.
+  double upper(const Eigen::Vector3d& p_F) const;
+
+  /// The frame-aligned box of the stand-in [m]; infinite for a half-space.
+  const Eigen::Vector3d& boxLower() const { return box_lower_F_; }
+  const Eigen::Vector3d& boxUpper() const { return box_upper_F_; }
+
+ private:
+  enum class Kind : unsigned char { kBall, kSegment, kBox, kCylinder, kHalfSpace };
+  double signedDistance(const Eigen::Vector3d& p_F) const;
+  void findBox();
+
+  Kind kind_ = Kind::kBall;
+  bool exact_ = false;
+  Eigen::Matrix3d rotation_GF_ = Eigen::Matrix3d::Identity();
+  Eigen::Vector3d center_F_ = Eigen::Vector3d::Zero();
+  Eigen::Vector3d half_ =
+      Eigen::Vector3d::Zero();  // box; cylinder and segment: (radius, -, half length)
+  double slack_ = 0;            // rounding at the shape [m]
+  Eigen::Vector3d box_lower_F_ = Eigen::Vector3d::Zero(), box_upper_F_ = Eigen::Vector3d::Zero();
+};
+
+/// Balls inside the shape (points of it where nothing larger is known), in frame F, at most about a
+/// dozen: what proves most collisions. For solids the largest at its middle comes first; for meshes
+/// vertices far from each other. May be empty. O(vertices).
+std::vector<Ball> innerBalls(const Shape& shape, const Pose& X_FG);
+
+}  // namespace leeway::collision
