@@ -16,7 +16,14 @@ namespace leeway::robots {
 using collision::Geometry;
 using collision::Pose;
 
-enum class JointType : unsigned char { kFixed, kRevolute, kContinuous, kPrismatic, kPlanar, kFloating };
+enum class JointType : unsigned char {
+  kFixed,
+  kRevolute,
+  kContinuous,
+  kPrismatic,
+  kPlanar,
+  kFloating
+};
 
 /// One joint: X_PC(q) = X_PJ * motion(q), P the parent link, C the child link.
 struct Joint {
@@ -26,19 +33,26 @@ struct Joint {
   int child_link = -1;
   Pose X_PJ;
   Eigen::Vector3d axis = Eigen::Vector3d::UnitX();  ///< unit; planar: the normal of the plane
-  /// First variable and their number: 0 fixed or mimic, 1 revolute, continuous, prismatic; planar 3 (x, y, theta);
-  /// floating 7 (x y z qx qy qz qw).
+  /// First variable and their number: 0 fixed or mimic, 1 revolute, continuous, prismatic; planar 3
+  /// (x, y, theta); floating 7 (x y z qx qy qz qw).
   int first_variable = -1;
   int variable_count = 0;
-  /// A mimic joint's position is multiplier * (master's position) + offset; mimic is the master's joint index.
+  /// A mimic joint's position is multiplier * (master's position) + offset; mimic is the master's
+  /// joint index.
   int mimic = -1;
   double multiplier = 1;
   double offset = 0;
 };
 
-/// One number of a configuration. Continuous joints and quaternions are unbounded (lower > -inf is false).
+/// The directions in which a planar joint's x and y move: the z axis turned onto `normal` (unit)
+/// the shortest way takes the x and y axes to u and v. For a normal of z they are x and y. O(1).
+void planeAxes(const Eigen::Vector3d& normal, Eigen::Vector3d& u, Eigen::Vector3d& v);
+
+/// One number of a configuration. Continuous joints and quaternions are unbounded (lower > -inf is
+/// false).
 struct Variable {
-  std::string name;  ///< the joint's name; planar and floating: joint name + "/x", "/y", "/theta", "/qx", ...
+  std::string name;  ///< the joint's name; planar and floating: joint name + "/x", "/y", "/theta",
+                     ///< "/qx", ...
   int joint = -1;
   double lower, upper;  ///< [rad or m]; -+infinity where unlimited
   double velocity;      ///< [rad/s or m/s]; infinity where not given
@@ -46,7 +60,8 @@ struct Variable {
 
 struct Link {
   std::string name;
-  int joint = -1;  ///< the joint that moves it; every link has one (the root's is fixed, planar or floating to the world)
+  int joint = -1;  ///< the joint that moves it; every link has one (the root's is fixed, planar or
+                   ///< floating to the world)
   std::vector<Geometry> geometries;
 };
 
@@ -67,44 +82,66 @@ struct DisabledPair {
   std::string reason;
 };
 
-/// A robot: constant after loading. Links stand in tree order, parents before children; link 0 is the root.
-/// Configurations are spans of variables().size() doubles in the order of variables().
+/// What forward kinematics reads of joint i, compiled by Model::finish(): X_PC = [fixed + sin *
+/// sine + cos * cosine, translation + ...].
+struct KinematicStep {
+  JointType type = JointType::kFixed;
+  int parent_link = -1;
+  int variable = -1;  ///< of the joint or of the mimic's master
+  double multiplier = 1, offset = 0;
+  bool turned = false;  ///< false: X_PJ only translates
+  Eigen::Matrix3d fixed, sine, cosine;
+  Eigen::Vector3d translation, u, v;  ///< u: prismatic axis; planar: directions of x and y, in P
+};
+
+/// A robot: constant after loading. Links stand in tree order, parents before children; link 0 is
+/// the root. Configurations are spans of variables().size() doubles in the order of variables().
 class Model {
  public:
   std::string name;
   std::vector<Link> links;
   std::vector<Joint> joints;  ///< joint i moves link i: joints[i].child_link == i
   std::vector<Variable> variables;
-  std::vector<Group> groups;             ///< from the SRDF; always holds "all" with every variable last unless named so
+  std::vector<Group>
+      groups;  ///< from the SRDF; always holds "all" with every variable last unless named so
   std::vector<GroupState> group_states;
   std::vector<DisabledPair> disabled_pairs;
   bool has_srdf = false;
-  std::vector<std::string> warnings;     ///< what the loaders want a user to know, each with file and line
+  std::string urdf_file, srdf_file;  ///< as given to loadModel; empty for a free body
+  std::vector<KinematicStep> steps;  ///< one a joint, by finish()
+  std::vector<std::string>
+      warnings;  ///< what the loaders want a user to know, each with file and line
 
-  int findLink(std::string_view name) const;      ///< -1 when unknown
+  int findLink(std::string_view name) const;  ///< -1 when unknown
   int findJoint(std::string_view name) const;
   int findVariable(std::string_view name) const;
   int findGroup(std::string_view name) const;
+  /// Compiles `steps` and adds the group "all". Every loader calls it; who fills a Model by hand
+  /// must, and again after a change to joints.
+  void finish();
   /// All zeros, or the nearest value inside the limits; floating: identity.
   std::vector<double> defaultConfiguration() const;
 };
 
 /// Where package://NAME/... and relative mesh paths are looked for.
 struct LoadOptions {
-  std::vector<std::pair<std::string, std::string>> packages;  ///< NAME, DIR; searched before ROS_PACKAGE_PATH and the URDF's own folders
+  std::vector<std::pair<std::string, std::string>>
+      packages;  ///< NAME, DIR; searched before ROS_PACKAGE_PATH and the URDF's own folders
 };
 
 /// Reads a URDF and (unless empty) an SRDF. Throws InputError. Files: CONVENTIONS in README.
 std::shared_ptr<const Model> loadModel(const std::string& urdf_path, const std::string& srdf_path,
                                        const LoadOptions& options = {});
 
-/// A model of one link with the given geometries on a planar or floating joint named `name`: a free body.
-/// Its variables are bounded by the box (planar: x, y of it); group "all" holds them.
-std::shared_ptr<const Model> freeBody(const std::string& name, std::vector<Geometry> geometries, JointType type,
-                                      const Eigen::Vector3d& lower, const Eigen::Vector3d& upper);
+/// A model of one link with the given geometries on a planar or floating joint named `name`: a free
+/// body. Its variables are bounded by the box (planar: x, y of it); group "all" holds them.
+std::shared_ptr<const Model> freeBody(const std::string& name, std::vector<Geometry> geometries,
+                                      JointType type, const Eigen::Vector3d& lower,
+                                      const Eigen::Vector3d& upper);
 
-/// Reads a mesh file (Assimp): unit and node transforms applied, up axis ignored, `scale` applied last. Throws InputError
-/// naming `referrer`:`line` as the place that asked for it.
-collision::Shape loadMesh(const std::string& path, const Eigen::Vector3d& scale, const std::string& referrer, int line);
+/// Reads a mesh file (Assimp): unit and node transforms applied, up axis ignored, `scale` applied
+/// last. Throws InputError naming `referrer`:`line` as the place that asked for it.
+collision::Shape loadMesh(const std::string& path, const Eigen::Vector3d& scale,
+                          const std::string& referrer, int line);
 
 }  // namespace leeway::robots

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <limits>
+
+#include "leeway/robots/model.h"
+
+namespace leeway::robots {
+
+inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// Appends the variables of model.joints[joint], which must not be there yet; none for a fixed or
+/// mimic joint. `lower` and `upper` bound x for a joint of one variable (ignored for a continuous
+/// one), x and y of a planar, x, y and z of a floating one.
+void appendVariables(Model& model, int joint, const Eigen::Vector3d& lower,
+                     const Eigen::Vector3d& upper, double velocity = kInfinity);
+
+}  // namespace leeway::robots

@@ -1,0 +1,193 @@
+// From the two description files to a Model.
+
+#include <algorithm>
+#include <map>
+#include <optional>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "leeway/collision/shape.h"
+#include "leeway/robots/input_error.h"
+#include "robots/mesh_path.h"
+#include "robots/model_builder.h"
+#include "robots/srdf.h"
+#include "robots/urdf_document.h"
+
+namespace leeway::robots {
+
+namespace {
+
+using collision::Shape;
+
+std::size_t index(int i) { return static_cast<std::size_t>(i); }
+
+/// Loads each mesh file once for each scale.
+class Meshes {
+ public:
+  Meshes(const std::string& urdf_path, const LoadOptions& options)
+      : urdf_path_(urdf_path), options_(options) {}
+
+  Shape load(const UrdfCollision& collision) {
+    const std::string file = resolveMesh(collision.mesh_file, urdf_path_, collision.line, options_);
+    const Eigen::Vector3d& scale = collision.mesh_scale;
+    const auto key = std::make_tuple(file, scale.x(), scale.y(), scale.z());
+    const auto found = loaded_.find(key);
+    if (found != loaded_.end()) return found->second;
+    return loaded_.emplace(key, loadMesh(file, scale, urdf_path_, collision.line)).first->second;
+  }
+
+ private:
+  std::string urdf_path_;
+  const LoadOptions& options_;
+  std::map<std::tuple<std::string, double, double, double>, Shape> loaded_;
+};
+
+Shape makeShape(const UrdfCollision& collision, Meshes& meshes) {
+  switch (collision.kind) {
+    case UrdfCollision::Kind::kBox:
+      return Shape::box(collision.size / 2);
+    case UrdfCollision::Kind::kSphere:
+      return Shape::sphere(collision.radius);
+    case UrdfCollision::Kind::kCylinder:
+      return Shape::cylinder(collision.radius, collision.length / 2);
+    case UrdfCollision::Kind::kMesh:
+      break;
+  }
+  return meshes.load(collision);
+}
+
+/// Link indices of the document, parents before children, depth first, children in the order of
+/// their joints; [i] = (link, its joint or -1).
+std::vector<std::pair<int, int>> treeOrder(const UrdfDocument& document) {
+  std::vector<std::vector<int>> child_joints(document.links.size());
+  std::vector<bool> has_parent(document.links.size(), false);
+  for (std::size_t j = 0; j < document.joints.size(); ++j) {
+    child_joints[index(document.joints[j].parent)].push_back(static_cast<int>(j));
+    has_parent[index(document.joints[j].child)] = true;
+  }
+  const auto root = std::find(has_parent.begin(), has_parent.end(), false) - has_parent.begin();
+  std::vector<std::pair<int, int>> order, stack{{static_cast<int>(root), -1}};
+  while (!stack.empty()) {
+    const auto [link, joint] = stack.back();
+    stack.pop_back();
+    order.emplace_back(link, joint);
+    const std::vector<int>& children = child_joints[index(link)];
+    for (auto j = children.rbegin(); j != children.rend(); ++j)
+      stack.emplace_back(document.joints[index(*j)].child, *j);
+  }
+  return order;
+}
+
+Joint rootJoint(const UrdfDocument& document, const std::string& root_link,
+                const std::optional<VirtualJoint>& asked, const std::string& srdf_path) {
+  Joint joint;
+  joint.child_link = 0;
+  joint.axis = Eigen::Vector3d::UnitZ();
+  const auto taken = [&](const std::string& name) {
+    return std::any_of(document.joints.begin(), document.joints.end(),
+                       [&](const UrdfJoint& j) { return j.name == name; });
+  };
+  if (!asked) {
+    joint.name = "root_joint";
+    while (taken(joint.name)) joint.name += '_';
+    return joint;
+  }
+  if (asked->child_link != root_link)
+    throw InputError(srdf_path, asked->line,
+                     "the virtual joint's child_link is \"" + asked->child_link +
+                         "\"; the root link \"" + root_link + "\" would be accepted");
+  if (taken(asked->name))
+    throw InputError(srdf_path, asked->line,
+                     "the virtual joint's name \"" + asked->name +
+                         "\" is that of a joint of the URDF; another name would be accepted");
+  joint.name = asked->name;
+  joint.type = asked->type;
+  return joint;
+}
+
+void appendLink(const UrdfLink& source, int joint, Meshes& meshes, Model& model) {
+  Link link;
+  link.name = source.name;
+  link.joint = joint;
+  for (const UrdfCollision& collision : source.collisions)
+    link.geometries.push_back({makeShape(collision, meshes), collision.X_LG, collision.name});
+  model.links.push_back(std::move(link));
+}
+
+void appendJoint(const UrdfJoint& source, const std::vector<int>& link_position, Model& model) {
+  Joint joint;
+  joint.name = source.name;
+  joint.type = source.type;
+  joint.parent_link = link_position[index(source.parent)];
+  joint.child_link = static_cast<int>(model.joints.size());
+  joint.X_PJ = source.X_PJ;
+  joint.axis = source.axis / source.axis.norm();
+  model.joints.push_back(std::move(joint));
+}
+
+/// Follows a chain of mimics to the joint that has a variable; positions compose: m1 (m2 q + o2) +
+/// o1.
+void resolveMimic(const UrdfDocument& document, const UrdfJoint& source, Model& model) {
+  const auto find = [&](const std::string& name) {
+    return &*std::find_if(document.joints.begin(), document.joints.end(),
+                          [&](const UrdfJoint& j) { return j.name == name; });
+  };
+  Joint& joint = model.joints[index(model.findJoint(source.name))];
+  const UrdfJoint* master = find(source.mimic);
+  joint.multiplier = source.multiplier;
+  joint.offset = source.offset;
+  while (master->has_mimic) {
+    joint.offset += joint.multiplier * master->offset;
+    joint.multiplier *= master->multiplier;
+    master = find(master->mimic);
+  }
+  joint.mimic = model.findJoint(master->name);
+}
+
+}  // namespace
+
+std::shared_ptr<const Model> loadModel(const std::string& urdf_path, const std::string& srdf_path,
+                                       const LoadOptions& options) {
+  const UrdfDocument document = readUrdf(urdf_path);
+  compareWithUrdfdom(document);
+  std::optional<VirtualJoint> virtual_joint;
+  if (!srdf_path.empty()) virtual_joint = readVirtualJoint(srdf_path);
+
+  auto model = std::make_shared<Model>();
+  model->name = document.name;
+  model->urdf_file = urdf_path;
+  model->srdf_file = srdf_path;
+  model->warnings = document.warnings;
+  const std::vector<std::pair<int, int>> order = treeOrder(document);
+  std::vector<int> link_position(document.links.size());
+  for (std::size_t i = 0; i < order.size(); ++i)
+    link_position[index(order[i].first)] = static_cast<int>(i);
+  Meshes meshes(urdf_path, options);
+  for (const auto& [link, joint] : order) {
+    appendLink(document.links[index(link)], static_cast<int>(model->joints.size()), meshes, *model);
+    if (joint < 0)
+      model->joints.push_back(
+          rootJoint(document, document.links[index(link)].name, virtual_joint, srdf_path));
+    else
+      appendJoint(document.joints[index(joint)], link_position, *model);
+  }
+  for (const UrdfJoint& joint : document.joints)
+    if (joint.has_mimic) resolveMimic(document, joint, *model);
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    const int source = order[i].second;
+    const bool bounded = model->joints[i].type == JointType::kRevolute ||
+                         model->joints[i].type == JointType::kPrismatic;
+    const UrdfJoint* joint = source < 0 ? nullptr : &document.joints[index(source)];
+    const double lower = bounded ? joint->lower : -kInfinity,
+                 upper = bounded ? joint->upper : kInfinity;
+    appendVariables(*model, static_cast<int>(i), Eigen::Vector3d::Constant(lower),
+                    Eigen::Vector3d::Constant(upper),
+                    joint != nullptr && joint->has_limit ? joint->velocity : kInfinity);
+  }
+  if (!srdf_path.empty()) readSrdf(srdf_path, *model);
+  model->finish();
+  return model;
+}
+
+}  // namespace leeway::robots

@@ -1,0 +1,67 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "leeway/collision/pose.h"
+#include "leeway/robots/model.h"
+
+namespace leeway::robots {
+
+/// A <collision> of a URDF link, as written.
+struct UrdfCollision {
+  enum class Kind : unsigned char { kBox, kSphere, kCylinder, kMesh };
+  int line = 0;      ///< of the geometry's element
+  std::string name;  ///< may be empty
+  Pose X_LG;
+  Kind kind = Kind::kBox;
+  Eigen::Vector3d size = Eigen::Vector3d::Zero();  ///< box: whole edges [m]
+  double radius = 0, length = 0;                   ///< sphere, cylinder [m]
+  std::string mesh_file;
+  Eigen::Vector3d mesh_scale = Eigen::Vector3d::Ones();
+};
+
+struct UrdfLink {
+  std::string name;
+  int line = 0;
+  std::vector<UrdfCollision> collisions;
+};
+
+struct UrdfJoint {
+  std::string name;
+  int line = 0;
+  JointType type = JointType::kFixed;
+  int parent = -1, child = -1;  ///< indices of links
+  Eigen::Vector3d xyz = Eigen::Vector3d::Zero();
+  Pose X_PJ;
+  Eigen::Vector3d axis = Eigen::Vector3d::UnitX();  ///< as written, not normalised
+  bool has_limit = false;
+  double lower = 0, upper = 0, velocity = 0;
+  bool has_mimic = false;
+  std::string mimic;
+  int mimic_line = 0;
+  double multiplier = 1, offset = 0;
+};
+
+/// What a URDF says, checked: names unique, one root, no cycle, every number finite and sensible.
+struct UrdfDocument {
+  std::string path, name;
+  std::vector<UrdfLink> links;    ///< in file order
+  std::vector<UrdfJoint> joints;  ///< in file order
+  std::vector<std::string> warnings;
+  std::string
+      essence;  ///< the same document as XML, without what does not bear on motion and collision
+};
+
+/// Reads and validates with TinyXML2, which keeps line numbers. Throws InputError.
+UrdfDocument readUrdf(const std::string& path);
+
+/// Reads the document's essence with urdfdom, the reader that robot software shares, and throws
+/// InputError where it sees another robot.
+void compareWithUrdfdom(const UrdfDocument& document);
+
+/// The rotation of fixed-axis angles roll, pitch, yaw [rad]: Rz(yaw) Ry(pitch) Rx(roll).
+Eigen::Matrix3d rollPitchYaw(const Eigen::Vector3d& rpy);
+
+}  // namespace leeway::robots

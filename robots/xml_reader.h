@@ -1,0 +1,65 @@
+#pragma once
+
+#include <tinyxml2.h>
+
+#include <Eigen/Core>
+#include <initializer_list>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "leeway/robots/input_error.h"
+
+namespace leeway::robots {
+
+/// An XML file held in memory, with the readers that robot descriptions need. Every reader throws
+/// InputError with file and line.
+class XmlFile {
+ public:
+  /// Reads and parses; `kind` ("URDF", "SRDF") and the root element's name are for messages.
+  /// Refuses xacro with the command that expands it.
+  XmlFile(const std::string& path, const std::string& kind);
+
+  const std::string& path() const { return path_; }
+  const tinyxml2::XMLElement& root() const { return *document_.RootElement(); }
+  tinyxml2::XMLDocument& document() { return document_; }
+
+  [[noreturn]] void fail(const tinyxml2::XMLElement& at, const std::string& message) const;
+  /// "FILE:LINE: message", for warnings.
+  std::string locate(const tinyxml2::XMLElement& at, const std::string& message) const;
+
+  /// The attribute's text; an error when it is missing or empty.
+  std::string attribute(const tinyxml2::XMLElement& element, const char* name) const;
+  /// The attribute as one finite number; an error when it is there and is not one.
+  std::optional<double> number(const tinyxml2::XMLElement& element, const char* name) const;
+  double requiredNumber(const tinyxml2::XMLElement& element, const char* name) const;
+  /// The attribute as exactly three finite numbers.
+  std::optional<Eigen::Vector3d> vector(const tinyxml2::XMLElement& element,
+                                        const char* name) const;
+  /// Numbers separated by white space, all finite.
+  std::vector<double> numbers(const tinyxml2::XMLElement& element, const char* name) const;
+
+  /// The only child of that name, null when there is none; a second one is an error.
+  const tinyxml2::XMLElement* onlyChild(const tinyxml2::XMLElement& parent, const char* name) const;
+  const tinyxml2::XMLElement& requiredChild(const tinyxml2::XMLElement& parent,
+                                            const char* name) const;
+  /// An attribute or child element that is not among the given names is an error that lists them.
+  void allowAttributes(const tinyxml2::XMLElement& element,
+                       std::initializer_list<const char*> names) const;
+
+ private:
+  std::string path_;
+  tinyxml2::XMLDocument document_;
+};
+
+/// `Did you mean "..."?` for the candidate nearest to `wanted` in edit distance, or the empty
+/// string when none is near.
+std::string suggestion(std::string_view wanted, std::span<const std::string> candidates);
+
+/// A finite number in decimal notation, whole text; nothing otherwise. Does not depend on the
+/// locale.
+std::optional<double> parseNumber(std::string_view text);
+
+}  // namespace leeway::robots
