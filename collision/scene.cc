@@ -129,10 +129,13 @@ Eigen::Vector3d transferred(const Scene& scene, const Workspace& workspace,
   return X_WB.rotation.transpose() * (p_W - X_WB.translation);
 }
 
-/// Rounding of two transfers [m].
-double transferSlack(const Workspace& workspace, int a, int b, const Eigen::Vector3d& p) {
-  return kTransferRounding * (workspace.pose(a).translation.lpNorm<1>() +
-                              workspace.pose(b).translation.lpNorm<1>() + p.lpNorm<1>());
+/// Rounding of two transfers, and what the poses themselves are worth [m].
+double transferSlack(const Scene& scene, const Workspace& workspace, int a, int b,
+                     const Eigen::Vector3d& p) {
+  const double error =
+      scene.bodies()[at(b)].moving ? 2 * workspace.pose_error : workspace.pose_error;
+  return error + kTransferRounding * (workspace.pose(a).translation.lpNorm<1>() +
+                                      workspace.pose(b).translation.lpNorm<1>() + p.lpNorm<1>());
 }
 
 /// Lower bound on the separation from outer balls and stand-ins, taken both ways.
@@ -148,8 +151,9 @@ double coarseLower(const Scene& scene, const Workspace& workspace, const ScenePa
     lower = std::max(lower, a.coarse.lower(center_A) - b.outer.radius);
   }
   // A pose that is no number must not pass for far away.
-  return std::isnan(lower) ? -kInfinity
-                           : lower - transferSlack(workspace, pair.body_a, pair.body_b, center_B);
+  return std::isnan(lower)
+             ? -kInfinity
+             : lower - transferSlack(scene, workspace, pair.body_a, pair.body_b, center_B);
 }
 
 /// Upper bound on the separation from points and balls of A in B's stand-in, as far as they prove
@@ -161,7 +165,7 @@ double coarseUpper(const Scene& scene, const Workspace& workspace, const ScenePa
   for (const Ball& ball : a.inner) {
     const Eigen::Vector3d center_B =
         transferred(scene, workspace, ball.center, pair.body_a, pair.body_b);
-    const double slack = transferSlack(workspace, pair.body_a, pair.body_b, center_B);
+    const double slack = transferSlack(scene, workspace, pair.body_a, pair.body_b, center_B);
     upper = std::min(upper, b.coarse.upper(center_B) - ball.radius + slack);
     if (upper <= pair.margin) break;
   }
@@ -217,7 +221,7 @@ DistanceResult pairDistance(const Scene& scene, Workspace& workspace, int p,
   ++workspace.statistics.exact;
   workspace.statistics.iterations += static_cast<std::uint64_t>(result.iterations);
   const double slack =
-      transferSlack(workspace, pair.body_a, pair.body_b, Eigen::Vector3d::Zero()) +
+      transferSlack(scene, workspace, pair.body_a, pair.body_b, Eigen::Vector3d::Zero()) +
       kTransferRounding * (a.X_BG.translation.lpNorm<1>() + b.X_BG.translation.lpNorm<1>());
   result.distance.lower -= slack;
   result.distance.upper += slack;

@@ -99,6 +99,10 @@ class Workspace {
   void setPose(int body, const Pose& X_WB);
   const Pose& pose(int body) const;
 
+  /// How far any point of a moving body may be from where its pose has it [m]: widens every
+  /// interval.
+  double pose_error = 0;
+
   struct Statistics {
     std::uint64_t queries = 0, pairs = 0, coarse_decided = 0, exact = 0, iterations = 0;
   };

@@ -44,6 +44,10 @@ class CompiledScene {
   /// from where the exact kinematics of the exact point of the edge have it.
   double rounding() const { return rounding_; }
 
+  /// The rounding bound holds for bodies within this distance of the world's origin [m]: beyond all
+  /// limits, or what an unlimited joint is trusted with.
+  double reach() const { return reach_; }
+
   /// What was dropped and why: for `leeway info`.
   struct Dropped {
     std::string a, b, reason;
@@ -51,6 +55,8 @@ class CompiledScene {
   const std::vector<Dropped>& dropped() const { return dropped_; }
 
  private:
+  void deriveMotions(std::span<const robots::VariableRange> ranges);
+
   std::shared_ptr<const robots::Model> model_;
   std::shared_ptr<const ConfigurationSpace> space_;
   std::vector<double> base_configuration_;
@@ -62,6 +68,7 @@ class CompiledScene {
       jumping_circles_;  // places in a point of circles that a mimic joint is not periodic in
   std::vector<Dropped> dropped_;
   double rounding_ = 0;
+  double reach_ = 0;
 };
 
 }  // namespace leeway::planner
