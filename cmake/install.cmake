@@ -21,7 +21,7 @@ foreach(layer ${layers})
   configure_file(cmake/leeway.pc.in leeway-${layer}.pc @ONLY)
   install(FILES ${PROJECT_BINARY_DIR}/leeway-${layer}.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
 endforeach()
-if(TARGET leeway)
+if(TARGET leeway AND EXISTS ${PROJECT_SOURCE_DIR}/planner/plan.cc)
   install(TARGETS leeway)
 endif()
 

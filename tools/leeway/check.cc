@@ -1,0 +1,340 @@
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "leeway/planner/edge_certifier.h"
+#include "leeway/robots/input_error.h"
+#include "tools/leeway/exit_status.h"
+#include "tools/leeway/json_result.h"
+#include "tools/leeway/problem_source.h"
+#include "tools/leeway/scene_names.h"
+#include "tools/leeway/terminal.h"
+#include "tools/leeway/verb.h"
+
+namespace leeway::tools {
+namespace {
+
+struct Arguments {
+  ProblemSource source;
+  PlanOverrides limits;
+  std::vector<std::string> states;
+  double tolerance = 1e-6;
+  bool json = false;
+};
+
+struct NamedState {
+  std::string name;
+  std::vector<double> point;
+};
+
+struct CheckedState {
+  NamedState state;
+  std::string limit;  ///< the first limit that it breaks, in words; empty: none
+  planner::StateCheck check;
+  PairNames names;
+  double margin = 0;
+
+  bool valid() const { return limit.empty() && check.verdict == planner::Verdict::kFree; }
+};
+
+[[noreturn]] void badState(const std::string& text, const std::string& message) {
+  throw robots::InputError("command line", 0, fmt::format("--state '{}': {}", text, message));
+}
+
+std::vector<double> startPoint(const planner::Problem& problem) {
+  std::vector<double> point;
+  for (const int variable : problem.variables) {
+    point.push_back(problem.configuration[static_cast<std::size_t>(variable)]);
+  }
+  return point;
+}
+
+/// The middle of the goal's ranges; where a range has no middle, its finite end, else the start's
+/// value.
+std::vector<double> goalPoint(const planner::Problem& problem, const planner::Goal& goal) {
+  std::vector<double> point = startPoint(problem);
+  for (std::size_t i = 0; i < goal.ranges.size(); ++i) {
+    const auto [lower, upper] = goal.ranges[i];
+    if (std::isfinite(lower) && std::isfinite(upper)) {
+      point[i] = lower == upper ? lower : 0.5 * lower + 0.5 * upper;
+    } else if (std::isfinite(lower) || std::isfinite(upper)) {
+      point[i] = std::isfinite(lower) ? lower : upper;
+    }
+  }
+  return point;
+}
+
+double parseNumber(const std::string& state, const std::string& text) {
+  char* end = nullptr;
+  const double value = std::strtod(text.c_str(), &end);
+  if (text.empty() || *end != '\0' || !std::isfinite(value)) {
+    badState(state, fmt::format("'{}' is not a finite number", text));
+  }
+  return value;
+}
+
+std::vector<std::string> split(const std::string& text) {
+  std::vector<std::string> parts(1);
+  for (const char c : text) {
+    if (c == ',') {
+      parts.emplace_back();
+    } else {
+      parts.back() += c;
+    }
+  }
+  return parts;
+}
+
+std::string plannedNames(const planner::Problem& problem) {
+  std::string names;
+  for (const int variable : problem.variables) {
+    names += (names.empty() ? "" : ", ") +
+             problem.model->variables[static_cast<std::size_t>(variable)].name;
+  }
+  return names;
+}
+
+/// "1,2,3" (every planned variable, in group order) or "elbow=1,wrist=2" (the others as at the
+/// start).
+std::vector<double> parseValues(const planner::Problem& problem, const std::string& text) {
+  const std::vector<std::string> parts = split(text);
+  std::vector<double> point = startPoint(problem);
+  if (text.find('=') == std::string::npos) {
+    if (parts.size() != point.size()) {
+      badState(text, fmt::format("is neither start, goal or a group state, nor {} numbers ({})",
+                                 point.size(), plannedNames(problem)));
+    }
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+      point[i] = parseNumber(text, parts[i]);
+    }
+    return point;
+  }
+  for (const std::string& part : parts) {
+    const std::size_t equals = part.find('=');
+    const std::string name = part.substr(0, equals);
+    std::size_t i = 0;
+    while (i < point.size() &&
+           problem.model->variables[static_cast<std::size_t>(problem.variables[i])].name != name) {
+      ++i;
+    }
+    if (equals == std::string::npos || i == point.size()) {
+      badState(text,
+               fmt::format("'{}' is not NAME=VALUE with one of {}", part, plannedNames(problem)));
+    }
+    point[i] = parseNumber(text, part.substr(equals + 1));
+  }
+  return point;
+}
+
+const robots::GroupState* findGroupState(const planner::Problem& problem, const std::string& name) {
+  for (const auto& state : problem.model->group_states) {
+    if (state.name == name) {
+      return &state;
+    }
+  }
+  return nullptr;
+}
+
+std::vector<double> groupStatePoint(const planner::Problem& problem,
+                                    const robots::GroupState& state) {
+  std::vector<double> point = startPoint(problem);
+  for (const auto& [variable, value] : state.values) {
+    for (std::size_t i = 0; i < point.size(); ++i) {
+      if (problem.variables[i] == variable) {
+        point[i] = value;
+      }
+    }
+  }
+  return point;
+}
+
+void appendGoals(const planner::Problem& problem, std::vector<NamedState>& states) {
+  for (const auto& goal : problem.goals) {
+    states.push_back({goal.name, goalPoint(problem, goal)});
+  }
+}
+
+std::vector<NamedState> collectStates(const planner::Problem& problem,
+                                      const std::vector<std::string>& wanted) {
+  std::vector<NamedState> states;
+  for (const std::string& text : wanted) {
+    if (text == "start") {
+      states.push_back({"start", startPoint(problem)});
+    } else if (text == "goal") {
+      appendGoals(problem, states);
+    } else if (const auto* state = findGroupState(problem, text)) {
+      states.push_back({text, groupStatePoint(problem, *state)});
+    } else {
+      states.push_back({text, parseValues(problem, text)});
+    }
+  }
+  if (wanted.empty()) {
+    states.push_back({"start", startPoint(problem)});
+    appendGoals(problem, states);
+  }
+  return states;
+}
+
+std::string brokenLimit(const planner::ConfigurationSpace& space,
+                        const std::vector<double>& point) {
+  for (int i = 0; i < space.size(); ++i) {
+    const double value = point[static_cast<std::size_t>(i)];
+    if (value < space.lower(i) || value > space.upper(i)) {
+      const auto variable =
+          static_cast<std::size_t>(space.variables()[static_cast<std::size_t>(i)]);
+      return fmt::format("{} = {} is outside {} to {}", space.model().variables[variable].name,
+                         value, space.lower(i), space.upper(i));
+    }
+  }
+  return {};
+}
+
+CheckedState checkState(planner::EdgeCertifier& certifier, const NamedState& state,
+                        double tolerance) {
+  CheckedState checked;
+  checked.state = state;
+  checked.limit = brokenLimit(certifier.scene().space(), state.point);
+  checked.check = certifier.clearance(state.point, tolerance);
+  checked.names = pairNames(certifier.scene(), checked.check.pair);
+  if (checked.check.pair >= 0) {
+    checked.margin =
+        certifier.scene().scene().pairs()[static_cast<std::size_t>(checked.check.pair)].margin;
+  }
+  return checked;
+}
+
+const char* verdictName(planner::Verdict verdict) {
+  switch (verdict) {
+    case planner::Verdict::kFree:
+      return "free";
+    case planner::Verdict::kNotFree:
+      return "not_free";
+    case planner::Verdict::kUndecided:
+      break;
+  }
+  return "undecided";
+}
+
+Json stateJson(const CheckedState& checked) {
+  const auto& check = checked.check;
+  Json closest;
+  if (check.pair >= 0) {
+    closest = {{"a", checked.names.a},
+               {"b", checked.names.b},
+               {"margin", checked.margin},
+               {"point_a", jsonVector(check.closest.point_a)},
+               {"point_b", jsonVector(check.closest.point_b)},
+               {"normal", jsonVector(check.closest.normal)}};
+  }
+  Json penetration;
+  if (check.pair >= 0 && check.clearance.upper <= 0) {
+    penetration = {{"depth_lower", jsonNumber(-check.clearance.upper)},
+                   {"depth_upper", jsonNumber(-check.clearance.lower)}};
+  }
+  return {{"name", checked.state.name},
+          {"positions", checked.state.point},
+          {"valid", checked.valid()},
+          {"verdict", verdictName(check.verdict)},
+          {"limit", checked.limit.empty() ? Json() : Json(checked.limit)},
+          {"clearance_lower", jsonNumber(check.clearance.lower)},
+          {"clearance_upper", jsonNumber(check.clearance.upper)},
+          {"closest", closest},
+          {"penetration", penetration}};
+}
+
+std::string pointText(const Eigen::Vector3d& p) {
+  return fmt::format("({:.4f}, {:.4f}, {:.4f})", p.x(), p.y(), p.z());
+}
+
+std::string stateText(const CheckedState& checked) {
+  const auto& check = checked.check;
+  std::string text =
+      fmt::format("{}: {}", checked.state.name, checked.valid() ? "valid" : "not valid");
+  if (!checked.limit.empty()) {
+    text += fmt::format(" ({})", checked.limit);
+  }
+  if (check.pair < 0) {
+    return text + ", there is nothing that could be touched\n";
+  }
+  const double lower = check.clearance.lower * 1e3;
+  const double upper = check.clearance.upper * 1e3;
+  if (upper <= 0) {
+    text += fmt::format(", {} and {} in collision, {} to {} mm deep\n", checked.names.a,
+                        checked.names.b, formatLower(-upper, 3), formatUpper(-lower, 3));
+    text += fmt::format("  deepest points {} on {}, {} on {}\n", pointText(check.closest.point_a),
+                        checked.names.a, pointText(check.closest.point_b), checked.names.b);
+    text += fmt::format("  {} is clear once moved {} mm along {}\n", checked.names.b,
+                        formatUpper(-lower, 3), pointText(check.closest.normal));
+    return text;
+  }
+  text += fmt::format(", clearance {} to {} mm between {} and {}", formatLower(lower, 3),
+                      formatUpper(upper, 3), checked.names.a, checked.names.b);
+  if (checked.margin != 0) {
+    text += fmt::format(" (margin {} mm)", checked.margin * 1e3);
+  }
+  text += fmt::format("\n  closest points {} on {}, {} on {}\n", pointText(check.closest.point_a),
+                      checked.names.a, pointText(check.closest.point_b), checked.names.b);
+  if (check.verdict != planner::Verdict::kFree) {
+    text += check.verdict == planner::Verdict::kUndecided ? "  undecided: counts as not valid\n"
+                                                          : "  a margin is not kept\n";
+  }
+  return text;
+}
+
+int run(const Arguments& arguments) {
+  if (!(arguments.tolerance > 0)) {
+    throw robots::InputError(
+        "command line", 0,
+        fmt::format("--tolerance {} is not a positive length", arguments.tolerance));
+  }
+  planner::Problem problem = loadProblem(arguments.source);
+  apply(arguments.limits, problem);
+  const std::vector<NamedState> states = collectStates(problem, arguments.states);
+  planner::EdgeCertifier certifier(std::make_shared<const planner::CompiledScene>(problem));
+  bool all_valid = true;
+  Json list = Json::array();
+  for (const NamedState& state : states) {
+    const CheckedState checked = checkState(certifier, state, arguments.tolerance);
+    all_valid = all_valid && checked.valid();
+    if (arguments.json) {
+      list.push_back(stateJson(checked));
+    } else {
+      fmt::print("{}", stateText(checked));
+    }
+  }
+  if (arguments.json) {
+    printJson(
+        {{"status", all_valid ? "valid" : "invalid"}, {"seed", problem.seed}, {"states", list}});
+  }
+  return all_valid ? kYes : kNo;
+}
+
+}  // namespace
+
+Verb addCheck(CLI::App& command) {
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* app =
+      command.add_subcommand("check", "validity and clearance of start, goal or a given state");
+  addProblemArguments(*app, arguments->source);
+  addRunLimits(*app, arguments->limits);
+  app->add_option("--state", arguments->states,
+                  "start, goal, a group state, all planned values (1,0,2) or some "
+                  "(elbow=1,wrist=2); may be repeated; "
+                  "default: start and goals, a goal's range by its middle")
+      ->type_name("STATE")
+      ->delimiter('\n');
+  app->add_option("--tolerance", arguments->tolerance, "width of the clearance's interval [m]")
+      ->type_name("METRES")
+      ->capture_default_str();
+  app->add_flag("--json", arguments->json, "print one JSON document");
+  app->footer(
+      "Examples:\n"
+      "  leeway check problems/shelf/reach.yaml\n"
+      "  leeway check problems/shelf/reach.yaml --state start --json");
+  return {app, [arguments] { return run(*arguments); }};
+}
+
+}  // namespace leeway::tools

@@ -1,0 +1,480 @@
+#include <fmt/format.h>
+#include <tinyxml2.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "leeway/collision/convex_hull.h"
+#include "leeway/collision/triangle_mesh.h"
+#include "leeway/planner/compiled_scene.h"
+#include "leeway/robots/input_error.h"
+#include "tools/leeway/exit_status.h"
+#include "tools/leeway/json_result.h"
+#include "tools/leeway/pair_samples.h"
+#include "tools/leeway/problem_source.h"
+#include "tools/leeway/scene_names.h"
+#include "tools/leeway/terminal.h"
+#include "tools/leeway/verb.h"
+
+namespace leeway::tools {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Arguments {
+  ProblemSource source;
+  std::string file;
+  int samples = 500;
+  std::uint64_t seed = 1;
+  bool json = false;
+};
+
+// ------------------------------------------------------------------------------------------------
+// what the file is
+
+std::string rootElementName(const std::string& file, std::string& robot_name) {
+  tinyxml2::XMLDocument document;
+  if (document.LoadFile(file.c_str()) != tinyxml2::XML_SUCCESS ||
+      document.RootElement() == nullptr) {
+    return {};
+  }
+  const char* name = document.RootElement()->Attribute("name");
+  robot_name = name == nullptr ? "" : name;
+  return document.RootElement()->Name();
+}
+
+/// An SRDF only has meaning beside its URDF: the one of that robot name in the SRDF's folder or the
+/// folder above.
+std::string findUrdfOf(const std::string& srdf) {
+  std::string robot_name;
+  rootElementName(srdf, robot_name);
+  const fs::path folder = fs::absolute(srdf).parent_path();
+  std::vector<std::string> found;
+  for (const fs::path& place : {folder, folder.parent_path()}) {
+    for (const auto& entry : fs::directory_iterator(place)) {
+      std::string name;
+      if (entry.path().extension() == ".urdf" &&
+          rootElementName(entry.path().string(), name) == "robot" && name == robot_name) {
+        found.push_back(entry.path().string());
+      }
+    }
+    if (!found.empty()) {
+      break;
+    }
+  }
+  if (found.size() != 1) {
+    throw robots::InputError(srdf, 0,
+                             fmt::format("an SRDF is read together with its URDF, and {} URDF of a "
+                                         "robot '{}' lies beside it; name it with --robot",
+                                         found.empty() ? "no" : "more than one", robot_name));
+  }
+  return found.front();
+}
+
+/// A robot alone, as a problem in which every variable is planned and nothing is around it.
+planner::Problem robotProblem(const std::string& urdf, const std::string& srdf,
+                              const ProblemSource& source) {
+  planner::Problem problem;
+  problem.model = robots::loadModel(urdf, srdf, loadOptions(source));
+  printWarnings(problem.model->warnings);
+  problem.name = problem.model->name;
+  problem.configuration = problem.model->defaultConfiguration();
+  planner::Goal goal{"default", {}};
+  for (std::size_t i = 0; i < problem.model->variables.size(); ++i) {
+    problem.variables.push_back(static_cast<int>(i));
+    goal.ranges.emplace_back(problem.configuration[i], problem.configuration[i]);
+  }
+  problem.goals = {goal};
+  return problem;
+}
+
+enum class FileKind { kUrdf, kSrdf, kProblem };
+
+FileKind kindOf(const std::string& file) {
+  const std::string ending = fs::path(file).extension().string();
+  if (ending == ".srdf") {
+    return FileKind::kSrdf;
+  }
+  if (ending == ".urdf" || ending == ".xacro") {
+    return FileKind::kUrdf;
+  }
+  if (ending == ".yaml" || ending == ".yml") {
+    return FileKind::kProblem;
+  }
+  throw robots::InputError(
+      file, 0, fmt::format("unknown ending '{}'; .urdf, .srdf and .yaml are accepted", ending));
+}
+
+planner::Problem load(Arguments& arguments, FileKind kind) {
+  if (!fs::exists(arguments.file)) {
+    throw robots::InputError(arguments.file, 0, "there is no such file");
+  }
+  ProblemSource& source = arguments.source;
+  switch (kind) {
+    case FileKind::kUrdf:
+      return robotProblem(arguments.file, source.srdf, source);
+    case FileKind::kSrdf:
+      return robotProblem(source.robot.empty() ? findUrdfOf(arguments.file) : source.robot,
+                          arguments.file, source);
+    case FileKind::kProblem:
+      break;
+  }
+  source.problem = arguments.file;
+  return loadProblem(source);
+}
+
+// ------------------------------------------------------------------------------------------------
+// what is in it
+
+const char* typeName(robots::JointType type) {
+  switch (type) {
+    case robots::JointType::kFixed:
+      return "fixed";
+    case robots::JointType::kRevolute:
+      return "revolute";
+    case robots::JointType::kContinuous:
+      return "continuous";
+    case robots::JointType::kPrismatic:
+      return "prismatic";
+    case robots::JointType::kPlanar:
+      return "planar";
+    case robots::JointType::kFloating:
+      break;
+  }
+  return "floating";
+}
+
+std::size_t shapeBytes(const collision::Shape& shape) {
+  std::size_t bytes = sizeof(collision::Shape);
+  if (const auto* mesh = shape.mesh()) {
+    bytes += mesh->bytes();
+  }
+  if (const auto* hull = shape.hull()) {
+    bytes += hull->vertices().size_bytes() + hull->facets().size_bytes();
+    for (std::size_t i = 0; hull->hasNeighbours() && i < hull->vertices().size(); ++i) {
+      bytes += hull->neighbours(static_cast<std::int32_t>(i)).size_bytes();
+    }
+  }
+  return bytes;
+}
+
+/// Triangles of every component that is not closed: a surface, without an inside.
+std::map<int, int> openComponents(const collision::TriangleMesh& mesh) {
+  std::map<int, int> triangles;
+  for (int t = 0; t < static_cast<int>(mesh.triangles().size()); ++t) {
+    const int component = mesh.component(t);
+    if (!mesh.isClosed(component)) {
+      ++triangles[component];
+    }
+  }
+  return triangles;
+}
+
+/// One collision shape of a link, an object or an attached object.
+Json geometryJson(const std::string& owner, const robots::Geometry& geometry) {
+  const collision::Shape& shape = geometry.shape;
+  Json json = {{"of", owner},
+               {"name", geometry.name},
+               {"type", collision::toString(shape.type())},
+               {"bytes", shapeBytes(shape)}};
+  if (const auto* mesh = shape.mesh()) {
+    json["vertices"] = mesh->vertices().size();
+    json["triangles"] = mesh->triangles().size();
+    json["components"] = mesh->componentCount();
+    json["closed_components"] = mesh->closedComponentCount();
+    json["hull_excess"] = jsonNumber(mesh->hullExcess());
+    json["open"] = Json::array();
+    for (const auto& [component, triangles] : openComponents(*mesh)) {
+      json["open"].push_back({{"component", component}, {"triangles", triangles}});
+    }
+  } else if (const auto* hull = shape.hull()) {
+    json["vertices"] = hull->vertices().size();
+  }
+  return json;
+}
+
+Json geometriesJson(const planner::Problem& problem) {
+  Json list = Json::array();
+  const auto append = [&](const std::string& owner,
+                          const std::vector<robots::Geometry>& geometries) {
+    for (const auto& geometry : geometries) {
+      list.push_back(geometryJson(owner, geometry));
+    }
+  };
+  for (const auto& link : problem.model->links) {
+    append(link.name, link.geometries);
+  }
+  for (const auto& object : problem.objects) {
+    append(object.name, object.geometries);
+  }
+  for (const auto& attachment : problem.attachments) {
+    append(attachment.object.name, attachment.object.geometries);
+  }
+  return list;
+}
+
+Json robotJson(const robots::Model& model) {
+  std::map<std::string, int> joint_types;
+  int mimic = 0;
+  for (const auto& joint : model.joints) {
+    ++joint_types[typeName(joint.type)];
+    mimic += joint.mimic >= 0 ? 1 : 0;
+  }
+  Json variables = Json::array();
+  for (const auto& variable : model.variables) {
+    variables.push_back({{"name", variable.name},
+                         {"lower", jsonNumber(variable.lower)},
+                         {"upper", jsonNumber(variable.upper)},
+                         {"velocity", jsonNumber(variable.velocity)}});
+  }
+  Json groups = Json::array();
+  for (const auto& group : model.groups) {
+    Json names = Json::array();
+    for (const int variable : group.variables) {
+      names.push_back(model.variables[static_cast<std::size_t>(variable)].name);
+    }
+    groups.push_back({{"name", group.name}, {"variables", names}});
+  }
+  Json states = Json::array();
+  for (const auto& state : model.group_states) {
+    states.push_back({{"name", state.name}, {"group", state.group}});
+  }
+  return {{"name", model.name},     {"links", model.links.size()},
+          {"joints", joint_types},  {"mimic_joints", mimic},
+          {"variables", variables}, {"groups", groups},
+          {"group_states", states}, {"disabled_pairs", model.disabled_pairs.size()}};
+}
+
+Json problemJson(const planner::Problem& problem) {
+  Json planned = Json::array();
+  for (const int variable : problem.variables) {
+    planned.push_back({{"name", problem.model->variables[static_cast<std::size_t>(variable)].name},
+                       {"start", problem.configuration[static_cast<std::size_t>(variable)]}});
+  }
+  Json goals = Json::array();
+  for (const auto& goal : problem.goals) {
+    Json ranges = Json::array();
+    for (const auto& [lower, upper] : goal.ranges) {
+      ranges.push_back({jsonNumber(lower), jsonNumber(upper)});
+    }
+    goals.push_back({{"name", goal.name}, {"ranges", ranges}});
+  }
+  Json objects = Json::array();
+  for (const auto& object : problem.objects) {
+    objects.push_back(object.name);
+  }
+  Json attached = Json::array();
+  for (const auto& attachment : problem.attachments) {
+    attached.push_back(
+        {{"name", attachment.object.name},
+         {"link", problem.model->links[static_cast<std::size_t>(attachment.link)].name}});
+  }
+  return {{"name", problem.name},
+          {"planned", planned},
+          {"goals", goals},
+          {"objects", objects},
+          {"attached", attached},
+          {"margin", problem.margin},
+          {"planner", problem.planner},
+          {"objective", problem.objective},
+          {"time_limit", problem.time_limit},
+          {"seed", problem.seed}};
+}
+
+// ------------------------------------------------------------------------------------------------
+// what is kept of it
+
+Json compiledJson(const planner::CompiledScene& scene, int samples, std::uint64_t seed) {
+  int moving = 0;
+  for (const auto& body : scene.scene().bodies()) {
+    moving += body.moving ? 1 : 0;
+  }
+  std::map<std::string, int> reasons;
+  Json dropped = Json::array();
+  for (const auto& entry : scene.dropped()) {
+    ++reasons[entry.reason];
+    dropped.push_back({{"a", entry.a}, {"b", entry.b}, {"reason", entry.reason}});
+  }
+  Json never = Json::array();
+  Json always = Json::array();
+  for (const PairSamples& entry :
+       samples > 0 ? samplePairs(scene, samples, seed) : std::vector<PairSamples>()) {
+    const PairNames names = pairNames(scene, entry.pair);
+    if (entry.hits == 0 || entry.hits == samples) {
+      (entry.hits == 0 ? never : always).push_back({names.a, names.b});
+    }
+  }
+  const std::size_t bodies = scene.scene().bodies().size();
+  return {{"moving_bodies", moving},
+          {"static_bodies", static_cast<int>(bodies) - moving},
+          {"pairs_kept", scene.scene().pairs().size()},
+          {"pairs_dropped", scene.dropped().size()},
+          {"dropped_by_reason", reasons},
+          {"dropped", dropped},
+          {"samples", samples},
+          {"seed", seed},
+          {"sampled_never_touching", never},
+          {"sampled_always_touching", always}};
+}
+
+// ------------------------------------------------------------------------------------------------
+// for people
+
+std::string limitText(const Json& value) {
+  return value.is_null() ? "-" : fmt::format("{:.4f}", value.get<double>());
+}
+
+void printRobot(const Json& robot) {
+  std::string joints;
+  for (const auto& [type, count] : robot["joints"].items()) {
+    joints += fmt::format("{}{} {}", joints.empty() ? "" : ", ", count.get<int>(), type);
+  }
+  fmt::print("robot {}: {} links; joints: {}; {} of them mimic\n\n",
+             robot["name"].get<std::string>(), robot["links"].get<int>(), joints,
+             robot["mimic_joints"].get<int>());
+  std::vector<std::vector<std::string>> rows;
+  for (const auto& variable : robot["variables"]) {
+    rows.push_back({variable["name"], limitText(variable["lower"]), limitText(variable["upper"]),
+                    limitText(variable["velocity"])});
+  }
+  fmt::print("{}\n", formatTable({"variable", "lower", "upper", "velocity"}, rows));
+  for (const auto& group : robot["groups"]) {
+    std::string states;
+    for (const auto& state : robot["group_states"]) {
+      if (state["group"] == group["name"]) {
+        states += (states.empty() ? "; states " : ", ") + state["name"].get<std::string>();
+      }
+    }
+    fmt::print("group {}: {} variables{}\n", group["name"].get<std::string>(),
+               group["variables"].size(), states);
+  }
+  fmt::print("pairs of links that the SRDF lets touch: {}\n", robot["disabled_pairs"].get<int>());
+}
+
+void printProblem(const Json& problem) {
+  fmt::print(
+      "problem {}: {} planned variables, {} goals, {} objects, {} attached, margin {} m, {} for "
+      "{}, {} s, seed {}\n\n",
+      problem["name"].get<std::string>(), problem["planned"].size(), problem["goals"].size(),
+      problem["objects"].size(), problem["attached"].size(), problem["margin"].get<double>(),
+      problem["planner"].get<std::string>(), problem["objective"].get<std::string>(),
+      problem["time_limit"].get<double>(), problem["seed"].get<std::uint64_t>());
+}
+
+void printGeometries(const Json& geometries) {
+  std::vector<std::vector<std::string>> rows;
+  std::string open;
+  std::size_t bytes = 0;
+  const auto field = [](const Json& json, const char* key) {
+    return json.contains(key) ? json[key].dump() : std::string();
+  };
+  for (const auto& geometry : geometries) {
+    const std::string owner = geometry["of"];
+    const bool mesh = geometry.contains("hull_excess");
+    const std::string excess = mesh && !geometry["hull_excess"].is_null()
+                                   ? formatUpper(geometry["hull_excess"].get<double>() * 1e3, 3)
+                                   : std::string();
+    rows.push_back({owner, geometry["type"], field(geometry, "vertices"),
+                    field(geometry, "triangles"), excess,
+                    mesh ? fmt::format("{} of {}", field(geometry, "closed_components"),
+                                       field(geometry, "components"))
+                         : "",
+                    formatBytes(geometry["bytes"].get<std::size_t>())});
+    bytes += geometry["bytes"].get<std::size_t>();
+    for (const auto& component : mesh ? geometry["open"] : Json::array()) {
+      open += fmt::format(
+          "  {} of {}: component {}, {} triangles\n",
+          geometry["name"].get<std::string>().empty() ? "mesh"
+                                                      : geometry["name"].get<std::string>(),
+          owner, component["component"].get<int>(), component["triangles"].get<int>());
+    }
+  }
+  fmt::print("\n{}", formatTable({"of", "shape", "vertices", "triangles", "hull excess [mm]",
+                                  "closed", "size"},
+                                 rows));
+  fmt::print("{} shapes, {}\n", geometries.size(), formatBytes(bytes));
+  if (!open.empty()) {
+    fmt::print("\nnot closed, so surfaces without an inside:\n{}", open);
+  }
+}
+
+void printPairs(const char* text, const Json& pairs) {
+  if (pairs.empty()) {
+    return;
+  }
+  fmt::print("{}:", text);
+  for (const auto& pair : pairs) {
+    fmt::print(" {}-{}", pair[0].get<std::string>(), pair[1].get<std::string>());
+  }
+  fmt::print("\n");
+}
+
+void printCompiled(const Json& compiled) {
+  fmt::print(
+      "\ncompiled: {} moving and {} static bodies, {} pairs of shapes kept, {} pairs left out\n",
+      compiled["moving_bodies"].get<int>(), compiled["static_bodies"].get<int>(),
+      compiled["pairs_kept"].get<int>(), compiled["pairs_dropped"].get<int>());
+  for (const auto& [reason, count] : compiled["dropped_by_reason"].items()) {
+    fmt::print("  {} left out: {}\n", count.get<int>(), reason);
+  }
+  const std::string samples = compiled["samples"].dump();
+  printPairs(("touching at all of " + samples + " random configurations, still checked").c_str(),
+             compiled["sampled_always_touching"]);
+  printPairs(("touching at none of " + samples + " random configurations, still checked").c_str(),
+             compiled["sampled_never_touching"]);
+}
+
+int run(Arguments& arguments) {
+  if (arguments.samples < 0) {
+    throw robots::InputError("command line", 0,
+                             fmt::format("--samples {} is negative", arguments.samples));
+  }
+  const FileKind kind = kindOf(arguments.file);
+  const planner::Problem problem = load(arguments, kind);
+  const planner::CompiledScene scene(problem);
+  Json document = {{"file", arguments.file}, {"robot", robotJson(*problem.model)}};
+  if (kind == FileKind::kProblem) {
+    document["problem"] = problemJson(problem);
+  }
+  document["geometries"] = geometriesJson(problem);
+  document["compiled"] = compiledJson(scene, arguments.samples, arguments.seed);
+  if (arguments.json) {
+    printJson(document);
+    return kYes;
+  }
+  if (kind == FileKind::kProblem) {
+    printProblem(document["problem"]);
+  }
+  printRobot(document["robot"]);
+  printGeometries(document["geometries"]);
+  printCompiled(document["compiled"]);
+  return kYes;
+}
+
+}  // namespace
+
+Verb addInfo(CLI::App& command) {
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* app =
+      command.add_subcommand("info", "what a URDF, SRDF or problem holds and what is kept of it");
+  app->add_option("file", arguments->file, "URDF, SRDF or problem file")
+      ->type_name("FILE")
+      ->required();
+  addRobotArguments(*app, arguments->source);
+  app->add_option("--samples", arguments->samples,
+                  "random configurations that look which links meet; 0: none")
+      ->type_name("N")
+      ->capture_default_str();
+  app->add_option("--seed", arguments->seed, "seed of the samples")
+      ->type_name("N")
+      ->capture_default_str();
+  app->add_flag("--json", arguments->json, "print one JSON document");
+  app->footer("Example:\n  leeway info problems/shelf/reach.yaml");
+  return {app, [arguments] { return run(*arguments); }};
+}
+
+}  // namespace leeway::tools

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+#include "leeway/planner/plan.h"
+#include "leeway/planner/verify.h"
+
+namespace leeway::tools {
+
+using Json = nlohmann::ordered_json;
+
+/// Infinity and NaN become null: where there is nothing to be near, there is no clearance.
+Json jsonNumber(double value);
+Json jsonVector(const Eigen::Vector3d& v);
+
+/// The document of `plan --json`. `load_s`: what reading the files took [s].
+Json toJson(const planner::Problem& problem, const planner::PlanResult& result, double load_s);
+/// The document of `verify --json`.
+Json toJson(const planner::VerifyResult& result);
+const char* toString(planner::VerifyStatus status);  ///< "certified", "refuted", "undecided"
+
+/// One line with a line break, to stdout, or an indented document for people's eyes when stdout is
+/// a terminal.
+void printJson(const Json& document);
+
+}  // namespace leeway::tools

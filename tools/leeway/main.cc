@@ -1,0 +1,71 @@
+// The `leeway` command: one verb, its answer on stdout, everything else on stderr, and an exit
+// status that scripts can rely on.
+
+#include <fmt/format.h>
+
+#include <exception>
+#include <string>
+#include <vector>
+
+#include "leeway/robots/input_error.h"
+#include "tools/leeway/exit_status.h"
+#include "tools/leeway/verb.h"
+
+namespace leeway::tools {
+namespace {
+
+constexpr const char* kDescription = R"(Plans motions of robots and proves how much room they leave.
+
+Exit status: 0 yes (solved, valid, certified), 1 no, 2 bad usage or input, 70 a fault of this program.)";
+
+int reportUsage(const CLI::App& app, const CLI::ParseError& error) {
+  // Help and version are answers; CLI11 throws them too.
+  if (error.get_exit_code() == 0) {
+    return app.exit(error) == 0 ? kYes : kInternal;
+  }
+  std::string where = "leeway";
+  const auto chosen = app.get_subcommands();
+  if (!chosen.empty()) {
+    where += " " + chosen.front()->get_name();
+  }
+  fmt::print(stderr, "{}: {}; `{} --help` shows what is accepted\n", where, error.what(), where);
+  return kBadInput;
+}
+
+int run(int argc, char** argv) {
+  CLI::App app(kDescription, "leeway");
+  app.set_version_flag("--version", std::string("leeway ") + LEEWAY_VERSION);
+  app.require_subcommand(1);
+  const std::vector<Verb> verbs = {addPlan(app),  addCheck(app), addVerify(app), addClearance(app),
+                                   addBatch(app), addInfo(app),  addReport(app)};
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return reportUsage(app, error);
+  }
+  for (const Verb& verb : verbs) {
+    if (verb.app->parsed()) {
+      return verb.run();
+    }
+  }
+  return kInternal;
+}
+
+}  // namespace
+}  // namespace leeway::tools
+
+int main(int argc, char** argv) {
+  using namespace leeway;
+  try {
+    return tools::run(argc, argv);
+  } catch (const robots::InputError& error) {
+    fmt::print(stderr, "{}\n", error.what());
+    return tools::kBadInput;
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "leeway: a fault of this program: {}\n", error.what());
+    return tools::kInternal;
+  } catch (...) {
+    fmt::print(stderr, "leeway: a fault of this program\n");
+    return tools::kInternal;
+  }
+}

@@ -1,0 +1,197 @@
+#include "leeway/planner/plan.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "leeway/planner/path_io.h"
+#include "leeway/robots/input_error.h"
+#include "tools/leeway/exit_status.h"
+#include "tools/leeway/json_result.h"
+#include "tools/leeway/problem_source.h"
+#include "tools/leeway/terminal.h"
+#include "tools/leeway/verb.h"
+
+namespace leeway::tools {
+namespace {
+
+struct Arguments {
+  ProblemSource source;
+  PlanOverrides overrides;
+  std::string output;
+  bool json = false;
+  bool list_planners = false;
+};
+
+double millimetres(double metres) { return metres * 1e3; }
+
+/// Columns are headed by the joints' names while they are short enough to be read side by side,
+/// else q1, q2, ... with a key above.
+std::string pathTable(const planner::PlanResult& result) {
+  const auto& names = result.path.names;
+  std::size_t width = 0;
+  for (const std::string& name : names) {
+    width += std::max<std::size_t>(name.size(), 7) + 2;
+  }
+  std::string text;
+  std::vector<std::string> heading = {""};
+  for (std::size_t j = 0; j < names.size(); ++j) {
+    heading.push_back(width <= 90 ? names[j] : fmt::format("q{}", j + 1));
+    if (width > 90) {
+      text += fmt::format("q{} = {}\n", j + 1, names[j]);
+    }
+  }
+  heading.emplace_back("clearance to next [mm]");
+  std::vector<std::vector<std::string>> rows;
+  for (std::size_t i = 0; i < result.path.positions.size(); ++i) {
+    std::vector<std::string> row = {fmt::format("{}", i)};
+    for (const double position : result.path.positions[i]) {
+      row.push_back(fmt::format("{:.4f}", position));
+    }
+    std::string clearance;
+    if (i < result.certificate.segments.size()) {
+      const double lower = result.certificate.segments[i].lower;
+      clearance =
+          std::isfinite(lower) ? ">= " + formatLower(millimetres(lower), 2) : "nothing near";
+    }
+    row.push_back(clearance);
+    rows.push_back(row);
+  }
+  return text + formatTable(heading, rows);
+}
+
+std::string certificateText(const planner::Certificate& certificate) {
+  if (!std::isfinite(certificate.clearance.lower)) {
+    return certificate.certified ? "Certified: there is nothing that could be touched.\n"
+                                 : "Not certified.\n";
+  }
+  return fmt::format(
+      "{}: every point of every edge keeps at least {} mm; the least clearance is between {} and "
+      "{} mm,\n"
+      "from {} to {} on edge {} at t = {:.3f}.\n",
+      certificate.certified ? "Certified" : "Not certified against the margins",
+      formatLower(millimetres(certificate.clearance.lower), 3),
+      formatLower(millimetres(certificate.clearance.lower), 3),
+      formatUpper(millimetres(certificate.clearance.upper), 3), certificate.closest_a,
+      certificate.closest_b, certificate.closest_segment, certificate.closest_t);
+}
+
+std::string offendingText(const planner::PlanResult& result) {
+  const auto& check = result.offending;
+  const char* state = result.status == planner::PlanStatus::kInvalidStart ? "start" : "goal";
+  if (result.offending_a.empty()) {
+    return fmt::format("The {} is not valid.\n", state);
+  }
+  const Eigen::Vector3d place = 0.5 * (check.closest.point_a + check.closest.point_b);
+  const std::string where =
+      fmt::format("at ({:.4f}, {:.4f}, {:.4f}) m", place.x(), place.y(), place.z());
+  if (check.clearance.upper <= 0) {
+    return fmt::format("The {} is in collision: {} and {}, {} mm deep, {}.\n", state,
+                       result.offending_a, result.offending_b,
+                       formatLower(millimetres(-check.clearance.upper), 3), where);
+  }
+  return fmt::format("The {} is too near: {} and {}, {} mm apart at most, {}.\n", state,
+                     result.offending_a, result.offending_b,
+                     formatUpper(millimetres(check.clearance.upper), 3), where);
+}
+
+std::string timeText(const planner::PlanResult& result, double load_s) {
+  return fmt::format(
+      "Time [ms]: load {:.2f}, compile {:.2f}, plan {:.2f}, simplify {:.2f}, certify {:.2f}.\n"
+      "Counts: {} iterations, {} states, {} edges, {} distance queries.\n",
+      load_s * 1e3, result.compile_s * 1e3, result.plan_s * 1e3, result.simplify_s * 1e3,
+      result.certify_s * 1e3, result.iterations, result.states, result.edges,
+      result.distance_queries);
+}
+
+void printText(const planner::Problem& problem, const planner::PlanResult& result, double load_s) {
+  fmt::print("{}: {} with {}, seed {}{}\n", problem.name, planner::toString(result.status),
+             result.planner, result.seed,
+             result.deterministic
+                 ? ""
+                 : " (this planner keeps clocks or threads of its own: not deterministic)");
+  switch (result.status) {
+    case planner::PlanStatus::kSolved:
+      fmt::print("\n{}\n{}", pathTable(result), certificateText(result.certificate));
+      fmt::print("Length {:.4f}, {} edges.\n", result.length, result.certificate.segments.size());
+      break;
+    case planner::PlanStatus::kUnsolved:
+      fmt::print("No path within {} s{}.\n", problem.time_limit,
+                 problem.iteration_limit > 0
+                     ? fmt::format(" and {} iterations", problem.iteration_limit)
+                     : "");
+      break;
+    case planner::PlanStatus::kInvalidStart:
+    case planner::PlanStatus::kInvalidGoal:
+      fmt::print("{}", offendingText(result));
+      break;
+  }
+  fmt::print("{}", timeText(result, load_s));
+}
+
+/// Found out before the work is done rather than after it.
+void checkOutput(const std::string& output) {
+  const std::filesystem::path path(output);
+  const std::string ending = path.extension().string();
+  if (ending != ".yaml" && ending != ".json" && ending != ".csv" && ending != ".path") {
+    throw robots::InputError(
+        output, 0,
+        fmt::format("unknown ending '{}'; .yaml, .json, .csv and .path can be written", ending));
+  }
+  const auto folder = path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
+  if (!std::filesystem::is_directory(folder)) {
+    throw robots::InputError(
+        output, 0, fmt::format("cannot be written: there is no folder '{}'", folder.string()));
+  }
+}
+
+int run(const Arguments& arguments) {
+  if (!arguments.output.empty()) {
+    checkOutput(arguments.output);
+  }
+  const auto start = std::chrono::steady_clock::now();
+  planner::Problem problem = loadProblem(arguments.source);
+  apply(arguments.overrides, problem);
+  const double load_s =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+
+  const planner::PlanResult result = planner::plan(problem, interactivePlanOptions());
+  endProgress();
+  const bool solved = result.status == planner::PlanStatus::kSolved;
+  if (solved && !arguments.output.empty()) {
+    planner::writePath(arguments.output, problem, result);
+  }
+  if (arguments.json) {
+    printJson(toJson(problem, result, load_s));
+  } else {
+    printText(problem, result, load_s);
+  }
+  return solved && result.certificate.certified ? kYes : kNo;
+}
+
+}  // namespace
+
+Verb addPlan(CLI::App& command) {
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* app =
+      command.add_subcommand("plan", "find a path and prove the clearance of every edge");
+  addProblemArguments(*app, arguments->source);
+  addPlanOverrides(*app, arguments->overrides);
+  app->add_option("--output", arguments->output,
+                  "write the path; the ending chooses the format: .yaml .json .csv .path")
+      ->type_name("FILE");
+  app->add_flag("--json", arguments->json, "print one JSON document");
+  app->add_flag("--planners", arguments->list_planners, "list the planners and end");
+  app->footer(
+      "Examples:\n"
+      "  leeway plan problems/shelf/reach.yaml\n"
+      "  leeway plan problems/shelf/reach.yaml --planner BITstar --objective clearance --time 1 "
+      "--json");
+  return {app, [arguments] { return run(*arguments); }};
+}
+
+}  // namespace leeway::tools

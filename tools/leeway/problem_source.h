@@ -1,0 +1,51 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "leeway/planner/problem.h"
+
+namespace leeway::tools {
+
+/// Where a problem comes from: its YAML file; or robot files with either the names of two group
+/// states, or a MoveIt scene and request.
+struct ProblemSource {
+  std::string problem;
+  std::string robot, srdf;
+  std::string group, start, goal;
+  std::string scene, request;
+  std::vector<std::string> packages;  ///< NAME=DIR
+};
+
+/// What the command line says over what the problem says.
+struct PlanOverrides {
+  std::optional<std::uint64_t> seed;
+  std::optional<double> time_limit;  ///< [s]
+  std::optional<std::int64_t> iteration_limit;
+  std::string planner, objective;
+};
+
+void addRobotArguments(CLI::App& app, ProblemSource& source);
+void addProblemArguments(CLI::App& app, ProblemSource& source);
+/// A problem and a path: two files, or with --robot the path's alone.
+void addProblemAndPathArguments(CLI::App& app, ProblemSource& source,
+                                std::vector<std::string>& files);
+/// --seed and --time: for verbs that answer questions about what is given.
+void addRunLimits(CLI::App& app, PlanOverrides& overrides);
+/// Those and --iterations, --planner, --objective: for verbs that plan.
+void addPlanOverrides(CLI::App& app, PlanOverrides& overrides);
+
+/// Throws robots::InputError; prints the loader's warnings to stderr.
+planner::Problem loadProblem(const ProblemSource& source);
+robots::LoadOptions loadOptions(const ProblemSource& source);
+/// Moves the problem's file from `files` to `source` and returns the path's.
+std::string takePathFile(ProblemSource& source, const std::vector<std::string>& files);
+void apply(const PlanOverrides& overrides, planner::Problem& problem);
+
+/// Each warning once in the life of the process, to stderr.
+void printWarnings(const std::vector<std::string>& warnings);
+
+}  // namespace leeway::tools

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <functional>
+
+namespace leeway::tools {
+
+/// A verb of the command: its arguments, declared on `app`, and what it does once they are parsed.
+struct Verb {
+  CLI::App* app = nullptr;
+  std::function<int()> run;  ///< returns an ExitStatus; throws robots::InputError for bad input
+};
+
+// One file each, named like the verb.
+Verb addPlan(CLI::App& command);
+Verb addCheck(CLI::App& command);
+Verb addVerify(CLI::App& command);
+Verb addClearance(CLI::App& command);
+Verb addBatch(CLI::App& command);
+Verb addInfo(CLI::App& command);
+Verb addReport(CLI::App& command);
+
+}  // namespace leeway::tools

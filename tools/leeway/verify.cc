@@ -1,0 +1,83 @@
+#include "leeway/planner/verify.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "leeway/planner/path_io.h"
+#include "tools/leeway/exit_status.h"
+#include "tools/leeway/json_result.h"
+#include "tools/leeway/problem_source.h"
+#include "tools/leeway/terminal.h"
+#include "tools/leeway/verb.h"
+
+namespace leeway::tools {
+namespace {
+
+struct Arguments {
+  ProblemSource source;
+  std::vector<std::string> files;
+  PlanOverrides limits;
+  bool json = false;
+};
+
+std::string resultText(const planner::Path& path, const planner::VerifyResult& result) {
+  if (result.status == planner::VerifyStatus::kCertified) {
+    const std::string clearance = std::isfinite(result.clearance_lower)
+                                      ? fmt::format("every point of it keeps at least {} mm",
+                                                    formatLower(result.clearance_lower * 1e3, 3))
+                                      : "there is nothing that could be touched";
+    return fmt::format("certified: {} edges, {}\n",
+                       path.positions.empty() ? 0 : path.positions.size() - 1, clearance);
+  }
+  std::string text = toString(result.status);
+  if (result.segment >= 0) {
+    text += fmt::format(": edge {} between t = {:.6f} and {:.6f}", result.segment, result.t0,
+                        result.t1);
+  }
+  if (!result.a.empty()) {
+    text += fmt::format(", {} and {}", result.a, result.b);
+  }
+  if (!result.reason.empty()) {
+    text += fmt::format(": {}", result.reason);
+  }
+  return text + "\n";
+}
+
+int run(Arguments& arguments) {
+  const std::string path_file = takePathFile(arguments.source, arguments.files);
+  planner::Problem problem = loadProblem(arguments.source);
+  apply(arguments.limits, problem);
+  const planner::Path path = planner::readPath(path_file, problem);
+  const planner::VerifyResult result =
+      planner::verify(problem, path, interactivePlanOptions(arguments.limits.time_limit));
+  endProgress();
+  if (arguments.json) {
+    Json document = toJson(result);
+    document["seed"] = problem.seed;
+    printJson(document);
+  } else {
+    fmt::print("{}", resultText(path, result));
+  }
+  return result.status == planner::VerifyStatus::kCertified ? kYes : kNo;
+}
+
+}  // namespace
+
+Verb addVerify(CLI::App& command) {
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* app =
+      command.add_subcommand("verify", "prove or refute a path, independently of what planned it");
+  addProblemAndPathArguments(*app, arguments->source, arguments->files);
+  addRunLimits(*app, arguments->limits);
+  app->add_flag("--json", arguments->json, "print one JSON document");
+  app->footer(
+      "Example:\n"
+      "  leeway plan problems/shelf/reach.yaml --output path.json && leeway verify "
+      "problems/shelf/reach.yaml path.json");
+  return {app, [arguments] { return run(*arguments); }};
+}
+
+}  // namespace leeway::tools
