@@ -1,0 +1,40 @@
+#pragma once
+
+#include <ompl/base/MotionValidator.h>
+#include <ompl/base/SpaceInformation.h>
+
+#include <memory>
+#include <utility>
+
+#include "leeway/planner/ompl_state_space.h"
+#include "leeway/planner/ompl_validity.h"
+
+namespace leeway::planner {
+
+/// A motion is valid when the whole edge between its states is certified; there is no resolution.
+/// Thread-safe; allocates nothing after a thread's first call.
+class OmplMotionValidator : public ompl::base::MotionValidator {
+ public:
+  OmplMotionValidator(const ompl::base::SpaceInformationPtr& space_information,
+                      std::shared_ptr<CertifierPool> pool);
+
+  bool checkMotion(const ompl::base::State* s1, const ompl::base::State* s2) const override;
+  /// `last_valid.second` is a fraction up to which the edge is certified, `last_valid.first`
+  /// (unless null) the state there, valid by itself and the end of a certified edge from s1; s1
+  /// when nothing could be certified.
+  bool checkMotion(const ompl::base::State* s1, const ompl::base::State* s2,
+                   std::pair<ompl::base::State*, double>& last_valid) const override;
+
+ private:
+  bool count(bool valid) const;
+  std::shared_ptr<CertifierPool> pool_;
+};
+
+/// A SpaceInformation for a scene, set up and ready for any of OMPL's geometric planners:
+/// OmplStateSpace (seeded), OmplValidityChecker and OmplMotionValidator over one pool (a new one
+/// when null).
+ompl::base::SpaceInformationPtr makeSpaceInformation(std::shared_ptr<const CompiledScene> scene,
+                                                     std::uint64_t seed = 1,
+                                                     std::shared_ptr<CertifierPool> pool = nullptr);
+
+}  // namespace leeway::planner

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <ompl/base/OptimizationObjective.h>
+#include <ompl/base/objectives/PathLengthOptimizationObjective.h>
+
+#include <memory>
+
+#include "leeway/planner/ompl_validity.h"
+
+namespace leeway::planner {
+
+/// The length of a path in the space's distance, smaller is better. Informed planners sample by
+/// rejection with our samplers (OMPL's direct sampler knows only its own spaces and the process's
+/// seed).
+class OmplLengthObjective : public ompl::base::PathLengthOptimizationObjective {
+ public:
+  explicit OmplLengthObjective(const ompl::base::SpaceInformationPtr& space_information);
+  ompl::base::InformedSamplerPtr allocInformedStateSampler(
+      const ompl::base::ProblemDefinitionPtr& problem, unsigned int attempts) const override;
+};
+
+/// The least clearance along a path [m], larger is better. An edge's cost is a certified lower
+/// bound over the whole edge, at most `tolerance` below the truth for edges that keep the margins
+/// (for others it only says that it is no better than the smallest margin). Costs combine by
+/// minimum. Satisfied at getCostThreshold(), infinity unless set.
+class OmplClearanceObjective : public ompl::base::OptimizationObjective {
+ public:
+  OmplClearanceObjective(const ompl::base::SpaceInformationPtr& space_information,
+                         std::shared_ptr<CertifierPool> pool, double tolerance = 1e-3);
+
+  bool isSatisfied(ompl::base::Cost cost) const override;
+  bool isCostBetterThan(ompl::base::Cost a, ompl::base::Cost b) const override;
+  ompl::base::Cost stateCost(const ompl::base::State* state) const override;
+  ompl::base::Cost motionCost(const ompl::base::State* s1,
+                              const ompl::base::State* s2) const override;
+  ompl::base::Cost combineCosts(ompl::base::Cost a, ompl::base::Cost b) const override;
+  ompl::base::Cost identityCost() const override;
+  ompl::base::Cost infiniteCost() const override;
+  /// A start's own clearance bounds every path from it.
+  ompl::base::Cost initialCost(const ompl::base::State* state) const override;
+  ompl::base::InformedSamplerPtr allocInformedStateSampler(
+      const ompl::base::ProblemDefinitionPtr& problem, unsigned int attempts) const override;
+
+ private:
+  std::shared_ptr<CertifierPool> pool_;
+  double tolerance_;
+  double cutoff_;  ///< smallest margin of the scene [m]
+};
+
+}  // namespace leeway::planner

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <ompl/base/StateValidityChecker.h>
+
+#include <atomic>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <span>
+#include <thread>
+#include <vector>
+
+#include "leeway/planner/edge_certifier.h"
+
+namespace leeway::planner {
+
+/// One EdgeCertifier a thread for one compiled scene: OMPL's checkers are shared by a planner's
+/// threads, ours is not. The thread that made the pool finds its own without a lock.
+class CertifierPool {
+ public:
+  struct Slot {
+    explicit Slot(const std::shared_ptr<const CompiledScene>& scene);
+    EdgeCertifier certifier;
+    std::vector<double> point;  ///< scratch of the space's size
+  };
+
+  explicit CertifierPool(std::shared_ptr<const CompiledScene> scene);
+  const CompiledScene& scene() const { return *scene_; }
+  /// The calling thread's certifier. Allocates when a thread comes for the first time.
+  Slot& local();
+  /// Sums over all threads; only when none of them is at work.
+  EdgeCertifier::Statistics statistics() const;
+
+ private:
+  std::shared_ptr<const CompiledScene> scene_;
+  std::thread::id owner_;
+  Slot own_;
+  mutable std::mutex mutex_;
+  std::map<std::thread::id, std::unique_ptr<Slot>> others_;
+};
+
+/// A state is valid when it keeps the limits and is proven to keep the scene's margins.
+/// clearance() is a lower bound on the signed distance between whatever may not touch [m], at most
+/// `tolerance` below it (declared as OMPL's BOUNDED_APPROXIMATE); infinity where there is nothing
+/// to be near. States are those of OmplStateSpace. Thread-safe.
+class OmplValidityChecker : public ompl::base::StateValidityChecker {
+ public:
+  OmplValidityChecker(const ompl::base::SpaceInformationPtr& space_information,
+                      std::shared_ptr<CertifierPool> pool, double tolerance = 1e-3);
+
+  bool isValid(const ompl::base::State* state) const override;
+  double clearance(const ompl::base::State* state) const override;
+  double tolerance() const { return tolerance_; }
+
+ private:
+  std::shared_ptr<CertifierPool> pool_;
+  double tolerance_;
+};
+
+}  // namespace leeway::planner

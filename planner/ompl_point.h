@@ -1,0 +1,22 @@
+#pragma once
+
+#include <span>
+
+#include "leeway/planner/compiled_scene.h"
+#include "leeway/planner/ompl_state_space.h"
+
+namespace leeway::planner {
+
+/// The numbers of a state of OmplStateSpace. The size comes from the scene: a planner may hand over
+/// states through a wrapper of the space (CForest does).
+inline std::span<const double> pointOf(const ompl::base::State* state, const CompiledScene& scene) {
+  return {state->as<OmplStateSpace::StateType>()->values,
+          static_cast<std::size_t>(scene.space().size())};
+}
+
+inline std::span<double> pointOf(ompl::base::State* state, const CompiledScene& scene) {
+  return {state->as<OmplStateSpace::StateType>()->values,
+          static_cast<std::size_t>(scene.space().size())};
+}
+
+}  // namespace leeway::planner
