@@ -1,0 +1,25 @@
+#pragma once
+
+#include <span>
+#include <string_view>
+
+namespace leeway::planner {
+
+/// The keys that one kind of map in a problem file may have. The loader takes its keys from here
+/// and nowhere else, and a test compares them with problems/schema.json, where each kind stands
+/// under the same name (the file itself at the schema's top).
+struct MapFormat {
+  std::string_view name;
+  std::span<const std::string_view> keys;
+};
+
+/// All kinds, "problem" (the file itself) first.
+std::span<const MapFormat> mapFormats();
+
+/// The keys of one kind; `name` must be one of mapFormats().
+std::span<const std::string_view> keysOf(std::string_view name);
+
+/// The words of shapes, each of which is a kind of map too.
+std::span<const std::string_view> shapeWords();
+
+}  // namespace leeway::planner
