@@ -17,18 +17,17 @@ constexpr double kUnitQuaternion = 1e-6;
 constexpr double kMendableQuaternion = 1e-3;
 constexpr double kSilentQuaternion = 1e-8;
 
-/// Joint angles farther from zero than this [rad] are not certified: their rounding would no longer be small.
+/// Joint angles farther from zero than this [rad] are not certified: their rounding would no longer
+/// be small. Files that name one are refused.
 constexpr double kLargestAngle = 1e3;
 
-/// How far rounding of a + t dq (three operations) moves a joint within kLargestAngle [rad], and a free body's orientation.
+/// How far rounding of a + t dq (three operations) moves a joint within kLargestAngle [rad], and a
+/// free body's orientation.
 constexpr double kInterpolationRounding = 1e-12;
 
-/// Bodies behind unlimited joints are certified up to this distance from the world's origin [m]; farther out rounding
-/// of kinematics (1e-16 of it and more) would eat margins of micrometres.
+/// Bodies behind unlimited joints are certified up to this distance from the world's origin [m];
+/// farther out rounding of kinematics (1e-16 of it and more) would eat margins of micrometres.
 constexpr double kLargestReach = 1e4;
-/// Largest angle that a file may name [rad]: sine and cosine are exact up to 1e5, and nobody means
-/// more turns than this.
-constexpr double kLargestAngle = 1e4;
 
 /// A start or goal of MoveIt's this far outside a limit is the limit itself, written with fewer
 /// digits (3.14159 for pi): moved onto it, with a warning [rad or m]. Larger would move a robot
