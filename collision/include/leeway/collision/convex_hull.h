@@ -14,9 +14,10 @@ namespace leeway::collision {
 /// them. A set that is flat, straight or a point has no facets and no neighbour lists.
 class ConvexHull {
  public:
-  /// Computes the hull of the given points [m]. Every given point lies in the hull of vertices() grown by
-  /// excess(): rounding, and merging of nearly coplanar facets, are counted there. O(n log n).
-  /// Throws InvalidShape for no points or a coordinate that is not finite.
+  /// Computes the hull of the given points [m]: Quickhull (Barber, Dobkin, Huhdanpaa 1996) with exact predicates, so
+  /// that every given point lies in the hull of vertices() grown by excess() and facets() are convex without any
+  /// tolerance. O(n log n) as a rule.
+  /// Throws InvalidShape for no points or a coordinate that is not finite or exceeds 1e60 in magnitude.
   static std::shared_ptr<const ConvexHull> compute(std::span<const Eigen::Vector3d> points);
 
   std::span<const Eigen::Vector3d> vertices() const { return vertices_; }
@@ -25,15 +26,23 @@ class ConvexHull {
   /// Neighbours of vertex i; empty when there are no lists.
   std::span<const std::int32_t> neighbours(std::int32_t i) const;
   bool hasNeighbours() const { return !neighbour_begin_.empty(); }
-  /// How far a given point may lie outside the hull of vertices() [m], 0 where they are all vertices.
+  /// What climbing along neighbours() can lose by rounding: where no neighbour n of vertex v has (n - v) . d > delta,
+  /// no vertex w has (w - v) . d > climbGain() * delta, for any direction d and delta >= 0. Lists that
+  /// could lose much (nearly flat vertices) are not kept, and this is at most kMaxClimbGain then.
+  double climbGain() const { return climb_gain_; }
+  /// How far a given point may lie outside the hull of vertices() [m]: 0 but for coordinates below 1e-70.
   double excess() const { return excess_; }
 
  private:
+  void makeNeighbours(const std::vector<std::array<std::int32_t, 2>>& edges,
+                      std::span<const Eigen::Vector3d> vertices);
+
   std::vector<Eigen::Vector3d> vertices_;
   std::vector<std::array<std::int32_t, 3>> facets_;
   std::vector<std::int32_t> neighbour_begin_;  // vertices + 1 entries into neighbours_
   std::vector<std::int32_t> neighbours_;
   double excess_ = 0;
+  double climb_gain_ = 0;
 };
 
 }  // namespace leeway::collision
