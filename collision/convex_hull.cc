@@ -140,7 +140,7 @@ std::shared_ptr<const ConvexHull> ConvexHull::compute(std::span<const Vector3d> 
 // of its neighbours' hull by little, the climber can stop on the wrong side of the whole body.
 void ConvexHull::makeNeighbours(const std::vector<std::array<std::int32_t, 2>>& edges,
                                 std::span<const Vector3d> vertices) {
-  if (vertices.size() < kMinClimbVertices) return;
+  if (vertices.size() < static_cast<std::size_t>(kMinClimbVertices)) return;
   std::vector<std::int32_t> begin(vertices.size() + 1, 0);
   for (const auto& e : edges) {
     ++begin[index(e[0]) + 1];

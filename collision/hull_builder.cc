@@ -140,19 +140,12 @@ void HullBuilder::buildFlat(std::int32_t a, std::int32_t b, std::int32_t c) {
       if (!chain.empty() && at(chain.back()) == at(p)) continue;
       chain.push_back(p);
     }
-    vertices_.insert(vertices_.end(), chain.begin(), chain.end());
+    // The last point of a chain is the first of the other; duplicates of it may carry another index.
+    outline_.insert(outline_.end(), chain.begin(), chain.end() - 1);
     std::reverse(order.begin(), order.end());
   }
+  vertices_ = outline_;
   std::sort(vertices_.begin(), vertices_.end());
-  vertices_.erase(std::unique(vertices_.begin(), vertices_.end()), vertices_.end());
-  // The two chains meet in points that may be different duplicates: keep the first of each.
-  std::vector<std::int32_t> kept;
-  for (const std::int32_t v : vertices_) {
-    const bool seen =
-        std::any_of(kept.begin(), kept.end(), [&](std::int32_t k) { return at(k) == at(v); });
-    if (!seen) kept.push_back(v);
-  }
-  vertices_ = kept;
 }
 
 std::int32_t HullBuilder::addFacet(std::int32_t a, std::int32_t b, std::int32_t c) {

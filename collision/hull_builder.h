@@ -26,6 +26,8 @@ class HullBuilder {
   /// their number). For dimension 3 the corners of facets(): when the insertion was not stopped,
   /// every extreme point is among them, and perhaps points within a flat face or straight edge.
   const std::vector<std::int32_t>& vertices() const { return vertices_; }
+  /// Dimension 2: vertices() once around the outline. Empty otherwise.
+  const std::vector<std::int32_t>& outline() const { return outline_; }
   /// Counter-clockwise from outside, indices of points; empty unless dimension() is 3.
   const std::vector<std::array<std::int32_t, 3>>& facets() const { return facets_; }
   /// For each facet, the facet across the edge from corner k to corner k + 1.
@@ -65,6 +67,7 @@ class HullBuilder {
   bool limited_ = false;
   int dimension_ = -1;
   std::vector<std::int32_t> vertices_;
+  std::vector<std::int32_t> outline_;
   std::vector<std::array<std::int32_t, 3>> facets_;
   std::vector<std::array<std::int32_t, 3>> adjacent_;
   std::vector<std::int32_t> outside_;

@@ -44,5 +44,25 @@ inline constexpr double kInnerBallSlack = 1e-9;
 
 /// Composition of two poses and the distance of two centres, relative to the coordinates at play.
 inline constexpr double kTransferRounding = 1e-14;
+/// Largest coordinate that hulls and meshes accept [m]: their exact predicates multiply three, the engine four.
+inline constexpr double kLargestCoordinate = 1e60;
+
+/// Rounding of a distance of a point from a triangle or of a radius, as a fraction of the coordinates at play, used
+/// while hulls and meshes are built. About 20 units in the last place are needed.
+inline constexpr double kRelativeRounding = 1e-14;
+
+/// Neighbour lists of a hull are kept only where climbing along them loses at most this many times the rounding of a
+/// support value (convex_hull.h): with 1e5 about 1e-11 of the hull's size. No unit.
+inline constexpr double kMaxClimbGain = 1e5;
+
+/// Hulls with fewer vertices get no neighbour lists: scanning them is cheaper.
+inline constexpr int kMinClimbVertices = 32;
+
+/// The excess of a mesh's hull is refined until it is within this ratio of a distance that was met, ...
+inline constexpr double kExcessRatio = 1.05;
+/// ... or below this [m], far less than what any planner asks for, ...
+inline constexpr double kExcessTolerance = 1e-7;
+/// ... or this many pieces (and four a facet) have been cut: about 0.1 s.
+inline constexpr long kExcessPieces = 40'000;
 
 }  // namespace leeway::collision
