@@ -7,8 +7,9 @@
 namespace leeway::collision {
 namespace {
 
-// A sum of doubles that do not overlap, smallest first: the exact value is the sum of the terms, its sign that of
-// the last one. Shewchuk 1997, section 2. Capacities below are those of a product of three differences.
+// A sum of doubles that do not overlap, smallest first: the exact value is the sum of the terms,
+// its sign that of the last one. Shewchuk 1997, section 2. Capacities below are those of a product
+// of three differences.
 template <std::size_t capacity>
 struct Expansion {
   std::array<double, capacity> term;
@@ -53,7 +54,8 @@ Expansion<2> difference(double a, double b) {
   return e;
 }
 
-// e + f, term by term (Shewchuk's grow-expansion): quadratic, which does not matter for so rare a case.
+// e + f, term by term (Shewchuk's grow-expansion): quadratic, which does not matter for so rare a
+// case.
 template <std::size_t n, std::size_t m, std::size_t capacity>
 void add(const Expansion<n>& e, const Expansion<m>& f, Expansion<capacity>& result) {
   Expansion<capacity> sum;
@@ -139,7 +141,8 @@ int orientation(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen:
   const double permanent = std::abs(dx) * (std::abs(x1) + std::abs(x2)) +
                            std::abs(dy) * (std::abs(y1) + std::abs(y2)) +
                            std::abs(dz) * (std::abs(z1) + std::abs(z2));
-  // Shewchuk's bound is (7 + 56 eps) eps with eps = 2^-53; the rest is for the rounding of this line.
+  // Shewchuk's bound is (7 + 56 eps) eps with eps = 2^-53; the rest is for the rounding of this
+  // line.
   if (permanent == 0) return 0;  // every product has a factor 0: frequent in axis-aligned parts
   const double error = 8e-16 * permanent;
   if (determinant > error) return 1;
@@ -147,7 +150,8 @@ int orientation(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen:
   return exactOrientation(a, b, c, d);
 }
 
-int turn(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c, int i, int j) {
+int turn(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c, int i,
+         int j) {
   const double left = (b[i] - a[i]) * (c[j] - a[j]);
   const double right = (b[j] - a[j]) * (c[i] - a[i]);
   const double error = 4e-16 * (std::abs(left) + std::abs(right));  // (3 + 16 eps) eps, rounded up

@@ -4,21 +4,24 @@
 
 namespace leeway::collision {
 
-// Signs of determinants of points with double coordinates, without error: a floating-point filter decides nearly
-// always, expansion arithmetic (J. R. Shewchuk, "Adaptive precision floating-point arithmetic and fast robust
-// geometric predicates", 1997) the rest. Valid while no non-zero coordinate is below kSmallestExact, nor above 1e90,
-// in magnitude, so that no product of three leaves the range of normal doubles.
+// Signs of determinants of points with double coordinates, without error: a floating-point filter
+// decides nearly always, expansion arithmetic (J. R. Shewchuk, "Adaptive precision floating-point
+// arithmetic and fast robust geometric predicates", 1997) the rest. Valid while no non-zero
+// coordinate is below kSmallestExact, nor above 1e90, in magnitude, so that no product of three
+// leaves the range of normal doubles.
 
 /// Non-zero coordinates must not be smaller than this for the signs to be exact [m].
 inline constexpr double kSmallestExact = 1e-70;
 
-/// Sign of ((b - a) x (c - a)) . (d - a): +1 where d lies on the side from which abc is counter-clockwise, 0 when
-/// the four points are exactly coplanar.
+/// Sign of ((b - a) x (c - a)) . (d - a): +1 where d lies on the side from which abc is
+/// counter-clockwise, 0 when the four points are exactly coplanar.
 int orientation(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c,
                 const Eigen::Vector3d& d);
 
-/// Sign of the turn a, b, c in the plane of the coordinates i and j: +1 counter-clockwise, 0 when exactly straight.
-int turn(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c, int i, int j);
+/// Sign of the turn a, b, c in the plane of the coordinates i and j: +1 counter-clockwise, 0 when
+/// exactly straight.
+int turn(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c, int i,
+         int j);
 
 /// True when a, b and c lie exactly on one line.
 bool collinear(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c);

@@ -1,5 +1,6 @@
 #include "collision/hull_builder.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -52,7 +53,8 @@ bool HullBuilder::start() {
     vertices_ = {0};
     return false;
   }
-  // The point farthest from their line; where rounding says 0, any point that is exactly off the line.
+  // The point farthest from their line; where rounding says 0, any point that is exactly off the
+  // line.
   const Vector3d direction = (at(b) - at(a)).normalized();
   std::int32_t c = -1;
   double best = 0;
@@ -112,8 +114,8 @@ bool HullBuilder::start() {
   return true;
 }
 
-// Extreme points of a set that is exactly flat, by Andrew's monotone chain on two coordinates. The projection keeps
-// them because abc, and with it the plane, does not become straight in it.
+// Extreme points of a set that is exactly flat, by Andrew's monotone chain on two coordinates. The
+// projection keeps them because abc, and with it the plane, does not become straight in it.
 void HullBuilder::buildFlat(std::int32_t a, std::int32_t b, std::int32_t c) {
   int i = 0, j = 1;
   const int dominant = dominantAxis((at(b) - at(a)).cross(at(c) - at(a)));
@@ -136,11 +138,13 @@ void HullBuilder::buildFlat(std::int32_t a, std::int32_t b, std::int32_t c) {
              turn(at(chain[chain.size() - 2]), at(chain.back()), at(p), i, j) <= 0) {
         chain.pop_back();
       }
-      // A duplicate of the last point turns by 0 about every other, so that only the first two need a look.
+      // A duplicate of the last point turns by 0 about every other, so that only the first two need
+      // a look.
       if (!chain.empty() && at(chain.back()) == at(p)) continue;
       chain.push_back(p);
     }
-    // The last point of a chain is the first of the other; duplicates of it may carry another index.
+    // The last point of a chain is the first of the other; duplicates of it may carry another
+    // index.
     outline_.insert(outline_.end(), chain.begin(), chain.end() - 1);
     std::reverse(order.begin(), order.end());
   }
@@ -171,7 +175,8 @@ bool HullBuilder::sees(std::int32_t point, const Facet& f) const {
   return orientation(at(f.corner[0]), at(f.corner[1]), at(f.corner[2]), at(point)) > 0;
 }
 
-// Puts the point on the list of the first live facet from `first_facet` on that it is outside of; none: it is inside.
+// Puts the point on the list of the first live facet from `first_facet` on that it is outside of;
+// none: it is inside.
 void HullBuilder::assign(std::int32_t point, std::int32_t first_facet) {
   for (std::size_t i = index(first_facet); i < work_.size(); ++i) {
     Facet& f = work_[i];
@@ -189,7 +194,8 @@ void HullBuilder::assign(std::int32_t point, std::int32_t first_facet) {
 
 void HullBuilder::build(int vertex_limit) {
   if (!limited_) {
-    // Facets made by an insertion stand behind or in the place of old ones: sweep until a sweep finds nothing.
+    // Facets made by an insertion stand behind or in the place of old ones: sweep until a sweep
+    // finds nothing.
     for (bool found = true; found;) {
       found = false;
       for (std::size_t i = 0; i < work_.size(); ++i) {
@@ -214,8 +220,9 @@ void HullBuilder::build(int vertex_limit) {
 }
 
 void HullBuilder::insert(std::int32_t start, std::int32_t point) {
-  // The visible facets are connected, and their border, the horizon, is one cycle without a repeated corner: they are
-  // those that a point moved a little inwards would see, which lies in no facet's plane.
+  // The visible facets are connected, and their border, the horizon, is one cycle without a
+  // repeated corner: they are those that a point moved a little inwards would see, which lies in no
+  // facet's plane.
   visible_.assign(1, start);
   horizon_.clear();
   facet(start).visible = true;
@@ -267,8 +274,9 @@ void HullBuilder::insert(std::int32_t start, std::int32_t point) {
     facet(id).adjacent[1] = following;
     facet(following).adjacent[2] = id;
   }
-  // An orphan that is still outside sees a new facet: where it sees both facets at a horizon edge, it sees the new one
-  // between their planes, and where it sees no facet that stayed, only new ones are left.
+  // An orphan that is still outside sees a new facet: where it sees both facets at a horizon edge,
+  // it sees the new one between their planes, and where it sees no facet that stayed, only new ones
+  // are left.
   for (std::int32_t p = orphans; p >= 0;) {
     const std::int32_t following = next_[index(p)];
     std::int32_t best = -1;
@@ -279,7 +287,8 @@ void HullBuilder::insert(std::int32_t start, std::int32_t point) {
       if ((best >= 0 && height <= best_height) || !sees(p, f)) continue;
       best = id;
       best_height = height;
-      if (!limited_) break;  // the height over the best facet is nearer to the true distance, but costs
+      if (!limited_)
+        break;  // the height over the best facet is nearer to the true distance, but costs
     }
     if (best >= 0) {
       Facet& f = facet(best);

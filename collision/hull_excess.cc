@@ -1,5 +1,6 @@
 #include "collision/hull_excess.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -33,7 +34,8 @@ class Search {
     for (std::size_t i = 2; i < hull.outline().size(); ++i) {
       start(at(hull.outline()[0]), at(hull.outline()[i - 1]), at(hull.outline()[i]));
     }
-    if (hull.dimension() == 1) start(at(hull.vertices()[0]), at(hull.vertices()[1]), at(hull.vertices()[1]));
+    if (hull.dimension() == 1)
+      start(at(hull.vertices()[0]), at(hull.vertices()[1]), at(hull.vertices()[1]));
   }
 
   double run() {
@@ -78,7 +80,8 @@ class Search {
     return true;
   }
 
-  // The slot of the triangle nearest to p. Only how good the bound gets depends on it. Remembers the largest distance met.
+  // The slot of the triangle nearest to p. Only how good the bound gets depends on it. Remembers
+  // the largest distance met.
   int nearest(const Vector3d& p, int slot) {
     double best = distance(p, slot);
     std::array<int, 2 * MeshTree::kMaxDepth> stack;
@@ -115,8 +118,8 @@ class Search {
     }
   }
 
-  // Either the part that lies over the nearest triangle is cut out, so that borders of coplanar triangles are followed
-  // and not approximated, or the piece is halved.
+  // Either the part that lies over the nearest triangle is cut out, so that borders of coplanar
+  // triangles are followed and not approximated, or the piece is halved.
   void refine(const Piece& piece) {
     const Vector3d center = (piece.corner[0] + piece.corner[1] + piece.corner[2]) / 3;
     const int slot = nearest(center, piece.slot);
@@ -131,7 +134,8 @@ class Search {
       cut(inside, v[k], normal.cross(v[(k + 1) % 3] - v[k]), rest);
       if (rest.size() >= 3) outside.push_back(std::move(rest));
     }
-    if (inside.size() >= 3 && !outside.empty() && accept(boundOf(inside.data(), inside.size(), slot))) {
+    if (inside.size() >= 3 && !outside.empty() &&
+        accept(boundOf(inside.data(), inside.size(), slot))) {
       for (const Polygon& polygon : outside) push(polygon, slot);
       return;
     }
@@ -143,15 +147,17 @@ class Search {
       length = l;
       longest = k;
     }
-    const Vector3d &a = piece.corner[longest], &b = piece.corner[(longest + 1) % 3], &c = piece.corner[(longest + 2) % 3];
+    const Vector3d &a = piece.corner[longest], &b = piece.corner[(longest + 1) % 3],
+                   &c = piece.corner[(longest + 2) % 3];
     const Vector3d middle = 0.5 * (a + b);
     stack_.push_back({{a, middle, c}, slot});
     stack_.push_back({{middle, b, c}, slot});
   }
 
-  // Keeps in `polygon` what lies on the side of `direction`, and puts the other part into `rest`. New corners lie on
-  // edges to within rounding, which the bound's own share for rounding covers.
-  static void cut(Polygon& polygon, const Vector3d& point, const Vector3d& direction, Polygon& rest) {
+  // Keeps in `polygon` what lies on the side of `direction`, and puts the other part into `rest`.
+  // New corners lie on edges to within rounding, which the bound's own share for rounding covers.
+  static void cut(Polygon& polygon, const Vector3d& point, const Vector3d& direction,
+                  Polygon& rest) {
     Polygon kept;
     bool any_kept = false, any_rest = false;
     for (std::size_t i = 0; i < polygon.size(); ++i) {

@@ -9,8 +9,9 @@ namespace leeway::collision {
 DistanceResult meshDistance(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
                             const DistanceRequest& request, Scratch& scratch, PairCache* cache);
 
-/// sweptDistance() for pairs of which at least one is a mesh: each leaf of a hierarchy is swept on its own, so
-/// that a concave body's sweep is that of its pieces. Points and normal are in B's frame.
+/// sweptDistance() for pairs of which at least one is a mesh: each leaf of a hierarchy is swept on
+/// its own, so that a concave body's sweep is that of its pieces. Points and normal are in B's
+/// frame.
 DistanceResult meshSweptDistance(const Shape& a, const Pose& X_BA0, const Pose& X_BA1,
                                  double growth, const Shape& b, const DistanceRequest& request,
                                  Scratch& scratch, PairCache* cache);

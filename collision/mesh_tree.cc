@@ -55,10 +55,10 @@ struct MeshTree::Input {
   std::span<const Vector3d> vertices;
   std::span<const Triangle> triangles;
   std::span<const std::int32_t> component;
-  std::vector<Vector3d> low, high, center;    // boxes of triangles
-  std::vector<std::int32_t> order;            // triangles, permuted as the tree grows
-  std::vector<std::int32_t> stamp;            // per vertex: the node that has collected it
-  std::vector<std::int32_t> collected;        // vertices of the node in hand
+  std::vector<Vector3d> low, high, center;  // boxes of triangles
+  std::vector<std::int32_t> order;          // triangles, permuted as the tree grows
+  std::vector<std::int32_t> stamp;          // per vertex: the node that has collected it
+  std::vector<std::int32_t> collected;      // vertices of the node in hand
 };
 
 MeshTree::MeshTree(std::span<const Vector3d> vertices, std::span<const Triangle> triangles,
@@ -93,10 +93,11 @@ MeshTree::MeshTree(std::span<const Vector3d> vertices, std::span<const Triangle>
 
 namespace {
 
-// Where to cut: the bin border with the least sum of area times count on both sides (surface area heuristic), over
-// three axes. Returns the axis, or -1 when all centres coincide.
+// Where to cut: the bin border with the least sum of area times count on both sides (surface area
+// heuristic), over three axes. Returns the axis, or -1 when all centres coincide.
 int chooseCut(const std::vector<Vector3d>& low, const std::vector<Vector3d>& high,
-              const std::vector<Vector3d>& center, std::span<const std::int32_t> order, double& cut) {
+              const std::vector<Vector3d>& center, std::span<const std::int32_t> order,
+              double& cut) {
   Vector3d from = center[index(order[0])], to = from;
   for (const std::int32_t t : order) {
     from = from.cwiseMin(center[index(t)]);
@@ -151,11 +152,13 @@ std::int32_t MeshTree::build(Input& input, std::int32_t begin, std::int32_t end,
   double cut = 0;
   int axis = -1;
   if (depth < kFreeDepth) {
-    axis = chooseCut(input.low, input.high, input.center, {&*first, static_cast<std::size_t>(end - begin)}, cut);
+    axis = chooseCut(input.low, input.high, input.center,
+                     {&*first, static_cast<std::size_t>(end - begin)}, cut);
   }
   if (axis >= 0) {
     // Stable, so that the order of triangles depends on nothing but the mesh.
-    const auto parted = std::stable_partition(first, last, [&](std::int32_t t) { return input.center[index(t)][axis] < cut; });
+    const auto parted = std::stable_partition(
+        first, last, [&](std::int32_t t) { return input.center[index(t)][axis] < cut; });
     if (parted != first && parted != last) middle = parted;
   } else {
     Vector3d size = node.high - node.low;
@@ -214,19 +217,23 @@ void MeshTree::makeCore(Input& input, MeshNode& node) {
       node.excess = std::max(node.excess, distanceFromHull(points[index(i)], points, hull));
     }
     if (kept.size() > static_cast<std::size_t>(kCoreVertices)) {
-      // A flat piece: the builder's limit does not bind, so every n-th point of its outline is taken, and those
-      // between two of them are no farther from the hull than from the edge between the two.
+      // A flat piece: the builder's limit does not bind, so every n-th point of its outline is
+      // taken, and those between two of them are no farther from the hull than from the edge
+      // between the two.
       const std::vector<std::int32_t>& outline = hull.outline();
       const std::size_t step = (outline.size() + kCoreVertices - 1) / kCoreVertices;
       kept.clear();
       for (std::size_t i = 0; i < outline.size(); ++i) {
-        const std::size_t from = i / step * step, to = from + step < outline.size() ? from + step : 0;
+        const std::size_t from = i / step * step,
+                          to = from + step < outline.size() ? from + step : 0;
         if (i == from) kept.push_back(outline[i]);
-        node.excess = std::max(node.excess, segmentDistance(points[index(outline[i])], points[index(outline[from])],
-                                                            points[index(outline[to])]));
+        node.excess = std::max(
+            node.excess, segmentDistance(points[index(outline[i])], points[index(outline[from])],
+                                         points[index(outline[to])]));
       }
       if (node.excess > 0) {
-        const double size = std::max(node.low.cwiseAbs().maxCoeff(), node.high.cwiseAbs().maxCoeff());
+        const double size =
+            std::max(node.low.cwiseAbs().maxCoeff(), node.high.cwiseAbs().maxCoeff());
         node.excess = node.excess * (1 + kRelativeRounding) + size * kRelativeRounding;
       }
     }

@@ -1,12 +1,11 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
-
-#include <Eigen/Core>
 
 #include "collision/convex.h"
 
@@ -14,25 +13,27 @@ namespace leeway::collision {
 
 /// A node of MeshTree: bounds of a run of triangles.
 struct MeshNode {
-  Eigen::Vector3d center;       ///< of a sphere that holds the triangles [m]
-  double radius;                ///< of that sphere, rounded outwards [m]
-  Eigen::Vector3d low, high;    ///< their axis-aligned box; exact
-  double excess;                ///< no point of the triangles lies farther than this outside the hull of the core [m]
-  double extent;                ///< no point of the core is farther from the origin [m]
+  Eigen::Vector3d center;     ///< of a sphere that holds the triangles [m]
+  double radius;              ///< of that sphere, rounded outwards [m]
+  Eigen::Vector3d low, high;  ///< their axis-aligned box; exact
+  double excess;  ///< no point of the triangles lies farther than this outside the hull of the core
+                  ///< [m]
+  double extent;  ///< no point of the core is farther from the origin [m]
   std::int32_t core_begin, core_count;
-  std::int32_t right;           ///< right child; the left one is the next node; -1: a leaf
+  std::int32_t right;  ///< right child; the left one is the next node; -1: a leaf
   std::int32_t triangle_begin, triangle_end;  ///< slots
-  std::int32_t component;       ///< of all its triangles; -1 when they are of several
+  std::int32_t component;                     ///< of all its triangles; -1 when they are of several
 
   bool isLeaf() const { return right < 0; }
 };
 
-/// A binary hierarchy over the triangles of a mesh. Every node is bounded by the hull of a few of the mesh's own
-/// vertices, its core, grown by a proven excess, so that one convex query bounds the distance of a
-/// whole nearly convex piece, and queries near a node's surface need not go below it. Compare convex covers and
-/// surface decompositions (S. A. Ehmann, M. C. Lin, "Accurate and fast proximity queries between polyhedra using convex
-/// surface decomposition", 2001); here pieces need not be convex, their departure from it is carried as a number.
-/// Nodes stand in an array, parents before children, each left child right behind its parent.
+/// A binary hierarchy over the triangles of a mesh. Every node is bounded by the hull of a few of
+/// the mesh's own vertices, its core, grown by a proven excess, so that one convex query bounds the
+/// distance of a whole nearly convex piece, and queries near a node's surface need not go below it.
+/// Compare convex covers and surface decompositions (S. A. Ehmann, M. C. Lin, "Accurate and fast
+/// proximity queries between polyhedra using convex surface decomposition", 2001); here pieces need
+/// not be convex, their departure from it is carried as a number. Nodes stand in an array, parents
+/// before children, each left child right behind its parent.
 class MeshTree {
  public:
   using Triangle = std::array<std::int32_t, 3>;
@@ -55,8 +56,11 @@ class MeshTree {
     view.excess = node.excess;
     return view;
   }
-  /// Triangles in the order of the leaves stand in slots; these are the slot's corners and its own number.
-  const Eigen::Vector3d* corners(int slot) const { return corners_.data() + 3 * static_cast<std::size_t>(slot); }
+  /// Triangles in the order of the leaves stand in slots; these are the slot's corners and its own
+  /// number.
+  const Eigen::Vector3d* corners(int slot) const {
+    return corners_.data() + 3 * static_cast<std::size_t>(slot);
+  }
   ConvexView triangleView(int slot) const {
     ConvexView view;
     view.core = Core::kPoints;

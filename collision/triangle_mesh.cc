@@ -1,5 +1,6 @@
 #include "leeway/collision/triangle_mesh.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -25,14 +26,16 @@ void requireUsable(std::span<const Vector3d> vertices, std::span<const Triangle>
     for (int k = 0; k < 3; ++k) {
       if (std::abs(vertices[i][k]) <= kLargestCoordinate) continue;
       throw InvalidShape("mesh: vertex " + std::to_string(i) + " has the coordinate " +
-                         std::to_string(vertices[i][k]) + "; finite numbers up to 1e60 are accepted");
+                         std::to_string(vertices[i][k]) +
+                         "; finite numbers up to 1e60 are accepted");
     }
   }
   for (std::size_t i = 0; i < triangles.size(); ++i) {
     for (const std::int32_t v : triangles[i]) {
       if (v >= 0 && index(v) < vertices.size()) continue;
-      throw InvalidShape("mesh: triangle " + std::to_string(i) + " names vertex " + std::to_string(v) +
-                         "; 0 to " + std::to_string(vertices.size()) + " - 1 are there");
+      throw InvalidShape("mesh: triangle " + std::to_string(i) + " names vertex " +
+                         std::to_string(v) + "; 0 to " + std::to_string(vertices.size()) +
+                         " - 1 are there");
     }
   }
 }
@@ -83,11 +86,13 @@ std::vector<EdgeUse> sortedEdges(const std::vector<Triangle>& triangles) {
   std::vector<EdgeUse> edges;
   edges.reserve(3 * triangles.size());
   for (std::size_t i = 0; i < triangles.size(); ++i) {
-    // A triangle with a repeated corner uses an edge in both directions: its neighbours match without it.
+    // A triangle with a repeated corner uses an edge in both directions: its neighbours match
+    // without it.
     if (collapsed(triangles[i])) continue;
     for (std::size_t k = 0; k < 3; ++k) {
       const std::int32_t from = triangles[i][k], to = triangles[i][(k + 1) % 3];
-      edges.push_back({std::min(from, to), std::max(from, to), static_cast<std::int32_t>(i), from < to});
+      edges.push_back(
+          {std::min(from, to), std::max(from, to), static_cast<std::int32_t>(i), from < to});
     }
   }
   std::sort(edges.begin(), edges.end(), [](const EdgeUse& a, const EdgeUse& b) {
@@ -116,7 +121,8 @@ class Components {
  private:
   struct Link {
     std::int32_t triangle;
-    bool same_direction;  // both triangles use the edge in the same direction: one of them must be turned
+    bool same_direction;  // both triangles use the edge in the same direction: one of them must be
+                          // turned
   };
 
   std::int32_t root(std::int32_t t) {
@@ -135,7 +141,9 @@ class Components {
     broken_.assign(triangles_.size(), 0);
     for (std::size_t i = 0; i < edges.size();) {
       std::size_t end = i + 1;
-      while (end < edges.size() && edges[end].low == edges[i].low && edges[end].high == edges[i].high) ++end;
+      while (end < edges.size() && edges[end].low == edges[i].low &&
+             edges[end].high == edges[i].high)
+        ++end;
       for (std::size_t k = i; k < end; ++k) {
         unite(edges[i].triangle, edges[k].triangle);
         if (end - i != 2) broken_[index(edges[k].triangle)] = 1;
@@ -162,7 +170,8 @@ class Components {
     }
   }
 
-  // Flood fill: turns triangles so that neighbours agree; a component where they cannot is not a solid.
+  // Flood fill: turns triangles so that neighbours agree; a component where they cannot is not a
+  // solid.
   void orient() {
     std::vector<signed char> turned(triangles_.size(), -1);
     std::vector<std::int32_t> queue;
@@ -174,7 +183,8 @@ class Components {
       bool consistent = true;
       for (std::size_t k = 0; k < queue.size(); ++k) {
         for (const Link& link : links_[index(queue[k])]) {
-          const auto wanted = static_cast<signed char>(turned[index(queue[k])] ^ (link.same_direction ? 1 : 0));
+          const auto wanted =
+              static_cast<signed char>(turned[index(queue[k])] ^ (link.same_direction ? 1 : 0));
           signed char& other = turned[index(link.triangle)];
           if (other >= 0) {
             consistent = consistent && other == wanted;
@@ -204,7 +214,8 @@ class Components {
                     .dot((vertices_[index(v[1])] - origin).cross(vertices_[index(v[2])] - origin));
     }
     if (volume >= 0) return;
-    for (const std::int32_t t : triangles) std::swap(triangles_[index(t)][1], triangles_[index(t)][2]);
+    for (const std::int32_t t : triangles)
+      std::swap(triangles_[index(t)][1], triangles_[index(t)][2]);
   }
 
   // A triangle with a repeated corner belongs to a component that has this corner, if there is one.
@@ -248,7 +259,8 @@ std::shared_ptr<const TriangleMesh> TriangleMesh::make(std::span<const Vector3d>
                                                        std::span<const Triangle> triangles) {
   requireUsable(vertices, triangles);
   std::shared_ptr<TriangleMesh> mesh(new TriangleMesh);
-  // Coordinates below what the exact predicates take become 0: 1e-70 m is far below any rounding of a query.
+  // Coordinates below what the exact predicates take become 0: 1e-70 m is far below any rounding of
+  // a query.
   std::vector<Vector3d> clean(vertices.begin(), vertices.end());
   for (Vector3d& v : clean) {
     for (int k = 0; k < 3; ++k) {
@@ -259,8 +271,9 @@ std::shared_ptr<const TriangleMesh> TriangleMesh::make(std::span<const Vector3d>
   Components components(mesh->vertices_, mesh->triangles_);
   mesh->triangle_component_ = std::move(components.component);
   mesh->component_closed_ = std::move(components.closed);
-  mesh->tree_ = std::make_unique<const MeshTree>(mesh->vertices_, mesh->triangles_, mesh->triangle_component_);
-  mesh->hull_excess_ = hullExcess(mesh->vertices_, *mesh->tree_);
+  mesh->tree_ = std::make_unique<const MeshTree>(mesh->vertices_, mesh->triangles_,
+                                                 mesh->triangle_component_);
+  mesh->hull_excess_ = collision::hullExcess(mesh->vertices_, *mesh->tree_);
   return mesh;
 }
 
@@ -271,8 +284,10 @@ int TriangleMesh::closedComponentCount() const {
 }
 
 std::size_t TriangleMesh::bytes() const {
-  return sizeof(*this) + vertices_.capacity() * sizeof(Vector3d) + triangles_.capacity() * sizeof(Triangle) +
-         triangle_component_.capacity() * sizeof(std::int32_t) + component_closed_.capacity() + tree_->bytes();
+  return sizeof(*this) + vertices_.capacity() * sizeof(Vector3d) +
+         triangles_.capacity() * sizeof(Triangle) +
+         triangle_component_.capacity() * sizeof(std::int32_t) + component_closed_.capacity() +
+         tree_->bytes();
 }
 
 }  // namespace leeway::collision

@@ -1,48 +1,44 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <array>
 #include <cstdint>
 #include <memory>
 #include <span>
 #include <vector>
 
-#include <Eigen/Core>
-
 namespace leeway::collision {
 
-/// The extreme points of a point set, with neighbour lists for hill climbing where there are enough of
-/// them. A set that is flat, straight or a point has no facets and no neighbour lists.
+/// The extreme points of a point set, with neighbour lists for hill climbing where there are enough
+/// of them. A set that is flat, straight or a point has no facets and no neighbour lists.
 class ConvexHull {
  public:
-  /// Computes the hull of the given points [m]: Quickhull (Barber, Dobkin, Huhdanpaa 1996) with exact predicates, so
-  /// that every given point lies in the hull of vertices() grown by excess() and facets() are convex without any
-  /// tolerance. O(n log n) as a rule.
-  /// Throws InvalidShape for no points or a coordinate that is not finite or exceeds 1e60 in magnitude.
+  /// Computes the hull of the given points [m]: Quickhull (Barber, Dobkin, Huhdanpaa 1996) with
+  /// exact predicates, so that every given point lies in the hull of vertices() grown by excess()
+  /// and facets() are convex without any tolerance. O(n log n) as a rule. Throws InvalidShape for
+  /// no points or a coordinate that is not finite or exceeds 1e60 in magnitude.
   static std::shared_ptr<const ConvexHull> compute(std::span<const Eigen::Vector3d> points);
 
   std::span<const Eigen::Vector3d> vertices() const { return vertices_; }
   /// Outward counter-clockwise triangles over vertices(); empty for a flat set.
   std::span<const std::array<std::int32_t, 3>> facets() const { return facets_; }
-  /// Neighbours of vertex i; empty when there are no lists.
+  /// The vertices at the other ends of i's edges; empty when there are no lists. In exact
+  /// arithmetic a vertex without a better neighbour is the farthest of all; rounding can end a
+  /// climb on a vertex that is nearly flat, so that a bound needs one look at all vertices.
   std::span<const std::int32_t> neighbours(std::int32_t i) const;
   bool hasNeighbours() const { return !neighbour_begin_.empty(); }
-  /// What climbing along neighbours() can lose by rounding: where no neighbour n of vertex v has (n - v) . d > delta,
-  /// no vertex w has (w - v) . d > climbGain() * delta, for any direction d and delta >= 0. Lists that
-  /// could lose much (nearly flat vertices) are not kept, and this is at most kMaxClimbGain then.
-  double climbGain() const { return climb_gain_; }
-  /// How far a given point may lie outside the hull of vertices() [m]: 0 but for coordinates below 1e-70.
+  /// How far a given point may lie outside the hull of vertices() [m]: 0 but for coordinates below
+  /// 1e-70.
   double excess() const { return excess_; }
 
  private:
-  void makeNeighbours(const std::vector<std::array<std::int32_t, 2>>& edges,
-                      std::span<const Eigen::Vector3d> vertices);
+  void makeNeighbours(const std::vector<std::array<std::int32_t, 2>>& edges, std::size_t count);
 
   std::vector<Eigen::Vector3d> vertices_;
   std::vector<std::array<std::int32_t, 3>> facets_;
   std::vector<std::int32_t> neighbour_begin_;  // vertices + 1 entries into neighbours_
   std::vector<std::int32_t> neighbours_;
   double excess_ = 0;
-  double climb_gain_ = 0;
 };
 
 }  // namespace leeway::collision

@@ -44,16 +44,15 @@ inline constexpr double kInnerBallSlack = 1e-9;
 
 /// Composition of two poses and the distance of two centres, relative to the coordinates at play.
 inline constexpr double kTransferRounding = 1e-14;
+
+// Hulls and meshes (hull_builder.cc, convex_hull.cc, mesh_tree.cc, hull_excess.cc)
+
 /// Largest coordinate that hulls and meshes accept [m]: their exact predicates multiply three, the engine four.
 inline constexpr double kLargestCoordinate = 1e60;
 
 /// Rounding of a distance of a point from a triangle or of a radius, as a fraction of the coordinates at play, used
 /// while hulls and meshes are built. About 20 units in the last place are needed.
 inline constexpr double kRelativeRounding = 1e-14;
-
-/// Neighbour lists of a hull are kept only where climbing along them loses at most this many times the rounding of a
-/// support value (convex_hull.h): with 1e5 about 1e-11 of the hull's size. No unit.
-inline constexpr double kMaxClimbGain = 1e5;
 
 /// Hulls with fewer vertices get no neighbour lists: scanning them is cheaper.
 inline constexpr int kMinClimbVertices = 32;

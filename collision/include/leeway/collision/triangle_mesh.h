@@ -1,26 +1,26 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <array>
 #include <cstdint>
 #include <memory>
 #include <span>
 #include <vector>
 
-#include <Eigen/Core>
-
 namespace leeway::collision {
 
 class MeshTree;  // private to collision/
 
-/// A rigid triangle mesh. Vertices are welded by exact equality; components whose welded edges are each
-/// shared by exactly two triangles of opposite direction are closed and count as solids (orientation is
-/// mended so that they enclose positive volume); the others are surfaces without an inside.
+/// A rigid triangle mesh. Vertices are welded by exact equality; components whose welded edges are
+/// each shared by exactly two triangles of opposite direction are closed and count as solids
+/// (orientation is mended so that they enclose positive volume); the others are surfaces without an
+/// inside.
 class TriangleMesh {
  public:
   using Triangle = std::array<std::int32_t, 3>;
 
-  /// Throws InvalidShape for no triangles, an index out of range, or a coordinate that is not finite.
-  /// Triangles without area are kept (they are segments or points that can be touched).
+  /// Throws InvalidShape for no triangles, an index out of range, or a coordinate that is not
+  /// finite. Triangles without area are kept (they are segments or points that can be touched).
   static std::shared_ptr<const TriangleMesh> make(std::span<const Eigen::Vector3d> vertices,
                                                   std::span<const Triangle> triangles);
 
@@ -28,9 +28,13 @@ class TriangleMesh {
   std::span<const Triangle> triangles() const { return triangles_; }
   int componentCount() const { return static_cast<int>(component_closed_.size()); }
   int closedComponentCount() const;
-  bool isClosed(int component) const { return component_closed_[static_cast<std::size_t>(component)] != 0; }
+  bool isClosed(int component) const {
+    return component_closed_[static_cast<std::size_t>(component)] != 0;
+  }
   /// Component of triangle i.
-  int component(int triangle) const { return triangle_component_[static_cast<std::size_t>(triangle)]; }
+  int component(int triangle) const {
+    return triangle_component_[static_cast<std::size_t>(triangle)];
+  }
   /// How far the convex hull's surface stands out from the mesh: sup over the hull's facets of the
   /// distance to the mesh, a proven upper bound [m].
   double hullExcess() const { return hull_excess_; }
