@@ -34,4 +34,33 @@ constexpr double kLargestReach = 1e4;
 /// without being told.
 constexpr double kLimitSlack = 1e-5;
 
+/// A shortcut that starts or ends this near to a waypoint, as a fraction of the path's length, starts
+/// or ends at the waypoint: smaller pieces multiply edges and gain nothing.
+constexpr double kShortcutSnap = 5e-3;
+
+/// What a shortcut or a pulled waypoint must gain, as a fraction of the path's length; without it
+/// simplification would spend its attempts on the last millionth.
+constexpr double kShortcutGain = 1e-4;
+
+/// Sweeps of pulled waypoints, and the fraction of the length that one must gain for another.
+constexpr int kPullSweeps = 4;
+constexpr double kPullGain = 1e-2;
+
+/// Valid points drawn from a goal range [count]: enough that a planner finds an easy one, few enough
+/// that checking them is not felt. Tries before a range is taken for invalid.
+constexpr int kGoalSamples = 16;
+constexpr int kGoalAttempts = 1000;
+
+/// Of an invalid goal range, how many points are looked at for the least deep one that is reported.
+constexpr int kGoalReports = 16;
+
+/// How near the reported clearance of an invalid start or goal is to the truth [m].
+constexpr double kReportTolerance = 1e-6;
+
+/// First stream of random numbers for goals: beyond any number of samplers.
+constexpr unsigned long long kGoalStream = 1ULL << 40;
+
+/// Time between two calls of a progress callback [s]: what an eye can follow.
+constexpr double kProgressPeriod = 0.1;
+
 }  // namespace leeway::planner
