@@ -10,6 +10,7 @@ namespace {
 struct Arguments {
   std::string file;
   std::string raw = "-";
+  std::string reference;
 };
 
 }  // namespace
@@ -25,11 +26,20 @@ Verb addReport(CLI::App& command) {
       ->add_option("--raw", arguments->raw,
                    "one line a case: ID STATUS LOWER UPPER NS; - is stdout")
       ->type_name("OUT");
+  cases
+      ->add_option("--reference", arguments->reference,
+                   "known truth, ID VERDICT D GAP HASVALUE L a line: a table by family instead")
+      ->type_name("REF")
+      ->excludes("--raw");
   app->require_subcommand(1);
   const char* example = "Example:\n  leeway report cases tests/data/cases.txt --raw -";
   app->footer(example);
   cases->footer(example);
-  return {app, [arguments] { return runReportCases(arguments->file, arguments->raw); }};
+  return {app, [arguments] {
+            return arguments->reference.empty()
+                       ? runReportCases(arguments->file, arguments->raw)
+                       : runReportCasesAgainst(arguments->file, arguments->reference);
+          }};
 }
 
 }  // namespace leeway::tools
