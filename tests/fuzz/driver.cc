@@ -1,0 +1,168 @@
+// Runs a fuzz target without libFuzzer: TARGET [--seconds N] [--count N] [--seed S] [--only INDEX].
+// Input number i depends on the seed and i alone, so that --only i makes it again, whatever the
+// time allowed before.
+
+#include <unistd.h>
+
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <ctime>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "tests/fuzz/target.h"
+#include "tests/oracle/generate.h"
+
+namespace {
+
+using leeway::oracle::Random;
+
+// No input takes longer than this when all loops are bounded [s]; with sanitizers and the oracle on
+// a busy machine, milliseconds.
+constexpr unsigned kLongestInput = 60;
+
+char replay_line[200] = "";
+
+void sayReplay(int signal) {
+  const char* what = signal == SIGALRM ? "does not end: " : "stopped at: ";
+  // Only calls that are allowed in a signal handler.
+  if (write(STDERR_FILENO, what, std::strlen(what)) < 0 ||
+      write(STDERR_FILENO, replay_line, std::strlen(replay_line)) < 0)
+    _exit(1);
+  _exit(1);
+}
+
+std::string randomBytes(Random& random) {
+  std::string input(static_cast<std::size_t>(1 + random.below(random.chance(0.1) ? 1000 : 250)),
+                    '\0');
+  for (char& c : input) c = static_cast<char>(random.bits() & 0xff);
+  return input;
+}
+
+/// One alteration of a text: bytes changed, pieces dropped, doubled or moved, words put in, a line
+/// taken out.
+void alter(std::string& text, const std::vector<std::string>& words, Random& random) {
+  const auto place = [&] { return static_cast<std::size_t>(random.bits() % (text.size() + 1)); };
+  const auto piece = [&](std::size_t at) {
+    return std::min(text.size() - at,
+                    static_cast<std::size_t>(1 + random.below(random.chance(0.2) ? 400 : 12)));
+  };
+  const std::size_t at = place();
+  switch (random.below(8)) {
+    case 0:
+      if (at < text.size()) text[at] = static_cast<char>(random.bits() & 0xff);
+      break;
+    case 1:
+      text.erase(at, piece(at));
+      break;
+    case 2:
+      text.insert(place(), text.substr(at, piece(at)));
+      break;
+    case 3: {
+      // A number becomes another.
+      const std::size_t digit = text.find_first_of("0123456789", at);
+      static const char* const kNumbers[] = {
+          "nan", "inf", "-1", "0", "1e999", "1e-320", "99999999999999999999", "0x10", "1,5", ""};
+      if (digit == std::string::npos) break;
+      const std::size_t end = text.find_first_not_of("0123456789.eE+-", digit);
+      text.replace(digit, end == std::string::npos ? std::string::npos : end - digit,
+                   kNumbers[random.below(10)]);
+      break;
+    }
+    case 4: {
+      const std::size_t begin = text.rfind('\n', at), end = text.find('\n', at);
+      if (begin == std::string::npos || end == std::string::npos) break;
+      if (random.chance(0.5)) {
+        text.erase(begin, end - begin);
+      } else {
+        text.insert(begin, text.substr(begin, end - begin));
+      }
+      break;
+    }
+    case 5:
+      text.resize(at);
+      break;
+    default:
+      if (words.empty()) break;
+      {
+        const std::string& word =
+            words[static_cast<std::size_t>(random.below(static_cast<int>(words.size())))];
+        if (random.chance(0.5)) {
+          text.insert(at, word);
+        } else {
+          text.replace(at, std::min(word.size(), text.size() - at), word);
+        }
+      }
+      break;
+  }
+}
+
+struct Arguments {
+  double seconds = 10;
+  long long count = std::numeric_limits<long long>::max();
+  unsigned long long seed = 1;
+  long long only = -1;
+};
+
+bool parse(int argc, char** argv, Arguments& arguments) {
+  for (int i = 1; i + 1 < argc; i += 2) {
+    const std::string name = argv[i];
+    char* end = nullptr;
+    if (name == "--seconds") {
+      arguments.seconds = std::strtod(argv[i + 1], &end);
+    } else if (name == "--count") {
+      arguments.count = std::strtoll(argv[i + 1], &end, 10);
+    } else if (name == "--seed") {
+      arguments.seed = std::strtoull(argv[i + 1], &end, 10);
+    } else if (name == "--only") {
+      arguments.only = std::strtoll(argv[i + 1], &end, 10);
+    }
+    if (end == nullptr || *end != '\0') return false;
+  }
+  return argc % 2 == 1;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Arguments arguments;
+  if (!parse(argc, argv, arguments)) {
+    std::fprintf(stderr, "usage: %s [--seconds N] [--count N] [--seed S] [--only INDEX]\n",
+                 argv[0]);
+    return 2;
+  }
+  for (const int signal : {SIGALRM, SIGABRT, SIGSEGV, SIGFPE, SIGBUS, SIGILL})
+    std::signal(signal, sayReplay);
+  const std::vector<std::string> seeds = leeway::fuzz::seedInputs(),
+                                 words = leeway::fuzz::dictionary();
+  const bool single = arguments.only >= 0;
+  const std::time_t begin = std::time(nullptr);
+  long long done = 0;
+  for (long long i = single ? arguments.only : 0; done < arguments.count; ++i, ++done) {
+    if (single ? done == 1 : std::difftime(std::time(nullptr), begin) >= arguments.seconds) break;
+    std::snprintf(replay_line, sizeof replay_line, "%s --seed %llu --only %lld\n", argv[0],
+                  arguments.seed, i);
+    Random random(Random(arguments.seed).bits() ^
+                  (static_cast<std::uint64_t>(i) * 0xd1342543de82ef95ull));
+    std::string input;
+    if (seeds.empty()) {
+      input = randomBytes(random);
+    } else {
+      input = seeds[static_cast<std::size_t>(random.below(static_cast<int>(seeds.size())))];
+      // The first inputs are the seeds as they are.
+      if (i < static_cast<long long>(seeds.size())) {
+        input = seeds[static_cast<std::size_t>(i)];
+      } else {
+        for (int n = 1 + random.below(6); n > 0; --n) alter(input, words, random);
+      }
+    }
+    alarm(kLongestInput);
+    LLVMFuzzerTestOneInput(reinterpret_cast<const std::uint8_t*>(input.data()), input.size());
+    alarm(0);
+  }
+  std::printf("%s: %lld inputs, seed %llu, nothing wrong\n", argv[0], done, arguments.seed);
+  return 0;
+}

@@ -1,0 +1,66 @@
+#include "tests/fuzz/text_input.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+namespace leeway::fuzz {
+namespace {
+
+struct Folder {
+  std::string path;
+  Folder() {
+    path = (std::filesystem::temp_directory_path() / ("leeway_fuzz_" + std::to_string(getpid())))
+               .string();
+    std::filesystem::create_directories(path);
+  }
+  ~Folder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path, ignored);
+  }
+};
+
+}  // namespace
+
+const std::string& scratchFolder() {
+  static const Folder folder;
+  return folder.path;
+}
+
+std::string writeInput(const std::string& name, std::span<const std::uint8_t> bytes) {
+  const std::string path = scratchFolder() + "/" + name;
+  std::ofstream stream(path, std::ios::binary | std::ios::trunc);
+  stream.write(reinterpret_cast<const char*>(bytes.data()),
+               static_cast<std::streamsize>(bytes.size()));
+  return path;
+}
+
+std::string readText(const std::string& path) {
+  std::ifstream stream(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+std::vector<std::string> sourceTexts(const std::vector<std::string>& paths) {
+  std::vector<std::string> texts;
+  for (const std::string& path : paths) {
+    std::string text = readText(std::string(LEEWAY_SOURCE_DIR) + "/" + path);
+    if (!text.empty()) texts.push_back(std::move(text));
+  }
+  return texts;
+}
+
+std::vector<std::string> sourceTextsUnder(const std::string& folder, const std::string& ending) {
+  const std::filesystem::path root = LEEWAY_SOURCE_DIR;
+  std::vector<std::string> paths;
+  std::error_code error;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(root / folder, error))
+    if (entry.path().string().ends_with(ending))
+      paths.push_back(entry.path().lexically_relative(root).string());
+  std::sort(paths.begin(), paths.end());
+  return sourceTexts(paths);
+}
+
+}  // namespace leeway::fuzz

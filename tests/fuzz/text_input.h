@@ -1,0 +1,26 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace leeway::fuzz {
+
+/// A folder of this process alone, gone when it ends well.
+const std::string& scratchFolder();
+
+/// Writes the bytes to `name` in the scratch folder and returns its path.
+std::string writeInput(const std::string& name, std::span<const std::uint8_t> bytes);
+
+/// The whole file; empty when it cannot be read.
+std::string readText(const std::string& path);
+
+/// The texts of files of this repository, `paths` from its root, those that are there.
+std::vector<std::string> sourceTexts(const std::vector<std::string>& paths);
+
+/// The texts of all files under `folder` (from the repository's root) with the given ending, in the
+/// order of their names.
+std::vector<std::string> sourceTextsUnder(const std::string& folder, const std::string& ending);
+
+}  // namespace leeway::fuzz
