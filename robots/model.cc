@@ -61,13 +61,15 @@ KinematicStep compile(const Model& model, const Joint& joint) {
 }  // namespace
 
 void planeAxes(const Eigen::Vector3d& normal, Eigen::Vector3d& u, Eigen::Vector3d& v) {
-  if (normal.z() < -1 + 1e-12) {  // opposite to z: half a turn about x
+  // R = 1 + [w] + [w]^2 / (1 + z) with w = z axis x normal. Below the horizon 1 + z cancels; (x^2 +
+  // y^2) / (1 - z) is the same.
+  const double x = normal.x(), y = normal.y(), z = normal.z(), squared = x * x + y * y;
+  if (z < 0 && !(squared > 1e-300)) {  // opposite to the z axis: half a turn about x
     u = Eigen::Vector3d::UnitX();
     v = -Eigen::Vector3d::UnitY();
     return;
   }
-  // R = 1 + [w] + [w]^2 / (1 + c) with w = z x normal, c = z . normal.
-  const double x = normal.x(), y = normal.y(), k = 1 / (1 + normal.z());
+  const double k = z < 0 ? (1 - z) / squared : 1 / (1 + z);
   u = {1 - k * x * x, -k * x * y, -x};
   v = {-k * x * y, 1 - k * y * y, -y};
 }

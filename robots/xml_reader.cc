@@ -26,9 +26,11 @@ std::string readText(const std::string& path, const std::string& kind) {
     throw InputError(path, 0, "is a folder; the path of a " + kind + " file would be accepted");
   std::ifstream stream(path, std::ios::binary);
   std::ostringstream text;
-  text << stream.rdbuf();
-  if (!stream)
-    throw InputError(path, 0, "cannot be read, or is empty; a " + kind + " file would be accepted");
+  if (stream.peek() != std::ifstream::traits_type::eof()) text << stream.rdbuf();
+  if (stream.bad() || !stream.is_open())
+    throw InputError(path, 0, "cannot be read; a " + kind + " file would be accepted");
+  if (text.str().empty())
+    throw InputError(path, 0, "is empty; a " + kind + " file would be accepted");
   return text.str();
 }
 
@@ -79,7 +81,7 @@ std::optional<double> parseNumber(std::string_view text) {
 }
 
 std::string suggestion(std::string_view wanted, std::span<const std::string> candidates) {
-  std::size_t best = std::max<std::size_t>(1, wanted.size() / 3) + 1;
+  std::size_t best = (wanted.size() + 1) / 2 + 1;  // up to half of the letters may be wrong
   const std::string* nearest = nullptr;
   for (const std::string& candidate : candidates) {
     const std::size_t distance = editDistance(wanted, candidate);
