@@ -8,8 +8,8 @@
 
 namespace leeway::collision {
 
-/// What a support function has to know of a convex shape: a core, grown by `radius`. All cores stand in the
-/// shape's own frame.
+/// What a support function has to know of a convex shape: a core, grown by `radius`. All cores
+/// stand in the shape's own frame.
 enum class Core : unsigned char {
   kPoint,      ///< the origin (sphere)
   kSegment,    ///< (0, 0, -size.z) to (0, 0, size.z) (capsule)
@@ -28,15 +28,19 @@ struct ConvexView {
   const Eigen::Vector3d* points = nullptr;
   int count = 0;
   const ConvexHull* hull = nullptr;  ///< neighbour lists of `points`; may be null
-  double radius = 0;                 ///< the shape is the core grown by this
-  double extent = 0;                 ///< no point of the core is farther from the frame's origin; rounding grows with it
-  double excess = 0;                 ///< the true shape may stand out of core + radius by this much
+  Eigen::Vector3d center =
+      Eigen::Vector3d::Zero();  ///< somewhere in the middle: where a search starts
+  double radius = 0;            ///< the shape is the core grown by this
+  double extent =
+      0;  ///< no point of the core is farther from the frame's origin; rounding grows with it
+  double excess = 0;  ///< the true shape may stand out of core + radius by this much
 };
 
 /// The view of a convex shape (not of a mesh). O(1).
 ConvexView viewOf(const Shape& shape);
 
-/// The hull of `count` >= 1 points, grown by radius: triangles, boxes of a hierarchy and the like. O(count).
+/// The hull of `count` >= 1 points, grown by radius: triangles, boxes of a hierarchy and the like.
+/// O(count).
 ConvexView viewOfPoints(const Eigen::Vector3d* points, int count, double radius);
 
 /// X_BA of two poses in a common frame, translations subtracted first, and what it is worth.
@@ -44,22 +48,24 @@ struct RelativePose {
   Pose X_BA;
   /// Poses are finite and their rotations orthogonal within kRotationTolerance.
   bool valid = false;
-  /// Rounding and departure from orthogonality, as a fraction: true distances differ from those under X_BA by at
-  /// most slack * (extent of A + extent of B + |X_BA.translation|).
+  /// Rounding and departure from orthogonality, as a fraction: true distances differ from those
+  /// under X_BA by at most slack * (extent of A + extent of B + |X_BA.translation|).
   double slack = 0;
 };
 RelativePose relativePose(const Pose& X_WA, const Pose& X_WB);
 
-/// Signed separation of two convex pieces, in frame B: points and normal are in B. X_BA is taken as the affine
-/// map that it is; what is known of its own error goes into `slack` [m], by which both ends are widened
-/// (before thresholds and tolerance are looked at). cache may be null.
-DistanceResult convexDistance(const ConvexView& a, const Pose& X_BA, const ConvexView& b, const DistanceRequest& request,
-                              Scratch& scratch, PairCache* cache, double slack = 0);
+/// Signed separation of two convex pieces, in frame B: points and normal are in B. X_BA is taken as
+/// the affine map that it is; what is known of its own error goes into `slack` [m], by which both
+/// ends are widened (before thresholds and tolerance are looked at). cache may be null.
+DistanceResult convexDistance(const ConvexView& a, const Pose& X_BA, const ConvexView& b,
+                              const DistanceRequest& request, Scratch& scratch, PairCache* cache,
+                              double slack = 0);
 
-/// Lower bound on the separation of B from the hull of A's placements at X_BA0 and X_BA1, less `growth`; as
-/// sweptDistance().
-DistanceResult convexSweptDistance(const ConvexView& a, const Pose& X_BA0, const Pose& X_BA1, double growth,
-                                   const ConvexView& b, const DistanceRequest& request, Scratch& scratch,
+/// Lower bound on the separation of B from the hull of A's placements at X_BA0 and X_BA1, less
+/// `growth`; as sweptDistance().
+DistanceResult convexSweptDistance(const ConvexView& a, const Pose& X_BA0, const Pose& X_BA1,
+                                   double growth, const ConvexView& b,
+                                   const DistanceRequest& request, Scratch& scratch,
                                    PairCache* cache, double slack = 0);
 
 }  // namespace leeway::collision

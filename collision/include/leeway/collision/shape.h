@@ -1,12 +1,11 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <memory>
 #include <span>
 #include <stdexcept>
 #include <string>
 #include <vector>
-
-#include <Eigen/Core>
 
 namespace leeway::collision {
 
@@ -28,15 +27,16 @@ enum class ShapeType : unsigned char {
 /// "sphere", "capsule", ...: the word used in files and messages.
 const char* toString(ShapeType type);
 
-/// Thrown by the factories of Shape (never by a query) when a size is not finite or negative, or when
-/// a hull or mesh has no points. The message names the size, its value and what would be accepted.
+/// Thrown by the factories of Shape (never by a query) when a size is not finite or negative, or
+/// when a hull or mesh has no points. The message names the size, its value and what would be
+/// accepted.
 class InvalidShape : public std::invalid_argument {
  public:
   using std::invalid_argument::invalid_argument;
 };
 
-/// A body in its own frame G: immutable, cheap to copy (vertices are shared). Zero sizes are allowed
-/// (a sphere of radius 0 is a point, a box with a zero half extent a rectangle).
+/// A body in its own frame G: immutable, cheap to copy (vertices are shared). Zero sizes are
+/// allowed (a sphere of radius 0 is a point, a box with a zero half extent a rectangle).
 class Shape {
  public:
   /// Centre at the origin. radius >= 0 [m].
@@ -62,8 +62,8 @@ class Shape {
   ShapeType type() const { return type_; }
   /// True for all types but kMesh.
   bool isConvex() const { return type_ != ShapeType::kMesh; }
-  double radius() const { return radius_; }            // sphere, capsule, cylinder, cone
-  double halfLength() const { return half_length_; }   // capsule, cylinder, cone
+  double radius() const { return radius_; }           // sphere, capsule, cylinder, cone
+  double halfLength() const { return half_length_; }  // capsule, cylinder, cone
   const Eigen::Vector3d& halfExtents() const { return half_extents_; }  // box; ellipsoid: semi-axes
   const ConvexHull* hull() const { return hull_.get(); }
   const TriangleMesh* mesh() const { return mesh_.get(); }
@@ -73,7 +73,8 @@ class Shape {
   /// the radius is infinite for a half-space.
   const Eigen::Vector3d& boundingCenter() const { return bounding_center_; }
   double boundingRadius() const { return bounding_radius_; }
-  /// No point of the shape is farther from the origin of G than this [m]; infinite for a half-space.
+  /// No point of the shape is farther from the origin of G than this [m]; infinite for a
+  /// half-space.
   double extent() const { return extent_; }
 
  private:

@@ -7,8 +7,9 @@ namespace leeway::collision {
 /// Unit roundoff of double precision: a correctly rounded operation errs by at most this fraction.
 inline constexpr double kUnitRoundoff = 0x1p-53;
 
-/// Rounding of one support plane or witness distance, as a multiple of kUnitRoundoff * (extents + |translation|); derived
-/// in gjk.cc (about 26 are needed). Smaller breaks the guarantee; larger only widens every interval.
+/// Rounding of one support plane or witness distance, as a multiple of kUnitRoundoff * (extents +
+/// |translation|); derived in gjk.cc (about 26 are needed). Smaller breaks the guarantee; larger
+/// only widens every interval.
 inline constexpr double kSupportRounding = 32;
 
 /// Rounding of a closed form, in the same unit; derived in closed_form.cc.
@@ -17,29 +18,34 @@ inline constexpr double kClosedFormRounding = 32;
 /// Rounding of X_BA made from two world poses, in the same unit; derived in convex.cc.
 inline constexpr double kPoseRounding = 24;
 
-/// Largest departure ||R^T R - 1|| (Frobenius) of a matrix that is still taken for a rotation; above, a query is kInvalid. The departure itself always is part of the interval's width.
+/// Largest departure ||R^T R - 1|| (Frobenius) of a matrix that is still taken for a rotation;
+/// above, a query is kInvalid. The departure itself always is part of the interval's width.
 inline constexpr double kRotationTolerance = 1e-6;
 
-/// Sums of sizes and distances outside [kSmallestScale, kLargestScale] [m] are answered from bounding spheres, because products
-/// of four lengths would leave the range of double.
+/// Sums of sizes and distances outside [kSmallestScale, kLargestScale] [m] are answered from
+/// bounding spheres, because products of four lengths would leave the range of double.
 inline constexpr double kLargestScale = 1e60;
 inline constexpr double kSmallestScale = 1e-60;
 
-/// Squared length of the part of a unit direction across the axis below which a round cap is asked at its centre: it moves the support
-/// value by less than 1e-140 of the radius, and keeps the square root away from denormal numbers. No unit.
+/// Squared length of the part of a unit direction across the axis below which a round cap is asked
+/// at its centre: it moves the support value by less than 1e-140 of the radius, and keeps the
+/// square root away from denormal numbers. No unit.
 inline constexpr double kAcrossAxisSquared = 1e-280;
 
-/// From this many vertices on the support of a hull climbs along its edges; below, scanning all is cheaper (measured).
+/// From this many vertices on the support of a hull climbs along its edges; below, scanning all is
+/// cheaper (measured).
 inline constexpr int kClimbFrom = 32;
 
 // Scene (coarse_shape.cc, scene.cc)
 
-/// Relative rounding of a point's distance to a placed box, cylinder or ball: some twenty operations of 1.2e-16
-/// each, with room for a rotation that departs from orthogonality by the same. Smaller risks a bound that does not hold.
+/// Relative rounding of a point's distance to a placed box, cylinder or ball: some twenty
+/// operations of 1.2e-16 each, with room for a rotation that departs from orthogonality by the
+/// same. Smaller risks a bound that does not hold.
 inline constexpr double kCoarseRounding = 2e-14;
 
-/// Inner balls are made smaller by this much (relative, and in metres at coordinates of 1 m), far above the rounding of a plane
-/// through three vertices that are not a sliver, far below anything that costs a proof.
+/// Inner balls are made smaller by this much (relative, and in metres at coordinates of 1 m), far
+/// above the rounding of a plane through three vertices that are not a sliver, far below anything
+/// that costs a proof.
 inline constexpr double kInnerBallSlack = 1e-9;
 
 /// Composition of two poses and the distance of two centres, relative to the coordinates at play.
@@ -47,17 +53,20 @@ inline constexpr double kTransferRounding = 1e-14;
 
 // Hulls and meshes (hull_builder.cc, convex_hull.cc, mesh_tree.cc, hull_excess.cc)
 
-/// Largest coordinate that hulls and meshes accept [m]: their exact predicates multiply three, the engine four.
+/// Largest coordinate that hulls and meshes accept [m]: their exact predicates multiply three, the
+/// engine four.
 inline constexpr double kLargestCoordinate = 1e60;
 
-/// Rounding of a distance of a point from a triangle or of a radius, as a fraction of the coordinates at play, used
-/// while hulls and meshes are built. About 20 units in the last place are needed.
+/// Rounding of a distance of a point from a triangle or of a radius, as a fraction of the
+/// coordinates at play, used while hulls and meshes are built. About 20 units in the last place are
+/// needed.
 inline constexpr double kRelativeRounding = 1e-14;
 
 /// Hulls with fewer vertices get no neighbour lists: scanning them is cheaper.
 inline constexpr int kMinClimbVertices = 32;
 
-/// The excess of a mesh's hull is refined until it is within this ratio of a distance that was met, ...
+/// The excess of a mesh's hull is refined until it is within this ratio of a distance that was met,
+/// ...
 inline constexpr double kExcessRatio = 1.05;
 /// ... or below this [m], far less than what any planner asks for, ...
 inline constexpr double kExcessTolerance = 1e-7;

@@ -1,0 +1,146 @@
+#include "collision/closed_form.h"
+
+#include <algorithm>
+
+namespace leeway::collision {
+
+// Rounding: every result below is a chain of clamps (exact), one difference per coordinate (1 unit
+// of extent + |p|), a norm (3 units) and, for cylinder and cone, a distance from the axis (3 units)
+// and a product with a unit vector (4 units). A square root of a sum of squares does not amplify
+// absolute errors. Less than 16 units in all; kClosedFormRounding doubles that.
+
+namespace {
+
+Vector unitOr(const Vector& v, double norm, const Vector& otherwise) {
+  return norm > 0 ? Vector(v / norm) : otherwise;
+}
+
+PointDistance fromPoint(const Vector& p, const Vector& nearest) {
+  const Vector d = p - nearest;
+  const double norm = d.norm();
+  return {norm, nearest, unitOr(d, norm, Vector::UnitX())};
+}
+
+PointDistance fromSegment(double half_length, const Vector& p) {
+  const Vector d(p.x(), p.y(), p.z() - std::clamp(p.z(), -half_length, half_length));
+  const double norm = d.norm();
+  // A point on the segment leaves it sideways; off its ends that cannot be (norm is 0 there only).
+  return {norm, Vector(0, 0, std::clamp(p.z(), -half_length, half_length)),
+          unitOr(d, norm, Vector::UnitX())};
+}
+
+PointDistance fromBox(const Vector& half, const Vector& p) {
+  const Vector nearest = p.cwiseMin(half).cwiseMax(-half);
+  const Vector d = p - nearest;
+  const double norm_squared = d.squaredNorm();
+  if (norm_squared > 0) {
+    const double norm = std::sqrt(norm_squared);
+    return {norm, nearest, d / norm};
+  }
+  // Inside: out through the nearest face. (Also when d is so small that its square is 0: an error
+  // of 1e-160.)
+  int axis = 0;
+  const double depth = (half - p.cwiseAbs()).minCoeff(&axis);
+  PointDistance result{-std::max(depth, 0.0), nearest, Vector::Zero()};
+  result.normal[axis] = std::copysign(1.0, p[axis]);
+  result.nearest[axis] = std::copysign(half[axis], p[axis]);
+  return result;
+}
+
+// A body of revolution: the half plane through the axis and p, with coordinates (across, along).
+struct HalfPlane {
+  double across;
+  Vector radial;  // unit
+
+  explicit HalfPlane(const Vector& p) {
+    across = std::sqrt(p.x() * p.x() + p.y() * p.y());
+    radial = across > 0 ? Vector(p.x() / across, p.y() / across, 0) : Vector(1, 0, 0);
+  }
+  Vector point(double r, double z) const { return {r * radial.x(), r * radial.y(), z}; }
+};
+
+PointDistance fromCylinder(double radius, double half_length, const Vector& p) {
+  const HalfPlane plane(p);
+  const double out = plane.across - radius, above = std::abs(p.z()) - half_length;
+  const double end = std::copysign(half_length, p.z());
+  const Vector up(0, 0, std::copysign(1.0, p.z()));
+  if (out <= 0 && above <= 0) {
+    if (out > above) return {out, plane.point(radius, p.z()), plane.radial};
+    return {above, plane.point(plane.across, end), up};
+  }
+  if (above <= 0) return {out, plane.point(radius, p.z()), plane.radial};
+  if (out <= 0) return {above, plane.point(plane.across, end), up};
+  const double norm = std::sqrt(out * out + above * above);
+  return {norm, plane.point(radius, end), (out / norm) * plane.radial + (above / norm) * up};
+}
+
+PointDistance fromCone(double radius, double half_length, const Vector& p) {
+  const HalfPlane plane(p);
+  // The slant runs from the rim (radius, -half_length) to the apex (0, half_length); its outward
+  // normal is (2 half_length, radius).
+  const double slant = std::hypot(2 * half_length, radius);
+  if (!(slant > 0)) return fromPoint(p, Vector::Zero());
+  const double normal_across = 2 * half_length / slant, normal_along = radius / slant;
+  const double from_slant = plane.across * normal_across + (p.z() - half_length) * normal_along;
+  const double from_base = -half_length - p.z();
+  if (from_slant <= 0 && from_base <= 0) {
+    if (from_base > from_slant) {
+      return {from_base, plane.point(plane.across, -half_length), -Vector::UnitZ()};
+    }
+    return {
+        from_slant,
+        plane.point(plane.across - from_slant * normal_across, p.z() - from_slant * normal_along),
+        normal_across * plane.radial + normal_along * Vector::UnitZ()};
+  }
+  // Outside: the nearer of base and slant.
+  const double base_across = std::min(plane.across, radius);
+  // Way along the slant from the rim, as a fraction.
+  const double t =
+      std::clamp(((radius - plane.across) * radius + (p.z() + half_length) * 2 * half_length) /
+                     (slant * slant),
+                 0.0, 1.0);
+  const double slant_across = radius * (1 - t), slant_along = half_length * (2 * t - 1);
+  const double base_norm = std::hypot(plane.across - base_across, from_base);
+  const double slant_norm = std::hypot(plane.across - slant_across, p.z() - slant_along);
+  const double across = base_norm < slant_norm ? base_across : slant_across;
+  const double along = base_norm < slant_norm ? -half_length : slant_along;
+  const double norm = std::min(base_norm, slant_norm);
+  const Vector d = (plane.across - across) * plane.radial + (p.z() - along) * Vector::UnitZ();
+  return {norm, plane.point(across, along),
+          unitOr(d, norm, normal_across * plane.radial + normal_along * Vector::UnitZ())};
+}
+
+}  // namespace
+
+bool hasPointDistance(Core core) { return core != Core::kPoints && core != Core::kEllipsoid; }
+
+PointDistance pointDistance(const ConvexView& view, const Vector& p) {
+  switch (view.core) {
+    case Core::kSegment:
+      return fromSegment(view.size.z(), p);
+    case Core::kBox:
+      return fromBox(view.size, p);
+    case Core::kCylinder:
+      return fromCylinder(view.size.x(), view.size.z(), p);
+    case Core::kCone:
+      return fromCone(view.size.x(), view.size.z(), p);
+    case Core::kHalfSpace:
+      return {p.z(), Vector(p.x(), p.y(), 0), Vector::UnitZ()};
+    default:
+      return fromPoint(p, Vector::Zero());
+  }
+}
+
+void nearestOnSegments(const Vector& c0, const Vector& h0, const Vector& c1, const Vector& h1,
+                       double& s0, double& s1) {
+  const Vector r = c0 - c1;
+  const double a = h0.squaredNorm(), e = h1.squaredNorm(), b = h0.dot(h1);
+  const double c = h0.dot(r), f = h1.dot(r);
+  const double denominator = a * e - b * b;
+  // Parallel or without length: any start is right, the clamps below do the rest.
+  s0 = denominator > 0 ? std::clamp((b * f - c * e) / denominator, -1.0, 1.0) : 0;
+  s1 = e > 0 ? std::clamp((b * s0 + f) / e, -1.0, 1.0) : 0;
+  s0 = a > 0 ? std::clamp((b * s1 - c) / a, -1.0, 1.0) : 0;
+}
+
+}  // namespace leeway::collision

@@ -1,0 +1,388 @@
+#include "collision/convex.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "collision/closed_form.h"
+#include "collision/gjk.h"
+#include "collision/penetration.h"
+#include "collision/scratch.h"
+#include "collision/support.h"
+
+namespace leeway::collision {
+
+namespace {
+
+// A norm of three squares errs by less than 3 units of roundoff; this rounds outwards.
+constexpr double kOutwards = 1 + 0x1p-50;
+
+}  // namespace
+
+ConvexView viewOf(const Shape& shape) {
+  ConvexView view;
+  view.extent = shape.extent();
+  switch (shape.type()) {
+    case ShapeType::kSphere:
+      view.core = Core::kPoint;
+      view.radius = shape.radius();
+      view.extent = 0;
+      break;
+    case ShapeType::kCapsule:
+      view.core = Core::kSegment;
+      view.radius = shape.radius();
+      view.size.z() = shape.halfLength();
+      view.extent = shape.halfLength();
+      break;
+    case ShapeType::kBox:
+      view.core = Core::kBox;
+      view.size = shape.halfExtents();
+      break;
+    case ShapeType::kCylinder:
+    case ShapeType::kCone:
+      view.core = shape.type() == ShapeType::kCylinder ? Core::kCylinder : Core::kCone;
+      view.size = Vector(shape.radius(), 0, shape.halfLength());
+      break;
+    case ShapeType::kEllipsoid:
+      view.core = Core::kEllipsoid;
+      view.size = shape.halfExtents();
+      break;
+    case ShapeType::kHalfSpace:
+      view.core = Core::kHalfSpace;
+      break;
+    case ShapeType::kConvexHull:
+      view.core = Core::kPoints;
+      view.points = shape.hull()->vertices().data();
+      view.count = static_cast<int>(shape.hull()->vertices().size());
+      view.hull = shape.hull();
+      view.excess = shape.hull()->excess();
+      view.center = shape.boundingCenter();
+      break;
+    case ShapeType::kMesh:
+      break;  // not convex: never asked
+  }
+  return view;
+}
+
+ConvexView viewOfPoints(const Vector* points, int count, double radius) {
+  ConvexView view;
+  view.core = Core::kPoints;
+  view.points = points;
+  view.count = count;
+  view.radius = radius;
+  double extent_squared = 0;
+  Vector lowest = points[0], highest = points[0];
+  for (int i = 0; i < count; ++i) {
+    extent_squared = std::max(extent_squared, points[i].squaredNorm());
+    lowest = lowest.cwiseMin(points[i]);
+    highest = highest.cwiseMax(points[i]);
+  }
+  view.extent = std::sqrt(extent_squared) * kOutwards;
+  view.center = 0.5 * (lowest + highest);
+  return view;
+}
+
+// Rounding of X_BA, in units of roundoff (Frobenius norms; rows and columns of a rotation have
+// length 1):
+//   R_B^T R_A: each entry errs by 3, the matrix by 9; R_B^T (t_A - t_B): 1 + 3 sqrt(3) of |t|
+//   the departure E = R^T R - 1 of each rotation is itself computed with an error of 9.
+// R_B^T stands for the inverse of R_B: with R_B = Q (1 + F) and |F| <= |E|/2 (1 + small), using it
+// instead of Q^T moves points of A by |F| (extent A + |t|) and points of B by |E| extent B. R_A is
+// taken as the matrix that it is, but a caller may have meant the rotation next to it: |E_A| extent
+// A. In sum departures plus at most 9 + 9/2 + 9 units.
+RelativePose relativePose(const Pose& X_WA, const Pose& X_WB) {
+  RelativePose result;
+  const auto departure = [](const Eigen::Matrix3d& r) {
+    const double xx = r.col(0).squaredNorm() - 1, yy = r.col(1).squaredNorm() - 1,
+                 zz = r.col(2).squaredNorm() - 1;
+    const double xy = r.col(0).dot(r.col(1)), yz = r.col(1).dot(r.col(2)),
+                 zx = r.col(2).dot(r.col(0));
+    return xx * xx + yy * yy + zz * zz + 2 * (xy * xy + yz * yz + zx * zx);
+  };
+  const double departure_a = departure(X_WA.rotation), departure_b = departure(X_WB.rotation);
+  // Written so that NaN and infinity fail: x - x is 0 for finite x only.
+  constexpr double kLimit = kRotationTolerance * kRotationTolerance;
+  const Vector zero = (X_WA.translation - X_WA.translation) + (X_WB.translation - X_WB.translation);
+  if (!(departure_a <= kLimit && departure_b <= kLimit) || !(zero.squaredNorm() == 0)) {
+    return result;
+  }
+  result.valid = true;
+  result.slack = std::sqrt(departure_a) + std::sqrt(departure_b) + kPoseRounding * kUnitRoundoff;
+  result.X_BA.rotation.noalias() = X_WB.rotation.transpose() * X_WA.rotation;
+  result.X_BA.translation.noalias() =
+      X_WB.rotation.transpose() * (X_WA.translation - X_WB.translation);
+  return result;
+}
+
+namespace {
+
+DistanceResult resultOf(const Progress& progress) {
+  const CoreQuery& query = progress.query();
+  DistanceResult result;
+  result.distance = {progress.lower(), progress.upper()};
+  result.status = progress.status();
+  result.normal = progress.normal();
+  result.iterations = progress.iterations;
+  // Along the witnesses when apart; the plane's normal where they (nearly) coincide or are inside.
+  const Vector& w = progress.witnessW();
+  const double norm = w.norm();
+  const bool apart = w.dot(result.normal) > 0 && norm > 16 * query.roundoff;
+  const Vector towards_b = apart ? Vector(w / norm) : result.normal;
+  result.point_a = progress.witnessA() + query.radius_a * towards_b;
+  result.point_b = progress.witnessA() + w - query.radius_b * towards_b;
+  return result;
+}
+
+// Everything between which rounding is known; outside, spheres around the frames' origins answer.
+bool withinScale(double size) { return size >= kSmallestScale && size <= kLargestScale; }
+
+// From spheres around the frames' origins: at least |t| - extents, and no two points are farther
+// than |t| + extents.
+DistanceResult coarseDistance(const ConvexView& a, const Vector& t, const ConvexView& b,
+                              const DistanceRequest& request, double slack) {
+  const double apart = std::hypot(t.x(), t.y(), t.z());
+  const double size = a.extent + b.extent;
+  const double radii = a.radius + b.radius;
+  const double rounding = 16 * kUnitRoundoff * (apart + size + radii + a.excess + b.excess) + slack;
+  DistanceResult result;
+  result.distance.lower = apart - size - radii - a.excess - b.excess - rounding;
+  result.distance.upper = apart + size - radii + rounding;
+  if (std::isnan(result.distance.lower) || result.distance.lower > 1e308) {
+    result.distance.lower = -std::numeric_limits<double>::infinity();
+  }
+  if (std::isnan(result.distance.upper)) {
+    result.distance.upper = std::numeric_limits<double>::infinity();
+  }
+  result.normal = apart > 0 && apart <= 1e308 ? Vector(-t / apart) : Vector::UnitX();
+  if (!(std::abs(result.normal.squaredNorm() - 1) < 1e-6)) result.normal = Vector::UnitX();
+  result.point_a = apart <= 1e308 ? t : Vector::Zero();
+  result.point_b = Vector::Zero();
+  const Interval& d = result.distance;
+  result.status = d.upper - d.lower <= request.tolerance ? DistanceStatus::kConverged
+                  : d.lower > request.threshold          ? DistanceStatus::kAboveThreshold
+                  : d.upper <= request.threshold         ? DistanceStatus::kNotAboveThreshold
+                  : !request.depth && d.upper <= 0       ? DistanceStatus::kOverlap
+                                                         : DistanceStatus::kLimit;
+  return result;
+}
+
+CoreQuery coreQuery(const ConvexView& a, const ConvexView& b, double translation,
+                    const DistanceRequest& request, double slack, double rounding_units) {
+  CoreQuery query;
+  query.request = request;
+  query.radius_a = a.radius;
+  query.radius_b = b.radius;
+  query.roundoff = kUnitRoundoff * (a.extent + b.extent + translation);
+  // Sums of radii and their subtraction: a few roundings of each.
+  const double radii = a.radius + b.radius;
+  const double rounding = rounding_units * query.roundoff + 4 * kUnitRoundoff * radii + slack;
+  query.lower_offset = radii + a.excess + b.excess + rounding;
+  query.upper_offset = radii - rounding;
+  return query;
+}
+
+// B is the half-space z <= 0 of its frame: the lowest point of A decides, apart or overlapping.
+DistanceResult fromHalfSpace(const ConvexView& a, const Pose& X_BA, const DistanceRequest& request,
+                             double slack) {
+  const double translation = X_BA.translation.norm();
+  const CoreQuery query = [&] {
+    ConvexView plane;
+    return coreQuery(a, plane, translation, request, slack, kSupportRounding);
+  }();
+  Progress progress(query);
+  progress.iterations = 1;
+  int hint = 0;
+  const Vector down = -X_BA.rotation.row(2).transpose();
+  const Vector lowest = X_BA * farthest(a, down, hint, true);
+  const Vector w(0, 0, -lowest.z());
+  const double height = lowest.z();
+  progress.offerLower(height, -Vector::UnitZ(), true);
+  progress.offerWitness(height, w, lowest);
+  return resultOf(progress);
+}
+
+// The same with A and B exchanged, brought back into B's frame. X_BA's inverse is its transpose
+// only to within its departure from orthogonality, which `slack` must hold.
+DistanceResult exchanged(DistanceResult result, const Pose& X_BA) {
+  const Vector point_a = X_BA * result.point_b;
+  result.point_b = X_BA * result.point_a;
+  result.point_a = point_a;
+  result.normal = -(X_BA.rotation * result.normal);
+  return result;
+}
+
+// A is a point at p in B's frame.
+DistanceResult fromPoint(const ConvexView& a, const Vector& p, const ConvexView& b,
+                         const DistanceRequest& request, double slack) {
+  const CoreQuery query = coreQuery(a, b, p.norm(), request, slack, kClosedFormRounding);
+  Progress progress(query);
+  progress.iterations = 1;
+  const PointDistance d = pointDistance(b, p);
+  progress.offerLower(d.distance, -d.normal, true);
+  progress.offerWitness(d.distance, d.nearest - p, p);
+  return resultOf(progress);
+}
+
+// Two segments: candidate points and direction are offered and certified like any others. False
+// when they do not suffice.
+bool trySegments(const ConvexView& a, const Pose& X_BA, const ConvexView& b, Progress& progress) {
+  const Vector half_a = X_BA.rotation.col(2) * a.size.z();
+  const Vector half_b(0, 0, b.size.z());
+  double s_a = 0, s_b = 0;
+  nearestOnSegments(X_BA.translation, half_a, Vector::Zero(), half_b, s_a, s_b);
+  const Vector p = X_BA.translation + s_a * half_a;
+  const Vector w = s_b * half_b - p;
+  const double norm = w.norm();
+  ++progress.iterations;
+  progress.offerWitness(norm, w, p);
+  // Lowest point of the difference along n: its centre less what the halves can add.
+  const auto offer = [&](const Vector& n) {
+    const double value =
+        -n.dot(X_BA.translation) - std::abs(n.dot(half_a)) - std::abs(n.dot(half_b));
+    progress.offerLower(value, n, true);
+  };
+  if (norm > 0) offer(w / norm);
+  if (progress.enough()) return true;
+  // (Nearly) crossing: the common perpendicular is the better direction.
+  Vector across = cross(half_a, half_b);
+  const double across_norm = across.norm();
+  if (!(across_norm > 0)) return false;
+  across /= across_norm;
+  offer(across.dot(w) < 0 ? Vector(-across) : across);
+  return progress.enough();
+}
+
+// Where GJK looks first: the cached direction if it is one, else from A's middle to B's.
+Vector firstDirection(const ConvexView& a, const Pose& X_BA, const ConvexView& b,
+                      const PairCache* cache) {
+  if (cache != nullptr) {
+    const double norm_squared = cache->direction_B.squaredNorm();
+    if (norm_squared > 0.25 && norm_squared < 4) {  // NaN fails
+      return cache->direction_B / std::sqrt(norm_squared);
+    }
+  }
+  const Vector middle = b.center - X_BA * a.center;
+  const double norm = middle.norm();
+  return norm > 0 ? Vector(middle / norm) : Vector::UnitX();
+}
+
+void remember(const Progress& progress, int vertex_a, int vertex_b, PairCache* cache) {
+  if (cache == nullptr) return;
+  cache->direction_B = progress.normal();
+  cache->vertex_a = vertex_a;
+  cache->vertex_b = vertex_b;
+}
+
+Vector anyPoint(const ConvexView& view) {
+  return view.core == Core::kPoints ? view.points[0] : Vector::Zero();
+}
+
+}  // namespace
+
+DistanceResult convexDistance(const ConvexView& a, const Pose& X_BA, const ConvexView& b,
+                              const DistanceRequest& request, Scratch& scratch, PairCache* cache,
+                              double slack) {
+  if (a.core == Core::kHalfSpace) {
+    if (b.core == Core::kHalfSpace) return {};
+    return exchanged(fromHalfSpace(b, X_BA.inverse(), request, slack), X_BA);
+  }
+  const double translation = X_BA.translation.norm();
+  const double b_extent = b.core == Core::kHalfSpace ? 0 : b.extent;
+  if (!withinScale(a.extent + b_extent + translation + a.radius + b.radius)) {
+    if (b.core != Core::kHalfSpace) {
+      return coarseDistance(a, X_BA.translation, b, request, slack);
+    }
+  }
+  if (b.core == Core::kHalfSpace) return fromHalfSpace(a, X_BA, request, slack);
+  if (a.core == Core::kPoint && hasPointDistance(b.core)) {
+    return fromPoint(a, X_BA.translation, b, request, slack);
+  }
+  if (b.core == Core::kPoint && hasPointDistance(a.core)) {
+    return exchanged(fromPoint(b, X_BA.inverse().translation, a, request, slack), X_BA);
+  }
+
+  const CoreQuery query = coreQuery(a, b, translation, request, slack, kSupportRounding);
+  Progress progress(query);
+  if (a.core == Core::kSegment && b.core == Core::kSegment && trySegments(a, X_BA, b, progress)) {
+    return resultOf(progress);
+  }
+  Difference<false> difference(a, b, X_BA, X_BA);
+  if (cache != nullptr) difference.setHints(cache->vertex_a, cache->vertex_b);
+  if (request.iteration_limit <= 0) {
+    const Vector p = X_BA * anyPoint(a);
+    const Vector w = anyPoint(b) - p;
+    progress.offerWitness(w.norm(), w, p);
+    if (translation > 0) {
+      progress.offerLower(translation - a.extent - b.extent, -X_BA.translation / translation, true);
+    } else {
+      progress.offerLower(-a.extent - b.extent, Vector::UnitX(), true);
+    }
+    return resultOf(progress);
+  }
+  Simplex simplex;
+  const GjkEnd end = runGjk(difference, firstDirection(a, X_BA, b, cache), progress, simplex);
+  const bool open = end == GjkEnd::kInside || end == GjkEnd::kStagnated;
+  if (open && !progress.enough() &&
+      (end == GjkEnd::kInside || progress.upper() - progress.lower() > query.lower_offset -
+                                                                           query.upper_offset +
+                                                                           8 * query.roundoff)) {
+    growPolytope(difference, simplex, scratch.impl().polytope, progress);
+  }
+  checkLower(difference, progress);
+  remember(progress, difference.hintA(), difference.hintB(), cache);
+  return resultOf(progress);
+}
+
+DistanceResult convexSweptDistance(const ConvexView& a, const Pose& X_BA0, const Pose& X_BA1,
+                                   double growth, const ConvexView& b,
+                                   const DistanceRequest& request, Scratch& scratch,
+                                   PairCache* cache, double slack) {
+  // The sweep's own slack is taken off the lower end only: the placements themselves have no
+  // growth.
+  DistanceRequest swept_request = request;
+  swept_request.depth = true;
+  if (a.core == Core::kHalfSpace || b.core == Core::kHalfSpace) {
+    DistanceResult first = convexDistance(a, X_BA0, b, swept_request, scratch, nullptr, slack);
+    const DistanceResult second =
+        convexDistance(a, X_BA1, b, swept_request, scratch, nullptr, slack);
+    if (first.status == DistanceStatus::kInvalid) return first;
+    const double lower = std::min(first.distance.lower, second.distance.lower);
+    if (second.distance.upper < first.distance.upper) first = second;
+    // The hull of two half-spaces is everything unless they are parallel, which rounding hides.
+    first.distance.lower = a.core == Core::kHalfSpace
+                               ? -std::numeric_limits<double>::infinity()
+                               : lower - growth - kUnitRoundoff * (std::abs(lower) + growth);
+    const Interval& d = first.distance;
+    first.status = d.lower > request.threshold              ? DistanceStatus::kAboveThreshold
+                   : d.upper <= request.threshold           ? DistanceStatus::kNotAboveThreshold
+                   : d.upper - d.lower <= request.tolerance ? DistanceStatus::kConverged
+                                                            : DistanceStatus::kLimit;
+    return first;
+  }
+  const double translation = std::max(X_BA0.translation.norm(), X_BA1.translation.norm());
+  if (!withinScale(a.extent + b.extent + translation + a.radius + b.radius)) {
+    // The middle of the chord, with its half length for a radius.
+    ConvexView grown = a;
+    const Vector half = 0.5 * X_BA1.translation - 0.5 * X_BA0.translation;
+    grown.radius += growth + std::hypot(half.x(), half.y(), half.z()) * kOutwards;
+    DistanceResult result = coarseDistance(grown, 0.5 * X_BA0.translation + 0.5 * X_BA1.translation,
+                                           b, swept_request, slack);
+    result.distance.upper = std::numeric_limits<double>::infinity();
+    if (!(result.distance.lower > request.threshold)) result.status = DistanceStatus::kLimit;
+    return result;
+  }
+  CoreQuery query = coreQuery(a, b, translation, swept_request, slack, kSupportRounding);
+  query.lower_offset += growth * kOutwards;
+  Progress progress(query);
+  Difference<true> difference(a, b, X_BA0, X_BA1);
+  if (cache != nullptr) difference.setHints(cache->vertex_a, cache->vertex_b);
+  const Pose middle{X_BA0.rotation, 0.5 * (X_BA0.translation + X_BA1.translation)};
+  Simplex simplex;
+  if (request.iteration_limit > 0) {
+    runGjk(difference, firstDirection(a, middle, b, cache), progress, simplex);
+    checkLower(difference, progress);
+  }
+  remember(progress, difference.hintA(), difference.hintB(), cache);
+  return resultOf(progress);
+}
+
+}  // namespace leeway::collision

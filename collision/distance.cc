@@ -1,0 +1,54 @@
+#include "leeway/collision/distance.h"
+
+#include "collision/convex.h"
+#include "collision/mesh_distance.h"
+#include "collision/scratch.h"
+
+namespace leeway::collision {
+
+Scratch::Scratch() : impl_(std::make_unique<Impl>()) {}
+Scratch::~Scratch() = default;
+Scratch::Scratch(Scratch&&) noexcept = default;
+Scratch& Scratch::operator=(Scratch&&) noexcept = default;
+
+namespace {
+
+double finiteExtent(const ConvexView& view) {
+  return view.core == Core::kHalfSpace ? 0 : view.extent;
+}
+
+}  // namespace
+
+DistanceResult distance(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
+                        const DistanceRequest& request, Scratch& scratch, PairCache* cache) {
+  if (!a.isConvex() || !b.isConvex()) {
+    return meshDistance(a, X_WA, b, X_WB, request, scratch, cache);
+  }
+  const RelativePose relative = relativePose(X_WA, X_WB);
+  if (!relative.valid) return {};
+  const ConvexView view_a = viewOf(a), view_b = viewOf(b);
+  const double slack = relative.slack * (finiteExtent(view_a) + finiteExtent(view_b) +
+                                         relative.X_BA.translation.norm());
+  DistanceResult result =
+      convexDistance(view_a, relative.X_BA, view_b, request, scratch, cache, slack);
+  result.point_a = X_WB * result.point_a;
+  result.point_b = X_WB * result.point_b;
+  result.normal = X_WB.rotation * result.normal;
+  return result;
+}
+
+DistanceResult sweptDistance(const Shape& a, const Pose& X_BA0, const Pose& X_BA1, double growth,
+                             const Shape& b, const DistanceRequest& request, Scratch& scratch,
+                             PairCache* cache) {
+  if (!a.isConvex() || !b.isConvex()) {
+    return meshSweptDistance(a, X_BA0, X_BA1, growth, b, request, scratch, cache);
+  }
+  const RelativePose pose0 = relativePose(X_BA0, {}), pose1 = relativePose(X_BA1, {});
+  // Written so that a NaN fails.
+  if (!pose0.valid || !pose1.valid || !(growth >= 0)) return {};
+  const ConvexView view_a = viewOf(a), view_b = viewOf(b);
+  const double slack = std::max(pose0.slack, pose1.slack) * finiteExtent(view_a);
+  return convexSweptDistance(view_a, X_BA0, X_BA1, growth, view_b, request, scratch, cache, slack);
+}
+
+}  // namespace leeway::collision

@@ -1,0 +1,63 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "collision/progress.h"
+#include "collision/simplex.h"
+
+namespace leeway::collision {
+
+/// A triangle of the polytope's surface: outward counter-clockwise, edge i from vertex[i] to
+/// vertex[i + 1], neighbour[i] across it.
+struct PolytopeFacet {
+  std::int32_t vertex[3];
+  std::int32_t neighbour[3];
+  Vector normal;  ///< outward, unit
+  double distance =
+      0;  ///< min over the vertices of normal . w: all of the triangle is at least that far out
+  double key = 0;  ///< order of work, see key() in penetration.cc
+  std::int32_t stamp =
+      0;  ///< grows when the slot is used again, so that old queue entries are told
+  std::int32_t mark = 0;
+  bool alive = false;  ///< on the surface
+  bool refined = false;
+};
+
+/// Memory of one penetration query; sized once.
+struct PolytopeBuffers {
+  PolytopeBuffers();
+
+  struct Entry {
+    double key;
+    std::int32_t facet, stamp;
+  };
+  struct HorizonEdge {
+    std::int32_t from, to;     ///< vertices, in the order of the facet that goes
+    std::int32_t facet, edge;  ///< the facet that stays and its edge
+  };
+  std::vector<SupportPoint> vertices;
+  std::vector<PolytopeFacet> facets;
+  std::vector<std::int32_t> free_facets;
+  std::vector<Entry> queue;
+  std::vector<std::int32_t> visible;  ///< also the stack of the search
+  std::vector<HorizonEdge> horizon, loop;
+  std::vector<std::int32_t> edge_from;  ///< per vertex: the horizon edge that starts there
+};
+
+/// Both ends of the signed separation near and below contact, from where runGjk() ended (one to
+/// four points). Goes on until the request is met, the iterations are used up or rounding stops it;
+/// never throws or allocates.
+///
+/// A polytope inside the difference is grown where its surface is nearest to the origin (the
+/// expanding polytope of van den Bergen, 2001), but its claims do not rest on convexity: the
+/// surface is a closed oriented one by construction (facets are only ever exchanged for a fan over
+/// the loop that bounds them), and while it winds around the origin once, every point nearer to the
+/// origin than all its triangles is in the hull of its vertices, hence in the difference, however
+/// rounding bends it. So -(distance of the nearest triangle) is a true upper end, and any support
+/// plane a true lower end. An origin slightly outside (GJK stagnated near contact) is treated
+/// alike: the facets that see it come first.
+void growPolytope(Difference<false>& difference, const Simplex& start, PolytopeBuffers& buffers,
+                  Progress& progress);
+
+}  // namespace leeway::collision

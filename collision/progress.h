@@ -1,0 +1,112 @@
+#pragma once
+
+// What a query has proven so far, and whether that is enough.
+
+#include <limits>
+
+#include "collision/support.h"
+
+namespace leeway::collision {
+
+/// The request in the terms of two cores.
+struct CoreQuery {
+  DistanceRequest request;
+  double radius_a = 0, radius_b = 0;
+  /// A support plane at core distance d proves d - lower_offset; a witness at core distance d
+  /// proves d - upper_offset: radii and every rounding and excess are in there.
+  double lower_offset = 0, upper_offset = 0;
+  /// One rounding of a coordinate at play: kUnitRoundoff * (extents + |translation|) [m].
+  double roundoff = 0;
+};
+
+/// Best ends found, with what carries them.
+class Progress {
+ public:
+  explicit Progress(const CoreQuery& query) : query_(query) {}
+
+  /// A plane: every point w of the difference has w . n >= value.
+  void offerLower(double value, const Vector& n, bool certain) {
+    const double lower = value - query_.lower_offset;
+    if (lower > lower_) {
+      lower_ = lower;
+      normal_ = n;
+      certain_ = certain;
+    }
+  }
+
+  /// A point of the difference at `distance` from the origin, made from point `a` of A.
+  void offerWitness(double distance, const Vector& w, const Vector& a) {
+    const double upper = distance - query_.upper_offset;
+    if (upper < upper_) {
+      upper_ = upper;
+      witness_w_ = w;
+      witness_a_ = a;
+    }
+  }
+
+  /// A point of a swept hull at `distance`, which no single placement need reach: it only tells how
+  /// good the lower end is.
+  void offerSweptWitness(double distance) {
+    const double upper = distance - query_.upper_offset;
+    if (upper < swept_upper_) swept_upper_ = upper;
+  }
+
+  /// Written so that a NaN threshold or tolerance decides nothing.
+  bool aboveThreshold() const { return lower_ > query_.request.threshold; }
+  bool enough() const {
+    return aboveThreshold() || upper_ <= query_.request.threshold || converged() ||
+           (!query_.request.depth && upper_ <= 0);
+  }
+
+  bool converged() const {
+    return upper_ - lower_ <= query_.request.tolerance ||
+           swept_upper_ - lower_ <= query_.request.tolerance;
+  }
+
+  DistanceStatus status() const {
+    if (converged()) return DistanceStatus::kConverged;
+    if (aboveThreshold()) return DistanceStatus::kAboveThreshold;
+    if (upper_ <= query_.request.threshold) return DistanceStatus::kNotAboveThreshold;
+    if (!query_.request.depth && upper_ <= 0) return DistanceStatus::kOverlap;
+    return DistanceStatus::kLimit;
+  }
+
+  /// True when the lower end comes from supports found by climbing, which must be checked before it
+  /// is claimed.
+  bool needsCheck() const { return !certain_; }
+  /// All vertices were scanned along normal(): that is the plane's value.
+  void settleLower(double value) {
+    lower_ = value - query_.lower_offset;
+    certain_ = true;
+  }
+
+  const CoreQuery& query() const { return query_; }
+  double lower() const { return lower_; }
+  double upper() const { return upper_; }
+  const Vector& normal() const { return normal_; }
+  const Vector& witnessW() const { return witness_w_; }
+  const Vector& witnessA() const { return witness_a_; }
+  int iterations = 0;
+
+ private:
+  const CoreQuery& query_;
+  double lower_ = -std::numeric_limits<double>::infinity();
+  double upper_ = std::numeric_limits<double>::infinity();
+  double swept_upper_ = std::numeric_limits<double>::infinity();
+  Vector normal_ = Vector::UnitX();
+  Vector witness_w_ = Vector::Zero(), witness_a_ = Vector::Zero();
+  bool certain_ = true;
+};
+
+/// Checks a lower end that rests on climbing by scanning all vertices. True when it stood.
+template <class DifferenceType>
+bool checkLower(DifferenceType& difference, Progress& progress) {
+  if (!progress.needsCheck()) return true;
+  const double claimed = progress.lower();
+  const Vector n = progress.normal();
+  const SupportPoint s = difference.support(n, true);
+  progress.settleLower(n.dot(s.w));
+  return progress.lower() >= claimed;
+}
+
+}  // namespace leeway::collision

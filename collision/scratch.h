@@ -1,0 +1,15 @@
+#pragma once
+
+#include <memory>
+
+#include "collision/penetration.h"
+#include "leeway/collision/distance.h"
+
+namespace leeway::collision {
+
+/// What the parts of the engine keep in a Scratch: one member each, sized once.
+struct Scratch::Impl {
+  PolytopeBuffers polytope;
+};
+
+}  // namespace leeway::collision

@@ -1,0 +1,183 @@
+#pragma once
+
+// Support mappings: the point of a convex core that lies farthest along a direction, and the same
+// for the difference of two placed cores. Everything is inline and switches once a call; there is
+// no dynamic dispatch.
+
+#include <cmath>
+
+#include "collision/convex.h"
+#include "leeway/collision/convex_hull.h"
+#include "leeway/collision/tolerances.h"
+
+namespace leeway::collision {
+
+using Vector = Eigen::Vector3d;
+
+/// a x b. (Eigen's own stands in Eigen/Geometry, which costs every file that includes it.)
+inline Vector cross(const Vector& a, const Vector& b) {
+  return {a.y() * b.z() - a.z() * b.y(), a.z() * b.x() - a.x() * b.z(),
+          a.x() * b.y() - a.y() * b.x()};
+}
+
+/// Index of the point with the largest dot product; the lowest index of several. O(count).
+inline int scanFarthest(const Vector* points, int count, const Vector& direction) {
+  int best = 0;
+  double best_value = direction.dot(points[0]);
+  for (int i = 1; i < count; ++i) {
+    const double value = direction.dot(points[i]);
+    if (value > best_value) {
+      best_value = value;
+      best = i;
+    }
+  }
+  return best;
+}
+
+/// Steepest ascent along the edges of a hull from `start`. Rounding can end it early on a vertex
+/// that is flat to within roundoff, so that its answer is a good guess that a claim must check by
+/// scanAll (see Difference).
+inline int climbFarthest(const ConvexHull& hull, const Vector* points, const Vector& direction,
+                         int start) {
+  int best = start;
+  double best_value = direction.dot(points[start]);
+  for (;;) {
+    int next = best;
+    for (const std::int32_t j : hull.neighbours(best)) {
+      const double value = direction.dot(points[j]);
+      if (value > best_value) {
+        best_value = value;
+        next = j;
+      }
+    }
+    if (next == best) return best;
+    best = next;  // the value grew, so that no vertex comes twice: the climb ends
+  }
+}
+
+inline bool climbs(const ConvexView& view) {
+  return view.core == Core::kPoints && view.hull != nullptr && view.count >= kClimbFrom &&
+         view.hull->hasNeighbours();
+}
+
+/// The farthest point of the core along `direction` (a unit vector, or within a few orders of
+/// magnitude of one), in the core's frame. `hint` is the vertex to start from and becomes the
+/// vertex found. Its dot product with `direction` is within 6 units of roundoff times extent of the
+/// maximum, and it lies in the core grown by 3 such units: points, segment and box give exact
+/// members and their dot products err by 3 units; a rim point r (x, y)/rho has a relative error
+/// of 2.5 units, and being second order in its direction, its value has no more.
+inline Vector farthest(const ConvexView& view, const Vector& direction, int& hint, bool scan_all) {
+  switch (view.core) {
+    case Core::kPoint:
+      return Vector::Zero();
+    case Core::kSegment:
+      hint = direction.z() >= 0 ? 1 : 0;
+      return {0, 0, hint != 0 ? view.size.z() : -view.size.z()};
+    case Core::kPoints:
+      if (!scan_all && climbs(view)) {
+        hint = climbFarthest(*view.hull, view.points, direction, hint);
+      } else {
+        hint = scanFarthest(view.points, view.count, direction);
+      }
+      return view.points[hint];
+    case Core::kBox: {
+      const Vector p(std::copysign(view.size.x(), direction.x()),
+                     std::copysign(view.size.y(), direction.y()),
+                     std::copysign(view.size.z(), direction.z()));
+      hint = (std::signbit(direction.x()) ? 0 : 1) | (std::signbit(direction.y()) ? 0 : 2) |
+             (std::signbit(direction.z()) ? 0 : 4);
+      return p;
+    }
+    case Core::kCylinder: {
+      const double across_squared = direction.x() * direction.x() + direction.y() * direction.y();
+      const double z = std::copysign(view.size.z(), direction.z());
+      if (!(across_squared > kAcrossAxisSquared)) return {0, 0, z};
+      const double s = view.size.x() / std::sqrt(across_squared);
+      return {s * direction.x(), s * direction.y(), z};
+    }
+    case Core::kCone: {
+      const double across_squared = direction.x() * direction.x() + direction.y() * direction.y();
+      const double across = std::sqrt(across_squared);
+      if (2 * direction.z() * view.size.z() >= view.size.x() * across) {
+        return {0, 0, view.size.z()};
+      }
+      if (!(across_squared > kAcrossAxisSquared)) return {0, 0, -view.size.z()};
+      const double s = view.size.x() / across;
+      return {s * direction.x(), s * direction.y(), -view.size.z()};
+    }
+    case Core::kEllipsoid: {
+      const Vector scaled = view.size.cwiseProduct(direction);
+      const double norm_squared = scaled.squaredNorm();
+      // Relative to the largest axis, as kAcrossAxisSquared is to a radius.
+      const double largest = view.extent;
+      if (!(norm_squared > kAcrossAxisSquared * largest * largest) || !(norm_squared > 1e-290)) {
+        return Vector::Zero();
+      }
+      return view.size.cwiseProduct(scaled) / std::sqrt(norm_squared);
+    }
+    case Core::kHalfSpace:
+      break;  // unbounded: never asked (closed_form.cc answers)
+  }
+  return Vector::Zero();
+}
+
+/// A point of the difference {b - a} of two placed cores, and what it was made of.
+struct SupportPoint {
+  Vector w;  ///< b - a, in B
+  Vector a;  ///< the point of A, in B
+  int index_a = 0, index_b = 0;
+  int placement = 0;
+};
+
+/// The set {b - a : a in A, b in B} of two cores in B's frame; when kSwept, A is the hull of two
+/// placements.
+template <bool kSwept>
+class Difference {
+ public:
+  Difference(const ConvexView& a, const ConvexView& b, const Pose& X_BA0, const Pose& X_BA1)
+      : a_(a), b_(b), X_BA0_(X_BA0), X_BA1_(X_BA1) {}
+
+  /// The member with the smallest w . n. Hull vertices found by climbing only, unless scan_all.
+  SupportPoint support(const Vector& n, bool scan_all) {
+    SupportPoint s;
+    s.a = placed(X_BA0_, n, hint_a_[0], scan_all);
+    s.index_a = hint_a_[0];
+    if constexpr (kSwept) {
+      const Vector other = placed(X_BA1_, n, hint_a_[1], scan_all);
+      if (n.dot(other) > n.dot(s.a)) {
+        s.a = other;
+        s.index_a = hint_a_[1];
+        s.placement = 1;
+      }
+    }
+    s.w = farthest(b_, -n, hint_b_, scan_all);
+    s.index_b = hint_b_;
+    s.w -= s.a;
+    return s;
+  }
+
+  bool climbing() const { return climbs(a_) || climbs(b_); }
+
+  /// Any content is taken; what is out of range counts as none.
+  void setHints(int vertex_a, int vertex_b) {
+    if (vertex_a > 0 && vertex_a < a_.count) hint_a_[0] = hint_a_[1] = vertex_a;
+    if (vertex_b > 0 && vertex_b < b_.count) hint_b_ = vertex_b;
+  }
+  int hintA() const { return hint_a_[0]; }
+  int hintB() const { return hint_b_; }
+
+ private:
+  Vector placed(const Pose& X_BA, const Vector& n, int& hint, bool scan_all) const {
+    const Vector direction = X_BA.rotation.transpose() * n;
+    return X_BA * farthest(a_, direction, hint, scan_all);
+  }
+
+  const ConvexView& a_;
+  const ConvexView& b_;
+  const Pose& X_BA0_;
+  const Pose& X_BA1_;
+  int hint_a_[2] = {0, 0};
+  int hint_b_ = 0;
+};
+
+}  // namespace leeway::collision
