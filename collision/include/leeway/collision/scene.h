@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -60,6 +61,11 @@ class Scene {
     return bounds_[static_cast<std::size_t>(geometry_index)];
   }
   std::size_t bytes() const;  ///< of the bounds and pairs; shared meshes are not counted
+
+  /// Every pair must keep at least this margin [m] from now on; what it had beyond stays.
+  void raiseMargins(double margin) {
+    for (ScenePair& pair : pairs_) pair.margin = std::max(pair.margin, margin);
+  }
 
  private:
   friend class SceneBuilder;

@@ -48,6 +48,14 @@ class CompiledScene {
   /// limits, or what an unlimited joint is trusted with.
   double reach() const { return reach_; }
 
+  /// The same scene with every pair's margin at least `margin` [m]: what a search for clearance asks
+  /// of its next path. Bounds and meshes are those compiled before.
+  std::shared_ptr<const CompiledScene> withMarginAtLeast(double margin) const {
+    auto raised = std::make_shared<CompiledScene>(*this);
+    raised->scene_.raiseMargins(margin);
+    return raised;
+  }
+
   /// What was dropped and why: for `leeway info`.
   struct Dropped {
     std::string a, b, reason;
