@@ -1,15 +1,16 @@
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 #include "planner/search.h"
 #include "planner/tolerances.h"
 
-// The greatest least clearance by a planner that knows nothing of clearance. A path that keeps the margin c exists or not; finding
-// one is an ordinary search in the scene with its margins raised to c, where every check is as fast as ever. So: find a path,
-// measure what it keeps, demand more, half of the way to the bound at first; where a search fails within its budget, demand half
-// as much more; where that becomes too little to matter, double the budget and be bold again. This climbs much faster than a tree
-// that measures the clearance of every edge, since an edge that is not good enough is refused by the first bound that says so.
+// The greatest least clearance by a planner that knows nothing of clearance. A path that keeps the
+// margin c exists or not; finding one is an ordinary search in the scene with its margins raised to
+// c, where every check is as fast as ever. So: find a path, measure what it keeps, demand more,
+// half of the way to the bound at first; where a search fails within its budget, demand half as
+// much more; where that becomes too little to matter, double the budget and be bold again. This
+// climbs much faster than a tree that measures the clearance of every edge, since an edge that is
+// not good enough is refused by the first bound that says so.
 
 namespace leeway::planner {
 namespace {
@@ -26,16 +27,17 @@ std::optional<ClearancePath> searchClearance(const std::shared_ptr<const Compile
   const auto measured = [&](const Waypoints& path) {
     return pathClearance(search.certifier(), path, kClearanceTolerance, -kInfinity);
   };
-  ClearancePath best{std::move(*first), 0};
+  ClearancePath best{std::move(*first), 0, {}};
   best.clearance = measured(best.path);
 
   std::uint64_t budget = kFirstBudget;
   double demand = best.clearance + (bound - best.clearance) / 2;
   while (bound - best.clearance > kClearanceTolerance && !task.limits.searchOver()) {
     const auto raised = scene->withMarginAtLeast(demand);
-    Search wider(raised, std::make_shared<CertifierPool>(raised), task);
+    const auto pool = std::make_shared<CertifierPool>(raised);
+    Search wider(raised, pool, task);
     auto path = wider.shortest(task.problem.seed + ++run, budget);
-    work.push_back(wider.certifier().statistics);
+    addStatistics(best.work, pool->statistics());
     if (path) {
       best.path = std::move(*path);
       best.clearance = std::max(demand, measured(best.path));

@@ -27,7 +27,8 @@ bool isPoint(const Goal& goal) {
 
 bool orientationIsGiven(const Goal& goal, const Part& part) {
   for (std::size_t k = 0; k < 4; ++k)
-    if (goal.ranges[at(part.first) + k].first != goal.ranges[at(part.first) + k].second) return false;
+    if (goal.ranges[at(part.first) + k].first != goal.ranges[at(part.first) + k].second)
+      return false;
   return true;
 }
 
@@ -66,8 +67,7 @@ void checkGoal(const Problem& problem, const ConfigurationSpace& space, const Go
                         " values; the group has " + std::to_string(space.size()));
   for (const Part& part : space.parts()) {
     const Range& range = goal.ranges[at(part.first)];
-    const std::string& name =
-        problem.model->variables[at(space.variables()[at(part.first)])].name;
+    const std::string& name = problem.model->variables[at(space.variables()[at(part.first)])].name;
     if (part.kind == Kind::kRotation) {
       std::vector<double> q;
       for (std::size_t k = 0; k < 4; ++k) q.push_back(goal.ranges[at(part.first) + k].first);
@@ -82,8 +82,8 @@ void checkGoal(const Problem& problem, const ConfigurationSpace& space, const Go
         !std::isfinite(range.second))
       refuse(problem, "goal '" + goal.name + "': '" + name + "' is " + text(range.first) + " to " +
                           text(range.second) + "; a finite range, lower end first, is expected");
-    if (part.kind == Kind::kLine && (range.second < space.lower(part.first) ||
-                                     range.first > space.upper(part.first)))
+    if (part.kind == Kind::kLine &&
+        (range.second < space.lower(part.first) || range.first > space.upper(part.first)))
       refuse(problem, "goal '" + goal.name + "': '" + name + "' is " + text(range.first) +
                           (range.first == range.second ? "" : " to " + text(range.second)) +
                           ", outside its limits " + text(space.lower(part.first)) + " to " +
@@ -197,7 +197,8 @@ GoalRegions::GoalRegions(const ompl::base::SpaceInformationPtr& space_informatio
 
 double GoalRegions::distanceGoal(const ompl::base::State* state) const {
   if (!ranges_) return GoalStates::distanceGoal(state);
-  const std::span<const double> q(state->as<OmplStateSpace::StateType>()->values, at(space_.size()));
+  const std::span<const double> q(state->as<OmplStateSpace::StateType>()->values,
+                                  at(space_.size()));
   thread_local std::vector<double> nearest;  // goals are asked by all of a planner's threads
   nearest.resize(q.size());
   double distance = std::numeric_limits<double>::infinity();

@@ -9,8 +9,9 @@
 
 namespace leeway::planner {
 
-/// When a plan must end: a deadline, a count of planner iterations, a caller who has had enough. An iteration is one look of the
-/// planner at its termination condition, which every OMPL planner takes once in its main loop. Thread-safe.
+/// When a plan must end: a deadline, a count of planner iterations, a caller who has had enough. An
+/// iteration is one look of the planner at its termination condition, which every OMPL planner
+/// takes once in its main loop. Thread-safe.
 class Limits {
  public:
   using Progress = std::function<void(const std::string& phase, double elapsed_s)>;
@@ -24,7 +25,8 @@ class Limits {
   bool searchOver();
   /// True when everything must end: the deadline or the caller, not the count.
   bool over();
-  /// The search ends that fraction of the time limit before the deadline, to leave time for what follows.
+  /// The search ends that fraction of the time limit before the deadline, to leave time for what
+  /// follows.
   void reserve(double fraction);
   /// Names what is being done; told to the caller at once and from then on now and again.
   void enter(const char* phase);

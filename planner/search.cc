@@ -1,10 +1,10 @@
 #include "planner/search.h"
 
-#include <algorithm>
-#include <limits>
-
 #include <ompl/base/ProblemDefinition.h>
 #include <ompl/geometric/PathGeometric.h>
+
+#include <algorithm>
+#include <limits>
 
 #include "planner/ompl_lock.h"
 #include "planner/ompl_point.h"
@@ -33,8 +33,7 @@ Search::Search(std::shared_ptr<const CompiledScene> scene, std::shared_ptr<Certi
       space_information_(makeSpaceInformation(scene_, task.problem.seed, pool_)) {
   const PlannerTraits* traits = findPlanner(task_.problem.planner);
   if (traits != nullptr && traits->name == "RRTConnect" && parameters_.count("range") == 0)
-    parameters_["range"] =
-        std::to_string(kConnectRange * space_information_->getMaximumExtent());
+    parameters_["range"] = std::to_string(kConnectRange * space_information_->getMaximumExtent());
 }
 
 std::optional<Waypoints> Search::shortest(std::uint64_t seed, std::uint64_t budget) {
@@ -55,8 +54,8 @@ std::optional<Waypoints> Search::widest(std::uint64_t seed, double enough) {
 std::optional<Waypoints> Search::run(const ob::OptimizationObjectivePtr& objective,
                                      std::uint64_t seed, std::uint64_t budget) {
   Limits& limits = task_.limits;
-  const std::uint64_t last = budget > 0 ? limits.iterations() + budget
-                                        : std::numeric_limits<std::uint64_t>::max();
+  const std::uint64_t last =
+      budget > 0 ? limits.iterations() + budget : std::numeric_limits<std::uint64_t>::max();
   int idle = 0;
   for (std::uint64_t round = 0; !limits.searchOver() && limits.iterations() < last; ++round) {
     const std::uint64_t before = limits.iterations();
@@ -122,9 +121,9 @@ double pathClearance(EdgeCertifier& certifier, const Waypoints& path, double tol
                      double cutoff) {
   double clearance = kInfinity;
   for (std::size_t i = 1; i < path.size() && clearance >= cutoff; ++i)
-    clearance = std::min(
-        clearance,
-        certifier.edgeClearance(path[i - 1], path[i], tolerance, cutoff).clearance.lower);
+    clearance =
+        std::min(clearance,
+                 certifier.edgeClearance(path[i - 1], path[i], tolerance, cutoff).clearance.lower);
   return clearance;
 }
 

@@ -1,12 +1,12 @@
 #pragma once
 
+#include <ompl/base/OptimizationObjective.h>
+
 #include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
-
-#include <ompl/base/OptimizationObjective.h>
 
 #include "leeway/planner/ompl_motion_validator.h"
 #include "leeway/planner/ompl_objectives.h"
@@ -33,9 +33,9 @@ class Search {
 
   EdgeCertifier& certifier() { return pool_->local().certifier; }
 
-  /// Runs the problem's planner for the shortest path (or any: as the planner is), anew when it gives up before the limits.
-  /// `budget`: at most so many iterations (0: what the limits leave). A path is returned only when every edge of it is certified
-  /// as it stands.
+  /// Runs the problem's planner for the shortest path (or any: as the planner is), anew when it
+  /// gives up before the limits. `budget`: at most so many iterations (0: what the limits leave). A
+  /// path is returned only when every edge of it is certified as it stands.
   std::optional<Waypoints> shortest(std::uint64_t seed, std::uint64_t budget = 0);
   /// The same for the greatest clearance, ending early at `enough` [m]. For planners that optimise.
   std::optional<Waypoints> widest(std::uint64_t seed, double enough);
@@ -55,11 +55,20 @@ class Search {
   ompl::base::SpaceInformationPtr space_information_;
 };
 
-/// A path whose least clearance is as great as the limits allow, found by a planner that only looks for any path: searches with
-/// rising margins, see clearance_search.cc. `bound`: no path can have more [m].
+inline void addStatistics(EdgeCertifier::Statistics& sum, const EdgeCertifier::Statistics& more) {
+  sum.states += more.states;
+  sum.edges += more.edges;
+  sum.distance_queries += more.distance_queries;
+  sum.intervals += more.intervals;
+}
+
+/// A path whose least clearance is as great as the limits allow, found by a planner that only looks
+/// for any path: searches with rising margins, see clearance_search.cc. `bound`: no path can have
+/// more [m].
 struct ClearancePath {
   Waypoints path;
-  double clearance;  ///< certified lower bound [m]
+  double clearance;                ///< certified lower bound [m]
+  EdgeCertifier::Statistics work;  ///< of the searches with raised margins
 };
 std::optional<ClearancePath> searchClearance(const std::shared_ptr<const CompiledScene>& scene,
                                              Search& search, const SearchTask& task, double bound);

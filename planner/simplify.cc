@@ -45,8 +45,7 @@ class Shortener {
   bool certified(const Point& a, const Point& b) {
     if (stopped() || certifier_.certify(a, b).verdict != Verdict::kFree) return false;
     if (options_.clearance_floor == -std::numeric_limits<double>::infinity()) return true;
-    return certifier_
-               .edgeClearance(a, b, options_.clearance_tolerance, options_.clearance_floor)
+    return certifier_.edgeClearance(a, b, options_.clearance_tolerance, options_.clearance_floor)
                .clearance.lower >= options_.clearance_floor;
   }
 
@@ -62,7 +61,8 @@ class Shortener {
     path_.resize(last + 1);
   }
 
-  /// From each waypoint on to the farthest that a certified edge reaches, tried by halves: O(n log n) edges.
+  /// From each waypoint on to the farthest that a certified edge reaches, tried by halves: O(n log
+  /// n) edges.
   void dropVertices() {
     for (std::size_t i = 0; i + 2 < path_.size(); ++i) {
       for (std::size_t j = path_.size() - 1; j > i + 1; j = i + 1 + (j - i - 1) / 2) {
@@ -128,7 +128,8 @@ class Shortener {
     // Along one edge there is nothing to cut.
     if (to.edge <= from.edge || (to.edge == from.edge + 1 && to.t == 0)) return false;
     const Point a = pointAt(from), b = pointAt(to);
-    // What is compared are the lengths of the edges before and after as they are, rounding of the two places included.
+    // What is compared are the lengths of the edges before and after as they are, rounding of the
+    // two places included.
     const std::size_t last = to.t > 0 ? to.edge + 1 : to.edge;
     const double before = along_[last] - along_[from.edge];
     double after = distance(a, b);
@@ -148,7 +149,8 @@ class Shortener {
     return true;
   }
 
-  /// Each waypoint goes half of the way to its place on the chord of its neighbours, or a quarter, or an eighth.
+  /// Each waypoint goes half of the way to its place on the chord of its neighbours, or a quarter,
+  /// or an eighth.
   void pullVertices() {
     Point chord(path_[0].size()), pulled(path_[0].size());
     for (int sweep = 0; sweep < kPullSweeps; ++sweep) {

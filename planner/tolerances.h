@@ -34,8 +34,8 @@ constexpr double kLargestReach = 1e4;
 /// without being told.
 constexpr double kLimitSlack = 1e-5;
 
-/// A shortcut that starts or ends this near to a waypoint, as a fraction of the path's length, starts
-/// or ends at the waypoint: smaller pieces multiply edges and gain nothing.
+/// A shortcut that starts or ends this near to a waypoint, as a fraction of the path's length,
+/// starts or ends at the waypoint: smaller pieces multiply edges and gain nothing.
 constexpr double kShortcutSnap = 5e-3;
 
 /// What a shortcut or a pulled waypoint must gain, as a fraction of the path's length; without it
@@ -46,8 +46,8 @@ constexpr double kShortcutGain = 1e-4;
 constexpr int kPullSweeps = 4;
 constexpr double kPullGain = 1e-2;
 
-/// Valid points drawn from a goal range [count]: enough that a planner finds an easy one, few enough
-/// that checking them is not felt. Tries before a range is taken for invalid.
+/// Valid points drawn from a goal range [count]: enough that a planner finds an easy one, few
+/// enough that checking them is not felt. Tries before a range is taken for invalid.
 constexpr int kGoalSamples = 16;
 constexpr int kGoalAttempts = 1000;
 
@@ -59,6 +59,30 @@ constexpr double kReportTolerance = 1e-6;
 
 /// First stream of random numbers for goals: beyond any number of samplers.
 constexpr unsigned long long kGoalStream = 1ULL << 40;
+
+/// First stream of random numbers for the seeds of a plan's planner runs, for its simplification:
+/// see above.
+constexpr unsigned long long kRunStream = 1ULL << 41;
+constexpr unsigned long long kSimplifyStream = 1ULL << 42;
+
+/// RRTConnect's range when a problem names none, as a fraction of the space's extent. Certified
+/// edges cost hardly more when they are long, and what a long edge gains in reach pays for those
+/// that fail.
+constexpr double kConnectRange = 0.2;
+
+/// Runs without a single iteration after which a planner is not started again.
+constexpr int kIdleRuns = 3;
+
+/// How near clearances are known to a search [m]: beyond the thickness of paint no path is worth a
+/// longer search. The certificate has a tolerance of its own.
+constexpr double kClearanceTolerance = 1e-3;
+
+/// Iterations of the first search with raised margins: a fraction of a second, and doubled when it
+/// proves too few.
+constexpr unsigned long long kFirstBudget = 1000;
+
+/// What an optimising planner leaves of the time limit to simplification, as a fraction.
+constexpr double kSimplifyShare = 0.05;
 
 /// Time between two calls of a progress callback [s]: what an eye can follow.
 constexpr double kProgressPeriod = 0.1;

@@ -14,8 +14,8 @@ const char* toString(PlanStatus status);  ///< "solved", "unsolved", "invalid_st
 
 /// A path in the space of a group: rows of planned variables.
 struct Path {
-  std::vector<std::string> names;                ///< variable names, in group order
-  std::vector<std::vector<double>> positions;    ///< one row a waypoint
+  std::vector<std::string> names;              ///< variable names, in group order
+  std::vector<std::vector<double>> positions;  ///< one row a waypoint
 };
 
 /// The proof that comes with a path: a lower bound of the clearance for every edge.
@@ -29,9 +29,9 @@ struct Certificate {
 };
 
 struct PlanOptions {
-  std::function<bool()> stop;                                   ///< asked often; true ends the run
+  std::function<bool()> stop;  ///< asked often; true ends the run
   std::function<void(const std::string& phase, double elapsed_s)> progress;
-  double clearance_tolerance = 1e-4;                            ///< of the certificate [m]
+  double clearance_tolerance = 1e-4;  ///< of the certificate [m]
 };
 
 struct PlanResult {
@@ -40,19 +40,42 @@ struct PlanResult {
   std::string planner;
   bool deterministic = true;  ///< false for planners with threads or clocks of their own
   double compile_s = 0, plan_s = 0, simplify_s = 0, certify_s = 0;
+  /// `iterations`: looks of the planner at its termination condition, one a turn of its main loop;
+  /// what an iteration limit counts.
   std::uint64_t iterations = 0, states = 0, edges = 0, distance_queries = 0;
-  Path path;         ///< empty unless solved
-  int goal = -1;     ///< index of the goal reached
-  double length = 0; ///< in the space's distance
+  Path path;          ///< empty unless solved
+  int goal = -1;      ///< index of the goal reached
+  double length = 0;  ///< in the space's distance
   Certificate certificate;
-  StateCheck offending;           ///< for an invalid start or goal: pair, depth, place
+  StateCheck offending;  ///< for an invalid start or goal: pair, depth, place
   std::string offending_a, offending_b;
+  std::vector<std::string> warnings;  ///< goals left out
 };
 
-/// Compiles, plans, simplifies, certifies. Throws robots::InputError only for what a problem file can get wrong (an unknown planner, a bad parameter).
-/// Same problem, seed and iteration limit: same bytes.
+/// Compiles, plans, simplifies, certifies. Throws robots::InputError only for what a problem file
+/// can get wrong (an unknown planner or objective, a bad parameter, a start outside its limits, a
+/// goal that cannot be met).
+///
+/// The limits hold for planning and simplification together, counted from the end of compilation.
+/// Solved means that every edge of the path as returned is proven to keep its margins. A start or
+/// goal that is not proven valid ends the call with what is in the way; of several goals the
+/// invalid ones are left out with a warning; of a goal range, points are drawn, and it counts as
+/// invalid when a thousand of them are. Where the straight edge to the nearest goal is valid and
+/// length is the objective, it is the answer, without a planner. A planner that gives up early is
+/// started again, with other seeds, until the limits.
+///
+/// Objective "length": planners that optimise run until the limits, others stop at their first
+/// path. Objective "clearance": planners that optimise maximise the least clearance along the path,
+/// edges' costs being certified bounds; the others, RRTConnect among them, are run again and again
+/// with rising margins, which climbs faster. Both end when no path can have more, since start or
+/// goal have not; simplification then keeps what was reached.
+///
+/// Same problem, seed and iteration limit: same bytes, times apart and for planners that are
+/// deterministic (see planners.h), as long as no other thread makes generators of OMPL's in the
+/// same process outside this library at the same moment. A time limit only cuts such a run short.
 PlanResult plan(const Problem& problem, const PlanOptions& options = {});
-PlanResult plan(std::shared_ptr<const CompiledScene> scene, const Problem& problem, const PlanOptions& options = {});
+PlanResult plan(std::shared_ptr<const CompiledScene> scene, const Problem& problem,
+                const PlanOptions& options = {});
 
 /// Certificate of any path: each edge's minimum clearance to within tolerance.
 Certificate certify(EdgeCertifier& certifier, const Path& path, double tolerance);
