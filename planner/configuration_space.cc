@@ -184,4 +184,14 @@ bool ConfigurationSpace::withinLimits(std::span<const double> a) const {
   return true;
 }
 
+void ConfigurationSpace::unwrap(std::span<const double> previous, std::span<double> next) const {
+  for (const Part& part : parts_) {
+    if (part.kind != Kind::kCircle) continue;
+    const std::size_t i = at(part.first);
+    // Half a turn exactly rounds to none, both ways: what is unwrapped stays as it is.
+    const double turns = std::nearbyint((previous[i] - next[i]) / kTwoPi);
+    if (turns != 0) next[i] += turns * kTwoPi;
+  }
+}
+
 }  // namespace leeway::planner

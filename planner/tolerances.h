@@ -86,5 +86,8 @@ constexpr double kSimplifyShare = 0.05;
 
 /// Time between two calls of a progress callback [s]: what an eye can follow.
 constexpr double kProgressPeriod = 0.1;
+/// A column of a path file that is not planned agrees with the problem within this [rad or m]: six
+/// digits are usual in logs.
+constexpr double kPassiveJointSlack = 1e-5;
 
 }  // namespace leeway::planner
