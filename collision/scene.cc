@@ -215,14 +215,16 @@ DistanceResult pairDistance(const Scene& scene, Workspace& workspace, int p,
   const ScenePair& pair = scene.pairs()[at(p)];
   const Geometry& a = scene.bodies()[at(pair.body_a)].geometries[at(pair.geometry_a)];
   const Geometry& b = scene.bodies()[at(pair.body_b)].geometries[at(pair.geometry_b)];
-  DistanceResult result = distance(a.shape, workspace.pose(pair.body_a) * a.X_BG, b.shape,
-                                   workspace.pose(pair.body_b) * b.X_BG, request,
-                                   workspace.scratch(), &workspace.cache(p));
-  ++workspace.statistics.exact;
-  workspace.statistics.iterations += static_cast<std::uint64_t>(result.iterations);
   const double slack =
       transferSlack(scene, workspace, pair.body_a, pair.body_b, Eigen::Vector3d::Zero()) +
       kTransferRounding * (a.X_BG.translation.lpNorm<1>() + b.X_BG.translation.lpNorm<1>());
+  DistanceRequest raised = request;
+  raised.threshold += slack;  // so that what is beyond it stays so when widened (NaN stays NaN)
+  DistanceResult result = distance(a.shape, workspace.pose(pair.body_a) * a.X_BG, b.shape,
+                                   workspace.pose(pair.body_b) * b.X_BG, raised,
+                                   workspace.scratch(), &workspace.cache(p));
+  ++workspace.statistics.exact;
+  workspace.statistics.iterations += static_cast<std::uint64_t>(result.iterations);
   result.distance.lower -= slack;
   result.distance.upper += slack;
   return result;

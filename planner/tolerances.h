@@ -29,6 +29,28 @@ constexpr double kInterpolationRounding = 1e-12;
 /// farther out rounding of kinematics (1e-16 of it and more) would eat margins of micrometres.
 constexpr double kLargestReach = 1e4;
 
+/// An interval of an edge in which no point of a pair moves farther than this [m] is not split
+/// again: what is still open there comes within about as much of its margin, and is undecided.
+/// Smaller only delays that answer.
+constexpr double kSmallestMotion = 1e-6;
+
+/// Intervals are not halved more often than this: 2^-30 of the longest edge of a metre is a
+/// nanometre.
+constexpr int kDeepestLevel = 30;
+
+/// The last valid place of an edge is told to 2^-12 of it: planners go back there and need no more.
+constexpr int kLastValidLevel = 12;
+
+/// A sweep is only tried where the growth of its hull is below this [m]; wider ones seldom prove
+/// anything that their halves would not. Chosen by measurement; costs time, never truth.
+constexpr double kSweepGrowth = 0.02;
+
+/// Distance queries for one edge before it is left undecided: some milliseconds.
+constexpr int kEdgeWork = 4000;
+
+/// Distance queries for the clearance of one edge before its interval is left wider than asked.
+constexpr int kClearanceWork = 100'000;
+
 /// A start or goal of MoveIt's this far outside a limit is the limit itself, written with fewer
 /// digits (3.14159 for pi): moved onto it, with a warning [rad or m]. Larger would move a robot
 /// without being told.

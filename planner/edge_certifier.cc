@@ -1,0 +1,254 @@
+#include "leeway/planner/edge_certifier.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "planner/edge_certifier_impl.h"
+#include "planner/tolerances.h"
+
+namespace leeway::planner {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+}  // namespace
+
+EdgeCertifier::Impl::Impl(std::shared_ptr<const CompiledScene> compiled)
+    : scene(compiled), frames(compiled, kEdgeSlots), workspace(compiled->scene()) {
+  workspace.pose_error = scene->rounding();
+  motion.resize(scene->motions().size());
+  motion_stamp.resize(motion.size());
+  const std::size_t lists = std::max<std::size_t>(kEdgeOpen, 2 * frames.pairs().size());
+  for (std::vector<int>* list : {&open, &next_open}) list->reserve(lists);
+  order.reserve(frames.pairs().size());
+  for (std::vector<EdgeInterval>* list : {&intervals, &next_intervals})
+    list->reserve(kEdgeIntervals);
+}
+
+EdgeCertifier::EdgeCertifier(std::shared_ptr<const CompiledScene> scene)
+    : impl_(std::make_unique<Impl>(std::move(scene))) {
+  impl_->statistics = &statistics;
+}
+EdgeCertifier::~EdgeCertifier() = default;
+
+const CompiledScene& EdgeCertifier::scene() const { return *impl_->scene; }
+
+Verdict EdgeCertifier::decide(std::span<const double> point) {
+  ++statistics.states;
+  Impl& impl = *impl_;
+  impl.work = 0;
+  int pair = -1;
+  if (!impl.frames.begin(point, point)) return Verdict::kUndecided;
+  const int slot = impl.frames.place(0);
+  return slot < 0 ? Verdict::kUndecided : impl.checkState(slot, pair);
+}
+
+StateCheck EdgeCertifier::clearance(std::span<const double> point, double tolerance) {
+  ++statistics.states;
+  Impl& impl = *impl_;
+  StateCheck check;
+  if (!impl.frames.begin(point, point)) return check;
+  const int slot = impl.frames.place(0);
+  if (slot < 0) return check;
+  const std::span<const Pose> X_WL = impl.frames.links(slot);
+  for (std::size_t b = 0; b < impl.scene->scene().bodies().size(); ++b) {
+    const int link = impl.scene->bodyLink(static_cast<int>(b));
+    if (link >= 0) impl.workspace.setPose(static_cast<int>(b), X_WL[at(link)]);
+  }
+  const std::uint64_t before = impl.workspace.statistics.exact;
+  const collision::SceneResult result =
+      collision::clearance(impl.scene->scene(), impl.workspace, tolerance);
+  statistics.distance_queries += impl.workspace.statistics.exact - before;
+  check.verdict = result.verdict;
+  check.clearance = result.clearance;
+  check.pair = result.pair;
+  check.closest = result.closest;
+  return check;
+}
+
+EdgeCheck EdgeCertifier::certify(std::span<const double> a, std::span<const double> b,
+                                 const EdgeRequest& request) {
+  ++statistics.edges;
+  Impl& impl = *impl_;
+  impl.work = 0;
+  impl.work_limit = request.work_limit > 0 ? request.work_limit : kEdgeWork;
+  impl.smallest = request.smallest_interval;
+  EdgeCheck check;
+  if (!impl.frames.begin(a, b)) return check;
+  check = impl.certifyByLevels(request);
+  if (check.verdict == Verdict::kFree)
+    check.last_valid = 1;
+  else if (request.last_valid)
+    impl.findLastValid(request, check);
+  return check;
+}
+
+const robots::MotionBound& EdgeCertifier::Impl::motionOf(const EdgeInterval& interval, int m) {
+  if (motion_stamp[at(m)] != stamp) {
+    motion_stamp[at(m)] = stamp;
+    motion[at(m)] = frames.motionBound(m, interval.slot0, interval.slot1, interval.h);
+  }
+  return motion[at(m)];
+}
+
+double EdgeCertifier::Impl::coarseSweep(const EdgeInterval& interval, const EdgePair& pair,
+                                        double& growth) {
+  const Eigen::Vector3d c0 =
+      frames.inFrameOf(interval.slot0, pair.b, frames.center(interval.slot0, pair.a));
+  const Eigen::Vector3d c1 =
+      frames.inFrameOf(interval.slot1, pair.b, frames.center(interval.slot1, pair.a));
+  // No point leaves the chord between its two places by more than h^2 A / 8.
+  growth = interval.h * interval.h * motionOf(interval, pair.motion).acceleration / 8;
+  const Eigen::Vector3d middle = (c0 + c1) / 2;
+  const double reach =
+      (c1 - c0).norm() / 2 + growth + frames.pieces()[at(pair.a)].bounds->outer.radius;
+  const double lower = frames.pieces()[at(pair.b)].bounds->coarse.lower(middle) - reach;
+  return std::isnan(lower) ? -kInfinity : lower;
+}
+
+Interval EdgeCertifier::Impl::sweep(const EdgeInterval& interval, const EdgePair& pair,
+                                    double growth, double threshold) {
+  collision::DistanceRequest request;
+  request.threshold = threshold;
+  request.depth = false;
+  ++work;
+  ++statistics->distance_queries;
+  return collision::sweptDistance(frames.pieces()[at(pair.a)].geometry->shape,
+                                  frames.relative(interval.slot0, pair),
+                                  frames.relative(interval.slot1, pair), growth,
+                                  frames.pieces()[at(pair.b)].geometry->shape, request,
+                                  workspace.scratch(), &workspace.cache(pair.scene_pair))
+      .distance;
+}
+
+bool EdgeCertifier::Impl::examine(EdgeInterval& interval, std::vector<int>& list, int& offender) {
+  ++statistics->intervals;
+  startInterval();
+  int kept = interval.begin;
+  for (int i = interval.begin; i < interval.end; ++i) {
+    const int p = list[at(i)];
+    const EdgePair& pair = frames.pairs()[at(p)];
+    double growth = 0;
+    if (coarseSweep(interval, pair, growth) > pair.threshold) continue;
+    if (growth <= kSweepGrowth) {
+      const Interval distance = sweep(interval, pair, growth, pair.threshold);
+      if (distance.lower > pair.threshold) continue;
+      if (distance.upper <= pair.threshold) {
+        offender = p;
+        for (; i < interval.end; ++i)
+          list[at(kept++)] = list[at(i)];  // this one and those not looked at
+        interval.end = kept;
+        return false;
+      }
+    }
+    list[at(kept++)] = p;
+  }
+  interval.end = kept;
+  return true;
+}
+
+EdgeCheck EdgeCertifier::Impl::certifyByLevels(const EdgeRequest&) {
+  EdgeCheck check;
+  const auto answer = [&](Verdict verdict, int p, double t) {
+    check.verdict = verdict;
+    check.pair = p < 0 ? -1 : frames.pairs()[at(p)].scene_pair;
+    check.t = t;
+    if (verdict == Verdict::kNotFree && p >= 0) killer = p;
+    return check;
+  };
+  const int end = frames.place(1);
+  int offender = -1;
+  // The end decides most edges; it also settles for all of a certified edge that nothing is inside
+  // a solid.
+  const Verdict at_end = end < 0 ? Verdict::kUndecided : checkState(end, offender);
+  if (at_end != Verdict::kFree) return answer(at_end, offender, 1);
+  const int start = frames.place(0);
+  if (start < 0) return answer(Verdict::kUndecided, -1, 0);
+
+  open.clear();
+  for (std::size_t p = 0; p < frames.pairs().size(); ++p) open.push_back(static_cast<int>(p));
+  intervals.clear();
+  intervals.push_back({start, end, 0, 1, 0, static_cast<int>(open.size()), 0});
+  while (!intervals.empty()) {
+    next_intervals.clear();
+    next_open.clear();
+    for (EdgeInterval& interval : intervals) {
+      if (!examine(interval, open, offender))
+        return answer(Verdict::kNotFree, offender, interval.t0);
+      if (interval.begin == interval.end) continue;
+      const double middle = interval.t0 + interval.h / 2;
+      const int first = open[at(interval.begin)];
+      if (work > work_limit || interval.level >= kDeepestLevel || interval.h <= smallest)
+        return answer(Verdict::kUndecided, first, middle);
+      if (interval.h * motionOf(interval, frames.pairs()[at(first)].motion).speed < kSmallestMotion)
+        return answer(Verdict::kUndecided, first, middle);
+      const int slot = frames.place(middle);
+      if (slot < 0) return answer(Verdict::kUndecided, first, middle);
+      for (int i = interval.begin; i < interval.end; ++i) {
+        const EdgePair& pair = frames.pairs()[at(open[at(i)])];
+        if (coarseState(slot, pair) == Pair::kNotFree)
+          return answer(Verdict::kNotFree, open[at(i)], middle);
+      }
+      const auto count = static_cast<std::size_t>(interval.end - interval.begin);
+      if (next_open.size() + 2 * count > next_open.capacity() ||
+          next_intervals.size() + 2 > next_intervals.capacity())
+        return answer(Verdict::kUndecided, first, middle);
+      split(interval, slot);
+    }
+    intervals.swap(next_intervals);
+    open.swap(next_open);
+  }
+  return answer(Verdict::kFree, -1, 0);
+}
+
+void EdgeCertifier::Impl::findLastValid(const EdgeRequest&, EdgeCheck& check) {
+  frames.release(0);
+  work = 0;
+  check.last_valid = 0;
+  int offender = -1;
+  const int start = frames.place(0), end = frames.place(1);
+  if (start < 0 || checkState(start, offender) != Verdict::kFree || end < 0) return;
+  open.clear();
+  for (std::size_t p = 0; p < frames.pairs().size(); ++p) open.push_back(static_cast<int>(p));
+  certifyPrefix({start, end, 0, 1, 0, static_cast<int>(open.size()), 0}, check);
+}
+
+bool EdgeCertifier::Impl::certifyPrefix(EdgeInterval interval, EdgeCheck& check) {
+  int offender = -1;
+  // Where one of the ends is in contact, the part before it may still be certified.
+  examine(interval, open, offender);
+  if (interval.begin == interval.end) {
+    check.last_valid = interval.t0 + interval.h;
+    return true;
+  }
+  if (interval.level >= kLastValidLevel || work > work_limit || interval.h <= smallest)
+    return false;
+  const auto count = static_cast<std::size_t>(interval.end - interval.begin);
+  const int mark = frames.used();
+  const std::size_t top = open.size();
+  const int slot = frames.place(interval.t0 + interval.h / 2);
+  if (slot < 0 || top + count > open.capacity()) return false;
+  bool certified = true;
+  for (int half = 0; half < 2 && certified; ++half) {
+    open.resize(top);
+    open.insert(open.end(), open.begin() + interval.begin, open.begin() + interval.end);
+    const double h = interval.h / 2;
+    const EdgeInterval part{half == 0 ? interval.slot0 : slot,
+                            half == 0 ? slot : interval.slot1,
+                            interval.t0 + half * h,
+                            h,
+                            static_cast<int>(top),
+                            static_cast<int>(top + count),
+                            interval.level + 1};
+    certified = certifyPrefix(part, check);
+  }
+  open.resize(top);
+  frames.release(mark);
+  return certified;
+}
+
+}  // namespace leeway::planner

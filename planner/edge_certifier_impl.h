@@ -1,0 +1,82 @@
+#pragma once
+
+// Private to planner/: what certify() and edgeClearance() share.
+
+#include <memory>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "leeway/planner/edge_certifier.h"
+#include "planner/edge_frames.h"
+
+namespace leeway::planner {
+
+/// A dyadic part of the edge, with the pairs that it leaves open as a range of a list.
+struct EdgeInterval {
+  int slot0, slot1;
+  double t0, h;
+  int begin, end;
+  int level;
+};
+
+struct EdgeCertifier::Impl {
+  explicit Impl(std::shared_ptr<const CompiledScene> scene);
+
+  /// What a look at one pair found.
+  enum class Pair : unsigned char { kFree, kNotFree, kOpen };
+
+  // One configuration (edge_state.cc).
+  Verdict checkState(int slot, int& pair);
+  Pair coarseState(int slot, const EdgePair& pair) const;
+  Pair exactState(int slot, const EdgePair& pair);
+  collision::DistanceResult stateDistance(int slot, const EdgePair& pair,
+                                          const collision::DistanceRequest& request);
+
+  // One interval.
+  const robots::MotionBound& motionOf(const EdgeInterval& interval, int motion);
+  /// Lower bound on the separation over the interval, from balls, and the growth of a sweep.
+  double coarseSweep(const EdgeInterval& interval, const EdgePair& pair, double& growth);
+  Interval sweep(const EdgeInterval& interval, const EdgePair& pair, double growth,
+                 double threshold);
+  /// Sweeps the open pairs of an interval, in place: afterwards [begin, end) is what it leaves
+  /// open.
+  bool examine(EdgeInterval& interval, std::vector<int>& open, int& offender);
+  void startInterval() { ++stamp; }
+
+  EdgeCheck certifyByLevels(const EdgeRequest& request);
+  void findLastValid(const EdgeRequest& request, EdgeCheck& check);
+  bool certifyPrefix(EdgeInterval interval, EdgeCheck& check);
+
+  /// Appends the halves of an interval, met in `slot`, with its open pairs, to the next level.
+  void split(const EdgeInterval& interval, int slot);
+
+  // Clearance of an edge (edge_clearance.cc).
+  struct ClearanceSearch;
+  Interval refineState(int slot, double t, const EdgePair& pair, ClearanceSearch& search);
+  void searchState(int slot, double t, ClearanceSearch& search);
+  void settlePairs(EdgeInterval& interval, ClearanceSearch& search);
+  void settleFromMiddle(EdgeInterval& interval, int slot, bool last, ClearanceSearch& search);
+  void searchEdge(int start, int end, ClearanceSearch& search);
+
+  std::shared_ptr<const CompiledScene> scene;
+  EdgeFrames frames;
+  collision::Workspace workspace;
+  std::vector<robots::MotionBound> motion;  // of the present interval, one a motion
+  std::vector<std::uint64_t> motion_stamp;
+  std::uint64_t stamp = 0;
+  std::vector<EdgeInterval> intervals, next_intervals;
+  std::vector<int> open, next_open;
+  std::vector<std::pair<double, int>> order;  // pairs by coarse distance
+  int killer = 0;                             // index into pairs of what last was not free
+  int work = 0, work_limit = 0;
+  double smallest = 0;
+  Statistics* statistics = nullptr;
+};
+
+/// Places for configurations and intervals of one edge; beyond them it is undecided.
+inline constexpr int kEdgeSlots = 1024;
+inline constexpr int kEdgeIntervals = 2048;
+inline constexpr int kEdgeOpen = 1 << 16;
+
+}  // namespace leeway::planner

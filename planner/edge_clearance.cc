@@ -1,0 +1,189 @@
+// The least clearance along an edge: branch and bound over pairs and intervals. The upper end comes
+// from configurations, the lower from sweeps and, where bodies overlap and sweeps say nothing, from
+// the distance at an interval's middle less how far the pair can move from it.
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "planner/edge_certifier_impl.h"
+#include "planner/tolerances.h"
+
+namespace leeway::planner {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+}  // namespace
+
+/// What one search carries.
+struct EdgeCertifier::Impl::ClearanceSearch {
+  double tolerance, cutoff;
+  double lower = kInfinity;  // of everything that is settled
+  bool swept = false;        // some of it by sweeps
+  EdgeClearance best{{kInfinity, kInfinity}, 0, -1, {}};
+
+  /// From here on a part of the edge need not be looked at.
+  double enough() const { return best.clearance.upper - tolerance; }
+  bool cut() const { return best.clearance.upper < cutoff; }
+  void settle(double bound) { lower = std::min(lower, bound); }
+};
+
+/// The distance of one pair at one configuration, as far as it can matter: exact to a quarter of
+/// the tolerance, or above what is known.
+Interval EdgeCertifier::Impl::refineState(int slot, double t, const EdgePair& pair,
+                                          ClearanceSearch& search) {
+  collision::DistanceRequest request;
+  request.tolerance = search.tolerance / 4;
+  const double known = search.best.clearance.upper;
+  if (std::isfinite(known)) request.threshold = known + pair.rounding;
+  collision::DistanceResult result = stateDistance(slot, pair, request);
+  if (result.status == collision::DistanceStatus::kNotAboveThreshold &&
+      result.distance.width() > request.tolerance) {
+    request.threshold = std::numeric_limits<double>::quiet_NaN();
+    result = stateDistance(slot, pair, request);
+  }
+  result.distance.lower -= pair.rounding;
+  result.distance.upper += pair.rounding;
+  if (result.distance.upper < known) {
+    search.best.clearance.upper = result.distance.upper;
+    search.best.t = t;
+    search.best.pair = pair.scene_pair;
+    search.best.closest = result;
+  }
+  return result.distance;
+}
+
+/// All pairs at one configuration, those with the least coarse bound first.
+void EdgeCertifier::Impl::searchState(int slot, double t, ClearanceSearch& search) {
+  const std::span<const EdgePair> pairs = frames.pairs();
+  order.clear();
+  for (std::size_t p = 0; p < pairs.size(); ++p) {
+    const EdgePair& pair = pairs[p];
+    const Eigen::Vector3d center = frames.inFrameOf(slot, pair.b, frames.center(slot, pair.a));
+    const double lower = frames.pieces()[at(pair.b)].bounds->coarse.lower(center) -
+                         frames.pieces()[at(pair.a)].bounds->outer.radius - pair.rounding;
+    order.emplace_back(std::isnan(lower) ? -kInfinity : lower, static_cast<int>(p));
+  }
+  std::sort(order.begin(), order.end());
+  for (const auto& [lower, p] : order) {
+    if (lower >= search.best.clearance.upper || search.cut()) break;
+    refineState(slot, t, pairs[at(p)], search);
+  }
+}
+
+/// Settles the pairs of an interval that cannot improve the minimum by more than the tolerance; the
+/// others stay in [begin, end).
+void EdgeCertifier::Impl::settlePairs(EdgeInterval& interval, ClearanceSearch& search) {
+  ++statistics->intervals;
+  startInterval();
+  int kept = interval.begin;
+  for (int i = interval.begin; i < interval.end; ++i) {
+    const EdgePair& pair = frames.pairs()[at(open[at(i)])];
+    double growth = 0;
+    double lower = coarseSweep(interval, pair, growth) - pair.rounding;
+    // A sweep tells distances, not depths: it is asked only for what is apart.
+    if (lower < search.enough() && growth <= kSweepGrowth && search.enough() > 0) {
+      search.swept = true;
+      lower = std::max(lower, sweep(interval, pair, growth, search.enough() + pair.rounding).lower -
+                                  pair.rounding);
+    }
+    if (lower >= search.enough())
+      search.settle(lower);
+    else
+      open[at(kept++)] = open[at(i)];
+  }
+  interval.end = kept;
+}
+
+/// Looks at the open pairs in the interval's middle; what that does not settle stays in [begin,
+/// end). `last`: nothing may stay.
+void EdgeCertifier::Impl::settleFromMiddle(EdgeInterval& interval, int slot, bool last,
+                                           ClearanceSearch& search) {
+  int kept = interval.begin;
+  for (int i = interval.begin; i < interval.end && !search.cut(); ++i) {
+    const EdgePair& pair = frames.pairs()[at(open[at(i)])];
+    const Interval distance = refineState(slot, interval.t0 + interval.h / 2, pair, search);
+    // Signed separation changes no faster than the pair's points move.
+    const double lower = distance.lower - interval.h / 2 * motionOf(interval, pair.motion).speed;
+    if (last || lower >= search.enough())
+      search.settle(lower);
+    else
+      open[at(kept++)] = open[at(i)];
+  }
+  interval.end = kept;
+}
+
+EdgeClearance EdgeCertifier::edgeClearance(std::span<const double> a, std::span<const double> b,
+                                           double tolerance, double cutoff) {
+  ++statistics.edges;
+  Impl& impl = *impl_;
+  Impl::ClearanceSearch search{tolerance, cutoff};
+  if (impl.frames.pairs().empty()) return search.best;
+  impl.work = 0;
+  const int start = impl.frames.begin(a, b) ? impl.frames.place(0) : -1;
+  const int end = start < 0 ? -1 : impl.frames.place(1);
+  if (end < 0) {
+    search.best.clearance.lower = -kInfinity;
+    return search.best;
+  }
+  impl.searchState(end, 1, search);
+  impl.searchState(start, 0, search);
+  impl.searchEdge(start, end, search);
+  // Sweeps do not see a body inside another, and what is inside at one place of a touching edge may
+  // not be at its end. With a negative minimum known they are not asked.
+  if (search.swept && search.best.clearance.upper <= 0 && !search.cut()) {
+    impl.frames.release(end + 1);
+    search.lower = kInfinity;
+    impl.searchEdge(start, end, search);
+  }
+  search.best.clearance.lower =
+      search.cut() ? -kInfinity : std::min(search.lower, search.best.clearance.upper);
+  return search.best;
+}
+
+void EdgeCertifier::Impl::searchEdge(int start, int end, ClearanceSearch& search) {
+  open.clear();
+  for (std::size_t p = 0; p < frames.pairs().size(); ++p) open.push_back(static_cast<int>(p));
+  intervals.clear();
+  intervals.push_back({start, end, 0, 1, 0, static_cast<int>(open.size()), 0});
+  while (!intervals.empty() && !search.cut()) {
+    next_intervals.clear();
+    next_open.clear();
+    for (EdgeInterval& interval : intervals) {
+      settlePairs(interval, search);
+      if (interval.begin == interval.end) continue;
+      const int slot = frames.place(interval.t0 + interval.h / 2);
+      if (slot < 0) {  // out of places or reach: nothing is known of the rest
+        search.settle(-kInfinity);
+        return;
+      }
+      const auto count = static_cast<std::size_t>(interval.end - interval.begin);
+      const bool full = next_open.size() + 2 * count > next_open.capacity() ||
+                        next_intervals.size() + 2 > next_intervals.capacity() ||
+                        frames.used() + 1 >= kEdgeSlots;
+      settleFromMiddle(interval, slot,
+                       full || work > kClearanceWork || interval.level >= kDeepestLevel, search);
+      if (search.cut()) return;
+      split(interval, slot);
+    }
+    intervals.swap(next_intervals);
+    open.swap(next_open);
+  }
+}
+
+void EdgeCertifier::Impl::split(const EdgeInterval& interval, int slot) {
+  const int count = interval.end - interval.begin;
+  if (count == 0) return;
+  const double h = interval.h / 2;
+  for (int half = 0; half < 2; ++half) {
+    const auto begin = static_cast<int>(next_open.size());
+    next_open.insert(next_open.end(), open.begin() + interval.begin, open.begin() + interval.end);
+    next_intervals.push_back({half == 0 ? interval.slot0 : slot, half == 0 ? slot : interval.slot1,
+                              interval.t0 + half * h, h, begin, begin + count, interval.level + 1});
+  }
+}
+
+}  // namespace leeway::planner

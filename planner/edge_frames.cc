@@ -1,0 +1,146 @@
+#include "planner/edge_frames.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "leeway/collision/tolerances.h"
+#include "leeway/robots/kinematics.h"
+#include "planner/tolerances.h"
+
+namespace leeway::planner {
+
+EdgeFrames::EdgeFrames(std::shared_ptr<const CompiledScene> scene, int capacity)
+    : scene_(std::move(scene)), links_(scene_->model().links.size()), capacity_(capacity) {
+  addPieces();
+  addPairs();
+  const auto size = static_cast<std::size_t>(scene_->space().size());
+  for (std::vector<double>* v : {&a_, &b_, &difference_, &point_}) v->resize(size);
+  q_.resize(scene_->model().variables.size());
+  dq_.resize(q_.size());
+  joint_motion_.resize(scene_->model().joints.size());
+  poses_.resize(at(capacity) * links_);
+  centers_.resize(at(capacity) * pieces_.size());
+}
+
+void EdgeFrames::addPieces() {
+  const collision::Scene& scene = scene_->scene();
+  for (std::size_t b = 0; b < scene.bodies().size(); ++b) {
+    const collision::Body& body = scene.bodies()[b];
+    for (const collision::Geometry& g : body.geometries) {
+      Piece piece;
+      piece.body = static_cast<int>(b);
+      piece.link = scene_->bodyLink(piece.body);
+      piece.geometry = &g;
+      piece.bounds = &scene.bounds(static_cast<int>(pieces_.size()));
+      piece.at_origin = g.X_BG.rotation.isIdentity(0) && g.X_BG.translation.isZero(0);
+      if (piece.link < 0)
+        piece.X_GW = (body.X_WB * g.X_BG).inverse();
+      else
+        moving_.push_back(static_cast<int>(pieces_.size()));
+      pieces_.push_back(piece);
+    }
+  }
+}
+
+void EdgeFrames::addPairs() {
+  const collision::Scene& scene = scene_->scene();
+  for (std::size_t p = 0; p < scene.pairs().size(); ++p) {
+    const collision::ScenePair& pair = scene.pairs()[p];
+    EdgePair e;
+    e.scene_pair = static_cast<int>(p);
+    e.a = scene.geometryIndex(pair.body_a, pair.geometry_a);
+    e.b = scene.geometryIndex(pair.body_b, pair.geometry_b);
+    e.motion = scene_->pairMotionIndex(e.scene_pair);
+    const Piece& b = pieces_[at(e.b)];
+    // Every coordinate that a relative pose is made from is within this of its frame's origin.
+    const double scale =
+        2 * scene_->reach() + b.X_GW.translation.lpNorm<1>() + b.bounds->outer.center.lpNorm<1>();
+    e.rounding = (b.link >= 0 ? 2 : 1) * scene_->rounding() + collision::kTransferRounding * scale;
+    e.threshold = pair.margin + e.rounding;
+    pairs_.push_back(e);
+  }
+  std::stable_sort(pairs_.begin(), pairs_.end(),
+                   [](const EdgePair& x, const EdgePair& y) { return x.a < y.a; });
+}
+
+bool EdgeFrames::isUsable(std::span<const double> point) const {
+  for (const double x : point)
+    if (!(std::abs(x) <= kLargestAngle)) return false;  // written so that NaN fails
+  return true;
+}
+
+bool EdgeFrames::begin(std::span<const double> a, std::span<const double> b) {
+  used_ = 0;
+  if (!isUsable(a) || !isUsable(b)) return false;
+  const ConfigurationSpace& space = scene_->space();
+  std::copy(a.begin(), a.end(), a_.begin());
+  std::copy(b.begin(), b.end(), b_.begin());
+  space.difference(a_, b_, difference_);
+  if (!scene_->isSmooth(a_, b_, difference_)) return false;
+  scene_->expandDifference(difference_, dq_);
+  robots::jointMotion(scene_->model(), dq_, joint_motion_);
+  within_limits_ = space.withinLimits(a_) && space.withinLimits(b_);
+  watch_reach_ = !within_limits_ || scene_->reach() >= kLargestReach;
+  return true;
+}
+
+int EdgeFrames::place(double t) {
+  if (used_ >= capacity_) return -1;
+  const int slot = used_;
+  if (t == 0)
+    scene_->expand(a_, q_);
+  else if (t == 1)
+    scene_->expand(b_, q_);
+  else {
+    scene_->space().advance(a_, difference_, t, point_);
+    scene_->expand(point_, q_);
+  }
+  const std::span<Pose> X_WL{&poses_[at(slot) * links_], links_};
+  robots::forwardKinematics(scene_->model(), q_, X_WL);
+  Eigen::Vector3d* centers = &centers_[at(slot) * pieces_.size()];
+  for (const int i : moving_) {
+    const Piece& piece = pieces_[at(i)];
+    centers[i] = X_WL[at(piece.link)] * piece.bounds->outer.center;
+    // Limits keep bodies in reach; without them the rounding bound must be watched.
+    if (watch_reach_ && !(centers[i].norm() + piece.bounds->outer.radius <= scene_->reach()))
+      return -1;
+  }
+  ++used_;
+  return slot;
+}
+
+Pose EdgeFrames::piecePose(int slot, int piece) const {
+  const Piece& p = pieces_[at(piece)];
+  const Pose& X_WB =
+      p.link >= 0 ? links(slot)[at(p.link)] : scene_->scene().bodies()[at(p.body)].X_WB;
+  return p.at_origin ? X_WB : X_WB * p.geometry->X_BG;
+}
+
+Pose EdgeFrames::relative(int slot, const EdgePair& pair) const {
+  const Pose X_WA = piecePose(slot, pair.a);
+  const Piece& b = pieces_[at(pair.b)];
+  if (b.link < 0) return b.X_GW * X_WA;
+  const Pose X_WB = piecePose(slot, pair.b);
+  return {X_WB.rotation.transpose() * X_WA.rotation,
+          X_WB.rotation.transpose() * (X_WA.translation - X_WB.translation)};
+}
+
+Eigen::Vector3d EdgeFrames::inFrameOf(int slot, int piece, const Eigen::Vector3d& p_W) const {
+  const int link = pieces_[at(piece)].link;
+  if (link < 0) return p_W;
+  const Pose& X_WL = links(slot)[at(link)];
+  return X_WL.rotation.transpose() * (p_W - X_WL.translation);
+}
+
+robots::MotionBound EdgeFrames::motionBound(int motion, int slot0, int slot1, double h) const {
+  const robots::RelativeMotion& m = scene_->motions()[at(motion)];
+  // Each end speaks for the half of the interval that is next to it.
+  const robots::MotionBound x = robots::localMotionBound(scene_->model(), m, joint_motion_,
+                                                         links(slot0), h / 2, within_limits_);
+  const robots::MotionBound y = robots::localMotionBound(scene_->model(), m, joint_motion_,
+                                                         links(slot1), h / 2, within_limits_);
+  return {std::max(x.speed, y.speed), std::max(x.acceleration, y.acceleration)};
+}
+
+}  // namespace leeway::planner

@@ -1,0 +1,88 @@
+#pragma once
+
+// Private to planner/: the configurations of one edge, each placed once, and the pairs that are
+// asked along it.
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "leeway/planner/compiled_scene.h"
+#include "leeway/robots/motion_bound.h"
+
+namespace leeway::planner {
+
+using collision::Pose;
+
+/// One geometry of the scene, ready to be placed.
+struct Piece {
+  int body = -1;
+  int link = -1;  ///< that carries it; -1: the world
+  const collision::Geometry* geometry = nullptr;
+  const collision::GeometryBounds* bounds = nullptr;  ///< in link's frame, or the world's
+  bool at_origin = false;                             ///< X_BG is the identity
+  Pose X_GW;                                          ///< world pieces only
+};
+
+/// One pair of the scene; a moves.
+struct EdgePair {
+  int scene_pair;
+  int a, b;          ///< pieces
+  int motion;        ///< of a seen from b's link, index into CompiledScene::motions()
+  double threshold;  ///< separation must exceed it: margin and all rounding of poses [m]
+  double rounding;   ///< the latter alone [m]
+};
+
+/// Places configurations a + t dq of one edge in numbered slots. Allocates in the constructor only.
+class EdgeFrames {
+ public:
+  EdgeFrames(std::shared_ptr<const CompiledScene> scene, int capacity);
+
+  /// Starts an edge: no slot is in use afterwards. False when the edge cannot be certified at all:
+  /// numbers that are not finite, angles too large to be exact, or a mimic joint that would jump.
+  bool begin(std::span<const double> a, std::span<const double> b);
+  /// A slot with the configuration at t; -1 when none is left or a body is out of reach.
+  int place(double t);
+  int used() const { return used_; }
+  /// Gives back all slots from `used` on.
+  void release(int used) { used_ = used; }
+
+  const CompiledScene& scene() const { return *scene_; }
+  std::span<const Piece> pieces() const { return pieces_; }
+  std::span<const EdgePair> pairs() const { return pairs_; }
+
+  std::span<const Pose> links(int slot) const { return {&poses_[at(slot) * links_], links_}; }
+  /// Centre of a moving piece's ball, in the world.
+  const Eigen::Vector3d& center(int slot, int piece) const {
+    return centers_[at(slot) * pieces_.size() + at(piece)];
+  }
+  Pose piecePose(int slot, int piece) const;
+  /// X_BA of a pair's pieces.
+  Pose relative(int slot, const EdgePair& pair) const;
+  /// A point of the world in the frame of b's coarse stand-in: its link's, or the world's.
+  Eigen::Vector3d inFrameOf(int slot, int piece, const Eigen::Vector3d& p_W) const;
+
+  /// Bounds over an interval of length h (in t) between two slots, of the pair's motion.
+  robots::MotionBound motionBound(int motion, int slot0, int slot1, double h) const;
+
+ private:
+  static std::size_t at(int i) { return static_cast<std::size_t>(i); }
+  void addPieces();
+  void addPairs();
+  bool isUsable(std::span<const double> point) const;
+
+  std::shared_ptr<const CompiledScene> scene_;
+  std::vector<Piece> pieces_;
+  std::vector<EdgePair> pairs_;
+  std::vector<int> moving_;  // pieces
+  std::size_t links_;
+  int capacity_;
+  int used_ = 0;
+  bool within_limits_ = true, watch_reach_ = false;
+  std::vector<double> a_, b_, difference_, point_, q_, dq_;
+  std::vector<robots::JointMotion> joint_motion_;
+  std::vector<Pose> poses_;               // slot by slot, one a link
+  std::vector<Eigen::Vector3d> centers_;  // slot by slot, one a piece
+};
+
+}  // namespace leeway::planner
