@@ -50,7 +50,7 @@
 #include <memory>
 #include <stdexcept>
 
-#include "planner/names.h"
+#include "planner/nearest_name.h"
 #include "planner/ompl_lock.h"
 
 namespace leeway::planner {
@@ -144,6 +144,18 @@ const std::vector<Entry>& entries() {
   return list;
 }
 
+/// Capitals to small letters, the star of RRT* to the word that OMPL's class names use.
+std::string normalizedName(std::string_view name) {
+  std::string result;
+  for (const char c : name) {
+    if (c == '*')
+      result += "star";
+    else
+      result += c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  }
+  return result;
+}
+
 const Entry* find(std::string_view name) {
   const std::string wanted = normalizedName(name);
   for (const Entry& e : entries())
@@ -185,10 +197,7 @@ std::optional<std::string> setParameter(ob::Planner& planner, const std::string&
     std::vector<std::string> names;
     parameters.getParamNames(names);
     if (names.empty()) return "planner parameter '" + key + "' is unknown: the planner has none";
-    std::string list;
-    for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
-    return "planner parameter '" + key + "' is unknown; did you mean '" + nearestName(key, names) +
-           "'? There are: " + list;
+    return "planner parameter '" + key + "' is unknown" + nearestName(key, names);
   }
   ob::GenericParam& parameter = parameters[key];
   const std::string wrong = "planner parameter '" + key + "' cannot be '" + value + "'; ";
@@ -217,10 +226,7 @@ std::optional<std::string> setParameter(ob::Planner& planner, const std::string&
 std::string unknownPlanner(const std::string& name) {
   std::vector<std::string> names;
   for (const PlannerTraits& traits : plannerNames()) names.push_back(traits.name);
-  std::string list;
-  for (const std::string& n : names) list += (list.empty() ? "" : ", ") + n;
-  return "planner '" + name + "' is unknown; did you mean '" + nearestName(name, names) +
-         "'? There are: " + list;
+  return "planner '" + name + "' is unknown" + nearestName(name, names);
 }
 
 }  // namespace
