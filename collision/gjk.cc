@@ -66,10 +66,10 @@ GjkEnd run(Difference<kSwept>& difference, const Vector& first_direction, Progre
       scan_all = true;
     }
     if (norm <= 4 * query.roundoff) return GjkEnd::kInside;
-    if (simplex.plane_normal.isZero(0)) {
+    if (simplex.feature_normal.isZero(0)) {
       n = simplex.nearest / norm;
     } else {
-      n = simplex.plane_normal.normalized();
+      n = simplex.feature_normal.normalized();
       if (n.dot(simplex.nearest) < 0) n = -n;
     }
     along_nearest = n.dot(simplex.nearest);

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "collision/exact.h"
+
 namespace leeway::collision {
 
 namespace {
@@ -41,12 +43,20 @@ Vector triangleNormal(const Vector& a, const Vector& b, const Vector& c) {
   return cross(ab, bc);
 }
 
-// A determinant of three vectors, trusted only beyond its rounding: 0 when that leaves the sign
-// open.
+// Sign of the determinant of three vectors: exact, but 0 also where a coordinate is too small for
+// exact arithmetic.
 int signOfDeterminant(const Vector& a, const Vector& b, const Vector& c) {
   const double value = a.dot(cross(b, c));
-  const double error = 16 * kUnitRoundoff * a.norm() * b.norm() * c.norm();
-  return value > error ? 1 : value < -error ? -1 : 0;
+  const double error =
+      16 * kUnitRoundoff * a.cwiseAbs().sum() * b.cwiseAbs().sum() * c.cwiseAbs().sum();
+  if (value > error) return 1;
+  if (value < -error) return -1;
+  for (const Vector* v : {&a, &b, &c}) {
+    for (int i = 0; i < 3; ++i) {
+      if ((*v)[i] != 0 && std::abs((*v)[i]) < kSmallestExact) return 0;
+    }
+  }
+  return orientation(Vector::Zero(), a, b, c);
 }
 
 class Polytope {
@@ -467,6 +477,9 @@ void Polytope::grow() {
       if (checkLower(difference_, progress_) || progress_.enough()) return;
       scan_all_ = true;
     }
+    // Once the pair is known to be apart, or a facet that sees the origin was given up, the others
+    // have nothing to say.
+    if (f.distance > 0 && (left_facing_ || progress_.lower() > 0)) return;
     if (full()) return;
     SupportPoint& s = buffers_.vertices[static_cast<std::size_t>(vertex_count_)];
     const Vector outward = f.normal;

@@ -54,7 +54,7 @@ class Progress {
   /// Written so that a NaN threshold or tolerance decides nothing.
   bool aboveThreshold() const { return lower_ > query_.request.threshold; }
   bool enough() const {
-    return aboveThreshold() || upper_ <= query_.request.threshold || converged() ||
+    return aboveThreshold() || upper_ <= query_.request.threshold || (converged() && signKnown()) ||
            (!query_.request.depth && upper_ <= 0);
   }
 
@@ -62,6 +62,10 @@ class Progress {
     return upper_ - lower_ <= query_.request.tolerance ||
            swept_upper_ - lower_ <= query_.request.tolerance;
   }
+
+  /// Which side of contact the pair is on: work goes on for that even when the interval is narrow
+  /// enough.
+  bool signKnown() const { return lower_ > 0 || upper_ <= 0; }
 
   DistanceStatus status() const {
     if (converged()) return DistanceStatus::kConverged;

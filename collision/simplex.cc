@@ -60,7 +60,9 @@ void tryEdge(const Simplex& s, int i, int j, Candidate& best) {
     best.index[1] = j;
     best.lambda[0] = 1 - t;
     best.lambda[1] = t;
-    best.normal.setZero();
+    // Near contact the nearest point keeps a part along the edge, by cancellation: taken off, in
+    // proportion to what is left.
+    best.normal = nearest - (nearest.dot(edge) / length_squared) * edge;
   }
 }
 
@@ -126,7 +128,7 @@ void keep(Simplex& s, const Candidate& best) {
   s.count = best.count;
   s.nearest = best.nearest;
   s.norm_squared = best.norm_squared;
-  s.plane_normal = best.normal;
+  s.feature_normal = best.normal;
 }
 
 // The faces of the tetrahedron that the origin is beyond, or may be. True when there is none.
@@ -182,7 +184,7 @@ bool reduceToNearest(Simplex& s) {
       s.lambda[0] = 1;
       s.nearest = s.points[0].w;
       s.norm_squared = s.nearest.squaredNorm();
-      s.plane_normal.setZero();
+      s.feature_normal.setZero();
       return true;
     case 2:
       tryEdge(s, 0, 1, best);

@@ -13,10 +13,10 @@ struct Simplex {
       0};  ///< weights of `nearest`; not negative, their sum is 1 within 4 units of roundoff
   Vector nearest = Vector::Zero();
   double norm_squared = 0;  ///< of nearest
-  /// Normal of the triangle that carries `nearest` when there is one and it is the better
-  /// direction: near contact, where nearest/|nearest| is lost to cancellation, that normal is still
-  /// known. Zero otherwise.
-  Vector plane_normal = Vector::Zero();
+  /// A better direction than `nearest` where there is one, of any length: near contact
+  /// nearest/|nearest| is lost to cancellation, but the normal of the triangle that carries it is
+  /// still known, and so is its right angle to an edge. Else zero.
+  Vector feature_normal = Vector::Zero();
 
   /// The point with the given weights, of A.
   Vector pointOfA() const {
