@@ -1,5 +1,6 @@
 #include "leeway/collision/coarse_shape.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -1,5 +1,6 @@
 #include "leeway/robots/motion_bound.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
