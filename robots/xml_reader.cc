@@ -107,6 +107,8 @@ XmlFile::XmlFile(const std::string& path, const std::string& kind) : path_(path)
     throw InputError(path, document_.ErrorLineNum(),
                      "XML syntax error (" + name + "); well-formed XML would be accepted");
   }
+  if (document_.RootElement() == nullptr)
+    throw InputError(path, 0, "holds no element; a " + kind + " file has <robot>");
   if (std::strcmp(root().Name(), "robot") != 0)
     fail(root(), "the root element is <" + std::string(root().Name()) + ">; a " + kind +
                      " file has <robot>");

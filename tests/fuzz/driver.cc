@@ -105,6 +105,7 @@ struct Arguments {
   long long count = std::numeric_limits<long long>::max();
   unsigned long long seed = 1;
   long long only = -1;
+  bool show = false;  // with --only: the input to stdout
 };
 
 bool parse(int argc, char** argv, Arguments& arguments) {
@@ -119,6 +120,8 @@ bool parse(int argc, char** argv, Arguments& arguments) {
       arguments.seed = std::strtoull(argv[i + 1], &end, 10);
     } else if (name == "--only") {
       arguments.only = std::strtoll(argv[i + 1], &end, 10);
+    } else if (name == "--show") {
+      arguments.show = std::strtoll(argv[i + 1], &end, 10) != 0;
     }
     if (end == nullptr || *end != '\0') return false;
   }
@@ -130,7 +133,8 @@ bool parse(int argc, char** argv, Arguments& arguments) {
 int main(int argc, char** argv) {
   Arguments arguments;
   if (!parse(argc, argv, arguments)) {
-    std::fprintf(stderr, "usage: %s [--seconds N] [--count N] [--seed S] [--only INDEX]\n",
+    std::fprintf(stderr,
+                 "usage: %s [--seconds N] [--count N] [--seed S] [--only INDEX [--show 1]]\n",
                  argv[0]);
     return 2;
   }
@@ -158,6 +162,10 @@ int main(int argc, char** argv) {
       } else {
         for (int n = 1 + random.below(6); n > 0; --n) alter(input, words, random);
       }
+    }
+    if (arguments.show) {
+      std::fwrite(input.data(), 1, input.size(), stdout);
+      std::fflush(stdout);
     }
     alarm(kLongestInput);
     LLVMFuzzerTestOneInput(reinterpret_cast<const std::uint8_t*>(input.data()), input.size());
