@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "collision/exact.h"
 
@@ -43,19 +44,21 @@ Vector triangleNormal(const Vector& a, const Vector& b, const Vector& c) {
   return cross(ab, bc);
 }
 
-// Sign of the determinant of three vectors: exact, but 0 also where a coordinate is too small for
-// exact arithmetic.
+// Coordinates too small for exact arithmetic become 0: far below the rounding that all vertices
+// carry (see kSmallestScale).
+void clean(Vector& w) {
+  for (int i = 0; i < 3; ++i) {
+    if (std::abs(w[i]) < kSmallestExact) w[i] = 0;
+  }
+}
+
+// Sign of the determinant of three vectors.
 int signOfDeterminant(const Vector& a, const Vector& b, const Vector& c) {
   const double value = a.dot(cross(b, c));
   const double error =
       16 * kUnitRoundoff * a.cwiseAbs().sum() * b.cwiseAbs().sum() * c.cwiseAbs().sum();
   if (value > error) return 1;
   if (value < -error) return -1;
-  for (const Vector* v : {&a, &b, &c}) {
-    for (int i = 0; i < 3; ++i) {
-      if ((*v)[i] != 0 && std::abs((*v)[i]) < kSmallestExact) return 0;
-    }
-  }
   return orientation(Vector::Zero(), a, b, c);
 }
 
@@ -94,7 +97,6 @@ class Polytope {
   void refine(PolytopeFacet& f);
   void offerFacet(const PolytopeFacet& f);
   bool sees(const PolytopeFacet& f, const Vector& p) const;
-  bool hasVertex(const PolytopeFacet& f, const Vector& p) const;
   bool collect(int first, const Vector& p);
   bool orderHorizon();
   void expand(int first);
@@ -119,6 +121,7 @@ class Polytope {
 bool Polytope::ask(const Vector& n, SupportPoint& found) {
   ++progress_.iterations;
   found = difference_.support(n, scan_all_);
+  clean(found.w);
   progress_.offerLower(n.dot(found.w), n, scan_all_);
   if (!progress_.enough()) return false;
   if (checkLower(difference_, progress_) || progress_.enough()) return true;
@@ -148,7 +151,9 @@ bool Polytope::begin(const Simplex& start) {
   buffers_.free_facets.clear();
   vertex_count_ = start.count;
   for (int i = 0; i < start.count; ++i) {
-    buffers_.vertices[static_cast<std::size_t>(i)] = start.points[i];
+    SupportPoint& s = buffers_.vertices[static_cast<std::size_t>(i)];
+    s = start.points[i];
+    clean(s.w);
   }
   // Nearer than this to the flat spanned so far is the same as in it.
   const double flat = 8 * roundoff_;
@@ -178,7 +183,9 @@ bool Polytope::begin(const Simplex& start) {
     }
   }
   int order[4] = {0, 1, 2, 3};
-  if (cross(w(1) - w(0), w(2) - w(0)).dot(w(3) - w(0)) > 0) std::swap(order[1], order[2]);
+  const int side = orientation(w(0), w(1), w(2), w(3));
+  if (side == 0) return false;
+  if (side > 0) std::swap(order[1], order[2]);
   // Now the last vertex is behind the first three.
   const auto [a, b, c, d] = order;
   const int f0 = newFacet(a, b, c), f1 = newFacet(a, d, b), f2 = newFacet(b, d, c),
@@ -231,12 +238,19 @@ void Polytope::measure(PolytopeFacet& f) {
   const Vector n = triangleNormal(a, b, c);
   const double length = n.norm();
   if (length > 0) {
-    f.normal = n / length;
+    f.normal = f.plane_normal = n / length;
+    // The cross product of two edges errs by less than 7 units of roundoff times their lengths, its
+    // normalisation, the difference d and the dot product by 8 more; the area is at most the
+    // product of the lengths.
+    const double longest_squared =
+        std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()});
+    const double doubt = 16 * kUnitRoundoff * longest_squared / length;
+    f.doubt_squared = doubt * doubt;
     f.distance = std::min({f.normal.dot(a), f.normal.dot(b), f.normal.dot(c)});
   } else {
     // No area: the direction of its nearest point is as good as any.
-    f.refined = false;
-    f.normal = Vector::UnitX();
+    f.normal = f.plane_normal = Vector::UnitX();
+    f.doubt_squared = std::numeric_limits<double>::infinity();
     f.distance = 0;
     refine(f);
   }
@@ -297,9 +311,14 @@ void Polytope::offerFacet(const PolytopeFacet& f) {
   }
 }
 
+// Exact, so that the surface is the convex hull of its vertices as they were rounded, and what p
+// sees is one patch. Two predicates that contradict each other would make the surface fold.
 bool Polytope::sees(const PolytopeFacet& f, const Vector& p) const {
-  // Differences first: they are exact or nearly so where it matters.
-  return f.normal.dot(p - w(f.vertex[0])) > 0;
+  const Vector &a = w(f.vertex[0]), &b = w(f.vertex[1]), &c = w(f.vertex[2]);
+  const Vector d = p - a;
+  const double height = f.plane_normal.dot(d);
+  if (height * height > f.doubt_squared * d.squaredNorm()) return height > 0;
+  return orientation(a, b, c, p) > 0;
 }
 
 // The facets seen from p, connected to `first`, and the edges around them. False when it is all of
@@ -451,10 +470,6 @@ bool Polytope::windsAroundOrigin() {
   return false;
 }
 
-bool Polytope::hasVertex(const PolytopeFacet& f, const Vector& p) const {
-  return p == w(f.vertex[0]) || p == w(f.vertex[1]) || p == w(f.vertex[2]);
-}
-
 void Polytope::grow() {
   for (;;) {
     // The live facet with the smallest key.
@@ -486,7 +501,7 @@ void Polytope::grow() {
     if (ask(-outward, s)) return;
     // No farther out than the facet itself, to within rounding: this is the difference's own facet.
     const double reach = outward.dot(s.w - w(f.vertex[0]));
-    if (!(reach > 2 * roundoff_) || hasVertex(f, s.w)) {
+    if (!(reach > 2 * roundoff_) || !sees(f, s.w)) {
       if (f.distance > 0) return;
       left_facing_ = true;
       continue;

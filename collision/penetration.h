@@ -13,10 +13,13 @@ namespace leeway::collision {
 struct PolytopeFacet {
   std::int32_t vertex[3];
   std::int32_t neighbour[3];
-  Vector normal;  ///< outward, unit
+  Vector plane_normal;  ///< outward, unit
+  /// The same, or a better direction for a sliver: what `distance` holds along.
+  Vector normal;
   double distance =
       0;  ///< min over the vertices of normal . w: all of the triangle is at least that far out
-  double key = 0;  ///< order of work, see key() in penetration.cc
+  double doubt_squared = 0;  ///< of the error of normal . d for a vector d, per length of d
+  double key = 0;            ///< order of work, see key() in penetration.cc
   std::int32_t stamp =
       0;  ///< grows when the slot is used again, so that old queue entries are told
   std::int32_t mark = 0;

@@ -25,7 +25,7 @@ inline constexpr double kRotationTolerance = 1e-6;
 /// Sums of sizes and distances outside [kSmallestScale, kLargestScale] [m] are answered from
 /// bounding spheres, because products of four lengths would leave the range of double.
 inline constexpr double kLargestScale = 1e60;
-inline constexpr double kSmallestScale = 1e-60;
+inline constexpr double kSmallestScale = 1e-40;
 
 /// Squared length of the part of a unit direction across the axis below which a round cap is asked
 /// at its centre: it moves the support value by less than 1e-140 of the radius, and keeps the
