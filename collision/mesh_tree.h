@@ -4,10 +4,12 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
 #include "collision/convex.h"
+#include "leeway/collision/convex_hull.h"
 
 namespace leeway::collision {
 
@@ -69,6 +71,23 @@ class MeshTree {
     view.extent = extent_;
     return view;
   }
+  /// The hull of all vertices, without excess: answers alone where the mesh is nearly convex.
+  ConvexView hullView() const {
+    ConvexView view;
+    view.core = Core::kPoints;
+    view.points = hull_->vertices().data();
+    view.count = static_cast<int>(hull_->vertices().size());
+    view.hull = hull_.get();
+    view.extent = extent_;
+    view.excess = hull_->excess();
+    return view;
+  }
+  /// What is known of a component besides its triangles.
+  struct Component {
+    Eigen::Vector3d low, high;  ///< its box; exact
+    Eigen::Vector3d point;      ///< one of its vertices
+  };
+  std::span<const Component> components() const { return components_; }
   std::int32_t triangleOf(int slot) const { return triangle_of_[static_cast<std::size_t>(slot)]; }
   std::int32_t slotOf(int triangle) const { return slot_of_[static_cast<std::size_t>(triangle)]; }
   int triangleCount() const { return static_cast<int>(triangle_of_.size()); }
@@ -86,6 +105,8 @@ class MeshTree {
   std::vector<Eigen::Vector3d> core_;
   std::vector<Eigen::Vector3d> corners_;
   std::vector<std::int32_t> triangle_of_, slot_of_;
+  std::vector<Component> components_;
+  std::shared_ptr<const ConvexHull> hull_;
   double extent_ = 0;
 };
 

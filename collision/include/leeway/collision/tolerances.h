@@ -73,4 +73,19 @@ inline constexpr double kExcessTolerance = 1e-7;
 /// ... or this many pieces (and four a facet) have been cut: about 0.1 s.
 inline constexpr long kExcessPieces = 40'000;
 
+// Queries of meshes (mesh_descent.cc, containment.cc)
+
+/// A node is bounded to within this share of the smaller radius, and of its excess: closer work on a bound that its
+/// children will better is lost. Any value is right; this one was fast.
+inline constexpr double kNodeTolerance = 1e-3;
+
+/// Once two meshes are known to overlap, pairs of triangles that are deeper by less than this share of the depth are not
+/// looked for, nor more than that many node pairs visited: the upper end of a mesh's depth is loose anyway.
+inline constexpr double kDeeperShare = 0.1;
+inline constexpr int kDeeperNodes = 256;
+
+/// A segment that decides inside or outside leaves the box of the component by this share of its size, and is
+/// tilted by multiples of it: far enough from edges and vertices of axis-aligned parts to be regular at once.
+inline constexpr double kSegmentTilt = 1.0 / 1024;
+
 }  // namespace leeway::collision
