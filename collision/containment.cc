@@ -14,7 +14,8 @@ bool isSolidMesh(const Shape& shape) {
 }
 
 // A lower bound on the distance of a point from the surface of a mesh, if it is above `threshold`.
-double distanceFromSurface(const Shape& mesh, const Vector3d& p, double threshold, Scratch& scratch) {
+double distanceFromSurface(const Shape& mesh, const Vector3d& p, double threshold,
+                           Scratch& scratch) {
   DescentSide point;
   point.view.core = Core::kPoint;
   point.center = point.low = point.high = Vector3d::Zero();
@@ -28,12 +29,15 @@ double distanceFromSurface(const Shape& mesh, const Vector3d& p, double threshol
 }
 
 // Whether the point, known to within `error` in the mesh's frame, lies in one of the mesh's solids.
-Containment holds(const Shape& shape, const Vector3d& p, double error, double gap, Scratch& scratch) {
+Containment holds(const Shape& shape, const Vector3d& p, double error, double gap,
+                  Scratch& scratch) {
   const TriangleMesh& mesh = *shape.mesh();
   const MeshNode& root = mesh.tree().node(0);
-  if (((root.low - p).array() > error).any() || ((p - root.high).array() > error).any()) return Containment::kNo;
+  if (((root.low - p).array() > error).any() || ((p - root.high).array() > error).any())
+    return Containment::kNo;
   // The true point is on the same side when no surface comes between it and the rounded one.
-  if (!(gap > error) && !(distanceFromSurface(shape, p, 2 * error, scratch) > error)) return Containment::kUndecided;
+  if (!(gap > error) && !(distanceFromSurface(shape, p, 2 * error, scratch) > error))
+    return Containment::kUndecided;
   Containment answer = Containment::kNo;
   for (int c = 0; c < mesh.componentCount(); ++c) {
     if (!mesh.isClosed(c)) continue;
@@ -45,17 +49,19 @@ Containment holds(const Shape& shape, const Vector3d& p, double error, double ga
 }
 
 // Whether a component of `inner` lies in a solid of the mesh `outer`.
-Containment oneWay(const Shape& outer, const Pose& X_WO, const Shape& inner, const Pose& X_WI, double gap,
-                   Scratch& scratch) {
+Containment oneWay(const Shape& outer, const Pose& X_WO, const Shape& inner, const Pose& X_WI,
+                   double gap, Scratch& scratch) {
   if (!isSolidMesh(outer) || inner.type() == ShapeType::kHalfSpace) return Containment::kNo;
   const RelativePose relative = relativePose(X_WI, X_WO);
   if (!relative.valid) return Containment::kUndecided;
-  const double size = outer.mesh()->tree().extent() + inner.boundingCenter().norm() + inner.boundingRadius() +
-                      relative.X_BA.translation.norm();
+  const double size = outer.mesh()->tree().extent() + inner.boundingCenter().norm() +
+                      inner.boundingRadius() + relative.X_BA.translation.norm();
   const double error = (relative.slack + kRelativeRounding) * size;
-  // Connected bodies whose surfaces are apart are inside or outside as a whole: one point of each will do.
+  // Connected bodies whose surfaces are apart are inside or outside as a whole: one point of each
+  // will do.
   if (inner.type() != ShapeType::kMesh) {
-    const Vector3d p = inner.type() == ShapeType::kConvexHull ? inner.hull()->vertices()[0] : Vector3d::Zero();
+    const Vector3d p =
+        inner.type() == ShapeType::kConvexHull ? inner.hull()->vertices()[0] : Vector3d::Zero();
     return holds(outer, relative.X_BA * p, error, gap, scratch);
   }
   Containment answer = Containment::kNo;
@@ -69,15 +75,16 @@ Containment oneWay(const Shape& outer, const Pose& X_WO, const Shape& inner, con
 
 }  // namespace
 
-Containment containsAt(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB, double gap,
-                       Scratch& scratch) {
+Containment containsAt(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
+                       double gap, Scratch& scratch) {
   const Containment first = oneWay(a, X_WA, b, X_WB, gap, scratch);
   if (first == Containment::kYes) return first;
   const Containment second = oneWay(b, X_WB, a, X_WA, gap, scratch);
   return second == Containment::kNo ? first : second;
 }
 
-Containment contains(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB, Scratch& scratch) {
+Containment contains(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
+                     Scratch& scratch) {
   return containsAt(a, X_WA, b, X_WB, 0, scratch);
 }
 

@@ -118,13 +118,10 @@ class Search {
     }
   }
 
-  // Either the part that lies over the nearest triangle is cut out, so that borders of coplanar
-  // triangles are followed and not approximated, or the piece is halved.
-  void refine(const Piece& piece) {
-    const Vector3d center = (piece.corner[0] + piece.corner[1] + piece.corner[2]) / 3;
-    const int slot = nearest(center, piece.slot);
-    const double bound = boundOf(piece.corner.data(), 3, slot);
-    if (accept(bound)) return;
+  // Where the hull lies (nearly) on the mesh, borders of its triangles are followed, not
+  // approximated: the part of the piece over the triangle is dropped and the rest is kept. False
+  // when that part is not near the triangle.
+  bool cutOut(const Piece& piece, int slot) {
     const Vector3d* v = tree_.corners(slot);
     const Vector3d normal = (v[1] - v[0]).cross(v[2] - v[0]);
     Polygon inside(piece.corner.begin(), piece.corner.end());
@@ -134,11 +131,17 @@ class Search {
       cut(inside, v[k], normal.cross(v[(k + 1) % 3] - v[k]), rest);
       if (rest.size() >= 3) outside.push_back(std::move(rest));
     }
-    if (inside.size() >= 3 && !outside.empty() &&
-        accept(boundOf(inside.data(), inside.size(), slot))) {
-      for (const Polygon& polygon : outside) push(polygon, slot);
-      return;
-    }
+    if (inside.size() < 3 || outside.empty()) return false;
+    if (!accept(boundOf(inside.data(), inside.size(), slot))) return false;
+    for (const Polygon& polygon : outside) push(polygon, slot);
+    return true;
+  }
+
+  void refine(const Piece& piece) {
+    const Vector3d center = (piece.corner[0] + piece.corner[1] + piece.corner[2]) / 3;
+    const int slot = nearest(center, piece.slot);
+    const double bound = boundOf(piece.corner.data(), 3, slot);
+    if (accept(bound)) return;
     std::size_t longest = 0;
     double length = -1;
     for (std::size_t k = 0; k < 3; ++k) {
@@ -147,6 +150,9 @@ class Search {
       length = l;
       longest = k;
     }
+    // Halving is quick while the piece is no longer than what is allowed, and hopeless when it is
+    // far longer.
+    if (std::sqrt(length) > 64 * met_ && cutOut(piece, slot)) return;
     const Vector3d &a = piece.corner[longest], &b = piece.corner[(longest + 1) % 3],
                    &c = piece.corner[(longest + 2) % 3];
     const Vector3d middle = 0.5 * (a + b);

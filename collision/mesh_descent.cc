@@ -30,8 +30,9 @@ class Descent {
   Descent(const DescentSide& a, const DescentSide& b, const DescentPlacement& placement,
           const DistanceRequest& request, Scratch& scratch, PairCache& cache)
       : a_(a), b_(b), placement_(placement), request_(request), scratch_(scratch), cache_(cache) {
-    rounding_ = kRelativeRounding * (finite(a.extent) + finite(b.extent) + placement.X_BA0.translation.norm() +
-                                     placement.X_BA1.translation.norm()) +
+    rounding_ = kRelativeRounding *
+                    (finite(a.extent) + finite(b.extent) + placement.X_BA0.translation.norm() +
+                     placement.X_BA1.translation.norm()) +
                 placement.slack;
     half_space_ = (a.tree == nullptr && a.view.core == Core::kHalfSpace) ||
                   (b.tree == nullptr && b.view.core == Core::kHalfSpace);
@@ -68,23 +69,28 @@ class Descent {
     double bar = kInfinity;
     if (request_.threshold == request_.threshold) bar = std::max(request_.threshold, 0.0);
     double tolerance = request_.tolerance;
-    // The depth of two meshes is not that of their deepest triangles, so that precision would be wasted.
-    if (result_.upper <= 0 && !half_space_) tolerance = std::max(tolerance, kDeeperShare * -result_.upper);
+    // The depth of two meshes is not that of their deepest triangles, so that precision would be
+    // wasted.
+    if (result_.upper <= 0 && !half_space_)
+      tolerance = std::max(tolerance, kDeeperShare * -result_.upper);
     return std::min(bar, result_.upper - tolerance);
   }
 
   bool done() const {
-    return result_.upper <= request_.threshold || (result_.upper <= 0 && (placement_.swept || !request_.depth));
+    return result_.upper <= request_.threshold ||
+           (result_.upper <= 0 && (placement_.swept || !request_.depth));
   }
 
   int limit() const {
     // Deeper pairs are looked for with limited effort.
-    return result_.upper <= 0 && !half_space_ ? std::min(request_.node_limit, overlap_limit_) : request_.node_limit;
+    return result_.upper <= 0 && !half_space_ ? std::min(request_.node_limit, overlap_limit_)
+                                              : request_.node_limit;
   }
 
   void settle(double lower) { result_.lower = std::min(result_.lower, lower); }
 
-  DistanceResult convex(const ConvexView& a, const ConvexView& b, double threshold, double tolerance, bool depth) {
+  DistanceResult convex(const ConvexView& a, const ConvexView& b, double threshold,
+                        double tolerance, bool depth) {
     DistanceRequest request;
     request.threshold = threshold;
     request.tolerance = tolerance;
@@ -92,9 +98,10 @@ class Descent {
     request.iteration_limit = request_.iteration_limit;
     ++visited_;
     const DistanceResult r =
-        placement_.swept ? convexSweptDistance(a, placement_.X_BA0, placement_.X_BA1, placement_.growth, b, request,
-                                               scratch_, &cache_, placement_.slack)
-                         : convexDistance(a, placement_.X_BA0, b, request, scratch_, &cache_, placement_.slack);
+        placement_.swept
+            ? convexSweptDistance(a, placement_.X_BA0, placement_.X_BA1, placement_.growth, b,
+                                  request, scratch_, &cache_, placement_.slack)
+            : convexDistance(a, placement_.X_BA0, b, request, scratch_, &cache_, placement_.slack);
     result_.iterations += r.iterations;
     return r;
   }
@@ -125,7 +132,8 @@ class Descent {
                                     std::max(request_.tolerance, kNodeTolerance * size), false);
     pair.lower = std::max(pair.lower, r.distance.lower);
     result_.hull_lower = pair.lower;
-    // Where hulls are apart, their nearest points lie on their surfaces, and the meshes are not far from those.
+    // Where hulls are apart, their nearest points lie on their surfaces, and the meshes are not far
+    // from those.
     if (pair.lower >= 0) offer(r, r.distance.upper + excess, -1, -1);
     if (done() || pair.lower > bar()) {
       settle(pair.lower);
@@ -137,8 +145,10 @@ class Descent {
 
   // The pair of triangles that was closest last time: an upper end at once.
   void warmStart() {
-    const bool usable_a = a_.tree == nullptr || (cache_.triangle_a >= 0 && cache_.triangle_a < a_.tree->triangleCount());
-    const bool usable_b = b_.tree == nullptr || (cache_.triangle_b >= 0 && cache_.triangle_b < b_.tree->triangleCount());
+    const bool usable_a = a_.tree == nullptr ||
+                          (cache_.triangle_a >= 0 && cache_.triangle_a < a_.tree->triangleCount());
+    const bool usable_b = b_.tree == nullptr ||
+                          (cache_.triangle_b >= 0 && cache_.triangle_b < b_.tree->triangleCount());
     if (!usable_a || !usable_b) return;
     const double lower = result_.lower;
     triangles(a_.tree != nullptr ? a_.tree->slotOf(cache_.triangle_a) : -1,
@@ -146,7 +156,8 @@ class Descent {
     result_.lower = lower;  // the pair comes again in its turn
   }
 
-  // Bounds a pair of nodes. False when it needs no closer look; its lower end has been settled then.
+  // Bounds a pair of nodes. False when it needs no closer look; its lower end has been settled
+  // then.
   bool evaluate(NodePair& pair) {
     const double sphere = sphereLower(pair);
     pair.lower = std::max(pair.lower, sphere);
@@ -198,7 +209,8 @@ class Descent {
       return;
     }
     // The larger one comes apart.
-    const bool split_a = leaf_b || (!leaf_a && a_.tree->node(pair.a).radius >= b_.tree->node(pair.b).radius);
+    const bool split_a =
+        leaf_b || (!leaf_a && a_.tree->node(pair.a).radius >= b_.tree->node(pair.b).radius);
     NodePair near = pair, far = pair;
     if (split_a) {
       near.a = pair.a + 1;
@@ -232,10 +244,11 @@ class Descent {
     const ConvexView view_b = slot_b >= 0 ? b_.tree->triangleView(slot_b) : b_.view;
     const bool depth = request_.depth && !placement_.swept;
     const double bar_now = bar();
-    DistanceResult r = convex(view_a, view_b, bar_now < kInfinity ? bar_now : kNaN, request_.tolerance, depth);
+    DistanceResult r =
+        convex(view_a, view_b, bar_now < kInfinity ? bar_now : kNaN, request_.tolerance, depth);
     // Nearer than all before, where it stopped: now how near exactly.
-    if (r.status == DistanceStatus::kNotAboveThreshold && !(r.distance.upper <= request_.threshold) &&
-        (depth || r.distance.upper > 0)) {
+    if (r.status == DistanceStatus::kNotAboveThreshold &&
+        !(r.distance.upper <= request_.threshold) && (depth || r.distance.upper > 0)) {
       const double lower = r.distance.lower;
       r = convex(view_a, view_b, request_.threshold, request_.tolerance, depth);
       r.distance.lower = std::max(r.distance.lower, lower);

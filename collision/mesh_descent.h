@@ -7,12 +7,12 @@ namespace leeway::collision {
 /// One of the two bodies of a descent: a hierarchy, or a convex shape as a whole (tree is null).
 struct DescentSide {
   const MeshTree* tree = nullptr;
-  ConvexView view;             ///< of a convex shape
-  Eigen::Vector3d center;      ///< of a sphere that holds it, in its own frame
-  double radius = 0;           ///< of that sphere; may be infinite
-  Eigen::Vector3d low, high;   ///< a box that holds it, in its own frame; may be infinite
-  double hull_excess = 0;      ///< of a mesh, as TriangleMesh::hullExcess() [m]
-  double extent = 0;           ///< no point is farther from its frame's origin; infinite for a half-space
+  ConvexView view;            ///< of a convex shape
+  Eigen::Vector3d center;     ///< of a sphere that holds it, in its own frame
+  double radius = 0;          ///< of that sphere; may be infinite
+  Eigen::Vector3d low, high;  ///< a box that holds it, in its own frame; may be infinite
+  double hull_excess = 0;     ///< of a mesh, as TriangleMesh::hullExcess() [m]
+  double extent = 0;  ///< no point is farther from its frame's origin; infinite for a half-space
 };
 
 DescentSide descentSide(const Shape& shape);
@@ -25,19 +25,21 @@ struct DescentPlacement {
   double slack = 0;   ///< see convexDistance() [m]
 };
 
-/// What the pieces of two bodies are apart: the minimum over all pairs of triangles (or the convex shape itself). This
-/// knows nothing of insides.
+/// What the pieces of two bodies are apart: the minimum over all pairs of triangles (or the convex
+/// shape itself). This knows nothing of insides.
 struct DescentResult {
-  double lower = 0;        ///< no pair of pieces is nearer (or, below 0, deeper); -infinity: nothing is known
-  double upper = 0;        ///< some pair is as near
-  double hull_lower = 0;   ///< proven for the hulls of the bodies, and with them for whatever is inside
+  double lower =
+      0;  ///< no pair of pieces is nearer (or, below 0, deeper); -infinity: nothing is known
+  double upper = 0;  ///< some pair is as near
+  double hull_lower =
+      0;  ///< proven for the hulls of the bodies, and with them for whatever is inside
   DistanceResult witness;  ///< of the pair that carries `upper`, in B
   int iterations = 0;
 };
 
-/// Branch and bound over pairs of nodes, nearer ones first, with a stack of fixed size. Ends as soon as the
-/// request is met; where `upper` is not positive and a depth is asked, it goes on for a while to find deeper pairs.
-/// `cache` is used and updated; it may not be null.
+/// Branch and bound over pairs of nodes, nearer ones first, with a stack of fixed size. Ends as
+/// soon as the request is met; where `upper` is not positive and a depth is asked, it goes on for a
+/// while to find deeper pairs. `cache` is used and updated; it may not be null.
 DescentResult descend(const DescentSide& a, const DescentSide& b, const DescentPlacement& placement,
                       const DistanceRequest& request, Scratch& scratch, PairCache* cache);
 

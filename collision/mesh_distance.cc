@@ -11,7 +11,8 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// The order is that of DistanceStatus's own documentation: what was asked most precisely comes first.
+// The order is that of DistanceStatus's own documentation: what was asked most precisely comes
+// first.
 DistanceStatus statusOf(const Interval& distance, const DistanceRequest& request) {
   if (distance.width() <= request.tolerance) return DistanceStatus::kConverged;
   if (distance.lower > request.threshold) return DistanceStatus::kAboveThreshold;
@@ -20,10 +21,13 @@ DistanceStatus statusOf(const Interval& distance, const DistanceRequest& request
   return DistanceStatus::kLimit;
 }
 
-ConvexView hullOf(const DescentSide& side) { return side.tree != nullptr ? side.tree->hullView() : side.view; }
+ConvexView hullOf(const DescentSide& side) {
+  return side.tree != nullptr ? side.tree->hullView() : side.view;
+}
 
 double slackOf(const RelativePose& relative, const DescentSide& a, const DescentSide& b) {
-  const double extent_a = a.extent < kInfinity ? a.extent : 0, extent_b = b.extent < kInfinity ? b.extent : 0;
+  const double extent_a = a.extent < kInfinity ? a.extent : 0,
+               extent_b = b.extent < kInfinity ? b.extent : 0;
   return relative.slack * (extent_a + extent_b + relative.X_BA.translation.norm());
 }
 
@@ -53,8 +57,9 @@ DistanceResult meshDistance(const Shape& a, const Pose& X_WA, const Shape& b, co
   result.iterations = found.iterations;
   result.distance = {std::max(found.lower, found.hull_lower), found.upper};
   if (!(found.hull_lower > 0)) {
-    // Hulls that meet say nothing yet: the surfaces may be apart, with one body inside the other, or overlap, and
-    // then only a translation that separates the hulls is known to separate the bodies.
+    // Hulls that meet say nothing yet: the surfaces may be apart, with one body inside the other,
+    // or overlap, and then only a translation that separates the hulls is known to separate the
+    // bodies.
     bool separate = false;
     if (found.lower > 0) {
       const Containment containment = containsAt(a, X_WA, b, X_WB, found.lower, scratch);
@@ -66,8 +71,8 @@ DistanceResult meshDistance(const Shape& a, const Pose& X_WA, const Shape& b, co
       result.distance.lower = found.hull_lower;
       if (request.depth && !(result.distance.upper <= request.threshold)) {
         DistanceRequest depth = request;
-        const DistanceResult hulls = convexDistance(hullOf(side_a), relative.X_BA, hullOf(side_b), depth, scratch,
-                                                    nullptr, placement.slack);
+        const DistanceResult hulls = convexDistance(hullOf(side_a), relative.X_BA, hullOf(side_b),
+                                                    depth, scratch, nullptr, placement.slack);
         result.iterations += hulls.iterations;
         result.distance.lower = std::max(result.distance.lower, hulls.distance.lower);
         result.normal = hulls.normal;
@@ -86,10 +91,11 @@ DistanceResult meshDistance(const Shape& a, const Pose& X_WA, const Shape& b, co
   return result;
 }
 
-DistanceResult meshSweptDistance(const Shape& a, const Pose& X_BA0, const Pose& X_BA1, double growth, const Shape& b,
-                                 const DistanceRequest& request, Scratch& scratch, PairCache* cache) {
+DistanceResult meshSweptDistance(const Shape& a, const Pose& X_BA0, const Pose& X_BA1,
+                                 double growth, const Shape& b, const DistanceRequest& request,
+                                 Scratch& scratch, PairCache* cache) {
   const RelativePose begin = relativePose(X_BA0, Pose{}), end = relativePose(X_BA1, Pose{});
-  if (!begin.valid || !end.valid) return {};
+  if (!begin.valid || !end.valid || !(growth >= 0)) return {};  // written so that a NaN fails
   const DescentSide side_a = descentSide(a), side_b = descentSide(b);
   DescentPlacement placement;
   placement.X_BA0 = X_BA0;
@@ -104,7 +110,10 @@ DistanceResult meshSweptDistance(const Shape& a, const Pose& X_BA0, const Pose& 
 
   DistanceResult result = found.witness;
   result.iterations = found.iterations;
-  result.distance = {std::max(found.lower, found.hull_lower), found.upper};
+  // Below zero the pieces say nothing about the whole; its hull may.
+  result.distance.lower =
+      found.lower > 0 ? std::max(found.lower, found.hull_lower) : found.hull_lower;
+  result.distance.upper = found.upper;
   result.status = statusOf(result.distance, request);
   return result;
 }

@@ -90,9 +90,9 @@ MeshTree::MeshTree(std::span<const Vector3d> vertices, std::span<const Triangle>
   for (std::size_t i = 0; i < count; ++i) {
     const std::size_t c = index(triangle_component[i]);
     if (c >= components_.size()) {
-      components_.resize(c + 1, {Vector3d::Constant(std::numeric_limits<double>::infinity()),
-                                 Vector3d::Constant(-std::numeric_limits<double>::infinity()),
-                                 Vector3d::Zero()});
+      components_.resize(
+          c + 1, {Vector3d::Constant(std::numeric_limits<double>::infinity()),
+                  Vector3d::Constant(-std::numeric_limits<double>::infinity()), Vector3d::Zero()});
     }
     components_[c].low = components_[c].low.cwiseMin(input.low[i]);
     components_[c].high = components_[c].high.cwiseMax(input.high[i]);
@@ -263,8 +263,8 @@ std::size_t MeshTree::bytes() const {
   return sizeof(*this) + nodes_.capacity() * sizeof(MeshNode) +
          (core_.capacity() + corners_.capacity()) * sizeof(Vector3d) +
          (triangle_of_.capacity() + slot_of_.capacity()) * sizeof(std::int32_t) +
-         components_.capacity() * sizeof(Component) +
-         hull_->vertices().size() * sizeof(Vector3d) + hull_->facets().size() * sizeof(Triangle);
+         components_.capacity() * sizeof(Component) + hull_->vertices().size() * sizeof(Vector3d) +
+         hull_->facets().size() * sizeof(Triangle);
 }
 
 }  // namespace leeway::collision

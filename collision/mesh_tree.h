@@ -54,6 +54,7 @@ class MeshTree {
     view.core = Core::kPoints;
     view.points = core_.data() + node.core_begin;
     view.count = node.core_count;
+    view.center = node.center;
     view.extent = node.extent;
     view.excess = node.excess;
     return view;
@@ -68,6 +69,7 @@ class MeshTree {
     view.core = Core::kPoints;
     view.points = corners(slot);
     view.count = 3;
+    view.center = (view.points[0] + view.points[1] + view.points[2]) / 3;
     view.extent = extent_;
     return view;
   }
@@ -78,6 +80,7 @@ class MeshTree {
     view.points = hull_->vertices().data();
     view.count = static_cast<int>(hull_->vertices().size());
     view.hull = hull_.get();
+    view.center = nodes_[0].center;
     view.extent = extent_;
     view.excess = hull_->excess();
     return view;
