@@ -20,6 +20,9 @@ namespace {
 // points need it.
 constexpr int kGjkSteps = 600;
 constexpr int kPolytopeSteps = 500;
+// A convex polytope grows by two facets a step; more than this is rounding gone wild on sizes that
+// are 1e30 and more apart.
+constexpr std::size_t kMostFacets = 4096;
 // Widths [relative to the extent] below which nothing more is asked; far under double rounding.
 const Quad kGjkWidth = wide(1e-24);
 const Quad kPolytopeWidth = wide(1e-20);
@@ -157,7 +160,7 @@ class Polytope {
                             [](const Facet& p, const Facet& q) { return p.offset < q.offset; });
       const Vector w = query(facet.normal);
       if (dot(facet.normal, w) - facet.offset <= kPolytopeWidth * scale_) break;
-      if (!add(w)) break;
+      if (!add(w) || facets_.size() > kMostFacets) break;
     }
     Quad inner = infinity();
     for (const Facet& f : facets_) inner = std::min(inner, f.offset - f.rounding);
