@@ -22,7 +22,7 @@ constexpr int kGjkSteps = 600;
 constexpr int kPolytopeSteps = 500;
 // A convex polytope grows by two facets a step; more than this is rounding gone wild on sizes that
 // are 1e30 and more apart.
-constexpr std::size_t kMostFacets = 4096;
+constexpr std::size_t kMostFacets = 1100;
 // Widths [relative to the extent] below which nothing more is asked; far under double rounding.
 const Quad kGjkWidth = wide(1e-24);
 const Quad kPolytopeWidth = wide(1e-20);
