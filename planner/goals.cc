@@ -186,7 +186,8 @@ GoalRegions::GoalRegions(const ompl::base::SpaceInformationPtr& space_informatio
                          const ConfigurationSpace& space, const Problem& problem,
                          const GoalPoints& points)
     : GoalStates(space_information), space_(space), problem_(problem) {
-  setThreshold(0);
+  // OMPL asks for a distance below the threshold: this is the largest that only zero is below of.
+  setThreshold(std::numeric_limits<double>::denorm_min());
   for (const std::vector<double>& point : points.points) {
     ompl::base::State* state = si_->allocState();
     std::copy(point.begin(), point.end(), state->as<OmplStateSpace::StateType>()->values);

@@ -1,9 +1,11 @@
 #include "planner/search.h"
 
 #include <ompl/base/ProblemDefinition.h>
+#include <ompl/base/goals/GoalState.h>
 #include <ompl/geometric/PathGeometric.h>
 
 #include <algorithm>
+#include <charconv>
 #include <limits>
 
 #include "planner/ompl_lock.h"
@@ -22,6 +24,12 @@ std::uint64_t runSeed(std::uint64_t seed, std::uint64_t run) {
   return Random(seed, kRunStream + run).next();
 }
 
+/// As a parameter is written: std::to_string would follow the program's locale.
+std::string digits(double x) {
+  char buffer[32];
+  return {buffer, std::to_chars(buffer, buffer + sizeof buffer, x).ptr};
+}
+
 }  // namespace
 
 Search::Search(std::shared_ptr<const CompiledScene> scene, std::shared_ptr<CertifierPool> pool,
@@ -30,17 +38,16 @@ Search::Search(std::shared_ptr<const CompiledScene> scene, std::shared_ptr<Certi
       pool_(std::move(pool)),
       task_(task),
       parameters_(task.problem.planner_parameters),
-      space_information_(makeSpaceInformation(scene_, task.problem.seed, pool_)) {
-  const PlannerTraits* traits = findPlanner(task_.problem.planner);
-  if (traits != nullptr && traits->name == "RRTConnect" && parameters_.count("range") == 0)
-    parameters_["range"] = std::to_string(kConnectRange * space_information_->getMaximumExtent());
+      space_information_(makeSpaceInformation(scene_, task.problem.seed, pool_)),
+      traits_(findPlanner(task.problem.planner)) {
+  if (traits_->name == "RRTConnect" && parameters_.count("range") == 0)
+    parameters_["range"] = digits(kConnectRange * space_information_->getMaximumExtent());
 }
 
 std::optional<Waypoints> Search::shortest(std::uint64_t seed, std::uint64_t budget) {
   auto objective = std::make_shared<OmplLengthObjective>(space_information_);
   // A planner that does not optimise must be content with its first path; some of them look here.
-  const PlannerTraits* traits = findPlanner(task_.problem.planner);
-  objective->setCostThreshold(ob::Cost(traits != nullptr && traits->optimizing ? 0 : kInfinity));
+  objective->setCostThreshold(ob::Cost(traits_->optimizing ? 0 : kInfinity));
   return run(objective, seed, budget);
 }
 
@@ -59,7 +66,7 @@ std::optional<Waypoints> Search::run(const ob::OptimizationObjectivePtr& objecti
   int idle = 0;
   for (std::uint64_t round = 0; !limits.searchOver() && limits.iterations() < last; ++round) {
     const std::uint64_t before = limits.iterations();
-    if (auto path = runOnce(objective, runSeed(seed, round), last)) return path;
+    if (auto path = runOnce(objective, runSeed(seed, round), last, round)) return path;
     // A planner that gives up without an iteration would do so for ever.
     idle = limits.iterations() == before ? idle + 1 : 0;
     if (idle == kIdleRuns) break;
@@ -68,14 +75,13 @@ std::optional<Waypoints> Search::run(const ob::OptimizationObjectivePtr& objecti
 }
 
 std::optional<Waypoints> Search::runOnce(const ob::OptimizationObjectivePtr& objective,
-                                         std::uint64_t seed, std::uint64_t last_iteration) {
+                                         std::uint64_t seed, std::uint64_t last_iteration,
+                                         std::uint64_t round) {
   auto definition = std::make_shared<ob::ProblemDefinition>(space_information_);
   ob::State* start = space_information_->allocState();
   std::copy(task_.start.begin(), task_.start.end(), pointOf(start, *scene_).begin());
   definition->addStartState(start);
   space_information_->freeState(start);
-  definition->setGoal(std::make_shared<GoalRegions>(space_information_, scene_->space(),
-                                                    task_.problem, task_.goals));
   definition->setOptimizationObjective(objective);
 
   ob::PlannerPtr planner;
@@ -83,6 +89,7 @@ std::optional<Waypoints> Search::runOnce(const ob::OptimizationObjectivePtr& obj
     const std::lock_guard<std::recursive_mutex> lock(omplSeedLock());
     seedOmpl(seed);
     planner = makePlanner(task_.problem.planner, parameters_, space_information_);
+    definition->setGoal(goalFor(*planner, round));
     planner->setProblemDefinition(definition);
     planner->setup();
   }
@@ -101,14 +108,49 @@ std::optional<Waypoints> Search::runOnce(const ob::OptimizationObjectivePtr& obj
     path.emplace_back(q.begin(), q.end());
   }
   if (path.empty() || path.front() != task_.start) return std::nullopt;
-  if (path.size() == 1) path.push_back(path.front());
-  const auto goal = std::find_if(
-      task_.problem.goals.begin(), task_.problem.goals.end(),
-      [&](const planner::Goal& g) { return goalHolds(scene_->space(), g, path.back()); });
-  if (goal == task_.problem.goals.end()) return std::nullopt;
-  writeAsInGoal(scene_->space(), *goal, path.back());
-  if (!certified(path)) return std::nullopt;
+  if (!endInGoal(path) || !certified(path)) return std::nullopt;
   return path;
+}
+
+ob::GoalPtr Search::goalFor(const ob::Planner& planner, std::uint64_t round) {
+  if (planner.getSpecs().recognizedGoal == ob::GOAL_STATE) {  // one goal a run, each in its turn
+    auto goal = std::make_shared<ob::GoalState>(space_information_);
+    ob::State* state = space_information_->allocState();
+    const std::vector<double>& point = task_.goals.points[round % task_.goals.points.size()];
+    std::copy(point.begin(), point.end(), pointOf(state, *scene_).begin());
+    goal->setState(state);
+    space_information_->freeState(state);
+    return goal;
+  }
+  auto goal = std::make_shared<GoalRegions>(space_information_, scene_->space(), task_.problem,
+                                            task_.goals);
+  if (!traits_->exact) goal->setThreshold(kNearGoal * space_information_->getMaximumExtent());
+  return goal;
+}
+
+/// Makes the path's last point one of a goal's: where the planner only came near, by a certified
+/// edge from the last waypoint that has one.
+bool Search::endInGoal(Waypoints& path) {
+  const ConfigurationSpace& space = scene_->space();
+  if (!traits_->exact) {
+    const std::vector<double>& last = path.back();
+    const std::vector<double> goal = *std::min_element(
+        task_.goals.points.begin(), task_.goals.points.end(), [&](const auto& a, const auto& b) {
+          return space.distance(last, a) < space.distance(last, b);
+        });
+    while (!path.empty() && certifier().certify(path.back(), goal).verdict != Verdict::kFree)
+      path.pop_back();
+    if (path.empty()) return false;
+    path.push_back(goal);
+  }
+  if (path.size() == 1) path.push_back(path.front());
+  const auto& goals = task_.problem.goals;
+  const auto goal = std::find_if(goals.begin(), goals.end(), [&](const planner::Goal& g) {
+    return goalHolds(space, g, path.back());
+  });
+  if (goal == goals.end()) return false;
+  writeAsInGoal(space, *goal, path.back());
+  return true;
 }
 
 bool Search::certified(const Waypoints& path) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <ompl/base/OptimizationObjective.h>
+#include <ompl/base/Planner.h>
 
 #include <cstdint>
 #include <memory>
@@ -10,6 +11,7 @@
 
 #include "leeway/planner/ompl_motion_validator.h"
 #include "leeway/planner/ompl_objectives.h"
+#include "leeway/planner/planners.h"
 #include "planner/goals.h"
 #include "planner/limits.h"
 
@@ -46,13 +48,17 @@ class Search {
   std::optional<Waypoints> run(const ompl::base::OptimizationObjectivePtr& objective,
                                std::uint64_t seed, std::uint64_t budget);
   std::optional<Waypoints> runOnce(const ompl::base::OptimizationObjectivePtr& objective,
-                                   std::uint64_t seed, std::uint64_t last_iteration);
+                                   std::uint64_t seed, std::uint64_t last_iteration,
+                                   std::uint64_t round);
+  ompl::base::GoalPtr goalFor(const ompl::base::Planner& planner, std::uint64_t round);
+  bool endInGoal(Waypoints& path);
 
   std::shared_ptr<const CompiledScene> scene_;
   std::shared_ptr<CertifierPool> pool_;
   SearchTask task_;
   std::map<std::string, std::string> parameters_;
   ompl::base::SpaceInformationPtr space_information_;
+  const PlannerTraits* traits_;
 };
 
 inline void addStatistics(EdgeCertifier::Statistics& sum, const EdgeCertifier::Statistics& more) {

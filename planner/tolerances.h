@@ -92,6 +92,10 @@ constexpr unsigned long long kSimplifyStream = 1ULL << 42;
 /// that fail.
 constexpr double kConnectRange = 0.2;
 
+/// How near a planner must come that cannot reach a goal exactly, as a fraction of the space's
+/// extent: near enough that the edge from there is mostly free, far enough to be found by chance.
+constexpr double kNearGoal = 0.05;
+
 /// Runs without a single iteration after which a planner is not started again.
 constexpr int kIdleRuns = 3;
 

@@ -15,6 +15,7 @@ struct PlannerTraits {
       true;  ///< false: keeps threads of its own, so that a seed does not fix its result
   bool optimizing = false;  ///< improves its path until the limits are reached
   bool projection = false;  ///< explores cells of the space's default projection
+  bool exact = true;        ///< false: only comes near a goal; a certified edge then leads into it
   std::string summary;      ///< half a line
 };
 
@@ -28,7 +29,8 @@ struct PlannerParameter {
 /// Every geometric planner of OMPL 1.5.2 that can be built from a space information (and a
 /// projection), by name. Left out, as they need more: TSRRT (a task space), VFRRT (a vector field),
 /// XXL (a decomposition), QRRT (a sequence of spaces), LightningRetrieveRepair and
-/// ThunderRetrieveRepair (a database of experience).
+/// ThunderRetrieveRepair (a database of experience). Left out, as it aborts the program: LazyLBTRRT
+/// (LPAstarOnGraph::removeEdge asserts that no edge leads to the root, which its own roadmap has).
 const std::vector<PlannerTraits>& plannerNames();
 
 /// The planner of that name (capitals do not matter, a star may be written *), null when there is
