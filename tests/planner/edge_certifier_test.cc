@@ -1,0 +1,388 @@
+#include "leeway/planner/edge_certifier.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <string>
+
+#include "leeway/collision/triangle_mesh.h"
+#include "leeway/robots/kinematics.h"
+#include "tests/planner/random_problem.h"
+#include "tests/planner/test_models.h"
+
+namespace leeway::planner {
+namespace {
+
+using testing::Random;
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// The slow twin: every pair by distance() alone, configuration by configuration.
+class DenseTwin {
+ public:
+  explicit DenseTwin(const CompiledScene& compiled)
+      : compiled_(compiled),
+        poses_(compiled.model().links.size()),
+        q_(compiled.model().variables.size()) {}
+
+  /// Least separation beyond the margins at a point; `signed_distance`: the separation itself, with
+  /// depth.
+  double at(std::span<const double> point, bool signed_distance = false) {
+    compiled_.expand(point, q_);
+    robots::forwardKinematics(compiled_.model(), q_, poses_);
+    double least = kInfinity;
+    for (const collision::ScenePair& pair : compiled_.scene().pairs()) {
+      const collision::Body& a = compiled_.scene().bodies()[static_cast<std::size_t>(pair.body_a)];
+      const collision::Body& b = compiled_.scene().bodies()[static_cast<std::size_t>(pair.body_b)];
+      const collision::Geometry& g = a.geometries[static_cast<std::size_t>(pair.geometry_a)];
+      const collision::Geometry& h = b.geometries[static_cast<std::size_t>(pair.geometry_b)];
+      const auto ask = [&](double threshold) {
+        collision::DistanceRequest request;
+        request.depth = signed_distance;
+        request.threshold = threshold;
+        return collision::distance(g.shape, pose(pair.body_a) * g.X_BG, h.shape,
+                                   pose(pair.body_b) * h.X_BG, request, scratch_)
+            .distance;
+      };
+      const double enough = least + (signed_distance ? 0 : pair.margin);  // farther does not matter
+      if (std::isfinite(enough) && ask(enough).lower > enough) continue;
+      const collision::Interval d = ask(std::nan(""));
+      least = std::min(least, d.upper - (signed_distance ? 0 : pair.margin));
+    }
+    return least;
+  }
+
+  /// The least over an edge: `samples`, then once more finely around the least of them.
+  double along(std::span<const double> a, std::span<const double> b, int samples,
+               bool signed_distance = false, double to = 1) {
+    double best = kInfinity, best_t = 0;
+    std::vector<double> point(a.size());
+    const auto look = [&](double t) {
+      compiled_.space().interpolate(a, b, t, point);
+      const double d = at(point, signed_distance);
+      if (d < best) {
+        best = d;
+        best_t = t;
+      }
+    };
+    for (int i = 0; i <= samples; ++i) look(to * i / samples);
+    const double around = best_t, step = to / samples;
+    for (int i = -20; i <= 20; ++i) look(std::clamp(around + step * i / 20, 0.0, to));
+    return best;
+  }
+
+ private:
+  collision::Pose pose(int body) const {
+    const int link = compiled_.bodyLink(body);
+    return link < 0 ? compiled_.scene().bodies()[static_cast<std::size_t>(body)].X_WB
+                    : poses_[static_cast<std::size_t>(link)];
+  }
+  const CompiledScene& compiled_;
+  std::vector<collision::Pose> poses_;
+  std::vector<double> q_;
+  collision::Scratch scratch_;
+};
+
+std::vector<double> randomPoint(Random& random, const CompiledScene& compiled) {
+  return robots::testing::randomConfiguration(random, compiled.model());
+}
+
+enum class Kind { kArm, kFree, kPlanar, kTree };
+
+Problem problemOf(Random& random, Kind kind) {
+  switch (kind) {
+    case Kind::kArm:
+      return testing::randomProblem(random, testing::randomArm(random), 6, 1.2);
+    case Kind::kFree:
+      return testing::randomProblem(
+          random, testing::randomFreeBody(random, robots::JointType::kFloating), 12, 1.2);
+    case Kind::kPlanar:
+      return testing::randomProblem(
+          random, testing::randomFreeBody(random, robots::JointType::kPlanar), 12, 1.0);
+    case Kind::kTree:
+      break;
+  }
+  return testing::randomProblem(random, testing::randomTreeWithShapes(random), 8, 1.0);
+}
+
+std::string replay(const std::vector<double>& a, const std::vector<double>& b) {
+  std::string text = "a";
+  char number[32];
+  for (const std::vector<double>* v : {&a, &b}) {
+    for (const double x : *v) {
+      std::snprintf(number, sizeof number, " %.17g", x);
+      text += number;
+    }
+    if (v == &a) text += "\nb";
+  }
+  return text;
+}
+
+struct Tally {
+  int edges = 0, free = 0, not_free = 0, undecided = 0, unsafe = 0, cautious = 0, wrong_prefix = 0,
+      prefixes = 0;
+};
+
+void checkRandomEdges(Kind kind, int problems, int edges, std::uint64_t seed, Tally& tally) {
+  Random random(seed);
+  for (int p = 0; p < problems; ++p) {
+    const auto compiled = std::make_shared<const CompiledScene>(problemOf(random, kind));
+    EdgeCertifier certifier(compiled);
+    DenseTwin twin(*compiled);
+    for (int e = 0; e < edges; ++e) {
+      // From a free state where one is found soon, so that edges are like those of a search.
+      std::vector<double> a = randomPoint(random, *compiled), b(a.size());
+      for (int k = 0; k < 30 && certifier.decide(a) != Verdict::kFree; ++k)
+        a = randomPoint(random, *compiled);
+      const std::vector<double> goal = randomPoint(random, *compiled);
+      compiled->space().interpolate(a, goal, random.uniform(0.05, 1), b);
+      EdgeRequest request;
+      request.last_valid = true;
+      const EdgeCheck check = certifier.certify(a, b, request);
+      const double dense = twin.along(a, b, 60);
+      ++tally.edges;
+      tally.free += check.verdict == Verdict::kFree;
+      tally.not_free += check.verdict == Verdict::kNotFree;
+      tally.undecided += check.verdict == Verdict::kUndecided;
+      if (check.verdict == Verdict::kFree && dense <= 0) {
+        ++tally.unsafe;
+        ADD_FAILURE() << "unsafe: seed " << seed << " problem " << p << " edge " << e << " dense "
+                      << dense << "\n"
+                      << replay(a, b);
+      }
+      if (check.verdict != Verdict::kFree && dense > 1e-4) {
+        ++tally.cautious;
+        // "Not free" is a proof; only "undecided" may be cautious.
+        EXPECT_EQ(check.verdict, Verdict::kUndecided)
+            << "seed " << seed << " problem " << p << " edge " << e << "\n"
+            << replay(a, b);
+      }
+      if (check.verdict == Verdict::kFree) {
+        EXPECT_EQ(check.last_valid, 1);
+      } else if (check.last_valid > 0) {
+        ++tally.prefixes;
+        if (twin.along(a, b, 40, false, check.last_valid) <= 0) {
+          ++tally.wrong_prefix;
+          ADD_FAILURE() << "last_valid " << check.last_valid << ": seed " << seed << " problem "
+                        << p << " edge " << e << "\n"
+                        << replay(a, b);
+        }
+      }
+    }
+  }
+}
+
+class RandomEdges : public ::testing::TestWithParam<Kind> {};
+
+TEST_P(RandomEdges, AgreeWithDenseSampling) {
+  Tally tally;
+  checkRandomEdges(GetParam(), 30, 15, 100 + static_cast<std::uint64_t>(GetParam()), tally);
+  RecordProperty("free", tally.free);
+  std::printf("edges %d free %d not free %d undecided %d cautious %d prefixes %d\n", tally.edges,
+              tally.free, tally.not_free, tally.undecided, tally.cautious, tally.prefixes);
+  EXPECT_EQ(tally.unsafe, 0);
+  EXPECT_EQ(tally.wrong_prefix, 0);
+  EXPECT_LE(tally.cautious, tally.edges / 200);
+  // The draw must bite: both answers often, prefixes too.
+  EXPECT_GT(tally.free, tally.edges / 10);
+  EXPECT_GT(tally.not_free, tally.edges / 10);
+  EXPECT_GT(tally.prefixes, tally.edges / 20);
+}
+
+INSTANTIATE_TEST_SUITE_P(Kinds, RandomEdges,
+                         ::testing::Values(Kind::kArm, Kind::kFree, Kind::kPlanar, Kind::kTree));
+
+// A wire thinner than any step: the disc passes it between all samples that a stepping check would
+// take.
+TEST(EdgeCertifier, NeverMissesAThinWire) {
+  Random random(7);
+  for (int run = 0; run < 200; ++run) {
+    Problem problem = test::problemOf(test::disc(), {-1, 0, 0}, {1, 0, 0});
+    Object wire;
+    wire.name = "wire";
+    const double radius = std::pow(10, random.uniform(-9, -4));
+    wire.geometries.push_back({collision::Shape::capsule(radius, 0.5), {}, "wire"});
+    wire.X_WO.translation = {random.uniform(-0.7, 0.7), random.uniform(-0.09, 0.09), 0};
+    problem.objects.push_back(wire);
+    // The disc is a needle along its way: 1e-6 long in x.
+    auto model =
+        robots::freeBody("needle", {{collision::Shape::box({1e-7, 0.1, 0.1}), {}, "needle"}},
+                         robots::JointType::kPlanar, {-2, -2, 0}, {2, 2, 0});
+    problem.model = model;
+    EdgeCertifier certifier(std::make_shared<const CompiledScene>(problem));
+    const EdgeCheck check =
+        certifier.certify(std::vector<double>{-1, 0, 0}, std::vector<double>{1, 0, 0.3});
+    ASSERT_NE(check.verdict, Verdict::kFree) << run;
+  }
+}
+
+// A box inside a hollow one never meets its surface; a mesh's solid is not crossed by sweeps of
+// surfaces alone.
+TEST(EdgeCertifier, ABodyInsideASolidIsNotFree) {
+  std::vector<Eigen::Vector3d> vertices;
+  for (int i = 0; i < 8; ++i) vertices.emplace_back(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1);
+  const std::vector<collision::TriangleMesh::Triangle> triangles{
+      {0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
+      {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
+  Problem problem = test::problemOf(test::disc(), {0, 0, 0}, {0.1, 0, 0});
+  Object solid;
+  solid.name = "solid";
+  solid.geometries.push_back(
+      {collision::Shape::mesh(collision::TriangleMesh::make(vertices, triangles)), {}, "solid"});
+  problem.objects.push_back(solid);
+  EdgeCertifier certifier(std::make_shared<const CompiledScene>(problem));
+  EXPECT_EQ(
+      certifier.certify(std::vector<double>{0, 0, 0}, std::vector<double>{0.3, 0.2, 1}).verdict,
+      Verdict::kNotFree);
+  EXPECT_LE(certifier
+                .edgeClearance(std::vector<double>{0, 0, 0}, std::vector<double>{0.3, 0.2, 1}, 1e-3,
+                               -kInfinity)
+                .clearance.upper,
+            0);
+}
+
+TEST(EdgeCertifier, ClearanceHoldsTheDenseMinimum) {
+  Random random(11);
+  int apart = 0, overlapping = 0, wide = 0;
+  for (const Kind kind : {Kind::kArm, Kind::kFree, Kind::kPlanar, Kind::kTree})
+    for (int p = 0; p < 10; ++p) {
+      const auto compiled = std::make_shared<const CompiledScene>(problemOf(random, kind));
+      EdgeCertifier certifier(compiled);
+      DenseTwin twin(*compiled);
+      for (int e = 0; e < 6; ++e) {
+        std::vector<double> a = randomPoint(random, *compiled), b(a.size());
+        for (int k = 0; k < 30 && certifier.decide(a) != Verdict::kFree; ++k)
+          a = randomPoint(random, *compiled);
+        compiled->space().interpolate(a, randomPoint(random, *compiled), random.uniform(0.02, 0.4),
+                                      b);
+        const double tolerance = 1e-3;
+        const EdgeClearance result = certifier.edgeClearance(a, b, tolerance, -kInfinity);
+        const double dense = twin.along(a, b, 60, true);
+        if (dense == kInfinity) continue;
+        (dense > 0 ? apart : overlapping) += 1;
+        EXPECT_LE(result.clearance.lower, dense + 1e-9) << "problem " << p << " edge " << e << "\n"
+                                                        << replay(a, b);
+        // Samples can only be above the minimum that the upper end was found at.
+        EXPECT_LE(result.clearance.upper, dense + tolerance + 1e-9)
+            << "problem " << p << " edge " << e << "\n"
+            << replay(a, b);
+        EXPECT_LE(result.clearance.lower, result.clearance.upper);
+        wide += !(result.clearance.width() <= tolerance * 1.0001);
+        std::vector<double> point(a.size());
+        compiled->space().interpolate(a, b, result.t, point);
+        EXPECT_NEAR(twin.at(point, true), result.clearance.upper, tolerance);
+        const EdgeClearance cut = certifier.edgeClearance(a, b, tolerance, dense + 0.01);
+        EXPECT_LT(cut.clearance.upper, dense + 0.01);
+      }
+    }
+  std::printf("apart %d overlapping %d wide %d\n", apart, overlapping, wide);
+  EXPECT_GT(apart, 30);
+  EXPECT_GT(overlapping, 10);
+  EXPECT_LE(wide, (apart + overlapping) / 50);
+}
+
+TEST(EdgeCertifier, StateClearanceIsTheLeastOverAllPairs) {
+  Random random(12);
+  for (const Kind kind : {Kind::kArm, Kind::kFree, Kind::kPlanar, Kind::kTree})
+    for (int p = 0; p < 8; ++p) {
+      const auto compiled = std::make_shared<const CompiledScene>(problemOf(random, kind));
+      EdgeCertifier certifier(compiled);
+      DenseTwin twin(*compiled);
+      for (int s = 0; s < 20; ++s) {
+        const std::vector<double> point = randomPoint(random, *compiled);
+        const double truth = twin.at(point, true);
+        const StateCheck check = certifier.clearance(point, 1e-6);
+        EXPECT_LE(check.clearance.lower, truth + 1e-9) << replay(point, point);
+        EXPECT_GE(check.clearance.upper, truth - 1e-6) << replay(point, point);
+        if (truth < kInfinity) {
+          EXPECT_LE(check.clearance.width(), 2e-6) << replay(point, point);
+        }
+        const double beyond = twin.at(point);
+        if (std::abs(beyond) > 1e-6) {
+          EXPECT_EQ(check.verdict, beyond > 0 ? Verdict::kFree : Verdict::kNotFree)
+              << replay(point, point);
+          EXPECT_EQ(certifier.decide(point), beyond > 0 ? Verdict::kFree : Verdict::kNotFree)
+              << replay(point, point);
+        }
+      }
+    }
+}
+
+TEST(EdgeCertifier, SameCallsSameAnswers) {
+  Random random(13);
+  const auto compiled = std::make_shared<const CompiledScene>(problemOf(random, Kind::kArm));
+  std::vector<std::vector<double>> points;
+  for (int i = 0; i < 60; ++i) points.push_back(randomPoint(random, *compiled));
+  const auto run = [&] {
+    EdgeCertifier certifier(compiled);
+    std::vector<double> answers;
+    for (std::size_t i = 1; i < points.size(); ++i) {
+      EdgeRequest request;
+      request.last_valid = true;
+      const EdgeCheck check = certifier.certify(points[i - 1], points[i], request);
+      const EdgeClearance clearance = certifier.edgeClearance(points[i - 1], points[i], 1e-3, 0);
+      for (const double x : {static_cast<double>(check.verdict), check.last_valid, check.t,
+                             clearance.clearance.lower, clearance.clearance.upper, clearance.t})
+        answers.push_back(x);
+    }
+    return answers;
+  };
+  EXPECT_EQ(run(), run());
+}
+
+TEST(EdgeCertifier, WhatIsNoNumberIsUndecided) {
+  const Problem problem = test::wallProblem();
+  EdgeCertifier certifier(std::make_shared<const CompiledScene>(problem));
+  const std::vector<double> good{-1, -1, 0}, bad{std::nan(""), 0, 0}, far{kInfinity, 0, 0};
+  for (const std::vector<double>& q : {bad, far}) {
+    EXPECT_EQ(certifier.decide(q), Verdict::kUndecided);
+    EXPECT_EQ(certifier.certify(good, q).verdict, Verdict::kUndecided);
+    EXPECT_EQ(certifier.certify(q, good).verdict, Verdict::kUndecided);
+    EXPECT_EQ(certifier.clearance(q, 1e-3).verdict, Verdict::kUndecided);
+    EXPECT_EQ(certifier.edgeClearance(good, q, 1e-3, 0).clearance.lower, -kInfinity);
+  }
+  EXPECT_EQ(certifier.certify(good, good).verdict, Verdict::kFree);
+}
+
+// A continuous joint that wraps would make a mimic of half its angle jump.
+TEST(EdgeCertifier, AMimicThatWouldJumpIsUndecided) {
+  auto model = std::make_shared<robots::Model>();
+  for (int i = 0; i < 3; ++i) {
+    robots::Link link;
+    link.name = "link" + std::to_string(i);
+    link.joint = i;
+    link.geometries.push_back({collision::Shape::sphere(0.1), {}, link.name});
+    model->links.push_back(link);
+    robots::Joint joint;
+    joint.name = "joint" + std::to_string(i);
+    joint.type = i == 0   ? robots::JointType::kFixed
+                 : i == 1 ? robots::JointType::kContinuous
+                          : robots::JointType::kRevolute;
+    joint.parent_link = i - 1;
+    joint.child_link = i;
+    joint.axis = Eigen::Vector3d::UnitZ();
+    if (i > 0) joint.X_PJ.translation = {0.5, 0, 0};
+    if (i == 2) {
+      joint.mimic = 1;
+      joint.multiplier = 0.5;
+    }
+    model->joints.push_back(joint);
+    robots::appendVariables(*model, i, Eigen::Vector3d::Constant(-1), Eigen::Vector3d::Constant(1));
+  }
+  model->disabled_pairs.push_back({0, 2, "drawn so"});
+  model->has_srdf = true;
+  model->finish();
+  Problem problem = test::problemOf(model, {0}, {1});
+  problem.objects.push_back(test::box("far", {0.1, 0.1, 0.1}, 5, 5, 5));
+  EdgeCertifier certifier(std::make_shared<const CompiledScene>(problem));
+  EXPECT_EQ(certifier.certify(std::vector<double>{2.0}, std::vector<double>{3.0}).verdict,
+            Verdict::kFree);
+  EXPECT_EQ(certifier.certify(std::vector<double>{3.0}, std::vector<double>{-3.0}).verdict,
+            Verdict::kUndecided);
+}
+
+}  // namespace
+}  // namespace leeway::planner

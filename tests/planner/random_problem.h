@@ -1,0 +1,126 @@
+#pragma once
+
+// Random problems of primitives: arms, free bodies and trees among obstacles of all shapes.
+
+#include <algorithm>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "leeway/planner/problem.h"
+#include "tests/robots/random_model.h"
+
+namespace leeway::planner::testing {
+
+using robots::testing::Random;
+
+inline collision::Shape randomHull(Random& random, double size) {
+  std::vector<Eigen::Vector3d> points;
+  for (int i = 0; i < 12; ++i) points.push_back(random.vector(size));
+  return collision::Shape::convexHull(points);
+}
+
+/// A shape of about the given size [m], of any bounded convex type.
+inline collision::Shape randomShape(Random& random, double size) {
+  const double r = size * random.uniform(0.2, 1), h = size * random.uniform(0.2, 1);
+  switch (random.integer(7)) {
+    case 0:
+      return collision::Shape::sphere(r);
+    case 1:
+      return collision::Shape::capsule(r / 2, h);
+    case 2:
+      return collision::Shape::box({r, h, size * random.uniform(0.05, 1)});
+    case 3:
+      return collision::Shape::cylinder(r, h);
+    case 4:
+      return collision::Shape::cone(r, h);
+    case 5:
+      return collision::Shape::ellipsoid({r, h, size * random.uniform(0.2, 1)});
+    default:
+      return randomHull(random, size);
+  }
+}
+
+/// Seven joints, links of 0.25 m; the fourth continuous, the last with a mimic finger.
+inline std::shared_ptr<const robots::Model> randomArm(Random& random) {
+  auto model = std::make_shared<robots::Model>();
+  for (int i = 0; i < 9; ++i) {
+    robots::Link link;
+    link.name = "link" + std::to_string(i);
+    link.joint = i;
+    collision::Pose X_LG = random.pose(0.03);
+    X_LG.translation.z() += 0.12;
+    link.geometries.push_back({randomShape(random, 0.08), X_LG, link.name});
+    model->links.push_back(link);
+    robots::Joint joint;
+    joint.name = "joint" + std::to_string(i);
+    joint.type = i == 0   ? robots::JointType::kFixed
+                 : i == 4 ? robots::JointType::kContinuous
+                          : robots::JointType::kRevolute;
+    joint.parent_link = i - 1;
+    joint.child_link = i;
+    joint.axis = i % 2 == 1 ? Eigen::Vector3d::UnitZ() : Eigen::Vector3d::UnitY();
+    if (i > 0) joint.X_PJ.translation = {0, 0, 0.25};
+    if (i == 8) {
+      joint.mimic = 7;
+      joint.multiplier = -0.5;
+      joint.offset = 0.2;
+    }
+    model->joints.push_back(joint);
+    robots::appendVariables(*model, i, Eigen::Vector3d::Constant(-2.6),
+                            Eigen::Vector3d::Constant(2.6));
+  }
+  for (int i = 0; i + 2 < 9; ++i) model->disabled_pairs.push_back({i, i + 2, "near"});
+  model->has_srdf = true;
+  model->finish();
+  return model;
+}
+
+inline std::shared_ptr<const robots::Model> randomFreeBody(Random& random, robots::JointType type) {
+  std::vector<robots::Geometry> geometries;
+  for (int i = 0; i < 2; ++i)
+    geometries.push_back(
+        {randomShape(random, 0.25), random.pose(0.25), "part" + std::to_string(i)});
+  return robots::freeBody("body", std::move(geometries), type, Eigen::Vector3d::Constant(-1.5),
+                          Eigen::Vector3d::Constant(1.5));
+}
+
+/// A random tree with a ball, box or other shape on each link.
+inline std::shared_ptr<const robots::Model> randomTreeWithShapes(Random& random) {
+  const auto model = robots::testing::randomTree(random, 6);
+  for (robots::Link& link : model->links)
+    link.geometries.push_back({randomShape(random, 0.1), random.pose(0.1), link.name});
+  for (int i = 0; i < 6; ++i)
+    for (int j = i + 1; j < 6; ++j)
+      if (random.integer(2) == 0) model->disabled_pairs.push_back({i, j, "drawn"});
+  model->has_srdf = true;
+  return model;
+}
+
+/// The model among `obstacles` random shapes within `room` metres, all variables planned.
+inline Problem randomProblem(Random& random, std::shared_ptr<const robots::Model> model,
+                             int obstacles, double room) {
+  Problem problem;
+  problem.model = std::move(model);
+  problem.configuration = robots::testing::randomConfiguration(random, *problem.model);
+  for (std::size_t v = 0; v < problem.model->variables.size(); ++v)
+    problem.variables.push_back(static_cast<int>(v));
+  for (int i = 0; i < obstacles; ++i) {
+    Object object;
+    object.name = "object" + std::to_string(i);
+    object.geometries.push_back({randomShape(random, 0.2), random.pose(0.05), object.name});
+    object.X_WO = random.pose(room);
+    problem.objects.push_back(object);
+  }
+  if (random.integer(2) == 0) {
+    Object floor;
+    floor.name = "floor";
+    floor.geometries.push_back({collision::Shape::halfSpace(), {}, "floor"});
+    floor.X_WO.translation = {0, 0, -0.8 * room};
+    problem.objects.push_back(floor);
+  }
+  problem.margin = random.integer(2) == 0 ? 0.0 : 0.01;
+  return problem;
+}
+
+}  // namespace leeway::planner::testing
