@@ -160,7 +160,7 @@ class Descent {
   // then.
   bool evaluate(NodePair& pair) {
     const double sphere = sphereLower(pair);
-    pair.lower = std::max(pair.lower, sphere);
+    if (sphere > 0) pair.lower = std::max(pair.lower, sphere);  // the box knows no depth
     pair.order = sphere;
     const double bar_now = bar();
     if (pair.lower > bar_now) {
@@ -246,9 +246,13 @@ class Descent {
     const double bar_now = bar();
     DistanceResult r =
         convex(view_a, view_b, bar_now < kInfinity ? bar_now : kNaN, request_.tolerance, depth);
-    // Nearer than all before, where it stopped: now how near exactly.
-    if (r.status == DistanceStatus::kNotAboveThreshold &&
-        !(r.distance.upper <= request_.threshold) && (depth || r.distance.upper > 0)) {
+    // Not beyond the bar, where it stopped; now how near exactly, unless that is enough or does not
+    // matter any more.
+    const bool settled = r.distance.lower > bar_now || r.status == DistanceStatus::kConverged ||
+                         !(bar_now < kInfinity) || bar_now == request_.threshold ||
+                         r.distance.upper <= request_.threshold ||
+                         (!depth && r.distance.upper <= 0);
+    if (!settled) {
       const double lower = r.distance.lower;
       r = convex(view_a, view_b, request_.threshold, request_.tolerance, depth);
       r.distance.lower = std::max(r.distance.lower, lower);
