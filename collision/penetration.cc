@@ -272,7 +272,7 @@ void Polytope::refine(PolytopeFacet& f) {
   const double distance = std::min({n.dot(a), n.dot(b), n.dot(c)});
   // For a facet that the origin is behind, a plane that keeps farther from it is a better claim.
   const bool behind = f.distance > 0 || signOfDeterminant(a, b, c) > 0;
-  if (behind && distance > f.distance && distance > 0) {
+  if (behind && distance > std::max(f.distance, 0.0) + 8 * roundoff_) {
     f.distance = distance;
     f.normal = n;
     f.key = distance;
