@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "leeway/planner/path_io.h"
+#include "leeway/planner/planners.h"
 #include "leeway/robots/input_error.h"
 #include "tools/leeway/exit_status.h"
 #include "tools/leeway/json_result.h"
@@ -149,7 +150,30 @@ void checkOutput(const std::string& output) {
   }
 }
 
+int listPlanners(bool json) {
+  std::vector<std::vector<std::string>> rows;
+  Json list = Json::array();
+  for (const planner::PlannerTraits& planner : planner::plannerNames()) {
+    list.push_back({{"name", planner.name},
+                    {"deterministic", planner.deterministic},
+                    {"optimizing", planner.optimizing},
+                    {"projection", planner.projection},
+                    {"summary", planner.summary}});
+    rows.push_back({planner.name, planner.optimizing ? "yes" : "no",
+                    planner.deterministic ? "yes" : "no", planner.summary});
+  }
+  if (json) {
+    printJson(list);
+  } else {
+    fmt::print("{}", formatTable({"planner", "optimises", "deterministic", "how"}, rows));
+  }
+  return kYes;
+}
+
 int run(const Arguments& arguments) {
+  if (arguments.list_planners) {
+    return listPlanners(arguments.json);
+  }
   if (!arguments.output.empty()) {
     checkOutput(arguments.output);
   }

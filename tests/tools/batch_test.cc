@@ -1,0 +1,207 @@
+#include <set>
+
+#include "tests/tools/command.h"
+
+namespace leeway::tools::testing {
+namespace {
+
+class Batch : public CommandTest {
+ protected:
+  void SetUp() override {
+    CommandTest::SetUp();
+    write("set/a/scene0001.yaml", kScene);
+    write("set/a/request0001.yaml", kRequest);
+    write("set/a/scene0010.yaml", kScene);
+    write("set/a/request0010.yaml", kRequest);
+    write("set/b/scene0002.yaml", kScene);
+    write("set/b/request0002.yaml", kRequest);
+  }
+  const std::string robot_ = "--robot arm.urdf --srdf arm.srdf ";
+};
+
+std::vector<std::string> problemsOf(const std::vector<json>& lines) {
+  std::vector<std::string> names;
+  for (const json& line : lines) {
+    names.push_back(line["problem"]);
+  }
+  return names;
+}
+
+/// What a line says, times apart.
+json withoutTimes(json line) {
+  line.erase("time_s");
+  if (line.contains("verify") && line["verify"].is_object()) {
+    line["verify"].erase("time_s");
+  }
+  return line;
+}
+
+TEST_F(Batch, PairsByNumberAndWalksIntoFolders) {
+  const Answer answer = run("batch " + robot_ + "set");
+  EXPECT_EQ(answer.status, 0) << answer.err;
+  const auto lines = answer.lines();
+  EXPECT_EQ(problemsOf(lines),
+            (std::vector<std::string>{"set/a/scene0001.yaml", "set/a/scene0010.yaml",
+                                      "set/b/scene0002.yaml"}));
+  for (const json& line : lines) {
+    EXPECT_EQ(line["status"], "solved");
+    EXPECT_TRUE(line.contains("certificate") && line.contains("time_s") && line.contains("seed"));
+    EXPECT_FALSE(line.contains("verify"));
+  }
+  // `problem` stands first in the text of the line.
+  EXPECT_TRUE(answer.out.starts_with(R"({"problem":"set/a/scene0001.yaml","status":"solved")"))
+      << answer.out.substr(0, 80);
+  EXPECT_NE(answer.err.find("3 solved"), std::string::npos);
+}
+
+TEST_F(Batch, LineIsWhatPlanPrints) {
+  const json line = run("batch " + robot_ + "set/b --seed 5").lines().at(0);
+  json plan = run("plan " + robot_ +
+                  "--scene set/b/scene0002.yaml --request set/b/request0002.yaml --seed 5 --json")
+                  .document();
+  json same = withoutTimes(line);
+  same.erase("problem");
+  plan.erase("time_s");
+  EXPECT_EQ(same, plan);
+}
+
+TEST_F(Batch, ProblemFilesAndVerify) {
+  const Answer answer = run("batch reach.yaml empty.yaml --verify");
+  EXPECT_EQ(answer.status, 0) << answer.err;
+  const auto lines = answer.lines();
+  EXPECT_EQ(problemsOf(lines), (std::vector<std::string>{"reach.yaml", "empty.yaml"}));
+  for (const json& line : lines) {
+    EXPECT_EQ(line["verify"]["status"], "certified") << line;
+  }
+}
+
+TEST_F(Batch, GoesOnAfterBadInput) {
+  write("list/1.yaml", "leeway: 1\nrobot: {urdf: nowhere.urdf}\n");
+  write("list/2.yaml",
+        std::string(kReach).replace(std::string(kReach).find("arm.urdf"), 8, "../arm.urdf"));
+  const Answer answer = run("batch list reach.yaml");
+  EXPECT_EQ(answer.status, 2);
+  const auto lines = answer.lines();
+  ASSERT_EQ(lines.size(), 3u);
+  EXPECT_EQ(lines[0]["status"], "error");
+  EXPECT_NE(lines[0]["error"].get<std::string>().find("nowhere.urdf"), std::string::npos);
+  EXPECT_NE(answer.err.find("nowhere.urdf"), std::string::npos);
+  EXPECT_EQ(lines[1]["status"], "error");  // its SRDF is not beside it
+  EXPECT_EQ(lines[2]["status"], "solved");
+  EXPECT_NE(answer.err.find("2 with bad input"), std::string::npos) << answer.err;
+}
+
+TEST_F(Batch, SceneWithoutRequestIsReported) {
+  fs::remove(path("set/a/request0010.yaml"));
+  write("set/b/request0003.yaml", kRequest);
+  const Answer answer = run("batch " + robot_ + "set");
+  EXPECT_EQ(answer.status, 2);
+  const auto lines = answer.lines();
+  EXPECT_EQ(problemsOf(lines),
+            (std::vector<std::string>{"set/a/scene0001.yaml", "set/a/scene0010.yaml",
+                                      "set/b/scene0002.yaml", "set/b/request0003.yaml"}));
+  EXPECT_EQ(lines[1]["status"], "error");
+  EXPECT_EQ(lines[2]["status"], "solved");
+  EXPECT_EQ(lines[3]["status"], "error");
+}
+
+TEST_F(Batch, InvalidStartIsAnAnswer) {
+  write("bad.yaml", kInvalidStart);
+  const Answer answer = run("batch bad.yaml reach.yaml");
+  EXPECT_EQ(answer.status, 1);
+  EXPECT_EQ(answer.lines()[0]["status"], "invalid_start");
+  EXPECT_EQ(answer.lines()[0]["offending"]["b"], "post");
+  EXPECT_EQ(answer.lines()[1]["status"], "solved");
+}
+
+TEST_F(Batch, ShardsAreAPartition) {
+  std::multiset<std::string> seen;
+  for (const char* shard : {"1/2", "2/2"}) {
+    for (const std::string& problem :
+         problemsOf(run("batch " + robot_ + "set --shard " + shard).lines())) {
+      seen.insert(problem);
+    }
+  }
+  EXPECT_EQ(seen, (std::multiset<std::string>{"set/a/scene0001.yaml", "set/a/scene0010.yaml",
+                                              "set/b/scene0002.yaml"}));
+  EXPECT_EQ(problemsOf(run("batch " + robot_ + "set --shard 0/2").lines()),
+            problemsOf(run("batch " + robot_ + "set --shard 2/2").lines()));
+}
+
+TEST_F(Batch, OutputFileIsWholeAndInOrder) {
+  const Answer answer = run("batch " + robot_ + "set --output lines.json");
+  EXPECT_EQ(answer.status, 0) << answer.err;
+  EXPECT_EQ(answer.out, "");
+  Answer file;
+  file.out = read("lines.json");
+  EXPECT_EQ(file.lines().size(), 3u);
+  EXPECT_FALSE(fs::exists(path("lines.json.partial")));
+  expectRefused("batch reach.yaml --output nowhere/lines.json", {"nowhere/lines.json"});
+}
+
+TEST_F(Batch, ResumesAnInterruptedRun) {
+  ASSERT_EQ(run("batch " + robot_ + "set --output lines.json").status, 0);
+  const std::string whole = read("lines.json");
+  const std::size_t first = whole.find('\n') + 1;
+  const std::size_t second = whole.find('\n', first) + 1;
+  // Cut off in the middle of the third line; the first is marked, so that it shows whether it was
+  // kept.
+  std::string partial = whole.substr(0, second) + whole.substr(second, 20);
+  partial.replace(partial.find("solved"), 6, "SOLVED");
+  fs::remove(path("lines.json"));
+  write("lines.json.partial", partial);
+  const Answer answer = run("batch " + robot_ + "set --output lines.json --resume");
+  EXPECT_NE(answer.err.find("2 kept"), std::string::npos) << answer.err;
+  Answer file;
+  file.out = read("lines.json");
+  const auto lines = file.lines();
+  ASSERT_EQ(lines.size(), 3u);
+  EXPECT_EQ(lines[0]["status"], "SOLVED");
+  Answer before;
+  before.out = whole;
+  EXPECT_EQ(withoutTimes(lines[2]), withoutTimes(before.lines()[2]));
+  EXPECT_FALSE(fs::exists(path("lines.json.partial")));
+}
+
+TEST_F(Batch, ResumeTriesBadInputAgain) {
+  write("late/1.yaml", "leeway: 1\n");
+  write("late/arm.urdf", kUrdf);
+  write("late/arm.srdf", kSrdf);
+  EXPECT_EQ(run("batch late reach.yaml --output lines.json").status, 2);
+  write("late/1.yaml", kReach);
+  const Answer answer = run("batch late reach.yaml --output lines.json --resume");
+  EXPECT_EQ(answer.status, 0) << answer.err;
+  Answer file;
+  file.out = read("lines.json");
+  EXPECT_EQ(problemsOf(file.lines()), (std::vector<std::string>{"late/1.yaml", "reach.yaml"}));
+  EXPECT_EQ(file.lines()[0]["status"], "solved");
+}
+
+TEST_F(Batch, ResumeRefusesAnotherRunsFile) {
+  ASSERT_EQ(run("batch reach.yaml --output lines.json --seed 1").status, 0);
+  const std::string before = read("lines.json");
+  expectRefused("batch reach.yaml --output lines.json --resume --seed 2", {"lines.json:1", "seed"});
+  expectRefused("batch empty.yaml --output lines.json --resume", {"lines.json:1", "reach.yaml"});
+  EXPECT_EQ(read("lines.json"), before);
+}
+
+TEST_F(Batch, InterruptLeavesWhatIsDone) {
+  // Caged: it would go on for 20 s.
+  std::string text = kReach;
+  text.replace(text.find("  - {name: post"), text.find("limits") - text.find("  - {name: post"),
+               "  - {name: wall, position: [0.3, 0, 0], box: {size: [0.2, 0.02, 1]}}\n");
+  write("wall.yaml", text);
+  const Answer answer = shell("'" LEEWAY_COMMAND
+                              "' batch reach.yaml wall.yaml --output lines.json & pid=$!; "
+                              "while ! grep -q reach lines.json.partial 2>/dev/null; do sleep "
+                              "0.01; done; sleep 0.1; kill -INT $pid; wait $pid");
+  EXPECT_EQ(answer.status, 1) << answer.err;
+  EXPECT_FALSE(fs::exists(path("lines.json")));
+  Answer partial;
+  partial.out = read("lines.json.partial");
+  EXPECT_EQ(problemsOf(partial.lines()), (std::vector<std::string>{"reach.yaml"}));
+  EXPECT_NE(answer.err.find("--resume"), std::string::npos) << answer.err;
+}
+
+}  // namespace
+}  // namespace leeway::tools::testing

@@ -1,0 +1,99 @@
+#include "tests/tools/command.h"
+
+namespace leeway::tools::testing {
+namespace {
+
+class Info : public CommandTest {};
+
+/// A tetrahedron, whole or with one side missing.
+std::string tetrahedron(bool closed) {
+  return std::string("v 0 0 0\nv 0.1 0 0\nv 0 0.1 0\nv 0 0 0.1\nf 1 3 2\nf 1 2 4\nf 1 4 3\n") +
+         (closed ? "f 2 3 4\n" : "");
+}
+
+TEST_F(Info, Urdf) {
+  const Answer answer = run("info arm.urdf --srdf arm.srdf --json");
+  EXPECT_EQ(answer.status, 0) << answer.err;
+  const json document = answer.document();
+  EXPECT_EQ(document["robot"]["name"], "twolink");
+  EXPECT_EQ(document["robot"]["links"], 3);
+  EXPECT_EQ(document["robot"]["variables"].size(), 2u);
+  EXPECT_EQ(document["robot"]["variables"][0]["lower"], -3);
+  EXPECT_EQ(document["robot"]["disabled_pairs"], 1);
+  EXPECT_EQ(document["geometries"].size(), 2u);
+  EXPECT_EQ(document["compiled"]["pairs_kept"], 0);
+  const std::string text = run("info arm.urdf --srdf arm.srdf").out;
+  for (const char* word : {"twolink", "shoulder", "group arm", "right, left", "box", "compiled"}) {
+    EXPECT_NE(text.find(word), std::string::npos) << word << "\n" << text;
+  }
+}
+
+TEST_F(Info, SrdfFindsItsUrdf) {
+  EXPECT_EQ(run("info arm.srdf --json").document()["robot"]["group_states"].size(), 2u);
+  fs::remove(path("arm.urdf"));
+  write("elsewhere/robot.urdf", kUrdf);
+  expectRefused("info arm.srdf", {"arm.srdf", "twolink", "--robot"});
+  EXPECT_EQ(run("info arm.srdf --robot elsewhere/robot.urdf").status, 0);
+}
+
+TEST_F(Info, Problem) {
+  const json document = run("info reach.yaml --json").document();
+  EXPECT_EQ(document["problem"]["objects"], json({"post"}));
+  EXPECT_EQ(document["problem"]["goals"][0]["name"], "left");
+  EXPECT_EQ(document["compiled"]["pairs_kept"], 2);
+  EXPECT_GT(document["compiled"]["pairs_dropped"], 0);
+  const std::string text = run("info reach.yaml").out;
+  for (const char* word : {"around the post", "post", "cylinder", "left out"}) {
+    EXPECT_NE(text.find(word), std::string::npos) << word << "\n" << text;
+  }
+}
+
+TEST_F(Info, NamesComponentsThatAreNotClosed) {
+  write("open.obj", tetrahedron(false));
+  write("closed.obj", tetrahedron(true));
+  std::string text = kReach;
+  text.replace(text.find("limits"), 0,
+               "  - {name: shell, position: [0, -2, 0], mesh: {file: open.obj}}\n"
+               "  - {name: solid, position: [0, -3, 0], mesh: {file: closed.obj}}\n");
+  write("mesh.yaml", text);
+  const Answer answer = run("info mesh.yaml --json");
+  EXPECT_EQ(answer.status, 0) << answer.err;
+  const json document = answer.document();
+  int open = 0;
+  for (const json& geometry : document["geometries"]) {
+    if (geometry["type"] != "mesh") {
+      continue;
+    }
+    EXPECT_EQ(geometry["components"], 1);
+    EXPECT_EQ(geometry["closed_components"], geometry["of"] == "solid" ? 1 : 0);
+    EXPECT_EQ(geometry["triangles"], geometry["of"] == "solid" ? 4 : 3);
+    EXPECT_GT(geometry["bytes"], 100);
+    open += static_cast<int>(geometry["open"].size());
+  }
+  EXPECT_EQ(open, 1);
+  const std::string out = run("info mesh.yaml").out;
+  const std::size_t section = out.find("not closed");
+  ASSERT_NE(section, std::string::npos) << out;
+  EXPECT_NE(out.find("shell", section), std::string::npos) << out;
+  EXPECT_EQ(out.find("solid", section), std::string::npos) << out;
+}
+
+TEST_F(Info, SamplesSuggestAndDropNothing) {
+  // Without an SRDF and with the elbow's boxes set back, upper and lower never meet within the
+  // limits; they are adjacent all the same.
+  const json document = run("info arm.urdf --json --samples 100 --seed 4").document();
+  EXPECT_EQ(document["compiled"]["samples"], 100);
+  EXPECT_EQ(document["compiled"]["seed"], 4);
+  expectRefused("info arm.urdf --samples -1", {"--samples -1"});
+}
+
+TEST_F(Info, FilesThatItCannotRead) {
+  expectRefused("info missing.urdf", {"missing.urdf"});
+  write("robot.xacro", "<robot/>");
+  expectRefused("info robot.xacro", {"xacro"});
+  write("notes.txt", "hello");
+  expectRefused("info notes.txt", {"notes.txt", ".urdf"});
+}
+
+}  // namespace
+}  // namespace leeway::tools::testing

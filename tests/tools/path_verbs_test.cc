@@ -1,0 +1,176 @@
+// check, verify and clearance.
+
+#include "tests/tools/command.h"
+
+namespace leeway::tools::testing {
+namespace {
+
+class Check : public CommandTest {};
+
+TEST_F(Check, StartAndGoalByDefault) {
+  const Answer answer = run("check reach.yaml --json");
+  EXPECT_EQ(answer.status, 0) << answer.err;
+  const json document = answer.document();
+  EXPECT_EQ(document["status"], "valid");
+  ASSERT_EQ(document["states"].size(), 2u);
+  EXPECT_EQ(document["states"][0]["name"], "start");
+  EXPECT_EQ(document["states"][1]["name"], "left");
+  for (const json& state : document["states"]) {
+    EXPECT_EQ(state["valid"], true);
+    EXPECT_LE(state["clearance_lower"], state["clearance_upper"]);
+    EXPECT_EQ(state["closest"]["b"], "post");
+    EXPECT_TRUE(state["penetration"].is_null());
+  }
+}
+
+TEST_F(Check, ClearanceIsTheDistance) {
+  // The lower link on the line y = 0.5 along x: its edge is 0.48 from the post's axis.
+  const Answer answer =
+      run("check reach.yaml --state 1.5707963267948966,-1.5707963267948966 --json");
+  EXPECT_EQ(answer.status, 0) << answer.err;
+  const json state = answer.document()["states"][0];
+  const double dx = 0.85 - 0.45;
+  const double expected = std::hypot(dx, 0.48) - 0.05;
+  EXPECT_LE(state["clearance_lower"], expected + 1e-12);
+  EXPECT_GE(state["clearance_upper"], expected - 1e-12);
+  EXPECT_NEAR(state["clearance_lower"], expected, 1e-5);
+}
+
+TEST_F(Check, PenetrationWithDepthAndWitnesses) {
+  const Answer answer = run("check reach.yaml --state shoulder=0,elbow=0 --json");
+  EXPECT_EQ(answer.status, 1);
+  const json document = answer.document();
+  EXPECT_EQ(document["status"], "invalid");
+  const json state = document["states"][0];
+  EXPECT_EQ(state["valid"], false);
+  EXPECT_EQ(state["verdict"], "not_free");
+  EXPECT_LE(state["penetration"]["depth_lower"], 0.07 + 1e-9);
+  EXPECT_GE(state["penetration"]["depth_upper"], 0.07 - 1e-9);
+  EXPECT_EQ(state["closest"]["point_a"].size(), 3u);
+  const std::string text = run("check reach.yaml --state shoulder=0,elbow=0").out;
+  for (const char* word :
+       {"not valid", "lower", "post", "in collision", "70.0", "deepest points"}) {
+    EXPECT_NE(text.find(word), std::string::npos) << word << "\n" << text;
+  }
+}
+
+TEST_F(Check, LimitsCountToo) {
+  const Answer answer = run("check reach.yaml --state shoulder=3.5 --json");
+  EXPECT_EQ(answer.status, 1);
+  EXPECT_NE(answer.document()["states"][0]["limit"].get<std::string>().find("shoulder"),
+            std::string::npos);
+}
+
+TEST_F(Check, NamedStatesAndNonsense) {
+  EXPECT_EQ(run("check reach.yaml --state left --state right").status, 0);
+  expectRefused("check reach.yaml --state 1", {"2 numbers", "shoulder, elbow"});
+  expectRefused("check reach.yaml --state 1,x", {"'x'"});
+  expectRefused("check reach.yaml --state knee=1", {"knee", "shoulder, elbow"});
+  expectRefused("check reach.yaml --state 1,nan", {"nan"});
+}
+
+TEST_F(Check, NothingToBeNearIsNull) {
+  const json state = run("check empty.yaml --json").document()["states"][0];
+  EXPECT_TRUE(state["clearance_lower"].is_null());
+  EXPECT_TRUE(state["closest"].is_null());
+  EXPECT_EQ(state["valid"], true);
+}
+
+class Verify : public CommandTest {};
+
+TEST_F(Verify, CertifiesAPlannedPath) {
+  ASSERT_EQ(run("plan reach.yaml --output path.json").status, 0);
+  const Answer answer = run("verify reach.yaml path.json --json");
+  EXPECT_EQ(answer.status, 0) << answer.out << answer.err;
+  const json document = answer.document();
+  EXPECT_EQ(document["status"], "certified");
+  EXPECT_GE(document["clearance_lower"], 0);
+  EXPECT_TRUE(document["where"].is_null());
+  EXPECT_NE(run("verify reach.yaml path.json").out.find("certified"), std::string::npos);
+}
+
+TEST_F(Verify, RefutesTheStraightLine) {
+  write("line.csv", "time,shoulder,elbow\n0,-1,0\n1,1,0.25\n");
+  const Answer answer = run("verify reach.yaml line.csv --json");
+  EXPECT_EQ(answer.status, 1);
+  const json document = answer.document();
+  EXPECT_EQ(document["status"], "refuted");
+  EXPECT_TRUE(document["clearance_lower"].is_null());
+  EXPECT_EQ(document["where"]["segment"], 0);
+  EXPECT_EQ(document["where"]["a"], "lower");
+  EXPECT_EQ(document["where"]["b"], "post");
+  const std::string text = run("verify reach.yaml line.csv").out;
+  for (const char* word : {"refuted", "edge 0", "lower", "post"}) {
+    EXPECT_NE(text.find(word), std::string::npos) << word << "\n" << text;
+  }
+}
+
+TEST_F(Verify, AnotherStartIsRefuted) {
+  write("line.csv", "time,shoulder,elbow\n0,0.9,0.25\n1,1,0.25\n");
+  const Answer answer = run("verify reach.yaml line.csv --json");
+  EXPECT_EQ(answer.status, 1);
+  EXPECT_NE(answer.document()["reason"].get<std::string>().find("start"), std::string::npos)
+      << answer.out;
+}
+
+TEST_F(Verify, PathsThatCannotBeRead) {
+  expectRefused("verify reach.yaml missing.csv", {"missing.csv"});
+  write("path.txt", "0 0\n");
+  expectRefused("verify reach.yaml path.txt", {"path.txt"});
+  write("path.csv", "time,shoulder,knee\n0,0,0\n");
+  expectRefused("verify reach.yaml path.csv", {"path.csv", "knee"});
+  write("short.csv", "time,shoulder,elbow\n0,0\n");
+  expectRefused("verify reach.yaml short.csv", {"short.csv:2"});
+  write("nan.csv", "time,shoulder,elbow\n0,0,nan\n");
+  expectRefused("verify reach.yaml nan.csv", {"nan.csv:2", "nan"});
+  write("path.json", "{");
+  expectRefused("verify reach.yaml path.json", {"path.json"});
+}
+
+class Clearance : public CommandTest {};
+
+TEST_F(Clearance, AgreesWithTheCertificate) {
+  const json certificate =
+      run("plan reach.yaml --output path.json --json").document()["certificate"];
+  const Answer answer = run("clearance reach.yaml path.json --json");
+  EXPECT_EQ(answer.status, 0) << answer.err;
+  const json document = answer.document();
+  EXPECT_EQ(document["status"], "certified");
+  // Two intervals that hold the same number overlap.
+  EXPECT_LE(document["clearance_lower"], certificate["clearance_upper"]);
+  EXPECT_LE(certificate["clearance_lower"], document["clearance_upper"]);
+  EXPECT_EQ(document["segments"].size(), certificate["segments"].size());
+  EXPECT_EQ(document["closest"]["b"], "post");
+}
+
+TEST_F(Clearance, PartsRefineTheProfile) {
+  write("swing.csv", "time,shoulder,elbow\n0,0.2,1.5\n1,1.2,1.5\n");
+  const json whole = run("clearance reach.yaml swing.csv --json").document();
+  const json parts = run("clearance reach.yaml swing.csv --json --parts 5").document();
+  ASSERT_EQ(parts["segments"].size(), 5u);
+  EXPECT_LE(parts["clearance_lower"], whole["clearance_upper"]);
+  EXPECT_LE(whole["clearance_lower"], parts["clearance_upper"]);
+  double previous = 0;
+  for (const json& part : parts["segments"]) {
+    EXPECT_EQ(part["t0"], previous);
+    previous = part["t1"];
+    EXPECT_LE(whole["clearance_lower"].get<double>(), part["clearance_upper"].get<double>());
+    EXPECT_LE(part["clearance_upper"].get<double>() - part["clearance_lower"].get<double>(),
+              1e-4 + 1e-12);
+  }
+  EXPECT_EQ(previous, 1.0);
+}
+
+TEST_F(Clearance, CollidingPathIsStatus1) {
+  write("line.csv", "time,shoulder,elbow\n0,-1,0\n1,1,0.25\n");
+  const Answer answer = run("clearance reach.yaml line.csv --json");
+  EXPECT_EQ(answer.status, 1);
+  const json document = answer.document();
+  EXPECT_EQ(document["status"], "not_certified");
+  EXPECT_LE(document["clearance_upper"], 0);
+  EXPECT_EQ(document["closest"]["a"], "lower");
+  EXPECT_NE(run("clearance reach.yaml line.csv").out.find("Not every edge"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace leeway::tools::testing

@@ -1,0 +1,194 @@
+#include "tests/tools/command.h"
+
+namespace leeway::tools::testing {
+namespace {
+
+class Plan : public CommandTest {};
+
+void expectPlanFields(const json& document) {
+  for (const char* key : {"status", "seed", "planner", "objective", "deterministic", "time_s",
+                          "counts", "goal", "path", "length", "certificate"}) {
+    EXPECT_TRUE(document.contains(key)) << key;
+  }
+  for (const char* key : {"load", "compile", "plan", "simplify", "certify"}) {
+    EXPECT_TRUE(document["time_s"].contains(key) && document["time_s"][key].is_number()) << key;
+  }
+  for (const char* key : {"iterations", "states", "edges", "distance_queries"}) {
+    EXPECT_TRUE(document["counts"].contains(key) && document["counts"][key].is_number_unsigned())
+        << key;
+  }
+}
+
+TEST_F(Plan, SolvesAndCertifies) {
+  const Answer answer = run("plan reach.yaml --json");
+  EXPECT_EQ(answer.status, 0) << answer.err;
+  const json document = answer.document();
+  expectPlanFields(document);
+  EXPECT_EQ(document["status"], "solved");
+  EXPECT_EQ(document["seed"], 7);
+  EXPECT_EQ(document["planner"], "RRTConnect");
+  EXPECT_EQ(document["goal"], "left");
+  const json& path = document["path"];
+  EXPECT_EQ(path["joint_names"], json({"shoulder", "elbow"}));
+  EXPECT_EQ(path["positions"].front(), json({-1, 0}));
+  EXPECT_EQ(path["positions"].back(), json({1, 0.25}));
+  const json& certificate = document["certificate"];
+  EXPECT_EQ(certificate["certified"], true);
+  EXPECT_EQ(certificate["segments"].size() + 1, path["positions"].size());
+  double least = certificate["segments"][0]["clearance_lower"];
+  for (const json& segment : certificate["segments"]) {
+    least = std::min(least, segment["clearance_lower"].get<double>());
+    EXPECT_GT(segment["clearance_lower"], 0);
+    EXPECT_GE(segment["clearance_upper"], segment["clearance_lower"]);
+  }
+  EXPECT_EQ(certificate["clearance_lower"], least);
+  EXPECT_EQ(certificate["closest"]["b"], "post");
+  EXPECT_TRUE(certificate["closest"].contains("a") && certificate["closest"].contains("segment") &&
+              certificate["closest"].contains("t"));
+}
+
+TEST_F(Plan, NothingToBeNearIsNull) {
+  const Answer answer = run("plan empty.yaml --json");
+  EXPECT_EQ(answer.status, 0) << answer.err;
+  const json document = answer.document();
+  EXPECT_TRUE(document["certificate"]["clearance_lower"].is_null());
+  EXPECT_TRUE(document["certificate"]["clearance_upper"].is_null());
+  EXPECT_TRUE(document["certificate"]["closest"].is_null());
+  EXPECT_EQ(answer.out.find("inf"), std::string::npos);
+  EXPECT_EQ(run("plan empty.yaml").out.find("inf"), std::string::npos);
+}
+
+TEST_F(Plan, SameSeedSamePath) {
+  const auto path = [&](const std::string& arguments) {
+    return run("plan reach.yaml --json " + arguments).document()["path"];
+  };
+  EXPECT_EQ(path("--seed 3"), path("--seed 3"));
+  EXPECT_EQ(run("plan reach.yaml --json --seed 3").document()["seed"], 3);
+}
+
+TEST_F(Plan, TextHasPathCertificateAndTimes) {
+  const Answer answer = run("plan reach.yaml");
+  EXPECT_EQ(answer.status, 0);
+  EXPECT_EQ(answer.err, "");  // no progress when stderr is no terminal
+  for (const char* word : {"around the post", "solved", "seed 7", "shoulder", "elbow",
+                           ">= ", "Certified", "post", "Time [ms]", "distance queries"}) {
+    EXPECT_NE(answer.out.find(word), std::string::npos) << word << "\n" << answer.out;
+  }
+}
+
+TEST_F(Plan, RobotAndGroupStatesNeedNoYaml) {
+  const Answer answer =
+      run("plan --robot arm.urdf --srdf arm.srdf --group arm --start right --goal left --json");
+  EXPECT_EQ(answer.status, 0) << answer.err;
+  EXPECT_EQ(answer.document()["status"], "solved");
+  expectRefused("plan --robot arm.urdf --srdf arm.srdf --group leg --start right --goal left",
+                {"leg", "arm"});
+  expectRefused("plan --robot arm.urdf --srdf arm.srdf --group arm --start rigt --goal left",
+                {"rigt", "right"});
+}
+
+TEST_F(Plan, MoveitSceneAndRequest) {
+  write("scene.yaml", kScene);
+  write("request.yaml", kRequest);
+  const Answer answer =
+      run("plan --robot arm.urdf --srdf arm.srdf --scene scene.yaml --request request.yaml --json");
+  EXPECT_EQ(answer.status, 0) << answer.err;
+  const json document = answer.document();
+  EXPECT_EQ(document["path"]["positions"].front(), json({-1, 0}));
+  EXPECT_EQ(document["certificate"]["closest"]["b"], "post");
+}
+
+TEST_F(Plan, InvalidStartNamesPairDepthAndPlace) {
+  write("bad.yaml", kInvalidStart);
+  const Answer answer = run("plan bad.yaml --json");
+  EXPECT_EQ(answer.status, 1);
+  const json document = answer.document();
+  expectPlanFields(document);
+  EXPECT_EQ(document["status"], "invalid_start");
+  EXPECT_TRUE(document["path"].is_null());
+  const json& offending = document["offending"];
+  EXPECT_EQ(offending["a"], "lower");
+  EXPECT_EQ(offending["b"], "post");
+  // The box ends at x = 0.95, the post's nearer side is at x = 0.8, and half their widths add up to
+  // 0.07.
+  EXPECT_NEAR(offending["depth"], 0.07, 1e-6);
+  EXPECT_EQ(offending["point_a"].size(), 3u);
+  const std::string text = run("plan bad.yaml").out;
+  for (const char* word : {"start", "collision", "lower", "post", "mm deep", "at ("}) {
+    EXPECT_NE(text.find(word), std::string::npos) << word << "\n" << text;
+  }
+}
+
+TEST_F(Plan, InvalidGoalIsStatus1) {
+  std::string text = kInvalidStart;
+  text.replace(text.find("start: {shoulder: 0, elbow: 0}\ngoal: left"), 41,
+               "start: left\ngoal: {shoulder: 0, elbow: 0}");
+  write("bad.yaml", text);
+  const Answer answer = run("plan bad.yaml --json");
+  EXPECT_EQ(answer.status, 1) << answer.err;
+  EXPECT_EQ(answer.document()["status"], "invalid_goal");
+  EXPECT_EQ(answer.document()["offending"]["b"], "post");
+}
+
+TEST_F(Plan, NoPathWithinTheLimitsIsStatus1) {
+  // A wall that no way around exists: the arm is caged between two planes.
+  std::string text = kReach;
+  text.replace(text.find("  - {name: post"), text.find("limits") - text.find("  - {name: post"),
+               "  - {name: wall, position: [0.3, 0, 0], box: {size: [0.2, 0.02, 1]}}\n");
+  write("wall.yaml", text);
+  const Answer answer = run("plan wall.yaml --time 0.2 --json");
+  EXPECT_EQ(answer.status, 1) << answer.err;
+  const json document = answer.document();
+  EXPECT_EQ(document["status"], "unsolved");
+  EXPECT_TRUE(document["path"].is_null());
+  EXPECT_TRUE(document["certificate"].is_null());
+}
+
+TEST_F(Plan, WritesEveryFormat) {
+  for (const std::string ending : {"yaml", "json", "csv", "path"}) {
+    const Answer answer = run("plan reach.yaml --output out." + ending);
+    EXPECT_EQ(answer.status, 0) << answer.err;
+    EXPECT_NE(read("out." + ending), "");
+    EXPECT_EQ(run("verify reach.yaml out." + ending).status, 0) << ending;
+  }
+}
+
+TEST_F(Plan, ExistingOutputSurvivesFailure) {
+  write("out.json", "precious");
+  write("bad.yaml", kInvalidStart);
+  EXPECT_EQ(run("plan bad.yaml --output out.json").status, 1);
+  EXPECT_EQ(read("out.json"), "precious");
+  expectRefused("plan missing.yaml --output out.json", {"missing.yaml"});
+  EXPECT_EQ(read("out.json"), "precious");
+}
+
+TEST_F(Plan, OutputThatCannotBeWritten) {
+  expectRefused("plan reach.yaml --output nowhere/out.json", {"nowhere"});
+  expectRefused("plan reach.yaml --output out.doc", {"out.doc", ".json"});
+  fs::create_directory(path("folder.json"));
+  expectRefused("plan reach.yaml --output folder.json", {"folder.json"});
+}
+
+TEST_F(Plan, NoLeftoversBesideTheOutput) {
+  EXPECT_EQ(run("plan reach.yaml --output out.json").status, 0);
+  int others = 0;
+  for (const auto& entry : fs::directory_iterator(folder_)) {
+    others += entry.path().string().find("out.json") != std::string::npos ? 1 : 0;
+  }
+  EXPECT_EQ(others, 1);
+}
+
+TEST_F(Plan, ListsPlanners) {
+  const Answer answer = run("plan --planners");
+  EXPECT_EQ(answer.status, 0) << answer.err;
+  for (const char* name :
+       {"RRTConnect", "PRMstar", "BITstar", "KPIECE1", "AnytimePathShortening"}) {
+    EXPECT_NE(answer.out.find(name), std::string::npos) << name;
+  }
+  const json list = json::parse(run("plan --planners --json").out);
+  EXPECT_GT(list.size(), 30u);
+  expectRefused("plan reach.yaml --planner RRTConect", {"RRTConect", "RRTConnect"});
+}
+
+}  // namespace
+}  // namespace leeway::tools::testing
