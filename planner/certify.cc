@@ -15,6 +15,12 @@ void name(const collision::Scene& scene, int pair, std::string& a, std::string& 
   b = scene.bodies()[static_cast<std::size_t>(p.body_b)].name;
 }
 
+double leastMargin(const collision::Scene& scene) {
+  double least = kInfinity;
+  for (const collision::ScenePair& pair : scene.pairs()) least = std::min(least, pair.margin);
+  return least;
+}
+
 }  // namespace
 
 Certificate certify(EdgeCertifier& certifier, const Path& path, double tolerance) {
@@ -34,10 +40,14 @@ Certificate certify(EdgeCertifier& certifier, const Path& path, double tolerance
     name(scene, check.pair, certificate.closest_a, certificate.closest_b);
     certificate.closest_segment = check.pair < 0 ? -1 : 0;
   }
+  const double least_margin = leastMargin(scene);
   for (std::size_t i = 1; i < path.positions.size(); ++i) {
     const std::vector<double>&a = path.positions[i - 1], &b = path.positions[i];
-    if (certifier.certify(a, b).verdict != Verdict::kFree) certificate.certified = false;
-    const EdgeClearance edge = certifier.edgeClearance(a, b, tolerance, -kInfinity);
+    const bool free = certifier.certify(a, b).verdict == Verdict::kFree;
+    if (!free) certificate.certified = false;
+    EdgeClearance edge = certifier.edgeClearance(a, b, tolerance, -kInfinity);
+    // Every pair is proven to keep its margin, which may say more than an interval of that tolerance.
+    if (free) edge.clearance.lower = std::max(edge.clearance.lower, least_margin);
     certificate.segments.push_back(edge.clearance);
     certificate.clearance.lower = std::min(certificate.clearance.lower, edge.clearance.lower);
     if (edge.clearance.upper < certificate.clearance.upper) {

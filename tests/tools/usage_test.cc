@@ -79,7 +79,7 @@ TEST_P(Examples, Run) {
 
 // gtest puts the suffix into the test's folder name, without the '/'.
 INSTANTIATE_TEST_SUITE_P(Verbs, Examples, ::testing::ValuesIn(kVerbs),
-                         [](const auto& info) { return std::string(info.param); });
+                         [](const auto& verb) { return std::string(verb.param); });
 
 }  // namespace
 }  // namespace leeway::tools::testing

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -46,6 +47,14 @@ struct Profile {
   bool certified = true;
 };
 
+double leastMargin(const planner::CompiledScene& scene) {
+  double least = kInfinity;
+  for (const auto& pair : scene.scene().pairs()) {
+    least = std::min(least, pair.margin);
+  }
+  return least;
+}
+
 Stretch measure(planner::EdgeCertifier& certifier, const planner::Path& path, int segment, int part,
                 const Arguments& arguments) {
   const auto& space = certifier.scene().space();
@@ -63,6 +72,12 @@ Stretch measure(planner::EdgeCertifier& certifier, const planner::Path& path, in
   stretch.t = stretch.t0 + stretch.found.t * (stretch.t1 - stretch.t0);
   stretch.names = pairNames(certifier.scene(), stretch.found.pair);
   stretch.keeps_margins = certifier.certify(from, to).verdict == planner::Verdict::kFree;
+  if (stretch.keeps_margins) {
+    // Every pair is proven to keep its margin, which may say more than an interval of that
+    // tolerance.
+    stretch.found.clearance.lower =
+        std::max(stretch.found.clearance.lower, leastMargin(certifier.scene()));
+  }
   return stretch;
 }
 

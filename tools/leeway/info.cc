@@ -288,6 +288,31 @@ Json problemJson(const planner::Problem& problem) {
 // ------------------------------------------------------------------------------------------------
 // what is kept of it
 
+/// Pairs of bodies: never touching when no two of their shapes did, always when two of them always
+/// did.
+struct SampledPairs {
+  Json never = Json::array(), always = Json::array();
+};
+
+SampledPairs samplePairsOfBodies(const planner::CompiledScene& scene, int samples,
+                                 std::uint64_t seed) {
+  std::map<std::pair<std::string, std::string>, int> most_hits;
+  if (samples > 0) {
+    for (const PairSamples& entry : samplePairs(scene, samples, seed)) {
+      const PairNames names = pairNames(scene, entry.pair);
+      int& hits = most_hits[{names.a, names.b}];
+      hits = std::max(hits, entry.hits);
+    }
+  }
+  SampledPairs result;
+  for (const auto& [names, hits] : most_hits) {
+    if (hits == 0 || hits == samples) {
+      (hits == 0 ? result.never : result.always).push_back({names.first, names.second});
+    }
+  }
+  return result;
+}
+
 Json compiledJson(const planner::CompiledScene& scene, int samples, std::uint64_t seed) {
   int moving = 0;
   for (const auto& body : scene.scene().bodies()) {
@@ -299,15 +324,7 @@ Json compiledJson(const planner::CompiledScene& scene, int samples, std::uint64_
     ++reasons[entry.reason];
     dropped.push_back({{"a", entry.a}, {"b", entry.b}, {"reason", entry.reason}});
   }
-  Json never = Json::array();
-  Json always = Json::array();
-  for (const PairSamples& entry :
-       samples > 0 ? samplePairs(scene, samples, seed) : std::vector<PairSamples>()) {
-    const PairNames names = pairNames(scene, entry.pair);
-    if (entry.hits == 0 || entry.hits == samples) {
-      (entry.hits == 0 ? never : always).push_back({names.a, names.b});
-    }
-  }
+  const SampledPairs sampled = samplePairsOfBodies(scene, samples, seed);
   const std::size_t bodies = scene.scene().bodies().size();
   return {{"moving_bodies", moving},
           {"static_bodies", static_cast<int>(bodies) - moving},
@@ -317,8 +334,8 @@ Json compiledJson(const planner::CompiledScene& scene, int samples, std::uint64_
           {"dropped", dropped},
           {"samples", samples},
           {"seed", seed},
-          {"sampled_never_touching", never},
-          {"sampled_always_touching", always}};
+          {"sampled_never_touching", sampled.never},
+          {"sampled_always_touching", sampled.always}};
 }
 
 // ------------------------------------------------------------------------------------------------
@@ -406,11 +423,14 @@ void printPairs(const char* text, const Json& pairs) {
   if (pairs.empty()) {
     return;
   }
-  fmt::print("{}:", text);
+  fmt::print("{}:\n", text);
+  std::map<std::string, std::string> partners;
   for (const auto& pair : pairs) {
-    fmt::print(" {}-{}", pair[0].get<std::string>(), pair[1].get<std::string>());
+    partners[pair[0].get<std::string>()] += " " + pair[1].get<std::string>();
   }
-  fmt::print("\n");
+  for (const auto& [name, others] : partners) {
+    fmt::print("  {} with{}\n", name, others);
+  }
 }
 
 void printCompiled(const Json& compiled) {

@@ -165,7 +165,8 @@ int listPlanners(bool json) {
   if (json) {
     printJson(list);
   } else {
-    fmt::print("{}", formatTable({"planner", "optimises", "deterministic", "how"}, rows));
+    fmt::print("{}",
+               formatTable({"planner", "optimises", "deterministic", "how"}, rows, {1, 2, 3}));
   }
   return kYes;
 }

@@ -73,7 +73,11 @@ void endProgress() {
 }
 
 std::string formatTable(const std::vector<std::string>& heading,
-                        const std::vector<std::vector<std::string>>& rows) {
+                        const std::vector<std::vector<std::string>>& rows,
+                        const std::vector<std::size_t>& left) {
+  const auto is_left = [&](std::size_t c) {
+    return c == 0 || std::find(left.begin(), left.end(), c) != left.end();
+  };
   std::vector<std::size_t> widths;
   for (std::size_t c = 0; c < heading.size(); ++c) {
     std::size_t width = heading[c].size();
@@ -86,8 +90,9 @@ std::string formatTable(const std::vector<std::string>& heading,
   const auto append = [&](const std::vector<std::string>& row) {
     std::string line;
     for (std::size_t c = 0; c < row.size(); ++c) {
-      line += c == 0 ? fmt::format("{:<{}}", row[c], widths[c])
-                     : fmt::format("  {:>{}}", row[c], widths[c]);
+      line += c == 0 ? "" : "  ";
+      line += is_left(c) ? fmt::format("{:<{}}", row[c], widths[c])
+                         : fmt::format("{:>{}}", row[c], widths[c]);
     }
     line.erase(line.find_last_not_of(' ') + 1);
     text += line + "\n";

@@ -18,9 +18,11 @@ void endProgress();
 /// Shows `text` as the progress line, when stderr is a terminal.
 void showProgress(const std::string& text);
 
-/// Left-aligned first column, the others right-aligned, a rule under the heading.
+/// A rule under the heading; the first column is left-aligned, the others right-aligned, and words
+/// (`left`) left-aligned too.
 std::string formatTable(const std::vector<std::string>& heading,
-                        const std::vector<std::vector<std::string>>& rows);
+                        const std::vector<std::vector<std::string>>& rows,
+                        const std::vector<std::size_t>& left = {});
 
 /// Decimal numbers that stay true bounds when printed short: rounded down, or up, at `digits`
 /// decimals. Infinity is "-".
