@@ -412,7 +412,7 @@ void printGeometries(const Json& geometries) {
   }
   fmt::print("\n{}", formatTable({"of", "shape", "vertices", "triangles", "hull excess [mm]",
                                   "closed", "size"},
-                                 rows));
+                                 rows, {1}));
   fmt::print("{} shapes, {}\n", geometries.size(), formatBytes(bytes));
   if (!open.empty()) {
     fmt::print("\nnot closed, so surfaces without an inside:\n{}", open);
