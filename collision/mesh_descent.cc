@@ -77,7 +77,7 @@ class Descent {
   }
 
   bool done() const {
-    return result_.upper <= request_.threshold ||
+    return hopeless_ || result_.upper <= request_.threshold ||
            (result_.upper <= 0 && (placement_.swept || !request_.depth));
   }
 
@@ -258,6 +258,8 @@ class Descent {
       r.distance.lower = std::max(r.distance.lower, lower);
     }
     settle(r.distance.lower);
+    // A sweep that one of its pieces fails cannot come above the threshold any more.
+    hopeless_ = hopeless_ || (placement_.swept && r.distance.lower <= request_.threshold);
     offer(r, r.distance.upper, slot_a >= 0 ? a_.tree->triangleOf(slot_a) : -1,
           slot_b >= 0 ? b_.tree->triangleOf(slot_b) : -1);
   }
@@ -271,6 +273,7 @@ class Descent {
   DescentResult result_;
   double rounding_ = 0;  // of sphereLower() [m]
   bool half_space_ = false;
+  bool hopeless_ = false;
   int visited_ = 0;
   int overlap_limit_ = std::numeric_limits<int>::max();
   // Every pair that is taken off puts at most two back, which are one level lower on one side.
