@@ -1,0 +1,273 @@
+#include "tools/dense/dense_world.h"
+
+#include <fcl/fcl.h>
+#include <yaml-cpp/yaml.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "leeway/collision/convex_hull.h"
+#include "leeway/collision/triangle_mesh.h"
+
+namespace leeway::dense {
+namespace {
+
+using collision::Shape;
+using collision::ShapeType;
+using Eigen::Isometry3d;
+using FclGeometry = std::shared_ptr<fcl::CollisionGeometryd>;
+using Named = std::vector<std::pair<std::string, double>>;
+
+Isometry3d isometry(const collision::Pose& X) {
+  Isometry3d result = Isometry3d::Identity();
+  result.linear() = X.rotation;
+  result.translation() = X.translation;
+  return result;
+}
+
+template <typename Triangles>
+FclGeometry bvh(std::span<const Eigen::Vector3d> vertices, const Triangles& triangles) {
+  auto model = std::make_shared<fcl::BVHModel<fcl::OBBRSSd>>();
+  std::vector<fcl::Triangle> indices;
+  for (const auto& t : triangles)
+    indices.emplace_back(static_cast<std::size_t>(t[0]), static_cast<std::size_t>(t[1]),
+                         static_cast<std::size_t>(t[2]));
+  model->beginModel();
+  model->addSubModel(std::vector<Eigen::Vector3d>(vertices.begin(), vertices.end()), indices);
+  model->endModel();
+  return model;
+}
+
+FclGeometry toFcl(const Shape& shape) {
+  const double r = shape.radius(), length = 2 * shape.halfLength();
+  const Eigen::Vector3d& e = shape.halfExtents();
+  switch (shape.type()) {
+    case ShapeType::kSphere:
+      return std::make_shared<fcl::Sphered>(r);
+    case ShapeType::kCapsule:
+      return std::make_shared<fcl::Capsuled>(r, length);
+    case ShapeType::kBox:
+      return std::make_shared<fcl::Boxd>(2 * e.x(), 2 * e.y(), 2 * e.z());
+    case ShapeType::kCylinder:
+      return std::make_shared<fcl::Cylinderd>(r, length);
+    case ShapeType::kCone:
+      return std::make_shared<fcl::Coned>(r, length);
+    case ShapeType::kEllipsoid:
+      return std::make_shared<fcl::Ellipsoidd>(e.x(), e.y(), e.z());
+    case ShapeType::kConvexHull:
+      return bvh(shape.hull()->vertices(), shape.hull()->facets());
+    case ShapeType::kMesh:
+      return bvh(shape.mesh()->vertices(), shape.mesh()->triangles());
+    case ShapeType::kHalfSpace:
+      break;
+  }
+  return std::make_shared<fcl::Halfspaced>(Eigen::Vector3d::UnitZ(), 0);
+}
+
+Isometry3d readPose(const YAML::Node& node) {
+  const YAML::Node p = node["position"], q = node["orientation"];
+  Isometry3d X = Isometry3d::Identity();
+  X.translation() = Eigen::Vector3d(p[0].as<double>(), p[1].as<double>(), p[2].as<double>());
+  X.linear() =
+      Eigen::Quaterniond(q[3].as<double>(), q[0].as<double>(), q[1].as<double>(), q[2].as<double>())
+          .normalized()
+          .toRotationMatrix();
+  return X;
+}
+
+FclGeometry readPrimitive(const YAML::Node& node, const std::string& file) {
+  const std::string type = node["type"].as<std::string>();
+  const YAML::Node d = node["dimensions"];
+  if (type == "box")
+    return std::make_shared<fcl::Boxd>(d[0].as<double>(), d[1].as<double>(), d[2].as<double>());
+  if (type == "cylinder")
+    return std::make_shared<fcl::Cylinderd>(d[1].as<double>(), d[0].as<double>());
+  if (type == "sphere") return std::make_shared<fcl::Sphered>(d[0].as<double>());
+  throw std::runtime_error(file + ": primitive '" + type +
+                           "'; this checker knows box, cylinder and sphere");
+}
+
+double valueOf(const Named& values, const std::string& name) {
+  for (const auto& [known, value] : values)
+    if (known == name) return value;
+  return 0;
+}
+
+double largestError(const Named& wanted, const std::vector<std::string>& names,
+                    const std::vector<double>& row) {
+  double worst = 0;
+  for (std::size_t i = 0; i < names.size(); ++i)
+    for (const auto& [name, value] : wanted)
+      if (name == names[i]) worst = std::max(worst, std::abs(value - row[i]));
+  return worst;
+}
+
+}  // namespace
+
+struct DenseWorld::Body {
+  std::string name;
+  int link = -1;  // -1: the world
+  std::vector<Isometry3d> X_LG;
+  std::vector<std::unique_ptr<fcl::CollisionObjectd>> objects;
+
+  void add(const FclGeometry& geometry, const Isometry3d& X) {
+    X_LG.push_back(X);
+    objects.push_back(std::make_unique<fcl::CollisionObjectd>(geometry, X));
+    objects.back()->computeAABB();
+  }
+};
+
+DenseWorld::DenseWorld(std::shared_ptr<const robots::Model> model, const std::string& scene_file,
+                       const std::string& request_file)
+    : model_(std::move(model)), X_WL_(model_->links.size()) {
+  addRobot();
+  readScene(scene_file);
+  readRequest(request_file);
+  listPairs();
+}
+
+DenseWorld::~DenseWorld() = default;
+
+void DenseWorld::addRobot() {
+  for (std::size_t i = 0; i < model_->links.size(); ++i) {
+    auto body = std::make_unique<Body>();
+    body->name = model_->links[i].name;
+    body->link = static_cast<int>(i);
+    for (const robots::Geometry& g : model_->links[i].geometries)
+      body->add(toFcl(g.shape), isometry(g.X_BG));
+    bodies_.push_back(std::move(body));
+  }
+}
+
+void DenseWorld::readScene(const std::string& file) {
+  const YAML::Node scene = YAML::LoadFile(file);
+  for (const YAML::Node& object : scene["world"]["collision_objects"]) {
+    auto body = std::make_unique<Body>();
+    body->name = object["id"].as<std::string>();
+    const Isometry3d X_WO = object["pose"] ? readPose(object["pose"]) : Isometry3d::Identity();
+    for (std::size_t i = 0; i < object["primitives"].size(); ++i)
+      body->add(readPrimitive(object["primitives"][i], file),
+                X_WO * readPose(object["primitive_poses"][i]));
+    bodies_.push_back(std::move(body));
+  }
+  const YAML::Node matrix = scene["allowed_collision_matrix"];
+  const auto names = matrix["entry_names"].as<std::vector<std::string>>();
+  for (std::size_t i = 0; i < names.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j)
+      if (matrix["entry_values"][i][j].as<bool>()) allowed_.emplace_back(names[i], names[j]);
+}
+
+void DenseWorld::readRequest(const std::string& file) {
+  const YAML::Node request = YAML::LoadFile(file);
+  const YAML::Node state = request["start_state"]["joint_state"];
+  for (std::size_t i = 0; i < state["name"].size(); ++i)
+    start_.emplace_back(state["name"][i].as<std::string>(), state["position"][i].as<double>());
+  for (const YAML::Node& constraint : request["goal_constraints"][0]["joint_constraints"])
+    goal_.emplace_back(constraint["joint_name"].as<std::string>(),
+                       constraint["position"].as<double>());
+}
+
+bool DenseWorld::mayTouch(const std::string& a, const std::string& b) const {
+  return std::any_of(allowed_.begin(), allowed_.end(), [&](const auto& pair) {
+    return (pair.first == a && pair.second == b) || (pair.first == b && pair.second == a);
+  });
+}
+
+void DenseWorld::listPairs() {
+  // The link that carries each link rigidly: bodies of one carrier never move against one another.
+  std::vector<int> carrier(model_->links.size());
+  std::vector<bool> planned(model_->links.size(), false);
+  for (std::size_t i = 0; i < model_->links.size(); ++i) {
+    const robots::Joint& joint = model_->joints[i];
+    const bool moves = std::any_of(goal_.begin(), goal_.end(),
+                                   [&](const auto& g) { return g.first == joint.name; }) ||
+                       joint.mimic >= 0;
+    const int parent = joint.parent_link;
+    carrier[i] = moves        ? static_cast<int>(i)
+                 : parent < 0 ? -1
+                              : carrier[static_cast<std::size_t>(parent)];
+  }
+  const auto carrierOf = [&](const Body& b) {
+    return b.link < 0 ? -1 : carrier[static_cast<std::size_t>(b.link)];
+  };
+  for (std::size_t i = 0; i < bodies_.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j)
+      if (carrierOf(*bodies_[i]) != carrierOf(*bodies_[j]) &&
+          !mayTouch(bodies_[i]->name, bodies_[j]->name))
+        pairs_.emplace_back(i, j);
+}
+
+void DenseWorld::place(const std::vector<std::string>& names,
+                       const std::vector<double>& positions) {
+  Named values = start_;
+  for (std::size_t i = 0; i < names.size(); ++i)
+    values.emplace(values.begin(), names[i], positions[i]);
+  for (std::size_t i = 0; i < model_->links.size(); ++i) {
+    const robots::Joint& joint = model_->joints[i];
+    double q = 0;
+    if (joint.mimic >= 0) {
+      q = joint.multiplier *
+              valueOf(values, model_->joints[static_cast<std::size_t>(joint.mimic)].name) +
+          joint.offset;
+    } else {
+      q = valueOf(values, joint.name);
+    }
+    Isometry3d X = joint.parent_link < 0 ? Isometry3d::Identity()
+                                         : X_WL_[static_cast<std::size_t>(joint.parent_link)];
+    X = X * isometry(joint.X_PJ);
+    switch (joint.type) {
+      case robots::JointType::kFixed:
+        break;
+      case robots::JointType::kRevolute:
+      case robots::JointType::kContinuous:
+        X.rotate(Eigen::AngleAxisd(q, joint.axis));
+        break;
+      case robots::JointType::kPrismatic:
+        X.translate(q * joint.axis);
+        break;
+      case robots::JointType::kPlanar:
+      case robots::JointType::kFloating:
+        // A base that the SRDF lets float stands at the origin in all of MotionBenchMaker.
+        if (joint.parent_link >= 0)
+          throw std::runtime_error("joint '" + joint.name +
+                                   "': this checker knows joints of one degree of freedom");
+        break;
+    }
+    X_WL_[i] = X;
+    Body& body = *bodies_[i];
+    for (std::size_t g = 0; g < body.objects.size(); ++g) {
+      body.objects[g]->setTransform(X * body.X_LG[g]);
+      body.objects[g]->computeAABB();
+    }
+  }
+}
+
+Collision DenseWorld::check(const std::vector<std::string>& names,
+                            const std::vector<double>& positions) {
+  place(names, positions);
+  const fcl::CollisionRequestd request(1, false);
+  for (const auto& [i, j] : pairs_) {
+    for (const auto& a : bodies_[i]->objects) {
+      for (const auto& b : bodies_[j]->objects) {
+        if (!a->getAABB().overlap(b->getAABB())) continue;
+        fcl::CollisionResultd result;
+        if (fcl::collide(a.get(), b.get(), request, result) > 0)
+          return {true, bodies_[i]->name, bodies_[j]->name};
+      }
+    }
+  }
+  return {};
+}
+
+double DenseWorld::startError(const std::vector<std::string>& names,
+                              const std::vector<double>& row) const {
+  return largestError(start_, names, row);
+}
+
+double DenseWorld::goalError(const std::vector<std::string>& names,
+                             const std::vector<double>& row) const {
+  return largestError(goal_, names, row);
+}
+
+}  // namespace leeway::dense
