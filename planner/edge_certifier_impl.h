@@ -44,6 +44,8 @@ struct EdgeCertifier::Impl {
   bool examine(EdgeInterval& interval, std::vector<int>& open, int& offender);
   void startInterval() { ++stamp; }
 
+  /// The open pairs of an interval at its middle: not free or undecided where one is there.
+  Verdict checkMiddle(const EdgeInterval& interval, int slot, int& offender);
   EdgeCheck certifyByLevels(const EdgeRequest& request);
   void findLastValid(const EdgeRequest& request, EdgeCheck& check);
   bool certifyPrefix(EdgeInterval interval, EdgeCheck& check);
