@@ -53,9 +53,9 @@ std::optional<double> parseNumber(std::string_view text) {
 YamlReader::YamlReader(std::shared_ptr<const std::string> file, YAML::Node node, std::string where,
                        int parent_line)
     : file_(std::move(file)), node_(std::move(node)), where_(std::move(where)) {
-  // An empty value has no place of its own.
+  // An empty value has the place of what comes after it: its key is where to look.
   const YAML::Mark mark = node_.Mark();
-  line_ = mark.is_null() ? parent_line : mark.line + 1;
+  line_ = mark.is_null() || node_.IsNull() ? parent_line : mark.line + 1;
 }
 
 YamlReader YamlReader::load(const std::string& path) {
