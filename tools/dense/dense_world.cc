@@ -76,14 +76,14 @@ Isometry3d readPose(const YAML::Node& node) {
   return X;
 }
 
-FclGeometry readPrimitive(const YAML::Node& node, const std::string& file) {
+Shape readPrimitive(const YAML::Node& node, const std::string& file) {
   const std::string type = node["type"].as<std::string>();
   const YAML::Node d = node["dimensions"];
   if (type == "box")
-    return std::make_shared<fcl::Boxd>(d[0].as<double>(), d[1].as<double>(), d[2].as<double>());
-  if (type == "cylinder")
-    return std::make_shared<fcl::Cylinderd>(d[1].as<double>(), d[0].as<double>());
-  if (type == "sphere") return std::make_shared<fcl::Sphered>(d[0].as<double>());
+    return Shape::box(0.5 *
+                      Eigen::Vector3d(d[0].as<double>(), d[1].as<double>(), d[2].as<double>()));
+  if (type == "cylinder") return Shape::cylinder(d[1].as<double>(), 0.5 * d[0].as<double>());
+  if (type == "sphere") return Shape::sphere(d[0].as<double>());
   throw std::runtime_error(file + ": primitive '" + type +
                            "'; this checker knows box, cylinder and sphere");
 }
@@ -110,8 +110,13 @@ struct DenseWorld::Body {
   int link = -1;  // -1: the world
   std::vector<Isometry3d> X_LG;
   std::vector<std::unique_ptr<fcl::CollisionObjectd>> objects;
+  std::vector<Shape> shapes;
+  std::vector<collision::Pose> X_WG;
 
-  void add(const FclGeometry& geometry, const Isometry3d& X) {
+  void add(const Shape& shape, const Isometry3d& X) {
+    const FclGeometry geometry = toFcl(shape);
+    shapes.push_back(shape);
+    X_WG.push_back({X.linear(), X.translation()});
     X_LG.push_back(X);
     objects.push_back(std::make_unique<fcl::CollisionObjectd>(geometry, X));
     objects.back()->computeAABB();
@@ -135,7 +140,7 @@ void DenseWorld::addRobot() {
     body->name = model_->links[i].name;
     body->link = static_cast<int>(i);
     for (const robots::Geometry& g : model_->links[i].geometries)
-      body->add(toFcl(g.shape), isometry(g.X_BG));
+      body->add(g.shape, isometry(g.X_BG));
     bodies_.push_back(std::move(body));
   }
 }
@@ -237,7 +242,9 @@ void DenseWorld::place(const std::vector<std::string>& names,
     X_WL_[i] = X;
     Body& body = *bodies_[i];
     for (std::size_t g = 0; g < body.objects.size(); ++g) {
-      body.objects[g]->setTransform(X * body.X_LG[g]);
+      const Isometry3d X_WG = X * body.X_LG[g];
+      body.X_WG[g] = {X_WG.linear(), X_WG.translation()};
+      body.objects[g]->setTransform(X_WG);
       body.objects[g]->computeAABB();
     }
   }
@@ -258,6 +265,31 @@ Collision DenseWorld::check(const std::vector<std::string>& names,
     }
   }
   return {};
+}
+
+bool DenseWorld::closerThan(const std::vector<std::string>& names,
+                            const std::vector<double>& positions, double threshold) {
+  place(names, positions);
+  collision::DistanceRequest request;
+  request.threshold = threshold;
+  request.depth = false;
+  for (const auto& [i, j] : pairs_) {
+    const Body& a = *bodies_[i];
+    const Body& b = *bodies_[j];
+    for (std::size_t g = 0; g < a.shapes.size(); ++g) {
+      for (std::size_t h = 0; h < b.shapes.size(); ++h) {
+        const Eigen::Vector3d between =
+            a.X_WG[g] * a.shapes[g].boundingCenter() - b.X_WG[h] * b.shapes[h].boundingCenter();
+        const double reach =
+            a.shapes[g].boundingRadius() + b.shapes[h].boundingRadius() + threshold + 1e-9;
+        if (between.squaredNorm() > reach * reach) continue;
+        const collision::DistanceResult r =
+            collision::distance(a.shapes[g], a.X_WG[g], b.shapes[h], b.X_WG[h], request, scratch_);
+        if (!(r.distance.lower > threshold)) return true;
+      }
+    }
+  }
+  return false;
 }
 
 double DenseWorld::startError(const std::vector<std::string>& names,

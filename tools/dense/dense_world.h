@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "leeway/collision/distance.h"
 #include "leeway/robots/model.h"
 
 namespace leeway::dense {
@@ -29,6 +30,12 @@ class DenseWorld {
 
   /// Positions of the named joints; all others as in the request's start state (absent there: 0).
   Collision check(const std::vector<std::string>& names, const std::vector<double>& positions);
+
+  /// Whether any pair is within `threshold` [m] of touching; a pair that cannot be decided counts.
+  /// By Leeway's distance, one plain query a pair after its bounding spheres: no caches, no
+  /// certificates.
+  bool closerThan(const std::vector<std::string>& names, const std::vector<double>& positions,
+                  double threshold);
 
   /// The largest difference of a named joint from the request's start state and from its goal.
   double startError(const std::vector<std::string>& names, const std::vector<double>& row) const;
@@ -53,6 +60,7 @@ class DenseWorld {
   std::vector<std::pair<std::string, std::string>> allowed_;
   std::vector<std::pair<std::string, double>> start_, goal_;
   std::vector<Eigen::Isometry3d> X_WL_;
+  collision::Scratch scratch_;
 };
 
 }  // namespace leeway::dense

@@ -1,0 +1,216 @@
+// edge_check: certified edges against dense sampling on random edges of a robot among a scene's
+// obstacles.
+//   edge_check --robot R.urdf --srdf R.srdf SCENE.yaml [--count N] [--seed S] [--shard i/N] [--step
+//   0.002]
+// Certified edges are looked at every 0.002 rad with FCL: a collision makes them unsafe (none is
+// allowed). Rejected edges are looked at in the same places for a pair within 0.1 mm: when there is
+// none, the rejection was cautious (less than 0.5 % are allowed). Exit status 1 when either fails.
+// Edge number i depends on seed and i alone.
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "leeway/planner/edge_certifier.h"
+#include "tests/oracle/generate.h"
+#include "tools/dense/dense_world.h"
+
+namespace {
+
+using leeway::dense::Collision;
+using leeway::dense::DenseWorld;
+using leeway::oracle::Random;
+using leeway::planner::EdgeCertifier;
+using leeway::planner::EdgeCheck;
+using leeway::planner::Verdict;
+
+/// Clearance that a rejected edge must exceed everywhere to count as cautious [m].
+constexpr double kCautiousClearance = 1e-4;
+/// Share of cautious edges that is allowed.
+constexpr double kCautiousShare = 0.005;
+
+struct Options {
+  std::string robot, srdf, scene, shard = "0/1";
+  long long count = 1000;
+  std::uint64_t seed = 1;
+  double step = 0.002;
+};
+
+struct Edge {
+  std::vector<double> from, to;
+  double length = 0;
+};
+
+struct Counts {
+  long long edges = 0, free = 0, rejected = 0, undecided = 0, unsafe = 0, cautious = 0, states = 0;
+  double certify_free_s = 0, certify_rejected_s = 0, sampling_s = 0;
+};
+
+/// Half of the edges begin anywhere, half at a valid state (as a tree's do); lengths 0.1 to 3 rad,
+/// evenly in the logarithm.
+Edge randomEdge(Random& random, EdgeCertifier& certifier) {
+  const auto& space = certifier.scene().space();
+  const std::size_t n = static_cast<std::size_t>(space.size());
+  const auto anywhere = [&] {
+    std::vector<double> q(n);
+    for (std::size_t i = 0; i < n; ++i) {
+      const double lower = space.lower(static_cast<int>(i)),
+                   upper = space.upper(static_cast<int>(i));
+      q[i] = random.uniform(std::max(lower, -3.14159), std::min(upper, 3.14159));
+    }
+    return q;
+  };
+  Edge edge;
+  edge.from = anywhere();
+  if (random.chance(0.5))
+    for (int i = 0; i < 100 && certifier.decide(edge.from) != Verdict::kFree; ++i)
+      edge.from = anywhere();
+  // A direction from the ball, then cut to the limits: what steps of a planner look like.
+  std::vector<double> d(n);
+  double squared;
+  do {
+    squared = 0;
+    for (double& x : d) x = random.uniform(-1, 1), squared += x * x;
+  } while (squared > 1 || squared < 0.01);
+  const double wanted = random.logUniform(0.1, 3.0) / std::sqrt(squared);
+  edge.to = edge.from;
+  for (std::size_t i = 0; i < n; ++i) {
+    edge.to[i] = std::clamp(edge.from[i] + wanted * d[i], space.lower(static_cast<int>(i)),
+                            space.upper(static_cast<int>(i)));
+    edge.length += (edge.to[i] - edge.from[i]) * (edge.to[i] - edge.from[i]);
+  }
+  edge.length = std::sqrt(edge.length);
+  return edge;
+}
+
+std::vector<double> between(const Edge& edge, double t) {
+  std::vector<double> q(edge.from.size());
+  for (std::size_t i = 0; i < q.size(); ++i) q[i] = (1 - t) * edge.from[i] + t * edge.to[i];
+  return q;
+}
+
+/// The first sample for which found(q) holds.
+template <typename Found>
+std::optional<double> firstSample(const Edge& edge, double step, Counts& counts,
+                                  const Found& found) {
+  const int count = std::max(1, static_cast<int>(std::ceil(edge.length / step)));
+  for (int i = 0; i <= count; ++i) {
+    const double t = static_cast<double>(i) / count;
+    ++counts.states;
+    if (found(between(edge, t))) return t;
+  }
+  return std::nullopt;
+}
+
+void tell(const char* what, long long index, const Edge& edge, double t) {
+  fmt::print("{}: edge {} at t = {:.17g}\n  from {:.17g}\n  to   {:.17g}\n", what, index, t,
+             fmt::join(edge.from, " "), fmt::join(edge.to, " "));
+}
+
+void check(long long index, const Edge& edge, EdgeCertifier& certifier, DenseWorld& world,
+           const std::vector<std::string>& names, double step, Counts& counts) {
+  using Clock = std::chrono::steady_clock;
+  const auto begin = Clock::now();
+  const EdgeCheck verdict = certifier.certify(edge.from, edge.to);
+  const auto end = Clock::now();
+  const double seconds = std::chrono::duration<double>(end - begin).count();
+  ++counts.edges;
+  if (verdict.verdict == Verdict::kUndecided) ++counts.undecided;
+  if (verdict.verdict == Verdict::kFree) {
+    ++counts.free;
+    counts.certify_free_s += seconds;
+    const auto t =
+        firstSample(edge, step, counts, [&](const auto& q) { return world.check(names, q).found; });
+    if (t) {
+      ++counts.unsafe;
+      tell("UNSAFE", index, edge, *t);
+    }
+  } else {
+    ++counts.rejected;
+    counts.certify_rejected_s += seconds;
+    const auto close = [&](const auto& q) {
+      return world.closerThan(names, q, kCautiousClearance);
+    };
+    // The certifier's own place first, which nearly always settles it.
+    ++counts.states;
+    if (!close(between(edge, verdict.t)) && !firstSample(edge, step, counts, close)) {
+      ++counts.cautious;
+      tell(verdict.verdict == Verdict::kUndecided ? "cautious (undecided)" : "cautious (not free)",
+           index, edge, verdict.t);
+    }
+  }
+  counts.sampling_s += std::chrono::duration<double>(Clock::now() - end).count();
+}
+
+std::string requestOf(const std::string& scene) {
+  const std::filesystem::path path = scene;
+  std::string name = path.filename().string();
+  const std::size_t at = name.find("scene");
+  if (at == std::string::npos)
+    throw std::runtime_error(scene + ": a file named sceneNNNN.yaml is expected");
+  return (path.parent_path() / name.replace(at, 5, "request")).string();
+}
+
+int run(const Options& options) {
+  int shard = 0, shards = 1;
+  if (std::sscanf(options.shard.c_str(), "%d/%d", &shard, &shards) != 2 || shard < 0 ||
+      shards <= shard)
+    throw std::runtime_error("--shard " + options.shard + ": i/N with 0 <= i < N is expected");
+  const auto model = leeway::robots::loadModel(options.robot, options.srdf);
+  const auto problem = leeway::planner::loadMoveit(model, options.scene, requestOf(options.scene));
+  EdgeCertifier certifier(std::make_shared<leeway::planner::CompiledScene>(problem));
+  DenseWorld world(model, options.scene, requestOf(options.scene));
+  std::vector<std::string> names;
+  for (const int v : problem.variables)
+    names.push_back(model->variables[static_cast<std::size_t>(v)].name);
+  Counts c;
+  for (long long i = shard; i < options.count; i += shards) {
+    Random random(Random(options.seed).bits() ^
+                  (static_cast<std::uint64_t>(i) * 0xd1342543de82ef95ull));
+    check(i, randomEdge(random, certifier), certifier, world, names, options.step, c);
+  }
+  const double share =
+      c.edges > 0 ? static_cast<double>(c.cautious) / static_cast<double>(c.edges) : 0;
+  const auto mean = [](double seconds, long long n) {
+    return n > 0 ? 1e6 * seconds / static_cast<double>(n) : 0;
+  };
+  fmt::print("{} edges: {} free, {} rejected ({} undecided); {} unsafe, {} cautious ({:.3f} %)\n",
+             c.edges, c.free, c.rejected, c.undecided, c.unsafe, c.cautious, 100 * share);
+  fmt::print(
+      "certify: {:.1f} us a free edge, {:.1f} us a rejected one; sampling: {} states, {:.1f} s\n",
+      mean(c.certify_free_s, c.free), mean(c.certify_rejected_s, c.rejected), c.states,
+      c.sampling_s);
+  return c.unsafe == 0 && share < kCautiousShare && c.free > 0 && c.rejected > 0 ? 0 : 1;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("Certified edges against dense sampling.");
+  Options options;
+  app.add_option("--robot", options.robot, "URDF")->required();
+  app.add_option("--srdf", options.srdf, "SRDF")->required();
+  app.add_option("scene", options.scene, "sceneNNNN.yaml, with requestNNNN.yaml beside it")
+      ->required();
+  app.add_option("--count", options.count, "edges in all shards")->check(CLI::PositiveNumber);
+  app.add_option("--seed", options.seed, "seed");
+  app.add_option("--shard", options.shard, "i/N: every N-th edge from the i-th");
+  app.add_option("--step", options.step, "distance between samples [rad]")
+      ->check(CLI::PositiveNumber);
+  CLI11_PARSE(app, argc, argv);
+  try {
+    return run(options);
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "edge_check: {}\n", error.what());
+    return 2;
+  }
+}
