@@ -40,8 +40,13 @@ Search::Search(std::shared_ptr<const CompiledScene> scene, std::shared_ptr<Certi
       parameters_(task.problem.planner_parameters),
       space_information_(makeSpaceInformation(scene_, task.problem.seed, pool_)),
       traits_(findPlanner(task.problem.planner)) {
-  if (traits_->name == "RRTConnect" && parameters_.count("range") == 0)
-    parameters_["range"] = digits(kConnectRange * space_information_->getMaximumExtent());
+  const double extent = space_information_->getMaximumExtent();
+  if (traits_->name == "RRTConnect") parameters_.emplace("range", digits(kConnectRange * extent));
+  if (traits_->name == "SST") {  // alone it has lengths of 3 and 5, whatever the space
+    parameters_.emplace("range", digits(kStepRange * extent));
+    parameters_.emplace("selection_radius", digits(kSelectionRadius * extent));
+    parameters_.emplace("pruning_radius", digits(kPruningRadius * extent));
+  }
 }
 
 std::optional<Waypoints> Search::shortest(std::uint64_t seed, std::uint64_t budget) {

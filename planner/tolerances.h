@@ -92,6 +92,12 @@ constexpr unsigned long long kSimplifyStream = 1ULL << 42;
 /// that fail.
 constexpr double kConnectRange = 0.2;
 
+/// SST's step when a problem names none, as a fraction of the space's extent: its steps go
+/// anywhere, and long ones end in obstacles. Its radii likewise.
+constexpr double kStepRange = 0.1;
+constexpr double kSelectionRadius = 0.04;
+constexpr double kPruningRadius = 0.02;
+
 /// How near a planner must come that cannot reach a goal exactly, as a fraction of the space's
 /// extent: near enough that the edge from there is mostly free, far enough to be found by chance.
 constexpr double kNearGoal = 0.05;
@@ -118,24 +124,28 @@ constexpr double kPassiveJointSlack = 1e-5;
 
 // verify.cc
 
-/// How near a path's ends must be to start and goal, and how far outside its limits a waypoint may be [rad or m]: rounding of files
-/// and of whole turns, nothing that a robot could feel.
+/// How near a path's ends must be to start and goal, and how far outside its limits a waypoint may
+/// be [rad or m]: rounding of files and of whole turns, nothing that a robot could feel.
 constexpr double kVerifyWaypoint = 1e-9;
 
-/// For each joint, relative to the reach and as metres: how far the verifier's poses may be from the exact ones. Interpolation at
-/// angles of up to 1e4 rad rounds by 2e-12 rad at the most there; sines and products by 1e-14.
+/// For each joint, relative to the reach and as metres: how far the verifier's poses may be from
+/// the exact ones. Interpolation at angles of up to 1e4 rad rounds by 2e-12 rad at the most there;
+/// sines and products by 1e-14.
 constexpr double kVerifyRounding = 4e-12;
 
 /// Where a distance alone decides, it is wanted to this [m].
 constexpr double kVerifyTolerance = 1e-9;
 
-/// Where a span is only partly free, its distance is wanted to this fraction: finer costs more than the larger step saves.
+/// Where a span is only partly free, its distance is wanted to this fraction: finer costs more than
+/// the larger step saves.
 constexpr double kVerifyFraction = 0.05;
 
-/// A span in which the pair can move by no more than this [m] is not split further: it is left undecided.
+/// A span in which the pair can move by no more than this [m] is not split further: it is left
+/// undecided.
 constexpr double kVerifySmallestMotion = 1e-9;
 
-/// Looks at one pair of shapes on one edge, and on a whole path, before it is left undecided [count]: about 10 s and some minutes.
+/// Looks at one pair of shapes on one edge, and on a whole path, before it is left undecided
+/// [count]: about 10 s and some minutes.
 constexpr long kVerifyPairWork = 500'000;
 constexpr long kVerifyOpenWork = 20'000;  ///< once part of it is left undecided
 constexpr long kVerifyWork = 10'000'000;

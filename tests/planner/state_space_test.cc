@@ -1,12 +1,12 @@
+#include <gtest/gtest.h>
+#include <ompl/base/ProjectionEvaluator.h>
+#include <ompl/base/ScopedState.h>
+
 #include <cmath>
 #include <cstring>
 #include <map>
 #include <set>
 #include <thread>
-
-#include <gtest/gtest.h>
-#include <ompl/base/ProjectionEvaluator.h>
-#include <ompl/base/ScopedState.h>
 
 #include "leeway/planner/ompl_state_space.h"
 #include "tests/planner/test_models.h"
@@ -59,7 +59,8 @@ TEST(OmplStateSpace, DimensionExtentAndMeasureFollowTheMetric) {
 }
 
 TEST(OmplStateSpace, MeasureOfRotationsIsWhatDistancesSay) {
-  // The share of random rotations within an angle of one of them is the ball's volume over the measure.
+  // The share of random rotations within an angle of one of them is the ball's volume over the
+  // measure.
   Random random(7);
   const double angle = 0.8;
   // Volume in the metric of the angle: integral of 4 pi (2 sin(r / 2))^2 dr.
@@ -206,7 +207,8 @@ TEST(OmplStateSpace, EnforcesBounds) {
 
 TEST(OmplStateSpace, RefusesJointsWithoutLimits) {
   const double inf = std::numeric_limits<double>::infinity();
-  const auto model = robots::freeBody("body", {}, robots::JointType::kFloating, {-1, -1, -1}, {1, 1, inf});
+  const auto model =
+      robots::freeBody("body", {}, robots::JointType::kFloating, {-1, -1, -1}, {1, 1, inf});
   EXPECT_THROW(spaceOf(model), std::invalid_argument);
 }
 

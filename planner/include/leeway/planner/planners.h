@@ -10,9 +10,9 @@ namespace leeway::planner {
 
 /// What a caller wants to know of a planner before he names it in a problem.
 struct PlannerTraits {
-  std::string name;  ///< as in a problem file: OMPL's class name
-  bool deterministic =
-      true;  ///< false: keeps threads of its own, so that a seed does not fix its result
+  std::string name;           ///< as in a problem file: OMPL's class name
+  bool deterministic = true;  ///< false: keeps threads of its own, or (LBTRRT) reads memory that
+                              ///< OMPL never set, so that a seed does not fix its result
   bool optimizing = false;  ///< improves its path until the limits are reached
   bool projection = false;  ///< explores cells of the space's default projection
   bool exact = true;        ///< false: only comes near a goal; a certified edge then leads into it
