@@ -46,7 +46,7 @@ class Descent {
     warmStart();
     while (size_ > 0 && !done()) {
       const NodePair pair = stack_[--size_];
-      if (pair.lower > bar()) {
+      if (needless(pair.lower)) {
         settle(pair.lower);
         continue;
       }
@@ -67,19 +67,32 @@ class Descent {
   // Pairs whose lower end is above the bar need no closer look.
   double bar() const {
     double bar = kInfinity;
-    if (request_.threshold == request_.threshold) bar = std::max(request_.threshold, 0.0);
+    if (request_.threshold == request_.threshold) bar = floor();
     double tolerance = request_.tolerance;
     // The depth of two meshes is not that of their deepest triangles, so that precision would be
     // wasted.
     if (result_.upper <= 0 && !half_space_)
       tolerance = std::max(tolerance, kDeeperShare * -result_.upper);
-    return std::min(bar, result_.upper - tolerance);
+    bar = std::min(bar, result_.upper - tolerance);
+    // What cannot lower the lower end is of no interest to a sweep.
+    return placement_.swept ? std::min(bar, result_.lower) : bar;
+  }
+
+  bool needless(double lower) const {
+    return lower > bar() || (placement_.swept && lower >= result_.lower);
   }
 
   bool done() const {
-    return hopeless_ || result_.upper <= request_.threshold ||
-           (result_.upper <= 0 && (placement_.swept || !request_.depth));
+    if (result_.upper <= request_.threshold) return true;
+    if (!placement_.swept) return result_.upper <= 0 && !request_.depth;
+    // A sweep is asked for its lower end: where one pair of pieces does not come above what counts,
+    // neither will all.
+    return result_.upper <= 0 || result_.lower <= floor();
   }
+
+  // The lower end has to come above this to be of use: below zero pieces say nothing about the
+  // whole.
+  double floor() const { return request_.threshold > 0 ? request_.threshold : 0; }
 
   int limit() const {
     // Deeper pairs are looked for with limited effort.
@@ -135,7 +148,7 @@ class Descent {
     // Where hulls are apart, their nearest points lie on their surfaces, and the meshes are not far
     // from those.
     if (pair.lower >= 0) offer(r, r.distance.upper + excess, -1, -1);
-    if (done() || pair.lower > bar()) {
+    if (done() || needless(pair.lower)) {
       settle(pair.lower);
       return true;
     }
@@ -153,7 +166,9 @@ class Descent {
     const double lower = result_.lower;
     triangles(a_.tree != nullptr ? a_.tree->slotOf(cache_.triangle_a) : -1,
               b_.tree != nullptr ? b_.tree->slotOf(cache_.triangle_b) : -1);
-    result_.lower = lower;  // the pair comes again in its turn
+    // The pair comes again in its turn; where it was stopped early, its lower end is worse than
+    // need be.
+    if (!placement_.swept) result_.lower = lower;
   }
 
   // Bounds a pair of nodes. False when it needs no closer look; its lower end has been settled
@@ -163,7 +178,7 @@ class Descent {
     if (sphere > 0) pair.lower = std::max(pair.lower, sphere);  // the box knows no depth
     pair.order = sphere;
     const double bar_now = bar();
-    if (pair.lower > bar_now) {
+    if (needless(pair.lower)) {
       settle(pair.lower);
       return false;
     }
@@ -177,7 +192,7 @@ class Descent {
                                     request_.depth && !placement_.swept && result_.upper <= 0);
     pair.lower = std::max(pair.lower, r.distance.lower);
     if (r.distance.lower > 0) pair.order = r.distance.lower;
-    if (pair.lower > bar()) {
+    if (needless(pair.lower)) {
       settle(pair.lower);
       return false;
     }
@@ -258,8 +273,6 @@ class Descent {
       r.distance.lower = std::max(r.distance.lower, lower);
     }
     settle(r.distance.lower);
-    // A sweep that one of its pieces fails cannot come above the threshold any more.
-    hopeless_ = hopeless_ || (placement_.swept && r.distance.lower <= request_.threshold);
     offer(r, r.distance.upper, slot_a >= 0 ? a_.tree->triangleOf(slot_a) : -1,
           slot_b >= 0 ? b_.tree->triangleOf(slot_b) : -1);
   }
@@ -273,7 +286,6 @@ class Descent {
   DescentResult result_;
   double rounding_ = 0;  // of sphereLower() [m]
   bool half_space_ = false;
-  bool hopeless_ = false;
   int visited_ = 0;
   int overlap_limit_ = std::numeric_limits<int>::max();
   // Every pair that is taken off puts at most two back, which are one level lower on one side.
