@@ -351,11 +351,12 @@ DistanceResult convexSweptDistance(const ConvexView& a, const Pose& X_BA0, const
     first.distance.lower = a.core == Core::kHalfSpace
                                ? -std::numeric_limits<double>::infinity()
                                : lower - growth - kUnitRoundoff * (std::abs(lower) + growth);
+    // The sweep's separation is the lesser of the two placements'.
     const Interval& d = first.distance;
-    first.status = d.lower > request.threshold              ? DistanceStatus::kAboveThreshold
-                   : d.upper <= request.threshold           ? DistanceStatus::kNotAboveThreshold
-                   : d.upper - d.lower <= request.tolerance ? DistanceStatus::kConverged
-                                                            : DistanceStatus::kLimit;
+    first.status = d.lower > request.threshold    ? DistanceStatus::kAboveThreshold
+                   : d.upper <= request.threshold ? DistanceStatus::kNotAboveThreshold
+                   : d.upper - growth - d.lower <= request.tolerance ? DistanceStatus::kConverged
+                                                                     : DistanceStatus::kLimit;
     return first;
   }
   const double translation = std::max(X_BA0.translation.norm(), X_BA1.translation.norm());
@@ -371,6 +372,7 @@ DistanceResult convexSweptDistance(const ConvexView& a, const Pose& X_BA0, const
     return result;
   }
   CoreQuery query = coreQuery(a, b, translation, swept_request, slack, kSupportRounding);
+  query.growth = growth;
   query.lower_offset += growth * kOutwards;
   Progress progress(query);
   Difference<true> difference(a, b, X_BA0, X_BA1);

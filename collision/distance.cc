@@ -1,5 +1,8 @@
 #include "leeway/collision/distance.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "collision/convex.h"
 #include "collision/mesh_distance.h"
 #include "collision/scratch.h"
@@ -15,6 +18,12 @@ namespace {
 
 double finiteExtent(const ConvexView& view) {
   return view.core == Core::kHalfSpace ? 0 : view.extent;
+}
+
+void forgetPoints(DistanceResult& result) {
+  result.point_a.setZero();
+  result.point_b.setZero();
+  if (!result.normal.allFinite()) result.normal = Eigen::Vector3d::UnitX();
 }
 
 }  // namespace
@@ -34,6 +43,9 @@ DistanceResult distance(const Shape& a, const Pose& X_WA, const Shape& b, const 
   result.point_a = X_WB * result.point_a;
   result.point_b = X_WB * result.point_b;
   result.normal = X_WB.rotation * result.normal;
+  // Coordinates beyond 1e308 overflow; there are no points to name then.
+  const double sum = result.point_a.sum() + result.point_b.sum() + result.normal.sum();
+  if (!std::isfinite(sum)) forgetPoints(result);
   return result;
 }
 

@@ -489,8 +489,11 @@ void Polytope::grow() {
     }
     offerFacet(f);
     if (progress_.enough()) {
-      if (checkLower(difference_, progress_) || progress_.enough()) return;
-      scan_all_ = true;
+      // Where several translations separate equally well, the plane must be that of the witness.
+      const bool other_plane = f.distance > 0 && -f.plane_normal.dot(progress_.normal()) < 1 - 1e-6;
+      const bool stood = checkLower(difference_, progress_);
+      if (progress_.enough() && (progress_.decided() || !other_plane)) return;
+      scan_all_ |= !stood;
     }
     // Once the pair is known to be apart, or a facet that sees the origin was given up, the others
     // have nothing to say.
@@ -498,7 +501,19 @@ void Polytope::grow() {
     if (full()) return;
     SupportPoint& s = buffers_.vertices[static_cast<std::size_t>(vertex_count_)];
     const Vector outward = f.normal;
-    if (ask(-outward, s)) return;
+    const bool certain = scan_all_;
+    const bool met = ask(-outward, s);
+    const double lower_here = -outward.dot(s.w) - progress_.query().lower_offset;
+    if (f.distance > 0 && lower_here <= progress_.lower() &&
+        progress_.lower() - lower_here <= 0.25 * progress_.query().request.tolerance &&
+        progress_.upper() - lower_here <= progress_.query().request.tolerance) {
+      progress_.preferLower(-outward.dot(s.w), -outward, certain);
+      checkLower(difference_, progress_);
+    }
+    if (met &&
+        (progress_.decided() || f.distance <= 0 || -outward.dot(progress_.normal()) >= 1 - 1e-6)) {
+      return;
+    }
     // No farther out than the facet itself, to within rounding: this is the difference's own facet.
     const double reach = outward.dot(s.w - w(f.vertex[0]));
     if (!(reach > 2 * roundoff_) || !sees(f, s.w)) {

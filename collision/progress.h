@@ -15,6 +15,8 @@ struct CoreQuery {
   /// A support plane at core distance d proves d - lower_offset; a witness at core distance d
   /// proves d - upper_offset: radii and every rounding and excess are in there.
   double lower_offset = 0, upper_offset = 0;
+  /// Part of lower_offset: how far a swept body may leave the hull of its placements.
+  double growth = 0;
   /// One rounding of a coordinate at play: kUnitRoundoff * (extents + |translation|) [m].
   double roundoff = 0;
 };
@@ -34,6 +36,14 @@ class Progress {
     }
   }
 
+  /// Takes this plane in place of one that is better by rounding only: `normal` then belongs to the
+  /// witness.
+  void preferLower(double value, const Vector& n, bool certain) {
+    lower_ = value - query_.lower_offset;
+    normal_ = n;
+    certain_ = certain;
+  }
+
   /// A point of the difference at `distance` from the origin, made from point `a` of A.
   void offerWitness(double distance, const Vector& w, const Vector& a) {
     const double upper = distance - query_.upper_offset;
@@ -47,21 +57,24 @@ class Progress {
   /// A point of a swept hull at `distance`, which no single placement need reach: it only tells how
   /// good the lower end is.
   void offerSweptWitness(double distance) {
-    const double upper = distance - query_.upper_offset;
+    const double upper = distance - query_.upper_offset - query_.growth;
     if (upper < swept_upper_) swept_upper_ = upper;
   }
 
   /// Written so that a NaN threshold or tolerance decides nothing.
   bool aboveThreshold() const { return lower_ > query_.request.threshold; }
-  bool enough() const {
-    return aboveThreshold() || upper_ <= query_.request.threshold || (converged() && signKnown()) ||
-           (!query_.request.depth && upper_ <= 0);
-  }
-
   bool converged() const {
     return upper_ - lower_ <= query_.request.tolerance ||
            swept_upper_ - lower_ <= query_.request.tolerance;
   }
+
+  /// The request is met by a threshold or by a proven overlap: how far exactly is not asked any
+  /// more.
+  bool decided() const {
+    return aboveThreshold() || upper_ <= query_.request.threshold ||
+           (!query_.request.depth && upper_ <= 0);
+  }
+  bool enough() const { return decided() || (converged() && signKnown()); }
 
   /// Which side of contact the pair is on: work goes on for that even when the interval is narrow
   /// enough.

@@ -1,0 +1,372 @@
+#include "leeway/collision/distance.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "tests/oracle/generate.h"
+
+// Answers known beforehand, and what every pair owes whatever its answer is. (oracle_test.cc
+// compares all pairs with quadruple precision.)
+
+namespace leeway::collision {
+namespace {
+
+using Eigen::Vector3d;
+using oracle::Random;
+
+const double kNan = std::numeric_limits<double>::quiet_NaN();
+const double kInfinity = std::numeric_limits<double>::infinity();
+
+Pose at(double x, double y, double z) { return {Eigen::Matrix3d::Identity(), Vector3d(x, y, z)}; }
+
+Eigen::Matrix3d quarterTurnAboutY() {
+  Eigen::Matrix3d r;
+  r << 0, 0, 1, 0, 1, 0, -1, 0, 0;
+  return r;
+}
+
+Shape hullOf(const std::vector<Vector3d>& points) { return Shape::convexHull(points); }
+
+std::vector<Vector3d> corners(const Vector3d& h) {
+  std::vector<Vector3d> points;
+  for (const double x : {-1.0, 1.0})
+    for (const double y : {-1.0, 1.0})
+      for (const double z : {-1.0, 1.0}) points.emplace_back(x * h.x(), y * h.y(), z * h.z());
+  return points;
+}
+
+struct Known {
+  const char* name;
+  Shape a;
+  Pose X_WA;
+  Shape b;
+  Pose X_WB;
+  double distance;
+};
+
+std::vector<Known> knownAnswers() {
+  const Pose lying{quarterTurnAboutY(), Vector3d::Zero()};  // z goes to x
+  const Shape cube = Shape::box({1, 1, 1});
+  const Shape cube_hull = hullOf(corners({1, 1, 1}));
+  return {
+      {"spheres apart", Shape::sphere(1), at(0, 0, 0), Shape::sphere(2), at(0, 3, 4), 2},
+      {"spheres overlapping", Shape::sphere(1), at(0, 0, 0), Shape::sphere(2), at(0, 0, 1), -2},
+      {"spheres with one centre", Shape::sphere(1), at(5, 0, 0), Shape::sphere(2), at(5, 0, 0), -3},
+      {"points", Shape::sphere(0), at(0, 0, 0), Shape::sphere(0), at(3, 0, 4), 5},
+      {"one point", Shape::sphere(0), at(1, 2, 3), Shape::sphere(0), at(1, 2, 3), 0},
+      {"capsule on its side", Shape::capsule(0.5, 2), lying, Shape::sphere(0.25), at(1, 0, 2),
+       1.25},
+      {"capsule's end", Shape::capsule(0.5, 2), lying, Shape::sphere(0.25), at(6, 0, 3), 4.25},
+      {"crossing capsules", Shape::capsule(0.5, 2), lying, Shape::capsule(0.25, 2), at(0, 2, 0),
+       1.25},
+      {"crossing segments", Shape::capsule(0, 2), lying, Shape::capsule(0, 2), at(0, 0, 0), 0},
+      {"crossing axes", Shape::capsule(0.5, 2), lying, Shape::capsule(0.25, 2), at(0, 0, 0), -0.75},
+      {"parallel capsules", Shape::capsule(0.5, 2), at(0, 0, 0), Shape::capsule(0.5, 1),
+       at(2, 0, 1), 1},
+      {"cubes face to face", cube, at(0, 0, 0), cube, at(3, 0.5, 0), 1},
+      {"cubes corner to corner", cube, at(0, 0, 0), cube, at(3, 3, 3), std::sqrt(3.0)},
+      {"cubes overlapping", cube, at(0, 0, 0), cube, at(1.5, 0.25, 0), -0.5},
+      {"cubes with one centre", cube, at(0, 0, 0), cube, at(0, 0, 0), -2},
+      {"cubes touching", cube, at(0, 0, 0), cube, at(2, 0.5, -0.25), 0},
+      {"hull cubes with one centre", cube_hull, at(0, 0, 0), cube_hull, at(0, 0, 0), -2},
+      {"hull cube in a cube", cube_hull, at(0.25, 0, 0), cube, at(0, 0, 0), -1.75},
+      {"sphere over a cube", Shape::sphere(0.5), at(0, 0.5, 2), cube, at(0, 0, 0), 0.5},
+      {"sphere in a cube", Shape::sphere(0.5), at(0, 0.75, 0), cube, at(0, 0, 0), -0.75},
+      {"capsule over a cube",
+       Shape::capsule(0.5, 3),
+       {quarterTurnAboutY(), {0, 0, 2}},
+       cube,
+       at(0, 0, 0),
+       0.5},
+      {"cylinders side by side", Shape::cylinder(1, 2), at(0, 0, 0), Shape::cylinder(0.5, 1),
+       at(2, 0, 0), 0.5},
+      {"cylinders on end", Shape::cylinder(1, 2), at(0, 0, 0), Shape::cylinder(0.5, 1),
+       at(0.25, 0, 4), 1},
+      {"cylinders rim to rim", Shape::cylinder(1, 1), at(0, 0, 0), Shape::cylinder(1, 1),
+       at(5, 0, 6), 5},
+      {"sphere beside a cylinder", Shape::sphere(0.5), at(3, 0, 0.5), Shape::cylinder(1, 1),
+       at(0, 0, 0), 1.5},
+      {"point on a cylinder's axis", Shape::sphere(0), at(0, 0, 0.25), Shape::cylinder(1, 1),
+       at(0, 0, 0), -0.75},
+      {"sphere over a cone's apex", Shape::sphere(0.5), at(0, 0, 3), Shape::cone(1, 1), at(0, 0, 0),
+       1.5},
+      {"sphere under a cone", Shape::sphere(0.5), at(0.25, 0, -3), Shape::cone(1, 1), at(0, 0, 0),
+       1.5},
+      {"cones, apex to base", Shape::cone(1, 1), at(0, 0, 0), Shape::cone(1, 1), at(0.5, 0, 3), 1},
+      {"ellipsoid over a cube", Shape::ellipsoid({2, 1, 0.5}), at(0.5, 0, 3), cube, at(0, 0, 0),
+       1.5},
+      {"ellipsoids along an axis", Shape::ellipsoid({2, 1, 1}), at(0, 0, 0),
+       Shape::ellipsoid({3, 1, 2}), at(6, 0, 0), 1},
+      {"ellipsoid as a sphere", Shape::ellipsoid({1, 1, 1}), at(0, 0, 0), Shape::sphere(1),
+       at(0, 3, 4), 3},
+      {"cube over a plane", cube, at(7, 8, 3), Shape::halfSpace(), at(0, 0, 1), 1},
+      {"cube in a half-space", cube, at(0, 0, -3), Shape::halfSpace(), at(0, 0, 0), -4},
+      {"ellipsoid on a plane", Shape::ellipsoid({3, 2, 1}), at(0, 0, 1), Shape::halfSpace(),
+       at(0, 0, 0), 0},
+      {"triangles in one plane", hullOf({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}), at(0, 0, 0),
+       hullOf({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}), at(2, 0, 0), 1},
+      {"triangles overlapping in one plane", hullOf({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}), at(0, 0, 0),
+       hullOf({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}), at(0.25, 0.25, 0), 0},
+      {"a triangle through a triangle", hullOf({{-1, -1, 0}, {1, -1, 0}, {0, 2, 0}}), at(0, 0, 0),
+       hullOf({{0, 0, -2 / std::sqrt(10.0)}, {0, 0, 1}, {4, 0, 0}}), at(0, 0, 0),
+       -2 / std::sqrt(10.0)},
+      {"a segment through a square", hullOf({{0, 0, -1}, {0, 0, 3}}), at(0, 0, 0),
+       Shape::box({2, 2, 0}), at(0, 0, 0), -1},
+      {"hull of one point", hullOf({{1, 1, 1}}), at(0, 0, 0), cube, at(3, 1, 1), 1},
+      {"hull of equal points", hullOf({{1, 1, 1}, {1, 1, 1}, {1, 1, 1}}), at(0, 0, 0),
+       hullOf({{0, 0, 0}, {0, 0, 0}}), at(1, 1, 1), 0},
+      {"hull on one line", hullOf({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {3, 0, 0}}), at(0, 0, 0), cube,
+       at(1, 0, 3), 2},
+  };
+}
+
+TEST(Distance, KnownAnswersBothWaysRound) {
+  Scratch scratch;
+  for (const Known& k : knownAnswers()) {
+    for (const bool swapped : {false, true}) {
+      const DistanceResult r = swapped ? distance(k.b, k.X_WB, k.a, k.X_WA, {}, scratch)
+                                       : distance(k.a, k.X_WA, k.b, k.X_WB, {}, scratch);
+      EXPECT_EQ(r.status, DistanceStatus::kConverged) << k.name << (swapped ? ", swapped" : "");
+      // The expected number itself is a rounded one.
+      EXPECT_LE(r.distance.lower, k.distance + 1e-15) << k.name << (swapped ? ", swapped" : "");
+      EXPECT_GE(r.distance.upper, k.distance - 1e-15) << k.name << (swapped ? ", swapped" : "");
+      EXPECT_LE(r.distance.width(), 1e-9) << k.name;
+      EXPECT_NEAR(r.normal.norm(), 1, 1e-14) << k.name;
+      // Along the normal the witness points are as far apart as the separation says, sign included.
+      EXPECT_NEAR((r.point_b - r.point_a).dot(r.normal), k.distance, 2e-9) << k.name;
+    }
+  }
+}
+
+TEST(Distance, MovingAlongTheNormalSeparates) {
+  Scratch scratch;
+  int overlapping = 0;
+  for (const Known& k : knownAnswers()) {
+    const DistanceResult r = distance(k.a, k.X_WA, k.b, k.X_WB, {}, scratch);
+    if (!(r.distance.upper < 0)) continue;
+    ++overlapping;
+    Pose moved = k.X_WB;
+    moved.translation += (1e-6 - r.distance.lower) * r.normal;
+    const DistanceResult after = distance(k.a, k.X_WA, k.b, moved, {}, scratch);
+    EXPECT_GT(after.distance.lower, 0.9e-6) << k.name;
+  }
+  EXPECT_GE(overlapping, 8);
+}
+
+TEST(Distance, HalfSpaceWithHalfSpaceIsRefused) {
+  Scratch scratch;
+  const DistanceResult r =
+      distance(Shape::halfSpace(), at(0, 0, 0), Shape::halfSpace(), at(0, 0, 5), {}, scratch);
+  EXPECT_EQ(r.status, DistanceStatus::kInvalid);
+  EXPECT_EQ(r.distance.lower, -kInfinity);
+  EXPECT_EQ(r.distance.upper, kInfinity);
+}
+
+TEST(Distance, PosesThatAreNoneAreRefused) {
+  Scratch scratch;
+  const Shape box = Shape::box({1, 1, 1}), sphere = Shape::sphere(1);
+  int refused = 0;
+  for (const double bad : {kNan, kInfinity, -kInfinity}) {
+    for (int i = 0; i < 12; ++i) {
+      Pose X = at(4, 0, 0);
+      (i < 9 ? X.rotation(i % 3, i / 3) : X.translation[i - 9]) = bad;
+      for (const Shape& other : {box, sphere}) {
+        for (const bool first : {true, false}) {
+          const DistanceResult r = first ? distance(box, X, other, at(0, 0, 0), {}, scratch)
+                                         : distance(other, at(0, 0, 0), box, X, {}, scratch);
+          EXPECT_EQ(r.status, DistanceStatus::kInvalid);
+          EXPECT_EQ(r.distance.lower, -kInfinity);
+          EXPECT_EQ(r.distance.upper, kInfinity);
+          ++refused;
+        }
+      }
+    }
+  }
+  EXPECT_EQ(refused, 3 * 12 * 4);
+  Pose scaled = at(4, 0, 0);
+  scaled.rotation *= 1.001;
+  EXPECT_EQ(distance(box, scaled, box, at(0, 0, 0), {}, scratch).status, DistanceStatus::kInvalid);
+  Pose mended = at(4, 0, 0);
+  mended.rotation *= 1 + 1e-9;  // a departure that is counted, not refused
+  const DistanceResult r = distance(box, mended, box, at(0, 0, 0), {}, scratch);
+  EXPECT_LE(r.distance.lower, 2 - 1e-9);
+  EXPECT_GE(r.distance.upper, 2);
+}
+
+TEST(Distance, FiniteNumbersOfAnySizeGiveNoNan) {
+  Scratch scratch;
+  Random random(11);
+  const double scales[] = {0, 1e-320, 1e-300, 1e-200, 1e-100, 1e-50,
+                           1, 1e50,   1e100,  1e200,  1e300,  1.7e308};
+  int cases = 0, decided = 0;
+  for (const double size : scales) {
+    for (const double far : scales) {
+      const Shape shapes[] = {Shape::sphere(size),
+                              Shape::capsule(size, 0.5 * size),
+                              Shape::box({size, 0.5 * size, 0}),
+                              Shape::cylinder(size, size),
+                              Shape::cone(size, 0.5 * size),
+                              Shape::ellipsoid({size, 0.5 * size, 0.25 * size}),
+                              Shape::halfSpace()};
+      for (const Shape& a : shapes) {
+        for (const Shape& b : shapes) {
+          Pose X_WA{random.rotation(), far * random.direction()};
+          Pose X_WB{random.rotation(), far * random.direction()};
+          const DistanceResult r = distance(a, X_WA, b, X_WB, {}, scratch);
+          EXPECT_LE(r.distance.lower, r.distance.upper);  // false for NaN
+          EXPECT_TRUE(r.point_a.allFinite() && r.point_b.allFinite() && r.normal.allFinite())
+              << toString(a.type()) << " " << toString(b.type()) << " size " << size << " far "
+              << far;
+          ++cases;
+          decided += r.distance.lower > 0 || r.distance.upper < 0;
+        }
+      }
+    }
+  }
+  EXPECT_GT(decided, cases / 3);
+}
+
+/// Truth for random pairs without an oracle: two queries of the same pair must agree, and so must
+/// any request.
+struct RandomPairs {
+  explicit RandomPairs(std::uint64_t seed) : random(seed) {}
+  static constexpr ShapeType kTypes[8] = {
+      ShapeType::kSphere, ShapeType::kCapsule,   ShapeType::kBox,       ShapeType::kCylinder,
+      ShapeType::kCone,   ShapeType::kEllipsoid, ShapeType::kHalfSpace, ShapeType::kConvexHull};
+
+  void next() {
+    do {
+      a = oracle::randomShape(random, kTypes[random.below(8)],
+                              oracle::kFlavours[static_cast<std::size_t>(random.below(6))]);
+      b = oracle::randomShape(random, kTypes[random.below(8)],
+                              oracle::kFlavours[static_cast<std::size_t>(random.below(6))]);
+    } while (a.type() == ShapeType::kHalfSpace && b.type() == ShapeType::kHalfSpace);
+    size = oracle::sizeOf(a) + oracle::sizeOf(b);
+    X_WA.rotation = random.rotation();
+    X_WB.rotation = random.chance(0.3) ? X_WA.rotation : random.rotation();
+    X_WB.translation =
+        random.chance(0.2) ? Vector3d(1e4 * size * random.direction()) : Vector3d::Zero();
+    X_WA.translation = X_WB.translation + size * random.uniform(0, 1.3) * random.direction();
+  }
+  std::string replay() const {
+    return oracle::replay(a) + " at " + oracle::replay(X_WA) + " with " + oracle::replay(b) +
+           " at " + oracle::replay(X_WB);
+  }
+
+  Random random;
+  Shape a = Shape::sphere(1), b = Shape::sphere(1);
+  Pose X_WA, X_WB;
+  double size = 0;
+};
+
+TEST(Distance, ThresholdsAreDecidedOnTheRightSide) {
+  Scratch scratch;
+  RandomPairs pairs(21);
+  int above = 0, not_above = 0, open = 0;
+  for (int i = 0; i < 4000; ++i) {
+    pairs.next();
+    const DistanceResult exact = distance(pairs.a, pairs.X_WA, pairs.b, pairs.X_WB, {}, scratch);
+    for (const double offset : {-0.3, -1e-3, -1e-7, 1e-7, 1e-3, 0.3}) {
+      DistanceRequest request;
+      request.tolerance = 0;
+      request.threshold = 0.5 * (exact.distance.lower + exact.distance.upper) + offset * pairs.size;
+      const DistanceResult r = distance(pairs.a, pairs.X_WA, pairs.b, pairs.X_WB, request, scratch);
+      if (r.status == DistanceStatus::kAboveThreshold) {
+        ++above;
+        EXPECT_GT(exact.distance.upper, request.threshold) << pairs.replay();
+      } else if (r.status == DistanceStatus::kNotAboveThreshold) {
+        ++not_above;
+        EXPECT_LE(exact.distance.lower, request.threshold) << pairs.replay();
+      } else {
+        // Only where even the exact query left the threshold inside of its interval.
+        ++open;
+        EXPECT_TRUE(exact.distance.lower <= request.threshold + 1e-12 * pairs.size * 1e4 &&
+                    exact.distance.upper >= request.threshold - 1e-12 * pairs.size * 1e4)
+            << pairs.replay();
+      }
+      EXPECT_LE(r.distance.lower, exact.distance.upper) << pairs.replay();
+      EXPECT_GE(r.distance.upper, exact.distance.lower) << pairs.replay();
+    }
+  }
+  EXPECT_GT(above, 8000);
+  EXPECT_GT(not_above, 8000);
+  EXPECT_LT(open, 500);
+}
+
+TEST(Distance, AnyLimitCacheOrOrderAgreesWithTheExactAnswer) {
+  Scratch scratch;
+  RandomPairs pairs(22);
+  PairCache cache;
+  int unconverged = 0;
+  for (int i = 0; i < 6000; ++i) {
+    pairs.next();
+    const DistanceResult exact = distance(pairs.a, pairs.X_WA, pairs.b, pairs.X_WB, {}, scratch);
+    const auto agrees = [&](const DistanceResult& r, const char* how) {
+      EXPECT_LE(r.distance.lower, exact.distance.upper) << how << " " << pairs.replay();
+      EXPECT_GE(r.distance.upper, exact.distance.lower) << how << " " << pairs.replay();
+      EXPECT_LE(r.distance.lower, r.distance.upper) << how << " " << pairs.replay();
+      EXPECT_GE(exact.status == DistanceStatus::kConverged, 0);
+    };
+    for (const int limit : {-1, 0, 1, 2, 3, 4, 7, 12, 30}) {
+      DistanceRequest request;
+      request.iteration_limit = limit;
+      const DistanceResult r = distance(pairs.a, pairs.X_WA, pairs.b, pairs.X_WB, request, scratch);
+      agrees(r, "limited");
+      EXPECT_LE(r.iterations, std::max(limit, 1)) << pairs.replay();
+      unconverged += r.status == DistanceStatus::kLimit;
+    }
+    agrees(distance(pairs.b, pairs.X_WB, pairs.a, pairs.X_WA, {}, scratch), "swapped");
+    agrees(distance(pairs.a, pairs.X_WA, pairs.b, pairs.X_WB, {}, scratch, &cache),
+           "foreign cache");
+    agrees(distance(pairs.a, pairs.X_WA, pairs.b, pairs.X_WB, {}, scratch, &cache), "own cache");
+    DistanceRequest shallow;
+    shallow.depth = false;
+    agrees(distance(pairs.a, pairs.X_WA, pairs.b, pairs.X_WB, shallow, scratch), "no depth");
+  }
+  EXPECT_GT(unconverged, 2000);
+}
+
+TEST(Distance, TheSameTwiceIsTheSameBitForBit) {
+  Scratch scratch, other;
+  RandomPairs pairs(23), again(23);
+  for (int i = 0; i < 500; ++i) {
+    pairs.next();
+    again.next();
+    const DistanceResult r = distance(pairs.a, pairs.X_WA, pairs.b, pairs.X_WB, {}, scratch);
+    // A scratch that has seen something else in between changes nothing.
+    distance(again.b, again.X_WB, again.b, again.X_WB, {}, other);
+    const DistanceResult s = distance(again.a, again.X_WA, again.b, again.X_WB, {}, other);
+    EXPECT_EQ(r.distance.lower, s.distance.lower);
+    EXPECT_EQ(r.distance.upper, s.distance.upper);
+    EXPECT_EQ(r.normal, s.normal);
+    EXPECT_EQ(r.iterations, s.iterations);
+  }
+}
+
+TEST(Distance, FarFromTheOriginOnlyTheRoundingOfTheInputIsLost) {
+  Scratch scratch;
+  const Shape box = Shape::box({1, 1, 1});
+  Random random(31);
+  for (const double far : {1e3, 1e6, 1e9, 1e12}) {
+    for (int i = 0; i < 100; ++i) {
+      const Vector3d offset = far * random.direction();
+      Pose X_WA{random.rotation(), offset}, X_WB{random.rotation(), offset};
+      X_WB.translation += 4 * random.direction();
+      // What the subtraction of these translations leaves is exact, so the pair near the origin is
+      // the same one.
+      Pose X_BA = X_WA;
+      X_BA.translation = X_WA.translation - X_WB.translation;
+      const Pose origin{X_WB.rotation, Vector3d::Zero()};
+      const DistanceResult away = distance(box, X_WA, box, X_WB, {}, scratch);
+      const DistanceResult near = distance(box, X_BA, box, origin, {}, scratch);
+      EXPECT_EQ(away.distance.lower, near.distance.lower);
+      EXPECT_EQ(away.distance.upper, near.distance.upper);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace leeway::collision

@@ -1,0 +1,143 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "leeway/collision/distance.h"
+#include "tests/oracle/generate.h"
+
+namespace leeway::collision {
+namespace {
+
+using Eigen::Vector3d;
+using oracle::Random;
+
+constexpr ShapeType kTypes[8] = {
+    ShapeType::kSphere, ShapeType::kCapsule,   ShapeType::kBox,       ShapeType::kCylinder,
+    ShapeType::kCone,   ShapeType::kEllipsoid, ShapeType::kHalfSpace, ShapeType::kConvexHull};
+
+TEST(SweptDistance, AMovingPointIsASegment) {
+  Scratch scratch;
+  const Shape point = Shape::sphere(0.25), ball = Shape::sphere(0.5);
+  const Pose from{Eigen::Matrix3d::Identity(), Vector3d(-5, 3, 0)};
+  const Pose to{Eigen::Matrix3d::Identity(), Vector3d(7, 3, 0)};
+  const DistanceResult r = sweptDistance(point, from, to, 0.125, ball, {}, scratch);
+  EXPECT_EQ(r.status, DistanceStatus::kConverged);
+  EXPECT_LE(r.distance.lower, 3 - 0.25 - 0.5 - 0.125);
+  EXPECT_NEAR(r.distance.lower, 3 - 0.25 - 0.5 - 0.125, 2e-9);
+}
+
+/// Points of A at both placements and at all times between lie farther off than the claim.
+TEST(SweptDistance, ClaimsNoMoreThanAnyPlacementOnTheWayHas) {
+  Scratch scratch;
+  Random random(3);
+  int positive = 0, contact = 0;
+  for (int i = 0; i < 6000; ++i) {
+    const Shape a = oracle::randomShape(random, kTypes[random.below(8)], oracle::Flavour::kPlain);
+    const Shape b = oracle::randomShape(random, kTypes[random.below(8)], oracle::Flavour::kPlain);
+    if (a.type() == ShapeType::kHalfSpace) continue;
+    const double size = oracle::sizeOf(a) + oracle::sizeOf(b);
+    Pose X0{random.rotation(), size * random.uniform(0.3, 2) * random.direction()};
+    Pose X1{X0.rotation, X0.translation + 0.5 * size * random.unit() * random.direction()};
+    DistanceRequest request;
+    request.threshold = random.chance(0.5) ? 0 : std::numeric_limits<double>::quiet_NaN();
+    const double growth = 0.01 * size * random.unit();
+    const DistanceResult r = sweptDistance(a, X0, X1, growth, b, request, scratch);
+    positive += r.distance.lower > 0;
+    contact += r.status == DistanceStatus::kNotAboveThreshold;
+    double ends = std::numeric_limits<double>::infinity();
+    for (int k = 0; k <= 8; ++k) {
+      // A translation moves every point along its chord.
+      const Pose X{X0.rotation, X0.translation + k / 8.0 * (X1.translation - X0.translation)};
+      const DistanceResult at = distance(a, X, b, {}, {}, scratch);
+      ASSERT_LE(r.distance.lower, at.distance.upper - growth + 1e-12 * size)
+          << oracle::replay(a) << " from " << oracle::replay(X0) << " to " << oracle::replay(X1)
+          << " " << oracle::replay(b);
+      if (k == 0 || k == 8) ends = std::min(ends, at.distance.lower);
+    }
+    ASSERT_GE(r.distance.upper, ends) << oracle::replay(a) << oracle::replay(b);
+  }
+  EXPECT_GT(positive, 2000);
+  EXPECT_GT(contact, 100);
+}
+
+/// The hull of two placements of points is a hull of twice as many.
+TEST(SweptDistance, IsTheDistanceOfTheHullOfBothPlacements) {
+  Scratch scratch;
+  Random random(5);
+  int apart = 0;
+  for (int i = 0; i < 1500; ++i) {
+    std::vector<Vector3d> points(static_cast<std::size_t>(1 + random.below(60)));
+    for (Vector3d& p : points) p = random.unit() * random.direction();
+    const Shape a = Shape::convexHull(points);
+    const Shape b = oracle::randomShape(random, kTypes[random.below(8)], oracle::Flavour::kPlain);
+    const Pose X0{random.rotation(), random.uniform(0.5, 4) * random.direction()};
+    const Pose X1{random.rotation(), X0.translation + random.direction()};
+    std::vector<Vector3d> both;
+    for (const Vector3d& p : points) {
+      both.push_back(X0 * p);
+      both.push_back(X1 * p);
+    }
+    const DistanceResult hull = distance(Shape::convexHull(both), {}, b, {}, {}, scratch);
+    const double growth = random.chance(0.5) ? 0 : 0.01;
+    const DistanceResult r = sweptDistance(a, X0, X1, growth, b, {}, scratch);
+    ASSERT_LE(r.distance.lower, hull.distance.upper - growth + 1e-13);
+    if (hull.distance.lower <= 1e-6) continue;
+    ++apart;
+    ASSERT_EQ(r.status, DistanceStatus::kConverged)
+        << i << " hull [" << hull.distance.lower << ", " << hull.distance.upper << "] swept "
+        << r.distance.lower << " growth " << growth << " " << oracle::replay(a)
+        << oracle::replay(b);
+    ASSERT_GE(r.distance.lower, hull.distance.lower - growth - 2e-9);
+  }
+  EXPECT_GT(apart, 700);
+}
+
+TEST(SweptDistance, ThresholdsAndLimitsAreHonest) {
+  Scratch scratch;
+  Random random(4);
+  PairCache cache;
+  int above = 0, open = 0;
+  for (int i = 0; i < 3000; ++i) {
+    const Shape a = oracle::randomShape(random, kTypes[random.below(6)], oracle::Flavour::kPlain);
+    const Shape b = oracle::randomShape(random, kTypes[random.below(8)], oracle::Flavour::kPlain);
+    const double size = oracle::sizeOf(a) + oracle::sizeOf(b);
+    const Pose X0{random.rotation(), size * random.uniform(0.3, 2) * random.direction()};
+    const Pose X1{random.rotation(), X0.translation + 0.3 * size * random.direction()};
+    const DistanceResult exact = sweptDistance(a, X0, X1, 0, b, {}, scratch);
+    DistanceRequest request;
+    request.threshold = 0.1 * size;
+    request.iteration_limit = random.below(20);
+    const DistanceResult r = sweptDistance(a, X0, X1, 0, b, request, scratch, &cache);
+    if (r.status == DistanceStatus::kAboveThreshold) {
+      EXPECT_GT(r.distance.lower, request.threshold);
+    }
+    if (r.distance.lower > request.threshold) {
+      ++above;
+      if (exact.status == DistanceStatus::kConverged) {
+        EXPECT_LE(r.distance.lower, exact.distance.lower + 1e-8 * size);
+      }
+    } else {
+      ++open;
+    }
+  }
+  EXPECT_GT(above, 500);
+  EXPECT_GT(open, 500);
+}
+
+TEST(SweptDistance, BadPosesAreRefused) {
+  Scratch scratch;
+  const Shape box = Shape::box({1, 1, 1});
+  Pose good, bad;
+  good.translation.x() = 5;
+  bad.translation.x() = std::nan("");
+  EXPECT_EQ(sweptDistance(box, good, bad, 0, box, {}, scratch).status, DistanceStatus::kInvalid);
+  EXPECT_EQ(sweptDistance(box, bad, good, 0, box, {}, scratch).status, DistanceStatus::kInvalid);
+  EXPECT_EQ(sweptDistance(box, good, good, -1, box, {}, scratch).status, DistanceStatus::kInvalid);
+  EXPECT_EQ(sweptDistance(box, good, good, std::nan(""), box, {}, scratch).status,
+            DistanceStatus::kInvalid);
+}
+
+}  // namespace
+}  // namespace leeway::collision
