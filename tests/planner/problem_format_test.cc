@@ -1,0 +1,65 @@
+#include "planner/problem_format.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <string>
+
+namespace leeway::planner {
+namespace {
+
+using nlohmann::json;
+
+json schema() {
+  std::ifstream stream(std::string(LEEWAY_SOURCE_DIR) + "/problems/schema.json");
+  return json::parse(stream);
+}
+
+const json& definition(const json& schema, const std::string& name) {
+  return name == "problem" ? schema : schema.at("$defs").at(name);
+}
+
+/// Editors and the loader must agree: every key that the loader knows stands in the schema, and the
+/// reverse.
+TEST(ProblemSchema, KnowsTheLoadersKeysAndNoOthers) {
+  const json all = schema();
+  for (const MapFormat& format : mapFormats()) {
+    const std::string name(format.name);
+    const json& kind = definition(all, name);
+    ASSERT_TRUE(kind.contains("properties")) << name;
+    std::set<std::string> in_schema, in_loader(format.keys.begin(), format.keys.end());
+    for (const auto& entry : kind.at("properties").items()) in_schema.insert(entry.key());
+    EXPECT_EQ(in_schema, in_loader) << name;
+    EXPECT_EQ(kind.at("additionalProperties"), false) << name;
+  }
+}
+
+TEST(ProblemSchema, HasNoKindThatTheLoaderLacks) {
+  std::set<std::string> known = {"state", "value"};  // no maps of their own: a choice of forms
+  for (const MapFormat& format : mapFormats()) known.insert(std::string(format.name));
+  const json all = schema();
+  for (const auto& entry : all.at("$defs").items())
+    EXPECT_EQ(known.count(entry.key()), 1U) << entry.key();
+}
+
+/// Every reference of the schema leads somewhere.
+TEST(ProblemSchema, ReferencesResolve) {
+  const json all = schema();
+  int count = 0;
+  const auto walk = [&](const json& node, const auto& self) -> void {
+    if (node.is_object() && node.contains("$ref")) {
+      EXPECT_NO_THROW(all.at(json::json_pointer(node.at("$ref").get<std::string>().substr(1))))
+          << node;
+      ++count;
+    }
+    if (node.is_structured())
+      for (const json& child : node) self(child, self);
+  };
+  walk(all, walk);
+  EXPECT_GT(count, 30);
+}
+
+}  // namespace
+}  // namespace leeway::planner

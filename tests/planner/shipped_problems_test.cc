@@ -1,0 +1,148 @@
+// Every problem file of the repository loads, starts and goals are valid, and what it is there for
+// is so.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "leeway/collision/triangle_mesh.h"
+#include "leeway/planner/compiled_scene.h"
+#include "leeway/planner/edge_certifier.h"
+#include "leeway/planner/plan.h"
+#include "leeway/planner/problem.h"
+
+namespace leeway::planner {
+namespace {
+
+const std::string kProblems = std::string(LEEWAY_SOURCE_DIR) + "/problems";
+
+std::vector<std::string> problemFiles() {
+  std::vector<std::string> files;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(kProblems)) {
+    if (entry.path().extension() != ".yaml") continue;
+    std::ifstream stream(entry.path());
+    for (std::string line; std::getline(stream, line);)
+      if (line.rfind("leeway:", 0) == 0) {
+        files.push_back(std::filesystem::relative(entry.path(), kProblems).string());
+        break;
+      }
+  }
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+std::string testName(const testing::TestParamInfo<std::string>& file) {
+  std::string name = std::filesystem::path(file.param).replace_extension().string();
+  std::replace_if(
+      name.begin(), name.end(),
+      [](char c) { return std::isalnum(static_cast<unsigned char>(c)) == 0; }, '_');
+  return name;
+}
+
+std::vector<double> startPoint(const Problem& problem) {
+  std::vector<double> point;
+  for (const int v : problem.variables)
+    point.push_back(problem.configuration[static_cast<std::size_t>(v)]);
+  return point;
+}
+
+/// The ends and the middle of every range.
+std::vector<std::vector<double>> goalPoints(const Goal& goal) {
+  std::vector<std::vector<double>> points(3);
+  for (const auto& [lower, upper] : goal.ranges) {
+    points[0].push_back(lower);
+    points[1].push_back(lower == upper ? lower : (lower + upper) / 2);
+    points[2].push_back(upper);
+  }
+  return points;
+}
+
+class ShippedProblem : public testing::TestWithParam<std::string> {
+ protected:
+  Problem problem_ = loadProblem(kProblems + "/" + GetParam());
+};
+
+TEST_P(ShippedProblem, LoadsWithoutAWarning) {
+  EXPECT_EQ(problem_.warnings, std::vector<std::string>());
+  EXPECT_EQ(problem_.model->warnings, std::vector<std::string>());
+}
+
+TEST_P(ShippedProblem, StartAndGoalsAreValid) {
+  const auto scene = std::make_shared<const CompiledScene>(problem_);
+  EdgeCertifier certifier(scene);
+  const auto expectValid = [&](const std::string& what, const std::vector<double>& point) {
+    EXPECT_TRUE(scene->space().withinLimits(point)) << what;
+    const StateCheck check = certifier.clearance(point, 1e-5);
+    EXPECT_EQ(check.verdict, collision::Verdict::kFree) << what;
+    EXPECT_GT(check.clearance.lower, problem_.margin) << what;
+  };
+  expectValid("start", startPoint(problem_));
+  for (const Goal& goal : problem_.goals)
+    for (const auto& point : goalPoints(goal)) expectValid(goal.name, point);
+}
+
+TEST_P(ShippedProblem, IsSolvedUnlessItHasNoSolution) {
+  const bool solvable = GetParam().rfind("unsolvable/", 0) != 0;
+  // Work is limited, not time: the outcome must not hang on the machine.
+  problem_.time_limit = 300;
+  problem_.iteration_limit = solvable ? 200000 : 2000;
+  problem_.simplify = false;
+  const PlanResult result = plan(problem_);
+  EXPECT_EQ(std::string(toString(result.status)), solvable ? "solved" : "unsolved");
+  if (!solvable) return;
+  EXPECT_TRUE(result.certificate.certified);
+  ASSERT_GE(result.path.positions.size(), 2U);
+  EXPECT_EQ(result.path.positions.front(), startPoint(problem_));
+}
+
+INSTANTIATE_TEST_SUITE_P(Files, ShippedProblem, testing::ValuesIn(problemFiles()), testName);
+
+TEST(ShippedProblems, CoverWhatTheReadmePromises) {
+  const std::vector<std::string> files = problemFiles();
+  for (const char* file :
+       {"shelf/reach.yaml", "table/posts.yaml", "bin/pick.yaml", "dual_arm/swap.yaml",
+        "snake/clutter.yaml", "bodies/window.yaml", "bodies/piano.yaml", "mesh/tote.yaml",
+        "unsolvable/sealed.yaml", "moveit/table.yaml"})
+    EXPECT_EQ(std::count(files.begin(), files.end(), file), 1) << file;
+}
+
+/// The meshes are there because they are concave: taken for its hull, the tote would hold the
+/// start.
+TEST(ShippedProblems, ConcaveMeshesMatter) {
+  Problem problem = loadProblem(kProblems + "/mesh/tote.yaml");
+  for (Object& object : problem.objects)
+    for (collision::Geometry& geometry : object.geometries)
+      if (const collision::TriangleMesh* mesh = geometry.shape.mesh(); mesh != nullptr) {
+        EXPECT_EQ(mesh->componentCount(), 1);
+        EXPECT_EQ(mesh->closedComponentCount(), 1);
+        geometry.shape = collision::Shape::convexHull(mesh->vertices());
+      }
+  EdgeCertifier certifier(std::make_shared<const CompiledScene>(problem));
+  EXPECT_EQ(certifier.decide(startPoint(problem)), collision::Verdict::kNotFree);
+  EXPECT_EQ(certifier.decide(goalPoints(problem.goals[0])[0]), collision::Verdict::kNotFree);
+}
+
+/// The arms of the swap would meet if each went its own way: the straight edge is not free, and it
+/// is an arm that is in an arm's way.
+TEST(ShippedProblems, ArmsOfTheSwapAreInEachOthersWay) {
+  Problem problem = loadProblem(kProblems + "/dual_arm/swap.yaml");
+  EdgeCertifier certifier(std::make_shared<const CompiledScene>(problem));
+  EXPECT_EQ(certifier.certify(startPoint(problem), goalPoints(problem.goals[0])[0]).verdict,
+            collision::Verdict::kNotFree);
+  for (const char* left : {"left_upper_arm", "left_forearm", "left_wrist1", "left_wrist2",
+                           "left_wrist3", "left_tool_body"})
+    for (const char* right : {"right_upper_arm", "right_forearm", "right_wrist1", "right_wrist2",
+                              "right_wrist3", "right_tool_body"})
+      problem.allowed.emplace_back(left, right);
+  problem.objects.clear();
+  EdgeCertifier alone(std::make_shared<const CompiledScene>(problem));
+  EXPECT_EQ(alone.certify(startPoint(problem), goalPoints(problem.goals[0])[0]).verdict,
+            collision::Verdict::kFree);
+}
+
+}  // namespace
+}  // namespace leeway::planner
