@@ -5,9 +5,12 @@
 
 #include "collision/containment.h"
 #include "collision/mesh_descent.h"
+#include "leeway/collision/tolerances.h"
 
 namespace leeway::collision {
 namespace {
+
+using Eigen::Vector3d;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
@@ -38,6 +41,50 @@ void remember(const DescentResult& found, PairCache& cache) {
   }
 }
 
+// Raises the lower end of an overlap to -|t| of a translation t along `direction` (in W) that is
+// proven to separate. Lengths are multiplied by four from the least that can do, then halved back a
+// few times.
+void separate(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
+              const Vector3d& direction, const DistanceRequest& request, Scratch& scratch,
+              DistanceResult& result) {
+  const double norm = direction.norm();
+  if (!(norm > 0) || !(result.distance.width() > request.tolerance)) return;
+  const Vector3d unit = direction / norm;
+  const double rounding = 16 * kUnitRoundoff * (X_WB.translation.norm() + X_WA.translation.norm());
+  DistanceRequest apart;
+  apart.threshold = 0;
+  apart.depth = false;
+  apart.node_limit = std::min(request.node_limit, kSeparationNodes);
+  const auto separates = [&](double length) {
+    Pose moved = X_WB;
+    moved.translation += length * unit;
+    const DistanceResult r = meshDistance(a, X_WA, b, moved, apart, scratch, nullptr);
+    result.iterations += r.iterations;
+    if (!(r.distance.lower > 0)) return false;
+    // The length moved, with the rounding of the sum.
+    const double lower = -(length * (1 + 8 * kUnitRoundoff) + rounding);
+    if (lower > result.distance.lower) {
+      result.distance.lower = lower;
+      result.normal = unit;
+    }
+    return true;
+  };
+  const double least = std::max(-result.distance.upper, 0.0);
+  double fails = least, length = least * (1 + 1e-6) + std::max(request.tolerance, rounding);
+  for (int step = 0; step < kSeparationSteps && length < -result.distance.lower;
+       ++step, length *= 4) {
+    if (!separates(length)) {
+      fails = length;
+      continue;
+    }
+    for (int half = 0; half < kSeparationHalvings && length - fails > request.tolerance; ++half) {
+      const double middle = 0.5 * (fails + length);
+      (separates(middle) ? length : fails) = middle;
+    }
+    return;
+  }
+}
+
 }  // namespace
 
 DistanceResult meshDistance(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
@@ -56,38 +103,32 @@ DistanceResult meshDistance(const Shape& a, const Pose& X_WA, const Shape& b, co
   DistanceResult result = found.witness;
   result.iterations = found.iterations;
   result.distance = {std::max(found.lower, found.hull_lower), found.upper};
+  result.point_a = X_WB * result.point_a;
+  result.point_b = X_WB * result.point_b;
+  result.normal = X_WB.rotation * result.normal;
+  // Hulls that meet say nothing yet: the surfaces may be apart, with one body inside the other, or
+  // overlap.
   if (!(found.hull_lower > 0)) {
-    // Hulls that meet say nothing yet: the surfaces may be apart, with one body inside the other,
-    // or overlap, and then only a translation that separates the hulls is known to separate the
-    // bodies.
-    bool separate = false;
-    if (found.lower > 0) {
-      const Containment containment = containsAt(a, X_WA, b, X_WB, found.lower, scratch);
-      separate = containment == Containment::kNo;
+    Containment containment = Containment::kUndecided;
+    if (found.lower > 0) containment = containsAt(a, X_WA, b, X_WB, found.lower, scratch);
+    if (containment != Containment::kNo) {
       // What is inside has to come through the surface, which is that far away.
       if (containment == Containment::kYes) result.distance.upper = -found.lower;
-    }
-    if (!separate) {
       result.distance.lower = found.hull_lower;
       if (request.depth && !(result.distance.upper <= request.threshold)) {
-        DistanceRequest depth = request;
         const DistanceResult hulls = convexDistance(hullOf(side_a), relative.X_BA, hullOf(side_b),
-                                                    depth, scratch, nullptr, placement.slack);
+                                                    request, scratch, nullptr, placement.slack);
         result.iterations += hulls.iterations;
         result.distance.lower = std::max(result.distance.lower, hulls.distance.lower);
-        result.normal = hulls.normal;
-        if (found.lower > 0 && result.distance.upper <= 0) {
-          result.point_a = hulls.point_a;
-          result.point_b = hulls.point_b;
-          result.triangle_a = result.triangle_b = -1;
-        }
+        const Vector3d way_out = containment == Containment::kYes
+                                     ? Vector3d(result.point_a - result.point_b)
+                                     : result.normal;
+        result.normal = X_WB.rotation * hulls.normal;
+        separate(a, X_WA, b, X_WB, way_out, request, scratch, result);
       }
     }
   }
   result.status = statusOf(result.distance, request);
-  result.point_a = X_WB * result.point_a;
-  result.point_b = X_WB * result.point_b;
-  result.normal = X_WB.rotation * result.normal;
   return result;
 }
 

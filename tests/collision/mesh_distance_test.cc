@@ -300,6 +300,40 @@ TEST(MeshDistance, DepthOfConvexMeshesHoldsThatOfTheirHulls) {
   EXPECT_GT(overlapping, 200);
 }
 
+// The lower end of an overlap is the length of a translation that separates: so it does, says the
+// slow twin.
+TEST(MeshDistance, DepthSeparates) {
+  Scratch scratch;
+  Random random(28);
+  const auto shapes = sampleConvexShapes(random);
+  int overlapping = 0, better_than_hulls = 0, inside = 0;
+  for (const NamedMesh& m : sampleMeshes(28)) {
+    const Bodies a(Shape::mesh(m.mesh));
+    const Shape hull = Shape::convexHull(m.mesh->vertices());
+    for (const auto& [name, shape] : shapes) {
+      const Bodies b(shape);
+      for (int i = 0; i < 8; ++i) {
+        const Pose X_WA = random.pose(0.5), X_WB = random.pose(0.7);
+        const DistanceResult r = distance(a.shape, X_WA, b.shape, X_WB, {}, scratch);
+        if (r.distance.lower > 0) continue;
+        ++overlapping;
+        const double hulls = distance(hull, X_WA, shape, X_WB, {}, scratch).distance.lower;
+        better_than_hulls += r.distance.lower > 0.9 * hulls ? 1 : 0;
+        inside += bruteSurfaces(a, X_WA, b, X_WB, scratch).lower > 0 ? 1 : 0;
+        Pose moved = X_WB;
+        moved.translation += (1e-9 - r.distance.lower * (1 + 1e-12)) * r.normal;
+        const Interval after = bruteSurfaces(a, X_WA, b, moved, scratch);
+        EXPECT_GT(after.lower, 0) << replay(m.name + " and " + name, X_WA, X_WB, r, after);
+        EXPECT_FALSE(bruteHolds(a.shape, X_WA, b.shape, moved))
+            << replay(m.name + " and " + name, X_WA, X_WB, r, after);
+      }
+    }
+  }
+  EXPECT_GT(overlapping, 200);
+  EXPECT_GT(better_than_hulls, 20);
+  EXPECT_GT(inside, 10);
+}
+
 TEST(MeshDistance, StaleAndForeignCachesCostTimeOnly) {
   Scratch scratch;
   Random random(24);

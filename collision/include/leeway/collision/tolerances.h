@@ -84,6 +84,13 @@ inline constexpr double kNodeTolerance = 1e-3;
 inline constexpr double kDeeperShare = 0.1;
 inline constexpr int kDeeperNodes = 256;
 
+/// A translation that separates two overlapping meshes is looked for by multiplying its length by four this often, halving back
+/// that often, each time with this many node pairs at most. More makes the lower end of a depth
+/// better and the query dearer; no value makes it wrong.
+inline constexpr int kSeparationSteps = 20;
+inline constexpr int kSeparationHalvings = 8;
+inline constexpr int kSeparationNodes = 2000;
+
 /// A segment that decides inside or outside leaves the box of the component by this share of its size, and is
 /// tilted by multiples of it: far enough from edges and vertices of axis-aligned parts to be regular at once.
 inline constexpr double kSegmentTilt = 1.0 / 1024;
