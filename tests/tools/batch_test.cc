@@ -91,6 +91,19 @@ TEST_F(Batch, GoesOnAfterBadInput) {
   EXPECT_NE(answer.err.find("2 with bad input"), std::string::npos) << answer.err;
 }
 
+TEST_F(Batch, FoldersMayHoldOtherYaml) {
+  write("mixed/notes.yaml", "colour: red\n");
+  write("mixed/arm.urdf", kUrdf);
+  write("mixed/arm.srdf", kSrdf);
+  write("mixed/reach.yaml", kReach);
+  const Answer answer = run("batch mixed");
+  EXPECT_EQ(answer.status, 0) << answer.err;
+  EXPECT_EQ(problemsOf(answer.lines()), std::vector<std::string>{"mixed/reach.yaml"});
+  EXPECT_NE(answer.err.find("mixed/notes.yaml"), std::string::npos);
+  // Asked for by name, it is an error.
+  EXPECT_EQ(run("batch mixed/notes.yaml").status, 2);
+}
+
 TEST_F(Batch, SceneWithoutRequestIsReported) {
   fs::remove(path("set/a/request0010.yaml"));
   write("set/b/request0003.yaml", kRequest);

@@ -6,6 +6,7 @@
 #include <cctype>
 #include <charconv>
 #include <filesystem>
+#include <fstream>
 #include <map>
 
 #include "leeway/robots/input_error.h"
@@ -29,6 +30,17 @@ std::vector<fs::path> yamlFilesBelow(const fs::path& folder) {
   }
   std::sort(files.begin(), files.end());
   return files;
+}
+
+/// Whether a file found in a folder says that it is a problem: a line begins with the key `leeway`.
+bool isProblemFile(const fs::path& file) {
+  std::ifstream in(file);
+  for (std::string line; std::getline(in, line);) {
+    if (line.starts_with("leeway:")) {
+      return true;
+    }
+  }
+  return false;
 }
 
 void requireExists(const std::string& input) {
@@ -139,7 +151,12 @@ std::vector<BatchItem> listProblems(const std::vector<std::string>& inputs) {
       throw robots::InputError(input, 0, "there is no .yaml file in this folder");
     }
     for (const fs::path& file : files) {
-      items.push_back({file.string(), "", ""});
+      if (isProblemFile(file)) {
+        items.push_back({file.string(), "", ""});
+      } else {
+        fmt::print(stderr, "{}: left out, it has no key 'leeway' and so is no problem file\n",
+                   file.string());
+      }
     }
   }
   return items;

@@ -26,7 +26,7 @@ struct Arguments {
 std::string resultText(const planner::Path& path, const planner::VerifyResult& result) {
   if (result.status == planner::VerifyStatus::kCertified) {
     const std::string clearance = std::isfinite(result.clearance_lower)
-                                      ? fmt::format("every point of it keeps at least {} mm",
+                                      ? fmt::format("every point keeps at least {} mm",
                                                     formatLower(result.clearance_lower * 1e3, 3))
                                       : "there is nothing that could be touched";
     return fmt::format("certified: {} edges, {}\n",
