@@ -1,0 +1,368 @@
+// What a good problem file means.
+#include "leeway/planner/problem.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <set>
+
+#include "leeway/collision/convex_hull.h"
+#include "leeway/planner/compiled_scene.h"
+#include "leeway/planner/edge_certifier.h"
+#include "leeway/robots/input_error.h"
+#include "leeway/robots/kinematics.h"
+#include "planner/nearest_name.h"
+
+namespace leeway::planner {
+namespace {
+
+using collision::ShapeType;
+
+const std::string kSource = LEEWAY_SOURCE_DIR;
+constexpr double kPi = 3.14159265358979323846;
+
+Problem load(const std::string& text) {
+  const auto file = std::filesystem::path(testing::TempDir()) /
+                    ("leeway_problem_test_" + std::to_string(::getpid()) + ".yaml");
+  std::ofstream(file) << text;
+  struct Remove {
+    std::filesystem::path path;
+    ~Remove() { std::filesystem::remove(path); }
+  } remove{file};
+  return loadProblem(file.string());
+}
+
+std::string robot(const std::string& name, const std::string& group) {
+  const std::string path = kSource + "/robots/" + name + "/" + name;
+  return "leeway: 1\nrobot: {urdf: " + path + ".urdf, srdf: " + path + ".srdf, group: " + group +
+         "}\n";
+}
+
+const std::string kArm6Ends = "start: home\ngoal: ready\n";
+
+TEST(Problem, TakesStartsInEveryForm) {
+  const std::vector<double> expected = {0.5, -1.5, 0.25, -1.0, 0.1, -0.2};
+  for (const std::string form : {"[0.5, -1.5, 0.25, -1.0, 0.1, -0.2]",
+                                 "{pan_joint: +0.5, elbow_joint: .25, lift_joint: -15e-1, "
+                                 "wrist1_joint: -1, wrist3_joint: -0.2, wrist2_joint: 0.1}"})
+    EXPECT_EQ(load(robot("arm6", "arm") + "start: " + form + "\ngoal: home\n").configuration,
+              expected)
+        << form;
+  const Problem named = load(robot("arm6", "arm") + kArm6Ends);
+  EXPECT_EQ(named.configuration[1], -1.5708);
+  EXPECT_EQ(named.goals[0].name, "ready");
+  EXPECT_EQ(named.goals[0].ranges[2], std::make_pair(1.9, 1.9));
+}
+
+TEST(Problem, TakesGoalsInEveryForm) {
+  const Problem problem = load(robot("arm6", "arm") +
+                               "start: home\ngoals:\n  - ready\n  - [0, [-1, 1], any, 0, 0, 0]\n" +
+                               "  - {pan_joint: 1, lift_joint: [-1, -0.5], elbow_joint: any, "
+                               "wrist1_joint: 0, wrist2_joint: 0, wrist3_joint: 0}\n");
+  ASSERT_EQ(problem.goals.size(), 3U);
+  EXPECT_EQ(problem.goals[0].name, "ready");
+  EXPECT_EQ(problem.goals[1].name, "goal 2");
+  EXPECT_EQ(problem.goals[1].ranges[1], std::make_pair(-1.0, 1.0));
+  EXPECT_NEAR(problem.goals[1].ranges[2].second, kPi, 1e-5);
+  EXPECT_EQ(problem.goals[2].ranges[1], std::make_pair(-1.0, -0.5));
+}
+
+TEST(Problem, PassiveJointsComeFromTheFile) {
+  const std::string ends = "start: [0, 0, 0, 0, 0, 0, 0]\ngoal: ready\n";
+  const auto finger = [](const Problem& problem) {
+    return problem
+        .configuration[static_cast<std::size_t>(problem.model->findVariable("finger_joint"))];
+  };
+  EXPECT_EQ(finger(load(robot("arm7", "arm") + ends)), 0);
+  EXPECT_EQ(finger(load(robot("arm7", "arm") + ends + "joints: {finger_joint: 0.04}\n")), 0.04);
+  // What follows another joint or does not move may be named, as drivers do, but has no place: said
+  // in a warning.
+  const Problem follower =
+      load(robot("arm7", "arm") + ends + "joints: {finger_right_joint: 0.04}\n");
+  ASSERT_EQ(follower.warnings.size(), 1U);
+  EXPECT_NE(follower.warnings[0].find("joint 'finger_right_joint' follows another joint"),
+            std::string::npos);
+}
+
+TEST(Problem, BodiesStandWhereTheirPosesSay) {
+  const std::string floating =
+      "leeway: 1\nbody: {name: b, joint: floating, bounds: {lower: [-1, -1, -1], upper: [1, 1, "
+      "1]}, shapes: [{sphere: {radius: 0.1}}]}\n";
+  for (const std::string pose :
+       {"{position: [0.1, 0.2, 0.3], rpy: [0, 0, 1.5707963267948966]}",
+        "{position: [0.1, 0.2, 0.3], orientation: [0, 0, 0.70710678118654757, "
+        "0.70710678118654757]}",
+        "{b: {position: [0.1, 0.2, 0.3], rpy: [0, 0, 1.5707963267948966]}}",
+        "[0.1, 0.2, 0.3, 0, 0, 0.70710678118654757, 0.70710678118654757]"}) {
+    const Problem problem = load(floating + "start: " + pose + "\ngoal: {position: [0, 0, 0]}\n");
+    const std::vector<double> expected = {0.1, 0.2, 0.3, 0, 0, std::sqrt(0.5), std::sqrt(0.5)};
+    ASSERT_EQ(problem.configuration.size(), 7U);
+    for (std::size_t i = 0; i < 7; ++i)
+      EXPECT_NEAR(problem.configuration[i], expected[i], 1e-15) << pose << " " << i;
+    EXPECT_EQ(problem.goals[0].ranges[6], std::make_pair(1.0, 1.0));
+  }
+  const Problem planar = load(
+      "leeway: 1\nbody: {joint: planar, bounds: {lower: [-1, -1], upper: [1, 1]}, shapes: "
+      "[{sphere: {radius: 0.1}}]}\n"
+      "start: {position: [0.1, 0.2], angle: 7}\ngoal: {position: [any, [0, 0.5]], angle: any}\n");
+  EXPECT_EQ(planar.configuration, (std::vector<double>{0.1, 0.2, 7}));
+  EXPECT_EQ(planar.goals[0].ranges,
+            (std::vector<std::pair<double, double>>{{-1, 1}, {0, 0.5}, {-kPi, kPi}}));
+}
+
+TEST(Problem, ShapesHaveTheSizesTheyName) {
+  const Problem problem = load(robot("arm6", "arm") + kArm6Ends + R"(
+objects:
+  - {name: box, box: {size: [1, 2, 3]}}
+  - {name: sphere, sphere: {radius: 0.5}}
+  - {name: cylinder, cylinder: {radius: 0.5, length: 3}}
+  - {name: capsule, capsule: {radius: 0.5, length: 3}}
+  - {name: cone, cone: {radius: 0.5, height: 3}}
+  - {name: ellipsoid, ellipsoid: {semi_axes: [1, 2, 3]}}
+  - {name: floor, half_space: {}}
+  - {name: hull, convex_hull: {points: [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]}}
+  - {name: tote, mesh: {file: )" +
+                               kSource + R"(/problems/mesh/meshes/tote.obj, scale: 2}}
+  - {name: tote_hull, convex_hull: {file: )" +
+                               kSource + R"(/problems/mesh/meshes/tote.obj, scale: [1, 1, 2]}}
+  - name: two
+    position: [1, 0, 0]
+    rpy: [0, 0, 1.5707963267948966]
+    shapes:
+      - {name: left, box: {size: [1, 1, 1]}, position: [0, 1, 0]}
+      - {sphere: {radius: 1}}
+)");
+  const auto shape = [&](std::size_t i) { return problem.objects[i].geometries[0].shape; };
+  ASSERT_EQ(problem.objects.size(), 11U);
+  EXPECT_EQ(shape(0).halfExtents(), Eigen::Vector3d(0.5, 1, 1.5));
+  EXPECT_EQ(shape(1).radius(), 0.5);
+  for (std::size_t i = 2; i < 5; ++i) {
+    EXPECT_EQ(shape(i).radius(), 0.5);
+    EXPECT_EQ(shape(i).halfLength(), 1.5);
+  }
+  EXPECT_EQ(shape(2).type(), ShapeType::kCylinder);
+  EXPECT_EQ(shape(3).type(), ShapeType::kCapsule);
+  EXPECT_EQ(shape(4).type(), ShapeType::kCone);
+  EXPECT_EQ(shape(5).halfExtents(), Eigen::Vector3d(1, 2, 3));
+  EXPECT_EQ(shape(6).type(), ShapeType::kHalfSpace);
+  EXPECT_EQ(shape(7).type(), ShapeType::kConvexHull);
+  EXPECT_EQ(shape(8).type(), ShapeType::kMesh);
+  EXPECT_NEAR(shape(8).boundingRadius(), 2 * 0.3448, 0.02);
+  EXPECT_EQ(shape(9).type(), ShapeType::kConvexHull);
+  const Object& two = problem.objects[10];
+  EXPECT_EQ(two.geometries[0].name, "left");
+  EXPECT_EQ(two.geometries[1].name, "two");
+  const Eigen::Vector3d middle = two.X_WO * two.geometries[0].X_BG.translation;
+  EXPECT_LT((middle - Eigen::Vector3d(0, 0, 0)).norm(), 1e-15);
+}
+
+TEST(Problem, SettingsHaveDefaultsAndAreTaken) {
+  const Problem plain = load(robot("arm6", "arm") + kArm6Ends);
+  EXPECT_EQ(plain.planner, "RRTConnect");
+  EXPECT_EQ(plain.objective, "length");
+  EXPECT_TRUE(plain.simplify);
+  EXPECT_EQ(plain.time_limit, 5);
+  EXPECT_EQ(plain.iteration_limit, 0);
+  EXPECT_EQ(plain.seed, 1U);
+  EXPECT_EQ(plain.margin, 0);
+  const Problem all = load(robot("arm6", "arm") + kArm6Ends + R"(
+name: everything
+objects: [{name: o, sphere: {radius: 0.1}}]
+planner: {name: BITstar, parameters: {samples_per_batch: 50, use_k_nearest: false}}
+objective: clearance
+simplify: false
+limits: {time: 2.5, iterations: 1000}
+seed: 9007199254740993
+margin: -0.001
+margins: [{between: [o, tool_body], margin: 0.02}]
+allowed: [[o, base]]
+)");
+  EXPECT_EQ(all.name, "everything");
+  EXPECT_EQ(all.planner, "BITstar");
+  EXPECT_EQ(all.planner_parameters, (std::map<std::string, std::string>{
+                                        {"samples_per_batch", "50"}, {"use_k_nearest", "false"}}));
+  EXPECT_EQ(all.objective, "clearance");
+  EXPECT_FALSE(all.simplify);
+  EXPECT_EQ(all.time_limit, 2.5);
+  EXPECT_EQ(all.iteration_limit, 1000);
+  EXPECT_EQ(all.seed, 9007199254740993ULL);  // no double holds it
+  EXPECT_EQ(all.margin, -0.001);
+  ASSERT_EQ(all.margins.size(), 1U);
+  EXPECT_EQ(all.margins[0].margin, 0.02);
+  EXPECT_EQ(all.allowed, (std::vector<std::pair<std::string, std::string>>{{"o", "base"}}));
+}
+
+TEST(Problem, NumbersAreReadExactly) {
+  const Problem problem = load(
+      robot("arm6", "arm") +
+      "start: [0.1, 1e-300, 0.30000000000000004, 4.9406564584124654e-324, 1, -0.0]\ngoal: home\n");
+  EXPECT_EQ(problem.configuration,
+            (std::vector<double>{0.1, 1e-300, 0.30000000000000004, 5e-324, 1, 0}));
+  EXPECT_TRUE(std::signbit(problem.configuration[5]));
+}
+
+// ---- Attached objects ----
+
+/// Where an object is in the world while the robot stands at its start.
+robots::Pose worldPose(const Problem& problem, const std::string& name) {
+  for (const Object& object : problem.objects)
+    if (object.name == name) return object.X_WO;
+  std::vector<robots::Pose> X_WL(problem.model->links.size());
+  robots::forwardKinematics(*problem.model, problem.configuration, X_WL);
+  for (const Attachment& attachment : problem.attachments)
+    if (attachment.object.name == name)
+      return X_WL[static_cast<std::size_t>(attachment.link)] * attachment.X_LO;
+  throw std::logic_error("no such object");
+}
+
+double difference(const robots::Pose& a, const robots::Pose& b) {
+  return (a.rotation - b.rotation).norm() + (a.translation - b.translation).norm();
+}
+
+TEST(AttachedObjects, AreReadInTheFrameOfTheirLink) {
+  const Problem problem = loadProblem(kSource + "/problems/bin/pick.yaml");
+  ASSERT_EQ(problem.attachments.size(), 1U);
+  const Attachment& can = problem.attachments[0];
+  EXPECT_EQ(can.object.name, "can");
+  EXPECT_EQ(problem.model->links[static_cast<std::size_t>(can.link)].name, "tool");
+  EXPECT_EQ(can.X_LO.translation, Eigen::Vector3d(0, 0, 0.02));
+  EXPECT_EQ(can.touch_links.size(), 3U);
+}
+
+TEST(AttachedObjects, StayWhereTheyAreWhenPutDownAndTakenUp) {
+  const Problem held = loadProblem(kSource + "/problems/bin/pick.yaml");
+  const robots::Pose before = worldPose(held, "can");
+  const Problem down = detachObject(held, "can");
+  EXPECT_TRUE(down.attachments.empty());
+  EXPECT_EQ(down.objects.size(), held.objects.size() + 1);
+  EXPECT_LT(difference(worldPose(down, "can"), before), 1e-15);
+  const Problem again = attachObject(down, "can", "tool", {"hand", "finger_left", "finger_right"});
+  EXPECT_EQ(again.objects.size(), held.objects.size());
+  ASSERT_EQ(again.attachments.size(), 1U);
+  EXPECT_LT(difference(worldPose(again, "can"), before), 1e-14);
+  EXPECT_LT(difference(again.attachments[0].X_LO, held.attachments[0].X_LO), 1e-14);
+  EXPECT_EQ(again.attachments[0].touch_links, held.attachments[0].touch_links);
+  EXPECT_EQ(held.attachments.size(), 1U);  // the argument is as it was
+}
+
+TEST(AttachedObjects, CanBePutDownElsewhere) {
+  const Problem held = loadProblem(kSource + "/problems/bin/pick.yaml");
+  std::vector<double> goal = held.configuration;
+  for (std::size_t i = 0; i < held.variables.size(); ++i)
+    goal[static_cast<std::size_t>(held.variables[i])] = held.goals[0].ranges[i].first;
+  const Problem down = detachObject(held, "can", goal);
+  // In the other box, 0.32 m to the left.
+  EXPECT_NEAR(worldPose(down, "can").translation.y(), 0.32, 0.01);
+  EXPECT_NEAR(worldPose(down, "can").translation.x(), 0.52, 0.01);
+}
+
+/// What is held may touch the links named for it, and it is in the way of everything else.
+TEST(AttachedObjects, MayTouchOnlyWhatIsNamed) {
+  const Problem held = loadProblem(kSource + "/problems/bin/pick.yaml");
+  const auto verdict = [](const Problem& problem) {
+    EdgeCertifier certifier(std::make_shared<const CompiledScene>(problem));
+    std::vector<double> start;
+    for (const int v : problem.variables)
+      start.push_back(problem.configuration[static_cast<std::size_t>(v)]);
+    return certifier.decide(start);
+  };
+  EXPECT_EQ(verdict(held), collision::Verdict::kFree);
+  // A pin back along the hand's axis into link6, which joint7 turns against it.
+  Problem pin = held;
+  pin.attachments[0].object.geometries[0].shape = collision::Shape::cylinder(0.01, 0.12);
+  pin.attachments[0].X_LO.translation.z() = -0.125;
+  EXPECT_EQ(verdict(pin), collision::Verdict::kNotFree);
+  pin.attachments[0].touch_links.push_back(pin.model->findLink("link6"));
+  EXPECT_EQ(verdict(pin), collision::Verdict::kFree);
+  // Put down, it is an obstacle to all of them.
+  EXPECT_EQ(verdict(detachObject(pin, "can")), collision::Verdict::kNotFree);
+}
+
+TEST(AttachedObjects, UnknownNamesAreRefused) {
+  const Problem held = loadProblem(kSource + "/problems/bin/pick.yaml");
+  EXPECT_THROW(attachObject(held, "can", "tool"), std::invalid_argument);  // it is held already
+  EXPECT_THROW(attachObject(held, "box_a", "tol"), std::invalid_argument);
+  EXPECT_THROW(attachObject(held, "box_a", "tool", {"hnd"}), std::invalid_argument);
+  EXPECT_THROW(detachObject(held, "box_a"), std::invalid_argument);
+  EXPECT_THROW(detachObject(held, "can", std::vector<double>{1, 2}), std::invalid_argument);
+  EXPECT_EQ(attachObject(held, "box_a", "tool").attachments.size(), 2U);
+}
+
+// ---- Without a file ----
+
+TEST(ProblemFromStates, TakesGroupStates) {
+  const auto model =
+      robots::loadModel(kSource + "/robots/arm6/arm6.urdf", kSource + "/robots/arm6/arm6.srdf");
+  const Problem problem = problemFromStates(model, "arm", "home", "ready");
+  EXPECT_EQ(problem.variables.size(), 6U);
+  EXPECT_EQ(problem.configuration[1], -1.5708);
+  EXPECT_EQ(problem.goals[0].name, "ready");
+  EXPECT_TRUE(problem.objects.empty());
+  const auto message = [&](const char* group, const char* start) -> std::string {
+    try {
+      problemFromStates(model, group, start, "ready");
+    } catch (const robots::InputError& error) {
+      return error.what();
+    }
+    return "accepted";
+  };
+  EXPECT_EQ(message("amr", "home"), "robot 'arm6' has no group 'amr'; did you mean 'arm'?");
+  EXPECT_EQ(message("arm", "hoem"),
+            "no group state 'hoem' for the planned joints; did you mean 'home'?");
+}
+
+// ---- The robots ----
+
+/// Our descriptions switch no pair off but neighbours, and the two fingers of one hand.
+TEST(ShippedRobots, DisableOnlyNeighbours) {
+  for (const std::string name : {"arm6", "arm7", "dual_arm", "snake10"}) {
+    const std::string path = kSource + "/robots/" + name + "/" + name;
+    const auto model = robots::loadModel(path + ".urdf", path + ".srdf");
+    EXPECT_TRUE(model->warnings.empty()) << name;
+    EXPECT_GE(model->disabled_pairs.size(), 6U) << name;
+    for (const robots::DisabledPair& pair : model->disabled_pairs) {
+      const int a = pair.link_a, b = pair.link_b;
+      const auto parent = [&](int link) {
+        return model->joints[static_cast<std::size_t>(link)].parent_link;
+      };
+      EXPECT_TRUE(parent(a) == b || parent(b) == a || (name == "arm7" && parent(a) == parent(b)))
+          << name << ": " << model->links[static_cast<std::size_t>(a)].name << " and "
+          << model->links[static_cast<std::size_t>(b)].name;
+    }
+  }
+}
+
+TEST(ShippedRobots, HaveThePublishedReach) {
+  const auto reach = [](const std::string& name, const std::string& link,
+                        const std::vector<double>& q) {
+    const std::string path = kSource + "/robots/" + name + "/" + name;
+    const auto model = robots::loadModel(path + ".urdf", path + ".srdf");
+    std::vector<double> all = model->defaultConfiguration();
+    std::copy(q.begin(), q.end(), all.begin());
+    std::vector<robots::Pose> X_WL(model->links.size());
+    robots::forwardKinematics(*model, all, X_WL);
+    return X_WL[static_cast<std::size_t>(model->findLink(link))].translation;
+  };
+  EXPECT_LT((reach("arm7", "hand", {}) - Eigen::Vector3d(0, 0, 0.36 + 0.42 + 0.40 + 0.126)).norm(),
+            1e-12);
+  EXPECT_LT((reach("arm6", "tool_body", {}) -
+             Eigen::Vector3d(0.425 + 0.3922, 0.1333 + 0.0996, 0.1625 - 0.0997))
+                .norm(),
+            1e-12);
+  EXPECT_LT((reach("snake10", "link10", {}) - Eigen::Vector3d(9 * 0.12, 0, 0.03)).norm(), 1e-12);
+}
+
+TEST(NearestName, HelpsOnlyWhenNear) {
+  EXPECT_EQ(nearestName("forarm", {"base", "forearm"}), "; did you mean 'forearm'?");
+  EXPECT_EQ(nearestName("ofrearm", {"base", "forearm"}), "; did you mean 'forearm'?");
+  EXPECT_EQ(nearestName("FOREARM", {"base", "forearm"}), "; did you mean 'forearm'?");
+  EXPECT_EQ(nearestName("gripper", {"base", "forearm"}), "; known: base, forearm");
+  EXPECT_EQ(nearestName("x", {}), "; there is none");
+}
+
+}  // namespace
+}  // namespace leeway::planner
