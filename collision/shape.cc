@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "leeway/collision/convex_hull.h"
+#include "leeway/collision/tolerances.h"
 #include "leeway/collision/triangle_mesh.h"
 
 namespace leeway::collision {
@@ -16,12 +17,13 @@ namespace {
 constexpr double kOutwards = 1 + 0x1p-50;
 
 void requireSize(double value, const char* shape, const char* name) {
-  // Written so that a NaN fails, too.
-  if (std::isfinite(value) && value >= 0) return;
+  // Written so that a NaN fails, too. Squares and cubes of larger sizes overflow: the fuzzer found
+  // a half-space that an ellipsoid of 1e308 m was said to touch.
+  if (value >= 0 && value <= kLargestCoordinate) return;
   std::ostringstream message;
   message.precision(17);
   message << shape << ": " << name << " is " << value
-          << ", but must be a finite number that is not negative [m]";
+          << ", but must be a number that is not negative and at most 1e60 [m]";
   throw InvalidShape(message.str());
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "leeway/collision/triangle_mesh.h"
@@ -75,10 +76,16 @@ int crosses(const Triangle& t, const Vector& p, const Vector& d) {
   return (height > 0) == (slope > 0) ? 1 : 0;
 }
 
+enum class Inside { kNo, kYes, kUnknown };
+
+bool same(const Vector& a, const Vector& b) { return a.x == b.x && a.y == b.y && a.z == b.z; }
+
 /// Whether p lies in the solid of some closed component: parity of a ray that no edge is near to.
-bool inside(const PlacedMesh& mesh, const Vector& p) {
+Inside inside(const PlacedMesh& mesh, const Vector& p) {
+  Inside result = Inside::kNo;
   for (std::size_t component = 0; component < mesh.closed.size(); ++component) {
     if (!mesh.closed[component]) continue;
+    bool decided = false;
     for (int attempt = 0; attempt < 64; ++attempt) {
       const Quad k = wide(attempt);
       const Vector d{wide(0.6180339887) + k / 7, wide(0.3028) - k / 11,
@@ -87,16 +94,20 @@ bool inside(const PlacedMesh& mesh, const Vector& p) {
       bool clear = true;
       for (const Triangle& t : mesh.triangles) {
         if (t.component != static_cast<int>(component)) continue;
+        // A triangle that is a segment or a point bounds nothing.
+        if (same(t.p[0], t.p[1]) || same(t.p[1], t.p[2]) || same(t.p[2], t.p[0])) continue;
         const int hit = crosses(t, p, d);
         if (hit < 0) clear = false;
         count += hit;
       }
       if (!clear) continue;
-      if (count % 2 == 1) return true;
+      if (count % 2 == 1) return Inside::kYes;
+      decided = true;
       break;
     }
+    if (!decided) result = Inside::kUnknown;
   }
-  return false;
+  return result;
 }
 
 /// Distance from a point to the surface, bounded from below.
@@ -118,11 +129,12 @@ struct Whole {
   Bounds hull;                  // separation of the convex hulls: below it nothing can be
   Bounds pieces;                // minimum over the pieces' separations
   Quad contained = infinity();  // <= 0: minus a depth that containment proves
+  bool contained_unknown = false;
 };
 
 Truth judge(const Whole& w) {
   const Quad upper = std::min(w.pieces.upper, w.contained);
-  if (upper > 0 && w.contained > 0 && w.pieces.lower > 0) {
+  if (upper > 0 && w.contained > 0 && !w.contained_unknown && w.pieces.lower > 0) {
     return {roundDown(std::max(w.pieces.lower, w.hull.lower)), roundUp(upper), true};
   }
   return {roundDown(std::min(w.hull.lower, upper)), roundUp(upper), false};
@@ -143,7 +155,9 @@ Truth meshAgainstConvex(const PlacedMesh& mesh, const ConvexBody& convex) {
     if (coarse.lower - t.radius > w.pieces.upper) continue;
     w.pieces = meet(w.pieces, separation(body(t), convex));
   }
-  if (inside(mesh, middle)) w.contained = -surfaceDistance(mesh, middle) - convex.radius();
+  const Inside middle_inside = inside(mesh, middle);
+  if (middle_inside == Inside::kYes) w.contained = -surfaceDistance(mesh, middle) - convex.radius();
+  if (middle_inside == Inside::kUnknown) w.contained_unknown = true;
   return judge(w);
 }
 
@@ -157,10 +171,13 @@ Truth meshAgainstMesh(const PlacedMesh& a, const PlacedMesh& b) {
       w.pieces = meet(w.pieces, separation(body(s), body(t)));
     }
   }
-  for (const Vector& p : a.component_point)
-    if (inside(b, p)) w.contained = std::min(w.contained, -surfaceDistance(b, p));
-  for (const Vector& p : b.component_point)
-    if (inside(a, p)) w.contained = std::min(w.contained, -surfaceDistance(a, p));
+  for (const auto& [mesh, other] : {std::pair{&a, &b}, {&b, &a}}) {
+    for (const Vector& p : other->component_point) {
+      const Inside p_inside = inside(*mesh, p);
+      if (p_inside == Inside::kYes) w.contained = std::min(w.contained, -surfaceDistance(*mesh, p));
+      if (p_inside == Inside::kUnknown) w.contained_unknown = true;
+    }
+  }
   return judge(w);
 }
 

@@ -53,8 +53,8 @@ inline constexpr double kTransferRounding = 1e-14;
 
 // Hulls and meshes (hull_builder.cc, convex_hull.cc, mesh_tree.cc, hull_excess.cc)
 
-/// Largest coordinate that hulls and meshes accept [m]: their exact predicates multiply three, the
-/// engine four.
+/// Largest size or coordinate that shapes accept [m]: the exact predicates of hulls and meshes multiply
+/// three, the engine four.
 inline constexpr double kLargestCoordinate = 1e60;
 
 /// Rounding of a distance of a point from a triangle or of a radius, as a fraction of the
