@@ -136,9 +136,9 @@ constexpr double kVerifyRounding = 4e-12;
 /// Where a distance alone decides, it is wanted to this [m].
 constexpr double kVerifyTolerance = 1e-9;
 
-/// Where a span is only partly free, its distance is wanted to this fraction: finer costs more than
+/// Where a span is only partly free, its distance is wanted to this fraction: finer costs much more than
 /// the larger step saves.
-constexpr double kVerifyFraction = 0.05;
+constexpr double kVerifyFraction = 0.4;
 
 /// A span in which the pair can move by no more than this [m] is not split further: it is left
 /// undecided.

@@ -349,17 +349,29 @@ class Verifier {
     ask();
     if (look.status == DistanceStatus::kInvalid || look.distance.upper + look.slack <= margin)
       return;
-    const bool enough = look.distance.lower > request.threshold;
-    if (enough && look.distance.lower - look.slack - look.motion >= result_.clearance_lower) return;
+    if (look.distance.lower > request.threshold) {
+      // Enough. Twice as far is asked for until the proven clearance does not suffer, or it is
+      // farther than the truth.
+      const double wanted = result_.clearance_lower + look.motion + look.slack;
+      do {
+        const double lower = look.distance.lower;
+        request.threshold = std::min(wanted, lower + std::max(std::abs(lower), kVerifyTolerance));
+        if (!(look.distance.upper > request.threshold) || !(wanted > lower)) return;
+        ask();
+      } while (look.status == DistanceStatus::kAboveThreshold);
+      return;
+    }
+    // Not enough: how much there is, to a fraction. The tolerance follows from an upper end that is
+    // itself only an estimate at first.
     request.threshold = std::numeric_limits<double>::quiet_NaN();
-    // The tolerance follows from an upper end that is itself only an estimate at first.
     do {
+      if (!std::isfinite(look.distance.upper)) return;
       request.tolerance =
           std::max(kVerifyTolerance, kVerifyFraction * (look.distance.upper - margin));
       ask();
     } while (look.status == DistanceStatus::kConverged && request.tolerance > kVerifyTolerance &&
              look.distance.upper - look.distance.lower >
-                 5 * kVerifyFraction * (look.distance.upper - margin));
+                 1.25 * kVerifyFraction * (look.distance.upper - margin));
   }
 
   /// False: refuted, or the work is used up.
