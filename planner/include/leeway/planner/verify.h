@@ -15,7 +15,9 @@ struct VerifyResult {
   int segment = -1;      ///< where it fails or cannot be decided
   double t0 = 0, t1 = 0; ///< between which fractions of the segment
   std::string a, b;      ///< between what
-  double clearance_lower = 0;  ///< proven for the whole path when certified [m]
+  /// Proven for the whole path when certified [m]; infinite without pairs. Rounding apart, what it exceeds the margin by is at least a
+  /// quarter of what the true clearance does.
+  double clearance_lower = 0;
   std::string reason;    ///< also: a waypoint outside limits, start or goal not the problem's
 };
 
