@@ -1,0 +1,368 @@
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <set>
+
+#include "leeway/planner/compiled_scene.h"
+#include "leeway/planner/edge_certifier.h"
+#include "leeway/planner/problem.h"
+#include "leeway/robots/input_error.h"
+
+namespace leeway::planner {
+namespace {
+
+const std::string kSource = LEEWAY_SOURCE_DIR;
+
+std::string dataFolder() {
+  const char* folder = std::getenv("LEEWAY_DATA");
+  return folder != nullptr ? folder : kSource + "/../shared/data";
+}
+
+/// A robot of two arms, in the manner of those whose descriptions split one link's geometry over
+/// several: torso_2 is fixed to torso, and no matrix knows it. `knob` is fixed to the torso too,
+/// but is a thing of its own.
+constexpr const char* kUrdf = R"(<robot name="twins">
+  <link name="torso"><collision><geometry><sphere radius="0.1"/></geometry></collision></link>
+  <link name="torso_2"><collision><geometry><sphere radius="0.1"/></geometry></collision></link>
+  <link name="knob"><collision><geometry><sphere radius="0.1"/></geometry></collision></link>
+  <link name="left"><collision><geometry><sphere radius="0.1"/></geometry></collision></link>
+  <link name="left_tip"><collision><geometry><sphere radius="0.1"/></geometry></collision></link>
+  <link name="right"><collision><geometry><sphere radius="0.1"/></geometry></collision></link>
+  <joint name="torso_2_joint" type="fixed"><parent link="torso"/><child link="torso_2"/></joint>
+  <joint name="knob_joint" type="fixed"><parent link="torso"/><child link="knob"/></joint>
+  <joint name="left_joint" type="revolute"><parent link="torso"/><child link="left"/><axis xyz="0 0 1"/>
+    <origin xyz="0 1 0"/><limit lower="-3.14159" upper="3.14159" velocity="1" effort="1"/></joint>
+  <joint name="left_tip_joint" type="continuous"><parent link="left"/><child link="left_tip"/><axis xyz="0 0 1"/><origin xyz="1 0 0"/></joint>
+  <joint name="right_joint" type="prismatic"><parent link="torso"/><child link="right"/><axis xyz="0 0 1"/>
+    <origin xyz="0 -1 0"/><limit lower="0" upper="1" velocity="1" effort="1"/></joint>
+</robot>)";
+
+constexpr const char* kSrdf = R"(<robot name="twins">
+  <group name="both"><joint name="left_joint"/><joint name="left_tip_joint"/><joint name="right_joint"/></group>
+  <group name="left"><joint name="left_joint"/><joint name="left_tip_joint"/></group>
+  <virtual_joint name="base_joint" type="floating" parent_frame="world" child_link="torso"/>
+  <disable_collisions link1="knob" link2="right" reason="Never"/>
+  <disable_collisions link1="left" link2="right" reason="Never"/>
+</robot>)";
+
+constexpr const char* kMatrix = R"(
+allowed_collision_matrix:
+  entry_names: [left, torso, left_tip, can, ghost]
+  entry_values:
+    - [false, true, true, false, false]
+    - [true, false, false, false, false]
+    - [true, false, false, true, false]
+    - [false, false, true, false, false]
+    - [false, false, false, false, false]
+)";
+
+constexpr const char* kObjects = R"(
+world:
+  collision_objects:
+    - primitive_poses: [{orientation: [0, 0, 0, 1], position: [0, 0, 5]}]
+      primitives: [{dimensions: [1, 0.5], type: cylinder}]
+      id: can
+      pose: {orientation: [0, 0, 0.70710678118654757, 0.70710678118654757], position: [10, 0, 0]}
+    - id: box
+      header: {frame_id: ""}
+      primitives: [{type: box, dimensions: [1, 2, 3]}, {type: sphere, dimensions: [4]}, {type: cone, dimensions: [5, 6]}]
+      primitive_poses: [{position: [20, 0, 0]}, {position: [30, 0, 0], orientation: [0, 0, 0, 1]}, {}]
+)";
+
+constexpr const char* kRequest = R"(
+group_name: both
+planner_id: NoSuchPlanner
+allowed_planning_time: 0
+start_state:
+  joint_state: {position: [0.5, 7, 0.25, 9], name: [right_joint, left_tip_joint, left_joint, no_such_joint]}
+  multi_dof_joint_state: {joint_names: [base_joint], transforms: [{rotation: [0, 0, 0, 1], translation: [0, 0, 0]}], twist: [], wrench: []}
+goal_constraints:
+  - joint_constraints:
+      - {position: -3.14159265, joint_name: left_joint}
+      - {joint_name: right_joint, position: 1}
+      - {joint_name: left_tip_joint, position: -0.5}
+)";
+
+class MoveitImport : public testing::Test {
+ protected:
+  MoveitImport() {
+    folder_ =
+        std::filesystem::path(testing::TempDir()) / ("leeway_moveit_" + std::to_string(::getpid()));
+    std::filesystem::create_directories(folder_);
+    model_ = robots::loadModel(write("twins.urdf", kUrdf), write("twins.srdf", kSrdf));
+  }
+  ~MoveitImport() override {
+    std::error_code ignored;
+    std::filesystem::remove_all(folder_, ignored);
+  }
+  std::string write(const std::string& name, const std::string& text) const {
+    std::ofstream(folder_ / name) << text;
+    return (folder_ / name).string();
+  }
+  Problem load(const std::string& scene, const std::string& request) const {
+    return loadMoveit(model_, write("scene.yaml", scene), write("request.yaml", request));
+  }
+  /// The message without the folder.
+  std::string messageOf(const std::string& scene, const std::string& request) const {
+    try {
+      load(scene, request);
+    } catch (const robots::InputError& error) {
+      return std::string(error.what()).substr(folder_.string().size() + 1);
+    }
+    return "accepted";
+  }
+  double start(const Problem& problem, const std::string& variable) const {
+    return problem.configuration[static_cast<std::size_t>(model_->findVariable(variable))];
+  }
+
+  std::filesystem::path folder_;
+  std::shared_ptr<const robots::Model> model_;
+};
+
+const std::string kScene =
+    std::string("name: s\nfixed_frame_transforms: []\n") + kMatrix + kObjects;
+
+std::string replaced(std::string text, const std::string& what, const std::string& by) {
+  const std::size_t place = text.find(what);
+  EXPECT_NE(place, std::string::npos) << what;
+  return text.replace(place, what.size(), by);
+}
+
+TEST_F(MoveitImport, ObjectsHaveFullEdgesHeightBeforeRadiusAndBothPoses) {
+  const Problem problem = load(kScene, kRequest);
+  ASSERT_EQ(problem.objects.size(), 2U);
+  const Object& can = problem.objects[0];
+  EXPECT_EQ(can.name, "can");
+  EXPECT_EQ(can.geometries[0].shape.type(), collision::ShapeType::kCylinder);
+  EXPECT_EQ(can.geometries[0].shape.halfLength(), 0.5);
+  EXPECT_EQ(can.geometries[0].shape.radius(), 0.5);
+  const robots::Pose X_WG = can.X_WO * can.geometries[0].X_BG;
+  EXPECT_LT((X_WG.translation - Eigen::Vector3d(10, 0, 5)).norm(), 1e-14);
+  EXPECT_LT((X_WG.rotation.col(0) - Eigen::Vector3d::UnitY()).norm(), 1e-15);
+  const Object& box = problem.objects[1];
+  ASSERT_EQ(box.geometries.size(), 3U);
+  EXPECT_EQ(box.geometries[0].shape.halfExtents(), Eigen::Vector3d(0.5, 1, 1.5));
+  EXPECT_EQ(box.geometries[1].shape.radius(), 4);
+  EXPECT_EQ(box.geometries[2].shape.halfLength(), 2.5);
+  EXPECT_EQ(box.geometries[2].shape.radius(), 6);
+  EXPECT_EQ((box.X_WO * box.geometries[0].X_BG).translation, Eigen::Vector3d(20, 0, 0));
+}
+
+TEST_F(MoveitImport, JointsGoByNameNotByPlace) {
+  const Problem problem = load(kScene, kRequest);
+  ASSERT_EQ(problem.variables.size(), 3U);
+  EXPECT_EQ(start(problem, "left_joint"), 0.25);
+  EXPECT_EQ(start(problem, "left_tip_joint"), 7);
+  EXPECT_EQ(start(problem, "right_joint"), 0.5);
+  ASSERT_EQ(problem.goals.size(), 1U);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::string& name =
+        model_->variables[static_cast<std::size_t>(problem.variables[i])].name;
+    // Pi, cut to six digits in the robot's limit, is the limit.
+    const double expected = name == "left_joint" ? -3.14159 : name == "right_joint" ? 1 : -0.5;
+    EXPECT_EQ(problem.goals[0].ranges[i], std::make_pair(expected, expected)) << name;
+  }
+}
+
+TEST_F(MoveitImport, OtherGroupsJointsArePassive) {
+  std::string request = replaced(kRequest, "group_name: both", "group_name: left");
+  EXPECT_NE(messageOf(kScene, request)
+                .find("goal names joint 'right_joint', which is not planned; planned are "
+                      "left_joint, left_tip_joint"),
+            std::string::npos)
+      << messageOf(kScene, request);
+  request = replaced(request, "      - {joint_name: right_joint, position: 1}\n", "");
+  request = replaced(
+      request, "[0.5, 7",
+      "[1.5, 7");  // outside its limits, but not planned: as it is, like MoveIt's open fingers
+  const Problem problem = load(kScene, request);
+  EXPECT_EQ(problem.variables.size(), 2U);
+  EXPECT_EQ(start(problem, "right_joint"), 1.5);
+}
+
+TEST_F(MoveitImport, MatrixStandsInForTheSrdfWhereItKnowsTheLinks) {
+  const Problem problem = load(kScene, kRequest);
+  EXPECT_TRUE(problem.replace_srdf_pairs);
+  std::set<std::set<std::string>> allowed;
+  for (const auto& [a, b] : problem.allowed) allowed.insert({a, b});
+  EXPECT_EQ(allowed, (std::set<std::set<std::string>>{
+                         {"left", "torso"},
+                         {"left", "left_tip"},  // said by the matrix
+                         {"left", "torso_2"},   // a part of the torso that the matrix does not know
+                         {"knob", "right"},
+                         {"left", "right"},       // the matrix does not know right: the SRDF speaks
+                         {"can", "left_tip"}}));  // an object
+  std::string all;
+  for (const std::string& warning : problem.warnings) all += warning + "\n";
+  EXPECT_NE(all.find("the matrix names 'ghost', which is no link and no object"), std::string::npos)
+      << all;
+  EXPECT_NE(all.find("link 'torso_2' is not in the matrix, may touch what 'torso' may touch"),
+            std::string::npos)
+      << all;
+  EXPECT_NE(all.find("the robot has no joint 'no_such_joint', its position 9 is not used"),
+            std::string::npos)
+      << all;
+  EXPECT_NE(all.find("joint 'left_joint' at -3.14159265 is moved onto its limit -3.14159"),
+            std::string::npos)
+      << all;
+  EXPECT_EQ(problem.warnings.size(), 4U) << all;
+}
+
+TEST_F(MoveitImport, FalseInTheMatrixOutweighsTheSrdf) {
+  const std::string matrix =
+      "\nallowed_collision_matrix:\n  entry_names: [left, right]\n  entry_values: [[false, false], "
+      "[false, false]]\n";
+  const Problem problem = load(matrix + kObjects, kRequest);
+  EXPECT_EQ(problem.allowed, (std::vector<std::pair<std::string, std::string>>{{"knob", "right"}}));
+  // An entry that is true one way only allows nothing.
+  const Problem half =
+      load(replaced(matrix, "[[false, false]", "[[false, true]") + kObjects, kRequest);
+  EXPECT_EQ(half.allowed, problem.allowed);
+}
+
+TEST_F(MoveitImport, WithoutAMatrixTheSrdfHolds) {
+  const Problem problem = load(kObjects, kRequest);
+  EXPECT_FALSE(problem.replace_srdf_pairs);
+  EXPECT_TRUE(problem.allowed.empty());
+}
+
+TEST_F(MoveitImport, FramesMoveObjects) {
+  const std::string transforms =
+      "fixed_frame_transforms:\n  - {child_frame_id: cell, transform: {translation: [1, 2, 3], "
+      "rotation: [0, 0, 0, 1]}}\n";
+  const Problem problem =
+      load(transforms + replaced(kObjects, "frame_id: \"\"", "frame_id: cell"), kRequest);
+  EXPECT_EQ(problem.objects[1].X_WO.translation, Eigen::Vector3d(1, 2, 3));
+  EXPECT_NE(
+      messageOf(replaced(kObjects, "frame_id: \"\"", "frame_id: cell"), kRequest)
+          .find("unknown frame 'cell' in world.collision_objects[1].header; known: torso, world"),
+      std::string::npos)
+      << messageOf(replaced(kObjects, "frame_id: \"\"", "frame_id: cell"), kRequest);
+}
+
+TEST_F(MoveitImport, SeveralGoalsAndTolerancesAreTaken) {
+  const std::string more =
+      "  - joint_constraints:\n      - {joint_name: left_joint, position: 3.1, tolerance_above: "
+      "0.1, tolerance_below: 0.2}\n"
+      "      - {joint_name: right_joint, position: 0}\n      - {joint_name: left_tip_joint, "
+      "position: 0}\n";
+  const Problem problem = load(kScene, kRequest + more + "allowed_planning_time: 3\n");
+  ASSERT_EQ(problem.goals.size(), 2U);
+  EXPECT_NEAR(problem.goals[1].ranges[0].first, 2.9, 1e-12);
+  EXPECT_EQ(problem.goals[1].ranges[0].second, 3.14159);  // the limit ends the range
+}
+
+TEST_F(MoveitImport, WhatWouldChangeTheProblemIsNeverSkipped) {
+  const auto expect = [&](const std::string& scene, const std::string& request,
+                          const std::string& expected) {
+    const std::string message = messageOf(scene, request);
+    EXPECT_EQ(message.substr(0, expected.size()), expected) << message;
+  };
+  const std::string request = kRequest;
+  expect(
+      replaced(kScene, "id: box\n", "id: box\n      meshes: [{triangles: []}]\n"), request,
+      "scene.yaml:20: world.collision_objects[1].meshes is not supported; a primitive is expected");
+  expect(replaced(kScene, "type: sphere", "type: prism"), request,
+         "scene.yaml:21: world.collision_objects[1].primitives[1].type is 'prism'; box, sphere, "
+         "cylinder or cone is expected");
+  expect(replaced(kScene, "[1, 2, 3]}", "[1, 2]}"), request,
+         "scene.yaml:21: world.collision_objects[1].primitives[0].dimensions is a list of 2 for a "
+         "box; the three edges are expected");
+  expect(replaced(kScene, "dimensions: [4]", "dimensions: [-4]"), request,
+         "scene.yaml:21: world.collision_objects[1].primitives[1].dimensions[0] is -4; zero or "
+         "more is expected");
+  expect(replaced(kScene, ", {}]", "]"), request,
+         "scene.yaml:22: object 'box' has 3 primitives and 2 primitive_poses; equally many, at "
+         "least one, are expected");
+  expect(replaced(kScene, "id: box", "id: can"), request,
+         "scene.yaml:19: object 'can' has the name of another object or link; a name of its own is "
+         "expected");
+  expect(
+      replaced(kScene, "[0, 0, 0.70710678118654757, 0.70710678118654757]", "[0, 0, 1, 1]"), request,
+      "scene.yaml:18: world.collision_objects[0].pose.orientation is a quaternion of length 1.414");
+  expect(replaced(kScene, "[true, false, false, false, false]", "[true, false]"), request,
+         "scene.yaml:8: allowed_collision_matrix.entry_values[1] has 2 entries for 5 names; "
+         "equally many are expected");
+  expect(kScene + "robot_state: {attached_collision_objects: [{link_name: left}]}\n", request,
+         "scene.yaml:23: robot_state.attached_collision_objects is not supported");
+  expect(kScene, replaced(request, "group_name: both", "group_name: bth"),
+         "request.yaml:2: robot 'twins' has no group 'bth'; did you mean 'both'?");
+  expect(kScene, replaced(request, "position: [0.5, 7, 0.25, 9]", "position: [0.5, 7, 0.25]"),
+         "request.yaml:6: 3 positions for 4 names; equally many are expected");
+  expect(kScene,
+         replaced(request, "left_tip_joint, left_joint, no_such_joint]",
+                  "left_tip_joint, left_joint, left_joint]"),
+         "request.yaml:6: joint 'left_joint' stands twice in start_state.joint_state.position[3]; "
+         "once is expected");
+  expect(kScene, replaced(request, ", left_joint, no_such_joint]", ", a, no_such_joint]"),
+         "request.yaml:6: start says nothing of joint 'left_joint'");
+  expect(kScene, replaced(request, "[0.5, 7", "[1.5, 7"),
+         "request.yaml:6: start has joint 'right_joint' at 1.5, outside its limits; 0 to 1 is "
+         "expected");
+  expect(
+      kScene, replaced(request, "position: 1}", "position: 2}"),
+      "request.yaml:11: goal has joint 'right_joint' at 2, outside its limits; 0 to 1 is expected");
+  expect(kScene, replaced(request, "joint_name: right_joint", "joint_name: rigt_joint"),
+         "request.yaml:11: unknown joint 'rigt_joint' in goal_constraints[0].joint_constraints[1]; "
+         "did you mean 'right_joint'?");
+  expect(kScene, replaced(request, "joint_name: right_joint", "joint_name: left_joint"),
+         "request.yaml:11: joint 'left_joint' has two constraints; one is expected");
+  expect(kScene, request + "    position_constraints: [{link_name: left}]\n",
+         "request.yaml:13: goal_constraints[0].position_constraints is not supported; a goal of "
+         "joint_constraints is expected");
+  expect(kScene, request + "path_constraints: {orientation_constraints: [{link_name: left}]}\n",
+         "request.yaml:13: path_constraints.orientation_constraints is not supported");
+  expect(kScene,
+         replaced(request, "joint_names: [base_joint], transforms: [{rotation: [0, 0, 0, 1]",
+                  "joint_names: [left_joint], transforms: [{rotation: [0, 0, 1, 0]"),
+         "request.yaml:7: joint 'left_joint' is not floating, but placed elsewhere; the identity "
+         "is expected");
+}
+
+TEST_F(MoveitImport, AFloatingBaseStandsWhereTheRequestSays) {
+  const Problem problem =
+      load(kScene, replaced(kRequest, "rotation: [0, 0, 0, 1], translation: [0, 0, 0]",
+                            "rotation: [0, 0, 1, 0], translation: [1, 2, 3]"));
+  EXPECT_EQ(start(problem, "base_joint/y"), 2);
+  EXPECT_EQ(start(problem, "base_joint/qz"), 1);
+}
+
+/// Every problem of the public set that is beside the project: loads, and start and goal are valid,
+/// as its authors found them.
+TEST(MotionBenchMaker, EveryStartAndGoalIsValid) {
+  const std::string data = dataFolder();
+  if (!std::filesystem::exists(data + "/mbm"))
+    GTEST_SKIP() << "no " << data << "/mbm (set LEEWAY_DATA)";
+  int problems = 0, moved_by_pose = 0;
+  for (const std::string name : {"panda", "ur5"}) {
+    const std::string robot = data + "/robots/" + name + "/" + name;
+    const auto model = robots::loadModel(robot + ".urdf", robot + ".srdf");
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(data + "/mbm/" + name)) {
+      const std::string scene_file = entry.path().string();
+      const std::size_t place = scene_file.rfind("/scene");
+      if (place == std::string::npos) continue;
+      const Problem problem =
+          loadMoveit(model, scene_file, std::string(scene_file).replace(place, 6, "/request"));
+      ++problems;
+      for (const Object& object : problem.objects)
+        moved_by_pose += object.X_WO.translation.norm() > 0 ? 1 : 0;
+      EdgeCertifier certifier(std::make_shared<const CompiledScene>(problem));
+      std::vector<double> start, goal;
+      for (const int v : problem.variables)
+        start.push_back(problem.configuration[static_cast<std::size_t>(v)]);
+      for (const auto& range : problem.goals.at(0).ranges) goal.push_back(range.first);
+      EXPECT_EQ(certifier.decide(start), collision::Verdict::kFree) << scene_file;
+      EXPECT_EQ(certifier.decide(goal), collision::Verdict::kFree) << scene_file;
+    }
+  }
+  EXPECT_GE(problems, 20);
+  EXPECT_GT(moved_by_pose, 0);  // ur5/table_pick, where overlooking `pose` moves the whole table
+}
+
+}  // namespace
+}  // namespace leeway::planner
