@@ -1,6 +1,7 @@
 // Every problem file of the repository loads, starts and goals are valid, and what it is there for
 // is so.
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -108,6 +109,45 @@ TEST(ShippedProblems, CoverWhatTheReadmePromises) {
         "snake/clutter.yaml", "bodies/window.yaml", "bodies/piano.yaml", "mesh/tote.yaml",
         "unsolvable/sealed.yaml", "moveit/table.yaml"})
     EXPECT_EQ(std::count(files.begin(), files.end(), file), 1) << file;
+}
+
+/// The examples of problems/README.md, in order: a whole file, a body, MoveIt's files.
+std::vector<std::string> readmeExamples() {
+  std::ifstream stream(kProblems + "/README.md");
+  std::vector<std::string> examples;
+  bool inside = false;
+  for (std::string line; std::getline(stream, line);) {
+    if (line == "```yaml") {
+      examples.emplace_back();
+      inside = true;
+    } else if (line == "```") {
+      inside = false;
+    } else if (inside) {
+      examples.back() += line + "\n";
+    }
+  }
+  return examples;
+}
+
+TEST(ShippedProblems, ExamplesOfTheReadmeLoad) {
+  const auto folder =
+      std::filesystem::path(testing::TempDir()) / ("leeway_readme_" + std::to_string(::getpid()));
+  std::filesystem::create_directories(folder / "problems" / "example");
+  std::filesystem::create_directories(folder / "problems" / "my_robot");
+  std::filesystem::create_directory_symlink(std::string(LEEWAY_SOURCE_DIR) + "/robots",
+                                            folder / "robots");
+  for (const char* name : {"scene0001.yaml", "request0001.yaml"})
+    std::filesystem::copy_file(kProblems + "/moveit/" + name,
+                               folder / "problems" / "example" / name);
+  const std::vector<std::string> examples = readmeExamples();
+  EXPECT_EQ(examples.size(), 3U);
+  for (std::string example : examples) {
+    if (example.rfind("leeway:", 0) != 0) example = "leeway: 1\n" + example;
+    const std::string file = (folder / "problems" / "example" / "problem.yaml").string();
+    std::ofstream(file) << example;
+    EXPECT_NO_THROW(EXPECT_TRUE(loadProblem(file).warnings.empty())) << example;
+  }
+  std::filesystem::remove_all(folder);
 }
 
 /// The meshes are there because they are concave: taken for its hull, the tote would hold the
