@@ -264,17 +264,33 @@ void CompiledScene::deriveMotions(std::span<const VariableRange> ranges) {
       farthest = std::max(farthest, motion.base_reach);
       longest = std::max(longest, motion.terms.size());
     }
+  const std::vector<robots::JointMotion> unit(model_->joints.size(), {1, 1});
   std::map<std::pair<int, int>, int> known;  // geometry and base: index into motions_
-  for (const collision::ScenePair& pair : scene_.pairs()) {
-    const int geometry = scene_.geometryIndex(pair.body_a, pair.geometry_a);
-    const int link = bodyLink(pair.body_a), base = bodyLink(pair.body_b);
-    const collision::Ball& ball = scene_.bounds(geometry).outer;
+  const auto derived = [&](int geometry, int link, int base) {
     const auto [entry, is_new] =
         known.emplace(std::pair(geometry, base), static_cast<int>(motions_.size()));
+    const collision::Ball& ball = scene_.bounds(geometry).outer;
     if (is_new)
       motions_.push_back(
           robots::relativeMotion(*model_, link, base, ball.center, ball.radius, ranges));
-    pair_motion_.push_back(entry->second);
+    return entry->second;
+  };
+  for (const collision::ScenePair& pair : scene_.pairs()) {
+    const int a = scene_.geometryIndex(pair.body_a, pair.geometry_a);
+    const int b = scene_.geometryIndex(pair.body_b, pair.geometry_b);
+    const int link_a = bodyLink(pair.body_a), link_b = bodyLink(pair.body_b);
+    int motion = derived(a, link_a, link_b);
+    bool reversed = false;
+    // What is near the joints between the two moves least; as a rule that is not the thing of the
+    // world.
+    if (std::isfinite(scene_.bounds(b).outer.radius)) {
+      const int other = derived(b, link_b, link_a);
+      reversed = robots::accelerationBound(*model_, motions_[at(other)], unit) <
+                 robots::accelerationBound(*model_, motions_[at(motion)], unit);
+      if (reversed) motion = other;
+    }
+    pair_motion_.push_back(motion);
+    reversed_.push_back(reversed ? 1 : 0);
   }
   reach_ = farthest <= kLargestReach / 2 ? 2 * farthest : kLargestReach;
   rounding_ = robots::kinematicsRounding(*model_, reach_) +

@@ -52,11 +52,15 @@ void EdgeFrames::addPairs() {
     e.a = scene.geometryIndex(pair.body_a, pair.geometry_a);
     e.b = scene.geometryIndex(pair.body_b, pair.geometry_b);
     e.motion = scene_->pairMotionIndex(e.scene_pair);
-    const Piece& b = pieces_[at(e.b)];
+    e.rounding = (pieces_[at(e.b)].link >= 0 ? 2 : 1) * scene_->rounding();
+    if (scene_->isReversed(e.scene_pair)) std::swap(e.a, e.b);
     // Every coordinate that a relative pose is made from is within this of its frame's origin.
-    const double scale =
-        2 * scene_->reach() + b.X_GW.translation.lpNorm<1>() + b.bounds->outer.center.lpNorm<1>();
-    e.rounding = (b.link >= 0 ? 2 : 1) * scene_->rounding() + collision::kTransferRounding * scale;
+    double scale = 2 * scene_->reach();
+    for (const int piece : {e.a, e.b})
+      if (pieces_[at(piece)].link < 0)
+        scale += pieces_[at(piece)].X_GW.translation.lpNorm<1>() +
+                 pieces_[at(piece)].bounds->outer.center.lpNorm<1>();
+    e.rounding += collision::kTransferRounding * scale;
     e.threshold = pair.margin + e.rounding;
     pairs_.push_back(e);
   }

@@ -24,7 +24,7 @@ struct Piece {
   Pose X_GW;                                          ///< world pieces only
 };
 
-/// One pair of the scene; a moves.
+/// One pair of the scene; a is the one whose sweep is taken, seen from b.
 struct EdgePair {
   int scene_pair;
   int a, b;          ///< pieces
@@ -52,9 +52,10 @@ class EdgeFrames {
   std::span<const EdgePair> pairs() const { return pairs_; }
 
   std::span<const Pose> links(int slot) const { return {&poses_[at(slot) * links_], links_}; }
-  /// Centre of a moving piece's ball, in the world.
+  /// Centre of a piece's ball, in the world.
   const Eigen::Vector3d& center(int slot, int piece) const {
-    return centers_[at(slot) * pieces_.size() + at(piece)];
+    const Piece& p = pieces_[at(piece)];
+    return p.link < 0 ? p.bounds->outer.center : centers_[at(slot) * pieces_.size() + at(piece)];
   }
   Pose piecePose(int slot, int piece) const;
   /// X_BA of a pair's pieces.

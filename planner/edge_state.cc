@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "planner/edge_certifier_impl.h"
 
@@ -15,9 +16,11 @@ EdgeCertifier::Impl::Pair EdgeCertifier::Impl::coarseState(int slot, const EdgeP
   const collision::GeometryBounds& b = *frames.pieces()[at(pair.b)].bounds;
   const double lower = b.coarse.lower(frames.inFrameOf(slot, pair.b, frames.center(slot, pair.a)));
   if (lower - a.outer.radius > pair.threshold) return Pair::kFree;
-  const Pose& X_WL = frames.links(slot)[at(frames.pieces()[at(pair.a)].link)];
+  const int link = frames.pieces()[at(pair.a)].link;
   for (const collision::Ball& ball : a.inner) {
-    const double upper = b.coarse.upper(frames.inFrameOf(slot, pair.b, X_WL * ball.center));
+    const Eigen::Vector3d center_W =
+        link < 0 ? ball.center : frames.links(slot)[at(link)] * ball.center;
+    const double upper = b.coarse.upper(frames.inFrameOf(slot, pair.b, center_W));
     if (upper - ball.radius <= pair.threshold) return Pair::kNotFree;
   }
   return Pair::kOpen;
@@ -27,10 +30,16 @@ collision::DistanceResult EdgeCertifier::Impl::stateDistance(
     int slot, const EdgePair& pair, const collision::DistanceRequest& request) {
   ++work;
   ++statistics->distance_queries;
-  return collision::distance(
+  collision::DistanceResult result = collision::distance(
       frames.pieces()[at(pair.a)].geometry->shape, frames.piecePose(slot, pair.a),
       frames.pieces()[at(pair.b)].geometry->shape, frames.piecePose(slot, pair.b), request,
       workspace.scratch(), &workspace.cache(pair.scene_pair));
+  if (scene->isReversed(pair.scene_pair)) {  // told in the scene's order
+    std::swap(result.point_a, result.point_b);
+    std::swap(result.triangle_a, result.triangle_b);
+    result.normal = -result.normal;
+  }
+  return result;
 }
 
 EdgeCertifier::Impl::Pair EdgeCertifier::Impl::exactState(int slot, const EdgePair& pair) {

@@ -274,7 +274,8 @@ double speedBound(const Model& model, const RelativeMotion& motion,
 MotionBound localMotionBound(const Model& model, const RelativeMotion& motion,
                              std::span<const JointMotion> joint_motion, std::span<const Pose> X_WL,
                              double half_interval, bool within_limits) {
-  const Eigen::Vector3d center_W = X_WL[at(motion.link)] * motion.center_L;
+  const Eigen::Vector3d center_W =
+      motion.link < 0 ? motion.center_L : X_WL[at(motion.link)] * motion.center_L;
   return sumTerms(model, motion, joint_motion, [&](const RelativeMotion::Term& term, double speed) {
     const Joint& joint = model.joints[at(term.joint)];
     const Pose& X_WC = X_WL[at(joint.child_link)];

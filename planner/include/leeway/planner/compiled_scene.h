@@ -24,10 +24,12 @@ class CompiledScene {
   const robots::Model& model() const { return *model_; }
   /// Link that carries scene body b, -1 for a static body.
   int bodyLink(int body) const { return body_link_[static_cast<std::size_t>(body)]; }
-  /// How body a of scene pair p moves seen from body b (static: from the world).
+  /// How body a of scene pair p moves seen from body b (static: from the world); the other way
+  /// round when isReversed(p): whichever of the two is near the joints between them moves less.
   const robots::RelativeMotion& pairMotion(int pair) const {
     return motions_[static_cast<std::size_t>(pairMotionIndex(pair))];
   }
+  bool isReversed(int pair) const { return reversed_[static_cast<std::size_t>(pair)] != 0; }
   /// A pair's motion as an index into motions(): geometries' spheres are shared between pairs.
   int pairMotionIndex(int pair) const { return pair_motion_[static_cast<std::size_t>(pair)]; }
   std::span<const robots::RelativeMotion> motions() const { return motions_; }
@@ -48,8 +50,8 @@ class CompiledScene {
   /// limits, or what an unlimited joint is trusted with.
   double reach() const { return reach_; }
 
-  /// The same scene with every pair's margin at least `margin` [m]: what a search for clearance asks
-  /// of its next path. Bounds and meshes are those compiled before.
+  /// The same scene with every pair's margin at least `margin` [m]: what a search for clearance
+  /// asks of its next path. Bounds and meshes are those compiled before.
   std::shared_ptr<const CompiledScene> withMarginAtLeast(double margin) const {
     auto raised = std::make_shared<CompiledScene>(*this);
     raised->scene_.raiseMargins(margin);
@@ -71,6 +73,7 @@ class CompiledScene {
   collision::Scene scene_;
   std::vector<int> body_link_;
   std::vector<int> pair_motion_;
+  std::vector<char> reversed_;  // one a pair
   std::vector<robots::RelativeMotion> motions_;
   std::vector<int>
       jumping_circles_;  // places in a point of circles that a mimic joint is not periodic in
