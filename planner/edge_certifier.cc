@@ -25,6 +25,8 @@ EdgeCertifier::Impl::Impl(std::shared_ptr<const CompiledScene> compiled)
   const std::size_t lists = std::max<std::size_t>(kEdgeOpen, 2 * frames.pairs().size());
   for (std::vector<int>* list : {&open, &next_open}) list->reserve(lists);
   order.reserve(frames.pairs().size());
+  hopeful.assign(frames.pairs().size(), kSweepGrowth);
+  failed_stamp.resize(frames.pairs().size());
   for (std::vector<EdgeInterval>* list : {&intervals, &next_intervals})
     list->reserve(kEdgeIntervals);
 }
@@ -134,9 +136,14 @@ bool EdgeCertifier::Impl::examine(EdgeInterval& interval, std::vector<int>& list
     const EdgePair& pair = frames.pairs()[at(p)];
     double growth = 0;
     if (coarseSweep(interval, pair, growth) > pair.threshold) continue;
-    if (growth <= kSweepGrowth) {
+    if (growth <= hopeful[at(p)]) {
       const Interval distance = sweep(interval, pair, growth, pair.threshold);
-      if (distance.lower > pair.threshold) continue;
+      if (distance.lower > pair.threshold) {
+        hopeful[at(p)] = std::min(std::max(hopeful[at(p)], growth) * kHopeRegained, kSweepGrowth);
+        continue;
+      }
+      hopeful[at(p)] = std::max(growth * kHopeLost, hopeful[at(p)] / 2);
+      failed_stamp[at(p)] = stamp;
       if (distance.upper <= pair.threshold) {
         offender = p;
         for (; i < interval.end; ++i)
@@ -209,9 +216,7 @@ Verdict EdgeCertifier::Impl::checkMiddle(const EdgeInterval& interval, int slot,
     Pair found = coarseState(slot, pair);
     // What a sweep has failed to prove is near enough to be asked exactly; nothing that is open in
     // a configuration can be closed by smaller intervals.
-    const double growth =
-        interval.h * interval.h * motionOf(interval, pair.motion).acceleration / 8;
-    if (found == Pair::kOpen && growth <= kSweepGrowth) {
+    if (found == Pair::kOpen && failed_stamp[at(offender)] == stamp) {
       found = exactState(slot, pair);
       if (found == Pair::kOpen) return Verdict::kUndecided;
     }

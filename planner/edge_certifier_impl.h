@@ -67,6 +67,8 @@ struct EdgeCertifier::Impl {
   std::vector<robots::MotionBound> motion;  // of the present interval, one a motion
   std::vector<std::uint64_t> motion_stamp;
   std::uint64_t stamp = 0;
+  std::vector<double> hopeful;              // growth [m] at which a pair's sweep is worth trying
+  std::vector<std::uint64_t> failed_stamp;  // the interval at which a pair's sweep last failed
   std::vector<EdgeInterval> intervals, next_intervals;
   std::vector<int> open, next_open;
   std::vector<std::pair<double, int>> order;  // pairs by coarse distance

@@ -45,6 +45,12 @@ constexpr int kLastValidLevel = 12;
 /// anything that their halves would not. Chosen by measurement; costs time, never truth.
 constexpr double kSweepGrowth = 0.02;
 
+/// A pair whose sweep failed at some growth is not swept again above this share of it; each success
+/// raises that limit by the second factor. Pairs of one robot stay about as near to each other from
+/// edge to edge. Cost time, never truth.
+constexpr double kHopeLost = 0.7;
+constexpr double kHopeRegained = 1.1;
+
 /// Distance queries for one edge before it is left undecided: some milliseconds.
 constexpr int kEdgeWork = 4000;
 
