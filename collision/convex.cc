@@ -192,10 +192,10 @@ DistanceResult fromHalfSpace(const ConvexView& a, const Pose& X_BA, const Distan
   progress.iterations = 1;
   int hint = 0;
   const Vector down = -X_BA.rotation.row(2).transpose();
-  const Vector lowest = X_BA * farthest(a, down, hint, true);
+  const Vector lowest = X_BA * farthest(a, down, hint);
   const Vector w(0, 0, -lowest.z());
   const double height = lowest.z();
-  progress.offerLower(height, -Vector::UnitZ(), true);
+  progress.offerLower(height, -Vector::UnitZ());
   progress.offerWitness(height, w, lowest);
   return resultOf(progress);
 }
@@ -217,7 +217,7 @@ DistanceResult fromPoint(const ConvexView& a, const Vector& p, const ConvexView&
   Progress progress(query);
   progress.iterations = 1;
   const PointDistance d = pointDistance(b, p);
-  progress.offerLower(d.distance, -d.normal, true);
+  progress.offerLower(d.distance, -d.normal);
   progress.offerWitness(d.distance, d.nearest - p, p);
   return resultOf(progress);
 }
@@ -238,7 +238,7 @@ bool trySegments(const ConvexView& a, const Pose& X_BA, const ConvexView& b, Pro
   const auto offer = [&](const Vector& n) {
     const double value =
         -n.dot(X_BA.translation) - std::abs(n.dot(half_a)) - std::abs(n.dot(half_b));
-    progress.offerLower(value, n, true);
+    progress.offerLower(value, n);
   };
   if (norm > 0) offer(w / norm);
   if (progress.enough()) return true;
@@ -312,9 +312,9 @@ DistanceResult convexDistance(const ConvexView& a, const Pose& X_BA, const Conve
     const Vector w = anyPoint(b) - p;
     progress.offerWitness(w.norm(), w, p);
     if (translation > 0) {
-      progress.offerLower(translation - a.extent - b.extent, -X_BA.translation / translation, true);
+      progress.offerLower(translation - a.extent - b.extent, -X_BA.translation / translation);
     } else {
-      progress.offerLower(-a.extent - b.extent, Vector::UnitX(), true);
+      progress.offerLower(-a.extent - b.extent, Vector::UnitX());
     }
     return resultOf(progress);
   }
@@ -327,7 +327,6 @@ DistanceResult convexDistance(const ConvexView& a, const Pose& X_BA, const Conve
                                                                            8 * query.roundoff)) {
     growPolytope(difference, simplex, scratch.impl().polytope, progress);
   }
-  checkLower(difference, progress);
   remember(progress, difference.hintA(), difference.hintB(), cache);
   return resultOf(progress);
 }
@@ -381,7 +380,6 @@ DistanceResult convexSweptDistance(const ConvexView& a, const Pose& X_BA0, const
   Simplex simplex;
   if (request.iteration_limit > 0) {
     runGjk(difference, firstDirection(a, middle, b, cache), progress, simplex);
-    checkLower(difference, progress);
   }
   remember(progress, difference.hintA(), difference.hintB(), cache);
   return resultOf(progress);

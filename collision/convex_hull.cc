@@ -122,10 +122,4 @@ void ConvexHull::makeNeighbours(const std::vector<std::array<std::int32_t, 2>>& 
   neighbours_ = std::move(list);
 }
 
-std::span<const std::int32_t> ConvexHull::neighbours(std::int32_t i) const {
-  if (neighbour_begin_.empty()) return {};
-  const auto begin = index(neighbour_begin_[index(i)]), end = index(neighbour_begin_[index(i) + 1]);
-  return {neighbours_.data() + begin, end - begin};
-}
-
 }  // namespace leeway::collision

@@ -22,54 +22,54 @@ GjkEnd run(Difference<kSwept>& difference, const Vector& first_direction, Progre
            Simplex& simplex) {
   const CoreQuery& query = progress.query();
   const int limit = query.request.iteration_limit;
-  bool scan_all = !difference.climbing();
   Vector n = first_direction;
   double along_nearest = std::numeric_limits<double>::infinity();  // n . nearest
-  simplex.count = 0;
-  for (;;) {
-    if (progress.iterations >= limit) return GjkEnd::kLimit;
-    ++progress.iterations;
-    const SupportPoint s = difference.support(n, scan_all);
-    const double value = n.dot(s.w);
-    progress.offerLower(value, n, scan_all);
-    if (progress.enough()) {
-      if (checkLower(difference, progress) || progress.enough()) return GjkEnd::kEnough;
-      scan_all = true;  // climbing stopped short on this hull: do without
-      continue;
-    }
-    // Nothing beyond the simplex along n, to within rounding: further steps would chase noise.
-    if (along_nearest - value <= 2 * query.roundoff) return GjkEnd::kStagnated;
-
-    const double before = simplex.norm_squared;
-    const bool first = simplex.count == 0;
-    simplex.points[simplex.count++] = s;
-    if (!reduceToNearest(simplex)) return GjkEnd::kInside;
-    // In exact arithmetic the distance shrinks in every step.
-    if (!first && !(simplex.norm_squared < before)) return GjkEnd::kStagnated;
-
-    const double norm = std::sqrt(simplex.norm_squared);
+  double norm = 0;
+  // The simplex's witness is written down once, at the end: it only gets nearer.
+  const auto leave = [&](GjkEnd end) {
     if constexpr (!kSwept) {
-      progress.offerWitness(norm, simplex.nearest, simplex.pointOfA());
+      if (simplex.count > 0) progress.offerWitness(norm, simplex.nearest, simplex.pointOfA());
+    }
+    return end;
+  };
+  for (;;) {
+    if (progress.iterations >= limit) return leave(GjkEnd::kLimit);
+    ++progress.iterations;
+    SupportPoint& s = simplex.free();
+    difference.support(n, s);
+    const double value = n.dot(s.w);
+    progress.offerLower(value, n);
+    if (progress.enough()) return leave(GjkEnd::kEnough);
+    // Nothing beyond the simplex along n, to within rounding: further steps would chase noise.
+    if (along_nearest - value <= 2 * query.roundoff) return leave(GjkEnd::kStagnated);
+
+    const Reduction reduction = addAndReduce(simplex);
+    if (reduction == Reduction::kNoProgress) return leave(GjkEnd::kStagnated);
+    if (reduction == Reduction::kHoldsOrigin) {
+      leave(GjkEnd::kInside);
+      ++simplex.count;
+      return GjkEnd::kInside;
+    }
+    norm = std::sqrt(simplex.norm_squared);
+    if constexpr (!kSwept) {
+      progress.offerUpper(norm);
     } else {
       // A point of the swept hull is a point of a placement only when all its parts are of one.
       bool one_placement = true;
       for (int i = 1; i < simplex.count; ++i) {
-        one_placement &= simplex.points[i].placement == simplex.points[0].placement;
+        one_placement &= simplex.point(i).placement == simplex.point(0).placement;
       }
       if (one_placement) progress.offerWitness(norm, simplex.nearest, simplex.pointOfA());
       progress.offerSweptWitness(norm);
       // Nearer than the threshold as a hull: its lower end cannot come above it any more.
       if (norm - query.lower_offset <= query.request.threshold) return GjkEnd::kLimit;
     }
-    if (progress.enough()) {
-      if (checkLower(difference, progress) || progress.enough()) return GjkEnd::kEnough;
-      scan_all = true;
-    }
-    if (norm <= 4 * query.roundoff) return GjkEnd::kInside;
-    if (simplex.feature_normal.isZero(0)) {
+    if (progress.enough()) return leave(GjkEnd::kEnough);
+    if (norm <= 4 * query.roundoff) return leave(GjkEnd::kInside);
+    if (!simplex.has_normal) {
       n = simplex.nearest / norm;
     } else {
-      n = simplex.feature_normal.normalized();
+      n = simplex.feature_normal / simplex.feature_normal.norm();
       if (n.dot(simplex.nearest) < 0) n = -n;
     }
     along_nearest = n.dot(simplex.nearest);

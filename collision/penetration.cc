@@ -68,8 +68,7 @@ class Polytope {
       : difference_(difference),
         buffers_(buffers),
         progress_(progress),
-        roundoff_(progress.query().roundoff),
-        scan_all_(!difference.climbing()) {}
+        roundoff_(progress.query().roundoff) {}
 
   // False when the difference is flat: the lower ends found on the way are all there is.
   bool begin(const Simplex& start);
@@ -108,7 +107,6 @@ class Polytope {
   PolytopeBuffers& buffers_;
   Progress& progress_;
   const double roundoff_;
-  bool scan_all_;
   int vertex_count_ = 0;
   int facet_count_ = 0;  // slots of buffers_.facets in use or free
   int mark_ = 0;
@@ -120,13 +118,10 @@ class Polytope {
 // The support point along n, its plane offered; true when the request is met by it.
 bool Polytope::ask(const Vector& n, SupportPoint& found) {
   ++progress_.iterations;
-  found = difference_.support(n, scan_all_);
+  difference_.support(n, found);
   clean(found.w);
-  progress_.offerLower(n.dot(found.w), n, scan_all_);
-  if (!progress_.enough()) return false;
-  if (checkLower(difference_, progress_) || progress_.enough()) return true;
-  scan_all_ = true;
-  return false;
+  progress_.offerLower(n.dot(found.w), n);
+  return progress_.enough();
 }
 
 // Adds the first support point among `directions` and their opposites that is far enough.
@@ -152,7 +147,7 @@ bool Polytope::begin(const Simplex& start) {
   vertex_count_ = start.count;
   for (int i = 0; i < start.count; ++i) {
     SupportPoint& s = buffers_.vertices[static_cast<std::size_t>(i)];
-    s = start.points[i];
+    s = start.point(i);
     clean(s.w);
   }
   // Nearer than this to the flat spanned so far is the same as in it.
@@ -491,9 +486,7 @@ void Polytope::grow() {
     if (progress_.enough()) {
       // Where several translations separate equally well, the plane must be that of the witness.
       const bool other_plane = f.distance > 0 && -f.plane_normal.dot(progress_.normal()) < 1 - 1e-6;
-      const bool stood = checkLower(difference_, progress_);
-      if (progress_.enough() && (progress_.decided() || !other_plane)) return;
-      scan_all_ |= !stood;
+      if (progress_.decided() || !other_plane) return;
     }
     // Once the pair is known to be apart, or a facet that sees the origin was given up, the others
     // have nothing to say.
@@ -501,14 +494,12 @@ void Polytope::grow() {
     if (full()) return;
     SupportPoint& s = buffers_.vertices[static_cast<std::size_t>(vertex_count_)];
     const Vector outward = f.normal;
-    const bool certain = scan_all_;
     const bool met = ask(-outward, s);
     const double lower_here = -outward.dot(s.w) - progress_.query().lower_offset;
     if (f.distance > 0 && lower_here <= progress_.lower() &&
         progress_.lower() - lower_here <= 0.25 * progress_.query().request.tolerance &&
         progress_.upper() - lower_here <= progress_.query().request.tolerance) {
-      progress_.preferLower(-outward.dot(s.w), -outward, certain);
-      checkLower(difference_, progress_);
+      progress_.preferLower(-outward.dot(s.w), -outward);
     }
     if (met &&
         (progress_.decided() || f.distance <= 0 || -outward.dot(progress_.normal()) >= 1 - 1e-6)) {

@@ -2,6 +2,7 @@
 
 // What a query has proven so far, and whether that is enough.
 
+#include <algorithm>
 #include <limits>
 
 #include "collision/support.h"
@@ -27,32 +28,33 @@ class Progress {
   explicit Progress(const CoreQuery& query) : query_(query) {}
 
   /// A plane: every point w of the difference has w . n >= value.
-  void offerLower(double value, const Vector& n, bool certain) {
+  void offerLower(double value, const Vector& n) {
     const double lower = value - query_.lower_offset;
     if (lower > lower_) {
       lower_ = lower;
       normal_ = n;
-      certain_ = certain;
     }
   }
 
   /// Takes this plane in place of one that is better by rounding only: `normal` then belongs to the
   /// witness.
-  void preferLower(double value, const Vector& n, bool certain) {
+  void preferLower(double value, const Vector& n) {
     lower_ = value - query_.lower_offset;
     normal_ = n;
-    certain_ = certain;
   }
 
   /// A point of the difference at `distance` from the origin, made from point `a` of A.
   void offerWitness(double distance, const Vector& w, const Vector& a) {
     const double upper = distance - query_.upper_offset;
-    if (upper < upper_) {
+    if (upper <= upper_) {
       upper_ = upper;
       witness_w_ = w;
       witness_a_ = a;
     }
   }
+
+  /// The same, for a witness whose points will be offered later.
+  void offerUpper(double distance) { upper_ = std::min(upper_, distance - query_.upper_offset); }
 
   /// A point of a swept hull at `distance`, which no single placement need reach: it only tells how
   /// good the lower end is.
@@ -88,15 +90,6 @@ class Progress {
     return DistanceStatus::kLimit;
   }
 
-  /// True when the lower end comes from supports found by climbing, which must be checked before it
-  /// is claimed.
-  bool needsCheck() const { return !certain_; }
-  /// All vertices were scanned along normal(): that is the plane's value.
-  void settleLower(double value) {
-    lower_ = value - query_.lower_offset;
-    certain_ = true;
-  }
-
   const CoreQuery& query() const { return query_; }
   double lower() const { return lower_; }
   double upper() const { return upper_; }
@@ -112,18 +105,6 @@ class Progress {
   double swept_upper_ = std::numeric_limits<double>::infinity();
   Vector normal_ = Vector::UnitX();
   Vector witness_w_ = Vector::Zero(), witness_a_ = Vector::Zero();
-  bool certain_ = true;
 };
-
-/// Checks a lower end that rests on climbing by scanning all vertices. True when it stood.
-template <class DifferenceType>
-bool checkLower(DifferenceType& difference, Progress& progress) {
-  if (!progress.needsCheck()) return true;
-  const double claimed = progress.lower();
-  const Vector n = progress.normal();
-  const SupportPoint s = difference.support(n, true);
-  progress.settleLower(n.dot(s.w));
-  return progress.lower() >= claimed;
-}
 
 }  // namespace leeway::collision

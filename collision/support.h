@@ -34,39 +34,29 @@ inline int scanFarthest(const Vector* points, int count, const Vector& direction
   return best;
 }
 
-/// Steepest ascent along the edges of a hull from `start`. Rounding can end it early on a vertex
-/// that is flat to within roundoff, so that its answer is a good guess that a claim must check by
-/// scanAll (see Difference).
-inline int climbFarthest(const ConvexHull& hull, const Vector* points, const Vector& direction,
-                         int start) {
-  int best = start;
-  double best_value = direction.dot(points[start]);
-  for (;;) {
-    int next = best;
-    for (const std::int32_t j : hull.neighbours(best)) {
-      const double value = direction.dot(points[j]);
-      if (value > best_value) {
-        best_value = value;
-        next = j;
-      }
-    }
-    if (next == best) return best;
-    best = next;  // the value grew, so that no vertex comes twice: the climb ends
-  }
-}
+/// As scanFarthest(), by steepest ascent along the edges of a hull from `start`; values within
+/// `doubt` of each other are not told apart by rounding. The answer is as good as a scan's: on the
+/// surface of a convex polytope the vertices above any level hang together by edges, so if the
+/// climb's end and all that is connected with it by vertices within `doubt` of it have no better
+/// neighbour, there is none anywhere. (The hull's facets are convex exactly, see HullBuilder.)
+int climbFarthest(const ConvexHull& hull, const Vector* points, int count, const Vector& direction,
+                  int start, double doubt);
+
+/// farthest() of a cylinder, cone or ellipsoid.
+Vector farthestOfRound(const ConvexView& view, const Vector& direction);
 
 inline bool climbs(const ConvexView& view) {
   return view.core == Core::kPoints && view.hull != nullptr && view.count >= kClimbFrom &&
          view.hull->hasNeighbours();
 }
 
-/// The farthest point of the core along `direction` (a unit vector, or within a few orders of
-/// magnitude of one), in the core's frame. `hint` is the vertex to start from and becomes the
-/// vertex found. Its dot product with `direction` is within 6 units of roundoff times extent of the
-/// maximum, and it lies in the core grown by 3 such units: points, segment and box give exact
-/// members and their dot products err by 3 units; a rim point r (x, y)/rho has a relative error
-/// of 2.5 units, and being second order in its direction, its value has no more.
-inline Vector farthest(const ConvexView& view, const Vector& direction, int& hint, bool scan_all) {
+/// The farthest point of the core along `direction` (a unit vector, or nearly one), in the core's
+/// frame. `hint` is the vertex to start from and becomes the vertex found. Its dot product with
+/// `direction` is within 6 units of roundoff times extent of the maximum, and it lies in the core
+/// grown by 3 such units: points, segment and box give exact members and their dot products err by
+/// 3 units; a rim point r (x, y)/rho has a relative error of 2.5 units, and being second order in
+/// its direction, its value has no more.
+inline Vector farthest(const ConvexView& view, const Vector& direction, int& hint) {
   switch (view.core) {
     case Core::kPoint:
       return Vector::Zero();
@@ -74,51 +64,19 @@ inline Vector farthest(const ConvexView& view, const Vector& direction, int& hin
       hint = direction.z() >= 0 ? 1 : 0;
       return {0, 0, hint != 0 ? view.size.z() : -view.size.z()};
     case Core::kPoints:
-      if (!scan_all && climbs(view)) {
-        hint = climbFarthest(*view.hull, view.points, direction, hint);
-      } else {
-        hint = scanFarthest(view.points, view.count, direction);
-      }
+      hint = climbs(view) ? climbFarthest(*view.hull, view.points, view.count, direction, hint,
+                                          8 * kUnitRoundoff * view.extent)
+                          : scanFarthest(view.points, view.count, direction);
       return view.points[hint];
-    case Core::kBox: {
-      const Vector p(std::copysign(view.size.x(), direction.x()),
-                     std::copysign(view.size.y(), direction.y()),
-                     std::copysign(view.size.z(), direction.z()));
+    case Core::kBox:
       hint = (std::signbit(direction.x()) ? 0 : 1) | (std::signbit(direction.y()) ? 0 : 2) |
              (std::signbit(direction.z()) ? 0 : 4);
-      return p;
-    }
-    case Core::kCylinder: {
-      const double across_squared = direction.x() * direction.x() + direction.y() * direction.y();
-      const double z = std::copysign(view.size.z(), direction.z());
-      if (!(across_squared > kAcrossAxisSquared)) return {0, 0, z};
-      const double s = view.size.x() / std::sqrt(across_squared);
-      return {s * direction.x(), s * direction.y(), z};
-    }
-    case Core::kCone: {
-      const double across_squared = direction.x() * direction.x() + direction.y() * direction.y();
-      const double across = std::sqrt(across_squared);
-      if (2 * direction.z() * view.size.z() >= view.size.x() * across) {
-        return {0, 0, view.size.z()};
-      }
-      if (!(across_squared > kAcrossAxisSquared)) return {0, 0, -view.size.z()};
-      const double s = view.size.x() / across;
-      return {s * direction.x(), s * direction.y(), -view.size.z()};
-    }
-    case Core::kEllipsoid: {
-      const Vector scaled = view.size.cwiseProduct(direction);
-      const double norm_squared = scaled.squaredNorm();
-      // Relative to the largest axis, as kAcrossAxisSquared is to a radius.
-      const double largest = view.extent;
-      if (!(norm_squared > kAcrossAxisSquared * largest * largest) || !(norm_squared > 1e-290)) {
-        return Vector::Zero();
-      }
-      return view.size.cwiseProduct(scaled) / std::sqrt(norm_squared);
-    }
-    case Core::kHalfSpace:
-      break;  // unbounded: never asked (closed_form.cc answers)
+      return {std::copysign(view.size.x(), direction.x()),
+              std::copysign(view.size.y(), direction.y()),
+              std::copysign(view.size.z(), direction.z())};
+    default:
+      return farthestOfRound(view, direction);
   }
-  return Vector::Zero();
 }
 
 /// A point of the difference {b - a} of two placed cores, and what it was made of.
@@ -137,26 +95,22 @@ class Difference {
   Difference(const ConvexView& a, const ConvexView& b, const Pose& X_BA0, const Pose& X_BA1)
       : a_(a), b_(b), X_BA0_(X_BA0), X_BA1_(X_BA1) {}
 
-  /// The member with the smallest w . n. Hull vertices found by climbing only, unless scan_all.
-  SupportPoint support(const Vector& n, bool scan_all) {
-    SupportPoint s;
-    s.a = placed(X_BA0_, n, hint_a_[0], scan_all);
+  /// The member with the smallest w . n.
+  void support(const Vector& n, SupportPoint& s) {
+    s.a = placed(X_BA0_, n, hint_a_[0]);
     s.index_a = hint_a_[0];
     if constexpr (kSwept) {
-      const Vector other = placed(X_BA1_, n, hint_a_[1], scan_all);
+      s.placement = 0;
+      const Vector other = placed(X_BA1_, n, hint_a_[1]);
       if (n.dot(other) > n.dot(s.a)) {
         s.a = other;
         s.index_a = hint_a_[1];
         s.placement = 1;
       }
     }
-    s.w = farthest(b_, -n, hint_b_, scan_all);
+    s.w = farthest(b_, -n, hint_b_) - s.a;
     s.index_b = hint_b_;
-    s.w -= s.a;
-    return s;
   }
-
-  bool climbing() const { return climbs(a_) || climbs(b_); }
 
   /// Any content is taken; what is out of range counts as none.
   void setHints(int vertex_a, int vertex_b) {
@@ -167,9 +121,10 @@ class Difference {
   int hintB() const { return hint_b_; }
 
  private:
-  Vector placed(const Pose& X_BA, const Vector& n, int& hint, bool scan_all) const {
+  Vector placed(const Pose& X_BA, const Vector& n, int& hint) const {
     const Vector direction = X_BA.rotation.transpose() * n;
-    return X_BA * farthest(a_, direction, hint, scan_all);
+    const Vector p = farthest(a_, direction, hint);
+    return X_BA.rotation * p + X_BA.translation;
   }
 
   const ConvexView& a_;

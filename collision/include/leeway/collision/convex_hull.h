@@ -25,7 +25,11 @@ class ConvexHull {
   /// The vertices at the other ends of i's edges; empty when there are no lists. In exact
   /// arithmetic a vertex without a better neighbour is the farthest of all; rounding can end a
   /// climb on a vertex that is nearly flat, so that a bound needs one look at all vertices.
-  std::span<const std::int32_t> neighbours(std::int32_t i) const;
+  std::span<const std::int32_t> neighbours(std::int32_t i) const {
+    if (neighbour_begin_.empty()) return {};
+    const std::int32_t* begin = neighbour_begin_.data() + i;
+    return {neighbours_.data() + begin[0], neighbours_.data() + begin[1]};
+  }
   bool hasNeighbours() const { return !neighbour_begin_.empty(); }
   /// How far a given point may lie outside the hull of vertices() [m]: 0 but for coordinates below
   /// 1e-70.
