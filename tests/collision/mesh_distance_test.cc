@@ -264,6 +264,36 @@ TEST(MeshDistance, BetweenMeshes) {
   EXPECT_GT(tally.crossing, 50);
 }
 
+// The same for the meshes of real robots, which are concave, open and of many components.
+TEST(MeshDistance, LinksOfRobots) {
+  const auto files = meshFiles();
+  if (files.empty()) GTEST_SKIP() << "no test data";
+  Scratch scratch;
+  Tally tally;
+  Random random(29);
+  const Bodies box(Shape::box({0.1, 0.05, 0.02})), post(Shape::cylinder(0.02, 0.3));
+  for (const auto& file : files) {
+    const TriangleSoup soup = readMesh(file);
+    if (soup.triangles.size() > 1400) continue;  // the slow twin is slow
+    const Bodies link(Shape::mesh(TriangleMesh::make(soup.vertices, soup.triangles)));
+    const double reach = link.shape.boundingRadius();
+    for (int i = 0; i < 9; ++i) {
+      const Bodies& other = i % 2 == 0 ? box : post;
+      const Pose X_WA = random.pose(0.1), far = random.pose(2 * reach);
+      Pose X_WB = far;
+      if (i % 3 == 1)
+        X_WB = near(link, X_WA, other, far, std::pow(10.0, -random.below(9)), scratch);
+      if (i % 3 == 2)
+        X_WB.translation = X_WA * link.shape.boundingCenter() + 0.3 * reach * random.vector();
+      compare(link, X_WA, other, X_WB, file.filename().string() + " " + std::to_string(i), scratch,
+              random, nullptr, tally);
+    }
+  }
+  EXPECT_EQ(tally.unsafe, 0);
+  EXPECT_GT(tally.apart, 50);
+  EXPECT_GT(tally.crossing, 20);
+}
+
 // A closed convex mesh is its hull: both ends of the depth can be checked.
 TEST(MeshDistance, DepthOfConvexMeshesHoldsThatOfTheirHulls) {
   Scratch scratch;
