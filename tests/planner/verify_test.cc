@@ -3,11 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <random>
 
 #include "leeway/collision/convex_hull.h"
+#include "leeway/collision/distance.h"
 #include "leeway/collision/triangle_mesh.h"
 #include "leeway/planner/configuration_space.h"
 #include "leeway/robots/kinematics.h"
@@ -410,6 +412,68 @@ TEST(Verify, HalfSpaces) {
   EXPECT_EQ(verify(problem, pathOf(problem, {{0, 0}, {1, 0}})).status, VerifyStatus::kCertified);
   problem.objects[0].X_WO = shifted(0, 0, -0.04);
   EXPECT_EQ(verify(problem, pathOf(problem, {{0, 0}, {1, 0}})).status, VerifyStatus::kRefuted);
+}
+
+/// Least distance of the arm's bars to the objects over 1000 looks along an edge, by the planner's
+/// kinematics.
+double denseLook(const Problem& problem, const std::vector<double>& a,
+                 const std::vector<double>& b) {
+  collision::Scratch scratch;
+  std::vector<Pose> X_WL(problem.model->links.size());
+  double least = kInfinity;
+  for (int i = 0; i <= 1000; ++i) {
+    const double t = i / 1000.0;
+    robots::forwardKinematics(
+        *problem.model, std::vector<double>{a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1])},
+        X_WL);
+    for (std::size_t l = 1; l < 3; ++l)
+      for (const robots::Geometry& bar : problem.model->links[l].geometries)
+        for (const Object& object : problem.objects)
+          least = std::min(
+              least, collision::distance(bar.shape, X_WL[l] * bar.X_BG, object.geometries[0].shape,
+                                         object.X_WO, {}, scratch)
+                         .distance.lower);
+  }
+  return least;
+}
+
+TEST(Verify, RandomEdgesAgainstADenseLook) {
+  std::mt19937_64 random(21);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  int certified = 0, refuted = 0, undecided = 0, unsafe = 0, missed = 0, boast = 0;
+  for (int i = 0; i < 300; ++i) {
+    std::vector<double> a{2.9 * uniform(random), 2.9 * uniform(random)},
+        b{a[0] + 0.7 * uniform(random), a[1] + 0.7 * uniform(random)};
+    b[0] = std::clamp(b[0], -3.0, 3.0);
+    b[1] = std::clamp(b[1], -3.0, 3.0);
+    Problem problem = problemFor(arm(), b);
+    problem.configuration = a;
+    for (int k = 0; k < 3; ++k) {
+      const Shape shapes[] = {Shape::box({0.1, 0.2, 0.3}), Shape::sphere(0.1),
+                              Shape::capsule(0.05, 0.3)};
+      problem.objects.push_back(
+          {"o" + std::to_string(k),
+           {{shapes[k], {}, ""}},
+           shifted(2 * uniform(random), 2 * uniform(random), 0.2 * uniform(random))});
+    }
+    const VerifyResult result = verify(problem, pathOf(problem, {a, b}));
+    const double least = denseLook(problem, a, b);
+    certified += result.status == VerifyStatus::kCertified ? 1 : 0;
+    refuted += result.status == VerifyStatus::kRefuted ? 1 : 0;
+    undecided += result.status == VerifyStatus::kUndecided ? 1 : 0;
+    unsafe += result.status == VerifyStatus::kCertified && least <= 0 ? 1 : 0;
+    boast +=
+        result.status == VerifyStatus::kCertified && result.clearance_lower > least + 1e-9 ? 1 : 0;
+    missed += result.status != VerifyStatus::kCertified && least > 0.01
+                  ? 1
+                  : 0;  // 1000 looks miss less than that
+  }
+  EXPECT_EQ(unsafe, 0);
+  EXPECT_EQ(boast, 0);
+  EXPECT_EQ(missed, 0);
+  EXPECT_EQ(undecided, 0);
+  EXPECT_GT(certified, 60);
+  EXPECT_GT(refuted, 60);
 }
 
 /// A robot with every kind of joint, at random.
