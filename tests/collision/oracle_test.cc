@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdlib>
 #include <string>
 
 #include "leeway/collision/distance.h"
@@ -46,7 +47,10 @@ class Examiner {
     if (std::abs(truth.upper) < 0.05 * size) ++counts.near;
 
     const DistanceResult plain = ask(a, b, truth, {}, nullptr, "plain");
-    if (plain.status == DistanceStatus::kLimit && truth.has_value) ++counts.unconverged;
+    // Overlaps of meshes are only enclosed, and where one touches it may look like one.
+    const bool exact = a.shape.isConvex() && b.shape.isConvex();
+    if (plain.status == DistanceStatus::kLimit && (exact || truth.lower > 1e-9))
+      ++counts.unconverged;
     ask(b, a, truth, {}, nullptr, "swapped");
     DistanceRequest limited;
     for (const int limit : {0, 1, 3, 6}) {
@@ -160,6 +164,13 @@ Pose beside(Random& random, const Placed& a, const Shape& b) {
   return X;
 }
 
+/// Other cases on demand: LEEWAY_TEST_SEED=N shifts every seed, for long runs.
+std::uint64_t seed(std::uint64_t base, ShapeType a, ShapeType b) {
+  const char* shift = std::getenv("LEEWAY_TEST_SEED");
+  return base + 16 * static_cast<std::uint64_t>(a) + static_cast<std::uint64_t>(b) +
+         (shift != nullptr ? 100'000 * std::strtoull(shift, nullptr, 10) : 0);
+}
+
 std::string title(ShapeType a, ShapeType b) {
   return std::string(toString(a)) + " with " + toString(b);
 }
@@ -177,8 +188,7 @@ TEST(Oracle, HoldsForEveryPairOfPlainShapes) {
   for (const ShapeType type_a : kTypes) {
     for (const ShapeType type_b : kTypes) {
       if (type_b < type_a) continue;
-      Random random(1000 + 16 * static_cast<std::uint64_t>(type_a) +
-                    static_cast<std::uint64_t>(type_b));
+      Random random(seed(1000, type_a, type_b));
       Examiner examiner(title(type_a, type_b));
       for (int i = 0; i < casesFor(type_a, type_b); ++i) {
         Placed a{oracle::randomShape(random, type_a, Flavour::kPlain), {}};
@@ -204,8 +214,7 @@ TEST(Oracle, HoldsForHardShapes) {
   for (const ShapeType type_a : kTypes) {
     for (const ShapeType type_b : kTypes) {
       if (type_b < type_a) continue;
-      Random random(2000 + 16 * static_cast<std::uint64_t>(type_a) +
-                    static_cast<std::uint64_t>(type_b));
+      Random random(seed(2000, type_a, type_b));
       Examiner examiner(title(type_a, type_b) + ", hard");
       for (const Flavour flavour_a : oracle::kFlavours) {
         for (const Flavour flavour_b : oracle::kFlavours) {
