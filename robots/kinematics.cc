@@ -8,7 +8,7 @@ namespace leeway::robots {
 
 namespace {
 
-/// A * B + C * s: the loops are written out so that the order of operations is fixed.
+/// result = a * b; the loops are written out so that the order of operations is fixed.
 inline void multiply(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b, Eigen::Matrix3d& result) {
   for (int column = 0; column < 3; ++column) {
     const double b0 = b(0, column), b1 = b(1, column), b2 = b(2, column);
