@@ -142,7 +142,7 @@ bool EdgeCertifier::Impl::examine(EdgeInterval& interval, std::vector<int>& list
         hopeful[at(p)] = std::min(std::max(hopeful[at(p)], growth) * kHopeRegained, kSweepGrowth);
         continue;
       }
-      hopeful[at(p)] = std::max(growth * kHopeLost, hopeful[at(p)] / 2);
+      hopeful[at(p)] = std::max({growth * kHopeLost, hopeful[at(p)] / 2, kLeastHope});
       failed_stamp[at(p)] = stamp;
       if (distance.upper <= pair.threshold) {
         offender = p;

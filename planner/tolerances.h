@@ -50,6 +50,9 @@ constexpr double kSweepGrowth = 0.02;
 /// edge to edge. Cost time, never truth.
 constexpr double kHopeLost = 0.7;
 constexpr double kHopeRegained = 1.1;
+/// Below this growth [m] a sweep is always tried, so that an edge that once grazed something does
+/// not spoil the next.
+constexpr double kLeastHope = 2e-4;
 
 /// Distance queries for one edge before it is left undecided: some milliseconds.
 constexpr int kEdgeWork = 4000;
@@ -142,8 +145,8 @@ constexpr double kVerifyRounding = 4e-12;
 /// Where a distance alone decides, it is wanted to this [m].
 constexpr double kVerifyTolerance = 1e-9;
 
-/// Where a span is only partly free, its distance is wanted to this fraction: finer costs much more than
-/// the larger step saves.
+/// Where a span is only partly free, its distance is wanted to this fraction: finer costs much more
+/// than the larger step saves.
 constexpr double kVerifyFraction = 0.4;
 
 /// A span in which the pair can move by no more than this [m] is not split further: it is left
