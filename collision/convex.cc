@@ -89,27 +89,41 @@ ConvexView viewOfPoints(const Vector* points, int count, double radius) {
 // instead of Q^T moves points of A by |F| (extent A + |t|) and points of B by |E| extent B. R_A is
 // taken as the matrix that it is, but a caller may have meant the rotation next to it: |E_A| extent
 // A. In sum departures plus at most 9 + 9/2 + 9 units.
+namespace {
+
+// Squared Frobenius norm of R^T R - 1. NaN or infinite when an entry is.
+inline double departureSquared(const Eigen::Matrix3d& R) {
+  const double xx = R(0, 0) * R(0, 0) + R(1, 0) * R(1, 0) + R(2, 0) * R(2, 0) - 1;
+  const double yy = R(0, 1) * R(0, 1) + R(1, 1) * R(1, 1) + R(2, 1) * R(2, 1) - 1;
+  const double zz = R(0, 2) * R(0, 2) + R(1, 2) * R(1, 2) + R(2, 2) * R(2, 2) - 1;
+  const double xy = R(0, 0) * R(0, 1) + R(1, 0) * R(1, 1) + R(2, 0) * R(2, 1);
+  const double yz = R(0, 1) * R(0, 2) + R(1, 1) * R(1, 2) + R(2, 1) * R(2, 2);
+  const double zx = R(0, 2) * R(0, 0) + R(1, 2) * R(1, 0) + R(2, 2) * R(2, 0);
+  return xx * xx + yy * yy + zz * zz + 2 * (xy * xy + yz * yz + zx * zx);
+}
+
+}  // namespace
+
 RelativePose relativePose(const Pose& X_WA, const Pose& X_WB) {
   RelativePose result;
-  const auto departure = [](const Eigen::Matrix3d& r) {
-    const double xx = r.col(0).squaredNorm() - 1, yy = r.col(1).squaredNorm() - 1,
-                 zz = r.col(2).squaredNorm() - 1;
-    const double xy = r.col(0).dot(r.col(1)), yz = r.col(1).dot(r.col(2)),
-                 zx = r.col(2).dot(r.col(0));
-    return xx * xx + yy * yy + zz * zz + 2 * (xy * xy + yz * yz + zx * zx);
-  };
-  const double departure_a = departure(X_WA.rotation), departure_b = departure(X_WB.rotation);
+  const double departure_a = departureSquared(X_WA.rotation);
+  const double departure_b = departureSquared(X_WB.rotation);
   // Written so that NaN and infinity fail: x - x is 0 for finite x only.
   constexpr double kLimit = kRotationTolerance * kRotationTolerance;
-  const Vector zero = (X_WA.translation - X_WA.translation) + (X_WB.translation - X_WB.translation);
-  if (!(departure_a <= kLimit && departure_b <= kLimit) || !(zero.squaredNorm() == 0)) {
-    return result;
-  }
+  const Vector &a = X_WA.translation, &b = X_WB.translation;
+  const double zero = (a.x() - a.x()) + (a.y() - a.y()) + (a.z() - a.z()) + (b.x() - b.x()) +
+                      (b.y() - b.y()) + (b.z() - b.z());
+  if (!(departure_a <= kLimit && departure_b <= kLimit && zero == 0)) return result;
   result.valid = true;
-  result.slack = std::sqrt(departure_a) + std::sqrt(departure_b) + kPoseRounding * kUnitRoundoff;
-  result.X_BA.rotation.noalias() = X_WB.rotation.transpose() * X_WA.rotation;
-  result.X_BA.translation.noalias() =
-      X_WB.rotation.transpose() * (X_WA.translation - X_WB.translation);
+  // sqrt(x) + sqrt(y) <= sqrt(2 (x + y)), at one root less.
+  result.slack = std::sqrt(2 * (departure_a + departure_b)) + kPoseRounding * kUnitRoundoff;
+  const Eigen::Matrix3d &A = X_WA.rotation, &B = X_WB.rotation;
+  for (int j = 0; j < 3; ++j) {
+    for (int i = 0; i < 3; ++i) {
+      result.X_BA.rotation(i, j) = B(0, i) * A(0, j) + B(1, i) * A(1, j) + B(2, i) * A(2, j);
+    }
+  }
+  result.X_BA.translation = rotatedBack(B, a - b);
   return result;
 }
 
@@ -192,7 +206,7 @@ DistanceResult fromHalfSpace(const ConvexView& a, const Pose& X_BA, const Distan
   progress.iterations = 1;
   int hint = 0;
   const Vector down = -X_BA.rotation.row(2).transpose();
-  const Vector lowest = X_BA * farthest(a, down, hint);
+  const Vector lowest = placed(X_BA, farthest(a, down, hint));
   const Vector w(0, 0, -lowest.z());
   const double height = lowest.z();
   progress.offerLower(height, -Vector::UnitZ());
@@ -203,10 +217,10 @@ DistanceResult fromHalfSpace(const ConvexView& a, const Pose& X_BA, const Distan
 // The same with A and B exchanged, brought back into B's frame. X_BA's inverse is its transpose
 // only to within its departure from orthogonality, which `slack` must hold.
 DistanceResult exchanged(DistanceResult result, const Pose& X_BA) {
-  const Vector point_a = X_BA * result.point_b;
-  result.point_b = X_BA * result.point_a;
+  const Vector point_a = placed(X_BA, result.point_b);
+  result.point_b = placed(X_BA, result.point_a);
   result.point_a = point_a;
-  result.normal = -(X_BA.rotation * result.normal);
+  result.normal = -rotated(X_BA.rotation, result.normal);
   return result;
 }
 
@@ -260,7 +274,7 @@ Vector firstDirection(const ConvexView& a, const Pose& X_BA, const ConvexView& b
       return cache->direction_B / std::sqrt(norm_squared);
     }
   }
-  const Vector middle = b.center - X_BA * a.center;
+  const Vector middle = b.center - placed(X_BA, a.center);
   const double norm = middle.norm();
   return norm > 0 ? Vector(middle / norm) : Vector::UnitX();
 }

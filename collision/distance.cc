@@ -6,6 +6,7 @@
 #include "collision/convex.h"
 #include "collision/mesh_distance.h"
 #include "collision/scratch.h"
+#include "collision/vector.h"
 
 namespace leeway::collision {
 
@@ -40,9 +41,9 @@ DistanceResult distance(const Shape& a, const Pose& X_WA, const Shape& b, const 
                                          relative.X_BA.translation.norm());
   DistanceResult result =
       convexDistance(view_a, relative.X_BA, view_b, request, scratch, cache, slack);
-  result.point_a = X_WB * result.point_a;
-  result.point_b = X_WB * result.point_b;
-  result.normal = X_WB.rotation * result.normal;
+  result.point_a = placed(X_WB, result.point_a);
+  result.point_b = placed(X_WB, result.point_b);
+  result.normal = rotated(X_WB.rotation, result.normal);
   // Coordinates beyond 1e308 overflow; there are no points to name then.
   const double sum = result.point_a.sum() + result.point_b.sum() + result.normal.sum();
   if (!std::isfinite(sum)) forgetPoints(result);

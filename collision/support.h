@@ -7,18 +7,11 @@
 #include <cmath>
 
 #include "collision/convex.h"
+#include "collision/vector.h"
 #include "leeway/collision/convex_hull.h"
 #include "leeway/collision/tolerances.h"
 
 namespace leeway::collision {
-
-using Vector = Eigen::Vector3d;
-
-/// a x b. (Eigen's own stands in Eigen/Geometry, which costs every file that includes it.)
-inline Vector cross(const Vector& a, const Vector& b) {
-  return {a.y() * b.z() - a.z() * b.y(), a.z() * b.x() - a.x() * b.z(),
-          a.x() * b.y() - a.y() * b.x()};
-}
 
 /// Index of the point with the largest dot product; the lowest index of several. O(count).
 inline int scanFarthest(const Vector* points, int count, const Vector& direction) {
@@ -97,11 +90,11 @@ class Difference {
 
   /// The member with the smallest w . n.
   void support(const Vector& n, SupportPoint& s) {
-    s.a = placed(X_BA0_, n, hint_a_[0]);
+    s.a = farthestOfA(X_BA0_, n, hint_a_[0]);
     s.index_a = hint_a_[0];
     if constexpr (kSwept) {
       s.placement = 0;
-      const Vector other = placed(X_BA1_, n, hint_a_[1]);
+      const Vector other = farthestOfA(X_BA1_, n, hint_a_[1]);
       if (n.dot(other) > n.dot(s.a)) {
         s.a = other;
         s.index_a = hint_a_[1];
@@ -121,10 +114,8 @@ class Difference {
   int hintB() const { return hint_b_; }
 
  private:
-  Vector placed(const Pose& X_BA, const Vector& n, int& hint) const {
-    const Vector direction = X_BA.rotation.transpose() * n;
-    const Vector p = farthest(a_, direction, hint);
-    return X_BA.rotation * p + X_BA.translation;
+  Vector farthestOfA(const Pose& X_BA, const Vector& n, int& hint) const {
+    return placed(X_BA, farthest(a_, rotatedBack(X_BA.rotation, n), hint));
   }
 
   const ConvexView& a_;
