@@ -279,11 +279,26 @@ Vector firstDirection(const ConvexView& a, const Pose& X_BA, const ConvexView& b
   return norm > 0 ? Vector(middle / norm) : Vector::UnitX();
 }
 
-void remember(const Progress& progress, int vertex_a, int vertex_b, PairCache* cache) {
+void remember(const Progress& progress, const Simplex& simplex, bool vertices, int vertex_a,
+              int vertex_b, PairCache* cache) {
   if (cache == nullptr) return;
   cache->direction_B = progress.normal();
   cache->vertex_a = vertex_a;
   cache->vertex_b = vertex_b;
+  cache->simplex_count = vertices && simplex.count <= 3 ? simplex.count : 0;
+  for (int i = 0; i < cache->simplex_count; ++i) {
+    cache->simplex_a[i] = simplex.point(i).index_a;
+    cache->simplex_b[i] = simplex.point(i).index_b;
+  }
+}
+
+// The vertices that carried the last distance, at the new poses: all of them or none.
+void recall(const Difference<false>& difference, const PairCache& cache, Simplex& simplex) {
+  if (cache.simplex_count < 1 || cache.simplex_count > 3) return;
+  for (int i = 0; i < cache.simplex_count; ++i) {
+    if (!difference.member(cache.simplex_a[i], cache.simplex_b[i], simplex.points[i])) return;
+  }
+  reduceAll(simplex, cache.simplex_count);
 }
 
 Vector anyPoint(const ConvexView& view) {
@@ -333,6 +348,8 @@ DistanceResult convexDistance(const ConvexView& a, const Pose& X_BA, const Conve
     return resultOf(progress);
   }
   Simplex simplex;
+  // A threshold is most often decided by the last direction alone.
+  if (cache != nullptr && std::isnan(request.threshold)) recall(difference, *cache, simplex);
   const GjkEnd end = runGjk(difference, firstDirection(a, X_BA, b, cache), progress, simplex);
   const bool open = end == GjkEnd::kInside || end == GjkEnd::kStagnated;
   if (open && !progress.enough() &&
@@ -341,7 +358,8 @@ DistanceResult convexDistance(const ConvexView& a, const Pose& X_BA, const Conve
                                                                            8 * query.roundoff)) {
     growPolytope(difference, simplex, scratch.impl().polytope, progress);
   }
-  remember(progress, difference.hintA(), difference.hintB(), cache);
+  remember(progress, simplex, difference.countsVertices(), difference.hintA(), difference.hintB(),
+           cache);
   return resultOf(progress);
 }
 
@@ -395,7 +413,7 @@ DistanceResult convexSweptDistance(const ConvexView& a, const Pose& X_BA0, const
   if (request.iteration_limit > 0) {
     runGjk(difference, firstDirection(a, middle, b, cache), progress, simplex);
   }
-  remember(progress, difference.hintA(), difference.hintB(), cache);
+  remember(progress, simplex, false, difference.hintA(), difference.hintB(), cache);
   return resultOf(progress);
 }
 

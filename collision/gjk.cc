@@ -32,23 +32,26 @@ GjkEnd run(Difference<kSwept>& difference, const Vector& first_direction, Progre
     }
     return end;
   };
-  for (;;) {
-    if (progress.iterations >= limit) return leave(GjkEnd::kLimit);
-    ++progress.iterations;
-    SupportPoint& s = simplex.free();
-    difference.support(n, s);
-    const double value = n.dot(s.w);
-    progress.offerLower(value, n);
-    if (progress.enough()) return leave(GjkEnd::kEnough);
-    // Nothing beyond the simplex along n, to within rounding: further steps would chase noise.
-    if (along_nearest - value <= 2 * query.roundoff) return leave(GjkEnd::kStagnated);
+  bool ask = simplex.count == 0;  // false: a simplex was handed over and comes first
+  for (;; ask = true) {
+    if (ask) {
+      if (progress.iterations >= limit) return leave(GjkEnd::kLimit);
+      ++progress.iterations;
+      SupportPoint& s = simplex.free();
+      difference.support(n, s);
+      const double value = n.dot(s.w);
+      progress.offerLower(value, n);
+      if (progress.enough()) return leave(GjkEnd::kEnough);
+      // Nothing beyond the simplex along n, to within rounding: further steps would chase noise.
+      if (along_nearest - value <= 2 * query.roundoff) return leave(GjkEnd::kStagnated);
 
-    const Reduction reduction = addAndReduce(simplex);
-    if (reduction == Reduction::kNoProgress) return leave(GjkEnd::kStagnated);
-    if (reduction == Reduction::kHoldsOrigin) {
-      leave(GjkEnd::kInside);
-      ++simplex.count;
-      return GjkEnd::kInside;
+      const Reduction reduction = addAndReduce(simplex);
+      if (reduction == Reduction::kNoProgress) return leave(GjkEnd::kStagnated);
+      if (reduction == Reduction::kHoldsOrigin) {
+        leave(GjkEnd::kInside);
+        ++simplex.count;
+        return GjkEnd::kInside;
+      }
     }
     norm = std::sqrt(simplex.norm_squared);
     if constexpr (!kSwept) {

@@ -202,6 +202,17 @@ Reduction addAndReduce(Simplex& s) {
   return Reduction::kReduced;
 }
 
+void reduceAll(Simplex& s, int count) {
+  s.count = 0;
+  for (int i = 0; i < 4; ++i) s.slot[i] = i;
+  const Vector* const w[4] = {&s.points[0].w, &s.points[1].w, &s.points[2].w, &s.points[3].w};
+  Candidate best;
+  if (count == 1) offerVertex(*w[0], 0, best);
+  if (count == 2) offerEdge(w, 1, 0, best);
+  if (count == 3) offerTriangle(w, 0, 1, 2, best);
+  if (best.count > 0) keep(s, best);
+}
+
 Vector nearestOnTriangle(const Vector& a, const Vector& b, const Vector& c, double weights[3]) {
   const Vector* const w[4] = {&a, &b, &c, &c};
   Candidate best;

@@ -46,6 +46,9 @@ enum class Reduction : unsigned char {
 /// step, because every candidate is a point of the hull.
 Reduction addAndReduce(Simplex& simplex);
 
+/// The same for `count` <= 3 points that stand in the first slots of an empty simplex.
+void reduceAll(Simplex& simplex, int count);
+
 /// The point of a triangle nearest to the origin, and its weights. Any triangle, degenerate ones
 /// included.
 Vector nearestOnTriangle(const Vector& a, const Vector& b, const Vector& c, double weights[3]);

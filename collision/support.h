@@ -80,6 +80,35 @@ struct SupportPoint {
   int placement = 0;
 };
 
+/// True for cores whose extreme points are counted: vertex() names them.
+inline bool hasVertices(Core core) {
+  return core == Core::kPoint || core == Core::kSegment || core == Core::kPoints ||
+         core == Core::kBox;
+}
+
+/// The vertex that farthest() would call `index`; false when there is none. Any core, any index.
+inline bool vertex(const ConvexView& view, int index, Vector& p) {
+  switch (view.core) {
+    case Core::kPoint:
+      p.setZero();
+      return index == 0;
+    case Core::kSegment:
+      p = Vector(0, 0, index == 1 ? view.size.z() : -view.size.z());
+      return index == 0 || index == 1;
+    case Core::kPoints:
+      if (index < 0 || index >= view.count) return false;
+      p = view.points[index];
+      return true;
+    case Core::kBox:
+      p = Vector((index & 1) != 0 ? view.size.x() : -view.size.x(),
+                 (index & 2) != 0 ? view.size.y() : -view.size.y(),
+                 (index & 4) != 0 ? view.size.z() : -view.size.z());
+      return index >= 0 && index < 8;
+    default:
+      return false;
+  }
+}
+
 /// The set {b - a : a in A, b in B} of two cores in B's frame; when kSwept, A is the hull of two
 /// placements.
 template <bool kSwept>
@@ -104,6 +133,19 @@ class Difference {
     s.w = farthest(b_, -n, hint_b_) - s.a;
     s.index_b = hint_b_;
   }
+
+  /// The member made of two vertices; false when there are none of these names. One placement only.
+  bool member(int index_a, int index_b, SupportPoint& s) const {
+    Vector a, b;
+    if (!vertex(a_, index_a, a) || !vertex(b_, index_b, b)) return false;
+    s.a = placed(X_BA0_, a);
+    s.w = b - s.a;
+    s.index_a = index_a;
+    s.index_b = index_b;
+    s.placement = 0;
+    return true;
+  }
+  bool countsVertices() const { return hasVertices(a_.core) && hasVertices(b_.core); }
 
   /// Any content is taken; what is out of range counts as none.
   void setHints(int vertex_a, int vertex_b) {

@@ -1,9 +1,8 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <limits>
 #include <memory>
-
-#include <Eigen/Core>
 
 #include "leeway/collision/interval.h"
 #include "leeway/collision/pose.h"
@@ -11,13 +10,16 @@
 
 namespace leeway::collision {
 
-/// What is asked of a query. The answer's interval always holds the truth; these say when it is good enough.
+/// What is asked of a query. The answer's interval always holds the truth; these say when it is
+/// good enough.
 struct DistanceRequest {
   /// Stop when upper - lower <= tolerance [m].
   double tolerance = 1e-9;
-  /// Stop when lower > threshold ("farther than") or upper <= threshold ("not farther"); NaN: no threshold [m].
+  /// Stop when lower > threshold ("farther than") or upper <= threshold ("not farther"); NaN: no
+  /// threshold [m].
   double threshold = std::numeric_limits<double>::quiet_NaN();
-  /// False: a pair proven to overlap (upper <= 0) is answered at once with whatever lower end is known.
+  /// False: a pair proven to overlap (upper <= 0) is answered at once with whatever lower end is
+  /// known.
   bool depth = true;
   /// GJK and penetration steps for one convex pair. Reaching it costs width, never truth.
   int iteration_limit = 256;
@@ -26,17 +28,17 @@ struct DistanceRequest {
 };
 
 enum class DistanceStatus : unsigned char {
-  kConverged,         ///< upper - lower <= tolerance
-  kAboveThreshold,    ///< lower > threshold
-  kNotAboveThreshold, ///< upper <= threshold
-  kOverlap,           ///< upper <= 0 and no depth was asked
-  kLimit,             ///< stopped by a limit or by rounding: the interval holds, but is wider than asked
-  kInvalid,           ///< a pose that is not finite or not a rotation, or half-space with half-space; the
-                      ///< interval is (-inf, inf)
+  kConverged,          ///< upper - lower <= tolerance
+  kAboveThreshold,     ///< lower > threshold
+  kNotAboveThreshold,  ///< upper <= threshold
+  kOverlap,            ///< upper <= 0 and no depth was asked
+  kLimit,    ///< stopped by a limit or by rounding: the interval holds, but is wider than asked
+  kInvalid,  ///< a pose that is not finite or not a rotation, or half-space with half-space; the
+             ///< interval is (-inf, inf)
 };
 
-/// Signed separation of A and B: the distance when apart, minus the smallest translation that separates
-/// them when they overlap (for meshes: see DESIGN, Numbers).
+/// Signed separation of A and B: the distance when apart, minus the smallest translation that
+/// separates them when they overlap (for meshes: see DESIGN, Numbers).
 struct DistanceResult {
   Interval distance;  // [m]
   DistanceStatus status = DistanceStatus::kInvalid;
@@ -47,17 +49,22 @@ struct DistanceResult {
   /// Unit vector from A to B along which the lower end holds: moving B by t * normal adds t to it.
   Eigen::Vector3d normal = Eigen::Vector3d::UnitX();
   int iterations = 0;
-  /// Triangles (of the meshes as given by TriangleMesh::triangles()) that carry the upper end; -1 if none.
+  /// Triangles (of the meshes as given by TriangleMesh::triangles()) that carry the upper end; -1
+  /// if none.
   int triangle_a = -1;
   int triangle_b = -1;
 };
 
-/// Caller-owned memory of a pair's last query, for warm starts. Stale or foreign content costs time, never truth.
+/// Caller-owned memory of a pair's last query, for warm starts. Stale or foreign content costs
+/// time, never truth.
 struct PairCache {
-  Eigen::Vector3d direction_B = Eigen::Vector3d::Zero();  ///< last separating direction, in B's frame; 0: none
-  int vertex_a = 0, vertex_b = 0;       ///< last support vertices
-  int triangle_a = -1, triangle_b = -1; ///< last closest triangles
-  int node_a = -1, node_b = -1;         ///< last decisive nodes
+  Eigen::Vector3d direction_B =
+      Eigen::Vector3d::Zero();  ///< last separating direction, in B's frame; 0: none
+  int simplex_count = 0;  ///< vertices of A and B that carried the last distance, pairwise; 0: none
+  int simplex_a[3] = {0, 0, 0}, simplex_b[3] = {0, 0, 0};
+  int vertex_a = 0, vertex_b = 0;        ///< last support vertices
+  int triangle_a = -1, triangle_b = -1;  ///< last closest triangles
+  int node_a = -1, node_b = -1;          ///< last decisive nodes
 };
 
 /// Caller-owned buffers of one thread. Everything a query needs is allocated in the constructor.
@@ -77,17 +84,19 @@ class Scratch {
 /// The signed separation of two shapes at the poses X_WA, X_WB (any common frame W).
 /// Never throws, allocates or loops without end. `cache` may be null.
 DistanceResult distance(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
-                        const DistanceRequest& request, Scratch& scratch, PairCache* cache = nullptr);
+                        const DistanceRequest& request, Scratch& scratch,
+                        PairCache* cache = nullptr);
 
-/// A lower bound on the separation of B from A while A moves, seen from B's frame, from X_BA0 to X_BA1 so that
-/// no point of A leaves the chord between its two placements by more than `growth` [m]:
-/// the separation of B and the convex hull of A's two placements (for a mesh: of each piece's two placements),
-/// minus growth. `upper` of the returned interval bounds the separation at the better of the two placements
-/// from above, so that upper <= threshold proves contact at one of them (only when it can be had at no
-/// extra cost; otherwise it is infinite). For bodies with an inside (closed meshes), surfaces are
-/// swept: containment must be decided by the caller at one of the placements.
-/// `request.depth` is ignored: below zero the lower end may be -infinity.
-DistanceResult sweptDistance(const Shape& a, const Pose& X_BA0, const Pose& X_BA1, double growth, const Shape& b,
-                             const DistanceRequest& request, Scratch& scratch, PairCache* cache = nullptr);
+/// A lower bound on the separation of B from A while A moves, seen from B's frame, from X_BA0 to
+/// X_BA1 so that no point of A leaves the chord between its two placements by more than `growth`
+/// [m]: the separation of B and the convex hull of A's two placements (for a mesh: of each piece's
+/// two placements), minus growth. `upper` of the returned interval bounds the separation at the
+/// better of the two placements from above, so that upper <= threshold proves contact at one of
+/// them (only when it can be had at no extra cost; otherwise it is infinite). For bodies with an
+/// inside (closed meshes), surfaces are swept: containment must be decided by the caller at one of
+/// the placements. `request.depth` is ignored: below zero the lower end may be -infinity.
+DistanceResult sweptDistance(const Shape& a, const Pose& X_BA0, const Pose& X_BA1, double growth,
+                             const Shape& b, const DistanceRequest& request, Scratch& scratch,
+                             PairCache* cache = nullptr);
 
 }  // namespace leeway::collision
