@@ -29,9 +29,9 @@ std::string listed(std::span<const std::string_view> words) {
 Eigen::Vector3d readScale(const YamlReader& mesh) {
   const auto scale = mesh.find("scale");
   if (!scale) return Eigen::Vector3d::Ones();
-  const Eigen::Vector3d factors = scale->isList()
-                                      ? scale->vector3()
-                                      : Eigen::Vector3d(Eigen::Vector3d::Constant(scale->number()));
+  Eigen::Vector3d factors = scale->isList()
+                                ? scale->vector3()
+                                : Eigen::Vector3d(Eigen::Vector3d::Constant(scale->number()));
   if ((factors.array() == 0).any())
     scale->fail(fmt::format("{} holds a zero; other factors are expected", scale->where()));
   return factors;

@@ -50,9 +50,9 @@ std::optional<double> parseNumber(std::string_view text) {
   return value;
 }
 
-YamlReader::YamlReader(std::shared_ptr<const std::string> file, YAML::Node node, std::string where,
-                       int parent_line)
-    : file_(std::move(file)), node_(std::move(node)), where_(std::move(where)) {
+YamlReader::YamlReader(std::shared_ptr<const std::string> file, const YAML::Node& node,
+                       std::string where, int parent_line)
+    : file_(std::move(file)), node_(node), where_(std::move(where)) {
   // An empty value has the place of what comes after it: its key is where to look.
   const YAML::Mark mark = node_.Mark();
   line_ = mark.is_null() || node_.IsNull() ? parent_line : mark.line + 1;
@@ -210,7 +210,7 @@ Eigen::Vector3d YamlReader::vector3() const {
 }
 
 Eigen::Vector3d YamlReader::sizeVector3() const {
-  const Eigen::Vector3d v = vector3();
+  Eigen::Vector3d v = vector3();
   const std::vector<YamlReader> entries = items();
   for (const YamlReader& entry : entries) entry.sizeNumber();
   return v;

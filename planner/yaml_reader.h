@@ -69,7 +69,7 @@ class YamlReader {
   Eigen::Vector3d sizeVector3() const;  ///< no negative entry
 
  private:
-  YamlReader(std::shared_ptr<const std::string> file, YAML::Node node, std::string where,
+  YamlReader(std::shared_ptr<const std::string> file, const YAML::Node& node, std::string where,
              int parent_line);
   std::string shown() const;  ///< the offending value, short enough for a message
 

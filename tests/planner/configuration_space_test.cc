@@ -57,6 +57,8 @@ double signedUnit(std::mt19937_64& random) {
   return static_cast<double>(random() >> 11) * 0x1p-52 - 1;
 }
 
+long double wide(double x) { return static_cast<long double>(x); }
+
 using LongQuaternion = std::array<long double, 4>;
 
 LongQuaternion product(const LongQuaternion& a, const LongQuaternion& b) {
@@ -91,10 +93,10 @@ TEST(ArcTangent, AgreesWithLongDouble) {
     double y = std::abs(signedUnit(random)) * (i % 2 ? scale : 1),
            x = std::abs(signedUnit(random)) + 1e-300;
     if (i % 3 == 0) std::swap(x, y);
-    const long double truth = std::atan2(static_cast<long double>(y), static_cast<long double>(x));
+    const long double truth = std::atan2(wide(y), wide(x));
     if (truth < 1e-300L) continue;
-    worst =
-        std::max(worst, static_cast<double>(std::abs((firstQuadrantAngle(y, x) - truth) / truth)));
+    worst = std::max(
+        worst, static_cast<double>(std::abs((wide(firstQuadrantAngle(y, x)) - truth) / truth)));
   }
   EXPECT_LT(worst, 4 * 0x1p-52);
   EXPECT_EQ(firstQuadrantAngle(0, 1), 0);
@@ -142,13 +144,13 @@ TEST(ConfigurationSpace, RotationsAgreeWithLongDoubleAtEveryAngle) {
   int tiny = 0;
   for (int i = 0; i < 20000; ++i) {
     auto a = randomPoint(random), b = a;
-    const std::array<long double, 3> axis = {signedUnit(random), signedUnit(random),
-                                             signedUnit(random)};
+    const std::array<long double, 3> axis = {wide(signedUnit(random)), wide(signedUnit(random)),
+                                             wide(signedUnit(random))};
     const double angle =
         i % 2 ? std::pow(10.0, -7 + 7 * signedUnit(random)) : 1.5707 * (1 + signedUnit(random));
     if (angle < 9e-5) ++tiny;
-    const LongQuaternion qa = {a[3], a[4], a[5], a[6]};
-    const LongQuaternion qb = product(qa, turn(axis, angle));
+    const LongQuaternion qa = {wide(a[3]), wide(a[4]), wide(a[5]), wide(a[6])};
+    const LongQuaternion qb = product(qa, turn(axis, wide(angle)));
     const double sign = random() % 2 ? 1 : -1;  // both signs are the same orientation
     for (std::size_t k = 0; k < 4; ++k) b[3 + k] = sign * static_cast<double>(qb[k]);
 
@@ -163,9 +165,9 @@ TEST(ConfigurationSpace, RotationsAgreeWithLongDoubleAtEveryAngle) {
     space.interpolate(a, b, t, middle);
     space.advance(a, dq, t, again);
     EXPECT_EQ(middle, again);
-    const LongQuaternion expected = product(qa, turn(axis, static_cast<long double>(t) * angle));
+    const LongQuaternion expected = product(qa, turn(axis, wide(t) * wide(angle)));
     long double dot = 0;
-    for (std::size_t k = 0; k < 4; ++k) dot += expected[k] * middle[3 + k];
+    for (std::size_t k = 0; k < 4; ++k) dot += expected[k] * wide(middle[3 + k]);
     for (std::size_t k = 0; k < 4; ++k)
       EXPECT_NEAR(middle[3 + k] * (dot < 0 ? -1 : 1), static_cast<double>(expected[k]), 2e-15)
           << "angle " << angle << " t " << t << " case " << i;
@@ -209,15 +211,16 @@ TEST(ConfigurationSpace, CirclesGoTheShorterWayAndWrap) {
     std::vector<double> dq(13), q(13);
     space.difference(a, b, dq);
     const long double two_pi = 2 * 3.141592653589793238462643383L;
-    long double shortest = static_cast<long double>(b[11]) - a[11];
+    long double shortest = wide(b[11]) - wide(a[11]);
     while (shortest > two_pi / 2) shortest -= two_pi;
     while (shortest < -two_pi / 2) shortest += two_pi;
     EXPECT_NEAR(dq[11], static_cast<double>(shortest), 4e-15);
     space.interpolate(a, b, 0.25, q);
     EXPECT_GE(q[11], -3.14159265358979323846);
     EXPECT_LT(q[11], 3.14159265358979323846);
-    EXPECT_NEAR(static_cast<double>(std::remainder(q[11] - a[11] - shortest / 4, two_pi)), 0,
-                4e-15);
+    EXPECT_NEAR(
+        static_cast<double>(std::remainder(wide(q[11]) - wide(a[11]) - shortest / 4, two_pi)), 0,
+        4e-15);
   }
 }
 
