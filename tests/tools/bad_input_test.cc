@@ -1,0 +1,105 @@
+// What a user gets to see for every kind of bad file: one line that says file and line, what is
+// wrong and what would be accepted; status 2.
+
+#include "tests/tools/command.h"
+
+namespace leeway::tools::testing {
+namespace {
+
+class BadInput : public CommandTest {
+ protected:
+  /// reach.yaml with one piece of its text replaced, planned.
+  void expectProblemRefused(const std::string& from, const std::string& to,
+                            const std::vector<std::string>& words) const {
+    write("bad.yaml", replaced(kReach, from, to));
+    expectRefused("plan bad.yaml --json", words);
+  }
+  void expectUrdfRefused(const std::string& from, const std::string& to,
+                         const std::vector<std::string>& words) const {
+    write("arm.urdf", replaced(kUrdf, from, to));
+    expectRefused("plan reach.yaml --json", words);
+    write("arm.urdf", kUrdf);
+  }
+  void expectSrdfRefused(const std::string& from, const std::string& to,
+                         const std::vector<std::string>& words) const {
+    write("arm.srdf", replaced(kSrdf, from, to));
+    expectRefused("plan reach.yaml --json", words);
+    write("arm.srdf", kSrdf);
+  }
+  static std::string replaced(std::string text, const std::string& from, const std::string& to) {
+    const std::size_t at = text.find(from);
+    EXPECT_NE(at, std::string::npos) << from;
+    return text.replace(at, from.size(), to);
+  }
+};
+
+TEST_F(BadInput, ProblemFiles) {
+  expectRefused("plan missing.yaml", {"missing.yaml"});
+  expectProblemRefused("goal: left", "goal: [1, 2", {"bad.yaml:"});
+  expectProblemRefused("goal: left", "gaol: left", {"bad.yaml:5:", "gaol", "goal"});
+  expectProblemRefused("seed: 7", "seed: 7\nseed: 8", {"bad.yaml:9:", "seed"});
+  expectProblemRefused("time: 20", "time: soon", {"bad.yaml:8:", "soon"});
+  expectProblemRefused("time: 20", "time: .nan", {"bad.yaml:8:", "nan"});
+  expectProblemRefused("radius: 0.05", "radius: .inf", {"bad.yaml:7:", "inf"});
+  expectProblemRefused("radius: 0.05", "radius: -0.05", {"bad.yaml:7:", "-0.05"});
+  expectProblemRefused("position: [0.85, 0, 0]",
+                       "position: [0.85, 0, 0], orientation: [0, 0, 0, 0.9]",
+                       {"bad.yaml:7:", "0.9"});
+  expectProblemRefused("cylinder: {radius: 0.05, length: 1}", "mesh: {file: nowhere.stl}",
+                       {"bad.yaml:7:", "nowhere.stl"});
+  expectProblemRefused("start: right", "start: [9, 0]", {"bad.yaml:4:", "shoulder", "9", "-3"});
+  expectProblemRefused("group: arm", "group: leg", {"bad.yaml:3:", "leg", "arm"});
+  expectProblemRefused("arm.urdf", "nowhere.urdf", {"bad.yaml:3:", "nowhere.urdf"});
+  expectProblemRefused("seed: 7", "planner: {name: RRTConect}", {"RRTConect", "RRTConnect"});
+}
+
+TEST_F(BadInput, Meshes) {
+  write("empty.obj", "");
+  expectProblemRefused("cylinder: {radius: 0.05, length: 1}", "mesh: {file: empty.obj}",
+                       {"bad.yaml:7:", "empty.obj"});
+  write("broken.stl", "solid broken\nfacet normal 0 0\n");
+  expectProblemRefused("cylinder: {radius: 0.05, length: 1}", "mesh: {file: broken.stl}",
+                       {"bad.yaml:7:", "broken.stl"});
+}
+
+TEST_F(BadInput, AlmostUnitQuaternionIsAWarning) {
+  write("warn.yaml", replaced(kReach, "position: [0.85, 0, 0]",
+                              "position: [0.85, 0, 0], orientation: [0, 0, 0, 0.9995]"));
+  const Answer answer = run("plan warn.yaml --json");
+  EXPECT_EQ(answer.status, 0);
+  EXPECT_NE(answer.err.find("warning: "), std::string::npos) << answer.err;
+  EXPECT_NE(answer.err.find("warn.yaml:7"), std::string::npos) << answer.err;
+}
+
+TEST_F(BadInput, Robots) {
+  expectUrdfRefused("<link name=\"base\"/>", "<link name=\"base\"/>\n  <link name=\"island\"/>",
+                    {"arm.urdf", "island"});
+  expectUrdfRefused("<parent link=\"base\"/>", "<parent link=\"lower\"/>", {"arm.urdf"});
+  expectUrdfRefused("    <limit lower=\"-3\" upper=\"3\" velocity=\"1\" effort=\"1\"/>\n", "",
+                    {"arm.urdf:9:", "shoulder", "limit"});
+  expectUrdfRefused("<box size=\"0.4 0.04 0.04\"/>", "<box size=\"0.4 -0.04 0.04\"/>",
+                    {"arm.urdf:4:", "-0.04"});
+  expectUrdfRefused("<box size=\"0.4 0.04 0.04\"/>", "<mesh filename=\"package://gone/link.stl\"/>",
+                    {"arm.urdf:4:", "package://gone/link.stl"});
+  expectUrdfRefused("</robot>", "", {"arm.urdf"});
+  expectSrdfRefused("<joint name=\"elbow\"/></group>", "<link name=\"knee\"/></group>",
+                    {"arm.srdf:2:", "knee"});
+  expectSrdfRefused("<joint name=\"elbow\"/></group>", "<group name=\"knees\"/></group>",
+                    {"arm.srdf:2:", "knees"});
+}
+
+TEST_F(BadInput, MoveitFiles) {
+  write("scene.yaml", kScene);
+  write("request.yaml", replaced(kRequest, "group_name: arm", "group_name: leg"));
+  const std::string plan =
+      "plan --robot arm.urdf --srdf arm.srdf --scene scene.yaml --request request.yaml";
+  expectRefused(plan, {"request.yaml:1:", "leg"});
+  write("request.yaml", replaced(kRequest, "joint_name: elbow", "joint_name: knee"));
+  expectRefused(plan, {"request.yaml:", "knee"});
+  write("request.yaml", kRequest);
+  write("scene.yaml", replaced(kScene, "type: cylinder", "type: teapot"));
+  expectRefused(plan, {"scene.yaml:6:", "teapot"});
+}
+
+}  // namespace
+}  // namespace leeway::tools::testing
