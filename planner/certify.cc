@@ -46,7 +46,8 @@ Certificate certify(EdgeCertifier& certifier, const Path& path, double tolerance
     const bool free = certifier.certify(a, b).verdict == Verdict::kFree;
     if (!free) certificate.certified = false;
     EdgeClearance edge = certifier.edgeClearance(a, b, tolerance, -kInfinity);
-    // Every pair is proven to keep its margin, which may say more than an interval of that tolerance.
+    // Every pair is proven to keep its margin, which may say more than an interval of that
+    // tolerance.
     if (free) edge.clearance.lower = std::max(edge.clearance.lower, least_margin);
     certificate.segments.push_back(edge.clearance);
     certificate.clearance.lower = std::min(certificate.clearance.lower, edge.clearance.lower);

@@ -49,7 +49,8 @@ inline std::shared_ptr<const robots::Model> disc() {
                           robots::JointType::kPlanar, {-2, -2, 0}, {2, 2, 0});
 }
 
-/// From left to right of a wall at x = 0 that leaves one gap of width 0.6 at y = 1.2 (and none at its ends): never straight.
+/// From left to right of a wall at x = 0 that leaves one gap of width 0.6 at y = 1.2 (and none at
+/// its ends): never straight.
 inline Problem wallProblem() {
   Problem problem = problemOf(disc(), {-1, -1, 0}, {1, -1, 0});
   problem.objects.push_back(box("lower wall", {0.05, 1.7, 0.5}, 0, -0.8, 0));  // y -2.5 to 0.9
@@ -57,13 +58,13 @@ inline Problem wallProblem() {
   return problem;
 }
 
-/// From left to right past a block at the origin: a passage above it is 0.4 wide, the one below 1.4; the start is nearer to the
-/// narrow one, so that the shortest path squeezes through.
+/// From left to right past a block at the origin: a passage above it is 0.4 wide, the one
+/// below 1.4; the start is nearer to the narrow one, so that the shortest path squeezes through.
 inline Problem corridorProblem() {
   Problem problem = problemOf(disc(), {-1.2, 0.7, 0}, {1.2, 0.7, 0});
-  problem.objects.push_back(box("block", {0.2, 0.8, 0.5}, 0, 0.2, 0));     // y -0.6 to 1.0
-  problem.objects.push_back(box("ceiling", {0.2, 0.5, 0.5}, 0, 1.9, 0));   // y 1.4 to 2.4
-  problem.objects.push_back(box("floor", {0.2, 0.5, 0.5}, 0, -2.5, 0));    // y -3 to -2
+  problem.objects.push_back(box("block", {0.2, 0.8, 0.5}, 0, 0.2, 0));    // y -0.6 to 1.0
+  problem.objects.push_back(box("ceiling", {0.2, 0.5, 0.5}, 0, 1.9, 0));  // y 1.4 to 2.4
+  problem.objects.push_back(box("floor", {0.2, 0.5, 0.5}, 0, -2.5, 0));   // y -3 to -2
   return problem;
 }
 

@@ -5,14 +5,16 @@
 namespace leeway::collision {
 
 /// A rigid placement: X_AB maps the coordinates of a point in frame B to those in frame A.
-/// Our own struct of two plain Eigen members, because the alignment of Eigen's Isometry3d depends on
-/// the instruction set that a program is compiled for and this type stands in public interfaces.
+/// Our own struct of two plain Eigen members, because the alignment of Eigen's Isometry3d depends
+/// on the instruction set that a program is compiled for and this type stands in public interfaces.
 struct Pose {
   Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
   Eigen::Vector3d translation = Eigen::Vector3d::Zero();  // [m]
 
   /// The coordinates in A of a point given in B.
-  Eigen::Vector3d operator*(const Eigen::Vector3d& p_B) const { return rotation * p_B + translation; }
+  Eigen::Vector3d operator*(const Eigen::Vector3d& p_B) const {
+    return rotation * p_B + translation;
+  }
 
   /// X_AC = X_AB * X_BC.
   Pose operator*(const Pose& X_BC) const {

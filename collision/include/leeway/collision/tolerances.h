@@ -53,8 +53,8 @@ inline constexpr double kTransferRounding = 1e-14;
 
 // Hulls and meshes (hull_builder.cc, convex_hull.cc, mesh_tree.cc, hull_excess.cc)
 
-/// Largest size or coordinate that shapes accept [m]: the exact predicates of hulls and meshes multiply
-/// three, the engine four.
+/// Largest size or coordinate that shapes accept [m]: the exact predicates of hulls and meshes
+/// multiply three, the engine four.
 inline constexpr double kLargestCoordinate = 1e60;
 
 /// Rounding of a distance of a point from a triangle or of a radius, as a fraction of the
@@ -75,24 +75,26 @@ inline constexpr long kExcessPieces = 40'000;
 
 // Queries of meshes (mesh_descent.cc, containment.cc)
 
-/// A node is bounded to within this share of the smaller radius, and of its excess: closer work on a bound that its
-/// children will better is lost. Any value is right; this one was fast.
+/// A node is bounded to within this share of the smaller radius, and of its excess: closer work on
+/// a bound that its children will better is lost. Any value is right; this one was fast.
 inline constexpr double kNodeTolerance = 1e-3;
 
-/// Once two meshes are known to overlap, pairs of triangles that are deeper by less than this share of the depth are not
-/// looked for, nor more than that many node pairs visited: the upper end of a mesh's depth is loose anyway.
+/// Once two meshes are known to overlap, pairs of triangles that are deeper by less than this share
+/// of the depth are not looked for, nor more than that many node pairs visited: the upper end of a
+/// mesh's depth is loose anyway.
 inline constexpr double kDeeperShare = 0.1;
 inline constexpr int kDeeperNodes = 256;
 
-/// A translation that separates two overlapping meshes is looked for by multiplying its length by four this often, halving back
-/// that often, each time with this many node pairs at most. More makes the lower end of a depth
-/// better and the query dearer; no value makes it wrong.
+/// A translation that separates two overlapping meshes is looked for by multiplying its length by
+/// four this often, halving back that often, each time with this many node pairs at most. More
+/// makes the lower end of a depth better and the query dearer; no value makes it wrong.
 inline constexpr int kSeparationSteps = 20;
 inline constexpr int kSeparationHalvings = 8;
 inline constexpr int kSeparationNodes = 2000;
 
-/// A segment that decides inside or outside leaves the box of the component by this share of its size, and is
-/// tilted by multiples of it: far enough from edges and vertices of axis-aligned parts to be regular at once.
+/// A segment that decides inside or outside leaves the box of the component by this share of its
+/// size, and is tilted by multiples of it: far enough from edges and vertices of axis-aligned parts
+/// to be regular at once.
 inline constexpr double kSegmentTilt = 1.0 / 1024;
 
 }  // namespace leeway::collision

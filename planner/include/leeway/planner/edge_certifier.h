@@ -19,9 +19,9 @@ struct StateCheck {
 };
 
 struct EdgeRequest {
-  bool last_valid = false;        ///< find the largest t up to which the edge is certified
-  double smallest_interval = 0;   ///< in t; 0: the default of tolerances (by motion, not by t)
-  int work_limit = 0;             ///< pair queries; 0: the default. Reached: undecided
+  bool last_valid = false;       ///< find the largest t up to which the edge is certified
+  double smallest_interval = 0;  ///< in t; 0: the default of tolerances (by motion, not by t)
+  int work_limit = 0;            ///< pair queries; 0: the default. Reached: undecided
 };
 
 struct EdgeCheck {
@@ -39,7 +39,8 @@ struct EdgeClearance {
   collision::DistanceResult closest;
 };
 
-/// Decides states and whole edges of one compiled scene: no step size, bounds only. One per thread; allocates in the constructor only.
+/// Decides states and whole edges of one compiled scene: no step size, bounds only. One per thread;
+/// allocates in the constructor only.
 class EdgeCertifier {
  public:
   explicit EdgeCertifier(std::shared_ptr<const CompiledScene> scene);
@@ -52,10 +53,12 @@ class EdgeCertifier {
   /// Clearance to within tolerance [m], closest pair, witnesses.
   StateCheck clearance(std::span<const double> point, double tolerance);
   /// Certifies the edge from a to b as the space interpolates it. `b` is looked at first.
-  EdgeCheck certify(std::span<const double> a, std::span<const double> b, const EdgeRequest& request = {});
-  /// The minimum clearance along the edge to within tolerance [m] (or as near as the work limit allows). `cutoff`: stop as soon as the minimum is
-  /// known to be below (upper < cutoff).
-  EdgeClearance edgeClearance(std::span<const double> a, std::span<const double> b, double tolerance, double cutoff);
+  EdgeCheck certify(std::span<const double> a, std::span<const double> b,
+                    const EdgeRequest& request = {});
+  /// The minimum clearance along the edge to within tolerance [m] (or as near as the work limit
+  /// allows). `cutoff`: stop as soon as the minimum is known to be below (upper < cutoff).
+  EdgeClearance edgeClearance(std::span<const double> a, std::span<const double> b,
+                              double tolerance, double cutoff);
 
   struct Statistics {
     std::uint64_t states = 0, edges = 0, distance_queries = 0, intervals = 0;

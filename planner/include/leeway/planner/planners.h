@@ -13,10 +13,10 @@ struct PlannerTraits {
   std::string name;           ///< as in a problem file: OMPL's class name
   bool deterministic = true;  ///< false: keeps threads of its own, or (LBTRRT) reads memory that
                               ///< OMPL never set, so that a seed does not fix its result
-  bool optimizing = false;  ///< improves its path until the limits are reached
-  bool projection = false;  ///< explores cells of the space's default projection
-  bool exact = true;        ///< false: only comes near a goal; a certified edge then leads into it
-  std::string summary;      ///< half a line
+  bool optimizing = false;    ///< improves its path until the limits are reached
+  bool projection = false;    ///< explores cells of the space's default projection
+  bool exact = true;    ///< false: only comes near a goal; a certified edge then leads into it
+  std::string summary;  ///< half a line
 };
 
 /// A parameter that a problem file may set.

@@ -6,18 +6,23 @@
 
 namespace leeway::robots {
 
-/// Positions of every joint with one degree of freedom, mimic joints included, and poses of all links.
-/// X_WL has model.links.size() entries, in link order. One parent-before-child pass; allocates nothing.
-/// Each entry departs from the exact pose of the given numbers by at most kinematicsRounding(model).
+/// Positions of every joint with one degree of freedom, mimic joints included, and poses of all
+/// links. X_WL has model.links.size() entries, in link order. One parent-before-child pass;
+/// allocates nothing. Each entry departs from the exact pose of the given numbers by at most
+/// kinematicsRounding(model).
 void forwardKinematics(const Model& model, std::span<const double> q, std::span<Pose> X_WL);
 
-/// The same for `count` configurations: q row by row, X_WL[i * links + l]. Bit for bit the same numbers.
-void forwardKinematicsBatch(const Model& model, std::span<const double> q, int count, std::span<Pose> X_WL);
+/// The same for `count` configurations: q row by row, X_WL[i * links + l]. Bit for bit the same
+/// numbers.
+void forwardKinematicsBatch(const Model& model, std::span<const double> q, int count,
+                            std::span<Pose> X_WL);
 
-/// A bound on how far rounding moves any point within `reach` of the world's origin in forwardKinematics [m].
+/// A bound on how far rounding moves any point within `reach` of the world's origin in
+/// forwardKinematics [m].
 double kinematicsRounding(const Model& model, double reach);
 
-/// Sine and cosine that do not depend on the C library or the instruction set: within 1.5 ulp for |x| <= 1e5 rad.
+/// Sine and cosine that do not depend on the C library or the instruction set: within 1.5 ulp for
+/// |x| <= 1e5 rad.
 void sineCosine(double x, double& sine, double& cosine);
 
 }  // namespace leeway::robots

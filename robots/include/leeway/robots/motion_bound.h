@@ -29,8 +29,8 @@ struct RelativeMotion {
   double base_reach = 0;
 };
 
-/// Derives the terms for a body inside the sphere (center_L, radius) fixed to `link` (-1: the world).
-/// O(joints^2).
+/// Derives the terms for a body inside the sphere (center_L, radius) fixed to `link` (-1: the
+/// world). O(joints^2).
 RelativeMotion relativeMotion(const Model& model, int link, int base,
                               const Eigen::Vector3d& center_L, double radius);
 
