@@ -152,22 +152,19 @@ bool tetrahedronHoldsOrigin(const Vector* const w[4], Candidate& best) {
 
 // Reorders the slots: those of the candidate first, in their old order.
 void keep(Simplex& s, const Candidate& best) {
-  const int before[4] = {s.slot[0], s.slot[1], s.slot[2], s.slot[3]};
-  int kept = 0, dropped = best.count;
-  double lambda[4];
+  int place[4] = {-1, -1, -1, -1};  // in the candidate
+  for (int n = 0; n < best.count; ++n) place[best.index[n]] = n;
+  int kept = 0;
+  int dropped[4], dropped_count = 0;
   for (int i = 0; i < 4; ++i) {
-    int found = -1;
-    for (int n = 0; n < best.count; ++n) {
-      if (best.index[n] == i) found = n;
-    }
-    if (found >= 0) {
-      s.slot[kept] = before[i];
-      lambda[kept++] = best.lambda[found];
+    if (place[i] >= 0) {
+      s.lambda[kept] = best.lambda[place[i]];
+      s.slot[kept++] = s.slot[i];
     } else {
-      s.slot[dropped++] = before[i];
+      dropped[dropped_count++] = s.slot[i];
     }
   }
-  for (int i = 0; i < kept; ++i) s.lambda[i] = lambda[i];
+  for (int i = 0; i < dropped_count; ++i) s.slot[kept + i] = dropped[i];
   s.count = kept;
   s.nearest = best.nearest;
   s.norm_squared = best.norm_squared;
