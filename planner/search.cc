@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <limits>
 
 #include "planner/ompl_lock.h"
@@ -18,6 +19,7 @@ namespace {
 
 namespace ob = ompl::base;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kPi = 3.14159265358979323846;
 
 /// The k-th run of a planner within one plan has seeds of its own.
 std::uint64_t runSeed(std::uint64_t seed, std::uint64_t run) {
@@ -28,6 +30,32 @@ std::uint64_t runSeed(std::uint64_t seed, std::uint64_t run) {
 std::string digits(double x) {
   char buffer[32];
   return {buffer, std::to_chars(buffer, buffer + sizeof buffer, x).ptr};
+}
+
+bool turns(const ConfigurationSpace& space, int i) {
+  const robots::Model& model = space.model();
+  const int v = space.variables()[static_cast<std::size_t>(i)];
+  const robots::Joint& joint =
+      model.joints[static_cast<std::size_t>(model.variables[static_cast<std::size_t>(v)].joint)];
+  const bool planar_angle =
+      joint.type == robots::JointType::kPlanar && v == joint.first_variable + 2;
+  return joint.type == robots::JointType::kRevolute ||
+         joint.type == robots::JointType::kContinuous || planar_angle;
+}
+
+/// The space's extent where a joint's turn counts up to half a turn: what is beyond comes round
+/// again, and steps should not be longer for it.
+double usefulExtent(const ConfigurationSpace& space) {
+  double squared = 0;
+  for (const ConfigurationSpace::Part& part : space.parts()) {
+    double range = kPi;
+    if (part.kind == ConfigurationSpace::Kind::kLine) {
+      range = space.upper(part.first) - space.lower(part.first);
+      if (turns(space, part.first)) range = std::min(range, kPi);
+    }
+    squared += part.weight * range * part.weight * range;
+  }
+  return std::sqrt(squared);
 }
 
 }  // namespace
@@ -41,7 +69,8 @@ Search::Search(std::shared_ptr<const CompiledScene> scene, std::shared_ptr<Certi
       space_information_(makeSpaceInformation(scene_, task.problem.seed, pool_)),
       traits_(findPlanner(task.problem.planner)) {
   const double extent = space_information_->getMaximumExtent();
-  if (traits_->name == "RRTConnect") parameters_.emplace("range", digits(kConnectRange * extent));
+  if (traits_->name == "RRTConnect")
+    parameters_.emplace("range", digits(kConnectRange * usefulExtent(scene_->space())));
   if (traits_->name == "SST") {  // alone it has lengths of 3 and 5, whatever the space
     parameters_.emplace("range", digits(kStepRange * extent));
     parameters_.emplace("selection_radius", digits(kSelectionRadius * extent));

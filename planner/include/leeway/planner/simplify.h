@@ -11,8 +11,8 @@ namespace leeway::planner {
 
 struct SimplifyOptions {
   std::uint64_t seed = 1;
-  int attempts = 200;  ///< random shortcuts tried at most
-  int failures = 40;   ///< in a row: ends earlier
+  int attempts = 100;  ///< random shortcuts tried at most
+  int failures = 30;   ///< in a row: ends earlier
   /// A shortcut must keep this clearance [m] besides the margins: with it a path found for its
   /// clearance loses none.
   double clearance_floor = -std::numeric_limits<double>::infinity();
