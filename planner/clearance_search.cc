@@ -22,21 +22,21 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 std::optional<ClearancePath> searchClearance(const std::shared_ptr<const CompiledScene>& scene,
                                              Search& search, const SearchTask& task, double bound) {
   std::uint64_t run = 0;
-  auto first = search.shortest(task.problem.seed);
+  auto first = search.any(task.problem.seed);
   if (!first) return std::nullopt;
   const auto measured = [&](const Waypoints& path) {
-    return pathClearance(search.certifier(), path, kClearanceTolerance, -kInfinity);
+    return pathClearance(search.certifier(), path, kBoundTolerance, -kInfinity);
   };
   ClearancePath best{std::move(*first), 0, {}};
   best.clearance = measured(best.path);
 
-  std::uint64_t budget = kFirstBudget;
+  std::uint64_t budget = kFirstBudget, iterations = task.limits.iterations();
   double demand = best.clearance + (bound - best.clearance) / 2;
   while (bound - best.clearance > kClearanceTolerance && !task.limits.searchOver()) {
     const auto raised = scene->withMarginAtLeast(demand);
     const auto pool = std::make_shared<CertifierPool>(raised);
     Search wider(raised, pool, task);
-    auto path = wider.shortest(task.problem.seed + ++run, budget);
+    auto path = wider.any(task.problem.seed + ++run, budget);
     addStatistics(best.work, pool->statistics());
     if (path) {
       best.path = std::move(*path);
@@ -46,6 +46,9 @@ std::optional<ClearancePath> searchClearance(const std::shared_ptr<const Compile
     }
     demand = best.clearance + (demand - best.clearance) / 2;
     if (demand - best.clearance > kClearanceTolerance) continue;
+    // Searches that end before they begin (no start, no goal with so much room) will not do better.
+    if (task.limits.iterations() == iterations) break;
+    iterations = task.limits.iterations();
     budget *= 2;
     demand = best.clearance + (bound - best.clearance) / 2;
   }

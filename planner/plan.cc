@@ -139,7 +139,7 @@ class Plan {
     limits_.reserve(kSimplifyShare);
     const double bound = clearanceBound();
     Search search(scene_, pool_, task);
-    if (traits_->optimizing)
+    if (traits_->optimizing && traits_->widens)
       return search.widest(problem_.seed, bound - kClearanceTolerance).value_or(Waypoints{});
     auto widest = searchClearance(scene_, search, task, bound);
     if (!widest) return {};
@@ -165,8 +165,8 @@ class Plan {
   double clearanceBound() {
     double goal = -kInfinity;
     for (const std::vector<double>& point : goals_.points)
-      goal = std::max(goal, certifier().clearance(point, kClearanceTolerance).clearance.upper);
-    return std::min(goal, certifier().clearance(start_, kClearanceTolerance).clearance.upper);
+      goal = std::max(goal, certifier().clearance(point, kBoundTolerance).clearance.upper);
+    return std::min(goal, certifier().clearance(start_, kBoundTolerance).clearance.upper);
   }
 
   void finish(Waypoints path) {

@@ -74,7 +74,9 @@ Entry entry(const char* name, bool deterministic, bool optimizing, bool projecti
             const char* summary) {
   const bool exact =
       !std::is_same_v<Planner, og::SST>;  // its steps are random, never towards a goal
-  return {{name, deterministic, optimizing, projection, exact, summary},
+  // Its A* over the roadmap subtracts and adds costs, and throws where they do not.
+  const bool widens = !std::is_same_v<Planner, og::LazyPRMstar>;
+  return {{name, deterministic, optimizing, widens, projection, exact, summary},
           [](const ob::SpaceInformationPtr& si) { return std::make_shared<Planner>(si); }};
 }
 

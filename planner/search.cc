@@ -3,6 +3,7 @@
 #include <ompl/base/ProblemDefinition.h>
 #include <ompl/base/goals/GoalState.h>
 #include <ompl/geometric/PathGeometric.h>
+#include <ompl/util/Exception.h>
 
 #include <algorithm>
 #include <charconv>
@@ -78,10 +79,18 @@ Search::Search(std::shared_ptr<const CompiledScene> scene, std::shared_ptr<Certi
   }
 }
 
-std::optional<Waypoints> Search::shortest(std::uint64_t seed, std::uint64_t budget) {
+std::optional<Waypoints> Search::shortest(std::uint64_t seed) {
+  return search(seed, 0, !traits_->optimizing);
+}
+
+std::optional<Waypoints> Search::any(std::uint64_t seed, std::uint64_t budget) {
+  return search(seed, budget, true);
+}
+
+std::optional<Waypoints> Search::search(std::uint64_t seed, std::uint64_t budget, bool first) {
   auto objective = std::make_shared<OmplLengthObjective>(space_information_);
   // A planner that does not optimise must be content with its first path; some of them look here.
-  objective->setCostThreshold(ob::Cost(traits_->optimizing ? 0 : kInfinity));
+  objective->setCostThreshold(ob::Cost(first ? kInfinity : 0));
   return run(objective, seed, budget);
 }
 
@@ -128,9 +137,13 @@ std::optional<Waypoints> Search::runOnce(const ob::OptimizationObjectivePtr& obj
     planner->setup();
   }
   Limits& limits = task_.limits;
-  planner->solve(ob::PlannerTerminationCondition([&limits, last_iteration] {
-    return limits.iterations() >= last_iteration || limits.iterate();
-  }));
+  try {
+    planner->solve(ob::PlannerTerminationCondition([&limits, last_iteration] {
+      return limits.iterations() >= last_iteration || limits.iterate();
+    }));
+  } catch (const ompl::Exception&) {
+    return std::nullopt;  // an OMPL planner that lost its way has no path; the next run may
+  }
   if (!definition->hasExactSolution()) return std::nullopt;
 
   const auto solution =

@@ -36,15 +36,19 @@ class Search {
   EdgeCertifier& certifier() { return pool_->local().certifier; }
 
   /// Runs the problem's planner for the shortest path (or any: as the planner is), anew when it
-  /// gives up before the limits. `budget`: at most so many iterations (0: what the limits leave). A
-  /// path is returned only when every edge of it is certified as it stands.
-  std::optional<Waypoints> shortest(std::uint64_t seed, std::uint64_t budget = 0);
+  /// gives up before the limits. A path is returned only when every edge of it is certified as it
+  /// stands.
+  std::optional<Waypoints> shortest(std::uint64_t seed);
+  /// The same for the first path it finds. `budget`: at most so many iterations (0: what the limits
+  /// leave).
+  std::optional<Waypoints> any(std::uint64_t seed, std::uint64_t budget = 0);
   /// The same for the greatest clearance, ending early at `enough` [m]. For planners that optimise.
   std::optional<Waypoints> widest(std::uint64_t seed, double enough);
 
   bool certified(const Waypoints& path);
 
  private:
+  std::optional<Waypoints> search(std::uint64_t seed, std::uint64_t budget, bool first);
   std::optional<Waypoints> run(const ompl::base::OptimizationObjectivePtr& objective,
                                std::uint64_t seed, std::uint64_t budget);
   std::optional<Waypoints> runOnce(const ompl::base::OptimizationObjectivePtr& objective,

@@ -122,6 +122,10 @@ constexpr int kIdleRuns = 3;
 /// longer search. The certificate has a tolerance of its own.
 constexpr double kClearanceTolerance = 1e-3;
 
+/// How near the ends of a search for clearance are known [m]: what it has and what it could have at
+/// most; together less than kClearanceTolerance, or it would not see that it has arrived.
+constexpr double kBoundTolerance = 2.5e-4;
+
 /// Iterations of the first search with raised margins: a fraction of a second, and doubled when it
 /// proves too few.
 constexpr unsigned long long kFirstBudget = 1000;

@@ -14,6 +14,8 @@ struct PlannerTraits {
   bool deterministic = true;  ///< false: keeps threads of its own, or (LBTRRT) reads memory that
                               ///< OMPL never set, so that a seed does not fix its result
   bool optimizing = false;    ///< improves its path until the limits are reached
+  bool widens = true;         ///< false: its search needs costs that add up; clearance by rising
+                              ///< margins, as for planners that do not optimise
   bool projection = false;    ///< explores cells of the space's default projection
   bool exact = true;    ///< false: only comes near a goal; a certified edge then leads into it
   std::string summary;  ///< half a line
