@@ -59,6 +59,8 @@ class Pairs {
     return builder;
   }
 
+  bool hasProven() const { return proven_; }
+
   std::vector<int> bodyLinks() const {
     std::vector<int> links;
     for (const Entry& e : entries_) links.push_back(e.body.moving ? e.link : -1);
@@ -199,8 +201,10 @@ class Pairs {
         }
     const std::vector<std::pair<int, int>> proven = robots::provenApart(model_, candidates);
     for (std::size_t k = 0; k < candidates.size(); ++k)
-      if (std::find(proven.begin(), proven.end(), candidates[k]) != proven.end())
+      if (std::find(proven.begin(), proven.end(), candidates[k]) != proven.end()) {
+        proven_ = true;
         drop(bodies[k].first, bodies[k].second, "proven never to meet", dropped);
+      }
   }
 
   const Problem& problem_;
@@ -209,6 +213,7 @@ class Pairs {
   std::vector<Pose> poses_;
   std::vector<Entry> entries_;
   std::map<std::pair<int, int>, std::string> reasons_;
+  bool proven_ = false;
 };
 
 /// Places in a point of the circles that some mimic joint follows with a factor that is no whole
@@ -248,6 +253,7 @@ CompiledScene::CompiledScene(const Problem& problem)
   pairs.decide(dropped_);
   scene_ = pairs.builder().build();
   body_link_ = pairs.bodyLinks();
+  needs_limits_ = pairs.hasProven();
   jumping_circles_ = jumpingCircles(*space_);
   deriveMotions(ranges);
 }

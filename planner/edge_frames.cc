@@ -85,6 +85,7 @@ bool EdgeFrames::begin(std::span<const double> a, std::span<const double> b) {
   scene_->expandDifference(difference_, dq_);
   robots::jointMotion(scene_->model(), dq_, joint_motion_);
   within_limits_ = space.withinLimits(a_) && space.withinLimits(b_);
+  if (!within_limits_ && scene_->needsLimits()) return false;
   watch_reach_ = !within_limits_ || scene_->reach() >= kLargestReach;
   return true;
 }

@@ -10,6 +10,7 @@
 
 #include "leeway/collision/triangle_mesh.h"
 #include "leeway/robots/kinematics.h"
+#include "tests/collision/allocations.h"
 #include "tests/planner/random_problem.h"
 #include "tests/planner/test_models.h"
 
@@ -381,6 +382,55 @@ TEST(EdgeCertifier, AMimicThatWouldJumpIsUndecided) {
   EXPECT_EQ(certifier.certify(std::vector<double>{2.0}, std::vector<double>{3.0}).verdict,
             Verdict::kFree);
   EXPECT_EQ(certifier.certify(std::vector<double>{3.0}, std::vector<double>{-3.0}).verdict,
+            Verdict::kUndecided);
+}
+
+TEST(EdgeCertifier, QueriesAllocateNothing) {
+  Random random(14);
+  for (const Kind kind : {Kind::kArm, Kind::kFree, Kind::kPlanar, Kind::kTree}) {
+    const auto compiled = std::make_shared<const CompiledScene>(problemOf(random, kind));
+    EdgeCertifier certifier(compiled);
+    std::vector<std::vector<double>> points;
+    for (int i = 0; i < 30; ++i) points.push_back(randomPoint(random, *compiled));
+    const std::size_t before = collision::testing::allocationCount();
+    for (std::size_t i = 1; i < points.size(); ++i) {
+      EdgeRequest request;
+      request.last_valid = true;
+      certifier.decide(points[i]);
+      certifier.clearance(points[i], 1e-4);
+      certifier.certify(points[i - 1], points[i], request);
+      certifier.edgeClearance(points[i - 1], points[i], 1e-2, -kInfinity);
+    }
+    EXPECT_EQ(collision::testing::allocationCount(), before);
+  }
+}
+
+// A pair that was dropped by a proof within the limits says nothing outside them.
+TEST(EdgeCertifier, OutsideLimitsThatAProofNeededIsUndecided) {
+  auto model = std::make_shared<robots::Model>();
+  for (int i = 0; i < 3; ++i) {
+    robots::Link link;
+    link.name = "link" + std::to_string(i);
+    link.joint = i;
+    link.geometries.push_back({collision::Shape::sphere(0.1), {}, link.name});
+    model->links.push_back(link);
+    robots::Joint joint;
+    joint.name = "joint" + std::to_string(i);
+    joint.type = i == 0 ? robots::JointType::kFixed : robots::JointType::kPrismatic;
+    joint.parent_link = i - 1;
+    joint.child_link = i;
+    if (i > 0) joint.X_PJ.translation = {0.5, 0, 0};
+    model->joints.push_back(joint);
+    robots::appendVariables(*model, i, Eigen::Vector3d::Constant(-0.1),
+                            Eigen::Vector3d::Constant(0.1));
+  }
+  model->finish();
+  Problem problem = test::problemOf(model, {0, 0}, {0, 0});
+  EdgeCertifier certifier(std::make_shared<const CompiledScene>(problem));
+  EXPECT_TRUE(certifier.scene().needsLimits());
+  EXPECT_EQ(certifier.decide(std::vector<double>{0.1, 0}), Verdict::kFree);
+  EXPECT_EQ(certifier.decide(std::vector<double>{-0.9, 0}), Verdict::kUndecided);
+  EXPECT_EQ(certifier.certify(std::vector<double>{0, 0}, std::vector<double>{-0.9, 0}).verdict,
             Verdict::kUndecided);
 }
 

@@ -58,6 +58,10 @@ class CompiledScene {
     return raised;
   }
 
+  /// True when pairs were dropped by a proof that holds within the joints' limits only: points outside
+  /// them cannot be answered.
+  bool needsLimits() const { return needs_limits_; }
+
   /// What was dropped and why: for `leeway info`.
   struct Dropped {
     std::string a, b, reason;
@@ -80,6 +84,7 @@ class CompiledScene {
   std::vector<Dropped> dropped_;
   double rounding_ = 0;
   double reach_ = 0;
+  bool needs_limits_ = false;
 };
 
 }  // namespace leeway::planner

@@ -1,0 +1,2 @@
+// The counter of tests/collision, for this program too.
+#include "tests/collision/allocations_test.cc"

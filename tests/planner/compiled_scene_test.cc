@@ -1,0 +1,172 @@
+#include "leeway/planner/compiled_scene.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+
+#include "robots/model_builder.h"
+#include "tests/planner/test_models.h"
+
+namespace leeway::planner {
+namespace {
+
+/// A column of links of 0.2 m on revolute joints, of which `fixed` ones are fixed instead; balls
+/// far smaller than the gaps.
+std::shared_ptr<robots::Model> column(int links, const std::vector<int>& fixed = {}) {
+  auto model = std::make_shared<robots::Model>();
+  for (int i = 0; i < links; ++i) {
+    robots::Link link;
+    link.name = "link" + std::to_string(i);
+    link.joint = i;
+    link.geometries.push_back({collision::Shape::sphere(0.05), test::at(0, 0, 0.1), link.name});
+    model->links.push_back(link);
+    robots::Joint joint;
+    joint.name = "joint" + std::to_string(i);
+    const bool turns = i > 0 && std::find(fixed.begin(), fixed.end(), i) == fixed.end();
+    joint.type = turns ? robots::JointType::kRevolute : robots::JointType::kFixed;
+    joint.parent_link = i - 1;
+    joint.child_link = i;
+    joint.axis = Eigen::Vector3d::UnitY();
+    if (i > 0) joint.X_PJ = test::at(0, 0, 0.2);
+    model->joints.push_back(joint);
+    robots::appendVariables(*model, i, Eigen::Vector3d::Constant(-3), Eigen::Vector3d::Constant(3));
+  }
+  return model;
+}
+
+std::string reason(const CompiledScene& compiled, const std::string& a, const std::string& b) {
+  for (const CompiledScene::Dropped& d : compiled.dropped())
+    if ((d.a == a && d.b == b) || (d.a == b && d.b == a)) return d.reason;
+  return "";
+}
+
+bool kept(const CompiledScene& compiled, const std::string& a, const std::string& b) {
+  for (const collision::ScenePair& pair : compiled.scene().pairs()) {
+    const std::string& x = compiled.scene().bodies()[static_cast<std::size_t>(pair.body_a)].name;
+    const std::string& y = compiled.scene().bodies()[static_cast<std::size_t>(pair.body_b)].name;
+    if ((x == a && y == b) || (x == b && y == a)) return true;
+  }
+  return false;
+}
+
+Problem problemWith(std::shared_ptr<robots::Model> model) {
+  model->finish();
+  const std::vector<double> q = model->defaultConfiguration();
+  Problem problem = test::problemOf(model, q, q);
+  problem.objects.push_back(test::box("table", {0.1, 0.1, 0.1}, 0.7, 0, 0));
+  return problem;
+}
+
+TEST(CompiledScene, AdjacentAndDisabledPairsAreDroppedWithReasons) {
+  auto model = column(5);
+  model->has_srdf = true;
+  model->disabled_pairs.push_back({1, 3, "Never"});
+  Problem problem = problemWith(model);
+  problem.allowed.emplace_back("link4", "table");
+  const CompiledScene compiled(problem);
+  EXPECT_EQ(reason(compiled, "link1", "link2"), "adjacent");
+  EXPECT_EQ(reason(compiled, "link1", "link3"), "disabled by the SRDF: Never");
+  EXPECT_EQ(reason(compiled, "link4", "table"), "allowed by the problem");
+  EXPECT_TRUE(kept(compiled, "link0", "link2"));
+  EXPECT_TRUE(kept(compiled, "link2", "link4"));
+  EXPECT_TRUE(kept(compiled, "link3", "table"));
+  EXPECT_FALSE(kept(compiled, "link1", "link3"));
+  EXPECT_FALSE(kept(compiled, "link0", "table"));  // neither moves
+}
+
+TEST(CompiledScene, AMatrixReplacesTheSrdfsPairs) {
+  auto model = column(5);
+  model->has_srdf = true;
+  model->disabled_pairs.push_back({1, 3, "Never"});
+  Problem problem = problemWith(model);
+  problem.replace_srdf_pairs = true;
+  problem.allowed.emplace_back("link2", "link4");
+  const CompiledScene compiled(problem);
+  EXPECT_TRUE(kept(compiled, "link1", "link3"));
+  EXPECT_EQ(reason(compiled, "link2", "link4"), "allowed by the problem");
+}
+
+TEST(CompiledScene, PassiveJointsFoldIntoTheWorld) {
+  auto model = column(5);
+  model->has_srdf = true;
+  Problem problem = problemWith(model);
+  problem.configuration[0] = 0.5;  // joint1 stands, joints 2 to 4 are planned
+  problem.variables = {1, 2, 3};
+  const CompiledScene compiled(problem);
+  const int link1 = compiled.scene().find("link1"), link2 = compiled.scene().find("link2");
+  EXPECT_FALSE(compiled.scene().bodies()[static_cast<std::size_t>(link1)].moving);
+  EXPECT_EQ(compiled.bodyLink(link1), -1);
+  EXPECT_EQ(compiled.bodyLink(link2), 2);
+  EXPECT_NEAR(compiled.scene().bodies()[static_cast<std::size_t>(link1)].X_WB.rotation(0, 2),
+              std::sin(0.5), 1e-12);
+  EXPECT_EQ(reason(compiled, "link0", "link1"), "adjacent");
+  EXPECT_TRUE(kept(compiled, "link0", "link2"));
+  std::vector<double> q(4);
+  compiled.expand(std::vector<double>{1, 2, 3}, q);
+  EXPECT_EQ(q, (std::vector<double>{0.5, 1, 2, 3}));
+}
+
+TEST(CompiledScene, WithoutAnSrdfFixedJointsAreSeenThroughAndProofsCount) {
+  auto model = column(6, {3});  // link2 and link3 are one piece
+  model->has_srdf = false;
+  Problem problem = problemWith(model);
+  const CompiledScene compiled(problem);
+  EXPECT_EQ(reason(compiled, "link2", "link3"), "adjacent");
+  EXPECT_EQ(reason(compiled, "link1", "link3"), "adjacent");
+  EXPECT_EQ(reason(compiled, "link2", "link4"), "adjacent");
+  // Two joints apart the balls can meet; nothing is dropped that was not proven.
+  EXPECT_TRUE(kept(compiled, "link3", "link5"));
+  auto stiff = column(4);
+  for (robots::Variable& v : stiff->variables) v.lower = -0.3, v.upper = 0.3;
+  const CompiledScene straight(problemWith(stiff));
+  EXPECT_EQ(reason(straight, "link0", "link2"), "proven never to meet");
+  EXPECT_TRUE(straight.needsLimits());
+  auto margin = column(4);
+  for (robots::Variable& v : margin->variables) v.lower = -0.3, v.upper = 0.3;
+  Problem kept_apart = problemWith(margin);
+  kept_apart.margin = 0.01;  // the proof is of not touching only
+  EXPECT_TRUE(kept(CompiledScene(kept_apart), "link0", "link2"));
+}
+
+TEST(CompiledScene, AttachedThingsMoveWithTheirLink) {
+  auto model = column(4);
+  model->has_srdf = true;
+  Problem problem = problemWith(model);
+  Attachment cup;
+  cup.object = {"cup", {{collision::Shape::sphere(0.03), test::at(0, 0, 0.01), "cup"}}, {}};
+  cup.link = 3;
+  cup.X_LO = test::at(0, 0, 0.2);
+  cup.touch_links = {2};
+  problem.attachments.push_back(cup);
+  const CompiledScene compiled(problem);
+  EXPECT_EQ(reason(compiled, "cup", "link3"), "attached");
+  EXPECT_EQ(reason(compiled, "cup", "link2"), "attached");
+  EXPECT_TRUE(kept(compiled, "cup", "link1"));
+  EXPECT_TRUE(kept(compiled, "cup", "table"));
+  const int body = compiled.scene().find("cup");
+  EXPECT_EQ(compiled.bodyLink(body), 3);
+  const collision::Geometry& g =
+      compiled.scene().bodies()[static_cast<std::size_t>(body)].geometries[0];
+  EXPECT_NEAR(g.X_BG.translation.z(), 0.21, 1e-15);
+}
+
+TEST(CompiledScene, MarginsByName) {
+  auto model = column(4);
+  model->has_srdf = true;
+  Problem problem = problemWith(model);
+  problem.margin = 0.01;
+  problem.margins.push_back({"table", "link3", 0.05});
+  const CompiledScene compiled(problem);
+  int wide = 0;
+  for (const collision::ScenePair& pair : compiled.scene().pairs()) {
+    const bool named = pair.body_a == compiled.scene().find("link3") &&
+                       pair.body_b == compiled.scene().find("table");
+    EXPECT_EQ(pair.margin, named ? 0.05 : 0.01);
+    wide += named;
+  }
+  EXPECT_EQ(wide, 1);
+}
+
+}  // namespace
+}  // namespace leeway::planner
