@@ -41,7 +41,7 @@ std::shared_ptr<const Model> loadRobot(const YamlReader& robot, const ProblemOpt
       load.packages.emplace_back(name, path);
     }
   const auto existing = [](const YamlReader& file) {
-    const std::string path = resolvedPath(file);
+    std::string path = resolvedPath(file);
     if (!std::filesystem::exists(path))
       file.fail(fmt::format("{} names '{}', which does not exist; an existing file is expected",
                             file.where(), path));
