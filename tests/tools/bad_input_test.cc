@@ -37,7 +37,7 @@ TEST_F(BadInput, ProblemFiles) {
   expectRefused("plan missing.yaml", {"missing.yaml"});
   expectProblemRefused("goal: left", "goal: [1, 2", {"bad.yaml:"});
   expectProblemRefused("goal: left", "gaol: left", {"bad.yaml:5:", "gaol", "goal"});
-  expectProblemRefused("seed: 7", "seed: 7\nseed: 8", {"bad.yaml:9:", "seed"});
+  expectProblemRefused("seed: 7", "seed: 7\nseed: 8", {"bad.yaml:10:", "seed"});
   expectProblemRefused("time: 20", "time: soon", {"bad.yaml:8:", "soon"});
   expectProblemRefused("time: 20", "time: .nan", {"bad.yaml:8:", "nan"});
   expectProblemRefused("radius: 0.05", "radius: .inf", {"bad.yaml:7:", "inf"});
@@ -98,7 +98,7 @@ TEST_F(BadInput, MoveitFiles) {
   expectRefused(plan, {"request.yaml:", "knee"});
   write("request.yaml", kRequest);
   write("scene.yaml", replaced(kScene, "type: cylinder", "type: teapot"));
-  expectRefused(plan, {"scene.yaml:6:", "teapot"});
+  expectRefused(plan, {"scene.yaml:7:", "teapot"});
 }
 
 }  // namespace

@@ -54,6 +54,24 @@ TEST_F(Check, PenetrationWithDepthAndWitnesses) {
   }
 }
 
+TEST_F(Check, MarginsOfPairsNameThePair) {
+  // The post is nearer than the wall, but only the wall asks for room.
+  std::string text = kReach;
+  text.insert(text.find("limits"),
+              "  - {name: wall, position: [0, -2, 0], box: {size: [4, 0.2, 1]}}\n"
+              "margins: [{between: [lower, wall], margin: 2.5}]\n");
+  write("margins.yaml", text);
+  const Answer answer = run("check margins.yaml --state shoulder=0.5,elbow=0 --json");
+  EXPECT_EQ(answer.status, 1) << answer.err;
+  const json state = answer.document()["states"][0];
+  EXPECT_EQ(state["closest"]["b"], "post");
+  EXPECT_GT(state["clearance_lower"], 0);
+  EXPECT_EQ(state["too_near"], json({"lower", "wall"}));
+  EXPECT_NE(
+      run("check margins.yaml --state shoulder=0.5,elbow=0").out.find("lower and wall do not keep"),
+      std::string::npos);
+}
+
 TEST_F(Check, LimitsCountToo) {
   const Answer answer = run("check reach.yaml --state shoulder=3.5 --json");
   EXPECT_EQ(answer.status, 1);

@@ -101,6 +101,7 @@ Json solve(const Arguments& arguments, const std::shared_ptr<const robots::Model
   apply(arguments.overrides, problem);
   const double load_s = secondsSince(start);
   const planner::PlanResult result = planner::plan(problem, interactivePlanOptions());
+  printWarnings(result.warnings);
   Json document = toJson(problem, result, load_s);
   Json verification;
   if (arguments.verify && result.status == planner::PlanStatus::kSolved) {

@@ -36,6 +36,7 @@ struct CheckedState {
   planner::StateCheck check;
   PairNames names;
   double margin = 0;
+  PairNames too_near;  ///< not free: a pair that does not keep its margin; the closest one may
 
   bool valid() const { return limit.empty() && check.verdict == planner::Verdict::kFree; }
 };
@@ -203,6 +204,12 @@ CheckedState checkState(planner::EdgeCertifier& certifier, const NamedState& sta
     checked.margin =
         certifier.scene().scene().pairs()[static_cast<std::size_t>(checked.check.pair)].margin;
   }
+  if (checked.check.verdict == planner::Verdict::kNotFree) {
+    checked.too_near =
+        checked.check.clearance.upper <= checked.margin
+            ? checked.names
+            : pairNames(certifier.scene(), certifier.certify(state.point, state.point).pair);
+  }
   return checked;
 }
 
@@ -242,7 +249,9 @@ Json stateJson(const CheckedState& checked) {
           {"clearance_lower", jsonNumber(check.clearance.lower)},
           {"clearance_upper", jsonNumber(check.clearance.upper)},
           {"closest", closest},
-          {"penetration", penetration}};
+          {"penetration", penetration},
+          {"too_near",
+           checked.too_near.a.empty() ? Json() : Json({checked.too_near.a, checked.too_near.b})}};
 }
 
 std::string pointText(const Eigen::Vector3d& p) {
@@ -277,9 +286,11 @@ std::string stateText(const CheckedState& checked) {
   }
   text += fmt::format("\n  closest points {} on {}, {} on {}\n", pointText(check.closest.point_a),
                       checked.names.a, pointText(check.closest.point_b), checked.names.b);
-  if (check.verdict != planner::Verdict::kFree) {
-    text += check.verdict == planner::Verdict::kUndecided ? "  undecided: counts as not valid\n"
-                                                          : "  a margin is not kept\n";
+  if (check.verdict == planner::Verdict::kUndecided) {
+    text += "  undecided: counts as not valid\n";
+  } else if (check.verdict == planner::Verdict::kNotFree) {
+    text += fmt::format("  {} and {} do not keep their margin\n", checked.too_near.a,
+                        checked.too_near.b);
   }
   return text;
 }

@@ -186,6 +186,7 @@ int run(const Arguments& arguments) {
 
   const planner::PlanResult result = planner::plan(problem, interactivePlanOptions());
   endProgress();
+  printWarnings(result.warnings);
   const bool solved = result.status == planner::PlanStatus::kSolved;
   if (solved && !arguments.output.empty()) {
     planner::writePath(arguments.output, problem, result);
