@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "leeway/planner/plan.h"
@@ -59,6 +60,30 @@ Certificate certify(EdgeCertifier& certifier, const Path& path, double tolerance
     }
   }
   return certificate;
+}
+
+void splitHalfTurns(const ConfigurationSpace& space, std::vector<std::vector<double>>& path) {
+  if (path.empty()) return;
+  std::vector<double> here = path[0], next, way(here.size()), written(here.size());
+  for (std::size_t i = 1; i < path.size(); ++i) {
+    next = path[i];
+    space.unwrap(here, next);
+    space.difference(path[i - 1], path[i], way);
+    space.difference(here, next, written);
+    bool same = true;
+    for (const ConfigurationSpace::Part& part : space.parts()) {
+      if (part.kind != ConfigurationSpace::Kind::kCircle) continue;
+      const auto k = static_cast<std::size_t>(part.first);
+      // Else a whole turn apart.
+      same = same && std::abs(next[k] - here[k] - way[k]) < 1 && std::abs(written[k] - way[k]) < 1;
+    }
+    if (!same) {
+      space.interpolate(path[i - 1], path[i], 0.5, next);
+      path.insert(path.begin() + static_cast<std::ptrdiff_t>(i), next);
+      space.unwrap(here, next);
+    }
+    here = next;
+  }
 }
 
 }  // namespace leeway::planner

@@ -191,6 +191,7 @@ class Plan {
   }
 
   bool certifyPath(Waypoints path) {
+    splitHalfTurns(scene_->space(), path);
     result_.path.positions = std::move(path);
     result_.certificate = planner::certify(certifier(), result_.path, options_.clearance_tolerance);
     return result_.certificate.certified;

@@ -228,6 +228,34 @@ TEST_F(PathIo, ContinuousJointsAreWrittenUnwrapped) {
   EXPECT_TRUE(sameBits(readPath(file("again.csv"), problem).positions, path.positions));
 }
 
+/// Half a turn exactly goes the way that was certified, whatever turns the rows before have made.
+TEST_F(PathIo, HalfTurnsAreWrittenAsTheyWereCertified) {
+  const Problem problem = loadProblem(kSource + "/problems/bodies/piano.yaml");
+  const ConfigurationSpace space(problem.model, problem.variables);
+  const double pi = 3.14159265358979323846;
+  int cut = 0;
+  for (const double last : {-3.0 + pi, 0.0, pi - 3.0, -pi / 2})
+    for (const double way : {1.0, -1.0}) {
+      std::vector<std::vector<double>> rows = {{1, 1, way * 3.0}, {1, 1, way * -3.0}};
+      for (const double x : {way * last, way * (last > 0 ? last - pi : last + pi)})
+        rows.push_back({1, 1, x});
+      const std::size_t before = rows.size();
+      splitHalfTurns(space, rows);
+      cut += rows.size() > before;
+      writePath(file("turns.csv"), problem, resultOf(problem, rows));
+      const Path path = readPath(file("turns.csv"), problem);
+      ASSERT_EQ(path.positions.size(), rows.size());
+      std::vector<double> certified(3), read(3);
+      for (std::size_t i = 1; i < rows.size(); ++i) {
+        space.difference(rows[i - 1], rows[i], certified);
+        space.difference(path.positions[i - 1], path.positions[i], read);
+        EXPECT_NEAR(path.positions[i][2] - path.positions[i - 1][2], certified[2], 1e-9);
+        EXPECT_NEAR(read[2], certified[2], 1e-9);
+      }
+    }
+  EXPECT_GT(cut, 0);
+}
+
 TEST_F(PathIo, ColumnsAreMatchedByName) {
   const Problem problem = armProblem();
   const Path path =

@@ -80,4 +80,8 @@ PlanResult plan(std::shared_ptr<const CompiledScene> scene, const Problem& probl
 /// Certificate of any path: each edge's minimum clearance to within tolerance.
 Certificate certify(EdgeCertifier& certifier, const Path& path, double tolerance);
 
+/// Cuts edges in their middles on which a circle makes half a turn so exactly that rounding could
+/// send it the other way when the path is unwrapped, as files have it. O(points).
+void splitHalfTurns(const ConfigurationSpace& space, std::vector<std::vector<double>>& path);
+
 }  // namespace leeway::planner
