@@ -318,8 +318,13 @@ void CompiledScene::expandDifference(std::span<const double> difference,
 
 bool CompiledScene::isSmooth(std::span<const double> a, std::span<const double> b,
                              std::span<const double> difference) const {
+  // Inside an edge circles are wrapped: ends that are not would be whole turns from their
+  // neighbours.
+  constexpr double kPi = 3.14159265358979323846;
+  const auto wrapped = [](double x) { return x >= -kPi && x < kPi; };
   for (const int i : jumping_circles_)
-    if (!(std::abs(a[at(i)] + difference[at(i)] - b[at(i)]) < 1))
+    if (!wrapped(a[at(i)]) || !wrapped(b[at(i)]) ||
+        !(std::abs(a[at(i)] + difference[at(i)] - b[at(i)]) < 1))
       return false;  // else a whole turn apart
   return true;
 }

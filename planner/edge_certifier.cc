@@ -119,12 +119,23 @@ Interval EdgeCertifier::Impl::sweep(const EdgeInterval& interval, const EdgePair
   request.depth = false;
   ++work;
   ++statistics->distance_queries;
-  return collision::sweptDistance(frames.pieces()[at(pair.a)].geometry->shape,
-                                  frames.relative(interval.slot0, pair),
-                                  frames.relative(interval.slot1, pair), growth,
-                                  frames.pieces()[at(pair.b)].geometry->shape, request,
-                                  workspace.scratch(), &workspace.cache(pair.scene_pair))
-      .distance;
+  const collision::Shape& a = frames.pieces()[at(pair.a)].geometry->shape;
+  const collision::Shape& b = frames.pieces()[at(pair.b)].geometry->shape;
+  Interval distance =
+      collision::sweptDistance(a, frames.relative(interval.slot0, pair),
+                               frames.relative(interval.slot1, pair), growth, b, request,
+                               workspace.scratch(), &workspace.cache(pair.scene_pair))
+          .distance;
+  // Where depth is allowed, a body inside a mesh may be at the edge's end, and come too deep
+  // without a meeting of surfaces. Below zero the sweep's bound is that of the hulls and holds as
+  // it is.
+  if (threshold < pair.rounding && distance.lower > 0 && !frames.isConvex(pair)) {
+    request.threshold = pair.rounding;
+    if (!(distance.lower > pair.rounding &&
+          stateDistance(interval.slot0, pair, request).distance.lower > pair.rounding))
+      distance.lower = -kInfinity;
+  }
+  return distance;
 }
 
 bool EdgeCertifier::Impl::examine(EdgeInterval& interval, std::vector<int>& list, int& offender) {

@@ -22,7 +22,8 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 struct EdgeCertifier::Impl::ClearanceSearch {
   double tolerance, cutoff;
   double lower = kInfinity;  // of everything that is settled
-  bool swept = false;        // some of it by sweeps
+  bool sweeps = true;        // may be asked
+  bool swept = false;        // some of it by sweeps of surfaces, which do not see what is inside
   EdgeClearance best{{kInfinity, kInfinity}, 0, -1, {}};
 
   /// From here on a part of the edge need not be looked at.
@@ -85,8 +86,8 @@ void EdgeCertifier::Impl::settlePairs(EdgeInterval& interval, ClearanceSearch& s
     double growth = 0;
     double lower = coarseSweep(interval, pair, growth) - pair.rounding;
     // A sweep tells distances, not depths: it is asked only for what is apart.
-    if (lower < search.enough() && growth <= kSweepGrowth && search.enough() > 0) {
-      search.swept = true;
+    if (lower < search.enough() && growth <= kSweepGrowth && search.enough() > 0 && search.sweeps) {
+      search.swept = search.swept || !frames.isConvex(pair);
       lower = std::max(lower, sweep(interval, pair, growth, search.enough() + pair.rounding).lower -
                                   pair.rounding);
     }
@@ -132,9 +133,10 @@ EdgeClearance EdgeCertifier::edgeClearance(std::span<const double> a, std::span<
   impl.searchState(end, 1, search);
   impl.searchState(start, 0, search);
   impl.searchEdge(start, end, search);
-  // Sweeps do not see a body inside another, and what is inside at one place of a touching edge may
-  // not be at its end. With a negative minimum known they are not asked.
-  if (search.swept && search.best.clearance.upper <= 0 && !search.cut()) {
+  // What is inside a mesh at one place of an edge that touches it may not be at its end: then
+  // sweeps are not asked.
+  if (search.swept && std::min(search.lower, search.best.clearance.upper) <= 0 && !search.cut()) {
+    search.sweeps = false;
     impl.frames.release(end + 1);
     search.lower = kInfinity;
     impl.searchEdge(start, end, search);

@@ -74,9 +74,25 @@ bool EdgeFrames::isUsable(std::span<const double> point) const {
   return true;
 }
 
+/// What holds outside the limits, too: joints without room have no motion terms, and a quaternion
+/// that is nearly zero is no rotation.
+bool EdgeFrames::isInShape(std::span<const double> point) const {
+  const ConfigurationSpace& space = scene_->space();
+  for (const ConfigurationSpace::Part& part : space.parts()) {
+    const double* x = &point[at(part.first)];
+    if (part.kind == ConfigurationSpace::Kind::kRotation) {
+      if (!(x[0] * x[0] + x[1] * x[1] + x[2] * x[2] + x[3] * x[3] > 0.25)) return false;
+    } else if (space.lower(part.first) == space.upper(part.first) &&
+               *x != space.lower(part.first)) {
+      return false;
+    }
+  }
+  return true;
+}
+
 bool EdgeFrames::begin(std::span<const double> a, std::span<const double> b) {
   used_ = 0;
-  if (!isUsable(a) || !isUsable(b)) return false;
+  if (!isUsable(a) || !isUsable(b) || !isInShape(a) || !isInShape(b)) return false;
   const ConfigurationSpace& space = scene_->space();
   std::copy(a.begin(), a.end(), a_.begin());
   std::copy(b.begin(), b.end(), b_.begin());

@@ -39,7 +39,8 @@ class EdgeFrames {
   EdgeFrames(std::shared_ptr<const CompiledScene> scene, int capacity);
 
   /// Starts an edge: no slot is in use afterwards. False when the edge cannot be certified at all:
-  /// numbers that are not finite, angles too large to be exact, or a mimic joint that would jump.
+  /// numbers that are not finite, angles too large to be exact, a quaternion of no length, a joint
+  /// without room that has left its place, or a mimic joint that would jump.
   bool begin(std::span<const double> a, std::span<const double> b);
   /// A slot with the configuration at t; -1 when none is left or a body is out of reach.
   int place(double t);
@@ -57,6 +58,11 @@ class EdgeFrames {
     const Piece& p = pieces_[at(piece)];
     return p.link < 0 ? p.bounds->outer.center : centers_[at(slot) * pieces_.size() + at(piece)];
   }
+  /// True when both of a pair's shapes are: no sweep or distance then misses what is inside.
+  bool isConvex(const EdgePair& pair) const {
+    return pieces_[at(pair.a)].geometry->shape.isConvex() &&
+           pieces_[at(pair.b)].geometry->shape.isConvex();
+  }
   Pose piecePose(int slot, int piece) const;
   /// X_BA of a pair's pieces.
   Pose relative(int slot, const EdgePair& pair) const;
@@ -71,6 +77,7 @@ class EdgeFrames {
   void addPieces();
   void addPairs();
   bool isUsable(std::span<const double> point) const;
+  bool isInShape(std::span<const double> point) const;
 
   std::shared_ptr<const CompiledScene> scene_;
   std::vector<Piece> pieces_;

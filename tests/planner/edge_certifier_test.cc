@@ -220,20 +220,25 @@ TEST(EdgeCertifier, NeverMissesAThinWire) {
   }
 }
 
-// A box inside a hollow one never meets its surface; a mesh's solid is not crossed by sweeps of
-// surfaces alone.
-TEST(EdgeCertifier, ABodyInsideASolidIsNotFree) {
+/// A cube of two metres, as a closed mesh.
+Object solidBox() {
   std::vector<Eigen::Vector3d> vertices;
   for (int i = 0; i < 8; ++i) vertices.emplace_back(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1);
   const std::vector<collision::TriangleMesh::Triangle> triangles{
       {0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
       {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
-  Problem problem = test::problemOf(test::disc(), {0, 0, 0}, {0.1, 0, 0});
   Object solid;
   solid.name = "solid";
   solid.geometries.push_back(
       {collision::Shape::mesh(collision::TriangleMesh::make(vertices, triangles)), {}, "solid"});
-  problem.objects.push_back(solid);
+  return solid;
+}
+
+// A box inside a hollow one never meets its surface; a mesh's solid is not crossed by sweeps of
+// surfaces alone.
+TEST(EdgeCertifier, ABodyInsideASolidIsNotFree) {
+  Problem problem = test::problemOf(test::disc(), {0, 0, 0}, {0.1, 0, 0});
+  problem.objects.push_back(solidBox());
   EdgeCertifier certifier(std::make_shared<const CompiledScene>(problem));
   EXPECT_EQ(
       certifier.certify(std::vector<double>{0, 0, 0}, std::vector<double>{0.3, 0.2, 1}).verdict,
@@ -243,6 +248,27 @@ TEST(EdgeCertifier, ABodyInsideASolidIsNotFree) {
                                -kInfinity)
                 .clearance.upper,
             0);
+}
+
+// A solid into which a body may sink a little: its surface is not met between the places.
+TEST(EdgeCertifier, AllowedDepthIsNotExceededInsideASolid) {
+  Problem problem =
+      test::problemOf(robots::freeBody("ball", {{collision::Shape::sphere(0.01), {}, "ball"}},
+                                       robots::JointType::kPlanar, {-2, -2, 0}, {2, 2, 0}),
+                      {0, 0, 0}, {0.1, 0, 0});
+  problem.objects.push_back(solidBox());
+  problem.margin = -0.1;
+  EdgeCertifier certifier(std::make_shared<const CompiledScene>(problem));
+  const std::vector<double> middle{0, 0, 0}, shallow{0.95, 0, 0}, out{1.2, 0, 0},
+      aside{0.95, 0.5, 0};
+  EXPECT_EQ(certifier.decide(middle), Verdict::kNotFree);
+  EXPECT_EQ(certifier.decide(shallow), Verdict::kFree);
+  EXPECT_NE(certifier.certify(middle, shallow).verdict, Verdict::kFree);
+  EXPECT_NE(certifier.certify(shallow, std::vector<double>{-0.95, 0, 0}).verdict, Verdict::kFree);
+  EXPECT_EQ(certifier.certify(out, std::vector<double>{1.2, 0.5, 0}).verdict, Verdict::kFree);
+  EdgeRequest request;
+  request.last_valid = true;
+  EXPECT_LT(certifier.certify(shallow, middle, request).last_valid, 0.1);
 }
 
 TEST(EdgeCertifier, ClearanceHoldsTheDenseMinimum) {
@@ -348,6 +374,42 @@ TEST(EdgeCertifier, WhatIsNoNumberIsUndecided) {
   EXPECT_EQ(certifier.certify(good, good).verdict, Verdict::kFree);
 }
 
+// Nothing is known of a rotation by a quaternion without length, nor of a joint that has left the
+// only place that it can have.
+TEST(EdgeCertifier, WhatCannotBeIsUndecided) {
+  Problem flyer = test::problemOf(test::flyingBox(), {0, 0, 0, 0, 0, 0, 1}, {0, 0, 0, 0, 0, 0, 1});
+  flyer.objects.push_back(test::box("far", {0.1, 0.1, 0.1}, 5, 5, 5));
+  EdgeCertifier flying(std::make_shared<const CompiledScene>(flyer));
+  const std::vector<double> zero{0, 0, 0, 0, 0, 0, 0}, turned{0, 0, 0, 1, 0, 0, 0};
+  EXPECT_EQ(flying.certify(zero, turned).verdict, Verdict::kUndecided);
+  EXPECT_EQ(flying.certify(turned, zero).verdict, Verdict::kUndecided);
+  EXPECT_EQ(flying.certify(turned, turned).verdict, Verdict::kFree);
+
+  auto model = std::make_shared<robots::Model>();
+  for (int i = 0; i < 2; ++i) {
+    robots::Link link;
+    link.name = "link" + std::to_string(i);
+    link.joint = i;
+    if (i == 1) link.geometries.push_back({collision::Shape::sphere(0.1), {}, link.name});
+    model->links.push_back(link);
+    robots::Joint joint;
+    joint.name = "joint" + std::to_string(i);
+    joint.type = i == 0 ? robots::JointType::kFixed : robots::JointType::kPrismatic;
+    joint.parent_link = i - 1;
+    joint.child_link = i;
+    model->joints.push_back(joint);
+    robots::appendVariables(*model, i, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero());
+  }
+  model->finish();
+  Problem stuck = test::problemOf(model, {0}, {0});
+  stuck.objects.push_back(test::box("wall", {0.05, 2, 2}, 1, 0, 0));
+  EdgeCertifier sliding(std::make_shared<const CompiledScene>(stuck));
+  const std::vector<double> home{0}, wall{1};
+  EXPECT_EQ(sliding.certify(home, home).verdict, Verdict::kFree);
+  EXPECT_EQ(sliding.decide(wall), Verdict::kUndecided);
+  EXPECT_EQ(sliding.certify(home, wall).verdict, Verdict::kUndecided);
+}
+
 // A continuous joint that wraps would make a mimic of half its angle jump.
 TEST(EdgeCertifier, AMimicThatWouldJumpIsUndecided) {
   auto model = std::make_shared<robots::Model>();
@@ -382,6 +444,9 @@ TEST(EdgeCertifier, AMimicThatWouldJumpIsUndecided) {
   EXPECT_EQ(certifier.certify(std::vector<double>{2.0}, std::vector<double>{3.0}).verdict,
             Verdict::kFree);
   EXPECT_EQ(certifier.certify(std::vector<double>{3.0}, std::vector<double>{-3.0}).verdict,
+            Verdict::kUndecided);
+  // Not on the circle as it is wrapped inside an edge.
+  EXPECT_EQ(certifier.certify(std::vector<double>{3.5}, std::vector<double>{3.6}).verdict,
             Verdict::kUndecided);
 }
 
