@@ -164,7 +164,10 @@ GoalPoints validGoalPoints(EdgeCertifier& certifier, const Problem& problem, std
     const std::size_t wanted = result.points.size() + (point ? 1 : kGoalSamples);
     bool found = false;
     for (int i = 0; i < (point ? 1 : kGoalAttempts) && result.points.size() < wanted; ++i) {
-      if (i > 0 && stop()) break;
+      if (i > 0 && stop()) {
+        result.stopped = true;
+        break;
+      }
       drawPoint(space, goal, random, q);
       if (certifier.decide(q) == Verdict::kFree) {
         result.points.push_back(q);
@@ -177,7 +180,9 @@ GoalPoints validGoalPoints(EdgeCertifier& certifier, const Problem& problem, std
       result.warnings.push_back(
           "goal '" + goal.name + "' is left out: " +
           (point ? "it is in collision"
-                 : "none of " + std::to_string(kGoalAttempts) + " points of it was valid"));
+           : result.stopped
+               ? "no valid point of it was found within the limits"
+               : "none of " + std::to_string(kGoalAttempts) + " points of it was valid"));
   }
   return result;
 }

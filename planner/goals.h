@@ -28,6 +28,7 @@ void writeAsInGoal(const ConfigurationSpace& space, const Goal& goal, std::span<
 struct GoalPoints {
   std::vector<std::vector<double>> points;
   std::vector<std::string> warnings;  ///< goals left out, and why
+  bool stopped = false;               ///< by `stop`, with points left to try
   StateCheck closest;                 ///< when there is no point: the least bad of what was tried
 };
 

@@ -110,6 +110,7 @@ std::vector<std::pair<int, std::string>> readLines(const std::string& file) {
   int number = 0;
   for (std::string line; std::getline(stream, line);) {
     ++number;
+    if (number == 1 && line.starts_with("\xEF\xBB\xBF")) line.erase(0, 3);  // as spreadsheets do
     if (!line.empty() && line.back() == '\r') line.pop_back();
     if (!trimmed(line).empty()) lines.emplace_back(number, line);
   }

@@ -190,8 +190,8 @@ std::string matrixText(const ConfigurationSpace& space, const PlanResult& result
       fmt::format("cannot be written: {}; a writable path is expected", std::strerror(error)));
 }
 
-/// All of `text` to the disk, or the error number.
-int writeAll(int descriptor, const std::string& text) {
+/// All of `text`, or the error number.
+int writeText(int descriptor, const std::string& text) {
   std::size_t written = 0;
   while (written < text.size()) {
     const ssize_t count = ::write(descriptor, text.data() + written, text.size() - written);
@@ -199,13 +199,51 @@ int writeAll(int descriptor, const std::string& text) {
     if (count < 0) return errno;
     written += static_cast<std::size_t>(count);
   }
+  return 0;
+}
+
+/// All of `text` to the disk, or the error number.
+int writeAll(int descriptor, const std::string& text) {
+  if (const int error = writeText(descriptor, text); error != 0) return error;
   // A full disk may show only here.
   return ::fsync(descriptor) == 0 ? 0 : errno;
 }
 
+/// Into what is there and is no file, such as /dev/stdout; returns the error number.
+int writeThrough(const std::string& file, const std::string& text) {
+  const int descriptor = ::open(file.c_str(), O_WRONLY | O_CLOEXEC);
+  if (descriptor < 0) return errno;
+  int error = writeText(descriptor, text);
+  if (::close(descriptor) != 0 && error == 0) error = errno;
+  return error;
+}
+
+/// What a chain of symbolic links ends at, whether that exists or not.
+std::string linkTarget(const std::string& name) {
+  constexpr int kLongestChain = 40;  // as Linux
+  std::filesystem::path path = name;
+  std::error_code error;
+  for (int i = 0; i < kLongestChain && std::filesystem::is_symlink(path, error); ++i) {
+    // /proc's links to pipes and sockets name no path: only the link itself can be opened.
+    if (std::filesystem::exists(path, error) && !std::filesystem::is_regular_file(path, error))
+      break;
+    const std::filesystem::path target = std::filesystem::read_symlink(path, error);
+    path = target.is_absolute() ? target : path.parent_path() / target;
+  }
+  return path.string();
+}
+
 }  // namespace
 
-void writeFileWhole(const std::string& file, const std::string& text) {
+void writeFileWhole(const std::string& name, const std::string& text) {
+  // A link stays and what it names is replaced; a device or pipe would be lost by a rename.
+  const std::string file = linkTarget(name);
+  struct stat existing {};
+  const bool exists = ::stat(file.c_str(), &existing) == 0;
+  if (exists && !S_ISREG(existing.st_mode) && !S_ISDIR(existing.st_mode)) {
+    if (const int error = writeThrough(file, text); error != 0) failWriting(file, error);
+    return;
+  }
   if (std::error_code ignored; std::filesystem::is_directory(file, ignored))
     failWriting(file, EISDIR);
   std::string temporary;
@@ -218,10 +256,7 @@ void writeFileWhole(const std::string& file, const std::string& text) {
   }
   if (descriptor < 0) failWriting(file, errno);
   int error = writeAll(descriptor, text);
-  struct stat existing {};
-  if (error == 0 && ::stat(file.c_str(), &existing) == 0 &&
-      ::fchmod(descriptor, existing.st_mode & 0777U) != 0)
-    error = errno;
+  if (error == 0 && exists && ::fchmod(descriptor, existing.st_mode & 0777U) != 0) error = errno;
   if (::close(descriptor) != 0 && error == 0) error = errno;
   if (error == 0 && ::rename(temporary.c_str(), file.c_str()) != 0) error = errno;
   if (error == 0) return;

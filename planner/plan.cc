@@ -112,7 +112,8 @@ class Plan {
         validGoalPoints(certifier(), problem_, problem_.seed, [this] { return limits_.over(); });
     result_.warnings = goals_.warnings;
     if (!goals_.points.empty()) return true;
-    offend(PlanStatus::kInvalidGoal, goals_.closest);
+    // Goal regions that the limits left unexplored are not known to be invalid.
+    if (!goals_.stopped) offend(PlanStatus::kInvalidGoal, goals_.closest);
     return false;
   }
 

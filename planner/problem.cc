@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <set>
 
+#include "leeway/planner/planners.h"
 #include "planner/nearest_name.h"
 #include "planner/problem_format.h"
 #include "planner/problem_shapes.h"
@@ -165,27 +166,43 @@ std::pair<std::string, std::string> readNamePair(const YamlReader& pair, const P
   return {items[0].text(), items[1].text()};
 }
 
+/// Margins below zero are meant now and then, for models fatter than the robot, and mistyped more
+/// often: the answers still say solved and certified.
+double readMargin(const YamlReader& margin, Problem& problem) {
+  const double value = margin.number();
+  if (value < 0)
+    problem.warnings.push_back(fmt::format("{}:{}: {} is {}: bodies may overlap by that much",
+                                           margin.file(), margin.line(), margin.where(), value));
+  return value;
+}
+
 void readPairs(const YamlReader& file, Problem& problem) {
   if (const auto allowed = file.find("allowed"))
     for (const YamlReader& pair : allowed->items())
       problem.allowed.push_back(readNamePair(pair, problem));
-  if (const auto margin = file.find("margin")) problem.margin = margin->number();
+  if (const auto margin = file.find("margin")) problem.margin = readMargin(*margin, problem);
   const auto margins = file.find("margins");
   if (!margins) return;
   for (const YamlReader& entry : margins->items()) {
     entry.expectKeys(keysOf("pair_margin"));
     const auto [a, b] = readNamePair(entry.at("between", "two names"), problem);
-    problem.margins.push_back({a, b, entry.at("margin", "a number [m]").number()});
+    problem.margins.push_back({a, b, readMargin(entry.at("margin", "a number [m]"), problem)});
   }
 }
 
 void readPlanner(const YamlReader& file, Problem& problem) {
   if (const auto planner = file.find("planner")) {
     planner->expectKeys(keysOf("planner"));
-    if (const auto name = planner->find("name")) problem.planner = name->text();
+    if (const auto name = planner->find("name")) {
+      problem.planner = name->text();
+      if (const auto error = plannerError(problem.planner, {})) name->fail(*error);
+    }
     if (const auto parameters = planner->find("parameters"))
-      for (const auto& [name, value] : parameters->entries())
+      for (const auto& [name, value] : parameters->entries()) {
         problem.planner_parameters[name] = value.text();
+        if (const auto error = plannerError(problem.planner, {{name, value.text()}}))
+          value.fail(*error);
+      }
   }
   if (const auto objective = file.find("objective")) {
     problem.objective = objective->text();

@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "leeway/collision/convex_hull.h"
+#include "leeway/collision/tolerances.h"
 #include "leeway/collision/triangle_mesh.h"
 #include "leeway/robots/kinematics.h"
 #include "leeway/robots/model.h"
@@ -156,7 +157,13 @@ Eigen::Vector4d readOrientation(const YamlReader& map, std::vector<std::string>&
 
 Pose readPose(const YamlReader& map, std::vector<std::string>& warnings) {
   Pose pose;
-  if (const auto position = map.find("position")) pose.translation = position->vector3();
+  if (const auto position = map.find("position")) {
+    pose.translation = position->vector3();
+    if (const double farthest = pose.translation.cwiseAbs().maxCoeff();
+        farthest > collision::kLargestCoordinate)
+      position->fail(fmt::format("{} holds {}; coordinates up to {} m are expected",
+                                 position->where(), farthest, collision::kLargestCoordinate));
+  }
   pose.rotation = rotationFromQuaternion(readOrientation(map, warnings));
   return pose;
 }

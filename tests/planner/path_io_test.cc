@@ -1,7 +1,9 @@
 #include "leeway/planner/path_io.h"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cmath>
@@ -377,6 +379,30 @@ TEST_F(PathIo, AnExistingFileSurvivesAFailedWrite) {
   std::signal(SIGXFSZ, handler);
   EXPECT_EQ(contents(file("path.json")), "precious");
   EXPECT_EQ(fileCount(), 1U);
+}
+
+TEST_F(PathIo, ALinkStaysAndItsFileIsReplaced) {
+  write("old.txt", "old");
+  std::filesystem::create_symlink("old.txt", file("link.txt"));
+  std::filesystem::create_symlink("fresh.txt", file("dangling.txt"));
+  writeFileWhole(file("link.txt"), "new");
+  writeFileWhole(file("dangling.txt"), "first");
+  EXPECT_TRUE(std::filesystem::is_symlink(file("link.txt")));
+  EXPECT_TRUE(std::filesystem::is_symlink(file("dangling.txt")));
+  EXPECT_EQ(contents(file("old.txt")), "new");
+  EXPECT_EQ(contents(file("fresh.txt")), "first");
+}
+
+TEST_F(PathIo, APipeIsWrittenToAndStays) {
+  ASSERT_EQ(::mkfifo(file("pipe.json").c_str(), 0600), 0);
+  const int end = ::open(file("pipe.json").c_str(), O_RDWR | O_CLOEXEC);
+  ASSERT_GE(end, 0);
+  writeFileWhole(file("pipe.json"), "through");
+  char text[16] = {};
+  EXPECT_EQ(::read(end, text, sizeof text), 7);
+  EXPECT_STREQ(text, "through");
+  ::close(end);
+  EXPECT_TRUE(std::filesystem::is_fifo(file("pipe.json")));
 }
 
 TEST_F(PathIo, AReplacedFileKeepsItsModeAndANewOneTheUsers) {

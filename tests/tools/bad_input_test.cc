@@ -50,7 +50,30 @@ TEST_F(BadInput, ProblemFiles) {
   expectProblemRefused("start: right", "start: [9, 0]", {"bad.yaml:4:", "shoulder", "9", "-3"});
   expectProblemRefused("group: arm", "group: leg", {"bad.yaml:3:", "leg", "arm"});
   expectProblemRefused("arm.urdf", "nowhere.urdf", {"bad.yaml:3:", "nowhere.urdf"});
-  expectProblemRefused("seed: 7", "planner: {name: RRTConect}", {"RRTConect", "RRTConnect"});
+  expectProblemRefused("seed: 7", "planner: {name: RRTConect}",
+                       {"bad.yaml:9:", "RRTConect", "RRTConnect"});
+  expectProblemRefused("seed: 7", "planner: {parameters: {rnge: 1}}",
+                       {"bad.yaml:9:", "rnge", "range"});
+  expectProblemRefused("[0.85, 0, 0]", "[1e300, 0, 0]", {"bad.yaml:7:", "1e+300", "1e+60"});
+}
+
+TEST_F(BadInput, MarginBelowZeroIsAWarning) {
+  write("warn.yaml", replaced(kReach, "seed: 7", "margin: -0.01\nseed: 7"));
+  const Answer answer = run("plan warn.yaml --json");
+  EXPECT_EQ(answer.status, 0);
+  EXPECT_NE(answer.err.find("warning: warn.yaml:9: margin is -0.01"), std::string::npos)
+      << answer.err;
+}
+
+/// Bytes that are no UTF-8 have no place in JSON, but such files are about.
+TEST_F(BadInput, NamesThatAreNotUtf8AreShownSomehow) {
+  write("latin.yaml", replaced(kReach, "post", "p\xF6st"));
+  for (const char* verb : {"plan", "check", "batch", "info"}) {
+    const bool json_flag = std::string(verb) != "batch";
+    const Answer answer = run(std::string(verb) + " latin.yaml" + (json_flag ? " --json" : ""));
+    EXPECT_EQ(answer.status, 0) << verb << answer.err;
+    EXPECT_TRUE(json::parse(answer.out, nullptr, false).is_object()) << verb << answer.out;
+  }
 }
 
 TEST_F(BadInput, Meshes) {

@@ -178,6 +178,16 @@ TEST_F(Plan, NoLeftoversBesideTheOutput) {
   EXPECT_EQ(others, 1);
 }
 
+TEST_F(Plan, AGoalLeftOutIsToldOf) {
+  std::string text = kReach;
+  text.replace(text.find("goal: left"), 10, "goals: [left, [0, 0]]");
+  write("goals.yaml", text);
+  const Answer answer = run("plan goals.yaml --json");
+  EXPECT_EQ(answer.status, 0) << answer.err;
+  EXPECT_NE(answer.err.find("warning: goal 'goal 2' is left out"), std::string::npos) << answer.err;
+  EXPECT_EQ(answer.document()["warnings"].size(), 1U);
+}
+
 TEST_F(Plan, ListsPlanners) {
   const Answer answer = run("plan --planners");
   EXPECT_EQ(answer.status, 0) << answer.err;

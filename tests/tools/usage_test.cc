@@ -27,6 +27,13 @@ TEST_F(Usage, WrongUseIsStatus2) {
   expectRefused("dance", {"--help"});
   expectRefused("plan reach.yaml --fast", {"leeway plan", "--fast"});
   expectRefused("plan reach.yaml --seed many", {"--seed"});
+  expectRefused("plan reach.yaml --seed -1", {"--seed", "'-1'"});
+  expectRefused("plan reach.yaml --seed 18446744073709551616", {"18446744073709551616"});
+  expectRefused("info reach.yaml --seed -1", {"--seed", "'-1'"});
+  expectRefused("plan reach.yaml --output ''", {"--output", "empty"});
+  expectRefused("plan reach.yaml --planner ''", {"--planner", "empty"});
+  expectRefused("plan ''", {"problem", "empty"});
+  expectRefused("check reach.yaml --tolerance inf", {"--tolerance inf"});
   expectRefused("plan", {"problem file", "--robot"});
   expectRefused("plan reach.yaml --time 0", {"--time 0"});
   expectRefused("plan reach.yaml --time nan", {"--time nan"});
@@ -44,6 +51,23 @@ TEST_F(Usage, WrongUseIsStatus2) {
   expectRefused("batch nowhere", {"nowhere"});
   expectRefused("check reach.yaml --tolerance 0", {"--tolerance 0"});
   expectRefused("report", {"--help"});
+}
+
+/// A script must not take an answer that never arrived for one that did.
+TEST_F(Usage, AnswerThatCannotBeWrittenIsStatus2) {
+  if (!fs::exists("/dev/full")) {
+    GTEST_SKIP() << "there is no /dev/full";
+  }
+  for (const char* arguments :
+       {"plan reach.yaml", "plan reach.yaml --json", "check reach.yaml", "batch reach.yaml",
+        "info reach.yaml --json", "--help", "plan --help", "--version"}) {
+    for (const char* nowhere : {">/dev/full", ">&-"}) {
+      const Answer answer = shell(std::string("'" LEEWAY_COMMAND "' ") + arguments + " " + nowhere);
+      EXPECT_EQ(answer.status, 2) << arguments << nowhere << answer.err;
+      EXPECT_NE(answer.err.find("standard output: cannot be written"), std::string::npos)
+          << arguments << nowhere << answer.err;
+    }
+  }
 }
 
 /// The lines under "Example" that begin with the command.

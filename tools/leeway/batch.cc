@@ -230,7 +230,7 @@ int run(const Arguments& arguments) {
                      : fmt::format("; {} holds them for --resume", output.partialPath()));
       return kNo;
     }
-    output.add(item.problem, line.dump());
+    output.add(item.problem, jsonText(line));
   }
   endProgress();
   output.finish();

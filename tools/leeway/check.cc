@@ -266,7 +266,9 @@ std::string stateText(const CheckedState& checked) {
     text += fmt::format(" ({})", checked.limit);
   }
   if (check.pair < 0) {
-    return text + ", there is nothing that could be touched\n";
+    return text + (checked.check.verdict == planner::Verdict::kFree && checked.limit.empty()
+                       ? ", there is nothing that could be touched\n"
+                       : ", its clearance could not be decided\n");
   }
   const double lower = check.clearance.lower * 1e3;
   const double upper = check.clearance.upper * 1e3;
@@ -296,7 +298,7 @@ std::string stateText(const CheckedState& checked) {
 }
 
 int run(const Arguments& arguments) {
-  if (!(arguments.tolerance > 0)) {
+  if (!(arguments.tolerance > 0) || std::isinf(arguments.tolerance)) {
     throw robots::InputError(
         "command line", 0,
         fmt::format("--tolerance {} is not a positive length", arguments.tolerance));

@@ -490,6 +490,7 @@ Verb addInfo(CLI::App& command) {
       ->type_name("N")
       ->capture_default_str();
   app->add_option("--seed", arguments->seed, "seed of the samples")
+      ->check(seedError)
       ->type_name("N")
       ->capture_default_str();
   app->add_flag("--json", arguments->json, "print one JSON document");

@@ -72,6 +72,7 @@ Json toJson(const planner::Problem& problem, const planner::PlanResult& result, 
                      {"states", result.states},
                      {"edges", result.edges},
                      {"distance_queries", result.distance_queries}}}};
+  document["warnings"] = result.warnings;
   document["goal"] =
       result.goal >= 0 ? Json(problem.goals[static_cast<std::size_t>(result.goal)].name) : Json();
   document["path"] = Json();
@@ -115,9 +116,13 @@ const char* toString(planner::VerifyStatus status) {
   return "undecided";
 }
 
+std::string jsonText(const Json& document, int indent) {
+  return document.dump(indent, ' ', false, Json::error_handler_t::replace);
+}
+
 void printJson(const Json& document) {
   const bool terminal = isatty(STDOUT_FILENO) == 1;
-  fmt::print("{}\n", document.dump(terminal ? 2 : -1));
+  fmt::print("{}\n", jsonText(document, terminal ? 2 : -1));
 }
 
 }  // namespace leeway::tools

@@ -20,6 +20,10 @@ Json toJson(const planner::Problem& problem, const planner::PlanResult& result, 
 Json toJson(const planner::VerifyResult& result);
 const char* toString(planner::VerifyStatus status);  ///< "certified", "refuted", "undecided"
 
+/// As text: `indent` -1 for one line. Names and paths that are not UTF-8 are shown with the
+/// replacement character, as JSON has no other way.
+std::string jsonText(const Json& document, int indent = -1);
+
 /// One line with a line break, to stdout, or an indented document for people's eyes when stdout is
 /// a terminal.
 void printJson(const Json& document);

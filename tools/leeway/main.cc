@@ -3,6 +3,9 @@
 
 #include <fmt/format.h>
 
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
 #include <exception>
 #include <string>
 #include <vector>
@@ -32,12 +35,27 @@ int reportUsage(const CLI::App& app, const CLI::ParseError& error) {
   return kBadInput;
 }
 
+/// An empty value, as a script's variable that was never set leaves it, is not an option left out.
+void refuseEmptyValues(CLI::App& app) {
+  for (CLI::Option* option : app.get_options()) {
+    if (option->get_type_size() > 0) {
+      option->check([](const std::string& text) {
+        return text.empty() ? std::string("is empty; a value is expected") : std::string();
+      });
+    }
+  }
+  for (CLI::App* verb : app.get_subcommands({})) {
+    refuseEmptyValues(*verb);
+  }
+}
+
 int run(int argc, char** argv) {
   CLI::App app(kDescription, "leeway");
   app.set_version_flag("--version", std::string("leeway ") + LEEWAY_VERSION);
   app.require_subcommand(1);
   const std::vector<Verb> verbs = {addPlan(app),  addCheck(app), addVerify(app), addClearance(app),
                                    addBatch(app), addInfo(app),  addReport(app)};
+  refuseEmptyValues(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -51,21 +69,41 @@ int run(int argc, char** argv) {
   return kInternal;
 }
 
+int runGuarded(int argc, char** argv) {
+  try {
+    return run(argc, argv);
+  } catch (const robots::InputError& error) {
+    fmt::print(stderr, "{}\n", error.what());
+    return kBadInput;
+  } catch (const std::exception& error) {
+    if (std::ferror(stdout) != 0) {
+      return kYes;  // fmt throws where stdout takes no more; main() tells it
+    }
+    fmt::print(stderr, "leeway: a fault of this program: {}\n", error.what());
+    return kInternal;
+  } catch (...) {
+    fmt::print(stderr, "leeway: a fault of this program\n");
+    return kInternal;
+  }
+}
+
+/// An answer that could not be written is none, whatever it said. A full disk may show only when
+/// the buffers are emptied.
+bool answerIsWritten() {
+  const bool failed_before = std::ferror(stdout) != 0;
+  if (std::fflush(stdout) == 0 && !failed_before) {
+    return true;
+  }
+  fmt::print(stderr, "standard output: cannot be written: {}; a writable place is expected\n",
+             std::strerror(errno));
+  return false;
+}
+
 }  // namespace
 }  // namespace leeway::tools
 
 int main(int argc, char** argv) {
-  using namespace leeway;
-  try {
-    return tools::run(argc, argv);
-  } catch (const robots::InputError& error) {
-    fmt::print(stderr, "{}\n", error.what());
-    return tools::kBadInput;
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "leeway: a fault of this program: {}\n", error.what());
-    return tools::kInternal;
-  } catch (...) {
-    fmt::print(stderr, "leeway: a fault of this program\n");
-    return tools::kInternal;
-  }
+  using namespace leeway::tools;
+  const int status = runGuarded(argc, argv);
+  return answerIsWritten() || status >= kBadInput ? status : kBadInput;
 }

@@ -85,7 +85,10 @@ std::string offendingText(const planner::PlanResult& result) {
   const auto& check = result.offending;
   const char* state = result.status == planner::PlanStatus::kInvalidStart ? "start" : "goal";
   if (result.offending_a.empty()) {
-    return fmt::format("The {} is not valid.\n", state);
+    return fmt::format(
+        "The {} is not valid: its clearance could not be decided, which sizes or places near the "
+        "limits of the numbers cause.\n",
+        state);
   }
   const Eigen::Vector3d place = 0.5 * (check.closest.point_a + check.closest.point_b);
   const std::string where =

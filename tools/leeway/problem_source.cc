@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <set>
@@ -78,9 +79,19 @@ void addProblemAndPathArguments(CLI::App& app, ProblemSource& source,
   addStatesAndMoveitArguments(app, source);
 }
 
+std::string seedError(const std::string& text) {
+  std::uint64_t seed = 0;
+  const char* end = text.data() + text.size();
+  const auto read = std::from_chars(text.data(), end, seed);
+  return read.ec == std::errc() && read.ptr == end
+             ? ""
+             : fmt::format("'{}' is not a whole number from 0 to 18446744073709551615", text);
+}
+
 void addRunLimits(CLI::App& app, PlanOverrides& overrides) {
   app.add_option("--seed", overrides.seed, "seed of the run; same seed, same answer")
-      ->type_name("N");
+      ->type_name("N")
+      ->check(seedError);
   app.add_option("--time", overrides.time_limit, "limit of the run [s]")->type_name("SECONDS");
 }
 

@@ -33,6 +33,8 @@ void addProblemArguments(CLI::App& app, ProblemSource& source);
 /// A problem and a path: two files, or with --robot the path's alone.
 void addProblemAndPathArguments(CLI::App& app, ProblemSource& source,
                                 std::vector<std::string>& files);
+/// What is wrong with the text of a seed; empty: nothing. CLI11 alone takes -1 for the largest.
+std::string seedError(const std::string& text);
 /// --seed and --time: for verbs that answer questions about what is given.
 void addRunLimits(CLI::App& app, PlanOverrides& overrides);
 /// Those and --iterations, --planner, --objective: for verbs that plan.

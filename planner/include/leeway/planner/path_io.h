@@ -19,7 +19,8 @@ Path readPath(const std::string& file, const Problem& problem);
 void writePath(const std::string& file, const Problem& problem, const PlanResult& result);
 
 /// The text of a file, whole or not at all: written under a temporary name beside it, then renamed.
-/// Throws robots::InputError.
+/// Of a symbolic link what it names is replaced; a device or pipe is written to. Throws
+/// robots::InputError.
 void writeFileWhole(const std::string& file, const std::string& text);
 
 }  // namespace leeway::planner
