@@ -58,8 +58,8 @@ class CompiledScene {
     return raised;
   }
 
-  /// True when pairs were dropped by a proof that holds within the joints' limits only: points outside
-  /// them cannot be answered.
+  /// True when pairs were dropped by a proof that holds within the joints' limits only: points
+  /// outside them cannot be answered.
   bool needsLimits() const { return needs_limits_; }
 
   /// What was dropped and why: for `leeway info`.
