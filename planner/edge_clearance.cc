@@ -108,8 +108,16 @@ void EdgeCertifier::Impl::settleFromMiddle(EdgeInterval& interval, int slot, boo
     const EdgePair& pair = frames.pairs()[at(open[at(i)])];
     const Interval distance = refineState(slot, interval.t0 + interval.h / 2, pair, search);
     // Signed separation changes no faster than the pair's points move.
-    const double lower = distance.lower - interval.h / 2 * motionOf(interval, pair.motion).speed;
-    if (last || lower >= search.enough())
+    double lower = distance.lower - interval.h / 2 * motionOf(interval, pair.motion).speed;
+    bool settled = lower >= search.enough();
+    // But not of a mesh that touches: a turn may lock what a short way would part. Convex bodies
+    // around both do, loosely.
+    if (lower <= 0 && !frames.isConvex(pair)) {
+      double growth = 0;
+      lower = std::min(lower, coarseSweep(interval, pair, growth) - pair.rounding);
+      settled = distance.lower <= 0 || lower >= search.enough();
+    }
+    if (last || settled)
       search.settle(lower);
     else
       open[at(kept++)] = open[at(i)];

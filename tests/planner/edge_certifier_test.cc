@@ -220,19 +220,37 @@ TEST(EdgeCertifier, NeverMissesAThinWire) {
   }
 }
 
-/// A cube of two metres, as a closed mesh.
-Object solidBox() {
+/// A closed mesh of cubes of two metres around these centres.
+Object solidCubes(const std::vector<Eigen::Vector3d>& centers) {
   std::vector<Eigen::Vector3d> vertices;
-  for (int i = 0; i < 8; ++i) vertices.emplace_back(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1);
-  const std::vector<collision::TriangleMesh::Triangle> triangles{
-      {0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
-      {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
+  std::vector<collision::TriangleMesh::Triangle> triangles;
+  for (const Eigen::Vector3d& c : centers) {
+    const auto first = static_cast<std::int32_t>(vertices.size());
+    for (int i = 0; i < 8; ++i)
+      vertices.emplace_back(c + Eigen::Vector3d(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1));
+    for (const collision::TriangleMesh::Triangle& t :
+         std::initializer_list<collision::TriangleMesh::Triangle>{{0, 2, 1},
+                                                                  {1, 2, 3},
+                                                                  {4, 5, 6},
+                                                                  {5, 7, 6},
+                                                                  {0, 1, 4},
+                                                                  {1, 5, 4},
+                                                                  {2, 6, 3},
+                                                                  {3, 6, 7},
+                                                                  {0, 4, 2},
+                                                                  {2, 4, 6},
+                                                                  {1, 3, 5},
+                                                                  {3, 7, 5}})
+      triangles.push_back({first + t[0], first + t[1], first + t[2]});
+  }
   Object solid;
   solid.name = "solid";
   solid.geometries.push_back(
       {collision::Shape::mesh(collision::TriangleMesh::make(vertices, triangles)), {}, "solid"});
   return solid;
 }
+
+Object solidBox() { return solidCubes({Eigen::Vector3d::Zero()}); }
 
 // A box inside a hollow one never meets its surface; a mesh's solid is not crossed by sweeps of
 // surfaces alone.
@@ -269,6 +287,27 @@ TEST(EdgeCertifier, AllowedDepthIsNotExceededInsideASolid) {
   EdgeRequest request;
   request.last_valid = true;
   EXPECT_LT(certifier.certify(shallow, middle, request).last_valid, 0.1);
+}
+
+// A plate that turns in a slot touches both walls at once, and then no short way parts them.
+TEST(EdgeCertifier, ATurnLocksAPlateInASlot) {
+  Problem problem = test::problemOf(
+      robots::freeBody("plate", {{collision::Shape::box({0.5, 0.02, 0.1}), {}, "plate"}},
+                       robots::JointType::kPlanar, {-2, -2, 0}, {2, 2, 0}),
+      {0, 0, 0}, {0.1, 0, 0});
+  problem.objects.push_back(solidCubes({{0, 1.025, 0}, {0, -1.025, 0}}));
+  EdgeCertifier certifier(std::make_shared<const CompiledScene>(problem));
+  const std::vector<double> straight{0, 0, 0}, turned{0, 0, 0.0101};
+  EXPECT_EQ(certifier.decide(straight), Verdict::kFree);
+  EXPECT_EQ(certifier.decide(turned), Verdict::kNotFree);
+  const Interval clearance = certifier.edgeClearance(straight, turned, 1e-3, -kInfinity).clearance;
+  EXPECT_LT(clearance.lower, -1);
+  EXPECT_LT(clearance.upper, 1e-5);
+  const Interval before =
+      certifier.edgeClearance(straight, std::vector<double>{0, 0, 0.009}, 1e-3, -kInfinity)
+          .clearance;
+  EXPECT_GT(before.lower, -1e-3);
+  EXPECT_LT(before.upper - before.lower, 1.001e-3);
 }
 
 TEST(EdgeCertifier, ClearanceHoldsTheDenseMinimum) {
