@@ -113,10 +113,11 @@ double EdgeCertifier::Impl::coarseSweep(const EdgeInterval& interval, const Edge
 }
 
 Interval EdgeCertifier::Impl::sweep(const EdgeInterval& interval, const EdgePair& pair,
-                                    double growth, double threshold) {
+                                    double growth, double threshold, int nodes) {
   collision::DistanceRequest request;
   request.threshold = threshold;
   request.depth = false;
+  if (nodes > 0) request.node_limit = nodes;
   ++work;
   ++statistics->distance_queries;
   const collision::Shape& a = frames.pieces()[at(pair.a)].geometry->shape;
@@ -148,7 +149,8 @@ bool EdgeCertifier::Impl::examine(EdgeInterval& interval, std::vector<int>& list
     double growth = 0;
     if (coarseSweep(interval, pair, growth) > pair.threshold) continue;
     if (growth <= hopeful[at(p)]) {
-      const Interval distance = sweep(interval, pair, growth, pair.threshold);
+      const Interval distance = sweep(interval, pair, growth, pair.threshold,
+                                      growth > kDeepSweepGrowth ? kShallowNodes : 0);
       if (distance.lower > pair.threshold) {
         hopeful[at(p)] = std::min(std::max(hopeful[at(p)], growth) * kHopeRegained, kSweepGrowth);
         continue;

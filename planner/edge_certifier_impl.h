@@ -37,8 +37,9 @@ struct EdgeCertifier::Impl {
   const robots::MotionBound& motionOf(const EdgeInterval& interval, int motion);
   /// Lower bound on the separation over the interval, from balls, and the growth of a sweep.
   double coarseSweep(const EdgeInterval& interval, const EdgePair& pair, double& growth);
+  /// `nodes`: at most so many pairs of nodes for meshes; 0: no limit of its own.
   Interval sweep(const EdgeInterval& interval, const EdgePair& pair, double growth,
-                 double threshold);
+                 double threshold, int nodes = 0);
   /// Sweeps the open pairs of an interval, in place: afterwards [begin, end) is what it leaves
   /// open.
   bool examine(EdgeInterval& interval, std::vector<int>& open, int& offender);

@@ -50,6 +50,12 @@ constexpr double kSweepGrowth = 0.02;
 /// edge to edge. Cost time, never truth.
 constexpr double kHopeLost = 0.7;
 constexpr double kHopeRegained = 1.1;
+/// A sweep of meshes with more growth than this [m] looks at no more than so many pairs of nodes:
+/// halves of the interval, which the hulls alone often decide, are cheaper than a deep descent.
+/// Measured; costs time, never truth.
+constexpr double kDeepSweepGrowth = 1e-3;
+constexpr int kShallowNodes = 12;
+
 /// Below this growth [m] a sweep is always tried, so that an edge that once grazed something does
 /// not spoil the next.
 constexpr double kLeastHope = 2e-4;
