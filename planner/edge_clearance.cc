@@ -109,15 +109,15 @@ void EdgeCertifier::Impl::settleFromMiddle(EdgeInterval& interval, int slot, boo
     const Interval distance = refineState(slot, interval.t0 + interval.h / 2, pair, search);
     // Signed separation changes no faster than the pair's points move.
     double lower = distance.lower - interval.h / 2 * motionOf(interval, pair.motion).speed;
-    bool settled = lower >= search.enough();
+    bool settled = last || lower >= search.enough();
     // But not of a mesh that touches: a turn may lock what a short way would part. Convex bodies
-    // around both do, loosely.
-    if (lower <= 0 && !frames.isConvex(pair)) {
+    // around both do, loosely; where it is still apart, halves may prove that it stays so.
+    if (settled && lower <= 0 && !frames.isConvex(pair)) {
       double growth = 0;
       lower = std::min(lower, coarseSweep(interval, pair, growth) - pair.rounding);
-      settled = distance.lower <= 0 || lower >= search.enough();
+      settled = last || distance.lower <= 0;
     }
-    if (last || settled)
+    if (settled)
       search.settle(lower);
     else
       open[at(kept++)] = open[at(i)];
