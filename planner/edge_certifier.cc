@@ -21,7 +21,7 @@ EdgeCertifier::Impl::Impl(std::shared_ptr<const CompiledScene> compiled)
     : scene(compiled), frames(compiled, kEdgeSlots), workspace(compiled->scene()) {
   workspace.pose_error = scene->rounding();
   motion.resize(scene->motions().size());
-  motion_stamp.resize(motion.size());
+  world_balls.resize(frames.pieces().size());
   const std::size_t lists = std::max<std::size_t>(kEdgeOpen, 2 * frames.pairs().size());
   for (std::vector<int>* list : {&open, &next_open}) list->reserve(lists);
   order.reserve(frames.pairs().size());
@@ -90,25 +90,57 @@ EdgeCheck EdgeCertifier::certify(std::span<const double> a, std::span<const doub
 }
 
 const robots::MotionBound& EdgeCertifier::Impl::motionOf(const EdgeInterval& interval, int m) {
-  if (motion_stamp[at(m)] != stamp) {
-    motion_stamp[at(m)] = stamp;
-    motion[at(m)] = frames.motionBound(m, interval.slot0, interval.slot1, interval.h);
-  }
-  return motion[at(m)];
+  MotionMemory& memory = motion[at(m)];
+  if (memory.stamp == stamp) return memory.bound;
+  // Each end speaks for the half of the interval that is next to it. Intervals of a level stand
+  // side by side: what was the right end of the last one looked at is the left end of this.
+  const double half = interval.h / 2;
+  const robots::MotionBound left = memory.generation == frames.generation() &&
+                                           memory.slot == interval.slot0 && memory.half == half
+                                       ? memory.right
+                                       : frames.motionNear(m, interval.slot0, half);
+  memory.right = frames.motionNear(m, interval.slot1, half);
+  memory.generation = frames.generation();
+  memory.slot = interval.slot1;
+  memory.half = half;
+  memory.stamp = stamp;
+  memory.bound = {std::max(left.speed, memory.right.speed),
+                  std::max(left.acceleration, memory.right.acceleration)};
+  return memory.bound;
+}
+
+const EdgeCertifier::Impl::SweptBall& EdgeCertifier::Impl::worldBall(const EdgeInterval& interval,
+                                                                     const EdgePair& pair) {
+  SweptBall& ball = world_balls[at(pair.a)];
+  if (ball.stamp == stamp) return ball;
+  ball = sweptBall(interval, pair, frames.center(interval.slot0, pair.a),
+                   frames.center(interval.slot1, pair.a));
+  return ball;
+}
+
+EdgeCertifier::Impl::SweptBall EdgeCertifier::Impl::sweptBall(const EdgeInterval& interval,
+                                                              const EdgePair& pair,
+                                                              const Eigen::Vector3d& c0,
+                                                              const Eigen::Vector3d& c1) {
+  // No point leaves the chord between its two places by more than h^2 A / 8.
+  const double growth = interval.h * interval.h * motionOf(interval, pair.motion).acceleration / 8;
+  const double radius =
+      (c1 - c0).norm() / 2 + growth + frames.pieces()[at(pair.a)].bounds->outer.radius;
+  return {(c0 + c1) / 2, radius, growth, stamp};
 }
 
 double EdgeCertifier::Impl::coarseSweep(const EdgeInterval& interval, const EdgePair& pair,
                                         double& growth) {
-  const Eigen::Vector3d c0 =
-      frames.inFrameOf(interval.slot0, pair.b, frames.center(interval.slot0, pair.a));
-  const Eigen::Vector3d c1 =
-      frames.inFrameOf(interval.slot1, pair.b, frames.center(interval.slot1, pair.a));
-  // No point leaves the chord between its two places by more than h^2 A / 8.
-  growth = interval.h * interval.h * motionOf(interval, pair.motion).acceleration / 8;
-  const Eigen::Vector3d middle = (c0 + c1) / 2;
-  const double reach =
-      (c1 - c0).norm() / 2 + growth + frames.pieces()[at(pair.a)].bounds->outer.radius;
-  const double lower = frames.pieces()[at(pair.b)].bounds->coarse.lower(middle) - reach;
+  const Piece& b = frames.pieces()[at(pair.b)];
+  const SweptBall ball =
+      b.link < 0
+          ? worldBall(interval, pair)
+          : sweptBall(
+                interval, pair,
+                frames.inFrameOf(interval.slot0, pair.b, frames.center(interval.slot0, pair.a)),
+                frames.inFrameOf(interval.slot1, pair.b, frames.center(interval.slot1, pair.a)));
+  growth = ball.growth;
+  const double lower = b.bounds->coarse.lower(ball.center) - ball.radius;
   return std::isnan(lower) ? -kInfinity : lower;
 }
 

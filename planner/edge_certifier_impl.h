@@ -34,6 +34,24 @@ struct EdgeCertifier::Impl {
                                           const collision::DistanceRequest& request);
 
   // One interval.
+  /// What is known of a motion: its bound over the present interval, and its part near the right
+  /// end.
+  struct MotionMemory {
+    std::uint64_t stamp = 0, generation = 0;
+    int slot = -1;
+    double half = 0;
+    robots::MotionBound bound, right;
+  };
+  /// A piece's ball over an interval, in some frame.
+  struct SweptBall {
+    Eigen::Vector3d center = Eigen::Vector3d::Zero();
+    double radius = 0, growth = 0;
+    std::uint64_t stamp = 0;
+  };
+  SweptBall sweptBall(const EdgeInterval& interval, const EdgePair& pair, const Eigen::Vector3d& c0,
+                      const Eigen::Vector3d& c1);
+  /// The same in the world, for a pair whose other piece does not move: once an interval and piece.
+  const SweptBall& worldBall(const EdgeInterval& interval, const EdgePair& pair);
   const robots::MotionBound& motionOf(const EdgeInterval& interval, int motion);
   /// Lower bound on the separation over the interval, from balls, and the growth of a sweep.
   double coarseSweep(const EdgeInterval& interval, const EdgePair& pair, double& growth);
@@ -65,8 +83,8 @@ struct EdgeCertifier::Impl {
   std::shared_ptr<const CompiledScene> scene;
   EdgeFrames frames;
   collision::Workspace workspace;
-  std::vector<robots::MotionBound> motion;  // of the present interval, one a motion
-  std::vector<std::uint64_t> motion_stamp;
+  std::vector<MotionMemory> motion;    // one a motion
+  std::vector<SweptBall> world_balls;  // one a piece
   std::uint64_t stamp = 0;
   std::vector<double> hopeful;              // growth [m] at which a pair's sweep is worth trying
   std::vector<std::uint64_t> failed_stamp;  // the interval at which a pair's sweep last failed

@@ -91,7 +91,7 @@ bool EdgeFrames::isInShape(std::span<const double> point) const {
 }
 
 bool EdgeFrames::begin(std::span<const double> a, std::span<const double> b) {
-  used_ = 0;
+  release(0);
   if (!isUsable(a) || !isUsable(b) || !isInShape(a) || !isInShape(b)) return false;
   const ConfigurationSpace& space = scene_->space();
   std::copy(a.begin(), a.end(), a_.begin());
@@ -154,14 +154,9 @@ Eigen::Vector3d EdgeFrames::inFrameOf(int slot, int piece, const Eigen::Vector3d
   return X_WL.rotation.transpose() * (p_W - X_WL.translation);
 }
 
-robots::MotionBound EdgeFrames::motionBound(int motion, int slot0, int slot1, double h) const {
-  const robots::RelativeMotion& m = scene_->motions()[at(motion)];
-  // Each end speaks for the half of the interval that is next to it.
-  const robots::MotionBound x = robots::localMotionBound(scene_->model(), m, joint_motion_,
-                                                         links(slot0), h / 2, within_limits_);
-  const robots::MotionBound y = robots::localMotionBound(scene_->model(), m, joint_motion_,
-                                                         links(slot1), h / 2, within_limits_);
-  return {std::max(x.speed, y.speed), std::max(x.acceleration, y.acceleration)};
+robots::MotionBound EdgeFrames::motionNear(int motion, int slot, double half) const {
+  return robots::localMotionBound(scene_->model(), scene_->motions()[at(motion)], joint_motion_,
+                                  links(slot), half, within_limits_);
 }
 
 }  // namespace leeway::planner

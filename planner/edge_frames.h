@@ -3,6 +3,7 @@
 // Private to planner/: the configurations of one edge, each placed once, and the pairs that are
 // asked along it.
 
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <vector>
@@ -46,7 +47,12 @@ class EdgeFrames {
   int place(double t);
   int used() const { return used_; }
   /// Gives back all slots from `used` on.
-  void release(int used) { used_ = used; }
+  void release(int used) {
+    used_ = used;
+    ++generation_;
+  }
+  /// Changes whenever a slot's number may come to stand for another configuration.
+  std::uint64_t generation() const { return generation_; }
 
   const CompiledScene& scene() const { return *scene_; }
   std::span<const Piece> pieces() const { return pieces_; }
@@ -69,8 +75,8 @@ class EdgeFrames {
   /// A point of the world in the frame of b's coarse stand-in: its link's, or the world's.
   Eigen::Vector3d inFrameOf(int slot, int piece, const Eigen::Vector3d& p_W) const;
 
-  /// Bounds over an interval of length h (in t) between two slots, of the pair's motion.
-  robots::MotionBound motionBound(int motion, int slot0, int slot1, double h) const;
+  /// Bounds on a motion within `half` (in t) of a slot's configuration.
+  robots::MotionBound motionNear(int motion, int slot, double half) const;
 
  private:
   static std::size_t at(int i) { return static_cast<std::size_t>(i); }
@@ -86,6 +92,7 @@ class EdgeFrames {
   std::size_t links_;
   int capacity_;
   int used_ = 0;
+  std::uint64_t generation_ = 0;
   bool within_limits_ = true, watch_reach_ = false;
   std::vector<double> a_, b_, difference_, point_, q_, dq_;
   std::vector<robots::JointMotion> joint_motion_;
