@@ -3,10 +3,12 @@
 // Random problems of primitives: arms, free bodies and trees among obstacles of all shapes.
 
 #include <algorithm>
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "leeway/collision/triangle_mesh.h"
 #include "leeway/planner/problem.h"
 #include "tests/robots/random_model.h"
 
@@ -39,6 +41,36 @@ inline collision::Shape randomShape(Random& random, double size) {
     default:
       return randomHull(random, size);
   }
+}
+
+/// Three boxes in one mesh: closed, concave, often in each other or one within another.
+inline collision::Shape randomMesh(Random& random, double size) {
+  std::vector<Eigen::Vector3d> vertices;
+  std::vector<collision::TriangleMesh::Triangle> triangles;
+  for (int part = 0; part < 3; ++part) {
+    const Eigen::Vector3d center = random.vector(size);
+    const double x = size * random.uniform(0.05, 0.6), y = size * random.uniform(0.05, 0.6),
+                 z = size * random.uniform(0.05, 0.6);
+    const auto first = static_cast<std::int32_t>(vertices.size());
+    for (int i = 0; i < 8; ++i)
+      vertices.emplace_back(center +
+                            Eigen::Vector3d(i & 1 ? x : -x, i & 2 ? y : -y, i & 4 ? z : -z));
+    for (const collision::TriangleMesh::Triangle& t :
+         std::vector<collision::TriangleMesh::Triangle>{{0, 2, 1},
+                                                        {1, 2, 3},
+                                                        {4, 5, 6},
+                                                        {5, 7, 6},
+                                                        {0, 1, 4},
+                                                        {1, 5, 4},
+                                                        {2, 6, 3},
+                                                        {3, 6, 7},
+                                                        {0, 4, 2},
+                                                        {2, 4, 6},
+                                                        {1, 3, 5},
+                                                        {3, 7, 5}})
+      triangles.push_back({first + t[0], first + t[1], first + t[2]});
+  }
+  return collision::Shape::mesh(collision::TriangleMesh::make(vertices, triangles));
 }
 
 /// Seven joints, links of 0.25 m; the fourth continuous, the last with a mimic finger.
