@@ -15,7 +15,6 @@ namespace leeway::collision {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr int kVertexProbes = 12;
 
 std::span<const Eigen::Vector3d> verticesOf(const Shape& shape) {
   return shape.type() == ShapeType::kMesh ? shape.mesh()->vertices() : shape.hull()->vertices();

@@ -106,7 +106,7 @@ std::shared_ptr<const ConvexHull> ConvexHull::compute(std::span<const Vector3d> 
 
 void ConvexHull::makeNeighbours(const std::vector<std::array<std::int32_t, 2>>& edges,
                                 std::size_t count) {
-  if (count < static_cast<std::size_t>(kMinClimbVertices)) return;
+  if (count < static_cast<std::size_t>(kClimbFrom)) return;
   std::vector<std::int32_t> begin(count + 1, 0);
   for (const auto& e : edges) {
     ++begin[index(e[0]) + 1];

@@ -10,9 +10,6 @@ namespace leeway::collision {
 // coordinate is below kSmallestExact, nor above 1e90, in magnitude, so that no product of three
 // leaves the range of normal doubles.
 
-/// Non-zero coordinates must not be smaller than this for the signs to be exact [m].
-inline constexpr double kSmallestExact = 1e-70;
-
 /// Sign of ((b - a) x (c - a)) . (d - a): +1 where d lies on the side from which abc is
 /// counter-clockwise, 0 when the four points are exactly coplanar.
 int orientation(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c,

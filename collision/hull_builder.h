@@ -17,7 +17,7 @@ class HullBuilder {
   /// A point to insert is taken from the facet from which it stands out farthest. With
   /// `vertex_limit` the insertion stops at that many vertices (at least 4) and outside() names the
   /// points that the hull does not hold. Points must be finite, their non-zero coordinates not
-  /// below kSmallestExact (see exact.h). O(n log n) as a rule; O(n) memory. Deterministic.
+  /// below kSmallestExact (see tolerances.h). O(n log n) as a rule; O(n) memory. Deterministic.
   explicit HullBuilder(std::span<const Eigen::Vector3d> points, int vertex_limit = 0);
 
   /// Affine dimension of the set, exactly: 0 a point, 1 a segment, 2 flat, 3 solid. -1 when there

@@ -377,7 +377,6 @@ TEST(MeshDistance, StaleAndForeignCachesCostTimeOnly) {
     cache.vertex_b = random.below(2000) - 1000;
     cache.triangle_a = random.below(2000) - 1000;
     cache.triangle_b = random.below(2000) - 1000;
-    cache.node_a = random.below(2000) - 1000;
     const Pose X_WA = random.pose(1), X_WB = random.pose(1.5);
     const Interval plain = distance(a, X_WA, b, X_WB, {}, scratch).distance;
     const Interval warm = distance(a, X_WA, b, X_WB, {}, scratch, &cache).distance;

@@ -76,7 +76,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   cache.direction_B = Eigen::Vector3d(bytes.number(), bytes.number(), bytes.number());
   cache.vertex_a = bytes.byte() - 128;
   cache.vertex_b = 1 << bytes.below(31);
-  cache.triangle_a = cache.node_b = bytes.byte();
+  cache.triangle_a = bytes.byte();
   const DistanceResult cached = collision::distance(*a, X_WA, *b, X_WB, request, scratch, &cache);
 
   const bool halves = a->type() == ShapeType::kHalfSpace && b->type() == ShapeType::kHalfSpace;

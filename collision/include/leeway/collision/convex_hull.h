@@ -30,6 +30,7 @@ class ConvexHull {
     const std::int32_t* begin = neighbour_begin_.data() + i;
     return {neighbours_.data() + begin[0], neighbours_.data() + begin[1]};
   }
+  /// True for solids with many vertices: scanning few is cheaper than climbing.
   bool hasNeighbours() const { return !neighbour_begin_.empty(); }
   /// How far a given point may lie outside the hull of vertices() [m]: 0 but for coordinates below
   /// 1e-70.

@@ -37,8 +37,11 @@ enum class DistanceStatus : unsigned char {
              ///< interval is (-inf, inf)
 };
 
-/// Signed separation of A and B: the distance when apart, minus the smallest translation that
-/// separates them when they overlap (for meshes: see DESIGN, Numbers).
+/// Signed separation of A and B: the distance when apart, minus the length of the smallest
+/// translation that separates them when they overlap. Of overlapping meshes that length is enclosed
+/// only: at least what the deepest pair of triangles found, or the way from inside to the surface,
+/// says; at most a translation that is proven to separate them. Such an interval can stay wider
+/// than asked (kLimit).
 struct DistanceResult {
   Interval distance;  // [m]
   DistanceStatus status = DistanceStatus::kInvalid;
@@ -64,7 +67,6 @@ struct PairCache {
   int simplex_a[3] = {0, 0, 0}, simplex_b[3] = {0, 0, 0};
   int vertex_a = 0, vertex_b = 0;        ///< last support vertices
   int triangle_a = -1, triangle_b = -1;  ///< last closest triangles
-  int node_a = -1, node_b = -1;          ///< last decisive nodes
 };
 
 /// Caller-owned buffers of one thread. Everything a query needs is allocated in the constructor.
@@ -82,7 +84,11 @@ class Scratch {
 };
 
 /// The signed separation of two shapes at the poses X_WA, X_WB (any common frame W).
-/// Never throws, allocates or loops without end. `cache` may be null.
+/// Never throws, allocates or loops without end. `cache` may be null. Convex pairs: closed forms
+/// where there are some, else GJK (Gilbert, Johnson, Keerthi 1988) with both ends kept and, in
+/// contact, an expanding polytope (van den Bergen 2001); O(vertices) a step at the most, fewer
+/// where hulls are climbed. Meshes: branch and bound over two hierarchies, up to request.node_limit
+/// node pairs.
 DistanceResult distance(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
                         const DistanceRequest& request, Scratch& scratch,
                         PairCache* cache = nullptr);
@@ -94,7 +100,8 @@ DistanceResult distance(const Shape& a, const Pose& X_WA, const Shape& b, const 
 /// better of the two placements from above, so that upper <= threshold proves contact at one of
 /// them (only when it can be had at no extra cost; otherwise it is infinite). For bodies with an
 /// inside (closed meshes), surfaces are swept: containment must be decided by the caller at one of
-/// the placements. `request.depth` is ignored: below zero the lower end may be -infinity.
+/// the placements. `request.depth` is ignored: below zero the lower end may be -infinity. kInvalid
+/// also for a growth that is negative or NaN. Never throws or allocates; cost as distance().
 DistanceResult sweptDistance(const Shape& a, const Pose& X_BA0, const Pose& X_BA1, double growth,
                              const Shape& b, const DistanceRequest& request, Scratch& scratch,
                              PairCache* cache = nullptr);

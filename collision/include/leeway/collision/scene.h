@@ -82,7 +82,9 @@ class SceneBuilder {
   void allow(int body_a, int body_b);    ///< that pair may touch and is left out
   void setDefaultMargin(double margin);  ///< [m]; default 0; may be negative (allowed depth)
   void setMargin(int body_a, int body_b, double margin);
-  /// Throws std::invalid_argument for a margin that is not finite.
+  /// All pairs with a moving body that are not allowed, each with the margin said last. Throws
+  /// std::invalid_argument for a margin that is not finite. O(bodies (bodies + allowed) + pairs
+  /// margins).
   Scene build() const;
 
  private:
@@ -114,7 +116,7 @@ class Workspace {
   };
   Statistics statistics;
 
-  // For the functions below and for edge certification; see scene.cc.
+  // For the functions below and for edge certification.
   struct Impl;
   Impl& impl() { return *impl_; }
   Scratch& scratch();
@@ -127,25 +129,32 @@ class Workspace {
   std::unique_ptr<Impl> impl_;
 };
 
-enum class Verdict : unsigned char { kFree, kNotFree, kUndecided };
+/// What is known of pairs and their margins. Whoever must be safe takes kUndecided for kNotFree.
+enum class Verdict : unsigned char {
+  kFree,       ///< every pair is proven to keep more than its margin
+  kNotFree,    ///< some pair is proven not to
+  kUndecided,  ///< a limit or rounding left it open
+};
 
+/// The answer of decide() and clearance().
 struct SceneResult {
   Verdict verdict = Verdict::kUndecided;  ///< against the margins; undecided is never free
-  Interval clearance;  ///< minimum over the pairs of the signed separation; (inf, inf) when there
-                       ///< is no pair
-  int pair = -1;       ///< the pair that carries the upper end
+  Interval clearance;      ///< minimum over the pairs of the signed separation [m]; (inf, inf) when
+                           ///< there is no pair
+  int pair = -1;           ///< the pair that carries the upper end
   DistanceResult closest;  ///< its result, in world coordinates
 };
 
 /// Decides every pair against its margin; stops at the first that is not free. Coarse bounds first.
-/// Clearance is what is known at the stop.
+/// Clearance is what is known at the stop. Never throws or allocates. O(pairs).
 SceneResult decide(const Scene& scene, Workspace& workspace);
 
 /// The clearance to within `tolerance` [m], with the closest pair and its witness points. Verdict
-/// as decide().
+/// as decide(). Never throws or allocates. O(pairs log pairs).
 SceneResult clearance(const Scene& scene, Workspace& workspace, double tolerance);
 
-/// One pair of the scene as the workspace has its bodies placed, in world coordinates.
+/// The distance of one pair of the scene as the workspace has its bodies placed, in world
+/// coordinates, widened by the workspace's pose_error. Never throws or allocates.
 DistanceResult pairDistance(const Scene& scene, Workspace& workspace, int pair,
                             const DistanceRequest& request);
 

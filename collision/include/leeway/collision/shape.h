@@ -27,16 +27,17 @@ enum class ShapeType : unsigned char {
 /// "sphere", "capsule", ...: the word used in files and messages.
 const char* toString(ShapeType type);
 
-/// Thrown by the factories of Shape (never by a query) when a size is not finite or negative, or
-/// when a hull or mesh has no points. The message names the size, its value and what would be
-/// accepted.
+/// Thrown by the factories of Shape, ConvexHull and TriangleMesh (never by a query) when a size is
+/// negative, not finite or too large, or when a hull or mesh has no points. The message names the
+/// size, its value and what would be accepted.
 class InvalidShape : public std::invalid_argument {
  public:
   using std::invalid_argument::invalid_argument;
 };
 
 /// A body in its own frame G: immutable, cheap to copy (vertices are shared). Zero sizes are
-/// allowed (a sphere of radius 0 is a point, a box with a zero half extent a rectangle).
+/// allowed (a sphere of radius 0 is a point, a box with a zero half extent a rectangle). The
+/// factories throw InvalidShape.
 class Shape {
  public:
   /// Centre at the origin. radius >= 0 [m].
@@ -53,7 +54,8 @@ class Shape {
   static Shape ellipsoid(const Eigen::Vector3d& semi_axes);
   /// All points with z <= 0 of its frame. Unbounded.
   static Shape halfSpace();
-  /// The convex hull of `vertices` [m]; any number >= 1, duplicates and flat sets included.
+  /// The convex hull of `vertices` [m]; any number >= 1, duplicates and flat sets included. Cost
+  /// as ConvexHull::compute().
   static Shape convexHull(std::span<const Eigen::Vector3d> vertices);
   static Shape convexHull(std::shared_ptr<const ConvexHull> hull);
   /// A triangle mesh; its closed components are solids.

@@ -32,8 +32,8 @@ inline constexpr double kSmallestScale = 1e-40;
 /// square root away from denormal numbers. No unit.
 inline constexpr double kAcrossAxisSquared = 1e-280;
 
-/// From this many vertices on the support of a hull climbs along its edges; below, scanning all is
-/// cheaper (measured).
+/// From this many vertices on a hull has neighbour lists and its support climbs along its edges;
+/// below, scanning all is cheaper (measured).
 inline constexpr int kClimbFrom = 32;
 
 // Scene (coarse_shape.cc, scene.cc)
@@ -48,6 +48,10 @@ inline constexpr double kCoarseRounding = 2e-14;
 /// that costs a proof.
 inline constexpr double kInnerBallSlack = 1e-9;
 
+/// Vertices of a hull or mesh that are kept as inner balls of no radius [count]: each proves more
+/// collisions and makes every pair that is free dearer.
+inline constexpr int kVertexProbes = 12;
+
 /// Composition of two poses and the distance of two centres, relative to the coordinates at play.
 inline constexpr double kTransferRounding = 1e-14;
 
@@ -57,13 +61,15 @@ inline constexpr double kTransferRounding = 1e-14;
 /// multiply three, the engine four.
 inline constexpr double kLargestCoordinate = 1e60;
 
+/// Coordinates that are not zero must not be smaller than this for the exact predicates to be
+/// exact: smaller, a product of three would leave the range of normal doubles. Hulls take smaller
+/// ones for 0 and count that as excess [m].
+inline constexpr double kSmallestExact = 1e-70;
+
 /// Rounding of a distance of a point from a triangle or of a radius, as a fraction of the
 /// coordinates at play, used while hulls and meshes are built. About 20 units in the last place are
 /// needed.
 inline constexpr double kRelativeRounding = 1e-14;
-
-/// Hulls with fewer vertices get no neighbour lists: scanning them is cheaper.
-inline constexpr int kMinClimbVertices = 32;
 
 /// The excess of a mesh's hull is refined until it is within this ratio of a distance that was met,
 /// ...
