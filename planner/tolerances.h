@@ -1,5 +1,7 @@
 #pragma once
 
+// Every tolerance of planner/: unit, reason, and what goes wrong when it is changed.
+
 namespace leeway::planner {
 
 /// Below this angle [rad] sin x = x and atan x = x to the last bit (x^2 / 3 is under half an ulp);
@@ -50,6 +52,7 @@ constexpr double kSweepGrowth = 0.02;
 /// edge to edge. Cost time, never truth.
 constexpr double kHopeLost = 0.7;
 constexpr double kHopeRegained = 1.1;
+
 /// A sweep of meshes with more growth than this [m] looks at no more than so many pairs of nodes:
 /// halves of the interval, which the hulls alone often decide, are cheaper than a deep descent.
 /// Measured; costs time, never truth.
@@ -141,6 +144,7 @@ constexpr double kSimplifyShare = 0.05;
 
 /// Time between two calls of a progress callback [s]: what an eye can follow.
 constexpr double kProgressPeriod = 0.1;
+
 /// A column of a path file that is not planned agrees with the problem within this [rad or m]: six
 /// digits are usual in logs.
 constexpr double kPassiveJointSlack = 1e-5;

@@ -222,9 +222,9 @@ void jointMotion(const Model& model, std::span<const double> dq,
 
 namespace {
 
-/// Sums DESIGN's table from the body to the base. What lies nearer to the body enters a term only
-/// through `speed`, the sum of |dq| rho (turns) and |dq| (slides) there: each turn adds its own
-/// centripetal part |dq|^2 rho and, twice, |dq| times that speed (Coriolis); slides add nothing
+/// Sums the joints' shares from the body to the base. What lies nearer to the body enters a term
+/// only through `speed`, the sum of |dq| rho (turns) and |dq| (slides) there: each turn adds its
+/// own centripetal part |dq|^2 rho and, twice, |dq| times that speed (Coriolis); slides add nothing
 /// themselves.
 struct Sum {
   double speed = 0, acceleration = 0;

@@ -17,6 +17,9 @@ namespace leeway::planner {
 /// proven apart left out. Constant while it is queried.
 class CompiledScene {
  public:
+  /// Throws std::invalid_argument for margins that are not finite and for variables that do not
+  /// exist or hold part of an orientation. O(pairs of geometries), besides the proofs (milliseconds
+  /// a pair of links) where the robot has no SRDF.
   explicit CompiledScene(const Problem& problem);
 
   const collision::Scene& scene() const { return scene_; }

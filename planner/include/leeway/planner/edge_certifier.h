@@ -39,8 +39,12 @@ struct EdgeClearance {
   collision::DistanceResult closest;
 };
 
-/// Decides states and whole edges of one compiled scene: no step size, bounds only. One per thread;
-/// allocates in the constructor only.
+/// Decides states and whole edges of one compiled scene: no step size, bounds only. Adaptive
+/// bisection as in Schwarzer, Saha and Latombe ("Adaptive dynamic collision checking for single and
+/// multiple articulated robots in complex environments", 2005), but an interval of an edge is
+/// decided by the hull of a body's two placements, grown by h^2 / 8 times a bound on its
+/// acceleration, instead of by path lengths, which shrink only with h. One per thread; allocates in
+/// the constructor only; queries never throw. Points have the size of the scene's space.
 class EdgeCertifier {
  public:
   explicit EdgeCertifier(std::shared_ptr<const CompiledScene> scene);
@@ -52,7 +56,8 @@ class EdgeCertifier {
   Verdict decide(std::span<const double> point);
   /// Clearance to within tolerance [m], closest pair, witnesses.
   StateCheck clearance(std::span<const double> point, double tolerance);
-  /// Certifies the edge from a to b as the space interpolates it. `b` is looked at first.
+  /// Certifies the edge from a to b as the space interpolates it. `b` is looked at first. Costs at
+  /// most the work limit.
   EdgeCheck certify(std::span<const double> a, std::span<const double> b,
                     const EdgeRequest& request = {});
   /// The minimum clearance along the edge to within tolerance [m] (or as near as the work limit

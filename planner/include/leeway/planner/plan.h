@@ -18,14 +18,16 @@ struct Path {
   std::vector<std::vector<double>> positions;  ///< one row a waypoint
 };
 
-/// The proof that comes with a path: a lower bound of the clearance for every edge.
+/// The proof that comes with a path: a lower bound of the clearance for every edge. Clearances are
+/// over the pairs that are checked: what may touch, and links that are proven never to touch
+/// each other within the joints' limits, take no part.
 struct Certificate {
-  Interval clearance;  ///< of the whole path; (inf, inf) where there is nothing to be near
+  Interval clearance;  ///< of the whole path [m]; (inf, inf) where there is nothing to be near
   std::string closest_a, closest_b;
   int closest_segment = -1;
   double closest_t = 0;
-  std::vector<Interval> segments;
-  bool certified = false;  ///< every edge proven to keep its margins
+  std::vector<Interval> segments;  ///< one an edge [m]
+  bool certified = false;          ///< every edge proven to keep its margins
 };
 
 struct PlanOptions {
@@ -77,7 +79,7 @@ PlanResult plan(const Problem& problem, const PlanOptions& options = {});
 PlanResult plan(std::shared_ptr<const CompiledScene> scene, const Problem& problem,
                 const PlanOptions& options = {});
 
-/// Certificate of any path: each edge's minimum clearance to within tolerance.
+/// Certificate of any path: each edge's minimum clearance to within tolerance [m].
 Certificate certify(EdgeCertifier& certifier, const Path& path, double tolerance);
 
 /// Cuts edges in their middles on which a circle makes half a turn so exactly that rounding could

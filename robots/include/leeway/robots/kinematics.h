@@ -6,10 +6,10 @@
 
 namespace leeway::robots {
 
-/// Positions of every joint with one degree of freedom, mimic joints included, and poses of all
-/// links. X_WL has model.links.size() entries, in link order. One parent-before-child pass;
-/// allocates nothing. Each entry departs from the exact pose of the given numbers by at most
-/// kinematicsRounding(model).
+/// Poses of all links in the world at the configuration q (one number a variable; mimic joints
+/// follow). X_WL has model.links.size() entries, in link order. One parent-before-child pass:
+/// O(links); never throws, allocates nothing. Each entry departs from the exact pose of the given
+/// numbers by at most kinematicsRounding() at the pose's own distance from the world's origin.
 void forwardKinematics(const Model& model, std::span<const double> q, std::span<Pose> X_WL);
 
 /// The same for `count` configurations: q row by row, X_WL[i * links + l]. Bit for bit the same
@@ -18,7 +18,7 @@ void forwardKinematicsBatch(const Model& model, std::span<const double> q, int c
                             std::span<Pose> X_WL);
 
 /// A bound on how far rounding moves any point within `reach` of the world's origin in
-/// forwardKinematics [m].
+/// forwardKinematics [m]. O(joints); derived where it is defined.
 double kinematicsRounding(const Model& model, double reach);
 
 /// Sine and cosine that do not depend on the C library or the instruction set: within 1.5 ulp for

@@ -4,6 +4,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -129,7 +130,9 @@ struct LoadOptions {
       packages;  ///< NAME, DIR; searched before ROS_PACKAGE_PATH and the URDF's own folders
 };
 
-/// Reads a URDF and (unless empty) an SRDF. Throws InputError. Files: CONVENTIONS in README.
+/// Reads a URDF and (unless `srdf_path` is empty) an SRDF, with the meshes that they name. Throws
+/// InputError, naming file and line, for whatever is missing or makes no sense; what can be lived
+/// with is in the model's warnings.
 std::shared_ptr<const Model> loadModel(const std::string& urdf_path, const std::string& srdf_path,
                                        const LoadOptions& options = {});
 

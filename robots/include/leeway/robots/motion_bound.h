@@ -10,7 +10,9 @@ namespace leeway::robots {
 
 /// Joints between two links and how far a body's points can be from their axes: what bounds the
 /// motion of the body on `link`, seen from `base` (-1: the world), along an edge q(t) = q0 + t dq,
-/// t in [0, 1]. See DESIGN, Motion along an edge.
+/// t in [0, 1]. Reaches and the bound on speed are in the manner of Schwarzer, Saha and Latombe
+/// ("Adaptive dynamic collision checking for single and multiple articulated robots in complex
+/// environments", 2005); the bound on acceleration goes beyond them.
 struct RelativeMotion {
   struct Term {
     int joint;     ///< a moving joint of the path from `base` to `link`, nearest to `base` first
@@ -42,8 +44,8 @@ struct VariableRange {
 /// The ranges of the model's limits (infinite where unlimited), one a variable.
 std::vector<VariableRange> limitRanges(const Model& model);
 
-/// The same over `ranges` (one a variable) in place of the limits: joints whose variables are all
-/// constant have no term.
+/// relativeMotion() over `ranges` (one a variable) in place of the limits: joints whose variables
+/// are all constant have no term.
 RelativeMotion relativeMotion(const Model& model, int link, int base,
                               const Eigen::Vector3d& center_L, double radius,
                               std::span<const VariableRange> ranges);
@@ -65,7 +67,7 @@ void jointMotion(const Model& model, std::span<const double> dq,
 double accelerationBound(const Model& model, const RelativeMotion& motion,
                          std::span<const JointMotion> joint_motion);
 
-/// A bound on the speed |p'| [m].
+/// A bound on the speed |p'| of the same points [m]. O(terms).
 double speedBound(const Model& model, const RelativeMotion& motion,
                   std::span<const JointMotion> joint_motion);
 

@@ -1,5 +1,7 @@
 #pragma once
 
+// Every tolerance of robots/: unit, reason, and what goes wrong when it is changed.
+
 namespace leeway::robots {
 
 /// Added to every reach, relative to it and as metres: a walk over a hundred joints rounds by 1e-14
