@@ -83,8 +83,8 @@ PointDistance fromCone(double radius, double half_length, const Vector& p) {
   const double normal_across = 2 * half_length / slant, normal_along = radius / slant;
   const double from_slant = plane.across * normal_across + (p.z() - half_length) * normal_along;
   const double from_base = -half_length - p.z();
-  // (A flat cone's planes do not end at its rim.)
-  if (from_slant <= 0 && from_base <= 0 && plane.across <= radius) {
+  // (The planes of a flat cone do not end at its rim, nor those of a thin one at its apex.)
+  if (from_slant <= 0 && from_base <= 0 && plane.across <= radius && p.z() <= half_length) {
     if (from_base > from_slant) {
       return {from_base, plane.point(plane.across, -half_length), -Vector::UnitZ()};
     }

@@ -174,24 +174,32 @@ void keep(Simplex& s, const Candidate& best) {
 
 }  // namespace
 
+namespace {
+
+// The faces of the first count + 1 points; false when they hold the origin.
+bool offerFaces(const Vector* const w[4], int count, Candidate& best) {
+  switch (count) {
+    case 0:
+      offerVertex(*w[0], 0, best);
+      return true;
+    case 1:
+      offerEdge(w, 1, 0, best);
+      return true;
+    case 2:
+      offerTriangle(w, 0, 1, 2, best);
+      return true;
+    default:
+      return !tetrahedronHoldsOrigin(w, best);
+  }
+}
+
+}  // namespace
+
 Reduction addAndReduce(Simplex& s) {
   const Vector* const w[4] = {&s.points[s.slot[0]].w, &s.points[s.slot[1]].w,
                               &s.points[s.slot[2]].w, &s.points[s.slot[3]].w};
   Candidate best;
-  switch (s.count) {
-    case 0:
-      offerVertex(*w[0], 0, best);
-      break;
-    case 1:
-      offerEdge(w, 1, 0, best);
-      break;
-    case 2:
-      offerTriangle(w, 0, 1, 2, best);
-      break;
-    default:
-      if (tetrahedronHoldsOrigin(w, best)) return Reduction::kHoldsOrigin;
-      break;
-  }
+  if (!offerFaces(w, s.count, best)) return Reduction::kHoldsOrigin;
   if (best.count == 0 || (s.count > 0 && !(best.norm_squared < s.norm_squared))) {
     return Reduction::kNoProgress;
   }
@@ -199,10 +207,32 @@ Reduction addAndReduce(Simplex& s) {
   return Reduction::kReduced;
 }
 
+Reduction addAndReduceScaled(Simplex& s, const Vector rows[3]) {
+  Vector scaled[4];
+  const Vector* w[4];
+  for (int i = 0; i < 4; ++i) {
+    w[i] = &scaled[i];
+    if (i > s.count) continue;
+    const Vector& p = s.points[s.slot[i]].w;
+    scaled[i] = Vector(rows[0].dot(p), rows[1].dot(p), rows[2].dot(p));
+  }
+  Candidate best;
+  if (!offerFaces(w, s.count, best)) return Reduction::kHoldsOrigin;
+  if (best.count == 0) offerVertex(*w[s.count], s.count, best);
+  if (best.count == 0) return Reduction::kHoldsOrigin;  // not finite: given up elsewhere
+  keep(s, best);
+  const Vector toward = best.has_normal ? best.normal : best.nearest;
+  s.feature_normal = toward.x() * rows[0] + toward.y() * rows[1] + toward.z() * rows[2];
+  s.has_normal = true;
+  s.nearest = s.lambda[0] * s.point(0).w;
+  for (int i = 1; i < s.count; ++i) s.nearest += s.lambda[i] * s.point(i).w;
+  s.norm_squared = s.nearest.squaredNorm();
+  return Reduction::kReduced;
+}
+
 void reduceAll(Simplex& s, int count) {
-  s.count = 0;
-  for (int i = 0; i < 4; ++i) s.slot[i] = i;
-  const Vector* const w[4] = {&s.points[0].w, &s.points[1].w, &s.points[2].w, &s.points[3].w};
+  const Vector* const w[4] = {&s.points[s.slot[0]].w, &s.points[s.slot[1]].w,
+                              &s.points[s.slot[2]].w, &s.points[s.slot[3]].w};
   Candidate best;
   if (count == 1) offerVertex(*w[0], 0, best);
   if (count == 2) offerEdge(w, 1, 0, best);

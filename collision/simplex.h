@@ -46,7 +46,12 @@ enum class Reduction : unsigned char {
 /// step, because every candidate is a point of the hull.
 Reduction addAndReduce(Simplex& simplex);
 
-/// The same for `count` <= 3 points that stand in the first slots of an empty simplex.
+/// The same after a linear change of coordinates w -> rows w: the faces are told apart and weighed
+/// there. `nearest` and norm_squared are of the point with those weights in true coordinates, which
+/// need not shrink; feature_normal is the direction in true coordinates. Never kNoProgress.
+Reduction addAndReduceScaled(Simplex& simplex, const Vector rows[3]);
+
+/// Reduces the first `count` <= 3 points in the order of slot[], whatever was known of them.
 void reduceAll(Simplex& simplex, int count);
 
 /// The point of a triangle nearest to the origin, and its weights. Any triangle, degenerate ones

@@ -35,8 +35,26 @@ inline int scanFarthest(const Vector* points, int count, const Vector& direction
 int climbFarthest(const ConvexHull& hull, const Vector* points, int count, const Vector& direction,
                   int start, double doubt);
 
-/// farthest() of a cylinder, cone or ellipsoid.
-Vector farthestOfRound(const ConvexView& view, const Vector& direction);
+/// farthest() of a cylinder, cone or ellipsoid; `piece` becomes the smooth piece of the surface
+/// that it is on: the rim below (0) or above (1), the apex (1), the ellipsoid (0).
+Vector farthestOfRound(const ConvexView& view, const Vector& direction, int& piece);
+
+/// The point of a given piece that is farthest along `direction`, as farthestOfRound() would give
+/// it if that piece had it; for cores with vertices the vertex. False when there is none.
+bool farthestOfPiece(const ConvexView& view, const Vector& direction, int piece, Vector& p);
+
+/// How farthest() of a round core moves when its direction turns: dp = sum over i of strength[i]
+/// axis[i] (axis[i] . d direction), at a unit direction. Zero for cores and places without
+/// curvature.
+struct Curvature {
+  Vector axis[2] = {Vector::Zero(), Vector::Zero()};
+  double strength[2] = {0, 0};
+};
+Curvature curvatureAt(const ConvexView& view, const Vector& direction);
+
+inline bool isRound(Core core) {
+  return core == Core::kCylinder || core == Core::kCone || core == Core::kEllipsoid;
+}
 
 inline bool climbs(const ConvexView& view) {
   return view.core == Core::kPoints && view.hull != nullptr && view.count >= kClimbFrom &&
@@ -68,7 +86,7 @@ inline Vector farthest(const ConvexView& view, const Vector& direction, int& hin
               std::copysign(view.size.y(), direction.y()),
               std::copysign(view.size.z(), direction.z())};
     default:
-      return farthestOfRound(view, direction);
+      return farthestOfRound(view, direction, hint);
   }
 }
 
@@ -145,6 +163,28 @@ class Difference {
     s.placement = 0;
     return true;
   }
+  /// Some part of the surface is curved (radii apart).
+  bool isRound() const { return collision::isRound(a_.core) || collision::isRound(b_.core); }
+
+  /// Curvatures of A (first placement) and B at n, in B's frame.
+  void curvatures(const Vector& n, Curvature& a, Curvature& b) const {
+    a = curvatureAt(a_, rotatedBack(X_BA0_.rotation, n));
+    for (Vector& axis : a.axis) axis = rotated(X_BA0_.rotation, axis);
+    b = curvatureAt(b_, -n);
+  }
+
+  /// Moves a member to where its two pieces are farthest along n. One placement only.
+  bool follow(const Vector& n, SupportPoint& s) const {
+    Vector a, b;
+    if (!farthestOfPiece(a_, rotatedBack(X_BA0_.rotation, n), s.index_a, a) ||
+        !farthestOfPiece(b_, -n, s.index_b, b)) {
+      return false;
+    }
+    s.a = placed(X_BA0_, a);
+    s.w = b - s.a;
+    return true;
+  }
+
   bool countsVertices() const { return hasVertices(a_.core) && hasVertices(b_.core); }
 
   /// Any content is taken; what is out of range counts as none.

@@ -96,6 +96,8 @@ std::vector<Known> knownAnswers() {
        1.5},
       {"sphere beside a flat cone", Shape::sphere(0.5), at(3, 0, 0), Shape::cone(1, 0), at(0, 0, 0),
        1.5},
+      {"sphere over a cone that is a segment", Shape::sphere(0.5), at(0, 0, 3), Shape::cone(0, 1),
+       at(0, 0, 0), 1.5},
       {"sphere under a cone", Shape::sphere(0.5), at(0.25, 0, -3), Shape::cone(1, 1), at(0, 0, 0),
        1.5},
       {"cones, apex to base", Shape::cone(1, 1), at(0, 0, 0), Shape::cone(1, 1), at(0.5, 0, 3), 1},

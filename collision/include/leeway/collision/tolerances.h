@@ -103,4 +103,18 @@ inline constexpr int kSeparationNodes = 2000;
 /// to be regular at once.
 inline constexpr double kSegmentTilt = 1.0 / 1024;
 
+/// Newton steps for round cores are tried from this relative width of the interval on (farther out
+/// GJK's own steps are cheaper), and after a failure once it has shrunk by the second factor; that
+/// many steps may pass without halving it. They change the number of steps, never an answer's
+/// truth. No unit; the best of a few values on cylinders, cones and ellipsoids.
+inline constexpr double kNewtonFrom = 0.3;
+inline constexpr double kNewtonAgain = 0.1;
+inline constexpr int kIdleNewtonSteps = 2;
+inline constexpr int kNewtonFailures = 3;
+
+/// Squared sine of the angle between a direction and an axis below which a rim point is not moved
+/// along by Newton steps: there all of the rim is nearly as far, and one point cannot stand for it.
+/// No unit.
+inline constexpr double kFollowRimSquared = 1e-6;
+
 }  // namespace leeway::collision
