@@ -9,8 +9,8 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "leeway/planner/path_io.h"
 #include "leeway/robots/input_error.h"
-#include "tools/leeway/output_file.h"
 
 namespace leeway::tools {
 
@@ -31,7 +31,7 @@ BatchOutput::BatchOutput(std::string path, const std::vector<BatchItem>& items, 
     }
     kept_ = lines_.size();
   }
-  writeWhole(partialPath(), linesInOrder());
+  planner::writeFileWhole(partialPath(), linesInOrder());
   partial_ = std::fopen(partialPath().c_str(), "ab");
   if (partial_ == nullptr) {
     throw robots::InputError(partialPath(), 0,
@@ -105,7 +105,7 @@ void BatchOutput::finish() {
   if (partial_ == nullptr) {
     return;
   }
-  writeWhole(path_, linesInOrder());
+  planner::writeFileWhole(path_, linesInOrder());
   std::fclose(partial_);
   partial_ = nullptr;
   std::filesystem::remove(partialPath());

@@ -10,10 +10,10 @@
 #include <vector>
 
 #include "leeway/collision/distance.h"
+#include "leeway/planner/path_io.h"
 #include "leeway/robots/input_error.h"
 #include "tools/leeway/case_file.h"
 #include "tools/leeway/exit_status.h"
-#include "tools/leeway/output_file.h"
 #include "tools/leeway/report.h"
 
 namespace leeway::tools {
@@ -141,7 +141,7 @@ int runReportCases(const std::string& file, const std::string& raw_output) {
   if (raw_output == "-") {
     std::fwrite(text.data(), 1, text.size(), stdout);
   } else {
-    writeWhole(raw_output, text);
+    planner::writeFileWhole(raw_output, text);
   }
   return kYes;
 }
