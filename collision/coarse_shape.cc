@@ -73,22 +73,6 @@ CoarseShape::CoarseShape(const Shape& shape, const Pose& X_FG) {
   rotation_GF_ = X_FG.rotation.transpose();
   center_F_ = X_FG * center_G;
   slack_ = kCoarseRounding * (center_F_.lpNorm<1>() + center_G.lpNorm<1>() + half_.lpNorm<1>());
-  findBox();
-}
-
-void CoarseShape::findBox() {
-  if (kind_ == Kind::kHalfSpace) {
-    box_lower_F_.setConstant(-kInfinity);
-    box_upper_F_.setConstant(kInfinity);
-    return;
-  }
-  Eigen::Vector3d reach_F = rotation_GF_.transpose().cwiseAbs() * half_;
-  if (kind_ == Kind::kBall) reach_F = half_;
-  if (kind_ == Kind::kSegment)
-    reach_F = (rotation_GF_.row(2).transpose().cwiseAbs() * half_.z()).array() + half_.x();
-  reach_F.array() += slack_;
-  box_lower_F_ = center_F_ - reach_F;
-  box_upper_F_ = center_F_ + reach_F;
 }
 
 double CoarseShape::signedDistance(const Eigen::Vector3d& p_F) const {

@@ -29,14 +29,9 @@ class CoarseShape {
   /// An upper bound on the same; infinite when the stand-in is larger than the shape.
   double upper(const Eigen::Vector3d& p_F) const;
 
-  /// The frame-aligned box of the stand-in [m]; infinite for a half-space.
-  const Eigen::Vector3d& boxLower() const { return box_lower_F_; }
-  const Eigen::Vector3d& boxUpper() const { return box_upper_F_; }
-
  private:
   enum class Kind : unsigned char { kBall, kSegment, kBox, kCylinder, kHalfSpace };
   double signedDistance(const Eigen::Vector3d& p_F) const;
-  void findBox();
 
   Kind kind_ = Kind::kBall;
   bool exact_ = false;
@@ -45,7 +40,6 @@ class CoarseShape {
   Eigen::Vector3d half_ =
       Eigen::Vector3d::Zero();  // box; cylinder and segment: (radius, -, half length)
   double slack_ = 0;            // rounding at the shape [m]
-  Eigen::Vector3d box_lower_F_ = Eigen::Vector3d::Zero(), box_upper_F_ = Eigen::Vector3d::Zero();
 };
 
 /// Balls inside the shape (points of it where nothing larger is known), in frame F, at most about a

@@ -52,8 +52,7 @@ class Scene {
   /// Index of the body with that name, -1 when there is none. O(bodies).
   int find(const std::string& name) const;
 
-  /// Geometries of all bodies, numbered through.
-  int geometryCount() const { return static_cast<int>(bounds_.size()); }
+  /// Geometries of all bodies are numbered through: the number of one of them.
   int geometryIndex(int body, int geometry) const {
     return first_geometry_[static_cast<std::size_t>(body)] + geometry;
   }

@@ -27,14 +27,11 @@ class CompiledScene {
   const robots::Model& model() const { return *model_; }
   /// Link that carries scene body b, -1 for a static body.
   int bodyLink(int body) const { return body_link_[static_cast<std::size_t>(body)]; }
-  /// How body a of scene pair p moves seen from body b (static: from the world); the other way
-  /// round when isReversed(p): whichever of the two is near the joints between them moves less.
-  const robots::RelativeMotion& pairMotion(int pair) const {
-    return motions_[static_cast<std::size_t>(pairMotionIndex(pair))];
-  }
-  bool isReversed(int pair) const { return reversed_[static_cast<std::size_t>(pair)] != 0; }
-  /// A pair's motion as an index into motions(): geometries' spheres are shared between pairs.
+  /// How body a of a scene pair moves seen from body b (static: from the world), as an index into
+  /// motions(), which pairs share; the other way round when isReversed(pair): whichever of the two
+  /// is near the joints between them moves less.
   int pairMotionIndex(int pair) const { return pair_motion_[static_cast<std::size_t>(pair)]; }
+  bool isReversed(int pair) const { return reversed_[static_cast<std::size_t>(pair)] != 0; }
   std::span<const robots::RelativeMotion> motions() const { return motions_; }
   /// Configuration of the whole model for a point of the space.
   void expand(std::span<const double> point, std::span<double> q) const;

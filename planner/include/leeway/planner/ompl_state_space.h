@@ -62,16 +62,13 @@ class OmplStateSpace : public ompl::base::StateSpace {
   void printState(const ompl::base::State* state, std::ostream& out) const override;
   void printSettings(std::ostream& out) const override;
 
-  /// Samplers made so far.
-  std::uint64_t samplerCount() const { return sampler_count_.load(); }
-
  private:
   std::shared_ptr<const ConfigurationSpace> space_;
   std::size_t size_;
   std::uint64_t seed_;
   bool plain_;  ///< straight lines of weight 1 only: the common case, worth a loop of its own in
                 ///< distance()
-  mutable std::atomic<std::uint64_t> sampler_count_{0};
+  mutable std::atomic<std::uint64_t> sampler_count_{0};  ///< the next sampler's stream
 };
 
 /// Uniform over the space, uniform near a state, normal about a state.
