@@ -5,15 +5,12 @@
 #include "leeway/planner/ompl_motion_validator.h"
 #include "planner/ompl_lock.h"
 #include "planner/ompl_point.h"
+#include "planner/tolerances.h"
 
 namespace leeway::planner {
 namespace {
 
 namespace ob = ompl::base;
-
-/// Tries at a last valid state nearer to the start, each half as far: the edge up to the first is
-/// certified, but its end is a rounded point beside it, and near contact that may tip the scales.
-constexpr int kLastValidTries = 4;
 
 }  // namespace
 

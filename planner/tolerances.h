@@ -43,6 +43,10 @@ constexpr int kDeepestLevel = 30;
 /// The last valid place of an edge is told to 2^-12 of it: planners go back there and need no more.
 constexpr int kLastValidLevel = 12;
 
+/// Tries at a last valid state nearer to the start, each half as far: the edge up to the first is
+/// certified, but its end is a rounded point beside it, and near contact that may tip the scales.
+constexpr int kLastValidTries = 4;
+
 /// A sweep is only tried where the growth of its hull is below this [m]; wider ones seldom prove
 /// anything that their halves would not. Chosen by measurement; costs time, never truth.
 constexpr double kSweepGrowth = 0.02;
@@ -108,10 +112,10 @@ constexpr unsigned long long kGoalStream = 1ULL << 40;
 constexpr unsigned long long kRunStream = 1ULL << 41;
 constexpr unsigned long long kSimplifyStream = 1ULL << 42;
 
-/// RRTConnect's range when a problem names none, as a fraction of the space's extent (joints
-/// counted up to half a turn). Certified edges cost more the longer they are, and long ones mostly
-/// fail: OMPL's 0.2 of the whole extent took three to six times as long on arms of six and seven
-/// joints.
+/// RRTConnect's (Kuffner, LaValle 2000) range when a problem names none, as a fraction of the
+/// space's extent (joints counted up to half a turn). Certified edges cost more the longer they
+/// are, and long ones mostly fail: OMPL's 0.2 of the whole extent took three to six times as long
+/// on arms of six and seven joints.
 constexpr double kConnectRange = 0.08;
 
 /// SST's step when a problem names none, as a fraction of the space's extent: its steps go

@@ -67,8 +67,8 @@ class Shape {
   double radius() const { return radius_; }           // sphere, capsule, cylinder, cone
   double halfLength() const { return half_length_; }  // capsule, cylinder, cone
   const Eigen::Vector3d& halfExtents() const { return half_extents_; }  // box; ellipsoid: semi-axes
-  /// The hull of a kConvexHull, the mesh of a kMesh; null for every other type. They live as long as
-  /// a copy of this shape.
+  /// The hull of a kConvexHull, the mesh of a kMesh; null for every other type. They live as long
+  /// as a copy of this shape.
   const ConvexHull* hull() const { return hull_.get(); }
   const TriangleMesh* mesh() const { return mesh_.get(); }
 
