@@ -19,7 +19,7 @@ struct PolytopeFacet {
   double distance =
       0;  ///< min over the vertices of normal . w: all of the triangle is at least that far out
   double doubt_squared = 0;  ///< of the error of normal . d for a vector d, per length of d
-  double key = 0;            ///< order of work, see key() in penetration.cc
+  double key = 0;            ///< order of work, see measure() in penetration.cc
   std::int32_t stamp =
       0;  ///< grows when the slot is used again, so that old queue entries are told
   std::int32_t mark = 0;
