@@ -1,6 +1,7 @@
 #include "planner/yaml_reader.h"
 
 #include <fmt/format.h>
+#include <yaml-cpp/eventhandler.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -40,6 +41,34 @@ std::string elided(std::string text) {
 
 bool quoted(const YAML::Node& node) { return node.Tag() == "!"; }
 
+/// Lets a parser run without building anything.
+class IgnoreEvents : public YAML::EventHandler {
+ public:
+  void OnDocumentStart(const YAML::Mark&) override {}
+  void OnDocumentEnd() override {}
+  void OnNull(const YAML::Mark&, YAML::anchor_t) override {}
+  void OnAlias(const YAML::Mark&, YAML::anchor_t) override {}
+  void OnScalar(const YAML::Mark&, const std::string&, YAML::anchor_t,
+                const std::string&) override {}
+  void OnSequenceStart(const YAML::Mark&, const std::string&, YAML::anchor_t,
+                       YAML::EmitterStyle::value) override {}
+  void OnSequenceEnd() override {}
+  void OnMapStart(const YAML::Mark&, const std::string&, YAML::anchor_t,
+                  YAML::EmitterStyle::value) override {}
+  void OnMapEnd() override {}
+};
+
+/// 0, 1, or 2 for two and more. YAML::LoadAll is not asked: where a stray bracket follows a
+/// document, yaml-cpp 0.7 hands out empty documents without end and without going on in the text.
+int countDocuments(const std::string& text) {
+  std::istringstream stream(text);
+  YAML::Parser parser(stream);
+  IgnoreEvents events;
+  int documents = 0;
+  while (documents < 2 && parser.HandleNextDocument(events)) ++documents;
+  return documents;
+}
+
 }  // namespace
 
 std::optional<double> parseNumber(std::string_view text) {
@@ -60,18 +89,20 @@ YamlReader::YamlReader(std::shared_ptr<const std::string> file, const YAML::Node
 
 YamlReader YamlReader::load(const std::string& path) {
   const std::string text = readFile(path);
-  std::vector<YAML::Node> documents;
+  YAML::Node document;
   try {
-    documents = YAML::LoadAll(text);
+    if (countDocuments(text) > 1)
+      throw InputError(path, 0,
+                       "holds 2 YAML documents or more, or text that belongs to none; exactly one "
+                       "is expected");
+    document = YAML::Load(text);
   } catch (const YAML::Exception& error) {
     throw InputError(path, error.mark.is_null() ? 0 : error.mark.line + 1,
                      fmt::format("YAML syntax error: {}; well-formed YAML is expected", error.msg));
   }
-  if (documents.size() != 1 || documents[0].IsNull())
-    throw InputError(path, 0,
-                     fmt::format("holds {} YAML documents; exactly one is expected",
-                                 documents.size() == 1 ? 0 : documents.size()));
-  return {std::make_shared<const std::string>(path), documents[0], "the file", 1};
+  if (document.IsNull())
+    throw InputError(path, 0, "holds 0 YAML documents; exactly one is expected");
+  return {std::make_shared<const std::string>(path), document, "the file", 1};
 }
 
 void YamlReader::fail(const std::string& message) const {
