@@ -58,7 +58,7 @@ class IgnoreEvents : public YAML::EventHandler {
   void OnMapEnd() override {}
 };
 
-/// 0, 1, or 2 for two and more. YAML::LoadAll is not asked: where a stray bracket follows a
+/// 0, 1, or 2 for two and more. YAML::LoadAll is not asked: where a stray comma follows a
 /// document, yaml-cpp 0.7 hands out empty documents without end and without going on in the text.
 int countDocuments(const std::string& text) {
   std::istringstream stream(text);

@@ -116,8 +116,8 @@ TEST(ProblemMessages, Syntax) {
       {"leeway: 1\n  name: x\n", 2, "YAML syntax error: "},
       {"", 0, "holds 0 YAML documents; exactly one is expected"},
       {"leeway: 1\n---\nleeway: 1\n", 0, "holds 2 YAML documents or more"},
-      // yaml-cpp's own reading of all documents never ends here.
-      {"leeway: 1\n]\n", 0, "exactly one is expected"},
+      // Where yaml-cpp's own reading of all documents never ends.
+      {"[1], x\n", 0, "exactly one is expected"},
       {"[1, 2]\n", 1, "is no map; a problem file (leeway: 1, ...) is expected"},
   });
 }
