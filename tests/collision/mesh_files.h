@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "leeway/collision/triangle_mesh.h"
+#include "tests/build_paths.h"
 
 namespace leeway::collision::testing {
 
@@ -25,7 +26,7 @@ struct TriangleSoup {
 /// The folder of the test data; it may be absent.
 inline std::filesystem::path dataFolder() {
   if (const char* path = std::getenv("LEEWAY_DATA")) return path;
-  return std::filesystem::path(LEEWAY_SOURCE_DIR) / ".." / "shared" / "data";
+  return std::filesystem::path(leeway::sourceFolder()) / ".." / "shared" / "data";
 }
 
 /// All collision meshes of the robots in the test data, in a fixed order; empty when the data is

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "leeway/collision/distance.h"
+#include "tests/build_paths.h"
 #include "tests/oracle/oracle.h"
 
 // 6,000 pairs, ordinary and hard, with reference distances from quadruple precision: see the data's
@@ -98,7 +99,7 @@ bool holds(const Interval& d, const Reference& r) {
 TEST(NarrowCases, EveryIntervalHoldsTheReference) {
   const char* root = std::getenv("LEEWAY_DATA");
   const std::string folder =
-      (root != nullptr ? std::string(root) : std::string(LEEWAY_SOURCE_DIR "/../shared/data")) +
+      (root != nullptr ? std::string(root) : (leeway::sourceFolder() + "/../shared/data")) +
       "/narrow";
   Data data;
   if (!readData(folder, data)) GTEST_SKIP() << "no data in " << folder;

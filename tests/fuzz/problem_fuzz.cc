@@ -5,6 +5,7 @@
 
 #include "leeway/planner/problem.h"
 #include "leeway/robots/input_error.h"
+#include "tests/build_paths.h"
 #include "tests/fuzz/shapes.h"
 #include "tests/fuzz/target.h"
 #include "tests/fuzz/text_input.h"
@@ -40,8 +41,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const fs::path root = fuzz::scratchFolder();
     fs::create_directories(root / "problems" / "fuzz");
     for (const char* folder : {"robots"})
-      fs::create_directory_symlink(fs::path(LEEWAY_SOURCE_DIR) / folder, root / folder);
-    for (const auto& entry : fs::directory_iterator(fs::path(LEEWAY_SOURCE_DIR) / "problems"))
+      fs::create_directory_symlink(fs::path(leeway::sourceFolder()) / folder, root / folder);
+    for (const auto& entry : fs::directory_iterator(fs::path(leeway::sourceFolder()) / "problems"))
       if (entry.is_directory())
         fs::create_directory_symlink(entry.path(), root / "problems" / entry.path().filename());
     return true;

@@ -7,6 +7,8 @@
 #include <fstream>
 #include <iterator>
 
+#include "tests/build_paths.h"
+
 namespace leeway::fuzz {
 namespace {
 
@@ -46,14 +48,14 @@ std::string readText(const std::string& path) {
 std::vector<std::string> sourceTexts(const std::vector<std::string>& paths) {
   std::vector<std::string> texts;
   for (const std::string& path : paths) {
-    std::string text = readText(std::string(LEEWAY_SOURCE_DIR) + "/" + path);
+    std::string text = readText(leeway::sourceFolder() + "/" + path);
     if (!text.empty()) texts.push_back(std::move(text));
   }
   return texts;
 }
 
 std::vector<std::string> sourceTextsUnder(const std::string& folder, const std::string& ending) {
-  const std::filesystem::path root = LEEWAY_SOURCE_DIR;
+  const std::filesystem::path root = leeway::sourceFolder();
   std::vector<std::string> paths;
   std::error_code error;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(root / folder, error))

@@ -12,11 +12,12 @@
 #include "leeway/planner/edge_certifier.h"
 #include "leeway/planner/problem.h"
 #include "leeway/robots/input_error.h"
+#include "tests/build_paths.h"
 
 namespace leeway::planner {
 namespace {
 
-const std::string kSource = LEEWAY_SOURCE_DIR;
+const std::string kSource = leeway::sourceFolder();
 
 std::string dataFolder() {
   const char* folder = std::getenv("LEEWAY_DATA");

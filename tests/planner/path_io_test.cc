@@ -18,12 +18,13 @@
 #include <sstream>
 
 #include "leeway/robots/input_error.h"
+#include "tests/build_paths.h"
 
 namespace leeway::planner {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-const std::string kSource = LEEWAY_SOURCE_DIR;
+const std::string kSource = leeway::sourceFolder();
 
 class PathIo : public testing::Test {
  protected:

@@ -7,13 +7,15 @@
 #include <set>
 #include <string>
 
+#include "tests/build_paths.h"
+
 namespace leeway::planner {
 namespace {
 
 using nlohmann::json;
 
 json schema() {
-  std::ifstream stream(std::string(LEEWAY_SOURCE_DIR) + "/problems/schema.json");
+  std::ifstream stream(leeway::sourceFolder() + "/problems/schema.json");
   return json::parse(stream);
 }
 

@@ -10,11 +10,12 @@
 
 #include "leeway/planner/problem.h"
 #include "leeway/robots/input_error.h"
+#include "tests/build_paths.h"
 
 namespace leeway::planner {
 namespace {
 
-const std::string kSource = LEEWAY_SOURCE_DIR;
+const std::string kSource = leeway::sourceFolder();
 
 /// A folder of its own that goes with the test.
 class Folder {

@@ -16,13 +16,14 @@
 #include "leeway/robots/input_error.h"
 #include "leeway/robots/kinematics.h"
 #include "planner/nearest_name.h"
+#include "tests/build_paths.h"
 
 namespace leeway::planner {
 namespace {
 
 using collision::ShapeType;
 
-const std::string kSource = LEEWAY_SOURCE_DIR;
+const std::string kSource = leeway::sourceFolder();
 constexpr double kPi = 3.14159265358979323846;
 
 Problem load(const std::string& text) {

@@ -15,11 +15,12 @@
 #include "leeway/planner/edge_certifier.h"
 #include "leeway/planner/plan.h"
 #include "leeway/planner/problem.h"
+#include "tests/build_paths.h"
 
 namespace leeway::planner {
 namespace {
 
-const std::string kProblems = std::string(LEEWAY_SOURCE_DIR) + "/problems";
+const std::string kProblems = leeway::sourceFolder() + "/problems";
 
 std::vector<std::string> problemFiles() {
   std::vector<std::string> files;
@@ -134,8 +135,7 @@ TEST(ShippedProblems, ExamplesOfTheReadmeLoad) {
       std::filesystem::path(testing::TempDir()) / ("leeway_readme_" + std::to_string(::getpid()));
   std::filesystem::create_directories(folder / "problems" / "example");
   std::filesystem::create_directories(folder / "problems" / "my_robot");
-  std::filesystem::create_directory_symlink(std::string(LEEWAY_SOURCE_DIR) + "/robots",
-                                            folder / "robots");
+  std::filesystem::create_directory_symlink(leeway::sourceFolder() + "/robots", folder / "robots");
   for (const char* name : {"scene0001.yaml", "request0001.yaml"})
     std::filesystem::copy_file(kProblems + "/moveit/" + name,
                                folder / "problems" / "example" / name);

@@ -11,6 +11,7 @@
 
 #include "leeway/robots/input_error.h"
 #include "leeway/robots/model.h"
+#include "tests/build_paths.h"
 
 namespace leeway::robots::test {
 
@@ -65,7 +66,7 @@ void expectInputError(const Call& call, const std::string& file, int line,
 /// The folder of real robots and problems beside the project; LEEWAY_DATA overrides.
 inline std::string dataFolder() {
   const char* chosen = std::getenv("LEEWAY_DATA");
-  return chosen != nullptr ? chosen : std::string(LEEWAY_SOURCE_DIR) + "/../shared/data";
+  return chosen != nullptr ? chosen : leeway::sourceFolder() + "/../shared/data";
 }
 
 #define LEEWAY_NEEDS_DATA(file)                                                      \

@@ -1,5 +1,6 @@
 #include <set>
 
+#include "tests/build_paths.h"
 #include "tests/tools/command.h"
 
 namespace leeway::tools::testing {
@@ -204,7 +205,7 @@ TEST_F(Batch, InterruptLeavesWhatIsDone) {
   text.replace(text.find("  - {name: post"), text.find("limits") - text.find("  - {name: post"),
                "  - {name: wall, position: [0.3, 0, 0], box: {size: [0.2, 0.02, 1]}}\n");
   write("wall.yaml", text);
-  const Answer answer = shell("'" LEEWAY_COMMAND
+  const Answer answer = shell("'" + leeway::commandFile() +
                               "' batch reach.yaml wall.yaml --output lines.json & pid=$!; "
                               "while ! grep -q reach lines.json.partial 2>/dev/null; do sleep "
                               "0.01; done; sleep 0.1; kill -INT $pid; wait $pid");

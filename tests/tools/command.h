@@ -15,6 +15,8 @@
 #include <string>
 #include <vector>
 
+#include "tests/build_paths.h"
+
 namespace leeway::tools::testing {
 
 namespace fs = std::filesystem;
@@ -156,7 +158,7 @@ class CommandTest : public ::testing::Test {
 
   /// `leeway ARGUMENTS` through the shell, in the test's folder.
   Answer run(const std::string& arguments) const {
-    return shell("'" LEEWAY_COMMAND "' " + arguments);
+    return shell("'" + leeway::commandFile() + "' " + arguments);
   }
 
   Answer shell(const std::string& line) const {

@@ -1,6 +1,7 @@
 // tools/check_layers passes on this tree (a test of its own) and bites on trees that break the
 // rules.
 
+#include "tests/build_paths.h"
 #include "tests/tools/command.h"
 
 namespace leeway::tools::testing {
@@ -8,7 +9,7 @@ namespace {
 
 class Layers : public CommandTest {
  protected:
-  Answer check() const { return shell("'" LEEWAY_SOURCE_DIR "/tools/check_layers' tree"); }
+  Answer check() const { return shell("'" + leeway::sourceFolder() + "/tools/check_layers' tree"); }
   void expectBites(const std::string& file, const std::string& include) const {
     fs::remove_all(path("tree"));
     write("tree/collision/ok.cc", "#include \"leeway/collision/pose.h\"\n#include <vector>\n");

@@ -3,6 +3,7 @@
 #include <map>
 #include <set>
 
+#include "tests/build_paths.h"
 #include "tests/tools/command.h"
 
 namespace leeway::tools::testing {
@@ -60,7 +61,7 @@ void expectHolds(const std::string& raw, const std::map<long, Known>& reference,
 }
 
 TEST_F(ReportCases, AnswersEveryCaseAndHoldsTheReference) {
-  const std::string data = LEEWAY_SOURCE_DIR "/tests/data/";
+  const std::string data = leeway::sourceFolder() + "/tests/data/";
   const Answer answer = run("report cases '" + data + "cases.txt' --raw -");
   EXPECT_EQ(answer.status, 0) << answer.err;
   expectHolds(answer.out, readReference(data + "reference.txt"), {}, 0);
@@ -121,7 +122,7 @@ TEST_F(ReportCases, NamesFileLineAndValueOfBadInput) {
 TEST_F(ReportCases, HoldsTheReferenceOfTheSharedData) {
   const char* root = std::getenv("LEEWAY_DATA");
   const std::string data =
-      (root != nullptr ? std::string(root) : std::string(LEEWAY_SOURCE_DIR "/../shared/data")) +
+      (root != nullptr ? std::string(root) : (leeway::sourceFolder() + "/../shared/data")) +
       "/narrow/";
   if (!fs::exists(data + "cases.txt")) GTEST_SKIP() << data << "cases.txt is not there";
   const Answer answer = run("report cases '" + data + "cases.txt' --raw -");

@@ -1,3 +1,4 @@
+#include "tests/build_paths.h"
 #include "tests/tools/command.h"
 
 namespace leeway::tools::testing {
@@ -62,7 +63,7 @@ TEST_F(Usage, AnswerThatCannotBeWrittenIsStatus2) {
        {"plan reach.yaml", "plan reach.yaml --json", "check reach.yaml", "batch reach.yaml",
         "info reach.yaml --json", "--help", "plan --help", "--version"}) {
     for (const char* nowhere : {">/dev/full", ">&-"}) {
-      const Answer answer = shell(std::string("'" LEEWAY_COMMAND "' ") + arguments + " " + nowhere);
+      const Answer answer = shell(("'" + leeway::commandFile() + "' ") + arguments + " " + nowhere);
       EXPECT_EQ(answer.status, 2) << arguments << nowhere << answer.err;
       EXPECT_NE(answer.err.find("standard output: cannot be written"), std::string::npos)
           << arguments << nowhere << answer.err;
@@ -90,12 +91,13 @@ TEST_P(Examples, Run) {
   EXPECT_EQ(help.status, 0);
   const std::vector<std::string> examples = examplesOf(help.out);
   EXPECT_FALSE(examples.empty()) << help.out;
-  const fs::path source(LEEWAY_SOURCE_DIR);
+  const fs::path source(leeway::sourceFolder());
   for (const char* name : {"problems", "robots", "tests"}) {
     fs::create_directory_symlink(source / name, path(name));
   }
   for (const std::string& example : examples) {
-    const Answer answer = shell("PATH=$(dirname '" LEEWAY_COMMAND "'):$PATH; " + example);
+    const Answer answer =
+        shell("PATH=$(dirname '" + leeway::commandFile() + "'):$PATH; " + example);
     EXPECT_EQ(answer.status, 0) << example << "\n" << answer.err;
     EXPECT_NE(answer.out + read("lines.json"), "") << example;
   }
