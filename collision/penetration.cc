@@ -13,6 +13,8 @@ namespace {
 constexpr int kVertexCapacity = 1024;
 constexpr int kFacetCapacity = 2 * kVertexCapacity;
 constexpr int kQueueCapacity = 16 * kVertexCapacity;
+// A query adds no more than kVertexCapacity walks: numbers of walks do not overflow.
+constexpr std::int32_t kLastMark = 1 << 30;
 
 }  // namespace
 
@@ -22,25 +24,31 @@ PolytopeBuffers::PolytopeBuffers() {
   free_facets.reserve(kFacetCapacity);
   queue.reserve(kQueueCapacity);
   visible.reserve(kFacetCapacity);
-  horizon.reserve(3 * kFacetCapacity);
   loop.reserve(3 * kFacetCapacity);
-  edge_from.resize(kVertexCapacity);
+  path.reserve(kFacetCapacity);
+  edge_mark.resize(kVertexCapacity);
 }
 
 namespace {
 
-bool later(const PolytopeBuffers::Entry& a, const PolytopeBuffers::Entry& b) {
-  // Heap of the smallest key; the lower slot first among equals, for determinism.
-  return a.key > b.key || (a.key == b.key && a.facet > b.facet);
-}
+struct Later {
+  bool operator()(const PolytopeBuffers::Entry& a, const PolytopeBuffers::Entry& b) const {
+    // Heap of the smallest key; the lower slot first among equals, for determinism.
+    return a.key > b.key || (a.key == b.key && a.facet > b.facet);
+  }
+};
+
+inline int nextEdge(int e) { return e == 2 ? 0 : e + 1; }
 
 // Normal of a triangle, not normalised, from its two shorter edges: the cross product's rounding is
 // in proportion to them.
-Vector triangleNormal(const Vector& a, const Vector& b, const Vector& c) {
+inline Vector triangleNormal(const Vector& a, const Vector& b, const Vector& c,
+                             double& longest_squared) {
   const Vector ab = b - a, bc = c - b, ca = a - c;
   const double ab2 = ab.squaredNorm(), bc2 = bc.squaredNorm(), ca2 = ca.squaredNorm();
-  if (ab2 >= bc2 && ab2 >= ca2) return cross(bc, ca);
-  if (bc2 >= ca2) return cross(ca, ab);
+  longest_squared = std::max({ab2, bc2, ca2});
+  if (longest_squared == ab2) return cross(bc, ca);
+  if (longest_squared == bc2) return cross(ca, ab);
   return cross(ab, bc);
 }
 
@@ -91,17 +99,23 @@ class Polytope {
   template <class Far>
   bool complete(const Vector* directions, int count, Far far);
   int newFacet(int a, int b, int c);
-  void measure(PolytopeFacet& f);
-  void push(int index);
-  void refine(PolytopeFacet& f);
+  void enqueue(int index, double longest_squared);
+  void push(int index, double key);
+  int pop();
+  double leastAlong(const PolytopeFacet& f, const Vector& n) const;
+  bool refine(PolytopeFacet& f);
   void offerFacet(const PolytopeFacet& f);
+  void settle();
   bool sees(const PolytopeFacet& f, const Vector& p) const;
-  bool collect(int first, const Vector& p);
-  bool orderHorizon();
+  bool walk(int first, const Vector& p);
+  void takeAlone(int first);
+  bool keepsWinding(const PolytopeFacet& f, const Vector& p) const;
   void expand(int first);
+  void startNear(const PolytopeFacet& f, const Vector& n);
   bool windsAroundOrigin();
   int windingAlong(const Vector& ray);
-  double triangleDistance(const PolytopeFacet& f) const;
+  Vector nearestOf(const std::int32_t vertex[3], Vector& a) const;
+  void search();
 
   Difference<false>& difference_;
   PolytopeBuffers& buffers_;
@@ -109,18 +123,25 @@ class Polytope {
   const double roundoff_;
   int vertex_count_ = 0;
   int facet_count_ = 0;  // slots of buffers_.facets in use or free
-  int mark_ = 0;
+  std::int32_t& mark_ = buffers_.mark;
   bool winds_ = false;  // proven: the surface winds around the origin
   bool left_facing_ =
       false;  // a facet that sees the origin was given up: no claim of depth can be made
+  // The least n . w of all supporting planes asked, negated: the origin is no deeper in the
+  // difference. Facets farther out than this are never looked at again.
+  double reach_ = std::numeric_limits<double>::infinity();
+  double claim_ = 0;  // the largest depth proven; 0: none
+  std::int32_t claim_vertex_[3] = {0, 0, 0};
 };
 
 // The support point along n, its plane offered; true when the request is met by it.
-bool Polytope::ask(const Vector& n, SupportPoint& found) {
+inline bool Polytope::ask(const Vector& n, SupportPoint& found) {
   ++progress_.iterations;
   difference_.support(n, found);
   clean(found.w);
-  progress_.offerLower(n.dot(found.w), n);
+  const double value = n.dot(found.w);
+  reach_ = std::min(reach_, -value);
+  progress_.offerLower(value, n);
   return progress_.enough();
 }
 
@@ -144,6 +165,11 @@ bool Polytope::complete(const Vector* directions, int count, Far far) {
 bool Polytope::begin(const Simplex& start) {
   buffers_.queue.clear();
   buffers_.free_facets.clear();
+  if (mark_ > kLastMark) {
+    std::fill(buffers_.edge_mark.begin(), buffers_.edge_mark.end(), 0);
+    mark_ = 0;
+  }
+  reach_ = -(progress_.lower() + progress_.query().lower_offset);
   vertex_count_ = start.count;
   for (int i = 0; i < start.count; ++i) {
     SupportPoint& s = buffers_.vertices[static_cast<std::size_t>(i)];
@@ -170,7 +196,8 @@ bool Polytope::begin(const Simplex& start) {
   }
   if (vertex_count_ == 3) {
     const Vector p = w(0);
-    Vector n = triangleNormal(p, w(1), w(2)).normalized();
+    double longest_squared = 0;
+    Vector n = triangleNormal(p, w(1), w(2), longest_squared).normalized();
     // Towards the origin first, so that the tetrahedron holds it if it can.
     if (n.dot(p) < 0) n = -n;
     if (!complete(&n, 1, [&](const Vector& q) { return std::abs(n.dot(q - p)) > flat; })) {
@@ -198,12 +225,11 @@ bool Polytope::begin(const Simplex& start) {
   for (const int f : {f0, f1, f2, f3}) {
     const PolytopeFacet& t = facet(f);
     winds_ &= signOfDeterminant(w(t.vertex[0]), w(t.vertex[1]), w(t.vertex[2])) > 0;
-    push(f);
   }
   return true;
 }
 
-int Polytope::newFacet(int a, int b, int c) {
+inline int Polytope::newFacet(int a, int b, int c) {
   int index = facet_count_;
   if (buffers_.free_facets.empty()) {
     ++facet_count_;
@@ -219,212 +245,231 @@ int Polytope::newFacet(int a, int b, int c) {
   f.refined = false;
   f.mark = 0;
   ++f.stamp;
-  measure(f);
+  double longest_squared = 0;
+  f.normal = triangleNormal(w(a), w(b), w(c), longest_squared);
+  f.length = f.normal.norm();
+  // The cross product of two edges errs by less than 7 units of roundoff times their lengths, the
+  // difference d and the dot product by 8 more, in proportion to the area, which is at most the
+  // product of the lengths.
+  f.doubt = 16 * kUnitRoundoff * longest_squared;
+  enqueue(index, longest_squared);
   return index;
 }
 
-double Polytope::triangleDistance(const PolytopeFacet& f) const {
-  double weights[3];
-  return nearestOnTriangle(w(f.vertex[0]), w(f.vertex[1]), w(f.vertex[2]), weights).norm();
-}
-
-void Polytope::measure(PolytopeFacet& f) {
-  const Vector &a = w(f.vertex[0]), &b = w(f.vertex[1]), &c = w(f.vertex[2]);
-  const Vector n = triangleNormal(a, b, c);
-  const double length = n.norm();
-  if (length > 0) {
-    f.normal = f.plane_normal = n / length;
-    // The cross product of two edges errs by less than 7 units of roundoff times their lengths, its
-    // normalisation, the difference d and the dot product by 8 more; the area is at most the
-    // product of the lengths.
-    const double longest_squared =
-        std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()});
-    const double doubt = 16 * kUnitRoundoff * longest_squared / length;
-    f.doubt_squared = doubt * doubt;
-    f.distance = std::min({f.normal.dot(a), f.normal.dot(b), f.normal.dot(c)});
-  } else {
-    // No area: the direction of its nearest point is as good as any.
-    f.normal = f.plane_normal = Vector::UnitX();
-    f.doubt_squared = std::numeric_limits<double>::infinity();
-    f.distance = 0;
-    refine(f);
-  }
+// Facets that cannot be nearest, because they are farther out than a supporting plane, stay out of
+// the queue: most do.
+inline void Polytope::enqueue(int index, double longest_squared) {
+  PolytopeFacet& f = facet(index);
+  // What the normal's error can do over the length of the facet (all of the difference is within L
+  // of the origin), and the rounding of the product.
+  const double height =
+      f.normal.dot(w(f.vertex[2])) - 32 * roundoff_ * longest_squared - 16 * roundoff_ * f.length;
+  if (f.length > 0 && height >= reach_ * f.length) return;
+  f.distance = f.length > 0 ? leastAlong(f, f.normal) / f.length : 0;
+  Vector a;
   // Facets that see the origin come first, the nearest of them foremost; all of the difference is
   // within 4 L.
-  f.key = f.distance > 0 ? f.distance : triangleDistance(f) - 4 * (roundoff_ / kUnitRoundoff);
+  push(index, f.distance > 0 ? f.distance
+                             : nearestOf(f.vertex, a).norm() - 4 * (roundoff_ / kUnitRoundoff));
+}
+
+inline double Polytope::leastAlong(const PolytopeFacet& f, const Vector& n) const {
+  return std::min({n.dot(w(f.vertex[0])), n.dot(w(f.vertex[1])), n.dot(w(f.vertex[2]))});
+}
+
+// The nearest point of a triangle, and of A's part in it.
+Vector Polytope::nearestOf(const std::int32_t vertex[3], Vector& a) const {
+  double weights[3];
+  const Vector nearest = nearestOnTriangle(w(vertex[0]), w(vertex[1]), w(vertex[2]), weights);
+  a.setZero();
+  for (int i = 0; i < 3; ++i) {
+    a += weights[i] * buffers_.vertices[static_cast<std::size_t>(vertex[i])].a;
+  }
+  return nearest;
 }
 
 // A sliver's normal may be poor, and with it the claimed distance: try the direction of its nearest
-// point.
-void Polytope::refine(PolytopeFacet& f) {
+// point. True when that is better: it is back in the queue then.
+bool Polytope::refine(PolytopeFacet& f) {
   f.refined = true;
-  double weights[3];
+  f.outward = f.length > 0 ? Vector(f.normal / f.length) : Vector::UnitX();
   const Vector &a = w(f.vertex[0]), &b = w(f.vertex[1]), &c = w(f.vertex[2]);
+  const double highest = std::max({f.outward.dot(a), f.outward.dot(b), f.outward.dot(c)});
+  if (f.distance > 0 && highest - f.distance <= 8 * roundoff_) return false;
+  double weights[3];
   const Vector nearest = nearestOnTriangle(a, b, c, weights);
   const double norm = nearest.norm();
-  if (!(norm > 0)) return;
+  if (!(norm > 0)) return false;
   const Vector n = nearest / norm;
-  const double distance = std::min({n.dot(a), n.dot(b), n.dot(c)});
+  const double distance = leastAlong(f, n);
   // For a facet that the origin is behind, a plane that keeps farther from it is a better claim.
   const bool behind = f.distance > 0 || signOfDeterminant(a, b, c) > 0;
-  if (behind && distance > std::max(f.distance, 0.0) + 8 * roundoff_) {
-    f.distance = distance;
-    f.normal = n;
-    f.key = distance;
-  }
+  if (!behind || !(distance > std::max(f.distance, 0.0) + 8 * roundoff_)) return false;
+  f.distance = distance;
+  f.outward = n;
+  return true;
 }
 
-void Polytope::push(int index) {
+inline void Polytope::push(int index, double key) {
   std::vector<PolytopeBuffers::Entry>& queue = buffers_.queue;
   if (static_cast<int>(queue.size()) >= kQueueCapacity) {
     // Drop the entries of facets that are gone; fewer than kFacetCapacity remain.
     std::size_t kept = 0;
     for (const PolytopeBuffers::Entry& e : queue) {
       const PolytopeFacet& f = facet(e.facet);
-      if (f.alive && f.stamp == e.stamp && f.key == e.key) queue[kept++] = e;
+      if (f.alive && f.stamp == e.stamp) queue[kept++] = e;
     }
     queue.resize(kept);
-    std::make_heap(queue.begin(), queue.end(), later);
+    std::make_heap(queue.begin(), queue.end(), Later());
   }
-  queue.push_back({facet(index).key, index, facet(index).stamp});
-  std::push_heap(queue.begin(), queue.end(), later);
+  queue.push_back({key, index, facet(index).stamp});
+  std::push_heap(queue.begin(), queue.end(), Later());
+}
+
+// The facet on the surface with the smallest key; -1 when none is left.
+int Polytope::pop() {
+  std::vector<PolytopeBuffers::Entry>& queue = buffers_.queue;
+  while (!queue.empty()) {
+    std::pop_heap(queue.begin(), queue.end(), Later());
+    const PolytopeBuffers::Entry entry = queue.back();
+    queue.pop_back();
+    const PolytopeFacet& f = facet(entry.facet);
+    if (f.alive && f.stamp == entry.stamp) return entry.facet;
+  }
+  return -1;
 }
 
 // The facet's own ends: how far it proves the origin inside (nearest of all facets), or its nearest
 // point as a witness.
 void Polytope::offerFacet(const PolytopeFacet& f) {
-  double weights[3];
-  const Vector nearest = nearestOnTriangle(w(f.vertex[0]), w(f.vertex[1]), w(f.vertex[2]), weights);
-  Vector a = Vector::Zero();
-  for (int i = 0; i < 3; ++i) {
-    a += weights[i] * buffers_.vertices[static_cast<std::size_t>(f.vertex[i])].a;
-  }
-  progress_.offerWitness(nearest.norm(), nearest, a);
   if (f.distance > 0 && !left_facing_) {
     if (!winds_) winds_ = windsAroundOrigin();
-    if (winds_) progress_.offerWitness(-f.distance, nearest, a);
+    if (winds_) {
+      // All facets that are not in the queue are farther out than reach_.
+      const double depth = std::min(f.distance, reach_);
+      if (depth > claim_) {
+        claim_ = depth;
+        std::copy(f.vertex, f.vertex + 3, claim_vertex_);
+        progress_.offerUpper(-claim_);
+      }
+      return;
+    }
   }
+  Vector a;
+  const Vector nearest = nearestOf(f.vertex, a);
+  progress_.offerWitness(nearest.norm(), nearest, a);
+}
+
+// The witness of the depth claimed, written down once.
+void Polytope::settle() {
+  if (!(claim_ > 0)) return;
+  Vector a;
+  const Vector nearest = nearestOf(claim_vertex_, a);
+  progress_.offerWitness(-claim_, nearest, a);
 }
 
 // Exact, so that the surface is the convex hull of its vertices as they were rounded, and what p
 // sees is one patch. Two predicates that contradict each other would make the surface fold.
-bool Polytope::sees(const PolytopeFacet& f, const Vector& p) const {
-  const Vector &a = w(f.vertex[0]), &b = w(f.vertex[1]), &c = w(f.vertex[2]);
-  const Vector d = p - a;
-  const double height = f.plane_normal.dot(d);
-  if (height * height > f.doubt_squared * d.squaredNorm()) return height > 0;
-  return orientation(a, b, c, p) > 0;
+inline bool Polytope::sees(const PolytopeFacet& f, const Vector& p) const {
+  const Vector d = p - w(f.vertex[0]);
+  const double height = f.normal.dot(d);
+  if (height * height > f.doubt * f.doubt * d.squaredNorm()) return height > 0;
+  return orientation(w(f.vertex[0]), w(f.vertex[1]), w(f.vertex[2]), p) > 0;
 }
 
-// The facets seen from p, connected to `first`, and the edges around them. False when it is all of
-// the surface.
-bool Polytope::collect(int first, const Vector& p) {
+// The facets seen from p that hang together with `first`, and the edges around them in the order of
+// a loop: the walk follows a tree of facets, whose rim it meets in order, and edges between two
+// facets seen are met twice, one nested in the other. False when the rim is not one loop without
+// repeated vertices.
+bool Polytope::walk(int first, const Vector& p) {
   ++mark_;
-  buffers_.visible.clear();
-  buffers_.horizon.clear();
-  buffers_.visible.push_back(first);
+  buffers_.visible.assign(1, first);
+  buffers_.loop.clear();
+  buffers_.path.assign(1, {first, 0, 3});
   facet(first).mark = mark_;
-  for (std::size_t next = 0; next < buffers_.visible.size(); ++next) {
-    const std::int32_t index = buffers_.visible[next];
-    const PolytopeFacet& f = facet(index);
-    for (int e = 0; e < 3; ++e) {
-      PolytopeFacet& g = facet(f.neighbour[e]);
-      if (g.mark != mark_ && sees(g, p)) {
-        g.mark = mark_;
-        buffers_.visible.push_back(f.neighbour[e]);
-      }
+  while (!buffers_.path.empty()) {
+    PolytopeBuffers::Step& step = buffers_.path.back();
+    if (step.left == 0) {
+      buffers_.path.pop_back();
+      continue;
+    }
+    const int e = step.edge;
+    const PolytopeFacet& f = facet(step.facet);
+    const int other = f.neighbour[e];
+    PolytopeFacet& g = facet(other);
+    step.edge = nextEdge(e);
+    --step.left;
+    if (g.mark == mark_) continue;
+    const std::int32_t from = f.vertex[e], to = f.vertex[nextEdge(e)];
+    const int back = g.vertex[0] == to ? 0 : g.vertex[1] == to ? 1 : 2;
+    if (g.mark != -mark_ && sees(g, p)) {
+      g.mark = mark_;
+      buffers_.visible.push_back(other);
+      buffers_.path.push_back({other, nextEdge(back), 2});
+    } else {
+      g.mark = -mark_;
+      buffers_.loop.push_back({from, to, other, back});
     }
   }
-  for (const std::int32_t index : buffers_.visible) {
-    const PolytopeFacet& f = facet(index);
-    for (int e = 0; e < 3; ++e) {
-      const std::int32_t other = f.neighbour[e];
-      const PolytopeFacet& g = facet(other);
-      if (g.mark == mark_) continue;
-      int back = 0;
-      while (back < 2 && g.neighbour[back] != index) ++back;
-      // Two facets may share two edges only in a surface of two facets, which a fan never makes;
-      // still take the edge that runs opposite.
-      for (int k = 0; k < 3; ++k) {
-        if (g.neighbour[k] == index && g.vertex[k] == f.vertex[(e + 1) % 3]) back = k;
-      }
-      buffers_.horizon.push_back({f.vertex[e], f.vertex[(e + 1) % 3], other, back});
-    }
+  const std::size_t count = buffers_.loop.size();
+  if (count < 3) return false;
+  std::int32_t at = buffers_.loop.back().to;
+  for (const PolytopeBuffers::HorizonEdge& e : buffers_.loop) {
+    std::int32_t& mark = buffers_.edge_mark[static_cast<std::size_t>(e.from)];
+    if (e.from != at || mark == mark_) return false;
+    mark = mark_;
+    at = e.to;
   }
-  return !buffers_.horizon.empty();
+  return true;
 }
 
-// Brings the horizon into the order of a loop. False when it is not a single loop without repeated
-// vertices.
-bool Polytope::orderHorizon() {
+// One facet only, whose three edges always are a loop.
+void Polytope::takeAlone(int first) {
+  buffers_.visible.assign(1, first);
   buffers_.loop.clear();
-  for (const PolytopeBuffers::HorizonEdge& e : buffers_.horizon) {
-    buffers_.edge_from[static_cast<std::size_t>(e.from)] = -1;
+  const PolytopeFacet& f = facet(first);
+  for (int e = 0; e < 3; ++e) {
+    const PolytopeFacet& g = facet(f.neighbour[e]);
+    const std::int32_t to = f.vertex[nextEdge(e)];
+    const int back = g.vertex[0] == to ? 0 : g.vertex[1] == to ? 1 : 2;
+    buffers_.loop.push_back({f.vertex[e], to, f.neighbour[e], back});
   }
-  for (std::size_t i = 0; i < buffers_.horizon.size(); ++i) {
-    std::int32_t& slot = buffers_.edge_from[static_cast<std::size_t>(buffers_.horizon[i].from)];
-    if (slot >= 0) return false;
-    slot = static_cast<std::int32_t>(i);
-  }
-  const std::int32_t start = buffers_.horizon[0].from;
-  std::int32_t at = start;
-  do {
-    const PolytopeBuffers::HorizonEdge& e =
-        buffers_
-            .horizon[static_cast<std::size_t>(buffers_.edge_from[static_cast<std::size_t>(at)])];
-    buffers_.loop.push_back(e);
-    at = e.to;
-  } while (at != start && buffers_.loop.size() < buffers_.horizon.size());
-  return at == start && buffers_.loop.size() == buffers_.horizon.size();
+}
+
+// Exchanging a facet for three over p keeps the winding number if the origin is not in the
+// tetrahedron (p, facet), and it is not if all four points are strictly on one side of a plane
+// through it.
+bool Polytope::keepsWinding(const PolytopeFacet& f, const Vector& p) const {
+  const Vector& n = f.refined ? f.outward : f.normal;
+  const double rounding = 4 * roundoff_ * (f.refined ? 1.0 : f.length);
+  return leastAlong(f, n) > rounding && n.dot(p) > rounding;
 }
 
 // Exchanges the facets seen from the newest vertex for a fan over it.
 void Polytope::expand(int first) {
   const int apex = vertex_count_ - 1;
   const Vector p = w(apex);
-  const bool simple = collect(first, p) && orderHorizon() &&
-                      room() + buffers_.visible.size() > buffers_.loop.size();
-  if (!simple) {
-    // Rounding made a patch with holes: exchange one facet only, whose three edges always are a
-    // loop.
-    ++mark_;
-    facet(first).mark = mark_;
-    buffers_.visible.assign(1, first);
-    buffers_.loop.clear();
-    const PolytopeFacet& f = facet(first);
-    for (int e = 0; e < 3; ++e) {
-      const PolytopeFacet& g = facet(f.neighbour[e]);
-      int back = 0;
-      for (int k = 0; k < 3; ++k) {
-        if (g.neighbour[k] == first && g.vertex[k] == f.vertex[(e + 1) % 3]) back = k;
-      }
-      buffers_.loop.push_back({f.vertex[e], f.vertex[(e + 1) % 3], f.neighbour[e], back});
-    }
-  }
+  // (Rounding cannot make the rim of several loops, but the buffers can be full.)
+  if (!walk(first, p) || room() + buffers_.visible.size() < buffers_.loop.size()) takeAlone(first);
   for (const std::int32_t index : buffers_.visible) {
     PolytopeFacet& f = facet(index);
-    // The exchange keeps the winding number if the origin is in none of the tetrahedra (apex,
-    // facet), and it is not if all four points are strictly on one side of a plane through it.
-    winds_ = winds_ && f.distance > 4 * roundoff_ && f.normal.dot(p) > 4 * roundoff_;
+    winds_ = winds_ && keepsWinding(f, p);
     f.alive = false;
     buffers_.free_facets.push_back(index);
   }
-  const std::size_t count = buffers_.loop.size();
   std::int32_t first_new = -1, previous = -1;
-  for (std::size_t i = 0; i < count; ++i) {
-    const PolytopeBuffers::HorizonEdge e = buffers_.loop[i];
+  for (const PolytopeBuffers::HorizonEdge& e : buffers_.loop) {
     const int index = newFacet(e.from, e.to, apex);
     PolytopeFacet& f = facet(index);
     f.neighbour[0] = e.facet;
     facet(e.facet).neighbour[e.edge] = index;
-    if (i == 0) {
+    if (previous < 0) {
       first_new = index;
     } else {
       f.neighbour[2] = previous;
       facet(previous).neighbour[1] = index;
     }
     previous = index;
-    push(index);
   }
   facet(first_new).neighbour[2] = previous;
   facet(previous).neighbour[1] = first_new;
@@ -465,27 +510,41 @@ bool Polytope::windsAroundOrigin() {
   return false;
 }
 
-void Polytope::grow() {
+// Climbs start from what made the facet: A's farthest point along n among its vertices, and B's
+// against n, which goes with the least of A's because all have the same n . (b - a).
+void Polytope::startNear(const PolytopeFacet& f, const Vector& n) {
+  const SupportPoint* lowest = &buffers_.vertices[static_cast<std::size_t>(f.vertex[0])];
+  const SupportPoint* highest = lowest;
+  double least = n.dot(lowest->a), most = least;
+  for (int i = 1; i < 3; ++i) {
+    const SupportPoint& s = buffers_.vertices[static_cast<std::size_t>(f.vertex[i])];
+    const double value = n.dot(s.a);
+    if (value > most) most = value, highest = &s;
+    if (value < least) least = value, lowest = &s;
+  }
+  difference_.setHints(highest->index_a, lowest->index_b);
+}
+
+void Polytope::search() {
   for (;;) {
-    // The live facet with the smallest key.
-    std::vector<PolytopeBuffers::Entry>& queue = buffers_.queue;
-    if (queue.empty()) return;
-    std::pop_heap(queue.begin(), queue.end(), later);
-    const PolytopeBuffers::Entry entry = queue.back();
-    queue.pop_back();
-    PolytopeFacet& f = facet(entry.facet);
-    if (!f.alive || f.stamp != entry.stamp || f.key != entry.key) continue;
-    if (!f.refined) {
-      refine(f);
-      if (f.key != entry.key) {
-        push(entry.facet);
-        continue;
+    const int index = pop();
+    if (index < 0) {
+      // Every facet is farther out than the nearest supporting plane.
+      if (claim_ > 0 && !left_facing_ && winds_) {
+        claim_ = std::max(claim_, reach_);
+        progress_.offerUpper(-claim_);
       }
+      return;
+    }
+    PolytopeFacet& f = facet(index);
+    if (!f.refined && refine(f)) {
+      push(index, f.distance);
+      continue;
     }
     offerFacet(f);
     if (progress_.enough()) {
       // Where several translations separate equally well, the plane must be that of the witness.
-      const bool other_plane = f.distance > 0 && -f.plane_normal.dot(progress_.normal()) < 1 - 1e-6;
+      const bool other_plane = f.distance > 0 && -f.outward.dot(progress_.normal()) < 1 - 1e-6;
       if (progress_.decided() || !other_plane) return;
     }
     // Once the pair is known to be apart, or a facet that sees the origin was given up, the others
@@ -493,7 +552,8 @@ void Polytope::grow() {
     if (f.distance > 0 && (left_facing_ || progress_.lower() > 0)) return;
     if (full()) return;
     SupportPoint& s = buffers_.vertices[static_cast<std::size_t>(vertex_count_)];
-    const Vector outward = f.normal;
+    const Vector outward = f.outward;
+    startNear(f, -outward);
     const bool met = ask(-outward, s);
     const double lower_here = -outward.dot(s.w) - progress_.query().lower_offset;
     if (f.distance > 0 && lower_here <= progress_.lower() &&
@@ -513,8 +573,13 @@ void Polytope::grow() {
       continue;
     }
     ++vertex_count_;
-    expand(entry.facet);
+    expand(index);
   }
+}
+
+void Polytope::grow() {
+  search();
+  settle();
 }
 
 }  // namespace

@@ -13,15 +13,17 @@ namespace leeway::collision {
 struct PolytopeFacet {
   std::int32_t vertex[3];
   std::int32_t neighbour[3];
-  Vector plane_normal;  ///< outward, unit
-  /// The same, or a better direction for a sliver: what `distance` holds along.
-  Vector normal;
-  double distance =
-      0;  ///< min over the vertices of normal . w: all of the triangle is at least that far out
-  double doubt_squared = 0;  ///< of the error of normal . d for a vector d, per length of d
-  double key = 0;            ///< order of work, see measure() in penetration.cc
-  std::int32_t stamp =
-      0;  ///< grows when the slot is used again, so that old queue entries are told
+  Vector normal;      ///< outward, of any length
+  double length = 0;  ///< of `normal`; 0: the triangle has no area to speak of
+  /// Of the error of normal . d for a vector d, per length of d.
+  double doubt = 0;
+  /// Unit; the direction of `normal`, or for a sliver a better one. Known when `refined`.
+  Vector outward;
+  /// Along normal / length, or outward: all of the triangle is at least that far out. Known for
+  /// facets in the queue only.
+  double distance = 0;
+  std::int32_t stamp = 0;  ///< grows when the slot is used again or its place in the queue changes,
+                           ///< so that old queue entries are told
   std::int32_t mark = 0;
   bool alive = false;  ///< on the surface
   bool refined = false;
@@ -39,13 +41,19 @@ struct PolytopeBuffers {
     std::int32_t from, to;     ///< vertices, in the order of the facet that goes
     std::int32_t facet, edge;  ///< the facet that stays and its edge
   };
+  struct Step {
+    std::int32_t facet, edge;  ///< where the walk came in, and the edge to look across next
+    std::int32_t left;         ///< edges still to be looked across
+  };
   std::vector<SupportPoint> vertices;
   std::vector<PolytopeFacet> facets;
   std::vector<std::int32_t> free_facets;
   std::vector<Entry> queue;
-  std::vector<std::int32_t> visible;  ///< also the stack of the search
-  std::vector<HorizonEdge> horizon, loop;
-  std::vector<std::int32_t> edge_from;  ///< per vertex: the horizon edge that starts there
+  std::vector<std::int32_t> visible;    ///< facets that the newest vertex sees
+  std::vector<HorizonEdge> loop;        ///< the edges around them, in order
+  std::vector<Step> path;               ///< stack of the walk over them
+  std::vector<std::int32_t> edge_mark;  ///< per vertex: the last walk with a horizon edge from it
+  std::int32_t mark = 0;                ///< number of the last walk, of any query
 };
 
 /// Both ends of the signed separation near and below contact, from where runGjk() ended (one to
