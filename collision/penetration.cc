@@ -247,7 +247,7 @@ inline int Polytope::newFacet(int a, int b, int c) {
   ++f.stamp;
   double longest_squared = 0;
   f.normal = triangleNormal(w(a), w(b), w(c), longest_squared);
-  f.length = f.normal.norm();
+  f.length_squared = f.normal.squaredNorm();
   // The cross product of two edges errs by less than 7 units of roundoff times their lengths, the
   // difference d and the dot product by 8 more, in proportion to the area, which is at most the
   // product of the lengths.
@@ -261,11 +261,13 @@ inline int Polytope::newFacet(int a, int b, int c) {
 inline void Polytope::enqueue(int index, double longest_squared) {
   PolytopeFacet& f = facet(index);
   // What the normal's error can do over the length of the facet (all of the difference is within L
-  // of the origin), and the rounding of the product.
-  const double height =
-      f.normal.dot(w(f.vertex[2])) - 32 * roundoff_ * longest_squared - 16 * roundoff_ * f.length;
-  if (f.length > 0 && height >= reach_ * f.length) return;
-  f.distance = f.length > 0 ? leastAlong(f, f.normal) / f.length : 0;
+  // of the origin), and the rounding of the products.
+  const double height = f.normal.dot(w(f.vertex[2])) - 32 * roundoff_ * longest_squared;
+  const double out = std::max(reach_ + 16 * roundoff_, 0.0);
+  // (Strictly, so that squares beyond the range of double compare false.)
+  if (height > 0 && height * height > out * out * f.length_squared) return;
+  const double length = std::sqrt(f.length_squared);
+  f.distance = length > 0 ? leastAlong(f, f.normal) / length : 0;
   Vector a;
   // Facets that see the origin come first, the nearest of them foremost; all of the difference is
   // within 4 L.
@@ -292,7 +294,8 @@ Vector Polytope::nearestOf(const std::int32_t vertex[3], Vector& a) const {
 // point. True when that is better: it is back in the queue then.
 bool Polytope::refine(PolytopeFacet& f) {
   f.refined = true;
-  f.outward = f.length > 0 ? Vector(f.normal / f.length) : Vector::UnitX();
+  f.outward =
+      f.length_squared > 0 ? Vector(f.normal / std::sqrt(f.length_squared)) : Vector::UnitX();
   const Vector &a = w(f.vertex[0]), &b = w(f.vertex[1]), &c = w(f.vertex[2]);
   const double highest = std::max({f.outward.dot(a), f.outward.dot(b), f.outward.dot(c)});
   if (f.distance > 0 && highest - f.distance <= 8 * roundoff_) return false;
@@ -441,7 +444,7 @@ void Polytope::takeAlone(int first) {
 // through it.
 bool Polytope::keepsWinding(const PolytopeFacet& f, const Vector& p) const {
   const Vector& n = f.refined ? f.outward : f.normal;
-  const double rounding = 4 * roundoff_ * (f.refined ? 1.0 : f.length);
+  const double rounding = 4 * roundoff_ * (f.refined ? 1.0 : std::sqrt(f.length_squared));
   return leastAlong(f, n) > rounding && n.dot(p) > rounding;
 }
 

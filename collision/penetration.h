@@ -13,13 +13,13 @@ namespace leeway::collision {
 struct PolytopeFacet {
   std::int32_t vertex[3];
   std::int32_t neighbour[3];
-  Vector normal;      ///< outward, of any length
-  double length = 0;  ///< of `normal`; 0: the triangle has no area to speak of
+  Vector normal;              ///< outward, of any length
+  double length_squared = 0;  ///< of `normal`; 0: the triangle has no area to speak of
   /// Of the error of normal . d for a vector d, per length of d.
   double doubt = 0;
   /// Unit; the direction of `normal`, or for a sliver a better one. Known when `refined`.
   Vector outward;
-  /// Along normal / length, or outward: all of the triangle is at least that far out. Known for
+  /// Along normal, or outward: all of the triangle is at least that far out. Known for
   /// facets in the queue only.
   double distance = 0;
   std::int32_t stamp = 0;  ///< grows when the slot is used again or its place in the queue changes,
