@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "leeway/collision/tolerances.h"
-#include "tests/oracle/generate.h"
+#include "oracle/generate.h"
 
 // Answers known beforehand, and what every pair owes whatever its answer is. (oracle_test.cc
 // compares all pairs with quadruple precision.)

@@ -1,8 +1,8 @@
 #include <gtest/gtest.h>
 
 #include "leeway/collision/distance.h"
+#include "oracle/generate.h"
 #include "tests/collision/allocations.h"
-#include "tests/oracle/generate.h"
 
 namespace leeway::collision {
 namespace {

@@ -1,6 +1,6 @@
 // The engine held against the oracle: every pair of shapes, ordinary and hard.
 
-#include "tests/oracle/oracle.h"
+#include "oracle/oracle.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include <string>
 
 #include "leeway/collision/distance.h"
-#include "tests/oracle/generate.h"
+#include "oracle/generate.h"
 
 namespace leeway::collision {
 namespace {

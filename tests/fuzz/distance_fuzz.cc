@@ -4,10 +4,10 @@
 #include <cmath>
 
 #include "leeway/collision/distance.h"
+#include "oracle/generate.h"
+#include "oracle/oracle.h"
 #include "tests/fuzz/shapes.h"
 #include "tests/fuzz/target.h"
-#include "tests/oracle/generate.h"
-#include "tests/oracle/oracle.h"
 
 namespace {
 

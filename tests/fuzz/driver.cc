@@ -13,8 +13,8 @@
 #include <string>
 #include <vector>
 
+#include "oracle/generate.h"
 #include "tests/fuzz/target.h"
-#include "tests/oracle/generate.h"
 
 namespace {
 

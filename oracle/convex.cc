@@ -1,4 +1,4 @@
-#include "tests/oracle/convex.h"
+#include "oracle/convex.h"
 
 #include <algorithm>
 

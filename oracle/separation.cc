@@ -11,7 +11,7 @@
 #include <set>
 #include <utility>
 
-#include "tests/oracle/convex.h"
+#include "oracle/convex.h"
 
 namespace leeway::oracle {
 namespace {

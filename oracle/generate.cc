@@ -1,4 +1,4 @@
-#include "tests/oracle/generate.h"
+#include "oracle/generate.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "tests/oracle/oracle.h"
+#include "oracle/oracle.h"
 
 #include <algorithm>
 #include <array>
@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "leeway/collision/triangle_mesh.h"
-#include "tests/oracle/convex.h"
+#include "oracle/convex.h"
 
 namespace leeway::oracle {
 namespace {

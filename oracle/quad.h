@@ -1,0 +1,79 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cmath>
+
+namespace leeway::oracle {
+
+/// Quadruple precision (113 bits). Compiler builtin, not a language extension switch.
+__extension__ typedef __float128 Quad;
+
+/// The widening of a double, spelled out because some compilers warn of the silent one.
+inline Quad wide(double x) { return static_cast<Quad>(x); }
+inline Quad infinity() { return wide(HUGE_VAL); }
+
+/// Unit roundoff of Quad, 2^-113.
+inline Quad quadRoundoff() { return wide(0x1p-113); }
+
+inline Quad absolute(Quad x) { return x < 0 ? -x : x; }
+inline double toDouble(Quad x) { return static_cast<double>(x); }
+
+/// Largest double <= x.
+inline double roundDown(Quad x) {
+  const double d = static_cast<double>(x);
+  return wide(d) <= x ? d : std::nextafter(d, -HUGE_VAL);
+}
+
+/// Smallest double >= x.
+inline double roundUp(Quad x) {
+  const double d = static_cast<double>(x);
+  return wide(d) >= x ? d : std::nextafter(d, HUGE_VAL);
+}
+
+/// Square root by Newton from the double root, within 2 units in the last place; 0 for x <= 0.
+inline Quad squareRoot(Quad x) {
+  if (!(x > 0)) return 0;
+  // Brought into the range of double first: squares of tiny lengths leave it.
+  Quad scale = 1;
+  while (x < wide(1e-200)) {
+    x *= wide(0x1p400);
+    scale *= wide(0x1p-200);
+    if (scale == 0) return 0;
+  }
+  while (x > wide(1e200)) {
+    x *= wide(0x1p-400);
+    scale *= wide(0x1p200);
+  }
+  Quad r = wide(std::sqrt(static_cast<double>(x)));
+  for (int i = 0; i < 3; ++i) r = (r + x / r) / 2;
+  return r * scale;
+}
+
+struct Vector {
+  Quad x = 0, y = 0, z = 0;
+};
+
+inline Vector toVector(const Eigen::Vector3d& v) { return {wide(v.x()), wide(v.y()), wide(v.z())}; }
+inline Vector operator+(const Vector& a, const Vector& b) {
+  return {a.x + b.x, a.y + b.y, a.z + b.z};
+}
+inline Vector operator-(const Vector& a, const Vector& b) {
+  return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+inline Vector operator-(const Vector& a) { return {-a.x, -a.y, -a.z}; }
+inline Vector operator*(Quad s, const Vector& a) { return {s * a.x, s * a.y, s * a.z}; }
+inline Quad dot(const Vector& a, const Vector& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+inline Vector cross(const Vector& a, const Vector& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+inline Quad squaredNorm(const Vector& a) { return dot(a, a); }
+inline Quad norm(const Vector& a) {
+  // Scaled, so that lengths far below 1 keep all their digits.
+  Quad m = absolute(a.x);
+  if (absolute(a.y) > m) m = absolute(a.y);
+  if (absolute(a.z) > m) m = absolute(a.z);
+  if (!(m > 0)) return 0;
+  return m * squareRoot(squaredNorm((1 / m) * a));
+}
+
+}  // namespace leeway::oracle
