@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Derives the numbers of robots/sine_cosine.cc: minimax polynomials by Remez exchange, pi/2 in parts, 2/pi in words.
+"""Derives the numbers of collision/sine_cosine.cc: minimax polynomials by Remez exchange, pi/2 in parts, 2/pi in words.
 
 Needs mpmath. Prints each polynomial with its error before and after its coefficients are rounded to doubles.
 """

@@ -117,4 +117,11 @@ inline constexpr int kNewtonFailures = 3;
 /// No unit.
 inline constexpr double kFollowRimSquared = 1e-6;
 
+// Motions of deforming meshes (*_motion.cc)
+
+/// Largest magnitude of a coordinate [m], time [s] or other number that a motion is made from: its
+/// bounds multiply and add some of them, and what is larger is a broken file. Any value below 1e60
+/// would be right.
+inline constexpr double kLargestMotion = 1e15;
+
 }  // namespace leeway::collision

@@ -2,6 +2,7 @@
 
 #include <span>
 
+#include "leeway/collision/sine_cosine.h"
 #include "leeway/robots/model.h"
 
 namespace leeway::robots {
@@ -21,8 +22,6 @@ void forwardKinematicsBatch(const Model& model, std::span<const double> q, int c
 /// forwardKinematics [m]. O(joints); derived where it is defined.
 double kinematicsRounding(const Model& model, double reach);
 
-/// Sine and cosine that do not depend on the C library or the instruction set: within 1.5 ulp for
-/// |x| <= 1e5 rad.
-void sineCosine(double x, double& sine, double& cosine);
+using collision::sineCosine;
 
 }  // namespace leeway::robots

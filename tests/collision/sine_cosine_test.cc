@@ -4,9 +4,9 @@
 #include <limits>
 #include <random>
 
-#include "leeway/robots/kinematics.h"
+#include "leeway/collision/sine_cosine.h"
 
-namespace leeway::robots {
+namespace leeway::collision {
 namespace {
 
 /// Units in the last place of the exact value between `value` and it.
@@ -106,4 +106,4 @@ TEST(SineCosine, OddAndEvenToTheBit) {
 }
 
 }  // namespace
-}  // namespace leeway::robots
+}  // namespace leeway::collision

@@ -11,9 +11,9 @@
 #include <cstdint>
 #include <limits>
 
-#include "leeway/robots/kinematics.h"
+#include "leeway/collision/sine_cosine.h"
 
-namespace leeway::robots {
+namespace leeway::collision {
 
 namespace {
 
@@ -191,4 +191,4 @@ void sineCosine(double x, double& sine, double& cosine) {
   cosine = reduced.quadrant == 1 || reduced.quadrant == 2 ? -turned_cosine : turned_cosine;
 }
 
-}  // namespace leeway::robots
+}  // namespace leeway::collision

@@ -1,0 +1,209 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <optional>
+#include <span>
+#include <stdexcept>
+#include <vector>
+
+#include "leeway/collision/pose.h"
+
+namespace leeway::collision {
+
+enum class MotionKind : unsigned char {
+  kWaves,
+  kLattice,
+  kMorph,
+  kSkinned,
+  kReduced,
+  kCache,
+  kOwn
+};
+
+/// "waves", "lattice", "morph", "skinned", "reduced", "cache", "own": the word used in files and
+/// messages.
+const char* toString(MotionKind kind);
+
+/// Thrown by the factories of VertexMotion: the message names the value and what would be accepted.
+class InvalidMotion : public std::invalid_argument {
+ public:
+  using std::invalid_argument::invalid_argument;
+};
+
+/// What lies between two keys, u in [0, 1] being the share of the time between them. Before the
+/// first key and after the last one its value is held.
+enum class Interpolation : unsigned char {
+  kLinear,  ///< s = u: constant speed, which jumps at every key
+  kSmooth,  ///< s = u^2 (3 - 2 u): at rest at every key, 1.5 times faster between, no jump of speed
+};
+
+/// A travelling wave: a vertex with rest position r is displaced by
+/// amplitude * sin(2 pi (direction . r / wavelength - frequency t) + phase).
+struct Wave {
+  Eigen::Vector3d direction = Eigen::Vector3d::UnitX();  ///< of travel; made a unit vector
+  Eigen::Vector3d amplitude = Eigen::Vector3d::Zero();   // [m]
+  double wavelength = 1;                                 // [m]
+  double frequency = 1;                                  // [Hz]; negative: travels backwards
+  double phase = 0;                                      // [rad]
+};
+
+/// Holds an edge still: waves are multiplied by (r - point) . direction / length, cut to [0, 1].
+struct PinnedEdge {
+  Eigen::Vector3d point = Eigen::Vector3d::Zero();       // [m]
+  Eigen::Vector3d direction = Eigen::Vector3d::UnitX();  ///< away from the edge; made a unit vector
+  double length = 1;                                     // [m]
+};
+
+struct WavesMotion {
+  std::vector<Eigen::Vector3d> rest;  // [m]
+  std::vector<Wave> waves;
+  std::optional<PinnedEdge> pinned;
+};
+
+/// Free-form deformation (Sederberg and Parry 1986): the rest box is filled with control points,
+/// (cells[k] + 1 along axis k), and a vertex at (u, v, w) of the box goes to the sum of the control
+/// points weighted by Bernstein polynomials of degree cells[k]. Control points at their places on
+/// the regular grid leave the mesh as it is.
+struct LatticeMotion {
+  std::vector<Eigen::Vector3d> rest;  // [m], all within the box
+  Eigen::Vector3d box_lower = Eigen::Vector3d::Zero(), box_upper = Eigen::Vector3d::Ones();  // [m]
+  int cells[3] = {1, 1, 1};  ///< 1 to 16 each
+  struct Key {
+    double time = 0;                              // [s]
+    std::vector<Eigen::Vector3d> control_points;  // [m]; x index fastest, then y, then z
+  };
+  std::vector<Key> keys;
+  Interpolation interpolation = Interpolation::kLinear;
+};
+
+/// Morph targets: a vertex is the sum over the references of weight times its position there. The
+/// weights are free: they need not add up to 1 nor lie in [0, 1].
+struct MorphMotion {
+  std::vector<std::vector<Eigen::Vector3d>> references;  // [m]
+  struct Key {
+    double time = 0;              // [s]
+    std::vector<double> weights;  ///< one a reference
+  };
+  std::vector<Key> keys;
+  Interpolation interpolation = Interpolation::kLinear;
+};
+
+/// Linear blend skinning: a vertex with rest position r is the sum over bones b of
+/// weight_b * X_b(t) * X_b(rest)^-1 * r. Between keys a bone's pose is interpolated in its parent's
+/// frame: the translation along the straight line, the rotation by the normalised linear blend of
+/// the two quaternions along the shorter way (axis as slerp's, speed within 4/pi of it and free of
+/// trigonometric functions).
+struct SkinnedMotion {
+  /// A rigid placement as files give it; the quaternion x y z w is normalised.
+  struct BonePose {
+    Eigen::Vector3d translation = Eigen::Vector3d::Zero();  // [m]
+    Eigen::Vector4d quaternion = Eigen::Vector4d::UnitW();
+  };
+  struct Bone {
+    int parent = -1;  ///< an earlier bone, in whose frame the poses are given; -1: the mesh's frame
+    BonePose rest;
+  };
+  /// Weights >= 0; those of a vertex are divided by their sum.
+  struct Weight {
+    int vertex = 0, bone = 0;
+    double weight = 1;
+  };
+  struct Key {
+    double time = 0;              // [s]
+    std::vector<BonePose> poses;  ///< one a bone, in its parent's frame
+  };
+  std::vector<Eigen::Vector3d> rest;  // [m]
+  std::vector<Bone> bones;
+  std::vector<Weight> weights;  ///< at least one a vertex, each vertex and bone once; any order
+  std::vector<Key> keys;
+  Interpolation interpolation = Interpolation::kLinear;
+};
+
+/// Reduced deformation: rest position plus the sum over the modes of coordinate times displacement.
+/// Either every mode is harmonic, its coordinate being amplitude * sin(2 pi frequency t + phase),
+/// or the coordinates have keys.
+struct ReducedMotion {
+  struct Harmonic {
+    double amplitude = 1;  // no unit
+    double frequency = 1;  // [Hz]
+    double phase = 0;      // [rad]
+  };
+  struct Key {
+    double time = 0;                  // [s]
+    std::vector<double> coordinates;  ///< one a mode
+  };
+  std::vector<Eigen::Vector3d> rest;                // [m]
+  std::vector<std::vector<Eigen::Vector3d>> modes;  // [m]
+  std::vector<Harmonic> harmonics;                  ///< one a mode, or none
+  std::vector<Key> keys;                            ///< none when there are harmonics
+  Interpolation interpolation = Interpolation::kLinear;
+};
+
+/// Recorded positions, as animation tools write them, linear in time between the frames.
+struct CacheMotion {
+  int vertex_count = 0;
+  std::vector<double> times;               // [s], one a frame
+  std::vector<Eigen::Vector3f> positions;  // [m], frame by frame
+};
+
+/// Where the vertices of a mesh are at any time: immutable, and safe to use from many threads. The
+/// positions pass through a few parameters (weights, bone matrices, coordinates), so that one
+/// vertex, and a bound of many, can be had without the others. Same bytes on every machine. Times
+/// [s], positions [m] in the mesh's frame.
+class VertexMotion {
+ public:
+  /// All factories throw InvalidMotion: for numbers that are not finite (coordinates up to 1e15 in
+  /// magnitude are accepted), other counts than said above, no vertices, no keys, or key times that
+  /// do not increase. O(vertices x (references, modes, waves, control points, bones or frames)).
+  static std::shared_ptr<const VertexMotion> waves(WavesMotion motion);
+  static std::shared_ptr<const VertexMotion> lattice(LatticeMotion motion);
+  static std::shared_ptr<const VertexMotion> morph(MorphMotion motion);
+  static std::shared_ptr<const VertexMotion> skinned(SkinnedMotion motion);
+  static std::shared_ptr<const VertexMotion> reduced(ReducedMotion motion);
+  static std::shared_ptr<const VertexMotion> cache(CacheMotion motion);
+
+  virtual ~VertexMotion() = default;
+  VertexMotion(const VertexMotion&) = delete;
+  VertexMotion& operator=(const VertexMotion&) = delete;
+
+  MotionKind kind() const { return kind_; }
+  int vertexCount() const { return vertex_count_; }
+  /// Between two neighbours the motion is smooth; increasing, may be empty [s].
+  std::span<const double> keyTimes() const { return key_times_; }
+
+  /// How many numbers a moment is made of.
+  int parameterCount() const { return parameter_count_; }
+  /// The numbers that the vertices are functions of at `time` (finite); out.size() is
+  /// parameterCount(). Independent of the number of vertices; never throws or allocates.
+  virtual void parameters(double time, std::span<double> out) const = 0;
+  /// The vertices first ... first + out.size() - 1 for such parameters: the same bytes however they
+  /// are asked for. Never throws or allocates. O(out.size()).
+  virtual void vertices(std::span<const double> parameters, int first,
+                        std::span<Eigen::Vector3d> out) const = 0;
+  /// All vertices at `time`; positions.size() is vertexCount(). Allocates room for the parameters.
+  void evaluate(double time, std::span<Eigen::Vector3d> positions) const;
+
+  /// The motion is meant as the exact value of its formula for the numbers that it was made from;
+  /// no vertex moves faster [m/s] or accelerates more [m/s^2] than this from t0 to t1. Infinite
+  /// when nothing is known, and the acceleration when speed jumps at a key strictly between t0 and
+  /// t1. Never throws or allocates. O(log keys + keys between).
+  virtual double speedBound(double t0, double t1) const = 0;
+  virtual double accelerationBound(double t0, double t1) const = 0;
+  /// No vertex as evaluated at a time from t0 to t1 is farther than this from the exact one [m], so
+  /// that evaluated vertices move at most speedBound * (t1 - t0) + 2 * rounding.
+  virtual double rounding(double t0, double t1) const = 0;
+
+ protected:
+  /// An embedding program's own motion derives from this class and has kind kOwn. Throws
+  /// InvalidMotion for no vertices, or key times that are not finite or do not increase.
+  VertexMotion(MotionKind kind, int vertex_count, int parameter_count,
+               std::vector<double> key_times);
+
+ private:
+  MotionKind kind_;
+  int vertex_count_, parameter_count_;
+  std::vector<double> key_times_;
+};
+
+}  // namespace leeway::collision

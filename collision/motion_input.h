@@ -1,0 +1,34 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <span>
+#include <string>
+
+#include "leeway/collision/vertex_motion.h"
+
+// What the factories of VertexMotion refuse. Every function throws InvalidMotion with the kind, the
+// place, the value and what would be accepted.
+
+namespace leeway::collision {
+
+/// A number as messages show it: the shortest that reads back as the same.
+std::string shown(double value);
+
+/// "morph: key 3: <what>".
+[[noreturn]] void refuse(MotionKind kind, const std::string& what);
+
+/// Finite, each larger than the one before.
+void requireIncreasing(MotionKind kind, std::span<const double> times);
+/// Finite, at most kLargestMotion in magnitude. `what` names it: "reference 2, vertex 17".
+void requireUsable(MotionKind kind, const std::string& what, double value);
+/// The same for every vertex of `positions`, which `what` names as a whole.
+void requireUsable(MotionKind kind, const std::string& what,
+                   std::span<const Eigen::Vector3d> positions);
+/// `count` is `wanted` of `things`.
+void requireCount(MotionKind kind, const std::string& what, std::size_t count, std::size_t wanted,
+                  const std::string& things);
+/// Usable, not zero: the unit vector.
+Eigen::Vector3d requireDirection(MotionKind kind, const std::string& what,
+                                 const Eigen::Vector3d& direction);
+
+}  // namespace leeway::collision
