@@ -5,13 +5,13 @@
 // polynomials are minimax (Remez exchange, 300 bits) on |r| <= pi/4 + 2^-20:
 // tools/accuracy/derive_sine_cosine.py prints them.
 
+#include "leeway/collision/sine_cosine.h"
+
 #include <array>
 #include <bit>
 #include <cmath>
 #include <cstdint>
 #include <limits>
-
-#include "leeway/collision/sine_cosine.h"
 
 namespace leeway::collision {
 

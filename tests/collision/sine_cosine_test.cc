@@ -1,10 +1,10 @@
+#include "leeway/collision/sine_cosine.h"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 #include <random>
-
-#include "leeway/collision/sine_cosine.h"
 
 namespace leeway::collision {
 namespace {
