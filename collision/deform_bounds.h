@@ -1,0 +1,32 @@
+#pragma once
+
+// Private to collision/: bounds of nodes from the structure of a motion.
+
+#include <cstdint>
+#include <memory>
+#include <span>
+
+#include "collision/deform_tree.h"
+
+namespace leeway::collision {
+
+class VertexMotion;  // vertex_motion.h
+
+/// Boxes of the nodes of one hierarchy, as functions of a motion's parameters
+/// (VertexMotion::parameters()): at a cost that does not depend on how many vertices are below a
+/// node. Constant; many threads ask it.
+class NodeBounds {
+ public:
+  virtual ~NodeBounds() = default;
+  /// The boxes of the node's children: each holds every vertex of tree.vertices(node, lane) as
+  /// VertexMotion::vertices() gives it for these parameters, rounding included; lanes without a
+  /// child are empty. Never throws or allocates.
+  virtual void bound(std::int32_t node, std::span<const double> parameters, WideBox& box) const = 0;
+};
+
+/// The bounds that the kind of motion allows (kMorph, kSkinned, kReduced); null for other kinds.
+/// The tree's memory is not needed afterwards. O(nodes x vertices below them).
+std::unique_ptr<const NodeBounds> makeNodeBounds(const VertexMotion& motion,
+                                                 const DeformTree& tree);
+
+}  // namespace leeway::collision

@@ -1,0 +1,112 @@
+#pragma once
+
+// Private to collision/: the hierarchy of a deforming mesh, without its bounds.
+
+#include <Eigen/Core>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace leeway::collision {
+
+/// Children of a node, and lanes of its bounds.
+inline constexpr int kWidth = 8;
+
+/// Boxes of the eight children of a node, single precision, rounded outwards. A lane without a
+/// child is empty: low = +inf, high = -inf.
+struct alignas(64) WideBox {
+  float low[3][kWidth];
+  float high[3][kWidth];
+
+  void clear();
+};
+
+/// A hierarchy of fixed shape over the triangles of a mesh: nodes of up to eight children, leaves
+/// of up to kLeafTriangles. Parents stand before their children. Bounds stand apart (WideBox, one a
+/// node), because they change while this does not.
+///
+/// The nodes of every small subtree (a "branch", of up to `split` triangles) stand side by side,
+/// behind all nodes above branches, so that the upper levels are a prefix of the array and a branch
+/// is a run of it.
+class DeformTree {
+ public:
+  using Triangle = std::array<std::int32_t, 3>;
+  static constexpr int kLeafTriangles = 8;
+  static constexpr std::int32_t kNone = -1;
+  /// No path from the root to a leaf has more nodes.
+  static constexpr int kMaxDepth = 48;
+
+  struct Node {
+    /// A node when >= 0, leaf -2 - child when < -1, or kNone. Children come first, then kNone.
+    std::int32_t child[kWidth];
+  };
+  struct Leaf {
+    std::int32_t slot_begin, slot_end;      ///< its triangles
+    std::int32_t vertex_begin, vertex_end;  ///< in leafVertices(): each of its vertices once
+  };
+  struct Up {
+    std::int32_t parent;  ///< kNone for the root
+    std::int32_t lane;
+  };
+  struct Run {
+    std::int32_t begin, count;  ///< vertices begin .. begin + count - 1
+  };
+  struct Branch {
+    std::int32_t node_begin, node_end;  ///< the first is its root
+    std::int32_t run_begin, run_end;    ///< in runs(): each of its vertices once
+  };
+
+  std::span<const Node> nodes() const { return nodes_; }
+  const Node& node(std::int32_t i) const { return nodes_[static_cast<std::size_t>(i)]; }
+  std::int32_t nodeCount() const { return static_cast<std::int32_t>(nodes_.size()); }
+  /// Nodes above all branches: 0 .. upperCount() - 1. At least 1 (the root).
+  std::int32_t upperCount() const { return upper_count_; }
+  const Up& up(std::int32_t node) const { return up_[static_cast<std::size_t>(node)]; }
+  std::span<const Branch> branches() const { return branches_; }
+  /// The branch of a node; kNone for an upper one.
+  std::int32_t branchOf(std::int32_t node) const {
+    return branch_of_[static_cast<std::size_t>(node)];
+  }
+  std::span<const Run> runs() const { return runs_; }
+
+  static bool isLeaf(std::int32_t child) { return child < kNone; }
+  static std::int32_t leafOf(std::int32_t child) { return -2 - child; }
+  const Leaf& leaf(std::int32_t i) const { return leaves_[static_cast<std::size_t>(i)]; }
+  std::int32_t leafCount() const { return static_cast<std::int32_t>(leaves_.size()); }
+  std::span<const std::int32_t> leafVertices() const { return leaf_vertices_; }
+
+  /// The vertices below a child of a node (some of them repeated); empty for kNone. O(1).
+  std::span<const std::int32_t> vertices(std::int32_t node, int lane) const;
+
+  /// Triangles in the order of the leaves stand in slots.
+  std::int32_t triangleOf(std::int32_t slot) const {
+    return triangle_of_[static_cast<std::size_t>(slot)];
+  }
+  std::int32_t slotOf(std::int32_t triangle) const {
+    return slot_of_[static_cast<std::size_t>(triangle)];
+  }
+  /// The three vertices of a slot's triangle.
+  const Triangle& corners(std::int32_t slot) const {
+    return corners_[static_cast<std::size_t>(slot)];
+  }
+  std::int32_t triangleCount() const { return static_cast<std::int32_t>(triangle_of_.size()); }
+  std::size_t bytes() const;
+
+ private:
+  friend class DeformBuilder;
+  std::vector<Node> nodes_;
+  std::vector<Up> up_;
+  std::vector<std::int32_t> branch_of_;
+  std::vector<std::int32_t> leaf_begin_, leaf_end_;  // one a node: leaves below it
+  std::vector<Leaf> leaves_;
+  std::vector<std::int32_t> leaf_vertices_;
+  std::vector<Branch> branches_;
+  std::vector<Run> runs_;
+  std::vector<std::int32_t> triangle_of_, slot_of_;
+  std::vector<Triangle> corners_;
+  std::int32_t upper_count_ = 0;
+};
+
+}  // namespace leeway::collision
