@@ -1,0 +1,437 @@
+// Times pairs of triangle meshes against FCL's hierarchies of OBBs and RSSs, in the same run: links
+// of 1k triangles against 20k and of 2k against 2k, far, near and touching; minimum distance,
+// tolerance (d > t?) and collision, ours cold and warm. The meshes are made here; mesh files given
+// as arguments are taken in order, two by two, as further pairs.
+//
+// For every pair and class there are a few placements; each is a track of slightly different poses,
+// so that a warm start has something to start from. Blocks of ours and FCL's over the track
+// alternate, and the median block counts, for each placement; the table shows the median placement
+// and the median ratio. FCL has no tolerance query: its distance stands there. Every answer is
+// compared with FCL's; `differ` counts those that FCL puts outside our interval (its own errors are
+// near 1e-7), or a verdict on collision that is not ours.
+//
+//   bench_meshes [--placements N] [--seed S] [MESH MESH]...
+
+#include <fcl/fcl.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <ctime>
+#include <exception>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "leeway/collision/distance.h"
+#include "leeway/collision/triangle_mesh.h"
+#include "leeway/robots/model.h"
+
+namespace {
+
+using Eigen::Vector3d;
+using leeway::collision::DistanceRequest;
+using leeway::collision::DistanceResult;
+using leeway::collision::PairCache;
+using leeway::collision::Pose;
+using leeway::collision::Scratch;
+using leeway::collision::Shape;
+using leeway::collision::TriangleMesh;
+using FclModel = fcl::BVHModel<fcl::OBBRSSd>;
+
+constexpr double kPi = 3.14159265358979323846;
+constexpr int kTrack = 8;   // poses of a placement
+constexpr int kBlocks = 7;  // timed blocks of each kind; odd, so that there is a median
+
+class Random {
+ public:
+  explicit Random(std::uint64_t seed) : state_(seed) {}
+  double uniform(double low, double high) {  // splitmix64
+    std::uint64_t z = (state_ += 0x9e3779b97f4a7c15U);
+    z = (z ^ (z >> 30U)) * 0xbf58476d1ce4e5b9U;
+    z = (z ^ (z >> 27U)) * 0x94d049bb133111ebU;
+    return low + (high - low) * (static_cast<double>((z ^ (z >> 31U)) >> 11U) * 0x1p-53);
+  }
+  Vector3d vector(double reach) {
+    const double x = uniform(-reach, reach), y = uniform(-reach, reach), z = uniform(-reach, reach);
+    return {x, y, z};
+  }
+  Eigen::Matrix3d rotation() {
+    for (;;) {
+      const Vector3d v = vector(1);
+      const double w = uniform(-1, 1);
+      const Eigen::Quaterniond q(w, v.x(), v.y(), v.z());
+      if (q.norm() > 0.1 && q.norm() < 1) return q.normalized().toRotationMatrix();
+    }
+  }
+
+ private:
+  std::uint64_t state_;
+};
+
+struct Soup {
+  std::vector<Vector3d> vertices;
+  std::vector<TriangleMesh::Triangle> triangles;
+};
+
+// A grid of `along` rings of `around` points, closed around; its ends are closed by a point each,
+// or the last ring is joined to the first.
+Soup rings(int along, int around, bool joined, const std::function<Vector3d(double, double)>& at) {
+  Soup soup;
+  for (int i = 0; i < along; ++i) {
+    for (int j = 0; j < around; ++j) {
+      const double u = joined ? static_cast<double>(i) / along : (i + 0.5) / along;
+      soup.vertices.push_back(at(u, 2 * kPi * j / around));
+    }
+  }
+  const auto index = [&](int i, int j) { return (i % along) * around + j % around; };
+  for (int i = 0; i < (joined ? along : along - 1); ++i) {
+    for (int j = 0; j < around; ++j) {
+      soup.triangles.push_back({index(i, j), index(i + 1, j), index(i + 1, j + 1)});
+      soup.triangles.push_back({index(i, j), index(i + 1, j + 1), index(i, j + 1)});
+    }
+  }
+  if (joined) return soup;
+  const int first = static_cast<int>(soup.vertices.size());
+  soup.vertices.push_back(at(0, 0));
+  soup.vertices.push_back(at(1, 0));
+  for (int j = 0; j < around; ++j) {
+    soup.triangles.push_back({first, index(0, j), index(0, j + 1)});
+    soup.triangles.push_back({first + 1, index(along - 1, j + 1), index(along - 1, j)});
+  }
+  return soup;
+}
+
+// An arm's link: two thick joints and a bent, thinner tube between them. Closed and concave.
+Soup link(int along, int around) {
+  return rings(along, around, false, [](double u, double v) -> Vector3d {
+    const double bend = 1.2 * (u - 0.5);
+    const Vector3d center(0.35 * std::sin(bend), 0, 0.35 * (1 - std::cos(bend)));
+    const Vector3d across(std::sin(bend), 0, -std::cos(bend));
+    const double end = std::min(u, 1 - u);
+    double radius = end < 0.25 ? 0.07 : 0.045;
+    if (end < 0.04) radius *= end / 0.04;
+    return center + radius * (std::cos(v) * across + std::sin(v) * Vector3d::UnitY());
+  });
+}
+
+Soup torus(int along, int around) {
+  return rings(along, around, true, [](double u, double v) -> Vector3d {
+    const double r = 0.2 + 0.07 * std::cos(v);
+    return {r * std::cos(2 * kPi * u), r * std::sin(2 * kPi * u), 0.07 * std::sin(v)};
+  });
+}
+
+Soup bumpyBall(int along, int around) {
+  return rings(along, around, false, [](double u, double v) -> Vector3d {
+    const double a = kPi * u;
+    const double r = 0.2 * (1 + 0.1 * std::sin(9 * a) * std::sin(7 * v) * std::sin(a));
+    return {r * std::sin(a) * std::cos(v), r * std::sin(a) * std::sin(v), r * std::cos(a)};
+  });
+}
+
+// An open sheet in waves.
+Soup cloth(int along, int across) {
+  Soup soup;
+  for (int i = 0; i <= along; ++i) {
+    for (int j = 0; j <= across; ++j) {
+      const double x = static_cast<double>(i) / along - 0.5,
+                   y = static_cast<double>(j) / across - 0.5;
+      soup.vertices.emplace_back(x, y, 0.03 * std::sin(19 * x) * std::cos(13 * y) + 0.1 * x * y);
+    }
+  }
+  const auto at = [&](int i, int j) { return i * (across + 1) + j; };
+  for (int i = 0; i < along; ++i) {
+    for (int j = 0; j < across; ++j) {
+      soup.triangles.push_back({at(i, j), at(i + 1, j), at(i + 1, j + 1)});
+      soup.triangles.push_back({at(i, j), at(i + 1, j + 1), at(i, j + 1)});
+    }
+  }
+  return soup;
+}
+
+struct Mesh {
+  std::string name;
+  Shape shape;
+  std::shared_ptr<FclModel> model;
+
+  Mesh(const std::string& what, const Soup& soup)
+      : name(what),
+        shape(Shape::mesh(TriangleMesh::make(soup.vertices, soup.triangles))),
+        model(std::make_shared<FclModel>()) {
+    std::vector<fcl::Triangle> triangles;
+    for (const auto& t : soup.triangles) {
+      triangles.emplace_back(static_cast<std::size_t>(t[0]), static_cast<std::size_t>(t[1]),
+                             static_cast<std::size_t>(t[2]));
+    }
+    model->beginModel();
+    model->addSubModel(soup.vertices, triangles);
+    model->endModel();
+    name += " " + std::to_string(soup.triangles.size());
+  }
+};
+
+Mesh readMesh(const std::string& path) {
+  const Shape shape = leeway::robots::loadMesh(path, Vector3d::Ones(), "bench_meshes", 1);
+  const TriangleMesh& mesh = *shape.mesh();
+  const std::size_t slash = path.find_last_of('/');
+  return {slash == std::string::npos ? path : path.substr(slash + 1),
+          {{mesh.vertices().begin(), mesh.vertices().end()},
+           {mesh.triangles().begin(), mesh.triangles().end()}}};
+}
+
+/// CPU time of this thread: other work on the machine does not count.
+double cpuNanoseconds() {
+  timespec t{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) * 1e9 + static_cast<double>(t.tv_nsec);
+}
+
+double median(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  return values[values.size() / 2];
+}
+
+Eigen::Isometry3d isometry(const Pose& X) {
+  Eigen::Isometry3d result = Eigen::Isometry3d::Identity();
+  result.linear() = X.rotation;
+  result.translation() = X.translation;
+  return result;
+}
+
+enum class Class { kFar, kNear, kTouching };
+enum class Query { kDistance, kTolerance, kCollision };
+constexpr const char* kClassNames[] = {"far", "near", "touching"};
+constexpr const char* kQueryNames[] = {"distance", "tolerance", "collision"};
+
+struct Track {
+  Pose X_WB[kTrack];
+  double truth[kTrack];  // our distance, for thresholds
+};
+
+Pose place(const Mesh& a, const Mesh& b, Class kind, Random& random, Scratch& scratch) {
+  const double size = std::min(a.shape.boundingRadius(), b.shape.boundingRadius());
+  DistanceRequest request;
+  request.depth = false;
+  for (;;) {
+    Pose X;
+    X.rotation = random.rotation();
+    const Vector3d direction = random.rotation().col(0);
+    X.translation = a.shape.boundingCenter() - X.rotation * b.shape.boundingCenter() +
+                    1.2 * (a.shape.boundingRadius() + b.shape.boundingRadius()) * direction;
+    // Brought near along the witnesses, a few times, so that hollows are met, too.
+    const double gap = kind == Class::kFar    ? size * random.uniform(1, 4)
+                       : kind == Class::kNear ? size * random.uniform(0.005, 0.05)
+                                              : -size * random.uniform(0.001, 0.01);
+    DistanceResult r = distance(a.shape, {}, b.shape, X, request, scratch);
+    X.translation += (std::max(gap, 0.01 * size) - r.distance.upper) * r.normal +
+                     size * 0.5 * r.normal.cross(random.rotation().col(0));
+    for (int i = 0; i < 3; ++i) {
+      r = distance(a.shape, {}, b.shape, X, request, scratch);
+      if (!(r.distance.lower > 0)) break;
+      X.translation += (gap - r.distance.upper) * r.normal;
+    }
+    const DistanceResult end = distance(a.shape, {}, b.shape, X, request, scratch);
+    const bool apart = end.distance.lower > 0;
+    if (apart == (kind == Class::kTouching)) continue;
+    if (apart && std::abs(end.distance.upper - gap) > 0.2 * gap) continue;
+    return X;
+  }
+}
+
+struct Timing {
+  double cold = 0, warm = 0, fcl = 0;
+  int differ = 0;
+};
+
+class Bench {
+ public:
+  Bench(const Mesh& a, const Mesh& b) : a_(a), b_(b) {}
+
+  Timing run(Class kind, Query query, Random& random) {
+    const double size = std::min(a_.shape.boundingRadius(), b_.shape.boundingRadius());
+    const Pose start = place(a_, b_, kind, random, scratch_);
+    Track track;
+    const Vector3d turn = random.rotation().col(0), shift = random.rotation().col(0);
+    for (int i = 0; i < kTrack; ++i) {
+      // There and back again, so that the track has no jump.
+      const double s = 1e-3 * (i < kTrack / 2 ? i : kTrack - i);
+      track.X_WB[i].rotation = Eigen::AngleAxisd(s, turn) * start.rotation;
+      track.X_WB[i].translation = start.translation + s * size * shift;
+      DistanceRequest exact;
+      exact.depth = false;
+      track.truth[i] =
+          distance(a_.shape, {}, b_.shape, track.X_WB[i], exact, scratch_).distance.upper;
+    }
+    Timing timing;
+    const int repeats = repeatsFor(track, query);
+    std::vector<double> cold, warm, fcl;
+    for (int block = 0; block < kBlocks; ++block) {
+      cold.push_back(timed(repeats, [&](int i) { ours(track, i, query, nullptr); }));
+      fcl.push_back(timed(repeats, [&](int i) { theirs(track, i, query); }));
+      warm.push_back(timed(repeats, [&](int i) { ours(track, i, query, &cache_); }));
+    }
+    timing.cold = median(cold);
+    timing.warm = median(warm);
+    timing.fcl = median(fcl);
+    for (int i = 0; i < kTrack; ++i) timing.differ += agrees(track, i, query) ? 0 : 1;
+    return timing;
+  }
+
+ private:
+  template <typename Function>
+  static double timed(int repeats, const Function& function) {
+    const double begin = cpuNanoseconds();
+    for (int k = 0; k < repeats; ++k) {
+      for (int i = 0; i < kTrack; ++i) function(i);
+    }
+    return (cpuNanoseconds() - begin) / (repeats * kTrack);
+  }
+
+  // Blocks of about 0.2 ms, so that the clock is fine enough.
+  int repeatsFor(const Track& track, Query query) {
+    const double once = timed(1, [&](int i) { theirs(track, i, query); });
+    return std::clamp(static_cast<int>(2e5 / (once * kTrack)), 1, 100);
+  }
+
+  static DistanceRequest request(const Track& track, int i, Query query) {
+    DistanceRequest r;
+    r.depth = false;
+    if (query == Query::kCollision) r.threshold = 0;
+    if (query == Query::kTolerance)
+      r.threshold = std::max(track.truth[i], 0.01) * (i % 2 == 0 ? 0.8 : 1.25);
+    if (query != Query::kDistance) r.tolerance = 0;
+    return r;
+  }
+
+  DistanceResult ours(const Track& track, int i, Query query, PairCache* cache) {
+    const DistanceResult r =
+        distance(a_.shape, {}, b_.shape, track.X_WB[i], request(track, i, query), scratch_, cache);
+    sink_ = sink_ + r.distance.lower;
+    return r;
+  }
+
+  double theirs(const Track& track, int i, Query query) {
+    const fcl::CollisionGeometryd *a = a_.model.get(), *b = b_.model.get();
+    const Eigen::Isometry3d X_WA = Eigen::Isometry3d::Identity(), X_WB = isometry(track.X_WB[i]);
+    if (query == Query::kCollision) {
+      const fcl::CollisionRequestd collision(1, false);
+      fcl::CollisionResultd result;
+      const double hits = static_cast<double>(fcl::collide(a, X_WA, b, X_WB, collision, result));
+      sink_ = sink_ + hits;
+      return hits;
+    }
+    const fcl::DistanceRequestd distance(false, false);
+    fcl::DistanceResultd result;
+    fcl::distance(a, X_WA, b, X_WB, distance, result);
+    sink_ = sink_ + result.min_distance;
+    return result.min_distance;
+  }
+
+  bool agrees(const Track& track, int i, Query query) {
+    const DistanceRequest r = request(track, i, query);
+    const double fcl = theirs(track, i, query);
+    for (PairCache* cache : {static_cast<PairCache*>(nullptr), &cache_}) {
+      const DistanceResult d = ours(track, i, query, cache);
+      // FCL's collision knows no inside, nor is any placement here wholly inside.
+      const double eps = 1e-6;
+      bool agreed = true;
+      if (query == Query::kCollision) {
+        agreed = d.distance.lower > 0 ? fcl < 0.5 : d.distance.upper <= 0 && fcl > 0.5;
+      } else if (query == Query::kDistance) {
+        agreed = d.distance.lower > 0 ? fcl > d.distance.lower - eps && fcl < d.distance.upper + eps
+                                      : fcl <= 0;
+      } else {
+        agreed = d.distance.lower > r.threshold
+                     ? fcl > r.threshold - eps
+                     : d.distance.upper <= r.threshold && fcl <= r.threshold + eps;
+      }
+      if (!agreed) return false;
+    }
+    return true;
+  }
+
+  const Mesh& a_;
+  const Mesh& b_;
+  Scratch scratch_;
+  PairCache cache_;
+  volatile double sink_ = 0;
+};
+
+int run(int argc, char** argv) {
+  int placements = 12;
+  std::uint64_t seed = 1;
+  std::vector<std::string> files;
+  for (int i = 1; i < argc; ++i) {
+    if (std::strcmp(argv[i], "--placements") == 0 && i + 1 < argc) {
+      placements = std::atoi(argv[++i]);
+    } else if (std::strcmp(argv[i], "--seed") == 0 && i + 1 < argc) {
+      seed = std::strtoull(argv[++i], nullptr, 10);
+    } else {
+      files.emplace_back(argv[i]);
+    }
+  }
+  if (placements < 1 || files.size() % 2 != 0) {
+    std::fprintf(stderr, "usage: bench_meshes [--placements N] [--seed S] [MESH MESH]...\n");
+    return 2;
+  }
+  std::vector<std::pair<Mesh, Mesh>> pairs;
+  pairs.emplace_back(Mesh("link", link(24, 21)), Mesh("link", link(100, 100)));
+  pairs.emplace_back(Mesh("link", link(24, 21)), Mesh("bumpy ball", bumpyBall(100, 100)));
+  pairs.emplace_back(Mesh("link", link(24, 21)), Mesh("torus", torus(100, 100)));
+  pairs.emplace_back(Mesh("link", link(24, 21)), Mesh("cloth", cloth(100, 100)));
+  pairs.emplace_back(Mesh("link", link(32, 32)), Mesh("link", link(32, 32)));
+  pairs.emplace_back(Mesh("torus", torus(32, 32)), Mesh("bumpy ball", bumpyBall(32, 32)));
+  for (std::size_t i = 0; i < files.size(); i += 2) {
+    pairs.emplace_back(readMesh(files[i]), readMesh(files[i + 1]));
+  }
+  std::printf("%-38s %-9s %-10s %10s %10s %10s %7s %7s %7s\n", "pair (triangles)", "class", "query",
+              "cold ns", "warm ns", "FCL ns", "cold/F", "warm/F", "differ");
+  std::vector<double> all[3][3];
+  for (const auto& [a, b] : pairs) {
+    Bench bench(a, b);
+    for (const Class kind : {Class::kFar, Class::kNear, Class::kTouching}) {
+      for (const Query query : {Query::kDistance, Query::kTolerance, Query::kCollision}) {
+        Random random(seed);
+        std::vector<double> cold, warm, fcl, cold_ratio, warm_ratio;
+        int differ = 0;
+        for (int i = 0; i < placements; ++i) {
+          const Timing t = bench.run(kind, query, random);
+          cold.push_back(t.cold);
+          warm.push_back(t.warm);
+          fcl.push_back(t.fcl);
+          cold_ratio.push_back(t.cold / t.fcl);
+          warm_ratio.push_back(t.warm / t.fcl);
+          differ += t.differ;
+        }
+        const int k = static_cast<int>(kind), q = static_cast<int>(query);
+        all[k][q].insert(all[k][q].end(), cold_ratio.begin(), cold_ratio.end());
+        std::printf("%-38s %-9s %-10s %10.0f %10.0f %10.0f %7.3f %7.3f %7d\n",
+                    (a.name + " - " + b.name).c_str(), kClassNames[k], kQueryNames[q], median(cold),
+                    median(warm), median(fcl), median(cold_ratio), median(warm_ratio), differ);
+        std::fflush(stdout);
+      }
+    }
+  }
+  std::printf("\nmedian ratio to FCL over all pairs, cold:\n");
+  for (int k = 0; k < 3; ++k) {
+    std::printf("  %-9s", kClassNames[k]);
+    for (int q = 0; q < 3; ++q) std::printf("  %s %.3f", kQueryNames[q], median(all[k][q]));
+    std::printf("\n");
+  }
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return run(argc, argv);
+  } catch (const std::exception& e) {
+    std::fprintf(stderr, "bench_meshes: %s\n", e.what());
+    return 2;
+  }
+}
