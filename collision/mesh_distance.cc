@@ -5,6 +5,8 @@
 
 #include "collision/containment.h"
 #include "collision/mesh_descent.h"
+#include "collision/mesh_pair.h"
+#include "collision/vector.h"
 #include "leeway/collision/tolerances.h"
 
 namespace leeway::collision {
@@ -39,6 +41,22 @@ void remember(const DescentResult& found, PairCache& cache) {
     cache.triangle_a = found.witness.triangle_a;
     cache.triangle_b = found.witness.triangle_b;
   }
+}
+
+// Whether the spheres around both bodies already are farther apart than the threshold: most pairs
+// of a scene end here.
+bool spheresDecide(const Shape& a, const Shape& b, const RelativePose& relative, const Pose& X_WB,
+                   const DistanceRequest& request, DistanceResult& result) {
+  const Vector gap = b.boundingCenter() - placed(relative.X_BA, a.boundingCenter());
+  const double norm = gap.norm(), radii = a.boundingRadius() + b.boundingRadius();
+  const double rounding = (relative.slack + kRelativeRounding) * (a.extent() + b.extent() + norm);
+  const double lower = norm - radii - rounding;
+  // Written so that a NaN, of infinite sizes, too, decides nothing.
+  if (!(lower > request.threshold && lower > 0)) return false;
+  result.distance.lower = lower;
+  result.normal = rotated(X_WB.rotation, gap / norm);
+  result.status = DistanceStatus::kAboveThreshold;
+  return true;
 }
 
 // Raises the lower end of an overlap to -|t| of a translation t along `direction` (in W) that is
@@ -91,13 +109,28 @@ DistanceResult meshDistance(const Shape& a, const Pose& X_WA, const Shape& b, co
                             const DistanceRequest& request, Scratch& scratch, PairCache* cache) {
   const RelativePose relative = relativePose(X_WA, X_WB);
   if (!relative.valid) return {};
+  DistanceResult at_once;
+  if (spheresDecide(a, b, relative, X_WB, request, at_once)) return at_once;
   const DescentSide side_a = descentSide(a), side_b = descentSide(b);
   DescentPlacement placement;
   placement.X_BA0 = placement.X_BA1 = relative.X_BA;
   placement.slack = slackOf(relative, side_a, side_b);
   PairCache own;
   PairCache& warm = cache != nullptr ? *cache : own;
-  const DescentResult found = descend(side_a, side_b, placement, request, scratch, &warm);
+  DescentResult found;
+  if (takesPair(side_a, side_b, placement)) {
+    found = descendPair(side_a, side_b, placement, request, scratch, &warm);
+    remember(found, warm);
+    if (found.upper <= 0 && request.depth) {
+      const double lower = found.lower;
+      const int iterations = found.iterations;
+      found = descend(side_a, side_b, placement, request, scratch, &warm);
+      found.lower = std::max(found.lower, lower);
+      found.iterations += iterations;
+    }
+  } else {
+    found = descend(side_a, side_b, placement, request, scratch, &warm);
+  }
   remember(found, warm);
 
   DistanceResult result = found.witness;

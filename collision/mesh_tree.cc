@@ -99,6 +99,7 @@ MeshTree::MeshTree(std::span<const Vector3d> vertices, std::span<const Triangle>
     components_[c].point = vertices[index(triangles[i][0])];
   }
   hull_ = ConvexHull::compute(vertices);
+  boxes_ = std::make_unique<const BoxTree>(vertices, triangles, slot_of_, extent_);
   nodes_.shrink_to_fit();
   core_.shrink_to_fit();
 }
@@ -263,8 +264,8 @@ std::size_t MeshTree::bytes() const {
   return sizeof(*this) + nodes_.capacity() * sizeof(MeshNode) +
          (core_.capacity() + corners_.capacity()) * sizeof(Vector3d) +
          (triangle_of_.capacity() + slot_of_.capacity()) * sizeof(std::int32_t) +
-         components_.capacity() * sizeof(Component) + hull_->vertices().size() * sizeof(Vector3d) +
-         hull_->facets().size() * sizeof(Triangle);
+         components_.capacity() * sizeof(Component) + boxes_->bytes() +
+         hull_->vertices().size() * sizeof(Vector3d) + hull_->facets().size() * sizeof(Triangle);
 }
 
 }  // namespace leeway::collision

@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "collision/box_tree.h"
 #include "collision/convex.h"
 #include "leeway/collision/convex_hull.h"
 
@@ -85,6 +86,8 @@ class MeshTree {
     view.excess = hull_->excess();
     return view;
   }
+  /// The same triangles under oriented boxes: for pairs of meshes.
+  const BoxTree& boxes() const { return *boxes_; }
   /// What is known of a component besides its triangles.
   struct Component {
     Eigen::Vector3d low, high;  ///< its box; exact
@@ -110,6 +113,7 @@ class MeshTree {
   std::vector<std::int32_t> triangle_of_, slot_of_;
   std::vector<Component> components_;
   std::shared_ptr<const ConvexHull> hull_;
+  std::unique_ptr<const BoxTree> boxes_;
   double extent_ = 0;
 };
 

@@ -85,6 +85,17 @@ inline constexpr long kExcessPieces = 40'000;
 /// a bound that its children will better is lost. Any value is right; this one was fast.
 inline constexpr double kNodeTolerance = 1e-3;
 
+/// Rounding of a gap between two oriented boxes in single precision, as a fraction of the boxes'
+/// halves and the way between their centres (48 units of 2^-24 are derived in simd/box_gaps.cc),
+/// and of the query's centre. Smaller breaks the guarantee, larger visits more nodes.
+inline constexpr float kBoxRounding = 64 * 0x1p-24F;
+inline constexpr float kBoxCenterRounding = 4 * 0x1p-24F;
+
+/// Sizes and distances [m] between which single precision may filter; beyond, squares would leave
+/// its range.
+inline constexpr double kSmallestBoxScale = 1e-12;
+inline constexpr double kLargestBoxScale = 1e12;
+
 /// Once two meshes are known to overlap, pairs of triangles that are deeper by less than this share
 /// of the depth are not looked for, nor more than that many node pairs visited: the upper end of a
 /// mesh's depth is loose anyway.

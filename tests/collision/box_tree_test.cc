@@ -1,0 +1,217 @@
+#include "collision/box_tree.h"
+
+#include <gtest/gtest.h>
+#include <hwy/highway.h>
+
+#include <algorithm>
+#include <cstring>
+#include <set>
+
+#include "collision/mesh_tree.h"
+#include "collision/simd/box_gaps.h"
+#include "collision/triangle_pair.h"
+#include "leeway/collision/distance.h"
+#include "tests/collision/mesh_cases.h"
+
+namespace leeway::collision {
+namespace {
+
+using Eigen::Vector3d;
+using namespace testing;
+
+// The box as a hull of its corners, in double.
+Shape hullOf(const OrientedBox& box) {
+  Eigen::Matrix3d planes;
+  Vector3d center, half;
+  for (int k = 0; k < 3; ++k) {
+    center[k] = static_cast<double>(box.center[k]);
+    half[k] = static_cast<double>(box.half[k]);
+    for (int i = 0; i < 3; ++i) planes(k, i) = static_cast<double>(box.axis[k][i]);
+  }
+  const Eigen::Matrix3d inverse = planes.inverse();
+  std::vector<Vector3d> corners;
+  for (int i = 0; i < 8; ++i) {
+    const Vector3d sign((i & 1) != 0 ? 1 : -1, (i & 2) != 0 ? 1 : -1, (i & 4) != 0 ? 1 : -1);
+    corners.push_back(center + inverse * half.cwiseProduct(sign));
+  }
+  return Shape::convexHull(corners);
+}
+
+OrientedBox randomBox(Random& random, double reach, double size) {
+  const Pose pose = random.pose(reach);
+  OrientedBox box{};
+  for (int k = 0; k < 3; ++k) {
+    box.center[k] = static_cast<float>(pose.translation[k]);
+    // Flat, thin and pointed ones, too.
+    box.half[k] = random.below(4) == 0
+                      ? 0.0F
+                      : static_cast<float>(size * std::pow(10, random.uniform(-3, 0)));
+    for (int i = 0; i < 3; ++i) box.axis[k][i] = static_cast<float>(pose.rotation(i, k));
+  }
+  return box;
+}
+
+void setLane(BoxNode& node, int lane, const OrientedBox& box) {
+  for (int k = 0; k < 3; ++k) {
+    node.center[k][lane] = box.center[k];
+    node.half[k][lane] = box.half[k];
+    for (int i = 0; i < 3; ++i) node.axis[k][i][lane] = box.axis[k][i];
+  }
+}
+
+TEST(BoxGaps, AreBelowTheDistanceAndNearItWhenFar) {
+  Random random(51);
+  Scratch scratch;
+  int unsafe = 0, apart = 0, separated = 0;
+  double share = 0;
+  for (int i = 0; i < 1500; ++i) {
+    BoxNode node{};
+    const double reach = std::pow(10, random.uniform(-1, 1));
+    const OrientedBox query = randomBox(random, reach, 1);
+    for (int lane = 0; lane < BoxNode::kWidth; ++lane) {
+      setLane(node, lane, lane == 7 ? query : randomBox(random, reach, 1));
+    }
+    float gap[BoxNode::kWidth];
+    boxGaps(node, query, gap);
+    for (int lane = 0; lane < BoxNode::kWidth; ++lane) {
+      const double d =
+          distance(hullOf(node.box(lane)), {}, hullOf(query), {}, {}, scratch).distance.upper;
+      if (static_cast<double>(gap[lane]) > std::max(d, 0.0)) {
+        ++unsafe;
+        ADD_FAILURE() << "case " << i << " lane " << lane << ": gap " << gap[lane] << " > " << d;
+      }
+      if (!(d > 1e-4)) continue;
+      ++apart;
+      separated += gap[lane] > 0 ? 1 : 0;
+      if (d > 10) {
+        EXPECT_GT(static_cast<double>(gap[lane]), 0.9 * d);
+      }
+      share += std::max(static_cast<double>(gap[lane]), 0.0) / d;
+    }
+  }
+  EXPECT_EQ(unsafe, 0);
+  EXPECT_GT(apart, 5000);
+  EXPECT_GT(separated, 0.95 * apart);
+  EXPECT_GT(share, 0.9 * apart);
+}
+
+TEST(BoxGaps, AreTheSameOnEveryInstructionSet) {
+  const auto run = [] {
+    Random random(52);
+    std::vector<float> all;
+    for (int i = 0; i < 200; ++i) {
+      BoxNode node{};
+      for (int lane = 0; lane < BoxNode::kWidth; ++lane)
+        setLane(node, lane, randomBox(random, 1, 0.5));
+      float gap[BoxNode::kWidth];
+      boxGaps(node, randomBox(random, 1, 0.5), gap);
+      all.insert(all.end(), gap, gap + BoxNode::kWidth);
+    }
+    return all;
+  };
+  const std::vector<float> best = run();
+  int targets = 0;
+  for (std::int64_t rest = hwy::SupportedTargets(); rest != 0; rest &= rest - 1) {
+    hwy::SetSupportedTargetsForTest(rest & -rest);
+    hwy::GetChosenTarget().DeInit();
+    const std::vector<float> other = run();
+    ++targets;
+    EXPECT_EQ(std::memcmp(best.data(), other.data(), best.size() * sizeof(float)), 0)
+        << hwy::TargetName(rest & -rest);
+    hwy::SetSupportedTargetsForTest(0);
+  }
+  hwy::GetChosenTarget().DeInit();
+  EXPECT_GE(targets, 1);
+}
+
+TEST(BoxTree, EveryBoxHoldsItsTriangles) {
+  for (const NamedMesh& m : sampleMeshes(53)) {
+    const MeshTree& tree = m.mesh->tree();
+    const BoxTree& boxes = tree.boxes();
+    if (!boxes.usable()) {
+      EXPECT_LT(tree.extent(), 1e-10) << m.name;
+      continue;
+    }
+    std::set<int> met;
+    // Slots below a box, every corner of which is in it.
+    const std::function<std::vector<int>(int, int)> check = [&](int id, int lane) {
+      const BoxNode& node = boxes.node(id);
+      std::vector<int> slots;
+      const int child = node.child[lane];
+      if (child < 0) {
+        slots.push_back(~child);
+        EXPECT_TRUE(met.insert(~child).second);
+      } else {
+        for (int i = 0; i < boxes.node(child).count; ++i) {
+          const std::vector<int> part = check(child, i);
+          slots.insert(slots.end(), part.begin(), part.end());
+        }
+      }
+      const OrientedBox box = node.box(lane);
+      for (const int slot : slots) {
+        for (int c = 0; c < 3; ++c) {
+          for (int k = 0; k < 3; ++k) {
+            double along = 0;
+            for (int i = 0; i < 3; ++i) {
+              along += static_cast<double>(box.axis[k][i]) *
+                       (tree.corners(slot)[c][i] - static_cast<double>(box.center[i]));
+            }
+            EXPECT_LE(std::abs(along), static_cast<double>(box.half[k])) << m.name;
+          }
+        }
+      }
+      return slots;
+    };
+    check(0, 0);
+    EXPECT_EQ(static_cast<int>(met.size()), tree.triangleCount()) << m.name;
+  }
+}
+
+TEST(TrianglePair, HoldsTheDistance) {
+  Random random(54);
+  Scratch scratch;
+  int unsafe = 0, apart = 0, exact = 0;
+  for (int i = 0; i < 20000; ++i) {
+    Vector3d p[3], q[3];
+    const double size = std::pow(10, random.uniform(-3, 0));
+    const Vector3d offset = random.vector();
+    for (int k = 0; k < 3; ++k) {
+      p[k] = size * random.vector();
+      q[k] = size * (random.vector() + (random.below(2) == 0 ? 1.0 : 3.0) * offset);
+    }
+    // Degenerate, parallel and with a common edge.
+    const int kind = random.below(12);
+    if (kind == 0) p[2] = p[1];
+    if (kind == 1) q[2] = 0.5 * (q[0] + q[1]);
+    if (kind == 2) q[0] = q[1] = q[2];
+    if (kind == 3) {
+      for (int k = 0; k < 3; ++k) q[k] = p[k] + size * offset;
+    }
+    if (kind == 4) q[0] = p[0], q[1] = p[1];
+    if (kind == 5) {
+      for (int k = 0; k < 3; ++k) p[k].z() = 0, q[k].z() = 0.5 * size;
+    }
+    const TrianglePair pair = trianglePair(p, q);
+    const Interval d =
+        distance(Shape::convexHull(p), {}, Shape::convexHull(q), {}, {}, scratch).distance;
+    if (pair.above < d.lower - 1e-14 || pair.below > std::max(d.upper, 0.0) + 1e-14) {
+      ++unsafe;
+      ADD_FAILURE() << "case " << i << " kind " << kind << ": [" << pair.below << ", " << pair.above
+                    << "] against [" << d.lower << ", " << d.upper << "]";
+    }
+    if (!(d.lower > 1e-6)) continue;
+    ++apart;
+    EXPECT_NEAR((pair.q - pair.p).norm(), pair.above, 1e-14);
+    if (pair.above - pair.below < 1e-12) {
+      ++exact;
+      continue;
+    }
+    EXPECT_LT(pair.above - d.upper, 1e-9) << "case " << i << " kind " << kind;
+  }
+  EXPECT_EQ(unsafe, 0);
+  EXPECT_GT(apart, 10000);
+  EXPECT_GT(exact, 0.99 * apart);
+}
+
+}  // namespace
+}  // namespace leeway::collision
