@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "collision/box_overlap.h"
 #include "collision/closed_form.h"
 #include "collision/gjk.h"
 #include "collision/penetration.h"
@@ -362,11 +363,14 @@ DistanceResult convexDistance(const ConvexView& a, const Pose& X_BA, const Conve
   if (cache != nullptr && std::isnan(request.threshold)) recall(difference, *cache, simplex);
   const GjkEnd end = runGjk(difference, firstDirection(a, X_BA, b, cache), progress, simplex);
   const bool open = end == GjkEnd::kInside || end == GjkEnd::kStagnated;
+  // Rounding alone keeps the ends this far apart.
+  const double narrow = query.lower_offset - query.upper_offset + 8 * query.roundoff;
   if (open && !progress.enough() &&
-      (end == GjkEnd::kInside || progress.upper() - progress.lower() > query.lower_offset -
-                                                                           query.upper_offset +
-                                                                           8 * query.roundoff)) {
-    growPolytope(difference, simplex, scratch.impl().polytope, progress);
+      (end == GjkEnd::kInside || progress.upper() - progress.lower() > narrow)) {
+    if (a.core == Core::kBox && b.core == Core::kBox) offerBoxOverlap(a, X_BA, b, progress);
+    if (!progress.enough() && progress.upper() - progress.lower() > narrow) {
+      growPolytope(difference, simplex, scratch.impl().polytope, progress);
+    }
   }
   remember(progress, simplex, difference.countsVertices(), difference.hintA(), difference.hintB(),
            cache);
