@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "leeway/collision/distance.h"
-#include "tests/oracle/generate.h"
+#include "tools/oracle/generate.h"
 
 namespace leeway::collision {
 namespace {

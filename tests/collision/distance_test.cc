@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "leeway/collision/tolerances.h"
-#include "oracle/generate.h"
+#include "tools/oracle/generate.h"
 
 // Answers known beforehand, and what every pair owes whatever its answer is. (oracle_test.cc
 // compares all pairs with quadruple precision.)

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "leeway/collision/distance.h"
-#include "oracle/oracle.h"
+#include "tools/oracle/oracle.h"
 #include "tests/build_paths.h"
 
 // 6,000 pairs, ordinary and hard, with reference distances from quadruple precision: see the data's

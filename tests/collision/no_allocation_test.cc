@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "leeway/collision/distance.h"
-#include "oracle/generate.h"
+#include "tools/oracle/generate.h"
 #include "tests/collision/allocations.h"
 
 namespace leeway::collision {

@@ -1,6 +1,6 @@
 // The engine held against the oracle: every pair of shapes, ordinary and hard.
 
-#include "oracle/oracle.h"
+#include "tools/oracle/oracle.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include <string>
 
 #include "leeway/collision/distance.h"
-#include "oracle/generate.h"
+#include "tools/oracle/generate.h"
 
 namespace leeway::collision {
 namespace {

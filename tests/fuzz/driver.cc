@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "oracle/generate.h"
+#include "tools/oracle/generate.h"
 #include "tests/fuzz/target.h"
 
 namespace {

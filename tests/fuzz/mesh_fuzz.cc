@@ -5,8 +5,8 @@
 
 #include "leeway/collision/convex_hull.h"
 #include "leeway/collision/distance.h"
-#include "oracle/generate.h"
-#include "oracle/oracle.h"
+#include "tools/oracle/generate.h"
+#include "tools/oracle/oracle.h"
 #include "tests/fuzz/shapes.h"
 #include "tests/fuzz/target.h"
 

@@ -1,3 +1,3 @@
 #pragma once
 
-#include "oracle/convex.h"
+#include "tools/oracle/convex.h"

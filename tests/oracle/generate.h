@@ -1,3 +1,3 @@
 #pragma once
 
-#include "oracle/generate.h"
+#include "tools/oracle/generate.h"

@@ -1,3 +1,3 @@
 #pragma once
 
-#include "oracle/oracle.h"
+#include "tools/oracle/oracle.h"

@@ -1,3 +1,3 @@
 #pragma once
 
-#include "oracle/quad.h"
+#include "tools/oracle/quad.h"

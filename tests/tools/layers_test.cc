@@ -27,9 +27,9 @@ TEST_F(Layers, EveryRuleBites) {
   expectBites("robots/a.cc", "\"leeway/planner/plan.h\"");
   expectBites("planner/a.cc", "\"tools/leeway/verb.h\"");
   expectBites("tools/leeway/a.cc", "\"tests/tools/command.h\"");
-  expectBites("oracle/a.cc", "\"collision/gjk.h\"");
-  expectBites("oracle/a.cc", "\"leeway/robots/model.h\"");
-  expectBites("collision/a.cc", "\"oracle/quad.h\"");
+  expectBites("tools/oracle/a.cc", "\"collision/gjk.h\"");
+  expectBites("tools/oracle/a.cc", "\"leeway/robots/model.h\"");
+  expectBites("collision/a.cc", "\"tools/oracle/quad.h\"");
   expectBites("collision/a.h", "<ompl/base/State.h>");
   expectBites("collision/a.cc", "<yaml-cpp/yaml.h>");
   expectBites("collision/a.cc", "<fstream>");

@@ -21,7 +21,7 @@
 #include <vector>
 
 #include "leeway/planner/edge_certifier.h"
-#include "oracle/generate.h"
+#include "tools/oracle/generate.h"
 #include "tools/dense/dense_world.h"
 
 namespace {

@@ -1,4 +1,4 @@
-#include "oracle/oracle.h"
+#include "tools/oracle/oracle.h"
 
 #include <algorithm>
 #include <array>
@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "leeway/collision/triangle_mesh.h"
-#include "oracle/convex.h"
+#include "tools/oracle/convex.h"
 
 namespace leeway::oracle {
 namespace {

@@ -1,4 +1,4 @@
-#include "oracle/generate.h"
+#include "tools/oracle/generate.h"
 
 #include <algorithm>
 #include <cmath>

@@ -11,7 +11,7 @@
 #include <set>
 #include <utility>
 
-#include "oracle/convex.h"
+#include "tools/oracle/convex.h"
 
 namespace leeway::oracle {
 namespace {

@@ -1,4 +1,4 @@
-#include "oracle/convex.h"
+#include "tools/oracle/convex.h"
 
 #include <algorithm>
 

@@ -4,7 +4,7 @@
 
 #include "leeway/collision/pose.h"
 #include "leeway/collision/shape.h"
-#include "oracle/quad.h"
+#include "tools/oracle/quad.h"
 
 namespace leeway::oracle {
 
