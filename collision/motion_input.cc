@@ -49,6 +49,15 @@ void requireCount(MotionKind kind, const std::string& what, std::size_t count, s
                    std::to_string(wanted) + " are needed");
 }
 
+void requireVertices(MotionKind kind, std::size_t count) {
+  if (count == 0) refuse(kind, "no vertices; at least 1 is needed");
+}
+
+void requireKeys(MotionKind kind, std::span<const double> times) {
+  if (times.empty()) refuse(kind, "no keys; at least 1 is needed");
+  requireIncreasing(kind, times);
+}
+
 Eigen::Vector3d requireDirection(MotionKind kind, const std::string& what,
                                  const Eigen::Vector3d& direction) {
   for (int k = 0; k < 3; ++k) requireUsable(kind, what, direction[k]);
