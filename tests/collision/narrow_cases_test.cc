@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "leeway/collision/distance.h"
-#include "tools/oracle/oracle.h"
 #include "tests/build_paths.h"
+#include "tools/oracle/oracle.h"
 
 // 6,000 pairs, ordinary and hard, with reference distances from quadruple precision: see the data's
 // README.

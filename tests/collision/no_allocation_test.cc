@@ -1,8 +1,8 @@
 #include <gtest/gtest.h>
 
 #include "leeway/collision/distance.h"
-#include "tools/oracle/generate.h"
 #include "tests/collision/allocations.h"
+#include "tools/oracle/generate.h"
 
 namespace leeway::collision {
 namespace {

@@ -13,8 +13,8 @@
 #include <string>
 #include <vector>
 
-#include "tools/oracle/generate.h"
 #include "tests/fuzz/target.h"
+#include "tools/oracle/generate.h"
 
 namespace {
 

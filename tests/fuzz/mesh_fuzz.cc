@@ -5,10 +5,10 @@
 
 #include "leeway/collision/convex_hull.h"
 #include "leeway/collision/distance.h"
-#include "tools/oracle/generate.h"
-#include "tools/oracle/oracle.h"
 #include "tests/fuzz/shapes.h"
 #include "tests/fuzz/target.h"
+#include "tools/oracle/generate.h"
+#include "tools/oracle/oracle.h"
 
 namespace {
 

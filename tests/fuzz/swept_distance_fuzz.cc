@@ -4,10 +4,10 @@
 #include <cmath>
 
 #include "leeway/collision/distance.h"
-#include "tools/oracle/generate.h"
-#include "tools/oracle/oracle.h"
 #include "tests/fuzz/shapes.h"
 #include "tests/fuzz/target.h"
+#include "tools/oracle/generate.h"
+#include "tools/oracle/oracle.h"
 
 namespace leeway::fuzz {
 std::vector<std::string> seedInputs() { return {}; }

@@ -21,8 +21,8 @@
 #include <vector>
 
 #include "leeway/planner/edge_certifier.h"
-#include "tools/oracle/generate.h"
 #include "tools/dense/dense_world.h"
+#include "tools/oracle/generate.h"
 
 namespace {
 
