@@ -109,6 +109,15 @@ inline constexpr int kSeparationSteps = 20;
 inline constexpr int kSeparationHalvings = 8;
 inline constexpr int kSeparationNodes = 2000;
 
+// Pushing out (separation.cc)
+
+/// Choices of planes that are looked at; directions are turned down to this angle [rad]; a march
+/// out of a hollow has this many steps. More finds shorter translations and costs queries; nothing
+/// that is returned rests on them.
+inline constexpr int kSeparationChoices = 300;
+inline constexpr double kSeparationLeastTurn = 1e-3;
+inline constexpr int kSeparationRaySteps = 16;
+
 /// A segment that decides inside or outside leaves the box of the component by this share of its
 /// size, and is tilted by multiples of it: far enough from edges and vertices of axis-aligned parts
 /// to be regular at once.
