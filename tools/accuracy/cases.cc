@@ -1,0 +1,202 @@
+#include "tools/accuracy/cases.h"
+
+#include <cmath>
+#include <span>
+
+namespace leeway::accuracy {
+
+using collision::DistanceResult;
+using collision::Pose;
+using collision::Scratch;
+using collision::Shape;
+using collision::ShapeType;
+using Eigen::Vector3d;
+using oracle::Flavour;
+using oracle::Random;
+
+namespace {
+
+constexpr std::array<ShapeType, 8> kConvexTypes = {
+    ShapeType::kSphere, ShapeType::kCapsule,   ShapeType::kBox,       ShapeType::kCylinder,
+    ShapeType::kCone,   ShapeType::kEllipsoid, ShapeType::kHalfSpace, ShapeType::kConvexHull};
+constexpr std::size_t kHalfSpaceIndex = 6;
+constexpr double kQuarter = 1.5707963267948966;
+
+Eigen::Matrix3d turned(const Vector3d& axis, double angle) {
+  Eigen::Matrix3d K;
+  K << 0, -axis.z(), axis.y(), axis.z(), 0, -axis.x(), -axis.y(), axis.x(), 0;
+  return Eigen::Matrix3d::Identity() + std::sin(angle) * K + (1 - std::cos(angle)) * K * K;
+}
+
+/// An exact turn by a multiple of a right angle.
+Eigen::Matrix3d quarterTurn(Random& random) {
+  Eigen::Matrix3d R = Eigen::Matrix3d::Zero();
+  const int first = random.below(3);
+  const double s = random.chance(0.5) ? 1 : -1, t = random.chance(0.5) ? 1 : -1;
+  const int second = (first + 1 + random.below(2)) % 3, third = 3 - first - second;
+  R(first, 0) = s;
+  R(second, 1) = t;
+  R(third, 2) = (second == (first + 1) % 3 ? 1 : -1) * s * t;
+  return R;
+}
+
+double hair(Random& random) { return random.chance(0.4) ? 0 : random.logUniform(1e-17, 1e-3); }
+
+double reach(const Case& c) { return oracle::sizeOf(*c.a) + oracle::sizeOf(*c.b); }
+
+double fraction(Random& random) {
+  constexpr std::array<double, 7> kRound = {0, 0.25, 0.5, 1, -0.5, -1, 2};
+  return random.chance(0.6) ? kRound[static_cast<std::size_t>(random.below(7))]
+                            : random.uniform(-1.2, 1.2);
+}
+
+std::vector<Shape> degenerateShapes(ShapeType type) {
+  const std::array<Vector3d, 1> point = {Vector3d(0.1, 0.2, 0.3)};
+  const std::array<Vector3d, 2> segment = {Vector3d(-0.5, 0, 0), Vector3d(0.5, 0.25, 0)};
+  const std::array<Vector3d, 3> triangle = {Vector3d(0, 0, 0), Vector3d(1, 0, 0),
+                                            Vector3d(0, 1, 0)};
+  // Much smaller than anything that it is met with, and nowhere near thick.
+  const std::array<Vector3d, 3> speck = {Vector3d(0, 0, 0), Vector3d(1e-6, 0, 0),
+                                         Vector3d(0, 1e-6, 1e-6)};
+  switch (type) {
+    case ShapeType::kSphere:
+      return {Shape::sphere(0), Shape::sphere(1e-12)};
+    case ShapeType::kCapsule:
+      return {Shape::capsule(0, 0.5), Shape::capsule(0.5, 0), Shape::capsule(0, 0)};
+    case ShapeType::kBox:
+      return {Shape::box({0, 0, 0}), Shape::box({0.5, 0, 0}), Shape::box({0.5, 0.25, 0})};
+    case ShapeType::kCylinder:
+      return {Shape::cylinder(0, 0.5), Shape::cylinder(0.5, 0), Shape::cylinder(0, 0)};
+    case ShapeType::kCone:
+      return {Shape::cone(0, 0.5), Shape::cone(0.5, 0), Shape::cone(0, 0)};
+    case ShapeType::kEllipsoid:
+      return {Shape::ellipsoid({0, 0, 0}), Shape::ellipsoid({0.5, 0, 0}),
+              Shape::ellipsoid({0.5, 0.25, 0})};
+    case ShapeType::kConvexHull:
+      return {Shape::convexHull(point), Shape::convexHull(segment), Shape::convexHull(triangle),
+              Shape::convexHull(speck)};
+    default:
+      return {Shape::halfSpace()};
+  }
+}
+
+Shape largeHull(Random& random, int count) {
+  const Vector3d axes(random.uniform(0.1, 1), random.uniform(0.1, 1), random.uniform(0.1, 1));
+  std::vector<Vector3d> points;
+  for (int i = 0; i < count; ++i) points.push_back(random.direction().cwiseProduct(axes));
+  return Shape::convexHull(std::span<const Vector3d>(points));
+}
+
+}  // namespace
+
+Pool::Pool(Random& random) {
+  for (const ShapeType type : kConvexTypes) {
+    for (const Flavour flavour : oracle::kFlavours) {
+      for (std::size_t i = 0; i < kEach; ++i) {
+        shapes_.push_back(oracle::randomShape(random, type, flavour));
+      }
+    }
+  }
+  for (std::size_t i = 0; i < kTypes; ++i) degenerate_[i] = degenerateShapes(kConvexTypes[i]);
+  for (const int count : {64, 128, 256, 512}) large_.push_back(largeHull(random, count));
+}
+
+const Shape& Pool::pick(Random& random, std::size_t type, Flavour flavour) const {
+  const std::size_t number = static_cast<std::size_t>(random.below(kEach));
+  return shapes_[(type * oracle::kFlavours.size() + static_cast<std::size_t>(flavour)) * kEach +
+                 number];
+}
+
+const Shape& Pool::pick(Random& random, std::size_t type, Family family, bool second) const {
+  switch (family) {
+    case Family::kSliver:
+      return pick(random, type, Flavour::kThin);
+    case Family::kFlat:
+      return pick(random, type, second && random.chance(0.5) ? Flavour::kPlain : Flavour::kZero);
+    case Family::kRatio:
+      return pick(random, type,
+                  second               ? Flavour::kHuge
+                  : random.chance(0.5) ? Flavour::kTiny
+                                       : Flavour::kPlain);
+    case Family::kDuplicates:
+      return pick(random, type, Flavour::kDuplicates);
+    case Family::kDegenerate: {
+      if (second && random.chance(0.5)) return pick(random, type, Flavour::kPlain);
+      const std::vector<Shape>& some = degenerate_[type];
+      return some[static_cast<std::size_t>(random.below(static_cast<int>(some.size())))];
+    }
+    case Family::kLarge:
+      if (type == kTypes - 1) return large_[static_cast<std::size_t>(random.below(4))];
+      return pick(random, type, Flavour::kPlain);
+    default:
+      return pick(random, type, Flavour::kPlain);
+  }
+}
+
+void Pool::place(Random& random, Case& c) const {
+  const double size = reach(c);
+  switch (c.family) {
+    case Family::kParallel: {
+      const Vector3d axis = random.chance(0.5) ? Vector3d(Vector3d::Unit(random.below(3)))
+                                               : Vector3d(random.direction());
+      c.X_WB.rotation = c.X_WA.rotation * quarterTurn(random) * turned(axis, hair(random));
+      const double unit = random.chance(0.5) ? oracle::sizeOf(*c.a) : oracle::sizeOf(*c.b);
+      const Vector3d along(fraction(random), fraction(random), fraction(random));
+      c.X_WB.translation = c.X_WA.translation + c.X_WA.rotation * (unit * along);
+      return;
+    }
+    case Family::kCoaxial: {
+      const double angle = random.uniform(0, 4 * kQuarter);
+      c.X_WB.rotation = c.X_WA.rotation * turned(Vector3d::UnitZ(), angle) *
+                        turned(random.direction(), hair(random));
+      const Vector3d beside = hair(random) * size * random.direction();
+      const double along = random.chance(0.3) ? 0 : random.uniform(-1, 1) * size;
+      c.X_WB.translation =
+          c.X_WA.translation + c.X_WA.rotation * (along * Vector3d::UnitZ() + beside);
+      return;
+    }
+    case Family::kDeep:
+      c.X_WB.rotation = random.rotation();
+      c.X_WB.translation = c.X_WA.translation;
+      if (random.chance(0.7)) {
+        const double least = std::min(oracle::sizeOf(*c.a), oracle::sizeOf(*c.b));
+        c.X_WB.translation += least * random.logUniform(1e-9, 1) * random.direction();
+      }
+      return;
+    case Family::kTwin: {
+      c.X_WB = c.X_WA;
+      if (random.chance(0.5)) c.X_WB.rotation *= quarterTurn(random);
+      const Vector3d along = Vector3d::Unit(random.below(3));
+      c.X_WB.translation += c.X_WA.rotation * (fraction(random) * size * along);
+      return;
+    }
+    default:
+      c.X_WB.rotation = random.rotation();
+      c.X_WB.translation = c.X_WA.translation + size * random.uniform(0, 1.2) * random.direction();
+  }
+}
+
+Case Pool::draw(Random& random, Family family, Scratch& scratch) const {
+  std::size_t type_a = 0, type_b = 0;
+  do {
+    type_a = static_cast<std::size_t>(random.below(kTypes));
+    type_b = family == Family::kTwin ? type_a : static_cast<std::size_t>(random.below(kTypes));
+  } while (type_a == kHalfSpaceIndex && type_b == kHalfSpaceIndex);
+  Case c;
+  c.family = family;
+  c.a = &pick(random, type_a, family, false);
+  c.b = family == Family::kTwin ? c.a : &pick(random, type_b, family, true);
+  if (random.chance(0.5)) std::swap(c.a, c.b);
+  const double far = family == Family::kFar ? random.logUniform(1e3, 1e9) : 1;
+  c.X_WA = {random.rotation(), far * random.direction()};
+  place(random, c);
+  if (family != Family::kNear && !random.chance(0.2)) return c;
+  const DistanceResult r = collision::distance(*c.a, c.X_WA, *c.b, c.X_WB, {}, scratch);
+  if (!std::isfinite(r.distance.upper)) return c;
+  const double sign = random.chance(0.5) ? 1 : -1;
+  const double wanted = random.chance(0.2) ? 0 : sign * reach(c) * random.logUniform(1e-17, 1e-4);
+  c.X_WB.translation += (wanted - r.distance.upper) * r.normal;
+  return c;
+}
+
+}  // namespace leeway::accuracy
