@@ -93,19 +93,19 @@ PointDistance fromCone(double radius, double half_length, const Vector& p) {
         plane.point(plane.across - from_slant * normal_across, p.z() - from_slant * normal_along),
         normal_across * plane.radial + normal_along * Vector::UnitZ()};
   }
-  // Outside: the nearer of base and slant.
-  const double base_across = std::min(plane.across, radius);
-  // Way along the slant from the rim, as a fraction.
-  const double t =
-      std::clamp(((radius - plane.across) * radius + (p.z() + half_length) * 2 * half_length) /
-                     (slant * slant),
-                 0.0, 1.0);
-  const double slant_across = radius * (1 - t), slant_along = half_length * (2 * t - 1);
-  const double base_norm = std::hypot(plane.across - base_across, from_base);
-  const double slant_norm = std::hypot(plane.across - slant_across, p.z() - slant_along);
-  const double across = base_norm < slant_norm ? base_across : slant_across;
-  const double along = base_norm < slant_norm ? -half_length : slant_along;
-  const double norm = std::min(base_norm, slant_norm);
+  // Outside. Over the slant or the base the direction is theirs: as a difference of two points it
+  // would be lost near contact. Way along the slant from the rim, as a fraction:
+  const double t = ((radius - plane.across) * radius + (p.z() + half_length) * 2 * half_length) /
+                   (slant * slant);
+  if (from_slant > 0 && t > 0 && t < 1) {
+    return {from_slant, plane.point(radius * (1 - t), half_length * (2 * t - 1)),
+            normal_across * plane.radial + normal_along * Vector::UnitZ()};
+  }
+  if (from_base > 0 && plane.across <= radius) {
+    return {from_base, plane.point(plane.across, -half_length), -Vector::UnitZ()};
+  }
+  const double across = t < 0.5 ? radius : 0, along = t < 0.5 ? -half_length : half_length;
+  const double norm = std::hypot(plane.across - across, p.z() - along);
   const Vector d = (plane.across - across) * plane.radial + (p.z() - along) * Vector::UnitZ();
   return {norm, plane.point(across, along),
           unitOr(d, norm, normal_across * plane.radial + normal_along * Vector::UnitZ())};

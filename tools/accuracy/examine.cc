@@ -113,7 +113,10 @@ void Examiner::judgePlane(const Ask& ask, const DistanceResult& r) {
   // The distance of a point is known better than its direction is, by its closed form.
   const bool point =
       case_->a->type() == ShapeType::kSphere || case_->b->type() == ShapeType::kSphere;
-  const double core = r.distance.upper + case_->a->radius() + case_->b->radius();
+  const auto rounded = [](const Shape& s) {
+    return s.type() == ShapeType::kSphere || s.type() == ShapeType::kCapsule ? s.radius() : 0;
+  };
+  const double core = r.distance.upper + rounded(*case_->a) + rounded(*case_->b);
   const Real turned = point ? static_cast<Real>(1 + size_ / std::abs(core)) : 1;
   if (static_cast<Real>(r.distance.lower) > proven + turned * allowed) {
     say("the normal does not prove the lower end", ask, r, proven, tally_->unsafe);
