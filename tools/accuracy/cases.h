@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "leeway/collision/distance.h"
-#include "tests/oracle/generate.h"
+#include "tools/oracle/generate.h"
 
 namespace leeway::accuracy {
 

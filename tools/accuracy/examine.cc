@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "tests/oracle/oracle.h"
+#include "tools/oracle/oracle.h"
 
 namespace leeway::accuracy {
 
