@@ -9,7 +9,7 @@
 
 #include "leeway/collision/sine_cosine.h"
 #include "leeway/collision/vertex_motion.h"
-#include "oracle/generate.h"
+#include "tools/oracle/generate.h"
 
 // Meshes at rest and motions of every kind for them. Same bytes on every machine.
 
