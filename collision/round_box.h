@@ -1,0 +1,23 @@
+#pragma once
+
+// Private to collision/: doubles to single precision, outwards.
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace leeway::collision {
+
+/// The nearest float lies within 2^-24 of a double's magnitude or half a denormal; moving it by
+/// 2^-22 of its magnitude and the smallest normal float, one rounding of the difference included,
+/// is enough and needs no branch. An overflow goes to the largest float on the near side.
+inline float roundedDown(double x) {
+  const float f = std::min(static_cast<float>(x), std::numeric_limits<float>::max());
+  return f - (std::abs(f) * 0x1p-22f + std::numeric_limits<float>::min());
+}
+inline float roundedUpToFloat(double x) {
+  const float f = std::max(static_cast<float>(x), -std::numeric_limits<float>::max());
+  return f + (std::abs(f) * 0x1p-22f + std::numeric_limits<float>::min());
+}
+
+}  // namespace leeway::collision
