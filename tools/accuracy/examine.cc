@@ -54,7 +54,7 @@ void Tally::add(const Tally& t) {
 void Examiner::say(const char* what, const Ask& ask, const DistanceResult& r, Real value,
                    std::int64_t& count) {
   ++count;
-  if (++said_ > kMostSaid) return;
+  if (++said_ > kMostSaid && !verbose) return;
   std::fprintf(stderr,
                "%s: %s (%s, tolerance %.17g, threshold %.17g, iterations at most %d): [%.17g, "
                "%.17g] status %d, found %.20Lg\n  A %s\n    %s\n  B %s\n    %s\n",
