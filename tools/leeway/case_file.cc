@@ -84,12 +84,11 @@ class LineReader {
   std::istringstream stream_;
 };
 
-Shape readHull(LineReader& line) {
+Shape readHull(LineReader& line, std::vector<Eigen::Vector3d>& vertices) {
   // A limit that no file meets and that keeps a mistyped count from asking for all memory.
   constexpr std::int64_t kMost = 10'000'000;
   const std::int64_t vertex_count = line.integer("the number of vertices", 1, kMost);
   const std::int64_t face_count = line.integer("the number of faces", 0, kMost);
-  std::vector<Eigen::Vector3d> vertices;
   for (std::int64_t i = 0; i < vertex_count; ++i)
     vertices.push_back(line.vector("a vertex coordinate"));
   // The engine makes its own facets; the file's are read so that a broken line does not pass.
@@ -98,7 +97,7 @@ Shape readHull(LineReader& line) {
   return Shape::convexHull(std::span<const Eigen::Vector3d>(vertices));
 }
 
-Shape readShape(LineReader& line) {
+Shape readShape(LineReader& line, std::vector<Eigen::Vector3d>& points) {
   const std::string type = line.word("a shape type");
   try {
     if (type == "box") return Shape::box(line.vector("a half size"));
@@ -109,7 +108,7 @@ Shape readShape(LineReader& line) {
       return type == "capsule" ? Shape::capsule(radius, half_length)
                                : Shape::cylinder(radius, half_length);
     }
-    if (type == "hull") return readHull(line);
+    if (type == "hull") return readHull(line, points);
   } catch (const collision::InvalidShape& error) {
     line.fail(error.what());
   }
@@ -146,7 +145,8 @@ CaseFile readCaseFile(const std::string& file) {
       const std::int64_t id = line.integer("the shape's ID");
       if (!index_of_shape.emplace(id, result.shapes.size()).second)
         line.fail("shape " + std::to_string(id) + " is given twice; every shape needs its own ID");
-      result.shapes.push_back(readShape(line));
+      result.points.emplace_back();
+      result.shapes.push_back(readShape(line, result.points.back()));
     } else if (kind == "case") {
       Case c;
       c.id = line.integer("the case's ID");

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
+#include <vector>
 
 namespace leeway::tools {
 
@@ -15,5 +17,22 @@ int runReportCases(const std::string& file, const std::string& raw_output);
 /// failures (limits, invalid), wrong and open verdicts, widths. Returns 0 when nothing is unsafe or
 /// wrong, else 1; throws robots::InputError.
 int runReportCasesAgainst(const std::string& file, const std::string& reference);
+
+struct ReportAccuracyArguments {
+  std::string output = "report";
+  std::uint64_t seed = 1;
+  int per_family = 40;
+  int passes = 15;
+  std::string cases, reference;       ///< both or none: cases of a file instead of made ones
+  std::vector<std::string> families;  ///< parts of names; none: all
+  bool no_rivals = false;
+  bool json = false;
+};
+
+/// `leeway report accuracy`: time against true error for ours and for the rivals that are there,
+/// and what each gets wrong. Writes accuracy.csv, hard_cases.csv, accuracy.svg and hard_cases.svg
+/// into `output`. Returns 0 when every answer of ours holds the truth, else 1; throws
+/// robots::InputError.
+int runReportAccuracy(const ReportAccuracyArguments& arguments);
 
 }  // namespace leeway::tools

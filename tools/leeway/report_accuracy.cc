@@ -1,0 +1,203 @@
+#include <fmt/format.h>
+#include <sched.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <system_error>
+
+#include "leeway/planner/path_io.h"
+#include "leeway/robots/input_error.h"
+#include "tools/leeway/case_file.h"
+#include "tools/leeway/exit_status.h"
+#include "tools/leeway/report.h"
+#include "tools/report/accuracy.h"
+#include "tools/report/machine.h"
+#include "tools/report/own_engine.h"
+#include "tools/report/rivals.h"
+
+namespace leeway::tools {
+namespace {
+
+using report::AccuracyCase;
+using report::AccuracyFamily;
+using report::AccuracyRow;
+using report::AccuracySet;
+using report::FamilyKind;
+
+/// Tells people what is going on, where people look.
+void progress(const std::string& what) {
+  if (isatty(STDERR_FILENO) != 0) fmt::print(stderr, "\r\033[K{}", what);
+}
+void endProgress() { progress(""); }
+
+/// Families of a file: `seq-*` are coherent, others split by SUB unless that is a track.
+AccuracyFamily& familyOf(AccuracySet& set, std::map<std::string, std::size_t>& index,
+                         const Case& c) {
+  const bool coherent = c.family.rfind("seq-", 0) == 0;
+  const std::string name = coherent ? c.family : c.family + " " + c.part;
+  const auto [place, fresh] = index.emplace(name, set.families.size());
+  if (fresh)
+    set.families.push_back({name, coherent ? FamilyKind::kCoherent : FamilyKind::kHard, {}});
+  return set.families[place->second];
+}
+
+AccuracyCase caseOf(const AccuracySet& set, const Case& c, const Reference& r) {
+  const report::ReportShape* a = set.shapes[c.shape_a].get();
+  const report::ReportShape* b = set.shapes[c.shape_b].get();
+  AccuracyCase result;
+  result.spec = {
+      a, b, c.X_WA, c.X_WB, report::sizeOfPair(a->shape, b->shape), r.distance, r.verdict < 0};
+  // Known to the reference's own width and to the last of its 17 digits.
+  const double slack = r.gap + 0x1p-53 * std::abs(r.distance);
+  result.truth_lower = r.distance - slack;
+  result.truth_upper = r.distance + slack;
+  if (!r.has_value) result.truth_lower = -HUGE_VAL, result.truth_upper = 0;
+  result.extent = r.extent;
+  result.has_value = r.has_value;
+  return result;
+}
+
+AccuracySet readSet(const std::string& cases, const std::string& reference) {
+  CaseFile file = readCaseFile(cases);
+  const auto references = readReferenceFile(reference);
+  AccuracySet set;
+  for (std::size_t i = 0; i < file.shapes.size(); ++i)
+    set.shapes.push_back(std::make_unique<report::ReportShape>(
+        report::ReportShape{std::move(file.shapes[i]), std::move(file.points[i])}));
+  std::map<std::string, std::size_t> index;
+  std::map<std::string, int> tracks;
+  for (const Case& c : file.cases) {
+    const auto found = references.find(c.id);
+    if (found == references.end())
+      throw robots::InputError(
+          reference, 0, fmt::format("has no line for case {}; one line a case is expected", c.id));
+    AccuracyFamily& family = familyOf(set, index, c);
+    family.cases.push_back(caseOf(set, c, found->second));
+    family.cases.back().track =
+        tracks.emplace(c.family + " " + c.part, static_cast<int>(tracks.size())).first->second;
+  }
+  return set;
+}
+
+/// Only the families whose names hold one of `words`; none given: all.
+void keepFamilies(AccuracySet& set, const std::vector<std::string>& words) {
+  if (words.empty()) return;
+  const auto unwanted = [&](const AccuracyFamily& f) {
+    return std::none_of(words.begin(), words.end(), [&](const std::string& word) {
+      return f.name.find(word) != std::string::npos;
+    });
+  };
+  set.families.erase(std::remove_if(set.families.begin(), set.families.end(), unwanted),
+                     set.families.end());
+  if (set.families.empty())
+    throw robots::InputError("--family", 0,
+                             "'" + words.front() +
+                                 "' is in no family's name; a part of the name of "
+                                 "a family in accuracy.csv is expected");
+}
+
+struct Files {
+  std::string csv, hard, figure, hard_figure;
+};
+
+Files writeFiles(const std::string& folder, const std::vector<AccuracyRow>& rows,
+                 const std::string& note) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  const std::filesystem::path to(folder);
+  const Files files{to / "accuracy.csv", to / "hard_cases.csv", to / "accuracy.svg",
+                    to / "hard_cases.svg"};
+  planner::writeFileWhole(files.csv, report::accuracyCsv(rows));
+  planner::writeFileWhole(files.hard, report::hardCasesCsv(rows));
+  planner::writeFileWhole(files.figure,
+                          report::toSvg(report::accuracyFigure(
+                              rows, {FamilyKind::kOrdinary, FamilyKind::kCoherent},
+                              "Distance between convex shapes: time against true error", note)));
+  planner::writeFileWhole(files.hard_figure,
+                          report::toSvg(report::accuracyFigure(
+                              rows, {FamilyKind::kOverlap, FamilyKind::kHard},
+                              "Overlaps and hard cases: time against true error", note)));
+  return files;
+}
+
+/// Interval errors of ours: what the exit status is about.
+int ownErrors(const std::vector<AccuracyRow>& rows) {
+  int errors = 0;
+  for (const AccuracyRow& r : rows)
+    if (r.claims_bounds) errors += r.unsafe + r.failures() + r.wrong_verdict;
+  return errors;
+}
+
+}  // namespace
+
+int runReportAccuracy(const ReportAccuracyArguments& arguments) {
+  const auto begin = std::chrono::steady_clock::now();
+  AccuracySet set = arguments.cases.empty()
+                        ? report::makeAccuracySet(
+                              arguments.per_family, arguments.seed,
+                              [](const std::string& family) { progress("truth of " + family); })
+                        : readSet(arguments.cases, arguments.reference);
+  keepFamilies(set, arguments.families);
+
+  const auto own = report::makeOwnEngines();
+  std::vector<const report::PairEngine*> engines;
+  for (const auto& engine : own) engines.push_back(engine.get());
+  std::vector<report::RivalModule> modules;
+  if (!arguments.no_rivals) modules = report::loadRivals();
+  nlohmann::json missing = nlohmann::json::array();
+  for (const report::RivalModule& module : modules) {
+    if (!module.problem.empty()) {
+      fmt::print(stderr, "without {}: {}\n", module.library, module.problem);
+      missing.push_back(module.library);
+      continue;
+    }
+    for (const auto& engine : module.rivals->pairs) engines.push_back(engine.get());
+  }
+
+  report::AccuracyOptions options;
+  options.tolerances = report::accuracyTolerances();
+  options.passes = arguments.passes;
+  options.progress = [](const std::string& family) { progress("measuring " + family); };
+  const int processor = report::pinToOneProcessor();
+  const std::vector<AccuracyRow> rows = report::measureAccuracy(set, engines, options);
+  endProgress();
+
+  const std::string cases =
+      arguments.cases.empty()
+          ? fmt::format("{} cases a family, seed {}", arguments.per_family, arguments.seed)
+          : arguments.cases;
+  const std::string note = fmt::format(
+      "{}; {}; one pinned core, medians of {} passes; each line: tolerances 1e-1 to 1e-15; errors "
+      "against quadruple precision",
+      report::machineName(), cases, arguments.passes);
+  const Files files = writeFiles(arguments.output, rows, note);
+  const int errors = ownErrors(rows);
+  const double seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  if (arguments.json) {
+    fmt::print("{}\n",
+               nlohmann::json{{"seed", arguments.seed},
+                              {"families", set.families.size()},
+                              {"missing", missing},
+                              {"own_errors", errors},
+                              {"processor", processor},
+                              {"time_s", seconds},
+                              {"files", {files.csv, files.hard, files.figure, files.hard_figure}}}
+                   .dump());
+  } else {
+    fmt::print(
+        "{}\n{}\nseed {}, {} families, {:.0f} s; in {}: accuracy.csv, hard_cases.csv, "
+        "accuracy.svg, hard_cases.svg\n",
+        note, report::accuracyTable(rows), arguments.seed, set.families.size(), seconds,
+        arguments.output);
+  }
+  return errors == 0 ? kYes : kNo;
+}
+
+}  // namespace leeway::tools
