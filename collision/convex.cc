@@ -6,6 +6,7 @@
 #include "collision/box_overlap.h"
 #include "collision/closed_form.h"
 #include "collision/gjk.h"
+#include "collision/parallel_axes.h"
 #include "collision/penetration.h"
 #include "collision/scratch.h"
 #include "collision/support.h"
@@ -368,6 +369,7 @@ DistanceResult convexDistance(const ConvexView& a, const Pose& X_BA, const Conve
   if (open && !progress.enough() &&
       (end == GjkEnd::kInside || progress.upper() - progress.lower() > narrow)) {
     if (a.core == Core::kBox && b.core == Core::kBox) offerBoxOverlap(a, X_BA, b, progress);
+    if (haveAxes(a, b)) offerParallelAxes(a, X_BA, b, difference, progress);
     if (!progress.enough() && progress.upper() - progress.lower() > narrow) {
       growPolytope(difference, simplex, scratch.impl().polytope, progress);
     }
