@@ -210,6 +210,10 @@ Verdict decidePair(const Scene& scene, Workspace& workspace, int p, DistanceResu
 
 }  // namespace
 
+double coarseLowerBound(const Scene& scene, const Workspace& workspace, int pair) {
+  return coarseLower(scene, workspace, scene.pairs()[at(pair)]);
+}
+
 DistanceResult pairDistance(const Scene& scene, Workspace& workspace, int p,
                             const DistanceRequest& request) {
   const ScenePair& pair = scene.pairs()[at(p)];

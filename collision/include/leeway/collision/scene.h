@@ -157,4 +157,8 @@ SceneResult clearance(const Scene& scene, Workspace& workspace, double tolerance
 DistanceResult pairDistance(const Scene& scene, Workspace& workspace, int pair,
                             const DistanceRequest& request);
 
+/// A lower bound on the separation of one pair [m], as the workspace has its bodies placed, from
+/// balls and stand-ins alone. Never throws or allocates. O(1).
+double coarseLowerBound(const Scene& scene, const Workspace& workspace, int pair);
+
 }  // namespace leeway::collision

@@ -144,4 +144,15 @@ inline constexpr double kFollowRimSquared = 1e-6;
 /// would be right.
 inline constexpr double kLargestMotion = 1e15;
 
+// Time to impact (time_to_impact.cc)
+
+/// A distance that says when to look again is asked to within this [m], or this share of what is
+/// known to lie between: a finer one costs more than the later look that it buys.
+inline constexpr double kImpactTolerance = 1e-4;
+inline constexpr double kImpactShare = 0.1;
+
+/// A pair that coarse bounds put off for this many horizons is not asked exactly. Any value is
+/// right; this one asked least.
+inline constexpr double kImpactHorizons = 8;
+
 }  // namespace leeway::collision
