@@ -97,7 +97,7 @@ struct Crowd {
         return Eigen::Vector3d(random.uniform(-size, size), random.uniform(-size, size),
                                random.uniform(-size, size));
       };
-      swings.push_back({vector(2), vector(0.5), vector(1).normalized(), random.uniform(0.1, 3),
+      swings.push_back({vector(1), vector(0.5), vector(1).normalized(), random.uniform(0.1, 3),
                         random.uniform(0, 2), half.norm()});
     }
     builder.setDefaultMargin(0.01);

@@ -9,8 +9,8 @@
 #include <map>
 #include <stdexcept>
 
-#include "oracle/oracle.h"
 #include "tests/tools/command.h"
+#include "tools/oracle/oracle.h"
 #include "tools/report/accuracy.h"
 #include "tools/report/guard.h"
 #include "tools/report/own_engine.h"

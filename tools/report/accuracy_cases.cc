@@ -9,8 +9,8 @@
 #include <utility>
 
 #include "leeway/collision/distance.h"
-#include "oracle/generate.h"
-#include "oracle/oracle.h"
+#include "tools/oracle/generate.h"
+#include "tools/oracle/oracle.h"
 
 namespace leeway::tools::report {
 namespace {
