@@ -322,5 +322,45 @@ TEST(Oracle, AgreesWithClosedForms) {
             -0.5);  // inside
 }
 
+/// A core of 1e-9 deep in a cylinder: rounding once tore the polytope's surface where its facets
+/// are slivers, and no depth was proven.
+TEST(Oracle, KnowsHowDeepASpeckLies) {
+  const std::array<Vector3d, 3> points = {
+      Vector3d(0, 0, 0),
+      Vector3d(-5.296006262073093e-10, -4.943402816475169e-10, 6.893118761935555e-10),
+      Vector3d(5.1637984630306047e-10, 1.9984380293118475e-11, -8.5612643860374268e-10)};
+  Pose X_WP, X_WC;
+  X_WP.rotation << 0.88449382500865914, 0.41737726699287503, 0.20848714713168703,
+      0.13643956537195423, -0.65873274542037641, 0.73990230105875854, 0.44615571107256224,
+      -0.62599312065588386, -0.63959181855996605;
+  X_WP.translation = {0.086698081913696295, -0.037395334005215441, -0.032939817654692442};
+  X_WC.rotation << 0.41342980356564052, -0.84784333688182256, 0.33202029098953045,
+      0.49737657040554373, 0.5157188659770231, 0.69760346794363959, -0.76268758003214865,
+      -0.12327095108122521, 0.63491096059544838;
+  const Truth cylinder = oracle::signedSeparation(Shape::convexHull(points), X_WP,
+                                                  Shape::cylinder(0.431, 0.480), X_WC);
+  EXPECT_NEAR(cylinder.lower, -0.3326730072917743, 1e-12);
+  EXPECT_NEAR(cylinder.upper, -0.3326730072917743, 1e-12);
+  // Specks of 1e-12 to 1e-6 all over a cylinder and a cone: the depth of their first point, to
+  // within their size.
+  Random random(51);
+  for (int i = 0; i < 60; ++i) {
+    const double size = random.logUniform(1e-12, 1e-6);
+    const std::array<Vector3d, 3> speck = {Vector3d(0, 0, 0), size * random.direction(),
+                                           size * random.direction()};
+    const Shape round = i % 2 == 0 ? Shape::cone(0.431, 0.480) : Shape::cylinder(0.431, 0.480);
+    const Pose X_WR{random.rotation(), {}};
+    const Vector3d p = 0.1 * random.direction() - Vector3d(0, 0, i % 2 == 0 ? 0.25 : 0);
+    const Pose X_WS{random.rotation(), X_WR.rotation * p};
+    const Truth truth = oracle::signedSeparation(Shape::convexHull(speck), X_WS, round, X_WR);
+    const double across = std::hypot(p.x(), p.y()), slant = std::hypot(0.96, 0.431);
+    const double beside =
+        i % 2 == 0 ? -(across * 0.96 + (p.z() - 0.480) * 0.431) / slant : 0.431 - across;
+    const double depth = std::min({beside, p.z() + 0.480, i % 2 == 0 ? HUGE_VAL : 0.480 - p.z()});
+    EXPECT_NEAR(truth.lower, -depth, 2 * size) << i;
+    EXPECT_NEAR(truth.upper, -depth, 2 * size) << i;
+  }
+}
+
 }  // namespace
 }  // namespace leeway::collision

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
 #include <optional>
 #include <set>
 #include <utility>
@@ -142,9 +143,12 @@ Bounds distanceBounds(const Difference& c, Quad scale) {
 
 struct Facet {
   std::array<int, 3> v;
-  Vector normal;
-  Quad offset;    // signed distance of its plane from the origin along the outward normal
-  Quad rounding;  // bound on the offset's error
+  Vector plane_normal;  // outward; 0 for a triangle without area
+  Quad plane_offset;    // signed distance of its plane from the origin along it
+  Vector normal;        // the same, or for a sliver the direction of its nearest point
+  Quad offset;          // all of the triangle is at least that far out along `normal` ...
+  Quad rounding;        // ... but for this
+  bool alive = true;
 };
 
 /// A polytope with points of C as vertices, refined towards the origin.
@@ -155,15 +159,19 @@ class Polytope {
   Bounds depth() {
     if (!start()) return {0, best_support_};
     for (int step = 0; step < kPolytopeSteps; ++step) {
-      const Facet& facet =
-          *std::min_element(facets_.begin(), facets_.end(),
-                            [](const Facet& p, const Facet& q) { return p.offset < q.offset; });
-      const Vector w = query(facet.normal);
-      if (dot(facet.normal, w) - facet.offset <= kPolytopeWidth * scale_) break;
-      if (!add(w) || facets_.size() > kMostFacets) break;
+      std::size_t nearest = 0;
+      Quad least = infinity();
+      for (std::size_t i = 0; i < facets_.size(); ++i) {
+        if (facets_[i].alive && facets_[i].offset < least) least = facets_[i].offset, nearest = i;
+      }
+      const Vector w = query(facets_[nearest].normal);
+      if (dot(facets_[nearest].normal, w) - least <= kPolytopeWidth * scale_) break;
+      if (!add(w, nearest) || alive_ > kMostFacets) break;
     }
     Quad inner = infinity();
-    for (const Facet& f : facets_) inner = std::min(inner, f.offset - f.rounding);
+    for (const Facet& f : facets_) {
+      if (f.alive) inner = std::min(inner, f.offset - f.rounding);
+    }
     return {inner, best_support_};
   }
 
@@ -214,10 +222,11 @@ class Polytope {
     vertices_.insert(vertices_.end(), {p1, p2, p3});
     center_ = wide(0.25) * (vertices_[0] + vertices_[1] + vertices_[2] + vertices_[3]);
     for (const std::array<int, 3>& v : {std::array{0, 1, 2}, {0, 1, 3}, {0, 2, 3}, {1, 2, 3}}) {
-      Facet facet = makeFacet(v);
-      if (dot(facet.normal, center_) > facet.offset) facet = makeFacet({v[0], v[2], v[1]});
-      facets_.push_back(facet);
+      const Facet facet = makeFacet(v);
+      const bool outward = dot(facet.plane_normal, center_) <= facet.plane_offset;
+      addFacet(outward ? v : std::array{v[0], v[2], v[1]});
     }
+    alive_ = facets_.size();
     return true;
   }
 
@@ -228,34 +237,78 @@ class Polytope {
     const Vector n = cross(e1, e2);
     const Quad area = norm(n);
     const Quad longest = std::max({norm(e1), norm(e2), norm(e1 - e2)});
-    if (!(area > 0)) return {v, {0, 0, 0}, 0, infinity()};
-    const Vector normal = (1 / area) * n;
-    // Vertices are known to a few roundoffs of scale; over the triangle's height they tilt its
-    // plane.
-    const Quad rounding = 64 * quadRoundoff() * scale_ * (1 + scale_ * longest / area);
-    return {v, normal, dot(normal, a), rounding};
+    Facet facet{v, {0, 0, 0}, 0, {0, 0, 0}, 0, infinity()};
+    if (area > 0) {
+      facet.plane_normal = facet.normal = (1 / area) * n;
+      facet.plane_offset = facet.offset = dot(facet.normal, a);
+      // Vertices are known to a few roundoffs of scale; over the triangle's height they tilt its
+      // plane.
+      facet.rounding = 64 * quadRoundoff() * scale_ * (1 + scale_ * longest / area);
+    }
+    if (facet.rounding > kPolytopeWidth * scale_) takeNearest(facet);
+    return facet;
   }
 
-  /// Replaces the facets that see w by the cone from their rim; false where rounding leaves nothing
-  /// to do.
-  bool add(const Vector& w) {
+  /// A sliver's own plane says nothing. Any plane between the origin and the triangle does: the
+  /// polytope's surface then is still known to stay out of a ball, and around it the facets that
+  /// are no slivers wind, because slivers fill next to no solid angle.
+  void takeNearest(Facet& facet) const {
+    std::vector<Vector> corners;
+    for (const int i : facet.v) corners.push_back(vertices_[static_cast<std::size_t>(i)]);
+    const Vector nearest = nearestOfSimplex(corners).least.point;
+    const Quad length = norm(nearest);
+    if (!(length > 0)) return;
+    facet.normal = (1 / length) * nearest;
+    facet.offset = infinity();
+    for (const Vector& p : corners) facet.offset = std::min(facet.offset, dot(facet.normal, p));
+    facet.rounding = 64 * quadRoundoff() * scale_;
+  }
+
+  void addFacet(const std::array<int, 3>& v) {
+    for (std::size_t i = 0; i < 3; ++i) at_edge_[{v[i], v[(i + 1) % 3]}] = facets_.size();
+    facets_.push_back(makeFacet(v));
+  }
+
+  /// Replaces the facets that see w and hang together with `first` by the cone from their rim;
+  /// false where rounding leaves nothing to do. (One patch at a time: facets that only rounding
+  /// takes for visible elsewhere would tear the surface.)
+  bool add(const Vector& w, std::size_t first) {
     const Quad tiny = wide(1e-29) * scale_;
-    std::vector<Facet> kept;
-    std::vector<std::pair<int, int>> edges;
-    for (const Facet& f : facets_) {
-      if (dot(f.normal, w) - f.offset > tiny) {
-        for (std::size_t i = 0; i < 3; ++i) edges.emplace_back(f.v[i], f.v[(i + 1) % 3]);
-      } else {
-        kept.push_back(f);
+    const auto sees = [&](const Facet& f) {
+      return dot(f.plane_normal, w) - f.plane_offset > tiny;
+    };
+    if (!sees(facets_[first])) return false;
+    std::vector<std::size_t> patch = {first};
+    std::set<std::size_t> in_patch = {first};
+    std::vector<std::pair<int, int>> rim;
+    for (std::size_t next = 0; next < patch.size(); ++next) {
+      const std::array<int, 3> v = facets_[patch[next]].v;
+      for (std::size_t i = 0; i < 3; ++i) {
+        const int a = v[i], b = v[(i + 1) % 3];
+        const std::size_t other = at_edge_.at({b, a});
+        if (in_patch.count(other) != 0) continue;
+        if (sees(facets_[other])) {
+          in_patch.insert(other);
+          patch.push_back(other);
+        }
       }
     }
-    if (edges.empty()) return false;
-    const std::set<std::pair<int, int>> known(edges.begin(), edges.end());
+    for (const std::size_t f : patch) {
+      for (std::size_t i = 0; i < 3; ++i) {
+        const int a = facets_[f].v[i], b = facets_[f].v[(i + 1) % 3];
+        if (in_patch.count(at_edge_.at({b, a})) == 0) rim.emplace_back(a, b);
+      }
+    }
+    // Each vertex of the rim is left once, or the cone would have edges with more than two facets.
+    std::set<int> left;
+    for (const auto& [a, b] : rim) {
+      if (!left.insert(a).second) return false;
+    }
     const int index = static_cast<int>(vertices_.size());
     vertices_.push_back(w);
-    for (const auto& [a, b] : edges)
-      if (!known.count({b, a})) kept.push_back(makeFacet({a, b, index}));
-    facets_ = std::move(kept);
+    for (const std::size_t f : patch) facets_[f].alive = false;
+    for (const auto& [a, b] : rim) addFacet({a, b, index});
+    alive_ += rim.size() - patch.size();
     return true;
   }
 
@@ -264,6 +317,8 @@ class Polytope {
   Quad best_support_ = infinity();
   std::vector<Vector> vertices_;
   std::vector<Facet> facets_;
+  std::size_t alive_ = 0;
+  std::map<std::pair<int, int>, std::size_t> at_edge_;  // the facet on the left of an edge
   Vector center_;
 };
 
