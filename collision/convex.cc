@@ -9,6 +9,7 @@
 #include "collision/parallel_axes.h"
 #include "collision/penetration.h"
 #include "collision/scratch.h"
+#include "collision/simd/vertex_gjk.h"
 #include "collision/support.h"
 
 namespace leeway::collision {
@@ -362,7 +363,12 @@ DistanceResult convexDistance(const ConvexView& a, const Pose& X_BA, const Conve
   Simplex simplex;
   // A threshold is most often decided by the last direction alone.
   if (cache != nullptr && std::isnan(request.threshold)) recall(difference, *cache, simplex);
-  const GjkEnd end = runGjk(difference, firstDirection(a, X_BA, b, cache), progress, simplex);
+  const Vector first = firstDirection(a, X_BA, b, cache);
+  GjkEnd end = GjkEnd::kStagnated;
+  if (simplex.count == 0 && difference.countsVertices()) {
+    end = runVertexGjk(difference, first, progress, simplex);
+  }
+  if (end == GjkEnd::kStagnated) end = runGjk(difference, first, progress, simplex);
   const bool open = end == GjkEnd::kInside || end == GjkEnd::kStagnated;
   // Rounding alone keeps the ends this far apart.
   const double narrow = query.lower_offset - query.upper_offset + 8 * query.roundoff;

@@ -61,6 +61,13 @@ inline bool climbs(const ConvexView& view) {
          view.hull->hasNeighbours();
 }
 
+/// Index of the farthest of the points of a kPoints core along a direction of about unit length.
+inline int farthestPoint(const ConvexView& view, const Vector& direction, int hint) {
+  return climbs(view) ? climbFarthest(*view.hull, view.points, view.count, direction, hint,
+                                      8 * kUnitRoundoff * view.extent)
+                      : scanFarthest(view.points, view.count, direction);
+}
+
 /// The farthest point of the core along `direction` (a unit vector, or nearly one), in the core's
 /// frame. `hint` is the vertex to start from and becomes the vertex found. Its dot product with
 /// `direction` is within 6 units of roundoff times extent of the maximum, and it lies in the core
@@ -75,9 +82,7 @@ inline Vector farthest(const ConvexView& view, const Vector& direction, int& hin
       hint = direction.z() >= 0 ? 1 : 0;
       return {0, 0, hint != 0 ? view.size.z() : -view.size.z()};
     case Core::kPoints:
-      hint = climbs(view) ? climbFarthest(*view.hull, view.points, view.count, direction, hint,
-                                          8 * kUnitRoundoff * view.extent)
-                          : scanFarthest(view.points, view.count, direction);
+      hint = farthestPoint(view, direction, hint);
       return view.points[hint];
     case Core::kBox:
       hint = (std::signbit(direction.x()) ? 0 : 1) | (std::signbit(direction.y()) ? 0 : 2) |
@@ -192,6 +197,9 @@ class Difference {
     if (vertex_a > 0 && vertex_a < a_.count) hint_a_[0] = hint_a_[1] = vertex_a;
     if (vertex_b > 0 && vertex_b < b_.count) hint_b_ = vertex_b;
   }
+  const ConvexView& viewA() const { return a_; }
+  const ConvexView& viewB() const { return b_; }
+  const Pose& pose() const { return X_BA0_; }
   int hintA() const { return hint_a_[0]; }
   int hintB() const { return hint_b_; }
 
