@@ -8,6 +8,7 @@
 #include <span>
 
 #include "leeway/collision/convex_hull.h"
+#include "leeway/collision/deformable_mesh.h"
 #include "leeway/collision/tolerances.h"
 #include "leeway/collision/triangle_mesh.h"
 
@@ -17,6 +18,7 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 std::span<const Eigen::Vector3d> verticesOf(const Shape& shape) {
+  if (shape.type() == ShapeType::kDeformable) return shape.deformable()->vertices();
   return shape.type() == ShapeType::kMesh ? shape.mesh()->vertices() : shape.hull()->vertices();
 }
 
@@ -55,6 +57,14 @@ CoarseShape::CoarseShape(const Shape& shape, const Pose& X_FG) {
       exact_ = false;
       half_ = shape.halfExtents();
       break;
+    case ShapeType::kDeformable: {
+      kind_ = Kind::kBox;
+      exact_ = false;
+      const DeformableSnapshot& snapshot = *shape.deformable();
+      center_G = snapshot.low() + (snapshot.high() - snapshot.low()) / 2;
+      half_ = (snapshot.high() - center_G).cwiseMax(center_G - snapshot.low());
+      break;
+    }
     case ShapeType::kConvexHull:
     case ShapeType::kMesh: {
       kind_ = Kind::kBox;
@@ -211,6 +221,17 @@ std::vector<Ball> innerBalls(const Shape& shape, const Pose& X_FG) {
     case ShapeType::kMesh:
       addVertices(balls, shape);
       break;
+    case ShapeType::kDeformable: {
+      // Made anew at every step: a few used vertices, wherever they are.
+      const DeformableSnapshot& snapshot = *shape.deformable();
+      const std::size_t count = snapshot.mesh().triangles().size();
+      for (std::size_t k = 0; k < static_cast<std::size_t>(kVertexProbes) && k < count; ++k) {
+        const std::size_t t = k * count / static_cast<std::size_t>(kVertexProbes);
+        const std::int32_t v = snapshot.mesh().triangles()[std::min(t, count - 1)][0];
+        balls.push_back({snapshot.vertices()[static_cast<std::size_t>(v)], 0});
+      }
+      break;
+    }
   }
   for (Ball& ball : balls) ball.center = X_FG * ball.center;
   return balls;

@@ -1,5 +1,7 @@
 #include "collision/containment.h"
 
+#include "collision/deform_descent.h"
+#include "collision/deform_snapshot.h"
 #include "collision/mesh_descent.h"
 #include "collision/point_in_solid.h"
 #include "leeway/collision/tolerances.h"
@@ -10,6 +12,8 @@ namespace {
 using Eigen::Vector3d;
 
 bool isSolidMesh(const Shape& shape) {
+  if (shape.type() == ShapeType::kDeformable)
+    return shape.deformable()->mesh().closedComponentCount() > 0;
   return shape.type() == ShapeType::kMesh && shape.mesh()->closedComponentCount() > 0;
 }
 
@@ -25,23 +29,35 @@ double distanceFromSurface(const Shape& mesh, const Vector3d& p, double threshol
   request.threshold = threshold;
   request.depth = false;
   PairCache cache;
+  if (mesh.type() == ShapeType::kDeformable) {
+    // The point moves here, because a deforming mesh is bounded in its own frame.
+    DeformSide moving;
+    moving.rigid = point;
+    moving.low = moving.high = Vector3d::Zero();
+    placement.X_BA0.translation = placement.X_BA1.translation = p;
+    return deformDescend(moving, deformSide(mesh), placement, request, scratch, &cache).lower;
+  }
   return descend(descentSide(mesh), point, placement, request, scratch, &cache).lower;
 }
 
 // Whether the point, known to within `error` in the mesh's frame, lies in one of the mesh's solids.
 Containment holds(const Shape& shape, const Vector3d& p, double error, double gap,
                   Scratch& scratch) {
-  const TriangleMesh& mesh = *shape.mesh();
-  const MeshNode& root = mesh.tree().node(0);
-  if (((root.low - p).array() > error).any() || ((p - root.high).array() > error).any())
+  const bool deforms = shape.type() == ShapeType::kDeformable;
+  const Vector3d& low = deforms ? shape.deformable()->low() : shape.mesh()->tree().node(0).low;
+  const Vector3d& high = deforms ? shape.deformable()->high() : shape.mesh()->tree().node(0).high;
+  if (((low - p).array() > error).any() || ((p - high).array() > error).any())
     return Containment::kNo;
   // The true point is on the same side when no surface comes between it and the rounded one.
   if (!(gap > error) && !(distanceFromSurface(shape, p, 2 * error, scratch) > error))
     return Containment::kUndecided;
   Containment answer = Containment::kNo;
-  for (int c = 0; c < mesh.componentCount(); ++c) {
-    if (!mesh.isClosed(c)) continue;
-    const Side side = sideOf(mesh, c, p);
+  const int components =
+      deforms ? shape.deformable()->mesh().componentCount() : shape.mesh()->componentCount();
+  for (int c = 0; c < components; ++c) {
+    if (!(deforms ? shape.deformable()->mesh().isClosed(c) : shape.mesh()->isClosed(c))) continue;
+    const Side side =
+        deforms ? sideOf(shape.deformable()->impl(), c, p, scratch) : sideOf(*shape.mesh(), c, p);
     if (side == Side::kInside) return Containment::kYes;
     if (side == Side::kUnknown) answer = Containment::kUndecided;
   }
@@ -54,17 +70,28 @@ Containment oneWay(const Shape& outer, const Pose& X_WO, const Shape& inner, con
   if (!isSolidMesh(outer) || inner.type() == ShapeType::kHalfSpace) return Containment::kNo;
   const RelativePose relative = relativePose(X_WI, X_WO);
   if (!relative.valid) return Containment::kUndecided;
-  const double size = outer.mesh()->tree().extent() + inner.boundingCenter().norm() +
-                      inner.boundingRadius() + relative.X_BA.translation.norm();
+  const double size = outer.extent() + inner.boundingCenter().norm() + inner.boundingRadius() +
+                      relative.X_BA.translation.norm();
   const double error = (relative.slack + kRelativeRounding) * size;
   // Connected bodies whose surfaces are apart are inside or outside as a whole: one point of each
   // will do.
-  if (inner.type() != ShapeType::kMesh) {
+  if (inner.isConvex()) {
     const Vector3d p =
         inner.type() == ShapeType::kConvexHull ? inner.hull()->vertices()[0] : Vector3d::Zero();
     return holds(outer, relative.X_BA * p, error, gap, scratch);
   }
   Containment answer = Containment::kNo;
+  if (inner.type() == ShapeType::kDeformable) {
+    const DeformableSnapshot& snapshot = *inner.deformable();
+    for (int i = 0; i < snapshot.mesh().componentCount(); ++i) {
+      const Vector3d& p =
+          snapshot.vertices()[static_cast<std::size_t>(snapshot.mesh().componentVertex(i))];
+      const Containment c = holds(outer, relative.X_BA * p, error, gap, scratch);
+      if (c == Containment::kYes) return c;
+      if (c == Containment::kUndecided) answer = c;
+    }
+    return answer;
+  }
   for (const MeshTree::Component& component : inner.mesh()->tree().components()) {
     const Containment c = holds(outer, relative.X_BA * component.point, error, gap, scratch);
     if (c == Containment::kYes) return c;

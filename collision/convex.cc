@@ -61,6 +61,7 @@ ConvexView viewOf(const Shape& shape) {
       view.center = shape.boundingCenter();
       break;
     case ShapeType::kMesh:
+    case ShapeType::kDeformable:
       break;  // not convex: never asked
   }
   return view;

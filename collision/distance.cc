@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "collision/convex.h"
+#include "collision/deform_distance.h"
 #include "collision/mesh_distance.h"
 #include "collision/scratch.h"
 #include "collision/vector.h"
@@ -31,6 +32,9 @@ void forgetPoints(DistanceResult& result) {
 
 DistanceResult distance(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
                         const DistanceRequest& request, Scratch& scratch, PairCache* cache) {
+  if (a.type() == ShapeType::kDeformable || b.type() == ShapeType::kDeformable) {
+    return deformDistance(a, X_WA, b, X_WB, request, scratch, cache);
+  }
   if (!a.isConvex() || !b.isConvex()) {
     return meshDistance(a, X_WA, b, X_WB, request, scratch, cache);
   }
@@ -53,6 +57,9 @@ DistanceResult distance(const Shape& a, const Pose& X_WA, const Shape& b, const 
 DistanceResult sweptDistance(const Shape& a, const Pose& X_BA0, const Pose& X_BA1, double growth,
                              const Shape& b, const DistanceRequest& request, Scratch& scratch,
                              PairCache* cache) {
+  if (a.type() == ShapeType::kDeformable || b.type() == ShapeType::kDeformable) {
+    return deformSweptDistance(a, X_BA0, X_BA1, growth, b, request, scratch, cache);
+  }
   if (!a.isConvex() || !b.isConvex()) {
     return meshSweptDistance(a, X_BA0, X_BA1, growth, b, request, scratch, cache);
   }

@@ -16,6 +16,8 @@ using Eigen::Vector3d;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
+}  // namespace
+
 // The order is that of DistanceStatus's own documentation: what was asked most precisely comes
 // first.
 DistanceStatus statusOf(const Interval& distance, const DistanceRequest& request) {
@@ -25,6 +27,8 @@ DistanceStatus statusOf(const Interval& distance, const DistanceRequest& request
   if (!request.depth && distance.upper <= 0) return DistanceStatus::kOverlap;
   return DistanceStatus::kLimit;
 }
+
+namespace {
 
 ConvexView hullOf(const DescentSide& side) {
   return side.tree != nullptr ? side.tree->hullView() : side.view;
@@ -59,9 +63,9 @@ bool spheresDecide(const Shape& a, const Shape& b, const RelativePose& relative,
   return true;
 }
 
-// Raises the lower end of an overlap to -|t| of a translation t along `direction` (in W) that is
-// proven to separate. Lengths are multiplied by four from the least that can do, then halved back a
-// few times.
+}  // namespace
+
+// Lengths are multiplied by four from the least that can do, then halved back a few times.
 void separate(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
               const Vector3d& direction, const DistanceRequest& request, Scratch& scratch,
               DistanceResult& result) {
@@ -76,7 +80,7 @@ void separate(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB
   const auto separates = [&](double length) {
     Pose moved = X_WB;
     moved.translation += length * unit;
-    const DistanceResult r = meshDistance(a, X_WA, b, moved, apart, scratch, nullptr);
+    const DistanceResult r = distance(a, X_WA, b, moved, apart, scratch, nullptr);
     result.iterations += r.iterations;
     if (!(r.distance.lower > 0)) return false;
     // The length moved, with the rounding of the sum.
@@ -102,8 +106,6 @@ void separate(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB
     return;
   }
 }
-
-}  // namespace
 
 DistanceResult meshDistance(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
                             const DistanceRequest& request, Scratch& scratch, PairCache* cache) {

@@ -1,9 +1,12 @@
 #include "collision/point_in_solid.h"
 
 #include <array>
+#include <cmath>
 
+#include "collision/deform_snapshot.h"
 #include "collision/exact.h"
 #include "collision/mesh_tree.h"
+#include "collision/scratch.h"
 #include "leeway/collision/tolerances.h"
 
 namespace leeway::collision {
@@ -71,18 +74,64 @@ bool windingNumber(const TriangleMesh& mesh, int component, const Vector3d& p, c
   return true;
 }
 
-}  // namespace
+bool boxesMeet(const WideBox& box, int lane, const Vector3d& low, const Vector3d& high) {
+  for (int k = 0; k < 3; ++k) {
+    if (!(static_cast<double>(box.low[k][lane]) <= high[k] &&
+          low[k] <= static_cast<double>(box.high[k][lane])))
+      return false;
+  }
+  return true;
+}
 
-Side sideOf(const TriangleMesh& mesh, int component, const Vector3d& point) {
-  const MeshTree::Component& c = mesh.tree().components()[static_cast<std::size_t>(component)];
-  if (!((c.low.array() <= point.array()).all() && (point.array() <= c.high.array()).all()))
+bool windingNumber(const DeformableSnapshotImpl& snapshot, const BoxSource& boxes, int component,
+                   const Vector3d& p, const Vector3d& q, int& winding) {
+  const DeformTree& tree = *snapshot.tree;
+  const Vector3d low = p.cwiseMin(q), high = p.cwiseMax(q);
+  std::array<int, (kWidth - 1) * DeformTree::kMaxDepth + kWidth> stack;
+  std::size_t size = 0;
+  stack[size++] = 0;
+  winding = 0;
+  WideBox room;
+  while (size > 0) {
+    const int id = stack[--size];
+    if (!DeformTree::isLeaf(id)) {
+      const WideBox& box = boxes.boxes(id, room);
+      const DeformTree::Node& node = tree.node(id);
+      for (int lane = 0; lane < kWidth && node.child[lane] != DeformTree::kNone; ++lane) {
+        if (boxesMeet(box, lane, low, high)) stack[size++] = node.child[lane];
+      }
+      continue;
+    }
+    const DeformTree::Leaf& leaf = tree.leaf(DeformTree::leafOf(id));
+    for (int slot = leaf.slot_begin; slot < leaf.slot_end; ++slot) {
+      if (snapshot.mesh->component(tree.triangleOf(slot)) != component) continue;
+      Vector3d corners[3];
+      for (std::size_t k = 0; k < 3; ++k) {
+        corners[k] = snapshot.vertices[static_cast<std::size_t>(tree.corners(slot)[k])];
+        for (Eigen::Index i = 0; i < 3; ++i) {
+          if (std::abs(corners[k][i]) < kSmallestExact) corners[k][i] = 0;
+        }
+      }
+      const Crossing c = crossing(p, q, corners);
+      if (c == Crossing::kIrregular) return false;
+      winding += static_cast<int>(c);
+    }
+  }
+  return true;
+}
+
+// `winding_number(q, winding)` is asked for segments from the point to places q outside of the box.
+template <class WindingNumber>
+Side sideOf(const Vector3d& low, const Vector3d& high, const Vector3d& point,
+            const WindingNumber& winding_number) {
+  if (!((low.array() <= point.array()).all() && (point.array() <= high.array()).all()))
     return Side::kOutside;
   Vector3d p = point;
   for (int k = 0; k < 3; ++k) {
     if (p[k] != 0 && std::abs(p[k]) < kSmallestExact)
       return Side::kUnknown;  // the predicates would not be exact
   }
-  const Vector3d size = c.high - c.low;
+  const Vector3d size = high - low;
   const double tilt = kSegmentTilt * size.maxCoeff();
   // Segments nearly along an axis have thin boxes and so meet few nodes. The way out that is
   // shortest comes first.
@@ -94,7 +143,7 @@ Side sideOf(const TriangleMesh& mesh, int component, const Vector3d& point) {
       for (int way = 0; way < 6; ++way) {
         if (tried[static_cast<std::size_t>(way)]) continue;
         const int axis = way / 2;
-        const double length = way % 2 == 0 ? c.high[axis] - p[axis] : p[axis] - c.low[axis];
+        const double length = way % 2 == 0 ? high[axis] - p[axis] : p[axis] - low[axis];
         if (best >= 0 && length >= shortest) continue;
         best = way;
         shortest = length;
@@ -102,15 +151,31 @@ Side sideOf(const TriangleMesh& mesh, int component, const Vector3d& point) {
       tried[static_cast<std::size_t>(best)] = true;
       const int axis = best / 2;
       Vector3d q = p;
-      q[axis] = best % 2 == 0 ? c.high[axis] + tilt : c.low[axis] - tilt;
+      q[axis] = best % 2 == 0 ? high[axis] + tilt : low[axis] - tilt;
       q[(axis + 1) % 3] += tilt * (0.37 + attempt);
       q[(axis + 2) % 3] += tilt * (0.71 + attempt * attempt);
       int winding = 0;
-      if (windingNumber(mesh, component, p, q, winding))
-        return winding != 0 ? Side::kInside : Side::kOutside;
+      if (winding_number(q, winding)) return winding != 0 ? Side::kInside : Side::kOutside;
     }
   }
   return Side::kUnknown;
+}
+
+}  // namespace
+
+Side sideOf(const TriangleMesh& mesh, int component, const Vector3d& point) {
+  const MeshTree::Component& c = mesh.tree().components()[static_cast<std::size_t>(component)];
+  return sideOf(c.low, c.high, point, [&](const Vector3d& q, int& winding) {
+    return windingNumber(mesh, component, point, q, winding);
+  });
+}
+
+Side sideOf(const DeformableSnapshotImpl& snapshot, int component, const Vector3d& point,
+            Scratch& scratch) {
+  const BoxSource boxes(snapshot, scratch.impl().deform);
+  return sideOf(snapshot.low, snapshot.high, point, [&](const Vector3d& q, int& winding) {
+    return windingNumber(snapshot, boxes, component, point, q, winding);
+  });
 }
 
 }  // namespace leeway::collision

@@ -1,8 +1,11 @@
 #pragma once
 
+#include "leeway/collision/distance.h"
 #include "leeway/collision/triangle_mesh.h"
 
 namespace leeway::collision {
+
+struct DeformableSnapshotImpl;  // deform_snapshot.h
 
 enum class Side : unsigned char { kOutside, kInside, kUnknown };
 
@@ -11,5 +14,10 @@ enum class Side : unsigned char { kOutside, kInside, kUnknown };
 /// given; kUnknown only for a point on the surface or when every segment tried meets an edge or
 /// vertex. O(log n) to O(n).
 Side sideOf(const TriangleMesh& mesh, int component, const Eigen::Vector3d& point);
+
+/// The same for a closed component of a deforming mesh (its vertices' coordinates below
+/// kSmallestExact taken for 0). O(log n) to O(n), where nodes are known.
+Side sideOf(const DeformableSnapshotImpl& snapshot, int component, const Eigen::Vector3d& point,
+            Scratch& scratch);
 
 }  // namespace leeway::collision

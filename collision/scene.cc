@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "leeway/collision/deformable_mesh.h"
 #include "leeway/collision/tolerances.h"
 
 namespace leeway::collision {
@@ -34,6 +35,13 @@ int Scene::find(const std::string& name) const {
   for (std::size_t i = 0; i < bodies_.size(); ++i)
     if (bodies_[i].name == name) return static_cast<int>(i);
   return -1;
+}
+
+void Scene::setShape(int body, int geometry, const Shape& shape) {
+  Body& changed = bodies_[at(body)];
+  Geometry& g = changed.geometries[at(geometry)];
+  g.shape = shape;
+  bounds_[at(geometryIndex(body, geometry))] = boundsOf(g, changed.moving ? Pose{} : changed.X_WB);
 }
 
 std::size_t Scene::bytes() const {
@@ -107,7 +115,18 @@ Workspace::Workspace(const Scene& scene) : impl_(std::make_unique<Impl>()) {
   impl_->caches.resize(scene.pairs().size());
   impl_->lower.resize(scene.pairs().size());
   impl_->order.resize(scene.pairs().size());
+  prepare(scene);
 }
+
+void Workspace::prepare(const Scene& scene) {
+  for (const Body& body : scene.bodies()) {
+    for (const Geometry& g : body.geometries) {
+      if (g.shape.type() == ShapeType::kDeformable)
+        collision::prepare(impl_->scratch, *g.shape.deformable());
+    }
+  }
+}
+
 Workspace::~Workspace() = default;
 Workspace::Workspace(Workspace&&) noexcept = default;
 Workspace& Workspace::operator=(Workspace&&) noexcept = default;

@@ -2,6 +2,7 @@
 
 #include <memory>
 
+#include "collision/deform_snapshot.h"
 #include "collision/penetration.h"
 #include "leeway/collision/distance.h"
 
@@ -10,6 +11,7 @@ namespace leeway::collision {
 /// What the parts of the engine keep in a Scratch: one member each, sized once.
 struct Scratch::Impl {
   PolytopeBuffers polytope;
+  DeformScratch deform;
 };
 
 }  // namespace leeway::collision

@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "leeway/collision/convex_hull.h"
+#include "leeway/collision/deformable_mesh.h"
 #include "leeway/collision/tolerances.h"
 #include "leeway/collision/triangle_mesh.h"
 
@@ -80,6 +81,8 @@ const char* toString(ShapeType type) {
       return "hull";
     case ShapeType::kMesh:
       return "mesh";
+    case ShapeType::kDeformable:
+      return "deformable";
   }
   return "unknown";
 }
@@ -182,6 +185,20 @@ Shape Shape::mesh(std::shared_ptr<const TriangleMesh> mesh) {
   shape.bounding_radius_ = sphere.radius;
   shape.extent_ = sphere.extent;
   shape.mesh_ = std::move(mesh);
+  return shape;
+}
+
+Shape Shape::deformable(std::shared_ptr<const DeformableSnapshot> snapshot) {
+  if (!snapshot) throw InvalidShape("deformable: there is no snapshot");
+  const Eigen::Vector3d corners[2] = {snapshot->low(), snapshot->high()};
+  const Eigen::Vector3d farthest = corners[0].cwiseAbs().cwiseMax(corners[1].cwiseAbs());
+  const Sphere sphere = sphereAround(corners, 0);
+  Shape shape;
+  shape.type_ = ShapeType::kDeformable;
+  shape.bounding_center_ = sphere.center;
+  shape.bounding_radius_ = sphere.radius;
+  shape.extent_ = outwardNorm(farthest.x(), farthest.y(), farthest.z());
+  shape.deformable_ = std::move(snapshot);
   return shape;
 }
 

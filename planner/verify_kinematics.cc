@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "leeway/collision/convex_hull.h"
+#include "leeway/collision/deformable_mesh.h"
 #include "leeway/collision/triangle_mesh.h"
 #include "planner/tolerances.h"
 
@@ -169,6 +170,9 @@ Sphere enclosingSphere(const Shape& shape) {
       break;
     case ShapeType::kMesh:
       sphere = enclosingPoints(shape.mesh()->vertices());
+      break;
+    case ShapeType::kDeformable:
+      sphere = enclosingPoints(shape.deformable()->vertices());
       break;
   }
   sphere.radius += kVerifyRounding * (sphere.radius + sphere.center.norm());

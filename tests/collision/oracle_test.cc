@@ -262,6 +262,7 @@ TEST(Oracle, HoldsForAlignedPlacements) {
       case ShapeType::kMesh:
         return Shape::mesh(oracle::boxMesh({0.5, 0.5, 0.5}));
       case ShapeType::kConvexHull:
+      case ShapeType::kDeformable:
         break;
     }
     return Shape::convexHull(oracle::boxMesh({0.5, 0.5, 0.5})->vertices());

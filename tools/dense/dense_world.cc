@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "leeway/collision/convex_hull.h"
+#include "leeway/collision/deformable_mesh.h"
 #include "leeway/collision/triangle_mesh.h"
 
 namespace leeway::dense {
@@ -59,6 +60,8 @@ FclGeometry toFcl(const Shape& shape) {
       return bvh(shape.hull()->vertices(), shape.hull()->facets());
     case ShapeType::kMesh:
       return bvh(shape.mesh()->vertices(), shape.mesh()->triangles());
+    case ShapeType::kDeformable:
+      return bvh(shape.deformable()->vertices(), shape.deformable()->mesh().triangles());
     case ShapeType::kHalfSpace:
       break;
   }

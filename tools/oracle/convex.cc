@@ -46,6 +46,7 @@ ConvexBody::ConvexBody(const Shape& shape, const collision::Pose& X_WS, const Ve
       break;
     case ShapeType::kHalfSpace:
     case ShapeType::kMesh:
+    case ShapeType::kDeformable:
       break;  // the caller's part
   }
   core_radius_ = r;

@@ -171,6 +171,7 @@ Shape randomShape(Random& random, ShapeType type, Flavour flavour) {
     case ShapeType::kConvexHull:
       return Shape::convexHull(std::span<const Vector3d>(randomPoints(random, flavour, size)));
     case ShapeType::kMesh:
+    case ShapeType::kDeformable:
       break;
   }
   return Shape::mesh(randomMesh(random, flavour, size));
@@ -226,6 +227,7 @@ std::string replay(const Shape& shape) {
     case ShapeType::kConvexHull:
       return "convexHull(" + list(shape.hull()->vertices()) + ")";
     case ShapeType::kMesh:
+    case ShapeType::kDeformable:
       break;
   }
   std::string triangles;

@@ -166,9 +166,13 @@ class Deformable {
   UpdateStatus update(std::span<const Eigen::Vector3d> vertices, double time,
                       double speed_bound = std::numeric_limits<double>::infinity());
 
-  /// The same without a copy: the vertices of the next snapshot, to be filled completely (what they
-  /// hold before is undefined) and then taken by commit(). Valid until the next commit() or
-  /// update().
+  /// The first half of update(time): fills nextVertices() from the motion and leaves the rest to
+  /// commit(). kUpdated, kBadTime or kNoMotion.
+  UpdateStatus evaluate(double time);
+
+  /// update(vertices) without a copy: the vertices of the next snapshot, to be filled completely
+  /// (what they hold before is undefined) and then taken by commit(). Valid until the next commit()
+  /// or update().
   std::span<Eigen::Vector3d> nextVertices();
   /// What is said of vertices that were written into nextVertices().
   enum class Vertices : unsigned char {

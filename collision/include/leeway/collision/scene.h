@@ -61,6 +61,10 @@ class Scene {
   }
   std::size_t bytes() const;  ///< of the bounds and pairs; shared meshes are not counted
 
+  /// Another shape for one geometry: the next snapshot of a deforming obstacle. Nobody may query
+  /// the scene meanwhile; pairs and margins stay. O(1) for a snapshot.
+  void setShape(int body, int geometry, const Shape& shape);
+
   /// Every pair must keep at least this margin [m] from now on; what it had beyond stays.
   void raiseMargins(double margin) {
     for (ScenePair& pair : pairs_) pair.margin = std::max(pair.margin, margin);
@@ -105,6 +109,10 @@ class Workspace {
   /// Places a moving body; a body that does not move stays where the scene has it.
   void setPose(int body, const Pose& X_WB);
   const Pose& pose(int body) const;
+  /// Makes room for what queries of the scene's deforming shapes fill on demand (see prepare() in
+  /// deformable_mesh.h). The constructor does it; call it when a snapshot may have more nodes than
+  /// before (strategies that rebuild need no room). May allocate.
+  void prepare(const Scene& scene);
 
   /// How far any point of a moving body may be from where its pose has it [m]: widens every
   /// interval.

@@ -9,8 +9,9 @@
 
 namespace leeway::collision {
 
-class ConvexHull;    // convex_hull.h
-class TriangleMesh;  // triangle_mesh.h
+class ConvexHull;          // convex_hull.h
+class DeformableSnapshot;  // deformable_mesh.h
+class TriangleMesh;        // triangle_mesh.h
 
 enum class ShapeType : unsigned char {
   kSphere,
@@ -22,6 +23,7 @@ enum class ShapeType : unsigned char {
   kHalfSpace,
   kConvexHull,
   kMesh,
+  kDeformable,
 };
 
 /// "sphere", "capsule", ...: the word used in files and messages.
@@ -60,17 +62,21 @@ class Shape {
   static Shape convexHull(std::shared_ptr<const ConvexHull> hull);
   /// A triangle mesh; its closed components are solids.
   static Shape mesh(std::shared_ptr<const TriangleMesh> mesh);
+  /// A deforming mesh as it is at one time; its closed components are solids. O(1): a new shape is
+  /// made for every snapshot.
+  static Shape deformable(std::shared_ptr<const DeformableSnapshot> snapshot);
 
   ShapeType type() const { return type_; }
-  /// True for all types but kMesh.
-  bool isConvex() const { return type_ != ShapeType::kMesh; }
+  /// True for all types but kMesh and kDeformable.
+  bool isConvex() const { return type_ != ShapeType::kMesh && type_ != ShapeType::kDeformable; }
   double radius() const { return radius_; }           // sphere, capsule, cylinder, cone
   double halfLength() const { return half_length_; }  // capsule, cylinder, cone
   const Eigen::Vector3d& halfExtents() const { return half_extents_; }  // box; ellipsoid: semi-axes
-  /// The hull of a kConvexHull, the mesh of a kMesh; null for every other type. They live as long
-  /// as a copy of this shape.
+  /// The hull of a kConvexHull, the mesh of a kMesh, the snapshot of a kDeformable; null for every
+  /// other type. They live as long as a copy of this shape.
   const ConvexHull* hull() const { return hull_.get(); }
   const TriangleMesh* mesh() const { return mesh_.get(); }
+  const DeformableSnapshot* deformable() const { return deformable_.get(); }
 
   /// Centre [m, frame G] and radius [m] of a sphere that holds the whole shape, rounded outwards;
   /// the radius is infinite for a half-space.
@@ -91,6 +97,7 @@ class Shape {
   double extent_ = 0;
   std::shared_ptr<const ConvexHull> hull_;
   std::shared_ptr<const TriangleMesh> mesh_;
+  std::shared_ptr<const DeformableSnapshot> deformable_;
 };
 
 }  // namespace leeway::collision

@@ -79,6 +79,20 @@ inline constexpr double kExcessTolerance = 1e-7;
 /// ... or this many pieces (and four a facet) have been cut: about 0.1 s.
 inline constexpr long kExcessPieces = 40'000;
 
+// Deforming meshes (deformable.cc, deform_descent.cc)
+
+/// Largest coordinate of a deforming mesh's vertices [m]: areas of their boxes stay within single
+/// precision.
+inline constexpr double kLargestDeformed = 1e15;
+
+/// Triangles below which the hybrid strategy leaves nodes to the queries, where the caller does not
+/// say [count]. Larger: cheaper updates, dearer queries; no value changes an answer.
+inline constexpr int kHybridSplit = 512;
+
+/// Rounding of a box's distance in single precision, as a fraction of the coordinates at play: some
+/// thirty operations of 2^-24 each. Smaller breaks the guarantee.
+inline constexpr double kSingleRounding = 0x1p-19;
+
 // Queries of meshes (mesh_descent.cc, containment.cc)
 
 /// A node is bounded to within this share of the smaller radius, and of its excess: closer work on

@@ -1,0 +1,54 @@
+#include "collision/deform_snapshot.h"
+#include "collision/scratch.h"
+
+namespace leeway::collision {
+
+namespace {
+
+std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
+
+}  // namespace
+
+void prepare(Scratch& scratch, const DeformableSnapshot& snapshot) {
+  const DeformableSnapshotImpl& s = snapshot.impl();
+  if (s.demand == Demand::kNothing) return;
+  DeformScratch& deform = scratch.impl().deform;
+  DeformScratch::Entry* entry = deform.find(s.owner);
+  if (entry == nullptr) {
+    deform.entries.emplace_back();
+    entry = &deform.entries.back();
+    entry->owner = s.owner;
+  }
+  const std::size_t count = s.tree->nodes().size();
+  if (entry->boxes.size() >= count) return;
+  entry->boxes.resize(count);
+  entry->stamp.assign(count, 0);
+}
+
+BoxSource::BoxSource(const DeformableSnapshotImpl& snapshot, DeformScratch& scratch)
+    : snapshot_(&snapshot) {
+  if (snapshot.demand == Demand::kNothing) return;
+  entry_ = scratch.find(snapshot.owner);
+  if (entry_ != nullptr && entry_->boxes.size() < snapshot.tree->nodes().size()) entry_ = nullptr;
+}
+
+const WideBox& BoxSource::fill(std::int32_t node, WideBox& room) const {
+  const DeformableSnapshotImpl& s = *snapshot_;
+  if (entry_ != nullptr && entry_->stamp[at(node)] == s.id) return entry_->boxes[at(node)];
+  WideBox& box = entry_ != nullptr ? entry_->boxes[at(node)] : room;
+  if (s.demand == Demand::kMotion) {
+    s.bounds->bound(node, s.parameters, box);
+  } else if (s.demand == Demand::kBranches && entry_ != nullptr) {
+    const DeformTree::Branch& branch = s.tree->branches()[at(s.tree->branchOf(node))];
+    deformKernels().refit(*s.tree, s.vertices.data(), branch.node_begin, branch.node_end,
+                          entry_->boxes.data());
+    for (std::int32_t i = branch.node_begin; i < branch.node_end; ++i) entry_->stamp[at(i)] = s.id;
+    return box;
+  } else {
+    deformKernels().fromVertices(*s.tree, s.vertices.data(), node, box);
+  }
+  if (entry_ != nullptr) entry_->stamp[at(node)] = s.id;
+  return box;
+}
+
+}  // namespace leeway::collision

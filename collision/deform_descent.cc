@@ -1,0 +1,478 @@
+#include "collision/deform_descent.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "collision/deform_probe.h"
+#include "collision/scratch.h"
+#include "leeway/collision/convex_hull.h"
+#include "leeway/collision/tolerances.h"
+
+namespace leeway::collision {
+
+using Eigen::Vector3d;
+
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+// Triangles of a leaf of either hierarchy.
+constexpr int kLeaf = DeformTree::kLeafTriangles;
+
+struct FloatBox {
+  float low[3], high[3];
+};
+
+FloatBox boxOf(const Vector3d& low, const Vector3d& high) {
+  FloatBox box;
+  for (int k = 0; k < 3; ++k) {
+    const auto l = static_cast<float>(low[k]), h = static_cast<float>(high[k]);
+    box.low[k] = static_cast<double>(l) <= low[k]
+                     ? l
+                     : std::nextafter(l, -std::numeric_limits<float>::infinity());
+    box.high[k] = static_cast<double>(h) >= high[k]
+                      ? h
+                      : std::nextafter(h, std::numeric_limits<float>::infinity());
+  }
+  return box;
+}
+
+FloatBox laneOf(const WideBox& box, int lane) {
+  FloatBox one;
+  for (int k = 0; k < 3; ++k) {
+    one.low[k] = box.low[k][lane];
+    one.high[k] = box.high[k][lane];
+  }
+  return one;
+}
+
+Vector3d lowOf(const FloatBox& box) {
+  return {static_cast<double>(box.low[0]), static_cast<double>(box.low[1]),
+          static_cast<double>(box.low[2])};
+}
+Vector3d highOf(const FloatBox& box) {
+  return {static_cast<double>(box.high[0]), static_cast<double>(box.high[1]),
+          static_cast<double>(box.high[2])};
+}
+
+double sizeOf(const FloatBox& box) { return (highOf(box) - lowOf(box)).norm(); }
+
+// What stands for a part of a body: a node, a leaf (as in DeformTree::Node; of a MeshTree the node
+// itself), or the whole of a convex shape.
+struct Part {
+  std::int32_t ref;
+  FloatBox box;  // in the body's frame
+};
+
+struct PartPair {
+  Part a, b;
+  double lower;  // proven for everything below
+};
+
+class DeformDescent {
+ public:
+  DeformDescent(const DeformSide& a, const DeformSide& b, const DescentPlacement& placement,
+                const DistanceRequest& request, Scratch& scratch, PairCache& cache)
+      : a_(a),
+        b_(b),
+        placement_(placement),
+        request_(request),
+        scratch_(scratch),
+        cache_(cache),
+        kernels_(deformKernels()) {
+    if (a.snapshot != nullptr) boxes_a_ = BoxSource(*a.snapshot, scratch.impl().deform);
+    if (b.snapshot != nullptr) boxes_b_ = BoxSource(*b.snapshot, scratch.impl().deform);
+    half_space_ = isHalfSpace(a) || isHalfSpace(b);
+    extent_b_ = magnitude(b.low) + magnitude(b.high);
+  }
+
+  DescentResult run() {
+    result_.lower = kInfinity;
+    result_.upper = kInfinity;
+    PartPair root;
+    root.a = {0, boxOf(a_.low, a_.high)};
+    root.b = {0, boxOf(b_.low, b_.high)};
+    root.lower = lowerBound(probeOf(root.a), root.b.box.low, root.b.box.high);
+    result_.hull_lower = root.lower;
+    if (needless(root.lower)) {
+      settle(root.lower);
+      return result_;
+    }
+    warmStart();
+    stack_[size_++] = root;
+    while (size_ > 0 && !done()) {
+      const PartPair pair = stack_[--size_];
+      if (needless(pair.lower)) {
+        settle(pair.lower);
+        continue;
+      }
+      if (visited_ >= limit()) {
+        settle(pair.lower);
+        break;
+      }
+      expand(pair);
+      if (done()) settle(pair.lower);  // parts of it may not have been looked at
+    }
+    while (size_ > 0) settle(stack_[--size_].lower);
+    return result_;
+  }
+
+ private:
+  static bool isHalfSpace(const DeformSide& side) {
+    return side.snapshot == nullptr && side.rigid.tree == nullptr &&
+           side.rigid.view.core == Core::kHalfSpace;
+  }
+  static double magnitude(const Vector3d& p) { return p.allFinite() ? p.lpNorm<1>() : 0; }
+
+  // Pairs whose lower end is above the bar need no closer look. As in mesh_descent.cc.
+  double bar() const {
+    double bar = kInfinity;
+    if (request_.threshold == request_.threshold) bar = floor();
+    double tolerance = request_.tolerance;
+    if (result_.upper <= 0 && !half_space_)
+      tolerance = std::max(tolerance, kDeeperShare * -result_.upper);
+    bar = std::min(bar, result_.upper - tolerance);
+    return placement_.swept ? std::min(bar, result_.lower) : bar;
+  }
+  bool needless(double lower) const {
+    return lower > bar() || (placement_.swept && lower >= result_.lower);
+  }
+  bool done() const {
+    if (result_.upper <= request_.threshold) return true;
+    if (!placement_.swept) return result_.upper <= 0 && !request_.depth;
+    return result_.upper <= 0 || result_.lower <= floor();
+  }
+  double floor() const { return request_.threshold > 0 ? request_.threshold : 0; }
+  int limit() const {
+    return result_.upper <= 0 && !half_space_ ? std::min(request_.node_limit, overlap_limit_)
+                                              : request_.node_limit;
+  }
+  void settle(double lower) { result_.lower = std::min(result_.lower, lower); }
+
+  DistanceResult convex(const ConvexView& a, const ConvexView& b, double threshold, bool depth) {
+    DistanceRequest request;
+    request.threshold = threshold;
+    request.tolerance = request_.tolerance;
+    request.depth = depth;
+    request.iteration_limit = request_.iteration_limit;
+    ++visited_;
+    const DistanceResult r =
+        placement_.swept
+            ? convexSweptDistance(a, placement_.X_BA0, placement_.X_BA1, placement_.growth, b,
+                                  request, scratch_, &cache_, placement_.slack)
+            : convexDistance(a, placement_.X_BA0, b, request, scratch_, &cache_, placement_.slack);
+    result_.iterations += r.iterations;
+    return r;
+  }
+
+  // Hierarchies.
+
+  static bool isWhole(const DeformSide& side) {
+    return side.snapshot == nullptr && side.rigid.tree == nullptr;
+  }
+  static bool isLeaf(const DeformSide& side, const Part& part) {
+    if (side.snapshot != nullptr) return DeformTree::isLeaf(part.ref);
+    return side.rigid.tree == nullptr || side.rigid.tree->node(part.ref).isLeaf();
+  }
+  // Slots of a leaf; one, numbered -1, of a convex shape.
+  static void slotsOf(const DeformSide& side, const Part& part, int& begin, int& end) {
+    if (side.snapshot != nullptr) {
+      const DeformTree::Leaf& leaf = side.snapshot->tree->leaf(DeformTree::leafOf(part.ref));
+      begin = leaf.slot_begin;
+      end = leaf.slot_end;
+    } else if (side.rigid.tree != nullptr) {
+      begin = side.rigid.tree->node(part.ref).triangle_begin;
+      end = side.rigid.tree->node(part.ref).triangle_end;
+    } else {
+      begin = -1;
+      end = 0;
+    }
+  }
+  static int triangleOf(const DeformSide& side, int slot) {
+    if (slot < 0) return -1;
+    return side.snapshot != nullptr ? side.snapshot->tree->triangleOf(slot)
+                                    : side.rigid.tree->triangleOf(slot);
+  }
+
+  // An exact piece; `corners` is where a deforming triangle's stand.
+  static ConvexView viewOfSlot(const DeformSide& side, int slot, Vector3d* corners) {
+    if (side.snapshot != nullptr) {
+      const DeformTree::Triangle& t = side.snapshot->tree->corners(slot);
+      for (std::size_t k = 0; k < 3; ++k)
+        corners[k] = side.snapshot->vertices[static_cast<std::size_t>(t[k])];
+      return viewOfPoints(corners, 3, 0);
+    }
+    return slot >= 0 ? side.rigid.tree->triangleView(slot) : side.rigid.view;
+  }
+
+  Probe probeOf(const Part& part) const {
+    Vector3d low = lowOf(part.box), high = highOf(part.box);
+    double radius = placement_.growth;
+    if (isWhole(a_)) {
+      // The core's own box, and what it is grown by apart.
+      low = a_.low;
+      high = a_.high;
+      if (!half_space_) {
+        const double grown = a_.rigid.view.radius;
+        low.array() += grown;
+        high.array() -= grown;
+        radius += grown;
+      }
+    }
+    return makeProbe(low, high, radius, placement_.X_BA0,
+                     placement_.swept ? &placement_.X_BA1 : nullptr, extent_b_, placement_.slack);
+  }
+
+  void expand(const PartPair& pair) {
+    const bool leaf_a = isLeaf(a_, pair.a), leaf_b = isLeaf(b_, pair.b);
+    ++visited_;
+    if (leaf_a && leaf_b) {
+      leaves(pair);
+    } else if (leaf_a || (!leaf_b && sizeOf(pair.b.box) >= sizeOf(pair.a.box))) {
+      splitB(pair);
+    } else {
+      splitA(pair);
+    }
+  }
+
+  // Pairs in the order of their lower ends, the least on top of the stack; what needs no closer
+  // look is settled.
+  void push(std::array<PartPair, kWidth>& pairs, int count) {
+    std::array<int, kWidth> order{};
+    int open = 0;
+    for (int i = 0; i < count; ++i) {
+      const PartPair& pair = pairs[static_cast<std::size_t>(i)];
+      if (needless(pair.lower)) {
+        settle(pair.lower);
+        continue;
+      }
+      int at = open++;
+      for (; at > 0 &&
+             pairs[static_cast<std::size_t>(order[static_cast<std::size_t>(at - 1)])].lower <
+                 pair.lower;
+           --at)
+        order[static_cast<std::size_t>(at)] = order[static_cast<std::size_t>(at - 1)];
+      order[static_cast<std::size_t>(at)] = i;
+    }
+    for (int i = 0; i < open; ++i)
+      stack_[size_++] = pairs[static_cast<std::size_t>(order[static_cast<std::size_t>(i)])];
+  }
+
+  void splitB(const PartPair& pair) {
+    std::array<PartPair, kWidth> pairs;
+    int count = 0;
+    const Probe probe = probeOf(pair.a);
+    if (b_.snapshot != nullptr) {
+      WideBox room;
+      const WideBox& box = boxes_b_.boxes(pair.b.ref, room);
+      Bounds bounds;
+      kernels_.lowerBounds(probe, box, bounds);
+      const DeformTree::Node& node = b_.snapshot->tree->node(pair.b.ref);
+      for (int lane = 0; lane < kWidth && node.child[lane] != DeformTree::kNone; ++lane) {
+        pairs[static_cast<std::size_t>(count++)] = {
+            pair.a,
+            {node.child[lane], laneOf(box, lane)},
+            std::max(pair.lower, static_cast<double>(bounds.lower[lane]))};
+      }
+    } else {
+      for (const std::int32_t child : {pair.b.ref + 1, b_.rigid.tree->node(pair.b.ref).right}) {
+        const MeshNode& node = b_.rigid.tree->node(child);
+        const FloatBox box = boxOf(node.low, node.high);
+        pairs[static_cast<std::size_t>(count++)] = {
+            pair.a, {child, box}, std::max(pair.lower, lowerBound(probe, box.low, box.high))};
+      }
+    }
+    push(pairs, count);
+  }
+
+  void splitA(const PartPair& pair) {
+    std::array<PartPair, kWidth> pairs;
+    int count = 0;
+    const auto add = [&](std::int32_t ref, const FloatBox& box) {
+      const Part part{ref, box};
+      pairs[static_cast<std::size_t>(count++)] = {
+          part, pair.b,
+          std::max(pair.lower, lowerBound(probeOf(part), pair.b.box.low, pair.b.box.high))};
+    };
+    if (a_.snapshot != nullptr) {
+      WideBox room;
+      const WideBox& box = boxes_a_.boxes(pair.a.ref, room);
+      const DeformTree::Node& node = a_.snapshot->tree->node(pair.a.ref);
+      for (int lane = 0; lane < kWidth && node.child[lane] != DeformTree::kNone; ++lane)
+        add(node.child[lane], laneOf(box, lane));
+    } else {
+      for (const std::int32_t child : {pair.a.ref + 1, a_.rigid.tree->node(pair.a.ref).right}) {
+        const MeshNode& node = a_.rigid.tree->node(child);
+        add(child, boxOf(node.low, node.high));
+      }
+    }
+    push(pairs, count);
+  }
+
+  // Boxes of a leaf's triangles; of a convex shape its own.
+  void trianglesOf(const DeformSide& side, const Part& part, int begin, int end,
+                   WideBox& box) const {
+    if (side.snapshot != nullptr) {
+      kernels_.triangles(*side.snapshot->tree, side.snapshot->vertices.data(), begin, end, box);
+      return;
+    }
+    box.clear();
+    for (int slot = begin; slot < end; ++slot) {
+      FloatBox one = part.box;
+      if (slot >= 0) {
+        const Vector3d* c = side.rigid.tree->corners(slot);
+        one = boxOf(c[0].cwiseMin(c[1]).cwiseMin(c[2]), c[0].cwiseMax(c[1]).cwiseMax(c[2]));
+      }
+      for (int k = 0; k < 3; ++k) {
+        box.low[k][slot - begin] = one.low[k];
+        box.high[k][slot - begin] = one.high[k];
+      }
+    }
+  }
+
+  void leaves(const PartPair& pair) {
+    int begin_a = 0, end_a = 0, begin_b = 0, end_b = 0;
+    slotsOf(a_, pair.a, begin_a, end_a);
+    slotsOf(b_, pair.b, begin_b, end_b);
+    WideBox box_a, box_b;
+    trianglesOf(b_, pair.b, begin_b, end_b, box_b);
+    if (!isWhole(a_)) trianglesOf(a_, pair.a, begin_a, end_a, box_a);
+    for (int slot_a = begin_a; slot_a < end_a; ++slot_a) {
+      Part part = pair.a;
+      if (!isWhole(a_)) part.box = laneOf(box_a, slot_a - begin_a);
+      const Probe probe = probeOf(part);
+      Bounds bounds;
+      if (isWhole(b_)) {
+        bounds.lower[0] = static_cast<float>(-kInfinity);  // it may be unbounded
+      } else {
+        kernels_.lowerBounds(probe, box_b, bounds);
+      }
+      leaf(slot_a, begin_b, end_b, pair.lower, bounds);
+      if (done()) return;
+    }
+  }
+
+  // One exact piece of A against the triangles of a leaf, nearest first.
+  void leaf(int slot_a, int begin_b, int end_b, double lower, Bounds& bounds) {
+    const int count = end_b - begin_b;
+    for (int round = 0; round < count; ++round) {
+      int next = -1;
+      for (int i = 0; i < count; ++i) {
+        // Written so that those that are done, marked by NaN, fail.
+        if (bounds.lower[i] == bounds.lower[i] &&
+            (next < 0 || bounds.lower[i] < bounds.lower[next]))
+          next = i;
+      }
+      const double least = std::max(lower, static_cast<double>(bounds.lower[next]));
+      if (needless(least)) {
+        settle(least);  // and all others are farther
+        return;
+      }
+      bounds.lower[next] = std::numeric_limits<float>::quiet_NaN();
+      triangles(slot_a, begin_b + next);
+      if (done()) return;
+    }
+  }
+
+  // A pair of exact pieces; -1 is a convex shape as a whole. As in mesh_descent.cc.
+  void triangles(int slot_a, int slot_b) {
+    Vector3d corners_a[3], corners_b[3];
+    const ConvexView view_a = viewOfSlot(a_, slot_a, corners_a),
+                     view_b = viewOfSlot(b_, slot_b, corners_b);
+    const bool depth = request_.depth && !placement_.swept;
+    const double bar_now = bar();
+    DistanceResult r = convex(view_a, view_b, bar_now < kInfinity ? bar_now : kNaN, depth);
+    const bool settled = r.distance.lower > bar_now || r.status == DistanceStatus::kConverged ||
+                         !(bar_now < kInfinity) || bar_now == request_.threshold ||
+                         r.distance.upper <= request_.threshold ||
+                         (!depth && r.distance.upper <= 0);
+    if (!settled) {
+      const double lower = r.distance.lower;
+      r = convex(view_a, view_b, request_.threshold, depth);
+      r.distance.lower = std::max(r.distance.lower, lower);
+    }
+    settle(r.distance.lower);
+    if (!(r.distance.upper < result_.upper)) return;
+    if (r.distance.upper <= 0 && result_.upper > 0) overlap_limit_ = visited_ + kDeeperNodes;
+    result_.upper = r.distance.upper;
+    result_.witness = r;
+    result_.witness.triangle_a = triangleOf(a_, slot_a);
+    result_.witness.triangle_b = triangleOf(b_, slot_b);
+  }
+
+  // The pair of triangles that was closest last time: an upper end at once.
+  void warmStart() {
+    const auto slotOf = [](const DeformSide& side, int triangle) {
+      if (isWhole(side)) return -1;
+      const int count = side.snapshot != nullptr ? side.snapshot->tree->triangleCount()
+                                                 : side.rigid.tree->triangleCount();
+      if (triangle < 0 || triangle >= count) return -2;
+      return side.snapshot != nullptr ? side.snapshot->tree->slotOf(triangle)
+                                      : side.rigid.tree->slotOf(triangle);
+    };
+    const int slot_a = slotOf(a_, cache_.triangle_a), slot_b = slotOf(b_, cache_.triangle_b);
+    if (slot_a < -1 || slot_b < -1) return;
+    const double lower = result_.lower;
+    triangles(slot_a, slot_b);
+    // The pair comes again in its turn.
+    if (!placement_.swept) result_.lower = lower;
+  }
+
+  const DeformSide& a_;
+  const DeformSide& b_;
+  const DescentPlacement& placement_;
+  const DistanceRequest& request_;
+  Scratch& scratch_;
+  PairCache& cache_;
+  const DeformKernels& kernels_;
+  BoxSource boxes_a_, boxes_b_;
+  DescentResult result_;
+  bool half_space_ = false;
+  double extent_b_ = 0;  // of B's coordinates
+  int visited_ = 0;
+  int overlap_limit_ = std::numeric_limits<int>::max();
+  // Every pair that is taken off puts at most eight back, which are one level lower on one side.
+  std::array<PartPair, (kWidth - 1) * (DeformTree::kMaxDepth + MeshTree::kMaxDepth) + kWidth>
+      stack_;
+  std::size_t size_ = 0;
+};
+
+}  // namespace
+
+DeformSide deformSide(const Shape& shape) {
+  DeformSide side;
+  if (shape.type() == ShapeType::kDeformable) {
+    side.snapshot = &shape.deformable()->impl();
+    side.low = side.snapshot->low;
+    side.high = side.snapshot->high;
+    side.extent = shape.extent();
+    return side;
+  }
+  side.rigid = descentSide(shape);
+  side.low = side.rigid.low;
+  side.high = side.rigid.high;
+  side.extent = side.rigid.extent;
+  if (shape.type() == ShapeType::kConvexHull) {
+    // The box of its vertices is tighter than that of the sphere around them.
+    Vector3d low = shape.hull()->vertices()[0], high = low;
+    for (const Vector3d& v : shape.hull()->vertices()) {
+      low = low.cwiseMin(v);
+      high = high.cwiseMax(v);
+    }
+    side.low = low.array() - shape.hull()->excess();
+    side.high = high.array() + shape.hull()->excess();
+  }
+  return side;
+}
+
+DescentResult deformDescend(const DeformSide& a, const DeformSide& b,
+                            const DescentPlacement& placement, const DistanceRequest& request,
+                            Scratch& scratch, PairCache* cache) {
+  return DeformDescent(a, b, placement, request, scratch, *cache).run();
+}
+
+}  // namespace leeway::collision

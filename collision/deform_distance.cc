@@ -1,0 +1,116 @@
+#include "collision/deform_distance.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "collision/containment.h"
+#include "collision/deform_descent.h"
+#include "collision/mesh_distance.h"
+
+namespace leeway::collision {
+namespace {
+
+using Eigen::Vector3d;
+
+double slackOf(const RelativePose& relative, const DeformSide& a, const DeformSide& b) {
+  const double extent_a = std::isfinite(a.extent) ? a.extent : 0,
+               extent_b = std::isfinite(b.extent) ? b.extent : 0;
+  return relative.slack * (extent_a + extent_b + relative.X_BA.translation.norm());
+}
+
+void remember(const DescentResult& found, PairCache& cache) {
+  if (found.witness.triangle_a >= 0 || found.witness.triangle_b >= 0) {
+    cache.triangle_a = found.witness.triangle_a;
+    cache.triangle_b = found.witness.triangle_b;
+  }
+}
+
+// The bodies in the other order.
+DistanceResult exchanged(DistanceResult result) {
+  std::swap(result.point_a, result.point_b);
+  std::swap(result.triangle_a, result.triangle_b);
+  result.normal = -result.normal;
+  return result;
+}
+
+}  // namespace
+
+DistanceResult deformDistance(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
+                              const DistanceRequest& request, Scratch& scratch, PairCache* cache) {
+  // Boxes stand in B's frame: B is the one that deforms, where only one does.
+  if (b.type() != ShapeType::kDeformable) {
+    PairCache turned = cache != nullptr ? *cache : PairCache{};
+    std::swap(turned.triangle_a, turned.triangle_b);
+    const DistanceResult result =
+        exchanged(deformDistance(b, X_WB, a, X_WA, request, scratch, &turned));
+    std::swap(turned.triangle_a, turned.triangle_b);
+    if (cache != nullptr) *cache = turned;
+    return result;
+  }
+  const RelativePose relative = relativePose(X_WA, X_WB);
+  if (!relative.valid) return {};
+  const DeformSide side_a = deformSide(a), side_b = deformSide(b);
+  DescentPlacement placement;
+  placement.X_BA0 = placement.X_BA1 = relative.X_BA;
+  placement.slack = slackOf(relative, side_a, side_b);
+  PairCache own;
+  PairCache& warm = cache != nullptr ? *cache : own;
+  const DescentResult found = deformDescend(side_a, side_b, placement, request, scratch, &warm);
+  remember(found, warm);
+
+  DistanceResult result = found.witness;
+  result.iterations = found.iterations;
+  result.distance = {std::max(found.lower, found.hull_lower), found.upper};
+  result.point_a = X_WB * result.point_a;
+  result.point_b = X_WB * result.point_b;
+  result.normal = X_WB.rotation * result.normal;
+  // Boxes that meet say nothing yet: the surfaces may be apart, with one body inside the other, or
+  // overlap.
+  if (!(found.hull_lower > 0)) {
+    Containment containment = Containment::kUndecided;
+    if (found.lower > 0) containment = containsAt(a, X_WA, b, X_WB, found.lower, scratch);
+    if (containment != Containment::kNo) {
+      // What is inside has to come through the surface, which is that far away.
+      if (containment == Containment::kYes) result.distance.upper = -found.lower;
+      result.distance.lower = found.hull_lower;
+      if (request.depth && !(result.distance.upper <= request.threshold)) {
+        const Vector3d way_out = containment == Containment::kYes
+                                     ? Vector3d(result.point_a - result.point_b)
+                                     : result.normal;
+        separate(a, X_WA, b, X_WB, way_out, request, scratch, result);
+      }
+    }
+  }
+  result.status = statusOf(result.distance, request);
+  return result;
+}
+
+DistanceResult deformSweptDistance(const Shape& a, const Pose& X_BA0, const Pose& X_BA1,
+                                   double growth, const Shape& b, const DistanceRequest& request,
+                                   Scratch& scratch, PairCache* cache) {
+  const RelativePose begin = relativePose(X_BA0, Pose{}), end = relativePose(X_BA1, Pose{});
+  if (!begin.valid || !end.valid || !(growth >= 0)) return {};  // written so that a NaN fails
+  const DeformSide side_a = deformSide(a), side_b = deformSide(b);
+  DescentPlacement placement;
+  placement.X_BA0 = X_BA0;
+  placement.X_BA1 = X_BA1;
+  placement.swept = true;
+  placement.growth = growth;
+  placement.slack = std::max(slackOf(begin, side_a, side_b), slackOf(end, side_a, side_b));
+  PairCache own;
+  PairCache& warm = cache != nullptr ? *cache : own;
+  const DescentResult found = deformDescend(side_a, side_b, placement, request, scratch, &warm);
+  remember(found, warm);
+
+  DistanceResult result = found.witness;
+  result.iterations = found.iterations;
+  // Below zero the pieces say nothing about the whole; its box may.
+  result.distance.lower =
+      found.lower > 0 ? std::max(found.lower, found.hull_lower) : found.hull_lower;
+  result.distance.upper = found.upper;
+  result.status = statusOf(result.distance, request);
+  return result;
+}
+
+}  // namespace leeway::collision

@@ -1,0 +1,56 @@
+#pragma once
+
+// Private to collision/: the inner loops of deforming meshes, for every instruction set.
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <span>
+
+#include "collision/deform_tree.h"
+
+namespace leeway::collision {
+
+/// A body whose distance from boxes is asked, in the boxes' frame B and single precision, rounded
+/// outwards: intervals along B's axes and along three other orthonormal ones, and a plane; the body
+/// lies within all of them, grown by `radius`. Intervals may be infinite.
+struct Probe {
+  float low[3], high[3];            ///< along x, y, z of B
+  float axis[3][3];                 ///< three unit vectors
+  float axis_low[3], axis_high[3];  ///< along them
+  float normal[3];                  ///< a direction from the body to the boxes; 0: none
+  float normal_high;                ///< no point of the body is farther along it
+  float radius;
+  float slack;  ///< rounding of everything here [m]
+};
+
+/// Lower bounds on the signed separation of the body and each box; infinity for empty lanes.
+struct Bounds {
+  alignas(64) float lower[kWidth];
+};
+
+/// Function pointers of one instruction set. Every set yields the same bytes.
+struct DeformKernels {
+  /// Boxes of the nodes [begin, end), last first, each from its leaves' vertices and its children
+  /// (which must be in the range, too); and the boxes of nodes whose parents are in the range, in
+  /// them. Returns false when a vertex is NaN or infinite.
+  bool (*refit)(const DeformTree& tree, const Eigen::Vector3d* vertices, std::int32_t begin,
+                std::int32_t end, WideBox* boxes);
+  /// Boxes of all branches, in their parents' lanes.
+  bool (*branches)(const DeformTree& tree, const Eigen::Vector3d* vertices, WideBox* boxes);
+  /// Boxes of the children of one node from the vertices below them; infinite ones where a vertex
+  /// is not finite.
+  void (*fromVertices)(const DeformTree& tree, const Eigen::Vector3d* vertices, std::int32_t node,
+                       WideBox& box);
+  /// Boxes of the triangles begin .. end - 1 of the tree's slots, at most eight.
+  void (*triangles)(const DeformTree& tree, const Eigen::Vector3d* vertices, std::int32_t begin,
+                    std::int32_t end, WideBox& box);
+  /// The box of all vertices. False when one is NaN or beyond +-limit.
+  bool (*bound)(const Eigen::Vector3d* vertices, std::size_t count, double limit,
+                Eigen::Vector3d& low, Eigen::Vector3d& high);
+  void (*lowerBounds)(const Probe& probe, const WideBox& box, Bounds& bounds);
+};
+
+/// Those of the best instruction set that this machine has. Chosen once.
+const DeformKernels& deformKernels();
+
+}  // namespace leeway::collision

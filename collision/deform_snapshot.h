@@ -1,0 +1,83 @@
+#pragma once
+
+// Private to collision/: the state of a deforming mesh, and where queries find bounds of nodes.
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "collision/deform_bounds.h"
+#include "collision/deform_kernels.h"
+#include "collision/deform_tree.h"
+#include "leeway/collision/deformable_mesh.h"
+
+namespace leeway::collision {
+
+/// Which bounds a snapshot leaves to the queries.
+enum class Demand : unsigned char {
+  kNothing,   ///< none: all nodes have been computed
+  kBranches,  ///< those of branches: a branch is swept as a whole when a query arrives there
+  kVertices,  ///< all: a node looks at the vertices below it
+  kMotion,    ///< all: from the parameters of the motion
+  kNoTree,    ///< there are no nodes
+};
+
+struct DeformableSnapshotImpl {
+  DeformableSnapshotImpl() { face.impl_ = this; }
+  DeformableSnapshotImpl(const DeformableSnapshotImpl&) = delete;
+  DeformableSnapshotImpl& operator=(const DeformableSnapshotImpl&) = delete;
+
+  DeformableSnapshot face;
+  std::shared_ptr<const DeformableMesh> mesh;
+  std::shared_ptr<const DeformTree> tree;
+  std::shared_ptr<const NodeBounds> bounds;  // for Demand::kMotion
+  std::vector<Eigen::Vector3d> vertices;     // and one more, so that four doubles can be loaded
+  std::vector<double> parameters;            // of the motion
+  std::vector<WideBox> boxes;                // one a node that is not left to the queries
+  Demand demand = Demand::kNothing;
+  DeformStrategy strategy = DeformStrategy::kRebuild;
+  double time = 0, speed_bound = 0;
+  std::uint64_t id = 0, owner = 0;
+  Eigen::Vector3d low = Eigen::Vector3d::Zero(), high = Eigen::Vector3d::Zero();
+};
+
+/// Nodes of one owner's snapshots that a thread has filled.
+struct DeformScratch {
+  struct Entry {
+    std::uint64_t owner = 0;
+    std::vector<WideBox> boxes;        // one a node
+    std::vector<std::uint64_t> stamp;  // one a node: the snapshot that its box belongs to
+  };
+  std::vector<Entry> entries;
+
+  Entry* find(std::uint64_t owner) {
+    for (Entry& entry : entries) {
+      if (entry.owner == owner) return &entry;
+    }
+    return nullptr;
+  }
+};
+
+/// The bounds of a snapshot's nodes, for one query.
+class BoxSource {
+ public:
+  BoxSource() = default;
+  BoxSource(const DeformableSnapshotImpl& snapshot, DeformScratch& scratch);
+
+  /// Boxes of the node's children; `room` is used where the thread's scratch has none for it.
+  const WideBox& boxes(std::int32_t node, WideBox& room) const {
+    if (snapshot_->demand == Demand::kNothing ||
+        (snapshot_->demand == Demand::kBranches && node < snapshot_->tree->upperCount())) {
+      return snapshot_->boxes[static_cast<std::size_t>(node)];
+    }
+    return fill(node, room);
+  }
+
+ private:
+  const WideBox& fill(std::int32_t node, WideBox& room) const;
+
+  const DeformableSnapshotImpl* snapshot_ = nullptr;
+  DeformScratch::Entry* entry_ = nullptr;  // null: there is no room
+};
+
+}  // namespace leeway::collision

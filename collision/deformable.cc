@@ -1,0 +1,308 @@
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "collision/deform_build.h"
+#include "collision/deform_pool.h"
+#include "collision/scratch.h"
+#include "leeway/collision/deformable_mesh.h"
+#include "leeway/collision/tolerances.h"
+#include "leeway/collision/vertex_motion.h"
+
+namespace leeway::collision {
+
+using Eigen::Vector3d;
+
+namespace {
+
+std::uint64_t nextNumber() {
+  static std::atomic<std::uint64_t> last{0};
+  return last.fetch_add(1, std::memory_order_relaxed) + 1;
+}
+
+bool needsMotion(DeformStrategy strategy) {
+  return strategy == DeformStrategy::kMorph || strategy == DeformStrategy::kSkinned ||
+         strategy == DeformStrategy::kReduced;
+}
+
+DeformStrategy strategyOf(MotionKind kind) {
+  switch (kind) {
+    case MotionKind::kMorph:
+      return DeformStrategy::kMorph;
+    case MotionKind::kSkinned:
+      return DeformStrategy::kSkinned;
+    case MotionKind::kReduced:
+      return DeformStrategy::kReduced;
+    default:
+      return DeformStrategy::kHybrid;
+  }
+}
+
+}  // namespace
+
+struct Deformable::Impl {
+  std::shared_ptr<const DeformableMesh> mesh;
+  std::shared_ptr<const VertexMotion> motion;
+  DeformOptions options;
+  int split = 0;
+  std::uint64_t number = 0;
+  std::shared_ptr<DeformPool> pool = std::make_shared<DeformPool>();
+  std::shared_ptr<const DeformTree> tree;
+  std::shared_ptr<const NodeBounds> bounds;  // of the tree, when the strategy needs them
+  DeformPool::Slot* next = nullptr;          // being prepared
+  std::shared_ptr<const DeformableSnapshot> current;
+  UpdateStatistics statistics;
+  int bad_vertex = -1;
+  bool by_motion = false;  // the next snapshot's vertices are the motion's
+
+  // What is to be done with vertices that stand in the next snapshot.
+  UpdateStatus take(double time, double speed_bound, bool checked);
+  DeformableSnapshotImpl& prepareNext();
+  void choose(DeformStrategy& strategy, const char*& reason) const;
+  bool follow(DeformStrategy strategy, DeformableSnapshotImpl& next_snapshot, bool bounded);
+  void findBadVertex(const DeformableSnapshotImpl& snapshot);
+};
+
+DeformableSnapshotImpl& Deformable::Impl::prepareNext() {
+  if (next == nullptr) {
+    next = &pool->take();
+    DeformableSnapshotImpl& s = next->snapshot;
+    s.mesh = mesh;
+    s.owner = number;
+    if (s.vertices.empty()) {
+      s.vertices.assign(mesh->rest().size() + 1, Vector3d::Zero());
+      if (motion) s.parameters.resize(static_cast<std::size_t>(motion->parameterCount()));
+    }
+  }
+  return next->snapshot;
+}
+
+void Deformable::Impl::choose(DeformStrategy& strategy, const char*& reason) const {
+  strategy = options.strategy;
+  reason = "asked for";
+  if (needsMotion(strategy) && !by_motion) {
+    strategy = DeformStrategy::kHybrid;
+    reason = "the vertices are not the motion's";
+  }
+  if (strategy != DeformStrategy::kAuto) return;
+  if (by_motion && bounds && needsMotion(strategyOf(motion->kind()))) {
+    strategy = strategyOf(motion->kind());
+    reason = "the motion bounds its own nodes";
+    return;
+  }
+  strategy = DeformStrategy::kHybrid;
+  reason = "vertices come one by one, few queries a frame";
+}
+
+// The hierarchy, or what is to be known of it. False when a vertex is not finite.
+bool Deformable::Impl::follow(DeformStrategy strategy, DeformableSnapshotImpl& s, bool bounded) {
+  const DeformKernels& kernels = deformKernels();
+  const Vector3d* vertices = s.vertices.data();
+  const std::span<const Vector3d> all{vertices, mesh->rest().size()};
+  statistics.nodes_touched = statistics.vertices_touched = statistics.triangles_rebuilt = 0;
+  if (strategy == DeformStrategy::kRebuild || strategy == DeformStrategy::kRebuildLinear) {
+    // Places that are no numbers must not reach the builder.
+    if (!bounded && !kernels.bound(vertices, all.size(), kLargestDeformed, s.low, s.high))
+      return false;
+    tree = buildDeformTree(
+        all, mesh->triangles(),
+        strategy == DeformStrategy::kRebuild ? DeformMethod::kBinned : DeformMethod::kLinear,
+        split);
+    statistics.triangles_rebuilt = mesh->triangleCount();
+  }
+  s.tree = tree;
+  s.bounds = bounds;
+  const std::int32_t count = tree->nodeCount();
+  const auto reserve = [&](std::int32_t nodes) {
+    if (s.boxes.size() < static_cast<std::size_t>(nodes))
+      s.boxes.resize(static_cast<std::size_t>(nodes));
+  };
+  switch (strategy) {
+    case DeformStrategy::kHybrid:
+      s.demand = Demand::kBranches;
+      reserve(tree->upperCount());
+      if (!kernels.branches(*tree, vertices, s.boxes.data())) return false;
+      if (!kernels.refit(*tree, vertices, 0, tree->upperCount(), s.boxes.data())) return false;
+      statistics.nodes_touched = tree->upperCount();
+      statistics.vertices_touched = mesh->vertexCount();
+      break;
+    case DeformStrategy::kLazy:
+    case DeformStrategy::kOctree:
+      s.demand = strategy == DeformStrategy::kLazy ? Demand::kVertices : Demand::kNoTree;
+      if (!bounded && !kernels.bound(vertices, all.size(), kLargestDeformed, s.low, s.high))
+        return false;
+      statistics.vertices_touched = mesh->vertexCount();
+      return true;
+    case DeformStrategy::kMorph:
+    case DeformStrategy::kSkinned:
+    case DeformStrategy::kReduced:
+      s.demand = Demand::kMotion;
+      reserve(1);
+      bounds->bound(0, s.parameters, s.boxes[0]);
+      statistics.nodes_touched = 1;
+      break;
+    default:
+      s.demand = Demand::kNothing;
+      reserve(count);
+      if (!kernels.refit(*tree, vertices, 0, count, s.boxes.data())) return false;
+      statistics.nodes_touched = count;
+      statistics.vertices_touched = static_cast<std::int64_t>(tree->leafVertices().size());
+      break;
+  }
+  // The root's children together.
+  for (int k = 0; k < 3; ++k) {
+    s.low[k] = std::numeric_limits<double>::infinity();
+    s.high[k] = -std::numeric_limits<double>::infinity();
+    for (int lane = 0; lane < kWidth; ++lane) {
+      s.low[k] = std::min(s.low[k], static_cast<double>(s.boxes[0].low[k][lane]));
+      s.high[k] = std::max(s.high[k], static_cast<double>(s.boxes[0].high[k][lane]));
+    }
+  }
+  return s.low.minCoeff() >= -1.01 * kLargestDeformed &&
+         s.high.maxCoeff() <= 1.01 * kLargestDeformed;
+}
+
+void Deformable::Impl::findBadVertex(const DeformableSnapshotImpl& s) {
+  bad_vertex = -1;
+  for (int i = 0; i < mesh->vertexCount(); ++i) {
+    const Vector3d& v = s.vertices[static_cast<std::size_t>(i)];
+    // Written so that a NaN fails.
+    if (v.cwiseAbs().maxCoeff() <= kLargestDeformed && v.sum() == v.sum()) continue;
+    bad_vertex = i;
+    return;
+  }
+}
+
+UpdateStatus Deformable::Impl::take(double time, double speed_bound, bool checked) {
+  DeformableSnapshotImpl& s = prepareNext();
+  bad_vertex = -1;
+  if (!std::isfinite(time) || !(speed_bound >= 0)) return UpdateStatus::kBadTime;
+  DeformStrategy strategy = DeformStrategy::kAuto;
+  const char* reason = "";
+  choose(strategy, reason);
+  const bool bounded = !checked;
+  bool good = checked || deformKernels().bound(s.vertices.data(), mesh->rest().size(),
+                                               kLargestDeformed, s.low, s.high);
+  const UpdateStatistics before = statistics;
+  if (good) good = follow(strategy, s, bounded);
+  if (!good) {
+    statistics = before;
+    findBadVertex(s);
+    return UpdateStatus::kNotFinite;
+  }
+  statistics.strategy = strategy;
+  statistics.reason = reason;
+  s.strategy = strategy;
+  s.time = time;
+  s.speed_bound = speed_bound;
+  s.id = nextNumber();
+  current = pool->publish(*next);
+  next = nullptr;
+  return UpdateStatus::kUpdated;
+}
+
+Deformable::Deformable(std::shared_ptr<const DeformableMesh> mesh,
+                       std::shared_ptr<const VertexMotion> motion, const DeformOptions& options)
+    : impl_(std::make_unique<Impl>()) {
+  if (!mesh) throw std::invalid_argument("deformable: no mesh");
+  if (motion && motion->vertexCount() != mesh->vertexCount()) {
+    throw std::invalid_argument("deformable: the motion has " +
+                                std::to_string(motion->vertexCount()) + " vertices, the mesh " +
+                                std::to_string(mesh->vertexCount()));
+  }
+  if (needsMotion(options.strategy) &&
+      (!motion || strategyOf(motion->kind()) != options.strategy)) {
+    throw std::invalid_argument(std::string("deformable: the strategy ") +
+                                toString(options.strategy) + " needs a " +
+                                toString(options.strategy) + " motion; this one is of the kind " +
+                                (motion ? toString(motion->kind()) : "own vertices") +
+                                ", which auto, rebuild, rebuild-linear, refit, hybrid, lazy, "
+                                "restructure and octree follow");
+  }
+  Impl& impl = *impl_;
+  impl.mesh = std::move(mesh);
+  impl.motion = std::move(motion);
+  impl.options = options;
+  impl.split = options.hybrid_split > 0 ? options.hybrid_split : kHybridSplit;
+  impl.number = nextNumber();
+  impl.tree =
+      buildDeformTree(impl.mesh->rest(), impl.mesh->triangles(), DeformMethod::kBinned, impl.split);
+  const bool wanted = needsMotion(options.strategy) || options.strategy == DeformStrategy::kAuto;
+  if (wanted && impl.motion) impl.bounds = makeNodeBounds(*impl.motion, *impl.tree);
+  if (needsMotion(options.strategy) && !impl.bounds) {
+    throw std::invalid_argument(std::string("deformable: this motion has no bounds for ") +
+                                toString(options.strategy));
+  }
+  // The rest position need not be one of the motion's, whose bounds hold for no other vertices.
+  DeformStrategy& strategy = impl.options.strategy;
+  const DeformStrategy asked = std::exchange(strategy, DeformStrategy::kRefit);
+  const std::span<Vector3d> vertices = nextVertices();
+  std::copy(impl.mesh->rest().begin(), impl.mesh->rest().end(), vertices.begin());
+  impl.take(0, std::numeric_limits<double>::infinity(), true);
+  strategy = asked;
+}
+
+Deformable::~Deformable() = default;
+Deformable::Deformable(Deformable&&) noexcept = default;
+Deformable& Deformable::operator=(Deformable&&) noexcept = default;
+
+UpdateStatus Deformable::evaluate(double time) {
+  Impl& impl = *impl_;
+  if (!impl.motion) return UpdateStatus::kNoMotion;
+  if (!std::isfinite(time)) return UpdateStatus::kBadTime;
+  DeformableSnapshotImpl& s = impl.prepareNext();
+  impl.motion->parameters(time, s.parameters);
+  impl.motion->vertices(s.parameters, 0, nextVertices());
+  impl.by_motion = true;
+  return UpdateStatus::kUpdated;
+}
+
+UpdateStatus Deformable::update(double time) {
+  const UpdateStatus status = evaluate(time);
+  if (status != UpdateStatus::kUpdated) return status;
+  Impl& impl = *impl_;
+  return impl.take(time, impl.motion->speedBound(time, time + impl.options.speed_horizon), false);
+}
+
+UpdateStatus Deformable::update(std::span<const Vector3d> vertices, double time,
+                                double speed_bound) {
+  Impl& impl = *impl_;
+  if (vertices.size() != impl.mesh->rest().size()) {
+    impl.bad_vertex = -1;
+    return UpdateStatus::kWrongVertexCount;
+  }
+  const std::span<Vector3d> next = nextVertices();
+  std::copy(vertices.begin(), vertices.end(), next.begin());
+  return impl.take(time, speed_bound, false);
+}
+
+std::span<Vector3d> Deformable::nextVertices() {
+  DeformableSnapshotImpl& s = impl_->prepareNext();
+  impl_->by_motion = false;
+  return {s.vertices.data(), s.vertices.size() - 1};
+}
+
+UpdateStatus Deformable::commit(double time, double speed_bound, Vertices vertices) {
+  return impl_->take(time, speed_bound, vertices == Vertices::kFinite);
+}
+
+std::shared_ptr<const DeformableSnapshot> Deformable::snapshot() const { return impl_->current; }
+const UpdateStatistics& Deformable::statistics() const { return impl_->statistics; }
+int Deformable::badVertex() const { return impl_->bad_vertex; }
+const std::shared_ptr<const DeformableMesh>& Deformable::mesh() const { return impl_->mesh; }
+const std::shared_ptr<const VertexMotion>& Deformable::motion() const { return impl_->motion; }
+const DeformOptions& Deformable::options() const { return impl_->options; }
+
+std::size_t Deformable::bytes() const {
+  std::size_t bytes = impl_->tree->bytes();
+  for (std::size_t i = 0; i < impl_->pool->slotCount(); ++i) {
+    const DeformableSnapshotImpl& s = impl_->pool->slot(i).snapshot;
+    bytes += s.vertices.capacity() * sizeof(Vector3d) + s.boxes.capacity() * sizeof(WideBox);
+  }
+  return bytes;
+}
+
+}  // namespace leeway::collision
