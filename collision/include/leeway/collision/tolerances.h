@@ -169,4 +169,23 @@ inline constexpr double kImpactShare = 0.1;
 /// right; this one asked least.
 inline constexpr double kImpactHorizons = 8;
 
+// Time of contact (rigid_motion.cc, time_of_contact.cc)
+
+/// Rounding of a pose on a motion, as a fraction of the coordinates at play: some thirty
+/// operations.
+inline constexpr double kMotionRounding = 1e-14;
+
+/// A screw that turns less has no axis that could be told from its travel [rad]; the turn is
+/// dropped, which moves nothing by more than this times its distance.
+inline constexpr double kLeastScrewTurn = 1e-12;
+
+/// A step by the bound on closing is taken when it is this share of the way to the contact that
+/// present velocities predict; else a sweep over the other share of that way is tried, and halved
+/// until the step is as long. They change the number of queries, never an answer's truth.
+inline constexpr double kContactStepShare = 0.5;
+inline constexpr double kContactSweepShare = 0.9;
+
+/// A distance on the way is asked to within this share of what the last one leaves to expect.
+inline constexpr double kContactDistanceShare = 0.01;
+
 }  // namespace leeway::collision

@@ -1,0 +1,143 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <span>
+
+#include "leeway/collision/distance.h"
+#include "leeway/collision/scene.h"
+
+namespace leeway::collision {
+
+/// Velocity of a frame at one moment, per unit of the motion's parameter, in the world.
+struct FrameVelocity {
+  Eigen::Vector3d linear = Eigen::Vector3d::Zero();   ///< of the frame's origin [m]
+  Eigen::Vector3d angular = Eigen::Vector3d::Zero();  ///< [rad]
+};
+
+/// What a frame's motion does not exceed over an interval of its parameter.
+struct FrameMotionBound {
+  double speed = 0;                 ///< of the origin [m]
+  double acceleration = 0;          ///< of the origin [m]
+  double angular_speed = 0;         ///< [rad]
+  double angular_acceleration = 0;  ///< [rad]
+};
+
+/// A rigid motion X_WA(t), t in [0, 1]. Implementations are constant while queried.
+class RigidMotion {
+ public:
+  virtual ~RigidMotion() = default;
+  virtual Pose pose(double t) const = 0;
+  virtual FrameVelocity velocity(double t) const = 0;
+  /// Rounded outwards.
+  virtual FrameMotionBound bound(double t0, double t1) const = 0;
+  /// A bound on how far rounding in pose() moves a point within `reach` of the origin of A [m].
+  virtual double rounding(double reach) const = 0;
+};
+
+/// No motion.
+class Still final : public RigidMotion {
+ public:
+  explicit Still(const Pose& X_WA) : X_WA_(X_WA) {}
+  Pose pose(double) const override { return X_WA_; }
+  FrameVelocity velocity(double) const override { return {}; }
+  FrameMotionBound bound(double, double) const override { return {}; }
+  double rounding(double) const override { return 0; }
+
+ private:
+  Pose X_WA_;
+};
+
+/// The origin of A travels on the straight line, the rotation about one axis, both at constant
+/// speed: the geodesic of R^3 x SO(3). At t = 1 it is X_WA1 but for rounding; half turns and a bit
+/// go the shorter way.
+class StraightMotion final : public RigidMotion {
+ public:
+  StraightMotion(const Pose& X_WA0, const Pose& X_WA1);
+  Pose pose(double t) const override;
+  FrameVelocity velocity(double t) const override;
+  FrameMotionBound bound(double t0, double t1) const override;
+  double rounding(double reach) const override;
+
+ private:
+  Pose X_WA0_;
+  Eigen::Vector3d axis_W_, travel_;  // unit; [m]
+  double angle_;                     // [rad]
+};
+
+/// A screw: rotation about a line that is fixed in the world and travel along it, both at constant
+/// speed; the straight line where there is no rotation. Ends as StraightMotion.
+class ScrewMotion final : public RigidMotion {
+ public:
+  ScrewMotion(const Pose& X_WA0, const Pose& X_WA1);
+  Pose pose(double t) const override;
+  FrameVelocity velocity(double t) const override;
+  FrameMotionBound bound(double t0, double t1) const override;
+  double rounding(double reach) const override;
+
+ private:
+  Pose X_WA0_;
+  Eigen::Vector3d axis_W_, along_, across_,
+      turned_;                // unit; parts of the travel, axis x across [m]
+  double angle_, cotangent_;  // [rad]; of half the angle
+};
+
+struct ContactRequest {
+  /// Contact is a separation of this or less [m]; may be negative (allowed depth).
+  double margin = 0;
+  /// How wide the interval of the time of contact may be [of the motion's parameter].
+  double time_tolerance = 1e-6;
+  /// How well distances on the way are known [m].
+  double tolerance = 1e-9;
+  /// The motion is followed up to here, in [0, 1].
+  double end = 1;
+  /// Distance and sweep queries. Reaching it leaves the rest of the motion undecided.
+  int query_limit = 10'000;
+};
+
+enum class ContactStatus : unsigned char {
+  kFree,       ///< certified: the separation exceeds the margin over [0, end]
+  kContact,    ///< proven: it does so before time.lower and does not at time.upper
+  kUndecided,  ///< certified before time.lower; beyond, a limit or rounding left it open
+  kInvalid,    ///< what distance() calls so, or a request that makes no sense
+};
+
+struct ContactResult {
+  ContactStatus status = ContactStatus::kInvalid;
+  /// The first time of contact lies in it; (infinity, infinity) when free.
+  Interval time{0, 0};
+  /// At time.upper of a contact, else at the last time that was looked at; world coordinates.
+  DistanceResult distance;
+  int queries = 0;
+  int pair = -1;  ///< of the scene, where one was asked
+};
+
+/// The first contact of two shapes that move. Certified by conservative advancement along the
+/// separating direction with a second-order bound on closing (compare B. Mirtich 1996, section
+/// 2.3.2; X. Zhang, M. Lee, Y. J. Kim, "Interactive continuous collision detection for non-convex
+/// polyhedra", 2006) and by sweeps (sweptDistance()) where rotation makes the former small. In
+/// contact at the start: contact at [0, 0]. Never throws, allocates or loops without end.
+ContactResult timeOfContact(const Shape& a, const RigidMotion& motion_a, const Shape& b,
+                            const RigidMotion& motion_b, const ContactRequest& request,
+                            Scratch& scratch, PairCache* cache = nullptr);
+
+/// A triangle whose corners travel on straight lines from `from` to `to` (t in [0, 1]), as those of
+/// a deforming mesh between two of its states.
+struct MovingTriangle {
+  std::array<Eigen::Vector3d, 3> from, to;  // [m]
+};
+
+/// The same for two such triangles, and for one and a shape that stands still (not a mesh). Exact
+/// linear sweeps: there is no bound on acceleration to be had.
+ContactResult timeOfContact(const MovingTriangle& a, const MovingTriangle& b,
+                            const ContactRequest& request, Scratch& scratch);
+ContactResult timeOfContact(const MovingTriangle& a, const Shape& b, const Pose& X_WB,
+                            const ContactRequest& request, Scratch& scratch);
+
+/// The first contact (separation at or below the pair's own margin, plus request.margin) of any
+/// pair of a scene of which every body moves as told: one motion a body, null for bodies that do
+/// not move. O(pairs) contact queries; later pairs are followed only to the first contact found.
+ContactResult timeOfContact(const Scene& scene, std::span<const RigidMotion* const> motions,
+                            const ContactRequest& request, Workspace& workspace);
+
+}  // namespace leeway::collision
