@@ -24,6 +24,19 @@ std::span<const Eigen::Vector3d> verticesOf(const Shape& shape) {
 
 }  // namespace
 
+AxisBox boxOf(const Shape& shape) {
+  Eigen::Vector3d low = Eigen::Vector3d::Constant(kInfinity), high = -low;
+  for (const Eigen::Vector3d& v : verticesOf(shape)) {
+    low = low.cwiseMin(v);
+    high = high.cwiseMax(v);
+  }
+  AxisBox box;
+  box.center = low + (high - low) / 2;
+  box.half = (high - box.center).cwiseMax(box.center - low);
+  if (shape.type() == ShapeType::kConvexHull) box.half.array() += shape.hull()->excess();
+  return box;
+}
+
 CoarseShape::CoarseShape(const Shape& shape, const Pose& X_FG) {
   Eigen::Vector3d center_G = Eigen::Vector3d::Zero();
   exact_ = true;
@@ -69,14 +82,9 @@ CoarseShape::CoarseShape(const Shape& shape, const Pose& X_FG) {
     case ShapeType::kMesh: {
       kind_ = Kind::kBox;
       exact_ = false;
-      Eigen::Vector3d low = Eigen::Vector3d::Constant(kInfinity), high = -low;
-      for (const Eigen::Vector3d& v : verticesOf(shape)) {
-        low = low.cwiseMin(v);
-        high = high.cwiseMax(v);
-      }
-      center_G = low + (high - low) / 2;
-      half_ = (high - center_G).cwiseMax(center_G - low);
-      if (shape.type() == ShapeType::kConvexHull) half_.array() += shape.hull()->excess();
+      const AxisBox box = boxOf(shape);
+      center_G = box.center;
+      half_ = box.half;
       break;
     }
   }

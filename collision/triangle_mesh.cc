@@ -9,6 +9,7 @@
 #include "collision/components.h"
 #include "collision/hull_excess.h"
 #include "collision/mesh_tree.h"
+#include "leeway/collision/ball_cover.h"
 #include "leeway/collision/shape.h"
 #include "leeway/collision/tolerances.h"
 

@@ -12,17 +12,22 @@ namespace leeway::planner {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr std::uint32_t kAllLanes = (1U << collision::kLanes) - 1;
+/// Halvings that make kLanes intervals of an edge.
+constexpr int kLaneLevel = 4;
+static_assert(1 << kLaneLevel == collision::kLanes);
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 }  // namespace
 
 EdgeCertifier::Impl::Impl(std::shared_ptr<const CompiledScene> compiled)
-    : scene(compiled), frames(compiled, kEdgeSlots), workspace(compiled->scene()) {
+    : scene(compiled), frames(compiled, kEdgeSlots), lanes(frames), workspace(compiled->scene()) {
   workspace.pose_error = scene->rounding();
   motion.resize(scene->motions().size());
   world_balls.resize(frames.pieces().size());
-  const std::size_t lists = std::max<std::size_t>(kEdgeOpen, 2 * frames.pairs().size());
+  const std::size_t lists =
+      std::max<std::size_t>(kEdgeOpen, collision::kLanes * frames.pairs().size());
   for (std::vector<int>* list : {&open, &next_open}) list->reserve(lists);
   order.reserve(frames.pairs().size());
   hopeful.assign(frames.pairs().size(), kSweepGrowth);
@@ -81,7 +86,7 @@ EdgeCheck EdgeCertifier::certify(std::span<const double> a, std::span<const doub
   impl.smallest = request.smallest_interval;
   EdgeCheck check;
   if (!impl.frames.begin(a, b)) return check;
-  check = impl.certifyByLevels(request);
+  check = impl.lanes.begin(impl.frames) ? impl.certifyByLanes() : impl.certifyByLevels();
   if (check.verdict == Verdict::kFree)
     check.last_valid = 1;
   else if (request.last_valid)
@@ -203,55 +208,101 @@ bool EdgeCertifier::Impl::examine(EdgeInterval& interval, std::vector<int>& list
   return true;
 }
 
-EdgeCheck EdgeCertifier::Impl::certifyByLevels(const EdgeRequest&) {
+EdgeCheck EdgeCertifier::Impl::told(Verdict verdict, int p, double t) {
   EdgeCheck check;
-  const auto answer = [&](Verdict verdict, int p, double t) {
-    check.verdict = verdict;
-    check.pair = p < 0 ? -1 : frames.pairs()[at(p)].scene_pair;
-    check.t = t;
-    if (verdict == Verdict::kNotFree && p >= 0) killer = p;
-    return check;
-  };
+  check.verdict = verdict;
+  check.pair = p < 0 ? -1 : frames.pairs()[at(p)].scene_pair;
+  check.t = t;
+  if (verdict == Verdict::kNotFree && p >= 0) killer = p;
+  return check;
+}
+
+EdgeCheck EdgeCertifier::Impl::certifyByLanes() {
+  const collision::LaneSweep::Contact contact = lanes.sweep();
+  if (contact.id >= 0)
+    return told(Verdict::kNotFree, contact.id, (contact.lane + 0.5) / collision::kLanes);
+  if (lanes.open().empty()) return told(Verdict::kFree, -1, 0);
+  // A pair that is certified by balls anywhere is apart there, and cannot come to be inside one
+  // another without a meeting of surfaces; the others are looked at once.
+  for (const collision::LaneSweep::Open& pair : lanes.open()) {
+    if (pair.lanes != kAllLanes || frames.isConvex(frames.pairs()[at(pair.id)])) continue;
+    const int end = frames.place(1);
+    if (end < 0) return told(Verdict::kUndecided, pair.id, 1);
+    const Pair found = exactState(end, frames.pairs()[at(pair.id)]);
+    frames.release(0);
+    if (found != Pair::kFree)
+      return told(found == Pair::kNotFree ? Verdict::kNotFree : Verdict::kUndecided, pair.id, 1);
+  }
+  if (!listOpenLanes()) return told(Verdict::kUndecided, -1, 0);
+  return certifyIntervals();
+}
+
+bool EdgeCertifier::Impl::listOpenLanes() {
+  intervals.clear();
+  open.clear();
+  int slots[collision::kLanes + 1];
+  std::fill(std::begin(slots), std::end(slots), -1);
+  constexpr double h = 1.0 / collision::kLanes;
+  for (int lane = 0; lane < collision::kLanes; ++lane) {
+    const auto begin = static_cast<int>(open.size());
+    for (const collision::LaneSweep::Open& pair : lanes.open())
+      if ((pair.lanes >> lane & 1U) != 0) open.push_back(pair.id);
+    const auto end = static_cast<int>(open.size());
+    if (begin == end) continue;
+    for (const int i : {lane, lane + 1}) {
+      if (slots[i] < 0) slots[i] = frames.place(i * h);
+      if (slots[i] < 0) return false;
+    }
+    intervals.push_back({slots[lane], slots[lane + 1], lane * h, h, begin, end, kLaneLevel});
+  }
+  return true;
+}
+
+EdgeCheck EdgeCertifier::Impl::certifyByLevels() {
   const int end = frames.place(1);
   int offender = -1;
   // The end decides most edges; it also settles for all of a certified edge that nothing is inside
   // a solid.
   const Verdict at_end = end < 0 ? Verdict::kUndecided : checkState(end, offender);
-  if (at_end != Verdict::kFree) return answer(at_end, offender, 1);
+  if (at_end != Verdict::kFree) return told(at_end, offender, 1);
   const int start = frames.place(0);
-  if (start < 0) return answer(Verdict::kUndecided, -1, 0);
+  if (start < 0) return told(Verdict::kUndecided, -1, 0);
 
   open.clear();
   for (std::size_t p = 0; p < frames.pairs().size(); ++p) open.push_back(static_cast<int>(p));
   intervals.clear();
   intervals.push_back({start, end, 0, 1, 0, static_cast<int>(open.size()), 0});
+  return certifyIntervals();
+}
+
+EdgeCheck EdgeCertifier::Impl::certifyIntervals() {
+  int offender = -1;
   while (!intervals.empty()) {
     next_intervals.clear();
     next_open.clear();
     for (EdgeInterval& interval : intervals) {
-      if (!examine(interval, open, offender))
-        return answer(Verdict::kNotFree, offender, interval.t0);
+      if (!examine(interval, open, offender)) return told(Verdict::kNotFree, offender, interval.t0);
       if (interval.begin == interval.end) continue;
       const double middle = interval.t0 + interval.h / 2;
       const int first = open[at(interval.begin)];
       if (work > work_limit || interval.level >= kDeepestLevel || interval.h <= smallest)
-        return answer(Verdict::kUndecided, first, middle);
+        return told(Verdict::kUndecided, first, middle);
       if (interval.h * motionOf(interval, frames.pairs()[at(first)].motion).speed < kSmallestMotion)
-        return answer(Verdict::kUndecided, first, middle);
+        return told(Verdict::kUndecided, first, middle);
       const int slot = frames.place(middle);
-      if (slot < 0) return answer(Verdict::kUndecided, first, middle);
+      if (slot < 0) return told(Verdict::kUndecided, first, middle);
       const Verdict here = checkMiddle(interval, slot, offender);
-      if (here != Verdict::kFree) return answer(here, offender, middle);
+      if (here != Verdict::kFree) return told(here, offender, middle);
       const auto count = static_cast<std::size_t>(interval.end - interval.begin);
       if (next_open.size() + 2 * count > next_open.capacity() ||
           next_intervals.size() + 2 > next_intervals.capacity())
-        return answer(Verdict::kUndecided, first, middle);
+        return told(Verdict::kUndecided, first, middle);
       split(interval, slot);
     }
     intervals.swap(next_intervals);
     open.swap(next_open);
   }
-  return answer(Verdict::kFree, -1, 0);
+  return told(Verdict::kFree, -1, 0);
 }
 
 Verdict EdgeCertifier::Impl::checkMiddle(const EdgeInterval& interval, int slot, int& offender) {

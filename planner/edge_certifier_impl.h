@@ -9,6 +9,7 @@
 
 #include "leeway/planner/edge_certifier.h"
 #include "planner/edge_frames.h"
+#include "planner/edge_lanes.h"
 
 namespace leeway::planner {
 
@@ -65,7 +66,12 @@ struct EdgeCertifier::Impl {
 
   /// The open pairs of an interval at its middle: not free or undecided where one is there.
   Verdict checkMiddle(const EdgeInterval& interval, int slot, int& offender);
-  EdgeCheck certifyByLevels(const EdgeRequest& request);
+  EdgeCheck told(Verdict verdict, int p, double t);
+  EdgeCheck certifyByLanes();
+  /// Lists what a pass of lanes left as intervals; false when that cannot be placed.
+  bool listOpenLanes();
+  EdgeCheck certifyByLevels();
+  EdgeCheck certifyIntervals();
   void findLastValid(const EdgeRequest& request, EdgeCheck& check);
   bool certifyPrefix(EdgeInterval interval, EdgeCheck& check);
 
@@ -82,6 +88,7 @@ struct EdgeCertifier::Impl {
 
   std::shared_ptr<const CompiledScene> scene;
   EdgeFrames frames;
+  EdgeLanes lanes;
   collision::Workspace workspace;
   std::vector<MotionMemory> motion;    // one a motion
   std::vector<SweptBall> world_balls;  // one a piece

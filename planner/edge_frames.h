@@ -55,6 +55,14 @@ class EdgeFrames {
   std::uint64_t generation() const { return generation_; }
 
   const CompiledScene& scene() const { return *scene_; }
+  const std::shared_ptr<const CompiledScene>& sharedScene() const { return scene_; }
+  // Of the edge begun: its start and difference in the space, that in the model's variables, and
+  // what each joint makes of it.
+  std::span<const double> start() const { return a_; }
+  std::span<const double> difference() const { return difference_; }
+  std::span<const double> configurationDifference() const { return dq_; }
+  std::span<const robots::JointMotion> jointMotion() const { return joint_motion_; }
+  bool isWithinLimits() const { return within_limits_; }
   std::span<const Piece> pieces() const { return pieces_; }
   std::span<const EdgePair> pairs() const { return pairs_; }
 

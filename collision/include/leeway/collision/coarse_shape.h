@@ -14,6 +14,14 @@ struct Ball {
   double radius = 0;                                 // [m]
 };
 
+/// The box with faces across the axes of the shape's own frame around a hull or mesh [m].
+struct AxisBox {
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();
+  Eigen::Vector3d half = Eigen::Vector3d::Zero();
+};
+/// Of a hull (with its excess) or mesh, rounded outwards. O(vertices).
+AxisBox boxOf(const Shape& hull_or_mesh);
+
 /// A stand-in for a placed shape that bounds the distance of a point in a few nanoseconds: the
 /// shape itself for spheres, capsules, boxes, cylinders and half-spaces, else a box around it. What
 /// decides most pairs before GJK is asked.

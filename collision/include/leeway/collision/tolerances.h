@@ -55,6 +55,11 @@ inline constexpr int kVertexProbes = 12;
 /// Composition of two poses and the distance of two centres, relative to the coordinates at play.
 inline constexpr double kTransferRounding = 1e-14;
 
+/// Rounding of one comparison of LaneSweep, in single precision, relative to the sizes and
+/// coordinates at play; derived in simd/lane_sweep.cc (half of it is needed). Smaller breaks the
+/// guarantee.
+inline constexpr double kLaneSweepRounding = 64 * 0x1p-24;
+
 // Hulls and meshes (hull_builder.cc, convex_hull.cc, mesh_tree.cc, hull_excess.cc)
 
 /// Largest size or coordinate that shapes accept [m]: the exact predicates of hulls and meshes

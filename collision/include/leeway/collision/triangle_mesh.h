@@ -4,12 +4,15 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <mutex>
 #include <span>
 #include <vector>
 
 namespace leeway::collision {
 
-class MeshTree;  // private to collision/
+class MeshTree;    // private to collision/
+class Shape;       // shape.h
+struct BallCover;  // ball_cover.h
 
 /// A rigid triangle mesh. Vertices are welded by exact equality; components whose welded edges are
 /// each shared by exactly two triangles of opposite direction are closed and count as solids
@@ -45,6 +48,7 @@ class TriangleMesh {
   ~TriangleMesh();
 
  private:
+  friend std::shared_ptr<const BallCover> coverOf(const Shape&);
   TriangleMesh() = default;
   std::vector<Eigen::Vector3d> vertices_;
   std::vector<Triangle> triangles_;
@@ -52,6 +56,9 @@ class TriangleMesh {
   std::vector<std::uint8_t> component_closed_;
   double hull_excess_ = 0;
   std::unique_ptr<const MeshTree> tree_;
+  // Made when first asked for.
+  mutable std::once_flag cover_once_;
+  mutable std::shared_ptr<const BallCover> cover_;
 };
 
 }  // namespace leeway::collision

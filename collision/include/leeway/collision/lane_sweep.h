@@ -1,0 +1,90 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "leeway/collision/coarse_shape.h"
+#include "leeway/collision/lane_frames.h"
+
+namespace leeway::collision {
+
+/// Balls of moving pieces, swept to capsules over kLanes intervals at once, against each other and
+/// against what stands still: the coarse pass of edge certification. A ball's centre is within
+/// `growth` of the straight way through its place in the middle of the interval, so that the ball
+/// stays in a capsule; a capsule is told from a convex shape by the plane through the shape's point
+/// that is nearest to the capsule's middle. Constant once built.
+class LaneSweep {
+ public:
+  /// A thing on a frame (-1: the world), its balls in that frame's axes.
+  struct Piece {
+    int frame = -1;
+    int motion = -1;          ///< that of its points seen from the world: a place in run()'s growth
+    Ball outer;               ///< holds the piece
+    std::vector<Ball> cover;  ///< together they hold the piece, its inside included
+    std::vector<Ball> inner;  ///< each inside the piece
+    double reach = 0;         ///< no centre of a ball comes farther from the world's origin [m]
+  };
+
+  LaneSweep();
+  ~LaneSweep();
+  LaneSweep(LaneSweep&&) noexcept;
+  LaneSweep& operator=(LaneSweep&&) noexcept;
+
+  int addPiece(const Piece& piece);
+  /// A shape that stands still: spheres, capsules, boxes, cylinders and half-spaces as they are,
+  /// everything else as a box around it. O(vertices).
+  int addObstacle(const Shape& shape, const Pose& X_WG);
+  /// Piece and obstacle must keep a separation above `threshold` [m]; `id` is told in answers.
+  /// `balls`: a piece of the world whose balls hold the obstacle as well, or -1: lanes that the
+  /// obstacle's box leaves open may be settled by them.
+  void addPair(int id, int piece, int obstacle, int balls, double threshold);
+  /// The same for two pieces; `motion` is that of the first's points, seen from the second's frame.
+  void addPiecePair(int id, int a, int b, int motion, double threshold);
+  /// After all additions, before any Scratch.
+  void finish();
+  std::size_t bytes() const;
+
+  /// A pair and the lanes in which it is not certified.
+  struct Open {
+    int id;
+    std::uint32_t lanes;
+  };
+  /// A pair proven not to keep its threshold, and the lane in the middle of which it does not.
+  struct Contact {
+    int id = -1;  ///< -1: none found
+    int lane = 0;
+  };
+
+  /// What a run changes. Allocates in its constructor only, which comes after all additions.
+  class Scratch {
+   public:
+    explicit Scratch(const LaneSweep& sweep);
+    ~Scratch();
+    /// All that the last run did not certify, when it found no contact.
+    std::span<const Open> open() const;
+
+   private:
+    friend class LaneSweep;
+    friend struct LaneSweepKernel;
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+  };
+
+  /// One pass over frames as placeFrames() left them. growth: h^2 A / 8 of each motion [m]; slack:
+  /// how far the frames' rounding moves any capsule [m]. Which of several contacts is told depends
+  /// on the runs before, whether there is one does not. O(pieces + pairs); never throws or
+  /// allocates.
+  Contact run(std::span<const LaneFrame> frames, std::span<const float> growth, float slack,
+              Scratch& scratch) const;
+  /// The same for single configurations, as placeStillFrames() left them.
+  Contact runStill(std::span<const LaneFrame> frames, float slack, Scratch& scratch) const;
+
+ private:
+  friend struct LaneSweepKernel;
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace leeway::collision

@@ -1,0 +1,209 @@
+#include "leeway/collision/lane_sweep.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "collision/lane_sweep_impl.h"
+#include "leeway/collision/tolerances.h"
+
+namespace leeway::collision {
+namespace {
+
+constexpr float kFar = 1e30f;
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+float above(double x) {
+  const float f = static_cast<float>(x);
+  return static_cast<double>(f) < x ? std::nextafter(f, kInfinity) : f;
+}
+float below(double x) { return -above(-x); }
+
+void setCenter(const Eigen::Vector3d& p, float* center) {
+  for (int k = 0; k < 3; ++k) center[k] = static_cast<float>(p[k]);
+}
+
+/// Rounding of the centre and of the double that it was made from is added to the radius.
+double centerRounding(const Ball& ball) { return 0x1p-23 * ball.center.lpNorm<1>(); }
+
+}  // namespace
+
+LaneSweep::LaneSweep() : impl_(std::make_unique<Impl>()) {}
+LaneSweep::~LaneSweep() = default;
+LaneSweep::LaneSweep(LaneSweep&&) noexcept = default;
+LaneSweep& LaneSweep::operator=(LaneSweep&&) noexcept = default;
+
+int LaneSweep::addPiece(const Piece& piece) {
+  Impl::LanePiece lane{};
+  lane.frame = piece.frame;
+  lane.motion = piece.motion;
+  lane.reach = piece.reach;
+  const auto grown = [](const Ball& ball) {
+    Impl::LaneBall result{};
+    setCenter(ball.center, result.center);
+    result.radius = above(ball.radius + centerRounding(ball));
+    return result;
+  };
+  lane.outer = grown(piece.outer);
+  lane.cover = static_cast<int>(impl_->balls.size());
+  for (const Ball& ball : piece.cover) impl_->balls.push_back(grown(ball));
+  lane.inner = static_cast<int>(impl_->balls.size());
+  for (const Ball& ball : piece.inner) {
+    Impl::LaneBall result{};
+    setCenter(ball.center, result.center);
+    result.radius = below(ball.radius - centerRounding(ball));
+    impl_->balls.push_back(result);
+  }
+  lane.end = static_cast<int>(impl_->balls.size());
+  impl_->pieces.push_back(lane);
+  return static_cast<int>(impl_->pieces.size()) - 1;
+}
+
+int LaneSweep::addObstacle(const Shape& shape, const Pose& X_WG) {
+  Impl::Obstacle o;
+  Eigen::Vector3d center_G = Eigen::Vector3d::Zero(), half = Eigen::Vector3d::Zero();
+  double radius = 0;
+  o.exact = true;
+  switch (shape.type()) {
+    case ShapeType::kSphere:
+      radius = shape.radius();
+      break;
+    case ShapeType::kCapsule:
+      half.z() = shape.halfLength();
+      radius = shape.radius();
+      break;
+    case ShapeType::kBox:
+      half = shape.halfExtents();
+      break;
+    case ShapeType::kCylinder:
+    case ShapeType::kCone:
+      o.kind = Impl::Kind::kCylinder;
+      o.exact = shape.type() == ShapeType::kCylinder;
+      half = {shape.radius(), shape.radius(), shape.halfLength()};
+      break;
+    case ShapeType::kHalfSpace:
+      o.kind = Impl::Kind::kHalfSpace;
+      break;
+    case ShapeType::kEllipsoid:
+      o.exact = false;
+      half = shape.halfExtents();
+      break;
+    case ShapeType::kConvexHull:
+    case ShapeType::kMesh: {
+      o.exact = false;
+      const AxisBox box = boxOf(shape);
+      center_G = box.center;
+      half = box.half;
+      break;
+    }
+  }
+  const Eigen::Matrix3d rotation_GW = X_WG.rotation.transpose();
+  const Eigen::Vector3d center = X_WG * center_G;
+  o.aligned = rotation_GW.isIdentity(0);
+  for (int row = 0; row < 3; ++row)
+    for (int column = 0; column < 3; ++column)
+      o.rotation[3 * row + column] = static_cast<float>(rotation_GW(row, column));
+  setCenter(center, o.center);
+  // A stand-in may be larger than the shape; an exact one is as near as rounding, which `scale`
+  // counts, has it.
+  for (int k = 0; k < 3; ++k) o.half[k] = static_cast<float>(half[k]);
+  o.radius = static_cast<float>(radius);
+  o.scale = center.lpNorm<1>() + half.lpNorm<1>() + radius;
+  const Eigen::Vector3d extent =
+      rotation_GW.transpose().cwiseAbs() * half + Eigen::Vector3d::Constant(radius);
+  o.low = center - extent;
+  o.high = center + extent;
+  if (o.kind == Impl::Kind::kHalfSpace) {
+    o.low.setConstant(-kFar);
+    o.high.setConstant(kFar);
+  }
+  impl_->obstacles.push_back(o);
+  return static_cast<int>(impl_->obstacles.size()) - 1;
+}
+
+void LaneSweep::addPair(int id, int piece, int obstacle, int balls, double threshold) {
+  const Impl::LanePiece& a = impl_->pieces[at(piece)];
+  const double rounding = kLaneSweepRounding * (a.reach + static_cast<double>(a.outer.radius) +
+                                                impl_->obstacles[at(obstacle)].scale);
+  impl_->pairs.push_back({id, piece, obstacle, balls, a.motion, false, above(threshold + rounding),
+                          below(threshold - rounding)});
+}
+
+void LaneSweep::addPiecePair(int id, int a, int b, int motion, double threshold) {
+  const Impl::LanePiece &x = impl_->pieces[at(a)], &y = impl_->pieces[at(b)];
+  const double rounding =
+      kLaneSweepRounding *
+      (x.reach + y.reach + static_cast<double>(x.outer.radius + y.outer.radius));
+  impl_->piece_pairs.push_back(static_cast<std::int32_t>(impl_->pairs.size()));
+  impl_->pairs.push_back(
+      {id, a, b, b, motion, true, above(threshold + rounding), below(threshold - rounding)});
+}
+
+void LaneSweep::finish() { impl_->finish(); }
+
+void LaneSweep::Impl::finish() {
+  const std::size_t padded = paddedObstacles();
+  pair_of.assign(pieces.size() * padded, -1);
+  std::vector<double> grown(obstacles.size(), 0.0);
+  for (std::size_t p = 0; p < pairs.size(); ++p) {
+    const Pair& pair = pairs[p];
+    if (pair.pieces) continue;
+    pieces[at(pair.a)].has_obstacles = true;
+    pair_of[at(pair.a) * padded + at(pair.b)] = static_cast<std::int32_t>(p);
+    double& g = grown[at(pair.b)];
+    g = std::max(g, static_cast<double>(pair.free_above));
+  }
+  for (int k = 0; k < 3; ++k) {
+    low[k].assign(padded, kFar);
+    high[k].assign(padded, -kFar);
+    for (std::size_t i = 0; i < obstacles.size(); ++i) {
+      // A pair's rounding is larger than that of this comparison.
+      low[k][i] = below(obstacles[i].low[k] - grown[i]);
+      high[k][i] = above(obstacles[i].high[k] + grown[i]);
+    }
+  }
+}
+
+std::size_t LaneSweep::bytes() const {
+  return impl_->pieces.size() * sizeof(Impl::LanePiece) +
+         impl_->balls.size() * sizeof(Impl::LaneBall) +
+         impl_->obstacles.size() * (sizeof(Impl::Obstacle) + 6 * sizeof(float)) +
+         impl_->pairs.size() * sizeof(Impl::Pair) + impl_->pair_of.size() * sizeof(std::int32_t);
+}
+
+LaneSweep::Scratch::Scratch(const LaneSweep& sweep) : impl_(std::make_unique<Impl>()) {
+  const LaneSweep::Impl& s = *sweep.impl_;
+  impl_->outer.resize(s.pieces.size());
+  impl_->balls.resize(s.balls.size());
+  impl_->cover_stamp.resize(s.pieces.size());
+  impl_->inner_stamp.resize(s.pieces.size());
+  impl_->low.resize(3 * s.pieces.size());
+  impl_->high.resize(3 * s.pieces.size());
+  impl_->candidates.reserve(s.pairs.size());
+  impl_->open.reserve(s.pairs.size());
+  // What stands in the world is placed once.
+  const auto still = [](const LaneSweep::Impl::LaneBall& ball, Impl::Placed& placed) {
+    for (int k = 0; k < 3; ++k)
+      for (int i = 0; i < kLanes; ++i) {
+        placed.center[k].at[i] = ball.center[k];
+        placed.way[k].at[i] = 0;
+      }
+  };
+  for (std::size_t p = 0; p < s.pieces.size(); ++p) {
+    const LaneSweep::Impl::LanePiece& piece = s.pieces[p];
+    if (piece.frame >= 0) continue;
+    still(piece.outer, impl_->outer[p]);
+    for (int k = 0; k < 3; ++k) {
+      impl_->low[3 * p + at(k)] = piece.outer.center[k] - piece.outer.radius;
+      impl_->high[3 * p + at(k)] = piece.outer.center[k] + piece.outer.radius;
+    }
+    for (int i = piece.cover; i < piece.end; ++i) still(s.balls[at(i)], impl_->balls[at(i)]);
+  }
+}
+LaneSweep::Scratch::~Scratch() = default;
+std::span<const LaneSweep::Open> LaneSweep::Scratch::open() const { return impl_->open; }
+
+}  // namespace leeway::collision

@@ -1,0 +1,224 @@
+// Frames and second-order bounds, an interval or a motion a lane. Every lane does the same
+// operations in the same order, with one rounding each (no fused multiply and add), so that all
+// instruction sets give the same bits.
+
+#include "leeway/collision/lane_frames.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "collision/simd/lane_frames.cc"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace leeway::collision {
+namespace HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+using D = hn::CappedTag<float, kLanes>;
+using V = hn::Vec<D>;
+
+// Sine and cosine for |x| <= 7, within 24 * 2^-24 together with the rounding of x itself (which is
+// up to 17 units, see below): x less a multiple of pi / 2 in two parts, of which the first has few
+// enough bits for its product with the multiple (at most 5) to be exact, errs by 2 units; Taylor's
+// polynomials on [-pi/4, pi/4] leave remainders of x^11 / 11! < 2e-9 and x^10 / 10! < 3e-8, half a
+// unit, and round by 3 units.
+HWY_INLINE void sineCosine(D d, V x, V& sine, V& cosine) {
+  const V turns = hn::Round(hn::Mul(x, hn::Set(d, 0.636619772f)));
+  V r = hn::Sub(x, hn::Mul(turns, hn::Set(d, 1.5703125f)));
+  r = hn::Sub(r, hn::Mul(turns, hn::Set(d, 4.838267949e-4f)));
+  const V r2 = hn::Mul(r, r);
+  V s = hn::Set(d, 2.755731922e-6f);
+  s = hn::Add(hn::Mul(s, r2), hn::Set(d, -1.984126984e-4f));
+  s = hn::Add(hn::Mul(s, r2), hn::Set(d, 8.333333333e-3f));
+  s = hn::Add(hn::Mul(s, r2), hn::Set(d, -1.666666667e-1f));
+  s = hn::Add(hn::Mul(hn::Mul(s, r2), r), r);
+  V c = hn::Set(d, 2.480158730e-5f);
+  c = hn::Add(hn::Mul(c, r2), hn::Set(d, -1.388888889e-3f));
+  c = hn::Add(hn::Mul(c, r2), hn::Set(d, 4.166666667e-2f));
+  c = hn::Add(hn::Mul(c, r2), hn::Set(d, -0.5f));
+  c = hn::Add(hn::Mul(c, r2), hn::Set(d, 1.0f));
+  const hn::RebindToSigned<D> di;
+  const auto quadrant = hn::ConvertTo(di, turns);
+  const auto odd = hn::RebindMask(d, hn::Ne(hn::And(quadrant, hn::Set(di, 1)), hn::Zero(di)));
+  const auto low = hn::RebindMask(d, hn::Ne(hn::And(quadrant, hn::Set(di, 2)), hn::Zero(di)));
+  const auto turned = hn::RebindMask(
+      d, hn::Ne(hn::And(hn::Add(quadrant, hn::Set(di, 1)), hn::Set(di, 2)), hn::Zero(di)));
+  const V sine_value = hn::IfThenElse(odd, c, s), cosine_value = hn::IfThenElse(odd, s, c);
+  sine = hn::IfThenElse(low, hn::Neg(sine_value), sine_value);
+  cosine = hn::IfThenElse(turned, hn::Neg(cosine_value), cosine_value);
+}
+
+HWY_INLINE V dot3(V ax, V ay, V az, V bx, V by, V bz) {
+  return hn::Add(hn::Add(hn::Mul(ax, bx), hn::Mul(ay, by)), hn::Mul(az, bz));
+}
+
+// One step in the lanes from `at` on.
+template <bool kStill>
+HWY_INLINE void placeStep(D d, const FrameStep& step, const LaneFrame* parent, std::size_t at,
+                          V middle, LaneFrame& frame) {
+  const V half = hn::Set(d, 0.5f / kLanes);  // of an interval, in t
+  V m[9], t[3], arm[3], p[9];                // m: before the turn about z; arm: from the parent
+  for (int i = 0; i < 3; ++i)
+    t[i] = hn::Add(hn::Set(d, step.translation[i]), hn::Mul(middle, hn::Set(d, step.slide[i])));
+  if (parent == nullptr) {
+    for (int i = 0; i < 9; ++i) m[i] = hn::Set(d, step.rotation[i]);
+    for (int i = 0; i < 3; ++i) hn::Store(t[i], d, frame.origin[i].at + at);
+  } else {
+    for (int i = 0; i < 9; ++i) p[i] = hn::Load(d, parent->rotation[i].at + at);
+    for (int column = 0; column < 3; ++column)
+      for (int row = 0; row < 3; ++row)
+        m[3 * column + row] = dot3(
+            p[row], p[3 + row], p[6 + row], hn::Set(d, step.rotation[3 * column]),
+            hn::Set(d, step.rotation[3 * column + 1]), hn::Set(d, step.rotation[3 * column + 2]));
+    for (int i = 0; i < 3; ++i) {
+      arm[i] = dot3(p[i], p[3 + i], p[6 + i], t[0], t[1], t[2]);
+      hn::Store(hn::Add(hn::Load(d, parent->origin[i].at + at), arm[i]), d,
+                frame.origin[i].at + at);
+    }
+  }
+  V s, c;
+  const V rate = hn::Set(d, step.turn);
+  sineCosine(d, hn::Add(hn::Set(d, step.angle), hn::Mul(middle, rate)), s, c);
+  for (int i = 0; i < 3; ++i) {
+    hn::Store(hn::Add(hn::Mul(m[i], c), hn::Mul(m[3 + i], s)), d, frame.rotation[i].at + at);
+    hn::Store(hn::Sub(hn::Mul(m[3 + i], c), hn::Mul(m[i], s)), d, frame.rotation[3 + i].at + at);
+    hn::Store(m[6 + i], d, frame.rotation[6 + i].at + at);
+  }
+  if (kStill) return;
+  const V swing = hn::Mul(half, rate);
+  V drift[3], turn[3];
+  for (int i = 0; i < 3; ++i) drift[i] = hn::Mul(half, hn::Set(d, step.slide[i]));
+  for (int i = 0; i < 3; ++i) {
+    turn[i] = parent == nullptr ? hn::Zero(d) : hn::Load(d, parent->turn[i].at + at);
+    hn::Store(hn::Add(turn[i], hn::Mul(m[6 + i], swing)), d, frame.turn[i].at + at);
+  }
+  for (int i = 0; i < 3; ++i) {
+    if (parent == nullptr) {
+      hn::Store(drift[i], d, frame.slide[i].at + at);
+      continue;
+    }
+    const int j = (i + 1) % 3, k = (i + 2) % 3;
+    const V across = hn::Sub(hn::Mul(turn[j], arm[k]), hn::Mul(turn[k], arm[j]));
+    const V own = dot3(p[i], p[3 + i], p[6 + i], drift[0], drift[1], drift[2]);
+    hn::Store(hn::Add(hn::Load(d, parent->slide[i].at + at), hn::Add(across, own)), d,
+              frame.slide[i].at + at);
+  }
+}
+
+template <bool kStill>
+HWY_INLINE void placeAll(const FrameStep* steps, std::size_t count, const LaneValues& places,
+                         LaneFrame* frames) {
+  const D d;
+  for (std::size_t at = 0; at < kLanes; at += hn::Lanes(d)) {
+    const V middle = hn::Load(d, places.at + at);
+    for (std::size_t i = 0; i < count; ++i)
+      placeStep<kStill>(d, steps[i], steps[i].parent < 0 ? nullptr : frames + steps[i].parent, at,
+                        middle, frames[i]);
+  }
+}
+
+void PlaceFrames(const FrameStep* steps, std::size_t count, const LaneValues& places,
+                 LaneFrame* frames) {
+  placeAll<false>(steps, count, places, frames);
+}
+
+void PlaceStillFrames(const FrameStep* steps, std::size_t count, const LaneValues& places,
+                      LaneFrame* frames) {
+  placeAll<true>(steps, count, places, frames);
+}
+
+void SumGrowth(const std::int32_t* motion, const float* reach, const float* turns, int terms,
+               const float* joint_motion, float* growth) {
+  const D d;
+  const hn::RebindToSigned<D> di;
+  for (std::size_t at = 0; at < kLanes; at += hn::Lanes(d)) {
+    V speed = hn::Zero(d), acceleration = hn::Zero(d);
+    for (int k = 0; k < terms; ++k) {
+      const std::size_t i = static_cast<std::size_t>(k) * kLanes + at;
+      const V m = hn::GatherIndex(d, joint_motion, hn::LoadU(di, motion + i));
+      const V step = hn::Mul(m, hn::LoadU(d, reach + i));
+      const V share = hn::Mul(m, hn::Add(step, hn::Add(speed, speed)));
+      acceleration = hn::Add(acceleration, hn::Mul(share, hn::LoadU(d, turns + i)));
+      speed = hn::Add(speed, step);
+    }
+    // Every sum and product is positive, so that rounding is relative: 4 units a term, of 2^-24;
+    // 1e-5 holds for 40 terms, which add() sees to.
+    const V scale = hn::Set(d, (1 + 1e-5f) / (8 * kLanes * kLanes));
+    hn::StoreU(hn::Mul(acceleration, scale), d, growth + at);
+  }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace leeway::collision
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace leeway::collision {
+
+HWY_EXPORT(PlaceFrames);
+HWY_EXPORT(PlaceStillFrames);
+HWY_EXPORT(SumGrowth);
+
+// Let u = 2^-24. A step's angle in a lane rounds by at most 17 u: angle (up to pi) by 3.2, turn (7)
+// by 7 of which a lane has half, the product by 3.5, the sum (6.7) by 6.7. Sine and cosine are then
+// within 24 u. The columns m0 c + m1 s and m1 c - m0 s together move by at most 48 u (Frobenius)
+// for that, 4 u by their own rounding; the product with the parent's rotation rounds by 9 u and the
+// step's entries by 2 u: below 72 u a step, second order included, on top of the parent's. An
+// origin's arm errs by 72 u of its length for each step above and by 4 u itself, its sum by u of
+// the origin's distance, which is at most the sum of all lengths: all lengths l[0 .. n) and |r|
+// once more with 8 u, which the remaining 8 u of the 80 hold up to chains of 60 steps. A point of
+// the frame is one more arm. The motion: turn is a sum of axes, each within 72 u a step, times half
+// |turn| / kLanes; slide a sum of turns times arms, and each of the two errs as above.
+void placeFrames(std::span<const FrameStep> steps, std::span<LaneFrame> frames) {
+  // (lane + 1/2) / 16 - 1/2, exact.
+  static constexpr LaneValues kMiddles = [] {
+    LaneValues middles{};
+    for (int i = 0; i < kLanes; ++i)
+      middles.at[i] = (static_cast<float>(i) - 0.5f * (kLanes - 1)) / kLanes;
+    return middles;
+  }();
+  HWY_DYNAMIC_DISPATCH(PlaceFrames)(steps.data(), steps.size(), kMiddles, frames.data());
+}
+
+void placeStillFrames(std::span<const FrameStep> steps, const LaneValues& places,
+                      std::span<LaneFrame> frames) {
+  HWY_DYNAMIC_DISPATCH(PlaceStillFrames)(steps.data(), steps.size(), places, frames.data());
+}
+
+int LaneGrowth::add(std::span<const Term> terms) {
+  motions_.emplace_back(terms.begin(), terms.end());
+  const auto number = static_cast<std::size_t>(count_++);
+  if (number % kLanes == 0) blocks_.emplace_back();
+  // The block anew: rows have room for the longest of its motions.
+  Block& block = blocks_.back();
+  block = {};
+  for (std::size_t i = number / kLanes * kLanes; i <= number; ++i)
+    block.terms = std::max(block.terms, static_cast<int>(motions_[i].size()));
+  const std::size_t size = static_cast<std::size_t>(block.terms) * kLanes;
+  block.motion.assign(size, zero_);
+  block.reach.assign(size, 0);
+  block.turns.assign(size, 0);
+  for (std::size_t i = number / kLanes * kLanes; i <= number; ++i)
+    for (std::size_t k = 0; k < motions_[i].size(); ++k) {
+      const Term& term = motions_[i][k];
+      const std::size_t place = k * kLanes + i % kLanes;
+      block.motion[place] = term.motion;
+      block.reach[place] =
+          std::nextafter(static_cast<float>(term.reach), std::numeric_limits<float>::infinity());
+      block.turns[place] = term.turns ? 1.0f : 0.0f;
+    }
+  return count_ - 1;
+}
+
+void LaneGrowth::run(std::span<const float> joint_motion, std::span<float> growth) const {
+  for (std::size_t b = 0; b < blocks_.size(); ++b) HWY_DYNAMIC_DISPATCH(SumGrowth)
+  (blocks_[b].motion.data(), blocks_[b].reach.data(), blocks_[b].turns.data(), blocks_[b].terms,
+   joint_motion.data(), growth.data() + b * kLanes);
+}
+
+}  // namespace leeway::collision
+#endif  // HWY_ONCE

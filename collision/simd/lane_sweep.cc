@@ -1,0 +1,460 @@
+// The kernels of LaneSweep: balls against obstacles and balls, an interval a lane. One rounding an
+// operation (no fused multiply and add), the same operations in every lane, and decisions by masks
+// of all kLanes intervals, so that all instruction sets give the same answers.
+//
+// Rounding. Let u = 2^-24 and s the sum of the magnitudes at play (how far a ball's centre can be
+// from the world's origin, the obstacle's centre, half extents and radius). A ball's centre in the
+// obstacle's axes passes a difference (u s), a product with rounded entries (3 u + u per row: below
+// 5 u s), absolute values and differences with half extents that are rounded themselves (3 u s):
+// below 10 u s in each coordinate, 18 u s in length. Its distance adds 3 u, the plane's part of the
+// way 6 u of a length that is at most s for an interval of a sixteenth of an edge: below 32 u s in
+// all; 64 u s is taken (kLaneSweepRounding). Given a computed centre, the plane is a plane of the
+// obstacle whatever rounding did to its direction: a box's is spanned by coordinates beyond its
+// faces, each right to u of itself; a cylinder's radial part errs by u s, counted above.
+
+#include <algorithm>
+#include <cmath>
+
+#include "collision/lane_sweep_impl.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "collision/simd/lane_sweep.cc"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace leeway::collision {
+namespace HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+using D = hn::CappedTag<float, kLanes>;
+using V = hn::Vec<D>;
+using M = hn::Mask<D>;
+using Sweep = LaneSweepKernel::Sweep;
+using Scratch = LaneSweepKernel::Scratch;
+using Placed = Scratch::Placed;
+constexpr std::uint32_t kAll = (1U << kLanes) - 1;
+
+HWY_INLINE std::uint32_t bitsOf(D d, M mask) {
+  std::uint8_t bytes[8] = {};
+  hn::StoreMaskBits(d, mask, bytes);
+  const std::uint32_t all = (1U << hn::Lanes(d)) - 1;
+  return (bytes[0] | static_cast<std::uint32_t>(bytes[1]) << 8U) & all;
+}
+
+struct V3 {
+  V x, y, z;
+};
+
+HWY_INLINE V dot(const V3& a, const V3& b) {
+  return hn::Add(hn::Add(hn::Mul(a.x, b.x), hn::Mul(a.y, b.y)), hn::Mul(a.z, b.z));
+}
+HWY_INLINE V3 difference(const V3& a, const V3& b) {
+  return {hn::Sub(a.x, b.x), hn::Sub(a.y, b.y), hn::Sub(a.z, b.z)};
+}
+HWY_INLINE V3 cross(const V3& a, const V3& b) {
+  return {hn::Sub(hn::Mul(a.y, b.z), hn::Mul(a.z, b.y)),
+          hn::Sub(hn::Mul(a.z, b.x), hn::Mul(a.x, b.z)),
+          hn::Sub(hn::Mul(a.x, b.y), hn::Mul(a.y, b.x))};
+}
+HWY_INLINE V3 load(D d, const LaneValues* v, std::size_t at) {
+  return {hn::Load(d, v[0].at + at), hn::Load(d, v[1].at + at), hn::Load(d, v[2].at + at)};
+}
+HWY_INLINE void store(D d, const V3& v, LaneValues* out, std::size_t at) {
+  hn::Store(v.x, d, out[0].at + at);
+  hn::Store(v.y, d, out[1].at + at);
+  hn::Store(v.z, d, out[2].at + at);
+}
+HWY_INLINE V3 broadcast(D d, const float* v) {
+  return {hn::Set(d, v[0]), hn::Set(d, v[1]), hn::Set(d, v[2])};
+}
+
+template <bool kStill>
+HWY_INLINE void placeBall(const LaneFrame& frame, const float* center, Placed& placed) {
+  const D d;
+  const V3 c = broadcast(d, center);
+  for (std::size_t at = 0; at < kLanes; at += hn::Lanes(d)) {
+    V3 arm;
+    V* rows[3] = {&arm.x, &arm.y, &arm.z};
+    for (int i = 0; i < 3; ++i)
+      *rows[i] =
+          dot({hn::Load(d, frame.rotation[i].at + at), hn::Load(d, frame.rotation[3 + i].at + at),
+               hn::Load(d, frame.rotation[6 + i].at + at)},
+              c);
+    const V3 o = load(d, frame.origin, at);
+    store(d, {hn::Add(o.x, arm.x), hn::Add(o.y, arm.y), hn::Add(o.z, arm.z)}, placed.center, at);
+    if (kStill) continue;
+    const V3 t = cross(load(d, frame.turn, at), arm), s = load(d, frame.slide, at);
+    store(d, {hn::Add(s.x, t.x), hn::Add(s.y, t.y), hn::Add(s.z, t.z)}, placed.way, at);
+  }
+}
+
+/// From a ball's centre to an obstacle: the part of it outside the core (its length is the
+/// distance), how deep the centre is inside (<= 0, 0 outside), and the way in the same axes.
+struct Gap {
+  V3 outside, way;
+  V depth;
+};
+
+template <bool kStill>
+HWY_INLINE Gap gapTo(D d, const Sweep::Obstacle& o, const Placed& ball, std::size_t at) {
+  V3 p = difference(load(d, ball.center, at), broadcast(d, o.center));
+  V3 w = kStill ? p : load(d, ball.way, at);
+  if (!o.aligned) {
+    const V3 x = broadcast(d, o.rotation), y = broadcast(d, o.rotation + 3),
+             z = broadcast(d, o.rotation + 6);
+    p = {dot(x, p), dot(y, p), dot(z, p)};
+    if (!kStill) w = {dot(x, w), dot(y, w), dot(z, w)};
+  }
+  const V zero = hn::Zero(d);
+  Gap gap;
+  gap.way = w;
+  if (o.kind == Sweep::Kind::kBox) {
+    const V ex = hn::Sub(hn::Abs(p.x), hn::Set(d, o.half[0])),
+            ey = hn::Sub(hn::Abs(p.y), hn::Set(d, o.half[1])),
+            ez = hn::Sub(hn::Abs(p.z), hn::Set(d, o.half[2]));
+    gap.outside = {hn::CopySign(hn::Max(ex, zero), p.x), hn::CopySign(hn::Max(ey, zero), p.y),
+                   hn::CopySign(hn::Max(ez, zero), p.z)};
+    gap.depth = hn::Min(hn::Max(ex, hn::Max(ey, ez)), zero);
+  } else if (o.kind == Sweep::Kind::kCylinder) {
+    const V across = hn::Sqrt(hn::Add(hn::Mul(p.x, p.x), hn::Mul(p.y, p.y)));
+    const V er = hn::Sub(across, hn::Set(d, o.half[0])),
+            ez = hn::Sub(hn::Abs(p.z), hn::Set(d, o.half[2]));
+    const V share =
+        hn::Div(hn::Max(er, zero), hn::Max(across, hn::Set(d, 1e-30f)));  // 0 on the axis
+    gap.outside = {hn::Mul(p.x, share), hn::Mul(p.y, share), hn::CopySign(hn::Max(ez, zero), p.z)};
+    gap.depth = hn::Min(hn::Max(er, ez), zero);
+  } else {
+    gap.outside = {zero, zero, hn::Max(p.z, zero)};
+    gap.depth = hn::Min(p.z, zero);
+  }
+  return gap;
+}
+
+/// Lanes of `lanes` in which the capsule is not proven to keep `above`. For key != null also the
+/// least signed distance of centres in any lane.
+template <bool kStill>
+HWY_INLINE std::uint32_t openToObstacle(const Sweep::Obstacle& o, const Placed& ball, float above,
+                                        std::uint32_t lanes, float* key = nullptr) {
+  const D d;
+  const V bar = hn::Set(d, above);
+  std::uint32_t open = 0;
+  V least = hn::Set(d, 1e30f);
+  for (std::size_t at = 0; at < kLanes; at += hn::Lanes(d)) {
+    const Gap gap = gapTo<kStill>(d, o, ball, at);
+    const V squared = dot(gap.outside, gap.outside), distance = hn::Sqrt(squared);
+    // distance - |n . way| > bar with n = outside / distance; inside, 0 > 0 fails.
+    const V lower = kStill ? squared : hn::Sub(squared, hn::Abs(dot(gap.outside, gap.way)));
+    open |= bitsOf(d, hn::Not(hn::And(hn::Gt(lower, hn::Mul(bar, distance)),
+                                      hn::Gt(distance, hn::Zero(d)))))
+            << at;
+    if (key != nullptr) least = hn::Min(least, hn::Add(distance, gap.depth));
+  }
+  if (key != nullptr) *key = hn::GetLane(hn::MinOfLanes(d, least));
+  return open & lanes;
+}
+
+/// Lanes in which the ball, in the middle of the interval, is within `below` of the obstacle.
+HWY_INLINE std::uint32_t contactWithObstacle(const Sweep::Obstacle& o, const Placed& ball,
+                                             float below) {
+  const D d;
+  std::uint32_t found = 0;
+  for (std::size_t at = 0; at < kLanes; at += hn::Lanes(d)) {
+    const Gap gap = gapTo<true>(d, o, ball, at);
+    const V distance = hn::Add(hn::Sqrt(dot(gap.outside, gap.outside)), gap.depth);
+    found |= bitsOf(d, hn::Le(distance, hn::Set(d, below))) << at;
+  }
+  return found;
+}
+
+/// The same for two balls, seen from the second's frame, whose turn moves the first across the way
+/// between them and so drops out.
+template <bool kStill>
+HWY_INLINE std::uint32_t openToBall(const Placed& a, const Placed& b, float above,
+                                    std::uint32_t lanes, float* key = nullptr) {
+  const D d;
+  const V bar = hn::Set(d, above);
+  std::uint32_t open = 0;
+  V least = hn::Set(d, 1e30f);
+  for (std::size_t at = 0; at < kLanes; at += hn::Lanes(d)) {
+    const V3 gap = difference(load(d, a.center, at), load(d, b.center, at));
+    const V squared = dot(gap, gap), distance = hn::Sqrt(squared);
+    V lower = squared;
+    if (!kStill) {
+      lower =
+          hn::Sub(squared, hn::Abs(dot(gap, difference(load(d, a.way, at), load(d, b.way, at)))));
+    }
+    open |= bitsOf(d, hn::Not(hn::And(hn::Gt(lower, hn::Mul(bar, distance)),
+                                      hn::Gt(distance, hn::Zero(d)))))
+            << at;
+    if (key != nullptr) least = hn::Min(least, distance);
+  }
+  if (key != nullptr) *key = hn::GetLane(hn::MinOfLanes(d, least));
+  return open & lanes;
+}
+
+/// Lanes in which two balls are within `below` of each other in the middle of the interval.
+HWY_INLINE std::uint32_t contactWithBall(const Placed& a, const Placed& b, float below) {
+  const D d;
+  std::uint32_t found = 0;
+  if (!(below >= 0)) return 0;
+  for (std::size_t at = 0; at < kLanes; at += hn::Lanes(d)) {
+    const V3 gap = difference(load(d, a.center, at), load(d, b.center, at));
+    found |= bitsOf(d, hn::Le(hn::Sqrt(dot(gap, gap)), hn::Set(d, below))) << at;
+  }
+  return found;
+}
+
+/// One run; the steps stand in the order in which they are taken.
+template <bool kStill>
+class Run {
+ public:
+  explicit Run(const LaneSweepKernel& kernel)
+      : s_(kernel.sweep), scratch_(kernel.scratch), kernel_(kernel) {}
+
+  HWY_INLINE LaneSweepKernel::Contact all() {
+    ++scratch_.stamp;
+    scratch_.open.clear();
+    scratch_.candidates.clear();
+    for (const std::int32_t pair : scratch_.killers) {
+      if (pair < 0) break;
+      const std::uint32_t lanes = contact(s_.pairs[size(pair)], kAll);
+      if (lanes != 0) return told(pair, lanes);
+    }
+    placeOuter();
+    cull();
+    std::sort(scratch_.candidates.begin(), scratch_.candidates.end(),
+              [](const Scratch::Candidate& x, const Scratch::Candidate& y) {
+                return x.key < y.key || (x.key == y.key && x.pair < y.pair);
+              });
+    for (const Scratch::Candidate& c : scratch_.candidates) {
+      const Sweep::Pair& pair = s_.pairs[size(c.pair)];
+      // Obstacles are met deep more often than they are missed by little; pieces the other way.
+      if (!pair.pieces) {
+        const std::uint32_t lanes = contact(pair, c.lanes);
+        if (lanes != 0) return told(c.pair, lanes);
+      }
+      const std::uint32_t open = uncovered(pair, c.lanes);
+      if (open == 0) continue;
+      if (pair.pieces) {
+        const std::uint32_t lanes = contact(pair, open);
+        if (lanes != 0) return told(c.pair, lanes);
+      }
+      scratch_.open.push_back({pair.id, open});
+    }
+    return {};
+  }
+
+ private:
+  static std::size_t size(std::int32_t i) { return static_cast<std::size_t>(i); }
+
+  const LaneFrame& frame(const Sweep::LanePiece& piece) const {
+    return kernel_.frames[piece.frame];
+  }
+  float growthOf(int motion) const { return kStill || motion < 0 ? 0 : kernel_.growth[motion]; }
+
+  LaneSweepKernel::Contact told(std::int32_t pair, std::uint32_t lanes) {
+    // To the front of the killers.
+    std::int32_t previous = pair;
+    for (std::int32_t& killer : scratch_.killers) {
+      std::swap(killer, previous);
+      if (previous == pair || previous < 0) break;
+    }
+    int lane = 0;
+    while ((lanes >> lane & 1U) == 0) ++lane;
+    return {s_.pairs[size(pair)].id, lane};
+  }
+
+  HWY_INLINE void placeOuter() {
+    const D d;
+    for (std::size_t p = 0; p < s_.pieces.size(); ++p) {
+      const Sweep::LanePiece& piece = s_.pieces[p];
+      if (piece.frame < 0) continue;
+      Placed& placed = scratch_.outer[p];
+      placeBall<kStill>(frame(piece), piece.outer.center, placed);
+      const float radius = piece.outer.radius + growthOf(piece.motion) + kernel_.slack;
+      for (int k = 0; k < 3; ++k) {
+        V low = hn::Set(d, 1e30f), high = hn::Set(d, -1e30f);
+        for (std::size_t at = 0; at < kLanes; at += hn::Lanes(d)) {
+          const V c = hn::Load(d, placed.center[k].at + at);
+          const V w = kStill ? hn::Zero(d) : hn::Abs(hn::Load(d, placed.way[k].at + at));
+          low = hn::Min(low, hn::Sub(c, w));
+          high = hn::Max(high, hn::Add(c, w));
+        }
+        scratch_.low[3 * p + static_cast<std::size_t>(k)] =
+            hn::GetLane(hn::MinOfLanes(d, low)) - radius;
+        scratch_.high[3 * p + static_cast<std::size_t>(k)] =
+            hn::GetLane(hn::MaxOfLanes(d, high)) + radius;
+      }
+    }
+  }
+
+  HWY_INLINE void cull() {
+    const D d;
+    const std::size_t padded = s_.paddedObstacles();
+    for (std::size_t p = 0; p < s_.pieces.size(); ++p) {
+      if (!s_.pieces[p].has_obstacles) continue;
+      const float* low = &scratch_.low[3 * p];
+      const float* high = &scratch_.high[3 * p];
+      for (std::size_t i = 0; i < padded; i += hn::Lanes(d)) {
+        M apart = hn::Lt(hn::Set(d, high[0]), hn::LoadU(d, s_.low[0].data() + i));
+        for (int k = 0; k < 3; ++k) {
+          if (k > 0)
+            apart = hn::Or(apart, hn::Lt(hn::Set(d, high[k]), hn::LoadU(d, s_.low[k].data() + i)));
+          apart = hn::Or(apart, hn::Gt(hn::Set(d, low[k]), hn::LoadU(d, s_.high[k].data() + i)));
+        }
+        std::uint32_t near = bitsOf(d, hn::Not(apart));
+        for (std::size_t j = i; near != 0; near >>= 1U, ++j)
+          if ((near & 1U) != 0) considerObstacle(p, s_.pair_of[p * padded + j]);
+      }
+    }
+    for (const std::int32_t pair : s_.piece_pairs) considerPieces(pair);
+  }
+
+  HWY_INLINE void considerObstacle(std::size_t p, std::int32_t number) {
+    if (number < 0) return;
+    const Sweep::Pair& pair = s_.pairs[size(number)];
+    const Sweep::Obstacle& o = s_.obstacles[size(pair.b)];
+    const Sweep::LanePiece& piece = s_.pieces[p];
+    const float above = fixedPart(pair) + piece.outer.radius;
+    float key;
+    const std::uint32_t lanes = openToObstacle<kStill>(o, scratch_.outer[p], above, kAll, &key);
+    if (lanes != 0) scratch_.candidates.push_back({key - above, number, lanes});
+  }
+
+  HWY_INLINE void considerPieces(std::int32_t number) {
+    const Sweep::Pair& pair = s_.pairs[size(number)];
+    const std::size_t a = size(pair.a), b = size(pair.b);
+    for (std::size_t k = 0; k < 3; ++k)
+      if (scratch_.low[3 * a + k] - scratch_.high[3 * b + k] > pair.free_above ||
+          scratch_.low[3 * b + k] - scratch_.high[3 * a + k] > pair.free_above)
+        return;
+    const float above = fixedPart(pair) + s_.pieces[a].outer.radius + s_.pieces[b].outer.radius;
+    float key;
+    const std::uint32_t lanes =
+        openToBall<kStill>(scratch_.outer[a], scratch_.outer[b], above, kAll, &key);
+    if (lanes != 0) scratch_.candidates.push_back({key - above, number, lanes});
+  }
+
+  /// What a pair's separation must exceed besides radii.
+  float fixedPart(const Sweep::Pair& pair) const {
+    const float growth = growthOf(pair.motion);
+    if (pair.pieces) return pair.free_above + growth + 2 * kernel_.slack;
+    return pair.free_above + growth + kernel_.slack + s_.obstacles[size(pair.b)].radius;
+  }
+
+  HWY_INLINE void placeCover(std::size_t p) {
+    if (scratch_.cover_stamp[p] == scratch_.stamp) return;
+    scratch_.cover_stamp[p] = scratch_.stamp;
+    const Sweep::LanePiece& piece = s_.pieces[p];
+    if (piece.frame < 0) return;
+    for (int i = piece.cover; i < piece.inner; ++i)
+      placeBall<kStill>(frame(piece), s_.balls[size(i)].center, scratch_.balls[size(i)]);
+  }
+  HWY_INLINE void placeInner(std::size_t p) {
+    if (scratch_.inner_stamp[p] == scratch_.stamp) return;
+    scratch_.inner_stamp[p] = scratch_.stamp;
+    const Sweep::LanePiece& piece = s_.pieces[p];
+    if (piece.frame < 0) return;
+    for (int i = piece.inner; i < piece.end; ++i)
+      placeBall<true>(frame(piece), s_.balls[size(i)].center, scratch_.balls[size(i)]);
+  }
+
+  /// Lanes of `lanes` in which inner balls prove that the threshold is not kept.
+  HWY_INLINE std::uint32_t contact(const Sweep::Pair& pair, std::uint32_t lanes) {
+    const Sweep::LanePiece& a = s_.pieces[size(pair.a)];
+    if (a.inner == a.end) return 0;
+    placeInner(size(pair.a));
+    if (!pair.pieces && s_.obstacles[size(pair.b)].exact) {
+      const Sweep::Obstacle& o = s_.obstacles[size(pair.b)];
+      const float below = pair.contact_below - kernel_.slack + o.radius;
+      for (int i = a.inner; i < a.end; ++i) {
+        const std::uint32_t found = lanes & contactWithObstacle(o, scratch_.balls[size(i)],
+                                                                below + s_.balls[size(i)].radius);
+        if (found != 0) return found;
+      }
+      return 0;
+    }
+    if (pair.balls < 0) return 0;
+    const Sweep::LanePiece& b = s_.pieces[size(pair.balls)];
+    placeInner(size(pair.balls));
+    const float below = pair.contact_below - 2 * kernel_.slack;
+    for (int i = a.inner; i < a.end; ++i)
+      for (int j = b.inner; j < b.end; ++j) {
+        const std::uint32_t found =
+            lanes & contactWithBall(scratch_.balls[size(i)], scratch_.balls[size(j)],
+                                    below + s_.balls[size(i)].radius + s_.balls[size(j)].radius);
+        if (found != 0) return found;
+      }
+    return 0;
+  }
+
+  /// Lanes of `lanes` in which some ball of the covers is not proven to keep the threshold.
+  HWY_INLINE std::uint32_t uncovered(const Sweep::Pair& pair, std::uint32_t lanes) {
+    placeCover(size(pair.a));
+    const Sweep::LanePiece& a = s_.pieces[size(pair.a)];
+    if (!pair.pieces) {
+      const Sweep::Obstacle& o = s_.obstacles[size(pair.b)];
+      const float fixed = fixedPart(pair);
+      std::uint32_t open = 0;
+      for (int i = a.cover; i < a.inner && open != lanes; ++i)
+        open |= openToObstacle<kStill>(o, scratch_.balls[size(i)], fixed + s_.balls[size(i)].radius,
+                                       lanes & ~open);
+      if (open == 0 || pair.balls < 0) return open;
+      lanes = open;
+    }
+    return uncoveredPieces(a, size(pair.balls),
+                           pair.free_above + growthOf(pair.motion) + 2 * kernel_.slack, lanes);
+  }
+
+  HWY_INLINE std::uint32_t uncoveredPieces(const Sweep::LanePiece& a, std::size_t number,
+                                           float fixed, std::uint32_t lanes) {
+    placeCover(number);
+    const Sweep::LanePiece& b = s_.pieces[number];
+    std::uint32_t open = 0;
+    for (int i = a.cover; i < a.inner && open != lanes; ++i) {
+      const Placed& ball = scratch_.balls[size(i)];
+      const float above = fixed + s_.balls[size(i)].radius;
+      const std::uint32_t near =
+          openToBall<kStill>(ball, scratch_.outer[number], above + b.outer.radius, lanes & ~open);
+      if (near == 0) continue;
+      for (int j = b.cover; j < b.inner && open != lanes; ++j)
+        open |= openToBall<kStill>(ball, scratch_.balls[size(j)], above + s_.balls[size(j)].radius,
+                                   near & ~open);
+    }
+    return open;
+  }
+
+  const Sweep& s_;
+  Scratch& scratch_;
+  const LaneSweepKernel& kernel_;
+};
+
+LaneSweepKernel::Contact SweepAll(const LaneSweepKernel& kernel) {
+  return Run<false>(kernel).all();
+}
+LaneSweepKernel::Contact StillAll(const LaneSweepKernel& kernel) { return Run<true>(kernel).all(); }
+
+}  // namespace HWY_NAMESPACE
+}  // namespace leeway::collision
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace leeway::collision {
+
+HWY_EXPORT(SweepAll);
+HWY_EXPORT(StillAll);
+
+LaneSweep::Contact LaneSweep::run(std::span<const LaneFrame> frames, std::span<const float> growth,
+                                  float slack, Scratch& scratch) const {
+  return HWY_DYNAMIC_DISPATCH(SweepAll)(
+      {*impl_, *scratch.impl_, frames.data(), growth.data(), slack});
+}
+
+LaneSweep::Contact LaneSweep::runStill(std::span<const LaneFrame> frames, float slack,
+                                       Scratch& scratch) const {
+  return HWY_DYNAMIC_DISPATCH(StillAll)({*impl_, *scratch.impl_, frames.data(), nullptr, slack});
+}
+
+}  // namespace leeway::collision
+#endif  // HWY_ONCE

@@ -1,0 +1,72 @@
+#pragma once
+
+// Private to planner/: the coarse pass of edge certification, sixteen intervals of an edge at once.
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "leeway/collision/lane_sweep.h"
+#include "planner/edge_frames.h"
+
+namespace leeway::planner {
+
+/// Intervals of one edge against all pairs, by balls. Allocates in the constructor only.
+class EdgeLanes {
+ public:
+  explicit EdgeLanes(const EdgeFrames& frames);
+
+  /// False when this pass says nothing about the edge that `frames` has begun: reaches without
+  /// bound, configurations outside the limits, or turns beyond what single precision is trusted
+  /// with.
+  bool begin(const EdgeFrames& frames);
+  /// After begin(): all intervals [k, k + 1] / kLanes. Ids are indices into frames.pairs().
+  collision::LaneSweep::Contact sweep();
+  /// What sweep() left.
+  std::span<const collision::LaneSweep::Open> open() const { return scratch_->open(); }
+
+  /// After begin(): single configurations at t = 1/2 + places.
+  collision::LaneSweep::Contact still(const collision::LaneValues& places);
+
+  std::size_t bytes() const { return sweep_.bytes(); }
+
+ private:
+  /// A joint that turns or slides, as a step between frames whose z axis it turns about.
+  struct Step {
+    int joint;
+    Pose X_PJ;              // from the frame below it to the joint, joint at rest
+    Eigen::Matrix3d align;  // turns z onto the axis
+    double length = 0;      // of translation and slide together, at most [m]
+    bool restores = false;  // turns a floating joint's frame back to its link's axes
+  };
+  struct LinkPlace {
+    int frame = -1;
+    Pose X_FL;
+  };
+
+  void addSteps();
+  bool addMotions();
+  int addMotion(const robots::RelativeMotion& motion);
+  void addPieces(const EdgeFrames& frames);
+  int worldMotion(const Piece& piece);
+  void setStep(const EdgeFrames& frames, std::size_t i);
+
+  std::shared_ptr<const CompiledScene> scene_;
+  bool usable_ = true;
+  std::vector<Step> steps_;
+  std::vector<LinkPlace> places_;    // one a link
+  std::vector<double> frame_reach_;  // sum of lengths up to a frame [m]
+  double longest_ = 0;               // chain with the farthest ball [m]
+  int deepest_ = 0;                  // steps of a chain
+  collision::LaneGrowth growth_;
+  collision::LaneSweep sweep_;
+  std::unique_ptr<collision::LaneSweep::Scratch> scratch_;
+
+  std::vector<collision::FrameStep> frame_steps_;
+  std::vector<collision::LaneFrame> lane_frames_;
+  std::vector<float> joint_motion_, growth_values_;
+  std::vector<double> middle_, q_;
+  float slack_ = 0;
+};
+
+}  // namespace leeway::planner

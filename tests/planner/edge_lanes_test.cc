@@ -1,0 +1,147 @@
+#include "planner/edge_lanes.h"
+
+#include <gtest/gtest.h>
+#include <hwy/targets.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "leeway/planner/edge_certifier.h"
+#include "tests/planner/random_problem.h"
+
+namespace leeway::planner {
+namespace {
+
+using collision::kLanes;
+using collision::LaneSweep;
+using testing::Random;
+
+struct Count {
+  int edges = 0, contacts = 0, certified = 0, open = 0, near = 0;
+};
+
+std::vector<double> randomPoint(Random& random, const CompiledScene& scene) {
+  const std::vector<double> q = robots::testing::randomConfiguration(random, scene.model());
+  std::vector<double> point;
+  for (const int v : scene.space().variables()) point.push_back(q[static_cast<std::size_t>(v)]);
+  return point;
+}
+
+/// Edges of a problem: what the lanes call certified is apart wherever it is sampled, what they
+/// call contact is one.
+void check(Random& random, const Problem& problem, int edges, Count& count) {
+  const auto scene = std::make_shared<const CompiledScene>(problem);
+  EdgeFrames frames(scene, 256);
+  EdgeLanes lanes(frames);
+  collision::Scratch scratch;
+  const auto distanceOf = [&](std::size_t p, double t) {
+    frames.release(0);
+    const int slot = frames.place(t);
+    EXPECT_GE(slot, 0);
+    const EdgePair& pair = frames.pairs()[p];
+    return collision::distance(frames.pieces()[static_cast<std::size_t>(pair.a)].geometry->shape,
+                               frames.piecePose(slot, pair.a),
+                               frames.pieces()[static_cast<std::size_t>(pair.b)].geometry->shape,
+                               frames.piecePose(slot, pair.b), {}, scratch)
+        .distance;
+  };
+  std::vector<double> b(static_cast<std::size_t>(scene->space().size()));
+  for (int i = 0; i < edges; ++i) {
+    const std::vector<double> a = randomPoint(random, *scene);
+    scene->space().interpolate(a, randomPoint(random, *scene), random.uniform(0.02, 1), b);
+    if (!frames.begin(a, b) || !lanes.begin(frames)) continue;
+    ++count.edges;
+    const LaneSweep::Contact contact = lanes.sweep();
+    if (contact.id >= 0) {
+      ++count.contacts;
+      const EdgePair& pair = frames.pairs()[static_cast<std::size_t>(contact.id)];
+      EXPECT_LE(
+          distanceOf(static_cast<std::size_t>(contact.id), (contact.lane + 0.5) / kLanes).lower,
+          pair.threshold);
+      continue;
+    }
+    std::vector<std::uint32_t> open(frames.pairs().size(), 0);
+    for (const LaneSweep::Open& o : lanes.open()) open[static_cast<std::size_t>(o.id)] = o.lanes;
+    for (std::size_t p = 0; p < open.size(); ++p)
+      for (int lane = 0; lane < kLanes; ++lane) {
+        if ((open[p] >> lane & 1U) != 0) {
+          ++count.open;
+          continue;
+        }
+        ++count.certified;
+        if (random.integer(8) != 0) continue;
+        for (const double s : {0.0, random.uniform(0, 1), 1.0}) {
+          const collision::Interval d = distanceOf(p, (lane + s) / kLanes);
+          ASSERT_GT(d.upper, frames.pairs()[p].threshold)
+              << "pair " << p << " lane " << lane << " of edge " << i;
+          if (d.lower < frames.pairs()[p].threshold + 0.02) ++count.near;
+        }
+      }
+  }
+}
+
+TEST(EdgeLanes, CertifyOnlyWhatIsApart) {
+  Random random(31);
+  Count count;
+  for (int round = 0; round < 40; ++round) {
+    std::shared_ptr<const robots::Model> model;
+    switch (round % 4) {
+      case 0:
+        model = testing::randomArm(random);
+        break;
+      case 1:
+        model = testing::randomFreeBody(random, robots::JointType::kFloating);
+        break;
+      case 2:
+        model = testing::randomFreeBody(random, robots::JointType::kPlanar);
+        break;
+      default:
+        model = testing::randomTreeWithShapes(random);
+    }
+    Problem problem = testing::randomProblem(random, model, 8, 1.0);
+    problem.objects.push_back(
+        {"rock", {{testing::randomMesh(random, 0.3), {}, "rock"}}, random.pose(1.0)});
+    check(random, problem, 25, count);
+  }
+  // That it bites: near misses among what is certified, and every outcome.
+  EXPECT_GT(count.edges, 500);
+  EXPECT_GT(count.contacts, 50);
+  EXPECT_GT(count.certified, 20000);
+  EXPECT_GT(count.open, 100);
+  EXPECT_GT(count.near, 20);
+}
+
+TEST(EdgeLanes, GiveTheSameAnswersOnEveryInstructionSet) {
+  Random random(32);
+  const auto scene = std::make_shared<const CompiledScene>(
+      testing::randomProblem(random, testing::randomArm(random), 20, 1.2));
+  std::vector<std::vector<double>> points;
+  for (int i = 0; i < 60; ++i) points.push_back(randomPoint(random, *scene));
+  std::vector<std::vector<std::uint32_t>> results;
+  for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
+    hwy::SetSupportedTargetsForTest(target);
+    EdgeFrames frames(scene, 64);
+    EdgeLanes lanes(frames);
+    std::vector<std::uint32_t>& result = results.emplace_back();
+    std::vector<double> b(points[0].size());
+    for (std::size_t i = 0; i + 1 < points.size(); ++i) {
+      scene->space().interpolate(points[i], points[i + 1], 0.2, b);
+      ASSERT_TRUE(frames.begin(points[i], b) && lanes.begin(frames));
+      const LaneSweep::Contact contact = lanes.sweep();
+      result.push_back(static_cast<std::uint32_t>(contact.id));
+      result.push_back(static_cast<std::uint32_t>(contact.lane));
+      if (contact.id >= 0) continue;
+      for (const LaneSweep::Open& o : lanes.open()) {
+        result.push_back(static_cast<std::uint32_t>(o.id));
+        result.push_back(o.lanes);
+      }
+    }
+  }
+  hwy::SetSupportedTargetsForTest(0);
+  EXPECT_GT(results[0].size(), 150U);
+  for (const auto& result : results) EXPECT_EQ(result, results[0]);
+}
+
+}  // namespace
+}  // namespace leeway::planner
