@@ -106,7 +106,7 @@ TEST(LaneFrames, AreWithinTheirBoundOfDoublePrecision) {
   }
   // The bounds are near enough to the truth for an error of a few units to be seen.
   EXPECT_GT(worst, 0.01);
-  EXPECT_GT(worst_way, 0.003);
+  EXPECT_GT(worst_way, 0.001);
 }
 
 TEST(LaneFrames, HaveTheSameBitsOnEveryInstructionSet) {
