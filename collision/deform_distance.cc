@@ -1,6 +1,7 @@
 #include "collision/deform_distance.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -24,6 +25,15 @@ void remember(const DescentResult& found, PairCache& cache) {
     cache.triangle_a = found.witness.triangle_a;
     cache.triangle_b = found.witness.triangle_b;
   }
+}
+
+// What holds a body and is convex: itself, or the corners of its box. A mesh's hull is in it.
+ConvexView outerOf(const DeformSide& side, std::array<Vector3d, 8>& corners) {
+  if (side.snapshot == nullptr && side.rigid.tree == nullptr) return side.rigid.view;
+  for (std::size_t i = 0; i < 8; ++i) {
+    for (int k = 0; k < 3; ++k) corners[i][k] = (i >> k & 1) != 0 ? side.high[k] : side.low[k];
+  }
+  return viewOfPoints(corners.data(), 8, 0);
 }
 
 // The bodies in the other order.
@@ -78,6 +88,14 @@ DistanceResult deformDistance(const Shape& a, const Pose& X_WA, const Shape& b, 
         const Vector3d way_out = containment == Containment::kYes
                                      ? Vector3d(result.point_a - result.point_b)
                                      : result.normal;
+        // A translation that separates what holds the bodies, with its direction.
+        std::array<Vector3d, 8> corners_a, corners_b;
+        const DistanceResult outer =
+            convexDistance(outerOf(side_a, corners_a), relative.X_BA, outerOf(side_b, corners_b),
+                           request, scratch, nullptr, placement.slack);
+        result.iterations += outer.iterations;
+        result.distance.lower = outer.distance.lower;
+        result.normal = X_WB.rotation * outer.normal;
         separate(a, X_WA, b, X_WB, way_out, request, scratch, result);
       }
     }

@@ -73,6 +73,8 @@ class SelfDescent {
       if (done()) settle(lower);
     }
     while (size_ > 0) settle(static_cast<double>(stack_[--size_].lower));
+    // Crossing triangles end the search, however deep others are.
+    if (result_.distance.upper <= 0) result_.distance.lower = -kInfinity;
     if (result_.triangle_a > result_.triangle_b) {
       std::swap(result_.triangle_a, result_.triangle_b);
       std::swap(result_.point_a, result_.point_b);

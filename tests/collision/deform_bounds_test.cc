@@ -1,0 +1,145 @@
+#include "collision/deform_bounds.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "collision/deform_build.h"
+#include "tests/collision/motion_cases.h"
+
+namespace leeway::collision {
+namespace {
+
+using Eigen::Vector3d;
+using oracle::Random;
+
+double area(const Vector3d& extent) {
+  return extent.x() * extent.y() + extent.y() * extent.z() + extent.z() * extent.x();
+}
+
+struct Fit {
+  double area = 0, exact = 0;  // sums over the children of all nodes
+};
+
+/// Every vertex below every child of every node is in the child's box; what the boxes' areas are.
+void check(const VertexMotion& motion, const NodeBounds& bounds, const DeformTree& tree,
+           std::span<const double> parameters, const std::string& what, Fit& fit) {
+  std::vector<Vector3d> positions(static_cast<std::size_t>(motion.vertexCount()));
+  motion.vertices(parameters, 0, positions);
+  for (std::int32_t node = 0; node < tree.nodeCount(); ++node) {
+    WideBox box;
+    bounds.bound(node, parameters, box);
+    for (int lane = 0; lane < kWidth; ++lane) {
+      const Vector3d low(double(box.low[0][lane]), double(box.low[1][lane]),
+                         double(box.low[2][lane]));
+      const Vector3d high(double(box.high[0][lane]), double(box.high[1][lane]),
+                          double(box.high[2][lane]));
+      const std::span<const std::int32_t> vertices = tree.vertices(node, lane);
+      if (vertices.empty()) {
+        ASSERT_EQ(low.x(), std::numeric_limits<double>::infinity()) << what << " node " << node;
+        ASSERT_EQ(high.x(), -std::numeric_limits<double>::infinity()) << what << " node " << node;
+        continue;
+      }
+      Vector3d least = positions[static_cast<std::size_t>(vertices[0])], most = least;
+      for (const std::int32_t v : vertices) {
+        least = least.cwiseMin(positions[static_cast<std::size_t>(v)]);
+        most = most.cwiseMax(positions[static_cast<std::size_t>(v)]);
+      }
+      ASSERT_TRUE((low.array() <= least.array()).all() && (most.array() <= high.array()).all())
+          << what << " node " << node << " lane " << lane << ": vertices from " << least.transpose()
+          << " to " << most.transpose() << ", box from " << low.transpose() << " to "
+          << high.transpose();
+      fit.area += area(high - low);
+      fit.exact += area(most - least);
+    }
+  }
+}
+
+// How much more area the boxes have than the exact ones, and a limit that tells when a bound has
+// become idle.
+TEST(DeformBounds, HoldTheVerticesOfEveryNode) {
+  int kinds = 0;
+  for (const motion_cases::MotionCase& c : motion_cases::allMotions(24, 9)) {
+    const auto tree = buildDeformTree(c.mesh.vertices, c.mesh.triangles, DeformMethod::kBinned, 64);
+    const auto bounds = makeNodeBounds(*c.motion, *tree);
+    if (!bounds) continue;
+    ++kinds;
+    Random random(21);
+    Fit fit;
+    std::vector<double> parameters(static_cast<std::size_t>(c.motion->parameterCount()));
+    for (int i = 0; i < 40; ++i) {
+      const double time = i == 0 ? 0.0 : random.uniform(-1, 4);
+      c.motion->parameters(time, parameters);
+      check(*c.motion, *bounds, *tree, parameters, c.name + " at " + std::to_string(time), fit);
+    }
+    const double ratio = fit.area / fit.exact;
+    RecordProperty(c.name, std::to_string(ratio));
+    EXPECT_GE(ratio, 1) << c.name;
+    EXPECT_LT(ratio, c.name == "morph, any weights" ? 6 : 3) << c.name;
+  }
+  EXPECT_EQ(kinds, 7);
+}
+
+// Numbers that a file could have: huge and tiny weights, coordinates far from the origin.
+TEST(DeformBounds, HoldForHardNumbers) {
+  Random random(22);
+  for (int i = 0; i < 60; ++i) {
+    motion_cases::RestMesh mesh = motion_cases::cloth(7);
+    const double far = random.logUniform(1e-6, 1e6), size = random.logUniform(1e-6, 1e3);
+    const Vector3d offset = motion_cases::randomVector(random, far);
+    for (Vector3d& v : mesh.vertices) v = v * size + offset;
+    const auto tree = buildDeformTree(mesh.vertices, mesh.triangles, DeformMethod::kLinear, 64);
+    MorphMotion morph;
+    ReducedMotion reduced;
+    SkinnedMotion skinned;
+    reduced.rest = skinned.rest = mesh.vertices;
+    MorphMotion::Key weights;
+    ReducedMotion::Key coordinates;
+    SkinnedMotion::Key poses;
+    for (int k = 0; k < 3; ++k) {
+      std::vector<Vector3d> moved = mesh.vertices;
+      for (Vector3d& v : moved) v += motion_cases::randomVector(random, size * 0.1);
+      morph.references.push_back(moved);
+      for (std::size_t v = 0; v < moved.size(); ++v) moved[v] -= mesh.vertices[v];
+      reduced.modes.push_back(moved);
+      weights.weights.push_back(random.uniform(-1, 1) * random.logUniform(1e-3, 1e3));
+      coordinates.coordinates.push_back(random.uniform(-1, 1) * random.logUniform(1e-3, 1e3));
+      SkinnedMotion::BonePose pose;
+      pose.translation = motion_cases::randomVector(random, far);
+      for (int n = 0; n < 4; ++n) pose.quaternion[n] = random.uniform(-1, 1);
+      skinned.bones.push_back({k - 1, pose});
+      pose.translation = motion_cases::randomVector(random, far);
+      for (int n = 0; n < 4; ++n) pose.quaternion[n] = random.uniform(-1, 1);
+      poses.poses.push_back(pose);
+      for (int v = 0; v < static_cast<int>(mesh.vertices.size()); ++v) {
+        if (k == v % 3 || random.chance(0.4))
+          skinned.weights.push_back({v, k, random.logUniform(1e-9, 1)});
+      }
+    }
+    morph.keys.push_back(weights);
+    reduced.keys.push_back(coordinates);
+    skinned.keys.push_back(poses);
+    Fit fit;
+    for (const auto& motion : {VertexMotion::morph(morph), VertexMotion::reduced(reduced),
+                               VertexMotion::skinned(skinned)}) {
+      std::vector<double> parameters(static_cast<std::size_t>(motion->parameterCount()));
+      motion->parameters(0, parameters);
+      check(*motion, *makeNodeBounds(*motion, *tree), *tree, parameters,
+            std::string(toString(motion->kind())) + " of case " + std::to_string(i), fit);
+    }
+  }
+}
+
+TEST(DeformBounds, OtherMotionsHaveNone) {
+  for (const motion_cases::MotionCase& c : motion_cases::allMotions(4, 9)) {
+    const auto tree = buildDeformTree(c.mesh.vertices, c.mesh.triangles, DeformMethod::kBinned, 64);
+    const MotionKind kind = c.motion->kind();
+    const bool has_none =
+        kind == MotionKind::kLattice || kind == MotionKind::kCache || kind == MotionKind::kOwn;
+    EXPECT_EQ(makeNodeBounds(*c.motion, *tree) == nullptr, has_none) << c.name;
+  }
+}
+
+}  // namespace
+}  // namespace leeway::collision
