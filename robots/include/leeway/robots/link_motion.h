@@ -1,0 +1,59 @@
+#pragma once
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "leeway/collision/time_of_contact.h"
+#include "leeway/collision/time_to_impact.h"
+#include "leeway/robots/motion_bound.h"
+
+namespace leeway::robots {
+
+/// The motion of a link's frame while the robot follows an edge q(t) = q0 + t dq, t in [0, 1]: what
+/// collision::timeOfContact() takes for articulated bodies. Keeps buffers: one thread at a time.
+class LinkMotion final : public collision::RigidMotion {
+ public:
+  /// q0 has one number a variable, dq is as for jointMotion(). Throws std::invalid_argument for
+  /// another number of them, or a link that the model does not have. O(joints^2).
+  LinkMotion(std::shared_ptr<const Model> model, int link, std::span<const double> q0,
+             std::span<const double> dq);
+
+  Pose pose(double t) const override;
+  collision::FrameVelocity velocity(double t) const override;
+  collision::FrameMotionBound bound(double t0, double t1) const override;
+  double rounding(double reach) const override;
+
+  /// The configuration at t, one number a variable; floating joints turn by t times their rotation
+  /// vector from where they are at 0.
+  void configuration(double t, std::span<double> q) const;
+
+ private:
+  void place(double t) const;
+
+  std::shared_ptr<const Model> model_;
+  int link_;
+  std::vector<double> q0_, dq_, rates_;  // one a variable; rates: one a joint, mimics' too
+  std::vector<int> path_;                // joints above the link, the root's first
+  collision::FrameMotionBound bound_;
+  double base_reach_ = 0;
+  mutable std::vector<double> q_;
+  mutable std::vector<Pose> X_WL_;
+  mutable double placed_ = -1;  // the t that they are for
+};
+
+/// The most that variables' rates may be, one number a variable; infinite where unknown.
+struct RateLimits {
+  std::span<const double> velocity;      // [rad/s or m/s]
+  std::span<const double> acceleration;  // [rad/s^2 or m/s^2]
+};
+
+/// How fast any point of a body can be, now with the variables at the rates `velocity` (one a
+/// variable, floating: the rotation vector's rate as in jointMotion()) and later within the limits:
+/// what a collision::ImpactSchedule is told. `motion` is relativeMotion(model, link, -1, sphere of
+/// the body). Acceleration holds the centripetal and Coriolis parts at the velocity limits besides
+/// those of the joints' accelerations. Infinite where a limit that matters is. O(terms).
+collision::PointMotion pointMotion(const Model& model, const RelativeMotion& motion,
+                                   std::span<const double> velocity, const RateLimits& limits);
+
+}  // namespace leeway::robots
