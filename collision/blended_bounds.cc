@@ -38,10 +38,35 @@ std::uint8_t lanesOf(const DeformTree& tree, std::int32_t node) {
 
 constexpr int kNumbers = 3 * kWidth;
 
-// a += p [low, high], a number p that is not negative.
-void addScaled(double p, const float* low, const float* high, double* sum_low, double* sum_high) {
-  for (int i = 0; i < kNumbers; ++i) sum_low[i] += p * static_cast<double>(low[i]);
-  for (int i = 0; i < kNumbers; ++i) sum_high[i] += p * static_cast<double>(high[i]);
+struct Sum {
+  double low[kNumbers], high[kNumbers];
+
+  /// += p [box.low, box.high].
+  void add(double p, const WideBox& box) {
+    const float* lower = p >= 0 ? box.low[0] : box.high[0];
+    const float* upper = p >= 0 ? box.high[0] : box.low[0];
+    for (int i = 0; i < kNumbers; ++i) low[i] += p * static_cast<double>(lower[i]);
+    for (int i = 0; i < kNumbers; ++i) high[i] += p * static_cast<double>(upper[i]);
+  }
+};
+
+// [-slack, slack] and what is added with `first` times the first box.
+Sum sumOf(double slack, const WideBox* boxes, double first, std::span<const double> rest) {
+  Sum sum;
+  for (int i = 0; i < kNumbers; ++i) sum.low[i] = -slack;
+  for (int i = 0; i < kNumbers; ++i) sum.high[i] = slack;
+  sum.add(first, *boxes);
+  for (const double p : rest) sum.add(p, *++boxes);
+  return sum;
+}
+
+BlendedMotion::Field meanOf(const std::vector<BlendedMotion::Field>& fields) {
+  BlendedMotion::Field mean = fields[0];
+  for (std::size_t k = 1; k < fields.size(); ++k) {
+    for (std::size_t v = 0; v < mean.size(); ++v) mean[v] += fields[k][v];
+  }
+  for (Eigen::Vector3d& v : mean) v /= static_cast<double>(fields.size());
+  return mean;
 }
 
 }  // namespace
@@ -52,7 +77,19 @@ BlendedBounds::BlendedBounds(const BlendedMotion& motion, const DeformTree& tree
   for (const BlendedMotion::Field& field : motion.fields())
     field_sizes_.push_back(largestCoordinate(field));
   boxes_.reserve(static_cast<std::size_t>(tree.nodeCount()) * (fields_ + (has_base_ ? 1 : 0)));
+  BlendedMotion::Field mean;
+  std::vector<BlendedMotion::Field> differences;
+  if (!has_base_) {
+    mean = meanOf(motion.fields());
+    differences = motion.fields();
+    for (BlendedMotion::Field& field : differences) {
+      for (std::size_t v = 0; v < mean.size(); ++v) field[v] -= mean[v];
+    }
+  }
   for (std::int32_t node = 0; node < tree.nodeCount(); ++node) {
+    if (!has_base_) differences_.push_back(boxOf(mean, tree, node));
+    for (const BlendedMotion::Field& field : differences)
+      differences_.push_back(boxOf(field, tree, node));
     if (has_base_) boxes_.push_back(boxOf(motion.base(), tree, node));
     for (const BlendedMotion::Field& field : motion.fields())
       boxes_.push_back(boxOf(field, tree, node));
@@ -60,39 +97,39 @@ BlendedBounds::BlendedBounds(const BlendedMotion& motion, const DeformTree& tree
   }
 }
 
-// In exact arithmetic the sum below holds the exact vertices. A vertex as evaluated and each bound
+// In exact arithmetic the sums below hold the exact vertices. A vertex as evaluated and each bound
 // are off by at most one rounding a product and a sum, of numbers that are at most the sum of
-// magnitudes: (fields + 1) units each, so that 4 (fields + 2) cover both and the sum's own.
+// magnitudes: (fields + 1) units each, so that 4 (fields + 2) cover both and the sum's own. A
+// difference from the mean is at most twice as large and one rounding more: 8 (fields + 4) there.
 void BlendedBounds::bound(std::int32_t node, std::span<const double> parameters,
                           WideBox& box) const {
-  double size = base_size_;
-  for (std::size_t k = 0; k < fields_; ++k) size += std::abs(parameters[k]) * field_sizes_[k];
-  const double rounding = 4 * (static_cast<double>(fields_) + 2) * kUnitRoundoff * size;
-
-  const std::size_t stride = fields_ + (has_base_ ? 1 : 0);
-  const WideBox* from = boxes_.data() + static_cast<std::size_t>(node) * stride;
-  double low[kNumbers], high[kNumbers];
-  for (int i = 0; i < kNumbers; ++i) low[i] = -rounding;
-  for (int i = 0; i < kNumbers; ++i) high[i] = rounding;
-  if (has_base_) {
-    addScaled(1, from->low[0], from->high[0], low, high);
-    ++from;
+  double size = base_size_, total = 0;
+  bool turned = false;
+  for (std::size_t k = 0; k < fields_; ++k) {
+    size += std::abs(parameters[k]) * field_sizes_[k];
+    total += parameters[k];
+    turned = turned || parameters[k] < 0;
   }
-  for (std::size_t k = 0; k < fields_; ++k, ++from) {
-    if (parameters[k] >= 0) {
-      addScaled(parameters[k], from->low[0], from->high[0], low, high);
-    } else {
-      addScaled(parameters[k], from->high[0], from->low[0], low, high);
+  const double rounding = 8 * (static_cast<double>(fields_) + 4) * kUnitRoundoff * size;
+  const auto n = static_cast<std::size_t>(node);
+  Sum sum = has_base_ ? sumOf(rounding, &boxes_[n * (fields_ + 1)], 1, parameters)
+                      : sumOf(rounding, &boxes_[n * fields_], parameters[0], parameters.subspan(1));
+  if (turned && !has_base_) {
+    const Sum other = sumOf(rounding, &differences_[n * (fields_ + 1)], total, parameters);
+    for (int i = 0; i < kNumbers; ++i) {
+      sum.low[i] = std::max(sum.low[i], other.low[i]);
+      sum.high[i] = std::min(sum.high[i], other.high[i]);
     }
   }
-  const int lanes = lanes_[static_cast<std::size_t>(node)];
+  const int lanes = lanes_[n];
   for (int axis = 0; axis < 3; ++axis) {
     for (int lane = 0; lane < kWidth; ++lane) {
       const int i = axis * kWidth + lane;
       const bool empty = lane >= lanes;
-      box.low[axis][lane] = empty ? std::numeric_limits<float>::infinity() : roundedDown(low[i]);
+      box.low[axis][lane] =
+          empty ? std::numeric_limits<float>::infinity() : roundedDown(sum.low[i]);
       box.high[axis][lane] =
-          empty ? -std::numeric_limits<float>::infinity() : roundedUpToFloat(high[i]);
+          empty ? -std::numeric_limits<float>::infinity() : roundedUpToFloat(sum.high[i]);
     }
   }
 }

@@ -20,8 +20,9 @@ class BlendedBounds final : public NodeBounds {
  private:
   std::size_t fields_;
   bool has_base_;
-  std::vector<WideBox> boxes_;       // a node: the base's if there is one, then one a field
-  std::vector<std::uint8_t> lanes_;  // one a node: how many children it has
+  std::vector<WideBox> boxes_;        // a node: the base's if there is one, then one a field
+  std::vector<WideBox> differences_;  // without a base; a node: the mean's, then one a field
+  std::vector<std::uint8_t> lanes_;   // one a node: how many children it has
   double base_size_ = 0;
   std::vector<double> field_sizes_;  // largest |coordinate| [m]
 };

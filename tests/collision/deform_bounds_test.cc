@@ -76,7 +76,7 @@ TEST(DeformBounds, HoldTheVerticesOfEveryNode) {
     const double ratio = fit.area / fit.exact;
     RecordProperty(c.name, std::to_string(ratio));
     EXPECT_GE(ratio, 1) << c.name;
-    EXPECT_LT(ratio, c.name == "morph, any weights" ? 6 : 3) << c.name;
+    EXPECT_LT(ratio, 3) << c.name;
   }
   EXPECT_EQ(kinds, 7);
 }
