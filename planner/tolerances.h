@@ -181,4 +181,15 @@ constexpr long kVerifyPairWork = 500'000;
 constexpr long kVerifyOpenWork = 20'000;  ///< once part of it is left undecided
 constexpr long kVerifyWork = 10'000'000;
 
+// trajectory.cc
+
+/// Edges whose unit directions differ by no more than this in each number are run through without a
+/// stop: cutting an edge rounds by less, and the jump of velocity at such a corner is that share of
+/// it.
+constexpr double kInLine = 1e-12;
+
+/// Without a limit on acceleration, velocity limits are reached from rest in this time [s]: what
+/// arms' controllers commonly take.
+constexpr double kTimeToVelocityLimit = 0.5;
+
 }  // namespace leeway::planner
