@@ -1,5 +1,6 @@
 #include "collision/skinned_bounds.h"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -17,14 +18,17 @@
 //
 //     x = M r + sum_b (w_b - m_b) T_b r = M r + sum_b (w_b - m_b) (T_b - M) r,
 //
-// because the differences of the weights add up to 0. T_b - M is affine, too: over the rest box it
-// stays, coordinate by coordinate, within |(T_b - M) c| + |R_b - R_M| e of 0. So
+// because the differences of the weights add up to 0. Weights change along a skin, and that is what
+// bends it: with any gradients g_b, w_b - m_b = g_b . (r - c) + f_b. T_b - M is affine, too, with
+// the linear part L_b = R_b - R_M, so that with d = r - c and D_b = T_b c - M c
 //
-//     x in  M c +- ( |R_M| e + sum_b h_b ( |T_b c - M c| + |R_b - R_M| e ) ).
+//     x = M c + (R_M + sum_b D_b g_b^T) d + sum_b f_b D_b + sum_b (w_b - m_b) L_b d,
+//     x in  M c +- ( |R_M + sum_b D_b g_b^T| e + sum_b |f_b| |D_b| + sum_b h_b |L_b| e ).
 //
-// One bone alone (h = 0) leaves the turned rest box; small nodes, whose weights hardly differ, come
-// close to it however far their bones are apart. Kavan and Zara's sphere is this with a ball for
-// the box, their convex combination of the bones' images of its centre being M c.
+// The first term is the exact image where weights are linear in the rest position, the others are
+// small of second order in the size of the node, however far the bones are apart. Kavan and Zara's
+// sphere is this with a ball for the box and without gradients, their convex combination of the
+// bones' images of its centre being M c.
 //
 // (2) Around the bones. x is a convex combination of the images T_b r, each within T_b c +- |R_b|
 // e: it is in the box around these boxes, of the bones that have a part in the node. This is the
@@ -36,6 +40,9 @@ namespace leeway::collision {
 namespace {
 
 using Eigen::Vector3d;
+
+/// Largest change of a weight over a node's box that a gradient may stand for. No unit.
+constexpr double kSteepest = 4;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
@@ -110,7 +117,7 @@ void SkinnedBounds::addParts(const SkinnedVertices& motion, const DeformTree& tr
   std::sort(seen.begin(), seen.end(), [](const Seen& a, const Seen& b) { return a.bone < b.bone; });
   const std::size_t begin = parts_.size();
   for (const Seen& s : seen) {
-    Part part{s.bone, {}, {}};
+    Part part{s.bone, {}, {}, {}, {}};
     for (int lane = 0; lane < kWidth; ++lane) {
       const double least = s.count[lane] == tree.vertices(node, lane).size() ? s.least[lane] : 0;
       part.mean[lane] = 0.5 * (least + s.largest[lane]);
@@ -134,12 +141,63 @@ void SkinnedBounds::addParts(const SkinnedVertices& motion, const DeformTree& tr
           (parts_[i].range[lane] + std::abs(missing)) * (1 + 8 * kUnitRoundoff) + 4 * kUnitRoundoff;
       parts_[i].mean[lane] = moved;
     }
+    fitGradients(motion, tree.vertices(node, lane), lane, std::span<Part>(parts_).subspan(begin));
+  }
+}
+
+// Least squares, a little towards 0 where the vertices do not span all directions. Any gradient is
+// right; its residue is what counts, with the rounding of the sums that it comes from.
+void SkinnedBounds::fitGradients(const SkinnedVertices& motion,
+                                 std::span<const std::int32_t> vertices, int lane,
+                                 std::span<Part> parts) const {
+  const Lanes& rest = rest_.back();
+  const Vector3d center(rest.center[0][lane], rest.center[1][lane], rest.center[2][lane]);
+  const auto offset = [&](std::int32_t v) -> Vector3d {
+    return motion.rest()[static_cast<std::size_t>(v)] - center;
+  };
+  const auto weight = [&](std::int32_t v, std::int32_t bone) {
+    for (const SkinnedVertices::Influence& influence : motion.influences(v)) {
+      if (influence.bone == bone) return influence.weight;
+    }
+    return 0.0;
+  };
+  double reach = 0;
+  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+  for (const std::int32_t v : vertices) {
+    const Vector3d d = offset(v);
+    spread += d * d.transpose();
+    reach = std::max(reach, d.lpNorm<1>());
+  }
+  spread += (1e-6 * spread.trace() + 1e-200) * Eigen::Matrix3d::Identity();
+  const Eigen::Matrix3d inverse = spread.inverse();
+  for (Part& part : parts) {
+    part.residue[lane] = part.range[lane];
+    if (!(part.range[lane] > 0)) continue;
+    Vector3d sum = Vector3d::Zero();
+    for (const std::int32_t v : vertices)
+      sum += (weight(v, part.bone) - part.mean[lane]) * offset(v);
+    const Vector3d gradient = inverse * sum;
+    double residue = 0;
+    for (const std::int32_t v : vertices) {
+      const Vector3d d = offset(v);
+      const double linear = gradient.x() * d.x() + gradient.y() * d.y() + gradient.z() * d.z();
+      residue = std::max(residue, std::abs(weight(v, part.bone) - part.mean[lane] - linear));
+    }
+    residue += 16 * kUnitRoundoff * (1 + gradient.lpNorm<1>() * (reach + 2 * center.lpNorm<1>()));
+    // A NaN, too, leaves the gradient at 0; a steep one would cost digits.
+    const double across = std::abs(gradient.x()) * rest.half[0][lane] +
+                          std::abs(gradient.y()) * rest.half[1][lane] +
+                          std::abs(gradient.z()) * rest.half[2][lane];
+    if (!(residue < part.range[lane] && across <= kSteepest)) continue;
+    part.residue[lane] = residue;
+    for (int k = 0; k < 3; ++k) part.gradient[k][lane] = gradient[k];
   }
 }
 
 // Rounding: every number here and in a vertex's evaluation is at most the size below, made of sums
 // of up to terms_ + 12 products; the means and the weights add up to 1 within terms_ + 2 units
-// each, which moves x by that share of the size. 64 (terms_ + 12) units cover the sum of all.
+// each, which moves x by that share of the size; a gradient changes a weight by at most
+// kSteepest over a node. 64 (terms_ + 12) units a part, and four parts more, cover the sum of all.
 void SkinnedBounds::bound(std::int32_t node, std::span<const double> parameters,
                           WideBox& box) const {
   const auto n = static_cast<std::size_t>(node);
@@ -158,7 +216,8 @@ void SkinnedBounds::bound(std::int32_t node, std::span<const double> parameters,
                                               std::abs(T.linear(k, 2))));
     }
   }
-  const double rounding = 64 * (terms_ + 12) * kUnitRoundoff * size;
+  const double rounding =
+      64 * (terms_ + 12) * (static_cast<double>(parts.size()) + 4) * kUnitRoundoff * size;
 
   const int lanes = lanes_[n];
   for (int row = 0; row < 3; ++row) {
@@ -186,12 +245,8 @@ void SkinnedBounds::bound(std::int32_t node, std::span<const double> parameters,
         high[i] = std::max(high[i], has_part ? image + reach : -kInfinity);
       }
     }
-    double spread[kWidth];  // around the mean
-    for (int i = 0; i < kWidth; ++i) {
-      spread[i] = std::abs(linear[0][i]) * rest.half[0][i] +
-                  std::abs(linear[1][i]) * rest.half[1][i] +
-                  std::abs(linear[2][i]) * rest.half[2][i];
-    }
+    double spread[kWidth] = {}, bent[3][kWidth];  // around the mean
+    for (int k = 0; k < 3; ++k) std::copy_n(linear[k], kWidth, bent[k]);
     for (const Part& part : parts) {
       const Matrix T = matrixOf(part);
       const double x = T.linear(row, 0), y = T.linear(row, 1), z = T.linear(row, 2);
@@ -199,11 +254,19 @@ void SkinnedBounds::bound(std::int32_t node, std::span<const double> parameters,
       for (int i = 0; i < kWidth; ++i) {
         const double image =
             x * rest.center[0][i] + y * rest.center[1][i] + z * rest.center[2][i] + t;
-        const double reach = std::abs(x - linear[0][i]) * rest.half[0][i] +
-                             std::abs(y - linear[1][i]) * rest.half[1][i] +
-                             std::abs(z - linear[2][i]) * rest.half[2][i];
-        spread[i] += part.range[i] * (std::abs(image - center[i]) + reach);
+        const double away = image - center[i];
+        bent[0][i] += away * part.gradient[0][i];
+        bent[1][i] += away * part.gradient[1][i];
+        bent[2][i] += away * part.gradient[2][i];
+        const double turned = std::abs(x - linear[0][i]) * rest.half[0][i] +
+                              std::abs(y - linear[1][i]) * rest.half[1][i] +
+                              std::abs(z - linear[2][i]) * rest.half[2][i];
+        spread[i] += part.residue[i] * std::abs(away) + part.range[i] * turned;
       }
+    }
+    for (int i = 0; i < kWidth; ++i) {
+      spread[i] += std::abs(bent[0][i]) * rest.half[0][i] + std::abs(bent[1][i]) * rest.half[1][i] +
+                   std::abs(bent[2][i]) * rest.half[2][i];
     }
     for (int i = 0; i < kWidth; ++i) {
       const bool empty = i >= lanes;

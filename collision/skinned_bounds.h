@@ -19,13 +19,16 @@ class SkinnedBounds final : public NodeBounds {
   struct Lanes {
     double center[3][kWidth], half[3][kWidth];  ///< of the rest boxes
   };
-  /// A bone's part in the vertices of each lane: every weight is within `range` of `mean`, and the
-  /// means of a lane add up to what the weights do. No range, no mean: no part.
+  /// A bone's part in the vertices of each lane: every weight is within `range` of `mean`, and
+  /// within `residue` of mean + gradient . (rest position - center); the means of a lane add up to
+  /// what the weights do. No range: no part.
   struct Part {
     std::int32_t bone;
-    double mean[kWidth], range[kWidth];
+    double mean[kWidth], range[kWidth], residue[kWidth], gradient[3][kWidth];
   };
   void addParts(const SkinnedVertices& motion, const DeformTree& tree, std::int32_t node);
+  void fitGradients(const SkinnedVertices& motion, std::span<const std::int32_t> vertices, int lane,
+                    std::span<Part> parts) const;
 
   std::vector<Lanes> rest_;               // one a node
   std::vector<std::int32_t> first_part_;  // one a node, and one more

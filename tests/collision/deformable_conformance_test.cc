@@ -14,6 +14,7 @@
 #include <limits>
 #include <optional>
 
+#include "leeway/collision/convex_hull.h"
 #include "leeway/collision/deformable_mesh.h"
 #include "leeway/collision/distance.h"
 #include "tests/collision/motion_cases.h"
@@ -162,7 +163,12 @@ bool bruteHolds(const Pieces& outer, const Pose& X_WO, const Pieces& inner, cons
   if (type != ShapeType::kMesh && type != ShapeType::kDeformable) return false;
   if (inner.shape().type() == ShapeType::kHalfSpace) return false;
   const Pose X_OI = X_WO.inverse() * X_WI;
-  if (inner.shape().isConvex()) return inside(outer, X_OI * inner.shape().boundingCenter());
+  if (inner.shape().isConvex()) {
+    // The centre of a ball around a hull need not be in the hull.
+    const ConvexHull* hull = inner.shape().hull();
+    return inside(outer,
+                  X_OI * (hull != nullptr ? hull->vertices()[0] : inner.shape().boundingCenter()));
+  }
   std::vector<int> seen;  // one point a component
   for (std::size_t i = 0; i < inner.count(); ++i) {
     const int component = inner.shape().type() == ShapeType::kMesh
