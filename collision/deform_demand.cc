@@ -19,8 +19,17 @@ void prepare(Scratch& scratch, const DeformableSnapshot& snapshot) {
     entry = &deform.entries.back();
     entry->owner = s.owner;
   }
-  const std::size_t count = s.tree->nodes().size();
-  if (entry->boxes.size() >= count) return;
+  if (s.demand == Demand::kNoTree) {
+    const std::size_t triangles = s.mesh->triangles().size();
+    if (deform.boxes_b.size() < triangles) {
+      deform.boxes_a.resize(triangles);
+      deform.boxes_b.resize(triangles);
+      deform.lists.resize(8 * triangles + 64);
+    }
+  }
+  // A hierarchy that is built anew may come out a little larger.
+  const std::size_t count = s.tree->nodes().size() + s.tree->nodes().size() / 4;
+  if (entry->boxes.size() >= s.tree->nodes().size()) return;
   entry->boxes.resize(count);
   entry->stamp.assign(count, 0);
 }

@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "collision/deform_octree.h"
 #include "collision/deform_probe.h"
 #include "collision/scratch.h"
 #include "leeway/collision/convex_hull.h"
@@ -22,10 +23,6 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 // Triangles of a leaf of either hierarchy.
 constexpr int kLeaf = DeformTree::kLeafTriangles;
-
-struct FloatBox {
-  float low[3], high[3];
-};
 
 FloatBox boxOf(const Vector3d& low, const Vector3d& high) {
   FloatBox box;
@@ -103,6 +100,10 @@ class DeformDescent {
       return result_;
     }
     warmStart();
+    if (isFlat(a_) || isFlat(b_)) {
+      flat(root);
+      return result_;
+    }
     stack_[size_++] = root;
     while (size_ > 0 && !done()) {
       const PartPair pair = stack_[--size_];
@@ -167,6 +168,101 @@ class DeformDescent {
             : convexDistance(a, placement_.X_BA0, b, request, scratch_, &cache_, placement_.slack);
     result_.iterations += r.iterations;
     return r;
+  }
+
+  // Without a hierarchy: all pieces of both bodies, as many at a time as there is room for.
+
+  static bool isFlat(const DeformSide& side) {
+    return side.snapshot != nullptr && side.snapshot->demand == Demand::kNoTree;
+  }
+  static int slotCount(const DeformSide& side) {
+    if (side.snapshot != nullptr) return side.snapshot->tree->triangleCount();
+    return side.rigid.tree != nullptr ? side.rigid.tree->triangleCount() : 1;
+  }
+
+  void flat(const PartPair& root) {
+    DeformScratch& scratch = scratch_.impl().deform;
+    std::array<FloatBox, 64> few_a, few_b;
+    std::array<std::int32_t, 512> few_lists;
+    const bool room = !scratch.boxes_b.empty();
+    const std::span<FloatBox> boxes_a = room ? std::span<FloatBox>(scratch.boxes_a)
+                                             : std::span<FloatBox>(few_a),
+                              boxes_b = room ? std::span<FloatBox>(scratch.boxes_b)
+                                             : std::span<FloatBox>(few_b);
+    const std::span<std::int32_t> lists =
+        room ? std::span<std::int32_t>(scratch.lists) : std::span<std::int32_t>(few_lists);
+    const int count_a = slotCount(a_), count_b = slotCount(b_);
+    const int chunk_a = std::min(count_a, static_cast<int>(boxes_a.size())),
+              chunk_b = std::min(count_b, static_cast<int>(boxes_b.size()));
+    for (int begin_a = 0; begin_a < count_a && !done(); begin_a += chunk_a) {
+      const int end_a = std::min(begin_a + chunk_a, count_a);
+      for (int slot = begin_a; slot < end_a; ++slot)
+        boxes_a[static_cast<std::size_t>(slot - begin_a)] = boxInB(a_, slot, true);
+      for (int begin_b = 0; begin_b < count_b && !done(); begin_b += chunk_b) {
+        const int end_b = std::min(begin_b + chunk_b, count_b);
+        for (int slot = begin_b; slot < end_b; ++slot)
+          boxes_b[static_cast<std::size_t>(slot - begin_b)] = boxInB(b_, slot, false);
+        if (!(bar() < kInfinity)) {
+          // Some upper end: how far to look has to be known.
+          const double lower = result_.lower;
+          triangles(isWhole(a_) ? -1 : begin_a, isWhole(b_) ? -1 : begin_b);
+          if (!placement_.swept) result_.lower = lower;
+        }
+        near(boxes_a.first(static_cast<std::size_t>(end_a - begin_a)), begin_a,
+             boxes_b.first(static_cast<std::size_t>(end_b - begin_b)), begin_b, lists);
+      }
+    }
+    // What was not looked at is where the boxes of the bodies are, or farther.
+    if (done() || !complete_) settle(root.lower);
+  }
+
+  // The pairs that are within the bar as it is now; all others are settled with it.
+  void near(std::span<const FloatBox> a, int begin_a, std::span<const FloatBox> b, int begin_b,
+            std::span<std::int32_t> lists) {
+    const double reach = std::max(bar(), 0.0);
+    // Growing boxes by the reach is itself rounded.
+    const double grown =
+        reach + kSingleRounding * (reach + extent_b_ + magnitude(a_.low) + magnitude(a_.high) +
+                                   placement_.X_BA0.translation.lpNorm<1>());
+    OctreePairs octree(
+        a, b, std::nextafter(static_cast<float>(grown), std::numeric_limits<float>::infinity()),
+        lists);
+    const bool all = octree.run([&](int i, int j, float distance) {
+      const double lower = distance > 0 ? static_cast<double>(distance) : -kInfinity;
+      if (needless(lower)) {
+        settle(lower);
+        return true;
+      }
+      if (++visited_ >= limit()) {
+        complete_ = false;
+        return false;
+      }
+      triangles(isWhole(a_) ? -1 : begin_a + i, isWhole(b_) ? -1 : begin_b + j);
+      return !done();
+    });
+    if (all) settle(std::nextafter(reach, kInfinity));
+  }
+
+  // The box of an exact piece in B, grown by the growth of a sweep and by all rounding.
+  FloatBox boxInB(const DeformSide& side, int slot, bool moves) const {
+    Vector3d corners[3];
+    const bool whole = isWhole(side);
+    if (whole && !moves) return boxOf(side.low, side.high);
+    Part part{0, boxOf(side.low, side.high)};
+    if (!whole) {
+      const ConvexView view = viewOfSlot(side, slot, corners);
+      const Vector3d* c = view.points;
+      part.box = boxOf(c[0].cwiseMin(c[1]).cwiseMin(c[2]), c[0].cwiseMax(c[1]).cwiseMax(c[2]));
+    }
+    if (!moves) return part.box;
+    const Probe probe = probeOf(part);
+    FloatBox box;
+    for (int k = 0; k < 3; ++k) {
+      const float grown = probe.radius + probe.slack;
+      box.low[k] = probe.low[k] - grown;
+      box.high[k] = probe.high[k] + grown;
+    }
+    return box;
   }
 
   // Hierarchies.
@@ -434,6 +530,7 @@ class DeformDescent {
   bool half_space_ = false;
   double extent_b_ = 0;  // of B's coordinates
   int visited_ = 0;
+  bool complete_ = true;
   int overlap_limit_ = std::numeric_limits<int>::max();
   // Every pair that is taken off puts at most eight back, which are one level lower on one side.
   std::array<PartPair, (kWidth - 1) * (DeformTree::kMaxDepth + MeshTree::kMaxDepth) + kWidth>

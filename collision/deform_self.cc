@@ -25,8 +25,7 @@ struct SelfPair {
   float low_a[3], high_a[3], low_b[3], high_b[3];
 };
 
-// Distance of two boxes in one frame, rounded downwards: three differences, three squares and a
-// root, each off by 2^-24 of itself; a difference of outward-rounded bounds is that of the bounds.
+// As boxDistance() in deform_octree.h.
 float boxDistance(const float* low_a, const float* high_a, const float* low_b,
                   const float* high_b) {
   float squared = 0;

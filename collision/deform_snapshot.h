@@ -49,6 +49,9 @@ struct DeformScratch {
     std::vector<std::uint64_t> stamp;  // one a node: the snapshot that its box belongs to
   };
   std::vector<Entry> entries;
+  /// For Demand::kNoTree: boxes of two bodies' triangles and the lists of an octree's cells.
+  std::vector<FloatBox> boxes_a, boxes_b;
+  std::vector<std::int32_t> lists;
 
   Entry* find(std::uint64_t owner) {
     for (Entry& entry : entries) {

@@ -23,6 +23,11 @@ struct alignas(64) WideBox {
   void clear();
 };
 
+/// One box, single precision, rounded outwards.
+struct FloatBox {
+  float low[3], high[3];
+};
+
 /// A hierarchy of fixed shape over the triangles of a mesh: nodes of up to eight children, leaves
 /// of up to kLeafTriangles. Parents stand before their children. Bounds stand apart (WideBox, one a
 /// node), because they change while this does not.
@@ -76,6 +81,13 @@ class DeformTree {
   const Leaf& leaf(std::int32_t i) const { return leaves_[static_cast<std::size_t>(i)]; }
   std::int32_t leafCount() const { return static_cast<std::int32_t>(leaves_.size()); }
   std::span<const std::int32_t> leafVertices() const { return leaf_vertices_; }
+
+  /// How many triangles are below a node.
+  std::int32_t slotsBelow(std::int32_t node) const {
+    const auto i = static_cast<std::size_t>(node);
+    return leaves_[static_cast<std::size_t>(leaf_end_[i] - 1)].slot_end -
+           leaves_[static_cast<std::size_t>(leaf_begin_[i])].slot_begin;
+  }
 
   /// The vertices below a child of a node (some of them repeated); empty for kNone. O(1).
   std::span<const std::int32_t> vertices(std::int32_t node, int lane) const;

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "collision/deform_build.h"
+#include "collision/deform_fit.h"
 #include "collision/deform_pool.h"
 #include "collision/scratch.h"
 #include "leeway/collision/deformable_mesh.h"
@@ -22,6 +23,11 @@ std::uint64_t nextNumber() {
   static std::atomic<std::uint64_t> last{0};
   return last.fetch_add(1, std::memory_order_relaxed) + 1;
 }
+
+// The cost model of `auto`: what a query against a hierarchy that fits, and a triangle of a rebuild
+// by surface area, take [us]; only their ratio counts. Measured by bench_deform, rounded.
+constexpr double kQueryMicroseconds = 3;
+constexpr double kRebuildMicroseconds = 0.2;
 
 bool needsMotion(DeformStrategy strategy) {
   return strategy == DeformStrategy::kMorph || strategy == DeformStrategy::kSkinned ||
@@ -51,18 +57,34 @@ struct Deformable::Impl {
   std::uint64_t number = 0;
   std::shared_ptr<DeformPool> pool = std::make_shared<DeformPool>();
   std::shared_ptr<const DeformTree> tree;
-  std::shared_ptr<const NodeBounds> bounds;  // of the tree, when the strategy needs them
-  DeformPool::Slot* next = nullptr;          // being prepared
+  std::shared_ptr<const NodeBounds> bounds;  // from the motion, of motion_tree; may be null
+  std::shared_ptr<const DeformTree> motion_tree;
+  DeformPool::Slot* next = nullptr;  // being prepared
   std::shared_ptr<const DeformableSnapshot> current;
   UpdateStatistics statistics;
   int bad_vertex = -1;
   bool by_motion = false;  // the next snapshot's vertices are the motion's
+  // Since the tree was built.
+  double built_cost = 0;        // surfaceCost() of all nodes, then
+  double built_upper_cost = 0;  // and of the upper ones
+  double excess = 0;            // what queries have paid for its decay, see kQueryMicroseconds
+  std::vector<float> fit, built_fit;
+  std::vector<std::int32_t> decayed;
 
   // What is to be done with vertices that stand in the next snapshot.
   UpdateStatus take(double time, double speed_bound, bool checked);
   DeformableSnapshotImpl& prepareNext();
   void choose(DeformStrategy& strategy, const char*& reason) const;
-  bool follow(DeformStrategy strategy, DeformableSnapshotImpl& next_snapshot, bool bounded);
+  bool follow(DeformStrategy& strategy, const char*& reason, DeformableSnapshotImpl& s,
+              bool bounded);
+  bool refit(DeformableSnapshotImpl& s);
+  bool rebuild(DeformMethod method, DeformableSnapshotImpl& s, bool bounded);
+  bool restructure(DeformableSnapshotImpl& s);
+  bool upperLevels(DeformableSnapshotImpl& s);
+  bool rebuildPays(const DeformableSnapshotImpl& s);
+  std::span<const Vector3d> given(const DeformableSnapshotImpl& s) const {
+    return {s.vertices.data(), mesh->rest().size()};
+  }
   void findBadVertex(const DeformableSnapshotImpl& snapshot);
 };
 
@@ -97,71 +119,147 @@ void Deformable::Impl::choose(DeformStrategy& strategy, const char*& reason) con
   reason = "vertices come one by one, few queries a frame";
 }
 
-// The hierarchy, or what is to be known of it. False when a vertex is not finite.
-bool Deformable::Impl::follow(DeformStrategy strategy, DeformableSnapshotImpl& s, bool bounded) {
-  const DeformKernels& kernels = deformKernels();
-  const Vector3d* vertices = s.vertices.data();
-  const std::span<const Vector3d> all{vertices, mesh->rest().size()};
-  statistics.nodes_touched = statistics.vertices_touched = statistics.triangles_rebuilt = 0;
-  if (strategy == DeformStrategy::kRebuild || strategy == DeformStrategy::kRebuildLinear) {
-    // Places that are no numbers must not reach the builder.
-    if (!bounded && !kernels.bound(vertices, all.size(), kLargestDeformed, s.low, s.high))
-      return false;
-    tree = buildDeformTree(
-        all, mesh->triangles(),
-        strategy == DeformStrategy::kRebuild ? DeformMethod::kBinned : DeformMethod::kLinear,
-        split);
-    statistics.triangles_rebuilt = mesh->triangleCount();
+namespace {
+
+void reserve(std::vector<WideBox>& boxes, std::int32_t nodes) {
+  if (boxes.size() < static_cast<std::size_t>(nodes)) boxes.resize(static_cast<std::size_t>(nodes));
+}
+
+// The root's children together.
+void boundRoot(const WideBox& root, Vector3d& low, Vector3d& high) {
+  for (int k = 0; k < 3; ++k) {
+    low[k] = static_cast<double>(*std::min_element(root.low[k], root.low[k] + kWidth));
+    high[k] = static_cast<double>(*std::max_element(root.high[k], root.high[k] + kWidth));
   }
+}
+
+}  // namespace
+
+bool Deformable::Impl::refit(DeformableSnapshotImpl& s) {
   s.tree = tree;
-  s.bounds = bounds;
-  const std::int32_t count = tree->nodeCount();
-  const auto reserve = [&](std::int32_t nodes) {
-    if (s.boxes.size() < static_cast<std::size_t>(nodes))
-      s.boxes.resize(static_cast<std::size_t>(nodes));
-  };
+  s.demand = Demand::kNothing;
+  reserve(s.boxes, tree->nodeCount());
+  statistics.nodes_touched += tree->nodeCount();
+  statistics.vertices_touched += static_cast<std::int64_t>(tree->leafVertices().size());
+  if (!deformKernels().refit(*tree, s.vertices.data(), 0, tree->nodeCount(), s.boxes.data()))
+    return false;
+  boundRoot(s.boxes[0], s.low, s.high);
+  return true;
+}
+
+bool Deformable::Impl::rebuild(DeformMethod method, DeformableSnapshotImpl& s, bool bounded) {
+  // Places that are no numbers must not reach the builder.
+  if (!bounded && !deformKernels().bound(s.vertices.data(), mesh->rest().size(), kLargestDeformed,
+                                         s.low, s.high))
+    return false;
+  tree = buildDeformTree(given(s), mesh->triangles(), method, split);
+  statistics.triangles_rebuilt = mesh->triangleCount();
+  if (!refit(s)) return false;
+  const std::span<const WideBox> boxes(s.boxes.data(), tree->nodes().size());
+  built_cost = surfaceCost(boxes, tree->nodeCount());
+  built_upper_cost = surfaceCost(boxes, tree->upperCount());
+  excess = 0;
+  statistics.decay = 1;
+  if (options.strategy == DeformStrategy::kRestructure) measureFit(*tree, boxes, built_fit);
+  return true;
+}
+
+bool Deformable::Impl::restructure(DeformableSnapshotImpl& s) {
+  if (!refit(s)) return false;
+  std::span<const WideBox> boxes(s.boxes.data(), tree->nodes().size());
+  measureFit(*tree, boxes, fit);
+  findDecayed(*tree, fit, built_fit, options.restructure_factor, decayed);
+  const double cost = surfaceCost(boxes, tree->nodeCount());
+  statistics.decay = built_cost > 0 ? cost / built_cost : 1;
+  // Slow decay everywhere escapes the comparison of single nodes once some of them were built anew.
+  if (statistics.decay > options.restructure_factor * options.restructure_factor)
+    decayed.assign(1, 0);
+  if (decayed.empty()) return true;
+  if (decayed[0] == 0) return rebuild(DeformMethod::kBinned, s, true);
+  for (const std::int32_t root : decayed) statistics.triangles_rebuilt += tree->slotsBelow(root);
+  tree = restructureDeformTree(*tree, given(s), mesh->triangles(), decayed, split);
+  if (!refit(s)) return false;
+  boxes = {s.boxes.data(), tree->nodes().size()};
+  measureFit(*tree, boxes, built_fit);
+  return true;
+}
+
+bool Deformable::Impl::upperLevels(DeformableSnapshotImpl& s) {
+  const DeformKernels& kernels = deformKernels();
+  s.tree = tree;
+  s.demand = Demand::kBranches;
+  const std::int32_t upper = tree->upperCount();
+  reserve(s.boxes, upper);
+  statistics.nodes_touched += upper;
+  statistics.vertices_touched += mesh->vertexCount();
+  if (!kernels.branches(*tree, s.vertices.data(), s.boxes.data()) ||
+      !kernels.refit(*tree, s.vertices.data(), 0, upper, s.boxes.data()))
+    return false;
+  boundRoot(s.boxes[0], s.low, s.high);
+  return true;
+}
+
+// Whether what queries have paid for the decay since the last rebuild comes to what a rebuild
+// costs: then at most twice the least possible is paid, whatever the mesh does (as for renting or
+// buying skis). Decay is seen in the upper levels.
+bool Deformable::Impl::rebuildPays(const DeformableSnapshotImpl& s) {
+  const double cost = surfaceCost({s.boxes.data(), s.boxes.size()}, tree->upperCount());
+  statistics.decay = built_upper_cost > 0 ? cost / built_upper_cost : 1;
+  excess += options.expected_queries * kQueryMicroseconds * std::max(statistics.decay - 1, 0.0);
+  return excess > kRebuildMicroseconds * mesh->triangleCount();
+}
+
+// The hierarchy, or what is to be known of it. False when a vertex is not finite.
+bool Deformable::Impl::follow(DeformStrategy& strategy, const char*& reason,
+                              DeformableSnapshotImpl& s, bool bounded) {
+  statistics.nodes_touched = statistics.vertices_touched = statistics.triangles_rebuilt = 0;
+  statistics.decay = 0;
+  s.bounds = nullptr;
+  bool good = true;
   switch (strategy) {
+    case DeformStrategy::kRebuild:
+      good = rebuild(DeformMethod::kBinned, s, bounded);
+      break;
+    case DeformStrategy::kRebuildLinear:
+      good = rebuild(DeformMethod::kLinear, s, bounded);
+      break;
+    case DeformStrategy::kRestructure:
+      good = restructure(s);
+      break;
     case DeformStrategy::kHybrid:
-      s.demand = Demand::kBranches;
-      reserve(tree->upperCount());
-      if (!kernels.branches(*tree, vertices, s.boxes.data())) return false;
-      if (!kernels.refit(*tree, vertices, 0, tree->upperCount(), s.boxes.data())) return false;
-      statistics.nodes_touched = tree->upperCount();
-      statistics.vertices_touched = mesh->vertexCount();
+      good = upperLevels(s);
+      if (good && options.strategy == DeformStrategy::kAuto && rebuildPays(s)) {
+        strategy = DeformStrategy::kRebuild;
+        reason = "the hierarchy has decayed by more than building it anew costs";
+        statistics.nodes_touched = statistics.vertices_touched = 0;
+        good = rebuild(DeformMethod::kBinned, s, true);
+      }
       break;
     case DeformStrategy::kLazy:
     case DeformStrategy::kOctree:
+      s.tree = tree;
       s.demand = strategy == DeformStrategy::kLazy ? Demand::kVertices : Demand::kNoTree;
-      if (!bounded && !kernels.bound(vertices, all.size(), kLargestDeformed, s.low, s.high))
-        return false;
+      good = bounded || deformKernels().bound(s.vertices.data(), mesh->rest().size(),
+                                              kLargestDeformed, s.low, s.high);
       statistics.vertices_touched = mesh->vertexCount();
-      return true;
+      break;
     case DeformStrategy::kMorph:
     case DeformStrategy::kSkinned:
-    case DeformStrategy::kReduced:
+    case DeformStrategy::kReduced: {
+      s.tree = motion_tree;
+      s.bounds = bounds;
       s.demand = Demand::kMotion;
-      reserve(1);
-      bounds->bound(0, s.parameters, s.boxes[0]);
+      WideBox root;
+      bounds->bound(0, s.parameters, root);
+      boundRoot(root, s.low, s.high);
       statistics.nodes_touched = 1;
       break;
+    }
     default:
-      s.demand = Demand::kNothing;
-      reserve(count);
-      if (!kernels.refit(*tree, vertices, 0, count, s.boxes.data())) return false;
-      statistics.nodes_touched = count;
-      statistics.vertices_touched = static_cast<std::int64_t>(tree->leafVertices().size());
+      good = refit(s);
       break;
   }
-  // The root's children together.
-  for (int k = 0; k < 3; ++k) {
-    s.low[k] = std::numeric_limits<double>::infinity();
-    s.high[k] = -std::numeric_limits<double>::infinity();
-    for (int lane = 0; lane < kWidth; ++lane) {
-      s.low[k] = std::min(s.low[k], static_cast<double>(s.boxes[0].low[k][lane]));
-      s.high[k] = std::max(s.high[k], static_cast<double>(s.boxes[0].high[k][lane]));
-    }
-  }
-  return s.low.minCoeff() >= -1.01 * kLargestDeformed &&
+  return good && s.low.minCoeff() >= -1.01 * kLargestDeformed &&
          s.high.maxCoeff() <= 1.01 * kLargestDeformed;
 }
 
@@ -187,7 +285,7 @@ UpdateStatus Deformable::Impl::take(double time, double speed_bound, bool checke
   bool good = checked || deformKernels().bound(s.vertices.data(), mesh->rest().size(),
                                                kLargestDeformed, s.low, s.high);
   const UpdateStatistics before = statistics;
-  if (good) good = follow(strategy, s, bounded);
+  if (good) good = follow(strategy, reason, s, bounded);
   if (!good) {
     statistics = before;
     findBadVertex(s);
@@ -230,6 +328,7 @@ Deformable::Deformable(std::shared_ptr<const DeformableMesh> mesh,
   impl.number = nextNumber();
   impl.tree =
       buildDeformTree(impl.mesh->rest(), impl.mesh->triangles(), DeformMethod::kBinned, impl.split);
+  impl.motion_tree = impl.tree;
   const bool wanted = needsMotion(options.strategy) || options.strategy == DeformStrategy::kAuto;
   if (wanted && impl.motion) impl.bounds = makeNodeBounds(*impl.motion, *impl.tree);
   if (needsMotion(options.strategy) && !impl.bounds) {
@@ -243,6 +342,11 @@ Deformable::Deformable(std::shared_ptr<const DeformableMesh> mesh,
   std::copy(impl.mesh->rest().begin(), impl.mesh->rest().end(), vertices.begin());
   impl.take(0, std::numeric_limits<double>::infinity(), true);
   strategy = asked;
+  const std::span<const WideBox> boxes(impl.current->impl().boxes.data(),
+                                       impl.tree->nodes().size());
+  impl.built_cost = surfaceCost(boxes, impl.tree->nodeCount());
+  impl.built_upper_cost = surfaceCost(boxes, impl.tree->upperCount());
+  if (asked == DeformStrategy::kRestructure) measureFit(*impl.tree, boxes, impl.built_fit);
 }
 
 Deformable::~Deformable() = default;

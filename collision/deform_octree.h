@@ -1,0 +1,175 @@
+#pragma once
+
+// Private to collision/: pairs of boxes that are near each other, without a hierarchy.
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "collision/deform_tree.h"
+
+namespace leeway::collision {
+
+/// Distance of two boxes in one frame, rounded downwards (three differences of outward-rounded
+/// numbers, three squares and a root, each off by 2^-24 of itself); 0 when they meet.
+inline float boxDistance(const FloatBox& a, const FloatBox& b) {
+  float squared = 0;
+  for (int k = 0; k < 3; ++k) {
+    const float gap = std::max(std::max(b.low[k] - a.high[k], a.low[k] - b.high[k]), 0.0F);
+    squared += gap * gap;
+  }
+  return std::sqrt(squared) * (1 - 0x1p-20F);
+}
+
+/// Finds all pairs of boxes, one of each of two sets, that are within `reach` of each other: those
+/// in the overlap of both sets' boxes are sorted into the cells of an implicit octree, and a cell
+/// in which only one set is left is done (A. Smith et al., "A simple and efficient method for
+/// accurate collision detection among deformable polyhedral objects in arbitrary motion", 1995).
+/// Boxes of the first set are grown by the reach, which makes contact of distance. A box lies in
+/// several cells, a pair belongs to one: that with the lowest corner of the two boxes' overlap.
+class OctreePairs {
+ public:
+  /// `room` holds the lists of the cells on the way down; a cell for which it is too small is not
+  /// split further. At least a.size() + b.size() is needed.
+  OctreePairs(std::span<const FloatBox> a, std::span<const FloatBox> b, float reach,
+              std::span<std::int32_t> room)
+      : a_(a), b_(b), reach_(reach), room_(room) {}
+
+  /// visit(i, j, lower) for every such pair once, `lower` being the distance of the boxes; false
+  /// ends it. Returns whether it went to the end.
+  template <class Visit>
+  bool run(const Visit& visit) {
+    FloatBox all_a = around(a_), all_b = around(b_);
+    for (int k = 0; k < 3; ++k) {
+      region_.low[k] = std::max(all_a.low[k] - reach_, all_b.low[k]);
+      region_.high[k] = std::min(all_a.high[k] + reach_, all_b.high[k]);
+      if (!(region_.low[k] <= region_.high[k])) return true;
+    }
+    Lists lists{0, 0, 0};
+    for (std::size_t i = 0; i < a_.size(); ++i) {
+      if (inA(a_[i], region_)) room_[lists.count_a++] = static_cast<std::int32_t>(i);
+    }
+    for (std::size_t j = 0; j < b_.size(); ++j) {
+      if (inB(b_[j], region_))
+        room_[lists.count_a + lists.count_b++] = static_cast<std::int32_t>(j);
+    }
+    return cell(region_, lists, 0, visit);
+  }
+
+ private:
+  // At room_[begin]: indices of the first set, then those of the second.
+  struct Lists {
+    std::size_t begin, count_a, count_b;
+  };
+
+  static constexpr int kMaxDepth = 16;
+  // So few pairs are looked at at once.
+  static constexpr std::size_t kFew = 32;
+
+  static FloatBox around(std::span<const FloatBox> boxes) {
+    FloatBox all = boxes[0];
+    for (const FloatBox& box : boxes) {
+      for (int k = 0; k < 3; ++k) {
+        all.low[k] = std::min(all.low[k], box.low[k]);
+        all.high[k] = std::max(all.high[k], box.high[k]);
+      }
+    }
+    return all;
+  }
+
+  bool inA(const FloatBox& box, const FloatBox& cell) const {
+    for (int k = 0; k < 3; ++k) {
+      if (!(box.low[k] - reach_ <= cell.high[k] && cell.low[k] <= box.high[k] + reach_))
+        return false;
+    }
+    return true;
+  }
+  static bool inB(const FloatBox& box, const FloatBox& cell) {
+    for (int k = 0; k < 3; ++k) {
+      if (!(box.low[k] <= cell.high[k] && cell.low[k] <= box.high[k])) return false;
+    }
+    return true;
+  }
+
+  template <class Visit>
+  bool cell(const FloatBox& cell_box, const Lists& lists, int depth, const Visit& visit) {
+    if (lists.count_a == 0 || lists.count_b == 0) return true;
+    const std::size_t next = lists.begin + lists.count_a + lists.count_b;
+    const std::size_t longest = std::max(lists.count_a, lists.count_b);
+    if (longest <= 2 || lists.count_a * lists.count_b <= kFew || depth == kMaxDepth ||
+        next + lists.count_a + lists.count_b > room_.size()) {
+      return pairs(cell_box, lists, visit);
+    }
+    float middle[3];
+    for (int k = 0; k < 3; ++k) middle[k] = 0.5F * cell_box.low[k] + 0.5F * cell_box.high[k];
+    // Boxes larger than the cells come again in each of them: where most do, splitting gains
+    // nothing.
+    std::size_t repeated = 0;
+    for (std::size_t i = lists.begin; i < next; ++i) {
+      const FloatBox& box = i < lists.begin + lists.count_a
+                                ? a_[static_cast<std::size_t>(room_[i])]
+                                : b_[static_cast<std::size_t>(room_[i])];
+      const float grown = i < lists.begin + lists.count_a ? reach_ : 0.0F;
+      bool all = true;
+      for (int k = 0; k < 3; ++k)
+        all = all && box.low[k] - grown <= middle[k] && middle[k] <= box.high[k] + grown;
+      repeated += all ? 1 : 0;
+    }
+    if (2 * repeated > lists.count_a + lists.count_b) return pairs(cell_box, lists, visit);
+    for (int octant = 0; octant < 8; ++octant) {
+      FloatBox part;
+      for (int k = 0; k < 3; ++k) {
+        const bool upper = ((octant >> k) & 1) != 0;
+        part.low[k] = upper ? middle[k] : cell_box.low[k];
+        part.high[k] = upper ? cell_box.high[k] : middle[k];
+      }
+      Lists below{next, 0, 0};
+      for (std::size_t i = 0; i < lists.count_a; ++i) {
+        const std::int32_t id = room_[lists.begin + i];
+        if (inA(a_[static_cast<std::size_t>(id)], part)) room_[next + below.count_a++] = id;
+      }
+      if (below.count_a == 0) continue;
+      for (std::size_t i = 0; i < lists.count_b; ++i) {
+        const std::int32_t id = room_[lists.begin + lists.count_a + i];
+        if (inB(b_[static_cast<std::size_t>(id)], part))
+          room_[next + below.count_a + below.count_b++] = id;
+      }
+      if (!cell(part, below, depth + 1, visit)) return false;
+    }
+    return true;
+  }
+
+  template <class Visit>
+  bool pairs(const FloatBox& cell_box, const Lists& lists, const Visit& visit) const {
+    for (std::size_t i = 0; i < lists.count_a; ++i) {
+      const std::int32_t id_a = room_[lists.begin + i];
+      const FloatBox& a = a_[static_cast<std::size_t>(id_a)];
+      for (std::size_t j = 0; j < lists.count_b; ++j) {
+        const std::int32_t id_b = room_[lists.begin + lists.count_a + j];
+        const FloatBox& b = b_[static_cast<std::size_t>(id_b)];
+        if (!inA(a, b) || !owns(cell_box, a, b)) continue;
+        if (!visit(id_a, id_b, boxDistance(a, b))) return false;
+      }
+    }
+    return true;
+  }
+
+  bool owns(const FloatBox& cell_box, const FloatBox& a, const FloatBox& b) const {
+    for (int k = 0; k < 3; ++k) {
+      const float x = std::max(a.low[k] - reach_, b.low[k]);
+      // Cells are half open, the last one of the region is not.
+      if (!(cell_box.low[k] <= x && (x < cell_box.high[k] || cell_box.high[k] == region_.high[k])))
+        return false;
+    }
+    return true;
+  }
+
+  std::span<const FloatBox> a_, b_;
+  float reach_;
+  std::span<std::int32_t> room_;
+  FloatBox region_{};
+};
+
+}  // namespace leeway::collision

@@ -1,0 +1,276 @@
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cmath>
+#include <limits>
+#include <mutex>
+#include <thread>
+
+#include "leeway/collision/deformable_mesh.h"
+#include "leeway/collision/scene.h"
+#include "leeway/collision/vertex_motion.h"
+#include "tests/collision/allocations.h"
+#include "tests/collision/deformable_cases.h"
+
+namespace leeway::collision {
+namespace {
+
+using Eigen::Vector3d;
+using oracle::Random;
+using testing::Sheet;
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+TEST(DeformableMesh, ComponentsAreClosedByIndexAlone) {
+  const Sheet globe = testing::globe(5), cloth = testing::cloth(4);
+  EXPECT_EQ(DeformableMesh::make(globe.vertices, globe.triangles)->closedComponentCount(), 1);
+  EXPECT_EQ(DeformableMesh::make(cloth.vertices, cloth.triangles)->closedComponentCount(), 0);
+  // Every triangle with corners of its own: nothing is welded.
+  Sheet loose;
+  for (const auto& t : globe.triangles) {
+    const auto n = static_cast<std::int32_t>(loose.vertices.size());
+    for (const std::int32_t v : t)
+      loose.vertices.push_back(globe.vertices[static_cast<std::size_t>(v)]);
+    loose.triangles.push_back({n, n + 1, n + 2});
+  }
+  const auto mesh = DeformableMesh::make(loose.vertices, loose.triangles);
+  EXPECT_EQ(mesh->closedComponentCount(), 0);
+  EXPECT_EQ(mesh->componentCount(), mesh->triangleCount());
+}
+
+TEST(DeformableMesh, RefusesWhatIsNoMesh) {
+  const std::vector<Vector3d> v = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  const std::vector<DeformableMesh::Triangle> none, good = {{0, 1, 2}}, high = {{0, 1, 3}},
+                                                    negative = {{0, -1, 2}};
+  EXPECT_NO_THROW(DeformableMesh::make(v, good));
+  EXPECT_THROW(DeformableMesh::make(v, none), InvalidShape);
+  EXPECT_THROW(DeformableMesh::make(v, high), InvalidShape);
+  EXPECT_THROW(DeformableMesh::make(v, negative), InvalidShape);
+  for (const double bad : {kNaN, kInfinity, 2e15}) {
+    std::vector<Vector3d> broken = v;
+    broken[1].y() = bad;
+    try {
+      DeformableMesh::make(broken, good);
+      ADD_FAILURE() << bad;
+    } catch (const InvalidShape& e) {
+      EXPECT_NE(std::string(e.what()).find("vertex 1"), std::string::npos) << e.what();
+    }
+  }
+}
+
+TEST(Deformable, NamesOfStrategiesGoBothWays) {
+  for (int i = 0; i <= static_cast<int>(DeformStrategy::kOctree); ++i) {
+    const auto strategy = static_cast<DeformStrategy>(i);
+    EXPECT_EQ(deformStrategy(toString(strategy)), strategy);
+  }
+  EXPECT_EQ(deformStrategy("refitt"), std::nullopt);
+}
+
+TEST(Deformable, RefusesAStrategyThatTheVerticesDoNotHave) {
+  const Sheet sheet = testing::cloth(3);
+  const auto mesh = DeformableMesh::make(sheet.vertices, sheet.triangles);
+  for (const DeformStrategy s :
+       {DeformStrategy::kMorph, DeformStrategy::kSkinned, DeformStrategy::kReduced}) {
+    DeformOptions options;
+    options.strategy = s;
+    EXPECT_THROW(Deformable(mesh, nullptr, options), std::invalid_argument);
+  }
+}
+
+TEST(Deformable, BrokenInputLeavesTheLastGoodState) {
+  const Sheet sheet = testing::cloth(20);
+  const auto mesh = DeformableMesh::make(sheet.vertices, sheet.triangles);
+  for (const DeformStrategy strategy : testing::strategiesWithoutMotion()) {
+    DeformOptions options;
+    options.strategy = strategy;
+    Deformable deformable(mesh, nullptr, options);
+    EXPECT_EQ(deformable.update(1.0), UpdateStatus::kNoMotion);
+    const auto good = testing::waved(sheet.vertices, 0.2, 1);
+    ASSERT_EQ(deformable.update(good, 1, 3), UpdateStatus::kUpdated);
+    const auto before = deformable.snapshot();
+    EXPECT_EQ(before->time(), 1);
+    EXPECT_EQ(before->speedBound(), 3);
+    const UpdateStatistics told = deformable.statistics();
+    for (const double bad : {kNaN, kInfinity, -kInfinity, 1e16}) {
+      for (const std::size_t v : {std::size_t{0}, std::size_t{217}, good.size() - 1}) {
+        for (int k = 0; k < 3; ++k) {
+          std::vector<Vector3d> broken = good;
+          broken[v][k] = bad;
+          EXPECT_EQ(deformable.update(broken, 2), UpdateStatus::kNotFinite);
+          EXPECT_EQ(deformable.badVertex(), static_cast<int>(v));
+          EXPECT_EQ(deformable.snapshot(), before);
+          std::copy(broken.begin(), broken.end(), deformable.nextVertices().begin());
+          EXPECT_EQ(deformable.commit(2), UpdateStatus::kNotFinite) << toString(strategy);
+          EXPECT_EQ(deformable.snapshot(), before);
+        }
+      }
+    }
+    const std::vector<Vector3d> fewer(good.begin(), good.end() - 1);
+    EXPECT_EQ(deformable.update(fewer, 2), UpdateStatus::kWrongVertexCount);
+    EXPECT_EQ(deformable.update(good, kNaN), UpdateStatus::kBadTime);
+    EXPECT_EQ(deformable.update(good, 2, -1), UpdateStatus::kBadTime);
+    EXPECT_EQ(deformable.update(good, 2, kNaN), UpdateStatus::kBadTime);
+    EXPECT_EQ(deformable.snapshot(), before);
+    EXPECT_EQ(deformable.statistics().strategy, told.strategy);
+    EXPECT_EQ(before->vertices()[7], good[7]);
+    EXPECT_EQ(deformable.update(good, 2), UpdateStatus::kUpdated);
+    EXPECT_NE(deformable.snapshot(), before);
+    EXPECT_GT(deformable.snapshot()->id(), before->id());
+  }
+}
+
+TEST(Deformable, UpdatesAndQueriesAllocateNothingInSteadyState) {
+  const Sheet sheet = testing::cloth(24);
+  const auto mesh = DeformableMesh::make(sheet.vertices, sheet.triangles);
+  for (const DeformStrategy strategy :
+       {DeformStrategy::kRefit, DeformStrategy::kHybrid, DeformStrategy::kLazy,
+        DeformStrategy::kOctree, DeformStrategy::kAuto}) {
+    DeformOptions options;
+    options.strategy = strategy;
+    options.hybrid_split = 64;
+    Deformable deformable(mesh, nullptr, options);
+    Scratch scratch;
+    PairCache cache;
+    std::shared_ptr<const DeformableSnapshot> held;  // as a planner's thread would
+    const Shape ball = Shape::sphere(0.1), box = Shape::box({0.1, 0.2, 0.3});
+    for (int frame = 0; frame < 8; ++frame) {
+      const auto vertices = testing::waved(sheet.vertices, 0.2, frame);
+      const std::size_t before = testing::allocationCount();
+      ASSERT_EQ(deformable.update(vertices, frame), UpdateStatus::kUpdated);
+      if (frame >= 3) {
+        EXPECT_EQ(testing::allocationCount(), before) << toString(strategy) << frame;
+      }
+      held = deformable.snapshot();
+      if (frame < 2) prepare(scratch, *held);
+      const Shape shape = Shape::deformable(held);
+      const std::size_t queries = testing::allocationCount();
+      for (const double height : {0.0, 0.3, 1.0}) {
+        Pose X;
+        X.translation = {0.1, 0.2, height};
+        distance(ball, X, shape, Pose{}, {}, scratch, &cache);
+        distance(box, X, shape, Pose{}, {}, scratch, nullptr);
+      }
+      selfDistance(*held, {}, scratch);
+      EXPECT_EQ(testing::allocationCount(), queries) << toString(strategy);
+    }
+    EXPECT_LE(deformable.bytes(), 4000 * static_cast<std::size_t>(mesh->vertexCount()));
+  }
+}
+
+TEST(Deformable, SnapshotsOutliveTheirOwner) {
+  const Sheet sheet = testing::cloth(6);
+  auto deformable = std::make_unique<Deformable>(
+      DeformableMesh::make(sheet.vertices, sheet.triangles), nullptr, DeformOptions{});
+  ASSERT_EQ(deformable->update(testing::waved(sheet.vertices, 0.2, 1), 1), UpdateStatus::kUpdated);
+  const auto kept = deformable->snapshot();
+  const Vector3d vertex = kept->vertices()[5];
+  deformable.reset();
+  EXPECT_EQ(kept->vertices()[5], vertex);
+  Scratch scratch;
+  EXPECT_GT(distance(Shape::sphere(0.1), {Eigen::Matrix3d::Identity(), {0, 0, 3}},
+                     Shape::deformable(kept), Pose{}, {}, scratch)
+                .distance.lower,
+            2);
+}
+
+// Readers ask whatever snapshot is the newest, again and again; the same bytes come whenever they
+// ask. Run under ThreadSanitizer, too.
+TEST(Deformable, ThreadsReadSnapshotsWhileTheNextIsMade) {
+  const Sheet sheet = testing::cloth(16);
+  const auto mesh = DeformableMesh::make(sheet.vertices, sheet.triangles);
+  for (const DeformStrategy strategy : {DeformStrategy::kRefit, DeformStrategy::kHybrid}) {
+    DeformOptions options;
+    options.strategy = strategy;
+    Deformable deformable(mesh, nullptr, options);
+    constexpr int kFrames = 60;
+    std::vector<double> expected;
+    const auto ask = [](const std::shared_ptr<const DeformableSnapshot>& snapshot,
+                        Scratch& scratch) {
+      prepare(scratch, *snapshot);
+      return distance(Shape::sphere(0.2), {Eigen::Matrix3d::Identity(), {0.2, 0.1, 0.8}},
+                      Shape::deformable(snapshot), Pose{}, {}, scratch)
+          .distance.upper;
+    };
+    Scratch scratch;
+    for (int frame = 0; frame < kFrames; ++frame) {
+      ASSERT_EQ(deformable.update(testing::waved(sheet.vertices, 0.3, frame), frame),
+                UpdateStatus::kUpdated);
+      expected.push_back(ask(deformable.snapshot(), scratch));
+    }
+    std::mutex newest_mutex;
+    std::shared_ptr<const DeformableSnapshot> newest = deformable.snapshot();
+    std::atomic<bool> over{false};
+    std::atomic<int> wrong{0}, asked{0};
+    const auto read = [&] {
+      Scratch own;
+      while (!over.load()) {
+        std::shared_ptr<const DeformableSnapshot> snapshot;
+        {
+          const std::lock_guard<std::mutex> lock(newest_mutex);
+          snapshot = newest;
+        }
+        const auto frame = static_cast<std::size_t>(snapshot->time());
+        if (ask(snapshot, own) != expected[frame]) ++wrong;
+        ++asked;
+      }
+    };
+    std::thread first(read), second(read);
+    for (int round = 0; round < 4 || asked.load() < 20; ++round) {
+      for (int frame = 0; frame < kFrames; ++frame) {
+        ASSERT_EQ(deformable.update(testing::waved(sheet.vertices, 0.3, frame), frame),
+                  UpdateStatus::kUpdated);
+        const std::lock_guard<std::mutex> lock(newest_mutex);
+        newest = deformable.snapshot();
+      }
+    }
+    over = true;
+    first.join();
+    second.join();
+    EXPECT_EQ(wrong.load(), 0);
+  }
+}
+
+TEST(Deformable, AMotionIsFollowedByItsOwnBounds) {
+  const Sheet sheet = testing::cloth(10);
+  MorphMotion motion;
+  motion.references = {sheet.vertices, testing::waved(sheet.vertices, 0.4, 1)};
+  motion.keys = {{0, {1, 0}}, {1, {0, 1}}};
+  const auto mesh = DeformableMesh::make(sheet.vertices, sheet.triangles);
+  Deformable deformable(mesh, VertexMotion::morph(std::move(motion)));
+  ASSERT_EQ(deformable.update(0.5), UpdateStatus::kUpdated);
+  EXPECT_EQ(deformable.statistics().strategy, DeformStrategy::kMorph);
+  EXPECT_GT(deformable.snapshot()->speedBound(), 0);
+  EXPECT_LT(deformable.snapshot()->speedBound(), 1);
+  // Vertices of the caller's are not the motion's.
+  ASSERT_EQ(deformable.update(testing::waved(sheet.vertices, 3, 2), 1), UpdateStatus::kUpdated);
+  EXPECT_NE(deformable.statistics().strategy, DeformStrategy::kMorph);
+  EXPECT_GT(deformable.snapshot()->high().z(), 1);
+}
+
+TEST(Deformable, AScenesShapeFollows) {
+  const Sheet sheet = testing::cloth(10);
+  Deformable deformable(DeformableMesh::make(sheet.vertices, sheet.triangles));
+  SceneBuilder builder;
+  Body arm{"arm", {{Shape::capsule(0.1, 0.3), Pose{}, "link"}}, true, Pose{}};
+  Body curtain{
+      "curtain", {{Shape::deformable(deformable.snapshot()), Pose{}, "sheet"}}, false, Pose{}};
+  builder.add(arm);
+  builder.add(curtain);
+  Scene scene = builder.build();
+  Workspace workspace(scene);
+  Pose X;
+  X.translation = {0, 0, 1};
+  workspace.setPose(0, X);
+  SceneResult r = clearance(scene, workspace, 1e-9);
+  EXPECT_NEAR(r.clearance.lower, 0.6, 1e-6);
+  EXPECT_EQ(r.verdict, Verdict::kFree);
+  std::vector<Vector3d> risen = sheet.vertices;
+  for (Vector3d& v : risen) v.z() += 0.7;
+  ASSERT_EQ(deformable.update(risen, 1), UpdateStatus::kUpdated);
+  scene.setShape(1, 0, Shape::deformable(deformable.snapshot()));
+  EXPECT_EQ(decide(scene, workspace).verdict, Verdict::kNotFree);
+}
+
+}  // namespace
+}  // namespace leeway::collision
