@@ -82,6 +82,7 @@ std::vector<Polygon> facesOf(const Shape& shape) {
     }
     case ShapeType::kSphere:
     case ShapeType::kHalfSpace:
+    case ShapeType::kDeformable:  // made anew at every step: one ball
       break;
   }
   return faces;
@@ -217,6 +218,7 @@ BallCover coverWithBalls(const Shape& shape, int count) {
     for (const Part& part : parts)
       cover.outer.push_back({part.ball.center, part.ball.radius + excess});
   }
+  if (shape.type() == ShapeType::kDeformable) return cover;
   Scratch scratch;
   for (const Ball& ball : cover.outer) {
     const double room = roomAt(shape, ball.center, scratch) * (1 - kInnerBallSlack);

@@ -92,7 +92,8 @@ int LaneSweep::addObstacle(const Shape& shape, const Pose& X_WG) {
       half = shape.halfExtents();
       break;
     case ShapeType::kConvexHull:
-    case ShapeType::kMesh: {
+    case ShapeType::kMesh:
+    case ShapeType::kDeformable: {
       o.exact = false;
       const AxisBox box = boxOf(shape);
       center_G = box.center;
