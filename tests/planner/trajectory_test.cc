@@ -44,7 +44,7 @@ TEST(RestToRest, KeepsItsLimitsAndIsTheirOwnIntegral) {
       acceleration = std::max(acceleration, now.acceleration);
       before = now;
     }
-    EXPECT_NEAR(way, 1, 1e-5);
+    EXPECT_NEAR(way, 1, 1e-5 + h * peak);  // kinks within a step
     EXPECT_NEAR(profile.at(end * (1 - 1e-12)).way, 1, 1e-9);
     EXPECT_EQ(profile.at(end).way, 1);
     // Something is at its limit at any time: else it could be faster.
