@@ -8,6 +8,7 @@
 
 #include "collision/deform_octree.h"
 #include "collision/deform_probe.h"
+#include "collision/mesh_distance.h"
 #include "collision/scratch.h"
 #include "leeway/collision/convex_hull.h"
 #include "leeway/collision/tolerances.h"
@@ -58,8 +59,8 @@ Vector3d highOf(const FloatBox& box) {
 
 double sizeOf(const FloatBox& box) { return (highOf(box) - lowOf(box)).norm(); }
 
-// What stands for a part of a body: a node, a leaf (as in DeformTree::Node; of a MeshTree the node
-// itself), or the whole of a convex shape.
+// What stands for a part of a body: a node or a leaf (as in DeformTree::Node), or the whole of a
+// rigid body.
 struct Part {
   std::int32_t ref;
   FloatBox box;  // in the body's frame
@@ -85,6 +86,7 @@ class DeformDescent {
     if (b.snapshot != nullptr) boxes_b_ = BoxSource(*b.snapshot, scratch.impl().deform);
     half_space_ = isHalfSpace(a) || isHalfSpace(b);
     extent_b_ = magnitude(b.low) + magnitude(b.high);
+    if (isWhole(a)) whole_probe_ = makeProbeOf({0, boxOf(a.low, a.high)});
   }
 
   DescentResult run() {
@@ -154,7 +156,42 @@ class DeformDescent {
   }
   void settle(double lower) { result_.lower = std::min(result_.lower, lower); }
 
-  DistanceResult convex(const ConvexView& a, const ConvexView& b, double threshold, bool depth) {
+  // A deforming triangle as mesh_descent.cc takes a convex shape.
+  static DescentSide triangleSide(const ConvexView& view) {
+    DescentSide side;
+    side.view = view;
+    side.center = view.center;
+    side.low = side.high = view.points[0];
+    for (int i = 0; i < view.count; ++i) {
+      side.low = side.low.cwiseMin(view.points[i]);
+      side.high = side.high.cwiseMax(view.points[i]);
+      side.radius = std::max(side.radius, (view.points[i] - view.center).norm());
+    }
+    side.radius = side.radius * (1 + kRelativeRounding) + kRelativeRounding * view.extent;
+    side.extent = view.extent;
+    return side;
+  }
+
+  // A rigid mesh and one triangle.
+  DistanceResult mesh(const DescentSide& a, const DescentSide& b, double threshold, bool depth) {
+    DistanceRequest request = request_;
+    request.threshold = threshold;
+    request.depth = depth;
+    request.node_limit = request_.node_limit - visited_;
+    ++visited_;
+    const DescentResult found = descend(a, b, placement_, request, scratch_, &cache_);
+    result_.iterations += found.iterations;
+    DistanceResult r = found.witness;
+    r.distance = {std::max(found.lower, found.hull_lower), found.upper};
+    // Below zero pieces that are swept say nothing about the whole.
+    if (placement_.swept && !(found.lower > 0)) r.distance.lower = found.hull_lower;
+    r.status = statusOf(r.distance, request);
+    cache_.triangle_a = r.triangle_a >= 0 ? r.triangle_a : cache_.triangle_a;
+    cache_.triangle_b = r.triangle_b >= 0 ? r.triangle_b : cache_.triangle_b;
+    return r;
+  }
+
+  DistanceResult pieces(const ConvexView& a, const ConvexView& b, double threshold, bool depth) {
     DistanceRequest request;
     request.threshold = threshold;
     request.tolerance = request_.tolerance;
@@ -176,8 +213,7 @@ class DeformDescent {
     return side.snapshot != nullptr && side.snapshot->demand == Demand::kNoTree;
   }
   static int slotCount(const DeformSide& side) {
-    if (side.snapshot != nullptr) return side.snapshot->tree->triangleCount();
-    return side.rigid.tree != nullptr ? side.rigid.tree->triangleCount() : 1;
+    return side.snapshot != nullptr ? side.snapshot->tree->triangleCount() : 1;
   }
 
   void flat(const PartPair& root) {
@@ -267,31 +303,25 @@ class DeformDescent {
 
   // Hierarchies.
 
-  static bool isWhole(const DeformSide& side) {
-    return side.snapshot == nullptr && side.rigid.tree == nullptr;
-  }
+  // A rigid body is taken as a whole, against one triangle after the other: its own hierarchy is
+  // gone into by mesh_descent.cc where its hull does not decide.
+  static bool isWhole(const DeformSide& side) { return side.snapshot == nullptr; }
   static bool isLeaf(const DeformSide& side, const Part& part) {
-    if (side.snapshot != nullptr) return DeformTree::isLeaf(part.ref);
-    return side.rigid.tree == nullptr || side.rigid.tree->node(part.ref).isLeaf();
+    return side.snapshot == nullptr || DeformTree::isLeaf(part.ref);
   }
-  // Slots of a leaf; one, numbered -1, of a convex shape.
+  // Slots of a leaf; one, numbered -1, of a rigid body.
   static void slotsOf(const DeformSide& side, const Part& part, int& begin, int& end) {
     if (side.snapshot != nullptr) {
       const DeformTree::Leaf& leaf = side.snapshot->tree->leaf(DeformTree::leafOf(part.ref));
       begin = leaf.slot_begin;
       end = leaf.slot_end;
-    } else if (side.rigid.tree != nullptr) {
-      begin = side.rigid.tree->node(part.ref).triangle_begin;
-      end = side.rigid.tree->node(part.ref).triangle_end;
     } else {
       begin = -1;
       end = 0;
     }
   }
   static int triangleOf(const DeformSide& side, int slot) {
-    if (slot < 0) return -1;
-    return side.snapshot != nullptr ? side.snapshot->tree->triangleOf(slot)
-                                    : side.rigid.tree->triangleOf(slot);
+    return slot < 0 ? -1 : side.snapshot->tree->triangleOf(slot);
   }
 
   // An exact piece; `corners` is where a deforming triangle's stand.
@@ -302,17 +332,19 @@ class DeformDescent {
         corners[k] = side.snapshot->vertices[static_cast<std::size_t>(t[k])];
       return viewOfPoints(corners, 3, 0);
     }
-    return slot >= 0 ? side.rigid.tree->triangleView(slot) : side.rigid.view;
+    return side.rigid.view;
   }
 
-  Probe probeOf(const Part& part) const {
+  Probe probeOf(const Part& part) const { return isWhole(a_) ? whole_probe_ : makeProbeOf(part); }
+
+  Probe makeProbeOf(const Part& part) const {
     Vector3d low = lowOf(part.box), high = highOf(part.box);
     double radius = placement_.growth;
     if (isWhole(a_)) {
       // The core's own box, and what it is grown by apart.
       low = a_.low;
       high = a_.high;
-      if (!half_space_) {
+      if (!half_space_ && a_.rigid.tree == nullptr) {
         const double grown = a_.rigid.view.radius;
         low.array() += grown;
         high.array() -= grown;
@@ -361,26 +393,20 @@ class DeformDescent {
   void splitB(const PartPair& pair) {
     std::array<PartPair, kWidth> pairs;
     int count = 0;
-    const Probe probe = probeOf(pair.a);
-    if (b_.snapshot != nullptr) {
-      WideBox room;
-      const WideBox& box = boxes_b_.boxes(pair.b.ref, room);
-      Bounds bounds;
-      kernels_.lowerBounds(probe, box, bounds);
-      const DeformTree::Node& node = b_.snapshot->tree->node(pair.b.ref);
-      for (int lane = 0; lane < kWidth && node.child[lane] != DeformTree::kNone; ++lane) {
-        pairs[static_cast<std::size_t>(count++)] = {
-            pair.a,
-            {node.child[lane], laneOf(box, lane)},
-            std::max(pair.lower, static_cast<double>(bounds.lower[lane]))};
-      }
+    WideBox room;
+    const WideBox& box = boxes_b_.boxes(pair.b.ref, room);
+    Bounds bounds;
+    if (isWhole(a_)) {
+      kernels_.lowerBounds(whole_probe_, box, bounds);
     } else {
-      for (const std::int32_t child : {pair.b.ref + 1, b_.rigid.tree->node(pair.b.ref).right}) {
-        const MeshNode& node = b_.rigid.tree->node(child);
-        const FloatBox box = boxOf(node.low, node.high);
-        pairs[static_cast<std::size_t>(count++)] = {
-            pair.a, {child, box}, std::max(pair.lower, lowerBound(probe, box.low, box.high))};
-      }
+      kernels_.lowerBounds(makeProbeOf(pair.a), box, bounds);
+    }
+    const DeformTree::Node& node = b_.snapshot->tree->node(pair.b.ref);
+    for (int lane = 0; lane < kWidth && node.child[lane] != DeformTree::kNone; ++lane) {
+      pairs[static_cast<std::size_t>(count++)] = {
+          pair.a,
+          {node.child[lane], laneOf(box, lane)},
+          std::max(pair.lower, static_cast<double>(bounds.lower[lane]))};
     }
     push(pairs, count);
   }
@@ -388,64 +414,34 @@ class DeformDescent {
   void splitA(const PartPair& pair) {
     std::array<PartPair, kWidth> pairs;
     int count = 0;
-    const auto add = [&](std::int32_t ref, const FloatBox& box) {
-      const Part part{ref, box};
+    WideBox room;
+    const WideBox& box = boxes_a_.boxes(pair.a.ref, room);
+    const DeformTree::Node& node = a_.snapshot->tree->node(pair.a.ref);
+    for (int lane = 0; lane < kWidth && node.child[lane] != DeformTree::kNone; ++lane) {
+      const Part part{node.child[lane], laneOf(box, lane)};
       pairs[static_cast<std::size_t>(count++)] = {
           part, pair.b,
-          std::max(pair.lower, lowerBound(probeOf(part), pair.b.box.low, pair.b.box.high))};
-    };
-    if (a_.snapshot != nullptr) {
-      WideBox room;
-      const WideBox& box = boxes_a_.boxes(pair.a.ref, room);
-      const DeformTree::Node& node = a_.snapshot->tree->node(pair.a.ref);
-      for (int lane = 0; lane < kWidth && node.child[lane] != DeformTree::kNone; ++lane)
-        add(node.child[lane], laneOf(box, lane));
-    } else {
-      for (const std::int32_t child : {pair.a.ref + 1, a_.rigid.tree->node(pair.a.ref).right}) {
-        const MeshNode& node = a_.rigid.tree->node(child);
-        add(child, boxOf(node.low, node.high));
-      }
+          std::max(pair.lower, lowerBound(makeProbeOf(part), pair.b.box.low, pair.b.box.high))};
     }
     push(pairs, count);
-  }
-
-  // Boxes of a leaf's triangles; of a convex shape its own.
-  void trianglesOf(const DeformSide& side, const Part& part, int begin, int end,
-                   WideBox& box) const {
-    if (side.snapshot != nullptr) {
-      kernels_.triangles(*side.snapshot->tree, side.snapshot->vertices.data(), begin, end, box);
-      return;
-    }
-    box.clear();
-    for (int slot = begin; slot < end; ++slot) {
-      FloatBox one = part.box;
-      if (slot >= 0) {
-        const Vector3d* c = side.rigid.tree->corners(slot);
-        one = boxOf(c[0].cwiseMin(c[1]).cwiseMin(c[2]), c[0].cwiseMax(c[1]).cwiseMax(c[2]));
-      }
-      for (int k = 0; k < 3; ++k) {
-        box.low[k][slot - begin] = one.low[k];
-        box.high[k][slot - begin] = one.high[k];
-      }
-    }
   }
 
   void leaves(const PartPair& pair) {
     int begin_a = 0, end_a = 0, begin_b = 0, end_b = 0;
     slotsOf(a_, pair.a, begin_a, end_a);
     slotsOf(b_, pair.b, begin_b, end_b);
-    WideBox box_a, box_b;
-    trianglesOf(b_, pair.b, begin_b, end_b, box_b);
-    if (!isWhole(a_)) trianglesOf(a_, pair.a, begin_a, end_a, box_a);
+    WideBox box_a;
+    if (!isWhole(a_))
+      kernels_.triangles(*a_.snapshot->tree, a_.snapshot->vertices.data(), begin_a, end_a, box_a);
     for (int slot_a = begin_a; slot_a < end_a; ++slot_a) {
       Part part = pair.a;
       if (!isWhole(a_)) part.box = laneOf(box_a, slot_a - begin_a);
-      const Probe probe = probeOf(part);
       Bounds bounds;
       if (isWhole(b_)) {
         bounds.lower[0] = static_cast<float>(-kInfinity);  // it may be unbounded
       } else {
-        kernels_.lowerBounds(probe, box_b, bounds);
+        kernels_.triangleBounds(probeOf(part), *b_.snapshot->tree, b_.snapshot->vertices.data(),
+                                begin_b, end_b, bounds);
       }
       leaf(slot_a, begin_b, end_b, pair.lower, bounds);
       if (done()) return;
@@ -481,6 +477,11 @@ class DeformDescent {
                      view_b = viewOfSlot(b_, slot_b, corners_b);
     const bool depth = request_.depth && !placement_.swept;
     const double bar_now = bar();
+    const auto convex = [&](const ConvexView& a, const ConvexView& b, double threshold, bool deep) {
+      if (a_.rigid.tree != nullptr) return mesh(a_.rigid, triangleSide(b), threshold, deep);
+      if (b_.rigid.tree != nullptr) return mesh(triangleSide(a), b_.rigid, threshold, deep);
+      return pieces(a, b, threshold, deep);
+    };
     DistanceResult r = convex(view_a, view_b, bar_now < kInfinity ? bar_now : kNaN, depth);
     const bool settled = r.distance.lower > bar_now || r.status == DistanceStatus::kConverged ||
                          !(bar_now < kInfinity) || bar_now == request_.threshold ||
@@ -496,19 +497,16 @@ class DeformDescent {
     if (r.distance.upper <= 0 && result_.upper > 0) overlap_limit_ = visited_ + kDeeperNodes;
     result_.upper = r.distance.upper;
     result_.witness = r;
-    result_.witness.triangle_a = triangleOf(a_, slot_a);
-    result_.witness.triangle_b = triangleOf(b_, slot_b);
+    if (a_.rigid.tree == nullptr) result_.witness.triangle_a = triangleOf(a_, slot_a);
+    if (b_.rigid.tree == nullptr) result_.witness.triangle_b = triangleOf(b_, slot_b);
   }
 
   // The pair of triangles that was closest last time: an upper end at once.
   void warmStart() {
     const auto slotOf = [](const DeformSide& side, int triangle) {
       if (isWhole(side)) return -1;
-      const int count = side.snapshot != nullptr ? side.snapshot->tree->triangleCount()
-                                                 : side.rigid.tree->triangleCount();
-      if (triangle < 0 || triangle >= count) return -2;
-      return side.snapshot != nullptr ? side.snapshot->tree->slotOf(triangle)
-                                      : side.rigid.tree->slotOf(triangle);
+      const DeformTree& tree = *side.snapshot->tree;
+      return triangle >= 0 && triangle < tree.triangleCount() ? tree.slotOf(triangle) : -2;
     };
     const int slot_a = slotOf(a_, cache_.triangle_a), slot_b = slotOf(b_, cache_.triangle_b);
     if (slot_a < -1 || slot_b < -1) return;
@@ -528,13 +526,13 @@ class DeformDescent {
   BoxSource boxes_a_, boxes_b_;
   DescentResult result_;
   bool half_space_ = false;
+  Probe whole_probe_{};  // of a rigid A
   double extent_b_ = 0;  // of B's coordinates
   int visited_ = 0;
   bool complete_ = true;
   int overlap_limit_ = std::numeric_limits<int>::max();
   // Every pair that is taken off puts at most eight back, which are one level lower on one side.
-  std::array<PartPair, (kWidth - 1) * (DeformTree::kMaxDepth + MeshTree::kMaxDepth) + kWidth>
-      stack_;
+  std::array<PartPair, (kWidth - 1) * (2 * DeformTree::kMaxDepth) + kWidth> stack_;
   std::size_t size_ = 0;
 };
 

@@ -44,6 +44,11 @@ struct DeformKernels {
   /// Boxes of the triangles begin .. end - 1 of the tree's slots, at most eight.
   void (*triangles)(const DeformTree& tree, const Eigen::Vector3d* vertices, std::int32_t begin,
                     std::int32_t end, WideBox& box);
+  /// Lower bounds of the body's separation from each of these triangles themselves: by their boxes,
+  /// and along the way from the body to each.
+  void (*triangleBounds)(const Probe& probe, const DeformTree& tree,
+                         const Eigen::Vector3d* vertices, std::int32_t begin, std::int32_t end,
+                         Bounds& bounds);
   /// The box of all vertices. False when one is NaN or beyond +-limit.
   bool (*bound)(const Eigen::Vector3d* vertices, std::size_t count, double limit,
                 Eigen::Vector3d& low, Eigen::Vector3d& high);
