@@ -8,6 +8,7 @@
 
 #include "leeway/planner/planners.h"
 #include "planner/nearest_name.h"
+#include "planner/problem_deforming.h"
 #include "planner/problem_format.h"
 #include "planner/problem_shapes.h"
 #include "planner/problem_states.h"
@@ -288,6 +289,9 @@ Problem loadProblem(const std::string& yaml_path, const ProblemOptions& options)
   problem.name = name ? name->text() : std::filesystem::path(yaml_path).stem().string();
   if (const auto objects = file.find("objects"))
     for (const YamlReader& object : objects->items()) readObject(object, problem);
+  if (const auto execution = file.find("execution")) readExecution(*execution, problem);
+  if (const auto deforming = file.find("deforming"))
+    for (const YamlReader& entry : deforming->items()) readDeforming(entry, problem);
   readPairs(file, problem);
   readPlanner(file, problem);
   return problem;

@@ -46,6 +46,9 @@ Problem attachObject(const Problem& problem, const std::string& object, const st
     throw std::invalid_argument("no object '" + object + "' to attach" +
                                 nearestName(object, known));
   }
+  if (std::any_of(problem.deforming.begin(), problem.deforming.end(),
+                  [&](const DeformingObstacle& o) { return o.object == object; }))
+    throw std::invalid_argument("object '" + object + "' deforms: only rigid ones can be attached");
   Attachment attachment;
   attachment.link = requireLink(*problem.model, link);
   for (const std::string& touch : touch_links)

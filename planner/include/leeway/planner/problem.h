@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <map>
 #include <memory>
 #include <optional>
@@ -9,6 +10,8 @@
 #include <utility>
 #include <vector>
 
+#include "leeway/collision/deformable_mesh.h"
+#include "leeway/collision/vertex_motion.h"
 #include "leeway/robots/model.h"
 
 namespace leeway::planner {
@@ -35,6 +38,48 @@ struct Goal {
   std::vector<std::pair<double, double>> ranges;  ///< in group order
 };
 
+/// An object of the world whose vertices move. It stands in Problem::objects under its name, with
+/// one geometry: the mesh as it is at Execution::start. That is what planning, checks and proofs
+/// look at; Replanner follows it from there.
+struct DeformingObstacle {
+  std::string object;
+  std::shared_ptr<const collision::DeformableMesh> mesh;
+  /// Null: the embedding program says where the vertices are.
+  std::shared_ptr<const collision::VertexMotion> motion;
+  /// What is known of the vertices' speed when their future is not [m/s]; infinite: the motion's
+  /// own bound, and without a motion nothing.
+  double speed_bound = std::numeric_limits<double>::infinity();
+  collision::DeformOptions options;
+};
+
+/// What is assumed of obstacles that deform beyond the moment at which they were seen.
+enum class Foresight : unsigned char {
+  kMotion,      ///< their motion is known
+  kSpeedBound,  ///< no more than a bound on the speed of their vertices
+};
+
+/// How a path is executed while the scene changes: at the velocity limits of the joints, step by
+/// step. See Replanner.
+struct Execution {
+  double start = 0;      ///< time of the obstacles' motions at which everything begins [s]
+  double step = 0.05;    ///< from one look at the world to the next [s]
+  double duration = 30;  ///< what does not reach a goal within this has failed [s]
+  double speed = 1;      ///< share of the velocity limits that is used, in (0, 1]
+  std::map<std::string, double> velocities;  ///< in place of the URDF's, by variable [rad/s or m/s]
+  Foresight foresight = Foresight::kMotion;
+  /// A step is preferred after which so much more time can be certified, going on or standing [s].
+  double look_ahead = 0.2;
+  /// Paths are planned to keep this besides the margin from what deforms, so that they last; where
+  /// there is none, without [m].
+  double buffer = 0.02;
+  /// A path that holds but cannot be executed is waited for this long before another is planned
+  /// [s].
+  double patience = 0.5;
+};
+
+/// Velocity limit of a joint that has none, as everywhere in this library [rad/s or m/s].
+inline constexpr double kDefaultVelocity = 1;
+
 /// Everything that a planner needs to know, checked and complete. Made by a loader below or by a
 /// program.
 struct Problem {
@@ -45,6 +90,7 @@ struct Problem {
       configuration;        ///< all variables of the model: the start, passive ones included
   std::vector<Goal> goals;  ///< at least one
   std::vector<Object> objects;
+  std::vector<DeformingObstacle> deforming;
   std::vector<Attachment> attachments;
   /// Names (links, objects, attached objects) that may touch, beyond what the SRDF disables.
   std::vector<std::pair<std::string, std::string>> allowed;
@@ -65,6 +111,7 @@ struct Problem {
   double time_limit = 5;             ///< [s]
   std::int64_t iteration_limit = 0;  ///< 0: none
   std::uint64_t seed = 1;
+  Execution execution;
   std::vector<std::string> warnings;  ///< of this problem's own files, each with file and line; the
                                       ///< robot's are in model->warnings
 };
@@ -85,6 +132,15 @@ Problem loadMoveit(std::shared_ptr<const robots::Model> model, const std::string
 /// (without a file) for unknown names.
 Problem problemFromStates(std::shared_ptr<const robots::Model> model, const std::string& group,
                           const std::string& start, const std::string& goal);
+
+/// Adds an obstacle that deforms, as it is at problem.execution.start: to problem.objects and
+/// problem.deforming. Throws std::invalid_argument for a strategy that the motion does not have, a
+/// motion with another number of vertices than the mesh, or vertices that are not finite.
+void addDeforming(Problem& problem, const std::string& name,
+                  std::shared_ptr<const collision::DeformableMesh> mesh,
+                  std::shared_ptr<const collision::VertexMotion> motion, const robots::Pose& X_WO,
+                  const collision::DeformOptions& options = {},
+                  double speed_bound = std::numeric_limits<double>::infinity());
 
 /// The problem with `object` (one of problem.objects) held by `link` from now on, where it is while
 /// the robot stands at `configuration` (all variables of the model; empty: the problem's start). It

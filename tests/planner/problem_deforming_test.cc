@@ -1,0 +1,289 @@
+// `deforming` and `execution` of problem files: what they mean, and every message.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "leeway/planner/compiled_scene.h"
+#include "leeway/planner/edge_certifier.h"
+#include "leeway/planner/problem.h"
+#include "leeway/robots/input_error.h"
+#include "planner/indexed_mesh.h"
+
+namespace leeway::planner {
+namespace {
+
+namespace fs = std::filesystem;
+
+class ProblemDeforming : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::path(testing::TempDir()) / ("leeway_deforming_" + std::to_string(::getpid()));
+    fs::create_directories(folder_);
+    write("square.obj",
+          "# a square\nv 0 0 0\nv 1 0 0 0.5 0.5 0.5\nv 1 1 0\nv 0 1 0\nf 1/1/1 2 3 -1\n");
+    write("bent.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0.5\nv 0 1 0\nf 1 2 3\nf 1 3 4\n");
+    write("three.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0.5\nf 1 2 3\n");
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  std::string write(const std::string& name, const std::string& text) const {
+    std::ofstream(folder_ / name, std::ios::binary) << text;
+    return (folder_ / name).string();
+  }
+
+  /// Lines 1 to 9 of a problem file; `more` from line 10 on.
+  std::string file(const std::string& more) const {
+    return write(
+        "problem.yaml",
+        "leeway: 1\nbody:\n  name: disc\n  joint: planar\n  bounds: {lower: [-3, -3], upper: "
+        "[3, 3]}\n  shapes: [{cylinder: {radius: 0.1, length: 0.2}}]\nstart: {position: "
+        "[-2, -2], angle: 0}\ngoal: {position: [2, -2]}\nmargin: 0.01\n" +
+            more);
+  }
+
+  Problem load(const std::string& more) const { return loadProblem(file(more)); }
+
+  /// A square with that motion, which begins in line 13.
+  Problem square(const std::string& motion) const {
+    return load("deforming:\n  - name: cloth\n    mesh: {file: square.obj}\n    motion:\n" +
+                motion);
+  }
+
+  static Eigen::Vector3d vertexAt(const Problem& problem, double time, std::size_t v) {
+    std::vector<Eigen::Vector3d> vertices(
+        static_cast<std::size_t>(problem.deforming.at(0).mesh->vertexCount()));
+    problem.deforming[0].motion->evaluate(time, vertices);
+    return vertices.at(v);
+  }
+
+  void expectRefused(const std::string& more, int line, const std::string& message) const {
+    const std::string name = file(more);
+    try {
+      loadProblem(name);
+      ADD_FAILURE() << "accepted, but expected: " << message << "\n" << more;
+    } catch (const robots::InputError& error) {
+      const std::string what = error.what();
+      EXPECT_EQ(error.line(), line) << what;
+      EXPECT_NE(what.find(message), std::string::npos)
+          << "got      " << what << "\nexpected " << message;
+      EXPECT_EQ(what.find('\n'), std::string::npos) << what;
+    }
+  }
+
+  fs::path folder_;
+};
+
+TEST_F(ProblemDeforming, AFileKeepsItsVerticesNumbers) {
+  const IndexedMesh mesh = readObj((folder_ / "square.obj").string());
+  ASSERT_EQ(mesh.vertices.size(), 4U);
+  EXPECT_EQ(mesh.vertices[2], Eigen::Vector3d(1, 1, 0));
+  ASSERT_EQ(mesh.triangles.size(), 2U);
+  EXPECT_EQ(mesh.triangles[1], (collision::DeformableMesh::Triangle{0, 2, 3}));
+  const IndexedMesh grid = gridMesh(2, 1, 4, 3);
+  EXPECT_EQ(grid.vertices.size(), 20U);
+  EXPECT_EQ(grid.triangles.size(), 24U);
+  EXPECT_EQ(grid.vertices.front(), Eigen::Vector3d(-1, -0.5, 0));
+  EXPECT_EQ(grid.vertices.back(), Eigen::Vector3d(1, 0.5, 0));
+}
+
+TEST_F(ProblemDeforming, EverybodySeesTheStart) {
+  const std::string text =
+      "deforming:\n  - name: gate\n    position: [0, 0, 0]\n    rpy: [1.5707963267948966, 0, 0]\n"
+      "    grid: {size: [0.4, 1], cells: [2, 2]}\n    margin: 0.03\n    strategy: refit\n    "
+      "motion:\n"
+      "      morph:\n        references: [{}, {bumps: [{center: [0, 0, 0], radius: 9, by: [5, 0, "
+      "0]}]}]\n"
+      "        keys: [{time: 0, weights: [1, 0]}, {time: 2, weights: [0, 1]}]\n";
+  const auto clearanceAt = [&](const std::string& execution) {
+    const Problem problem = load(text + execution);
+    EdgeCertifier certifier(std::make_shared<const CompiledScene>(problem));
+    return certifier.clearance(std::vector<double>{0.5, 0, 0}, 1e-4).clearance.lower;
+  };
+  EXPECT_NEAR(clearanceAt(""), 0.2, 1e-3);  // the gate ends at x = 0.2, the disc begins at 0.4
+  EXPECT_GT(clearanceAt("execution: {start: 2}\n"), 3);
+  const Problem problem = load(text);
+  ASSERT_EQ(problem.deforming.size(), 1U);
+  EXPECT_EQ(problem.deforming[0].options.strategy, collision::DeformStrategy::kRefit);
+  EXPECT_EQ(problem.objects.at(0).name, "gate");
+  EXPECT_EQ(problem.margins.at(0).margin, 0.03);
+  EXPECT_TRUE(problem.warnings.empty());
+}
+
+TEST_F(ProblemDeforming, Motions) {
+  Problem p = square(
+      "      waves: [{direction: [1, 0, 0], amplitude: [0, 0, 2], wavelength: 4, frequency: "
+      "0.25}]\n");
+  EXPECT_NEAR(vertexAt(p, 0, 1).z(), 2, 1e-12);
+  EXPECT_NEAR(vertexAt(p, 1, 1).z(), 0, 1e-12);
+  p = square(
+      "      waves: [{direction: [1, 0, 0], amplitude: [0, 0, 2], wavelength: 4, frequency: "
+      "0.25}]\n"
+      "      pinned: {point: [0, 0, 0], direction: [0, 1, 0], length: 1}\n");
+  EXPECT_EQ(vertexAt(p, 0, 1).z(), 0);
+  EXPECT_NEAR(vertexAt(p, 0, 2).z(), 2, 1e-12);
+  p = square(
+      "      lattice:\n        box: {lower: [0, 0, -1], upper: [1, 1, 1]}\n        cells: [1, 1, "
+      "1]\n"
+      "        keys: [{time: 0}, {time: 1, moved: [{at: [1, 1, 0], by: [0, 0, 1]}, {at: [1, 1, 1], "
+      "by: [0, 0, 1]}]}]\n");
+  EXPECT_NEAR(vertexAt(p, 0, 2).z(), 0, 1e-12);
+  EXPECT_NEAR(vertexAt(p, 1, 2).z(), 1, 1e-12);
+  EXPECT_NEAR(vertexAt(p, 1, 0).z(), 0, 1e-12);
+  p = square(
+      "      morph: {references: [{}, {file: bent.obj, scale: 2}], keys: [{time: 0, weights: [1, "
+      "0]}, "
+      "{time: 1, weights: [0, 1]}]}\n");
+  EXPECT_NEAR(vertexAt(p, 0.5, 2).z(), 0.5, 1e-12);
+  p = square(
+      "      reduced: {modes: [{file: bent.obj}], harmonics: [{frequency: 1, amplitude: 2}]}\n");
+  EXPECT_NEAR(vertexAt(p, 0.25, 2).z(), 1, 1e-12);
+  p = square(
+      "      skinned:\n        bones: [{name: still}, {name: turns, position: [0, 1, 0], tip: [1, "
+      "0, 0]}]\n"
+      "        keys: [{time: 0}, {time: 1, poses: {turns: {rpy: [0, 0, 1.5707963267948966]}}}]\n");
+  EXPECT_NEAR((vertexAt(p, 1, 2) - Eigen::Vector3d(0, 2, 0)).norm(), 0, 1e-9);
+  EXPECT_NEAR((vertexAt(p, 1, 0) - Eigen::Vector3d(0, 0, 0)).norm(), 0, 1e-9);
+}
+
+TEST_F(ProblemDeforming, CachesOfAnimationTools) {
+  // MDD, big endian: 2 frames at 0 and 0.5 s of 4 vertices; the third one rises.
+  std::string mdd;
+  const auto put = [&mdd](std::uint32_t bits) {
+    for (int shift = 24; shift >= 0; shift -= 8) mdd += static_cast<char>((bits >> shift) & 255U);
+  };
+  const auto real = [&](float x) {
+    std::uint32_t bits = 0;
+    std::memcpy(&bits, &x, 4);
+    put(bits);
+  };
+  put(2);
+  put(4);
+  real(0);
+  real(0.5F);
+  for (int frame = 0; frame < 2; ++frame)
+    for (int v = 0; v < 4; ++v) {
+      real(static_cast<float>(v == 1 || v == 2));
+      real(static_cast<float>(v >= 2));
+      real(v == 2 ? static_cast<float>(frame) : 0.0F);
+    }
+  write("cloth.mdd", mdd);
+  Problem p = square("      cache: {file: cloth.mdd}\n");
+  EXPECT_NEAR(vertexAt(p, 0.25, 2).z(), 0.5, 1e-6);
+  p = square("      cache: {file: cloth.mdd, start: 1, scale: 2}\n");
+  EXPECT_NEAR(vertexAt(p, 1.25, 2).z(), 1, 1e-6);
+  write("short.mdd", mdd.substr(0, mdd.size() - 5));
+  const std::string head =
+      "deforming:\n  - name: cloth\n    mesh: {file: square.obj}\n    motion:\n";
+  expectRefused(head + "      cache: {file: short.mdd}\n", 14, "deforming[0].motion.cache");
+  expectRefused(head + "      cache: {file: nowhere.pc2}\n", 14, "cannot be read");
+  expectRefused(head + "      cache: {file: cloth.abc}\n", 14, ".pc2 or .mdd is expected");
+  expectRefused(
+      "deforming:\n  - name: cloth\n    mesh: {file: three.obj}\n    motion:\n      cache: {file: "
+      "cloth.mdd}\n",
+      14, "has 4 vertices; the mesh's 3 are expected");
+}
+
+TEST_F(ProblemDeforming, Messages) {
+  const std::string head = "deforming:\n  - name: cloth\n";
+  expectRefused(head, 11, "has neither 'grid' nor 'mesh'");
+  expectRefused(head + "    grid: {size: [1, 1], cells: [2, 2]}\n    mesh: {file: square.obj}\n",
+                11, "has both 'grid' and 'mesh'");
+  expectRefused(head + "    grid: {size: [1, 0], cells: [2, 2]}\n", 12, "above 0");
+  expectRefused(head + "    grid: {size: [1, 1], cells: [2000, 501]}\n", 12, "1000000");
+  expectRefused(head + "    gird: {size: [1, 1], cells: [2, 2]}\n", 12,
+                "unknown key 'gird' in deforming[0]; did you mean 'grid'?");
+  expectRefused(head + "    mesh: {file: nowhere.obj}\n", 12, "does not exist");
+  write("solid.stl", "solid x\nendsolid x\n");
+  expectRefused(head + "    mesh: {file: solid.stl}\n", 12, "an OBJ is expected");
+  const std::string grid = head + "    grid: {size: [1, 1], cells: [2, 2]}\n";  // line 12
+  expectRefused(grid + "    strategy: refitt\n", 13, "did you mean 'refit'?");
+  expectRefused(grid + "    strategy: skinned\n", 13, "");
+  expectRefused(grid + "    options: {restructure_factor: 1}\n", 13, "above 1");
+  expectRefused(grid + "    motion: {}\n", 13, "none of waves, lattice");
+  expectRefused(
+      grid + "    motion: {pinned: {point: [0, 0, 0], direction: [0, 1, 0], length: 1}}\n", 13,
+      "none of waves");
+  expectRefused(
+      grid + "    motion: {waves: [{direction: [1, 0, 0], amplitude: [0, 0, 1], frequency: 1}]}\n",
+      13, "key 'wavelength' is missing");
+  expectRefused(grid +
+                    "    motion: {waves: [{direction: [1, 0, 0], amplitude: [0, 0, 1], wavelength: "
+                    "1, frequency: .nan}]}\n",
+                13, "a finite number is expected");
+  const auto morph = [&](const std::string& keys) {
+    return grid +
+           "    motion: {morph: {references: [{}, {bumps: [{center: [0, 0, 0], radius: 1, by: [0, "
+           "0, 1]}]}], keys: [" +
+           keys + "]}}\n";
+  };
+  EXPECT_NO_THROW(load(morph("{time: 0, weights: [1, 0]}, {time: 1, weights: [0, 1]}")));
+  expectRefused(morph("{time: 1, weights: [1, 0]}, {time: 0, weights: [0, 1]}"), 13,
+                "deforming[0].motion.morph");  // key times out of order
+  expectRefused(morph("{time: 1, weights: [1]}"), 13, "deforming[0].motion.morph");
+  expectRefused(morph("{time: 1, weight: [1, 0]}"), 13, "did you mean 'weights'?");
+  expectRefused(grid +
+                    "    motion: {morph: {references: [{file: three.obj}], keys: [{time: 0, "
+                    "weights: [1]}]}}\n",
+                13, "three.obj has 3 vertices; the mesh's 9 are expected");
+  expectRefused(grid +
+                    "    motion: {morph: {references: [{bumps: [{center: [5, 0, 0], radius: 1, by: "
+                    "[0, 0, 1]}]}], keys: [{time: 0, weights: [1]}]}}\n",
+                13, "moves no vertex");
+  expectRefused(
+      grid + "    motion: {skinned: {bones: [{name: a}], keys: [{time: 0, poses: {b: {}}}]}}\n", 13,
+      "unknown bone 'b'");
+  expectRefused(grid +
+                    "    motion: {waves: [{direction: [1, 0, 0], amplitude: [0, 0, 1], wavelength: "
+                    "1, frequency: 1}]}\n    speed_bound: 0.5\n",
+                14, "the motion may reach");
+  write("bad.obj", "v 0 0 0\nv 1 nan 0\nv 0 1 0\nf 1 2 3\n");
+  write("bad_face.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 7\n");
+  try {
+    load(head + "    mesh: {file: bad.obj}\n");
+    ADD_FAILURE();
+  } catch (const robots::InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("bad.obj:2: 'nan' is no coordinate"),
+              std::string::npos)
+        << error.what();
+  }
+  try {
+    load(head + "    mesh: {file: bad_face.obj}\n");
+    ADD_FAILURE();
+  } catch (const robots::InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("bad_face.obj:4: names vertex 7 of 3"),
+              std::string::npos)
+        << error.what();
+  }
+  expectRefused("objects:\n  - {name: cloth, sphere: {radius: 0.1}}\n" + grid, 13,
+                "name of another object");
+}
+
+TEST_F(ProblemDeforming, ExecutionIsReadAndRefused) {
+  const Problem p = load(
+      "execution: {start: 1, step: 0.1, duration: 7, speed: 0.5, velocities: {disc/x: 2}, "
+      "foresight: "
+      "speed_bound, look_ahead: 0, buffer: 0.03, patience: 1}\n");
+  EXPECT_EQ(p.execution.start, 1);
+  EXPECT_EQ(p.execution.step, 0.1);
+  EXPECT_EQ(p.execution.duration, 7);
+  EXPECT_EQ(p.execution.speed, 0.5);
+  EXPECT_EQ(p.execution.velocities.at("disc/x"), 2);
+  EXPECT_EQ(p.execution.foresight, Foresight::kSpeedBound);
+  EXPECT_EQ(p.execution.look_ahead, 0);
+  EXPECT_EQ(p.execution.buffer, 0.03);
+  EXPECT_EQ(p.execution.patience, 1);
+  expectRefused("execution: {step: 0}\n", 10, "execution.step is 0; a number above 0 is expected");
+  expectRefused("execution: {duration: 0.01}\n", 10, "less than a step");
+  expectRefused("execution: {speed: 1.5}\n", 10, "up to 1");
+  expectRefused("execution: {velocities: {disc/w: 2}}\n", 10, "unknown planned variable 'disc/w'");
+  expectRefused("execution: {foresight: all}\n", 10, "motion or speed_bound is expected");
+  expectRefused("execution: {sped: 1}\n", 10, "did you mean 'speed'?");
+}
+
+}  // namespace
+}  // namespace leeway::planner
