@@ -50,6 +50,14 @@ std::size_t Scene::bytes() const {
   return bytes;
 }
 
+void Scene::growMargins(int body, int geometry, double growth) {
+  if (growth <= 0) return;
+  for (ScenePair& pair : pairs_)
+    if ((pair.body_a == body && pair.geometry_a == geometry) ||
+        (pair.body_b == body && pair.geometry_b == geometry))
+      pair.margin = std::max(pair.margin, 0.0) + growth;
+}
+
 int SceneBuilder::add(Body body) {
   bodies_.push_back(std::move(body));
   return static_cast<int>(bodies_.size()) - 1;

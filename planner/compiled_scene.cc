@@ -255,10 +255,16 @@ CompiledScene::CompiledScene(const Problem& problem)
   body_link_ = pairs.bodyLinks();
   needs_limits_ = pairs.hasProven();
   jumping_circles_ = jumpingCircles(*space_);
-  deriveMotions(ranges);
+  deriveMotions(problem, ranges);
 }
 
-void CompiledScene::deriveMotions(std::span<const VariableRange> ranges) {
+void CompiledScene::deriveMotions(const Problem& problem, std::span<const VariableRange> ranges) {
+  // What deforms is nowhere for good: its motion seen from a link cannot be bounded once for all.
+  const auto deforms = [&](int body) {
+    const std::string& name = scene_.bodies()[at(body)].name;
+    return std::any_of(problem.deforming.begin(), problem.deforming.end(),
+                       [&](const DeformingObstacle& o) { return o.object == name; });
+  };
   double farthest = 0;
   std::size_t longest = 0;
   for (std::size_t b = 0; b < scene_.bodies().size(); ++b)
@@ -289,7 +295,7 @@ void CompiledScene::deriveMotions(std::span<const VariableRange> ranges) {
     bool reversed = false;
     // What is near the joints between the two moves least; as a rule that is not the thing of the
     // world.
-    if (std::isfinite(scene_.bounds(b).outer.radius)) {
+    if (std::isfinite(scene_.bounds(b).outer.radius) && !deforms(pair.body_b)) {
       const int other = derived(b, link_b, link_a);
       reversed = robots::accelerationBound(*model_, motions_[at(other)], unit) <
                  robots::accelerationBound(*model_, motions_[at(motion)], unit);
@@ -301,6 +307,30 @@ void CompiledScene::deriveMotions(std::span<const VariableRange> ranges) {
   reach_ = farthest <= kLargestReach / 2 ? 2 * farthest : kLargestReach;
   rounding_ = robots::kinematicsRounding(*model_, reach_) +
               static_cast<double>(longest) * reach_ * kInterpolationRounding;
+}
+
+std::shared_ptr<const CompiledScene> CompiledScene::withShapes(
+    std::span<const Replacement> shapes) const {
+  auto changed = std::make_shared<CompiledScene>(*this);
+  for (const Replacement& r : shapes) {
+    changed->scene_.setShape(r.body, r.geometry, r.shape);
+    changed->scene_.growMargins(r.body, r.geometry, r.growth);
+  }
+  return changed;
+}
+
+std::shared_ptr<const CompiledScene> CompiledScene::withPairs(
+    const std::function<bool(const collision::ScenePair&)>& keep) const {
+  auto reduced = std::make_shared<CompiledScene>(*this);
+  reduced->scene_.keepPairs(keep);
+  reduced->pair_motion_.clear();
+  reduced->reversed_.clear();
+  for (std::size_t p = 0; p < scene_.pairs().size(); ++p) {
+    if (!keep(scene_.pairs()[p])) continue;
+    reduced->pair_motion_.push_back(pair_motion_[p]);
+    reduced->reversed_.push_back(reversed_[p]);
+  }
+  return reduced;
 }
 
 void CompiledScene::expand(std::span<const double> point, std::span<double> q) const {

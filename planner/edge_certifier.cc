@@ -44,6 +44,13 @@ EdgeCertifier::~EdgeCertifier() = default;
 
 const CompiledScene& EdgeCertifier::scene() const { return *impl_->scene; }
 
+void EdgeCertifier::rebind(std::shared_ptr<const CompiledScene> scene) {
+  impl_->frames.rebind(scene);
+  impl_->scene = std::move(scene);
+  impl_->workspace.prepare(impl_->scene->scene());
+  impl_->startInterval();  // balls of the intervals before are those of other shapes
+}
+
 Verdict EdgeCertifier::decide(std::span<const double> point) {
   ++statistics.states;
   Impl& impl = *impl_;

@@ -23,6 +23,16 @@ EdgeFrames::EdgeFrames(std::shared_ptr<const CompiledScene> scene, int capacity)
   centers_.resize(at(capacity) * pieces_.size());
 }
 
+void EdgeFrames::rebind(std::shared_ptr<const CompiledScene> scene) {
+  scene_ = std::move(scene);
+  pieces_.clear();
+  moving_.clear();
+  pairs_.clear();
+  addPieces();
+  addPairs();
+  release(0);
+}
+
 void EdgeFrames::addPieces() {
   const collision::Scene& scene = scene_->scene();
   for (std::size_t b = 0; b < scene.bodies().size(); ++b) {

@@ -39,6 +39,9 @@ class EdgeFrames {
  public:
   EdgeFrames(std::shared_ptr<const CompiledScene> scene, int capacity);
 
+  /// The same pieces and pairs with other shapes; no slot is in use afterwards.
+  void rebind(std::shared_ptr<const CompiledScene> scene);
+
   /// Starts an edge: no slot is in use afterwards. False when the edge cannot be certified at all:
   /// numbers that are not finite, angles too large to be exact, a quaternion of no length, a joint
   /// without room that has left its place, or a mimic joint that would jump.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -68,6 +69,16 @@ class Scene {
   /// Every pair must keep at least this margin [m] from now on; what it had beyond stays.
   void raiseMargins(double margin) {
     for (ScenePair& pair : pairs_) pair.margin = std::max(pair.margin, margin);
+  }
+
+  /// Every pair of that geometry must keep `growth` >= 0 [m] from now on besides its margin, and
+  /// none less than that, since depth does not change slowly with a mesh's vertices. A growth of 0
+  /// leaves margins as they are; with NaN such a pair is never free.
+  void growMargins(int body, int geometry, double growth);
+
+  /// Leaves out all pairs but those of which keep(pair) is true.
+  void keepPairs(const std::function<bool(const ScenePair&)>& keep) {
+    std::erase_if(pairs_, [&](const ScenePair& pair) { return !keep(pair); });
   }
 
  private:

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -58,6 +59,23 @@ class CompiledScene {
     return raised;
   }
 
+  /// Another shape for a geometry of a body of the world, see collision::Scene::setShape() and
+  /// growMargins().
+  struct Replacement {
+    int body, geometry;
+    collision::Shape shape;
+    double growth = 0;  ///< [m]
+  };
+  /// The same scene at another instant: deforming obstacles with the shapes that they have then.
+  /// Only geometries of Problem::deforming may be named. Pairs, bodies and motions keep their
+  /// numbers.
+  std::shared_ptr<const CompiledScene> withShapes(std::span<const Replacement> shapes) const;
+
+  /// The same scene, looking at nothing but the pairs of which keep(pair) is true: for edges of
+  /// which the others are known.
+  std::shared_ptr<const CompiledScene> withPairs(
+      const std::function<bool(const collision::ScenePair&)>& keep) const;
+
   /// True when pairs were dropped by a proof that holds within the joints' limits only: points
   /// outside them cannot be answered.
   bool needsLimits() const { return needs_limits_; }
@@ -69,7 +87,7 @@ class CompiledScene {
   const std::vector<Dropped>& dropped() const { return dropped_; }
 
  private:
-  void deriveMotions(std::span<const robots::VariableRange> ranges);
+  void deriveMotions(const Problem& problem, std::span<const robots::VariableRange> ranges);
 
   std::shared_ptr<const robots::Model> model_;
   std::shared_ptr<const ConfigurationSpace> space_;
