@@ -153,6 +153,39 @@ constexpr double kProgressPeriod = 0.1;
 /// digits are usual in logs.
 constexpr double kPassiveJointSlack = 1e-5;
 
+// step_certifier.cc, obstacles.cc, replanner.cc
+
+/// A vertex's speed bound times a time is rounded up by this share: two products and a sum err by
+/// less than 1e-15.
+constexpr double kGrowthRounding = 1e-14;
+
+/// A part of a step in which no obstacle's vertex moves farther than this [m] is not halved again:
+/// halving it gains nothing that a robot could feel.
+constexpr double kLeastGrowth = 1e-5;
+
+/// How often a step is halved in time: a vertex at 1 m/s moves 0.2 mm in half of 0.05 s / 2^7.
+constexpr int kMustHalvings = 7;
+/// The same for what lies ahead of a step, which is asked again when it comes.
+constexpr int kAheadHalvings = 3;
+
+/// Places that are tried when a robot cannot stay [count], and how many of those with the most room
+/// are asked for a certificate.
+constexpr int kEvasions = 32;
+constexpr int kEvasionsAsked = 8;
+
+/// Steps of the trail that are kept for going back [count].
+constexpr int kTrail = 400;
+
+/// Planning that failed is tried again after 1, 2, 4, ... steps, at most so many.
+constexpr int kLongestPause = 8;
+
+/// Steps that may be looked ahead [count]: each costs what a step costs.
+constexpr double kLongestLookAhead = 1000;
+
+/// First stream of random numbers for the seeds of replanning, and for evasions.
+constexpr unsigned long long kReplanStream = 1ULL << 43;
+constexpr unsigned long long kEvasionStream = 1ULL << 44;
+
 // verify.cc
 
 /// How near a path's ends must be to start and goal, and how far outside its limits a waypoint may
