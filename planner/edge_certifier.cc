@@ -46,6 +46,7 @@ const CompiledScene& EdgeCertifier::scene() const { return *impl_->scene; }
 
 void EdgeCertifier::rebind(std::shared_ptr<const CompiledScene> scene) {
   impl_->frames.rebind(scene);
+  impl_->lanes_fit = false;  // they hold shapes and margins of the scene before
   impl_->scene = std::move(scene);
   impl_->workspace.prepare(impl_->scene->scene());
   impl_->startInterval();  // balls of the intervals before are those of other shapes
@@ -93,7 +94,8 @@ EdgeCheck EdgeCertifier::certify(std::span<const double> a, std::span<const doub
   impl.smallest = request.smallest_interval;
   EdgeCheck check;
   if (!impl.frames.begin(a, b)) return check;
-  check = impl.lanes.begin(impl.frames) ? impl.certifyByLanes() : impl.certifyByLevels();
+  const bool by_lanes = impl.lanes_fit && impl.lanes.begin(impl.frames);
+  check = by_lanes ? impl.certifyByLanes() : impl.certifyByLevels();
   if (check.verdict == Verdict::kFree)
     check.last_valid = 1;
   else if (request.last_valid)

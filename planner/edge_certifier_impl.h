@@ -89,6 +89,7 @@ struct EdgeCertifier::Impl {
   std::shared_ptr<const CompiledScene> scene;
   EdgeFrames frames;
   EdgeLanes lanes;
+  bool lanes_fit = true;  // what `scene` is now
   collision::Workspace workspace;
   std::vector<MotionMemory> motion;    // one a motion
   std::vector<SweptBall> world_balls;  // one a piece

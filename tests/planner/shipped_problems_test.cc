@@ -108,11 +108,13 @@ TEST(ShippedProblems, CoverWhatTheReadmePromises) {
   for (const char* file :
        {"shelf/reach.yaml", "table/posts.yaml", "bin/pick.yaml", "dual_arm/swap.yaml",
         "snake/clutter.yaml", "bodies/window.yaml", "bodies/piano.yaml", "mesh/tote.yaml",
-        "unsolvable/sealed.yaml", "moveit/table.yaml"})
+        "unsolvable/sealed.yaml", "moveit/table.yaml", "deforming/curtain.yaml",
+        "deforming/heap.yaml", "deforming/figure.yaml"})
     EXPECT_EQ(std::count(files.begin(), files.end(), file), 1) << file;
 }
 
-/// The examples of problems/README.md, in order: a whole file, a body, MoveIt's files.
+/// The examples of problems/README.md, in order: a whole file, a body, what deforms, MoveIt's
+/// files.
 std::vector<std::string> readmeExamples() {
   std::ifstream stream(kProblems + "/README.md");
   std::vector<std::string> examples;
@@ -140,7 +142,7 @@ TEST(ShippedProblems, ExamplesOfTheReadmeLoad) {
     std::filesystem::copy_file(kProblems + "/moveit/" + name,
                                folder / "problems" / "example" / name);
   const std::vector<std::string> examples = readmeExamples();
-  EXPECT_EQ(examples.size(), 3U);
+  EXPECT_EQ(examples.size(), 4U);
   for (std::string example : examples) {
     if (example.rfind("leeway:", 0) != 0) example = "leeway: 1\n" + example;
     const std::string file = (folder / "problems" / "example" / "problem.yaml").string();

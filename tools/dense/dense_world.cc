@@ -7,66 +7,14 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "leeway/collision/convex_hull.h"
-#include "leeway/collision/deformable_mesh.h"
-#include "leeway/collision/triangle_mesh.h"
+#include "tools/dense/fcl_shape.h"
 
 namespace leeway::dense {
 namespace {
 
 using collision::Shape;
-using collision::ShapeType;
 using Eigen::Isometry3d;
-using FclGeometry = std::shared_ptr<fcl::CollisionGeometryd>;
 using Named = std::vector<std::pair<std::string, double>>;
-
-Isometry3d isometry(const collision::Pose& X) {
-  Isometry3d result = Isometry3d::Identity();
-  result.linear() = X.rotation;
-  result.translation() = X.translation;
-  return result;
-}
-
-template <typename Triangles>
-FclGeometry bvh(std::span<const Eigen::Vector3d> vertices, const Triangles& triangles) {
-  auto model = std::make_shared<fcl::BVHModel<fcl::OBBRSSd>>();
-  std::vector<fcl::Triangle> indices;
-  for (const auto& t : triangles)
-    indices.emplace_back(static_cast<std::size_t>(t[0]), static_cast<std::size_t>(t[1]),
-                         static_cast<std::size_t>(t[2]));
-  model->beginModel();
-  model->addSubModel(std::vector<Eigen::Vector3d>(vertices.begin(), vertices.end()), indices);
-  model->endModel();
-  return model;
-}
-
-FclGeometry toFcl(const Shape& shape) {
-  const double r = shape.radius(), length = 2 * shape.halfLength();
-  const Eigen::Vector3d& e = shape.halfExtents();
-  switch (shape.type()) {
-    case ShapeType::kSphere:
-      return std::make_shared<fcl::Sphered>(r);
-    case ShapeType::kCapsule:
-      return std::make_shared<fcl::Capsuled>(r, length);
-    case ShapeType::kBox:
-      return std::make_shared<fcl::Boxd>(2 * e.x(), 2 * e.y(), 2 * e.z());
-    case ShapeType::kCylinder:
-      return std::make_shared<fcl::Cylinderd>(r, length);
-    case ShapeType::kCone:
-      return std::make_shared<fcl::Coned>(r, length);
-    case ShapeType::kEllipsoid:
-      return std::make_shared<fcl::Ellipsoidd>(e.x(), e.y(), e.z());
-    case ShapeType::kConvexHull:
-      return bvh(shape.hull()->vertices(), shape.hull()->facets());
-    case ShapeType::kMesh:
-      return bvh(shape.mesh()->vertices(), shape.mesh()->triangles());
-    case ShapeType::kDeformable:
-      return bvh(shape.deformable()->vertices(), shape.deformable()->mesh().triangles());
-    case ShapeType::kHalfSpace:
-      break;
-  }
-  return std::make_shared<fcl::Halfspaced>(Eigen::Vector3d::UnitZ(), 0);
-}
 
 Isometry3d readPose(const YAML::Node& node) {
   const YAML::Node p = node["position"], q = node["orientation"];

@@ -193,8 +193,51 @@ Json geometryJson(const std::string& owner, const robots::Geometry& geometry) {
     }
   } else if (const auto* hull = shape.hull()) {
     json["vertices"] = hull->vertices().size();
+  } else if (const auto* snapshot = shape.deformable()) {
+    json["vertices"] = snapshot->mesh().vertexCount();
+    json["triangles"] = snapshot->mesh().triangleCount();
+    json["components"] = snapshot->mesh().componentCount();
+    json["closed_components"] = snapshot->mesh().closedComponentCount();
   }
   return json;
+}
+
+/// Obstacles that deform: what follows them and what that takes, at the start.
+Json deformingJson(const planner::Problem& problem) {
+  Json list = Json::array();
+  for (const planner::DeformingObstacle& obstacle : problem.deforming) {
+    collision::Deformable deformable(obstacle.mesh, obstacle.motion, obstacle.options);
+    if (obstacle.motion) {
+      deformable.update(problem.execution.start);
+    }
+    const double end = problem.execution.start + problem.execution.duration;
+    list.push_back(
+        {{"name", obstacle.object},
+         {"vertices", obstacle.mesh->vertexCount()},
+         {"triangles", obstacle.mesh->triangleCount()},
+         {"motion", obstacle.motion ? collision::toString(obstacle.motion->kind()) : "program"},
+         {"key_times", obstacle.motion ? obstacle.motion->keyTimes().size() : 0},
+         {"speed_bound",
+          jsonNumber(obstacle.motion ? obstacle.motion->speedBound(problem.execution.start, end)
+                                     : obstacle.speed_bound)},
+         {"strategy_asked", collision::toString(obstacle.options.strategy)},
+         {"strategy", collision::toString(deformable.statistics().strategy)},
+         {"reason", deformable.statistics().reason},
+         {"bytes", deformable.bytes()}});
+  }
+  return list;
+}
+
+Json executionJson(const planner::Execution& execution) {
+  return {
+      {"start", execution.start},
+      {"step", execution.step},
+      {"duration", execution.duration},
+      {"speed", execution.speed},
+      {"foresight", execution.foresight == planner::Foresight::kMotion ? "motion" : "speed_bound"},
+      {"look_ahead", execution.look_ahead},
+      {"buffer", execution.buffer},
+      {"patience", execution.patience}};
 }
 
 Json geometriesJson(const planner::Problem& problem) {
@@ -278,6 +321,8 @@ Json problemJson(const planner::Problem& problem) {
           {"goals", goals},
           {"objects", objects},
           {"attached", attached},
+          {"deforming", deformingJson(problem)},
+          {"execution", executionJson(problem.execution)},
           {"margin", problem.margin},
           {"planner", problem.planner},
           {"objective", problem.objective},
@@ -372,6 +417,29 @@ void printRobot(const Json& robot) {
   fmt::print("pairs of links that the SRDF lets touch: {}\n", robot["disabled_pairs"].get<int>());
 }
 
+void printDeforming(const Json& problem) {
+  if (problem["deforming"].empty()) {
+    return;
+  }
+  std::vector<std::vector<std::string>> rows;
+  for (const auto& o : problem["deforming"]) {
+    const Json& speed = o["speed_bound"];
+    rows.push_back({o["name"], o["motion"], o["triangles"].dump(),
+                    speed.is_null() ? "-" : formatUpper(speed.get<double>(), 3),
+                    o["strategy"].get<std::string>() + " (" + o["reason"].get<std::string>() + ")",
+                    formatBytes(o["bytes"].get<std::size_t>())});
+  }
+  const Json& e = problem["execution"];
+  fmt::print("{}",
+             formatTable({"deforming", "motion", "triangles", "at most [m/s]", "strategy", "size"},
+                         rows, {1, 4}));
+  fmt::print(
+      "everything but replan sees them as they are at {} s; replan looks every {} s, for {} s at "
+      "most, and knows their {}\n\n",
+      e["start"].get<double>(), e["step"].get<double>(), e["duration"].get<double>(),
+      e["foresight"] == "motion" ? "motion" : "speed bound");
+}
+
 void printProblem(const Json& problem) {
   fmt::print(
       "problem {}: {} planned variables, {} goals, {} objects, {} attached, margin {} m, {} for "
@@ -380,6 +448,7 @@ void printProblem(const Json& problem) {
       problem["objects"].size(), problem["attached"].size(), problem["margin"].get<double>(),
       problem["planner"].get<std::string>(), problem["objective"].get<std::string>(),
       problem["time_limit"].get<double>(), problem["seed"].get<std::uint64_t>());
+  printDeforming(problem);
 }
 
 void printGeometries(const Json& geometries) {

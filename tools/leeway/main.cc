@@ -53,8 +53,8 @@ int run(int argc, char** argv) {
   CLI::App app(kDescription, "leeway");
   app.set_version_flag("--version", std::string("leeway ") + LEEWAY_VERSION);
   app.require_subcommand(1);
-  const std::vector<Verb> verbs = {addPlan(app),  addCheck(app), addVerify(app), addClearance(app),
-                                   addBatch(app), addInfo(app),  addReport(app)};
+  const std::vector<Verb> verbs = {addPlan(app),   addCheck(app), addVerify(app), addClearance(app),
+                                   addReplan(app), addBatch(app), addInfo(app),   addReport(app)};
   refuseEmptyValues(app);
   try {
     app.parse(argc, argv);

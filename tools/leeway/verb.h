@@ -16,6 +16,7 @@ Verb addPlan(CLI::App& command);
 Verb addCheck(CLI::App& command);
 Verb addVerify(CLI::App& command);
 Verb addClearance(CLI::App& command);
+Verb addReplan(CLI::App& command);
 Verb addBatch(CLI::App& command);
 Verb addInfo(CLI::App& command);
 Verb addReport(CLI::App& command);

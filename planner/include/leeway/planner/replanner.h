@@ -99,8 +99,8 @@ class Replanner {
   Replanner& operator=(Replanner&&) noexcept;
 
   /// Decides the next step, and takes it: afterwards time() is that of the next look and state()
-  /// the end of the motion. Costs as planning does; when it throws (std::bad_alloc, or InputError
-  /// from planning), nothing has changed.
+  /// the end of the motion. Costs as planning does. When it throws (InputError, for what only
+  /// planning finds), time, state and path are what they were.
   ReplanStep step();
 
   double time() const;

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <fcl/fcl.h>
+
+#include <Eigen/Geometry>
+#include <array>
+#include <memory>
+#include <span>
+
+#include "leeway/collision/pose.h"
+#include "leeway/collision/shape.h"
+
+namespace leeway::dense {
+
+using FclGeometry = std::shared_ptr<fcl::CollisionGeometryd>;
+
+Eigen::Isometry3d isometry(const collision::Pose& X);
+
+/// The same triangles as a hierarchy of FCL's. O(n log n).
+FclGeometry fclMesh(std::span<const Eigen::Vector3d> vertices,
+                    std::span<const std::array<std::int32_t, 3>> triangles);
+
+/// The same shape as FCL knows it; hulls and meshes by their triangles.
+FclGeometry toFcl(const collision::Shape& shape);
+
+}  // namespace leeway::dense

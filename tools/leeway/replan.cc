@@ -1,0 +1,241 @@
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "leeway/planner/replanner.h"
+#include "leeway/robots/input_error.h"
+#include "tools/leeway/exit_status.h"
+#include "tools/leeway/json_result.h"
+#include "tools/leeway/problem_source.h"
+#include "tools/leeway/terminal.h"
+#include "tools/leeway/verb.h"
+
+namespace leeway::tools {
+namespace {
+
+struct Arguments {
+  ProblemSource source;
+  PlanOverrides overrides;
+  std::string output;
+  int steps = 0;
+  bool json = false, text = false;
+};
+
+Json namesJson(const std::string& a, const std::string& b) {
+  return a.empty() ? Json() : Json({{"a", a}, {"b", b}});
+}
+
+Json stepJson(const planner::ReplanStep& step) {
+  Json obstacles = Json::array();
+  for (const planner::ObstacleUpdate& o : step.obstacles) {
+    obstacles.push_back({{"name", o.object}, {"strategy", o.strategy}, {"update_s", o.update_s}});
+  }
+  return {{"step", step.index},
+          {"time", step.time},
+          {"decision", planner::toString(step.decision)},
+          {"certified", step.certified},
+          {"clearance_lower", jsonNumber(step.clearance.lower)},
+          {"clearance_upper", jsonNumber(step.clearance.upper)},
+          {"closest", namesJson(step.closest_a, step.closest_b)},
+          {"look_ahead", step.look_ahead},
+          {"path_held", step.path_held},
+          {"broken", namesJson(step.broken_a, step.broken_b)},
+          {"remaining_s", jsonNumber(step.remaining_s)},
+          {"reached", step.reached},
+          {"position", step.motion.back().position},
+          {"obstacles", obstacles},
+          {"time_s",
+           {{"update", step.update_s},
+            {"certify", step.certify_s},
+            {"plan", step.plan_s},
+            {"clearance", step.clearance_s}}},
+          {"counts",
+           {{"looks", step.looks},
+            {"edges", step.edges},
+            {"distance_queries", step.distance_queries},
+            {"iterations", step.iterations}}}};
+}
+
+Json summaryJson(const planner::Problem& problem, const planner::ReplanResult& result,
+                 double load_s) {
+  const double lasted = result.trajectory.empty()
+                            ? 0
+                            : result.trajectory.back().time - result.trajectory.front().time;
+  return {
+      {"status", planner::toString(result.status)},
+      {"problem", problem.name},
+      {"seed", result.seed},
+      {"certified", result.certified},
+      {"clearance_lower", jsonNumber(result.clearance.lower)},
+      {"clearance_upper", jsonNumber(result.clearance.upper)},
+      {"duration", lasted},
+      {"steps", result.steps},
+      {"plans", result.plans},
+      {"replans", result.replans},
+      {"follows", result.follows},
+      {"waits", result.waits},
+      {"evasions", result.evasions},
+      {"time_s",
+       {{"load", load_s}, {"compute", result.compute_s}, {"longest_step", result.longest_step_s}}}};
+}
+
+/// What people read: a row for every run of steps with one decision.
+class Rows {
+ public:
+  void add(const planner::ReplanStep& step) {
+    const std::string decision = planner::toString(step.decision);
+    if (runs_.empty() || runs_.back().decision != decision ||
+        step.decision == planner::Decision::kPlan) {
+      runs_.push_back({decision, step.time, step.time, 0, step.clearance.lower, {}, 0});
+    }
+    Run& run = runs_.back();
+    ++run.steps;
+    run.end = step.motion.back().time;
+    run.clearance = std::min(run.clearance, step.clearance.lower);
+    run.compute =
+        std::max(run.compute, step.update_s + step.certify_s + step.plan_s + step.clearance_s);
+    if (run.because.empty() && !step.broken_a.empty()) {
+      run.because = step.broken_a + " and " + step.broken_b;
+    }
+  }
+
+  std::string text() const {
+    std::vector<std::vector<std::string>> rows;
+    for (const Run& run : runs_) {
+      rows.push_back(
+          {fmt::format("{:.2f}", run.begin), fmt::format("{:.2f}", run.end), run.decision,
+           fmt::format("{}", run.steps),
+           std::isfinite(run.clearance) ? ">= " + formatLower(run.clearance * 1e3, 2) : "-",
+           fmt::format("{:.1f}", run.compute * 1e3), run.because});
+    }
+    return formatTable(
+        {"from [s]", "to [s]", "decision", "steps", "clearance [mm]", "longest [ms]", "in the way"},
+        rows, {2, 6});
+  }
+
+ private:
+  struct Run {
+    std::string decision;
+    double begin, end;
+    int steps;
+    double clearance;
+    std::string because;
+    double compute;
+  };
+  std::vector<Run> runs_;
+};
+
+void printSummary(const planner::Problem& problem, const planner::ReplanResult& result) {
+  const double lasted = result.trajectory.empty()
+                            ? 0
+                            : result.trajectory.back().time - result.trajectory.front().time;
+  fmt::print(
+      "{}: {} after {:.2f} s, {} steps: {} plans ({} of them new ones on the way), {} waits, {} "
+      "evasions; "
+      "seed {}\n",
+      problem.name, planner::toString(result.status), lasted, result.steps, result.plans,
+      result.replans, result.waits, result.evasions, result.seed);
+  if (result.certified && std::isfinite(result.clearance.lower)) {
+    fmt::print("Certified: every step kept at least {} mm while the obstacles moved.\n",
+               formatLower(result.clearance.lower * 1e3, 3));
+  } else if (!result.certified) {
+    fmt::print("Not certified: the last step could not be.\n");
+  }
+  fmt::print("Computing: {:.2f} s in all, {:.1f} ms for the longest step.\n", result.compute_s,
+             result.longest_step_s * 1e3);
+}
+
+void checkOutput(const std::string& output) {
+  const std::filesystem::path path(output);
+  if (path.extension() != ".csv") {
+    throw robots::InputError(
+        output, 0,
+        fmt::format("unknown ending '{}'; .csv can be written", path.extension().string()));
+  }
+  const auto folder = path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
+  if (!std::filesystem::is_directory(folder)) {
+    throw robots::InputError(
+        output, 0, fmt::format("cannot be written: there is no folder '{}'", folder.string()));
+  }
+}
+
+int run(const Arguments& arguments) {
+  if (arguments.steps < 0) {
+    throw robots::InputError("command line", 0,
+                             fmt::format("--steps {} is negative", arguments.steps));
+  }
+  if (arguments.json && arguments.text) {
+    throw robots::InputError("command line", 0, "--json and --text exclude each other");
+  }
+  if (!arguments.output.empty()) {
+    checkOutput(arguments.output);
+  }
+  const auto start = std::chrono::steady_clock::now();
+  planner::Problem problem = loadProblem(arguments.source);
+  apply(arguments.overrides, problem);
+  const double load_s =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  for (const planner::DeformingObstacle& obstacle : problem.deforming) {
+    if (!obstacle.motion) {
+      printWarnings({fmt::format("{}: obstacle '{}' has no motion: it stands still here",
+                                 arguments.source.problem, obstacle.object)});
+    }
+  }
+  const bool json = arguments.json || (!arguments.text && isatty(STDOUT_FILENO) != 1);
+  const planner::PlanOptions interactive = interactivePlanOptions();
+  planner::ReplanOptions options;
+  options.stop = interactive.stop;
+  Rows rows;
+  const planner::ReplanResult result = planner::replan(
+      problem, options,
+      [&](const planner::ReplanStep& step) {
+        if (json) {
+          fmt::print("{}\n", jsonText(stepJson(step)));
+          std::fflush(stdout);
+        } else {
+          rows.add(step);
+          showProgress(fmt::format("{:.2f} s: {}", step.time, planner::toString(step.decision)));
+        }
+      },
+      arguments.steps);
+  endProgress();
+  if (!arguments.output.empty()) {
+    planner::writeTrajectory(arguments.output, problem, result.trajectory);
+  }
+  if (json) {
+    fmt::print("{}\n", jsonText(summaryJson(problem, result, load_s)));
+  } else {
+    fmt::print("{}", rows.text());
+    printSummary(problem, result);
+  }
+  return result.status == planner::ReplanStatus::kReached && result.certified ? kYes : kNo;
+}
+
+}  // namespace
+
+Verb addReplan(CLI::App& command) {
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* app =
+      command.add_subcommand("replan", "execute a problem step by step while its obstacles deform");
+  addProblemArguments(*app, arguments->source);
+  addPlanOverrides(*app, arguments->overrides);
+  app->add_option("--steps", arguments->steps, "at most so many steps; 0: until it ends")
+      ->type_name("N");
+  app->add_option("--output", arguments->output, "write what was executed: time and joints")
+      ->type_name("FILE.csv");
+  app->add_flag("--json", arguments->json,
+                "print one JSON document a step and one at the end; so it is where stdout is no "
+                "terminal");
+  app->add_flag("--text", arguments->text, "print a table");
+  app->footer(
+      "Limits are those of every planning. Exit status 0: in a goal, every step certified.\n"
+      "Example:\n  leeway replan problems/deforming/curtain.yaml --text");
+  return {app, [arguments] { return run(*arguments); }};
+}
+
+}  // namespace leeway::tools
