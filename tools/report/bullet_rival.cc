@@ -15,6 +15,7 @@
 
 #include <limits>
 
+#include "tools/report/bullet_mesh_rival.h"
 #include "tools/report/rivals.h"
 
 namespace leeway::tools::report {
@@ -143,10 +144,11 @@ class BulletEngine : public PairEngine {
 }  // namespace
 }  // namespace leeway::tools::report
 
-extern "C" leeway::tools::report::Rivals* leewayMakeRivals1() {
+extern "C" leeway::tools::report::Rivals* leewayMakeRivals2() {
   using namespace leeway::tools::report;
   auto rivals = std::make_unique<Rivals>();
   rivals->pairs.push_back(std::make_unique<BulletEngine<Epa2Query>>("Bullet epa2"));
   rivals->pairs.push_back(std::make_unique<BulletEngine<DetectorQuery>>("Bullet detector"));
+  rivals->meshes = makeBulletMeshEngines();
   return rivals.release();
 }

@@ -16,6 +16,7 @@
 #include <map>
 
 #include "leeway/collision/convex_hull.h"
+#include "tools/report/fcl_mesh_rival.h"
 #include "tools/report/rivals.h"
 
 namespace leeway::tools::report {
@@ -171,7 +172,7 @@ class FclEngine : public PairEngine {
 }  // namespace
 }  // namespace leeway::tools::report
 
-extern "C" leeway::tools::report::Rivals* leewayMakeRivals1() {
+extern "C" leeway::tools::report::Rivals* leewayMakeRivals2() {
   using namespace leeway::tools::report;
   auto rivals = std::make_unique<Rivals>();
   const auto add = [&](const char* name, fcl::GJKSolverType solver, FclEngine::Use use) {
@@ -180,5 +181,6 @@ extern "C" leeway::tools::report::Rivals* leewayMakeRivals1() {
   add("FCL libccd", fcl::GST_LIBCCD, FclEngine::Use::kDistances);
   add("FCL indep", fcl::GST_INDEP, FclEngine::Use::kDistances);
   add("FCL contact", fcl::GST_LIBCCD, FclEngine::Use::kContacts);
+  rivals->meshes = makeFclMeshEngines();
   return rivals.release();
 }

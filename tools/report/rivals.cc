@@ -13,8 +13,9 @@ struct Known {
   const char* library;
   const char* file;
 };
-constexpr std::array<Known, 2> kModules = {
-    {{"FCL", "leeway_rival_fcl.so"}, {"Bullet", "leeway_rival_bullet.so"}}};
+constexpr std::array<Known, 3> kModules = {{{"FCL", "leeway_rival_fcl.so"},
+                                            {"Bullet", "leeway_rival_bullet.so"},
+                                            {"Embree", "leeway_rival_embree.so"}}};
 
 RivalModule load(const Known& known, const std::filesystem::path& folder) {
   RivalModule module{known.library, "", nullptr};

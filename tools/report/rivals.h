@@ -5,18 +5,20 @@
 #include <vector>
 
 #include "tools/report/engine.h"
+#include "tools/report/mesh_engine.h"
 
 namespace leeway::tools::report {
 
 /// What the module of one library brings to the reports.
 struct Rivals {
-  std::vector<std::unique_ptr<PairEngine>> pairs;
+  std::vector<std::unique_ptr<PairEngine>> pairs;   ///< for `report accuracy`
+  std::vector<std::unique_ptr<MeshEngine>> meshes;  ///< for `report deform`
 };
 
 /// Rivals live in modules of their own, loaded when a report asks for them: the command neither
 /// links nor needs their libraries. Each module exports one function of this name and type.
 using MakeRivals = Rivals* (*)();
-inline constexpr const char* kMakeRivals = "leewayMakeRivals1";
+inline constexpr const char* kMakeRivals = "leewayMakeRivals2";
 
 /// A module, its library and what became of it.
 struct RivalModule {

@@ -1,0 +1,113 @@
+// FCL's bounding volume hierarchies over moving vertices: axis-aligned boxes, and oriented boxes
+// with swept spheres, refitted or built anew.
+
+#include "tools/report/fcl_mesh_rival.h"
+
+#include <fcl/geometry/bvh/BVH_model.h>
+#include <fcl/geometry/shape/capsule.h>
+#include <fcl/geometry/shape/sphere.h>
+#include <fcl/narrowphase/distance.h>
+
+#include <type_traits>
+
+#include "leeway/collision/triangle_mesh.h"
+
+namespace leeway::tools::report {
+namespace {
+
+using collision::Shape;
+using collision::ShapeType;
+
+std::vector<fcl::Triangle> toFcl(std::span<const std::array<std::int32_t, 3>> triangles) {
+  std::vector<fcl::Triangle> result;
+  for (const auto& t : triangles)
+    result.emplace_back(static_cast<std::size_t>(t[0]), static_cast<std::size_t>(t[1]),
+                        static_cast<std::size_t>(t[2]));
+  return result;
+}
+
+template <typename Volume>
+std::shared_ptr<fcl::BVHModel<Volume>> makeModel(
+    std::span<const Eigen::Vector3d> vertices,
+    std::span<const std::array<std::int32_t, 3>> triangles) {
+  auto model = std::make_shared<fcl::BVHModel<Volume>>();
+  model->beginModel(static_cast<int>(triangles.size()), static_cast<int>(vertices.size()));
+  model->addSubModel(std::vector<fcl::Vector3d>(vertices.begin(), vertices.end()),
+                     toFcl(triangles));
+  model->endModel();
+  return model;
+}
+
+template <typename Volume>
+class FclFollower : public MeshFollower {
+ public:
+  FclFollower(const DeformingSpec& spec, bool refit)
+      : model_(makeModel<Volume>(spec.rest, spec.triangles)), refit_(refit) {}
+
+  void setVertices(std::span<const Eigen::Vector3d> vertices, double) override {
+    model_->beginReplaceModel();
+    model_->replaceSubModel(std::vector<fcl::Vector3d>(vertices.begin(), vertices.end()));
+  }
+  void update() override { model_->endReplaceModel(refit_, true); }
+
+  bool addBody(const Shape& shape) override {
+    // Its distance queries need swept spheres; those of plain boxes are not worth showing.
+    if constexpr (!std::is_same_v<Volume, fcl::OBBRSSd>) return false;
+    switch (shape.type()) {
+      case ShapeType::kSphere:
+        bodies_.push_back(std::make_shared<fcl::Sphered>(shape.radius()));
+        return true;
+      case ShapeType::kCapsule:
+        bodies_.push_back(std::make_shared<fcl::Capsuled>(shape.radius(), 2 * shape.halfLength()));
+        return true;
+      case ShapeType::kMesh:
+        bodies_.push_back(makeModel<Volume>(shape.mesh()->vertices(), shape.mesh()->triangles()));
+        return true;
+      default:
+        return false;
+    }
+  }
+
+  double distance(int body, const collision::Pose& X_WB) override {
+    fcl::Transform3d X = fcl::Transform3d::Identity();
+    X.linear() = X_WB.rotation;
+    X.translation() = X_WB.translation;
+    fcl::DistanceResultd result;
+    return fcl::distance(model_.get(), fcl::Transform3d::Identity(),
+                         bodies_[static_cast<std::size_t>(body)].get(), X, request_, result);
+  }
+
+ private:
+  std::shared_ptr<fcl::BVHModel<Volume>> model_;
+  std::vector<std::shared_ptr<fcl::CollisionGeometryd>> bodies_;
+  fcl::DistanceRequestd request_;
+  bool refit_;
+};
+
+template <typename Volume>
+class FclMeshEngine : public MeshEngine {
+ public:
+  FclMeshEngine(const char* name, bool refit) : name_(name), refit_(refit) {}
+  const char* name() const override { return name_; }
+  std::unique_ptr<MeshFollower> follow(const DeformingSpec& spec) const override {
+    return std::make_unique<FclFollower<Volume>>(spec, refit_);
+  }
+  double tolerance() const override { return 1e-4; }
+
+ private:
+  const char* name_;
+  bool refit_;
+};
+
+}  // namespace
+
+std::vector<std::unique_ptr<MeshEngine>> makeFclMeshEngines() {
+  std::vector<std::unique_ptr<MeshEngine>> engines;
+  engines.push_back(std::make_unique<FclMeshEngine<fcl::AABBd>>("FCL AABB refit", true));
+  engines.push_back(std::make_unique<FclMeshEngine<fcl::AABBd>>("FCL AABB rebuild", false));
+  engines.push_back(std::make_unique<FclMeshEngine<fcl::OBBRSSd>>("FCL OBBRSS refit", true));
+  engines.push_back(std::make_unique<FclMeshEngine<fcl::OBBRSSd>>("FCL OBBRSS rebuild", false));
+  return engines;
+}
+
+}  // namespace leeway::tools::report
