@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "tools/leeway/verb.h"
+#include "tools/report/deform_scenes.h"
 
 namespace leeway::tools {
 namespace {
@@ -49,6 +50,42 @@ CLI::App* addAccuracy(CLI::App* app, const std::shared_ptr<ReportAccuracyArgumen
   return accuracy;
 }
 
+CLI::App* addDeform(CLI::App* app, const std::shared_ptr<ReportDeformArguments>& arguments) {
+  CLI::App* deform = app->add_subcommand(
+      "deform", "updates and queries of deforming meshes, with FCL, Bullet and Embree");
+  deform->add_option("--output", arguments->output, "folder for CSV and pictures")
+      ->type_name("DIR")
+      ->capture_default_str();
+  deform->add_option("--seed", arguments->seed, "of the motions")->capture_default_str();
+  deform->add_option("--motion", arguments->motions, "only these")
+      ->check(CLI::IsMember(report::deformMotions()));
+  deform->add_option("--triangles", arguments->triangles, "sizes of the meshes")
+      ->check(CLI::Range(2, 10'000'000))
+      ->capture_default_str();
+  deform->add_option("--frames", arguments->frames, "of each motion")
+      ->check(CLI::Range(1, 100'000))
+      ->capture_default_str();
+  auto* seconds = deform
+                      ->add_option("--seconds", arguments->seconds,
+                                   "for one engine on one mesh; slow ones measure fewer frames")
+                      ->check(CLI::PositiveNumber)
+                      ->capture_default_str();
+  deform
+      ->add_flag_callback(
+          "--full",
+          [arguments] {
+            arguments->seconds = 10;
+            arguments->triangles = {2000, 20000, 200000, 1000000};
+          },
+          "10 s, and updates of a million triangles, too")
+      ->excludes(seconds);
+  deform->add_flag("--no-rivals", arguments->no_rivals, "ours alone");
+  deform->add_flag("--json", arguments->json, "one JSON document");
+  deform->footer(
+      "Example:\n  leeway report deform --motion wave --triangles 2000 --output /tmp/report");
+  return deform;
+}
+
 }  // namespace
 
 Verb addReport(CLI::App& command) {
@@ -56,6 +93,8 @@ Verb addReport(CLI::App& command) {
   auto accuracy_arguments = std::make_shared<ReportAccuracyArguments>();
   CLI::App* app = command.add_subcommand("report", "measurements of the engine");
   CLI::App* accuracy = addAccuracy(app, accuracy_arguments);
+  auto deform_arguments = std::make_shared<ReportDeformArguments>();
+  CLI::App* deform = addDeform(app, deform_arguments);
   CLI::App* cases = app->add_subcommand("cases", "answers every pair of shapes of a case file");
   cases->add_option("file", arguments->file, "case file (tests/data/README.md)")
       ->type_name("FILE")
@@ -73,8 +112,9 @@ Verb addReport(CLI::App& command) {
   const char* example = "Example:\n  leeway report cases tests/data/cases.txt --raw -";
   app->footer(example);
   cases->footer(example);
-  return {app, [arguments, accuracy_arguments, accuracy] {
+  return {app, [=] {
             if (accuracy->parsed()) return runReportAccuracy(*accuracy_arguments);
+            if (deform->parsed()) return runReportDeform(*deform_arguments);
             return arguments->reference.empty()
                        ? runReportCases(arguments->file, arguments->raw)
                        : runReportCasesAgainst(arguments->file, arguments->reference);

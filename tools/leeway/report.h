@@ -35,4 +35,21 @@ struct ReportAccuracyArguments {
 /// robots::InputError.
 int runReportAccuracy(const ReportAccuracyArguments& arguments);
 
+struct ReportDeformArguments {
+  std::string output = "report";
+  std::uint64_t seed = 1;
+  int frames = 100;
+  double seconds = 0.25;  ///< that one engine may take for one mesh
+  std::vector<int> triangles = {2000, 20000, 200000};
+  std::vector<std::string> motions;  ///< none: all
+  bool no_rivals = false;
+  bool json = false;
+};
+
+/// `leeway report deform`: updates and queries of deforming meshes, every strategy and motion, with
+/// the rivals that are there. Writes deform.csv, deform_frames.csv, deform_update.svg and
+/// deform_decay.svg into `output`. Returns 0 when all strategies agree on every distance, else 1;
+/// throws robots::InputError.
+int runReportDeform(const ReportDeformArguments& arguments);
+
 }  // namespace leeway::tools

@@ -1,25 +1,20 @@
 #include <fmt/format.h>
-#include <sched.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <string>
-#include <system_error>
 
-#include "leeway/planner/path_io.h"
 #include "leeway/robots/input_error.h"
 #include "tools/leeway/case_file.h"
 #include "tools/leeway/exit_status.h"
 #include "tools/leeway/report.h"
+#include "tools/leeway/report_common.h"
 #include "tools/report/accuracy.h"
 #include "tools/report/machine.h"
 #include "tools/report/own_engine.h"
-#include "tools/report/rivals.h"
 
 namespace leeway::tools {
 namespace {
@@ -29,12 +24,6 @@ using report::AccuracyFamily;
 using report::AccuracyRow;
 using report::AccuracySet;
 using report::FamilyKind;
-
-/// Tells people what is going on, where people look.
-void progress(const std::string& what) {
-  if (isatty(STDERR_FILENO) != 0) fmt::print(stderr, "\r\033[K{}", what);
-}
-void endProgress() { progress(""); }
 
 /// Families of a file: `seq-*` are coherent, others split by SUB unless that is a track.
 AccuracyFamily& familyOf(AccuracySet& set, std::map<std::string, std::size_t>& index,
@@ -102,28 +91,19 @@ void keepFamilies(AccuracySet& set, const std::vector<std::string>& words) {
                                  "a family in accuracy.csv is expected");
 }
 
-struct Files {
-  std::string csv, hard, figure, hard_figure;
-};
-
-Files writeFiles(const std::string& folder, const std::vector<AccuracyRow>& rows,
-                 const std::string& note) {
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  const std::filesystem::path to(folder);
-  const Files files{to / "accuracy.csv", to / "hard_cases.csv", to / "accuracy.svg",
-                    to / "hard_cases.svg"};
-  planner::writeFileWhole(files.csv, report::accuracyCsv(rows));
-  planner::writeFileWhole(files.hard, report::hardCasesCsv(rows));
-  planner::writeFileWhole(files.figure,
-                          report::toSvg(report::accuracyFigure(
-                              rows, {FamilyKind::kOrdinary, FamilyKind::kCoherent},
-                              "Distance between convex shapes: time against true error", note)));
-  planner::writeFileWhole(files.hard_figure,
-                          report::toSvg(report::accuracyFigure(
-                              rows, {FamilyKind::kOverlap, FamilyKind::kHard},
-                              "Overlaps and hard cases: time against true error", note)));
-  return files;
+std::vector<std::string> writeFiles(const std::string& folder, const std::vector<AccuracyRow>& rows,
+                                    const std::string& note) {
+  const auto figure = [&](const std::vector<FamilyKind>& kinds, const char* title) {
+    return report::toSvg(report::accuracyFigure(rows, kinds, title, note));
+  };
+  return {writeReportFile(folder, "accuracy.csv", report::accuracyCsv(rows)),
+          writeReportFile(folder, "hard_cases.csv", report::hardCasesCsv(rows)),
+          writeReportFile(folder, "accuracy.svg",
+                          figure({FamilyKind::kOrdinary, FamilyKind::kCoherent},
+                                 "Distance between convex shapes: time against true error")),
+          writeReportFile(folder, "hard_cases.svg",
+                          figure({FamilyKind::kOverlap, FamilyKind::kHard},
+                                 "Overlaps and hard cases: time against true error"))};
 }
 
 /// Interval errors of ours: what the exit status is about.
@@ -141,32 +121,26 @@ int runReportAccuracy(const ReportAccuracyArguments& arguments) {
   AccuracySet set = arguments.cases.empty()
                         ? report::makeAccuracySet(
                               arguments.per_family, arguments.seed,
-                              [](const std::string& family) { progress("truth of " + family); })
+                              [](const std::string& family) { showProgress("truth of " + family); })
                         : readSet(arguments.cases, arguments.reference);
   keepFamilies(set, arguments.families);
 
   const auto own = report::makeOwnEngines();
   std::vector<const report::PairEngine*> engines;
   for (const auto& engine : own) engines.push_back(engine.get());
-  std::vector<report::RivalModule> modules;
-  if (!arguments.no_rivals) modules = report::loadRivals();
-  nlohmann::json missing = nlohmann::json::array();
-  for (const report::RivalModule& module : modules) {
-    if (!module.problem.empty()) {
-      fmt::print(stderr, "without {}: {}\n", module.library, module.problem);
-      missing.push_back(module.library);
-      continue;
-    }
-    for (const auto& engine : module.rivals->pairs) engines.push_back(engine.get());
-  }
+  std::vector<std::string> missing;
+  const auto modules = loadRivals(arguments.no_rivals, missing);
+  for (const report::RivalModule& module : modules)
+    if (module.rivals)
+      for (const auto& engine : module.rivals->pairs) engines.push_back(engine.get());
 
   report::AccuracyOptions options;
   options.tolerances = report::accuracyTolerances();
   options.passes = arguments.passes;
-  options.progress = [](const std::string& family) { progress("measuring " + family); };
+  options.progress = [](const std::string& family) { showProgress("measuring " + family); };
   const int processor = report::pinToOneProcessor();
   const std::vector<AccuracyRow> rows = report::measureAccuracy(set, engines, options);
-  endProgress();
+  showProgress("");
 
   const std::string cases =
       arguments.cases.empty()
@@ -176,20 +150,19 @@ int runReportAccuracy(const ReportAccuracyArguments& arguments) {
       "{}; {}; one pinned core, medians of {} passes; each line: tolerances 1e-1 to 1e-15; errors "
       "against quadruple precision",
       report::machineName(), cases, arguments.passes);
-  const Files files = writeFiles(arguments.output, rows, note);
+  const std::vector<std::string> files = writeFiles(arguments.output, rows, note);
   const int errors = ownErrors(rows);
   const double seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   if (arguments.json) {
-    fmt::print("{}\n",
-               nlohmann::json{{"seed", arguments.seed},
-                              {"families", set.families.size()},
-                              {"missing", missing},
-                              {"own_errors", errors},
-                              {"processor", processor},
-                              {"time_s", seconds},
-                              {"files", {files.csv, files.hard, files.figure, files.hard_figure}}}
-                   .dump());
+    fmt::print("{}\n", nlohmann::json{{"seed", arguments.seed},
+                                      {"families", set.families.size()},
+                                      {"missing", missing},
+                                      {"own_errors", errors},
+                                      {"processor", processor},
+                                      {"time_s", seconds},
+                                      {"files", files}}
+                           .dump());
   } else {
     fmt::print(
         "{}\n{}\nseed {}, {} families, {:.0f} s; in {}: accuracy.csv, hard_cases.csv, "

@@ -62,8 +62,7 @@ BulletShape makeShape(const ReportShape& s) {
       return withoutMargin(std::move(hull));
     }
     case ShapeType::kEllipsoid:  // Bullet has none
-    case ShapeType::kHalfSpace:  // nor convex half-spaces
-    case ShapeType::kMesh:
+    default:  // half-spaces (nor convex half-spaces) and meshes
       break;
   }
   return nullptr;

@@ -69,8 +69,7 @@ Geometry makeGeometry(const ReportShape& s) {
       return std::make_shared<fcl::Ellipsoidd>(fcl::Vector3d(shape.halfExtents()));
     case ShapeType::kConvexHull:
       return makeConvex(s);
-    case ShapeType::kHalfSpace:  // FCL has no distances from half-spaces, only contacts
-    case ShapeType::kMesh:
+    default:  // half-spaces (FCL has no distances from half-spaces, only contacts) and meshes
       break;
   }
   return nullptr;

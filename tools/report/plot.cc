@@ -204,10 +204,13 @@ std::string markerElement(std::size_t style, double x, double y, bool hollow) {
   }
 }
 
+/// Once the colours are used up, broken lines tell the next ones apart.
 std::string strokeAttributes(std::size_t style, bool dashed) {
+  static constexpr std::array<const char*, 3> kBreaks = {"", "8 3", "2 3"};
+  const std::string breaks = dashed ? "5 4" : kBreaks[style / kColours.size() % kBreaks.size()];
   return fmt::format("fill=\"none\" stroke=\"{}\" stroke-width=\"{}\" stroke-linejoin=\"round\"{}",
                      kColours[style % kColours.size()], dashed ? 1.5 : 1.8,
-                     dashed ? " stroke-dasharray=\"5 4\"" : "");
+                     breaks.empty() ? "" : " stroke-dasharray=\"" + breaks + "\"");
 }
 
 /// The names of all series, in order of first appearance; a name's place is its style.
@@ -387,7 +390,9 @@ std::string toSvg(const Figure& figure) {
   const std::size_t rows = (figure.panels.size() + columns - 1) / columns;
   const double cell_width = kLeft + figure.panel_width + kRight;
   const double cell_height = kTop + figure.panel_height + kBottom;
-  const double width = 2 * kMargin + cell_width * static_cast<double>(used);
+  const double width = 2 * kMargin + std::max({cell_width * static_cast<double>(used),
+                                               textWidth(figure.title, kFigureTitle * 1.1),
+                                               textWidth(figure.note, kNote)});
 
   std::string body;
   double y = kMargin;

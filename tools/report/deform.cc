@@ -1,0 +1,282 @@
+#include "tools/report/deform.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstddef>
+#include <optional>
+#include <utility>
+
+#include "tools/report/deform_scenes.h"
+#include "tools/report/guard.h"
+#include "tools/report/statistics.h"
+
+namespace leeway::tools::report {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using Eigen::Vector3d;
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kThreshold = 0.05;  // [m]
+/// Whose distances the others' are held against.
+constexpr const char* kReference = "leeway rebuild";
+
+double nanoseconds(Clock::time_point begin) {
+  return std::chrono::duration<double, std::nano>(Clock::now() - begin).count();
+}
+
+/// What a child hands back of one engine; numbers only, because it lives in shared memory.
+struct Shared {
+  bool supported = false, failed = false;
+  int compared = 0, wrong = 0;
+  double error = 0, nodes = 0, vertices = 0;
+};
+
+/// An engine at work on one mesh, in the child.
+class Runner {
+ public:
+  Runner(const MeshEngine& engine, const DeformingSpec& spec, const DeformBodies& bodies,
+         bool queries)
+      : engine_(engine), bodies_(bodies), follower_(engine.follow(spec)) {
+    if (!follower_ || !queries) return;
+    spheres_ = addAll(bodies.spheres);
+    capsules_ = addAll(bodies.capsules);
+    mesh_ = addAll({bodies.mesh});
+  }
+
+  bool isSupported() const { return follower_ != nullptr; }
+
+  /// All of one frame.
+  DeformFrame frame(std::span<const Vector3d> vertices, double time, Shared& shared) {
+    DeformFrame result;
+    follower_->setVertices(vertices, time);
+    auto begin = Clock::now();
+    follower_->update();
+    result.update = nanoseconds(begin);
+    distances.clear();
+    result.spheres = askAll(spheres_, time);
+    result.capsules = askAll(capsules_, time);
+    if (capsules_) {
+      begin = Clock::now();
+      for (int i = 0; i < 12; ++i)
+        farther += follower_->isFarther(*capsules_ + i, bodies_.linkPose(i, time), kThreshold);
+      result.tolerance = nanoseconds(begin);
+    }
+    if (mesh_) {
+      begin = Clock::now();
+      distances.push_back(follower_->distance(*mesh_, bodies_.meshPose(time)));
+      result.mesh = nanoseconds(begin);
+    } else {
+      distances.push_back(kNan);
+    }
+    shared.nodes = follower_->nodesTouched();
+    shared.vertices = follower_->verticesTouched();
+    return result;
+  }
+
+  /// Against the reference's distances of the same frame.
+  void compare(const std::vector<double>& truth, Shared& shared) const {
+    for (std::size_t i = 0; i < truth.size() && i < distances.size(); ++i) {
+      if (std::isnan(distances[i]) || std::isnan(truth[i])) continue;
+      ++shared.compared;
+      // In contact all that everybody says is that it is not positive.
+      const double error = std::abs(std::max(0.0, distances[i]) - std::max(0.0, truth[i]));
+      shared.error = std::max(shared.error, error);
+      shared.wrong += error > engine_.tolerance();
+    }
+  }
+
+  std::vector<double> distances;  ///< of the last frame: spheres, capsules, mesh; NaN: not had
+  int farther = 0;
+
+ private:
+  /// The number of the first; the others follow it.
+  std::optional<int> addAll(const std::vector<collision::Shape>& shapes) {
+    for (const collision::Shape& shape : shapes)
+      if (!follower_->addBody(shape)) return std::nullopt;
+    return std::exchange(next_, next_ + static_cast<int>(shapes.size()));
+  }
+
+  double askAll(std::optional<int> first, double time) {
+    if (!first) {
+      distances.insert(distances.end(), 12, kNan);
+      return kNan;
+    }
+    const auto begin = Clock::now();
+    for (int i = 0; i < 12; ++i)
+      distances.push_back(follower_->distance(*first + i, bodies_.linkPose(i, time)));
+    return nanoseconds(begin);
+  }
+
+  const MeshEngine& engine_;
+  const DeformBodies& bodies_;
+  std::unique_ptr<MeshFollower> follower_;
+  std::optional<int> spheres_, capsules_, mesh_;
+  int next_ = 0;
+};
+
+/// One mesh and motion, in the child: engines take turns within each frame.
+class MeshMeasurement {
+ public:
+  MeshMeasurement(const std::vector<const MeshEngine*>& engines, const DeformScene& scene,
+                  const DeformReportOptions& options, std::span<Shared> shared,
+                  std::span<DeformFrame> frames)
+      : options_(options), scene_(scene), shared_(shared), frames_(frames) {
+    const bool queries =
+        static_cast<int>(scene.spec.triangles.size()) <= options.queries_up_to * 11 / 10;
+    for (const MeshEngine* engine : engines)
+      runners_.emplace_back(*engine, scene.spec, bodies_, queries);
+    stride_.assign(engines.size(), 1);
+    for (std::size_t e = 0; e < engines.size(); ++e) {
+      shared_[e].supported = runners_[e].isSupported();
+      if (std::string(engines[e]->name()) == kReference) reference_ = e;
+    }
+  }
+
+  void run() {
+    std::vector<Vector3d> vertices(scene_.spec.rest.size());
+    const auto frames = static_cast<std::size_t>(options_.frames);
+    for (std::size_t f = 0; f < frames; ++f) {
+      const double time = static_cast<double>(f + 1) / static_cast<double>(frames);
+      scene_.vertices(time, vertices);
+      for (std::size_t e = 0; e < runners_.size(); ++e)
+        if (shared_[e].supported && !shared_[e].failed && f % stride_[e] == 0)
+          frame(e, f, vertices, time);
+      if (!reference_ || shared_[*reference_].failed || f % stride_[*reference_] != 0) continue;
+      for (std::size_t e = 0; e < runners_.size(); ++e)
+        if (e != *reference_ && shared_[e].supported && !shared_[e].failed && f % stride_[e] == 0)
+          runners_[e].compare(runners_[*reference_].distances, shared_[e]);
+    }
+  }
+
+ private:
+  void frame(std::size_t e, std::size_t f, const std::vector<Vector3d>& vertices, double time) {
+    const auto begin = Clock::now();
+    try {
+      // The first one warms caches and makes what is made lazily.
+      if (f == 0) runners_[e].frame(vertices, time, shared_[e]);
+      const auto second = f == 0 ? Clock::now() : begin;
+      frames_[e * static_cast<std::size_t>(options_.frames) + f] =
+          runners_[e].frame(vertices, time, shared_[e]);
+      if (f > 0) return;
+      const double all = 1e-9 * nanoseconds(second) * options_.frames;
+      stride_[e] =
+          static_cast<std::size_t>(std::max(1.0, std::ceil(all / options_.engine_seconds)));
+    } catch (const std::exception&) {
+      shared_[e].failed = true;
+    }
+  }
+
+  const DeformReportOptions& options_;
+  const DeformScene& scene_;
+  DeformBodies bodies_ = makeDeformBodies();
+  std::span<Shared> shared_;
+  std::span<DeformFrame> frames_;
+  std::vector<Runner> runners_;
+  std::vector<std::size_t> stride_;
+  std::optional<std::size_t> reference_;
+};
+
+double medianOf(const std::vector<DeformFrame>& frames, double DeformFrame::*member,
+                double share = 0.5) {
+  std::vector<double> values;
+  for (const DeformFrame& f : frames)
+    if (!std::isnan(f.*member)) values.push_back(f.*member);
+  return quantile(values, share);
+}
+
+/// Cost of queries late over early.
+double slowdown(const std::vector<DeformFrame>& frames) {
+  const std::size_t tenth = std::max<std::size_t>(1, frames.size() / 10);
+  const std::vector<DeformFrame> early(frames.begin(), frames.begin() + static_cast<long>(tenth));
+  const std::vector<DeformFrame> late(frames.end() - static_cast<long>(tenth), frames.end());
+  for (double DeformFrame::*member : {&DeformFrame::capsules, &DeformFrame::spheres}) {
+    const double ratio = medianOf(late, member) / medianOf(early, member);
+    if (!std::isnan(ratio)) return ratio;
+  }
+  return kNan;
+}
+
+DeformRow summarise(const DeformScene& scene, const MeshEngine& engine, const Shared& shared,
+                    std::span<const DeformFrame> frames) {
+  DeformRow row;
+  row.motion = scene.motion;
+  row.triangles = static_cast<int>(scene.spec.triangles.size());
+  row.engine = engine.name();
+  row.done = !shared.failed;
+  row.by_frame.assign(frames.begin(), frames.end());
+  if (!row.done) return row;
+  for (const DeformFrame& f : row.by_frame) row.frames += !std::isnan(f.update);
+  for (double DeformFrame::*member :
+       {&DeformFrame::update, &DeformFrame::spheres, &DeformFrame::capsules,
+        &DeformFrame::tolerance, &DeformFrame::mesh})
+    row.median.*member = medianOf(row.by_frame, member);
+  row.update_low = medianOf(row.by_frame, &DeformFrame::update, 0.25);
+  row.update_high = medianOf(row.by_frame, &DeformFrame::update, 0.75);
+  row.compared = shared.compared, row.wrong = shared.wrong, row.error = shared.error;
+  if (shared.nodes >= 0) row.nodes = shared.nodes;
+  if (shared.vertices >= 0) row.vertices = shared.vertices;
+  row.decay = slowdown(row.by_frame);
+  return row;
+}
+
+void measureMesh(const std::vector<const MeshEngine*>& engines, const DeformScene& scene,
+                 const DeformReportOptions& options, std::vector<DeformRow>& rows) {
+  const auto frames = static_cast<std::size_t>(options.frames);
+  const SharedArray<Shared> shared(engines.size());
+  const SharedArray<DeformFrame> measured(engines.size() * frames);
+  const std::vector<Fate> fate = runGuarded(1, 3600, [&](std::size_t) {
+    MeshMeasurement(engines, scene, options, shared.span(), measured.span()).run();
+  });
+  const double limit = bandwidthLimit(scene.spec.rest.size(), scene.spec.triangles.size());
+  const std::size_t first = rows.size();
+  std::optional<double> fresh;
+  for (std::size_t e = 0; e < engines.size(); ++e) {
+    if (fate[0] != Fate::kDone) shared[e].failed = true;
+    if (!shared[e].supported) continue;
+    rows.push_back(
+        summarise(scene, *engines[e], shared[e], measured.span().subspan(e * frames, frames)));
+    rows.back().bandwidth_limit = limit;
+    if (rows.back().engine == kReference) fresh = rows.back().decay;
+  }
+  // A mesh that is dearer to ask about in its last frames is no fault of its hierarchy.
+  for (std::size_t i = first; i < rows.size() && fresh; ++i) rows[i].decay /= *fresh;
+}
+
+volatile double sink;
+
+}  // namespace
+
+double bandwidthLimit(std::size_t vertices, std::size_t triangles) {
+  const std::vector<double> positions(3 * vertices, 1.0);
+  const std::vector<std::int32_t> corners(3 * triangles, 1);
+  std::vector<float> boxes(6 * std::max<std::size_t>(1, triangles / 2));
+  double best = HUGE_VAL;
+  for (int attempt = 0; attempt < 9; ++attempt) {
+    const auto begin = Clock::now();
+    // Four sums, so that no addition waits for the one before.
+    double sum[4] = {0, 0, 0, 0};
+    for (std::size_t i = 0; i + 4 <= positions.size(); i += 4)
+      for (std::size_t k = 0; k < 4; ++k) sum[k] += positions[i + k];
+    std::int32_t bits = 0;
+    for (const std::int32_t corner : corners) bits ^= corner;
+    std::fill(boxes.begin(), boxes.end(), static_cast<float>(attempt));
+    best = std::min(best, nanoseconds(begin));
+    sink = sum[0] + sum[1] + sum[2] + sum[3] + bits + static_cast<double>(boxes.back());
+  }
+  return best;
+}
+
+std::vector<DeformRow> measureDeform(const std::vector<const MeshEngine*>& engines,
+                                     const DeformReportOptions& options) {
+  std::vector<DeformRow> rows;
+  for (const std::string& motion : options.motions) {
+    for (const int triangles : options.triangles) {
+      if (options.progress) options.progress(motion + ", " + std::to_string(triangles));
+      measureMesh(engines, makeDeformScene(motion, triangles, options.seed), options, rows);
+    }
+  }
+  return rows;
+}
+
+}  // namespace leeway::tools::report

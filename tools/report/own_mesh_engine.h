@@ -1,0 +1,13 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "tools/report/mesh_engine.h"
+
+namespace leeway::tools::report {
+
+/// Our deforming meshes behind the rivals' interface, one engine a strategy: "leeway refit", ...
+std::vector<std::unique_ptr<MeshEngine>> makeOwnMeshEngines();
+
+}  // namespace leeway::tools::report
