@@ -62,7 +62,7 @@ BulletShape makeShape(const ReportShape& s) {
       return withoutMargin(std::move(hull));
     }
     case ShapeType::kEllipsoid:  // Bullet has none
-    default:  // half-spaces (nor convex half-spaces) and meshes
+    default:                     // half-spaces (nor convex half-spaces) and meshes
       break;
   }
   return nullptr;

@@ -18,6 +18,8 @@ using Clock = std::chrono::steady_clock;
 using Eigen::Vector3d;
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kThreshold = 0.05;  // [m]
+/// However slow an engine is, that many frames are measured (or all, where there are fewer).
+constexpr int kLeastFrames = 3;
 /// Whose distances the others' are held against.
 constexpr const char* kReference = "leeway rebuild";
 
@@ -160,8 +162,9 @@ class MeshMeasurement {
           runners_[e].frame(vertices, time, shared_[e]);
       if (f > 0) return;
       const double all = 1e-9 * nanoseconds(second) * options_.frames;
+      const double most = std::ceil(options_.frames / static_cast<double>(kLeastFrames));
       stride_[e] =
-          static_cast<std::size_t>(std::max(1.0, std::ceil(all / options_.engine_seconds)));
+          static_cast<std::size_t>(std::clamp(std::ceil(all / options_.engine_seconds), 1.0, most));
     } catch (const std::exception&) {
       shared_[e].failed = true;
     }

@@ -53,9 +53,10 @@ class EmbreeFollower : public MeshFollower {
   EmbreeFollower(const DeformingSpec& spec, RTCBuildQuality quality)
       : scene_(rtcNewScene(device())) {
     rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_DYNAMIC);
-    // What refits must be built first, and well.
+    // Only a scene of low quality keeps a hierarchy for each geometry, which is what a refit needs;
+    // the geometry itself is built first, and well.
     const bool refit = quality == RTC_BUILD_QUALITY_REFIT;
-    rtcSetSceneBuildQuality(scene_, refit ? RTC_BUILD_QUALITY_MEDIUM : quality);
+    rtcSetSceneBuildQuality(scene_, refit ? RTC_BUILD_QUALITY_LOW : quality);
     geometry_ = rtcNewGeometry(device(), RTC_GEOMETRY_TYPE_TRIANGLE);
     vertices_ = static_cast<Point*>(rtcSetNewGeometryBuffer(
         geometry_, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(Point), spec.rest.size()));

@@ -90,6 +90,10 @@ class FclMeshEngine : public MeshEngine {
   FclMeshEngine(const char* name, bool refit) : name_(name), refit_(refit) {}
   const char* name() const override { return name_; }
   std::unique_ptr<MeshFollower> follow(const DeformingSpec& spec) const override {
+    // Half a kilobyte a node, and seconds a frame: nothing to wait for.
+    constexpr std::size_t kMostOriented = 500'000;
+    if (std::is_same_v<Volume, fcl::OBBRSSd> && spec.triangles.size() > kMostOriented)
+      return nullptr;
     return std::make_unique<FclFollower<Volume>>(spec, refit_);
   }
   double tolerance() const override { return 1e-4; }
