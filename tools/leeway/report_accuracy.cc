@@ -46,7 +46,11 @@ AccuracyCase caseOf(const AccuracySet& set, const Case& c, const Reference& r) {
   const double slack = r.gap + 0x1p-53 * std::abs(r.distance);
   result.truth_lower = r.distance - slack;
   result.truth_upper = r.distance + slack;
-  if (!r.has_value) result.truth_lower = -HUGE_VAL, result.truth_upper = 0;
+  if (!r.has_value) {
+    // Only the side of zero is known, or not even that.
+    result.truth_lower = r.verdict > 0 ? 0 : -HUGE_VAL;
+    result.truth_upper = r.verdict < 0 ? 0 : HUGE_VAL;
+  }
   result.extent = r.extent;
   result.has_value = r.has_value;
   return result;

@@ -95,7 +95,7 @@ bool isWrongVerdict(const PairAnswer& answer, const AccuracyCase& c, bool interv
 
 bool isUnsafe(const PairAnswer& answer, const AccuracyCase& c) {
   if (!(answer.lower <= answer.upper)) return true;
-  return answer.lower > c.truth_upper || (c.has_value && answer.upper < c.truth_lower);
+  return answer.lower > c.truth_upper || answer.upper < c.truth_lower;
 }
 
 AccuracyRow judge(const Prepared& p, const AccuracyFamily& family, double tolerance,

@@ -73,7 +73,8 @@ std::string deformFramesCsv(const std::vector<DeformRow>& rows);
 std::string deformTable(const std::vector<DeformRow>& rows);
 /// Updates over the number of triangles, a panel a motion.
 Figure deformUpdateFigure(const std::vector<DeformRow>& rows, const std::string& note);
-/// Update and queries of each frame over time at the largest size that has queries.
+/// Update and queries of each frame over time at the largest size that has queries, running medians
+/// of five frames.
 Figure deformDecayFigure(const std::vector<DeformRow>& rows, const std::string& note);
 
 }  // namespace leeway::tools::report

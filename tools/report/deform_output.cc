@@ -5,6 +5,7 @@
 #include <functional>
 
 #include "tools/report/deform.h"
+#include "tools/report/statistics.h"
 
 namespace leeway::tools::report {
 namespace {
@@ -33,6 +34,18 @@ constexpr const char* kYardstick = "FCL AABB refit";
 
 bool isOurs(const DeformRow& row) { return row.engine.rfind("leeway", 0) == 0; }
 
+/// Medians of five measured frames around each: a frame in which the system did something else
+/// must not hide the others.
+void smooth(std::vector<PlotPoint>& points) {
+  const std::vector<PlotPoint> raw = points;
+  for (std::size_t i = 0; i < raw.size(); ++i) {
+    std::vector<double> near;
+    for (std::size_t k = i < 2 ? 0 : i - 2; k < std::min(raw.size(), i + 3); ++k)
+      near.push_back(raw[k].y);
+    points[i].y = quantile(near, 0.5);
+  }
+}
+
 /// One thing that all engines do over time.
 PlotPanel framePanel(const std::vector<DeformRow>& rows, const std::string& motion, int triangles,
                      const std::string& title, const std::function<double(const DeformFrame&)>& y) {
@@ -49,6 +62,7 @@ PlotPanel framePanel(const std::vector<DeformRow>& rows, const std::string& moti
       const double value = y(r.by_frame[f]);
       if (!std::isnan(value)) series.points.push_back({static_cast<double>(f + 1), value / 1000});
     }
+    smooth(series.points);
     if (!series.points.empty()) panel.series.push_back(std::move(series));
   }
   return panel;

@@ -23,6 +23,9 @@ constexpr double kCharacter = 0.58;
 constexpr std::array<const char*, 8> kColours = {"#1f78d1", "#e07b00", "#139a6b", "#c04f9c",
                                                  "#d6403f", "#17a0b8", "#9a8400", "#7c7c86"};
 
+/// Of limits and models.
+constexpr const char* kNeutral = "#7c7c86";
+
 constexpr const char* kStyle = R"(<style>
 .page { fill: #ffffff } .area { fill: #fafafa; stroke: #9a9aa2 } .grid { stroke: #dedee4 }
 .minor { stroke: #ededf1 } .text { fill: #24242a } .soft { fill: #5c5c66 } .hollow { fill: #fafafa }
@@ -209,7 +212,7 @@ std::string strokeAttributes(std::size_t style, bool dashed) {
   static constexpr std::array<const char*, 3> kBreaks = {"", "8 3", "2 3"};
   const std::string breaks = dashed ? "5 4" : kBreaks[style / kColours.size() % kBreaks.size()];
   return fmt::format("fill=\"none\" stroke=\"{}\" stroke-width=\"{}\" stroke-linejoin=\"round\"{}",
-                     kColours[style % kColours.size()], dashed ? 1.5 : 1.8,
+                     dashed ? kNeutral : kColours[style % kColours.size()], dashed ? 1.5 : 1.8,
                      breaks.empty() ? "" : " stroke-dasharray=\"" + breaks + "\"");
 }
 

@@ -20,7 +20,7 @@ struct PlotSeries {
   std::vector<PlotPoint> points;
   bool line = true;     ///< joins the points in the order given
   bool marker = true;   ///< draws a marker at each of them
-  bool dashed = false;  ///< for limits and models rather than measurements
+  bool dashed = false;  ///< and grey: for limits and models rather than measurements
 };
 
 enum class AxisScale { kLogarithmic, kLinear };
