@@ -273,38 +273,37 @@ void lowerBounds(const Probe& probe, const WideBox& box, Bounds& bounds) {
 }
 
 // The plane across the way from the body's point that is nearest to the middle of the triangle: as
-// good as exact when the triangle is small beside the distance, where its box is not. All in
+// good as exact when the triangle is small beside the distance, where its box is not. In
 // coordinates along the probe's own axes, in which the body is a box.
 void triangleBounds(const Probe& probe, const DeformTree& tree, const Eigen::Vector3d* vertices,
                     std::int32_t begin, std::int32_t end, Bounds& bounds) {
   HWY_ALIGN float corner[3][3][kWidth] = {};  // corner, axis, triangle
-  WideBox box;
-  box.clear();
   for (std::int32_t slot = begin; slot < end; ++slot) {
     const DeformTree::Triangle& t = tree.corners(slot);
     const std::size_t lane = static_cast<std::size_t>(slot - begin);
     for (std::size_t c = 0; c < 3; ++c) {
       const double* v = at(vertices, t[c]);
-      for (int k = 0; k < 3; ++k) {
-        const auto x = static_cast<float>(v[k]);
-        corner[c][k][lane] = x;
-        box.low[k][lane] = x < box.low[k][lane] ? x : box.low[k][lane];
-        box.high[k][lane] = x > box.high[k][lane] ? x : box.high[k][lane];
-      }
+      for (int k = 0; k < 3; ++k) corner[c][k][lane] = static_cast<float>(v[k]);
     }
   }
-  lowerBounds(probe, box, bounds);
   const auto set = [](float x) { return hn::Set(kLanes, x); };
   const Floats third = set(1.0F / 3), zero = hn::Zero(kLanes);
   for (std::size_t i = 0; i < kWidth; i += kStep) {
+    Floats p[3][3], outside = zero;  // corner, axis; distance of the boxes, squared
+    for (int k = 0; k < 3; ++k) {
+      for (int c = 0; c < 3; ++c) p[c][k] = hn::Load(kLanes, corner[c][k] + i);
+      const Floats low = hn::Min(hn::Min(p[0][k], p[1][k]), p[2][k]),
+                   high = hn::Max(hn::Max(p[0][k], p[1][k]), p[2][k]);
+      const Floats gap = hn::Max(
+          hn::Max(hn::Sub(low, set(probe.high[k])), hn::Sub(set(probe.low[k]), high)), zero);
+      outside = hn::Add(outside, hn::Mul(gap, gap));
+    }
     Floats along[3][3], way[3], nearest[3], squared = zero;
     for (int j = 0; j < 3; ++j) {
       for (int c = 0; c < 3; ++c) {
-        along[c][j] = zero;
-        for (int k = 0; k < 3; ++k) {
-          along[c][j] = hn::Add(along[c][j],
-                                hn::Mul(set(probe.axis[j][k]), hn::Load(kLanes, corner[c][k] + i)));
-        }
+        along[c][j] = hn::Add(hn::Add(hn::Mul(set(probe.axis[j][0]), p[c][0]),
+                                      hn::Mul(set(probe.axis[j][1]), p[c][1])),
+                              hn::Mul(set(probe.axis[j][2]), p[c][2]));
       }
       const Floats middle = hn::Mul(hn::Add(hn::Add(along[0][j], along[1][j]), along[2][j]), third);
       nearest[j] = hn::Min(hn::Max(middle, set(probe.axis_low[j])), set(probe.axis_high[j]));
@@ -323,10 +322,12 @@ void triangleBounds(const Probe& probe, const DeformTree& tree, const Eigen::Vec
     Floats lower = hn::Div(least, hn::Sqrt(safe));
     // Axes that depart from a rotation by 1e-6 make the way longer or shorter than its square says.
     lower = hn::Sub(lower, hn::Mul(hn::Abs(lower), set(2e-6F)));
-    lower = hn::Sub(hn::Sub(lower, set(probe.radius)), set(probe.slack));
-    const Floats by_box = hn::Load(kLanes, bounds.lower + i);
-    lower = hn::IfThenElse(usable, hn::Max(lower, by_box), by_box);
-    hn::Store(lower, kLanes, bounds.lower + i);
+    // Boxes that meet say nothing of how deep.
+    const Floats unknown = set(-std::numeric_limits<float>::infinity());
+    const Floats by_box = hn::IfThenElse(hn::Gt(outside, zero), hn::Sqrt(outside), unknown);
+    lower = hn::Max(hn::IfThenElse(usable, lower, unknown), by_box);
+    hn::Store(hn::Sub(hn::Sub(lower, set(probe.radius)), set(probe.slack)), kLanes,
+              bounds.lower + i);
   }
 }
 

@@ -45,7 +45,7 @@ struct DeformKernels {
   void (*triangles)(const DeformTree& tree, const Eigen::Vector3d* vertices, std::int32_t begin,
                     std::int32_t end, WideBox& box);
   /// Lower bounds of the body's separation from each of these triangles themselves: by their boxes,
-  /// and along the way from the body to each.
+  /// and along the way from the body to each. Lanes without a triangle hold anything.
   void (*triangleBounds)(const Probe& probe, const DeformTree& tree,
                          const Eigen::Vector3d* vertices, std::int32_t begin, std::int32_t end,
                          Bounds& bounds);
