@@ -6,8 +6,11 @@
 #include "collision/containment.h"
 #include "collision/mesh_descent.h"
 #include "collision/mesh_pair.h"
+#include "collision/mesh_separation.h"
+#include "collision/solid_depth.h"
 #include "collision/vector.h"
 #include "leeway/collision/tolerances.h"
+#include "leeway/collision/triangle_mesh.h"
 
 namespace leeway::collision {
 namespace {
@@ -63,48 +66,29 @@ bool spheresDecide(const Shape& a, const Shape& b, const RelativePose& relative,
   return true;
 }
 
+// Lowers the upper end of an overlap by points that lie in both solids: near the deepest pair of
+// triangles, in the middle of the hulls' overlap and in the middle of either body. Returns a way
+// out.
+Vector deepen(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
+              const DistanceResult& hulls, Scratch& scratch, DistanceResult& result) {
+  const auto isSolid = [](const Shape& s) {
+    return s.isConvex() || s.mesh()->closedComponentCount() > 0;
+  };
+  if (!isSolid(a) || !isSolid(b)) return Vector::Zero();
+  const Vector starts[] = {placed(X_WB, 0.5 * (hulls.point_a + hulls.point_b)),
+                           0.5 * (result.point_a + result.point_b),
+                           placed(X_WA, a.boundingCenter()), placed(X_WB, b.boundingCenter())};
+  const SolidDepth found = solidDepth(a, X_WA, b, X_WB, starts, 4, scratch);
+  if (found.depth > 0) result.distance.upper = std::min(result.distance.upper, -found.depth);
+  return found.way_out;
+}
+
 }  // namespace
 
-// Lengths are multiplied by four from the least that can do, then halved back a few times.
 void separate(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
-              const Vector3d& direction, const DistanceRequest& request, Scratch& scratch,
+              const Vector& direction, const DistanceRequest& request, Scratch& scratch,
               DistanceResult& result) {
-  const double norm = direction.norm();
-  if (!(norm > 0) || !(result.distance.width() > request.tolerance)) return;
-  const Vector3d unit = direction / norm;
-  const double rounding = 16 * kUnitRoundoff * (X_WB.translation.norm() + X_WA.translation.norm());
-  DistanceRequest apart;
-  apart.threshold = 0;
-  apart.depth = false;
-  apart.node_limit = std::min(request.node_limit, kSeparationNodes);
-  const auto separates = [&](double length) {
-    Pose moved = X_WB;
-    moved.translation += length * unit;
-    const DistanceResult r = distance(a, X_WA, b, moved, apart, scratch, nullptr);
-    result.iterations += r.iterations;
-    if (!(r.distance.lower > 0)) return false;
-    // The length moved, with the rounding of the sum.
-    const double lower = -(length * (1 + 8 * kUnitRoundoff) + rounding);
-    if (lower > result.distance.lower) {
-      result.distance.lower = lower;
-      result.normal = unit;
-    }
-    return true;
-  };
-  const double least = std::max(-result.distance.upper, 0.0);
-  double fails = least, length = least * (1 + 1e-6) + std::max(request.tolerance, rounding);
-  for (int step = 0; step < kSeparationSteps && length < -result.distance.lower;
-       ++step, length *= 4) {
-    if (!separates(length)) {
-      fails = length;
-      continue;
-    }
-    for (int half = 0; half < kSeparationHalvings && length - fails > request.tolerance; ++half) {
-      const double middle = 0.5 * (fails + length);
-      (separates(middle) ? length : fails) = middle;
-    }
-    return;
-  }
+  separateMeshes(a, X_WA, b, X_WB, {&direction, 1}, request, scratch, result);
 }
 
 DistanceResult meshDistance(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
@@ -159,7 +143,9 @@ DistanceResult meshDistance(const Shape& a, const Pose& X_WA, const Shape& b, co
                                      ? Vector3d(result.point_a - result.point_b)
                                      : result.normal;
         result.normal = X_WB.rotation * hulls.normal;
-        separate(a, X_WA, b, X_WB, way_out, request, scratch, result);
+        const Vector deepest = deepen(a, X_WA, b, X_WB, hulls, scratch, result);
+        const Vector tries[] = {way_out, deepest};
+        separateMeshes(a, X_WA, b, X_WB, tries, request, scratch, result);
       }
     }
   }

@@ -39,9 +39,9 @@ enum class DistanceStatus : unsigned char {
 
 /// Signed separation of A and B: the distance when apart, minus the length of the smallest
 /// translation that separates them when they overlap. Of overlapping meshes that length is enclosed
-/// only: at least what the deepest pair of triangles found, or the way from inside to the surface,
-/// says; at most a translation that is proven to separate them. Such an interval can stay wider
-/// than asked (kLimit).
+/// only: at least what the deepest pair of triangles found, the way from inside to the surface, or
+/// two balls around a common point, one in either body, say; at most a translation that is proven
+/// to separate them. Such an interval can stay wider than asked (kLimit).
 struct DistanceResult {
   Interval distance;  // [m]
   DistanceStatus status = DistanceStatus::kInvalid;

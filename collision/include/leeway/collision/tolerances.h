@@ -121,12 +121,22 @@ inline constexpr double kLargestBoxScale = 1e12;
 inline constexpr double kDeeperShare = 0.1;
 inline constexpr int kDeeperNodes = 256;
 
-/// A translation that separates two overlapping meshes is looked for by multiplying its length by
-/// four this often, halving back that often, each time with this many node pairs at most. More
-/// makes the lower end of a depth better and the query dearer; no value makes it wrong.
+/// A translation that separates two overlapping meshes is looked for with this many queries at
+/// most, each with this many node pairs: its length is multiplied this often (by 1.1 at first, by 4
+/// later) and halved back that often, its direction turned by angles from the first to the last
+/// [rad], each turn having to save this share of length a radian. More makes the lower end of a
+/// depth better and the query dearer; no value makes it wrong.
+inline constexpr int kSeparationQueries = 64;
+inline constexpr int kSeparationNodes = 2000;
 inline constexpr int kSeparationSteps = 20;
 inline constexpr int kSeparationHalvings = 8;
-inline constexpr int kSeparationNodes = 2000;
+inline constexpr double kSeparationFirstTurn = 0.5;
+inline constexpr double kSeparationLastTurn = 0.03;
+inline constexpr double kSeparationGain = 0.1;
+
+/// Points that are looked at in the search for one that is deep in two solids. More makes the upper
+/// end of a depth better.
+inline constexpr int kDeepestPointSteps = 24;
 
 // Pushing out (separation.cc)
 
