@@ -17,9 +17,19 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr int kPlanes = 8;  // a choice's planes; three carry its point, the others are beyond it
 
-// What plane queries see: the shape, or a mesh's hull.
-ConvexView convexOf(const Shape& shape) {
-  return shape.isConvex() ? viewOf(shape) : shape.mesh()->tree().hullView();
+// How far a shape (a mesh's hull, a ball around a deforming one) reaches along a unit direction;
+// infinite where there is no end.
+double reachOf(const PlacedShape& s, const Vector& direction) {
+  const Vector d = rotatedBack(s.X_WS.rotation, direction);
+  const double origin = direction.dot(s.X_WS.translation);
+  if (s.shape->type() == ShapeType::kHalfSpace) return d.z() > 1 - 1e-12 ? origin : kInfinity;
+  if (s.shape->type() == ShapeType::kDeformable) {
+    return origin + d.dot(s.shape->boundingCenter()) + s.shape->boundingRadius();
+  }
+  const ConvexView view =
+      s.shape->isConvex() ? viewOf(*s.shape) : s.shape->mesh()->tree().hullView();
+  int hint = 0;
+  return origin + d.dot(farthest(view, d, hint)) + view.radius + view.excess;
 }
 
 struct Plane {
@@ -186,15 +196,7 @@ class Search {
   // be told.
   double along(const Pair& pair, const Vector& n) const {
     const PlacedShape &a = obstacles_[pair.obstacle], &b = body_[pair.part];
-    const auto reach = [](const PlacedShape& s, const Vector& direction) {
-      const ConvexView view = convexOf(*s.shape);
-      const Vector d = rotatedBack(s.X_WS.rotation, direction);
-      const double origin = direction.dot(s.X_WS.translation);
-      if (view.core == Core::kHalfSpace) return d.z() > 1 - 1e-12 ? origin : kInfinity;
-      int hint = 0;
-      return d.dot(farthest(view, d, hint)) + view.radius + view.excess + origin;
-    };
-    return -reach(b, -n) - reach(a, n);
+    return -reachOf(b, -n) - reachOf(a, n);
   }
 
   void offer(const Vector& normal, double offset, std::array<HalfSpaceOf, kPlanes>& chosen,
