@@ -12,6 +12,7 @@
 #include "tools/leeway/exit_status.h"
 #include "tools/leeway/report.h"
 #include "tools/leeway/report_common.h"
+#include "tools/leeway/terminal.h"
 #include "tools/report/accuracy.h"
 #include "tools/report/machine.h"
 #include "tools/report/own_engine.h"
@@ -144,7 +145,7 @@ int runReportAccuracy(const ReportAccuracyArguments& arguments) {
   options.progress = [](const std::string& family) { showProgress("measuring " + family); };
   const int processor = report::pinToOneProcessor();
   const std::vector<AccuracyRow> rows = report::measureAccuracy(set, engines, options);
-  showProgress("");
+  endProgress();
 
   const std::string cases =
       arguments.cases.empty()

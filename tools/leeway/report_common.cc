@@ -1,7 +1,6 @@
 #include "tools/leeway/report_common.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <cstdio>
 #include <filesystem>
@@ -10,10 +9,6 @@
 #include "leeway/planner/path_io.h"
 
 namespace leeway::tools {
-
-void showProgress(const std::string& what) {
-  if (isatty(STDERR_FILENO) != 0) fmt::print(stderr, "\r\033[K{}", what);
-}
 
 std::vector<report::RivalModule> loadRivals(bool none, std::vector<std::string>& missing) {
   if (none) return {};

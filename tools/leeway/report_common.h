@@ -7,9 +7,6 @@
 
 namespace leeway::tools {
 
-/// Shows what is being done, on a terminal only; empty: wipes it away.
-void showProgress(const std::string& what);
-
 /// The rivals' modules, unless `none`; tells on stderr which are not there. `missing` gets their
 /// libraries' names.
 std::vector<report::RivalModule> loadRivals(bool none, std::vector<std::string>& missing);

@@ -8,6 +8,7 @@
 #include "tools/leeway/exit_status.h"
 #include "tools/leeway/report.h"
 #include "tools/leeway/report_common.h"
+#include "tools/leeway/terminal.h"
 #include "tools/report/deform.h"
 #include "tools/report/deform_scenes.h"
 #include "tools/report/machine.h"
@@ -53,7 +54,7 @@ int runReportDeform(const ReportDeformArguments& arguments) {
 
   const int processor = report::pinToOneProcessor();
   const std::vector<DeformRow> rows = report::measureDeform(engines, optionsOf(arguments));
-  showProgress("");
+  endProgress();
   const std::string note =
       fmt::format("{}; seed {}; {} frames; one pinned core, medians over the frames",
                   report::machineName(), arguments.seed, arguments.frames);
