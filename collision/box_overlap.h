@@ -1,6 +1,6 @@
 #pragma once
 
-#include "collision/progress.h"
+#include "collision/sharp.h"
 
 namespace leeway::collision {
 
@@ -9,7 +9,8 @@ namespace leeway::collision {
 /// (Gottschalk, Lin, Manocha 1996), so that the depth is the least of fifteen overlaps: nothing is
 /// searched for, and parallel faces are no harder than others. True when they overlap; when they do
 /// not, the lower end of the best of these axes is offered and no upper one.
-bool offerBoxOverlap(const ConvexView& a, const Pose& X_BA, const ConvexView& b,
-                     Progress& progress);
+/// `sharp`, where it is given, sharpens both ends when they are too wide.
+bool offerBoxOverlap(const ConvexView& a, const Pose& X_BA, const ConvexView& b, Progress& progress,
+                     const SharpDifference* sharp);
 
 }  // namespace leeway::collision

@@ -9,6 +9,7 @@
 #include "collision/parallel_axes.h"
 #include "collision/penetration.h"
 #include "collision/scratch.h"
+#include "collision/sharp.h"
 #include "collision/simd/vertex_gjk.h"
 #include "collision/support.h"
 
@@ -210,11 +211,11 @@ CoreQuery coreQuery(const ConvexView& a, const ConvexView& b, double translation
 
 // B is the half-space z <= 0 of its frame: the lowest point of A decides, apart or overlapping.
 DistanceResult fromHalfSpace(const ConvexView& a, const Pose& X_BA, const DistanceRequest& request,
-                             double slack) {
+                             double slack, double rounding_units) {
   const double translation = X_BA.translation.norm();
   const CoreQuery query = [&] {
     ConvexView plane;
-    return coreQuery(a, plane, translation, request, slack, kSupportRounding);
+    return coreQuery(a, plane, translation, request, slack, rounding_units);
   }();
   Progress progress(query);
   progress.iterations = 1;
@@ -240,8 +241,8 @@ DistanceResult exchanged(DistanceResult result, const Pose& X_BA) {
 
 // A is a point at p in B's frame.
 DistanceResult fromPoint(const ConvexView& a, const Vector& p, const ConvexView& b,
-                         const DistanceRequest& request, double slack) {
-  const CoreQuery query = coreQuery(a, b, p.norm(), request, slack, kClosedFormRounding);
+                         const DistanceRequest& request, double slack, double rounding_units) {
+  const CoreQuery query = coreQuery(a, b, p.norm(), request, slack, rounding_units);
   Progress progress(query);
   progress.iterations = 1;
   const PointDistance d = pointDistance(b, p);
@@ -323,10 +324,11 @@ Vector anyPoint(const ConvexView& view) {
 
 DistanceResult convexDistance(const ConvexView& a, const Pose& X_BA, const ConvexView& b,
                               const DistanceRequest& request, Scratch& scratch, PairCache* cache,
-                              double slack) {
+                              double slack, const SharpDifference* sharp) {
+  const double closed = sharp == nullptr ? kClosedFormRounding : kSharpClosedFormRounding;
   if (a.core == Core::kHalfSpace) {
     if (b.core == Core::kHalfSpace) return {};
-    return exchanged(fromHalfSpace(b, X_BA.inverse(), request, slack), X_BA);
+    return exchanged(fromHalfSpace(b, X_BA.inverse(), request, slack, closed), X_BA);
   }
   const double translation = X_BA.translation.norm();
   const double b_extent = b.core == Core::kHalfSpace ? 0 : b.extent;
@@ -335,12 +337,12 @@ DistanceResult convexDistance(const ConvexView& a, const Pose& X_BA, const Conve
       return coarseDistance(a, X_BA.translation, b, request, slack);
     }
   }
-  if (b.core == Core::kHalfSpace) return fromHalfSpace(a, X_BA, request, slack);
+  if (b.core == Core::kHalfSpace) return fromHalfSpace(a, X_BA, request, slack, closed);
   if (a.core == Core::kPoint && hasPointDistance(b.core)) {
-    return fromPoint(a, X_BA.translation, b, request, slack);
+    return fromPoint(a, X_BA.translation, b, request, slack, closed);
   }
   if (b.core == Core::kPoint && hasPointDistance(a.core)) {
-    return exchanged(fromPoint(b, X_BA.inverse().translation, a, request, slack), X_BA);
+    return exchanged(fromPoint(b, X_BA.inverse().translation, a, request, slack, closed), X_BA);
   }
 
   const CoreQuery query = coreQuery(a, b, translation, request, slack, kSupportRounding);
@@ -375,11 +377,14 @@ DistanceResult convexDistance(const ConvexView& a, const Pose& X_BA, const Conve
   const double narrow = query.lower_offset - query.upper_offset + 8 * query.roundoff;
   if (open && !progress.enough() &&
       (end == GjkEnd::kInside || progress.upper() - progress.lower() > narrow)) {
-    if (a.core == Core::kBox && b.core == Core::kBox) offerBoxOverlap(a, X_BA, b, progress);
+    if (a.core == Core::kBox && b.core == Core::kBox) offerBoxOverlap(a, X_BA, b, progress, sharp);
     if (haveAxes(a, b)) offerParallelAxes(a, X_BA, b, difference, progress);
     if (!progress.enough() && progress.upper() - progress.lower() > narrow) {
-      growPolytope(difference, simplex, scratch.impl().polytope, progress);
+      growPolytope(difference, simplex, X_BA, scratch.impl().polytope, progress, sharp);
     }
+  }
+  if (sharp != nullptr && !progress.enough() && end != GjkEnd::kInside) {
+    sharpenApart(*sharp, simplex, X_BA, progress);
   }
   remember(progress, simplex, difference.countsVertices(), difference.hintA(), difference.hintB(),
            cache);

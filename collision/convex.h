@@ -21,6 +21,8 @@ enum class Core : unsigned char {
   kHalfSpace,  ///< z <= 0
 };
 
+class SharpDifference;
+
 /// A convex shape as the engine sees it; borrows points and hull.
 struct ConvexView {
   Core core = Core::kPoint;
@@ -56,10 +58,12 @@ RelativePose relativePose(const Pose& X_WA, const Pose& X_WB);
 
 /// Signed separation of two convex pieces, in frame B: points and normal are in B. X_BA is taken as
 /// the affine map that it is; what is known of its own error goes into `slack` [m], by which both
-/// ends are widened (before thresholds and tolerance are looked at). cache may be null.
+/// ends are widened (before thresholds and tolerance are looked at). cache may be null. `sharp`
+/// (sharp.h): the same pair at its world poses; where rounding keeps the interval wider than asked,
+/// both ends are looked at again in twice the precision, at several times the cost.
 DistanceResult convexDistance(const ConvexView& a, const Pose& X_BA, const ConvexView& b,
                               const DistanceRequest& request, Scratch& scratch, PairCache* cache,
-                              double slack = 0);
+                              double slack = 0, const SharpDifference* sharp = nullptr);
 
 /// Lower bound on the separation of B from the hull of A's placements at X_BA0 and X_BA1, less
 /// `growth`; as sweptDistance().

@@ -7,7 +7,9 @@
 #include "collision/deform_distance.h"
 #include "collision/mesh_distance.h"
 #include "collision/scratch.h"
+#include "collision/sharp.h"
 #include "collision/vector.h"
+#include "leeway/collision/tolerances.h"
 
 namespace leeway::collision {
 
@@ -20,6 +22,15 @@ namespace {
 
 double finiteExtent(const ConvexView& view) {
   return view.core == Core::kHalfSpace ? 0 : view.extent;
+}
+
+// True when twice the precision may give the width that was asked for. (Not a width that even the
+// poses' own rounding does not allow; and not what a search left open.)
+bool stoppedByRounding(const DistanceResult& result, const DistanceRequest& request, double size) {
+  return result.status == DistanceStatus::kLimit && request.iteration_limit > 0 &&
+         request.tolerance >= kUnitRoundoff * size &&
+         result.distance.width() <= kSharpFrom * size && size >= kSmallestScale &&
+         size <= kLargestScale;
 }
 
 void forgetPoints(DistanceResult& result) {
@@ -45,6 +56,14 @@ DistanceResult distance(const Shape& a, const Pose& X_WA, const Shape& b, const 
                                          relative.X_BA.translation.norm());
   DistanceResult result =
       convexDistance(view_a, relative.X_BA, view_b, request, scratch, cache, slack);
+  const double size = view_a.radius + view_b.radius + finiteExtent(view_a) + finiteExtent(view_b) +
+                      relative.X_BA.translation.norm();
+  if (stoppedByRounding(result, request, size)) {
+    const SharpDifference sharp(view_a, X_WA, view_b, X_WB);
+    const DistanceResult again = convexDistance(view_a, sharp.X_BA(), view_b, request, scratch,
+                                                cache, sharp.poseSlack(), &sharp);
+    if (again.distance.width() < result.distance.width()) result = again;
+  }
   result.point_a = placed(X_WB, result.point_a);
   result.point_b = placed(X_WB, result.point_b);
   result.normal = rotated(X_WB.rotation, result.normal);

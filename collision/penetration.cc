@@ -81,6 +81,8 @@ class Polytope {
   // False when the difference is flat: the lower ends found on the way are all there is.
   bool begin(const Simplex& start);
   void grow();
+  /// The depth claimed, and the plane against it, in twice the precision.
+  void sharpen(const SharpDifference& sharp, const Pose& X_BA);
 
  private:
   bool full() const {
@@ -585,12 +587,48 @@ void Polytope::grow() {
   settle();
 }
 
+// The facets that are as near as rounding can tell are measured again; all others are farther out
+// than the claim by more than that. Exact vertices are near those that the surface was built from,
+// and it stays far from the origin while they are exchanged, so that it still winds around it.
+void Polytope::sharpen(const SharpDifference& sharp, const Pose& X_BA) {
+  if (!(claim_ > 1000 * roundoff_) || left_facing_ || !winds_) return;
+  const auto member = [&](std::int32_t vertex) {
+    return sharp.member(buffers_.vertices[static_cast<std::size_t>(vertex)], X_BA);
+  };
+  const double near = claim_ + 128 * roundoff_;
+  DoubleDouble depth = claim_ + 64 * roundoff_;
+  DoubleDoubleVector outward;
+  for (int i = 0; i < facet_count_; ++i) {
+    const PolytopeFacet& f = facet(i);
+    if (!f.alive) continue;
+    const double height = leastAlong(f, f.normal);
+    if (height > 0 && height * height > near * near * f.length_squared) continue;
+    const DoubleDoubleVector a = member(f.vertex[0]), b = member(f.vertex[1]),
+                             c = member(f.vertex[2]);
+    DoubleDoubleVector n = cross(b - a, c - a);
+    const DoubleDouble length = norm(n);
+    if (!(length.high > 0)) return;
+    n = DoubleDouble(1) / length * n;
+    const DoubleDouble here = dot(n, a);
+    if (here < depth) depth = here, outward = n;
+  }
+  if (!(depth.high > 0)) return;
+  Vector a;
+  const Vector nearest = nearestOf(claim_vertex_, a);
+  offerSharpWitness(sharp, -depth, sharp.memberDefect(), nearest, a, progress_);
+  offerSharpPlane(sharp, -outward, progress_);
+  offerSharpPlane(sharp, DoubleDoubleVector(rotated(sharp.X_WB().rotation, progress_.normal())),
+                  progress_);
+}
+
 }  // namespace
 
-void growPolytope(Difference<false>& difference, const Simplex& start, PolytopeBuffers& buffers,
-                  Progress& progress) {
+void growPolytope(Difference<false>& difference, const Simplex& start, const Pose& X_BA,
+                  PolytopeBuffers& buffers, Progress& progress, const SharpDifference* sharp) {
   Polytope polytope(difference, buffers, progress);
-  if (polytope.begin(start)) polytope.grow();
+  if (!polytope.begin(start)) return;
+  polytope.grow();
+  if (sharp != nullptr && !progress.enough()) polytope.sharpen(*sharp, X_BA);
 }
 
 }  // namespace leeway::collision

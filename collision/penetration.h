@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "collision/progress.h"
+#include "collision/sharp.h"
 #include "collision/simplex.h"
 
 namespace leeway::collision {
@@ -68,7 +69,8 @@ struct PolytopeBuffers {
 /// rounding bends it. So -(distance of the nearest triangle) is a true upper end, and any support
 /// plane a true lower end. An origin slightly outside (GJK stagnated near contact) is treated
 /// alike: the facets that see it come first.
-void growPolytope(Difference<false>& difference, const Simplex& start, PolytopeBuffers& buffers,
-                  Progress& progress);
+/// `sharp`, where it is given, sharpens what was found; X_BA is the pose of the difference.
+void growPolytope(Difference<false>& difference, const Simplex& start, const Pose& X_BA,
+                  PolytopeBuffers& buffers, Progress& progress, const SharpDifference* sharp);
 
 }  // namespace leeway::collision

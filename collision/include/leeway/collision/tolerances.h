@@ -15,8 +15,16 @@ inline constexpr double kSupportRounding = 32;
 /// Rounding of a closed form, in the same unit; derived in closed_form.cc.
 inline constexpr double kClosedFormRounding = 32;
 
+/// The same where an interval is asked for that is as narrow as can be: without room to spare.
+inline constexpr double kSharpClosedFormRounding = 16;
+
 /// Rounding of X_BA made from two world poses, in the same unit; derived in convex.cc.
 inline constexpr double kPoseRounding = 24;
+
+/// An interval that is wider than asked, but narrower than this share of the sizes involved, is
+/// looked at again in twice the precision: rounding leaves some 1.5e-14, and what is wider a search
+/// left open. Smaller may leave an interval wider than asked, larger only costs time.
+inline constexpr double kSharpFrom = 1e-13;
 
 /// Largest departure ||R^T R - 1|| (Frobenius) of a matrix that is still taken for a rotation;
 /// above, a query is kInvalid. The departure itself always is part of the interval's width.

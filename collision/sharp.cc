@@ -1,0 +1,194 @@
+#include "collision/sharp.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "leeway/collision/convex_hull.h"
+#include "leeway/collision/tolerances.h"
+
+namespace leeway::collision {
+
+namespace {
+
+using Number = DoubleDouble;
+using Wide = DoubleDoubleVector;
+
+Wide column(const Eigen::Matrix3d& R, int i) { return Wide(Vector(R.col(i))); }
+
+Wide rotated(const Eigen::Matrix3d& R, const Wide& v) {
+  return v.x * column(R, 0) + v.y * column(R, 1) + v.z * column(R, 2);
+}
+
+Wide rotatedBack(const Eigen::Matrix3d& R, const Wide& v) {
+  return {dot(column(R, 0), v), dot(column(R, 1), v), dot(column(R, 2), v)};
+}
+
+// ||R^T R - 1||, rounded outwards.
+double departure(const Eigen::Matrix3d& R) {
+  Number squares = 0;
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) {
+      const Number e = dot(column(R, i), column(R, j)) - Number(i == j ? 1 : 0);
+      squares = squares + e * e;
+    }
+  }
+  return std::sqrt(squares.high) * (1 + 0x1p-50);
+}
+
+// max of p . d over vertices: those that rounding does not tell from the best are compared in twice
+// the precision. A dot product errs by 3 units, dropping the low part of d by one more.
+Number mostOfPoints(const ConvexView& view, const Wide& d) {
+  const Vector direction = d.rounded();
+  double best = -std::numeric_limits<double>::infinity();
+  for (int i = 0; i < view.count; ++i) best = std::max(best, direction.dot(view.points[i]));
+  const double doubt = 16 * kUnitRoundoff * direction.norm() * view.extent;
+  Number most = -std::numeric_limits<double>::infinity();
+  for (int i = 0; i < view.count; ++i) {
+    if (direction.dot(view.points[i]) < best - doubt) continue;
+    const Number value = dot(d, Wide(view.points[i]));
+    if (most < value) most = value;
+  }
+  return most;
+}
+
+Number mostOfCore(const ConvexView& view, const Wide& d) {
+  const Number r = view.size.x(), h = view.size.z();
+  switch (view.core) {
+    case Core::kPoint:
+      return 0;
+    case Core::kSegment:
+      return h * absolute(d.z);
+    case Core::kPoints:
+      return mostOfPoints(view, d);
+    case Core::kBox:
+      return view.size.x() * absolute(d.x) + view.size.y() * absolute(d.y) + h * absolute(d.z);
+    case Core::kCylinder:
+      return r * squareRoot(d.x * d.x + d.y * d.y) + h * absolute(d.z);
+    case Core::kCone: {
+      const Number apex = h * d.z, rim = r * squareRoot(d.x * d.x + d.y * d.y) - h * d.z;
+      return apex < rim ? rim : apex;
+    }
+    case Core::kEllipsoid:
+      return norm({view.size.x() * d.x, view.size.y() * d.y, view.size.z() * d.z});
+    case Core::kHalfSpace:
+      break;
+  }
+  return std::numeric_limits<double>::infinity();
+}
+
+// A point of a round core next to p, within 4 units of extent of being one.
+Vector intoCore(const ConvexView& view, Vector p) {
+  const double r = view.size.x(), h = view.size.z();
+  if (view.core == Core::kEllipsoid) {
+    double squares = 0;
+    for (int i = 0; i < 3; ++i) {
+      const double s = view.size[i];
+      if (!(s > 0)) p[i] = 0;
+      if (s > 0) squares += (p[i] / s) * (p[i] / s);
+    }
+    return squares > 1 ? Vector(p / std::sqrt(squares)) : p;
+  }
+  p.z() = std::clamp(p.z(), -h, h);
+  double across_limit = r;
+  if (view.core == Core::kCone) across_limit = h > 0 ? r * ((h - p.z()) / (2 * h)) : r;
+  const double across = std::sqrt(p.x() * p.x() + p.y() * p.y());
+  if (across > across_limit) {
+    p.x() *= across_limit / across;
+    p.y() *= across_limit / across;
+  }
+  return p;
+}
+
+double defectOf(const ConvexView& view) {
+  return isRound(view.core) ? 6 * kUnitRoundoff * view.extent : 0;
+}
+
+}  // namespace
+
+SharpDifference::SharpDifference(const ConvexView& a, const Pose& X_WA, const ConvexView& b,
+                                 const Pose& X_WB)
+    : a_(a), b_(b), X_WA_(X_WA), X_WB_(X_WB), t_(Wide(X_WA.translation) - Wide(X_WB.translation)) {
+  for (int j = 0; j < 3; ++j) {
+    X_BA_.rotation.col(j) = rotatedBack(X_WB.rotation, column(X_WA.rotation, j)).rounded();
+  }
+  X_BA_.translation = rotatedBack(X_WB.rotation, t_).rounded();
+  const double departure_a = departure(X_WA.rotation), departure_b = departure(X_WB.rotation);
+  const double extent_a = a.core == Core::kHalfSpace ? 0 : a.extent;
+  const double extent_b = b.core == Core::kHalfSpace ? 0 : b.extent;
+  slack_ = 0.5 * (departure_a * extent_a + departure_b * extent_b) * (1 + 0x1p-10);
+  // As for relativePose() in convex.cc, but that X_BA's entries err by one unit each.
+  pose_slack_ = (departure_a + departure_b + 4 * kUnitRoundoff) *
+                (extent_a + extent_b + X_BA_.translation.norm());
+  member_defect_ = defectOf(a) + defectOf(b);
+}
+
+// max over b - a - (T_A - T_B).
+Number SharpDifference::mostAlong(const Wide& n) const {
+  return mostOfCore(b_, rotatedBack(X_WB_.rotation, n)) +
+         mostOfCore(a_, -rotatedBack(X_WA_.rotation, n)) - dot(n, t_);
+}
+
+Wide SharpDifference::member(const SupportPoint& s, const Pose& X_BA) const {
+  Vector p_a, p_b;
+  if (!vertex(a_, s.index_a, p_a)) {
+    p_a = intoCore(a_, rotatedBack(X_BA.rotation, s.a - X_BA.translation));
+  }
+  if (!vertex(b_, s.index_b, p_b)) p_b = intoCore(b_, s.w + s.a);
+  return rotated(X_WB_.rotation, Wide(p_b)) - rotated(X_WA_.rotation, Wide(p_a)) - t_;
+}
+
+void offerSharpPlane(const SharpDifference& difference, const Wide& n, Progress& progress) {
+  const Number length = norm(n);
+  if (!(length.high > 0)) return;
+  const CoreQuery& query = progress.query();
+  const Number radii = exactSum(query.radius_a, query.radius_b);
+  const Number apart = -difference.mostAlong(-n) / length - radii;
+  const double excess = difference.a().excess + difference.b().excess;
+  // One rounding to double, and room for the 2^-100 of all that came before.
+  const double lower = apart.high - 2 * kUnitRoundoff * std::abs(apart.high) -
+                       0.01 * query.roundoff - excess * (1 + 0x1p-50) - difference.slack();
+  Vector normal = rotatedBack(difference.X_WB().rotation, n.rounded());
+  normal /= normal.norm();
+  progress.offerEnd(lower, normal);
+}
+
+void offerSharpWitness(const SharpDifference& difference, const Number& distance, double defect,
+                       const Vector& w, const Vector& a, Progress& progress) {
+  const CoreQuery& query = progress.query();
+  const Number apart = distance - exactSum(query.radius_a, query.radius_b);
+  progress.offerUpperEnd(apart.high + 2 * kUnitRoundoff * std::abs(apart.high) +
+                             0.01 * query.roundoff + defect + difference.slack(),
+                         w, a);
+}
+
+void sharpenApart(const SharpDifference& difference, const Simplex& simplex, const Pose& X_BA,
+                  Progress& progress) {
+  if (simplex.count < 1 || simplex.count > 3) return;
+  Wide points[3], sum;
+  Number weights = 0;
+  for (int i = 0; i < simplex.count; ++i) {
+    points[i] = difference.member(simplex.point(i), X_BA);
+    sum = sum + simplex.lambda[i] * points[i];
+    weights = weights + simplex.lambda[i];
+  }
+  const Wide w = (Number(1) / weights) * sum;
+  offerSharpWitness(difference, norm(w), difference.memberDefect(),
+                    rotatedBack(difference.X_WB().rotation, w.rounded()), simplex.pointOfA(),
+                    progress);
+  offerSharpPlane(difference, Wide(rotated(difference.X_WB().rotation, progress.normal())),
+                  progress);
+  // The direction that belongs to these points, without what cancellation left along the feature.
+  Wide n = w;
+  if (simplex.count == 2) {
+    const Wide edge = points[1] - points[0];
+    const Number squared = dot(edge, edge);
+    if (squared.high > 0) n = w - (dot(w, edge) / squared) * edge;
+  } else if (simplex.count == 3) {
+    n = cross(points[1] - points[0], points[2] - points[0]);
+    if (dot(n, w).high < 0) n = -n;
+  }
+  offerSharpPlane(difference, n, progress);
+}
+
+}  // namespace leeway::collision

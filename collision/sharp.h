@@ -1,0 +1,60 @@
+#pragma once
+
+// Ends of an interval where rounding to double is all that keeps it wide: the plane and the witness
+// that a query ended on, evaluated once more in twice the precision, from the two world poses as
+// they were given.
+
+#include "collision/double_double.h"
+#include "collision/progress.h"
+#include "collision/simplex.h"
+
+namespace leeway::collision {
+
+/// The difference {b - a} of two cores in the world's axes, in twice the precision.
+class SharpDifference {
+ public:
+  SharpDifference(const ConvexView& a, const Pose& X_WA, const ConvexView& b, const Pose& X_WB);
+
+  const ConvexView& a() const { return a_; }
+  const ConvexView& b() const { return b_; }
+  const Pose& X_WA() const { return X_WA_; }
+  const Pose& X_WB() const { return X_WB_; }
+
+  /// The largest n . w over the difference, n of any length. O(vertices).
+  DoubleDouble mostAlong(const DoubleDoubleVector& n) const;
+  /// The member that was made of the same points; of round cores it is one next to it, which lies
+  /// in the difference grown by memberDefect(). X_BA: the pose that s was made with.
+  DoubleDoubleVector member(const SupportPoint& s, const Pose& X_BA) const;
+  double memberDefect() const { return member_defect_; }
+  /// By how much a matrix that is not quite a rotation may move the bodies [m]: the sum of half the
+  /// departures, ||R^T R - 1||, times the extents.
+  double slack() const { return slack_; }
+  /// The same for a query that has been answered in B's frame with the pose below [m].
+  double poseSlack() const { return pose_slack_; }
+  /// X_BA, correctly rounded.
+  const Pose& X_BA() const { return X_BA_; }
+
+ private:
+  const ConvexView& a_;
+  const ConvexView& b_;
+  const Pose& X_WA_;
+  const Pose& X_WB_;
+  DoubleDoubleVector t_;  // T_A - T_B
+  Pose X_BA_;
+  double slack_ = 0, pose_slack_ = 0, member_defect_ = 0;
+};
+
+/// Offers the plane across n (a direction in the world, from A to B, of any length).
+void offerSharpPlane(const SharpDifference& difference, const DoubleDoubleVector& n,
+                     Progress& progress);
+
+/// Offers a point of the difference at that distance from the origin; `distance` may be a depth,
+/// negated. w and a as in Progress::offerWitness(), in B.
+void offerSharpWitness(const SharpDifference& difference, const DoubleDouble& distance,
+                       double defect, const Vector& w, const Vector& a, Progress& progress);
+
+/// Both ends of a pair that is apart, from the simplex that GJK ended on.
+void sharpenApart(const SharpDifference& difference, const Simplex& simplex, const Pose& X_BA,
+                  Progress& progress);
+
+}  // namespace leeway::collision

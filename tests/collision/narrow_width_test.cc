@@ -1,0 +1,152 @@
+// Intervals as narrow as the poses' own rounding allows, where they are asked for; and shapes whose
+// depth has no unique direction.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "leeway/collision/distance.h"
+#include "tools/oracle/generate.h"
+#include "tools/oracle/oracle.h"
+
+namespace leeway::collision {
+namespace {
+
+using Eigen::Vector3d;
+using oracle::Flavour;
+using oracle::Random;
+using oracle::Truth;
+
+double sizes(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB) {
+  return oracle::sizeOf(a) + oracle::sizeOf(b) + (X_WB.translation - X_WA.translation).norm();
+}
+
+std::string replay(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB) {
+  return oracle::replay(a) + " at " + oracle::replay(X_WA) + " with " + oracle::replay(b) + " at " +
+         oracle::replay(X_WB);
+}
+
+TEST(NarrowWidth, AFewUnitsOfRoundingWhereAskedAndTheTruthWithin) {
+  constexpr ShapeType kTypes[] = {
+      ShapeType::kSphere, ShapeType::kCapsule,   ShapeType::kBox,        ShapeType::kCylinder,
+      ShapeType::kCone,   ShapeType::kEllipsoid, ShapeType::kConvexHull, ShapeType::kHalfSpace};
+  Random random(61);
+  Scratch scratch;
+  int cases = 0, open = 0, overlapping = 0, held = 0;
+  for (const ShapeType type_a : kTypes) {
+    for (const ShapeType type_b : kTypes) {
+      if (type_a == ShapeType::kHalfSpace && type_b == ShapeType::kHalfSpace) continue;
+      for (int i = 0; i < 40; ++i) {
+        const Shape a = oracle::randomShape(random, type_a, Flavour::kPlain);
+        const Shape b =
+            oracle::randomShape(random, type_b, i % 8 == 7 ? Flavour::kHuge : Flavour::kPlain);
+        const Pose X_WA{random.rotation(), 10 * random.direction()};
+        Pose X_WB{random.rotation(), X_WA.translation};
+        X_WB.translation +=
+            (oracle::sizeOf(a) + oracle::sizeOf(b)) * random.uniform(0, 1.2) * random.direction();
+        DistanceRequest request;
+        request.tolerance = 1e-14 * sizes(a, X_WA, b, X_WB);
+        const DistanceResult r = distance(a, X_WA, b, X_WB, request, scratch);
+        ++cases;
+        open += r.status != DistanceStatus::kConverged;
+        overlapping += r.distance.upper < 0;
+        if (i % 8 != 7 && i != 0) continue;
+        ++held;
+        const Truth truth = oracle::signedSeparation(a, X_WA, b, X_WB);
+        EXPECT_LE(r.distance.lower, truth.upper) << replay(a, X_WA, b, X_WB);
+        EXPECT_GE(r.distance.upper, truth.lower) << replay(a, X_WA, b, X_WB);
+      }
+    }
+  }
+  // Deep overlaps of ellipsoids may need more facets than there are.
+  EXPECT_LT(100 * open, 2 * cases);
+  EXPECT_GT(4 * overlapping, cases);
+  EXPECT_GT(held, 300);
+}
+
+/// The default tolerance is one unit of rounding in ten million million at these sizes.
+TEST(NarrowWidth, BodiesOfAHundredKilometresAgainstOneOfAMetreConverge) {
+  Random random(62);
+  Scratch scratch;
+  for (int i = 0; i < 100; ++i) {
+    std::vector<Vector3d> large, small;
+    for (int k = 0; k < 12; ++k) {
+      large.push_back(1e5 * random.direction());
+      small.push_back(random.direction());
+    }
+    const Shape a = Shape::convexHull(large), b = Shape::convexHull(small);
+    const Pose X_WA{random.rotation(), random.direction()};
+    Pose X_WB{random.rotation(), 2e5 * random.direction()};
+    const DistanceResult far = distance(a, X_WA, b, X_WB, {}, scratch);
+    X_WB.translation += (random.uniform(-1, 2) - far.distance.upper) * far.normal;
+    const DistanceResult r = distance(a, X_WA, b, X_WB, {}, scratch);
+    EXPECT_EQ(r.status, DistanceStatus::kConverged) << replay(a, X_WA, b, X_WB);
+    if (i % 10 != 0) continue;
+    const Truth truth = oracle::signedSeparation(a, X_WA, b, X_WB);
+    EXPECT_LE(r.distance.lower, truth.upper) << replay(a, X_WA, b, X_WB);
+    EXPECT_GE(r.distance.upper, truth.lower) << replay(a, X_WA, b, X_WB);
+  }
+}
+
+TEST(ParallelAxes, DepthIsThatOfAPointInAPolygon) {
+  Random random(63);
+  Scratch scratch;
+  constexpr ShapeType kTypes[] = {ShapeType::kCapsule, ShapeType::kCylinder, ShapeType::kCone};
+  int overlapping = 0;
+  for (int i = 0; i < 400; ++i) {
+    const Shape a = oracle::randomShape(random, kTypes[random.below(3)], Flavour::kPlain);
+    const Shape b = oracle::randomShape(random, kTypes[random.below(3)], Flavour::kPlain);
+    const Pose X_WA{random.rotation(), random.direction()};
+    const double angle = random.uniform(0, 6);
+    Eigen::Matrix3d turn;
+    turn << std::cos(angle), -std::sin(angle), 0, std::sin(angle), std::cos(angle), 0, 0, 0, 1;
+    Eigen::Matrix3d over = Eigen::Matrix3d::Identity();
+    if (random.chance(0.5)) over(1, 1) = over(2, 2) = -1;
+    Pose X_WB{X_WA.rotation * turn * over, X_WA.translation};
+    X_WB.translation += X_WA.rotation * Vector3d(0, 0, random.uniform(-0.4, 0.4));
+    if (random.chance(0.5)) {
+      X_WB.translation += random.logUniform(1e-15, 0.3) * X_WA.rotation.col(0);
+    }
+    const DistanceResult r = distance(a, X_WA, b, X_WB, {}, scratch);
+    EXPECT_EQ(r.status, DistanceStatus::kConverged) << replay(a, X_WA, b, X_WB);
+    if (!(r.distance.upper < 0)) continue;
+    ++overlapping;
+    // Moved apart by the depth they touch, and not by less.
+    Pose moved = X_WB;
+    moved.translation += -r.distance.lower * r.normal;
+    EXPECT_GT(distance(a, X_WA, b, moved, {}, scratch).distance.upper, -1e-9)
+        << replay(a, X_WA, b, X_WB);
+    EXPECT_LT((r.point_b - r.point_a - r.distance.upper * r.normal).norm(), 1e-8)
+        << replay(a, X_WA, b, X_WB);
+    if (i % 20 != 0) continue;
+    const Truth truth = oracle::signedSeparation(a, X_WA, b, X_WB);
+    EXPECT_LE(r.distance.lower, truth.upper) << replay(a, X_WA, b, X_WB);
+    EXPECT_GE(r.distance.upper, truth.lower) << replay(a, X_WA, b, X_WB);
+  }
+  EXPECT_GT(overlapping, 200);
+}
+
+/// 3e-12 m from a cone's slope the direction was once taken from the difference of two points:
+/// wrong by 1e-6.
+TEST(PointAndCone, TheSlopeGivesTheDirectionNearContact) {
+  Pose X_WA, X_WB;
+  X_WA.rotation << -0.893552178092335, 0.36954274810551047, 0.25495619692227811, 0.4382481959101171,
+      0.84124967845868381, 0.31660305948409412, -0.097483454021550786, 0.39463544673000234,
+      -0.91365192517514004;
+  X_WA.translation = {-0.24928288485346636, 0.71932323863371495, -0.64840737324666275};
+  X_WB.translation = {0.011620012002404853, 0.090749852144935111, -0.45777736648545886};
+  Scratch scratch;
+  const Shape cone = Shape::cone(0.93986130395674727, 0.86376011149231213);
+  const DistanceResult r = distance(cone, X_WA, Shape::sphere(0), X_WB, {}, scratch);
+  ASSERT_GT(r.distance.lower, 0);
+  // The plane across the normal proves the lower end: no point of the cone is beyond it.
+  const Vector3d n = X_WA.rotation.transpose() * r.normal;
+  const double cone_most =
+      std::max(cone.halfLength() * n.z(),
+               cone.radius() * std::hypot(n.x(), n.y()) - cone.halfLength() * n.z());
+  const double apart = r.normal.dot(X_WB.translation - X_WA.translation) - cone_most;
+  EXPECT_NEAR(apart, r.distance.lower, 1e-14);
+}
+
+}  // namespace
+}  // namespace leeway::collision
