@@ -77,30 +77,25 @@ Number mostOfCore(const ConvexView& view, const Wide& d) {
   return std::numeric_limits<double>::infinity();
 }
 
-// A point of a round core next to p, within 4 units of extent of being one.
-Vector intoCore(const ConvexView& view, Vector p) {
+// The point p of a piece of a round core (see farthestOfRound()), rounded off it, put back where
+// that can be done without moving it by more.
+Vector ontoPiece(const ConvexView& view, int piece, Vector p) {
+  if (view.core == Core::kEllipsoid) return p;
   const double r = view.size.x(), h = view.size.z();
-  if (view.core == Core::kEllipsoid) {
-    double squares = 0;
-    for (int i = 0; i < 3; ++i) {
-      const double s = view.size[i];
-      if (!(s > 0)) p[i] = 0;
-      if (s > 0) squares += (p[i] / s) * (p[i] / s);
-    }
-    return squares > 1 ? Vector(p / std::sqrt(squares)) : p;
-  }
-  p.z() = std::clamp(p.z(), -h, h);
-  double across_limit = r;
-  if (view.core == Core::kCone) across_limit = h > 0 ? r * ((h - p.z()) / (2 * h)) : r;
+  if (view.core == Core::kCone && piece == 1) return {0, 0, h};
+  p.z() = piece == 1 ? h : -h;
   const double across = std::sqrt(p.x() * p.x() + p.y() * p.y());
-  if (across > across_limit) {
-    p.x() *= across_limit / across;
-    p.y() *= across_limit / across;
+  if (across > r) {
+    p.x() *= r / across;
+    p.y() *= r / across;
   }
   return p;
 }
 
-double defectOf(const ConvexView& view) {
+// How far such a point may stand out: on a rim by the 4 units of its radius; on an ellipsoid by
+// what it lost on its way into B and back, less than 16 units of L.
+double defectOf(const ConvexView& view, double size) {
+  if (view.core == Core::kEllipsoid) return 16 * kUnitRoundoff * size;
   return isRound(view.core) ? 6 * kUnitRoundoff * view.extent : 0;
 }
 
@@ -120,7 +115,8 @@ SharpDifference::SharpDifference(const ConvexView& a, const Pose& X_WA, const Co
   // As for relativePose() in convex.cc, but that X_BA's entries err by one unit each.
   pose_slack_ = (departure_a + departure_b + 4 * kUnitRoundoff) *
                 (extent_a + extent_b + X_BA_.translation.norm());
-  member_defect_ = defectOf(a) + defectOf(b);
+  const double size = extent_a + extent_b + X_BA_.translation.norm();
+  member_defect_ = defectOf(a, size) + defectOf(b, size);
 }
 
 // max over b - a - (T_A - T_B).
@@ -132,9 +128,9 @@ Number SharpDifference::mostAlong(const Wide& n) const {
 Wide SharpDifference::member(const SupportPoint& s, const Pose& X_BA) const {
   Vector p_a, p_b;
   if (!vertex(a_, s.index_a, p_a)) {
-    p_a = intoCore(a_, rotatedBack(X_BA.rotation, s.a - X_BA.translation));
+    p_a = ontoPiece(a_, s.index_a, rotatedBack(X_BA.rotation, s.a - X_BA.translation));
   }
-  if (!vertex(b_, s.index_b, p_b)) p_b = intoCore(b_, s.w + s.a);
+  if (!vertex(b_, s.index_b, p_b)) p_b = ontoPiece(b_, s.index_b, s.w + s.a);
   return rotated(X_WB_.rotation, Wide(p_b)) - rotated(X_WA_.rotation, Wide(p_a)) - t_;
 }
 
