@@ -12,7 +12,7 @@
 #include "leeway/collision/deformable_mesh.h"
 #include "leeway/collision/shape.h"
 #include "leeway/collision/triangle_mesh.h"
-#include "oracle/generate.h"
+#include "tools/oracle/generate.h"
 
 namespace leeway::collision::testing {
 
