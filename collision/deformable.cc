@@ -28,6 +28,8 @@ std::uint64_t nextNumber() {
 // by surface area, take [us]; only their ratio counts. Measured by bench_deform, rounded.
 constexpr double kQueryMicroseconds = 3;
 constexpr double kRebuildMicroseconds = 0.2;
+// Triangles that are looked at to see whether the hierarchy or the mesh itself has grown.
+constexpr std::size_t kSampledTriangles = 256;
 
 bool needsMotion(DeformStrategy strategy) {
   return strategy == DeformStrategy::kMorph || strategy == DeformStrategy::kSkinned ||
@@ -66,7 +68,8 @@ struct Deformable::Impl {
   bool by_motion = false;  // the next snapshot's vertices are the motion's
   // Since the tree was built.
   double built_cost = 0;        // surfaceCost() of all nodes, then
-  double built_upper_cost = 0;  // and of the upper ones
+  double built_upper_cost = 0;  // of the upper ones
+  double built_looseness = 0;   // looseness() then
   double excess = 0;            // what queries have paid for its decay, see kQueryMicroseconds
   std::vector<float> fit, built_fit;
   std::vector<std::int32_t> decayed;
@@ -82,6 +85,7 @@ struct Deformable::Impl {
   bool restructure(DeformableSnapshotImpl& s);
   bool upperLevels(DeformableSnapshotImpl& s);
   bool rebuildPays(const DeformableSnapshotImpl& s);
+  double looseness(const DeformableSnapshotImpl& s) const;
   std::span<const Vector3d> given(const DeformableSnapshotImpl& s) const {
     return {s.vertices.data(), mesh->rest().size()};
   }
@@ -158,6 +162,7 @@ bool Deformable::Impl::rebuild(DeformMethod method, DeformableSnapshotImpl& s, b
   const std::span<const WideBox> boxes(s.boxes.data(), tree->nodes().size());
   built_cost = surfaceCost(boxes, tree->nodeCount());
   built_upper_cost = surfaceCost(boxes, tree->upperCount());
+  built_looseness = looseness(s);
   excess = 0;
   statistics.decay = 1;
   if (options.strategy == DeformStrategy::kRestructure) measureFit(*tree, boxes, built_fit);
@@ -199,13 +204,38 @@ bool Deformable::Impl::upperLevels(DeformableSnapshotImpl& s) {
   return true;
 }
 
+// Surface area of the upper nodes over that of the triangles' own boxes (of some of them): what a
+// rebuild could better. Where the triangles themselves grow, as when every vertex flies its own
+// way, the nodes around them grow with them and no other hierarchy is better off.
+double Deformable::Impl::looseness(const DeformableSnapshotImpl& s) const {
+  const std::span<const DeformableMesh::Triangle> triangles = mesh->triangles();
+  const std::size_t step = std::max<std::size_t>(1, triangles.size() / kSampledTriangles);
+  const auto halfArea = [](const Vector3d& d) {
+    return d.x() * d.y() + d.y() * d.z() + d.z() * d.x();
+  };
+  double area = 0;
+  int count = 0;
+  for (std::size_t i = 0; i < triangles.size(); i += step, ++count) {
+    const auto corner = [&](std::size_t k) -> const Vector3d& {
+      return s.vertices[static_cast<std::size_t>(triangles[i][k])];
+    };
+    area += halfArea(corner(0).cwiseMax(corner(1)).cwiseMax(corner(2)) -
+                     corner(0).cwiseMin(corner(1)).cwiseMin(corner(2)));
+  }
+  area *= static_cast<double>(triangles.size()) / count;
+  const double nodes = surfaceCost({s.boxes.data(), s.boxes.size()}, s.tree->upperCount()) *
+                       halfArea(s.high - s.low);
+  return area > 0 ? nodes / area : 0;
+}
+
 // Whether what queries have paid for the decay since the last rebuild comes to what a rebuild
 // costs: then at most twice the least possible is paid, whatever the mesh does (as for renting or
 // buying skis). Decay is seen in the upper levels.
 bool Deformable::Impl::rebuildPays(const DeformableSnapshotImpl& s) {
   const double cost = surfaceCost({s.boxes.data(), s.boxes.size()}, tree->upperCount());
   statistics.decay = built_upper_cost > 0 ? cost / built_upper_cost : 1;
-  excess += options.expected_queries * kQueryMicroseconds * std::max(statistics.decay - 1, 0.0);
+  const double looser = built_looseness > 0 ? looseness(s) / built_looseness : 1;
+  excess += options.expected_queries * kQueryMicroseconds * std::max(looser - 1, 0.0);
   return excess > kRebuildMicroseconds * mesh->triangleCount();
 }
 
@@ -346,6 +376,7 @@ Deformable::Deformable(std::shared_ptr<const DeformableMesh> mesh,
                                        impl.tree->nodes().size());
   impl.built_cost = surfaceCost(boxes, impl.tree->nodeCount());
   impl.built_upper_cost = surfaceCost(boxes, impl.tree->upperCount());
+  impl.built_looseness = impl.looseness(impl.current->impl());
   if (asked == DeformStrategy::kRestructure) measureFit(*impl.tree, boxes, impl.built_fit);
 }
 
