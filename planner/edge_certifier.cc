@@ -13,9 +13,6 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr std::uint32_t kAllLanes = (1U << collision::kLanes) - 1;
-/// Halvings that make kLanes intervals of an edge.
-constexpr int kLaneLevel = 4;
-static_assert(1 << kLaneLevel == collision::kLanes);
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
@@ -88,6 +85,10 @@ StateCheck EdgeCertifier::clearance(std::span<const double> point, double tolera
 EdgeCheck EdgeCertifier::certify(std::span<const double> a, std::span<const double> b,
                                  const EdgeRequest& request) {
   ++statistics.edges;
+  if (trace != nullptr) {
+    trace->emplace_back(a.begin(), a.end());
+    trace->emplace_back(b.begin(), b.end());
+  }
   Impl& impl = *impl_;
   impl.work = 0;
   impl.work_limit = request.work_limit > 0 ? request.work_limit : kEdgeWork;
@@ -242,8 +243,32 @@ EdgeCheck EdgeCertifier::Impl::certifyByLanes() {
     if (found != Pair::kFree)
       return told(found == Pair::kNotFree ? Verdict::kNotFree : Verdict::kUndecided, pair.id, 1);
   }
+  // What collides without being seen by balls most often does so with the nearest thing of the
+  // world, in the middle of where it is near: one look before all sweeps.
+  for (const collision::LaneSweep::Open& nearest : lanes.open()) {
+    const EdgePair& pair = frames.pairs()[at(nearest.id)];
+    if (frames.pieces()[at(pair.a)].link >= 0 && frames.pieces()[at(pair.b)].link >= 0) continue;
+    int first = 0, last = collision::kLanes - 1;
+    while ((nearest.lanes >> first & 1U) == 0) ++first;
+    while ((nearest.lanes >> last & 1U) == 0) --last;
+    const double t = (first + last + 1) * (0.5 / collision::kLanes);
+    const int slot = frames.place(t);
+    if (slot < 0) return told(Verdict::kUndecided, nearest.id, t);
+    if (exactState(slot, pair) == Pair::kNotFree) return told(Verdict::kNotFree, nearest.id, t);
+    break;
+  }
   if (!listOpenLanes()) return told(Verdict::kUndecided, -1, 0);
   return certifyIntervals();
+}
+
+int EdgeCertifier::Impl::mergedLanes(const collision::LaneSweep::Open& pair) const {
+  double growth = lanes.growth(frames.pairs()[at(pair.id)].motion);
+  int width = 1;
+  while (width < collision::kLanes && 4 * growth <= kMergedGrowth) {
+    growth *= 4;
+    width *= 2;
+  }
+  return width;
 }
 
 bool EdgeCertifier::Impl::listOpenLanes() {
@@ -251,18 +276,23 @@ bool EdgeCertifier::Impl::listOpenLanes() {
   open.clear();
   int slots[collision::kLanes + 1];
   std::fill(std::begin(slots), std::end(slots), -1);
-  constexpr double h = 1.0 / collision::kLanes;
-  for (int lane = 0; lane < collision::kLanes; ++lane) {
-    const auto begin = static_cast<int>(open.size());
-    for (const collision::LaneSweep::Open& pair : lanes.open())
-      if ((pair.lanes >> lane & 1U) != 0) open.push_back(pair.id);
-    const auto end = static_cast<int>(open.size());
-    if (begin == end) continue;
-    for (const int i : {lane, lane + 1}) {
-      if (slots[i] < 0) slots[i] = frames.place(i * h);
-      if (slots[i] < 0) return false;
+  // Widest first: blocks of lanes, each with the pairs that are asked over so many at once.
+  for (int width = collision::kLanes, level = 0; width >= 1; width /= 2, ++level) {
+    for (int lane = 0; lane < collision::kLanes; lane += width) {
+      const auto begin = static_cast<int>(open.size());
+      const std::uint32_t block = ((1U << width) - 1) << lane;
+      for (const collision::LaneSweep::Open& pair : lanes.open())
+        if ((pair.lanes & block) != 0 && mergedLanes(pair) == width) open.push_back(pair.id);
+      const auto end = static_cast<int>(open.size());
+      if (begin == end) continue;
+      constexpr double h = 1.0 / collision::kLanes;
+      for (const int i : {lane, lane + width}) {
+        if (slots[i] < 0) slots[i] = frames.place(i * h);
+        if (slots[i] < 0) return false;
+      }
+      intervals.push_back(
+          {slots[lane], slots[lane + width], lane * h, width * h, begin, end, level});
     }
-    intervals.push_back({slots[lane], slots[lane + 1], lane * h, h, begin, end, kLaneLevel});
   }
   return true;
 }

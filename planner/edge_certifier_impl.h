@@ -70,6 +70,8 @@ struct EdgeCertifier::Impl {
   EdgeCheck certifyByLanes();
   /// Lists what a pass of lanes left as intervals; false when that cannot be placed.
   bool listOpenLanes();
+  /// How many lanes one sweep of a pair is tried on: as long as its growth stays small.
+  int mergedLanes(const collision::LaneSweep::Open& pair) const;
   EdgeCheck certifyByLevels();
   EdgeCheck certifyIntervals();
   void findLastValid(const EdgeRequest& request, EdgeCheck& check);

@@ -25,6 +25,12 @@ class EdgeLanes {
   /// What sweep() left.
   std::span<const collision::LaneSweep::Open> open() const { return scratch_->open(); }
 
+  /// After sweep(): how far points leave their chords within a lane [m], for one of the scene's
+  /// motions.
+  double growth(int motion) const {
+    return static_cast<double>(growth_values_[static_cast<std::size_t>(motion)]);
+  }
+
   /// After begin(): single configurations at t = 1/2 + places.
   collision::LaneSweep::Contact still(const collision::LaneValues& places);
 

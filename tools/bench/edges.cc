@@ -1,132 +1,287 @@
-// Times certified edges on a planning problem. The edges are those of a search: from states known
-// to be free, towards random ones, cut at a range, the tree growing with what is certified. Prints
-// microseconds an edge, by outcome, and how many stay undecided.
-//
-//   bench_edges ROBOT.urdf ROBOT.srdf SCENE.yaml REQUEST.yaml [edges] [range] [seed]
+// bench_edges: certified edges against stepping, on the edges that planning and simplifying ask
+// for.
+//   bench_edges PROBLEM.yaml...                                     problems of this project
+//   bench_edges --robot R.urdf --srdf R.srdf SCENE.yaml...          MoveIt scenes with requests
+// A seeded RRTConnect plans each problem and simplify() shortens its path; the edges that both ask
+// of the certifier are kept and replayed. Stepping looks at states at most 1/32 (rad or m, in the
+// space's distance) apart, spread over the edge sixteen at a time in the same lanes with the same
+// balls and bounds, and asks distance() with its warm caches for what they leave open; it says
+// nothing of what is between. Each kind of edge is timed as a whole, both checkers in turn, five
+// times: medians of microseconds of this thread's CPU time an edge. Ratios are what counts.
 
+#include <fmt/format.h>
+#include <ompl/geometric/PathGeometric.h>
+#include <ompl/geometric/planners/rrt/RRTConnect.h>
+#include <ompl/util/Console.h>
+#include <time.h>
+
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
-#include <cstdio>
-#include <cstdlib>
-#include <ctime>
-#include <exception>
-#include <limits>
 #include <memory>
+#include <string>
 #include <vector>
 
-#include "leeway/planner/compiled_scene.h"
 #include "leeway/planner/edge_certifier.h"
+#include "leeway/planner/ompl_motion_validator.h"
+#include "leeway/planner/ompl_state_space.h"
+#include "leeway/planner/ompl_validity.h"
 #include "leeway/planner/problem.h"
+#include "leeway/planner/simplify.h"
+#include "planner/edge_frames.h"
+#include "planner/edge_lanes.h"
+#include "planner/ompl_point.h"
 
 namespace {
 
-using leeway::planner::ConfigurationSpace;
-using leeway::planner::Verdict;
+using namespace leeway::planner;
+namespace ob = ompl::base;
+using leeway::collision::kLanes;
 
-class Random {
- public:
-  explicit Random(std::uint64_t seed) : state_(seed) {}
-  double uniform() {  // splitmix64
-    std::uint64_t z = (state_ += 0x9e3779b97f4a7c15U);
-    z = (z ^ (z >> 30U)) * 0xbf58476d1ce4e5b9U;
-    z = (z ^ (z >> 27U)) * 0x94d049bb133111ebU;
-    return static_cast<double>((z ^ (z >> 31U)) >> 11U) * 0x1p-53;
-  }
+constexpr double kStep = 1.0 / 32;
 
- private:
-  std::uint64_t state_;
-};
-
-/// CPU time of this thread: other work on the machine does not count.
 double cpuMicroseconds() {
   timespec t{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
   return static_cast<double>(t.tv_sec) * 1e6 + static_cast<double>(t.tv_nsec) * 1e-3;
 }
 
-struct Tally {
-  int count = 0;
-  double microseconds = 0, worst = 0;
-  std::uint64_t queries = 0;
+/// The rival: states along the edge, not the edge.
+class Stepper {
+ public:
+  explicit Stepper(const std::shared_ptr<const CompiledScene>& scene)
+      : frames_(scene, kLanes), lanes_(frames_), workspace_(scene->scene()) {}
+
+  bool isFree(const std::vector<double>& a, const std::vector<double>& b) {
+    const double length = frames_.scene().space().distance(a, b);
+    const int states = std::max(1, static_cast<int>(std::ceil(length / kStep)));
+    if (!frames_.begin(a, b) || !lanes_.begin(frames_)) return false;
+    const int blocks = (states + kLanes - 1) / kLanes;
+    for (int block = 0; block < blocks; ++block) {
+      leeway::collision::LaneValues places;
+      double t[kLanes];
+      for (int lane = 0; lane < kLanes; ++lane) {
+        t[lane] = std::min(block + lane * blocks + 1, states) / static_cast<double>(states);
+        places.at[lane] = static_cast<float>(t[lane] - 0.5);
+      }
+      if (lanes_.still(places).id >= 0 || !isOpenFree(t)) return false;
+    }
+    return true;
+  }
+
+ private:
+  bool isOpenFree(const double* t) {
+    frames_.release(0);
+    int slots[kLanes];
+    std::fill(slots, slots + kLanes, -1);
+    for (const auto& open : lanes_.open()) {
+      const EdgePair& pair = frames_.pairs()[static_cast<std::size_t>(open.id)];
+      for (int lane = 0; lane < kLanes; ++lane) {
+        if ((open.lanes >> lane & 1U) == 0) continue;
+        if (lane > 0 && t[lane] == t[lane - 1]) continue;  // past the last state
+        if (slots[lane] < 0) slots[lane] = frames_.place(t[lane]);
+        if (slots[lane] < 0) return false;
+        const Piece& a = frames_.pieces()[static_cast<std::size_t>(pair.a)];
+        const Piece& b = frames_.pieces()[static_cast<std::size_t>(pair.b)];
+        const double coarse = b.bounds->coarse.lower(frames_.inFrameOf(
+                                  slots[lane], pair.b, frames_.center(slots[lane], pair.a))) -
+                              a.bounds->outer.radius;
+        if (coarse > pair.threshold) continue;
+        leeway::collision::DistanceRequest request;
+        request.threshold = pair.threshold;
+        request.depth = pair.threshold < 0;
+        if (!(leeway::collision::distance(a.geometry->shape, frames_.piecePose(slots[lane], pair.a),
+                                          b.geometry->shape, frames_.piecePose(slots[lane], pair.b),
+                                          request, workspace_.scratch(),
+                                          &workspace_.cache(pair.scene_pair))
+                  .distance.lower > pair.threshold))
+          return false;
+      }
+    }
+    return true;
+  }
+
+  EdgeFrames frames_;
+  EdgeLanes lanes_;
+  leeway::collision::Workspace workspace_;
 };
 
-void print(const char* name, const Tally& t, int all) {
-  if (t.count == 0) return;
-  std::printf("  %-10s %6d (%4.1f %%)  mean %8.2f us  worst %9.1f us  queries %.1f\n", name,
-              t.count, 100.0 * t.count / all, t.microseconds / t.count, t.worst,
-              static_cast<double>(t.queries) / t.count);
-}
+/// Ends of edges, two rows each.
+struct Asked {
+  std::vector<std::vector<double>> planning, simplifying;
+};
 
-int run(int argc, char** argv) {
-  const auto model = leeway::robots::loadModel(argv[1], argv[2]);
-  const leeway::planner::Problem problem = leeway::planner::loadMoveit(model, argv[3], argv[4]);
-  const int edges = argc > 5 ? std::atoi(argv[5]) : 2000;
-  const double range = argc > 6 ? std::atof(argv[6]) : 1.25;
-  Random random(argc > 7 ? static_cast<std::uint64_t>(std::atoll(argv[7])) : 1);
-
-  const auto scene = std::make_shared<const leeway::planner::CompiledScene>(problem);
-  leeway::planner::EdgeCertifier certifier(scene);
-  const ConfigurationSpace& space = scene->space();
-  const auto size = static_cast<std::size_t>(space.size());
+Asked record(const Problem& problem, const std::shared_ptr<const CompiledScene>& scene,
+             unsigned long long iterations) {
+  Asked asked;
   std::vector<double> start;
   for (const int v : problem.variables)
     start.push_back(problem.configuration[static_cast<std::size_t>(v)]);
-  std::vector<std::vector<double>> tree{start};
-  std::printf("%zu pairs, start %s\n", scene->scene().pairs().size(),
-              certifier.decide(start) == Verdict::kFree ? "free" : "NOT FREE");
-
-  Tally tallies[3], all;
-  std::vector<double> goal(size), to(size), from;
-  bool extending = false;
-  for (int i = 0; i < edges; ++i) {
-    if (!extending) {
-      for (std::size_t k = 0; k < size; ++k) {
-        const double low = std::max(space.lower(static_cast<int>(k)), -3.141592653589793);
-        const double high = std::min(space.upper(static_cast<int>(k)), 3.141592653589793);
-        goal[k] = low + random.uniform() * (high - low);
-      }
-      from = *std::min_element(tree.begin(), tree.end(), [&](const auto& x, const auto& y) {
-        return space.distance(x, goal) < space.distance(y, goal);
-      });
+  std::vector<double> goal;  // the middle of the first one's range
+  for (const auto& [low, high] : problem.goals.front().ranges)
+    goal.push_back(low + (high - low) / 2);
+  const auto pool = std::make_shared<CertifierPool>(scene);
+  EdgeCertifier& certifier = pool->local().certifier;
+  if (certifier.decide(start) != Verdict::kFree || certifier.decide(goal) != Verdict::kFree)
+    return asked;
+  const ob::SpaceInformationPtr information = makeSpaceInformation(scene, problem.seed, pool);
+  const auto definition = std::make_shared<ob::ProblemDefinition>(information);
+  ob::ScopedState<> from(information), to(information);
+  std::copy(start.begin(), start.end(), pointOf(from.get(), *scene).begin());
+  std::copy(goal.begin(), goal.end(), pointOf(to.get(), *scene).begin());
+  definition->setStartAndGoalStates(from, to);
+  const auto planner = std::make_shared<ompl::geometric::RRTConnect>(information);
+  planner->setProblemDefinition(definition);
+  planner->setRange(0.08 * information->getMaximumExtent());
+  certifier.trace = &asked.planning;
+  unsigned long long looks = 0;
+  const bool solved =
+      planner->solve(ob::PlannerTerminationCondition([&] { return ++looks > iterations; })) ==
+      ob::PlannerStatus::EXACT_SOLUTION;
+  certifier.trace = &asked.simplifying;
+  if (solved) {
+    auto* path = definition->getSolutionPath()->as<ompl::geometric::PathGeometric>();
+    std::vector<std::vector<double>> rows;
+    for (const ob::State* state : path->getStates()) {
+      const auto point = pointOf(state, *scene);
+      rows.emplace_back(point.begin(), point.end());
     }
-    const double length = space.distance(from, goal);
-    space.interpolate(from, goal, std::min(1.0, range / length), to);
-    const std::uint64_t queries = certifier.statistics.distance_queries;
-    const double begin = cpuMicroseconds();
-    const leeway::planner::EdgeCheck check = certifier.certify(from, to);
-    const double us = cpuMicroseconds() - begin;
-    for (Tally* t : {&all, &tallies[static_cast<int>(check.verdict)]}) {
-      ++t->count;
-      t->microseconds += us;
-      t->worst = std::max(t->worst, us);
-      t->queries += certifier.statistics.distance_queries - queries;
-    }
-    extending = check.verdict == Verdict::kFree && length > range;
-    if (check.verdict != Verdict::kFree) continue;
-    if (tree.size() < 300) tree.push_back(to);
-    from = to;
+    SimplifyOptions options;
+    options.seed = problem.seed;
+    simplify(certifier, rows, options);
   }
-  print("all", all, edges);
-  print("free", tallies[0], edges);
-  print("not free", tallies[1], edges);
-  print("undecided", tallies[2], edges);
-  return 0;
+  certifier.trace = nullptr;
+  return asked;
+}
+
+double median(std::vector<double> x) {
+  std::sort(x.begin(), x.end());
+  return x.empty() ? 0 : x[x.size() / 2];
+}
+
+/// Sums over problems, one kind of edge.
+struct Kind {
+  std::string name;
+  long long edges = 0;
+  double certify_us = 0, step_us = 0, worst_us = 0;
+  long long exact = 0;  // queries
+};
+
+constexpr int kRounds = 5;
+
+void measure(const std::shared_ptr<const CompiledScene>& scene,
+             const std::vector<std::vector<double>>& ends, std::vector<Kind>& kinds) {
+  if (ends.empty()) return;
+  EdgeCertifier certifier(scene);
+  Stepper stepper(scene);
+  // free by balls alone, free with exact queries, not free, undecided
+  std::vector<std::vector<std::size_t>> edges(4);
+  std::vector<long long> queries(4, 0);
+  for (std::size_t i = 0; i + 1 < ends.size(); i += 2) {
+    const auto before = certifier.statistics.distance_queries;
+    const Verdict verdict = certifier.certify(ends[i], ends[i + 1]).verdict;
+    const auto asked = static_cast<long long>(certifier.statistics.distance_queries - before);
+    const std::size_t k = verdict == Verdict::kFree      ? (asked == 0 ? 0 : 1)
+                          : verdict == Verdict::kNotFree ? 2
+                                                         : 3;
+    edges[k].push_back(i);
+    queries[k] += asked;
+  }
+  for (std::size_t k = 0; k < 4; ++k) {
+    if (edges[k].empty()) continue;
+    std::vector<double> certify_us, step_us;
+    for (int round = 0; round < kRounds; ++round) {
+      const double begin = cpuMicroseconds();
+      for (const std::size_t i : edges[k]) certifier.certify(ends[i], ends[i + 1]);
+      const double middle = cpuMicroseconds();
+      for (const std::size_t i : edges[k]) stepper.isFree(ends[i], ends[i + 1]);
+      certify_us.push_back(middle - begin);
+      step_us.push_back(cpuMicroseconds() - middle);
+    }
+    kinds[k].edges += static_cast<long long>(edges[k].size());
+    kinds[k].certify_us += median(certify_us);
+    kinds[k].step_us += median(step_us);
+    kinds[k].exact += queries[k];
+    for (const std::size_t i : edges[k]) {
+      std::vector<double> us;
+      for (int round = 0; round < 3; ++round) {
+        const double begin = cpuMicroseconds();
+        certifier.certify(ends[i], ends[i + 1]);
+        us.push_back(cpuMicroseconds() - begin);
+      }
+      kinds[k].worst_us = std::max(kinds[k].worst_us, median(us));
+    }
+  }
+}
+
+std::vector<Kind> kinds() {
+  return {{"free, balls alone"}, {"free, exact"}, {"not free"}, {"undecided"}};
+}
+
+void print(const std::string& title, std::vector<Kind> rows) {
+  Kind free{"free"}, all{"all"};
+  const auto add = [](Kind& sum, const Kind& k) {
+    sum.edges += k.edges, sum.certify_us += k.certify_us, sum.step_us += k.step_us,
+        sum.exact += k.exact, sum.worst_us = std::max(sum.worst_us, k.worst_us);
+  };
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    if (k < 2) add(free, rows[k]);
+    add(all, rows[k]);
+  }
+  rows.insert(rows.begin() + 2, free);
+  rows.push_back(all);
+  fmt::print("{:<34} {:>7} {:>10} {:>10} {:>6} {:>9} {:>8}\n", title, "edges", "certify us",
+             "step us", "ratio", "worst us", "queries");
+  for (const Kind& k : rows) {
+    if (k.edges == 0) continue;
+    const auto n = static_cast<double>(k.edges);
+    fmt::print("  {:<32} {:>7} {:>10.2f} {:>10.2f} {:>6.2f} {:>9.1f} {:>8.2f}\n", k.name, k.edges,
+               k.certify_us / n, k.step_us / n, k.certify_us / k.step_us, k.worst_us,
+               static_cast<double>(k.exact) / n);
+  }
+}
+
+std::string requestOf(std::string scene) {
+  const std::size_t at = scene.rfind("scene");
+  if (at == std::string::npos)
+    throw std::runtime_error(scene + ": a file named sceneNNNN.yaml is expected");
+  return scene.replace(at, 5, "request");
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc < 5) {
-    std::fprintf(stderr,
-                 "usage: bench_edges ROBOT.urdf ROBOT.srdf SCENE.yaml REQUEST.yaml [edges] [range] "
-                 "[seed]\n");
-    return 2;
-  }
+  ompl::msg::noOutputHandler();
+  CLI::App app("Certified edges against stepping.");
+  std::string robot, srdf;
+  std::vector<std::string> files;
+  unsigned long long iterations = 2000;
+  std::uint64_t seed = 1;
+  app.add_option("--robot", robot, "URDF, for MoveIt scenes");
+  app.add_option("--srdf", srdf, "SRDF");
+  app.add_option("--iterations", iterations, "of the planner, a problem");
+  app.add_option("--seed", seed, "seed");
+  app.add_option("files", files, "problems, or MoveIt scenes with requests beside them")
+      ->required();
+  CLI11_PARSE(app, argc, argv);
   try {
-    return run(argc, argv);
-  } catch (const std::exception& e) {
-    std::fprintf(stderr, "bench_edges: %s\n", e.what());
+    std::shared_ptr<const leeway::robots::Model> model;
+    if (!robot.empty()) model = leeway::robots::loadModel(robot, srdf);
+    std::vector<Kind> planning = kinds(), simplifying = kinds();
+    for (const std::string& file : files) {
+      Problem problem = model ? loadMoveit(model, file, requestOf(file)) : loadProblem(file);
+      problem.seed = seed;
+      const auto scene = std::make_shared<const CompiledScene>(problem);
+      const Asked asked = record(problem, scene, iterations);
+      if (asked.planning.empty()) fmt::print("{}: nothing asked\n", file);
+      measure(scene, asked.planning, planning);
+      measure(scene, asked.simplifying, simplifying);
+    }
+    print("planning", planning);
+    print("simplifying", simplifying);
+    return 0;
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "bench_edges: {}\n", error.what());
     return 2;
   }
 }

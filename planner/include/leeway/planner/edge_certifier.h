@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <span>
+#include <vector>
 
 #include "leeway/planner/compiled_scene.h"
 
@@ -72,6 +73,9 @@ class EdgeCertifier {
     std::uint64_t states = 0, edges = 0, distance_queries = 0, intervals = 0;
   };
   Statistics statistics;
+  /// When set, both ends of every edge that certify() is asked are appended: what measurements
+  /// replay. It allocates then.
+  std::vector<std::vector<double>>* trace = nullptr;
 
  private:
   struct Impl;
