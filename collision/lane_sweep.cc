@@ -118,8 +118,8 @@ int LaneSweep::addObstacle(const Shape& shape, const Pose& X_WG) {
   o.low = center - extent;
   o.high = center + extent;
   if (o.kind == Impl::Kind::kHalfSpace) {
-    o.low.setConstant(-kFar);
-    o.high.setConstant(kFar);
+    o.low.setConstant(-static_cast<double>(kFar));
+    o.high.setConstant(static_cast<double>(kFar));
   }
   impl_->obstacles.push_back(o);
   return static_cast<int>(impl_->obstacles.size()) - 1;
