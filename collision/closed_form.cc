@@ -144,4 +144,37 @@ void nearestOnSegments(const Vector& c0, const Vector& h0, const Vector& c1, con
   s0 = a > 0 ? std::clamp((b * s1 - c) / a, -1.0, 1.0) : 0;
 }
 
+double nearestToBox(const Vector& c, const Vector& h, const Vector& half) {
+  // The squared distance is convex in s, its derivative increasing and linear between the places
+  // where a coordinate enters or leaves the box.
+  const auto derivative = [&](double s) {
+    double sum = 0;
+    for (int i = 0; i < 3; ++i) {
+      const double x = c[i] + s * h[i];
+      sum += h[i] * (x - std::clamp(x, -half[i], half[i]));
+    }
+    return sum;
+  };
+  double low = -1, high = 1;
+  double at_low = derivative(low), at_high = derivative(high);
+  if (at_low >= 0) return low;
+  if (at_high <= 0) return high;
+  for (int i = 0; i < 3; ++i) {
+    if (h[i] == 0) continue;
+    for (const double side : {-half[i], half[i]}) {
+      const double s = (side - c[i]) / h[i];
+      if (!(s > low && s < high)) continue;
+      const double value = derivative(s);
+      if (value <= 0) {
+        low = s;
+        at_low = value;
+      } else {
+        high = s;
+        at_high = value;
+      }
+    }
+  }
+  return std::clamp(low - at_low * ((high - low) / (at_high - at_low)), low, high);
+}
+
 }  // namespace leeway::collision

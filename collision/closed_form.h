@@ -24,4 +24,8 @@ PointDistance pointDistance(const ConvexView& view, const Vector& p);
 void nearestOnSegments(const Vector& c0, const Vector& h0, const Vector& c1, const Vector& h1,
                        double& s0, double& s1);
 
+/// Where the segment c + s h, |s| <= 1, comes nearest to the box |x| <= half: s. As good as
+/// rounding lets the weight of the two breakpoints around it be.
+double nearestToBox(const Vector& c, const Vector& h, const Vector& half);
+
 }  // namespace leeway::collision

@@ -58,6 +58,7 @@ ConvexView viewOf(const Shape& shape) {
       view.points = shape.hull()->vertices().data();
       view.count = static_cast<int>(shape.hull()->vertices().size());
       view.hull = shape.hull();
+      view.support = &shape.hull()->support();
       view.excess = shape.hull()->excess();
       view.center = shape.boundingCenter();
       break;
@@ -280,6 +281,24 @@ bool trySegments(const ConvexView& a, const Pose& X_BA, const ConvexView& b, Pro
   return progress.enough();
 }
 
+// A segment and a box, in the box's frame, offered and certified alike. False when that does not
+// suffice: nearly or really in contact.
+bool trySegmentAndBox(const ConvexView& a, const Pose& X_BA, const ConvexView& b,
+                      Progress& progress) {
+  const Vector half_a = X_BA.rotation.col(2) * a.size.z();
+  const double s = nearestToBox(X_BA.translation, half_a, b.size);
+  const Vector p = X_BA.translation + s * half_a;
+  const Vector w = p.cwiseMin(b.size).cwiseMax(-b.size) - p;
+  const double norm = w.norm();
+  if (!(norm > 0)) return false;
+  ++progress.iterations;
+  progress.offerWitness(norm, w, p);
+  const Vector n = w / norm;
+  progress.offerLower(-n.dot(X_BA.translation) - std::abs(n.dot(half_a)) - n.cwiseAbs().dot(b.size),
+                      n);
+  return progress.enough();
+}
+
 // Where GJK looks first: the cached direction if it is one, else from A's middle to B's.
 Vector firstDirection(const ConvexView& a, const Pose& X_BA, const ConvexView& b,
                       const PairCache* cache) {
@@ -349,6 +368,20 @@ DistanceResult convexDistance(const ConvexView& a, const Pose& X_BA, const Conve
   Progress progress(query);
   if (a.core == Core::kSegment && b.core == Core::kSegment && trySegments(a, X_BA, b, progress)) {
     return resultOf(progress);
+  }
+  if (request.iteration_limit > 0) {
+    if (a.core == Core::kSegment && b.core == Core::kBox &&
+        trySegmentAndBox(a, X_BA, b, progress)) {
+      return resultOf(progress);
+    }
+    if (a.core == Core::kBox && b.core == Core::kSegment) {
+      const CoreQuery exchanged_query =
+          coreQuery(b, a, translation, request, slack, kSupportRounding);
+      Progress exchanged_progress(exchanged_query);
+      if (trySegmentAndBox(b, X_BA.inverse(), a, exchanged_progress)) {
+        return exchanged(resultOf(exchanged_progress), X_BA);
+      }
+    }
   }
   Difference<false> difference(a, b, X_BA, X_BA);
   if (cache != nullptr) difference.setHints(cache->vertex_a, cache->vertex_b);

@@ -8,6 +8,8 @@
 
 namespace leeway::collision {
 
+class HullSupport;  // hull_support.h
+
 /// What a support function has to know of a convex shape: a core, grown by `radius`. All cores
 /// stand in the shape's own frame.
 enum class Core : unsigned char {
@@ -29,7 +31,8 @@ struct ConvexView {
   Eigen::Vector3d size = Eigen::Vector3d::Zero();
   const Eigen::Vector3d* points = nullptr;
   int count = 0;
-  const ConvexHull* hull = nullptr;  ///< neighbour lists of `points`; may be null
+  const ConvexHull* hull = nullptr;      ///< neighbour lists of `points`; may be null
+  const HullSupport* support = nullptr;  ///< of `points`; may be null
   Eigen::Vector3d center =
       Eigen::Vector3d::Zero();  ///< somewhere in the middle: where a search starts
   double radius = 0;            ///< the shape is the core grown by this

@@ -6,6 +6,7 @@
 
 #include "collision/exact.h"
 #include "collision/hull_builder.h"
+#include "collision/hull_support.h"
 #include "leeway/collision/shape.h"
 #include "leeway/collision/tolerances.h"
 
@@ -70,6 +71,9 @@ std::vector<std::int32_t> corners(std::size_t count,
 
 }  // namespace
 
+ConvexHull::ConvexHull() = default;
+ConvexHull::~ConvexHull() = default;
+
 std::shared_ptr<const ConvexHull> ConvexHull::compute(std::span<const Vector3d> given) {
   requireUsable(given);
   // Coordinates too small for the exact predicates become 0, and what that moves is the excess.
@@ -101,6 +105,7 @@ std::shared_ptr<const ConvexHull> ConvexHull::compute(std::span<const Vector3d> 
   result->vertices_.reserve(kept.size());
   for (const std::int32_t i : kept) result->vertices_.push_back(given[index(i)]);
   result->excess_ = moved;
+  result->support_ = std::make_unique<const HullSupport>(*result);
   return result;
 }
 

@@ -43,15 +43,19 @@ bool plateauHasNoWayUp(const ConvexHull& hull, const Vector* points, const Vecto
 
 int climbFarthest(const ConvexHull& hull, const Vector* points, int count, const Vector& direction,
                   int start, double doubt) {
+  const double dx = direction.x(), dy = direction.y(), dz = direction.z();
+  const auto valueOf = [=](std::int32_t i) {
+    return points[i].x() * dx + points[i].y() * dy + points[i].z() * dz;
+  };
   int best = start;
-  double best_value = direction.dot(points[start]);
+  double best_value = valueOf(start);
   for (;;) {
     // The value grows in every round, so that no vertex comes twice: the climb ends.
     int next = best;
     double runner_up = -std::numeric_limits<double>::infinity();
     const double here = best_value;
     for (const std::int32_t j : hull.neighbours(best)) {
-      const double value = direction.dot(points[j]);
+      const double value = valueOf(j);
       if (value > best_value) {
         best_value = value;
         next = j;

@@ -10,6 +10,7 @@
 #include <hwy/foreach_target.h>
 //
 #include "collision/simd/four_lanes-inl.h"
+#include "collision/simd/scan-inl.h"
 
 // A step takes a new point p of the difference and three older ones (the same one several times at
 // first). In exact arithmetic the nearest point of their hull is on a triangle that p has with two
@@ -58,7 +59,7 @@ struct Names {
 };
 
 // The farthest vertex of a core along a direction of any length, and its name: as farthest().
-HWY_INLINE Triple farthestVertex(const ConvexView& view, const Triple& d, int& name) {
+HWY_INLINE Triple farthestCorner(const ConvexView& view, const Triple& d, int& name) {
   switch (view.core) {
     case Core::kBox: {
       name =
@@ -70,8 +71,15 @@ HWY_INLINE Triple farthestVertex(const ConvexView& view, const Triple& d, int& n
       name = d.z >= 0 ? 1 : 0;
       return {0, 0, d.z >= 0 ? view.size.z() : -view.size.z()};
     case Core::kPoints: {
-      const Vector& p = view.points[name = farthestPoint(view, vectorOf(d), name)];
-      return tripleOf(p);
+      const HullSupport* support = view.support;
+      if (support != nullptr && support->length() > 0) {
+        name =
+            scanColumns(support->x(), support->y(), support->z(), support->length(), d.x, d.y, d.z);
+      } else {
+        // Climbing asks for a unit vector: what it takes for equal depends on the length.
+        name = farthestPoint(view, vectorOf(d) / std::sqrt(dot(d, d)), name);
+      }
+      return tripleOf(view.points[name]);
     }
     default:
       name = 0;
@@ -95,8 +103,8 @@ HWY_INLINE Triple support(const Difference<false>& difference, const Triple& n, 
   const Triple back = {R(0, 0) * n.x + R(1, 0) * n.y + R(2, 0) * n.z,
                        R(0, 1) * n.x + R(1, 1) * n.y + R(2, 1) * n.z,
                        R(0, 2) * n.x + R(1, 2) * n.y + R(2, 2) * n.z};
-  const Triple a = farthestVertex(difference.viewA(), back, names.a);
-  const Triple b = farthestVertex(difference.viewB(), -n, names.b);
+  const Triple a = farthestCorner(difference.viewA(), back, names.a);
+  const Triple b = farthestCorner(difference.viewB(), -n, names.b);
   return {b.x - (R(0, 0) * a.x + R(0, 1) * a.y + R(0, 2) * a.z + t.x()),
           b.y - (R(1, 0) * a.x + R(1, 1) * a.y + R(1, 2) * a.z + t.y()),
           b.z - (R(2, 0) * a.x + R(2, 1) * a.y + R(2, 2) * a.z + t.z())};

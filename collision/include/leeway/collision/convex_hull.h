@@ -9,10 +9,13 @@
 
 namespace leeway::collision {
 
+class HullSupport;  // private to the library
+
 /// The extreme points of a point set, with neighbour lists for hill climbing where there are enough
 /// of them. A set that is flat, straight or a point has no facets and no neighbour lists.
 class ConvexHull {
  public:
+  ~ConvexHull();
   /// Computes the hull of the given points [m]: Quickhull (Barber, Dobkin, Huhdanpaa 1996) with
   /// exact predicates, so that every given point lies in the hull of vertices() grown by excess()
   /// and facets() are convex without any tolerance. O(n log n) as a rule. Throws InvalidShape for
@@ -35,8 +38,11 @@ class ConvexHull {
   /// How far a given point may lie outside the hull of vertices() [m]: 0 but for coordinates below
   /// 1e-70.
   double excess() const { return excess_; }
+  /// For the engine's own use.
+  const HullSupport& support() const { return *support_; }
 
  private:
+  ConvexHull();
   void makeNeighbours(const std::vector<std::array<std::int32_t, 2>>& edges, std::size_t count);
 
   std::vector<Eigen::Vector3d> vertices_;
@@ -44,6 +50,7 @@ class ConvexHull {
   std::vector<std::int32_t> neighbour_begin_;  // vertices + 1 entries into neighbours_
   std::vector<std::int32_t> neighbours_;
   double excess_ = 0;
+  std::unique_ptr<const HullSupport> support_;
 };
 
 }  // namespace leeway::collision
