@@ -10,7 +10,7 @@
 #include "collision/hull_support.h"
 #include "collision/support.h"
 #include "leeway/collision/distance.h"
-#include "tests/oracle/generate.h"
+#include "tools/oracle/generate.h"
 
 namespace leeway::collision {
 namespace {
