@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "leeway/collision/distance.h"
-#include "tests/oracle/generate.h"
+#include "tools/oracle/generate.h"
 
 namespace leeway::collision {
 namespace {

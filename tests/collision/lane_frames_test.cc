@@ -9,7 +9,7 @@
 #include <cstring>
 #include <vector>
 
-#include "tests/oracle/generate.h"
+#include "tools/oracle/generate.h"
 
 namespace leeway::collision {
 namespace {

@@ -1,3 +1,0 @@
-#pragma once
-
-#include "tools/oracle/quad.h"
