@@ -6,6 +6,8 @@
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "collision/deform_kernels.cc"
+#include "collision/simd/targets.h"
+//
 #include <hwy/foreach_target.h>
 // After foreach_target.h.
 #include <hwy/highway.h>

@@ -2,6 +2,8 @@
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "collision/simd/box_gaps.cc"
+#include "collision/simd/targets.h"
+//
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 

@@ -19,6 +19,8 @@
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "collision/simd/lane_sweep.cc"
+#include "collision/simd/targets.h"
+//
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 

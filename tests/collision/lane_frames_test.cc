@@ -1,6 +1,9 @@
 #include "leeway/collision/lane_frames.h"
 
 #include <gtest/gtest.h>
+
+#include "collision/simd/targets.h"
+//
 #include <hwy/targets.h>
 
 #include <Eigen/Geometry>

@@ -1,6 +1,9 @@
 #include "planner/edge_lanes.h"
 
 #include <gtest/gtest.h>
+
+#include "collision/simd/targets.h"
+//
 #include <hwy/targets.h>
 
 #include <algorithm>
