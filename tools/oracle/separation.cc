@@ -220,12 +220,10 @@ class Polytope {
     const Vector p3 = extreme(unit(cross(u, p2 - vertices_[0])), vertices_[0], height);
     if (height <= tiny) return false;
     vertices_.insert(vertices_.end(), {p1, p2, p3});
-    center_ = wide(0.25) * (vertices_[0] + vertices_[1] + vertices_[2] + vertices_[3]);
-    for (const std::array<int, 3>& v : {std::array{0, 1, 2}, {0, 1, 3}, {0, 2, 3}, {1, 2, 3}}) {
-      const Facet facet = makeFacet(v);
-      const bool outward = dot(facet.plane_normal, center_) <= facet.plane_offset;
-      addFacet(outward ? v : std::array{v[0], v[2], v[1]});
-    }
+    // All turned by one sign: facets of a flat tetrahedron, asked one by one, may disagree.
+    const bool positive = dot(cross(p1 - vertices_[0], p2 - vertices_[0]), p3 - vertices_[0]) > 0;
+    for (const std::array<int, 3>& v : {std::array{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}})
+      addFacet(positive ? v : std::array{v[0], v[2], v[1]});
     alive_ = facets_.size();
     return true;
   }
@@ -319,7 +317,6 @@ class Polytope {
   std::vector<Facet> facets_;
   std::size_t alive_ = 0;
   std::map<std::pair<int, int>, std::size_t> at_edge_;  // the facet on the left of an edge
-  Vector center_;
 };
 
 }  // namespace
