@@ -363,5 +363,44 @@ TEST(Oracle, KnowsHowDeepASpeckLies) {
   }
 }
 
+/// Sizes that are 1e13 and more apart: the oracle may know little, but what it says holds together.
+TEST(Oracle, SaysNothingContradictoryOfSizesFarApart) {
+  const Shape cone = Shape::cone(1.014892578125, 1.0000000000000002);
+  Pose X_WA, X_WB;
+  X_WA.rotation << -0.14884602850117057, 0.52107960773857143, -0.84042899890380118,
+      0.92486593784256221, -0.22741682220839632, -0.30480253607086794, -0.34995407815601576,
+      -0.82265280123248319, -0.44807868930169192;
+  X_WA.translation << -0.89984130859375, 1.34625244140625, -0.927490234375;
+  X_WB.rotation << -0.46110832317728856, 0.60642339952684776, 0.6477883719263029,
+      0.47429923291992249, 0.78543264750161301, -0.39766291490429417, -0.74994623270485339,
+      0.12387984801777907, -0.6497956842784427;
+  X_WB.translation << 0.3643798828125, 1.56103515625, 0.653076171875;
+  const oracle::Truth deep = oracle::signedSeparation(
+      cone, X_WA, Shape::ellipsoid({1.44781494140625, 0.3011474609375, 17592186044416}), X_WB);
+  EXPECT_LE(deep.lower, deep.upper);
+  EXPECT_LE(deep.lower, -0.58);
+
+  // A flat first tetrahedron, whose facets once were turned one by one and tore the surface.
+  const std::vector<Eigen::Vector3d> vertices = {
+      {1.5645751953125, 6.0446290980731459e+23, -0.8695068359375},
+      {1.65399169921875, 0.6583251953125, -1.12591552734375},
+      {-0.69927978515625, -4.1538374868278621e+34, 0.05682373046875},
+      {0.755859375, -2, -2}};
+  const std::vector<TriangleMesh::Triangle> triangles = {
+      {0, 2, 1}, {0, 3, 2}, {2, 3, 1}, {1, 3, 0}};
+  X_WA.rotation << -0.16553608012747545, 0.38447530161620758, -0.90817209196448889,
+      0.91290689733667196, -0.28864101980423396, -0.28859549282950148, -0.37309355793307536,
+      -0.87684953334850901, -0.30320965171864334;
+  X_WA.translation << 0.464599609375, -0.4344482421875, -1.92181396484375;
+  X_WB.rotation << -0.53612724607784612, 0.77894793985125688, 0.32528092937408404,
+      0.84121383203952038, 0.5250529287226533, 0.12914608327452365, -0.070191629118940363,
+      0.3428695510558602, -0.9367569621627494;
+  X_WB.translation << 4.9406564584124654e-324, -0.006103515625, -1.72796630859375;
+  const oracle::Truth torn =
+      oracle::signedSeparation(Shape::cylinder(0.010498046875, 1.8681640625), X_WA,
+                               Shape::mesh(TriangleMesh::make(vertices, triangles)), X_WB);
+  EXPECT_LE(torn.lower, torn.upper);
+}
+
 }  // namespace
 }  // namespace leeway::collision

@@ -172,6 +172,9 @@ class Polytope {
     for (const Facet& f : facets_) {
       if (f.alive) inner = std::min(inner, f.offset - f.rounding);
     }
+    // A support value is right in any case. Where facets claim more, rounding has torn them (sizes
+    // 1e13 and more apart), and nothing is known from inside.
+    if (!(inner <= best_support_)) inner = 0;
     return {inner, best_support_};
   }
 
