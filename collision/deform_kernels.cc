@@ -262,11 +262,9 @@ void lowerBounds(const Probe& probe, const WideBox& box, Bounds& bounds) {
       const Floats outside = hn::Max(gap, zero);
       squared_axes = hn::Add(squared_axes, hn::Mul(outside, outside));
     }
-    along(probe.normal, center, reach);
     // Axes that depart from a rotation by 1e-6 make distances along them too large by half of that.
     Floats lower = hn::Mul(hn::Sqrt(hn::Max(squared, squared_axes)), set(1 - 1e-6F));
     lower = hn::IfThenElse(hn::Gt(lower, zero), lower, deepest);
-    lower = hn::Max(lower, hn::Sub(hn::Sub(center, reach), set(probe.normal_high)));
     lower = hn::Sub(hn::Sub(lower, set(probe.radius)), set(probe.slack));
     lower =
         hn::IfThenElse(hn::Le(low_x, high_x), lower, set(std::numeric_limits<float>::infinity()));

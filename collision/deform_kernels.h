@@ -11,14 +11,12 @@
 namespace leeway::collision {
 
 /// A body whose distance from boxes is asked, in the boxes' frame B and single precision, rounded
-/// outwards: intervals along B's axes and along three other orthonormal ones, and a plane; the body
-/// lies within all of them, grown by `radius`. Intervals may be infinite.
+/// outwards: intervals along B's axes and along three other orthonormal ones; the body lies within all
+/// of them, grown by `radius`. Intervals may be infinite.
 struct Probe {
   float low[3], high[3];            ///< along x, y, z of B
   float axis[3][3];                 ///< three unit vectors
   float axis_low[3], axis_high[3];  ///< along them
-  float normal[3];                  ///< a direction from the body to the boxes; 0: none
-  float normal_high;                ///< no point of the body is farther along it
   float radius;
   float slack;  ///< rounding of everything here [m]
 };

@@ -77,13 +77,7 @@ Probe makeProbe(const Vector3d& low, const Vector3d& high, double radius, const 
   if (X_BA1 != nullptr) size += X_BA1->translation.lpNorm<1>();
   probe.radius = above(radius);
   probe.slack = above(slack + kSingleRounding * size);
-  probe.normal_high = std::numeric_limits<float>::infinity();
   return probe;
-}
-
-void setPlane(Probe& probe, const Vector3d& normal, double high) {
-  for (int i = 0; i < 3; ++i) probe.normal[i] = static_cast<float>(normal[i]);
-  probe.normal_high = above(high);
 }
 
 double lowerBound(const Probe& probe, const float* low, const float* high) {
@@ -98,7 +92,6 @@ double lowerBound(const Probe& probe, const float* low, const float* high) {
     deepest = std::max(deepest, gap);
     squared += std::max(gap, 0.0) * std::max(gap, 0.0);
   }
-  double plane = -kInfinity;
   if (finite) {
     const auto along = [&](const float* n, double& center, double& reach) {
       center = reach = 0;
@@ -117,12 +110,9 @@ double lowerBound(const Probe& probe, const float* low, const float* high) {
       deepest = std::max(deepest, gap);
       squared_axes += std::max(gap, 0.0) * std::max(gap, 0.0);
     }
-    along(probe.normal, center, reach);
-    plane = center - reach - static_cast<double>(probe.normal_high);
   }
   double lower = std::sqrt(std::max(squared, squared_axes)) * (1 - 1e-6);
   if (!(lower > 0)) lower = deepest;
-  lower = std::max(lower, plane);
   return lower - static_cast<double>(probe.radius) - static_cast<double>(probe.slack);
 }
 

@@ -11,14 +11,9 @@ namespace leeway::collision {
 
 /// A box (in frame A, may be infinite) grown by `radius`, placed in frame B once or, swept, twice
 /// (the probe then holds the hull of both placements). `extent` is the sum of the magnitudes of
-/// coordinates that the boxes to be met can have, `slack` [m] the poses' own error. The plane is
-/// left out (setPlane).
+/// coordinates that the boxes to be met can have, `slack` [m] the poses' own error.
 Probe makeProbe(const Eigen::Vector3d& low, const Eigen::Vector3d& high, double radius,
                 const Pose& X_BA0, const Pose* X_BA1, double extent, double slack);
-
-/// Adds a plane: `normal` (unit, in B) points from the body to the boxes, and no point of the body
-/// (without its radius) is farther along it than `high`.
-void setPlane(Probe& probe, const Eigen::Vector3d& normal, double high);
 
 /// The same bound as DeformKernels::lowerBounds(), for one box. Boxes may be infinite.
 double lowerBound(const Probe& probe, const float* low, const float* high);

@@ -93,8 +93,7 @@ struct Costs {
 struct Run {
   Deformable deformable;
   Scratch scratch;
-  std::vector<PairCache> near = std::vector<PairCache>(kLinks),
-                         far = std::vector<PairCache>(kLinks);
+  std::array<PairCache, kLinks> near{}, far{};
   Costs costs;
 
   void frame(const std::vector<Vector3d>& vertices, double time, const std::vector<Pose>& links,
@@ -155,7 +154,7 @@ void bench(int n) {
       if (strategy == DeformStrategy::kOctree && n > 100) continue;
       DeformOptions options;
       options.strategy = strategy;
-      Run run{Deformable(mesh, nullptr, options), Scratch()};
+      Run run{Deformable(mesh, nullptr, options), {}, {}, {}, {}};
       const int frames = strategy == DeformStrategy::kOctree && !exploding ? 5 : kFrames;
       int rebuilt = 0;
       for (int frame = 0; frame < frames; ++frame) {
