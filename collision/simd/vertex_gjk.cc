@@ -18,6 +18,9 @@
 // origin is not above its inside, at its edge from p to point k. The older point that the best lane
 // does without makes room for p; one without weight may stay, which does no harm.
 //
+// Nothing here calls code of another target: code without AVX that runs while registers' upper
+// halves are in use costs hundreds of cycles, and compilers forget to clear them.
+//
 // Whatever rounding does here costs steps only: both ends that are offered rest on points and
 // support values alone, as everywhere (gjk.cc says how they are rounded; that the direction is
 // divided out of its support value, in place of being made a unit vector first, is one rounding
@@ -53,10 +56,6 @@ HWY_INLINE FourPoints fourTimes(const Triple& p) {
 // Squared share of a point's length below which an edge's nearest point has lost digits that count:
 // ten are left.
 constexpr double kCancelled = 1e-6;
-
-struct Names {
-  int a, b;
-};
 
 // The farthest vertex of a core along a direction of any length, and its name: as farthest().
 HWY_INLINE Triple farthestCorner(const ConvexView& view, const Triple& d, int& name) {
@@ -97,7 +96,8 @@ struct Nearest {
 };
 
 // The difference's member with the smallest w . n.
-HWY_INLINE Triple support(const Difference<false>& difference, const Triple& n, Names& names) {
+HWY_INLINE Triple support(const Difference<false>& difference, const Triple& n,
+                          VertexNames& names) {
   const Eigen::Matrix3d& R = difference.pose().rotation;
   const Vector& t = difference.pose().translation;
   const Triple back = {R(0, 0) * n.x + R(1, 0) * n.y + R(2, 0) * n.z,
@@ -177,13 +177,12 @@ HWY_INLINE bool step(const Triple& newest, const FourPoints& old, Nearest& neare
 }
 
 GjkEnd run(Difference<false>& difference, const Vector& first, Progress& progress,
-           Simplex& simplex) {
+           VertexCarrier& carrier) {
   const CoreQuery& query = progress.query();
   const DistanceRequest& request = query.request;
   const int limit = request.iteration_limit;
-  if (progress.iterations >= limit) return GjkEnd::kLimit;
   ++progress.iterations;
-  Names names[3], newest_names = {difference.hintA(), difference.hintB()};
+  VertexNames names[3], newest_names = {difference.hintA(), difference.hintB()};
   Triple newest = support(difference, tripleOf(first), newest_names);
   Triple best_direction = tripleOf(first);
   double best = dot(best_direction, newest) / first.norm();
@@ -221,17 +220,42 @@ GjkEnd run(Difference<false>& difference, const Vector& first, Progress& progres
     old = choose(load(kLane[left_out]) > allLanes(0), fourTimes(newest), old);
     names[left_out] = newest_names;
   }
+  difference.setHints(newest_names.a, newest_names.b);
   progress.offerLower(best,
                       vectorOf(best_direction) / std::sqrt(dot(best_direction, best_direction)));
-  difference.setHints(newest_names.a, newest_names.b);
   const int k = nearest.lane;
   const int place[3] = {kLeftOut[k], k, (k + 1) % 3};
-  const double weight[3] = {1 - nearest.weight_first - nearest.weight_second, nearest.weight_first,
-                            nearest.weight_second};
+  for (int i = 0; i < 3; ++i) carrier.names[i] = names[place[i]];
+  carrier.weight[0] = 1 - nearest.weight_first - nearest.weight_second;
+  carrier.weight[1] = nearest.weight_first;
+  carrier.weight[2] = nearest.weight_second;
+  return end;
+}
+
+}  // namespace
+
+GjkEnd vertexSteps(Difference<false>& difference, const Vector& direction, Progress& progress,
+                   VertexCarrier& carrier) {
+  return run(difference, direction, progress, carrier);
+}
+
+}  // namespace leeway::collision::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace leeway::collision {
+
+HWY_EXPORT(vertexSteps);
+
+GjkEnd runVertexGjk(Difference<false>& difference, const Vector& direction, Progress& progress,
+                    Simplex& simplex) {
+  if (progress.iterations >= progress.query().request.iteration_limit) return GjkEnd::kLimit;
+  VertexCarrier carrier;
+  const GjkEnd end = HWY_DYNAMIC_DISPATCH(vertexSteps)(difference, direction, progress, carrier);
   for (int i = 0; i < 3; ++i) {
-    if (!(weight[i] > 0)) continue;
-    difference.member(names[place[i]].a, names[place[i]].b, simplex.free());
-    simplex.lambda[simplex.count++] = weight[i];
+    if (!(carrier.weight[i] > 0)) continue;
+    difference.member(carrier.names[i].a, carrier.names[i].b, simplex.free());
+    simplex.lambda[simplex.count++] = carrier.weight[i];
   }
   simplex.nearest = simplex.lambda[0] * simplex.point(0).w;
   for (int i = 1; i < simplex.count; ++i) {
@@ -242,26 +266,6 @@ GjkEnd run(Difference<false>& difference, const Vector& first, Progress& progres
   if (progress.enough()) return GjkEnd::kEnough;
   if (end == GjkEnd::kStagnated) reduceAll(simplex, simplex.count);
   return end;
-}
-
-}  // namespace
-
-GjkEnd runVertexGjk(Difference<false>& difference, const Vector& direction, Progress& progress,
-                    Simplex& simplex) {
-  return run(difference, direction, progress, simplex);
-}
-
-}  // namespace leeway::collision::HWY_NAMESPACE
-HWY_AFTER_NAMESPACE();
-
-#if HWY_ONCE
-namespace leeway::collision {
-
-HWY_EXPORT(runVertexGjk);
-
-GjkEnd runVertexGjk(Difference<false>& difference, const Vector& direction, Progress& progress,
-                    Simplex& simplex) {
-  return HWY_DYNAMIC_DISPATCH(runVertexGjk)(difference, direction, progress, simplex);
 }
 
 }  // namespace leeway::collision
