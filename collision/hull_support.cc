@@ -1,38 +1,118 @@
 #include "collision/hull_support.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "collision/support.h"
 
 namespace leeway::collision {
 
-HullSupport::HullSupport(const ConvexHull& hull) {
-  const std::span<const Vector> vertices = hull.vertices();
-  const auto count = static_cast<std::int32_t>(vertices.size());
+namespace {
+
+// Vertices that a cell may list; where a large flat face is met squarely there can be more, and a
+// climb is quicker.
+constexpr std::size_t kMostOfCell = 64;
+constexpr int kFewestSides = 8, kMostSides = 32;
+// Of a cell's width: a direction that rounding puts into the cell beside it is in its rim.
+constexpr double kRim = 1e-9;
+
+}  // namespace
+
+HullSupport::HullSupport(const ConvexHull& hull) : points_(hull.vertices().data()) {
+  const auto count = static_cast<std::int32_t>(hull.vertices().size());
   if (count <= kScanUpTo || !hull.hasNeighbours()) {
-    length_ = (count + 7) / 8 * 8;
-    columns_.resize(static_cast<std::size_t>(3 * length_ / 8));
-    for (std::int32_t i = 0; i < length_; ++i) {
-      const Vector& p = vertices[static_cast<std::size_t>(i < count ? i : 0)];
-      for (std::int32_t axis = 0; axis < 3; ++axis) {
-        const std::int32_t place = axis * length_ + i;
-        columns_[static_cast<std::size_t>(place / 8)].value[place % 8] = p[axis];
+    fillColumns(count);
+  } else if (count < HullCell::kMany) {
+    fillCells(hull);
+  }
+}
+
+void HullSupport::fillColumns(std::int32_t count) {
+  length_ = (count + 7) / 8 * 8;
+  columns_.resize(static_cast<std::size_t>(3 * length_ / 8));
+  for (std::int32_t i = 0; i < length_; ++i) {
+    const Vector& p = points_[i < count ? i : 0];
+    for (std::int32_t axis = 0; axis < 3; ++axis) {
+      const std::int32_t place = axis * length_ + i;
+      columns_[static_cast<std::size_t>(place / 8)].value[place % 8] = p[axis];
+    }
+  }
+}
+
+// A direction in a cell is a positive combination of the cell's corners. So a vertex that is the
+// farthest for one is no worse than the middle's farthest at some corner; and going from the middle
+// to that direction the farthest vertex changes along edges only, so that those vertices hang
+// together by edges.
+void HullSupport::fillCells(const ConvexHull& hull) {
+  const std::span<const Vector> vertices = hull.vertices();
+  double extent = 0;
+  for (const Vector& p : vertices) extent = std::max(extent, p.norm());
+  const double margin = 2 * kRelativeRounding * extent;
+  sides_ = std::clamp(static_cast<int>(std::sqrt(static_cast<double>(vertices.size()) / 2)),
+                      kFewestSides, kMostSides);
+  cells_.reserve(static_cast<std::size_t>(6 * sides_ * sides_));
+  std::vector<std::int32_t> seen(vertices.size(), -1);
+  std::vector<std::uint16_t> candidates;
+  int best = 0;
+  for (std::int32_t cell = 0; cell < 6 * sides_ * sides_; ++cell) {
+    const int face = cell / (sides_ * sides_), axis = face / 2;
+    const int u = cell / sides_ % sides_, v = cell % sides_;
+    const auto direction = [&](double across_u, double across_v) {
+      Vector d;
+      d[axis] = face % 2 == 0 ? 1 : -1;
+      d[(axis + 1) % 3] = (u + across_u) * 2 / sides_ - 1;
+      d[(axis + 2) % 3] = (v + across_v) * 2 / sides_ - 1;
+      return d;
+    };
+    const Vector middle = direction(0.5, 0.5);
+    const Vector corners[4] = {direction(-kRim, -kRim), direction(-kRim, 1 + kRim),
+                               direction(1 + kRim, -kRim), direction(1 + kRim, 1 + kRim)};
+    const auto beatenBy = [&](int winner, int loser) {
+      const Vector d = points_[winner] - points_[loser];
+      return std::all_of(std::begin(corners), std::end(corners),
+                         [&](const Vector& corner) { return corner.dot(d) > margin; });
+    };
+    best = climbFarthest(hull, points_, static_cast<int>(vertices.size()), middle, best, 0);
+    candidates.assign(1, static_cast<std::uint16_t>(best));
+    seen[static_cast<std::size_t>(best)] = cell;
+    for (std::size_t i = 0; i < candidates.size() && i <= kMostOfCell; ++i) {
+      for (const std::int32_t j : hull.neighbours(candidates[i])) {
+        if (seen[static_cast<std::size_t>(j)] == cell) continue;
+        seen[static_cast<std::size_t>(j)] = cell;
+        if (!beatenBy(best, j)) candidates.push_back(static_cast<std::uint16_t>(j));
       }
     }
+    if (candidates.size() > 8 && candidates.size() <= kMostOfCell) {
+      const std::vector<std::uint16_t> all = candidates;
+      std::erase_if(candidates, [&](std::uint16_t loser) {
+        return std::any_of(all.begin(), all.end(),
+                           [&](std::uint16_t winner) { return beatenBy(winner, loser); });
+      });
+    }
+    store(candidates);
+  }
+}
+
+void HullSupport::store(std::vector<std::uint16_t>& candidates) {
+  HullCell cell{};
+  const std::uint16_t first = candidates[0];
+  const std::size_t count = candidates.size() <= kMostOfCell ? (candidates.size() + 7) / 8 * 8 : 0;
+  candidates.resize(count, first);
+  if (count == 8) {
+    std::copy(candidates.begin(), candidates.end(), cell.vertex);
+    cells_.push_back(cell);
     return;
   }
-  // Each cell's middle, from the answer of the cell before.
-  int best = 0;
-  for (int face = 0; face < 6; ++face) {
-    for (int u = 0; u < kCells; ++u) {
-      for (int v = 0; v < kCells; ++v) {
-        const int axis = face / 2;
-        Vector d;
-        d[axis] = face % 2 == 0 ? 1 : -1;
-        d[axis == 2 ? 0 : axis + 1] = (u + 0.5) * 2 / kCells - 1;
-        d[axis == 0 ? 2 : axis - 1] = (v + 0.5) * 2 / kCells - 1;
-        best = climbFarthest(hull, vertices.data(), count, d, best, 0);
-        start_.push_back(best);
-      }
-    }
+  cell.vertex[0] = HullCell::kMany;
+  cell.vertex[1] = static_cast<std::uint16_t>(count);
+  cell.vertex[2] = static_cast<std::uint16_t>(more_.size() & 0xffffU);
+  cell.vertex[3] = static_cast<std::uint16_t>(more_.size() >> 16U);
+  cell.vertex[4] = first;
+  cells_.push_back(cell);
+  for (std::size_t i = 0; i < count; i += 8) {
+    HullCell part{};
+    std::copy_n(candidates.begin() + static_cast<std::ptrdiff_t>(i), 8, part.vertex);
+    more_.push_back(part);
   }
 }
 

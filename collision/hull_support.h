@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <span>
 #include <vector>
 
 #include "collision/vector.h"
@@ -11,51 +10,65 @@ namespace leeway::collision {
 class ConvexHull;
 
 /// Hulls of up to this many vertices are scanned, coordinates side by side in vector registers;
-/// beyond, a climb from a good start looks at fewer. The best of 32, 64, 128 and 256 on hulls of
-/// 128 and 512 vertices [count].
+/// beyond, a table of directions says which few to look at. The best of 32, 64, 128 and 256 on
+/// hulls of 128 and 512 vertices [count].
 inline constexpr int kScanUpTo = 64;
+
+/// A cell of the table of directions: whatever the direction in it, the farthest vertex is one of
+/// these. Where there are more than eight, the first is kMany.
+struct alignas(16) HullCell {
+  static constexpr std::uint16_t kMany = 0xffff;
+  std::uint16_t vertex[8];
+};
 
 /// What a hull's support function is quick with, made once with the hull.
 class HullSupport {
  public:
-  /// From the vertices and, where there are many, the neighbour lists of `hull`. O(vertices).
+  /// From the vertices and, where there are many, the neighbour lists of `hull`, which has to stay
+  /// where it is. O(vertices), with some hundred nanoseconds for each cell of a table, of which
+  /// there are about three a vertex.
   explicit HullSupport(const ConvexHull& hull);
 
   /// Coordinates of all vertices side by side, padded to a multiple of eight by copies of vertex 0;
-  /// 64-byte aligned. Empty (length 0) where climbing is quicker.
+  /// 64-byte aligned. Empty (length 0) where the table is quicker.
   const double* x() const { return columns_.empty() ? nullptr : columns_[0].value; }
   const double* y() const { return x() + length_; }
   const double* z() const { return x() + 2 * length_; }
   std::int32_t length() const { return length_; }
 
-  /// A vertex that is about the farthest along a direction of any length: where to start a climb.
-  /// 0 where there is no table (length() > 0).
-  std::int32_t start(double dx, double dy, double dz) const {
-    if (start_.empty()) return 0;
-    const double direction[3] = {dx, dy, dz};
-    const double size[3] = {std::abs(dx), std::abs(dy), std::abs(dz)};
-    const std::size_t first = size[0] >= size[1] ? 0 : 1;
-    const std::size_t axis = size[2] > size[first] ? 2 : first;
-    const std::size_t face = 2 * axis + (direction[axis] < 0 ? 1 : 0);
-    if (!(size[axis] > 0)) return 0;
-    const double scale = 0.5 * kCells / size[axis];
-    const auto cell = [scale](double across) {
-      const int i = static_cast<int>(across * scale + 0.5 * kCells);
-      return static_cast<std::size_t>(i < kCells ? i : kCells - 1);
-    };
-    const std::size_t u = cell(direction[axis == 2 ? 0 : axis + 1]);
-    const std::size_t v = cell(direction[axis == 0 ? 2 : axis - 1]);
-    return start_[(face * kCells + u) * kCells + v];
+  const Vector* points() const { return points_; }
+
+  /// The table of directions: cells of the six faces of the cube |d| = 1, sides() along either edge
+  /// (scan-inl.h finds a direction's). Empty where there is none.
+  std::int32_t sides() const { return sides_; }
+  const HullCell* cells() const { return cells_.data(); }
+
+  /// The vertices of a cell of many, a multiple of eight; `count` is 0 where they are too many to
+  /// look at.
+  const HullCell* many(const HullCell& cell, int& count) const {
+    count = cell.vertex[1];
+    return more_.data() + (cell.vertex[2] + (static_cast<std::size_t>(cell.vertex[3]) << 16U));
+  }
+
+  /// A vertex that is about the farthest along the directions of a cell: where to start a climb.
+  static int start(const HullCell& cell) {
+    return cell.vertex[0] == HullCell::kMany ? cell.vertex[4] : cell.vertex[0];
   }
 
  private:
-  static constexpr int kCells = 8;  // a side of a face of the cube of directions
   struct alignas(64) Eight {
     double value[8];
   };
+  void fillColumns(std::int32_t count);
+  void fillCells(const ConvexHull& hull);
+  void store(std::vector<std::uint16_t>& candidates);
+
+  const Vector* points_;
   std::vector<Eight> columns_;
   std::int32_t length_ = 0;
-  std::vector<std::int32_t> start_;
+  std::int32_t sides_ = 0;
+  std::vector<HullCell> cells_;
+  std::vector<HullCell> more_;
 };
 
 }  // namespace leeway::collision

@@ -63,22 +63,15 @@ inline bool climbs(const ConvexView& view) {
          view.hull->hasNeighbours();
 }
 
-/// Where to start a climb: the last answer or what the hull's table says, whichever is farther.
-inline int betterStart(const ConvexView& view, const Vector& direction, int hint) {
-  if (view.support == nullptr) return hint;
-  const int other = view.support->start(direction.x(), direction.y(), direction.z());
-  return direction.dot(view.points[other]) > direction.dot(view.points[hint]) ? other : hint;
-}
-
 /// Index of the farthest of the points of a kPoints core along a direction of about unit length.
 inline int farthestPoint(const ConvexView& view, const Vector& direction, int hint) {
-  if (view.support != nullptr && view.support->length() > 0) {
-    return scanFarthest(*view.support, direction);
+  if (view.support != nullptr) {
+    const int found = scanFarthest(*view.support, direction, hint);
+    if (found >= 0) return found;
   }
-  return climbs(view)
-             ? climbFarthest(*view.hull, view.points, view.count, direction,
-                             betterStart(view, direction, hint), 8 * kUnitRoundoff * view.extent)
-             : scanFarthest(view.points, view.count, direction);
+  return climbs(view) ? climbFarthest(*view.hull, view.points, view.count, direction, hint,
+                                      8 * kUnitRoundoff * view.extent)
+                      : scanFarthest(view.points, view.count, direction);
 }
 
 /// The farthest point of the core along `direction` (a unit vector, or nearly one), in the core's

@@ -1,7 +1,5 @@
 #include "collision/simd/hull_scan.h"
 
-#include "collision/hull_support.h"
-
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "collision/simd/hull_scan.cc"
 #include "collision/simd/targets.h"
@@ -13,8 +11,8 @@
 HWY_BEFORE_NAMESPACE();
 namespace leeway::collision::HWY_NAMESPACE {
 
-int scanHull(const HullSupport& support, const Vector& d) {
-  return scanColumns(support.x(), support.y(), support.z(), support.length(), d.x(), d.y(), d.z());
+int scanHull(const HullSupport& support, const Vector& d, int& hint) {
+  return scanSupport(support, d.x(), d.y(), d.z(), hint);
 }
 
 }  // namespace leeway::collision::HWY_NAMESPACE
@@ -25,8 +23,8 @@ namespace leeway::collision {
 
 HWY_EXPORT(scanHull);
 
-int scanFarthest(const HullSupport& support, const Vector& direction) {
-  return HWY_DYNAMIC_DISPATCH(scanHull)(support, direction);
+int scanFarthest(const HullSupport& support, const Vector& direction, int& hint) {
+  return HWY_DYNAMIC_DISPATCH(scanHull)(support, direction, hint);
 }
 
 }  // namespace leeway::collision

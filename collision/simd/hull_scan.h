@@ -7,7 +7,8 @@ namespace leeway::collision {
 class HullSupport;
 
 /// Index of the first of the farthest vertices along a direction, by a scan of the hull's columns
-/// (length() > 0). The same on every instruction set.
-int scanFarthest(const HullSupport& support, const Vector& direction);
+/// or of its table's cell. The same on every instruction set. Where there are too many to look at,
+/// -1: a climb then starts well from `hint`.
+int scanFarthest(const HullSupport& support, const Vector& direction, int& hint);
 
 }  // namespace leeway::collision

@@ -70,14 +70,10 @@ HWY_INLINE Triple farthestCorner(const ConvexView& view, const Triple& d, int& n
       name = d.z >= 0 ? 1 : 0;
       return {0, 0, d.z >= 0 ? view.size.z() : -view.size.z()};
     case Core::kPoints: {
-      const HullSupport* support = view.support;
-      if (support != nullptr && support->length() > 0) {
-        name =
-            scanColumns(support->x(), support->y(), support->z(), support->length(), d.x, d.y, d.z);
-      } else {
-        // Climbing asks for a unit vector: what it takes for equal depends on the length.
-        name = farthestPoint(view, vectorOf(d) / std::sqrt(dot(d, d)), name);
-      }
+      int found = -1;
+      if (view.support != nullptr) found = scanSupport(*view.support, d.x, d.y, d.z, name);
+      // Climbing asks for a unit vector: what it takes for equal depends on the length.
+      name = found >= 0 ? found : farthestPoint(view, vectorOf(d) / std::sqrt(dot(d, d)), name);
       return tripleOf(view.points[name]);
     }
     default:
