@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 #include "tools/dense/fcl_shape.h"
@@ -154,20 +155,21 @@ void DenseWorld::listPairs() {
         pairs_.emplace_back(i, j);
 }
 
-void DenseWorld::place(const std::vector<std::string>& names,
-                       const std::vector<double>& positions) {
-  Named values = start_;
-  for (std::size_t i = 0; i < names.size(); ++i)
-    values.emplace(values.begin(), names[i], positions[i]);
+void DenseWorld::placeLinks(const std::vector<std::string>& names,
+                            const std::vector<double>& positions) {
+  const auto position = [&](const std::string& name) {
+    const auto named = std::find(names.begin(), names.end(), name);
+    return named != names.end() ? positions[static_cast<std::size_t>(named - names.begin())]
+                                : valueOf(start_, name);
+  };
   for (std::size_t i = 0; i < model_->links.size(); ++i) {
     const robots::Joint& joint = model_->joints[i];
     double q = 0;
     if (joint.mimic >= 0) {
-      q = joint.multiplier *
-              valueOf(values, model_->joints[static_cast<std::size_t>(joint.mimic)].name) +
+      q = joint.multiplier * position(model_->joints[static_cast<std::size_t>(joint.mimic)].name) +
           joint.offset;
     } else {
-      q = valueOf(values, joint.name);
+      q = position(joint.name);
     }
     Isometry3d X = joint.parent_link < 0 ? Isometry3d::Identity()
                                          : X_WL_[static_cast<std::size_t>(joint.parent_link)];
@@ -191,31 +193,139 @@ void DenseWorld::place(const std::vector<std::string>& names,
         break;
     }
     X_WL_[i] = X;
-    Body& body = *bodies_[i];
-    for (std::size_t g = 0; g < body.objects.size(); ++g) {
-      const Isometry3d X_WG = X * body.X_LG[g];
-      body.X_WG[g] = {X_WG.linear(), X_WG.translation()};
-      body.objects[g]->setTransform(X_WG);
-      body.objects[g]->computeAABB();
-    }
   }
+}
+
+void DenseWorld::placeObjects(Body& body) const {
+  if (body.link < 0) return;
+  const Isometry3d& X = X_WL_[static_cast<std::size_t>(body.link)];
+  for (std::size_t g = 0; g < body.objects.size(); ++g) {
+    const Isometry3d X_WG = X * body.X_LG[g];
+    body.X_WG[g] = {X_WG.linear(), X_WG.translation()};
+    body.objects[g]->setTransform(X_WG);
+    body.objects[g]->computeAABB();
+  }
+}
+
+void DenseWorld::place(const std::vector<std::string>& names,
+                       const std::vector<double>& positions) {
+  placeLinks(names, positions);
+  for (const auto& body : bodies_) placeObjects(*body);
+}
+
+bool DenseWorld::collides(const Body& x, const Body& y) const {
+  const fcl::CollisionRequestd request(1, false);
+  for (const auto& a : x.objects)
+    for (const auto& b : y.objects) {
+      if (!a->getAABB().overlap(b->getAABB())) continue;
+      fcl::CollisionResultd result;
+      if (fcl::collide(a.get(), b.get(), request, result) > 0) return true;
+    }
+  return false;
+}
+
+double DenseWorld::boxGap(const Body& x, const Body& y) const {
+  double gap = std::numeric_limits<double>::infinity();
+  for (const auto& a : x.objects)
+    for (const auto& b : y.objects) gap = std::min(gap, a->getAABB().distance(b->getAABB()));
+  return gap;
 }
 
 Collision DenseWorld::check(const std::vector<std::string>& names,
                             const std::vector<double>& positions) {
   place(names, positions);
-  const fcl::CollisionRequestd request(1, false);
-  for (const auto& [i, j] : pairs_) {
-    for (const auto& a : bodies_[i]->objects) {
-      for (const auto& b : bodies_[j]->objects) {
-        if (!a->getAABB().overlap(b->getAABB())) continue;
-        fcl::CollisionResultd result;
-        if (fcl::collide(a.get(), b.get(), request, result) > 0)
-          return {true, bodies_[i]->name, bodies_[j]->name};
+  for (const auto& [i, j] : pairs_)
+    if (collides(*bodies_[i], *bodies_[j])) return {true, bodies_[i]->name, bodies_[j]->name};
+  return {};
+}
+
+/// For each pair, how far its bodies can come towards each other on the whole way: joints that
+/// carry both move neither against the other; each of the rest moves a body by its turn times the
+/// length of the chain between them, and a slide by itself.
+std::vector<double> DenseWorld::largestSteps(const std::vector<std::string>& names,
+                                             const std::vector<double>& from,
+                                             const std::vector<double>& to) const {
+  std::vector<double> turns(model_->joints.size(), 0);
+  for (std::size_t i = 0; i < turns.size(); ++i) {
+    const robots::Joint* joint = &model_->joints[i];
+    double factor = 1;
+    if (joint->mimic >= 0) {
+      factor = joint->multiplier;
+      joint = &model_->joints[static_cast<std::size_t>(joint->mimic)];
+    }
+    for (std::size_t k = 0; k < names.size(); ++k)
+      if (names[k] == joint->name) turns[i] = std::abs(factor * (to[k] - from[k]));
+  }
+  // A link's joint has the link's number.
+  const auto parentOf = [&](int link) {
+    return model_->joints[static_cast<std::size_t>(link)].parent_link;
+  };
+  const auto carries = [&](int link, int other) {
+    while (other >= 0 && other != link) other = parentOf(other);
+    return other >= 0;
+  };
+  const auto moved = [&](const Body& body, int other) {
+    double length = 0, sum = 0;
+    for (std::size_t g = 0; g < body.shapes.size(); ++g)
+      length = std::max(length, (body.X_LG[g] * body.shapes[g].boundingCenter()).norm() +
+                                    body.shapes[g].boundingRadius());
+    for (int link = body.link; link >= 0; link = parentOf(link)) {
+      const robots::Joint& joint = model_->joints[static_cast<std::size_t>(link)];
+      if (carries(link, other)) break;
+      const double turn = turns[static_cast<std::size_t>(link)];
+      const bool slides = joint.type == robots::JointType::kPrismatic;
+      sum += slides ? turn : turn * length;
+      length += joint.X_PJ.translation.norm();
+      if (!slides) continue;
+      // What slides lies as far out as its limits allow.
+      const robots::Joint& master =
+          joint.mimic < 0 ? joint : model_->joints[static_cast<std::size_t>(joint.mimic)];
+      const robots::Variable& v =
+          model_->variables[static_cast<std::size_t>(master.first_variable)];
+      const double most = std::max(std::abs(v.lower), std::abs(v.upper));
+      length += joint.mimic < 0 ? most : std::abs(joint.multiplier) * most + std::abs(joint.offset);
+    }
+    return sum;
+  };
+  std::vector<double> steps;
+  for (const auto& [i, j] : pairs_)
+    steps.push_back(moved(*bodies_[i], bodies_[j]->link) + moved(*bodies_[j], bodies_[i]->link));
+  return steps;
+}
+
+std::optional<double> DenseWorld::firstCollision(const std::vector<std::string>& names,
+                                                 const std::vector<double>& from,
+                                                 const std::vector<double>& to, int count) {
+  const std::vector<double> steps = largestSteps(names, from, to);
+  due_.assign(pairs_.size(), 0);
+  placed_.assign(bodies_.size(), -1);
+  std::vector<double> q(from.size());
+  for (int place = 0; place <= count; ++place) {
+    const double t = static_cast<double>(place) / count;
+    bool looked = false;
+    for (std::size_t p = 0; p < pairs_.size(); ++p) {
+      if (due_[p] > place) continue;
+      if (!looked) {
+        for (std::size_t k = 0; k < q.size(); ++k) q[k] = (1 - t) * from[k] + t * to[k];
+        placeLinks(names, q);
+        looked = true;
+      }
+      const auto& [i, j] = pairs_[p];
+      for (const std::size_t b : {i, j}) {
+        if (placed_[b] == place) continue;
+        placed_[b] = place;
+        placeObjects(*bodies_[b]);
+      }
+      const double gap = boxGap(*bodies_[i], *bodies_[j]) - 1e-6;
+      if (gap > 0) {
+        const double reached = gap * count / std::max(steps[p], 1e-12);
+        due_[p] = place + 1 + static_cast<int>(std::min(reached, 1e6));
+      } else if (collides(*bodies_[i], *bodies_[j])) {
+        return t;
       }
     }
   }
-  return {};
+  return std::nullopt;
 }
 
 bool DenseWorld::closerThan(const std::vector<std::string>& names,

@@ -5,6 +5,7 @@
 
 #include <Eigen/Geometry>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -31,6 +32,14 @@ class DenseWorld {
   /// Positions of the named joints; all others as in the request's start state (absent there: 0).
   Collision check(const std::vector<std::string>& names, const std::vector<double>& positions);
 
+  /// The same at the places t = i / count of the straight way between two rows, i = 0 .. count: the
+  /// first t at which a pair collides. A pair whose bodies' axis-aligned boxes are so far apart
+  /// that they cannot meet at the next places (the distance from a joint, along the chain, times
+  /// its turn) is left out there: the same answer as check() everywhere, several times faster.
+  std::optional<double> firstCollision(const std::vector<std::string>& names,
+                                       const std::vector<double>& from,
+                                       const std::vector<double>& to, int count);
+
   /// Whether any pair is within `threshold` [m] of touching; a pair that cannot be decided counts.
   /// By Leeway's distance, one plain query a pair after its bounding spheres: no caches, no
   /// certificates.
@@ -51,7 +60,14 @@ class DenseWorld {
   void readRequest(const std::string& file);
   void addRobot();
   void listPairs();
+  void placeLinks(const std::vector<std::string>& names, const std::vector<double>& positions);
+  void placeObjects(Body& body) const;
   void place(const std::vector<std::string>& names, const std::vector<double>& positions);
+  bool collides(const Body& a, const Body& b) const;
+  double boxGap(const Body& a, const Body& b) const;
+  std::vector<double> largestSteps(const std::vector<std::string>& names,
+                                   const std::vector<double>& from,
+                                   const std::vector<double>& to) const;
   bool mayTouch(const std::string& a, const std::string& b) const;
 
   std::shared_ptr<const robots::Model> model_;
@@ -60,6 +76,8 @@ class DenseWorld {
   std::vector<std::pair<std::string, std::string>> allowed_;
   std::vector<std::pair<std::string, double>> start_, goal_;
   std::vector<Eigen::Isometry3d> X_WL_;
+  std::vector<int> due_;     // firstCollision(): when a pair is looked at next
+  std::vector<int> placed_;  // and the place that a body's objects were set for
   collision::Scratch scratch_;
 };
 

@@ -1,13 +1,16 @@
-// edge_check: certified edges against dense sampling on random edges of a robot among a scene's
-// obstacles.
-//   edge_check --robot R.urdf --srdf R.srdf SCENE.yaml [--count N] [--seed S] [--shard i/N] [--step
-//   0.002]
+// edge_check: certified edges against dense sampling, of a robot among the obstacles of scenes.
+//   edge_check --robot R.urdf --srdf R.srdf [--asked] [--count N] [--seed S] [--shard i/N]
+//     [--step 0.002] SCENE.yaml...
+// Random edges, scene by scene in turn, or with --asked those that planning and simplifying ask for
+// (bench_edges replays the same), with one seed after another until there are enough.
 // Certified edges are looked at every 0.002 rad with FCL: a collision makes them unsafe (none is
 // allowed). Rejected edges are looked at in the same places for a pair within 0.1 mm: when there is
-// none, the rejection was cautious (less than 0.5 % are allowed). Exit status 1 when either fails.
-// Edge number i depends on seed and i alone.
+// none, the rejection was cautious (at most 0.1 % are allowed). Exit status 1 when either fails.
+// A random edge depends on seed and its number alone; of the edges that are asked for, each shard
+// takes every N-th.
 
 #include <fmt/format.h>
+#include <ompl/util/Console.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -21,6 +24,7 @@
 #include <vector>
 
 #include "leeway/planner/edge_certifier.h"
+#include "tools/bench/asked_edges.h"
 #include "tools/dense/dense_world.h"
 #include "tools/oracle/generate.h"
 
@@ -36,10 +40,15 @@ using leeway::planner::Verdict;
 /// Clearance that a rejected edge must exceed everywhere to count as cautious [m].
 constexpr double kCautiousClearance = 1e-4;
 /// Share of cautious edges that is allowed.
-constexpr double kCautiousShare = 0.005;
+constexpr double kCautiousShare = 0.001;
+
+/// Of the planner, a problem and seed.
+constexpr unsigned long long kPlannerLooks = 2000;
 
 struct Options {
-  std::string robot, srdf, scene, shard = "0/1";
+  std::string robot, srdf, shard = "0/1";
+  std::vector<std::string> scenes;
+  bool asked = false;
   long long count = 1000;
   std::uint64_t seed = 1;
   double step = 0.002;
@@ -98,17 +107,8 @@ std::vector<double> between(const Edge& edge, double t) {
   return q;
 }
 
-/// The first sample for which found(q) holds.
-template <typename Found>
-std::optional<double> firstSample(const Edge& edge, double step, Counts& counts,
-                                  const Found& found) {
-  const int count = std::max(1, static_cast<int>(std::ceil(edge.length / step)));
-  for (int i = 0; i <= count; ++i) {
-    const double t = static_cast<double>(i) / count;
-    ++counts.states;
-    if (found(between(edge, t))) return t;
-  }
-  return std::nullopt;
+int samples(const Edge& edge, double step) {
+  return std::max(1, static_cast<int>(std::ceil(edge.length / step)));
 }
 
 void tell(const char* what, long long index, const Edge& edge, double t) {
@@ -128,9 +128,8 @@ void check(long long index, const Edge& edge, EdgeCertifier& certifier, DenseWor
   if (verdict.verdict == Verdict::kFree) {
     ++counts.free;
     counts.certify_free_s += seconds;
-    const auto t =
-        firstSample(edge, step, counts, [&](const auto& q) { return world.check(names, q).found; });
-    if (t) {
+    counts.states += samples(edge, step) + 1;
+    if (const auto t = world.firstCollision(names, edge.from, edge.to, samples(edge, step))) {
       ++counts.unsafe;
       tell("UNSAFE", index, edge, *t);
     }
@@ -141,8 +140,12 @@ void check(long long index, const Edge& edge, EdgeCertifier& certifier, DenseWor
       return world.closerThan(names, q, kCautiousClearance);
     };
     // The certifier's own place first, which nearly always settles it.
+    bool found = close(between(edge, verdict.t));
+    const int count = samples(edge, step);
+    for (int i = 0; i <= count && !found; ++i, ++counts.states)
+      found = close(between(edge, static_cast<double>(i) / count));
     ++counts.states;
-    if (!close(between(edge, verdict.t)) && !firstSample(edge, step, counts, close)) {
+    if (!found) {
       ++counts.cautious;
       tell(verdict.verdict == Verdict::kUndecided ? "cautious (undecided)" : "cautious (not free)",
            index, edge, verdict.t);
@@ -160,24 +163,73 @@ std::string requestOf(const std::string& scene) {
   return (path.parent_path() / name.replace(at, 5, "request")).string();
 }
 
+/// One scene with all that looks at it.
+struct Place {
+  leeway::planner::Problem problem;
+  std::shared_ptr<const leeway::planner::CompiledScene> scene;
+  std::unique_ptr<EdgeCertifier> certifier;
+  std::unique_ptr<DenseWorld> world;
+  std::vector<std::string> names;
+};
+
+Place load(const std::shared_ptr<const leeway::robots::Model>& model, const std::string& scene) {
+  Place place;
+  place.problem = leeway::planner::loadMoveit(model, scene, requestOf(scene));
+  place.scene = std::make_shared<leeway::planner::CompiledScene>(place.problem);
+  place.certifier = std::make_unique<EdgeCertifier>(place.scene);
+  place.world = std::make_unique<DenseWorld>(model, scene, requestOf(scene));
+  for (const int v : place.problem.variables)
+    place.names.push_back(model->variables[static_cast<std::size_t>(v)].name);
+  return place;
+}
+
+/// Of the first `count` edges that planning and simplifying ask for, those of a shard.
+void checkAsked(const Options& options, int shard, int shards, std::vector<Place>& places,
+                Counts& counts) {
+  long long index = 0;
+  for (std::uint64_t seed = options.seed; index < options.count; ++seed) {
+    const long long before = index;
+    for (Place& place : places) {
+      place.problem.seed = seed;
+      const leeway::bench::AskedEdges asked =
+          leeway::bench::askedEdges(place.problem, place.scene, kPlannerLooks);
+      for (const auto* ends : {&asked.planning, &asked.simplifying})
+        for (std::size_t i = 0; i + 1 < ends->size() && index < options.count; i += 2, ++index) {
+          if (index % shards != shard) continue;
+          Edge edge{(*ends)[i], (*ends)[i + 1], 0};
+          for (std::size_t k = 0; k < edge.from.size(); ++k)
+            edge.length = std::hypot(edge.length, edge.to[k] - edge.from[k]);
+          check(index, edge, *place.certifier, *place.world, place.names, options.step, counts);
+        }
+    }
+    if (index == before) throw std::runtime_error("no scene's planner asks for any edge");
+  }
+}
+
+void checkRandom(const Options& options, int shard, int shards, std::vector<Place>& places,
+                 Counts& counts) {
+  for (long long i = shard; i < options.count; i += shards) {
+    Place& place = places[static_cast<std::size_t>(i) % places.size()];
+    Random random(Random(options.seed).bits() ^
+                  (static_cast<std::uint64_t>(i) * 0xd1342543de82ef95ull));
+    check(i, randomEdge(random, *place.certifier), *place.certifier, *place.world, place.names,
+          options.step, counts);
+  }
+}
+
 int run(const Options& options) {
   int shard = 0, shards = 1;
   if (std::sscanf(options.shard.c_str(), "%d/%d", &shard, &shards) != 2 || shard < 0 ||
       shards <= shard)
     throw std::runtime_error("--shard " + options.shard + ": i/N with 0 <= i < N is expected");
   const auto model = leeway::robots::loadModel(options.robot, options.srdf);
-  const auto problem = leeway::planner::loadMoveit(model, options.scene, requestOf(options.scene));
-  EdgeCertifier certifier(std::make_shared<leeway::planner::CompiledScene>(problem));
-  DenseWorld world(model, options.scene, requestOf(options.scene));
-  std::vector<std::string> names;
-  for (const int v : problem.variables)
-    names.push_back(model->variables[static_cast<std::size_t>(v)].name);
+  std::vector<Place> places;
+  for (const std::string& scene : options.scenes) places.push_back(load(model, scene));
   Counts c;
-  for (long long i = shard; i < options.count; i += shards) {
-    Random random(Random(options.seed).bits() ^
-                  (static_cast<std::uint64_t>(i) * 0xd1342543de82ef95ull));
-    check(i, randomEdge(random, certifier), certifier, world, names, options.step, c);
-  }
+  if (options.asked)
+    checkAsked(options, shard, shards, places, c);
+  else
+    checkRandom(options, shard, shards, places, c);
   const double share =
       c.edges > 0 ? static_cast<double>(c.cautious) / static_cast<double>(c.edges) : 0;
   const auto mean = [](double seconds, long long n) {
@@ -189,18 +241,20 @@ int run(const Options& options) {
       "certify: {:.1f} us a free edge, {:.1f} us a rejected one; sampling: {} states, {:.1f} s\n",
       mean(c.certify_free_s, c.free), mean(c.certify_rejected_s, c.rejected), c.states,
       c.sampling_s);
-  return c.unsafe == 0 && share < kCautiousShare && c.free > 0 && c.rejected > 0 ? 0 : 1;
+  return c.unsafe == 0 && share <= kCautiousShare && c.free > 0 && c.rejected > 0 ? 0 : 1;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
+  ompl::msg::noOutputHandler();
   CLI::App app("Certified edges against dense sampling.");
   Options options;
   app.add_option("--robot", options.robot, "URDF")->required();
   app.add_option("--srdf", options.srdf, "SRDF")->required();
-  app.add_option("scene", options.scene, "sceneNNNN.yaml, with requestNNNN.yaml beside it")
+  app.add_option("scenes", options.scenes, "sceneNNNN.yaml, with requestNNNN.yaml beside them")
       ->required();
+  app.add_flag("--asked", options.asked, "edges that planning and simplifying ask for");
   app.add_option("--count", options.count, "edges in all shards")->check(CLI::PositiveNumber);
   app.add_option("--seed", options.seed, "seed");
   app.add_option("--shard", options.shard, "i/N: every N-th edge from the i-th");
