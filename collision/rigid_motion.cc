@@ -1,4 +1,4 @@
-// Straight and screw motions of a frame.
+// Straight and screw motions of a frame, and of frames that are fixed to it.
 
 #include <Eigen/Geometry>
 #include <cmath>
@@ -100,6 +100,26 @@ FrameMotionBound ScrewMotion::bound(double, double) const {
 double ScrewMotion::rounding(double reach) const {
   return kMotionRounding *
          (3 * reach + X_WA0_.translation.norm() + 4 * (across_.norm() + along_.norm()));
+}
+
+FrameVelocity MountedMotion::velocity(double t) const {
+  FrameVelocity v = body_.velocity(t);
+  v.linear += v.angular.cross(body_.pose(t).rotation * X_BG_.translation);
+  return v;
+}
+
+FrameMotionBound MountedMotion::bound(double t0, double t1) const {
+  FrameMotionBound m = body_.bound(t0, t1);
+  const double arm = outwards(X_BG_.translation.norm());
+  m.acceleration += (m.angular_acceleration + m.angular_speed * m.angular_speed) * arm;
+  m.speed += m.angular_speed * arm;
+  return m;
+}
+
+double MountedMotion::rounding(double reach) const {
+  const double arm = X_BG_.translation.norm();
+  return body_.rounding(reach + arm) +
+         kMotionRounding * (arm + reach + body_.pose(0).translation.norm());
 }
 
 }  // namespace leeway::collision

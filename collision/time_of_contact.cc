@@ -344,38 +344,6 @@ ContactResult timeOfContact(const MovingTriangle& a, const Shape& b, const Pose&
   return result;
 }
 
-namespace {
-
-/// A geometry's motion, from its body's.
-class Mounted final : public RigidMotion {
- public:
-  Mounted(const RigidMotion& body, const Pose& X_BG) : body_(body), X_BG_(X_BG) {}
-  Pose pose(double t) const override { return body_.pose(t) * X_BG_; }
-  FrameVelocity velocity(double t) const override {
-    FrameVelocity v = body_.velocity(t);
-    v.linear += v.angular.cross(body_.pose(t).rotation * X_BG_.translation);
-    return v;
-  }
-  FrameMotionBound bound(double t0, double t1) const override {
-    FrameMotionBound m = body_.bound(t0, t1);
-    const double arm = X_BG_.translation.norm() * (1 + 1e-12);
-    m.acceleration += times(m.angular_acceleration + m.angular_speed * m.angular_speed, arm);
-    m.speed += times(m.angular_speed, arm);
-    return m;
-  }
-  double rounding(double reach) const override {
-    const double arm = X_BG_.translation.norm();
-    return body_.rounding(reach + arm) +
-           kMotionRounding * (arm + reach + body_.pose(0).translation.norm());
-  }
-
- private:
-  const RigidMotion& body_;
-  const Pose& X_BG_;
-};
-
-}  // namespace
-
 ContactResult timeOfContact(const Scene& scene, std::span<const RigidMotion* const> motions,
                             const ContactRequest& request, Workspace& workspace) {
   ContactResult first;
@@ -394,8 +362,8 @@ ContactResult timeOfContact(const Scene& scene, std::span<const RigidMotion* con
     const RigidMotion* told_b = motions[static_cast<std::size_t>(pair.body_b)];
     const Geometry& a = body(pair.body_a).geometries[static_cast<std::size_t>(pair.geometry_a)];
     const Geometry& b = body(pair.body_b).geometries[static_cast<std::size_t>(pair.geometry_b)];
-    const Mounted motion_a(told_a != nullptr ? *told_a : still_a, a.X_BG);
-    const Mounted motion_b(told_b != nullptr ? *told_b : still_b, b.X_BG);
+    const MountedMotion motion_a(told_a != nullptr ? *told_a : still_a, a.X_BG);
+    const MountedMotion motion_b(told_b != nullptr ? *told_b : still_b, b.X_BG);
     ContactRequest one = request;
     one.margin += pair.margin;
     one.end = std::min(one.end, first.time.upper);

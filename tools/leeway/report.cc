@@ -4,6 +4,7 @@
 
 #include "tools/leeway/verb.h"
 #include "tools/report/deform_scenes.h"
+#include "tools/report/motion_cases.h"
 
 namespace leeway::tools {
 namespace {
@@ -86,6 +87,38 @@ CLI::App* addDeform(CLI::App* app, const std::shared_ptr<ReportDeformArguments>&
   return deform;
 }
 
+CLI::App* addMotion(CLI::App* app, const std::shared_ptr<ReportMotionArguments>& arguments) {
+  CLI::App* motion =
+      app->add_subcommand("motion", "time of contact, cost and errors, with FCL and Bullet");
+  motion->add_option("--output", arguments->output, "folder for CSV and pictures")
+      ->type_name("DIR")
+      ->capture_default_str();
+  motion->add_option("--seed", arguments->seed, "of the cases")->capture_default_str();
+  auto* count = motion->add_option("--cases", arguments->cases, "a family")
+                    ->check(CLI::Range(1, 10'000'000))
+                    ->capture_default_str();
+  auto* passes =
+      motion->add_option("--passes", arguments->passes, "timed passes, whose median is told")
+          ->check(CLI::Range(0, 10000))
+          ->capture_default_str();
+  motion
+      ->add_flag_callback(
+          "--full",
+          [arguments] {
+            arguments->cases = 1000;
+            arguments->passes = 15;
+          },
+          "1000 cases a family and 15 passes")
+      ->excludes(count)
+      ->excludes(passes);
+  motion->add_option("--family", arguments->families, "only these")
+      ->check(CLI::IsMember(report::contactFamilies()));
+  motion->add_flag("--no-rivals", arguments->no_rivals, "ours alone");
+  motion->add_flag("--json", arguments->json, "one JSON document");
+  motion->footer("Example:\n  leeway report motion --family ordinary --output /tmp/report");
+  return motion;
+}
+
 }  // namespace
 
 Verb addReport(CLI::App& command) {
@@ -95,6 +128,8 @@ Verb addReport(CLI::App& command) {
   CLI::App* accuracy = addAccuracy(app, accuracy_arguments);
   auto deform_arguments = std::make_shared<ReportDeformArguments>();
   CLI::App* deform = addDeform(app, deform_arguments);
+  auto motion_arguments = std::make_shared<ReportMotionArguments>();
+  CLI::App* motion = addMotion(app, motion_arguments);
   CLI::App* cases = app->add_subcommand("cases", "answers every pair of shapes of a case file");
   cases->add_option("file", arguments->file, "case file (tests/data/README.md)")
       ->type_name("FILE")
@@ -115,6 +150,7 @@ Verb addReport(CLI::App& command) {
   return {app, [=] {
             if (accuracy->parsed()) return runReportAccuracy(*accuracy_arguments);
             if (deform->parsed()) return runReportDeform(*deform_arguments);
+            if (motion->parsed()) return runReportMotion(*motion_arguments);
             return arguments->reference.empty()
                        ? runReportCases(arguments->file, arguments->raw)
                        : runReportCasesAgainst(arguments->file, arguments->reference);

@@ -52,4 +52,19 @@ struct ReportDeformArguments {
 /// throws robots::InputError.
 int runReportDeform(const ReportDeformArguments& arguments);
 
+struct ReportMotionArguments {
+  std::string output = "report";
+  std::uint64_t seed = 1;
+  int cases = 100;  ///< a family
+  int passes = 5;
+  std::vector<std::string> families;  ///< none: all
+  bool no_rivals = false;
+  bool json = false;
+};
+
+/// `leeway report motion`: time of contact, cost and errors by family, with the rivals that are
+/// there. Writes motion.csv and motion.svg into `output`. Returns 0 when no answer of ours is wrong
+/// or left open, else 1; throws robots::InputError.
+int runReportMotion(const ReportMotionArguments& arguments);
+
 }  // namespace leeway::tools

@@ -1,12 +1,6 @@
 // Bullet 3 in double precision, as Debian builds it. Margins are set to 0; what spheres and
 // capsules call their margin is their radius.
 
-#include <BulletCollision/CollisionShapes/btBoxShape.h>
-#include <BulletCollision/CollisionShapes/btCapsuleShape.h>
-#include <BulletCollision/CollisionShapes/btConeShape.h>
-#include <BulletCollision/CollisionShapes/btConvexHullShape.h>
-#include <BulletCollision/CollisionShapes/btCylinderShape.h>
-#include <BulletCollision/CollisionShapes/btSphereShape.h>
 #include <BulletCollision/NarrowPhaseCollision/btGjkEpa2.h>
 #include <BulletCollision/NarrowPhaseCollision/btGjkEpaPenetrationDepthSolver.h>
 #include <BulletCollision/NarrowPhaseCollision/btGjkPairDetector.h>
@@ -16,6 +10,8 @@
 #include <limits>
 
 #include "tools/report/bullet_mesh_rival.h"
+#include "tools/report/bullet_motion_rival.h"
+#include "tools/report/bullet_shape_rival.h"
 #include "tools/report/rivals.h"
 
 namespace leeway::tools::report {
@@ -26,47 +22,6 @@ using collision::ShapeType;
 using BulletShape = std::unique_ptr<btConvexShape>;
 
 constexpr double kFailed = std::numeric_limits<double>::quiet_NaN();
-
-btVector3 toBullet(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
-
-btTransform toBullet(const collision::Pose& pose) {
-  const Eigen::Matrix3d& R = pose.rotation;
-  const btMatrix3x3 rotation(R(0, 0), R(0, 1), R(0, 2), R(1, 0), R(1, 1), R(1, 2), R(2, 0), R(2, 1),
-                             R(2, 2));
-  return btTransform(rotation, toBullet(pose.translation));
-}
-
-BulletShape withoutMargin(BulletShape shape) {
-  shape->setMargin(0);
-  return shape;
-}
-
-BulletShape makeShape(const ReportShape& s) {
-  const Shape& shape = s.shape;
-  const double radius = shape.radius(), half = shape.halfLength();
-  switch (shape.type()) {
-    case ShapeType::kSphere:
-      return std::make_unique<btSphereShape>(radius);
-    case ShapeType::kCapsule:
-      return std::make_unique<btCapsuleShapeZ>(radius, 2 * half);
-    case ShapeType::kBox:
-      return withoutMargin(std::make_unique<btBoxShape>(toBullet(shape.halfExtents())));
-    case ShapeType::kCylinder:
-      return withoutMargin(std::make_unique<btCylinderShapeZ>(btVector3(radius, radius, half)));
-    case ShapeType::kCone:
-      return withoutMargin(std::make_unique<btConeShapeZ>(radius, 2 * half));
-    case ShapeType::kConvexHull: {
-      auto hull = std::make_unique<btConvexHullShape>();
-      for (const Eigen::Vector3d& p : s.points) hull->addPoint(toBullet(p), false);
-      hull->recalcLocalAabb();
-      return withoutMargin(std::move(hull));
-    }
-    case ShapeType::kEllipsoid:  // Bullet has none
-    default:                     // half-spaces (nor convex half-spaces) and meshes
-      break;
-  }
-  return nullptr;
-}
 
 /// What the cores' distance is to be made smaller by.
 double roundness(const Shape& shape) {
@@ -131,7 +86,7 @@ class BulletEngine : public PairEngine {
   const char* name() const override { return name_; }
   bool hasTolerance() const override { return false; }
   std::unique_ptr<PairQuery> prepare(const PairSpec& spec, bool) const override {
-    BulletShape a = makeShape(*spec.a), b = makeShape(*spec.b);
+    BulletShape a = makeBulletShape(*spec.a), b = makeBulletShape(*spec.b);
     if (!a || !b) return nullptr;
     return std::make_unique<Query>(std::move(a), std::move(b), spec);
   }
@@ -143,11 +98,12 @@ class BulletEngine : public PairEngine {
 }  // namespace
 }  // namespace leeway::tools::report
 
-extern "C" leeway::tools::report::Rivals* leewayMakeRivals2() {
+extern "C" leeway::tools::report::Rivals* leewayMakeRivals3() {
   using namespace leeway::tools::report;
   auto rivals = std::make_unique<Rivals>();
   rivals->pairs.push_back(std::make_unique<BulletEngine<Epa2Query>>("Bullet epa2"));
   rivals->pairs.push_back(std::make_unique<BulletEngine<DetectorQuery>>("Bullet detector"));
   rivals->meshes = makeBulletMeshEngines();
+  rivals->motions = makeBulletMotionEngines();
   return rivals.release();
 }

@@ -11,6 +11,7 @@
 #include <type_traits>
 
 #include "leeway/collision/triangle_mesh.h"
+#include "tools/report/fcl_shape_rival.h"
 
 namespace leeway::tools::report {
 namespace {
@@ -18,31 +19,11 @@ namespace {
 using collision::Shape;
 using collision::ShapeType;
 
-std::vector<fcl::Triangle> toFcl(std::span<const std::array<std::int32_t, 3>> triangles) {
-  std::vector<fcl::Triangle> result;
-  for (const auto& t : triangles)
-    result.emplace_back(static_cast<std::size_t>(t[0]), static_cast<std::size_t>(t[1]),
-                        static_cast<std::size_t>(t[2]));
-  return result;
-}
-
-template <typename Volume>
-std::shared_ptr<fcl::BVHModel<Volume>> makeModel(
-    std::span<const Eigen::Vector3d> vertices,
-    std::span<const std::array<std::int32_t, 3>> triangles) {
-  auto model = std::make_shared<fcl::BVHModel<Volume>>();
-  model->beginModel(static_cast<int>(triangles.size()), static_cast<int>(vertices.size()));
-  model->addSubModel(std::vector<fcl::Vector3d>(vertices.begin(), vertices.end()),
-                     toFcl(triangles));
-  model->endModel();
-  return model;
-}
-
 template <typename Volume>
 class FclFollower : public MeshFollower {
  public:
   FclFollower(const DeformingSpec& spec, bool refit)
-      : model_(makeModel<Volume>(spec.rest, spec.triangles)), refit_(refit) {}
+      : model_(makeFclModel<Volume>(spec.rest, spec.triangles)), refit_(refit) {}
 
   void setVertices(std::span<const Eigen::Vector3d> vertices, double) override {
     model_->beginReplaceModel();
@@ -61,7 +42,8 @@ class FclFollower : public MeshFollower {
         bodies_.push_back(std::make_shared<fcl::Capsuled>(shape.radius(), 2 * shape.halfLength()));
         return true;
       case ShapeType::kMesh:
-        bodies_.push_back(makeModel<Volume>(shape.mesh()->vertices(), shape.mesh()->triangles()));
+        bodies_.push_back(
+            makeFclModel<Volume>(shape.mesh()->vertices(), shape.mesh()->triangles()));
         return true;
       default:
         return false;
@@ -69,12 +51,10 @@ class FclFollower : public MeshFollower {
   }
 
   double distance(int body, const collision::Pose& X_WB) override {
-    fcl::Transform3d X = fcl::Transform3d::Identity();
-    X.linear() = X_WB.rotation;
-    X.translation() = X_WB.translation;
     fcl::DistanceResultd result;
     return fcl::distance(model_.get(), fcl::Transform3d::Identity(),
-                         bodies_[static_cast<std::size_t>(body)].get(), X, request_, result);
+                         bodies_[static_cast<std::size_t>(body)].get(), toFcl(X_WB), request_,
+                         result);
   }
 
  private:

@@ -6,6 +6,7 @@
 
 #include "tools/report/engine.h"
 #include "tools/report/mesh_engine.h"
+#include "tools/report/motion_engine.h"
 
 namespace leeway::tools::report {
 
@@ -13,12 +14,13 @@ namespace leeway::tools::report {
 struct Rivals {
   std::vector<std::unique_ptr<PairEngine>> pairs;   ///< for `report accuracy`
   std::vector<std::unique_ptr<MeshEngine>> meshes;  ///< for `report deform`
+  std::vector<std::unique_ptr<ContactEngine>> motions;  ///< for `report motion`
 };
 
 /// Rivals live in modules of their own, loaded when a report asks for them: the command neither
 /// links nor needs their libraries. Each module exports one function of this name and type.
 using MakeRivals = Rivals* (*)();
-inline constexpr const char* kMakeRivals = "leewayMakeRivals2";
+inline constexpr const char* kMakeRivals = "leewayMakeRivals3";
 
 /// A module, its library and what became of it.
 struct RivalModule {

@@ -82,6 +82,20 @@ class ScrewMotion final : public RigidMotion {
   double angle_, cotangent_;  // [rad]; of half the angle
 };
 
+/// The motion of a frame G that is fixed to a body B: a geometry's, from its body's. Borrows both.
+class MountedMotion final : public RigidMotion {
+ public:
+  MountedMotion(const RigidMotion& body, const Pose& X_BG) : body_(body), X_BG_(X_BG) {}
+  Pose pose(double t) const override { return body_.pose(t) * X_BG_; }
+  FrameVelocity velocity(double t) const override;
+  FrameMotionBound bound(double t0, double t1) const override;
+  double rounding(double reach) const override;
+
+ private:
+  const RigidMotion& body_;
+  const Pose& X_BG_;
+};
+
 struct ContactRequest {
   /// Contact is a separation of this or less [m]; may be negative (allowed depth).
   double margin = 0;

@@ -1,0 +1,66 @@
+#include "tools/report/own_motion_engine.h"
+
+namespace leeway::tools::report {
+namespace {
+
+using collision::ContactRequest;
+using collision::ContactResult;
+using collision::ContactStatus;
+using collision::Scratch;
+
+Scratch& scratch() {
+  thread_local Scratch instance;
+  return instance;
+}
+
+ContactAnswer answerOf(const ContactResult& result) {
+  if (result.status == ContactStatus::kInvalid) return {};
+  return {result.status == ContactStatus::kContact, result.status == ContactStatus::kUndecided,
+          result.time.lower, result.time.upper};
+}
+
+class OwnQuery : public ContactQuery {
+ public:
+  explicit OwnQuery(const ContactSpec& spec) : spec_(spec) { request_.margin = spec.margin; }
+
+  ContactAnswer ask() override {
+    if (!spec_.triangles.empty())
+      return answerOf(timeOfContact(spec_.triangles[0], spec_.triangles[1], request_, scratch()));
+    // Later pairs are followed only to the first contact found.
+    ContactRequest request = request_;
+    ContactAnswer first;
+    for (const auto& pair : spec_.pairs) {
+      const MovingBody &a = spec_.bodies[pair[0]], &b = spec_.bodies[pair[1]];
+      const ContactResult result =
+          timeOfContact(a.shape->shape, *a.motion, b.shape->shape, *b.motion, request, scratch());
+      if (result.status == ContactStatus::kFree) continue;
+      first = answerOf(result);
+      if (!first.contact) return first;
+      request.end = result.time.upper;
+    }
+    return first;
+  }
+
+ private:
+  ContactSpec spec_;
+  ContactRequest request_;
+};
+
+class OwnEngine : public ContactEngine {
+ public:
+  const char* name() const override { return "leeway"; }
+  bool claimsBounds() const override { return true; }
+  std::unique_ptr<ContactQuery> prepare(const ContactSpec& spec) const override {
+    return std::make_unique<OwnQuery>(spec);
+  }
+};
+
+}  // namespace
+
+std::vector<std::unique_ptr<ContactEngine>> makeOwnMotionEngines() {
+  std::vector<std::unique_ptr<ContactEngine>> engines;
+  engines.push_back(std::make_unique<OwnEngine>());
+  return engines;
+}
+
+}  // namespace leeway::tools::report
