@@ -157,7 +157,8 @@ Vector touching(Feature of_a, const Feature& of_b, const Vector& w) {
     p = clamped(of_a, of_b.center);
   } else if (of_a.dimension == 1 && of_b.dimension == 1) {
     double s_a = 0, s_b = 0;
-    nearestOnSegments(of_a.center, of_a.half[0], of_b.center, of_b.half[0], s_a, s_b);
+    nearestOnSegments(tripleOf(of_a.center), tripleOf(of_a.half[0]), tripleOf(of_b.center),
+                      tripleOf(of_b.half[0]), s_a, s_b);
     p = of_a.center + s_a * of_a.half[0];
   } else if (of_b.dimension == 2) {
     p = clamped(of_a, shared(of_b, of_a));

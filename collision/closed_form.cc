@@ -111,6 +111,36 @@ PointDistance fromCone(double radius, double half_length, const Vector& p) {
           unitOr(d, norm, normal_across * plane.radial + normal_along * Vector::UnitZ())};
 }
 
+// nearestToBox() by looking at all places where the derivative bends.
+double breakpointsNearestToBox(const Triple& c, const Triple& h, const Triple& half) {
+  const auto derivative = [&](double s) {
+    const Triple p = c + s * h;
+    return dot(h, p - within(p, half));
+  };
+  double low = -1, high = 1;
+  double at_low = derivative(low), at_high = derivative(high);
+  if (at_low >= 0) return low;
+  if (at_high <= 0) return high;
+  const double c_i[3] = {c.x, c.y, c.z}, h_i[3] = {h.x, h.y, h.z},
+               half_i[3] = {half.x, half.y, half.z};
+  for (int i = 0; i < 3; ++i) {
+    if (h_i[i] == 0) continue;
+    for (const double side : {-half_i[i], half_i[i]}) {
+      const double s = (side - c_i[i]) / h_i[i];
+      if (!(s > low && s < high)) continue;
+      const double value = derivative(s);
+      if (value <= 0) {
+        low = s;
+        at_low = value;
+      } else {
+        high = s;
+        at_high = value;
+      }
+    }
+  }
+  return std::clamp(low - at_low * ((high - low) / (at_high - at_low)), low, high);
+}
+
 }  // namespace
 
 bool hasPointDistance(Core core) { return core != Core::kPoints && core != Core::kEllipsoid; }
@@ -132,49 +162,26 @@ PointDistance pointDistance(const ConvexView& view, const Vector& p) {
   }
 }
 
-void nearestOnSegments(const Vector& c0, const Vector& h0, const Vector& c1, const Vector& h1,
-                       double& s0, double& s1) {
-  const Vector r = c0 - c1;
-  const double a = h0.squaredNorm(), e = h1.squaredNorm(), b = h0.dot(h1);
-  const double c = h0.dot(r), f = h1.dot(r);
-  const double denominator = a * e - b * b;
-  // Parallel or without length: any start is right, the clamps below do the rest.
-  s0 = denominator > 0 ? std::clamp((b * f - c * e) / denominator, -1.0, 1.0) : 0;
-  s1 = e > 0 ? std::clamp((b * s0 + f) / e, -1.0, 1.0) : 0;
-  s0 = a > 0 ? std::clamp((b * s1 - c) / a, -1.0, 1.0) : 0;
-}
-
-double nearestToBox(const Vector& c, const Vector& h, const Vector& half) {
+double nearestToBox(const Triple& c, const Triple& h, const Triple& half) {
   // The squared distance is convex in s, its derivative increasing and linear between the places
-  // where a coordinate enters or leaves the box.
-  const auto derivative = [&](double s) {
-    double sum = 0;
-    for (int i = 0; i < 3; ++i) {
-      const double x = c[i] + s * h[i];
-      sum += h[i] * (x - std::clamp(x, -half[i], half[i]));
-    }
-    return sum;
-  };
-  double low = -1, high = 1;
-  double at_low = derivative(low), at_high = derivative(high);
-  if (at_low >= 0) return low;
-  if (at_high <= 0) return high;
-  for (int i = 0; i < 3; ++i) {
-    if (h[i] == 0) continue;
-    for (const double side : {-half[i], half[i]}) {
-      const double s = (side - c[i]) / h[i];
-      if (!(s > low && s < high)) continue;
-      const double value = derivative(s);
-      if (value <= 0) {
-        low = s;
-        at_low = value;
-      } else {
-        high = s;
-        at_high = value;
-      }
-    }
+  // where a coordinate enters or leaves the box. Newton's steps end on the root as soon as they
+  // meet its piece: after two or three, mostly.
+  constexpr int kSteps = 6;
+  const Triple squares = {h.x * h.x, h.y * h.y, h.z * h.z};
+  double s = nearestOnSegment(within(c, half) - c, h);
+  for (int i = 0; i < kSteps; ++i) {
+    const Triple p = c + s * h;
+    const Triple out = p - within(p, half);
+    const double slope = dot(h, out);
+    const double size = std::abs(h.x * out.x) + std::abs(h.y * out.y) + std::abs(h.z * out.z);
+    const double curvature =
+        (out.x != 0) * squares.x + (out.y != 0) * squares.y + (out.z != 0) * squares.z;
+    // (NaN, where all of h is inside, ends it too.)
+    const double next = within(s - slope / curvature, -1, 1);
+    if (!(std::abs(slope) > 4 * kUnitRoundoff * size) || next == s) return s;
+    s = next;
   }
-  return std::clamp(low - at_low * ((high - low) / (at_high - at_low)), low, high);
+  return breakpointsNearestToBox(c, h, half);
 }
 
 }  // namespace leeway::collision

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "collision/progress.h"
+#include "collision/triple.h"
 
 namespace leeway::collision {
 
@@ -19,13 +20,33 @@ bool hasPointDistance(Core core);
 /// roundoff times (extent + |p|). O(1).
 PointDistance pointDistance(const ConvexView& view, const Vector& p);
 
+/// Where the segment s h, |s| <= 1, comes nearest to p: s.
+inline double nearestOnSegment(const Triple& p, const Triple& h) {
+  // (Limits that are no constants are kept by instructions without a branch.)
+  const double length_squared = squared(h);
+  return within(dot(p, h), -length_squared, length_squared) /
+         (length_squared > 0 ? length_squared : 1);
+}
+
 /// Nearest points of two segments through c0 and c1, with half vectors h0 and h1: c + s h, |s|
-/// <= 1. After Lumelsky (1985). Near parallel they can be poor; the caller checks them.
-void nearestOnSegments(const Vector& c0, const Vector& h0, const Vector& c1, const Vector& h1,
-                       double& s0, double& s1);
+/// <= 1 (by rounding, one unit more). After Lumelsky (1985). Near parallel they can be poor; the
+/// caller checks them.
+inline void nearestOnSegments(const Triple& c0, const Triple& h0, const Triple& c1,
+                              const Triple& h1, double& s0, double& s1) {
+  const Triple r = c0 - c1;
+  const double a = squared(h0), e = squared(h1), b = dot(h0, h1);
+  const double c = dot(h0, r), f = dot(h1, r);
+  const double denominator = a * e - b * b;
+  const double per_a = 1 / (a > 0 ? a : 1), per_e = 1 / (e > 0 ? e : 1);
+  // Parallel or without length: any start is right, the ones after it do the rest. (Without length
+  // b, c or f are 0, too.)
+  s0 = within(b * f - c * e, -denominator, denominator) / (denominator > 0 ? denominator : 1);
+  s1 = within(b * s0 + f, -e, e) * per_e;
+  s0 = within(b * s1 - c, -a, a) * per_a;
+}
 
 /// Where the segment c + s h, |s| <= 1, comes nearest to the box |x| <= half: s. As good as
 /// rounding lets the weight of the two breakpoints around it be.
-double nearestToBox(const Vector& c, const Vector& h, const Vector& half);
+double nearestToBox(const Triple& c, const Triple& h, const Triple& half);
 
 }  // namespace leeway::collision

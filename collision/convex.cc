@@ -8,6 +8,7 @@
 #include "collision/gjk.h"
 #include "collision/parallel_axes.h"
 #include "collision/penetration.h"
+#include "collision/pose_check.h"
 #include "collision/scratch.h"
 #include "collision/sharp.h"
 #include "collision/simd/vertex_gjk.h"
@@ -95,44 +96,16 @@ ConvexView viewOfPoints(const Vector* points, int count, double radius) {
 // instead of Q^T moves points of A by |F| (extent A + |t|) and points of B by |E| extent B. R_A is
 // taken as the matrix that it is, but a caller may have meant the rotation next to it: |E_A| extent
 // A. In sum departures plus at most 9 + 9/2 + 9 units.
-namespace {
-
-// Two numbers side by side, the same operation on both: a lane for each pose. (Every compiler that
-// we build with has these; they are rounded like single doubles, so that results are the same where
-// they are not fast.)
-typedef double Lanes __attribute__((vector_size(16)));
-
-// Squared Frobenius norm of R^T R - 1 for two matrices. NaN or infinite when an entry is.
-inline Lanes departureSquared(const Eigen::Matrix3d& R, const Eigen::Matrix3d& S) {
-  const auto entry = [&](int i, int j) { return Lanes{R(i, j), S(i, j)}; };
-  const Lanes a0 = entry(0, 0), a1 = entry(1, 0), a2 = entry(2, 0);
-  const Lanes b0 = entry(0, 1), b1 = entry(1, 1), b2 = entry(2, 1);
-  const Lanes c0 = entry(0, 2), c1 = entry(1, 2), c2 = entry(2, 2);
-  const Lanes one = {1, 1};
-  const Lanes aa = a0 * a0 + a1 * a1 + a2 * a2 - one;
-  const Lanes bb = b0 * b0 + b1 * b1 + b2 * b2 - one;
-  const Lanes cc = c0 * c0 + c1 * c1 + c2 * c2 - one;
-  const Lanes ab = a0 * b0 + a1 * b1 + a2 * b2;
-  const Lanes bc = b0 * c0 + b1 * c1 + b2 * c2;
-  const Lanes ca = c0 * a0 + c1 * a1 + c2 * a2;
-  const Lanes mixed = ab * ab + bc * bc + ca * ca;
-  return aa * aa + bb * bb + cc * cc + (mixed + mixed);
-}
-
-}  // namespace
-
 RelativePose relativePose(const Pose& X_WA, const Pose& X_WB) {
   RelativePose result;
-  const Lanes departure = departureSquared(X_WA.rotation, X_WB.rotation);
-  // Written so that NaN and infinity fail: x - x is 0 for finite x only.
-  constexpr double kLimit = kRotationTolerance * kRotationTolerance;
+  const PoseCheck check = checkRotations(X_WA.rotation, X_WB.rotation);
   const Vector &a = X_WA.translation, &b = X_WB.translation;
+  // x - x is 0 for finite x only.
   const double zero = (a.x() - a.x()) + (a.y() - a.y()) + (a.z() - a.z()) + (b.x() - b.x()) +
                       (b.y() - b.y()) + (b.z() - b.z());
-  if (!(departure[0] <= kLimit && departure[1] <= kLimit && zero == 0)) return result;
+  if (!(check.rotations && zero == 0)) return result;
   result.valid = true;
-  // sqrt(x) + sqrt(y) <= sqrt(2 (x + y)), at one root less.
-  result.slack = std::sqrt(2 * (departure[0] + departure[1])) + kPoseRounding * kUnitRoundoff;
+  result.slack = check.slack;
   const Eigen::Matrix3d &A = X_WA.rotation, &B = X_WB.rotation;
   for (int j = 0; j < 3; ++j) {
     for (int i = 0; i < 3; ++i) {
@@ -258,7 +231,7 @@ bool trySegments(const ConvexView& a, const Pose& X_BA, const ConvexView& b, Pro
   const Vector half_a = X_BA.rotation.col(2) * a.size.z();
   const Vector half_b(0, 0, b.size.z());
   double s_a = 0, s_b = 0;
-  nearestOnSegments(X_BA.translation, half_a, Vector::Zero(), half_b, s_a, s_b);
+  nearestOnSegments(tripleOf(X_BA.translation), tripleOf(half_a), {}, tripleOf(half_b), s_a, s_b);
   const Vector p = X_BA.translation + s_a * half_a;
   const Vector w = s_b * half_b - p;
   const double norm = w.norm();
@@ -286,7 +259,7 @@ bool trySegments(const ConvexView& a, const Pose& X_BA, const ConvexView& b, Pro
 bool trySegmentAndBox(const ConvexView& a, const Pose& X_BA, const ConvexView& b,
                       Progress& progress) {
   const Vector half_a = X_BA.rotation.col(2) * a.size.z();
-  const double s = nearestToBox(X_BA.translation, half_a, b.size);
+  const double s = nearestToBox(tripleOf(X_BA.translation), tripleOf(half_a), tripleOf(b.size));
   const Vector p = X_BA.translation + s * half_a;
   const Vector w = p.cwiseMin(b.size).cwiseMax(-b.size) - p;
   const double norm = w.norm();

@@ -8,6 +8,7 @@
 #include "collision/mesh_distance.h"
 #include "collision/scratch.h"
 #include "collision/sharp.h"
+#include "collision/simple_pairs.h"
 #include "collision/vector.h"
 #include "leeway/collision/tolerances.h"
 
@@ -43,6 +44,13 @@ void forgetPoints(DistanceResult& result) {
 
 DistanceResult distance(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
                         const DistanceRequest& request, Scratch& scratch, PairCache* cache) {
+  DistanceResult result;
+  if (answerSimplePair(a, X_WA, b, X_WB, request, cache, result)) return result;
+  return generalDistance(a, X_WA, b, X_WB, request, scratch, cache);
+}
+
+DistanceResult generalDistance(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
+                               const DistanceRequest& request, Scratch& scratch, PairCache* cache) {
   if (a.type() == ShapeType::kDeformable || b.type() == ShapeType::kDeformable) {
     return deformDistance(a, X_WA, b, X_WB, request, scratch, cache);
   }

@@ -1,0 +1,271 @@
+#include "collision/box_pairs.h"
+
+#include "collision/closed_form.h"
+
+namespace leeway::collision {
+
+namespace {
+
+// From the box's frame to the world's axes, at the box.
+void toWorld(const Eigen::Matrix3d& R_WB, const Triple& point, const Triple& normal,
+             Nearest& nearest) {
+  nearest.point_a = rotated(R_WB, point);
+  nearest.normal = rotated(R_WB, normal);
+}
+
+Triple halfOf(const Shape& box) { return tripleOf(box.halfExtents()); }
+
+}  // namespace
+
+bool nearestOfSphereAndBox(const Pose& X_WS, const Shape& box, const Pose& X_WB, Nearest& nearest) {
+  const Triple c =
+      rotatedBack(X_WB.rotation, tripleOf(X_WS.translation) - tripleOf(X_WB.translation));
+  const Triple w = within(c, halfOf(box)) - c;
+  const double apart = std::sqrt(squared(w));
+  // A point's clamp is its nearest point: both ends are the same.
+  nearest.apart = nearest.plane = apart;
+  toWorld(X_WB.rotation, c, (1 / apart) * w, nearest);
+  return apart > 0;
+}
+
+bool nearestOfCapsuleAndBox(const Shape& capsule, const Pose& X_WC, const Shape& box,
+                            const Pose& X_WB, Nearest& nearest) {
+  const Triple half = halfOf(box);
+  const Triple c =
+      rotatedBack(X_WB.rotation, tripleOf(X_WC.translation) - tripleOf(X_WB.translation));
+  const Triple h = capsule.halfLength() * rotatedBack(X_WB.rotation, column(X_WC.rotation, 2));
+  const Triple p = c + nearestToBox(c, h, half) * h;
+  const Triple w = within(p, half) - p;
+  const double apart = std::sqrt(squared(w));
+  const Triple n = (1 / apart) * w;
+  nearest.apart = apart;
+  nearest.plane = -dot(n, c) - std::abs(dot(n, h)) - reach(n, half);
+  toWorld(X_WB.rotation, p, n, nearest);
+  return apart > 0;
+}
+
+namespace {
+
+// Two boxes in B's frame, where B stands at the origin.
+struct Boxes {
+  Triple c;        // A's centre
+  Triple axis[3];  // A's axes
+  double half_a[3], half_b[3];
+};
+
+// By how much B is beyond A along n, a unit vector from A to B.
+double planeAlong(const Boxes& boxes, const Triple& n) {
+  return -dot(n, boxes.c) - std::abs(dot(n, boxes.axis[0])) * boxes.half_a[0] -
+         std::abs(dot(n, boxes.axis[1])) * boxes.half_a[1] -
+         std::abs(dot(n, boxes.axis[2])) * boxes.half_a[2] - std::abs(n.x) * boxes.half_b[0] -
+         std::abs(n.y) * boxes.half_b[1] - std::abs(n.z) * boxes.half_b[2];
+}
+
+// A box and another one in its frame: with centre c and axes (m[.][k]).
+struct Placement {
+  double c[3];
+  double m[3][3];
+};
+
+// The corner of the other box that is nearest to this one's face across axis i. True when it stands
+// above the face.
+bool cornerAboveFace(const Placement& other, const double half[3], const double other_half[3],
+                     int i, double corner[3]) {
+  for (int j = 0; j < 3; ++j) corner[j] = other.c[j];
+  for (int k = 0; k < 3; ++k) {
+    const double s = -std::copysign(other_half[k], other.c[i] * other.m[i][k]);
+    for (int j = 0; j < 3; ++j) corner[j] += s * other.m[j][k];
+  }
+  const int j = i == 2 ? 0 : i + 1, k = i == 0 ? 2 : i - 1;
+  return std::abs(corner[j]) <= half[j] && std::abs(corner[k]) <= half[k];
+}
+
+// Gaps between this box and the other across this one's faces: the axis of the largest.
+int widestFace(const Placement& other, const double half[3], const double other_half[3],
+               double& gap) {
+  double gaps[3];
+  for (int i = 0; i < 3; ++i) {
+    gaps[i] = std::abs(other.c[i]) - half[i] - std::abs(other.m[i][0]) * other_half[0] -
+              std::abs(other.m[i][1]) * other_half[1] - std::abs(other.m[i][2]) * other_half[2];
+  }
+  const int i = gaps[1] > gaps[0] ? 1 : 0;
+  const int k = gaps[2] > gaps[i] ? 2 : i;
+  gap = gaps[k];
+  return k;
+}
+
+// Two edges of which one is parallel to B's axis i, the other to A's axis k.
+struct EdgePair {
+  int i = -1, k = -1;
+  double gap_squared = 0;
+};
+
+// Edges that are parallel to within this sine (squared) are left out: their plane is a face's, or
+// next to it.
+constexpr double kParallelSquared = 1e-8;
+
+// The pair of edges across which the boxes are farther apart than `gap`, and farthest.
+EdgePair widestEdges(const Placement& a, const double half_a[3], const double half_b[3],
+                     double gap) {
+  EdgePair best;
+  best.gap_squared = gap > 0 ? gap * gap : 0;
+  double r[3][3];
+  for (int i = 0; i < 3; ++i) {
+    for (int k = 0; k < 3; ++k) r[i][k] = std::abs(a.m[i][k]);
+  }
+  for (int i = 0; i < 3; ++i) {
+    const int j = i == 2 ? 0 : i + 1, m = i == 0 ? 2 : i - 1;
+    for (int k = 0; k < 3; ++k) {
+      const int p = k == 2 ? 0 : k + 1, q = k == 0 ? 2 : k - 1;
+      // e_i x a_k = (0, -a_k[m], a_k[j]) in the order i, j, m; its products with A's other axes are
+      // entries of the rotation. (A matrix that is not quite one chooses another pair, no more.)
+      const double across = std::abs(a.m[j][k] * a.c[m] - a.m[m][k] * a.c[j]) -
+                            (half_b[j] * r[m][k] + half_b[m] * r[j][k]) -
+                            (half_a[p] * r[i][q] + half_a[q] * r[i][p]);
+      const double sine_squared = r[j][k] * r[j][k] + r[m][k] * r[m][k];
+      if (across > 0 && across * across > best.gap_squared * sine_squared &&
+          sine_squared > kParallelSquared) {
+        best = {i, k, across * across / sine_squared};
+      }
+    }
+  }
+  return best;
+}
+
+// The two edges' nearest points. False when these are beyond an end.
+bool edgesMeet(const Boxes& boxes, const Placement& a, const EdgePair& edges, Nearest& nearest) {
+  const int i = edges.i, k = edges.k;
+  const int j = i == 2 ? 0 : i + 1, m = i == 0 ? 2 : i - 1;
+  const int p = k == 2 ? 0 : k + 1, q = k == 0 ? 2 : k - 1;
+  const double sine_squared = a.m[j][k] * a.m[j][k] + a.m[m][k] * a.m[m][k];
+  double n_j = -a.m[m][k], n_m = a.m[j][k];
+  // From A to B.
+  const double length = std::copysign(std::sqrt(sine_squared), -(n_j * a.c[j] + n_m * a.c[m]));
+  n_j /= length;
+  n_m /= length;
+  const double s_p = std::copysign(boxes.half_a[p], n_j * a.m[j][p] + n_m * a.m[m][p]);
+  const double s_q = std::copysign(boxes.half_a[q], n_j * a.m[j][q] + n_m * a.m[m][q]);
+  // From a point of B's edge to one of A's.
+  const double from_i = a.c[i] + s_p * a.m[i][p] + s_q * a.m[i][q];
+  const double from_j =
+      a.c[j] + s_p * a.m[j][p] + s_q * a.m[j][q] + std::copysign(boxes.half_b[j], n_j);
+  const double from_m =
+      a.c[m] + s_p * a.m[m][p] + s_q * a.m[m][q] + std::copysign(boxes.half_b[m], n_m);
+  const double s = -(a.m[j][k] * from_j + a.m[m][k] * from_m) / sine_squared;
+  const double t = from_i + s * a.m[i][k];
+  if (!(std::abs(s) <= boxes.half_a[k] && std::abs(t) <= boxes.half_b[i])) return false;
+  const double w_j = from_j + s * a.m[j][k], w_m = from_m + s * a.m[m][k];
+  nearest.apart = std::sqrt(w_j * w_j + w_m * w_m);
+  double n[3], point[3];
+  n[i] = 0;
+  n[j] = n_j;
+  n[m] = n_m;
+  point[i] = t;
+  point[j] = w_j - std::copysign(boxes.half_b[j], n_j);
+  point[m] = w_m - std::copysign(boxes.half_b[m], n_m);
+  nearest.normal = {n[0], n[1], n[2]};
+  nearest.point_a = {point[0], point[1], point[2]};
+  nearest.plane = planeAlong(boxes, nearest.normal);
+  return true;
+}
+
+// From A's corner farthest along n, along A's edges to where it is nearest to B: the squared
+// distance from a box is convex, and along a line its least value is known. True when a plane
+// proves that nothing is nearer.
+bool descend(const Boxes& boxes, const Triple& n, Nearest& nearest) {
+  constexpr int kSteps = 8;
+  constexpr double kNarrow = 1e-12;
+  double s[3];
+  Triple p = boxes.c;
+  for (int k = 0; k < 3; ++k) {
+    s[k] = std::copysign(boxes.half_a[k], dot(n, boxes.axis[k]));
+    p = p + s[k] * boxes.axis[k];
+  }
+  const Triple half_b = {boxes.half_b[0], boxes.half_b[1], boxes.half_b[2]};
+  for (int step = 0; step < kSteps; ++step) {
+    const Triple w = within(p, half_b) - p;
+    const double squares = squared(w);
+    // What a move along each edge may gain, to first order: all that keeps the ends apart.
+    double gain[3], sum = 0;
+    for (int k = 0; k < 3; ++k) {
+      const double slope = dot(w, boxes.axis[k]);
+      gain[k] = std::abs(slope) * boxes.half_a[k] - slope * s[k];
+      sum += gain[k];
+    }
+    if (!(squares > 0)) return false;
+    if (sum <= kNarrow * squares || step + 1 == kSteps) {
+      nearest.apart = std::sqrt(squares);
+      nearest.normal = (1 / nearest.apart) * w;
+      nearest.point_a = p;
+      nearest.plane = planeAlong(boxes, nearest.normal);
+      return true;
+    }
+    const int i = gain[1] > gain[0] ? 1 : 0;
+    const int k = gain[2] > gain[i] ? 2 : i;
+    const Triple middle = p - s[k] * boxes.axis[k];
+    s[k] = boxes.half_a[k] * nearestToBox(middle, boxes.half_a[k] * boxes.axis[k], half_b);
+    p = middle + s[k] * boxes.axis[k];
+  }
+  return false;
+}
+
+bool nearestInB(const Boxes& boxes, Nearest& nearest) {
+  const Triple* axis = boxes.axis;
+  const Placement a = {{boxes.c.x, boxes.c.y, boxes.c.z},
+                       {{axis[0].x, axis[1].x, axis[2].x},
+                        {axis[0].y, axis[1].y, axis[2].y},
+                        {axis[0].z, axis[1].z, axis[2].z}}};
+  const Placement b = {{-dot(axis[0], boxes.c), -dot(axis[1], boxes.c), -dot(axis[2], boxes.c)},
+                       {{axis[0].x, axis[0].y, axis[0].z},
+                        {axis[1].x, axis[1].y, axis[1].z},
+                        {axis[2].x, axis[2].y, axis[2].z}}};
+  double gap_b = 0, gap_a = 0, corner[3];
+  const int face_b = widestFace(a, boxes.half_b, boxes.half_a, gap_b);
+  const int face_a = widestFace(b, boxes.half_a, boxes.half_b, gap_a);
+  Triple n;
+  if (gap_b >= gap_a) {
+    double direction[3] = {0, 0, 0};
+    direction[face_b] = std::copysign(1.0, -a.c[face_b]);
+    n = {direction[0], direction[1], direction[2]};
+    if (gap_b > 0 && cornerAboveFace(a, boxes.half_b, boxes.half_a, face_b, corner)) {
+      nearest.point_a = {corner[0], corner[1], corner[2]};
+      nearest.normal = n;
+      nearest.plane = planeAlong(boxes, n);
+      nearest.apart = std::abs(corner[face_b]) - boxes.half_b[face_b];
+      return true;
+    }
+  } else {
+    const double side = std::copysign(1.0, b.c[face_a]);
+    n = side * axis[face_a];
+    if (gap_a > 0 && cornerAboveFace(b, boxes.half_a, boxes.half_b, face_a, corner)) {
+      nearest.apart = std::abs(corner[face_a]) - boxes.half_a[face_a];
+      corner[face_a] = side * boxes.half_a[face_a];
+      nearest.point_a = boxes.c + corner[0] * axis[0] + corner[1] * axis[1] + corner[2] * axis[2];
+      nearest.normal = n;
+      nearest.plane = planeAlong(boxes, n);
+      return true;
+    }
+  }
+  const EdgePair edges = widestEdges(a, boxes.half_a, boxes.half_b, std::max(gap_a, gap_b));
+  if (edges.i >= 0 && edgesMeet(boxes, a, edges, nearest)) return true;
+  return descend(boxes, n, nearest);
+}
+
+}  // namespace
+
+bool nearestOfBoxes(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
+                    Nearest& nearest) {
+  Boxes boxes;
+  const Eigen::Matrix3d& R = X_WB.rotation;
+  boxes.c = rotatedBack(R, tripleOf(X_WA.translation) - tripleOf(X_WB.translation));
+  for (int k = 0; k < 3; ++k) {
+    boxes.axis[k] = rotatedBack(R, column(X_WA.rotation, k));
+    boxes.half_a[k] = a.halfExtents()[k];
+    boxes.half_b[k] = b.halfExtents()[k];
+  }
+  if (!nearestInB(boxes, nearest)) return false;
+  toWorld(R, nearest.point_a, nearest.normal, nearest);
+  return true;
+}
+
+}  // namespace leeway::collision

@@ -1,0 +1,178 @@
+#include "collision/simple_pairs.h"
+
+#include "collision/box_pairs.h"
+#include "collision/closed_form.h"
+#include "collision/pose_check.h"
+#include "leeway/collision/tolerances.h"
+
+namespace leeway::collision {
+
+// Rounding, in units of u L with u = kUnitRoundoff and L >= extent A + extent B + |t|, of points
+// and planes given the frames that they are made in: a box's frame, made with what kPoseRounding
+// covers, or the world's axes. Points: halves 1 or 2 units, the translation 1, sums 3, their
+// difference 1, its norm 3: less than 10. Planes of segments: dot products 3, with a unit vector's
+// own length 4 and three sums 3: less than 16; of boxes less than 22 (see box_overlap.cc).
+// kClosedFormRounding covers all of them.
+
+namespace {
+
+// What a query knows of its pair besides the cores' nearest points.
+struct Frame {
+  const Pose& X_WA;
+  const Pose& X_WB;
+  double extent_a, extent_b;  // of the cores
+  double radius_a, radius_b;
+};
+
+inline void write(const Triple& t, Eigen::Vector3d& v) {
+  v.x() = t.x;
+  v.y() = t.y;
+  v.z() = t.z;
+}
+
+// False when this does not do.
+inline __attribute__((always_inline)) bool answer(const Frame& frame, const Nearest& nearest,
+                                                  const DistanceRequest& request, PairCache* cache,
+                                                  DistanceResult& result) {
+  const PoseCheck check = checkRotations(frame.X_WA.rotation, frame.X_WB.rotation);
+  const double radii = frame.radius_a + frame.radius_b;
+  // |t| <= apart + both extents.
+  const double size = nearest.apart + 2 * (frame.extent_a + frame.extent_b);
+  const double rounding =
+      (kClosedFormRounding * kUnitRoundoff + check.slack) * size + 4 * kUnitRoundoff * radii;
+  const double lower = nearest.plane - (radii + rounding);
+  const double upper = nearest.apart - (radii - rounding);
+  const bool converged = upper - lower <= request.tolerance;
+  const bool above = lower > request.threshold, below = upper <= request.threshold;
+  const bool overlap = !request.depth && upper <= 0;
+  const bool enough = (converged && (lower > 0 || upper <= 0)) || above || below || overlap;
+  // Written so that NaN fails; a translation that is not finite gives no finite size.
+  if (!(enough && check.rotations && nearest.apart > 64 * kUnitRoundoff * size &&
+        size + radii >= kSmallestScale && size + radii <= kLargestScale)) {
+    return false;
+  }
+  result.distance = {lower, upper};
+  result.status = converged ? DistanceStatus::kConverged
+                  : above   ? DistanceStatus::kAboveThreshold
+                  : below   ? DistanceStatus::kNotAboveThreshold
+                            : DistanceStatus::kOverlap;
+  const Triple& n = nearest.normal;
+  const Triple core = tripleOf(frame.X_WB.translation) + nearest.point_a;
+  write(core + frame.radius_a * n, result.point_a);
+  write(core + (nearest.apart - frame.radius_b) * n, result.point_b);
+  write(n, result.normal);
+  result.iterations = 1;
+  if (cache != nullptr) write(rotatedBack(frame.X_WB.rotation, n), cache->direction_B);
+  return true;
+}
+
+// Two segments or points, along the world's axes: neither frame is needed. After Lumelsky (1985);
+// near parallel the points can be poor, which the plane tells.
+template <bool kSegmentA, bool kSegmentB>
+inline __attribute__((always_inline)) bool answerSegments(const Shape& a, const Pose& X_WA,
+                                                          const Shape& b, const Pose& X_WB,
+                                                          const DistanceRequest& request,
+                                                          PairCache* cache,
+                                                          DistanceResult& result) {
+  const double extent_a = kSegmentA ? a.halfLength() : 0, extent_b = kSegmentB ? b.halfLength() : 0;
+  const Triple d = tripleOf(X_WA.translation) - tripleOf(X_WB.translation);
+  const Triple half_a = extent_a * column(X_WA.rotation, 2);
+  const Triple half_b = extent_b * column(X_WB.rotation, 2);
+  Nearest nearest;
+  nearest.point_a = d;
+  Triple w;
+  if constexpr (kSegmentA && kSegmentB) {
+    double s_a = 0, s_b = 0;
+    nearestOnSegments(d, half_a, {}, half_b, s_a, s_b);
+    nearest.point_a = d + s_a * half_a;
+    w = s_b * half_b - nearest.point_a;
+  } else if constexpr (kSegmentA) {
+    nearest.point_a = d - nearestOnSegment(d, half_a) * half_a;
+    w = -nearest.point_a;
+  } else if constexpr (kSegmentB) {
+    w = nearestOnSegment(d, half_b) * half_b - d;
+  } else {
+    w = -d;
+  }
+  nearest.apart = std::sqrt(squared(w));
+  nearest.normal = (1 / nearest.apart) * w;
+  const Triple& n = nearest.normal;
+  // From a point the distance is the lower end, too: its clamp errs by as little.
+  nearest.plane = kSegmentA && kSegmentB
+                      ? -dot(n, d) - std::abs(dot(n, half_a)) - std::abs(dot(n, half_b))
+                      : nearest.apart;
+  return answer({X_WA, X_WB, extent_a, extent_b, a.radius(), b.radius()}, nearest, request, cache,
+                result);
+}
+
+// Exchanges A and B, and with them the origin.
+bool exchanged(const Pose& X_WA, const Pose& X_WB, Nearest& nearest) {
+  nearest.point_a = nearest.point_a + nearest.apart * nearest.normal +
+                    (tripleOf(X_WA.translation) - tripleOf(X_WB.translation));
+  nearest.normal = -nearest.normal;
+  return true;
+}
+
+constexpr unsigned kTypes = 3;  // sphere, capsule, box: the first of ShapeType
+constexpr unsigned pairOf(ShapeType a, ShapeType b) {
+  return static_cast<unsigned>(a) * kTypes + static_cast<unsigned>(b);
+}
+
+double coreExtent(const Shape& shape) {
+  return shape.type() == ShapeType::kBox ? shape.extent() : shape.halfLength();
+}
+double coreRadius(const Shape& shape) {
+  return shape.type() <= ShapeType::kCapsule ? shape.radius() : 0;
+}
+
+// Pairs with a box; on its own so that the others need not save what it uses.
+__attribute__((noinline)) bool answerBoxPair(const Shape& a, const Pose& X_WA, const Shape& b,
+                                             const Pose& X_WB, const DistanceRequest& request,
+                                             PairCache* cache, DistanceResult& result) {
+  Nearest nearest;
+  bool found = false;
+  using enum ShapeType;
+  switch (pairOf(a.type(), b.type())) {
+    case pairOf(kSphere, kBox):
+      found = nearestOfSphereAndBox(X_WA, b, X_WB, nearest);
+      break;
+    case pairOf(kCapsule, kBox):
+      found = nearestOfCapsuleAndBox(a, X_WA, b, X_WB, nearest);
+      break;
+    case pairOf(kBox, kSphere):
+      found = nearestOfSphereAndBox(X_WB, a, X_WA, nearest) && exchanged(X_WA, X_WB, nearest);
+      break;
+    case pairOf(kBox, kCapsule):
+      found = nearestOfCapsuleAndBox(b, X_WB, a, X_WA, nearest) && exchanged(X_WA, X_WB, nearest);
+      break;
+    case pairOf(kBox, kBox):
+      found = nearestOfBoxes(a, X_WA, b, X_WB, nearest);
+      break;
+    default:
+      return false;
+  }
+  return found && answer({X_WA, X_WB, coreExtent(a), coreExtent(b), coreRadius(a), coreRadius(b)},
+                         nearest, request, cache, result);
+}
+
+}  // namespace
+
+bool answerSimplePair(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
+                      const DistanceRequest& request, PairCache* cache, DistanceResult& result) {
+  using enum ShapeType;
+  if (a.type() > kBox || b.type() > kBox || request.iteration_limit <= 0) return false;
+  switch (pairOf(a.type(), b.type())) {
+    case pairOf(kSphere, kSphere):
+      return answerSegments<false, false>(a, X_WA, b, X_WB, request, cache, result);
+    case pairOf(kSphere, kCapsule):
+      return answerSegments<false, true>(a, X_WA, b, X_WB, request, cache, result);
+    case pairOf(kCapsule, kSphere):
+      return answerSegments<true, false>(a, X_WA, b, X_WB, request, cache, result);
+    case pairOf(kCapsule, kCapsule):
+      return answerSegments<true, true>(a, X_WA, b, X_WB, request, cache, result);
+    default:
+      return answerBoxPair(a, X_WA, b, X_WB, request, cache, result);
+  }
+}
+
+}  // namespace leeway::collision

@@ -1,0 +1,31 @@
+#pragma once
+
+#include "collision/triple.h"
+#include "leeway/collision/distance.h"
+
+namespace leeway::collision {
+
+/// Two points of two cores that are apart, A's and B's, and a plane between the cores. In a frame
+/// whose origin is B's.
+struct Nearest {
+  Triple point_a;
+  double apart = 0;  ///< distance of the two points: an upper end of the cores' distance [m]
+  Triple normal;     ///< unit, from A to B; point_a + apart normal is the point of B, or next to it
+  double plane = 0;  ///< along `normal` every point of B is beyond every one of A by this much [m]
+};
+
+/// The signed separation of two spheres, capsules or boxes that are apart, by closed
+/// forms from the world poses: no view, search or simplex is made. False, with nothing written to
+/// `result` but its status, where a closed form is not enough: other shapes, cores that overlap or
+/// nearly do, sizes beyond the scale, tolerances below rounding, no iteration allowed, a few
+/// features that meet in none of the ways that are looked at. The interval rests on points of both
+/// bodies and on a supporting plane, as everywhere; how they were guessed is of no matter. Poses
+/// that are none give true and kInvalid. O(1).
+bool answerSimplePair(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
+                      const DistanceRequest& request, PairCache* cache, DistanceResult& result);
+
+/// distance() without the above: its slow twin, and what it goes on to.
+DistanceResult generalDistance(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
+                               const DistanceRequest& request, Scratch& scratch, PairCache* cache);
+
+}  // namespace leeway::collision

@@ -1,0 +1,139 @@
+// Closed forms of simple pairs against their slow twin, the general way through GJK.
+
+#include "collision/simple_pairs.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+
+#include "tools/oracle/generate.h"
+
+namespace leeway::collision {
+namespace {
+
+using Eigen::Vector3d;
+using oracle::Random;
+
+double size(Random& random) {
+  const double some = random.uniform(0.1, 1);
+  return random.chance(0.05) ? 0 : random.chance(0.1) ? some * random.logUniform(1e-6, 1) : some;
+}
+
+Shape simpleShape(Random& random, ShapeType type) {
+  const double first = size(random), second = size(random);
+  switch (type) {
+    case ShapeType::kSphere:
+      return Shape::sphere(first);
+    case ShapeType::kCapsule:
+      return Shape::capsule(first, second);
+    case ShapeType::kBox:
+      return Shape::box({first, second, size(random)});
+    default:
+      return Shape::cylinder(first, second);
+  }
+}
+
+Eigen::Matrix3d turned(const Vector3d& axis, double angle) {
+  Eigen::Matrix3d K;
+  K << 0, -axis.z(), axis.y(), axis.z(), 0, -axis.x(), -axis.y(), axis.x(), 0;
+  return Eigen::Matrix3d::Identity() + std::sin(angle) * K + (1 - std::cos(angle)) * K * K;
+}
+
+struct Pair {
+  Shape a, b;
+  Pose X_WA, X_WB;
+  std::string replay() const {
+    return oracle::replay(a) + " at " + oracle::replay(X_WA) + " with " + oracle::replay(b) +
+           " at " + oracle::replay(X_WB);
+  }
+};
+
+// Apart by 1e-9 to 10 m, mostly; a third of them with axes that are parallel, or nearly.
+Pair simplePair(Random& random, ShapeType type_a, ShapeType type_b, Scratch& scratch) {
+  Pair pair{simpleShape(random, type_a), simpleShape(random, type_b), {}, {}};
+  const Vector3d middle =
+      random.chance(0.2) ? Vector3d(1e3 * random.direction()) : Vector3d(0, 0, 0);
+  pair.X_WA = {random.rotation(), middle + random.direction()};
+  pair.X_WB = {random.rotation(), middle + random.uniform(0.5, 3) * random.direction()};
+  if (random.chance(0.3)) {
+    const double tilt = random.chance(0.5) ? 0 : random.logUniform(1e-17, 1e-2);
+    const double quarters = 0.5 * 3.14159265358979312 * random.below(4);
+    pair.X_WB.rotation = pair.X_WA.rotation * turned(Vector3d::Unit(random.below(3)), quarters) *
+                         turned(random.direction(), tilt);
+  }
+  const double gap = random.logUniform(1e-9, 10);
+  for (int i = 0; i < 3; ++i) {
+    const DistanceResult r =
+        generalDistance(pair.a, pair.X_WA, pair.b, pair.X_WB, {}, scratch, nullptr);
+    pair.X_WB.translation += (gap - r.distance.upper) * r.normal;
+  }
+  return pair;
+}
+
+// By how much p stands out of a shape [m]: the shape with the point as a sphere of no radius.
+double outside(const Shape& shape, const Pose& X_WS, const Vector3d& p_W, Scratch& scratch) {
+  return generalDistance(Shape::sphere(0), {Eigen::Matrix3d::Identity(), p_W}, shape, X_WS, {},
+                         scratch, nullptr)
+      .distance.lower;
+}
+
+constexpr ShapeType kTypes[] = {ShapeType::kSphere, ShapeType::kCapsule, ShapeType::kBox};
+
+TEST(SimplePairs, AgreeWithTheGeneralWay) {
+  Random random(71);
+  Scratch scratch;
+  for (const ShapeType type_a : kTypes) {
+    for (const ShapeType type_b : kTypes) {
+      int apart = 0, closed = 0;
+      for (int i = 0; i < 1500; ++i) {
+        const Pair p = simplePair(random, type_a, type_b, scratch);
+        const DistanceResult slow = generalDistance(p.a, p.X_WA, p.b, p.X_WB, {}, scratch, nullptr);
+        apart += slow.distance.lower > 1e-10;
+        DistanceResult r;
+        PairCache cache;
+        if (!answerSimplePair(p.a, p.X_WA, p.b, p.X_WB, {}, &cache, r)) continue;
+        closed += slow.distance.lower > 1e-10;
+        EXPECT_EQ(r.status, DistanceStatus::kConverged) << p.replay();
+        EXPECT_LE(r.distance.width(), 1e-9) << p.replay();
+        EXPECT_LE(r.distance.lower, slow.distance.upper) << p.replay();
+        EXPECT_GE(r.distance.upper, slow.distance.lower) << p.replay();
+        EXPECT_NEAR(r.normal.norm(), 1, 1e-12) << p.replay();
+        EXPECT_LT(((r.point_b - r.point_a) - r.distance.upper * r.normal).norm(), 2e-9)
+            << p.replay();
+        EXPECT_LT(outside(p.a, p.X_WA, r.point_a, scratch), 1e-11) << p.replay();
+        EXPECT_LT(outside(p.b, p.X_WB, r.point_b, scratch), 1e-11) << p.replay();
+        EXPECT_LT((p.X_WB.rotation * cache.direction_B - r.normal).norm(), 1e-12) << p.replay();
+      }
+      EXPECT_GT(apart, 1000) << toString(type_a) << " and " << toString(type_b);
+      EXPECT_GT(closed, apart * 95 / 100) << toString(type_a) << " and " << toString(type_b);
+    }
+  }
+}
+
+TEST(SimplePairs, ThresholdsAreDecidedAsTheGeneralWayDoes) {
+  Random random(72);
+  Scratch scratch;
+  for (int i = 0; i < 8000; ++i) {
+    const Pair p = simplePair(random, kTypes[random.below(3)], kTypes[random.below(3)], scratch);
+    const Interval truth = generalDistance(p.a, p.X_WA, p.b, p.X_WB, {}, scratch, nullptr).distance;
+    DistanceRequest request;
+    request.threshold =
+        random.chance(0.5) ? truth.upper * random.uniform(0.5, 2) : random.logUniform(1e-9, 10);
+    DistanceResult r;
+    if (!answerSimplePair(p.a, p.X_WA, p.b, p.X_WB, request, nullptr, r)) continue;
+    EXPECT_LE(r.distance.lower, truth.upper) << p.replay();
+    EXPECT_GE(r.distance.upper, truth.lower) << p.replay();
+    if (truth.lower > request.threshold) {
+      EXPECT_GT(r.distance.lower, request.threshold) << p.replay();
+    }
+    if (truth.upper <= request.threshold) {
+      EXPECT_LE(r.distance.upper, request.threshold) << p.replay();
+    }
+    EXPECT_LT(outside(p.a, p.X_WA, r.point_a, scratch), 1e-11) << p.replay();
+    EXPECT_LT(outside(p.b, p.X_WB, r.point_b, scratch), 1e-11) << p.replay();
+  }
+}
+
+}  // namespace
+}  // namespace leeway::collision
