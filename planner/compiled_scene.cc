@@ -319,6 +319,15 @@ std::shared_ptr<const CompiledScene> CompiledScene::withShapes(
   return changed;
 }
 
+std::shared_ptr<const CompiledScene> CompiledScene::withMarginsGrown(double growth) const {
+  auto grown = std::make_shared<CompiledScene>(*this);
+  for (std::size_t body = 0; body < scene_.bodies().size(); ++body)
+    if (scene_.bodies()[body].moving)  // one of every pair is
+      for (std::size_t g = 0; g < scene_.bodies()[body].geometries.size(); ++g)
+        grown->scene_.growMargins(static_cast<int>(body), static_cast<int>(g), growth);
+  return grown;
+}
+
 std::shared_ptr<const CompiledScene> CompiledScene::withPairs(
     const std::function<bool(const collision::ScenePair&)>& keep) const {
   auto reduced = std::make_shared<CompiledScene>(*this);

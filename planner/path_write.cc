@@ -12,6 +12,7 @@
 #include <stdexcept>
 
 #include "leeway/planner/path_io.h"
+#include "leeway/planner/trajectory.h"
 #include "leeway/robots/input_error.h"
 
 namespace leeway::planner {
@@ -47,36 +48,21 @@ std::vector<std::vector<double>> unwrapped(const ConfigurationSpace& space,
   return rows;
 }
 
-/// The least time in which the edge from a to b keeps every velocity limit [s].
-double edgeTime(const ConfigurationSpace& space, const std::vector<double>& a,
-                const std::vector<double>& b) {
-  std::vector<double> dq(a.size());
-  space.difference(a, b, dq);
-  double time = 0;
-  for (const ConfigurationSpace::Part& part : space.parts()) {
-    const std::size_t i = at(part.first);
-    const double limit = space.model().variables[at(space.variables()[i])].velocity;
-    const double change =
-        part.kind == ConfigurationSpace::Kind::kRotation
-            ? std::sqrt(dq[i] * dq[i] + dq[i + 1] * dq[i + 1] + dq[i + 2] * dq[i + 2])
-            : std::abs(dq[i]);
-    time = std::max(time, change / (std::isfinite(limit) && limit > 0 ? limit : 1));
-  }
-  return time;
+/// When each waypoint is passed by a trajectory that stops at the corners [s].
+std::vector<double> waypointTimes(const Problem& problem, const ConfigurationSpace& space,
+                                  const std::vector<std::vector<double>>& rows) {
+  if (rows.empty()) return {};
+  const Trajectory trajectory(std::make_shared<ConfigurationSpace>(space), rows,
+                              motionLimits(problem));
+  return {trajectory.times().begin(), trajectory.times().end()};
 }
 
-std::vector<double> waypointTimes(const ConfigurationSpace& space,
-                                  const std::vector<std::vector<double>>& rows) {
-  std::vector<double> times(rows.size());
-  for (std::size_t i = 1; i < rows.size(); ++i)
-    times[i] = times[i - 1] + edgeTime(space, rows[i - 1], rows[i]);
-  return times;
-}
+std::int64_t nanoseconds(double seconds) { return std::llround(seconds * 1e9); }
 
 std::string timeText(double seconds) {
-  const std::int64_t nanoseconds = std::llround(seconds * 1e9);
-  return fmt::format("{{\"sec\": {}, \"nanosec\": {}}}", nanoseconds / 1'000'000'000,
-                     nanoseconds % 1'000'000'000);
+  const std::int64_t whole = nanoseconds(seconds);
+  return fmt::format("{{\"sec\": {}, \"nanosec\": {}}}", whole / 1'000'000'000,
+                     whole % 1'000'000'000);
 }
 
 const char* interpolationName(const ConfigurationSpace& space) {
@@ -119,38 +105,125 @@ std::vector<std::pair<std::string, std::string>> certificateEntries(
           {"segments", segments + "]"}};
 }
 
+std::string jsonHead(const Problem& problem, const std::vector<std::string>& names) {
+  return fmt::format(
+      "{{\n  \"header\": {{\"frame_id\": {}}},\n  \"joint_names\": {},\n  \"points\": [\n",
+      quotedText(problem.model->links[0].name), namesText(names));
+}
+
+std::string yamlHead(const Problem& problem, const std::vector<std::string>& names) {
+  return fmt::format("header: {{frame_id: {}}}\njoint_names: {}\npoints:\n",
+                     quotedText(problem.model->links[0].name), namesText(names));
+}
+
+using Entries = std::vector<std::pair<std::string, std::string>>;
+
+std::string jsonTail(const Entries& certificate) {
+  std::string text = "  ],\n  \"certificate\": {\n";
+  for (std::size_t i = 0; i < certificate.size(); ++i)
+    text += fmt::format("    \"{}\": {}{}\n", certificate[i].first, certificate[i].second,
+                        i + 1 < certificate.size() ? "," : "");
+  return text + "  }\n}\n";
+}
+
+std::string yamlTail(const Entries& certificate) {
+  std::string text = "certificate:\n";
+  for (const auto& [key, value] : certificate) text += fmt::format("  {}: {}\n", key, value);
+  return text;
+}
+
 std::string jsonText(const Problem& problem, const ConfigurationSpace& space,
                      const PlanResult& result) {
   const auto rows = unwrapped(space, result.path.positions);
-  const std::vector<double> times = waypointTimes(space, rows);
-  std::string text = fmt::format(
-      "{{\n  \"header\": {{\"frame_id\": {}}},\n  \"joint_names\": {},\n  \"points\": [\n",
-      quotedText(problem.model->links[0].name), namesText(result.path.names));
+  const std::vector<double> times = waypointTimes(problem, space, rows);
+  std::string text = jsonHead(problem, result.path.names);
   for (std::size_t i = 0; i < rows.size(); ++i)
     text += fmt::format("    {{\"positions\": {}, \"time_from_start\": {}}}{}\n", rowText(rows[i]),
                         timeText(times[i]), i + 1 < rows.size() ? "," : "");
-  text += "  ],\n  \"certificate\": {\n";
-  const auto entries = certificateEntries(problem, space, result.certificate);
-  for (std::size_t i = 0; i < entries.size(); ++i)
-    text += fmt::format("    \"{}\": {}{}\n", entries[i].first, entries[i].second,
-                        i + 1 < entries.size() ? "," : "");
-  return text + "  }\n}\n";
+  return text + jsonTail(certificateEntries(problem, space, result.certificate));
 }
 
 std::string yamlText(const Problem& problem, const ConfigurationSpace& space,
                      const PlanResult& result) {
   const auto rows = unwrapped(space, result.path.positions);
-  const std::vector<double> times = waypointTimes(space, rows);
-  std::string text =
-      fmt::format("header: {{frame_id: {}}}\njoint_names: {}\npoints:\n",
-                  quotedText(problem.model->links[0].name), namesText(result.path.names));
+  const std::vector<double> times = waypointTimes(problem, space, rows);
+  std::string text = yamlHead(problem, result.path.names);
   for (std::size_t i = 0; i < rows.size(); ++i)
     text += fmt::format("  - positions: {}\n    time_from_start: {}\n", rowText(rows[i]),
                         timeText(times[i]));
-  text += "certificate:\n";
-  for (const auto& [key, value] : certificateEntries(problem, space, result.certificate))
-    text += fmt::format("  {}: {}\n", key, value);
-  return text;
+  return text + yamlTail(certificateEntries(problem, space, result.certificate));
+}
+
+/// What a timed motion is at some moments.
+struct Samples {
+  std::vector<double> times;
+  std::vector<std::vector<double>> positions, velocities, accelerations;
+};
+
+/// Rates of the numbers themselves: of a quaternion, from those of a rotation vector in the body's
+/// frame (q' = q w / 2, q'' = q a / 2 - |w|^2 q / 4).
+void quaternionRates(const double* q, double* velocity, double* acceleration) {
+  const auto times = [q](const double* v, double* result) {
+    result[0] = (q[3] * v[0] + q[1] * v[2] - q[2] * v[1]) / 2;
+    result[1] = (q[3] * v[1] + q[2] * v[0] - q[0] * v[2]) / 2;
+    result[2] = (q[3] * v[2] + q[0] * v[1] - q[1] * v[0]) / 2;
+    result[3] = -(q[0] * v[0] + q[1] * v[1] + q[2] * v[2]) / 2;
+  };
+  double rate[4], second[4];
+  times(velocity, rate);
+  times(acceleration, second);
+  const double squared =
+      velocity[0] * velocity[0] + velocity[1] * velocity[1] + velocity[2] * velocity[2];
+  for (int k = 0; k < 4; ++k) {
+    velocity[k] = rate[k];
+    acceleration[k] = second[k] - squared / 4 * q[k];
+  }
+}
+
+/// At the trajectory's knots, and every `period` seconds where that is above 0; moments that a file
+/// cannot tell apart once.
+Samples sample(const Trajectory& trajectory, double period) {
+  const ConfigurationSpace& space = trajectory.space();
+  std::vector<double> times = trajectory.knots();
+  if (period > 0)
+    for (double k = 1; k * period < trajectory.duration(); ++k) times.push_back(k * period);
+  std::sort(times.begin(), times.end());
+  const std::size_t size = at(space.size());
+  Samples samples;
+  for (const double time : times) {
+    if (!samples.times.empty() && nanoseconds(time) <= nanoseconds(samples.times.back())) continue;
+    std::vector<double> position(size), velocity(size), acceleration(size);
+    trajectory.configuration(time, position);
+    trajectory.velocity(time, velocity);
+    trajectory.acceleration(time, acceleration);
+    for (const ConfigurationSpace::Part& part : space.parts())
+      if (part.kind == ConfigurationSpace::Kind::kRotation)
+        quaternionRates(&position[at(part.first)], &velocity[at(part.first)],
+                        &acceleration[at(part.first)]);
+    samples.times.push_back(time);
+    samples.positions.push_back(std::move(position));
+    samples.velocities.push_back(std::move(velocity));
+    samples.accelerations.push_back(std::move(acceleration));
+  }
+  samples.positions = unwrapped(space, std::move(samples.positions));
+  return samples;
+}
+
+/// Of the motion as a whole: where corners are blended, what is proven of it are the margins.
+Entries trajectoryEntries(const Problem& problem, const Trajectory& trajectory,
+                          Certificate certificate) {
+  std::string corners = "[";
+  for (const Blend& blend : trajectory.blends()) {
+    corners += fmt::format("{}{}", corners.size() > 1 ? ", " : "", blend.corner);
+    double least = problem.margin;
+    for (const Problem::PairMargin& pair : problem.margins) least = std::min(least, pair.margin);
+    certificate.clearance.lower = std::min(certificate.clearance.lower, least);
+  }
+  Entries entries;
+  for (auto& entry : certificateEntries(problem, trajectory.space(), certificate))
+    if (entry.first != "closest" && entry.first != "segments") entries.push_back(std::move(entry));
+  entries.emplace_back("blended_corners", corners + "]");
+  return entries;
 }
 
 /// RFC 4180: a field with a comma, a quote or a line end stands in quotes, quotes doubled.
@@ -161,11 +234,10 @@ std::string csvField(const std::string& name) {
   return text + "\"";
 }
 
-std::string csvText(const ConfigurationSpace& space, const PlanResult& result) {
-  const auto rows = unwrapped(space, result.path.positions);
-  const std::vector<double> times = waypointTimes(space, rows);
+std::string csvText(const std::vector<std::string>& names, const std::vector<double>& times,
+                    const std::vector<std::vector<double>>& rows) {
   std::string text = "time";
-  for (const std::string& name : result.path.names) text += "," + csvField(name);
+  for (const std::string& name : names) text += "," + csvField(name);
   text += "\n";
   for (std::size_t i = 0; i < rows.size(); ++i) {
     text += numberText(times[i]);
@@ -273,12 +345,50 @@ void writePath(const std::string& file, const Problem& problem, const PlanResult
   if (ending == ".json") return writeFileWhole(file, jsonText(problem, space, result));
   if (ending == ".yaml" || ending == ".yml")
     return writeFileWhole(file, yamlText(problem, space, result));
-  if (ending == ".csv") return writeFileWhole(file, csvText(space, result));
+  if (ending == ".csv") {
+    const auto rows = unwrapped(space, result.path.positions);
+    return writeFileWhole(file,
+                          csvText(result.path.names, waypointTimes(problem, space, rows), rows));
+  }
   if (ending == ".path") return writeFileWhole(file, matrixText(space, result));
   throw InputError(
       file, 0,
       fmt::format("the ending '{}' names no format; .json, .yaml, .csv or .path is expected",
                   ending));
+}
+
+void writeTrajectory(const std::string& file, const Problem& problem, const PlanResult& result,
+                     const Trajectory& trajectory, double period) {
+  const std::string ending = std::filesystem::path(file).extension().string();
+  const bool json = ending == ".json", yaml = ending == ".yaml" || ending == ".yml";
+  if (!json && !yaml && ending != ".csv")
+    throw InputError(
+        file, 0,
+        fmt::format("the ending '{}' names no format of trajectories; .json, .yaml or .csv is "
+                    "expected",
+                    ending));
+  const Samples samples = sample(trajectory, period);
+  const std::vector<std::string>& names = result.path.names;
+  if (ending == ".csv")
+    return writeFileWhole(file, csvText(names, samples.times, samples.positions));
+  std::string text = json ? jsonHead(problem, names) : yamlHead(problem, names);
+  for (std::size_t i = 0; i < samples.times.size(); ++i) {
+    const std::string positions = rowText(samples.positions[i]),
+                      velocities = rowText(samples.velocities[i]),
+                      accelerations = rowText(samples.accelerations[i]),
+                      time = timeText(samples.times[i]);
+    text += json ? fmt::format(
+                       "    {{\"positions\": {}, \"velocities\": {}, \"accelerations\": {}, "
+                       "\"time_from_start\": {}}}{}\n",
+                       positions, velocities, accelerations, time,
+                       i + 1 < samples.times.size() ? "," : "")
+                 : fmt::format(
+                       "  - positions: {}\n    velocities: {}\n    accelerations: {}\n    "
+                       "time_from_start: {}\n",
+                       positions, velocities, accelerations, time);
+  }
+  const Entries entries = trajectoryEntries(problem, trajectory, result.certificate);
+  writeFileWhole(file, text + (json ? jsonTail(entries) : yamlTail(entries)));
 }
 
 }  // namespace leeway::planner

@@ -9,6 +9,7 @@
 #include "leeway/planner/planners.h"
 #include "planner/nearest_name.h"
 #include "planner/problem_deforming.h"
+#include "planner/problem_execution.h"
 #include "planner/problem_format.h"
 #include "planner/problem_shapes.h"
 #include "planner/problem_states.h"

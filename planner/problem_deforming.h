@@ -5,10 +5,7 @@
 
 namespace leeway::planner {
 
-/// `execution:` of a problem file. Before readDeforming(), which looks at the time of the start.
-void readExecution(const YamlReader& reader, Problem& problem);
-
-/// One entry of `deforming:`.
+/// One entry of `deforming:`; after readExecution().
 void readDeforming(const YamlReader& reader, Problem& problem);
 
 }  // namespace leeway::planner

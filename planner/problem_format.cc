@@ -57,8 +57,9 @@ constexpr Keys kReduced[] = {"modes", "harmonics", "keys", "interpolation"};
 constexpr Keys kHarmonic[] = {"amplitude", "frequency", "phase"};
 constexpr Keys kReducedKey[] = {"time", "coordinates"};
 constexpr Keys kCache[] = {"file", "scale", "start", "rate"};
-constexpr Keys kExecution[] = {"start",     "step",       "duration", "speed",   "velocities",
-                               "foresight", "look_ahead", "buffer",   "patience"};
+constexpr Keys kExecution[] = {"start",      "step",          "duration", "speed",
+                               "velocities", "accelerations", "jerks",    "corners",
+                               "foresight",  "look_ahead",    "buffer",   "patience"};
 constexpr Keys kPose[] = {"position", "orientation", "rpy"};
 constexpr Keys kPlanarPose[] = {"position", "angle"};
 

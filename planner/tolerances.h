@@ -231,4 +231,20 @@ constexpr double kInLine = 1e-12;
 /// arms' controllers commonly take.
 constexpr double kTimeToVelocityLimit = 0.5;
 
+/// A blended corner is gone through in so many parts of constant acceleration along it: twice as
+/// many gain less than 1 % of its time.
+constexpr int kBendCells = 16;
+
+// blend.cc
+
+/// A blend is proven as chords from which it departs by at most this [m], any point of the robot
+/// seen from any other; it is charged to the margins.
+constexpr double kBlendDeviation = 5e-5;
+
+/// In at most so many chords [count, power of two]; a blend that would need more is not tried.
+constexpr int kBlendChords = 128;
+
+/// Cuts of half the shorter edge are tried, then halves of that, so often [count].
+constexpr int kBlendTries = 7;
+
 }  // namespace leeway::planner

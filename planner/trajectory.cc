@@ -7,6 +7,9 @@
 #include <stdexcept>
 #include <string>
 
+#include "planner/blend.h"
+#include "planner/path_timing.h"
+#include "planner/timed_path.h"
 #include "planner/tolerances.h"
 
 namespace leeway::planner {
@@ -15,18 +18,6 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
-/// By Newton's method, so that the C library has no say.
-double cubeRoot(double x) {
-  if (!(x > 0) || !std::isfinite(x)) return 0;
-  double root = std::max(1.0, x);
-  for (int i = 0; i < 2000; ++i) {
-    const double next = (2 * root + x / (root * root)) / 3;
-    if (!(next < root)) break;
-    root = next;
-  }
-  return root;
-}
 
 /// How fast an edge's t may change: the tightest of limit / |dq|.
 double rateLimit(const ConfigurationSpace& space, std::span<const double> dq,
@@ -43,22 +34,26 @@ double rateLimit(const ConfigurationSpace& space, std::span<const double> dq,
   return rate;
 }
 
-double norm(std::span<const double> v) {
-  double sum = 0;
-  for (const double x : v) sum += x * x;
-  return std::sqrt(sum);
+std::vector<double> direction(std::span<const double> difference) {
+  const double length = norm(difference);
+  std::vector<double> result(difference.begin(), difference.end());
+  for (double& x : result) x /= length;
+  return result;
 }
 
-/// Does the second edge go on exactly where the first one points?
-bool inLine(std::span<const double> first, std::span<const double> second) {
-  const double a = norm(first), b = norm(second);
-  if (a == 0 || b == 0) return true;
-  for (std::size_t i = 0; i < first.size(); ++i)
-    if (std::abs(first[i] / a - second[i] / b) > kInLine) return false;
-  return true;
+/// When the way s is passed.
+double timeAt(std::span<const TimedPhase> phases, double s) {
+  auto phase = std::upper_bound(phases.begin() + 1, phases.end(), s,
+                                [](double way, const TimedPhase& p) { return way < p.way; });
+  --phase;
+  const double rest = std::max(0.0, s - phase->way);
+  const double then =
+      std::sqrt(std::max(0.0, phase->rate * phase->rate + 2 * phase->acceleration * rest));
+  return phase->start + (rest > 0 ? 2 * rest / (phase->rate + then) : 0);
 }
 
-void check(std::span<const double> limits, std::size_t size, const char* what, bool infinite) {
+void checkLimits(std::span<const double> limits, std::size_t size, const char* what,
+                 bool infinite) {
   if (limits.size() != size)
     throw std::invalid_argument("trajectory: " + std::to_string(limits.size()) + " limits of " +
                                 what + " for " + std::to_string(size) + " variables");
@@ -70,6 +65,24 @@ void check(std::span<const double> limits, std::size_t size, const char* what, b
 
 }  // namespace
 
+MotionLimits motionLimits(const Problem& problem) {
+  const Execution& execution = problem.execution;
+  MotionLimits limits;
+  limits.velocity = velocityLimits(problem);
+  std::size_t i = 0;
+  for (const int v : problem.variables) {
+    const std::string& name = problem.model->variables[at(v)].name;
+    const auto acceleration = execution.accelerations.find(name);
+    const auto jerk = execution.jerks.find(name);
+    limits.acceleration.push_back(acceleration != execution.accelerations.end()
+                                      ? acceleration->second
+                                      : limits.velocity[i] / kTimeToVelocityLimit);
+    limits.jerk.push_back(jerk != execution.jerks.end() ? jerk->second : kInfinity);
+    ++i;
+  }
+  return limits;
+}
+
 MotionLimits defaultMotionLimits(const ConfigurationSpace& space) {
   MotionLimits limits;
   for (const int v : space.variables()) {
@@ -80,55 +93,13 @@ MotionLimits defaultMotionLimits(const ConfigurationSpace& space) {
   return limits;
 }
 
-RestToRest::RestToRest(double speed, double acceleration, double jerk) : jerk_(jerk) {
-  // Speeding up to v takes v / a + a / j where a is reached, 2 sqrt(v / j) where it is not, and
-  // covers half of v times that.
-  const double a = acceleration, reached = jerk == kInfinity ? 0 : a / jerk * a;
-  const auto rise = [&](double v) {
-    return v >= reached ? v / a + (jerk == kInfinity ? 0 : a / jerk) : 2 * std::sqrt(v / jerk);
-  };
-  peak_ = speed;
-  if (speed * rise(speed) > 1) {  // the way is too short for full speed
-    const double ramp = jerk == kInfinity ? 0 : a / jerk;
-    peak_ = a * (std::sqrt(ramp * ramp + 4 / a) - ramp) / 2;
-    if (peak_ < reached) peak_ = cubeRoot(jerk / 4);
-    peak_ = std::min(peak_, speed);
-  }
-  rise_ = rise(peak_);
-  ramp_ = jerk == kInfinity ? 0 : std::min(a / jerk, rise_ / 2);
-  peak_acceleration_ = jerk == kInfinity ? a : std::min(a, jerk * ramp_);
-  cruise_ = std::max(0.0, (1 - peak_ * rise_) / peak_);
-}
-
-RestToRest::State RestToRest::rising(double t) const {
-  if (t < ramp_) return {jerk_ * t * t * t / 6, jerk_ * t * t / 2, jerk_ * t};
-  const double a = peak_acceleration_;
-  if (t <= rise_ - ramp_) {
-    const double u = t - ramp_;  // after ramping up
-    const double v0 = a * ramp_ / 2, s0 = a * ramp_ * ramp_ / 6;
-    return {s0 + v0 * u + a * u * u / 2, v0 + a * u, a};
-  }
-  const double u = rise_ - t;  // before full speed
-  const double j = ramp_ > 0 ? jerk_ : 0;
-  return {peak_ * rise_ / 2 - peak_ * u + j * u * u * u / 6, peak_ - j * u * u / 2, j * u};
-}
-
-RestToRest::State RestToRest::at(double time) const {
-  if (!(time > 0)) return {};
-  if (time >= duration()) return {1, 0, 0};
-  if (time < rise_) return rising(time);
-  if (time <= rise_ + cruise_) return {peak_ * (rise_ / 2 + (time - rise_)), peak_, 0};
-  const State back = rising(duration() - time);
-  return {1 - back.way, back.speed, -back.acceleration};
-}
-
 Trajectory::Trajectory(std::shared_ptr<const ConfigurationSpace> space,
-                       std::vector<std::vector<double>> waypoints, const MotionLimits& limits)
-    : space_(std::move(space)), waypoints_(std::move(waypoints)) {
+                       std::vector<std::vector<double>> waypoints, const MotionLimits& limits,
+                       std::span<const Blend> blends)
+    : space_(std::move(space)),
+      waypoints_(std::move(waypoints)),
+      blends_(blends.begin(), blends.end()) {
   const std::size_t size = at(space_->size());
-  check(limits.velocity, size, "velocity", false);
-  check(limits.acceleration, size, "acceleration", false);
-  if (!limits.jerk.empty()) check(limits.jerk, size, "jerk", true);
   if (waypoints_.empty()) throw std::invalid_argument("trajectory: a path without waypoints");
   for (const std::vector<double>& row : waypoints_)
     if (row.size() != size)
@@ -138,53 +109,151 @@ Trajectory::Trajectory(std::shared_ptr<const ConfigurationSpace> space,
   for (std::size_t i = 0; i < edges; ++i) {
     differences_.emplace_back(size);
     space_->difference(waypoints_[i], waypoints_[i + 1], differences_.back());
+    lengths_.push_back(norm(differences_.back()));
   }
+  check(limits);
   ends_.assign(edges, 1);
   times_.assign(waypoints_.size(), 0);
   double now = 0;
-  for (std::size_t first = 0, last; first < edges; first = last) {
-    last = first + 1;
-    // Compared with the last edge that has a length.
-    for (std::size_t along = first; last < edges; ++last) {
-      if (!inLine(differences_[along], differences_[last])) break;
-      if (norm(differences_[last]) > 0) along = last;
-    }
-    std::vector<double> whole(size, 0);
-    double length = 0;
-    for (std::size_t e = first; e < last; ++e) {
-      for (std::size_t i = 0; i < size; ++i) whole[i] += differences_[e][i];
-      length += norm(differences_[e]);
-    }
-    double passed = 0;
-    for (std::size_t e = first; e + 1 < last; ++e) {
-      passed += norm(differences_[e]);
-      ends_[e] = length > 0 ? passed / length : 1;
-    }
-    const double speed = rateLimit(*space_, whole, limits.velocity);
-    if (speed == kInfinity) {  // nothing moves
-      for (std::size_t e = first; e < last; ++e) times_[e + 1] = now;
-      continue;
-    }
-    const double jerk = limits.jerk.empty() ? kInfinity : rateLimit(*space_, whole, limits.jerk);
-    const RestToRest profile(speed, rateLimit(*space_, whole, limits.acceleration), jerk);
-    stretches_.push_back({static_cast<int>(first), static_cast<int>(last - first), now, profile});
-    // Waypoints that are run through: found by bisection, for the profile has no simple inverse.
-    for (std::size_t e = first; e + 1 < last; ++e) {
-      double low = 0, high = profile.duration();
-      for (int k = 0; k < 100; ++k) {
-        const double middle = low + (high - low) / 2;
-        (profile.at(middle).way < ends_[e] ? low : high) = middle;
-      }
-      times_[e + 1] = now + high;
-    }
-    now += profile.duration();
-    times_[last] = now;
+  for (int first = 0; first < static_cast<int>(edges);) {
+    const int last = stretchEnd(first);
+    bool bent = false;
+    for (int corner = first + 1; corner < last; ++corner) bent = bent || blendAt(corner) != nullptr;
+    if (bent)
+      addBent(first, last, limits, now);
+    else
+      addStraight(first, last, limits, now);
+    now = times_[at(last)];
+    first = last;
   }
+}
+
+void Trajectory::check(const MotionLimits& limits) const {
+  const std::size_t size = at(space_->size());
+  checkLimits(limits.velocity, size, "velocity", false);
+  checkLimits(limits.acceleration, size, "acceleration", false);
+  if (!limits.jerk.empty()) checkLimits(limits.jerk, size, "jerk", true);
+  if (blends_.empty()) return;
+  for (const double jerk : limits.jerk)
+    if (jerk < kInfinity)
+      throw std::invalid_argument("trajectory: blends go with unlimited jerk only");
+  if (hasRotation(*space_))
+    throw std::invalid_argument("trajectory: blends in a space with rotations");
+  std::vector<double> left = lengths_;
+  int before = 0;
+  for (const Blend& blend : blends_) {
+    if (!(blend.corner > before && at(blend.corner) + 1 < waypoints_.size() && blend.length > 0))
+      throw std::invalid_argument("trajectory: blend of corner " + std::to_string(blend.corner) +
+                                  " over " + std::to_string(blend.length));
+    before = blend.corner;
+    for (const int edge : {blend.corner - 1, blend.corner}) {
+      left[at(edge)] -= blend.length;
+      if (!(left[at(edge)] >= -kInLine * lengths_[at(edge)]))
+        throw std::invalid_argument("trajectory: the blend of corner " +
+                                    std::to_string(blend.corner) + " is longer than its edge");
+    }
+  }
+}
+
+const Blend* Trajectory::blendAt(int corner) const {
+  const auto found = std::lower_bound(blends_.begin(), blends_.end(), corner,
+                                      [](const Blend& b, int c) { return b.corner < c; });
+  return found != blends_.end() && found->corner == corner ? &*found : nullptr;
+}
+
+int Trajectory::stretchEnd(int first) const {
+  const int edges = static_cast<int>(differences_.size());
+  int last = first + 1;
+  // Compared with the last edge that has a length.
+  for (int along = first; last < edges; ++last) {
+    if (blendAt(last) == nullptr && !inLine(differences_[at(along)], differences_[at(last)])) break;
+    if (lengths_[at(last)] > 0) along = last;
+  }
+  return last;
+}
+
+void Trajectory::addStraight(int first, int last, const MotionLimits& limits, double now) {
+  std::vector<double> whole(at(space_->size()), 0);
+  double length = 0;
+  for (int e = first; e < last; ++e) {
+    for (std::size_t i = 0; i < whole.size(); ++i) whole[i] += differences_[at(e)][i];
+    length += lengths_[at(e)];
+  }
+  double passed = 0;
+  for (int e = first; e + 1 < last; ++e) {
+    passed += lengths_[at(e)];
+    ends_[at(e)] = length > 0 ? passed / length : 1;
+  }
+  const double speed = rateLimit(*space_, whole, limits.velocity);
+  if (speed == kInfinity) {  // nothing moves
+    for (int e = first; e < last; ++e) times_[at(e) + 1] = now;
+    return;
+  }
+  const double jerk = limits.jerk.empty() ? kInfinity : rateLimit(*space_, whole, limits.jerk);
+  const RestToRest profile(speed, rateLimit(*space_, whole, limits.acceleration), jerk);
+  stretches_.push_back({first, last - first, now, profile.duration(), profile});
+  // Waypoints that are run through: found by bisection, for the profile has no simple inverse.
+  for (int e = first; e + 1 < last; ++e) {
+    double low = 0, high = profile.duration();
+    for (int k = 0; k < 100; ++k) {
+      const double middle = low + (high - low) / 2;
+      (profile.at(middle).way < ends_[at(e)] ? low : high) = middle;
+    }
+    times_[at(e) + 1] = now + high;
+  }
+  times_[at(last)] = now + profile.duration();
+}
+
+void Trajectory::addBent(int first, int last, const MotionLimits& limits, double now) {
+  Stretch stretch{first, last - first, now, 0, std::nullopt};
+  std::vector<CurvePiece> curve;
+  std::vector<double> passed(at(last - first) + 1, 0);  // s at waypoints
+  double s = 0;
+  const auto add = [&](CurvePiece piece, int edge, int blend) {
+    if (!(piece.length > 0)) return;
+    stretch.pieces.push_back({s, edge, blend});
+    s += piece.length;
+    curve.push_back(std::move(piece));
+  };
+  std::vector<double> way;  // direction of the edge before
+  double cut = 0;           // at the edge's begin
+  for (int e = first; e < last; ++e) {
+    const double length = lengths_[at(e)];
+    const Blend* blend = e + 1 < last ? blendAt(e + 1) : nullptr;
+    const double cut_after = blend != nullptr ? blend->length : 0;
+    if (length > 0) {
+      way = direction(differences_[at(e)]);
+      add({way, way, length - cut - cut_after, true}, e, -1);
+    }
+    passed[at(e - first) + 1] = s + cut_after;  // the middle of the blend
+    if (blend != nullptr)
+      add({way, direction(differences_[at(e) + 1]), 2 * blend->length, false}, e,
+          static_cast<int>(blend - blends_.data()));
+    cut = cut_after;
+  }
+  stretch.phases = timeOptimal(curve, limits.velocity, limits.acceleration);
+  stretch.duration = stretch.phases.back().start;
+  for (int e = first; e + 1 < last; ++e)
+    times_[at(e) + 1] = now + timeAt(stretch.phases, passed[at(e - first) + 1]);
+  times_[at(last)] = now + stretch.duration;
+  stretches_.push_back(std::move(stretch));
+}
+
+std::vector<double> Trajectory::knots() const {
+  std::vector<double> result(times_.begin(), times_.end());
+  for (const Stretch& stretch : stretches_) {
+    if (stretch.profile)
+      for (const double knot : stretch.profile->knots()) result.push_back(stretch.start + knot);
+    for (const TimedPhase& phase : stretch.phases) result.push_back(stretch.start + phase.start);
+  }
+  std::sort(result.begin(), result.end());
+  result.erase(std::unique(result.begin(), result.end()), result.end());
+  return result;
 }
 
 Trajectory::Place Trajectory::place(double time) const {
   Place place;
-  if (stretches_.empty() || !(time > 0)) return place;
+  if (stretches_.empty() || !(time >= 0)) return place;
   if (time >= duration()) {
     place.edge = static_cast<int>(differences_.size()) - 1;
     place.t = 1;
@@ -193,18 +262,47 @@ Trajectory::Place Trajectory::place(double time) const {
   auto stretch = std::upper_bound(stretches_.begin(), stretches_.end(), time,
                                   [](double t, const Stretch& s) { return t < s.start; });
   --stretch;
-  const RestToRest::State state = stretch->profile.at(time - stretch->start);
-  const int last = stretch->first_edge + stretch->edges - 1;
-  int edge = stretch->first_edge;
-  while (edge < last && state.way >= ends_[at(edge)]) ++edge;
-  const double begin = edge == stretch->first_edge ? 0 : ends_[at(edge - 1)];
-  const double share = ends_[at(edge)] - begin;
-  place.edge = edge;
-  if (share > 0) {
-    place.t = std::clamp((state.way - begin) / share, 0.0, 1.0);
-    place.rate = state.speed / share;
-    place.acceleration = state.acceleration / share;
+  return placeOn(*stretch, time - stretch->start);
+}
+
+Trajectory::Place Trajectory::placeOn(const Stretch& stretch, double time) const {
+  Place place;
+  if (stretch.profile) {
+    const RestToRest::State state = stretch.profile->at(time);
+    const int last = stretch.first_edge + stretch.edges - 1;
+    int edge = stretch.first_edge;
+    while (edge < last && state.way >= ends_[at(edge)]) ++edge;
+    const double begin = edge == stretch.first_edge ? 0 : ends_[at(edge - 1)];
+    const double share = ends_[at(edge)] - begin;
+    place.edge = edge;
+    if (share > 0) {
+      place.t = std::clamp((state.way - begin) / share, 0.0, 1.0);
+      place.rate = state.speed / share;
+      place.acceleration = state.acceleration / share;
+    }
+    return place;
   }
+  const auto phase =
+      std::prev(std::upper_bound(stretch.phases.begin() + 1, stretch.phases.end(), time,
+                                 [](double t, const TimedPhase& p) { return t < p.start; }));
+  const double dt = time - phase->start;
+  const double s = phase->way + dt * (phase->rate + dt / 2 * phase->acceleration);
+  const auto piece =
+      std::prev(std::upper_bound(stretch.pieces.begin() + 1, stretch.pieces.end(), s,
+                                 [](double way, const Piece& p) { return way < p.begin; }));
+  place.edge = piece->edge;
+  place.blend = piece->blend;
+  double before = 0, length = 0;
+  if (piece->blend >= 0) {
+    length = 2 * blends_[at(piece->blend)].length;
+  } else {
+    length = lengths_[at(piece->edge)];
+    const Blend* cut = piece->edge > stretch.first_edge ? blendAt(piece->edge) : nullptr;
+    before = cut != nullptr ? cut->length : 0;
+  }
+  place.t = std::clamp((before + s - piece->begin) / length, 0.0, 1.0);
+  place.rate = (phase->rate + dt * phase->acceleration) / length;
+  place.acceleration = phase->acceleration / length;
   return place;
 }
 
@@ -214,15 +312,32 @@ void Trajectory::configuration(double time, std::span<double> q) const {
     return;
   }
   const Place p = place(time);
-  space_->interpolate(waypoints_[at(p.edge)], waypoints_[at(p.edge) + 1], p.t, q);
+  if (p.blend >= 0)
+    blendPoint(*space_, waypoints_[at(p.edge) + 1], differences_[at(p.edge)],
+               differences_[at(p.edge) + 1], blends_[at(p.blend)].length, p.t, q);
+  else
+    space_->interpolate(waypoints_[at(p.edge)], waypoints_[at(p.edge) + 1], p.t, q);
 }
 
 void Trajectory::derivative(double time, bool second, std::span<double> result) const {
   std::fill(result.begin(), result.end(), 0.0);
-  if (stretches_.empty() || !(time > 0) || time >= duration()) return;
+  if (stretches_.empty() || !(time >= 0) || time >= duration()) return;
   const Place p = place(time);
-  const double factor = second ? p.acceleration : p.rate;
-  for (std::size_t i = 0; i < result.size(); ++i) result[i] = factor * differences_[at(p.edge)][i];
+  const std::vector<double>& along = differences_[at(p.edge)];
+  if (p.blend < 0) {
+    const double factor = second ? p.acceleration : p.rate;
+    for (std::size_t i = 0; i < result.size(); ++i) result[i] = factor * along[i];
+    return;
+  }
+  // dq/dt = 2 l ((1 - t) d0 + t d1) and d2q/dt2 = 2 l (d1 - d0), with unit directions d0 and d1.
+  const std::vector<double>& next = differences_[at(p.edge) + 1];
+  const double twice = 2 * blends_[at(p.blend)].length;
+  const double a = twice / lengths_[at(p.edge)], b = twice / lengths_[at(p.edge) + 1];
+  for (std::size_t i = 0; i < result.size(); ++i) {
+    const double slope = (1 - p.t) * a * along[i] + p.t * b * next[i];
+    const double bend = b * next[i] - a * along[i];
+    result[i] = second ? p.acceleration * slope + p.rate * p.rate * bend : p.rate * slope;
+  }
 }
 
 void Trajectory::velocity(double time, std::span<double> rate) const {
@@ -231,6 +346,17 @@ void Trajectory::velocity(double time, std::span<double> rate) const {
 
 void Trajectory::acceleration(double time, std::span<double> second) const {
   derivative(time, true, second);
+}
+
+Trajectory trajectoryOf(const Problem& problem, const Path& path) {
+  const MotionLimits limits = motionLimits(problem);
+  const auto space = std::make_shared<const ConfigurationSpace>(problem.model, problem.variables);
+  std::vector<Blend> blends;
+  const bool smooth = std::any_of(limits.jerk.begin(), limits.jerk.end(),
+                                  [](double jerk) { return jerk < kInfinity; });
+  if (problem.execution.corners == Corners::kBlend && !smooth)
+    blends = certifiedBlends(std::make_shared<const CompiledScene>(problem), path.positions);
+  return {space, path.positions, limits, blends};
 }
 
 }  // namespace leeway::planner

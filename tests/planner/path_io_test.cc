@@ -17,6 +17,7 @@
 #include <random>
 #include <sstream>
 
+#include "leeway/planner/trajectory.h"
 #include "leeway/robots/input_error.h"
 #include "tests/build_paths.h"
 
@@ -209,7 +210,102 @@ TEST_F(PathIo, TimesKeepTheVelocityLimits) {
   std::getline(lines, second);
   EXPECT_EQ(header, "time,joint1,joint2,joint3,joint4,joint5,joint6,joint7");
   EXPECT_EQ(first.substr(0, 2), "0,");
-  EXPECT_NEAR(std::stod(second), 1 / (75 * 3.141592653589793 / 180), 1e-4);
+  // And half a second is taken for reaching that speed and for leaving it, half of it lost.
+  EXPECT_NEAR(std::stod(second), 1 / (75 * 3.141592653589793 / 180) + 0.5, 1e-4);
+}
+
+TEST_F(PathIo, TrajectoriesHaveRatesAndTheirOwnCertificate) {
+  Problem problem = armProblem();
+  problem.execution.corners = Corners::kBlend;
+  std::vector<std::vector<double>> rows(3, std::vector<double>(7));
+  rows[1][0] = 0.5;
+  rows[2][0] = 0.5;
+  rows[2][1] = 0.25;
+  PlanResult result = resultOf(problem, rows);
+  result.certificate.clearance = {0.03, 0.031};
+  const auto space = std::make_shared<ConfigurationSpace>(problem.model, problem.variables);
+  const std::vector<Blend> blends = {{1, 0.1}};
+  const Trajectory trajectory(space, rows, defaultMotionLimits(*space), blends);
+  for (const char* name : {"t.json", "t.yaml"}) {
+    writeTrajectory(file(name), problem, result, trajectory, 0.05);
+    const auto read = readPath(file(name), problem);  // the rows are a path again
+    EXPECT_TRUE(sameBits({read.positions.front(), read.positions.back()}, {rows[0], rows[2]}));
+  }
+  const auto json = nlohmann::json::parse(contents(file("t.json")));
+  const auto& points = json.at("points");
+  double before = -1;
+  int sampled = 0;
+  for (const auto& point : points) {
+    const double time = point.at("time_from_start").at("sec").get<double>() +
+                        point.at("time_from_start").at("nanosec").get<double>() * 1e-9;
+    EXPECT_GT(time, before);
+    before = time;
+    std::vector<double> q(7), rate(7), second(7);
+    trajectory.configuration(time, q);
+    trajectory.velocity(time, rate);
+    for (std::size_t i = 0; i < 7; ++i) {
+      EXPECT_NEAR(point.at("positions")[i].get<double>(), q[i], 1e-8);
+      EXPECT_NEAR(point.at("velocities")[i].get<double>(), rate[i], 1e-8);
+    }
+    sampled += std::abs(time / 0.05 - std::round(time / 0.05)) < 1e-6;
+  }
+  EXPECT_NEAR(before, trajectory.duration(), 1e-9);
+  EXPECT_GE(sampled, static_cast<int>(trajectory.duration() / 0.05));
+  EXPECT_GT(points[0].at("accelerations")[0].get<double>(), 0.1);
+  const auto& certificate = json.at("certificate");
+  EXPECT_EQ(certificate.at("blended_corners"), nlohmann::json::array({1}));
+  EXPECT_EQ(certificate.at("clearance_lower").get<double>(), problem.margin);
+  EXPECT_EQ(certificate.at("tracking_tolerance").get<double>(), 0);
+  EXPECT_FALSE(certificate.contains("segments"));
+
+  const Trajectory stopping(space, rows, defaultMotionLimits(*space));
+  writeTrajectory(file("stop.json"), problem, result, stopping);
+  const auto stop = nlohmann::json::parse(contents(file("stop.json")));
+  EXPECT_EQ(stop.at("certificate").at("clearance_lower").get<double>(), 0.03);
+  EXPECT_EQ(stop.at("points").size(), stopping.knots().size());
+  writeTrajectory(file("stop.csv"), problem, result, stopping);
+  EXPECT_EQ(contents(file("stop.csv")).substr(0, 12), "time,joint1,");
+  try {
+    writeTrajectory(file("stop.path"), problem, result, stopping);
+    ADD_FAILURE();
+  } catch (const robots::InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("'.path' names no format of trajectories"),
+              std::string::npos);
+  }
+}
+
+/// What is written for an orientation is the rate of its four numbers.
+TEST_F(PathIo, TrajectoriesOfBodiesHaveTheRatesOfTheirNumbers) {
+  const Problem problem = loadProblem(kSource + "/problems/bodies/window.yaml");
+  const auto space = std::make_shared<ConfigurationSpace>(problem.model, problem.variables);
+  const std::vector<std::vector<double>> rows = {{0, 0, 1, 0, 0, 0, 1},
+                                                 {0.3, 0, 1, 0.6, 0, 0.48, 0.64}};
+  const Trajectory trajectory(space, rows, defaultMotionLimits(*space));
+  writeTrajectory(file("body.json"), problem, resultOf(problem, rows), trajectory,
+                  trajectory.duration() / 17);
+  const double h = 1e-5;
+  std::vector<double> before(7), middle(7), after(7);
+  int moving = 0;
+  const auto json = nlohmann::json::parse(contents(file("body.json")));
+  for (const auto& point : json.at("points")) {
+    const double time = point.at("time_from_start").at("sec").get<double>() +
+                        point.at("time_from_start").at("nanosec").get<double>() * 1e-9;
+    if (time < 2 * h || time > trajectory.duration() - 2 * h) continue;
+    trajectory.configuration(time - h, before);
+    trajectory.configuration(time, middle);
+    trajectory.configuration(time + h, after);
+    const bool smooth = std::abs(std::remainder(time, trajectory.duration() / 17)) <
+                        1e-6;  // else a jump within 2 h
+    for (std::size_t i = 0; i < 7; ++i) {
+      EXPECT_NEAR(point.at("velocities")[i].get<double>(), (after[i] - before[i]) / (2 * h), 1e-4);
+      if (smooth) {
+        EXPECT_NEAR(point.at("accelerations")[i].get<double>(),
+                    (after[i] - 2 * middle[i] + before[i]) / (h * h), 1e-4);
+      }
+    }
+    moving += smooth;
+  }
+  EXPECT_GT(moving, 3);
 }
 
 /// A controller that knows nothing of circles must go the way that was certified.

@@ -277,6 +277,20 @@ TEST_F(ProblemDeforming, ExecutionIsReadAndRefused) {
   EXPECT_EQ(p.execution.look_ahead, 0);
   EXPECT_EQ(p.execution.buffer, 0.03);
   EXPECT_EQ(p.execution.patience, 1);
+  const Problem q =
+      load("execution: {velocities: 3, accelerations: {disc/x: 4}, jerks: 50, corners: blend}\n");
+  EXPECT_EQ(q.execution.velocities.at("disc/y"), 3);
+  EXPECT_EQ(q.execution.accelerations.size(), 1U);
+  EXPECT_EQ(q.execution.accelerations.at("disc/x"), 4);
+  EXPECT_EQ(q.execution.jerks.at("disc/x"), 50);
+  EXPECT_EQ(q.execution.corners, Corners::kBlend);
+  ASSERT_EQ(q.warnings.size(), p.warnings.size() + 1);
+  EXPECT_NE(q.warnings.back().find("not blended where jerks are limited"), std::string::npos);
+  expectRefused("execution: {accelerations: 0}\n", 10,
+                "execution.accelerations is 0; a number above 0 is expected");
+  expectRefused("execution: {accelerations: fast}\n", 10, "fast");
+  expectRefused("execution: {jerks: {disc/x: -1}}\n", 10, "a number above 0 is expected");
+  expectRefused("execution: {corners: cut}\n", 10, "stop or blend is expected");
   expectRefused("execution: {step: 0}\n", 10, "execution.step is 0; a number above 0 is expected");
   expectRefused("execution: {duration: 0.01}\n", 10, "less than a step");
   expectRefused("execution: {speed: 1.5}\n", 10, "up to 1");

@@ -39,7 +39,8 @@ TEST(ProblemSchema, KnowsTheLoadersKeysAndNoOthers) {
 }
 
 TEST(ProblemSchema, HasNoKindThatTheLoaderLacks) {
-  std::set<std::string> known = {"state", "value"};  // no maps of their own: a choice of forms
+  std::set<std::string> known = {"state", "value",
+                                 "joint_limits"};  // no maps of their own: a choice of forms
   for (const MapFormat& format : mapFormats()) known.insert(std::string(format.name));
   const json all = schema();
   for (const auto& entry : all.at("$defs").items())

@@ -142,7 +142,7 @@ TEST(ShippedProblems, ExamplesOfTheReadmeLoad) {
     std::filesystem::copy_file(kProblems + "/moveit/" + name,
                                folder / "problems" / "example" / name);
   const std::vector<std::string> examples = readmeExamples();
-  EXPECT_EQ(examples.size(), 4U);
+  EXPECT_EQ(examples.size(), 5U);
   for (std::string example : examples) {
     if (example.rfind("leeway:", 0) != 0) example = "leeway: 1\n" + example;
     const std::string file = (folder / "problems" / "example" / "problem.yaml").string();

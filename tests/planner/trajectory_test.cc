@@ -2,10 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <memory>
 
+#include "leeway/planner/edge_certifier.h"
 #include "leeway/planner/problem.h"
 #include "tests/build_paths.h"
 
@@ -134,6 +136,188 @@ TEST_F(TrajectoryTest, StaysOnThePathWithinTheLimitsAndRestsAtCorners) {
     for (const double r : rate) fastest = std::max(fastest, std::abs(r));
     EXPECT_GT(fastest, 0.05);
   }
+}
+
+/// Blended at will: what the curve is, and that the limits hold at every moment.
+TEST_F(TrajectoryTest, BlendsKeepTheLimitsAndDoNotJump) {
+  const std::size_t n = static_cast<std::size_t>(space->size());
+  std::vector<std::vector<double>> path{start()};
+  for (int i = 1; i < 8; ++i) {
+    path.push_back(path.back());
+    for (std::size_t k = 0; k < n; ++k)
+      path.back()[k] += 0.25 * std::sin(2.9 * i + 1.3 * static_cast<double>(k) * i);
+  }
+  std::vector<double> middle(n), dq(n);
+  space->interpolate(path[5], path[6], 0.5, middle);  // run through
+  path.insert(path.begin() + 6, middle);
+  const auto length = [&](int edge) {
+    space->difference(path[static_cast<std::size_t>(edge)],
+                      path[static_cast<std::size_t>(edge) + 1], dq);
+    double sum = 0;
+    for (const double x : dq) sum += x * x;
+    return std::sqrt(sum);
+  };
+  MotionLimits limits = defaultMotionLimits(*space);
+  limits.velocity[2] = 0.3;
+  limits.acceleration[4] = 0.2;
+  // Whole edges used up, a corner that is stopped at (4), one that is cut a little.
+  std::vector<Blend> blends;
+  for (const int corner : {1, 2, 3, 5, 7})
+    blends.push_back(
+        {corner, (corner == 5 ? 0.01 : 0.5) * std::min(length(corner - 1), length(corner))});
+  const Trajectory trajectory(space, path, limits, blends);
+  const Trajectory stopping(space, path, limits);
+  EXPECT_LT(trajectory.duration(), 0.9 * stopping.duration());
+  std::vector<double> q(n), rate(n), second(n), before(n), before_rate(n), expected(n);
+  const int steps = 20000;
+  const double h = trajectory.duration() / steps;
+  trajectory.configuration(0, before);
+  trajectory.velocity(0, before_rate);
+  int on_blends = 0, at_a_limit = 0;
+  for (int k = 1; k <= steps; ++k) {
+    const double time = k * h;
+    trajectory.configuration(time, q);
+    trajectory.velocity(time, rate);
+    trajectory.acceleration(time, second);
+    bool limited = false;
+    for (std::size_t i = 0; i < n; ++i) {
+      ASSERT_LE(std::abs(rate[i]), limits.velocity[i] * (1 + 1e-9)) << time;
+      ASSERT_LE(std::abs(second[i]), limits.acceleration[i] * (1 + 1e-9)) << time;
+      // Each is the integral of the next.
+      ASSERT_NEAR(q[i] - before[i], h * (rate[i] + before_rate[i]) / 2,
+                  limits.acceleration[i] * h * h);
+      ASSERT_LE(std::abs(rate[i] - before_rate[i]), limits.acceleration[i] * h * (1 + 1e-6) + 1e-9);
+      limited = limited || std::abs(rate[i]) > 0.97 * limits.velocity[i] ||
+                std::abs(second[i]) > 0.97 * limits.acceleration[i];
+    }
+    at_a_limit += limited;
+    const Trajectory::Place p = trajectory.place(time);
+    if (p.blend >= 0) {
+      ++on_blends;
+      const std::size_t corner =
+          static_cast<std::size_t>(blends[static_cast<std::size_t>(p.blend)].corner);
+      const double cut = blends[static_cast<std::size_t>(p.blend)].length;
+      std::vector<double> from(n), to(n);
+      space->interpolate(path[corner - 1], path[corner], 1 - cut / length(p.edge), from);
+      space->interpolate(path[corner], path[corner + 1], cut / length(p.edge + 1), to);
+      const double t = p.t;
+      for (std::size_t i = 0; i < n; ++i)
+        ASSERT_NEAR(q[i],
+                    (1 - t) * (1 - t) * from[i] + 2 * t * (1 - t) * path[corner][i] + t * t * to[i],
+                    1e-12);
+    } else {
+      space->interpolate(path[static_cast<std::size_t>(p.edge)],
+                         path[static_cast<std::size_t>(p.edge) + 1], p.t, expected);
+      ASSERT_EQ(q, expected);
+    }
+    std::swap(before, q);
+    std::swap(before_rate, rate);
+  }
+  EXPECT_GT(on_blends, steps / 10);
+  EXPECT_GT(at_a_limit, steps * 9 / 10);  // nearly always: time-optimal but for the cells
+  trajectory.velocity(trajectory.times()[4], rate);
+  for (const double r : rate) EXPECT_NEAR(r, 0, 1e-7);
+  trajectory.configuration(trajectory.times()[6], q);
+  for (std::size_t i = 0; i < n; ++i) EXPECT_NEAR(q[i], middle[i], 1e-9);
+  trajectory.configuration(trajectory.duration(), q);
+  EXPECT_EQ(q, path.back());
+
+  // Between knots on an edge the cubic through both ends is the motion itself.
+  const std::vector<double> knots = trajectory.knots();
+  EXPECT_EQ(knots.front(), 0);
+  EXPECT_EQ(knots.back(), trajectory.duration());
+  int edges = 0;
+  std::vector<double> q0(n), q1(n), v0(n), v1(n);
+  for (std::size_t k = 1; k < knots.size(); ++k) {
+    const double a = knots[k - 1], b = knots[k], middle_time = a + (b - a) / 2, step = b - a;
+    ASSERT_GT(step, 0);
+    if (step < 1e-9 || trajectory.place(middle_time).blend >= 0) continue;
+    ++edges;
+    trajectory.configuration(a, q0);
+    trajectory.configuration(b, q1);
+    trajectory.velocity(a, v0);
+    trajectory.velocity(b - 1e-12, v1);
+    trajectory.configuration(middle_time, q);
+    for (std::size_t i = 0; i < n; ++i)
+      EXPECT_NEAR(q[i], (q0[i] + q1[i]) / 2 + step * (v0[i] - v1[i]) / 8, 1e-9);
+  }
+  EXPECT_GT(edges, 5);
+}
+
+TEST_F(TrajectoryTest, RefusesBlendsThatCannotBe) {
+  std::vector<std::vector<double>> path{start(), start(), start()};
+  path[1][0] += 0.5;
+  path[2][0] += 0.5;
+  path[2][1] += 0.2;
+  const MotionLimits limits = defaultMotionLimits(*space);
+  const auto with = [&](const std::vector<Blend>& blends) {
+    return Trajectory(space, path, limits, blends).duration();
+  };
+  EXPECT_GT(with({{1, 0.2}}), 0);
+  EXPECT_THROW(with({{1, 0.21}}), std::invalid_argument);  // longer than its edge
+  EXPECT_THROW(with({{1, 0}}), std::invalid_argument);
+  EXPECT_THROW(with({{2, 0.1}}), std::invalid_argument);
+  EXPECT_THROW(with({{0, 0.1}}), std::invalid_argument);
+  EXPECT_THROW(with({{1, 0.05}, {1, 0.05}}), std::invalid_argument);
+  MotionLimits smooth = limits;
+  smooth.jerk.assign(limits.velocity.size(), 20);
+  const std::vector<Blend> blends = {{1, 0.1}};
+  EXPECT_THROW(Trajectory(space, path, smooth, blends), std::invalid_argument);
+  const Problem body = loadProblem(leeway::sourceFolder() + "/problems/bodies/window.yaml");
+  const auto turning = std::make_shared<ConfigurationSpace>(body.model, body.variables);
+  const std::vector<std::vector<double>> poses = {
+      {0, 0, 1, 0, 0, 0, 1}, {0.3, 0, 1, 0, 0, 0, 1}, {0.3, 0.3, 1, 0, 0, 0, 1}};
+  EXPECT_THROW(Trajectory(turning, poses, defaultMotionLimits(*turning), blends),
+               std::invalid_argument);
+}
+
+/// Dense truth: nothing of a blended trajectory is nearer than the margins.
+TEST_F(TrajectoryTest, CertifiedBlendsKeepTheMargins) {
+  int blended = 0, shortened = 0;
+  for (const char* name : {"shelf/reach", "table/posts", "snake/clutter", "bodies/piano"}) {
+    Problem shipped = loadProblem(leeway::sourceFolder() + "/problems/" + name + ".yaml");
+    shipped.execution.corners = Corners::kBlend;
+    const PlanResult result = plan(shipped);
+    ASSERT_EQ(result.status, PlanStatus::kSolved) << name;
+    const Trajectory trajectory = trajectoryOf(shipped, result.path);
+    blended += static_cast<int>(trajectory.blends().size());
+    const auto scene = std::make_shared<const CompiledScene>(shipped);
+    EdgeCertifier certifier(scene);
+    std::vector<double> q(static_cast<std::size_t>(scene->space().size()));
+    std::vector<double> dq(q.size());
+    for (const Blend& blend : trajectory.blends()) {
+      double shorter = kInfinity;
+      for (const int edge : {blend.corner - 1, blend.corner}) {
+        scene->space().difference(result.path.positions[static_cast<std::size_t>(edge)],
+                                  result.path.positions[static_cast<std::size_t>(edge) + 1], dq);
+        double sum = 0;
+        for (const double x : dq) sum += x * x;
+        shorter = std::min(shorter, std::sqrt(sum));
+      }
+      shortened += blend.length < 0.49 * shorter;
+    }
+    for (int k = 0; k <= 2000; ++k) {
+      trajectory.configuration(trajectory.duration() * k / 2000, q);
+      ASSERT_EQ(certifier.decide(q), Verdict::kFree) << name << " at " << k;
+    }
+  }
+  EXPECT_GT(blended, 8);
+  EXPECT_GT(shortened, 0);  // where the whole cut would have been too near
+}
+
+TEST_F(TrajectoryTest, LimitsComeFromTheProblem) {
+  problem.execution.speed = 0.5;
+  problem.execution.velocities["joint2"] = 0.8;
+  problem.execution.accelerations["joint1"] = 7;
+  problem.execution.jerks["joint3"] = 11;
+  const MotionLimits limits = motionLimits(problem);
+  const MotionLimits defaults = defaultMotionLimits(*space);
+  EXPECT_EQ(limits.velocity[0], defaults.velocity[0] / 2);
+  EXPECT_EQ(limits.velocity[1], 0.4);
+  EXPECT_EQ(limits.acceleration[0], 7);
+  EXPECT_EQ(limits.acceleration[1], 0.8);
+  EXPECT_EQ(limits.jerk[2], 11);
+  EXPECT_EQ(limits.jerk[0], kInfinity);
 }
 
 TEST_F(TrajectoryTest, RefusesSenselessLimits) {

@@ -47,6 +47,28 @@ TEST_F(Plan, SolvesAndCertifies) {
               certificate["closest"].contains("t"));
 }
 
+TEST_F(Plan, WritesTrajectories) {
+  const Answer stop = run("plan reach.yaml --json --trajectory stop.json");
+  EXPECT_EQ(stop.status, 0) << stop.err;
+  write("blend.yaml", std::string(kReach) + "execution: {corners: blend, accelerations: 5}\n");
+  const Answer blend = run("plan blend.yaml --json --trajectory blend.json --period 0.01");
+  EXPECT_EQ(blend.status, 0) << blend.err;
+  const json stopping = stop.document()["trajectory"], blending = blend.document()["trajectory"];
+  EXPECT_EQ(stopping["blended_corners"], json::array());
+  EXPECT_GE(blending["blended_corners"].size(), 1U);
+  const json points = json::parse(readText(path("blend.json")))["points"];
+  const json& last = points.back()["time_from_start"];
+  EXPECT_NEAR(last["sec"].get<double>() + last["nanosec"].get<double>() * 1e-9,
+              blending["duration"].get<double>(), 1e-9);
+  EXPECT_EQ(points[0]["velocities"].size(), 2U);
+  // Its rows are a path that the verifier proves.
+  EXPECT_EQ(run("verify blend.yaml blend.json").status, 0);
+  EXPECT_NE(run("plan blend.yaml").out.find("corners blended"), std::string::npos);
+  for (const char* wrong : {"plan reach.yaml --trajectory x.path", "plan reach.yaml --period 0.1",
+                            "plan reach.yaml --trajectory none/x.csv"})
+    EXPECT_EQ(run(wrong).status, 2) << wrong;
+}
+
 TEST_F(Plan, NothingToBeNearIsNull) {
   const Answer answer = run("plan empty.yaml --json");
   EXPECT_EQ(answer.status, 0) << answer.err;

@@ -102,7 +102,11 @@ Json solve(const Arguments& arguments, const std::shared_ptr<const robots::Model
   const double load_s = secondsSince(start);
   const planner::PlanResult result = planner::plan(problem, interactivePlanOptions());
   printWarnings(result.warnings);
-  Json document = toJson(problem, result, load_s);
+  std::optional<planner::Trajectory> trajectory;
+  if (result.status == planner::PlanStatus::kSolved) {
+    trajectory = planner::trajectoryOf(problem, result.path);
+  }
+  Json document = toJson(problem, result, trajectory, load_s);
   Json verification;
   if (arguments.verify && result.status == planner::PlanStatus::kSolved) {
     const auto verify_start = Clock::now();

@@ -11,6 +11,7 @@
 #include "leeway/collision/convex_hull.h"
 #include "leeway/collision/triangle_mesh.h"
 #include "leeway/planner/compiled_scene.h"
+#include "leeway/planner/trajectory.h"
 #include "leeway/robots/input_error.h"
 #include "tools/leeway/exit_status.h"
 #include "tools/leeway/json_result.h"
@@ -228,12 +229,20 @@ Json deformingJson(const planner::Problem& problem) {
   return list;
 }
 
-Json executionJson(const planner::Execution& execution) {
+Json executionJson(const planner::Problem& problem) {
+  const planner::Execution& execution = problem.execution;
+  const planner::MotionLimits limits = planner::motionLimits(problem);
+  Json jerks = Json::array();  // null: no limit
+  for (const double jerk : limits.jerk) jerks.push_back(jsonNumber(jerk));
   return {
       {"start", execution.start},
       {"step", execution.step},
       {"duration", execution.duration},
       {"speed", execution.speed},
+      {"velocities", limits.velocity},
+      {"accelerations", limits.acceleration},
+      {"jerks", jerks},
+      {"corners", execution.corners == planner::Corners::kStop ? "stop" : "blend"},
       {"foresight", execution.foresight == planner::Foresight::kMotion ? "motion" : "speed_bound"},
       {"look_ahead", execution.look_ahead},
       {"buffer", execution.buffer},
@@ -322,7 +331,7 @@ Json problemJson(const planner::Problem& problem) {
           {"objects", objects},
           {"attached", attached},
           {"deforming", deformingJson(problem)},
-          {"execution", executionJson(problem.execution)},
+          {"execution", executionJson(problem)},
           {"margin", problem.margin},
           {"planner", problem.planner},
           {"objective", problem.objective},

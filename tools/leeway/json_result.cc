@@ -44,6 +44,12 @@ Json offendingJson(const planner::PlanResult& result) {
           {"normal", jsonVector(check.closest.normal)}};
 }
 
+Json trajectoryJson(const planner::Trajectory& trajectory) {
+  Json corners = Json::array();
+  for (const planner::Blend& blend : trajectory.blends()) corners.push_back(blend.corner);
+  return {{"duration", trajectory.duration()}, {"blended_corners", corners}};
+}
+
 }  // namespace
 
 Json jsonNumber(double value) { return std::isfinite(value) ? Json(value) : Json(); }
@@ -52,7 +58,8 @@ Json jsonVector(const Eigen::Vector3d& v) {
   return {jsonNumber(v.x()), jsonNumber(v.y()), jsonNumber(v.z())};
 }
 
-Json toJson(const planner::Problem& problem, const planner::PlanResult& result, double load_s) {
+Json toJson(const planner::Problem& problem, const planner::PlanResult& result,
+            const std::optional<planner::Trajectory>& trajectory, double load_s) {
   const bool solved = result.status == planner::PlanStatus::kSolved;
   const bool invalid = result.status == planner::PlanStatus::kInvalidStart ||
                        result.status == planner::PlanStatus::kInvalidGoal;
@@ -78,10 +85,12 @@ Json toJson(const planner::Problem& problem, const planner::PlanResult& result, 
   document["path"] = Json();
   document["length"] = Json();
   document["certificate"] = Json();
+  document["trajectory"] = Json();
   if (solved) {
     document["path"] = {{"joint_names", result.path.names}, {"positions", result.path.positions}};
     document["length"] = jsonNumber(result.length);
     document["certificate"] = certificateJson(result.certificate);
+    if (trajectory) document["trajectory"] = trajectoryJson(*trajectory);
   }
   if (invalid) {
     document["offending"] = offendingJson(result);

@@ -1,9 +1,11 @@
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 
 #include "leeway/planner/plan.h"
+#include "leeway/planner/trajectory.h"
 #include "leeway/planner/verify.h"
 
 namespace leeway::tools {
@@ -14,8 +16,10 @@ using Json = nlohmann::ordered_json;
 Json jsonNumber(double value);
 Json jsonVector(const Eigen::Vector3d& v);
 
-/// The document of `plan --json`. `load_s`: what reading the files took [s].
-Json toJson(const planner::Problem& problem, const planner::PlanResult& result, double load_s);
+/// The document of `plan --json`. `trajectory`: of a solved problem. `load_s`: what reading the
+/// files took [s].
+Json toJson(const planner::Problem& problem, const planner::PlanResult& result,
+            const std::optional<planner::Trajectory>& trajectory, double load_s);
 /// The document of `verify --json`.
 Json toJson(const planner::VerifyResult& result);
 const char* toString(planner::VerifyStatus status);  ///< "certified", "refuted", "undecided"

@@ -4,15 +4,19 @@
 
 #include <chrono>
 #include <cmath>
-#include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <span>
+#include <string_view>
 
 #include "leeway/planner/path_io.h"
 #include "leeway/planner/planners.h"
+#include "leeway/planner/trajectory.h"
 #include "leeway/robots/input_error.h"
 #include "tools/leeway/exit_status.h"
 #include "tools/leeway/json_result.h"
+#include "tools/leeway/output_file.h"
 #include "tools/leeway/problem_source.h"
 #include "tools/leeway/terminal.h"
 #include "tools/leeway/verb.h"
@@ -24,9 +28,14 @@ struct Arguments {
   ProblemSource source;
   PlanOverrides overrides;
   std::string output;
+  std::string trajectory;
+  double period = 0;
   bool json = false;
   bool list_planners = false;
 };
+
+constexpr std::string_view kPathEndings[] = {".yaml", ".json", ".csv", ".path"};
+constexpr std::string_view kTrajectoryEndings[] = {".yaml", ".json", ".csv"};
 
 double millimetres(double metres) { return metres * 1e3; }
 
@@ -112,7 +121,20 @@ std::string timeText(const planner::PlanResult& result, double load_s) {
       result.distance_queries);
 }
 
-void printText(const planner::Problem& problem, const planner::PlanResult& result, double load_s) {
+std::string durationText(const planner::Trajectory& trajectory) {
+  const int corners = static_cast<int>(trajectory.waypoints().size()) - 2;
+  std::string at_corners;
+  if (corners > 0 && trajectory.blends().empty()) {
+    at_corners = ", at rest at every corner";
+  } else if (corners > 0) {
+    at_corners = fmt::format(", {} of {} corners blended", trajectory.blends().size(), corners);
+  }
+  return fmt::format("Takes {:.3f} s within the joints' limits{}.\n", trajectory.duration(),
+                     at_corners);
+}
+
+void printText(const planner::Problem& problem, const planner::PlanResult& result,
+               const std::optional<planner::Trajectory>& trajectory, double load_s) {
   fmt::print("{}: {} with {}, seed {}{}\n", problem.name, planner::toString(result.status),
              result.planner, result.seed,
              result.deterministic
@@ -122,6 +144,7 @@ void printText(const planner::Problem& problem, const planner::PlanResult& resul
     case planner::PlanStatus::kSolved:
       fmt::print("\n{}\n{}", pathTable(result), certificateText(result.certificate));
       fmt::print("Length {:.4f}, {} edges.\n", result.length, result.certificate.segments.size());
+      fmt::print("{}", durationText(*trajectory));
       break;
     case planner::PlanStatus::kUnsolved:
       fmt::print("No path within {} s{}.\n", problem.time_limit,
@@ -135,22 +158,6 @@ void printText(const planner::Problem& problem, const planner::PlanResult& resul
       break;
   }
   fmt::print("{}", timeText(result, load_s));
-}
-
-/// Found out before the work is done rather than after it.
-void checkOutput(const std::string& output) {
-  const std::filesystem::path path(output);
-  const std::string ending = path.extension().string();
-  if (ending != ".yaml" && ending != ".json" && ending != ".csv" && ending != ".path") {
-    throw robots::InputError(
-        output, 0,
-        fmt::format("unknown ending '{}'; .yaml, .json, .csv and .path can be written", ending));
-  }
-  const auto folder = path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
-  if (!std::filesystem::is_directory(folder)) {
-    throw robots::InputError(
-        output, 0, fmt::format("cannot be written: there is no folder '{}'", folder.string()));
-  }
 }
 
 int listPlanners(bool json) {
@@ -179,7 +186,10 @@ int run(const Arguments& arguments) {
     return listPlanners(arguments.json);
   }
   if (!arguments.output.empty()) {
-    checkOutput(arguments.output);
+    checkOutputFile(arguments.output, kPathEndings);
+  }
+  if (!arguments.trajectory.empty()) {
+    checkOutputFile(arguments.trajectory, kTrajectoryEndings);
   }
   const auto start = std::chrono::steady_clock::now();
   planner::Problem problem = loadProblem(arguments.source);
@@ -194,10 +204,18 @@ int run(const Arguments& arguments) {
   if (solved && !arguments.output.empty()) {
     planner::writePath(arguments.output, problem, result);
   }
+  std::optional<planner::Trajectory> trajectory;
+  if (solved) {
+    trajectory = planner::trajectoryOf(problem, result.path);
+    if (!arguments.trajectory.empty()) {
+      planner::writeTrajectory(arguments.trajectory, problem, result, *trajectory,
+                               arguments.period);
+    }
+  }
   if (arguments.json) {
-    printJson(toJson(problem, result, load_s));
+    printJson(toJson(problem, result, trajectory, load_s));
   } else {
-    printText(problem, result, load_s);
+    printText(problem, result, trajectory, load_s);
   }
   return solved && result.certificate.certified ? kYes : kNo;
 }
@@ -213,6 +231,16 @@ Verb addPlan(CLI::App& command) {
   app->add_option("--output", arguments->output,
                   "write the path; the ending chooses the format: .yaml .json .csv .path")
       ->type_name("FILE");
+  app->add_option("--trajectory", arguments->trajectory,
+                  "write the path with times, velocities and accelerations within the limits of "
+                  "`execution:`; the ending chooses the format: .yaml .json .csv")
+      ->type_name("FILE");
+  app->add_option("--period", arguments->period,
+                  "rows of the trajectory every so many seconds besides those where its "
+                  "acceleration changes")
+      ->type_name("S")
+      ->check(CLI::Range(1e-6, 1e6))
+      ->needs("--trajectory");
   app->add_flag("--json", arguments->json, "print one JSON document");
   app->add_flag("--planners", arguments->list_planners, "list the planners and end");
   app->footer(

@@ -11,12 +11,15 @@
 #include "leeway/robots/input_error.h"
 #include "tools/leeway/exit_status.h"
 #include "tools/leeway/json_result.h"
+#include "tools/leeway/output_file.h"
 #include "tools/leeway/problem_source.h"
 #include "tools/leeway/terminal.h"
 #include "tools/leeway/verb.h"
 
 namespace leeway::tools {
 namespace {
+
+constexpr std::string_view kRowsEndings[] = {".csv"};
 
 struct Arguments {
   ProblemSource source;
@@ -150,20 +153,6 @@ void printSummary(const planner::Problem& problem, const planner::ReplanResult& 
              result.longest_step_s * 1e3);
 }
 
-void checkOutput(const std::string& output) {
-  const std::filesystem::path path(output);
-  if (path.extension() != ".csv") {
-    throw robots::InputError(
-        output, 0,
-        fmt::format("unknown ending '{}'; .csv can be written", path.extension().string()));
-  }
-  const auto folder = path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
-  if (!std::filesystem::is_directory(folder)) {
-    throw robots::InputError(
-        output, 0, fmt::format("cannot be written: there is no folder '{}'", folder.string()));
-  }
-}
-
 int run(const Arguments& arguments) {
   if (arguments.steps < 0) {
     throw robots::InputError("command line", 0,
@@ -173,7 +162,7 @@ int run(const Arguments& arguments) {
     throw robots::InputError("command line", 0, "--json and --text exclude each other");
   }
   if (!arguments.output.empty()) {
-    checkOutput(arguments.output);
+    checkOutputFile(arguments.output, kRowsEndings);
   }
   const auto start = std::chrono::steady_clock::now();
   planner::Problem problem = loadProblem(arguments.source);
@@ -185,6 +174,14 @@ int run(const Arguments& arguments) {
       printWarnings({fmt::format("{}: obstacle '{}' has no motion: it stands still here",
                                  arguments.source.problem, obstacle.object)});
     }
+  }
+  const planner::Execution& execution = problem.execution;
+  if (!execution.accelerations.empty() || !execution.jerks.empty() ||
+      execution.corners != planner::Corners::kStop) {
+    printWarnings({fmt::format(
+        "{}: accelerations, jerks and corners of 'execution' are for plan --trajectory: replan "
+        "goes at the velocity limits",
+        arguments.source.problem)});
   }
   const bool json = arguments.json || (!arguments.text && isatty(STDOUT_FILENO) != 1);
   const planner::PlanOptions interactive = interactivePlanOptions();

@@ -59,6 +59,11 @@ class CompiledScene {
     return raised;
   }
 
+  /// The same scene with every pair's margin greater by at least `growth` >= 0 [m], and none below
+  /// it (collision::Scene::growMargins()): what a motion keeps that departs so far from one that
+  /// is certified.
+  std::shared_ptr<const CompiledScene> withMarginsGrown(double growth) const;
+
   /// Another shape for a geometry of a body of the world, see collision::Scene::setShape() and
   /// growMargins().
   struct Replacement {

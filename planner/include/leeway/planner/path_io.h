@@ -3,6 +3,7 @@
 #include <string>
 
 #include "leeway/planner/plan.h"
+#include "leeway/planner/trajectory.h"
 
 namespace leeway::planner {
 
@@ -14,9 +15,19 @@ Path readPath(const std::string& file, const Problem& problem);
 
 /// Writes by ending, whole or not at all (temporary name, then rename). Throws robots::InputError
 /// when it cannot, leaving an existing file as it was. Continuous joints are written unwrapped. A
-/// path has no times of its own: those written give each edge the time in which every joint keeps
-/// its velocity limit (1 rad/s or m/s where it has none) and mean nothing to the certificate.
+/// path has no times of its own: those written are when a trajectory within the problem's limits
+/// that stops at every corner is there (motionLimits()), and mean nothing to the certificate.
 void writePath(const std::string& file, const Problem& problem, const PlanResult& result);
+
+/// Writes a timed motion along the result's path, .json or .yaml shaped like
+/// trajectory_msgs/JointTrajectory, whole or not at all: positions, velocities and accelerations
+/// (from that moment on; all of the numbers themselves, orientations included) at its knots, and
+/// every `period` seconds where that is above 0. The cubic through positions and velocities is
+/// the motion itself between knots on an edge. .csv has times and positions alone. The certificate
+/// beside them is that of the motion: with blended corners its clearance is no more than the least
+/// margin. Throws robots::InputError.
+void writeTrajectory(const std::string& file, const Problem& problem, const PlanResult& result,
+                     const Trajectory& trajectory, double period = 0);
 
 /// The text of a file, whole or not at all: written under a temporary name beside it, then renamed.
 /// Of a symbolic link what it names is replaced; a device or pipe is written to. Throws

@@ -58,14 +58,25 @@ enum class Foresight : unsigned char {
   kSpeedBound,  ///< no more than a bound on the speed of their vertices
 };
 
-/// How a path is executed while the scene changes: at the velocity limits of the joints, step by
-/// step. See Replanner.
+/// What a timed path does at the corners of its path.
+enum class Corners : unsigned char {
+  kStop,   ///< comes to rest
+  kBlend,  ///< cuts them where the cut is proven to keep the margins, else comes to rest
+};
+
+/// How a path is executed. A trajectory (see trajectory.h) keeps all limits. Replanner goes step by
+/// step, while the scene changes, at the velocity limits; accelerations, jerks and corners are not
+/// for it.
 struct Execution {
   double start = 0;      ///< time of the obstacles' motions at which everything begins [s]
   double step = 0.05;    ///< from one look at the world to the next [s]
   double duration = 30;  ///< what does not reach a goal within this has failed [s]
   double speed = 1;      ///< share of the velocity limits that is used, in (0, 1]
   std::map<std::string, double> velocities;  ///< in place of the URDF's, by variable [rad/s or m/s]
+  /// By variable [rad/s^2 or m/s^2]; elsewhere what reaches the velocity limit in half a second.
+  std::map<std::string, double> accelerations;
+  std::map<std::string, double> jerks;  ///< by variable [rad/s^3 or m/s^3]; elsewhere no limit
+  Corners corners = Corners::kStop;
   Foresight foresight = Foresight::kMotion;
   /// A step is preferred after which so much more time can be certified, going on or standing [s].
   double look_ahead = 0.2;
