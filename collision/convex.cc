@@ -299,15 +299,6 @@ void remember(const Progress& progress, const Simplex& simplex, bool vertices, i
   }
 }
 
-// The vertices that carried the last distance, at the new poses: all of them or none.
-void recall(const Difference<false>& difference, const PairCache& cache, Simplex& simplex) {
-  if (cache.simplex_count < 1 || cache.simplex_count > 3) return;
-  for (int i = 0; i < cache.simplex_count; ++i) {
-    if (!difference.member(cache.simplex_a[i], cache.simplex_b[i], simplex.points[i])) return;
-  }
-  reduceAll(simplex, cache.simplex_count);
-}
-
 Vector anyPoint(const ConvexView& view) {
   return view.core == Core::kPoints ? view.points[0] : Vector::Zero();
 }
@@ -370,12 +361,12 @@ DistanceResult convexDistance(const ConvexView& a, const Pose& X_BA, const Conve
     return resultOf(progress);
   }
   Simplex simplex;
-  // A threshold is most often decided by the last direction alone.
-  if (cache != nullptr && std::isnan(request.threshold)) recall(difference, *cache, simplex);
   const Vector first = firstDirection(a, X_BA, b, cache);
   GjkEnd end = GjkEnd::kStagnated;
-  if (simplex.count == 0 && difference.countsVertices()) {
-    end = runVertexGjk(difference, first, progress, simplex);
+  if (difference.countsVertices()) {
+    // A threshold is most often decided by the last direction alone.
+    const PairCache* carried = std::isnan(request.threshold) ? cache : nullptr;
+    end = runVertexGjk(difference, first, carried, progress, simplex);
   }
   if (end == GjkEnd::kStagnated) end = runGjk(difference, first, progress, simplex);
   const bool open = end == GjkEnd::kInside || end == GjkEnd::kStagnated;

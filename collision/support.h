@@ -115,6 +115,22 @@ inline bool hasVertices(Core core) {
          core == Core::kBox;
 }
 
+/// How many vertices a core has; 0 where they are not counted.
+inline int vertexCount(const ConvexView& view) {
+  switch (view.core) {
+    case Core::kPoint:
+      return 1;
+    case Core::kSegment:
+      return 2;
+    case Core::kPoints:
+      return view.count;
+    case Core::kBox:
+      return 8;
+    default:
+      return 0;
+  }
+}
+
 /// The vertex that farthest() would call `index`; false when there is none. Any core, any index.
 inline bool vertex(const ConvexView& view, int index, Vector& p) {
   switch (view.core) {

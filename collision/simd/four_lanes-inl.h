@@ -11,6 +11,8 @@
 
 #include <hwy/highway.h>
 
+#include <cstdint>
+
 #include "collision/vector.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -66,6 +68,17 @@ HWY_INLINE Lanes choose(const Mask& mask, const Lanes& x, const Lanes& y) {
   return eachLane([&](int i) { return hn::IfThenElse(mask.v[i], x.v[i], y.v[i]); });
 }
 
+/// Bit i is set where lane i of the mask is.
+HWY_INLINE unsigned bitsOf(const Mask& mask) {
+  unsigned bits = 0;
+  for (int i = 0; i < kRegisters; ++i) {
+    std::uint8_t some[8] = {0};
+    hn::StoreMaskBits(Doubles(), mask.v[i], some);
+    bits |= static_cast<unsigned>(some[0]) << static_cast<unsigned>(4 / kRegisters * i);
+  }
+  return bits;
+}
+
 /// From and to four doubles at a multiple of 32 bytes.
 HWY_INLINE Lanes load(const double* from) {
   return eachLane([from](int i) { return hn::Load(Doubles(), from + 4 / kRegisters * i); });
@@ -105,6 +118,14 @@ HWY_INLINE FourPoints cross(const FourPoints& a, const FourPoints& b) {
 }
 HWY_INLINE FourPoints nextOfThree(const FourPoints& a) {
   return {nextOfThree(a.x), nextOfThree(a.y), nextOfThree(a.z)};
+}
+/// p, turned round in the lanes where x is negative.
+HWY_INLINE FourPoints withSignOf(const FourPoints& p, const Lanes& x) {
+  const auto turned = [&x](const Lanes& a) {
+    return eachLane(
+        [&](int i) { return hn::Xor(a.v[i], hn::And(x.v[i], hn::SignBit(Doubles()))); });
+  };
+  return {turned(p.x), turned(p.y), turned(p.z)};
 }
 HWY_INLINE FourPoints choose(const Mask& mask, const FourPoints& a, const FourPoints& b) {
   return {choose(mask, a.x, b.x), choose(mask, a.y, b.y), choose(mask, a.z, b.z)};

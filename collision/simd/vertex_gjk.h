@@ -9,16 +9,17 @@ struct VertexNames {
   int a, b;
 };
 
-/// The points that carry the nearest one, with their weights; without weight, they do not.
+/// The points that carried the last distance.
 struct VertexCarrier {
+  int count = 0;
   VertexNames names[3];
-  double weight[3];
 };
 
-/// runGjk() for cores with vertices, from a cold start: first along `direction` (any length but 0).
-/// Written for speed: steps without branches, in plain arithmetic. Ends with kEnough, kLimit or,
-/// where robust steps must go on from `simplex`, kStagnated.
-GjkEnd runVertexGjk(Difference<false>& difference, const Vector& direction, Progress& progress,
-                    Simplex& simplex);
+/// runGjk() for cores with vertices, first along `direction` (any length but 0) or, where a cache
+/// is given that fits, from the points that carried the last distance. Written for speed: steps
+/// without branches, in plain arithmetic. Ends with kEnough, kLimit or, where robust steps must go
+/// on from `simplex`, kStagnated.
+GjkEnd runVertexGjk(Difference<false>& difference, const Vector& direction, const PairCache* cache,
+                    Progress& progress, Simplex& simplex);
 
 }  // namespace leeway::collision
