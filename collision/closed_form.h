@@ -29,7 +29,7 @@ inline double nearestOnSegment(const Triple& p, const Triple& h) {
 }
 
 /// Nearest points of two segments through c0 and c1, with half vectors h0 and h1: c + s h, |s|
-/// <= 1 (by rounding, one unit more). After Lumelsky (1985). Near parallel they can be poor; the
+/// <= 1, exactly 1 at an end. After Lumelsky (1985). Near parallel they can be poor; the
 /// caller checks them.
 inline void nearestOnSegments(const Triple& c0, const Triple& h0, const Triple& c1,
                               const Triple& h1, double& s0, double& s1) {
@@ -37,12 +37,11 @@ inline void nearestOnSegments(const Triple& c0, const Triple& h0, const Triple& 
   const double a = squared(h0), e = squared(h1), b = dot(h0, h1);
   const double c = dot(h0, r), f = dot(h1, r);
   const double denominator = a * e - b * b;
-  const double per_a = 1 / (a > 0 ? a : 1), per_e = 1 / (e > 0 ? e : 1);
   // Parallel or without length: any start is right, the ones after it do the rest. (Without length
   // b, c or f are 0, too.)
   s0 = within(b * f - c * e, -denominator, denominator) / (denominator > 0 ? denominator : 1);
-  s1 = within(b * s0 + f, -e, e) * per_e;
-  s0 = within(b * s1 - c, -a, a) * per_a;
+  s1 = within(b * s0 + f, -e, e) / (e > 0 ? e : 1);
+  s0 = within(b * s1 - c, -a, a) / (a > 0 ? a : 1);
 }
 
 /// Where the segment c + s h, |s| <= 1, comes nearest to the box |x| <= half: s. As good as

@@ -2,6 +2,7 @@
 
 #include "collision/box_pairs.h"
 #include "collision/closed_form.h"
+#include "collision/cylinder_pairs.h"
 #include "collision/pose_check.h"
 #include "leeway/collision/tolerances.h"
 
@@ -113,19 +114,19 @@ bool exchanged(const Pose& X_WA, const Pose& X_WB, Nearest& nearest) {
   return true;
 }
 
-constexpr unsigned kTypes = 3;  // sphere, capsule, box: the first of ShapeType
+constexpr unsigned kTypes = 4;  // sphere, capsule, box, cylinder: the first of ShapeType
 constexpr unsigned pairOf(ShapeType a, ShapeType b) {
   return static_cast<unsigned>(a) * kTypes + static_cast<unsigned>(b);
 }
 
 double coreExtent(const Shape& shape) {
-  return shape.type() == ShapeType::kBox ? shape.extent() : shape.halfLength();
+  return shape.type() >= ShapeType::kBox ? shape.extent() : shape.halfLength();
 }
 double coreRadius(const Shape& shape) {
   return shape.type() <= ShapeType::kCapsule ? shape.radius() : 0;
 }
 
-// Pairs with a box; on its own so that the others need not save what it uses.
+// Pairs with a box or cylinder; on its own so that the others need not save what it uses.
 __attribute__((noinline)) bool answerBoxPair(const Shape& a, const Pose& X_WA, const Shape& b,
                                              const Pose& X_WB, const DistanceRequest& request,
                                              PairCache* cache, DistanceResult& result) {
@@ -145,6 +146,28 @@ __attribute__((noinline)) bool answerBoxPair(const Shape& a, const Pose& X_WA, c
     case pairOf(kBox, kCapsule):
       found = nearestOfCapsuleAndBox(b, X_WB, a, X_WA, nearest) && exchanged(X_WA, X_WB, nearest);
       break;
+    case pairOf(kCylinder, kSphere):
+      found = nearestOfCylinderAndPoint(a, X_WA, X_WB, nearest);
+      break;
+    case pairOf(kCylinder, kCapsule):
+      found = nearestOfCylinderAndCapsule(a, X_WA, b, X_WB, nearest);
+      break;
+    case pairOf(kCylinder, kBox):
+      found = nearestOfCylinderAndBox(a, X_WA, b, X_WB, nearest);
+      break;
+    case pairOf(kSphere, kCylinder):
+      found = nearestOfCylinderAndPoint(b, X_WB, X_WA, nearest) && exchanged(X_WA, X_WB, nearest);
+      break;
+    case pairOf(kCapsule, kCylinder):
+      found =
+          nearestOfCylinderAndCapsule(b, X_WB, a, X_WA, nearest) && exchanged(X_WA, X_WB, nearest);
+      break;
+    case pairOf(kBox, kCylinder):
+      found = nearestOfCylinderAndBox(b, X_WB, a, X_WA, nearest) && exchanged(X_WA, X_WB, nearest);
+      break;
+    case pairOf(kCylinder, kCylinder):
+      found = nearestOfCylinders(a, X_WA, b, X_WB, nearest);
+      break;
     case pairOf(kBox, kBox):
       found = nearestOfBoxes(a, X_WA, b, X_WB, nearest);
       break;
@@ -160,7 +183,7 @@ __attribute__((noinline)) bool answerBoxPair(const Shape& a, const Pose& X_WA, c
 bool answerSimplePair(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
                       const DistanceRequest& request, PairCache* cache, DistanceResult& result) {
   using enum ShapeType;
-  if (a.type() > kBox || b.type() > kBox || request.iteration_limit <= 0) return false;
+  if (a.type() > kCylinder || b.type() > kCylinder || request.iteration_limit <= 0) return false;
   switch (pairOf(a.type(), b.type())) {
     case pairOf(kSphere, kSphere):
       return answerSegments<false, false>(a, X_WA, b, X_WB, request, cache, result);

@@ -14,7 +14,7 @@ struct Nearest {
   double plane = 0;  ///< along `normal` every point of B is beyond every one of A by this much [m]
 };
 
-/// The signed separation of two spheres, capsules or boxes that are apart, by closed
+/// The signed separation of two spheres, capsules, boxes or cylinders that are apart, by closed
 /// forms from the world poses: no view, search or simplex is made. False, with nothing written to
 /// `result` but its status, where a closed form is not enough: other shapes, cores that overlap or
 /// nearly do, sizes beyond the scale, tolerances below rounding, no iteration allowed, a few

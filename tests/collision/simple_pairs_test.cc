@@ -78,7 +78,8 @@ double outside(const Shape& shape, const Pose& X_WS, const Vector3d& p_W, Scratc
       .distance.lower;
 }
 
-constexpr ShapeType kTypes[] = {ShapeType::kSphere, ShapeType::kCapsule, ShapeType::kBox};
+constexpr ShapeType kTypes[] = {ShapeType::kSphere, ShapeType::kCapsule, ShapeType::kBox,
+                                ShapeType::kCylinder};
 
 TEST(SimplePairs, AgreeWithTheGeneralWay) {
   Random random(71);
@@ -106,7 +107,8 @@ TEST(SimplePairs, AgreeWithTheGeneralWay) {
         EXPECT_LT((p.X_WB.rotation * cache.direction_B - r.normal).norm(), 1e-12) << p.replay();
       }
       EXPECT_GT(apart, 1000) << toString(type_a) << " and " << toString(type_b);
-      EXPECT_GT(closed, apart * 95 / 100) << toString(type_a) << " and " << toString(type_b);
+      // (Rims that nearly touch along a line, or two at once, are left to the general way.)
+      EXPECT_GT(closed, apart * 90 / 100) << toString(type_a) << " and " << toString(type_b);
     }
   }
 }
@@ -115,7 +117,7 @@ TEST(SimplePairs, ThresholdsAreDecidedAsTheGeneralWayDoes) {
   Random random(72);
   Scratch scratch;
   for (int i = 0; i < 8000; ++i) {
-    const Pair p = simplePair(random, kTypes[random.below(3)], kTypes[random.below(3)], scratch);
+    const Pair p = simplePair(random, kTypes[random.below(4)], kTypes[random.below(4)], scratch);
     const Interval truth = generalDistance(p.a, p.X_WA, p.b, p.X_WB, {}, scratch, nullptr).distance;
     DistanceRequest request;
     request.threshold =
