@@ -232,7 +232,9 @@ BallCover coverWithBalls(const Shape& shape, int count) {
 
 std::shared_ptr<const BallCover> coverOf(const Shape& shape) {
   const auto make = [&] {
-    return std::make_shared<const BallCover>(coverWithBalls(shape, kCoverBalls));
+    BallCover cover = coverWithBalls(shape, kCoverBalls);
+    cover.points = coverWithPoints(shape, kCoverPoints);
+    return std::make_shared<const BallCover>(std::move(cover));
   };
   if (shape.type() != ShapeType::kMesh) return make();
   const TriangleMesh& mesh = *shape.mesh();

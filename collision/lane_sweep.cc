@@ -6,12 +6,17 @@
 #include <utility>
 
 #include "collision/lane_sweep_impl.h"
+#include "collision/mesh_tree.h"
+#include "collision/support.h"
 #include "leeway/collision/tolerances.h"
+#include "leeway/collision/triangle_mesh.h"
 
 namespace leeway::collision {
 namespace {
 
 constexpr float kFar = 1e30f;
+/// How near to the widest gap a plane is searched [m]: chords and radii leave more open.
+constexpr double kPlaneTolerance = 5e-4;
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
@@ -24,6 +29,11 @@ float below(double x) { return -above(-x); }
 
 void setCenter(const Eigen::Vector3d& p, float* center) {
   for (int k = 0; k < 3; ++k) center[k] = static_cast<float>(p[k]);
+}
+
+/// What a plane must part two bodies by besides growth and slack; see simd/lane_sweep.cc.
+float partAbove(double threshold, double rounding, float radius) {
+  return above(std::max(threshold, 0.0) + 4 * rounding + static_cast<double>(radius));
 }
 
 /// Rounding of the centre and of the double that it was made from is added to the radius.
@@ -58,6 +68,16 @@ int LaneSweep::addPiece(const Piece& piece) {
     impl_->balls.push_back(result);
   }
   lane.end = static_cast<int>(impl_->balls.size());
+  for (const Ball& ball : piece.inner)
+    lane.inner_reach =
+        std::max(lane.inner_reach, above((ball.center - piece.outer.center).norm() + ball.radius));
+  lane.points = static_cast<int>(impl_->points.size());
+  for (const Eigen::Vector3d& p : piece.points.points) {
+    impl_->points.push_back(p);
+    for (int k = 0; k < 3; ++k) impl_->point[k].push_back(static_cast<float>(p[k]));
+  }
+  lane.points_end = static_cast<int>(impl_->points.size());
+  lane.points_radius = above(piece.points.radius);
   impl_->pieces.push_back(lane);
   return static_cast<int>(impl_->pieces.size()) - 1;
 }
@@ -121,7 +141,15 @@ int LaneSweep::addObstacle(const Shape& shape, const Pose& X_WG) {
     o.low.setConstant(-static_cast<double>(kFar));
     o.high.setConstant(static_cast<double>(kFar));
   }
-  impl_->obstacles.push_back(o);
+  o.shape = shape;
+  o.X_WG = X_WG;
+  if (shape.isConvex()) {
+    o.view = viewOf(shape);
+  } else if (shape.type() == ShapeType::kMesh) {
+    o.view = shape.mesh()->tree().hullView();
+  }
+  o.has_planes = shape.type() != ShapeType::kDeformable && shape.type() != ShapeType::kHalfSpace;
+  impl_->obstacles.push_back(std::move(o));
   return static_cast<int>(impl_->obstacles.size()) - 1;
 }
 
@@ -129,8 +157,11 @@ void LaneSweep::addPair(int id, int piece, int obstacle, int balls, double thres
   const Impl::LanePiece& a = impl_->pieces[at(piece)];
   const double rounding = kLaneSweepRounding * (a.reach + static_cast<double>(a.outer.radius) +
                                                 impl_->obstacles[at(obstacle)].scale);
+  const bool planes =
+      a.frame >= 0 && impl_->obstacles[at(obstacle)].has_planes && a.points < a.points_end;
   impl_->pairs.push_back({id, piece, obstacle, balls, a.motion, false, above(threshold + rounding),
-                          below(threshold - rounding)});
+                          below(threshold - rounding),
+                          planes ? partAbove(threshold, rounding, a.points_radius) : -1.0F});
 }
 
 void LaneSweep::addPiecePair(int id, int a, int b, int motion, double threshold) {
@@ -139,13 +170,19 @@ void LaneSweep::addPiecePair(int id, int a, int b, int motion, double threshold)
       kLaneSweepRounding *
       (x.reach + y.reach + static_cast<double>(x.outer.radius + y.outer.radius));
   impl_->piece_pairs.push_back(static_cast<std::int32_t>(impl_->pairs.size()));
-  impl_->pairs.push_back(
-      {id, a, b, b, motion, true, above(threshold + rounding), below(threshold - rounding)});
+  const bool planes =
+      x.frame >= 0 && y.frame >= 0 && x.points < x.points_end && y.points < y.points_end;
+  impl_->pairs.push_back({id, a, b, b, motion, true, above(threshold + rounding),
+                          below(threshold - rounding),
+                          planes ? partAbove(threshold, rounding, x.points_radius) : -1.0F});
 }
 
 void LaneSweep::finish() { impl_->finish(); }
 
 void LaneSweep::Impl::finish() {
+  for (LanePiece& piece : pieces)
+    if (piece.points < piece.points_end)
+      piece.view = viewOfPoints(&points[at(piece.points)], piece.points_end - piece.points, 0);
   const std::size_t padded = paddedObstacles();
   pair_of.assign(pieces.size() * padded, -1);
   std::vector<double> grown(obstacles.size(), 0.0);
@@ -171,6 +208,7 @@ void LaneSweep::Impl::finish() {
 std::size_t LaneSweep::bytes() const {
   return impl_->pieces.size() * sizeof(Impl::LanePiece) +
          impl_->balls.size() * sizeof(Impl::LaneBall) +
+         impl_->points.size() * (sizeof(Eigen::Vector3d) + 3 * sizeof(float)) +
          impl_->obstacles.size() * (sizeof(Impl::Obstacle) + 6 * sizeof(float)) +
          impl_->pairs.size() * sizeof(Impl::Pair) + impl_->pair_of.size() * sizeof(std::int32_t);
 }
@@ -185,6 +223,8 @@ LaneSweep::Scratch::Scratch(const LaneSweep& sweep) : impl_(std::make_unique<Imp
   impl_->high.resize(3 * s.pieces.size());
   impl_->candidates.reserve(s.pairs.size());
   impl_->open.reserve(s.pairs.size());
+  impl_->open_pairs.reserve(s.pairs.size());
+  impl_->planes.resize(s.pairs.size());
   // What stands in the world is placed once.
   const auto still = [](const LaneSweep::Impl::LaneBall& ball, Impl::Placed& placed) {
     for (int k = 0; k < 3; ++k)
@@ -206,5 +246,48 @@ LaneSweep::Scratch::Scratch(const LaneSweep& sweep) : impl_(std::make_unique<Imp
 }
 LaneSweep::Scratch::~Scratch() = default;
 std::span<const LaneSweep::Open> LaneSweep::Scratch::open() const { return impl_->open; }
+
+namespace {
+
+Pose poseOf(const LaneFrame& frame, int lane) {
+  Pose X_WF;
+  for (int i = 0; i < 9; ++i)
+    X_WF.rotation.data()[i] = static_cast<double>(frame.rotation[i].at[lane]);
+  for (int i = 0; i < 3; ++i) X_WF.translation[i] = static_cast<double>(frame.origin[i].at[lane]);
+  return X_WF;
+}
+
+}  // namespace
+
+bool LaneSweepKernel::findPlane(const Sweep::Pair& pair, int lane, Scratch::Plane& plane) const {
+  const Sweep::LanePiece& a = sweep.pieces[at(pair.a)];
+  const Pose X_WA = poseOf(frames[a.frame], lane);
+  const Sweep::Obstacle* o = pair.pieces ? nullptr : &sweep.obstacles[at(pair.b)];
+  const Pose X_WB = o != nullptr ? o->X_WG : poseOf(frames[sweep.pieces[at(pair.b)].frame], lane);
+  const ConvexView& b = o != nullptr ? o->view : sweep.pieces[at(pair.b)].view;
+  const Pose X_BA = X_WB.inverse() * X_WA;
+  DistanceRequest request;
+  request.depth = false;
+  request.tolerance = kPlaneTolerance;
+  const DistanceResult r = convexDistance(a.view, X_BA, b, request, scratch.distance, nullptr);
+  if (!(r.distance.upper > 0) || !r.normal.allFinite()) return false;
+  // Of the normal as it is rounded.
+  Eigen::Vector3d n = -r.normal;
+  if (o != nullptr) n = X_WB.rotation * n;
+  for (int k = 0; k < 3; ++k) {
+    plane.normal[k] = static_cast<float>(n[k]);
+    n[k] = static_cast<double>(plane.normal[k]);
+  }
+  int hint = 0;
+  if (o != nullptr) {
+    const Eigen::Vector3d n_B = X_WB.rotation.transpose() * n;
+    plane.offset = above(n.dot(X_WB.translation) + n_B.dot(farthest(b, n_B, hint)) +
+                         (b.radius + b.excess) * (1 + 1e-6));
+  } else {
+    plane.offset = above(n.dot(farthest(b, n, hint)) +
+                         static_cast<double>(sweep.pieces[at(pair.b)].points_radius) * (1 + 1e-6));
+  }
+  return plane.known = std::isfinite(plane.offset);
+}
 
 }  // namespace leeway::collision

@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "collision/convex.h"
+#include "leeway/collision/distance.h"
 #include "leeway/collision/lane_sweep.h"
 
 namespace leeway::collision {
@@ -20,7 +22,11 @@ struct LaneSweep::Impl {
     float rotation[9];     // from the world into its own axes, row by row
     float center[3], half[3];
     float radius = 0;
-    double scale = 0;           // what rounding grows with [m]
+    double scale = 0;  // what rounding grows with [m]
+    Shape shape = Shape::sphere(0);
+    Pose X_WG;
+    ConvexView view;  // of the shape or its hull; borrows from it
+    bool has_planes = false;
     Eigen::Vector3d low, high;  // in the world
   };
   struct LaneBall {
@@ -32,6 +38,10 @@ struct LaneSweep::Impl {
     int cover, inner, end;  // balls [cover, inner) and [inner, end)
     double reach;
     bool has_obstacles = false;
+    float inner_reach = 0;   // no inner ball comes farther out from outer's centre
+    int points, points_end;  // its hull, grown by points_radius, holds the piece
+    float points_radius = 0;
+    ConvexView view;  // of the points; borrows from point_of
   };
   struct Pair {
     int id, a, b;
@@ -40,10 +50,14 @@ struct LaneSweep::Impl {
     bool pieces;  // b is a piece, too
     // The threshold, less and more this pass's own rounding.
     float free_above, contact_below;
+    // The same for planes, with the points' radius; below 0: no planes.
+    float part_above;
   };
 
   std::vector<LanePiece> pieces;
   std::vector<LaneBall> balls;
+  std::vector<Eigen::Vector3d> points;
+  std::vector<float> point[3];  // the same, coordinate by coordinate
   std::vector<Obstacle> obstacles;
   std::vector<Pair> pairs;
   std::vector<std::int32_t> piece_pairs;  // indices into pairs
@@ -69,6 +83,14 @@ struct LaneSweep::Scratch::Impl {
   std::vector<float> low, high;                         // of pieces' sweeps, three each
   std::vector<Candidate> candidates;
   std::vector<Open> open;
+  std::vector<std::int32_t> open_pairs;  // the same as indices into pairs
+  /// From B to A, in B's frame: nothing of B is beyond `offset` along it.
+  struct Plane {
+    float normal[3], offset;
+    bool known = false;
+  };
+  std::vector<Plane> planes;  // one a pair: what parted it last
+  collision::Scratch distance;
   std::uint64_t stamp = 0;
   static constexpr int kKillers = 4;
   std::int32_t killers[kKillers] = {-1, -1, -1, -1};  // pairs last found in contact
@@ -85,6 +107,13 @@ struct LaneSweepKernel {
   const LaneFrame* frames;
   const float* growth;
   float slack;
+
+  /// A plane between the pair's bodies in the middle of a lane; false when there is none.
+  bool findPlane(const Sweep::Pair& pair, int lane, Scratch::Plane& plane) const;
+  /// What a run without contact left open is tried with planes; test(pair, plane, lanes) tells the
+  /// lanes that one does not part.
+  template <typename Test>
+  void partOpen(const Test& test) const;
 };
 
 }  // namespace leeway::collision

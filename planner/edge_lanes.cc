@@ -222,6 +222,12 @@ void EdgeLanes::addPieces(const EdgeFrames& frames) {
       moved.radius = ball.radius - (moved.radius - ball.radius);
       if (moved.radius > 0) lane.inner.push_back(moved);
     }
+    lane.points.radius = cover->points.radius;
+    for (const Eigen::Vector3d& p : cover->points.points) {
+      const collision::Ball moved = placed(X_FG, {p, 0});
+      lane.points.points.push_back(moved.center);
+      lane.points.radius = std::max(lane.points.radius, cover->points.radius + moved.radius);
+    }
     const double chain = place.frame < 0 ? 0 : frame_reach_[at(place.frame)];
     lane.reach = lane.outer.center.norm();
     for (const collision::Ball& ball : lane.cover)

@@ -11,8 +11,20 @@
 // all; 64 u s is taken (kLaneSweepRounding). Given a computed centre, the plane is a plane of the
 // obstacle whatever rounding did to its direction: a box's is spanned by coordinates beyond its
 // faces, each right to u of itself; a cylinder's radial part errs by u s, counted above.
+//
+// Planes. Over half an interval a point v of A's frame moves by w = slide + turn x R v, its path
+// stays within `growth` of the segment o + R v -+ w, and n . (turn x R v) = (n x turn) . R v: the
+// least n . x on the segments of all points is the lesser of two supports of A's points, along
+// R^T (n - m) and R^T (n + m) with m = n x turn. Seen from B's frame, the turn is the difference of
+// both, and the slide that of the origins less B's turn of A's origin. The differences of origins
+// err by u s, the turned directions by 14 u (1 + |turn|) in length, products with points by 3 u,
+// the points themselves by u: below (32 + 17 |turn|) u s, and |turn| is below 13 for 60 joints; 256
+// u s is taken (four times kLaneSweepRounding). B's frame is within its slack of a rigid one, and
+// its R^T R within twice that of 1: four slacks in place of two. The normal's length is within 61
+// kLaneRounding < 2^-11 of 1.
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "collision/lane_sweep_impl.h"
@@ -207,6 +219,62 @@ HWY_INLINE std::uint32_t contactWithBall(const Placed& a, const Placed& b, float
   return found;
 }
 
+/// Lanes of `lanes` in which the plane does not part the pair by more than `above`.
+template <bool kStill>
+HWY_INLINE std::uint32_t notParted(const LaneSweepKernel& kernel, const Sweep::Pair& pair,
+                                   const Scratch::Plane& plane, std::uint32_t lanes) {
+  const D d;
+  const Sweep& s = kernel.sweep;
+  const Sweep::LanePiece& a = s.pieces[static_cast<std::size_t>(pair.a)];
+  const LaneFrame& frame_a = kernel.frames[a.frame];
+  const LaneFrame* frame_b =
+      pair.pieces ? &kernel.frames[s.pieces[static_cast<std::size_t>(pair.b)].frame] : nullptr;
+  const float growth = kStill ? 0 : kernel.growth[pair.motion];
+  const float above = pair.part_above + growth + (pair.pieces ? 4 : 1) * kernel.slack;
+  const V bar = hn::Set(d, plane.offset + above * (1 + 0x1p-11f));
+  std::uint32_t open = 0;
+  for (std::size_t at = 0; at < kLanes; at += hn::Lanes(d)) {
+    V3 n = broadcast(d, plane.normal), o = load(d, frame_a.origin, at), turn, slide;
+    if (!kStill) turn = load(d, frame_a.turn, at), slide = load(d, frame_a.slide, at);
+    if (frame_b != nullptr) {
+      const V3 x = load(d, frame_b->rotation, at), y = load(d, frame_b->rotation + 3, at),
+               z = load(d, frame_b->rotation + 6, at);
+      n = {dot({x.x, y.x, z.x}, n), dot({x.y, y.y, z.y}, n), dot({x.z, y.z, z.z}, n)};
+      o = difference(o, load(d, frame_b->origin, at));
+      if (!kStill) {
+        const V3 turn_b = load(d, frame_b->turn, at);
+        turn = difference(turn, turn_b);
+        slide = difference(difference(slide, load(d, frame_b->slide, at)), cross(turn_b, o));
+      }
+    }
+    const V3 columns[3] = {load(d, frame_a.rotation, at), load(d, frame_a.rotation + 3, at),
+                           load(d, frame_a.rotation + 6, at)};
+    const V3 back = {dot(columns[0], n), dot(columns[1], n), dot(columns[2], n)};
+    V3 first = back, second = back;
+    V drift = hn::Zero(d);
+    if (!kStill) {
+      const V3 m = cross(n, turn);
+      const V3 way = {dot(columns[0], m), dot(columns[1], m), dot(columns[2], m)};
+      first = difference(back, way);
+      second = {hn::Add(back.x, way.x), hn::Add(back.y, way.y), hn::Add(back.z, way.z)};
+      drift = dot(n, slide);
+    }
+    V low_first = hn::Set(d, 1e30f), low_second = low_first;
+    for (int i = a.points; i < a.points_end; ++i) {
+      const auto k = static_cast<std::size_t>(i);
+      const V3 v = {hn::Set(d, s.point[0][k]), hn::Set(d, s.point[1][k]),
+                    hn::Set(d, s.point[2][k])};
+      low_first = hn::Min(low_first, dot(first, v));
+      if (!kStill) low_second = hn::Min(low_second, dot(second, v));
+    }
+    V low = hn::Sub(low_first, drift);
+    if (!kStill) low = hn::Min(low, hn::Add(low_second, drift));
+    // NaN stays open.
+    open |= bitsOf(d, hn::Not(hn::Gt(hn::Add(dot(n, o), low), bar))) << at;
+  }
+  return open & lanes;
+}
+
 /// One run; the steps stand in the order in which they are taken.
 template <bool kStill>
 class Run {
@@ -217,6 +285,7 @@ class Run {
   HWY_INLINE LaneSweepKernel::Contact all() {
     ++scratch_.stamp;
     scratch_.open.clear();
+    scratch_.open_pairs.clear();
     scratch_.candidates.clear();
     for (const std::int32_t pair : scratch_.killers) {
       if (pair < 0) break;
@@ -231,18 +300,25 @@ class Run {
               });
     for (const Scratch::Candidate& c : scratch_.candidates) {
       const Sweep::Pair& pair = s_.pairs[size(c.pair)];
+      std::uint32_t open = c.lanes;
+      // Pairs stay about as they are from edge to edge.
+      const Scratch::Plane& plane = scratch_.planes[size(c.pair)];
+      if (plane.known) open = notParted<kStill>(kernel_, pair, plane, open);
+      if (open == 0) continue;
       // Obstacles are met deep more often than they are missed by little; pieces the other way.
-      if (!pair.pieces) {
-        const std::uint32_t lanes = contact(pair, c.lanes);
+      if (!pair.pieces &&
+          c.key <= s_.pieces[size(pair.a)].inner_reach - s_.pieces[size(pair.a)].outer.radius) {
+        const std::uint32_t lanes = contact(pair, open);
         if (lanes != 0) return told(c.pair, lanes);
       }
-      const std::uint32_t open = uncovered(pair, c.lanes);
+      open = uncovered(pair, open);
       if (open == 0) continue;
       if (pair.pieces) {
         const std::uint32_t lanes = contact(pair, open);
         if (lanes != 0) return told(c.pair, lanes);
       }
       scratch_.open.push_back({pair.id, open});
+      scratch_.open_pairs.push_back(c.pair);
     }
     return {};
   }
@@ -437,25 +513,81 @@ LaneSweepKernel::Contact SweepAll(const LaneSweepKernel& kernel) {
 }
 LaneSweepKernel::Contact StillAll(const LaneSweepKernel& kernel) { return Run<true>(kernel).all(); }
 
+std::uint32_t SweepPlane(const LaneSweepKernel& kernel, const Sweep::Pair& pair,
+                         const Scratch::Plane& plane, std::uint32_t lanes) {
+  return notParted<false>(kernel, pair, plane, lanes);
+}
+std::uint32_t StillPlane(const LaneSweepKernel& kernel, const Sweep::Pair& pair,
+                         const Scratch::Plane& plane, std::uint32_t lanes) {
+  return notParted<true>(kernel, pair, plane, lanes);
+}
+
 }  // namespace HWY_NAMESPACE
 }  // namespace leeway::collision
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 namespace leeway::collision {
+namespace {
+
+/// Planes that are searched for a pair in a run, one after the other as long as each parts a lane.
+constexpr int kPlaneTries = 3;
+
+/// The middle one of the lanes.
+int middleOf(std::uint32_t lanes) {
+  int half = (std::popcount(lanes) - 1) / 2, lane = 0;
+  while ((lanes >> lane & 1U) == 0 || half-- > 0) ++lane;
+  return lane;
+}
+
+}  // namespace
 
 HWY_EXPORT(SweepAll);
 HWY_EXPORT(StillAll);
+HWY_EXPORT(SweepPlane);
+HWY_EXPORT(StillPlane);
+
+template <typename Test>
+void LaneSweepKernel::partOpen(const Test& test) const {
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < scratch.open.size(); ++i) {
+    const auto number = static_cast<std::size_t>(scratch.open_pairs[i]);
+    const Sweep::Pair& pair = sweep.pairs[number];
+    std::uint32_t lanes = scratch.open[i].lanes;
+    for (int look = 0; pair.part_above >= 0 && look < kPlaneTries; ++look) {
+      Scratch::Plane plane{};
+      if (!findPlane(pair, middleOf(lanes), plane)) break;
+      const std::uint32_t left = test(pair, plane, lanes);
+      if (left == lanes) break;
+      scratch.planes[number] = plane;
+      lanes = left;
+      if (lanes == 0) break;
+    }
+    if (lanes != 0) scratch.open[kept++] = {pair.id, lanes};
+  }
+  scratch.open.resize(kept);
+}
 
 LaneSweep::Contact LaneSweep::run(std::span<const LaneFrame> frames, std::span<const float> growth,
                                   float slack, Scratch& scratch) const {
-  return HWY_DYNAMIC_DISPATCH(SweepAll)(
-      {*impl_, *scratch.impl_, frames.data(), growth.data(), slack});
+  const LaneSweepKernel kernel{*impl_, *scratch.impl_, frames.data(), growth.data(), slack};
+  const Contact contact = HWY_DYNAMIC_DISPATCH(SweepAll)(kernel);
+  if (contact.id < 0)
+    kernel.partOpen([&](const auto& pair, const auto& plane, std::uint32_t lanes) {
+      return HWY_DYNAMIC_DISPATCH(SweepPlane)(kernel, pair, plane, lanes);
+    });
+  return contact;
 }
 
 LaneSweep::Contact LaneSweep::runStill(std::span<const LaneFrame> frames, float slack,
                                        Scratch& scratch) const {
-  return HWY_DYNAMIC_DISPATCH(StillAll)({*impl_, *scratch.impl_, frames.data(), nullptr, slack});
+  const LaneSweepKernel kernel{*impl_, *scratch.impl_, frames.data(), nullptr, slack};
+  const Contact contact = HWY_DYNAMIC_DISPATCH(StillAll)(kernel);
+  if (contact.id < 0)
+    kernel.partOpen([&](const auto& pair, const auto& plane, std::uint32_t lanes) {
+      return HWY_DYNAMIC_DISPATCH(StillPlane)(kernel, pair, plane, lanes);
+    });
+  return contact;
 }
 
 }  // namespace leeway::collision

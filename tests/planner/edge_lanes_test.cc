@@ -120,7 +120,7 @@ TEST(EdgeLanes, GiveTheSameAnswersOnEveryInstructionSet) {
   const auto scene = std::make_shared<const CompiledScene>(
       testing::randomProblem(random, testing::randomArm(random), 20, 1.2));
   std::vector<std::vector<double>> points;
-  for (int i = 0; i < 60; ++i) points.push_back(randomPoint(random, *scene));
+  for (int i = 0; i < 120; ++i) points.push_back(randomPoint(random, *scene));
   std::vector<std::vector<std::uint32_t>> results;
   for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
     hwy::SetSupportedTargetsForTest(target);

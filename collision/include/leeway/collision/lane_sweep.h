@@ -7,6 +7,7 @@
 
 #include "leeway/collision/coarse_shape.h"
 #include "leeway/collision/lane_frames.h"
+#include "leeway/collision/point_cover.h"
 
 namespace leeway::collision {
 
@@ -14,7 +15,9 @@ namespace leeway::collision {
 /// against what stands still: the coarse pass of edge certification. A ball's centre is within
 /// `growth` of the straight way through its place in the middle of the interval, so that the ball
 /// stays in a capsule; a capsule is told from a convex shape by the plane through the shape's point
-/// that is nearest to the capsule's middle. Constant once built.
+/// that is nearest to the capsule's middle. What capsules leave open is tried with planes between
+/// the hulls of a few points of both bodies: that which parted them last, or one that a distance
+/// query finds in the middle of the open intervals. Constant once built.
 class LaneSweep {
  public:
   /// A thing on a frame (-1: the world), its balls in that frame's axes.
@@ -24,6 +27,7 @@ class LaneSweep {
     Ball outer;               ///< holds the piece
     std::vector<Ball> cover;  ///< together they hold the piece, its inside included
     std::vector<Ball> inner;  ///< each inside the piece
+    PointCover points;        ///< may be without points: no planes then
     double reach = 0;         ///< no centre of a ball comes farther from the world's origin [m]
   };
 
@@ -74,8 +78,9 @@ class LaneSweep {
 
   /// One pass over frames as placeFrames() left them. growth: h^2 A / 8 of each motion [m]; slack:
   /// how far the frames' rounding moves any capsule [m]. Which of several contacts is told depends
-  /// on the runs before, whether there is one does not. O(pieces + pairs); never throws or
-  /// allocates.
+  /// on the runs before, and so does what planes leave open; whether there is a contact does not.
+  /// O(pieces + pairs), a distance query of a few points for each pair that is left open; never
+  /// throws or allocates.
   Contact run(std::span<const LaneFrame> frames, std::span<const float> growth, float slack,
               Scratch& scratch) const;
   /// The same for single configurations, as placeStillFrames() left them.

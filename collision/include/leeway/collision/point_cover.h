@@ -1,0 +1,25 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "leeway/collision/shape.h"
+
+namespace leeway::collision {
+
+/// A few points that stand for a shape from outside, in its own frame: every point of the shape,
+/// and of the inside of a closed mesh, is within `radius` of their hull, rounding included. No
+/// points: half-spaces and shapes that deform.
+struct PointCover {
+  std::vector<Eigen::Vector3d> points;
+  double radius = 0;  ///< [m]
+};
+
+/// At most `count` (>= 24) points for a convex hull, at most 32 for the others: a mesh gives those
+/// of its hierarchy's root. Hulls: extreme vertices, the one farthest from the hull of those before
+/// it next (greedy, as core-sets for directional widths are chosen: Agarwal, Har-Peled,
+/// Varadarajan, "Geometric approximation via coresets", 2005), until all others are within 0.2 mm.
+/// O(vertices) distance queries of a point, and some more a point.
+PointCover coverWithPoints(const Shape& shape, int count);
+
+}  // namespace leeway::collision
