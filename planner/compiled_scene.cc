@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <string>
 #include <utility>
 
@@ -359,8 +360,7 @@ bool CompiledScene::isSmooth(std::span<const double> a, std::span<const double> 
                              std::span<const double> difference) const {
   // Inside an edge circles are wrapped: ends that are not would be whole turns from their
   // neighbours.
-  constexpr double kPi = 3.14159265358979323846;
-  const auto wrapped = [](double x) { return x >= -kPi && x < kPi; };
+  const auto wrapped = [](double x) { return x >= -std::numbers::pi && x < std::numbers::pi; };
   for (const int i : jumping_circles_)
     if (!wrapped(a[at(i)]) || !wrapped(b[at(i)]) ||
         !(std::abs(a[at(i)] + difference[at(i)] - b[at(i)]) < 1))

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <stdexcept>
 #include <utility>
 
@@ -13,8 +14,7 @@
 namespace leeway::planner {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
-constexpr double kTwoPi = 2 * kPi;
+constexpr double kTwoPi = 2 * std::numbers::pi;
 
 using Kind = ConfigurationSpace::Kind;
 
@@ -23,7 +23,7 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 /// std::remainder is exact by IEEE 754, and so the same everywhere.
 double wrapped(double angle) {
   const double x = std::remainder(angle, kTwoPi);
-  return x >= kPi ? -kPi : x;
+  return x >= std::numbers::pi ? -std::numbers::pi : x;
 }
 
 bool unlimited(const robots::Variable& variable) {

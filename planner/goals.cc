@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <numbers>
 
 #include "leeway/planner/random.h"
 #include "leeway/robots/input_error.h"
@@ -16,7 +17,7 @@ using Kind = ConfigurationSpace::Kind;
 using Part = ConfigurationSpace::Part;
 using Range = std::pair<double, double>;
 
-constexpr double kTwoPi = 6.28318530717958647692;
+constexpr double kTwoPi = 2 * std::numbers::pi;
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 

@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "leeway/robots/input_error.h"
+#include "leeway/robots/text.h"
 #include "planner/yaml_reader.h"
 
 namespace leeway::planner {
@@ -52,7 +53,7 @@ class ObjReader {
     for (int k = 0; k < 3; ++k) {
       std::string word;
       words >> word;
-      const std::optional<double> value = parseNumber(word);
+      const std::optional<double> value = robots::parseNumber(word);
       if (!value || !std::isfinite(*value))
         throw InputError(
             file_, line_,

@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "leeway/planner/path_io.h"
+#include "leeway/robots/text.h"
 #include "planner/nearest_name.h"
 #include "planner/tolerances.h"
 #include "planner/yaml_reader.h"
@@ -94,7 +95,7 @@ std::string trimmed(const std::string& text) {
 }
 
 double readField(const std::string& file, int line, const std::string& field) {
-  const std::optional<double> value = parseNumber(trimmed(field));
+  const std::optional<double> value = robots::parseNumber(trimmed(field));
   if (!value || !std::isfinite(*value))
     throw InputError(file, line,
                      fmt::format("'{}' stands where a finite number is expected", field));

@@ -43,12 +43,12 @@
 #include <ompl/util/Exception.h>
 #include <ompl/util/RandomNumbers.h>
 
-#include <charconv>
 #include <cmath>
 #include <functional>
 #include <memory>
 #include <stdexcept>
 
+#include "leeway/robots/text.h"
 #include "planner/nearest_name.h"
 #include "planner/ompl_lock.h"
 
@@ -175,12 +175,7 @@ ob::SpaceInformationPtr smallSpace() {
 std::optional<double> number(std::string_view text) {
   if (text == "true" || text == "True" || text == "TRUE") return 1;
   if (text == "false" || text == "False" || text == "FALSE") return 0;
-  if (!text.empty() && text.front() == '+') text.remove_prefix(1);
-  double value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value))
-    return std::nullopt;
-  return value;
+  return robots::parseFinite(text);
 }
 
 std::string accepted(const ob::GenericParam& parameter) {

@@ -219,8 +219,7 @@ void readPlanner(const YamlReader& file, Problem& problem) {
     if (const auto iterations = limits->find("iterations"))
       problem.iteration_limit = iterations->integer(0);
   }
-  if (const auto seed = file.find("seed"))
-    problem.seed = static_cast<std::uint64_t>(seed->integer(0));
+  if (const auto seed = file.find("seed")) problem.seed = seed->seed();
 }
 
 void readStartAndGoals(const YamlReader& file, Problem& problem) {

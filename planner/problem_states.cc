@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "planner/nearest_name.h"
 #include "planner/problem_format.h"
@@ -18,8 +19,6 @@ using robots::InputError;
 using robots::Joint;
 using robots::JointType;
 using robots::Model;
-
-constexpr double kPi = 3.14159265358979323846;
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
@@ -149,7 +148,8 @@ class StateReader {
         value.fail(fmt::format(
             "{} is 'any', but {} has no limits; a number or a pair [from, to] is expected",
             value.where(), variableText(model_, variable)));
-      return set(variable, circle ? -kPi : v.lower, circle ? kPi : v.upper, value.line());
+      return set(variable, circle ? -std::numbers::pi : v.lower,
+                 circle ? std::numbers::pi : v.upper, value.line());
     }
     if (goal_ && value.isList()) {
       const std::vector<double> range = value.numbers();

@@ -9,6 +9,7 @@
 #include <charconv>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "planner/ompl_lock.h"
 #include "planner/ompl_point.h"
@@ -20,7 +21,6 @@ namespace {
 
 namespace ob = ompl::base;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kPi = 3.14159265358979323846;
 
 /// The k-th run of a planner within one plan has seeds of its own.
 std::uint64_t runSeed(std::uint64_t seed, std::uint64_t run) {
@@ -49,10 +49,10 @@ bool turns(const ConfigurationSpace& space, int i) {
 double usefulExtent(const ConfigurationSpace& space) {
   double squared = 0;
   for (const ConfigurationSpace::Part& part : space.parts()) {
-    double range = kPi;
+    double range = std::numbers::pi;
     if (part.kind == ConfigurationSpace::Kind::kLine) {
       range = space.upper(part.first) - space.lower(part.first);
-      if (turns(space, part.first)) range = std::min(range, kPi);
+      if (turns(space, part.first)) range = std::min(range, std::numbers::pi);
     }
     squared += part.weight * range * part.weight * range;
   }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 #include <new>
+#include <numbers>
 #include <ostream>
 #include <stdexcept>
 
@@ -17,25 +18,26 @@ namespace ob = ompl::base;
 using Kind = ConfigurationSpace::Kind;
 using Part = ConfigurationSpace::Part;
 
-constexpr double kPi = 3.14159265358979323846;
 /// Cells of the default projection along each axis; OMPL's own spaces use the same number.
 constexpr double kProjectionCells = 20;
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 double range(const ConfigurationSpace& space, const Part& part) {
-  return part.kind == Kind::kLine ? space.upper(part.first) - space.lower(part.first) : 2 * kPi;
+  return part.kind == Kind::kLine ? space.upper(part.first) - space.lower(part.first)
+                                  : 2 * std::numbers::pi;
 }
 
 /// The greatest difference of two points in that part, in the metric.
 double extent(const ConfigurationSpace& space, const Part& part) {
-  return part.weight * (part.kind == Kind::kLine ? range(space, part) : kPi);
+  return part.weight * (part.kind == Kind::kLine ? range(space, part) : std::numbers::pi);
 }
 
 double measure(const ConfigurationSpace& space, const Part& part) {
   // Unit quaternions up to sign have the volume pi^2 on the sphere; the angle is twice the arc
   // there.
-  if (part.kind == Kind::kRotation) return 8 * kPi * kPi * part.weight * part.weight * part.weight;
+  if (part.kind == Kind::kRotation)
+    return 8 * std::numbers::pi * std::numbers::pi * part.weight * part.weight * part.weight;
   return part.weight * range(space, part);
 }
 
@@ -54,8 +56,12 @@ class FirstNumbers : public ob::ProjectionEvaluator {
     for (unsigned int i = 0; i < dimension_; ++i) {
       const Part& part = space.parts()[i];
       const bool line = part.kind == Kind::kLine;
-      bounds_.setLow(i, line ? space.lower(part.first) : part.kind == Kind::kCircle ? -kPi : -1);
-      bounds_.setHigh(i, line ? space.upper(part.first) : part.kind == Kind::kCircle ? kPi : 1);
+      bounds_.setLow(i, line                         ? space.lower(part.first)
+                        : part.kind == Kind::kCircle ? -std::numbers::pi
+                                                     : -1);
+      bounds_.setHigh(i, line                         ? space.upper(part.first)
+                         : part.kind == Kind::kCircle ? std::numbers::pi
+                                                      : 1);
       const double width = bounds_.high[i] - bounds_.low[i];
       // A joint without room is one cell; a size of zero would divide by it.
       cellSizes_.push_back(width > 0 ? width / kProjectionCells : 1);
@@ -122,7 +128,8 @@ void OmplStateSpace::enforceBounds(ob::State* state) const {
     double& x = q[at(part.first)];
     if (part.kind == Kind::kLine)
       x = std::clamp(x, space_->lower(part.first), space_->upper(part.first));
-    if (part.kind == Kind::kCircle && std::abs(x) > kPi) x = std::remainder(x, 2 * kPi);
+    if (part.kind == Kind::kCircle && std::abs(x) > std::numbers::pi)
+      x = std::remainder(x, 2 * std::numbers::pi);
     if (part.kind != Kind::kRotation) continue;
     double* r = &x;
     const double norm = std::sqrt(r[0] * r[0] + r[1] * r[1] + r[2] * r[2] + r[3] * r[3]);
@@ -241,7 +248,7 @@ void OmplStateSampler::sampleUniform(ob::State* state) {
     double& x = q[at(part.first)];
     if (part.kind == Kind::kLine)
       x = random_.uniform(space.lower(part.first), space.upper(part.first));
-    if (part.kind == Kind::kCircle) x = random_.uniform(-kPi, kPi);
+    if (part.kind == Kind::kCircle) x = random_.uniform(-std::numbers::pi, std::numbers::pi);
     if (part.kind == Kind::kRotation) random_.quaternion(&x);
   }
 }
@@ -252,26 +259,26 @@ void OmplStateSampler::sampleUniformNear(ob::State* state, const ob::State* near
   bool anywhere = false;
   for (const Part& part : space.parts()) {
     const std::size_t i = at(part.first);
-    const double reach = part.weight > 0 ? distance / part.weight : 2 * kPi;
+    const double reach = part.weight > 0 ? distance / part.weight : 2 * std::numbers::pi;
     if (part.kind == Kind::kLine) {
       const double low = std::max(space.lower(part.first), center[i] - reach);
       const double high = std::min(space.upper(part.first), center[i] + reach);
       offset_[i] = random_.uniform(std::min(low, high), high) - center[i];
     }
     if (part.kind == Kind::kCircle) {
-      const double turn = std::min(reach, kPi);
+      const double turn = std::min(reach, std::numbers::pi);
       offset_[i] = random_.uniform(-turn, turn);
     }
     if (part.kind == Kind::kRotation) {
-      anywhere = reach >= kPi;
-      random_.inBall(std::min(reach, kPi), &offset_[i]);
+      anywhere = reach >= std::numbers::pi;
+      random_.inBall(std::min(reach, std::numbers::pi), &offset_[i]);
       offset_[i + 3] = 0;
     }
   }
   space.advance(center, offset_, 1, own_.point(state));
   if (anywhere)
     for (const Part& part : space.parts())
-      if (part.kind == Kind::kRotation && distance >= kPi * part.weight)
+      if (part.kind == Kind::kRotation && distance >= std::numbers::pi * part.weight)
         random_.quaternion(&own_.point(state)[at(part.first)]);
   own_.enforceBounds(state);
 }
@@ -281,7 +288,7 @@ void OmplStateSampler::sampleGaussian(ob::State* state, const ob::State* mean, d
   const std::span<const double> center = own_.point(mean);
   for (const Part& part : space.parts()) {
     const std::size_t i = at(part.first);
-    const double sigma = part.weight > 0 ? deviation / part.weight : 2 * kPi;
+    const double sigma = part.weight > 0 ? deviation / part.weight : 2 * std::numbers::pi;
     const std::size_t count = part.kind == Kind::kRotation ? 3 : 1;
     for (std::size_t k = 0; k < count; ++k) offset_[i + k] = sigma * random_.gaussian();
     if (part.kind == Kind::kRotation) offset_[i + 3] = 0;

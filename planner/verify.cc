@@ -11,6 +11,7 @@
 #include <cstdio>
 #include <deque>
 #include <limits>
+#include <numbers>
 #include <optional>
 
 #include "leeway/collision/distance.h"
@@ -30,7 +31,6 @@ using robots::Model;
 using robots::Pose;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kPi = 3.14159265358979323846;
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
@@ -97,7 +97,9 @@ class PathCheck {
     return {};
   }
 
-  static double angleBetween(double a, double b) { return std::remainder(a - b, 2 * kPi); }
+  static double angleBetween(double a, double b) {
+    return std::remainder(a - b, 2 * std::numbers::pi);
+  }
 
   /// Angle between two orientations [rad], for small angles.
   static double turnBetween(const double* a, const double* b) {
@@ -141,7 +143,8 @@ class PathCheck {
       }
       // An angle may stand whole turns away from the range as it is written.
       const double middle = low / 2 + high / 2, half = high / 2 - low / 2;
-      if (half < kPi && !(std::abs(angleBetween(q[i], middle)) <= half + kVerifyWaypoint))
+      if (half < std::numbers::pi &&
+          !(std::abs(angleBetween(q[i], middle)) <= half + kVerifyWaypoint))
         return false;
     }
     return true;
@@ -267,8 +270,8 @@ class Verifier {
       if (std::abs(a_[i]) > kLargestAngle * 10 || std::abs(b_[i]) > kLargestAngle * 10)
         return "a value beyond 10000: rounding is not small there";
       if (part.kind != ConfigurationSpace::Kind::kCircle) continue;
-      const auto inside = [](double x) { return x >= -kPi && x < kPi; };
-      if (inside(a_[i]) && inside(b_[i]) && std::abs(b_[i] - a_[i]) <= kPi) continue;
+      const auto inside = [](double x) { return x >= -std::numbers::pi && x < std::numbers::pi; };
+      if (inside(a_[i]) && inside(b_[i]) && std::abs(b_[i] - a_[i]) <= std::numbers::pi) continue;
       const int master = model_.variables[at(problem_.variables[i])].joint;
       for (const robots::Joint& joint : model_.joints) {
         double factor = 1;

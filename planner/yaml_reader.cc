@@ -12,6 +12,7 @@
 #include <limits>
 #include <sstream>
 
+#include "leeway/robots/text.h"
 #include "planner/nearest_name.h"
 
 namespace leeway::planner {
@@ -70,14 +71,6 @@ int countDocuments(const std::string& text) {
 }
 
 }  // namespace
-
-std::optional<double> parseNumber(std::string_view text) {
-  if (text.size() > 1 && text[0] == '+' && text[1] != '-') text.remove_prefix(1);
-  double value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  return value;
-}
 
 YamlReader::YamlReader(std::shared_ptr<const std::string> file, const YAML::Node& node,
                        std::string where, int parent_line)
@@ -191,7 +184,7 @@ double YamlReader::number() const {
   const std::string special = text.substr(std::min(sign, text.size()));
   const bool not_finite = special == ".inf" || special == ".Inf" || special == ".INF" ||
                           special == ".nan" || special == ".NaN" || special == ".NAN";
-  const std::optional<double> parsed = parseNumber(text);
+  const std::optional<double> parsed = robots::parseNumber(text);
   if (!not_finite && !parsed) fail(fmt::format("{} is {}; a number is expected", where_, shown()));
   const double value = parsed.value_or(std::numeric_limits<double>::infinity());
   if (!std::isfinite(value))
@@ -205,18 +198,34 @@ double YamlReader::sizeNumber() const {
   return value;
 }
 
+namespace {
+
+template <class Integer>
+std::optional<Integer> parseInteger(const std::string& text) {
+  Integer value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+}  // namespace
+
 std::int64_t YamlReader::integer(std::int64_t lowest) const {
-  std::int64_t value = 0;
-  bool good = false;
-  if (isScalar() && !quoted(node_)) {
-    const std::string& text = node_.Scalar();
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    good = error == std::errc() && end == text.data() + text.size() && value >= lowest;
-  }
-  if (!good)
+  std::optional<std::int64_t> value;
+  if (isScalar() && !quoted(node_)) value = parseInteger<std::int64_t>(node_.Scalar());
+  if (!value || *value < lowest)
     fail(fmt::format("{} is {}; a whole number of at least {} is expected", where_, shown(),
                      lowest));
-  return value;
+  return *value;
+}
+
+std::uint64_t YamlReader::seed() const {
+  std::optional<std::uint64_t> value;
+  if (isScalar() && !quoted(node_)) value = parseInteger<std::uint64_t>(node_.Scalar());
+  if (!value)
+    fail(fmt::format("{} is {}; a whole number from 0 to {} is expected", where_, shown(),
+                     std::numeric_limits<std::uint64_t>::max()));
+  return *value;
 }
 
 bool YamlReader::boolean() const {

@@ -16,10 +16,6 @@
 
 namespace leeway::planner {
 
-/// A double from all of `text`, the same in every locale and exact; nothing when it is no number or
-/// out of range. "nan" and "inf" are numbers here: callers say what they think of them.
-std::optional<double> parseNumber(std::string_view text);
-
 /// A place in a YAML file, read strictly: every wrong type, missing or unknown key and number that
 /// is not finite throws InputError with file and line (from 1; yaml-cpp counts from 0). JSON is
 /// read by the same means, being YAML. Cheap to copy.
@@ -63,7 +59,8 @@ class YamlReader {
   double number() const;      ///< finite
   double sizeNumber() const;  ///< finite and not negative
   std::int64_t integer(std::int64_t lowest) const;
-  bool boolean() const;  ///< true or false
+  std::uint64_t seed() const;  ///< a whole number, up to 2^64 - 1
+  bool boolean() const;        ///< true or false
   std::vector<double> numbers() const;
   Eigen::Vector3d vector3() const;
   Eigen::Vector3d sizeVector3() const;  ///< no negative entry

@@ -1,13 +1,13 @@
 #include "robots/xml_reader.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <numeric>
 #include <sstream>
+
+#include "leeway/robots/text.h"
 
 namespace leeway::robots {
 
@@ -54,42 +54,10 @@ const XMLElement* findXacro(const XMLElement& element) {
 
 std::string inQuotes(std::string_view text) { return '"' + std::string(text) + '"'; }
 
-std::size_t editDistance(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), std::size_t{0});
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    std::size_t diagonal = row[0];
-    row[0] = i;
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      const std::size_t above = row[j];
-      row[j] = std::min({above + 1, row[j - 1] + 1, diagonal + (a[i - 1] == b[j - 1] ? 0 : 1)});
-      diagonal = above;
-    }
-  }
-  return row[b.size()];
-}
-
 }  // namespace
 
-std::optional<double> parseNumber(std::string_view text) {
-  if (!text.empty() && text.front() == '+') text.remove_prefix(1);
-  double value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value))
-    return std::nullopt;
-  return value;
-}
-
 std::string suggestion(std::string_view wanted, std::span<const std::string> candidates) {
-  std::size_t best = (wanted.size() + 1) / 2 + 1;  // up to half of the letters may be wrong
-  const std::string* nearest = nullptr;
-  for (const std::string& candidate : candidates) {
-    const std::size_t distance = editDistance(wanted, candidate);
-    if (distance < best) {
-      best = distance;
-      nearest = &candidate;
-    }
-  }
+  const std::string* nearest = nearestName(wanted, candidates);
   return nearest == nullptr ? "" : "did you mean " + inQuotes(*nearest) + "?";
 }
 
@@ -112,6 +80,10 @@ XmlFile::XmlFile(const std::string& path, const std::string& kind) : path_(path)
   if (std::strcmp(root().Name(), "robot") != 0)
     fail(root(), "the root element is <" + std::string(root().Name()) + ">; a " + kind +
                      " file has <robot>");
+  // TinyXML2 reads on behind the root element.
+  if (const XMLElement* second = root().NextSiblingElement())
+    fail(*second, "a second root element, <" + std::string(second->Name()) + ">; a " + kind +
+                      " file has one <robot>");
   if (const XMLElement* xacro = findXacro(root()))
     fail(*xacro, "<" + std::string(xacro->Name()) + "> is a xacro macro, which a " + kind +
                      " cannot hold; " + expandCommand(path, kind));
@@ -140,7 +112,7 @@ std::vector<double> XmlFile::numbers(const XMLElement& element, const char* name
        begin = text.find_first_not_of(kSpace, begin)) {
     const std::size_t end = std::min(text.find_first_of(kSpace, begin), text.size());
     const std::string word = text.substr(begin, end - begin);
-    const std::optional<double> value = parseNumber(word);
+    const std::optional<double> value = parseFinite(word);
     if (!value)
       fail(element, std::string(name) + " of <" + element.Name() + "> holds " + inQuotes(word) +
                         "; a finite number would be accepted");

@@ -58,8 +58,4 @@ class XmlFile {
 /// string when none is near.
 std::string suggestion(std::string_view wanted, std::span<const std::string> candidates);
 
-/// A finite number in decimal notation, whole text; nothing otherwise. Does not depend on the
-/// locale.
-std::optional<double> parseNumber(std::string_view text);
-
 }  // namespace leeway::robots

@@ -57,6 +57,29 @@ TEST_F(BadInput, ProblemFiles) {
   expectProblemRefused("[0.85, 0, 0]", "[1e300, 0, 0]", {"bad.yaml:7:", "1e+300", "1e+60"});
 }
 
+/// TinyXML2 reads on behind a root element, and what stood there was lost in silence.
+TEST_F(BadInput, ASecondRobotInAFileIsRefused) {
+  expectUrdfRefused("</robot>\n", "</robot>\n<robot name=\"other\"/>\n",
+                    {"arm.urdf:18:", "second root element", "<robot>"});
+  expectSrdfRefused("</robot>\n", "</robot>\n<group name=\"more\"/>\n",
+                    {"arm.srdf:7:", "second root element", "<group>"});
+}
+
+TEST_F(BadInput, StatesGiveEachJointOnce) {
+  expectRefused("check reach.yaml --state elbow=1,elbow=2 --json", {"elbow twice"});
+  EXPECT_EQ(run("check reach.yaml --state 'shoulder=1, elbow=0'").status, 2);  // " elbow"
+  EXPECT_EQ(run("check reach.yaml --state '1, +0'").status, 0);
+}
+
+/// As large as the command line's.
+TEST_F(BadInput, SeedsOfFilesGoUpToTheLargest) {
+  write("seed.yaml", replaced(kReach, "seed: 7", "seed: 18446744073709551615"));
+  const Answer answer = run("plan seed.yaml --json");
+  EXPECT_EQ(answer.status, 0) << answer.err;
+  EXPECT_EQ(answer.document()["seed"].get<std::uint64_t>(), 18446744073709551615U);
+  expectProblemRefused("seed: 7", "seed: 18446744073709551616", {"bad.yaml:9:", "seed", "1615"});
+}
+
 TEST_F(BadInput, MarginBelowZeroIsAWarning) {
   write("warn.yaml", replaced(kReach, "seed: 7", "margin: -0.01\nseed: 7"));
   const Answer answer = run("plan warn.yaml --json");

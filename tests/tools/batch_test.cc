@@ -55,6 +55,14 @@ TEST_F(Batch, PairsByNumberAndWalksIntoFolders) {
   EXPECT_NE(answer.err.find("3 solved"), std::string::npos);
 }
 
+TEST_F(Batch, AProblemGivenTwiceIsSolvedOnce) {
+  const Answer answer = run("batch reach.yaml ./reach.yaml empty.yaml");
+  EXPECT_EQ(answer.status, 0) << answer.err;
+  EXPECT_EQ(problemsOf(answer.lines()), (std::vector<std::string>{"reach.yaml", "empty.yaml"}));
+  EXPECT_NE(answer.err.find("./reach.yaml: left out, it is in the list already"), std::string::npos)
+      << answer.err;
+}
+
 TEST_F(Batch, LineIsWhatPlanPrints) {
   const json line = run("batch " + robot_ + "set/b --seed 5").lines().at(0);
   json plan = run("plan " + robot_ +

@@ -8,6 +8,8 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
+#include <set>
+#include <utility>
 
 #include "leeway/robots/input_error.h"
 
@@ -136,6 +138,19 @@ bool parseShard(const std::string& text, std::size_t& index, std::size_t& count)
   return second.ec == std::errc() && second.ptr == end && count > 0 && index <= count;
 }
 
+/// Each problem once, however often and under whatever names its file is given.
+std::vector<BatchItem> withoutRepeats(std::vector<BatchItem> items) {
+  std::set<fs::path> seen;
+  std::erase_if(items, [&](const BatchItem& item) {
+    const bool repeated = !seen.insert(fs::weakly_canonical(item.problem)).second;
+    if (repeated) {
+      fmt::print(stderr, "{}: left out, it is in the list already\n", item.problem);
+    }
+    return repeated;
+  });
+  return items;
+}
+
 }  // namespace
 
 std::vector<BatchItem> listProblems(const std::vector<std::string>& inputs) {
@@ -159,7 +174,7 @@ std::vector<BatchItem> listProblems(const std::vector<std::string>& inputs) {
       }
     }
   }
-  return items;
+  return withoutRepeats(std::move(items));
 }
 
 std::vector<BatchItem> listMoveitProblems(const std::vector<std::string>& inputs) {
@@ -185,7 +200,7 @@ std::vector<BatchItem> listMoveitProblems(const std::vector<std::string>& inputs
       appendFolder(folder, items);
     }
   }
-  return items;
+  return withoutRepeats(std::move(items));
 }
 
 std::vector<BatchItem> selectShard(const std::vector<BatchItem>& items, const std::string& shard) {

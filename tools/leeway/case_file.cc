@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "leeway/robots/input_error.h"
+#include "leeway/robots/text.h"
 
 namespace leeway::tools {
 namespace {
@@ -34,11 +35,9 @@ class LineReader {
 
   double number(const char* what) {
     const std::string text = word(what);
-    char* end = nullptr;
-    const double value = std::strtod(text.c_str(), &end);
-    if (end == text.c_str() || *end != '\0' || !std::isfinite(value))
-      fail(std::string(what) + " is '" + text + "'; a finite number is expected");
-    return value;
+    const std::optional<double> value = robots::parseFinite(text);
+    if (!value) fail(std::string(what) + " is '" + text + "'; a finite number is expected");
+    return *value;
   }
 
   std::int64_t integer(const char* what,

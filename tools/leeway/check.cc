@@ -7,6 +7,7 @@
 
 #include "leeway/planner/edge_certifier.h"
 #include "leeway/robots/input_error.h"
+#include "leeway/robots/text.h"
 #include "tools/leeway/exit_status.h"
 #include "tools/leeway/json_result.h"
 #include "tools/leeway/problem_source.h"
@@ -68,13 +69,13 @@ std::vector<double> goalPoint(const planner::Problem& problem, const planner::Go
   return point;
 }
 
-double parseNumber(const std::string& state, const std::string& text) {
-  char* end = nullptr;
-  const double value = std::strtod(text.c_str(), &end);
-  if (text.empty() || *end != '\0' || !std::isfinite(value)) {
-    badState(state, fmt::format("'{}' is not a finite number", text));
-  }
-  return value;
+double parseNumber(const std::string& state, std::string_view text) {
+  constexpr std::string_view kSpace = " \t";
+  const std::size_t begin = std::min(text.find_first_not_of(kSpace), text.size());
+  text = text.substr(begin, text.find_last_not_of(kSpace) + 1 - begin);
+  const std::optional<double> value = robots::parseFinite(text);
+  if (!value) badState(state, fmt::format("'{}' is not a finite number", text));
+  return *value;
 }
 
 std::vector<std::string> split(const std::string& text) {
@@ -113,6 +114,7 @@ std::vector<double> parseValues(const planner::Problem& problem, const std::stri
     }
     return point;
   }
+  std::vector<bool> given(point.size(), false);
   for (const std::string& part : parts) {
     const std::size_t equals = part.find('=');
     const std::string name = part.substr(0, equals);
@@ -125,6 +127,10 @@ std::vector<double> parseValues(const planner::Problem& problem, const std::stri
       badState(text,
                fmt::format("'{}' is not NAME=VALUE with one of {}", part, plannedNames(problem)));
     }
+    if (given[i]) {
+      badState(text, fmt::format("gives {} twice; once is expected", name));
+    }
+    given[i] = true;
     point[i] = parseNumber(text, part.substr(equals + 1));
   }
   return point;
