@@ -11,8 +11,8 @@
 namespace leeway::collision {
 
 /// A body whose distance from boxes is asked, in the boxes' frame B and single precision, rounded
-/// outwards: intervals along B's axes and along three other orthonormal ones; the body lies within all
-/// of them, grown by `radius`. Intervals may be infinite.
+/// outwards: intervals along B's axes and along three other orthonormal ones; the body lies within
+/// all of them, grown by `radius`. Intervals may be infinite.
 struct Probe {
   float low[3], high[3];            ///< along x, y, z of B
   float axis[3][3];                 ///< three unit vectors

@@ -12,8 +12,8 @@ namespace leeway::tools::report {
 
 /// What the module of one library brings to the reports.
 struct Rivals {
-  std::vector<std::unique_ptr<PairEngine>> pairs;   ///< for `report accuracy`
-  std::vector<std::unique_ptr<MeshEngine>> meshes;  ///< for `report deform`
+  std::vector<std::unique_ptr<PairEngine>> pairs;       ///< for `report accuracy`
+  std::vector<std::unique_ptr<MeshEngine>> meshes;      ///< for `report deform`
   std::vector<std::unique_ptr<ContactEngine>> motions;  ///< for `report motion`
 };
 
