@@ -40,6 +40,8 @@ Certificate certify(EdgeCertifier& certifier, const Path& path, double tolerance
     certificate.certified = certificate.certified && check.verdict == Verdict::kFree;
     name(scene, check.pair, certificate.closest_a, certificate.closest_b);
     certificate.closest_segment = check.pair < 0 ? -1 : 0;
+    certificate.closest_point_a = check.closest.point_a;
+    certificate.closest_point_b = check.closest.point_b;
   }
   const double least_margin = leastMargin(scene);
   for (std::size_t i = 1; i < path.positions.size(); ++i) {
@@ -56,6 +58,8 @@ Certificate certify(EdgeCertifier& certifier, const Path& path, double tolerance
       certificate.clearance.upper = edge.clearance.upper;
       certificate.closest_segment = static_cast<int>(i) - 1;
       certificate.closest_t = edge.t;
+      certificate.closest_point_a = edge.closest.point_a;
+      certificate.closest_point_b = edge.closest.point_b;
       name(scene, edge.pair, certificate.closest_a, certificate.closest_b);
     }
   }

@@ -52,6 +52,16 @@ double timeAt(std::span<const TimedPhase> phases, double s) {
   return phase->start + (rest > 0 ? 2 * rest / (phase->rate + then) : 0);
 }
 
+/// By bisection, for these profiles have no simple inverse.
+double timeAt(const RestToRest& profile, double way) {
+  double low = 0, high = profile.duration();
+  for (int k = 0; k < 100; ++k) {
+    const double middle = low + (high - low) / 2;
+    (profile.at(middle).way < way ? low : high) = middle;
+  }
+  return high;
+}
+
 void checkLimits(std::span<const double> limits, std::size_t size, const char* what,
                  bool infinite) {
   if (limits.size() != size)
@@ -192,15 +202,7 @@ void Trajectory::addStraight(int first, int last, const MotionLimits& limits, do
   const double jerk = limits.jerk.empty() ? kInfinity : rateLimit(*space_, whole, limits.jerk);
   const RestToRest profile(speed, rateLimit(*space_, whole, limits.acceleration), jerk);
   stretches_.push_back({first, last - first, now, profile.duration(), profile});
-  // Waypoints that are run through: found by bisection, for the profile has no simple inverse.
-  for (int e = first; e + 1 < last; ++e) {
-    double low = 0, high = profile.duration();
-    for (int k = 0; k < 100; ++k) {
-      const double middle = low + (high - low) / 2;
-      (profile.at(middle).way < ends_[at(e)] ? low : high) = middle;
-    }
-    times_[at(e) + 1] = now + high;
-  }
+  for (int e = first; e + 1 < last; ++e) times_[at(e) + 1] = now + timeAt(profile, ends_[at(e)]);
   times_[at(last)] = now + profile.duration();
 }
 
@@ -304,6 +306,32 @@ Trajectory::Place Trajectory::placeOn(const Stretch& stretch, double time) const
   place.rate = (phase->rate + dt * phase->acceleration) / length;
   place.acceleration = phase->acceleration / length;
   return place;
+}
+
+std::optional<double> Trajectory::passes(int edge, double t) const {
+  if (edge < 0 || at(edge) >= differences_.size() || !(t >= 0 && t <= 1)) return std::nullopt;
+  // The last stretch that begins at the edge or before; edges of no length have none.
+  auto stretch = std::upper_bound(stretches_.begin(), stretches_.end(), edge,
+                                  [](int e, const Stretch& s) { return e < s.first_edge; });
+  if (stretch == stretches_.begin()) return times_[at(edge)];
+  --stretch;
+  if (edge >= stretch->first_edge + stretch->edges) return times_[at(edge)];
+  if (stretch->profile) {
+    const double begin = edge == stretch->first_edge ? 0 : ends_[at(edge - 1)];
+    return stretch->start + timeAt(*stretch->profile, begin + t * (ends_[at(edge)] - begin));
+  }
+  const Blend* before = edge > stretch->first_edge ? blendAt(edge) : nullptr;
+  const bool last = edge + 1 == stretch->first_edge + stretch->edges;
+  const Blend* after = last ? nullptr : blendAt(edge + 1);
+  const double way = t * lengths_[at(edge)], begin = before != nullptr ? before->length : 0;
+  if (way < begin || (after != nullptr && way > lengths_[at(edge)] - after->length))
+    return std::nullopt;
+  // What is left of the edge begins where the first piece does that comes with it or later: it may
+  // have no length, or two cuts may meet.
+  const auto piece = std::find_if(stretch->pieces.begin(), stretch->pieces.end(),
+                                  [&](const Piece& p) { return p.edge >= edge; });
+  const double s = piece != stretch->pieces.end() ? piece->begin : stretch->phases.back().way;
+  return stretch->start + timeAt(stretch->phases, s + way - begin);
 }
 
 void Trajectory::configuration(double time, std::span<double> q) const {

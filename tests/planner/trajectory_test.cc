@@ -131,6 +131,8 @@ TEST_F(TrajectoryTest, StaysOnThePathWithinTheLimitsAndRestsAtCorners) {
       trajectory.velocity(trajectory.times()[corner], rate);
       for (const double r : rate) EXPECT_NEAR(r, 0, 1e-7);  // the root of a rounding
     }
+    EXPECT_NEAR(*trajectory.passes(3, 1), trajectory.times()[4], 1e-9);
+    EXPECT_NEAR(*trajectory.passes(0, 0.5), 0, 1e-9);
     trajectory.velocity(trajectory.times()[4], rate);  // the cut edge's middle
     double fastest = 0;
     for (const double r : rate) fastest = std::max(fastest, std::abs(r));
@@ -221,6 +223,20 @@ TEST_F(TrajectoryTest, BlendsKeepTheLimitsAndDoNotJump) {
   for (std::size_t i = 0; i < n; ++i) EXPECT_NEAR(q[i], middle[i], 1e-9);
   trajectory.configuration(trajectory.duration(), q);
   EXPECT_EQ(q, path.back());
+
+  int passed = 0;
+  for (int edge = 0; edge + 1 < static_cast<int>(path.size()); ++edge)
+    for (const double t : {0.0, 0.2, 0.5, 0.9, 1.0}) {
+      const std::optional<double> time = trajectory.passes(edge, t);
+      if (!time) continue;
+      ++passed;
+      space->interpolate(path[static_cast<std::size_t>(edge)],
+                         path[static_cast<std::size_t>(edge) + 1], t, expected);
+      trajectory.configuration(*time, q);
+      for (std::size_t i = 0; i < n; ++i) ASSERT_NEAR(q[i], expected[i], 1e-7) << edge << " " << t;
+    }
+  EXPECT_GT(passed, 10);
+  EXPECT_FALSE(trajectory.passes(1, 0.1).has_value());  // cut off
 
   // Between knots on an edge the cubic through both ends is the motion itself.
   const std::vector<double> knots = trajectory.knots();

@@ -45,6 +45,16 @@ TEST_F(Plan, SolvesAndCertifies) {
   EXPECT_EQ(certificate["closest"]["b"], "post");
   EXPECT_TRUE(certificate["closest"].contains("a") && certificate["closest"].contains("segment") &&
               certificate["closest"].contains("t"));
+  // Where: the two points are as far apart as the certificate says, and when: within the motion.
+  const json &a = certificate["closest"]["point_a"], &b = certificate["closest"]["point_b"];
+  double squared = 0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double difference = a[i].get<double>() - b[i].get<double>();
+    squared += difference * difference;
+  }
+  EXPECT_NEAR(std::sqrt(squared), certificate["clearance_upper"].get<double>(), 1e-4);
+  EXPECT_GE(certificate["closest"]["time"], 0);
+  EXPECT_LE(certificate["closest"]["time"], document["trajectory"]["duration"]);
 }
 
 TEST_F(Plan, WritesTrajectories) {

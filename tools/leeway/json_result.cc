@@ -11,7 +11,8 @@
 namespace leeway::tools {
 namespace {
 
-Json certificateJson(const planner::Certificate& certificate) {
+Json certificateJson(const planner::Certificate& certificate,
+                     const std::optional<planner::Trajectory>& trajectory) {
   Json segments = Json::array();
   for (const auto& segment : certificate.segments) {
     segments.push_back({{"clearance_lower", jsonNumber(segment.lower)},
@@ -22,7 +23,13 @@ Json certificateJson(const planner::Certificate& certificate) {
     closest = {{"a", certificate.closest_a},
                {"b", certificate.closest_b},
                {"segment", certificate.closest_segment},
-               {"t", jsonNumber(certificate.closest_t)}};
+               {"t", jsonNumber(certificate.closest_t)},
+               {"point_a", jsonVector(certificate.closest_point_a)},
+               {"point_b", jsonVector(certificate.closest_point_b)}};
+    if (trajectory) {
+      const auto time = trajectory->passes(certificate.closest_segment, certificate.closest_t);
+      closest["time"] = time ? jsonNumber(*time) : Json();  // null: cut off by a blend
+    }
   }
   return {{"certified", certificate.certified},
           {"clearance_lower", jsonNumber(certificate.clearance.lower)},
@@ -89,7 +96,7 @@ Json toJson(const planner::Problem& problem, const planner::PlanResult& result,
   if (solved) {
     document["path"] = {{"joint_names", result.path.names}, {"positions", result.path.positions}};
     document["length"] = jsonNumber(result.length);
-    document["certificate"] = certificateJson(result.certificate);
+    document["certificate"] = certificateJson(result.certificate, trajectory);
     if (trajectory) document["trajectory"] = trajectoryJson(*trajectory);
   }
   if (invalid) {

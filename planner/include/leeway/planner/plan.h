@@ -26,6 +26,8 @@ struct Certificate {
   std::string closest_a, closest_b;
   int closest_segment = -1;
   double closest_t = 0;
+  Eigen::Vector3d closest_point_a = Eigen::Vector3d::Zero();  ///< on closest_a, world [m]
+  Eigen::Vector3d closest_point_b = Eigen::Vector3d::Zero();
   std::vector<Interval> segments;  ///< one an edge [m]
   bool certified = false;          ///< every edge proven to keep its margins
 };

@@ -109,6 +109,8 @@ class Trajectory {
     double t = 0, rate = 0, acceleration = 0;
   };
   Place place(double time) const;
+  /// When t in [0, 1] of an edge is passed [s]; nothing where a blend cuts it off. O(waypoints).
+  std::optional<double> passes(int edge, double t) const;
   /// The configuration at `time` [s] (held before 0 and after duration()); O(log waypoints).
   void configuration(double time, std::span<double> q) const;
   /// Its rate of change, as space.difference() has it (rotations: a rotation vector's rate), and
