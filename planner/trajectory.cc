@@ -49,7 +49,8 @@ double timeAt(std::span<const TimedPhase> phases, double s) {
   const double rest = std::max(0.0, s - phase->way);
   const double then =
       std::sqrt(std::max(0.0, phase->rate * phase->rate + 2 * phase->acceleration * rest));
-  return phase->start + (rest > 0 ? 2 * rest / (phase->rate + then) : 0);
+  const double speed = phase->rate + then;  // 0 at the end, which rounding may take s beyond
+  return phase->start + (speed > 0 ? 2 * rest / speed : 0);
 }
 
 /// By bisection, for these profiles have no simple inverse.
