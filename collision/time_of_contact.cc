@@ -6,6 +6,8 @@
 #include <limits>
 
 #include "collision/convex.h"
+#include "collision/support.h"
+#include "collision/vector.h"
 #include "leeway/collision/time_to_impact.h"
 #include "leeway/collision/tolerances.h"
 
@@ -19,34 +21,218 @@ double times(double rate, double reach) { return rate == 0 ? 0 : rate * reach; }
 
 /// What is known at one moment of the motion.
 struct Moment {
+  double t = 0;
   DistanceResult distance;  // widened by rounding
-  double closing = 0;       ///< no faster along the separating direction now; may be negative
-  double acceleration = 0;  ///< of that, to the end of the motion
   double predicted = 0;     ///< closing speed of the witness points, for guesses only
+  /// Separation along distance.normal, as Problem::along() would tell it; NaN where no plane of
+  /// that direction says anything about what comes later.
+  double plane = std::numeric_limits<double>::quiet_NaN();
+  double speed = kInfinity;  ///< no two points of the bodies close faster from then on
 };
 
-/// The way that is certainly free from a moment on: gap - closing * s - acceleration * s^2 / 2 > 0
-/// for s below.
-double certainStep(double gap, const Moment& m) {
-  if (!(gap > 0) || !(m.acceleration >= 0) || std::isnan(m.closing)) return 0;
-  if (m.closing >= 0) return timeToImpact(gap, {m.closing, m.acceleration});
-  if (m.acceleration == 0) return kInfinity;
-  // Moving apart: first back to where it is, then on.
-  const double apart = -m.closing;
-  const double step =
-      (apart + std::sqrt(apart * apart + 2 * m.acceleration * gap)) / m.acceleration;
-  return step * (1 - 32 * kUnitRoundoff);
+/// Is (1 - x) gap0 + x gap1 - bend x (1 - x) / 2 positive for all x in [0, 1]? What it is at least.
+double leastBetween(double gap0, double gap1, double bend) {
+  const double k = bend / 2 * (1 + 16 * kUnitRoundoff);
+  const double twice = k + gap0 - gap1;  // 2 k times the x where it is least
+  if (!(k > 0) || !(twice > 0) || !(twice < 2 * k)) return std::min(gap0, gap1);
+  const double sag = twice * twice / (4 * k);
+  return gap0 - sag * (1 + 16 * kUnitRoundoff);
 }
 
-/// Follows a motion. Problem has: Moment look(t, tolerance), bool free(t, step): is it certified
-/// over [t, t + step].
+bool isSensible(const ContactRequest& request) {
+  return request.time_tolerance > 0 && request.tolerance > 0 && request.end >= 0 &&
+         request.end <= 1 && std::isfinite(request.margin);
+}
+
+bool touches(const Moment& m, const ContactRequest& request) {
+  return m.distance.distance.upper <= request.margin;
+}
+
+/// Time that a gap takes to close at present velocities, a guess.
+double comingIn(double gap, const Moment& m) {
+  return m.predicted > 0 ? gap / m.predicted : kInfinity;
+}
+
+/// Follows a motion of bodies that planes keep apart. Problem has: Moment look(t, tolerance);
+/// Moment start(), something known at 0 that costs less than a look; along(n, t): the separation
+/// along n, a lower bound; bending(n, t): no two points of the bodies accelerate faster against
+/// each other along n from t on.
+///
+/// Looks are taken where Newton's method or a secant expects the contact, and what lies between two
+/// of them is certified from their planes: for two points of the bodies that are d(x) apart, x from
+/// 0 to 1 between the looks, f(x) = ((1 - x) n0 + x n1) . d(x) is at least the separations at its
+/// ends, and |f''| <= step^2 bending + 2 step |n1 - n0| speed, so that f stays above its chord less
+/// |f''| x (1 - x) / 2; and the points are at least f apart, because the blend is not longer than
+/// 1. Where that does not suffice, one direction for both looks is tried, then a look in the middle
+/// is taken. (Compare E. Catto, "Continuous collision", 2013: a root of the separation along a
+/// feature's axis; and the certified steps of B. Mirtich 1996, section 2.3.2, and X. Zhang, M. Lee,
+/// Y. J. Kim, "Interactive continuous collision detection for non-convex polyhedra", 2006.)
 template <typename Problem>
-ContactResult follow(Problem& problem, const ContactRequest& request) {
+class PlaneFollower {
+ public:
+  PlaneFollower(Problem& problem, const ContactRequest& request)
+      : problem_(problem), request_(request) {}
+
+  ContactResult run() {
+    if (!isSensible(request_)) return result_;
+    if (request_.query_limit <= 0) return answer(ContactStatus::kUndecided, kInfinity, now_);
+    if (isFreeFromStart()) return result_;
+    now_ = look(0, request_.tolerance);
+    if (now_.distance.status == DistanceStatus::kInvalid) return result_;
+    if (touches(now_, request_)) {
+      contact_ = 0;
+      touch_ = now_;
+    } else if (!(gapOf(now_) > 0)) {
+      proveLater(0);
+    }
+    for (;;) {
+      if (contact_ - now_.t <= request_.time_tolerance)
+        return answer(ContactStatus::kContact, contact_, touch_);
+      if (!(gapOf(now_) > 0) || result_.queries >= request_.query_limit) break;
+      if (now_.t >= request_.end) return answer(ContactStatus::kFree, kInfinity, now_);
+      if (count_ == 0) {
+        if (!lookAhead()) break;
+      } else if (isFreeBetween(now_, ahead_[count_ - 1])) {
+        now_ = ahead_[--count_];
+      } else if (!lookBetween()) {
+        break;
+      }
+    }
+    return answer(ContactStatus::kUndecided, kInfinity, now_);
+  }
+
+ private:
+  static constexpr std::size_t kMost = 6;
+
+  double gapOf(const Moment& m) const { return m.plane - request_.margin; }
+
+  ContactResult answer(ContactStatus status, double upper, const Moment& m) {
+    result_.status = status;
+    result_.time = {status == ContactStatus::kFree ? kInfinity : now_.t, upper};
+    result_.distance = m.distance;
+    return result_;
+  }
+
+  Moment look(double t, double tolerance) {
+    ++result_.queries;
+    return problem_.look(t, tolerance);
+  }
+
+  bool isFreeFromStart() {
+    ++result_.queries;
+    const Moment start = problem_.start();
+    const Eigen::Vector3d& n = start.distance.normal;
+    const double gap = gapOf(start);
+    if (!(gap > 0)) return false;
+    const double later = problem_.along(n, request_.end) - request_.margin;
+    if (!(leastBetween(gap, later, problem_.bending(n, 0) * request_.end * request_.end) > 0))
+      return false;
+    answer(ContactStatus::kFree, kInfinity, start);
+    return true;
+  }
+
+  /// Looks at t > now_.t and keeps what it is: contact, apart, or in doubt. False: give up.
+  bool take(double t, double tolerance) {
+    Moment m = look(t, tolerance);
+    if (!touches(m, request_) && !(gapOf(m) > 0) && tolerance > request_.tolerance)
+      m = look(t, request_.tolerance);
+    if (m.distance.status == DistanceStatus::kInvalid) return false;
+    if (touches(m, request_)) {
+      contact_ = t;
+      touch_ = m;
+      count_ = 0;
+      return true;
+    }
+    if (gapOf(m) > 0) {
+      if (count_ == kMost) count_ = 0;  // what is far ahead can be looked at again
+      ahead_[count_++] = m;
+      return true;
+    }
+    doubt_ = t;
+    count_ = 0;
+    proveLater(t);
+    return t - now_.t > request_.time_tolerance / 8 || contact_ - now_.t <= request_.time_tolerance;
+  }
+
+  /// About to touch at t, as far as can be seen: is it proven a little later?
+  void proveLater(double t) {
+    const double later = std::min(t + request_.time_tolerance / 2, request_.end);
+    if (!(later > t) || later >= contact_) return;
+    const Moment m = look(later, request_.tolerance);
+    if (!touches(m, request_)) return;
+    contact_ = later;
+    touch_ = m;
+  }
+
+  bool lookAhead() {
+    const double gap = gapOf(now_), small = request_.time_tolerance / 4;
+    const double coming = comingIn(gap, now_);
+    // Near enough: behind the contact, so that this proves it.
+    if (coming <= 2 * small)
+      return take(std::min(now_.t + 3.999 * small, request_.end), request_.tolerance);
+    double step = std::max(coming - small, coming / 2);
+    const double bad = std::min(contact_, doubt_), most = bad - now_.t;
+    if (bad < kInfinity && now_.t + step >= bad) {
+      // Newton's step leads where it is known not to be: a secant, or half the way where the last
+      // one left more than that.
+      const bool slow = most > span_ / 2;
+      span_ = most;
+      step = most / 2;
+      if (contact_ <= doubt_ && !slow) {
+        const double depth =
+            std::min(request_.margin - touch_.distance.distance.lower,
+                     -(problem_.along(now_.distance.normal, bad) - request_.margin));
+        if (depth >= 0)
+          step = std::clamp(most * gap / (gap + depth) - small, most / 16, most - small / 2);
+      }
+    }
+    const double t = now_.t + step;
+    if (!(t > now_.t)) return false;
+    // Apart by this, if the guess is right; rounding the distance to a share of it costs nothing.
+    const double expected = gap * std::max(0.0, 1 - step / coming);
+    const bool last = t >= request_.end;
+    return take(last ? request_.end : t,
+                std::max(request_.tolerance, last ? 0 : kContactDistanceShare * expected));
+  }
+
+  bool lookBetween() {
+    const double t = now_.t + (ahead_[count_ - 1].t - now_.t) / 2;
+    if (!(t > now_.t) || !(t < ahead_[count_ - 1].t)) return false;
+    return take(t, std::max(request_.tolerance, kContactDistanceShare * gapOf(now_)));
+  }
+
+  bool isFreeBetween(const Moment& m0, const Moment& m1) {
+    const double step = m1.t - m0.t, gap0 = gapOf(m0), gap1 = gapOf(m1);
+    const Eigen::Vector3d &n0 = m0.distance.normal, &n1 = m1.distance.normal;
+    const double bend0 = problem_.bending(n0, m0.t) * step * step;
+    const double bend1 = problem_.bending(n1, m0.t) * step * step;
+    const double turn = (n1 - n0).norm();
+    // A blend is shorter than 1: what may overlap by a margin may then by less.
+    const double shorter = std::max(0.0, -request_.margin) * turn * turn / 4;
+    const double bend = std::max(bend0, bend1) + 2 * step * turn * m0.speed;
+    if (leastBetween(gap0 - shorter, gap1 - shorter, bend) > 0) return true;
+    return leastBetween(gap0, problem_.along(n0, m1.t) - request_.margin, bend0) > 0 ||
+           leastBetween(problem_.along(n1, m0.t) - request_.margin, gap1, bend1) > 0;
+  }
+
+  Problem& problem_;
+  const ContactRequest& request_;
+  ContactResult result_;
+  Moment now_, touch_;  // certified until now_; in contact
+  double contact_ = kInfinity,
+         doubt_ = kInfinity;         // earliest moments of proven contact, of neither
+  double span_ = kInfinity;          // what the last secant had before it
+  std::array<Moment, kMost> ahead_;  // apart, the next one last
+  std::size_t count_ = 0;
+};
+
+/// Follows a motion by conservative advancement with a bound on closing (B. Mirtich 1996) and by
+/// sweeps. Problem has look() and free(t, step): is it certified over [t, t + step].
+template <typename Problem>
+ContactResult advance(Problem& problem, const ContactRequest& request) {
   ContactResult result;
   const double end = request.end;
-  if (!(request.time_tolerance > 0) || !(request.tolerance > 0) || !(end >= 0 && end <= 1) ||
-      !std::isfinite(request.margin))
-    return result;
+  if (!isSensible(request)) return result;
   double t = 0, tolerance = request.tolerance;
   // Open: everything before t is certified. At t itself nothing is known yet.
   const auto answer = [&](ContactStatus status, double upper, const Moment& m) {
@@ -55,7 +241,6 @@ ContactResult follow(Problem& problem, const ContactRequest& request) {
     result.distance = m.distance;
     return result;
   };
-  const auto touches = [&](const Moment& m) { return m.distance.distance.upper <= request.margin; };
   while (result.queries < request.query_limit) {
     const Moment now = problem.look(t, tolerance);
     ++result.queries;
@@ -63,16 +248,16 @@ ContactResult follow(Problem& problem, const ContactRequest& request) {
       result.distance = now.distance;
       return result;
     }
-    if (touches(now)) return answer(ContactStatus::kContact, t, now);
+    if (touches(now, request)) return answer(ContactStatus::kContact, t, now);
     const double gap = now.distance.distance.lower - request.margin;
-    const double coming = now.predicted > 0 ? gap / now.predicted : kInfinity;
+    const double coming = comingIn(gap, now);
     if (!(coming > request.time_tolerance / 2) || !(gap > 0)) {
       // About to touch, as far as can be seen: is it proven a little later?
       const double later = std::min(t + request.time_tolerance, end);
       if (later > t) {
         const Moment then = problem.look(later, request.tolerance);
         ++result.queries;
-        if (touches(then)) return answer(ContactStatus::kContact, later, then);
+        if (touches(then, request)) return answer(ContactStatus::kContact, later, then);
       }
       if (!(gap > 0)) {
         // The last look may have been a coarse one.
@@ -83,8 +268,8 @@ ContactResult follow(Problem& problem, const ContactRequest& request) {
         return answer(ContactStatus::kUndecided, kInfinity, now);
       }
     }
-    double step = certainStep(gap, now);
     const double left = end - t;
+    double step = timeToImpact(gap, {now.speed, 0}) * (1 - 4 * kUnitRoundoff);
     if (step < kContactStepShare * std::min(coming, left)) {
       for (double sweep = std::min(kContactSweepShare * coming, left);
            sweep > 2 * step && result.queries < request.query_limit; sweep /= 2) {
@@ -95,8 +280,7 @@ ContactResult follow(Problem& problem, const ContactRequest& request) {
         }
       }
     }
-    // Strictly: contact at the very end of the motion counts.
-    if (step > left || left == 0) {
+    if (step >= left) {
       result.status = ContactStatus::kFree;
       result.time = {kInfinity, kInfinity};
       result.distance = now.distance;
@@ -142,23 +326,40 @@ struct RigidPair {
   const ContactRequest& request;
   Scratch& scratch;
   PairCache* cache;
+  ConvexView view_a, view_b;
+  bool planes;  ///< planes of one direction bound what comes: convex, and no half-space turns
+  bool flat;    ///< b is a half-space
+  Pose X_WA_start, X_WB_start;  ///< at 0
+  bool valid;                   ///< they are
+  double departure;             ///< of the rotations from orthogonality, as RelativePose::slack
+  int hint_a = 0, hint_b = 0;
+
+  RigidPair(const Shape& a_, const RigidMotion& motion_a_, const Shape& b_,
+            const RigidMotion& motion_b_, const ContactRequest& request_, Scratch& scratch_,
+            PairCache* cache_)
+      : a(a_),
+        motion_a(motion_a_),
+        b(b_),
+        motion_b(motion_b_),
+        request(request_),
+        scratch(scratch_),
+        cache(cache_),
+        flat(b_.type() == ShapeType::kHalfSpace) {
+    planes = a.isConvex() && b.isConvex() && a.type() != ShapeType::kHalfSpace &&
+             !(flat && motion_b.bound(0, request.end).angular_speed > 0);
+    if (a.isConvex()) view_a = viewOf(a);
+    if (b.isConvex()) view_b = viewOf(b);
+    X_WA_start = motion_a.pose(0);
+    X_WB_start = motion_b.pose(0);
+    const RelativePose X = relativePose(X_WA_start, X_WB_start);
+    valid = X.valid;
+    departure = X.slack;
+  }
 
   /// Of both poses, where the bodies are near each other; of a half-space only what A can meet.
   double rounding(const Pose& X_WA, const Pose& X_WB) const {
     const double between = (X_WA.translation - X_WB.translation).norm() + a.extent();
     return motion_a.rounding(a.extent()) + motion_b.rounding(std::min(b.extent(), between));
-  }
-
-  /// Speed of the body's bounding centre along n, and what turning adds to that at most.
-  static double along(const Shape& shape, const RigidMotion& motion, const Pose& X, double t,
-                      const Eigen::Vector3d& n, double sign) {
-    const FrameVelocity v = motion.velocity(t);
-    const Eigen::Vector3d arm = X.rotation * shape.boundingCenter();
-    const double middle = n.dot(v.linear + v.angular.cross(arm));
-    const double turning = times(n.cross(v.angular).norm(), shape.boundingRadius());
-    const double slack =
-        kMotionRounding * (v.linear.norm() + v.angular.norm() * arm.norm() + turning);
-    return sign * middle + turning + slack;
   }
 
   /// Acceleration of any point of a body, in the world.
@@ -170,26 +371,79 @@ struct RigidPair {
     return m.speed + times(m.angular_speed, shape.extent());
   }
 
+  /// Of points of a body along n: of its origin, and of turning about it.
+  static double bending(const Shape& shape, const RigidMotion& motion, const Eigen::Vector3d& n,
+                        double t, double end) {
+    const FrameMotionBound m = motion.bound(t, end);
+    double turning = m.angular_acceleration + m.angular_speed * m.angular_speed;
+    // About an axis that stays, only the part of n across it counts.
+    if (m.angular_acceleration == 0 && m.angular_speed > 0)
+      turning = std::min(turning, (n.cross(motion.velocity(t).angular).norm() +
+                                   kMotionRounding * m.angular_speed) *
+                                      m.angular_speed);
+    return m.acceleration + times(turning, shape.extent());
+  }
+  double bending(const Eigen::Vector3d& n, double t) const {
+    return (bending(a, motion_a, n, t, request.end) + bending(b, motion_b, n, t, request.end)) *
+           (1 + 16 * kUnitRoundoff);
+  }
+
+  /// What along() and the plane of a look may be off by; rotations are as orthogonal as at first.
+  double planeRounding(const Pose& X_WA, const Pose& X_WB) const {
+    const double between = (X_WB.translation - X_WA.translation).norm();
+    const double size = a.extent() + (flat ? 0 : b.extent()) + between;
+    return kSupportRounding * kUnitRoundoff * (size + view_a.radius + view_b.radius) +
+           departure * size + rounding(X_WA, X_WB);
+  }
+
+  double along(const Eigen::Vector3d& n, double t) {
+    return along(n, motion_a.pose(t), motion_b.pose(t));
+  }
+  double along(const Eigen::Vector3d& n, const Pose& X_WA, const Pose& X_WB) {
+    const Eigen::Vector3d m = flat ? Eigen::Vector3d(-X_WB.rotation.col(2)) : n;
+    const Eigen::Vector3d down_a = rotatedBack(X_WA.rotation, m);
+    double apart =
+        m.dot(X_WB.translation - X_WA.translation) - down_a.dot(farthest(view_a, down_a, hint_a));
+    if (!flat) {
+      const Eigen::Vector3d up_b = -rotatedBack(X_WB.rotation, m);
+      apart -= up_b.dot(farthest(view_b, up_b, hint_b));
+    }
+    return apart - view_a.radius - view_b.radius - view_a.excess - view_b.excess -
+           planeRounding(X_WA, X_WB);
+  }
+
   Moment look(double t, double tolerance) {
     const Pose X_WA = motion_a.pose(t), X_WB = motion_b.pose(t);
     Moment m;
+    m.t = t;
     m.distance = distance(a, X_WA, b, X_WB, lookRequest(request, tolerance), scratch, cache);
     widen(m.distance, rounding(X_WA, X_WB));
-    const FrameMotionBound bound_a = motion_a.bound(t, request.end);
-    const FrameMotionBound bound_b = motion_b.bound(t, request.end);
     const Eigen::Vector3d& n = m.distance.normal;
     const FrameVelocity va = motion_a.velocity(t), vb = motion_b.velocity(t);
     const auto at = [](const FrameVelocity& v, const Pose& X, const Eigen::Vector3d& p) {
       return Eigen::Vector3d(v.linear + v.angular.cross(p - X.translation));
     };
     m.predicted = n.dot(at(va, X_WA, m.distance.point_a) - at(vb, X_WB, m.distance.point_b));
-    if (a.isConvex() && b.isConvex()) {
-      // A plane with this normal keeps the bodies apart; what crosses it has to move along it.
-      m.closing = along(a, motion_a, X_WA, t, n, 1) + along(b, motion_b, X_WB, t, n, -1);
-      m.acceleration = acceleration(a, bound_a) + acceleration(b, bound_b);
-    } else {
-      m.closing = speed(a, bound_a) + speed(b, bound_b);
-    }
+    m.speed = speed(a, motion_a.bound(t, request.end)) + speed(b, motion_b.bound(t, request.end));
+    m.plane = m.distance.distance.lower - planeRounding(X_WA, X_WB);
+    return m;
+  }
+
+  /// Along the way between the middles of the bounding spheres, where those are apart.
+  Moment start() {
+    Moment m;
+    if (!valid) return m;
+    const Eigen::Vector3d from = X_WA_start * a.boundingCenter(),
+                          to = X_WB_start * b.boundingCenter();
+    const double apart = (to - from).norm();
+    if (!(apart - a.boundingRadius() - b.boundingRadius() > request.margin) || !(apart < kInfinity))
+      return m;
+    m.distance.normal = (to - from) / apart;
+    m.distance.point_a = from;
+    m.distance.point_b = to;
+    m.plane = along(m.distance.normal, X_WA_start, X_WB_start);
+    m.distance.distance = {m.plane, kInfinity};
+    m.distance.status = DistanceStatus::kAboveThreshold;
     return m;
   }
 
@@ -241,7 +495,9 @@ struct TrianglePair {
   const ContactRequest& request;
   Scratch& scratch;
   double rounding;
+  double speed;  ///< of any point against any other
   PairCache cache;
+  int hint = 0;
 
   Moment look(double t, double tolerance) {
     const Corners pa = cornersAt(a, t);
@@ -255,6 +511,7 @@ struct TrianglePair {
       view_b = *b_shape;
     }
     Moment m;
+    m.t = t;
     m.distance = convexDistance(view_a, Pose{}, view_b, lookRequest(request, tolerance), scratch,
                                 &cache, rounding);
     const Eigen::Vector3d& n = m.distance.normal;
@@ -264,10 +521,33 @@ struct TrianglePair {
       fastest = std::max(fastest, n.dot(a.to[i] - a.from[i]));
       if (b != nullptr) slowest = std::min(slowest, n.dot(b->to[i] - b->from[i]));
     }
-    m.closing = fastest - slowest + rounding;
-    m.predicted = m.closing;
+    m.predicted = fastest - slowest;
+    // A half-space's direction stays: nothing closes on it faster than along that.
+    m.speed = b == nullptr && b_shape->core == Core::kHalfSpace
+                  ? std::max(0.0, m.predicted) + rounding
+                  : speed;
+    m.plane = m.distance.distance.lower - rounding;
     return m;
   }
+
+  /// Nothing that costs less than a look.
+  static Moment start() { return {}; }
+
+  double along(const Eigen::Vector3d& n, double t) {
+    double highest = -kInfinity, lowest = kInfinity;
+    const Corners pa = cornersAt(a, t);
+    for (const Eigen::Vector3d& p : pa) highest = std::max(highest, n.dot(p));
+    if (b == nullptr) {
+      lowest = n.dot(farthest(*b_shape, -n, hint)) - b_shape->radius - b_shape->excess;
+    } else {
+      const Corners pb = cornersAt(*b, t);
+      for (const Eigen::Vector3d& p : pb) lowest = std::min(lowest, n.dot(p));
+    }
+    return lowest - highest - rounding;
+  }
+
+  /// Nothing accelerates.
+  static double bending(const Eigen::Vector3d&, double) { return 0; }
 
   bool free(double t, double step) {
     const Corners a0 = cornersAt(a, t), a1 = cornersAt(a, t + step);
@@ -311,16 +591,21 @@ ContactResult timeOfContact(const Shape& a, const RigidMotion& motion_a, const S
     result.distance.normal = -result.distance.normal;
     return result;
   }
-  RigidPair pair{a, motion_a, b, motion_b, request, scratch, cache};
-  return follow(pair, request);
+  PairCache own;
+  RigidPair pair(a, motion_a, b, motion_b, request, scratch, cache != nullptr ? cache : &own);
+  return pair.planes ? PlaneFollower(pair, request).run() : advance(pair, request);
 }
 
 ContactResult timeOfContact(const MovingTriangle& a, const MovingTriangle& b,
                             const ContactRequest& request, Scratch& scratch) {
   if (!finite(a) || !finite(b)) return {};
   const double rounding = kMotionRounding * (sizeOf(a) + sizeOf(b));
-  TrianglePair pair{a, &b, nullptr, request, scratch, rounding, {}};
-  return follow(pair, request);
+  double speed = 0;
+  for (std::size_t i = 0; i < 3; ++i)
+    for (std::size_t j = 0; j < 3; ++j)
+      speed = std::max(speed, (a.to[i] - a.from[i] - b.to[j] + b.from[j]).norm());
+  TrianglePair pair{a, &b, nullptr, request, scratch, rounding, speed + rounding, {}, 0};
+  return PlaneFollower(pair, request).run();
 }
 
 ContactResult timeOfContact(const MovingTriangle& a, const Shape& b, const Pose& X_WB,
@@ -336,8 +621,11 @@ ContactResult timeOfContact(const MovingTriangle& a, const Shape& b, const Pose&
   const ConvexView view = viewOf(b);
   const double extent = b.extent() == kInfinity ? 0 : b.extent();
   const double rounding = kMotionRounding * (size + sizeOf(a_B)) + X.slack * (size + extent);
-  TrianglePair pair{a_B, nullptr, &view, request, scratch, rounding, {}};
-  ContactResult result = follow(pair, request);
+  double speed = 0;
+  for (std::size_t i = 0; i < 3; ++i) speed = std::max(speed, (a.to[i] - a.from[i]).norm());
+  TrianglePair pair{a_B, nullptr, &view, request, scratch, rounding, speed + rounding, {}, 0};
+  ContactResult result = b.type() == ShapeType::kHalfSpace ? advance(pair, request)
+                                                           : PlaneFollower(pair, request).run();
   result.distance.point_a = X_WB * result.distance.point_a;
   result.distance.point_b = X_WB * result.distance.point_b;
   result.distance.normal = X_WB.rotation * result.distance.normal;

@@ -202,6 +202,69 @@ TEST(TimeOfContact, StartsThinPlatesAndFastTurns) {
   EXPECT_NEAR(swept.time.upper, (M_PI / 2 - 0.02) / 3, 1e-3);
 }
 
+TEST(TimeOfContact, FewLooksSufficeAndNoneIsTakenTwice) {
+  // Contact expected behind a certified moment by just the tolerance was looked for again and again
+  // once: t + tolerance - t is not the tolerance.
+  Random random(5);
+  Scratch scratch;
+  const Shape box = Shape::box({0.2, 0.3, 0.1});
+  int contacts = 0, queries = 0;
+  for (int i = 0; i < 500; ++i) {
+    const Pose A0 = randomPose(random, 1), A1 = randomPose(random, 1);
+    const StraightMotion moving(A0, A1);
+    const ContactResult result =
+        timeOfContact(box, moving, box, Still(randomPose(random, 0.3)), {}, scratch);
+    EXPECT_LE(result.queries, 60) << i;
+    EXPECT_NE(result.status, ContactStatus::kUndecided) << i;
+    contacts += result.status == ContactStatus::kContact;
+    queries += result.queries;
+  }
+  EXPECT_GT(contacts, 200);
+  EXPECT_LE(queries, 500 * 8);
+}
+
+TEST(TimeOfContact, AllowedDepths) {
+  Random random(13);
+  Scratch scratch;
+  int contacts = 0, frees = 0;
+  const ShapeType types[] = {ShapeType::kSphere, ShapeType::kBox, ShapeType::kConvexHull,
+                             ShapeType::kCylinder};
+  for (int i = 0; i < 300; ++i) {
+    const Shape a = oracle::randomShape(random, types[i % 4], oracle::Flavour::kPlain);
+    const Shape b = oracle::randomShape(random, types[(i / 4) % 4], oracle::Flavour::kPlain);
+    const Pose A0 = randomPose(random, 1), A1 = randomPose(random, 1);
+    const StraightMotion ma(A0, A1);
+    const Still mb(randomPose(random, 0.3));
+    ContactRequest request;
+    request.margin = -0.03;
+    const ContactResult result = timeOfContact(a, ma, b, mb, request, scratch);
+    if (expectTrue(result, a, ma, b, mb, request.margin, "case " + std::to_string(i))) ++contacts;
+    frees += result.status == ContactStatus::kFree;
+  }
+  EXPECT_GT(contacts, 80);
+  EXPECT_GT(frees, 40);
+  EXPECT_EQ(contacts + frees, 300);
+}
+
+TEST(RigidMotion, AMountedFrameMovesAsItsBodyDoes) {
+  Random random(17);
+  for (int i = 0; i < 100; ++i) {
+    const Pose X0 = randomPose(random, 2), X1 = randomPose(random, 2), X_BG = randomPose(random, 1);
+    const ScrewMotion body(X0, X1);
+    const MountedMotion mounted(body, X_BG);
+    const double t = random.uniform(0.1, 0.9), h = 1e-4;
+    const Eigen::Vector3d before = mounted.pose(t - h).translation,
+                          now = mounted.pose(t).translation,
+                          after = mounted.pose(t + h).translation;
+    EXPECT_LE((mounted.pose(t).rotation - body.pose(t).rotation * X_BG.rotation).norm(), 1e-15);
+    const FrameVelocity v = mounted.velocity(t);
+    const FrameMotionBound bound = mounted.bound(0, 1);
+    EXPECT_LE(((after - before) / (2 * h) - v.linear).norm(), 1e-6);
+    EXPECT_LE(v.linear.norm(), bound.speed + 1e-12);
+    EXPECT_LE((after - 2 * now + before).norm() / (h * h), bound.acceleration + 1e-5);
+  }
+}
+
 TEST(TimeOfContact, SenselessRequestsAndPosesAreInvalid) {
   Scratch scratch;
   const Shape ball = Shape::sphere(1);

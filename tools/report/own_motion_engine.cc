@@ -28,17 +28,20 @@ class OwnQuery : public ContactQuery {
       return answerOf(timeOfContact(spec_.triangles[0], spec_.triangles[1], request_, scratch()));
     // Later pairs are followed only to the first contact found.
     ContactRequest request = request_;
-    ContactAnswer first;
+    ContactAnswer first, open;
     for (const auto& pair : spec_.pairs) {
       const MovingBody &a = spec_.bodies[pair[0]], &b = spec_.bodies[pair[1]];
       const ContactResult result =
           timeOfContact(a.shape->shape, *a.motion, b.shape->shape, *b.motion, request, scratch());
-      if (result.status == ContactStatus::kFree) continue;
-      first = answerOf(result);
-      if (!first.contact) return first;
-      request.end = result.time.upper;
+      if (result.status == ContactStatus::kContact) {
+        first = answerOf(result);
+        request.end = result.time.upper;
+      } else if (result.status == ContactStatus::kUndecided &&
+                 (!open.undecided || result.time.lower < open.lower)) {
+        open = answerOf(result);
+      }
     }
-    return first;
+    return open.undecided && (!first.contact || open.lower < first.lower) ? open : first;
   }
 
  private:

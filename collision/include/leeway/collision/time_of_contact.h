@@ -31,8 +31,25 @@ class RigidMotion {
   virtual FrameVelocity velocity(double t) const = 0;
   /// Rounded outwards.
   virtual FrameMotionBound bound(double t0, double t1) const = 0;
-  /// A bound on how far rounding in pose() moves a point within `reach` of the origin of A [m].
+  /// A bound on how far rounding in pose() moves a point within `reach` of the origin of A [m]; its
+  /// rotations depart from orthogonality as pose(0)'s does, and by no more than such rounding.
   virtual double rounding(double reach) const = 0;
+};
+
+/// The rotation about one axis that is fixed in the world, at constant speed, from one orientation
+/// to another; half turns and a bit go the shorter way. The turned matrix is linear in sine and
+/// cosine of the angle.
+class AxisTurn {
+ public:
+  AxisTurn(const Eigen::Matrix3d& R_WA0, const Eigen::Matrix3d& R_WA1);
+  Eigen::Matrix3d at(double t) const;
+  const Eigen::Vector3d& axis() const { return axis_W_; }  ///< unit
+  double angle() const { return angle_; }                  ///< of all of it, 0 to pi [rad]
+
+ private:
+  Eigen::Vector3d axis_W_;
+  double angle_;
+  Eigen::Matrix3d along_, across_, turned_;
 };
 
 /// No motion.
@@ -49,8 +66,7 @@ class Still final : public RigidMotion {
 };
 
 /// The origin of A travels on the straight line, the rotation about one axis, both at constant
-/// speed: the geodesic of R^3 x SO(3). At t = 1 it is X_WA1 but for rounding; half turns and a bit
-/// go the shorter way.
+/// speed: the geodesic of R^3 x SO(3). At t = 1 it is X_WA1 but for rounding.
 class StraightMotion final : public RigidMotion {
  public:
   StraightMotion(const Pose& X_WA0, const Pose& X_WA1);
@@ -60,9 +76,8 @@ class StraightMotion final : public RigidMotion {
   double rounding(double reach) const override;
 
  private:
-  Pose X_WA0_;
-  Eigen::Vector3d axis_W_, travel_;  // unit; [m]
-  double angle_;                     // [rad]
+  Eigen::Vector3d start_, travel_;  // of the origin [m]
+  AxisTurn turn_;
 };
 
 /// A screw: rotation about a line that is fixed in the world and travel along it, both at constant
@@ -76,10 +91,10 @@ class ScrewMotion final : public RigidMotion {
   double rounding(double reach) const override;
 
  private:
-  Pose X_WA0_;
-  Eigen::Vector3d axis_W_, along_, across_,
-      turned_;                // unit; parts of the travel, axis x across [m]
-  double angle_, cotangent_;  // [rad]; of half the angle
+  Eigen::Vector3d start_, along_, across_,
+      turned_;  // of the origin; parts of its travel; axis x across [m]
+  AxisTurn turn_;
+  double cotangent_;  // of half the angle
 };
 
 /// The motion of a frame G that is fixed to a body B: a geometry's, from its body's. Borrows both.
@@ -120,17 +135,19 @@ struct ContactResult {
   ContactStatus status = ContactStatus::kInvalid;
   /// The first time of contact lies in it; (infinity, infinity) when free.
   Interval time{0, 0};
-  /// At time.upper of a contact, else at the last time that was looked at; world coordinates.
+  /// At time.upper of a contact, else at the last time that was looked at; world coordinates. Of
+  /// bodies that are far from each other only a lower end may be known.
   DistanceResult distance;
   int queries = 0;
   int pair = -1;  ///< of the scene, where one was asked
 };
 
-/// The first contact of two shapes that move. Certified by conservative advancement along the
-/// separating direction with a second-order bound on closing (compare B. Mirtich 1996, section
-/// 2.3.2; X. Zhang, M. Lee, Y. J. Kim, "Interactive continuous collision detection for non-convex
-/// polyhedra", 2006) and by sweeps (sweptDistance()) where rotation makes the former small. In
-/// contact at the start: contact at [0, 0]. Never throws, allocates or loops without end.
+/// The first contact of two shapes that move. Convex ones are looked at where Newton's method or a
+/// secant expects the contact, and what lies between two looks is certified from their planes with
+/// second-order bounds; meshes advance conservatively (compare B. Mirtich 1996, section 2.3.2;
+/// X. Zhang, M. Lee, Y. J. Kim, "Interactive continuous collision detection for non-convex
+/// polyhedra", 2006) and by sweeps (sweptDistance()). In contact at the start: contact at [0, 0].
+/// Never throws, allocates or loops without end. `cache` may be null.
 ContactResult timeOfContact(const Shape& a, const RigidMotion& motion_a, const Shape& b,
                             const RigidMotion& motion_b, const ContactRequest& request,
                             Scratch& scratch, PairCache* cache = nullptr);
