@@ -8,6 +8,7 @@
 #include "collision/gjk.h"
 #include "collision/parallel_axes.h"
 #include "collision/penetration.h"
+#include "collision/point_triangle.h"
 #include "collision/pose_check.h"
 #include "collision/scratch.h"
 #include "collision/sharp.h"
@@ -272,6 +273,49 @@ bool trySegmentAndBox(const ConvexView& a, const Pose& X_BA, const ConvexView& b
   return progress.enough();
 }
 
+bool isTriangle(const ConvexView& view) { return view.core == Core::kPoints && view.count == 3; }
+
+// A point or a segment and a triangle, in the triangle's frame: its ends and the triangle, then the
+// segment and the triangle's edges, until the plane across the way between two points proves that
+// none are nearer. False when that does not suffice: nearly or really in contact.
+bool tryTriangle(const ConvexView& a, const Pose& X_BA, const ConvexView& b, Progress& progress) {
+  const Vector* t = b.points;
+  const bool segment = a.core == Core::kSegment;
+  const Vector center = X_BA.translation,
+               half = segment ? Vector(X_BA.rotation.col(2) * a.size.z()) : Vector(0, 0, 0);
+  double least_squared = std::numeric_limits<double>::infinity();
+  ++progress.iterations;
+  const auto offer = [&](const Vector& p, const Vector& q) {
+    const Vector w = q - p;
+    const double squared = w.squaredNorm();
+    if (!(squared < least_squared)) return false;
+    least_squared = squared;
+    if (!(squared > 0)) return false;
+    const double norm = std::sqrt(squared);
+    const Vector n = w / norm;
+    progress.offerWitness(norm, w, p);
+    const double lowest = std::min(n.dot(t[0]), std::min(n.dot(t[1]), n.dot(t[2])));
+    progress.offerLower(lowest - n.dot(center) - std::abs(n.dot(half)), n);
+    return progress.enough();
+  };
+  const auto offerEnd = [&](const Vector& p) {
+    return offer(p, closestPointOnTriangle(p, t[0], t[1], t[2]));
+  };
+  if (!segment) return offerEnd(center);
+  // The end that is nearer to the triangle first.
+  const Vector away = center - b.center;
+  const double sign = away.dot(half) > 0 ? -1 : 1;
+  if (offerEnd(center + sign * half)) return true;
+  for (int i = 0; i < 3; ++i) {
+    const Vector middle = 0.5 * (t[i] + t[(i + 1) % 3]), half_edge = 0.5 * (t[(i + 1) % 3] - t[i]);
+    double s = 0, s_edge = 0;
+    nearestOnSegments(tripleOf(center), tripleOf(half), tripleOf(middle), tripleOf(half_edge), s,
+                      s_edge);
+    if (offer(center + s * half, middle + s_edge * half_edge)) return true;
+  }
+  return offerEnd(center - sign * half);
+}
+
 // Where GJK looks first: the cached direction if it is one, else from A's middle to B's.
 Vector firstDirection(const ConvexView& a, const Pose& X_BA, const ConvexView& b,
                       const PairCache* cache) {
@@ -345,6 +389,17 @@ DistanceResult convexDistance(const ConvexView& a, const Pose& X_BA, const Conve
       if (trySegmentAndBox(b, X_BA.inverse(), a, exchanged_progress)) {
         return exchanged(resultOf(exchanged_progress), X_BA);
       }
+    }
+    const auto thin = [](const ConvexView& view) {
+      return view.core == Core::kPoint || view.core == Core::kSegment;
+    };
+    if (thin(a) && isTriangle(b) && tryTriangle(a, X_BA, b, progress)) return resultOf(progress);
+    if (isTriangle(a) && thin(b)) {
+      const CoreQuery exchanged_query =
+          coreQuery(b, a, translation, request, slack, kSupportRounding);
+      Progress exchanged_progress(exchanged_query);
+      if (tryTriangle(b, X_BA.inverse(), a, exchanged_progress))
+        return exchanged(resultOf(exchanged_progress), X_BA);
     }
   }
   Difference<false> difference(a, b, X_BA, X_BA);

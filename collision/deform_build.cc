@@ -416,28 +416,27 @@ class DeformBuilder {
   // Upper nodes level by level, then branch by branch, parents first.
   void number(int split) {
     number_.assign(made_.size(), DeformTree::kNone);
-    tree_->branch_of_.assign(made_.size(), DeformTree::kNone);
-    std::vector<std::int32_t> upper{0}, roots;
-    for (std::size_t i = 0; i < upper.size(); ++i) {
-      number_[index(upper[i])] = static_cast<std::int32_t>(i);
-      for (const std::int32_t child : made_[index(upper[i])].child) {
-        if (child < 0) continue;
-        (made_[index(child)].triangles > split ? upper : roots).push_back(child);
-      }
-    }
-    auto next = static_cast<std::int32_t>(upper.size());
+    std::int32_t next = 0;
+    std::vector<std::int32_t> branches, none;
+    // The root is an upper node however small the mesh.
+    numberFrom(0, split, next, branches);
     tree_->upper_count_ = next;
-    for (const std::int32_t root : roots) {
-      std::vector<std::int32_t> queue{root};
-      const std::int32_t begin = next;
-      for (std::size_t i = 0; i < queue.size(); ++i) {
-        tree_->branch_of_[index(next)] = static_cast<std::int32_t>(tree_->branches_.size());
-        number_[index(queue[i])] = next++;
-        for (const std::int32_t child : made_[index(queue[i])].child) {
-          if (child >= 0) queue.push_back(child);
-        }
+    for (const std::int32_t branch : branches) {
+      tree_->branches_.push_back({next, 0, 0, 0, 0});
+      numberFrom(branch, 0, next, none);
+    }
+  }
+
+  // The node and those below it that have more than `most` triangles, level by level; what hangs
+  // below these is put into `roots`.
+  void numberFrom(std::int32_t node, int most, std::int32_t& next,
+                  std::vector<std::int32_t>& roots) {
+    std::vector<std::int32_t> queue{node};
+    for (std::size_t i = 0; i < queue.size(); ++i) {
+      number_[index(queue[i])] = next++;
+      for (const std::int32_t child : made_[index(queue[i])].child) {
+        if (child >= 0) (made_[index(child)].triangles > most ? queue : roots).push_back(child);
       }
-      tree_->branches_.push_back({begin, next, 0, 0});
     }
   }
 
@@ -456,24 +455,34 @@ class DeformBuilder {
     }
     for (DeformTree::Branch& branch : tree_->branches_) {
       collected.clear();
-      const std::int32_t root = branch.node_begin;
+      const std::int32_t root = branch.root;
       const std::int32_t begin = tree_->leaves_[index(tree_->leaf_begin_[index(root)])].slot_begin;
       const std::int32_t end = tree_->leaves_[index(tree_->leaf_end_[index(root)] - 1)].slot_end;
       for (std::int32_t slot = begin; slot < end; ++slot)
         collect(tree_->corners(slot), round, stamp, collected);
       ++round;
       std::sort(collected.begin(), collected.end());
-      branch.run_begin = static_cast<std::int32_t>(tree_->runs_.size());
-      for (const std::int32_t v : collected) {
-        const bool first = static_cast<std::int32_t>(tree_->runs_.size()) == branch.run_begin;
-        if (!first && tree_->runs_.back().begin + tree_->runs_.back().count == v) {
-          ++tree_->runs_.back().count;
-        } else {
-          tree_->runs_.push_back({v, 1});
-        }
+      branch.four_begin = static_cast<std::int32_t>(tree_->fours_.size());
+      branch.single_begin = static_cast<std::int32_t>(tree_->singles_.size());
+      for (auto first = collected.begin(); first != collected.end();) {
+        auto last = first + 1;
+        while (last != collected.end() && *last == *(last - 1) + 1) ++last;
+        inFours(*first, static_cast<std::int32_t>(last - first));
+        first = last;
       }
-      branch.run_end = static_cast<std::int32_t>(tree_->runs_.size());
+      branch.four_end = static_cast<std::int32_t>(tree_->fours_.size());
+      branch.single_end = static_cast<std::int32_t>(tree_->singles_.size());
     }
+  }
+
+  // The vertices begin .. begin + count - 1; the last four may begin among the ones before them.
+  void inFours(std::int32_t begin, std::int32_t count) {
+    if (count < 4) {
+      for (std::int32_t i = 0; i < count; ++i) tree_->singles_.push_back(begin + i);
+      return;
+    }
+    for (std::int32_t i = 0; i + 4 <= count; i += 4) tree_->fours_.push_back(begin + i);
+    if (count % 4 != 0) tree_->fours_.push_back(begin + count - 4);
   }
 
   static void collect(const Triangle& corners, std::int32_t round, std::vector<std::int32_t>& stamp,
@@ -517,11 +526,11 @@ std::span<const std::int32_t> DeformTree::vertices(std::int32_t node, int lane) 
 
 std::size_t DeformTree::bytes() const {
   return sizeof(*this) + nodes_.capacity() * sizeof(Node) + up_.capacity() * sizeof(Up) +
-         (branch_of_.capacity() + leaf_begin_.capacity() + leaf_end_.capacity() +
+         (fours_.capacity() + singles_.capacity() + leaf_begin_.capacity() + leaf_end_.capacity() +
           leaf_vertices_.capacity() + triangle_of_.capacity() + slot_of_.capacity()) *
              sizeof(std::int32_t) +
          leaves_.capacity() * sizeof(Leaf) + branches_.capacity() * sizeof(Branch) +
-         runs_.capacity() * sizeof(Run) + corners_.capacity() * sizeof(Triangle);
+         corners_.capacity() * sizeof(Triangle);
 }
 
 std::shared_ptr<const DeformTree> buildDeformTree(std::span<const Vector3d> vertices,

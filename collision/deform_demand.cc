@@ -47,12 +47,6 @@ const WideBox& BoxSource::fill(std::int32_t node, WideBox& room) const {
   WideBox& box = entry_ != nullptr ? entry_->boxes[at(node)] : room;
   if (s.demand == Demand::kMotion) {
     s.bounds->bound(node, s.parameters, box);
-  } else if (s.demand == Demand::kBranches && entry_ != nullptr) {
-    const DeformTree::Branch& branch = s.tree->branches()[at(s.tree->branchOf(node))];
-    deformKernels().refit(*s.tree, s.vertices.data(), branch.node_begin, branch.node_end,
-                          entry_->boxes.data());
-    for (std::int32_t i = branch.node_begin; i < branch.node_end; ++i) entry_->stamp[at(i)] = s.id;
-    return box;
   } else {
     deformKernels().fromVertices(*s.tree, s.vertices.data(), node, box);
   }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -9,6 +10,7 @@
 #include "collision/deform_octree.h"
 #include "collision/deform_probe.h"
 #include "collision/mesh_distance.h"
+#include "collision/round_box.h"
 #include "collision/scratch.h"
 #include "leeway/collision/convex_hull.h"
 #include "leeway/collision/tolerances.h"
@@ -28,13 +30,8 @@ constexpr int kLeaf = DeformTree::kLeafTriangles;
 FloatBox boxOf(const Vector3d& low, const Vector3d& high) {
   FloatBox box;
   for (int k = 0; k < 3; ++k) {
-    const auto l = static_cast<float>(low[k]), h = static_cast<float>(high[k]);
-    box.low[k] = static_cast<double>(l) <= low[k]
-                     ? l
-                     : std::nextafter(l, -std::numeric_limits<float>::infinity());
-    box.high[k] = static_cast<double>(h) >= high[k]
-                      ? h
-                      : std::nextafter(h, std::numeric_limits<float>::infinity());
+    box.low[k] = roundedDown(low[k]);
+    box.high[k] = roundedUpToFloat(high[k]);
   }
   return box;
 }
@@ -71,6 +68,12 @@ struct PartPair {
   double lower;  // proven for everything below
 };
 
+// A node or a leaf that is still to be looked at.
+struct Open {
+  double lower;  // proven for everything below
+  std::int32_t ref;
+};
+
 class DeformDescent {
  public:
   DeformDescent(const DeformSide& a, const DeformSide& b, const DescentPlacement& placement,
@@ -104,6 +107,10 @@ class DeformDescent {
     warmStart();
     if (isFlat(a_) || isFlat(b_)) {
       flat(root);
+      return result_;
+    }
+    if (isWhole(a_)) {
+      whole(root.lower);
       return result_;
     }
     stack_[size_++] = root;
@@ -355,6 +362,57 @@ class DeformDescent {
                      placement_.swept ? &placement_.X_BA1 : nullptr, extent_b_, placement_.slack);
   }
 
+  // A rigid body against the nodes of B alone.
+  void whole(double root) {
+    std::array<Open, (kWidth - 1) * DeformTree::kMaxDepth + kWidth> open;
+    std::size_t size = 0;
+    open[size++] = {root, 0};
+    while (size > 0 && !done()) {
+      const Open at = open[--size];
+      if (needless(at.lower)) {
+        settle(at.lower);
+        continue;
+      }
+      if (visited_ >= limit()) {
+        settle(at.lower);
+        break;
+      }
+      ++visited_;
+      if (DeformTree::isLeaf(at.ref)) {
+        const DeformTree::Leaf& leaf = b_.snapshot->tree->leaf(DeformTree::leafOf(at.ref));
+        Bounds bounds;
+        kernels_.triangleBounds(whole_probe_, *b_.snapshot->tree, b_.snapshot->vertices.data(),
+                                leaf.slot_begin, leaf.slot_end, bounds);
+        leafAgainst(-1, leaf.slot_begin, leaf.slot_end, at.lower, bounds);
+      } else {
+        size += children(at, &open[size]);
+      }
+      if (done()) settle(at.lower);  // parts of it may not have been looked at
+    }
+    while (size > 0) settle(open[--size].lower);
+  }
+
+  // Those children of a node that need a closer look, the nearest last.
+  std::size_t children(const Open& parent, Open* open) {
+    WideBox room;
+    const WideBox& box = boxes_b_.boxes(parent.ref, room);
+    const DeformTree& tree = *b_.snapshot->tree;
+    Bounds bounds;
+    kernels_.childBounds(whole_probe_, tree, b_.snapshot->vertices.data(), parent.ref, box,
+                         roundedUpToFloat(bar()), bounds);
+    settle(static_cast<double>(bounds.closed));
+    const DeformTree::Node& node = tree.node(parent.ref);
+    std::size_t count = 0;
+    for (unsigned left = bounds.open; left != 0; left &= left - 1) {
+      const int lane = std::countr_zero(left);
+      const double lower = std::max(parent.lower, static_cast<double>(bounds.lower[lane]));
+      std::size_t at = count++;
+      for (; at > 0 && open[at - 1].lower < lower; --at) open[at] = open[at - 1];
+      open[at] = {lower, node.child[lane]};
+    }
+    return count;
+  }
+
   void expand(const PartPair& pair) {
     const bool leaf_a = isLeaf(a_, pair.a), leaf_b = isLeaf(b_, pair.b);
     ++visited_;
@@ -396,11 +454,8 @@ class DeformDescent {
     WideBox room;
     const WideBox& box = boxes_b_.boxes(pair.b.ref, room);
     Bounds bounds;
-    if (isWhole(a_)) {
-      kernels_.lowerBounds(whole_probe_, box, bounds);
-    } else {
-      kernels_.lowerBounds(makeProbeOf(pair.a), box, bounds);
-    }
+    kernels_.childBounds(makeProbeOf(pair.a), *b_.snapshot->tree, b_.snapshot->vertices.data(),
+                         pair.b.ref, box, roundedUpToFloat(bar()), bounds);
     const DeformTree::Node& node = b_.snapshot->tree->node(pair.b.ref);
     for (int lane = 0; lane < kWidth && node.child[lane] != DeformTree::kNone; ++lane) {
       pairs[static_cast<std::size_t>(count++)] = {
@@ -431,25 +486,23 @@ class DeformDescent {
     slotsOf(a_, pair.a, begin_a, end_a);
     slotsOf(b_, pair.b, begin_b, end_b);
     WideBox box_a;
-    if (!isWhole(a_))
-      kernels_.triangles(*a_.snapshot->tree, a_.snapshot->vertices.data(), begin_a, end_a, box_a);
+    kernels_.triangles(*a_.snapshot->tree, a_.snapshot->vertices.data(), begin_a, end_a, box_a);
     for (int slot_a = begin_a; slot_a < end_a; ++slot_a) {
-      Part part = pair.a;
-      if (!isWhole(a_)) part.box = laneOf(box_a, slot_a - begin_a);
+      const Part part{pair.a.ref, laneOf(box_a, slot_a - begin_a)};
       Bounds bounds;
       if (isWhole(b_)) {
         bounds.lower[0] = static_cast<float>(-kInfinity);  // it may be unbounded
       } else {
-        kernels_.triangleBounds(probeOf(part), *b_.snapshot->tree, b_.snapshot->vertices.data(),
+        kernels_.triangleBounds(makeProbeOf(part), *b_.snapshot->tree, b_.snapshot->vertices.data(),
                                 begin_b, end_b, bounds);
       }
-      leaf(slot_a, begin_b, end_b, pair.lower, bounds);
+      leafAgainst(slot_a, begin_b, end_b, pair.lower, bounds);
       if (done()) return;
     }
   }
 
   // One exact piece of A against the triangles of a leaf, nearest first.
-  void leaf(int slot_a, int begin_b, int end_b, double lower, Bounds& bounds) {
+  void leafAgainst(int slot_a, int begin_b, int end_b, double lower, Bounds& bounds) {
     const int count = end_b - begin_b;
     for (int round = 0; round < count; ++round) {
       int next = -1;
@@ -564,9 +617,41 @@ DeformSide deformSide(const Shape& shape) {
   return side;
 }
 
+namespace {
+
+// What the ball around a rigid body proves, 0 or less where that is nothing: most questions about a
+// threshold end here.
+double ballLower(const DeformSide& a, const DeformSide& b, const DescentPlacement& placement) {
+  if (a.snapshot != nullptr || !(a.rigid.radius < kInfinity) || !(b.extent < kInfinity)) return 0;
+  Vector3d p = placement.X_BA0 * a.rigid.center;
+  double radius = a.rigid.radius + placement.growth, moved = 0;
+  if (placement.swept) {
+    const Vector3d end = placement.X_BA1 * a.rigid.center;
+    moved = placement.X_BA1.translation.norm();
+    radius += 0.5 * (end - p).norm();
+    p = 0.5 * (p + end);
+  }
+  const double outside = (b.low - p).cwiseMax(p - b.high).cwiseMax(0.0).norm();
+  const double rounding = kRelativeRounding * (a.extent + b.extent + moved + radius +
+                                               placement.X_BA0.translation.norm()) +
+                          placement.slack;
+  return outside - radius - rounding;
+}
+
+}  // namespace
+
 DescentResult deformDescend(const DeformSide& a, const DeformSide& b,
                             const DescentPlacement& placement, const DistanceRequest& request,
                             Scratch& scratch, PairCache* cache) {
+  if (request.threshold == request.threshold) {
+    const double lower = ballLower(a, b, placement);
+    if (lower > std::max(request.threshold, 0.0)) {
+      DescentResult result;
+      result.lower = result.hull_lower = lower;
+      result.upper = kInfinity;
+      return result;
+    }
+  }
   return DeformDescent(a, b, placement, request, scratch, *cache).run();
 }
 

@@ -17,13 +17,17 @@ struct Probe {
   float low[3], high[3];            ///< along x, y, z of B
   float axis[3][3];                 ///< three unit vectors
   float axis_low[3], axis_high[3];  ///< along them
+  bool turned;  ///< the body is smaller along its own axes than B's say: they are worth a look
   float radius;
   float slack;  ///< rounding of everything here [m]
 };
 
-/// Lower bounds on the signed separation of the body and each box; infinity for empty lanes.
+/// Lower bounds on the signed separation of the body and each box; infinity for empty lanes of a
+/// node.
 struct Bounds {
   alignas(64) float lower[kWidth];
+  unsigned open;  ///< children that are no farther than the bar, a bit each
+  float closed;   ///< no other child is nearer
 };
 
 /// Function pointers of one instruction set. Every set yields the same bytes.
@@ -50,7 +54,11 @@ struct DeformKernels {
   /// The box of all vertices. False when one is NaN or beyond +-limit.
   bool (*bound)(const Eigen::Vector3d* vertices, std::size_t count, double limit,
                 Eigen::Vector3d& low, Eigen::Vector3d& high);
-  void (*lowerBounds)(const Probe& probe, const WideBox& box, Bounds& bounds);
+  /// The same of the boxes of a node's children; and for leaves that this leaves at `bar` or below,
+  /// what their vertices prove, too: across the way from the body to the middle of the box, where a
+  /// box around a tilted surface is loose.
+  void (*childBounds)(const Probe& probe, const DeformTree& tree, const Eigen::Vector3d* vertices,
+                      std::int32_t node, const WideBox& box, float bar, Bounds& bounds);
 };
 
 /// Those of the best instruction set that this machine has. Chosen once.

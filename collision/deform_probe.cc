@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "collision/round_box.h"
 #include "leeway/collision/tolerances.h"
 
 namespace leeway::collision {
@@ -13,6 +14,10 @@ using Eigen::Vector3d;
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+// A box whose sides add up to this times those of the body's own box is worth the latter's bounds,
+// which cost as much again.
+constexpr double kTurned = 1.1;
 
 // The reach of the box low .. high, placed by X_BA, along a unit vector of B.
 struct Reach {
@@ -33,13 +38,6 @@ void reachAlong(const Vector3d& n, const Vector3d& low, const Vector3d& high, co
   reach.high = std::max(reach.high, most);
 }
 
-float below(double x) {
-  const auto f = static_cast<float>(x);
-  return static_cast<double>(f) <= x ? f
-                                     : std::nextafter(f, -std::numeric_limits<float>::infinity());
-}
-float above(double x) { return -below(-x); }
-
 double magnitude(const Vector3d& low, const Vector3d& high) {
   double sum = 0;
   for (int k = 0; k < 3; ++k) {
@@ -54,45 +52,55 @@ double magnitude(const Vector3d& low, const Vector3d& high) {
 Probe makeProbe(const Vector3d& low, const Vector3d& high, double radius, const Pose& X_BA0,
                 const Pose* X_BA1, double extent, double slack) {
   Probe probe{};
+  const bool finite = low.allFinite() && high.allFinite();
+  const Vector3d middle = 0.5 * (low + high), half = 0.5 * (high - low);
+  // The half lengths of the box around the turned box, and whether that is much larger.
+  const Vector3d around = finite ? Vector3d(X_BA0.rotation.cwiseAbs() * half) : half;
+  probe.turned = !finite || X_BA1 != nullptr || around.sum() > kTurned * half.sum();
   for (int k = 0; k < 3; ++k) {
-    for (int own = 0; own < 2; ++own) {
-      // Along the axis of the infinite box exactly, so that a half-space stays bounded.
-      const Vector3d n = own == 0 ? Vector3d(Vector3d::Unit(k)) : Vector3d(X_BA0.rotation.col(k));
-      Reach reach;
-      if (own == 1 && X_BA1 == nullptr) {
-        const double at = n.dot(X_BA0.translation);
-        reach = {at + low[k], at + high[k]};
-      } else {
-        reachAlong(n, low, high, X_BA0, reach);
-        if (X_BA1 != nullptr) reachAlong(n, low, high, *X_BA1, reach);
-      }
-      (own == 0 ? probe.low : probe.axis_low)[k] = below(reach.low);
-      (own == 0 ? probe.high : probe.axis_high)[k] = above(reach.high);
-      if (own == 1) {
-        for (int i = 0; i < 3; ++i) probe.axis[k][i] = static_cast<float>(n[i]);
-      }
+    const Vector3d own = X_BA0.rotation.col(k);
+    Reach along, along_own;
+    if (X_BA1 == nullptr && finite) {
+      const double at = X_BA0.translation[k] + X_BA0.rotation.row(k).dot(middle);
+      along = {at - around[k], at + around[k]};
+    } else {
+      reachAlong(Vector3d::Unit(k), low, high, X_BA0, along);
+      if (X_BA1 != nullptr) reachAlong(Vector3d::Unit(k), low, high, *X_BA1, along);
     }
+    if (X_BA1 == nullptr) {
+      // Along the axis of the infinite box exactly, so that a half-space stays bounded.
+      const double at = own.dot(X_BA0.translation);
+      along_own = {at + low[k], at + high[k]};
+    } else {
+      reachAlong(own, low, high, X_BA0, along_own);
+      reachAlong(own, low, high, *X_BA1, along_own);
+    }
+    probe.low[k] = roundedDown(along.low);
+    probe.high[k] = roundedUpToFloat(along.high);
+    probe.axis_low[k] = roundedDown(along_own.low);
+    probe.axis_high[k] = roundedUpToFloat(along_own.high);
+    for (int i = 0; i < 3; ++i) probe.axis[k][i] = static_cast<float>(own[i]);
   }
   double size = extent + magnitude(low, high) + radius + X_BA0.translation.lpNorm<1>();
   if (X_BA1 != nullptr) size += X_BA1->translation.lpNorm<1>();
-  probe.radius = above(radius);
-  probe.slack = above(slack + kSingleRounding * size);
+  probe.radius = roundedUpToFloat(radius);
+  probe.slack = roundedUpToFloat(slack + kSingleRounding * size);
   return probe;
 }
 
 double lowerBound(const Probe& probe, const float* low, const float* high) {
   double squared = 0, squared_axes = 0, deepest = -kInfinity;
-  bool finite = true;
+  bool turned = probe.turned;
   for (int k = 0; k < 3; ++k) {
     const double l = static_cast<double>(low[k]), h = static_cast<double>(high[k]);
-    finite = finite && std::isfinite(l) && std::isfinite(h);
+    turned = turned && std::isfinite(l) && std::isfinite(h);
     const double gap =
         std::max(l - static_cast<double>(probe.high[k]), static_cast<double>(probe.low[k]) - h);
     if (!(gap >= -kInfinity)) continue;  // both infinite: nothing is known along this axis
     deepest = std::max(deepest, gap);
     squared += std::max(gap, 0.0) * std::max(gap, 0.0);
   }
-  if (finite) {
+  if (turned) {
     const auto along = [&](const float* n, double& center, double& reach) {
       center = reach = 0;
       for (int k = 0; k < 3; ++k) {

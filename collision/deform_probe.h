@@ -15,7 +15,7 @@ namespace leeway::collision {
 Probe makeProbe(const Eigen::Vector3d& low, const Eigen::Vector3d& high, double radius,
                 const Pose& X_BA0, const Pose* X_BA1, double extent, double slack);
 
-/// The same bound as DeformKernels::lowerBounds(), for one box. Boxes may be infinite.
+/// The same bound as DeformKernels::childBounds() by boxes, for one. Boxes may be infinite.
 double lowerBound(const Probe& probe, const float* low, const float* high);
 
 }  // namespace leeway::collision

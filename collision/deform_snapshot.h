@@ -16,8 +16,8 @@ namespace leeway::collision {
 /// Which bounds a snapshot leaves to the queries.
 enum class Demand : unsigned char {
   kNothing,   ///< none: all nodes have been computed
-  kBranches,  ///< those of branches: a branch is swept as a whole when a query arrives there
-  kVertices,  ///< all: a node looks at the vertices below it
+  kBranches,  ///< those of branches: a node looks at the vertices below it
+  kVertices,  ///< all, likewise
   kMotion,    ///< all: from the parameters of the motion
   kNoTree,    ///< there are no nodes
 };

@@ -33,8 +33,7 @@ struct FloatBox {
 /// node), because they change while this does not.
 ///
 /// The nodes of every small subtree (a "branch", of up to `split` triangles) stand side by side,
-/// behind all nodes above branches, so that the upper levels are a prefix of the array and a branch
-/// is a run of it.
+/// behind all nodes above branches, so that the upper levels are a prefix of the array.
 class DeformTree {
  public:
   using Triangle = std::array<std::int32_t, 3>;
@@ -55,12 +54,12 @@ class DeformTree {
     std::int32_t parent;  ///< kNone for the root
     std::int32_t lane;
   };
-  struct Run {
-    std::int32_t begin, count;  ///< vertices begin .. begin + count - 1
-  };
+  /// A branch's vertices: four side by side each (some of them repeated), and those with fewer
+  /// neighbours one by one.
   struct Branch {
-    std::int32_t node_begin, node_end;  ///< the first is its root
-    std::int32_t run_begin, run_end;    ///< in runs(): each of its vertices once
+    std::int32_t root;
+    std::int32_t four_begin, four_end;      ///< in fours()
+    std::int32_t single_begin, single_end;  ///< in singles()
   };
 
   std::span<const Node> nodes() const { return nodes_; }
@@ -70,11 +69,9 @@ class DeformTree {
   std::int32_t upperCount() const { return upper_count_; }
   const Up& up(std::int32_t node) const { return up_[static_cast<std::size_t>(node)]; }
   std::span<const Branch> branches() const { return branches_; }
-  /// The branch of a node; kNone for an upper one.
-  std::int32_t branchOf(std::int32_t node) const {
-    return branch_of_[static_cast<std::size_t>(node)];
-  }
-  std::span<const Run> runs() const { return runs_; }
+  /// The first of four vertices each.
+  std::span<const std::int32_t> fours() const { return fours_; }
+  std::span<const std::int32_t> singles() const { return singles_; }
 
   static bool isLeaf(std::int32_t child) { return child < kNone; }
   static std::int32_t leafOf(std::int32_t child) { return -2 - child; }
@@ -110,12 +107,11 @@ class DeformTree {
   friend class DeformBuilder;
   std::vector<Node> nodes_;
   std::vector<Up> up_;
-  std::vector<std::int32_t> branch_of_;
   std::vector<std::int32_t> leaf_begin_, leaf_end_;  // one a node: leaves below it
   std::vector<Leaf> leaves_;
   std::vector<std::int32_t> leaf_vertices_;
   std::vector<Branch> branches_;
-  std::vector<Run> runs_;
+  std::vector<std::int32_t> fours_, singles_;
   std::vector<std::int32_t> triangle_of_, slot_of_;
   std::vector<Triangle> corners_;
   std::int32_t upper_count_ = 0;

@@ -417,7 +417,7 @@ UpdateStatus Deformable::update(std::span<const Vector3d> vertices, double time,
 std::span<Vector3d> Deformable::nextVertices() {
   DeformableSnapshotImpl& s = impl_->prepareNext();
   impl_->by_motion = false;
-  return {s.vertices.data(), s.vertices.size() - 1};
+  return {s.vertices.data(), impl_->mesh->rest().size()};
 }
 
 UpdateStatus Deformable::commit(double time, double speed_bound, Vertices vertices) {

@@ -103,7 +103,7 @@ int DeformableMesh::closedComponentCount() const {
 
 const DeformableMesh& DeformableSnapshot::mesh() const { return *impl_->mesh; }
 std::span<const Vector3d> DeformableSnapshot::vertices() const {
-  return {impl_->vertices.data(), impl_->vertices.size() - 1};
+  return {impl_->vertices.data(), impl_->mesh->rest().size()};
 }
 double DeformableSnapshot::time() const { return impl_->time; }
 double DeformableSnapshot::speedBound() const { return impl_->speed_bound; }
