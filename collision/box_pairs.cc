@@ -6,13 +6,6 @@ namespace leeway::collision {
 
 namespace {
 
-// From the box's frame to the world's axes, at the box.
-void toWorld(const Eigen::Matrix3d& R_WB, const Triple& point, const Triple& normal,
-             Nearest& nearest) {
-  nearest.point_a = rotated(R_WB, point);
-  nearest.normal = rotated(R_WB, normal);
-}
-
 Triple halfOf(const Shape& box) { return tripleOf(box.halfExtents()); }
 
 }  // namespace
@@ -24,7 +17,9 @@ bool nearestOfSphereAndBox(const Pose& X_WS, const Shape& box, const Pose& X_WB,
   const double apart = std::sqrt(squared(w));
   // A point's clamp is its nearest point: both ends are the same.
   nearest.apart = nearest.plane = apart;
-  toWorld(X_WB.rotation, c, (1 / apart) * w, nearest);
+  nearest.point_a = c;
+  nearest.normal = (1 / apart) * w;
+  toWorld(X_WB.rotation, nearest);
   return apart > 0;
 }
 
@@ -40,7 +35,9 @@ bool nearestOfCapsuleAndBox(const Shape& capsule, const Pose& X_WC, const Shape&
   const Triple n = (1 / apart) * w;
   nearest.apart = apart;
   nearest.plane = -dot(n, c) - std::abs(dot(n, h)) - reach(n, half);
-  toWorld(X_WB.rotation, p, n, nearest);
+  nearest.point_a = p;
+  nearest.normal = n;
+  toWorld(X_WB.rotation, nearest);
   return apart > 0;
 }
 
@@ -66,6 +63,12 @@ struct Placement {
   double c[3];
   double m[3][3];
 };
+
+// The way to a point from a box.
+Triple beyond(const double p[3], const double half[3]) {
+  return {p[0] - within(p[0], -half[0], half[0]), p[1] - within(p[1], -half[1], half[1]),
+          p[2] - within(p[2], -half[2], half[2])};
+}
 
 // The corner of the other box that is nearest to this one's face across axis i. True when it stands
 // above the face.
@@ -209,7 +212,7 @@ bool descend(const Boxes& boxes, const Triple& n, Nearest& nearest) {
   return false;
 }
 
-bool nearestInB(const Boxes& boxes, Nearest& nearest) {
+bool nearestInB(const Boxes& boxes, const Goal& goal, Nearest& nearest) {
   const Triple* axis = boxes.axis;
   const Placement a = {{boxes.c.x, boxes.c.y, boxes.c.z},
                        {{axis[0].x, axis[1].x, axis[2].x},
@@ -222,31 +225,37 @@ bool nearestInB(const Boxes& boxes, Nearest& nearest) {
   double gap_b = 0, gap_a = 0, corner[3];
   const int face_b = widestFace(a, boxes.half_b, boxes.half_a, gap_b);
   const int face_a = widestFace(b, boxes.half_a, boxes.half_b, gap_a);
-  Triple n;
-  if (gap_b >= gap_a) {
-    double direction[3] = {0, 0, 0};
-    direction[face_b] = std::copysign(1.0, -a.c[face_b]);
-    n = {direction[0], direction[1], direction[2]};
-    if (gap_b > 0 && cornerAboveFace(a, boxes.half_b, boxes.half_a, face_b, corner)) {
-      nearest.point_a = {corner[0], corner[1], corner[2]};
-      nearest.normal = n;
-      nearest.plane = planeAlong(boxes, n);
-      nearest.apart = std::abs(corner[face_b]) - boxes.half_b[face_b];
-      return true;
-    }
+  const bool on_b = gap_b >= gap_a;
+  const double gap = on_b ? gap_b : gap_a;
+  // The face's normal, from A to B; in the frame of its box the other one's corner and the way to
+  // it, which is along the normal above the face.
+  Triple n, w;
+  bool meets = false;
+  if (on_b) {
+    const double side = std::copysign(1.0, -a.c[face_b]);
+    n = {face_b == 0 ? side : 0, face_b == 1 ? side : 0, face_b == 2 ? side : 0};
+    meets = cornerAboveFace(a, boxes.half_b, boxes.half_a, face_b, corner);
+    w = beyond(corner, boxes.half_b);
   } else {
-    const double side = std::copysign(1.0, b.c[face_a]);
-    n = side * axis[face_a];
-    if (gap_a > 0 && cornerAboveFace(b, boxes.half_a, boxes.half_b, face_a, corner)) {
-      nearest.apart = std::abs(corner[face_a]) - boxes.half_a[face_a];
-      corner[face_a] = side * boxes.half_a[face_a];
-      nearest.point_a = boxes.c + corner[0] * axis[0] + corner[1] * axis[1] + corner[2] * axis[2];
-      nearest.normal = n;
-      nearest.plane = planeAlong(boxes, n);
-      return true;
-    }
+    n = std::copysign(1.0, b.c[face_a]) * axis[face_a];
+    meets = cornerAboveFace(b, boxes.half_a, boxes.half_b, face_a, corner);
+    w = beyond(corner, boxes.half_a);
   }
-  const EdgePair edges = widestEdges(a, boxes.half_a, boxes.half_b, std::max(gap_a, gap_b));
+  meets = meets && gap > 0;
+  if (meets || gap > goal.above || (goal.below > 0 && squared(w) < goal.below * goal.below)) {
+    const Triple p = {corner[0], corner[1], corner[2]};
+    if (on_b) {
+      nearest.settle(p, -w, n, gap);
+    } else {
+      const auto toB = [&](const Triple& v) {
+        return v.x * axis[0] + v.y * axis[1] + v.z * axis[2];
+      };
+      nearest.settle(boxes.c + toB(p - w), toB(w), n, gap);
+    }
+    nearest.early = !meets;
+    return true;
+  }
+  const EdgePair edges = widestEdges(a, boxes.half_a, boxes.half_b, gap);
   if (edges.i >= 0 && edgesMeet(boxes, a, edges, nearest)) return true;
   return descend(boxes, n, nearest);
 }
@@ -254,17 +263,19 @@ bool nearestInB(const Boxes& boxes, Nearest& nearest) {
 }  // namespace
 
 bool nearestOfBoxes(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
-                    Nearest& nearest) {
+                    const Goal& goal, Nearest& nearest) {
   Boxes boxes;
   const Eigen::Matrix3d& R = X_WB.rotation;
-  boxes.c = rotatedBack(R, tripleOf(X_WA.translation) - tripleOf(X_WB.translation));
+  const Triple d = tripleOf(X_WA.translation) - tripleOf(X_WB.translation);
+  if (goal.asked() && nearest.settleByBalls(d, a.extent() + b.extent(), goal)) return true;
+  boxes.c = rotatedBack(R, d);
   for (int k = 0; k < 3; ++k) {
     boxes.axis[k] = rotatedBack(R, column(X_WA.rotation, k));
     boxes.half_a[k] = a.halfExtents()[k];
     boxes.half_b[k] = b.halfExtents()[k];
   }
-  if (!nearestInB(boxes, nearest)) return false;
-  toWorld(R, nearest.point_a, nearest.normal, nearest);
+  if (!nearestInB(boxes, goal, nearest)) return false;
+  toWorld(R, nearest);
   return true;
 }
 

@@ -89,12 +89,19 @@ struct CylinderSolid {
   }
 };
 
+// The gap along a normal that was found.
+template <class Solid>
+void planeOf(const Cylinder& a, const Solid& solid, Nearest& nearest) {
+  const Triple& n = nearest.normal;
+  nearest.plane = dot(n, solid.center() - a.c) - reachOf(a, n) - solid.reachAlong(n);
+}
+
 // From the rim point in the direction `radial` along the rim to where it is nearest to the solid:
 // with p = m + r rho and its tangent t, half the square of `pull` has the derivatives r pull . t
 // and r^2 (t . dpull/dt) - r pull . rho.
 template <class Solid>
 inline bool nearestOfRim(const Cylinder& a, double side, Triple radial, const Solid& solid,
-                         Nearest& nearest) {
+                         const Goal& goal, Nearest& nearest) {
   constexpr int kSteps = 8;
   // Share of the radius that the plane may lack. (It is evaluated anyway.)
   constexpr double kNarrow = 1e-14;
@@ -108,6 +115,7 @@ inline bool nearestOfRim(const Cylinder& a, double side, Triple radial, const So
     const double along = dot(pull, t), inwards = -dot(pull, radial);
     // To second order the rim stands out of the plane by half of this share of its radius, or less.
     if (along * along <= kNarrow * (inwards * inwards) || i == kSteps) break;
+    if (goal.below > 0 && squared(g) < goal.below * goal.below) break;
     const double curvature = a.radius * bend + inwards;
     const double step = -along / curvature;
     if (!(std::abs(step) < 1)) return false;
@@ -116,8 +124,7 @@ inline bool nearestOfRim(const Cylinder& a, double side, Triple radial, const So
   }
   nearest.apart = norm(g);
   nearest.normal = (-1 / nearest.apart) * g;
-  const Triple& n = nearest.normal;
-  nearest.plane = dot(n, solid.center() - a.c) - reachOf(a, n) - solid.reachAlong(n);
+  planeOf(a, solid, nearest);
   return nearest.apart > 0;
 }
 
@@ -172,12 +179,6 @@ bool capMeets(const Cylinder& a, const Triple& p, Nearest& nearest) {
   return nearest.apart > 0 && squared(radial) <= a.radius * a.radius;
 }
 
-template <class Solid>
-void planeOf(const Cylinder& a, const Solid& solid, Nearest& nearest) {
-  const Triple& n = nearest.normal;
-  nearest.plane = dot(n, solid.center() - a.c) - reachOf(a, n) - solid.reachAlong(n);
-}
-
 }  // namespace
 
 bool nearestOfCylinderAndPoint(const Shape& cylinder, const Pose& X_WC, const Pose& X_WP,
@@ -220,18 +221,34 @@ bool nearestOfCylinderAndCapsule(const Shape& cylinder, const Pose& X_WC, const 
     planeOf(a, b, nearest);
     return true;
   }
-  return nearestOfRim(a, s_a, radialTowards(a, q), b, nearest);
+  return nearestOfRim(a, s_a, radialTowards(a, q), b, {}, nearest);
 }
 
 bool nearestOfCylinders(const Shape& shape_a, const Pose& X_WA, const Shape& shape_b,
-                        const Pose& X_WB, Nearest& nearest) {
+                        const Pose& X_WB, const Goal& goal, Nearest& nearest) {
   const Cylinder a = cylinderOf(shape_a, tripleOf(X_WA.translation) - tripleOf(X_WB.translation),
                                 column(X_WA.rotation, 2));
   const Cylinder b = cylinderOf(shape_b, {}, column(X_WB.rotation, 2));
+  if (goal.asked() && nearest.settleByBalls(a.c, shape_a.extent() + shape_b.extent(), goal)) {
+    return true;
+  }
   const double cosine = dot(a.u, b.u), sine = norm(a.u - cosine * b.u);
   const double along_a = dot(a.c, a.u), along_b = dot(a.c, b.u);
   const double gap_a = std::abs(along_a) - a.half - b.half * std::abs(cosine) - b.radius * sine;
   const double gap_b = std::abs(along_b) - b.half - a.half * std::abs(cosine) - a.radius * sine;
+  const double gap = std::max(gap_a, gap_b);
+  // Where a cap's plane is enough, or the axes are near enough.
+  const auto settle = [&](const Triple& p, const Triple& w) {
+    nearest.settle(
+        p, w,
+        gap_a >= gap_b ? std::copysign(1.0, -along_a) * a.u : std::copysign(1.0, -along_b) * b.u,
+        gap);
+    return true;
+  };
+  if (gap > goal.above) {
+    const Triple p = farthestPoint(a, -a.c), q = farthestPoint(b, p);
+    return settle(p, q - p);
+  }
   if (gap_a > 0 && gap_a >= gap_b) {
     const Triple towards_a = std::copysign(1.0, along_a) * a.u;
     if (capMeets(a, farthestPoint(b, towards_a), nearest) ||
@@ -255,6 +272,7 @@ bool nearestOfCylinders(const Shape& shape_a, const Pose& X_WA, const Shape& sha
   const Triple half_a = a.half * a.u, half_b = b.half * b.u;
   nearestOnSegments(a.c, half_a, {}, half_b, s_a, s_b);
   const Triple p = a.c + s_a * half_a, q = s_b * half_b;
+  if (goal.below > 0 && squared(q - p) < goal.below * goal.below) return settle(p, q - p);
   const bool inner_a = std::abs(s_a) < 1 && a.half > 0, inner_b = std::abs(s_b) < 1 && b.half > 0;
   if (inner_a && inner_b) {
     if (!sidesMeet(a, p, q - p, b.radius, nearest)) return false;
@@ -264,18 +282,19 @@ bool nearestOfCylinders(const Shape& shape_a, const Pose& X_WA, const Shape& sha
   }
   // First the rims that the axes' nearest points are at, then those next to them.
   const double narrow = 1e-12 * (a.radius + a.half + b.radius + b.half);
+  const auto enough = [&] {
+    return nearest.apart - nearest.plane <= narrow || nearest.apart < goal.below;
+  };
   for (const bool inner : {false, true}) {
     if (inner_a == inner) {
       const double side = inner ? std::copysign(1.0, dot(q - a.c, a.u)) : s_a;
-      if (nearestOfRim(a, side, radialTowards(a, q), CylinderSolid{b}, nearest) &&
-          nearest.apart - nearest.plane <= narrow) {
+      if (nearestOfRim(a, side, radialTowards(a, q), CylinderSolid{b}, goal, nearest) && enough()) {
         return true;
       }
     }
     if (inner_b == inner) {
       const double side = inner ? std::copysign(1.0, dot(p, b.u)) : s_b;
-      if (nearestOfRim(b, side, radialTowards(b, p), CylinderSolid{a}, nearest) &&
-          nearest.apart - nearest.plane <= narrow) {
+      if (nearestOfRim(b, side, radialTowards(b, p), CylinderSolid{a}, goal, nearest) && enough()) {
         nearest.point_a = nearest.point_a + nearest.apart * nearest.normal;
         nearest.normal = -nearest.normal;
         return true;
@@ -286,17 +305,16 @@ bool nearestOfCylinders(const Shape& shape_a, const Pose& X_WA, const Shape& sha
 }
 
 bool nearestOfCylinderAndBox(const Shape& cylinder, const Pose& X_WC, const Shape& box,
-                             const Pose& X_WB, Nearest& nearest) {
+                             const Pose& X_WB, const Goal& goal, Nearest& nearest) {
   const Eigen::Matrix3d& R = X_WB.rotation;
+  const Triple d = tripleOf(X_WC.translation) - tripleOf(X_WB.translation);
+  if (goal.asked() && nearest.settleByBalls(d, cylinder.extent() + box.extent(), goal)) return true;
   const Cylinder a =
-      cylinderOf(cylinder, rotatedBack(R, tripleOf(X_WC.translation) - tripleOf(X_WB.translation)),
-                 rotatedBack(R, column(X_WC.rotation, 2)));
+      cylinderOf(cylinder, rotatedBack(R, d), rotatedBack(R, column(X_WC.rotation, 2)));
   const BoxSolid b = {tripleOf(box.halfExtents())};
   const Triple& half = b.half;
   const auto done = [&] {
-    planeOf(a, b, nearest);
-    nearest.point_a = rotated(R, nearest.point_a);
-    nearest.normal = rotated(R, nearest.normal);
+    toWorld(R, nearest);
     return true;
   };
   const Triple& u = a.u;
@@ -310,22 +328,32 @@ bool nearestOfCylinderAndBox(const Shape& cylinder, const Pose& X_WC, const Shap
   const double along = dot(a.c, u);
   const double gap_cap = std::abs(along) - a.half - reach(u, half);
   const double gap_face = std::max(gap_x, std::max(gap_y, gap_z));
-  if (gap_cap > 0 && gap_cap >= gap_face) {
-    const double side = std::copysign(1.0, along);
-    const Triple corner = {std::copysign(half.x, side * u.x), std::copysign(half.y, side * u.y),
-                           std::copysign(half.z, side * u.z)};
-    if (capMeets(a, corner, nearest)) return done();
-  } else if (gap_face > 0) {
-    const Triple n = {gap_face == gap_x ? std::copysign(1.0, -a.c.x) : 0,
-                      gap_face == gap_x   ? 0
-                      : gap_face == gap_y ? std::copysign(1.0, -a.c.y)
-                                          : 0,
-                      gap_face == gap_x || gap_face == gap_y ? 0 : std::copysign(1.0, -a.c.z)};
+  const bool on_cap = gap_cap >= gap_face;
+  const double gap = on_cap ? gap_cap : gap_face;
+  // The widest gap's normal, from A to the box.
+  const Triple n = on_cap              ? std::copysign(1.0, -along) * u
+                   : gap_face == gap_x ? Triple{std::copysign(1.0, -a.c.x), 0, 0}
+                   : gap_face == gap_y ? Triple{0, std::copysign(1.0, -a.c.y), 0}
+                                       : Triple{0, 0, std::copysign(1.0, -a.c.z)};
+  if (gap > goal.above) {
+    const Triple p = farthestPoint(a, n);
+    nearest.settle(p, within(p, half) - p, n, gap);
+    return done();
+  }
+  if (gap > 0 && on_cap) {
+    const Triple corner = {std::copysign(half.x, -n.x), std::copysign(half.y, -n.y),
+                           std::copysign(half.z, -n.z)};
+    if (capMeets(a, corner, nearest)) {
+      nearest.plane = gap;
+      return done();
+    }
+  } else if (gap > 0) {
+    nearest.normal = n;
+    nearest.plane = gap;
     // Where only the coordinate of the face is outside.
     const auto faceMeets = [&](const Triple& p) {
       const Triple w = within(p, half) - p;
       nearest.point_a = p;
-      nearest.normal = n;
       nearest.apart = dot(w, n);
       return (w.x != 0) + (w.y != 0) + (w.z != 0) == 1 && nearest.apart > 0;
     };
@@ -339,8 +367,16 @@ bool nearestOfCylinderAndBox(const Shape& cylinder, const Pose& X_WC, const Shap
   const Triple h = a.half * u;
   const double s = nearestToBox(a.c, h, half);
   const Triple p = a.c + s * h, q = within(p, half);
-  if (std::abs(s) < 1 && a.half > 0) return sidesMeet(a, p, q - p, 0, nearest) && done();
-  return nearestOfRim(a, s, radialTowards(a, q), b, nearest) && done();
+  if (goal.below > 0 && squared(q - p) < goal.below * goal.below) {
+    nearest.settle(p, q - p, n, gap);
+    return done();
+  }
+  if (std::abs(s) < 1 && a.half > 0) {
+    if (!sidesMeet(a, p, q - p, 0, nearest)) return false;
+    planeOf(a, b, nearest);
+    return done();
+  }
+  return nearestOfRim(a, s, radialTowards(a, q), b, goal, nearest) && done();
 }
 
 }  // namespace leeway::collision

@@ -18,9 +18,9 @@ bool nearestOfCylinderAndCapsule(const Shape& cylinder, const Pose& X_WC, const 
                                  const Pose& X_WB, Nearest& nearest);
 
 bool nearestOfCylinders(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
-                        Nearest& nearest);
+                        const Goal& goal, Nearest& nearest);
 
 bool nearestOfCylinderAndBox(const Shape& cylinder, const Pose& X_WC, const Shape& box,
-                             const Pose& X_WB, Nearest& nearest);
+                             const Pose& X_WB, const Goal& goal, Nearest& nearest);
 
 }  // namespace leeway::collision

@@ -59,12 +59,21 @@ inline __attribute__((always_inline)) bool answer(const Frame& frame, const Near
                             : DistanceStatus::kOverlap;
   const Triple& n = nearest.normal;
   const Triple core = tripleOf(frame.X_WB.translation) + nearest.point_a;
-  write(core + frame.radius_a * n, result.point_a);
-  write(core + (nearest.apart - frame.radius_b) * n, result.point_b);
+  const Triple along = nearest.early ? (1 / nearest.apart) * nearest.way : n;
+  write(core + frame.radius_a * along, result.point_a);
+  write(core + (nearest.apart - frame.radius_b) * along, result.point_b);
   write(n, result.normal);
   result.iterations = 1;
   if (cache != nullptr) write(rotatedBack(frame.X_WB.rotation, n), cache->direction_B);
   return true;
+}
+
+// With room for rounding that a threshold near the distance leaves; where the slack of poses takes
+// more, answer() sees that it did not do.
+Goal goalOf(const Frame& frame, const DistanceRequest& request) {
+  const double core = request.threshold + (frame.radius_a + frame.radius_b);
+  const double room = 256 * kUnitRoundoff * (std::abs(core) + frame.extent_a + frame.extent_b);
+  return {core + room, core - room};
 }
 
 // Two segments or points, along the world's axes: neither frame is needed. After Lumelsky (1985);
@@ -108,8 +117,9 @@ inline __attribute__((always_inline)) bool answerSegments(const Shape& a, const 
 
 // Exchanges A and B, and with them the origin.
 bool exchanged(const Pose& X_WA, const Pose& X_WB, Nearest& nearest) {
-  nearest.point_a = nearest.point_a + nearest.apart * nearest.normal +
+  nearest.point_a = nearest.point_a + nearest.wayToB() +
                     (tripleOf(X_WA.translation) - tripleOf(X_WB.translation));
+  nearest.way = -nearest.way;
   nearest.normal = -nearest.normal;
   return true;
 }
@@ -130,9 +140,11 @@ double coreRadius(const Shape& shape) {
 __attribute__((noinline)) bool answerBoxPair(const Shape& a, const Pose& X_WA, const Shape& b,
                                              const Pose& X_WB, const DistanceRequest& request,
                                              PairCache* cache, DistanceResult& result) {
+  using enum ShapeType;
+  const Frame frame = {X_WA, X_WB, coreExtent(a), coreExtent(b), coreRadius(a), coreRadius(b)};
+  const Goal goal = goalOf(frame, request);
   Nearest nearest;
   bool found = false;
-  using enum ShapeType;
   switch (pairOf(a.type(), b.type())) {
     case pairOf(kSphere, kBox):
       found = nearestOfSphereAndBox(X_WA, b, X_WB, nearest);
@@ -153,7 +165,7 @@ __attribute__((noinline)) bool answerBoxPair(const Shape& a, const Pose& X_WA, c
       found = nearestOfCylinderAndCapsule(a, X_WA, b, X_WB, nearest);
       break;
     case pairOf(kCylinder, kBox):
-      found = nearestOfCylinderAndBox(a, X_WA, b, X_WB, nearest);
+      found = nearestOfCylinderAndBox(a, X_WA, b, X_WB, goal, nearest);
       break;
     case pairOf(kSphere, kCylinder):
       found = nearestOfCylinderAndPoint(b, X_WB, X_WA, nearest) && exchanged(X_WA, X_WB, nearest);
@@ -163,19 +175,19 @@ __attribute__((noinline)) bool answerBoxPair(const Shape& a, const Pose& X_WA, c
           nearestOfCylinderAndCapsule(b, X_WB, a, X_WA, nearest) && exchanged(X_WA, X_WB, nearest);
       break;
     case pairOf(kBox, kCylinder):
-      found = nearestOfCylinderAndBox(b, X_WB, a, X_WA, nearest) && exchanged(X_WA, X_WB, nearest);
+      found = nearestOfCylinderAndBox(b, X_WB, a, X_WA, goal, nearest) &&
+              exchanged(X_WA, X_WB, nearest);
       break;
     case pairOf(kCylinder, kCylinder):
-      found = nearestOfCylinders(a, X_WA, b, X_WB, nearest);
+      found = nearestOfCylinders(a, X_WA, b, X_WB, goal, nearest);
       break;
     case pairOf(kBox, kBox):
-      found = nearestOfBoxes(a, X_WA, b, X_WB, nearest);
+      found = nearestOfBoxes(a, X_WA, b, X_WB, goal, nearest);
       break;
     default:
       return false;
   }
-  return found && answer({X_WA, X_WB, coreExtent(a), coreExtent(b), coreRadius(a), coreRadius(b)},
-                         nearest, request, cache, result);
+  return found && answer(frame, nearest, request, cache, result);
 }
 
 }  // namespace

@@ -116,6 +116,7 @@ TEST(SimplePairs, AgreeWithTheGeneralWay) {
 TEST(SimplePairs, ThresholdsAreDecidedAsTheGeneralWayDoes) {
   Random random(72);
   Scratch scratch;
+  int early = 0;
   for (int i = 0; i < 8000; ++i) {
     const Pair p = simplePair(random, kTypes[random.below(4)], kTypes[random.below(4)], scratch);
     const Interval truth = generalDistance(p.a, p.X_WA, p.b, p.X_WB, {}, scratch, nullptr).distance;
@@ -124,8 +125,10 @@ TEST(SimplePairs, ThresholdsAreDecidedAsTheGeneralWayDoes) {
         random.chance(0.5) ? truth.upper * random.uniform(0.5, 2) : random.logUniform(1e-9, 10);
     DistanceResult r;
     if (!answerSimplePair(p.a, p.X_WA, p.b, p.X_WB, request, nullptr, r)) continue;
+    early += r.distance.width() > 1e-9;
     EXPECT_LE(r.distance.lower, truth.upper) << p.replay();
     EXPECT_GE(r.distance.upper, truth.lower) << p.replay();
+    EXPECT_NEAR((r.point_b - r.point_a).norm(), std::abs(r.distance.upper), 1e-11) << p.replay();
     if (truth.lower > request.threshold) {
       EXPECT_GT(r.distance.lower, request.threshold) << p.replay();
     }
@@ -135,6 +138,7 @@ TEST(SimplePairs, ThresholdsAreDecidedAsTheGeneralWayDoes) {
     EXPECT_LT(outside(p.a, p.X_WA, r.point_a, scratch), 1e-11) << p.replay();
     EXPECT_LT(outside(p.b, p.X_WB, r.point_b, scratch), 1e-11) << p.replay();
   }
+  EXPECT_GT(early, 500);
 }
 
 }  // namespace
