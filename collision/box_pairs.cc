@@ -1,5 +1,8 @@
 #include "collision/box_pairs.h"
 
+#include <bit>
+#include <cstdint>
+
 #include "collision/closed_form.h"
 
 namespace leeway::collision {
@@ -100,22 +103,23 @@ int widestFace(const Placement& other, const double half[3], const double other_
 // Two edges of which one is parallel to B's axis i, the other to A's axis k.
 struct EdgePair {
   int i = -1, k = -1;
-  double gap_squared = 0;
 };
 
 // Edges that are parallel to within this sine (squared) are left out: their plane is a face's, or
 // next to it.
 constexpr double kParallelSquared = 1e-8;
 
-// The pair of edges across which the boxes are farther apart than `gap`, and farthest.
+// The pair of edges across which the boxes are farther apart than `gap`, and farthest: none is
+// chosen by a branch, because which it is nobody can foretell.
 EdgePair widestEdges(const Placement& a, const double half_a[3], const double half_b[3],
                      double gap) {
-  EdgePair best;
-  best.gap_squared = gap > 0 ? gap * gap : 0;
   double r[3][3];
   for (int i = 0; i < 3; ++i) {
     for (int k = 0; k < 3; ++k) r[i][k] = std::abs(a.m[i][k]);
   }
+  // Numbers that are not negative are in the order of their bits.
+  std::int64_t best = std::bit_cast<std::int64_t>(gap > 0 ? gap * gap : 0.0);
+  int which = -1;
   for (int i = 0; i < 3; ++i) {
     const int j = i == 2 ? 0 : i + 1, m = i == 0 ? 2 : i - 1;
     for (int k = 0; k < 3; ++k) {
@@ -126,13 +130,14 @@ EdgePair widestEdges(const Placement& a, const double half_a[3], const double ha
                             (half_b[j] * r[m][k] + half_b[m] * r[j][k]) -
                             (half_a[p] * r[i][q] + half_a[q] * r[i][p]);
       const double sine_squared = r[j][k] * r[j][k] + r[m][k] * r[m][k];
-      if (across > 0 && across * across > best.gap_squared * sine_squared &&
-          sine_squared > kParallelSquared) {
-        best = {i, k, across * across / sine_squared};
-      }
+      const double positive = std::max(across, 0.0) * (sine_squared > kParallelSquared);
+      const double gap_squared = positive * positive / std::max(sine_squared, kParallelSquared);
+      const std::int64_t bits = std::bit_cast<std::int64_t>(gap_squared);
+      which = bits > best ? 3 * i + k : which;
+      best = bits > best ? bits : best;
     }
   }
-  return best;
+  return which < 0 ? EdgePair{} : EdgePair{which / 3, which % 3};
 }
 
 // The two edges' nearest points. False when these are beyond an end.
@@ -172,12 +177,12 @@ bool edgesMeet(const Boxes& boxes, const Placement& a, const EdgePair& edges, Ne
   return true;
 }
 
-// From A's corner farthest along n, along A's edges to where it is nearest to B: the squared
-// distance from a box is convex, and along a line its least value is known. True when a plane
-// proves that nothing is nearer.
+// From A's corner farthest along n, along A's edges to where it is nearest to B, by Newton's steps
+// along the edge that promises most: the squared distance from a box is convex, and quadratic
+// between the planes of B's faces. True when a plane proves that nothing is nearer.
 bool descend(const Boxes& boxes, const Triple& n, Nearest& nearest) {
-  constexpr int kSteps = 8;
-  constexpr double kNarrow = 1e-12;
+  constexpr int kSteps = 16;
+  constexpr double kNarrow = 1e-13;
   double s[3];
   Triple p = boxes.c;
   for (int k = 0; k < 3; ++k) {
@@ -185,18 +190,18 @@ bool descend(const Boxes& boxes, const Triple& n, Nearest& nearest) {
     p = p + s[k] * boxes.axis[k];
   }
   const Triple half_b = {boxes.half_b[0], boxes.half_b[1], boxes.half_b[2]};
-  for (int step = 0; step < kSteps; ++step) {
+  for (int step = 0;; ++step) {
     const Triple w = within(p, half_b) - p;
     const double squares = squared(w);
     // What a move along each edge may gain, to first order: all that keeps the ends apart.
-    double gain[3], sum = 0;
+    double slope[3], gain[3], sum = 0;
     for (int k = 0; k < 3; ++k) {
-      const double slope = dot(w, boxes.axis[k]);
-      gain[k] = std::abs(slope) * boxes.half_a[k] - slope * s[k];
+      slope[k] = dot(w, boxes.axis[k]);
+      gain[k] = std::abs(slope[k]) * boxes.half_a[k] - slope[k] * s[k];
       sum += gain[k];
     }
     if (!(squares > 0)) return false;
-    if (sum <= kNarrow * squares || step + 1 == kSteps) {
+    if (sum <= kNarrow * squares || step == kSteps) {
       nearest.apart = std::sqrt(squares);
       nearest.normal = (1 / nearest.apart) * w;
       nearest.point_a = p;
@@ -205,11 +210,13 @@ bool descend(const Boxes& boxes, const Triple& n, Nearest& nearest) {
     }
     const int i = gain[1] > gain[0] ? 1 : 0;
     const int k = gain[2] > gain[i] ? 2 : i;
-    const Triple middle = p - s[k] * boxes.axis[k];
-    s[k] = boxes.half_a[k] * nearestToBox(middle, boxes.half_a[k] * boxes.axis[k], half_b);
-    p = middle + s[k] * boxes.axis[k];
+    const Triple& axis = boxes.axis[k];
+    const double curvature = (w.x != 0) * (axis.x * axis.x) + (w.y != 0) * (axis.y * axis.y) +
+                             (w.z != 0) * (axis.z * axis.z);
+    const double before = s[k];
+    s[k] = within(before + slope[k] / curvature, -boxes.half_a[k], boxes.half_a[k]);
+    p = p + (s[k] - before) * axis;
   }
-  return false;
 }
 
 bool nearestInB(const Boxes& boxes, const Goal& goal, Nearest& nearest) {
