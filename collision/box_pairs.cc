@@ -53,6 +53,13 @@ struct Boxes {
   double half_a[3], half_b[3];
 };
 
+// Share of the sizes by which the ends may be apart: what rounding leaves, with room.
+constexpr double kNarrow = 1e-12;
+double sizeOf(const Boxes& boxes) {
+  return boxes.half_a[0] + boxes.half_a[1] + boxes.half_a[2] + boxes.half_b[0] + boxes.half_b[1] +
+         boxes.half_b[2];
+}
+
 // By how much B is beyond A along n, a unit vector from A to B.
 double planeAlong(const Boxes& boxes, const Triple& n) {
   return -dot(n, boxes.c) - std::abs(dot(n, boxes.axis[0])) * boxes.half_a[0] -
@@ -86,14 +93,18 @@ bool cornerAboveFace(const Placement& other, const double half[3], const double 
   return std::abs(corner[j]) <= half[j] && std::abs(corner[k]) <= half[k];
 }
 
-// Gaps between this box and the other across this one's faces: the axis of the largest.
+// Gap between a box and another across its face i.
+double gapAcross(const Placement& other, const double half[3], const double other_half[3], int i) {
+  return std::abs(other.c[i]) - half[i] - std::abs(other.m[i][0]) * other_half[0] -
+         std::abs(other.m[i][1]) * other_half[1] - std::abs(other.m[i][2]) * other_half[2];
+}
+
+// The face of the largest gap.
 int widestFace(const Placement& other, const double half[3], const double other_half[3],
                double& gap) {
-  double gaps[3];
-  for (int i = 0; i < 3; ++i) {
-    gaps[i] = std::abs(other.c[i]) - half[i] - std::abs(other.m[i][0]) * other_half[0] -
-              std::abs(other.m[i][1]) * other_half[1] - std::abs(other.m[i][2]) * other_half[2];
-  }
+  const double gaps[3] = {gapAcross(other, half, other_half, 0),
+                          gapAcross(other, half, other_half, 1),
+                          gapAcross(other, half, other_half, 2)};
   const int i = gaps[1] > gaps[0] ? 1 : 0;
   const int k = gaps[2] > gaps[i] ? 2 : i;
   gap = gaps[k];
@@ -182,7 +193,7 @@ bool edgesMeet(const Boxes& boxes, const Placement& a, const EdgePair& edges, Ne
 // between the planes of B's faces. True when a plane proves that nothing is nearer.
 bool descend(const Boxes& boxes, const Triple& n, Nearest& nearest) {
   constexpr int kSteps = 16;
-  constexpr double kNarrow = 1e-13;
+  const double narrow = 0.1 * kNarrow * sizeOf(boxes);
   double s[3];
   Triple p = boxes.c;
   for (int k = 0; k < 3; ++k) {
@@ -190,6 +201,8 @@ bool descend(const Boxes& boxes, const Triple& n, Nearest& nearest) {
     p = p + s[k] * boxes.axis[k];
   }
   const Triple half_b = {boxes.half_b[0], boxes.half_b[1], boxes.half_b[2]};
+  int last = -1;  // the edge of the step before, where it started and how steep it was there
+  double last_s = 0, last_slope = 0;
   for (int step = 0;; ++step) {
     const Triple w = within(p, half_b) - p;
     const double squares = squared(w);
@@ -201,7 +214,7 @@ bool descend(const Boxes& boxes, const Triple& n, Nearest& nearest) {
       sum += gain[k];
     }
     if (!(squares > 0)) return false;
-    if (sum <= kNarrow * squares || step == kSteps) {
+    if (sum * sum <= narrow * narrow * squares || step == kSteps) {
       nearest.apart = std::sqrt(squares);
       nearest.normal = (1 / nearest.apart) * w;
       nearest.point_a = p;
@@ -214,74 +227,130 @@ bool descend(const Boxes& boxes, const Triple& n, Nearest& nearest) {
     const double curvature = (w.x != 0) * (axis.x * axis.x) + (w.y != 0) * (axis.y * axis.y) +
                              (w.z != 0) * (axis.z * axis.z);
     const double before = s[k];
-    s[k] = within(before + slope[k] / curvature, -boxes.half_a[k], boxes.half_a[k]);
+    // Newton's step, or the secant's where that before went too far: by turns they would go on for
+    // ever.
+    const bool beyond_it = k == last && last_slope * slope[k] < 0;
+    const double way =
+        beyond_it ? slope[k] * (before - last_s) / (last_slope - slope[k]) : slope[k] / curvature;
+    s[k] = within(before + way, -boxes.half_a[k], boxes.half_a[k]);
     p = p + (s[k] - before) * axis;
+    last = k;
+    last_s = before;
+    last_slope = slope[k];
   }
 }
 
-bool nearestInB(const Boxes& boxes, const Goal& goal, Nearest& nearest) {
+// Both boxes seen from each other.
+struct Views {
+  Placement a_in_b, b_in_a;
+};
+
+Views viewsOf(const Boxes& boxes) {
   const Triple* axis = boxes.axis;
-  const Placement a = {{boxes.c.x, boxes.c.y, boxes.c.z},
-                       {{axis[0].x, axis[1].x, axis[2].x},
-                        {axis[0].y, axis[1].y, axis[2].y},
-                        {axis[0].z, axis[1].z, axis[2].z}}};
-  const Placement b = {{-dot(axis[0], boxes.c), -dot(axis[1], boxes.c), -dot(axis[2], boxes.c)},
-                       {{axis[0].x, axis[0].y, axis[0].z},
-                        {axis[1].x, axis[1].y, axis[1].z},
-                        {axis[2].x, axis[2].y, axis[2].z}}};
-  double gap_b = 0, gap_a = 0, corner[3];
-  const int face_b = widestFace(a, boxes.half_b, boxes.half_a, gap_b);
-  const int face_a = widestFace(b, boxes.half_a, boxes.half_b, gap_a);
+  return {{{boxes.c.x, boxes.c.y, boxes.c.z},
+           {{axis[0].x, axis[1].x, axis[2].x},
+            {axis[0].y, axis[1].y, axis[2].y},
+            {axis[0].z, axis[1].z, axis[2].z}}},
+          {{-dot(axis[0], boxes.c), -dot(axis[1], boxes.c), -dot(axis[2], boxes.c)},
+           {{axis[0].x, axis[0].y, axis[0].z},
+            {axis[1].x, axis[1].y, axis[1].z},
+            {axis[2].x, axis[2].y, axis[2].z}}}};
+}
+
+// The face of B (or of A) across an axis of it, at a distance of `gap` from the other box: true
+// when that one's nearest corner is above it, or the goal is decided.
+bool faceMeets(const Boxes& boxes, const Views& views, bool on_b, int face, double gap,
+               const Goal& goal, Nearest& nearest) {
+  double corner[3];
+  const bool above = on_b ? cornerAboveFace(views.a_in_b, boxes.half_b, boxes.half_a, face, corner)
+                          : cornerAboveFace(views.b_in_a, boxes.half_a, boxes.half_b, face, corner);
+  // In the frame of the face's box the way to the corner, which is along the normal above the face.
+  const Triple w = beyond(corner, on_b ? boxes.half_b : boxes.half_a);
+  const bool meets = above && gap > 0;
+  if (!meets && !(gap > goal.above) && !(goal.below > 0 && squared(w) < goal.below * goal.below)) {
+    return false;
+  }
+  const Triple p = {corner[0], corner[1], corner[2]};
+  const Triple* axis = boxes.axis;
+  if (on_b) {
+    const double side = std::copysign(1.0, -views.a_in_b.c[face]);
+    nearest.settle(p, -w, {face == 0 ? side : 0, face == 1 ? side : 0, face == 2 ? side : 0}, gap);
+  } else {
+    const auto toB = [&](const Triple& v) { return v.x * axis[0] + v.y * axis[1] + v.z * axis[2]; };
+    nearest.settle(boxes.c + toB(p - w), toB(w),
+                   std::copysign(1.0, views.b_in_a.c[face]) * axis[face], gap);
+  }
+  nearest.early = !meets;
+  return true;
+}
+
+// A pair that has hardly moved since the cache was written: its direction tells the face, or the
+// corner to start from. Any content is taken.
+bool nearestFromCache(const Boxes& boxes, const Views& views, const PairCache& cache,
+                      const Goal& goal, Nearest& nearest) {
+  // Cosines from and to which a face or an edge is tried. Any value is right.
+  constexpr double kAligned = 0.99, kAcross = 0.1;
+  const Triple n = tripleOf(cache.direction_B);
+  const double squares = squared(n);
+  if (!(squares > 0.25 && squares < 4)) return false;  // NaN fails
+  const double cosines[6] = {
+      n.x, n.y, n.z, dot(n, boxes.axis[0]), dot(n, boxes.axis[1]), dot(n, boxes.axis[2])};
+  for (int i = 0; i < 6; ++i) {
+    if (!(std::abs(cosines[i]) > kAligned)) continue;
+    const bool on_b = i < 3;
+    const int face = on_b ? i : i - 3;
+    const double gap = on_b ? gapAcross(views.a_in_b, boxes.half_b, boxes.half_a, face)
+                            : gapAcross(views.b_in_a, boxes.half_a, boxes.half_b, face);
+    if (faceMeets(boxes, views, on_b, face, gap, goal, nearest)) return true;
+  }
+  const auto leastOf = [&](const double* c) {
+    const int i = std::abs(c[1]) < std::abs(c[0]) ? 1 : 0;
+    return std::abs(c[2]) < std::abs(c[i]) ? 2 : i;
+  };
+  const EdgePair edges = {leastOf(cosines), leastOf(cosines + 3)};
+  const bool across =
+      std::abs(cosines[edges.i]) < kAcross && std::abs(cosines[3 + edges.k]) < kAcross;
+  if (!(across && edgesMeet(boxes, views.a_in_b, edges, nearest)) && !descend(boxes, n, nearest)) {
+    return false;
+  }
+  // (Where the way is too short to tell a direction the axes are better.)
+  return nearest.apart - nearest.plane <= kNarrow * sizeOf(boxes) || nearest.plane > goal.above;
+}
+
+bool nearestInB(const Boxes& boxes, const Views& views, const Goal& goal, Nearest& nearest) {
+  double gap_b = 0, gap_a = 0;
+  const int face_b = widestFace(views.a_in_b, boxes.half_b, boxes.half_a, gap_b);
+  const int face_a = widestFace(views.b_in_a, boxes.half_a, boxes.half_b, gap_a);
   const bool on_b = gap_b >= gap_a;
   const double gap = on_b ? gap_b : gap_a;
-  // The face's normal, from A to B; in the frame of its box the other one's corner and the way to
-  // it, which is along the normal above the face.
-  Triple n, w;
-  bool meets = false;
-  if (on_b) {
-    const double side = std::copysign(1.0, -a.c[face_b]);
-    n = {face_b == 0 ? side : 0, face_b == 1 ? side : 0, face_b == 2 ? side : 0};
-    meets = cornerAboveFace(a, boxes.half_b, boxes.half_a, face_b, corner);
-    w = beyond(corner, boxes.half_b);
-  } else {
-    n = std::copysign(1.0, b.c[face_a]) * axis[face_a];
-    meets = cornerAboveFace(b, boxes.half_a, boxes.half_b, face_a, corner);
-    w = beyond(corner, boxes.half_a);
-  }
-  meets = meets && gap > 0;
-  if (meets || gap > goal.above || (goal.below > 0 && squared(w) < goal.below * goal.below)) {
-    const Triple p = {corner[0], corner[1], corner[2]};
-    if (on_b) {
-      nearest.settle(p, -w, n, gap);
-    } else {
-      const auto toB = [&](const Triple& v) {
-        return v.x * axis[0] + v.y * axis[1] + v.z * axis[2];
-      };
-      nearest.settle(boxes.c + toB(p - w), toB(w), n, gap);
-    }
-    nearest.early = !meets;
-    return true;
-  }
-  const EdgePair edges = widestEdges(a, boxes.half_a, boxes.half_b, gap);
-  if (edges.i >= 0 && edgesMeet(boxes, a, edges, nearest)) return true;
+  const int face = on_b ? face_b : face_a;
+  if (faceMeets(boxes, views, on_b, face, gap, goal, nearest)) return true;
+  const EdgePair edges = widestEdges(views.a_in_b, boxes.half_a, boxes.half_b, gap);
+  if (edges.i >= 0 && edgesMeet(boxes, views.a_in_b, edges, nearest)) return true;
+  const Triple n = on_b ? Triple{face == 0 ? -boxes.c.x : 0, face == 1 ? -boxes.c.y : 0,
+                                 face == 2 ? -boxes.c.z : 0}
+                        : views.b_in_a.c[face] * boxes.axis[face];
   return descend(boxes, n, nearest);
 }
 
 }  // namespace
 
 bool nearestOfBoxes(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
-                    const Goal& goal, Nearest& nearest) {
+                    const Goal& goal, const PairCache* cache, Nearest& nearest) {
   Boxes boxes;
   const Eigen::Matrix3d& R = X_WB.rotation;
   const Triple d = tripleOf(X_WA.translation) - tripleOf(X_WB.translation);
-  if (goal.asked() && nearest.settleByBalls(d, a.extent() + b.extent(), goal)) return true;
   boxes.c = rotatedBack(R, d);
   for (int k = 0; k < 3; ++k) {
     boxes.axis[k] = rotatedBack(R, column(X_WA.rotation, k));
     boxes.half_a[k] = a.halfExtents()[k];
     boxes.half_b[k] = b.halfExtents()[k];
   }
-  if (!nearestInB(boxes, goal, nearest)) return false;
+  const Views views = viewsOf(boxes);
+  if (!(cache != nullptr && nearestFromCache(boxes, views, *cache, goal, nearest)) &&
+      !nearestInB(boxes, views, goal, nearest)) {
+    return false;
+  }
   toWorld(R, nearest);
   return true;
 }

@@ -12,9 +12,9 @@ bool nearestOfCapsuleAndBox(const Shape& capsule, const Pose& X_WC, const Shape&
                             const Pose& X_WB, Nearest& nearest);
 
 /// Two boxes, by the axis along which they are farthest apart (Gottschalk, Lin and Manocha 1996)
-/// when its features meet, else by descending along A's edges; early when that decides the goal.
-/// False when they overlap.
+/// when its features meet, else by descending along A's edges; early when that decides the goal. A
+/// cache's direction comes first. False when they overlap.
 bool nearestOfBoxes(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
-                    const Goal& goal, Nearest& nearest);
+                    const Goal& goal, const PairCache* cache, Nearest& nearest);
 
 }  // namespace leeway::collision

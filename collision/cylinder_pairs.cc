@@ -229,9 +229,6 @@ bool nearestOfCylinders(const Shape& shape_a, const Pose& X_WA, const Shape& sha
   const Cylinder a = cylinderOf(shape_a, tripleOf(X_WA.translation) - tripleOf(X_WB.translation),
                                 column(X_WA.rotation, 2));
   const Cylinder b = cylinderOf(shape_b, {}, column(X_WB.rotation, 2));
-  if (goal.asked() && nearest.settleByBalls(a.c, shape_a.extent() + shape_b.extent(), goal)) {
-    return true;
-  }
   const double cosine = dot(a.u, b.u), sine = norm(a.u - cosine * b.u);
   const double along_a = dot(a.c, a.u), along_b = dot(a.c, b.u);
   const double gap_a = std::abs(along_a) - a.half - b.half * std::abs(cosine) - b.radius * sine;
@@ -308,7 +305,6 @@ bool nearestOfCylinderAndBox(const Shape& cylinder, const Pose& X_WC, const Shap
                              const Pose& X_WB, const Goal& goal, Nearest& nearest) {
   const Eigen::Matrix3d& R = X_WB.rotation;
   const Triple d = tripleOf(X_WC.translation) - tripleOf(X_WB.translation);
-  if (goal.asked() && nearest.settleByBalls(d, cylinder.extent() + box.extent(), goal)) return true;
   const Cylinder a =
       cylinderOf(cylinder, rotatedBack(R, d), rotatedBack(R, column(X_WC.rotation, 2)));
   const BoxSolid b = {tripleOf(box.halfExtents())};

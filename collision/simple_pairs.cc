@@ -76,6 +76,54 @@ Goal goalOf(const Frame& frame, const DistanceRequest& request) {
   return {core + room, core - room};
 }
 
+// How far a core reaches from its centre along a unit vector, and where a ray along it leaves the
+// core (or before that).
+struct Ray {
+  double reach = 0, exit = 0;
+};
+Ray rayOf(const Shape& shape, const Eigen::Matrix3d& R, const Triple& n) {
+  constexpr double kLeast = 1e-300;  // in the place of 0
+  const double z = std::abs(dot(n, column(R, 2)));
+  switch (shape.type()) {
+    case ShapeType::kCapsule:
+      return {shape.halfLength() * z, 0};
+    case ShapeType::kBox: {
+      const double x = std::abs(dot(n, column(R, 0))), y = std::abs(dot(n, column(R, 1)));
+      const Eigen::Vector3d& half = shape.halfExtents();
+      return {half.x() * x + half.y() * y + half.z() * z,
+              std::min(half.x() / std::max(x, kLeast),
+                       std::min(half.y() / std::max(y, kLeast), half.z() / std::max(z, kLeast)))};
+    }
+    case ShapeType::kCylinder: {
+      const Triple u = column(R, 2);
+      const double across = std::sqrt(squared(n - dot(n, u) * u));
+      return {shape.halfLength() * z + shape.radius() * across,
+              std::min(shape.halfLength() / std::max(z, kLeast),
+                       shape.radius() / std::max(across, kLeast))};
+    }
+    default:
+      return {};
+  }
+}
+
+// Along the line of the centres: the plane across it and the points where it leaves the bodies
+// decide most thresholds.
+bool settleAlongCenters(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
+                        const Goal& goal, Nearest& nearest) {
+  const Triple d = tripleOf(X_WA.translation) - tripleOf(X_WB.translation);
+  const double length = std::sqrt(squared(d));
+  const Triple n = (-1 / length) * d;
+  const Ray ray_a = rayOf(a, X_WA.rotation, n), ray_b = rayOf(b, X_WB.rotation, n);
+  const double plane = length - (ray_a.reach + ray_b.reach);
+  const double apart = length - (ray_a.exit + ray_b.exit);
+  if (!(plane > goal.above || apart < goal.below) || !(apart > 0)) return false;
+  nearest.point_a = d + ray_a.exit * n;
+  nearest.apart = apart;
+  nearest.normal = n;
+  nearest.plane = plane;
+  return true;
+}
+
 // Two segments or points, along the world's axes: neither frame is needed. After Lumelsky (1985);
 // near parallel the points can be poor, which the plane tells.
 template <bool kSegmentA, bool kSegmentB>
@@ -144,6 +192,10 @@ __attribute__((noinline)) bool answerBoxPair(const Shape& a, const Pose& X_WA, c
   const Frame frame = {X_WA, X_WB, coreExtent(a), coreExtent(b), coreRadius(a), coreRadius(b)};
   const Goal goal = goalOf(frame, request);
   Nearest nearest;
+  if (goal.asked() && settleAlongCenters(a, X_WA, b, X_WB, goal, nearest) &&
+      answer(frame, nearest, request, cache, result)) {
+    return true;
+  }
   bool found = false;
   switch (pairOf(a.type(), b.type())) {
     case pairOf(kSphere, kBox):
@@ -182,7 +234,7 @@ __attribute__((noinline)) bool answerBoxPair(const Shape& a, const Pose& X_WA, c
       found = nearestOfCylinders(a, X_WA, b, X_WB, goal, nearest);
       break;
     case pairOf(kBox, kBox):
-      found = nearestOfBoxes(a, X_WA, b, X_WB, goal, nearest);
+      found = nearestOfBoxes(a, X_WA, b, X_WB, goal, cache, nearest);
       break;
     default:
       return false;

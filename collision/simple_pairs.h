@@ -37,13 +37,6 @@ struct Nearest {
     plane = plane_along_n;
     early = true;
   }
-  /// The same on the middles, which are `d` apart, when balls with this sum of radii do.
-  bool settleByBalls(const Triple& d, double radii, const Goal& goal) {
-    const double length = std::sqrt(squared(d));
-    if (!(length - radii > goal.above)) return false;
-    settle(d, -d, (-1 / length) * d, length - radii);
-    return true;
-  }
 };
 
 /// From B's frame to the world's axes.
