@@ -167,7 +167,7 @@ inline __attribute__((always_inline)) bool answerSegments(const Shape& a, const 
 bool exchanged(const Pose& X_WA, const Pose& X_WB, Nearest& nearest) {
   nearest.point_a = nearest.point_a + nearest.wayToB() +
                     (tripleOf(X_WA.translation) - tripleOf(X_WB.translation));
-  nearest.way = -nearest.way;
+  if (nearest.early) nearest.way = -nearest.way;
   nearest.normal = -nearest.normal;
   return true;
 }

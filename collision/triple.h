@@ -7,11 +7,11 @@
 
 namespace leeway::collision {
 
-/// Three plain numbers. A Vector goes through memory, where reading two coordinates at once after
+/// Three plain numbers, not set to anything. A Vector goes through memory, where reading two coordinates at once after
 /// they were written one by one costs more than a closed form's arithmetic; these stay in
 /// registers.
 struct Triple {
-  double x = 0, y = 0, z = 0;
+  double x, y, z;
 };
 
 inline Triple tripleOf(const Vector& v) { return {v.x(), v.y(), v.z()}; }

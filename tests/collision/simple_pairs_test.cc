@@ -141,5 +141,38 @@ TEST(SimplePairs, ThresholdsAreDecidedAsTheGeneralWayDoes) {
   EXPECT_GT(early, 500);
 }
 
+TEST(SimplePairs, AnyCacheAgrees) {
+  Random random(73);
+  Scratch scratch;
+  int closed = 0, apart = 0;
+  for (int i = 0; i < 400; ++i) {
+    Pair p = simplePair(random, ShapeType::kBox,
+                        random.chance(0.8) ? ShapeType::kBox : kTypes[random.below(4)], scratch);
+    PairCache cache;
+    if (random.chance(0.1)) cache.direction_B = random.uniform(0, 2) * random.direction();
+    if (random.chance(0.1)) cache.direction_B = Vector3d::Unit(random.below(3));
+    if (random.chance(0.05)) cache.direction_B.x() = std::nan("");
+    const Vector3d step = 0.01 * random.direction();
+    const Eigen::Matrix3d turn = turned(random.direction(), 0.02);
+    for (int frame = 0; frame < 20; ++frame) {
+      const DistanceResult slow = generalDistance(p.a, p.X_WA, p.b, p.X_WB, {}, scratch, nullptr);
+      apart += slow.distance.lower > 1e-10;
+      DistanceResult r;
+      if (answerSimplePair(p.a, p.X_WA, p.b, p.X_WB, {}, &cache, r)) {
+        closed += slow.distance.lower > 1e-10;
+        EXPECT_LE(r.distance.width(), 1e-9) << p.replay();
+        EXPECT_LE(r.distance.lower, slow.distance.upper) << p.replay();
+        EXPECT_GE(r.distance.upper, slow.distance.lower) << p.replay();
+        EXPECT_LT(outside(p.a, p.X_WA, r.point_a, scratch), 1e-11) << p.replay();
+        EXPECT_LT(outside(p.b, p.X_WB, r.point_b, scratch), 1e-11) << p.replay();
+      }
+      p.X_WB.translation += step;
+      p.X_WB.rotation = turn * p.X_WB.rotation;
+    }
+  }
+  EXPECT_GT(apart, 4000);
+  EXPECT_GT(closed, apart * 95 / 100);
+}
+
 }  // namespace
 }  // namespace leeway::collision
