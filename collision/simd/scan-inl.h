@@ -11,9 +11,11 @@
 #include <hwy/highway.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 
 #include "collision/hull_support.h"
 
@@ -24,91 +26,105 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 using EightDoubles = hn::CappedTag<double, 8>;
 
-/// Index of the first of the largest among kRegisters registers full of values.
-template <std::size_t kRegisters>
-HWY_INLINE int firstLargest(const hn::Vec<EightDoubles>* values, double& value) {
-  const EightDoubles d;
-  constexpr std::size_t kLanes = hn::MaxLanes(EightDoubles());
-  hn::Vec<EightDoubles> best[kRegisters];
-  for (std::size_t i = 0; i < kRegisters; ++i) best[i] = values[i];
-  for (std::size_t step = 1; step < kRegisters; step *= 2) {
-    for (std::size_t i = 0; i + step < kRegisters; i += 2 * step) {
-      best[i] = hn::Max(best[i], best[i + step]);
-    }
+// Loops over registers are written as packs of their numbers: compilers leave loops of this length
+// as they are, with the values in memory and a branch for each.
+
+/// The largest, lane by lane, of the registers from kBegin to kEnd.
+template <std::size_t kBegin, std::size_t kEnd>
+HWY_INLINE hn::Vec<EightDoubles> largest(const hn::Vec<EightDoubles>* values) {
+  if constexpr (kEnd - kBegin == 1) {
+    return values[kBegin];
+  } else {
+    constexpr std::size_t kMiddle = (kBegin + kEnd) / 2;
+    return hn::Max(largest<kBegin, kMiddle>(values), largest<kMiddle, kEnd>(values));
   }
-  const auto most = hn::MaxOfLanes(d, best[0]);
-  int first = 0;
-  for (std::size_t i = kRegisters; i-- > 0;) {
-    const auto here = static_cast<int>(hn::FindFirstTrue(d, hn::Eq(values[i], most)));
-    first = here >= 0 ? static_cast<int>(i * kLanes) + here : first;
-  }
-  value = hn::GetLane(most);
-  return first;
 }
 
-/// The same of x dx + y dy + z dz.
-template <std::size_t kRegisters>
+/// Place of the first of the largest values, at most 64, and the value.
+template <std::size_t... kRegister>
+HWY_INLINE int firstLargest(const hn::Vec<EightDoubles>* values, double& value,
+                            std::index_sequence<kRegister...> /*registers*/) {
+  const EightDoubles d;
+  constexpr std::size_t kLanes = hn::MaxLanes(EightDoubles());
+  const auto most = hn::MaxOfLanes(d, largest<0, sizeof...(kRegister)>(values));
+  const auto bitsOfRegister = [&](std::size_t i) {
+    std::uint8_t bits[8] = {0};
+    hn::StoreMaskBits(d, hn::Eq(values[i], most), bits);
+    return static_cast<std::uint64_t>(bits[0]) << (i * kLanes);
+  };
+  const std::uint64_t bits = (bitsOfRegister(kRegister) | ...);
+  value = hn::GetLane(most);
+  // (None when there is a NaN.)
+  return bits != 0 ? std::countr_zero(bits) : 0;
+}
+
+/// Index of the first of the largest among registers full of x dx + y dy + z dz.
+template <std::size_t... kRegister>
 HWY_INLINE int firstFarthest(const double* x, const double* y, const double* z, double dx,
-                             double dy, double dz, double& value) {
+                             double dy, double dz, std::index_sequence<kRegister...> registers) {
   const EightDoubles d;
   constexpr std::size_t kLanes = hn::MaxLanes(EightDoubles());
   const auto dx_all = hn::Set(d, dx), dy_all = hn::Set(d, dy), dz_all = hn::Set(d, dz);
-  hn::Vec<EightDoubles> values[kRegisters];
-  for (std::size_t i = 0; i < kRegisters; ++i) {
-    values[i] = hn::Add(hn::Add(hn::Mul(hn::Load(d, x + i * kLanes), dx_all),
-                                hn::Mul(hn::Load(d, y + i * kLanes), dy_all)),
-                        hn::Mul(hn::Load(d, z + i * kLanes), dz_all));
+  const hn::Vec<EightDoubles> values[] = {
+      hn::Add(hn::Add(hn::Mul(hn::Load(d, x + kRegister * kLanes), dx_all),
+                      hn::Mul(hn::Load(d, y + kRegister * kLanes), dy_all)),
+              hn::Mul(hn::Load(d, z + kRegister * kLanes), dz_all))...};
+  double value = 0;
+  return firstLargest(values, value, registers);
+}
+
+/// As many registers as eight times kEights doubles fill.
+template <std::size_t kEights>
+using Registers = std::make_index_sequence<kEights * 8 / hn::MaxLanes(EightDoubles())>;
+
+/// Index of the first of the largest of `length` values x dx + y dy + z dz, a multiple of eight up
+/// to kScanUpTo; columns are 64-byte aligned.
+HWY_INLINE int scanColumns(const double* x, const double* y, const double* z, int length, double dx,
+                           double dy, double dz) {
+  static_assert(kScanUpTo == 64);
+  switch (length / 8) {
+    case 1:
+      return firstFarthest(x, y, z, dx, dy, dz, Registers<1>());
+    case 2:
+      return firstFarthest(x, y, z, dx, dy, dz, Registers<2>());
+    case 3:
+      return firstFarthest(x, y, z, dx, dy, dz, Registers<3>());
+    case 4:
+      return firstFarthest(x, y, z, dx, dy, dz, Registers<4>());
+    case 5:
+      return firstFarthest(x, y, z, dx, dy, dz, Registers<5>());
+    case 6:
+      return firstFarthest(x, y, z, dx, dy, dz, Registers<6>());
+    case 7:
+      return firstFarthest(x, y, z, dx, dy, dz, Registers<7>());
+    default:
+      return firstFarthest(x, y, z, dx, dy, dz, Registers<8>());
   }
-  return firstLargest<kRegisters>(values, value);
 }
 
 /// Place in a cell of the first of its farthest vertices.
+template <std::size_t... kRegister>
 HWY_INLINE int firstOfCell(const HullCell& cell, const Vector* points, double dx, double dy,
-                           double dz, double& value) {
+                           double dz, double& value, std::index_sequence<kRegister...> registers) {
   const EightDoubles d;
   constexpr std::size_t kLanes = hn::MaxLanes(EightDoubles());
-  constexpr std::size_t kParts = 8 / kLanes;
   const hn::Rebind<std::uint16_t, EightDoubles> narrow;
   const hn::Rebind<std::uint32_t, EightDoubles> wider;
+  const hn::Rebind<std::uint64_t, EightDoubles> widest;
   const hn::Rebind<std::int64_t, EightDoubles> index;
   const auto dx_all = hn::Set(d, dx), dy_all = hn::Set(d, dy), dz_all = hn::Set(d, dz);
   const double* base = points->data();
-  hn::Vec<EightDoubles> values[kParts];
-  for (std::size_t i = 0; i < kParts; ++i) {
+  const auto valuesOf = [&](std::size_t i) {
     const auto names = hn::BitCast(
-        index, hn::PromoteTo(hn::Rebind<std::uint64_t, EightDoubles>(),
-                             hn::PromoteTo(wider, hn::Load(narrow, cell.vertex + i * kLanes))));
+        index,
+        hn::PromoteTo(widest, hn::PromoteTo(wider, hn::Load(narrow, cell.vertex + i * kLanes))));
     const auto at = hn::Add(names, hn::Add(names, names));
-    values[i] = hn::Add(hn::Add(hn::Mul(hn::GatherIndex(d, base, at), dx_all),
-                                hn::Mul(hn::GatherIndex(d, base + 1, at), dy_all)),
-                        hn::Mul(hn::GatherIndex(d, base + 2, at), dz_all));
-  }
-  return firstLargest<kParts>(values, value);
-}
-
-/// Index of the first of the largest of `length` values x dx + y dy + z dz, a multiple of eight;
-/// columns are 64-byte aligned.
-HWY_INLINE int scanColumns(const double* x, const double* y, const double* z, int length, double dx,
-                           double dy, double dz) {
-  constexpr std::size_t kEight = 8 / hn::MaxLanes(EightDoubles());
-  double value = 0;
-  if (length == 8) return firstFarthest<kEight>(x, y, z, dx, dy, dz, value);
-  if (length == 32) return firstFarthest<4 * kEight>(x, y, z, dx, dy, dz, value);
-  int best = 0;
-  double best_value = 0;
-  int begin = 0;
-  for (const int block : {32, 8}) {
-    for (; begin + block <= length; begin += block) {
-      const int found =
-          block == 32
-              ? firstFarthest<4 * kEight>(x + begin, y + begin, z + begin, dx, dy, dz, value)
-              : firstFarthest<kEight>(x + begin, y + begin, z + begin, dx, dy, dz, value);
-      if (begin > 0 && !(value > best_value)) continue;
-      best = begin + found;
-      best_value = value;
-    }
-  }
-  return best;
+    return hn::Add(hn::Add(hn::Mul(hn::GatherIndex(d, base, at), dx_all),
+                           hn::Mul(hn::GatherIndex(d, base + 1, at), dy_all)),
+                   hn::Mul(hn::GatherIndex(d, base + 2, at), dz_all));
+  };
+  const hn::Vec<EightDoubles> values[] = {valuesOf(kRegister)...};
+  return firstLargest(values, value, registers);
 }
 
 /// The cell that holds a direction; null where there is no table, or the length is beyond what can
@@ -144,14 +160,14 @@ HWY_INLINE int scanSupport(const HullSupport& support, double dx, double dy, dou
   if (HWY_UNLIKELY(cell == nullptr)) return -1;
   double value = 0;
   if (HWY_LIKELY(cell->vertex[0] != HullCell::kMany)) {
-    return cell->vertex[firstOfCell(*cell, support.points(), dx, dy, dz, value)];
+    return cell->vertex[firstOfCell(*cell, support.points(), dx, dy, dz, value, Registers<1>())];
   }
   hint = HullSupport::start(*cell);
   int count = 0, best = -1;
   const HullCell* part = support.many(*cell, count);
   double best_value = 0;
   for (int i = 0; i < count; i += 8, ++part) {
-    const int found = firstOfCell(*part, support.points(), dx, dy, dz, value);
+    const int found = firstOfCell(*part, support.points(), dx, dy, dz, value, Registers<1>());
     if (best >= 0 && !(value > best_value)) continue;
     best = part->vertex[found];
     best_value = value;
