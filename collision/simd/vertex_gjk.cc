@@ -196,27 +196,22 @@ HWY_INLINE Step step(const Triple& newest, const FourPoints& old, Nearest& neare
   // (Of the fourth lane nothing is known.)
   const int k = kLeastLane[bitsOf(norm_squared > nextOfThree(norm_squared)) & 7U];
 
-  alignas(32) double squared[4], height[4], x[4], y[4], z[4], length_squared[4], first[4],
-      second[4], nx[4], ny[4], nz[4], ex[4], ey[4], ez[4];
   // A triangle's normal points away from the origin or towards it.
   const FourPoints direction = choose(inside, withSignOf(n, pn), on_edge);
+  alignas(32) double squared[4], height[4], volume_of[4], x[4], y[4], z[4], length_squared[4],
+      first[4], second[4];
   store(direction.x, x);
   store(direction.y, y);
   store(direction.z, z);
   store(norm_squared, squared);
   store(pn, height);
+  store(dot(n, nextOfThree(f)), volume_of);
   store(choose(inside, nn, edge_squared), length_squared);
   store(choose(inside, area_e * inverse, along), first);
   store(choose(inside, area_f * inverse, zero), second);
-  store(n.x, nx);
-  store(n.y, ny);
-  store(n.z, nz);
-  store(e.x, ex);
-  store(e.y, ey);
-  store(e.z, ez);
 
   // The origin's weight of the point that lane k leaves out is -height[k] / volume.
-  const double volume = nx[0] * ex[2] + ny[0] * ey[2] + nz[0] * ez[2];
+  const double volume = volume_of[0];
   const double sign = std::copysign(1.0, -volume), size = std::abs(volume);
   const double h0 = sign * height[0], h1 = sign * height[1], h2 = sign * height[2];
   const double least = std::min(std::min(h0, h1), std::min(h2, size - (h0 + h1 + h2)));
@@ -232,20 +227,24 @@ HWY_INLINE Step step(const Triple& newest, const FourPoints& old, Nearest& neare
 
   nearest.direction = {x[k], y[k], z[k]};
   nearest.direction_squared = length_squared[k];
+  nearest.norm_squared = squared[k];
+  nearest.lane = k;
+  nearest.weight_first = first[k];
+  nearest.weight_second = second[k];
   // Near contact what is left of the edge's point after cancellation is not at a right angle to
   // the edge any more: once more.
-  if (squared[k] < kCancelled * dot(newest, newest) && first[k] > 0 && second[k] == 0) {
-    const Triple edge = {ex[k], ey[k], ez[k]};
+  if (HWY_UNLIKELY(squared[k] < kCancelled * dot(newest, newest)) && first[k] > 0 &&
+      second[k] == 0) {
+    store(e.x, x);
+    store(e.y, y);
+    store(e.z, z);
+    const Triple edge = {x[k], y[k], z[k]};
     const double excess = dot(nearest.direction, edge) / dot(edge, edge);
     nearest.direction = {nearest.direction.x - excess * edge.x,
                          nearest.direction.y - excess * edge.y,
                          nearest.direction.z - excess * edge.z};
     nearest.direction_squared = dot(nearest.direction, nearest.direction);
   }
-  nearest.norm_squared = squared[k];
-  nearest.lane = k;
-  nearest.weight_first = first[k];
-  nearest.weight_second = second[k];
   return Step::kNearer;
 }
 
