@@ -107,11 +107,16 @@ RelativePose relativePose(const Pose& X_WA, const Pose& X_WB) {
   if (!(check.rotations && zero == 0)) return result;
   result.valid = true;
   result.slack = check.slack;
+  // Rows 0 and 1 of a column side by side, row 2 alone.
+  typedef double Pair __attribute__((vector_size(16)));
   const Eigen::Matrix3d &A = X_WA.rotation, &B = X_WB.rotation;
+  const Pair x = {B(0, 0), B(0, 1)}, y = {B(1, 0), B(1, 1)}, z = {B(2, 0), B(2, 1)};
   for (int j = 0; j < 3; ++j) {
-    for (int i = 0; i < 3; ++i) {
-      result.X_BA.rotation(i, j) = B(0, i) * A(0, j) + B(1, i) * A(1, j) + B(2, i) * A(2, j);
-    }
+    const double p = A(0, j), q = A(1, j), r = A(2, j);
+    const Pair above = x * Pair{p, p} + y * Pair{q, q} + z * Pair{r, r};
+    result.X_BA.rotation(0, j) = above[0];
+    result.X_BA.rotation(1, j) = above[1];
+    result.X_BA.rotation(2, j) = B(0, 2) * p + B(1, 2) * q + B(2, 2) * r;
   }
   result.X_BA.translation = rotatedBack(B, a - b);
   return result;
@@ -416,14 +421,19 @@ DistanceResult convexDistance(const ConvexView& a, const Pose& X_BA, const Conve
     return resultOf(progress);
   }
   Simplex simplex;
-  const Vector first = firstDirection(a, X_BA, b, cache);
+  Vector first;
   GjkEnd end = GjkEnd::kStagnated;
   if (difference.countsVertices()) {
     // A threshold is most often decided by the last direction alone.
-    const PairCache* carried = std::isnan(request.threshold) ? cache : nullptr;
-    end = runVertexGjk(difference, first, carried, progress, simplex);
+    const bool carried =
+        cache != nullptr && std::isnan(request.threshold) && fits(difference, *cache);
+    if (!carried) first = firstDirection(a, X_BA, b, cache);
+    end = runVertexGjk(difference, first, carried ? cache : nullptr, progress, simplex);
   }
-  if (end == GjkEnd::kStagnated) end = runGjk(difference, first, progress, simplex);
+  if (end == GjkEnd::kStagnated) {
+    if (simplex.count == 0) first = firstDirection(a, X_BA, b, cache);
+    end = runGjk(difference, first, progress, simplex);
+  }
   const bool open = end == GjkEnd::kInside || end == GjkEnd::kStagnated;
   // Rounding alone keeps the ends this far apart.
   const double narrow = query.lower_offset - query.upper_offset + 8 * query.roundoff;

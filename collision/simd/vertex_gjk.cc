@@ -41,6 +41,10 @@ alignas(32) constexpr double kLane[3][4] = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1
 struct Triple {
   double x, y, z;
 };
+// Of the two vertices that a point of the difference is made of.
+struct VertexNames {
+  int a, b;
+};
 HWY_INLINE double dot(const Triple& a, const Triple& b) {
   return a.x * b.x + a.y * b.y + a.z * b.z;
 }
@@ -125,17 +129,19 @@ class PlacedCores {
     }
   }
 
-  // The member with the smallest w . n.
-  HWY_INLINE Triple support(const Triple& n, VertexNames& names) const {
+  // The member with the smallest w . n, and A's point in it.
+  HWY_INLINE Triple support(const Triple& n, VertexNames& names, Triple& a) const {
     const Triple b = farthestCorner(b_, -n, names.b);
     if (length_ > 0) {
       names.a = scanColumns(x_, y_, z_, length_, n.x, n.y, n.z);
-      return b - Triple{x_[names.a], y_[names.a], z_[names.a]};
+      a = {x_[names.a], y_[names.a], z_[names.a]};
+      return b - a;
     }
     const Triple back = {R_(0, 0) * n.x + R_(1, 0) * n.y + R_(2, 0) * n.z,
                          R_(0, 1) * n.x + R_(1, 1) * n.y + R_(2, 1) * n.z,
                          R_(0, 2) * n.x + R_(1, 2) * n.y + R_(2, 2) * n.z};
-    return b - placed(farthestCorner(a_, back, names.a));
+    a = placed(farthestCorner(a_, back, names.a));
+    return b - a;
   }
 
   HWY_INLINE Triple member(const VertexNames& names, Triple& a) const {
@@ -275,87 +281,93 @@ constexpr Triple kAround[3][3] = {{{0, kTilt, 0}, {0, kHalf, kRoot}, {0, kHalf, 
 
 class Search {
  public:
-  HWY_INLINE Search(Difference<false>& difference, const VertexCarrier& carrier, Progress& progress)
+  HWY_INLINE Search(Difference<false>& difference, const PairCache* carried, Progress& progress)
       : progress_(progress),
-        cores_(difference, carrier.count == 0),
+        cores_(difference, carried == nullptr),
         newest_names_{difference.hintA(), difference.hintB()} {}
 
-  HWY_INLINE GjkEnd run(const Triple& first, const VertexCarrier& carrier);
+  HWY_INLINE GjkEnd run(const Triple& first, const PairCache* carried);
   /// Writes down what was found; the simplex is empty when that is nothing.
   HWY_INLINE void leave(GjkEnd end, Simplex& simplex);
   const VertexNames& lastNames() const { return newest_names_; }
 
  private:
-  HWY_INLINE Step begin(const Triple& first, const VertexCarrier& carrier);
+  HWY_INLINE Step begin(const Triple& first, const PairCache* carried);
   HWY_INLINE void keepNewest() {
     const int left_out = kLeftOut[nearest_.lane];
     old_ = choose(load(kLane[left_out]) > allLanes(0), fourTimes(newest_), old_);
     names_[left_out] = newest_names_;
+    w_[left_out] = newest_;
+    a_[left_out] = newest_a_;
   }
-  HWY_INLINE void setOld(const Triple& a, const Triple& b, const Triple& c) {
-    old_ = choose(load(kLane[0]) > allLanes(0), fourTimes(a),
-                  choose(load(kLane[1]) > allLanes(0), fourTimes(b), fourTimes(c)));
+  HWY_INLINE void setOld() {
+    old_ = choose(load(kLane[0]) > allLanes(0), fourTimes(w_[0]),
+                  choose(load(kLane[1]) > allLanes(0), fourTimes(w_[1]), fourTimes(w_[2])));
   }
 
   Progress& progress_;
   const PlacedCores cores_;
+  // The older points, as `old_` has them lane by lane, and the newest.
   VertexNames names_[3], newest_names_;
-  Triple newest_;
+  Triple w_[3], newest_;
+  Triple a_[3], newest_a_;
   FourPoints old_;
   Nearest nearest_;
   BestPlane best_;
 };
 
-HWY_INLINE Step Search::begin(const Triple& first, const VertexCarrier& carrier) {
-  Triple given[4], a;
-  if (carrier.count > 0) {
-    // The points that carried the last distance, one of them as the newest.
+HWY_INLINE Step Search::begin(const Triple& first, const PairCache* carried) {
+  if (carried != nullptr) {
+    // One of the points as the newest.
     for (int i = 0; i < 3; ++i) {
-      names_[i] = carrier.names[i < carrier.count ? i : 0];
-      given[i] = cores_.member(names_[i], a);
+      const int k = i < carried->simplex_count ? i : 0;
+      names_[i] = {carried->simplex_a[k], carried->simplex_b[k]};
+      w_[i] = cores_.member(names_[i], a_[i]);
     }
-    newest_ = given[0];
+    newest_ = w_[0];
+    newest_a_ = a_[0];
     newest_names_ = names_[0];
-    setOld(given[0], given[1], given[2]);
+    setOld();
     const Step found = step(newest_, old_, nearest_);
     if (found == Step::kNearer) keepNewest();
     return found;
   }
   ++progress_.iterations;
-  // A threshold is most often decided by the first direction alone.
-  const bool alone = !std::isnan(progress_.query().request.threshold);
-  const double ax = std::abs(first.x), ay = std::abs(first.y), az = std::abs(first.z);
-  int axis = static_cast<int>(ay > ax);
-  axis += static_cast<int>(az > std::max(ax, ay)) * (2 - axis);
-  VertexNames found[4];
   const VertexNames hints = newest_names_;
-  for (int i = 0; i < (alone ? 1 : 4); ++i) {
-    const Triple tilt = i == 0 ? Triple{0, 0, 0} : kAround[axis][i - 1];
-    found[i] = hints;
-    given[i] = cores_.support({first.x + tilt.x, first.y + tilt.y, first.z + tilt.z}, found[i]);
-  }
-  newest_ = given[0];
-  newest_names_ = found[0];
+  newest_ = cores_.support(first, newest_names_, newest_a_);
   best_.offer(dot(first, newest_), first);
-  if (alone) {
+  // A threshold is most often decided by the first direction alone.
+  if (!std::isnan(progress_.query().request.threshold)) {
     const double squared = dot(newest_, newest_);
     nearest_ = {newest_, squared, squared, 0, 0, 0};
-    names_[0] = names_[1] = names_[2] = newest_names_;
+    for (int i = 0; i < 3; ++i) {
+      names_[i] = newest_names_;
+      w_[i] = newest_;
+      a_[i] = newest_a_;
+    }
     old_ = fourTimes(newest_);
     return Step::kNearer;
   }
-  for (int i = 0; i < 3; ++i) names_[i] = found[i + 1];
-  setOld(given[1], given[2], given[3]);
+  const double ax = std::abs(first.x), ay = std::abs(first.y), az = std::abs(first.z);
+  int axis = static_cast<int>(ay > ax);
+  axis += static_cast<int>(az > std::max(ax, ay)) * (2 - axis);
+  for (int i = 0; i < 3; ++i) {
+    const Triple& tilt = kAround[axis][i];
+    names_[i] = hints;
+    w_[i] =
+        cores_.support({first.x + tilt.x, first.y + tilt.y, first.z + tilt.z}, names_[i], a_[i]);
+  }
+  setOld();
   const Step result = step(newest_, old_, nearest_);
   if (result == Step::kNearer) keepNewest();
   return result;
 }
 
-HWY_INLINE GjkEnd Search::run(const Triple& first, const VertexCarrier& carrier) {
+HWY_INLINE GjkEnd Search::run(const Triple& first, const PairCache* carried) {
   const CoreQuery& query = progress_.query();
   const DistanceRequest& request = query.request;
   const int limit = request.iteration_limit;
-  Step last = begin(first, carrier);
+  Step last = begin(first, carried);
   while (last == Step::kNearer) {
     // As Progress::enough(), but with an upper end that is not yet made of points.
     const double upper = std::sqrt(nearest_.norm_squared) - query.upper_offset;
@@ -366,7 +378,7 @@ HWY_INLINE GjkEnd Search::run(const Triple& first, const VertexCarrier& carrier)
     }
     if (progress_.iterations >= limit) return GjkEnd::kLimit;
     ++progress_.iterations;
-    newest_ = cores_.support(nearest_.direction, newest_names_);
+    newest_ = cores_.support(nearest_.direction, newest_names_, newest_a_);
     best_.offer(dot(nearest_.direction, newest_) / std::sqrt(nearest_.direction_squared),
                 nearest_.direction);
     lower = best_.value() - query.lower_offset;
@@ -390,21 +402,22 @@ HWY_INLINE void Search::leave(GjkEnd end, Simplex& simplex) {
   const bool inside = end == GjkEnd::kInside;
   const int k = nearest_.lane;
   if (!inside && k < 0) return;
-  const VertexNames named[4] = {names_[inside ? 0 : kLeftOut[k]], names_[inside ? 1 : k],
-                                names_[inside ? 2 : (k + 1) % 3], newest_names_};
-  const double weights[4] = {1 - nearest_.weight_first - nearest_.weight_second,
-                             nearest_.weight_first, nearest_.weight_second, 0};
+  const int place[3] = {inside ? 0 : kLeftOut[k], inside ? 1 : k, inside ? 2 : (k + 1) % 3};
+  const double weights[3] = {1 - nearest_.weight_first - nearest_.weight_second,
+                             nearest_.weight_first, nearest_.weight_second};
   Triple w = {0, 0, 0}, a = {0, 0, 0};
   for (int i = 0; i < 4; ++i) {
-    const double weight = weights[i];
-    if (!inside && !(weight > 0)) continue;
-    Triple here_a;
-    const Triple here_w = cores_.member(named[i], here_a);
+    if (i == 3 && !inside) break;
+    const double weight = inside ? 0.25 : weights[i];
+    if (!(weight > 0)) continue;
+    const Triple& here_w = i < 3 ? w_[place[i]] : newest_;
+    const Triple& here_a = i < 3 ? a_[place[i]] : newest_a_;
+    const VertexNames& names = i < 3 ? names_[place[i]] : newest_names_;
     SupportPoint& s = simplex.points[simplex.slot[simplex.count]];
     s.w = vectorOf(here_w);
     s.a = vectorOf(here_a);
-    s.index_a = named[i].a;
-    s.index_b = named[i].b;
+    s.index_a = names.a;
+    s.index_b = names.b;
     s.placement = 0;
     simplex.lambda[simplex.count++] = weight;
     w = {w.x + weight * here_w.x, w.y + weight * here_w.y, w.z + weight * here_w.z};
@@ -423,9 +436,9 @@ HWY_INLINE void Search::leave(GjkEnd end, Simplex& simplex) {
 }  // namespace
 
 GjkEnd vertexSteps(Difference<false>& difference, const Vector& direction, Progress& progress,
-                   const VertexCarrier& carrier, Simplex& simplex) {
-  Search search(difference, carrier, progress);
-  const GjkEnd end = search.run(tripleOf(direction), carrier);
+                   const PairCache* carried, Simplex& simplex) {
+  Search search(difference, carried, progress);
+  const GjkEnd end = search.run(tripleOf(direction), carried);
   difference.setHints(search.lastNames().a, search.lastNames().b);
   search.leave(end, simplex);
   if (end == GjkEnd::kInside) return end;
@@ -440,29 +453,23 @@ namespace leeway::collision {
 
 HWY_EXPORT(vertexSteps);
 
-namespace {
-
-// The vertices that carried the last distance: all of them or none.
-void recall(const Difference<false>& difference, const PairCache& cache, VertexCarrier& carrier) {
-  if (cache.simplex_count < 1 || cache.simplex_count > 3) return;
+bool fits(const Difference<false>& difference, const PairCache& cache) {
+  const int count = cache.simplex_count;
+  if (count < 1 || count > 3) return false;
   const int count_a = vertexCount(difference.viewA()), count_b = vertexCount(difference.viewB());
-  for (int i = 0; i < cache.simplex_count; ++i) {
+  bool all = true;
+  for (int i = 0; i < count; ++i) {
     const int a = cache.simplex_a[i], b = cache.simplex_b[i];
-    if (a < 0 || a >= count_a || b < 0 || b >= count_b) return;
-    carrier.names[i] = {a, b};
+    all &= a >= 0 && a < count_a && b >= 0 && b < count_b;
   }
-  carrier.count = cache.simplex_count;
+  return all;
 }
 
-}  // namespace
-
-GjkEnd runVertexGjk(Difference<false>& difference, const Vector& direction, const PairCache* cache,
-                    Progress& progress, Simplex& simplex) {
+GjkEnd runVertexGjk(Difference<false>& difference, const Vector& direction,
+                    const PairCache* carried, Progress& progress, Simplex& simplex) {
   if (progress.iterations >= progress.query().request.iteration_limit) return GjkEnd::kLimit;
-  VertexCarrier carrier;
-  if (cache != nullptr) recall(difference, *cache, carrier);
   const GjkEnd end =
-      HWY_DYNAMIC_DISPATCH(vertexSteps)(difference, direction, progress, carrier, simplex);
+      HWY_DYNAMIC_DISPATCH(vertexSteps)(difference, direction, progress, carried, simplex);
   if (end == GjkEnd::kStagnated && simplex.count > 0) reduceAll(simplex, simplex.count);
   return end;
 }
