@@ -94,8 +94,7 @@ FrameMotionBound ScrewMotion::bound(double, double) const {
 }
 
 double ScrewMotion::rounding(double reach) const {
-  return kMotionRounding *
-         (3 * reach + start_.norm() + 4 * (across_.norm() + along_.norm()));
+  return kMotionRounding * (3 * reach + start_.norm() + 4 * (across_.norm() + along_.norm()));
 }
 
 FrameVelocity MountedMotion::velocity(double t) const {

@@ -317,6 +317,27 @@ void widen(DistanceResult& result, double slack) {
   result.distance.upper += slack;
 }
 
+/// Acceleration of points of a body along n: of its origin, and of turning about it.
+double bendingOf(const Shape& shape, const RigidMotion& motion, const Eigen::Vector3d& n, double t,
+                 double end) {
+  const FrameMotionBound m = motion.bound(t, end);
+  double turning = m.angular_acceleration + m.angular_speed * m.angular_speed;
+  // About an axis that stays, only the part of n across it counts.
+  if (m.angular_acceleration == 0 && m.angular_speed > 0)
+    turning = std::min(
+        turning, (n.cross(motion.velocity(t).angular).norm() + kMotionRounding * m.angular_speed) *
+                     m.angular_speed);
+  return m.acceleration + times(turning, shape.extent());
+}
+
+/// Acceleration of a point seen from the frame of a body B that moves within `m`: p_B = R^T u with
+/// u = p - o_B, so that |p_B''| <= |u''| + 2 w |u'| + (alpha + w^2) |u|.
+double acceleratingSeen(double acceleration, double speed, double reach,
+                        const FrameMotionBound& m) {
+  return acceleration + times(2 * m.angular_speed, speed) +
+         times(m.angular_acceleration + m.angular_speed * m.angular_speed, reach);
+}
+
 /// Two rigid bodies.
 struct RigidPair {
   const Shape& a;
@@ -371,20 +392,8 @@ struct RigidPair {
     return m.speed + times(m.angular_speed, shape.extent());
   }
 
-  /// Of points of a body along n: of its origin, and of turning about it.
-  static double bending(const Shape& shape, const RigidMotion& motion, const Eigen::Vector3d& n,
-                        double t, double end) {
-    const FrameMotionBound m = motion.bound(t, end);
-    double turning = m.angular_acceleration + m.angular_speed * m.angular_speed;
-    // About an axis that stays, only the part of n across it counts.
-    if (m.angular_acceleration == 0 && m.angular_speed > 0)
-      turning = std::min(turning, (n.cross(motion.velocity(t).angular).norm() +
-                                   kMotionRounding * m.angular_speed) *
-                                      m.angular_speed);
-    return m.acceleration + times(turning, shape.extent());
-  }
   double bending(const Eigen::Vector3d& n, double t) const {
-    return (bending(a, motion_a, n, t, request.end) + bending(b, motion_b, n, t, request.end)) *
+    return (bendingOf(a, motion_a, n, t, request.end) + bendingOf(b, motion_b, n, t, request.end)) *
            (1 + 16 * kUnitRoundoff);
   }
 
@@ -452,12 +461,9 @@ struct RigidPair {
     const Pose X_WA0 = motion_a.pose(t), X_WA1 = motion_a.pose(t + step);
     const Pose X_BA0 = X_WB0.inverse() * X_WA0, X_BA1 = X_WB1.inverse() * X_WA1;
     const FrameMotionBound ma = motion_a.bound(t, t + step), mb = motion_b.bound(t, t + step);
-    // A point of A seen from B's frame: p_B = R^T u with u = p_A - o_B, so that |p_B''| <= |u''| +
-    // 2 w |u'| + (alpha + w^2) |u| with w and alpha of B.
     const double u_speed = speed(a, ma) + mb.speed;
     const double u = X_BA0.translation.norm() + times(1, a.extent()) + step * u_speed;
-    double second = acceleration(a, ma) + mb.acceleration + times(2 * mb.angular_speed, u_speed) +
-                    times(mb.angular_acceleration + mb.angular_speed * mb.angular_speed, u);
+    const double second = acceleratingSeen(acceleration(a, ma) + mb.acceleration, u_speed, u, mb);
     const double coordinates = X_WB0.translation.norm() + X_WB1.translation.norm() +
                                X_BA0.translation.norm() + X_BA1.translation.norm() + a.extent();
     const double growth = step * step * second / 8 * (1 + 1e-12) +
@@ -481,51 +487,51 @@ double sizeOf(const MovingTriangle& m) {
   for (std::size_t i = 0; i < 3; ++i) size = std::max({size, m.from[i].norm(), m.to[i].norm()});
   return size;
 }
+/// No corner is faster.
+double speedOf(const MovingTriangle& m) {
+  double most = 0;
+  for (std::size_t i = 0; i < 3; ++i) most = std::max(most, (m.to[i] - m.from[i]).norm());
+  return most * (1 + 16 * kUnitRoundoff);
+}
+/// Speed of the corner that is fastest along n.
+double fastest(const MovingTriangle& m, const Eigen::Vector3d& n) {
+  double most = -kInfinity;
+  for (std::size_t i = 0; i < 3; ++i) most = std::max(most, n.dot(m.to[i] - m.from[i]));
+  return most;
+}
+/// How far the triangle reaches along n at t.
+double farthestCorner(const MovingTriangle& m, const Eigen::Vector3d& n, double t) {
+  double most = -kInfinity;
+  for (const Eigen::Vector3d& p : cornersAt(m, t)) most = std::max(most, n.dot(p));
+  return most;
+}
 bool finite(const MovingTriangle& m) {
   for (std::size_t i = 0; i < 3; ++i)
     if (!m.from[i].allFinite() || !m.to[i].allFinite()) return false;
   return true;
 }
 
-/// A triangle whose corners move, against `b`: points that move or a shape that stands.
+/// Two triangles whose corners move.
 struct TrianglePair {
   const MovingTriangle& a;
-  const MovingTriangle* b;    // or
-  const ConvexView* b_shape;  // in its own frame, in which a is given, too
+  const MovingTriangle& b;
   const ContactRequest& request;
   Scratch& scratch;
   double rounding;
   double speed;  ///< of any point against any other
   PairCache cache;
-  int hint = 0;
 
   Moment look(double t, double tolerance) {
-    const Corners pa = cornersAt(a, t);
-    const ConvexView view_a = viewOfPoints(pa.data(), 3, 0);
-    Corners pb;
-    ConvexView view_b;
-    if (b != nullptr) {
-      pb = cornersAt(*b, t);
-      view_b = viewOfPoints(pb.data(), 3, 0);
-    } else {
-      view_b = *b_shape;
-    }
+    const Corners pa = cornersAt(a, t), pb = cornersAt(b, t);
     Moment m;
     m.t = t;
-    m.distance = convexDistance(view_a, Pose{}, view_b, lookRequest(request, tolerance), scratch,
-                                &cache, rounding);
+    m.distance =
+        convexDistance(viewOfPoints(pa.data(), 3, 0), Pose{}, viewOfPoints(pb.data(), 3, 0),
+                       lookRequest(request, tolerance), scratch, &cache, rounding);
     const Eigen::Vector3d& n = m.distance.normal;
     // Velocities are constant, and those of the corners bound those of all points.
-    double fastest = -kInfinity, slowest = b != nullptr ? kInfinity : 0;
-    for (std::size_t i = 0; i < 3; ++i) {
-      fastest = std::max(fastest, n.dot(a.to[i] - a.from[i]));
-      if (b != nullptr) slowest = std::min(slowest, n.dot(b->to[i] - b->from[i]));
-    }
-    m.predicted = fastest - slowest;
-    // A half-space's direction stays: nothing closes on it faster than along that.
-    m.speed = b == nullptr && b_shape->core == Core::kHalfSpace
-                  ? std::max(0.0, m.predicted) + rounding
-                  : speed;
+    m.predicted = fastest(a, n) + fastest(b, -n);
+    m.speed = speed;
     m.plane = m.distance.distance.lower - rounding;
     return m;
   }
@@ -533,47 +539,113 @@ struct TrianglePair {
   /// Nothing that costs less than a look.
   static Moment start() { return {}; }
 
-  double along(const Eigen::Vector3d& n, double t) {
-    double highest = -kInfinity, lowest = kInfinity;
-    const Corners pa = cornersAt(a, t);
-    for (const Eigen::Vector3d& p : pa) highest = std::max(highest, n.dot(p));
-    if (b == nullptr) {
-      lowest = n.dot(farthest(*b_shape, -n, hint)) - b_shape->radius - b_shape->excess;
-    } else {
-      const Corners pb = cornersAt(*b, t);
-      for (const Eigen::Vector3d& p : pb) lowest = std::min(lowest, n.dot(p));
-    }
-    return lowest - highest - rounding;
+  double along(const Eigen::Vector3d& n, double t) const {
+    return -farthestCorner(a, n, t) - farthestCorner(b, -n, t) - rounding;
   }
 
   /// Nothing accelerates.
   static double bending(const Eigen::Vector3d&, double) { return 0; }
+};
 
-  bool free(double t, double step) {
-    const Corners a0 = cornersAt(a, t), a1 = cornersAt(a, t + step);
-    const DistanceRequest sweep = sweepRequest(request);
-    if (b == nullptr) {
-      std::array<Eigen::Vector3d, 6> hull;
-      for (std::size_t i = 0; i < 3; ++i) {
-        hull[i] = a0[i];
-        hull[3 + i] = a1[i];
-      }
-      const ConvexView view = viewOfPoints(hull.data(), 6, 0);
-      return convexDistance(view, Pose{}, *b_shape, sweep, scratch, nullptr, rounding)
-                 .distance.lower > request.margin;
+/// A triangle whose corners move, and a convex body.
+struct TriangleBody {
+  const MovingTriangle& a;
+  const Shape& b;
+  const RigidMotion& motion;
+  const ContactRequest& request;
+  Scratch& scratch;
+  ConvexView view;
+  bool flat;    ///< b is a half-space
+  bool planes;  ///< that does not turn, or none
+  double size;  ///< of the triangle's coordinates
+  double departure = 0;
+  PairCache cache;
+  int hint = 0;
+
+  TriangleBody(const MovingTriangle& a_, const Shape& b_, const RigidMotion& motion_,
+               const ContactRequest& request_, Scratch& scratch_)
+      : a(a_),
+        b(b_),
+        motion(motion_),
+        request(request_),
+        scratch(scratch_),
+        view(viewOf(b_)),
+        flat(b_.type() == ShapeType::kHalfSpace),
+        planes(!flat || !(motion_.bound(0, request_.end).angular_speed > 0)),
+        size(sizeOf(a_)),
+        departure(relativePose(Pose{}, motion_.pose(0)).slack) {}
+
+  /// Of the corners and of the pose, of a half-space where the triangle can meet it.
+  double rounding(const Pose& X_WB) const {
+    const double between = X_WB.translation.norm() + size;
+    const double reach = std::min(b.extent(), between);
+    return kMotionRounding * size + motion.rounding(reach) +
+           kSupportRounding * kUnitRoundoff * (between + reach + view.radius) +
+           departure * (between + reach);
+  }
+
+  Moment look(double t, double tolerance) {
+    const Pose X_WB = motion.pose(t);
+    const RelativePose X = relativePose(Pose{}, X_WB);
+    const Corners pa = cornersAt(a, t);
+    const double slack = rounding(X_WB);
+    Moment m;
+    m.t = t;
+    if (!X.valid) return m;
+    m.distance = convexDistance(viewOfPoints(pa.data(), 3, 0), X.X_BA, view,
+                                lookRequest(request, tolerance), scratch, &cache, slack);
+    m.distance.point_a = X_WB * m.distance.point_a;
+    m.distance.point_b = X_WB * m.distance.point_b;
+    m.distance.normal = X_WB.rotation * m.distance.normal;
+    const Eigen::Vector3d& n = m.distance.normal;
+    const FrameVelocity v = motion.velocity(t);
+    const Eigen::Vector3d arm = m.distance.point_b - X_WB.translation;
+    m.predicted = fastest(a, n) - n.dot(v.linear + v.angular.cross(arm));
+    m.plane = m.distance.distance.lower - slack;
+    const FrameMotionBound bound = motion.bound(t, request.end);
+    m.speed = bound.speed + times(bound.angular_speed, b.extent()) + speedOf(a);
+    return m;
+  }
+
+  /// Nothing that costs less than a look.
+  static Moment start() { return {}; }
+
+  double along(const Eigen::Vector3d& n, double t) {
+    const Pose X_WB = motion.pose(t);
+    const Eigen::Vector3d m = flat ? Eigen::Vector3d(-X_WB.rotation.col(2)) : n;
+    double lowest = m.dot(X_WB.translation);
+    if (!flat) {
+      const Eigen::Vector3d up = -rotatedBack(X_WB.rotation, m);
+      lowest -= up.dot(farthest(view, up, hint));
     }
-    // At every instant the differences of points are in the hull of the corners' differences, and
-    // each of those travels on a straight line.
-    const Corners b0 = cornersAt(*b, t), b1 = cornersAt(*b, t + step);
-    std::array<Eigen::Vector3d, 18> differences;
-    for (std::size_t i = 0; i < 3; ++i)
-      for (std::size_t j = 0; j < 3; ++j) {
-        differences[6 * i + 2 * j] = a0[i] - b0[j];
-        differences[6 * i + 2 * j + 1] = a1[i] - b1[j];
-      }
-    const Eigen::Vector3d origin = Eigen::Vector3d::Zero();
-    return convexDistance(viewOfPoints(differences.data(), 18, 0), Pose{},
-                          viewOfPoints(&origin, 1, 0), sweep, scratch, nullptr, rounding)
+    return lowest - view.radius - view.excess - farthestCorner(a, m, t) - rounding(X_WB);
+  }
+
+  double bending(const Eigen::Vector3d& n, double t) const {
+    return bendingOf(b, motion, n, t, request.end) * (1 + 16 * kUnitRoundoff);
+  }
+
+  /// In B's frame, from which a half-space that turns is seen to stand still.
+  bool free(double t, double step) {
+    const Pose X_WB0 = motion.pose(t), X_WB1 = motion.pose(t + step);
+    const Corners a0 = cornersAt(a, t), a1 = cornersAt(a, t + step);
+    const FrameMotionBound m = motion.bound(t, t + step);
+    std::array<Eigen::Vector3d, 6> hull;
+    const double speed = speedOf(a) + m.speed;
+    double reach = 0;
+    for (std::size_t i = 0; i < 3; ++i) {
+      hull[i] = rotatedBack(X_WB0.rotation, a0[i] - X_WB0.translation);
+      hull[3 + i] = rotatedBack(X_WB1.rotation, a1[i] - X_WB1.translation);
+      reach = std::max(reach, hull[i].norm());
+    }
+    const double bent =
+        acceleratingSeen(m.acceleration, speed, reach + step * speed, m) * step * step / 8;
+    const double slack =
+        bent * (1 + 1e-12) + std::max(rounding(X_WB0), rounding(X_WB1)) +
+        kTransferRounding * (size + X_WB0.translation.norm() + X_WB1.translation.norm());
+    if (!(slack < kInfinity)) return false;
+    return convexDistance(viewOfPoints(hull.data(), 6, 0), Pose{}, view, sweepRequest(request),
+                          scratch, nullptr, slack)
                .distance.lower > request.margin;
   }
 };
@@ -600,36 +672,20 @@ ContactResult timeOfContact(const MovingTriangle& a, const MovingTriangle& b,
                             const ContactRequest& request, Scratch& scratch) {
   if (!finite(a) || !finite(b)) return {};
   const double rounding = kMotionRounding * (sizeOf(a) + sizeOf(b));
-  double speed = 0;
-  for (std::size_t i = 0; i < 3; ++i)
-    for (std::size_t j = 0; j < 3; ++j)
-      speed = std::max(speed, (a.to[i] - a.from[i] - b.to[j] + b.from[j]).norm());
-  TrianglePair pair{a, &b, nullptr, request, scratch, rounding, speed + rounding, {}, 0};
+  TrianglePair pair{a, b, request, scratch, rounding, speedOf(a) + speedOf(b), {}};
   return PlaneFollower(pair, request).run();
+}
+
+ContactResult timeOfContact(const MovingTriangle& a, const Shape& b, const RigidMotion& motion_b,
+                            const ContactRequest& request, Scratch& scratch) {
+  if (!finite(a) || !b.isConvex()) return {};
+  TriangleBody pair(a, b, motion_b, request, scratch);
+  return pair.planes ? PlaneFollower(pair, request).run() : advance(pair, request);
 }
 
 ContactResult timeOfContact(const MovingTriangle& a, const Shape& b, const Pose& X_WB,
                             const ContactRequest& request, Scratch& scratch) {
-  const RelativePose X = relativePose(Pose{}, X_WB);
-  if (!finite(a) || !X.valid || !b.isConvex()) return {};
-  MovingTriangle a_B = a;
-  for (std::size_t i = 0; i < 3; ++i) {
-    a_B.from[i] = X.X_BA * a.from[i];
-    a_B.to[i] = X.X_BA * a.to[i];
-  }
-  const double size = sizeOf(a) + X.X_BA.translation.norm();
-  const ConvexView view = viewOf(b);
-  const double extent = b.extent() == kInfinity ? 0 : b.extent();
-  const double rounding = kMotionRounding * (size + sizeOf(a_B)) + X.slack * (size + extent);
-  double speed = 0;
-  for (std::size_t i = 0; i < 3; ++i) speed = std::max(speed, (a.to[i] - a.from[i]).norm());
-  TrianglePair pair{a_B, nullptr, &view, request, scratch, rounding, speed + rounding, {}, 0};
-  ContactResult result = b.type() == ShapeType::kHalfSpace ? advance(pair, request)
-                                                           : PlaneFollower(pair, request).run();
-  result.distance.point_a = X_WB * result.distance.point_a;
-  result.distance.point_b = X_WB * result.distance.point_b;
-  result.distance.normal = X_WB.rotation * result.distance.normal;
-  return result;
+  return timeOfContact(a, b, Still(X_WB), request, scratch);
 }
 
 ContactResult timeOfContact(const Scene& scene, std::span<const RigidMotion* const> motions,

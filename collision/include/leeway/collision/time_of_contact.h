@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <memory>
 #include <span>
 
 #include "leeway/collision/distance.h"
@@ -158,12 +159,26 @@ struct MovingTriangle {
   std::array<Eigen::Vector3d, 3> from, to;  // [m]
 };
 
-/// The same for two such triangles, and for one and a shape that stands still (not a mesh). Exact
-/// linear sweeps: there is no bound on acceleration to be had.
+/// The same for two such triangles, and for one and a convex shape that moves or stands (kInvalid
+/// for a mesh).
 ContactResult timeOfContact(const MovingTriangle& a, const MovingTriangle& b,
+                            const ContactRequest& request, Scratch& scratch);
+ContactResult timeOfContact(const MovingTriangle& a, const Shape& b, const RigidMotion& motion_b,
                             const ContactRequest& request, Scratch& scratch);
 ContactResult timeOfContact(const MovingTriangle& a, const Shape& b, const Pose& X_WB,
                             const ContactRequest& request, Scratch& scratch);
+
+/// The same for a whole deforming mesh whose vertices travel on straight lines from those of one
+/// snapshot (t = 0) to those of another of the same mesh (t = 1), and a convex shape that moves in
+/// the mesh's frame. At the start the mesh's closed components are solids; later nothing comes into
+/// them but through their triangles. The hierarchy of `from` is followed into what the body may
+/// meet, earliest parts first: the boxes of a node at both ends bound it at all times between. A
+/// strategy without a hierarchy costs O(triangles). `distance.triangle_a` is the triangle that was
+/// met. kInvalid also for snapshots of different meshes and margins below 0.
+ContactResult timeOfContact(const std::shared_ptr<const DeformableSnapshot>& from,
+                            const std::shared_ptr<const DeformableSnapshot>& to, const Shape& b,
+                            const RigidMotion& motion_b, const ContactRequest& request,
+                            Scratch& scratch);
 
 /// The first contact (separation at or below the pair's own margin, plus request.margin) of any
 /// pair of a scene of which every body moves as told: one motion a body, null for bodies that do
