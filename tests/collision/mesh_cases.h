@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <numbers>
 #include <random>
 #include <string>
 #include <vector>
@@ -190,6 +191,23 @@ inline std::vector<std::pair<std::string, Shape>> sampleConvexShapes(Random& ran
           {"ellipsoid", Shape::ellipsoid({0.3, 0.2, 0.1})},
           {"hull", Shape::convexHull(points)},
           {"half-space", Shape::halfSpace()}};
+}
+
+/// The winding number of a component around p by solid angles: a twin of crossings counted with
+/// exact signs.
+inline double windingAround(const TriangleMesh& mesh, int component, const Eigen::Vector3d& p) {
+  double sum = 0;
+  for (std::size_t i = 0; i < mesh.triangles().size(); ++i) {
+    if (mesh.component(static_cast<int>(i)) != component) continue;
+    const auto at = [&](std::size_t k) {
+      return Eigen::Vector3d(mesh.vertices()[static_cast<std::size_t>(mesh.triangles()[i][k])] - p);
+    };
+    const Eigen::Vector3d a = at(0), b = at(1), c = at(2);
+    const double la = a.norm(), lb = b.norm(), lc = c.norm();
+    sum += 2 * std::atan2(a.dot(b.cross(c)),
+                          la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
+  }
+  return sum / (4 * std::numbers::pi);
 }
 
 }  // namespace leeway::collision::testing

@@ -55,21 +55,6 @@ Interval bruteSurfaces(const Bodies& a, const Pose& X_WA, const Bodies& b, const
   return all;
 }
 
-double windingAround(const TriangleMesh& mesh, int component, const Vector3d& p) {
-  double sum = 0;
-  for (std::size_t i = 0; i < mesh.triangles().size(); ++i) {
-    if (mesh.component(static_cast<int>(i)) != component) continue;
-    const auto at = [&](std::size_t k) {
-      return Vector3d(mesh.vertices()[static_cast<std::size_t>(mesh.triangles()[i][k])] - p);
-    };
-    const Vector3d a = at(0), b = at(1), c = at(2);
-    const double la = a.norm(), lb = b.norm(), lc = c.norm();
-    sum += 2 * std::atan2(a.dot(b.cross(c)),
-                          la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
-  }
-  return sum / (4 * 3.14159265358979323846);
-}
-
 bool bruteHolds(const Shape& outer, const Pose& X_WO, const Shape& inner, const Pose& X_WI) {
   if (outer.type() != ShapeType::kMesh || inner.type() == ShapeType::kHalfSpace) return false;
   std::vector<Vector3d> points;

@@ -198,22 +198,6 @@ TEST(TriangleMesh, HullExcessIsAnUpperBound) {
   }
 }
 
-// The winding number by solid angles, as a twin of crossings counted with exact signs.
-double solidAngleWinding(const TriangleMesh& mesh, int component, const Vector3d& p) {
-  double sum = 0;
-  for (std::size_t i = 0; i < mesh.triangles().size(); ++i) {
-    if (mesh.component(static_cast<int>(i)) != component) continue;
-    const auto at = [&](std::size_t k) {
-      return Vector3d(mesh.vertices()[static_cast<std::size_t>(mesh.triangles()[i][k])] - p);
-    };
-    const Vector3d a = at(0), b = at(1), c = at(2);
-    const double la = a.norm(), lb = b.norm(), lc = c.norm();
-    sum += 2 * std::atan2(a.dot(b.cross(c)),
-                          la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
-  }
-  return sum / (4 * 3.14159265358979323846);
-}
-
 TEST(PointInSolid, AgreesWithSolidAngles) {
   int inside = 0, outside = 0;
   for (const NamedMesh& m : sampleMeshes(13)) {
@@ -224,7 +208,7 @@ TEST(PointInSolid, AgreesWithSolidAngles) {
       for (int i = 0; i < 1000; ++i) {
         const Vector3d p = random.vector();
         const Side side = sideOf(*m.mesh, c, p);
-        const bool expected = std::lround(solidAngleWinding(*m.mesh, c, p)) != 0;
+        const bool expected = std::lround(windingAround(*m.mesh, c, p)) != 0;
         ASSERT_EQ(side, expected ? Side::kInside : Side::kOutside) << p.transpose();
         ++(expected ? inside : outside);
       }

@@ -232,25 +232,8 @@ TEST(EdgeCertifier, NeverMissesAThinWire) {
 Object solidCubes(const std::vector<Eigen::Vector3d>& centers) {
   std::vector<Eigen::Vector3d> vertices;
   std::vector<collision::TriangleMesh::Triangle> triangles;
-  for (const Eigen::Vector3d& c : centers) {
-    const auto first = static_cast<std::int32_t>(vertices.size());
-    for (int i = 0; i < 8; ++i)
-      vertices.emplace_back(c + Eigen::Vector3d(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1));
-    for (const collision::TriangleMesh::Triangle& t :
-         std::initializer_list<collision::TriangleMesh::Triangle>{{0, 2, 1},
-                                                                  {1, 2, 3},
-                                                                  {4, 5, 6},
-                                                                  {5, 7, 6},
-                                                                  {0, 1, 4},
-                                                                  {1, 5, 4},
-                                                                  {2, 6, 3},
-                                                                  {3, 6, 7},
-                                                                  {0, 4, 2},
-                                                                  {2, 4, 6},
-                                                                  {1, 3, 5},
-                                                                  {3, 7, 5}})
-      triangles.push_back({first + t[0], first + t[1], first + t[2]});
-  }
+  for (const Eigen::Vector3d& c : centers)
+    testing::appendBox(c, Eigen::Vector3d::Ones(), vertices, triangles);
   Object solid;
   solid.name = "solid";
   solid.geometries.push_back(

@@ -43,6 +43,20 @@ inline collision::Shape randomShape(Random& random, double size) {
   }
 }
 
+/// Adds a closed box with these half edges around a centre to a mesh.
+inline void appendBox(const Eigen::Vector3d& center, const Eigen::Vector3d& half,
+                      std::vector<Eigen::Vector3d>& vertices,
+                      std::vector<collision::TriangleMesh::Triangle>& triangles) {
+  static constexpr std::int32_t kFaces[12][3] = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6},
+                                                 {0, 1, 4}, {1, 5, 4}, {2, 6, 3}, {3, 6, 7},
+                                                 {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
+  const auto first = static_cast<std::int32_t>(vertices.size());
+  for (int i = 0; i < 8; ++i)
+    vertices.emplace_back(center + half.cwiseProduct(Eigen::Vector3d(i & 1 ? 1 : -1, i & 2 ? 1 : -1,
+                                                                     i & 4 ? 1 : -1)));
+  for (const auto& f : kFaces) triangles.push_back({first + f[0], first + f[1], first + f[2]});
+}
+
 /// Three boxes in one mesh: closed, concave, often in each other or one within another.
 inline collision::Shape randomMesh(Random& random, double size) {
   std::vector<Eigen::Vector3d> vertices;
@@ -51,24 +65,7 @@ inline collision::Shape randomMesh(Random& random, double size) {
     const Eigen::Vector3d center = random.vector(size);
     const double x = size * random.uniform(0.05, 0.6), y = size * random.uniform(0.05, 0.6),
                  z = size * random.uniform(0.05, 0.6);
-    const auto first = static_cast<std::int32_t>(vertices.size());
-    for (int i = 0; i < 8; ++i)
-      vertices.emplace_back(center +
-                            Eigen::Vector3d(i & 1 ? x : -x, i & 2 ? y : -y, i & 4 ? z : -z));
-    for (const collision::TriangleMesh::Triangle& t :
-         std::vector<collision::TriangleMesh::Triangle>{{0, 2, 1},
-                                                        {1, 2, 3},
-                                                        {4, 5, 6},
-                                                        {5, 7, 6},
-                                                        {0, 1, 4},
-                                                        {1, 5, 4},
-                                                        {2, 6, 3},
-                                                        {3, 6, 7},
-                                                        {0, 4, 2},
-                                                        {2, 4, 6},
-                                                        {1, 3, 5},
-                                                        {3, 7, 5}})
-      triangles.push_back({first + t[0], first + t[1], first + t[2]});
+    appendBox(center, {x, y, z}, vertices, triangles);
   }
   return collision::Shape::mesh(collision::TriangleMesh::make(vertices, triangles));
 }
