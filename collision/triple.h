@@ -7,9 +7,9 @@
 
 namespace leeway::collision {
 
-/// Three plain numbers, not set to anything. A Vector goes through memory, where reading two coordinates at once after
-/// they were written one by one costs more than a closed form's arithmetic; these stay in
-/// registers.
+/// Three plain numbers, not set to anything. A Vector goes through memory, where reading two
+/// coordinates at once after they were written one by one costs more than a closed form's
+/// arithmetic; these stay in registers.
 struct Triple {
   double x, y, z;
 };
