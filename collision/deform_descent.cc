@@ -24,9 +24,6 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-// Triangles of a leaf of either hierarchy.
-constexpr int kLeaf = DeformTree::kLeafTriangles;
-
 FloatBox boxOf(const Vector3d& low, const Vector3d& high) {
   FloatBox box;
   for (int k = 0; k < 3; ++k) {

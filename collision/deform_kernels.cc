@@ -537,10 +537,7 @@ namespace leeway::collision {
 
 HWY_EXPORT(kernels);
 
-const DeformKernels& deformKernels() {
-  static const DeformKernels& chosen = *HWY_DYNAMIC_DISPATCH(kernels)();
-  return chosen;
-}
+const DeformKernels& deformKernels() { return *HWY_DYNAMIC_DISPATCH(kernels)(); }
 
 }  // namespace leeway::collision
 #endif

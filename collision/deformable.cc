@@ -28,6 +28,11 @@ std::uint64_t nextNumber() {
 // by surface area, take [us]; only their ratio counts. Measured by bench_deform, rounded.
 constexpr double kQueryMicroseconds = 3;
 constexpr double kRebuildMicroseconds = 0.2;
+// What a query takes longer among boxes of the modes of waves, which add up where crests do not
+// meet, and what a triangle costs an update that reads its vertices [us]; from leeway report
+// deform, rounded.
+constexpr double kModesMicroseconds = 3.5;
+constexpr double kReadMicroseconds = 0.001;
 // Triangles that are looked at to see whether the hierarchy or the mesh itself has grown.
 constexpr std::size_t kSampledTriangles = 256;
 
@@ -43,6 +48,7 @@ DeformStrategy strategyOf(MotionKind kind) {
     case MotionKind::kSkinned:
       return DeformStrategy::kSkinned;
     case MotionKind::kReduced:
+    case MotionKind::kWaves:  // two modes a wave
       return DeformStrategy::kReduced;
     default:
       return DeformStrategy::kHybrid;
@@ -114,13 +120,17 @@ void Deformable::Impl::choose(DeformStrategy& strategy, const char*& reason) con
     reason = "the vertices are not the motion's";
   }
   if (strategy != DeformStrategy::kAuto) return;
-  if (by_motion && bounds && needsMotion(strategyOf(motion->kind()))) {
+  const bool bounded = by_motion && bounds && needsMotion(strategyOf(motion->kind()));
+  const bool loose = bounded && motion->kind() == MotionKind::kWaves;
+  if (bounded && !(loose && options.expected_queries * kModesMicroseconds >
+                                mesh->triangleCount() * kReadMicroseconds)) {
     strategy = strategyOf(motion->kind());
     reason = "the motion bounds its own nodes";
     return;
   }
   strategy = DeformStrategy::kHybrid;
-  reason = "vertices come one by one, few queries a frame";
+  reason = loose ? "reading the vertices costs less than the looser boxes of waves"
+                 : "vertices come one by one, few queries a frame";
 }
 
 namespace {
@@ -343,12 +353,13 @@ Deformable::Deformable(std::shared_ptr<const DeformableMesh> mesh,
   }
   if (needsMotion(options.strategy) &&
       (!motion || strategyOf(motion->kind()) != options.strategy)) {
-    throw std::invalid_argument(std::string("deformable: the strategy ") +
-                                toString(options.strategy) + " needs a " +
-                                toString(options.strategy) + " motion; this one is of the kind " +
-                                (motion ? toString(motion->kind()) : "own vertices") +
-                                ", which auto, rebuild, rebuild-linear, refit, hybrid, lazy, "
-                                "restructure and octree follow");
+    throw std::invalid_argument(
+        std::string("deformable: the strategy ") + toString(options.strategy) + " needs a " +
+        toString(options.strategy) + " motion" +
+        (options.strategy == DeformStrategy::kReduced ? " or waves" : "") +
+        "; this one is of the kind " + (motion ? toString(motion->kind()) : "own vertices") +
+        ", which auto, rebuild, rebuild-linear, refit, hybrid, lazy, "
+        "restructure and octree follow");
   }
   Impl& impl = *impl_;
   impl.mesh = std::move(mesh);

@@ -248,6 +248,25 @@ TEST(Deformable, AMotionIsFollowedByItsOwnBounds) {
   EXPECT_GT(deformable.snapshot()->high().z(), 1);
 }
 
+// Boxes of waves' modes are looser than those of vertices, and cost no look at these: the more
+// queries, the less that pays.
+TEST(Deformable, WavesAreFollowedByTheirModesWhereQueriesAreFew) {
+  const Sheet sheet = testing::cloth(10);
+  WavesMotion motion;
+  motion.rest = sheet.vertices;
+  motion.waves.push_back({{1, 0, 0}, {0, 0, 0.1}, 0.7, 1, 0});
+  const auto waves = VertexMotion::waves(std::move(motion));
+  const auto mesh = DeformableMesh::make(sheet.vertices, sheet.triangles);
+  for (const int queries : {0, 12}) {
+    DeformOptions options;
+    options.expected_queries = queries;
+    Deformable deformable(mesh, waves, options);
+    ASSERT_EQ(deformable.update(0.5), UpdateStatus::kUpdated);
+    EXPECT_EQ(deformable.statistics().strategy,
+              queries == 0 ? DeformStrategy::kReduced : DeformStrategy::kHybrid);
+  }
+}
+
 TEST(Deformable, AScenesShapeFollows) {
   const Sheet sheet = testing::cloth(10);
   Deformable deformable(DeformableMesh::make(sheet.vertices, sheet.triangles));

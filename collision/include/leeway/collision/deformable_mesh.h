@@ -31,7 +31,8 @@ enum class DeformStrategy : unsigned char {
   kMorph,    ///< boxes of the references blended as the vertices are (Larsson and Akenine-Moller
              ///< 2003); needs a morphing motion
   kSkinned,  ///< boxes from the bones (Kavan and Zara 2005); needs a skinned motion
-  kReduced,  ///< boxes from the reduced coordinates (James and Pai 2004); needs a reduced motion
+  kReduced,  ///< boxes from the reduced coordinates (James and Pai 2004); needs a reduced motion or
+             ///< waves
   kRestructure,  ///< refit, and subtrees that no longer fit are built anew (Larsson and
                  ///< Akenine-Moller 2006; Yoon, Curtis, Manocha 2007)
   kOctree,       ///< no tree: triangles in the overlap of two boxes, split by an implicit octree
