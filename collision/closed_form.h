@@ -28,20 +28,32 @@ inline double nearestOnSegment(const Triple& p, const Triple& h) {
          (length_squared > 0 ? length_squared : 1);
 }
 
-/// Nearest points of two segments through c0 and c1, with half vectors h0 and h1: c + s h, |s|
-/// <= 1, exactly 1 at an end. After Lumelsky (1985). Near parallel they can be poor; the
-/// caller checks them.
+/// Nearest points of two segments c0 + s0 u, |s0| <= h0, and c1 + s1 v, |s1| <= h1, with unit
+/// vectors u and v, after Lumelsky (1985), from the products b = u v, c = u r, f = v r with r = c0
+/// - c1. Near parallel they can be poor; the caller checks them.
+inline void nearestOnAxes(double b, double c, double f, double h0, double h1, double& s0,
+                          double& s1) {
+  // Parallel: any start is right, the ones after it do the rest.
+  constexpr double kLeast = 1e-300;  // in the place of 0
+  const double per = 1 / std::max(1 - b * b, kLeast);
+  s0 = within((b * f - c) * per, -h0, h0);
+  s1 = within(b * s0 + f, -h1, h1);
+  s0 = within(b * s1 - c, -h0, h0);
+}
+
+/// Nearest points of two segments through c0 and c1, with half vectors h0 and h1: c + s h, |s| <= 1
+/// (by rounding, a few units more). The same.
 inline void nearestOnSegments(const Triple& c0, const Triple& h0, const Triple& c1,
                               const Triple& h1, double& s0, double& s1) {
   const Triple r = c0 - c1;
   const double a = squared(h0), e = squared(h1), b = dot(h0, h1);
   const double c = dot(h0, r), f = dot(h1, r);
-  const double denominator = a * e - b * b;
-  // Parallel or without length: any start is right, the ones after it do the rest. (Without length
-  // b, c or f are 0, too.)
-  s0 = within(b * f - c * e, -denominator, denominator) / (denominator > 0 ? denominator : 1);
-  s1 = within(b * s0 + f, -e, e) / (e > 0 ? e : 1);
-  s0 = within(b * s1 - c, -a, a) / (a > 0 ? a : 1);
+  // (Without length b, c or f are 0, too.)
+  constexpr double kLeast = 1e-300;
+  const double denominator = std::max(a * e - b * b, kLeast);
+  s0 = within(b * f - c * e, -denominator, denominator) / denominator;
+  s1 = within(b * s0 + f, -e, e) / std::max(e, kLeast);
+  s0 = within(b * s1 - c, -a, a) / std::max(a, kLeast);
 }
 
 /// Where the segment c + s h, |s| <= 1, comes nearest to the box |x| <= half: s. As good as

@@ -106,7 +106,7 @@ RelativePose relativePose(const Pose& X_WA, const Pose& X_WB) {
                       (b.y() - b.y()) + (b.z() - b.z());
   if (!(check.rotations && zero == 0)) return result;
   result.valid = true;
-  result.slack = check.slack;
+  result.slack = check.departure + kPoseRounding * kUnitRoundoff;
   // Rows 0 and 1 of a column side by side, row 2 alone.
   typedef double Pair __attribute__((vector_size(16)));
   const Eigen::Matrix3d &A = X_WA.rotation, &B = X_WB.rotation;

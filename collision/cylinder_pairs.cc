@@ -213,15 +213,15 @@ bool nearestOfCylinderAndCapsule(const Shape& cylinder, const Pose& X_WC, const 
     }
   }
   double s_a = 0, s_b = 0;
-  const Triple half_a = a.half * a.u;
-  nearestOnSegments(a.c, half_a, {}, b.h, s_a, s_b);
-  const Triple q = s_b * b.h, p = a.c + s_a * half_a;
-  if (std::abs(s_a) < 1 && a.half > 0) {
+  const Triple v = column(X_WB.rotation, 2);
+  nearestOnAxes(dot(a.u, v), dot(a.c, a.u), dot(a.c, v), a.half, capsule.halfLength(), s_a, s_b);
+  const Triple q = s_b * v, p = a.c + s_a * a.u;
+  if (std::abs(s_a) < a.half) {
     if (!sidesMeet(a, p, q - p, 0, nearest)) return false;
     planeOf(a, b, nearest);
     return true;
   }
-  return nearestOfRim(a, s_a, radialTowards(a, q), b, {}, nearest);
+  return nearestOfRim(a, std::copysign(1.0, s_a), radialTowards(a, q), b, {}, nearest);
 }
 
 bool nearestOfCylinders(const Shape& shape_a, const Pose& X_WA, const Shape& shape_b,
@@ -266,11 +266,10 @@ bool nearestOfCylinders(const Shape& shape_a, const Pose& X_WA, const Shape& sha
     }
   }
   double s_a = 0, s_b = 0;
-  const Triple half_a = a.half * a.u, half_b = b.half * b.u;
-  nearestOnSegments(a.c, half_a, {}, half_b, s_a, s_b);
-  const Triple p = a.c + s_a * half_a, q = s_b * half_b;
+  nearestOnAxes(cosine, along_a, along_b, a.half, b.half, s_a, s_b);
+  const Triple p = a.c + s_a * a.u, q = s_b * b.u;
   if (goal.below > 0 && squared(q - p) < goal.below * goal.below) return settle(p, q - p);
-  const bool inner_a = std::abs(s_a) < 1 && a.half > 0, inner_b = std::abs(s_b) < 1 && b.half > 0;
+  const bool inner_a = std::abs(s_a) < a.half, inner_b = std::abs(s_b) < b.half;
   if (inner_a && inner_b) {
     if (!sidesMeet(a, p, q - p, b.radius, nearest)) return false;
     nearest.apart += tiltOf(nearest.normal, b.u, b.radius);
@@ -284,13 +283,13 @@ bool nearestOfCylinders(const Shape& shape_a, const Pose& X_WA, const Shape& sha
   };
   for (const bool inner : {false, true}) {
     if (inner_a == inner) {
-      const double side = inner ? std::copysign(1.0, dot(q - a.c, a.u)) : s_a;
+      const double side = std::copysign(1.0, inner ? dot(q - a.c, a.u) : s_a);
       if (nearestOfRim(a, side, radialTowards(a, q), CylinderSolid{b}, goal, nearest) && enough()) {
         return true;
       }
     }
     if (inner_b == inner) {
-      const double side = inner ? std::copysign(1.0, dot(p, b.u)) : s_b;
+      const double side = std::copysign(1.0, inner ? dot(p, b.u) : s_b);
       if (nearestOfRim(b, side, radialTowards(b, p), CylinderSolid{a}, goal, nearest) && enough()) {
         nearest.point_a = nearest.point_a + nearest.apart * nearest.normal;
         nearest.normal = -nearest.normal;

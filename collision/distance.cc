@@ -44,9 +44,12 @@ void forgetPoints(DistanceResult& result) {
 
 DistanceResult distance(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
                         const DistanceRequest& request, Scratch& scratch, PairCache* cache) {
+  // (One result, made where the caller wants it.)
   DistanceResult result;
-  if (answerSimplePair(a, X_WA, b, X_WB, request, cache, result)) return result;
-  return generalDistance(a, X_WA, b, X_WB, request, scratch, cache);
+  if (!answerSimplePair(a, X_WA, b, X_WB, request, cache, result)) {
+    result = generalDistance(a, X_WA, b, X_WB, request, scratch, cache);
+  }
+  return result;
 }
 
 DistanceResult generalDistance(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,

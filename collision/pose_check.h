@@ -7,20 +7,22 @@
 
 namespace leeway::collision {
 
+/// Two numbers side by side, the same operation on both: a lane for each body. (Every compiler that
+/// we build with has these; they are rounded like single doubles, so that results are the same
+/// where they are not fast.)
+typedef double BodyLanes __attribute__((vector_size(16)));
+
 /// How far the matrices of two poses are from rotations: see RelativePose (convex.h).
 struct PoseCheck {
   /// Both departures are at most kRotationTolerance; false when an entry is not finite.
   bool rotations = false;
-  double slack = 0;
+  double departure = 0;  ///< the sum of both, or a little more
 };
 
 /// O(1), without a branch: every query starts with it. Translations are not looked at.
 inline __attribute__((always_inline)) PoseCheck checkRotations(const Eigen::Matrix3d& R,
                                                                const Eigen::Matrix3d& S) {
-  // Two numbers side by side, the same operation on both: a lane for each pose. (Every compiler
-  // that we build with has these; they are rounded like single doubles, so that results are the
-  // same where they are not fast.)
-  typedef double Lanes __attribute__((vector_size(16)));
+  using Lanes = BodyLanes;
   const auto entry = [&](int i, int j) __attribute__((always_inline)) {
     return Lanes{R(i, j), S(i, j)};
   };
@@ -41,7 +43,7 @@ inline __attribute__((always_inline)) PoseCheck checkRotations(const Eigen::Matr
   // sqrt(x) + sqrt(y) <= sqrt(2 (x + y)), at one root less. Comparisons are written so that NaN and
   // infinity fail.
   return {departure[0] <= kLimit && departure[1] <= kLimit,
-          std::sqrt(2 * (departure[0] + departure[1])) + kPoseRounding * kUnitRoundoff};
+          std::sqrt(2 * (departure[0] + departure[1]))};
 }
 
 }  // namespace leeway::collision

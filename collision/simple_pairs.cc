@@ -1,5 +1,7 @@
 #include "collision/simple_pairs.h"
 
+#include <cstring>
+
 #include "collision/box_pairs.h"
 #include "collision/closed_form.h"
 #include "collision/cylinder_pairs.h"
@@ -25,9 +27,13 @@ struct Frame {
   double radius_a, radius_b;
 };
 
+// As compilers copy it: what was written in one piece is read back in one without a stall.
+inline void writePair(double first, double second, double* to) {
+  const BodyLanes pair = {first, second};
+  std::memcpy(to, &pair, sizeof(pair));
+}
 inline void write(const Triple& t, Eigen::Vector3d& v) {
-  v.x() = t.x;
-  v.y() = t.y;
+  writePair(t.x, t.y, v.data());
   v.z() = t.z;
 }
 
@@ -37,12 +43,13 @@ inline __attribute__((always_inline)) bool answer(const Frame& frame, const Near
                                                   DistanceResult& result) {
   const PoseCheck check = checkRotations(frame.X_WA.rotation, frame.X_WB.rotation);
   const double radii = frame.radius_a + frame.radius_b;
-  // |t| <= apart + both extents.
-  const double size = nearest.apart + 2 * (frame.extent_a + frame.extent_b);
-  const double rounding =
-      (kClosedFormRounding * kUnitRoundoff + check.slack) * size + 4 * kUnitRoundoff * radii;
-  const double lower = nearest.plane - (radii + rounding);
-  const double upper = nearest.apart - (radii - rounding);
+  // |t| <= apart + both extents. (What waits for the root of `apart` is kept short.)
+  const double share = check.departure + (kClosedFormRounding + kPoseRounding) * kUnitRoundoff;
+  const double extents = 2 * (frame.extent_a + frame.extent_b);
+  const double size = nearest.apart + extents;
+  const double rounding = share * nearest.apart + (share * extents + 4 * kUnitRoundoff * radii);
+  const double lower = (nearest.plane - radii) - rounding;
+  const double upper = (nearest.apart - radii) + rounding;
   const bool converged = upper - lower <= request.tolerance;
   const bool above = lower > request.threshold, below = upper <= request.threshold;
   const bool overlap = !request.depth && upper <= 0;
@@ -133,32 +140,43 @@ inline __attribute__((always_inline)) bool answerSegments(const Shape& a, const 
                                                           PairCache* cache,
                                                           DistanceResult& result) {
   const double extent_a = kSegmentA ? a.halfLength() : 0, extent_b = kSegmentB ? b.halfLength() : 0;
+  const Eigen::Matrix3d &R = X_WA.rotation, &S = X_WB.rotation;
   const Triple d = tripleOf(X_WA.translation) - tripleOf(X_WB.translation);
-  const Triple half_a = extent_a * column(X_WA.rotation, 2);
-  const Triple half_b = extent_b * column(X_WB.rotation, 2);
   Nearest nearest;
   nearest.point_a = d;
-  Triple w;
   if constexpr (kSegmentA && kSegmentB) {
+    // Both axes, side by side.
+    const BodyLanes x = {R(0, 2), S(0, 2)}, y = {R(1, 2), S(1, 2)}, z = {R(2, 2), S(2, 2)};
+    const auto along = [&](const Triple& v) __attribute__((always_inline)) {
+      return x * BodyLanes{v.x, v.x} + y * BodyLanes{v.y, v.y} + z * BodyLanes{v.z, v.z};
+    };
+    const BodyLanes along_d = along(d);
     double s_a = 0, s_b = 0;
-    nearestOnSegments(d, half_a, {}, half_b, s_a, s_b);
-    nearest.point_a = d + s_a * half_a;
-    w = s_b * half_b - nearest.point_a;
-  } else if constexpr (kSegmentA) {
-    nearest.point_a = d - nearestOnSegment(d, half_a) * half_a;
-    w = -nearest.point_a;
-  } else if constexpr (kSegmentB) {
-    w = nearestOnSegment(d, half_b) * half_b - d;
+    nearestOnAxes(x[0] * x[1] + y[0] * y[1] + z[0] * z[1], along_d[0], along_d[1], extent_a,
+                  extent_b, s_a, s_b);
+    nearest.point_a = {d.x + s_a * x[0], d.y + s_a * y[0], d.z + s_a * z[0]};
+    const Triple w = Triple{s_b * x[1], s_b * y[1], s_b * z[1]} - nearest.point_a;
+    nearest.apart = std::sqrt(squared(w));
+    const double per = 1 / nearest.apart;
+    nearest.normal = per * w;
+    // (Divided last, it need not wait for the root.)
+    const BodyLanes reach = along(w);
+    nearest.plane =
+        per * (-dot(w, d) - (std::abs(reach[0]) * extent_a + std::abs(reach[1]) * extent_b));
   } else {
-    w = -d;
+    Triple w = -d;
+    if constexpr (kSegmentA) {
+      const Triple half = extent_a * column(R, 2);
+      nearest.point_a = d - nearestOnSegment(d, half) * half;
+      w = -nearest.point_a;
+    } else if constexpr (kSegmentB) {
+      const Triple half = extent_b * column(S, 2);
+      w = nearestOnSegment(d, half) * half - d;
+    }
+    // From a point the distance is the lower end, too: its clamp errs by as little.
+    nearest.apart = nearest.plane = std::sqrt(squared(w));
+    nearest.normal = (1 / nearest.apart) * w;
   }
-  nearest.apart = std::sqrt(squared(w));
-  nearest.normal = (1 / nearest.apart) * w;
-  const Triple& n = nearest.normal;
-  // From a point the distance is the lower end, too: its clamp errs by as little.
-  nearest.plane = kSegmentA && kSegmentB
-                      ? -dot(n, d) - std::abs(dot(n, half_a)) - std::abs(dot(n, half_b))
-                      : nearest.apart;
   return answer({X_WA, X_WB, extent_a, extent_b, a.radius(), b.radius()}, nearest, request, cache,
                 result);
 }
