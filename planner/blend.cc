@@ -51,7 +51,7 @@ class Blending {
 
  private:
   /// A circle that passes from pi to -pi within the cut: a mimic of it might jump between a chord
-  /// and the curve.
+  /// and the curve. Or one that turns by about half a turn: rounding might choose the chord's way.
   bool wraps(std::span<const double> corner, std::span<const double> before,
              std::span<const double> after, double a, double b) const {
     for (const ConfigurationSpace::Part& part : space_.parts()) {
@@ -59,7 +59,7 @@ class Blending {
       const std::size_t i = at(part.first);
       const double middle = std::remainder(corner[i], 2 * std::numbers::pi);
       const double reach = std::max(std::abs(a * before[i]), std::abs(b * after[i]));
-      if (!(std::abs(middle) + reach < std::numbers::pi)) return true;
+      if (!(std::abs(middle) + reach < std::numbers::pi && reach < kBlendReach)) return true;
     }
     return false;
   }

@@ -19,6 +19,7 @@ struct Range {
 /// A part of a piece over which d2s/dt2 = u is constant. x stands for (ds/dt)^2.
 struct Cell {
   const CurvePiece* piece;
+  int index;  // of the piece
   double begin, length;
 };
 
@@ -27,48 +28,45 @@ class Timing {
   Timing(std::span<const CurvePiece> pieces, std::span<const double> velocity,
          std::span<const double> acceleration)
       : velocity_(velocity), acceleration_(acceleration) {
-    for (const CurvePiece& piece : pieces) {
-      const int count = piece.straight ? 1 : kBendCells;
+    for (std::size_t p = 0; p < pieces.size(); ++p) {
+      const int count = pieces[p].straight ? 1 : kBendCells;
+      const double length = pieces[p].length;
       for (int i = 0; i < count; ++i)
-        cells_.push_back({&piece, piece.length * i / count, piece.length / count});
+        cells_.push_back({&pieces[p], static_cast<int>(p), length * i / count, length / count});
     }
     limitBackwards();
   }
 
   std::vector<TimedPhase> phases() const {
     std::vector<TimedPhase> result;
-    double time = 0, way = 0, x = 0;
-    const auto phase = [&](double u, double length, double next) {
+    double time = 0, x = 0;
+    // Ways are told within their piece: summed over all, what a short one adds would be rounding.
+    const auto phase = [&](int piece, double way, double length, double u, double next) {
       const double rate = std::sqrt(x), then = std::sqrt(next);
-      if (!(length > 0) || !(rate + then > 0)) return;
-      result.push_back({time, way, rate, u});
-      time += 2 * length / (rate + then);
-      way += length;
       x = next;
+      if (!(length > 0) || !(rate + then > 0)) return;
+      result.push_back({time, piece, way, rate, u});
+      time += 2 * length / (rate + then);
     };
-    double end = 0;  // of the cell, so that rounding does not add up
     for (std::size_t i = 0; i < cells_.size(); ++i) {
       const Cell& cell = cells_[i];
-      end += cell.length;
       if (!cell.piece->straight) {
-        Range u = accelerations(cell, x, most_[i + 1]);
-        const double next = std::clamp(x + 2 * cell.length * u.high, 0.0, most_[i + 1]);
-        phase((next - x) / (2 * cell.length), cell.length, next);
-        way = end;
+        const double u = accelerations(cell, x, most_[i + 1]).high;
+        const double next = std::clamp(x + 2 * cell.length * u, 0.0, most_[i + 1]);
+        phase(cell.index, cell.begin, cell.length, u, next);
         continue;
       }
       const double a = straightAcceleration(*cell.piece), gain = 2 * a * cell.length;
       const double next = std::min(most_[i + 1], x + gain);
       const double peak = std::clamp((x + next + gain) / 2, std::max(x, next),
                                      std::max(speedLimit(cell), std::max(x, next)));
-      const double rise = (peak - x) / (2 * a), fall = (peak - next) / (2 * a);
-      phase(a, rise, peak);
-      phase(0, cell.length - rise - fall, peak);
-      phase(-a, end - way, next);
-      way = end;
-      x = next;
+      const double rise = std::min((peak - x) / (2 * a), cell.length);
+      const double falling = std::max(cell.length - (peak - next) / (2 * a), rise);  // from here on
+      phase(cell.index, 0, rise, a, peak);
+      phase(cell.index, rise, falling - rise, 0, peak);
+      phase(cell.index, falling, cell.length - falling, -a, next);
     }
-    result.push_back({time, way, 0, 0});
+    result.push_back({time, cells_.back().index, cells_.back().piece->length, 0, 0});
     return result;
   }
 
@@ -134,7 +132,7 @@ class Timing {
       // What can be gone through is convex and holds standing still: bisection finds its end.
       double low = 0, high = limit;
       if (!accelerations(cell, high, most_[i + 1]).empty()) low = high;
-      for (int k = 0; k < 100 && low < high; ++k) {
+      while (low < high) {  // down to neighbouring numbers: limits may be any powers of ten apart
         const double middle = low + (high - low) / 2;
         if (middle == low || middle == high) break;
         (accelerations(cell, middle, most_[i + 1]).empty() ? high : low) = middle;

@@ -17,8 +17,8 @@ struct CurvePiece {
   bool straight = true;
 };
 
-/// From rest to rest along the pieces with |dq_i/dt| <= velocity[i] and |d2q_i/dt2| <=
-/// acceleration[i] (all positive and finite) at every moment, not only on a grid. The last phase
+/// From rest to rest along the pieces (at least one) with |dq_i/dt| <= velocity[i] and |d2q_i/dt2|
+/// <= acceleration[i] (all positive and finite) at every moment, not only on a grid. The last phase
 /// has rate and acceleration 0 and starts when the end is reached. As fast as speeds allow that are
 /// constant in acceleration of s over each of kBendCells parts of a bent piece; on straight pieces
 /// as fast as can be.

@@ -8,12 +8,14 @@
 #include <cmath>
 #include <cstring>
 #include <filesystem>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
 #include "leeway/planner/path_io.h"
 #include "leeway/planner/trajectory.h"
 #include "leeway/robots/input_error.h"
+#include "planner/tolerances.h"
 
 namespace leeway::planner {
 namespace {
@@ -48,12 +50,28 @@ std::vector<std::vector<double>> unwrapped(const ConfigurationSpace& space,
   return rows;
 }
 
+/// Refuses what stamps cannot say, and numbers of rows that nobody can mean.
+void checkTimes(const std::string& file, double duration, double period) {
+  if (!(duration <= kLatestStamp))
+    throw InputError(file, 0,
+                     fmt::format("cannot be written: the motion takes {} s; no more than {} s, by "
+                                 "faster limits, are expected",
+                                 duration, kLatestStamp));
+  if (period > 0 && !(duration / period <= kMostRows))
+    throw InputError(file, 0,
+                     fmt::format("cannot be written: {} s have more than {} rows {} s apart; a "
+                                 "longer period is expected",
+                                 duration, kMostRows, period));
+}
+
 /// When each waypoint is passed by a trajectory that stops at the corners [s].
-std::vector<double> waypointTimes(const Problem& problem, const ConfigurationSpace& space,
+std::vector<double> waypointTimes(const std::string& file, const Problem& problem,
+                                  const ConfigurationSpace& space,
                                   const std::vector<std::vector<double>>& rows) {
   if (rows.empty()) return {};
   const Trajectory trajectory(std::make_shared<ConfigurationSpace>(space), rows,
                               motionLimits(problem));
+  checkTimes(file, trajectory.duration(), 0);
   return {trajectory.times().begin(), trajectory.times().end()};
 }
 
@@ -132,10 +150,10 @@ std::string yamlTail(const Entries& certificate) {
   return text;
 }
 
-std::string jsonText(const Problem& problem, const ConfigurationSpace& space,
-                     const PlanResult& result) {
+std::string jsonText(const std::string& file, const Problem& problem,
+                     const ConfigurationSpace& space, const PlanResult& result) {
   const auto rows = unwrapped(space, result.path.positions);
-  const std::vector<double> times = waypointTimes(problem, space, rows);
+  const std::vector<double> times = waypointTimes(file, problem, space, rows);
   std::string text = jsonHead(problem, result.path.names);
   for (std::size_t i = 0; i < rows.size(); ++i)
     text += fmt::format("    {{\"positions\": {}, \"time_from_start\": {}}}{}\n", rowText(rows[i]),
@@ -143,10 +161,10 @@ std::string jsonText(const Problem& problem, const ConfigurationSpace& space,
   return text + jsonTail(certificateEntries(problem, space, result.certificate));
 }
 
-std::string yamlText(const Problem& problem, const ConfigurationSpace& space,
-                     const PlanResult& result) {
+std::string yamlText(const std::string& file, const Problem& problem,
+                     const ConfigurationSpace& space, const PlanResult& result) {
   const auto rows = unwrapped(space, result.path.positions);
-  const std::vector<double> times = waypointTimes(problem, space, rows);
+  const std::vector<double> times = waypointTimes(file, problem, space, rows);
   std::string text = yamlHead(problem, result.path.names);
   for (std::size_t i = 0; i < rows.size(); ++i)
     text += fmt::format("  - positions: {}\n    time_from_start: {}\n", rowText(rows[i]),
@@ -180,27 +198,44 @@ void quaternionRates(const double* q, double* velocity, double* acceleration) {
   }
 }
 
-/// At the trajectory's knots, and every `period` seconds where that is above 0; moments that a file
-/// cannot tell apart once.
-Samples sample(const Trajectory& trajectory, double period) {
-  const ConfigurationSpace& space = trajectory.space();
+/// The moments of the rows: knots, and every `period` seconds where that is above 0. Of those that
+/// a file cannot tell apart the last, from which on the motion goes as its row says, but the start
+/// itself.
+std::vector<double> sampleTimes(const Trajectory& trajectory, double period) {
   std::vector<double> times = trajectory.knots();
   if (period > 0)
     for (double k = 1; k * period < trajectory.duration(); ++k) times.push_back(k * period);
   std::sort(times.begin(), times.end());
+  std::vector<double> result;
+  for (const double time : times)
+    if (result.empty() || nanoseconds(time) > nanoseconds(result.back()))
+      result.push_back(time);
+    else if (result.size() > 1 || time == trajectory.duration())
+      result.back() = time;
+  return result;
+}
+
+Samples sample(const Trajectory& trajectory, double period) {
+  const ConfigurationSpace& space = trajectory.space();
   const std::size_t size = at(space.size());
   Samples samples;
-  for (const double time : times) {
-    if (!samples.times.empty() && nanoseconds(time) <= nanoseconds(samples.times.back())) continue;
+  samples.times = sampleTimes(trajectory, period);
+  for (const double time : samples.times) {
     std::vector<double> position(size), velocity(size), acceleration(size);
     trajectory.configuration(time, position);
     trajectory.velocity(time, velocity);
     trajectory.acceleration(time, acceleration);
     for (const ConfigurationSpace::Part& part : space.parts())
-      if (part.kind == ConfigurationSpace::Kind::kRotation)
-        quaternionRates(&position[at(part.first)], &velocity[at(part.first)],
-                        &acceleration[at(part.first)]);
-    samples.times.push_back(time);
+      if (part.kind == ConfigurationSpace::Kind::kRotation) {
+        double* q = &position[at(part.first)];
+        // A waypoint may name the same orientation by the opposite numbers.
+        if (!samples.positions.empty()) {
+          const double* last = &samples.positions.back()[at(part.first)];
+          if (q[0] * last[0] + q[1] * last[1] + q[2] * last[2] + q[3] * last[3] < 0)
+            for (int k = 0; k < 4; ++k) q[k] = -q[k];
+        }
+        quaternionRates(q, &velocity[at(part.first)], &acceleration[at(part.first)]);
+      }
     samples.positions.push_back(std::move(position));
     samples.velocities.push_back(std::move(velocity));
     samples.accelerations.push_back(std::move(acceleration));
@@ -209,7 +244,8 @@ Samples sample(const Trajectory& trajectory, double period) {
   return samples;
 }
 
-/// Of the motion as a whole: where corners are blended, what is proven of it are the margins.
+/// Of the motion as a whole: where corners are blended, what is proven of it are the margins, and
+/// it may never be where the path is nearest.
 Entries trajectoryEntries(const Problem& problem, const Trajectory& trajectory,
                           Certificate certificate) {
   std::string corners = "[";
@@ -219,6 +255,9 @@ Entries trajectoryEntries(const Problem& problem, const Trajectory& trajectory,
     for (const Problem::PairMargin& pair : problem.margins) least = std::min(least, pair.margin);
     certificate.clearance.lower = std::min(certificate.clearance.lower, least);
   }
+  if (certificate.closest_segment >= 0 &&
+      !trajectory.passes(certificate.closest_segment, certificate.closest_t))
+    certificate.clearance.upper = std::numeric_limits<double>::infinity();
   Entries entries;
   for (auto& entry : certificateEntries(problem, trajectory.space(), certificate))
     if (entry.first != "closest" && entry.first != "segments") entries.push_back(std::move(entry));
@@ -342,13 +381,13 @@ void writePath(const std::string& file, const Problem& problem, const PlanResult
     if (row.size() != problem.variables.size())
       throw std::invalid_argument("writePath: a row is not as long as the group");
   const std::string ending = std::filesystem::path(file).extension().string();
-  if (ending == ".json") return writeFileWhole(file, jsonText(problem, space, result));
+  if (ending == ".json") return writeFileWhole(file, jsonText(file, problem, space, result));
   if (ending == ".yaml" || ending == ".yml")
-    return writeFileWhole(file, yamlText(problem, space, result));
+    return writeFileWhole(file, yamlText(file, problem, space, result));
   if (ending == ".csv") {
     const auto rows = unwrapped(space, result.path.positions);
-    return writeFileWhole(file,
-                          csvText(result.path.names, waypointTimes(problem, space, rows), rows));
+    return writeFileWhole(
+        file, csvText(result.path.names, waypointTimes(file, problem, space, rows), rows));
   }
   if (ending == ".path") return writeFileWhole(file, matrixText(space, result));
   throw InputError(
@@ -367,6 +406,7 @@ void writeTrajectory(const std::string& file, const Problem& problem, const Plan
         fmt::format("the ending '{}' names no format of trajectories; .json, .yaml or .csv is "
                     "expected",
                     ending));
+  checkTimes(file, trajectory.duration(), period);
   const Samples samples = sample(trajectory, period);
   const std::vector<std::string>& names = result.path.names;
   if (ending == ".csv")

@@ -6,6 +6,7 @@
 
 #include "planner/nearest_name.h"
 #include "planner/problem_format.h"
+#include "planner/tolerances.h"
 
 namespace leeway::planner {
 namespace {
@@ -15,17 +16,18 @@ void readLimits(const YamlReader& execution, const char* key, const Problem& pro
                 std::map<std::string, double>& limits) {
   const auto given = execution.find(key);
   if (!given) return;
-  const auto positive = [](const YamlReader& value) {
+  const auto limitOf = [](const YamlReader& value) {
     const double limit = value.number();
-    if (!(limit > 0))
-      value.fail(fmt::format("{} is {}; a number above 0 is expected", value.where(), limit));
+    if (!(limit >= kLeastLimit && limit <= kMostLimit))
+      value.fail(fmt::format("{} is {}; a number from {} to {} is expected", value.where(), limit,
+                             kLeastLimit, kMostLimit));
     return limit;
   };
   std::vector<std::string> known;
   for (const int v : problem.variables)
     known.push_back(problem.model->variables[static_cast<std::size_t>(v)].name);
   if (!given->isMap()) {
-    const double limit = positive(*given);
+    const double limit = limitOf(*given);
     for (const std::string& name : known) limits[name] = limit;
     return;
   }
@@ -33,7 +35,7 @@ void readLimits(const YamlReader& execution, const char* key, const Problem& pro
     if (std::find(known.begin(), known.end(), name) == known.end())
       value.fail(fmt::format("unknown planned variable '{}' in {}{}", name, given->where(),
                              nearestName(name, known)));
-    limits[name] = positive(value);
+    limits[name] = limitOf(value);
   }
 }
 
@@ -59,11 +61,11 @@ void readExecution(const YamlReader& reader, Problem& problem) {
     reader.fail(fmt::format("{} lasts {} s, less than a step of {} s; at least one is expected",
                             reader.where(), execution.duration, execution.step));
   positive("speed", execution.speed);
-  if (execution.speed > 1)
+  if (execution.speed > 1 || execution.speed < kLeastLimit)
     reader.at("speed", "")
         .fail(fmt::format(
-            "execution.speed is {}; a share of the velocity limits, up to 1, is expected",
-            execution.speed));
+            "execution.speed is {}; a share of the velocity limits, {} up to 1, is expected",
+            execution.speed, kLeastLimit));
   size("look_ahead", execution.look_ahead);
   size("buffer", execution.buffer);
   size("patience", execution.patience);

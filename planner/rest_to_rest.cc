@@ -33,9 +33,10 @@ RestToRest::RestToRest(double speed, double acceleration, double jerk) : jerk_(j
   peak_ = speed;
   if (speed * rise(speed) > 1) {  // the way is too short for full speed
     const double ramp = jerk == kInfinity ? 0 : a / jerk;
-    peak_ = a * (std::sqrt(ramp * ramp + 4 / a) - ramp) / 2;
-    if (peak_ < reached) peak_ = cubeRoot(jerk / 4);
-    peak_ = std::min(peak_, speed);
+    const double top = reached * rise(reached) > 1  // too short for full acceleration, too
+                           ? cubeRoot(jerk / 4)
+                           : a * (std::sqrt(ramp * ramp + 4 / a) - ramp) / 2;
+    peak_ = std::min(top, speed);
   }
   rise_ = rise(peak_);
   ramp_ = jerk == kInfinity ? 0 : std::min(a / jerk, rise_ / 2);
@@ -60,8 +61,8 @@ RestToRest::State RestToRest::at(double time) const {
   if (!(time >= 0)) return {};
   if (time >= duration()) return {1, 0, 0};
   if (time < rise_) return rising(time);
-  if (time <= rise_ + cruise_) return {peak_ * (rise_ / 2 + (time - rise_)), peak_, 0};
-  const State back = rising(duration() - time);
+  if (time < rise_ + cruise_) return {peak_ * (rise_ / 2 + (time - rise_)), peak_, 0};
+  const State back = rising(std::min(duration() - time, rise_));
   return {1 - back.way, back.speed, -back.acceleration};
 }
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "planner/tolerances.h"
+
 namespace leeway::planner {
 namespace {
 
@@ -23,22 +25,25 @@ std::vector<double> pointOn(const ConfigurationSpace& space, std::span<const dou
 
 }  // namespace
 
+double velocityLimit(const robots::Variable& variable) {
+  const double limit = variable.velocity;
+  return limit > 0 && limit <= kMostLimit ? limit : kDefaultVelocity;
+}
+
 std::vector<double> velocityLimits(const Problem& problem) {
   std::vector<double> limits;
   for (const int v : problem.variables) {
     const robots::Variable& variable = problem.model->variables[at(v)];
     const auto given = problem.execution.velocities.find(variable.name);
-    double limit = given != problem.execution.velocities.end() ? given->second : variable.velocity;
-    if (!(std::isfinite(limit) && limit > 0)) limit = kDefaultVelocity;
+    const double limit =
+        given != problem.execution.velocities.end() ? given->second : velocityLimit(variable);
     limits.push_back(limit * problem.execution.speed);
   }
   return limits;
 }
 
-double edgeDuration(const ConfigurationSpace& space, std::span<const double> limits,
-                    std::span<const double> a, std::span<const double> b) {
-  std::vector<double> dq(a.size());
-  space.difference(a, b, dq);
+double timeAtLimits(const ConfigurationSpace& space, std::span<const double> limits,
+                    std::span<const double> dq) {
   double time = 0;
   for (const ConfigurationSpace::Part& part : space.parts()) {
     const std::size_t i = at(part.first);
@@ -49,6 +54,13 @@ double edgeDuration(const ConfigurationSpace& space, std::span<const double> lim
     time = std::max(time, change / limits[i]);
   }
   return time;
+}
+
+double edgeDuration(const ConfigurationSpace& space, std::span<const double> limits,
+                    std::span<const double> a, std::span<const double> b) {
+  std::vector<double> dq(a.size());
+  space.difference(a, b, dq);
+  return timeAtLimits(space, limits, dq);
 }
 
 double pathDuration(const ConfigurationSpace& space, std::span<const double> limits,

@@ -12,8 +12,16 @@ namespace leeway::planner {
 /// Velocity limits of the planned variables as an execution has them [rad/s or m/s].
 std::vector<double> velocityLimits(const Problem& problem);
 
-/// The least time in which the edge from a to b keeps the limits [s]; a rotation turns at the limit
-/// of its first variable.
+/// A variable's own velocity limit, kDefaultVelocity where it has none [rad/s or m/s].
+double velocityLimit(const robots::Variable& variable);
+
+/// The least time in which a difference of points is gone through at constant speed within limits
+/// on velocity; with limits on a higher derivative that derivative's largest share of them. A
+/// rotation's limit is that of its first variable.
+double timeAtLimits(const ConfigurationSpace& space, std::span<const double> limits,
+                    std::span<const double> difference);
+
+/// timeAtLimits() of the edge from a to b [s].
 double edgeDuration(const ConfigurationSpace& space, std::span<const double> limits,
                     std::span<const double> a, std::span<const double> b);
 

@@ -220,6 +220,20 @@ constexpr long kVerifyPairWork = 500'000;
 constexpr long kVerifyOpenWork = 20'000;  ///< once part of it is left undecided
 constexpr long kVerifyWork = 10'000'000;
 
+// problem_execution.cc, timed_path.cc, path_write.cc
+
+/// Limits on velocity, acceleration and jerk that a problem may name, and the least share of them:
+/// far beyond all machines, and no product or quotient of them overflows. A URDF's velocity above
+/// the largest means that there is no limit.
+constexpr double kLeastLimit = 1e-9;
+constexpr double kMostLimit = 1e9;
+
+/// Seconds that trajectory_msgs/JointTrajectory's stamps can say.
+constexpr double kLatestStamp = 2147483647;
+
+/// Rows that a period may ask for [count]: some hundred megabytes.
+constexpr double kMostRows = 1e6;
+
 // trajectory.cc
 
 /// Edges whose unit directions differ by no more than this in each number are run through without a
@@ -243,6 +257,10 @@ constexpr double kBlendDeviation = 5e-5;
 
 /// In at most so many chords [count, power of two]; a blend that would need more is not tried.
 constexpr int kBlendChords = 128;
+
+/// On either side of its corner a circle may turn by less than this [rad]: with the rounding of a
+/// chord's ends less than half a turn in all.
+constexpr double kBlendReach = 1.5;
 
 /// Cuts of half the shorter edge are tried, then halves of that, so often [count].
 constexpr int kBlendTries = 7;

@@ -19,19 +19,10 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-/// How fast an edge's t may change: the tightest of limit / |dq|.
+/// How fast an edge's t may change: the tightest of limit / |dq|; infinite where nothing moves.
 double rateLimit(const ConfigurationSpace& space, std::span<const double> dq,
                  std::span<const double> limits) {
-  double rate = kInfinity;
-  for (const ConfigurationSpace::Part& part : space.parts()) {
-    const std::size_t i = at(part.first);
-    const bool rotation = part.kind == ConfigurationSpace::Kind::kRotation;
-    const double change =
-        rotation ? std::sqrt(dq[i] * dq[i] + dq[i + 1] * dq[i + 1] + dq[i + 2] * dq[i + 2])
-                 : std::abs(dq[i]);
-    if (change > 0) rate = std::min(rate, limits[i] / change);
-  }
-  return rate;
+  return 1 / timeAtLimits(space, limits, dq);
 }
 
 std::vector<double> direction(std::span<const double> difference) {
@@ -41,21 +32,23 @@ std::vector<double> direction(std::span<const double> difference) {
   return result;
 }
 
-/// When the way s is passed.
-double timeAt(std::span<const TimedPhase> phases, double s) {
-  auto phase = std::upper_bound(phases.begin() + 1, phases.end(), s,
-                                [](double way, const TimedPhase& p) { return way < p.way; });
-  --phase;
-  const double rest = std::max(0.0, s - phase->way);
+/// When the way along a piece is passed.
+double timeAt(std::span<const TimedPhase> phases, int piece, double way) {
+  const auto phase = std::prev(std::upper_bound(
+      phases.begin() + 1, phases.end(), way, [piece](double to, const TimedPhase& p) {
+        return piece < p.piece || (piece == p.piece && to < p.way);
+      }));
+  const double rest = phase->piece == piece ? std::max(0.0, way - phase->way) : 0;
   const double then =
       std::sqrt(std::max(0.0, phase->rate * phase->rate + 2 * phase->acceleration * rest));
-  const double speed = phase->rate + then;  // 0 at the end, which rounding may take s beyond
+  const double speed = phase->rate + then;  // 0 at the end, which rounding may take `way` beyond
   return phase->start + (speed > 0 ? 2 * rest / speed : 0);
 }
 
 /// By bisection, for these profiles have no simple inverse.
 double timeAt(const RestToRest& profile, double way) {
   double low = 0, high = profile.duration();
+  if (!(way < 1)) return high;  // rounding reaches it before
   for (int k = 0; k < 100; ++k) {
     const double middle = low + (high - low) / 2;
     (profile.at(middle).way < way ? low : high) = middle;
@@ -97,8 +90,7 @@ MotionLimits motionLimits(const Problem& problem) {
 MotionLimits defaultMotionLimits(const ConfigurationSpace& space) {
   MotionLimits limits;
   for (const int v : space.variables()) {
-    const double velocity = space.model().variables[at(v)].velocity;
-    limits.velocity.push_back(std::isfinite(velocity) && velocity > 0 ? velocity : 1);
+    limits.velocity.push_back(velocityLimit(space.model().variables[at(v)]));
     limits.acceleration.push_back(limits.velocity.back() / kTimeToVelocityLimit);
   }
   return limits;
@@ -202,20 +194,22 @@ void Trajectory::addStraight(int first, int last, const MotionLimits& limits, do
   }
   const double jerk = limits.jerk.empty() ? kInfinity : rateLimit(*space_, whole, limits.jerk);
   const RestToRest profile(speed, rateLimit(*space_, whole, limits.acceleration), jerk);
-  stretches_.push_back({first, last - first, now, profile.duration(), profile});
+  stretches_.push_back({first, last - first, now, profile});
   for (int e = first; e + 1 < last; ++e) times_[at(e) + 1] = now + timeAt(profile, ends_[at(e)]);
   times_[at(last)] = now + profile.duration();
 }
 
 void Trajectory::addBent(int first, int last, const MotionLimits& limits, double now) {
-  Stretch stretch{first, last - first, now, 0, std::nullopt};
+  Stretch stretch{first, last - first, now, std::nullopt};
   std::vector<CurvePiece> curve;
-  std::vector<double> passed(at(last - first) + 1, 0);  // s at waypoints
-  double s = 0;
+  struct Passed {
+    int piece;
+    double way;
+  };
+  std::vector<Passed> passed;  // where the waypoints between are, or the middles of their blends
   const auto add = [&](CurvePiece piece, int edge, int blend) {
     if (!(piece.length > 0)) return;
-    stretch.pieces.push_back({s, edge, blend});
-    s += piece.length;
+    stretch.pieces.push_back({edge, blend});
     curve.push_back(std::move(piece));
   };
   std::vector<double> way;  // direction of the edge before
@@ -228,17 +222,22 @@ void Trajectory::addBent(int first, int last, const MotionLimits& limits, double
       way = direction(differences_[at(e)]);
       add({way, way, length - cut - cut_after, true}, e, -1);
     }
-    passed[at(e - first) + 1] = s + cut_after;  // the middle of the blend
-    if (blend != nullptr)
+    if (blend != nullptr) {
+      passed.push_back({static_cast<int>(curve.size()), blend->length});
       add({way, direction(differences_[at(e) + 1]), 2 * blend->length, false}, e,
           static_cast<int>(blend - blends_.data()));
+    } else {
+      passed.push_back({std::max(0, static_cast<int>(curve.size()) - 1),
+                        curve.empty() ? 0 : curve.back().length});
+    }
     cut = cut_after;
   }
   stretch.phases = timeOptimal(curve, limits.velocity, limits.acceleration);
-  stretch.duration = stretch.phases.back().start;
+  for (TimedPhase& phase : stretch.phases) phase.start += now;
   for (int e = first; e + 1 < last; ++e)
-    times_[at(e) + 1] = now + timeAt(stretch.phases, passed[at(e - first) + 1]);
-  times_[at(last)] = now + stretch.duration;
+    times_[at(e) + 1] =
+        timeAt(stretch.phases, passed[at(e - first)].piece, passed[at(e - first)].way);
+  times_[at(last)] = stretch.phases.back().start;
   stretches_.push_back(std::move(stretch));
 }
 
@@ -247,7 +246,7 @@ std::vector<double> Trajectory::knots() const {
   for (const Stretch& stretch : stretches_) {
     if (stretch.profile)
       for (const double knot : stretch.profile->knots()) result.push_back(stretch.start + knot);
-    for (const TimedPhase& phase : stretch.phases) result.push_back(stretch.start + phase.start);
+    for (const TimedPhase& phase : stretch.phases) result.push_back(phase.start);
   }
   std::sort(result.begin(), result.end());
   result.erase(std::unique(result.begin(), result.end()), result.end());
@@ -265,13 +264,16 @@ Trajectory::Place Trajectory::place(double time) const {
   auto stretch = std::upper_bound(stretches_.begin(), stretches_.end(), time,
                                   [](double t, const Stretch& s) { return t < s.start; });
   --stretch;
-  return placeOn(*stretch, time - stretch->start);
+  return placeOn(*stretch, time);
 }
 
 Trajectory::Place Trajectory::placeOn(const Stretch& stretch, double time) const {
   Place place;
   if (stretch.profile) {
-    const RestToRest::State state = stretch.profile->at(time);
+    double since = time - stretch.start;
+    for (const double knot : stretch.profile->knots())  // as knots() tells them, not before
+      if (stretch.start + knot <= time) since = std::max(since, knot);
+    const RestToRest::State state = stretch.profile->at(since);
     const int last = stretch.first_edge + stretch.edges - 1;
     int edge = stretch.first_edge;
     while (edge < last && state.way >= ends_[at(edge)]) ++edge;
@@ -290,20 +292,18 @@ Trajectory::Place Trajectory::placeOn(const Stretch& stretch, double time) const
                                  [](double t, const TimedPhase& p) { return t < p.start; }));
   const double dt = time - phase->start;
   const double s = phase->way + dt * (phase->rate + dt / 2 * phase->acceleration);
-  const auto piece =
-      std::prev(std::upper_bound(stretch.pieces.begin() + 1, stretch.pieces.end(), s,
-                                 [](double way, const Piece& p) { return way < p.begin; }));
-  place.edge = piece->edge;
-  place.blend = piece->blend;
+  const Piece& piece = stretch.pieces[at(phase->piece)];
+  place.edge = piece.edge;
+  place.blend = piece.blend;
   double before = 0, length = 0;
-  if (piece->blend >= 0) {
-    length = 2 * blends_[at(piece->blend)].length;
+  if (piece.blend >= 0) {
+    length = 2 * blends_[at(piece.blend)].length;
   } else {
-    length = lengths_[at(piece->edge)];
-    const Blend* cut = piece->edge > stretch.first_edge ? blendAt(piece->edge) : nullptr;
+    length = lengths_[at(piece.edge)];
+    const Blend* cut = piece.edge > stretch.first_edge ? blendAt(piece.edge) : nullptr;
     before = cut != nullptr ? cut->length : 0;
   }
-  place.t = std::clamp((before + s - piece->begin) / length, 0.0, 1.0);
+  place.t = std::clamp((before + s) / length, 0.0, 1.0);
   place.rate = (phase->rate + dt * phase->acceleration) / length;
   place.acceleration = phase->acceleration / length;
   return place;
@@ -331,8 +331,9 @@ std::optional<double> Trajectory::passes(int edge, double t) const {
   // have no length, or two cuts may meet.
   const auto piece = std::find_if(stretch->pieces.begin(), stretch->pieces.end(),
                                   [&](const Piece& p) { return p.edge >= edge; });
-  const double s = piece != stretch->pieces.end() ? piece->begin : stretch->phases.back().way;
-  return stretch->start + timeAt(stretch->phases, s + way - begin);
+  const bool whole = piece != stretch->pieces.end() && piece->edge == edge && piece->blend < 0;
+  return timeAt(stretch->phases, static_cast<int>(piece - stretch->pieces.begin()),
+                whole ? way - begin : 0);
 }
 
 void Trajectory::configuration(double time, std::span<double> q) const {

@@ -257,12 +257,29 @@ TEST_F(PathIo, TrajectoriesHaveRatesAndTheirOwnCertificate) {
   EXPECT_EQ(certificate.at("clearance_lower").get<double>(), problem.margin);
   EXPECT_EQ(certificate.at("tracking_tolerance").get<double>(), 0);
   EXPECT_FALSE(certificate.contains("segments"));
+  // The path's least clearance is no upper bound where the motion does not go.
+  EXPECT_EQ(certificate.at("clearance_upper").get<double>(), 0.031);
+  for (const double t : {0.7, 0.9}) {
+    result.certificate.closest_segment = 0;
+    result.certificate.closest_t = t;
+    writeTrajectory(file("cut.json"), problem, result, trajectory);
+    EXPECT_EQ(nlohmann::json::parse(contents(file("cut.json")))
+                  .at("certificate")
+                  .at("clearance_upper")
+                  .is_null(),
+              t > 0.8);
+  }
 
   const Trajectory stopping(space, rows, defaultMotionLimits(*space));
   writeTrajectory(file("stop.json"), problem, result, stopping);
   const auto stop = nlohmann::json::parse(contents(file("stop.json")));
   EXPECT_EQ(stop.at("certificate").at("clearance_lower").get<double>(), 0.03);
   EXPECT_EQ(stop.at("points").size(), stopping.knots().size());
+  for (std::size_t i = 0; i + 1 < stop.at("points").size(); ++i) {  // as it is from then on
+    std::vector<double> second(7);
+    stopping.acceleration((stopping.knots()[i] + stopping.knots()[i + 1]) / 2, second);
+    EXPECT_NEAR(stop.at("points")[i].at("accelerations")[0].get<double>(), second[0], 1e-9) << i;
+  }
   writeTrajectory(file("stop.csv"), problem, result, stopping);
   EXPECT_EQ(contents(file("stop.csv")).substr(0, 12), "time,joint1,");
   try {
@@ -306,6 +323,53 @@ TEST_F(PathIo, TrajectoriesOfBodiesHaveTheRatesOfTheirNumbers) {
     moving += smooth;
   }
   EXPECT_GT(moving, 3);
+}
+
+/// A waypoint that names its orientation by the opposite numbers: between two rows they would turn
+/// through zero.
+TEST_F(PathIo, TrajectoriesOfBodiesDoNotChangeTheSignOfOrientations) {
+  const Problem problem = loadProblem(kSource + "/problems/bodies/window.yaml");
+  const auto space = std::make_shared<ConfigurationSpace>(problem.model, problem.variables);
+  const std::vector<std::vector<double>> rows = {
+      {0, 0, 1, 0, 0, 0, 1}, {0.3, 0, 1, -0.6, 0, -0.48, -0.64}, {0.3, 0.2, 1, 0.6, 0, 0.64, 0.48}};
+  const Trajectory trajectory(space, rows, defaultMotionLimits(*space));
+  writeTrajectory(file("signs.json"), problem, resultOf(problem, rows), trajectory, 0.1);
+  const auto json = nlohmann::json::parse(contents(file("signs.json")));
+  const auto& points = json.at("points");
+  ASSERT_GT(points.size(), 10U);
+  for (std::size_t k = 1; k < points.size(); ++k) {
+    double product = 0;
+    for (std::size_t i = 3; i < 7; ++i)
+      product += points[k - 1].at("positions")[i].get<double>() *
+                 points[k].at("positions")[i].get<double>();
+    EXPECT_GT(product, 0.9) << k;
+  }
+}
+
+TEST_F(PathIo, TimesThatNoFileCanSayAreRefused) {
+  Problem problem = armProblem();
+  std::vector<std::vector<double>> rows(2, std::vector<double>(7));
+  rows[1][0] = 1;
+  const PlanResult result = resultOf(problem, rows);
+  const auto space = std::make_shared<ConfigurationSpace>(problem.model, problem.variables);
+  const auto message = [&](double period) {
+    const Trajectory trajectory(space, rows, motionLimits(problem));
+    try {
+      writeTrajectory(file("t.json"), problem, result, trajectory, period);
+    } catch (const robots::InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  EXPECT_EQ(message(0), "");
+  EXPECT_NE(message(1e-6).find("more than 1000000 rows 1e-06 s apart"), std::string::npos);
+  problem.execution.velocities["joint1"] = 1e-9;
+  EXPECT_EQ(message(0), "");
+  problem.execution.speed = 0.1;
+  EXPECT_NE(message(0).find("no more than 2147483647 s"), std::string::npos);
+  EXPECT_THROW(writePath(file("p.json"), problem, result), robots::InputError);
+  EXPECT_THROW(writePath(file("p.csv"), problem, result), robots::InputError);
+  EXPECT_NO_THROW(writePath(file("p.path"), problem, result));
 }
 
 /// A controller that knows nothing of circles must go the way that was certified.

@@ -287,9 +287,10 @@ TEST_F(ProblemDeforming, ExecutionIsReadAndRefused) {
   ASSERT_EQ(q.warnings.size(), p.warnings.size() + 1);
   EXPECT_NE(q.warnings.back().find("not blended where jerks are limited"), std::string::npos);
   expectRefused("execution: {accelerations: 0}\n", 10,
-                "execution.accelerations is 0; a number above 0 is expected");
+                "execution.accelerations is 0; a number from 1e-09 to 1000000000 is expected");
   expectRefused("execution: {accelerations: fast}\n", 10, "fast");
-  expectRefused("execution: {jerks: {disc/x: -1}}\n", 10, "a number above 0 is expected");
+  expectRefused("execution: {jerks: {disc/x: -1}}\n", 10,
+                "a number from 1e-09 to 1000000000 is expected");
   expectRefused("execution: {corners: cut}\n", 10, "stop or blend is expected");
   expectRefused("execution: {step: 0}\n", 10, "execution.step is 0; a number above 0 is expected");
   expectRefused("execution: {duration: 0.01}\n", 10, "less than a step");

@@ -62,6 +62,25 @@ TEST(RestToRest, KeepsItsLimitsAndIsTheirOwnIntegral) {
   EXPECT_NEAR(RestToRest(1, 1, kInfinity).duration(), 2, 1e-12);
   EXPECT_NEAR(RestToRest(0.5, 1, kInfinity).duration(), 2.5, 1e-12);
   EXPECT_NEAR(RestToRest(1e9, 1e9, 32).duration(), 4 * std::cbrt(1.0 / 64), 1e-12);
+  // The square of a / j is none: it moved for 4e100 s, far beyond the end.
+  EXPECT_NEAR(RestToRest(1, 1, 1e-200).duration() / (4 * std::cbrt(0.5e200)), 1, 1e-12);
+}
+
+TEST(RestToRest, WhereAccelerationJumpsItIsAsAfterwards) {
+  EXPECT_EQ(RestToRest(1, 1, kInfinity).at(0).acceleration, 1);
+  EXPECT_EQ(RestToRest(1, 1, kInfinity).at(1).acceleration, -1);  // was 0
+  EXPECT_EQ(RestToRest(0.5, 1, kInfinity).at(0.5).acceleration, 0);
+  EXPECT_EQ(RestToRest(0.5, 1, kInfinity).at(2).acceleration, -1);  // was 0
+  EXPECT_EQ(RestToRest(0.5, 1, kInfinity).at(2.5).acceleration, 0);
+  // Whose last phase begins where rounding has it a little farther from the end than it is long.
+  std::uint64_t state = 7;
+  for (int i = 0; i < 200; ++i) {
+    state = state * 6364136223846793005U + 1442695040888963407U;
+    const double v = 0.1 + static_cast<double>(state >> 40U) * 0x1p-24;
+    const RestToRest profile(v, 3, kInfinity);
+    const std::vector<double> knots = profile.knots();
+    EXPECT_EQ(profile.at(knots[knots.size() - 2]).acceleration, -3) << v;
+  }
 }
 
 class TrajectoryTest : public ::testing::Test {
@@ -125,6 +144,14 @@ TEST_F(TrajectoryTest, StaysOnThePathWithinTheLimitsAndRestsAtCorners) {
       before = q;
     }
     EXPECT_TRUE(saturated || jerk);
+    // At a knot acceleration is what it is from then on.
+    const std::vector<double> knots = trajectory.knots();
+    for (std::size_t k = 1; k < knots.size() && !jerk; ++k) {
+      if (knots[k] - knots[k - 1] < 1e-9) continue;
+      trajectory.acceleration(knots[k - 1], q);
+      trajectory.acceleration(knots[k - 1] + (knots[k] - knots[k - 1]) / 2, second);
+      for (std::size_t i = 0; i < n; ++i) EXPECT_NEAR(q[i], second[i], 1e-9) << k;
+    }
     trajectory.configuration(trajectory.duration(), q);
     EXPECT_EQ(q, path.back());
     for (const std::size_t corner : {2U, 3U, 5U, 7U, 8U}) {
@@ -260,6 +287,68 @@ TEST_F(TrajectoryTest, BlendsKeepTheLimitsAndDoNotJump) {
   EXPECT_GT(edges, 5);
 }
 
+/// Accelerations were twice their limits where blends and edges are of picometres behind a long
+/// edge, and their ways were summed up with its.
+TEST_F(TrajectoryTest, TinyBlendsKeepTheLimits) {
+  std::vector<std::vector<double>> path(4, std::vector<double>(7));
+  path[1][0] = -0.36361073573801637;
+  path[1][1] = 0.64302107862712421;
+  path[2][0] = path[1][0] - 8.2422957348e-13;
+  path[2][1] = path[1][1] - 3.0051516861e-12;
+  path[3][0] = path[1][0];
+  path[3][1] = path[1][1] + 1e-12;
+  MotionLimits limits = defaultMotionLimits(*space);
+  limits.velocity[0] = 0.0004716;
+  limits.acceleration[0] = 0.0005845;
+  limits.velocity[1] = 1920;
+  limits.acceleration[1] = 50780;
+  const std::vector<Blend> blends = {{1, 7.07173e-20}, {2, 1.5e-12}};
+  const Trajectory trajectory(space, path, limits, blends);
+  const std::vector<double> knots = trajectory.knots();
+  std::vector<double> rate(7), second(7);
+  for (std::size_t k = 1; k < knots.size(); ++k)
+    for (const double share : {0.0, 0.01, 0.5, 0.99}) {
+      const double time = knots[k - 1] + share * (knots[k] - knots[k - 1]);
+      trajectory.velocity(time, rate);
+      trajectory.acceleration(time, second);
+      for (std::size_t i = 0; i < 2; ++i) {
+        EXPECT_LE(std::abs(rate[i]), limits.velocity[i] * (1 + 1e-6)) << time;
+        EXPECT_LE(std::abs(second[i]), limits.acceleration[i] * (1 + 1e-6)) << time;
+      }
+    }
+}
+
+/// Limits that are many powers of ten apart: the speed through the blend was taken for none, and
+/// the motion jumped over it.
+TEST_F(TrajectoryTest, BlendsFarBelowTheVelocityLimitsAreGoneThrough) {
+  std::vector<std::vector<double>> path(3, std::vector<double>(7));
+  path[1][0] = 1e-6;
+  path[2][0] = 1e-6;
+  path[2][1] = 1e-6;
+  MotionLimits limits;
+  limits.velocity.assign(7, 1e9);
+  limits.acceleration.assign(7, 1e-9);
+  const std::vector<Blend> blends = {{1, 5e-7}};
+  const double slow = Trajectory(space, path, limits, blends).duration();
+  EXPECT_NEAR(slow / Trajectory(space, path, limits).duration(), 0.7, 0.3);
+  limits.velocity.assign(7, 1);
+  EXPECT_NEAR(Trajectory(space, path, limits, blends).duration(), slow, 1e-9 * slow);
+}
+
+/// Each edge turns the piano by half a turn: the chord of a blend over half of both might go the
+/// other way round.
+TEST_F(TrajectoryTest, BlendsOfHalfTurnsAreShorter) {
+  Problem piano = loadProblem(leeway::sourceFolder() + "/problems/bodies/piano.yaml");
+  piano.objects.clear();
+  const double pi = 3.14159265358979323846;
+  const std::vector<std::vector<double>> rows = {
+      {3, 3, 0.3 - pi}, {3, 3.00001, 0.3}, {3, 3.00003, 0.3 + pi}};
+  const std::vector<Blend> blends =
+      certifiedBlends(std::make_shared<const CompiledScene>(piano), rows);
+  ASSERT_EQ(blends.size(), 1U);
+  EXPECT_NEAR(blends[0].length, pi / 4, 1e-3);
+}
+
 TEST_F(TrajectoryTest, RefusesBlendsThatCannotBe) {
   std::vector<std::vector<double>> path{start(), start(), start()};
   path[1][0] += 0.5;
@@ -334,6 +423,17 @@ TEST_F(TrajectoryTest, LimitsComeFromTheProblem) {
   EXPECT_EQ(limits.acceleration[1], 0.8);
   EXPECT_EQ(limits.jerk[2], 11);
   EXPECT_EQ(limits.jerk[0], kInfinity);
+}
+
+/// What exporters write where there is no limit: it made an infinite acceleration of it.
+TEST_F(TrajectoryTest, LargestNumberIsNoVelocityLimit) {
+  auto model = std::make_shared<robots::Model>(*problem.model);
+  model->variables[static_cast<std::size_t>(problem.variables[0])].velocity =
+      std::numeric_limits<double>::max();
+  problem.model = model;
+  const MotionLimits limits = motionLimits(problem);
+  EXPECT_EQ(limits.velocity[0], kDefaultVelocity);
+  EXPECT_EQ(limits.acceleration[0], 2 * kDefaultVelocity);
 }
 
 TEST_F(TrajectoryTest, RefusesSenselessLimits) {

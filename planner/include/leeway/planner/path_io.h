@@ -22,10 +22,12 @@ void writePath(const std::string& file, const Problem& problem, const PlanResult
 /// Writes a timed motion along the result's path, .json or .yaml shaped like
 /// trajectory_msgs/JointTrajectory, whole or not at all: positions, velocities and accelerations
 /// (from that moment on; all of the numbers themselves, orientations included) at its knots, and
-/// every `period` seconds where that is above 0. The cubic through positions and velocities is
-/// the motion itself between knots on an edge. .csv has times and positions alone. The certificate
-/// beside them is that of the motion: with blended corners its clearance is no more than the least
-/// margin. Throws robots::InputError.
+/// every `period` seconds where that is above 0. The cubic through positions and velocities of
+/// joints is the motion itself between knots on an edge. .csv has times and positions alone. The
+/// certificate beside them is that of the motion: with blended corners its clearance is told to be
+/// at least the least margin, and no upper bound is where a blend cuts off the place that it was
+/// found at. Throws robots::InputError, also for motions of more than 2^31 s and more than a
+/// million periods.
 void writeTrajectory(const std::string& file, const Problem& problem, const PlanResult& result,
                      const Trajectory& trajectory, double period = 0);
 

@@ -68,9 +68,11 @@ std::vector<Blend> certifiedBlends(const std::shared_ptr<const CompiledScene>& s
                                    std::span<const std::vector<double>> waypoints);
 
 /// From `start` [s] on, until the next phase starts: s = way + rate dt + acceleration dt^2 / 2, s
-/// being the way along a curve.
+/// being the way along one piece of a curve.
 struct TimedPhase {
-  double start, way, rate, acceleration;
+  double start;
+  int piece;
+  double way, rate, acceleration;
 };
 
 /// A path with times. It runs over the very edges that were certified, and comes to rest at each
@@ -119,18 +121,17 @@ class Trajectory {
   void acceleration(double time, std::span<double> second) const;
 
  private:
-  /// Part of a bent stretch: an edge between two cuts, or a blend.
+  /// Part of a bent stretch: what cuts leave of an edge, or a blend.
   struct Piece {
-    double begin;  // s, from the stretch's start
     int edge, blend;
   };
   struct Stretch {  // from rest to rest
     int first_edge, edges;
-    double start, duration;  // [s]
+    double start;  // [s]
     /// Over one edge or several in line; nothing: over pieces.
     std::optional<RestToRest> profile;
     std::vector<Piece> pieces = {};
-    std::vector<TimedPhase> phases = {};  // times from the stretch's start
+    std::vector<TimedPhase> phases = {};
   };
   void check(const MotionLimits& limits) const;
   /// In line with, or joined by a blend to, the edge before: the stretch that begins at edge
