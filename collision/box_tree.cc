@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <utility>
 
 #include "leeway/collision/tolerances.h"
 
@@ -19,6 +20,8 @@ namespace {
 // From this depth on nodes are parted by count, so that kMaxDepth holds for any mesh of 2^31
 // triangles: each of the eight pieces has at most a quarter of them.
 constexpr int kFreeDepth = BoxTree::kMaxDepth - 17;
+// The same above convex pieces, so that the triangles below them have their share.
+constexpr int kFreePieceDepth = kFreeDepth - 17;
 
 std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
 
@@ -56,8 +59,24 @@ struct BoxTree::Input {
   std::span<const Triangle> triangles;
   std::span<const std::int32_t> slot_of;
   double extent = 0;
-  std::vector<Vector3d> centroid;
+  std::vector<Vector3d> centroid;  // of a triangle, or of all in its piece
   std::vector<std::int32_t> order;
+  // What must not be parted stands together in `order` and has the same number here.
+  std::vector<std::int32_t> unit;
+
+  std::int32_t unitAt(std::int32_t at) const { return unit[index(order[index(at)])]; }
+  bool isOneUnit(const Piece& piece) const { return unitAt(piece.begin) == unitAt(piece.end - 1); }
+  std::int32_t unitsIn(const Piece& piece) const {
+    std::int32_t count = 1;
+    for (std::int32_t at = piece.begin + 1; at < piece.end; ++at) {
+      count += unitAt(at) != unitAt(at - 1) ? 1 : 0;
+    }
+    return count;
+  }
+  Vector3d middleOf(std::int32_t t) const {
+    const Triangle& c = triangles[index(t)];
+    return (vertices[index(c[0])] + vertices[index(c[1])] + vertices[index(c[2])]) / 3;
+  }
 
   const Vector3d& corner(std::int32_t at, std::size_t k) const {
     return vertices[index(triangles[index(order[index(at)])][k])];
@@ -154,9 +173,14 @@ struct BoxTree::Input {
     if (middle == first || middle == last) {
       std::sort(first, last, [&](std::int32_t l, std::int32_t r) {
         const double cl = along.dot(centroid[index(l)]), cr = along.dot(centroid[index(r)]);
-        return cl != cr ? cl < cr : l < r;
+        if (cl != cr) return cl < cr;
+        return std::pair(unit[index(l)], l) < std::pair(unit[index(r)], r);
       });
-      middle = first + (last - first) / 2;
+      middle = first;
+      for (std::int32_t left_units = unitsIn(piece) / 2; left_units > 0; --left_units) {
+        const std::int32_t one = unit[index(*middle)];
+        while (unit[index(*middle)] == one) ++middle;
+      }
     }
     left.begin = piece.begin;
     left.end = right.begin = static_cast<std::int32_t>(middle - order.begin());
@@ -167,39 +191,70 @@ struct BoxTree::Input {
 };
 
 BoxTree::BoxTree(std::span<const Vector3d> vertices, std::span<const Triangle> triangles,
-                 std::span<const std::int32_t> slot_of, double extent) {
+                 std::span<const std::int32_t> slot_of, double extent,
+                 std::span<const std::int32_t> piece_of, int pieces)
+    : piece_node_(static_cast<std::size_t>(pieces), -1),
+      first_piece_(static_cast<std::int32_t>(triangles.size())) {
   if (!(extent >= kSmallestBoxScale && extent <= kLargestBoxScale)) return;
-  Input input{vertices, triangles, slot_of, extent, {}, {}};
-  for (const Triangle& t : triangles) {
-    input.centroid.push_back(
-        (vertices[index(t[0])] + vertices[index(t[1])] + vertices[index(t[2])]) / 3);
+  Input input{vertices, triangles, slot_of, extent, {}, {}, {}};
+  std::vector<Vector3d> sum(index(pieces), Vector3d::Zero());
+  std::vector<double> count(index(pieces), 0);
+  for (std::size_t t = 0; t < triangles.size(); ++t) {
+    input.centroid.push_back(input.middleOf(static_cast<std::int32_t>(t)));
+    input.unit.push_back(piece_of[t] >= 0 ? piece_of[t]
+                                          : static_cast<std::int32_t>(index(pieces) + t));
+    if (piece_of[t] < 0) continue;
+    sum[index(piece_of[t])] += input.centroid[t];
+    ++count[index(piece_of[t])];
+  }
+  for (std::size_t t = 0; t < triangles.size(); ++t) {
+    if (piece_of[t] >= 0) input.centroid[t] = sum[index(piece_of[t])] / count[index(piece_of[t])];
   }
   input.order.resize(triangles.size());
   std::iota(input.order.begin(), input.order.end(), 0);
+  std::stable_sort(input.order.begin(), input.order.end(), [&](std::int32_t l, std::int32_t r) {
+    return input.unit[index(l)] < input.unit[index(r)];
+  });
   nodes_.reserve(2 + triangles.size() / 6);
   nodes_.emplace_back();
   Piece whole;
   whole.end = static_cast<std::int32_t>(triangles.size());
   input.fit(whole);
   setLane(0, 0, whole, input);
-  const std::int32_t child = triangles.size() == 1 ? ~slot_of[0] : build(input, whole, 0);
+  const std::int32_t child = childFor(input, whole, 0, false);
   nodes_[0].child[0] = child;
   nodes_[0].count = 1;
   nodes_.shrink_to_fit();
 }
 
-std::int32_t BoxTree::build(Input& input, const Piece& whole, int depth) {
+// What stands below a box.
+std::int32_t BoxTree::childFor(Input& input, const Piece& piece, int depth, bool in_piece) {
+  if (piece.end - piece.begin == 1) return ~input.slot_of[index(input.order[index(piece.begin)])];
+  if (in_piece || !input.isOneUnit(piece)) return build(input, piece, depth, in_piece);
+  const std::int32_t number = input.unitAt(piece.begin);
+  // From here on its triangles go their own ways.
+  for (std::int32_t at = piece.begin; at < piece.end; ++at) {
+    const std::int32_t t = input.order[index(at)];
+    input.unit[index(t)] = static_cast<std::int32_t>(piece_node_.size()) + t;
+    input.centroid[index(t)] = input.middleOf(t);
+  }
+  const std::int32_t node = build(input, piece, depth, true);
+  piece_node_[index(number)] = node;
+  return ~(first_piece_ + number);
+}
+
+std::int32_t BoxTree::build(Input& input, const Piece& whole, int depth, bool in_piece) {
   const auto id = static_cast<std::int32_t>(nodes_.size());
   nodes_.emplace_back();
-  const bool by_count = depth >= kFreeDepth;
+  const bool by_count = depth >= (in_piece || piece_node_.empty() ? kFreeDepth : kFreePieceDepth);
   std::vector<Piece> pieces{whole};
   while (pieces.size() < BoxNode::kWidth) {
     std::size_t largest = pieces.size();
     double most = -1;
     for (std::size_t i = 0; i < pieces.size(); ++i) {
-      const std::int32_t count = pieces[i].end - pieces[i].begin;
-      const double size = by_count ? static_cast<double>(count) : halfArea(pieces[i].half);
-      if (count < 2 || !(size > most)) continue;
+      const double size =
+          by_count ? static_cast<double>(input.unitsIn(pieces[i])) : halfArea(pieces[i].half);
+      if (input.isOneUnit(pieces[i]) || !(size > most)) continue;
       most = size;
       largest = i;
     }
@@ -211,9 +266,7 @@ std::int32_t BoxTree::build(Input& input, const Piece& whole, int depth) {
   }
   for (std::size_t i = 0; i < pieces.size(); ++i) {
     setLane(id, static_cast<int>(i), pieces[i], input);
-    const std::int32_t child = pieces[i].end - pieces[i].begin == 1
-                                   ? ~input.slot_of[index(input.order[index(pieces[i].begin)])]
-                                   : build(input, pieces[i], depth + 1);
+    const std::int32_t child = childFor(input, pieces[i], depth + 1, in_piece);
     nodes_[index(id)].child[i] = child;
   }
   nodes_[index(id)].count = static_cast<std::int32_t>(pieces.size());

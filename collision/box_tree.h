@@ -26,7 +26,8 @@ struct BoxNode {
   alignas(32) float axis[3][3][kWidth];  ///< axis[k][coordinate][lane]
   alignas(32) float half[3][kWidth];
   alignas(32) float radius[kWidth];  ///< half the diagonal
-  std::int32_t child[kWidth];        ///< >= 0: a node; < 0: the triangle in slot ~child
+  /// >= 0: a node; < 0: the triangle in slot ~child, or from BoxTree::firstPiece() on a piece
+  std::int32_t child[kWidth];
   std::int32_t count;
 
   OrientedBox box(int lane) const;
@@ -34,8 +35,9 @@ struct BoxNode {
 
 /// A hierarchy of oriented boxes over the triangles of a mesh, eight to a node (S. Gottschalk, M.
 /// C. Lin, D. Manocha, "OBBTree", 1996; I. Wald, C. Benthin, S. Boulos, "Getting rid of packets",
-/// 2008, for wide nodes). Every triangle has a box of its own. Single precision, rounded outwards:
-/// a filter.
+/// 2008, for wide nodes). Every triangle has a box of its own, and so have convex pieces, where
+/// there are some: above them stands a hierarchy of pieces and loose triangles, below each one of
+/// its triangles. Single precision, rounded outwards: a filter.
 class BoxTree {
  public:
   using Triangle = std::array<std::int32_t, 3>;
@@ -43,23 +45,34 @@ class BoxTree {
   /// No path from the root is longer.
   static constexpr int kMaxDepth = 48;
 
-  /// `slot_of` numbers the triangles as `child` is to name them. O(n log n).
+  /// `slot_of` numbers the triangles as `child` is to name them; `piece_of` says for each triangle
+  /// which of `pieces` it is in (two and more in each), -1 for none. O(n log n).
   BoxTree(std::span<const Eigen::Vector3d> vertices, std::span<const Triangle> triangles,
-          std::span<const std::int32_t> slot_of, double extent);
+          std::span<const std::int32_t> slot_of, double extent,
+          std::span<const std::int32_t> piece_of, int pieces);
 
   /// False when the coordinates are out of the range of single precision: then there are no nodes.
   bool usable() const { return !nodes_.empty(); }
   /// Node 0 has one box only, that of the whole mesh.
   const BoxNode& node(int i) const { return nodes_[static_cast<std::size_t>(i)]; }
-  std::size_t bytes() const { return nodes_.capacity() * sizeof(BoxNode); }
+  /// ~child of piece 0; those of the others follow.
+  std::int32_t firstPiece() const { return first_piece_; }
+  /// The node of a piece's triangles.
+  std::int32_t pieceNode(int piece) const { return piece_node_[static_cast<std::size_t>(piece)]; }
+  std::size_t bytes() const {
+    return nodes_.capacity() * sizeof(BoxNode) + piece_node_.capacity() * sizeof(std::int32_t);
+  }
 
  private:
   struct Input;
   struct Piece;
-  std::int32_t build(Input& input, const Piece& whole, int depth);
+  std::int32_t build(Input& input, const Piece& whole, int depth, bool in_piece);
+  std::int32_t childFor(Input& input, const Piece& piece, int depth, bool in_piece);
   void setLane(std::int32_t node, int lane, const Piece& piece, const Input& input);
 
   std::vector<BoxNode> nodes_;
+  std::vector<std::int32_t> piece_node_;
+  std::int32_t first_piece_ = 0;
 };
 
 }  // namespace leeway::collision

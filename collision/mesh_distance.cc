@@ -107,7 +107,7 @@ DistanceResult meshDistance(const Shape& a, const Pose& X_WA, const Shape& b, co
   if (takesPair(side_a, side_b, placement)) {
     found = descendPair(side_a, side_b, placement, request, scratch, &warm);
     remember(found, warm);
-    if (found.upper <= 0 && request.depth) {
+    if (found.upper <= 0 && request.depth && !deepensPair(side_a, side_b)) {
       const double lower = found.lower;
       const int iterations = found.iterations;
       found = descend(side_a, side_b, placement, request, scratch, &warm);

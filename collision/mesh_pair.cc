@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "collision/round_box.h"
 #include "collision/simd/box_gaps.h"
 #include "collision/support.h"
 #include "collision/triangle_pair.h"
@@ -15,20 +16,128 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// Two boxes, each a lane of a node: (node, lane) as node * kWidth + lane.
+// Two boxes, each a lane of a node: (node, lane) as node * kWidth + lane; -1 is a convex body.
 struct BoxPair {
   std::int32_t a, b;
   double lower;  // proven for everything in the boxes; below 0 the deeper, the more of an overlap
+  bool open;     // pieces have been asked: their triangles are wanted
 };
+
+// What a box stands for when it is not a node.
+enum class Kind : unsigned char { kNode, kTriangle, kPiece, kBody };
+struct Part {
+  Kind kind;
+  std::int32_t number;  // of the node, slot or piece
+};
+
+bool operator==(const Part& l, const Part& r) { return l.kind == r.kind && l.number == r.number; }
+
+// One of the two bodies.
+class Body {
+ public:
+  explicit Body(const DescentSide& side) : tree_(side.tree), view_(side.view) {
+    if (tree_ != nullptr) {
+      extent_ = tree_->extent();
+      return;
+    }
+    extent_ = side.extent;
+    box_ = {};
+    for (int k = 0; k < 3; ++k) {
+      box_.axis[k][k] = 1;
+      box_.center[k] = static_cast<float>(0.5 * (side.low[k] + side.high[k]));
+      const double center = static_cast<double>(box_.center[k]);
+      box_.half[k] = roundedUpToFloat(std::max(side.high[k] - center, center - side.low[k]) +
+                                      kRelativeRounding * extent_);
+    }
+  }
+
+  bool isMesh() const { return tree_ != nullptr; }
+  const MeshTree& tree() const { return *tree_; }
+  double extent() const { return extent_; }
+  std::int32_t root() const { return isMesh() ? 0 : -1; }
+  bool consistsOfPieces() const { return !isMesh() || tree_->pieceCount() > 0; }
+
+  Part part(std::int32_t box, bool open) const {
+    if (!isMesh()) return {Kind::kBody, 0};
+    const std::int32_t child = node(box).child[box % BoxNode::kWidth];
+    if (child >= 0) return {Kind::kNode, child};
+    const std::int32_t first = tree_->boxes().firstPiece();
+    if (~child < first) return {Kind::kTriangle, ~child};
+    const std::int32_t piece = ~child - first;
+    if (open) return {Kind::kNode, tree_->boxes().pieceNode(piece)};
+    return {Kind::kPiece, piece};
+  }
+  const BoxNode& node(std::int32_t box) const { return tree_->boxes().node(box / BoxNode::kWidth); }
+  float radius(std::int32_t box) const {
+    return isMesh() ? node(box).radius[box % BoxNode::kWidth] : 0;
+  }
+  OrientedBox box(std::int32_t box) const {
+    return isMesh() ? node(box).box(box % BoxNode::kWidth) : box_;
+  }
+  ConvexView view(const Part& part) const {
+    return part.kind == Kind::kTriangle ? tree_->triangleView(part.number)
+           : part.kind == Kind::kPiece  ? tree_->pieceView(part.number)
+                                        : view_;
+  }
+  double excess(const Part& part) const {
+    return part.kind == Kind::kPiece ? tree_->pieceExcess(part.number) : 0;
+  }
+  ConvexView hull() const { return isMesh() ? tree_->hullView() : view_; }
+  int triangleOf(const Part& part) const {
+    return part.kind == Kind::kTriangle ? tree_->triangleOf(part.number) : -1;
+  }
+  // Triangles and pieces numbered through, for a cache. False for a number that is none.
+  int numberOf(const Part& part) const {
+    return part.kind == Kind::kPiece ? tree_->triangleCount() + part.number : triangleOf(part);
+  }
+  bool partOf(int number, Part& part) const {
+    if (!isMesh()) {
+      part = {Kind::kBody, 0};
+      return true;
+    }
+    const int triangles = tree_->triangleCount();
+    if (number < 0 || number >= triangles + tree_->pieceCount()) return false;
+    part = number < triangles ? Part{Kind::kTriangle, tree_->slotOf(number)}
+                              : Part{Kind::kPiece, number - triangles};
+    return true;
+  }
+
+ private:
+  const MeshTree* tree_;
+  ConvexView view_;  // of a convex body
+  OrientedBox box_;  // around it
+  double extent_ = 0;
+};
+
+OrientedBox placedBox(const OrientedBox& box, const Pose& X) {
+  OrientedBox result;
+  const Vector center =
+      placed(X, Vector(static_cast<double>(box.center[0]), static_cast<double>(box.center[1]),
+                       static_cast<double>(box.center[2])));
+  float R[3][3];
+  for (int i = 0; i < 3; ++i) {
+    for (int k = 0; k < 3; ++k) R[i][k] = static_cast<float>(X.rotation(i, k));
+  }
+  for (int i = 0; i < 3; ++i) {
+    result.center[i] = static_cast<float>(center[i]);
+    result.half[i] = box.half[i];
+    for (int k = 0; k < 3; ++k) {
+      result.axis[k][i] =
+          R[i][0] * box.axis[k][0] + R[i][1] * box.axis[k][1] + R[i][2] * box.axis[k][2];
+    }
+  }
+  return result;
+}
 
 class PairDescent {
  public:
-  PairDescent(const MeshTree& a, const MeshTree& b, const DescentPlacement& placement,
+  PairDescent(const DescentSide& a, const DescentSide& b, const DescentPlacement& placement,
               const DistanceRequest& request, Scratch& scratch, PairCache& cache)
       : a_(a),
         b_(b),
         X_BA_(placement.X_BA0),
         slack_(placement.slack),
+        hull_excess_(a.hull_excess + b.hull_excess),
         request_(request),
         scratch_(scratch),
         cache_(cache) {
@@ -36,9 +145,11 @@ class PairDescent {
     // As for support points, see gjk.cc: corners are placed and their products with a unit vector
     // taken in the same way.
     rounding_ =
-        kSupportRounding * kUnitRoundoff * (a.extent() + b.extent() + X_BA_.translation.norm()) +
+        kSupportRounding * kUnitRoundoff * (a_.extent() + b_.extent() + X_BA_.translation.norm()) +
         slack_;
     floor_ = request.threshold == request.threshold ? std::max(request.threshold, 0.0) : kInfinity;
+    parts_ = a_.consistsOfPieces() && b_.consistsOfPieces();
+    deepens_ = request.depth && parts_;
   }
 
   DescentResult run() {
@@ -46,18 +157,21 @@ class PairDescent {
     result_.upper = kInfinity;
     result_.hull_lower = -kInfinity;
     float gap[BoxNode::kWidth];
-    const OrientedBox root = placedBox(a_.boxes().node(0), 0, X_BA_);
-    boxGaps(b_.boxes().node(0), root, gap);
+    if (b_.isMesh()) {
+      boxGaps(b_.node(0), placedBox(a_.box(a_.root()), X_BA_), gap);
+    } else {
+      boxGaps(a_.node(0), placedBox(b_.box(-1), X_AB_), gap);
+    }
     result_.hull_lower = static_cast<double>(gap[0]) - slack_;
-    if (result_.hull_lower > bar()) {
+    if (result_.hull_lower > bar() || hullsDecide()) {
       settle(result_.hull_lower);
       return result_;
     }
     warmStart();
-    stack_[size_++] = {0, 0, result_.hull_lower};
+    stack_[size_++] = {a_.root(), b_.root(), result_.hull_lower, !parts_};
     while (size_ > 0 && !done()) {
       const BoxPair pair = stack_[--size_];
-      if (pair.lower > bar() || visited_ >= request_.node_limit) {
+      if (pair.lower > bar() || visited_ >= limit()) {
         settle(pair.lower);
         continue;
       }
@@ -65,69 +179,76 @@ class PairDescent {
     }
     while (size_ > 0) settle(stack_[--size_].lower);
     hulls();
+    remember();
     return result_;
   }
 
  private:
-  static const BoxNode& nodeOf(const BoxTree& tree, std::int32_t box) {
-    return tree.node(box / BoxNode::kWidth);
-  }
-  static std::int32_t childOf(const BoxTree& tree, std::int32_t box) {
-    return nodeOf(tree, box).child[box % BoxNode::kWidth];
-  }
-
-  static OrientedBox placedBox(const BoxNode& node, int lane, const Pose& X) {
-    const OrientedBox box = node.box(lane);
-    OrientedBox result;
-    const Vector center =
-        placed(X, Vector(static_cast<double>(box.center[0]), static_cast<double>(box.center[1]),
-                         static_cast<double>(box.center[2])));
-    float R[3][3];
-    for (int i = 0; i < 3; ++i) {
-      for (int k = 0; k < 3; ++k) R[i][k] = static_cast<float>(X.rotation(i, k));
+  double bar() const {
+    if (result_.upper <= 0) {
+      // Deeper pairs only, see kDeeperShare.
+      return result_.upper - std::max(request_.tolerance, -kDeeperShare * result_.upper);
     }
-    for (int i = 0; i < 3; ++i) {
-      result.center[i] = static_cast<float>(center[i]);
-      result.half[i] = box.half[i];
-      for (int k = 0; k < 3; ++k) {
-        result.axis[k][i] =
-            R[i][0] * box.axis[k][0] + R[i][1] * box.axis[k][1] + R[i][2] * box.axis[k][2];
-      }
-    }
-    return result;
+    return std::min(floor_, result_.upper - request_.tolerance);
   }
-
-  double bar() const { return std::min(floor_, result_.upper - request_.tolerance); }
   bool done() const {
-    return result_.upper <= 0 || result_.upper <= request_.threshold;  // a NaN decides nothing
+    if (result_.upper <= request_.threshold) return true;  // a NaN decides nothing
+    return result_.upper <= 0 && !deepens_;
   }
+  int limit() const { return std::min(request_.node_limit, deeper_limit_); }
   void settle(double lower) { result_.lower = std::min(result_.lower, lower); }
 
+  // A convex body and the hull of a mesh: as a rule nothing else is needed. True when that decides.
+  bool hullsDecide() {
+    if (a_.isMesh() && b_.isMesh()) return false;
+    DistanceRequest request;
+    const double bar_now = bar();
+    if (bar_now < kInfinity) request.threshold = bar_now;
+    request.tolerance = std::max(request_.tolerance, 0.1 * hull_excess_);
+    request.depth = false;
+    request.iteration_limit = request_.iteration_limit;
+    ++visited_;
+    const DistanceResult r =
+        convexDistance(a_.hull(), X_BA_, b_.hull(), request, scratch_, &cache_, slack_);
+    result_.iterations += r.iterations;
+    result_.hull_lower = std::max(result_.hull_lower, r.distance.lower);
+    hulls_known_ = true;
+    // Where hulls are apart, their nearest points lie on their surfaces, and the meshes are not far
+    // from those.
+    if (r.distance.lower >= 0) offer(r, r.distance.upper + hull_excess_, {}, {});
+    return result_.hull_lower > bar() || done();
+  }
+
   void warmStart() {
-    if (cache_.triangle_a < 0 || cache_.triangle_a >= a_.triangleCount() || cache_.triangle_b < 0 ||
-        cache_.triangle_b >= b_.triangleCount()) {
-      return;
+    Part a, b;
+    if (!a_.partOf(cache_.triangle_a, a) || !b_.partOf(cache_.triangle_b, b)) return;
+    if ((a.kind == Kind::kPiece || b.kind == Kind::kPiece) && !parts_) return;
+    const double lower = result_.lower;
+    if (a.kind == Kind::kTriangle && b.kind == Kind::kTriangle) {
+      triangles(a.number, b.number);
+    } else {
+      warm_ = hullPair(a, b, &cache_);
+      warm_a_ = a;
+      warm_b_ = b;
+      has_warm_ = true;
     }
-    triangles(a_.slotOf(cache_.triangle_a), b_.slotOf(cache_.triangle_b));
     // The pair comes again in its turn.
-    if (!done()) result_.lower = kInfinity;
+    if (!done()) result_.lower = lower;
   }
 
   void expand(const BoxPair& pair) {
-    const BoxTree &boxes_a = a_.boxes(), &boxes_b = b_.boxes();
-    const std::int32_t child_a = childOf(boxes_a, pair.a), child_b = childOf(boxes_b, pair.b);
-    if (child_a < 0 && child_b < 0) {
-      triangles(~child_a, ~child_b);
+    const Part part_a = a_.part(pair.a, pair.open), part_b = b_.part(pair.b, pair.open);
+    if (part_a.kind != Kind::kNode && part_b.kind != Kind::kNode) {
+      leaves(pair, part_a, part_b);
       return;
     }
-    const int lane_a = pair.a % BoxNode::kWidth, lane_b = pair.b % BoxNode::kWidth;
-    const BoxNode &node_a = nodeOf(boxes_a, pair.a), &node_b = nodeOf(boxes_b, pair.b);
     // The larger one comes apart.
-    const bool split_a =
-        child_b < 0 || (child_a >= 0 && node_a.radius[lane_a] >= node_b.radius[lane_b]);
-    const BoxNode& split = split_a ? boxes_a.node(child_a) : boxes_b.node(child_b);
+    const bool split_a = part_b.kind != Kind::kNode ||
+                         (part_a.kind == Kind::kNode && a_.radius(pair.a) >= b_.radius(pair.b));
+    const std::int32_t child = split_a ? part_a.number : part_b.number;
+    const BoxNode& split = (split_a ? a_ : b_).tree().boxes().node(child);
     const OrientedBox other =
-        split_a ? placedBox(node_b, lane_b, X_AB_) : placedBox(node_a, lane_a, X_BA_);
+        split_a ? placedBox(b_.box(pair.b), X_AB_) : placedBox(a_.box(pair.a), X_BA_);
     float gap[BoxNode::kWidth];
     boxGaps(split, other, gap);
     visited_ += split.count;
@@ -141,7 +262,7 @@ class PairDescent {
         continue;
       }
       BoxPair part = pair;
-      (split_a ? part.a : part.b) = (split_a ? child_a : child_b) * BoxNode::kWidth + i;
+      (split_a ? part.a : part.b) = child * BoxNode::kWidth + i;
       part.lower = found > 0 ? std::max(found, pair.lower) : found;
       // The nearest one on top; of several the first.
       std::size_t at = size_++;
@@ -150,15 +271,68 @@ class PairDescent {
     }
   }
 
+  void leaves(const BoxPair& pair, const Part& a, const Part& b) {
+    if (a.kind == Kind::kTriangle && b.kind == Kind::kTriangle) {
+      triangles(a.number, b.number);
+      return;
+    }
+    PairCache local;
+    const bool known = has_warm_ && a == warm_a_ && b == warm_b_;
+    const Interval d = known ? warm_ : hullPair(a, b, &local);
+    const double lower = std::max(d.lower, pair.lower);
+    const bool pieces = a.kind == Kind::kPiece || b.kind == Kind::kPiece;
+    // (Rounding keeps exact pieces apart, too, but triangles would not do better.)
+    if (!pieces || lower > bar() || d.upper - d.lower <= request_.tolerance || d.upper <= 0) {
+      settle(lower);
+      return;
+    }
+    stack_[size_++] = {pair.a, pair.b, lower, true};
+  }
+
+  // What two convex parts say: they are at least `lower` apart, and the bodies at most `upper`.
+  Interval hullPair(const Part& a, const Part& b, PairCache* cache) {
+    ++visited_;
+    const double excess = a_.excess(a) + b_.excess(b);
+    const ConvexView view_a = a_.view(a), view_b = b_.view(b);
+    const double bar_now = bar();
+    DistanceRequest request;
+    request.iteration_limit = request_.iteration_limit;
+    // Finer than what the excess leaves open is of no use.
+    request.tolerance = std::max(request_.tolerance - excess, 0.5 * request_.tolerance);
+    if (excess > request_.tolerance) request.tolerance = 0.25 * excess;
+    request.depth = deepens_;
+    if (bar_now < kInfinity) request.threshold = bar_now;
+    DistanceResult r = convexDistance(view_a, X_BA_, view_b, request, scratch_, cache, slack_);
+    result_.iterations += r.iterations;
+    if (r.distance.lower > bar_now) return {r.distance.lower, r.distance.upper + excess};
+    if (r.status != DistanceStatus::kConverged && !(r.distance.upper + excess <= 0 && !deepens_)) {
+      // Nearer than what was known: by how much? Where the hulls overlap, whether by more than what
+      // they stand out.
+      const double lower = r.distance.lower;
+      request.threshold = request_.threshold - excess;
+      if (r.distance.upper <= 0 && !deepens_) {
+        request.threshold = -excess;
+        request.depth = excess > 0;
+      }
+      r = convexDistance(view_a, X_BA_, view_b, request, scratch_, cache, slack_);
+      result_.iterations += r.iterations;
+      r.distance.lower = std::max(r.distance.lower, lower);
+    }
+    if (r.distance.upper + excess < result_.upper) best_ = *cache;
+    offer(r, r.distance.upper + excess, a, b);
+    return {r.distance.lower, r.distance.upper + excess};
+  }
+
   void triangles(int slot_a, int slot_b) {
     ++visited_;
-    const Vector* corners_a = a_.corners(slot_a);
-    const Vector* q = b_.corners(slot_b);
+    const Vector* corners_a = a_.tree().corners(slot_a);
+    const Vector* q = b_.tree().corners(slot_b);
     const Vector p[3] = {placed(X_BA_, corners_a[0]), placed(X_BA_, corners_a[1]),
                          placed(X_BA_, corners_a[2])};
     const TrianglePair pair = trianglePair(p, q);
     ++result_.iterations;
     double lower = pair.below - rounding_, upper = pair.above + rounding_;
+    const Part a{Kind::kTriangle, slot_a}, b{Kind::kTriangle, slot_b};
     if (lower > 0 && (lower > bar() || upper - lower <= request_.tolerance)) {
       settle(lower);
       if (!(upper < result_.upper)) return;
@@ -166,7 +340,7 @@ class PairDescent {
       r.normal = pair.normal;
       r.point_a = pair.p;
       r.point_b = pair.q;
-      offer(r, upper, slot_a, slot_b);
+      offer(r, upper, a, b);
       return;
     }
     // Crossing, touching, or a sliver.
@@ -176,63 +350,103 @@ class PairDescent {
     request.depth = false;
     request.iteration_limit = request_.iteration_limit;
     PairCache* none = nullptr;
-    const DistanceResult r = convexDistance(a_.triangleView(slot_a), X_BA_, b_.triangleView(slot_b),
-                                            request, scratch_, none, slack_);
+    const DistanceResult r =
+        convexDistance(a_.view(a), X_BA_, b_.view(b), request, scratch_, none, slack_);
     result_.iterations += r.iterations;
     settle(std::max(lower, r.distance.lower));
-    offer(r, std::min(upper, r.distance.upper), slot_a, slot_b);
+    offer(r, std::min(upper, r.distance.upper), a, b);
   }
 
-  void offer(const DistanceResult& r, double upper, int slot_a, int slot_b) {
+  void offer(const DistanceResult& r, double upper, const Part& a, const Part& b) {
     if (!(upper < result_.upper)) return;
+    if (upper <= 0 && result_.upper > 0) {
+      const int most = std::numeric_limits<int>::max() - kDeeperNodes;
+      deeper_limit_ = std::min(visited_, most) + kDeeperNodes;
+    }
     result_.upper = upper;
     result_.witness = r;
-    result_.witness.triangle_a = a_.triangleOf(slot_a);
-    result_.witness.triangle_b = b_.triangleOf(slot_b);
+    result_.witness.triangle_a = a_.triangleOf(a);
+    result_.witness.triangle_b = b_.triangleOf(b);
+    best_a_ = a;
+    best_b_ = b;
   }
 
   // Surfaces that are apart may be one inside the other: not if a plane between the witnesses parts
   // the bodies' hulls.
   void hulls() {
-    if (result_.hull_lower > 0 || !(result_.lower > 0) || result_.witness.triangle_a < 0) return;
+    if (hulls_known_ || result_.hull_lower > 0 || !(result_.lower > 0) ||
+        best_a_.kind == Kind::kNode) {
+      return;
+    }
     const Vector& n = result_.witness.normal;
     int hint_a = 0, hint_b = 0;
-    const ConvexView hull_a = a_.hullView(), hull_b = b_.hullView();
+    const ConvexView hull_a = a_.hull(), hull_b = b_.hull();
     const Vector p = placed(X_BA_, farthest(hull_a, rotatedBack(X_BA_.rotation, n), hint_a));
     const Vector q = farthest(hull_b, -n, hint_b);
     result_.hull_lower =
         std::max(result_.hull_lower, n.dot(q - p) - rounding_ - hull_a.excess - hull_b.excess);
   }
 
-  const MeshTree& a_;
-  const MeshTree& b_;
+  // Pieces are remembered like triangles, under numbers beyond those.
+  void remember() {
+    if (best_a_.kind != Kind::kPiece && best_b_.kind != Kind::kPiece) return;
+    cache_ = best_;
+    cache_.triangle_a = a_.numberOf(best_a_);
+    cache_.triangle_b = b_.numberOf(best_b_);
+  }
+
+  const Body a_, b_;
   const Pose& X_BA_;
   Pose X_AB_;
-  const double slack_;
+  const double slack_, hull_excess_;
   const DistanceRequest& request_;
   Scratch& scratch_;
   PairCache& cache_;
   DescentResult result_;
   double rounding_ = 0;  // of a pair of triangles, the poses' slack included [m]
   double floor_ = kInfinity;
+  bool parts_ = false;  // both bodies have convex parts; against bare triangles those do not pay
+  bool deepens_ = false, hulls_known_ = false;
   int visited_ = 0;
-  // A pair that is taken off puts at most kWidth back, which are one level lower on one side.
+  int deeper_limit_ = std::numeric_limits<int>::max();
+  Part best_a_{Kind::kNode, 0}, best_b_{Kind::kNode, 0};  // that carry the upper end
+  PairCache best_;                                        // of those, where they are hulls
+  bool has_warm_ = false;
+  Part warm_a_{Kind::kNode, 0}, warm_b_{Kind::kNode, 0};
+  Interval warm_;
+  // A pair that is taken off puts at most kWidth back, which are one level lower on one side; or
+  // itself, opened.
   std::array<BoxPair, 2 * (BoxTree::kMaxDepth + 1) * (BoxNode::kWidth - 1) + 1> stack_;
   std::size_t size_ = 0;
 };
 
+bool isBounded(const DescentSide& side) {
+  return side.tree != nullptr || (side.extent <= kLargestBoxScale && side.low.allFinite() &&
+                                  side.high.allFinite() && side.extent >= kSmallestBoxScale);
+}
+
+bool hasPieces(const DescentSide& side) {
+  return side.tree != nullptr && side.tree->boxes().usable() && side.tree->pieceCount() > 0;
+}
+
 }  // namespace
 
 bool takesPair(const DescentSide& a, const DescentSide& b, const DescentPlacement& placement) {
-  return a.tree != nullptr && b.tree != nullptr && a.tree->boxes().usable() &&
-         b.tree->boxes().usable() && !placement.swept &&
-         placement.X_BA0.translation.norm() <= kLargestBoxScale;
+  if (placement.swept || !(placement.X_BA0.translation.norm() <= kLargestBoxScale)) return false;
+  if (a.tree != nullptr && b.tree != nullptr) {
+    return a.tree->boxes().usable() && b.tree->boxes().usable();
+  }
+  return (hasPieces(a) && isBounded(b)) || (hasPieces(b) && isBounded(a));
+}
+
+bool deepensPair(const DescentSide& a, const DescentSide& b) {
+  return (a.tree == nullptr || hasPieces(a)) && (b.tree == nullptr || hasPieces(b));
 }
 
 DescentResult descendPair(const DescentSide& a, const DescentSide& b,
                           const DescentPlacement& placement, const DistanceRequest& request,
                           Scratch& scratch, PairCache* cache) {
-  return PairDescent(*a.tree, *b.tree, placement, request, scratch, *cache).run();
+  return PairDescent(a, b, placement, request, scratch, *cache).run();
 }
 
 }  // namespace leeway::collision

@@ -4,7 +4,9 @@
 #include <cmath>
 #include <limits>
 
+#include "collision/convex_pieces.h"
 #include "collision/hull_builder.h"
+#include "leeway/collision/shape.h"
 #include "leeway/collision/tolerances.h"
 
 namespace leeway::collision {
@@ -99,9 +101,20 @@ MeshTree::MeshTree(std::span<const Vector3d> vertices, std::span<const Triangle>
     components_[c].point = vertices[index(triangles[i][0])];
   }
   hull_ = ConvexHull::compute(vertices);
-  boxes_ = std::make_unique<const BoxTree>(vertices, triangles, slot_of_, extent_);
   nodes_.shrink_to_fit();
   core_.shrink_to_fit();
+}
+
+void MeshTree::makeBoxes(std::span<const Vector3d> vertices, std::span<const Triangle> triangles,
+                         std::span<const ConvexPiece> pieces) {
+  std::vector<std::int32_t> piece_of(triangles.size(), -1);
+  for (const ConvexPiece& piece : pieces) {
+    const auto number = static_cast<std::int32_t>(pieces_.size());
+    for (const std::int32_t t : piece.triangles) piece_of[index(t)] = number;
+    pieces_.push_back({piece.hull, viewOf(Shape::convexHull(piece.hull)), piece.excess});
+  }
+  boxes_ = std::make_unique<const BoxTree>(vertices, triangles, slot_of_, extent_, piece_of,
+                                           pieceCount());
 }
 
 namespace {
@@ -261,7 +274,11 @@ void MeshTree::makeCore(Input& input, MeshNode& node) {
 }
 
 std::size_t MeshTree::bytes() const {
-  return sizeof(*this) + nodes_.capacity() * sizeof(MeshNode) +
+  std::size_t pieces = pieces_.capacity() * sizeof(Piece);
+  for (const Piece& piece : pieces_) {
+    pieces += piece.hull->vertices().size_bytes() + piece.hull->facets().size_bytes();
+  }
+  return pieces + sizeof(*this) + nodes_.capacity() * sizeof(MeshNode) +
          (core_.capacity() + corners_.capacity()) * sizeof(Vector3d) +
          (triangle_of_.capacity() + slot_of_.capacity()) * sizeof(std::int32_t) +
          components_.capacity() * sizeof(Component) + boxes_->bytes() +

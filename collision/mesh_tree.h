@@ -14,6 +14,8 @@
 
 namespace leeway::collision {
 
+struct ConvexPiece;  // convex_pieces.h
+
 /// A node of MeshTree: bounds of a run of triangles.
 struct MeshNode {
   Eigen::Vector3d center;     ///< of a sphere that holds the triangles [m]
@@ -81,13 +83,24 @@ class MeshTree {
     view.points = hull_->vertices().data();
     view.count = static_cast<int>(hull_->vertices().size());
     view.hull = hull_.get();
+    view.support = &hull_->support();
     view.center = nodes_[0].center;
     view.extent = extent_;
     view.excess = hull_->excess();
     return view;
   }
-  /// The same triangles under oriented boxes: for pairs of meshes.
+  /// The same triangles, and convex pieces, under oriented boxes: for pairs of meshes. Only after
+  /// makeBoxes().
   const BoxTree& boxes() const { return *boxes_; }
+  /// Takes the pieces over. Once, before the first query. O(n log n).
+  void makeBoxes(std::span<const Eigen::Vector3d> vertices, std::span<const Triangle> triangles,
+                 std::span<const ConvexPiece> pieces);
+  /// Convex pieces of the mesh, see convex_pieces.h; none where they do not pay.
+  int pieceCount() const { return static_cast<int>(pieces_.size()); }
+  const ConvexView& pieceView(int piece) const {
+    return pieces_[static_cast<std::size_t>(piece)].view;
+  }
+  double pieceExcess(int piece) const { return pieces_[static_cast<std::size_t>(piece)].excess; }
   /// What is known of a component besides its triangles.
   struct Component {
     Eigen::Vector3d low, high;  ///< its box; exact
@@ -107,7 +120,14 @@ class MeshTree {
   void bound(Input& input, MeshNode& node);
   void makeCore(Input& input, MeshNode& node);
 
+  struct Piece {
+    std::shared_ptr<const ConvexHull> hull;
+    ConvexView view;
+    double excess;
+  };
+
   std::vector<MeshNode> nodes_;
+  std::vector<Piece> pieces_;
   std::vector<Eigen::Vector3d> core_;
   std::vector<Eigen::Vector3d> corners_;
   std::vector<std::int32_t> triangle_of_, slot_of_;

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "collision/components.h"
+#include "collision/convex_pieces.h"
 #include "collision/hull_excess.h"
 #include "collision/mesh_tree.h"
 #include "leeway/collision/ball_cover.h"
@@ -78,7 +79,8 @@ void weld(std::span<const Vector3d> given, std::span<const Triangle> given_trian
 }  // namespace
 
 std::shared_ptr<const TriangleMesh> TriangleMesh::make(std::span<const Vector3d> vertices,
-                                                       std::span<const Triangle> triangles) {
+                                                       std::span<const Triangle> triangles,
+                                                       bool decompose) {
   requireUsable(vertices, triangles);
   std::shared_ptr<TriangleMesh> mesh(new TriangleMesh);
   // Coordinates below what the exact predicates take become 0: 1e-70 m is far below any rounding of
@@ -93,9 +95,16 @@ std::shared_ptr<const TriangleMesh> TriangleMesh::make(std::span<const Vector3d>
   MeshComponents components = findComponents(mesh->vertices_, mesh->triangles_);
   mesh->triangle_component_ = std::move(components.component);
   mesh->component_closed_ = std::move(components.closed);
-  mesh->tree_ = std::make_unique<const MeshTree>(mesh->vertices_, mesh->triangles_,
-                                                 mesh->triangle_component_);
-  mesh->hull_excess_ = collision::hullExcess(mesh->vertices_, *mesh->tree_);
+  auto tree =
+      std::make_unique<MeshTree>(mesh->vertices_, mesh->triangles_, mesh->triangle_component_);
+  MeshTree& made = *tree;
+  mesh->tree_ = std::move(tree);
+  mesh->hull_excess_ = collision::hullExcess(mesh->vertices_, made);
+  ConvexPieces pieces;
+  pieces.summary.use = PieceSummary::Use::kNotAsked;
+  if (decompose) pieces = convexPieces(*mesh);
+  mesh->pieces_ = pieces.summary;
+  made.makeBoxes(mesh->vertices_, mesh->triangles_, pieces.pieces);
   return mesh;
 }
 

@@ -1,7 +1,8 @@
 // Times pairs of triangle meshes against FCL's hierarchies of OBBs and RSSs, in the same run: links
 // of 1k triangles against 20k and of 2k against 2k, far, near and touching; minimum distance,
 // tolerance (d > t?) and collision, ours cold and warm. The meshes are made here; mesh files given
-// as arguments are taken in order, two by two, as further pairs.
+// as arguments are taken in order, two by two, as further pairs. Pairs of solids with convex pieces
+// come last, and are timed without them (as triangles), too.
 //
 // For every pair and class there are a few placements; each is a track of slightly different poses,
 // so that a warm start has something to start from. Blocks of ours and FCL's over the track
@@ -10,7 +11,9 @@
 // compared with FCL's; `differ` counts those that FCL puts outside our interval (its own errors are
 // near 1e-7), or a verdict on collision that is not ours.
 //
-//   bench_meshes [--placements N] [--seed S] [MESH MESH]...
+//   bench_meshes [--placements N] [--seed S] [--pieces] [MESH MESH]...
+//
+// --pieces leaves out the pairs made here that have none.
 
 #include <fcl/fcl.h>
 
@@ -133,6 +136,29 @@ Soup bumpyBall(int along, int around) {
   });
 }
 
+// Two balls on a rod.
+Soup dumbbell(int along, int around) {
+  const double cut = std::asin(0.3);
+  return rings(along, around, false, [cut](double u, double v) -> Vector3d {
+    const double side = u < 0.5 ? -1 : 1, end = 1 - std::abs(2 * u - 1);  // 0 at the ends
+    const double a = std::min(end / 0.9, 1.0) * (kPi - cut);
+    const double x =
+        end < 0.9 ? 0.15 + 0.1 * std::cos(a) : (0.15 - 0.1 * std::cos(cut)) * (1 - end) / 0.1;
+    const double r = end < 0.9 ? 0.1 * std::sin(a) : 0.03;
+    return {side * x, r * std::cos(v), r * std::sin(v)};
+  });
+}
+
+// A disc with ten teeth.
+Soup gear(int along, int around) {
+  return rings(along, around, false, [](double u, double v) -> Vector3d {
+    const double phase = std::fmod(10 * v / (2 * kPi), 1.0);
+    const double profile = phase < 0.35 ? 0.2 : phase < 0.85 ? 0.16 : 0.2;
+    const double r = u > 0 && u < 1 ? profile : 0;
+    return {r * std::cos(v), r * std::sin(v), 0.06 * (u - 0.5)};
+  });
+}
+
 // An open sheet in waves.
 Soup cloth(int along, int across) {
   Soup soup;
@@ -155,12 +181,13 @@ Soup cloth(int along, int across) {
 
 struct Mesh {
   std::string name;
-  Shape shape;
+  Shape shape, triangles_only;
   std::shared_ptr<FclModel> model;
 
   Mesh(const std::string& what, const Soup& soup)
       : name(what),
         shape(Shape::mesh(TriangleMesh::make(soup.vertices, soup.triangles))),
+        triangles_only(Shape::mesh(TriangleMesh::make(soup.vertices, soup.triangles, false))),
         model(std::make_shared<FclModel>()) {
     std::vector<fcl::Triangle> triangles;
     for (const auto& t : soup.triangles) {
@@ -172,6 +199,7 @@ struct Mesh {
     model->endModel();
     name += " " + std::to_string(soup.triangles.size());
   }
+  int pieces() const { return shape.mesh()->pieces().pieces; }
 };
 
 Mesh readMesh(const std::string& path) {
@@ -243,7 +271,7 @@ Pose place(const Mesh& a, const Mesh& b, Class kind, Random& random, Scratch& sc
 }
 
 struct Timing {
-  double cold = 0, warm = 0, fcl = 0;
+  double cold = 0, warm = 0, triangles = 0, fcl = 0;
   int differ = 0;
 };
 
@@ -268,15 +296,19 @@ class Bench {
     }
     Timing timing;
     const int repeats = repeatsFor(track, query);
-    std::vector<double> cold, warm, fcl;
+    std::vector<double> cold, warm, triangles, fcl;
     for (int block = 0; block < kBlocks; ++block) {
       cold.push_back(timed(repeats, [&](int i) { ours(track, i, query, nullptr); }));
+      if (a_.pieces() > 0 && b_.pieces() > 0) {
+        triangles.push_back(timed(repeats, [&](int i) { withoutPieces(track, i, query); }));
+      }
       fcl.push_back(timed(repeats, [&](int i) { theirs(track, i, query); }));
       warm.push_back(timed(repeats, [&](int i) { ours(track, i, query, &cache_); }));
     }
     timing.cold = median(cold);
     timing.warm = median(warm);
     timing.fcl = median(fcl);
+    timing.triangles = triangles.empty() ? timing.cold : median(triangles);
     for (int i = 0; i < kTrack; ++i) timing.differ += agrees(track, i, query) ? 0 : 1;
     return timing;
   }
@@ -312,6 +344,12 @@ class Bench {
         distance(a_.shape, {}, b_.shape, track.X_WB[i], request(track, i, query), scratch_, cache);
     sink_ = sink_ + r.distance.lower;
     return r;
+  }
+
+  void withoutPieces(const Track& track, int i, Query query) {
+    const DistanceResult r = distance(a_.triangles_only, {}, b_.triangles_only, track.X_WB[i],
+                                      request(track, i, query), scratch_);
+    sink_ = sink_ + r.distance.lower;
   }
 
   double theirs(const Track& track, int i, Query query) {
@@ -364,64 +402,99 @@ class Bench {
 int run(int argc, char** argv) {
   int placements = 12;
   std::uint64_t seed = 1;
+  bool only_pieces = false;
   std::vector<std::string> files;
   for (int i = 1; i < argc; ++i) {
     if (std::strcmp(argv[i], "--placements") == 0 && i + 1 < argc) {
       placements = std::atoi(argv[++i]);
     } else if (std::strcmp(argv[i], "--seed") == 0 && i + 1 < argc) {
       seed = std::strtoull(argv[++i], nullptr, 10);
+    } else if (std::strcmp(argv[i], "--pieces") == 0) {
+      only_pieces = true;
     } else {
       files.emplace_back(argv[i]);
     }
   }
   if (placements < 1 || files.size() % 2 != 0) {
-    std::fprintf(stderr, "usage: bench_meshes [--placements N] [--seed S] [MESH MESH]...\n");
+    std::fprintf(stderr,
+                 "usage: bench_meshes [--placements N] [--seed S] [--pieces] [MESH MESH]...\n");
     return 2;
   }
   std::vector<std::pair<Mesh, Mesh>> pairs;
-  pairs.emplace_back(Mesh("link", link(24, 21)), Mesh("link", link(100, 100)));
-  pairs.emplace_back(Mesh("link", link(24, 21)), Mesh("bumpy ball", bumpyBall(100, 100)));
-  pairs.emplace_back(Mesh("link", link(24, 21)), Mesh("torus", torus(100, 100)));
-  pairs.emplace_back(Mesh("link", link(24, 21)), Mesh("cloth", cloth(100, 100)));
-  pairs.emplace_back(Mesh("link", link(32, 32)), Mesh("link", link(32, 32)));
-  pairs.emplace_back(Mesh("torus", torus(32, 32)), Mesh("bumpy ball", bumpyBall(32, 32)));
+  if (!only_pieces) {
+    pairs.emplace_back(Mesh("link", link(24, 21)), Mesh("link", link(100, 100)));
+    pairs.emplace_back(Mesh("link", link(24, 21)), Mesh("bumpy ball", bumpyBall(100, 100)));
+    pairs.emplace_back(Mesh("link", link(24, 21)), Mesh("torus", torus(100, 100)));
+    pairs.emplace_back(Mesh("link", link(24, 21)), Mesh("cloth", cloth(100, 100)));
+    pairs.emplace_back(Mesh("link", link(32, 32)), Mesh("link", link(32, 32)));
+    pairs.emplace_back(Mesh("torus", torus(32, 32)), Mesh("bumpy ball", bumpyBall(32, 32)));
+  }
+  pairs.emplace_back(Mesh("dumbbell", dumbbell(24, 21)), Mesh("dumbbell", dumbbell(100, 100)));
+  pairs.emplace_back(Mesh("dumbbell", dumbbell(32, 32)), Mesh("dumbbell", dumbbell(32, 32)));
+  pairs.emplace_back(Mesh("dumbbell", dumbbell(24, 21)), Mesh("gear", gear(100, 100)));
+  pairs.emplace_back(Mesh("gear", gear(25, 40)), Mesh("gear", gear(25, 40)));
   for (std::size_t i = 0; i < files.size(); i += 2) {
     pairs.emplace_back(readMesh(files[i]), readMesh(files[i + 1]));
   }
-  std::printf("%-38s %-9s %-10s %10s %10s %10s %7s %7s %7s\n", "pair (triangles)", "class", "query",
-              "cold ns", "warm ns", "FCL ns", "cold/F", "warm/F", "differ");
-  std::vector<double> all[3][3];
+  for (const auto& [a, b] : pairs) {
+    for (const Mesh* mesh : {&a, &b}) {
+      if (mesh->pieces() == 0) continue;
+      const leeway::collision::PieceSummary& summary = mesh->shape.mesh()->pieces();
+      std::printf("%s: %d convex pieces, %d loose triangles, excess %.1e m\n", mesh->name.c_str(),
+                  summary.pieces, summary.loose_triangles, summary.excess);
+    }
+  }
+  std::printf("%-38s %-9s %-10s %10s %10s %10s %10s %7s %7s %7s %7s\n", "pair (triangles)", "class",
+              "query", "cold ns", "warm ns", "soup ns", "FCL ns", "cold/F", "warm/F", "cold/s",
+              "differ");
+  // Of pairs of triangles, and of pairs with convex pieces.
+  std::vector<double> all[2][3][3], against_triangles[3][3];
   for (const auto& [a, b] : pairs) {
     Bench bench(a, b);
+    const bool pieces = a.pieces() > 0 && b.pieces() > 0;
     for (const Class kind : {Class::kFar, Class::kNear, Class::kTouching}) {
       for (const Query query : {Query::kDistance, Query::kTolerance, Query::kCollision}) {
         Random random(seed);
-        std::vector<double> cold, warm, fcl, cold_ratio, warm_ratio;
+        std::vector<double> cold, warm, triangles, fcl, cold_ratio, warm_ratio, triangle_ratio;
         int differ = 0;
         for (int i = 0; i < placements; ++i) {
           const Timing t = bench.run(kind, query, random);
           cold.push_back(t.cold);
           warm.push_back(t.warm);
+          triangles.push_back(t.triangles);
           fcl.push_back(t.fcl);
           cold_ratio.push_back(t.cold / t.fcl);
           warm_ratio.push_back(t.warm / t.fcl);
+          triangle_ratio.push_back(t.cold / t.triangles);
           differ += t.differ;
         }
         const int k = static_cast<int>(kind), q = static_cast<int>(query);
-        all[k][q].insert(all[k][q].end(), cold_ratio.begin(), cold_ratio.end());
-        std::printf("%-38s %-9s %-10s %10.0f %10.0f %10.0f %7.3f %7.3f %7d\n",
+        std::vector<double>& ratios = all[pieces ? 1 : 0][k][q];
+        ratios.insert(ratios.end(), cold_ratio.begin(), cold_ratio.end());
+        if (pieces) {
+          against_triangles[k][q].insert(against_triangles[k][q].end(), triangle_ratio.begin(),
+                                         triangle_ratio.end());
+        }
+        std::printf("%-38s %-9s %-10s %10.0f %10.0f %10.0f %10.0f %7.3f %7.3f %7.3f %7d\n",
                     (a.name + " - " + b.name).c_str(), kClassNames[k], kQueryNames[q], median(cold),
-                    median(warm), median(fcl), median(cold_ratio), median(warm_ratio), differ);
+                    median(warm), median(triangles), median(fcl), median(cold_ratio),
+                    median(warm_ratio), median(triangle_ratio), differ);
         std::fflush(stdout);
       }
     }
   }
-  std::printf("\nmedian ratio to FCL over all pairs, cold:\n");
-  for (int k = 0; k < 3; ++k) {
-    std::printf("  %-9s", kClassNames[k]);
-    for (int q = 0; q < 3; ++q) std::printf("  %s %.3f", kQueryNames[q], median(all[k][q]));
-    std::printf("\n");
-  }
+  const auto table = [](const char* title, const std::vector<double>(&ratios)[3][3]) {
+    if (ratios[0][0].empty()) return;
+    std::printf("\nmedian ratio to %s, cold:\n", title);
+    for (int k = 0; k < 3; ++k) {
+      std::printf("  %-9s", kClassNames[k]);
+      for (int q = 0; q < 3; ++q) std::printf("  %s %.3f", kQueryNames[q], median(ratios[k][q]));
+      std::printf("\n");
+    }
+  };
+  table("FCL over pairs of triangles", all[0]);
+  table("FCL over pairs with convex pieces", all[1]);
+  table("triangles over pairs with convex pieces", against_triangles);
   return 0;
 }
 

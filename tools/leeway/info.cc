@@ -175,6 +175,41 @@ std::map<int, int> openComponents(const collision::TriangleMesh& mesh) {
   return triangles;
 }
 
+/// Why a mesh has no convex pieces.
+const char* reason(collision::PieceSummary::Use use) {
+  using Use = collision::PieceSummary::Use;
+  switch (use) {
+    case Use::kUsed:
+      break;
+    case Use::kOpen:
+      return "not closed";
+    case Use::kSmall:
+      return "few triangles";
+    case Use::kConcave:
+      return "too many for its triangles";
+    case Use::kLaborious:
+      return "too long to find";
+    case Use::kExtreme:
+      return "extreme size";
+    case Use::kNotAsked:
+      return "not asked for";
+  }
+  return "";
+}
+
+/// The convex pieces of a mesh, or why it has none.
+Json piecesJson(const collision::PieceSummary& pieces) {
+  Json json = {{"used", pieces.use == collision::PieceSummary::Use::kUsed}};
+  if (!json["used"].get<bool>()) {
+    json["reason"] = reason(pieces.use);
+    return json;
+  }
+  json["pieces"] = pieces.pieces;
+  json["loose_triangles"] = pieces.loose_triangles;
+  json["excess"] = pieces.excess;
+  return json;
+}
+
 /// One collision shape of a link, an object or an attached object.
 Json geometryJson(const std::string& owner, const robots::Geometry& geometry) {
   const collision::Shape& shape = geometry.shape;
@@ -188,6 +223,7 @@ Json geometryJson(const std::string& owner, const robots::Geometry& geometry) {
     json["components"] = mesh->componentCount();
     json["closed_components"] = mesh->closedComponentCount();
     json["hull_excess"] = jsonNumber(mesh->hullExcess());
+    json["convex_pieces"] = piecesJson(mesh->pieces());
     json["open"] = Json::array();
     for (const auto& [component, triangles] : openComponents(*mesh)) {
       json["open"].push_back({{"component", component}, {"triangles", triangles}});
@@ -462,7 +498,7 @@ void printProblem(const Json& problem) {
 
 void printGeometries(const Json& geometries) {
   std::vector<std::vector<std::string>> rows;
-  std::string open;
+  std::string open, pieces;
   std::size_t bytes = 0;
   const auto field = [](const Json& json, const char* key) {
     return json.contains(key) ? json[key].dump() : std::string();
@@ -480,18 +516,31 @@ void printGeometries(const Json& geometries) {
                          : "",
                     formatBytes(geometry["bytes"].get<std::size_t>())});
     bytes += geometry["bytes"].get<std::size_t>();
-    for (const auto& component : mesh ? geometry["open"] : Json::array()) {
-      open += fmt::format(
-          "  {} of {}: component {}, {} triangles\n",
-          geometry["name"].get<std::string>().empty() ? "mesh"
-                                                      : geometry["name"].get<std::string>(),
-          owner, component["component"].get<int>(), component["triangles"].get<int>());
+    if (!mesh) {
+      continue;
     }
+    const std::string name =
+        geometry["name"].get<std::string>().empty() ? "mesh" : geometry["name"].get<std::string>();
+    for (const auto& component : geometry["open"]) {
+      open += fmt::format("  {} of {}: component {}, {} triangles\n", name, owner,
+                          component["component"].get<int>(), component["triangles"].get<int>());
+    }
+    const Json& parts = geometry["convex_pieces"];
+    pieces += fmt::format("  {} of {}: ", name, owner);
+    pieces +=
+        parts["used"].get<bool>()
+            ? fmt::format("{} convex pieces and {} triangles, excess {} mm\n",
+                          parts["pieces"].get<int>(), parts["loose_triangles"].get<int>(),
+                          formatUpper(parts["excess"].get<double>() * 1e3, 6))
+            : fmt::format("triangles, no convex pieces ({})\n", parts["reason"].get<std::string>());
   }
   fmt::print("\n{}", formatTable({"of", "shape", "vertices", "triangles", "hull excess [mm]",
                                   "closed", "size"},
                                  rows, {1}));
   fmt::print("{} shapes, {}\n", geometries.size(), formatBytes(bytes));
+  if (!pieces.empty()) {
+    fmt::print("\nqueries of meshes use\n{}", pieces);
+  }
   if (!open.empty()) {
     fmt::print("\nnot closed, so surfaces without an inside:\n{}", open);
   }

@@ -49,11 +49,14 @@ struct DistanceResult {
   /// interval's width of the distance; when overlapping, the deepest points found along `normal`.
   Eigen::Vector3d point_a = Eigen::Vector3d::Zero();
   Eigen::Vector3d point_b = Eigen::Vector3d::Zero();
-  /// Unit vector from A to B along which the lower end holds: moving B by t * normal adds t to it.
+  /// Unit vector from A to B. For convex shapes the lower end is proven along it: moving B by
+  /// t * normal adds t to it. For meshes that overlap, moving B by -lower * normal separates; for
+  /// meshes that are apart it points from the nearest part of A to that of B, and nothing is
+  /// promised of other parts.
   Eigen::Vector3d normal = Eigen::Vector3d::UnitX();
   int iterations = 0;
   /// Triangles (of the meshes as given by TriangleMesh::triangles()) that carry the upper end; -1
-  /// if none.
+  /// if none (a hull or a convex piece does).
   int triangle_a = -1;
   int triangle_b = -1;
 };
@@ -66,7 +69,7 @@ struct PairCache {
   int simplex_count = 0;  ///< vertices of A and B that carried the last distance, pairwise; 0: none
   int simplex_a[3] = {0, 0, 0}, simplex_b[3] = {0, 0, 0};
   int vertex_a = 0, vertex_b = 0;        ///< last support vertices
-  int triangle_a = -1, triangle_b = -1;  ///< last closest triangles
+  int triangle_a = -1, triangle_b = -1;  ///< last closest triangles, or convex pieces
 };
 
 /// Caller-owned buffers of one thread. Everything a query needs is allocated in the constructor.

@@ -92,6 +92,30 @@ inline constexpr double kExcessTolerance = 1e-7;
 /// ... or this many pieces (and four a facet) have been cut: about 0.1 s.
 inline constexpr long kExcessPieces = 40'000;
 
+// Convex pieces of meshes (convex_pieces.cc)
+
+/// A piece's hull may leave the solid by this share of the mesh's diagonal, proven. Larger makes
+/// fewer pieces, and more queries that have to look at triangles; answers stay right.
+inline constexpr double kPieceTolerance = 1e-5;
+/// Pieces are used where there are at least this many triangles to a piece or loose triangle.
+/// Measured with bench_meshes: at 8, queries cost up to 2.7 times as much as with triangles alone;
+/// at 20, a quarter to a half for distances and about the same for thresholds; from 100 on, a
+/// twentieth and a third.
+inline constexpr double kPieceTriangles = 16;
+/// Meshes of fewer triangles are left alone: their hierarchy is one or two nodes deep.
+inline constexpr int kLeastDecomposed = 24;
+/// A piece's hull is flat, and is given a point inside the solid, where the largest ball in it is
+/// smaller than this share of its reach.
+inline constexpr double kPieceThin = 0.02;
+/// A patch stops growing when this many batches did not fit [count]. More finds better pieces.
+inline constexpr int kPieceFailures = 32;
+/// A decomposition is given up after this much work a triangle, and this much in all [units of
+/// about 0.2 us]; and as soon as there are that many pieces and loose triangles more than pay for
+/// the triangles done so far (seeds that promise most come first).
+inline constexpr double kPieceWork = 100;
+inline constexpr double kPieceMostWork = 5e6;
+inline constexpr double kPieceHeadStart = 64;
+
 // Deforming meshes (deformable.cc, deform_descent.cc)
 
 /// Largest coordinate of a deforming mesh's vertices [m]: areas of their boxes stay within single
