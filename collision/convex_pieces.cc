@@ -22,8 +22,14 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
 
+// False for triangles that name a vertex twice: those are no part of the surface around a solid,
+// see components.h.
+bool isProper(const TriangleMesh::Triangle& t) {
+  return t[0] != t[1] && t[1] != t[2] && t[2] != t[0];
+}
+
 // For each triangle of a closed component the triangles across its edges, edge k from corner k to
-// corner k + 1; -1 where the component is open.
+// corner k + 1; -1 where the component is open or the triangle is not proper.
 std::vector<std::array<std::int32_t, 3>> neighboursOf(const TriangleMesh& mesh) {
   struct Edge {
     std::int32_t low, high, triangle, side;
@@ -32,7 +38,8 @@ std::vector<std::array<std::int32_t, 3>> neighboursOf(const TriangleMesh& mesh) 
   edges.reserve(3 * mesh.triangles().size());
   std::int32_t number = 0;
   for (const TriangleMesh::Triangle& t : mesh.triangles()) {
-    for (std::size_t k = 0; k < 3 && mesh.isClosed(mesh.component(number)); ++k) {
+    const bool wanted = isProper(t) && mesh.isClosed(mesh.component(number));
+    for (std::size_t k = 0; k < 3 && wanted; ++k) {
       const std::int32_t from = t[k], to = t[(k + 1) % 3];
       edges.push_back(
           {std::min(from, to), std::max(from, to), number, static_cast<std::int32_t>(k)});
@@ -306,14 +313,14 @@ class Decomposition {
     for (std::int32_t t = 0; t < count; ++t) {
       if (!mesh_.isClosed(mesh_.component(t))) continue;
       for (const std::int32_t other : neighbours_[index(t)]) {
-        if (depth[index(t)] >= 0 || !reflex(t, other)) continue;
+        if (other < 0 || depth[index(t)] >= 0 || !reflex(t, other)) continue;
         depth[index(t)] = 0;
         queue.push_back(t);
       }
     }
     for (std::size_t head = 0; head < queue.size(); ++head) {
       for (const std::int32_t other : neighbours_[index(queue[head])]) {
-        if (depth[index(other)] >= 0) continue;
+        if (other < 0 || depth[index(other)] >= 0) continue;
         depth[index(other)] = depth[index(queue[head])] + 1;
         queue.push_back(other);
       }
@@ -397,7 +404,8 @@ class Decomposition {
     work_left_ -= 0.05 * static_cast<double>(before);
     const auto reach = [&](std::int32_t from) {
       for (const std::int32_t t : neighbours_[index(from)]) {
-        if (taken_[index(t)] != 0 || inside_patch_.has(t) || queued_.has(t) || rejected_.has(t))
+        if (t < 0 || taken_[index(t)] != 0 || inside_patch_.has(t) || queued_.has(t) ||
+            rejected_.has(t))
           continue;
         if (reflex(from, t)) continue;
         queued_.add(t);
@@ -639,7 +647,8 @@ class Decomposition {
       }
       for (int slot = node.triangle_begin; slot < node.triangle_end; ++slot) {
         const std::int32_t t = tree_.triangleOf(slot);
-        if (mesh_.component(t) != component_ || inside_patch_.has(t)) continue;
+        if (mesh_.component(t) != component_ || inside_patch_.has(t) || !isProper(corners(t)))
+          continue;
         if (shallow(t, view)) continue;
         culprit_ = t;
         return false;

@@ -272,6 +272,23 @@ TEST(ConvexPieces, SayWhyNot) {
   EXPECT_EQ(use(large), Use::kExtreme);
 }
 
+// Triangles that name a vertex twice hang on solids without opening them, and stay loose.
+TEST(ConvexPieces, WithTrianglesThatAreNone) {
+  Random random(89);
+  TriangleSoup soup = dumbbell(20, 10);
+  const auto plain = TriangleMesh::make(soup.vertices, soup.triangles);
+  const TriangleMesh::Triangle edge{soup.triangles[3][0], soup.triangles[3][0],
+                                    soup.triangles[3][1]};
+  soup.triangles.insert(soup.triangles.begin(), edge);
+  soup.triangles.push_back({0, 5, 5});  // a chord
+  soup.triangles.push_back({7, 7, 7});
+  const auto mesh = TriangleMesh::make(soup.vertices, soup.triangles);
+  ASSERT_EQ(mesh->closedComponentCount(), 1);
+  EXPECT_EQ(mesh->pieces().pieces, plain->pieces().pieces);
+  EXPECT_EQ(mesh->pieces().loose_triangles, plain->pieces().loose_triangles + 3);
+  expectHeld("dumbbell with segments", *mesh, random, 20);
+}
+
 // A convex mesh is one piece.
 TEST(ConvexPieces, OneForABall) {
   Random random(83);
