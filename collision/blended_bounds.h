@@ -11,7 +11,8 @@ namespace leeway::collision {
 /// vertex is in the sum of weights times boxes, a weight below 0 turning its box round.
 /// O(references) a node. D. James and D. Pai, "BD-Tree: output-sensitive collision detection for
 /// reduced deformation models", 2004, is the same sum with the rest shape's box taken once and a
-/// box of displacements for every mode (their boxes; the spheres stand in node_volumes.h).
+/// box of displacements for every mode. Boxes alone: they are what every strategy gives its nodes,
+/// so that queries know one kind (k-DOPs and spheres of the same sums would be others).
 class BlendedBounds final : public NodeBounds {
  public:
   BlendedBounds(const BlendedMotion& motion, const DeformTree& tree);

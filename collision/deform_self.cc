@@ -8,7 +8,9 @@
 #include "collision/deform_snapshot.h"
 #include "collision/mesh_distance.h"
 #include "collision/scratch.h"
+#include "collision/triangle_pair.h"
 #include "leeway/collision/deformable_mesh.h"
+#include "leeway/collision/tolerances.h"
 
 namespace leeway::collision {
 
@@ -45,7 +47,8 @@ class SelfDescent {
         request_(request),
         scratch_(scratch),
         cache_(cache),
-        boxes_(snapshot, scratch.impl().deform) {}
+        boxes_(snapshot, scratch.impl().deform),
+        rounding_(roundingOf(snapshot.low.cwiseAbs().cwiseMax(snapshot.high.cwiseAbs()).norm())) {}
 
   DistanceResult run() {
     result_.distance = {kInfinity, kInfinity};
@@ -88,6 +91,11 @@ class SelfDescent {
   }
 
  private:
+  // Infinite where squares could leave their range, so that no closed form is believed.
+  static double roundingOf(double extent) {
+    return extent >= kSmallestScale && extent <= kLargestScale ? 2 * kRelativeRounding * extent
+                                                               : kInfinity;
+  }
   double bar() const {
     const double bar =
         request_.threshold == request_.threshold ? std::max(request_.threshold, 0.0) : kInfinity;
@@ -215,13 +223,27 @@ class SelfDescent {
       corners[0][i] = snapshot_.vertices[static_cast<std::size_t>(a[i])];
       corners[1][i] = snapshot_.vertices[static_cast<std::size_t>(b[i])];
     }
+    ++visited_;
+    const TrianglePair pair = trianglePair(corners[0], corners[1]);
+    const double bar_now = bar(), lower = pair.below - rounding_, upper = pair.above + rounding_;
+    if (lower > 0 && (lower > bar_now || upper - lower <= request_.tolerance)) {
+      ++result_.iterations;
+      settle(lower);
+      if (!(upper < result_.distance.upper)) return;
+      result_.distance.upper = upper;
+      result_.point_a = pair.p;
+      result_.point_b = pair.q;
+      result_.normal = pair.normal;
+      result_.triangle_a = tree_.triangleOf(slot_a);
+      result_.triangle_b = tree_.triangleOf(slot_b);
+      return;
+    }
+    // Crossing, touching, or a sliver.
     DistanceRequest request = request_;
     request.depth = false;
-    const double bar_now = bar();
     if (bar_now < kInfinity && bar_now > 0) request.threshold = bar_now;
     const ConvexView view_a = viewOfPoints(corners[0], 3, 0),
                      view_b = viewOfPoints(corners[1], 3, 0);
-    ++visited_;
     DistanceResult r = convexDistance(view_a, Pose{}, view_b, request, scratch_, &cache_);
     result_.iterations += r.iterations;
     if (r.status == DistanceStatus::kNotAboveThreshold && r.distance.upper > 0 &&
@@ -232,11 +254,11 @@ class SelfDescent {
     }
     settle(r.distance.lower);
     if (!(r.distance.upper < result_.distance.upper)) return;
-    const double lower = result_.distance.lower;
+    const double settled = result_.distance.lower;
     const int iterations = result_.iterations;
     result_ = r;
     result_.iterations = iterations;
-    result_.distance.lower = lower;
+    result_.distance.lower = settled;
     result_.triangle_a = tree_.triangleOf(slot_a);
     result_.triangle_b = tree_.triangleOf(slot_b);
   }
@@ -247,6 +269,7 @@ class SelfDescent {
   Scratch& scratch_;
   PairCache& cache_;
   BoxSource boxes_;
+  const double rounding_;  // of a pair in closed form, as in mesh_pair.cc [m]
   DistanceResult result_;
   int visited_ = 0;
   // A pair that is taken off puts at most 36 back (a node with itself: once a level) or 8.
