@@ -93,11 +93,12 @@ TEST(ReportDeform, ComparesEveryDistance) {
   const auto rows = measureDeform({own[0].get(), own[2].get(), &liar}, small());
   ASSERT_EQ(rows.size(), 3u);
   EXPECT_EQ(rows[0].compared, 0) << "it is what the others are compared with";
-  EXPECT_EQ(rows[1].compared, 4 * 25);
+  EXPECT_EQ(rows[1].compared, 4 * 27);
   EXPECT_EQ(rows[1].wrong, 0);
-  EXPECT_EQ(rows[2].compared, 4 * 25);
-  EXPECT_EQ(rows[2].wrong, 4 * 25);
+  EXPECT_EQ(rows[2].compared, 4 * 27);
+  EXPECT_EQ(rows[2].wrong, 4 * 27);
   EXPECT_NEAR(rows[2].error, 1, 1e-6);
+  EXPECT_TRUE(deformWords(rows).empty()) << "there is no hybrid";
   for (const DeformRow& r : rows) {
     EXPECT_EQ(r.frames, 4);
     EXPECT_GT(r.median.update, 0);
@@ -110,6 +111,25 @@ TEST(ReportDeform, OutlivesAnEngineThatAborts) {
   const Crasher crasher;
   const auto rows = measureDeform({own[0].get(), &crasher}, small());
   for (const DeformRow& r : rows) EXPECT_FALSE(r.done);
+}
+
+TEST(ReportDeform, JudgesTheTextbookByTheTests) {
+  DeformRow refit, hybrid, chosen;
+  refit.motion = hybrid.motion = chosen.motion = "wave";
+  refit.engine = "leeway refit";
+  hybrid.engine = "leeway hybrid";
+  chosen.engine = "leeway auto";
+  refit.median.update = 40, hybrid.median.update = chosen.median.update = 4;
+  refit.median.spheres = hybrid.median.spheres = 6, chosen.median.spheres = 11;
+  for (const auto& [tests, verdict] :
+       {std::pair{1.0, "are surpassed"}, std::pair{5.0, "are confirmed"},
+        std::pair{20.0, "are refuted: less"}}) {
+    refit.median.tolerance = hybrid.median.tolerance = tests;
+    const std::string words = deformWords({refit, hybrid, chosen});
+    EXPECT_NE(words.find(verdict), std::string::npos) << words;
+    EXPECT_NE(words.find("are 10.0 times cheaper"), std::string::npos) << words;
+    EXPECT_NE(words.find("auto takes 1.50 times what hybrid does"), std::string::npos) << words;
+  }
 }
 
 class ReportDeformVerb : public CommandTest {};

@@ -80,9 +80,10 @@ int runReportDeform(const ReportDeformArguments& arguments) {
                            .dump());
   } else {
     fmt::print(
-        "{}\n{}\nmicroseconds; seed {}, {:.0f} s; in {}: deform.csv, deform_frames.csv, "
+        "{}\n{}\n{}\nmicroseconds; seed {}, {:.0f} s; in {}: deform.csv, deform_frames.csv, "
         "deform_update.svg, deform_decay.svg\n",
-        note, report::deformTable(rows), arguments.seed, seconds, folder);
+        note, report::deformTable(rows), report::deformWords(rows), arguments.seed, seconds,
+        folder);
   }
   return errors == 0 ? kYes : kNo;
 }

@@ -251,9 +251,10 @@ Pose DeformBodies::linkPose(int i, double time) const {
   return X;
 }
 
-Pose DeformBodies::meshPose(double time) const {
+Pose DeformBodies::meshPose(int place, double time) const {
+  constexpr double kHeight[] = {1.5, 0.55, 0.05};
   Pose X;
-  X.translation = {0.3 + 0.1 * std::sin(2 * kPi * time), 0.2, 0.55};
+  X.translation = {0.3 + 0.1 * std::sin(2 * kPi * time), 0.2, kHeight[place]};
   X.rotation = Eigen::AngleAxisd(0.4 + 0.2 * time, Vector3d::UnitX()).toRotationMatrix();
   return X;
 }

@@ -37,7 +37,9 @@ struct DeformBodies {
   collision::Shape mesh = collision::Shape::sphere(0);
   /// X_WL of link i of twelve at a time from 0 to 1: a slow sway, near and far from the mesh.
   collision::Pose linkPose(int i, double time) const;
-  collision::Pose meshPose(double time) const;
+  /// Of the link of triangles: 0 far from the mesh (a metre and more, as a rule), 1 near (a few
+  /// decimetres), 2 through it.
+  collision::Pose meshPose(int place, double time) const;
 };
 DeformBodies makeDeformBodies();
 
