@@ -220,7 +220,40 @@ TEST_F(ReportMotionVerb, WritesEveryRow) {
   EXPECT_EQ(document.Parse(read("out/motion.svg").c_str()), tinyxml2::XML_SUCCESS);
 }
 
+/// Certified edges never miss what the verifier refutes; rows of one problem and kind speak of the
+/// same edges.
+TEST_F(ReportMotionVerb, EdgesOfAProblem) {
+  const Answer answer =
+      run("report motion --cases 1 --passes 0 --family translation --no-rivals --edges 25 "
+          "--output out --json --problem reach.yaml");
+  ASSERT_EQ(answer.status, 0) << answer.out << answer.err;
+  std::istringstream csv(read("out/edges.csv"));
+  std::string line;
+  std::getline(csv, line);
+  EXPECT_EQ(line, "problem,kind,method,edges,missed,cautious,undecided,us");
+  std::map<std::string, std::set<std::string>> counts, methods;
+  int edges = 0;
+  while (std::getline(csv, line)) {
+    std::vector<std::string> cells;
+    std::istringstream row(line);
+    for (std::string cell; std::getline(row, cell, ',');) cells.push_back(cell);
+    ASSERT_EQ(cells.size(), 8u) << line;
+    counts[cells[0] + cells[1]].insert(cells[3]);
+    methods[cells[0] + cells[1]].insert(cells[2]);
+    if (cells[2] != "certified") continue;
+    edges += std::stoi(cells[3]);
+    EXPECT_EQ(cells[4], "0") << line;
+  }
+  EXPECT_GT(edges, 20);
+  for (const auto& [kind, numbers] : counts) EXPECT_EQ(numbers.size(), 1u) << kind;
+  for (const auto& [kind, names] : methods) EXPECT_EQ(names.size(), 5u) << kind;
+  tinyxml2::XMLDocument document;
+  EXPECT_EQ(document.Parse(read("out/edges.svg").c_str()), tinyxml2::XML_SUCCESS);
+}
+
 TEST_F(ReportMotionVerb, RefusesWhatItCannotUse) {
+  expectRefused("report motion --problem nowhere.yaml", {"nowhere.yaml"});
+  expectRefused("report motion --srdf a.srdf", {"--robot"});
   expectRefused("report motion --family boiling", {"boiling", "ordinary"});
   expectRefused("report motion --cases 0", {"cases"});
   expectRefused("report motion --passes -1", {"passes"});

@@ -24,14 +24,12 @@
 
 #include "leeway/planner/edge_certifier.h"
 #include "leeway/planner/problem.h"
-#include "planner/edge_frames.h"
-#include "planner/edge_lanes.h"
 #include "tools/bench/asked_edges.h"
+#include "tools/bench/edge_stepper.h"
 
 namespace {
 
 using namespace leeway::planner;
-using leeway::collision::kLanes;
 
 constexpr double kStep = 1.0 / 32;
 
@@ -40,66 +38,6 @@ double cpuMicroseconds() {
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
   return static_cast<double>(t.tv_sec) * 1e6 + static_cast<double>(t.tv_nsec) * 1e-3;
 }
-
-/// The rival: states along the edge, not the edge.
-class Stepper {
- public:
-  explicit Stepper(const std::shared_ptr<const CompiledScene>& scene)
-      : frames_(scene, kLanes), lanes_(frames_), workspace_(scene->scene()) {}
-
-  bool isFree(const std::vector<double>& a, const std::vector<double>& b) {
-    const double length = frames_.scene().space().distance(a, b);
-    const int states = std::max(1, static_cast<int>(std::ceil(length / kStep)));
-    if (!frames_.begin(a, b) || !lanes_.begin(frames_)) return false;
-    const int blocks = (states + kLanes - 1) / kLanes;
-    for (int block = 0; block < blocks; ++block) {
-      leeway::collision::LaneValues places;
-      double t[kLanes];
-      for (int lane = 0; lane < kLanes; ++lane) {
-        t[lane] = std::min(block + lane * blocks + 1, states) / static_cast<double>(states);
-        places.at[lane] = static_cast<float>(t[lane] - 0.5);
-      }
-      if (lanes_.still(places).id >= 0 || !isOpenFree(t)) return false;
-    }
-    return true;
-  }
-
- private:
-  bool isOpenFree(const double* t) {
-    frames_.release(0);
-    int slots[kLanes];
-    std::fill(slots, slots + kLanes, -1);
-    for (const auto& open : lanes_.open()) {
-      const EdgePair& pair = frames_.pairs()[static_cast<std::size_t>(open.id)];
-      for (int lane = 0; lane < kLanes; ++lane) {
-        if ((open.lanes >> lane & 1U) == 0) continue;
-        if (lane > 0 && t[lane] == t[lane - 1]) continue;  // past the last state
-        if (slots[lane] < 0) slots[lane] = frames_.place(t[lane]);
-        if (slots[lane] < 0) return false;
-        const Piece& a = frames_.pieces()[static_cast<std::size_t>(pair.a)];
-        const Piece& b = frames_.pieces()[static_cast<std::size_t>(pair.b)];
-        const double coarse = b.bounds->coarse.lower(frames_.inFrameOf(
-                                  slots[lane], pair.b, frames_.center(slots[lane], pair.a))) -
-                              a.bounds->outer.radius;
-        if (coarse > pair.threshold) continue;
-        leeway::collision::DistanceRequest request;
-        request.threshold = pair.threshold;
-        request.depth = pair.threshold < 0;
-        if (!(leeway::collision::distance(a.geometry->shape, frames_.piecePose(slots[lane], pair.a),
-                                          b.geometry->shape, frames_.piecePose(slots[lane], pair.b),
-                                          request, workspace_.scratch(),
-                                          &workspace_.cache(pair.scene_pair))
-                  .distance.lower > pair.threshold))
-          return false;
-      }
-    }
-    return true;
-  }
-
-  EdgeFrames frames_;
-  EdgeLanes lanes_;
-  leeway::collision::Workspace workspace_;
-};
 
 /// The smallest number that at least this share of them do not exceed.
 double quantile(std::vector<double> x, double share) {
@@ -124,7 +62,7 @@ void measure(const std::shared_ptr<const CompiledScene>& scene,
              const std::vector<std::vector<double>>& ends, std::vector<Kind>& kinds) {
   if (ends.empty()) return;
   EdgeCertifier certifier(scene);
-  Stepper stepper(scene);
+  leeway::bench::Stepper stepper(scene, kStep);
   // free by balls alone, free with exact queries, not free, undecided
   std::vector<std::vector<std::size_t>> edges(4);
   std::vector<long long> queries(4, 0);

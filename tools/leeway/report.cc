@@ -113,6 +113,18 @@ CLI::App* addMotion(CLI::App* app, const std::shared_ptr<ReportMotionArguments>&
       ->excludes(passes);
   motion->add_option("--family", arguments->families, "only these")
       ->check(CLI::IsMember(report::contactFamilies()));
+  motion
+      ->add_option("--problem", arguments->problems,
+                   "problem files whose edges are looked at, certified and in steps")
+      ->type_name("FILE");
+  auto* robot = motion
+                    ->add_option("--robot", arguments->robot,
+                                 "URDF: problems are MoveIt scenes, requests beside them")
+                    ->type_name("URDF");
+  motion->add_option("--srdf", arguments->srdf, "its SRDF")->type_name("SRDF")->needs(robot);
+  motion->add_option("--edges", arguments->edges, "of each problem")
+      ->check(CLI::Range(1, 1'000'000))
+      ->capture_default_str();
   motion->add_flag("--no-rivals", arguments->no_rivals, "ours alone");
   motion->add_flag("--json", arguments->json, "one JSON document");
   motion->footer("Example:\n  leeway report motion --family ordinary --output /tmp/report");

@@ -58,13 +58,17 @@ struct ReportMotionArguments {
   int cases = 100;  ///< a family
   int passes = 5;
   std::vector<std::string> families;  ///< none: all
+  std::vector<std::string> problems;  ///< whose edges are looked at besides
+  std::string robot, srdf;            ///< problems then are MoveIt scenes, requests beside them
+  int edges = 200;                    ///< of each problem
   bool no_rivals = false;
   bool json = false;
 };
 
 /// `leeway report motion`: time of contact, cost and errors by family, with the rivals that are
-/// there. Writes motion.csv and motion.svg into `output`. Returns 0 when no answer of ours is wrong
-/// or left open, else 1; throws robots::InputError.
+/// there; and the edges of problems, certified and in steps. Writes motion.csv and motion.svg, and
+/// edges.csv and edges.svg where there are problems, into `output`. Returns 0 when no answer of
+/// ours is wrong or left open, else 1; throws robots::InputError.
 int runReportMotion(const ReportMotionArguments& arguments);
 
 }  // namespace leeway::tools

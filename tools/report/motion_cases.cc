@@ -78,9 +78,12 @@ class Maker {
   }
   Body box(double least, double most) { return box(sizes(random, least, most)); }
 
-  /// Keeps the pair where its truth is clear and, if so told, it is apart at the start. Both are
+  /// What is known of a pair beforehand.
+  enum class Known { kNothing, kApartAtStart, kFree };
+
+  /// Keeps the pair where its truth is clear, and it is apart at the start if it must be. Both are
   /// seen from another frame, so that nothing stays parallel to axes.
-  void keep(const Body& a, Move move_a, const Body& b, Move move_b, bool apart = false) {
+  void keep(const Body& a, Move move_a, const Body& b, Move move_b, Known known = Known::kNothing) {
     Pose X_WF = placed(sizes(random, -1, 1));
     X_WF.rotation = random.rotation();
     ContactCase c;
@@ -102,8 +105,10 @@ class Maker {
                  m.travel.norm() + std::abs(m.angle) * both[i].first.slow->reach};
     }
     c.spec.pairs = {{0, 1}};
-    const TimeTruth truth = slowFirstContact(slow, c.spec.pairs, 0);
-    if (!apart || !truth.contact || truth.upper > 0) keep(std::move(c), truth);
+    TimeTruth truth{false, 1, 1, true};
+    if (known != Known::kFree) truth = slowFirstContact(slow, c.spec.pairs, 0);
+    if (known == Known::kApartAtStart && truth.contact && truth.upper == 0) return;
+    keep(std::move(c), truth);
   }
 
   void keep(ContactCase c, const TimeTruth& truth) {
@@ -146,10 +151,11 @@ void passing(Maker& make, const Body& a, const Body& b, double most_turn) {
   };
   const Move move_a = move(Vector3d::Zero());
   const Vector3d aside = vector(r, 0, 1);
-  make.keep(a, move_a, b, move(aside), true);
+  make.keep(a, move_a, b, move(aside), Maker::Known::kApartAtStart);
 }
 
-/// A box that passes over another and reaches into it by `depth`, turning about the vertical.
+/// A box that passes over another and reaches into it by `depth`, turning about the vertical: free
+/// for a depth below 0, whatever it does.
 void grazing(Maker& make, double depth) {
   Random& r = make.random;
   const Vector3d low = sizes(r, 0.1, 0.4), high = sizes(r, 0.1, 0.4);
@@ -163,7 +169,7 @@ void grazing(Maker& make, double depth) {
   over.travel = 2 * away * along;
   over.angle = r.chance(0.5) ? 0 : r.uniform(-3, 3);
   const Body a = make.box(high), b = make.box(low);
-  make.keep(a, over, b, {});
+  make.keep(a, over, b, {}, depth < 0 ? Maker::Known::kFree : Maker::Known::kNothing);
 }
 
 /// Plates that nearly face each other slide along and come a little nearer.
@@ -243,9 +249,10 @@ void tangentialTurn(Maker& make) {
   turn.start =
       placed({0, 0, 0}, slowTurn(Vector3d::UnitZ(), -corner - turn.angle * r.uniform(0.2, 0.8)));
   Move wall;
-  wall.start = placed({reach + 0.5 + (r.chance(0.5) ? kGrazing : -kGrazing), 0, 0});
+  const double gap = r.chance(0.5) ? kGrazing : -kGrazing;
+  wall.start = placed({reach + 0.5 + gap, 0, 0});
   const Body a = make.box(half), b = make.box({0.5, 1, 1});
-  make.keep(a, turn, b, wall);
+  make.keep(a, turn, b, wall, gap > 0 ? Maker::Known::kFree : Maker::Known::kNothing);
 }
 
 /// Seven links among five boxes.
