@@ -18,11 +18,18 @@ struct Cylinder {
   double radius = 0, half = 0;
 };
 
-Cylinder cylinderOf(const Shape& shape, const Triple& center, const Triple& axis) {
-  return {center, axis, shape.radius(), shape.halfLength()};
+double norm(const Triple& v) { return std::sqrt(squared(v)); }
+
+// A column of a matrix that is a rotation within kRotationTolerance, of unit length: what is taken
+// off along the axis must be all that is along it.
+Triple unitAxis(const Triple& v) {
+  const double squares = squared(v);
+  return std::abs(squares - 1) <= 8 * kUnitRoundoff ? v : (1 / std::sqrt(squares)) * v;
 }
 
-double norm(const Triple& v) { return std::sqrt(squared(v)); }
+Cylinder cylinderOf(const Shape& shape, const Triple& center, const Triple& axis) {
+  return {center, unitAxis(axis), shape.radius(), shape.halfLength()};
+}
 
 // The unit vector along v's part across u, 0 where rounding leaves none: taken off twice, for when
 // v is nearly along u the first leaves rounding of v's size.
@@ -185,7 +192,7 @@ bool nearestOfCylinderAndPoint(const Shape& cylinder, const Pose& X_WC, const Po
                                Nearest& nearest) {
   // In the axes of the world, the point at the origin.
   const Triple from = tripleOf(X_WP.translation) - tripleOf(X_WC.translation);
-  const Triple u = column(X_WC.rotation, 2);
+  const Triple u = unitAxis(column(X_WC.rotation, 2));
   const double z = dot(from, u), half = cylinder.halfLength(), radius = cylinder.radius();
   const double up = z - within(z, -half, half);
   const Triple radial = from - z * u;

@@ -174,5 +174,35 @@ TEST(SimplePairs, AnyCacheAgrees) {
   EXPECT_GT(closed, apart * 95 / 100);
 }
 
+// Matrices next to rotations are taken, and what they may mean is in the width: the axis of a
+// cylinder that was not of unit length once put a witness a radius beside it.
+TEST(SimplePairs, DeparturesFromRotationsAreInTheWidth) {
+  Random random(99);
+  Scratch scratch;
+  int answered = 0;
+  for (int i = 0; i < 40000; ++i) {
+    Pair p = simplePair(random, kTypes[random.below(4)], kTypes[random.below(4)], scratch);
+    const Interval truth = generalDistance(p.a, p.X_WA, p.b, p.X_WB, {}, scratch, nullptr).distance;
+    for (Pose* X : {&p.X_WA, &p.X_WB}) {
+      Eigen::Matrix3d strain = Eigen::Matrix3d::Identity();
+      if (random.chance(0.7)) {
+        for (int k = 0; k < 3; ++k) strain.col(k) = random.direction();
+        strain = (0.5 * (strain + strain.transpose())).eval();
+      }
+      const double small = random.logUniform(1e-12, 2.5e-7);
+      X->rotation = (X->rotation * (Eigen::Matrix3d::Identity() + small * strain)).eval();
+    }
+    DistanceRequest request;
+    request.tolerance = 1e-3;
+    if (random.chance(0.3)) request.threshold = truth.upper * random.uniform(0.5, 2);
+    DistanceResult r;
+    if (!answerSimplePair(p.a, p.X_WA, p.b, p.X_WB, request, nullptr, r)) continue;
+    ++answered;
+    EXPECT_LE(r.distance.lower, truth.upper) << p.replay();
+    EXPECT_GE(r.distance.upper, truth.lower) << p.replay();
+  }
+  EXPECT_GT(answered, 25000);
+}
+
 }  // namespace
 }  // namespace leeway::collision
