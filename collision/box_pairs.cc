@@ -157,6 +157,8 @@ bool edgesMeet(const Boxes& boxes, const Placement& a, const EdgePair& edges, Ne
   const int j = i == 2 ? 0 : i + 1, m = i == 0 ? 2 : i - 1;
   const int p = k == 2 ? 0 : k + 1, q = k == 0 ? 2 : k - 1;
   const double sine_squared = a.m[j][k] * a.m[j][k] + a.m[m][k] * a.m[m][k];
+  // (A square that is nearly 0 has lost digits, and the normal its length with them.)
+  if (!(sine_squared > kParallelSquared)) return false;
   double n_j = -a.m[m][k], n_m = a.m[j][k];
   // From A to B.
   const double length = std::copysign(std::sqrt(sine_squared), -(n_j * a.c[j] + n_m * a.c[m]));

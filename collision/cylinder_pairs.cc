@@ -192,15 +192,17 @@ bool nearestOfCylinderAndPoint(const Shape& cylinder, const Pose& X_WC, const Po
                                Nearest& nearest) {
   // In the axes of the world, the point at the origin.
   const Triple from = tripleOf(X_WP.translation) - tripleOf(X_WC.translation);
-  const Triple u = unitAxis(column(X_WC.rotation, 2));
-  const double z = dot(from, u), half = cylinder.halfLength(), radius = cylinder.radius();
+  const Cylinder a = cylinderOf(cylinder, -from, column(X_WC.rotation, 2));
+  const Triple& u = a.u;
+  const double z = dot(from, u), half = a.half, radius = a.radius;
   const double up = z - within(z, -half, half);
   const Triple radial = from - z * u;
   const double from_axis = norm(radial);
   const double out = from_axis > radius ? from_axis - radius : 0;
   const Triple g = (out / (from_axis > 0 ? from_axis : 1)) * radial + up * u;
-  nearest.apart = nearest.plane = norm(g);
+  nearest.apart = norm(g);
   nearest.normal = (1 / nearest.apart) * g;
+  nearest.plane = dot(nearest.normal, from) - reachOf(a, nearest.normal);
   nearest.point_a = -g;
   return nearest.apart > 0;
 }

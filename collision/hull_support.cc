@@ -20,9 +20,10 @@ constexpr double kRim = 1e-9;
 
 HullSupport::HullSupport(const ConvexHull& hull) : points_(hull.vertices().data()) {
   const auto count = static_cast<std::int32_t>(hull.vertices().size());
-  if (count <= kScanUpTo || !hull.hasNeighbours()) {
+  // (Flat hulls have no neighbours: beyond what a scan takes they are left to a plain one.)
+  if (count <= kScanUpTo) {
     fillColumns(count);
-  } else if (count < HullCell::kMany) {
+  } else if (hull.hasNeighbours() && count < HullCell::kMany) {
     fillCells(hull);
   }
 }

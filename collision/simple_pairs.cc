@@ -164,18 +164,22 @@ inline __attribute__((always_inline)) bool answerSegments(const Shape& a, const 
     nearest.plane =
         per * (-dot(w, d) - (std::abs(reach[0]) * extent_a + std::abs(reach[1]) * extent_b));
   } else {
-    Triple w = -d;
+    Triple w = -d, half = {0, 0, 0};
     if constexpr (kSegmentA) {
-      const Triple half = extent_a * column(R, 2);
+      half = extent_a * column(R, 2);
       nearest.point_a = d - nearestOnSegment(d, half) * half;
       w = -nearest.point_a;
     } else if constexpr (kSegmentB) {
-      const Triple half = extent_b * column(S, 2);
+      half = extent_b * column(S, 2);
       w = nearestOnSegment(d, half) * half - d;
     }
-    // From a point the distance is the lower end, too: its clamp errs by as little.
     nearest.apart = nearest.plane = std::sqrt(squared(w));
-    nearest.normal = (1 / nearest.apart) * w;
+    const double per = 1 / nearest.apart;
+    nearest.normal = per * w;
+    // From a point the distance itself errs by little; but the normal of a short way is not at a
+    // right angle to the segment, and callers rely on the plane.
+    if constexpr (kSegmentA || kSegmentB)
+      nearest.plane = per * (-dot(w, d) - std::abs(dot(w, half)));
   }
   return answer({X_WA, X_WB, extent_a, extent_b, a.radius(), b.radius()}, nearest, request, cache,
                 result);

@@ -52,7 +52,7 @@ inline void toWorld(const Eigen::Matrix3d& R_WB, Nearest& nearest) {
 /// nearly do, sizes beyond the scale, tolerances below rounding, no iteration allowed, a few
 /// features that meet in none of the ways that are looked at. The interval rests on points of both
 /// bodies and on a supporting plane, as everywhere; how they were guessed is of no matter. Poses
-/// that are none give true and kInvalid. O(1).
+/// that are none give false. O(1).
 bool answerSimplePair(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
                       const DistanceRequest& request, PairCache* cache, DistanceResult& result);
 

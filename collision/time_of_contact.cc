@@ -32,6 +32,7 @@ struct Moment {
 
 /// Is (1 - x) gap0 + x gap1 - bend x (1 - x) / 2 positive for all x in [0, 1]? What it is at least.
 double leastBetween(double gap0, double gap1, double bend) {
+  if (!(bend < kInfinity)) return -kInfinity;  // a motion that promises nothing; NaN fails, too
   const double k = bend / 2 * (1 + 16 * kUnitRoundoff);
   const double twice = k + gap0 - gap1;  // 2 k times the x where it is least
   if (!(k > 0) || !(twice > 0) || !(twice < 2 * k)) return std::min(gap0, gap1);

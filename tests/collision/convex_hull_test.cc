@@ -3,9 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "collision/exact.h"
+#include "leeway/collision/distance.h"
 #include "leeway/collision/shape.h"
 #include "tests/collision/mesh_cases.h"
 
@@ -99,6 +101,29 @@ TEST(ConvexHull, FlatSetsHaveNoFacets) {
   EXPECT_EQ(
       ConvexHull::compute(std::vector<Vector3d>(5, Vector3d(0.1, 0.2, 0.3)))->vertices().size(),
       1U);
+}
+
+// Of flat hulls only the first 64 vertices were once looked at: this disc was cut off at 154
+// degrees.
+TEST(ConvexHull, FlatHullsOfManyVerticesReachAsFarAsTheirVertices) {
+  constexpr int kCount = 150;
+  std::vector<Vector3d> points;
+  for (int i = 0; i < kCount; ++i) {
+    const double angle = 2 * 3.14159265358979312 * i / kCount;
+    points.emplace_back(std::cos(angle), std::sin(angle), 0);
+  }
+  const Shape disc = Shape::convexHull(points), point = Shape::sphere(0);
+  const Shape other = Shape::convexHull(std::vector<Vector3d>{{0, 0, 0}, {0, 0, 1}, {0, 1, 1}});
+  Scratch scratch;
+  for (const Vector3d& p : points) {
+    const Pose X{Eigen::Matrix3d::Identity(), 2 * p};
+    EXPECT_NEAR(distance(disc, {}, point, X, {}, scratch).distance.upper, 1, 1e-9);
+    EXPECT_NEAR(distance(point, X, disc, {}, {}, scratch).distance.lower, 1, 1e-9);
+    const Interval hulls = distance(disc, {}, other, X, {}, scratch).distance;
+    EXPECT_LE(hulls.width(), 1e-9);
+    EXPECT_LE(hulls.lower, 1);
+    EXPECT_GE(hulls.upper, distance(disc, {}, Shape::sphere(1), X, {}, scratch).distance.lower);
+  }
 }
 
 TEST(ConvexHull, PointsWithinFacesAndEdgesAreNoVertices) {

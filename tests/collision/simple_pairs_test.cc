@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include "tools/oracle/generate.h"
 
@@ -172,6 +173,73 @@ TEST(SimplePairs, AnyCacheAgrees) {
   }
   EXPECT_GT(apart, 4000);
   EXPECT_GT(closed, apart * 95 / 100);
+}
+
+// How far a shape reaches along n, from its centre.
+double reachOf(const Shape& shape, const Pose& X_WS, const Vector3d& n) {
+  const Vector3d d = (X_WS.rotation.transpose() * n).cwiseAbs();
+  switch (shape.type()) {
+    case ShapeType::kSphere:
+      return shape.radius();
+    case ShapeType::kCapsule:
+      return shape.radius() + shape.halfLength() * d.z();
+    case ShapeType::kBox:
+      return d.dot(shape.halfExtents());
+    default:
+      return shape.halfLength() * d.z() + shape.radius() * std::hypot(d.x(), d.y());
+  }
+}
+
+// Of thin segments and cylinders next to a point the normal was once not at a right angle to the
+// axis, and the plane up to 1e-4 below the lower end: motions were certified with it.
+TEST(SimplePairs, LowerEndsAreThoseOfThePlaneAcrossTheNormal) {
+  Random random(74);
+  Scratch scratch;
+  int closed = 0;
+  for (int i = 0; i < 20000; ++i) {
+    Pair p = simplePair(random, kTypes[random.below(4)], kTypes[random.below(4)], scratch);
+    if (random.chance(0.5)) {
+      const double thin = random.chance(0.3) ? 0 : random.logUniform(1e-9, 1e-3);
+      const double length = random.uniform(0.1, 1);
+      p.a = Shape::sphere(thin);
+      p.b = random.chance(0.5) ? Shape::capsule(thin, length) : Shape::cylinder(thin, length);
+      const Vector3d across = p.X_WB.rotation * Vector3d(0.6, 0.8, 0);
+      p.X_WA.translation = p.X_WB.translation +
+                           random.uniform(-0.9, 0.9) * length * p.X_WB.rotation.col(2) +
+                           (2 * thin + random.logUniform(1e-12, 1e-6)) * across;
+      if (random.chance(0.5)) {
+        std::swap(p.a, p.b);
+        std::swap(p.X_WA, p.X_WB);
+      }
+    }
+    DistanceResult r;
+    if (!answerSimplePair(p.a, p.X_WA, p.b, p.X_WB, {}, nullptr, r)) continue;
+    ++closed;
+    const double plane = r.normal.dot(p.X_WB.translation - p.X_WA.translation) -
+                         reachOf(p.a, p.X_WA, r.normal) - reachOf(p.b, p.X_WB, r.normal);
+    EXPECT_LE(r.distance.lower, plane + 1e-14) << p.replay();
+  }
+  EXPECT_GT(closed, 10000);
+}
+
+// Edges that are parallel but for an entry whose square is the smallest of numbers: their normal
+// was once 1.2 long, and the lower end above the distance, which is 1.
+TEST(SimplePairs, EdgesThatAreParallelButForTheSmallestNumbers) {
+  Scratch scratch;
+  const Shape box = Shape::box({1, 1, 1});
+  for (const double tiny : {1.6e-162, 2.7e-162, 3e-160, 1e-150, 1e-30}) {
+    for (const double x : {-2, 0, 2}) {
+      for (const double side : {-1, 1}) {
+        Pose X_WA{Eigen::Matrix3d::Identity(), {x, 3 * side, 0}};
+        X_WA.rotation(0, 2) = tiny;
+        PairCache cache;
+        cache.direction_B = Vector3d(1, -side, 0) / std::sqrt(2.0);
+        const Interval d = distance(box, X_WA, box, {}, {}, scratch, &cache).distance;
+        EXPECT_LE(d.lower, 1) << tiny << " " << x;
+        EXPECT_NEAR(d.upper, 1, 1e-9) << tiny << " " << x;
+      }
+    }
+  }
 }
 
 // Matrices next to rotations are taken, and what they may mean is in the width: the axis of a

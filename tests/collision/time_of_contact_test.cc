@@ -4,6 +4,7 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -285,6 +286,31 @@ TEST(TimeOfContact, SenselessRequestsAndPosesAreInvalid) {
   const ContactResult nothing = timeOfContact(ball, here, ball, there, request, scratch);
   EXPECT_EQ(nothing.status, ContactStatus::kUndecided);
   EXPECT_EQ(nothing.time.lower, 0);
+}
+
+/// Down to the origin at t = 0.5 and up again, of which it promises nothing.
+class Unpromised final : public RigidMotion {
+ public:
+  Pose pose(double t) const override { return shifted(0, 0, 4 * (t - 0.5) * (t - 0.5)); }
+  FrameVelocity velocity(double t) const override { return {{0, 0, 8 * (t - 0.5)}, {0, 0, 0}}; }
+  FrameMotionBound bound(double, double) const override {
+    constexpr double kAny = std::numeric_limits<double>::infinity();
+    return {kAny, kAny, 0, 0};
+  }
+  double rounding(double reach) const override { return 1e-14 * (1 + reach); }
+};
+
+// An acceleration without a bound was once none: the motion was called free.
+TEST(TimeOfContact, NothingIsCertifiedWithoutABound) {
+  Scratch scratch;
+  ContactRequest request;
+  request.query_limit = 200;
+  for (const Shape& b : {Shape::sphere(0.1), Shape::box({0.1, 0.2, 0.3}), Shape::halfSpace()}) {
+    const ContactResult result = timeOfContact(Shape::sphere(0.05), Unpromised(), b,
+                                               Still(shifted(0, 0, 0)), request, scratch);
+    EXPECT_NE(result.status, ContactStatus::kFree);
+    EXPECT_LT(result.time.lower, 0.5);
+  }
 }
 
 TEST(TimeOfContact, TrianglesOfDeformingMeshes) {
