@@ -323,6 +323,26 @@ TEST(Oracle, AgreesWithClosedForms) {
             -0.5);  // inside
 }
 
+/// Two needles whose tips touch: all facets near the origin were slivers, the surface left the
+/// origin outside, and a depth of 1.17e-13 was claimed where a plane leaves 1.05e-14.
+TEST(Oracle, NeedlesWhoseTipsTouch) {
+  const Shape needle =
+      Shape::ellipsoid({0.45889676626796294, 3.5908188255363874e-07, 7.5520416494432564e-07});
+  const Shape spike = Shape::cone(8.9623425986547928e-07, 0.54894594129677066);
+  Pose X_WA, X_WB;
+  X_WA.rotation << 0.75685621372367518, 0.61586757104923195, 0.21880540824618955,
+      0.63484453165509314, -0.61315143252695448, -0.47012524014114443, -0.1553740402238673,
+      0.49472462615081381, -0.85504763136590789;
+  X_WA.translation = {-0.084779052745395642, 0.6920863752154307, 0.7168186391666721};
+  X_WB.rotation << 0.0057822950626031933, 0.94536956517068638, 0.32594930635421882,
+      -0.10027584043042848, 0.32485994947908869, -0.94043116125020831, -0.9949428731790485,
+      -0.027246990171969188, 0.09667616374674981;
+  X_WB.translation = {0.083611267470457162, 1.4996603469121483, 0.59244800683683851};
+  const Truth truth = oracle::signedSeparation(needle, X_WA, spike, X_WB);
+  EXPECT_LE(truth.lower, truth.upper);
+  EXPECT_GE(truth.upper, -1.0480379079e-14);  // that plane, evaluated by itself
+}
+
 /// A core of 1e-9 deep in a cylinder: rounding once tore the polytope's surface where its facets
 /// are slivers, and no depth was proven.
 TEST(Oracle, KnowsHowDeepASpeckLies) {

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <map>
+#include <numbers>
 #include <optional>
 #include <set>
 #include <utility>
@@ -175,6 +176,7 @@ class Polytope {
     // A support value is right in any case. Where facets claim more, rounding has torn them (sizes
     // 1e13 and more apart), and nothing is known from inside.
     if (!(inner <= best_support_)) inner = 0;
+    if (inner > 0 && !windsAroundOrigin()) inner = 0;
     return {inner, best_support_};
   }
 
@@ -268,6 +270,29 @@ class Polytope {
   void addFacet(const std::array<int, 3>& v) {
     for (std::size_t i = 0; i < 3; ++i) at_edge_[{v[i], v[(i + 1) % 3]}] = facets_.size();
     facets_.push_back(makeFacet(v));
+  }
+
+  /// A closed surface that stays out of a ball around the origin proves the ball inside where it
+  /// winds around it once: slivers, asked one by one, cannot tell on which side of them the origin
+  /// is. By solid angles (A. van Oosterom and J. Strackee, "The solid angle of a plane triangle",
+  /// 1983); their sum is a whole number of turns, so that double precision is enough for it.
+  bool windsAroundOrigin() const {
+    double sum = 0;
+    for (const Facet& f : facets_) {
+      if (!f.alive) continue;
+      Vector u[3];
+      for (std::size_t i = 0; i < 3; ++i) {
+        const Vector& p = vertices_[static_cast<std::size_t>(f.v[i])];
+        if (!(norm(p) > 0)) return false;
+        u[i] = unit(p);
+      }
+      const Quad volume = dot(u[0], cross(u[1], u[2]));
+      const Quad angles = 1 + dot(u[0], u[1]) + dot(u[1], u[2]) + dot(u[2], u[0]);
+      const Quad largest = std::max(absolute(volume), absolute(angles));
+      if (!(largest > 0)) return false;
+      sum += 2 * std::atan2(toDouble(volume / largest), toDouble(angles / largest));
+    }
+    return std::abs(sum / (4 * std::numbers::pi) - 1) < 0.01;
   }
 
   /// Replaces the facets that see w and hang together with `first` by the cone from their rim;
