@@ -234,6 +234,7 @@ DistanceResult fromPoint(const ConvexView& a, const Vector& p, const ConvexView&
 // Two segments: candidate points and direction are offered and certified like any others. False
 // when they do not suffice.
 bool trySegments(const ConvexView& a, const Pose& X_BA, const ConvexView& b, Progress& progress) {
+  constexpr double kLeastSquared = 1e-290;
   const Vector half_a = X_BA.rotation.col(2) * a.size.z();
   const Vector half_b(0, 0, b.size.z());
   double s_a = 0, s_b = 0;
@@ -253,9 +254,10 @@ bool trySegments(const ConvexView& a, const Pose& X_BA, const ConvexView& b, Pro
   if (progress.enough()) return true;
   // (Nearly) crossing: the common perpendicular is the better direction.
   Vector across = cross(half_a, half_b);
-  const double across_norm = across.norm();
-  if (!(across_norm > 0)) return false;
-  across /= across_norm;
+  const double across_squared = across.squaredNorm();
+  // (Smaller, it is among the numbers that have lost digits.)
+  if (!(across_squared > kLeastSquared)) return false;
+  across /= std::sqrt(across_squared);
   offer(across.dot(w) < 0 ? Vector(-across) : across);
   return progress.enough();
 }

@@ -63,12 +63,15 @@ DistanceResult generalDistance(const Shape& a, const Pose& X_WA, const Shape& b,
   const RelativePose relative = relativePose(X_WA, X_WB);
   if (!relative.valid) return {};
   const ConvexView view_a = viewOf(a), view_b = viewOf(b);
-  const double slack = relative.slack * (finiteExtent(view_a) + finiteExtent(view_b) +
-                                         relative.X_BA.translation.norm());
+  const Vector& t = relative.X_BA.translation;
+  // (Squares of the smallest numbers are 0.)
+  double translation = t.norm();
+  if (!(translation > kSmallestScale)) translation = std::hypot(t.x(), t.y(), t.z());
+  const double slack = relative.slack * (finiteExtent(view_a) + finiteExtent(view_b) + translation);
   DistanceResult result =
       convexDistance(view_a, relative.X_BA, view_b, request, scratch, cache, slack);
-  const double size = view_a.radius + view_b.radius + finiteExtent(view_a) + finiteExtent(view_b) +
-                      relative.X_BA.translation.norm();
+  const double size =
+      view_a.radius + view_b.radius + finiteExtent(view_a) + finiteExtent(view_b) + translation;
   if (stoppedByRounding(result, request, size)) {
     const SharpDifference sharp(view_a, X_WA, view_b, X_WB);
     const DistanceResult again = convexDistance(view_a, sharp.X_BA(), view_b, request, scratch,

@@ -201,6 +201,40 @@ TEST(Distance, PosesThatAreNoneAreRefused) {
   EXPECT_GE(r.distance.upper, 2);
 }
 
+// Numbers whose squares are the smallest that there are. Truth by the oracle.
+TEST(Distance, NumbersWhoseSquaresVanish) {
+  Scratch scratch;
+  Pose X_WA, X_WB;
+  // The common perpendicular of these two was longer than 1, and the lower end 0.02758.
+  X_WA.rotation << 0.81665118714799267, 0.17042211198766891, 0.55139563135323866,
+      -0.055319088620273758, 0.97412279154383496, -0.21914512412798201, -0.5744742265445828,
+      0.14846242198114909, 0.80494613005808946;
+  X_WB.rotation << -0.40138976503756951, 0.5512015406140176, -0.73148009712713069,
+      -0.86082836199431023, -0.49980814177907934, 0.09574106385133635, -0.31282708571488882,
+      0.66810829784188019, 0.67510778375453118;
+  X_WB.translation = {0.2250263143251364, 1.2862371956192964, 0.1960306129085059};
+  const Interval thin =
+      distance(Shape::capsule(0.47873772263622649, 0.24146918311135102), X_WA,
+               Shape::capsule(0.81540785969530871, 8.0564659812763688e-161), X_WB, {}, scratch)
+          .distance;
+  EXPECT_LE(thin.lower, 0.026260024567584146);
+  EXPECT_GE(thin.upper, 0.026260024567584143);
+  // Matrices depart from rotations by 1e-7, which was not counted.
+  X_WA.rotation << 0.096889880715726684, 0.73779114274847191, -0.66803935564964745,
+      0.86307292937712388, -0.39656557261089231, -0.3127952448426688, -0.49569897073857472,
+      -0.54625998965849487, -0.67519075386665262;
+  X_WB.rotation << -0.16918375302751315, 0.31612156958055793, 0.93351169676396739,
+      -0.91568502665297635, 0.29992471060393799, -0.26751855444132, -0.36455159677712956,
+      -0.90006244130769064, 0.23872539050586258;
+  X_WB.translation = {-1.3447714173951063e-170, 7.2568424102612709e-170, -3.6541324836274395e-171};
+  const Shape a = Shape::capsule(5.3509238135679993e-170, 0), b = Shape::sphere(0);
+  for (const Interval& tiny : {distance(a, X_WA, b, X_WB, {}, scratch).distance,
+                               distance(b, X_WB, a, X_WA, {}, scratch).distance}) {
+    EXPECT_LE(tiny.lower, 2.0385077460642076e-170);
+    EXPECT_GE(tiny.upper, 2.0385077460642073e-170);
+  }
+}
+
 TEST(Distance, FiniteNumbersOfAnySizeGiveNoNan) {
   Scratch scratch;
   Random random(11);
