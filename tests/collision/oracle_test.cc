@@ -370,7 +370,7 @@ TEST(Oracle, KnowsHowDeepASpeckLies) {
     const std::array<Vector3d, 3> speck = {Vector3d(0, 0, 0), size * random.direction(),
                                            size * random.direction()};
     const Shape round = i % 2 == 0 ? Shape::cone(0.431, 0.480) : Shape::cylinder(0.431, 0.480);
-    const Pose X_WR{random.rotation(), {}};
+    const Pose X_WR{random.rotation(), Vector3d::Zero()};
     const Vector3d p = 0.1 * random.direction() - Vector3d(0, 0, i % 2 == 0 ? 0.25 : 0);
     const Pose X_WS{random.rotation(), X_WR.rotation * p};
     const Truth truth = oracle::signedSeparation(Shape::convexHull(speck), X_WS, round, X_WR);

@@ -72,7 +72,7 @@ TEST_F(Info, NamesComponentsThatAreNotClosed) {
   }
   EXPECT_EQ(open, 1);
   const std::string out = run("info mesh.yaml").out;
-  const std::size_t section = out.find("not closed");
+  const std::size_t section = out.find("not closed, so surfaces");
   ASSERT_NE(section, std::string::npos) << out;
   EXPECT_NE(out.find("shell", section), std::string::npos) << out;
   EXPECT_EQ(out.find("solid", section), std::string::npos) << out;
