@@ -350,11 +350,17 @@ class PairDescent {
     request.depth = false;
     request.iteration_limit = request_.iteration_limit;
     PairCache* none = nullptr;
-    const DistanceResult r =
+    DistanceResult r =
         convexDistance(a_.view(a), X_BA_, b_.view(b), request, scratch_, none, slack_);
     result_.iterations += r.iterations;
     settle(std::max(lower, r.distance.lower));
-    offer(r, std::min(upper, r.distance.upper), a, b);
+    if (upper < r.distance.upper) {  // by much, where steps were few
+      r.point_a = pair.p;
+      r.point_b = pair.q;
+      if (lower > 0) r.normal = pair.normal;
+      r.distance.upper = upper;
+    }
+    offer(r, r.distance.upper, a, b);
   }
 
   void offer(const DistanceResult& r, double upper, const Part& a, const Part& b) {

@@ -370,6 +370,23 @@ TEST(MeshDistance, StaleAndForeignCachesCostTimeOnly) {
   }
 }
 
+// Where steps are too few for a pair of triangles, the closed form's points are the witnesses.
+TEST(MeshDistance, WitnessesCarryTheUpperEndWithoutSteps) {
+  Scratch scratch;
+  const TriangleSoup box = boxSoup({0.5, 0.5, 0.5});
+  const Shape mesh = Shape::mesh(TriangleMesh::make(box.vertices, box.triangles));
+  Pose X_WB;
+  X_WB.translation = {1.25, 0.125, 0};
+  for (const int limit : {0, 1}) {
+    DistanceRequest request;
+    request.tolerance = 0;
+    request.iteration_limit = limit;
+    const DistanceResult r = distance(mesh, Pose{}, mesh, X_WB, request, scratch);
+    EXPECT_NEAR(r.distance.upper, 0.25, 1e-12) << limit;
+    EXPECT_NEAR((r.point_a - r.point_b).norm(), 0.25, 1e-12) << limit;
+  }
+}
+
 TEST(MeshDistance, PosesThatAreNoneAreInvalid) {
   Scratch scratch;
   const Shape a = Shape::mesh(sampleMeshes(25)[0].mesh), b = Shape::sphere(1);
