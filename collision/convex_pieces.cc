@@ -569,9 +569,14 @@ class Decomposition {
     const double rounding = 16 * kUnitRoundoff * trial_.size();
     const auto offer = [&](std::int32_t facet) {
       const PatchHull::Plane& plane = trial_.plane(facet);
-      double deep = -kInfinity;
-      for (const std::int32_t v : c) deep = std::max(deep, plane.normal.dot(plane.point - at(v)));
-      deep += plane.doubt + 4 * kUnitRoundoff * (std::abs(deep) + trial_.size());
+      // Corners of triangles outside of the patch may be far away.
+      double deep = -kInfinity, far_squared = 0;
+      for (const std::int32_t v : c) {
+        const Vector down = plane.point - at(v);
+        deep = std::max(deep, plane.normal.dot(down));
+        far_squared = std::max(far_squared, down.squaredNorm());
+      }
+      deep += plane.doubt + 8 * kUnitRoundoff * (std::sqrt(far_squared) + trial_.size());
       if (deep < best) {
         best = deep;
         last_ = facet;
@@ -597,17 +602,22 @@ class Decomposition {
     if (best > allowed_) {
       const Vector& n = normals_[index(t)];
       const Vector& origin = at(c[0]);
-      double high = -kInfinity, low = kInfinity, own_high = 0, own_low = 0;
+      double high = -kInfinity, low = kInfinity, own_high = 0, own_low = 0, far_squared = 0;
       for (const Vector& p : trial_.corners()) {
-        const double h = n.dot(p - origin);
+        const Vector way = p - origin;
+        const double h = n.dot(way);
         high = std::max(high, h);
         low = std::min(low, h);
+        far_squared = std::max(far_squared, way.squaredNorm());
       }
       for (const std::int32_t v : c) {
-        own_high = std::max(own_high, n.dot(at(v) - origin));
-        own_low = std::min(own_low, n.dot(at(v) - origin));
+        const Vector way = at(v) - origin;
+        own_high = std::max(own_high, n.dot(way));
+        own_low = std::min(own_low, n.dot(way));
+        far_squared = std::max(far_squared, way.squaredNorm());
       }
-      best = std::min({best, high - own_low + rounding, own_high - low + rounding});
+      const double error = 16 * kUnitRoundoff * std::sqrt(far_squared);
+      best = std::min({best, high - own_low + error, own_high - low + error});
       work_left_ -= 0.02 * static_cast<double>(trial_.corners().size());
     }
     if (best > allowed_) best = std::min(best, -depthIn(t, view, allowed_).distance.lower);
