@@ -435,8 +435,9 @@ TEST(ConvexPieces, AnswerAsTheTrianglesDo) {
     }
   }
   EXPECT_EQ(tally.unsafe, 0);
-  EXPECT_GT(tally.apart, kSanitized ? 0 : 250);
-  EXPECT_GT(tally.overlap, kSanitized ? 0 : 100);
+  if (kSanitized) return;  // too few to be counted
+  EXPECT_GT(tally.apart, 250);
+  EXPECT_GT(tally.overlap, 100);
   // Deeper parts are met than with triangles, as a rule.
   EXPECT_LT(tally.shallower, tally.overlap / 10);
 }
@@ -464,8 +465,9 @@ TEST(ConvexPieces, AnswerAsTheTrianglesDoToConvexShapes) {
     }
   }
   EXPECT_EQ(tally.unsafe, 0);
-  EXPECT_GT(tally.apart, kSanitized ? 0 : 300);
-  EXPECT_GT(tally.overlap, kSanitized ? 0 : 150);
+  if (kSanitized) return;  // too few to be counted
+  EXPECT_GT(tally.apart, 300);
+  EXPECT_GT(tally.overlap, 150);
   EXPECT_LT(tally.shallower, tally.overlap / 10);
 }
 
