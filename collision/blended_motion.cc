@@ -172,9 +172,6 @@ void requireRow(MotionKind kind, std::size_t key, const std::vector<double>& row
     requireUsable(kind, name + ", " + thing + " " + std::to_string(k), row[k]);
 }
 
-/// Phases are added to an angle as they are: more than this would only lose digits.
-constexpr double kLargestPhase = 1e5;
-
 void requirePhase(MotionKind kind, const std::string& what, double phase) {
   if (std::abs(phase) <= kLargestPhase) return;  // false for a NaN
   refuse(kind, what + ": " + shown(phase) + "; finite numbers up to " + shown(kLargestPhase) +

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "collision/closed_form.h"
+#include "leeway/collision/tolerances.h"
 
 namespace leeway::collision {
 
@@ -63,17 +64,14 @@ struct Feature {
   int dimension = 0;
 };
 
-// Below this sine an edge counts as perpendicular: its end is then nearer to the plane than that
-// share of its length, which a witness may be off by.
-constexpr double kPerpendicular = 1e-13;
-
 Feature farthestFeature(const Vector& center, const Vector half[3], const Vector& n) {
   Feature f;
   f.center = center;
   for (int k = 0; k < 3; ++k) {
     const double along = n.dot(half[k]), length_squared = half[k].squaredNorm();
     if (length_squared == 0) continue;
-    if (f.dimension < 2 && along * along <= kPerpendicular * kPerpendicular * length_squared) {
+    if (f.dimension < 2 &&
+        along * along <= kPerpendicularEdge * kPerpendicularEdge * length_squared) {
       f.half[f.dimension++] = half[k];
     } else {
       f.center += along < 0 ? Vector(-half[k]) : half[k];

@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "collision/closed_form.h"
+#include "leeway/collision/tolerances.h"
 
 namespace leeway::collision {
 
@@ -53,8 +54,6 @@ struct Boxes {
   double half_a[3], half_b[3];
 };
 
-// Share of the sizes by which the ends may be apart: what rounding leaves, with room.
-constexpr double kNarrow = 1e-12;
 double sizeOf(const Boxes& boxes) {
   return boxes.half_a[0] + boxes.half_a[1] + boxes.half_a[2] + boxes.half_b[0] + boxes.half_b[1] +
          boxes.half_b[2];
@@ -116,10 +115,6 @@ struct EdgePair {
   int i = -1, k = -1;
 };
 
-// Edges that are parallel to within this sine (squared) are left out: their plane is a face's, or
-// next to it.
-constexpr double kParallelSquared = 1e-8;
-
 // The pair of edges across which the boxes are farther apart than `gap`, and farthest: none is
 // chosen by a branch, because which it is nobody can foretell.
 EdgePair widestEdges(const Placement& a, const double half_a[3], const double half_b[3],
@@ -141,8 +136,9 @@ EdgePair widestEdges(const Placement& a, const double half_a[3], const double ha
                             (half_b[j] * r[m][k] + half_b[m] * r[j][k]) -
                             (half_a[p] * r[i][q] + half_a[q] * r[i][p]);
       const double sine_squared = r[j][k] * r[j][k] + r[m][k] * r[m][k];
-      const double positive = std::max(across, 0.0) * (sine_squared > kParallelSquared);
-      const double gap_squared = positive * positive / std::max(sine_squared, kParallelSquared);
+      const double positive = std::max(across, 0.0) * (sine_squared > kParallelEdgesSquared);
+      const double gap_squared =
+          positive * positive / std::max(sine_squared, kParallelEdgesSquared);
       const std::int64_t bits = std::bit_cast<std::int64_t>(gap_squared);
       which = bits > best ? 3 * i + k : which;
       best = bits > best ? bits : best;
@@ -158,7 +154,7 @@ bool edgesMeet(const Boxes& boxes, const Placement& a, const EdgePair& edges, Ne
   const int p = k == 2 ? 0 : k + 1, q = k == 0 ? 2 : k - 1;
   const double sine_squared = a.m[j][k] * a.m[j][k] + a.m[m][k] * a.m[m][k];
   // (A square that is nearly 0 has lost digits, and the normal its length with them.)
-  if (!(sine_squared > kParallelSquared)) return false;
+  if (!(sine_squared > kParallelEdgesSquared)) return false;
   double n_j = -a.m[m][k], n_m = a.m[j][k];
   // From A to B.
   const double length = std::copysign(std::sqrt(sine_squared), -(n_j * a.c[j] + n_m * a.c[m]));
@@ -195,7 +191,7 @@ bool edgesMeet(const Boxes& boxes, const Placement& a, const EdgePair& edges, Ne
 // between the planes of B's faces. True when a plane proves that nothing is nearer.
 bool descend(const Boxes& boxes, const Triple& n, Nearest& nearest) {
   constexpr int kSteps = 16;
-  const double narrow = 0.1 * kNarrow * sizeOf(boxes);
+  const double narrow = 0.1 * kPairNarrow * sizeOf(boxes);
   double s[3];
   Triple p = boxes.c;
   for (int k = 0; k < 3; ++k) {
@@ -290,15 +286,13 @@ bool faceMeets(const Boxes& boxes, const Views& views, bool on_b, int face, doub
 // corner to start from. Any content is taken.
 bool nearestFromCache(const Boxes& boxes, const Views& views, const PairCache& cache,
                       const Goal& goal, Nearest& nearest) {
-  // Cosines from and to which a face or an edge is tried. Any value is right.
-  constexpr double kAligned = 0.99, kAcross = 0.1;
   const Triple n = tripleOf(cache.direction_B);
   const double squares = squared(n);
   if (!(squares > 0.25 && squares < 4)) return false;  // NaN fails
   const double cosines[6] = {
       n.x, n.y, n.z, dot(n, boxes.axis[0]), dot(n, boxes.axis[1]), dot(n, boxes.axis[2])};
   for (int i = 0; i < 6; ++i) {
-    if (!(std::abs(cosines[i]) > kAligned)) continue;
+    if (!(std::abs(cosines[i]) > kCachedAligned)) continue;
     const bool on_b = i < 3;
     const int face = on_b ? i : i - 3;
     const double gap = on_b ? gapAcross(views.a_in_b, boxes.half_b, boxes.half_a, face)
@@ -311,12 +305,12 @@ bool nearestFromCache(const Boxes& boxes, const Views& views, const PairCache& c
   };
   const EdgePair edges = {leastOf(cosines), leastOf(cosines + 3)};
   const bool across =
-      std::abs(cosines[edges.i]) < kAcross && std::abs(cosines[3 + edges.k]) < kAcross;
+      std::abs(cosines[edges.i]) < kCachedAcross && std::abs(cosines[3 + edges.k]) < kCachedAcross;
   if (!(across && edgesMeet(boxes, views.a_in_b, edges, nearest)) && !descend(boxes, n, nearest)) {
     return false;
   }
   // (Where the way is too short to tell a direction the axes are better.)
-  return nearest.apart - nearest.plane <= kNarrow * sizeOf(boxes) || nearest.plane > goal.above;
+  return nearest.apart - nearest.plane <= kPairNarrow * sizeOf(boxes) || nearest.plane > goal.above;
 }
 
 bool nearestInB(const Boxes& boxes, const Views& views, const Goal& goal, Nearest& nearest) {

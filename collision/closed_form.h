@@ -2,6 +2,7 @@
 
 #include "collision/progress.h"
 #include "collision/triple.h"
+#include "leeway/collision/tolerances.h"
 
 namespace leeway::collision {
 
@@ -34,8 +35,7 @@ inline double nearestOnSegment(const Triple& p, const Triple& h) {
 inline void nearestOnAxes(double b, double c, double f, double h0, double h1, double& s0,
                           double& s1) {
   // Parallel: any start is right, the ones after it do the rest.
-  constexpr double kLeast = 1e-300;  // in the place of 0
-  const double per = 1 / std::max(1 - b * b, kLeast);
+  const double per = 1 / std::max(1 - b * b, kInsteadOfZero);
   s0 = within((b * f - c) * per, -h0, h0);
   s1 = within(b * s0 + f, -h1, h1);
   s0 = within(b * s1 - c, -h0, h0);
@@ -49,11 +49,10 @@ inline void nearestOnSegments(const Triple& c0, const Triple& h0, const Triple& 
   const double a = squared(h0), e = squared(h1), b = dot(h0, h1);
   const double c = dot(h0, r), f = dot(h1, r);
   // (Without length b, c or f are 0, too.)
-  constexpr double kLeast = 1e-300;
-  const double denominator = std::max(a * e - b * b, kLeast);
+  const double denominator = std::max(a * e - b * b, kInsteadOfZero);
   s0 = within(b * f - c * e, -denominator, denominator) / denominator;
-  s1 = within(b * s0 + f, -e, e) / std::max(e, kLeast);
-  s0 = within(b * s1 - c, -a, a) / std::max(a, kLeast);
+  s1 = within(b * s0 + f, -e, e) / std::max(e, kInsteadOfZero);
+  s0 = within(b * s1 - c, -a, a) / std::max(a, kInsteadOfZero);
 }
 
 /// Where the segment c + s h, |s| <= 1, comes nearest to the box |x| <= half: s. As good as

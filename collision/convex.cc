@@ -14,15 +14,9 @@
 #include "collision/sharp.h"
 #include "collision/simd/vertex_gjk.h"
 #include "collision/support.h"
+#include "leeway/collision/tolerances.h"
 
 namespace leeway::collision {
-
-namespace {
-
-// A norm of three squares errs by less than 3 units of roundoff; this rounds outwards.
-constexpr double kOutwards = 1 + 0x1p-50;
-
-}  // namespace
 
 ConvexView viewOf(const Shape& shape) {
   ConvexView view;
@@ -162,7 +156,7 @@ DistanceResult coarseDistance(const ConvexView& a, const Vector& t, const Convex
     result.distance.upper = std::numeric_limits<double>::infinity();
   }
   result.normal = apart > 0 && apart <= 1e308 ? Vector(-t / apart) : Vector::UnitX();
-  if (!(std::abs(result.normal.squaredNorm() - 1) < 1e-6)) result.normal = Vector::UnitX();
+  if (!(std::abs(result.normal.squaredNorm() - 1) < kUnitNormal)) result.normal = Vector::UnitX();
   result.point_a = apart <= 1e308 ? t : Vector::Zero();
   result.point_b = Vector::Zero();
   const Interval& d = result.distance;
@@ -234,7 +228,6 @@ DistanceResult fromPoint(const ConvexView& a, const Vector& p, const ConvexView&
 // Two segments: candidate points and direction are offered and certified like any others. False
 // when they do not suffice.
 bool trySegments(const ConvexView& a, const Pose& X_BA, const ConvexView& b, Progress& progress) {
-  constexpr double kLeastSquared = 1e-290;
   const Vector half_a = X_BA.rotation.col(2) * a.size.z();
   const Vector half_b(0, 0, b.size.z());
   double s_a = 0, s_b = 0;
@@ -256,7 +249,7 @@ bool trySegments(const ConvexView& a, const Pose& X_BA, const ConvexView& b, Pro
   Vector across = cross(half_a, half_b);
   const double across_squared = across.squaredNorm();
   // (Smaller, it is among the numbers that have lost digits.)
-  if (!(across_squared > kLeastSquared)) return false;
+  if (!(across_squared > kLeastSquare)) return false;
   across /= std::sqrt(across_squared);
   offer(across.dot(w) < 0 ? Vector(-across) : across);
   return progress.enough();

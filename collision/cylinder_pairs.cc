@@ -110,8 +110,6 @@ template <class Solid>
 inline bool nearestOfRim(const Cylinder& a, double side, Triple radial, const Solid& solid,
                          const Goal& goal, Nearest& nearest) {
   constexpr int kSteps = 8;
-  // Share of the radius that the plane may lack. (It is evaluated anyway.)
-  constexpr double kNarrow = 1e-14;
   const Triple middle = a.c + (side * a.half) * a.u;
   Triple g, pull;
   for (int i = 0;; ++i) {
@@ -121,7 +119,7 @@ inline bool nearestOfRim(const Cylinder& a, double side, Triple radial, const So
     solid.project(nearest.point_a, t, g, pull, bend);
     const double along = dot(pull, t), inwards = -dot(pull, radial);
     // To second order the rim stands out of the plane by half of this share of its radius, or less.
-    if (along * along <= kNarrow * (inwards * inwards) || i == kSteps) break;
+    if (along * along <= kRimNarrow * (inwards * inwards) || i == kSteps) break;
     if (goal.below > 0 && squared(g) < goal.below * goal.below) break;
     const double curvature = a.radius * bend + inwards;
     const double step = -along / curvature;
@@ -170,9 +168,6 @@ Triple farthestOfCap(const Cylinder& a, const Triple& n, const Triple& towards) 
   const double length = norm(w);
   return length <= a.radius ? end + w : end + (a.radius / length) * w;
 }
-
-// Sine (squared) of the angle between two directions that are taken for one.
-constexpr double kAlignedSquared = 1e-24;
 
 // A's cap towards p, the other body's point nearest to the cap's plane: true when p is above the
 // cap.
@@ -258,7 +253,7 @@ bool nearestOfCylinders(const Shape& shape_a, const Pose& X_WA, const Shape& sha
   if (gap_a > 0 && gap_a >= gap_b) {
     const Triple towards_a = std::copysign(1.0, along_a) * a.u;
     if (capMeets(a, farthestPoint(b, towards_a), nearest) ||
-        (sine * sine <= kAlignedSquared &&
+        (sine * sine <= kSameDirectionSquared &&
          capMeets(a, farthestOfCap(b, towards_a, a.c), nearest))) {
       planeOf(a, CylinderSolid{b}, nearest);
       return true;
@@ -266,7 +261,7 @@ bool nearestOfCylinders(const Shape& shape_a, const Pose& X_WA, const Shape& sha
   } else if (gap_b > 0) {
     const Triple towards_b = std::copysign(1.0, -along_b) * b.u;
     if (capMeets(b, farthestPoint(a, towards_b), nearest) ||
-        (sine * sine <= kAlignedSquared &&
+        (sine * sine <= kSameDirectionSquared &&
          capMeets(b, farthestOfCap(a, towards_b, b.c), nearest))) {
       planeOf(b, CylinderSolid{a}, nearest);
       nearest.point_a = nearest.point_a + nearest.apart * nearest.normal;
@@ -286,7 +281,7 @@ bool nearestOfCylinders(const Shape& shape_a, const Pose& X_WA, const Shape& sha
     return true;
   }
   // First the rims that the axes' nearest points are at, then those next to them.
-  const double narrow = 1e-12 * (a.radius + a.half + b.radius + b.half);
+  const double narrow = kPairNarrow * (a.radius + a.half + b.radius + b.half);
   const auto enough = [&] {
     return nearest.apart - nearest.plane <= narrow || nearest.apart < goal.below;
   };
@@ -363,7 +358,7 @@ bool nearestOfCylinderAndBox(const Shape& cylinder, const Pose& X_WC, const Shap
     };
     if (faceMeets(farthestPoint(a, n))) return done();
     const double cosine = dot(n, u);
-    if (squared(n - cosine * u) <= kAlignedSquared) {
+    if (squared(n - cosine * u) <= kSameDirectionSquared) {
       const Triple end = a.c + std::copysign(a.half, cosine) * u;
       if (faceMeets(farthestOfCap(a, n, within(end, half)))) return done();
     }

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "collision/round_box.h"
+#include "leeway/collision/tolerances.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "collision/deform_kernels.cc"
@@ -363,7 +364,8 @@ void lowerBounds(const Probe& probe, const WideBox& box, Bounds& bounds) {
       squared_axes = hn::Add(squared_axes, hn::Mul(outside, outside));
     }
     // Axes that depart from a rotation by 1e-6 make distances along them too large by half of that.
-    Floats lower = hn::Mul(hn::Sqrt(hn::Max(squared, squared_axes)), set(1 - 1e-6F));
+    Floats lower = hn::Mul(hn::Sqrt(hn::Max(squared, squared_axes)),
+                           set(static_cast<float>(1 - kRotationTolerance)));
     lower = hn::IfThenElse(hn::Gt(lower, zero), lower, deepest);
     lower = hn::Sub(hn::Sub(lower, set(probe.radius)), set(probe.slack));
     lower =
@@ -417,11 +419,12 @@ void triangleBounds(const Probe& probe, const DeformTree& tree, const Eigen::Vec
         reach = hn::Add(reach, hn::Mul(way[j], hn::Sub(along[c][j], nearest[j])));
       least = hn::Min(least, reach);
     }
-    const auto usable = hn::Gt(squared, set(1e-30F));
+    const auto usable = hn::Gt(squared, set(kLeastWaySquared));
     const Floats safe = hn::IfThenElse(usable, squared, set(1.0F));
     Floats lower = hn::Div(least, hn::Sqrt(safe));
     // Axes that depart from a rotation by 1e-6 make the way longer or shorter than its square says.
-    lower = hn::Sub(lower, hn::Mul(hn::Abs(lower), set(2e-6F)));
+    lower =
+        hn::Sub(lower, hn::Mul(hn::Abs(lower), set(static_cast<float>(2 * kRotationTolerance))));
     // Boxes that meet say nothing of how deep.
     const Floats unknown = set(-std::numeric_limits<float>::infinity());
     const Floats by_box = hn::IfThenElse(hn::Gt(outside, zero), hn::Sqrt(outside), unknown);
@@ -490,8 +493,8 @@ void childBounds(const Probe& probe, const DeformTree& tree, const Eigen::Vector
       z = hn::Add(z, hn::Mul(d, c));
     }
     // Too short a way, or none, becomes NaN and infinity, and fails below.
-    const Floats scale =
-        hn::Div(set(1.0F), hn::Sqrt(hn::IfThenElseZero(hn::Gt(squared, set(1e-30F)), squared)));
+    const Floats scale = hn::Div(
+        set(1.0F), hn::Sqrt(hn::IfThenElseZero(hn::Gt(squared, set(kLeastWaySquared)), squared)));
     hn::Store(hn::Mul(x, scale), kLanes, way[0] + i);
     hn::Store(hn::Mul(y, scale), kLanes, way[1] + i);
     hn::Store(hn::Mul(z, scale), kLanes, way[2] + i);
@@ -512,7 +515,7 @@ void childBounds(const Probe& probe, const DeformTree& tree, const Eigen::Vector
     }
     double lower = least - static_cast<double>(reach[lane]);
     // As in triangleBounds().
-    lower -= std::abs(lower) * 2e-6 + grown;
+    lower -= std::abs(lower) * (2 * kRotationTolerance) + grown;
     // A vertex that is not finite says nothing: x - x is 0 for finite x only.
     if (sum - sum == 0 && lower > static_cast<double>(bounds.lower[lane]))
       bounds.lower[lane] = static_cast<float>(lower - std::abs(lower) * 0x1p-23);

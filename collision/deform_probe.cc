@@ -15,10 +15,6 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// A box whose sides add up to this times those of the body's own box is worth the latter's bounds,
-// which cost as much again.
-constexpr double kTurned = 1.1;
-
 // The reach of the box low .. high, placed by X_BA, along a unit vector of B.
 struct Reach {
   double low = kInfinity, high = -kInfinity;
@@ -56,7 +52,7 @@ Probe makeProbe(const Vector3d& low, const Vector3d& high, double radius, const 
   const Vector3d middle = 0.5 * (low + high), half = 0.5 * (high - low);
   // The half lengths of the box around the turned box, and whether that is much larger.
   const Vector3d around = finite ? Vector3d(X_BA0.rotation.cwiseAbs() * half) : half;
-  probe.turned = !finite || X_BA1 != nullptr || around.sum() > kTurned * half.sum();
+  probe.turned = !finite || X_BA1 != nullptr || around.sum() > kTurnedBox * half.sum();
   for (int k = 0; k < 3; ++k) {
     const Vector3d own = X_BA0.rotation.col(k);
     Reach along, along_own;
@@ -119,7 +115,7 @@ double lowerBound(const Probe& probe, const float* low, const float* high) {
       squared_axes += std::max(gap, 0.0) * std::max(gap, 0.0);
     }
   }
-  double lower = std::sqrt(std::max(squared, squared_axes)) * (1 - 1e-6);
+  double lower = std::sqrt(std::max(squared, squared_axes)) * (1 - kRotationTolerance);
   if (!(lower > 0)) lower = deepest;
   return lower - static_cast<double>(probe.radius) - static_cast<double>(probe.slack);
 }

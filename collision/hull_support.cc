@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "collision/support.h"
+#include "leeway/collision/tolerances.h"
 
 namespace leeway::collision {
 
@@ -13,8 +14,6 @@ namespace {
 // climb is quicker.
 constexpr std::size_t kMostOfCell = 64;
 constexpr int kFewestSides = 8, kMostSides = 32;
-// Of a cell's width: a direction that rounding puts into the cell beside it is in its rim.
-constexpr double kRim = 1e-9;
 
 }  // namespace
 
@@ -66,8 +65,9 @@ void HullSupport::fillCells(const ConvexHull& hull) {
       return d;
     };
     const Vector middle = direction(0.5, 0.5);
-    const Vector corners[4] = {direction(-kRim, -kRim), direction(-kRim, 1 + kRim),
-                               direction(1 + kRim, -kRim), direction(1 + kRim, 1 + kRim)};
+    const Vector corners[4] = {direction(-kCellRim, -kCellRim), direction(-kCellRim, 1 + kCellRim),
+                               direction(1 + kCellRim, -kCellRim),
+                               direction(1 + kCellRim, 1 + kCellRim)};
     const auto beatenBy = [&](int winner, int loser) {
       const Vector d = points_[winner] - points_[loser];
       return std::all_of(std::begin(corners), std::end(corners),

@@ -15,8 +15,6 @@ namespace leeway::collision {
 namespace {
 
 constexpr float kFar = 1e30f;
-/// How near to the widest gap a plane is searched [m]: chords and radii leave more open.
-constexpr double kPlaneTolerance = 5e-4;
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
@@ -268,7 +266,7 @@ bool LaneSweepKernel::findPlane(const Sweep::Pair& pair, int lane, Scratch::Plan
   const Pose X_BA = X_WB.inverse() * X_WA;
   DistanceRequest request;
   request.depth = false;
-  request.tolerance = kPlaneTolerance;
+  request.tolerance = kLanePlaneTolerance;
   const DistanceResult r = convexDistance(a.view, X_BA, b, request, scratch.distance, nullptr);
   if (!(r.distance.upper > 0) || !r.normal.allFinite()) return false;
   // Of the normal as it is rounded.

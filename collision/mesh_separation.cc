@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "collision/leaning.h"
 #include "collision/vector.h"
 #include "leeway/collision/tolerances.h"
 
@@ -88,13 +89,9 @@ class Search {
   // Whether a direction at this angle does with less.
   bool turned(double angle) {
     const Vector d = result_.normal;
-    const Vector u =
-        cross(d, std::abs(d.x()) < 0.6 ? Vector::UnitX() : Vector::UnitY()).normalized();
-    const Vector v = cross(d, u);
     const double trial = std::max(length() * (1 - kSeparationGain * angle), least_);
     for (int k = 0; k < 6 && !good(); ++k) {
-      const double a = 1.0471975511965976 * k;
-      const Vector other = (d + angle * (std::cos(a) * u + std::sin(a) * v)).normalized();
+      const Vector other = leaning(d, angle, k, 6);
       if (!separates(trial, other)) continue;
       double fails = least_, does = trial;
       for (int half = 0; half < 3 && !good(); ++half) {

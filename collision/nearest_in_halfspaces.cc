@@ -4,11 +4,10 @@
 #include <cmath>
 #include <limits>
 
+#include "leeway/collision/tolerances.h"
+
 namespace leeway::collision {
 namespace {
-
-// Planes at a smaller sine than this meet too far away to be of use. No unit.
-constexpr double kParallel = 1e-9;
 
 struct Search {
   const HalfSpaceOf* spaces;
@@ -20,7 +19,7 @@ struct Search {
   void offer(const Vector& t) {
     const double squared = t.squaredNorm();
     if (!(squared < best)) return;
-    const double doubt = 1e-12 * (size + std::sqrt(squared));
+    const double doubt = kHalfSpaceDoubt * (size + std::sqrt(squared));
     for (int i = 0; i < count; ++i) {
       if (!(spaces[i].normal.dot(t) >= spaces[i].offset - doubt)) return;
     }
@@ -31,7 +30,7 @@ struct Search {
   void two(const HalfSpaceOf& a, const HalfSpaceOf& b) {
     // t = x a + y b with a . t and b . t as given.
     const double ab = a.normal.dot(b.normal), squared_sine = 1 - ab * ab;
-    if (squared_sine < kParallel * kParallel) return;
+    if (squared_sine < kParallelPlanes * kParallelPlanes) return;
     const double x = (a.offset - ab * b.offset) / squared_sine,
                  y = (b.offset - ab * a.offset) / squared_sine;
     offer(x * a.normal + y * b.normal);
@@ -41,7 +40,7 @@ struct Search {
     const Vector bc = cross(b.normal, c.normal), ca = cross(c.normal, a.normal),
                  ab = cross(a.normal, b.normal);
     const double volume = a.normal.dot(bc);
-    if (std::abs(volume) < kParallel) return;
+    if (std::abs(volume) < kParallelPlanes) return;
     offer((a.offset * bc + b.offset * ca + c.offset * ab) / volume);
   }
 };

@@ -54,19 +54,18 @@ double support(const Section& s, const Point& n) {
 }
 
 // Least and largest coordinate along `tangent` of what is farthest along n, and where that is along
-// n. A witness may be off by the share of the size that corners are taken together by.
+// n.
 struct Side {
   double least = std::numeric_limits<double>::infinity();
   double most = -std::numeric_limits<double>::infinity();
   double height = 0;
 };
-constexpr double kTogether = 1e-13;
 
 Side farthestSide(const Section& s, const Point& n, const Point& tangent, double extent) {
   Side side;
   side.height = support(s, n);
   for (int i = 0; i < s.corners; ++i) {
-    if (dot(n, s.corner[i]) < side.height - kTogether * extent) continue;
+    if (dot(n, s.corner[i]) < side.height - kSideTogether * extent) continue;
     side.least = std::min(side.least, dot(tangent, s.corner[i]));
     side.most = std::max(side.most, dot(tangent, s.corner[i]));
   }
@@ -84,9 +83,6 @@ double departure(const Eigen::Matrix3d& R) {
   }
   return std::sqrt(squares) + 12 * kUnitRoundoff;
 }
-
-// Beyond this sine between the axes the closed form has nothing to give that is worth the time.
-constexpr double kNearlyParallel = 1e-2;
 
 }  // namespace
 
@@ -107,7 +103,7 @@ bool offerParallelAxes(const ConvexView& a, const Pose& X_BA, const ConvexView& 
                        Difference<false>& difference, Progress& progress) {
   const Vector axis = X_BA.rotation.col(2);
   const double sine = std::sqrt(axis.x() * axis.x() + axis.y() * axis.y());
-  if (!(sine <= kNearlyParallel)) return false;
+  if (!(sine <= kNearlyParallelAxes)) return false;
   const Section of_b = sectionOf(b);
   // What A takes off: its points, negated.
   const Section of_a = axis.z() > 0 ? turnedOver(sectionOf(a)) : sectionOf(a);

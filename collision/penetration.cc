@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "collision/exact.h"
+#include "leeway/collision/tolerances.h"
 
 namespace leeway::collision {
 
@@ -549,7 +550,7 @@ void Polytope::search() {
     offerFacet(f);
     if (progress_.enough()) {
       // Where several translations separate equally well, the plane must be that of the witness.
-      const bool other_plane = f.distance > 0 && -f.outward.dot(progress_.normal()) < 1 - 1e-6;
+      const bool other_plane = f.distance > 0 && -f.outward.dot(progress_.normal()) < kSameNormal;
       if (progress_.decided() || !other_plane) return;
     }
     // Once the pair is known to be apart, or a facet that sees the origin was given up, the others
@@ -566,8 +567,8 @@ void Polytope::search() {
         progress_.upper() - lower_here <= progress_.query().request.tolerance) {
       progress_.preferLower(-outward.dot(s.w), -outward);
     }
-    if (met &&
-        (progress_.decided() || f.distance <= 0 || -outward.dot(progress_.normal()) >= 1 - 1e-6)) {
+    if (met && (progress_.decided() || f.distance <= 0 ||
+                -outward.dot(progress_.normal()) >= kSameNormal)) {
       return;
     }
     // No farther out than the facet itself, to within rounding: this is the difference's own facet.

@@ -1,13 +1,13 @@
 #include "leeway/collision/point_cover.h"
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
+#include <numbers>
 #include <span>
 
 #include "collision/convex.h"
 #include "collision/mesh_tree.h"
 #include "leeway/collision/convex_hull.h"
+#include "leeway/collision/sine_cosine.h"
 #include "leeway/collision/tolerances.h"
 #include "leeway/collision/triangle_mesh.h"
 
@@ -16,16 +16,13 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Hulls this near to the vertices that are left out need no more points [m]: other bounds of an
-/// edge are wider. Smaller costs time, larger leaves more to exact queries.
-constexpr double kPointCoverRadius = 2e-4;
-
 constexpr int kCircle = 12;  // corners of a polygon that stands for a circle
 
 void addCircle(double radius, double z, std::vector<Vector3d>& points) {
   for (int i = 0; i < kCircle; ++i) {
-    const double angle = i * (6.283185307179586 / kCircle);
-    points.emplace_back(radius * std::cos(angle), radius * std::sin(angle), z);
+    double sine = 0, cosine = 0;
+    sineCosine(2 * std::numbers::pi * i / kCircle, sine, cosine);
+    points.emplace_back(radius * cosine, radius * sine, z);
   }
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "collision/convex.h"
+#include "collision/leaning.h"
 #include "collision/mesh_tree.h"
 #include "collision/nearest_in_halfspaces.h"
 #include "collision/support.h"
@@ -281,13 +282,9 @@ class Search {
       for (int round = 0; round < 8; ++round) {
         if (good() || exhausted()) return;
         const Vector d = result_.translation / length_;
-        const Vector u =
-            cross(d, std::abs(d.x()) < 0.6 ? Vector::UnitX() : Vector::UnitY()).normalized();
-        const Vector v = cross(d, u);
         bool better = false;
         for (int k = 0; k < 8 && !better; ++k) {
-          const double a = 0.7853981633974483 * k;
-          const Vector other = (d + angle * (std::cos(a) * u + std::sin(a) * v)).normalized();
+          const Vector other = leaning(d, angle, k, 8);
           const double trial = length_ - std::max(request_.tolerance, 0.02 * angle * length_);
           if (!(trial > result_.least) || !free(trial * other)) continue;
           better = take(trial * other);

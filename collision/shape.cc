@@ -14,9 +14,6 @@ namespace leeway::collision {
 
 namespace {
 
-// A sum of a few squares and its root err by less than 4 units of roundoff; this rounds outwards.
-constexpr double kOutwards = 1 + 0x1p-50;
-
 void requireSize(double value, const char* shape, const char* name) {
   // Written so that a NaN fails, too. Squares and cubes of larger sizes overflow: the fuzzer found
   // a half-space that an ellipsoid of 1e308 m was said to touch.

@@ -89,7 +89,6 @@ struct Ray {
   double reach = 0, exit = 0;
 };
 Ray rayOf(const Shape& shape, const Eigen::Matrix3d& R, const Triple& n) {
-  constexpr double kLeast = 1e-300;  // in the place of 0
   const double z = std::abs(dot(n, column(R, 2)));
   switch (shape.type()) {
     case ShapeType::kCapsule:
@@ -98,15 +97,16 @@ Ray rayOf(const Shape& shape, const Eigen::Matrix3d& R, const Triple& n) {
       const double x = std::abs(dot(n, column(R, 0))), y = std::abs(dot(n, column(R, 1)));
       const Eigen::Vector3d& half = shape.halfExtents();
       return {half.x() * x + half.y() * y + half.z() * z,
-              std::min(half.x() / std::max(x, kLeast),
-                       std::min(half.y() / std::max(y, kLeast), half.z() / std::max(z, kLeast)))};
+              std::min(half.x() / std::max(x, kInsteadOfZero),
+                       std::min(half.y() / std::max(y, kInsteadOfZero),
+                                half.z() / std::max(z, kInsteadOfZero)))};
     }
     case ShapeType::kCylinder: {
       const Triple u = column(R, 2);
       const double across = std::sqrt(squared(n - dot(n, u) * u));
       return {shape.halfLength() * z + shape.radius() * across,
-              std::min(shape.halfLength() / std::max(z, kLeast),
-                       shape.radius() / std::max(across, kLeast))};
+              std::min(shape.halfLength() / std::max(z, kInsteadOfZero),
+                       shape.radius() / std::max(across, kInsteadOfZero))};
     }
     default:
       return {};

@@ -41,9 +41,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Largest change of a weight over a node's box that a gradient may stand for. No unit.
-constexpr double kSteepest = 4;
-
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 struct Matrix {
@@ -188,7 +185,7 @@ void SkinnedBounds::fitGradients(const SkinnedVertices& motion,
     const double across = std::abs(gradient.x()) * rest.half[0][lane] +
                           std::abs(gradient.y()) * rest.half[1][lane] +
                           std::abs(gradient.z()) * rest.half[2][lane];
-    if (!(residue < part.range[lane] && across <= kSteepest)) continue;
+    if (!(residue < part.range[lane] && across <= kSteepestWeight)) continue;
     part.residue[lane] = residue;
     for (int k = 0; k < 3; ++k) part.gradient[k][lane] = gradient[k];
   }
@@ -197,7 +194,8 @@ void SkinnedBounds::fitGradients(const SkinnedVertices& motion,
 // Rounding: every number here and in a vertex's evaluation is at most the size below, made of sums
 // of up to terms_ + 12 products; the means and the weights add up to 1 within terms_ + 2 units
 // each, which moves x by that share of the size; a gradient changes a weight by at most
-// kSteepest over a node. 64 (terms_ + 12) units a part, and four parts more, cover the sum of all.
+// kSteepestWeight over a node. 64 (terms_ + 12) units a part, and four parts more, cover the sum of
+// all.
 void SkinnedBounds::bound(std::int32_t node, std::span<const double> parameters,
                           WideBox& box) const {
   const auto n = static_cast<std::size_t>(node);

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "leeway/collision/tolerances.h"
+
 namespace leeway::collision {
 
 namespace {
@@ -132,7 +134,7 @@ Vector farthestOfRound(const ConvexView& view, const Vector& direction, int& pie
     const double norm_squared = scaled.squaredNorm();
     // Relative to the largest axis, as kAcrossAxisSquared is to a radius.
     if (!(norm_squared > kAcrossAxisSquared * view.extent * view.extent) ||
-        !(norm_squared > 1e-290)) {
+        !(norm_squared > kLeastSquare)) {
       return Vector::Zero();
     }
     return view.size.cwiseProduct(scaled) / std::sqrt(norm_squared);

@@ -18,6 +18,7 @@
 #include <utility>
 
 #include "collision/hull_support.h"
+#include "leeway/collision/tolerances.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace leeway::collision::HWY_NAMESPACE {
@@ -138,7 +139,8 @@ HWY_INLINE const HullCell* cellOf(const HullSupport& support, double dx, double 
   int axis = static_cast<int>(ay > ax);
   axis += static_cast<int>(az > std::max(ax, ay)) * (2 - axis);
   const double along = direction[axis], size = std::abs(along);
-  if (HWY_UNLIKELY(!(size > 1e-290 && size < 1e290 && sides > 0))) return nullptr;
+  if (HWY_UNLIKELY(!(size > kSmallestDirection && size < kLargestDirection && sides > 0)))
+    return nullptr;
   const double half = 0.5 * sides, scale = half / size;
   const auto place = [=](double across) {
     // In this order a NaN is 0.

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "leeway/collision/tolerances.h"
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "collision/simd/vertex_gjk.cc"
 #include "collision/simd/targets.h"
@@ -57,10 +59,6 @@ HWY_INLINE Vector vectorOf(const Triple& v) { return {v.x, v.y, v.z}; }
 HWY_INLINE FourPoints fourTimes(const Triple& p) {
   return {allLanes(p.x), allLanes(p.y), allLanes(p.z)};
 }
-
-// Squared share of a point's length below which an edge's nearest point has lost digits that count:
-// ten are left.
-constexpr double kCancelled = 1e-6;
 
 // The vertex of a core with this name, which must be one.
 HWY_INLINE Triple corner(const ConvexView& view, int name) {
@@ -178,10 +176,6 @@ struct Nearest {
 constexpr int kLeastLane[8] = {0, 1, 2, 2, 0, 1, 0, 0};
 
 enum class Step { kNearer, kHoldsOrigin, kHoldsOriginWell };
-
-// Share of a tetrahedron's volume that each of the four weights must have, and of the cube of its
-// size that the volume must have, for there to be no doubt that it holds the origin.
-constexpr double kHeldWell = 1e-6;
 
 // Takes the newest point in.
 HWY_INLINE Step step(const Triple& newest, const FourPoints& old, Nearest& nearest) {

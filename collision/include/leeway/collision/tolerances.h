@@ -44,7 +44,82 @@ inline constexpr double kAcrossAxisSquared = 1e-280;
 /// below, scanning all is cheaper (measured).
 inline constexpr int kClimbFrom = 32;
 
-// Scene (coarse_shape.cc, scene.cc)
+// Lengths and directions (shape.cc, convex.cc, support.cc, penetration.cc)
+
+/// A norm, or another root of a sum of a few squares, errs by less than 4 units of roundoff; times
+/// this it is rounded outwards.
+inline constexpr double kOutwards = 1 + 0x1p-50;
+
+/// Squares (of lengths [m^2], or of products of two lengths) below this are among the numbers that
+/// lose digits, or near them: no direction is made from them.
+inline constexpr double kLeastSquare = 1e-290;
+
+/// Stands for a divisor that is 0, in its unit: what is divided is 0 then, too, or the quotient is
+/// cut to a range. Larger would change quotients that count.
+inline constexpr double kInsteadOfZero = 1e-300;
+
+/// How far from 1 the square of a normal may be before it counts as lost at the ends of double's
+/// range. No unit.
+inline constexpr double kUnitNormal = 1e-6;
+
+/// Cosine from which on two unit normals count as those of one plane: 0.08 degrees. It only says
+/// which of equally good translations is told with which plane.
+inline constexpr double kSameNormal = 1 - 1e-6;
+
+// Closed forms (box_overlap.cc, box_pairs.cc, cylinder_pairs.cc, parallel_axes.cc)
+
+/// A closed form's answer is taken when its ends are apart by at most this share of the sizes: what
+/// rounding leaves, with room. Smaller sends pairs to the slow query.
+inline constexpr double kPairNarrow = 1e-12;
+
+/// Below this sine an edge of a box counts as perpendicular to a direction: its end is then nearer
+/// to the plane than that share of its length, which a witness may be off by.
+inline constexpr double kPerpendicularEdge = 1e-13;
+
+/// Edges of two boxes that are parallel to within this sine (squared) are no pair: the plane across
+/// them is a face's, or next to it.
+inline constexpr double kParallelEdgesSquared = 1e-8;
+
+/// Cosines from and to which a face or an edge is tried in a cached direction. Any value is right.
+inline constexpr double kCachedAligned = 0.99;
+inline constexpr double kCachedAcross = 0.1;
+
+/// Newton's steps along a rim end when its plane lacks at most this share of the radius (half of
+/// it, to second order). What it lacks is evaluated anyway.
+inline constexpr double kRimNarrow = 1e-14;
+
+/// Sine (squared) between two directions that are taken for one where a cap is met squarely; the
+/// distance is evaluated anyway.
+inline constexpr double kSameDirectionSquared = 1e-24;
+
+/// Corners of a section this near to the farthest along a direction, as a share of the sizes, are
+/// its side: a witness may be off by as much.
+inline constexpr double kSideTogether = 1e-13;
+
+/// Beyond this sine between two axes the closed form of parallel ones has nothing to give that is
+/// worth the time.
+inline constexpr double kNearlyParallelAxes = 1e-2;
+
+// Hulls' vertices (hull_support.cc, simd/scan-inl.h, simd/vertex_gjk.cc)
+
+/// Rim of a cell of directions, in cells: a direction that rounding puts into the cell beside it is
+/// in its rim, because places are good to 1e-15. Smaller than that misses farthest vertices.
+inline constexpr double kCellRim = 1e-9;
+
+/// A direction's largest coordinate outside of these is not looked up in cells, because quotients
+/// would leave the range of double: all vertices are scanned then. No unit.
+inline constexpr double kSmallestDirection = 1e-290;
+inline constexpr double kLargestDirection = 1e290;
+
+/// Squared share of a point's length below which an edge's nearest point has lost digits that
+/// count: ten are left.
+inline constexpr double kCancelled = 1e-6;
+
+/// Share of a tetrahedron's volume that each of the four weights must have, and of the cube of its
+/// size that the volume must have, for there to be no doubt that it holds the origin.
+inline constexpr double kHeldWell = 1e-6;
+
+// Scene (coarse_shape.cc, scene.cc, point_cover.cc, lane_sweep.cc)
 
 /// Relative rounding of a point's distance to a placed box, cylinder or ball: some twenty
 /// operations of 1.2e-16 each, with room for a rotation that departs from orthogonality by the
@@ -67,6 +142,13 @@ inline constexpr double kTransferRounding = 1e-14;
 /// coordinates at play; derived in simd/lane_sweep.cc (half of it is needed). Smaller breaks the
 /// guarantee.
 inline constexpr double kLaneSweepRounding = 64 * 0x1p-24;
+
+/// How near to the widest gap LaneSweep searches planes [m]: chords and radii leave more open.
+inline constexpr double kLanePlaneTolerance = 5e-4;
+
+/// A hull's cover with points is good enough when the vertices that are left out are this near [m]:
+/// other bounds of an edge are wider. Smaller costs time, larger leaves more to exact queries.
+inline constexpr double kPointCoverRadius = 2e-4;
 
 // Hulls and meshes (hull_builder.cc, convex_hull.cc, mesh_tree.cc, hull_excess.cc)
 
@@ -130,6 +212,17 @@ inline constexpr int kHybridSplit = 512;
 /// thirty operations of 2^-24 each. Smaller breaks the guarantee.
 inline constexpr double kSingleRounding = 0x1p-19;
 
+/// A box around a body that its turn makes this many times as large (sum of sides) as its own box
+/// is worth bounds along its own axes, which cost as much again. Any value is right.
+inline constexpr double kTurnedBox = 1.1;
+
+/// Ways between boxes whose square [m^2] is not above this have no direction in single precision.
+inline constexpr float kLeastWaySquared = 1e-30F;
+
+/// Largest change of a bone's weight over a node's box that a gradient may stand for: bounds of
+/// rounding count on it. No unit.
+inline constexpr double kSteepestWeight = 4;
+
 // Queries of meshes (mesh_descent.cc, containment.cc)
 
 /// A node is bounded to within this share of the smaller radius, and of its excess: closer work on
@@ -170,7 +263,13 @@ inline constexpr double kSeparationGain = 0.1;
 /// end of a depth better.
 inline constexpr int kDeepestPointSteps = 24;
 
-// Pushing out (separation.cc)
+// Pushing out (separation.cc, nearest_in_halfspaces.cc)
+
+/// Planes at a smaller sine than this meet too far away to be of use; a point may be outside of
+/// planes that it was not made from by the other share of its distance and of theirs. No unit.
+/// Translations are proven by queries.
+inline constexpr double kParallelPlanes = 1e-9;
+inline constexpr double kHalfSpaceDoubt = 1e-12;
 
 /// Choices of planes that are looked at; directions are turned down to this angle [rad]; a march
 /// out of a hollow has this many steps. More finds shorter translations and costs queries; nothing
@@ -205,6 +304,10 @@ inline constexpr double kFollowRimSquared = 1e-6;
 /// would be right.
 inline constexpr double kLargestMotion = 1e15;
 
+/// Largest phase of a wave [rad]: it is added to an angle as it is, and more would only lose
+/// digits.
+inline constexpr double kLargestPhase = 1e5;
+
 // Time to impact (time_to_impact.cc)
 
 /// A distance that says when to look again is asked to within this [m], or this share of what is
@@ -221,6 +324,10 @@ inline constexpr double kImpactHorizons = 8;
 /// Rounding of a pose on a motion, as a fraction of the coordinates at play: some thirty
 /// operations.
 inline constexpr double kMotionRounding = 1e-14;
+
+/// What computed bounds of acceleration are multiplied with, for their own rounding: some hundred
+/// operations of positive numbers. No unit.
+inline constexpr double kGrowthRounding = 1 + 1e-12;
 
 /// A screw that turns less has no axis that could be told from its travel [rad]; the turn is
 /// dropped, which moves nothing by more than this times its distance.

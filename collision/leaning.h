@@ -1,0 +1,20 @@
+#pragma once
+
+#include <cmath>
+#include <numbers>
+
+#include "collision/vector.h"
+#include "leeway/collision/sine_cosine.h"
+
+namespace leeway::collision {
+
+/// The k-th of `count` unit vectors that lean away from the unit vector d to all sides: the tangent
+/// of their angle with d is `tangent`. The same bits everywhere.
+inline Vector leaning(const Vector& d, double tangent, int k, int count) {
+  const Vector u = cross(d, std::abs(d.x()) < 0.6 ? Vector::UnitX() : Vector::UnitY()).normalized();
+  double sine = 0, cosine = 0;
+  sineCosine(2 * std::numbers::pi * k / count, sine, cosine);
+  return (d + tangent * (cosine * u + sine * cross(d, u))).normalized();
+}
+
+}  // namespace leeway::collision
