@@ -467,7 +467,7 @@ struct RigidPair {
     const double second = acceleratingSeen(acceleration(a, ma) + mb.acceleration, u_speed, u, mb);
     const double coordinates = X_WB0.translation.norm() + X_WB1.translation.norm() +
                                X_BA0.translation.norm() + X_BA1.translation.norm() + a.extent();
-    const double growth = step * step * second / 8 * kGrowthRounding +
+    const double growth = step * step * second / 8 * kGrowthOutwards +
                           std::max(rounding(X_WA0, X_WB0), rounding(X_WA1, X_WB1)) +
                           kTransferRounding * 2 * coordinates;
     if (!(growth < kInfinity)) return false;
@@ -642,7 +642,7 @@ struct TriangleBody {
     const double bent =
         acceleratingSeen(m.acceleration, speed, reach + step * speed, m) * step * step / 8;
     const double slack =
-        bent * kGrowthRounding + std::max(rounding(X_WB0), rounding(X_WB1)) +
+        bent * kGrowthOutwards + std::max(rounding(X_WB0), rounding(X_WB1)) +
         kTransferRounding * (size + X_WB0.translation.norm() + X_WB1.translation.norm());
     if (!(slack < kInfinity)) return false;
     return convexDistance(viewOfPoints(hull.data(), 6, 0), Pose{}, view, sweepRequest(request),

@@ -73,7 +73,7 @@ class Slabs {
       }
     }
     // Points leave the chords of a slab by no more.
-    slack += accelerated * step * step / 8 * kGrowthRounding;
+    slack += accelerated * step * step / 8 * kGrowthOutwards;
     for (int k = 0; k < kSlabs; ++k) {
       low_[at(k)] = (low[at(k)].cwiseMin(low[at(k + 1)])).array() - slack - margin;
       high_[at(k)] = (high[at(k)].cwiseMax(high[at(k + 1)])).array() + slack + margin;

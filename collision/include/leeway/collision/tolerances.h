@@ -327,7 +327,7 @@ inline constexpr double kMotionRounding = 1e-14;
 
 /// What computed bounds of acceleration are multiplied with, for their own rounding: some hundred
 /// operations of positive numbers. No unit.
-inline constexpr double kGrowthRounding = 1 + 1e-12;
+inline constexpr double kGrowthOutwards = 1 + 1e-12;
 
 /// A screw that turns less has no axis that could be told from its travel [rad]; the turn is
 /// dropped, which moves nothing by more than this times its distance.
