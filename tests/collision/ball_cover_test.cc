@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "leeway/collision/distance.h"
+#include "tests/sanitized.h"
 #include "tools/oracle/generate.h"
 
 namespace leeway::collision {
@@ -27,7 +28,7 @@ TEST(BallCover, HoldsTheShapeAndIsHeldByIt) {
   Random random(21);
   Scratch scratch;
   int points = 0, lost = 0, inner_points = 0, left = 0;
-  for (int round = 0; round < 120; ++round) {
+  for (int round = 0; round < casesToAsk(120); ++round) {
     const auto type = static_cast<ShapeType>(random.below(9));
     if (type == ShapeType::kHalfSpace) continue;
     const oracle::Flavour flavour = oracle::kFlavours[static_cast<std::size_t>(random.below(6))];
@@ -64,10 +65,10 @@ TEST(BallCover, HoldsTheShapeAndIsHeldByIt) {
         if (at(shape, ball.center + 1.3 * ball.radius * direction, scratch).lower > 0) ++left;
       }
   }
-  EXPECT_GT(points, 3000);
-  EXPECT_GT(lost, 300);  // balls that are a fifth too small are found out
-  EXPECT_GT(inner_points, 2000);
-  EXPECT_GT(left, 100);
+  EXPECT_GT(points, casesToAsk(3000));
+  EXPECT_GT(lost, casesToAsk(300));  // balls that are a fifth too small are found out
+  EXPECT_GT(inner_points, casesToAsk(2000));
+  EXPECT_GT(left, casesToAsk(100));
 }
 
 /// A small thing in a large hollow between the surfaces of a closed mesh is inside its balls.

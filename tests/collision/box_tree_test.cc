@@ -15,6 +15,7 @@
 #include "collision/triangle_pair.h"
 #include "leeway/collision/distance.h"
 #include "tests/collision/mesh_cases.h"
+#include "tests/sanitized.h"
 
 namespace leeway::collision {
 namespace {
@@ -67,7 +68,7 @@ TEST(BoxGaps, AreBelowTheDistanceAndNearItWhenFar) {
   Scratch scratch;
   int unsafe = 0, apart = 0, separated = 0;
   double share = 0;
-  for (int i = 0; i < 1500; ++i) {
+  for (int i = 0; i < casesToAsk(1500); ++i) {
     BoxNode node{};
     const double reach = std::pow(10, random.uniform(-1, 1));
     const OrientedBox query = randomBox(random, reach, 1);
@@ -93,7 +94,7 @@ TEST(BoxGaps, AreBelowTheDistanceAndNearItWhenFar) {
     }
   }
   EXPECT_EQ(unsafe, 0);
-  EXPECT_GT(apart, 5000);
+  EXPECT_GT(apart, casesToAsk(5000));
   EXPECT_GT(separated, 0.95 * apart);
   EXPECT_GT(share, 0.9 * apart);
 }
@@ -186,7 +187,7 @@ TEST(TrianglePair, HoldsTheDistance) {
   Random random(54);
   Scratch scratch;
   int unsafe = 0, apart = 0, exact = 0;
-  for (int i = 0; i < 20000; ++i) {
+  for (int i = 0; i < casesToAsk(20000); ++i) {
     Vector3d p[3], q[3];
     const double size = std::pow(10, random.uniform(-3, 0));
     const Vector3d offset = random.vector();
@@ -224,7 +225,7 @@ TEST(TrianglePair, HoldsTheDistance) {
     EXPECT_LT(pair.above - d.upper, 1e-9) << "case " << i << " kind " << kind;
   }
   EXPECT_EQ(unsafe, 0);
-  EXPECT_GT(apart, 10000);
+  EXPECT_GT(apart, casesToAsk(10000));
   EXPECT_GT(exact, 0.99 * apart);
 }
 

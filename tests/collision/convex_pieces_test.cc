@@ -17,6 +17,7 @@
 #include "leeway/collision/tolerances.h"
 #include "tests/collision/allocations.h"
 #include "tests/collision/mesh_cases.h"
+#include "tests/sanitized.h"
 
 namespace leeway::collision {
 namespace {
@@ -177,20 +178,6 @@ std::vector<Case> concaveSolids(std::uint64_t seed) {
   return cases;
 }
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool kSanitized = true;
-#else
-constexpr bool kSanitized = false;
-#endif
-
-/// Those, or under a sanitizer, where a case takes forty times as long, every seventh: memory is
-/// handled alike in all of them, and the release build asks the others.
-std::vector<Case> solidsToAsk(std::uint64_t seed) {
-  std::vector<Case> all = concaveSolids(seed), some;
-  for (std::size_t i = 0; i < all.size(); i += kSanitized ? 7 : 1) some.push_back(all[i]);
-  return some;
-}
-
 double distanceFromSurface(const TriangleMesh& mesh, const Vector3d& p) {
   double best = std::numeric_limits<double>::infinity();
   for (const auto& t : mesh.triangles()) {
@@ -247,7 +234,7 @@ void expectHeld(const std::string& name, const TriangleMesh& mesh, Random& rando
 
 TEST(ConvexPieces, LieInTheSolidAndHoldTheirTriangles) {
   Random random(81);
-  for (const Case& c : solidsToAsk(81)) {
+  for (const Case& c : concaveSolids(81)) {
     const NamedMesh m = named(c.name, c.soup);
     ASSERT_GT(m.mesh->closedComponentCount(), 0) << c.name;
     const PieceSummary& summary = m.mesh->pieces();
@@ -264,7 +251,7 @@ TEST(ConvexPieces, LieInTheSolidAndHoldTheirTriangles) {
     // Solids whose corners are not rounded have exact pieces, but for the rounding of planes.
     const bool single = c.name.find("single") != std::string::npos;
     EXPECT_LE(summary.excess, single ? 1e-5 : 1e-11) << c.name;
-    expectHeld(c.name, *m.mesh, random, 60);
+    expectHeld(c.name, *m.mesh, random, casesToAsk(60));
   }
 }
 
@@ -300,7 +287,7 @@ TEST(ConvexPieces, WithTrianglesThatAreNone) {
   ASSERT_EQ(mesh->closedComponentCount(), 1);
   EXPECT_EQ(mesh->pieces().pieces, plain->pieces().pieces);
   EXPECT_EQ(mesh->pieces().loose_triangles, plain->pieces().loose_triangles + 3);
-  expectHeld("dumbbell with segments", *mesh, random, 20);
+  expectHeld("dumbbell with segments", *mesh, random, casesToAsk(20));
 }
 
 // A convex mesh is one piece.
@@ -325,8 +312,16 @@ Twins twins(const std::string& name, const TriangleSoup& soup) {
 }
 
 struct Tally {
-  int unsafe = 0, apart = 0, overlap = 0, shallower = 0;
+  int asked = 0, unsafe = 0, apart = 0, overlap = 0, shallower = 0;
 };
+
+// Both verdicts are among the answers, and deeper parts are met than with triangles, as a rule.
+void expectManyOfBoth(const Tally& tally) {
+  EXPECT_EQ(tally.unsafe, 0);
+  EXPECT_GT(tally.apart, 0.35 * tally.asked);
+  EXPECT_GT(tally.overlap, 0.15 * tally.asked);
+  EXPECT_LE(tally.shallower, 1 + tally.overlap / 10);
+}
 
 // Both answers hold the truth: so neither denies the other, and both decide where they are apart.
 void compare(const Twins& a, const Pose& X_WA, const Twins& b, const Pose& X_WB, Scratch& scratch,
@@ -350,6 +345,7 @@ void compare(const Twins& a, const Pose& X_WA, const Twins& b, const Pose& X_WB,
   };
   unsafe(r, "distance");
   const bool apart = soup.distance.lower > 0, overlap = soup.distance.upper <= 0;
+  ++tally.asked;
   tally.apart += apart ? 1 : 0;
   tally.overlap += overlap ? 1 : 0;
   if (apart) {
@@ -423,23 +419,23 @@ TEST(ConvexPieces, AnswerAsTheTrianglesDo) {
   Random random(84);
   Tally tally;
   std::vector<Twins> solids;
-  for (const Case& c : solidsToAsk(84)) solids.push_back(twins(c.name, c.soup));
-  for (const Twins& a : solids) {
-    for (const Twins& b : solids) {
+  for (const Case& c : concaveSolids(84)) solids.push_back(twins(c.name, c.soup));
+  // Every solid with every one in each kind of placement; where that is dear, with two of them, the
+  // kinds in turn.
+  const std::size_t n = solids.size(), partners = kSanitized ? 2 : n;
+  int kind = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    for (std::size_t j = 0; j < partners; ++j) {
+      const Twins &a = solids[i], &b = solids[(i + j) % n];
       PairCache cache;
-      for (int i = 0; i < 4; ++i) {
+      for (int k = 0; k < (kSanitized ? 1 : 4); ++k) {
         const Pose X_WA = random.pose(1);
-        compare(a, X_WA, b, somePose(i, a, X_WA, b, random, scratch), scratch, random, &cache,
+        compare(a, X_WA, b, somePose(kind++, a, X_WA, b, random, scratch), scratch, random, &cache,
                 tally);
       }
     }
   }
-  EXPECT_EQ(tally.unsafe, 0);
-  if (kSanitized) return;  // too few to be counted
-  EXPECT_GT(tally.apart, 250);
-  EXPECT_GT(tally.overlap, 100);
-  // Deeper parts are met than with triangles, as a rule.
-  EXPECT_LT(tally.shallower, tally.overlap / 10);
+  expectManyOfBoth(tally);
 }
 
 TEST(ConvexPieces, AnswerAsTheTrianglesDoToConvexShapes) {
@@ -447,16 +443,17 @@ TEST(ConvexPieces, AnswerAsTheTrianglesDoToConvexShapes) {
   Random random(85);
   Tally tally;
   const auto shapes = sampleConvexShapes(random);
-  for (const Case& c : solidsToAsk(85)) {
+  int kind = 0;
+  for (const Case& c : concaveSolids(85)) {
     const Twins solid = twins(c.name, c.soup);
     for (const auto& [name, shape] : shapes) {
       if (shape.type() == ShapeType::kHalfSpace) continue;
       const Twins other{name, shape, shape};
       PairCache cache;
-      for (int i = 0; i < (kSanitized ? 2 : 8); ++i) {
+      for (int i = 0; i < casesToAsk(8); ++i, ++kind) {
         const Pose X_WA = random.pose(1);
-        const Pose X_WB = somePose(i, solid, X_WA, other, random, scratch);
-        if (i % 2 == 0) {
+        const Pose X_WB = somePose(kind, solid, X_WA, other, random, scratch);
+        if (random.below(2) == 0) {
           compare(solid, X_WA, other, X_WB, scratch, random, &cache, tally);
         } else {
           compare(other, X_WB, solid, X_WA, scratch, random, &cache, tally);
@@ -464,11 +461,7 @@ TEST(ConvexPieces, AnswerAsTheTrianglesDoToConvexShapes) {
       }
     }
   }
-  EXPECT_EQ(tally.unsafe, 0);
-  if (kSanitized) return;  // too few to be counted
-  EXPECT_GT(tally.apart, 300);
-  EXPECT_GT(tally.overlap, 150);
-  EXPECT_LT(tally.shallower, tally.overlap / 10);
+  expectManyOfBoth(tally);
 }
 
 // Small and large, far from the origin and nearly of one plane.
@@ -484,13 +477,13 @@ TEST(ConvexPieces, OfAnySizeAndPlace) {
       const auto mesh = TriangleMesh::make(soup.vertices, soup.triangles);
       EXPECT_EQ(mesh->pieces().use, PieceSummary::Use::kUsed) << cases[k].name << scale;
       EXPECT_LE(mesh->pieces().excess, 1e-10 * scale);
-      expectHeld(cases[k].name, *mesh, random, 20);
+      expectHeld(cases[k].name, *mesh, random, casesToAsk(20));
     }
   }
   TriangleSoup plate = cases[0].soup;
   for (auto& v : plate.vertices) v.z() *= 1e-4;
   const auto mesh = TriangleMesh::make(plate.vertices, plate.triangles);
-  expectHeld("plate", *mesh, random, 40);
+  expectHeld("plate", *mesh, random, casesToAsk(40));
 }
 
 TEST(ConvexPieces, LinksOfRobots) {
@@ -508,7 +501,7 @@ TEST(ConvexPieces, LinksOfRobots) {
     const Twins link = twins(file.filename().string(), soup);
     if (link.pieces.mesh()->pieces().use != PieceSummary::Use::kUsed) continue;
     ++used;
-    expectHeld(link.name, *link.pieces.mesh(), random, 20);
+    expectHeld(link.name, *link.pieces.mesh(), random, casesToAsk(20));
     for (int i = 0; i < 8; ++i) {
       const Pose X_WA = random.pose(0.1);
       const Twins& other = i < 4 ? link : post;
@@ -526,7 +519,7 @@ TEST(ConvexPieces, AllocateNothingInQueriesAndTakeAnyCache) {
   const Twins a = twins("dumbbell", dumbbell(24, 14)), b = twins("gear", gear(9, 6));
   const Shape ball = Shape::sphere(0.2);
   std::size_t allocated = 0;
-  for (int i = 0; i < 300; ++i) {
+  for (int i = 0; i < casesToAsk(300); ++i) {
     PairCache cache;
     cache.direction_B = 3 * random.vector();
     if (random.below(3) == 0) cache.direction_B.x() = std::nan("");

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "leeway/collision/tolerances.h"
+#include "tests/sanitized.h"
 #include "tools/oracle/generate.h"
 
 // Answers known beforehand, and what every pair owes whatever its answer is. (oracle_test.cc
@@ -306,7 +307,7 @@ TEST(Distance, ThresholdsAreDecidedOnTheRightSide) {
   Scratch scratch;
   RandomPairs pairs(21);
   int above = 0, not_above = 0, open = 0;
-  for (int i = 0; i < 4000; ++i) {
+  for (int i = 0; i < casesToAsk(4000); ++i) {
     pairs.next();
     const DistanceResult exact = distance(pairs.a, pairs.X_WA, pairs.b, pairs.X_WB, {}, scratch);
     for (const double offset : {-0.3, -1e-3, -1e-7, 1e-7, 1e-3, 0.3}) {
@@ -331,9 +332,9 @@ TEST(Distance, ThresholdsAreDecidedOnTheRightSide) {
       EXPECT_GE(r.distance.upper, exact.distance.lower) << pairs.replay();
     }
   }
-  EXPECT_GT(above, 8000);
-  EXPECT_GT(not_above, 8000);
-  EXPECT_LT(open, 500);
+  EXPECT_GT(above, casesToAsk(8000));
+  EXPECT_GT(not_above, casesToAsk(8000));
+  EXPECT_LT(open, casesToAsk(500));
 }
 
 TEST(Distance, AnyLimitCacheOrOrderAgreesWithTheExactAnswer) {
@@ -341,14 +342,13 @@ TEST(Distance, AnyLimitCacheOrOrderAgreesWithTheExactAnswer) {
   RandomPairs pairs(22);
   PairCache cache;
   int unconverged = 0;
-  for (int i = 0; i < 6000; ++i) {
+  for (int i = 0; i < casesToAsk(6000); ++i) {
     pairs.next();
     const DistanceResult exact = distance(pairs.a, pairs.X_WA, pairs.b, pairs.X_WB, {}, scratch);
     const auto agrees = [&](const DistanceResult& r, const char* how) {
       EXPECT_LE(r.distance.lower, exact.distance.upper) << how << " " << pairs.replay();
       EXPECT_GE(r.distance.upper, exact.distance.lower) << how << " " << pairs.replay();
       EXPECT_LE(r.distance.lower, r.distance.upper) << how << " " << pairs.replay();
-      EXPECT_GE(exact.status == DistanceStatus::kConverged, 0);
     };
     for (const int limit : {-1, 0, 1, 2, 3, 4, 7, 12, 30}) {
       DistanceRequest request;
@@ -366,7 +366,7 @@ TEST(Distance, AnyLimitCacheOrOrderAgreesWithTheExactAnswer) {
     shallow.depth = false;
     agrees(distance(pairs.a, pairs.X_WA, pairs.b, pairs.X_WB, shallow, scratch), "no depth");
   }
-  EXPECT_GT(unconverged, 2000);
+  EXPECT_GT(unconverged, casesToAsk(2000));
 }
 
 TEST(Distance, TheSameTwiceIsTheSameBitForBit) {

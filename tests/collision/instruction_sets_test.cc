@@ -15,6 +15,7 @@
 #include "collision/hull_support.h"
 #include "collision/support.h"
 #include "leeway/collision/distance.h"
+#include "tests/sanitized.h"
 #include "tools/oracle/generate.h"
 
 namespace leeway::collision {
@@ -37,7 +38,7 @@ std::vector<double> answers() {
   Scratch scratch;
   PairCache cache;
   std::vector<double> all;
-  for (int i = 0; i < 1500; ++i) {
+  for (int i = 0; i < casesToAsk(1500); ++i) {
     const auto any = [&] {
       return random.chance(0.4) ? roundHull(random, 4 + random.below(130))
                                 : oracle::randomShape(
@@ -102,7 +103,7 @@ std::vector<Vector3d> pointsOfHull(Random& random, int kind) {
 TEST(HullSupport, FindsTheFarthestVertex) {
   Random random(62);
   int scanned = 0, looked_up = 0, climbed = 0, tied = 0;
-  for (int i = 0; i < 150; ++i) {
+  for (int i = 0; i < casesToAsk(150); ++i) {
     const Shape shape = Shape::convexHull(pointsOfHull(random, i % 3));
     const ConvexView view = viewOf(shape);
     ASSERT_NE(view.support, nullptr);
@@ -140,10 +141,10 @@ TEST(HullSupport, FindsTheFarthestVertex) {
       }
     }
   }
-  EXPECT_GT(scanned, 50);
-  EXPECT_GT(looked_up, 30);
-  EXPECT_GT(climbed, 300);
-  EXPECT_GT(tied, 500);
+  EXPECT_GT(scanned, casesToAsk(50));
+  EXPECT_GT(looked_up, casesToAsk(30));
+  EXPECT_GT(climbed, casesToAsk(300));
+  EXPECT_GT(tied, casesToAsk(500));
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <string>
 #include <utility>
 
+#include "tests/sanitized.h"
 #include "tools/oracle/generate.h"
 
 namespace leeway::collision {
@@ -88,7 +89,7 @@ TEST(SimplePairs, AgreeWithTheGeneralWay) {
   for (const ShapeType type_a : kTypes) {
     for (const ShapeType type_b : kTypes) {
       int apart = 0, closed = 0;
-      for (int i = 0; i < 1500; ++i) {
+      for (int i = 0; i < casesToAsk(1500); ++i) {
         const Pair p = simplePair(random, type_a, type_b, scratch);
         const DistanceResult slow = generalDistance(p.a, p.X_WA, p.b, p.X_WB, {}, scratch, nullptr);
         apart += slow.distance.lower > 1e-10;
@@ -107,7 +108,7 @@ TEST(SimplePairs, AgreeWithTheGeneralWay) {
         EXPECT_LT(outside(p.b, p.X_WB, r.point_b, scratch), 1e-11) << p.replay();
         EXPECT_LT((p.X_WB.rotation * cache.direction_B - r.normal).norm(), 1e-12) << p.replay();
       }
-      EXPECT_GT(apart, 1000) << toString(type_a) << " and " << toString(type_b);
+      EXPECT_GT(apart, casesToAsk(1000)) << toString(type_a) << " and " << toString(type_b);
       // (Rims that nearly touch along a line, or two at once, are left to the general way.)
       EXPECT_GT(closed, apart * 90 / 100) << toString(type_a) << " and " << toString(type_b);
     }
@@ -118,7 +119,7 @@ TEST(SimplePairs, ThresholdsAreDecidedAsTheGeneralWayDoes) {
   Random random(72);
   Scratch scratch;
   int early = 0;
-  for (int i = 0; i < 8000; ++i) {
+  for (int i = 0; i < casesToAsk(8000); ++i) {
     const Pair p = simplePair(random, kTypes[random.below(4)], kTypes[random.below(4)], scratch);
     const Interval truth = generalDistance(p.a, p.X_WA, p.b, p.X_WB, {}, scratch, nullptr).distance;
     DistanceRequest request;
@@ -139,14 +140,14 @@ TEST(SimplePairs, ThresholdsAreDecidedAsTheGeneralWayDoes) {
     EXPECT_LT(outside(p.a, p.X_WA, r.point_a, scratch), 1e-11) << p.replay();
     EXPECT_LT(outside(p.b, p.X_WB, r.point_b, scratch), 1e-11) << p.replay();
   }
-  EXPECT_GT(early, 500);
+  EXPECT_GT(early, casesToAsk(500));
 }
 
 TEST(SimplePairs, AnyCacheAgrees) {
   Random random(73);
   Scratch scratch;
   int closed = 0, apart = 0;
-  for (int i = 0; i < 400; ++i) {
+  for (int i = 0; i < casesToAsk(400); ++i) {
     Pair p = simplePair(random, ShapeType::kBox,
                         random.chance(0.8) ? ShapeType::kBox : kTypes[random.below(4)], scratch);
     PairCache cache;
@@ -171,7 +172,7 @@ TEST(SimplePairs, AnyCacheAgrees) {
       p.X_WB.rotation = turn * p.X_WB.rotation;
     }
   }
-  EXPECT_GT(apart, 4000);
+  EXPECT_GT(apart, casesToAsk(4000));
   EXPECT_GT(closed, apart * 95 / 100);
 }
 
@@ -196,7 +197,7 @@ TEST(SimplePairs, LowerEndsAreThoseOfThePlaneAcrossTheNormal) {
   Random random(74);
   Scratch scratch;
   int closed = 0;
-  for (int i = 0; i < 20000; ++i) {
+  for (int i = 0; i < casesToAsk(20000); ++i) {
     Pair p = simplePair(random, kTypes[random.below(4)], kTypes[random.below(4)], scratch);
     if (random.chance(0.5)) {
       const double thin = random.chance(0.3) ? 0 : random.logUniform(1e-9, 1e-3);
@@ -219,7 +220,7 @@ TEST(SimplePairs, LowerEndsAreThoseOfThePlaneAcrossTheNormal) {
                          reachOf(p.a, p.X_WA, r.normal) - reachOf(p.b, p.X_WB, r.normal);
     EXPECT_LE(r.distance.lower, plane + 1e-14) << p.replay();
   }
-  EXPECT_GT(closed, 10000);
+  EXPECT_GT(closed, casesToAsk(10000));
 }
 
 // Edges that are parallel but for an entry whose square is the smallest of numbers: their normal
@@ -248,7 +249,7 @@ TEST(SimplePairs, DeparturesFromRotationsAreInTheWidth) {
   Random random(99);
   Scratch scratch;
   int answered = 0;
-  for (int i = 0; i < 40000; ++i) {
+  for (int i = 0; i < casesToAsk(40000); ++i) {
     Pair p = simplePair(random, kTypes[random.below(4)], kTypes[random.below(4)], scratch);
     const Interval truth = generalDistance(p.a, p.X_WA, p.b, p.X_WB, {}, scratch, nullptr).distance;
     for (Pose* X : {&p.X_WA, &p.X_WB}) {
@@ -269,7 +270,7 @@ TEST(SimplePairs, DeparturesFromRotationsAreInTheWidth) {
     EXPECT_LE(r.distance.lower, truth.upper) << p.replay();
     EXPECT_GE(r.distance.upper, truth.lower) << p.replay();
   }
-  EXPECT_GT(answered, 25000);
+  EXPECT_GT(answered, casesToAsk(25000));
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "leeway/collision/distance.h"
+#include "tests/sanitized.h"
 #include "tools/oracle/generate.h"
 
 namespace leeway::collision {
@@ -33,7 +34,7 @@ TEST(SweptDistance, ClaimsNoMoreThanAnyPlacementOnTheWayHas) {
   Scratch scratch;
   Random random(3);
   int positive = 0, contact = 0;
-  for (int i = 0; i < 6000; ++i) {
+  for (int i = 0; i < casesToAsk(6000); ++i) {
     const Shape a = oracle::randomShape(random, kTypes[random.below(8)], oracle::Flavour::kPlain);
     const Shape b = oracle::randomShape(random, kTypes[random.below(8)], oracle::Flavour::kPlain);
     if (a.type() == ShapeType::kHalfSpace) continue;
@@ -58,8 +59,8 @@ TEST(SweptDistance, ClaimsNoMoreThanAnyPlacementOnTheWayHas) {
     }
     ASSERT_GE(r.distance.upper, ends) << oracle::replay(a) << oracle::replay(b);
   }
-  EXPECT_GT(positive, 2000);
-  EXPECT_GT(contact, 100);
+  EXPECT_GT(positive, casesToAsk(2000));
+  EXPECT_GT(contact, casesToAsk(100));
 }
 
 /// The hull of two placements of points is a hull of twice as many.
@@ -67,7 +68,7 @@ TEST(SweptDistance, IsTheDistanceOfTheHullOfBothPlacements) {
   Scratch scratch;
   Random random(5);
   int apart = 0;
-  for (int i = 0; i < 1500; ++i) {
+  for (int i = 0; i < casesToAsk(1500); ++i) {
     std::vector<Vector3d> points(static_cast<std::size_t>(1 + random.below(60)));
     for (Vector3d& p : points) p = random.unit() * random.direction();
     const Shape a = Shape::convexHull(points);
@@ -91,7 +92,7 @@ TEST(SweptDistance, IsTheDistanceOfTheHullOfBothPlacements) {
         << oracle::replay(b);
     ASSERT_GE(r.distance.lower, hull.distance.lower - growth - 2e-9);
   }
-  EXPECT_GT(apart, 700);
+  EXPECT_GT(apart, casesToAsk(700));
 }
 
 TEST(SweptDistance, ThresholdsAndLimitsAreHonest) {
@@ -99,7 +100,7 @@ TEST(SweptDistance, ThresholdsAndLimitsAreHonest) {
   Random random(4);
   PairCache cache;
   int above = 0, open = 0;
-  for (int i = 0; i < 3000; ++i) {
+  for (int i = 0; i < casesToAsk(3000); ++i) {
     const Shape a = oracle::randomShape(random, kTypes[random.below(6)], oracle::Flavour::kPlain);
     const Shape b = oracle::randomShape(random, kTypes[random.below(8)], oracle::Flavour::kPlain);
     const double size = oracle::sizeOf(a) + oracle::sizeOf(b);
@@ -122,8 +123,8 @@ TEST(SweptDistance, ThresholdsAndLimitsAreHonest) {
       ++open;
     }
   }
-  EXPECT_GT(above, 500);
-  EXPECT_GT(open, 500);
+  EXPECT_GT(above, casesToAsk(500));
+  EXPECT_GT(open, casesToAsk(500));
 }
 
 TEST(SweptDistance, BadPosesAreRefused) {
