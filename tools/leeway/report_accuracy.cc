@@ -1,15 +1,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <string>
 
 #include "leeway/robots/input_error.h"
 #include "tools/leeway/case_file.h"
-#include "tools/leeway/exit_status.h"
 #include "tools/leeway/report.h"
 #include "tools/leeway/report_common.h"
 #include "tools/leeway/terminal.h"
@@ -96,19 +93,16 @@ void keepFamilies(AccuracySet& set, const std::vector<std::string>& words) {
                                  "a family in accuracy.csv is expected");
 }
 
-std::vector<std::string> writeFiles(const std::string& folder, const std::vector<AccuracyRow>& rows,
-                                    const std::string& note) {
+void writeFiles(RivalReport& out, const std::vector<AccuracyRow>& rows, const std::string& note) {
   const auto figure = [&](const std::vector<FamilyKind>& kinds, const char* title) {
     return report::toSvg(report::accuracyFigure(rows, kinds, title, note));
   };
-  return {writeReportFile(folder, "accuracy.csv", report::accuracyCsv(rows)),
-          writeReportFile(folder, "hard_cases.csv", report::hardCasesCsv(rows)),
-          writeReportFile(folder, "accuracy.svg",
-                          figure({FamilyKind::kOrdinary, FamilyKind::kCoherent},
-                                 "Distance between convex shapes: time against true error")),
-          writeReportFile(folder, "hard_cases.svg",
-                          figure({FamilyKind::kOverlap, FamilyKind::kHard},
-                                 "Overlaps and hard cases: time against true error"))};
+  out.write("accuracy.csv", report::accuracyCsv(rows));
+  out.write("hard_cases.csv", report::hardCasesCsv(rows));
+  out.write("accuracy.svg", figure({FamilyKind::kOrdinary, FamilyKind::kCoherent},
+                                   "Distance between convex shapes: time against true error"));
+  out.write("hard_cases.svg", figure({FamilyKind::kOverlap, FamilyKind::kHard},
+                                     "Overlaps and hard cases: time against true error"));
 }
 
 /// Interval errors of ours: what the exit status is about.
@@ -122,7 +116,7 @@ int ownErrors(const std::vector<AccuracyRow>& rows) {
 }  // namespace
 
 int runReportAccuracy(const ReportAccuracyArguments& arguments) {
-  const auto begin = std::chrono::steady_clock::now();
+  RivalReport out(arguments.output);
   AccuracySet set = arguments.cases.empty()
                         ? report::makeAccuracySet(
                               arguments.per_family, arguments.seed,
@@ -130,14 +124,9 @@ int runReportAccuracy(const ReportAccuracyArguments& arguments) {
                         : readSet(arguments.cases, arguments.reference);
   keepFamilies(set, arguments.families);
 
+  if (!arguments.no_rivals) out.loadRivals();
   const auto own = report::makeOwnEngines();
-  std::vector<const report::PairEngine*> engines;
-  for (const auto& engine : own) engines.push_back(engine.get());
-  std::vector<std::string> missing;
-  const auto modules = loadRivals(arguments.no_rivals, missing);
-  for (const report::RivalModule& module : modules)
-    if (module.rivals)
-      for (const auto& engine : module.rivals->pairs) engines.push_back(engine.get());
+  const auto engines = out.engines(own, &report::Rivals::pairs);
 
   report::AccuracyOptions options;
   options.tolerances = report::accuracyTolerances();
@@ -155,27 +144,16 @@ int runReportAccuracy(const ReportAccuracyArguments& arguments) {
       "{}; {}; one pinned core, medians of {} passes; each line: tolerances 1e-1 to 1e-15; errors "
       "against quadruple precision",
       report::machineName(), cases, arguments.passes);
-  const std::vector<std::string> files = writeFiles(arguments.output, rows, note);
-  const int errors = ownErrors(rows);
-  const double seconds =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-  if (arguments.json) {
-    fmt::print("{}\n", nlohmann::json{{"seed", arguments.seed},
-                                      {"families", set.families.size()},
-                                      {"missing", missing},
-                                      {"own_errors", errors},
-                                      {"processor", processor},
-                                      {"time_s", seconds},
-                                      {"files", files}}
-                           .dump());
-  } else {
-    fmt::print(
-        "{}\n{}\nseed {}, {} families, {:.0f} s; in {}: accuracy.csv, hard_cases.csv, "
-        "accuracy.svg, hard_cases.svg\n",
-        note, report::accuracyTable(rows), arguments.seed, set.families.size(), seconds,
-        arguments.output);
-  }
-  return errors == 0 ? kYes : kNo;
+  writeFiles(out, rows, note);
+  RivalReport::End end;
+  end.text = fmt::format("{}\n{}\n", note, report::accuracyTable(rows));
+  end.words = fmt::format("seed {}, {} families", arguments.seed, set.families.size());
+  end.seed = arguments.seed;
+  end.counted = "families";
+  end.count = set.families.size();
+  end.own_errors = ownErrors(rows);
+  end.processor = processor;
+  return out.end(arguments.json, end);
 }
 
 }  // namespace leeway::tools

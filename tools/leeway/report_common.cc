@@ -4,30 +4,56 @@
 
 #include <cstdio>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <system_error>
 
 #include "leeway/planner/path_io.h"
+#include "tools/leeway/exit_status.h"
 
 namespace leeway::tools {
+namespace {
 
-std::vector<report::RivalModule> loadRivals(bool none, std::vector<std::string>& missing) {
-  if (none) return {};
-  std::vector<report::RivalModule> modules = report::loadRivals();
-  for (const report::RivalModule& module : modules) {
-    if (module.problem.empty()) continue;
-    fmt::print(stderr, "without {}: {}\n", module.library, module.problem);
-    missing.push_back(module.library);
-  }
-  return modules;
+std::string within(const std::string& folder, const std::string& name) {
+  return std::filesystem::path(folder) / name;
 }
 
-std::string writeReportFile(const std::string& folder, const std::string& name,
-                            const std::string& text) {
+}  // namespace
+
+void RivalReport::loadRivals() {
+  modules_ = report::loadRivals();
+  for (const report::RivalModule& module : modules_) {
+    if (module.problem.empty()) continue;
+    fmt::print(stderr, "without {}: {}\n", module.library, module.problem);
+    missing_.push_back(module.library);
+  }
+}
+
+void RivalReport::write(const std::string& name, const std::string& text) {
   std::error_code error;  // what is wrong shows when the file is written
-  std::filesystem::create_directories(folder, error);
-  const std::string file = std::filesystem::path(folder) / name;
-  planner::writeFileWhole(file, text);
-  return file;
+  std::filesystem::create_directories(folder_, error);
+  planner::writeFileWhole(within(folder_, name), text);
+  names_.push_back(name);
+}
+
+int RivalReport::end(bool json, const End& end) const {
+  const double seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
+  if (json) {
+    std::vector<std::string> files;
+    for (const std::string& name : names_) files.push_back(within(folder_, name));
+    fmt::print("{}\n", nlohmann::json{{"seed", end.seed},
+                                      {end.counted, end.count},
+                                      {"missing", missing_},
+                                      {"own_errors", end.own_errors},
+                                      {"processor", end.processor},
+                                      {"time_s", seconds},
+                                      {"files", files}}
+                           .dump());
+  } else {
+    fmt::print("{}{}, {:.0f} s; in {}: {}\n", end.text, end.words, seconds, folder_,
+               fmt::join(names_, ", "));
+  }
+  return end.own_errors == 0 ? kYes : kNo;
 }
 
 }  // namespace leeway::tools

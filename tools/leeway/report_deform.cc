@@ -1,11 +1,7 @@
 #include <fmt/format.h>
 
-#include <chrono>
-#include <nlohmann/json.hpp>
 #include <string>
 
-#include "leeway/robots/input_error.h"
-#include "tools/leeway/exit_status.h"
 #include "tools/leeway/report.h"
 #include "tools/leeway/report_common.h"
 #include "tools/leeway/terminal.h"
@@ -42,15 +38,10 @@ int ownErrors(const std::vector<DeformRow>& rows) {
 }  // namespace
 
 int runReportDeform(const ReportDeformArguments& arguments) {
-  const auto begin = std::chrono::steady_clock::now();
+  RivalReport out(arguments.output);
+  if (!arguments.no_rivals) out.loadRivals();
   const auto own = report::makeOwnMeshEngines();
-  std::vector<const report::MeshEngine*> engines;
-  for (const auto& engine : own) engines.push_back(engine.get());
-  std::vector<std::string> missing;
-  const auto modules = loadRivals(arguments.no_rivals, missing);
-  for (const report::RivalModule& module : modules)
-    if (module.rivals)
-      for (const auto& engine : module.rivals->meshes) engines.push_back(engine.get());
+  const auto engines = out.engines(own, &report::Rivals::meshes);
 
   const int processor = report::pinToOneProcessor();
   const std::vector<DeformRow> rows = report::measureDeform(engines, optionsOf(arguments));
@@ -58,34 +49,20 @@ int runReportDeform(const ReportDeformArguments& arguments) {
   const std::string note =
       fmt::format("{}; seed {}; {} frames; one pinned core, medians over the frames",
                   report::machineName(), arguments.seed, arguments.frames);
-  const std::string& folder = arguments.output;
-  const std::vector<std::string> files = {
-      writeReportFile(folder, "deform.csv", report::deformCsv(rows)),
-      writeReportFile(folder, "deform_frames.csv", report::deformFramesCsv(rows)),
-      writeReportFile(folder, "deform_update.svg",
-                      report::toSvg(report::deformUpdateFigure(rows, note))),
-      writeReportFile(folder, "deform_decay.svg",
-                      report::toSvg(report::deformDecayFigure(rows, note)))};
-  const int errors = ownErrors(rows);
-  const double seconds =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-  if (arguments.json) {
-    fmt::print("{}\n", nlohmann::json{{"seed", arguments.seed},
-                                      {"rows", rows.size()},
-                                      {"missing", missing},
-                                      {"own_errors", errors},
-                                      {"processor", processor},
-                                      {"time_s", seconds},
-                                      {"files", files}}
-                           .dump());
-  } else {
-    fmt::print(
-        "{}\n{}\n{}\nmicroseconds; seed {}, {:.0f} s; in {}: deform.csv, deform_frames.csv, "
-        "deform_update.svg, deform_decay.svg\n",
-        note, report::deformTable(rows), report::deformWords(rows), arguments.seed, seconds,
-        folder);
-  }
-  return errors == 0 ? kYes : kNo;
+  out.write("deform.csv", report::deformCsv(rows));
+  out.write("deform_frames.csv", report::deformFramesCsv(rows));
+  out.write("deform_update.svg", report::toSvg(report::deformUpdateFigure(rows, note)));
+  out.write("deform_decay.svg", report::toSvg(report::deformDecayFigure(rows, note)));
+  RivalReport::End end;
+  end.text =
+      fmt::format("{}\n{}\n{}\n", note, report::deformTable(rows), report::deformWords(rows));
+  end.words = fmt::format("microseconds; seed {}", arguments.seed);
+  end.seed = arguments.seed;
+  end.counted = "rows";
+  end.count = rows.size();
+  end.own_errors = ownErrors(rows);
+  end.processor = processor;
+  return out.end(arguments.json, end);
 }
 
 }  // namespace leeway::tools

@@ -1,14 +1,11 @@
 #include <fmt/format.h>
 
-#include <chrono>
 #include <filesystem>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <string>
 
 #include "leeway/planner/problem.h"
 #include "leeway/robots/input_error.h"
-#include "tools/leeway/exit_status.h"
 #include "tools/leeway/report.h"
 #include "tools/leeway/report_common.h"
 #include "tools/leeway/terminal.h"
@@ -56,16 +53,11 @@ int ownErrors(const std::vector<MotionRow>& rows, const std::vector<report::Edge
 }  // namespace
 
 int runReportMotion(const ReportMotionArguments& arguments) {
-  const auto begin = std::chrono::steady_clock::now();
+  RivalReport out(arguments.output);
   const std::vector<report::NamedProblem> problems = readProblems(arguments);
+  if (!arguments.no_rivals) out.loadRivals();
   const auto own = report::makeOwnMotionEngines();
-  std::vector<const report::ContactEngine*> engines;
-  for (const auto& engine : own) engines.push_back(engine.get());
-  std::vector<std::string> missing;
-  const auto modules = loadRivals(arguments.no_rivals, missing);
-  for (const report::RivalModule& module : modules)
-    if (module.rivals)
-      for (const auto& engine : module.rivals->motions) engines.push_back(engine.get());
+  const auto engines = out.engines(own, &report::Rivals::motions);
 
   report::MotionReportOptions options;
   options.families = arguments.families.empty() ? report::contactFamilies() : arguments.families;
@@ -83,34 +75,22 @@ int runReportMotion(const ReportMotionArguments& arguments) {
   const std::string note = fmt::format(
       "{}; seed {}; {} cases a family; one pinned core, of each case the median of {} passes",
       report::machineName(), arguments.seed, arguments.cases, arguments.passes);
-  std::vector<std::string> files = {
-      writeReportFile(arguments.output, "motion.csv", report::motionCsv(rows)),
-      writeReportFile(arguments.output, "motion.svg",
-                      report::toSvg(report::motionFigure(rows, note)))};
+  out.write("motion.csv", report::motionCsv(rows));
+  out.write("motion.svg", report::toSvg(report::motionFigure(rows, note)));
   if (!problems.empty()) {
-    files.push_back(writeReportFile(arguments.output, "edges.csv", report::edgesCsv(edges)));
-    files.push_back(writeReportFile(arguments.output, "edges.svg",
-                                    report::toSvg(report::edgesFigure(edges, note))));
+    out.write("edges.csv", report::edgesCsv(edges));
+    out.write("edges.svg", report::toSvg(report::edgesFigure(edges, note)));
   }
-  const int errors = ownErrors(rows, edges);
-  const double seconds =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-  if (arguments.json) {
-    fmt::print("{}\n", nlohmann::json{{"seed", arguments.seed},
-                                      {"rows", rows.size()},
-                                      {"missing", missing},
-                                      {"own_errors", errors},
-                                      {"processor", processor},
-                                      {"time_s", seconds},
-                                      {"files", files}}
-                           .dump());
-  } else {
-    fmt::print("{}\n{}{}\nseed {}, {:.0f} s; in {}: motion.csv, motion.svg{}\n", note,
-               report::motionTable(rows), problems.empty() ? "" : report::edgesTable(edges),
-               arguments.seed, seconds, arguments.output,
-               problems.empty() ? "" : ", edges.csv, edges.svg");
-  }
-  return errors == 0 ? kYes : kNo;
+  RivalReport::End end;
+  end.text = fmt::format("{}\n{}{}\n", note, report::motionTable(rows),
+                         problems.empty() ? "" : report::edgesTable(edges));
+  end.words = fmt::format("seed {}", arguments.seed);
+  end.seed = arguments.seed;
+  end.counted = "rows";
+  end.count = rows.size();
+  end.own_errors = ownErrors(rows, edges);
+  end.processor = processor;
+  return out.end(arguments.json, end);
 }
 
 }  // namespace leeway::tools
