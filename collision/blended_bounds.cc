@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "collision/motion_input.h"
 #include "collision/round_box.h"
@@ -69,53 +70,173 @@ BlendedMotion::Field meanOf(const std::vector<BlendedMotion::Field>& fields) {
   return mean;
 }
 
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+// Diagonal i is axis a plus or minus axis b.
+struct Pair {
+  int a, b;
+  double sign;
+};
+Pair pairOf(int i) {
+  const int a = i / 2;
+  return {a, (a + 1) % 3, i % 2 == 0 ? 1.0 : -1.0};
+}
+// One over its length.
+constexpr double kPerDiagonal = 0.70710678118654752;
+
+double alongDiagonal(const double* p, int i) {
+  const Pair d = pairOf(i);
+  return p[d.a] + d.sign * p[d.b];
+}
+
+// A body's reach along diagonal i; its box along its own axes counts grown by `slack`.
+Interval reachAlongDiagonal(const Probe& probe, int i, double slack) {
+  const Pair d = pairOf(i);
+  const auto number = [](float x) { return static_cast<double>(x); };
+  const bool plus = d.sign > 0;
+  Interval reach{
+      number(probe.low[d.a]) + (plus ? number(probe.low[d.b]) : -number(probe.high[d.b])),
+      number(probe.high[d.a]) + (plus ? number(probe.high[d.b]) : -number(probe.low[d.b]))};
+  Interval own{-slack, slack};
+  for (int j = 0; j < 3; ++j) {
+    const double n = number(probe.axis[j][d.a]) + d.sign * number(probe.axis[j][d.b]);
+    const double low = number(probe.axis_low[j]), high = number(probe.axis_high[j]);
+    own.lower += n > 0 ? n * low : n * high;
+    own.upper += n > 0 ? n * high : n * low;
+  }
+  // Written so that what is no number, 0 times infinity, narrows nothing.
+  if (own.lower > reach.lower) reach.lower = own.lower;
+  if (own.upper < reach.upper) reach.upper = own.upper;
+  return reach;
+}
+
+void raise(double lower, float& bound) {
+  if (lower > static_cast<double>(bound)) bound = roundedDown(lower);
+}
+
 }  // namespace
 
-BlendedBounds::BlendedBounds(const BlendedMotion& motion, const DeformTree& tree)
-    : fields_(motion.fields().size()), has_base_(!motion.base().empty()) {
+BlendedBounds::BlendedBounds(const BlendedMotion& motion, const DeformTree& tree,
+                             DeformVolume volume)
+    : volume_(volume), fields_(motion.fields().size()), has_base_(!motion.base().empty()) {
   base_size_ = largestCoordinate(motion.base());
   for (const BlendedMotion::Field& field : motion.fields())
     field_sizes_.push_back(largestCoordinate(field));
-  boxes_.reserve(static_cast<std::size_t>(tree.nodeCount()) * (fields_ + (has_base_ ? 1 : 0)));
+  std::vector<const BlendedMotion::Field*> all;
+  if (has_base_) all.push_back(&motion.base());
+  for (const BlendedMotion::Field& field : motion.fields()) all.push_back(&field);
   BlendedMotion::Field mean;
   std::vector<BlendedMotion::Field> differences;
-  if (!has_base_) {
+  if (!has_base_ && volume != DeformVolume::kBall) {
     mean = meanOf(motion.fields());
     differences = motion.fields();
     for (BlendedMotion::Field& field : differences) {
       for (std::size_t v = 0; v < mean.size(); ++v) field[v] -= mean[v];
     }
   }
+  const std::size_t count = static_cast<std::size_t>(tree.nodeCount()) * volumesOfNode();
+  (volume == DeformVolume::kBall ? balls_.reserve(count) : boxes_.reserve(count));
   for (std::int32_t node = 0; node < tree.nodeCount(); ++node) {
-    if (!has_base_) differences_.push_back(boxOf(mean, tree, node));
+    lanes_.push_back(lanesOf(tree, node));
+    if (volume == DeformVolume::kBall) {
+      for (const BlendedMotion::Field* field : all) balls_.push_back(ballsOf(*field, tree, node));
+      continue;
+    }
+    if (!mean.empty()) differences_.push_back(boxOf(mean, tree, node));
     for (const BlendedMotion::Field& field : differences)
       differences_.push_back(boxOf(field, tree, node));
-    if (has_base_) boxes_.push_back(boxOf(motion.base(), tree, node));
-    for (const BlendedMotion::Field& field : motion.fields())
-      boxes_.push_back(boxOf(field, tree, node));
-    lanes_.push_back(lanesOf(tree, node));
+    for (const BlendedMotion::Field* field : all) {
+      boxes_.push_back(boxOf(*field, tree, node));
+      if (volume == DeformVolume::kDop) diagonals_.push_back(diagonalsOf(*field, tree, node));
+    }
+  }
+}
+
+// A sum of two doubles is as good as one when it becomes a float.
+BlendedBounds::Diagonals BlendedBounds::diagonalsOf(const BlendedMotion::Field& field,
+                                                    const DeformTree& tree, std::int32_t node) {
+  Diagonals result{};
+  for (int lane = 0; lane < kWidth; ++lane) {
+    const std::span<const std::int32_t> vertices = tree.vertices(node, lane);
+    if (vertices.empty()) break;
+    for (int i = 0; i < kDiagonals; ++i) {
+      double low = kInfinity, high = -kInfinity;
+      for (const std::int32_t v : vertices) {
+        const double along = alongDiagonal(field[static_cast<std::size_t>(v)].data(), i);
+        low = std::min(low, along);
+        high = std::max(high, along);
+      }
+      result.low[i][lane] = roundedDown(low);
+      result.high[i][lane] = roundedUpToFloat(high);
+    }
+  }
+  return result;
+}
+
+// About the middle of the box; radii are of the centres as they are stored.
+BlendedBounds::Balls BlendedBounds::ballsOf(const BlendedMotion::Field& field,
+                                            const DeformTree& tree, std::int32_t node) {
+  Balls result{};
+  const WideBox box = boxOf(field, tree, node);
+  for (int lane = 0; lane < kWidth; ++lane) {
+    const std::span<const std::int32_t> vertices = tree.vertices(node, lane);
+    if (vertices.empty()) break;
+    Eigen::Vector3d center;
+    for (int k = 0; k < 3; ++k) {
+      result.center[k][lane] = 0.5F * box.low[k][lane] + 0.5F * box.high[k][lane];
+      center[k] = static_cast<double>(result.center[k][lane]);
+    }
+    double squared = 0;
+    for (const std::int32_t v : vertices)
+      squared = std::max(squared, (field[static_cast<std::size_t>(v)] - center).squaredNorm());
+    result.radius[lane] = roundedUpToFloat(std::sqrt(squared));
+  }
+  return result;
+}
+
+void BlendedBounds::bound(std::int32_t node, std::span<const double> parameters,
+                          WideBox& box) const {
+  if (volume_ != DeformVolume::kBall) {
+    boundBoxes(node, parameters, box);
+    return;
+  }
+  box.clear();
+  const BlendedBalls balls = blendBalls(node, parameters);
+  for (int lane = 0; lane < lanes_[static_cast<std::size_t>(node)]; ++lane) {
+    for (int k = 0; k < 3; ++k) {
+      box.low[k][lane] = roundedDown(balls.center[k][lane] - balls.radius[lane]);
+      box.high[k][lane] = roundedUpToFloat(balls.center[k][lane] + balls.radius[lane]);
+    }
   }
 }
 
 // In exact arithmetic the sums below hold the exact vertices. A vertex as evaluated and each bound
 // are off by at most one rounding a product and a sum, of numbers that are at most the sum of
 // magnitudes: (fields + 1) units each, so that 4 (fields + 2) cover both and the sum's own. A
-// difference from the mean is at most twice as large and one rounding more: 8 (fields + 4) there.
-void BlendedBounds::bound(std::int32_t node, std::span<const double> parameters,
-                          WideBox& box) const {
-  double size = base_size_, total = 0;
+// difference from the mean is at most twice as large and one rounding more: 8 (fields + 4) there,
+// and along a diagonal, which adds two coordinates. The ways of a vertex and a ball's centre are
+// the root of 3 times as long, and a radius is at most twice that times the largest coordinate: 7
+// (fields + 2) in sum.
+double BlendedBounds::rounding(std::span<const double> parameters) const {
+  double size = base_size_;
+  for (std::size_t k = 0; k < fields_; ++k) size += std::abs(parameters[k]) * field_sizes_[k];
+  return 8 * (static_cast<double>(fields_) + 4) * kUnitRoundoff * size;
+}
+
+void BlendedBounds::boundBoxes(std::int32_t node, std::span<const double> parameters,
+                               WideBox& box) const {
+  double total = 0;
   bool turned = false;
   for (std::size_t k = 0; k < fields_; ++k) {
-    size += std::abs(parameters[k]) * field_sizes_[k];
     total += parameters[k];
     turned = turned || parameters[k] < 0;
   }
-  const double rounding = 8 * (static_cast<double>(fields_) + 4) * kUnitRoundoff * size;
+  const double slack = rounding(parameters);
   const auto n = static_cast<std::size_t>(node);
-  Sum sum = has_base_ ? sumOf(rounding, &boxes_[n * (fields_ + 1)], 1, parameters)
-                      : sumOf(rounding, &boxes_[n * fields_], parameters[0], parameters.subspan(1));
+  Sum sum = has_base_ ? sumOf(slack, &boxes_[n * (fields_ + 1)], 1, parameters)
+                      : sumOf(slack, &boxes_[n * fields_], parameters[0], parameters.subspan(1));
   if (turned && !has_base_) {
-    const Sum other = sumOf(rounding, &differences_[n * (fields_ + 1)], total, parameters);
+    const Sum other = sumOf(slack, &differences_[n * (fields_ + 1)], total, parameters);
     for (int i = 0; i < kNumbers; ++i) {
       sum.low[i] = std::max(sum.low[i], other.low[i]);
       sum.high[i] = std::min(sum.high[i], other.high[i]);
@@ -131,6 +252,89 @@ void BlendedBounds::bound(std::int32_t node, std::span<const double> parameters,
       box.high[axis][lane] =
           empty ? -std::numeric_limits<float>::infinity() : roundedUpToFloat(sum.high[i]);
     }
+  }
+}
+
+BlendedBounds::BlendedBalls BlendedBounds::blendBalls(std::int32_t node,
+                                                      std::span<const double> parameters) const {
+  BlendedBalls sum{};
+  const double slack = rounding(parameters);
+  for (double& radius : sum.radius) radius = slack;
+  const Balls* balls = &balls_[static_cast<std::size_t>(node) * volumesOfNode()];
+  for (std::size_t i = 0; i < volumesOfNode(); ++i) {
+    const double p = weight(parameters, i);
+    for (int lane = 0; lane < kWidth; ++lane) {
+      for (int k = 0; k < 3; ++k)
+        sum.center[k][lane] += p * static_cast<double>(balls[i].center[k][lane]);
+      sum.radius[lane] += std::abs(p) * static_cast<double>(balls[i].radius[lane]);
+    }
+  }
+  return sum;
+}
+
+void BlendedBounds::tighten(std::int32_t node, std::span<const double> parameters,
+                            const Probe& probe, Bounds& bounds) const {
+  if (volume_ == DeformVolume::kDop) tightenByDiagonals(node, parameters, probe, bounds);
+  if (volume_ == DeformVolume::kBall) tightenByBalls(node, parameters, probe, bounds);
+}
+
+// How far the body reaches along a diagonal, by its box along the axes of B and by that along its
+// own. An axis in single precision is off by less than 2^-22 in all, its body's coordinates by that
+// times what probe.slack is 2^-19 of, and twice that if the axes depart from a rotation as far as
+// they may: four times the slack covers both.
+void BlendedBounds::tightenByDiagonals(std::int32_t node, std::span<const double> parameters,
+                                       const Probe& probe, Bounds& bounds) const {
+  double low[kDiagonals][kWidth], high[kDiagonals][kWidth];
+  const double slack = rounding(parameters);
+  for (int i = 0; i < kDiagonals; ++i) {
+    for (int lane = 0; lane < kWidth; ++lane) {
+      low[i][lane] = -slack;
+      high[i][lane] = slack;
+    }
+  }
+  const Diagonals* diagonals = &diagonals_[static_cast<std::size_t>(node) * volumesOfNode()];
+  for (std::size_t f = 0; f < volumesOfNode(); ++f) {
+    const double p = weight(parameters, f);
+    const auto& lower = p >= 0 ? diagonals[f].low : diagonals[f].high;
+    const auto& upper = p >= 0 ? diagonals[f].high : diagonals[f].low;
+    for (int i = 0; i < kDiagonals; ++i) {
+      for (int lane = 0; lane < kWidth; ++lane) {
+        low[i][lane] += p * static_cast<double>(lower[i][lane]);
+        high[i][lane] += p * static_cast<double>(upper[i][lane]);
+      }
+    }
+  }
+  const double body_slack = static_cast<double>(probe.slack);
+  const double grown = static_cast<double>(probe.radius) + body_slack;
+  for (int i = 0; i < kDiagonals; ++i) {
+    const Interval across = reachAlongDiagonal(probe, i, 4 * body_slack);
+    for (int lane = 0; lane < lanes_[static_cast<std::size_t>(node)]; ++lane) {
+      double gap = std::max(low[i][lane] - across.upper, across.lower - high[i][lane]);
+      if (!(gap >= -kInfinity)) continue;  // both infinite: nothing is known along this one
+      gap *= kPerDiagonal;
+      raise(gap - std::abs(gap) * 1e-6 - grown, bounds.lower[lane]);
+    }
+  }
+}
+
+// A centre that is within the body's box says nothing of how deep.
+void BlendedBounds::tightenByBalls(std::int32_t node, std::span<const double> parameters,
+                                   const Probe& probe, Bounds& bounds) const {
+  const BlendedBalls balls = blendBalls(node, parameters);
+  const double grown = static_cast<double>(probe.radius) + static_cast<double>(probe.slack);
+  for (int lane = 0; lane < lanes_[static_cast<std::size_t>(node)]; ++lane) {
+    double squared = 0;
+    for (int j = 0; j < 3; ++j) {
+      double along = 0;
+      for (int k = 0; k < 3; ++k)
+        along += static_cast<double>(probe.axis[j][k]) * balls.center[k][lane];
+      const double outside = std::max({along - static_cast<double>(probe.axis_high[j]),
+                                       static_cast<double>(probe.axis_low[j]) - along, 0.0});
+      squared += outside * outside;
+    }
+    if (!(squared > 0)) continue;
+    // As in the kernels: axes that depart from a rotation by 1e-6.
+    raise(std::sqrt(squared) * (1 - 1e-6) - balls.radius[lane] - grown, bounds.lower[lane]);
   }
 }
 

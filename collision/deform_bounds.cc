@@ -6,11 +6,11 @@
 
 namespace leeway::collision {
 
-std::unique_ptr<const NodeBounds> makeNodeBounds(const VertexMotion& motion,
-                                                 const DeformTree& tree) {
+std::unique_ptr<const NodeBounds> makeNodeBounds(const VertexMotion& motion, const DeformTree& tree,
+                                                 DeformVolume volume) {
   // The kinds of this library's own motions: an embedding program's is kOwn whatever it is.
   if (const auto* blended = dynamic_cast<const BlendedMotion*>(&motion))
-    return std::make_unique<BlendedBounds>(*blended, tree);
+    return std::make_unique<BlendedBounds>(*blended, tree, volume);
   if (const auto* skinned = dynamic_cast<const SkinnedVertices*>(&motion))
     return std::make_unique<SkinnedBounds>(*skinned, tree);
   return nullptr;

@@ -6,7 +6,9 @@
 #include <memory>
 #include <span>
 
+#include "collision/deform_kernels.h"
 #include "collision/deform_tree.h"
+#include "leeway/collision/deformable_mesh.h"
 
 namespace leeway::collision {
 
@@ -22,11 +24,19 @@ class NodeBounds {
   /// VertexMotion::vertices() gives it for these parameters, rounding included; lanes without a
   /// child are empty. Never throws or allocates.
   virtual void bound(std::int32_t node, std::span<const double> parameters, WideBox& box) const = 0;
+
+  /// Whether there are volumes that say more than the boxes around them.
+  virtual bool hasVolumes() const { return false; }
+  /// Raises the lower bounds on the separation of a body and each child of the node to what the
+  /// volumes prove. Never throws or allocates.
+  virtual void tighten(std::int32_t /*node*/, std::span<const double> /*parameters*/,
+                       const Probe& /*probe*/, Bounds& /*bounds*/) const {}
 };
 
 /// The bounds that the kind of motion allows (kMorph, kSkinned, kReduced); null for other kinds.
-/// The tree's memory is not needed afterwards. O(nodes x vertices below them).
-std::unique_ptr<const NodeBounds> makeNodeBounds(const VertexMotion& motion,
-                                                 const DeformTree& tree);
+/// `volume` is for kMorph and kReduced. The tree's memory is not needed afterwards. O(nodes x
+/// vertices below them).
+std::unique_ptr<const NodeBounds> makeNodeBounds(const VertexMotion& motion, const DeformTree& tree,
+                                                 DeformVolume volume);
 
 }  // namespace leeway::collision

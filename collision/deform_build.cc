@@ -422,7 +422,7 @@ class DeformBuilder {
     numberFrom(0, split, next, branches);
     tree_->upper_count_ = next;
     for (const std::int32_t branch : branches) {
-      tree_->branches_.push_back({next, 0, 0, 0, 0});
+      tree_->branches_.push_back({next, {}});
       numberFrom(branch, 0, next, none);
     }
   }
@@ -453,26 +453,41 @@ class DeformBuilder {
       tree_->leaf_vertices_.insert(tree_->leaf_vertices_.end(), collected.begin(), collected.end());
       leaf.vertex_end = static_cast<std::int32_t>(tree_->leaf_vertices_.size());
     }
-    for (DeformTree::Branch& branch : tree_->branches_) {
-      collected.clear();
-      const std::int32_t root = branch.root;
-      const std::int32_t begin = tree_->leaves_[index(tree_->leaf_begin_[index(root)])].slot_begin;
-      const std::int32_t end = tree_->leaves_[index(tree_->leaf_end_[index(root)] - 1)].slot_end;
-      for (std::int32_t slot = begin; slot < end; ++slot)
-        collect(tree_->corners(slot), round, stamp, collected);
-      ++round;
-      std::sort(collected.begin(), collected.end());
-      branch.four_begin = static_cast<std::int32_t>(tree_->fours_.size());
-      branch.single_begin = static_cast<std::int32_t>(tree_->singles_.size());
-      for (auto first = collected.begin(); first != collected.end();) {
-        auto last = first + 1;
-        while (last != collected.end() && *last == *(last - 1) + 1) ++last;
-        inFours(*first, static_cast<std::int32_t>(last - first));
-        first = last;
+    for (DeformTree::Branch& branch : tree_->branches_)
+      branch.runs = runsBelow(branch.root, round++, stamp, collected);
+    // Nodes of a branch come behind its root.
+    tree_->runs_.resize(tree_->nodes_.size() - index(tree_->upper_count_));
+    std::size_t next_branch = 0;
+    for (std::int32_t node = tree_->upper_count_; node < tree_->nodeCount(); ++node) {
+      if (next_branch < tree_->branches_.size() && tree_->branches_[next_branch].root == node) {
+        ++next_branch;
+        continue;
       }
-      branch.four_end = static_cast<std::int32_t>(tree_->fours_.size());
-      branch.single_end = static_cast<std::int32_t>(tree_->singles_.size());
+      tree_->runs_[index(node - tree_->upper_count_)] = runsBelow(node, round++, stamp, collected);
     }
+  }
+
+  DeformTree::Runs runsBelow(std::int32_t node, std::int32_t round,
+                             std::vector<std::int32_t>& stamp,
+                             std::vector<std::int32_t>& collected) {
+    collected.clear();
+    const std::int32_t begin = tree_->leaves_[index(tree_->leaf_begin_[index(node)])].slot_begin;
+    const std::int32_t end = tree_->leaves_[index(tree_->leaf_end_[index(node)] - 1)].slot_end;
+    for (std::int32_t slot = begin; slot < end; ++slot)
+      collect(tree_->corners(slot), round, stamp, collected);
+    std::sort(collected.begin(), collected.end());
+    DeformTree::Runs runs{};
+    runs.four_begin = static_cast<std::int32_t>(tree_->fours_.size());
+    runs.single_begin = static_cast<std::int32_t>(tree_->singles_.size());
+    for (auto first = collected.begin(); first != collected.end();) {
+      auto last = first + 1;
+      while (last != collected.end() && *last == *(last - 1) + 1) ++last;
+      inFours(*first, static_cast<std::int32_t>(last - first));
+      first = last;
+    }
+    runs.four_end = static_cast<std::int32_t>(tree_->fours_.size());
+    runs.single_end = static_cast<std::int32_t>(tree_->singles_.size());
+    return runs;
   }
 
   // The vertices begin .. begin + count - 1; the last four may begin among the ones before them.
@@ -530,7 +545,7 @@ std::size_t DeformTree::bytes() const {
           leaf_vertices_.capacity() + triangle_of_.capacity() + slot_of_.capacity()) *
              sizeof(std::int32_t) +
          leaves_.capacity() * sizeof(Leaf) + branches_.capacity() * sizeof(Branch) +
-         corners_.capacity() * sizeof(Triangle);
+         runs_.capacity() * sizeof(Runs) + corners_.capacity() * sizeof(Triangle);
 }
 
 std::shared_ptr<const DeformTree> buildDeformTree(std::span<const Vector3d> vertices,

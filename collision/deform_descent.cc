@@ -12,6 +12,7 @@
 #include "collision/mesh_distance.h"
 #include "collision/round_box.h"
 #include "collision/scratch.h"
+#include "collision/support.h"
 #include "leeway/collision/convex_hull.h"
 #include "leeway/collision/tolerances.h"
 
@@ -377,6 +378,10 @@ class DeformDescent {
       ++visited_;
       if (DeformTree::isLeaf(at.ref)) {
         const DeformTree::Leaf& leaf = b_.snapshot->tree->leaf(DeformTree::leafOf(at.ref));
+        if (isBeyondPlane(b_.snapshot->tree->leafVertices().subspan(
+                static_cast<std::size_t>(leaf.vertex_begin),
+                static_cast<std::size_t>(leaf.vertex_end - leaf.vertex_begin))))
+          continue;
         Bounds bounds;
         kernels_.triangleBounds(whole_probe_, *b_.snapshot->tree, b_.snapshot->vertices.data(),
                                 leaf.slot_begin, leaf.slot_end, bounds);
@@ -397,6 +402,7 @@ class DeformDescent {
     Bounds bounds;
     kernels_.childBounds(whole_probe_, tree, b_.snapshot->vertices.data(), parent.ref, box,
                          roundedUpToFloat(bar()), bounds);
+    tighten(parent.ref, whole_probe_, bounds);
     settle(static_cast<double>(bounds.closed));
     const DeformTree::Node& node = tree.node(parent.ref);
     std::size_t count = 0;
@@ -408,6 +414,18 @@ class DeformDescent {
       open[at] = {lower, node.child[lane]};
     }
     return count;
+  }
+
+  // What the volumes of B's motion prove beyond the boxes.
+  void tighten(std::int32_t node, const Probe& probe, Bounds& bounds) const {
+    if (b_.snapshot->bounds == nullptr || !b_.snapshot->bounds->hasVolumes()) return;
+    b_.snapshot->bounds->tighten(node, b_.snapshot->parameters, probe, bounds);
+    for (unsigned left = bounds.open; left != 0; left &= left - 1) {
+      const int lane = std::countr_zero(left);
+      if (!needless(static_cast<double>(bounds.lower[lane]))) continue;
+      bounds.open &= ~(1U << lane);
+      bounds.closed = std::min(bounds.closed, bounds.lower[lane]);
+    }
   }
 
   void expand(const PartPair& pair) {
@@ -451,8 +469,10 @@ class DeformDescent {
     WideBox room;
     const WideBox& box = boxes_b_.boxes(pair.b.ref, room);
     Bounds bounds;
-    kernels_.childBounds(makeProbeOf(pair.a), *b_.snapshot->tree, b_.snapshot->vertices.data(),
-                         pair.b.ref, box, roundedUpToFloat(bar()), bounds);
+    const Probe probe = makeProbeOf(pair.a);
+    kernels_.childBounds(probe, *b_.snapshot->tree, b_.snapshot->vertices.data(), pair.b.ref, box,
+                         roundedUpToFloat(bar()), bounds);
+    tighten(pair.b.ref, probe, bounds);
     const DeformTree::Node& node = b_.snapshot->tree->node(pair.b.ref);
     for (int lane = 0; lane < kWidth && node.child[lane] != DeformTree::kNone; ++lane) {
       pairs[static_cast<std::size_t>(count++)] = {
@@ -498,6 +518,44 @@ class DeformDescent {
     }
   }
 
+  // The plane across the shortest way so far, at the end of A: all that is beyond it is as far away
+  // as it is from the plane. Triangles that share the nearest vertex or edge are as near as the
+  // nearest, and most of them end here.
+  void remember(const DistanceResult& nearest) {
+    has_plane_ = isWhole(a_) && a_.rigid.tree == nullptr && b_.snapshot != nullptr &&
+                 !half_space_ && !placement_.swept && nearest.distance.upper > 0;
+    if (!has_plane_) return;
+    plane_normal_ = nearest.normal.normalized();
+    int hint = 0;
+    const ConvexView& a = a_.rigid.view;
+    const Vector3d last =
+        placement_.X_BA0 * farthest(a, placement_.X_BA0.rotation.transpose() * plane_normal_, hint);
+    // Two scalar products, their difference and the normal's length: some ten roundings each of
+    // numbers that are no larger than this.
+    const double size = extent_b_ + a.extent + a.radius + placement_.X_BA0.translation.lpNorm<1>();
+    plane_offset_ =
+        plane_normal_.dot(last) + a.radius + a.excess + placement_.slack + kRelativeRounding * size;
+  }
+
+  // Whether vertices, and what they span, are so far beyond that plane that they need no closer
+  // look; they are settled then.
+  bool isBeyondPlane(std::span<const std::int32_t> vertices) {
+    if (!has_plane_) return false;
+    double least = kInfinity, sum = 0;
+    for (const std::int32_t v : vertices) {
+      const Vector3d& p = b_.snapshot->vertices[static_cast<std::size_t>(v)];
+      const double along =
+          plane_normal_.x() * p.x() + plane_normal_.y() * p.y() + plane_normal_.z() * p.z();
+      least = along < least ? along : least;
+      sum += along;
+    }
+    // A vertex that is not finite says nothing: x - x is 0 for finite x only.
+    const double lower = least - plane_offset_;
+    if (sum - sum != 0 || !needless(lower)) return false;
+    settle(lower);
+    return true;
+  }
+
   // One exact piece of A against the triangles of a leaf, nearest first.
   void leafAgainst(int slot_a, int begin_b, int end_b, double lower, Bounds& bounds) {
     const int count = end_b - begin_b;
@@ -515,6 +573,8 @@ class DeformDescent {
         return;
       }
       bounds.lower[next] = std::numeric_limits<float>::quiet_NaN();
+      if (slot_a < 0 && begin_b >= 0 && isBeyondPlane(b_.snapshot->tree->corners(begin_b + next)))
+        continue;
       triangles(slot_a, begin_b + next);
       if (done()) return;
     }
@@ -547,6 +607,7 @@ class DeformDescent {
     if (r.distance.upper <= 0 && result_.upper > 0) overlap_limit_ = visited_ + kDeeperNodes;
     result_.upper = r.distance.upper;
     result_.witness = r;
+    remember(r);
     if (a_.rigid.tree == nullptr) result_.witness.triangle_a = triangleOf(a_, slot_a);
     if (b_.rigid.tree == nullptr) result_.witness.triangle_b = triangleOf(b_, slot_b);
   }
@@ -578,6 +639,9 @@ class DeformDescent {
   bool half_space_ = false;
   Probe whole_probe_{};  // of a rigid A
   double extent_b_ = 0;  // of B's coordinates
+  bool has_plane_ = false;
+  Vector3d plane_normal_ = Vector3d::Zero();
+  double plane_offset_ = 0;  // beyond which the plane is, along its normal
   int visited_ = 0;
   bool complete_ = true;
   int overlap_limit_ = std::numeric_limits<int>::max();

@@ -122,6 +122,16 @@ const double* at(const Eigen::Vector3d* vertices, std::int32_t i) {
   return vertices->data() + 3 * static_cast<std::ptrdiff_t>(i);
 }
 
+// Three doubles and what comes behind them, to the nearest floats; aligned.
+HWY_INLINE void putSingle(const double* from, float* to) {
+  if constexpr (kParts == 1) {
+    const hn::Rebind<float, decltype(kDoubles)> four;
+    hn::Store(hn::DemoteTo(four, hn::LoadU(kDoubles, from)), four, to);
+  } else {
+    for (int k = 0; k < 4; ++k) to[k] = static_cast<float>(from[k]);
+  }
+}
+
 HWY_INLINE Extremes boxOf(const Eigen::Vector3d* vertices, const std::int32_t* v,
                           const std::int32_t* end) {
   Extremes e(at(vertices, *v));
@@ -245,15 +255,15 @@ bool branches(const DeformTree& tree, const Eigen::Vector3d* vertices, WideBox* 
   bool finite = true;
   for (const DeformTree::Branch& branch : tree.branches()) {
     FourExtremes four;
-    for (auto i = static_cast<std::size_t>(branch.four_begin);
-         i < static_cast<std::size_t>(branch.four_end); ++i) {
+    for (auto i = static_cast<std::size_t>(branch.runs.four_begin);
+         i < static_cast<std::size_t>(branch.runs.four_end); ++i) {
       const double* ahead = at(vertices, fours[std::min(i + kAhead, fours.size() - 1)]);
       hwy::Prefetch(ahead);
       hwy::Prefetch(ahead + 8);
       four.add(at(vertices, fours[i]));
     }
     Extremes e;
-    for (std::int32_t i = branch.single_begin; i < branch.single_end; ++i)
+    for (std::int32_t i = branch.runs.single_begin; i < branch.runs.single_end; ++i)
       e.add(at(vertices, singles[static_cast<std::size_t>(i)]));
     finite = finite && four.finite() && e.finite();
     double low[3], high[3];
@@ -268,20 +278,49 @@ bool branches(const DeformTree& tree, const Eigen::Vector3d* vertices, WideBox* 
   return finite;
 }
 
+// One lane of a box from the vertices in the runs; false when one is not finite.
+HWY_INLINE bool fromRuns(const DeformTree& tree, const Eigen::Vector3d* vertices,
+                         const DeformTree::Runs& runs, WideBox& box, std::size_t lane) {
+  FourExtremes four;
+  for (auto i = static_cast<std::size_t>(runs.four_begin);
+       i < static_cast<std::size_t>(runs.four_end); ++i)
+    four.add(at(vertices, tree.fours()[i]));
+  Extremes e;
+  for (std::int32_t i = runs.single_begin; i < runs.single_end; ++i)
+    e.add(at(vertices, tree.singles()[static_cast<std::size_t>(i)]));
+  double low[3], high[3];
+  four.fold(e, low, high);
+  for (int k = 0; k < 3; ++k) {
+    box.low[k][lane] = roundedDown(low[k]);
+    box.high[k][lane] = roundedUpToFloat(high[k]);
+  }
+  return four.finite() && e.finite();
+}
+
+void unbounded(WideBox& box, std::size_t lane) {
+  for (int k = 0; k < 3; ++k) {
+    box.low[k][lane] = -std::numeric_limits<float>::max();
+    box.high[k][lane] = std::numeric_limits<float>::max();
+  }
+}
+
 void fromVertices(const DeformTree& tree, const Eigen::Vector3d* vertices, std::int32_t node,
                   WideBox& box) {
   box.clear();
   for (std::size_t lane = 0; lane < kWidth; ++lane) {
+    const std::int32_t child = tree.node(node).child[lane];
+    if (child == DeformTree::kNone) break;
+    if (child >= tree.upperCount() && node >= tree.upperCount()) {
+      if (fromRuns(tree, vertices, tree.runs(child), box, lane)) continue;
+      unbounded(box, lane);
+      continue;
+    }
     const std::span<const std::int32_t> below = tree.vertices(node, static_cast<int>(lane));
-    if (below.empty()) break;
     const Extremes e = boxOf(vertices, below.data(), below.data() + below.size());
     if (e.finite()) {
       putLane(e, box, lane);
-      continue;
-    }
-    for (int k = 0; k < 3; ++k) {
-      box.low[k][lane] = -std::numeric_limits<float>::max();
-      box.high[k][lane] = std::numeric_limits<float>::max();
+    } else {
+      unbounded(box, lane);
     }
   }
 }
@@ -379,21 +418,22 @@ void lowerBounds(const Probe& probe, const WideBox& box, Bounds& bounds) {
 // coordinates along the probe's own axes, in which the body is a box.
 void triangleBounds(const Probe& probe, const DeformTree& tree, const Eigen::Vector3d* vertices,
                     std::int32_t begin, std::int32_t end, Bounds& bounds) {
-  HWY_ALIGN float corner[3][3][kWidth] = {};  // corner, axis, triangle
-  for (std::int32_t slot = begin; slot < end; ++slot) {
-    const DeformTree::Triangle& t = tree.corners(slot);
+  HWY_ALIGN float corner[3][kWidth][4];  // corner, triangle, axis
+  for (std::int32_t slot = begin; slot < begin + kWidth; ++slot) {
+    // Lanes that are left over hold the last triangle again.
+    const DeformTree::Triangle& t = tree.corners(std::min(slot, end - 1));
     const std::size_t lane = static_cast<std::size_t>(slot - begin);
-    for (std::size_t c = 0; c < 3; ++c) {
-      const double* v = at(vertices, t[c]);
-      for (int k = 0; k < 3; ++k) corner[c][k][lane] = static_cast<float>(v[k]);
-    }
+    for (std::size_t c = 0; c < 3; ++c) putSingle(at(vertices, t[c]), corner[c][lane]);
   }
   const auto set = [](float x) { return hn::Set(kLanes, x); };
   const Floats third = set(1.0F / 3), zero = hn::Zero(kLanes);
   for (std::size_t i = 0; i < kWidth; i += kStep) {
     Floats p[3][3], outside = zero;  // corner, axis; distance of the boxes, squared
+    for (int c = 0; c < 3; ++c) {
+      Floats next;  // what came behind the three coordinates
+      hn::LoadInterleaved4(kLanes, corner[c][i], p[c][0], p[c][1], p[c][2], next);
+    }
     for (int k = 0; k < 3; ++k) {
-      for (int c = 0; c < 3; ++c) p[c][k] = hn::Load(kLanes, corner[c][k] + i);
       const Floats low = hn::Min(hn::Min(p[0][k], p[1][k]), p[2][k]),
                    high = hn::Max(hn::Max(p[0][k], p[1][k]), p[2][k]);
       const Floats gap = hn::Max(

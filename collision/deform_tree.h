@@ -54,12 +54,15 @@ class DeformTree {
     std::int32_t parent;  ///< kNone for the root
     std::int32_t lane;
   };
-  /// A branch's vertices: four side by side each (some of them repeated), and those with fewer
-  /// neighbours one by one.
-  struct Branch {
-    std::int32_t root;
+  /// Vertices: four side by side each (some of them repeated), and those with fewer neighbours one
+  /// by one.
+  struct Runs {
     std::int32_t four_begin, four_end;      ///< in fours()
     std::int32_t single_begin, single_end;  ///< in singles()
+  };
+  struct Branch {
+    std::int32_t root;
+    Runs runs;  ///< in the order of the branches
   };
 
   std::span<const Node> nodes() const { return nodes_; }
@@ -69,6 +72,10 @@ class DeformTree {
   std::int32_t upperCount() const { return upper_count_; }
   const Up& up(std::int32_t node) const { return up_[static_cast<std::size_t>(node)]; }
   std::span<const Branch> branches() const { return branches_; }
+  /// The vertices below a node of a branch that is not its root, each once.
+  const Runs& runs(std::int32_t node) const {
+    return runs_[static_cast<std::size_t>(node - upper_count_)];
+  }
   /// The first of four vertices each.
   std::span<const std::int32_t> fours() const { return fours_; }
   std::span<const std::int32_t> singles() const { return singles_; }
@@ -111,6 +118,7 @@ class DeformTree {
   std::vector<Leaf> leaves_;
   std::vector<std::int32_t> leaf_vertices_;
   std::vector<Branch> branches_;
+  std::vector<Runs> runs_;  // one a node of a branch; empty for the roots
   std::vector<std::int32_t> fours_, singles_;
   std::vector<std::int32_t> triangle_of_, slot_of_;
   std::vector<Triangle> corners_;

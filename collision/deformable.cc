@@ -371,7 +371,7 @@ Deformable::Deformable(std::shared_ptr<const DeformableMesh> mesh,
       buildDeformTree(impl.mesh->rest(), impl.mesh->triangles(), DeformMethod::kBinned, impl.split);
   impl.motion_tree = impl.tree;
   const bool wanted = needsMotion(options.strategy) || options.strategy == DeformStrategy::kAuto;
-  if (wanted && impl.motion) impl.bounds = makeNodeBounds(*impl.motion, *impl.tree);
+  if (wanted && impl.motion) impl.bounds = makeNodeBounds(*impl.motion, *impl.tree, options.volume);
   if (needsMotion(options.strategy) && !impl.bounds) {
     throw std::invalid_argument(std::string("deformable: this motion has no bounds for ") +
                                 toString(options.strategy));

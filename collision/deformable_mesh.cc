@@ -31,6 +31,7 @@ constexpr Word kWords[] = {
     {DeformStrategy::kRestructure, "restructure"},
     {DeformStrategy::kOctree, "octree"},
 };
+constexpr const char* kVolumeWords[] = {"box", "dop", "ball"};
 
 }  // namespace
 
@@ -44,6 +45,15 @@ const char* toString(DeformStrategy strategy) {
 std::optional<DeformStrategy> deformStrategy(std::string_view word) {
   for (const Word& w : kWords) {
     if (word == w.word) return w.strategy;
+  }
+  return std::nullopt;
+}
+
+const char* toString(DeformVolume volume) { return kVolumeWords[static_cast<std::size_t>(volume)]; }
+
+std::optional<DeformVolume> deformVolume(std::string_view word) {
+  for (const DeformVolume volume : {DeformVolume::kBox, DeformVolume::kDop, DeformVolume::kBall}) {
+    if (word == toString(volume)) return volume;
   }
   return std::nullopt;
 }

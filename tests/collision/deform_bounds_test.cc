@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "collision/deform_build.h"
+#include "collision/deform_probe.h"
 #include "tests/collision/motion_cases.h"
 
 namespace leeway::collision {
@@ -62,7 +63,7 @@ TEST(DeformBounds, HoldTheVerticesOfEveryNode) {
   int kinds = 0;
   for (const motion_cases::MotionCase& c : motion_cases::allMotions(24, 9)) {
     const auto tree = buildDeformTree(c.mesh.vertices, c.mesh.triangles, DeformMethod::kBinned, 64);
-    const auto bounds = makeNodeBounds(*c.motion, *tree);
+    const auto bounds = makeNodeBounds(*c.motion, *tree, DeformVolume::kBox);
     if (!bounds) continue;
     ++kinds;
     Random random(21);
@@ -125,9 +126,88 @@ TEST(DeformBounds, HoldForHardNumbers) {
                                VertexMotion::skinned(skinned)}) {
       std::vector<double> parameters(static_cast<std::size_t>(motion->parameterCount()));
       motion->parameters(0, parameters);
-      check(*motion, *makeNodeBounds(*motion, *tree), *tree, parameters,
+      check(*motion, *makeNodeBounds(*motion, *tree, DeformVolume::kBox), *tree, parameters,
             std::string(toString(motion->kind())) + " of case " + std::to_string(i), fit);
     }
+  }
+}
+
+/// A box with its own axes, somewhere; far off, nearly touching, or around some of the vertices.
+struct Body {
+  Vector3d low, high;
+  double radius;
+  Pose X_BA;
+};
+Body randomBody(Random& random, std::span<const Vector3d> positions) {
+  Body body;
+  body.low = -motion_cases::randomVector(random, 0.2).cwiseAbs();
+  body.high = motion_cases::randomVector(random, 0.2).cwiseAbs();
+  if (random.chance(0.3)) body.low = body.high = Vector3d::Zero();
+  body.radius = random.chance(0.5) ? random.uniform(0, 0.1) : 0;
+  body.X_BA.rotation = random.chance(0.2) ? Eigen::Matrix3d::Identity() : random.rotation();
+  body.X_BA.translation =
+      positions[static_cast<std::size_t>(random.below(static_cast<int>(positions.size())))] +
+      motion_cases::randomVector(random, random.logUniform(1e-6, 2));
+  return body;
+}
+
+/// Distance of a vertex from the body; less than nothing within it: no translation of that length
+/// or less need bring it out.
+double separation(const Body& body, const Vector3d& vertex) {
+  const Vector3d p = body.X_BA.rotation.transpose() * (vertex - body.X_BA.translation);
+  const Vector3d outside = (body.low - p).cwiseMax(p - body.high);
+  const double deepest = outside.maxCoeff();
+  return (deepest > 0 ? outside.cwiseMax(0.0).norm() : deepest) - body.radius;
+}
+
+// 18-DOPs and balls: what they prove holds for every vertex below, for motions with any weights,
+// and is more than boxes prove where it should be.
+TEST(DeformBounds, VolumesProveWhatHoldsForTheVerticesOfEveryNode) {
+  for (const DeformVolume volume : {DeformVolume::kDop, DeformVolume::kBall}) {
+    int kinds = 0;
+    for (const motion_cases::MotionCase& c : motion_cases::allMotions(12, 9)) {
+      const auto tree =
+          buildDeformTree(c.mesh.vertices, c.mesh.triangles, DeformMethod::kBinned, 64);
+      const auto bounds = makeNodeBounds(*c.motion, *tree, volume);
+      if (!bounds || c.motion->kind() == MotionKind::kSkinned) continue;
+      ++kinds;
+      ASSERT_TRUE(bounds->hasVolumes());
+      Random random(23);
+      Fit fit;
+      int raised = 0;
+      std::vector<double> parameters(static_cast<std::size_t>(c.motion->parameterCount()));
+      std::vector<Vector3d> positions(static_cast<std::size_t>(c.motion->vertexCount()));
+      for (int i = 0; i < 40; ++i) {
+        c.motion->parameters(random.uniform(-1, 4), parameters);
+        check(*c.motion, *bounds, *tree, parameters, c.name, fit);
+        c.motion->vertices(parameters, 0, positions);
+        const Body body = randomBody(random, positions);
+        const Probe probe =
+            makeProbe(body.low, body.high, body.radius, body.X_BA, nullptr, 10, 1e-14);
+        for (std::int32_t node = 0; node < tree->nodeCount(); ++node) {
+          WideBox box;
+          bounds->bound(node, parameters, box);
+          Bounds found;
+          for (int lane = 0; lane < kWidth; ++lane)
+            found.lower[lane] = -std::numeric_limits<float>::infinity();
+          bounds->tighten(node, parameters, probe, found);
+          for (int lane = 0; lane < kWidth; ++lane) {
+            const std::span<const std::int32_t> vertices = tree->vertices(node, lane);
+            if (vertices.empty()) break;
+            double least = std::numeric_limits<double>::infinity();
+            for (const std::int32_t v : vertices)
+              least = std::min(least, separation(body, positions[static_cast<std::size_t>(v)]));
+            ASSERT_LE(double(found.lower[lane]), least)
+                << c.name << " " << toString(volume) << " node " << node << " lane " << lane;
+            const float low[3] = {box.low[0][lane], box.low[1][lane], box.low[2][lane]},
+                        high[3] = {box.high[0][lane], box.high[1][lane], box.high[2][lane]};
+            raised += double(found.lower[lane]) > lowerBound(probe, low, high) + 1e-3 ? 1 : 0;
+          }
+        }
+      }
+      EXPECT_GT(raised, 0) << c.name << " " << toString(volume);
+    }
+    EXPECT_EQ(kinds, 5);
   }
 }
 
@@ -137,7 +217,7 @@ TEST(DeformBounds, OtherMotionsHaveNone) {
     const MotionKind kind = c.motion->kind();
     const bool has_none =
         kind == MotionKind::kLattice || kind == MotionKind::kCache || kind == MotionKind::kOwn;
-    EXPECT_EQ(makeNodeBounds(*c.motion, *tree) == nullptr, has_none) << c.name;
+    EXPECT_EQ(makeNodeBounds(*c.motion, *tree, DeformVolume::kBox) == nullptr, has_none) << c.name;
   }
 }
 

@@ -34,11 +34,31 @@ std::uint64_t fromEnvironment(const char* name, std::uint64_t otherwise) {
   return text == nullptr ? otherwise : std::strtoull(text, nullptr, 10);
 }
 
-constexpr DeformStrategy kStrategies[] = {
-    DeformStrategy::kAuto,   DeformStrategy::kRebuild,     DeformStrategy::kRebuildLinear,
-    DeformStrategy::kRefit,  DeformStrategy::kHybrid,      DeformStrategy::kLazy,
-    DeformStrategy::kMorph,  DeformStrategy::kSkinned,     DeformStrategy::kReduced,
-    DeformStrategy::kOctree, DeformStrategy::kRestructure,
+struct Choice {
+  DeformStrategy strategy;
+  DeformVolume volume = DeformVolume::kBox;
+
+  std::string name() const {
+    const std::string word = toString(strategy);
+    return volume == DeformVolume::kBox ? word : word + ", " + toString(volume);
+  }
+};
+constexpr Choice kChoices[] = {
+    {DeformStrategy::kAuto},
+    {DeformStrategy::kRebuild},
+    {DeformStrategy::kRebuildLinear},
+    {DeformStrategy::kRefit},
+    {DeformStrategy::kHybrid},
+    {DeformStrategy::kLazy},
+    {DeformStrategy::kMorph},
+    {DeformStrategy::kMorph, DeformVolume::kDop},
+    {DeformStrategy::kMorph, DeformVolume::kBall},
+    {DeformStrategy::kSkinned},
+    {DeformStrategy::kReduced},
+    {DeformStrategy::kReduced, DeformVolume::kDop},
+    {DeformStrategy::kReduced, DeformVolume::kBall},
+    {DeformStrategy::kOctree},
+    {DeformStrategy::kRestructure},
 };
 
 // --- The slow twin ----------------------------------------------------------------------------
@@ -255,7 +275,7 @@ std::string fault(const Truth& truth, const DistanceRequest& request, const Dist
 // --- One motion, all strategies ---------------------------------------------------------------
 
 struct Subject {
-  DeformStrategy strategy;
+  Choice choice;
   Deformable deformable;
   PairCache cache;  // kept over frames
   Scratch scratch;
@@ -264,12 +284,14 @@ struct Subject {
 std::vector<Subject> subjectsOf(const MotionCase& c,
                                 const std::shared_ptr<const DeformableMesh>& mesh) {
   std::vector<Subject> subjects;
-  for (const DeformStrategy strategy : kStrategies) {
+  for (const Choice& choice : kChoices) {
+    const DeformStrategy strategy = choice.strategy;
     DeformOptions options;
     options.strategy = strategy;
+    options.volume = choice.volume;
     options.hybrid_split = 32;  // small meshes, too, are to have nodes for queries
     try {
-      subjects.push_back({strategy, Deformable(mesh, c.motion, options), {}, {}});
+      subjects.push_back({choice, Deformable(mesh, c.motion, options), {}, {}});
     } catch (const std::invalid_argument&) {
       // Three strategies belong to one kind of motion each; all others take any.
       EXPECT_TRUE(strategy == DeformStrategy::kMorph || strategy == DeformStrategy::kSkinned ||
@@ -420,7 +442,7 @@ TEST_P(Conformance, AnswersAreBruteForces) {
     for (const Subject& s : subjects) {
       const std::span<const Vector3d> has = s.deformable.snapshot()->vertices();
       ASSERT_TRUE(std::equal(has.begin(), has.end(), positions.begin(), positions.end()))
-          << c->name << " " << toString(s.strategy) << " frame " << frame;
+          << c->name << " " << s.choice.name() << " frame " << frame;
     }
 
     Pieces pieces(Shape::deformable(subjects[0].deformable.snapshot()));
@@ -457,7 +479,7 @@ TEST_P(Conformance, AnswersAreBruteForces) {
         }
         if (what.empty()) continue;
         if (++faults_ > 5) break;
-        ADD_FAILURE() << what << ": " << c->name << ", " << toString(s.strategy) << ", against "
+        ADD_FAILURE() << what << ": " << c->name << ", " << s.choice.name() << ", against "
                       << toString(other.shape().type()) << (swapped ? ", swapped" : "")
                       << (cache != nullptr ? ", warm" : "") << std::setprecision(17)
                       << "\n brute force [" << truth.separation.lower << ", "
@@ -545,7 +567,7 @@ TEST_P(Conformance, SelfDistanceIsBruteForces) {
         const std::string what = fault(truth, request, r, tally);
         if (what.empty()) continue;
         if (++faults_ > 5) break;
-        ADD_FAILURE() << what << ": self, " << c.name << ", " << toString(s.strategy)
+        ADD_FAILURE() << what << ": self, " << c.name << ", " << s.choice.name()
                       << std::setprecision(17) << "\n brute force [" << brute.lower << ", "
                       << brute.upper << "], answer [" << r.distance.lower << ", "
                       << r.distance.upper << "] status " << int(r.status) << ", threshold "

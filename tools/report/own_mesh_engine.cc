@@ -15,14 +15,15 @@ namespace {
 using collision::Deformable;
 using collision::DeformOptions;
 using collision::DeformStrategy;
+using collision::DeformVolume;
 using collision::DistanceRequest;
 using collision::Shape;
 
 class OwnFollower : public MeshFollower {
  public:
-  OwnFollower(const DeformingSpec& spec, DeformStrategy strategy)
+  OwnFollower(const DeformingSpec& spec, DeformStrategy strategy, DeformVolume volume)
       : deformable_(collision::DeformableMesh::make(spec.rest, spec.triangles), spec.motion,
-                    options(strategy)),
+                    options(strategy, volume)),
         by_motion_(spec.motion &&
                    (strategy == DeformStrategy::kMorph || strategy == DeformStrategy::kSkinned ||
                     strategy == DeformStrategy::kReduced || strategy == DeformStrategy::kAuto)) {
@@ -77,9 +78,10 @@ class OwnFollower : public MeshFollower {
     collision::PairCache distance_cache, threshold_cache;
   };
 
-  static DeformOptions options(DeformStrategy strategy) {
+  static DeformOptions options(DeformStrategy strategy, DeformVolume volume) {
     DeformOptions result;
     result.strategy = strategy;
+    result.volume = volume;
     return result;
   }
 
@@ -105,12 +107,16 @@ class OwnFollower : public MeshFollower {
 
 class OwnMeshEngine : public MeshEngine {
  public:
-  explicit OwnMeshEngine(DeformStrategy strategy)
-      : strategy_(strategy), name_(std::string("leeway ") + collision::toString(strategy)) {}
+  OwnMeshEngine(DeformStrategy strategy, DeformVolume volume)
+      : strategy_(strategy),
+        volume_(volume),
+        name_(std::string("leeway ") + collision::toString(strategy)) {
+    if (volume != DeformVolume::kBox) name_ += std::string(" ") + collision::toString(volume);
+  }
   const char* name() const override { return name_.c_str(); }
   std::unique_ptr<MeshFollower> follow(const DeformingSpec& spec) const override {
     try {
-      return std::make_unique<OwnFollower>(spec, strategy_);
+      return std::make_unique<OwnFollower>(spec, strategy_, volume_);
     } catch (const std::invalid_argument&) {
       return nullptr;  // not a strategy for this kind of motion
     }
@@ -118,6 +124,7 @@ class OwnMeshEngine : public MeshEngine {
 
  private:
   DeformStrategy strategy_;
+  DeformVolume volume_;
   std::string name_;
 };
 
@@ -130,8 +137,12 @@ std::vector<std::unique_ptr<MeshEngine>> makeOwnMeshEngines() {
       DeformStrategy::kSkinned, DeformStrategy::kReduced,       DeformStrategy::kRestructure,
       DeformStrategy::kOctree,  DeformStrategy::kAuto};
   std::vector<std::unique_ptr<MeshEngine>> engines;
-  for (const DeformStrategy strategy : kAll)
-    engines.push_back(std::make_unique<OwnMeshEngine>(strategy));
+  for (const DeformStrategy strategy : kAll) {
+    engines.push_back(std::make_unique<OwnMeshEngine>(strategy, DeformVolume::kBox));
+    if (strategy != DeformStrategy::kMorph && strategy != DeformStrategy::kReduced) continue;
+    for (const DeformVolume volume : {DeformVolume::kDop, DeformVolume::kBall})
+      engines.push_back(std::make_unique<OwnMeshEngine>(strategy, volume));
+  }
   return engines;
 }
 

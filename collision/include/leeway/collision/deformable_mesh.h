@@ -28,11 +28,11 @@ enum class DeformStrategy : unsigned char {
   kHybrid,         ///< upper levels bottom-up, lower ones when a query arrives there (Larsson and
                    ///< Akenine-Moller 2001)
   kLazy,           ///< a node finds its own vertices when a query arrives there (the same)
-  kMorph,    ///< boxes of the references blended as the vertices are (Larsson and Akenine-Moller
-             ///< 2003); needs a morphing motion
+  kMorph,    ///< volumes of the references blended as the vertices are (Larsson and Akenine-Moller
+             ///< 2003), of the kind DeformOptions::volume; needs a morphing motion
   kSkinned,  ///< boxes from the bones (Kavan and Zara 2005); needs a skinned motion
-  kReduced,  ///< boxes from the reduced coordinates (James and Pai 2004); needs a reduced motion or
-             ///< waves
+  kReduced,  ///< volumes, likewise, from the reduced coordinates (James and Pai 2004); needs a
+             ///< reduced motion or waves
   kRestructure,  ///< refit, and subtrees that no longer fit are built anew (Larsson and
                  ///< Akenine-Moller 2006; Yoon, Curtis, Manocha 2007)
   kOctree,       ///< no tree: triangles in the overlap of two boxes, split by an implicit octree
@@ -43,6 +43,17 @@ enum class DeformStrategy : unsigned char {
 /// "restructure", "octree": the word used in files and messages; and back.
 const char* toString(DeformStrategy strategy);
 std::optional<DeformStrategy> deformStrategy(std::string_view word);
+
+/// The volumes that kMorph and kReduced blend. No choice changes an answer.
+enum class DeformVolume : unsigned char {
+  kBox,   ///< along x, y, z
+  kDop,   ///< boxes cut along the six diagonals of their sides, too: 18 planes (18-DOPs)
+  kBall,  ///< the least numbers, the loosest around sheets
+};
+
+/// "box", "dop", "ball": the word used in files and messages; and back.
+const char* toString(DeformVolume volume);
+std::optional<DeformVolume> deformVolume(std::string_view word);
 
 /// What stays when a mesh deforms: which triangles there are. Vertices are not welded (two that
 /// rest on each other may part): a component whose edges, BY INDEX, are each shared by exactly two
@@ -108,6 +119,8 @@ struct UpdateStatistics {
 
 struct DeformOptions {
   DeformStrategy strategy = DeformStrategy::kAuto;
+  /// Of kMorph and kReduced; all others have boxes.
+  DeformVolume volume = DeformVolume::kBox;
   /// Triangles in a subtree below which kHybrid leaves nodes to the queries [count]; 0: chosen.
   int hybrid_split = 0;
   /// kRestructure builds a subtree anew when its nodes' surface area, compared with that of its own
