@@ -11,12 +11,6 @@
 
 namespace {
 
-const char* const kUrdf = R"(<robot name="r">
-  <link name="base"/><link name="one"/><link name="two"/>
-  <joint name="a" type="revolute"><parent link="base"/><child link="one"/><axis xyz="0 0 1"/><limit lower="-1" upper="1" velocity="1" effort="1"/></joint>
-  <joint name="b" type="continuous"><parent link="one"/><child link="two"/><axis xyz="0 1 0"/></joint>
-</robot>
-)";
 const char* const kSrdf =
     R"(<robot name="r"><group name="arm"><joint name="a"/><joint name="b"/></group></robot>)";
 const char* const kInput = R"(name: s
@@ -97,7 +91,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const auto bytes = [](std::string_view text) {
     return std::span(reinterpret_cast<const std::uint8_t*>(text.data()), text.size());
   };
-  static const auto model = robots::loadModel(fuzz::writeInput("robot.urdf", bytes(kUrdf)),
+  static const auto model = robots::loadModel(fuzz::writeInput("robot.urdf", bytes(fuzz::kArmUrdf)),
                                               fuzz::writeInput("robot.srdf", bytes(kSrdf)));
   const std::string_view input(reinterpret_cast<const char*>(data), size);
   const std::size_t cut = std::min(input.size(), input.find("====\n"));

@@ -7,17 +7,6 @@
 #include "tests/fuzz/target.h"
 #include "tests/fuzz/text_input.h"
 
-namespace {
-
-const char* const kUrdf = R"(<robot name="r">
-  <link name="base"/><link name="one"/><link name="two"/>
-  <joint name="a" type="revolute"><parent link="base"/><child link="one"/><axis xyz="0 0 1"/><limit lower="-1" upper="1" velocity="1" effort="1"/></joint>
-  <joint name="b" type="continuous"><parent link="one"/><child link="two"/><axis xyz="0 1 0"/></joint>
-</robot>
-)";
-
-}  // namespace
-
 namespace leeway::fuzz {
 
 std::vector<std::string> seedInputs() {
@@ -41,7 +30,7 @@ std::vector<std::string> dictionary() {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace leeway;
   static const planner::Problem problem = [] {
-    const std::string text = kUrdf;
+    const std::string text = fuzz::kArmUrdf;
     planner::Problem p;
     p.model = robots::loadModel(
         fuzz::writeInput("robot.urdf",

@@ -7,6 +7,14 @@
 
 namespace leeway::fuzz {
 
+/// Two joints of an arm, `a` limited and `b` continuous.
+inline constexpr const char* kArmUrdf = R"(<robot name="r">
+  <link name="base"/><link name="one"/><link name="two"/>
+  <joint name="a" type="revolute"><parent link="base"/><child link="one"/><axis xyz="0 0 1"/><limit lower="-1" upper="1" velocity="1" effort="1"/></joint>
+  <joint name="b" type="continuous"><parent link="one"/><child link="two"/><axis xyz="0 1 0"/></joint>
+</robot>
+)";
+
 /// A folder of this process alone, gone when it ends well.
 const std::string& scratchFolder();
 

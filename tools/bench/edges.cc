@@ -25,6 +25,7 @@
 #include "leeway/planner/edge_certifier.h"
 #include "leeway/planner/problem.h"
 #include "tools/bench/asked_edges.h"
+#include "tools/bench/cpu_time.h"
 #include "tools/bench/edge_stepper.h"
 
 namespace {
@@ -33,11 +34,7 @@ using namespace leeway::planner;
 
 constexpr double kStep = 1.0 / 32;
 
-double cpuMicroseconds() {
-  timespec t{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) * 1e6 + static_cast<double>(t.tv_nsec) * 1e-3;
-}
+double cpuMicroseconds() { return 1e-3 * leeway::bench::cpuNanoseconds(); }
 
 /// The smallest number that at least this share of them do not exceed.
 double quantile(std::vector<double> x, double share) {

@@ -23,7 +23,6 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
-#include <ctime>
 #include <exception>
 #include <functional>
 #include <string>
@@ -32,10 +31,13 @@
 #include "leeway/collision/distance.h"
 #include "leeway/collision/triangle_mesh.h"
 #include "leeway/robots/model.h"
+#include "tools/bench/cpu_time.h"
+#include "tools/bench/splitmix.h"
 
 namespace {
 
 using Eigen::Vector3d;
+using leeway::bench::cpuNanoseconds;
 using leeway::collision::DistanceRequest;
 using leeway::collision::DistanceResult;
 using leeway::collision::PairCache;
@@ -49,15 +51,9 @@ constexpr double kPi = 3.14159265358979323846;
 constexpr int kTrack = 8;   // poses of a placement
 constexpr int kBlocks = 7;  // timed blocks of each kind; odd, so that there is a median
 
-class Random {
+class Random : public leeway::bench::SplitMix {
  public:
-  explicit Random(std::uint64_t seed) : state_(seed) {}
-  double uniform(double low, double high) {  // splitmix64
-    std::uint64_t z = (state_ += 0x9e3779b97f4a7c15U);
-    z = (z ^ (z >> 30U)) * 0xbf58476d1ce4e5b9U;
-    z = (z ^ (z >> 27U)) * 0x94d049bb133111ebU;
-    return low + (high - low) * (static_cast<double>((z ^ (z >> 31U)) >> 11U) * 0x1p-53);
-  }
+  using SplitMix::SplitMix;
   Vector3d vector(double reach) {
     const double x = uniform(-reach, reach), y = uniform(-reach, reach), z = uniform(-reach, reach);
     return {x, y, z};
@@ -70,9 +66,6 @@ class Random {
       if (q.norm() > 0.1 && q.norm() < 1) return q.normalized().toRotationMatrix();
     }
   }
-
- private:
-  std::uint64_t state_;
 };
 
 struct Soup {
@@ -209,13 +202,6 @@ Mesh readMesh(const std::string& path) {
   return {slash == std::string::npos ? path : path.substr(slash + 1),
           {{mesh.vertices().begin(), mesh.vertices().end()},
            {mesh.triangles().begin(), mesh.triangles().end()}}};
-}
-
-/// CPU time of this thread: other work on the machine does not count.
-double cpuNanoseconds() {
-  timespec t{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) * 1e9 + static_cast<double>(t.tv_nsec);
 }
 
 double median(std::vector<double> values) {

@@ -9,7 +9,6 @@
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
-#include <ctime>
 #include <exception>
 #include <memory>
 #include <string>
@@ -18,30 +17,16 @@
 #include "leeway/collision/time_to_impact.h"
 #include "leeway/robots/kinematics.h"
 #include "leeway/robots/link_motion.h"
+#include "tools/bench/cpu_time.h"
+#include "tools/bench/splitmix.h"
 
 namespace {
 
 using namespace leeway;
 
-class Random {
- public:
-  explicit Random(std::uint64_t seed) : state_(seed) {}
-  double uniform(double low, double high) {  // splitmix64
-    std::uint64_t z = (state_ += 0x9e3779b97f4a7c15U);
-    z = (z ^ (z >> 30U)) * 0xbf58476d1ce4e5b9U;
-    z = (z ^ (z >> 27U)) * 0x94d049bb133111ebU;
-    return low + (high - low) * static_cast<double>((z ^ (z >> 31U)) >> 11U) * 0x1p-53;
-  }
+using Random = bench::SplitMix;
 
- private:
-  std::uint64_t state_;
-};
-
-double cpuSeconds() {
-  timespec t{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + static_cast<double>(t.tv_nsec) * 1e-9;
-}
+double cpuSeconds() { return 1e-9 * bench::cpuNanoseconds(); }
 
 constexpr double kMargin = 0.01;  // [m]
 

@@ -29,6 +29,7 @@
 
 #include "leeway/collision/convex_hull.h"
 #include "leeway/collision/distance.h"
+#include "tools/bench/splitmix.h"
 
 namespace {
 
@@ -42,16 +43,9 @@ using leeway::collision::Shape;
 
 constexpr int kBlock = 8;
 
-class Random {
+class Random : public leeway::bench::SplitMix {
  public:
-  explicit Random(std::uint64_t seed) : state_(seed) {}
-  double uniform() {  // splitmix64
-    std::uint64_t z = (state_ += 0x9e3779b97f4a7c15U);
-    z = (z ^ (z >> 30U)) * 0xbf58476d1ce4e5b9U;
-    z = (z ^ (z >> 27U)) * 0x94d049bb133111ebU;
-    return static_cast<double>((z ^ (z >> 31U)) >> 11U) * 0x1p-53;
-  }
-  double uniform(double low, double high) { return low + (high - low) * uniform(); }
+  using SplitMix::SplitMix;
   double logUniform(double low, double high) {
     return std::exp(uniform(std::log(low), std::log(high)));
   }
@@ -67,9 +61,6 @@ class Random {
     const Vector3d axis = direction();
     return Eigen::AngleAxisd(uniform(0, 6.283185307179586), axis).toRotationMatrix();
   }
-
- private:
-  std::uint64_t state_;
 };
 
 /// The same body for both.

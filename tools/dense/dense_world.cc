@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <limits>
 #include <stdexcept>
 
@@ -56,6 +57,15 @@ double largestError(const Named& wanted, const std::vector<std::string>& names,
 }
 
 }  // namespace
+
+std::string requestOf(const std::string& scene) {
+  const std::filesystem::path path = scene;
+  std::string name = path.filename().string();
+  const std::size_t at = name.find("scene");
+  if (at == std::string::npos)
+    throw std::runtime_error(scene + ": a file named sceneNNNN.yaml is expected");
+  return (path.parent_path() / name.replace(at, 5, "request")).string();
+}
 
 struct DenseWorld::Body {
   std::string name;

@@ -15,6 +15,10 @@
 
 namespace leeway::dense {
 
+/// The request file beside a MoveIt scene file, sceneNNNN.yaml. Throws std::runtime_error for
+/// another name.
+std::string requestOf(const std::string& scene);
+
 struct Collision {
   bool found = false;
   std::string a, b;

@@ -17,7 +17,6 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
-#include <filesystem>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -32,6 +31,7 @@ namespace {
 
 using leeway::dense::Collision;
 using leeway::dense::DenseWorld;
+using leeway::dense::requestOf;
 using leeway::oracle::Random;
 using leeway::planner::EdgeCertifier;
 using leeway::planner::EdgeCheck;
@@ -152,15 +152,6 @@ void check(long long index, const Edge& edge, EdgeCertifier& certifier, DenseWor
     }
   }
   counts.sampling_s += std::chrono::duration<double>(Clock::now() - end).count();
-}
-
-std::string requestOf(const std::string& scene) {
-  const std::filesystem::path path = scene;
-  std::string name = path.filename().string();
-  const std::size_t at = name.find("scene");
-  if (at == std::string::npos)
-    throw std::runtime_error(scene + ": a file named sceneNNNN.yaml is expected");
-  return (path.parent_path() / name.replace(at, 5, "request")).string();
 }
 
 /// One scene with all that looks at it.

@@ -23,6 +23,7 @@ namespace {
 
 using leeway::dense::Collision;
 using leeway::dense::DenseWorld;
+using leeway::dense::requestOf;
 using Json = nlohmann::json;
 
 /// Differences of a path's ends from the request that are still the same configuration [rad].
@@ -56,15 +57,6 @@ double quantile(std::vector<double> values, double fraction) {
   const std::size_t below = static_cast<std::size_t>(at);
   const std::size_t above = std::min(below + 1, values.size() - 1);
   return values[below] + (at - static_cast<double>(below)) * (values[above] - values[below]);
-}
-
-std::string requestOf(const std::string& scene) {
-  const std::filesystem::path path = scene;
-  std::string name = path.filename().string();
-  const std::size_t at = name.find("scene");
-  if (at == std::string::npos)
-    throw std::runtime_error(scene + ": a file named sceneNNNN.yaml is expected");
-  return (path.parent_path() / name.replace(at, 5, "request")).string();
 }
 
 /// Looks at every state of the path, no two neighbours farther apart than `step` [rad]; tells of

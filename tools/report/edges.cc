@@ -13,6 +13,7 @@
 #include "leeway/planner/ompl_state_space.h"
 #include "leeway/planner/verify.h"
 #include "tools/bench/asked_edges.h"
+#include "tools/bench/cpu_time.h"
 #include "tools/bench/edge_stepper.h"
 #include "tools/report/statistics.h"
 
@@ -30,11 +31,7 @@ constexpr std::array<const char*, 3> kKinds = {"free", "near", "colliding"};
 constexpr std::array<const char*, 5> kMethods = {"certified", "first order", "1/32", "0.5 %",
                                                  "1 %"};
 
-double cpuMicroseconds() {
-  timespec t{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) * 1e6 + static_cast<double>(t.tv_nsec) * 1e-3;
-}
+double cpuMicroseconds() { return 1e-3 * bench::cpuNanoseconds(); }
 
 struct Edge {
   std::vector<double> a, b;

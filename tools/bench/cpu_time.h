@@ -1,0 +1,14 @@
+#pragma once
+
+#include <ctime>
+
+namespace leeway::bench {
+
+/// CPU time of this thread [ns]: other work on the machine does not count.
+inline double cpuNanoseconds() {
+  timespec t{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) * 1e9 + static_cast<double>(t.tv_nsec);
+}
+
+}  // namespace leeway::bench
