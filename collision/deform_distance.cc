@@ -2,30 +2,17 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <utility>
 
 #include "collision/containment.h"
 #include "collision/deform_descent.h"
+#include "collision/descent_answer.h"
 #include "collision/mesh_distance.h"
 
 namespace leeway::collision {
 namespace {
 
 using Eigen::Vector3d;
-
-double slackOf(const RelativePose& relative, const DeformSide& a, const DeformSide& b) {
-  const double extent_a = std::isfinite(a.extent) ? a.extent : 0,
-               extent_b = std::isfinite(b.extent) ? b.extent : 0;
-  return relative.slack * (extent_a + extent_b + relative.X_BA.translation.norm());
-}
-
-void remember(const DescentResult& found, PairCache& cache) {
-  if (found.witness.triangle_a >= 0 || found.witness.triangle_b >= 0) {
-    cache.triangle_a = found.witness.triangle_a;
-    cache.triangle_b = found.witness.triangle_b;
-  }
-}
 
 // What holds a body and is convex: itself, or the corners of its box. A mesh's hull is in it.
 ConvexView outerOf(const DeformSide& side, std::array<Vector3d, 8>& corners) {
@@ -61,20 +48,13 @@ DistanceResult deformDistance(const Shape& a, const Pose& X_WA, const Shape& b, 
   const RelativePose relative = relativePose(X_WA, X_WB);
   if (!relative.valid) return {};
   const DeformSide side_a = deformSide(a), side_b = deformSide(b);
-  DescentPlacement placement;
-  placement.X_BA0 = placement.X_BA1 = relative.X_BA;
-  placement.slack = slackOf(relative, side_a, side_b);
+  const DescentPlacement placement = placementOf(relative, side_a, side_b);
   PairCache own;
   PairCache& warm = cache != nullptr ? *cache : own;
   const DescentResult found = deformDescend(side_a, side_b, placement, request, scratch, &warm);
   remember(found, warm);
 
-  DistanceResult result = found.witness;
-  result.iterations = found.iterations;
-  result.distance = {std::max(found.lower, found.hull_lower), found.upper};
-  result.point_a = X_WB * result.point_a;
-  result.point_b = X_WB * result.point_b;
-  result.normal = X_WB.rotation * result.normal;
+  DistanceResult result = surfaceDistance(found, X_WB);
   // Boxes that meet say nothing yet: the surfaces may be apart, with one body inside the other, or
   // overlap.
   if (!(found.hull_lower > 0)) {
@@ -107,28 +87,8 @@ DistanceResult deformDistance(const Shape& a, const Pose& X_WA, const Shape& b, 
 DistanceResult deformSweptDistance(const Shape& a, const Pose& X_BA0, const Pose& X_BA1,
                                    double growth, const Shape& b, const DistanceRequest& request,
                                    Scratch& scratch, PairCache* cache) {
-  const RelativePose begin = relativePose(X_BA0, Pose{}), end = relativePose(X_BA1, Pose{});
-  if (!begin.valid || !end.valid || !(growth >= 0)) return {};  // written so that a NaN fails
-  const DeformSide side_a = deformSide(a), side_b = deformSide(b);
-  DescentPlacement placement;
-  placement.X_BA0 = X_BA0;
-  placement.X_BA1 = X_BA1;
-  placement.swept = true;
-  placement.growth = growth;
-  placement.slack = std::max(slackOf(begin, side_a, side_b), slackOf(end, side_a, side_b));
-  PairCache own;
-  PairCache& warm = cache != nullptr ? *cache : own;
-  const DescentResult found = deformDescend(side_a, side_b, placement, request, scratch, &warm);
-  remember(found, warm);
-
-  DistanceResult result = found.witness;
-  result.iterations = found.iterations;
-  // Below zero the pieces say nothing about the whole; its box may.
-  result.distance.lower =
-      found.lower > 0 ? std::max(found.lower, found.hull_lower) : found.hull_lower;
-  result.distance.upper = found.upper;
-  result.status = statusOf(result.distance, request);
-  return result;
+  return sweptByDescent(a, X_BA0, X_BA1, growth, b, request, scratch, cache, deformSide,
+                        deformDescend);
 }
 
 }  // namespace leeway::collision

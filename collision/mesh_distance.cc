@@ -1,9 +1,9 @@
 #include "collision/mesh_distance.h"
 
 #include <algorithm>
-#include <limits>
 
 #include "collision/containment.h"
+#include "collision/descent_answer.h"
 #include "collision/mesh_descent.h"
 #include "collision/mesh_pair.h"
 #include "collision/mesh_separation.h"
@@ -13,13 +13,8 @@
 #include "leeway/collision/triangle_mesh.h"
 
 namespace leeway::collision {
-namespace {
 
 using Eigen::Vector3d;
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-}  // namespace
 
 // The order is that of DistanceStatus's own documentation: what was asked most precisely comes
 // first.
@@ -35,19 +30,6 @@ namespace {
 
 ConvexView hullOf(const DescentSide& side) {
   return side.tree != nullptr ? side.tree->hullView() : side.view;
-}
-
-double slackOf(const RelativePose& relative, const DescentSide& a, const DescentSide& b) {
-  const double extent_a = a.extent < kInfinity ? a.extent : 0,
-               extent_b = b.extent < kInfinity ? b.extent : 0;
-  return relative.slack * (extent_a + extent_b + relative.X_BA.translation.norm());
-}
-
-void remember(const DescentResult& found, PairCache& cache) {
-  if (found.witness.triangle_a >= 0 || found.witness.triangle_b >= 0) {
-    cache.triangle_a = found.witness.triangle_a;
-    cache.triangle_b = found.witness.triangle_b;
-  }
 }
 
 // Whether the spheres around both bodies already are farther apart than the threshold: most pairs
@@ -98,9 +80,7 @@ DistanceResult meshDistance(const Shape& a, const Pose& X_WA, const Shape& b, co
   DistanceResult at_once;
   if (spheresDecide(a, b, relative, X_WB, request, at_once)) return at_once;
   const DescentSide side_a = descentSide(a), side_b = descentSide(b);
-  DescentPlacement placement;
-  placement.X_BA0 = placement.X_BA1 = relative.X_BA;
-  placement.slack = slackOf(relative, side_a, side_b);
+  const DescentPlacement placement = placementOf(relative, side_a, side_b);
   PairCache own;
   PairCache& warm = cache != nullptr ? *cache : own;
   DescentResult found;
@@ -119,12 +99,7 @@ DistanceResult meshDistance(const Shape& a, const Pose& X_WA, const Shape& b, co
   }
   remember(found, warm);
 
-  DistanceResult result = found.witness;
-  result.iterations = found.iterations;
-  result.distance = {std::max(found.lower, found.hull_lower), found.upper};
-  result.point_a = X_WB * result.point_a;
-  result.point_b = X_WB * result.point_b;
-  result.normal = X_WB.rotation * result.normal;
+  DistanceResult result = surfaceDistance(found, X_WB);
   // Hulls that meet say nothing yet: the surfaces may be apart, with one body inside the other, or
   // overlap.
   if (!(found.hull_lower > 0)) {
@@ -156,28 +131,7 @@ DistanceResult meshDistance(const Shape& a, const Pose& X_WA, const Shape& b, co
 DistanceResult meshSweptDistance(const Shape& a, const Pose& X_BA0, const Pose& X_BA1,
                                  double growth, const Shape& b, const DistanceRequest& request,
                                  Scratch& scratch, PairCache* cache) {
-  const RelativePose begin = relativePose(X_BA0, Pose{}), end = relativePose(X_BA1, Pose{});
-  if (!begin.valid || !end.valid || !(growth >= 0)) return {};  // written so that a NaN fails
-  const DescentSide side_a = descentSide(a), side_b = descentSide(b);
-  DescentPlacement placement;
-  placement.X_BA0 = X_BA0;
-  placement.X_BA1 = X_BA1;
-  placement.swept = true;
-  placement.growth = growth;
-  placement.slack = std::max(slackOf(begin, side_a, side_b), slackOf(end, side_a, side_b));
-  PairCache own;
-  PairCache& warm = cache != nullptr ? *cache : own;
-  const DescentResult found = descend(side_a, side_b, placement, request, scratch, &warm);
-  remember(found, warm);
-
-  DistanceResult result = found.witness;
-  result.iterations = found.iterations;
-  // Below zero the pieces say nothing about the whole; its hull may.
-  result.distance.lower =
-      found.lower > 0 ? std::max(found.lower, found.hull_lower) : found.hull_lower;
-  result.distance.upper = found.upper;
-  result.status = statusOf(result.distance, request);
-  return result;
+  return sweptByDescent(a, X_BA0, X_BA1, growth, b, request, scratch, cache, descentSide, descend);
 }
 
 }  // namespace leeway::collision
