@@ -138,6 +138,34 @@ TEST(ReportMotion, OursIsNeverWrong) {
   }
 }
 
+/// What the engine refuses was once counted like a motion without contact.
+TEST(ReportMotion, RefusedMotionsAreNotFree) {
+  const double nan = std::nan("");
+  ContactSpec triangles;
+  triangles.triangles.resize(2);
+  for (collision::MovingTriangle& t : triangles.triangles) {
+    t.from = {Vector3d(0, 0, 0), Vector3d(1, 0, 0), Vector3d(0, 1, 0)};
+    t.to = t.from;
+  }
+  triangles.triangles[0].from[1].z() = nan;
+  const ReportShape box{collision::Shape::box({1, 1, 1}), {}};
+  const auto still = [](const Pose& X) { return std::make_shared<collision::Still>(X); };
+  ContactSpec bodies;  // two that are apart, and a third that is nowhere
+  bodies.bodies = {{&box, still(shifted(0, 0, 0))},
+                   {&box, still(shifted(9, 0, 0))},
+                   {&box, still(shifted(nan, 0, 0))}};
+  bodies.pairs = {{0, 1}};
+  const auto own = makeOwnMotionEngines();
+  EXPECT_FALSE(own[0]->prepare(bodies)->ask().undecided);
+  bodies.pairs.push_back({0, 2});
+  for (const ContactSpec* spec : {&triangles, &bodies}) {
+    const ContactAnswer answer = own[0]->prepare(*spec)->ask();
+    EXPECT_FALSE(answer.contact);
+    EXPECT_TRUE(answer.undecided);
+    EXPECT_EQ(answer.lower, 0);
+  }
+}
+
 /// Says always the same, or worse.
 class Fake : public ContactEngine {
  public:

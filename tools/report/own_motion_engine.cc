@@ -1,5 +1,8 @@
 #include "tools/report/own_motion_engine.h"
 
+#include <algorithm>
+#include <limits>
+
 namespace leeway::tools::report {
 namespace {
 
@@ -8,13 +11,16 @@ using collision::ContactResult;
 using collision::ContactStatus;
 using collision::Scratch;
 
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
 Scratch& scratch() {
   thread_local Scratch instance;
   return instance;
 }
 
 ContactAnswer answerOf(const ContactResult& result) {
-  if (result.status == ContactStatus::kInvalid) return {};
+  // What is refused is not free.
+  if (result.status == ContactStatus::kInvalid) return {false, true, 0, kInfinity};
   return {result.status == ContactStatus::kContact, result.status == ContactStatus::kUndecided,
           result.time.lower, result.time.upper};
 }
@@ -26,7 +32,8 @@ class OwnQuery : public ContactQuery {
   ContactAnswer ask() override {
     if (!spec_.triangles.empty())
       return answerOf(timeOfContact(spec_.triangles[0], spec_.triangles[1], request_, scratch()));
-    // Later pairs are followed only to the first contact found.
+    // Later pairs are followed only to the first contact found; of contacts at nearly the same time
+    // it is not known which is the first.
     ContactRequest request = request_;
     ContactAnswer first, open;
     for (const auto& pair : spec_.pairs) {
@@ -34,11 +41,13 @@ class OwnQuery : public ContactQuery {
       const ContactResult result =
           timeOfContact(a.shape->shape, *a.motion, b.shape->shape, *b.motion, request, scratch());
       if (result.status == ContactStatus::kContact) {
+        const double lower = first.contact ? first.lower : kInfinity;
         first = answerOf(result);
+        first.lower = std::min(first.lower, lower);
         request.end = result.time.upper;
-      } else if (result.status == ContactStatus::kUndecided &&
-                 (!open.undecided || result.time.lower < open.lower)) {
-        open = answerOf(result);
+      } else if (result.status != ContactStatus::kFree) {
+        const ContactAnswer answer = answerOf(result);
+        if (!open.undecided || answer.lower < open.lower) open = answer;
       }
     }
     return open.undecided && (!first.contact || open.lower < first.lower) ? open : first;
