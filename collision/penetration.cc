@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "collision/curved_facet.h"
 #include "collision/exact.h"
 #include "leeway/collision/tolerances.h"
 
@@ -16,6 +17,13 @@ constexpr int kFacetCapacity = 2 * kVertexCapacity;
 constexpr int kQueueCapacity = 16 * kVertexCapacity;
 // A query adds no more than kVertexCapacity walks: numbers of walks do not overflow.
 constexpr std::int32_t kLastMark = 1 << 30;
+// Curved parts are looked at from this iteration on: most polytopes are done by then. [count]
+constexpr int kCoverFrom = 48;
+// Depths that one facet is tried with, Newton's steps towards each, and facets without any after
+// many steps that found nothing [count]: a few of each gain most.
+constexpr int kCoverTries = 4;
+constexpr int kDescentSteps = 10;
+constexpr int kLongestRest = 63;
 
 }  // namespace
 
@@ -77,7 +85,8 @@ class Polytope {
       : difference_(difference),
         buffers_(buffers),
         progress_(progress),
-        roundoff_(progress.query().roundoff) {}
+        roundoff_(progress.query().roundoff),
+        curved_(difference, roundoff_) {}
 
   // False when the difference is flat: the lower ends found on the way are all there is.
   bool begin(const Simplex& start);
@@ -108,7 +117,15 @@ class Polytope {
   double leastAlong(const PolytopeFacet& f, const Vector& n) const;
   bool refine(PolytopeFacet& f);
   void offerFacet(const PolytopeFacet& f);
+  double tolerance() const;
+  double coverRounding() const;
+  bool mayCover() const;
+  double coveredDepth() const;
+  double mostClaimed() const { return covers_ ? coveredDepth() : reach_; }
+  bool cover(const PolytopeFacet& f);
+  void descend(Vector outward);
   void settle();
+  void memberOfCovered(Vector& nearest, Vector& a) const;
   bool sees(const PolytopeFacet& f, const Vector& p) const;
   bool walk(int first, const Vector& p);
   void takeAlone(int first);
@@ -135,6 +152,12 @@ class Polytope {
   double reach_ = std::numeric_limits<double>::infinity();
   double claim_ = 0;  // the largest depth proven; 0: none
   std::int32_t claim_vertex_[3] = {0, 0, 0};
+  // Facets that curved parts keep farther out than their triangles are (in all directions at least
+  // coveredDepth(), which only shrinks) leave the queue.
+  CurvedFacets curved_;
+  bool covers_ = false;
+  // Descents that found nothing nearer, and for how many facets to do without.
+  int idle_ = 0, rest_ = 0;
 };
 
 // The support point along n, its plane offered; true when the request is met by it.
@@ -351,8 +374,8 @@ void Polytope::offerFacet(const PolytopeFacet& f) {
   if (f.distance > 0 && !left_facing_) {
     if (!winds_) winds_ = windsAroundOrigin();
     if (winds_) {
-      // All facets that are not in the queue are farther out than reach_.
-      const double depth = std::min(f.distance, reach_);
+      // All facets that are not in the queue are farther out than reach_, or covered.
+      const double depth = std::min(f.distance, mostClaimed());
       if (depth > claim_) {
         claim_ = depth;
         std::copy(f.vertex, f.vertex + 3, claim_vertex_);
@@ -366,12 +389,127 @@ void Polytope::offerFacet(const PolytopeFacet& f) {
   progress_.offerWitness(nearest.norm(), nearest, a);
 }
 
+// The part of the width asked for that rounding leaves to the search.
+inline double Polytope::tolerance() const {
+  const CoreQuery& query = progress_.query();
+  return query.request.tolerance - (query.lower_offset - query.upper_offset);
+}
+
+// Four times the rounding of a bound of CurvedFacets where the surface is nearest.
+inline double Polytope::coverRounding() const {
+  return 1024 * roundoff_ * (roundoff_ / kUnitRoundoff) / reach_;
+}
+
+// An interval narrower than their rounding is a matter of the polytope while it can.
+inline bool Polytope::mayCover() const {
+  const int limit = progress_.query().request.iteration_limit;
+  return curved_.any() &&
+         progress_.iterations >=
+             (0.75 * tolerance() > coverRounding() ? kCoverFrom : limit - limit / 8);
+}
+
+// A depth near enough to the nearest supporting plane (a quarter of the width is left for the plane
+// and the rounding of what was subtracted), and far enough from it for rounding. It only shrinks
+// with reach_, so that what is covered once stays so.
+double Polytope::coveredDepth() const {
+  return reach_ - std::min(std::max(0.75 * tolerance(), coverRounding()), 0.25 * reach_);
+}
+
+// True when a facet's curved parts keep it far enough out.
+bool Polytope::cover(const PolytopeFacet& f) {
+  if (!(f.distance > 0) || left_facing_ || f.distance >= coveredDepth()) return false;
+  const auto corner = [&](int i) -> const SupportPoint& {
+    return buffers_.vertices[static_cast<std::size_t>(f.vertex[i])];
+  };
+  for (int i = 0; i < kCoverTries; ++i) {
+    if (curved_.covers(corner(0), corner(1), corner(2), coveredDepth())) {
+      covers_ = true;
+      return true;
+    }
+    if (rest_ > 0) {
+      --rest_;
+      return false;
+    }
+    const double reach = reach_;
+    descend(curved_.leastDirection());
+    if (progress_.decided()) return false;
+    if (!(reach_ < reach)) {
+      idle_ = std::min(2 * idle_ + 1, kLongestRest);
+      rest_ = idle_;
+      return false;
+    }
+    idle_ = 0;
+  }
+  return false;
+}
+
+// Newton's steps on the sphere for a plane that is nearer to the origin: the support h has the
+// gradient w less its part along n, and the second derivatives K - h, K the curvatures' sum.
+void Polytope::descend(Vector outward) {
+  outward /= outward.norm();
+  double before = reach_;
+  for (int i = 0;
+       i < kDescentSteps && progress_.iterations < progress_.query().request.iteration_limit; ++i) {
+    SupportPoint s;
+    if (ask(-outward, s) || !(reach_ < before)) return;
+    before = reach_;
+    Curvature a, b;
+    difference_.curvatures(-outward, a, b);
+    const Vector helper = std::abs(outward.x()) < 0.6 ? Vector::UnitX() : Vector::UnitY();
+    Vector u = cross(outward, helper);
+    u /= u.norm();
+    const Vector v = cross(outward, u);
+    double uu = -reach_, uv = 0, vv = -reach_;
+    for (const Curvature* k : {&a, &b}) {
+      for (int j = 0; j < 2; ++j) {
+        const double along_u = k->axis[j].dot(u), along_v = k->axis[j].dot(v);
+        uu += k->strength[j] * along_u * along_u;
+        uv += k->strength[j] * along_u * along_v;
+        vv += k->strength[j] * along_v * along_v;
+      }
+    }
+    const double gu = s.w.dot(u), gv = s.w.dot(v), determinant = uu * vv - uv * uv;
+    if (!(uu > 0 && determinant > 0)) return;
+    outward += ((uv * gv - vv * gu) / determinant) * u + ((uv * gu - uu * gv) / determinant) * v;
+    const double length = outward.norm();
+    if (!(length > 0 && length < 4)) return;
+    outward /= length;
+  }
+}
+
 // The witness of the depth claimed, written down once.
 void Polytope::settle() {
   if (!(claim_ > 0)) return;
   Vector a;
-  const Vector nearest = nearestOf(claim_vertex_, a);
+  Vector nearest = nearestOf(claim_vertex_, a);
+  if (covers_) memberOfCovered(nearest, a);
   progress_.offerWitness(-claim_, nearest, a);
+}
+
+// The member in the direction of the nearest plane, of the facet that it passes through.
+void Polytope::memberOfCovered(Vector& nearest, Vector& a) const {
+  const Vector outward = -progress_.normal();
+  double best = -1e-6;  // (Between two facets rounding may leave it beside both.)
+  for (int i = 0; i < facet_count_; ++i) {
+    const PolytopeFacet& f = buffers_.facets[static_cast<std::size_t>(i)];
+    if (!f.alive) continue;
+    const SupportPoint* corner[3];
+    for (int k = 0; k < 3; ++k) {
+      corner[k] = &buffers_.vertices[static_cast<std::size_t>(f.vertex[k])];
+    }
+    double weights[3];
+    for (int k = 0; k < 3; ++k) {
+      weights[k] = outward.dot(cross(corner[(k + 1) % 3]->w, corner[(k + 2) % 3]->w));
+    }
+    const double sum = weights[0] + weights[1] + weights[2];
+    if (!(sum > 0)) continue;
+    for (double& weight : weights) weight /= sum;
+    const double least = std::min({weights[0], weights[1], weights[2]});
+    if (!(least > best)) continue;
+    best = least;
+    for (double& weight : weights) weight = std::max(weight, 0.0);
+    curved_.member(corner, weights, nearest, a);
+  }
 }
 
 // Exact, so that the surface is the convex hull of its vertices as they were rounded, and what p
@@ -536,8 +674,8 @@ void Polytope::search() {
     const int index = pop();
     if (index < 0) {
       // Every facet is farther out than the nearest supporting plane.
-      if (claim_ > 0 && !left_facing_ && winds_) {
-        claim_ = std::max(claim_, reach_);
+      if ((claim_ > 0 || covers_) && !left_facing_ && (winds_ || windsAroundOrigin())) {
+        claim_ = std::max(claim_, mostClaimed());
         progress_.offerUpper(-claim_);
       }
       return;
@@ -547,11 +685,12 @@ void Polytope::search() {
       push(index, f.distance);
       continue;
     }
+    if (mayCover() && cover(f)) continue;
     offerFacet(f);
     if (progress_.enough()) {
       // Where several translations separate equally well, the plane must be that of the witness.
       const bool other_plane = f.distance > 0 && -f.outward.dot(progress_.normal()) < kSameNormal;
-      if (progress_.decided() || !other_plane) return;
+      if (progress_.decided() || covers_ || !other_plane) return;
     }
     // Once the pair is known to be apart, or a facet that sees the origin was given up, the others
     // have nothing to say.

@@ -1,0 +1,78 @@
+#pragma once
+
+#include "collision/support.h"
+
+namespace leeway::collision {
+
+/// What the curved parts of two cores add to a facet of a polytope in their difference. A triangle
+/// of three members lies inside of a curved surface by its chords, so that a polytope needs a facet
+/// for every width of the tolerance wherever the surface is about as curved as a ball around the
+/// origin; but the members between the three are known as well. Each vertex w_i is taken apart into
+/// the centre C_i of the ellipsoid (of cylinders and cones: the rim's disc) that its points lie on,
+/// and what they add. In all directions x = sum mu_i w_i of the triangle's cone, mu_i >= 0 with the
+/// sum 1, the support function h of the difference is at least that of a convex combination of its
+/// members:
+///
+///   h(x) >= x . sum mu_i C_i + sum over A and B of (sum mu_i s_i) |M x|
+///
+/// with M the semi-axes in their directions, and s_i 1 where a vertex lies on such an ellipsoid, 0
+/// where it is a point of its own (a cone's apex, a box's corner). Where the right side is at least
+/// `depth` |x| in the cones of all facets that are nearer than `depth`, the difference holds a ball
+/// of that radius around the origin: a ray from the origin meets a facet, and that is farther out
+/// or one of these. Branch and bound over directions; each cell of them is judged by a quadratic
+/// form below the right side, which is not negative if the form's matrix is copositive (K. P.
+/// Hadeler, "On copositive matrices", 1983).
+class CurvedFacets {
+ public:
+  /// roundoff: as CoreQuery.
+  CurvedFacets(const Difference<false>& difference, double roundoff);
+
+  /// Some part of the difference is curved: else nothing is ever gained.
+  bool any() const { return curved_; }
+
+  /// True when the support of the difference is proven to be at least `depth` > 0 in all directions
+  /// of the cone of the three points, which must be members of the difference by their indices.
+  /// Rounding is counted. O(1): some hundred cells at the most.
+  bool covers(const SupportPoint& w0, const SupportPoint& w1, const SupportPoint& w2, double depth);
+
+  /// After covers(): the direction, of any length, with the least bound that was met.
+  const Vector& leastDirection() const { return least_direction_; }
+
+  /// The member that carries the bound in the direction sum weights[i] w_i, the weights' sum 1: a
+  /// point of B less one of A, and that of A.
+  void member(const SupportPoint* const w[3], const double weights[3], Vector& of_difference,
+              Vector& of_a) const;
+
+ private:
+  /// One core: semi-axes in its own frame, whose axes are the columns of R.
+  struct Part {
+    const ConvexView* view = nullptr;
+    Vector semi_axes = Vector::Zero();
+    bool curved = false;
+  };
+  /// Where the cone is looked at. Linear in the weights mu.
+  struct Corner {
+    Vector x;          ///< direction
+    Vector center;     ///< B's centre less A's
+    Vector center_a;   ///< A's
+    Vector scaled[2];  ///< M x of A and B, in their frames
+    double share[2];   ///< s of A and B
+  };
+  struct Cell {
+    Corner corner[3];
+    int depth;  ///< halvings
+  };
+  Corner cornerOf(const SupportPoint& s) const;
+  static Corner between(const Corner& a, const Corner& b);
+  bool holdsAt(const Corner& c, double depth);
+  bool proves(const Cell& cell, double depth) const;
+
+  const Difference<false>& difference_;
+  Part part_[2];
+  bool curved_ = false;
+  double slack_ = 0;  // rounding of one bound [m^2]
+  Vector least_direction_ = Vector::UnitX();
+  double least_value_ = 0;
+};
+
+}  // namespace leeway::collision
