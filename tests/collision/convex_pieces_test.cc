@@ -5,7 +5,12 @@
 
 #include <gtest/gtest.h>
 
+#include "collision/simd/targets.h"
+//
+#include <hwy/highway.h>
+
 #include <algorithm>
+#include <cstring>
 #include <functional>
 #include <numeric>
 
@@ -377,6 +382,14 @@ void compare(const Twins& a, const Pose& X_WA, const Twins& b, const Pose& X_WB,
     if (overlap && soup.distance.upper < -1e-9 && threshold >= 0) {
       EXPECT_EQ(t.status, DistanceStatus::kNotAboveThreshold) << text.str();
     }
+    const DistanceResult other = distance(b.pieces, X_WB, a.pieces, X_WA, request, scratch);
+    unsafe(other, "threshold, swapped");
+    const auto open = [](const DistanceResult& d) {
+      return d.status != DistanceStatus::kAboveThreshold &&
+             d.status != DistanceStatus::kNotAboveThreshold;
+    };
+    EXPECT_TRUE(open(t) || open(other) || t.status == other.status)
+        << "threshold " << threshold << " " << text.str();
   }
   for (const int limit : {0, 1, 5, 25}) {
     DistanceRequest request;
@@ -553,6 +566,59 @@ TEST(ConvexPieces, AllocateNothingInQueriesAndTakeAnyCache) {
 }
 
 // The same pieces every time.
+/// Every number of decompositions and of queries with them.
+std::vector<double> answersWithPieces() {
+  Random random(90);
+  Scratch scratch;
+  PairCache cache;
+  std::vector<double> all;
+  std::vector<Shape> shapes;
+  for (const TriangleSoup& soup : {dumbbell(24, 14), gear(9, 6), dentedBall(20, 24)}) {
+    const auto mesh = TriangleMesh::make(soup.vertices, soup.triangles);
+    const PieceSummary& pieces = mesh->pieces();
+    all.insert(all.end(), {double(pieces.pieces), double(pieces.loose_triangles), pieces.excess});
+    shapes.push_back(Shape::mesh(mesh));
+  }
+  const std::size_t solids = shapes.size();
+  shapes.push_back(Shape::box({0.2, 0.1, 0.05}));
+  shapes.push_back(Shape::capsule(0.05, 0.2));
+  shapes.push_back(Shape::cylinder(0.1, 0.2));
+  for (int i = 0; i < casesToAsk(300); ++i) {
+    const Shape& a = shapes[static_cast<std::size_t>(random.below(static_cast<int>(solids)))];
+    const Shape& b =
+        shapes[static_cast<std::size_t>(random.below(static_cast<int>(shapes.size())))];
+    const Pose X_WA = random.pose(0.3), X_WB = random.pose(i % 2 == 0 ? 0.3 : 1);
+    DistanceRequest request;
+    if (i % 3 == 0) request.threshold = 0.1 * random.uniform();
+    if (i % 5 == 0) request.tolerance = 1e-14;
+    for (PairCache* with : {static_cast<PairCache*>(nullptr), &cache}) {
+      const DistanceResult r = distance(a, X_WA, b, X_WB, request, scratch, with);
+      all.insert(all.end(),
+                 {r.distance.lower, r.distance.upper, r.point_a.x(), r.point_a.y(), r.point_a.z(),
+                  r.point_b.x(), r.point_b.y(), r.point_b.z(), r.normal.x(), r.normal.y(),
+                  r.normal.z(), double(r.iterations), double(static_cast<int>(r.status))});
+    }
+  }
+  return all;
+}
+
+TEST(ConvexPieces, TheSameBytesOnEveryInstructionSet) {
+  const std::vector<double> best = answersWithPieces();
+  int targets = 0;
+  for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
+    hwy::SetSupportedTargetsForTest(target);
+    hwy::GetChosenTarget().DeInit();
+    const std::vector<double> other = answersWithPieces();
+    ++targets;
+    ASSERT_EQ(best.size(), other.size());
+    EXPECT_EQ(std::memcmp(best.data(), other.data(), best.size() * sizeof(double)), 0)
+        << hwy::TargetName(target);
+    hwy::SetSupportedTargetsForTest(0);
+  }
+  hwy::GetChosenTarget().DeInit();
+  EXPECT_GE(targets, 1);
+}
+
 TEST(ConvexPieces, AreDeterministic) {
   const TriangleSoup soup = gear(9, 6);
   const auto mesh = TriangleMesh::make(soup.vertices, soup.triangles);
