@@ -44,6 +44,7 @@ class Descent {
     result_.hull_lower = -kInfinity;
     if (root()) return result_;
     warmStart();
+    bool limited = false;
     while (size_ > 0 && !done()) {
       const NodePair pair = stack_[--size_];
       if (needless(pair.lower)) {
@@ -52,12 +53,20 @@ class Descent {
       }
       if (visited_ >= limit()) {
         settle(pair.lower);
+        limited = true;
         break;
       }
       expand(pair);
       if (done()) settle(pair.lower);  // parts of it may not have been looked at
     }
     while (size_ > 0) settle(stack_[--size_].lower);
+    const bool threshold = request_.threshold == request_.threshold;
+    if (hulls_upper_ < result_.upper && (limited || threshold)) {
+      offer(hulls_, hulls_upper_, -1, -1);
+      // So wide an interval holds what the points of the hulls are apart; a threshold's verdict
+      // stands without it.
+      if (!threshold) settle(hulls_.distance.lower);
+    }
     return result_;
   }
 
@@ -73,7 +82,7 @@ class Descent {
     // wasted.
     if (result_.upper <= 0 && !half_space_)
       tolerance = std::max(tolerance, kDeeperShare * -result_.upper);
-    bar = std::min(bar, result_.upper - tolerance);
+    bar = std::min(bar, std::min(result_.upper - tolerance, hulls_upper_));
     // What cannot lower the lower end is of no interest to a sweep.
     return placement_.swept ? std::min(bar, result_.lower) : bar;
   }
@@ -147,7 +156,17 @@ class Descent {
     result_.hull_lower = pair.lower;
     // Where hulls are apart, their nearest points lie on their surfaces, and the meshes are not far
     // from those.
-    if (pair.lower >= 0) offer(r, r.distance.upper + excess, -1, -1);
+    if (pair.lower >= 0) {
+      // Where that is no answer by itself it only tells how far to look: points of the hulls may
+      // stand out from the meshes by all of the excess.
+      const double upper = r.distance.upper + excess;
+      if (upper <= request_.threshold || pair.lower > upper - request_.tolerance) {
+        offer(r, upper, -1, -1);
+      } else {
+        hulls_ = r;
+        hulls_upper_ = upper;
+      }
+    }
     if (done() || needless(pair.lower)) {
       settle(pair.lower);
       return true;
@@ -284,7 +303,9 @@ class Descent {
   Scratch& scratch_;
   PairCache& cache_;
   DescentResult result_;
-  double rounding_ = 0;  // of sphereLower() [m]
+  DistanceResult hulls_;            // of the hulls, when they do not answer by themselves;
+  double hulls_upper_ = kInfinity;  // no more than this are the bodies apart then
+  double rounding_ = 0;             // of sphereLower() [m]
   bool half_space_ = false;
   int visited_ = 0;
   int overlap_limit_ = std::numeric_limits<int>::max();

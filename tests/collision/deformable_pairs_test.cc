@@ -244,5 +244,32 @@ TEST(DeformablePairs, SelfDistanceAsByBruteForce) {
   EXPECT_GT(crossing, 10);
 }
 
+// In the notch of an L, whose hull is 0.47 away from it there: the points that the hull and the
+// triangle have nearest, 0.019 apart, were told where a loose tolerance was met before any triangle
+// of the L was looked at.
+TEST(DeformablePairs, WitnessesAreOfTheMeshAndNotOfItsHull) {
+  const Shape ell = Shape::mesh(oracle::ellMesh(1));
+  const Vector3d vertices[] = {{0.68, 0.68, 0}, {0.69, 0.68, 0.01}, {0.68, 0.69, -0.01}};
+  const DeformableMesh::Triangle triangle[] = {{0, 1, 2}};
+  const Deformable deformable(DeformableMesh::make(vertices, triangle));
+  const Shape shape = Shape::deformable(deformable.snapshot());
+  const double truth = 0.68 - 1.0 / 3;
+  Scratch scratch;
+  for (const double tolerance : {1e-9, 0.15, 0.2, 0.3, 0.4}) {
+    DistanceRequest request;
+    request.tolerance = tolerance;
+    for (const bool swapped : {false, true}) {
+      const DistanceResult r = swapped ? distance(shape, {}, ell, {}, request, scratch, nullptr)
+                                       : distance(ell, {}, shape, {}, request, scratch, nullptr);
+      EXPECT_LE(r.distance.lower, truth);
+      EXPECT_GE(r.distance.upper, truth);
+      EXPECT_LE(r.distance.width(), tolerance);
+      const double gap = (r.point_a - r.point_b).norm(), width = r.distance.width();
+      EXPECT_GE(gap, r.distance.lower - width - 1e-12) << tolerance << (swapped ? " swapped" : "");
+      EXPECT_LE(gap, r.distance.upper + width + 1e-12) << tolerance << (swapped ? " swapped" : "");
+    }
+  }
+}
+
 }  // namespace
 }  // namespace leeway::collision
