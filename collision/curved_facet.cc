@@ -12,6 +12,8 @@ namespace {
 constexpr int kMostHalvings = 24;
 // Cells of one facet [count]; more cover larger facets, and cost more where none do.
 constexpr int kMostCells = 256;
+// Cells of one query [count]: some two milliseconds.
+constexpr int kMostCellsOfAll = 16'384;
 
 // A quadratic form on a triangle: the value at mu is sum mu_i mu_j of it.
 struct Form {
@@ -65,6 +67,7 @@ CurvedFacets::CurvedFacets(const Difference<false>& difference, double roundoff)
     }
     curved_ |= part_[k].curved;
   }
+  cells_left_ = kMostCellsOfAll;
   slack_ = 256 * roundoff * (roundoff / kUnitRoundoff);
 }
 
@@ -172,13 +175,13 @@ bool CurvedFacets::covers(const SupportPoint& w0, const SupportPoint& w1, const 
   for (const Corner& c : stack[0].corner) holds &= holdsAt(c, depth);
   if (!holds) return false;
   int count = 1;
-  for (int cells = 0; count > 0; ++cells) {
+  for (int cells = 0; count > 0; ++cells, --cells_left_) {
     Cell& cell = stack[count - 1];
     if (proves(cell, depth)) {
       --count;
       continue;
     }
-    if (cells >= kMostCells || cell.depth == kMostHalvings) return false;
+    if (cells >= kMostCells || cells_left_ <= 0 || cell.depth == kMostHalvings) return false;
     // Halved across its longest edge: from corner i to corner j.
     int i = 0, j = 1;
     double longest = -1;

@@ -32,7 +32,8 @@ class CurvedFacets {
 
   /// True when the support of the difference is proven to be at least `depth` > 0 in all directions
   /// of the cone of the three points, which must be members of the difference by their indices.
-  /// Rounding is counted. O(1): some hundred cells at the most.
+  /// Rounding is counted. O(1): some hundred cells at the most, and
+  /// some ten thousand for all facets together.
   bool covers(const SupportPoint& w0, const SupportPoint& w1, const SupportPoint& w2, double depth);
 
   /// After covers(): the direction, of any length, with the least bound that was met.
@@ -70,6 +71,7 @@ class CurvedFacets {
   const Difference<false>& difference_;
   Part part_[2];
   bool curved_ = false;
+  int cells_left_ = 0;
   double slack_ = 0;  // rounding of one bound [m^2]
   Vector least_direction_ = Vector::UnitX();
   double least_value_ = 0;
