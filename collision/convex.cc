@@ -12,6 +12,7 @@
 #include "collision/pose_check.h"
 #include "collision/scratch.h"
 #include "collision/sharp.h"
+#include "collision/simd/hull_pairs.h"
 #include "collision/simd/vertex_gjk.h"
 #include "collision/support.h"
 #include "leeway/collision/tolerances.h"
@@ -343,6 +344,22 @@ void remember(const Progress& progress, const Simplex& simplex, bool vertices, i
   }
 }
 
+// As runVertexGjk() would have left the search.
+GjkEnd resume(Difference<false>& difference, const VertexStart& start, Progress& progress,
+              Simplex& simplex) {
+  progress.iterations = start.iterations;
+  for (int i = 0; i < start.count; ++i) {
+    difference.member(start.vertex_a[i], start.vertex_b[i], simplex.points[simplex.slot[i]]);
+    simplex.lambda[i] = 1.0 / start.count;
+  }
+  simplex.count = start.count;
+  difference.setHints(start.vertex_a[start.count - 1], start.vertex_b[start.count - 1]);
+  const SupportPoint& first = simplex.point(0);
+  progress.offerWitness(first.w.norm(), first.w, first.a);
+  if (start.end != GjkEnd::kInside) reduceAll(simplex, simplex.count);
+  return start.end;
+}
+
 Vector anyPoint(const ConvexView& view) {
   return view.core == Core::kPoints ? view.points[0] : Vector::Zero();
 }
@@ -351,7 +368,8 @@ Vector anyPoint(const ConvexView& view) {
 
 DistanceResult convexDistance(const ConvexView& a, const Pose& X_BA, const ConvexView& b,
                               const DistanceRequest& request, Scratch& scratch, PairCache* cache,
-                              double slack, const SharpDifference* sharp) {
+                              double slack, const SharpDifference* sharp,
+                              const VertexStart* start) {
   const double closed = sharp == nullptr ? kClosedFormRounding : kSharpClosedFormRounding;
   if (a.core == Core::kHalfSpace) {
     if (b.core == Core::kHalfSpace) return {};
@@ -418,7 +436,9 @@ DistanceResult convexDistance(const ConvexView& a, const Pose& X_BA, const Conve
   Simplex simplex;
   Vector first;
   GjkEnd end = GjkEnd::kStagnated;
-  if (difference.countsVertices()) {
+  if (start != nullptr && start->count > 0) {
+    end = resume(difference, *start, progress, simplex);
+  } else if (difference.countsVertices()) {
     // A threshold is most often decided by the last direction alone.
     const bool carried =
         cache != nullptr && std::isnan(request.threshold) && fits(difference, *cache);

@@ -24,6 +24,7 @@ enum class Core : unsigned char {
 };
 
 class SharpDifference;
+struct VertexStart;  // simd/hull_pairs.h
 
 /// A convex shape as the engine sees it; borrows points and hull.
 struct ConvexView {
@@ -63,10 +64,12 @@ RelativePose relativePose(const Pose& X_WA, const Pose& X_WB);
 /// the affine map that it is; what is known of its own error goes into `slack` [m], by which both
 /// ends are widened (before thresholds and tolerance are looked at). cache may be null. `sharp`
 /// (sharp.h): the same pair at its world poses; where rounding keeps the interval wider than asked,
-/// both ends are looked at again in twice the precision, at several times the cost.
+/// both ends are looked at again in twice the precision, at several times the cost. `start`: where
+/// a search on the vertices of this pair has ended already.
 DistanceResult convexDistance(const ConvexView& a, const Pose& X_BA, const ConvexView& b,
                               const DistanceRequest& request, Scratch& scratch, PairCache* cache,
-                              double slack = 0, const SharpDifference* sharp = nullptr);
+                              double slack = 0, const SharpDifference* sharp = nullptr,
+                              const VertexStart* start = nullptr);
 
 /// Lower bound on the separation of B from the hull of A's placements at X_BA0 and X_BA1, less
 /// `growth`; as sweptDistance().

@@ -8,6 +8,7 @@
 #include "collision/mesh_distance.h"
 #include "collision/scratch.h"
 #include "collision/sharp.h"
+#include "collision/simd/hull_pairs.h"
 #include "collision/simple_pairs.h"
 #include "collision/vector.h"
 #include "leeway/collision/tolerances.h"
@@ -46,14 +47,20 @@ DistanceResult distance(const Shape& a, const Pose& X_WA, const Shape& b, const 
                         const DistanceRequest& request, Scratch& scratch, PairCache* cache) {
   // (One result, made where the caller wants it.)
   DistanceResult result;
-  if (!answerSimplePair(a, X_WA, b, X_WB, request, cache, result)) {
+  if (a.type() == ShapeType::kConvexHull && b.type() == ShapeType::kConvexHull) {
+    VertexStart start;
+    if (!answerHullPair(a, X_WA, b, X_WB, request, cache, result, start)) {
+      result = generalDistance(a, X_WA, b, X_WB, request, scratch, cache, &start);
+    }
+  } else if (!answerSimplePair(a, X_WA, b, X_WB, request, cache, result)) {
     result = generalDistance(a, X_WA, b, X_WB, request, scratch, cache);
   }
   return result;
 }
 
 DistanceResult generalDistance(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
-                               const DistanceRequest& request, Scratch& scratch, PairCache* cache) {
+                               const DistanceRequest& request, Scratch& scratch, PairCache* cache,
+                               const VertexStart* start) {
   if (a.type() == ShapeType::kDeformable || b.type() == ShapeType::kDeformable) {
     return deformDistance(a, X_WA, b, X_WB, request, scratch, cache);
   }
@@ -69,7 +76,7 @@ DistanceResult generalDistance(const Shape& a, const Pose& X_WA, const Shape& b,
   if (!(translation > kSmallestScale)) translation = std::hypot(t.x(), t.y(), t.z());
   const double slack = relative.slack * (finiteExtent(view_a) + finiteExtent(view_b) + translation);
   DistanceResult result =
-      convexDistance(view_a, relative.X_BA, view_b, request, scratch, cache, slack);
+      convexDistance(view_a, relative.X_BA, view_b, request, scratch, cache, slack, nullptr, start);
   const double size =
       view_a.radius + view_b.radius + finiteExtent(view_a) + finiteExtent(view_b) + translation;
   if (stoppedByRounding(result, request, size)) {

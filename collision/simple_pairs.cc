@@ -1,7 +1,5 @@
 #include "collision/simple_pairs.h"
 
-#include <cstring>
-
 #include "collision/box_pairs.h"
 #include "collision/closed_form.h"
 #include "collision/cylinder_pairs.h"
@@ -26,16 +24,6 @@ struct Frame {
   double extent_a, extent_b;  // of the cores
   double radius_a, radius_b;
 };
-
-// As compilers copy it: what was written in one piece is read back in one without a stall.
-inline void writePair(double first, double second, double* to) {
-  const BodyLanes pair = {first, second};
-  std::memcpy(to, &pair, sizeof(pair));
-}
-inline void write(const Triple& t, Eigen::Vector3d& v) {
-  writePair(t.x, t.y, v.data());
-  v.z() = t.z;
-}
 
 // False when this does not do.
 inline __attribute__((always_inline)) bool answer(const Frame& frame, const Nearest& nearest,

@@ -56,8 +56,12 @@ inline void toWorld(const Eigen::Matrix3d& R_WB, Nearest& nearest) {
 bool answerSimplePair(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
                       const DistanceRequest& request, PairCache* cache, DistanceResult& result);
 
-/// distance() without the above: its slow twin, and what it goes on to.
+struct VertexStart;  // simd/hull_pairs.h
+
+/// distance() without the above and answerHullPair(): their slow twin, and what they go on to, for
+/// hulls from where a search has ended.
 DistanceResult generalDistance(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
-                               const DistanceRequest& request, Scratch& scratch, PairCache* cache);
+                               const DistanceRequest& request, Scratch& scratch, PairCache* cache,
+                               const VertexStart* start = nullptr);
 
 }  // namespace leeway::collision

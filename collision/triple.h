@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #include "collision/vector.h"
 
@@ -15,6 +16,14 @@ struct Triple {
 };
 
 inline Triple tripleOf(const Vector& v) { return {v.x(), v.y(), v.z()}; }
+/// To memory as compilers copy it: what was written in one piece is read back in one without a
+/// stall.
+inline void write(const Triple& t, Vector& v) {
+  typedef double Pair __attribute__((vector_size(16)));
+  const Pair pair = {t.x, t.y};
+  std::memcpy(v.data(), &pair, sizeof(pair));
+  v.z() = t.z;
+}
 inline Triple column(const Eigen::Matrix3d& R, int k) { return {R(0, k), R(1, k), R(2, k)}; }
 inline Triple operator+(const Triple& a, const Triple& b) {
   return {a.x + b.x, a.y + b.y, a.z + b.z};

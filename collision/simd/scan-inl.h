@@ -79,10 +79,11 @@ template <std::size_t kEights>
 using Registers = std::make_index_sequence<kEights * 8 / hn::MaxLanes(EightDoubles())>;
 
 /// Index of the first of the largest of `length` values x dx + y dy + z dz, a multiple of eight up
-/// to kScanUpTo; columns are 64-byte aligned.
+/// to kMost; columns are 64-byte aligned.
+template <int kMost>
 HWY_INLINE int scanColumns(const double* x, const double* y, const double* z, int length, double dx,
                            double dy, double dz) {
-  static_assert(kScanUpTo == 64);
+  static_assert(kMost == 32 || kMost == 64);
   switch (length / 8) {
     case 1:
       return firstFarthest(x, y, z, dx, dy, dz, Registers<1>());
@@ -90,17 +91,24 @@ HWY_INLINE int scanColumns(const double* x, const double* y, const double* z, in
       return firstFarthest(x, y, z, dx, dy, dz, Registers<2>());
     case 3:
       return firstFarthest(x, y, z, dx, dy, dz, Registers<3>());
-    case 4:
-      return firstFarthest(x, y, z, dx, dy, dz, Registers<4>());
-    case 5:
-      return firstFarthest(x, y, z, dx, dy, dz, Registers<5>());
-    case 6:
-      return firstFarthest(x, y, z, dx, dy, dz, Registers<6>());
-    case 7:
-      return firstFarthest(x, y, z, dx, dy, dz, Registers<7>());
     default:
-      return firstFarthest(x, y, z, dx, dy, dz, Registers<8>());
+      break;
   }
+  if constexpr (kMost == 64) {
+    switch (length / 8) {
+      case 5:
+        return firstFarthest(x, y, z, dx, dy, dz, Registers<5>());
+      case 6:
+        return firstFarthest(x, y, z, dx, dy, dz, Registers<6>());
+      case 7:
+        return firstFarthest(x, y, z, dx, dy, dz, Registers<7>());
+      case 8:
+        return firstFarthest(x, y, z, dx, dy, dz, Registers<8>());
+      default:
+        break;
+    }
+  }
+  return firstFarthest(x, y, z, dx, dy, dz, Registers<4>());
 }
 
 /// Place in a cell of the first of its farthest vertices.
@@ -152,12 +160,9 @@ HWY_INLINE const HullCell* cellOf(const HullSupport& support, double dx, double 
   return support.cells() + (face * support.sides() + u) * support.sides() + v;
 }
 
-/// Index of the farthest vertex of a hull; -1 where only a climb finds it, which starts well from
-/// `hint`.
-HWY_INLINE int scanSupport(const HullSupport& support, double dx, double dy, double dz, int& hint) {
-  if (support.length() > 0) {
-    return scanColumns(support.x(), support.y(), support.z(), support.length(), dx, dy, dz);
-  }
+/// Index of the farthest vertex of a hull with a table; -1 where only a climb finds it, which
+/// starts well from `hint`.
+HWY_INLINE int scanTable(const HullSupport& support, double dx, double dy, double dz, int& hint) {
   const HullCell* cell = cellOf(support, dx, dy, dz);
   if (HWY_UNLIKELY(cell == nullptr)) return -1;
   double value = 0;
@@ -175,6 +180,13 @@ HWY_INLINE int scanSupport(const HullSupport& support, double dx, double dy, dou
     best_value = value;
   }
   return best;
+}
+
+/// The same for any hull.
+HWY_INLINE int scanSupport(const HullSupport& support, double dx, double dy, double dz, int& hint) {
+  if (support.length() == 0) return scanTable(support, dx, dy, dz, hint);
+  return scanColumns<kScanUpTo>(support.x(), support.y(), support.z(), support.length(), dx, dy,
+                                dz);
 }
 
 }  // namespace leeway::collision::HWY_NAMESPACE

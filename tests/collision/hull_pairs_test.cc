@@ -1,0 +1,269 @@
+// Pairs of hulls straight from world poses against their slow twin, the general way, and the
+// quadruple-precision oracle.
+
+#include "collision/simd/hull_pairs.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "collision/simple_pairs.h"
+#include "leeway/collision/convex_hull.h"
+#include "tools/oracle/generate.h"
+#include "tools/oracle/oracle.h"
+
+namespace leeway::collision {
+namespace {
+
+using Eigen::Vector3d;
+using oracle::Random;
+
+// 1 to 80 vertices, a few times 300: scanned, placed or looked up in a table; some thin or flat,
+// some with duplicated points.
+Shape anyHull(Random& random) {
+  const int count = random.chance(0.05)  ? 300
+                    : random.chance(0.7) ? 4 + random.below(30)
+                                         : 1 + random.below(80);
+  Vector3d scale(1, random.uniform(0.3, 1), random.uniform(0.3, 1));
+  if (random.chance(0.2)) scale.y() = random.logUniform(1e-6, 1e-2);
+  if (random.chance(0.2)) scale.z() = random.chance(0.3) ? 0 : random.logUniform(1e-6, 1);
+  const Vector3d shift = random.chance(0.2) ? Vector3d(2 * random.direction()) : Vector3d(0, 0, 0);
+  std::vector<Vector3d> points;
+  for (int i = 0; i < count; ++i) {
+    points.push_back(shift + scale.cwiseProduct(random.direction()));
+    if (random.chance(0.05)) points.push_back(points.back());
+  }
+  return Shape::convexHull(points);
+}
+
+struct Pair {
+  Shape a, b;
+  Pose X_WA, X_WB;
+  double size() const { return a.extent() + b.extent(); }
+  std::string replay() const {
+    return oracle::replay(a) + " at " + oracle::replay(X_WA) + " with " + oracle::replay(b) +
+           " at " + oracle::replay(X_WB);
+  }
+};
+
+// Apart by 1e-12 to 10 m, mostly; some parallel.
+Pair hullPair(Random& random, Scratch& scratch) {
+  Pair pair{anyHull(random), anyHull(random), {}, {}};
+  const Vector3d middle =
+      random.chance(0.2) ? Vector3d(1e3 * random.direction()) : Vector3d(0, 0, 0);
+  pair.X_WA = {random.rotation(), middle + random.direction()};
+  pair.X_WB = {random.chance(0.2) ? pair.X_WA.rotation : random.rotation(),
+               middle + random.uniform(0, 4) * random.direction()};
+  const double gap = random.logUniform(1e-12, 10);
+  for (int i = 0; i < 3 && random.chance(0.9); ++i) {
+    const DistanceResult r =
+        generalDistance(pair.a, pair.X_WA, pair.b, pair.X_WB, {}, scratch, nullptr);
+    pair.X_WB.translation += (gap - r.distance.upper) * r.normal;
+  }
+  return pair;
+}
+
+// By how much p stands out of a shape [m].
+double outside(const Shape& shape, const Pose& X_WS, const Vector3d& p_W, Scratch& scratch) {
+  return generalDistance(Shape::sphere(0), {Eigen::Matrix3d::Identity(), p_W}, shape, X_WS, {},
+                         scratch, nullptr)
+      .distance.lower;
+}
+
+// Along n, from A's farthest vertex to B's.
+double planeAlong(const Pair& p, const Vector3d& n) {
+  double a = -1e300, b = 1e300;
+  for (const Vector3d& v : p.a.hull()->vertices())
+    a = std::max(a, n.dot(p.X_WA.rotation * v + (p.X_WA.translation - p.X_WB.translation)));
+  for (const Vector3d& v : p.b.hull()->vertices()) b = std::min(b, n.dot(p.X_WB.rotation * v));
+  return b - a;
+}
+
+void expectSound(const Pair& p, const DistanceResult& r, const Interval& truth, double rounding,
+                 Scratch& scratch) {
+  EXPECT_LE(r.distance.lower, truth.upper) << p.replay();
+  EXPECT_GE(r.distance.upper, truth.lower) << p.replay();
+  EXPECT_NEAR(r.normal.norm(), 1, 1e-12) << p.replay();
+  EXPECT_LE(r.distance.lower, planeAlong(p, r.normal) + 1e-15 * p.size()) << p.replay();
+  EXPECT_NEAR((r.point_b - r.point_a).norm(), r.distance.upper, rounding) << p.replay();
+  EXPECT_LT(outside(p.a, p.X_WA, r.point_a, scratch), rounding) << p.replay();
+  EXPECT_LT(outside(p.b, p.X_WB, r.point_b, scratch), rounding) << p.replay();
+}
+
+TEST(HullPairs, AgreeWithTheGeneralWay) {
+  Random random(131);
+  Scratch scratch;
+  int apart = 0, answered = 0, handed_over = 0;
+  for (int i = 0; i < 6000; ++i) {
+    const Pair p = hullPair(random, scratch);
+    const DistanceResult slow = generalDistance(p.a, p.X_WA, p.b, p.X_WB, {}, scratch, nullptr);
+    // (Large ones without a cache are left to B's frame.)
+    const bool counts = slow.distance.lower > 1e-9 && p.a.hull()->vertices().size() <= 32 &&
+                        p.b.hull()->vertices().size() <= 32;
+    apart += counts;
+    DistanceResult r;
+    PairCache cache;
+    VertexStart start;
+    if (answerHullPair(p.a, p.X_WA, p.b, p.X_WB, {}, &cache, r, start)) {
+      answered += counts;
+      EXPECT_EQ(r.status, DistanceStatus::kConverged) << p.replay();
+      EXPECT_LE(r.distance.width(), 1e-9) << p.replay();
+      expectSound(p, r, slow.distance, 2e-12, scratch);
+      EXPECT_LT((p.X_WB.rotation * cache.direction_B - r.normal).norm(), 1e-12) << p.replay();
+      continue;
+    }
+    // Going on from there ends where a search of its own does.
+    handed_over += start.count > 0;
+    const DistanceResult on =
+        generalDistance(p.a, p.X_WA, p.b, p.X_WB, {}, scratch, nullptr, &start);
+    EXPECT_LE(on.distance.lower, slow.distance.upper) << p.replay();
+    EXPECT_GE(on.distance.upper, slow.distance.lower) << p.replay();
+    EXPECT_LE(on.distance.width(), std::max(2 * slow.distance.width(), 1e-9)) << p.replay();
+  }
+  EXPECT_GT(apart, 2500);
+  EXPECT_GT(answered, apart * 98 / 100);
+  EXPECT_GT(handed_over, 50);
+}
+
+TEST(HullPairs, HoldTheTruth) {
+  Random random(132);
+  Scratch scratch;
+  int answered = 0;
+  for (int i = 0; i < 60; ++i) {
+    const Pair p = hullPair(random, scratch);
+    if (p.a.hull()->vertices().size() > 40 || p.b.hull()->vertices().size() > 40) continue;
+    DistanceRequest request;
+    request.tolerance = random.chance(0.5) ? 1e-9 : 1e-12;
+    DistanceResult r;
+    VertexStart start;
+    if (!answerHullPair(p.a, p.X_WA, p.b, p.X_WB, request, nullptr, r, start)) continue;
+    ++answered;
+    const oracle::Truth truth = oracle::signedSeparation(p.a, p.X_WA, p.b, p.X_WB);
+    EXPECT_LE(r.distance.lower, truth.upper) << p.replay();
+    EXPECT_GE(r.distance.upper, truth.lower) << p.replay();
+  }
+  EXPECT_GT(answered, 15);
+}
+
+TEST(HullPairs, ThresholdsAreDecidedAsTheGeneralWayDoes) {
+  Random random(133);
+  Scratch scratch;
+  int above = 0, below = 0;
+  for (int i = 0; i < 4000; ++i) {
+    const Pair p = hullPair(random, scratch);
+    const Interval truth = generalDistance(p.a, p.X_WA, p.b, p.X_WB, {}, scratch, nullptr).distance;
+    DistanceRequest request;
+    request.threshold =
+        random.chance(0.5) ? truth.upper * random.uniform(0.5, 2) : random.logUniform(1e-9, 10);
+    request.depth = random.chance(0.5);
+    PairCache cache;
+    cache.direction_B = random.direction();
+    DistanceResult r;
+    VertexStart start;
+    if (!answerHullPair(p.a, p.X_WA, p.b, p.X_WB, request, random.chance(0.5) ? &cache : nullptr, r,
+                        start)) {
+      continue;
+    }
+    expectSound(p, r, truth, 2e-12, scratch);
+    if (truth.lower > request.threshold + request.tolerance) {
+      ++above;
+      EXPECT_GT(r.distance.lower, request.threshold) << p.replay();
+    }
+    if (truth.upper <= request.threshold - request.tolerance) {
+      ++below;
+      EXPECT_LE(r.distance.upper, request.threshold) << p.replay();
+    }
+  }
+  EXPECT_GT(above, 700);
+  EXPECT_GT(below, 700);
+}
+
+TEST(HullPairs, AnyCacheAgrees) {
+  Random random(134);
+  Scratch scratch;
+  int answered = 0;
+  for (int i = 0; i < 400; ++i) {
+    Pair p = hullPair(random, scratch);
+    PairCache cache;
+    if (random.chance(0.3)) {
+      cache.simplex_count = random.below(5) - 1;
+      for (int k = 0; k < 3; ++k) {
+        cache.simplex_a[k] = random.below(40) - 2;
+        cache.simplex_b[k] = random.chance(0.1) ? 1 << 30 : random.below(40);
+      }
+      cache.vertex_a = random.below(1000) - 500;
+      cache.vertex_b = random.below(1000) - 500;
+      cache.direction_B = random.uniform(0, 2) * random.direction();
+    }
+    if (random.chance(0.05)) cache.direction_B.x() = std::nan("");
+    const Vector3d step = 0.01 * random.direction();
+    for (int frame = 0; frame < 10; ++frame) {
+      const Interval slow =
+          generalDistance(p.a, p.X_WA, p.b, p.X_WB, {}, scratch, nullptr).distance;
+      DistanceResult r;
+      VertexStart start;
+      if (answerHullPair(p.a, p.X_WA, p.b, p.X_WB, {}, &cache, r, start)) {
+        ++answered;
+        expectSound(p, r, slow, 2e-12, scratch);
+      }
+      p.X_WB.translation += step;
+    }
+  }
+  EXPECT_GT(answered, 1200);
+}
+
+// Matrices next to rotations are taken, and what they may mean is in the width.
+TEST(HullPairs, DeparturesFromRotationsAreInTheWidth) {
+  Random random(135);
+  Scratch scratch;
+  int answered = 0;
+  for (int i = 0; i < 2000; ++i) {
+    Pair p = hullPair(random, scratch);
+    const Interval truth = generalDistance(p.a, p.X_WA, p.b, p.X_WB, {}, scratch, nullptr).distance;
+    for (Pose* X : {&p.X_WA, &p.X_WB}) {
+      Eigen::Matrix3d strain;
+      for (int k = 0; k < 3; ++k) strain.col(k) = random.direction();
+      strain = (0.5 * (strain + strain.transpose())).eval();
+      const double small = random.logUniform(1e-12, 2.5e-7);
+      X->rotation = (X->rotation * (Eigen::Matrix3d::Identity() + small * strain)).eval();
+    }
+    DistanceRequest request;
+    request.tolerance = 1e-3;
+    DistanceResult r;
+    VertexStart start;
+    if (!answerHullPair(p.a, p.X_WA, p.b, p.X_WB, request, nullptr, r, start)) continue;
+    ++answered;
+    EXPECT_LE(r.distance.lower, truth.upper) << p.replay();
+    EXPECT_GE(r.distance.upper, truth.lower) << p.replay();
+  }
+  EXPECT_GT(answered, 500);
+}
+
+// What is no pose, beyond the scale or without an iteration is left to the general way.
+TEST(HullPairs, LeaveTheRestAlone) {
+  Random random(136);
+  Scratch scratch;
+  const Pair p = hullPair(random, scratch);
+  DistanceResult r;
+  VertexStart start;
+  const auto answers = [&](const Pose& X_WA, const Pose& X_WB, const DistanceRequest& request) {
+    return answerHullPair(p.a, X_WA, p.b, X_WB, request, nullptr, r, start);
+  };
+  DistanceRequest none;
+  none.iteration_limit = 0;
+  EXPECT_FALSE(answers(p.X_WA, p.X_WB, none));
+  for (const double bad : {std::nan(""), 1e308, 1e61, double{INFINITY}}) {
+    Pose X = p.X_WB;
+    X.translation.y() = bad;
+    EXPECT_FALSE(answers(p.X_WA, X, {})) << bad;
+    X = p.X_WA;
+    X.rotation(1, 2) = bad;
+    EXPECT_FALSE(answers(X, p.X_WB, {})) << bad;
+  }
+}
+
+}  // namespace
+}  // namespace leeway::collision
