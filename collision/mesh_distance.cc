@@ -1,13 +1,16 @@
 #include "collision/mesh_distance.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "collision/containment.h"
 #include "collision/descent_answer.h"
 #include "collision/mesh_descent.h"
 #include "collision/mesh_pair.h"
 #include "collision/mesh_separation.h"
+#include "collision/pose_check.h"
 #include "collision/solid_depth.h"
+#include "collision/triple.h"
 #include "collision/vector.h"
 #include "leeway/collision/tolerances.h"
 #include "leeway/collision/triangle_mesh.h"
@@ -32,20 +35,54 @@ ConvexView hullOf(const DescentSide& side) {
   return side.tree != nullptr ? side.tree->hullView() : side.view;
 }
 
-// Whether the spheres around both bodies already are farther apart than the threshold: most pairs
-// of a scene end here.
-bool spheresDecide(const Shape& a, const Shape& b, const RelativePose& relative, const Pose& X_WB,
-                   const DistanceRequest& request, DistanceResult& result) {
-  const Vector gap = b.boundingCenter() - placed(relative.X_BA, a.boundingCenter());
-  const double norm = gap.norm(), radii = a.boundingRadius() + b.boundingRadius();
-  const double rounding = (relative.slack + kRelativeRounding) * (a.extent() + b.extent() + norm);
-  const double lower = norm - radii - rounding;
+// A mesh and the sphere of another body, whose centre is at `gap` from the mesh's own in the
+// world's axes: how far the mesh's box is from the sphere, and the unit way to it.
+double boxToSphere(const Shape& mesh, const Eigen::Matrix3d& R, const Triple& gap, double radius,
+                   Triple& normal) {
+  const MeshNode& root = mesh.mesh()->tree().node(0);
+  const Triple p = tripleOf(mesh.boundingCenter()) + rotatedBack(R, gap);
+  const Triple w = {p.x - within(p.x, root.low.x(), root.high.x()),
+                    p.y - within(p.y, root.low.y(), root.high.y()),
+                    p.z - within(p.z, root.low.z(), root.high.z())};
+  const double apart = std::sqrt(squared(w));
+  normal = rotated(R, (1 / apart) * w);
+  return apart - radius;
+}
+
+// Whether the spheres around both bodies, or a sphere and the box around the other one's triangles,
+// already are farther apart than the threshold: most pairs of a scene end here. Straight from the
+// world poses, as the answer takes no longer than a relative pose. Poses that are none decide
+// nothing.
+bool boundsDecide(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
+                  const DistanceRequest& request, DistanceResult& result) {
+  if (std::isnan(request.threshold)) return false;
+  const PoseCheck check = checkRotations(X_WA.rotation, X_WB.rotation);
+  const Triple t = tripleOf(X_WB.translation) - tripleOf(X_WA.translation);
+  const Triple gap = t + (rotated(X_WB.rotation, tripleOf(b.boundingCenter())) -
+                          rotated(X_WA.rotation, tripleOf(a.boundingCenter())));
+  const double norm = std::sqrt(squared(gap)), least = std::max(request.threshold, kSmallestScale);
+  // (Squares of smaller ones lose digits.) A box is looked at through a transpose in the place of
+  // an inverse: twice the departure.
+  const double rounding =
+      2 * (check.departure + kRelativeRounding) * (a.extent() + b.extent() + std::sqrt(squared(t)));
+  const double radius_a = a.boundingRadius(), radius_b = b.boundingRadius();
   // Written so that a NaN, of infinite sizes, too, decides nothing.
-  if (!(lower > request.threshold && lower > 0)) return false;
-  result.distance.lower = lower;
-  result.normal = rotated(X_WB.rotation, gap / norm);
-  result.status = DistanceStatus::kAboveThreshold;
-  return true;
+  const auto decides = [&](double lower, const Triple& normal) {
+    if (!(lower - rounding > least && check.rotations)) return false;
+    result.distance.lower = lower - rounding;
+    write(normal, result.normal);
+    result.status = DistanceStatus::kAboveThreshold;
+    return true;
+  };
+  if (decides(norm - (radius_a + radius_b), (1 / norm) * gap)) return true;
+  Triple normal;
+  if (b.type() == ShapeType::kMesh) {
+    const double lower = boxToSphere(b, X_WB.rotation, -gap, radius_a, normal);
+    if (decides(lower, -normal)) return true;
+  }
+  if (a.type() != ShapeType::kMesh) return false;
+  const double lower = boxToSphere(a, X_WA.rotation, gap, radius_b, normal);
+  return decides(lower, normal);
 }
 
 // Lowers the upper end of an overlap by points that lie in both solids: near the deepest pair of
@@ -75,10 +112,10 @@ void separate(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB
 
 DistanceResult meshDistance(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
                             const DistanceRequest& request, Scratch& scratch, PairCache* cache) {
+  DistanceResult at_once;
+  if (boundsDecide(a, X_WA, b, X_WB, request, at_once)) return at_once;
   const RelativePose relative = relativePose(X_WA, X_WB);
   if (!relative.valid) return {};
-  DistanceResult at_once;
-  if (spheresDecide(a, b, relative, X_WB, request, at_once)) return at_once;
   const DescentSide side_a = descentSide(a), side_b = descentSide(b);
   const DescentPlacement placement = placementOf(relative, side_a, side_b);
   PairCache own;
