@@ -1,6 +1,7 @@
 // From the two description files to a Model.
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <optional>
 #include <tuple>
@@ -145,6 +146,17 @@ void resolveMimic(const UrdfDocument& document, const UrdfJoint& source, Model& 
   joint.mimic = model.findJoint(master->name);
 }
 
+/// A mimic joint's own velocity limit bounds its master: at a variable's velocity no joint that
+/// follows it is too fast. 0 is no limit.
+void limitMaster(const UrdfJoint& source, Model& model) {
+  const Joint& joint = model.joints[index(model.findJoint(source.name))];
+  const int variable = model.joints[index(joint.mimic)].first_variable;
+  if (!source.has_limit || !(source.velocity > 0) || joint.multiplier == 0 || variable < 0) return;
+  double& velocity = model.variables[index(variable)].velocity;
+  const double limit = source.velocity / std::abs(joint.multiplier);
+  velocity = velocity > 0 ? std::min(velocity, limit) : limit;
+}
+
 }  // namespace
 
 std::shared_ptr<const Model> loadModel(const std::string& urdf_path, const std::string& srdf_path,
@@ -185,6 +197,8 @@ std::shared_ptr<const Model> loadModel(const std::string& urdf_path, const std::
                     Eigen::Vector3d::Constant(upper),
                     joint != nullptr && joint->has_limit ? joint->velocity : kInfinity);
   }
+  for (const UrdfJoint& joint : document.joints)
+    if (joint.has_mimic) limitMaster(joint, *model);
   if (!srdf_path.empty()) readSrdf(srdf_path, *model);
   model->finish();
   return model;

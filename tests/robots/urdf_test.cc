@@ -334,6 +334,37 @@ TEST(Urdf, ShapesPosesLimitsAndWarnings) {
       << model->warnings[2];
 }
 
+// The master of joints that follow it is no faster than the slowest of them allows.
+TEST(Urdf, VelocityLimitsOfMimicJointsBoundTheirMaster) {
+  const test::Folder folder;
+  const auto limit = [](const char* velocity) {
+    return std::string("<limit lower=\"-1\" upper=\"1\" effort=\"1\" velocity=\"") + velocity +
+           "\"/>";
+  };
+  const auto velocity = [&](const char* own, const std::string& follower,
+                            const std::string& second) {
+    const std::string file =
+        folder.write("mimic.urdf", robot("<link name=\"b\"/><link name=\"c\"/><link name=\"d\"/>" +
+                                         jointLine("m", "revolute", "a", "b", limit(own)) +
+                                         jointLine("f", "revolute", "a", "c", follower) +
+                                         jointLine("g", "revolute", "a", "d", second)));
+    const auto model = loadModel(file, "");
+    EXPECT_EQ(model->variables.size(), 1U);
+    return model->variables.front().velocity;
+  };
+  const std::string half = "<mimic joint=\"m\" multiplier=\"-2\"/>";
+  const std::string chained = "<mimic joint=\"f\" multiplier=\"4\"/>";
+  EXPECT_EQ(velocity("3", limit("5") + half, limit("100") + chained), 2.5);
+  EXPECT_EQ(velocity("3", limit("5") + half, limit("10") + chained), 1.25);  // -8 times the master
+  EXPECT_EQ(velocity("1", limit("5") + half, limit("100") + chained), 1);
+  // No limit of the master's, of the follower's, or of what does not move.
+  EXPECT_EQ(velocity("0", limit("5") + half, limit("100") + chained), 2.5);
+  EXPECT_EQ(velocity("3", limit("0") + half, limit("0") + chained), 3);
+  EXPECT_EQ(velocity("3", limit("5") + "<mimic joint=\"m\" multiplier=\"0\"/>",
+                     limit("4") + "<mimic joint=\"m\"/>"),
+            3);
+}
+
 TEST(Urdf, RollPitchYawTurnsAboutFixedAxes) {
   const test::Folder folder;
   const auto model = loadModel(
