@@ -46,6 +46,14 @@ struct EdgeClearance {
 /// decided by the hull of a body's two placements, grown by h^2 / 8 times a bound on its
 /// acceleration, instead of by path lengths, which shrink only with h. One per thread; allocates in
 /// the constructor only; queries never throw. Points have the size of the scene's space.
+///
+/// Answers and history. Free is a proof whatever was asked before, and not free is one to within
+/// the rounding that margins are charged with. Which queries look for the proof depends on the
+/// calls before: planes and directions that parted a pair last, pairs that were in the way, growths
+/// at which a sweep failed. So an edge whose proof just fits into the work limit, the smallest
+/// interval or rounding, as a rule one that grazes something within micrometres of its margin, may
+/// be decided after some calls and undecided after others; and of an edge that is not free, the
+/// pair and place that are told may differ. The same calls in the same order give the same answers.
 class EdgeCertifier {
  public:
   explicit EdgeCertifier(std::shared_ptr<const CompiledScene> scene);
