@@ -19,11 +19,14 @@ using collision::Deformable;
 using collision::DeformableMesh;
 using collision::DeformOptions;
 using collision::DeformStrategy;
+using collision::DeformVolume;
 
-std::vector<std::string> strategyWords() {
+/// The words of an enumeration up to its last value.
+template <typename Enum>
+std::vector<std::string> wordsOf(Enum last) {
   std::vector<std::string> words;
-  for (int s = 0; s <= static_cast<int>(DeformStrategy::kOctree); ++s)
-    words.emplace_back(collision::toString(static_cast<DeformStrategy>(s)));
+  for (int i = 0; i <= static_cast<int>(last); ++i)
+    words.emplace_back(collision::toString(static_cast<Enum>(i)));
   return words;
 }
 
@@ -33,11 +36,18 @@ DeformOptions readOptions(const YamlReader& entry) {
     const auto known = collision::deformStrategy(strategy->text());
     if (!known)
       strategy->fail(fmt::format("strategy '{}' is unknown{}", strategy->text(),
-                                 nearestName(strategy->text(), strategyWords())));
+                                 nearestName(strategy->text(), wordsOf(DeformStrategy::kOctree))));
     options.strategy = *known;
   }
   if (const auto given = entry.find("options")) {
     given->expectKeys(keysOf("deform_options"));
+    if (const auto volume = given->find("volume")) {
+      const auto known = collision::deformVolume(volume->text());
+      if (!known)
+        volume->fail(fmt::format("volume '{}' is unknown{}", volume->text(),
+                                 nearestName(volume->text(), wordsOf(DeformVolume::kBall))));
+      options.volume = *known;
+    }
     if (const auto split = given->find("hybrid_split"))
       options.hybrid_split = static_cast<int>(std::min<std::int64_t>(split->integer(0), 1 << 30));
     if (const auto factor = given->find("restructure_factor")) {

@@ -38,7 +38,8 @@ constexpr Keys kMoveit[] = {"scene", "request"};
 constexpr Keys kDeforming[] = {"name",   "position", "orientation", "rpy",      "grid",   "mesh",
                                "motion", "margin",   "speed_bound", "strategy", "options"};
 constexpr Keys kGrid[] = {"size", "cells"};
-constexpr Keys kDeformOptions[] = {"hybrid_split", "restructure_factor", "expected_queries"};
+constexpr Keys kDeformOptions[] = {"volume", "hybrid_split", "restructure_factor",
+                                   "expected_queries"};
 constexpr Keys kMotion[] = {"waves", "pinned", "lattice", "morph", "skinned", "reduced", "cache"};
 constexpr Keys kWave[] = {"direction", "amplitude", "wavelength", "frequency", "phase"};
 constexpr Keys kPinned[] = {"point", "direction", "length"};

@@ -94,8 +94,8 @@ TEST_F(ProblemDeforming, AFileKeepsItsVerticesNumbers) {
 TEST_F(ProblemDeforming, EverybodySeesTheStart) {
   const std::string text =
       "deforming:\n  - name: gate\n    position: [0, 0, 0]\n    rpy: [1.5707963267948966, 0, 0]\n"
-      "    grid: {size: [0.4, 1], cells: [2, 2]}\n    margin: 0.03\n    strategy: refit\n    "
-      "motion:\n"
+      "    grid: {size: [0.4, 1], cells: [2, 2]}\n    margin: 0.03\n    strategy: morph\n    "
+      "options: {volume: ball}\n    motion:\n"
       "      morph:\n        references: [{}, {bumps: [{center: [0, 0, 0], radius: 9, by: [5, 0, "
       "0]}]}]\n"
       "        keys: [{time: 0, weights: [1, 0]}, {time: 2, weights: [0, 1]}]\n";
@@ -108,7 +108,8 @@ TEST_F(ProblemDeforming, EverybodySeesTheStart) {
   EXPECT_GT(clearanceAt("execution: {start: 2}\n"), 3);
   const Problem problem = load(text);
   ASSERT_EQ(problem.deforming.size(), 1U);
-  EXPECT_EQ(problem.deforming[0].options.strategy, collision::DeformStrategy::kRefit);
+  EXPECT_EQ(problem.deforming[0].options.strategy, collision::DeformStrategy::kMorph);
+  EXPECT_EQ(problem.deforming[0].options.volume, collision::DeformVolume::kBall);
   EXPECT_EQ(problem.objects.at(0).name, "gate");
   EXPECT_EQ(problem.margins.at(0).margin, 0.03);
   EXPECT_TRUE(problem.warnings.empty());
@@ -204,6 +205,7 @@ TEST_F(ProblemDeforming, Messages) {
   expectRefused(grid + "    strategy: refitt\n", 13, "did you mean 'refit'?");
   expectRefused(grid + "    strategy: skinned\n", 13, "");
   expectRefused(grid + "    options: {restructure_factor: 1}\n", 13, "above 1");
+  expectRefused(grid + "    options: {volume: bal}\n", 13, "did you mean 'ball'?");
   expectRefused(grid + "    motion: {}\n", 13, "none of waves, lattice");
   expectRefused(
       grid + "    motion: {pinned: {point: [0, 0, 0], direction: [0, 1, 0], length: 1}}\n", 13,
