@@ -9,6 +9,7 @@
 #include <hwy/foreach_target.h>
 //
 #include "collision/pose_check.h"
+#include "collision/simd/vertex_gjk.h"
 #include "collision/simd/vertex_search-inl.h"
 #include "collision/support.h"
 #include "leeway/collision/tolerances.h"
@@ -89,17 +90,6 @@ HWY_INLINE Triple firstDirection(const Shape& a, const WorldHull& hull_a, const 
   return length > 0 ? (1 / length) * middle : Triple{1, 0, 0};
 }
 
-// All of a cache's names are vertices of the pair, as fits() says it.
-HWY_INLINE bool namesFit(const PairCache& cache, int count_a, int count_b) {
-  if (cache.simplex_count < 1 || cache.simplex_count > 3) return false;
-  bool all = true;
-  for (int i = 0; i < cache.simplex_count; ++i) {
-    const int a = cache.simplex_a[i], b = cache.simplex_b[i];
-    all &= a >= 0 && a < count_a && b >= 0 && b < count_b;
-  }
-  return all;
-}
-
 // Without a table or columns only general code knows the farthest vertex.
 HWY_INLINE bool isQuick(const HullSupport& support) {
   return support.length() > 0 || support.sides() > 0;
@@ -115,7 +105,7 @@ bool hullSteps(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_W
   const bool threshold = !std::isnan(request.threshold);
   const int count_a = static_cast<int>(points_a.vertices().size());
   const int count_b = static_cast<int>(points_b.vertices().size());
-  const bool carried = cache != nullptr && !threshold && namesFit(*cache, count_a, count_b);
+  const bool carried = cache != nullptr && !threshold && fits(*cache, count_a, count_b);
   // Many steps on large hulls turn one direction less each in B's frame.
   const bool place = !carried && !threshold;
   if (place &&

@@ -147,15 +147,7 @@ namespace leeway::collision {
 HWY_EXPORT(vertexSteps);
 
 bool fits(const Difference<false>& difference, const PairCache& cache) {
-  const int count = cache.simplex_count;
-  if (count < 1 || count > 3) return false;
-  const int count_a = vertexCount(difference.viewA()), count_b = vertexCount(difference.viewB());
-  bool all = true;
-  for (int i = 0; i < count; ++i) {
-    const int a = cache.simplex_a[i], b = cache.simplex_b[i];
-    all &= a >= 0 && a < count_a && b >= 0 && b < count_b;
-  }
-  return all;
+  return fits(cache, vertexCount(difference.viewA()), vertexCount(difference.viewB()));
 }
 
 GjkEnd runVertexGjk(Difference<false>& difference, const Vector& direction,
