@@ -163,18 +163,21 @@ TEST(BoxTree, EveryBoxHoldsItsTriangles) {
         }
       }
       const OrientedBox box = node.box(lane);
+      bool holds = true;
       for (const int slot : slots) {
+        const Vector3d* corners = tree.corners(slot);
         for (int c = 0; c < 3; ++c) {
           for (int k = 0; k < 3; ++k) {
             double along = 0;
             for (int i = 0; i < 3; ++i) {
               along += static_cast<double>(box.axis[k][i]) *
-                       (tree.corners(slot)[c][i] - static_cast<double>(box.center[i]));
+                       (corners[c][i] - static_cast<double>(box.center[i]));
             }
-            EXPECT_LE(std::abs(along), static_cast<double>(box.half[k])) << m.name;
+            holds &= std::abs(along) <= static_cast<double>(box.half[k]);
           }
         }
       }
+      EXPECT_TRUE(holds) << m.name << ", node " << id << " lane " << lane;
       return slots;
     };
     check(0, 0);

@@ -266,14 +266,14 @@ TEST(ConvexPieces, SayWhyNot) {
   const auto use = [](const TriangleSoup& soup) {
     return TriangleMesh::make(soup.vertices, soup.triangles)->pieces().use;
   };
-  TriangleSoup open = dumbbell(20, 10);
+  TriangleSoup open = dumbbell(14, 8);
   EXPECT_EQ(use(open), Use::kUsed);
   EXPECT_EQ(TriangleMesh::make(open.vertices, open.triangles, false)->pieces().use, Use::kNotAsked);
   open.triangles.pop_back();
   EXPECT_EQ(use(open), Use::kOpen);
   EXPECT_EQ(use(boxSoup({1, 1, 1})), Use::kSmall);
   EXPECT_EQ(use(ballSoup(12, 16, 0.5, 0.3, random)), Use::kConcave);
-  TriangleSoup large = dumbbell(20, 10);
+  TriangleSoup large = dumbbell(14, 8);
   for (auto& v : large.vertices) v *= 1e20;
   EXPECT_EQ(use(large), Use::kExtreme);
 }
@@ -281,7 +281,7 @@ TEST(ConvexPieces, SayWhyNot) {
 // Triangles that name a vertex twice hang on solids without opening them, and stay loose.
 TEST(ConvexPieces, WithTrianglesThatAreNone) {
   Random random(89);
-  TriangleSoup soup = dumbbell(20, 10);
+  TriangleSoup soup = dumbbell(14, 8);
   const auto plain = TriangleMesh::make(soup.vertices, soup.triangles);
   const TriangleMesh::Triangle edge{soup.triangles[3][0], soup.triangles[3][0],
                                     soup.triangles[3][1]};
@@ -298,7 +298,7 @@ TEST(ConvexPieces, WithTrianglesThatAreNone) {
 // A convex mesh is one piece.
 TEST(ConvexPieces, OneForABall) {
   Random random(83);
-  const TriangleSoup ball = ballSoup(20, 30, 0.5, 0, random);
+  const TriangleSoup ball = ballSoup(14, 20, 0.5, 0, random);
   const auto mesh = TriangleMesh::make(ball.vertices, ball.triangles);
   EXPECT_EQ(mesh->pieces().pieces, 1);
   EXPECT_EQ(mesh->pieces().loose_triangles, 0);
