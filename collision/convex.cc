@@ -126,10 +126,13 @@ DistanceResult resultOf(const Progress& progress) {
   result.status = progress.status();
   result.normal = progress.normal();
   result.iterations = progress.iterations;
-  // Along the witnesses when apart; the plane's normal where they (nearly) coincide or are inside.
+  // Along the witnesses when apart, however poor the plane still is (a threshold may have been met
+  // before any other than a stale cache's was tried); the plane's normal where they (nearly)
+  // coincide or are inside.
   const Vector& w = progress.witnessW();
-  const double norm = w.norm();
-  const bool apart = w.dot(result.normal) > 0 && norm > 16 * query.roundoff;
+  const double norm = w.norm(), doubt = 16 * query.roundoff;
+  const bool apart =
+      norm > doubt && (w.dot(result.normal) > 0 || progress.upper() + query.upper_offset > doubt);
   const Vector towards_b = apart ? Vector(w / norm) : result.normal;
   result.point_a = progress.witnessA() + query.radius_a * towards_b;
   result.point_b = progress.witnessA() + w - query.radius_b * towards_b;

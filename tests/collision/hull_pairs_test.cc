@@ -265,5 +265,25 @@ TEST(HullPairs, LeaveTheRestAlone) {
   }
 }
 
+// A threshold that the first point meets leaves the plane of a stale cache for a normal: the radius
+// was put on along that, and the witnesses were 1.412 m apart with an upper end of 0.815 m.
+TEST(RoundedHulls, WitnessesAreAsFarApartAsTheUpperEndWithAStaleCache) {
+  std::vector<Vector3d> corners;
+  for (int i = 0; i < 8; ++i)
+    corners.emplace_back(i & 1 ? 0.1 : -0.1, i & 2 ? 0.1 : -0.1, i & 4 ? 0.1 : -0.1);
+  const Shape capsule = Shape::capsule(0.3, 0.05), hull = Shape::convexHull(corners);
+  Scratch scratch;
+  DistanceRequest request;
+  request.threshold = 2;
+  PairCache cache;
+  cache.direction_B = Vector3d(-1, 0, 0);
+  const DistanceResult r =
+      distance(capsule, {Eigen::Matrix3d::Identity(), Vector3d(0, 0, 0)}, hull,
+               {Eigen::Matrix3d::Identity(), Vector3d(1, 0, 0)}, request, scratch, &cache);
+  EXPECT_EQ(r.status, DistanceStatus::kNotAboveThreshold);
+  EXPECT_GE(r.distance.upper, 0.6);
+  EXPECT_NEAR((r.point_b - r.point_a).norm(), r.distance.upper, 1e-12);
+}
+
 }  // namespace
 }  // namespace leeway::collision
