@@ -12,6 +12,7 @@
 
 #include "collision/simple_pairs.h"
 #include "leeway/collision/convex_hull.h"
+#include "tests/sanitized.h"
 #include "tools/oracle/generate.h"
 #include "tools/oracle/oracle.h"
 
@@ -97,7 +98,7 @@ TEST(HullPairs, AgreeWithTheGeneralWay) {
   Random random(131);
   Scratch scratch;
   int apart = 0, answered = 0, handed_over = 0;
-  for (int i = 0; i < 6000; ++i) {
+  for (int i = 0; i < casesToAsk(6000); ++i) {
     const Pair p = hullPair(random, scratch);
     const DistanceResult slow = generalDistance(p.a, p.X_WA, p.b, p.X_WB, {}, scratch, nullptr);
     // (Large ones without a cache are left to B's frame.)
@@ -123,9 +124,9 @@ TEST(HullPairs, AgreeWithTheGeneralWay) {
     EXPECT_GE(on.distance.upper, slow.distance.lower) << p.replay();
     EXPECT_LE(on.distance.width(), std::max(2 * slow.distance.width(), 1e-9)) << p.replay();
   }
-  EXPECT_GT(apart, 2500);
-  EXPECT_GT(answered, apart * 98 / 100);
-  EXPECT_GT(handed_over, 50);
+  EXPECT_GT(apart, casesToAsk(2500));
+  EXPECT_GT(answered, apart * (kSanitized ? 95 : 98) / 100);
+  EXPECT_GT(handed_over, casesToAsk(50));
 }
 
 TEST(HullPairs, HoldTheTruth) {
@@ -152,7 +153,7 @@ TEST(HullPairs, ThresholdsAreDecidedAsTheGeneralWayDoes) {
   Random random(133);
   Scratch scratch;
   int above = 0, below = 0;
-  for (int i = 0; i < 4000; ++i) {
+  for (int i = 0; i < casesToAsk(4000); ++i) {
     const Pair p = hullPair(random, scratch);
     const Interval truth = generalDistance(p.a, p.X_WA, p.b, p.X_WB, {}, scratch, nullptr).distance;
     DistanceRequest request;
@@ -177,8 +178,8 @@ TEST(HullPairs, ThresholdsAreDecidedAsTheGeneralWayDoes) {
       EXPECT_LE(r.distance.upper, request.threshold) << p.replay();
     }
   }
-  EXPECT_GT(above, 700);
-  EXPECT_GT(below, 700);
+  EXPECT_GT(above, casesToAsk(700));
+  EXPECT_GT(below, casesToAsk(700));
 }
 
 TEST(HullPairs, AnyCacheAgrees) {
@@ -220,7 +221,7 @@ TEST(HullPairs, DeparturesFromRotationsAreInTheWidth) {
   Random random(135);
   Scratch scratch;
   int answered = 0;
-  for (int i = 0; i < 2000; ++i) {
+  for (int i = 0; i < casesToAsk(2000); ++i) {
     Pair p = hullPair(random, scratch);
     const Interval truth = generalDistance(p.a, p.X_WA, p.b, p.X_WB, {}, scratch, nullptr).distance;
     for (Pose* X : {&p.X_WA, &p.X_WB}) {
@@ -239,7 +240,7 @@ TEST(HullPairs, DeparturesFromRotationsAreInTheWidth) {
     EXPECT_LE(r.distance.lower, truth.upper) << p.replay();
     EXPECT_GE(r.distance.upper, truth.lower) << p.replay();
   }
-  EXPECT_GT(answered, 500);
+  EXPECT_GT(answered, casesToAsk(500));
 }
 
 // What is no pose, beyond the scale or without an iteration is left to the general way.
