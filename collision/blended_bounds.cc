@@ -312,7 +312,7 @@ void BlendedBounds::tightenByDiagonals(std::int32_t node, std::span<const double
       double gap = std::max(low[i][lane] - across.upper, across.lower - high[i][lane]);
       if (!(gap >= -kInfinity)) continue;  // both infinite: nothing is known along this one
       gap *= kPerDiagonal;
-      raise(gap - std::abs(gap) * 1e-6 - grown, bounds.lower[lane]);
+      raise(gap - std::abs(gap) * kRotationTolerance - grown, bounds.lower[lane]);
     }
   }
 }
@@ -333,8 +333,9 @@ void BlendedBounds::tightenByBalls(std::int32_t node, std::span<const double> pa
       squared += outside * outside;
     }
     if (!(squared > 0)) continue;
-    // As in the kernels: axes that depart from a rotation by 1e-6.
-    raise(std::sqrt(squared) * (1 - 1e-6) - balls.radius[lane] - grown, bounds.lower[lane]);
+    // As in the kernels: axes that depart from a rotation.
+    raise(std::sqrt(squared) * (1 - kRotationTolerance) - balls.radius[lane] - grown,
+          bounds.lower[lane]);
   }
 }
 

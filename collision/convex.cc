@@ -14,6 +14,7 @@
 #include "collision/sharp.h"
 #include "collision/simd/hull_pairs.h"
 #include "collision/simd/vertex_gjk.h"
+#include "collision/status.h"
 #include "collision/support.h"
 #include "leeway/collision/tolerances.h"
 
@@ -163,12 +164,7 @@ DistanceResult coarseDistance(const ConvexView& a, const Vector& t, const Convex
   if (!(std::abs(result.normal.squaredNorm() - 1) < kUnitNormal)) result.normal = Vector::UnitX();
   result.point_a = apart <= 1e308 ? t : Vector::Zero();
   result.point_b = Vector::Zero();
-  const Interval& d = result.distance;
-  result.status = d.upper - d.lower <= request.tolerance ? DistanceStatus::kConverged
-                  : d.lower > request.threshold          ? DistanceStatus::kAboveThreshold
-                  : d.upper <= request.threshold         ? DistanceStatus::kNotAboveThreshold
-                  : !request.depth && d.upper <= 0       ? DistanceStatus::kOverlap
-                                                         : DistanceStatus::kLimit;
+  result.status = statusOf(result.distance, request);
   return result;
 }
 

@@ -12,6 +12,7 @@
 #include "collision/mesh_distance.h"
 #include "collision/round_box.h"
 #include "collision/scratch.h"
+#include "collision/status.h"
 #include "collision/support.h"
 #include "leeway/collision/convex_hull.h"
 #include "leeway/collision/tolerances.h"

@@ -8,6 +8,7 @@
 #include "collision/deform_descent.h"
 #include "collision/descent_answer.h"
 #include "collision/mesh_distance.h"
+#include "collision/status.h"
 
 namespace leeway::collision {
 namespace {

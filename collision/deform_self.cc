@@ -8,6 +8,7 @@
 #include "collision/deform_snapshot.h"
 #include "collision/mesh_distance.h"
 #include "collision/scratch.h"
+#include "collision/status.h"
 #include "collision/triangle_pair.h"
 #include "leeway/collision/deformable_mesh.h"
 #include "leeway/collision/tolerances.h"

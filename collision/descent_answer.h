@@ -9,6 +9,7 @@
 #include "collision/convex.h"
 #include "collision/mesh_descent.h"
 #include "collision/mesh_distance.h"
+#include "collision/status.h"
 
 namespace leeway::collision {
 

@@ -10,6 +10,7 @@
 #include "collision/mesh_separation.h"
 #include "collision/pose_check.h"
 #include "collision/solid_depth.h"
+#include "collision/status.h"
 #include "collision/triple.h"
 #include "collision/vector.h"
 #include "leeway/collision/tolerances.h"
@@ -21,14 +22,6 @@ using Eigen::Vector3d;
 
 // The order is that of DistanceStatus's own documentation: what was asked most precisely comes
 // first.
-DistanceStatus statusOf(const Interval& distance, const DistanceRequest& request) {
-  if (distance.width() <= request.tolerance) return DistanceStatus::kConverged;
-  if (distance.lower > request.threshold) return DistanceStatus::kAboveThreshold;
-  if (distance.upper <= request.threshold) return DistanceStatus::kNotAboveThreshold;
-  if (!request.depth && distance.upper <= 0) return DistanceStatus::kOverlap;
-  return DistanceStatus::kLimit;
-}
-
 namespace {
 
 ConvexView hullOf(const DescentSide& side) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "collision/status.h"
 #include "collision/support.h"
 
 namespace leeway::collision {
@@ -83,24 +84,15 @@ class Progress {
            swept_upper_ - lower_ <= query_.request.tolerance;
   }
 
-  /// The request is met by a threshold or by a proven overlap: how far exactly is not asked any
-  /// more.
-  bool decided() const {
-    return aboveThreshold() || upper_ <= query_.request.threshold ||
-           (!query_.request.depth && upper_ <= 0);
-  }
+  bool decided() const { return isDecided({lower_, upper_}, query_.request); }
   bool enough() const { return decided() || (converged() && signKnown()); }
 
   /// Which side of contact the pair is on: work goes on for that even when the interval is narrow
   /// enough.
-  bool signKnown() const { return lower_ > 0 || upper_ <= 0; }
+  bool signKnown() const { return isSignKnown({lower_, upper_}); }
 
   DistanceStatus status() const {
-    if (converged()) return DistanceStatus::kConverged;
-    if (aboveThreshold()) return DistanceStatus::kAboveThreshold;
-    if (upper_ <= query_.request.threshold) return DistanceStatus::kNotAboveThreshold;
-    if (!query_.request.depth && upper_ <= 0) return DistanceStatus::kOverlap;
-    return DistanceStatus::kLimit;
+    return converged() ? DistanceStatus::kConverged : statusOf({lower_, upper_}, query_.request);
   }
 
   const CoreQuery& query() const { return query_; }

@@ -4,6 +4,7 @@
 #include "collision/closed_form.h"
 #include "collision/cylinder_pairs.h"
 #include "collision/pose_check.h"
+#include "collision/status.h"
 #include "leeway/collision/tolerances.h"
 
 namespace leeway::collision {
@@ -36,22 +37,16 @@ inline __attribute__((always_inline)) bool answer(const Frame& frame, const Near
   const double extents = 2 * (frame.extent_a + frame.extent_b);
   const double size = nearest.apart + extents;
   const double rounding = share * nearest.apart + (share * extents + 4 * kUnitRoundoff * radii);
-  const double lower = (nearest.plane - radii) - rounding;
-  const double upper = (nearest.apart - radii) + rounding;
-  const bool converged = upper - lower <= request.tolerance;
-  const bool above = lower > request.threshold, below = upper <= request.threshold;
-  const bool overlap = !request.depth && upper <= 0;
-  const bool enough = (converged && (lower > 0 || upper <= 0)) || above || below || overlap;
+  const Interval found = {(nearest.plane - radii) - rounding, (nearest.apart - radii) + rounding};
+  const bool enough =
+      (found.width() <= request.tolerance && isSignKnown(found)) || isDecided(found, request);
   // Written so that NaN fails; a translation that is not finite gives no finite size.
   if (!(enough && check.rotations && nearest.apart > 64 * kUnitRoundoff * size &&
         size + radii >= kSmallestScale && size + radii <= kLargestScale)) {
     return false;
   }
-  result.distance = {lower, upper};
-  result.status = converged ? DistanceStatus::kConverged
-                  : above   ? DistanceStatus::kAboveThreshold
-                  : below   ? DistanceStatus::kNotAboveThreshold
-                            : DistanceStatus::kOverlap;
+  result.distance = found;
+  result.status = statusOf(found, request);
   const Triple& n = nearest.normal;
   const Triple core = tripleOf(frame.X_WB.translation) + nearest.point_a;
   const Triple along = nearest.early ? (1 / nearest.apart) * nearest.way : n;

@@ -11,6 +11,7 @@
 #include "collision/pose_check.h"
 #include "collision/simd/vertex_gjk.h"
 #include "collision/simd/vertex_search-inl.h"
+#include "collision/status.h"
 #include "collision/support.h"
 #include "leeway/collision/tolerances.h"
 
@@ -152,24 +153,18 @@ bool hullSteps(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_W
   start.iterations = search.iterations();
   if (found.count == 0 || end == GjkEnd::kInside) return false;
   // As Progress has it.
-  const double lower = search.best().value() - lower_offset,
-               upper = std::sqrt(squared(w)) + rounding;
-  const bool converged = upper - lower <= request.tolerance;
-  const bool above = lower > request.threshold, below = upper <= request.threshold;
-  const bool overlap = !request.depth && upper <= 0;
+  const Interval separation = {search.best().value() - lower_offset,
+                               std::sqrt(squared(w)) + rounding};
+  const bool enough = (separation.width() <= request.tolerance && isSignKnown(separation)) ||
+                      isDecided(separation, request);
   const Triple point_a = t_b + p, point_b = point_a + w;
   const Triple& plane = search.best().direction();
   const Triple n = (1 / std::sqrt(squared(plane))) * plane;
   // Coordinates beyond 1e308 overflow.
   const double sum = std::abs(point_a.x + point_a.y + point_a.z) + std::abs(n.x + n.y + n.z);
-  if (!((converged && (lower > 0 || upper <= 0)) || above || below || overlap) || !(sum <= 1e300)) {
-    return false;
-  }
-  result.distance = {lower, upper};
-  result.status = converged ? DistanceStatus::kConverged
-                  : above   ? DistanceStatus::kAboveThreshold
-                  : below   ? DistanceStatus::kNotAboveThreshold
-                            : DistanceStatus::kOverlap;
+  if (!enough || !(sum <= 1e300)) return false;
+  result.distance = separation;
+  result.status = statusOf(separation, request);
   result.iterations = search.iterations();
   write(point_a, result.point_a);
   write(point_b, result.point_b);

@@ -2,10 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include "collision/simd/targets.h"
-//
-#include <hwy/highway.h>
-
 #include <algorithm>
 #include <cstring>
 #include <set>
@@ -15,6 +11,7 @@
 #include "collision/triangle_pair.h"
 #include "leeway/collision/distance.h"
 #include "tests/collision/mesh_cases.h"
+#include "tests/every_target.h"
 #include "tests/sanitized.h"
 
 namespace leeway::collision {
@@ -114,19 +111,13 @@ TEST(BoxGaps, AreTheSameOnEveryInstructionSet) {
     return all;
   };
   const std::vector<float> best = run();
-  int targets = 0;
-  // Not those that this compiler made no code for: a call would go nowhere.
-  for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
-    hwy::SetSupportedTargetsForTest(target);
-    hwy::GetChosenTarget().DeInit();
-    const std::vector<float> other = run();
-    ++targets;
-    EXPECT_EQ(std::memcmp(best.data(), other.data(), best.size() * sizeof(float)), 0)
-        << hwy::TargetName(target);
-    hwy::SetSupportedTargetsForTest(0);
-  }
-  hwy::GetChosenTarget().DeInit();
-  EXPECT_GE(targets, 1);
+  EXPECT_GE(onEveryTarget([&](const char* target) {
+              const std::vector<float> other = run();
+              ASSERT_EQ(best.size(), other.size());
+              EXPECT_EQ(std::memcmp(best.data(), other.data(), best.size() * sizeof(float)), 0)
+                  << target;
+            }),
+            1);
 }
 
 TEST(BoxTree, EveryBoxHoldsItsTriangles) {

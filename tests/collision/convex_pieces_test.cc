@@ -5,10 +5,6 @@
 
 #include <gtest/gtest.h>
 
-#include "collision/simd/targets.h"
-//
-#include <hwy/highway.h>
-
 #include <algorithm>
 #include <cstring>
 #include <functional>
@@ -22,6 +18,7 @@
 #include "leeway/collision/tolerances.h"
 #include "tests/collision/allocations.h"
 #include "tests/collision/mesh_cases.h"
+#include "tests/every_target.h"
 #include "tests/sanitized.h"
 
 namespace leeway::collision {
@@ -569,7 +566,6 @@ TEST(ConvexPieces, AllocateNothingInQueriesAndTakeAnyCache) {
   EXPECT_EQ(allocated, 0U);
 }
 
-// The same pieces every time.
 /// Every number of decompositions and of queries with them.
 std::vector<double> answersWithPieces() {
   Random random(90);
@@ -610,21 +606,16 @@ std::vector<double> answersWithPieces() {
 
 TEST(ConvexPieces, TheSameBytesOnEveryInstructionSet) {
   const std::vector<double> best = answersWithPieces();
-  int targets = 0;
-  for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
-    hwy::SetSupportedTargetsForTest(target);
-    hwy::GetChosenTarget().DeInit();
-    const std::vector<double> other = answersWithPieces();
-    ++targets;
-    ASSERT_EQ(best.size(), other.size());
-    EXPECT_EQ(std::memcmp(best.data(), other.data(), best.size() * sizeof(double)), 0)
-        << hwy::TargetName(target);
-    hwy::SetSupportedTargetsForTest(0);
-  }
-  hwy::GetChosenTarget().DeInit();
-  EXPECT_GE(targets, 1);
+  EXPECT_GE(onEveryTarget([&](const char* target) {
+              const std::vector<double> other = answersWithPieces();
+              ASSERT_EQ(best.size(), other.size());
+              EXPECT_EQ(std::memcmp(best.data(), other.data(), best.size() * sizeof(double)), 0)
+                  << target;
+            }),
+            1);
 }
 
+// The same pieces every time.
 TEST(ConvexPieces, AreDeterministic) {
   const TriangleSoup soup = gear(9, 6);
   const auto mesh = TriangleMesh::make(soup.vertices, soup.triangles);

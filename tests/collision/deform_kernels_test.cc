@@ -5,10 +5,6 @@
 
 #include <gtest/gtest.h>
 
-#include "collision/simd/targets.h"
-//
-#include <hwy/highway.h>
-
 #include <cmath>
 #include <limits>
 #include <vector>
@@ -17,6 +13,7 @@
 #include "collision/deform_build.h"
 #include "collision/deform_probe.h"
 #include "tests/collision/deformable_cases.h"
+#include "tests/every_target.h"
 
 namespace leeway::collision {
 namespace {
@@ -154,22 +151,16 @@ std::vector<float> results() {
 TEST(DeformKernels, AreTheSameBytes) {
   const std::vector<float> best = results();
   ASSERT_GT(best.size(), 10000U);
-  int targets = 0;
-  for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
-    hwy::SetSupportedTargetsForTest(target);
-    hwy::GetChosenTarget().DeInit();
-    const std::vector<float> other = results();
-    ++targets;
-    ASSERT_EQ(best.size(), other.size());
-    for (std::size_t i = 0; i < best.size(); ++i) {
-      // 0 and -0 are the same box, but not the same bytes.
-      ASSERT_TRUE(best[i] == other[i] && std::signbit(best[i]) == std::signbit(other[i]))
-          << hwy::TargetName(target) << ", number " << i << ": " << other[i] << " for " << best[i];
-    }
-    hwy::SetSupportedTargetsForTest(0);
-  }
-  hwy::GetChosenTarget().DeInit();
-  EXPECT_GE(targets, 1);
+  EXPECT_GE(onEveryTarget([&](const char* target) {
+              const std::vector<float> other = results();
+              ASSERT_EQ(best.size(), other.size());
+              for (std::size_t i = 0; i < best.size(); ++i) {
+                // 0 and -0 are the same box, but not the same bytes.
+                ASSERT_TRUE(best[i] == other[i] && std::signbit(best[i]) == std::signbit(other[i]))
+                    << target << ", number " << i << ": " << other[i] << " for " << best[i];
+              }
+            }),
+            1);
 }
 
 /// Boxes hold their vertices, by plain comparison, and hold them tightly.

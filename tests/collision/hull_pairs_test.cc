@@ -12,6 +12,7 @@
 
 #include "collision/simple_pairs.h"
 #include "leeway/collision/convex_hull.h"
+#include "tests/collision/pair_cases.h"
 #include "tests/sanitized.h"
 #include "tools/oracle/generate.h"
 #include "tools/oracle/oracle.h"
@@ -21,6 +22,9 @@ namespace {
 
 using Eigen::Vector3d;
 using oracle::Random;
+using testing::moveApart;
+using testing::outside;
+using testing::Pair;
 
 // 1 to 80 vertices, a few times 300: scanned, placed or looked up in a table; some thin or flat,
 // some with duplicated points.
@@ -40,16 +44,6 @@ Shape anyHull(Random& random) {
   return Shape::convexHull(points);
 }
 
-struct Pair {
-  Shape a, b;
-  Pose X_WA, X_WB;
-  double size() const { return a.extent() + b.extent(); }
-  std::string replay() const {
-    return oracle::replay(a) + " at " + oracle::replay(X_WA) + " with " + oracle::replay(b) +
-           " at " + oracle::replay(X_WB);
-  }
-};
-
 // Apart by 1e-12 to 10 m, mostly; some parallel.
 Pair hullPair(Random& random, Scratch& scratch) {
   Pair pair{anyHull(random), anyHull(random), {}, {}};
@@ -59,19 +53,8 @@ Pair hullPair(Random& random, Scratch& scratch) {
   pair.X_WB = {random.chance(0.2) ? pair.X_WA.rotation : random.rotation(),
                middle + random.uniform(0, 4) * random.direction()};
   const double gap = random.logUniform(1e-12, 10);
-  for (int i = 0; i < 3 && random.chance(0.9); ++i) {
-    const DistanceResult r =
-        generalDistance(pair.a, pair.X_WA, pair.b, pair.X_WB, {}, scratch, nullptr);
-    pair.X_WB.translation += (gap - r.distance.upper) * r.normal;
-  }
+  for (int i = 0; i < 3 && random.chance(0.9); ++i) moveApart(pair, gap, scratch);
   return pair;
-}
-
-// By how much p stands out of a shape [m].
-double outside(const Shape& shape, const Pose& X_WS, const Vector3d& p_W, Scratch& scratch) {
-  return generalDistance(Shape::sphere(0), {Eigen::Matrix3d::Identity(), p_W}, shape, X_WS, {},
-                         scratch, nullptr)
-      .distance.lower;
 }
 
 // Along n, from A's farthest vertex to B's.

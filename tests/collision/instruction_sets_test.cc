@@ -2,10 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include "collision/simd/targets.h"
-//
-#include <hwy/highway.h>
-
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -15,6 +11,7 @@
 #include "collision/hull_support.h"
 #include "collision/support.h"
 #include "leeway/collision/distance.h"
+#include "tests/every_target.h"
 #include "tests/sanitized.h"
 #include "tools/oracle/generate.h"
 
@@ -65,20 +62,13 @@ std::vector<double> answers() {
 
 TEST(InstructionSets, DistancesAreTheSameBytes) {
   const std::vector<double> best = answers();
-  int targets = 0;
-  // Not those that this compiler made no code for: a call would go nowhere.
-  for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
-    hwy::SetSupportedTargetsForTest(target);
-    hwy::GetChosenTarget().DeInit();
-    const std::vector<double> other = answers();
-    ++targets;
-    ASSERT_EQ(best.size(), other.size());
-    EXPECT_EQ(std::memcmp(best.data(), other.data(), best.size() * sizeof(double)), 0)
-        << hwy::TargetName(target);
-    hwy::SetSupportedTargetsForTest(0);
-  }
-  hwy::GetChosenTarget().DeInit();
-  EXPECT_GE(targets, 1);
+  EXPECT_GE(onEveryTarget([&](const char* target) {
+              const std::vector<double> other = answers();
+              ASSERT_EQ(best.size(), other.size());
+              EXPECT_EQ(std::memcmp(best.data(), other.data(), best.size() * sizeof(double)), 0)
+                  << target;
+            }),
+            1);
 }
 
 /// Points whose hull has many vertices in some directions and few in others.

@@ -2,16 +2,13 @@
 
 #include <gtest/gtest.h>
 
-#include "collision/simd/targets.h"
-//
-#include <hwy/targets.h>
-
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <vector>
 
+#include "tests/every_target.h"
 #include "tools/oracle/generate.h"
 
 namespace leeway::collision {
@@ -126,8 +123,7 @@ TEST(LaneFrames, HaveTheSameBitsOnEveryInstructionSet) {
   }
   const std::vector<float> motion = {0.3F, 1.1F, 0.01F, 2.2F, 0.0F};
   std::vector<std::vector<float>> results;
-  for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
-    hwy::SetSupportedTargetsForTest(target);
+  onEveryTarget([&](const char*) {
     std::vector<float>& bits = results.emplace_back();
     for (const Chain& chain : chains) {
       std::vector<LaneFrame> frames(chain.steps.size());
@@ -138,8 +134,7 @@ TEST(LaneFrames, HaveTheSameBitsOnEveryInstructionSet) {
     std::vector<float> sums(growth.paddedSize());
     growth.run(motion, sums);
     bits.insert(bits.end(), sums.begin(), sums.end());
-  }
-  hwy::SetSupportedTargetsForTest(0);
+  });
   ASSERT_FALSE(results.empty());
   for (const std::vector<float>& bits : results)
     EXPECT_EQ(std::memcmp(bits.data(), results[0].data(), bits.size() * sizeof(float)), 0);

@@ -8,6 +8,7 @@
 #include <string>
 #include <utility>
 
+#include "tests/collision/pair_cases.h"
 #include "tests/sanitized.h"
 #include "tools/oracle/generate.h"
 
@@ -16,6 +17,9 @@ namespace {
 
 using Eigen::Vector3d;
 using oracle::Random;
+using testing::moveApart;
+using testing::outside;
+using testing::Pair;
 
 double size(Random& random) {
   const double some = random.uniform(0.1, 1);
@@ -42,15 +46,6 @@ Eigen::Matrix3d turned(const Vector3d& axis, double angle) {
   return Eigen::Matrix3d::Identity() + std::sin(angle) * K + (1 - std::cos(angle)) * K * K;
 }
 
-struct Pair {
-  Shape a, b;
-  Pose X_WA, X_WB;
-  std::string replay() const {
-    return oracle::replay(a) + " at " + oracle::replay(X_WA) + " with " + oracle::replay(b) +
-           " at " + oracle::replay(X_WB);
-  }
-};
-
 // Apart by 1e-9 to 10 m, mostly; a third of them with axes that are parallel, or nearly.
 Pair simplePair(Random& random, ShapeType type_a, ShapeType type_b, Scratch& scratch) {
   Pair pair{simpleShape(random, type_a), simpleShape(random, type_b), {}, {}};
@@ -65,19 +60,8 @@ Pair simplePair(Random& random, ShapeType type_a, ShapeType type_b, Scratch& scr
                          turned(random.direction(), tilt);
   }
   const double gap = random.logUniform(1e-9, 10);
-  for (int i = 0; i < 3; ++i) {
-    const DistanceResult r =
-        generalDistance(pair.a, pair.X_WA, pair.b, pair.X_WB, {}, scratch, nullptr);
-    pair.X_WB.translation += (gap - r.distance.upper) * r.normal;
-  }
+  for (int i = 0; i < 3; ++i) moveApart(pair, gap, scratch);
   return pair;
-}
-
-// By how much p stands out of a shape [m]: the shape with the point as a sphere of no radius.
-double outside(const Shape& shape, const Pose& X_WS, const Vector3d& p_W, Scratch& scratch) {
-  return generalDistance(Shape::sphere(0), {Eigen::Matrix3d::Identity(), p_W}, shape, X_WS, {},
-                         scratch, nullptr)
-      .distance.lower;
 }
 
 constexpr ShapeType kTypes[] = {ShapeType::kSphere, ShapeType::kCapsule, ShapeType::kBox,

@@ -2,15 +2,12 @@
 
 #include <gtest/gtest.h>
 
-#include "collision/simd/targets.h"
-//
-#include <hwy/targets.h>
-
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
 #include "leeway/planner/edge_certifier.h"
+#include "tests/every_target.h"
 #include "tests/planner/random_problem.h"
 
 namespace leeway::planner {
@@ -122,8 +119,7 @@ TEST(EdgeLanes, GiveTheSameAnswersOnEveryInstructionSet) {
   std::vector<std::vector<double>> points;
   for (int i = 0; i < 120; ++i) points.push_back(randomPoint(random, *scene));
   std::vector<std::vector<std::uint32_t>> results;
-  for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
-    hwy::SetSupportedTargetsForTest(target);
+  onEveryTarget([&](const char*) {
     EdgeFrames frames(scene, 64);
     EdgeLanes lanes(frames);
     std::vector<std::uint32_t>& result = results.emplace_back();
@@ -140,8 +136,7 @@ TEST(EdgeLanes, GiveTheSameAnswersOnEveryInstructionSet) {
         result.push_back(o.lanes);
       }
     }
-  }
-  hwy::SetSupportedTargetsForTest(0);
+  });
   EXPECT_GT(results[0].size(), 150U);
   for (const auto& result : results) EXPECT_EQ(result, results[0]);
 }
