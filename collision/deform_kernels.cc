@@ -248,12 +248,13 @@ struct FourExtremes {
   }
 };
 
-bool branches(const DeformTree& tree, const Eigen::Vector3d* vertices, WideBox* boxes) {
+bool branches(const DeformTree& tree, const Eigen::Vector3d* vertices, std::size_t begin,
+              std::size_t end, WideBox* boxes) {
   // Vertices come from far: fetching them that many fours early saves a third of the time.
   constexpr std::size_t kAhead = 16;
   const std::span<const std::int32_t> fours = tree.fours(), singles = tree.singles();
   bool finite = true;
-  for (const DeformTree::Branch& branch : tree.branches()) {
+  for (const DeformTree::Branch& branch : tree.branches().subspan(begin, end - begin)) {
     FourExtremes four;
     for (auto i = static_cast<std::size_t>(branch.runs.four_begin);
          i < static_cast<std::size_t>(branch.runs.four_end); ++i) {

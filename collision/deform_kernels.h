@@ -37,8 +37,9 @@ struct DeformKernels {
   /// them. Returns false when a vertex is NaN or infinite.
   bool (*refit)(const DeformTree& tree, const Eigen::Vector3d* vertices, std::int32_t begin,
                 std::int32_t end, WideBox* boxes);
-  /// Boxes of all branches, in their parents' lanes.
-  bool (*branches)(const DeformTree& tree, const Eigen::Vector3d* vertices, WideBox* boxes);
+  /// Boxes of the branches [begin, end), in their parents' lanes.
+  bool (*branches)(const DeformTree& tree, const Eigen::Vector3d* vertices, std::size_t begin,
+                   std::size_t end, WideBox* boxes);
   /// Boxes of the children of one node from the vertices below them; infinite ones where a vertex
   /// is not finite.
   void (*fromVertices)(const DeformTree& tree, const Eigen::Vector3d* vertices, std::int32_t node,

@@ -8,6 +8,8 @@
 #include "collision/deform_build.h"
 #include "collision/deform_fit.h"
 #include "collision/deform_pool.h"
+#include "collision/round_box.h"
+#include "collision/round_up.h"
 #include "collision/scratch.h"
 #include "leeway/collision/deformable_mesh.h"
 #include "leeway/collision/tolerances.h"
@@ -18,6 +20,9 @@ namespace leeway::collision {
 using Eigen::Vector3d;
 
 namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 std::uint64_t nextNumber() {
   static std::atomic<std::uint64_t> last{0};
@@ -35,6 +40,12 @@ constexpr double kModesMicroseconds = 3.5;
 constexpr double kReadMicroseconds = 0.001;
 // Triangles that are looked at to see whether the hierarchy or the mesh itself has grown.
 constexpr std::size_t kSampledTriangles = 256;
+// Where it is known how far vertices can have moved, branches are read in turns and the boxes of
+// the others grow: by no more than this share of their longest sides in the mean. Larger: cheaper
+// updates, dearer queries; measured by bench_deform.
+constexpr double kTurnGrowth = 0.35;
+// When more than this share of the branches is due, all are read: growing the others is work, too.
+constexpr double kTurnWorth = 0.75;
 
 bool needsMotion(DeformStrategy strategy) {
   return strategy == DeformStrategy::kMorph || strategy == DeformStrategy::kSkinned ||
@@ -71,27 +82,43 @@ struct Deformable::Impl {
   std::shared_ptr<const DeformableSnapshot> current;
   UpdateStatistics statistics;
   int bad_vertex = -1;
-  bool by_motion = false;  // the next snapshot's vertices are the motion's
+  bool by_motion = false;           // the next snapshot's vertices are the motion's ...
+  double evaluated = kNaN;          // ... at this time
+  double current_evaluated = kNaN;  // of the current snapshot; NaN: they are not the motion's
   // Since the tree was built.
   double built_cost = 0;        // surfaceCost() of all nodes, then
   double built_upper_cost = 0;  // of the upper ones
-  double built_looseness = 0;   // looseness() then
+  double built_looseness = 0;   // looseness() of the branches then
   double excess = 0;            // what queries have paid for its decay, see kQueryMicroseconds
   std::vector<float> fit, built_fit;
   std::vector<std::int32_t> decayed;
+  // The turn in which the branches are read, see upperLevels().
+  struct Turn {
+    std::size_t next = 0;  // branch
+    int frames = 0;
+    double area = 0, length = 0;  // sums over the branches that were read, as they were then
+  };
+  Turn turn;
+  double branch_length = 0;  // longest side of a branch's box, in the mean over the last whole turn
 
-  // What is to be done with vertices that stand in the next snapshot.
-  UpdateStatus take(double time, double speed_bound, bool checked);
+  // What is to be done with vertices that stand in the next snapshot. None is farther than `moved`
+  // from where the current one has it.
+  UpdateStatus take(double time, double speed_bound, bool checked, double moved);
+  double movedSince() const;
   DeformableSnapshotImpl& prepareNext();
   void choose(DeformStrategy& strategy, const char*& reason) const;
   bool follow(DeformStrategy& strategy, const char*& reason, DeformableSnapshotImpl& s,
-              bool bounded);
+              bool bounded, double moved);
   bool refit(DeformableSnapshotImpl& s);
   bool rebuild(DeformMethod method, DeformableSnapshotImpl& s, bool bounded);
   bool restructure(DeformableSnapshotImpl& s);
-  bool upperLevels(DeformableSnapshotImpl& s);
+  bool upperLevels(DeformableSnapshotImpl& s, double moved);
+  std::size_t branchesDue(double moved) const;
+  void growBranches(DeformableSnapshotImpl& s, double moved) const;
+  void addToTurn(const DeformableSnapshotImpl& s, std::size_t end);
   bool rebuildPays(const DeformableSnapshotImpl& s);
-  double looseness(const DeformableSnapshotImpl& s) const;
+  void measureBuilt(const DeformableSnapshotImpl& s);
+  double looseness(const DeformableSnapshotImpl& s, double of_branches) const;
   std::span<const Vector3d> given(const DeformableSnapshotImpl& s) const {
     return {s.vertices.data(), mesh->rest().size()};
   }
@@ -139,6 +166,10 @@ void reserve(std::vector<WideBox>& boxes, std::int32_t nodes) {
   if (boxes.size() < static_cast<std::size_t>(nodes)) boxes.resize(static_cast<std::size_t>(nodes));
 }
 
+double halfArea(const Vector3d& side) {
+  return side.x() * side.y() + side.y() * side.z() + side.z() * side.x();
+}
+
 // The root's children together.
 void boundRoot(const WideBox& root, Vector3d& low, Vector3d& high) {
   for (int k = 0; k < 3; ++k) {
@@ -169,14 +200,21 @@ bool Deformable::Impl::rebuild(DeformMethod method, DeformableSnapshotImpl& s, b
   tree = buildDeformTree(given(s), mesh->triangles(), method, split);
   statistics.triangles_rebuilt = mesh->triangleCount();
   if (!refit(s)) return false;
+  measureBuilt(s);
+  excess = 0;
+  statistics.decay = 1;
+  return true;
+}
+
+// What later states are compared with.
+void Deformable::Impl::measureBuilt(const DeformableSnapshotImpl& s) {
   const std::span<const WideBox> boxes(s.boxes.data(), tree->nodes().size());
   built_cost = surfaceCost(boxes, tree->nodeCount());
   built_upper_cost = surfaceCost(boxes, tree->upperCount());
-  built_looseness = looseness(s);
-  excess = 0;
-  statistics.decay = 1;
+  turn = {};
+  addToTurn(s, tree->branches().size());
+  built_looseness = looseness(s, turn.area);
   if (options.strategy == DeformStrategy::kRestructure) measureFit(*tree, boxes, built_fit);
-  return true;
 }
 
 bool Deformable::Impl::restructure(DeformableSnapshotImpl& s) {
@@ -199,30 +237,84 @@ bool Deformable::Impl::restructure(DeformableSnapshotImpl& s) {
   return true;
 }
 
-bool Deformable::Impl::upperLevels(DeformableSnapshotImpl& s) {
-  const DeformKernels& kernels = deformKernels();
+// The boxes of the branches are read from all their vertices. Where it is known how far a vertex
+// can have moved since the current snapshot, that snapshot's boxes, grown by as much, hold, too:
+// then a share of the branches is read, in turns, so that none grows by more than kTurnGrowth of
+// the branches' mean length before it is read again. Nodes below are read when a query comes to
+// them, and so as close as ever.
+bool Deformable::Impl::upperLevels(DeformableSnapshotImpl& s, double moved) {
   s.tree = tree;
   s.demand = Demand::kBranches;
   const std::int32_t upper = tree->upperCount();
   reserve(s.boxes, upper);
   statistics.nodes_touched += upper;
-  statistics.vertices_touched += mesh->vertexCount();
-  if (!kernels.branches(*tree, s.vertices.data(), s.boxes.data()) ||
-      !kernels.refit(*tree, s.vertices.data(), 0, upper, s.boxes.data()))
+  const std::size_t all = tree->branches().size(), due = branchesDue(moved);
+  if (due == all || turn.next == all) turn = {};
+  if (due < all) growBranches(s, moved);
+  const std::size_t begin = turn.next, end = std::min(begin + due, all);
+  if (!deformKernels().branches(*tree, s.vertices.data(), begin, end, s.boxes.data()) ||
+      !deformKernels().refit(*tree, s.vertices.data(), 0, upper, s.boxes.data()))
     return false;
+  addToTurn(s, end);
+  ++turn.frames;
+  if (begin < end) {
+    const DeformTree::Runs &first = tree->branches()[begin].runs,
+                           &last = tree->branches()[end - 1].runs;
+    statistics.vertices_touched +=
+        4 * (last.four_end - first.four_begin) + last.single_end - first.single_begin;
+  }
   boundRoot(s.boxes[0], s.low, s.high);
   return true;
 }
 
-// Surface area of the upper nodes over that of the triangles' own boxes (of some of them): what a
+// How many branches have to be read.
+std::size_t Deformable::Impl::branchesDue(double moved) const {
+  const std::size_t all = tree->branches().size();
+  const DeformableSnapshotImpl& last = current->impl();
+  const bool known =
+      last.tree == tree && (last.demand == Demand::kNothing || last.demand == Demand::kBranches);
+  // Written so that what is no number reads all.
+  const double share = moved / (kTurnGrowth * branch_length);
+  if (!known || !(share < kTurnWorth)) return all;
+  return std::min(all, 1 + static_cast<std::size_t>(share * static_cast<double>(all)));
+}
+
+void Deformable::Impl::growBranches(DeformableSnapshotImpl& s, double moved) const {
+  const std::vector<WideBox>& before = current->impl().boxes;
+  for (const DeformTree::Branch& branch : tree->branches()) {
+    const DeformTree::Up& up = tree->up(branch.root);
+    const auto parent = static_cast<std::size_t>(up.parent);
+    for (int k = 0; k < 3; ++k) {
+      s.boxes[parent].low[k][up.lane] =
+          roundedDown(static_cast<double>(before[parent].low[k][up.lane]) - moved);
+      s.boxes[parent].high[k][up.lane] =
+          roundedUpToFloat(static_cast<double>(before[parent].high[k][up.lane]) + moved);
+    }
+  }
+}
+
+// The branches from turn.next to `end` have been read.
+void Deformable::Impl::addToTurn(const DeformableSnapshotImpl& s, std::size_t end) {
+  const std::span<const DeformTree::Branch> branches = tree->branches();
+  for (; turn.next < end; ++turn.next) {
+    const DeformTree::Up& up = tree->up(branches[turn.next].root);
+    const WideBox& box = s.boxes[static_cast<std::size_t>(up.parent)];
+    Vector3d side;
+    for (int k = 0; k < 3; ++k)
+      side[k] =
+          static_cast<double>(box.high[k][up.lane]) - static_cast<double>(box.low[k][up.lane]);
+    turn.area += halfArea(side);
+    turn.length += side.maxCoeff();
+  }
+  if (end == branches.size()) branch_length = turn.length / static_cast<double>(end);
+}
+
+// Surface area of the branches over that of the triangles' own boxes (of some of them): what a
 // rebuild could better. Where the triangles themselves grow, as when every vertex flies its own
 // way, the nodes around them grow with them and no other hierarchy is better off.
-double Deformable::Impl::looseness(const DeformableSnapshotImpl& s) const {
+double Deformable::Impl::looseness(const DeformableSnapshotImpl& s, double of_branches) const {
   const std::span<const DeformableMesh::Triangle> triangles = mesh->triangles();
   const std::size_t step = std::max<std::size_t>(1, triangles.size() / kSampledTriangles);
-  const auto halfArea = [](const Vector3d& d) {
-    return d.x() * d.y() + d.y() * d.z() + d.z() * d.x();
-  };
   double area = 0;
   int count = 0;
   for (std::size_t i = 0; i < triangles.size(); i += step, ++count) {
@@ -233,25 +325,24 @@ double Deformable::Impl::looseness(const DeformableSnapshotImpl& s) const {
                      corner(0).cwiseMin(corner(1)).cwiseMin(corner(2)));
   }
   area *= static_cast<double>(triangles.size()) / count;
-  const double nodes = surfaceCost({s.boxes.data(), s.boxes.size()}, s.tree->upperCount()) *
-                       halfArea(s.high - s.low);
-  return area > 0 ? nodes / area : 0;
+  return area > 0 ? of_branches / area : 0;
 }
 
-// Whether what queries have paid for the decay since the last rebuild comes to what a rebuild
-// costs: then at most twice the least possible is paid, whatever the mesh does (as for renting or
-// buying skis). Decay is seen in the upper levels.
+// At the end of a turn: whether what queries have paid for the decay since the last rebuild comes
+// to what a rebuild costs: then at most twice the least possible is paid, whatever the mesh does
+// (as for renting or buying skis). Decay is seen in the upper levels.
 bool Deformable::Impl::rebuildPays(const DeformableSnapshotImpl& s) {
   const double cost = surfaceCost({s.boxes.data(), s.boxes.size()}, tree->upperCount());
   statistics.decay = built_upper_cost > 0 ? cost / built_upper_cost : 1;
-  const double looser = built_looseness > 0 ? looseness(s) / built_looseness : 1;
-  excess += options.expected_queries * kQueryMicroseconds * std::max(looser - 1, 0.0);
+  if (turn.next < tree->branches().size()) return false;
+  const double looser = built_looseness > 0 ? looseness(s, turn.area) / built_looseness : 1;
+  excess += turn.frames * options.expected_queries * kQueryMicroseconds * std::max(looser - 1, 0.0);
   return excess > kRebuildMicroseconds * mesh->triangleCount();
 }
 
 // The hierarchy, or what is to be known of it. False when a vertex is not finite.
 bool Deformable::Impl::follow(DeformStrategy& strategy, const char*& reason,
-                              DeformableSnapshotImpl& s, bool bounded) {
+                              DeformableSnapshotImpl& s, bool bounded, double moved) {
   statistics.nodes_touched = statistics.vertices_touched = statistics.triangles_rebuilt = 0;
   statistics.decay = 0;
   s.bounds = nullptr;
@@ -267,7 +358,7 @@ bool Deformable::Impl::follow(DeformStrategy& strategy, const char*& reason,
       good = restructure(s);
       break;
     case DeformStrategy::kHybrid:
-      good = upperLevels(s);
+      good = upperLevels(s, moved);
       if (good && options.strategy == DeformStrategy::kAuto && rebuildPays(s)) {
         strategy = DeformStrategy::kRebuild;
         reason = "the hierarchy has decayed by more than building it anew costs";
@@ -314,10 +405,27 @@ void Deformable::Impl::findBadVertex(const DeformableSnapshotImpl& s) {
   }
 }
 
-UpdateStatus Deformable::Impl::take(double time, double speed_bound, bool checked) {
+// How far the motion can have taken a vertex from where the current snapshot has it.
+double Deformable::Impl::movedSince() const {
+  if (!std::isfinite(current_evaluated)) return kInfinity;
+  const double t0 = std::min(current_evaluated, evaluated),
+               t1 = std::max(current_evaluated, evaluated);
+  return t0 == t1
+             ? 0
+             : roundedUp(motion->speedBound(t0, t1) * (t1 - t0) + 2 * motion->rounding(t0, t1), 5);
+}
+
+UpdateStatus Deformable::Impl::take(double time, double speed_bound, bool checked, double moved) {
   DeformableSnapshotImpl& s = prepareNext();
   bad_vertex = -1;
   if (!std::isfinite(time) || !(speed_bound >= 0)) return UpdateStatus::kBadTime;
+  if (by_motion) {
+    moved = movedSince();
+    // Then they are numbers, too, and no larger than this.
+    const DeformableSnapshotImpl& last = current->impl();
+    checked = checked || (last.low.minCoeff() - moved >= -kLargestDeformed &&
+                          last.high.maxCoeff() + moved <= kLargestDeformed);
+  }
   DeformStrategy strategy = DeformStrategy::kAuto;
   const char* reason = "";
   choose(strategy, reason);
@@ -325,7 +433,7 @@ UpdateStatus Deformable::Impl::take(double time, double speed_bound, bool checke
   bool good = checked || deformKernels().bound(s.vertices.data(), mesh->rest().size(),
                                                kLargestDeformed, s.low, s.high);
   const UpdateStatistics before = statistics;
-  if (good) good = follow(strategy, reason, s, bounded);
+  if (good) good = follow(strategy, reason, s, bounded, moved);
   if (!good) {
     statistics = before;
     findBadVertex(s);
@@ -337,6 +445,7 @@ UpdateStatus Deformable::Impl::take(double time, double speed_bound, bool checke
   s.time = time;
   s.speed_bound = speed_bound;
   s.id = nextNumber();
+  current_evaluated = by_motion ? evaluated : kNaN;
   current = pool->publish(*next);
   next = nullptr;
   return UpdateStatus::kUpdated;
@@ -381,14 +490,9 @@ Deformable::Deformable(std::shared_ptr<const DeformableMesh> mesh,
   const DeformStrategy asked = std::exchange(strategy, DeformStrategy::kRefit);
   const std::span<Vector3d> vertices = nextVertices();
   std::copy(impl.mesh->rest().begin(), impl.mesh->rest().end(), vertices.begin());
-  impl.take(0, std::numeric_limits<double>::infinity(), true);
+  impl.take(0, kInfinity, true, kInfinity);
   strategy = asked;
-  const std::span<const WideBox> boxes(impl.current->impl().boxes.data(),
-                                       impl.tree->nodes().size());
-  impl.built_cost = surfaceCost(boxes, impl.tree->nodeCount());
-  impl.built_upper_cost = surfaceCost(boxes, impl.tree->upperCount());
-  impl.built_looseness = impl.looseness(impl.current->impl());
-  if (asked == DeformStrategy::kRestructure) measureFit(*impl.tree, boxes, impl.built_fit);
+  impl.measureBuilt(impl.current->impl());
 }
 
 Deformable::~Deformable() = default;
@@ -403,6 +507,7 @@ UpdateStatus Deformable::evaluate(double time) {
   impl.motion->parameters(time, s.parameters);
   impl.motion->vertices(s.parameters, 0, nextVertices());
   impl.by_motion = true;
+  impl.evaluated = time;
   return UpdateStatus::kUpdated;
 }
 
@@ -410,7 +515,8 @@ UpdateStatus Deformable::update(double time) {
   const UpdateStatus status = evaluate(time);
   if (status != UpdateStatus::kUpdated) return status;
   Impl& impl = *impl_;
-  return impl.take(time, impl.motion->speedBound(time, time + impl.options.speed_horizon), false);
+  return impl.take(time, impl.motion->speedBound(time, time + impl.options.speed_horizon), false,
+                   kInfinity);
 }
 
 UpdateStatus Deformable::update(std::span<const Vector3d> vertices, double time,
@@ -422,7 +528,7 @@ UpdateStatus Deformable::update(std::span<const Vector3d> vertices, double time,
   }
   const std::span<Vector3d> next = nextVertices();
   std::copy(vertices.begin(), vertices.end(), next.begin());
-  return impl.take(time, speed_bound, false);
+  return impl.take(time, speed_bound, false, kInfinity);
 }
 
 std::span<Vector3d> Deformable::nextVertices() {
@@ -431,8 +537,9 @@ std::span<Vector3d> Deformable::nextVertices() {
   return {s.vertices.data(), impl_->mesh->rest().size()};
 }
 
-UpdateStatus Deformable::commit(double time, double speed_bound, Vertices vertices) {
-  return impl_->take(time, speed_bound, vertices == Vertices::kFinite);
+UpdateStatus Deformable::commit(double time, double speed_bound, Vertices vertices, double moved) {
+  if (!(moved >= 0)) return UpdateStatus::kBadTime;
+  return impl_->take(time, speed_bound, vertices == Vertices::kFinite, moved);
 }
 
 std::shared_ptr<const DeformableSnapshot> Deformable::snapshot() const { return impl_->current; }

@@ -104,7 +104,10 @@ std::vector<float> results() {
       const bool good =
           kernels.refit(tree, mesh.vertices.data(), 0, tree.nodeCount(), boxes.data());
       all.push_back(good ? 1 : 0);
-      all.push_back(kernels.branches(tree, mesh.vertices.data(), upper.data()) ? 1 : 0);
+      all.push_back(
+          kernels.branches(tree, mesh.vertices.data(), 0, tree.branches().size(), upper.data())
+              ? 1
+              : 0);
       Vector3d low, high;
       all.push_back(kernels.bound(mesh.vertices.data(), mesh.count(), 1e15, low, high) ? 1 : 0);
       // Beyond this a refused update looks at nothing.
@@ -172,7 +175,8 @@ TEST(DeformKernels, BoxesAreTheVertices) {
     const DeformTree& tree = *mesh.tree;
     std::vector<WideBox> boxes(tree.nodes().size()), upper(tree.nodes().size());
     ASSERT_TRUE(kernels.refit(tree, mesh.vertices.data(), 0, tree.nodeCount(), boxes.data()));
-    ASSERT_TRUE(kernels.branches(tree, mesh.vertices.data(), upper.data()));
+    ASSERT_TRUE(
+        kernels.branches(tree, mesh.vertices.data(), 0, tree.branches().size(), upper.data()));
     const auto check = [&](const WideBox& box, std::int32_t node, int lane) {
       for (int k = 0; k < 3; ++k) {
         double low = kInfinity, high = -kInfinity;

@@ -6,6 +6,7 @@
 #include <mutex>
 #include <thread>
 
+#include "collision/deform_snapshot.h"
 #include "leeway/collision/deformable_mesh.h"
 #include "leeway/collision/scene.h"
 #include "leeway/collision/vertex_motion.h"
@@ -265,6 +266,89 @@ TEST(Deformable, WavesAreFollowedByTheirModesWhereQueriesAreFew) {
     EXPECT_EQ(deformable.statistics().strategy,
               queries == 0 ? DeformStrategy::kReduced : DeformStrategy::kHybrid);
   }
+}
+
+// The boxes of upper nodes hold all vertices below them.
+void expectHeld(const DeformableSnapshot& snapshot) {
+  const DeformableSnapshotImpl& s = snapshot.impl();
+  for (std::int32_t node = 0; node < s.tree->upperCount(); ++node) {
+    const WideBox& box = s.boxes[static_cast<std::size_t>(node)];
+    for (int lane = 0; lane < kWidth; ++lane) {
+      for (const std::int32_t v : s.tree->vertices(node, lane)) {
+        const Vector3d& p = s.vertices[static_cast<std::size_t>(v)];
+        for (int k = 0; k < 3; ++k) {
+          ASSERT_LE(static_cast<double>(box.low[k][lane]), p[k]) << node << " " << lane;
+          ASSERT_GE(static_cast<double>(box.high[k][lane]), p[k]) << node << " " << lane;
+        }
+      }
+    }
+  }
+}
+
+// Where it is known how far vertices move, hybrid updates read the branches in turns.
+TEST(Deformable, BranchesThatAreReadInTurnsHoldTheirVertices) {
+  const Sheet sheet = testing::cloth(24);
+  const auto mesh = DeformableMesh::make(sheet.vertices, sheet.triangles);
+  DeformOptions options;
+  options.strategy = DeformStrategy::kHybrid;
+  options.hybrid_split = 40;
+  Deformable deformable(mesh, nullptr, options);
+  std::vector<Vector3d> before(sheet.vertices);
+  int few = 0;
+  for (int frame = 0; frame < 200; ++frame) {
+    // Fast, slow, at rest, and as far as the mesh is large.
+    const double phase = frame < 60 ? 0.02 * frame : frame < 120 ? 1.2 + 1e-3 * frame : 1.32;
+    const auto vertices = testing::waved(sheet.vertices, 0.3,
+                                         frame == 150   ? 7
+                                         : frame == 180 ? 2.5
+                                                        : phase);
+    double moved = 0;
+    for (std::size_t i = 0; i < vertices.size(); ++i)
+      moved = std::max(moved, (vertices[i] - before[i]).norm() * (1 + 1e-12));
+    before = vertices;
+    const std::span<Vector3d> next = deformable.nextVertices();
+    std::copy(vertices.begin(), vertices.end(), next.begin());
+    ASSERT_EQ(deformable.commit(frame, 1, Deformable::Vertices::kFinite, moved),
+              UpdateStatus::kUpdated);
+    expectHeld(*deformable.snapshot());
+    if (HasFatalFailure()) return;
+    few += 2 * deformable.statistics().vertices_touched < mesh->vertexCount() ? 1 : 0;
+    // The boxes stay close, too.
+    ASSERT_LT(deformable.snapshot()->high().z(), 0.3 + 0.1) << frame;
+  }
+  EXPECT_GT(few, 120);
+  EXPECT_EQ(deformable.commit(200, 1, Deformable::Vertices::kFinite, -1), UpdateStatus::kBadTime);
+  EXPECT_EQ(deformable.commit(200, 1, Deformable::Vertices::kFinite, kNaN), UpdateStatus::kBadTime);
+}
+
+// Of a motion it is known, whichever way time goes.
+TEST(Deformable, AMotionsBranchesAreReadInTurns) {
+  const Sheet sheet = testing::cloth(24);
+  WavesMotion motion;
+  motion.rest = sheet.vertices;
+  motion.waves.push_back({{1, 0, 0}, {0, 0, 0.1}, 0.7, 1, 0});
+  const auto waves = VertexMotion::waves(std::move(motion));
+  const auto mesh = DeformableMesh::make(sheet.vertices, sheet.triangles);
+  DeformOptions options;
+  options.strategy = DeformStrategy::kHybrid;
+  options.hybrid_split = 40;
+  Deformable deformable(mesh, waves, options);
+  int few = 0;
+  double time = 1e3;
+  for (int frame = 0; frame < 200; ++frame) {
+    time += frame < 50 ? 0.01 : frame < 100 ? -0.004 : frame == 120 ? 0.4 : 1e-9;
+    ASSERT_EQ(deformable.update(time), UpdateStatus::kUpdated);
+    expectHeld(*deformable.snapshot());
+    if (HasFatalFailure()) return;
+    few += 2 * deformable.statistics().vertices_touched < mesh->vertexCount() ? 1 : 0;
+    if (frame != 150) continue;
+    // Vertices that are not the motion's in between.
+    ASSERT_EQ(deformable.update(testing::waved(sheet.vertices, 3, 2), time),
+              UpdateStatus::kUpdated);
+    expectHeld(*deformable.snapshot());
+    EXPECT_GT(deformable.snapshot()->high().z(), 1);
+  }
+  EXPECT_GT(few, 120);
 }
 
 TEST(Deformable, AScenesShapeFollows) {

@@ -1,7 +1,7 @@
 #include "tools/report/own_mesh_engine.h"
 
 #include <algorithm>
-#include <array>
+#include <limits>
 #include <stdexcept>
 #include <string>
 
@@ -19,21 +19,32 @@ using collision::DeformVolume;
 using collision::DistanceRequest;
 using collision::Shape;
 
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// What an engine knows of the motion, if there is one, beyond each frame's vertices.
+enum class Knows { kNothing, kReach, kMotion };
+
 class OwnFollower : public MeshFollower {
  public:
-  OwnFollower(const DeformingSpec& spec, DeformStrategy strategy, DeformVolume volume)
+  OwnFollower(const DeformingSpec& spec, DeformStrategy strategy, DeformVolume volume, Knows knows)
       : deformable_(collision::DeformableMesh::make(spec.rest, spec.triangles), spec.motion,
                     options(strategy, volume)),
-        by_motion_(spec.motion &&
-                   (strategy == DeformStrategy::kMorph || strategy == DeformStrategy::kSkinned ||
-                    strategy == DeformStrategy::kReduced || strategy == DeformStrategy::kAuto)) {
+        knows_(spec.motion ? knows : Knows::kNothing) {
     takeSnapshot();
   }
 
   void setVertices(std::span<const Eigen::Vector3d> vertices, double time) override {
+    if (knows_ == Knows::kReach) {
+      // Of a motion that the library evaluates it knows this itself.
+      const collision::VertexMotion& motion = *deformable_.motion();
+      moved_ = time >= time_ ? (motion.speedBound(time_, time) * (time - time_) +
+                                2 * motion.rounding(time_, time)) *
+                                   (1 + 1e-12)
+                             : kInfinity;
+    }
     time_ = time;
     // Only these look at the motion; the others are spared computing the vertices once more.
-    if (by_motion_) {
+    if (knows_ == Knows::kMotion) {
       deformable_.evaluate(time);
       return;
     }
@@ -42,8 +53,8 @@ class OwnFollower : public MeshFollower {
   }
 
   void update() override {
-    if (deformable_.commit(time_, std::numeric_limits<double>::infinity(),
-                           Deformable::Vertices::kFinite) != collision::UpdateStatus::kUpdated)
+    if (deformable_.commit(time_, kInfinity, Deformable::Vertices::kFinite, moved_) !=
+        collision::UpdateStatus::kUpdated)
       throw std::runtime_error("an update was refused");
     takeSnapshot();
   }
@@ -101,22 +112,25 @@ class OwnFollower : public MeshFollower {
   Shape shape_ = Shape::sphere(0);
   std::vector<Body> bodies_;
   collision::Scratch scratch_;
-  bool by_motion_;
-  double time_ = 0;
+  Knows knows_;
+  double time_ = kInfinity, moved_ = kInfinity;
 };
 
 class OwnMeshEngine : public MeshEngine {
  public:
-  OwnMeshEngine(DeformStrategy strategy, DeformVolume volume)
+  OwnMeshEngine(DeformStrategy strategy, DeformVolume volume, Knows knows)
       : strategy_(strategy),
         volume_(volume),
+        knows_(knows),
         name_(std::string("leeway ") + collision::toString(strategy)) {
     if (volume != DeformVolume::kBox) name_ += std::string(" ") + collision::toString(volume);
+    if (knows == Knows::kReach) name_ += " moved";
   }
   const char* name() const override { return name_.c_str(); }
   std::unique_ptr<MeshFollower> follow(const DeformingSpec& spec) const override {
+    if (knows_ == Knows::kReach && !spec.motion) return nullptr;
     try {
-      return std::make_unique<OwnFollower>(spec, strategy_, volume_);
+      return std::make_unique<OwnFollower>(spec, strategy_, volume_, knows_);
     } catch (const std::invalid_argument&) {
       return nullptr;  // not a strategy for this kind of motion
     }
@@ -125,24 +139,32 @@ class OwnMeshEngine : public MeshEngine {
  private:
   DeformStrategy strategy_;
   DeformVolume volume_;
+  Knows knows_;
   std::string name_;
 };
 
 }  // namespace
 
 std::vector<std::unique_ptr<MeshEngine>> makeOwnMeshEngines() {
-  constexpr std::array<DeformStrategy, 11> kAll = {
-      DeformStrategy::kRebuild, DeformStrategy::kRebuildLinear, DeformStrategy::kRefit,
-      DeformStrategy::kHybrid,  DeformStrategy::kLazy,          DeformStrategy::kMorph,
-      DeformStrategy::kSkinned, DeformStrategy::kReduced,       DeformStrategy::kRestructure,
-      DeformStrategy::kOctree,  DeformStrategy::kAuto};
   std::vector<std::unique_ptr<MeshEngine>> engines;
-  for (const DeformStrategy strategy : kAll) {
-    engines.push_back(std::make_unique<OwnMeshEngine>(strategy, DeformVolume::kBox));
-    if (strategy != DeformStrategy::kMorph && strategy != DeformStrategy::kReduced) continue;
-    for (const DeformVolume volume : {DeformVolume::kDop, DeformVolume::kBall})
-      engines.push_back(std::make_unique<OwnMeshEngine>(strategy, volume));
-  }
+  const auto add = [&](DeformStrategy strategy, Knows knows = Knows::kNothing,
+                       DeformVolume volume = DeformVolume::kBox) {
+    engines.push_back(std::make_unique<OwnMeshEngine>(strategy, volume, knows));
+  };
+  add(DeformStrategy::kRebuild);
+  add(DeformStrategy::kRebuildLinear);
+  add(DeformStrategy::kRefit);
+  add(DeformStrategy::kHybrid);
+  add(DeformStrategy::kHybrid, Knows::kReach);
+  add(DeformStrategy::kLazy);
+  for (const DeformVolume volume : {DeformVolume::kBox, DeformVolume::kDop, DeformVolume::kBall})
+    add(DeformStrategy::kMorph, Knows::kMotion, volume);
+  add(DeformStrategy::kSkinned, Knows::kMotion);
+  for (const DeformVolume volume : {DeformVolume::kBox, DeformVolume::kDop, DeformVolume::kBall})
+    add(DeformStrategy::kReduced, Knows::kMotion, volume);
+  add(DeformStrategy::kRestructure);
+  add(DeformStrategy::kOctree);
+  add(DeformStrategy::kAuto, Knows::kMotion);
   return engines;
 }
 

@@ -100,8 +100,8 @@ enum class UpdateStatus : unsigned char {
   kUpdated,
   kWrongVertexCount,  ///< not one vertex for each of the mesh's
   kNotFinite,         ///< a vertex is NaN, infinite or beyond 1e15 m; `bad_vertex` tells which
-  kBadTime,           ///< the time, or the speed bound, is NaN or infinite, or the speed negative
-  kNoMotion,          ///< update(time) without a motion
+  kBadTime,   ///< the time is NaN or infinite, or the speed bound or what vertices moved NaN or < 0
+  kNoMotion,  ///< update(time) without a motion
 };
 const char* toString(UpdateStatus status);  ///< a few words for messages
 
@@ -195,8 +195,13 @@ class Deformable {
                  ///< update is refused, or queries near those vertices answer (-inf, something):
                  ///< nothing is called free that is not
   };
+  /// `moved` [m]: the caller vouches that no vertex is farther than this from where snapshot() has
+  /// it, so that kHybrid (and kAuto, where it takes that) need not read all of them; what is near a
+  /// query is read whatever is said. Wrong where that is not so: leave it out when in doubt. Of a
+  /// motion's vertices, after evaluate(), it is known, and not asked.
   UpdateStatus commit(double time, double speed_bound = std::numeric_limits<double>::infinity(),
-                      Vertices vertices = Vertices::kUnchecked);
+                      Vertices vertices = Vertices::kUnchecked,
+                      double moved = std::numeric_limits<double>::infinity());
 
   /// The last good state; never null.
   std::shared_ptr<const DeformableSnapshot> snapshot() const;
