@@ -94,6 +94,7 @@ class DeformDescent {
   DescentResult run() {
     result_.lower = kInfinity;
     result_.upper = kInfinity;
+    setBar();
     PartPair root;
     root.a = {0, boxOf(a_.low, a_.high)};
     root.b = {0, boxOf(b_.low, b_.high)};
@@ -138,14 +139,15 @@ class DeformDescent {
   static double magnitude(const Vector3d& p) { return p.allFinite() ? p.lpNorm<1>() : 0; }
 
   // Pairs whose lower end is above the bar need no closer look. As in mesh_descent.cc.
-  double bar() const {
-    double bar = kInfinity;
-    if (request_.threshold == request_.threshold) bar = floor();
+  double bar() const { return placement_.swept ? std::min(bar_, result_.lower) : bar_; }
+  // To be called when the upper end has changed.
+  void setBar() {
+    bar_ = kInfinity;
+    if (request_.threshold == request_.threshold) bar_ = floor();
     double tolerance = request_.tolerance;
     if (result_.upper <= 0 && !half_space_)
       tolerance = std::max(tolerance, kDeeperShare * -result_.upper);
-    bar = std::min(bar, result_.upper - tolerance);
-    return placement_.swept ? std::min(bar, result_.lower) : bar;
+    bar_ = std::min(bar_, result_.upper - tolerance);
   }
   bool needless(double lower) const {
     return lower > bar() || (placement_.swept && lower >= result_.lower);
@@ -413,6 +415,7 @@ class DeformDescent {
       std::size_t at = count++;
       for (; at > 0 && open[at - 1].lower < lower; --at) open[at] = open[at - 1];
       open[at] = {lower, node.child[lane]};
+      boxes_b_.fetch(node.child[lane]);
     }
     return count;
   }
@@ -607,6 +610,7 @@ class DeformDescent {
     if (!(r.distance.upper < result_.upper)) return;
     if (r.distance.upper <= 0 && result_.upper > 0) overlap_limit_ = visited_ + kDeeperNodes;
     result_.upper = r.distance.upper;
+    setBar();
     result_.witness = r;
     remember(r);
     if (a_.rigid.tree == nullptr) result_.witness.triangle_a = triangleOf(a_, slot_a);
@@ -637,6 +641,7 @@ class DeformDescent {
   const DeformKernels& kernels_;
   BoxSource boxes_a_, boxes_b_;
   DescentResult result_;
+  double bar_ = kInfinity;  // but for sweeps, see bar()
   bool half_space_ = false;
   Probe whole_probe_{};  // of a rigid A
   double extent_b_ = 0;  // of B's coordinates

@@ -162,6 +162,13 @@ HWY_INLINE void unite(const WideBox& box, WideBox& parent, std::size_t lane) {
   }
 }
 
+void fillLane(WideBox& box, std::size_t lane, float low, float high) {
+  for (int k = 0; k < 3; ++k) {
+    box.low[k][lane] = low;
+    box.high[k][lane] = high;
+  }
+}
+
 bool refit(const DeformTree& tree, const Eigen::Vector3d* vertices, std::int32_t begin,
            std::int32_t end, WideBox* boxes) {
   const std::int32_t* leaf_vertices = tree.leafVertices().data();
@@ -173,10 +180,8 @@ bool refit(const DeformTree& tree, const Eigen::Vector3d* vertices, std::int32_t
       const std::int32_t child = node.child[lane];
       if (child >= 0) continue;
       if (child == DeformTree::kNone) {
-        for (int k = 0; k < 3; ++k) {
-          box.low[k][lane] = std::numeric_limits<float>::infinity();
-          box.high[k][lane] = -std::numeric_limits<float>::infinity();
-        }
+        fillLane(box, lane, std::numeric_limits<float>::infinity(),
+                 -std::numeric_limits<float>::infinity());
         continue;
       }
       const DeformTree::Leaf& leaf = tree.leaf(DeformTree::leafOf(child));
@@ -298,30 +303,25 @@ HWY_INLINE bool fromRuns(const DeformTree& tree, const Eigen::Vector3d* vertices
   return four.finite() && e.finite();
 }
 
-void unbounded(WideBox& box, std::size_t lane) {
-  for (int k = 0; k < 3; ++k) {
-    box.low[k][lane] = -std::numeric_limits<float>::max();
-    box.high[k][lane] = std::numeric_limits<float>::max();
-  }
-}
-
-void fromVertices(const DeformTree& tree, const Eigen::Vector3d* vertices, std::int32_t node,
+void fromVertices(const DeformTree& tree, const Eigen::Vector3d* vertices, std::int32_t id,
                   WideBox& box) {
-  box.clear();
+  const DeformTree::Node& node = tree.node(id);
   for (std::size_t lane = 0; lane < kWidth; ++lane) {
-    const std::int32_t child = tree.node(node).child[lane];
-    if (child == DeformTree::kNone) break;
-    if (child >= tree.upperCount() && node >= tree.upperCount()) {
-      if (fromRuns(tree, vertices, tree.runs(child), box, lane)) continue;
-      unbounded(box, lane);
-      continue;
-    }
-    const std::span<const std::int32_t> below = tree.vertices(node, static_cast<int>(lane));
-    const Extremes e = boxOf(vertices, below.data(), below.data() + below.size());
-    if (e.finite()) {
-      putLane(e, box, lane);
+    const std::int32_t child = node.child[lane];
+    bool finite = true;
+    if (child == DeformTree::kNone) {
+      fillLane(box, lane, std::numeric_limits<float>::infinity(),
+               -std::numeric_limits<float>::infinity());
+    } else if (child >= tree.upperCount() && id >= tree.upperCount()) {
+      finite = fromRuns(tree, vertices, tree.runs(child), box, lane);
     } else {
-      unbounded(box, lane);
+      const std::span<const std::int32_t> below = tree.vertices(id, static_cast<int>(lane));
+      const Extremes e = boxOf(vertices, below.data(), below.data() + below.size());
+      finite = e.finite();
+      putLane(e, box, lane);
+    }
+    if (!finite) {
+      fillLane(box, lane, -std::numeric_limits<float>::max(), std::numeric_limits<float>::max());
     }
   }
 }
@@ -368,50 +368,65 @@ HWY_INLINE unsigned bitsOf(M mask) {
   return bits[0] & kStepBits;
 }
 
-void lowerBounds(const Probe& probe, const WideBox& box, Bounds& bounds) {
+// Those at or below the bar, a bit each; the least of the others goes into `closed`.
+HWY_INLINE unsigned openOf(Floats lower, Floats bar, Floats& closed) {
+  // Written so that what is no number stays open; the others are settled by their least.
+  const auto above = hn::Gt(lower, bar);
+  closed = hn::Min(closed, hn::IfThenElse(above, lower, closed));
+  return ~bitsOf(above) & kStepBits;
+}
+
+// By boxes; kTurned: along the body's own axes, too.
+template <bool kTurned>
+HWY_INLINE void lowerBounds(const Probe& probe, const WideBox& box, float bar, Bounds& bounds) {
   const Floats zero = hn::Zero(kLanes), half = hn::Set(kLanes, 0.5F);
   const auto set = [](float x) { return hn::Set(kLanes, x); };
+  Floats closed = set(std::numeric_limits<float>::infinity());
+  bounds.open = 0;
   for (std::size_t i = 0; i < kWidth; i += kStep) {
-    Floats middle[3], size[3], low_x = zero, high_x = zero;
-    Floats squared = zero, squared_axes = zero,
-           deepest = set(-std::numeric_limits<float>::infinity());
+    Floats middle[3], size[3];
+    Floats squared = zero, deepest = set(-std::numeric_limits<float>::infinity());
     for (int k = 0; k < 3; ++k) {
       const Floats low = hn::Load(kLanes, box.low[k] + i), high = hn::Load(kLanes, box.high[k] + i);
-      if (k == 0) {
-        low_x = low;
-        high_x = high;
+      if constexpr (kTurned) {
+        middle[k] = hn::Mul(hn::Add(low, high), half);
+        size[k] = hn::Mul(hn::Sub(high, low), half);
       }
-      middle[k] = hn::Mul(hn::Add(low, high), half);
-      size[k] = hn::Mul(hn::Sub(high, low), half);
       const Floats gap =
           hn::Max(hn::Sub(low, set(probe.high[k])), hn::Sub(set(probe.low[k]), high));
       deepest = hn::Max(deepest, gap);
       const Floats outside = hn::Max(gap, zero);
       squared = hn::Add(squared, hn::Mul(outside, outside));
     }
-    for (int j = 0; probe.turned && j < 3; ++j) {
-      Floats center = zero, reach = zero;
-      for (int k = 0; k < 3; ++k) {
-        const float n = probe.axis[j][k];
-        center = hn::Add(center, hn::Mul(set(n), middle[k]));
-        reach = hn::Add(reach, hn::Mul(set(std::abs(n)), size[k]));
+    if constexpr (kTurned) {
+      Floats squared_axes = zero;
+      for (int j = 0; j < 3; ++j) {
+        Floats center = zero, reach = zero;
+        for (int k = 0; k < 3; ++k) {
+          const float n = probe.axis[j][k];
+          center = hn::Add(center, hn::Mul(set(n), middle[k]));
+          reach = hn::Add(reach, hn::Mul(set(std::abs(n)), size[k]));
+        }
+        const Floats gap = hn::Sub(hn::Max(hn::Sub(center, set(probe.axis_high[j])),
+                                           hn::Sub(set(probe.axis_low[j]), center)),
+                                   reach);
+        deepest = hn::Max(deepest, gap);
+        const Floats outside = hn::Max(gap, zero);
+        squared_axes = hn::Add(squared_axes, hn::Mul(outside, outside));
       }
-      const Floats gap = hn::Sub(hn::Max(hn::Sub(center, set(probe.axis_high[j])),
-                                         hn::Sub(set(probe.axis_low[j]), center)),
-                                 reach);
-      deepest = hn::Max(deepest, gap);
-      const Floats outside = hn::Max(gap, zero);
-      squared_axes = hn::Add(squared_axes, hn::Mul(outside, outside));
+      squared = hn::Max(squared, squared_axes);
     }
     // Axes that depart from a rotation by 1e-6 make distances along them too large by half of that.
-    Floats lower = hn::Mul(hn::Sqrt(hn::Max(squared, squared_axes)),
-                           set(static_cast<float>(1 - kRotationTolerance)));
+    Floats lower = hn::Mul(hn::Sqrt(squared), set(static_cast<float>(1 - kRotationTolerance)));
     lower = hn::IfThenElse(hn::Gt(lower, zero), lower, deepest);
     lower = hn::Sub(hn::Sub(lower, set(probe.radius)), set(probe.slack));
     lower =
-        hn::IfThenElse(hn::Le(low_x, high_x), lower, set(std::numeric_limits<float>::infinity()));
+        hn::IfThenElse(hn::Le(hn::Load(kLanes, box.low[0] + i), hn::Load(kLanes, box.high[0] + i)),
+                       lower, set(std::numeric_limits<float>::infinity()));
     hn::Store(lower, kLanes, bounds.lower + i);
+    bounds.open |= openOf(lower, set(bar), closed) << i;
   }
+  bounds.closed = hn::GetLane(hn::MinOfLanes(kLanes, closed));
 }
 
 // The plane across the way from the body's point that is nearest to the middle of the triangle: as
@@ -475,18 +490,13 @@ void triangleBounds(const Probe& probe, const DeformTree& tree, const Eigen::Vec
   }
 }
 
-unsigned openLanes(float bar, Bounds& bounds) {
+void openLanes(float bar, Bounds& bounds) {
   bounds.open = 0;
   Floats closed = hn::Set(kLanes, std::numeric_limits<float>::infinity());
   for (std::size_t i = 0; i < kWidth; i += kStep) {
-    const Floats lower = hn::Load(kLanes, bounds.lower + i);
-    // Written so that what is no number stays open; the others are settled by their least.
-    const auto above = hn::Gt(lower, hn::Set(kLanes, bar));
-    closed = hn::Min(closed, hn::IfThenElse(above, lower, closed));
-    bounds.open |= (~bitsOf(above) & kStepBits) << i;
+    bounds.open |= openOf(hn::Load(kLanes, bounds.lower + i), hn::Set(kLanes, bar), closed) << i;
   }
   bounds.closed = hn::GetLane(hn::MinOfLanes(kLanes, closed));
-  return bounds.open;
 }
 
 // Those that are leaves, a bit each.
@@ -505,10 +515,14 @@ unsigned leafLanes(const DeformTree::Node& node) {
 // body is a box along the probe's axes.
 void childBounds(const Probe& probe, const DeformTree& tree, const Eigen::Vector3d* vertices,
                  std::int32_t id, const WideBox& box, float bar, Bounds& bounds) {
-  lowerBounds(probe, box, bounds);
   bar = std::min(bar, std::numeric_limits<float>::max());  // empty lanes are above any
+  if (probe.turned) {
+    lowerBounds<true>(probe, box, bar, bounds);
+  } else {
+    lowerBounds<false>(probe, box, bar, bounds);
+  }
   const DeformTree::Node& node = tree.node(id);
-  const unsigned leaves = openLanes(bar, bounds) & leafLanes(node);
+  const unsigned leaves = bounds.open & leafLanes(node);
   if (leaves == 0) return;
   const Floats zero = hn::Zero(kLanes), half = hn::Set(kLanes, 0.5F);
   const auto set = [](float x) { return hn::Set(kLanes, x); };
@@ -548,8 +562,11 @@ void childBounds(const Probe& probe, const DeformTree& tree, const Eigen::Vector
     const double n[3] = {static_cast<double>(way[0][lane]), static_cast<double>(way[1][lane]),
                          static_cast<double>(way[2][lane])};
     double least = std::numeric_limits<double>::infinity(), sum = 0;
-    for (std::int32_t i = leaf.vertex_begin; i < leaf.vertex_end; ++i) {
-      const double* v = at(vertices, tree.leafVertices()[static_cast<std::size_t>(i)]);
+    const std::span<const std::int32_t> own =
+        tree.leafVertices().subspan(static_cast<std::size_t>(leaf.vertex_begin),
+                                    static_cast<std::size_t>(leaf.vertex_end - leaf.vertex_begin));
+    for (const std::int32_t i : own) {
+      const double* v = at(vertices, i);
       const double along = n[0] * v[0] + n[1] * v[1] + n[2] * v[2];
       least = along < least ? along : least;
       sum += along;
