@@ -253,21 +253,26 @@ struct FourExtremes {
   }
 };
 
+// Adds the fours begin .. end - 1. Vertices come from far: fetching them some fours early saves a
+// third of the time.
+HWY_INLINE void addFours(std::span<const std::int32_t> fours, std::int32_t begin, std::int32_t end,
+                         const Eigen::Vector3d* vertices, FourExtremes& four) {
+  constexpr std::size_t kAhead = 16;
+  for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
+    const double* ahead = at(vertices, fours[std::min(i + kAhead, fours.size() - 1)]);
+    hwy::Prefetch(ahead);
+    hwy::Prefetch(ahead + 8);
+    four.add(at(vertices, fours[i]));
+  }
+}
+
 bool branches(const DeformTree& tree, const Eigen::Vector3d* vertices, std::size_t begin,
               std::size_t end, WideBox* boxes) {
-  // Vertices come from far: fetching them that many fours early saves a third of the time.
-  constexpr std::size_t kAhead = 16;
-  const std::span<const std::int32_t> fours = tree.fours(), singles = tree.singles();
+  const std::span<const std::int32_t> singles = tree.singles();
   bool finite = true;
   for (const DeformTree::Branch& branch : tree.branches().subspan(begin, end - begin)) {
     FourExtremes four;
-    for (auto i = static_cast<std::size_t>(branch.runs.four_begin);
-         i < static_cast<std::size_t>(branch.runs.four_end); ++i) {
-      const double* ahead = at(vertices, fours[std::min(i + kAhead, fours.size() - 1)]);
-      hwy::Prefetch(ahead);
-      hwy::Prefetch(ahead + 8);
-      four.add(at(vertices, fours[i]));
-    }
+    addFours(tree.fours(), branch.runs.four_begin, branch.runs.four_end, vertices, four);
     Extremes e;
     for (std::int32_t i = branch.runs.single_begin; i < branch.runs.single_end; ++i)
       e.add(at(vertices, singles[static_cast<std::size_t>(i)]));
@@ -288,9 +293,7 @@ bool branches(const DeformTree& tree, const Eigen::Vector3d* vertices, std::size
 HWY_INLINE bool fromRuns(const DeformTree& tree, const Eigen::Vector3d* vertices,
                          const DeformTree::Runs& runs, WideBox& box, std::size_t lane) {
   FourExtremes four;
-  for (auto i = static_cast<std::size_t>(runs.four_begin);
-       i < static_cast<std::size_t>(runs.four_end); ++i)
-    four.add(at(vertices, tree.fours()[i]));
+  addFours(tree.fours(), runs.four_begin, runs.four_end, vertices, four);
   Extremes e;
   for (std::int32_t i = runs.single_begin; i < runs.single_end; ++i)
     e.add(at(vertices, tree.singles()[static_cast<std::size_t>(i)]));
