@@ -37,6 +37,7 @@ void HullSupport::fillColumns(std::int32_t count) {
       columns_[static_cast<std::size_t>(place / 8)].value[place % 8] = p[axis];
     }
   }
+  x_ = columns_[0].value;
 }
 
 // A direction in a cell is a positive combination of the cell's corners. So a vertex that is the

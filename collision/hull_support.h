@@ -31,7 +31,7 @@ class HullSupport {
 
   /// Coordinates of all vertices side by side, padded to a multiple of eight by copies of vertex 0;
   /// 64-byte aligned. Empty (length 0) where the table is quicker.
-  const double* x() const { return columns_.empty() ? nullptr : columns_[0].value; }
+  const double* x() const { return x_; }
   const double* y() const { return x() + length_; }
   const double* z() const { return x() + 2 * length_; }
   std::int32_t length() const { return length_; }
@@ -65,6 +65,7 @@ class HullSupport {
 
   const Vector* points_;
   std::vector<Eight> columns_;
+  const double* x_ = nullptr;
   std::int32_t length_ = 0;
   std::int32_t sides_ = 0;
   std::vector<HullCell> cells_;

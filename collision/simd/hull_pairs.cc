@@ -23,6 +23,7 @@
 //   b - a 1 L, the dot product 3 L, the direction's length 3 L
 // in sum 30 of an extent and 15 |t|; and a rotation's departure errs by 9, which the caller may
 // have meant to move the body by half of that: less than kSupportRounding + kPoseRounding = 56.
+// Names in values add to that (see PlacedVertices).
 
 HWY_BEFORE_NAMESPACE();
 namespace leeway::collision::HWY_NAMESPACE {
@@ -31,13 +32,10 @@ namespace {
 // A hull at its pose: R v + t.
 class WorldHull {
  public:
-  HWY_INLINE WorldHull(const Shape& shape, const Eigen::Matrix3d& R, const Triple& t, bool place)
-      : hull_(*shape.hull()), support_(hull_.support()), R_(R), t_(t), extent_(shape.extent()) {
-    if (place) vertices_.place(support_, R_, t_);
-  }
+  HWY_INLINE WorldHull(const Shape& shape, const Eigen::Matrix3d& R, const Triple& t)
+      : hull_(*shape.hull()), support_(hull_.support()), R_(R), t_(t), extent_(shape.extent()) {}
 
   HWY_INLINE Triple farthest(const Triple& n, std::int32_t& name) const {
-    if (!vertices_.empty()) return vertices_.farthest(n, name);
     const Triple d = rotatedBack(R_, n);
     const int found = scannedSupport(support_, d, name);
     name = HWY_LIKELY(found >= 0) ? found : climbed(d, name);
@@ -46,9 +44,9 @@ class WorldHull {
   HWY_INLINE Triple vertex(int name) const {
     return placed(hull_.vertices()[static_cast<std::size_t>(name)]);
   }
-  HWY_INLINE Triple placed(const Vector& v) const { return rotated(R_, tripleOf(v)) + t_; }
 
  private:
+  HWY_INLINE Triple placed(const Vector& v) const { return rotated(R_, tripleOf(v)) + t_; }
   // As farthestPoint().
   HWY_NOINLINE std::int32_t climbed(const Triple& d, std::int32_t hint) const {
     const double length = std::sqrt(squared(d));
@@ -62,33 +60,290 @@ class WorldHull {
   const Eigen::Matrix3d& R_;
   const Triple t_;
   const double extent_;
-  PlacedVertices vertices_;
 };
 
 struct WorldCores {
-  const WorldHull &a, &b;
+  using Point = Triple;
+  static constexpr double kTilt = 0;  // (from one direction or from a cache)
+  WorldHull a, b;
   HWY_INLINE Triple support(const Triple& n, VertexNames& names) const {
     return b.farthest(-n, names.b) - a.farthest(n, names.a);
   }
   HWY_INLINE Triple member(const VertexNames& names) const {
-    return b.vertex(names.b) - a.vertex(names.a);
+    return b.vertex(names.b) - pointOfA(names);
+  }
+  HWY_INLINE Triple pointOfA(const VertexNames& names) const { return a.vertex(names.a); }
+  HWY_INLINE VertexNames verticesOf(const VertexNames& names) const { return names; }
+};
+
+// Up to 8 kEights vertices of a hull brought to a pose once, in vector lanes, or those of its
+// mirror image: no direction has to be turned back for them, and no vertex forth.
+//
+// The least of their values along a direction tells its vertex by itself: the last bits of a value
+// are replaced by the vertex's place. Of two values that differ in these bits alone the wrong one
+// may be taken: that errs by less than 8 kEights units in the last place.
+template <int kEights>
+class PlacedVertices {
+ public:
+  static constexpr int kMost = 8 * kEights;
+  // In units of u times what the values are made of.
+  static constexpr double kNameRounding = 2 * kMost;
+
+  static HWY_INLINE bool takes(const HullSupport& support) {
+    return support.length() > 0 && support.length() <= kMost;
+  }
+  HWY_INLINE PlacedVertices(const HullSupport& support, const Eigen::Matrix3d& R, const Triple& t,
+                            double sign) {
+    const Widest d;
+    const auto row = [&](int r, double shift, const Same& x, const Same& y, const Same& z)
+                         HWY_ATTR {
+                           return hn::Add(hn::Add(hn::Add(hn::Mul(hn::Set(d, sign * R(r, 0)), x),
+                                                          hn::Mul(hn::Set(d, sign * R(r, 1)), y)),
+                                                  hn::Mul(hn::Set(d, sign * R(r, 2)), z)),
+                                          hn::Set(d, sign * shift));
+                         };
+    // A shorter hull is padded by copies of its beginning.
+    const int length = support.length();
+    HWY_UNROLL(4)
+    for (int i = 0; i < kMost; i += kStep) {
+      const int from = kEights == 1 || i < length ? i : i % 8;
+      const Same x = hn::Load(d, support.x() + from), y = hn::Load(d, support.y() + from),
+                 z = hn::Load(d, support.z() + from);
+      hn::Store(row(0, t.x, x, y, z), d, x_ + i);
+      hn::Store(row(1, t.y, x, y, z), d, y_ + i);
+      hn::Store(row(2, t.z, x, y, z), d, z_ + i);
+    }
+  }
+
+  HWY_INLINE Triple vertex(int name) const { return {x_[name], y_[name], z_[name]}; }
+  // The vertex with the least v . n.
+  HWY_INLINE SamePoint farthest(const SamePoint& n, std::int32_t& name) const {
+    const Widest d;
+    const Same least =
+        leastLane(leastOf<0, static_cast<std::size_t>(kMost / kStep)>([&](std::size_t i) HWY_ATTR {
+          const std::size_t at = i * hn::MaxLanes(d);
+          return named(hn::Add(hn::Add(hn::Mul(hn::Load(d, x_ + at), n.x),
+                                       hn::Mul(hn::Load(d, y_ + at), n.y)),
+                               hn::Mul(hn::Load(d, z_ + at), n.z)),
+                       hn::Load(hn::RebindToSigned<Widest>(), kPlaces + at));
+        }));
+    const auto place = placeOf(least);
+    name = static_cast<std::int32_t>(hn::GetLane(place));
+#if HWY_CAP_GE512
+    if constexpr (kEights == 1) {
+      const auto lane = hn::IndicesFromVec(d, place);
+      return {hn::TableLookupLanes(hn::Load(d, x_), lane),
+              hn::TableLookupLanes(hn::Load(d, y_), lane),
+              hn::TableLookupLanes(hn::Load(d, z_), lane)};
+    }
+#endif
+    SamePoint found;
+    set(found, vertex(name));
+    return found;
+  }
+  // The same for each of eight directions; `places` tells where in memory.
+  HWY_INLINE Points<kFan> farthest(const Points<kFan>& n, std::int64_t* places) const {
+    const Widest d;
+    const hn::RebindToSigned<Widest> di;
+    Lanes<kFan> least = allLanes<kFan>(std::numeric_limits<double>::infinity());
+    HWY_UNROLL(8)
+    for (std::size_t v = 0; v < kMost; ++v) {
+      const Lanes<kFan> value =
+          allLanes<kFan>(x_[v]) * n.x + allLanes<kFan>(y_[v]) * n.y + allLanes<kFan>(z_[v]) * n.z;
+      least = eachLane<kFan>([&](int i) HWY_ATTR {
+        return hn::Min(least.v[i], named(value.v[i], hn::Set(di, static_cast<std::int64_t>(v))));
+      });
+    }
+    Points<kFan> found;
+    for (int i = 0; i < kRegisters<kFan>; ++i) {
+      const auto place = placeOf(least.v[i]);
+      hn::Store(place, di, places + i * kStep);
+#if HWY_CAP_GE512
+      if constexpr (kEights == 1) {
+        const auto lane = hn::IndicesFromVec(d, place);
+        found.x.v[i] = hn::TableLookupLanes(hn::Load(d, x_), lane);
+        found.y.v[i] = hn::TableLookupLanes(hn::Load(d, y_), lane);
+        found.z.v[i] = hn::TableLookupLanes(hn::Load(d, z_), lane);
+        continue;
+      }
+#endif
+      found.x.v[i] = hn::GatherIndex(d, x_, place);
+      found.y.v[i] = hn::GatherIndex(d, y_, place);
+      found.z.v[i] = hn::GatherIndex(d, z_, place);
+    }
+    return found;
+  }
+
+ private:
+  static constexpr int kStep = static_cast<int>(hn::MaxLanes(Widest()));
+  alignas(64) static constexpr std::int64_t kPlaces[32] = {
+      0,  1,  2,  3,  4,  5,  6,  7,  8,  9,  10, 11, 12, 13, 14, 15,
+      16, 17, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27, 28, 29, 30, 31};
+  using Place = hn::Vec<hn::RebindToSigned<Widest>>;
+
+  static HWY_INLINE Same named(Same value, Place place) {
+    const hn::RebindToSigned<Widest> di;
+    return hn::BitCast(Widest(), hn::OrAnd(place, hn::BitCast(di, value), hn::Set(di, -kMost)));
+  }
+  static HWY_INLINE Place placeOf(Same named) {
+    const hn::RebindToSigned<Widest> di;
+    return hn::And(hn::BitCast(di, named), hn::Set(di, kMost - 1));
+  }
+  template <std::size_t kBegin, std::size_t kEnd, class Value>
+  static HWY_INLINE Same leastOf(const Value& value) {
+    if constexpr (kEnd - kBegin == 1) {
+      return value(kBegin);
+    } else {
+      constexpr std::size_t kMiddle = (kBegin + kEnd) / 2;
+      return hn::Min(leastOf<kBegin, kMiddle>(value), leastOf<kMiddle, kEnd>(value));
+    }
+  }
+
+  alignas(64) double x_[std::size_t{kMost}], y_[std::size_t{kMost}], z_[std::size_t{kMost}];
+};
+
+// Of A the mirror image, so that the difference is a sum.
+template <int kEights>
+struct PlacedCores {
+  using Point = SamePoint;
+  static constexpr double kTilt = kEights == 1 ? 0.8 : 0.6;  // the best of a few
+  const ConvexHull &hull_a, &hull_b;
+  PlacedVertices<kEights> minus_a, b;
+  HWY_INLINE SamePoint support(const SamePoint& n, VertexNames& names) const {
+    const SamePoint p = minus_a.farthest(n, names.a), q = b.farthest(n, names.b);
+    return {hn::Add(p.x, q.x), hn::Add(p.y, q.y), hn::Add(p.z, q.z)};
+  }
+  HWY_INLINE Points<kFan> fan(const Points<kFan>& n, VertexNames* names) const {
+    alignas(64) std::int64_t places_a[kFan], places_b[kFan];
+    const Points<kFan> all = minus_a.farthest(n, places_a) + b.farthest(n, places_b);
+    for (int i = 0; i < kFan; ++i) {
+      names[i] = {static_cast<std::int32_t>(places_a[i]), static_cast<std::int32_t>(places_b[i])};
+    }
+    return all;
+  }
+  HWY_INLINE Triple member(const VertexNames& names) const {
+    return minus_a.vertex(names.a) + b.vertex(names.b);
+  }
+  HWY_INLINE Triple pointOfA(const VertexNames& names) const { return -minus_a.vertex(names.a); }
+  HWY_INLINE VertexNames verticesOf(const VertexNames& names) const {
+    return {vertexOf(hull_a, names.a), vertexOf(hull_b, names.b)};
+  }
+
+ private:
+  // Columns are padded with copies of the first vertex, placed ones with copies of the first eight.
+  static HWY_INLINE std::int32_t vertexOf(const ConvexHull& hull, std::int32_t name) {
+    const std::int32_t place = name < hull.support().length() ? name : name % 8;
+    return place < static_cast<std::int32_t>(hull.vertices().size()) ? place : 0;
   }
 };
 
+// What is known before the search.
+struct Pair {
+  const Shape &a, &b;
+  const Pose &X_WA, &X_WB;
+  const DistanceRequest& request;
+  PairCache* cache;
+  Triple t;  // of A, from B's origin
+  double size, rounding;
+  VertexNames hints;
+};
+
 // The cached direction if it is one, else from A's middle to B's.
-HWY_INLINE Triple firstDirection(const Shape& a, const WorldHull& hull_a, const Shape& b,
-                                 const WorldHull& hull_b, const Eigen::Matrix3d& R_WB,
-                                 const PairCache* cache) {
-  if (cache != nullptr) {
-    const Triple n = tripleOf(cache->direction_B);
+HWY_INLINE Triple firstDirection(const Pair& pair) {
+  if (pair.cache != nullptr) {
+    const Triple n = tripleOf(pair.cache->direction_B);
     const double length_squared = squared(n);
     if (length_squared > 0.25 && length_squared < 4) {  // NaN fails
-      return (1 / std::sqrt(length_squared)) * rotated(R_WB, n);
+      return (1 / std::sqrt(length_squared)) * rotated(pair.X_WB.rotation, n);
     }
   }
-  const Triple middle = hull_b.placed(b.boundingCenter()) - hull_a.placed(a.boundingCenter());
+  const Triple middle = rotated(pair.X_WB.rotation, tripleOf(pair.b.boundingCenter())) -
+                        (rotated(pair.X_WA.rotation, tripleOf(pair.a.boundingCenter())) + pair.t);
   const double length = std::sqrt(squared(middle));
   return length > 0 ? (1 / length) * middle : Triple{1, 0, 0};
+}
+
+// Searches and writes down what was found; false when it is not enough.
+template <class Cores>
+HWY_INLINE bool answer(const Pair& pair, const Cores& cores, double more_rounding,
+                       const PairCache* carried, DistanceResult& result, VertexStart& start) {
+  const DistanceRequest& request = pair.request;
+  PairCache* const cache = pair.cache;
+  const double upper_offset = -pair.rounding;
+  const double lower_offset =
+      pair.a.hull()->excess() + pair.b.hull()->excess() + pair.rounding + more_rounding;
+  Search<Cores> search(cores, request, lower_offset, upper_offset, 0);
+  const Triple first = carried != nullptr ? Triple{1, 0, 0} : firstDirection(pair);
+  const GjkEnd end = search.run(first, carried, pair.hints);
+
+  Carriers found;
+  search.carriers(end, found);
+  const auto leave = [&] {
+    found.dropWeightless();
+    start.count = end == GjkEnd::kLimit ? 0 : found.count;
+    for (int i = 0; i < start.count; ++i) {
+      const VertexNames vertices = cores.verticesOf(found.names[i]);
+      start.vertex_a[i] = vertices.a;
+      start.vertex_b[i] = vertices.b;
+    }
+    start.end = end;
+    start.iterations = search.iterations();
+    return false;
+  };
+  if (found.count != 3) return leave();
+  Triple w = {0, 0, 0}, p = {0, 0, 0};
+  for (int i = 0; i < 3; ++i) {  // (Which of them have no weight is not foreseen.)
+    w = w + found.weight[i] * found.w[i];
+    p = p + found.weight[i] * cores.pointOfA(found.names[i]);
+  }
+  // As Progress has it.
+  const Interval separation = {search.best().value() - lower_offset,
+                               std::sqrt(squared(w)) - upper_offset};
+  const bool enough = (separation.width() <= request.tolerance && isSignKnown(separation)) ||
+                      isDecided(separation, request);
+  const Triple point_a = tripleOf(pair.X_WB.translation) + p, point_b = point_a + w;
+  const Triple& plane = search.best().direction();
+  const Triple n = (1 / std::sqrt(squared(plane))) * plane;
+  // Coordinates beyond 1e308 overflow.
+  const double sum = std::abs(point_a.x + point_a.y + point_a.z) + std::abs(n.x + n.y + n.z);
+  if (!enough || !(sum <= 1e300)) return leave();
+  result.distance = separation;
+  result.status = statusOf(separation, request);
+  result.iterations = search.iterations();
+  write(point_a, result.point_a);
+  write(point_b, result.point_b);
+  write(n, result.normal);
+  if (cache != nullptr) {
+    write(rotatedBack(pair.X_WB.rotation, n), cache->direction_B);
+    const VertexNames last = cores.verticesOf(search.lastNames());
+    cache->vertex_a = last.a;
+    cache->vertex_b = last.b;
+    found.dropWeightless();
+    cache->simplex_count = found.count;
+    for (int i = 0; i < found.count; ++i) {
+      const VertexNames vertices = cores.verticesOf(found.names[i]);
+      cache->simplex_a[i] = vertices.a;
+      cache->simplex_b[i] = vertices.b;
+    }
+  }
+  return true;
+}
+
+// Not inlined: all of them in one would leave none the registers it needs.
+HWY_NOINLINE bool answerInWorld(const Pair& pair, const PairCache* carried, DistanceResult& result,
+                                VertexStart& start) {
+  const WorldCores cores = {{pair.a, pair.X_WA.rotation, pair.t},
+                            {pair.b, pair.X_WB.rotation, {0, 0, 0}}};
+  return answer(pair, cores, 0, carried, result, start);
+}
+template <int kEights>
+HWY_NOINLINE bool answerPlaced(const Pair& pair, DistanceResult& result, VertexStart& start) {
+  const PlacedCores<kEights> cores = {*pair.a.hull(),
+                                      *pair.b.hull(),
+                                      {pair.a.hull()->support(), pair.X_WA.rotation, pair.t, -1},
+                                      {pair.b.hull()->support(), pair.X_WB.rotation, {0, 0, 0}, 1}};
+  return answer(pair, cores, PlacedVertices<kEights>::kNameRounding * kUnitRoundoff * pair.size,
+                nullptr, result, start);
 }
 
 // Without a table or columns only general code knows the farthest vertex.
@@ -101,22 +356,23 @@ HWY_INLINE bool isQuick(const HullSupport& support) {
 bool hullSteps(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
                const DistanceRequest& request, PairCache* cache, DistanceResult& result,
                VertexStart& start) {
-  const ConvexHull &points_a = *a.hull(), &points_b = *b.hull();
-  if (!(isQuick(points_a.support()) && isQuick(points_b.support()))) return false;
-  const bool threshold = !std::isnan(request.threshold);
-  const int count_a = static_cast<int>(points_a.vertices().size());
-  const int count_b = static_cast<int>(points_b.vertices().size());
-  const bool carried = cache != nullptr && !threshold && fits(*cache, count_a, count_b);
-  // Many steps on large hulls turn one direction less each in B's frame.
-  const bool place = !carried && !threshold;
-  if (place &&
-      !(PlacedVertices::takes(points_a.support()) && PlacedVertices::takes(points_b.support()))) {
-    return false;
+  const HullSupport &support_a = a.hull()->support(), &support_b = b.hull()->support();
+  if (!(isQuick(support_a) && isQuick(support_b))) return false;
+  bool carried = false;
+  VertexNames hints = {0, 0};
+  if (cache != nullptr) {
+    const int count_a = static_cast<int>(a.hull()->vertices().size());
+    const int count_b = static_cast<int>(b.hull()->vertices().size());
+    carried = std::isnan(request.threshold) && fits(*cache, count_a, count_b);
+    if (cache->vertex_a > 0 && cache->vertex_a < count_a) hints.a = cache->vertex_a;
+    if (cache->vertex_b > 0 && cache->vertex_b < count_b) hints.b = cache->vertex_b;
   }
+  const bool place = !carried && std::isnan(request.threshold);
+  if (place && !(PlacedVertices<4>::takes(support_a) && PlacedVertices<4>::takes(support_b)))
+    return false;
   const PoseCheck check = checkRotations(X_WA.rotation, X_WB.rotation);
-  const Triple t_b = tripleOf(X_WB.translation), t = tripleOf(X_WA.translation) - t_b;
-  const double extents = a.extent() + b.extent();
-  const double size = extents + std::sqrt(squared(t));
+  const Triple t = tripleOf(X_WA.translation) - tripleOf(X_WB.translation);
+  const double size = a.extent() + b.extent() + std::sqrt(squared(t));
   // Written so that NaN fails.
   if (!(check.rotations && size >= kSmallestScale && size <= kLargestScale) ||
       request.iteration_limit <= 0) {
@@ -124,62 +380,16 @@ bool hullSteps(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_W
   }
   const double rounding =
       (kSupportRounding + kPoseRounding) * kUnitRoundoff * size + check.departure * size;
-  const double lower_offset = points_a.excess() + points_b.excess() + rounding;
-
-  const WorldHull hull_a(a, X_WA.rotation, t, place);
-  const WorldHull hull_b(b, X_WB.rotation, {0, 0, 0}, place);
-  const WorldCores cores = {hull_a, hull_b};
-  VertexNames hints = {0, 0};
-  if (cache != nullptr) {
-    if (cache->vertex_a > 0 && cache->vertex_a < count_a) hints.a = cache->vertex_a;
-    if (cache->vertex_b > 0 && cache->vertex_b < count_b) hints.b = cache->vertex_b;
+  const Pair pair = {a, b, X_WA, X_WB, request, cache, t, size, rounding, hints};
+  if (!place) return answerInWorld(pair, carried ? cache : nullptr, result, start);
+  switch ((std::max(support_a.length(), support_b.length()) + 7) / 8) {
+    case 1:
+      return answerPlaced<1>(pair, result, start);
+    case 2:
+      return answerPlaced<2>(pair, result, start);
+    default:
+      return answerPlaced<4>(pair, result, start);
   }
-  Search<WorldCores> search(cores, request, lower_offset, -rounding, 0);
-  const Triple first =
-      carried ? Triple{1, 0, 0} : firstDirection(a, hull_a, b, hull_b, X_WB.rotation, cache);
-  const GjkEnd end = search.run(first, carried ? cache : nullptr, hints);
-
-  Carriers found;
-  search.carriers(end, found);
-  Triple w = {0, 0, 0}, p = {0, 0, 0};
-  for (int i = 0; i < found.count; ++i) {
-    start.vertex_a[i] = found.names[i].a;
-    start.vertex_b[i] = found.names[i].b;
-    w = w + found.weight[i] * found.w[i];
-    p = p + found.weight[i] * hull_a.vertex(found.names[i].a);
-  }
-  start.count = end == GjkEnd::kLimit ? 0 : found.count;
-  start.end = end;
-  start.iterations = search.iterations();
-  if (found.count == 0 || end == GjkEnd::kInside) return false;
-  // As Progress has it.
-  const Interval separation = {search.best().value() - lower_offset,
-                               std::sqrt(squared(w)) + rounding};
-  const bool enough = (separation.width() <= request.tolerance && isSignKnown(separation)) ||
-                      isDecided(separation, request);
-  const Triple point_a = t_b + p, point_b = point_a + w;
-  const Triple& plane = search.best().direction();
-  const Triple n = (1 / std::sqrt(squared(plane))) * plane;
-  // Coordinates beyond 1e308 overflow.
-  const double sum = std::abs(point_a.x + point_a.y + point_a.z) + std::abs(n.x + n.y + n.z);
-  if (!enough || !(sum <= 1e300)) return false;
-  result.distance = separation;
-  result.status = statusOf(separation, request);
-  result.iterations = search.iterations();
-  write(point_a, result.point_a);
-  write(point_b, result.point_b);
-  write(n, result.normal);
-  if (cache != nullptr) {
-    write(rotatedBack(X_WB.rotation, n), cache->direction_B);
-    cache->vertex_a = search.lastNames().a;
-    cache->vertex_b = search.lastNames().b;
-    cache->simplex_count = found.count;
-    for (int i = 0; i < found.count; ++i) {
-      cache->simplex_a[i] = found.names[i].a;
-      cache->simplex_b[i] = found.names[i].b;
-    }
-  }
-  return true;
 }
 
 }  // namespace leeway::collision::HWY_NAMESPACE

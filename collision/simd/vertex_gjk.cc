@@ -55,10 +55,47 @@ HWY_INLINE Triple farthestCorner(const ConvexView& view, const Triple& d, std::i
   }
 }
 
+// The vertices of a small hull at a pose, brought there once: no direction has to be turned back
+// for them, and no vertex forth.
+class PlacedColumns {
+ public:
+  // Nothing is placed where there are too many.
+  HWY_INLINE void place(const HullSupport& support, const Eigen::Matrix3d& R, const Triple& t) {
+    if (support.length() == 0 || support.length() > kPlacedUpTo) return;
+    length_ = support.length();
+    const Widest d;
+    for (int i = 0; i < length_; i += static_cast<int>(hn::MaxLanes(d))) {
+      const Same x = hn::Load(d, support.x() + i), y = hn::Load(d, support.y() + i),
+                 z = hn::Load(d, support.z() + i);
+      const auto row = [&](int r, double shift) HWY_ATTR {
+        return hn::Add(
+            hn::Add(hn::Add(hn::Mul(hn::Set(d, R(r, 0)), x), hn::Mul(hn::Set(d, R(r, 1)), y)),
+                    hn::Mul(hn::Set(d, R(r, 2)), z)),
+            hn::Set(d, shift));
+      };
+      hn::Store(row(0, t.x), d, x_ + i);
+      hn::Store(row(1, t.y), d, y_ + i);
+      hn::Store(row(2, t.z), d, z_ + i);
+    }
+  }
+  HWY_INLINE bool empty() const { return length_ == 0; }
+  HWY_INLINE Triple farthest(const Triple& n, std::int32_t& name) const {
+    name = scanColumns<kPlacedUpTo>(x_, y_, z_, length_, n.x, n.y, n.z);
+    return {x_[name], y_[name], z_[name]};
+  }
+
+ private:
+  static constexpr int kPlacedUpTo = 32;
+  int length_ = 0;
+  alignas(64) double x_[kPlacedUpTo], y_[kPlacedUpTo], z_[kPlacedUpTo];
+};
+
 // The difference, with A's vertices brought to B's frame where they are few and will be asked
 // often.
 class PlacedCores {
  public:
+  using Point = Triple;
+  static constexpr double kTilt = 0.4;  // the best of a few
   HWY_INLINE PlacedCores(const Difference<false>& difference, bool place)
       : a_(difference.viewA()),
         b_(difference.viewB()),
@@ -74,6 +111,19 @@ class PlacedCores {
     if (!vertices_a_.empty()) return b - vertices_a_.farthest(n, names.a);
     return b - placed(farthestCorner(a_, rotatedBack(R_, n), names.a));
   }
+  HWY_INLINE Points<kFan> fan(const Points<kFan>& n, VertexNames* names) const {
+    alignas(64) double x[kFan], y[kFan], z[kFan];
+    store(n.x, x);
+    store(n.y, y);
+    store(n.z, z);
+    for (int i = 0; i < kFan; ++i) {
+      const Triple w = support({x[i], y[i], z[i]}, names[i]);
+      x[i] = w.x;
+      y[i] = w.y;
+      z[i] = w.z;
+    }
+    return {load<kFan>(x), load<kFan>(y), load<kFan>(z)};
+  }
   /// A's point in a member.
   HWY_INLINE Triple pointOfA(const VertexNames& names) const { return placed(corner(a_, names.a)); }
   HWY_INLINE Triple member(const VertexNames& names) const {
@@ -86,7 +136,7 @@ class PlacedCores {
   const ConvexView &a_, &b_;
   const Eigen::Matrix3d& R_;
   const Triple t_;
-  PlacedVertices vertices_a_;
+  PlacedColumns vertices_a_;
 };
 
 // Writes down what was found; the simplex is empty when that is nothing.
@@ -98,6 +148,7 @@ HWY_INLINE void leave(const Search<PlacedCores>& search, const PlacedCores& core
   progress.offerLower(search.best().value(), {n.x, n.y, n.z});
   Carriers found;
   search.carriers(end, found);
+  found.dropWeightless();
   Triple w = {0, 0, 0}, a = {0, 0, 0};
   for (int i = 0; i < found.count; ++i) {
     const Triple &here_w = found.w[i], here_a = cores.pointOfA(found.names[i]);

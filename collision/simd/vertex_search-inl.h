@@ -17,7 +17,7 @@
 #include <limits>
 
 #include "collision/gjk.h"
-#include "collision/simd/four_lanes-inl.h"
+#include "collision/simd/lanes-inl.h"
 #include "collision/simd/scan-inl.h"
 #include "collision/triple.h"
 #include "leeway/collision/tolerances.h"
@@ -44,18 +44,13 @@ namespace leeway::collision::HWY_NAMESPACE {
 struct VertexNames {
   std::int32_t a, b;
 };
-HWY_INLINE FourPoints fourTimes(const Triple& p) {
-  return {allLanes(p.x), allLanes(p.y), allLanes(p.z)};
-}
 /// In a lane, which is only ever copied.
-HWY_INLINE Lanes allLanes(const VertexNames& names) {
-  return allLanes(std::bit_cast<double>(names));
+HWY_INLINE Lanes<4> allLanes(const VertexNames& names) {
+  return allLanes<4>(std::bit_cast<double>(names));
 }
 
 /// The lane of the point that is not on the triangle of lane k.
 constexpr int kLeftOut[3] = {2, 0, 1};
-alignas(32) constexpr double kLane[3][4] = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}};
-HWY_INLINE Mask onlyLane(int k) { return load(kLane[k]) > allLanes(0); }
 
 /// scanColumns(), not inlined: a call is little beside it, and all of its cases in every place
 /// would be much code.
@@ -69,127 +64,118 @@ HWY_INLINE int scannedSupport(const HullSupport& support, const Triple& d, std::
                                : calledColumns(support, d.x, d.y, d.z);
 }
 
-/// The vertices of a small hull at a pose, brought there once: no direction has to be turned back
-/// for them, and no vertex forth.
-class PlacedVertices {
- public:
-  static HWY_INLINE bool takes(const HullSupport& support) {
-    return support.length() > 0 && support.length() <= kPlacedUpTo;
-  }
-  /// Nothing is placed where there are too many.
-  HWY_INLINE void place(const HullSupport& support, const Eigen::Matrix3d& R, const Triple& t) {
-    if (!takes(support)) return;
-    length_ = support.length();
-    const EightDoubles d;
-    for (int i = 0; i < length_; i += static_cast<int>(hn::MaxLanes(d))) {
-      const auto x = hn::Load(d, support.x() + i), y = hn::Load(d, support.y() + i),
-                 z = hn::Load(d, support.z() + i);
-      const auto row = [&](int r, double shift) HWY_ATTR {
-        return hn::Add(
-            hn::Add(hn::Add(hn::Mul(hn::Set(d, R(r, 0)), x), hn::Mul(hn::Set(d, R(r, 1)), y)),
-                    hn::Mul(hn::Set(d, R(r, 2)), z)),
-            hn::Set(d, shift));
-      };
-      hn::Store(row(0, t.x), d, x_ + i);
-      hn::Store(row(1, t.y), d, y_ + i);
-      hn::Store(row(2, t.z), d, z_ + i);
-    }
-  }
-  HWY_INLINE bool empty() const { return length_ == 0; }
-  HWY_INLINE Triple vertex(int name) const { return {x_[name], y_[name], z_[name]}; }
-  HWY_INLINE Triple farthest(const Triple& n, std::int32_t& name) const {
-    name = scanColumns<kPlacedUpTo>(x_, y_, z_, length_, n.x, n.y, n.z);
-    return vertex(name);
-  }
-
- private:
-  static constexpr int kPlacedUpTo = 32;
-  int length_ = 0;
-  alignas(64) double x_[kPlacedUpTo], y_[kPlacedUpTo], z_[kPlacedUpTo];
+/// What is nearest to the origin on the triangles that a point p has with two neighbours of a ring,
+/// lane by lane.
+template <int n>
+struct Triangles {
+  Points<n> e, f;               ///< from p to point k, and to the next one
+  Points<n> normal;             ///< e x f
+  Lanes<n> height;              ///< p . normal
+  Points<n> direction;          ///< of the nearest point, any length
+  Lanes<n> direction_squared;   ///< its length squared
+  Lanes<n> norm_squared;        ///< of the nearest point
+  Lanes<n> first, second, all;  ///< weights of points k, k + 1 (parts of `all`)
 };
 
-/// What a step found.
+template <int n>
+HWY_INLINE Triangles<n> trianglesOf(const Points<n>& p, const Points<n>& ring) {
+  const Lanes<n> zero = allLanes<n>(0.0), one = allLanes<n>(1.0);
+  Triangles<n> t;
+  t.e = ring - p;
+  t.f = nextInRing(t.e);
+  const Lanes<n> ee = dot(t.e, t.e), ef = dot(t.e, t.f), ff = nextInRing(ee);
+  const Lanes<n> pe = zero - dot(p, t.e), pf = nextInRing(pe);
+  t.normal = cross(t.e, t.f);
+  t.height = dot(p, t.normal);
+  const Lanes<n> nn = dot(t.normal, t.normal);
+  // Weights of the lane's points, times nn.
+  const Lanes<n> area_e = ff * pe - ef * pf, area_f = ee * pf - ef * pe;
+  const Mask<n> inside = (area_e > zero) & (area_f > zero) & (nn - area_e > area_f);
+  const Lanes<n> along = choose(pe > zero, choose(ee > pe, pe / ee, one), zero);
+  const Points<n> on_edge = p + along * t.e;
+  const Lanes<n> edge_squared = dot(on_edge, on_edge);
+  // A triangle's normal points away from the origin or towards it.
+  t.direction = choose(inside, withSignOf(t.normal, t.height), on_edge);
+  t.direction_squared = choose(inside, nn, edge_squared);
+  t.norm_squared = choose(inside, t.height * (t.height / nn), edge_squared);
+  t.first = choose(inside, area_e, along);
+  t.second = choose(inside, area_f, zero);
+  t.all = choose(inside, nn, one);
+  return t;
+}
+
+/// What a step found. Points and directions are told as the cores take them: single, or in all
+/// lanes.
+template <class Point>
 struct Nearest {
-  Triple direction = {0, 0, 0};                ///< of the nearest point, any length
-  double direction_squared = 0;                ///< its length squared
-  double norm_squared = 0;                     ///< of the nearest point
-  int lane = -1;                               ///< -1: nothing is known yet
-  double weight_first = 0, weight_second = 0;  ///< of points `lane` and `lane` + 1; the rest is p's
+  Point direction;               ///< of the nearest point, any length
+  double direction_squared = 0;  ///< its length squared
+  double norm_squared = 0;       ///< of the nearest point
+  int lane = -1;                 ///< -1: nothing is known yet
+  Lanes<4> first, second, all;   ///< as Triangles has them, of that lane
 };
 
-/// The lane with the least of the first three values, by which of them are greater than the next.
-constexpr int kLeastLane[8] = {0, 1, 2, 2, 0, 1, 0, 0};
+/// What lane k of the triangles of p, the newest point, says of the nearest one.
+template <int n, class Point>
+HWY_INLINE void take(const Triangles<n>& t, std::int64_t k, const Point& newest,
+                     Nearest<Point>& nearest) {
+  const Pick<n> best(k);
+  pick(t.direction, best, nearest.direction);
+  nearest.direction_squared = best(t.direction_squared);
+  nearest.norm_squared = best(t.norm_squared);
+  // Near contact what is left of the edge's point after cancellation is not at a right angle to
+  // the edge any more: once more.
+  if (HWY_UNLIKELY(nearest.norm_squared < kCancelled * squared(tripleOf(newest))) &&
+      best(t.second) == 0) {
+    const double along = best(t.first);
+    if (!(along > 0 && along < 1)) return;  // at an end
+    Triple edge;
+    pick(t.e, best, edge);
+    const Triple way = tripleOf(nearest.direction);
+    const Triple straight = way - (dot(way, edge) / dot(edge, edge)) * edge;
+    set(nearest.direction, straight);
+    nearest.direction_squared = squared(straight);
+  }
+}
 
 enum class Step : unsigned char { kNearer, kHoldsOrigin, kHoldsOriginWell };
 
+/// Where the origin is to the tetrahedron of p and three older points; kNearer when outside.
+HWY_INLINE Step heldBy(const Triangles<4>& t) {
+  const Lanes<4> volume = dot(t.normal, nextInRing(t.f)), zero = allLanes<4>(0.0);
+  // The origin's weight of the point that lane k leaves out is -height / volume.
+  const Lanes<4> weight = withSignOf(zero - t.height, volume);
+  if (HWY_LIKELY((bitsOf(weight > zero) & 7U) != 7U)) return Step::kNearer;
+  alignas(32) double weights[4], volumes[4], squares[4];
+  store(weight, weights);
+  store(volume, volumes);
+  const double size = std::abs(volumes[0]);
+  const double least =
+      std::min(std::min(weights[0], weights[1]),
+               std::min(weights[2], size - (weights[0] + weights[1] + weights[2])));
+  if (!(least > 0)) return Step::kNearer;
+  store(dot(t.e, t.e), squares);
+  const double longest_squared = std::max(squares[0], std::max(squares[1], squares[2]));
+  const bool well =
+      least > kHeldWell * size && size > kHeldWell * longest_squared * std::sqrt(longest_squared);
+  return well ? Step::kHoldsOriginWell : Step::kHoldsOrigin;
+}
+
 /// Takes the newest point in.
-HWY_INLINE Step step(const Triple& newest, const FourPoints& old, Nearest& nearest) {
-  const Lanes zero = allLanes(0), one = allLanes(1);
-  const FourPoints p = fourTimes(newest);
-  const FourPoints e = old - p, f = nextOfThree(e);
-  const Lanes ee = dot(e, e), ef = dot(e, f), ff = nextOfThree(ee);
-  const Lanes pe = zero - dot(p, e), pf = nextOfThree(pe);
-  const FourPoints n = cross(e, f);
-  const Lanes nn = dot(n, n), pn = dot(p, n), inverse = one / nn;
-  // Weights of the lane's points, times nn.
-  const Lanes area_e = ff * pe - ef * pf, area_f = ee * pf - ef * pe;
-  const Mask inside = (area_e > zero) & (area_f > zero) & (nn - area_e > area_f);
-  const Lanes along = choose(pe > zero, choose(ee > pe, pe / ee, one), zero);
-  const FourPoints on_edge = {p.x + along * e.x, p.y + along * e.y, p.z + along * e.z};
-  const Lanes edge_squared = dot(on_edge, on_edge);
-  const Lanes norm_squared = choose(inside, pn * (pn * inverse), edge_squared);
-  // (Of the fourth lane nothing is known.)
-  const int k = kLeastLane[bitsOf(norm_squared > nextOfThree(norm_squared)) & 7U];
-
-  // A triangle's normal points away from the origin or towards it.
-  const FourPoints direction = choose(inside, withSignOf(n, pn), on_edge);
-  alignas(32) double squared[4], height[4], volume_of[4], x[4], y[4], z[4], length_squared[4],
-      first[4], second[4];
-  store(direction.x, x);
-  store(direction.y, y);
-  store(direction.z, z);
-  store(norm_squared, squared);
-  store(pn, height);
-  store(dot(n, nextOfThree(f)), volume_of);
-  store(choose(inside, nn, edge_squared), length_squared);
-  store(choose(inside, area_e * inverse, along), first);
-  store(choose(inside, area_f * inverse, zero), second);
-
-  // The origin's weight of the point that lane k leaves out is -height[k] / volume.
-  const double volume = volume_of[0];
-  const double sign = std::copysign(1.0, -volume), size = std::abs(volume);
-  const double h0 = sign * height[0], h1 = sign * height[1], h2 = sign * height[2];
-  const double least = std::min(std::min(h0, h1), std::min(h2, size - (h0 + h1 + h2)));
-  if (HWY_UNLIKELY(least > 0)) {
-    alignas(32) double edge_squared_of[4];
-    store(ee, edge_squared_of);
-    const double longest_squared =
-        std::max(edge_squared_of[0], std::max(edge_squared_of[1], edge_squared_of[2]));
-    const bool well =
-        least > kHeldWell * size && size > kHeldWell * longest_squared * std::sqrt(longest_squared);
-    return well ? Step::kHoldsOriginWell : Step::kHoldsOrigin;
-  }
-
-  nearest.direction = {x[k], y[k], z[k]};
-  nearest.direction_squared = length_squared[k];
-  nearest.norm_squared = squared[k];
-  nearest.lane = k;
-  nearest.weight_first = first[k];
-  nearest.weight_second = second[k];
-  // Near contact what is left of the edge's point after cancellation is not at a right angle to
-  // the edge any more: once more.
-  if (HWY_UNLIKELY(squared[k] < kCancelled * dot(newest, newest)) && first[k] > 0 &&
-      second[k] == 0) {
-    store(e.x, x);
-    store(e.y, y);
-    store(e.z, z);
-    const Triple edge = {x[k], y[k], z[k]};
-    const double excess = dot(nearest.direction, edge) / dot(edge, edge);
-    nearest.direction = {nearest.direction.x - excess * edge.x,
-                         nearest.direction.y - excess * edge.y,
-                         nearest.direction.z - excess * edge.z};
-    nearest.direction_squared = dot(nearest.direction, nearest.direction);
-  }
+template <class Point>
+HWY_INLINE Step step(const Point& newest, const Points<4>& old, Nearest<Point>& nearest) {
+  // The lane with the least of the first three values, by which of them are greater than the next.
+  // (Of the fourth one nothing is known.)
+  static constexpr std::int64_t kLeastLane[8] = {0, 1, 2, 2, 0, 1, 0, 0};
+  const Triangles<4> t = trianglesOf(allLanes<4>(newest), old);
+  const Step found = heldBy(t);
+  if (HWY_UNLIKELY(found != Step::kNearer)) return found;
+  const std::int64_t k = kLeastLane[bitsOf(t.norm_squared > nextInRing(t.norm_squared)) & 7U];
+  take(t, k, newest, nearest);
+  nearest.lane = static_cast<int>(k);
+  nearest.first = t.first;
+  nearest.second = t.second;
+  nearest.all = t.all;
   return Step::kNearer;
 }
 
@@ -211,32 +197,49 @@ class BestPlane {
   Triple direction_[2] = {{1, 0, 0}, {1, 0, 0}};
 };
 
-/// A cold search asks along its first direction and three around it at once, in about the time of
-/// one: that saves about two steps out of six. What is added to the first direction (of length 1),
-/// by its largest coordinate: three vectors at right angles to that axis, and nothing for the first
-/// direction itself. The best of a few lengths on hulls.
-constexpr double kTilt = 0.7, kHalf = -0.5 * kTilt, kRoot = 0.8660254037844386 * kTilt;
-constexpr Triple kAround[3][4] = {
-    {{0, kTilt, 0}, {0, kHalf, kRoot}, {0, kHalf, -kRoot}, {0, 0, 0}},
-    {{0, 0, kTilt}, {kRoot, 0, kHalf}, {-kRoot, 0, kHalf}, {0, 0, 0}},
-    {{kTilt, 0, 0}, {kHalf, kRoot, 0}, {kHalf, -kRoot, 0}, {0, 0, 0}}};
+/// A cold search asks along its first direction and seven around it at once, which make a fan of
+/// triangles: its nearest point saves two steps or three out of six. What is added to the first
+/// direction (of length 1), times a tilt: rows of these, by its largest coordinate. The last lane
+/// is the first direction itself.
+constexpr int kFan = 8;
+alignas(64) constexpr double kFanRows[3][kFan] = {
+    {0, 0, 0, 0, 0, 0, 0, 0},
+    {1, 0.62348980185873353, -0.2225209339563144, -0.90096886790241913, -0.90096886790241913,
+     -0.2225209339563144, 0.62348980185873353, 0},
+    {0, 0.78183148246802981, 0.97492791218182361, 0.43388373911755812, -0.43388373911755812,
+     -0.97492791218182361, -0.78183148246802981, 0}};
 
-/// The points that carry what a search found, with their weights; of the four around the origin no
-/// weight is known.
+/// The points that carry what a search found, with their weights; some may have none. Of the four
+/// around the origin no weight is known.
 struct Carriers {
   int count = 0;
   VertexNames names[4];
   Triple w[4];
   double weight[4];
+
+  HWY_INLINE void dropWeightless() {
+    int kept = 0;
+    for (int i = 0; i < count; ++i) {
+      names[kept] = names[i];
+      w[kept] = w[i];
+      weight[kept] = weight[i];
+      kept += static_cast<int>(weight[i] > 0);
+    }
+    count = kept;
+  }
 };
 
 /// `Cores` has
-///   Triple support(const Triple& n, VertexNames& names) const: the member of the difference with
-///     the smallest w . n, for a direction of any length; names come in as hints;
-///   Triple member(const VertexNames& names) const.
+///   Point support(const Point& n, VertexNames& names) const: the member of the difference with the
+///     smallest w . n, for a direction of any length; names come in as hints; Point is Triple or,
+///     where that is quicker, SamePoint;
+///   Points<kFan> fan(const Points<kFan>& n, VertexNames names[kFan]) const: the same for all
+///   lanes; double kTilt: of a fan's ring; 0 where there is no fan to begin with; Triple
+///   member(const VertexNames& names) const.
 template <class Cores>
 class Search {
  public:
+  using Point = typename Cores::Point;
   /// A plane at value v proves v - lower_offset, a point at distance d proves d - upper_offset.
   HWY_INLINE Search(const Cores& cores, const DistanceRequest& request, double lower_offset,
                     double upper_offset, int iterations)
@@ -258,79 +261,121 @@ class Search {
   HWY_INLINE void carriers(GjkEnd end, Carriers& found) const;
 
  private:
-  HWY_INLINE Step begin(const Triple& first, const PairCache* carried, const VertexNames& hints);
+  HWY_INLINE Step beginCarried(const PairCache& carried);
+  HWY_INLINE void beginAlong(const Triple& first);
+  HWY_INLINE void beginFan(const Triple& first);
   HWY_INLINE void keepNewest() {
-    const Mask place = onlyLane(kLeftOut[nearest_.lane]);
-    old_ = choose(place, fourTimes(newest_), old_);
+    alignas(32) static constexpr double kPlace[3][4] = {{0, 0, 1, 0}, {1, 0, 0, 0}, {0, 1, 0, 0}};
+    const Mask<4> place = load<4>(kPlace[nearest_.lane]) > allLanes<4>(0.0);
+    old_ = choose(place, allLanes<4>(newest_), old_);
     old_names_ = choose(place, allLanes(newest_names_), old_names_);
-  }
-  HWY_INLINE void setOld(const Triple w[3], const VertexNames names[3]) {
-    const Mask first = onlyLane(0), second = onlyLane(1);
-    old_ = choose(first, fourTimes(w[0]), choose(second, fourTimes(w[1]), fourTimes(w[2])));
-    old_names_ =
-        choose(first, allLanes(names[0]), choose(second, allLanes(names[1]), allLanes(names[2])));
   }
 
   const Cores& cores_;
   const DistanceRequest& request_;
   const double lower_offset_, upper_offset_;
   int iterations_;
-  FourPoints old_;
-  Lanes old_names_;
-  Triple newest_;
+  Points<4> old_;
+  Lanes<4> old_names_;
+  Point newest_;
   VertexNames newest_names_;
-  Nearest nearest_;
+  Nearest<Point> nearest_;
   BestPlane best_;
 };
 
 template <class Cores>
-HWY_INLINE Step Search<Cores>::begin(const Triple& first, const PairCache* carried,
-                                     const VertexNames& hints) {
-  Triple w[4];
-  VertexNames names[4];
-  if (carried != nullptr) {
-    for (int i = 0; i < 3; ++i) {
-      const int k = i < carried->simplex_count ? i : 0;
-      names[i] = {carried->simplex_a[k], carried->simplex_b[k]};
-      w[i] = cores_.member(names[i]);
-    }
-    // One of the points as the newest.
-    newest_ = w[0];
-    newest_names_ = names[0];
-    setOld(w, names);
-  } else {
-    ++iterations_;
-    // A threshold is most often decided by the first direction alone.
-    const bool alone = !std::isnan(request_.threshold);
-    const double ax = std::abs(first.x), ay = std::abs(first.y), az = std::abs(first.z);
-    int axis = static_cast<int>(ay > ax);
-    axis += static_cast<int>(az > std::max(ax, ay)) * (2 - axis);
-    for (int i = alone ? 3 : 0; i < 4; ++i) {
-      const Triple& tilt = kAround[axis][i];
-      names[i] = hints;
-      w[i] = cores_.support({first.x + tilt.x, first.y + tilt.y, first.z + tilt.z}, names[i]);
-    }
-    newest_ = w[3];
-    newest_names_ = names[3];
-    best_.offer(dot(first, newest_), first);
-    if (alone) {
-      const double length_squared = squared(newest_);
-      nearest_ = {newest_, length_squared, length_squared, 0, 0, 0};
-      old_ = fourTimes(newest_);
-      old_names_ = allLanes(newest_names_);
-      return Step::kNearer;
-    }
-    setOld(w, names);
+HWY_INLINE Step Search<Cores>::beginCarried(const PairCache& carried) {
+  VertexNames names[3];
+  Triple w[3];
+  for (int i = 0; i < 3; ++i) {
+    const int k = i < carried.simplex_count ? i : 0;
+    names[i] = {carried.simplex_a[k], carried.simplex_b[k]};
+    w[i] = cores_.member(names[i]);
   }
+  alignas(32) static constexpr double kFirst[4] = {1, 0, 0, 0}, kSecond[4] = {0, 1, 0, 0};
+  const Mask<4> first = load<4>(kFirst) > allLanes<4>(0.0),
+                second = load<4>(kSecond) > allLanes<4>(0.0);
+  old_ = choose(first, allLanes<4>(w[0]), choose(second, allLanes<4>(w[1]), allLanes<4>(w[2])));
+  old_names_ =
+      choose(first, allLanes(names[0]), choose(second, allLanes(names[1]), allLanes(names[2])));
+  // One of the points as the newest.
+  set(newest_, w[0]);
+  newest_names_ = names[0];
   const Step found = step(newest_, old_, nearest_);
   if (found == Step::kNearer) keepNewest();
   return found;
 }
 
 template <class Cores>
+HWY_INLINE void Search<Cores>::beginAlong(const Triple& first) {
+  ++iterations_;
+  set(nearest_.direction, first);
+  newest_ = cores_.support(nearest_.direction, newest_names_);
+  const Triple p = tripleOf(newest_);
+  best_.offer(dot(first, p), first);
+  const double length_squared = squared(p);
+  nearest_ = {newest_,          length_squared,   length_squared,  0,
+              allLanes<4>(0.0), allLanes<4>(0.0), allLanes<4>(1.0)};
+  old_ = allLanes<4>(newest_);
+  old_names_ = allLanes(newest_names_);
+}
+
+template <class Cores>
+HWY_INLINE void Search<Cores>::beginFan(const Triple& first) {
+  ++iterations_;
+  const double ax = std::abs(first.x), ay = std::abs(first.y), az = std::abs(first.z);
+  int axis = static_cast<int>(ay > ax);
+  axis += static_cast<int>(az > std::max(ax, ay)) * (2 - axis);
+  static constexpr int kRow[3][3] = {{0, 1, 2}, {2, 0, 1}, {1, 2, 0}};
+  const auto directions = [&](int i, double middle) HWY_ATTR {
+    return allLanes<kFan>(middle) +
+           allLanes<kFan>(Cores::kTilt) * load<kFan>(kFanRows[kRow[axis][i]]);
+  };
+  alignas(64) VertexNames names[kFan];
+  for (VertexNames& each : names) each = newest_names_;
+  const Points<kFan> ring =
+      cores_.fan({directions(0, first.x), directions(1, first.y), directions(2, first.z)}, names);
+  pick(ring, Pick<kFan>(kFan - 1), newest_);
+  newest_names_ = names[kFan - 1];
+  best_.offer(dot(first, tripleOf(newest_)), first);
+
+  const Triangles<kFan> t = trianglesOf(allLanes<kFan>(newest_), ring);
+  const int k = firstLeast(t.norm_squared);
+  take(t, k, newest_, nearest_);
+  // Points k, k + 1 and the middle are what the next step has.
+  const Pick<kFan> best(k);
+  nearest_.lane = 0;
+  nearest_.first = allLanes<4>(best(t.first));
+  nearest_.second = allLanes<4>(best(t.second));
+  nearest_.all = allLanes<4>(best(t.all));
+  alignas(64) static constexpr std::int64_t kTriangle[kFan][kFan] = {
+      {0, 1, 7, 7, 7, 7, 7, 7}, {1, 2, 7, 7, 7, 7, 7, 7}, {2, 3, 7, 7, 7, 7, 7, 7},
+      {3, 4, 7, 7, 7, 7, 7, 7}, {4, 5, 7, 7, 7, 7, 7, 7}, {5, 6, 7, 7, 7, 7, 7, 7},
+      {6, 0, 7, 7, 7, 7, 7, 7}, {7, 7, 7, 7, 7, 7, 7, 7}};
+  const std::int64_t(&places)[kFan] = kTriangle[k];
+  old_ = {fourOf(ring.x, places), fourOf(ring.y, places), fourOf(ring.z, places)};
+  alignas(32) const double four[4] = {
+      std::bit_cast<double>(names[places[0]]), std::bit_cast<double>(names[places[1]]),
+      std::bit_cast<double>(newest_names_), std::bit_cast<double>(newest_names_)};
+  old_names_ = load<4>(four);
+}
+
+template <class Cores>
 HWY_INLINE GjkEnd Search<Cores>::run(const Triple& first, const PairCache* carried,
                                      const VertexNames& hints) {
-  Step last = begin(first, carried, hints);
+  newest_names_ = hints;
+  Step last = Step::kNearer;
+  if (carried != nullptr) {
+    last = beginCarried(*carried);
+  } else if constexpr (Cores::kTilt > 0) {
+    if (std::isnan(request_.threshold)) {
+      beginFan(first);
+    } else {
+      beginAlong(first);  // (A threshold is most often decided by the first direction alone.)
+    }
+  } else {
+    beginAlong(first);
+  }
   while (last == Step::kNearer) {
     // As Progress::enough(), but with an upper end that is not yet made of points.
     const double upper = std::sqrt(nearest_.norm_squared) - upper_offset_;
@@ -344,12 +389,13 @@ HWY_INLINE GjkEnd Search<Cores>::run(const Triple& first, const PairCache* carri
     ++iterations_;
     const double per = 1 / std::sqrt(nearest_.direction_squared);
     newest_ = cores_.support(nearest_.direction, newest_names_);
-    best_.offer(dot(nearest_.direction, newest_) * per, nearest_.direction);
+    const Triple direction = tripleOf(nearest_.direction);
+    best_.offer(dot(direction, tripleOf(newest_)) * per, direction);
     lower = best_.value() - lower_offset_;
     if (lower > request_.threshold || (upper - lower <= request_.tolerance && lower > 0)) {
       return GjkEnd::kStagnated;
     }
-    Nearest next;
+    Nearest<Point> next;
     last = step(newest_, old_, next);
     if (last != Step::kNearer) break;
     // (NaN fails.)
@@ -366,26 +412,31 @@ HWY_INLINE void Search<Cores>::carriers(GjkEnd end, Carriers& found) const {
   const int k = nearest_.lane;
   found.count = 0;
   if (!inside && k < 0) return;
-  alignas(32) double x[4], y[4], z[4], names[4];
+  alignas(32) double x[4], y[4], z[4], names[4], first[4], second[4], all[4];
   store(old_.x, x);
   store(old_.y, y);
   store(old_.z, z);
   store(old_names_, names);
-  const int place[3] = {inside ? 0 : kLeftOut[k], inside ? 1 : k, inside ? 2 : (k + 1) % 3};
-  const double weights[3] = {1 - nearest_.weight_first - nearest_.weight_second,
-                             nearest_.weight_first, nearest_.weight_second};
-  for (int i = 0; i < 3; ++i) {
-    const double weight = inside ? 0.25 : weights[i];
-    if (!(weight > 0)) continue;
-    const int p = place[i];
-    found.names[found.count] = std::bit_cast<VertexNames>(names[p]);
-    found.w[found.count] = {x[p], y[p], z[p]};
-    found.weight[found.count++] = weight;
+  const auto keep = [&](int place, double weight) HWY_ATTR {
+    found.names[found.count] = std::bit_cast<VertexNames>(names[place]);
+    found.w[found.count] = {x[place], y[place], z[place]};
+    found.weight[found.count++] = std::max(weight, 0.0);
+  };
+  if (inside) {
+    for (int i = 0; i < 3; ++i) keep(i, 0.25);
+    found.names[3] = newest_names_;
+    found.w[3] = tripleOf(newest_);
+    found.weight[3] = 0.25;
+    found.count = 4;
+    return;
   }
-  if (!inside) return;
-  found.names[found.count] = newest_names_;
-  found.w[found.count] = newest_;
-  found.weight[found.count++] = 0.25;
+  store(nearest_.first, first);
+  store(nearest_.second, second);
+  store(nearest_.all, all);
+  const double weight_first = first[k] / all[k], weight_second = second[k] / all[k];
+  keep(kLeftOut[k], 1 - weight_first - weight_second);
+  keep(k, weight_first);
+  keep((k + 1) % 3, weight_second);
 }
 
 }  // namespace leeway::collision::HWY_NAMESPACE

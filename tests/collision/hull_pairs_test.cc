@@ -109,7 +109,7 @@ TEST(HullPairs, AgreeWithTheGeneralWay) {
   }
   EXPECT_GT(apart, casesToAsk(2500));
   EXPECT_GT(answered, apart * (kSanitized ? 95 : 98) / 100);
-  EXPECT_GT(handed_over, casesToAsk(50));
+  EXPECT_GT(handed_over, casesToAsk(20));
 }
 
 TEST(HullPairs, HoldTheTruth) {

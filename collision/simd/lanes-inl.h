@@ -1,0 +1,300 @@
+// Four or eight doubles side by side, the same operation on each: as many registers as the target
+// needs for them. Every operation is rounded like that of single doubles (there is no fused one),
+// so that results are the same on every target. Included once a target (see Highway's
+// foreach_target.h).
+
+#if defined(LEEWAY_COLLISION_LANES_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef LEEWAY_COLLISION_LANES_INL_H
+#undef LEEWAY_COLLISION_LANES_INL_H
+#else
+#define LEEWAY_COLLISION_LANES_INL_H
+#endif
+
+#include <hwy/highway.h>
+
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+
+#include "collision/triple.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace leeway::collision::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+template <int n>
+using Doubles = hn::CappedTag<double, static_cast<std::size_t>(n)>;
+template <int n>
+constexpr int kRegisters = n / static_cast<int>(hn::MaxLanes(Doubles<n>()));
+
+template <int n>
+struct Lanes {
+  hn::Vec<Doubles<n>> v[kRegisters<n>];
+};
+template <int n>
+struct Mask {
+  hn::Mask<Doubles<n>> v[kRegisters<n>];
+};
+
+template <int n, class Operation>
+HWY_INLINE Lanes<n> eachLane(Operation operation) {
+  Lanes<n> result;
+  for (int i = 0; i < kRegisters<n>; ++i) result.v[i] = operation(i);
+  return result;
+}
+
+template <int n>
+HWY_INLINE Lanes<n> allLanes(double x) {
+  return eachLane<n>([x](int) { return hn::Set(Doubles<n>(), x); });
+}
+template <int n>
+HWY_INLINE Lanes<n> operator+(const Lanes<n>& a, const Lanes<n>& b) {
+  return eachLane<n>([&](int i) { return hn::Add(a.v[i], b.v[i]); });
+}
+template <int n>
+HWY_INLINE Lanes<n> operator-(const Lanes<n>& a, const Lanes<n>& b) {
+  return eachLane<n>([&](int i) { return hn::Sub(a.v[i], b.v[i]); });
+}
+template <int n>
+HWY_INLINE Lanes<n> operator*(const Lanes<n>& a, const Lanes<n>& b) {
+  return eachLane<n>([&](int i) { return hn::Mul(a.v[i], b.v[i]); });
+}
+template <int n>
+HWY_INLINE Lanes<n> operator/(const Lanes<n>& a, const Lanes<n>& b) {
+  return eachLane<n>([&](int i) { return hn::Div(a.v[i], b.v[i]); });
+}
+template <int n>
+HWY_INLINE Mask<n> operator>(const Lanes<n>& a, const Lanes<n>& b) {
+  Mask<n> result;
+  for (int i = 0; i < kRegisters<n>; ++i) result.v[i] = hn::Gt(a.v[i], b.v[i]);
+  return result;
+}
+template <int n>
+HWY_INLINE Mask<n> operator&(const Mask<n>& a, const Mask<n>& b) {
+  Mask<n> result;
+  for (int i = 0; i < kRegisters<n>; ++i) result.v[i] = hn::And(a.v[i], b.v[i]);
+  return result;
+}
+
+/// Lane by lane x where the mask is set, else y.
+template <int n>
+HWY_INLINE Lanes<n> choose(const Mask<n>& mask, const Lanes<n>& x, const Lanes<n>& y) {
+  return eachLane<n>([&](int i) { return hn::IfThenElse(mask.v[i], x.v[i], y.v[i]); });
+}
+/// x, negated in the lanes where the sign bit of s is set.
+template <int n>
+HWY_INLINE Lanes<n> withSignOf(const Lanes<n>& x, const Lanes<n>& s) {
+  return eachLane<n>(
+      [&](int i) { return hn::Xor(x.v[i], hn::And(s.v[i], hn::SignBit(Doubles<n>()))); });
+}
+
+/// Bit i is set where lane i of the mask is.
+template <int n>
+HWY_INLINE unsigned bitsOf(const Mask<n>& mask) {
+  unsigned bits = 0;
+  for (int i = 0; i < kRegisters<n>; ++i) {
+    std::uint8_t some[8] = {0};
+    hn::StoreMaskBits(Doubles<n>(), mask.v[i], some);
+    bits |= static_cast<unsigned>(some[0]) << static_cast<unsigned>(n / kRegisters<n> * i);
+  }
+  return bits;
+}
+
+/// From and to n doubles at a multiple of 8 n bytes.
+template <int n>
+HWY_INLINE Lanes<n> load(const double* from) {
+  return eachLane<n>(
+      [from](int i) { return hn::Load(Doubles<n>(), from + n / kRegisters<n> * i); });
+}
+template <int n>
+HWY_INLINE void store(const Lanes<n>& a, double* to) {
+  for (int i = 0; i < kRegisters<n>; ++i)
+    hn::Store(a.v[i], Doubles<n>(), to + n / kRegisters<n> * i);
+}
+
+/// One number in every lane of the widest register.
+using Widest = Doubles<8>;
+using Same = hn::Vec<Widest>;
+
+template <int n>
+HWY_INLINE Lanes<n> allLanes(Same x) {
+#if HWY_CAP_GE512
+  if constexpr (n == 4) {
+    return {{hn::LowerHalf(x)}};
+  } else {
+    return {{x}};
+  }
+#else
+  return eachLane<n>([x](int) { return x; });
+#endif
+}
+
+/// Picks the number in one lane.
+template <int n>
+class Pick {
+ public:
+  HWY_INLINE explicit Pick(std::int64_t lane) : lane_(lane) {}
+  HWY_INLINE double operator()(const Lanes<n>& a) const {
+#if HWY_CAP_GE512
+    return hn::GetLane(hn::TableLookupLanes(a.v[0], places<n>()));
+#else
+    alignas(64) double some[std::size_t{n}];
+    store(a, some);
+    return some[lane_];
+#endif
+  }
+  /// For every lane.
+  HWY_INLINE Same same(const Lanes<n>& a) const {
+#if HWY_CAP_GE512
+    if constexpr (n == 4) {
+      return hn::TableLookupLanes(hn::ZeroExtendVector(Widest(), a.v[0]), places<8>());
+    } else {
+      return hn::TableLookupLanes(a.v[0], places<8>());
+    }
+#else
+    return hn::Set(Widest(), (*this)(a));
+#endif
+  }
+
+ private:
+#if HWY_CAP_GE512
+  template <int m>
+  HWY_INLINE auto places() const {
+    return hn::IndicesFromVec(Doubles<m>(), hn::Set(hn::RebindToSigned<Doubles<m>>(), lane_));
+  }
+#endif
+  std::int64_t lane_;
+};
+
+/// The least of a register's lanes, in every lane.
+HWY_INLINE Same leastLane(Same x) {
+#if HWY_TARGET == HWY_SCALAR
+  return x;
+#else
+#if HWY_CAP_GE256
+  x = hn::Min(x, hn::ReverseBlocks(Widest(), x));
+#endif
+#if HWY_CAP_GE512
+  x = hn::Min(x, hn::SwapAdjacentBlocks(x));
+#endif
+  return hn::Min(x, hn::Shuffle01(x));
+#endif
+}
+
+/// The first lane with the least value; there is no NaN.
+template <int n>
+HWY_INLINE int firstLeast(const Lanes<n>& a) {
+  static_assert(n == 8);
+  Same least = a.v[0];
+  for (int i = 1; i < kRegisters<n>; ++i) least = hn::Min(least, a.v[i]);
+  return std::countr_one(bitsOf(a > allLanes<n>(leastLane(least))) & 0x7fU);
+}
+
+/// The first four of the lanes that are told.
+HWY_INLINE Lanes<4> fourOf(const Lanes<8>& a, const std::int64_t (&lanes)[8]) {
+#if HWY_CAP_GE512
+  return {{hn::LowerHalf(hn::TableLookupLanes(a.v[0], hn::SetTableIndices(Doubles<8>(), lanes)))}};
+#else
+  alignas(64) double some[8];
+  store(a, some);
+  alignas(32)
+      const double four[4] = {some[lanes[0]], some[lanes[1]], some[lanes[2]], some[lanes[3]]};
+  return load<4>(four);
+#endif
+}
+
+/// The next one of all lanes but the last, in a ring; what the last one gets does not matter.
+HWY_INLINE Lanes<4> nextInRing(const Lanes<4>& a) {
+#if HWY_TARGET == HWY_SCALAR
+  return {{a.v[1], a.v[2], a.v[0], a.v[1]}};
+#elif HWY_CAP_GE256
+  alignas(32) static constexpr std::int64_t kNext[4] = {1, 2, 0, 1};
+  return {{hn::TableLookupLanes(a.v[0], hn::SetTableIndices(Doubles<4>(), kNext))}};
+#else
+  return {{hn::CombineShiftRightBytes<8>(Doubles<4>(), a.v[1], a.v[0]), a.v[0]}};
+#endif
+}
+HWY_INLINE Lanes<8> nextInRing(const Lanes<8>& a) {
+#if HWY_CAP_GE512
+  alignas(64) static constexpr std::int64_t kNext[8] = {1, 2, 3, 4, 5, 6, 0, 7};
+  return {{hn::TableLookupLanes(a.v[0], hn::SetTableIndices(Doubles<8>(), kNext))}};
+#else
+  alignas(64) double some[16];
+  store(a, some);
+  some[8] = some[7];
+  some[7] = some[0];
+  return eachLane<8>(
+      [&](int i) { return hn::LoadU(Doubles<8>(), some + 1 + 8 / kRegisters<8> * i); });
+#endif
+}
+
+/// n points.
+template <int n>
+struct Points {
+  Lanes<n> x, y, z;
+};
+/// A point in every lane of the widest registers.
+struct SamePoint {
+  Same x, y, z;
+};
+
+HWY_INLINE void set(SamePoint& p, const Triple& q) {
+  const Widest d;
+  p = {hn::Set(d, q.x), hn::Set(d, q.y), hn::Set(d, q.z)};
+}
+HWY_INLINE void set(Triple& p, const Triple& q) { p = q; }
+using leeway::collision::tripleOf;
+HWY_INLINE Triple tripleOf(const SamePoint& p) {
+  return {hn::GetLane(p.x), hn::GetLane(p.y), hn::GetLane(p.z)};
+}
+HWY_INLINE Triple tripleOf(const Triple& p) { return p; }
+template <int n, class Point>
+HWY_INLINE Points<n> allLanes(const Point& p) {
+  return {allLanes<n>(p.x), allLanes<n>(p.y), allLanes<n>(p.z)};
+}
+template <int n>
+HWY_INLINE Points<n> operator+(const Points<n>& a, const Points<n>& b) {
+  return {a.x + b.x, a.y + b.y, a.z + b.z};
+}
+template <int n>
+HWY_INLINE Points<n> operator-(const Points<n>& a, const Points<n>& b) {
+  return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+template <int n>
+HWY_INLINE Points<n> operator*(const Lanes<n>& s, const Points<n>& a) {
+  return {s * a.x, s * a.y, s * a.z};
+}
+template <int n>
+HWY_INLINE Lanes<n> dot(const Points<n>& a, const Points<n>& b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+template <int n>
+HWY_INLINE Points<n> cross(const Points<n>& a, const Points<n>& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+template <int n>
+HWY_INLINE Points<n> nextInRing(const Points<n>& a) {
+  return {nextInRing(a.x), nextInRing(a.y), nextInRing(a.z)};
+}
+template <int n>
+HWY_INLINE Points<n> withSignOf(const Points<n>& p, const Lanes<n>& s) {
+  return {withSignOf(p.x, s), withSignOf(p.y, s), withSignOf(p.z, s)};
+}
+template <int n>
+HWY_INLINE Points<n> choose(const Mask<n>& mask, const Points<n>& a, const Points<n>& b) {
+  return {choose(mask, a.x, b.x), choose(mask, a.y, b.y), choose(mask, a.z, b.z)};
+}
+template <int n>
+HWY_INLINE void pick(const Points<n>& a, const Pick<n>& lane, SamePoint& p) {
+  p = {lane.same(a.x), lane.same(a.y), lane.same(a.z)};
+}
+template <int n>
+HWY_INLINE void pick(const Points<n>& a, const Pick<n>& lane, Triple& p) {
+  p = {lane(a.x), lane(a.y), lane(a.z)};
+}
+
+}  // namespace leeway::collision::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif  // per-target include guard
