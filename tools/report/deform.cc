@@ -29,6 +29,57 @@ double nanoseconds(Clock::time_point begin) {
   return std::chrono::duration<double, std::nano>(Clock::now() - begin).count();
 }
 
+volatile double sink;
+
+/// What an update can at best be: the memory that it has to look at, streamed once.
+struct Limits {
+  double all = 0;       ///< vertices and corners of all triangles read, boxes written [ns]
+  double vertices = 0;  ///< vertices read [ns]
+};
+
+/// Takes its turn among the engines, so that it finds the caches as their updates do: the vertices
+/// just copied, everything else last seen a frame ago.
+class MemoryStream {
+ public:
+  MemoryStream(std::size_t vertices, std::size_t triangles)
+      : positions_(vertices), corners_(3 * triangles, 1), boxes_(6 * (triangles / 2) + 1) {}
+
+  Limits frame(std::span<const Vector3d> vertices) {
+    Limits limits;
+    setVertices(vertices);
+    auto begin = Clock::now();
+    read(positions_.data(), positions_.size() * sizeof(Vector3d));
+    read(corners_.data(), corners_.size() * sizeof(std::int32_t));
+    std::fill(boxes_.begin(), boxes_.end(), static_cast<float>(vertices[0].x()));
+    limits.all = nanoseconds(begin);
+    sink = static_cast<double>(boxes_.back());
+    setVertices(vertices);
+    begin = Clock::now();
+    read(positions_.data(), positions_.size() * sizeof(Vector3d));
+    limits.vertices = nanoseconds(begin);
+    return limits;
+  }
+
+ private:
+  void setVertices(std::span<const Vector3d> vertices) {
+    std::copy(vertices.begin(), vertices.end(), positions_.begin());
+  }
+
+  // The C library copies as fast as this machine reads; what it writes stays near.
+  void read(const void* data, std::size_t bytes) {
+    const char* from = static_cast<const char*>(data);
+    for (std::size_t i = 0; i < bytes; i += near_.size()) {
+      std::memcpy(near_.data(), from + i, std::min(near_.size(), bytes - i));
+      sink = near_[0];
+    }
+  }
+
+  std::vector<Vector3d> positions_;
+  std::vector<std::int32_t> corners_;
+  std::vector<float> boxes_;
+  std::array<char, 4096> near_;
+};
+
 /// What a child hands back of one engine; numbers only, because it lives in shared memory.
 struct Shared {
   bool supported = false, failed = false;
@@ -49,6 +100,13 @@ class Runner {
   }
 
   bool isSupported() const { return follower_ != nullptr; }
+
+  /// A frame that is not measured.
+  void passOver(std::span<const Vector3d> vertices, double time) {
+    if (!follower_->followsEveryFrame()) return;
+    follower_->setVertices(vertices, time);
+    follower_->update();
+  }
 
   /// All of one frame.
   DeformFrame frame(std::span<const Vector3d> vertices, double time, Shared& shared) {
@@ -129,8 +187,13 @@ class MeshMeasurement {
  public:
   MeshMeasurement(const std::vector<const MeshEngine*>& engines, const DeformScene& scene,
                   const DeformReportOptions& options, std::span<Shared> shared,
-                  std::span<DeformFrame> frames)
-      : options_(options), scene_(scene), shared_(shared), frames_(frames) {
+                  std::span<DeformFrame> frames, std::span<Limits> limits)
+      : options_(options),
+        scene_(scene),
+        memory_(scene.spec.rest.size(), scene.spec.triangles.size()),
+        shared_(shared),
+        frames_(frames),
+        limits_(limits) {
     const bool queries =
         static_cast<int>(scene.spec.triangles.size()) <= options.queries_up_to * 11 / 10;
     for (const MeshEngine* engine : engines)
@@ -148,9 +211,9 @@ class MeshMeasurement {
     for (std::size_t f = 0; f < frames; ++f) {
       const double time = static_cast<double>(f + 1) / static_cast<double>(frames);
       scene_.vertices(time, vertices);
+      limits_[f] = memory_.frame(vertices);
       for (std::size_t e = 0; e < runners_.size(); ++e)
-        if (shared_[e].supported && !shared_[e].failed && f % stride_[e] == 0)
-          frame(e, f, vertices, time);
+        if (shared_[e].supported && !shared_[e].failed) frame(e, f, vertices, time);
       if (!reference_ || shared_[*reference_].failed || f % stride_[*reference_] != 0) continue;
       for (std::size_t e = 0; e < runners_.size(); ++e)
         if (e != *reference_ && shared_[e].supported && !shared_[e].failed && f % stride_[e] == 0)
@@ -162,6 +225,10 @@ class MeshMeasurement {
   void frame(std::size_t e, std::size_t f, const std::vector<Vector3d>& vertices, double time) {
     const auto begin = Clock::now();
     try {
+      if (f % stride_[e] != 0) {
+        runners_[e].passOver(vertices, time);
+        return;
+      }
       // The first one warms caches and makes what is made lazily.
       if (f == 0) runners_[e].frame(vertices, time, shared_[e]);
       const auto second = f == 0 ? Clock::now() : begin;
@@ -180,8 +247,10 @@ class MeshMeasurement {
   const DeformReportOptions& options_;
   const DeformScene& scene_;
   DeformBodies bodies_ = makeDeformBodies();
+  MemoryStream memory_;
   std::span<Shared> shared_;
   std::span<DeformFrame> frames_;
+  std::span<Limits> limits_;
   std::vector<Runner> runners_;
   std::vector<std::size_t> stride_;
   std::optional<std::size_t> reference_;
@@ -231,7 +300,8 @@ DeformRow summarise(const DeformScene& scene, const MeshEngine& engine, const Sh
 }
 
 bool readsVerticesAlone(const std::string& engine) {
-  return engine == "leeway hybrid" || engine == "leeway lazy" || engine == "leeway octree";
+  return engine == "leeway hybrid" || engine == "leeway hybrid moved" || engine == "leeway lazy" ||
+         engine == "leeway octree";
 }
 
 void measureMesh(const std::vector<const MeshEngine*>& engines, const DeformScene& scene,
@@ -239,11 +309,16 @@ void measureMesh(const std::vector<const MeshEngine*>& engines, const DeformScen
   const auto frames = static_cast<std::size_t>(options.frames);
   const SharedArray<Shared> shared(engines.size());
   const SharedArray<DeformFrame> measured(engines.size() * frames);
+  const SharedArray<Limits> limits(frames);
   const std::vector<Fate> fate = runGuarded(1, 3600, [&](std::size_t) {
-    MeshMeasurement(engines, scene, options, shared.span(), measured.span()).run();
+    MeshMeasurement(engines, scene, options, shared.span(), measured.span(), limits.span()).run();
   });
-  const double limit = bandwidthLimit(scene.spec.rest.size(), scene.spec.triangles.size()),
-               of_vertices = bandwidthLimit(scene.spec.rest.size(), 0);
+  const auto medianLimit = [&](double Limits::*member) {
+    std::vector<double> values;
+    for (const Limits& l : limits.span()) values.push_back(l.*member);
+    return quantile(values, 0.5);
+  };
+  const double limit = medianLimit(&Limits::all), of_vertices = medianLimit(&Limits::vertices);
   const std::size_t first = rows.size();
   std::optional<double> fresh;
   for (std::size_t e = 0; e < engines.size(); ++e) {
@@ -260,34 +335,7 @@ void measureMesh(const std::vector<const MeshEngine*>& engines, const DeformScen
   for (std::size_t i = first; i < rows.size() && fresh; ++i) rows[i].decay /= *fresh;
 }
 
-volatile double sink;
-
 }  // namespace
-
-double bandwidthLimit(std::size_t vertices, std::size_t triangles) {
-  const std::vector<double> positions(3 * vertices, 1.0);
-  const std::vector<std::int32_t> corners(3 * triangles, 1);
-  std::vector<float> boxes(6 * (triangles / 2) + 1);
-  // The C library copies as fast as this machine reads; what it writes stays near.
-  std::array<char, 4096> near;
-  const auto read = [&](const void* data, std::size_t bytes) {
-    const char* from = static_cast<const char*>(data);
-    for (std::size_t i = 0; i < bytes; i += near.size()) {
-      std::memcpy(near.data(), from + i, std::min(near.size(), bytes - i));
-      sink = near[0];
-    }
-  };
-  double best = HUGE_VAL;
-  for (int attempt = 0; attempt < 9; ++attempt) {
-    const auto begin = Clock::now();
-    read(positions.data(), positions.size() * sizeof(double));
-    read(corners.data(), corners.size() * sizeof(std::int32_t));
-    std::fill(boxes.begin(), boxes.end(), static_cast<float>(attempt));
-    best = std::min(best, nanoseconds(begin));
-    sink = static_cast<double>(boxes.back());
-  }
-  return best;
-}
 
 std::vector<DeformRow> measureDeform(const std::vector<const MeshEngine*>& engines,
                                      const DeformReportOptions& options) {

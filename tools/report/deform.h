@@ -53,10 +53,10 @@ struct DeformRow {
   /// new. NaN: no queries.
   double decay = update_low;
   double nodes = update_low, vertices = update_low;  ///< touched by an update; NaN: not told
-  /// Time that this machine needs to stream what a full update must: vertices and corners of all
-  /// triangles read, boxes of a binary hierarchy written, 4 triangles a leaf [ns]; of the vertices
-  /// alone where that is all that the strategy looks at (hybrid, lazy, octree); NaN where it looks
-  /// at none (bounds from the motion).
+  /// Time that this machine needs, in the same frames, to stream what a full update must: vertices
+  /// and corners of all triangles read, boxes of a binary hierarchy written, 4 triangles a leaf
+  /// [ns]; of the vertices alone where that is all that the strategy looks at (hybrid, lazy,
+  /// octree); NaN where it looks at none (bounds from the motion).
   double bandwidth_limit = update_low;
   std::vector<DeformFrame> by_frame;
 };
@@ -66,18 +66,14 @@ struct DeformRow {
 std::vector<DeformRow> measureDeform(const std::vector<const MeshEngine*>& engines,
                                      const DeformReportOptions& options);
 
-/// Nanoseconds to stream once over data of that many vertices and triangles (none: vertices alone),
-/// as DeformRow says: the best of several tries. Allocates it.
-double bandwidthLimit(std::size_t vertices, std::size_t triangles);
-
 std::string deformCsv(const std::vector<DeformRow>& rows);
 /// One line a measured frame.
 std::string deformFramesCsv(const std::vector<DeformRow>& rows);
 /// For people: by motion and size, times and ratios to FCL's AABB refit.
 std::string deformTable(const std::vector<DeformRow>& rows);
 /// In words, a motion and size a line: whether hybrid updates are four to five times cheaper than
-/// full refits, as the textbooks have it since Larsson and Akenine-Moller 2001, and how `auto` does
-/// beside the best single strategy.
+/// full refits, as the textbooks have it since Larsson and Akenine-Moller 2001, what they are where
+/// it is known how far vertices move, and how `auto` does beside the best single strategy.
 std::string deformWords(const std::vector<DeformRow>& rows);
 /// Updates over the number of triangles, a panel a motion.
 Figure deformUpdateFigure(const std::vector<DeformRow>& rows, const std::string& note);

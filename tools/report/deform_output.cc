@@ -153,6 +153,14 @@ std::string deformWords(const std::vector<DeformRow>& rows) {
     text += fmt::format("; the textbook's four to five times {}.", judged < 4 ? "are refuted: less"
                                                                    : judged <= 5 ? "are confirmed"
                                                                                  : "are surpassed");
+    const DeformRow* moved = find(rows, hybrid, "leeway hybrid moved");
+    if (moved != nullptr && moved->done) {
+      const DeformFrame& m = moved->median;
+      text += fmt::format(" Where it is known how far vertices move: {:.1f}", r.update / m.update);
+      const double with = (r.update + r.tolerance) / (m.update + m.tolerance);
+      if (!std::isnan(with)) text += fmt::format(", {:.1f} with 12 tests", with);
+      text += ".";
+    }
     // Of all that were asked about distances, the cheapest frame.
     const DeformRow *best = nullptr, *chosen = find(rows, hybrid, "leeway auto");
     const auto frame = [](const DeformRow& row) { return row.median.update + row.median.spheres; };

@@ -33,6 +33,9 @@ class MeshFollower {
   virtual void setVertices(std::span<const Eigen::Vector3d> vertices, double time) = 0;
   /// Brings the hierarchy up to the vertices: what is timed as an update.
   virtual void update() = 0;
+  /// Whether an update depends on how long ago the last one was: frames that are not measured
+  /// because the engine is slow are then followed all the same.
+  virtual bool followsEveryFrame() const { return false; }
   /// Makes room for a body that queries will ask about; false: the engine has no distance from
   /// such a shape. Bodies are numbered from 0 in order of the calls that succeeded.
   virtual bool addBody(const collision::Shape& shape) = 0;

@@ -59,6 +59,8 @@ class OwnFollower : public MeshFollower {
     takeSnapshot();
   }
 
+  bool followsEveryFrame() const override { return knows_ == Knows::kReach; }
+
   bool addBody(const Shape& shape) override {
     bodies_.push_back({shape, {}, {}});
     return true;
