@@ -1,6 +1,7 @@
 #include "leeway/collision/lane_sweep.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -29,9 +30,9 @@ void setCenter(const Eigen::Vector3d& p, float* center) {
   for (int k = 0; k < 3; ++k) center[k] = static_cast<float>(p[k]);
 }
 
-/// What a plane must part two bodies by besides growth and slack; see simd/lane_sweep.cc.
-float partAbove(double threshold, double rounding, float radius) {
-  return above(std::max(threshold, 0.0) + 4 * rounding + static_cast<double>(radius));
+/// What a plane must part two bodies by besides radius, growth and slack; see simd/lane_sweep.cc.
+float partAbove(double threshold, double rounding) {
+  return above(std::max(threshold, 0.0) + 4 * rounding);
 }
 
 /// Rounding of the centre and of the double that it was made from is added to the radius.
@@ -69,13 +70,20 @@ int LaneSweep::addPiece(const Piece& piece) {
   for (const Ball& ball : piece.inner)
     lane.inner_reach =
         std::max(lane.inner_reach, above((ball.center - piece.outer.center).norm() + ball.radius));
-  lane.points = static_cast<int>(impl_->points.size());
-  for (const Eigen::Vector3d& p : piece.points.points) {
-    impl_->points.push_back(p);
-    for (int k = 0; k < 3; ++k) impl_->point[k].push_back(static_cast<float>(p[k]));
-  }
-  lane.points_end = static_cast<int>(impl_->points.size());
-  lane.points_radius = above(piece.points.radius);
+  double rounding = piece.points.fine_radius;
+  const auto add = [&](const std::vector<Eigen::Vector3d>& points, double radius) {
+    const auto begin = static_cast<int>(impl_->points.size());
+    for (const Eigen::Vector3d& p : points) {
+      impl_->points.push_back(p);
+      for (int k = 0; k < 3; ++k) impl_->point[k].push_back(static_cast<float>(p[k]));
+      rounding = std::max(rounding, piece.points.fine_radius + centerRounding({p, 0}));
+    }
+    return Impl::LanePiece::Points{begin, static_cast<int>(impl_->points.size()), above(radius)};
+  };
+  lane.points = add(piece.points.points, piece.points.radius);
+  lane.fine =
+      piece.points.fine.empty() ? lane.points : add(piece.points.fine, piece.points.fine_radius);
+  if (piece.points.own) lane.own = above(rounding);
   impl_->pieces.push_back(lane);
   return static_cast<int>(impl_->pieces.size()) - 1;
 }
@@ -156,10 +164,10 @@ void LaneSweep::addPair(int id, int piece, int obstacle, int balls, double thres
   const double rounding = kLaneSweepRounding * (a.reach + static_cast<double>(a.outer.radius) +
                                                 impl_->obstacles[at(obstacle)].scale);
   const bool planes =
-      a.frame >= 0 && impl_->obstacles[at(obstacle)].has_planes && a.points < a.points_end;
+      a.frame >= 0 && impl_->obstacles[at(obstacle)].has_planes && a.points.begin < a.points.end;
   impl_->pairs.push_back({id, piece, obstacle, balls, a.motion, false, above(threshold + rounding),
                           below(threshold - rounding),
-                          planes ? partAbove(threshold, rounding, a.points_radius) : -1.0F});
+                          planes ? partAbove(threshold, rounding) : -1.0F});
 }
 
 void LaneSweep::addPiecePair(int id, int a, int b, int motion, double threshold) {
@@ -168,19 +176,24 @@ void LaneSweep::addPiecePair(int id, int a, int b, int motion, double threshold)
       kLaneSweepRounding *
       (x.reach + y.reach + static_cast<double>(x.outer.radius + y.outer.radius));
   impl_->piece_pairs.push_back(static_cast<std::int32_t>(impl_->pairs.size()));
-  const bool planes =
-      x.frame >= 0 && y.frame >= 0 && x.points < x.points_end && y.points < y.points_end;
+  const bool planes = x.frame >= 0 && y.frame >= 0 && x.points.begin < x.points.end &&
+                      y.points.begin < y.points.end;
   impl_->pairs.push_back({id, a, b, b, motion, true, above(threshold + rounding),
                           below(threshold - rounding),
-                          planes ? partAbove(threshold, rounding, x.points_radius) : -1.0F});
+                          planes ? partAbove(threshold, rounding) : -1.0F});
 }
 
 void LaneSweep::finish() { impl_->finish(); }
 
 void LaneSweep::Impl::finish() {
-  for (LanePiece& piece : pieces)
-    if (piece.points < piece.points_end)
-      piece.view = viewOfPoints(&points[at(piece.points)], piece.points_end - piece.points, 0);
+  for (LanePiece& piece : pieces) {
+    if (piece.points.begin == piece.points.end) continue;
+    const auto view = [&](const LanePiece::Points& p) {
+      return viewOfPoints(&points[at(p.begin)], p.end - p.begin, 0);
+    };
+    piece.view = view(piece.points);
+    piece.fine_view = view(piece.fine);
+  }
   const std::size_t padded = paddedObstacles();
   pair_of.assign(pieces.size() * padded, -1);
   std::vector<double> grown(obstacles.size(), 0.0);
@@ -257,17 +270,33 @@ Pose poseOf(const LaneFrame& frame, int lane) {
 
 }  // namespace
 
-bool LaneSweepKernel::findPlane(const Sweep::Pair& pair, int lane, Scratch::Plane& plane) const {
+LaneSweep::Contact LaneSweepKernel::told(std::int32_t pair, std::int32_t point,
+                                         std::uint32_t lanes) const {
+  // To the front of the killers.
+  Scratch::Killer previous{pair, point};
+  for (Scratch::Killer& killer : scratch.killers) {
+    std::swap(killer, previous);
+    if (previous.pair == pair || previous.pair < 0) break;
+  }
+  return {sweep.pairs[at(pair)].id, std::countr_zero(lanes)};
+}
+
+bool LaneSweepKernel::findPlane(const Sweep::Pair& pair, int lane, bool closely,
+                                Scratch::Plane& plane) const {
   const Sweep::LanePiece& a = sweep.pieces[at(pair.a)];
   const Pose X_WA = poseOf(frames[a.frame], lane);
   const Sweep::Obstacle* o = pair.pieces ? nullptr : &sweep.obstacles[at(pair.b)];
   const Pose X_WB = o != nullptr ? o->X_WG : poseOf(frames[sweep.pieces[at(pair.b)].frame], lane);
-  const ConvexView& b = o != nullptr ? o->view : sweep.pieces[at(pair.b)].view;
+  const auto viewOfPiece = [closely](const Sweep::LanePiece& piece) -> const ConvexView& {
+    return closely ? piece.fine_view : piece.view;
+  };
+  const ConvexView& b = o != nullptr ? o->view : viewOfPiece(sweep.pieces[at(pair.b)]);
   const Pose X_BA = X_WB.inverse() * X_WA;
   DistanceRequest request;
   request.depth = false;
-  request.tolerance = kLanePlaneTolerance;
-  const DistanceResult r = convexDistance(a.view, X_BA, b, request, scratch.distance, nullptr);
+  request.tolerance = closely ? kLanePlaneTolerance / 8 : kLanePlaneTolerance;
+  const DistanceResult r =
+      convexDistance(viewOfPiece(a), X_BA, b, request, scratch.distance, nullptr);
   if (!(r.distance.upper > 0) || !r.normal.allFinite()) return false;
   // Of the normal as it is rounded.
   Eigen::Vector3d n = -r.normal;
@@ -282,8 +311,9 @@ bool LaneSweepKernel::findPlane(const Sweep::Pair& pair, int lane, Scratch::Plan
     plane.offset = above(n.dot(X_WB.translation) + n_B.dot(farthest(b, n_B, hint)) +
                          (b.radius + b.excess) * (1 + 1e-6));
   } else {
-    plane.offset = above(n.dot(farthest(b, n, hint)) +
-                         static_cast<double>(sweep.pieces[at(pair.b)].points_radius) * (1 + 1e-6));
+    const Sweep::LanePiece& piece_b = sweep.pieces[at(pair.b)];
+    plane.offset = above(n.dot(farthest(piece_b.fine_view, n, hint)) +
+                         static_cast<double>(piece_b.fine.radius) * (1 + 1e-6));
   }
   return plane.known = std::isfinite(plane.offset);
 }

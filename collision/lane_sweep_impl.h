@@ -38,10 +38,17 @@ struct LaneSweep::Impl {
     int cover, inner, end;  // balls [cover, inner) and [inner, end)
     double reach;
     bool has_obstacles = false;
-    float inner_reach = 0;   // no inner ball comes farther out from outer's centre
-    int points, points_end;  // its hull, grown by points_radius, holds the piece
-    float points_radius = 0;
-    ConvexView view;  // of the points; borrows from point_of
+    float inner_reach = 0;  // no inner ball comes farther out from outer's centre
+    // Points whose hull, grown by a radius, holds the piece: a few, and more with a smaller radius.
+    // Without a finer choice both are the same.
+    struct Points {
+      int begin = 0, end = 0;
+      float radius = 0;
+    };
+    Points points, fine;
+    float own = -1;   // all points are the piece's own to within this [m]; below 0: they are not
+    ConvexView view;  // of `points`; borrows from Impl::points
+    ConvexView fine_view;
   };
   struct Pair {
     int id, a, b;
@@ -50,7 +57,7 @@ struct LaneSweep::Impl {
     bool pieces;  // b is a piece, too
     // The threshold, less and more this pass's own rounding.
     float free_above, contact_below;
-    // The same for planes, with the points' radius; below 0: no planes.
+    // The same for planes, without the points' radius; below 0: no planes.
     float part_above;
   };
 
@@ -92,8 +99,12 @@ struct LaneSweep::Scratch::Impl {
   std::vector<Plane> planes;  // one a pair: what parted it last
   collision::Scratch distance;
   std::uint64_t stamp = 0;
+  /// A pair last found in contact, and the point that was inside; -1: balls.
+  struct Killer {
+    std::int32_t pair = -1, point = -1;
+  };
   static constexpr int kKillers = 4;
-  std::int32_t killers[kKillers] = {-1, -1, -1, -1};  // pairs last found in contact
+  Killer killers[kKillers];
 };
 
 /// What the kernels are given.
@@ -108,12 +119,16 @@ struct LaneSweepKernel {
   const float* growth;
   float slack;
 
+  /// Notes what is in contact, in the first of `lanes`.
+  Contact told(std::int32_t pair, std::int32_t point, std::uint32_t lanes) const;
   /// A plane between the pair's bodies in the middle of a lane; false when there is none.
-  bool findPlane(const Sweep::Pair& pair, int lane, Scratch::Plane& plane) const;
-  /// What a run without contact left open is tried with planes; test(pair, plane, lanes) tells the
-  /// lanes that one does not part.
-  template <typename Test>
-  void partOpen(const Test& test) const;
+  /// `closely`: all points are looked at, and the plane is nearer to the best.
+  bool findPlane(const Sweep::Pair& pair, int lane, bool closely, Scratch::Plane& plane) const;
+  /// What is open is tried with planes and points. notParted(pair, plane, lanes) tells the lanes
+  /// that a plane does not part, inside(pair, points, lanes, point) those in which one of the
+  /// points is inside the obstacle, and which.
+  template <typename NotParted, typename Inside>
+  Contact partOpen(bool closely, const NotParted& notParted, const Inside& inside) const;
 };
 
 }  // namespace leeway::collision

@@ -62,7 +62,10 @@ class Choice {
       choose(v);
       distance_[v] = 0;
     }
-    return {chosen_, farthest};
+    PointCover cover;
+    cover.points = chosen_;
+    cover.radius = farthest;
+    return cover;
   }
 
  private:
@@ -98,6 +101,13 @@ class Choice {
   Scratch scratch_;
 };
 
+/// What a hull has more than the points chosen from it.
+void addFine(std::span<const Vector3d> vertices, double excess, PointCover& cover) {
+  if (vertices.size() > kMostHullPoints || vertices.size() <= cover.points.size()) return;
+  cover.fine.assign(vertices.begin(), vertices.end());
+  cover.fine_radius = excess;
+}
+
 }  // namespace
 
 PointCover coverWithPoints(const Shape& shape, int count) {
@@ -115,6 +125,7 @@ PointCover coverWithPoints(const Shape& shape, int count) {
     case ShapeType::kBox:
     case ShapeType::kEllipsoid:
       addBox(shape.halfExtents(), cover.points);
+      cover.own = shape.type() == ShapeType::kBox;
       break;
     case ShapeType::kCylinder:
       addCircle(shape.radius(), shape.halfLength(), cover.points);
@@ -129,19 +140,25 @@ PointCover coverWithPoints(const Shape& shape, int count) {
     case ShapeType::kConvexHull:
       cover = Choice(shape.hull()->vertices(), static_cast<std::size_t>(count)).run();
       cover.radius += shape.hull()->excess();
+      addFine(shape.hull()->vertices(), shape.hull()->excess(), cover);
       break;
     case ShapeType::kMesh: {
       const MeshTree& tree = shape.mesh()->tree();
       const ConvexView core = tree.nodeView(tree.node(0));
       cover.points.assign(core.points, core.points + core.count);
       cover.radius = core.excess;
+      const ConvexView hull = tree.hullView();
+      addFine({hull.points, static_cast<std::size_t>(hull.count)}, hull.excess, cover);
       break;
     }
     case ShapeType::kHalfSpace:
     case ShapeType::kDeformable:
       break;
   }
-  if (!cover.points.empty()) cover.radius += 16 * kUnitRoundoff * (shape.extent() + cover.radius);
+  if (!cover.points.empty()) {
+    cover.radius += 16 * kUnitRoundoff * (shape.extent() + cover.radius);
+    cover.fine_radius += 16 * kUnitRoundoff * (shape.extent() + cover.fine_radius);
+  }
   return cover;
 }
 

@@ -1,6 +1,7 @@
 #include "leeway/planner/edge_certifier.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -13,6 +14,12 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr std::uint32_t kAllLanes = (1U << collision::kLanes) - 1;
+
+/// Looks at single configurations of an edge before its pairs are swept [count].
+constexpr int kLooks = 3;
+
+/// Edges on which a pair that finer passes could not settle is swept at once [count].
+constexpr int kPartingPause = 8;
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
@@ -27,8 +34,14 @@ EdgeCertifier::Impl::Impl(std::shared_ptr<const CompiledScene> compiled)
       std::max<std::size_t>(kEdgeOpen, collision::kLanes * frames.pairs().size());
   for (std::vector<int>* list : {&open, &next_open}) list->reserve(lists);
   order.reserve(frames.pairs().size());
+  edge_parts.reserve(kEdgeParts);
+  part_pairs.reserve(lists);
+  pass_pairs.reserve(frames.pairs().size());
+  open_everywhere.reserve(frames.pairs().size());
   hopeful.assign(frames.pairs().size(), kSweepGrowth);
   failed_stamp.resize(frames.pairs().size());
+  luck.assign(frames.pairs().size(), 0);
+  parting.assign(frames.pairs().size(), 0);
   for (std::vector<EdgeInterval>* list : {&intervals, &next_intervals})
     list->reserve(kEdgeIntervals);
 }
@@ -223,42 +236,159 @@ EdgeCheck EdgeCertifier::Impl::told(Verdict verdict, int p, double t) {
   check.verdict = verdict;
   check.pair = p < 0 ? -1 : frames.pairs()[at(p)].scene_pair;
   check.t = t;
-  if (verdict == Verdict::kNotFree && p >= 0) killer = p;
+  if (verdict == Verdict::kNotFree && p >= 0) {
+    killer = p;
+    luck[at(p)] = 1;
+  }
   return check;
 }
 
 EdgeCheck EdgeCertifier::Impl::certifyByLanes() {
   const collision::LaneSweep::Contact contact = lanes.sweep();
+  EdgeLanes::Parts parts;
+  parts.width = 1.0 / collision::kLanes;
+  for (int i = 0; i < collision::kLanes; ++i) parts.from[i] = i * parts.width;
   if (contact.id >= 0)
-    return told(Verdict::kNotFree, contact.id, (contact.lane + 0.5) / collision::kLanes);
+    return told(Verdict::kNotFree, contact.id, parts.from[contact.lane] + parts.width / 2);
   if (lanes.open().empty()) return told(Verdict::kFree, -1, 0);
-  // A pair that is certified by balls anywhere is apart there, and cannot come to be inside one
-  // another without a meeting of surfaces; the others are looked at once.
-  for (const collision::LaneSweep::Open& pair : lanes.open()) {
-    if (pair.lanes != kAllLanes || frames.isConvex(frames.pairs()[at(pair.id)])) continue;
-    const int end = frames.place(1);
-    if (end < 0) return told(Verdict::kUndecided, pair.id, 1);
-    const Pair found = exactState(end, frames.pairs()[at(pair.id)]);
-    frames.release(0);
-    if (found != Pair::kFree)
-      return told(found == Pair::kNotFree ? Verdict::kNotFree : Verdict::kUndecided, pair.id, 1);
-  }
-  // What collides without being seen by balls most often does so with the nearest thing of the
-  // world, in the middle of where it is near: one look before all sweeps.
-  for (const collision::LaneSweep::Open& nearest : lanes.open()) {
-    const EdgePair& pair = frames.pairs()[at(nearest.id)];
-    if (frames.pieces()[at(pair.a)].link >= 0 && frames.pieces()[at(pair.b)].link >= 0) continue;
-    int first = 0, last = collision::kLanes - 1;
-    while ((nearest.lanes >> first & 1U) == 0) ++first;
-    while ((nearest.lanes >> last & 1U) == 0) --last;
-    const double t = (first + last + 1) * (0.5 / collision::kLanes);
+  looks = 0;
+  const EdgeCheck open_check = checkOpen(parts);
+  if (open_check.verdict != Verdict::kFree) return open_check;
+  open_everywhere.clear();
+  for (const collision::LaneSweep::Open& pair : lanes.open())
+    if (pair.lanes == kAllLanes && !frames.isConvex(frames.pairs()[at(pair.id)]))
+      open_everywhere.push_back(pair.id);
+  intervals.clear();
+  open.clear();
+  edge_parts.clear();
+  part_pairs.clear();
+  for (const collision::LaneSweep::Open& pair : lanes.open())
+    if (parting[at(pair.id)] < 0) ++parting[at(pair.id)];
+  if (!listOpenLanes() || !listParts(parts)) return told(Verdict::kUndecided, -1, 0);
+  if (const std::optional<EdgeCheck> check = certifyParts()) return *check;
+  if (intervals.empty()) return told(Verdict::kFree, -1, 0);
+  const EdgeCheck inside = checkInside();
+  return inside.verdict == Verdict::kFree ? certifyIntervals() : inside;
+}
+
+EdgeCheck EdgeCertifier::Impl::checkOpen(const EdgeLanes::Parts& parts) {
+  // What collides without being seen in lanes most often does so in the middle of where it is near.
+  // Pairs that are always near and hardly ever collide are not looked at.
+  for (const collision::LaneSweep::Open& o : lanes.open()) {
+    const EdgePair& pair = frames.pairs()[at(o.id)];
+    if (o.apart || luck[at(o.id)] < 0) continue;
+    if (looks++ == kLooks) break;
+    const int first = std::countr_zero(o.lanes), last = 31 - std::countl_zero(o.lanes);
+    const double t = (parts.from[first] + parts.from[last] + parts.width) / 2;
     const int slot = frames.place(t);
-    if (slot < 0) return told(Verdict::kUndecided, nearest.id, t);
-    if (exactState(slot, pair) == Pair::kNotFree) return told(Verdict::kNotFree, nearest.id, t);
-    break;
+    if (slot < 0) return told(Verdict::kUndecided, o.id, t);
+    if (exactState(slot, pair) == Pair::kNotFree) return told(Verdict::kNotFree, o.id, t);
+    --luck[at(o.id)];
   }
-  if (!listOpenLanes()) return told(Verdict::kUndecided, -1, 0);
-  return certifyIntervals();
+  return told(Verdict::kFree, -1, 0);
+}
+
+EdgeCheck EdgeCertifier::Impl::checkInside() {
+  // A pair that is certified by balls or planes anywhere is apart there, and cannot come to be
+  // inside one another without a meeting of surfaces; the others are looked at once.
+  int end = -1;
+  for (const int p : open_everywhere) {
+    if (std::find(open.begin(), open.end(), p) == open.end()) continue;
+    if (end < 0) end = frames.place(1);
+    if (end < 0) return told(Verdict::kUndecided, p, 1);
+    const Pair found = exactState(end, frames.pairs()[at(p)]);
+    if (found != Pair::kFree)
+      return told(found == Pair::kNotFree ? Verdict::kNotFree : Verdict::kUndecided, p, 1);
+  }
+  return told(Verdict::kFree, -1, 0);
+}
+
+bool EdgeCertifier::Impl::listParts(const EdgeLanes::Parts& parts) {
+  const bool is_first = parts.width * collision::kLanes == 1;  // listOpenLanes() has the others
+  for (int lane = 0; lane < collision::kLanes; ++lane) {
+    if (part_pairs.size() + lanes.open().size() > part_pairs.capacity() ||
+        open.size() + lanes.open().size() > open.capacity())
+      return false;
+    const auto begin = static_cast<int>(part_pairs.size());
+    bool has_interval = false;
+    for (const collision::LaneSweep::Open& pair : lanes.open()) {
+      if ((pair.lanes >> lane & 1U) == 0) continue;
+      if (is_first ? isForParts(pair) : pair.apart) {
+        part_pairs.push_back(pair.id);
+      } else if (!is_first) {
+        parting[at(pair.id)] = -kPartingPause;
+        if (!has_interval && !addInterval(parts.from[lane], parts.width)) return false;
+        has_interval = true;
+        open.push_back(pair.id);
+        intervals.back().end = static_cast<int>(open.size());
+      }
+    }
+    const auto end = static_cast<int>(part_pairs.size());
+    if (begin == end) continue;
+    if (edge_parts.size() == edge_parts.capacity()) return false;
+    edge_parts.push_back({parts.from[lane], parts.width, begin, end});
+  }
+  return true;
+}
+
+bool EdgeCertifier::Impl::addInterval(double from, double width) {
+  const int first = frames.place(from), last = frames.place(from + width);
+  if (first < 0 || last < 0 || intervals.size() == intervals.capacity()) return false;
+  const auto size = static_cast<int>(open.size());
+  intervals.push_back({first, last, from, width, size, size, 0});
+  return true;
+}
+
+EdgeLanes::Parts EdgeCertifier::Impl::takeParts(std::size_t& next) {
+  // One, two or four of the same width, each divided to fill all lanes.
+  const double width = edge_parts[next].width;
+  std::size_t count = 1;
+  while (count < std::min<std::size_t>(4, edge_parts.size() - next) &&
+         edge_parts[next + count].width == width)
+    ++count;
+  const int share = collision::kLanes / (count == 3 ? 4 : static_cast<int>(count));
+  EdgeLanes::Parts parts;
+  parts.width = width / share;
+  pass_pairs.clear();
+  for (std::size_t k = 0; k < count; ++k, ++next) {
+    const EdgePart& part = edge_parts[next];
+    const int lane = static_cast<int>(k) * share;
+    for (int i = 0; i < share; ++i) parts.from[lane + i] = part.from + i * parts.width;
+    const std::uint32_t mask = ((1U << share) - 1) << lane;
+    for (int i = part.begin; i < part.end; ++i) {
+      const int id = part_pairs[at(i)];
+      const auto known = std::find_if(pass_pairs.begin(), pass_pairs.end(),
+                                      [id](const auto& pair) { return pair.id == id; });
+      if (known == pass_pairs.end())
+        pass_pairs.push_back({id, mask});
+      else
+        known->lanes |= mask;
+    }
+  }
+  return parts;
+}
+
+std::optional<EdgeCheck> EdgeCertifier::Impl::certifyParts() {
+  std::size_t next = 0;
+  for (int passes = 0; next < edge_parts.size() && passes < kLanePasses; ++passes) {
+    if (edge_parts[next].width <= kFinestPart) break;
+    const EdgeLanes::Parts parts = takeParts(next);
+    const collision::LaneSweep::Contact met = lanes.sweepParts(parts, pass_pairs);
+    if (met.id >= 0) return told(Verdict::kNotFree, met.id, parts.from[met.lane] + parts.width / 2);
+    const EdgeCheck check = checkOpen(parts);
+    if (check.verdict != Verdict::kFree) return check;
+    if (!listParts(parts)) return told(Verdict::kUndecided, -1, parts.from[0]);
+  }
+  for (; next < edge_parts.size(); ++next) {
+    const EdgePart& part = edge_parts[next];
+    if (!addInterval(part.from, part.width) ||
+        open.size() + at(part.end - part.begin) > open.capacity())
+      return told(Verdict::kUndecided, -1, part.from);
+    open.insert(open.end(), part_pairs.begin() + part.begin, part_pairs.begin() + part.end);
+    for (int i = part.begin; i < part.end; ++i) parting[at(part_pairs[at(i)])] = -kPartingPause;
+    intervals.back().end = static_cast<int>(open.size());
+  }
+  return std::nullopt;
 }
 
 int EdgeCertifier::Impl::mergedLanes(const collision::LaneSweep::Open& pair) const {
@@ -272,8 +402,6 @@ int EdgeCertifier::Impl::mergedLanes(const collision::LaneSweep::Open& pair) con
 }
 
 bool EdgeCertifier::Impl::listOpenLanes() {
-  intervals.clear();
-  open.clear();
   int slots[collision::kLanes + 1];
   std::fill(std::begin(slots), std::end(slots), -1);
   // Widest first: blocks of lanes, each with the pairs that are asked over so many at once.
@@ -282,7 +410,8 @@ bool EdgeCertifier::Impl::listOpenLanes() {
       const auto begin = static_cast<int>(open.size());
       const std::uint32_t block = ((1U << width) - 1) << lane;
       for (const collision::LaneSweep::Open& pair : lanes.open())
-        if ((pair.lanes & block) != 0 && mergedLanes(pair) == width) open.push_back(pair.id);
+        if (!isForParts(pair) && (pair.lanes & block) != 0 && mergedLanes(pair) == width)
+          open.push_back(pair.id);
       const auto end = static_cast<int>(open.size());
       if (begin == end) continue;
       constexpr double h = 1.0 / collision::kLanes;

@@ -3,6 +3,7 @@
 // Private to planner/: what certify() and edgeClearance() share.
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -68,10 +69,30 @@ struct EdgeCertifier::Impl {
   Verdict checkMiddle(const EdgeInterval& interval, int slot, int& offender);
   EdgeCheck told(Verdict verdict, int p, double t);
   EdgeCheck certifyByLanes();
-  /// Lists what a pass of lanes left as intervals; false when that cannot be placed.
+  /// Looks at open pairs whose hulls are not apart, in the middle of where they are open; free
+  /// where nothing is met.
+  EdgeCheck checkOpen(const EdgeLanes::Parts& parts);
+  /// Lists what the pass of lanes left and planes will not part as intervals; false when that
+  /// cannot be placed.
   bool listOpenLanes();
   /// How many lanes one sweep of a pair is tried on: as long as its growth stays small.
   int mergedLanes(const collision::LaneSweep::Open& pair) const;
+  /// Lists what a pass over parts left: pairs whose hulls were apart as parts for finer passes,
+  /// others as intervals. False when there are too many.
+  bool listParts(const EdgeLanes::Parts& parts);
+  /// Finer passes over the parts that are listed, until none is left or they do not pay; what
+  /// remains becomes intervals. Told where that decides the edge.
+  std::optional<EdgeCheck> certifyParts();
+  bool isForParts(const collision::LaneSweep::Open& pair) const {
+    return pair.apart && parting[static_cast<std::size_t>(pair.id)] >= 0;
+  }
+  /// As many parts of the list, from `next` on, as one pass divides; pass_pairs become their pairs.
+  EdgeLanes::Parts takeParts(std::size_t& next);
+  /// An interval without pairs, at the end of the lists.
+  bool addInterval(double from, double width);
+  /// Not free where one of the pairs that are open in all of the edge is so at its end: a body may
+  /// be inside another there without a meeting of surfaces.
+  EdgeCheck checkInside();
   EdgeCheck certifyByLevels();
   EdgeCheck certifyIntervals();
   void findLastValid(const EdgeRequest& request, EdgeCheck& check);
@@ -98,7 +119,18 @@ struct EdgeCertifier::Impl {
   std::uint64_t stamp = 0;
   std::vector<double> hopeful;              // growth [m] at which a pair's sweep is worth trying
   std::vector<std::uint64_t> failed_stamp;  // the interval at which a pair's sweep last failed
+  std::vector<int> luck;     // of looks at a pair before it is swept; below 0: none are taken
+  std::vector<int> parting;  // of finer passes over a pair; below 0: none are made
   std::vector<EdgeInterval> intervals, next_intervals;
+  /// A part of the edge that is looked at in lanes again, and its pairs as a range of part_pairs.
+  struct EdgePart {
+    double from, width;
+    int begin, end;
+  };
+  std::vector<EdgePart> edge_parts;
+  std::vector<int> part_pairs, open_everywhere;
+  std::vector<collision::LaneSweep::Open> pass_pairs;
+  int looks = 0;  // at single configurations of this edge
   std::vector<int> open, next_open;
   std::vector<std::pair<double, int>> order;  // pairs by coarse distance
   int killer = 0;                             // index into pairs of what last was not free
@@ -111,5 +143,6 @@ struct EdgeCertifier::Impl {
 inline constexpr int kEdgeSlots = 1024;
 inline constexpr int kEdgeIntervals = 2048;
 inline constexpr int kEdgeOpen = 1 << 16;
+inline constexpr int kEdgeParts = 512;
 
 }  // namespace leeway::planner

@@ -66,6 +66,7 @@ EdgeLanes::EdgeLanes(const EdgeFrames& frames)
   frame_steps_.resize(steps_.size());
   lane_frames_.resize(steps_.size());
   growth_values_.resize(growth_.paddedSize());
+  part_growth_.resize(growth_.paddedSize());
 }
 
 /// Joints that the planned variables move become steps; what is fixed between them is folded.
@@ -222,12 +223,21 @@ void EdgeLanes::addPieces(const EdgeFrames& frames) {
       moved.radius = ball.radius - (moved.radius - ball.radius);
       if (moved.radius > 0) lane.inner.push_back(moved);
     }
-    lane.points.radius = cover->points.radius;
-    for (const Eigen::Vector3d& p : cover->points.points) {
-      const collision::Ball moved = placed(X_FG, {p, 0});
-      lane.points.points.push_back(moved.center);
-      lane.points.radius = std::max(lane.points.radius, cover->points.radius + moved.radius);
-    }
+    lane.points.own = cover->points.own;
+    const auto placeAll = [&](const std::vector<Eigen::Vector3d>& points, double radius,
+                              std::vector<Eigen::Vector3d>& out) {
+      double moving = 0;  // rounds
+      for (const Eigen::Vector3d& p : points) {
+        const collision::Ball moved = placed(X_FG, {p, 0});
+        out.push_back(moved.center);
+        moving = std::max(moving, moved.radius);
+      }
+      return radius + moving;
+    };
+    lane.points.radius = placeAll(cover->points.points, cover->points.radius, lane.points.points);
+    lane.points.fine_radius =
+        std::max(placeAll(cover->points.fine, cover->points.fine_radius, lane.points.fine),
+                 lane.points.radius - cover->points.radius);
     const double chain = place.frame < 0 ? 0 : frame_reach_[at(place.frame)];
     lane.reach = lane.outer.center.norm();
     for (const collision::Ball& ball : lane.cover)
@@ -349,14 +359,36 @@ bool EdgeLanes::begin(const EdgeFrames& frames) {
 }
 
 LaneSweep::Contact EdgeLanes::sweep() {
-  collision::placeFrames(frame_steps_, lane_frames_);
+  constexpr float kWidth = 1.0F / collision::kLanes;
+  collision::LaneValues middles;  // exact
+  for (int i = 0; i < collision::kLanes; ++i)
+    middles.at[i] = (static_cast<float>(i) + 0.5F) * kWidth - 0.5F;
+  collision::placeFrames(frame_steps_, middles, lane_frames_);
+  const LaneSweep::Contact again = sweep_.meetAgain(lane_frames_, slack_, *scratch_);
+  if (again.id >= 0) return again;
+  collision::moveFrames(frame_steps_, middles, kWidth, lane_frames_);
   growth_.run(joint_motion_, growth_values_);
   return sweep_.run(lane_frames_, growth_values_, slack_, *scratch_);
 }
 
+LaneSweep::Contact EdgeLanes::sweepParts(const Parts& parts,
+                                         std::span<const LaneSweep::Open> pairs) {
+  const auto width = static_cast<float>(parts.width);
+  collision::LaneValues middles;
+  for (int i = 0; i < collision::kLanes; ++i)
+    middles.at[i] = static_cast<float>(parts.from[i] - 0.5) + width / 2;
+  collision::placeFrames(frame_steps_, middles, lane_frames_);
+  collision::moveFrames(frame_steps_, middles, width, lane_frames_);
+  const float share = width * collision::kLanes * (width * collision::kLanes);
+  for (std::size_t i = 0; i < growth_values_.size(); ++i)
+    part_growth_[i] = share * growth_values_[i];
+  return sweep_.runPairs(pairs, lane_frames_, part_growth_, slack_, *scratch_);
+}
+
 LaneSweep::Contact EdgeLanes::still(const collision::LaneValues& places) {
-  collision::placeStillFrames(frame_steps_, places, lane_frames_);
-  return sweep_.runStill(lane_frames_, slack_, *scratch_);
+  collision::placeFrames(frame_steps_, places, lane_frames_);
+  const LaneSweep::Contact again = sweep_.meetAgain(lane_frames_, slack_, *scratch_);
+  return again.id >= 0 ? again : sweep_.runStill(lane_frames_, slack_, *scratch_);
 }
 
 }  // namespace leeway::planner

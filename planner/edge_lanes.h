@@ -22,7 +22,16 @@ class EdgeLanes {
   bool begin(const EdgeFrames& frames);
   /// After begin(): all intervals [k, k + 1] / kLanes. Ids are indices into frames.pairs().
   collision::LaneSweep::Contact sweep();
-  /// What sweep() left.
+  /// Parts of the edge, one a lane: from + [0, width]. Each `from` is a multiple of `width`, which
+  /// is a power of two of at least 2^-16.
+  struct Parts {
+    double from[collision::kLanes] = {};
+    double width = 0;
+  };
+  /// After sweep(): planes and points alone, for some pairs in some of the parts.
+  collision::LaneSweep::Contact sweepParts(const Parts& parts,
+                                           std::span<const collision::LaneSweep::Open> pairs);
+  /// What the last sweep left.
   std::span<const collision::LaneSweep::Open> open() const { return scratch_->open(); }
 
   /// After sweep(): how far points leave their chords within a lane [m], for one of the scene's
@@ -70,7 +79,7 @@ class EdgeLanes {
 
   std::vector<collision::FrameStep> frame_steps_;
   std::vector<collision::LaneFrame> lane_frames_;
-  std::vector<float> joint_motion_, growth_values_;
+  std::vector<float> joint_motion_, growth_values_, part_growth_;
   std::vector<double> middle_, q_;
   float slack_ = 0;
 };

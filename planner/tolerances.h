@@ -69,6 +69,12 @@ constexpr int kShallowNodes = 12;
 /// truth.
 constexpr double kMergedGrowth = 2e-3;
 
+/// Finer passes of lanes over what the pass over a whole edge left open [count], and the part of
+/// the edge below which none is made: what is open there nearly touches, and exact sweeps decide
+/// it. Measured; cost time, never truth.
+constexpr int kLanePasses = 24;
+constexpr double kFinestPart = 0x1p-10;
+
 /// Below this growth [m] a sweep is always tried, so that an edge that once grazed something does
 /// not spoil the next.
 constexpr double kLeastHope = 2e-4;

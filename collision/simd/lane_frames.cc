@@ -58,18 +58,22 @@ HWY_INLINE V dot3(V ax, V ay, V az, V bx, V by, V bz) {
   return hn::Add(hn::Add(hn::Mul(ax, bx), hn::Mul(ay, by)), hn::Mul(az, bz));
 }
 
-// One step in the lanes from `at` on.
-template <bool kStill>
-HWY_INLINE void placeStep(D d, const FrameStep& step, const LaneFrame* parent, std::size_t at,
-                          V middle, LaneFrame& frame) {
-  const V half = hn::Set(d, 0.5f / kLanes);  // of an interval, in t
-  V m[9], t[3], arm[3], p[9];                // m: before the turn about z; arm: from the parent
+// Where a step's frame begins, seen from its parent.
+HWY_INLINE void placeTranslation(D d, const FrameStep& step, V middle, V* t) {
   for (int i = 0; i < 3; ++i)
     t[i] = hn::Add(hn::Set(d, step.translation[i]), hn::Mul(middle, hn::Set(d, step.slide[i])));
+}
+
+// One step in the lanes from `at` on.
+HWY_INLINE void placeStep(D d, const FrameStep& step, const LaneFrame* parent, std::size_t at,
+                          V middle, LaneFrame& frame) {
+  V m[9], t[3];  // m: before the turn about z
+  placeTranslation(d, step, middle, t);
   if (parent == nullptr) {
     for (int i = 0; i < 9; ++i) m[i] = hn::Set(d, step.rotation[i]);
     for (int i = 0; i < 3; ++i) hn::Store(t[i], d, frame.origin[i].at + at);
   } else {
+    V p[9];
     for (int i = 0; i < 9; ++i) p[i] = hn::Load(d, parent->rotation[i].at + at);
     for (int column = 0; column < 3; ++column)
       for (int row = 0; row < 3; ++row)
@@ -77,32 +81,39 @@ HWY_INLINE void placeStep(D d, const FrameStep& step, const LaneFrame* parent, s
             p[row], p[3 + row], p[6 + row], hn::Set(d, step.rotation[3 * column]),
             hn::Set(d, step.rotation[3 * column + 1]), hn::Set(d, step.rotation[3 * column + 2]));
     for (int i = 0; i < 3; ++i) {
-      arm[i] = dot3(p[i], p[3 + i], p[6 + i], t[0], t[1], t[2]);
-      hn::Store(hn::Add(hn::Load(d, parent->origin[i].at + at), arm[i]), d,
-                frame.origin[i].at + at);
+      const V arm = dot3(p[i], p[3 + i], p[6 + i], t[0], t[1], t[2]);
+      hn::Store(hn::Add(hn::Load(d, parent->origin[i].at + at), arm), d, frame.origin[i].at + at);
     }
   }
   V s, c;
-  const V rate = hn::Set(d, step.turn);
-  sineCosine(d, hn::Add(hn::Set(d, step.angle), hn::Mul(middle, rate)), s, c);
+  sineCosine(d, hn::Add(hn::Set(d, step.angle), hn::Mul(middle, hn::Set(d, step.turn))), s, c);
   for (int i = 0; i < 3; ++i) {
     hn::Store(hn::Add(hn::Mul(m[i], c), hn::Mul(m[3 + i], s)), d, frame.rotation[i].at + at);
     hn::Store(hn::Sub(hn::Mul(m[3 + i], c), hn::Mul(m[i], s)), d, frame.rotation[3 + i].at + at);
     hn::Store(m[6 + i], d, frame.rotation[6 + i].at + at);
   }
-  if (kStill) return;
-  const V swing = hn::Mul(half, rate);
+}
+
+// The motion of a frame that is placed: its z axis is the step's.
+HWY_INLINE void moveStep(D d, const FrameStep& step, const LaneFrame* parent, std::size_t at,
+                         V middle, V half, LaneFrame& frame) {
+  const V swing = hn::Mul(half, hn::Set(d, step.turn));
   V drift[3], turn[3];
   for (int i = 0; i < 3; ++i) drift[i] = hn::Mul(half, hn::Set(d, step.slide[i]));
   for (int i = 0; i < 3; ++i) {
     turn[i] = parent == nullptr ? hn::Zero(d) : hn::Load(d, parent->turn[i].at + at);
-    hn::Store(hn::Add(turn[i], hn::Mul(m[6 + i], swing)), d, frame.turn[i].at + at);
+    const V axis = hn::Load(d, frame.rotation[6 + i].at + at);
+    hn::Store(hn::Add(turn[i], hn::Mul(axis, swing)), d, frame.turn[i].at + at);
   }
+  if (parent == nullptr) {
+    for (int i = 0; i < 3; ++i) hn::Store(drift[i], d, frame.slide[i].at + at);
+    return;
+  }
+  V t[3], p[9], arm[3];  // arm: from the parent's origin
+  placeTranslation(d, step, middle, t);
+  for (int i = 0; i < 9; ++i) p[i] = hn::Load(d, parent->rotation[i].at + at);
+  for (int i = 0; i < 3; ++i) arm[i] = dot3(p[i], p[3 + i], p[6 + i], t[0], t[1], t[2]);
   for (int i = 0; i < 3; ++i) {
-    if (parent == nullptr) {
-      hn::Store(drift[i], d, frame.slide[i].at + at);
-      continue;
-    }
     const int j = (i + 1) % 3, k = (i + 2) % 3;
     const V across = hn::Sub(hn::Mul(turn[j], arm[k]), hn::Mul(turn[k], arm[j]));
     const V own = dot3(p[i], p[3 + i], p[6 + i], drift[0], drift[1], drift[2]);
@@ -111,26 +122,27 @@ HWY_INLINE void placeStep(D d, const FrameStep& step, const LaneFrame* parent, s
   }
 }
 
-template <bool kStill>
-HWY_INLINE void placeAll(const FrameStep* steps, std::size_t count, const LaneValues& places,
-                         LaneFrame* frames) {
+void PlaceFrames(const FrameStep* steps, std::size_t count, const LaneValues& places,
+                 LaneFrame* frames) {
   const D d;
   for (std::size_t at = 0; at < kLanes; at += hn::Lanes(d)) {
     const V middle = hn::Load(d, places.at + at);
     for (std::size_t i = 0; i < count; ++i)
-      placeStep<kStill>(d, steps[i], steps[i].parent < 0 ? nullptr : frames + steps[i].parent, at,
-                        middle, frames[i]);
+      placeStep(d, steps[i], steps[i].parent < 0 ? nullptr : frames + steps[i].parent, at, middle,
+                frames[i]);
   }
 }
 
-void PlaceFrames(const FrameStep* steps, std::size_t count, const LaneValues& places,
-                 LaneFrame* frames) {
-  placeAll<false>(steps, count, places, frames);
-}
-
-void PlaceStillFrames(const FrameStep* steps, std::size_t count, const LaneValues& places,
-                      LaneFrame* frames) {
-  placeAll<true>(steps, count, places, frames);
+// half: of an interval, in t.
+void MoveFrames(const FrameStep* steps, std::size_t count, const LaneValues& places, float half,
+                LaneFrame* frames) {
+  const D d;
+  for (std::size_t at = 0; at < kLanes; at += hn::Lanes(d)) {
+    const V middle = hn::Load(d, places.at + at);
+    for (std::size_t i = 0; i < count; ++i)
+      moveStep(d, steps[i], steps[i].parent < 0 ? nullptr : frames + steps[i].parent, at, middle,
+               hn::Set(d, half), frames[i]);
+  }
 }
 
 void SumGrowth(const std::int32_t* motion, const float* reach, const float* turns, int terms,
@@ -162,7 +174,7 @@ HWY_AFTER_NAMESPACE();
 namespace leeway::collision {
 
 HWY_EXPORT(PlaceFrames);
-HWY_EXPORT(PlaceStillFrames);
+HWY_EXPORT(MoveFrames);
 HWY_EXPORT(SumGrowth);
 
 // Let u = 2^-24. A step's angle in a lane rounds by at most 17 u: angle (up to pi) by 3.2, turn (7)
@@ -175,20 +187,15 @@ HWY_EXPORT(SumGrowth);
 // once more with 8 u, which the remaining 8 u of the 80 hold up to chains of 60 steps. A point of
 // the frame is one more arm. The motion: turn is a sum of axes, each within 72 u a step, times half
 // |turn| / kLanes; slide a sum of turns times arms, and each of the two errs as above.
-void placeFrames(std::span<const FrameStep> steps, std::span<LaneFrame> frames) {
-  // (lane + 1/2) / 16 - 1/2, exact.
-  static constexpr LaneValues kMiddles = [] {
-    LaneValues middles{};
-    for (int i = 0; i < kLanes; ++i)
-      middles.at[i] = (static_cast<float>(i) - 0.5f * (kLanes - 1)) / kLanes;
-    return middles;
-  }();
-  HWY_DYNAMIC_DISPATCH(PlaceFrames)(steps.data(), steps.size(), kMiddles, frames.data());
+void placeFrames(std::span<const FrameStep> steps, const LaneValues& places,
+                 std::span<LaneFrame> frames) {
+  HWY_DYNAMIC_DISPATCH(PlaceFrames)(steps.data(), steps.size(), places, frames.data());
 }
 
-void placeStillFrames(std::span<const FrameStep> steps, const LaneValues& places,
-                      std::span<LaneFrame> frames) {
-  HWY_DYNAMIC_DISPATCH(PlaceStillFrames)(steps.data(), steps.size(), places, frames.data());
+void moveFrames(std::span<const FrameStep> steps, const LaneValues& places, float width,
+                std::span<LaneFrame> frames) {
+  HWY_DYNAMIC_DISPATCH(MoveFrames)
+  (steps.data(), steps.size(), places, 0.5f * width, frames.data());
 }
 
 int LaneGrowth::add(std::span<const Term> terms) {

@@ -83,18 +83,22 @@ HWY_INLINE V3 broadcast(D d, const float* v) {
   return {hn::Set(d, v[0]), hn::Set(d, v[1]), hn::Set(d, v[2])};
 }
 
+/// A point of a frame, from its origin.
+HWY_INLINE V3 armOf(D d, const LaneFrame& frame, const V3& point, std::size_t at) {
+  const auto row = [&](std::size_t i) {
+    return dot({hn::Load(d, frame.rotation[i].at + at), hn::Load(d, frame.rotation[3 + i].at + at),
+                hn::Load(d, frame.rotation[6 + i].at + at)},
+               point);
+  };
+  return {row(0), row(1), row(2)};
+}
+
 template <bool kStill>
 HWY_INLINE void placeBall(const LaneFrame& frame, const float* center, Placed& placed) {
   const D d;
   const V3 c = broadcast(d, center);
   for (std::size_t at = 0; at < kLanes; at += hn::Lanes(d)) {
-    V3 arm;
-    V* rows[3] = {&arm.x, &arm.y, &arm.z};
-    for (int i = 0; i < 3; ++i)
-      *rows[i] =
-          dot({hn::Load(d, frame.rotation[i].at + at), hn::Load(d, frame.rotation[3 + i].at + at),
-               hn::Load(d, frame.rotation[6 + i].at + at)},
-              c);
+    const V3 arm = armOf(d, frame, c, at);
     const V3 o = load(d, frame.origin, at);
     store(d, {hn::Add(o.x, arm.x), hn::Add(o.y, arm.y), hn::Add(o.z, arm.z)}, placed.center, at);
     if (kStill) continue;
@@ -111,9 +115,9 @@ struct Gap {
 };
 
 template <bool kStill>
-HWY_INLINE Gap gapTo(D d, const Sweep::Obstacle& o, const Placed& ball, std::size_t at) {
-  V3 p = difference(load(d, ball.center, at), broadcast(d, o.center));
-  V3 w = kStill ? p : load(d, ball.way, at);
+HWY_INLINE Gap gapOf(D d, const Sweep::Obstacle& o, const V3& center, const V3& way) {
+  V3 p = difference(center, broadcast(d, o.center));
+  V3 w = kStill ? p : way;
   if (!o.aligned) {
     const V3 x = broadcast(d, o.rotation), y = broadcast(d, o.rotation + 3),
              z = broadcast(d, o.rotation + 6);
@@ -143,6 +147,12 @@ HWY_INLINE Gap gapTo(D d, const Sweep::Obstacle& o, const Placed& ball, std::siz
     gap.depth = hn::Min(p.z, zero);
   }
   return gap;
+}
+
+template <bool kStill>
+HWY_INLINE Gap gapTo(D d, const Sweep::Obstacle& o, const Placed& ball, std::size_t at) {
+  const V3 center = load(d, ball.center, at);
+  return gapOf<kStill>(d, o, center, kStill ? center : load(d, ball.way, at));
 }
 
 /// Lanes of `lanes` in which the capsule is not proven to keep `above`. For key != null also the
@@ -181,8 +191,34 @@ HWY_INLINE std::uint32_t contactWithObstacle(const Sweep::Obstacle& o, const Pla
   return found;
 }
 
-/// The same for two balls, seen from the second's frame, whose turn moves the first across the way
-/// between them and so drops out.
+/// Lanes of `lanes` in which one of the points [begin, end), placed in the middle of the interval,
+/// is within `below` of the obstacle: the first that is so in any of them, which `point` becomes.
+HWY_INLINE std::uint32_t contactOfPoints(const Sweep& s, const LaneFrame& frame,
+                                         const Sweep::Obstacle& o, std::int32_t begin,
+                                         std::int32_t end, float below, std::uint32_t lanes,
+                                         std::int32_t& point) {
+  const D d;
+  for (std::int32_t i = begin; i < end; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    const V3 v = {hn::Set(d, s.point[0][k]), hn::Set(d, s.point[1][k]), hn::Set(d, s.point[2][k])};
+    std::uint32_t found = 0;
+    for (std::size_t at = 0; at < kLanes; at += hn::Lanes(d)) {
+      const V3 arm = armOf(d, frame, v, at), origin = load(d, frame.origin, at);
+      const V3 center = {hn::Add(origin.x, arm.x), hn::Add(origin.y, arm.y),
+                         hn::Add(origin.z, arm.z)};
+      const Gap gap = gapOf<true>(d, o, center, center);
+      const V distance = hn::Add(hn::Sqrt(dot(gap.outside, gap.outside)), gap.depth);
+      found |= bitsOf(d, hn::Le(distance, hn::Set(d, below))) << at;
+    }
+    if ((found & lanes) == 0) continue;
+    point = i;
+    return found & lanes;
+  }
+  return 0;
+}
+
+/// openToObstacle() for two balls, seen from the second's frame, whose turn moves the first across
+/// the way between them and so drops out.
 template <bool kStill>
 HWY_INLINE std::uint32_t openToBall(const Placed& a, const Placed& b, float above,
                                     std::uint32_t lanes, float* key = nullptr) {
@@ -219,10 +255,11 @@ HWY_INLINE std::uint32_t contactWithBall(const Placed& a, const Placed& b, float
   return found;
 }
 
-/// Lanes of `lanes` in which the plane does not part the pair by more than `above`.
+/// Lanes of `lanes` in which the plane does not part the pair as it must, A being told by `points`.
 template <bool kStill>
-HWY_INLINE std::uint32_t notParted(const LaneSweepKernel& kernel, const Sweep::Pair& pair,
-                                   const Scratch::Plane& plane, std::uint32_t lanes) {
+HWY_INLINE std::uint32_t notPartedBy(const LaneSweepKernel& kernel, const Sweep::Pair& pair,
+                                     const Sweep::LanePiece::Points& points,
+                                     const Scratch::Plane& plane, std::uint32_t lanes) {
   const D d;
   const Sweep& s = kernel.sweep;
   const Sweep::LanePiece& a = s.pieces[static_cast<std::size_t>(pair.a)];
@@ -230,7 +267,8 @@ HWY_INLINE std::uint32_t notParted(const LaneSweepKernel& kernel, const Sweep::P
   const LaneFrame* frame_b =
       pair.pieces ? &kernel.frames[s.pieces[static_cast<std::size_t>(pair.b)].frame] : nullptr;
   const float growth = kStill ? 0 : kernel.growth[pair.motion];
-  const float above = pair.part_above + growth + (pair.pieces ? 4 : 1) * kernel.slack;
+  const float above =
+      pair.part_above + points.radius + growth + (pair.pieces ? 4 : 1) * kernel.slack;
   const V bar = hn::Set(d, plane.offset + above * (1 + 0x1p-11f));
   std::uint32_t open = 0;
   for (std::size_t at = 0; at < kLanes; at += hn::Lanes(d)) {
@@ -260,7 +298,7 @@ HWY_INLINE std::uint32_t notParted(const LaneSweepKernel& kernel, const Sweep::P
       drift = dot(n, slide);
     }
     V low_first = hn::Set(d, 1e30f), low_second = low_first;
-    for (int i = a.points; i < a.points_end; ++i) {
+    for (int i = points.begin; i < points.end; ++i) {
       const auto k = static_cast<std::size_t>(i);
       const V3 v = {hn::Set(d, s.point[0][k]), hn::Set(d, s.point[1][k]),
                     hn::Set(d, s.point[2][k])};
@@ -275,6 +313,29 @@ HWY_INLINE std::uint32_t notParted(const LaneSweepKernel& kernel, const Sweep::P
   return open & lanes;
 }
 
+/// The same with a few points, and then with more.
+template <bool kStill>
+HWY_INLINE std::uint32_t notParted(const LaneSweepKernel& kernel, const Sweep::Pair& pair,
+                                   const Scratch::Plane& plane, std::uint32_t lanes) {
+  const Sweep::LanePiece& a = kernel.sweep.pieces[static_cast<std::size_t>(pair.a)];
+  lanes = notPartedBy<kStill>(kernel, pair, a.points, plane, lanes);
+  if (lanes == 0 || a.fine.begin == a.points.begin) return lanes;
+  return notPartedBy<kStill>(kernel, pair, a.fine, plane, lanes);
+}
+
+/// Lanes of `lanes` in which one of the points [begin, end) of A proves a contact with an obstacle.
+HWY_INLINE std::uint32_t pointsInside(const LaneSweepKernel& kernel, const Sweep::Pair& pair,
+                                      std::int32_t begin, std::int32_t end, std::uint32_t lanes,
+                                      std::int32_t& point) {
+  const Sweep& s = kernel.sweep;
+  const Sweep::LanePiece& a = s.pieces[static_cast<std::size_t>(pair.a)];
+  if (pair.pieces || a.frame < 0 || a.own < 0) return 0;
+  const Sweep::Obstacle& o = s.obstacles[static_cast<std::size_t>(pair.b)];
+  if (!o.exact) return 0;
+  const float below = pair.contact_below - kernel.slack - a.own + o.radius;
+  return contactOfPoints(s, kernel.frames[a.frame], o, begin, end, below, lanes, point);
+}
+
 /// One run; the steps stand in the order in which they are taken.
 template <bool kStill>
 class Run {
@@ -282,16 +343,25 @@ class Run {
   explicit Run(const LaneSweepKernel& kernel)
       : s_(kernel.sweep), scratch_(kernel.scratch), kernel_(kernel) {}
 
+  HWY_INLINE LaneSweepKernel::Contact again() {
+    ++scratch_.stamp;
+    for (const Scratch::Killer& killer : scratch_.killers) {
+      if (killer.pair < 0) break;
+      const Sweep::Pair& pair = s_.pairs[size(killer.pair)];
+      std::int32_t point = killer.point;
+      const std::uint32_t lanes = point < 0
+                                      ? contact(pair, kAll)
+                                      : pointsInside(kernel_, pair, point, point + 1, kAll, point);
+      if (lanes != 0) return kernel_.told(killer.pair, point, lanes);
+    }
+    return {};
+  }
+
   HWY_INLINE LaneSweepKernel::Contact all() {
     ++scratch_.stamp;
     scratch_.open.clear();
     scratch_.open_pairs.clear();
     scratch_.candidates.clear();
-    for (const std::int32_t pair : scratch_.killers) {
-      if (pair < 0) break;
-      const std::uint32_t lanes = contact(s_.pairs[size(pair)], kAll);
-      if (lanes != 0) return told(pair, lanes);
-    }
     placeOuter();
     cull();
     std::sort(scratch_.candidates.begin(), scratch_.candidates.end(),
@@ -309,13 +379,13 @@ class Run {
       if (!pair.pieces &&
           c.key <= s_.pieces[size(pair.a)].inner_reach - s_.pieces[size(pair.a)].outer.radius) {
         const std::uint32_t lanes = contact(pair, open);
-        if (lanes != 0) return told(c.pair, lanes);
+        if (lanes != 0) return kernel_.told(c.pair, -1, lanes);
       }
       open = uncovered(pair, open);
       if (open == 0) continue;
       if (pair.pieces) {
         const std::uint32_t lanes = contact(pair, open);
-        if (lanes != 0) return told(c.pair, lanes);
+        if (lanes != 0) return kernel_.told(c.pair, -1, lanes);
       }
       scratch_.open.push_back({pair.id, open});
       scratch_.open_pairs.push_back(c.pair);
@@ -330,18 +400,6 @@ class Run {
     return kernel_.frames[piece.frame];
   }
   float growthOf(int motion) const { return kStill || motion < 0 ? 0 : kernel_.growth[motion]; }
-
-  LaneSweepKernel::Contact told(std::int32_t pair, std::uint32_t lanes) {
-    // To the front of the killers.
-    std::int32_t previous = pair;
-    for (std::int32_t& killer : scratch_.killers) {
-      std::swap(killer, previous);
-      if (previous == pair || previous < 0) break;
-    }
-    int lane = 0;
-    while ((lanes >> lane & 1U) == 0) ++lane;
-    return {s_.pairs[size(pair)].id, lane};
-  }
 
   HWY_INLINE void placeOuter() {
     const D d;
@@ -508,6 +566,9 @@ class Run {
   const LaneSweepKernel& kernel_;
 };
 
+LaneSweepKernel::Contact MeetAgain(const LaneSweepKernel& kernel) {
+  return Run<true>(kernel).again();
+}
 LaneSweepKernel::Contact SweepAll(const LaneSweepKernel& kernel) {
   return Run<false>(kernel).all();
 }
@@ -516,6 +577,11 @@ LaneSweepKernel::Contact StillAll(const LaneSweepKernel& kernel) { return Run<tr
 std::uint32_t SweepPlane(const LaneSweepKernel& kernel, const Sweep::Pair& pair,
                          const Scratch::Plane& plane, std::uint32_t lanes) {
   return notParted<false>(kernel, pair, plane, lanes);
+}
+std::uint32_t PointsInside(const LaneSweepKernel& kernel, const Sweep::Pair& pair,
+                           const Sweep::LanePiece::Points& points, std::uint32_t lanes,
+                           std::int32_t& point) {
+  return pointsInside(kernel, pair, points.begin, points.end, lanes, point);
 }
 std::uint32_t StillPlane(const LaneSweepKernel& kernel, const Sweep::Pair& pair,
                          const Scratch::Plane& plane, std::uint32_t lanes) {
@@ -542,52 +608,107 @@ int middleOf(std::uint32_t lanes) {
 
 }  // namespace
 
+HWY_EXPORT(MeetAgain);
 HWY_EXPORT(SweepAll);
 HWY_EXPORT(StillAll);
 HWY_EXPORT(SweepPlane);
 HWY_EXPORT(StillPlane);
+HWY_EXPORT(PointsInside);
 
-template <typename Test>
-void LaneSweepKernel::partOpen(const Test& test) const {
+template <typename NotParted, typename Inside>
+LaneSweep::Contact LaneSweepKernel::partOpen(bool closely, const NotParted& notParted,
+                                             const Inside& inside) const {
   std::size_t kept = 0;
   for (std::size_t i = 0; i < scratch.open.size(); ++i) {
-    const auto number = static_cast<std::size_t>(scratch.open_pairs[i]);
-    const Sweep::Pair& pair = sweep.pairs[number];
+    const std::int32_t number = scratch.open_pairs[i];
+    const Sweep::Pair& pair = sweep.pairs[static_cast<std::size_t>(number)];
     std::uint32_t lanes = scratch.open[i].lanes;
-    for (int look = 0; pair.part_above >= 0 && look < kPlaneTries; ++look) {
+    bool apart = false, close = closely;
+    for (int look = 0; pair.part_above >= 0 && look < kPlaneTries && lanes != 0; ++look) {
       Scratch::Plane plane{};
-      if (!findPlane(pair, middleOf(lanes), plane)) break;
-      const std::uint32_t left = test(pair, plane, lanes);
-      if (left == lanes) break;
-      scratch.planes[number] = plane;
+      apart = findPlane(pair, middleOf(lanes), close, plane);
+      if (!apart) break;
+      const std::uint32_t left = notParted(pair, plane, lanes);
+      if (left == lanes && close) break;
+      close = close || left == lanes;
+      if (left != lanes) scratch.planes[static_cast<std::size_t>(number)] = plane;
       lanes = left;
-      if (lanes == 0) break;
     }
-    if (lanes != 0) scratch.open[kept++] = {pair.id, lanes};
+    if (lanes == 0) continue;
+    if (!apart) {
+      const Sweep::LanePiece& a = sweep.pieces[static_cast<std::size_t>(pair.a)];
+      std::int32_t point = -1;
+      std::uint32_t met = inside(pair, a.points, lanes, point);
+      if (met == 0 && a.fine.begin != a.points.begin) met = inside(pair, a.fine, lanes, point);
+      if (met != 0) return told(number, point, met);
+    }
+    scratch.open_pairs[kept] = number;
+    scratch.open[kept++] = {pair.id, lanes, apart};
   }
   scratch.open.resize(kept);
+  scratch.open_pairs.resize(kept);
+  return {};
+}
+
+namespace {
+
+LaneSweepKernel::Contact partSwept(const LaneSweepKernel& kernel, bool closely) {
+  return kernel.partOpen(
+      closely,
+      [&](const auto&... arguments) {
+        return HWY_DYNAMIC_DISPATCH(SweepPlane)(kernel, arguments...);
+      },
+      [&](const auto& pair, const auto& points, std::uint32_t lanes, std::int32_t& point) {
+        return HWY_DYNAMIC_DISPATCH(PointsInside)(kernel, pair, points, lanes, point);
+      });
+}
+
+}  // namespace
+
+LaneSweep::Contact LaneSweep::meetAgain(std::span<const LaneFrame> frames, float slack,
+                                        Scratch& scratch) const {
+  return HWY_DYNAMIC_DISPATCH(MeetAgain)({*impl_, *scratch.impl_, frames.data(), nullptr, slack});
 }
 
 LaneSweep::Contact LaneSweep::run(std::span<const LaneFrame> frames, std::span<const float> growth,
                                   float slack, Scratch& scratch) const {
   const LaneSweepKernel kernel{*impl_, *scratch.impl_, frames.data(), growth.data(), slack};
   const Contact contact = HWY_DYNAMIC_DISPATCH(SweepAll)(kernel);
-  if (contact.id < 0)
-    kernel.partOpen([&](const auto& pair, const auto& plane, std::uint32_t lanes) {
-      return HWY_DYNAMIC_DISPATCH(SweepPlane)(kernel, pair, plane, lanes);
-    });
-  return contact;
+  return contact.id < 0 ? partSwept(kernel, false) : contact;
+}
+
+LaneSweep::Contact LaneSweep::runPairs(std::span<const Open> pairs,
+                                       std::span<const LaneFrame> frames,
+                                       std::span<const float> growth, float slack,
+                                       Scratch& scratch) const {
+  const LaneSweepKernel kernel{*impl_, *scratch.impl_, frames.data(), growth.data(), slack};
+  scratch.impl_->open.clear();
+  scratch.impl_->open_pairs.clear();
+  for (const auto& [number, lanes, apart] : pairs) {
+    const Impl::Pair& pair = impl_->pairs[static_cast<std::size_t>(number)];
+    const Scratch::Impl::Plane& plane = scratch.impl_->planes[static_cast<std::size_t>(number)];
+    const std::uint32_t open =
+        plane.known ? HWY_DYNAMIC_DISPATCH(SweepPlane)(kernel, pair, plane, lanes) : lanes;
+    if (open == 0) continue;
+    scratch.impl_->open.push_back({pair.id, open});
+    scratch.impl_->open_pairs.push_back(number);
+  }
+  return partSwept(kernel, true);
 }
 
 LaneSweep::Contact LaneSweep::runStill(std::span<const LaneFrame> frames, float slack,
                                        Scratch& scratch) const {
   const LaneSweepKernel kernel{*impl_, *scratch.impl_, frames.data(), nullptr, slack};
   const Contact contact = HWY_DYNAMIC_DISPATCH(StillAll)(kernel);
-  if (contact.id < 0)
-    kernel.partOpen([&](const auto& pair, const auto& plane, std::uint32_t lanes) {
-      return HWY_DYNAMIC_DISPATCH(StillPlane)(kernel, pair, plane, lanes);
-    });
-  return contact;
+  if (contact.id >= 0) return contact;
+  return kernel.partOpen(
+      false,
+      [&](const auto&... arguments) {
+        return HWY_DYNAMIC_DISPATCH(StillPlane)(kernel, arguments...);
+      },
+      [&](const auto& pair, const auto& points, std::uint32_t lanes, std::int32_t& point) {
+        return HWY_DYNAMIC_DISPATCH(PointsInside)(kernel, pair, points, lanes, point);
+      });
 }
 
 }  // namespace leeway::collision

@@ -65,6 +65,16 @@ Eigen::Vector3d laneOf(const LaneValues* v, int lane) {
   return Eigen::Vector3f(v[0].at[lane], v[1].at[lane], v[2].at[lane]).cast<double>();
 }
 
+/// Frames in the middle of the intervals begin + [k, k + 1] width / kLanes, and their motions.
+void placeAndMove(const std::vector<FrameStep>& steps, std::vector<LaneFrame>& frames,
+                  double begin = 0, double width = 1) {
+  LaneValues middles;
+  for (int i = 0; i < kLanes; ++i)
+    middles.at[i] = static_cast<float>(begin - 0.5 + (i + 0.5) * width / kLanes);
+  placeFrames(steps, middles, frames);
+  moveFrames(steps, middles, static_cast<float>(width / kLanes), frames);
+}
+
 TEST(LaneFrames, AreWithinTheirBoundOfDoublePrecision) {
   Random random(11);
   double worst = 0, worst_way = 0;
@@ -72,7 +82,9 @@ TEST(LaneFrames, AreWithinTheirBoundOfDoublePrecision) {
     const Chain chain = randomChain(random);
     const std::size_t n = chain.steps.size();
     std::vector<LaneFrame> frames(n);
-    placeFrames(chain.steps, frames);
+    const int parts = 1 << random.below(5);
+    const double width = 1.0 / parts, begin = width * random.below(parts);
+    placeAndMove(chain.steps, frames, begin, width);
     const Eigen::Vector3d r = random.direction() * random.uniform(0, 0.3);
     double tail = r.norm(), bound = kLaneRounding * tail, slides = 0, turns = 0;
     for (std::size_t i = n; i-- > 0;) {
@@ -86,7 +98,7 @@ TEST(LaneFrames, AreWithinTheirBoundOfDoublePrecision) {
                              2 * static_cast<double>(n) * kLaneRounding * slides;
     for (int lane = 0; lane < kLanes; ++lane) {
       const LaneFrame& f = frames[n - 1];
-      const double t = (lane + 0.5) / kLanes;
+      const double t = begin + (lane + 0.5) * width / kLanes;
       Eigen::Matrix3d rotation;
       for (int i = 0; i < 9; ++i) rotation.data()[i] = static_cast<double>(f.rotation[i].at[lane]);
       const Eigen::Vector3d arm = rotation * r;
@@ -97,7 +109,7 @@ TEST(LaneFrames, AreWithinTheirBoundOfDoublePrecision) {
       constexpr double e = 1e-3;
       const Eigen::Vector3d way = (8 * (placeAt(chain, r, t + e) - placeAt(chain, r, t - e)) -
                                    (placeAt(chain, r, t + 2 * e) - placeAt(chain, r, t - 2 * e))) /
-                                  (12 * e) / (2 * kLanes);
+                                  (12 * e) * width / (2 * kLanes);
       const double way_error =
           (laneOf(f.slide, lane) + laneOf(f.turn, lane).cross(arm) - way).norm();
       ASSERT_LE(way_error, way_bound + 1e-7) << "round " << round << " lane " << lane;
@@ -127,7 +139,7 @@ TEST(LaneFrames, HaveTheSameBitsOnEveryInstructionSet) {
     std::vector<float>& bits = results.emplace_back();
     for (const Chain& chain : chains) {
       std::vector<LaneFrame> frames(chain.steps.size());
-      placeFrames(chain.steps, frames);
+      placeAndMove(chain.steps, frames);
       const auto* begin = reinterpret_cast<const float*>(frames.data());
       bits.insert(bits.end(), begin, begin + frames.size() * sizeof(LaneFrame) / sizeof(float));
     }

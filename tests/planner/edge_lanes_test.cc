@@ -19,6 +19,7 @@ using testing::Random;
 
 struct Count {
   int edges = 0, contacts = 0, certified = 0, open = 0, near = 0;
+  int part_contacts = 0, part_certified = 0, part_near = 0;
 };
 
 std::vector<double> randomPoint(Random& random, const CompiledScene& scene) {
@@ -26,6 +27,47 @@ std::vector<double> randomPoint(Random& random, const CompiledScene& scene) {
   std::vector<double> point;
   for (const int v : scene.space().variables()) point.push_back(q[static_cast<std::size_t>(v)]);
   return point;
+}
+
+/// Open pairs of an edge again, in parts of where they are open, each pair in half of the lanes.
+template <typename DistanceOf>
+void checkParts(Random& random, const EdgeFrames& frames, EdgeLanes& lanes,
+                std::vector<LaneSweep::Open> pairs, const DistanceOf& distanceOf, Count& count) {
+  EdgeLanes::Parts parts;
+  parts.width = std::ldexp(1.0 / kLanes, -1 - random.integer(6));
+  for (double& from : parts.from) {
+    const std::uint32_t open =
+        pairs[static_cast<std::size_t>(random.integer(static_cast<int>(pairs.size())))].lanes;
+    int lane = random.integer(kLanes);
+    while ((open >> lane & 1U) == 0) lane = (lane + 1) % kLanes;
+    from = static_cast<double>(lane) / kLanes +
+           parts.width * random.integer(static_cast<int>(1 / (kLanes * parts.width)));
+  }
+  for (LaneSweep::Open& pair : pairs) pair.lanes = random.integer(2) == 0 ? 0xff00U : 0x5555U;
+  const LaneSweep::Contact contact = lanes.sweepParts(parts, pairs);
+  if (contact.id >= 0) {
+    ++count.part_contacts;
+    const auto p = static_cast<std::size_t>(contact.id);
+    EXPECT_LE(distanceOf(p, parts.from[contact.lane] + parts.width / 2).lower,
+              frames.pairs()[p].threshold);
+    return;
+  }
+  for (const LaneSweep::Open& pair : pairs) {
+    const auto p = static_cast<std::size_t>(pair.id);
+    std::uint32_t certified = pair.lanes;
+    for (const LaneSweep::Open& left : lanes.open())
+      if (left.id == pair.id) certified &= ~left.lanes;
+    for (int lane = 0; lane < kLanes; ++lane) {
+      if ((certified >> lane & 1U) == 0) continue;
+      ++count.part_certified;
+      for (const double s : {0.0, random.uniform(0, 1), 1.0}) {
+        const collision::Interval d = distanceOf(p, parts.from[lane] + s * parts.width);
+        ASSERT_GT(d.upper, frames.pairs()[p].threshold)
+            << "pair " << p << ", " << parts.from[lane] << " + " << parts.width;
+        if (d.lower < frames.pairs()[p].threshold + 0.005) ++count.part_near;
+      }
+    }
+  }
 }
 
 /// Edges of a problem: what the lanes call certified is apart wherever it is sampled, what they
@@ -78,6 +120,9 @@ void check(Random& random, const Problem& problem, int edges, Count& count) {
           if (d.lower < frames.pairs()[p].threshold + 0.02) ++count.near;
         }
       }
+    const std::vector<LaneSweep::Open> open_pairs(lanes.open().begin(), lanes.open().end());
+    for (int look = 0; look < 8 && !open_pairs.empty(); ++look)
+      checkParts(random, frames, lanes, open_pairs, distanceOf, count);
   }
 }
 
@@ -110,6 +155,9 @@ TEST(EdgeLanes, CertifyOnlyWhatIsApart) {
   EXPECT_GT(count.certified, 20000);
   EXPECT_GT(count.open, 100);
   EXPECT_GT(count.near, 20);
+  EXPECT_GT(count.part_contacts, 5);
+  EXPECT_GT(count.part_certified, 300);
+  EXPECT_GT(count.part_near, 20);
 }
 
 TEST(EdgeLanes, GiveTheSameAnswersOnEveryInstructionSet) {

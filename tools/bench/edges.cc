@@ -2,6 +2,8 @@
 // for.
 //   bench_edges PROBLEM.yaml...                                     problems of this project
 //   bench_edges --robot R.urdf --srdf R.srdf SCENE.yaml...          MoveIt scenes with requests
+//   bench_edges --bodies                                            a body among bodies
+// --bodies: a free body of 2k triangles among twelve of 2k triangles, closed ones and sheets.
 // A seeded RRTConnect plans each problem and simplify() shortens its path; the edges that both ask
 // of the certifier are kept and replayed. Stepping looks at states at most 1/32 (rad or m, in the
 // space's distance) apart, spread over the edge sixteen at a time in the same lanes with the same
@@ -16,17 +18,21 @@
 #include <time.h>
 
 #include <CLI/CLI.hpp>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <numbers>
 #include <string>
 #include <vector>
 
 #include "leeway/planner/edge_certifier.h"
 #include "leeway/planner/problem.h"
 #include "tools/bench/asked_edges.h"
+#include "tools/bench/bodies.h"
 #include "tools/bench/cpu_time.h"
 #include "tools/bench/edge_stepper.h"
+#include "tools/bench/splitmix.h"
 
 namespace {
 
@@ -129,6 +135,88 @@ void print(const std::string& title, std::vector<Kind> rows) {
   }
 }
 
+/// Of the edges that planning and simplifying ask for.
+struct Mix {
+  std::vector<Kind> planning = kinds(), simplifying = kinds();
+
+  void add(const Problem& problem, unsigned long long iterations) {
+    const auto scene = std::make_shared<const CompiledScene>(problem);
+    const leeway::bench::AskedEdges asked = leeway::bench::askedEdges(problem, scene, iterations);
+    if (asked.planning.empty()) fmt::print("{}: nothing asked\n", problem.name);
+    measure(scene, asked.planning, planning);
+    measure(scene, asked.simplifying, simplifying);
+  }
+  void print(const std::string& prefix = {}) const {
+    ::print(prefix + "planning", planning);
+    ::print(prefix + "simplifying", simplifying);
+  }
+};
+
+constexpr double kRoom = 0.7;  // [m], to either side
+
+leeway::collision::Pose somewhere(leeway::bench::SplitMix& random) {
+  const double u = random.uniform(), v = random.uniform(), w = random.uniform();
+  const double x = random.uniform(-kRoom, kRoom), y = random.uniform(-kRoom, kRoom),
+               z = random.uniform(-kRoom, kRoom);
+  // Uniform over rotations (Shoemake, "Uniform random rotations", 1992).
+  const double a = 2 * std::numbers::pi * v, b = 2 * std::numbers::pi * w;
+  const Eigen::Quaterniond q(std::sqrt(u) * std::cos(b), std::sqrt(1 - u) * std::sin(a),
+                             std::sqrt(1 - u) * std::cos(a), std::sqrt(u) * std::sin(b));
+  return {q.toRotationMatrix(), {x, y, z}};
+}
+
+std::vector<double> pointAt(const leeway::collision::Pose& X) {
+  const Eigen::Quaterniond q = Eigen::Quaterniond(X.rotation).normalized();
+  const Eigen::Vector3d& p = X.translation;
+  return {p.x(), p.y(), p.z(), q.x(), q.y(), q.z(), q.w()};
+}
+
+/// A free body of about 2k triangles among twelve of as many, from one free place to another.
+Problem bodies(const std::vector<leeway::bench::Soup>& soups, std::uint64_t seed) {
+  using leeway::collision::Shape;
+  leeway::bench::SplitMix random(seed);
+  std::vector<Shape> shapes;
+  for (const leeway::bench::Soup& soup : soups)
+    shapes.push_back(
+        Shape::mesh(leeway::collision::TriangleMesh::make(soup.vertices, soup.triangles)));
+  Problem problem;
+  problem.name = fmt::format("bodies {}", seed);
+  problem.seed = seed;
+  problem.model = leeway::robots::freeBody(
+      "body", {{shapes[seed % shapes.size()], {}, "body"}}, leeway::robots::JointType::kFloating,
+      Eigen::Vector3d::Constant(-kRoom), Eigen::Vector3d::Constant(kRoom));
+  for (int v = 0; v < 7; ++v) problem.variables.push_back(v);
+  for (std::size_t i = 0; i < 12; ++i) {
+    const std::string name = fmt::format("obstacle{}", i);
+    problem.objects.push_back({name, {{shapes[i % shapes.size()], {}, name}}, somewhere(random)});
+  }
+  problem.configuration = pointAt(somewhere(random));
+  problem.goals.push_back({"goal", std::vector<std::pair<double, double>>(7, {0, 0})});
+  EdgeCertifier certifier(std::make_shared<const CompiledScene>(problem));
+  const auto freePoint = [&] {
+    for (;;) {
+      const std::vector<double> point = pointAt(somewhere(random));
+      if (certifier.decide(point) == Verdict::kFree) return point;
+    }
+  };
+  problem.configuration = freePoint();
+  const std::vector<double> goal = freePoint();
+  for (std::size_t i = 0; i < goal.size(); ++i) problem.goals[0].ranges[i] = {goal[i], goal[i]};
+  return problem;
+}
+
+void measureBodies(std::uint64_t seed, unsigned long long iterations) {
+  using namespace leeway::bench;
+  Mix closed, sheets;
+  for (std::uint64_t i = 0; i < 8; ++i) {
+    closed.add(bodies({link(32, 32), torus(32, 32), bumpyBall(32, 32), dumbbell(32, 32)}, seed + i),
+               iterations);
+    sheets.add(bodies({cloth(32, 32)}, seed + i), iterations);
+  }
+  closed.print("closed bodies, ");
+  sheets.print("sheets, ");
+}
+
 std::string requestOf(std::string scene) {
   const std::size_t at = scene.rfind("scene");
   if (at == std::string::npos)
@@ -149,24 +237,23 @@ int main(int argc, char** argv) {
   app.add_option("--srdf", srdf, "SRDF");
   app.add_option("--iterations", iterations, "of the planner, a problem");
   app.add_option("--seed", seed, "seed");
-  app.add_option("files", files, "problems, or MoveIt scenes with requests beside them")
-      ->required();
+  bool bodies_too = false;
+  app.add_flag("--bodies", bodies_too, "a body of triangles among bodies");
+  app.add_option("files", files, "problems, or MoveIt scenes with requests beside them");
   CLI11_PARSE(app, argc, argv);
   try {
     std::shared_ptr<const leeway::robots::Model> model;
     if (!robot.empty()) model = leeway::robots::loadModel(robot, srdf);
-    std::vector<Kind> planning = kinds(), simplifying = kinds();
+    if (bodies_too) measureBodies(seed, iterations);
+    if (files.empty() && !bodies_too) throw std::runtime_error("files or --bodies are expected");
+    if (files.empty()) return 0;
+    Mix mix;
     for (const std::string& file : files) {
       Problem problem = model ? loadMoveit(model, file, requestOf(file)) : loadProblem(file);
       problem.seed = seed;
-      const auto scene = std::make_shared<const CompiledScene>(problem);
-      const leeway::bench::AskedEdges asked = leeway::bench::askedEdges(problem, scene, iterations);
-      if (asked.planning.empty()) fmt::print("{}: nothing asked\n", file);
-      measure(scene, asked.planning, planning);
-      measure(scene, asked.simplifying, simplifying);
+      mix.add(problem, iterations);
     }
-    print("planning", planning);
-    print("simplifying", simplifying);
+    mix.print();
     return 0;
   } catch (const std::exception& error) {
     fmt::print(stderr, "bench_edges: {}\n", error.what());

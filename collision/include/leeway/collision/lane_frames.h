@@ -40,17 +40,17 @@ struct FrameStep {
 /// Turns of one joint over one motion that placeFrames() takes [rad]. More would cost accuracy.
 inline constexpr float kLargestLaneTurn = 7;
 
-/// Frame i of `frames` becomes that of steps[i], in the middle of the intervals [k, k + 1] / kLanes
-/// of t. No point of a frame whose chain of steps has the lengths l[0 .. n) (of translation and
-/// slides together, the root's first), and which is at most |r| from the frame's origin, departs
-/// from its exact place by more than kLaneRounding * sum over j = 0 .. n of (l[j] + .. + l[n - 1] +
-/// |r|); see the derivation beside the definition. O(steps); never throws or allocates. The same
-/// bits on every instruction set.
-void placeFrames(std::span<const FrameStep> steps, std::span<LaneFrame> frames);
-/// The same for single configurations at t = 1/2 + places: no motion, turn and slide are not
-/// written.
-void placeStillFrames(std::span<const FrameStep> steps, const LaneValues& places,
-                      std::span<LaneFrame> frames);
+/// Frame i of `frames` becomes that of steps[i] at t = 1/2 + places; its motion stays as it was. No
+/// point of a frame whose chain of steps has the lengths l[0 .. n) (of translation and slides
+/// together, the root's first), and which is at most |r| from the frame's origin, departs from its
+/// exact place by more than kLaneRounding * sum over j = 0 .. n of (l[j] + .. + l[n - 1] + |r|);
+/// see the derivation beside the definition. O(steps); never throws or allocates. The same bits on
+/// every instruction set.
+void placeFrames(std::span<const FrameStep> steps, const LaneValues& places,
+                 std::span<LaneFrame> frames);
+/// The motions of frames that are placed, over intervals of this width in t around their places.
+void moveFrames(std::span<const FrameStep> steps, const LaneValues& places, float width,
+                std::span<LaneFrame> frames);
 
 /// The unit of placeFrames()'s bound: 80 times the unit roundoff of single precision. What it does
 /// to half an interval's motion is at most 4 (sum of half |turn| / kLanes) as much, and

@@ -16,8 +16,9 @@ namespace leeway::collision {
 /// `growth` of the straight way through its place in the middle of the interval, so that the ball
 /// stays in a capsule; a capsule is told from a convex shape by the plane through the shape's point
 /// that is nearest to the capsule's middle. What capsules leave open is tried with planes between
-/// the hulls of a few points of both bodies: that which parted them last, or one that a distance
-/// query finds in the middle of the open intervals. Constant once built.
+/// the hulls of points of both bodies: that which parted them last, or one that a distance query
+/// finds in the middle of the open intervals; where there is none, with the points themselves, each
+/// of which proves a contact where it is inside an obstacle. Constant once built.
 class LaneSweep {
  public:
   /// A thing on a frame (-1: the world), its balls in that frame's axes.
@@ -54,6 +55,7 @@ class LaneSweep {
   struct Open {
     int id;
     std::uint32_t lanes;
+    bool apart = false;  ///< hulls were apart in the middle of them: planes may yet do it
   };
   /// A pair proven not to keep its threshold, and the lane in the middle of which it does not.
   struct Contact {
@@ -76,14 +78,22 @@ class LaneSweep {
     std::unique_ptr<Impl> impl_;
   };
 
-  /// One pass over frames as placeFrames() left them. growth: h^2 A / 8 of each motion [m]; slack:
+  /// A look at what was in contact last alone, in the middle of the intervals: most of what a
+  /// planner is told not to be free is so for the same reason. Frames need only be placed, not
+  /// moved.
+  Contact meetAgain(std::span<const LaneFrame> frames, float slack, Scratch& scratch) const;
+  /// One pass over frames that are placed and moved. growth: h^2 A / 8 of each motion [m]; slack:
   /// how far the frames' rounding moves any capsule [m]. Which of several contacts is told depends
   /// on the runs before, and so does what planes leave open; whether there is a contact does not.
   /// O(pieces + pairs), a distance query of a few points for each pair that is left open; never
   /// throws or allocates.
   Contact run(std::span<const LaneFrame> frames, std::span<const float> growth, float slack,
               Scratch& scratch) const;
-  /// The same for single configurations, as placeStillFrames() left them.
+  /// Planes and points alone, for some pairs in some lanes; their ids are here the pairs' places in
+  /// the order of addition. Planes are looked for more closely than in run().
+  Contact runPairs(std::span<const Open> pairs, std::span<const LaneFrame> frames,
+                   std::span<const float> growth, float slack, Scratch& scratch) const;
+  /// run() for single configurations: frames need not be moved.
   Contact runStill(std::span<const LaneFrame> frames, float slack, Scratch& scratch) const;
 
  private:

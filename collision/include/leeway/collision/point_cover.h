@@ -13,7 +13,16 @@ namespace leeway::collision {
 struct PointCover {
   std::vector<Eigen::Vector3d> points;
   double radius = 0;  ///< [m]
+  /// More points, for a smaller radius, where that gains something: all vertices of a hull or of a
+  /// mesh's hull, unless there are more than kMostHullPoints.
+  std::vector<Eigen::Vector3d> fine;
+  double fine_radius = 0;  ///< [m]
+  /// All points are the shape's own, those of `fine` to within fine_radius.
+  bool own = true;
 };
+
+/// Vertices beyond which a hull is not looked at as a whole: exact queries are cheaper then.
+inline constexpr int kMostHullPoints = 320;
 
 /// At most `count` (>= 24) points for a convex hull, at most 32 for the others: a mesh gives those
 /// of its hierarchy's root. Hulls: extreme vertices, the one farthest from the hull of those before
