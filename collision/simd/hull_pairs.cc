@@ -141,8 +141,9 @@ class PlacedVertices {
     set(found, vertex(name));
     return found;
   }
-  // The same for each of eight directions; `places` tells where in memory.
-  HWY_INLINE Points<kFan> farthest(const Points<kFan>& n, std::int64_t* places) const {
+  using Place = hn::Vec<hn::RebindToSigned<Widest>>;
+  // The same for each of eight directions; `places` has names.
+  HWY_INLINE Points<kFan> farthest(const Points<kFan>& n, Place* places) const {
     const Widest d;
     const hn::RebindToSigned<Widest> di;
     Lanes<kFan> least = allLanes<kFan>(std::numeric_limits<double>::infinity());
@@ -156,8 +157,8 @@ class PlacedVertices {
     }
     Points<kFan> found;
     for (int i = 0; i < kRegisters<kFan>; ++i) {
-      const auto place = placeOf(least.v[i]);
-      hn::Store(place, di, places + i * kStep);
+      const Place place = placeOf(least.v[i]);
+      places[i] = place;
 #if HWY_CAP_GE512
       if constexpr (kEights == 1) {
         const auto lane = hn::IndicesFromVec(d, place);
@@ -179,7 +180,6 @@ class PlacedVertices {
   alignas(64) static constexpr std::int64_t kPlaces[32] = {
       0,  1,  2,  3,  4,  5,  6,  7,  8,  9,  10, 11, 12, 13, 14, 15,
       16, 17, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27, 28, 29, 30, 31};
-  using Place = hn::Vec<hn::RebindToSigned<Widest>>;
 
   static HWY_INLINE Same named(Same value, Place place) {
     const hn::RebindToSigned<Widest> di;
@@ -213,12 +213,13 @@ struct PlacedCores {
     const SamePoint p = minus_a.farthest(n, names.a), q = b.farthest(n, names.b);
     return {hn::Add(p.x, q.x), hn::Add(p.y, q.y), hn::Add(p.z, q.z)};
   }
-  HWY_INLINE Points<kFan> fan(const Points<kFan>& n, VertexNames* names) const {
-    alignas(64) std::int64_t places_a[kFan], places_b[kFan];
+  HWY_INLINE Points<kFan> fan(const Points<kFan>& n, const VertexNames& /*hints*/,
+                              Lanes<kFan>& names) const {
+    typename PlacedVertices<kEights>::Place places_a[kRegisters<kFan>], places_b[kRegisters<kFan>];
     const Points<kFan> all = minus_a.farthest(n, places_a) + b.farthest(n, places_b);
-    for (int i = 0; i < kFan; ++i) {
-      names[i] = {static_cast<std::int32_t>(places_a[i]), static_cast<std::int32_t>(places_b[i])};
-    }
+    names = eachLane<kFan>([&](int i) HWY_ATTR {
+      return hn::BitCast(Widest(), hn::Or(places_a[i], hn::ShiftLeft<32>(places_b[i])));
+    });
     return all;
   }
   HWY_INLINE Triple member(const VertexNames& names) const {

@@ -111,17 +111,21 @@ class PlacedCores {
     if (!vertices_a_.empty()) return b - vertices_a_.farthest(n, names.a);
     return b - placed(farthestCorner(a_, rotatedBack(R_, n), names.a));
   }
-  HWY_INLINE Points<kFan> fan(const Points<kFan>& n, VertexNames* names) const {
-    alignas(64) double x[kFan], y[kFan], z[kFan];
+  HWY_INLINE Points<kFan> fan(const Points<kFan>& n, const VertexNames& hints,
+                              Lanes<kFan>& names) const {
+    alignas(64) double x[kFan], y[kFan], z[kFan], both[kFan];
     store(n.x, x);
     store(n.y, y);
     store(n.z, z);
     for (int i = 0; i < kFan; ++i) {
-      const Triple w = support({x[i], y[i], z[i]}, names[i]);
+      VertexNames found = hints;
+      const Triple w = support({x[i], y[i], z[i]}, found);
       x[i] = w.x;
       y[i] = w.y;
       z[i] = w.z;
+      both[i] = inLane(found);
     }
+    names = load<kFan>(both);
     return {load<kFan>(x), load<kFan>(y), load<kFan>(z)};
   }
   /// A's point in a member.

@@ -44,10 +44,19 @@ namespace leeway::collision::HWY_NAMESPACE {
 struct VertexNames {
   std::int32_t a, b;
 };
-/// In a lane, which is only ever copied.
-HWY_INLINE Lanes<4> allLanes(const VertexNames& names) {
-  return allLanes<4>(std::bit_cast<double>(names));
+/// In a lane, which is only ever copied. (Put together in a register: two halves that were written
+/// to memory one by one are not read back in one without a stall.)
+HWY_INLINE double inLane(const VertexNames& names) {
+  return std::bit_cast<double>(static_cast<std::uint64_t>(static_cast<std::uint32_t>(names.b))
+                                   << 32U |
+                               static_cast<std::uint32_t>(names.a));
 }
+HWY_INLINE VertexNames namesIn(double lane) {
+  const std::uint64_t both = std::bit_cast<std::uint64_t>(lane);
+  return {static_cast<std::int32_t>(static_cast<std::uint32_t>(both)),
+          static_cast<std::int32_t>(both >> 32U)};
+}
+HWY_INLINE Lanes<4> allLanes(const VertexNames& names) { return allLanes<4>(inLane(names)); }
 
 /// The lane of the point that is not on the triangle of lane k.
 constexpr int kLeftOut[3] = {2, 0, 1};
@@ -230,12 +239,13 @@ struct Carriers {
 };
 
 /// `Cores` has
+///   Point, the kind of point that is quicker: Triple or SamePoint;
 ///   Point support(const Point& n, VertexNames& names) const: the member of the difference with the
-///     smallest w . n, for a direction of any length; names come in as hints; Point is Triple or,
-///     where that is quicker, SamePoint;
-///   Points<kFan> fan(const Points<kFan>& n, VertexNames names[kFan]) const: the same for all
-///   lanes; double kTilt: of a fan's ring; 0 where there is no fan to begin with; Triple
-///   member(const VertexNames& names) const.
+///     smallest w . n, for a direction of any length; names come in as hints;
+///   Points<kFan> fan(const Points<kFan>& n, const VertexNames& hints, Lanes<kFan>& names) const:
+///     the same for all lanes;
+///   double kTilt, of a fan's ring; 0 where there is no fan to begin with;
+///   Triple member(const VertexNames& names) const.
 template <class Cores>
 class Search {
  public:
@@ -331,12 +341,13 @@ HWY_INLINE void Search<Cores>::beginFan(const Triple& first) {
     return allLanes<kFan>(middle) +
            allLanes<kFan>(Cores::kTilt) * load<kFan>(kFanRows[kRow[axis][i]]);
   };
-  alignas(64) VertexNames names[kFan];
-  for (VertexNames& each : names) each = newest_names_;
+  Lanes<kFan> names;
   const Points<kFan> ring =
-      cores_.fan({directions(0, first.x), directions(1, first.y), directions(2, first.z)}, names);
-  pick(ring, Pick<kFan>(kFan - 1), newest_);
-  newest_names_ = names[kFan - 1];
+      cores_.fan({directions(0, first.x), directions(1, first.y), directions(2, first.z)},
+                 newest_names_, names);
+  const Pick<kFan> middle(kFan - 1);
+  pick(ring, middle, newest_);
+  newest_names_ = namesIn(middle(names));
   best_.offer(dot(first, tripleOf(newest_)), first);
 
   const Triangles<kFan> t = trianglesOf(allLanes<kFan>(newest_), ring);
@@ -345,19 +356,16 @@ HWY_INLINE void Search<Cores>::beginFan(const Triple& first) {
   // Points k, k + 1 and the middle are what the next step has.
   const Pick<kFan> best(k);
   nearest_.lane = 0;
-  nearest_.first = allLanes<4>(best(t.first));
-  nearest_.second = allLanes<4>(best(t.second));
-  nearest_.all = allLanes<4>(best(t.all));
+  nearest_.first = allLanes<4>(best.same(t.first));
+  nearest_.second = allLanes<4>(best.same(t.second));
+  nearest_.all = allLanes<4>(best.same(t.all));
   alignas(64) static constexpr std::int64_t kTriangle[kFan][kFan] = {
       {0, 1, 7, 7, 7, 7, 7, 7}, {1, 2, 7, 7, 7, 7, 7, 7}, {2, 3, 7, 7, 7, 7, 7, 7},
       {3, 4, 7, 7, 7, 7, 7, 7}, {4, 5, 7, 7, 7, 7, 7, 7}, {5, 6, 7, 7, 7, 7, 7, 7},
       {6, 0, 7, 7, 7, 7, 7, 7}, {7, 7, 7, 7, 7, 7, 7, 7}};
   const std::int64_t(&places)[kFan] = kTriangle[k];
   old_ = {fourOf(ring.x, places), fourOf(ring.y, places), fourOf(ring.z, places)};
-  alignas(32) const double four[4] = {
-      std::bit_cast<double>(names[places[0]]), std::bit_cast<double>(names[places[1]]),
-      std::bit_cast<double>(newest_names_), std::bit_cast<double>(newest_names_)};
-  old_names_ = load<4>(four);
+  old_names_ = fourOf(names, places);
 }
 
 template <class Cores>
@@ -418,7 +426,7 @@ HWY_INLINE void Search<Cores>::carriers(GjkEnd end, Carriers& found) const {
   store(old_.z, z);
   store(old_names_, names);
   const auto keep = [&](int place, double weight) HWY_ATTR {
-    found.names[found.count] = std::bit_cast<VertexNames>(names[place]);
+    found.names[found.count] = namesIn(names[place]);
     found.w[found.count] = {x[place], y[place], z[place]};
     found.weight[found.count++] = std::max(weight, 0.0);
   };
