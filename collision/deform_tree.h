@@ -79,6 +79,10 @@ class DeformTree {
   /// The first of four vertices each.
   std::span<const std::int32_t> fours() const { return fours_; }
   std::span<const std::int32_t> singles() const { return singles_; }
+  /// How many vertices of the branches stand apart from their neighbours there.
+  std::int32_t branchSingles() const {
+    return branches_.empty() ? 0 : branches_.back().runs.single_end;
+  }
 
   static bool isLeaf(std::int32_t child) { return child < kNone; }
   static std::int32_t leafOf(std::int32_t child) { return -2 - child; }

@@ -38,6 +38,9 @@ constexpr double kRebuildMicroseconds = 0.2;
 // deform, rounded.
 constexpr double kModesMicroseconds = 3.5;
 constexpr double kReadMicroseconds = 0.001;
+// What reading a vertex takes longer where its neighbours in the hierarchy no longer stand beside
+// it in memory [us], likewise: after a rebuild of what has decayed all may be read so.
+constexpr double kApartMicroseconds = 0.004;
 // Triangles that are looked at to see whether the hierarchy or the mesh itself has grown.
 constexpr std::size_t kSampledTriangles = 256;
 // Where it is known how far vertices can have moved, branches are read in turns and the boxes of
@@ -328,15 +331,22 @@ double Deformable::Impl::looseness(const DeformableSnapshotImpl& s, double of_br
   return area > 0 ? of_branches / area : 0;
 }
 
-// At the end of a turn: whether what queries have paid for the decay since the last rebuild comes
-// to what a rebuild costs: then at most twice the least possible is paid, whatever the mesh does
-// (as for renting or buying skis). Decay is seen in the upper levels.
+// At the end of a turn: whether what queries have paid for the decay since the last rebuild, beyond
+// what updates would have cost more after one, comes to what a rebuild costs: then at most twice
+// the least possible is paid, whatever the mesh does (as for renting or buying skis). Decay is seen
+// in the upper levels.
 bool Deformable::Impl::rebuildPays(const DeformableSnapshotImpl& s) {
   const double cost = surfaceCost({s.boxes.data(), s.boxes.size()}, tree->upperCount());
   statistics.decay = built_upper_cost > 0 ? cost / built_upper_cost : 1;
   if (turn.next < tree->branches().size()) return false;
   const double looser = built_looseness > 0 ? looseness(s, turn.area) / built_looseness : 1;
-  excess += turn.frames * options.expected_queries * kQueryMicroseconds * std::max(looser - 1, 0.0);
+  // Queries grow as boxes do in length (leeway report deform, explosions: 1.4 times at 10 times the
+  // surface, 2.7 times at 65).
+  const double queries = turn.frames * options.expected_queries * kQueryMicroseconds *
+                         std::max(std::sqrt(looser) - 1, 0.0);
+  const double dearer =
+      kApartMicroseconds * std::max(mesh->vertexCount() - tree->branchSingles(), 0);
+  excess += std::max(queries - dearer, 0.0);
   return excess > kRebuildMicroseconds * mesh->triangleCount();
 }
 

@@ -268,6 +268,28 @@ TEST(Deformable, WavesAreFollowedByTheirModesWhereQueriesAreFew) {
   }
 }
 
+// A rebuild has to earn what it costs and what later updates cost more: without many queries it
+// does not.
+TEST(Deformable, ADecayedHierarchyIsBuiltAnewForMany) {
+  const Sheet sheet = testing::cloth(24);
+  const auto mesh = DeformableMesh::make(sheet.vertices, sheet.triangles);
+  for (const int queries : {0, 10000}) {
+    DeformOptions options;
+    options.expected_queries = queries;
+    options.hybrid_split = 40;
+    Deformable deformable(mesh, nullptr, options);
+    int rebuilt = 0;
+    for (int frame = 0; frame < 20; ++frame) {
+      // Halves turn against one another: neighbours along the middle part.
+      std::vector<Vector3d> vertices(sheet.vertices);
+      for (Vector3d& v : vertices) v.z() = 0.1 * frame * (v.x() > 0 ? v.y() : -v.y());
+      ASSERT_EQ(deformable.update(vertices, frame), UpdateStatus::kUpdated);
+      rebuilt += deformable.statistics().strategy == DeformStrategy::kRebuild ? 1 : 0;
+    }
+    EXPECT_EQ(rebuilt > 0, queries > 0) << rebuilt;
+  }
+}
+
 // The boxes of upper nodes hold all vertices below them.
 void expectHeld(const DeformableSnapshot& snapshot) {
   const DeformableSnapshotImpl& s = snapshot.impl();
