@@ -16,6 +16,7 @@
 #include "collision/simd/vertex_gjk.h"
 #include "collision/status.h"
 #include "collision/support.h"
+#include "collision/tilted_axes.h"
 #include "leeway/collision/tolerances.h"
 
 namespace leeway::collision {
@@ -454,7 +455,10 @@ DistanceResult convexDistance(const ConvexView& a, const Pose& X_BA, const Conve
   if (open && !progress.enough() &&
       (end == GjkEnd::kInside || progress.upper() - progress.lower() > narrow)) {
     if (a.core == Core::kBox && b.core == Core::kBox) offerBoxOverlap(a, X_BA, b, progress, sharp);
-    if (haveAxes(a, b)) offerParallelAxes(a, X_BA, b, difference, progress);
+    if (haveAxes(a, b)) {
+      const bool parallel = offerParallelAxes(a, X_BA, b, difference, progress);
+      if (!parallel && !progress.enough()) offerTiltedAxes(a, X_BA, b, difference, progress);
+    }
     if (!progress.enough() && progress.upper() - progress.lower() > narrow) {
       growPolytope(difference, simplex, X_BA, scratch.impl().polytope, progress, sharp);
     }

@@ -72,8 +72,9 @@ Side farthestSide(const Section& s, const Point& n, const Point& tangent, double
   return side;
 }
 
-// Frobenius norm of R^T R - 1, with room for its own rounding.
-double departure(const Eigen::Matrix3d& R) {
+}  // namespace
+
+double departureFromRotation(const Eigen::Matrix3d& R) {
   double squares = 0;
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j < 3; ++j) {
@@ -83,8 +84,6 @@ double departure(const Eigen::Matrix3d& R) {
   }
   return std::sqrt(squares) + 12 * kUnitRoundoff;
 }
-
-}  // namespace
 
 bool haveAxes(const ConvexView& a, const ConvexView& b) {
   const auto has = [](const ConvexView& view) {
@@ -123,8 +122,8 @@ bool offerParallelAxes(const ConvexView& a, const Pose& X_BA, const ConvexView& 
   const Vector outward = out.across * radial + out.along * Vector::UnitZ();
   SupportPoint lowest;
   difference.support(-outward, lowest);
-  progress.offerLower(-outward.dot(lowest.w), -outward);
-  const double moved = (1.01 * sine + departure(X_BA.rotation)) * a.extent;
+  const double plane = -outward.dot(lowest.w);
+  const double moved = (1.01 * sine + departureFromRotation(X_BA.rotation)) * a.extent;
   if (!(depth > moved)) return false;
   // The point of the difference's surface next to the origin, as a sum of one point of each.
   const Point tangent{-out.along, out.across};
@@ -134,13 +133,16 @@ bool offerParallelAxes(const ConvexView& a, const Pose& X_BA, const ConvexView& 
   const double along_b =
       std::clamp(along - 0.5 * (side_a.least + side_a.most), side_b.least, side_b.most);
   const double along_a = std::clamp(along - along_b, side_a.least, side_a.most);
-  const auto point = [&](const Side& side, double s) {
-    return Vector((side.height * out.across + s * tangent.across) * radial +
-                  (side.height * out.along + s * tangent.along) * Vector::UnitZ());
+  const auto point = [&](const Side& side, double s, const Vector& beside, const Vector& upright) {
+    return Vector((side.height * out.across + s * tangent.across) * beside +
+                  (side.height * out.along + s * tangent.along) * upright);
   };
-  const Vector point_a = t - point(side_a, along_a);
-  progress.offerWitness(-(depth - moved), point(side_b, along_b) - point_a, point_a);
-  return true;
+  // Of A itself, not of A'.
+  const Vector upright = axis.z() > 0 ? axis : -axis;
+  const Vector beside = (radial - radial.dot(upright) * upright).normalized();
+  const Vector point_a = t - point(side_a, along_a, beside, upright);
+  const Vector w = point(side_b, along_b, radial, Vector::UnitZ()) - point_a;
+  return progress.offerTogether(-(depth - moved), w, point_a, plane, -outward);
 }
 
 }  // namespace leeway::collision

@@ -8,12 +8,16 @@ namespace leeway::collision {
 /// cone.
 bool haveAxes(const ConvexView& a, const ConvexView& b);
 
+/// Frobenius norm of R^T R - 1, with room for its own rounding.
+double departureFromRotation(const Eigen::Matrix3d& R);
+
 /// Both ends of the signed separation of two overlapping bodies of revolution whose axes are
 /// parallel, or nearly: their difference then is a body of revolution itself, so that the depth is
 /// that of a point in a convex polygon, the least over the sides' directions. The expanding
 /// polytope would need a facet for every width of the tolerance all around the axis. An angle
 /// between the axes widens the upper end by what it moves A; where the axes are not nearly
-/// parallel, nothing is offered. False then, or when they do not overlap.
+/// parallel, nothing is offered. False then, or when they do not overlap, or when the request is
+/// not met.
 bool offerParallelAxes(const ConvexView& a, const Pose& X_BA, const ConvexView& b,
                        Difference<false>& difference, Progress& progress);
 

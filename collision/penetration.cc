@@ -125,7 +125,7 @@ class Polytope {
   bool cover(const PolytopeFacet& f);
   void descend(Vector outward);
   void settle();
-  void memberOfCovered(Vector& nearest, Vector& a) const;
+  void memberAlongNormal(Vector& nearest, Vector& a) const;
   bool sees(const PolytopeFacet& f, const Vector& p) const;
   bool walk(int first, const Vector& p);
   void takeAlone(int first);
@@ -477,19 +477,27 @@ void Polytope::descend(Vector outward) {
   }
 }
 
-// The witness of the depth claimed, written down once.
+// The witness of the depth claimed, written down once. Where several facets lie in one plane, the
+// one that claimed need not be the one that the plane's normal passes through.
 void Polytope::settle() {
   if (!(claim_ > 0)) return;
   Vector a;
   Vector nearest = nearestOf(claim_vertex_, a);
-  if (covers_) memberOfCovered(nearest, a);
+  if (covers_ || !(nearest.norm() - claim_ <= progress_.query().request.tolerance)) {
+    memberAlongNormal(nearest, a);
+  }
   progress_.offerWitness(-claim_, nearest, a);
 }
 
-// The member in the direction of the nearest plane, of the facet that it passes through.
-void Polytope::memberOfCovered(Vector& nearest, Vector& a) const {
-  const Vector outward = -progress_.normal();
-  double best = -1e-6;  // (Between two facets rounding may leave it beside both.)
+// The member in the direction of the nearest plane, of the facet that it passes through: of the
+// flat facet, or of the curved surface over it. Kept is what fits the claim best.
+void Polytope::memberAlongNormal(Vector& nearest, Vector& a) const {
+  const Vector outward = -progress_.normal(), wanted = claim_ * outward;
+  double misfit = (nearest - wanted).squaredNorm();
+  const auto offer = [&](const Vector& member, const Vector& of_a) {
+    const double here = (member - wanted).squaredNorm();
+    if (here < misfit) misfit = here, nearest = member, a = of_a;
+  };
   for (int i = 0; i < facet_count_; ++i) {
     const PolytopeFacet& f = buffers_.facets[static_cast<std::size_t>(i)];
     if (!f.alive) continue;
@@ -504,11 +512,17 @@ void Polytope::memberOfCovered(Vector& nearest, Vector& a) const {
     const double sum = weights[0] + weights[1] + weights[2];
     if (!(sum > 0)) continue;
     for (double& weight : weights) weight /= sum;
-    const double least = std::min({weights[0], weights[1], weights[2]});
-    if (!(least > best)) continue;
-    best = least;
-    for (double& weight : weights) weight = std::max(weight, 0.0);
-    curved_.member(corner, weights, nearest, a);
+    if (!(std::min({weights[0], weights[1], weights[2]}) > -kBesideFacet)) continue;
+    Vector member = Vector::Zero(), of_a = Vector::Zero();
+    for (int k = 0; k < 3; ++k) {
+      weights[k] = std::max(weights[k], 0.0);
+      member += weights[k] * corner[k]->w;
+      of_a += weights[k] * corner[k]->a;
+    }
+    offer(member, of_a);
+    if (!covers_) continue;
+    curved_.member(corner, weights, member, of_a);
+    offer(member, of_a);
   }
 }
 

@@ -54,6 +54,23 @@ class Progress {
     }
   }
 
+  /// A witness and the plane that it lies next to, their values as above. Where the two meet the
+  /// tolerance they are taken together, however little better others are: `normal`, along which
+  /// radii are laid off, then is that of the witness. Where they do not, the plane alone is offered
+  /// and the answer is false.
+  bool offerTogether(double distance, const Vector& w, const Vector& a, double value,
+                     const Vector& n) {
+    const double upper = distance - query_.upper_offset, lower = value - query_.lower_offset;
+    if (!(upper - lower <= query_.request.tolerance) || aboveThreshold()) {
+      offerLower(value, n);
+      return false;
+    }
+    upper_ = std::min(upper_, upper);
+    witness_w_ = w, witness_a_ = a;
+    lower_ = lower, normal_ = n;
+    return true;
+  }
+
   /// Ends that are known better than the offsets say: all rounding is in them already.
   void offerEnd(double lower, const Vector& n) {
     if (!(lower > lower_)) return;

@@ -62,11 +62,15 @@ inline constexpr double kInsteadOfZero = 1e-300;
 /// range. No unit.
 inline constexpr double kUnitNormal = 1e-6;
 
+/// A ray passes through a facet that it misses by less than this share of it: between two facets
+/// rounding may leave it beside both. No unit; it only says which member carries a depth.
+inline constexpr double kBesideFacet = 1e-6;
+
 /// Cosine from which on two unit normals count as those of one plane: 0.08 degrees. It only says
 /// which of equally good translations is told with which plane.
 inline constexpr double kSameNormal = 1 - 1e-6;
 
-// Closed forms (box_overlap.cc, box_pairs.cc, cylinder_pairs.cc, parallel_axes.cc)
+// Closed forms (box_overlap.cc, box_pairs.cc, cylinder_pairs.cc, parallel_axes.cc, tilted_axes.cc)
 
 /// A closed form's answer is taken when its ends are apart by at most this share of the sizes: what
 /// rounding leaves, with room. Smaller sends pairs to the slow query.
@@ -99,6 +103,18 @@ inline constexpr double kSideTogether = 1e-13;
 /// Beyond this sine between two axes the closed form of parallel ones has nothing to give that is
 /// worth the time.
 inline constexpr double kNearlyParallelAxes = 1e-2;
+
+/// Sine between two axes up to which one angle may be left to decide. Any value would be right;
+/// beyond it the bounds seldom suffice.
+inline constexpr double kTiltedAxes = 0.1;
+
+/// Tangents of the angle from across two nearly parallel axes up to which their sides may be left
+/// to decide: the largest that the axes' angle and the depth allow is taken. Any values would be
+/// right; larger ones decide where a way out along the axes is nearly as short.
+inline constexpr double kTiltedReaches[] = {4, 10, 30, 100};
+
+/// Squared part across an axis below which a direction is too near to it for that. No unit.
+inline constexpr double kTiltedAcross = 1e-3;
 
 // Hulls' vertices (hull_support.cc, simd/scan-inl.h, simd/vertex_gjk.cc)
 
