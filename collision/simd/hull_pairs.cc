@@ -130,11 +130,8 @@ class PlacedVertices {
     const auto place = placeOf(least);
     name = static_cast<std::int32_t>(hn::GetLane(place));
 #if HWY_CAP_GE512
-    if constexpr (kEights == 1) {
-      const auto lane = hn::IndicesFromVec(d, place);
-      return {hn::TableLookupLanes(hn::Load(d, x_), lane),
-              hn::TableLookupLanes(hn::Load(d, y_), lane),
-              hn::TableLookupLanes(hn::Load(d, z_), lane)};
+    if constexpr (kEights <= 2) {
+      return {inRegisters(x_, place), inRegisters(y_, place), inRegisters(z_, place)};
     }
 #endif
     SamePoint found;
@@ -160,11 +157,10 @@ class PlacedVertices {
       const Place place = placeOf(least.v[i]);
       places[i] = place;
 #if HWY_CAP_GE512
-      if constexpr (kEights == 1) {
-        const auto lane = hn::IndicesFromVec(d, place);
-        found.x.v[i] = hn::TableLookupLanes(hn::Load(d, x_), lane);
-        found.y.v[i] = hn::TableLookupLanes(hn::Load(d, y_), lane);
-        found.z.v[i] = hn::TableLookupLanes(hn::Load(d, z_), lane);
+      if constexpr (kEights <= 2) {
+        found.x.v[i] = inRegisters(x_, place);
+        found.y.v[i] = inRegisters(y_, place);
+        found.z.v[i] = inRegisters(z_, place);
         continue;
       }
 #endif
@@ -189,6 +185,18 @@ class PlacedVertices {
     const hn::RebindToSigned<Widest> di;
     return hn::And(hn::BitCast(di, named), hn::Set(di, kMost - 1));
   }
+#if HWY_CAP_GE512
+  // Lane by lane the coordinate at a place.
+  static HWY_INLINE Same inRegisters(const double* coordinates, Place place) {
+    const Widest d;
+    const hn::RebindToSigned<Widest> di;
+    const auto lane = hn::IndicesFromVec(d, hn::And(place, hn::Set(di, 7)));
+    const Same first = hn::TableLookupLanes(hn::Load(d, coordinates), lane);
+    if constexpr (kEights == 1) return first;
+    const Same second = hn::TableLookupLanes(hn::Load(d, coordinates + kMost - 8), lane);
+    return hn::IfThenElse(hn::RebindMask(d, hn::Gt(place, hn::Set(di, 7))), second, first);
+  }
+#endif
   template <std::size_t kBegin, std::size_t kEnd, class Value>
   static HWY_INLINE Same leastOf(const Value& value) {
     if constexpr (kEnd - kBegin == 1) {
@@ -206,7 +214,7 @@ class PlacedVertices {
 template <int kEights>
 struct PlacedCores {
   using Point = SamePoint;
-  static constexpr double kTilt = kEights == 1 ? 0.8 : 0.6;  // the best of a few
+  static constexpr double kTilt = kEights <= 2 ? 1.0 : 0.6;  // the best of a few
   const ConvexHull &hull_a, &hull_b;
   PlacedVertices<kEights> minus_a, b;
   HWY_INLINE SamePoint support(const SamePoint& n, VertexNames& names) const {
