@@ -22,7 +22,7 @@ struct StateCheck {
 struct EdgeRequest {
   bool last_valid = false;       ///< find the largest t up to which the edge is certified
   double smallest_interval = 0;  ///< in t; 0: the default of tolerances (by motion, not by t)
-  int work_limit = 0;            ///< pair queries; 0: the default. Reached: undecided
+  int work_limit = 0;            ///< pair queries; 0: the default, 256. Beyond: undecided
 };
 
 struct EdgeCheck {
