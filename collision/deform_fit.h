@@ -5,8 +5,8 @@
 // Subtrees that decayed are built anew; there are no tree rotations (D. Kopta et al., "Fast,
 // effective BVH updates for animated scenes", 2012). A rotation leads from the refitted hierarchy
 // towards one built anew for the same vertices, and bench_deform, over 100 frames of a cloth, finds
-// nothing to gain on that way: 12 distances against the refitted hierarchy take .90 and 1.07 (20k,
-// 200k triangles, waves), .54 and .16 (exploding) of what they take against one rebuilt in every
+// nothing to gain on that way: 12 distances against the refitted hierarchy take .68 and .99 (20k,
+// 200k triangles, waves), .47 and .4 (exploding) of what they take against one rebuilt in every
 // frame, whose leaves no longer are neighbours in the mesh. What pays is to lose less, not to
 // search.
 
