@@ -12,6 +12,4 @@ function(leeway_add_layer name)
   target_link_libraries(leeway_${name} PUBLIC ${arg_PUBLIC} PRIVATE ${arg_PRIVATE} $<BUILD_INTERFACE:leeway_options>)
   set_target_properties(leeway_${name} PROPERTIES EXPORT_NAME ${name} VERSION ${PROJECT_VERSION}
     SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
-  # Nearly every file reads it, which takes a fifth of the build.
-  target_precompile_headers(leeway_${name} PRIVATE <Eigen/Geometry>)
 endfunction()
