@@ -85,8 +85,15 @@ struct Deformable::Impl {
   std::shared_ptr<const DeformableSnapshot> current;
   UpdateStatistics statistics;
   int bad_vertex = -1;
-  bool by_motion = false;           // the next snapshot's vertices are the motion's ...
-  double evaluated = kNaN;          // ... at this time
+  // What stands in the next snapshot's vertices.
+  enum class Prepared : unsigned char {
+    kNothing,  // nothing since the last commit: what an older snapshot had
+    kGiven,    // what the caller writes: its span is valid until the commit
+    kMotion,   // the motion's vertices at `evaluated`, and nobody has a span to change them
+    kMixed,    // likewise, or a refused evaluate(), but somebody has
+  };
+  Prepared prepared = Prepared::kNothing;
+  double evaluated = kNaN;
   double current_evaluated = kNaN;  // of the current snapshot; NaN: they are not the motion's
   // Since the tree was built.
   double built_cost = 0;        // surfaceCost() of all nodes, then
@@ -104,12 +111,14 @@ struct Deformable::Impl {
   Turn turn;
   double branch_length = 0;  // longest side of a branch's box, in the mean over the last whole turn
 
-  // What is to be done with vertices that stand in the next snapshot. None is farther than `moved`
-  // from where the current one has it.
+  // What is to be done with vertices that stand in the next snapshot. Of those that are given, none
+  // is farther than `moved` from where the current one has it. Ends what was prepared, whatever it
+  // returns.
   UpdateStatus take(double time, double speed_bound, bool checked, double moved);
   double movedSince() const;
   DeformableSnapshotImpl& prepareNext();
-  void choose(DeformStrategy& strategy, const char*& reason) const;
+  UpdateStatus evaluate(double time);
+  void choose(bool by_motion, DeformStrategy& strategy, const char*& reason) const;
   bool follow(DeformStrategy& strategy, const char*& reason, DeformableSnapshotImpl& s,
               bool bounded, double moved);
   bool refit(DeformableSnapshotImpl& s);
@@ -142,7 +151,7 @@ DeformableSnapshotImpl& Deformable::Impl::prepareNext() {
   return next->snapshot;
 }
 
-void Deformable::Impl::choose(DeformStrategy& strategy, const char*& reason) const {
+void Deformable::Impl::choose(bool by_motion, DeformStrategy& strategy, const char*& reason) const {
   strategy = options.strategy;
   reason = "asked for";
   if (needsMotion(strategy) && !by_motion) {
@@ -428,17 +437,20 @@ double Deformable::Impl::movedSince() const {
 UpdateStatus Deformable::Impl::take(double time, double speed_bound, bool checked, double moved) {
   DeformableSnapshotImpl& s = prepareNext();
   bad_vertex = -1;
-  if (!std::isfinite(time) || !(speed_bound >= 0)) return UpdateStatus::kBadTime;
-  if (by_motion) {
-    moved = movedSince();
-    // Then they are numbers, too, and no larger than this.
+  const Prepared was = std::exchange(prepared, Prepared::kNothing);
+  if (!std::isfinite(time) || !(speed_bound >= 0) || !(moved >= 0)) return UpdateStatus::kBadTime;
+  const bool by_motion = was == Prepared::kMotion;
+  if (was != Prepared::kGiven) moved = by_motion ? movedSince() : kInfinity;
+  if (by_motion && motion->kind() != MotionKind::kOwn) {
+    // Then they are numbers, too, and no larger than this. An embedding program's own motion is
+    // not believed that its vertices are what its bounds say.
     const DeformableSnapshotImpl& last = current->impl();
     checked = checked || (last.low.minCoeff() - moved >= -kLargestDeformed &&
                           last.high.maxCoeff() + moved <= kLargestDeformed);
   }
   DeformStrategy strategy = DeformStrategy::kAuto;
   const char* reason = "";
-  choose(strategy, reason);
+  choose(by_motion, strategy, reason);
   const bool bounded = !checked;
   bool good = checked || deformKernels().bound(s.vertices.data(), mesh->rest().size(),
                                                kLargestDeformed, s.low, s.high);
@@ -509,22 +521,27 @@ Deformable::~Deformable() = default;
 Deformable::Deformable(Deformable&&) noexcept = default;
 Deformable& Deformable::operator=(Deformable&&) noexcept = default;
 
-UpdateStatus Deformable::evaluate(double time) {
-  Impl& impl = *impl_;
-  if (!impl.motion) return UpdateStatus::kNoMotion;
+UpdateStatus Deformable::Impl::evaluate(double time) {
+  // Whoever has a span may still change these vertices.
+  const bool changeable = prepared == Prepared::kGiven || prepared == Prepared::kMixed;
+  prepared = changeable ? Prepared::kMixed : Prepared::kNothing;
+  if (!motion) return UpdateStatus::kNoMotion;
   if (!std::isfinite(time)) return UpdateStatus::kBadTime;
-  DeformableSnapshotImpl& s = impl.prepareNext();
-  impl.motion->parameters(time, s.parameters);
-  impl.motion->vertices(s.parameters, 0, nextVertices());
-  impl.by_motion = true;
-  impl.evaluated = time;
+  DeformableSnapshotImpl& s = prepareNext();
+  motion->parameters(time, s.parameters);
+  motion->vertices(s.parameters, 0, {s.vertices.data(), mesh->rest().size()});
+  if (!changeable) prepared = Prepared::kMotion;
+  evaluated = time;
   return UpdateStatus::kUpdated;
 }
 
+UpdateStatus Deformable::evaluate(double time) { return impl_->evaluate(time); }
+
 UpdateStatus Deformable::update(double time) {
-  const UpdateStatus status = evaluate(time);
-  if (status != UpdateStatus::kUpdated) return status;
   Impl& impl = *impl_;
+  impl.prepared = Impl::Prepared::kNothing;  // an update ends a span
+  const UpdateStatus status = impl.evaluate(time);
+  if (status != UpdateStatus::kUpdated) return status;
   return impl.take(time, impl.motion->speedBound(time, time + impl.options.speed_horizon), false,
                    kInfinity);
 }
@@ -543,12 +560,11 @@ UpdateStatus Deformable::update(std::span<const Vector3d> vertices, double time,
 
 std::span<Vector3d> Deformable::nextVertices() {
   DeformableSnapshotImpl& s = impl_->prepareNext();
-  impl_->by_motion = false;
+  impl_->prepared = Impl::Prepared::kGiven;
   return {s.vertices.data(), impl_->mesh->rest().size()};
 }
 
 UpdateStatus Deformable::commit(double time, double speed_bound, Vertices vertices, double moved) {
-  if (!(moved >= 0)) return UpdateStatus::kBadTime;
   return impl_->take(time, speed_bound, vertices == Vertices::kFinite, moved);
 }
 

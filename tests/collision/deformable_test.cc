@@ -373,6 +373,130 @@ TEST(Deformable, AMotionsBranchesAreReadInTurns) {
   EXPECT_GT(few, 120);
 }
 
+std::shared_ptr<const VertexMotion> oneWave(const Sheet& sheet) {
+  WavesMotion motion;
+  motion.rest = sheet.vertices;
+  motion.waves.push_back({{1, 0, 0}, {0, 0, 0.5}, 0.7, 1, 0});
+  return VertexMotion::waves(std::move(motion));
+}
+
+// What stands in memory that is used again is an older state, however far from the current one.
+TEST(Deformable, ACommitOfNothingNewReadsAll) {
+  const Sheet sheet = testing::cloth(24);
+  const auto mesh = DeformableMesh::make(sheet.vertices, sheet.triangles);
+  for (const DeformStrategy strategy : {DeformStrategy::kHybrid, DeformStrategy::kAuto}) {
+    DeformOptions options;
+    options.strategy = strategy;
+    options.hybrid_split = 40;
+    Deformable deformable(mesh, oneWave(sheet), options);
+    for (const double time : {0.1, 0.2, 0.3, 0.7})
+      ASSERT_EQ(deformable.update(time), UpdateStatus::kUpdated);
+    // Twice; after an evaluation that is refused; after a commit that is; and with a word on what
+    // was not prepared.
+    ASSERT_EQ(deformable.commit(0.8), UpdateStatus::kUpdated);
+    expectHeld(*deformable.snapshot());
+    ASSERT_EQ(deformable.evaluate(0.71), UpdateStatus::kUpdated);
+    ASSERT_EQ(deformable.commit(0.71), UpdateStatus::kUpdated);
+    ASSERT_EQ(deformable.evaluate(kNaN), UpdateStatus::kBadTime);
+    ASSERT_EQ(deformable.commit(0.71), UpdateStatus::kUpdated);
+    expectHeld(*deformable.snapshot());
+    ASSERT_EQ(deformable.update(0.1), UpdateStatus::kUpdated);
+    ASSERT_EQ(deformable.update(0.7), UpdateStatus::kUpdated);
+    ASSERT_EQ(deformable.evaluate(0.1), UpdateStatus::kUpdated);
+    ASSERT_EQ(deformable.commit(kNaN), UpdateStatus::kBadTime);
+    ASSERT_EQ(deformable.commit(0.7, kInfinity, Deformable::Vertices::kFinite, 0),
+              UpdateStatus::kUpdated);
+    expectHeld(*deformable.snapshot());
+  }
+}
+
+// A span of the next vertices is valid until the commit: what an evaluation has put there is not
+// certainly the motion's any more.
+TEST(Deformable, AnEvaluationsVerticesCanBeChanged) {
+  const Sheet sheet = testing::cloth(24);
+  const auto mesh = DeformableMesh::make(sheet.vertices, sheet.triangles);
+  for (const DeformStrategy strategy : {DeformStrategy::kHybrid, DeformStrategy::kAuto}) {
+    DeformOptions options;
+    options.strategy = strategy;
+    options.hybrid_split = 40;
+    for (const bool twice : {false, true}) {
+      Deformable deformable(mesh, oneWave(sheet), options);
+      ASSERT_EQ(deformable.update(0.1), UpdateStatus::kUpdated);
+      ASSERT_EQ(deformable.update(0.10001), UpdateStatus::kUpdated);
+      std::span<Vector3d> next = deformable.nextVertices();
+      ASSERT_EQ(deformable.evaluate(0.10002), UpdateStatus::kUpdated);
+      if (twice) {
+        ASSERT_EQ(deformable.evaluate(0.10002), UpdateStatus::kUpdated);
+      }
+      for (Vector3d& v : next) v.z() += 1;
+      ASSERT_EQ(deformable.commit(0.10002, kInfinity, Deformable::Vertices::kUnchecked, 0),
+                UpdateStatus::kUpdated);
+      expectHeld(*deformable.snapshot());
+      EXPECT_GT(deformable.snapshot()->high().z(), 1);
+      // The commit has ended the span: what is evaluated now is the motion's, and few are read.
+      ASSERT_EQ(deformable.update(0.10002), UpdateStatus::kUpdated);
+      ASSERT_EQ(deformable.evaluate(0.10003), UpdateStatus::kUpdated);
+      ASSERT_EQ(deformable.commit(0.10003), UpdateStatus::kUpdated);
+      expectHeld(*deformable.snapshot());
+      EXPECT_LT(2 * deformable.statistics().vertices_touched, mesh->vertexCount());
+      // And what is no number is found, wherever it is.
+      const auto before = deformable.snapshot();
+      for (std::size_t i = 0; i < sheet.vertices.size(); ++i) {
+        next = deformable.nextVertices();
+        ASSERT_EQ(deformable.evaluate(0.10004), UpdateStatus::kUpdated);
+        next[i].x() = kNaN;
+        ASSERT_EQ(deformable.commit(0.10004), UpdateStatus::kNotFinite);
+        ASSERT_EQ(deformable.badVertex(), static_cast<int>(i));
+      }
+      EXPECT_EQ(deformable.snapshot(), before);
+    }
+  }
+}
+
+// An embedding program's own motion: finite bounds, and one vertex that is no number after a while.
+class Spoilt : public VertexMotion {
+ public:
+  explicit Spoilt(const Sheet& sheet)
+      : VertexMotion(MotionKind::kOwn, static_cast<int>(sheet.vertices.size()), 1, {}),
+        rest_(sheet.vertices) {}
+  void parameters(double time, std::span<double> out) const override { out[0] = time; }
+  void vertices(std::span<const double> parameters, int first,
+                std::span<Vector3d> out) const override {
+    for (std::size_t i = 0; i < out.size(); ++i) {
+      const std::size_t v = static_cast<std::size_t>(first) + i;
+      out[i] = rest_[v] + Vector3d(0, 0, 1e-3 * std::sin(parameters[0]));
+      if (v == spoilt && parameters[0] > 1.5e-4) out[i].x() = kNaN;
+    }
+  }
+  double speedBound(double, double) const override { return 1e-3; }
+  double accelerationBound(double, double) const override { return 1e-3; }
+  double rounding(double, double) const override { return 1e-12; }
+
+  std::size_t spoilt = 0;
+
+ private:
+  std::vector<Vector3d> rest_;
+};
+
+TEST(Deformable, AnOwnMotionsVerticesAreChecked) {
+  const Sheet sheet = testing::cloth(24);
+  const auto mesh = DeformableMesh::make(sheet.vertices, sheet.triangles);
+  DeformOptions options;
+  options.hybrid_split = 40;
+  for (const DeformStrategy strategy : {DeformStrategy::kHybrid, DeformStrategy::kAuto}) {
+    options.strategy = strategy;
+    const auto motion = std::make_shared<Spoilt>(sheet);
+    for (std::size_t i = 0; i < sheet.vertices.size(); ++i) {
+      motion->spoilt = i;
+      Deformable deformable(mesh, motion, options);
+      ASSERT_EQ(deformable.update(0), UpdateStatus::kUpdated);
+      ASSERT_EQ(deformable.update(1e-4), UpdateStatus::kUpdated);
+      ASSERT_EQ(deformable.update(2e-4), UpdateStatus::kNotFinite);
+      ASSERT_EQ(deformable.badVertex(), static_cast<int>(i));
+    }
+  }
+}
+
 TEST(Deformable, AScenesShapeFollows) {
   const Sheet sheet = testing::cloth(10);
   Deformable deformable(DeformableMesh::make(sheet.vertices, sheet.triangles));
