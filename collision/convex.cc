@@ -455,12 +455,18 @@ DistanceResult convexDistance(const ConvexView& a, const Pose& X_BA, const Conve
   if (open && !progress.enough() &&
       (end == GjkEnd::kInside || progress.upper() - progress.lower() > narrow)) {
     if (a.core == Core::kBox && b.core == Core::kBox) offerBoxOverlap(a, X_BA, b, progress, sharp);
-    if (haveAxes(a, b)) {
-      const bool parallel = offerParallelAxes(a, X_BA, b, difference, progress);
-      if (!parallel && !progress.enough()) offerTiltedAxes(a, X_BA, b, difference, progress);
+    const bool straight = haveAxes(a, b);
+    // A threshold is most often decided by the polytope's first steps.
+    const bool exact = request.depth && std::isnan(request.threshold);
+    if (straight && !offerParallelAxes(a, X_BA, b, difference, progress) && exact &&
+        !progress.enough()) {
+      offerTiltedAxes(a, X_BA, b, difference, progress);
     }
     if (!progress.enough() && progress.upper() - progress.lower() > narrow) {
       growPolytope(difference, simplex, X_BA, scratch.impl().polytope, progress, sharp);
+    }
+    if (straight && !exact && !progress.enough()) {
+      offerTiltedAxes(a, X_BA, b, difference, progress);
     }
   }
   if (sharp != nullptr && !progress.enough() && end != GjkEnd::kInside) {

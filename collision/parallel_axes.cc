@@ -142,7 +142,14 @@ bool offerParallelAxes(const ConvexView& a, const Pose& X_BA, const ConvexView& 
   const Vector beside = (radial - radial.dot(upright) * upright).normalized();
   const Vector point_a = t - point(side_a, along_a, beside, upright);
   const Vector w = point(side_b, along_b, radial, Vector::UnitZ()) - point_a;
-  return progress.offerTogether(-(depth - moved), w, point_a, plane, -outward);
+  const double upper = -(depth - moved);
+  if (progress.offerTogether(upper, w, point_a, plane, -outward)) return true;
+  // Not narrow enough to say how deep, but enough to say that they overlap.
+  const CoreQuery& query = progress.query();
+  if (!isDecided({plane - query.lower_offset, upper - query.upper_offset}, query.request))
+    return false;
+  progress.offerWitness(upper, w, point_a);
+  return true;
 }
 
 }  // namespace leeway::collision

@@ -125,6 +125,7 @@ class Polytope {
   bool cover(const PolytopeFacet& f);
   void descend(Vector outward);
   void settle();
+  Vector memberClaimed(Vector& a) const;
   void memberAlongNormal(Vector& nearest, Vector& a) const;
   bool sees(const PolytopeFacet& f, const Vector& p) const;
   bool walk(int first, const Vector& p);
@@ -477,16 +478,22 @@ void Polytope::descend(Vector outward) {
   }
 }
 
-// The witness of the depth claimed, written down once. Where several facets lie in one plane, the
-// one that claimed need not be the one that the plane's normal passes through.
+// The witness of the depth claimed, written down once.
 void Polytope::settle() {
   if (!(claim_ > 0)) return;
   Vector a;
+  const Vector nearest = memberClaimed(a);
+  progress_.offerWitness(-claim_, nearest, a);
+}
+
+// Where several facets lie in one plane, the one that claimed need not be the one that the plane's
+// normal passes through.
+Vector Polytope::memberClaimed(Vector& a) const {
   Vector nearest = nearestOf(claim_vertex_, a);
   if (covers_ || !(nearest.norm() - claim_ <= progress_.query().request.tolerance)) {
     memberAlongNormal(nearest, a);
   }
-  progress_.offerWitness(-claim_, nearest, a);
+  return nearest;
 }
 
 // The member in the direction of the nearest plane, of the facet that it passes through: of the
@@ -768,7 +775,7 @@ void Polytope::sharpen(const SharpDifference& sharp, const Pose& X_BA) {
   }
   if (!(depth.high > 0)) return;
   Vector a;
-  const Vector nearest = nearestOf(claim_vertex_, a);
+  const Vector nearest = memberClaimed(a);
   offerSharpWitness(sharp, -depth, sharp.memberDefect(), nearest, a, progress_);
   offerSharpPlane(sharp, -outward, progress_);
   offerSharpPlane(sharp, DoubleDoubleVector(rotated(sharp.X_WB().rotation, progress_.normal())),

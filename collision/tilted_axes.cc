@@ -64,6 +64,7 @@ struct Circle {
   double middle = 0, along_cosine = 0, along_sine = 0;
   Rims rims;
   double bend[2] = {0, 0};  // bounds of the second derivatives
+  double steepest = 0;      // how much the rims' part grows with an error of that along the axis
 };
 
 // center, first and second: the kink's direction along the axis, and across it to two sides.
@@ -88,6 +89,7 @@ bool makeCircle(const Vector& axis, const Vector& first, const Vector& second, c
   const double across_squared = 1 - most * most;
   if (!(across_squared > kTiltedAcross)) return false;
   const double across = std::sqrt(across_squared);
+  circle.steepest = std::max(other.radius[0], other.radius[1]) * most / across;
   for (int i = 0; i < 2; ++i) {
     // Of z s + r sqrt(1 - s^2), s the part along the axis: s and its derivatives are at most the
     // swing, and the root's derivatives s / across and 1 / across^3.
@@ -233,7 +235,8 @@ void memberAlong(const Vector& n, double depth, const Vector& axis_a, const Rims
 // Rounding, in units of u L with L = extent A + extent B + |t|: the constant of a circle errs by 8,
 // the parts that go with the angle by 8 each, a value by 8 more, directions of the circle around A
 // by 4 that are not across its axis; the angle's by 4 of what bends, below L; in all less than 48.
-// A's columns may depart from a rotation: the body meant is within twice that of one whose axis is
+// The part along the other axis errs by 6 u besides, which the root beside it magnifies. A's
+// columns may depart from a rotation: the body meant is within twice that of one whose axis is
 // exactly as used here.
 bool offerTiltedAxes(const ConvexView& a, const Pose& X_BA, const ConvexView& b,
                      Difference<false>& difference, Progress& progress) {
@@ -291,8 +294,9 @@ bool offerTiltedAxes(const ConvexView& a, const Pose& X_BA, const ConvexView& b,
   const double plane = -outward.dot(lowest.w);
   progress.offerLower(plane, -outward);
 
-  const double depth =
-      least.proven - 48 * unit - 2 * departureFromRotation(X_BA.rotation) * a.extent;
+  const double depth = least.proven - 48 * unit -
+                       6 * kUnitRoundoff * std::max(around_a.steepest, around_b.steepest) -
+                       2 * departureFromRotation(X_BA.rotation) * a.extent;
   if (!(depth > 0)) return false;
   // How far from across the axes the sides alone decide.
   const double widest = std::max(of_a.radius[0], of_a.radius[1]);

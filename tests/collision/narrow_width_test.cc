@@ -88,6 +88,45 @@ TEST(NarrowWidth, BodiesOfAHundredKilometresAgainstOneOfAMetreConverge) {
   }
 }
 
+/// The facet that proved the depth need not be the one that the plane's normal passes through: the
+/// points were up to 0.4 m off.
+TEST(NarrowWidth, WitnessesOfOverlappingPrismsAreAsDeepAsTheUpperEnd) {
+  Random random(64);
+  Scratch scratch;
+  int overlapping = 0;
+  for (int i = 0; i < 400; ++i) {
+    std::vector<Vector3d> prism;
+    const int corners = 3 + random.below(9);
+    const double height = random.uniform(0.05, 0.5), radius = random.uniform(0.2, 0.8);
+    for (int k = 0; k < corners; ++k) {
+      const double angle = 6.283185307179586 * k / corners;
+      for (const double z : {-height, height}) {
+        prism.push_back({radius * std::cos(angle), radius * std::sin(angle), z});
+      }
+    }
+    const Shape a = Shape::convexHull(prism);
+    const Shape b = random.chance(0.5) ? a : Shape::box({0.3, random.uniform(0.1, 1), 0.4});
+    const Pose X_WA{random.rotation(), random.direction()};
+    const double angle = random.uniform(0, 6);
+    Eigen::Matrix3d turn;
+    turn << std::cos(angle), -std::sin(angle), 0, std::sin(angle), std::cos(angle), 0, 0, 0, 1;
+    const Pose X_WB{X_WA.rotation * turn,
+                    X_WA.translation + X_WA.rotation * Vector3d(random.uniform(-0.1, 0.1),
+                                                                random.uniform(-0.1, 0.1),
+                                                                random.uniform(-0.4, 0.4))};
+    for (const double tolerance : {1e-9, 1e-14}) {
+      DistanceRequest request;
+      request.tolerance = tolerance;
+      const DistanceResult r = distance(a, X_WA, b, X_WB, request, scratch);
+      if (!(r.distance.upper < 0)) continue;
+      ++overlapping;
+      EXPECT_NEAR((r.point_b - r.point_a).norm(), -r.distance.upper, 1e-8)
+          << replay(a, X_WA, b, X_WB) << " tolerance " << tolerance;
+    }
+  }
+  EXPECT_GT(overlapping, 300);
+}
+
 TEST(ParallelAxes, DepthIsThatOfAPointInAPolygon) {
   Random random(63);
   Scratch scratch;
