@@ -277,7 +277,8 @@ EdgeCheck EdgeCertifier::Impl::checkOpen(const EdgeLanes::Parts& parts) {
   for (const collision::LaneSweep::Open& o : lanes.open()) {
     const EdgePair& pair = frames.pairs()[at(o.id)];
     if (o.apart || luck[at(o.id)] < 0) continue;
-    if (looks++ == kLooks) break;
+    if (looks >= kLooks) break;
+    ++looks;
     const int first = std::countr_zero(o.lanes), last = 31 - std::countl_zero(o.lanes);
     const double t = (parts.from[first] + parts.from[last] + parts.width) / 2;
     const int slot = frames.place(t);
