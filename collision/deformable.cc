@@ -105,7 +105,7 @@ struct Deformable::Impl {
   // The turn in which the branches are read, see upperLevels().
   struct Turn {
     std::size_t next = 0;  // branch
-    int frames = 0;
+    int frames = 0;        // of auto: since the last turn that ended, those of turns cut short, too
     double area = 0, length = 0;  // sums over the branches that were read, as they were then
   };
   Turn turn;
@@ -180,6 +180,14 @@ void reserve(std::vector<WideBox>& boxes, std::int32_t nodes) {
 
 double halfArea(const Vector3d& side) {
   return side.x() * side.y() + side.y() * side.z() + side.z() * side.x();
+}
+
+// Of a lane that is not empty.
+Vector3d sideOf(const WideBox& box, std::int32_t lane) {
+  Vector3d side;
+  for (int k = 0; k < 3; ++k)
+    side[k] = static_cast<double>(box.high[k][lane]) - static_cast<double>(box.low[k][lane]);
+  return side;
 }
 
 // The root's children together.
@@ -261,14 +269,13 @@ bool Deformable::Impl::upperLevels(DeformableSnapshotImpl& s, double moved) {
   reserve(s.boxes, upper);
   statistics.nodes_touched += upper;
   const std::size_t all = tree->branches().size(), due = branchesDue(moved);
-  if (due == all || turn.next == all) turn = {};
+  if (due == all || turn.next == all) turn = {.frames = turn.frames};
   if (due < all) growBranches(s, moved);
   const std::size_t begin = turn.next, end = std::min(begin + due, all);
   if (!deformKernels().branches(*tree, s.vertices.data(), begin, end, s.boxes.data()) ||
       !deformKernels().refit(*tree, s.vertices.data(), 0, upper, s.boxes.data()))
     return false;
   addToTurn(s, end);
-  ++turn.frames;
   if (begin < end) {
     const DeformTree::Runs &first = tree->branches()[begin].runs,
                            &last = tree->branches()[end - 1].runs;
@@ -310,20 +317,18 @@ void Deformable::Impl::addToTurn(const DeformableSnapshotImpl& s, std::size_t en
   const std::span<const DeformTree::Branch> branches = tree->branches();
   for (; turn.next < end; ++turn.next) {
     const DeformTree::Up& up = tree->up(branches[turn.next].root);
-    const WideBox& box = s.boxes[static_cast<std::size_t>(up.parent)];
-    Vector3d side;
-    for (int k = 0; k < 3; ++k)
-      side[k] =
-          static_cast<double>(box.high[k][up.lane]) - static_cast<double>(box.low[k][up.lane]);
+    const Vector3d side = sideOf(s.boxes[static_cast<std::size_t>(up.parent)], up.lane);
     turn.area += halfArea(side);
     turn.length += side.maxCoeff();
   }
   if (end == branches.size()) branch_length = turn.length / static_cast<double>(end);
 }
 
-// Surface area of the branches over that of the triangles' own boxes (of some of them): what a
-// rebuild could better. Where the triangles themselves grow, as when every vertex flies its own
-// way, the nodes around them grow with them and no other hierarchy is better off.
+// Surface area of what hangs below the upper levels, which is the branches, as they were read, and
+// leaves, over that of the triangles' own boxes (of some of them): what a rebuild could better.
+// Where the triangles themselves grow, as when every vertex flies its own way, the nodes around
+// them grow with them and no other hierarchy is better off. Without branches the upper levels are
+// the whole hierarchy: then of all its nodes, for leaves alone tell nothing of how they lie apart.
 double Deformable::Impl::looseness(const DeformableSnapshotImpl& s, double of_branches) const {
   const std::span<const DeformableMesh::Triangle> triangles = mesh->triangles();
   const std::size_t step = std::max<std::size_t>(1, triangles.size() / kSampledTriangles);
@@ -337,16 +342,27 @@ double Deformable::Impl::looseness(const DeformableSnapshotImpl& s, double of_br
                      corner(0).cwiseMin(corner(1)).cwiseMin(corner(2)));
   }
   area *= static_cast<double>(triangles.size()) / count;
-  return area > 0 ? of_branches / area : 0;
+  const bool whole = tree->branches().empty();
+  double below = of_branches;
+  for (std::int32_t node = 0; node < tree->upperCount(); ++node) {
+    for (std::int32_t lane = 0; lane < kWidth; ++lane) {
+      const std::int32_t child = tree->node(node).child[lane];
+      if (child == DeformTree::kNone) break;
+      if (whole || DeformTree::isLeaf(child))
+        below += halfArea(sideOf(s.boxes[static_cast<std::size_t>(node)], lane));
+    }
+  }
+  return area > 0 ? below / area : 0;
 }
 
-// At the end of a turn: whether what queries have paid for the decay since the last rebuild, beyond
-// what updates would have cost more after one, comes to what a rebuild costs: then at most twice
-// the least possible is paid, whatever the mesh does (as for renting or buying skis). Decay is seen
-// in the upper levels.
+// Whether what queries have paid for the decay since the last rebuild, beyond what updates would
+// have cost more after one, comes to what a rebuild costs. As for renting or buying skis, that
+// would pay at most twice the least if decay were known in every frame; it is told at the end of a
+// turn alone, for all frames since the last that ended, those of turns cut short, too.
 bool Deformable::Impl::rebuildPays(const DeformableSnapshotImpl& s) {
   const double cost = surfaceCost({s.boxes.data(), s.boxes.size()}, tree->upperCount());
   statistics.decay = built_upper_cost > 0 ? cost / built_upper_cost : 1;
+  ++turn.frames;
   if (turn.next < tree->branches().size()) return false;
   const double looser = built_looseness > 0 ? looseness(s, turn.area) / built_looseness : 1;
   // Queries grow as boxes do in length (leeway report deform, explosions: 1.4 times at 10 times the
@@ -355,6 +371,7 @@ bool Deformable::Impl::rebuildPays(const DeformableSnapshotImpl& s) {
                          std::max(std::sqrt(looser) - 1, 0.0);
   const double dearer =
       kApartMicroseconds * std::max(mesh->vertexCount() - tree->branchSingles(), 0);
+  turn.frames = 0;
   excess += std::max(queries - dearer, 0.0);
   return excess > kRebuildMicroseconds * mesh->triangleCount();
 }

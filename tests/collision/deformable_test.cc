@@ -290,6 +290,64 @@ TEST(Deformable, ADecayedHierarchyIsBuiltAnewForMany) {
   }
 }
 
+// A sheet that was folded when its hierarchy was built, and is flat now: the frame in which auto
+// builds it anew when it does not know in every `period`-th frame how far vertices moved; -1: not
+// in 2000.
+int frameBuiltAnew(int split, int queries, int period) {
+  constexpr int kFolds = 10, kCells = 60;
+  Sheet sheet;
+  std::vector<Vector3d> flat;
+  for (int i = 0; i <= kCells; ++i) {
+    const int folded =
+        i % (2 * kFolds) <= kFolds ? i % (2 * kFolds) : 2 * kFolds - i % (2 * kFolds);
+    for (int j = 0; j <= kCells; ++j) {
+      sheet.vertices.emplace_back(0.02 * folded, 0.02 * j, 1e-3 * i);
+      flat.emplace_back(0.02 * i, 0.02 * j, 0);
+    }
+  }
+  for (int i = 0; i < kCells; ++i) {
+    for (int j = 0; j < kCells; ++j) {
+      const int a = i * (kCells + 1) + j, b = a + kCells + 1;
+      sheet.triangles.push_back({a, b, b + 1});
+      sheet.triangles.push_back({a, b + 1, a + 1});
+    }
+  }
+  DeformOptions options;
+  options.expected_queries = queries;
+  options.hybrid_split = split;
+  Deformable deformable(DeformableMesh::make(sheet.vertices, sheet.triangles), nullptr, options);
+  for (int frame = 0; frame < 2000; ++frame) {
+    const std::span<Vector3d> next = deformable.nextVertices();
+    std::copy(flat.begin(), flat.end(), next.begin());
+    const double moved = frame % period == 0 ? kInfinity : 1e-6;
+    EXPECT_EQ(deformable.commit(frame, 1, Deformable::Vertices::kFinite, moved),
+              UpdateStatus::kUpdated);
+    if (deformable.statistics().strategy == DeformStrategy::kRebuild) return frame;
+  }
+  return -1;
+}
+
+// Frames count though the turn in which branches are read is cut short again and again.
+TEST(Deformable, FramesOfTurnsCutShortCountForARebuild) {
+  const int known_never = frameBuiltAnew(40, 20, 1);
+  EXPECT_GT(known_never, 8);
+  for (const int period : {2, 3, 5}) {
+    const int frame = frameBuiltAnew(40, 20, period);
+    EXPECT_GE(frame, known_never - period) << period;
+    EXPECT_LE(frame, known_never + period) << period;
+  }
+}
+
+// Where all nodes count as upper ones, decay is seen as well.
+TEST(Deformable, ADecayedHierarchyWithoutBranchesIsBuiltAnew) {
+  for (const int split : {1, 8}) {
+    const int frame = frameBuiltAnew(split, 200, 1);
+    EXPECT_GE(frame, 1) << split;
+    EXPECT_LT(frame, 100) << split;
+    EXPECT_EQ(frameBuiltAnew(split, 0, 1), -1) << split;
+  }
+}
+
 // The boxes of upper nodes hold all vertices below them.
 void expectHeld(const DeformableSnapshot& snapshot) {
   const DeformableSnapshotImpl& s = snapshot.impl();
