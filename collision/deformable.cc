@@ -49,6 +49,10 @@ constexpr std::size_t kSampledTriangles = 256;
 constexpr double kTurnGrowth = 0.35;
 // When more than this share of the branches is due, all are read: growing the others is work, too.
 constexpr double kTurnWorth = 0.75;
+// auto weighs a rebuild at the end of a turn: it reads this share of the branches a frame at least,
+// or less where reading them would take more than kTurnQueries of what queries take.
+constexpr double kTurnShare = 0.125;
+constexpr double kTurnQueries = 0.1;
 
 bool needsMotion(DeformStrategy strategy) {
   return strategy == DeformStrategy::kMorph || strategy == DeformStrategy::kSkinned ||
@@ -295,7 +299,14 @@ std::size_t Deformable::Impl::branchesDue(double moved) const {
   // Written so that what is no number reads all.
   const double share = moved / (kTurnGrowth * branch_length);
   if (!known || !(share < kTurnWorth)) return all;
-  return std::min(all, 1 + static_cast<std::size_t>(share * static_cast<double>(all)));
+  double least = 0;
+  if (options.strategy == DeformStrategy::kAuto) {
+    const double read = kReadMicroseconds * mesh->triangleCount(),
+                 queries = kQueryMicroseconds * std::max(options.expected_queries, 0);
+    least = std::min(kTurnShare, kTurnQueries * queries / read);
+  }
+  return std::min(all,
+                  1 + static_cast<std::size_t>(std::max(share, least) * static_cast<double>(all)));
 }
 
 void Deformable::Impl::growBranches(DeformableSnapshotImpl& s, double moved) const {

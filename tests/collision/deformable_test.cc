@@ -338,6 +338,15 @@ TEST(Deformable, FramesOfTurnsCutShortCountForARebuild) {
   }
 }
 
+// A mesh that hardly moves needs few branches read, but is not left decayed until they all were.
+TEST(Deformable, ADecayedHierarchyAtRestIsBuiltAnewSoon) {
+  for (const int split : {0, 20, 40}) {
+    const int frame = frameBuiltAnew(split, 200, 1 << 30);
+    EXPECT_GE(frame, 1) << split;
+    EXPECT_LE(frame, 16) << split;
+  }
+}
+
 // Where all nodes count as upper ones, decay is seen as well.
 TEST(Deformable, ADecayedHierarchyWithoutBranchesIsBuiltAnew) {
   for (const int split : {1, 8}) {
