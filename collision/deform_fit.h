@@ -5,9 +5,9 @@
 // Subtrees that decayed are built anew; there are no tree rotations (D. Kopta et al., "Fast,
 // effective BVH updates for animated scenes", 2012). A rotation leads from the refitted hierarchy
 // towards one built anew for the same vertices, and bench_deform, over 100 frames of a cloth, finds
-// nothing to gain on that way: 12 distances against the refitted hierarchy take .68 and .99 (20k,
-// 200k triangles, waves), .47 and .4 (exploding) of what they take against one rebuilt in every
-// frame, whose leaves no longer are neighbours in the mesh. What pays is to lose less, not to
+// little to gain on that way: 12 distances against the refitted hierarchy take 0.7 to 1.4 (waves)
+// and less than 0.5 (exploding) of what they take against one rebuilt in every frame, whose leaves
+// no longer are neighbours in the mesh. What pays is to lose less, not to
 // search.
 
 #include <cstdint>

@@ -45,7 +45,7 @@ constexpr double kApartMicroseconds = 0.004;
 constexpr std::size_t kSampledTriangles = 256;
 // Where it is known how far vertices can have moved, branches are read in turns and the boxes of
 // the others grow: by no more than this share of their longest sides in the mean. Larger: cheaper
-// updates, dearer queries; measured by bench_deform.
+// updates, dearer queries. A choice; other values were not tried.
 constexpr double kTurnGrowth = 0.35;
 // When more than this share of the branches is due, all are read: growing the others is work, too.
 constexpr double kTurnWorth = 0.75;
@@ -376,8 +376,8 @@ bool Deformable::Impl::rebuildPays(const DeformableSnapshotImpl& s) {
   ++turn.frames;
   if (turn.next < tree->branches().size()) return false;
   const double looser = built_looseness > 0 ? looseness(s, turn.area) / built_looseness : 1;
-  // Queries grow as boxes do in length (leeway report deform, explosions: 1.4 times at 10 times the
-  // surface, 2.7 times at 65).
+  // Queries grow less than boxes do in length (seen on two sizes of an explosion: 1.4 times at 10
+  // times the surface, 2.7 times at 65).
   const double queries = turn.frames * options.expected_queries * kQueryMicroseconds *
                          std::max(std::sqrt(looser) - 1, 0.0);
   const double dearer =

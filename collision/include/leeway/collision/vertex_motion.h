@@ -187,7 +187,8 @@ class VertexMotion {
   /// The motion is meant as the exact value of its formula for the numbers that it was made from;
   /// no vertex moves faster [m/s] or accelerates more [m/s^2] than this from t0 to t1. Infinite
   /// when nothing is known, and the acceleration when speed jumps at a key strictly between t0 and
-  /// t1. Never throws or allocates. O(log keys + keys between).
+  /// t1. Updates keep boxes by it: with a bound that is too small queries miss what has moved.
+  /// Never throws or allocates. O(log keys + keys between).
   virtual double speedBound(double t0, double t1) const = 0;
   virtual double accelerationBound(double t0, double t1) const = 0;
   /// No vertex as evaluated at a time from t0 to t1 is farther than this from the exact one [m], so
