@@ -28,6 +28,8 @@ class HullSupport {
   /// where it is. O(vertices), with some hundred nanoseconds for each cell of a table, of which
   /// there are about three a vertex.
   explicit HullSupport(const ConvexHull& hull);
+  HullSupport(const HullSupport&) = delete;  // it points into itself
+  HullSupport& operator=(const HullSupport&) = delete;
 
   /// Coordinates of all vertices side by side, padded to a multiple of eight by copies of vertex 0;
   /// 64-byte aligned. Empty (length 0) where the table is quicker.

@@ -19,8 +19,6 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr int kTiltedCells = 2048;
 // Halvings of an eighth of a circle.
 constexpr int kTiltedHalvings = 40;
-// Nearer to the least an angle need not be [rad]: differences that small are rounding.
-constexpr double kSettledAngle = 1e-15;
 
 // The two rims of a body of revolution: where along its axis, the upper one first, and how wide.
 struct Rims {

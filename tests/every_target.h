@@ -4,6 +4,8 @@
 //
 #include <hwy/highway.h>
 
+#include <cstdint>
+
 namespace leeway {
 
 /// Calls run(name) with each instruction set in turn that this machine has and this compiler made

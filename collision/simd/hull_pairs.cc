@@ -94,24 +94,12 @@ class PlacedVertices {
   }
   HWY_INLINE PlacedVertices(const HullSupport& support, const Eigen::Matrix3d& R, const Triple& t,
                             double sign) {
-    const Widest d;
-    const auto row = [&](int r, double shift, const Same& x, const Same& y, const Same& z)
-                         HWY_ATTR {
-                           return hn::Add(hn::Add(hn::Add(hn::Mul(hn::Set(d, sign * R(r, 0)), x),
-                                                          hn::Mul(hn::Set(d, sign * R(r, 1)), y)),
-                                                  hn::Mul(hn::Set(d, sign * R(r, 2)), z)),
-                                          hn::Set(d, sign * shift));
-                         };
     // A shorter hull is padded by copies of its beginning.
     const int length = support.length();
     HWY_UNROLL(4)
     for (int i = 0; i < kMost; i += kStep) {
       const int from = kEights == 1 || i < length ? i : i % 8;
-      const Same x = hn::Load(d, support.x() + from), y = hn::Load(d, support.y() + from),
-                 z = hn::Load(d, support.z() + from);
-      hn::Store(row(0, t.x, x, y, z), d, x_ + i);
-      hn::Store(row(1, t.y, x, y, z), d, y_ + i);
-      hn::Store(row(2, t.z, x, y, z), d, z_ + i);
+      placeColumns(support, from, R, t, sign, x_ + i, y_ + i, z_ + i);
     }
   }
 

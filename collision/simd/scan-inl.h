@@ -18,6 +18,8 @@
 #include <utility>
 
 #include "collision/hull_support.h"
+#include "collision/simd/lanes-inl.h"
+#include "collision/triple.h"
 #include "leeway/collision/tolerances.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -25,14 +27,31 @@ namespace leeway::collision::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-using EightDoubles = hn::CappedTag<double, 8>;
+/// Brings a register full of a hull's vertices, from number `from` on, to a pose: sign (R v + t),
+/// the sign 1 or -1.
+HWY_INLINE void placeColumns(const HullSupport& support, int from, const Eigen::Matrix3d& R,
+                             const Triple& t, double sign, double* to_x, double* to_y,
+                             double* to_z) {
+  const Widest d;
+  const Same x = hn::Load(d, support.x() + from), y = hn::Load(d, support.y() + from),
+             z = hn::Load(d, support.z() + from);
+  const auto row = [&](int r, double shift) HWY_ATTR {
+    return hn::Add(hn::Add(hn::Add(hn::Mul(hn::Set(d, sign * R(r, 0)), x),
+                                   hn::Mul(hn::Set(d, sign * R(r, 1)), y)),
+                           hn::Mul(hn::Set(d, sign * R(r, 2)), z)),
+                   hn::Set(d, sign * shift));
+  };
+  hn::Store(row(0, t.x), d, to_x);
+  hn::Store(row(1, t.y), d, to_y);
+  hn::Store(row(2, t.z), d, to_z);
+}
 
 // Loops over registers are written as packs of their numbers: compilers leave loops of this length
 // as they are, with the values in memory and a branch for each.
 
 /// The largest, lane by lane, of the registers from kBegin to kEnd.
 template <std::size_t kBegin, std::size_t kEnd>
-HWY_INLINE hn::Vec<EightDoubles> largest(const hn::Vec<EightDoubles>* values) {
+HWY_INLINE hn::Vec<Widest> largest(const hn::Vec<Widest>* values) {
   if constexpr (kEnd - kBegin == 1) {
     return values[kBegin];
   } else {
@@ -43,10 +62,10 @@ HWY_INLINE hn::Vec<EightDoubles> largest(const hn::Vec<EightDoubles>* values) {
 
 /// Place of the first of the largest values, at most 64, and the value.
 template <std::size_t... kRegister>
-HWY_INLINE int firstLargest(const hn::Vec<EightDoubles>* values, double& value,
+HWY_INLINE int firstLargest(const hn::Vec<Widest>* values, double& value,
                             std::index_sequence<kRegister...> /*registers*/) {
-  const EightDoubles d;
-  constexpr std::size_t kLanes = hn::MaxLanes(EightDoubles());
+  const Widest d;
+  constexpr std::size_t kLanes = hn::MaxLanes(Widest());
   const auto most = hn::MaxOfLanes(d, largest<0, sizeof...(kRegister)>(values));
   const auto bitsOfRegister = [&](std::size_t i) {
     std::uint8_t bits[8] = {0};
@@ -63,10 +82,10 @@ HWY_INLINE int firstLargest(const hn::Vec<EightDoubles>* values, double& value,
 template <std::size_t... kRegister>
 HWY_INLINE int firstFarthest(const double* x, const double* y, const double* z, double dx,
                              double dy, double dz, std::index_sequence<kRegister...> registers) {
-  const EightDoubles d;
-  constexpr std::size_t kLanes = hn::MaxLanes(EightDoubles());
+  const Widest d;
+  constexpr std::size_t kLanes = hn::MaxLanes(Widest());
   const auto dx_all = hn::Set(d, dx), dy_all = hn::Set(d, dy), dz_all = hn::Set(d, dz);
-  const hn::Vec<EightDoubles> values[] = {
+  const hn::Vec<Widest> values[] = {
       hn::Add(hn::Add(hn::Mul(hn::Load(d, x + kRegister * kLanes), dx_all),
                       hn::Mul(hn::Load(d, y + kRegister * kLanes), dy_all)),
               hn::Mul(hn::Load(d, z + kRegister * kLanes), dz_all))...};
@@ -76,7 +95,7 @@ HWY_INLINE int firstFarthest(const double* x, const double* y, const double* z, 
 
 /// As many registers as eight times kEights doubles fill.
 template <std::size_t kEights>
-using Registers = std::make_index_sequence<kEights * 8 / hn::MaxLanes(EightDoubles())>;
+using Registers = std::make_index_sequence<kEights * 8 / hn::MaxLanes(Widest())>;
 
 /// Index of the first of the largest of `length` values x dx + y dy + z dz, a multiple of eight up
 /// to kMost; columns are 64-byte aligned.
@@ -115,12 +134,12 @@ HWY_INLINE int scanColumns(const double* x, const double* y, const double* z, in
 template <std::size_t... kRegister>
 HWY_INLINE int firstOfCell(const HullCell& cell, const Vector* points, double dx, double dy,
                            double dz, double& value, std::index_sequence<kRegister...> registers) {
-  const EightDoubles d;
-  constexpr std::size_t kLanes = hn::MaxLanes(EightDoubles());
-  const hn::Rebind<std::uint16_t, EightDoubles> narrow;
-  const hn::Rebind<std::uint32_t, EightDoubles> wider;
-  const hn::Rebind<std::uint64_t, EightDoubles> widest;
-  const hn::Rebind<std::int64_t, EightDoubles> index;
+  const Widest d;
+  constexpr std::size_t kLanes = hn::MaxLanes(Widest());
+  const hn::Rebind<std::uint16_t, Widest> narrow;
+  const hn::Rebind<std::uint32_t, Widest> wider;
+  const hn::Rebind<std::uint64_t, Widest> widest;
+  const hn::Rebind<std::int64_t, Widest> index;
   const auto dx_all = hn::Set(d, dx), dy_all = hn::Set(d, dy), dz_all = hn::Set(d, dz);
   const double* base = points->data();
   const auto valuesOf = [&](std::size_t i) {
@@ -132,7 +151,7 @@ HWY_INLINE int firstOfCell(const HullCell& cell, const Vector* points, double dx
                            hn::Mul(hn::GatherIndex(d, base + 1, at), dy_all)),
                    hn::Mul(hn::GatherIndex(d, base + 2, at), dz_all));
   };
-  const hn::Vec<EightDoubles> values[] = {valuesOf(kRegister)...};
+  const hn::Vec<Widest> values[] = {valuesOf(kRegister)...};
   return firstLargest(values, value, registers);
 }
 

@@ -63,19 +63,8 @@ class PlacedColumns {
   HWY_INLINE void place(const HullSupport& support, const Eigen::Matrix3d& R, const Triple& t) {
     if (support.length() == 0 || support.length() > kPlacedUpTo) return;
     length_ = support.length();
-    const Widest d;
-    for (int i = 0; i < length_; i += static_cast<int>(hn::MaxLanes(d))) {
-      const Same x = hn::Load(d, support.x() + i), y = hn::Load(d, support.y() + i),
-                 z = hn::Load(d, support.z() + i);
-      const auto row = [&](int r, double shift) HWY_ATTR {
-        return hn::Add(
-            hn::Add(hn::Add(hn::Mul(hn::Set(d, R(r, 0)), x), hn::Mul(hn::Set(d, R(r, 1)), y)),
-                    hn::Mul(hn::Set(d, R(r, 2)), z)),
-            hn::Set(d, shift));
-      };
-      hn::Store(row(0, t.x), d, x_ + i);
-      hn::Store(row(1, t.y), d, y_ + i);
-      hn::Store(row(2, t.z), d, z_ + i);
+    for (int i = 0; i < length_; i += static_cast<int>(hn::MaxLanes(Widest()))) {
+      placeColumns(support, i, R, t, 1, x_ + i, y_ + i, z_ + i);
     }
   }
   HWY_INLINE bool empty() const { return length_ == 0; }

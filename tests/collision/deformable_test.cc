@@ -20,6 +20,14 @@ using Eigen::Vector3d;
 using oracle::Random;
 using testing::Sheet;
 
+// One wave of this height [m] that runs along x.
+std::shared_ptr<const VertexMotion> oneWave(const Sheet& sheet, double height) {
+  WavesMotion motion;
+  motion.rest = sheet.vertices;
+  motion.waves.push_back({{1, 0, 0}, {0, 0, height}, 0.7, 1, 0});
+  return VertexMotion::waves(std::move(motion));
+}
+
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
@@ -253,10 +261,7 @@ TEST(Deformable, AMotionIsFollowedByItsOwnBounds) {
 // queries, the less that pays.
 TEST(Deformable, WavesAreFollowedByTheirModesWhereQueriesAreFew) {
   const Sheet sheet = testing::cloth(10);
-  WavesMotion motion;
-  motion.rest = sheet.vertices;
-  motion.waves.push_back({{1, 0, 0}, {0, 0, 0.1}, 0.7, 1, 0});
-  const auto waves = VertexMotion::waves(std::move(motion));
+  const auto waves = oneWave(sheet, 0.1);
   const auto mesh = DeformableMesh::make(sheet.vertices, sheet.triangles);
   for (const int queries : {0, 12}) {
     DeformOptions options;
@@ -413,10 +418,7 @@ TEST(Deformable, BranchesThatAreReadInTurnsHoldTheirVertices) {
 // Of a motion it is known, whichever way time goes.
 TEST(Deformable, AMotionsBranchesAreReadInTurns) {
   const Sheet sheet = testing::cloth(24);
-  WavesMotion motion;
-  motion.rest = sheet.vertices;
-  motion.waves.push_back({{1, 0, 0}, {0, 0, 0.1}, 0.7, 1, 0});
-  const auto waves = VertexMotion::waves(std::move(motion));
+  const auto waves = oneWave(sheet, 0.1);
   const auto mesh = DeformableMesh::make(sheet.vertices, sheet.triangles);
   DeformOptions options;
   options.strategy = DeformStrategy::kHybrid;
@@ -440,13 +442,6 @@ TEST(Deformable, AMotionsBranchesAreReadInTurns) {
   EXPECT_GT(few, 120);
 }
 
-std::shared_ptr<const VertexMotion> oneWave(const Sheet& sheet) {
-  WavesMotion motion;
-  motion.rest = sheet.vertices;
-  motion.waves.push_back({{1, 0, 0}, {0, 0, 0.5}, 0.7, 1, 0});
-  return VertexMotion::waves(std::move(motion));
-}
-
 // What stands in memory that is used again is an older state, however far from the current one.
 TEST(Deformable, ACommitOfNothingNewReadsAll) {
   const Sheet sheet = testing::cloth(24);
@@ -455,7 +450,7 @@ TEST(Deformable, ACommitOfNothingNewReadsAll) {
     DeformOptions options;
     options.strategy = strategy;
     options.hybrid_split = 40;
-    Deformable deformable(mesh, oneWave(sheet), options);
+    Deformable deformable(mesh, oneWave(sheet, 0.5), options);
     for (const double time : {0.1, 0.2, 0.3, 0.7})
       ASSERT_EQ(deformable.update(time), UpdateStatus::kUpdated);
     // Twice; after an evaluation that is refused; after a commit that is; and with a word on what
@@ -487,7 +482,7 @@ TEST(Deformable, AnEvaluationsVerticesCanBeChanged) {
     options.strategy = strategy;
     options.hybrid_split = 40;
     for (const bool twice : {false, true}) {
-      Deformable deformable(mesh, oneWave(sheet), options);
+      Deformable deformable(mesh, oneWave(sheet, 0.5), options);
       ASSERT_EQ(deformable.update(0.1), UpdateStatus::kUpdated);
       ASSERT_EQ(deformable.update(0.10001), UpdateStatus::kUpdated);
       std::span<Vector3d> next = deformable.nextVertices();

@@ -83,10 +83,10 @@ class LaneSweep {
   /// moved.
   Contact meetAgain(std::span<const LaneFrame> frames, float slack, Scratch& scratch) const;
   /// One pass over frames that are placed and moved. growth: h^2 A / 8 of each motion [m]; slack:
-  /// how far the frames' rounding moves any capsule [m]. Which contacts are
-  /// found, and what planes leave open, depends on the runs before: what is told is proven whatever
-  /// they were. O(pieces + pairs), a distance query of a few points for each pair that is left
-  /// open; never throws or allocates.
+  /// how far the frames' rounding moves any capsule [m]. Which contacts are found, and what
+  /// planes leave open, depends on the runs before: what is told is proven whatever they were.
+  /// O(pieces + pairs), a distance query of a few points for each pair that is left open; never
+  /// throws or allocates.
   Contact run(std::span<const LaneFrame> frames, std::span<const float> growth, float slack,
               Scratch& scratch) const;
   /// Planes and points alone, for some pairs in some lanes; their ids are here the pairs' places in

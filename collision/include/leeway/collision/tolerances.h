@@ -113,6 +113,10 @@ inline constexpr double kTiltedAxes = 0.1;
 /// right; larger ones decide where a way out along the axes is nearly as short.
 inline constexpr double kTiltedReaches[] = {4, 10, 30, 100};
 
+/// Nearer to the least of one angle none need be [rad]: differences that small are rounding. Larger
+/// leaves witnesses farther from the plane's normal.
+inline constexpr double kSettledAngle = 1e-15;
+
 /// Squared part across an axis below which a direction is too near to it for that. No unit.
 inline constexpr double kTiltedAcross = 1e-3;
 

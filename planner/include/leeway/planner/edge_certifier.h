@@ -68,8 +68,8 @@ class EdgeCertifier {
   Verdict decide(std::span<const double> point);
   /// Clearance to within tolerance [m], closest pair, witnesses.
   StateCheck clearance(std::span<const double> point, double tolerance);
-  /// Certifies the edge from a to b as the space interpolates it. Costs at most the
-  /// work limit.
+  /// Certifies the edge from a to b as the space interpolates it. Costs at most the work
+  /// limit.
   EdgeCheck certify(std::span<const double> a, std::span<const double> b,
                     const EdgeRequest& request = {});
   /// The minimum clearance along the edge to within tolerance [m] (or as near as the work limit
