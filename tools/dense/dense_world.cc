@@ -4,10 +4,13 @@
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <filesystem>
 #include <limits>
 #include <stdexcept>
+#include <utility>
 
 #include "tools/dense/fcl_shape.h"
 
@@ -41,6 +44,11 @@ Shape readPrimitive(const YAML::Node& node, const std::string& file) {
                            "'; this checker knows box, cylinder and sphere");
 }
 
+/// Rounding of FCL's bounds, generously [m], and the most places that a pair is left out.
+constexpr double kGapSlack = 1e-6, kLongestHop = 1e6;
+/// That many places, or a quarter of it and so on, are tried between meshes.
+constexpr int kHopBetweenMeshes = 16;
+
 double valueOf(const Named& values, const std::string& name) {
   for (const auto& [known, value] : values)
     if (known == name) return value;
@@ -67,16 +75,37 @@ std::string requestOf(const std::string& scene) {
   return (path.parent_path() / name.replace(at, 5, "request")).string();
 }
 
+/// What holds a shape, in its own frame: of a mesh its vertices and FCL's hierarchy over it, of
+/// anything else a box.
+struct DenseWorld::Bounds {
+  std::shared_ptr<const FclSurface> mesh;
+  Eigen::Matrix3Xd vertices;
+  Eigen::Vector3d center = Eigen::Vector3d::Zero(), half_extents = Eigen::Vector3d::Zero();
+
+  explicit Bounds(const FclGeometry& geometry)
+      : mesh(std::dynamic_pointer_cast<const FclSurface>(geometry)) {
+    if (mesh != nullptr) {
+      vertices = Eigen::Map<const Eigen::Matrix3Xd>(mesh->vertices->data(), 3, mesh->num_vertices);
+      return;
+    }
+    geometry->computeLocalAABB();
+    center = geometry->aabb_local.center();
+    half_extents = 0.5 * (geometry->aabb_local.max_ - geometry->aabb_local.min_);
+  }
+};
+
 struct DenseWorld::Body {
   std::string name;
   int link = -1;  // -1: the world
   std::vector<Isometry3d> X_LG;
   std::vector<std::unique_ptr<fcl::CollisionObjectd>> objects;
+  std::vector<Bounds> bounds;
   std::vector<Shape> shapes;
   std::vector<collision::Pose> X_WG;
 
   void add(const Shape& shape, const Isometry3d& X) {
     const FclGeometry geometry = toFcl(shape);
+    bounds.emplace_back(geometry);
     shapes.push_back(shape);
     X_WG.push_back({X.linear(), X.translation()});
     X_LG.push_back(X);
@@ -234,11 +263,59 @@ bool DenseWorld::collides(const Body& x, const Body& y) const {
   return false;
 }
 
-double DenseWorld::boxGap(const Body& x, const Body& y) const {
-  double gap = std::numeric_limits<double>::infinity();
-  for (const auto& a : x.objects)
-    for (const auto& b : y.objects) gap = std::min(gap, a->getAABB().distance(b->getAABB()));
-  return gap;
+/// Whether the volumes of FCL's hierarchies around two meshes' triangles are `gap` apart.
+bool DenseWorld::farther(const Bounds& a, const Bounds& b, const Isometry3d& X_AB, double gap) {
+  const fcl::Matrix3d R = X_AB.linear();
+  const fcl::Vector3d p = X_AB.translation();
+  nodes_.assign(1, {0, 0});
+  while (!nodes_.empty()) {
+    const auto [i, j] = nodes_.back();
+    nodes_.pop_back();
+    const fcl::BVNode<fcl::OBBRSSd>&u = a.mesh->getBV(i), &v = b.mesh->getBV(j);
+    if (fcl::distance(R, p, u.bv, v.bv) >= gap) continue;
+    if (u.isLeaf() && v.isLeaf()) return false;
+    if (v.isLeaf() || (!u.isLeaf() && u.bv.size() > v.bv.size())) {
+      nodes_.emplace_back(u.leftChild(), j);
+      nodes_.emplace_back(u.rightChild(), j);
+    } else {
+      nodes_.emplace_back(i, v.leftChild());
+      nodes_.emplace_back(i, v.rightChild());
+    }
+  }
+  return true;
+}
+
+/// How far a mesh's vertices all lie outside of one of a box's faces; negative when outside of
+/// none.
+double DenseWorld::faceGap(const Bounds& box, const Bounds& mesh, const Isometry3d& X_BM) {
+  placed_vertices_.noalias() = X_BM.linear() * mesh.vertices;
+  const Eigen::Vector3d p = X_BM.translation() - box.center;
+  const Eigen::Vector3d lower = placed_vertices_.rowwise().minCoeff() + p;
+  const Eigen::Vector3d upper = placed_vertices_.rowwise().maxCoeff() + p;
+  return (lower - box.half_extents).cwiseMax(-upper - box.half_extents).maxCoeff();
+}
+
+/// For how many places to come, each bringing two bodies `step` closer at most, they are proven
+/// apart: by planes of boxes' faces, and by FCL's bounds as many as `most` between meshes.
+double DenseWorld::placesApart(const Body& x, const Body& y, double step, int most) {
+  double places = kLongestHop;
+  for (std::size_t g = 0; g < x.objects.size(); ++g)
+    for (std::size_t h = 0; h < y.objects.size(); ++h) {
+      const fcl::CollisionObjectd &a = *x.objects[g], &b = *y.objects[h];
+      double apart = (a.getAABB().distance(b.getAABB()) - kGapSlack) / step;
+      const Isometry3d X_AB = a.getTransform().inverse(Eigen::Isometry) * b.getTransform();
+      const Bounds &u = x.bounds[g], &v = y.bounds[h];
+      if (apart < most && u.mesh && v.mesh) {
+        for (int tried = most; tried > std::max(apart, 0.0); tried /= 4)
+          if (farther(u, v, X_AB, tried * step + kGapSlack)) apart = tried;
+      } else if (apart < most && (u.mesh || v.mesh)) {
+        const double gap =
+            u.mesh ? faceGap(v, u, X_AB.inverse(Eigen::Isometry)) : faceGap(u, v, X_AB);
+        apart = std::max(apart, (gap - kGapSlack) / step);
+      }
+      places = std::min(places, apart);
+    }
+  return places;
 }
 
 Collision DenseWorld::check(const std::vector<std::string>& names,
@@ -326,13 +403,10 @@ std::optional<double> DenseWorld::firstCollision(const std::vector<std::string>&
         placed_[b] = place;
         placeObjects(*bodies_[b]);
       }
-      const double gap = boxGap(*bodies_[i], *bodies_[j]) - 1e-6;
-      if (gap > 0) {
-        const double reached = gap * count / std::max(steps[p], 1e-12);
-        due_[p] = place + 1 + static_cast<int>(std::min(reached, 1e6));
-      } else if (collides(*bodies_[i], *bodies_[j])) {
-        return t;
-      }
+      const double places = placesApart(*bodies_[i], *bodies_[j], std::max(steps[p] / count, 1e-12),
+                                        kHopBetweenMeshes);
+      if (places < 0 && collides(*bodies_[i], *bodies_[j])) return t;
+      due_[p] = place + 1 + static_cast<int>(std::max(places, 0.0));
     }
   }
   return std::nullopt;

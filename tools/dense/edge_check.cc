@@ -1,11 +1,13 @@
 // edge_check: certified edges against dense sampling, of a robot among the obstacles of scenes.
 //   edge_check --robot R.urdf --srdf R.srdf [--asked] [--count N] [--seed S] [--shard i/N]
-//     [--step 0.002] SCENE.yaml...
+//     [--step 0.002] [--every-place] SCENE.yaml...
 // Random edges, scene by scene in turn, or with --asked those that planning and simplifying ask for
 // (bench_edges replays the same), with one seed after another until there are enough.
 // Certified edges are looked at every 0.002 rad with FCL: a collision makes them unsafe (none is
 // allowed). Rejected edges are looked at in the same places for a pair within 0.1 mm: when there is
 // none, the rejection was cautious (at most 0.1 % are allowed). Exit status 1 when either fails.
+// With --every-place, all pairs are looked at in all places of all edges besides, where otherwise
+// most are left out as too far apart to meet: the first collision must be the same.
 // A random edge depends on seed and its number alone; of the edges that are asked for, each shard
 // takes every N-th.
 
@@ -48,7 +50,7 @@ constexpr unsigned long long kPlannerLooks = 2000;
 struct Options {
   std::string robot, srdf, shard = "0/1";
   std::vector<std::string> scenes;
-  bool asked = false;
+  bool asked = false, every_place = false;
   long long count = 1000;
   std::uint64_t seed = 1;
   double step = 0.002;
@@ -61,6 +63,7 @@ struct Edge {
 
 struct Counts {
   long long edges = 0, free = 0, rejected = 0, undecided = 0, unsafe = 0, cautious = 0, states = 0;
+  long long differ = 0;  // with --every-place
   double certify_free_s = 0, certify_rejected_s = 0, sampling_s = 0;
 };
 
@@ -116,8 +119,19 @@ void tell(const char* what, long long index, const Edge& edge, double t) {
              fmt::join(edge.from, " "), fmt::join(edge.to, " "));
 }
 
+/// The twin of DenseWorld::firstCollision(): every pair in every place.
+std::optional<double> firstOfAll(DenseWorld& world, const std::vector<std::string>& names,
+                                 const Edge& edge, int count) {
+  for (int i = 0; i <= count; ++i) {
+    const double t = static_cast<double>(i) / count;
+    if (world.check(names, between(edge, t)).found) return t;
+  }
+  return std::nullopt;
+}
+
 void check(long long index, const Edge& edge, EdgeCertifier& certifier, DenseWorld& world,
-           const std::vector<std::string>& names, double step, Counts& counts) {
+           const std::vector<std::string>& names, const Options& options, Counts& counts) {
+  const double step = options.step;
   using Clock = std::chrono::steady_clock;
   const auto begin = Clock::now();
   const EdgeCheck verdict = certifier.certify(edge.from, edge.to);
@@ -125,6 +139,14 @@ void check(long long index, const Edge& edge, EdgeCertifier& certifier, DenseWor
   const double seconds = std::chrono::duration<double>(end - begin).count();
   ++counts.edges;
   if (verdict.verdict == Verdict::kUndecided) ++counts.undecided;
+  if (options.every_place) {
+    const int count = samples(edge, step);
+    const auto all = firstOfAll(world, names, edge, count);
+    if (all != world.firstCollision(names, edge.from, edge.to, count)) {
+      ++counts.differ;
+      tell("DIFFERS from every place", index, edge, all.value_or(1));
+    }
+  }
   if (verdict.verdict == Verdict::kFree) {
     ++counts.free;
     counts.certify_free_s += seconds;
@@ -190,7 +212,7 @@ void checkAsked(const Options& options, int shard, int shards, std::vector<Place
           Edge edge{(*ends)[i], (*ends)[i + 1], 0};
           for (std::size_t k = 0; k < edge.from.size(); ++k)
             edge.length = std::hypot(edge.length, edge.to[k] - edge.from[k]);
-          check(index, edge, *place.certifier, *place.world, place.names, options.step, counts);
+          check(index, edge, *place.certifier, *place.world, place.names, options, counts);
         }
     }
     if (index == before) throw std::runtime_error("no scene's planner asks for any edge");
@@ -204,7 +226,7 @@ void checkRandom(const Options& options, int shard, int shards, std::vector<Plac
     Random random(Random(options.seed).bits() ^
                   (static_cast<std::uint64_t>(i) * 0xd1342543de82ef95ull));
     check(i, randomEdge(random, *place.certifier), *place.certifier, *place.world, place.names,
-          options.step, counts);
+          options, counts);
   }
 }
 
@@ -232,7 +254,10 @@ int run(const Options& options) {
       "certify: {:.1f} us a free edge, {:.1f} us a rejected one; sampling: {} states, {:.1f} s\n",
       mean(c.certify_free_s, c.free), mean(c.certify_rejected_s, c.rejected), c.states,
       c.sampling_s);
-  return c.unsafe == 0 && share <= kCautiousShare && c.free > 0 && c.rejected > 0 ? 0 : 1;
+  if (options.every_place) fmt::print("{} of them differ from every place\n", c.differ);
+  return c.unsafe == 0 && c.differ == 0 && share <= kCautiousShare && c.free > 0 && c.rejected > 0
+             ? 0
+             : 1;
 }
 
 }  // namespace
@@ -246,6 +271,7 @@ int main(int argc, char** argv) {
   app.add_option("scenes", options.scenes, "sceneNNNN.yaml, with requestNNNN.yaml beside them")
       ->required();
   app.add_flag("--asked", options.asked, "edges that planning and simplifying ask for");
+  app.add_flag("--every-place", options.every_place, "compare with all pairs in all places");
   app.add_option("--count", options.count, "edges in all shards")->check(CLI::PositiveNumber);
   app.add_option("--seed", options.seed, "seed");
   app.add_option("--shard", options.shard, "i/N: every N-th edge from the i-th");

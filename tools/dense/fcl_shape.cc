@@ -14,8 +14,9 @@ using collision::ShapeType;
 using Eigen::Isometry3d;
 
 template <typename Triangles>
-FclGeometry bvhOf(std::span<const Eigen::Vector3d> vertices, const Triangles& triangles) {
-  auto model = std::make_shared<fcl::BVHModel<fcl::OBBRSSd>>();
+std::shared_ptr<FclSurface> bvhOf(std::span<const Eigen::Vector3d> vertices,
+                                  const Triangles& triangles) {
+  auto model = std::make_shared<FclSurface>();
   std::vector<fcl::Triangle> indices;
   for (const auto& t : triangles)
     indices.emplace_back(static_cast<std::size_t>(t[0]), static_cast<std::size_t>(t[1]),
@@ -35,8 +36,8 @@ Isometry3d isometry(const collision::Pose& X) {
   return result;
 }
 
-FclGeometry fclMesh(std::span<const Eigen::Vector3d> vertices,
-                    std::span<const std::array<std::int32_t, 3>> triangles) {
+std::shared_ptr<FclSurface> fclMesh(std::span<const Eigen::Vector3d> vertices,
+                                    std::span<const std::array<std::int32_t, 3>> triangles) {
   return bvhOf(vertices, triangles);
 }
 
