@@ -453,6 +453,7 @@ class DeformBuilder {
       tree_->leaf_vertices_.insert(tree_->leaf_vertices_.end(), collected.begin(), collected.end());
       leaf.vertex_end = static_cast<std::int32_t>(tree_->leaf_vertices_.size());
     }
+    collectForRefits(round, stamp, collected);
     for (DeformTree::Branch& branch : tree_->branches_)
       branch.runs = runsBelow(branch.root, round++, stamp, collected);
     // Nodes of a branch come behind its root.
@@ -465,6 +466,48 @@ class DeformBuilder {
       }
       tree_->runs_[index(node - tree_->upper_count_)] = runsBelow(node, round++, stamp, collected);
     }
+  }
+
+  void collectForRefits(std::int32_t& round, std::vector<std::int32_t>& stamp,
+                        std::vector<std::int32_t>& collected) {
+    static_assert(3 * DeformTree::kLeafTriangles * kWidth <= 256, "places in a node are bytes");
+    std::vector<std::uint8_t> place(vertices_.size());  // of those of this round
+    std::vector<std::int32_t>& all = tree_->refit_vertices_;
+    std::vector<std::uint8_t>& corners = tree_->refit_corners_;
+    tree_->refits_.assign(tree_->nodes_.size() + 1, {0, 0});
+    for (std::int32_t id = tree_->nodeCount() - 1; id >= 0; --id, ++round) {
+      collected.clear();
+      std::size_t most = 0;
+      for (const std::int32_t child : tree_->node(id).child) {
+        const std::span<const std::int32_t> own = verticesOf(child);
+        most = std::max(most, own.size());
+        for (const std::int32_t v : own) collectOne(v, round, stamp, collected);
+      }
+      if (most > 0) {
+        std::sort(collected.begin(), collected.end());
+        for (std::size_t i = 0; i < collected.size(); ++i)
+          place[index(collected[i])] = static_cast<std::uint8_t>(i);
+        while (collected.size() % 4 != 0) collected.push_back(collected.back());
+        all.insert(all.end(), collected.begin(), collected.end());
+        corners.push_back(static_cast<std::uint8_t>(most));
+        for (const std::int32_t child : tree_->node(id).child) {
+          const std::span<const std::int32_t> own = verticesOf(child);
+          for (const std::int32_t v : own) corners.push_back(place[index(v)]);
+          corners.insert(corners.end(), most - own.size(), own.empty() ? 0 : corners.back());
+        }
+      }
+      tree_->refits_[index(id)] = {static_cast<std::int32_t>(all.size()),
+                                   static_cast<std::int32_t>(corners.size())};
+    }
+    all.insert(all.end(), index(DeformTree::kAhead), 0);
+  }
+
+  // None of what is no leaf.
+  std::span<const std::int32_t> verticesOf(std::int32_t child) const {
+    if (!DeformTree::isLeaf(child)) return {};
+    const DeformTree::Leaf& l = tree_->leaf(DeformTree::leafOf(child));
+    return tree_->leafVertices().subspan(index(l.vertex_begin),
+                                         index(l.vertex_end - l.vertex_begin));
   }
 
   DeformTree::Runs runsBelow(std::int32_t node, std::int32_t round,
@@ -502,11 +545,14 @@ class DeformBuilder {
 
   static void collect(const Triangle& corners, std::int32_t round, std::vector<std::int32_t>& stamp,
                       std::vector<std::int32_t>& collected) {
-    for (const std::int32_t v : corners) {
-      if (stamp[index(v)] == round) continue;
-      stamp[index(v)] = round;
-      collected.push_back(v);
-    }
+    for (const std::int32_t v : corners) collectOne(v, round, stamp, collected);
+  }
+
+  static void collectOne(std::int32_t v, std::int32_t round, std::vector<std::int32_t>& stamp,
+                         std::vector<std::int32_t>& collected) {
+    if (stamp[index(v)] == round) return;
+    stamp[index(v)] = round;
+    collected.push_back(v);
   }
 
   std::span<const Vector3d> vertices_;
@@ -545,7 +591,9 @@ std::size_t DeformTree::bytes() const {
           leaf_vertices_.capacity() + triangle_of_.capacity() + slot_of_.capacity()) *
              sizeof(std::int32_t) +
          leaves_.capacity() * sizeof(Leaf) + branches_.capacity() * sizeof(Branch) +
-         runs_.capacity() * sizeof(Runs) + corners_.capacity() * sizeof(Triangle);
+         runs_.capacity() * sizeof(Runs) + refits_.capacity() * sizeof(Refit) +
+         refit_vertices_.capacity() * sizeof(std::int32_t) + refit_corners_.capacity() +
+         corners_.capacity() * sizeof(Triangle);
 }
 
 std::shared_ptr<const DeformTree> buildDeformTree(std::span<const Vector3d> vertices,

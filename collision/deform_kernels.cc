@@ -35,6 +35,12 @@ const hn::CappedTag<float, kWidth> kLanes;
 using Floats = hn::Vec<decltype(kLanes)>;
 constexpr std::size_t kStep = hn::MaxLanes(decltype(kLanes)());
 
+// Four floats, or a part of them.
+const hn::CappedTag<float, 4> kFourFloats;
+using FourFloats = hn::Vec<decltype(kFourFloats)>;
+constexpr std::size_t kFourLanes = hn::MaxLanes(decltype(kFourFloats)());
+constexpr std::size_t kFloatParts = 4 / kFourLanes;
+
 // x - x is 0 for finite x only.
 template <class D, class V>
 HWY_INLINE bool isFinite(D d, V x) {
@@ -76,6 +82,11 @@ struct Extremes {
       sum[i] = hn::Add(sum[i], other.sum[i]);
     }
   }
+  // Looks only whether it is finite.
+  HWY_INLINE void count(const double* v) {
+    for (std::size_t i = 0; i < kParts; ++i)
+      sum[i] = hn::Add(sum[i], hn::LoadU(kDoubles, v + kDoubleLanes * i));
+  }
   HWY_INLINE bool finite() const {
     bool all = true;
     for (std::size_t i = 0; i < kParts; ++i) all = all && isFinite(kDoubles, sum[i]);
@@ -83,18 +94,22 @@ struct Extremes {
   }
 };
 
-// Single precision, outwards: to nearest is off by half a unit in the last place; 2^-23 |x| is one
-// unit at least, and what is below the normal numbers is covered by their least.
+// How far a single can be off that is the nearest to some number, and then some: that is half a
+// unit in the last place; 2^-23 |x| is one unit at least, and what is below the normal numbers is
+// covered by their least.
+template <class D, class V>
+HWY_INLINE V doubtOf(D d, V x) {
+  return hn::Add(hn::Mul(hn::Abs(x), hn::Set(d, 0x1p-23F)), hn::Set(d, 0x1p-126F));
+}
+
+// Single precision, outwards.
 template <class D>
 HWY_INLINE void outwards(D d, const Doubles* low, const Doubles* high, float* l, float* h) {
   if constexpr (hn::MaxLanes(D()) == 4) {
     const hn::Rebind<float, D> four;
-    const auto doubt = [&](auto x) {
-      return hn::Add(hn::Mul(hn::Abs(x), hn::Set(four, 0x1p-23F)), hn::Set(four, 0x1p-126F));
-    };
     const auto below = hn::DemoteTo(four, low[0]), above = hn::DemoteTo(four, high[0]);
-    hn::StoreU(hn::Sub(below, doubt(below)), four, l);
-    hn::StoreU(hn::Add(above, doubt(above)), four, h);
+    hn::StoreU(hn::Sub(below, doubtOf(four, below)), four, l);
+    hn::StoreU(hn::Add(above, doubtOf(four, above)), four, h);
   } else {
     HWY_ALIGN double a[4], b[4];
     for (std::size_t i = 0; i < kParts; ++i) {
@@ -169,31 +184,88 @@ void fillLane(WideBox& box, std::size_t lane, float low, float high) {
   }
 }
 
+// The boxes of a node's leaves, lane by lane, from its vertices as `near` has them: in single
+// precision, for what is nearest to the least is the least of what is nearest. Leaves of a node are
+// made out to be of the same size, since the end of a loop that comes as a surprise costs more.
+HWY_INLINE void leavesFrom(const float (*near)[4], const std::uint8_t* corners, float (*low)[4],
+                           float (*high)[4]) {
+  const std::size_t count = *corners++;
+  for (std::size_t lane = 0; lane < kWidth; ++lane, corners += count) {
+    FourFloats l[kFloatParts], h[kFloatParts];
+    for (std::size_t i = 0; i < kFloatParts; ++i)
+      l[i] = h[i] = hn::Load(kFourFloats, near[corners[0]] + kFourLanes * i);
+    for (std::size_t c = 1; c < count; ++c) {
+      for (std::size_t i = 0; i < kFloatParts; ++i) {
+        const FourFloats p = hn::Load(kFourFloats, near[corners[c]] + kFourLanes * i);
+        l[i] = hn::Min(p, l[i]);
+        h[i] = hn::Max(p, h[i]);
+      }
+    }
+    for (std::size_t i = 0; i < kFloatParts; ++i) {
+      hn::Store(l[i], kFourFloats, low[lane] + kFourLanes * i);
+      hn::Store(h[i], kFourFloats, high[lane] + kFourLanes * i);
+    }
+  }
+}
+
+// The lanes of leaves, rounded outwards, into the node's boxes; lanes without a child become empty;
+// those of nodes stay.
+HWY_INLINE void putLeaves(const float (*low)[4], const float (*high)[4],
+                          const DeformTree::Node& node, WideBox& box) {
+  const hn::RebindToSigned<decltype(kLanes)> ints;
+  const Floats infinity = hn::Set(kLanes, std::numeric_limits<float>::infinity());
+  for (std::size_t i = 0; i < kWidth; i += kStep) {
+    const auto child = hn::LoadU(ints, node.child + i);
+    const auto none = hn::RebindMask(kLanes, hn::Eq(child, hn::Set(ints, DeformTree::kNone)));
+    const auto inner = hn::RebindMask(kLanes, hn::Gt(child, hn::Set(ints, DeformTree::kNone)));
+    const bool none_inner = hn::AllFalse(kLanes, inner);
+    Floats l[4], h[4];
+    hn::LoadInterleaved4(kLanes, low[i], l[0], l[1], l[2], l[3]);
+    hn::LoadInterleaved4(kLanes, high[i], h[0], h[1], h[2], h[3]);
+    for (int k = 0; k < 3; ++k) {
+      l[k] = hn::IfThenElse(none, infinity, hn::Sub(l[k], doubtOf(kLanes, l[k])));
+      h[k] = hn::IfThenElse(none, hn::Neg(infinity), hn::Add(h[k], doubtOf(kLanes, h[k])));
+      if (!none_inner) {  // the box comes from far
+        l[k] = hn::IfThenElse(inner, hn::Load(kLanes, box.low[k] + i), l[k]);
+        h[k] = hn::IfThenElse(inner, hn::Load(kLanes, box.high[k] + i), h[k]);
+      }
+      hn::Store(l[k], kLanes, box.low[k] + i);
+      hn::Store(h[k], kLanes, box.high[k] + i);
+    }
+  }
+}
+
 bool refit(const DeformTree& tree, const Eigen::Vector3d* vertices, std::int32_t begin,
            std::int32_t end, WideBox* boxes) {
-  const std::int32_t* leaf_vertices = tree.leafVertices().data();
-  bool finite = true;
+  // Of the last node that was looked at; lanes without a leaf hold anything.
+  HWY_ALIGN float near[3 * DeformTree::kLeafTriangles * kWidth][4];
+  HWY_ALIGN float low[kWidth][4] = {}, high[kWidth][4] = {};
+  const std::span<const DeformTree::Refit> refits = tree.refits();
+  Extremes sums[4];  // a chain of dependent additions each
   for (std::int32_t id = end - 1; id >= begin; --id) {
     const DeformTree::Node& node = tree.node(id);
+    const DeformTree::Refit &from = refits[static_cast<std::size_t>(id) + 1],
+                            &to = refits[static_cast<std::size_t>(id)];
     WideBox& box = boxes[id];
-    for (std::size_t lane = 0; lane < kWidth; ++lane) {
-      const std::int32_t child = node.child[lane];
-      if (child >= 0) continue;
-      if (child == DeformTree::kNone) {
-        fillLane(box, lane, std::numeric_limits<float>::infinity(),
-                 -std::numeric_limits<float>::infinity());
-        continue;
+    const std::int32_t* v = tree.refitVertices().data() + from.vertices;
+    const std::int32_t* const last = tree.refitVertices().data() + to.vertices;
+    if (v != last) {
+      // Vertices come from far: each is fetched early, and read once.
+      for (float(*put)[4] = near; v != last; v += 4, put += 4) {
+        for (std::size_t i = 0; i < 4; ++i) {
+          hwy::Prefetch(at(vertices, v[i + DeformTree::kAhead]));
+          putSingle(at(vertices, v[i]), put[i]);
+          sums[i].count(at(vertices, v[i]));
+        }
       }
-      const DeformTree::Leaf& leaf = tree.leaf(DeformTree::leafOf(child));
-      const Extremes e =
-          boxOf(vertices, leaf_vertices + leaf.vertex_begin, leaf_vertices + leaf.vertex_end);
-      finite &= e.finite();
-      putLane(e, box, lane);
+      leavesFrom(near, tree.refitCorners().data() + from.corners, low, high);
     }
+    putLeaves(low, high, node, box);
     const DeformTree::Up& up = tree.up(id);
     if (up.parent >= begin) unite(box, boxes[up.parent], static_cast<std::size_t>(up.lane));
   }
-  return finite;
+  for (std::size_t i = 1; i < 4; ++i) sums[0].add(sums[i]);
+  return sums[0].finite();
 }
 
 // Four vertices that stand side by side fill three vectors, or six or twelve: coordinates x, y, z,

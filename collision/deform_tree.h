@@ -60,6 +60,14 @@ class DeformTree {
     std::int32_t four_begin, four_end;      ///< in fours()
     std::int32_t single_begin, single_end;  ///< in singles()
   };
+  /// Where a refit finds what the leaves of a node hold: counted from the end, so that the last
+  /// node, whose turn comes first, stands first.
+  struct Refit {
+    std::int32_t vertices;  ///< in refitVertices(): before it those of the nodes behind
+    std::int32_t corners;   ///< in refitCorners(), likewise
+  };
+  /// Vertices that stand in refitVertices() behind all others, so that it can be read ahead.
+  static constexpr std::int32_t kAhead = 128;
   struct Branch {
     std::int32_t root;
     Runs runs;  ///< in the order of the branches
@@ -83,6 +91,16 @@ class DeformTree {
   std::int32_t branchSingles() const {
     return branches_.empty() ? 0 : branches_.back().runs.single_end;
   }
+
+  /// One a node and one more: the node's own begin at refits()[node + 1] and end at refits()[node].
+  std::span<const Refit> refits() const { return refits_; }
+  /// Of each node, last node first, the vertices of its leaves: each once, but for some of the last
+  /// again, so that they are a multiple of four.
+  std::span<const std::int32_t> refitVertices() const { return refit_vertices_; }
+  /// Of each node that has leaves, how many vertices its largest has, and for each lane as many
+  /// places among the node's vertices: those of a leaf with fewer repeat the last one, and lanes
+  /// without a leaf hold anything.
+  std::span<const std::uint8_t> refitCorners() const { return refit_corners_; }
 
   static bool isLeaf(std::int32_t child) { return child < kNone; }
   static std::int32_t leafOf(std::int32_t child) { return -2 - child; }
@@ -121,6 +139,9 @@ class DeformTree {
   std::vector<std::int32_t> leaf_begin_, leaf_end_;  // one a node: leaves below it
   std::vector<Leaf> leaves_;
   std::vector<std::int32_t> leaf_vertices_;
+  std::vector<Refit> refits_;
+  std::vector<std::int32_t> refit_vertices_;
+  std::vector<std::uint8_t> refit_corners_;
   std::vector<Branch> branches_;
   std::vector<Runs> runs_;  // one a node of a branch; empty for the roots
   std::vector<std::int32_t> fours_, singles_;

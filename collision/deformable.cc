@@ -209,7 +209,8 @@ bool Deformable::Impl::refit(DeformableSnapshotImpl& s) {
   s.demand = Demand::kNothing;
   reserve(s.boxes, tree->nodeCount());
   statistics.nodes_touched += tree->nodeCount();
-  statistics.vertices_touched += static_cast<std::int64_t>(tree->leafVertices().size());
+  statistics.vertices_touched +=
+      static_cast<std::int64_t>(tree->refitVertices().size()) - DeformTree::kAhead;
   if (!deformKernels().refit(*tree, s.vertices.data(), 0, tree->nodeCount(), s.boxes.data()))
     return false;
   boundRoot(s.boxes[0], s.low, s.high);

@@ -7,6 +7,7 @@
 
 #include <cmath>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "collision/convex.h"
@@ -37,6 +38,16 @@ Mesh makeMesh(Random& random, int kind) {
                          : kind == 2 ? testing::cloth(21, &random)
                                      : testing::globe(9);
   sheet.vertices = testing::waved(sheet.vertices, 0.3, random.uniform(0, 6));
+  if (kind == 4) {  // no vertex is of two triangles
+    const testing::Sheet whole = testing::cloth(21);
+    sheet = {};
+    for (const DeformTree::Triangle& t : whole.triangles) {
+      const auto first = static_cast<std::int32_t>(sheet.vertices.size());
+      for (const std::int32_t v : t)
+        sheet.vertices.push_back(whole.vertices[static_cast<std::size_t>(v)]);
+      sheet.triangles.push_back({first, first + 1, first + 2});
+    }
+  }
   if (kind == 3) {
     for (Vector3d& v : sheet.vertices) v += Vector3d(1e3, -2e4, 5);
   }
@@ -95,7 +106,7 @@ std::vector<float> results() {
   const DeformKernels& kernels = deformKernels();
   Random random(81);
   std::vector<float> all;
-  for (int kind = 0; kind < 4; ++kind) {
+  for (int kind = 0; kind < 5; ++kind) {
     Mesh mesh = makeMesh(random, kind);
     const DeformTree& tree = *mesh.tree;
     for (const double spoilt : {0.0, std::nan(""), kInfinity}) {
@@ -170,8 +181,9 @@ TEST(DeformKernels, AreTheSameBytes) {
 TEST(DeformKernels, BoxesAreTheVertices) {
   const DeformKernels& kernels = deformKernels();
   Random random(82);
-  for (int kind = 0; kind < 4; ++kind) {
-    const Mesh mesh = makeMesh(random, kind);
+  int mixed = 0, full = 0;  // nodes with leaves and nodes; with as many vertices as can be
+  for (int kind = 0; kind < 5; ++kind) {
+    Mesh mesh = makeMesh(random, kind);
     const DeformTree& tree = *mesh.tree;
     std::vector<WideBox> boxes(tree.nodes().size()), upper(tree.nodes().size());
     ASSERT_TRUE(kernels.refit(tree, mesh.vertices.data(), 0, tree.nodeCount(), boxes.data()));
@@ -205,7 +217,33 @@ TEST(DeformKernels, BoxesAreTheVertices) {
       const DeformTree::Up& up = tree.up(branch.root);
       check(upper[static_cast<std::size_t>(up.parent)], up.parent, up.lane);
     }
+    for (std::int32_t node = 0; node < tree.nodeCount(); ++node) {
+      int leaves = 0, nodes = 0, vertices = 0;
+      for (int lane = 0; lane < kWidth; ++lane) {
+        const std::int32_t child = tree.node(node).child[lane];
+        if (DeformTree::isLeaf(child)) {
+          ++leaves;
+          vertices += static_cast<int>(tree.vertices(node, lane).size());
+        } else if (child != DeformTree::kNone) {
+          ++nodes;
+        }
+      }
+      mixed += leaves > 0 && nodes > 0;
+      full += vertices == 3 * DeformTree::kLeafTriangles * kWidth;
+    }
+    // A vertex that is not finite is found wherever it is.
+    for (int i = 0; i < 20; ++i) {
+      const int last = static_cast<int>(mesh.count()) - 1;
+      const int which = i == 0 ? 0 : i == 1 ? last : random.below(last);
+      Vector3d& v = mesh.vertices[static_cast<std::size_t>(which)];
+      const double was = std::exchange(
+          v[i % 3], i % 2 == 0 ? std::numeric_limits<double>::quiet_NaN() : -kInfinity);
+      EXPECT_FALSE(kernels.refit(tree, mesh.vertices.data(), 0, tree.nodeCount(), boxes.data()));
+      v[i % 3] = was;
+    }
   }
+  EXPECT_GT(mixed, 0);
+  EXPECT_GT(full, 0);
 }
 
 /// No triangle below a child is nearer than its bound, none of a leaf than its own; and children
