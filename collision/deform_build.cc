@@ -454,8 +454,15 @@ class DeformBuilder {
       leaf.vertex_end = static_cast<std::int32_t>(tree_->leaf_vertices_.size());
     }
     collectForRefits(round, stamp, collected);
-    for (DeformTree::Branch& branch : tree_->branches_)
+    for (DeformTree::Branch& branch : tree_->branches_) {
       branch.runs = runsBelow(branch.root, round++, stamp, collected);
+      addRows(collected, static_cast<std::int32_t>(&branch - tree_->branches_.data()));
+    }
+    // Rows of a branch share no vertex, but those of two may.
+    std::sort(tree_->rows_.begin(), tree_->rows_.end(),
+              [](const DeformTree::Row& l, const DeformTree::Row& r) {
+                return l.begin != r.begin ? l.begin < r.begin : l.branch < r.branch;
+              });
     // Nodes of a branch come behind its root.
     tree_->runs_.resize(tree_->nodes_.size() - index(tree_->upper_count_));
     std::size_t next_branch = 0;
@@ -522,15 +529,28 @@ class DeformBuilder {
     DeformTree::Runs runs{};
     runs.four_begin = static_cast<std::int32_t>(tree_->fours_.size());
     runs.single_begin = static_cast<std::int32_t>(tree_->singles_.size());
-    for (auto first = collected.begin(); first != collected.end();) {
-      auto last = first + 1;
-      while (last != collected.end() && *last == *(last - 1) + 1) ++last;
-      inFours(*first, static_cast<std::int32_t>(last - first));
-      first = last;
-    }
+    forEachRow(collected,
+               [this](std::int32_t first, std::int32_t count) { inFours(first, count); });
     runs.four_end = static_cast<std::int32_t>(tree_->fours_.size());
     runs.single_end = static_cast<std::int32_t>(tree_->singles_.size());
     return runs;
+  }
+
+  // Calls f(begin, count) for vertices that stand side by side, ascending.
+  template <class F>
+  static void forEachRow(const std::vector<std::int32_t>& collected, F f) {
+    for (auto first = collected.begin(); first != collected.end();) {
+      auto last = first + 1;
+      while (last != collected.end() && *last == *(last - 1) + 1) ++last;
+      f(*first, static_cast<std::int32_t>(last - first));
+      first = last;
+    }
+  }
+
+  void addRows(const std::vector<std::int32_t>& collected, std::int32_t branch) {
+    forEachRow(collected, [&](std::int32_t begin, std::int32_t count) {
+      if (count >= 4) tree_->rows_.push_back({begin, count, branch});
+    });
   }
 
   // The vertices begin .. begin + count - 1; the last four may begin among the ones before them.
@@ -591,9 +611,9 @@ std::size_t DeformTree::bytes() const {
           leaf_vertices_.capacity() + triangle_of_.capacity() + slot_of_.capacity()) *
              sizeof(std::int32_t) +
          leaves_.capacity() * sizeof(Leaf) + branches_.capacity() * sizeof(Branch) +
-         runs_.capacity() * sizeof(Runs) + refits_.capacity() * sizeof(Refit) +
-         refit_vertices_.capacity() * sizeof(std::int32_t) + refit_corners_.capacity() +
-         corners_.capacity() * sizeof(Triangle);
+         rows_.capacity() * sizeof(Row) + runs_.capacity() * sizeof(Runs) +
+         refits_.capacity() * sizeof(Refit) + refit_vertices_.capacity() * sizeof(std::int32_t) +
+         refit_corners_.capacity() + corners_.capacity() * sizeof(Triangle);
 }
 
 std::shared_ptr<const DeformTree> buildDeformTree(std::span<const Vector3d> vertices,

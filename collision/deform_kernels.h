@@ -30,6 +30,11 @@ struct Bounds {
   float closed;   ///< no other child is nearer
 };
 
+/// The box of the vertices of a branch that have been read so far: x, y, z, x, ... of several.
+struct alignas(64) BranchBox {
+  double low[12], high[12];
+};
+
 /// Function pointers of one instruction set. Every set yields the same bytes.
 struct DeformKernels {
   /// Boxes of the nodes [begin, end), last first, each from its leaves' vertices and its children
@@ -40,6 +45,9 @@ struct DeformKernels {
   /// Boxes of the branches [begin, end), in their parents' lanes.
   bool (*branches)(const DeformTree& tree, const Eigen::Vector3d* vertices, std::size_t begin,
                    std::size_t end, WideBox* boxes);
+  /// Of all branches, reading the vertices in the order of memory; `room` has a box for each.
+  bool (*allBranches)(const DeformTree& tree, const Eigen::Vector3d* vertices, BranchBox* room,
+                      WideBox* boxes);
   /// Boxes of the children of one node from the vertices below them; infinite ones where a vertex
   /// is not finite.
   void (*fromVertices)(const DeformTree& tree, const Eigen::Vector3d* vertices, std::int32_t node,

@@ -68,6 +68,11 @@ class DeformTree {
   };
   /// Vertices that stand in refitVertices() behind all others, so that it can be read ahead.
   static constexpr std::int32_t kAhead = 128;
+  /// Four or more vertices of a branch that stand side by side.
+  struct Row {
+    std::int32_t begin, count;  ///< vertices
+    std::int32_t branch;
+  };
   struct Branch {
     std::int32_t root;
     Runs runs;  ///< in the order of the branches
@@ -80,6 +85,8 @@ class DeformTree {
   std::int32_t upperCount() const { return upper_count_; }
   const Up& up(std::int32_t node) const { return up_[static_cast<std::size_t>(node)]; }
   std::span<const Branch> branches() const { return branches_; }
+  /// What the branches have in fours(), in the order of memory.
+  std::span<const Row> rows() const { return rows_; }
   /// The vertices below a node of a branch that is not its root, each once.
   const Runs& runs(std::int32_t node) const {
     return runs_[static_cast<std::size_t>(node - upper_count_)];
@@ -143,6 +150,7 @@ class DeformTree {
   std::vector<std::int32_t> refit_vertices_;
   std::vector<std::uint8_t> refit_corners_;
   std::vector<Branch> branches_;
+  std::vector<Row> rows_;
   std::vector<Runs> runs_;  // one a node of a branch; empty for the roots
   std::vector<std::int32_t> fours_, singles_;
   std::vector<std::int32_t> triangle_of_, slot_of_;

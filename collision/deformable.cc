@@ -49,6 +49,9 @@ constexpr std::size_t kSampledTriangles = 256;
 constexpr double kTurnGrowth = 0.35;
 // When more than this share of the branches is due, all are read: growing the others is work, too.
 constexpr double kTurnWorth = 0.75;
+// Vertices of so small a mesh [count] are still near when they have just been written, and the
+// order in which they are read does not matter.
+constexpr int kNearVertices = 40000;
 // auto weighs a rebuild at the end of a turn: it reads this share of the branches a frame at least,
 // or less where reading them would take more than kTurnQueries of what queries take.
 constexpr double kTurnShare = 0.125;
@@ -113,6 +116,7 @@ struct Deformable::Impl {
     double area = 0, length = 0;  // sums over the branches that were read, as they were then
   };
   Turn turn;
+  std::vector<BranchBox> branch_room;
   double branch_length = 0;  // longest side of a branch's box, in the mean over the last whole turn
 
   // What is to be done with vertices that stand in the next snapshot. Of those that are given, none
@@ -277,8 +281,13 @@ bool Deformable::Impl::upperLevels(DeformableSnapshotImpl& s, double moved) {
   if (due == all || turn.next == all) turn = {.frames = turn.frames};
   if (due < all) growBranches(s, moved);
   const std::size_t begin = turn.next, end = std::min(begin + due, all);
-  if (!deformKernels().branches(*tree, s.vertices.data(), begin, end, s.boxes.data()) ||
-      !deformKernels().refit(*tree, s.vertices.data(), 0, upper, s.boxes.data()))
+  if (branch_room.size() < all) branch_room.resize(all);
+  const bool finite =
+      due == all && mesh->vertexCount() > kNearVertices
+          ? deformKernels().allBranches(*tree, s.vertices.data(), branch_room.data(),
+                                        s.boxes.data())
+          : deformKernels().branches(*tree, s.vertices.data(), begin, end, s.boxes.data());
+  if (!finite || !deformKernels().refit(*tree, s.vertices.data(), 0, upper, s.boxes.data()))
     return false;
   addToTurn(s, end);
   if (begin < end) {
@@ -605,7 +614,7 @@ const std::shared_ptr<const VertexMotion>& Deformable::motion() const { return i
 const DeformOptions& Deformable::options() const { return impl_->options; }
 
 std::size_t Deformable::bytes() const {
-  std::size_t bytes = impl_->tree->bytes();
+  std::size_t bytes = impl_->tree->bytes() + impl_->branch_room.capacity() * sizeof(BranchBox);
   for (std::size_t i = 0; i < impl_->pool->slotCount(); ++i) {
     const DeformableSnapshotImpl& s = impl_->pool->slot(i).snapshot;
     bytes += s.vertices.capacity() * sizeof(Vector3d) + s.boxes.capacity() * sizeof(WideBox);

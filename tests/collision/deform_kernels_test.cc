@@ -119,6 +119,10 @@ std::vector<float> results() {
           kernels.branches(tree, mesh.vertices.data(), 0, tree.branches().size(), upper.data())
               ? 1
               : 0);
+      std::vector<BranchBox> room(tree.branches().size());
+      std::vector<WideBox> in_order(tree.nodes().size());
+      EXPECT_EQ(all.back() == 1,
+                kernels.allBranches(tree, mesh.vertices.data(), room.data(), in_order.data()));
       Vector3d low, high;
       all.push_back(kernels.bound(mesh.vertices.data(), mesh.count(), 1e15, low, high) ? 1 : 0);
       // Beyond this a refused update looks at nothing.
@@ -129,8 +133,11 @@ std::vector<float> results() {
       }
       for (const DeformTree::Branch& branch : tree.branches()) {
         const DeformTree::Up& up = tree.up(branch.root);
-        const WideBox& box = upper[static_cast<std::size_t>(up.parent)];
+        const WideBox &box = upper[static_cast<std::size_t>(up.parent)],
+                      &same = in_order[static_cast<std::size_t>(up.parent)];
         for (int k = 0; k < 3; ++k) {
+          EXPECT_EQ(same.low[k][up.lane], box.low[k][up.lane]);
+          EXPECT_EQ(same.high[k][up.lane], box.high[k][up.lane]);
           all.push_back(box.low[k][up.lane]);
           all.push_back(box.high[k][up.lane]);
         }
