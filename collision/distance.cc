@@ -9,7 +9,7 @@
 #include "collision/scratch.h"
 #include "collision/sharp.h"
 #include "collision/simd/hull_pairs.h"
-#include "collision/simple_pairs.h"
+#include "collision/simple_answer.h"
 #include "collision/vector.h"
 #include "leeway/collision/tolerances.h"
 
@@ -35,16 +35,24 @@ bool stoppedByRounding(const DistanceResult& result, const DistanceRequest& requ
          size <= kLargestScale;
 }
 
+inline __attribute__((always_inline)) DistanceResult resultOf(const PairAnswer& found) {
+  DistanceResult result;
+  found.writeTo(result);
+  return result;
+}
+
 void forgetPoints(DistanceResult& result) {
   result.point_a.setZero();
   result.point_b.setZero();
   if (!result.normal.allFinite()) result.normal = Eigen::Vector3d::UnitX();
 }
 
-}  // namespace
-
-DistanceResult distance(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
-                        const DistanceRequest& request, Scratch& scratch, PairCache* cache) {
+// All that answerSegments() leaves. (A call of its own, so that those pairs need not save what
+// it uses.)
+__attribute__((noinline)) DistanceResult distanceOfOthers(const Shape& a, const Pose& X_WA,
+                                                          const Shape& b, const Pose& X_WB,
+                                                          const DistanceRequest& request,
+                                                          Scratch& scratch, PairCache* cache) {
   // (One result, made where the caller wants it.)
   DistanceResult result;
   if (a.type() == ShapeType::kConvexHull && b.type() == ShapeType::kConvexHull) {
@@ -52,10 +60,33 @@ DistanceResult distance(const Shape& a, const Pose& X_WA, const Shape& b, const 
     if (!answerHullPair(a, X_WA, b, X_WB, request, cache, result, start)) {
       result = generalDistance(a, X_WA, b, X_WB, request, scratch, cache, &start);
     }
-  } else if (!answerSimplePair(a, X_WA, b, X_WB, request, cache, result)) {
+  } else if (!answerBoxPair(a, X_WA, b, X_WB, request, cache, result)) {
     result = generalDistance(a, X_WA, b, X_WB, request, scratch, cache);
   }
   return result;
+}
+
+}  // namespace
+
+DistanceResult distance(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
+                        const DistanceRequest& request, Scratch& scratch, PairCache* cache) {
+  using enum ShapeType;
+  // (Four ends, not one that they meet in: what is known in registers stays there.)
+  PairAnswer found;
+  if (a.type() == kCapsule && b.type() == kCapsule) {
+    if (answerSegments<true, true>(a, X_WA, b, X_WB, request, cache, found)) return resultOf(found);
+  } else if (a.type() == kCapsule && b.type() == kSphere) {
+    if (answerSegments<true, false>(a, X_WA, b, X_WB, request, cache, found))
+      return resultOf(found);
+  } else if (a.type() == kSphere && b.type() == kCapsule) {
+    if (answerSegments<false, true>(a, X_WA, b, X_WB, request, cache, found))
+      return resultOf(found);
+  } else if (a.type() == kSphere && b.type() == kSphere) {
+    if (answerSegments<false, false>(a, X_WA, b, X_WB, request, cache, found)) {
+      return resultOf(found);
+    }
+  }
+  return distanceOfOthers(a, X_WA, b, X_WB, request, scratch, cache);
 }
 
 DistanceResult generalDistance(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,

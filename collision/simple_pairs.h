@@ -46,20 +46,10 @@ inline void toWorld(const Eigen::Matrix3d& R_WB, Nearest& nearest) {
   if (nearest.early) nearest.way = rotated(R_WB, nearest.way);
 }
 
-/// The signed separation of two spheres, capsules, boxes or cylinders that are apart, by closed
-/// forms from the world poses: no view, search or simplex is made. False, with nothing written to
-/// `result` but its status, where a closed form is not enough: other shapes, cores that overlap or
-/// nearly do, sizes beyond the scale, tolerances below rounding, no iteration allowed, a few
-/// features that meet in none of the ways that are looked at. The interval rests on points of both
-/// bodies and on a supporting plane, as everywhere; how they were guessed is of no matter. Poses
-/// that are none give false. O(1).
-bool answerSimplePair(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
-                      const DistanceRequest& request, PairCache* cache, DistanceResult& result);
-
 struct VertexStart;  // simd/hull_pairs.h
 
-/// distance() without the above and answerHullPair(): their slow twin, and what they go on to, for
-/// hulls from where a search has ended.
+/// distance() without answerSegments(), answerBoxPair() and answerHullPair(): their slow twin,
+/// and what they go on to, for hulls from where a search has ended.
 DistanceResult generalDistance(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
                                const DistanceRequest& request, Scratch& scratch, PairCache* cache,
                                const VertexStart* start = nullptr);

@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "collision/vector.h"
+#include "leeway/collision/interval.h"
 
 namespace leeway::collision {
 
@@ -18,11 +19,18 @@ struct Triple {
 inline Triple tripleOf(const Vector& v) { return {v.x(), v.y(), v.z()}; }
 /// To memory as compilers copy it: what was written in one piece is read back in one without a
 /// stall.
-inline void write(const Triple& t, Vector& v) {
+inline void write(double first, double second, double* to) {
   typedef double Pair __attribute__((vector_size(16)));
-  const Pair pair = {t.x, t.y};
-  std::memcpy(v.data(), &pair, sizeof(pair));
+  const Pair pair = {first, second};
+  std::memcpy(to, &pair, sizeof(pair));
+}
+inline void write(const Triple& t, Vector& v) {
+  write(t.x, t.y, v.data());
   v.z() = t.z;
+}
+inline void write(const Interval& from, Interval& to) {
+  static_assert(sizeof(Interval) == 2 * sizeof(double));
+  write(from.lower, from.upper, &to.lower);
 }
 inline Triple column(const Eigen::Matrix3d& R, int k) { return {R(0, k), R(1, k), R(2, k)}; }
 inline Triple operator+(const Triple& a, const Triple& b) {

@@ -1,13 +1,13 @@
 // Closed forms of simple pairs against their slow twin, the general way through GJK.
 
-#include "collision/simple_pairs.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <string>
 #include <utility>
 
+#include "collision/simple_answer.h"
 #include "tests/collision/pair_cases.h"
 #include "tests/sanitized.h"
 #include "tools/oracle/generate.h"
@@ -62,6 +62,28 @@ Pair simplePair(Random& random, ShapeType type_a, ShapeType type_b, Scratch& scr
   const double gap = random.logUniform(1e-9, 10);
   for (int i = 0; i < 3; ++i) moveApart(pair, gap, scratch);
   return pair;
+}
+
+bool answerSimplePair(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
+                      const DistanceRequest& request, PairCache* cache, DistanceResult& result) {
+  const auto segments = [&]<bool kSegmentA, bool kSegmentB>() {
+    PairAnswer found;
+    if (!answerSegments<kSegmentA, kSegmentB>(a, X_WA, b, X_WB, request, cache, found)) {
+      return false;
+    }
+    found.writeTo(result);
+    return true;
+  };
+  const bool capsule_a = a.type() == ShapeType::kCapsule,
+             capsule_b = b.type() == ShapeType::kCapsule;
+  if ((capsule_a || a.type() == ShapeType::kSphere) &&
+      (capsule_b || b.type() == ShapeType::kSphere)) {
+    return capsule_a
+               ? capsule_b ? segments.operator()<true, true>() : segments.operator()<true, false>()
+           : capsule_b ? segments.operator()<false, true>()
+                       : segments.operator()<false, false>();
+  }
+  return answerBoxPair(a, X_WA, b, X_WB, request, cache, result);
 }
 
 constexpr ShapeType kTypes[] = {ShapeType::kSphere, ShapeType::kCapsule, ShapeType::kBox,
@@ -125,6 +147,77 @@ TEST(SimplePairs, ThresholdsAreDecidedAsTheGeneralWayDoes) {
     EXPECT_LT(outside(p.b, p.X_WB, r.point_b, scratch), 1e-11) << p.replay();
   }
   EXPECT_GT(early, casesToAsk(500));
+}
+
+// Next to the distance, at places that no distance has, and with all kinds of boxes: no verdict may
+// contradict the general way's, and where that can tell, so must the closed forms.
+TEST(SimplePairs, ThresholdsOfBoxesNextToTheDistance) {
+  Random random(75);
+  Scratch scratch;
+  int above = 0, below = 0;
+  for (int i = 0; i < casesToAsk(20000); ++i) {
+    const double scale = random.chance(0.1) ? random.logUniform(1e-25, 1e25) : 1;
+    const auto box = [&] {
+      return Shape::box(scale * Vector3d(size(random), size(random), size(random)));
+    };
+    Pair p{box(), box(), {}, {}};
+    p.X_WA = {random.rotation(), scale * random.direction()};
+    p.X_WB = {random.chance(0.1) ? p.X_WA.rotation : random.rotation(),
+              scale * random.uniform(0, 4) * random.direction()};
+    const DistanceResult exact = generalDistance(p.a, p.X_WA, p.b, p.X_WB, {}, scratch, nullptr);
+    const Interval truth = exact.distance;
+    DistanceRequest request;
+    request.tolerance = random.chance(0.5) ? 1e-9 : 0;
+    request.threshold = random.chance(0.6) ? truth.upper + (random.chance(0.5) ? 1 : -1) * scale *
+                                                               random.logUniform(1e-17, 1e-11)
+                        : random.chance(0.3) ? truth.upper
+                        : random.chance(0.1) ? 0
+                                             : scale * random.uniform(-1, 4);
+    const DistanceResult r = distance(p.a, p.X_WA, p.b, p.X_WB, request, scratch);
+    EXPECT_LE(r.distance.lower, truth.upper) << p.replay();
+    EXPECT_GE(r.distance.upper, truth.lower) << p.replay();
+    const bool is_above = r.distance.lower > request.threshold;
+    const bool is_below = r.distance.upper <= request.threshold;
+    above += is_above;
+    below += is_below;
+    EXPECT_EQ(r.status == DistanceStatus::kAboveThreshold,
+              is_above && r.distance.width() > request.tolerance)
+        << p.replay();
+    const double room = 1e-13 * (scale + std::abs(truth.upper));
+    if (truth.lower > request.threshold + room) {
+      EXPECT_TRUE(is_above) << p.replay();
+    }
+    if (truth.upper < request.threshold - room) {
+      EXPECT_TRUE(is_below) << p.replay();
+    }
+  }
+  EXPECT_GT(above, casesToAsk(4000));
+  EXPECT_GT(below, casesToAsk(5000));
+}
+
+// No path is too quick to look at the poses.
+TEST(SimplePairs, PosesThatAreNoneAreRefused) {
+  Random random(76);
+  Scratch scratch;
+  for (int i = 0; i < casesToAsk(4000); ++i) {
+    Pair p = simplePair(random, kTypes[random.below(4)], kTypes[random.below(4)], scratch);
+    Pose& X = random.chance(0.5) ? p.X_WA : p.X_WB;
+    const double wrong[] = {std::nan(""), std::numeric_limits<double>::infinity(),
+                            -std::numeric_limits<double>::infinity(), 1e200};
+    const int k = random.below(3);
+    if (random.chance(0.2)) {
+      X.translation[k] = wrong[random.below(3)];
+    } else if (random.chance(0.5)) {
+      X.rotation(random.below(3), k) = wrong[random.below(4)];
+    } else {
+      X.rotation.col(k) *= 1 + (random.chance(0.5) ? 1 : -1) * random.logUniform(2e-6, 1);
+    }
+    DistanceRequest request;
+    if (random.chance(0.5)) request.threshold = random.uniform(-1, 2);
+    const DistanceResult r = distance(p.a, p.X_WA, p.b, p.X_WB, request, scratch);
+    EXPECT_EQ(r.status, DistanceStatus::kInvalid) << p.replay();
+    EXPECT_EQ(r.distance.upper, std::numeric_limits<double>::infinity()) << p.replay();
+  }
 }
 
 TEST(SimplePairs, AnyCacheAgrees) {
