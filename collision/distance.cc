@@ -35,20 +35,32 @@ bool stoppedByRounding(const DistanceResult& result, const DistanceRequest& requ
          size <= kLargestScale;
 }
 
-inline __attribute__((always_inline)) DistanceResult resultOf(const PairAnswer& found) {
-  DistanceResult result;
-  found.writeTo(result);
-  return result;
-}
-
 void forgetPoints(DistanceResult& result) {
   result.point_a.setZero();
   result.point_b.setZero();
   if (!result.normal.allFinite()) result.normal = Eigen::Vector3d::UnitX();
 }
 
-// All that answerSegments() leaves. (A call of its own, so that those pairs need not save what
-// it uses.)
+// Spheres and capsules. (One function for each pair, that none saves what others use; with one end
+// for what each knows in registers it all would go through memory.)
+template <bool kSegmentA, bool kSegmentB>
+__attribute__((noinline)) DistanceResult distanceOfSegments(const Shape& a, const Pose& X_WA,
+                                                            const Shape& b, const Pose& X_WB,
+                                                            const DistanceRequest& request,
+                                                            Scratch& scratch, PairCache* cache) {
+  const auto resultOf = [](const PairAnswer& found) __attribute__((always_inline)) {
+    DistanceResult result;
+    found.writeTo(result);
+    return result;
+  };
+  PairAnswer found;
+  if (answerSegments<kSegmentA, kSegmentB>(a, X_WA, b, X_WB, request, cache, found)) {
+    return resultOf(found);
+  }
+  return generalDistance(a, X_WA, b, X_WB, request, scratch, cache);
+}
+
+// All other pairs.
 __attribute__((noinline)) DistanceResult distanceOfOthers(const Shape& a, const Pose& X_WA,
                                                           const Shape& b, const Pose& X_WB,
                                                           const DistanceRequest& request,
@@ -71,20 +83,17 @@ __attribute__((noinline)) DistanceResult distanceOfOthers(const Shape& a, const 
 DistanceResult distance(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
                         const DistanceRequest& request, Scratch& scratch, PairCache* cache) {
   using enum ShapeType;
-  // (Four ends, not one that they meet in: what is known in registers stays there.)
-  PairAnswer found;
   if (a.type() == kCapsule && b.type() == kCapsule) {
-    if (answerSegments<true, true>(a, X_WA, b, X_WB, request, cache, found)) return resultOf(found);
-  } else if (a.type() == kCapsule && b.type() == kSphere) {
-    if (answerSegments<true, false>(a, X_WA, b, X_WB, request, cache, found))
-      return resultOf(found);
-  } else if (a.type() == kSphere && b.type() == kCapsule) {
-    if (answerSegments<false, true>(a, X_WA, b, X_WB, request, cache, found))
-      return resultOf(found);
-  } else if (a.type() == kSphere && b.type() == kSphere) {
-    if (answerSegments<false, false>(a, X_WA, b, X_WB, request, cache, found)) {
-      return resultOf(found);
-    }
+    return distanceOfSegments<true, true>(a, X_WA, b, X_WB, request, scratch, cache);
+  }
+  if (a.type() == kCapsule && b.type() == kSphere) {
+    return distanceOfSegments<true, false>(a, X_WA, b, X_WB, request, scratch, cache);
+  }
+  if (a.type() == kSphere && b.type() == kCapsule) {
+    return distanceOfSegments<false, true>(a, X_WA, b, X_WB, request, scratch, cache);
+  }
+  if (a.type() == kSphere && b.type() == kSphere) {
+    return distanceOfSegments<false, false>(a, X_WA, b, X_WB, request, scratch, cache);
   }
   return distanceOfOthers(a, X_WA, b, X_WB, request, scratch, cache);
 }
