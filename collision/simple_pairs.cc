@@ -65,31 +65,40 @@ bool settleAlongCenters(const Shape& a, const Pose& X_WA, const Shape& b, const 
   return true;
 }
 
-// Two boxes. B's point nearest to A's centre and A's point nearest to that: the way between them
-// and the plane across it decide five thresholds out of six.
+// Two boxes. B's point nearest to A's centre, A's point nearest to that, and B's nearest to that
+// one: the way between the two last and the plane across it decide nine thresholds out of ten, most
+// of them before the last step.
 bool settleBoxes(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
                  const Goal& goal, Nearest& nearest) {
   const Eigen::Matrix3d &R = X_WA.rotation, &S = X_WB.rotation;
   const Triple half_a = tripleOf(a.halfExtents()), half_b = tripleOf(b.halfExtents());
   const Triple d = tripleOf(X_WA.translation) - tripleOf(X_WB.translation);
-  const Triple q = rotated(S, within(rotatedBack(S, d), half_b));
+  Triple q = rotated(S, within(rotatedBack(S, d), half_b));
   const Triple p = d + rotated(R, within(rotatedBack(R, q - d), half_a));
-  const Triple w = q - p;
-  const double apart = std::sqrt(squared(w));
-  // How far both reach along w, side by side. (Divided last, it need not wait for the root.)
-  const auto along = [&](int k) __attribute__((always_inline)) {
-    const BodyLanes x = {R(0, k), S(0, k)}, y = {R(1, k), S(1, k)}, z = {R(2, k), S(2, k)};
-    return magnitude(x * BodyLanes{w.x, w.x} + y * BodyLanes{w.y, w.y} + z * BodyLanes{w.z, w.z});
-  };
-  const BodyLanes reach = along(0) * BodyLanes{half_a.x, half_b.x} +
-                          along(1) * BodyLanes{half_a.y, half_b.y} +
-                          along(2) * BodyLanes{half_a.z, half_b.z};
-  const double per = 1 / apart;
-  const double plane = per * (-dot(w, d) - (reach[0] + reach[1]));
-  // (NaN, where they are at the same place, decides nothing.)
-  if (!((plane > goal.above) | (apart < goal.below))) return false;
-  nearest.settle(p, w, per * w, plane);
-  return true;
+  for (bool last = false;; last = true) {
+    const Triple w = q - p;
+    const double apart = std::sqrt(squared(w));
+    // How far both reach along w, side by side. (Divided last, it need not wait for the root.)
+    const auto along = [&](int k) __attribute__((always_inline)) {
+      const BodyLanes x = {R(0, k), S(0, k)}, y = {R(1, k), S(1, k)}, z = {R(2, k), S(2, k)};
+      return magnitude(x * BodyLanes{w.x, w.x} + y * BodyLanes{w.y, w.y} + z * BodyLanes{w.z, w.z});
+    };
+    const BodyLanes reach = along(0) * BodyLanes{half_a.x, half_b.x} +
+                            along(1) * BodyLanes{half_a.y, half_b.y} +
+                            along(2) * BodyLanes{half_a.z, half_b.z};
+    const double per = 1 / apart;
+    const double plane = per * (-dot(w, d) - (reach[0] + reach[1]));
+    // (NaN, where they are at the same place, decides nothing.)
+    if ((plane > goal.above) | (apart < goal.below)) {
+      nearest.point_a = p;
+      nearest.apart = apart;
+      nearest.normal = per * w;
+      nearest.plane = plane;
+      return true;
+    }
+    if (last) return false;
+    q = rotated(S, within(rotatedBack(S, p), half_b));
+  }
 }
 
 // Exchanges A and B, and with them the origin.
