@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "collision/round_box.h"
+#include "collision/mesh_body.h"
 #include "collision/simd/box_gaps.h"
 #include "collision/support.h"
 #include "collision/triangle_pair.h"
@@ -16,118 +16,14 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// Two boxes, each a lane of a node: (node, lane) as node * kWidth + lane; -1 is a convex body.
+using Kind = Part::Kind;
+
+// Two boxes, as MeshBody names them.
 struct BoxPair {
   std::int32_t a, b;
   double lower;  // proven for everything in the boxes; below 0 the deeper, the more of an overlap
   bool open;     // pieces have been asked: their triangles are wanted
 };
-
-// What a box stands for when it is not a node.
-enum class Kind : unsigned char { kNode, kTriangle, kPiece, kBody };
-struct Part {
-  Kind kind;
-  std::int32_t number;  // of the node, slot or piece
-};
-
-bool operator==(const Part& l, const Part& r) { return l.kind == r.kind && l.number == r.number; }
-
-// One of the two bodies.
-class Body {
- public:
-  explicit Body(const DescentSide& side) : tree_(side.tree), view_(side.view) {
-    if (tree_ != nullptr) {
-      extent_ = tree_->extent();
-      return;
-    }
-    extent_ = side.extent;
-    box_ = {};
-    for (int k = 0; k < 3; ++k) {
-      box_.axis[k][k] = 1;
-      box_.center[k] = static_cast<float>(0.5 * (side.low[k] + side.high[k]));
-      const double center = static_cast<double>(box_.center[k]);
-      box_.half[k] = roundedUpToFloat(std::max(side.high[k] - center, center - side.low[k]) +
-                                      kRelativeRounding * extent_);
-    }
-  }
-
-  bool isMesh() const { return tree_ != nullptr; }
-  const MeshTree& tree() const { return *tree_; }
-  double extent() const { return extent_; }
-  std::int32_t root() const { return isMesh() ? 0 : -1; }
-  bool consistsOfPieces() const { return !isMesh() || tree_->pieceCount() > 0; }
-
-  Part part(std::int32_t box, bool open) const {
-    if (!isMesh()) return {Kind::kBody, 0};
-    const std::int32_t child = node(box).child[box % BoxNode::kWidth];
-    if (child >= 0) return {Kind::kNode, child};
-    const std::int32_t first = tree_->boxes().firstPiece();
-    if (~child < first) return {Kind::kTriangle, ~child};
-    const std::int32_t piece = ~child - first;
-    if (open) return {Kind::kNode, tree_->boxes().pieceNode(piece)};
-    return {Kind::kPiece, piece};
-  }
-  const BoxNode& node(std::int32_t box) const { return tree_->boxes().node(box / BoxNode::kWidth); }
-  float radius(std::int32_t box) const {
-    return isMesh() ? node(box).radius[box % BoxNode::kWidth] : 0;
-  }
-  OrientedBox box(std::int32_t box) const {
-    return isMesh() ? node(box).box(box % BoxNode::kWidth) : box_;
-  }
-  ConvexView view(const Part& part) const {
-    return part.kind == Kind::kTriangle ? tree_->triangleView(part.number)
-           : part.kind == Kind::kPiece  ? tree_->pieceView(part.number)
-                                        : view_;
-  }
-  double excess(const Part& part) const {
-    return part.kind == Kind::kPiece ? tree_->pieceExcess(part.number) : 0;
-  }
-  ConvexView hull() const { return isMesh() ? tree_->hullView() : view_; }
-  int triangleOf(const Part& part) const {
-    return part.kind == Kind::kTriangle ? tree_->triangleOf(part.number) : -1;
-  }
-  // Triangles and pieces numbered through, for a cache. False for a number that is none.
-  int numberOf(const Part& part) const {
-    return part.kind == Kind::kPiece ? tree_->triangleCount() + part.number : triangleOf(part);
-  }
-  bool partOf(int number, Part& part) const {
-    if (!isMesh()) {
-      part = {Kind::kBody, 0};
-      return true;
-    }
-    const int triangles = tree_->triangleCount();
-    if (number < 0 || number >= triangles + tree_->pieceCount()) return false;
-    part = number < triangles ? Part{Kind::kTriangle, tree_->slotOf(number)}
-                              : Part{Kind::kPiece, number - triangles};
-    return true;
-  }
-
- private:
-  const MeshTree* tree_;
-  ConvexView view_;  // of a convex body
-  OrientedBox box_;  // around it
-  double extent_ = 0;
-};
-
-OrientedBox placedBox(const OrientedBox& box, const Pose& X) {
-  OrientedBox result;
-  const Vector center =
-      placed(X, Vector(static_cast<double>(box.center[0]), static_cast<double>(box.center[1]),
-                       static_cast<double>(box.center[2])));
-  float R[3][3];
-  for (int i = 0; i < 3; ++i) {
-    for (int k = 0; k < 3; ++k) R[i][k] = static_cast<float>(X.rotation(i, k));
-  }
-  for (int i = 0; i < 3; ++i) {
-    result.center[i] = static_cast<float>(center[i]);
-    result.half[i] = box.half[i];
-    for (int k = 0; k < 3; ++k) {
-      result.axis[k][i] =
-          R[i][0] * box.axis[k][0] + R[i][1] * box.axis[k][1] + R[i][2] * box.axis[k][2];
-    }
-  }
-  return result;
-}
 
 class PairDescent {
  public:
@@ -401,7 +297,7 @@ class PairDescent {
     cache_.triangle_b = b_.numberOf(best_b_);
   }
 
-  const Body a_, b_;
+  const MeshBody a_, b_;
   const Pose& X_BA_;
   Pose X_AB_;
   const double slack_, hull_excess_;
@@ -425,15 +321,6 @@ class PairDescent {
   std::array<BoxPair, 2 * (BoxTree::kMaxDepth + 1) * (BoxNode::kWidth - 1) + 1> stack_;
   std::size_t size_ = 0;
 };
-
-bool isBounded(const DescentSide& side) {
-  return side.tree != nullptr || (side.extent <= kLargestBoxScale && side.low.allFinite() &&
-                                  side.high.allFinite() && side.extent >= kSmallestBoxScale);
-}
-
-bool hasPieces(const DescentSide& side) {
-  return side.tree != nullptr && side.tree->boxes().usable() && side.tree->pieceCount() > 0;
-}
 
 }  // namespace
 

@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "collision/deform_snapshot.h"
+#include "collision/mesh_sweep_scratch.h"
 #include "collision/penetration.h"
 #include "leeway/collision/distance.h"
 
@@ -12,6 +13,7 @@ namespace leeway::collision {
 struct Scratch::Impl {
   PolytopeBuffers polytope;
   DeformScratch deform;
+  SweepScratch sweep;
 };
 
 }  // namespace leeway::collision

@@ -30,6 +30,7 @@ EdgeCertifier::Impl::Impl(std::shared_ptr<const CompiledScene> compiled)
   workspace.pose_error = scene->rounding();
   motion.resize(scene->motions().size());
   world_balls.resize(frames.pieces().size());
+  shared_slots.resize(kSharedSlots + 1);
   const std::size_t lists =
       std::max<std::size_t>(kEdgeOpen, collision::kLanes * frames.pairs().size());
   for (std::vector<int>* list : {&open, &next_open}) list->reserve(lists);
@@ -199,7 +200,51 @@ Interval EdgeCertifier::Impl::sweep(const EdgeInterval& interval, const EdgePair
   return distance;
 }
 
-bool EdgeCertifier::Impl::examine(EdgeInterval& interval, std::vector<int>& list, int& offender) {
+int EdgeCertifier::Impl::slotAt(double t) {
+  const double place = t * kSharedSlots;
+  if (place != std::floor(place)) return frames.place(t);
+  SharedSlot& shared = shared_slots[static_cast<std::size_t>(place)];
+  if (shared.slot < 0 || shared.generation != frames.generation())
+    shared = {frames.generation(), frames.place(t)};
+  return shared.slot;
+}
+
+class EdgeCertifier::Impl::PairPlacements final : public collision::Placements {
+ public:
+  PairPlacements(Impl& impl, const EdgePair& pair) : impl_(impl), pair_(pair) {}
+  bool at(double t, Pose& X_BA) override {
+    const int slot = impl_.slotAt(t);
+    if (slot < 0) return false;
+    X_BA = impl_.frames.relative(slot, pair_);
+    return true;
+  }
+
+ private:
+  Impl& impl_;
+  const EdgePair& pair_;
+};
+
+collision::MeshSweepResult EdgeCertifier::Impl::sweepSurfaces(const EdgeInterval& interval,
+                                                              const EdgePair& pair) {
+  ++statistics->distance_queries;
+  collision::MeshSweepRequest request;
+  request.t0 = interval.t0;
+  request.h = interval.h;
+  request.bend = motionOf(interval, pair.motion).acceleration / 8;
+  request.threshold = pair.threshold;
+  request.least_motion = kSmallestMotion;
+  request.least_time = smallest;
+  request.node_limit = std::max(1, work_limit - work) * kNodesPerQuery;
+  PairPlacements placements(*this, pair);
+  const collision::MeshSweepResult result = collision::sweepMesh(
+      frames.pieces()[at(pair.a)].geometry->shape, placements,
+      frames.pieces()[at(pair.b)].geometry->shape, request, workspace.scratch());
+  work += 1 + result.nodes / kNodesPerQuery;
+  return result;
+}
+
+bool EdgeCertifier::Impl::examine(EdgeInterval& interval, std::vector<int>& list, int& offender,
+                                  double& t) {
   ++statistics->intervals;
   startInterval();
   int kept = interval.begin;
@@ -208,7 +253,17 @@ bool EdgeCertifier::Impl::examine(EdgeInterval& interval, std::vector<int>& list
     const EdgePair& pair = frames.pairs()[at(p)];
     double growth = 0;
     if (coarseSweep(interval, pair, growth) > pair.threshold) continue;
-    if (growth <= hopeful[at(p)]) {
+    if (pair.by_surfaces) {
+      const collision::MeshSweepResult result = sweepSurfaces(interval, pair);
+      if (result.status == collision::MeshSweepStatus::kFree) continue;
+      if (result.status == collision::MeshSweepStatus::kContact) {
+        offender = p;
+        t = result.t;
+        for (; i < interval.end; ++i) list[at(kept++)] = list[at(i)];
+        interval.end = kept;
+        return false;
+      }
+    } else if (growth <= hopeful[at(p)]) {
       const Interval distance = sweep(interval, pair, growth, pair.threshold,
                                       growth > kDeepSweepGrowth ? kShallowNodes : 0);
       if (distance.lower > pair.threshold) {
@@ -219,6 +274,7 @@ bool EdgeCertifier::Impl::examine(EdgeInterval& interval, std::vector<int>& list
       failed_stamp[at(p)] = stamp;
       if (distance.upper <= pair.threshold) {
         offender = p;
+        t = interval.t0;
         for (; i < interval.end; ++i)
           list[at(kept++)] = list[at(i)];  // this one and those not looked at
         interval.end = kept;
@@ -333,7 +389,7 @@ bool EdgeCertifier::Impl::listParts(const EdgeLanes::Parts& parts) {
 }
 
 bool EdgeCertifier::Impl::addInterval(double from, double width) {
-  const int first = frames.place(from), last = frames.place(from + width);
+  const int first = slotAt(from), last = slotAt(from + width);
   if (first < 0 || last < 0 || intervals.size() == intervals.capacity()) return false;
   const auto size = static_cast<int>(open.size());
   intervals.push_back({first, last, from, width, size, size, 0});
@@ -392,6 +448,19 @@ std::optional<EdgeCheck> EdgeCertifier::Impl::certifyParts() {
   return std::nullopt;
 }
 
+bool EdgeCertifier::Impl::isAskedOver(const collision::LaneSweep::Open& pair, int lane,
+                                      int width) const {
+  const auto block = [](int first, int count) { return ((1U << count) - 1) << first; };
+  const std::uint32_t lanes_asked = block(lane, width);
+  if (!frames.pairs()[at(pair.id)].by_surfaces)
+    return (pair.lanes & lanes_asked) != 0 && mergedLanes(pair) == width;
+  // Long parts are halved where that pays while they are swept: the widest blocks that are open.
+  if ((pair.lanes & lanes_asked) != lanes_asked) return false;
+  if (width == collision::kLanes) return true;
+  const std::uint32_t wider = block(lane & ~(2 * width - 1), 2 * width);
+  return (pair.lanes & wider) != wider;
+}
+
 int EdgeCertifier::Impl::mergedLanes(const collision::LaneSweep::Open& pair) const {
   double growth = lanes.growth(frames.pairs()[at(pair.id)].motion);
   int width = 1;
@@ -409,15 +478,13 @@ bool EdgeCertifier::Impl::listOpenLanes() {
   for (int width = collision::kLanes, level = 0; width >= 1; width /= 2, ++level) {
     for (int lane = 0; lane < collision::kLanes; lane += width) {
       const auto begin = static_cast<int>(open.size());
-      const std::uint32_t block = ((1U << width) - 1) << lane;
       for (const collision::LaneSweep::Open& pair : lanes.open())
-        if (!isForParts(pair) && (pair.lanes & block) != 0 && mergedLanes(pair) == width)
-          open.push_back(pair.id);
+        if (!isForParts(pair) && isAskedOver(pair, lane, width)) open.push_back(pair.id);
       const auto end = static_cast<int>(open.size());
       if (begin == end) continue;
       constexpr double h = 1.0 / collision::kLanes;
       for (const int i : {lane, lane + width}) {
-        if (slots[i] < 0) slots[i] = frames.place(i * h);
+        if (slots[i] < 0) slots[i] = slotAt(i * h);
         if (slots[i] < 0) return false;
       }
       intervals.push_back(
@@ -446,11 +513,12 @@ EdgeCheck EdgeCertifier::Impl::certifyByLevels() {
 
 EdgeCheck EdgeCertifier::Impl::certifyIntervals() {
   int offender = -1;
+  double t = 0;
   while (!intervals.empty()) {
     next_intervals.clear();
     next_open.clear();
     for (EdgeInterval& interval : intervals) {
-      if (!examine(interval, open, offender)) return told(Verdict::kNotFree, offender, interval.t0);
+      if (!examine(interval, open, offender, t)) return told(Verdict::kNotFree, offender, t);
       if (interval.begin == interval.end) continue;
       const double middle = interval.t0 + interval.h / 2;
       const int first = open[at(interval.begin)];
@@ -504,8 +572,9 @@ void EdgeCertifier::Impl::findLastValid(const EdgeRequest&, EdgeCheck& check) {
 
 bool EdgeCertifier::Impl::certifyPrefix(EdgeInterval interval, EdgeCheck& check) {
   int offender = -1;
+  double t = 0;
   // Where one of the ends is in contact, the part before it may still be certified.
-  examine(interval, open, offender);
+  examine(interval, open, offender, t);
   if (interval.begin == interval.end) {
     check.last_valid = interval.t0 + interval.h;
     return true;

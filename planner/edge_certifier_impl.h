@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "leeway/collision/mesh_sweep.h"
 #include "leeway/planner/edge_certifier.h"
 #include "planner/edge_frames.h"
 #include "planner/edge_lanes.h"
@@ -60,9 +61,17 @@ struct EdgeCertifier::Impl {
   /// `nodes`: at most so many pairs of nodes for meshes; 0: no limit of its own.
   Interval sweep(const EdgeInterval& interval, const EdgePair& pair, double growth,
                  double threshold, int nodes = 0);
+  /// Both surfaces of a pair over all of an interval, for by_surfaces. Told: free, or not (at t),
+  /// or neither.
+  collision::MeshSweepResult sweepSurfaces(const EdgeInterval& interval, const EdgePair& pair);
+  /// The slot of the edge's configuration at t, placed once for most t; -1 when there is none left.
+  int slotAt(double t);
+  /// Where a pair's first piece is, seen from the second, along the edge.
+  class PairPlacements;
+
   /// Sweeps the open pairs of an interval, in place: afterwards [begin, end) is what it leaves
-  /// open.
-  bool examine(EdgeInterval& interval, std::vector<int>& open, int& offender);
+  /// open. False when one is proven not to be free, at t.
+  bool examine(EdgeInterval& interval, std::vector<int>& open, int& offender, double& t);
   void startInterval() { ++stamp; }
 
   /// The open pairs of an interval at its middle: not free or undecided where one is there.
@@ -75,6 +84,8 @@ struct EdgeCertifier::Impl {
   /// Lists what the pass of lanes left and planes will not part as intervals; false when that
   /// cannot be placed.
   bool listOpenLanes();
+  /// Whether a pair that is open in some lanes is asked over just these as one interval.
+  bool isAskedOver(const collision::LaneSweep::Open& pair, int lane, int width) const;
   /// How many lanes one sweep of a pair is tried on: as long as its growth stays small.
   int mergedLanes(const collision::LaneSweep::Open& pair) const;
   /// Lists what a pass over parts left: pairs whose hulls were apart as parts for finer passes,
@@ -84,7 +95,8 @@ struct EdgeCertifier::Impl {
   /// remains becomes intervals. Told where that decides the edge.
   std::optional<EdgeCheck> certifyParts();
   bool isForParts(const collision::LaneSweep::Open& pair) const {
-    return pair.apart && parting[static_cast<std::size_t>(pair.id)] >= 0;
+    return pair.apart && parting[static_cast<std::size_t>(pair.id)] >= 0 &&
+           !frames.pairs()[static_cast<std::size_t>(pair.id)].by_surfaces;
   }
   /// As many parts of the list, from `next` on, as one pass divides; pass_pairs become their pairs.
   EdgeLanes::Parts takeParts(std::size_t& next);
@@ -116,6 +128,12 @@ struct EdgeCertifier::Impl {
   collision::Workspace workspace;
   std::vector<MotionMemory> motion;    // one a motion
   std::vector<SweptBall> world_balls;  // one a piece
+  /// Slots of multiples of 1 / kSharedSlots.
+  struct SharedSlot {
+    std::uint64_t generation = 0;
+    int slot = -1;
+  };
+  std::vector<SharedSlot> shared_slots;
   std::uint64_t stamp = 0;
   std::vector<double> hopeful;              // growth [m] at which a pair's sweep is worth trying
   std::vector<std::uint64_t> failed_stamp;  // the interval at which a pair's sweep last failed
@@ -144,5 +162,8 @@ inline constexpr int kEdgeSlots = 1024;
 inline constexpr int kEdgeIntervals = 2048;
 inline constexpr int kEdgeOpen = 1 << 16;
 inline constexpr int kEdgeParts = 512;
+
+/// Places of an edge whose slots are found again.
+inline constexpr int kSharedSlots = 1 << 9;
 
 }  // namespace leeway::planner

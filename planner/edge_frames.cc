@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "leeway/collision/mesh_sweep.h"
 #include "leeway/collision/tolerances.h"
 #include "leeway/robots/kinematics.h"
 #include "planner/tolerances.h"
@@ -72,6 +73,17 @@ void EdgeFrames::addPairs() {
                  pieces_[at(piece)].bounds->outer.center.lpNorm<1>();
     e.rounding += collision::kTransferRounding * scale;
     e.threshold = pair.margin + e.rounding;
+    const auto shapeOf = [this](int piece) -> const collision::Shape& {
+      return pieces_[at(piece)].geometry->shape;
+    };
+    const auto isMesh = [&](int piece) {
+      return shapeOf(piece).type() == collision::ShapeType::kMesh;
+    };
+    // Links of a robot that are near each other move little against each other, and their hulls'
+    // sweeps answer; against a convex obstacle convex pieces do.
+    e.by_surfaces = pair.margin >= 0 && isMesh(e.a) && isMesh(e.b) &&
+                    (pieces_[at(e.a)].link < 0 || pieces_[at(e.b)].link < 0) &&
+                    collision::sweepsMesh(shapeOf(e.a), shapeOf(e.b));
     pairs_.push_back(e);
   }
   std::stable_sort(pairs_.begin(), pairs_.end(),

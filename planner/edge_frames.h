@@ -32,6 +32,7 @@ struct EdgePair {
   int motion;        ///< of a seen from b's link, index into CompiledScene::motions()
   double threshold;  ///< separation must exceed it: margin and all rounding of poses [m]
   double rounding;   ///< the latter alone [m]
+  bool by_surfaces;  ///< collision::sweepMesh() takes it, and no depth is allowed
 };
 
 /// Places configurations a + t dq of one edge in numbered slots. Allocates in the constructor only.

@@ -86,6 +86,10 @@ constexpr double kLeastHope = 2e-4;
 /// takes 5 to 20 us, so that its dearest edges take a millisecond, not 0.1.
 constexpr int kEdgeWork = 256;
 
+/// Boxes and pairs of parts that a sweep of surfaces may look at for one distance query's worth of
+/// the above: about as many as one that stands still looks at [count].
+constexpr int kNodesPerQuery = 128;
+
 /// Distance queries for the clearance of one edge before its interval is left wider than asked.
 constexpr int kClearanceWork = 100'000;
 

@@ -20,22 +20,50 @@ namespace leeway::collision {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-HWY_ATTR void gaps(const BoxNode& node, const OrientedBox& q, float* out) {
+/// kNothing: `sweep` is not looked at.
+enum class Moves { kNothing, kQuery, kNode };
+
+template <Moves kMoves>
+HWY_ATTR void gapsOf(const BoxNode& node, const OrientedBox& q, const BoxSweep* sweep, float* out) {
   const hn::CappedTag<float, BoxNode::kWidth> d;
   using V = hn::Vec<decltype(d)>;
   const auto set = [&](float x) HWY_ATTR { return hn::Set(d, x); };
   const float center_size = std::abs(q.center[0]) + std::abs(q.center[1]) + std::abs(q.center[2]);
-  const float fixed =
+  float fixed =
       kBoxRounding * (q.half[0] + q.half[1] + q.half[2]) + kBoxCenterRounding * center_size;
+  if (kMoves != Moves::kNothing) fixed += sweep->fixed;
   for (std::size_t lane = 0; lane < BoxNode::kWidth; lane += hn::Lanes(d)) {
-    const V tx = hn::Sub(hn::Load(d, node.center[0] + lane), set(q.center[0]));
-    const V ty = hn::Sub(hn::Load(d, node.center[1] + lane), set(q.center[1]));
-    const V tz = hn::Sub(hn::Load(d, node.center[2] + lane), set(q.center[2]));
+    V cx = hn::Load(d, node.center[0] + lane), cy = hn::Load(d, node.center[1] + lane),
+      cz = hn::Load(d, node.center[2] + lane);
+    V wx = hn::Zero(d), wy = wx, wz = wx;
+    if (kMoves == Moves::kQuery) {
+      wx = set(sweep->way[0]);
+      wy = set(sweep->way[1]);
+      wz = set(sweep->way[2]);
+    } else if (kMoves == Moves::kNode) {
+      const auto row = [&](const float* m) HWY_ATTR {
+        return hn::Add(hn::Add(hn::Mul(set(m[0]), cx), hn::Mul(set(m[1]), cy)),
+                       hn::Mul(set(m[2]), cz));
+      };
+      wx = hn::Add(row(sweep->turn), set(sweep->way[0]));
+      wy = hn::Add(row(sweep->turn + 3), set(sweep->way[1]));
+      wz = hn::Add(row(sweep->turn + 6), set(sweep->way[2]));
+      const V x = row(sweep->map), y = row(sweep->map + 3), z = row(sweep->map + 6);
+      cx = x;
+      cy = y;
+      cz = z;
+    }
+    const V tx = hn::Sub(cx, set(q.center[0])), ty = hn::Sub(cy, set(q.center[1])),
+            tz = hn::Sub(cz, set(q.center[2]));
     const V g0 = hn::Load(d, node.half[0] + lane), g1 = hn::Load(d, node.half[1] + lane),
             g2 = hn::Load(d, node.half[2] + lane);
-    const V size = hn::Add(hn::Add(hn::Add(hn::Abs(tx), hn::Abs(ty)), hn::Abs(tz)),
-                           hn::Add(hn::Add(g0, g1), g2));
-    const V slack = hn::Add(hn::Mul(set(kBoxRounding), size), set(fixed));
+    V size = hn::Add(hn::Add(hn::Add(hn::Abs(tx), hn::Abs(ty)), hn::Abs(tz)),
+                     hn::Add(hn::Add(g0, g1), g2));
+    if (kMoves != Moves::kNothing)
+      size = hn::Add(size, hn::Add(hn::Add(hn::Abs(wx), hn::Abs(wy)), hn::Abs(wz)));
+    V slack = hn::Add(hn::Mul(set(kBoxRounding), size), set(fixed));
+    if (kMoves == Moves::kNode)
+      slack = hn::Add(slack, hn::Mul(set(sweep->loose), hn::Load(d, node.radius + lane)));
     // What the query's halves add along the node's axes, column by column.
     V reach0 = g0, reach1 = g1, reach2 = g2;
     V gap_q[3];
@@ -58,14 +86,20 @@ HWY_ATTR void gaps(const BoxNode& node, const OrientedBox& q, float* out) {
       reach0 = hn::Add(reach0, hn::Mul(c0, h));
       reach1 = hn::Add(reach1, hn::Mul(c1, h));
       reach2 = hn::Add(reach2, hn::Mul(c2, h));
-      const V reach =
-          hn::Add(hn::Add(hn::Mul(c0, g0), hn::Mul(c1, g1)), hn::Add(hn::Mul(c2, g2), h));
+      V reach = hn::Add(hn::Add(hn::Mul(c0, g0), hn::Mul(c1, g1)), hn::Add(hn::Mul(c2, g2), h));
+      if (kMoves != Moves::kNothing) reach = hn::Add(reach, dot(ux, uy, uz, wx, wy, wz));
       const V part = dot(ux, uy, uz, tx, ty, tz);
       along = hn::Sub(along, hn::Mul(h, part));
       gap_q[k] = hn::Sub(part, reach);
     }
     const V part0 = dot(v00, v01, v02, tx, ty, tz), part1 = dot(v10, v11, v12, tx, ty, tz),
             part2 = dot(v20, v21, v22, tx, ty, tz);
+    if (kMoves != Moves::kNothing) {
+      reach0 = hn::Add(reach0, dot(v00, v01, v02, wx, wy, wz));
+      reach1 = hn::Add(reach1, dot(v10, v11, v12, wx, wy, wz));
+      reach2 = hn::Add(reach2, dot(v20, v21, v22, wx, wy, wz));
+      along = hn::Sub(along, dot(tx, ty, tz, wx, wy, wz));
+    }
     const V gap_n0 = hn::Sub(part0, reach0), gap_n1 = hn::Sub(part1, reach1),
             gap_n2 = hn::Sub(part2, reach2);
     along = hn::Sub(along,
@@ -86,6 +120,18 @@ HWY_ATTR void gaps(const BoxNode& node, const OrientedBox& q, float* out) {
   }
 }
 
+HWY_ATTR void gaps(const BoxNode& node, const OrientedBox& q, float* out) {
+  gapsOf<Moves::kNothing>(node, q, nullptr, out);
+}
+
+HWY_ATTR void sweptGaps(const BoxNode& node, const OrientedBox& q, const BoxSweep& sweep,
+                        float* out) {
+  if (sweep.of_node)
+    gapsOf<Moves::kNode>(node, q, &sweep, out);
+  else
+    gapsOf<Moves::kQuery>(node, q, &sweep, out);
+}
+
 }  // namespace HWY_NAMESPACE
 }  // namespace leeway::collision
 HWY_AFTER_NAMESPACE();
@@ -94,9 +140,15 @@ HWY_AFTER_NAMESPACE();
 namespace leeway::collision {
 
 HWY_EXPORT(gaps);
+HWY_EXPORT(sweptGaps);
 
 void boxGaps(const BoxNode& node, const OrientedBox& query, float* gap) {
   HWY_DYNAMIC_DISPATCH(gaps)(node, query, gap);
+}
+
+void sweptBoxGaps(const BoxNode& node, const OrientedBox& query, const BoxSweep& sweep,
+                  float* gap) {
+  HWY_DYNAMIC_DISPATCH(sweptGaps)(node, query, sweep, gap);
 }
 
 }  // namespace leeway::collision

@@ -91,7 +91,7 @@ std::vector<double> randomPoint(Random& random, const CompiledScene& compiled) {
   return robots::testing::randomConfiguration(random, compiled.model());
 }
 
-enum class Kind { kArm, kFree, kPlanar, kTree };
+enum class Kind { kArm, kFree, kPlanar, kTree, kMeshes };
 
 Problem problemOf(Random& random, Kind kind) {
   switch (kind) {
@@ -103,6 +103,17 @@ Problem problemOf(Random& random, Kind kind) {
     case Kind::kPlanar:
       return testing::randomProblem(
           random, testing::randomFreeBody(random, robots::JointType::kPlanar), 12, 1.0);
+    case Kind::kMeshes: {  // a free body of triangles among its like
+      Problem problem = testing::randomProblem(
+          random,
+          robots::freeBody("body", {{testing::randomMesh(random, 0.4), random.pose(0.25), "part"}},
+                           robots::JointType::kFloating, Eigen::Vector3d::Constant(-1.5),
+                           Eigen::Vector3d::Constant(1.5)),
+          12, 1.2);
+      for (Object& object : problem.objects)
+        if (object.name != "floor") object.geometries[0].shape = testing::randomMesh(random, 0.25);
+      return problem;
+    }
     case Kind::kTree:
       break;
   }
@@ -202,7 +213,8 @@ TEST_P(RandomEdges, AgreeWithDenseSampling) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Kinds, RandomEdges,
-                         ::testing::Values(Kind::kArm, Kind::kFree, Kind::kPlanar, Kind::kTree));
+                         ::testing::Values(Kind::kArm, Kind::kFree, Kind::kPlanar, Kind::kTree,
+                                           Kind::kMeshes));
 
 // A wire thinner than any step: the disc passes it between all samples that a stepping check would
 // take.

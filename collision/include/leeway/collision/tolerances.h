@@ -260,6 +260,20 @@ inline constexpr float kBoxCenterRounding = 4 * 0x1p-24F;
 inline constexpr double kSmallestBoxScale = 1e-12;
 inline constexpr double kLargestBoxScale = 1e12;
 
+/// Rounding of the way that a box goes over a part of a motion, and of the numbers that it is made
+/// from, as a fraction of them (simd/box_gaps.cc needs less than 32 units of 2^-24); and what radii
+/// of boxes lack, which are rounded to the nearest float, of axes that are orthogonal within 2^-21.
+/// Smaller breaks the guarantee.
+inline constexpr double kWayRounding = 64 * 0x1p-24;
+inline constexpr double kRadiusRounding = 1 + 0x1p-18;
+
+/// A pair of boxes of which one moves farther than this share of the larger one's radius over a
+/// part of a motion is looked at in halves of it. Measured; costs time, never truth.
+inline constexpr double kSweepTimeShare = 0.5;
+
+/// A motion is not halved more often than this: times are exact, and numbers of parts are ints.
+inline constexpr int kSweepHalvings = 30;
+
 /// Once two meshes are known to overlap, pairs of triangles that are deeper by less than this share
 /// of the depth are not looked for, nor more than that many node pairs visited: the upper end of a
 /// mesh's depth is loose anyway.

@@ -1,0 +1,307 @@
+#include "leeway/collision/mesh_sweep.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <numbers>
+
+#include "collision/convex.h"
+#include "collision/descent_answer.h"
+#include "collision/mesh_body.h"
+#include "collision/scratch.h"
+#include "collision/simd/box_gaps.h"
+#include "collision/triangle_pair.h"
+#include "leeway/collision/tolerances.h"
+#include "leeway/collision/triangle_mesh.h"
+
+namespace leeway::collision {
+namespace {
+
+using Kind = Part::Kind;
+using Time = SweepScratch::Time;
+using Stretch = SweepScratch::Stretch;
+
+bool operator==(const Time& l, const Time& r) { return l.level == r.level && l.number == r.number; }
+
+/// Two boxes, as MeshBody names them, over a part of the motion.
+struct SweptPair {
+  std::int32_t a, b;
+  Time time;
+  float gap;  ///< proven, where it is above 0; else the deeper, the more of an overlap
+  bool open;  ///< pieces have been asked: their triangles are wanted
+};
+
+/// |A| of a multiple of two rotations' difference, or of their mean less the rotation halfway
+/// between them: both stretch two directions alike and the third, their axis, not at all, so that
+/// |A| is the Frobenius norm over the root of 2; but for what the matrices lack as rotations.
+double stretchOf(const Eigen::Matrix3d& A, double departure) {
+  return A.norm() * (std::numbers::sqrt2 / 2 + 1e-12) + 16 * departure;
+}
+
+class MeshSweep {
+ public:
+  MeshSweep(const DescentSide& a, const DescentSide& b, Placements& motion,
+            const MeshSweepRequest& request, Scratch& scratch)
+      : side_a_(a),
+        side_b_(b),
+        a_(a),
+        b_(b),
+        motion_(motion),
+        request_(request),
+        scratch_(scratch),
+        stretches_(scratch.impl().sweep.stretches) {
+    parts_ = a_.consistsOfPieces() && b_.consistsOfPieces();
+    for (Stretch& s : stretches_) s.time.level = -1;
+  }
+
+  MeshSweepResult run() {
+    Time whole{0, 0};
+    for (double h = request_.h; h < 1; h *= 2) ++whole.level;
+    whole.number = static_cast<std::int32_t>(std::lround(std::ldexp(request_.t0, whole.level)));
+    result_.status = MeshSweepStatus::kFree;
+    stack_[size_++] = {a_.root(), b_.root(), whole, -1, !parts_};
+    while (size_ > 0 && result_.status == MeshSweepStatus::kFree) {
+      if (result_.nodes >= request_.node_limit) {
+        result_.status = MeshSweepStatus::kUndecided;
+        break;
+      }
+      expand(stack_[--size_]);
+    }
+    return result_;
+  }
+
+ private:
+  // Null where a pose is none or cannot be told.
+  const Stretch* over(const Time& time) {
+    const auto place =
+        static_cast<std::size_t>((time.number + 5 * time.level) & (SweepScratch::kStretches - 1));
+    Stretch& s = stretches_[place];
+    if (s.time == time) return &s;
+    s.time.level = -1;
+    const double t0 = time.begin(), t1 = t0 + time.length();
+    if (!motion_.at(t0, s.X_BA0) || !motion_.at(t1, s.X_BA1)) return nullptr;
+    const RelativePose begin = relativePose(s.X_BA0, Pose{}), end = relativePose(s.X_BA1, Pose{});
+    if (!begin.valid || !end.valid) return nullptr;
+    s.slack = std::max(slackOf(begin, side_a_, side_b_), slackOf(end, side_a_, side_b_));
+    s.growth = time.length() * time.length() * request_.bend;
+    s.half.rotation = 0.5 * (s.X_BA0.rotation + s.X_BA1.rotation);
+    s.half.translation = 0.5 * (s.X_BA0.translation + s.X_BA1.translation);
+    s.away = 0.5 * (s.X_BA1.rotation - s.X_BA0.rotation);
+    s.way = 0.5 * (s.X_BA1.translation - s.X_BA0.translation);
+    Eigen::Quaterniond q0(s.X_BA0.rotation), q1(s.X_BA1.rotation);
+    if (q0.dot(q1) < 0) q1.coeffs() = -q1.coeffs();
+    q0.coeffs() += q1.coeffs();
+    s.X_BM.rotation = q0.normalized().toRotationMatrix();
+    s.X_BM.translation = s.half.translation;
+    const double departure = begin.slack + end.slack;
+    s.turn =
+        (stretchOf(s.away, departure) + stretchOf(s.half.rotation - s.X_BM.rotation, departure)) *
+        kRadiusRounding;
+    s.X_MB = s.X_BM.inverse();
+    s.of_node.of_node = true;
+    const Eigen::Matrix3d map = s.X_MB.rotation * s.half.rotation, turn = s.X_MB.rotation * s.away;
+    const Vector way = s.X_MB.rotation * s.way;
+    for (int i = 0; i < 3; ++i) {
+      for (int k = 0; k < 3; ++k) {
+        s.of_node.map[3 * i + k] = static_cast<float>(map(i, k));
+        s.of_node.turn[3 * i + k] = static_cast<float>(turn(i, k));
+      }
+      s.of_node.way[i] = static_cast<float>(way[i]);
+    }
+    s.of_node.loose = roundedUpToFloat(s.turn);
+    s.of_node.fixed = roundedUpToFloat(kWayRounding * (a_.extent() + way.lpNorm<1>()));
+    // Written so that a NaN fails: rotations a half turn apart have no mean.
+    if (!(s.turn < 4 && s.growth < kLargestBoxScale)) return nullptr;
+    s.time = time;
+    return &s;
+  }
+
+  void expand(const SweptPair& pair) {
+    const Stretch* s = over(pair.time);
+    if (s == nullptr) {
+      result_.status = MeshSweepStatus::kUndecided;
+      return;
+    }
+    const Part part_a = a_.part(pair.a, pair.open), part_b = b_.part(pair.b, pair.open);
+    const bool node_a = part_a.kind == Kind::kNode, node_b = part_b.kind == Kind::kNode;
+    if (!node_a && !node_b) {
+      leaves(pair, *s, part_a, part_b);
+      return;
+    }
+    const OrientedBox box_a = a_.box(pair.a);
+    const Vector center_a = centerOf(box_a);
+    const double radius_a = static_cast<double>(a_.radius(pair.a)),
+                 radius_b = static_cast<double>(b_.radius(pair.b));
+    const Vector way = s->away * center_a + s->way;
+    const double loose = s->turn * radius_a;
+    // What moves farther than its size: a shorter time says more.
+    const double size = node_a && node_b ? std::max(radius_a, radius_b)
+                        : node_a         ? radius_a
+                                         : radius_b;
+    if (way.norm() + loose + s->growth > kSweepTimeShare * size && halve(pair)) return;
+    // The larger one comes apart.
+    const bool split_a = !node_b || (node_a && radius_a >= radius_b);
+    const std::int32_t child = split_a ? part_a.number : part_b.number;
+    const BoxNode& split = (split_a ? a_ : b_).tree().boxes().node(child);
+    float gap[BoxNode::kWidth];
+    if (split_a) {
+      sweptBoxGaps(split, placedBox(b_.box(pair.b), s->X_MB), s->of_node, gap);
+    } else {
+      BoxSweep sweep;
+      for (int k = 0; k < 3; ++k) sweep.way[k] = static_cast<float>(way[k]);
+      sweep.fixed = roundedUpToFloat(loose + kWayRounding * way.lpNorm<1>());
+      OrientedBox box = placedBox(box_a, s->X_BM);
+      const Vector center = placed(s->half, center_a);
+      for (int k = 0; k < 3; ++k) box.center[k] = static_cast<float>(center[k]);
+      sweptBoxGaps(split, box, sweep, gap);
+    }
+    result_.nodes += split.count;
+    const double bar = request_.threshold + s->growth + s->slack;
+    const std::size_t first = size_;
+    for (int i = 0; i < split.count; ++i) {
+      if (static_cast<double>(gap[i]) > bar) continue;
+      SweptPair part = pair;
+      (split_a ? part.a : part.b) = child * BoxNode::kWidth + i;
+      part.gap = gap[i];
+      // The nearest one on top; of several the first.
+      std::size_t at = size_++;
+      for (; at > first && stack_[at - 1].gap <= part.gap; --at) stack_[at] = stack_[at - 1];
+      stack_[at] = part;
+    }
+  }
+
+  // Both halves of the pair's time, the nearer one on top. False when there is no room for them.
+  bool halve(const SweptPair& pair) {
+    if (pair.time.level >= kSweepHalvings) return false;
+    SweptPair half = pair;
+    half.time = {pair.time.level + 1, 2 * pair.time.number + 1};
+    stack_[size_++] = half;
+    --half.time.number;
+    stack_[size_++] = half;
+    return true;
+  }
+
+  // What nothing could tell apart: proven to be in contact halfway, or looked at in halves.
+  void failed(const SweptPair& pair, const Stretch& s, const Part& a, const Part& b,
+              double motion) {
+    const double t = pair.time.begin() + pair.time.length() / 2;
+    Pose X_BA;
+    if (!motion_.at(t, X_BA)) {
+      result_.status = MeshSweepStatus::kUndecided;
+      return;
+    }
+    if (meets(X_BA, s.slack, a, b)) {
+      result_.status = MeshSweepStatus::kContact;
+      result_.t = t;
+    } else if (motion <= request_.least_motion || pair.time.length() <= request_.least_time ||
+               !halve(pair)) {
+      result_.status = MeshSweepStatus::kUndecided;
+    }
+  }
+
+  // Proven not to be farther apart than the threshold there.
+  bool meets(const Pose& X_BA, double slack, const Part& a, const Part& b) {
+    ++result_.nodes;
+    const double excess = a_.excess(a) + b_.excess(b);
+    DistanceRequest request;
+    request.threshold = request_.threshold - excess;
+    request.iteration_limit = request_.iteration_limit;
+    request.depth = excess > 0;
+    const DistanceResult r =
+        convexDistance(a_.view(a), X_BA, b_.view(b), request, scratch_, nullptr, slack);
+    return r.distance.upper + excess <= request_.threshold;
+  }
+
+  void leaves(const SweptPair& pair, const Stretch& s, const Part& a, const Part& b) {
+    const bool triangles = a.kind == Kind::kTriangle && b.kind == Kind::kTriangle;
+    if (triangles && trianglesApart(s, a.number, b.number)) return;
+    ++result_.nodes;
+    DistanceRequest request;
+    request.threshold = request_.threshold;
+    request.iteration_limit = request_.iteration_limit;
+    request.depth = false;
+    const DistanceResult r = convexSweptDistance(a_.view(a), s.X_BA0, s.X_BA1, s.growth, b_.view(b),
+                                                 request, scratch_, nullptr, s.slack);
+    if (r.distance.lower > request_.threshold) return;
+    const Vector way = s.away * centerOf(a_.box(pair.a)) + s.way;
+    const double motion = way.norm() + s.turn * static_cast<double>(a_.radius(pair.a)) + s.growth;
+    const bool piece_a = a.kind == Kind::kPiece, piece_b = b.kind == Kind::kPiece;
+    if (!piece_a && !piece_b) {
+      failed(pair, s, a, b, motion);
+      return;
+    }
+    const float size = std::max(piece_a ? a_.radius(pair.a) : 0, piece_b ? b_.radius(pair.b) : 0);
+    if (motion > kSweepTimeShare * static_cast<double>(size) && halve(pair)) return;
+    SweptPair open = pair;
+    open.open = true;
+    stack_[size_++] = open;
+  }
+
+  static Vector centerOf(const OrientedBox& box) {
+    return {static_cast<double>(box.center[0]), static_cast<double>(box.center[1]),
+            static_cast<double>(box.center[2])};
+  }
+
+  // By the plane that parts them halfway.
+  bool trianglesApart(const Stretch& s, int slot_a, int slot_b) {
+    ++result_.nodes;
+    const Vector* corners = a_.tree().corners(slot_a);
+    const Vector* q = b_.tree().corners(slot_b);
+    const Vector p[3] = {placed(s.half, corners[0]), placed(s.half, corners[1]),
+                         placed(s.half, corners[2])};
+    const TrianglePair found = trianglePair(p, q);
+    const Vector& n = found.normal;
+    double reach = -std::numeric_limits<double>::infinity();
+    const Pose away{s.away, s.way};
+    for (int i = 0; i < 3; ++i)
+      reach = std::max(reach, n.dot(p[i]) + std::abs(n.dot(placed(away, corners[i]))));
+    const double lower = std::min({n.dot(q[0]), n.dot(q[1]), n.dot(q[2])}) - reach;
+    // As for support points, see gjk.cc.
+    const double rounding = kSupportRounding * kUnitRoundoff *
+                            (a_.extent() + b_.extent() + s.half.translation.norm() + s.way.norm());
+    return lower - 2 * rounding - s.growth - s.slack > request_.threshold;
+  }
+
+  const DescentSide &side_a_, &side_b_;
+  const MeshBody a_, b_;
+  Placements& motion_;
+  const MeshSweepRequest& request_;
+  Scratch& scratch_;
+  MeshSweepResult result_;
+  bool parts_ = false;  // both bodies have convex parts; against bare triangles those do not pay
+  std::array<Stretch, SweepScratch::kStretches>& stretches_;
+  // A pair that is taken off puts at most kWidth back, which are one level lower on one side; or
+  // its two halves; or itself, opened.
+  std::array<SweptPair, 2 * (BoxTree::kMaxDepth + 1) * (BoxNode::kWidth - 1) + kSweepHalvings + 3>
+      stack_;
+  std::size_t size_ = 0;
+};
+
+bool isSweepable(const DescentSide& side) {
+  return side.tree != nullptr ? side.tree->boxes().usable() : isBounded(side);
+}
+
+}  // namespace
+
+bool sweepsMesh(const Shape& a, const Shape& b) {
+  const auto isMesh = [](const Shape& s) { return s.type() == ShapeType::kMesh; };
+  const auto isFit = [&](const Shape& s) { return isMesh(s) || s.isConvex(); };
+  if (!(isMesh(a) || isMesh(b)) || !isFit(a) || !isFit(b)) return false;
+  return isSweepable(descentSide(a)) && isSweepable(descentSide(b));
+}
+
+MeshSweepResult sweepMesh(const Shape& a, Placements& motion, const Shape& b,
+                          const MeshSweepRequest& request, Scratch& scratch) {
+  // Written so that a NaN fails.
+  if (!(request.bend >= 0 && request.threshold >= 0 && request.t0 >= 0 && request.t0 < 1 &&
+        request.h >= std::ldexp(1.0, -kSweepHalvings) && request.h <= 1))
+    return {};
+  const DescentSide side_a = descentSide(a), side_b = descentSide(b);
+  if (!isSweepable(side_a) || !isSweepable(side_b)) return {};
+  return MeshSweep(side_a, side_b, motion, request, scratch).run();
+}
+
+}  // namespace leeway::collision
