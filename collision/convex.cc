@@ -317,6 +317,29 @@ bool tryTriangle(const ConvexView& a, const Pose& X_BA, const ConvexView& b, Pro
   return offerEnd(center - sign * half);
 }
 
+// Where two ellipsoids that are about as the hulls are have their nearest points: the normal n
+// there solves (A / reach A + B / reach B + distance) n = c, with c from A's middle to B's, the
+// matrices of HullSupport, and how far they reach along n. One step of iteration from c. NaN when
+// there is none.
+Vector directionOfEllipsoids(const HullSupport& a, const Pose& X_BA, const HullSupport& b) {
+  // Ellipsoids that overlap are taken to be apart by this share of their reach, so that flat ones
+  // have a direction, too. (Any one is right.)
+  constexpr double kLeastGap = 1e-3;
+  const Vector c = b.middle() - placed(X_BA, a.middle());
+  const double apart = c.norm();
+  const Vector u = c / apart;
+  const Eigen::Matrix3d A = X_BA.rotation * a.spread() * X_BA.rotation.transpose();
+  const double reach_a = std::sqrt(u.dot(A * u)), reach_b = std::sqrt(u.dot(b.spread() * u));
+  const double reach = reach_a + reach_b, distance = std::max(apart - reach, kLeastGap * reach);
+  const double size = reach + distance;
+  Eigen::Matrix3d M = (1 / (reach_a * size)) * A + (1 / (reach_b * size)) * b.spread();
+  M.diagonal().array() += distance / size;
+  const Vector x = M.col(0), y = M.col(1), z = M.col(2);
+  // (Symmetric and positive: the adjugate is the inverse, times a positive number.)
+  const Vector n(cross(y, z).dot(u), cross(z, x).dot(u), cross(x, y).dot(u));
+  return n / n.norm();
+}
+
 // Where GJK looks first: the cached direction if it is one, else from A's middle to B's.
 Vector firstDirection(const ConvexView& a, const Pose& X_BA, const ConvexView& b,
                       const PairCache* cache) {
@@ -325,6 +348,10 @@ Vector firstDirection(const ConvexView& a, const Pose& X_BA, const ConvexView& b
     if (norm_squared > 0.25 && norm_squared < 4) {  // NaN fails
       return cache->direction_B / std::sqrt(norm_squared);
     }
+  }
+  if (haveTables(a, b)) {
+    const Vector n = directionOfEllipsoids(*a.support, X_BA, *b.support);
+    if (n.squaredNorm() > 0.25) return n;  // NaN fails
   }
   const Vector middle = b.center - placed(X_BA, a.center);
   const double norm = middle.norm();

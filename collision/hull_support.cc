@@ -24,6 +24,7 @@ HullSupport::HullSupport(const ConvexHull& hull) : points_(hull.vertices().data(
     fillColumns(count);
   } else if (hull.hasNeighbours() && count < HullCell::kMany) {
     fillCells(hull);
+    fillEllipsoid(hull);
   }
 }
 
@@ -92,6 +93,16 @@ void HullSupport::fillCells(const ConvexHull& hull) {
       });
     }
     store(candidates);
+  }
+}
+
+// The ellipsoid whose surface has the vertices' mean and, spread evenly over a sphere's, their
+// covariance: a sphere's is a third of its radius squared.
+void HullSupport::fillEllipsoid(const ConvexHull& hull) {
+  const double count = static_cast<double>(hull.vertices().size());
+  for (const Vector& p : hull.vertices()) middle_ += p / count;
+  for (const Vector& p : hull.vertices()) {
+    spread_ += 3 / count * ((p - middle_) * (p - middle_).transpose());
   }
 }
 

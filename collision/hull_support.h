@@ -45,6 +45,11 @@ class HullSupport {
   std::int32_t sides() const { return sides_; }
   const HullCell* cells() const { return cells_.data(); }
 
+  /// An ellipsoid that is about as the hull is, where there is a table: its middle, and the matrix
+  /// S for which it reaches sqrt(n . S n) from there along a unit vector n [m^2].
+  const Vector& middle() const { return middle_; }
+  const Eigen::Matrix3d& spread() const { return spread_; }
+
   /// The vertices of a cell of many, a multiple of eight; `count` is 0 where they are too many to
   /// look at.
   const HullCell* many(const HullCell& cell, int& count) const {
@@ -64,6 +69,7 @@ class HullSupport {
   void fillColumns(std::int32_t count);
   void fillCells(const ConvexHull& hull);
   void store(std::vector<std::uint16_t>& candidates);
+  void fillEllipsoid(const ConvexHull& hull);
 
   const Vector* points_;
   std::vector<Eight> columns_;
@@ -72,6 +78,8 @@ class HullSupport {
   std::int32_t sides_ = 0;
   std::vector<HullCell> cells_;
   std::vector<HullCell> more_;
+  Vector middle_ = Vector::Zero();
+  Eigen::Matrix3d spread_ = Eigen::Matrix3d::Zero();
 };
 
 }  // namespace leeway::collision

@@ -63,6 +63,12 @@ inline bool climbs(const ConvexView& view) {
          view.hull->hasNeighbours();
 }
 
+/// Are both hulls that look their farthest vertices up in a table of directions?
+inline bool haveTables(const ConvexView& a, const ConvexView& b) {
+  return a.support != nullptr && b.support != nullptr && a.support->sides() > 0 &&
+         b.support->sides() > 0;
+}
+
 /// Index of the farthest of the points of a kPoints core along a direction of about unit length.
 inline int farthestPoint(const ConvexView& view, const Vector& direction, int hint) {
   if (view.support != nullptr) {

@@ -44,6 +44,12 @@ class WorldHull {
   HWY_INLINE Triple vertex(int name) const {
     return placed(hull_.vertices()[static_cast<std::size_t>(name)]);
   }
+  // Three of them side by side.
+  HWY_INLINE Points<4> vertices(int i, int j, int k) const {
+    const Vector* v = support_.points();
+    return rotated(R_, sideBySide(tripleOf(v[i]), tripleOf(v[j]), tripleOf(v[k]))) +
+           allLanes<4>(t_);
+  }
 
  private:
   HWY_INLINE Triple placed(const Vector& v) const { return rotated(R_, tripleOf(v)) + t_; }
@@ -69,8 +75,9 @@ struct WorldCores {
   HWY_INLINE Triple support(const Triple& n, VertexNames& names) const {
     return b.farthest(-n, names.b) - a.farthest(n, names.a);
   }
-  HWY_INLINE Triple member(const VertexNames& names) const {
-    return b.vertex(names.b) - pointOfA(names);
+  HWY_INLINE Points<4> members(const VertexNames (&names)[3]) const {
+    return b.vertices(names[0].b, names[1].b, names[2].b) -
+           a.vertices(names[0].a, names[1].a, names[2].a);
   }
   HWY_INLINE Triple pointOfA(const VertexNames& names) const { return a.vertex(names.a); }
   HWY_INLINE VertexNames verticesOf(const VertexNames& names) const { return names; }
@@ -132,7 +139,8 @@ class PlacedVertices {
     const Widest d;
     const hn::RebindToSigned<Widest> di;
     Lanes<kFan> least = allLanes<kFan>(std::numeric_limits<double>::infinity());
-    HWY_UNROLL(8)
+    // (Each coordinate is read from memory into all lanes: from registers it would take a shuffle.)
+    HWY_UNROLL(1)
     for (std::size_t v = 0; v < kMost; ++v) {
       const Lanes<kFan> value =
           allLanes<kFan>(x_[v]) * n.x + allLanes<kFan>(y_[v]) * n.y + allLanes<kFan>(z_[v]) * n.z;
@@ -202,7 +210,8 @@ class PlacedVertices {
 template <int kEights>
 struct PlacedCores {
   using Point = SamePoint;
-  static constexpr double kTilt = kEights <= 2 ? 1.0 : 0.6;  // the best of a few
+  static constexpr double kTilt = kEights <= 2 ? 1.2 : 0.72;  // the best of a few
+  static constexpr double kTiltOfFew = 0;
   const ConvexHull &hull_a, &hull_b;
   PlacedVertices<kEights> minus_a, b;
   HWY_INLINE SamePoint support(const SamePoint& n, VertexNames& names) const {
@@ -218,8 +227,10 @@ struct PlacedCores {
     });
     return all;
   }
-  HWY_INLINE Triple member(const VertexNames& names) const {
-    return minus_a.vertex(names.a) + b.vertex(names.b);
+  HWY_INLINE Points<4> members(const VertexNames (&names)[3]) const {
+    const auto member = [&](int i)
+                            HWY_ATTR { return minus_a.vertex(names[i].a) + b.vertex(names[i].b); };
+    return sideBySide(member(0), member(1), member(2));
   }
   HWY_INLINE Triple pointOfA(const VertexNames& names) const { return -minus_a.vertex(names.a); }
   HWY_INLINE VertexNames verticesOf(const VertexNames& names) const {
@@ -245,65 +256,45 @@ struct Pair {
   VertexNames hints;
 };
 
-// The cached direction if it is one, else from A's middle to B's.
+// The cached direction if it is one, else from A's middle to B's; of any length.
 HWY_INLINE Triple firstDirection(const Pair& pair) {
   if (pair.cache != nullptr) {
     const Triple n = tripleOf(pair.cache->direction_B);
     const double length_squared = squared(n);
     if (length_squared > 0.25 && length_squared < 4) {  // NaN fails
-      return (1 / std::sqrt(length_squared)) * rotated(pair.X_WB.rotation, n);
+      return rotated(pair.X_WB.rotation, n);
     }
   }
   const Triple middle = rotated(pair.X_WB.rotation, tripleOf(pair.b.boundingCenter())) -
                         (rotated(pair.X_WA.rotation, tripleOf(pair.a.boundingCenter())) + pair.t);
-  const double length = std::sqrt(squared(middle));
-  return length > 0 ? (1 / length) * middle : Triple{1, 0, 0};
+  return squared(middle) > kSmallestScale * kSmallestScale ? middle : Triple{1, 0, 0};
 }
 
-// Searches and writes down what was found; false when it is not enough.
+// Writes down what was found; false when it is not enough.
 template <class Cores>
-HWY_INLINE bool answer(const Pair& pair, const Cores& cores, double more_rounding,
-                       const PairCache* carried, DistanceResult& result, VertexStart& start) {
+HWY_INLINE bool answered(const Pair& pair, const Cores& cores, const Search<Cores>& search,
+                         const Carriers& found, double lower_offset, double upper_offset,
+                         DistanceResult& result) {
   const DistanceRequest& request = pair.request;
   PairCache* const cache = pair.cache;
-  const double upper_offset = -pair.rounding;
-  const double lower_offset =
-      pair.a.hull()->excess() + pair.b.hull()->excess() + pair.rounding + more_rounding;
-  Search<Cores> search(cores, request, lower_offset, upper_offset, 0);
-  const Triple first = carried != nullptr ? Triple{1, 0, 0} : firstDirection(pair);
-  const GjkEnd end = search.run(first, carried, pair.hints);
-
-  Carriers found;
-  search.carriers(end, found);
-  const auto leave = [&] {
-    found.dropWeightless();
-    start.count = end == GjkEnd::kLimit ? 0 : found.count;
-    for (int i = 0; i < start.count; ++i) {
-      const VertexNames vertices = cores.verticesOf(found.names[i]);
-      start.vertex_a[i] = vertices.a;
-      start.vertex_b[i] = vertices.b;
-    }
-    start.end = end;
-    start.iterations = search.iterations();
-    return false;
-  };
-  if (found.count != 3) return leave();
-  Triple w = {0, 0, 0}, p = {0, 0, 0};
-  for (int i = 0; i < 3; ++i) {  // (Which of them have no weight is not foreseen.)
-    w = w + found.weight[i] * found.w[i];
-    p = p + found.weight[i] * cores.pointOfA(found.names[i]);
-  }
+  if (HWY_UNLIKELY(found.count != 3)) return false;
+  // Which of them have no weight is not foreseen.
+  const Triple w =
+      found.weight[0] * found.w[0] + found.weight[1] * found.w[1] + found.weight[2] * found.w[2];
+  const Triple p = found.weight[0] * cores.pointOfA(found.names[0]) +
+                   found.weight[1] * cores.pointOfA(found.names[1]) +
+                   found.weight[2] * cores.pointOfA(found.names[2]);
   // As Progress has it.
   const Interval separation = {search.best().value() - lower_offset,
                                std::sqrt(squared(w)) - upper_offset};
   const bool enough = (separation.width() <= request.tolerance && isSignKnown(separation)) ||
                       isDecided(separation, request);
   const Triple point_a = tripleOf(pair.X_WB.translation) + p, point_b = point_a + w;
-  const Triple& plane = search.best().direction();
+  const Triple plane = search.best().direction();
   const Triple n = (1 / std::sqrt(squared(plane))) * plane;
   // Coordinates beyond 1e308 overflow.
   const double sum = std::abs(point_a.x + point_a.y + point_a.z) + std::abs(n.x + n.y + n.z);
-  if (!enough || !(sum <= 1e300)) return leave();
+  if (HWY_UNLIKELY(!enough || !(sum <= 1e300))) return false;
   result.distance = separation;
   result.status = statusOf(separation, request);
   result.iterations = search.iterations();
@@ -315,15 +306,46 @@ HWY_INLINE bool answer(const Pair& pair, const Cores& cores, double more_roundin
     const VertexNames last = cores.verticesOf(search.lastNames());
     cache->vertex_a = last.a;
     cache->vertex_b = last.b;
-    found.dropWeightless();
-    cache->simplex_count = found.count;
-    for (int i = 0; i < found.count; ++i) {
+    int kept = 0;
+    const auto keep = [&](int i) HWY_ATTR {
       const VertexNames vertices = cores.verticesOf(found.names[i]);
-      cache->simplex_a[i] = vertices.a;
-      cache->simplex_b[i] = vertices.b;
-    }
+      cache->simplex_a[kept] = vertices.a;
+      cache->simplex_b[kept] = vertices.b;
+      kept += static_cast<int>(found.weight[i] > 0);
+    };
+    keep(0);
+    keep(1);
+    keep(2);
+    cache->simplex_count = kept;
   }
   return true;
+}
+
+// Searches; false when what was found is not enough.
+template <class Cores>
+HWY_INLINE bool answer(const Pair& pair, const Cores& cores, double more_rounding,
+                       const PairCache* carried, DistanceResult& result, VertexStart& start) {
+  const double upper_offset = -pair.rounding;
+  const double lower_offset =
+      pair.a.hull()->excess() + pair.b.hull()->excess() + pair.rounding + more_rounding;
+  Search<Cores> search(cores, pair.request, lower_offset, upper_offset, 0);
+  const Triple first = carried != nullptr ? Triple{1, 0, 0} : firstDirection(pair);
+  const GjkEnd end = search.run(first, carried, pair.hints);
+  Carriers found;
+  search.carriers(end, found);
+  if (HWY_LIKELY(answered(pair, cores, search, found, lower_offset, upper_offset, result))) {
+    return true;
+  }
+  found.dropWeightless();
+  start.count = end == GjkEnd::kLimit ? 0 : found.count;
+  for (int i = 0; i < start.count; ++i) {
+    const VertexNames vertices = cores.verticesOf(found.names[i]);
+    start.vertex_a[i] = vertices.a;
+    start.vertex_b[i] = vertices.b;
+  }
+  start.end = end;
+  start.iterations = search.iterations();
+  return false;
 }
 
 // Not inlined: all of them in one would leave none the registers it needs.

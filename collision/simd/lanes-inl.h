@@ -229,6 +229,18 @@ HWY_INLINE Lanes<8> nextInRing(const Lanes<8>& a) {
 #endif
 }
 
+/// x, y and z side by side, each of them in all of its lanes; what the last lane gets does not
+/// matter.
+HWY_INLINE Lanes<4> sideBySide(const Lanes<4>& x, const Lanes<4>& y, const Lanes<4>& z) {
+#if HWY_TARGET == HWY_SCALAR
+  return {{x.v[0], y.v[0], z.v[0], z.v[0]}};
+#elif HWY_CAP_GE256
+  return {{hn::ConcatUpperLower(Doubles<4>(), z.v[0], hn::OddEven(y.v[0], x.v[0]))}};
+#else
+  return {{hn::OddEven(y.v[0], x.v[0]), z.v[0]}};
+#endif
+}
+
 /// n points.
 template <int n>
 struct Points {
@@ -252,6 +264,19 @@ HWY_INLINE Triple tripleOf(const Triple& p) { return p; }
 template <int n, class Point>
 HWY_INLINE Points<n> allLanes(const Point& p) {
   return {allLanes<n>(p.x), allLanes<n>(p.y), allLanes<n>(p.z)};
+}
+/// What the last lane gets does not matter.
+HWY_INLINE Points<4> sideBySide(const Triple& a, const Triple& b, const Triple& c) {
+  return {sideBySide(allLanes<4>(a.x), allLanes<4>(b.x), allLanes<4>(c.x)),
+          sideBySide(allLanes<4>(a.y), allLanes<4>(b.y), allLanes<4>(c.y)),
+          sideBySide(allLanes<4>(a.z), allLanes<4>(b.z), allLanes<4>(c.z))};
+}
+/// R p, rounded as that of a Triple.
+HWY_INLINE Points<4> rotated(const Eigen::Matrix3d& R, const Points<4>& p) {
+  const auto row = [&](int i) HWY_ATTR {
+    return allLanes<4>(R(i, 0)) * p.x + allLanes<4>(R(i, 1)) * p.y + allLanes<4>(R(i, 2)) * p.z;
+  };
+  return {row(0), row(1), row(2)};
 }
 template <int n>
 HWY_INLINE Points<n> operator+(const Points<n>& a, const Points<n>& b) {

@@ -35,11 +35,13 @@ HWY_INLINE void placeColumns(const HullSupport& support, int from, const Eigen::
   const Widest d;
   const Same x = hn::Load(d, support.x() + from), y = hn::Load(d, support.y() + from),
              z = hn::Load(d, support.z() + from);
+  const auto flip = hn::And(hn::Set(d, sign), hn::SignBit(d));
   const auto row = [&](int r, double shift) HWY_ATTR {
-    return hn::Add(hn::Add(hn::Add(hn::Mul(hn::Set(d, sign * R(r, 0)), x),
-                                   hn::Mul(hn::Set(d, sign * R(r, 1)), y)),
-                           hn::Mul(hn::Set(d, sign * R(r, 2)), z)),
-                   hn::Set(d, sign * shift));
+    return hn::Xor(
+        hn::Add(hn::Add(hn::Add(hn::Mul(hn::Set(d, R(r, 0)), x), hn::Mul(hn::Set(d, R(r, 1)), y)),
+                        hn::Mul(hn::Set(d, R(r, 2)), z)),
+                hn::Set(d, shift)),
+        flip);
   };
   hn::Store(row(0, t.x), d, to_x);
   hn::Store(row(1, t.y), d, to_y);

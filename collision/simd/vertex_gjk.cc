@@ -84,7 +84,7 @@ class PlacedColumns {
 class PlacedCores {
  public:
   using Point = Triple;
-  static constexpr double kTilt = 0.4;  // the best of a few
+  static constexpr double kTilt = 0.4, kTiltOfFew = 0.2;  // the best of a few each
   HWY_INLINE PlacedCores(const Difference<false>& difference, bool place)
       : a_(difference.viewA()),
         b_(difference.viewB()),
@@ -100,13 +100,15 @@ class PlacedCores {
     if (!vertices_a_.empty()) return b - vertices_a_.farthest(n, names.a);
     return b - placed(farthestCorner(a_, rotatedBack(R_, n), names.a));
   }
-  HWY_INLINE Points<kFan> fan(const Points<kFan>& n, const VertexNames& hints,
-                              Lanes<kFan>& names) const {
-    alignas(64) double x[kFan], y[kFan], z[kFan], both[kFan];
-    store(n.x, x);
-    store(n.y, y);
-    store(n.z, z);
-    for (int i = 0; i < kFan; ++i) {
+  template <int n>
+  HWY_INLINE Points<n> fan(const Points<n>& directions, const VertexNames& hints,
+                           Lanes<n>& names) const {
+    alignas(64) double x[std::size_t{n}], y[std::size_t{n}], z[std::size_t{n}],
+        both[std::size_t{n}];
+    store(directions.x, x);
+    store(directions.y, y);
+    store(directions.z, z);
+    for (int i = 0; i < n; ++i) {
       VertexNames found = hints;
       const Triple w = support({x[i], y[i], z[i]}, found);
       x[i] = w.x;
@@ -114,13 +116,15 @@ class PlacedCores {
       z[i] = w.z;
       both[i] = inLane(found);
     }
-    names = load<kFan>(both);
-    return {load<kFan>(x), load<kFan>(y), load<kFan>(z)};
+    names = load<n>(both);
+    return {load<n>(x), load<n>(y), load<n>(z)};
   }
+  HWY_INLINE bool areDear() const { return haveTables(a_, b_); }
   /// A's point in a member.
   HWY_INLINE Triple pointOfA(const VertexNames& names) const { return placed(corner(a_, names.a)); }
-  HWY_INLINE Triple member(const VertexNames& names) const {
-    return corner(b_, names.b) - pointOfA(names);
+  HWY_INLINE Points<4> members(const VertexNames (&names)[3]) const {
+    const auto member = [&](int i) HWY_ATTR { return corner(b_, names[i].b) - pointOfA(names[i]); };
+    return sideBySide(member(0), member(1), member(2));
   }
 
  private:
@@ -136,7 +140,7 @@ class PlacedCores {
 HWY_INLINE void leave(const Search<PlacedCores>& search, const PlacedCores& cores, GjkEnd end,
                       Progress& progress, Simplex& simplex) {
   progress.iterations = search.iterations();
-  const Triple& plane = search.best().direction();
+  const Triple plane = search.best().direction();
   const Triple n = (1 / std::sqrt(squared(plane))) * plane;
   progress.offerLower(search.best().value(), {n.x, n.y, n.z});
   Carriers found;

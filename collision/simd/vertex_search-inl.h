@@ -77,7 +77,7 @@ HWY_INLINE int scannedSupport(const HullSupport& support, const Triple& d, std::
 /// lane by lane.
 template <int n>
 struct Triangles {
-  Points<n> e, f;               ///< from p to point k, and to the next one
+  Points<n> e, f;               ///< from point k to p, and from the next one
   Points<n> normal;             ///< e x f
   Lanes<n> height;              ///< p . normal
   Points<n> direction;          ///< of the nearest point, any length
@@ -90,10 +90,10 @@ template <int n>
 HWY_INLINE Triangles<n> trianglesOf(const Points<n>& p, const Points<n>& ring) {
   const Lanes<n> zero = allLanes<n>(0.0), one = allLanes<n>(1.0);
   Triangles<n> t;
-  t.e = ring - p;
+  t.e = p - ring;
   t.f = nextInRing(t.e);
   const Lanes<n> ee = dot(t.e, t.e), ef = dot(t.e, t.f), ff = nextInRing(ee);
-  const Lanes<n> pe = zero - dot(p, t.e), pf = nextInRing(pe);
+  const Lanes<n> pe = dot(p, t.e), pf = nextInRing(pe);
   t.normal = cross(t.e, t.f);
   t.height = dot(p, t.normal);
   const Lanes<n> nn = dot(t.normal, t.normal);
@@ -101,7 +101,7 @@ HWY_INLINE Triangles<n> trianglesOf(const Points<n>& p, const Points<n>& ring) {
   const Lanes<n> area_e = ff * pe - ef * pf, area_f = ee * pf - ef * pe;
   const Mask<n> inside = (area_e > zero) & (area_f > zero) & (nn - area_e > area_f);
   const Lanes<n> along = choose(pe > zero, choose(ee > pe, pe / ee, one), zero);
-  const Points<n> on_edge = p + along * t.e;
+  const Points<n> on_edge = p - along * t.e;
   const Lanes<n> edge_squared = dot(on_edge, on_edge);
   // A triangle's normal points away from the origin or towards it.
   t.direction = choose(inside, withSignOf(t.normal, t.height), on_edge);
@@ -152,8 +152,8 @@ enum class Step : unsigned char { kNearer, kHoldsOrigin, kHoldsOriginWell };
 /// Where the origin is to the tetrahedron of p and three older points; kNearer when outside.
 HWY_INLINE Step heldBy(const Triangles<4>& t) {
   const Lanes<4> volume = dot(t.normal, nextInRing(t.f)), zero = allLanes<4>(0.0);
-  // The origin's weight of the point that lane k leaves out is -height / volume.
-  const Lanes<4> weight = withSignOf(zero - t.height, volume);
+  // The origin's weight of the point that lane k leaves out is height / volume.
+  const Lanes<4> weight = withSignOf(t.height, volume);
   if (HWY_LIKELY((bitsOf(weight > zero) & 7U) != 7U)) return Step::kNearer;
   alignas(32) double weights[4], volumes[4], squares[4];
   store(weight, weights);
@@ -188,35 +188,60 @@ HWY_INLINE Step step(const Point& newest, const Points<4>& old, Nearest<Point>& 
   return Step::kNearer;
 }
 
-/// The best supporting plane: a new one is written beside it and taken by its place, because which
-/// it will be nobody can foretell.
+/// The best supporting plane, without a branch: which it will be nobody can foretell.
 class BestPlane {
  public:
-  HWY_INLINE void offer(double value, const Triple& direction) {
-    direction_[1 - best_] = direction;
-    best_ = value > value_ ? 1 - best_ : best_;
+  HWY_INLINE BestPlane() : direction_(allLanes<4>(1.0)) {}
+  template <class Point>
+  HWY_INLINE void offer(double value, const Point& direction) {
+    const Mask<4> better = allLanes<4>(value) > allLanes<4>(value_);
+    direction_ = choose(
+        better,
+        sideBySide(allLanes<4>(direction.x), allLanes<4>(direction.y), allLanes<4>(direction.z)),
+        direction_);
     value_ = std::max(value_, value);
   }
   HWY_INLINE double value() const { return value_; }
-  HWY_INLINE const Triple& direction() const { return direction_[best_]; }
+  /// Of any length.
+  HWY_INLINE Triple direction() const {
+    alignas(32) double coordinates[4];
+    store(direction_, coordinates);
+    return {coordinates[0], coordinates[1], coordinates[2]};
+  }
 
  private:
   double value_ = -std::numeric_limits<double>::infinity();
-  int best_ = 0;
-  Triple direction_[2] = {{1, 0, 0}, {1, 0, 0}};
+  Lanes<4> direction_;
 };
 
-/// A cold search asks along its first direction and seven around it at once, which make a fan of
-/// triangles: its nearest point saves two steps or three out of six. What is added to the first
-/// direction (of length 1), times a tilt: rows of these, by its largest coordinate. The last lane
-/// is the first direction itself.
+/// A cold search asks along its first direction and others around it at once, which make a fan of
+/// triangles: the nearest point of seven saves two steps or three out of six; three do where each
+/// answer is dear and the first direction good. What is added to the two coordinates of the first
+/// direction that follow its largest one, times that and a tilt. The last lane is the first
+/// direction itself.
 constexpr int kFan = 8;
-alignas(64) constexpr double kFanRows[3][kFan] = {
-    {0, 0, 0, 0, 0, 0, 0, 0},
+alignas(64) constexpr double kFanRing[2][kFan] = {
     {1, 0.62348980185873353, -0.2225209339563144, -0.90096886790241913, -0.90096886790241913,
      -0.2225209339563144, 0.62348980185873353, 0},
     {0, 0.78183148246802981, 0.97492791218182361, 0.43388373911755812, -0.43388373911755812,
      -0.97492791218182361, -0.78183148246802981, 0}};
+alignas(32) constexpr double kFewRing[2][4] = {{1, -0.5, -0.5, 0},
+                                               {0, 0.8660254037844386, -0.8660254037844386, 0}};
+
+template <int n>
+HWY_INLINE Points<n> directionsAround(const Triple& first, const double* ring_u,
+                                      const double* ring_v, double by) {
+  const double ax = std::abs(first.x), ay = std::abs(first.y), az = std::abs(first.z);
+  const Mask<n> z_most = allLanes<n>(az) > allLanes<n>(std::max(ax, ay)),
+                y_most = allLanes<n>(ay) > allLanes<n>(ax);
+  // (The largest coordinate is known before the length is.)
+  const Lanes<n> size = allLanes<n>(std::max(std::max(ax, ay), az)), zero = allLanes<n>(0.0),
+                 tilt = allLanes<n>(by), u = tilt * load<n>(ring_u), v = tilt * load<n>(ring_v);
+  const Points<n> across = {choose(z_most, u, choose(y_most, v, zero)),
+                            choose(z_most, v, choose(y_most, zero, u)),
+                            choose(z_most, zero, choose(y_most, u, v))};
+  return allLanes<n>(first) + size * across;
+}
 
 /// The points that carry what a search found, with their weights; some may have none. Of the four
 /// around the origin no weight is known.
@@ -242,10 +267,13 @@ struct Carriers {
 ///   Point, the kind of point that is quicker: Triple or SamePoint;
 ///   Point support(const Point& n, VertexNames& names) const: the member of the difference with the
 ///     smallest w . n, for a direction of any length; names come in as hints;
-///   Points<kFan> fan(const Points<kFan>& n, const VertexNames& hints, Lanes<kFan>& names) const:
-///     the same for all lanes;
+///   Points<n> fan(const Points<n>& n, const VertexNames& hints, Lanes<n>& names) const: the same
+///     for all lanes, kFan or four of them;
 ///   double kTilt, of a fan's ring; 0 where there is no fan to begin with;
-///   Triple member(const VertexNames& names) const.
+///   double kTiltOfFew, of a ring of three; 0 where there never is one;
+///   bool areDear() const, where there may be: three are enough, since each answer is dear and the
+///     first direction good;
+///   Points<4> members(const VertexNames (&names)[3]) const: three members side by side.
 template <class Cores>
 class Search {
  public:
@@ -259,9 +287,9 @@ class Search {
         upper_offset_(upper_offset),
         iterations_(iterations) {}
 
-  /// First along `first`, of length 1; or, where `carried` is not null, from its points, which are
-  /// vertices of the pair. Ends with kLimit, kInside or, where the request is met or robust steps
-  /// must go on, with kStagnated.
+  /// First along `first`, of any length; or, where `carried` is not null, from its points, which
+  /// are vertices of the pair. Ends with kLimit, kInside or, where the request is met or robust
+  /// steps must go on, with kStagnated.
   HWY_INLINE GjkEnd run(const Triple& first, const PairCache* carried, const VertexNames& hints);
 
   HWY_INLINE const BestPlane& best() const { return best_; }
@@ -274,6 +302,8 @@ class Search {
   HWY_INLINE Step beginCarried(const PairCache& carried);
   HWY_INLINE void beginAlong(const Triple& first);
   HWY_INLINE void beginFan(const Triple& first);
+  HWY_INLINE Step beginFew(const Triple& first);
+  HWY_INLINE Step beginAround(const Triple& first);
   HWY_INLINE void keepNewest() {
     alignas(32) static constexpr double kPlace[3][4] = {{0, 0, 1, 0}, {1, 0, 0, 0}, {0, 1, 0, 0}};
     const Mask<4> place = load<4>(kPlace[nearest_.lane]) > allLanes<4>(0.0);
@@ -296,20 +326,15 @@ class Search {
 template <class Cores>
 HWY_INLINE Step Search<Cores>::beginCarried(const PairCache& carried) {
   VertexNames names[3];
-  Triple w[3];
+  HWY_UNROLL(3)
   for (int i = 0; i < 3; ++i) {
     const int k = i < carried.simplex_count ? i : 0;
     names[i] = {carried.simplex_a[k], carried.simplex_b[k]};
-    w[i] = cores_.member(names[i]);
   }
-  alignas(32) static constexpr double kFirst[4] = {1, 0, 0, 0}, kSecond[4] = {0, 1, 0, 0};
-  const Mask<4> first = load<4>(kFirst) > allLanes<4>(0.0),
-                second = load<4>(kSecond) > allLanes<4>(0.0);
-  old_ = choose(first, allLanes<4>(w[0]), choose(second, allLanes<4>(w[1]), allLanes<4>(w[2])));
-  old_names_ =
-      choose(first, allLanes(names[0]), choose(second, allLanes(names[1]), allLanes(names[2])));
+  old_ = cores_.members(names);
+  old_names_ = sideBySide(allLanes(names[0]), allLanes(names[1]), allLanes(names[2]));
   // One of the points as the newest.
-  set(newest_, w[0]);
+  pick(old_, Pick<4>(0), newest_);
   newest_names_ = names[0];
   const Step found = step(newest_, old_, nearest_);
   if (found == Step::kNearer) keepNewest();
@@ -322,7 +347,7 @@ HWY_INLINE void Search<Cores>::beginAlong(const Triple& first) {
   set(nearest_.direction, first);
   newest_ = cores_.support(nearest_.direction, newest_names_);
   const Triple p = tripleOf(newest_);
-  best_.offer(dot(first, p), first);
+  best_.offer(dot(first, p) * (1 / std::sqrt(squared(first))), first);
   const double length_squared = squared(p);
   nearest_ = {newest_,          length_squared,   length_squared,  0,
               allLanes<4>(0.0), allLanes<4>(0.0), allLanes<4>(1.0)};
@@ -331,24 +356,29 @@ HWY_INLINE void Search<Cores>::beginAlong(const Triple& first) {
 }
 
 template <class Cores>
+HWY_INLINE Step Search<Cores>::beginFew(const Triple& first) {
+  ++iterations_;
+  old_ = cores_.fan(directionsAround<4>(first, kFewRing[0], kFewRing[1], Cores::kTiltOfFew),
+                    newest_names_, old_names_);
+  const Pick<4> middle(3);
+  pick(old_, middle, newest_);
+  newest_names_ = namesIn(middle(old_names_));
+  best_.offer(dot(first, tripleOf(newest_)) * (1 / std::sqrt(squared(first))), first);
+  const Step found = step(newest_, old_, nearest_);
+  if (found == Step::kNearer) keepNewest();
+  return found;
+}
+
+template <class Cores>
 HWY_INLINE void Search<Cores>::beginFan(const Triple& first) {
   ++iterations_;
-  const double ax = std::abs(first.x), ay = std::abs(first.y), az = std::abs(first.z);
-  int axis = static_cast<int>(ay > ax);
-  axis += static_cast<int>(az > std::max(ax, ay)) * (2 - axis);
-  static constexpr int kRow[3][3] = {{0, 1, 2}, {2, 0, 1}, {1, 2, 0}};
-  const auto directions = [&](int i, double middle) HWY_ATTR {
-    return allLanes<kFan>(middle) +
-           allLanes<kFan>(Cores::kTilt) * load<kFan>(kFanRows[kRow[axis][i]]);
-  };
   Lanes<kFan> names;
-  const Points<kFan> ring =
-      cores_.fan({directions(0, first.x), directions(1, first.y), directions(2, first.z)},
-                 newest_names_, names);
+  const Points<kFan> ring = cores_.fan(
+      directionsAround<kFan>(first, kFanRing[0], kFanRing[1], Cores::kTilt), newest_names_, names);
   const Pick<kFan> middle(kFan - 1);
   pick(ring, middle, newest_);
   newest_names_ = namesIn(middle(names));
-  best_.offer(dot(first, tripleOf(newest_)), first);
+  best_.offer(dot(first, tripleOf(newest_)) * (1 / std::sqrt(squared(first))), first);
 
   const Triangles<kFan> t = trianglesOf(allLanes<kFan>(newest_), ring);
   const int k = firstLeast(t.norm_squared);
@@ -369,6 +399,15 @@ HWY_INLINE void Search<Cores>::beginFan(const Triple& first) {
 }
 
 template <class Cores>
+HWY_INLINE Step Search<Cores>::beginAround(const Triple& first) {
+  if constexpr (Cores::kTiltOfFew > 0) {
+    if (cores_.areDear()) return beginFew(first);
+  }
+  beginFan(first);
+  return Step::kNearer;
+}
+
+template <class Cores>
 HWY_INLINE GjkEnd Search<Cores>::run(const Triple& first, const PairCache* carried,
                                      const VertexNames& hints) {
   newest_names_ = hints;
@@ -376,10 +415,10 @@ HWY_INLINE GjkEnd Search<Cores>::run(const Triple& first, const PairCache* carri
   if (carried != nullptr) {
     last = beginCarried(*carried);
   } else if constexpr (Cores::kTilt > 0) {
-    if (std::isnan(request_.threshold)) {
-      beginFan(first);
-    } else {
+    if (!std::isnan(request_.threshold)) {
       beginAlong(first);  // (A threshold is most often decided by the first direction alone.)
+    } else {
+      last = beginAround(first);
     }
   } else {
     beginAlong(first);
@@ -398,7 +437,7 @@ HWY_INLINE GjkEnd Search<Cores>::run(const Triple& first, const PairCache* carri
     const double per = 1 / std::sqrt(nearest_.direction_squared);
     newest_ = cores_.support(nearest_.direction, newest_names_);
     const Triple direction = tripleOf(nearest_.direction);
-    best_.offer(dot(direction, tripleOf(newest_)) * per, direction);
+    best_.offer(dot(direction, tripleOf(newest_)) * per, nearest_.direction);
     lower = best_.value() - lower_offset_;
     if (lower > request_.threshold || (upper - lower <= request_.tolerance && lower > 0)) {
       return GjkEnd::kStagnated;

@@ -249,6 +249,32 @@ TEST(HullPairs, LeaveTheRestAlone) {
   }
 }
 
+// Large hulls are first asked along the normal of two ellipsoids that are about as they are: from
+// the direction of their middles these take 9.6 steps each, from there 5.6.
+TEST(HullPairs, LargeOnesBeginNearTheirNormal) {
+  Random random(137);
+  Scratch scratch;
+  const auto slab = [&random] {
+    std::vector<Vector3d> points;
+    for (int i = 0; i < 300; ++i) {
+      points.push_back(Vector3d(1, 0.4, 0.15).cwiseProduct(random.direction()));
+    }
+    return Shape::convexHull(points);
+  };
+  const int cases = 40;
+  int steps = 0;
+  for (int i = 0; i < cases; ++i) {
+    Pair pair{slab(), slab(), {random.rotation(), random.direction()}, {}};
+    pair.X_WB = {random.rotation(), pair.X_WA.translation + 2.2 * random.direction()};
+    for (int k = 0; k < 3; ++k) moveApart(pair, 0.02, scratch);
+    const DistanceResult r = distance(pair.a, pair.X_WA, pair.b, pair.X_WB, {}, scratch);
+    EXPECT_NEAR(r.distance.upper, 0.02, 1e-6);
+    EXPECT_EQ(r.status, DistanceStatus::kConverged);
+    steps += r.iterations;
+  }
+  EXPECT_LT(steps, 7 * cases);
+}
+
 // A threshold that the first point meets leaves the plane of a stale cache for a normal: the radius
 // was put on along that, and the witnesses were 1.412 m apart with an upper end of 0.815 m.
 TEST(RoundedHulls, WitnessesAreAsFarApartAsTheUpperEndWithAStaleCache) {
