@@ -54,6 +54,15 @@ void EdgeFrames::addPieces() {
   }
 }
 
+/// Whether a free or planar joint carries a link.
+bool EdgeFrames::travels(int link) const {
+  for (int l = link; l >= 0; l = scene_->model().joints[at(l)].parent_link) {
+    const robots::JointType type = scene_->model().joints[at(l)].type;
+    if (type == robots::JointType::kFloating || type == robots::JointType::kPlanar) return true;
+  }
+  return false;
+}
+
 void EdgeFrames::addPairs() {
   const collision::Scene& scene = scene_->scene();
   for (std::size_t p = 0; p < scene.pairs().size(); ++p) {
@@ -79,10 +88,11 @@ void EdgeFrames::addPairs() {
     const auto isMesh = [&](int piece) {
       return shapeOf(piece).type() == collision::ShapeType::kMesh;
     };
-    // Links of a robot that are near each other move little against each other, and their hulls'
+    // Links of an arm stay near each other and near its base, move little there, and their hulls'
     // sweeps answer; against a convex obstacle convex pieces do.
     e.by_surfaces = pair.margin >= 0 && isMesh(e.a) && isMesh(e.b) &&
-                    (pieces_[at(e.a)].link < 0 || pieces_[at(e.b)].link < 0) &&
+                    ((pieces_[at(e.a)].link < 0 && travels(pieces_[at(e.b)].link)) ||
+                     (pieces_[at(e.b)].link < 0 && travels(pieces_[at(e.a)].link))) &&
                     collision::sweepsMesh(shapeOf(e.a), shapeOf(e.b));
     pairs_.push_back(e);
   }

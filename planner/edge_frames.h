@@ -94,6 +94,7 @@ class EdgeFrames {
   static std::size_t at(int i) { return static_cast<std::size_t>(i); }
   void addPieces();
   void addPairs();
+  bool travels(int link) const;
   bool isUsable(std::span<const double> point) const;
   bool isInShape(std::span<const double> point) const;
 
