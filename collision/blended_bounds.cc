@@ -1,10 +1,12 @@
 #include "collision/blended_bounds.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 
 #include "collision/motion_input.h"
+#include "collision/motion_kernels.h"
 #include "collision/round_box.h"
 #include "leeway/collision/tolerances.h"
 
@@ -37,27 +39,11 @@ std::uint8_t lanesOf(const DeformTree& tree, std::int32_t node) {
   return lanes;
 }
 
-constexpr int kNumbers = 3 * kWidth;
-
-struct Sum {
-  double low[kNumbers], high[kNumbers];
-
-  /// += p [box.low, box.high].
-  void add(double p, const WideBox& box) {
-    const float* lower = p >= 0 ? box.low[0] : box.high[0];
-    const float* upper = p >= 0 ? box.high[0] : box.low[0];
-    for (int i = 0; i < kNumbers; ++i) low[i] += p * static_cast<double>(lower[i]);
-    for (int i = 0; i < kNumbers; ++i) high[i] += p * static_cast<double>(upper[i]);
-  }
-};
-
-// [-slack, slack] and what is added with `first` times the first box.
-Sum sumOf(double slack, const WideBox* boxes, double first, std::span<const double> rest) {
-  Sum sum;
-  for (int i = 0; i < kNumbers; ++i) sum.low[i] = -slack;
-  for (int i = 0; i < kNumbers; ++i) sum.high[i] = slack;
-  sum.add(first, *boxes);
-  for (const double p : rest) sum.add(p, *++boxes);
+// [-slack, slack].
+BoxSum sumOf(double slack) {
+  BoxSum sum;
+  std::fill_n(sum.low, BoxSum::kNumbers, -slack);
+  std::fill_n(sum.high, BoxSum::kNumbers, slack);
   return sum;
 }
 
@@ -117,39 +103,75 @@ void raise(double lower, float& bound) {
 }  // namespace
 
 BlendedBounds::BlendedBounds(const BlendedMotion& motion, const DeformTree& tree,
-                             DeformVolume volume)
+                             DeformVolume volume, std::int32_t nodes)
     : volume_(volume), fields_(motion.fields().size()), has_base_(!motion.base().empty()) {
   base_size_ = largestCoordinate(motion.base());
   for (const BlendedMotion::Field& field : motion.fields())
     field_sizes_.push_back(largestCoordinate(field));
+  // The mean of fields may be as large as the largest of them.
+  if (!has_base_) {
+    const double largest = *std::max_element(field_sizes_.begin(), field_sizes_.end());
+    std::fill(field_sizes_.begin(), field_sizes_.end(), largest);
+  }
   std::vector<const BlendedMotion::Field*> all;
   if (has_base_) all.push_back(&motion.base());
   for (const BlendedMotion::Field& field : motion.fields()) all.push_back(&field);
-  BlendedMotion::Field mean;
-  std::vector<BlendedMotion::Field> differences;
+  std::vector<BlendedMotion::Field> differences;  // and the mean first
   if (!has_base_ && volume != DeformVolume::kBall) {
-    mean = meanOf(motion.fields());
-    differences = motion.fields();
-    for (BlendedMotion::Field& field : differences) {
-      for (std::size_t v = 0; v < mean.size(); ++v) field[v] -= mean[v];
+    differences.push_back(meanOf(motion.fields()));
+    for (const BlendedMotion::Field& field : motion.fields()) {
+      differences.push_back(field);
+      for (std::size_t v = 0; v < field.size(); ++v) differences.back()[v] -= differences[0][v];
     }
   }
-  const std::size_t count = static_cast<std::size_t>(tree.nodeCount()) * volumesOfNode();
-  (volume == DeformVolume::kBall ? balls_.reserve(count) : boxes_.reserve(count));
-  for (std::int32_t node = 0; node < tree.nodeCount(); ++node) {
+  for (const BlendedMotion::Field& field : differences) differences_.addField(field);
+  if (volume != DeformVolume::kBall) {
+    for (const BlendedMotion::Field* field : all) boxes_.addField(*field);
+  }
+  for (std::int32_t node = 0; node < nodes; ++node) {
     lanes_.push_back(lanesOf(tree, node));
     if (volume == DeformVolume::kBall) {
       for (const BlendedMotion::Field* field : all) balls_.push_back(ballsOf(*field, tree, node));
       continue;
     }
-    if (!mean.empty()) differences_.push_back(boxOf(mean, tree, node));
-    for (const BlendedMotion::Field& field : differences)
-      differences_.push_back(boxOf(field, tree, node));
-    for (const BlendedMotion::Field* field : all) {
-      boxes_.push_back(boxOf(*field, tree, node));
-      if (volume == DeformVolume::kDop) diagonals_.push_back(diagonalsOf(*field, tree, node));
+    for (std::size_t i = 0; i < differences.size(); ++i)
+      differences_.addNode(differences[i], i, tree, node);
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      boxes_.addNode(*all[i], i, tree, node);
+      if (volume == DeformVolume::kDop) diagonals_.push_back(diagonalsOf(*all[i], tree, node));
     }
   }
+}
+
+void BlendedBounds::Boxes::addField(const BlendedMotion::Field& field) {
+  unsigned there = 0;
+  for (const Eigen::Vector3d& v : field) {
+    for (int k = 0; k < 3; ++k) there |= v[k] != 0 ? 1U << k : 0U;
+  }
+  axes.push_back(static_cast<std::uint8_t>(there));
+  rows_a_node += static_cast<std::size_t>(std::popcount(there));
+}
+
+void BlendedBounds::Boxes::addNode(const BlendedMotion::Field& field, std::size_t number,
+                                   const DeformTree& tree, std::int32_t node) {
+  const WideBox box = boxOf(field, tree, node);
+  for (int k = 0; k < 3; ++k) {
+    if ((axes[number] >> k & 1) == 0) continue;
+    AxisRow& row = rows.emplace_back();
+    std::copy_n(box.low[k], kWidth, row.low);
+    std::copy_n(box.high[k], kWidth, row.high);
+  }
+}
+
+void BlendedBounds::Boxes::blend(std::int32_t node, const double* first, std::span<const double> to,
+                                 std::span<const double> from, BoxSum& sum) const {
+  const MotionKernels& kernels = motionKernels();
+  const AxisRow* row = rows.data() + static_cast<std::size_t>(node) * rows_a_node;
+  const std::size_t others = axes.size() - to.size();  // 1 or none
+  if (first != nullptr) kernels.blend(row, axes.data(), first, nullptr, others, sum);
+  if (others > 0) row += std::popcount(axes[0]);
+  kernels.blend(row, axes.data() + others, to.data(), from.empty() ? nullptr : from.data(),
+                to.size(), sum);
 }
 
 // A sum of two doubles is as good as one when it becomes a float.
@@ -233,26 +255,39 @@ void BlendedBounds::boundBoxes(std::int32_t node, std::span<const double> parame
   }
   const double slack = rounding(parameters);
   const auto n = static_cast<std::size_t>(node);
-  Sum sum = has_base_ ? sumOf(slack, &boxes_[n * (fields_ + 1)], 1, parameters)
-                      : sumOf(slack, &boxes_[n * fields_], parameters[0], parameters.subspan(1));
+  BoxSum sum = sumOf(slack);
+  const double one = 1;
+  boxes_.blend(node, &one, parameters, {}, sum);
   if (turned && !has_base_) {
-    const Sum other = sumOf(slack, &differences_[n * (fields_ + 1)], total, parameters);
-    for (int i = 0; i < kNumbers; ++i) {
+    BoxSum other = sumOf(slack);
+    differences_.blend(node, &total, parameters, {}, other);
+    for (int i = 0; i < BoxSum::kNumbers; ++i) {
       sum.low[i] = std::max(sum.low[i], other.low[i]);
       sum.high[i] = std::min(sum.high[i], other.high[i]);
     }
   }
-  const int lanes = lanes_[n];
+  motionKernels().put(sum, box);
   for (int axis = 0; axis < 3; ++axis) {
-    for (int lane = 0; lane < kWidth; ++lane) {
-      const int i = axis * kWidth + lane;
-      const bool empty = lane >= lanes;
-      box.low[axis][lane] =
-          empty ? std::numeric_limits<float>::infinity() : roundedDown(sum.low[i]);
-      box.high[axis][lane] =
-          empty ? -std::numeric_limits<float>::infinity() : roundedUpToFloat(sum.high[i]);
+    for (int lane = lanes_[n]; lane < kWidth; ++lane) {
+      box.low[axis][lane] = std::numeric_limits<float>::infinity();
+      box.high[axis][lane] = -std::numeric_limits<float>::infinity();
     }
   }
+}
+
+// The difference of two sums is the sum with the differences of the coordinates; each of the two is
+// off as the bounds say, and so are the differences, of what is at most both together.
+void BlendedBounds::displacement(std::int32_t node, std::span<const double> from,
+                                 std::span<const double> to, WideBox& box) const {
+  BoxSum sum = sumOf(rounding(from) + rounding(to));
+  if (has_base_) {
+    boxes_.blend(node, nullptr, to, from, sum);
+  } else {
+    double total = 0;
+    for (std::size_t k = 0; k < fields_; ++k) total += to[k] - from[k];
+    differences_.blend(node, &total, to, from, sum);
+  }
+  motionKernels().put(sum, box);
 }
 
 BlendedBounds::BlendedBalls BlendedBounds::blendBalls(std::int32_t node,

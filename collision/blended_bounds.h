@@ -2,6 +2,7 @@
 
 #include "collision/blended_motion.h"
 #include "collision/deform_bounds.h"
+#include "collision/motion_kernels.h"
 
 namespace leeway::collision {
 
@@ -16,9 +17,13 @@ namespace leeway::collision {
 /// and radii by the weights' magnitudes.
 class BlendedBounds final : public NodeBounds {
  public:
-  BlendedBounds(const BlendedMotion& motion, const DeformTree& tree, DeformVolume volume);
+  BlendedBounds(const BlendedMotion& motion, const DeformTree& tree, DeformVolume volume,
+                std::int32_t nodes);
   /// The boxes; those around the balls where there are no others.
   void bound(std::int32_t node, std::span<const double> parameters, WideBox& box) const override;
+  /// Not where there are balls.
+  void displacement(std::int32_t node, std::span<const double> from, std::span<const double> to,
+                    WideBox& box) const override;
   bool hasVolumes() const override { return volume_ != DeformVolume::kBox; }
   void tighten(std::int32_t node, std::span<const double> parameters, const Probe& probe,
                Bounds& bounds) const override;
@@ -34,6 +39,22 @@ class BlendedBounds final : public NodeBounds {
   };
   struct BlendedBalls {
     double center[3][kWidth], radius[kWidth];
+  };
+
+  /// Boxes of some fields, node by node; axes along which a field is 0 everywhere are left out.
+  struct Boxes {
+    std::vector<std::uint8_t> axes;  ///< one a field: those of x, y, z that are there, a bit each
+    std::vector<AxisRow> rows;       ///< a node: field by field, axis by axis
+    std::size_t rows_a_node = 0;
+
+    void addField(const BlendedMotion::Field& field);
+    /// To be called field by field.
+    void addNode(const BlendedMotion::Field& field, std::size_t number, const DeformTree& tree,
+                 std::int32_t node);
+    /// Adds those of the first field times `first`, if there is one, and of the others times the
+    /// parameters `to`, or what they are more than `from` where that is not empty.
+    void blend(std::int32_t node, const double* first, std::span<const double> to,
+               std::span<const double> from, BoxSum& sum) const;
   };
 
   static Diagonals diagonalsOf(const BlendedMotion::Field& field, const DeformTree& tree,
@@ -57,11 +78,11 @@ class BlendedBounds final : public NodeBounds {
   std::size_t fields_;
   bool has_base_;
   // A node: the base's if there is one, then one a field. No boxes where there are balls.
-  std::vector<WideBox> boxes_;
+  Boxes boxes_;
   std::vector<Diagonals> diagonals_;
   std::vector<Balls> balls_;
-  std::vector<WideBox> differences_;  // without a base; a node: the mean's, then one a field
-  std::vector<std::uint8_t> lanes_;   // one a node: how many children it has
+  Boxes differences_;                // without a base; a node: the mean's, then one a field's
+  std::vector<std::uint8_t> lanes_;  // one a node: how many children it has
   double base_size_ = 0;
   std::vector<double> field_sizes_;  // largest |coordinate| [m]
 };

@@ -25,6 +25,13 @@ class NodeBounds {
   /// child are empty. Never throws or allocates.
   virtual void bound(std::int32_t node, std::span<const double> parameters, WideBox& box) const = 0;
 
+  /// Boxes of how far the vertices below each child of the node come from where they are for the
+  /// parameters `from` to where they are for `to`, as VertexMotion::vertices() gives both, rounding
+  /// included; lanes without a child hold anything. Not of volumes of kind kBall. Never throws or
+  /// allocates.
+  virtual void displacement(std::int32_t node, std::span<const double> from,
+                            std::span<const double> to, WideBox& box) const = 0;
+
   /// Whether there are volumes that say more than the boxes around them.
   virtual bool hasVolumes() const { return false; }
   /// Raises the lower bounds on the separation of a body and each child of the node to what the
@@ -34,9 +41,9 @@ class NodeBounds {
 };
 
 /// The bounds that the kind of motion allows (kMorph, kSkinned, kReduced); null for other kinds.
-/// `volume` is for kMorph and kReduced. The tree's memory is not needed afterwards. O(nodes x
-/// vertices below them).
+/// `volume` is for kMorph and kReduced. Of the nodes 0 .. nodes - 1 alone. The tree's memory is not
+/// needed afterwards. O(nodes x vertices below them).
 std::unique_ptr<const NodeBounds> makeNodeBounds(const VertexMotion& motion, const DeformTree& tree,
-                                                 DeformVolume volume);
+                                                 DeformVolume volume, std::int32_t nodes);
 
 }  // namespace leeway::collision

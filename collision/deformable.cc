@@ -88,7 +88,8 @@ struct Deformable::Impl {
   std::shared_ptr<const DeformTree> tree;
   std::shared_ptr<const NodeBounds> bounds;  // from the motion, of motion_tree; may be null
   std::shared_ptr<const DeformTree> motion_tree;
-  DeformPool::Slot* next = nullptr;  // being prepared
+  std::shared_ptr<const NodeBounds> upper_bounds;  // likewise, of its upper nodes; boxes
+  DeformPool::Slot* next = nullptr;                // being prepared
   std::shared_ptr<const DeformableSnapshot> current;
   UpdateStatistics statistics;
   int bad_vertex = -1;
@@ -117,24 +118,32 @@ struct Deformable::Impl {
   };
   Turn turn;
   std::vector<BranchBox> branch_room;
+  std::vector<WideBox> displacements;  // one an upper node, of its branches: see displace()
   double branch_length = 0;  // longest side of a branch's box, in the mean over the last whole turn
 
   // What is to be done with vertices that stand in the next snapshot. Of those that are given, none
   // is farther than `moved` from where the current one has it. Ends what was prepared, whatever it
   // returns.
   UpdateStatus take(double time, double speed_bound, bool checked, double moved);
+  /// What is known of the vertices that stand in the next snapshot.
+  struct Known {
+    bool bounded;    ///< they are within the next snapshot's box, which is finite
+    bool by_motion;  ///< they are the motion's, for the next snapshot's parameters
+    double moved;    ///< none is farther from where the current snapshot has it; may be infinite
+  };
   double movedSince() const;
   DeformableSnapshotImpl& prepareNext();
   UpdateStatus evaluate(double time);
   void choose(bool by_motion, DeformStrategy& strategy, const char*& reason) const;
   bool follow(DeformStrategy& strategy, const char*& reason, DeformableSnapshotImpl& s,
-              bool bounded, double moved);
+              const Known& known);
   bool refit(DeformableSnapshotImpl& s);
   bool rebuild(DeformMethod method, DeformableSnapshotImpl& s, bool bounded);
   bool restructure(DeformableSnapshotImpl& s);
-  bool upperLevels(DeformableSnapshotImpl& s, double moved);
-  std::size_t branchesDue(double moved) const;
-  void growBranches(DeformableSnapshotImpl& s, double moved) const;
+  bool upperLevels(DeformableSnapshotImpl& s, const Known& known);
+  double displace(const DeformableSnapshotImpl& s, const Known& known);
+  std::size_t branchesDue(double growth) const;
+  void growBranches(DeformableSnapshotImpl& s) const;
   void addToTurn(const DeformableSnapshotImpl& s, std::size_t end);
   bool rebuildPays(const DeformableSnapshotImpl& s);
   void measureBuilt(const DeformableSnapshotImpl& s);
@@ -267,19 +276,19 @@ bool Deformable::Impl::restructure(DeformableSnapshotImpl& s) {
 }
 
 // The boxes of the branches are read from all their vertices. Where it is known how far a vertex
-// can have moved since the current snapshot, that snapshot's boxes, grown by as much, hold, too:
-// then a share of the branches is read, in turns, so that none grows by more than kTurnGrowth of
-// the branches' mean length before it is read again. Nodes below are read when a query comes to
-// them, and so as close as ever.
-bool Deformable::Impl::upperLevels(DeformableSnapshotImpl& s, double moved) {
+// can have moved since the current snapshot, that snapshot's boxes, moved and grown by as much,
+// hold, too: then a share of the branches is read, in turns, so that none grows by more than
+// kTurnGrowth of the branches' mean length before it is read again. Nodes below are read when a
+// query comes to them, and so as close as ever.
+bool Deformable::Impl::upperLevels(DeformableSnapshotImpl& s, const Known& known) {
   s.tree = tree;
   s.demand = Demand::kBranches;
   const std::int32_t upper = tree->upperCount();
   reserve(s.boxes, upper);
   statistics.nodes_touched += upper;
-  const std::size_t all = tree->branches().size(), due = branchesDue(moved);
+  const std::size_t all = tree->branches().size(), due = branchesDue(displace(s, known));
   if (due == all || turn.next == all) turn = {.frames = turn.frames};
-  if (due < all) growBranches(s, moved);
+  if (due < all) growBranches(s);
   const std::size_t begin = turn.next, end = std::min(begin + due, all);
   if (branch_room.size() < all) branch_room.resize(all);
   const bool finite =
@@ -300,15 +309,61 @@ bool Deformable::Impl::upperLevels(DeformableSnapshotImpl& s, double moved) {
   return true;
 }
 
-// How many branches have to be read.
-std::size_t Deformable::Impl::branchesDue(double moved) const {
-  const std::size_t all = tree->branches().size();
+// How far the vertices of each branch can have come since the current snapshot, into
+// `displacements`; returns what their boxes grow by at either end, along the axis where that is the
+// most, in the mean. Infinite when the current snapshot has no boxes of them, or nothing is known.
+// The motion's own bounds tell of each branch what its vertices have in common, which moves its box
+// and does not make it larger.
+double Deformable::Impl::displace(const DeformableSnapshotImpl& s, const Known& known) {
   const DeformableSnapshotImpl& last = current->impl();
-  const bool known =
-      last.tree == tree && (last.demand == Demand::kNothing || last.demand == Demand::kBranches);
+  if (last.tree != tree || (last.demand != Demand::kNothing && last.demand != Demand::kBranches))
+    return kInfinity;
+  const bool by_motion =
+      known.by_motion && std::isfinite(current_evaluated) && upper_bounds && tree == motion_tree;
+  // Much too far is not worth a closer look.
+  if (!by_motion && !(known.moved < branch_length)) return kInfinity;
+  const std::int32_t upper = tree->upperCount();
+  if (displacements.size() < static_cast<std::size_t>(upper))
+    displacements.resize(static_cast<std::size_t>(upper));
+  const float low = roundedDown(-known.moved), high = roundedUpToFloat(known.moved);
+  double sum = 0;
+  for (std::int32_t node = 0; node < upper; ++node) {
+    const DeformTree::Node& children = tree->node(node);
+    const auto isBranch = [&](int lane) { return children.child[lane] >= upper; };
+    int branches = 0;
+    for (int lane = 0; lane < kWidth; ++lane) branches += isBranch(lane) ? 1 : 0;
+    if (branches == 0) continue;
+    WideBox& box = displacements[static_cast<std::size_t>(node)];
+    if (!by_motion) {
+      for (int k = 0; k < 3; ++k) {
+        std::fill_n(box.low[k], kWidth, low);
+        std::fill_n(box.high[k], kWidth, high);
+      }
+      sum += branches * known.moved;
+      continue;
+    }
+    upper_bounds->displacement(node, last.parameters, s.parameters, box);
+    float side[kWidth] = {};  // the longest
+    for (int k = 0; k < 3; ++k) {
+      for (int lane = 0; lane < kWidth; ++lane) {
+        // In this order, so that what is no number says nothing.
+        box.low[k][lane] = std::max(low, box.low[k][lane]);
+        box.high[k][lane] = std::min(high, box.high[k][lane]);
+        side[lane] = std::max(side[lane], box.high[k][lane] - box.low[k][lane]);
+      }
+    }
+    for (int lane = 0; lane < kWidth; ++lane)
+      if (isBranch(lane)) sum += 0.5 * static_cast<double>(side[lane]);
+  }
+  return sum / static_cast<double>(tree->branches().size());
+}
+
+// How many branches have to be read.
+std::size_t Deformable::Impl::branchesDue(double growth) const {
+  const std::size_t all = tree->branches().size();
   // Written so that what is no number reads all.
-  const double share = moved / (kTurnGrowth * branch_length);
-  if (!known || !(share < kTurnWorth)) return all;
+  const double share = growth / (kTurnGrowth * branch_length);
+  if (!(share < kTurnWorth)) return all;
   double least = 0;
   if (options.strategy == DeformStrategy::kAuto) {
     const double read = kReadMicroseconds * mesh->triangleCount(),
@@ -319,16 +374,25 @@ std::size_t Deformable::Impl::branchesDue(double moved) const {
                   1 + static_cast<std::size_t>(std::max(share, least) * static_cast<double>(all)));
 }
 
-void Deformable::Impl::growBranches(DeformableSnapshotImpl& s, double moved) const {
-  const std::vector<WideBox>& before = current->impl().boxes;
-  for (const DeformTree::Branch& branch : tree->branches()) {
-    const DeformTree::Up& up = tree->up(branch.root);
-    const auto parent = static_cast<std::size_t>(up.parent);
+// All lanes alike; those of upper nodes and leaves are put right by the refit.
+void Deformable::Impl::growBranches(DeformableSnapshotImpl& s) const {
+  const std::int32_t upper = tree->upperCount();
+  for (std::int32_t node = 0; node < upper; ++node) {
+    const auto i = static_cast<std::size_t>(node);
+    const auto& children = tree->node(node).child;
+    if (std::none_of(children, children + kWidth, [&](std::int32_t c) { return c >= upper; }))
+      continue;
+    const WideBox &before = current->impl().boxes[i], &moved = displacements[i];
+    WideBox& box = s.boxes[i];
+    // A sum is off by half a unit in the last place; 2^-23 of it is one at least, and sums below
+    // the normal numbers are exact.
     for (int k = 0; k < 3; ++k) {
-      s.boxes[parent].low[k][up.lane] =
-          roundedDown(static_cast<double>(before[parent].low[k][up.lane]) - moved);
-      s.boxes[parent].high[k][up.lane] =
-          roundedUpToFloat(static_cast<double>(before[parent].high[k][up.lane]) + moved);
+      for (int lane = 0; lane < kWidth; ++lane) {
+        const float low = before.low[k][lane] + moved.low[k][lane],
+                    high = before.high[k][lane] + moved.high[k][lane];
+        box.low[k][lane] = low - std::abs(low) * 0x1p-23F;
+        box.high[k][lane] = high + std::abs(high) * 0x1p-23F;
+      }
     }
   }
 }
@@ -399,23 +463,23 @@ bool Deformable::Impl::rebuildPays(const DeformableSnapshotImpl& s) {
 
 // The hierarchy, or what is to be known of it. False when a vertex is not finite.
 bool Deformable::Impl::follow(DeformStrategy& strategy, const char*& reason,
-                              DeformableSnapshotImpl& s, bool bounded, double moved) {
+                              DeformableSnapshotImpl& s, const Known& known) {
   statistics.nodes_touched = statistics.vertices_touched = statistics.triangles_rebuilt = 0;
   statistics.decay = 0;
   s.bounds = nullptr;
   bool good = true;
   switch (strategy) {
     case DeformStrategy::kRebuild:
-      good = rebuild(DeformMethod::kBinned, s, bounded);
+      good = rebuild(DeformMethod::kBinned, s, known.bounded);
       break;
     case DeformStrategy::kRebuildLinear:
-      good = rebuild(DeformMethod::kLinear, s, bounded);
+      good = rebuild(DeformMethod::kLinear, s, known.bounded);
       break;
     case DeformStrategy::kRestructure:
       good = restructure(s);
       break;
     case DeformStrategy::kHybrid:
-      good = upperLevels(s, moved);
+      good = upperLevels(s, known);
       if (good && options.strategy == DeformStrategy::kAuto && rebuildPays(s)) {
         strategy = DeformStrategy::kRebuild;
         reason = "the hierarchy has decayed by more than building it anew costs";
@@ -427,8 +491,8 @@ bool Deformable::Impl::follow(DeformStrategy& strategy, const char*& reason,
     case DeformStrategy::kOctree:
       s.tree = tree;
       s.demand = strategy == DeformStrategy::kLazy ? Demand::kVertices : Demand::kNoTree;
-      good = bounded || deformKernels().bound(s.vertices.data(), mesh->rest().size(),
-                                              kLargestDeformed, s.low, s.high);
+      good = known.bounded || deformKernels().bound(s.vertices.data(), mesh->rest().size(),
+                                                    kLargestDeformed, s.low, s.high);
       statistics.vertices_touched = mesh->vertexCount();
       break;
     case DeformStrategy::kMorph:
@@ -493,7 +557,7 @@ UpdateStatus Deformable::Impl::take(double time, double speed_bound, bool checke
   bool good = checked || deformKernels().bound(s.vertices.data(), mesh->rest().size(),
                                                kLargestDeformed, s.low, s.high);
   const UpdateStatistics before = statistics;
-  if (good) good = follow(strategy, reason, s, bounded, moved);
+  if (good) good = follow(strategy, reason, s, {bounded, by_motion, moved});
   if (!good) {
     statistics = before;
     findBadVertex(s);
@@ -540,10 +604,17 @@ Deformable::Deformable(std::shared_ptr<const DeformableMesh> mesh,
       buildDeformTree(impl.mesh->rest(), impl.mesh->triangles(), DeformMethod::kBinned, impl.split);
   impl.motion_tree = impl.tree;
   const bool wanted = needsMotion(options.strategy) || options.strategy == DeformStrategy::kAuto;
-  if (wanted && impl.motion) impl.bounds = makeNodeBounds(*impl.motion, *impl.tree, options.volume);
+  if (wanted && impl.motion) {
+    impl.bounds = makeNodeBounds(*impl.motion, *impl.tree, options.volume, impl.tree->nodeCount());
+  }
   if (needsMotion(options.strategy) && !impl.bounds) {
     throw std::invalid_argument(std::string("deformable: this motion has no bounds for ") +
                                 toString(options.strategy));
+  }
+  if (impl.motion &&
+      (options.strategy == DeformStrategy::kHybrid || options.strategy == DeformStrategy::kAuto)) {
+    impl.upper_bounds =
+        makeNodeBounds(*impl.motion, *impl.tree, DeformVolume::kBox, impl.tree->upperCount());
   }
   // The rest position need not be one of the motion's, whose bounds hold for no other vertices.
   DeformStrategy& strategy = impl.options.strategy;

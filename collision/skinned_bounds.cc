@@ -43,20 +43,26 @@ using Eigen::Vector3d;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-struct Matrix {
-  const double* numbers;  // rotation row by row, then the translation
-  double linear(int row, int column) const { return numbers[3 * row + column]; }
-  double translation(int row) const { return numbers[9 + row]; }
-};
+/// No coordinate of T r is larger for rest positions up to `reach`; T: rotation row by row, then
+/// the translation.
+double sizeOf(const double* T, double reach) {
+  double size = 0;
+  for (int k = 0; k < 3; ++k) {
+    const double turned = std::abs(T[3 * k]) + std::abs(T[3 * k + 1]) + std::abs(T[3 * k + 2]);
+    size = std::max(size, std::abs(T[9 + k]) + reach * turned);
+  }
+  return size;
+}
 
 }  // namespace
 
-SkinnedBounds::SkinnedBounds(const SkinnedVertices& motion, const DeformTree& tree) {
+SkinnedBounds::SkinnedBounds(const SkinnedVertices& motion, const DeformTree& tree,
+                             std::int32_t nodes) {
   rest_size_ = largestCoordinate(motion.rest());
   first_part_.push_back(0);
-  for (std::int32_t node = 0; node < tree.nodeCount(); ++node) {
+  for (std::int32_t node = 0; node < nodes; ++node) {
     std::uint8_t lanes = 0;
-    Lanes rest{};
+    SkinRest rest{};
     for (; lanes < kWidth; ++lanes) {
       const std::span<const std::int32_t> vertices = tree.vertices(node, lanes);
       if (vertices.empty()) break;
@@ -114,7 +120,7 @@ void SkinnedBounds::addParts(const SkinnedVertices& motion, const DeformTree& tr
   std::sort(seen.begin(), seen.end(), [](const Seen& a, const Seen& b) { return a.bone < b.bone; });
   const std::size_t begin = parts_.size();
   for (const Seen& s : seen) {
-    Part part{s.bone, {}, {}, {}, {}};
+    SkinPart part{s.bone, {}, {}, {}, {}};
     for (int lane = 0; lane < kWidth; ++lane) {
       const double least = s.count[lane] == tree.vertices(node, lane).size() ? s.least[lane] : 0;
       part.mean[lane] = 0.5 * (least + s.largest[lane]);
@@ -138,7 +144,8 @@ void SkinnedBounds::addParts(const SkinnedVertices& motion, const DeformTree& tr
           (parts_[i].range[lane] + std::abs(missing)) * (1 + 8 * kUnitRoundoff) + 4 * kUnitRoundoff;
       parts_[i].mean[lane] = moved;
     }
-    fitGradients(motion, tree.vertices(node, lane), lane, std::span<Part>(parts_).subspan(begin));
+    fitGradients(motion, tree.vertices(node, lane), lane,
+                 std::span<SkinPart>(parts_).subspan(begin));
   }
 }
 
@@ -146,8 +153,8 @@ void SkinnedBounds::addParts(const SkinnedVertices& motion, const DeformTree& tr
 // right; its residue is what counts, with the rounding of the sums that it comes from.
 void SkinnedBounds::fitGradients(const SkinnedVertices& motion,
                                  std::span<const std::int32_t> vertices, int lane,
-                                 std::span<Part> parts) const {
-  const Lanes& rest = rest_.back();
+                                 std::span<SkinPart> parts) const {
+  const SkinRest& rest = rest_.back();
   const Vector3d center(rest.center[0][lane], rest.center[1][lane], rest.center[2][lane]);
   const auto offset = [&](std::int32_t v) -> Vector3d {
     return motion.rest()[static_cast<std::size_t>(v)] - center;
@@ -167,7 +174,7 @@ void SkinnedBounds::fitGradients(const SkinnedVertices& motion,
   }
   spread += (1e-6 * spread.trace() + 1e-200) * Eigen::Matrix3d::Identity();
   const Eigen::Matrix3d inverse = spread.inverse();
-  for (Part& part : parts) {
+  for (SkinPart& part : parts) {
     part.residue[lane] = part.range[lane];
     if (!(part.range[lane] > 0)) continue;
     Vector3d sum = Vector3d::Zero();
@@ -198,82 +205,38 @@ void SkinnedBounds::fitGradients(const SkinnedVertices& motion,
 // all.
 void SkinnedBounds::bound(std::int32_t node, std::span<const double> parameters,
                           WideBox& box) const {
-  const auto n = static_cast<std::size_t>(node);
-  const Lanes& rest = rest_[n];
-  const std::span<const Part> parts(parts_.data() + first_part_[n],
-                                    parts_.data() + first_part_[n + 1]);
-  const auto matrixOf = [&](const Part& part) {
-    return Matrix{parameters.data() + 12 * static_cast<std::size_t>(part.bone)};
-  };
-  double size = 0;
-  for (const Part& part : parts) {
-    const Matrix T = matrixOf(part);
-    for (int k = 0; k < 3; ++k) {
-      size = std::max(size, std::abs(T.translation(k)) +
-                                rest_size_ * (std::abs(T.linear(k, 0)) + std::abs(T.linear(k, 1)) +
-                                              std::abs(T.linear(k, 2))));
+  boundBy(node, parameters, {}, box);
+  for (int k = 0; k < 3; ++k) {
+    for (int i = lanes_[static_cast<std::size_t>(node)]; i < kWidth; ++i) {
+      box.low[k][i] = std::numeric_limits<float>::infinity();
+      box.high[k][i] = -std::numeric_limits<float>::infinity();
     }
+  }
+}
+
+// A vertex comes from sum w_b S_b r to sum w_b T_b r, by sum w_b (T_b - S_b) r: nothing above asks
+// that bones are rigid. Both ends are off by their own rounding, and a difference of two numbers is
+// at most as large as both together.
+void SkinnedBounds::displacement(std::int32_t node, std::span<const double> from,
+                                 std::span<const double> to, WideBox& box) const {
+  boundBy(node, to, from, box);
+}
+
+void SkinnedBounds::boundBy(std::int32_t node, std::span<const double> to,
+                            std::span<const double> from, WideBox& box) const {
+  const auto n = static_cast<std::size_t>(node);
+  const std::span<const SkinPart> parts(parts_.data() + first_part_[n],
+                                        parts_.data() + first_part_[n + 1]);
+  double size = 0;
+  for (const SkinPart& part : parts) {
+    const std::size_t first = 12 * static_cast<std::size_t>(part.bone);
+    size = std::max(size, sizeOf(&to[first], rest_size_) +
+                              (from.empty() ? 0 : sizeOf(&from[first], rest_size_)));
   }
   const double rounding =
       64 * (terms_ + 12) * (static_cast<double>(parts.size()) + 4) * kUnitRoundoff * size;
-
-  const int lanes = lanes_[n];
-  for (int row = 0; row < 3; ++row) {
-    double center[kWidth] = {}, linear[3][kWidth] = {};  // of the mean map
-    double low[kWidth], high[kWidth];                    // around the bones
-    std::fill_n(low, kWidth, kInfinity);
-    std::fill_n(high, kWidth, -kInfinity);
-    for (const Part& part : parts) {
-      const Matrix T = matrixOf(part);
-      const double x = T.linear(row, 0), y = T.linear(row, 1), z = T.linear(row, 2);
-      const double t = T.translation(row);
-      for (int i = 0; i < kWidth; ++i) {
-        const double image =
-            x * rest.center[0][i] + y * rest.center[1][i] + z * rest.center[2][i] + t;
-        const double reach = std::abs(x) * rest.half[0][i] + std::abs(y) * rest.half[1][i] +
-                             std::abs(z) * rest.half[2][i];
-        const double mean = part.mean[i];
-        center[i] += mean * image;
-        linear[0][i] += mean * x;
-        linear[1][i] += mean * y;
-        linear[2][i] += mean * z;
-        // A bone without a part says nothing.
-        const bool has_part = part.range[i] > 0 || mean > 0;
-        low[i] = std::min(low[i], has_part ? image - reach : kInfinity);
-        high[i] = std::max(high[i], has_part ? image + reach : -kInfinity);
-      }
-    }
-    double spread[kWidth] = {}, bent[3][kWidth];  // around the mean
-    for (int k = 0; k < 3; ++k) std::copy_n(linear[k], kWidth, bent[k]);
-    for (const Part& part : parts) {
-      const Matrix T = matrixOf(part);
-      const double x = T.linear(row, 0), y = T.linear(row, 1), z = T.linear(row, 2);
-      const double t = T.translation(row);
-      for (int i = 0; i < kWidth; ++i) {
-        const double image =
-            x * rest.center[0][i] + y * rest.center[1][i] + z * rest.center[2][i] + t;
-        const double away = image - center[i];
-        bent[0][i] += away * part.gradient[0][i];
-        bent[1][i] += away * part.gradient[1][i];
-        bent[2][i] += away * part.gradient[2][i];
-        const double turned = std::abs(x - linear[0][i]) * rest.half[0][i] +
-                              std::abs(y - linear[1][i]) * rest.half[1][i] +
-                              std::abs(z - linear[2][i]) * rest.half[2][i];
-        spread[i] += part.residue[i] * std::abs(away) + part.range[i] * turned;
-      }
-    }
-    for (int i = 0; i < kWidth; ++i) {
-      spread[i] += std::abs(bent[0][i]) * rest.half[0][i] + std::abs(bent[1][i]) * rest.half[1][i] +
-                   std::abs(bent[2][i]) * rest.half[2][i];
-    }
-    for (int i = 0; i < kWidth; ++i) {
-      const bool empty = i >= lanes;
-      const double lower = std::max(low[i], center[i] - spread[i]) - rounding;
-      const double upper = std::min(high[i], center[i] + spread[i]) + rounding;
-      box.low[row][i] = empty ? std::numeric_limits<float>::infinity() : roundedDown(lower);
-      box.high[row][i] = empty ? -std::numeric_limits<float>::infinity() : roundedUpToFloat(upper);
-    }
-  }
+  motionKernels().skin(rest_[n], parts, to.data(), from.empty() ? nullptr : from.data(), rounding,
+                       box);
 }
 
 }  // namespace leeway::collision

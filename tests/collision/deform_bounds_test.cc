@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #include "collision/deform_build.h"
 #include "collision/deform_probe.h"
 #include "tests/collision/motion_cases.h"
+#include "tests/every_target.h"
 
 namespace leeway::collision {
 namespace {
@@ -57,22 +59,53 @@ void check(const VertexMotion& motion, const NodeBounds& bounds, const DeformTre
   }
 }
 
+void checkDisplacement(const VertexMotion& motion, const NodeBounds& bounds, const DeformTree& tree,
+                       std::span<const double> from, std::span<const double> to,
+                       const std::string& what) {
+  const auto count = static_cast<std::size_t>(motion.vertexCount());
+  std::vector<Vector3d> before(count), after(count);
+  motion.vertices(from, 0, before);
+  motion.vertices(to, 0, after);
+  for (std::int32_t node = 0; node < tree.nodeCount(); ++node) {
+    WideBox box;
+    bounds.displacement(node, from, to, box);
+    for (int lane = 0; lane < kWidth; ++lane) {
+      for (const std::int32_t v : tree.vertices(node, lane)) {
+        const auto i = static_cast<std::size_t>(v);
+        for (int k = 0; k < 3; ++k) {
+          // The box that held the vertex, moved and grown by so much, has to hold it.
+          ASSERT_LE(before[i][k] + double(box.low[k][lane]), after[i][k])
+              << what << " node " << node << " lane " << lane << " vertex " << v;
+          ASSERT_GE(before[i][k] + double(box.high[k][lane]), after[i][k])
+              << what << " node " << node << " lane " << lane << " vertex " << v;
+        }
+      }
+    }
+  }
+}
+
 // How much more area the boxes have than the exact ones, and a limit that tells when a bound has
 // become idle.
 TEST(DeformBounds, HoldTheVerticesOfEveryNode) {
   int kinds = 0;
   for (const motion_cases::MotionCase& c : motion_cases::allMotions(24, 9)) {
     const auto tree = buildDeformTree(c.mesh.vertices, c.mesh.triangles, DeformMethod::kBinned, 64);
-    const auto bounds = makeNodeBounds(*c.motion, *tree, DeformVolume::kBox);
+    const auto bounds = makeNodeBounds(*c.motion, *tree, DeformVolume::kBox, tree->nodeCount());
     if (!bounds) continue;
     ++kinds;
     Random random(21);
     Fit fit;
     std::vector<double> parameters(static_cast<std::size_t>(c.motion->parameterCount()));
+    std::vector<double> before = parameters;
     for (int i = 0; i < 40; ++i) {
       const double time = i == 0 ? 0.0 : random.uniform(-1, 4);
       c.motion->parameters(time, parameters);
       check(*c.motion, *bounds, *tree, parameters, c.name + " at " + std::to_string(time), fit);
+      // Far apart, and near each other.
+      checkDisplacement(*c.motion, *bounds, *tree, before, parameters, c.name);
+      before = parameters;
+      c.motion->parameters(time + 0.01, parameters);
+      checkDisplacement(*c.motion, *bounds, *tree, before, parameters, c.name);
     }
     const double ratio = fit.area / fit.exact;
     RecordProperty(c.name, std::to_string(ratio));
@@ -126,9 +159,44 @@ TEST(DeformBounds, HoldForHardNumbers) {
                                VertexMotion::skinned(skinned)}) {
       std::vector<double> parameters(static_cast<std::size_t>(motion->parameterCount()));
       motion->parameters(0, parameters);
-      check(*motion, *makeNodeBounds(*motion, *tree, DeformVolume::kBox), *tree, parameters,
-            std::string(toString(motion->kind())) + " of case " + std::to_string(i), fit);
+      const auto bounds = makeNodeBounds(*motion, *tree, DeformVolume::kBox, tree->nodeCount());
+      const std::string what =
+          std::string(toString(motion->kind())) + " of case " + std::to_string(i);
+      check(*motion, *bounds, *tree, parameters, what, fit);
+      std::vector<double> moved = parameters;
+      for (double& p : moved) p += p * random.uniform(-1, 1) * random.logUniform(1e-12, 10);
+      checkDisplacement(*motion, *bounds, *tree, parameters, moved, what);
     }
+  }
+}
+
+TEST(DeformBounds, SameBytesOnEveryInstructionSet) {
+  std::vector<std::vector<WideBox>> of_targets;
+  onEveryTarget([&](const char*) {
+    std::vector<WideBox>& boxes = of_targets.emplace_back();
+    for (const motion_cases::MotionCase& c : motion_cases::allMotions(12, 9)) {
+      const auto tree =
+          buildDeformTree(c.mesh.vertices, c.mesh.triangles, DeformMethod::kBinned, 64);
+      const auto bounds = makeNodeBounds(*c.motion, *tree, DeformVolume::kBox, tree->nodeCount());
+      if (!bounds) continue;
+      std::vector<double> from(static_cast<std::size_t>(c.motion->parameterCount())), to = from;
+      for (int i = 0; i < 10; ++i) {
+        c.motion->parameters(0.3 * i, from);
+        c.motion->parameters(0.3 * i + 0.02, to);
+        for (std::int32_t node = 0; node < tree->nodeCount(); ++node) {
+          // Lanes without a child stay as they are.
+          bounds->bound(node, to, boxes.emplace_back());
+          boxes.push_back(boxes.back());
+          bounds->displacement(node, from, to, boxes.back());
+        }
+      }
+    }
+  });
+  ASSERT_FALSE(of_targets.empty());
+  ASSERT_GT(of_targets[0].size(), 500U);
+  for (const std::vector<WideBox>& boxes : of_targets) {
+    ASSERT_EQ(boxes.size(), of_targets[0].size());
+    EXPECT_EQ(std::memcmp(boxes.data(), of_targets[0].data(), boxes.size() * sizeof(WideBox)), 0);
   }
 }
 
@@ -168,7 +236,7 @@ TEST(DeformBounds, VolumesProveWhatHoldsForTheVerticesOfEveryNode) {
     for (const motion_cases::MotionCase& c : motion_cases::allMotions(12, 9)) {
       const auto tree =
           buildDeformTree(c.mesh.vertices, c.mesh.triangles, DeformMethod::kBinned, 64);
-      const auto bounds = makeNodeBounds(*c.motion, *tree, volume);
+      const auto bounds = makeNodeBounds(*c.motion, *tree, volume, tree->nodeCount());
       if (!bounds || c.motion->kind() == MotionKind::kSkinned) continue;
       ++kinds;
       ASSERT_TRUE(bounds->hasVolumes());
@@ -217,7 +285,9 @@ TEST(DeformBounds, OtherMotionsHaveNone) {
     const MotionKind kind = c.motion->kind();
     const bool has_none =
         kind == MotionKind::kLattice || kind == MotionKind::kCache || kind == MotionKind::kOwn;
-    EXPECT_EQ(makeNodeBounds(*c.motion, *tree, DeformVolume::kBox) == nullptr, has_none) << c.name;
+    EXPECT_EQ(makeNodeBounds(*c.motion, *tree, DeformVolume::kBox, tree->nodeCount()) == nullptr,
+              has_none)
+        << c.name;
   }
 }
 

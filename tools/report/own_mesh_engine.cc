@@ -22,7 +22,7 @@ using collision::Shape;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// What an engine knows of the motion, if there is one, beyond each frame's vertices.
-enum class Knows { kNothing, kReach, kMotion };
+enum class Knows { kNothing, kMotion };
 
 class OwnFollower : public MeshFollower {
  public:
@@ -34,14 +34,6 @@ class OwnFollower : public MeshFollower {
   }
 
   void setVertices(std::span<const Eigen::Vector3d> vertices, double time) override {
-    if (knows_ == Knows::kReach) {
-      // Of a motion that the library evaluates it knows this itself.
-      const collision::VertexMotion& motion = *deformable_.motion();
-      moved_ = time >= time_ ? (motion.speedBound(time_, time) * (time - time_) +
-                                2 * motion.rounding(time_, time)) *
-                                   (1 + 1e-12)
-                             : kInfinity;
-    }
     time_ = time;
     // Only these look at the motion; the others are spared computing the vertices once more.
     if (knows_ == Knows::kMotion) {
@@ -53,13 +45,16 @@ class OwnFollower : public MeshFollower {
   }
 
   void update() override {
-    if (deformable_.commit(time_, kInfinity, Deformable::Vertices::kFinite, moved_) !=
+    if (deformable_.commit(time_, kInfinity, Deformable::Vertices::kFinite) !=
         collision::UpdateStatus::kUpdated)
       throw std::runtime_error("an update was refused");
     takeSnapshot();
   }
 
-  bool followsEveryFrame() const override { return knows_ == Knows::kReach; }
+  // How far vertices have moved is known from one update to the next.
+  bool followsEveryFrame() const override {
+    return knows_ == Knows::kMotion && deformable_.options().strategy == DeformStrategy::kHybrid;
+  }
 
   bool addBody(const Shape& shape) override {
     bodies_.push_back({shape, {}, {}});
@@ -115,7 +110,7 @@ class OwnFollower : public MeshFollower {
   std::vector<Body> bodies_;
   collision::Scratch scratch_;
   Knows knows_;
-  double time_ = kInfinity, moved_ = kInfinity;
+  double time_ = kInfinity;
 };
 
 class OwnMeshEngine : public MeshEngine {
@@ -126,11 +121,12 @@ class OwnMeshEngine : public MeshEngine {
         knows_(knows),
         name_(std::string("leeway ") + collision::toString(strategy)) {
     if (volume != DeformVolume::kBox) name_ += std::string(" ") + collision::toString(volume);
-    if (knows == Knows::kReach) name_ += " moved";
+    if (strategy == DeformStrategy::kHybrid && knows == Knows::kMotion) name_ += " moved";
   }
   const char* name() const override { return name_.c_str(); }
   std::unique_ptr<MeshFollower> follow(const DeformingSpec& spec) const override {
-    if (knows_ == Knows::kReach && !spec.motion) return nullptr;
+    if (strategy_ == DeformStrategy::kHybrid && knows_ == Knows::kMotion && !spec.motion)
+      return nullptr;
     try {
       return std::make_unique<OwnFollower>(spec, strategy_, volume_, knows_);
     } catch (const std::invalid_argument&) {
@@ -157,7 +153,7 @@ std::vector<std::unique_ptr<MeshEngine>> makeOwnMeshEngines() {
   add(DeformStrategy::kRebuildLinear);
   add(DeformStrategy::kRefit);
   add(DeformStrategy::kHybrid);
-  add(DeformStrategy::kHybrid, Knows::kReach);
+  add(DeformStrategy::kHybrid, Knows::kMotion);
   add(DeformStrategy::kLazy);
   for (const DeformVolume volume : {DeformVolume::kBox, DeformVolume::kDop, DeformVolume::kBall})
     add(DeformStrategy::kMorph, Knows::kMotion, volume);

@@ -8,7 +8,8 @@
 namespace leeway::tools::report {
 
 /// Our deforming meshes behind the rivals' interface, one engine a strategy: "leeway refit", ...;
-/// "leeway hybrid moved" is told, besides the vertices, how far the motion can have taken them.
+/// "leeway hybrid moved" knows the motion that its vertices come from, and so how far they can have
+/// come since the frame before.
 std::vector<std::unique_ptr<MeshEngine>> makeOwnMeshEngines();
 
 }  // namespace leeway::tools::report

@@ -1,0 +1,146 @@
+#include "collision/motion_kernels.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "collision/round_box.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "collision/motion_kernels.cc"
+#include "collision/simd/targets.h"
+//
+#include <hwy/foreach_target.h>
+// After foreach_target.h.
+#include <hwy/highway.h>
+
+// Plain loops over lanes, which the compiler turns into each set's vectors: products and sums stay
+// apart, so that all sets agree.
+
+HWY_BEFORE_NAMESPACE();
+namespace leeway::collision {
+namespace HWY_NAMESPACE {
+namespace {
+
+void blend(const AxisRow* rows, const std::uint8_t* axes, const double* to, const double* from,
+           std::size_t count, BoxSum& sum) {
+  for (std::size_t f = 0; f < count; ++f) {
+    const double p = from != nullptr ? to[f] - from[f] : to[f];
+    for (int k = 0; k < 3; ++k) {
+      if ((axes[f] >> k & 1) == 0) continue;
+      const auto& lower = p >= 0 ? rows->low : rows->high;
+      const auto& upper = p >= 0 ? rows->high : rows->low;
+      ++rows;
+      double *low = sum.low + k * kWidth, *high = sum.high + k * kWidth;
+      for (int i = 0; i < kWidth; ++i) low[i] += p * static_cast<double>(lower[i]);
+      for (int i = 0; i < kWidth; ++i) high[i] += p * static_cast<double>(upper[i]);
+    }
+  }
+}
+
+void put(const BoxSum& sum, WideBox& box) {
+  for (int k = 0; k < 3; ++k) {
+    const double *low = sum.low + k * kWidth, *high = sum.high + k * kWidth;
+    for (int i = 0; i < kWidth; ++i) box.low[k][i] = roundedDown(low[i]);
+    for (int i = 0; i < kWidth; ++i) box.high[k][i] = roundedUpToFloat(high[i]);
+  }
+}
+
+// One row of an affine map: x, y, z and what is added.
+struct Row {
+  double x, y, z, t;
+};
+
+HWY_INLINE Row rowOf(const SkinPart& part, const double* to, const double* from, int row) {
+  const double* T = to + 12 * static_cast<std::ptrdiff_t>(part.bone);
+  Row r{T[3 * row], T[3 * row + 1], T[3 * row + 2], T[9 + row]};
+  if (from == nullptr) return r;
+  const double* S = from + 12 * static_cast<std::ptrdiff_t>(part.bone);
+  return {r.x - S[3 * row], r.y - S[3 * row + 1], r.z - S[3 * row + 2], r.t - S[9 + row]};
+}
+
+void skin(const SkinRest& rest, std::span<const SkinPart> parts, const double* to,
+          const double* from, double rounding, WideBox& box) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  BoxSum sum;
+  for (int row = 0; row < 3; ++row) {
+    double center[kWidth], x[kWidth], y[kWidth], z[kWidth];  // of the mean map
+    double low[kWidth], high[kWidth];                        // around the bones
+    for (int i = 0; i < kWidth; ++i) {
+      center[i] = x[i] = y[i] = z[i] = 0;
+      low[i] = kInfinity;
+      high[i] = -kInfinity;
+    }
+    for (const SkinPart& part : parts) {
+      const Row r = rowOf(part, to, from, row);
+      for (int i = 0; i < kWidth; ++i) {
+        const double image =
+            r.x * rest.center[0][i] + r.y * rest.center[1][i] + r.z * rest.center[2][i] + r.t;
+        const double reach = std::abs(r.x) * rest.half[0][i] + std::abs(r.y) * rest.half[1][i] +
+                             std::abs(r.z) * rest.half[2][i];
+        const double mean = part.mean[i];
+        center[i] += mean * image;
+        x[i] += mean * r.x;
+        y[i] += mean * r.y;
+        z[i] += mean * r.z;
+        // A bone without a part says nothing.
+        const bool has_part = static_cast<int>(part.range[i] > 0) | static_cast<int>(mean > 0);
+        const double lower = has_part ? image - reach : kInfinity,
+                     upper = has_part ? image + reach : -kInfinity;
+        low[i] = std::min(low[i], lower);
+        high[i] = std::max(high[i], upper);
+      }
+    }
+    double spread[kWidth], bent_x[kWidth], bent_y[kWidth], bent_z[kWidth];  // around the mean
+    for (int i = 0; i < kWidth; ++i) {
+      spread[i] = 0;
+      bent_x[i] = x[i];
+      bent_y[i] = y[i];
+      bent_z[i] = z[i];
+    }
+    for (const SkinPart& part : parts) {
+      const Row r = rowOf(part, to, from, row);
+      for (int i = 0; i < kWidth; ++i) {
+        const double image =
+            r.x * rest.center[0][i] + r.y * rest.center[1][i] + r.z * rest.center[2][i] + r.t;
+        const double away = image - center[i];
+        bent_x[i] += away * part.gradient[0][i];
+        bent_y[i] += away * part.gradient[1][i];
+        bent_z[i] += away * part.gradient[2][i];
+        const double turned = std::abs(r.x - x[i]) * rest.half[0][i] +
+                              std::abs(r.y - y[i]) * rest.half[1][i] +
+                              std::abs(r.z - z[i]) * rest.half[2][i];
+        spread[i] += part.residue[i] * std::abs(away) + part.range[i] * turned;
+      }
+    }
+    for (int i = 0; i < kWidth; ++i) {
+      const double across = spread[i] + (std::abs(bent_x[i]) * rest.half[0][i] +
+                                         std::abs(bent_y[i]) * rest.half[1][i] +
+                                         std::abs(bent_z[i]) * rest.half[2][i]);
+      sum.low[row * kWidth + i] = std::max(low[i], center[i] - across) - rounding;
+      sum.high[row * kWidth + i] = std::min(high[i], center[i] + across) + rounding;
+    }
+  }
+  put(sum, box);
+}
+
+}  // namespace
+
+const MotionKernels* motionKernelsOfTarget() {
+  static constexpr MotionKernels kKernels = {blend, put, skin};
+  return &kKernels;
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace leeway::collision
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace leeway::collision {
+
+HWY_EXPORT(motionKernelsOfTarget);
+
+const MotionKernels& motionKernels() { return *HWY_DYNAMIC_DISPATCH(motionKernelsOfTarget)(); }
+
+}  // namespace leeway::collision
+#endif
