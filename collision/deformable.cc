@@ -33,9 +33,9 @@ std::uint64_t nextNumber() {
 // by surface area, take [us]; only their ratio counts. Measured by bench_deform, rounded.
 constexpr double kQueryMicroseconds = 3;
 constexpr double kRebuildMicroseconds = 0.2;
-// What a query takes longer among boxes of the modes of waves, which add up where crests do not
-// meet, and what a triangle costs an update that reads its vertices [us]; from leeway report
-// deform, rounded.
+// What a query takes longer among boxes of modes, waves' too, which add up where crests do not
+// meet, or of bones, and what a triangle costs an update that reads its vertices [us]; from leeway
+// report deform, rounded. Blended morph targets are as close as boxes of vertices.
 constexpr double kModesMicroseconds = 3.5;
 constexpr double kReadMicroseconds = 0.001;
 // What reading a vertex takes longer where its neighbours in the hierarchy no longer stand beside
@@ -49,6 +49,8 @@ constexpr std::size_t kSampledTriangles = 256;
 constexpr double kTurnGrowth = 0.35;
 // When more than this share of the branches is due, all are read: growing the others is work, too.
 constexpr double kTurnWorth = 0.75;
+// Fewer branches are read sooner than moved [count].
+constexpr std::size_t kTurnBranches = 16;
 // Vertices of so small a mesh [count] are still near when they have just been written, and the
 // order in which they are read does not matter.
 constexpr int kNearVertices = 40000;
@@ -56,6 +58,8 @@ constexpr int kNearVertices = 40000;
 // or less where reading them would take more than kTurnQueries of what queries take.
 constexpr double kTurnShare = 0.125;
 constexpr double kTurnQueries = 0.1;
+// Weighing it takes about so long [us], and no larger share of what queries take, either.
+constexpr double kWeighMicroseconds = 7;
 
 bool needsMotion(DeformStrategy strategy) {
   return strategy == DeformStrategy::kMorph || strategy == DeformStrategy::kSkinned ||
@@ -177,7 +181,7 @@ void Deformable::Impl::choose(bool by_motion, DeformStrategy& strategy, const ch
   }
   if (strategy != DeformStrategy::kAuto) return;
   const bool bounded = by_motion && bounds && needsMotion(strategyOf(motion->kind()));
-  const bool loose = bounded && motion->kind() == MotionKind::kWaves;
+  const bool loose = bounded && motion->kind() != MotionKind::kMorph;
   if (bounded && !(loose && options.expected_queries * kModesMicroseconds >
                                 mesh->triangleCount() * kReadMicroseconds)) {
     strategy = strategyOf(motion->kind());
@@ -185,7 +189,7 @@ void Deformable::Impl::choose(bool by_motion, DeformStrategy& strategy, const ch
     return;
   }
   strategy = DeformStrategy::kHybrid;
-  reason = loose ? "reading the vertices costs less than the looser boxes of waves"
+  reason = loose ? "reading the vertices costs less than looser boxes from the motion"
                  : "vertices come one by one, few queries a frame";
 }
 
@@ -316,6 +320,7 @@ bool Deformable::Impl::upperLevels(DeformableSnapshotImpl& s, const Known& known
 // and does not make it larger.
 double Deformable::Impl::displace(const DeformableSnapshotImpl& s, const Known& known) {
   const DeformableSnapshotImpl& last = current->impl();
+  if (tree->branches().size() < kTurnBranches) return kInfinity;
   if (last.tree != tree || (last.demand != Demand::kNothing && last.demand != Demand::kBranches))
     return kInfinity;
   const bool by_motion =
@@ -449,11 +454,12 @@ bool Deformable::Impl::rebuildPays(const DeformableSnapshotImpl& s) {
   statistics.decay = built_upper_cost > 0 ? cost / built_upper_cost : 1;
   ++turn.frames;
   if (turn.next < tree->branches().size()) return false;
+  const double fresh = turn.frames * options.expected_queries * kQueryMicroseconds;
+  if (kTurnQueries * fresh < kWeighMicroseconds) return false;
   const double looser = built_looseness > 0 ? looseness(s, turn.area) / built_looseness : 1;
   // Queries grow less than boxes do in length (seen on two sizes of an explosion: 1.4 times at 10
   // times the surface, 2.7 times at 65).
-  const double queries = turn.frames * options.expected_queries * kQueryMicroseconds *
-                         std::max(std::sqrt(looser) - 1, 0.0);
+  const double queries = fresh * std::max(std::sqrt(looser) - 1, 0.0);
   const double dearer =
       kApartMicroseconds * std::max(mesh->vertexCount() - tree->branchSingles(), 0);
   turn.frames = 0;

@@ -12,6 +12,7 @@
 #include "leeway/collision/vertex_motion.h"
 #include "tests/collision/allocations.h"
 #include "tests/collision/deformable_cases.h"
+#include "tests/collision/motion_cases.h"
 
 namespace leeway::collision {
 namespace {
@@ -257,20 +258,31 @@ TEST(Deformable, AMotionIsFollowedByItsOwnBounds) {
   EXPECT_GT(deformable.snapshot()->high().z(), 1);
 }
 
-// Boxes of waves' modes are looser than those of vertices, and cost no look at these: the more
-// queries, the less that pays.
-TEST(Deformable, WavesAreFollowedByTheirModesWhereQueriesAreFew) {
-  const Sheet sheet = testing::cloth(10);
-  const auto waves = oneWave(sheet, 0.1);
-  const auto mesh = DeformableMesh::make(sheet.vertices, sheet.triangles);
-  for (const int queries : {0, 12}) {
-    DeformOptions options;
-    options.expected_queries = queries;
-    Deformable deformable(mesh, waves, options);
-    ASSERT_EQ(deformable.update(0.5), UpdateStatus::kUpdated);
-    EXPECT_EQ(deformable.statistics().strategy,
-              queries == 0 ? DeformStrategy::kReduced : DeformStrategy::kHybrid);
+// Boxes of modes, waves' too, and of bones are looser than those of vertices, and cost no look at
+// these: the more queries, the less that pays. Those of morph targets are not.
+TEST(Deformable, LooserBoxesOfAMotionAreTakenWhereQueriesAreFew) {
+  int kinds = 0;
+  for (const motion_cases::MotionCase& c : motion_cases::allMotions(10, 9)) {
+    const MotionKind kind = c.motion->kind();
+    const bool loose =
+        kind == MotionKind::kWaves || kind == MotionKind::kReduced || kind == MotionKind::kSkinned;
+    const DeformStrategy own = kind == MotionKind::kSkinned ? DeformStrategy::kSkinned
+                               : kind == MotionKind::kMorph ? DeformStrategy::kMorph
+                                                            : DeformStrategy::kReduced;
+    if (!loose && kind != MotionKind::kMorph) continue;
+    ++kinds;
+    const auto mesh = DeformableMesh::make(c.mesh.vertices, c.mesh.triangles);
+    for (const int queries : {0, 12}) {
+      DeformOptions options;
+      options.expected_queries = queries;
+      Deformable deformable(mesh, c.motion, options);
+      ASSERT_EQ(deformable.update(0.5), UpdateStatus::kUpdated);
+      EXPECT_EQ(deformable.statistics().strategy,
+                loose && queries > 0 ? DeformStrategy::kHybrid : own)
+          << c.name << ", " << queries << " queries";
+    }
   }
+  EXPECT_GE(kinds, 4);
 }
 
 // A rebuild has to earn what it costs and what later updates cost more: without many queries it
