@@ -30,9 +30,13 @@ void setCenter(const Eigen::Vector3d& p, float* center) {
   for (int k = 0; k < 3; ++k) center[k] = static_cast<float>(p[k]);
 }
 
-/// What a plane must part two bodies by besides radius, growth and slack; see simd/lane_sweep.cc.
+/// What a plane must part two bodies by besides radius, growth and slack, and one that a lane has
+/// for itself; see simd/lane_sweep.cc.
 float partAbove(double threshold, double rounding) {
   return above(std::max(threshold, 0.0) + 4 * rounding);
+}
+float partEachAbove(double threshold, double rounding) {
+  return above(std::max(threshold, 0.0) + 5 * rounding);
 }
 
 /// Rounding of the centre and of the double that it was made from is added to the radius.
@@ -154,7 +158,7 @@ int LaneSweep::addObstacle(const Shape& shape, const Pose& X_WG) {
   } else if (shape.type() == ShapeType::kMesh) {
     o.view = shape.mesh()->tree().hullView();
   }
-  o.has_planes = shape.type() != ShapeType::kDeformable && shape.type() != ShapeType::kHalfSpace;
+  o.has_view = shape.type() != ShapeType::kDeformable && shape.type() != ShapeType::kHalfSpace;
   impl_->obstacles.push_back(std::move(o));
   return static_cast<int>(impl_->obstacles.size()) - 1;
 }
@@ -163,11 +167,13 @@ void LaneSweep::addPair(int id, int piece, int obstacle, int balls, double thres
   const Impl::LanePiece& a = impl_->pieces[at(piece)];
   const double rounding = kLaneSweepRounding * (a.reach + static_cast<double>(a.outer.radius) +
                                                 impl_->obstacles[at(obstacle)].scale);
-  const bool planes =
-      a.frame >= 0 && impl_->obstacles[at(obstacle)].has_planes && a.points.begin < a.points.end;
+  const Impl::Obstacle& o = impl_->obstacles[at(obstacle)];
+  const bool points = a.frame >= 0 && a.points.begin < a.points.end;
+  const bool deforms = o.shape.type() == ShapeType::kDeformable;
   impl_->pairs.push_back({id, piece, obstacle, balls, a.motion, false, above(threshold + rounding),
                           below(threshold - rounding),
-                          planes ? partAbove(threshold, rounding) : -1.0F});
+                          points && o.has_view ? partAbove(threshold, rounding) : -1.0F,
+                          points && !deforms ? partEachAbove(threshold, rounding) : -1.0F});
 }
 
 void LaneSweep::addPiecePair(int id, int a, int b, int motion, double threshold) {
@@ -180,7 +186,7 @@ void LaneSweep::addPiecePair(int id, int a, int b, int motion, double threshold)
                       y.points.begin < y.points.end;
   impl_->pairs.push_back({id, a, b, b, motion, true, above(threshold + rounding),
                           below(threshold - rounding),
-                          planes ? partAbove(threshold, rounding) : -1.0F});
+                          planes ? partAbove(threshold, rounding) : -1.0F, -1.0F});
 }
 
 void LaneSweep::finish() { impl_->finish(); }
@@ -305,17 +311,35 @@ bool LaneSweepKernel::findPlane(const Sweep::Pair& pair, int lane, bool closely,
     plane.normal[k] = static_cast<float>(n[k]);
     n[k] = static_cast<double>(plane.normal[k]);
   }
-  int hint = 0;
   if (o != nullptr) {
-    const Eigen::Vector3d n_B = X_WB.rotation.transpose() * n;
-    plane.offset = above(n.dot(X_WB.translation) + n_B.dot(farthest(b, n_B, hint)) +
-                         (b.radius + b.excess) * (1 + 1e-6));
+    placePlane(*o, plane);
   } else {
     const Sweep::LanePiece& piece_b = sweep.pieces[at(pair.b)];
+    int hint = 0;
     plane.offset = above(n.dot(farthest(piece_b.fine_view, n, hint)) +
                          static_cast<double>(piece_b.fine.radius) * (1 + 1e-6));
   }
   return plane.known = std::isfinite(plane.offset);
+}
+
+void LaneSweepKernel::placePlane(const Sweep::Obstacle& o, Scratch::Plane& plane) const {
+  const Eigen::Vector3d n(static_cast<double>(plane.normal[0]),
+                          static_cast<double>(plane.normal[1]),
+                          static_cast<double>(plane.normal[2]));
+  const Eigen::Vector3d n_B = o.X_WG.rotation.transpose() * n;
+  int hint = 0;
+  plane.offset = above(n.dot(o.X_WG.translation) + n_B.dot(farthest(o.view, n_B, hint)) +
+                       (o.view.radius + o.view.excess) * (1 + 1e-6));
+}
+
+void LaneSweepKernel::remember(std::int32_t number, const Each& each, int lane) const {
+  const Sweep::Obstacle& o = sweep.obstacles[at(sweep.pairs[at(number)].b)];
+  if (!o.has_view) return;
+  Scratch::Plane plane;
+  for (int k = 0; k < 3; ++k) plane.normal[k] = each.normal[k].at[lane];
+  placePlane(o, plane);
+  plane.known = std::isfinite(plane.offset);
+  scratch.planes[at(number)] = plane;
 }
 
 }  // namespace leeway::collision

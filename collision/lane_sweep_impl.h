@@ -26,7 +26,7 @@ struct LaneSweep::Impl {
     Shape shape = Shape::sphere(0);
     Pose X_WG;
     ConvexView view;  // of the shape or its hull; borrows from it
-    bool has_planes = false;
+    bool has_view = false;
     Eigen::Vector3d low, high;  // in the world
   };
   struct LaneBall {
@@ -57,8 +57,9 @@ struct LaneSweep::Impl {
     bool pieces;  // b is a piece, too
     // The threshold, less and more this pass's own rounding.
     float free_above, contact_below;
-    // The same for planes, without the points' radius; below 0: no planes.
-    float part_above;
+    // The same for planes, without the points' radius; below 0: no planes. And for planes that a
+    // lane has for itself.
+    float part_above, part_each_above;
   };
 
   std::vector<LanePiece> pieces;
@@ -124,11 +125,28 @@ struct LaneSweepKernel {
   /// A plane between the pair's bodies in the middle of a lane; false when there is none.
   /// `closely`: all points are looked at, and the plane is nearer to the best.
   bool findPlane(const Sweep::Pair& pair, int lane, bool closely, Scratch::Plane& plane) const;
-  /// What is open is tried with planes and points. notParted(pair, plane, lanes) tells the lanes
-  /// that a plane does not part, inside(pair, points, lanes, point) those in which one of the
-  /// points is inside the obstacle, and which.
-  template <typename NotParted, typename Inside>
-  Contact partOpen(bool closely, const NotParted& notParted, const Inside& inside) const;
+  /// Planes that the lanes have for themselves: lanes that they leave, those in which the search
+  /// came to the obstacle, and the normals of the others.
+  struct Each {
+    std::uint32_t open = 0, touching = 0;
+    LaneValues normal[3];
+  };
+  /// What planes leave of a pair, and what its hulls are in the middle of these lanes: apart in all
+  /// of them, or in contact, to the eye, in one.
+  struct Parted {
+    std::uint32_t open;
+    bool apart, touching;
+  };
+  Parted partEach(std::int32_t pair, std::uint32_t lanes) const;
+  /// The plane of a lane is what parted the pair last.
+  void remember(std::int32_t pair, const Each& each, int lane) const;
+  /// Tells a plane how far the obstacle goes along its normal.
+  void placePlane(const Sweep::Obstacle& obstacle, Scratch::Plane& plane) const;
+  /// Planes between the hulls, one for all of the lanes, by distance queries: takes away the lanes
+  /// that these part, and tells whether the hulls are apart in the middle one of the others.
+  bool partByQueries(std::int32_t pair, bool closely, std::uint32_t& lanes) const;
+  /// What is open is tried with points and planes.
+  Contact partOpen(bool closely) const;
 };
 
 }  // namespace leeway::collision

@@ -18,9 +18,6 @@ constexpr std::uint32_t kAllLanes = (1U << collision::kLanes) - 1;
 /// Looks at single configurations of an edge before its pairs are swept [count].
 constexpr int kLooks = 3;
 
-/// Edges on which a pair that finer passes could not settle is swept at once [count].
-constexpr int kPartingPause = 8;
-
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 }  // namespace
@@ -42,7 +39,6 @@ EdgeCertifier::Impl::Impl(std::shared_ptr<const CompiledScene> compiled)
   hopeful.assign(frames.pairs().size(), kSweepGrowth);
   failed_stamp.resize(frames.pairs().size());
   luck.assign(frames.pairs().size(), 0);
-  parting.assign(frames.pairs().size(), 0);
   for (std::vector<EdgeInterval>* list : {&intervals, &next_intervals})
     list->reserve(kEdgeIntervals);
 }
@@ -318,8 +314,6 @@ EdgeCheck EdgeCertifier::Impl::certifyByLanes() {
   open.clear();
   edge_parts.clear();
   part_pairs.clear();
-  for (const collision::LaneSweep::Open& pair : lanes.open())
-    if (parting[at(pair.id)] < 0) ++parting[at(pair.id)];
   if (!listOpenLanes() || !listParts(parts)) return told(Verdict::kUndecided, -1, 0);
   if (const std::optional<EdgeCheck> check = certifyParts()) return *check;
   if (intervals.empty()) return told(Verdict::kFree, -1, 0);
@@ -373,7 +367,6 @@ bool EdgeCertifier::Impl::listParts(const EdgeLanes::Parts& parts) {
       if (is_first ? isForParts(pair) : pair.apart) {
         part_pairs.push_back(pair.id);
       } else if (!is_first) {
-        parting[at(pair.id)] = -kPartingPause;
         if (!has_interval && !addInterval(parts.from[lane], parts.width)) return false;
         has_interval = true;
         open.push_back(pair.id);
@@ -442,7 +435,6 @@ std::optional<EdgeCheck> EdgeCertifier::Impl::certifyParts() {
         open.size() + at(part.end - part.begin) > open.capacity())
       return told(Verdict::kUndecided, -1, part.from);
     open.insert(open.end(), part_pairs.begin() + part.begin, part_pairs.begin() + part.end);
-    for (int i = part.begin; i < part.end; ++i) parting[at(part_pairs[at(i)])] = -kPartingPause;
     intervals.back().end = static_cast<int>(open.size());
   }
   return std::nullopt;

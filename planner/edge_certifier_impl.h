@@ -95,8 +95,7 @@ struct EdgeCertifier::Impl {
   /// remains becomes intervals. Told where that decides the edge.
   std::optional<EdgeCheck> certifyParts();
   bool isForParts(const collision::LaneSweep::Open& pair) const {
-    return pair.apart && parting[static_cast<std::size_t>(pair.id)] >= 0 &&
-           !frames.pairs()[static_cast<std::size_t>(pair.id)].by_surfaces;
+    return pair.apart && !frames.pairs()[static_cast<std::size_t>(pair.id)].by_surfaces;
   }
   /// As many parts of the list, from `next` on, as one pass divides; pass_pairs become their pairs.
   EdgeLanes::Parts takeParts(std::size_t& next);
@@ -137,8 +136,7 @@ struct EdgeCertifier::Impl {
   std::uint64_t stamp = 0;
   std::vector<double> hopeful;              // growth [m] at which a pair's sweep is worth trying
   std::vector<std::uint64_t> failed_stamp;  // the interval at which a pair's sweep last failed
-  std::vector<int> luck;     // of looks at a pair before it is swept; below 0: none are taken
-  std::vector<int> parting;  // of finer passes over a pair; below 0: none are made
+  std::vector<int> luck;  // of looks at a pair before it is swept; below 0: none are taken
   std::vector<EdgeInterval> intervals, next_intervals;
   /// A part of the edge that is looked at in lanes again, and its pairs as a range of part_pairs.
   struct EdgePart {

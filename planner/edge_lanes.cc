@@ -23,7 +23,8 @@ constexpr double kTwoPi = 6.283185307179586;
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 float roundedUp(double x) {
-  return std::nextafter(static_cast<float>(x), std::numeric_limits<float>::infinity());
+  const auto f = static_cast<float>(x);
+  return static_cast<double>(f) < x ? std::nextafter(f, std::numeric_limits<float>::infinity()) : f;
 }
 
 /// A rotation that turns z onto the unit vector `axis`, orthogonal to rounding.
@@ -50,13 +51,11 @@ void copy(const Eigen::Vector3d& v, float* out) {
 
 }  // namespace
 
-EdgeLanes::EdgeLanes(const EdgeFrames& frames)
-    : scene_(frames.sharedScene()),
-      growth_(2 * static_cast<int>(frames.scene().model().joints.size())) {
+EdgeLanes::EdgeLanes(const EdgeFrames& frames) : scene_(frames.sharedScene()) {
   const robots::Model& model = scene_->model();
   middle_.resize(at(scene_->space().size()));
   q_.resize(model.variables.size());
-  joint_motion_.assign(2 * model.joints.size() + 1, 0.0F);
+  joint_motion_.assign(2 * model.joints.size(), 0.0F);
   addSteps();
   usable_ = usable_ && addMotions();
   if (usable_) addPieces(frames);

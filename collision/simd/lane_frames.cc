@@ -145,22 +145,21 @@ void MoveFrames(const FrameStep* steps, std::size_t count, const LaneValues& pla
   }
 }
 
-void SumGrowth(const std::int32_t* motion, const float* reach, const float* turns, int terms,
+void SumGrowth(const std::int32_t* motion, const float* reach, const float* turns, std::size_t rows,
                const float* joint_motion, float* growth) {
   const D d;
-  const hn::RebindToSigned<D> di;
   for (std::size_t at = 0; at < kLanes; at += hn::Lanes(d)) {
     V speed = hn::Zero(d), acceleration = hn::Zero(d);
-    for (int k = 0; k < terms; ++k) {
-      const std::size_t i = static_cast<std::size_t>(k) * kLanes + at;
-      const V m = hn::GatherIndex(d, joint_motion, hn::LoadU(di, motion + i));
+    for (std::size_t k = 0; k < rows; ++k) {
+      const std::size_t i = k * kLanes + at;
+      const V m = hn::Set(d, joint_motion[motion[k]]);
       const V step = hn::Mul(m, hn::LoadU(d, reach + i));
       const V share = hn::Mul(m, hn::Add(step, hn::Add(speed, speed)));
       acceleration = hn::Add(acceleration, hn::Mul(share, hn::LoadU(d, turns + i)));
       speed = hn::Add(speed, step);
     }
     // Every sum and product is positive, so that rounding is relative: 4 units a term, of 2^-24;
-    // 1e-5 holds for 40 terms, which add() sees to.
+    // 1e-5 holds for 40 terms, which add() sees to; rows without reach add nothing.
     const V scale = hn::Set(d, (1 + 1e-5f) / (8 * kLanes * kLanes));
     hn::StoreU(hn::Mul(acceleration, scale), d, growth + at);
   }
@@ -199,34 +198,33 @@ void moveFrames(std::span<const FrameStep> steps, const LaneValues& places, floa
 }
 
 int LaneGrowth::add(std::span<const Term> terms) {
-  motions_.emplace_back(terms.begin(), terms.end());
-  const auto number = static_cast<std::size_t>(count_++);
-  if (number % kLanes == 0) blocks_.emplace_back();
-  // The block anew: rows have room for the longest of its motions.
+  const auto lane = static_cast<std::size_t>(count_) % kLanes;
+  if (lane == 0) blocks_.emplace_back();
   Block& block = blocks_.back();
-  block = {};
-  for (std::size_t i = number / kLanes * kLanes; i <= number; ++i)
-    block.terms = std::max(block.terms, static_cast<int>(motions_[i].size()));
-  const std::size_t size = static_cast<std::size_t>(block.terms) * kLanes;
-  block.motion.assign(size, zero_);
-  block.reach.assign(size, 0);
-  block.turns.assign(size, 0);
-  for (std::size_t i = number / kLanes * kLanes; i <= number; ++i)
-    for (std::size_t k = 0; k < motions_[i].size(); ++k) {
-      const Term& term = motions_[i][k];
-      const std::size_t place = k * kLanes + i % kLanes;
-      block.motion[place] = term.motion;
-      block.reach[place] =
-          std::nextafter(static_cast<float>(term.reach), std::numeric_limits<float>::infinity());
-      block.turns[place] = term.turns ? 1.0f : 0.0f;
+  std::size_t row = 0;
+  for (const Term& term : terms) {
+    const auto begin = block.motion.begin() + static_cast<std::ptrdiff_t>(row);
+    const auto known = std::find(begin, block.motion.end(), term.motion);
+    if (known == block.motion.end()) {
+      const auto place = static_cast<std::ptrdiff_t>(row * kLanes);
+      block.motion.insert(begin, term.motion);
+      block.reach.insert(block.reach.begin() + place, kLanes, 0.0F);
+      block.turns.insert(block.turns.begin() + place, kLanes, 0.0F);
+    } else {
+      row += static_cast<std::size_t>(known - begin);
     }
-  return count_ - 1;
+    block.reach[row * kLanes + lane] =
+        std::nextafter(static_cast<float>(term.reach), std::numeric_limits<float>::infinity());
+    block.turns[row * kLanes + lane] = term.turns ? 1.0f : 0.0f;
+    ++row;
+  }
+  return count_++;
 }
 
 void LaneGrowth::run(std::span<const float> joint_motion, std::span<float> growth) const {
   for (std::size_t b = 0; b < blocks_.size(); ++b) HWY_DYNAMIC_DISPATCH(SumGrowth)
-  (blocks_[b].motion.data(), blocks_[b].reach.data(), blocks_[b].turns.data(), blocks_[b].terms,
-   joint_motion.data(), growth.data() + b * kLanes);
+  (blocks_[b].motion.data(), blocks_[b].reach.data(), blocks_[b].turns.data(),
+   blocks_[b].motion.size(), joint_motion.data(), growth.data() + b * kLanes);
 }
 
 }  // namespace leeway::collision

@@ -22,6 +22,11 @@
 // u s is taken (four times kLaneSweepRounding). B's frame is within its slack of a rigid one, and
 // its R^T R within twice that of 1: four slacks in place of two. The normal's length is within 61
 // kLaneRounding < 2^-11 of 1.
+//
+// Planes of each lane's own have normals that are computed in the lane. In the obstacle's axes such
+// a normal's support of the core is a sum of |n| times half extents, right to 6 u s; turned into
+// the world the normal errs by 5 u, which moves what is between A's points and the obstacle's
+// centre by 5 u s; two sums more: below 13 u s besides the above, one more kLaneSweepRounding.
 
 #include <algorithm>
 #include <bit>
@@ -114,6 +119,41 @@ struct Gap {
   V depth;
 };
 
+/// The first and last of these, for a point in the obstacle's axes, from its centre.
+HWY_INLINE V3 outsideOf(D d, const Sweep::Obstacle& o, const V3& p, V& depth) {
+  const V zero = hn::Zero(d);
+  if (o.kind == Sweep::Kind::kHalfSpace) {
+    depth = hn::Min(p.z, zero);
+    return {zero, zero, hn::Max(p.z, zero)};
+  }
+  const V ez = hn::Sub(hn::Abs(p.z), hn::Set(d, o.half[2]));
+  if (o.kind == Sweep::Kind::kBox) {
+    const V ex = hn::Sub(hn::Abs(p.x), hn::Set(d, o.half[0])),
+            ey = hn::Sub(hn::Abs(p.y), hn::Set(d, o.half[1]));
+    depth = hn::Min(hn::Max(ex, hn::Max(ey, ez)), zero);
+    return {hn::CopySign(hn::Max(ex, zero), p.x), hn::CopySign(hn::Max(ey, zero), p.y),
+            hn::CopySign(hn::Max(ez, zero), p.z)};
+  }
+  const V across = hn::Sqrt(hn::Add(hn::Mul(p.x, p.x), hn::Mul(p.y, p.y)));
+  const V er = hn::Sub(across, hn::Set(d, o.half[0]));
+  const V share = hn::Div(hn::Max(er, zero), hn::Max(across, hn::Set(d, 1e-30f)));  // 0 on the axis
+  depth = hn::Min(hn::Max(er, ez), zero);
+  return {hn::Mul(p.x, share), hn::Mul(p.y, share), hn::CopySign(hn::Max(ez, zero), p.z)};
+}
+
+/// How far the core goes along a direction in the obstacle's axes, from its centre.
+HWY_INLINE V supportOf(D d, const Sweep::Obstacle& o, const V3& n) {
+  if (o.kind == Sweep::Kind::kHalfSpace) return hn::Zero(d);  // directions are z
+  const V z = hn::Mul(hn::Abs(n.z), hn::Set(d, o.half[2]));
+  if (o.kind == Sweep::Kind::kCylinder) {
+    const V across = hn::Sqrt(hn::Add(hn::Mul(n.x, n.x), hn::Mul(n.y, n.y)));
+    return hn::Add(hn::Mul(across, hn::Set(d, o.half[0])), z);
+  }
+  return hn::Add(hn::Add(hn::Mul(hn::Abs(n.x), hn::Set(d, o.half[0])),
+                         hn::Mul(hn::Abs(n.y), hn::Set(d, o.half[1]))),
+                 z);
+}
+
 template <bool kStill>
 HWY_INLINE Gap gapOf(D d, const Sweep::Obstacle& o, const V3& center, const V3& way) {
   V3 p = difference(center, broadcast(d, o.center));
@@ -124,28 +164,9 @@ HWY_INLINE Gap gapOf(D d, const Sweep::Obstacle& o, const V3& center, const V3& 
     p = {dot(x, p), dot(y, p), dot(z, p)};
     if (!kStill) w = {dot(x, w), dot(y, w), dot(z, w)};
   }
-  const V zero = hn::Zero(d);
   Gap gap;
   gap.way = w;
-  if (o.kind == Sweep::Kind::kBox) {
-    const V ex = hn::Sub(hn::Abs(p.x), hn::Set(d, o.half[0])),
-            ey = hn::Sub(hn::Abs(p.y), hn::Set(d, o.half[1])),
-            ez = hn::Sub(hn::Abs(p.z), hn::Set(d, o.half[2]));
-    gap.outside = {hn::CopySign(hn::Max(ex, zero), p.x), hn::CopySign(hn::Max(ey, zero), p.y),
-                   hn::CopySign(hn::Max(ez, zero), p.z)};
-    gap.depth = hn::Min(hn::Max(ex, hn::Max(ey, ez)), zero);
-  } else if (o.kind == Sweep::Kind::kCylinder) {
-    const V across = hn::Sqrt(hn::Add(hn::Mul(p.x, p.x), hn::Mul(p.y, p.y)));
-    const V er = hn::Sub(across, hn::Set(d, o.half[0])),
-            ez = hn::Sub(hn::Abs(p.z), hn::Set(d, o.half[2]));
-    const V share =
-        hn::Div(hn::Max(er, zero), hn::Max(across, hn::Set(d, 1e-30f)));  // 0 on the axis
-    gap.outside = {hn::Mul(p.x, share), hn::Mul(p.y, share), hn::CopySign(hn::Max(ez, zero), p.z)};
-    gap.depth = hn::Min(hn::Max(er, ez), zero);
-  } else {
-    gap.outside = {zero, zero, hn::Max(p.z, zero)};
-    gap.depth = hn::Min(p.z, zero);
-  }
+  gap.outside = outsideOf(d, o, p, gap.depth);
   return gap;
 }
 
@@ -191,6 +212,11 @@ HWY_INLINE std::uint32_t contactWithObstacle(const Sweep::Obstacle& o, const Pla
   return found;
 }
 
+HWY_INLINE V3 pointOf(D d, const Sweep& s, int i) {
+  const auto k = static_cast<std::size_t>(i);
+  return {hn::Set(d, s.point[0][k]), hn::Set(d, s.point[1][k]), hn::Set(d, s.point[2][k])};
+}
+
 /// Lanes of `lanes` in which one of the points [begin, end), placed in the middle of the interval,
 /// is within `below` of the obstacle: the first that is so in any of them, which `point` becomes.
 HWY_INLINE std::uint32_t contactOfPoints(const Sweep& s, const LaneFrame& frame,
@@ -199,8 +225,7 @@ HWY_INLINE std::uint32_t contactOfPoints(const Sweep& s, const LaneFrame& frame,
                                          std::int32_t& point) {
   const D d;
   for (std::int32_t i = begin; i < end; ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    const V3 v = {hn::Set(d, s.point[0][k]), hn::Set(d, s.point[1][k]), hn::Set(d, s.point[2][k])};
+    const V3 v = pointOf(d, s, i);
     std::uint32_t found = 0;
     for (std::size_t at = 0; at < kLanes; at += hn::Lanes(d)) {
       const V3 arm = armOf(d, frame, v, at), origin = load(d, frame.origin, at);
@@ -255,6 +280,28 @@ HWY_INLINE std::uint32_t contactWithBall(const Placed& a, const Placed& b, float
   return found;
 }
 
+/// A direction as the points of a frame meet it in the two ends of their ways: the least of
+/// first . v - drift and second . v + drift over points v, from the frame's origin, is the least of
+/// the segments that they move along.
+template <bool kStill>
+struct Ways {
+  V3 first, second;
+  V drift;
+
+  /// columns: the frame's rotation; turn, slide: its motion.
+  HWY_INLINE Ways(D d, const V3* columns, const V3& n, const V3& turn, const V3& slide) {
+    const V3 back = {dot(columns[0], n), dot(columns[1], n), dot(columns[2], n)};
+    first = second = back;
+    drift = hn::Zero(d);
+    if (kStill) return;
+    const V3 m = cross(n, turn);
+    const V3 way = {dot(columns[0], m), dot(columns[1], m), dot(columns[2], m)};
+    first = difference(back, way);
+    second = {hn::Add(back.x, way.x), hn::Add(back.y, way.y), hn::Add(back.z, way.z)};
+    drift = dot(n, slide);
+  }
+};
+
 /// Lanes of `lanes` in which the plane does not part the pair as it must, A being told by `points`.
 template <bool kStill>
 HWY_INLINE std::uint32_t notPartedBy(const LaneSweepKernel& kernel, const Sweep::Pair& pair,
@@ -272,7 +319,7 @@ HWY_INLINE std::uint32_t notPartedBy(const LaneSweepKernel& kernel, const Sweep:
   const V bar = hn::Set(d, plane.offset + above * (1 + 0x1p-11f));
   std::uint32_t open = 0;
   for (std::size_t at = 0; at < kLanes; at += hn::Lanes(d)) {
-    V3 n = broadcast(d, plane.normal), o = load(d, frame_a.origin, at), turn, slide;
+    V3 n = broadcast(d, plane.normal), o = load(d, frame_a.origin, at), turn = n, slide = n;
     if (!kStill) turn = load(d, frame_a.turn, at), slide = load(d, frame_a.slide, at);
     if (frame_b != nullptr) {
       const V3 x = load(d, frame_b->rotation, at), y = load(d, frame_b->rotation + 3, at),
@@ -287,26 +334,15 @@ HWY_INLINE std::uint32_t notPartedBy(const LaneSweepKernel& kernel, const Sweep:
     }
     const V3 columns[3] = {load(d, frame_a.rotation, at), load(d, frame_a.rotation + 3, at),
                            load(d, frame_a.rotation + 6, at)};
-    const V3 back = {dot(columns[0], n), dot(columns[1], n), dot(columns[2], n)};
-    V3 first = back, second = back;
-    V drift = hn::Zero(d);
-    if (!kStill) {
-      const V3 m = cross(n, turn);
-      const V3 way = {dot(columns[0], m), dot(columns[1], m), dot(columns[2], m)};
-      first = difference(back, way);
-      second = {hn::Add(back.x, way.x), hn::Add(back.y, way.y), hn::Add(back.z, way.z)};
-      drift = dot(n, slide);
-    }
+    const Ways<kStill> ways(d, columns, n, turn, slide);
     V low_first = hn::Set(d, 1e30f), low_second = low_first;
     for (int i = points.begin; i < points.end; ++i) {
-      const auto k = static_cast<std::size_t>(i);
-      const V3 v = {hn::Set(d, s.point[0][k]), hn::Set(d, s.point[1][k]),
-                    hn::Set(d, s.point[2][k])};
-      low_first = hn::Min(low_first, dot(first, v));
-      if (!kStill) low_second = hn::Min(low_second, dot(second, v));
+      const V3 v = pointOf(d, s, i);
+      low_first = hn::Min(low_first, dot(ways.first, v));
+      if (!kStill) low_second = hn::Min(low_second, dot(ways.second, v));
     }
-    V low = hn::Sub(low_first, drift);
-    if (!kStill) low = hn::Min(low, hn::Add(low_second, drift));
+    V low = hn::Sub(low_first, ways.drift);
+    if (!kStill) low = hn::Min(low, hn::Add(low_second, ways.drift));
     // NaN stays open.
     open |= bitsOf(d, hn::Not(hn::Gt(hn::Add(dot(n, o), low), bar))) << at;
   }
@@ -335,6 +371,149 @@ HWY_INLINE std::uint32_t pointsInside(const LaneSweepKernel& kernel, const Sweep
   const float below = pair.contact_below - kernel.slack - a.own + o.radius;
   return contactOfPoints(s, kernel.frames[a.frame], o, begin, end, below, lanes, point);
 }
+
+/// Where the way of an Approach counts as having come to the obstacle [m].
+constexpr float kTouching = 1e-4f;
+
+/// Steps towards an obstacle with a few points, and then with more [count].
+constexpr int kCoarseSteps = 4, kFineSteps = 4;
+
+/// Planes for each lane by itself, found on the way to the obstacle that Gilbert goes ("An
+/// iterative procedure for computing the minimum of a quadratic form on a convex set", 1966): from
+/// a point of A's sweep, at first the middle of its ball, the direction from what is nearest of the
+/// core is a plane's; the point of the sweep that is least along it is the next to go towards.
+template <bool kStill>
+class Approach {
+ public:
+  HWY_INLINE Approach(const LaneSweepKernel& kernel, const Sweep::Pair& pair)
+      : kernel_(kernel),
+        s_(kernel.sweep),
+        a_(s_.pieces[static_cast<std::size_t>(pair.a)]),
+        o_(s_.obstacles[static_cast<std::size_t>(pair.b)]),
+        frame_(kernel.frames[a_.frame]),
+        above_(pair.part_each_above + o_.radius + (kStill ? 0 : kernel.growth[pair.motion]) +
+               kernel.slack) {}
+
+  HWY_INLINE void run(std::uint32_t lanes, LaneSweepKernel::Each& each) {
+    const D d;
+    each.open = each.touching = 0;
+    for (std::size_t at = 0; at < kLanes; at += hn::Lanes(d)) {
+      const std::uint32_t asked = lanes >> at & ((1U << hn::Lanes(d)) - 1);
+      if (asked == 0) continue;
+      begin(at);
+      std::uint32_t open = asked;
+      for (int step = 0; step < kCoarseSteps && open != 0; ++step) open &= next(a_.points);
+      for (int step = 0; step < kFineSteps && open != 0 && a_.fine.begin != a_.points.begin; ++step)
+        open &= next(a_.fine);
+      each.open |= open << at;
+      each.touching |= (open & touching()) << at;
+      store(d, parting_, each.normal, at);
+    }
+  }
+
+ private:
+  HWY_INLINE void begin(std::size_t at) {
+    const D d;
+    at_ = at;
+    const V3 center = broadcast(d, o_.center);
+    origin_ = difference(load(d, frame_.origin, at), center);
+    const V3 arm = armOf(d, frame_, broadcast(d, a_.outer.center), at);
+    from_ = {hn::Add(origin_.x, arm.x), hn::Add(origin_.y, arm.y), hn::Add(origin_.z, arm.z)};
+    parting_ = from_;
+    for (std::size_t k = 0; k < 3; ++k) columns_[k] = load(d, frame_.rotation + 3 * k, at);
+    turn_ = slide_ = from_;
+    if (!kStill) turn_ = load(d, frame_.turn, at), slide_ = load(d, frame_.slide, at);
+  }
+
+  /// From the core to where the way has come, in the obstacle's axes, and the depth inside.
+  HWY_INLINE V3 outside(V& depth) const {
+    const D d;
+    V3 p = from_;
+    if (!o_.aligned)
+      p = {dot(broadcast(d, o_.rotation), p), dot(broadcast(d, o_.rotation + 3), p),
+           dot(broadcast(d, o_.rotation + 6), p)};
+    return outsideOf(d, o_, p, depth);
+  }
+
+  /// Lanes in which the way has come to the obstacle.
+  HWY_INLINE std::uint32_t touching() const {
+    const D d;
+    V depth;
+    const V3 gap = outside(depth);
+    const V near = hn::Set(d, o_.radius + kTouching);
+    return bitsOf(d, hn::Le(dot(gap, gap), hn::Mul(near, near)));
+  }
+
+  /// One step, with these points; lanes that its plane does not part.
+  HWY_INLINE std::uint32_t next(const Sweep::LanePiece::Points& points) {
+    const D d;
+    const hn::RebindToSigned<D> di;
+    const V one = hn::Set(d, 1.0f), least = hn::Set(d, 1e-30f);
+    V depth;
+    V3 n = outside(depth);
+    const V length = hn::Sqrt(dot(n, n)), scale = hn::Div(one, hn::Max(length, least));
+    n = {hn::Mul(n.x, scale), hn::Mul(n.y, scale), hn::Mul(n.z, scale)};  // 0 inside
+    const V support = supportOf(d, o_, n);
+    if (!o_.aligned) {
+      const V3 x = broadcast(d, o_.rotation), y = broadcast(d, o_.rotation + 3),
+               z = broadcast(d, o_.rotation + 6);
+      n = {dot({x.x, y.x, z.x}, n), dot({x.y, y.y, z.y}, n), dot({x.z, y.z, z.z}, n)};
+    }
+    const Ways<kStill> ways(d, columns_, n, turn_, slide_);
+    V low = hn::Set(d, 1e30f);
+    auto lowest = hn::Set(di, points.begin);
+    for (int i = points.begin; i < points.end; ++i) {
+      const V3 v = pointOf(d, s_, i);
+      V value = hn::Sub(dot(ways.first, v), ways.drift);
+      if (!kStill) value = hn::Min(value, hn::Add(dot(ways.second, v), ways.drift));
+      const M less = hn::Lt(value, low);
+      low = hn::IfThenElse(less, value, low);
+      lowest = hn::IfThenElse(hn::RebindMask(di, less), hn::Set(di, i), lowest);
+    }
+    // NaN, and what is inside, stays open.
+    const V bar = hn::Set(d, (above_ + points.radius) * (1 + 0x1p-11f));
+    const M parted = hn::Gt(hn::Add(dot(n, origin_), low), hn::Add(support, bar));
+    parting_ = {hn::IfThenElse(parted, n.x, parting_.x), hn::IfThenElse(parted, n.y, parting_.y),
+                hn::IfThenElse(parted, n.z, parting_.z)};
+    goTowards(lowest, n, length);
+    return bitsOf(d, hn::Not(parted));
+  }
+
+  template <typename Indices>
+  HWY_INLINE void goTowards(Indices lowest, const V3& n, V length) {
+    const D d;
+    const V one = hn::Set(d, 1.0f);
+    const V3 v = {hn::GatherIndex(d, s_.point[0].data(), lowest),
+                  hn::GatherIndex(d, s_.point[1].data(), lowest),
+                  hn::GatherIndex(d, s_.point[2].data(), lowest)};
+    const V3 arm = armOf(d, frame_, v, at_);
+    V3 to = {hn::Add(origin_.x, arm.x), hn::Add(origin_.y, arm.y), hn::Add(origin_.z, arm.z)};
+    if (!kStill) {
+      const V3 t = cross(turn_, arm);
+      const V3 w = {hn::Add(slide_.x, t.x), hn::Add(slide_.y, t.y), hn::Add(slide_.z, t.z)};
+      const V end = hn::CopySign(one, dot(n, w));  // of the segment, the one that is less along n
+      to = {hn::Sub(to.x, hn::Mul(end, w.x)), hn::Sub(to.y, hn::Mul(end, w.y)),
+            hn::Sub(to.z, hn::Mul(end, w.z))};
+    }
+    const V3 way = difference(to, from_);
+    const V nearer = hn::Neg(hn::Mul(dot(n, way), length));
+    const V share =
+        hn::Div(hn::Max(nearer, hn::Zero(d)), hn::Max(dot(way, way), hn::Set(d, 1e-30f)));
+    const V taken = hn::Min(share, one);
+    from_ = {hn::Add(from_.x, hn::Mul(taken, way.x)), hn::Add(from_.y, hn::Mul(taken, way.y)),
+             hn::Add(from_.z, hn::Mul(taken, way.z))};
+  }
+
+  const LaneSweepKernel& kernel_;
+  const Sweep& s_;
+  const Sweep::LanePiece& a_;
+  const Sweep::Obstacle& o_;
+  const LaneFrame& frame_;
+  float above_;
+  std::size_t at_ = 0;
+  V3 columns_[3], turn_, slide_, origin_;  // origin_ and from_: from the obstacle's centre
+  V3 from_, parting_;
+};
 
 /// One run; the steps stand in the order in which they are taken.
 template <bool kStill>
@@ -578,6 +757,14 @@ std::uint32_t SweepPlane(const LaneSweepKernel& kernel, const Sweep::Pair& pair,
                          const Scratch::Plane& plane, std::uint32_t lanes) {
   return notParted<false>(kernel, pair, plane, lanes);
 }
+void SweepEach(const LaneSweepKernel& kernel, const Sweep::Pair& pair, std::uint32_t lanes,
+               LaneSweepKernel::Each& each) {
+  Approach<false>(kernel, pair).run(lanes, each);
+}
+void StillEach(const LaneSweepKernel& kernel, const Sweep::Pair& pair, std::uint32_t lanes,
+               LaneSweepKernel::Each& each) {
+  Approach<true>(kernel, pair).run(lanes, each);
+}
 std::uint32_t PointsInside(const LaneSweepKernel& kernel, const Sweep::Pair& pair,
                            const Sweep::LanePiece::Points& points, std::uint32_t lanes,
                            std::int32_t& point) {
@@ -614,56 +801,72 @@ HWY_EXPORT(StillAll);
 HWY_EXPORT(SweepPlane);
 HWY_EXPORT(StillPlane);
 HWY_EXPORT(PointsInside);
+HWY_EXPORT(SweepEach);
+HWY_EXPORT(StillEach);
 
-template <typename NotParted, typename Inside>
-LaneSweep::Contact LaneSweepKernel::partOpen(bool closely, const NotParted& notParted,
-                                             const Inside& inside) const {
+LaneSweepKernel::Parted LaneSweepKernel::partEach(std::int32_t number, std::uint32_t lanes) const {
+  const Sweep::Pair& pair = sweep.pairs[static_cast<std::size_t>(number)];
+  Each each;
+  if (growth == nullptr)
+    HWY_DYNAMIC_DISPATCH(StillEach)(*this, pair, lanes, each);
+  else
+    HWY_DYNAMIC_DISPATCH(SweepEach)(*this, pair, lanes, each);
+  if (each.open != lanes) remember(number, each, middleOf(lanes & ~each.open));
+  Parted parted{each.open, false, false};
+  if (each.open == 0) return parted;
+  if (growth != nullptr) HWY_DYNAMIC_DISPATCH(StillEach)(*this, pair, parted.open, each);
+  parted.apart = each.open == 0;
+  parted.touching = each.touching != 0;
+  return parted;
+}
+
+bool LaneSweepKernel::partByQueries(std::int32_t number, bool closely, std::uint32_t& lanes) const {
+  const Sweep::Pair& pair = sweep.pairs[static_cast<std::size_t>(number)];
+  bool apart = false;
+  for (int look = 0; look < kPlaneTries && lanes != 0; ++look) {
+    Scratch::Plane plane{};
+    apart = findPlane(pair, middleOf(lanes), closely, plane);
+    if (!apart) break;
+    const std::uint32_t left = growth == nullptr
+                                   ? HWY_DYNAMIC_DISPATCH(StillPlane)(*this, pair, plane, lanes)
+                                   : HWY_DYNAMIC_DISPATCH(SweepPlane)(*this, pair, plane, lanes);
+    if (left == lanes && closely) break;
+    closely = closely || left == lanes;
+    if (left != lanes) scratch.planes[static_cast<std::size_t>(number)] = plane;
+    lanes = left;
+  }
+  return apart;
+}
+
+LaneSweep::Contact LaneSweepKernel::partOpen(bool closely) const {
   std::size_t kept = 0;
   for (std::size_t i = 0; i < scratch.open.size(); ++i) {
     const std::int32_t number = scratch.open_pairs[i];
     const Sweep::Pair& pair = sweep.pairs[static_cast<std::size_t>(number)];
-    std::uint32_t lanes = scratch.open[i].lanes;
-    bool apart = false, close = closely;
-    for (int look = 0; pair.part_above >= 0 && look < kPlaneTries && lanes != 0; ++look) {
-      Scratch::Plane plane{};
-      apart = findPlane(pair, middleOf(lanes), close, plane);
-      if (!apart) break;
-      const std::uint32_t left = notParted(pair, plane, lanes);
-      if (left == lanes && close) break;
-      close = close || left == lanes;
-      if (left != lanes) scratch.planes[static_cast<std::size_t>(number)] = plane;
-      lanes = left;
-    }
+    const Sweep::LanePiece& a = sweep.pieces[static_cast<std::size_t>(pair.a)];
+    std::uint32_t lanes = scratch.open[i].lanes, met = 0;
+    std::int32_t point = -1;
+    const auto meet = [&](const Sweep::LanePiece::Points& points) {
+      met = HWY_DYNAMIC_DISPATCH(PointsInside)(*this, pair, points, lanes, point);
+      return met != 0;
+    };
+    // What is met deep is told sooner than planes are looked for.
+    if (meet(a.points)) return told(number, point, met);
+    Parted parted{lanes, false, false};
+    if (pair.part_each_above >= 0) parted = partEach(number, lanes);
+    lanes = parted.open;
+    if (pair.part_above >= 0 && !parted.apart && !parted.touching)
+      parted.apart = partByQueries(number, closely, lanes);
     if (lanes == 0) continue;
-    if (!apart) {
-      const Sweep::LanePiece& a = sweep.pieces[static_cast<std::size_t>(pair.a)];
-      std::int32_t point = -1;
-      std::uint32_t met = inside(pair, a.points, lanes, point);
-      if (met == 0 && a.fine.begin != a.points.begin) met = inside(pair, a.fine, lanes, point);
-      if (met != 0) return told(number, point, met);
-    }
+    if (!parted.apart && a.fine.begin != a.points.begin && meet(a.fine))
+      return told(number, point, met);
     scratch.open_pairs[kept] = number;
-    scratch.open[kept++] = {pair.id, lanes, apart};
+    scratch.open[kept++] = {pair.id, lanes, parted.apart};
   }
   scratch.open.resize(kept);
   scratch.open_pairs.resize(kept);
   return {};
 }
-
-namespace {
-
-LaneSweepKernel::Contact partSwept(const LaneSweepKernel& kernel, bool closely) {
-  return kernel.partOpen(
-      closely,
-      [&](const auto&... arguments) {
-        return HWY_DYNAMIC_DISPATCH(SweepPlane)(kernel, arguments...);
-      },
-      [&](const auto& pair, const auto& points, std::uint32_t lanes, std::int32_t& point) {
-        return HWY_DYNAMIC_DISPATCH(PointsInside)(kernel, pair, points, lanes, point);
-      });
-}
-
-}  // namespace
 
 LaneSweep::Contact LaneSweep::meetAgain(std::span<const LaneFrame> frames, float slack,
                                         Scratch& scratch) const {
@@ -674,7 +877,7 @@ LaneSweep::Contact LaneSweep::run(std::span<const LaneFrame> frames, std::span<c
                                   float slack, Scratch& scratch) const {
   const LaneSweepKernel kernel{*impl_, *scratch.impl_, frames.data(), growth.data(), slack};
   const Contact contact = HWY_DYNAMIC_DISPATCH(SweepAll)(kernel);
-  return contact.id < 0 ? partSwept(kernel, false) : contact;
+  return contact.id < 0 ? kernel.partOpen(false) : contact;
 }
 
 LaneSweep::Contact LaneSweep::runPairs(std::span<const Open> pairs,
@@ -693,22 +896,14 @@ LaneSweep::Contact LaneSweep::runPairs(std::span<const Open> pairs,
     scratch.impl_->open.push_back({pair.id, open});
     scratch.impl_->open_pairs.push_back(number);
   }
-  return partSwept(kernel, true);
+  return kernel.partOpen(true);
 }
 
 LaneSweep::Contact LaneSweep::runStill(std::span<const LaneFrame> frames, float slack,
                                        Scratch& scratch) const {
   const LaneSweepKernel kernel{*impl_, *scratch.impl_, frames.data(), nullptr, slack};
   const Contact contact = HWY_DYNAMIC_DISPATCH(StillAll)(kernel);
-  if (contact.id >= 0) return contact;
-  return kernel.partOpen(
-      false,
-      [&](const auto&... arguments) {
-        return HWY_DYNAMIC_DISPATCH(StillPlane)(kernel, arguments...);
-      },
-      [&](const auto& pair, const auto& points, std::uint32_t lanes, std::int32_t& point) {
-        return HWY_DYNAMIC_DISPATCH(PointsInside)(kernel, pair, points, lanes, point);
-      });
+  return contact.id < 0 ? kernel.partOpen(false) : contact;
 }
 
 }  // namespace leeway::collision

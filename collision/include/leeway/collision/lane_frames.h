@@ -68,8 +68,6 @@ class LaneGrowth {
   };
   /// More terms than this are not taken: rounding is accounted for up to here.
   static constexpr std::size_t kMostTerms = 40;
-  /// `zero`: the entry of joint_motion that always is 0.
-  explicit LaneGrowth(int zero = 0) : zero_(zero) {}
   /// Adds a motion of at most kMostTerms terms, all reaches finite, those nearest to the body
   /// first; its number is returned.
   int add(std::span<const Term> terms);
@@ -82,14 +80,13 @@ class LaneGrowth {
   std::size_t paddedSize() const { return blocks_.size() * kLanes; }
 
  private:
-  int zero_;
   int count_ = 0;
-  std::vector<std::vector<Term>> motions_;
-  // Term by term, block of 16 motions by block.
+  // 16 motions, a lane each. A row is one joint's term in all of them, without reach in those that
+  // the joint does not move, so that its motion is read once; every motion's terms stand in their
+  // order.
   struct Block {
-    int terms = 0;
-    std::vector<std::int32_t> motion;
-    std::vector<float> reach, turns;
+    std::vector<std::int32_t> motion;  // one a row
+    std::vector<float> reach, turns;   // kLanes a row
   };
   std::vector<Block> blocks_;
 };

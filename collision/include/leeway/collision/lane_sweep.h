@@ -55,7 +55,9 @@ class LaneSweep {
   struct Open {
     int id;
     std::uint32_t lanes;
-    bool apart = false;  ///< hulls were apart in the middle of them: planes may yet do it
+    /// Hulls were apart in the middle of them by more than rounding takes: over shorter intervals
+    /// planes may part them.
+    bool apart = false;
   };
   /// A pair proven not to keep its threshold, and the lane in the middle of which it does not.
   struct Contact {
