@@ -577,6 +577,10 @@ class DeformDescent {
         return;
       }
       bounds.lower[next] = std::numeric_limits<float>::quiet_NaN();
+      if (slot_a == warm_a_ && begin_b + next == warm_b_) {
+        settle(warm_lower_);
+        continue;
+      }
       if (slot_a < 0 && begin_b >= 0 && isBeyondPlane(b_.snapshot->tree->corners(begin_b + next)))
         continue;
       triangles(slot_a, begin_b + next);
@@ -628,8 +632,15 @@ class DeformDescent {
     if (slot_a < -1 || slot_b < -1) return;
     const double lower = result_.lower;
     triangles(slot_a, slot_b);
-    // The pair comes again in its turn.
-    if (!placement_.swept) result_.lower = lower;
+    if (placement_.swept) return;
+    // The pair comes again in its turn; what is known of it as well as is asked needs no second
+    // look then.
+    if (result_.upper > 0 && result_.upper - result_.lower <= request_.tolerance) {
+      warm_a_ = slot_a;
+      warm_b_ = slot_b;
+      warm_lower_ = result_.lower;
+    }
+    result_.lower = lower;
   }
 
   const DeformSide& a_;
@@ -643,8 +654,10 @@ class DeformDescent {
   DescentResult result_;
   double bar_ = kInfinity;  // but for sweeps, see bar()
   bool half_space_ = false;
-  Probe whole_probe_{};  // of a rigid A
-  double extent_b_ = 0;  // of B's coordinates
+  Probe whole_probe_{};            // of a rigid A
+  double extent_b_ = 0;            // of B's coordinates
+  int warm_a_ = -2, warm_b_ = -2;  // slots of the pair that was looked at first; -2: none
+  double warm_lower_ = 0;          // proven for it
   bool has_plane_ = false;
   Vector3d plane_normal_ = Vector3d::Zero();
   double plane_offset_ = 0;  // beyond which the plane is, along its normal

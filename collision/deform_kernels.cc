@@ -652,6 +652,12 @@ void childBounds(const Probe& probe, const DeformTree& tree, const Eigen::Vector
   const DeformTree::Node& node = tree.node(id);
   const unsigned leaves = bounds.open & leafLanes(node);
   if (leaves == 0) return;
+  // They come from far: which they are first, and below what they say.
+  for (unsigned left = leaves; left != 0; left &= left - 1) {
+    const auto lane = static_cast<std::size_t>(std::countr_zero(left));
+    const DeformTree::Leaf& leaf = tree.leaf(DeformTree::leafOf(node.child[lane]));
+    hwy::Prefetch(tree.leafVertices().data() + leaf.vertex_begin);
+  }
   const Floats zero = hn::Zero(kLanes), half = hn::Set(kLanes, 0.5F);
   const auto set = [](float x) { return hn::Set(kLanes, x); };
   // The way, a unit vector, in the boxes' frame, and how far the body reaches along it.

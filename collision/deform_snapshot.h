@@ -89,6 +89,7 @@ class BoxSource {
     __builtin_prefetch(box.low[2]);
     __builtin_prefetch(box.high[1]);
     __builtin_prefetch(&snapshot_->tree->node(child));
+    snapshot_->tree->fetchLeaves(child);
   }
 
  private:

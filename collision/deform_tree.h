@@ -113,6 +113,13 @@ class DeformTree {
   static std::int32_t leafOf(std::int32_t child) { return -2 - child; }
   const Leaf& leaf(std::int32_t i) const { return leaves_[static_cast<std::size_t>(i)]; }
   std::int32_t leafCount() const { return static_cast<std::int32_t>(leaves_.size()); }
+  /// Starts to bring the first eight leaves below a node near.
+  void fetchLeaves(std::int32_t node) const {
+    const Leaf* first =
+        &leaves_[static_cast<std::size_t>(leaf_begin_[static_cast<std::size_t>(node)])];
+    __builtin_prefetch(first);
+    __builtin_prefetch(reinterpret_cast<const char*>(first) + 64);
+  }
   std::span<const std::int32_t> leafVertices() const { return leaf_vertices_; }
 
   /// How many triangles are below a node.
