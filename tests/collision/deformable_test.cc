@@ -454,6 +454,29 @@ TEST(Deformable, AMotionsBranchesAreReadInTurns) {
   EXPECT_GT(few, 120);
 }
 
+// Branches of every kind of motion, moved by what it says of each and read in turns.
+TEST(Deformable, BranchesFollowEveryMotion) {
+  for (const motion_cases::MotionCase& c : motion_cases::allMotions(24, 31)) {
+    const auto mesh = DeformableMesh::make(c.mesh.vertices, c.mesh.triangles);
+    DeformOptions options;
+    options.strategy = DeformStrategy::kHybrid;
+    options.hybrid_split = 16;
+    Deformable deformable(mesh, c.motion, options);
+    Random random(32);
+    int few = 0;
+    double time = 0;
+    for (int frame = 0; frame < 150; ++frame) {
+      // There and back, over keys, now and then far.
+      time += random.chance(0.05) ? random.uniform(-0.5, 0.6) : random.uniform(-4e-4, 8e-4);
+      ASSERT_EQ(deformable.update(time), UpdateStatus::kUpdated) << c.name;
+      expectHeld(*deformable.snapshot());
+      if (HasFatalFailure()) FAIL() << c.name << ", frame " << frame;
+      few += 2 * deformable.statistics().vertices_touched < mesh->vertexCount() ? 1 : 0;
+    }
+    EXPECT_GT(few, 75) << c.name;
+  }
+}
+
 // What stands in memory that is used again is an older state, however far from the current one.
 TEST(Deformable, ACommitOfNothingNewReadsAll) {
   const Sheet sheet = testing::cloth(24);
