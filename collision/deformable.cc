@@ -122,7 +122,6 @@ struct Deformable::Impl {
   };
   Turn turn;
   std::vector<BranchBox> branch_room;
-  std::vector<WideBox> displacements;  // one an upper node, of its branches: see displace()
   double branch_length = 0;  // longest side of a branch's box, in the mean over the last whole turn
 
   // What is to be done with vertices that stand in the next snapshot. Of those that are given, none
@@ -145,9 +144,8 @@ struct Deformable::Impl {
   bool rebuild(DeformMethod method, DeformableSnapshotImpl& s, bool bounded);
   bool restructure(DeformableSnapshotImpl& s);
   bool upperLevels(DeformableSnapshotImpl& s, const Known& known);
-  double displace(const DeformableSnapshotImpl& s, const Known& known);
+  double displace(DeformableSnapshotImpl& s, const Known& known) const;
   std::size_t branchesDue(double growth) const;
-  void growBranches(DeformableSnapshotImpl& s) const;
   void addToTurn(const DeformableSnapshotImpl& s, std::size_t end);
   bool rebuildPays(const DeformableSnapshotImpl& s);
   void measureBuilt(const DeformableSnapshotImpl& s);
@@ -292,7 +290,6 @@ bool Deformable::Impl::upperLevels(DeformableSnapshotImpl& s, const Known& known
   statistics.nodes_touched += upper;
   const std::size_t all = tree->branches().size(), due = branchesDue(displace(s, known));
   if (due == all || turn.next == all) turn = {.frames = turn.frames};
-  if (due < all) growBranches(s);
   const std::size_t begin = turn.next, end = std::min(begin + due, all);
   if (branch_room.size() < all) branch_room.resize(all);
   const bool finite =
@@ -313,12 +310,31 @@ bool Deformable::Impl::upperLevels(DeformableSnapshotImpl& s, const Known& known
   return true;
 }
 
-// How far the vertices of each branch can have come since the current snapshot, into
-// `displacements`; returns what their boxes grow by at either end, along the axis where that is the
-// most, in the mean. Infinite when the current snapshot has no boxes of them, or nothing is known.
-// The motion's own bounds tell of each branch what its vertices have in common, which moves its box
-// and does not make it larger.
-double Deformable::Impl::displace(const DeformableSnapshotImpl& s, const Known& known) {
+namespace {
+
+// In all lanes alike: boxes of vertices that were in `before` and have come as far as `moved` says.
+// A sum is off by half a unit in the last place; 2^-23 of it is one at least, and sums below the
+// normal numbers are exact.
+void displaced(const WideBox& before, const WideBox& moved, WideBox& box) {
+  for (int k = 0; k < 3; ++k) {
+    for (int lane = 0; lane < kWidth; ++lane) {
+      const float low = before.low[k][lane] + moved.low[k][lane],
+                  high = before.high[k][lane] + moved.high[k][lane];
+      box.low[k][lane] = low - std::abs(low) * 0x1p-23F;
+      box.high[k][lane] = high + std::abs(high) * 0x1p-23F;
+    }
+  }
+}
+
+}  // namespace
+
+// The boxes of branches from those of the current snapshot, and from how far their vertices can
+// have come since then; returns what they grow by at either end, along the axis where that is the
+// most, in the mean. Infinite when the current snapshot has no boxes of them, or nothing is known,
+// or reading all is as quick. The motion's own bounds tell of each branch what its vertices have in
+// common, which moves its box and does not make it larger. Other lanes of these nodes are left with
+// anything, for the refit to put right.
+double Deformable::Impl::displace(DeformableSnapshotImpl& s, const Known& known) const {
   const DeformableSnapshotImpl& last = current->impl();
   if (tree->branches().size() < kTurnBranches) return kInfinity;
   if (last.tree != tree || (last.demand != Demand::kNothing && last.demand != Demand::kBranches))
@@ -327,38 +343,32 @@ double Deformable::Impl::displace(const DeformableSnapshotImpl& s, const Known& 
       known.by_motion && std::isfinite(current_evaluated) && upper_bounds && tree == motion_tree;
   // Much too far is not worth a closer look.
   if (!by_motion && !(known.moved < branch_length)) return kInfinity;
-  const std::int32_t upper = tree->upperCount();
-  if (displacements.size() < static_cast<std::size_t>(upper))
-    displacements.resize(static_cast<std::size_t>(upper));
   const float low = roundedDown(-known.moved), high = roundedUpToFloat(known.moved);
+  WideBox moved;
+  for (int k = 0; k < 3; ++k) {
+    std::fill_n(moved.low[k], kWidth, low);
+    std::fill_n(moved.high[k], kWidth, high);
+  }
+  const std::int32_t upper = tree->upperCount();
   double sum = 0;
   for (std::int32_t node = 0; node < upper; ++node) {
-    const DeformTree::Node& children = tree->node(node);
-    const auto isBranch = [&](int lane) { return children.child[lane] >= upper; };
-    int branches = 0;
-    for (int lane = 0; lane < kWidth; ++lane) branches += isBranch(lane) ? 1 : 0;
-    if (branches == 0) continue;
-    WideBox& box = displacements[static_cast<std::size_t>(node)];
-    if (!by_motion) {
-      for (int k = 0; k < 3; ++k) {
-        std::fill_n(box.low[k], kWidth, low);
-        std::fill_n(box.high[k], kWidth, high);
-      }
-      sum += branches * known.moved;
-      continue;
-    }
-    upper_bounds->displacement(node, last.parameters, s.parameters, box);
+    const auto& children = tree->node(node).child;
+    const auto isBranch = [upper](std::int32_t child) { return child >= upper; };
+    if (std::none_of(children, children + kWidth, isBranch)) continue;
     float side[kWidth] = {};  // the longest
+    if (by_motion) upper_bounds->displacement(node, last.parameters, s.parameters, moved);
     for (int k = 0; k < 3; ++k) {
       for (int lane = 0; lane < kWidth; ++lane) {
         // In this order, so that what is no number says nothing.
-        box.low[k][lane] = std::max(low, box.low[k][lane]);
-        box.high[k][lane] = std::min(high, box.high[k][lane]);
-        side[lane] = std::max(side[lane], box.high[k][lane] - box.low[k][lane]);
+        moved.low[k][lane] = std::max(low, moved.low[k][lane]);
+        moved.high[k][lane] = std::min(high, moved.high[k][lane]);
+        side[lane] = std::max(side[lane], moved.high[k][lane] - moved.low[k][lane]);
       }
     }
     for (int lane = 0; lane < kWidth; ++lane)
-      if (isBranch(lane)) sum += 0.5 * static_cast<double>(side[lane]);
+      sum += isBranch(children[lane]) ? 0.5 * static_cast<double>(side[lane]) : 0;
+    const auto i = static_cast<std::size_t>(node);
+    displaced(last.boxes[i], moved, s.boxes[i]);
   }
   return sum / static_cast<double>(tree->branches().size());
 }
@@ -377,29 +387,6 @@ std::size_t Deformable::Impl::branchesDue(double growth) const {
   }
   return std::min(all,
                   1 + static_cast<std::size_t>(std::max(share, least) * static_cast<double>(all)));
-}
-
-// All lanes alike; those of upper nodes and leaves are put right by the refit.
-void Deformable::Impl::growBranches(DeformableSnapshotImpl& s) const {
-  const std::int32_t upper = tree->upperCount();
-  for (std::int32_t node = 0; node < upper; ++node) {
-    const auto i = static_cast<std::size_t>(node);
-    const auto& children = tree->node(node).child;
-    if (std::none_of(children, children + kWidth, [&](std::int32_t c) { return c >= upper; }))
-      continue;
-    const WideBox &before = current->impl().boxes[i], &moved = displacements[i];
-    WideBox& box = s.boxes[i];
-    // A sum is off by half a unit in the last place; 2^-23 of it is one at least, and sums below
-    // the normal numbers are exact.
-    for (int k = 0; k < 3; ++k) {
-      for (int lane = 0; lane < kWidth; ++lane) {
-        const float low = before.low[k][lane] + moved.low[k][lane],
-                    high = before.high[k][lane] + moved.high[k][lane];
-        box.low[k][lane] = low - std::abs(low) * 0x1p-23F;
-        box.high[k][lane] = high + std::abs(high) * 0x1p-23F;
-      }
-    }
-  }
 }
 
 // The branches from turn.next to `end` have been read.
