@@ -330,7 +330,11 @@ EdgeCheck EdgeCertifier::Impl::checkOpen(const EdgeLanes::Parts& parts) {
     if (looks >= kLooks) break;
     ++looks;
     const int first = std::countr_zero(o.lanes), last = 31 - std::countl_zero(o.lanes);
-    const double t = (parts.from[first] + parts.from[last] + parts.width) / 2;
+    const double from = parts.from[first], width = parts.from[last] + parts.width - from;
+    const collision::LaneSweep::Contact met = lanes.meet(o.id, from, width);
+    if (met.id >= 0)
+      return told(Verdict::kNotFree, o.id, from + (met.lane + 0.5) * width / collision::kLanes);
+    const double t = from + width / 2;
     const int slot = frames.place(t);
     if (slot < 0) return told(Verdict::kUndecided, o.id, t);
     if (exactState(slot, pair) == Pair::kNotFree) return told(Verdict::kNotFree, o.id, t);
@@ -355,29 +359,53 @@ EdgeCheck EdgeCertifier::Impl::checkInside() {
 }
 
 bool EdgeCertifier::Impl::listParts(const EdgeLanes::Parts& parts) {
-  const bool is_first = parts.width * collision::kLanes == 1;  // listOpenLanes() has the others
-  for (int lane = 0; lane < collision::kLanes; ++lane) {
-    if (part_pairs.size() + lanes.open().size() > part_pairs.capacity() ||
-        open.size() + lanes.open().size() > open.capacity())
-      return false;
-    const auto begin = static_cast<int>(part_pairs.size());
-    bool has_interval = false;
-    for (const collision::LaneSweep::Open& pair : lanes.open()) {
-      if ((pair.lanes >> lane & 1U) == 0) continue;
-      if (is_first ? isForParts(pair) : pair.apart) {
-        part_pairs.push_back(pair.id);
-      } else if (!is_first) {
-        if (!has_interval && !addInterval(parts.from[lane], parts.width)) return false;
-        has_interval = true;
-        open.push_back(pair.id);
-        intervals.back().end = static_cast<int>(open.size());
-      }
-    }
-    const auto end = static_cast<int>(part_pairs.size());
-    if (begin == end) continue;
-    if (edge_parts.size() == edge_parts.capacity()) return false;
-    edge_parts.push_back({parts.from[lane], parts.width, begin, end});
+  if (open.size() + lanes.open().size() * collision::kLanes > open.capacity()) return false;
+  for (int first = 0; first < collision::kLanes; first += parts.share) {
+    if (!listWideOpen(parts, first)) return false;
+    for (int lane = first; lane < first + parts.share; ++lane)
+      if (!listLane(parts, lane, first)) return false;
   }
+  return true;
+}
+
+bool EdgeCertifier::Impl::isWideOpen(const collision::LaneSweep::Open& pair, int first,
+                                     int share) const {
+  const std::uint32_t mask = ((1U << share) - 1) << first;
+  return share > 1 && 2 * std::popcount(pair.lanes & mask) > share;
+}
+
+bool EdgeCertifier::Impl::listWideOpen(const EdgeLanes::Parts& parts, int first) {
+  bool has_interval = false;
+  for (const collision::LaneSweep::Open& pair : lanes.open()) {
+    if (!isWideOpen(pair, first, parts.share)) continue;
+    if (!has_interval && !addInterval(parts.from[first], parts.width * parts.share)) return false;
+    has_interval = true;
+    open.push_back(pair.id);
+    intervals.back().end = static_cast<int>(open.size());
+  }
+  return true;
+}
+
+bool EdgeCertifier::Impl::listLane(const EdgeLanes::Parts& parts, int lane, int first) {
+  const bool is_whole = parts.share == 1;  // listOpenLanes() has the others
+  if (part_pairs.size() + lanes.open().size() > part_pairs.capacity()) return false;
+  const auto begin = static_cast<int>(part_pairs.size());
+  bool has_interval = false;
+  for (const collision::LaneSweep::Open& pair : lanes.open()) {
+    if ((pair.lanes >> lane & 1U) == 0 || isWideOpen(pair, first, parts.share)) continue;
+    if (is_whole ? isForParts(pair) : pair.apart) {
+      part_pairs.push_back(pair.id);
+    } else if (!is_whole) {
+      if (!has_interval && !addInterval(parts.from[lane], parts.width)) return false;
+      has_interval = true;
+      open.push_back(pair.id);
+      intervals.back().end = static_cast<int>(open.size());
+    }
+  }
+  const auto end = static_cast<int>(part_pairs.size());
+  if (begin == end) return true;
+  if (edge_parts.size() == edge_parts.capacity()) return false;
+  edge_parts.push_back({parts.from[lane], parts.width, begin, end});
   return true;
 }
 
@@ -399,6 +427,7 @@ EdgeLanes::Parts EdgeCertifier::Impl::takeParts(std::size_t& next) {
   const int share = collision::kLanes / (count == 3 ? 4 : static_cast<int>(count));
   EdgeLanes::Parts parts;
   parts.width = width / share;
+  parts.share = share;
   pass_pairs.clear();
   for (std::size_t k = 0; k < count; ++k, ++next) {
     const EdgePart& part = edge_parts[next];

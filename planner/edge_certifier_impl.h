@@ -89,8 +89,14 @@ struct EdgeCertifier::Impl {
   /// How many lanes one sweep of a pair is tried on: as long as its growth stays small.
   int mergedLanes(const collision::LaneSweep::Open& pair) const;
   /// Lists what a pass over parts left: pairs whose hulls were apart as parts for finer passes,
-  /// others as intervals. False when there are too many.
+  /// others, and those that it left open in most of a part, as intervals. False when there are too
+  /// many.
   bool listParts(const EdgeLanes::Parts& parts);
+  /// Whether a finer pass was of little use for a pair in the part that begins with lane `first`:
+  /// one sweep of what is there is tried on all of it, where it would take many in pieces.
+  bool isWideOpen(const collision::LaneSweep::Open& pair, int first, int share) const;
+  bool listWideOpen(const EdgeLanes::Parts& parts, int first);
+  bool listLane(const EdgeLanes::Parts& parts, int lane, int first);
   /// Finer passes over the parts that are listed, until none is left or they do not pay; what
   /// remains becomes intervals. Told where that decides the edge.
   std::optional<EdgeCheck> certifyParts();

@@ -384,6 +384,14 @@ LaneSweep::Contact EdgeLanes::sweepParts(const Parts& parts,
   return sweep_.runPairs(pairs, lane_frames_, part_growth_, slack_, *scratch_);
 }
 
+LaneSweep::Contact EdgeLanes::meet(int pair, double from, double width) {
+  collision::LaneValues places;
+  for (int i = 0; i < collision::kLanes; ++i)
+    places.at[i] = static_cast<float>(from - 0.5 + (i + 0.5) * width / collision::kLanes);
+  collision::placeFrames(frame_steps_, places, lane_frames_);
+  return sweep_.meet(pair, lane_frames_, slack_, *scratch_);
+}
+
 LaneSweep::Contact EdgeLanes::still(const collision::LaneValues& places) {
   collision::placeFrames(frame_steps_, places, lane_frames_);
   const LaneSweep::Contact again = sweep_.meetAgain(lane_frames_, slack_, *scratch_);

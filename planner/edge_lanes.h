@@ -27,10 +27,14 @@ class EdgeLanes {
   struct Parts {
     double from[collision::kLanes] = {};
     double width = 0;
+    int share = 1;  ///< lanes side by side that stand for one part of the pass before
   };
   /// After sweep(): planes and points alone, for some pairs in some of the parts.
   collision::LaneSweep::Contact sweepParts(const Parts& parts,
                                            std::span<const collision::LaneSweep::Open> pairs);
+  /// After sweep(): a look for a contact of one pair at kLanes places spread over [from, from +
+  /// width] of the edge, in the middle of a lane's share each.
+  collision::LaneSweep::Contact meet(int pair, double from, double width);
   /// What the last sweep left.
   std::span<const collision::LaneSweep::Open> open() const { return scratch_->open(); }
 

@@ -536,6 +536,17 @@ class Run {
     return {};
   }
 
+  HWY_INLINE LaneSweepKernel::Contact one(std::int32_t number) {
+    ++scratch_.stamp;
+    const Sweep::Pair& pair = s_.pairs[size(number)];
+    const std::uint32_t by_balls = contact(pair, kAll);
+    if (by_balls != 0) return kernel_.told(number, -1, by_balls);
+    const Sweep::LanePiece::Points& points = s_.pieces[size(pair.a)].points;
+    std::int32_t point = -1;
+    const std::uint32_t lanes = pointsInside(kernel_, pair, points.begin, points.end, kAll, point);
+    return lanes != 0 ? kernel_.told(number, point, lanes) : LaneSweepKernel::Contact{};
+  }
+
   HWY_INLINE LaneSweepKernel::Contact all() {
     ++scratch_.stamp;
     scratch_.open.clear();
@@ -748,6 +759,9 @@ class Run {
 LaneSweepKernel::Contact MeetAgain(const LaneSweepKernel& kernel) {
   return Run<true>(kernel).again();
 }
+LaneSweepKernel::Contact MeetPair(const LaneSweepKernel& kernel, std::int32_t pair) {
+  return Run<true>(kernel).one(pair);
+}
 LaneSweepKernel::Contact SweepAll(const LaneSweepKernel& kernel) {
   return Run<false>(kernel).all();
 }
@@ -796,6 +810,7 @@ int middleOf(std::uint32_t lanes) {
 }  // namespace
 
 HWY_EXPORT(MeetAgain);
+HWY_EXPORT(MeetPair);
 HWY_EXPORT(SweepAll);
 HWY_EXPORT(StillAll);
 HWY_EXPORT(SweepPlane);
@@ -871,6 +886,12 @@ LaneSweep::Contact LaneSweepKernel::partOpen(bool closely) const {
 LaneSweep::Contact LaneSweep::meetAgain(std::span<const LaneFrame> frames, float slack,
                                         Scratch& scratch) const {
   return HWY_DYNAMIC_DISPATCH(MeetAgain)({*impl_, *scratch.impl_, frames.data(), nullptr, slack});
+}
+
+LaneSweep::Contact LaneSweep::meet(int pair, std::span<const LaneFrame> frames, float slack,
+                                   Scratch& scratch) const {
+  return HWY_DYNAMIC_DISPATCH(MeetPair)({*impl_, *scratch.impl_, frames.data(), nullptr, slack},
+                                        pair);
 }
 
 LaneSweep::Contact LaneSweep::run(std::span<const LaneFrame> frames, std::span<const float> growth,

@@ -95,6 +95,9 @@ class LaneSweep {
   /// the order of addition. Planes are looked for more closely than in run().
   Contact runPairs(std::span<const Open> pairs, std::span<const LaneFrame> frames,
                    std::span<const float> growth, float slack, Scratch& scratch) const;
+  /// A look for a contact of one pair in the middle of the intervals, by balls and points, `pair`
+  /// being its place in the order of addition. Frames need only be placed.
+  Contact meet(int pair, std::span<const LaneFrame> frames, float slack, Scratch& scratch) const;
   /// run() for single configurations: frames need not be moved.
   Contact runStill(std::span<const LaneFrame> frames, float slack, Scratch& scratch) const;
 
