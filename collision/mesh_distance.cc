@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "collision/containment.h"
 #include "collision/descent_answer.h"
@@ -42,10 +43,40 @@ double boxToSphere(const Shape& mesh, const Eigen::Matrix3d& R, const Triple& ga
   return apart - radius;
 }
 
+// The boxes around two meshes, B's origin `t` from A's in the world's axes: how far they are apart
+// along the best of the axes of either (six of the fifteen of the separating axis theorem), and
+// that axis.
+double boxToBox(const Shape& a, const Eigen::Matrix3d& R_A, const Shape& b,
+                const Eigen::Matrix3d& R_B, const Triple& t, Triple& normal) {
+  const auto middle = [](const MeshNode& n) {
+    return 0.5 * tripleOf(n.low) + 0.5 * tripleOf(n.high);
+  };
+  const auto half = [](const MeshNode& n) {
+    return 0.5 * tripleOf(n.high) - 0.5 * tripleOf(n.low);
+  };
+  const MeshNode &root_a = a.mesh()->tree().node(0), &root_b = b.mesh()->tree().node(0);
+  const Triple half_a = half(root_a), half_b = half(root_b);
+  const Triple way = t + (rotated(R_B, middle(root_b)) - rotated(R_A, middle(root_a)));
+  double best = -std::numeric_limits<double>::infinity();
+  const auto offer = [&](const Triple& axis) {
+    const double along = dot(axis, way);
+    const double apart = std::abs(along) - reach(rotatedBack(R_A, axis), half_a) -
+                         reach(rotatedBack(R_B, axis), half_b);
+    if (!(apart > best)) return;
+    best = apart;
+    normal = std::copysign(1, along) * axis;
+  };
+  for (int i = 0; i < 3; ++i) {
+    offer(column(R_A, i));
+    offer(column(R_B, i));
+  }
+  return best;
+}
+
 // Whether the spheres around both bodies, or a sphere and the box around the other one's triangles,
-// already are farther apart than the threshold: most pairs of a scene end here. Straight from the
-// world poses, as the answer takes no longer than a relative pose. Poses that are none decide
-// nothing.
+// or two such boxes already are farther apart than the threshold: most pairs of a scene end here.
+// Straight from the world poses, as the answer takes no longer than a relative pose. Poses that are
+// none decide nothing.
 bool boundsDecide(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
                   const DistanceRequest& request, DistanceResult& result) {
   if (std::isnan(request.threshold)) return false;
@@ -55,7 +86,8 @@ bool boundsDecide(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& 
                           rotated(X_WA.rotation, tripleOf(a.boundingCenter())));
   const double norm = std::sqrt(squared(gap)), least = std::max(request.threshold, kSmallestScale);
   // (Squares of smaller ones lose digits.) A box is looked at through a transpose in the place of
-  // an inverse: twice the departure.
+  // an inverse: twice the departure. (Along any axis of either matrix, too, though that be no unit
+  // vector: how far a box reaches is told by the matrices' own products.)
   const double rounding =
       2 * (check.departure + kRelativeRounding) * (a.extent() + b.extent() + std::sqrt(squared(t)));
   const double radius_a = a.boundingRadius(), radius_b = b.boundingRadius();
@@ -75,7 +107,10 @@ bool boundsDecide(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& 
   }
   if (a.type() != ShapeType::kMesh) return false;
   const double lower = boxToSphere(a, X_WA.rotation, gap, radius_b, normal);
-  return decides(lower, normal);
+  if (decides(lower, normal)) return true;
+  if (b.type() != ShapeType::kMesh) return false;
+  const double boxes = boxToBox(a, X_WA.rotation, b, X_WB.rotation, t, normal);
+  return decides(boxes, normal);
 }
 
 // Lowers the upper end of an overlap by points that lie in both solids: near the deepest pair of

@@ -372,6 +372,46 @@ TEST(MeshDistance, StaleAndForeignCachesCostTimeOnly) {
   }
 }
 
+// Sheets whose spheres meet are most often apart along an axis of one of their boxes: that decides
+// a threshold without a look at the triangles, and holds for matrices that are nearly rotations.
+TEST(MeshDistance, BoxesOfSheetsDecideAtOnce) {
+  Scratch scratch;
+  Random random(30);
+  const TriangleSoup sheet = boxSoup({1, 0.8, 0.01});
+  const Shape mesh = Shape::mesh(TriangleMesh::make(sheet.vertices, sheet.triangles));
+  int apart = 0, at_once = 0;
+  for (int i = 0; i < 400; ++i) {
+    Pose X_WA = random.pose(1);
+    const Pose X_WB{random.pose(1).rotation, X_WA.translation + 1.2 * random.vector()};
+    if (i % 4 == 0) X_WA.rotation *= 1 + 1e-8;
+    const Interval exact = distance(mesh, X_WA, mesh, X_WB, {}, scratch).distance;
+    for (const double threshold : {0.0, 0.5 * exact.upper, exact.upper * (1 - 1e-6)}) {
+      DistanceRequest request;
+      request.threshold = threshold;
+      const DistanceResult r = distance(mesh, X_WA, mesh, X_WB, request, scratch);
+      EXPECT_LE(r.distance.lower, exact.upper) << i;
+      EXPECT_GE(r.distance.upper, exact.lower) << i;
+      EXPECT_NEAR(r.normal.norm(), 1, 1e-7) << i;
+      if (!(exact.lower > std::max(threshold, 0.0))) continue;
+      EXPECT_GT(r.distance.lower, threshold) << i;
+      if (threshold > 0) continue;
+      ++apart;
+      // No witness, and an axis whose plane is between them: nothing but the boxes was looked at.
+      const double along_a = (X_WA.rotation.transpose() * r.normal).cwiseAbs().maxCoeff(),
+                   along_b = (X_WB.rotation.transpose() * r.normal).cwiseAbs().maxCoeff();
+      double highest = -kInfinity, lowest = kInfinity;
+      for (const Vector3d& v : sheet.vertices) {
+        highest = std::max(highest, r.normal.dot(X_WA * v));
+        lowest = std::min(lowest, r.normal.dot(X_WB * v));
+      }
+      at_once += r.distance.upper == kInfinity && std::max(along_a, along_b) > 1 - 1e-7 &&
+                 r.distance.lower <= lowest - highest;
+    }
+  }
+  EXPECT_GT(apart, 100);
+  EXPECT_GT(10 * at_once, 7 * apart);
+}
+
 // Where steps are too few for a pair of triangles, the closed form's points are the witnesses.
 TEST(MeshDistance, WitnessesCarryTheUpperEndWithoutSteps) {
   Scratch scratch;
