@@ -14,6 +14,8 @@ namespace {
 // climb is quicker.
 constexpr std::size_t kMostOfCell = 64;
 constexpr int kFewestSides = 8, kMostSides = 32;
+// A hull is a needle where no vertex is farther from its axis than this share of the half length.
+constexpr double kNeedle = 0.25;
 
 }  // namespace
 
@@ -22,6 +24,7 @@ HullSupport::HullSupport(const ConvexHull& hull) : points_(hull.vertices().data(
   // (Flat hulls have no neighbours: beyond what a scan takes they are left to a plain one.)
   if (count <= kScanUpTo) {
     fillColumns(count);
+    fillAxis(hull);
   } else if (hull.hasNeighbours() && count < HullCell::kMany) {
     fillCells(hull);
     fillEllipsoid(hull);
@@ -104,6 +107,28 @@ void HullSupport::fillEllipsoid(const ConvexHull& hull) {
   for (const Vector& p : hull.vertices()) {
     spread_ += 3 / count * ((p - middle_) * (p - middle_).transpose());
   }
+}
+
+// From the vertex farthest from the first to the one farthest from that; through the mean of all.
+void HullSupport::fillAxis(const ConvexHull& hull) {
+  const std::span<const Vector> vertices = hull.vertices();
+  const auto farthestFrom = [&](const Vector& p) {
+    return *std::max_element(vertices.begin(), vertices.end(),
+                             [&](const Vector& q, const Vector& r) {
+                               return (q - p).squaredNorm() < (r - p).squaredNorm();
+                             });
+  };
+  const Vector end = farthestFrom(vertices[0]), half = 0.5 * (farthestFrom(end) - end);
+  for (const Vector& p : vertices) middle_ += p / static_cast<double>(vertices.size());
+  const double length = half.norm();
+  if (!(length > kSmallestScale && length < kLargestScale)) return;
+  const Vector axis = half / length;
+  middle_ += axis.dot(end + half - middle_) * axis;
+  for (const Vector& p : vertices) {
+    if (!(cross(p - middle_, axis).norm() <= kNeedle * length)) return;
+  }
+  axis_ = axis;
+  half_length_ = length;
 }
 
 void HullSupport::store(std::vector<std::uint16_t>& candidates) {

@@ -50,6 +50,12 @@ class HullSupport {
   const Vector& middle() const { return middle_; }
   const Eigen::Matrix3d& spread() const { return spread_; }
 
+  /// The segment that a needle is about: halfLength() [m] either way from middle() along the unit
+  /// vector axis(). Half a length of 0 where the hull is none or has a table; without a table its
+  /// middle is about the vertices' mean.
+  const Vector& axis() const { return axis_; }
+  double halfLength() const { return half_length_; }
+
   /// The vertices of a cell of many, a multiple of eight; `count` is 0 where they are too many to
   /// look at.
   const HullCell* many(const HullCell& cell, int& count) const {
@@ -70,6 +76,7 @@ class HullSupport {
   void fillCells(const ConvexHull& hull);
   void store(std::vector<std::uint16_t>& candidates);
   void fillEllipsoid(const ConvexHull& hull);
+  void fillAxis(const ConvexHull& hull);
 
   const Vector* points_;
   std::vector<Eight> columns_;
@@ -80,6 +87,8 @@ class HullSupport {
   std::vector<HullCell> more_;
   Vector middle_ = Vector::Zero();
   Eigen::Matrix3d spread_ = Eigen::Matrix3d::Zero();
+  Vector axis_ = Vector::UnitX();
+  double half_length_ = 0;
 };
 
 }  // namespace leeway::collision

@@ -8,6 +8,7 @@
 //
 #include <hwy/foreach_target.h>
 //
+#include "collision/closed_form.h"
 #include "collision/pose_check.h"
 #include "collision/simd/vertex_gjk.h"
 #include "collision/simd/vertex_search-inl.h"
@@ -99,8 +100,10 @@ class PlacedVertices {
   static HWY_INLINE bool takes(const HullSupport& support) {
     return support.length() > 0 && support.length() <= kMost;
   }
-  HWY_INLINE PlacedVertices(const HullSupport& support, const Eigen::Matrix3d& R, const Triple& t,
-                            double sign) {
+  HWY_INLINE PlacedVertices(const ConvexHull& hull, const Eigen::Matrix3d& R, const Triple& t,
+                            double sign)
+      : count_(static_cast<int>(hull.vertices().size())) {
+    const HullSupport& support = hull.support();
     // A shorter hull is padded by copies of its beginning.
     const int length = support.length();
     HWY_UNROLL(4)
@@ -140,13 +143,13 @@ class PlacedVertices {
     const hn::RebindToSigned<Widest> di;
     Lanes<kFan> least = allLanes<kFan>(std::numeric_limits<double>::infinity());
     // (Each coordinate is read from memory into all lanes: from registers it would take a shuffle.)
+    const int count = kEights == 1 ? kMost : count_;  // (Of eight hardly any is padding.)
     HWY_UNROLL(1)
-    for (std::size_t v = 0; v < kMost; ++v) {
+    for (int v = 0; v < count; ++v) {
       const Lanes<kFan> value =
           allLanes<kFan>(x_[v]) * n.x + allLanes<kFan>(y_[v]) * n.y + allLanes<kFan>(z_[v]) * n.z;
-      least = eachLane<kFan>([&](int i) HWY_ATTR {
-        return hn::Min(least.v[i], named(value.v[i], hn::Set(di, static_cast<std::int64_t>(v))));
-      });
+      least = eachLane<kFan>(
+          [&](int i) HWY_ATTR { return hn::Min(least.v[i], named(value.v[i], hn::Set(di, v))); });
     }
     Points<kFan> found;
     for (int i = 0; i < kRegisters<kFan>; ++i) {
@@ -203,6 +206,7 @@ class PlacedVertices {
     }
   }
 
+  const int count_;
   alignas(64) double x_[std::size_t{kMost}], y_[std::size_t{kMost}], z_[std::size_t{kMost}];
 };
 
@@ -254,7 +258,23 @@ struct Pair {
   Triple t;  // of A, from B's origin
   double size, rounding;
   VertexNames hints;
+  bool needles;  // one of them at least
 };
+
+// From one axis to the other where they are nearest: a needle's middle tells little of where it is
+// met. Hulls that are none stand for their middles.
+HWY_INLINE Triple betweenAxes(const Pair& pair) {
+  const HullSupport &a = pair.a.hull()->support(), &b = pair.b.hull()->support();
+  const Triple axis_a = rotated(pair.X_WA.rotation, tripleOf(a.axis())),
+               axis_b = rotated(pair.X_WB.rotation, tripleOf(b.axis()));
+  const Triple middle = rotated(pair.X_WB.rotation, tripleOf(b.middle())) -
+                        (rotated(pair.X_WA.rotation, tripleOf(a.middle())) + pair.t);
+  double s_a = 0, s_b = 0;
+  nearestOnAxes(dot(axis_a, axis_b), -dot(axis_a, middle), -dot(axis_b, middle), a.halfLength(),
+                b.halfLength(), s_a, s_b);
+  const Triple way = middle + (s_b * axis_b - s_a * axis_a);
+  return squared(way) > kSmallestScale * kSmallestScale ? way : Triple{1, 0, 0};
+}
 
 // The cached direction if it is one, else from A's middle to B's; of any length.
 HWY_INLINE Triple firstDirection(const Pair& pair) {
@@ -265,6 +285,7 @@ HWY_INLINE Triple firstDirection(const Pair& pair) {
       return rotated(pair.X_WB.rotation, n);
     }
   }
+  if (pair.needles) return betweenAxes(pair);
   const Triple middle = rotated(pair.X_WB.rotation, tripleOf(pair.b.boundingCenter())) -
                         (rotated(pair.X_WA.rotation, tripleOf(pair.a.boundingCenter())) + pair.t);
   return squared(middle) > kSmallestScale * kSmallestScale ? middle : Triple{1, 0, 0};
@@ -359,8 +380,8 @@ template <int kEights>
 HWY_NOINLINE bool answerPlaced(const Pair& pair, DistanceResult& result, VertexStart& start) {
   const PlacedCores<kEights> cores = {*pair.a.hull(),
                                       *pair.b.hull(),
-                                      {pair.a.hull()->support(), pair.X_WA.rotation, pair.t, -1},
-                                      {pair.b.hull()->support(), pair.X_WB.rotation, {0, 0, 0}, 1}};
+                                      {*pair.a.hull(), pair.X_WA.rotation, pair.t, -1},
+                                      {*pair.b.hull(), pair.X_WB.rotation, {0, 0, 0}, 1}};
   return answer(pair, cores, PlacedVertices<kEights>::kNameRounding * kUnitRoundoff * pair.size,
                 nullptr, result, start);
 }
@@ -399,7 +420,17 @@ bool hullSteps(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_W
   }
   const double rounding =
       (kSupportRounding + kPoseRounding) * kUnitRoundoff * size + check.departure * size;
-  const Pair pair = {a, b, X_WA, X_WB, request, cache, t, size, rounding, hints};
+  const Pair pair = {a,
+                     b,
+                     X_WA,
+                     X_WB,
+                     request,
+                     cache,
+                     t,
+                     size,
+                     rounding,
+                     hints,
+                     support_a.halfLength() + support_b.halfLength() > 0};
   if (!place) return answerInWorld(pair, carried ? cache : nullptr, result, start);
   switch ((std::max(support_a.length(), support_b.length()) + 7) / 8) {
     case 1:

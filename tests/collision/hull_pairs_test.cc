@@ -275,6 +275,56 @@ TEST(HullPairs, LargeOnesBeginNearTheirNormal) {
   EXPECT_LT(steps, 7 * cases);
 }
 
+// Needles are first asked between their axes: from the direction of their middles these take 4.0
+// steps each, from there 3.0.
+TEST(HullPairs, NeedlesBeginBetweenTheirAxes) {
+  Random random(138);
+  Scratch scratch;
+  const auto needle = [&random] {
+    const Vector3d thin(1, random.logUniform(1e-5, 1e-2), random.logUniform(1e-5, 1e-1));
+    std::vector<Vector3d> points;
+    for (int i = 0; i < 12; ++i) points.push_back(thin.cwiseProduct(random.direction()));
+    return Shape::convexHull(points);
+  };
+  const int cases = 200;
+  int steps = 0;
+  for (int i = 0; i < cases; ++i) {
+    Pair pair{needle(), needle(), {random.rotation(), random.direction()}, {}};
+    pair.X_WB = {random.rotation(), pair.X_WA.translation + 2.2 * random.direction()};
+    const double gap = random.logUniform(1e-4, 1);
+    for (int k = 0; k < 3; ++k) moveApart(pair, gap, scratch);
+    const DistanceResult r = distance(pair.a, pair.X_WA, pair.b, pair.X_WB, {}, scratch);
+    EXPECT_EQ(r.status, DistanceStatus::kConverged);
+    steps += r.iterations;
+  }
+  EXPECT_LT(2 * steps, 7 * cases);
+}
+
+// Axes that cross, lie in one line, beside each other or of the same needle tell no direction: any
+// is right.
+TEST(HullPairs, AxesThatMeetCostStepsOnly) {
+  Random random(139);
+  Scratch scratch;
+  std::vector<Vector3d> points;
+  for (int i = 0; i < 12; ++i) {
+    points.push_back(Vector3d(1, 0.01, 0.02).cwiseProduct(random.direction()));
+  }
+  const Shape needle = Shape::convexHull(points);
+  const Eigen::Matrix3d same = Eigen::Matrix3d::Identity(),
+                        across{{0.28, -0.96, 0}, {0.96, 0.28, 0}, {0, 0, 1}};
+  for (const Eigen::Matrix3d& R : {same, across}) {
+    for (const Vector3d& t : {Vector3d(0, 0, 0), Vector3d(2.5, 0, 0), Vector3d(0, 0, 0.05),
+                              Vector3d(0.3, 0.2, 0.1), Vector3d(0, 1e-3, 0)}) {
+      const Pose X_WB{R, t};
+      const DistanceResult quick = distance(needle, {}, needle, X_WB, {}, scratch);
+      const DistanceResult slow = generalDistance(needle, {}, needle, X_WB, {}, scratch, nullptr);
+      EXPECT_LE(quick.distance.lower, slow.distance.upper) << t;
+      EXPECT_GE(quick.distance.upper, slow.distance.lower) << t;
+      EXPECT_EQ(quick.status, slow.status) << t;
+    }
+  }
+}
+
 // A threshold that the first point meets leaves the plane of a stale cache for a normal: the radius
 // was put on along that, and the witnesses were 1.412 m apart with an upper end of 0.815 m.
 TEST(RoundedHulls, WitnessesAreAsFarApartAsTheUpperEndWithAStaleCache) {
