@@ -8,8 +8,8 @@
 // of the certifier are kept and replayed. Stepping looks at states at most 1/32 (rad or m, in the
 // space's distance) apart, spread over the edge sixteen at a time in the same lanes with the same
 // balls and bounds, and asks distance() with its warm caches for what they leave open; it says
-// nothing of what is between. Both have seen all edges once, in the order asked, before each kind of
-// edge is timed as a whole, both checkers in turn, five times: medians of microseconds of this
+// nothing of what is between. Both have seen all edges once, in the order asked, before each kind
+// of edge is timed as a whole, both checkers in turn, five times: medians of microseconds of this
 // thread's CPU time an edge. Ratios are what counts. The largest time of one edge, and what all but
 // one in a thousand stay below, are of the median of three looks at each.
 
