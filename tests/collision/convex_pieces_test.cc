@@ -456,11 +456,12 @@ TEST(ConvexPieces, AnswerAsTheTrianglesDoToConvexShapes) {
   Random random(85);
   Tally tally;
   const auto shapes = sampleConvexShapes(random);
-  int kind = 0;
+  const int step = kSanitized ? 2 : 1;  // every other pair of bodies
+  int kind = 0, pair = 0;
   for (const Case& c : concaveSolids(85)) {
     const Twins solid = twins(c.name, c.soup);
     for (const auto& [name, shape] : shapes) {
-      if (shape.type() == ShapeType::kHalfSpace) continue;
+      if (shape.type() == ShapeType::kHalfSpace || pair++ % step != 0) continue;
       const Twins other{name, shape, shape};
       PairCache cache;
       for (int i = 0; i < casesToAsk(8); ++i, ++kind) {

@@ -15,6 +15,7 @@
 #include "leeway/collision/shape.h"
 #include "leeway/collision/triangle_mesh.h"
 #include "tests/collision/mesh_files.h"
+#include "tests/sanitized.h"
 
 namespace leeway::collision::testing {
 
@@ -143,19 +144,21 @@ inline NamedMesh named(const std::string& name, const TriangleSoup& soup) {
 }
 
 /// Bodies of about 1 m: convex and concave, closed and open, one and several components,
-/// degenerate.
+/// degenerate; of fewer triangles where a sanitizer makes each ten times as dear.
 inline std::vector<NamedMesh> sampleMeshes(std::uint64_t seed) {
   Random random(seed);
   std::vector<NamedMesh> meshes;
   meshes.push_back(named("box", boxSoup({0.5, 0.3, 0.2})));
   meshes.push_back(named("ball", ballSoup(8, 12, 0.5, 0, random)));
-  meshes.push_back(named("bumpy ball", unwelded(ballSoup(9, 14, 0.6, 0.25, random))));
-  meshes.push_back(named("torus", torusSoup(24, 10, 0.6, 0.2, 0.1, random)));
+  meshes.push_back(named("bumpy ball", unwelded(ballSoup(kSanitized ? 6 : 9, kSanitized ? 8 : 14,
+                                                         0.6, 0.25, random))));
+  meshes.push_back(
+      named("torus", torusSoup(kSanitized ? 14 : 24, kSanitized ? 6 : 10, 0.6, 0.2, 0.1, random)));
   TriangleSoup nested = boxSoup({0.6, 0.6, 0.6});
   append(nested, boxSoup({0.2, 0.2, 0.2}), random.pose(0.1));
   append(nested, ballSoup(5, 8, 0.2, 0.2, random), {Eigen::Matrix3d::Identity(), {1.2, 0, 0}});
   meshes.push_back(named("several", unwelded(nested)));
-  TriangleSoup open = torusSoup(16, 8, 0.5, 0.2, 0.3, random);
+  TriangleSoup open = torusSoup(kSanitized ? 12 : 16, kSanitized ? 6 : 8, 0.5, 0.2, 0.3, random);
   open.triangles.erase(open.triangles.begin() + 20, open.triangles.begin() + 60);
   meshes.push_back(named("open", open));
   TriangleSoup loose;
@@ -170,11 +173,12 @@ inline std::vector<NamedMesh> sampleMeshes(std::uint64_t seed) {
   meshes.push_back(named("needle", {{{0, 0, 0}, {0.5, 0.25, 0.125}, {1, 0.5, 0.25}}, {{0, 1, 2}}}));
   meshes.push_back(named("point", {{{0.1, 0.2, 0.3}}, {{0, 0, 0}}}));
   TriangleSoup flat;
-  for (int i = 0; i < 100; ++i) {
-    const double a = 2 * 3.14159265358979 * i / 100;
+  const int corners = kSanitized ? 30 : 100;
+  for (int i = 0; i < corners; ++i) {
+    const double a = 2 * 3.14159265358979 * i / corners;
     flat.vertices.emplace_back(std::cos(a), std::sin(a), 0.0);
   }
-  for (int i = 2; i < 100; ++i) flat.triangles.push_back({0, i - 1, i});
+  for (int i = 2; i < corners; ++i) flat.triangles.push_back({0, i - 1, i});
   meshes.push_back(named("flat disc", flat));
   return meshes;
 }

@@ -8,6 +8,7 @@
 #include "collision/nearest_in_halfspaces.h"
 #include "tests/collision/allocations.h"
 #include "tests/collision/mesh_cases.h"
+#include "tests/sanitized.h"
 
 namespace leeway::collision {
 namespace {
@@ -127,7 +128,8 @@ TEST(Separation, FromSeveralObstaclesIsNearTheShortest) {
   const auto shapes = sampleConvexShapes(random);
   int separated = 0;
   double worst = 0, sum = 0;
-  for (int i = 0; i < 30; ++i) {
+  const int cases = kSanitized ? 10 : 30;
+  for (int i = 0; i < cases; ++i) {
     Case c;
     for (int k = 0; k < 1 + i % 3; ++k) {
       c.body.push_back(
@@ -152,7 +154,7 @@ TEST(Separation, FromSeveralObstaclesIsNearTheShortest) {
     sum += ratio;
     EXPECT_LE(ratio, 1.1) << what << " twin " << twin << " " << show(r);
   }
-  EXPECT_GT(separated, 20);
+  EXPECT_GT(separated, 2 * cases / 3);
   EXPECT_LT(sum, 1.0 * separated);  // the twin's directions are coarse
 }
 
@@ -161,7 +163,8 @@ TEST(Separation, OfMeshesAgainstTheTwin) {
   Scratch scratch;
   const auto meshes = sampleMeshes(63);
   int separated = 0;
-  for (int i = 0; i < 12; ++i) {
+  const int cases = kSanitized ? 6 : 12;
+  for (int i = 0; i < cases; ++i) {
     const Shape a = Shape::mesh(meshes[static_cast<std::size_t>(i % 5)].mesh),
                 b = i % 3 == 0 ? Shape::box({0.1, 0.3, 0.05})
                                : Shape::mesh(meshes[static_cast<std::size_t>((i + 2) % 4)].mesh);
@@ -178,7 +181,7 @@ TEST(Separation, OfMeshesAgainstTheTwin) {
     EXPECT_LE(r.translation.norm(), 1.1 * twin) << what << " twin " << twin << " " << show(r);
     EXPECT_GE(twin, r.least - 1e-9) << what << show(r);
   }
-  EXPECT_GT(separated, 5);
+  EXPECT_GT(separated, cases / 3);
 }
 
 TEST(Separation, OfSymmetricAndNestedBodies) {
