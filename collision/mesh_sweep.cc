@@ -61,6 +61,8 @@ class MeshSweep {
     Time whole{0, 0};
     for (double h = request_.h; h < 1; h *= 2) ++whole.level;
     whole.number = static_cast<std::int32_t>(std::lround(std::ldexp(request_.t0, whole.level)));
+    // Another part than the one that is asked for proves nothing.
+    if (whole.length() != request_.h || whole.begin() != request_.t0) return {};
     result_.status = MeshSweepStatus::kFree;
     stack_[size_++] = {a_.root(), b_.root(), whole, -1, !parts_};
     while (size_ > 0 && result_.status == MeshSweepStatus::kFree) {

@@ -13,6 +13,7 @@
 #include "collision/simd/box_gaps.h"
 #include "leeway/collision/time_of_contact.h"
 #include "leeway/collision/triangle_mesh.h"
+#include "tests/collision/allocations.h"
 #include "tests/collision/mesh_cases.h"
 #include "tests/every_target.h"
 #include "tests/sanitized.h"
@@ -206,9 +207,33 @@ TEST(MeshSweep, LimitsLeaveItUndecided) {
   const double nan = std::nan("");
   EXPECT_TRUE(refuses(-1, 0, 0, 1) && refuses(nan, 0, 0, 1) && refuses(0.1, -1, 0, 1) &&
               refuses(0.1, nan, 0, 1) && refuses(0.1, 0, -1, 1) && refuses(0.1, 0, nan, 1) &&
+              refuses(0.1, 0, 0, 0.3) && refuses(0.1, 0, 0.3, 0.5) && refuses(0.1, 0, 0.25, 0.5) &&
               refuses(0.1, 0, 0, 2) && refuses(0.1, 0, 0, nan) && refuses(0.1, 0, 0, 0));
   EXPECT_FALSE(sweepsMesh(Shape::box({1, 1, 1}), Shape::sphere(1)));
   EXPECT_FALSE(sweepsMesh(ball, Shape::halfSpace()));
+}
+
+TEST(MeshSweep, AllocatesNothing) {
+  Random random(64);
+  const auto meshes = sampleMeshes(64);
+  const auto shapes = sampleConvexShapes(random);
+  Scratch scratch;
+  std::size_t allocated = 0;
+  int asked = 0;
+  for (const NamedMesh& m : meshes) {
+    const Shape a = Shape::mesh(m.mesh), b = Shape::mesh(meshes[3].mesh);
+    const StraightMotion motion(random.pose(1), random.pose(1));
+    MeshSweepRequest request;
+    request.bend = bendOf(motion, a);
+    Seen seen(motion);
+    const std::size_t before = allocationCount();
+    sweepMesh(a, seen, b, request, scratch);
+    for (const auto& [kind, shape] : shapes) sweepMesh(a, seen, shape, request, scratch);
+    allocated += allocationCount() - before;
+    asked += seen.asked;
+  }
+  EXPECT_EQ(allocated, 0U);
+  EXPECT_GT(asked, 100);
 }
 
 OrientedBox randomBox(Random& random) {
