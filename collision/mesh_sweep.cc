@@ -30,8 +30,9 @@ bool operator==(const Time& l, const Time& r) { return l.level == r.level && l.n
 struct SweptPair {
   std::int32_t a, b;
   Time time;
-  float gap;  ///< proven, where it is above 0; else the deeper, the more of an overlap
-  bool open;  ///< pieces have been asked: their triangles are wanted
+  float gap;         ///< proven, where it is above 0; else the deeper, the more of an overlap
+  bool open;         ///< pieces have been asked: their triangles are wanted
+  int halvings = 0;  ///< of time since `gap`
 };
 
 /// |A| of a multiple of two rotations' difference, or of their mean less the rotation halfway
@@ -143,31 +144,25 @@ class MeshSweep {
     const double size = node_a && node_b ? std::max(radius_a, radius_b)
                         : node_a         ? radius_a
                                          : radius_b;
-    if (way.norm() + loose + s->growth > kSweepTimeShare * size && halve(pair)) return;
+    if (way.norm() + loose + s->growth > kSweepTimeShare * size) {
+      if (pair.halvings >= kSweepHalvingsBetweenLooks && isApart(pair, *s)) return;
+      if (halve(pair)) return;
+    }
     // The larger one comes apart.
     const bool split_a = !node_b || (node_a && radius_a >= radius_b);
     const std::int32_t child = split_a ? part_a.number : part_b.number;
     const BoxNode& split = (split_a ? a_ : b_).tree().boxes().node(child);
     float gap[BoxNode::kWidth];
-    if (split_a) {
-      sweptBoxGaps(split, placedBox(b_.box(pair.b), s->X_MB), s->of_node, gap);
-    } else {
-      BoxSweep sweep;
-      for (int k = 0; k < 3; ++k) sweep.way[k] = static_cast<float>(way[k]);
-      sweep.fixed = roundedUpToFloat(loose + kWayRounding * way.lpNorm<1>());
-      OrientedBox box = placedBox(box_a, s->X_BM);
-      const Vector center = placed(s->half, center_a);
-      for (int k = 0; k < 3; ++k) box.center[k] = static_cast<float>(center[k]);
-      sweptBoxGaps(split, box, sweep, gap);
-    }
+    gaps(pair, *s, split_a, split, gap);
     result_.nodes += split.count;
-    const double bar = request_.threshold + s->growth + s->slack;
+    const double bar = barOf(*s);
     const std::size_t first = size_;
     for (int i = 0; i < split.count; ++i) {
       if (static_cast<double>(gap[i]) > bar) continue;
       SweptPair part = pair;
       (split_a ? part.a : part.b) = child * BoxNode::kWidth + i;
       part.gap = gap[i];
+      part.halvings = 0;
       // The nearest one on top; of several the first.
       std::size_t at = size_++;
       for (; at > first && stack_[at - 1].gap <= part.gap; --at) stack_[at] = stack_[at - 1];
@@ -175,10 +170,41 @@ class MeshSweep {
     }
   }
 
+  double barOf(const Stretch& s) const { return request_.threshold + s.growth + s.slack; }
+
+  // Of the boxes of a node of A, or of B, from the pair's box of the other one, over the stretch.
+  void gaps(const SweptPair& pair, const Stretch& s, bool of_a, const BoxNode& node, float* gap) {
+    if (of_a) {
+      sweptBoxGaps(node, placedBox(b_.box(pair.b), s.X_MB), s.of_node, gap);
+      return;
+    }
+    OrientedBox box = a_.box(pair.a);
+    const Vector center = centerOf(box), way = s.away * center + s.way;
+    BoxSweep sweep;
+    for (int k = 0; k < 3; ++k) sweep.way[k] = static_cast<float>(way[k]);
+    sweep.fixed = roundedUpToFloat(s.turn * static_cast<double>(a_.radius(pair.a)) +
+                                   kWayRounding * way.lpNorm<1>());
+    box = placedBox(box, s.X_BM);
+    const Vector middle = placed(s.half, center);
+    for (int k = 0; k < 3; ++k) box.center[k] = static_cast<float>(middle[k]);
+    sweptBoxGaps(node, box, sweep, gap);
+  }
+
+  // The pair's own two boxes; one of them is a node's.
+  bool isApart(const SweptPair& pair, const Stretch& s) {
+    const bool of_a = a_.isMesh();
+    const std::int32_t part = of_a ? pair.a : pair.b;
+    float gap[BoxNode::kWidth];
+    gaps(pair, s, of_a, (of_a ? a_ : b_).node(part), gap);
+    ++result_.nodes;
+    return static_cast<double>(gap[part % BoxNode::kWidth]) > barOf(s);
+  }
+
   // Both halves of the pair's time, the nearer one on top. False when there is no room for them.
   bool halve(const SweptPair& pair) {
     if (pair.time.level >= kSweepHalvings) return false;
     SweptPair half = pair;
+    ++half.halvings;
     half.time = {pair.time.level + 1, 2 * pair.time.number + 1};
     stack_[size_++] = half;
     --half.time.number;
@@ -187,15 +213,15 @@ class MeshSweep {
   }
 
   // What nothing could tell apart: proven to be in contact halfway, or looked at in halves.
-  void failed(const SweptPair& pair, const Stretch& s, const Part& a, const Part& b,
-              double motion) {
+  void failed(const SweptPair& pair, const Part& a, const Part& b, double motion) {
     const double t = pair.time.begin() + pair.time.length() / 2;
     Pose X_BA;
     if (!motion_.at(t, X_BA)) {
       result_.status = MeshSweepStatus::kUndecided;
       return;
     }
-    if (meets(X_BA, s.slack, a, b)) {
+    const RelativePose halfway = relativePose(X_BA, Pose{});
+    if (halfway.valid && meets(X_BA, slackOf(halfway, side_a_, side_b_), a, b)) {
       result_.status = MeshSweepStatus::kContact;
       result_.t = t;
     } else if (motion <= request_.least_motion || pair.time.length() <= request_.least_time ||
@@ -232,7 +258,7 @@ class MeshSweep {
     const double motion = way.norm() + s.turn * static_cast<double>(a_.radius(pair.a)) + s.growth;
     const bool piece_a = a.kind == Kind::kPiece, piece_b = b.kind == Kind::kPiece;
     if (!piece_a && !piece_b) {
-      failed(pair, s, a, b, motion);
+      failed(pair, a, b, motion);
       return;
     }
     const float size = std::max(piece_a ? a_.radius(pair.a) : 0, piece_b ? b_.radius(pair.b) : 0);

@@ -230,12 +230,15 @@ collision::MeshSweepResult EdgeCertifier::Impl::sweepSurfaces(const EdgeInterval
   request.threshold = pair.threshold;
   request.least_motion = kSmallestMotion;
   request.least_time = smallest;
-  request.node_limit = std::max(1, work_limit - work) * kNodesPerQuery;
+  request.node_limit = std::clamp(work_limit - work, 1, kMostQueriesOfASweep) * kNodesPerQuery;
+  const int mark = frames.used();
   PairPlacements placements(*this, pair);
   const collision::MeshSweepResult result = collision::sweepMesh(
       frames.pieces()[at(pair.a)].geometry->shape, placements,
       frames.pieces()[at(pair.b)].geometry->shape, request, workspace.scratch());
   work += 1 + result.nodes / kNodesPerQuery;
+  // Its short parts took places that nobody asks for again: a few of these would be all there are.
+  if (result.status == collision::MeshSweepStatus::kUndecided) frames.release(mark);
   return result;
 }
 

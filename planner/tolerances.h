@@ -90,6 +90,9 @@ constexpr int kEdgeWork = 256;
 /// the above: about as many as one that stands still looks at [count].
 constexpr int kNodesPerQuery = 128;
 
+/// More of them than one sweep is ever allowed, so that ints hold its nodes [count].
+constexpr int kMostQueriesOfASweep = 1 << 20;
+
 /// Distance queries for the clearance of one edge before its interval is left wider than asked.
 constexpr int kClearanceWork = 100'000;
 

@@ -168,6 +168,41 @@ TEST(MeshSweep, PartsOfAMotion) {
   EXPECT_GT(mixed, casesToAsk(30));
 }
 
+/// What has come apart is not halved on: nodes do not grow with the way over the size.
+TEST(MeshSweep, SmallBodiesOnALongWay) {
+  Scratch scratch;
+  const auto cube = [](double half) {
+    return Shape::mesh(named("cube", boxSoup(Vector3d::Constant(half))).mesh);
+  };
+  const auto asked = [&](const Shape& a, const Shape& b, const Vector3d& from, const Vector3d& to) {
+    Pose X0, X1;
+    X0.translation = from;
+    X1.translation = to;
+    const StraightMotion motion(X0, X1);
+    Seen seen(motion);
+    return sweepMesh(a, seen, b, {}, scratch);
+  };
+  const Shape still = cube(0.2);
+  for (const double half : {0.1, 1e-3, 1e-5}) {
+    const Shape moved = cube(half), box = Shape::box(Vector3d::Constant(half));
+    for (const Shape& a : {moved, box}) {
+      for (const double way : {2.0, 2e3, 2e6}) {
+        const MeshSweepResult past =
+            asked(a, still, {-way, 0.2 + 2 * half, 0.01}, {way, 0.2 + 2 * half, 0.02});
+        EXPECT_EQ(past.status, MeshSweepStatus::kFree) << half << ' ' << way;
+        EXPECT_LT(past.nodes, 1500) << half << ' ' << way;
+        const MeshSweepResult hit = asked(a, still, {-way, 0.03, 0.01}, {way, 0.01, 0.02});
+        // (2^-30 of the longest is more than the smallest.)
+        if (way < 1e6) {
+          EXPECT_EQ(hit.status, MeshSweepStatus::kContact) << half << ' ' << way;
+        }
+        EXPECT_NE(hit.status, MeshSweepStatus::kFree) << half << ' ' << way;
+        EXPECT_LT(hit.nodes, 1500) << half << ' ' << way;
+      }
+    }
+  }
+}
+
 TEST(MeshSweep, LimitsLeaveItUndecided) {
   Random random(63);
   TriangleSoup soup = ballSoup(9, 12, 0.3, 0.05, random);

@@ -240,6 +240,55 @@ TEST(EdgeCertifier, NeverMissesAThinWire) {
   }
 }
 
+/// A square wall of four metres at z = 0 with a window of one metre in its middle.
+Object wallWithWindow() {
+  std::vector<Eigen::Vector3d> corners;
+  std::vector<collision::TriangleMesh::Triangle> triangles;
+  for (const double half : {2.0, 0.5}) {
+    for (const auto& [x, y] : {std::pair{-1, -1}, {1, -1}, {1, 1}, {-1, 1}})
+      corners.emplace_back(half * x, half * y, 0);
+  }
+  for (int i = 0; i < 4; ++i) {
+    const int j = (i + 1) % 4;
+    triangles.push_back({i, j, j + 4});
+    triangles.push_back({i, j + 4, i + 4});
+  }
+  Object wall;
+  wall.name = "wall";
+  wall.geometries.push_back(
+      {collision::Shape::mesh(collision::TriangleMesh::make(corners, triangles)), {}, "wall"});
+  return wall;
+}
+
+// The way is ten thousand times as long as the body is large: what has come apart of it is halved
+// no further. And any limit on work is one.
+TEST(EdgeCertifier, ASmallMeshFliesThroughAWindow) {
+  for (const double half : {0.1, 0.01, 0.001, 1e-4, 1e-5}) {
+    std::vector<Eigen::Vector3d> corners;
+    std::vector<collision::TriangleMesh::Triangle> triangles;
+    testing::appendBox(Eigen::Vector3d::Zero(), Eigen::Vector3d::Constant(half), corners,
+                       triangles);
+    const collision::Shape cube =
+        collision::Shape::mesh(collision::TriangleMesh::make(corners, triangles));
+    Problem problem = test::problemOf(
+        robots::freeBody("cube", {{cube, {}, "cube"}}, robots::JointType::kFloating,
+                         Eigen::Vector3d::Constant(-2), Eigen::Vector3d::Constant(2)),
+        {0, 0, 0, 0, 0, 0, 1}, {0, 0, 0, 0, 0, 0, 1});
+    problem.objects.push_back(wallWithWindow());
+    EdgeCertifier certifier(std::make_shared<const CompiledScene>(problem));
+    const std::vector<double> before{-0.9, -0.2, -1, 0, 0, 0, 1}, behind{1.1, 0.25, 1, 0, 0, 0, 1},
+        beside{1.1, 1.25, 1, 0, 0, 0, 1};
+    for (const int limit : {0, 16'777'216, std::numeric_limits<int>::max()}) {
+      EdgeRequest request;
+      request.work_limit = limit;
+      EXPECT_EQ(certifier.certify(before, behind, request).verdict, Verdict::kFree)
+          << half << ", limit " << limit;
+      EXPECT_EQ(certifier.certify(before, beside, request).verdict, Verdict::kNotFree)
+          << half << ", limit " << limit;
+    }
+  }
+}
+
 /// A closed mesh of cubes of two metres around these centres.
 Object solidCubes(const std::vector<Eigen::Vector3d>& centers) {
   std::vector<Eigen::Vector3d> vertices;

@@ -271,6 +271,11 @@ inline constexpr double kRadiusRounding = 1 + 0x1p-18;
 /// part of a motion is looked at in halves of it. Measured; costs time, never truth.
 inline constexpr double kSweepTimeShare = 0.5;
 
+/// After so many halvings its gap is looked at anew before it is halved again, lest what has long
+/// come apart be halved until it stands still. Measured: looking after one costs more than it
+/// saves.
+inline constexpr int kSweepHalvingsBetweenLooks = 2;
+
 /// A motion is not halved more often than this: times are exact, and numbers of parts are ints.
 inline constexpr int kSweepHalvings = 30;
 
