@@ -480,9 +480,7 @@ TEST(ConvexPieces, AnswerAsTheTrianglesDoToConvexShapes) {
 
 // Small and large, far from the origin and nearly of one plane.
 TEST(ConvexPieces, OfAnySizeAndPlace) {
-  Scratch scratch;
   Random random(86);
-  Tally tally;
   const auto cases = concaveSolids(86);
   for (const double scale :
        kSanitized ? std::vector{1e-6, 1e6} : std::vector{1e-6, 1e-3, 1e3, 1e6}) {

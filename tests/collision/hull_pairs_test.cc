@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -239,7 +240,7 @@ TEST(HullPairs, LeaveTheRestAlone) {
   DistanceRequest none;
   none.iteration_limit = 0;
   EXPECT_FALSE(answers(p.X_WA, p.X_WB, none));
-  for (const double bad : {std::nan(""), 1e308, 1e61, double{INFINITY}}) {
+  for (const double bad : {std::nan(""), 1e308, 1e61, std::numeric_limits<double>::infinity()}) {
     Pose X = p.X_WB;
     X.translation.y() = bad;
     EXPECT_FALSE(answers(p.X_WA, X, {})) << bad;

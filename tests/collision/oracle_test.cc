@@ -70,9 +70,17 @@ class Examiner {
     ask(a, b, truth, {}, &cache, "cold cache");
     ask(a, b, truth, {}, &cache, "warm cache");
     ask(b, a, truth, {}, &cache, "foreign cache");
-    PairCache nonsense{
-        {std::nan(""), 1e300, -HUGE_VAL}, -7, 1 << 30, 1 << 30, -5, 1 << 30, 1 << 30};
-    ask(a, b, truth, {}, &nonsense, "nonsense in the cache");
+    for (const int count : {-7, 3, 1 << 30}) {
+      PairCache nonsense{{std::nan(""), 1e300, -HUGE_VAL},
+                         count,
+                         {1 << 30, 1 << 30, -5},
+                         {1 << 30, -1, 1 << 30},
+                         -5,
+                         1 << 30,
+                         1 << 30,
+                         -9};
+      ask(a, b, truth, {}, &nonsense, "nonsense in the cache");
+    }
     witnesses(a, b, plain);
   }
 
