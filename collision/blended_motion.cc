@@ -139,6 +139,9 @@ double BlendedMotion::accelerationBound(double t0, double t1) const {
 // with the phase, and by three units of the sine. A vertex is off by that times the fields, by the
 // fields' own error times the coordinates, and by one rounding a term and sum. The factor 2 is
 // above sqrt(3), from one coordinate to three.
+//
+// Where 7 f t leaves the range of double so may f t, whose sine is no number, and that times an
+// amplitude of 0 is none, either: nothing is known of the vertices then.
 double BlendedMotion::rounding(double t0, double t1) const {
   if (!(t0 <= t1)) return kInfinity;
   const double latest = std::max(std::abs(t0), std::abs(t1));
@@ -159,7 +162,9 @@ double BlendedMotion::rounding(double t0, double t1) const {
     size += largest * field_sizes_[k];
   }
   const auto terms = static_cast<double>(fields_.size());
-  return roundedUp(2 * (error + 2 * (terms + 2) * kUnitRoundoff * size), 4 * terms + 16);
+  const double total =
+      roundedUp(2 * (error + 2 * (terms + 2) * kUnitRoundoff * size), 4 * terms + 16);
+  return total >= 0 ? total : kInfinity;
 }
 
 namespace {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "collision/motion_input.h"
@@ -14,6 +15,8 @@ namespace {
 
 using Eigen::Vector3d;
 using Eigen::Vector4d;
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 double dot(const Vector4d& a, const Vector4d& b) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3];
@@ -162,8 +165,9 @@ BoneChain::Rates BoneChain::rates(std::size_t segment, std::span<const double> r
       speed += moved * rate + turn * reach;
       reach += std::max(length(from.translation), length(to.translation));
     }
-    worst.speed = std::max(worst.speed, speed);
-    worst.acceleration = std::max(worst.acceleration, acceleration);
+    // Keys so close that a rate leaves the range of double: 0 times it is no number, and no bound.
+    worst.speed = std::max(worst.speed, speed >= 0 ? speed : kInfinity);
+    worst.acceleration = std::max(worst.acceleration, acceleration >= 0 ? acceleration : kInfinity);
   }
   const double operations = 32.0 * depth_ + 32;
   return {roundedUp(worst.speed, operations), roundedUp(worst.acceleration, operations)};

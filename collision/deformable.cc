@@ -365,10 +365,16 @@ double Deformable::Impl::displace(DeformableSnapshotImpl& s, const Known& known)
         side[lane] = std::max(side[lane], moved.high[k][lane] - moved.low[k][lane]);
       }
     }
-    for (int lane = 0; lane < kWidth; ++lane)
-      sum += isBranch(children[lane]) ? 0.5 * static_cast<double>(side[lane]) : 0;
     const auto i = static_cast<std::size_t>(node);
-    displaced(last.boxes[i], moved, s.boxes[i]);
+    WideBox& box = s.boxes[i];
+    displaced(last.boxes[i], moved, box);
+    for (int lane = 0; lane < kWidth; ++lane) {
+      if (!isBranch(children[lane])) continue;
+      sum += 0.5 * static_cast<double>(side[lane]);
+      // The boxes above, made from these as from those that are read, would not show a NaN.
+      for (int k = 0; k < 3; ++k)
+        if (!(box.low[k][lane] <= box.high[k][lane])) return kInfinity;
+    }
   }
   return sum / static_cast<double>(tree->branches().size());
 }
@@ -454,6 +460,16 @@ bool Deformable::Impl::rebuildPays(const DeformableSnapshotImpl& s) {
   return excess > kRebuildMicroseconds * mesh->triangleCount();
 }
 
+namespace {
+
+// Of the whole mesh; rounded outward, hence a little more. Written so that a NaN fails.
+bool withinLimits(const DeformableSnapshotImpl& s) {
+  constexpr double kLimit = 1.01 * kLargestDeformed;
+  return (s.low.array() >= -kLimit).all() && (s.high.array() <= kLimit).all();
+}
+
+}  // namespace
+
 // The hierarchy, or what is to be known of it. False when a vertex is not finite.
 bool Deformable::Impl::follow(DeformStrategy& strategy, const char*& reason,
                               DeformableSnapshotImpl& s, const Known& known) {
@@ -473,11 +489,13 @@ bool Deformable::Impl::follow(DeformStrategy& strategy, const char*& reason,
       break;
     case DeformStrategy::kHybrid:
       good = upperLevels(s, known);
+      // Boxes that were only moved and grown may leave the limits though no vertex does.
+      if (good && !withinLimits(s)) good = upperLevels(s, {known.bounded, false, kInfinity});
       if (good && options.strategy == DeformStrategy::kAuto && rebuildPays(s)) {
         strategy = DeformStrategy::kRebuild;
         reason = "the hierarchy has decayed by more than building it anew costs";
         statistics.nodes_touched = statistics.vertices_touched = 0;
-        good = rebuild(DeformMethod::kBinned, s, true);
+        good = rebuild(DeformMethod::kBinned, s, known.bounded);
       }
       break;
     case DeformStrategy::kLazy:
@@ -504,8 +522,7 @@ bool Deformable::Impl::follow(DeformStrategy& strategy, const char*& reason,
       good = refit(s);
       break;
   }
-  return good && s.low.minCoeff() >= -1.01 * kLargestDeformed &&
-         s.high.maxCoeff() <= 1.01 * kLargestDeformed;
+  return good && withinLimits(s);
 }
 
 void Deformable::Impl::findBadVertex(const DeformableSnapshotImpl& s) {
@@ -524,9 +541,10 @@ double Deformable::Impl::movedSince() const {
   if (!std::isfinite(current_evaluated)) return kInfinity;
   const double t0 = std::min(current_evaluated, evaluated),
                t1 = std::max(current_evaluated, evaluated);
-  return t0 == t1
-             ? 0
-             : roundedUp(motion->speedBound(t0, t1) * (t1 - t0) + 2 * motion->rounding(t0, t1), 5);
+  if (t0 == t1) return 0;
+  const double moved =
+      roundedUp(motion->speedBound(t0, t1) * (t1 - t0) + 2 * motion->rounding(t0, t1), 5);
+  return moved >= 0 ? moved : kInfinity;  // 0 m/s for longer than a double holds says nothing
 }
 
 UpdateStatus Deformable::Impl::take(double time, double speed_bound, bool checked, double moved) {

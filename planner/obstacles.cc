@@ -24,8 +24,9 @@ double secondsSince(Clock::time_point begin) {
   return std::chrono::duration<double>(Clock::now() - begin).count();
 }
 
-/// Rounded up: a bound times a time is none when it is rounded to the nearest.
-double upwards(double x) { return x * (1 + kGrowthRounding); }
+/// Rounded up: a bound times a time is none when it is rounded to the nearest. Infinite when it is
+/// no number, as 0 m/s are for longer than a double holds.
+double upwards(double x) { return x >= 0 ? x * (1 + kGrowthRounding) : kInfinity; }
 
 }  // namespace
 

@@ -307,13 +307,10 @@ TEST(Deformable, ADecayedHierarchyIsBuiltAnewForMany) {
   }
 }
 
-// A sheet that was folded when its hierarchy was built, and is flat now: the frame in which auto
-// builds it anew when it does not know in every `period`-th frame how far vertices moved; -1: not
-// in 2000.
-int frameBuiltAnew(int split, int queries, int period) {
+// A folded sheet.
+Sheet foldedSheet(std::vector<Vector3d>& flat) {
   constexpr int kFolds = 10, kCells = 60;
   Sheet sheet;
-  std::vector<Vector3d> flat;
   for (int i = 0; i <= kCells; ++i) {
     const int folded =
         i % (2 * kFolds) <= kFolds ? i % (2 * kFolds) : 2 * kFolds - i % (2 * kFolds);
@@ -329,16 +326,29 @@ int frameBuiltAnew(int split, int queries, int period) {
       sheet.triangles.push_back({a, b + 1, a + 1});
     }
   }
+  return sheet;
+}
+
+UpdateStatus commitMoved(Deformable& deformable, const std::vector<Vector3d>& vertices,
+                         double moved) {
+  const std::span<Vector3d> next = deformable.nextVertices();
+  std::copy(vertices.begin(), vertices.end(), next.begin());
+  return deformable.commit(0, 1, Deformable::Vertices::kFinite, moved);
+}
+
+// A sheet that was folded when its hierarchy was built, and is flat now: the frame in which auto
+// builds it anew when it does not know in every `period`-th frame how far vertices moved; -1: not
+// in 2000.
+int frameBuiltAnew(int split, int queries, int period) {
+  std::vector<Vector3d> flat;
+  const Sheet sheet = foldedSheet(flat);
   DeformOptions options;
   options.expected_queries = queries;
   options.hybrid_split = split;
   Deformable deformable(DeformableMesh::make(sheet.vertices, sheet.triangles), nullptr, options);
   for (int frame = 0; frame < 2000; ++frame) {
-    const std::span<Vector3d> next = deformable.nextVertices();
-    std::copy(flat.begin(), flat.end(), next.begin());
     const double moved = frame % period == 0 ? kInfinity : 1e-6;
-    EXPECT_EQ(deformable.commit(frame, 1, Deformable::Vertices::kFinite, moved),
-              UpdateStatus::kUpdated);
+    EXPECT_EQ(commitMoved(deformable, flat, moved), UpdateStatus::kUpdated);
     if (deformable.statistics().strategy == DeformStrategy::kRebuild) return frame;
   }
   return -1;
@@ -371,6 +381,36 @@ TEST(Deformable, ADecayedHierarchyWithoutBranchesIsBuiltAnew) {
     EXPECT_GE(frame, 1) << split;
     EXPECT_LT(frame, 100) << split;
     EXPECT_EQ(frameBuiltAnew(split, 0, 1), -1) << split;
+  }
+}
+
+// When auto decides to build the hierarchy anew, most branches have not been read in that frame:
+// what is no number there, against the caller's word, must not reach the builder, either, and the
+// hierarchy stays.
+TEST(Deformable, ARebuildOfWhatWasNotReadLooksAtItFirst) {
+  const int frame = frameBuiltAnew(40, 20, 1 << 30);
+  ASSERT_GT(frame, 1);
+  std::vector<Vector3d> flat;
+  const Sheet sheet = foldedSheet(flat);
+  const auto mesh = DeformableMesh::make(sheet.vertices, sheet.triangles);
+  DeformOptions options;
+  options.expected_queries = 20;
+  options.hybrid_split = 40;
+  for (std::size_t i = 0; i < flat.size(); i += 97) {
+    Deformable deformable(mesh, nullptr, options);
+    for (int f = 0; f < frame; ++f) {
+      ASSERT_EQ(commitMoved(deformable, flat, f == 0 ? kInfinity : 1e-6), UpdateStatus::kUpdated);
+    }
+    const auto before = deformable.snapshot();
+    std::vector<Vector3d> spoilt(flat);
+    spoilt[i].y() = kNaN;
+    ASSERT_EQ(commitMoved(deformable, spoilt, 1e-6), UpdateStatus::kNotFinite);
+    EXPECT_EQ(deformable.badVertex(), static_cast<int>(i));
+    EXPECT_EQ(deformable.snapshot(), before);
+    ASSERT_EQ(commitMoved(deformable, flat, 1e-6), UpdateStatus::kUpdated);
+    if (deformable.statistics().strategy == DeformStrategy::kHybrid) {
+      EXPECT_EQ(deformable.snapshot()->impl().tree, before->impl().tree) << i;
+    }
   }
 }
 
@@ -475,6 +515,76 @@ TEST(Deformable, BranchesFollowEveryMotion) {
     }
     EXPECT_GT(few, 75) << c.name;
   }
+}
+
+// A bound of 0 m/s times a duration that no double holds, or an amplitude of 0 times such an
+// argument, is no number, and says nothing of how far vertices have come.
+TEST(Deformable, BranchesAreReadAfterTimesThatNoDoubleHolds) {
+  const motion_cases::RestMesh cloth = motion_cases::cloth(40);
+  const auto mesh = DeformableMesh::make(cloth.vertices, cloth.triangles);
+  ReducedMotion one_key;
+  one_key.rest = cloth.vertices;
+  one_key.modes.push_back(cloth.vertices);
+  one_key.keys.push_back({0, {0.5}});
+  WavesMotion still;
+  still.rest = cloth.vertices;
+  still.waves.push_back({{1, 0, 0}, {0, 0.1, 0}, 1, 0, 0});
+  ReducedMotion off;
+  off.rest = cloth.vertices;
+  off.modes.assign(2, std::vector<Vector3d>(cloth.vertices.size(), Vector3d(0, 0.1, 0)));
+  off.harmonics = {{0, 1, 0}, {1, 0.3, 0}};
+  struct Case {
+    std::shared_ptr<const VertexMotion> motion;
+    double times[2];
+  };
+  const Case cases[] = {{VertexMotion::reduced(one_key), {-1e308, 1e308}},
+                        {VertexMotion::waves(still), {-1e308, 1e308}},
+                        {VertexMotion::reduced(off), {1e308, 1}}};
+  for (const Case& c : cases) {
+    for (const DeformStrategy strategy : {DeformStrategy::kAuto, DeformStrategy::kHybrid}) {
+      DeformOptions options;
+      options.strategy = strategy;
+      options.hybrid_split = 100;
+      Deformable deformable(mesh, c.motion, options);
+      for (const double time : c.times) {
+        ASSERT_EQ(deformable.update(time), UpdateStatus::kUpdated) << time;
+        ASSERT_EQ(deformable.statistics().strategy, DeformStrategy::kHybrid);
+        expectHeld(*deformable.snapshot());
+        if (HasFatalFailure()) FAIL() << toString(c.motion->kind()) << " at " << time;
+      }
+    }
+  }
+  // An argument that overflows makes vertices NaN, though the amplitude is 0.
+  off.harmonics = {{0, 1e15, 0}, {1, 0, 0}};
+  for (const DeformStrategy strategy : {DeformStrategy::kHybrid, DeformStrategy::kReduced}) {
+    DeformOptions options;
+    options.strategy = strategy;
+    options.hybrid_split = 100;
+    Deformable deformable(mesh, VertexMotion::reduced(off), options);
+    ASSERT_EQ(deformable.update(0), UpdateStatus::kUpdated);
+    EXPECT_EQ(deformable.update(1e300), UpdateStatus::kNotFinite);
+    EXPECT_EQ(deformable.badVertex(), 0);
+  }
+}
+
+// Boxes that were moved and grown may be beyond what is accepted of vertices.
+TEST(Deformable, GrownBoxesBeyondTheLimitAreReadAgain) {
+  motion_cases::RestMesh cloth = motion_cases::cloth(40);
+  for (Vector3d& v : cloth.vertices) v = 2 * 9.9e14 * (v - Vector3d(0.5, 0, 0.5));
+  const auto mesh = DeformableMesh::make(cloth.vertices, cloth.triangles);
+  DeformOptions options;
+  options.strategy = DeformStrategy::kHybrid;
+  options.hybrid_split = 100;
+  Deformable deformable(mesh, nullptr, options);
+  for (int frame = 0; frame < 12; ++frame) {
+    ASSERT_EQ(commitMoved(deformable, cloth.vertices, 2e13), UpdateStatus::kUpdated) << frame;
+    expectHeld(*deformable.snapshot());
+    EXPECT_LT(deformable.snapshot()->high().x(), 1.01e15);
+  }
+  // What is beyond it itself is still refused.
+  std::vector<Vector3d> beyond(cloth.vertices);
+  for (Vector3d& v : beyond) v *= 1.03;
+  EXPECT_EQ(commitMoved(deformable, beyond, kInfinity), UpdateStatus::kNotFinite);
 }
 
 // What stands in memory that is used again is an older state, however far from the current one.

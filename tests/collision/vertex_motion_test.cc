@@ -365,6 +365,42 @@ TEST(VertexMotion, LinearKeysHaveNoAccelerationBoundAcrossThem) {
   EXPECT_LT(smooth->accelerationBound(-1, 5), kInfinity);
 }
 
+// Half a turn between keys so close that rates, or their squares, leave the range of double: a
+// bone's origin that stays put times that is no number.
+TEST(VertexMotion, KeysAsCloseAsCanBeHaveNoBounds) {
+  SkinnedMotion skin;
+  skin.rest = motion_cases::cloth(4).vertices;
+  skin.bones.resize(1);
+  for (int v = 0; v < static_cast<int>(skin.rest.size()); ++v) skin.weights.push_back({v, 0, 1});
+  skin.keys.resize(3);
+  for (SkinnedMotion::Key& key : skin.keys) key.poses.resize(1);
+  skin.keys[1].poses[0].quaternion = skin.keys[2].poses[0].quaternion = {1, 0, 0, 0};
+  skin.keys[2].time = 1;
+  for (const double gap : {5e-324, 1e-310, 1e-308, 1e-300}) {
+    skin.keys[1].time = gap;
+    skin.interpolation = Interpolation::kLinear;
+    const auto linear = VertexMotion::skinned(skin);
+    // From z = 1 to z = -1 in that time.
+    EXPECT_GE(linear->speedBound(-1, 1), 2 / gap) << gap;
+    EXPECT_EQ(linear->accelerationBound(-1, gap), kInfinity) << gap;
+    skin.interpolation = Interpolation::kSmooth;
+    const auto smooth = VertexMotion::skinned(skin);
+    EXPECT_GE(smooth->speedBound(-1, 1), 2 / gap) << gap;
+    EXPECT_EQ(smooth->accelerationBound(-1, gap), kInfinity) << gap;
+  }
+}
+
+// Also where an amplitude of 0 meets an argument beyond the range of double.
+TEST(VertexMotion, RoundingIsANumber) {
+  ReducedMotion reduced;
+  reduced.rest = motion_cases::cloth(4).vertices;
+  reduced.modes.assign(2, reduced.rest);
+  reduced.harmonics = {{0, 1, 0}, {1, 0.3, 0}};
+  const auto motion = VertexMotion::reduced(reduced);
+  EXPECT_EQ(motion->rounding(0, 1e308), kInfinity);
+  EXPECT_LT(motion->rounding(0, 1), 1e-13);
+}
+
 TEST(VertexMotion, OneVertexHasTheBytesItHasAmongAll) {
   for (const motion_cases::MotionCase& c : motion_cases::allMotions(8, 5)) {
     std::vector<double> parameters(static_cast<std::size_t>(c.motion->parameterCount()));

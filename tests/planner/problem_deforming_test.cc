@@ -5,6 +5,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,7 @@
 #include "leeway/planner/problem.h"
 #include "leeway/robots/input_error.h"
 #include "planner/indexed_mesh.h"
+#include "planner/obstacles.h"
 
 namespace leeway::planner {
 namespace {
@@ -113,6 +115,19 @@ TEST_F(ProblemDeforming, EverybodySeesTheStart) {
   EXPECT_EQ(problem.objects.at(0).name, "gate");
   EXPECT_EQ(problem.margins.at(0).margin, 0.03);
   EXPECT_TRUE(problem.warnings.empty());
+}
+
+// Longer than a double holds: 0 m/s times that is no number, and no growth to add to a shape.
+TEST_F(ProblemDeforming, NothingIsKnownAfterTimesThatNoDoubleHolds) {
+  const Problem problem = load("deforming:\n  - name: cloth\n    mesh: {file: square.obj}\n");
+  const CompiledScene scene(problem);
+  Obstacles obstacles(problem, scene);
+  obstacles.set("cloth", problem.deforming.at(0).mesh->rest(), -1e308, 0);
+  EXPECT_EQ(obstacles.during(-1e308, 0).at(0).growth, 0);
+  const auto shapes = obstacles.during(0, 1e308);
+  EXPECT_EQ(shapes.at(0).growth, std::numeric_limits<double>::infinity());
+  EXPECT_EQ(obstacles.atMiddle(shapes, 0, 1e308).at(0).growth,
+            std::numeric_limits<double>::infinity());
 }
 
 TEST_F(ProblemDeforming, Motions) {
