@@ -171,7 +171,7 @@ void LaneSweep::addPair(int id, int piece, int obstacle, int balls, double thres
   const bool points = a.frame >= 0 && a.points.begin < a.points.end;
   const bool deforms = o.shape.type() == ShapeType::kDeformable;
   impl_->pairs.push_back({id, piece, obstacle, balls, a.motion, false, above(threshold + rounding),
-                          below(threshold - rounding),
+                          below(threshold - rounding), above(std::max(threshold, 0.0) + rounding),
                           points && o.has_view ? partAbove(threshold, rounding) : -1.0F,
                           points && !deforms ? partEachAbove(threshold, rounding) : -1.0F});
 }
@@ -185,7 +185,7 @@ void LaneSweep::addPiecePair(int id, int a, int b, int motion, double threshold)
   const bool planes = x.frame >= 0 && y.frame >= 0 && x.points.begin < x.points.end &&
                       y.points.begin < y.points.end;
   impl_->pairs.push_back({id, a, b, b, motion, true, above(threshold + rounding),
-                          below(threshold - rounding),
+                          below(threshold - rounding), above(std::max(threshold, 0.0) + rounding),
                           planes ? partAbove(threshold, rounding) : -1.0F, -1.0F});
 }
 

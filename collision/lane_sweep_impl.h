@@ -57,6 +57,9 @@ struct LaneSweep::Impl {
     bool pieces;  // b is a piece, too
     // The threshold, less and more this pass's own rounding.
     float free_above, contact_below;
+    // For the balls of a cover one by one, 0 at least: how deep each of them is says nothing of how
+    // deep all of them are, as each may have a way out of its own.
+    float cover_above;
     // The same for planes, without the points' radius; below 0: no planes. And for planes that a
     // lane has for itself.
     float part_above, part_each_above;

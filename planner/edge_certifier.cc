@@ -273,7 +273,9 @@ bool EdgeCertifier::Impl::examine(EdgeInterval& interval, std::vector<int>& list
       failed_stamp[at(p)] = stamp;
       if (distance.upper <= pair.threshold) {
         offender = p;
-        t = interval.t0;
+        // At one end or the other.
+        const bool at_begin = exactState(interval.slot0, pair) == Pair::kNotFree;
+        t = at_begin ? interval.t0 : interval.t0 + interval.h;
         for (; i < interval.end; ++i)
           list[at(kept++)] = list[at(i)];  // this one and those not looked at
         interval.end = kept;
@@ -332,8 +334,13 @@ EdgeCheck EdgeCertifier::Impl::checkOpen(const EdgeLanes::Parts& parts) {
     if (o.apart || luck[at(o.id)] < 0) continue;
     if (looks >= kLooks) break;
     ++looks;
-    const int first = std::countr_zero(o.lanes), last = 31 - std::countl_zero(o.lanes);
-    const double from = parts.from[first], width = parts.from[last] + parts.width - from;
+    double from = 1, to = 0;  // parts do not always stand in the order of time
+    for (int lane = 0; lane < collision::kLanes; ++lane) {
+      if ((o.lanes >> lane & 1U) == 0) continue;
+      from = std::min(from, parts.from[lane]);
+      to = std::max(to, parts.from[lane] + parts.width);
+    }
+    const double width = to - from;
     const collision::LaneSweep::Contact met = lanes.meet(o.id, from, width);
     if (met.id >= 0)
       return told(Verdict::kNotFree, o.id, from + (met.lane + 0.5) * width / collision::kLanes);

@@ -11,7 +11,7 @@
 
 namespace leeway::planner {
 
-/// Intervals of one edge against all pairs, by balls. Allocates in the constructor only.
+/// Intervals of one edge against all pairs, by balls and planes. Allocates in the constructor only.
 class EdgeLanes {
  public:
   explicit EdgeLanes(const EdgeFrames& frames);

@@ -37,6 +37,7 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "collision/simd/lane_sweep.cc"
 #include "collision/simd/targets.h"
+#include "leeway/collision/tolerances.h"
 //
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
@@ -420,6 +421,7 @@ class Approach {
     const V3 arm = armOf(d, frame_, broadcast(d, a_.outer.center), at);
     from_ = {hn::Add(origin_.x, arm.x), hn::Add(origin_.y, arm.y), hn::Add(origin_.z, arm.z)};
     parting_ = from_;
+    done_ = hn::Lt(origin_.x, origin_.x);  // none
     for (std::size_t k = 0; k < 3; ++k) columns_[k] = load(d, frame_.rotation + 3 * k, at);
     turn_ = slide_ = from_;
     if (!kStill) turn_ = load(d, frame_.turn, at), slide_ = load(d, frame_.slide, at);
@@ -448,10 +450,12 @@ class Approach {
   HWY_INLINE std::uint32_t next(const Sweep::LanePiece::Points& points) {
     const D d;
     const hn::RebindToSigned<D> di;
-    const V one = hn::Set(d, 1.0f), least = hn::Set(d, 1e-30f);
     V depth;
     V3 n = outside(depth);
-    const V length = hn::Sqrt(dot(n, n)), scale = hn::Div(one, hn::Max(length, least));
+    // Squares of less would be lost, and a normal longer than 1 would prove what is not so.
+    const V squared = dot(n, n), length = hn::Sqrt(squared);
+    const V scale = hn::IfThenElseZero(hn::Gt(squared, hn::Set(d, kLeastWaySquared)),
+                                       hn::Div(hn::Set(d, 1.0f), length));
     n = {hn::Mul(n.x, scale), hn::Mul(n.y, scale), hn::Mul(n.z, scale)};  // 0 inside
     const V support = supportOf(d, o_, n);
     if (!o_.aligned) {
@@ -473,8 +477,11 @@ class Approach {
     // NaN, and what is inside, stays open.
     const V bar = hn::Set(d, (above_ + points.radius) * (1 + 0x1p-11f));
     const M parted = hn::Gt(hn::Add(dot(n, origin_), low), hn::Add(support, bar));
-    parting_ = {hn::IfThenElse(parted, n.x, parting_.x), hn::IfThenElse(parted, n.y, parting_.y),
-                hn::IfThenElse(parted, n.z, parting_.z)};
+    // The first of a lane is kept: how many follow is a matter of its neighbours in the register.
+    const M first = hn::AndNot(done_, parted);
+    done_ = hn::Or(done_, parted);
+    parting_ = {hn::IfThenElse(first, n.x, parting_.x), hn::IfThenElse(first, n.y, parting_.y),
+                hn::IfThenElse(first, n.z, parting_.z)};
     goTowards(lowest, n, length);
     return bitsOf(d, hn::Not(parted));
   }
@@ -513,6 +520,7 @@ class Approach {
   std::size_t at_ = 0;
   V3 columns_[3], turn_, slide_, origin_;  // origin_ and from_: from the obstacle's centre
   V3 from_, parting_;
+  M done_;
 };
 
 /// One run; the steps stand in the order in which they are taken.
@@ -663,10 +671,11 @@ class Run {
   }
 
   /// What a pair's separation must exceed besides radii.
-  float fixedPart(const Sweep::Pair& pair) const {
+  float fixedPart(const Sweep::Pair& pair) const { return fixedPart(pair, pair.free_above); }
+  float fixedPart(const Sweep::Pair& pair, float above) const {
     const float growth = growthOf(pair.motion);
-    if (pair.pieces) return pair.free_above + growth + 2 * kernel_.slack;
-    return pair.free_above + growth + kernel_.slack + s_.obstacles[size(pair.b)].radius;
+    if (pair.pieces) return above + growth + 2 * kernel_.slack;
+    return above + growth + kernel_.slack + s_.obstacles[size(pair.b)].radius;
   }
 
   HWY_INLINE void placeCover(std::size_t p) {
@@ -721,7 +730,7 @@ class Run {
     const Sweep::LanePiece& a = s_.pieces[size(pair.a)];
     if (!pair.pieces) {
       const Sweep::Obstacle& o = s_.obstacles[size(pair.b)];
-      const float fixed = fixedPart(pair);
+      const float fixed = fixedPart(pair, pair.cover_above);
       std::uint32_t open = 0;
       for (int i = a.cover; i < a.inner && open != lanes; ++i)
         open |= openToObstacle<kStill>(o, scratch_.balls[size(i)], fixed + s_.balls[size(i)].radius,
@@ -730,7 +739,7 @@ class Run {
       lanes = open;
     }
     return uncoveredPieces(a, size(pair.balls),
-                           pair.free_above + growthOf(pair.motion) + 2 * kernel_.slack, lanes);
+                           pair.cover_above + growthOf(pair.motion) + 2 * kernel_.slack, lanes);
   }
 
   HWY_INLINE std::uint32_t uncoveredPieces(const Sweep::LanePiece& a, std::size_t number,

@@ -108,8 +108,9 @@ TEST(MeshSweep, HoldsAgainstPlacementsOnTheWay) {
   const auto meshes = sampleMeshes(61);
   const auto shapes = sampleConvexShapes(random);
   Counts counts;
+  int pairs = 0;
   const auto one = [&](const Shape& a, const Shape& b, const std::string& what) {
-    if (!sweepsMesh(a, b)) return;
+    if (!sweepsMesh(a, b) || (kSanitized && ++pairs % 10 != 0)) return;
     for (int i = 0; i < 3; ++i) {
       const Pose X0 = random.pose(2),
                  X1{i == 0 ? X0.rotation : random.pose(1).rotation,
@@ -131,8 +132,8 @@ TEST(MeshSweep, HoldsAgainstPlacementsOnTheWay) {
   }
   EXPECT_EQ(counts.unsafe, 0);
   EXPECT_EQ(counts.wrong, 0);
-  EXPECT_GT(counts.free, 100);
-  EXPECT_GT(counts.contact, 100);
+  EXPECT_GT(counts.free, kSanitized ? 8 : 100);
+  EXPECT_GT(counts.contact, kSanitized ? 8 : 100);
   EXPECT_LT(counts.undecided, (counts.free + counts.contact) / 20);
 }
 

@@ -341,6 +341,98 @@ TEST(EdgeCertifier, AllowedDepthIsNotExceededInsideASolid) {
   EXPECT_LT(certifier.certify(shallow, middle, request).last_valid, 0.1);
 }
 
+// Each ball of a cover may have a way out of its own: how deep they are one by one says nothing of
+// the body.
+TEST(EdgeCertifier, AllowedDepthIsThatOfTheWholeBody) {
+  const auto of = [](const collision::Shape& body, const Object& obstacle, double margin) {
+    Problem problem =
+        test::problemOf(robots::freeBody("body", {{body, {}, "body"}}, robots::JointType::kPlanar,
+                                         {-2, -2, 0}, {2, 2, 0}),
+                        {0, 0, 0}, {0.1, 0, 0});
+    problem.objects.push_back(obstacle);
+    problem.margin = margin;
+    return std::make_shared<const CompiledScene>(problem);
+  };
+  Object ball;
+  ball.name = "ball";
+  ball.geometries.push_back({collision::Shape::sphere(0.05), {}, "ball"});
+  const collision::Shape box = collision::Shape::box({0.5, 0.5, 0.5});
+  // 0.367 deep at its beginning.
+  EXPECT_NE(
+      EdgeCertifier(of(box, ball, -0.3))
+          .certify(
+              std::vector<double>{0.11949160664579406, 0.14269096173777007, 0.7007467647857355},
+              std::vector<double>{0.19798601666998913, 0.21718365313340471, 0.76789479203553201})
+          .verdict,
+      Verdict::kFree);
+  Random random(7);
+  int free = 0, deep = 0;
+  for (const double margin : {-0.1, -0.2, -0.3}) {
+    for (const auto& scene :
+         {of(box, ball, margin), of(collision::Shape::sphere(0.05), solidBox(), margin)}) {
+      EdgeCertifier certifier(scene);
+      const double reach = random.integer(2) == 0 ? 1.1 : 0.6;
+      for (int i = 0; i < 1500; ++i) {
+        std::vector<double> a, b;
+        for (int k = 0; k < 3; ++k) {
+          a.push_back(random.uniform(-reach, reach));
+          b.push_back(a.back() + random.uniform(-0.1, 0.1));
+        }
+        if (certifier.certify(a, b).verdict != Verdict::kFree) continue;
+        ++free;
+        for (const double t : {0.0, 0.5, 1.0}) {
+          std::vector<double> point(3);
+          scene->space().interpolate(a, b, t, point);
+          const Interval clearance = certifier.clearance(point, 1e-6).clearance;
+          ASSERT_GE(clearance.upper, margin) << a[0] << ' ' << a[1] << ' ' << a[2] << " at " << t;
+          deep += clearance.upper < 0 ? 1 : 0;
+        }
+      }
+    }
+  }
+  EXPECT_GT(free, 1000);
+  EXPECT_GT(deep, 100);
+}
+
+// The middle of a ball around a body, which is outside it, on the middle of an obstacle but for
+// 1e-23: the square of such a way is 0 in single precision.
+TEST(EdgeCertifier, AWayThatIsNoDirectionPartsNothing) {
+  const std::vector<Eigen::Vector3d> corners = {
+      {-0.5, -0.5, -0.5}, {0.5, -0.5, -0.5}, {-0.5, 0.5, -0.5}, {-0.5, -0.5, 0.5}};
+  const auto of = [&](double radius, double margin) {
+    Problem problem = test::problemOf(
+        robots::freeBody("hull", {{collision::Shape::convexHull(corners), {}, "hull"}},
+                         robots::JointType::kFloating, Eigen::Vector3d::Constant(-2),
+                         Eigen::Vector3d::Constant(2)),
+        {0, 0, 0, 0, 0, 0, 1}, {0, 0, 0, 0, 0, 0, 1});
+    Object ball;
+    ball.name = "ball";
+    ball.geometries.push_back({collision::Shape::sphere(radius), {}, "ball"});
+    problem.objects.push_back(ball);
+    problem.margin = margin;
+    return std::make_shared<const CompiledScene>(problem);
+  };
+  for (const double off : {0.0, 1e-14, 1e-16, 1e-18, 1e-20, 1e-22, 1e-23, 1e-24, 1e-26, 1e-40}) {
+    const std::vector<double> place{-off, -off, -off, 0, 0, 0, 1};
+    for (const double radius : {0.289, 0.2895, 0.292, 0.3, 0.35}) {
+      EdgeCertifier certifier(of(radius, 0));
+      const Verdict verdict = certifier.certify(place, place).verdict;
+      // The way to the facet is 0.5 / 3^(1/2).
+      EXPECT_EQ(verdict == Verdict::kFree, radius < 0.5 / std::sqrt(3) - off)
+          << off << ' ' << radius;
+    }
+    // Nor is it remembered as a plane that parts.
+    EdgeCertifier certifier(of(0.26, 0.05));
+    certifier.certify(place, place);
+    EXPECT_NE(certifier
+                  .certify(std::vector<double>{0.01, -0.004, -0.004, 0, 0, 0, 1},
+                           std::vector<double>{-0.004, 0.01, -0.004, 0, 0, 0, 1})
+                  .verdict,
+              Verdict::kFree)
+        << off;
+  }
+}
+
 // A plate that turns in a slot touches both walls at once, and then no short way parts them.
 TEST(EdgeCertifier, ATurnLocksAPlateInASlot) {
   Problem problem = test::problemOf(

@@ -22,7 +22,8 @@ struct StateCheck {
 struct EdgeRequest {
   bool last_valid = false;       ///< find the largest t up to which the edge is certified
   double smallest_interval = 0;  ///< in t; 0: the default of tolerances (by motion, not by t)
-  int work_limit = 0;            ///< pair queries; 0: the default, 256. Beyond: undecided
+  /// Pair queries; 0: the default, 256. Beyond: undecided. As many again for `last_valid`.
+  int work_limit = 0;
 };
 
 struct EdgeCheck {
