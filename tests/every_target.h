@@ -2,9 +2,11 @@
 
 #include "collision/simd/targets.h"
 //
+#include <gtest/gtest.h>
 #include <hwy/highway.h>
 
 #include <cstdint>
+#include <cstring>
 
 namespace leeway {
 
@@ -23,6 +25,19 @@ int onEveryTarget(const Run& run) {
   }
   hwy::GetChosenTarget().DeInit();
   return count;
+}
+
+/// Expects what run() returns, a vector of numbers, to be the same bytes with each of them.
+template <class Run>
+void expectTheSameBytesOnEveryTarget(const Run& run) {
+  const auto best = run();
+  EXPECT_GE(onEveryTarget([&](const char* target) {
+              const auto other = run();
+              ASSERT_EQ(best.size(), other.size()) << target;
+              EXPECT_EQ(std::memcmp(best.data(), other.data(), best.size() * sizeof(best[0])), 0)
+                  << target;
+            }),
+            1);
 }
 
 }  // namespace leeway

@@ -3,13 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cstring>
 #include <set>
 
 #include "collision/mesh_tree.h"
 #include "collision/simd/box_gaps.h"
 #include "collision/triangle_pair.h"
 #include "leeway/collision/distance.h"
+#include "tests/collision/box_cases.h"
 #include "tests/collision/mesh_cases.h"
 #include "tests/every_target.h"
 #include "tests/sanitized.h"
@@ -36,28 +36,6 @@ Shape hullOf(const OrientedBox& box) {
     corners.push_back(center + inverse * half.cwiseProduct(sign));
   }
   return Shape::convexHull(corners);
-}
-
-OrientedBox randomBox(Random& random, double reach, double size) {
-  const Pose pose = random.pose(reach);
-  OrientedBox box{};
-  for (int k = 0; k < 3; ++k) {
-    box.center[k] = static_cast<float>(pose.translation[k]);
-    // Flat, thin and pointed ones, too.
-    box.half[k] = random.below(4) == 0
-                      ? 0.0F
-                      : static_cast<float>(size * std::pow(10, random.uniform(-3, 0)));
-    for (int i = 0; i < 3; ++i) box.axis[k][i] = static_cast<float>(pose.rotation(i, k));
-  }
-  return box;
-}
-
-void setLane(BoxNode& node, int lane, const OrientedBox& box) {
-  for (int k = 0; k < 3; ++k) {
-    node.center[k][lane] = box.center[k];
-    node.half[k][lane] = box.half[k];
-    for (int i = 0; i < 3; ++i) node.axis[k][i][lane] = box.axis[k][i];
-  }
 }
 
 TEST(BoxGaps, AreBelowTheDistanceAndNearItWhenFar) {
@@ -110,14 +88,7 @@ TEST(BoxGaps, AreTheSameOnEveryInstructionSet) {
     }
     return all;
   };
-  const std::vector<float> best = run();
-  EXPECT_GE(onEveryTarget([&](const char* target) {
-              const std::vector<float> other = run();
-              ASSERT_EQ(best.size(), other.size());
-              EXPECT_EQ(std::memcmp(best.data(), other.data(), best.size() * sizeof(float)), 0)
-                  << target;
-            }),
-            1);
+  expectTheSameBytesOnEveryTarget(run);
 }
 
 TEST(BoxTree, EveryBoxHoldsItsTriangles) {

@@ -6,7 +6,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cstring>
 #include <functional>
 #include <numeric>
 
@@ -604,14 +603,7 @@ std::vector<double> answersWithPieces() {
 }
 
 TEST(ConvexPieces, TheSameBytesOnEveryInstructionSet) {
-  const std::vector<double> best = answersWithPieces();
-  EXPECT_GE(onEveryTarget([&](const char* target) {
-              const std::vector<double> other = answersWithPieces();
-              ASSERT_EQ(best.size(), other.size());
-              EXPECT_EQ(std::memcmp(best.data(), other.data(), best.size() * sizeof(double)), 0)
-                  << target;
-            }),
-            1);
+  expectTheSameBytesOnEveryTarget(answersWithPieces);
 }
 
 // The same pieces every time.

@@ -250,6 +250,16 @@ TEST(HullPairs, LeaveTheRestAlone) {
   }
 }
 
+/// Of two bodies turned anyhow, about `gap` apart.
+DistanceResult asked(const Shape& a, const Shape& b, double gap, Random& random, Scratch& scratch) {
+  Pair pair{a, b, {random.rotation(), random.direction()}, {}};
+  pair.X_WB = {random.rotation(), pair.X_WA.translation + 2.2 * random.direction()};
+  for (int k = 0; k < 3; ++k) moveApart(pair, gap, scratch);
+  const DistanceResult r = distance(pair.a, pair.X_WA, pair.b, pair.X_WB, {}, scratch);
+  EXPECT_EQ(r.status, DistanceStatus::kConverged);
+  return r;
+}
+
 // Large hulls are first asked along the normal of two ellipsoids that are about as they are: from
 // the direction of their middles these take 9.6 steps each, from there 5.6.
 TEST(HullPairs, LargeOnesBeginNearTheirNormal) {
@@ -265,12 +275,9 @@ TEST(HullPairs, LargeOnesBeginNearTheirNormal) {
   const int cases = 40;
   int steps = 0;
   for (int i = 0; i < cases; ++i) {
-    Pair pair{slab(), slab(), {random.rotation(), random.direction()}, {}};
-    pair.X_WB = {random.rotation(), pair.X_WA.translation + 2.2 * random.direction()};
-    for (int k = 0; k < 3; ++k) moveApart(pair, 0.02, scratch);
-    const DistanceResult r = distance(pair.a, pair.X_WA, pair.b, pair.X_WB, {}, scratch);
+    const Shape a = slab(), b = slab();
+    const DistanceResult r = asked(a, b, 0.02, random, scratch);
     EXPECT_NEAR(r.distance.upper, 0.02, 1e-6);
-    EXPECT_EQ(r.status, DistanceStatus::kConverged);
     steps += r.iterations;
   }
   EXPECT_LT(steps, 7 * cases);
@@ -290,13 +297,9 @@ TEST(HullPairs, NeedlesBeginBetweenTheirAxes) {
   const int cases = 200;
   int steps = 0;
   for (int i = 0; i < cases; ++i) {
-    Pair pair{needle(), needle(), {random.rotation(), random.direction()}, {}};
-    pair.X_WB = {random.rotation(), pair.X_WA.translation + 2.2 * random.direction()};
+    const Shape a = needle(), b = needle();
     const double gap = random.logUniform(1e-4, 1);
-    for (int k = 0; k < 3; ++k) moveApart(pair, gap, scratch);
-    const DistanceResult r = distance(pair.a, pair.X_WA, pair.b, pair.X_WB, {}, scratch);
-    EXPECT_EQ(r.status, DistanceStatus::kConverged);
-    steps += r.iterations;
+    steps += asked(a, b, gap, random, scratch).iterations;
   }
   EXPECT_LT(2 * steps, 7 * cases);
 }

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <sstream>
 #include <string>
@@ -14,6 +13,7 @@
 #include "leeway/collision/time_of_contact.h"
 #include "leeway/collision/triangle_mesh.h"
 #include "tests/collision/allocations.h"
+#include "tests/collision/box_cases.h"
 #include "tests/collision/mesh_cases.h"
 #include "tests/every_target.h"
 #include "tests/sanitized.h"
@@ -272,18 +272,6 @@ TEST(MeshSweep, AllocatesNothing) {
   EXPECT_GT(asked, 100);
 }
 
-OrientedBox randomBox(Random& random) {
-  const Pose pose = random.pose(2);
-  OrientedBox box{};
-  for (int k = 0; k < 3; ++k) {
-    box.center[k] = static_cast<float>(pose.translation[k]);
-    box.half[k] =
-        random.below(4) == 0 ? 0.0F : static_cast<float>(std::pow(10, random.uniform(-3, 0)));
-    for (int i = 0; i < 3; ++i) box.axis[k][i] = static_cast<float>(pose.rotation(i, k));
-  }
-  return box;
-}
-
 Shape hullOf(const OrientedBox& box, const Eigen::Matrix3d& map, const Vector3d& shift) {
   std::vector<Vector3d> corners;
   for (int i = 0; i < 8; ++i) {
@@ -309,14 +297,10 @@ struct GapCase {
 
 GapCase randomGapCase(Random& random) {
   GapCase c;
-  c.query = randomBox(random);
+  c.query = randomBox(random, 2, 1);
   for (int lane = 0; lane < BoxNode::kWidth; ++lane) {
-    const OrientedBox box = randomBox(random);
-    for (int k = 0; k < 3; ++k) {
-      c.node.center[k][lane] = box.center[k];
-      c.node.half[k][lane] = box.half[k];
-      for (int i = 0; i < 3; ++i) c.node.axis[k][i][lane] = box.axis[k][i];
-    }
+    const OrientedBox box = randomBox(random, 2, 1);
+    setLane(c.node, lane, box);
     c.node.radius[lane] = std::sqrt(box.half[0] * box.half[0] + box.half[1] * box.half[1] +
                                     box.half[2] * box.half[2]);
   }
@@ -384,14 +368,7 @@ TEST(SweptBoxGaps, AreTheSameOnEveryInstructionSet) {
     }
     return all;
   };
-  const std::vector<float> best = run();
-  EXPECT_GE(onEveryTarget([&](const char* target) {
-              const std::vector<float> other = run();
-              ASSERT_EQ(best.size(), other.size());
-              EXPECT_EQ(std::memcmp(best.data(), other.data(), best.size() * sizeof(float)), 0)
-                  << target;
-            }),
-            1);
+  expectTheSameBytesOnEveryTarget(run);
 }
 
 }  // namespace
