@@ -14,6 +14,7 @@
 #include "collision/sharp.h"
 #include "collision/simd/hull_pairs.h"
 #include "collision/simd/vertex_gjk.h"
+#include "collision/simd/vertex_polytope.h"
 #include "collision/status.h"
 #include "collision/support.h"
 #include "collision/tilted_axes.h"
@@ -489,7 +490,10 @@ DistanceResult convexDistance(const ConvexView& a, const Pose& X_BA, const Conve
         !progress.enough()) {
       offerTiltedAxes(a, X_BA, b, difference, progress);
     }
-    if (!progress.enough() && progress.upper() - progress.lower() > narrow) {
+    const bool found = end == GjkEnd::kInside && simplex.count == 4 &&
+                       difference.countsVertices() && !progress.enough() &&
+                       growVertexPolytope(difference, simplex, progress);
+    if (!found && !progress.enough() && progress.upper() - progress.lower() > narrow) {
       growPolytope(difference, simplex, X_BA, scratch.impl().polytope, progress, sharp);
     }
     if (straight && !exact && !progress.enough()) {
