@@ -500,8 +500,13 @@ DistanceResult convexDistance(const ConvexView& a, const Pose& X_BA, const Conve
       offerTiltedAxes(a, X_BA, b, difference, progress);
     }
   }
-  if (sharp != nullptr && !progress.enough() && end != GjkEnd::kInside) {
-    sharpenApart(*sharp, simplex, X_BA, progress);
+  if (sharp != nullptr && !progress.enough()) {
+    if (end == GjkEnd::kInside) {
+      offerSharpPlane(
+          *sharp, DoubleDoubleVector(rotated(sharp->X_WB().rotation, progress.normal())), progress);
+    } else {
+      sharpenApart(*sharp, simplex, X_BA, progress);
+    }
   }
   remember(progress, simplex, difference.countsVertices(), difference.hintA(), difference.hintB(),
            cache);

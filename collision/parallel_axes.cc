@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "collision/sharp.h"
 #include "leeway/collision/tolerances.h"
 
 namespace leeway::collision {
@@ -74,17 +75,6 @@ Side farthestSide(const Section& s, const Point& n, const Point& tangent, double
 
 }  // namespace
 
-double departureFromRotation(const Eigen::Matrix3d& R) {
-  double squares = 0;
-  for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) {
-      const double e = R.col(i).dot(R.col(j)) - (i == j ? 1 : 0);
-      squares += e * e;
-    }
-  }
-  return std::sqrt(squares) + 12 * kUnitRoundoff;
-}
-
 bool haveAxes(const ConvexView& a, const ConvexView& b) {
   const auto has = [](const ConvexView& view) {
     return view.core == Core::kSegment || view.core == Core::kCylinder || view.core == Core::kCone;
@@ -123,7 +113,7 @@ bool offerParallelAxes(const ConvexView& a, const Pose& X_BA, const ConvexView& 
   SupportPoint lowest;
   difference.support(-outward, lowest);
   const double plane = -outward.dot(lowest.w);
-  const double moved = (1.01 * sine + departureFromRotation(X_BA.rotation)) * a.extent;
+  const double moved = (1.01 * sine + departureOf(X_BA.rotation)) * a.extent;
   if (!(depth > moved)) return false;
   // The point of the difference's surface next to the origin, as a sum of one point of each.
   const Point tangent{-out.along, out.across};

@@ -8,9 +8,6 @@ namespace leeway::collision {
 /// cone.
 bool haveAxes(const ConvexView& a, const ConvexView& b);
 
-/// Frobenius norm of R^T R - 1, with room for its own rounding.
-double departureFromRotation(const Eigen::Matrix3d& R);
-
 /// Both ends of the signed separation of two overlapping bodies of revolution whose axes are
 /// parallel, or nearly: their difference then is a body of revolution itself, so that the depth is
 /// that of a point in a convex polygon, the least over the sides' directions. The expanding

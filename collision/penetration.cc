@@ -752,7 +752,7 @@ void Polytope::grow() {
 // than the claim by more than that. Exact vertices are near those that the surface was built from,
 // and it stays far from the origin while they are exchanged, so that it still winds around it.
 void Polytope::sharpen(const SharpDifference& sharp, const Pose& X_BA) {
-  if (!(claim_ > 1000 * roundoff_) || left_facing_ || !winds_) return;
+  if (!(claim_ > 64 * roundoff_) || left_facing_ || !winds_) return;
   const auto member = [&](std::int32_t vertex) {
     return sharp.member(buffers_.vertices[static_cast<std::size_t>(vertex)], X_BA);
   };

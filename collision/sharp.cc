@@ -24,18 +24,6 @@ Wide rotatedBack(const Eigen::Matrix3d& R, const Wide& v) {
   return {dot(column(R, 0), v), dot(column(R, 1), v), dot(column(R, 2), v)};
 }
 
-// ||R^T R - 1||, rounded outwards.
-double departure(const Eigen::Matrix3d& R) {
-  Number squares = 0;
-  for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) {
-      const Number e = dot(column(R, i), column(R, j)) - Number(i == j ? 1 : 0);
-      squares = squares + e * e;
-    }
-  }
-  return std::sqrt(squares.high) * (1 + 0x1p-50);
-}
-
 // max of p . d over vertices: those that rounding does not tell from the best are compared in twice
 // the precision. A dot product errs by 3 units, dropping the low part of d by one more.
 Number mostOfPoints(const ConvexView& view, const Wide& d) {
@@ -101,6 +89,17 @@ double defectOf(const ConvexView& view, double size) {
 
 }  // namespace
 
+double departureOf(const Eigen::Matrix3d& R) {
+  Number squares = 0;
+  for (int i = 0; i < 3; ++i) {
+    for (int j = i; j < 3; ++j) {
+      const Number e = dot(column(R, i), column(R, j)) - Number(i == j ? 1 : 0);
+      squares = squares + (i == j ? e * e : 2 * (e * e));
+    }
+  }
+  return std::sqrt(squares.high) * (1 + 0x1p-50);
+}
+
 SharpDifference::SharpDifference(const ConvexView& a, const Pose& X_WA, const ConvexView& b,
                                  const Pose& X_WB)
     : a_(a), b_(b), X_WA_(X_WA), X_WB_(X_WB), t_(Wide(X_WA.translation) - Wide(X_WB.translation)) {
@@ -108,7 +107,7 @@ SharpDifference::SharpDifference(const ConvexView& a, const Pose& X_WA, const Co
     X_BA_.rotation.col(j) = rotatedBack(X_WB.rotation, column(X_WA.rotation, j)).rounded();
   }
   X_BA_.translation = rotatedBack(X_WB.rotation, t_).rounded();
-  const double departure_a = departure(X_WA.rotation), departure_b = departure(X_WB.rotation);
+  const double departure_a = departureOf(X_WA.rotation), departure_b = departureOf(X_WB.rotation);
   const double extent_a = a.core == Core::kHalfSpace ? 0 : a.extent;
   const double extent_b = b.core == Core::kHalfSpace ? 0 : b.extent;
   slack_ = 0.5 * (departure_a * extent_a + departure_b * extent_b) * (1 + 0x1p-10);

@@ -10,6 +10,10 @@
 
 namespace leeway::collision {
 
+/// ||R^T R - 1|| (Frobenius), in twice the precision and rounded outwards: a matrix that is not
+/// quite a rotation is half of that, times (1 + itself), from the rotation next to it. O(1).
+double departureOf(const Eigen::Matrix3d& R);
+
 /// The difference {b - a} of two cores in the world's axes, in twice the precision.
 class SharpDifference {
  public:

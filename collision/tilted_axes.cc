@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "collision/parallel_axes.h"
+#include "collision/sharp.h"
 #include "leeway/collision/sine_cosine.h"
 #include "leeway/collision/tolerances.h"
 
@@ -17,6 +18,8 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // Cells of both circles [count]: some hundred microseconds. Most queries look at a tenth of them.
 constexpr int kTiltedCells = 2048;
+// Rounding, derived below [units of roundoff of the sizes involved].
+constexpr double kTiltedRounding = 40;
 // Halvings of an eighth of a circle.
 constexpr int kTiltedHalvings = 40;
 
@@ -232,8 +235,8 @@ void memberAlong(const Vector& n, double depth, const Vector& axis_a, const Rims
 
 // Rounding, in units of u L with L = extent A + extent B + |t|: the constant of a circle errs by 8,
 // the parts that go with the angle by 8 each, a value by 8 more, directions of the circle around A
-// by 4 that are not across its axis; the angle's by 4 of what bends, below L; in all less than 48.
-// The part along the other axis errs by 6 u besides, which the root beside it magnifies. A's
+// by 4 that are not across its axis; the angle's by 4 of what bends, below L; kTiltedRounding in
+// all. The part along the other axis errs by 6 u besides, which the root beside it magnifies. A's
 // columns may depart from a rotation: the body meant is within twice that of one whose axis is
 // exactly as used here.
 bool offerTiltedAxes(const ConvexView& a, const Pose& X_BA, const ConvexView& b,
@@ -254,7 +257,7 @@ bool offerTiltedAxes(const ConvexView& a, const Pose& X_BA, const ConvexView& b,
   const DistanceRequest& request = progress.query().request;
   const double allowed =
       request.tolerance - (progress.query().lower_offset - progress.query().upper_offset);
-  const double gap = std::max(0.25 * allowed, 8 * unit);
+  const double gap = std::max(0.25 * allowed, 2 * unit);
   const double across = std::sqrt(t.x() * t.x() + t.y() * t.y());
   const auto leastOfCaps = [&](double sine, double cosine) {
     return std::min(
@@ -292,9 +295,9 @@ bool offerTiltedAxes(const ConvexView& a, const Pose& X_BA, const ConvexView& b,
   const double plane = -outward.dot(lowest.w);
   progress.offerLower(plane, -outward);
 
-  const double depth = least.proven - 48 * unit -
+  const double depth = least.proven - kTiltedRounding * unit -
                        6 * kUnitRoundoff * std::max(around_a.steepest, around_b.steepest) -
-                       2 * departureFromRotation(X_BA.rotation) * a.extent;
+                       2 * departureOf(X_BA.rotation) * a.extent;
   if (!(depth > 0)) return false;
   // How far from across the axes the sides alone decide.
   const double widest = std::max(of_a.radius[0], of_a.radius[1]);
@@ -307,11 +310,13 @@ bool offerTiltedAxes(const ConvexView& a, const Pose& X_BA, const ConvexView& b,
   if (!(reach > 0)) return false;
   cosine = reach / std::sqrt(1 + reach * reach);
   sine = cosine / reach;
-  if (!(leastOfCaps(sine, cosine) - 48 * unit >= depth)) return false;
+  if (!(leastOfCaps(sine, cosine) - kTiltedRounding * unit >= depth)) return false;
   Vector w, point_a;
   memberAlong(outward, depth, axis_a, of_a, t, of_b, w, point_a);
-  if (!progress.offerTogether(-depth, w, point_a, plane, -outward)) {
-    progress.offerWitness(-depth, w, point_a);
+  // The offset of an upper end has kSupportRounding units of the rounding once more.
+  const double upper = -(depth + kSupportRounding * unit);
+  if (!progress.offerTogether(upper, w, point_a, plane, -outward)) {
+    progress.offerWitness(upper, w, point_a);
   }
   return true;
 }
