@@ -502,8 +502,7 @@ DistanceResult convexDistance(const ConvexView& a, const Pose& X_BA, const Conve
   }
   if (sharp != nullptr && !progress.enough()) {
     if (end == GjkEnd::kInside) {
-      offerSharpPlane(
-          *sharp, DoubleDoubleVector(rotated(sharp->X_WB().rotation, progress.normal())), progress);
+      offerSharpPlane(*sharp, sharp->inWorld(progress.normal()), progress);
     } else {
       sharpenApart(*sharp, simplex, X_BA, progress);
     }

@@ -1,8 +1,11 @@
 #pragma once
 
+#include "collision/double_double.h"
 #include "collision/support.h"
 
 namespace leeway::collision {
+
+class SharpDifference;
 
 /// What the curved parts of two cores add to a facet of a polytope in their difference. A triangle
 /// of three members lies inside of a curved surface by its chords, so that a polytope needs a facet
@@ -21,7 +24,8 @@ namespace leeway::collision {
 /// of that radius around the origin: a ray from the origin meets a facet, and that is farther out
 /// or one of these. Branch and bound over directions; each cell of them is judged by a quadratic
 /// form below the right side, which is not negative if the form's matrix is copositive (K. P.
-/// Hadeler, "On copositive matrices", 1983).
+/// Hadeler, "On copositive matrices", 1983). What rounding hides is looked at in twice the
+/// precision where that is asked for.
 class CurvedFacets {
  public:
   /// roundoff: as CoreQuery.
@@ -35,6 +39,11 @@ class CurvedFacets {
   /// Rounding is counted. O(1): some hundred cells at the most, and
   /// some ten thousand for all facets together.
   bool covers(const SupportPoint& w0, const SupportPoint& w1, const SupportPoint& w2, double depth);
+
+  /// The same for the bodies' world poses as they were given, in twice the precision: where a cell
+  /// cannot be told from rounding it is looked at once more.
+  bool coversSharply(const SupportPoint& w0, const SupportPoint& w1, const SupportPoint& w2,
+                     const DoubleDouble& depth, const SharpDifference& sharp);
 
   /// After covers(): the direction, of any length, with the least bound that was met.
   const Vector& leastDirection() const { return least_direction_; }
@@ -52,27 +61,41 @@ class CurvedFacets {
     bool curved = false;
   };
   /// Where the cone is looked at. Linear in the weights mu.
+  template <class Wide>
   struct Corner {
-    Vector x;          ///< direction
-    Vector center;     ///< B's centre less A's
-    Vector center_a;   ///< A's
-    Vector scaled[2];  ///< M x of A and B, in their frames
-    double share[2];   ///< s of A and B
+    Wide x;           ///< direction
+    Wide center;      ///< B's centre less A's
+    Wide scaled[2];   ///< M x of A and B, in their frames
+    double share[2];  ///< s of A and B
   };
+  template <class Wide>
   struct Cell {
-    Corner corner[3];
+    Corner<Wide> corner[3];
     int depth;  ///< halvings
   };
-  Corner cornerOf(const SupportPoint& s) const;
-  static Corner between(const Corner& a, const Corner& b);
-  bool holdsAt(const Corner& c, double depth);
-  bool proves(const Cell& cell, double depth) const;
+  /// The centre of what a point of a core is on, in the core's frame; false when it is a vertex.
+  bool centerOf(int part, int piece, Vector& center) const;
+  Vector centerOfA(const SupportPoint& s) const;
+  Corner<Vector> cornerOf(const SupportPoint& s) const;
+  Corner<DoubleDoubleVector> sharpCornerOf(const SupportPoint& s,
+                                           const SharpDifference& sharp) const;
+  void shareOf(const SupportPoint& s, double share[2]) const;
+  template <class Number, class Wide>
+  bool holdsAt(const Corner<Wide>& c, const Number& depth);
+  template <class Number, class Wide>
+  bool proves(const Cell<Wide>& cell, const Number& depth) const;
+  template <class Number, class Wide>
+  bool coversCells(const Corner<Wide> (&corners)[3], const Number& depth, int& cells_left);
 
   const Difference<false>& difference_;
   Part part_[2];
   bool curved_ = false;
-  int cells_left_ = 0;
-  double slack_ = 0;  // rounding of one bound [m^2]
+  int cells_left_ = 0, sharp_cells_left_ = 0;
+  double slackOf(double) const { return slack_; }
+  double slackOf(const DoubleDouble&) const { return sharp_slack_; }
+
+  double slack_ = 0;        // rounding of one bound [m^2]
+  double sharp_slack_ = 0;  // the same in twice the precision
   Vector least_direction_ = Vector::UnitX();
   double least_value_ = 0;
 };

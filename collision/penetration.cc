@@ -749,37 +749,62 @@ void Polytope::grow() {
 }
 
 // The facets that are as near as rounding can tell are measured again; all others are farther out
-// than the claim by more than that. Exact vertices are near those that the surface was built from,
-// and it stays far from the origin while they are exchanged, so that it still winds around it.
+// than the claim by more than that. Exact vertices are within kSupportRounding of those that the
+// surface was built from, and it stays off the origin while they are exchanged, so that it still
+// winds around it. Curved parts are asked for what the nearest plane leaves but for half the width.
 void Polytope::sharpen(const SharpDifference& sharp, const Pose& X_BA) {
-  if (!(claim_ > 64 * roundoff_) || left_facing_ || !winds_) return;
-  const auto member = [&](std::int32_t vertex) {
-    return sharp.member(buffers_.vertices[static_cast<std::size_t>(vertex)], X_BA);
+  if (!(claim_ > 2 * kSupportRounding * roundoff_) || left_facing_ || !winds_) return;
+  const auto corner = [&](const PolytopeFacet& f, int i) -> const SupportPoint& {
+    return buffers_.vertices[static_cast<std::size_t>(f.vertex[i])];
   };
-  const double near = claim_ + 128 * roundoff_;
   DoubleDouble depth = claim_ + 64 * roundoff_;
+  const bool curved = curved_.any();
+  const double half_width = 0.5 * progress_.query().request.tolerance;
+  // Where a facet's curved parts are nearer there may be a nearer plane.
+  const auto covers = [&](const PolytopeFacet& f) {
+    for (int i = 0; i < kCoverTries; ++i) {
+      if (curved_.coversSharply(corner(f, 0), corner(f, 1), corner(f, 2), depth, sharp)) {
+        return true;
+      }
+      const DoubleDoubleVector n(curved_.leastDirection());
+      const DoubleDouble nearer = sharp.mostAlong(n) / norm(n) - half_width;
+      if (!(nearer < depth)) return false;
+      offerSharpPlane(sharp, -n, progress_);
+      depth = nearer;
+    }
+    return false;
+  };
+  if (curved) {
+    const DoubleDoubleVector n = sharp.inWorld(-progress_.normal());
+    depth = sharp.mostAlong(n) / norm(n) - half_width;
+  }
+  const double near = std::max(claim_, depth.high) + 128 * roundoff_;
   DoubleDoubleVector outward;
+  bool flat = false;  // the nearest is a facet, not a curved part
   for (int i = 0; i < facet_count_; ++i) {
     const PolytopeFacet& f = facet(i);
     if (!f.alive) continue;
     const double height = leastAlong(f, f.normal);
     if (height > 0 && height * height > near * near * f.length_squared) continue;
-    const DoubleDoubleVector a = member(f.vertex[0]), b = member(f.vertex[1]),
-                             c = member(f.vertex[2]);
+    const DoubleDoubleVector a = sharp.member(corner(f, 0), X_BA),
+                             b = sharp.member(corner(f, 1), X_BA),
+                             c = sharp.member(corner(f, 2), X_BA);
     DoubleDoubleVector n = cross(b - a, c - a);
     const DoubleDouble length = norm(n);
     if (!(length.high > 0)) return;
     n = DoubleDouble(1) / length * n;
-    const DoubleDouble here = dot(n, a);
-    if (here < depth) depth = here, outward = n;
+    const DoubleDouble here = dot(n, a) - sharp.memberDefect();
+    if (!(here < depth)) continue;
+    if (curved && covers(f)) continue;
+    if (!(here < depth)) continue;
+    depth = here, outward = n, flat = true;
   }
   if (!(depth.high > 0)) return;
   Vector a;
   const Vector nearest = memberClaimed(a);
-  offerSharpWitness(sharp, -depth, sharp.memberDefect(), nearest, a, progress_);
-  offerSharpPlane(sharp, -outward, progress_);
-  offerSharpPlane(sharp, DoubleDoubleVector(rotated(sharp.X_WB().rotation, progress_.normal())),
-                  progress_);
+  offerSharpWitness(sharp, -depth, 0, nearest, a, progress_);
+  if (flat) offerSharpPlane(sharp, -outward, progress_);
+  offerSharpPlane(sharp, sharp.inWorld(progress_.normal()), progress_);
 }
 
 }  // namespace

@@ -111,10 +111,14 @@ SharpDifference::SharpDifference(const ConvexView& a, const Pose& X_WA, const Co
   const double extent_a = a.core == Core::kHalfSpace ? 0 : a.extent;
   const double extent_b = b.core == Core::kHalfSpace ? 0 : b.extent;
   slack_ = 0.5 * (departure_a * extent_a + departure_b * extent_b) * (1 + 0x1p-10);
-  // As for relativePose() in convex.cc, but that X_BA's entries err by one unit each.
-  pose_slack_ = (departure_a + departure_b + 4 * kUnitRoundoff) *
-                (extent_a + extent_b + X_BA_.translation.norm());
-  const double size = extent_a + extent_b + X_BA_.translation.norm();
+  // With R_B = Q (1 + F) and |F| <= departure / 2: Q^T R_B moves points of B by |F|, R_B^T for Q^T
+  // those of A by |F| (extent A + |t|), and the rotations that were meant by as much again of
+  // either extent; X_BA's entries and t err by one unit each.
+  const double t = X_BA_.translation.norm();
+  pose_slack_ = (0.5 * departure_a * extent_a + departure_b * (extent_b + 0.5 * (extent_a + t)) +
+                 2 * kUnitRoundoff * (extent_a + t)) *
+                (1 + 0x1p-10);
+  const double size = extent_a + extent_b + t;
   member_defect_ = defectOf(a, size) + defectOf(b, size);
 }
 
@@ -130,7 +134,23 @@ Wide SharpDifference::member(const SupportPoint& s, const Pose& X_BA) const {
     p_a = ontoPiece(a_, s.index_a, rotatedBack(X_BA.rotation, s.a - X_BA.translation));
   }
   if (!vertex(b_, s.index_b, p_b)) p_b = ontoPiece(b_, s.index_b, s.w + s.a);
+  return memberOf(p_a, p_b);
+}
+
+Wide SharpDifference::memberOf(const Vector& p_a, const Vector& p_b) const {
   return rotated(X_WB_.rotation, Wide(p_b)) - rotated(X_WA_.rotation, Wide(p_a)) - t_;
+}
+
+Wide SharpDifference::inWorld(const Vector& direction_b) const {
+  return rotated(X_WB_.rotation, Wide(direction_b));
+}
+
+Wide SharpDifference::inA(const Wide& direction) const {
+  return rotatedBack(X_WA_.rotation, direction);
+}
+
+Wide SharpDifference::inB(const Wide& direction) const {
+  return rotatedBack(X_WB_.rotation, direction);
 }
 
 void offerSharpPlane(const SharpDifference& difference, const Wide& n, Progress& progress) {

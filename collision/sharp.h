@@ -29,6 +29,12 @@ class SharpDifference {
   /// The member that was made of the same points; of round cores it is one next to it, which lies
   /// in the difference grown by memberDefect(). X_BA: the pose that s was made with.
   DoubleDoubleVector member(const SupportPoint& s, const Pose& X_BA) const;
+  /// p_b - p_a of points in the bodies' frames.
+  DoubleDoubleVector memberOf(const Vector& p_a, const Vector& p_b) const;
+  /// A direction of B's frame in the world, and directions in the world in the bodies' frames.
+  DoubleDoubleVector inWorld(const Vector& direction_b) const;
+  DoubleDoubleVector inA(const DoubleDoubleVector& direction) const;
+  DoubleDoubleVector inB(const DoubleDoubleVector& direction) const;
   double memberDefect() const { return member_defect_; }
   /// By how much a matrix that is not quite a rotation may move the bodies [m]: the sum of half the
   /// departures, ||R^T R - 1||, times the extents.

@@ -237,8 +237,8 @@ void memberAlong(const Vector& n, double depth, const Vector& axis_a, const Rims
 // the parts that go with the angle by 8 each, a value by 8 more, directions of the circle around A
 // by 4 that are not across its axis; the angle's by 4 of what bends, below L; kTiltedRounding in
 // all. The part along the other axis errs by 6 u besides, which the root beside it magnifies. A's
-// columns may depart from a rotation: the body meant is within twice that of one whose axis is
-// exactly as used here.
+// columns may depart from a rotation: the body meant is within one and a half of that of one whose
+// axis is exactly as used here (half of it the points, all of it the axis).
 bool offerTiltedAxes(const ConvexView& a, const Pose& X_BA, const ConvexView& b,
                      Difference<false>& difference, Progress& progress) {
   const Vector column = X_BA.rotation.col(2);
@@ -297,7 +297,7 @@ bool offerTiltedAxes(const ConvexView& a, const Pose& X_BA, const ConvexView& b,
 
   const double depth = least.proven - kTiltedRounding * unit -
                        6 * kUnitRoundoff * std::max(around_a.steepest, around_b.steepest) -
-                       2 * departureOf(X_BA.rotation) * a.extent;
+                       1.5 * (1 + 0x1p-10) * departureOf(X_BA.rotation) * a.extent;
   if (!(depth > 0)) return false;
   // How far from across the axes the sides alone decide.
   const double widest = std::max(of_a.radius[0], of_a.radius[1]);

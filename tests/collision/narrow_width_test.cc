@@ -59,9 +59,66 @@ TEST(NarrowWidth, AFewUnitsOfRoundingWhereAskedAndTheTruthWithin) {
     }
   }
   // Deep overlaps of ellipsoids may need more facets than there are.
-  EXPECT_LT(100 * open, 2 * cases);
+  EXPECT_LE(1000 * open, cases);
   EXPECT_GT(4 * overlapping, cases);
   EXPECT_GT(held, 300);
+}
+
+/// One in eighty of these stayed wider than asked: bodies that only just overlap, which no depth
+/// in twice the precision was claimed of; curved parts, whose proof alone was rounded by some
+/// 1e-13; and straight bodies about nearly one axis, whose rounding was counted twice.
+TEST(NarrowWidth, AsNarrowForTwinsForNearContactAndAboutOneAxis) {
+  constexpr ShapeType kTypes[] = {ShapeType::kSphere,    ShapeType::kCapsule, ShapeType::kBox,
+                                  ShapeType::kCylinder,  ShapeType::kCone,    ShapeType::kEllipsoid,
+                                  ShapeType::kConvexHull};
+  constexpr ShapeType kStraight[] = {ShapeType::kCapsule, ShapeType::kCylinder, ShapeType::kCone};
+  Random random(66);
+  Scratch scratch;
+  int open[3] = {0, 0, 0}, overlapping[3] = {0, 0, 0}, held = 0;
+  constexpr int kCases = 500;
+  for (int i = 0; i < 3 * kCases; ++i) {
+    const int family = i % 3;
+    const ShapeType type = family == 0   ? ShapeType::kEllipsoid
+                           : family == 1 ? kTypes[random.below(7)]
+                                         : kStraight[random.below(3)];
+    const ShapeType other = family == 1 ? kTypes[random.below(7)] : kStraight[random.below(3)];
+    const Shape a = oracle::randomShape(random, type, Flavour::kPlain);
+    const Shape b =
+        family == 0 || random.chance(0.2) ? a : oracle::randomShape(random, other, Flavour::kPlain);
+    const Pose X_WA{random.rotation(), random.direction()};
+    Pose X_WB = X_WA;
+    const double size = oracle::sizeOf(a) + oracle::sizeOf(b);
+    if (family == 0) {
+      X_WB.translation += random.logUniform(1e-9, 0.2) * size * random.direction();
+    } else if (family == 1) {
+      X_WB.rotation = random.rotation();
+      X_WB.translation += size * random.direction();
+      const DistanceResult r = distance(a, X_WA, b, X_WB, {}, scratch);
+      X_WB.translation -= (r.distance.upper + random.logUniform(1e-16, 1e-12) * size) * r.normal;
+    } else {
+      const double angle = random.uniform(0, 6);
+      Eigen::Matrix3d turn;
+      turn << std::cos(angle), -std::sin(angle), 0, std::sin(angle), std::cos(angle), 0, 0, 0, 1;
+      X_WB.rotation = X_WA.rotation * turn;
+      X_WB.translation += 0.1 * size * random.uniform(-1, 1) * X_WA.rotation.col(2) +
+                          random.logUniform(1e-12, 1e-3) * size * X_WA.rotation.col(0);
+    }
+    DistanceRequest request;
+    request.tolerance = 1e-14 * sizes(a, X_WA, b, X_WB);
+    const DistanceResult r = distance(a, X_WA, b, X_WB, request, scratch);
+    open[family] += r.status != DistanceStatus::kConverged;
+    overlapping[family] += r.distance.lower < 0;
+    if (i % 30 > 2) continue;
+    ++held;
+    const Truth truth = oracle::signedSeparation(a, X_WA, b, X_WB);
+    EXPECT_LE(r.distance.lower, truth.upper) << replay(a, X_WA, b, X_WB);
+    EXPECT_GE(r.distance.upper, truth.lower) << replay(a, X_WA, b, X_WB);
+  }
+  for (int family = 0; family < 3; ++family) {
+    EXPECT_LE(100 * open[family], kCases) << family;
+    EXPECT_GT(2 * overlapping[family], kCases) << family;
+  }
+  EXPECT_EQ(held, 150);
 }
 
 /// The default tolerance is one unit of rounding in ten million million at these sizes.
