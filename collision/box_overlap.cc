@@ -29,31 +29,43 @@ struct Axis {
   double apart = -std::numeric_limits<double>::infinity();
 };
 
-// Keeps the axis along which the boxes are least deep in each other; the first of equals.
-void offerAxis(const Boxes& boxes, const Vector& direction, Axis& best) {
-  const double norm_squared = direction.squaredNorm();
-  if (!(norm_squared > 0)) return;
-  const Vector n = direction / std::sqrt(norm_squared);
-  const double along = n.dot(boxes.t);
-  double apart = std::abs(along);
-  for (const Vector& axis : boxes.axis_a) apart -= std::abs(n.dot(axis));
-  apart -= n.cwiseAbs().dot(boxes.half_b);
-  if (apart > best.apart) best = {along > 0 ? Vector(-n) : n, apart};
+// By how much the boxes are apart along an axis of any length, and how long that is.
+struct Gap {
+  double apart, length_squared;
+};
+
+Gap gapAlong(const Boxes& boxes, double x, double y, double z) {
+  const auto along = [&](const Vector& v) { return std::abs(x * v.x() + y * v.y() + z * v.z()); };
+  const double reach = std::abs(x) * boxes.half_b.x() + std::abs(y) * boxes.half_b.y() +
+                       std::abs(z) * boxes.half_b.z();
+  const double apart = along(boxes.t) - along(boxes.axis_a[0]) - along(boxes.axis_a[1]) -
+                       along(boxes.axis_a[2]) - reach;
+  return {apart, x * x + y * y + z * z};
 }
 
+// The axis along which the boxes are least deep in each other; the first of equals.
 Axis bestAxis(const Boxes& boxes, const Eigen::Matrix3d& R) {
-  Axis best;
-  for (int i = 0; i < 3; ++i) offerAxis(boxes, Vector::Unit(i), best);
-  for (int k = 0; k < 3; ++k) {
-    offerAxis(boxes, cross(R.col((k + 1) % 3), R.col((k + 2) % 3)), best);
+  Vector axes[15];
+  for (int i = 0; i < 3; ++i) {
+    axes[i] = Vector::Unit(i);
+    axes[3 + i] = cross(R.col((i + 1) % 3), R.col((i + 2) % 3));
+    const double x = R(0, i), y = R(1, i), z = R(2, i);
+    axes[6 + 3 * i] = {0, -z, y};
+    axes[7 + 3 * i] = {z, 0, -x};
+    axes[8 + 3 * i] = {-y, x, 0};
   }
-  for (int k = 0; k < 3; ++k) {
-    const Vector c = R.col(k);
-    offerAxis(boxes, {0, -c.z(), c.y()}, best);
-    offerAxis(boxes, {c.z(), 0, -c.x()}, best);
-    offerAxis(boxes, {-c.y(), c.x(), 0}, best);
+  // All in a row, so that roots and quotients of one do not wait for another's.
+  double apart[15], length[15];
+  for (int i = 0; i < 15; ++i) {
+    const Gap gap = gapAlong(boxes, axes[i].x(), axes[i].y(), axes[i].z());
+    length[i] = std::sqrt(gap.length_squared);
+    apart[i] =
+        gap.length_squared > 0 ? gap.apart / length[i] : -std::numeric_limits<double>::infinity();
   }
-  return best;
+  int best = 0;
+  for (int i = 1; i < 15; ++i) best = apart[i] > apart[best] ? i : best;
+  const double side = axes[best].dot(boxes.t) > 0 ? -1 : 1;
+  return {side / length[best] * axes[best], apart[best]};
 }
 
 // What of a box lies farthest along a direction: a point, edge or face, its edges within rounding

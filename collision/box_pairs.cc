@@ -322,6 +322,8 @@ bool nearestInB(const Boxes& boxes, const Views& views, const Goal& goal, Neares
   const int face = on_b ? face_b : face_a;
   if (faceMeets(boxes, views, on_b, face, gap, goal, nearest)) return true;
   const EdgePair edges = widestEdges(views.a_in_b, boxes.half_a, boxes.half_b, gap);
+  // No axis parts them, but for edges that are nearly parallel: there is no way to walk down.
+  if (edges.i < 0 && !(gap > 0)) return false;
   if (edges.i >= 0 && edgesMeet(boxes, views.a_in_b, edges, nearest)) return true;
   const Triple n = on_b ? Triple{face == 0 ? -boxes.c.x : 0, face == 1 ? -boxes.c.y : 0,
                                  face == 2 ? -boxes.c.z : 0}

@@ -436,6 +436,14 @@ DistanceResult convexDistance(const ConvexView& a, const Pose& X_BA, const Conve
         return exchanged(resultOf(exchanged_progress), X_BA);
       }
     }
+    // Boxes that are apart have been answered before in closed form but for a few.
+    if (a.core == Core::kBox && b.core == Core::kBox) {
+      ++progress.iterations;
+      if (offerBoxOverlap(a, X_BA, b, progress, sharp) && progress.enough()) {
+        remember(progress, {}, false, -1, -1, cache);
+        return resultOf(progress);
+      }
+    }
     const auto thin = [](const ConvexView& view) {
       return view.core == Core::kPoint || view.core == Core::kSegment;
     };
@@ -482,7 +490,6 @@ DistanceResult convexDistance(const ConvexView& a, const Pose& X_BA, const Conve
   const double narrow = query.lower_offset - query.upper_offset + 8 * query.roundoff;
   if (open && !progress.enough() &&
       (end == GjkEnd::kInside || progress.upper() - progress.lower() > narrow)) {
-    if (a.core == Core::kBox && b.core == Core::kBox) offerBoxOverlap(a, X_BA, b, progress, sharp);
     const bool straight = haveAxes(a, b);
     // A threshold is most often decided by the polytope's first steps.
     const bool exact = request.depth && std::isnan(request.threshold);
