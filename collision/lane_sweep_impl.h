@@ -148,6 +148,8 @@ struct LaneSweepKernel {
   /// Planes between the hulls, one for all of the lanes, by distance queries: takes away the lanes
   /// that these part, and tells whether the hulls are apart in the middle one of the others.
   bool partByQueries(std::int32_t pair, bool closely, std::uint32_t& lanes) const;
+  /// A few points of each pair that is open are looked for in its obstacle.
+  Contact meetOpen() const;
   /// What is open is tried with points and planes.
   Contact partOpen(bool closely) const;
 };

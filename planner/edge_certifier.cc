@@ -15,7 +15,8 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr std::uint32_t kAllLanes = (1U << collision::kLanes) - 1;
 
-/// Looks at single configurations of an edge before its pairs are swept [count].
+/// Pairs that are looked at more closely before planes are looked for, and looks at single
+/// configurations of an edge before its pairs are swept [count].
 constexpr int kLooks = 3;
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
@@ -39,6 +40,7 @@ EdgeCertifier::Impl::Impl(std::shared_ptr<const CompiledScene> compiled)
   hopeful.assign(frames.pairs().size(), kSweepGrowth);
   failed_stamp.resize(frames.pairs().size());
   luck.assign(frames.pairs().size(), 0);
+  closer_luck.assign(frames.pairs().size(), 0);
   for (std::vector<EdgeInterval>* list : {&intervals, &next_intervals})
     list->reserve(kEdgeIntervals);
 }
@@ -296,6 +298,7 @@ EdgeCheck EdgeCertifier::Impl::told(Verdict verdict, int p, double t) {
   if (verdict == Verdict::kNotFree && p >= 0) {
     killer = p;
     luck[at(p)] = 1;
+    closer_luck[at(p)] = 1;
   }
   return check;
 }
@@ -307,6 +310,12 @@ EdgeCheck EdgeCertifier::Impl::certifyByLanes() {
   for (int i = 0; i < collision::kLanes; ++i) parts.from[i] = i * parts.width;
   if (contact.id >= 0)
     return told(Verdict::kNotFree, contact.id, parts.from[contact.lane] + parts.width / 2);
+  if (lanes.open().empty()) return told(Verdict::kFree, -1, 0);
+  const EdgeCheck closer = lookCloser(parts);
+  if (closer.verdict != Verdict::kFree) return closer;
+  const collision::LaneSweep::Contact parted = lanes.part();
+  if (parted.id >= 0)
+    return told(Verdict::kNotFree, parted.id, parts.from[parted.lane] + parts.width / 2);
   if (lanes.open().empty()) return told(Verdict::kFree, -1, 0);
   looks = 0;
   const EdgeCheck open_check = checkOpen(parts);
@@ -326,6 +335,32 @@ EdgeCheck EdgeCertifier::Impl::certifyByLanes() {
   return inside.verdict == Verdict::kFree ? certifyIntervals() : inside;
 }
 
+EdgeCheck EdgeCertifier::Impl::lookCloser(const EdgeLanes::Parts& parts) {
+  // A contact between the middles of lanes, or where only more points tell it, is found for less
+  // than planes are looked for: what was in contact last is looked at, whatever was on its way.
+  int asked = 0;
+  for (const collision::LaneSweep::Open& o : lanes.open()) {
+    if (closer_luck[at(o.id)] < 0) continue;
+    if (++asked > kLooks) break;
+    const auto [from, width] = rangeOf(parts, o.lanes);
+    if (const std::optional<double> t = lanes.meet(o.id, from, width))
+      return told(Verdict::kNotFree, o.id, *t);
+    --closer_luck[at(o.id)];
+  }
+  return told(Verdict::kFree, -1, 0);
+}
+
+std::pair<double, double> EdgeCertifier::Impl::rangeOf(const EdgeLanes::Parts& parts,
+                                                       std::uint32_t open_lanes) {
+  double from = 1, to = 0;  // parts do not always stand in the order of time
+  for (int lane = 0; lane < collision::kLanes; ++lane) {
+    if ((open_lanes >> lane & 1U) == 0) continue;
+    from = std::min(from, parts.from[lane]);
+    to = std::max(to, parts.from[lane] + parts.width);
+  }
+  return {from, to - from};
+}
+
 EdgeCheck EdgeCertifier::Impl::checkOpen(const EdgeLanes::Parts& parts) {
   // What collides without being seen in lanes most often does so in the middle of where it is near.
   // Pairs that are always near and hardly ever collide are not looked at.
@@ -334,16 +369,9 @@ EdgeCheck EdgeCertifier::Impl::checkOpen(const EdgeLanes::Parts& parts) {
     if (o.apart || luck[at(o.id)] < 0) continue;
     if (looks >= kLooks) break;
     ++looks;
-    double from = 1, to = 0;  // parts do not always stand in the order of time
-    for (int lane = 0; lane < collision::kLanes; ++lane) {
-      if ((o.lanes >> lane & 1U) == 0) continue;
-      from = std::min(from, parts.from[lane]);
-      to = std::max(to, parts.from[lane] + parts.width);
-    }
-    const double width = to - from;
-    const collision::LaneSweep::Contact met = lanes.meet(o.id, from, width);
-    if (met.id >= 0)
-      return told(Verdict::kNotFree, o.id, from + (met.lane + 0.5) * width / collision::kLanes);
+    const auto [from, width] = rangeOf(parts, o.lanes);
+    if (const std::optional<double> t = lanes.meet(o.id, from, width))
+      return told(Verdict::kNotFree, o.id, *t);
     const double t = from + width / 2;
     const int slot = frames.place(t);
     if (slot < 0) return told(Verdict::kUndecided, o.id, t);

@@ -78,6 +78,11 @@ struct EdgeCertifier::Impl {
   Verdict checkMiddle(const EdgeInterval& interval, int slot, int& offender);
   EdgeCheck told(Verdict verdict, int p, double t);
   EdgeCheck certifyByLanes();
+  /// Looks for contacts between the middles of lanes, of pairs that are open and were in contact
+  /// when this was last found; free where nothing is met.
+  EdgeCheck lookCloser(const EdgeLanes::Parts& parts);
+  /// Where the first of some lanes begins, and how far it is from there to the end of the last.
+  static std::pair<double, double> rangeOf(const EdgeLanes::Parts& parts, std::uint32_t open_lanes);
   /// Looks at open pairs whose hulls are not apart, in the middle of where they are open; free
   /// where nothing is met.
   EdgeCheck checkOpen(const EdgeLanes::Parts& parts);
@@ -142,7 +147,9 @@ struct EdgeCertifier::Impl {
   std::uint64_t stamp = 0;
   std::vector<double> hopeful;              // growth [m] at which a pair's sweep is worth trying
   std::vector<std::uint64_t> failed_stamp;  // the interval at which a pair's sweep last failed
-  std::vector<int> luck;  // of looks at a pair before it is swept; below 0: none are taken
+  // Of looks at a pair before it is swept, and before planes are looked for; below 0: none are
+  // taken.
+  std::vector<int> luck, closer_luck;
   std::vector<EdgeInterval> intervals, next_intervals;
   /// A part of the edge that is looked at in lanes again, and its pairs as a range of part_pairs.
   struct EdgePart {

@@ -64,6 +64,7 @@ EdgeLanes::EdgeLanes(const EdgeFrames& frames) : scene_(frames.sharedScene()) {
   scratch_ = std::make_unique<LaneSweep::Scratch>(sweep_);
   frame_steps_.resize(steps_.size());
   lane_frames_.resize(steps_.size());
+  look_frames_.resize(steps_.size());
   growth_values_.resize(growth_.paddedSize());
   part_growth_.resize(growth_.paddedSize());
 }
@@ -370,6 +371,10 @@ LaneSweep::Contact EdgeLanes::sweep() {
   return sweep_.run(lane_frames_, growth_values_, slack_, *scratch_);
 }
 
+LaneSweep::Contact EdgeLanes::part() {
+  return sweep_.part(lane_frames_, growth_values_, slack_, *scratch_);
+}
+
 LaneSweep::Contact EdgeLanes::sweepParts(const Parts& parts,
                                          std::span<const LaneSweep::Open> pairs) {
   const auto width = static_cast<float>(parts.width);
@@ -384,12 +389,17 @@ LaneSweep::Contact EdgeLanes::sweepParts(const Parts& parts,
   return sweep_.runPairs(pairs, lane_frames_, part_growth_, slack_, *scratch_);
 }
 
-LaneSweep::Contact EdgeLanes::meet(int pair, double from, double width) {
+std::optional<double> EdgeLanes::meet(int pair, double from, double width) {
+  // In the middle of a lane's share each, but for the whole edge at its end: the middles are those
+  // of sweep() there.
+  const double share = width / collision::kLanes, first = width < 1 ? share / 2 : share;
   collision::LaneValues places;
   for (int i = 0; i < collision::kLanes; ++i)
-    places.at[i] = static_cast<float>(from - 0.5 + (i + 0.5) * width / collision::kLanes);
-  collision::placeFrames(frame_steps_, places, lane_frames_);
-  return sweep_.meet(pair, lane_frames_, slack_, *scratch_);
+    places.at[i] = static_cast<float>(from - 0.5 + (first + i * share));
+  collision::placeFrames(frame_steps_, places, look_frames_);
+  const LaneSweep::Contact met = sweep_.meet(pair, look_frames_, slack_, *scratch_);
+  if (met.id < 0) return std::nullopt;
+  return 0.5 + static_cast<double>(places.at[met.lane]);
 }
 
 LaneSweep::Contact EdgeLanes::still(const collision::LaneValues& places) {

@@ -3,6 +3,7 @@
 // Private to planner/: the coarse pass of edge certification, sixteen intervals of an edge at once.
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -20,8 +21,11 @@ class EdgeLanes {
   /// bound, configurations outside the limits, or turns beyond what single precision is trusted
   /// with.
   bool begin(const EdgeFrames& frames);
-  /// After begin(): all intervals [k, k + 1] / kLanes. Ids are indices into frames.pairs().
+  /// After begin(): all intervals [k, k + 1] / kLanes, by balls, planes and points that are known.
+  /// Ids are indices into frames.pairs().
   collision::LaneSweep::Contact sweep();
+  /// After sweep(): planes are looked for between what it left open.
+  collision::LaneSweep::Contact part();
   /// Parts of the edge, one a lane: from + [0, width]. Each `from` is a multiple of `width`, which
   /// is a power of two of at least 2^-16.
   struct Parts {
@@ -32,9 +36,9 @@ class EdgeLanes {
   /// After sweep(): planes and points alone, for some pairs in some of the parts.
   collision::LaneSweep::Contact sweepParts(const Parts& parts,
                                            std::span<const collision::LaneSweep::Open> pairs);
-  /// After sweep(): a look for a contact of one pair at kLanes places spread over [from, from +
-  /// width] of the edge, in the middle of a lane's share each.
-  collision::LaneSweep::Contact meet(int pair, double from, double width);
+  /// After begin(): a look for a contact of one pair at kLanes places spread over [from, from +
+  /// width] of the edge, none of which sweep() has looked at; where there is one, if found.
+  std::optional<double> meet(int pair, double from, double width);
   /// What the last sweep left.
   std::span<const collision::LaneSweep::Open> open() const { return scratch_->open(); }
 
@@ -82,7 +86,7 @@ class EdgeLanes {
   std::unique_ptr<collision::LaneSweep::Scratch> scratch_;
 
   std::vector<collision::FrameStep> frame_steps_;
-  std::vector<collision::LaneFrame> lane_frames_;
+  std::vector<collision::LaneFrame> lane_frames_, look_frames_;
   std::vector<float> joint_motion_, growth_values_, part_growth_;
   std::vector<double> middle_, q_;
   float slack_ = 0;

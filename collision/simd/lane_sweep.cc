@@ -549,9 +549,13 @@ class Run {
     const Sweep::Pair& pair = s_.pairs[size(number)];
     const std::uint32_t by_balls = contact(pair, kAll);
     if (by_balls != 0) return kernel_.told(number, -1, by_balls);
-    const Sweep::LanePiece::Points& points = s_.pieces[size(pair.a)].points;
+    const Sweep::LanePiece& a = s_.pieces[size(pair.a)];
     std::int32_t point = -1;
-    const std::uint32_t lanes = pointsInside(kernel_, pair, points.begin, points.end, kAll, point);
+    const auto inside = [&](const Sweep::LanePiece::Points& points) {
+      return pointsInside(kernel_, pair, points.begin, points.end, kAll, point);
+    };
+    std::uint32_t lanes = inside(a.points);
+    if (lanes == 0 && a.fine.begin != a.points.begin) lanes = inside(a.fine);
     return lanes != 0 ? kernel_.told(number, point, lanes) : LaneSweepKernel::Contact{};
   }
 
@@ -566,6 +570,14 @@ class Run {
               [](const Scratch::Candidate& x, const Scratch::Candidate& y) {
                 return x.key < y.key || (x.key == y.key && x.pair < y.pair);
               });
+    // Obstacles are met deep more often than they are missed by little; pieces the other way.
+    for (const Scratch::Candidate& c : scratch_.candidates) {
+      const Sweep::Pair& pair = s_.pairs[size(c.pair)];
+      const Sweep::LanePiece& a = s_.pieces[size(pair.a)];
+      if (pair.pieces || !(c.key <= a.inner_reach - a.outer.radius)) continue;
+      const std::uint32_t lanes = contact(pair, c.lanes);
+      if (lanes != 0) return kernel_.told(c.pair, -1, lanes);
+    }
     for (const Scratch::Candidate& c : scratch_.candidates) {
       const Sweep::Pair& pair = s_.pairs[size(c.pair)];
       std::uint32_t open = c.lanes;
@@ -573,12 +585,6 @@ class Run {
       const Scratch::Plane& plane = scratch_.planes[size(c.pair)];
       if (plane.known) open = notParted<kStill>(kernel_, pair, plane, open);
       if (open == 0) continue;
-      // Obstacles are met deep more often than they are missed by little; pieces the other way.
-      if (!pair.pieces &&
-          c.key <= s_.pieces[size(pair.a)].inner_reach - s_.pieces[size(pair.a)].outer.radius) {
-        const std::uint32_t lanes = contact(pair, open);
-        if (lanes != 0) return kernel_.told(c.pair, -1, lanes);
-      }
       open = uncovered(pair, open);
       if (open == 0) continue;
       if (pair.pieces) {
@@ -862,28 +868,38 @@ bool LaneSweepKernel::partByQueries(std::int32_t number, bool closely, std::uint
   return apart;
 }
 
+LaneSweep::Contact LaneSweepKernel::meetOpen() const {
+  for (std::size_t i = 0; i < scratch.open.size(); ++i) {
+    const std::int32_t number = scratch.open_pairs[i];
+    const Sweep::Pair& pair = sweep.pairs[static_cast<std::size_t>(number)];
+    std::int32_t point = -1;
+    const std::uint32_t met = HWY_DYNAMIC_DISPATCH(PointsInside)(
+        *this, pair, sweep.pieces[static_cast<std::size_t>(pair.a)].points, scratch.open[i].lanes,
+        point);
+    if (met != 0) return told(number, point, met);
+  }
+  return {};
+}
+
 LaneSweep::Contact LaneSweepKernel::partOpen(bool closely) const {
   std::size_t kept = 0;
   for (std::size_t i = 0; i < scratch.open.size(); ++i) {
     const std::int32_t number = scratch.open_pairs[i];
     const Sweep::Pair& pair = sweep.pairs[static_cast<std::size_t>(number)];
     const Sweep::LanePiece& a = sweep.pieces[static_cast<std::size_t>(pair.a)];
-    std::uint32_t lanes = scratch.open[i].lanes, met = 0;
-    std::int32_t point = -1;
-    const auto meet = [&](const Sweep::LanePiece::Points& points) {
-      met = HWY_DYNAMIC_DISPATCH(PointsInside)(*this, pair, points, lanes, point);
-      return met != 0;
-    };
-    // What is met deep is told sooner than planes are looked for.
-    if (meet(a.points)) return told(number, point, met);
+    std::uint32_t lanes = scratch.open[i].lanes;
     Parted parted{lanes, false, false};
     if (pair.part_each_above >= 0) parted = partEach(number, lanes);
     lanes = parted.open;
     if (pair.part_above >= 0 && !parted.apart && !parted.touching)
       parted.apart = partByQueries(number, closely, lanes);
     if (lanes == 0) continue;
-    if (!parted.apart && a.fine.begin != a.points.begin && meet(a.fine))
-      return told(number, point, met);
+    if (!parted.apart && a.fine.begin != a.points.begin) {
+      std::int32_t point = -1;
+      const std::uint32_t met =
+          HWY_DYNAMIC_DISPATCH(PointsInside)(*this, pair, a.fine, lanes, point);
+      if (met != 0) return told(number, point, met);
+    }
     scratch.open_pairs[kept] = number;
     scratch.open[kept++] = {pair.id, lanes, parted.apart};
   }
@@ -907,7 +923,13 @@ LaneSweep::Contact LaneSweep::run(std::span<const LaneFrame> frames, std::span<c
                                   float slack, Scratch& scratch) const {
   const LaneSweepKernel kernel{*impl_, *scratch.impl_, frames.data(), growth.data(), slack};
   const Contact contact = HWY_DYNAMIC_DISPATCH(SweepAll)(kernel);
-  return contact.id < 0 ? kernel.partOpen(false) : contact;
+  return contact.id < 0 ? kernel.meetOpen() : contact;
+}
+
+LaneSweep::Contact LaneSweep::part(std::span<const LaneFrame> frames, std::span<const float> growth,
+                                   float slack, Scratch& scratch) const {
+  const LaneSweepKernel kernel{*impl_, *scratch.impl_, frames.data(), growth.data(), slack};
+  return kernel.partOpen(false);
 }
 
 LaneSweep::Contact LaneSweep::runPairs(std::span<const Open> pairs,
@@ -926,13 +948,16 @@ LaneSweep::Contact LaneSweep::runPairs(std::span<const Open> pairs,
     scratch.impl_->open.push_back({pair.id, open});
     scratch.impl_->open_pairs.push_back(number);
   }
-  return kernel.partOpen(true);
+  const Contact contact = kernel.meetOpen();
+  return contact.id < 0 ? kernel.partOpen(true) : contact;
 }
 
 LaneSweep::Contact LaneSweep::runStill(std::span<const LaneFrame> frames, float slack,
                                        Scratch& scratch) const {
   const LaneSweepKernel kernel{*impl_, *scratch.impl_, frames.data(), nullptr, slack};
-  const Contact contact = HWY_DYNAMIC_DISPATCH(StillAll)(kernel);
+  Contact contact = HWY_DYNAMIC_DISPATCH(StillAll)(kernel);
+  // What is met deep in any pair is told sooner than planes are looked for in one.
+  if (contact.id < 0) contact = kernel.meetOpen();
   return contact.id < 0 ? kernel.partOpen(false) : contact;
 }
 

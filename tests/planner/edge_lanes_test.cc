@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <vector>
 
 #include "leeway/planner/edge_certifier.h"
@@ -19,7 +20,7 @@ using testing::Random;
 
 struct Count {
   int edges = 0, contacts = 0, certified = 0, open = 0, near = 0;
-  int part_contacts = 0, part_certified = 0, part_near = 0;
+  int closer_contacts = 0, part_contacts = 0, part_certified = 0, part_near = 0;
 };
 
 std::vector<double> randomPoint(Random& random, const CompiledScene& scene) {
@@ -27,6 +28,21 @@ std::vector<double> randomPoint(Random& random, const CompiledScene& scene) {
   std::vector<double> point;
   for (const int v : scene.space().variables()) point.push_back(q[static_cast<std::size_t>(v)]);
   return point;
+}
+
+/// A closer look at a pair, over a random stretch of lanes.
+template <typename DistanceOf>
+void checkMeet(Random& random, const EdgeFrames& frames, EdgeLanes& lanes, int id,
+               const DistanceOf& distanceOf, Count& count) {
+  const int first = random.integer(kLanes), width = 1 + random.integer(kLanes - first);
+  const std::optional<double> t =
+      lanes.meet(id, static_cast<double>(first) / kLanes, static_cast<double>(width) / kLanes);
+  if (!t) return;
+  ++count.closer_contacts;
+  EXPECT_GE(*t * kLanes, first);
+  EXPECT_LE(*t * kLanes, first + width);
+  const auto p = static_cast<std::size_t>(id);
+  EXPECT_LE(distanceOf(p, *t).lower, frames.pairs()[p].threshold);
 }
 
 /// Open pairs of an edge again, in parts of where they are open, each pair in half of the lanes.
@@ -94,7 +110,13 @@ void check(Random& random, const Problem& problem, int edges, Count& count) {
     scene->space().interpolate(a, randomPoint(random, *scene), random.uniform(0.02, 1), b);
     if (!frames.begin(a, b) || !lanes.begin(frames)) continue;
     ++count.edges;
-    const LaneSweep::Contact contact = lanes.sweep();
+    LaneSweep::Contact contact = lanes.sweep();
+    if (contact.id < 0) {
+      for (const LaneSweep::Open& o : lanes.open())
+        for (int look = 0; look < 3; ++look)
+          checkMeet(random, frames, lanes, o.id, distanceOf, count);
+      contact = lanes.part();
+    }
     if (contact.id >= 0) {
       ++count.contacts;
       const EdgePair& pair = frames.pairs()[static_cast<std::size_t>(contact.id)];
@@ -155,6 +177,7 @@ TEST(EdgeLanes, CertifyOnlyWhatIsApart) {
   EXPECT_GT(count.certified, 20000);
   EXPECT_GT(count.open, 100);
   EXPECT_GT(count.near, 20);
+  EXPECT_GT(count.closer_contacts, 20);
   EXPECT_GT(count.part_contacts, 5);
   EXPECT_GT(count.part_certified, 300);
   EXPECT_GT(count.part_near, 20);
@@ -175,7 +198,8 @@ TEST(EdgeLanes, GiveTheSameAnswersOnEveryInstructionSet) {
     for (std::size_t i = 0; i + 1 < points.size(); ++i) {
       scene->space().interpolate(points[i], points[i + 1], 0.2, b);
       ASSERT_TRUE(frames.begin(points[i], b) && lanes.begin(frames));
-      const LaneSweep::Contact contact = lanes.sweep();
+      LaneSweep::Contact contact = lanes.sweep();
+      if (contact.id < 0) contact = lanes.part();
       result.push_back(static_cast<std::uint32_t>(contact.id));
       result.push_back(static_cast<std::uint32_t>(contact.lane));
       if (contact.id >= 0) continue;

@@ -84,21 +84,24 @@ class LaneSweep {
   /// planner is told not to be free is so for the same reason. Frames need only be placed, not
   /// moved.
   Contact meetAgain(std::span<const LaneFrame> frames, float slack, Scratch& scratch) const;
-  /// One pass over frames that are placed and moved. growth: h^2 A / 8 of each motion [m]; slack:
-  /// how far the frames' rounding moves any capsule [m]. Which contacts are found, and what
-  /// planes leave open, depends on the runs before: what is told is proven whatever they were.
-  /// O(pieces + pairs), a distance query of a few points for each pair that is left open; never
-  /// throws or allocates.
+  /// One pass over frames that are placed and moved, by balls, planes that parted a pair last, and
+  /// points. growth: h^2 A / 8 of each motion [m]; slack: how far the frames' rounding moves any
+  /// capsule [m]. Which contacts are found, and what planes leave open, depends on the runs before:
+  /// what is told is proven whatever they were. O(pieces + pairs); never throws or allocates.
   Contact run(std::span<const LaneFrame> frames, std::span<const float> growth, float slack,
               Scratch& scratch) const;
+  /// After run(), with the same frames, growth and slack: planes are looked for between what it
+  /// left open. O(open pairs), a distance query of a few points for some of them.
+  Contact part(std::span<const LaneFrame> frames, std::span<const float> growth, float slack,
+               Scratch& scratch) const;
   /// Planes and points alone, for some pairs in some lanes; their ids are here the pairs' places in
   /// the order of addition. Planes are looked for more closely than in run().
   Contact runPairs(std::span<const Open> pairs, std::span<const LaneFrame> frames,
                    std::span<const float> growth, float slack, Scratch& scratch) const;
-  /// A look for a contact of one pair in the middle of the intervals, by balls and points, `pair`
-  /// being its place in the order of addition. Frames need only be placed.
+  /// A look for a contact of one pair in the middle of the intervals, by balls and all points,
+  /// `pair` being its place in the order of addition. Frames need only be placed.
   Contact meet(int pair, std::span<const LaneFrame> frames, float slack, Scratch& scratch) const;
-  /// run() for single configurations: frames need not be moved.
+  /// run() and part() for single configurations: frames need not be moved.
   Contact runStill(std::span<const LaneFrame> frames, float slack, Scratch& scratch) const;
 
  private:
