@@ -7,6 +7,7 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "collision/simd/dispatch.h"
 #include "leeway/collision/tolerances.h"
 
 // Rounding, with u = 2^-24 and S = |T|_1 + sum of both boxes' halves, T the way between the
@@ -143,12 +144,12 @@ HWY_EXPORT(gaps);
 HWY_EXPORT(sweptGaps);
 
 void boxGaps(const BoxNode& node, const OrientedBox& query, float* gap) {
-  HWY_DYNAMIC_DISPATCH(gaps)(node, query, gap);
+  LEEWAY_DISPATCH(gaps)(node, query, gap);
 }
 
 void sweptBoxGaps(const BoxNode& node, const OrientedBox& query, const BoxSweep& sweep,
                   float* gap) {
-  HWY_DYNAMIC_DISPATCH(sweptGaps)(node, query, sweep, gap);
+  LEEWAY_DISPATCH(sweptGaps)(node, query, sweep, gap);
 }
 
 }  // namespace leeway::collision

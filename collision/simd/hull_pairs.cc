@@ -10,6 +10,7 @@
 //
 #include "collision/closed_form.h"
 #include "collision/pose_check.h"
+#include "collision/simd/dispatch.h"
 #include "collision/simd/vertex_gjk.h"
 #include "collision/simd/vertex_search-inl.h"
 #include "collision/status.h"
@@ -286,8 +287,9 @@ HWY_INLINE Triple firstDirection(const Pair& pair) {
     }
   }
   if (pair.needles) return betweenAxes(pair);
-  const Triple middle = rotated(pair.X_WB.rotation, tripleOf(pair.b.boundingCenter())) -
-                        (rotated(pair.X_WA.rotation, tripleOf(pair.a.boundingCenter())) + pair.t);
+  const Triple middle =
+      rotated(pair.X_WB.rotation, tripleOf(pair.b.hull()->support().middle())) -
+      (rotated(pair.X_WA.rotation, tripleOf(pair.a.hull()->support().middle())) + pair.t);
   return squared(middle) > kSmallestScale * kSmallestScale ? middle : Triple{1, 0, 0};
 }
 
@@ -453,7 +455,7 @@ HWY_EXPORT(hullSteps);
 bool answerHullPair(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
                     const DistanceRequest& request, PairCache* cache, DistanceResult& result,
                     VertexStart& start) {
-  return HWY_DYNAMIC_DISPATCH(hullSteps)(a, X_WA, b, X_WB, request, cache, result, start);
+  return LEEWAY_DISPATCH(hullSteps)(a, X_WA, b, X_WB, request, cache, result, start);
 }
 
 }  // namespace leeway::collision

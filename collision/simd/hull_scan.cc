@@ -6,6 +6,7 @@
 //
 #include <hwy/foreach_target.h>
 //
+#include "collision/simd/dispatch.h"
 #include "collision/simd/scan-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -24,7 +25,7 @@ namespace leeway::collision {
 HWY_EXPORT(scanHull);
 
 int scanFarthest(const HullSupport& support, const Vector& direction, int& hint) {
-  return HWY_DYNAMIC_DISPATCH(scanHull)(support, direction, hint);
+  return LEEWAY_DISPATCH(scanHull)(support, direction, hint);
 }
 
 }  // namespace leeway::collision

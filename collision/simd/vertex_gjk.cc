@@ -8,6 +8,7 @@
 //
 #include <hwy/foreach_target.h>
 //
+#include "collision/simd/dispatch.h"
 #include "collision/simd/vertex_cores-inl.h"
 #include "collision/simd/vertex_search-inl.h"
 
@@ -81,7 +82,7 @@ GjkEnd runVertexGjk(Difference<false>& difference, const Vector& direction,
                     const PairCache* carried, Progress& progress, Simplex& simplex) {
   if (progress.iterations >= progress.query().request.iteration_limit) return GjkEnd::kLimit;
   const GjkEnd end =
-      HWY_DYNAMIC_DISPATCH(vertexSteps)(difference, direction, progress, carried, simplex);
+      LEEWAY_DISPATCH(vertexSteps)(difference, direction, progress, carried, simplex);
   if (end == GjkEnd::kStagnated && simplex.count > 0) reduceAll(simplex, simplex.count);
   return end;
 }

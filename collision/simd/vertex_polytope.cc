@@ -11,6 +11,7 @@
 //
 #include <hwy/foreach_target.h>
 //
+#include "collision/simd/dispatch.h"
 #include "collision/simd/vertex_cores-inl.h"
 
 // A polytope as in penetration.h, without its care for all that can happen: what its claims rest on
@@ -325,7 +326,7 @@ bool growVertexPolytope(Difference<false>& difference, const Simplex& start, Pro
   const double narrow = query.lower_offset - query.upper_offset + 16 * query.roundoff;
   if (query.request.depth && !(query.request.tolerance > narrow)) return false;
   VertexPolytopeAnswer answer;
-  HWY_DYNAMIC_DISPATCH(vertexPolytope)(difference, start, progress, answer);
+  LEEWAY_DISPATCH(vertexPolytope)(difference, start, progress, answer);
   const Vector outward(answer.outward.x, answer.outward.y, answer.outward.z);
   if (answer.end == End::kOpen) {
     progress.offerLower(-answer.reach, -outward);
