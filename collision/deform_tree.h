@@ -3,6 +3,7 @@
 // Private to collision/: the hierarchy of a deforming mesh, without its bounds.
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -121,6 +122,17 @@ class DeformTree {
     __builtin_prefetch(reinterpret_cast<const char*>(first) + 64);
   }
   std::span<const std::int32_t> leafVertices() const { return leaf_vertices_; }
+  /// Starts to bring near the first vertices below a node of a branch; none of its root's.
+  void fetchVertices(std::int32_t node, const Eigen::Vector3d* vertices) const {
+    constexpr std::int32_t kMost = 16;  // fours
+    const Runs& own = runs(node);
+    const std::int32_t end = std::min(own.four_end, own.four_begin + kMost);
+    for (std::int32_t i = own.four_begin; i < end; ++i) {
+      const Eigen::Vector3d* first = vertices + fours_[static_cast<std::size_t>(i)];
+      __builtin_prefetch(first);
+      __builtin_prefetch(reinterpret_cast<const char*>(first) + 64);
+    }
+  }
 
   /// How many triangles are below a node.
   std::int32_t slotsBelow(std::int32_t node) const {
