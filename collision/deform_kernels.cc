@@ -505,6 +505,12 @@ HWY_INLINE unsigned openOf(Floats lower, Floats bar, Floats& closed) {
 }
 
 // By boxes; kTurned: along the body's own axes, too.
+//
+// Boxes are loose on tilted sheets. Slabs beside them, along one normal a branch, with the way
+// across it, close a fifth to three tenths of the nodes that boxes leave open, seen on 20k and 200k
+// triangles in waves; but the bound takes in every node what is saved, so that 12 distances come
+// out even, and a refit that finds the slabs takes a third longer. Boxes in a frame of each branch
+// would close no more.
 template <bool kTurned>
 HWY_INLINE void lowerBounds(const Probe& probe, const WideBox& box, float bar, Bounds& bounds) {
   const Floats zero = hn::Zero(kLanes), half = hn::Set(kLanes, 0.5F);
