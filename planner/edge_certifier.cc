@@ -19,6 +19,9 @@ constexpr std::uint32_t kAllLanes = (1U << collision::kLanes) - 1;
 /// configurations of an edge before its pairs are swept [count].
 constexpr int kLooks = 3;
 
+/// What a pair has when an exact look has just found it in contact; see Impl::luck.
+constexpr int kLuckOfLook = 2;
+
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 }  // namespace
@@ -297,7 +300,7 @@ EdgeCheck EdgeCertifier::Impl::told(Verdict verdict, int p, double t) {
   check.t = t;
   if (verdict == Verdict::kNotFree && p >= 0) {
     killer = p;
-    luck[at(p)] = 1;
+    luck[at(p)] = std::max(luck[at(p)], 1);
     closer_luck[at(p)] = 1;
   }
   return check;
@@ -337,7 +340,8 @@ EdgeCheck EdgeCertifier::Impl::certifyByLanes() {
 
 EdgeCheck EdgeCertifier::Impl::lookCloser(const EdgeLanes::Parts& parts) {
   // A contact between the middles of lanes, or where only more points tell it, is found for less
-  // than planes are looked for: what was in contact last is looked at, whatever was on its way.
+  // than planes are looked for. What the last look at a pair found in contact is asked exactly,
+  // too.
   int asked = 0;
   for (const collision::LaneSweep::Open& o : lanes.open()) {
     if (closer_luck[at(o.id)] < 0) continue;
@@ -346,6 +350,9 @@ EdgeCheck EdgeCertifier::Impl::lookCloser(const EdgeLanes::Parts& parts) {
     if (const std::optional<double> t = lanes.meet(o.id, from, width))
       return told(Verdict::kNotFree, o.id, *t);
     --closer_luck[at(o.id)];
+    if (luck[at(o.id)] < kLuckOfLook) continue;
+    const EdgeCheck look = lookAt(o.id, from + width / 2);
+    if (look.verdict != Verdict::kFree) return look;
   }
   return told(Verdict::kFree, -1, 0);
 }
@@ -361,22 +368,29 @@ std::pair<double, double> EdgeCertifier::Impl::rangeOf(const EdgeLanes::Parts& p
   return {from, to - from};
 }
 
+EdgeCheck EdgeCertifier::Impl::lookAt(int p, double t) {
+  const int slot = frames.place(t);
+  if (slot < 0) return told(Verdict::kUndecided, p, t);
+  if (exactState(slot, frames.pairs()[at(p)]) == Pair::kNotFree) {
+    luck[at(p)] = kLuckOfLook;
+    return told(Verdict::kNotFree, p, t);
+  }
+  --luck[at(p)];
+  return told(Verdict::kFree, -1, 0);
+}
+
 EdgeCheck EdgeCertifier::Impl::checkOpen(const EdgeLanes::Parts& parts) {
   // What collides without being seen in lanes most often does so in the middle of where it is near.
   // Pairs that are always near and hardly ever collide are not looked at.
   for (const collision::LaneSweep::Open& o : lanes.open()) {
-    const EdgePair& pair = frames.pairs()[at(o.id)];
     if (o.apart || luck[at(o.id)] < 0) continue;
     if (looks >= kLooks) break;
     ++looks;
     const auto [from, width] = rangeOf(parts, o.lanes);
     if (const std::optional<double> t = lanes.meet(o.id, from, width))
       return told(Verdict::kNotFree, o.id, *t);
-    const double t = from + width / 2;
-    const int slot = frames.place(t);
-    if (slot < 0) return told(Verdict::kUndecided, o.id, t);
-    if (exactState(slot, pair) == Pair::kNotFree) return told(Verdict::kNotFree, o.id, t);
-    --luck[at(o.id)];
+    const EdgeCheck look = lookAt(o.id, from + width / 2);
+    if (look.verdict != Verdict::kFree) return look;
   }
   return told(Verdict::kFree, -1, 0);
 }

@@ -78,6 +78,8 @@ struct EdgeCertifier::Impl {
   Verdict checkMiddle(const EdgeInterval& interval, int slot, int& offender);
   EdgeCheck told(Verdict verdict, int p, double t);
   EdgeCheck certifyByLanes();
+  /// An exact look at a pair at t; free where it is not in contact there.
+  EdgeCheck lookAt(int p, double t);
   /// Looks for contacts between the middles of lanes, of pairs that are open and were in contact
   /// when this was last found; free where nothing is met.
   EdgeCheck lookCloser(const EdgeLanes::Parts& parts);
@@ -147,8 +149,8 @@ struct EdgeCertifier::Impl {
   std::uint64_t stamp = 0;
   std::vector<double> hopeful;              // growth [m] at which a pair's sweep is worth trying
   std::vector<std::uint64_t> failed_stamp;  // the interval at which a pair's sweep last failed
-  // Of looks at a pair before it is swept, and before planes are looked for; below 0: none are
-  // taken.
+  // Of looks at a pair before it is swept, and before planes are looked for: up by what is met,
+  // down by what is not; below 0 none are taken.
   std::vector<int> luck, closer_luck;
   std::vector<EdgeInterval> intervals, next_intervals;
   /// A part of the edge that is looked at in lanes again, and its pairs as a range of part_pairs.
