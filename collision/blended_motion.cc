@@ -173,8 +173,9 @@ void requireRow(MotionKind kind, std::size_t key, const std::vector<double>& row
                 std::size_t wanted, const std::string& thing) {
   const std::string name = "key " + std::to_string(key);
   requireCount(kind, name, row.size(), wanted, thing + "s");
+  const std::string prefix = name + ", " + thing + " ";
   for (std::size_t k = 0; k < row.size(); ++k)
-    requireUsable(kind, name + ", " + thing + " " + std::to_string(k), row[k]);
+    requireUsable(kind, prefix + std::to_string(k), row[k]);
 }
 
 void requirePhase(MotionKind kind, const std::string& what, double phase) {

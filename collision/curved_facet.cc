@@ -55,22 +55,32 @@ struct Form {
 };
 
 // Hadeler's criterion. Roots and sums err by a few units of roundoff of their terms, which are
-// taken off.
+// taken off. (Written so that NaN fails; entries are brought to about 1, since products of six
+// would leave the range of double.)
 template <class Number>
-bool copositive(const Form<Number>& f) {
+bool copositive(Form<Number> f) {
+  Number* const entries[] = {&f.p00, &f.p11, &f.p22, &f.p01, &f.p02, &f.p12};
+  double largest = 0;
+  for (const Number* p : entries) {
+    if (!(std::abs(valueOf(*p)) <= std::numeric_limits<double>::max())) return false;
+    largest = std::max(largest, std::abs(valueOf(*p)));
+  }
+  if (!(largest > 0)) return true;
+  const Number scale = std::ldexp(1.0, -std::ilogb(largest));
+  for (Number* p : entries) *p = scale * *p;
   const Number rounding = kRootRounding<Number>, zero = 0;
-  if (f.p00 < zero || f.p11 < zero || f.p22 < zero) return false;
-  if (!(f.p01 < zero) && !(f.p02 < zero) && !(f.p12 < zero)) return true;
+  if (!(zero <= f.p00 && zero <= f.p11 && zero <= f.p22)) return false;
+  if (zero <= f.p01 && zero <= f.p02 && zero <= f.p12) return true;
   const Number r0 = squareRoot(f.p00), r1 = squareRoot(f.p11), r2 = squareRoot(f.p22);
   const auto edge = [&](const Number& p, const Number& roots) -> Number {
     return p + roots - rounding * (absolute(p) + roots);
   };
   const Number e01 = edge(f.p01, r0 * r1), e02 = edge(f.p02, r0 * r2), e12 = edge(f.p12, r1 * r2);
-  if (e01 < zero || e02 < zero || e12 < zero) return false;
+  if (!(zero <= e01 && zero <= e02 && zero <= e12)) return false;
   const Number all = r0 * r1 * r2, a = f.p01 * r2, b = f.p02 * r1, c = f.p12 * r0;
   const Number two = 2, last = squareRoot(two * e01 * e02 * e12);
-  return !(all + a + b + c + last <
-           rounding * (all + absolute(a) + absolute(b) + absolute(c) + last));
+  return rounding * (all + absolute(a) + absolute(b) + absolute(c) + last) <=
+         all + a + b + c + last;
 }
 
 }  // namespace
@@ -135,12 +145,13 @@ CurvedFacets::Corner<Vector> CurvedFacets::cornerOf(const SupportPoint& s) const
   return c;
 }
 
-// In the world's axes, x the direction that B's rotation makes of w.
+// In the world's axes, x the member that is made of the same points: facets that are flat enough
+// and those that are looked at here then have their edges in common.
 CurvedFacets::Corner<DoubleDoubleVector> CurvedFacets::sharpCornerOf(
     const SupportPoint& s, const SharpDifference& sharp) const {
   Corner<DoubleDoubleVector> c;
   shareOf(s, c.share);
-  c.x = sharp.inWorld(s.w);
+  c.x = sharp.member(s, difference_.pose());
   Vector p_a, p_b;
   if (!centerOf(0, s.index_a, p_a)) vertex(sharp.a(), s.index_a, p_a);
   if (!centerOf(1, s.index_b, p_b)) vertex(sharp.b(), s.index_b, p_b);

@@ -31,7 +31,7 @@ double finiteExtent(const ConvexView& view) {
 bool stoppedByRounding(const DistanceResult& result, const DistanceRequest& request, double size) {
   return result.status == DistanceStatus::kLimit && request.iteration_limit > 0 &&
          request.tolerance >= kUnitRoundoff * size &&
-         result.distance.width() <= 100 * kSharpFrom * size && size >= kSmallestScale &&
+         result.distance.width() <= kSharpFrom * size && size >= kSmallestScale &&
          size <= kLargestScale;
 }
 

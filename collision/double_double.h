@@ -54,6 +54,9 @@ inline DoubleDouble operator/(const DoubleDouble& a, const DoubleDouble& b) {
 inline bool operator<(const DoubleDouble& a, const DoubleDouble& b) {
   return a.high < b.high || (a.high == b.high && a.low < b.low);
 }
+inline bool operator<=(const DoubleDouble& a, const DoubleDouble& b) {
+  return a.high < b.high || (a.high == b.high && a.low <= b.low);
+}
 inline DoubleDouble absolute(const DoubleDouble& a) { return a.high < 0 ? -a : a; }
 
 /// 0 for what is not positive.

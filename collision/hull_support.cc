@@ -55,7 +55,8 @@ void HullSupport::fillCells(const ConvexHull& hull) {
   const double margin = 2 * kRelativeRounding * extent;
   sides_ = std::clamp(static_cast<int>(std::sqrt(static_cast<double>(vertices.size()) / 2)),
                       kFewestSides, kMostSides);
-  cells_.reserve(static_cast<std::size_t>(6 * sides_ * sides_));
+  cells_.reserve(std::size_t{6} * static_cast<std::size_t>(sides_) *
+                 static_cast<std::size_t>(sides_));
   std::vector<std::int32_t> seen(vertices.size(), -1);
   std::vector<std::uint16_t> candidates;
   int best = 0;

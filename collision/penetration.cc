@@ -750,10 +750,12 @@ void Polytope::grow() {
 
 // The facets that are as near as rounding can tell are measured again; all others are farther out
 // than the claim by more than that. Exact vertices are within kSupportRounding of those that the
-// surface was built from, and it stays off the origin while they are exchanged, so that it still
-// winds around it. Curved parts are asked for what the nearest plane leaves but for half the width.
+// surface was built from, and what departures from rotations move, and it stays off the origin
+// while they are exchanged, so that it still winds around it. Curved parts are asked for what the
+// nearest plane leaves but for half the width.
 void Polytope::sharpen(const SharpDifference& sharp, const Pose& X_BA) {
-  if (!(claim_ > 2 * kSupportRounding * roundoff_) || left_facing_ || !winds_) return;
+  const double moved = sharp.moved();
+  if (!(claim_ > 2 * kSupportRounding * roundoff_ + moved) || left_facing_ || !winds_) return;
   const auto corner = [&](const PolytopeFacet& f, int i) -> const SupportPoint& {
     return buffers_.vertices[static_cast<std::size_t>(f.vertex[i])];
   };
@@ -778,7 +780,7 @@ void Polytope::sharpen(const SharpDifference& sharp, const Pose& X_BA) {
     const DoubleDoubleVector n = sharp.inWorld(-progress_.normal());
     depth = sharp.mostAlong(n) / norm(n) - half_width;
   }
-  const double near = std::max(claim_, depth.high) + 128 * roundoff_;
+  const double near = std::max(claim_, depth.high) + 128 * roundoff_ + 2 * moved;
   DoubleDoubleVector outward;
   bool flat = false;  // the nearest is a facet, not a curved part
   for (int i = 0; i < facet_count_; ++i) {
@@ -793,7 +795,12 @@ void Polytope::sharpen(const SharpDifference& sharp, const Pose& X_BA) {
     const DoubleDouble length = norm(n);
     if (!(length.high > 0)) return;
     n = DoubleDouble(1) / length * n;
-    const DoubleDouble here = dot(n, a) - sharp.memberDefect();
+    // (The least of the three: a sliver's normal is poor even so.)
+    DoubleDouble here = dot(n, a);
+    for (const DoubleDouble& other : {dot(n, b), dot(n, c)}) {
+      if (other < here) here = other;
+    }
+    here = here - sharp.memberDefect();
     if (!(here < depth)) continue;
     if (curved && covers(f)) continue;
     if (!(here < depth)) continue;

@@ -11,10 +11,10 @@ namespace leeway::collision {
 /// Two numbers side by side, the same operation on both: a lane for each body. (Every compiler that
 /// we build with has these; they are rounded like single doubles, so that results are the same
 /// where they are not fast.)
-typedef double BodyLanes __attribute__((vector_size(16)));
+using BodyLanes = double __attribute__((vector_size(16)));
 
 inline __attribute__((always_inline)) BodyLanes magnitude(BodyLanes x) {
-  typedef std::int64_t Bits __attribute__((vector_size(16)));
+  using Bits = std::int64_t __attribute__((vector_size(16)));
   constexpr std::int64_t kAllButSign = 0x7fffffffffffffff;
   return reinterpret_cast<BodyLanes>(reinterpret_cast<Bits>(x) & Bits{kAllButSign, kAllButSign});
 }

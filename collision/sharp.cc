@@ -111,15 +111,23 @@ SharpDifference::SharpDifference(const ConvexView& a, const Pose& X_WA, const Co
   const double extent_a = a.core == Core::kHalfSpace ? 0 : a.extent;
   const double extent_b = b.core == Core::kHalfSpace ? 0 : b.extent;
   slack_ = 0.5 * (departure_a * extent_a + departure_b * extent_b) * (1 + 0x1p-10);
-  // With R_B = Q (1 + F) and |F| <= departure / 2: Q^T R_B moves points of B by |F|, R_B^T for Q^T
-  // those of A by |F| (extent A + |t|), and the rotations that were meant by as much again of
-  // either extent; X_BA's entries and t err by one unit each.
-  const double t = X_BA_.translation.norm();
-  pose_slack_ = (0.5 * departure_a * extent_a + departure_b * (extent_b + 0.5 * (extent_a + t)) +
-                 2 * kUnitRoundoff * (extent_a + t)) *
-                (1 + 0x1p-10);
-  const double size = extent_a + extent_b + t;
+  // With R = Q (1 + F) and |F| <= departure / 2 for both. In B's frame Q_B^T R_B moves points of B
+  // by |F_B|, and R_B^T in place of Q_B^T those of A by |F_B| (extent A + |t|). In A's frame, which
+  // X_BA's inverse leads to, it is |F_A| for extent A and (extent B + |t|), and t is turned by R_B
+  // R_B^T besides. The rotations that were meant move either body by |F| of its extent once more.
+  // Entries of X_BA and t err by one unit each. The plane of a half-space is moved by what its
+  // normal turns, anywhere within L.
+  const double t = X_BA_.translation.norm(), size = extent_a + extent_b + t;
+  const bool planes = a.core == Core::kHalfSpace || b.core == Core::kHalfSpace;
+  const double turned = planes ? (departure_a + departure_b) * size
+                               : departure_a * (extent_a + 0.5 * (extent_b + t)) +
+                                     departure_b * (extent_b + 0.5 * extent_a + t);
+  pose_slack_ = (turned + 2 * kUnitRoundoff * size) * (1 + 0x1p-10);
+  // X_BA makes points of the difference that are off those of the world by as much.
+  moved_ = 1.01 * (departure_a + 2 * departure_b) * size;
   member_defect_ = defectOf(a, size) + defectOf(b, size);
+  // (Its points are left where a transpose that is no inverse puts them.)
+  if (a.core == Core::kEllipsoid) member_defect_ += 1.01 * (departure_a + departure_b) * size;
 }
 
 // max over b - a - (T_A - T_B).

@@ -41,6 +41,9 @@ class SharpDifference {
   double slack() const { return slack_; }
   /// The same for a query that has been answered in B's frame with the pose below [m].
   double poseSlack() const { return pose_slack_; }
+  /// How far members that were made with X_BA, in B's frame, may be from those of the world, turned
+  /// there, besides rounding [m]: where matrices depart from rotations.
+  double moved() const { return moved_; }
   /// X_BA, correctly rounded.
   const Pose& X_BA() const { return X_BA_; }
 
@@ -51,7 +54,7 @@ class SharpDifference {
   const Pose& X_WB_;
   DoubleDoubleVector t_;  // T_A - T_B
   Pose X_BA_;
-  double slack_ = 0, pose_slack_ = 0, member_defect_ = 0;
+  double slack_ = 0, pose_slack_ = 0, member_defect_ = 0, moved_ = 0;
 };
 
 /// Offers the plane across n (a direction in the world, from A to B, of any length).

@@ -20,7 +20,7 @@ inline Triple tripleOf(const Vector& v) { return {v.x(), v.y(), v.z()}; }
 /// To memory as compilers copy it: what was written in one piece is read back in one without a
 /// stall.
 inline void write(double first, double second, double* to) {
-  typedef double Pair __attribute__((vector_size(16)));
+  using Pair = double __attribute__((vector_size(16)));
   const Pair pair = {first, second};
   std::memcpy(to, &pair, sizeof(pair));
 }

@@ -26,7 +26,7 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 }  // namespace
 
-EdgeCertifier::Impl::Impl(std::shared_ptr<const CompiledScene> compiled)
+EdgeCertifier::Impl::Impl(const std::shared_ptr<const CompiledScene>& compiled)
     : scene(compiled), frames(compiled, kEdgeSlots), lanes(frames), workspace(compiled->scene()) {
   workspace.pose_error = scene->rounding();
   motion.resize(scene->motions().size());

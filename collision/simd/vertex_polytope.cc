@@ -162,6 +162,15 @@ HWY_INLINE bool VertexPolytope::begin(const Simplex& start) {
   alignas(64) const std::int64_t first[kEight] = {0, 0, j, k, 0, 0, 0, 0},
                                  second[kEight] = {j, 3, 3, 3, j, j, j, j},
                                  third[kEight] = {k, j, k, 0, k, k, k, k};
+  // That the origin is inside must not rest on normals, which slivers have none of.
+  for (int i = 0; i < 4; ++i) {
+    const Triple p = vertex(static_cast<int>(first[i])), q = vertex(static_cast<int>(second[i])),
+                 r = vertex(static_cast<int>(third[i]));
+    const auto size = [](const Triple& v)
+                          HWY_ATTR { return std::abs(v.x) + std::abs(v.y) + std::abs(v.z); };
+    const double error = 16 * kUnitRoundoff * size(p) * size(q) * size(r);
+    if (!(dot(p, cross(q, r)) > error)) return false;
+  }
   const std::int32_t slots[4] = {newSlot(), newSlot(), newSlot(), newSlot()};
   return place(verticesAt(first), verticesAt(second), verticesAt(third), first, second, third,
                slots, 4);
@@ -277,7 +286,10 @@ HWY_INLINE void VertexPolytope::grow(VertexPolytopeAnswer& answer) {
       tell(i, 0, answer);
       return;
     }
-    if (iterations_ >= request.iteration_limit || vertex_count_ == kVertices) return;
+    if (iterations_ >= request.iteration_limit || vertex_count_ == kVertices) {
+      tell(i, 0, answer);
+      return;
+    }
     ++iterations_;
     const Triple outward = {nx_[i], ny_[i], nz_[i]};
     VertexNames names = names_[corner_[i][0]];
@@ -326,12 +338,9 @@ bool growVertexPolytope(Difference<false>& difference, const Simplex& start, Pro
   const double narrow = query.lower_offset - query.upper_offset + 16 * query.roundoff;
   if (query.request.depth && !(query.request.tolerance > narrow)) return false;
   VertexPolytopeAnswer answer;
+  const int before = progress.iterations;
   LEEWAY_DISPATCH(vertexPolytope)(difference, start, progress, answer);
   const Vector outward(answer.outward.x, answer.outward.y, answer.outward.z);
-  if (answer.end == End::kOpen) {
-    progress.offerLower(-answer.reach, -outward);
-    return false;
-  }
   // Of several facets in one plane, the one that the plane's normal passes through.
   double least = std::numeric_limits<double>::infinity();
   Vector nearest = Vector::Zero(), a = Vector::Zero();
@@ -352,7 +361,11 @@ bool growVertexPolytope(Difference<false>& difference, const Simplex& start, Pro
            progress.offerTogether(-answer.depth, nearest, a, -answer.reach, -outward);
   }
   progress.offerLower(-answer.reach, -outward);
-  progress.offerWitness(-answer.depth, nearest, a);
+  if (answer.near_count > 0) progress.offerWitness(-answer.depth, nearest, a);
+  // The robust steps begin anew, and have all that were allowed.
+  if (answer.end == End::kOpen && progress.iterations < query.request.iteration_limit) {
+    progress.iterations = before;
+  }
   return progress.enough();
 }
 

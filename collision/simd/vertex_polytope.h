@@ -18,7 +18,7 @@ bool growVertexPolytope(Difference<false>& difference, const Simplex& start, Pro
 /// What such a polytope says, of the difference without radii, excess or rounding.
 struct VertexPolytopeAnswer {
   enum class End : unsigned char {
-    kOpen,     ///< nothing more than a plane
+    kOpen,     ///< a plane, and a depth where there are near facets
     kDecided,  ///< a threshold or the overlap itself
     kMet,      ///< the depth, to within the tolerance
   };
@@ -28,7 +28,7 @@ struct VertexPolytopeAnswer {
   End end = End::kOpen;
   Triple outward = {1, 0, 0};                              ///< of a supporting plane, a unit vector
   double reach = std::numeric_limits<double>::infinity();  ///< how far out the plane is
-  double depth = 0;  ///< nothing of the surface is nearer; 0 where kOpen
+  double depth = 0;  ///< nothing of the surface is nearer; 0 without near facets
   /// Names of the corners of facets, one of which has the nearest point.
   int near_count = 0;
   std::int32_t near_a[kMostNear][3], near_b[kMostNear][3];

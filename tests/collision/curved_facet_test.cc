@@ -173,6 +173,36 @@ TEST(RoundDepth, ConvergesWhereTheDifferenceIsNearlyABall) {
   EXPECT_EQ(overlapping, 300);
 }
 
+/// Products of six entries left the range of double beyond sizes of 2^170, and infinity was no less
+/// than infinity: depths were claimed that are not.
+TEST(RoundDepth, IsTheSameAtAnyScale) {
+  Random random(74);
+  Scratch scratch;
+  int overlapping = 0;
+  for (int i = 0; i < 150; ++i) {
+    const Vector3d axes_a(random.uniform(0.3, 1), random.uniform(0.3, 1), random.uniform(0.3, 1)),
+        axes_b(random.uniform(0.3, 1), random.uniform(0.3, 1), random.uniform(0.3, 1));
+    const Pose X_WA{random.rotation(), Vector3d::Zero()};
+    const Pose X_WB{random.rotation(), random.logUniform(1e-6, 0.3) * random.direction()};
+    DistanceRequest request;
+    request.tolerance = 1e-9;
+    const DistanceResult one =
+        distance(Shape::ellipsoid(axes_a), X_WA, Shape::ellipsoid(axes_b), X_WB, request, scratch);
+    overlapping += one.distance.upper < 0;
+    for (const int exponent : {-100, 175, 180, 185, 190, 195}) {
+      const double scale = std::ldexp(1.0, exponent);
+      request.tolerance = 1e-9 * scale;
+      Pose X_WC = X_WB;
+      X_WC.translation *= scale;
+      const DistanceResult r = distance(Shape::ellipsoid(scale * axes_a), X_WA,
+                                        Shape::ellipsoid(scale * axes_b), X_WC, request, scratch);
+      EXPECT_LE(r.distance.lower, scale * one.distance.upper) << i << " at 2^" << exponent;
+      EXPECT_GE(r.distance.upper, scale * one.distance.lower) << i << " at 2^" << exponent;
+    }
+  }
+  EXPECT_EQ(overlapping, 150);
+}
+
 /// These were left with widths of 2.4e-5 and 8.2e-5.
 TEST(RoundDepth, AnEllipsoidInASphereAndInItself) {
   const Shape ellipsoid =

@@ -117,7 +117,7 @@ TEST(VertexPolytope, ThresholdsLimitsAndYesOrNo) {
   Random random(242);
   Scratch scratch;
   PolytopeBuffers buffers;
-  int above = 0, below = 0, yes = 0, open = 0;
+  int above = 0, below = 0, yes = 0, open = 0, told = 0;
   for (int i = 0; i < casesToAsk(4000); ++i) {
     const testing::Pair pair = anyPair(random, scratch);
     DistanceRequest exact;
@@ -140,6 +140,8 @@ TEST(VertexPolytope, ThresholdsLimitsAndYesOrNo) {
     if (kind == 2) {
       EXPECT_LE(progress.iterations, request.iteration_limit) << pair.replay();
       open += !enough;
+      // What the surface says at the limit is not thrown away.
+      told += !enough && progress.upper() < begun.upper();
       continue;
     }
     if (!enough) continue;
@@ -151,6 +153,7 @@ TEST(VertexPolytope, ThresholdsLimitsAndYesOrNo) {
   EXPECT_GT(below, casesToAsk(200));
   EXPECT_GT(yes, casesToAsk(500));
   EXPECT_GT(open, casesToAsk(200));
+  EXPECT_GT(told, open / 2);
 }
 
 TEST(VertexPolytope, LeavesToItsTwinWhatIsInDoubt) {

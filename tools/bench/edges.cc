@@ -15,7 +15,6 @@
 
 #include <fmt/format.h>
 #include <ompl/util/Console.h>
-#include <time.h>
 
 #include <CLI/CLI.hpp>
 #include <Eigen/Geometry>
@@ -177,6 +176,7 @@ Problem bodies(const std::vector<leeway::bench::Soup>& soups, std::uint64_t seed
   using leeway::collision::Shape;
   leeway::bench::SplitMix random(seed);
   std::vector<Shape> shapes;
+  shapes.reserve(soups.size());
   for (const leeway::bench::Soup& soup : soups)
     shapes.push_back(
         Shape::mesh(leeway::collision::TriangleMesh::make(soup.vertices, soup.triangles)));

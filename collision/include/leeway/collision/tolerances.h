@@ -22,9 +22,10 @@ inline constexpr double kSharpClosedFormRounding = 16;
 inline constexpr double kPoseRounding = 24;
 
 /// An interval that is wider than asked, but narrower than this share of the sizes involved, is
-/// looked at again in twice the precision: rounding leaves some 1.5e-14, and what is wider a search
-/// left open. Smaller may leave an interval wider than asked, larger only costs time.
-inline constexpr double kSharpFrom = 1e-13;
+/// looked at again in twice the precision: rounding leaves some 1.5e-14, of curved overlaps up to
+/// 1e-12, and what is wider a search left open. Smaller may leave an interval wider than asked,
+/// larger only costs time.
+inline constexpr double kSharpFrom = 1e-11;
 
 /// Largest departure ||R^T R - 1|| (Frobenius) of a matrix that is still taken for a rotation;
 /// above, a query is kInvalid. The departure itself always is part of the interval's width.
