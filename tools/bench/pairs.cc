@@ -96,6 +96,7 @@ Body hull(const std::vector<Vector3d>& points) {
 Body roundHull(Random& random, int count) {
   const Vector3d axes(random.uniform(0.5, 1), random.uniform(0.4, 1), random.uniform(0.3, 1));
   std::vector<Vector3d> points;
+  points.reserve(static_cast<std::size_t>(count));
   for (int i = 0; i < count; ++i) points.push_back(axes.cwiseProduct(random.direction()));
   return hull(points);
 }
@@ -104,6 +105,7 @@ Body roundHull(Random& random, int count) {
 Body sliver(Random& random) {
   const Vector3d scale(1, random.logUniform(1e-5, 1e-2), random.logUniform(1e-6, 1));
   std::vector<Vector3d> points;
+  points.reserve(12);
   for (int i = 0; i < 12; ++i) points.push_back(scale.cwiseProduct(random.direction()));
   return hull(points);
 }

@@ -28,6 +28,7 @@ class RivalReport {
       const std::vector<std::unique_ptr<Engine>>& own,
       std::vector<std::unique_ptr<Engine>> report::Rivals::*kind) const {
     std::vector<const Engine*> all;
+    all.reserve(own.size());
     for (const auto& engine : own) all.push_back(engine.get());
     for (const report::RivalModule& module : modules_) {
       if (!module.rivals) continue;

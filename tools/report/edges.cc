@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 #include <ompl/util/Console.h>
-#include <time.h>
 
 #include <algorithm>
 #include <array>
