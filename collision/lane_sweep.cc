@@ -189,6 +189,17 @@ void LaneSweep::addPiecePair(int id, int a, int b, int motion, double threshold)
                           planes ? partAbove(threshold, rounding) : -1.0F, -1.0F});
 }
 
+bool LaneSweep::canMeet(int pair) const {
+  const Impl::Pair& p = impl_->pairs[static_cast<std::size_t>(pair)];
+  const auto piece = [&](int i) -> const Impl::LanePiece& {
+    return impl_->pieces[static_cast<std::size_t>(i)];
+  };
+  const Impl::LanePiece& a = piece(p.a);
+  const bool exact = !p.pieces && impl_->obstacles[static_cast<std::size_t>(p.b)].exact;
+  const bool by_balls = exact || (p.balls >= 0 && piece(p.balls).inner < piece(p.balls).end);
+  return (a.inner < a.end && by_balls) || (exact && a.frame >= 0 && a.own >= 0);
+}
+
 void LaneSweep::finish() { impl_->finish(); }
 
 void LaneSweep::Impl::finish() {

@@ -44,6 +44,7 @@ EdgeCertifier::Impl::Impl(const std::shared_ptr<const CompiledScene>& compiled)
   failed_stamp.resize(frames.pairs().size());
   luck.assign(frames.pairs().size(), 0);
   closer_luck.assign(frames.pairs().size(), 0);
+  closer_looks.reserve(kLooks);
   for (std::vector<EdgeInterval>* list : {&intervals, &next_intervals})
     list->reserve(kEdgeIntervals);
 }
@@ -342,15 +343,16 @@ EdgeCheck EdgeCertifier::Impl::lookCloser(const EdgeLanes::Parts& parts) {
   // A contact between the middles of lanes, or where only more points tell it, is found for less
   // than planes are looked for. What the last look at a pair found in contact is asked exactly,
   // too.
-  int asked = 0;
+  closer_looks.clear();
   for (const collision::LaneSweep::Open& o : lanes.open()) {
     if (closer_luck[at(o.id)] < 0) continue;
-    if (++asked > kLooks) break;
+    if (closer_looks.size() == kLooks) break;
     const auto [from, width] = rangeOf(parts, o.lanes);
     if (const std::optional<double> t = lanes.meet(o.id, from, width))
       return told(Verdict::kNotFree, o.id, *t);
     --closer_luck[at(o.id)];
-    if (luck[at(o.id)] < kLuckOfLook) continue;
+    closer_looks.push_back({o.id, from, width, luck[at(o.id)] >= kLuckOfLook});
+    if (!closer_looks.back().exact) continue;
     const EdgeCheck look = lookAt(o.id, from + width / 2);
     if (look.verdict != Verdict::kFree) return look;
   }
@@ -385,10 +387,19 @@ EdgeCheck EdgeCertifier::Impl::checkOpen(const EdgeLanes::Parts& parts) {
   for (const collision::LaneSweep::Open& o : lanes.open()) {
     if (o.apart || luck[at(o.id)] < 0) continue;
     if (looks >= kLooks) break;
-    ++looks;
     const auto [from, width] = rangeOf(parts, o.lanes);
-    if (const std::optional<double> t = lanes.meet(o.id, from, width))
-      return told(Verdict::kNotFree, o.id, *t);
+    // Planes may have left a pair open over the same range: the same looks would find the same.
+    const auto same = [&, from = from, width = width](const CloserLook& look) {
+      return look.pair == o.id && look.from == from && look.width == width;
+    };
+    const auto before = std::find_if(closer_looks.begin(), closer_looks.end(), same);
+    const bool again = before != closer_looks.end();
+    if (again && before->exact) continue;
+    ++looks;
+    if (!again) {
+      if (const std::optional<double> t = lanes.meet(o.id, from, width))
+        return told(Verdict::kNotFree, o.id, *t);
+    }
     const EdgeCheck look = lookAt(o.id, from + width / 2);
     if (look.verdict != Verdict::kFree) return look;
   }

@@ -78,10 +78,12 @@ struct EdgeCertifier::Impl {
   Verdict checkMiddle(const EdgeInterval& interval, int slot, int& offender);
   EdgeCheck told(Verdict verdict, int p, double t);
   EdgeCheck certifyByLanes();
-  /// An exact look at a pair at t; free where it is not in contact there.
+  /// An exact look at a pair at t, which changes what is expected of the next; free where no
+  /// contact is found there.
   EdgeCheck lookAt(int p, double t);
-  /// Looks for contacts between the middles of lanes, of pairs that are open and were in contact
-  /// when this was last found; free where nothing is met.
+  /// Looks for contacts between the middles of lanes, of pairs that are open and have not been
+  /// looked at so in vain, and exactly at those that the last exact look found in contact; free
+  /// where nothing is met.
   EdgeCheck lookCloser(const EdgeLanes::Parts& parts);
   /// Where the first of some lanes begins, and how far it is from there to the end of the last.
   static std::pair<double, double> rangeOf(const EdgeLanes::Parts& parts, std::uint32_t open_lanes);
@@ -152,6 +154,13 @@ struct EdgeCertifier::Impl {
   // Of looks at a pair before it is swept, and before planes are looked for: up by what is met,
   // down by what is not; below 0 none are taken.
   std::vector<int> luck, closer_luck;
+  /// What lookCloser() has asked in vain of this edge, with exact queries or without.
+  struct CloserLook {
+    int pair;
+    double from, width;
+    bool exact;
+  };
+  std::vector<CloserLook> closer_looks;
   std::vector<EdgeInterval> intervals, next_intervals;
   /// A part of the edge that is looked at in lanes again, and its pairs as a range of part_pairs.
   struct EdgePart {

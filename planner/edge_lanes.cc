@@ -390,6 +390,7 @@ LaneSweep::Contact EdgeLanes::sweepParts(const Parts& parts,
 }
 
 std::optional<double> EdgeLanes::meet(int pair, double from, double width) {
+  if (!sweep_.canMeet(pair)) return std::nullopt;
   // In the middle of a lane's share each, but for the whole edge at its end: the middles are those
   // of sweep() there.
   const double share = width / collision::kLanes, first = width < 1 ? share / 2 : share;

@@ -24,7 +24,7 @@ class EdgeLanes {
   /// After begin(): all intervals [k, k + 1] / kLanes, by balls, planes and points that are known.
   /// Ids are indices into frames.pairs().
   collision::LaneSweep::Contact sweep();
-  /// After sweep(): planes are looked for between what it left open.
+  /// After a sweep() that found no contact: planes are looked for between what it left open.
   collision::LaneSweep::Contact part();
   /// Parts of the edge, one a lane: from + [0, width]. Each `from` is a multiple of `width`, which
   /// is a power of two of at least 2^-16.
@@ -37,7 +37,8 @@ class EdgeLanes {
   collision::LaneSweep::Contact sweepParts(const Parts& parts,
                                            std::span<const collision::LaneSweep::Open> pairs);
   /// After begin(): a look for a contact of one pair at kLanes places spread over [from, from +
-  /// width] of the edge, none of which sweep() has looked at; where there is one, if found.
+  /// width] of the edge, none of which sweep() has looked at where these are sixteenths; where
+  /// there is one, if found.
   std::optional<double> meet(int pair, double from, double width);
   /// What the last sweep left.
   std::span<const collision::LaneSweep::Open> open() const { return scratch_->open(); }

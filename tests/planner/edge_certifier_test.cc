@@ -56,6 +56,24 @@ class DenseTwin {
     return least;
   }
 
+  /// The least that one pair can be apart beyond its margin.
+  double lowestOf(std::span<const double> point, int pair_index) {
+    compiled_.expand(point, q_);
+    robots::forwardKinematics(compiled_.model(), q_, poses_);
+    const collision::ScenePair& pair =
+        compiled_.scene().pairs()[static_cast<std::size_t>(pair_index)];
+    const collision::Geometry& g = compiled_.scene()
+                                       .bodies()[static_cast<std::size_t>(pair.body_a)]
+                                       .geometries[static_cast<std::size_t>(pair.geometry_a)];
+    const collision::Geometry& h = compiled_.scene()
+                                       .bodies()[static_cast<std::size_t>(pair.body_b)]
+                                       .geometries[static_cast<std::size_t>(pair.geometry_b)];
+    return collision::distance(g.shape, pose(pair.body_a) * g.X_BG, h.shape,
+                               pose(pair.body_b) * h.X_BG, {}, scratch_)
+               .distance.lower -
+           pair.margin;
+  }
+
   /// The least over an edge: `samples`, then once more finely around the least of them.
   double along(std::span<const double> a, std::span<const double> b, int samples,
                bool signed_distance = false, double to = 1) {
@@ -135,7 +153,7 @@ std::string replay(const std::vector<double>& a, const std::vector<double>& b) {
 
 struct Tally {
   int edges = 0, free = 0, not_free = 0, undecided = 0, unsafe = 0, cautious = 0, wrong_prefix = 0,
-      prefixes = 0;
+      prefixes = 0, places = 0;
 };
 
 void checkRandomEdges(Kind kind, int problems, int edges, std::uint64_t seed, Tally& tally) {
@@ -149,12 +167,21 @@ void checkRandomEdges(Kind kind, int problems, int edges, std::uint64_t seed, Ta
     const auto compiled = std::make_shared<const CompiledScene>(problem);
     EdgeCertifier certifier(compiled);
     DenseTwin twin(*compiled);
+    std::vector<double> a_before, goal_before;
     for (int e = 0; e < edges; ++e) {
       // From a free state where one is found soon, so that edges are like those of a search.
       std::vector<double> a = randomPoint(random, *compiled), b(a.size());
       for (int k = 0; k < 30 && certifier.decide(a) != Verdict::kFree; ++k)
         a = randomPoint(random, *compiled);
-      const std::vector<double> goal = randomPoint(random, *compiled);
+      std::vector<double> goal = randomPoint(random, *compiled);
+      // Every other edge is next to the one before it: what was in the way there is looked for.
+      if (e % 2 == 1 && !a_before.empty()) {
+        const std::vector<double> from = a, to = goal;
+        compiled->space().interpolate(a_before, from, 0.02, a);
+        compiled->space().interpolate(goal_before, to, 0.02, goal);
+      }
+      a_before = a;
+      goal_before = goal;
       compiled->space().interpolate(a, goal, random.uniform(0.05, 1), b);
       std::vector<double> difference(a.size());
       compiled->space().difference(a, b, difference);
@@ -178,6 +205,18 @@ void checkRandomEdges(Kind kind, int problems, int edges, std::uint64_t seed, Ta
         // "Not free" is a proof; only "undecided" may be cautious.
         EXPECT_EQ(check.verdict, Verdict::kUndecided)
             << "seed " << seed << " problem " << p << " edge " << e << "\n"
+            << replay(a, b);
+      }
+      if (check.verdict == Verdict::kNotFree && check.pair >= 0) {
+        // In contact there, to within the rounding that margins are charged with.
+        ++tally.places;
+        EXPECT_GE(check.t, 0);
+        EXPECT_LE(check.t, 1);
+        std::vector<double> there(a.size());
+        compiled->space().interpolate(a, b, check.t, there);
+        EXPECT_LE(twin.lowestOf(there, check.pair), 1e-5)
+            << "t " << check.t << " pair " << check.pair << ": seed " << seed << " problem " << p
+            << " edge " << e << "\n"
             << replay(a, b);
       }
       if (check.verdict == Verdict::kFree) {

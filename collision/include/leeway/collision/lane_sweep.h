@@ -101,6 +101,8 @@ class LaneSweep {
   /// A look for a contact of one pair in the middle of the intervals, by balls and all points,
   /// `pair` being its place in the order of addition. Frames need only be placed.
   Contact meet(int pair, std::span<const LaneFrame> frames, float slack, Scratch& scratch) const;
+  /// False for pairs of which neither balls nor points can ever prove a contact.
+  bool canMeet(int pair) const;
   /// run() and part() for single configurations: frames need not be moved.
   Contact runStill(std::span<const LaneFrame> frames, float slack, Scratch& scratch) const;
 
