@@ -343,7 +343,7 @@ struct FourExtremes {
 };
 
 // Adds the fours begin .. end - 1. Vertices come from far: fetching them kAhead fours early saves a
-// third of the time. An update goes on to those of the next branch, a query ends with the node.
+// third of the time. An update goes on to those of the next branch, a query seldom past its node.
 template <std::size_t kAhead>
 HWY_INLINE void addFours(std::span<const std::int32_t> fours, std::int32_t begin, std::int32_t end,
                          const Eigen::Vector3d* vertices, FourExtremes& four) {

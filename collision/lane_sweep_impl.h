@@ -150,7 +150,7 @@ struct LaneSweepKernel {
   bool partByQueries(std::int32_t pair, bool closely, std::uint32_t& lanes) const;
   /// A few points of each pair that is open are looked for in its obstacle.
   Contact meetOpen() const;
-  /// What is open is tried with points and planes.
+  /// What is open is tried with planes, and then with more points.
   Contact partOpen(bool closely) const;
 };
 

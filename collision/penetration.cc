@@ -803,7 +803,7 @@ void Polytope::sharpen(const SharpDifference& sharp, const Pose& X_BA) {
     here = here - sharp.memberDefect();
     if (!(here < depth)) continue;
     if (curved && covers(f)) continue;
-    if (!(here < depth)) continue;
+    if (!(here < depth)) continue;  // which covers() may have lowered
     depth = here, outward = n, flat = true;
   }
   if (!(depth.high > 0)) return;

@@ -262,14 +262,19 @@ struct Pair {
   bool needles;  // one of them at least
 };
 
+HWY_INLINE Triple betweenMiddles(const Pair& pair) {
+  const HullSupport &a = pair.a.hull()->support(), &b = pair.b.hull()->support();
+  return rotated(pair.X_WB.rotation, tripleOf(b.middle())) -
+         (rotated(pair.X_WA.rotation, tripleOf(a.middle())) + pair.t);
+}
+
 // From one axis to the other where they are nearest: a needle's middle tells little of where it is
 // met. Hulls that are none stand for their middles.
 HWY_INLINE Triple betweenAxes(const Pair& pair) {
   const HullSupport &a = pair.a.hull()->support(), &b = pair.b.hull()->support();
   const Triple axis_a = rotated(pair.X_WA.rotation, tripleOf(a.axis())),
                axis_b = rotated(pair.X_WB.rotation, tripleOf(b.axis()));
-  const Triple middle = rotated(pair.X_WB.rotation, tripleOf(b.middle())) -
-                        (rotated(pair.X_WA.rotation, tripleOf(a.middle())) + pair.t);
+  const Triple middle = betweenMiddles(pair);
   double s_a = 0, s_b = 0;
   nearestOnAxes(dot(axis_a, axis_b), -dot(axis_a, middle), -dot(axis_b, middle), a.halfLength(),
                 b.halfLength(), s_a, s_b);
@@ -287,9 +292,7 @@ HWY_INLINE Triple firstDirection(const Pair& pair) {
     }
   }
   if (pair.needles) return betweenAxes(pair);
-  const Triple middle =
-      rotated(pair.X_WB.rotation, tripleOf(pair.b.hull()->support().middle())) -
-      (rotated(pair.X_WA.rotation, tripleOf(pair.a.hull()->support().middle())) + pair.t);
+  const Triple middle = betweenMiddles(pair);
   return squared(middle) > kSmallestScale * kSmallestScale ? middle : Triple{1, 0, 0};
 }
 

@@ -12,7 +12,8 @@ namespace leeway::collision {
 /// growPolytope() for cores with vertices, from four points of the difference that hold the origin:
 /// facets side by side in vector lanes, in plain arithmetic. True where the request is met by what
 /// was found; false where there is need of robust steps, from `start` on, or of more than a few
-/// tens of vertices. No more than `progress` says is known then.
+/// tens of vertices. No more than `progress` says is known then; its iterations are those before,
+/// unless the limit was reached.
 bool growVertexPolytope(Difference<false>& difference, const Simplex& start, Progress& progress);
 
 /// What such a polytope says, of the difference without radii, excess or rounding.

@@ -16,9 +16,9 @@ namespace leeway::collision {
 /// `growth` of the straight way through its place in the middle of the interval, so that the ball
 /// stays in a capsule; a capsule is told from a convex shape by the plane through the shape's point
 /// that is nearest to the capsule's middle. What capsules leave open is tried with planes between
-/// the hulls of points of both bodies: that which parted them last, or one that a distance query
-/// finds in the middle of the open intervals; where there is none, with the points themselves, each
-/// of which proves a contact where it is inside an obstacle. Constant once built.
+/// the hulls of points of both bodies, that which parted them last; with the points themselves,
+/// each of which proves a contact where it is inside an obstacle; and with planes that a distance
+/// query finds in the middle of the open intervals. Constant once built.
 class LaneSweep {
  public:
   /// A thing on a frame (-1: the world), its balls in that frame's axes.
@@ -90,8 +90,9 @@ class LaneSweep {
   /// what is told is proven whatever they were. O(pieces + pairs); never throws or allocates.
   Contact run(std::span<const LaneFrame> frames, std::span<const float> growth, float slack,
               Scratch& scratch) const;
-  /// After run(), with the same frames, growth and slack: planes are looked for between what it
-  /// left open. O(open pairs), a distance query of a few points for some of them.
+  /// After a run() that found no contact, with the same frames, growth and slack: planes are looked
+  /// for between what it left open; Open::apart is told from here on. O(open pairs), a distance
+  /// query of a few points for some of them.
   Contact part(std::span<const LaneFrame> frames, std::span<const float> growth, float slack,
                Scratch& scratch) const;
   /// Planes and points alone, for some pairs in some lanes; their ids are here the pairs' places in
@@ -101,7 +102,7 @@ class LaneSweep {
   /// A look for a contact of one pair in the middle of the intervals, by balls and all points,
   /// `pair` being its place in the order of addition. Frames need only be placed.
   Contact meet(int pair, std::span<const LaneFrame> frames, float slack, Scratch& scratch) const;
-  /// False for pairs of which neither balls nor points can ever prove a contact.
+  /// False for pairs of which neither balls nor points can ever prove a contact. O(1).
   bool canMeet(int pair) const;
   /// run() and part() for single configurations: frames need not be moved.
   Contact runStill(std::span<const LaneFrame> frames, float slack, Scratch& scratch) const;
