@@ -112,6 +112,7 @@ Ball ballAround(const std::vector<Polygon>& faces) {
           squared = (p - center).squaredNorm();
           farthest = &p;
         }
+    if (farthest == nullptr) break;  // no points, and no ball around them
     const double radius =
         std::sqrt(squared) * (1 + kRelativeRounding) + kRelativeRounding * center.lpNorm<1>();
     if (radius < best.radius) best = {center, radius};

@@ -85,7 +85,8 @@ class LatticeVertices final : public VertexMotion {
   double blendError() const { return 16.0 * (cells_[0] + cells_[1] + cells_[2]) + 32; }
 
   void weighVertices(const LatticeMotion& motion) {
-    stride_ = static_cast<std::size_t>(cells_[0] + cells_[1] + cells_[2] + 3);
+    stride_ = 3;
+    for (const int cells : cells_) stride_ += static_cast<std::size_t>(cells);
     weights_.resize(stride_ * motion.rest.size());
     for (std::size_t v = 0; v < motion.rest.size(); ++v) {
       double* out = weights_.data() + stride_ * v;

@@ -33,7 +33,7 @@ class Search {
     for (const Vector& direction : tries) {
       if (direction.norm() > 0) outwards(direction / direction.norm());
     }
-    outwards(result_.normal);
+    outwards(Vector(result_.normal));  // a copy: what is found takes its place
     for (double angle = kSeparationFirstTurn; angle > kSeparationLastTurn && !good();
          angle *= 0.5) {
       while (!good() && turned(angle)) {
@@ -63,7 +63,7 @@ class Search {
   }
 
   // Lengths are multiplied from the least that can do, then halved back.
-  void outwards(const Vector unit) {
+  void outwards(const Vector& unit) {
     double fails = least_, next = least_ * (1 + 1e-6) + std::max(tolerance_, rounding_);
     // In short steps at first: what is needed at least often is nearly enough.
     double factor = 1.1;
@@ -79,7 +79,7 @@ class Search {
     if (unit == result_.normal) halve(fails, length(), unit);
   }
 
-  void halve(double fails, double does, const Vector unit) {
+  void halve(double fails, double does, const Vector& unit) {
     for (int half = 0; half < kSeparationHalvings && does - fails > tolerance_ && !good(); ++half) {
       const double middle = 0.5 * (fails + does);
       (separates(middle, unit) ? does : fails) = middle;

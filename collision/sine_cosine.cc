@@ -77,7 +77,7 @@ Reduced reduceExactly(double x) {
     multiply(mantissa, bitsOfTwoOverPi(first + 64 * i), high, low);
     low += carry;
     high += low < carry ? 1 : 0;
-    fixed[static_cast<std::size_t>(i + 1)] = low;
+    fixed[static_cast<std::size_t>(i) + 1] = low;
     carry = high;
   }
   fixed[0] = carry;

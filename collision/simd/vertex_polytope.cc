@@ -222,7 +222,7 @@ HWY_INLINE bool VertexPolytope::expand(std::uint64_t seen) {
   bool once = true;
   int count = 0;
   const std::int64_t newest = vertex_count_ - 1;
-  for (int i = 0; i < seen_count; ++i) {
+  for (int i = 0; i < slot_count; ++i) {
     const std::uint8_t* c = corner_[slots[i]];
     for (int k = 0; k < 3; ++k) {
       const unsigned p = c[k], q = c[k == 2 ? 0 : k + 1];
