@@ -44,10 +44,11 @@ Shape readPrimitive(const YAML::Node& node, const std::string& file) {
                            "'; this checker knows box, cylinder and sphere");
 }
 
-/// Rounding of FCL's bounds, generously [m], and the most places that a pair is left out.
-constexpr double kGapSlack = 1e-6, kLongestHop = 1e6;
-/// That many places, or a quarter of it and so on, are tried between meshes.
-constexpr int kHopBetweenMeshes = 16;
+/// Rounding of FCL's bounds, generously [m].
+constexpr double kGapSlack = 1e-6;
+/// Where two bodies are proven apart for so much of the places that their nearest known parts are,
+/// no longer proof is looked for.
+constexpr double kShareOfHop = 0.25;
 
 double valueOf(const Named& values, const std::string& name) {
   for (const auto& [known, value] : values)
@@ -75,22 +76,65 @@ std::string requestOf(const std::string& scene) {
   return (path.parent_path() / name.replace(at, 5, "request")).string();
 }
 
-/// What holds a shape, in its own frame: of a mesh its vertices and FCL's hierarchy over it, of
-/// anything else a box.
+/// What holds a shape: of a mesh FCL's hierarchy over it, of anything else a box.
 struct DenseWorld::Bounds {
+  /// A box, and for a part of a mesh FCL's rounded rectangle, in the shape's frame; how far from
+  /// the origin of its link it reaches, and its children, the second after the first; -1: none.
+  struct Node {
+    Eigen::Vector3d center, half_extents;
+    Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
+    double radius = 0, reach = 0;
+    int child = -1, triangle = -1;
+    const fcl::RSSd* rss = nullptr;
+  };
   std::shared_ptr<const FclSurface> mesh;
-  Eigen::Matrix3Xd vertices;
-  Eigen::Vector3d center = Eigen::Vector3d::Zero(), half_extents = Eigen::Vector3d::Zero();
+  std::vector<Node> nodes;
 
-  explicit Bounds(const FclGeometry& geometry)
+  Bounds(const FclGeometry& geometry, const Isometry3d& X_LG)
       : mesh(std::dynamic_pointer_cast<const FclSurface>(geometry)) {
     if (mesh != nullptr) {
-      vertices = Eigen::Map<const Eigen::Matrix3Xd>(mesh->vertices->data(), 3, mesh->num_vertices);
+      for (int i = 0; i < mesh->getNumBVs(); ++i) {
+        const fcl::BVNode<fcl::OBBRSSd>& node = mesh->getBV(i);
+        add(node.bv.obb.To, node.bv.obb.extent, X_LG);
+        nodes.back().axes = node.bv.obb.axis;
+        if (node.isLeaf())
+          nodes.back().triangle = node.primitiveId();
+        else
+          nodes.back().child = node.leftChild();
+        nodes.back().rss = &node.bv.rss;
+      }
       return;
     }
     geometry->computeLocalAABB();
-    center = geometry->aabb_local.center();
-    half_extents = 0.5 * (geometry->aabb_local.max_ - geometry->aabb_local.min_);
+    add(geometry->aabb_local.center(),
+        0.5 * (geometry->aabb_local.max_ - geometry->aabb_local.min_), X_LG);
+  }
+  void add(const Eigen::Vector3d& center, const Eigen::Vector3d& half_extents,
+           const Isometry3d& X_LG) {
+    nodes.emplace_back();
+    nodes.back().center = center;
+    nodes.back().half_extents = half_extents;
+    nodes.back().radius = half_extents.norm();
+    nodes.back().reach = (X_LG * center).norm() + nodes.back().radius;
+  }
+  /// The corners of a node's triangle.
+  std::array<Eigen::Vector3d, 3> corners(const Node& leaf) const {
+    const fcl::Triangle& t = mesh->tri_indices[leaf.triangle];
+    return {mesh->vertices[t[0]], mesh->vertices[t[1]], mesh->vertices[t[2]]};
+  }
+  /// At most the distance between what two nodes hold; below 0 it says nothing.
+  static double gap(const Node& a, const Node& b, const Isometry3d& X_AB) {
+    const Eigen::Vector3d to_b = X_AB * b.center - a.center;
+    const double balls = to_b.norm() - a.radius - b.radius;
+    if (balls > a.radius + b.radius) return balls;  // their shapes matter little
+    if (a.rss != nullptr && b.rss != nullptr)
+      return std::max(balls, fcl::distance(fcl::Matrix3d(X_AB.linear()),
+                                           fcl::Vector3d(X_AB.translation()), *a.rss, *b.rss));
+    // A box around b whose faces are parallel to those of a.
+    const Eigen::Vector3d around =
+        (a.axes.transpose() * (X_AB.linear() * b.axes)).cwiseAbs() * b.half_extents;
+    const Eigen::Vector3d apart = (a.axes.transpose() * to_b).cwiseAbs() - a.half_extents - around;
+    return std::max(balls, apart.cwiseMax(0).norm());
   }
 };
 
@@ -98,15 +142,21 @@ struct DenseWorld::Body {
   std::string name;
   int link = -1;  // -1: the world
   std::vector<Isometry3d> X_LG;
+  std::vector<FclGeometry> geometries;
   std::vector<std::unique_ptr<fcl::CollisionObjectd>> objects;
-  std::vector<Bounds> bounds;
+  std::vector<std::shared_ptr<const Bounds>> bounds;
   std::vector<Shape> shapes;
   std::vector<collision::Pose> X_WG;
 
   void add(const Shape& shape, const Isometry3d& X) {
     const FclGeometry geometry = toFcl(shape);
-    bounds.emplace_back(geometry);
+    add(shape, X, geometry, std::make_shared<const Bounds>(geometry, X));
+  }
+  void add(const Shape& shape, const Isometry3d& X, const FclGeometry& geometry,
+           std::shared_ptr<const Bounds> of_shape) {
     shapes.push_back(shape);
+    geometries.push_back(geometry);
+    bounds.push_back(std::move(of_shape));
     X_WG.push_back({X.linear(), X.translation()});
     X_LG.push_back(X);
     objects.push_back(std::make_unique<fcl::CollisionObjectd>(geometry, X));
@@ -118,6 +168,22 @@ DenseWorld::DenseWorld(std::shared_ptr<const robots::Model> model, const std::st
                        const std::string& request_file)
     : model_(std::move(model)), X_WL_(model_->links.size()) {
   addRobot();
+  readScene(scene_file);
+  readRequest(request_file);
+  listPairs();
+}
+
+DenseWorld::DenseWorld(const DenseWorld& other, const std::string& scene_file,
+                       const std::string& request_file)
+    : model_(other.model_), X_WL_(model_->links.size()) {
+  for (std::size_t i = 0; i < model_->links.size(); ++i) {
+    const Body& like = *other.bodies_[i];
+    bodies_.push_back(std::make_unique<Body>());
+    bodies_[i]->name = like.name;
+    bodies_[i]->link = like.link;
+    for (std::size_t g = 0; g < like.shapes.size(); ++g)
+      bodies_[i]->add(like.shapes[g], like.X_LG[g], like.geometries[g], like.bounds[g]);
+  }
   readScene(scene_file);
   readRequest(request_file);
   listPairs();
@@ -192,6 +258,10 @@ void DenseWorld::listPairs() {
       if (carrierOf(*bodies_[i]) != carrierOf(*bodies_[j]) &&
           !mayTouch(bodies_[i]->name, bodies_[j]->name))
         pairs_.emplace_back(i, j);
+  for (std::size_t p = 0; p < pairs_.size(); ++p)
+    for (std::size_t a = 0; a < bodies_[pairs_[p].first]->shapes.size(); ++a)
+      for (std::size_t b = 0; b < bodies_[pairs_[p].second]->shapes.size(); ++b)
+        shape_pairs_.push_back({p, a, b});
 }
 
 void DenseWorld::placeLinks(const std::vector<std::string>& names,
@@ -252,86 +322,98 @@ void DenseWorld::place(const std::vector<std::string>& names,
   for (const auto& body : bodies_) placeObjects(*body);
 }
 
-bool DenseWorld::collides(const Body& x, const Body& y) const {
-  const fcl::CollisionRequestd request(1, false);
-  for (const auto& a : x.objects)
-    for (const auto& b : y.objects) {
-      if (!a->getAABB().overlap(b->getAABB())) continue;
-      fcl::CollisionResultd result;
-      if (fcl::collide(a.get(), b.get(), request, result) > 0) return true;
-    }
-  return false;
+/// Whether two shapes meet where they are.
+bool DenseWorld::collide(const ShapePair& pair) const {
+  const auto& [i, j] = pairs_[pair.bodies];
+  const fcl::CollisionObjectd &a = *bodies_[i]->objects[pair.a], &b = *bodies_[j]->objects[pair.b];
+  if (!a.getAABB().overlap(b.getAABB())) return false;
+  fcl::CollisionResultd result;
+  return fcl::collide(&a, &b, fcl::CollisionRequestd(1, false), result) > 0;
 }
 
-/// Whether the volumes of FCL's hierarchies around two meshes' triangles are `gap` apart.
-bool DenseWorld::farther(const Bounds& a, const Bounds& b, const Isometry3d& X_AB, double gap) {
-  const fcl::Matrix3d R = X_AB.linear();
-  const fcl::Vector3d p = X_AB.translation();
-  nodes_.assign(1, {0, 0});
+/// The distance between two nodes without children; of a box, at most that.
+double DenseWorld::leafGap(const Bounds& a, const Bounds& b, const NodePair& pair,
+                           const Isometry3d& X_AB) {
+  const Bounds::Node &u = a.nodes[pair.first], &v = b.nodes[pair.second];
+  if (!a.mesh || !b.mesh) return Bounds::gap(u, v, X_AB);
+  const std::array<Eigen::Vector3d, 3> s = a.corners(u), t = b.corners(v);
+  Eigen::Vector3d on_s, on_t;
+  return fcl::detail::TriangleDistance<double>::triDistance(s.data(), t.data(), X_AB, on_s, on_t);
+}
+
+/// For how many places to come, at most `most`, two shapes are proven apart, by their nodes: those
+/// near a joint come less far in a place than those at the end of the chain.
+double DenseWorld::placesApart(ShapePair& shapes, const Approach& approach, double most) {
+  const Body &x = *bodies_[pairs_[shapes.bodies].first],
+             &y = *bodies_[pairs_[shapes.bodies].second];
+  const Bounds &a = *x.bounds[shapes.a], &b = *y.bounds[shapes.b];
+  NodePair& nearest = shapes.nearest;
+  const Isometry3d X_AB = x.objects[shapes.a]->getTransform().inverse(Eigen::Isometry) *
+                          y.objects[shapes.b]->getTransform();
+  const auto places = [&](const NodePair& pair) {
+    const Bounds::Node &u = a.nodes[pair.first], &v = b.nodes[pair.second];
+    return (Bounds::gap(u, v, X_AB) - kGapSlack) / approach.step(u.reach, v.reach);
+  };
+  const auto leaf_places = [&](const NodePair& pair) {
+    const Bounds::Node &u = a.nodes[pair.first], &v = b.nodes[pair.second];
+    return (leafGap(a, b, pair, X_AB) - kGapSlack) / approach.step(u.reach, v.reach);
+  };
+  // What was nearest before is so as a rule: nothing that is farther by far needs to be divided.
+  const double whole = places({0, 0});
+  if (whole >= most) return whole;
+  const bool known = a.nodes[nearest.first].child < 0 && b.nodes[nearest.second].child < 0;
+  double nearest_places = known ? std::max(leaf_places(nearest), 0.0) : most, apart = most;
+  nodes_.assign(1, {{0, 0}, whole});
   while (!nodes_.empty()) {
-    const auto [i, j] = nodes_.back();
+    const auto [pair, bound] = nodes_.back();
     nodes_.pop_back();
-    const fcl::BVNode<fcl::OBBRSSd>&u = a.mesh->getBV(i), &v = b.mesh->getBV(j);
-    if (fcl::distance(R, p, u.bv, v.bv) >= gap) continue;
-    if (u.isLeaf() && v.isLeaf()) return false;
-    if (v.isLeaf() || (!u.isLeaf() && u.bv.size() > v.bv.size())) {
-      nodes_.emplace_back(u.leftChild(), j);
-      nodes_.emplace_back(u.rightChild(), j);
-    } else {
-      nodes_.emplace_back(i, v.leftChild());
-      nodes_.emplace_back(i, v.rightChild());
+    const Bounds::Node &u = a.nodes[pair.first], &v = b.nodes[pair.second];
+    const bool is_leaf = u.child < 0 && v.child < 0;
+    const bool is_far = bound >= std::min(most, kShareOfHop * nearest_places);
+    if (is_far) {
+      apart = std::min(apart, bound);
+      continue;
     }
+    if (is_leaf) {
+      const double exact = leaf_places(pair);
+      apart = std::min(apart, exact);
+      if (exact < 0) return exact;
+      if (exact < nearest_places) nearest_places = exact, nearest = pair;
+      continue;
+    }
+    const bool first = v.child < 0 || (u.child >= 0 && u.radius > v.radius);
+    Timed children[2];
+    for (std::size_t k = 0; k < 2; ++k) {
+      NodePair& child = children[k].first;
+      child = pair;
+      (first ? child.first : child.second) =
+          static_cast<std::size_t>(first ? u.child : v.child) + k;
+      children[k].second = std::max(bound, places(child));
+    }
+    const bool turned = children[0].second < children[1].second;  // the nearer is taken first
+    nodes_.push_back(children[turned ? 1 : 0]);
+    nodes_.push_back(children[turned ? 0 : 1]);
   }
-  return true;
-}
-
-/// How far a mesh's vertices all lie outside of one of a box's faces; negative when outside of
-/// none.
-double DenseWorld::faceGap(const Bounds& box, const Bounds& mesh, const Isometry3d& X_BM) {
-  placed_vertices_.noalias() = X_BM.linear() * mesh.vertices;
-  const Eigen::Vector3d p = X_BM.translation() - box.center;
-  const Eigen::Vector3d lower = placed_vertices_.rowwise().minCoeff() + p;
-  const Eigen::Vector3d upper = placed_vertices_.rowwise().maxCoeff() + p;
-  return (lower - box.half_extents).cwiseMax(-upper - box.half_extents).maxCoeff();
-}
-
-/// For how many places to come, each bringing two bodies `step` closer at most, they are proven
-/// apart: by planes of boxes' faces, and by FCL's bounds as many as `most` between meshes.
-double DenseWorld::placesApart(const Body& x, const Body& y, double step, int most) {
-  double places = kLongestHop;
-  for (std::size_t g = 0; g < x.objects.size(); ++g)
-    for (std::size_t h = 0; h < y.objects.size(); ++h) {
-      const fcl::CollisionObjectd &a = *x.objects[g], &b = *y.objects[h];
-      double apart = (a.getAABB().distance(b.getAABB()) - kGapSlack) / step;
-      const Isometry3d X_AB = a.getTransform().inverse(Eigen::Isometry) * b.getTransform();
-      const Bounds &u = x.bounds[g], &v = y.bounds[h];
-      if (apart < most && u.mesh && v.mesh) {
-        for (int tried = most; tried > std::max(apart, 0.0); tried /= 4)
-          if (farther(u, v, X_AB, tried * step + kGapSlack)) apart = tried;
-      } else if (apart < most && (u.mesh || v.mesh)) {
-        const double gap =
-            u.mesh ? faceGap(v, u, X_AB.inverse(Eigen::Isometry)) : faceGap(u, v, X_AB);
-        apart = std::max(apart, (gap - kGapSlack) / step);
-      }
-      places = std::min(places, apart);
-    }
-  return places;
+  return apart;
 }
 
 Collision DenseWorld::check(const std::vector<std::string>& names,
                             const std::vector<double>& positions) {
   place(names, positions);
-  for (const auto& [i, j] : pairs_)
-    if (collides(*bodies_[i], *bodies_[j])) return {true, bodies_[i]->name, bodies_[j]->name};
+  for (const ShapePair& pair : shape_pairs_) {
+    const auto& [i, j] = pairs_[pair.bodies];
+    if (collide(pair)) return {true, bodies_[i]->name, bodies_[j]->name};
+  }
   return {};
 }
 
-/// For each pair, how far its bodies can come towards each other on the whole way: joints that
-/// carry both move neither against the other; each of the rest moves a body by its turn times the
-/// length of the chain between them, and a slide by itself.
-std::vector<double> DenseWorld::largestSteps(const std::vector<std::string>& names,
-                                             const std::vector<double>& from,
-                                             const std::vector<double>& to) const {
+/// For each pair, how far its bodies can come towards each other from one place to the next: joints
+/// that carry both move neither against the other; each of the rest moves a point by its turn times
+/// the length of the chain between them, and a slide by itself.
+std::vector<DenseWorld::Approach> DenseWorld::largestSteps(const std::vector<std::string>& names,
+                                                           const std::vector<double>& from,
+                                                           const std::vector<double>& to,
+                                                           int count) const {
   std::vector<double> turns(model_->joints.size(), 0);
   for (std::size_t i = 0; i < turns.size(); ++i) {
     const robots::Joint* joint = &model_->joints[i];
@@ -341,7 +423,7 @@ std::vector<double> DenseWorld::largestSteps(const std::vector<std::string>& nam
       joint = &model_->joints[static_cast<std::size_t>(joint->mimic)];
     }
     for (std::size_t k = 0; k < names.size(); ++k)
-      if (names[k] == joint->name) turns[i] = std::abs(factor * (to[k] - from[k]));
+      if (names[k] == joint->name) turns[i] = std::abs(factor * (to[k] - from[k])) / count;
   }
   // A link's joint has the link's number.
   const auto parentOf = [&](int link) {
@@ -352,16 +434,15 @@ std::vector<double> DenseWorld::largestSteps(const std::vector<std::string>& nam
     return other >= 0;
   };
   const auto moved = [&](const Body& body, int other) {
-    double length = 0, sum = 0;
-    for (std::size_t g = 0; g < body.shapes.size(); ++g)
-      length = std::max(length, (body.X_LG[g] * body.shapes[g].boundingCenter()).norm() +
-                                    body.shapes[g].boundingRadius());
+    double length = 0;  // from the joint to the origin of the body's link
+    Moved sum;
     for (int link = body.link; link >= 0; link = parentOf(link)) {
       const robots::Joint& joint = model_->joints[static_cast<std::size_t>(link)];
       if (carries(link, other)) break;
       const double turn = turns[static_cast<std::size_t>(link)];
       const bool slides = joint.type == robots::JointType::kPrismatic;
-      sum += slides ? turn : turn * length;
+      sum.turn += slides ? 0 : turn;
+      sum.rest += slides ? turn : turn * length;
       length += joint.X_PJ.translation.norm();
       if (!slides) continue;
       // What slides lies as far out as its limits allow.
@@ -374,39 +455,40 @@ std::vector<double> DenseWorld::largestSteps(const std::vector<std::string>& nam
     }
     return sum;
   };
-  std::vector<double> steps;
+  std::vector<Approach> approaches;
   for (const auto& [i, j] : pairs_)
-    steps.push_back(moved(*bodies_[i], bodies_[j]->link) + moved(*bodies_[j], bodies_[i]->link));
-  return steps;
+    approaches.push_back(
+        {moved(*bodies_[i], bodies_[j]->link), moved(*bodies_[j], bodies_[i]->link)});
+  return approaches;
 }
 
 std::optional<double> DenseWorld::firstCollision(const std::vector<std::string>& names,
                                                  const std::vector<double>& from,
                                                  const std::vector<double>& to, int count) {
-  const std::vector<double> steps = largestSteps(names, from, to);
-  due_.assign(pairs_.size(), 0);
+  const std::vector<Approach> approaches = largestSteps(names, from, to, count);
+  due_.assign(shape_pairs_.size(), 0);
   placed_.assign(bodies_.size(), -1);
   std::vector<double> q(from.size());
-  for (int place = 0; place <= count; ++place) {
+  int next = 0;
+  for (int place = 0; place <= count; place = next) {
     const double t = static_cast<double>(place) / count;
-    bool looked = false;
-    for (std::size_t p = 0; p < pairs_.size(); ++p) {
-      if (due_[p] > place) continue;
-      if (!looked) {
-        for (std::size_t k = 0; k < q.size(); ++k) q[k] = (1 - t) * from[k] + t * to[k];
-        placeLinks(names, q);
-        looked = true;
+    for (std::size_t k = 0; k < q.size(); ++k) q[k] = (1 - t) * from[k] + t * to[k];
+    placeLinks(names, q);
+    next = count + 1;
+    for (std::size_t p = 0; p < shape_pairs_.size(); ++p) {
+      if (due_[p] <= place) {
+        ShapePair& pair = shape_pairs_[p];
+        const auto& [i, j] = pairs_[pair.bodies];
+        for (const std::size_t b : {i, j}) {
+          if (placed_[b] == place) continue;
+          placed_[b] = place;
+          placeObjects(*bodies_[b]);
+        }
+        const double places = placesApart(pair, approaches[pair.bodies], count - place + 1.0);
+        if (places < 0 && collide(pair)) return t;
+        due_[p] = place + 1 + static_cast<int>(std::max(places, 0.0));
       }
-      const auto& [i, j] = pairs_[p];
-      for (const std::size_t b : {i, j}) {
-        if (placed_[b] == place) continue;
-        placed_[b] = place;
-        placeObjects(*bodies_[b]);
-      }
-      const double places = placesApart(*bodies_[i], *bodies_[j], std::max(steps[p] / count, 1e-12),
-                                        kHopBetweenMeshes);
-      if (places < 0 && collides(*bodies_[i], *bodies_[j])) return t;
-      due_[p] = place + 1 + static_cast<int>(std::max(places, 0.0));
+      next = std::min(next, due_[p]);
     }
   }
   return std::nullopt;

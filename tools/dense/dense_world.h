@@ -4,6 +4,7 @@
 // judge. It shares with Leeway only the reading of URDF and mesh files.
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <memory>
 #include <optional>
 #include <string>
@@ -31,16 +32,18 @@ class DenseWorld {
   /// Throws std::runtime_error for what the files lack; yaml-cpp's exceptions for broken ones.
   DenseWorld(std::shared_ptr<const robots::Model> model, const std::string& scene_file,
              const std::string& request_file);
+  /// The same robot in another scene, without building its hierarchies again.
+  DenseWorld(const DenseWorld& other, const std::string& scene_file,
+             const std::string& request_file);
   ~DenseWorld();
 
   /// Positions of the named joints; all others as in the request's start state (absent there: 0).
   Collision check(const std::vector<std::string>& names, const std::vector<double>& positions);
 
   /// The same at the places t = i / count of the straight way between two rows, i = 0 .. count: the
-  /// first t at which a pair collides. A pair whose bodies are so far apart, by axis-aligned boxes,
-  /// a box's faces or FCL's hierarchies, that they cannot meet at the next places (the distance
-  /// from a joint, along the chain, times its turn) is left out there: the same answer as check()
-  /// everywhere, several times faster.
+  /// first t at which a pair collides. Two shapes whose hierarchies are so far apart that they
+  /// cannot meet at the next places (the distance of a node from a joint, along the chain, times
+  /// the joint's turn) are left out there: the same answer as check() everywhere, much faster.
   std::optional<double> firstCollision(const std::vector<std::string>& names,
                                        const std::vector<double>& from,
                                        const std::vector<double>& to, int count);
@@ -62,6 +65,23 @@ class DenseWorld {
  private:
   struct Bounds;
   struct Body;
+  using NodePair = std::pair<std::size_t, std::size_t>;
+  /// Two shapes of a pair of bodies, and which of their nodes were nearest to one another last.
+  struct ShapePair {
+    std::size_t bodies, a, b;
+    NodePair nearest{};
+  };
+  /// How far a point moves in one place: `turn` times its distance from the origin of its link, and
+  /// `rest` [m].
+  struct Moved {
+    double turn = 0, rest = 0;
+  };
+  struct Approach {
+    Moved a, b;
+    double step(double reach_a, double reach_b) const {
+      return std::max(a.turn * reach_a + a.rest + b.turn * reach_b + b.rest, 1e-12);
+    }
+  };
   void readScene(const std::string& file);
   void readRequest(const std::string& file);
   void addRobot();
@@ -69,13 +89,13 @@ class DenseWorld {
   void placeLinks(const std::vector<std::string>& names, const std::vector<double>& positions);
   void placeObjects(Body& body) const;
   void place(const std::vector<std::string>& names, const std::vector<double>& positions);
-  bool collides(const Body& a, const Body& b) const;
-  bool farther(const Bounds& a, const Bounds& b, const Eigen::Isometry3d& X_AB, double gap);
-  double faceGap(const Bounds& box, const Bounds& mesh, const Eigen::Isometry3d& X_BM);
-  double placesApart(const Body& x, const Body& y, double step, int most);
-  std::vector<double> largestSteps(const std::vector<std::string>& names,
-                                   const std::vector<double>& from,
-                                   const std::vector<double>& to) const;
+  bool collide(const ShapePair& pair) const;
+  static double leafGap(const Bounds& a, const Bounds& b, const NodePair& pair,
+                        const Eigen::Isometry3d& X_AB);
+  double placesApart(ShapePair& pair, const Approach& approach, double most);
+  std::vector<Approach> largestSteps(const std::vector<std::string>& names,
+                                     const std::vector<double>& from, const std::vector<double>& to,
+                                     int count) const;
   bool mayTouch(const std::string& a, const std::string& b) const;
 
   std::shared_ptr<const robots::Model> model_;
@@ -86,8 +106,9 @@ class DenseWorld {
   std::vector<Eigen::Isometry3d> X_WL_;
   std::vector<int> due_;     // firstCollision(): when a pair is looked at next
   std::vector<int> placed_;  // and the place that a body's objects were set for
-  std::vector<std::pair<int, int>> nodes_;
-  Eigen::Matrix3Xd placed_vertices_;
+  std::vector<ShapePair> shape_pairs_;
+  using Timed = std::pair<NodePair, double>;
+  std::vector<Timed> nodes_;
   collision::Scratch scratch_;
 };
 

@@ -185,12 +185,16 @@ struct Place {
   std::vector<std::string> names;
 };
 
-Place load(const std::shared_ptr<const leeway::robots::Model>& model, const std::string& scene) {
+/// `first`: a place of the same robot, or null.
+Place load(const std::shared_ptr<const leeway::robots::Model>& model, const std::string& scene,
+           const Place* first) {
   Place place;
   place.problem = leeway::planner::loadMoveit(model, scene, requestOf(scene));
   place.scene = std::make_shared<leeway::planner::CompiledScene>(place.problem);
   place.certifier = std::make_unique<EdgeCertifier>(place.scene);
-  place.world = std::make_unique<DenseWorld>(model, scene, requestOf(scene));
+  const std::string request = requestOf(scene);
+  place.world = first == nullptr ? std::make_unique<DenseWorld>(model, scene, request)
+                                 : std::make_unique<DenseWorld>(*first->world, scene, request);
   for (const int v : place.problem.variables)
     place.names.push_back(model->variables[static_cast<std::size_t>(v)].name);
   return place;
@@ -237,7 +241,8 @@ int run(const Options& options) {
     throw std::runtime_error("--shard " + options.shard + ": i/N with 0 <= i < N is expected");
   const auto model = leeway::robots::loadModel(options.robot, options.srdf);
   std::vector<Place> places;
-  for (const std::string& scene : options.scenes) places.push_back(load(model, scene));
+  for (const std::string& scene : options.scenes)
+    places.push_back(load(model, scene, places.empty() ? nullptr : &places.front()));
   Counts c;
   if (options.asked)
     checkAsked(options, shard, shards, places, c);
