@@ -5,6 +5,7 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <span>
 #include <utility>
 
 #include "collision/deform_octree.h"
@@ -67,9 +68,12 @@ struct PartPair {
   double lower;  // proven for everything below
 };
 
+// Nodes of a hierarchy that are looked at together.
+constexpr std::size_t kTogether = 8;
+
 // A node or a leaf that is still to be looked at.
 struct Open {
-  double lower;  // proven for everything below
+  float lower;  // proven for everything below
   std::int32_t ref;
 };
 
@@ -87,8 +91,10 @@ class DeformDescent {
     if (a.snapshot != nullptr) boxes_a_ = BoxSource(*a.snapshot, scratch.impl().deform);
     if (b.snapshot != nullptr) boxes_b_ = BoxSource(*b.snapshot, scratch.impl().deform);
     half_space_ = isHalfSpace(a) || isHalfSpace(b);
+    has_volumes_ =
+        b.snapshot != nullptr && b.snapshot->bounds != nullptr && b.snapshot->bounds->hasVolumes();
     extent_b_ = magnitude(b.low) + magnitude(b.high);
-    if (isWhole(a)) whole_probe_ = makeProbeOf({0, boxOf(a.low, a.high)});
+    if (isWhole(a)) whole_probe_ = wholeProbe();
   }
 
   DescentResult run() {
@@ -96,9 +102,9 @@ class DeformDescent {
     result_.upper = kInfinity;
     setBar();
     PartPair root;
-    root.a = {0, boxOf(a_.low, a_.high)};
     root.b = {0, boxOf(b_.low, b_.high)};
-    root.lower = lowerBound(probeOf(root.a), root.b.box.low, root.b.box.high);
+    if (!isWhole(a_)) root.a = {0, boxOf(a_.low, a_.high)};
+    root.lower = lowerBound(makeProbeOf(root.a), root.b.box.low, root.b.box.high);
     result_.hull_lower = root.lower;
     if (needless(root.lower)) {
       settle(root.lower);
@@ -299,7 +305,7 @@ class DeformDescent {
       part.box = boxOf(c[0].cwiseMin(c[1]).cwiseMin(c[2]), c[0].cwiseMax(c[1]).cwiseMax(c[2]));
     }
     if (!moves) return part.box;
-    const Probe probe = probeOf(part);
+    const Probe probe = makeProbeOf(part);
     FloatBox box;
     for (int k = 0; k < 3; ++k) {
       const float grown = probe.radius + probe.slack;
@@ -343,86 +349,114 @@ class DeformDescent {
     return side.rigid.view;
   }
 
-  Probe probeOf(const Part& part) const { return isWhole(a_) ? whole_probe_ : makeProbeOf(part); }
-
   Probe makeProbeOf(const Part& part) const {
-    Vector3d low = lowOf(part.box), high = highOf(part.box);
-    double radius = placement_.growth;
-    if (isWhole(a_)) {
-      // The core's own box, and what it is grown by apart.
-      low = a_.low;
-      high = a_.high;
-      if (!half_space_ && a_.rigid.tree == nullptr) {
-        const double grown = a_.rigid.view.radius;
-        low.array() += grown;
-        high.array() -= grown;
-        radius += grown;
-      }
-    }
+    return isWhole(a_) ? whole_probe_
+                       : makeProbeOf(lowOf(part.box), highOf(part.box), placement_.growth);
+  }
+  Probe makeProbeOf(const Vector3d& low, const Vector3d& high, double radius) const {
     return makeProbe(low, high, radius, placement_.X_BA0,
                      placement_.swept ? &placement_.X_BA1 : nullptr, extent_b_, placement_.slack);
   }
-
-  // A rigid body against the nodes of B alone.
-  void whole(double root) {
-    std::array<Open, (kWidth - 1) * DeformTree::kMaxDepth + kWidth> open;
-    std::size_t size = 0;
-    open[size++] = {root, 0};
-    while (size > 0 && !done()) {
-      const Open at = open[--size];
-      if (needless(at.lower)) {
-        settle(at.lower);
-        continue;
-      }
-      if (visited_ >= limit()) {
-        settle(at.lower);
-        break;
-      }
-      ++visited_;
-      if (DeformTree::isLeaf(at.ref)) {
-        const DeformTree::Leaf& leaf = b_.snapshot->tree->leaf(DeformTree::leafOf(at.ref));
-        if (isBeyondPlane(b_.snapshot->tree->leafVertices().subspan(
-                static_cast<std::size_t>(leaf.vertex_begin),
-                static_cast<std::size_t>(leaf.vertex_end - leaf.vertex_begin))))
-          continue;
-        Bounds bounds;
-        kernels_.triangleBounds(whole_probe_, *b_.snapshot->tree, b_.snapshot->vertices.data(),
-                                leaf.slot_begin, leaf.slot_end, bounds);
-        leafAgainst(-1, leaf.slot_begin, leaf.slot_end, at.lower, bounds);
-      } else {
-        size += children(at, &open[size]);
-      }
-      if (done()) settle(at.lower);  // parts of it may not have been looked at
-    }
-    while (size > 0) settle(open[--size].lower);
+  // Of a rigid A: its core's own box, and what it is grown by apart.
+  Probe wholeProbe() const {
+    const bool has_core = !half_space_ && a_.rigid.tree == nullptr;
+    const double grown = has_core ? a_.rigid.view.radius : 0;
+    return makeProbeOf(a_.low.array() + grown, a_.high.array() - grown, placement_.growth + grown);
   }
 
-  // Those children of a node that need a closer look, the nearest last.
-  std::size_t children(const Open& parent, Open* open) {
-    WideBox room;
-    const WideBox& box = boxes_b_.boxes(parent.ref, room);
+  // A rigid body against the nodes of B alone. Those on top of the stack are looked at several at a
+  // time, so that nobody waits for what one comes to before the next is begun; before there is an
+  // upper end, one at a time, since the nearest leads to it.
+  void whole(double root) {
+    // What is taken together stands on top, deeper nodes above others: no level of the hierarchy
+    // has more than the children of one taking there.
+    std::array<Open, (DeformTree::kMaxDepth + 1) * kWidth * kTogether> open;
+    std::size_t size = 0;
+    open[size++] = {roundedDown(root), 0};
+    bool over = done(), within = true;  // the limit
+    while (size > 0 && !over && within) {
+      const std::size_t most = result_.upper < kInfinity ? kTogether : 1;
+      std::array<Open, kTogether> taken;
+      std::size_t count = 0;
+      while (size > 0 && count < most) {
+        const Open at = open[size - 1];
+        const auto lower = static_cast<double>(at.lower);
+        if (needless(lower)) {
+          settle(lower);
+          --size;
+          continue;
+        }
+        const bool leaf = DeformTree::isLeaf(at.ref);
+        if (leaf && count > 0) break;
+        within = visited_ < limit();
+        if (!within) break;
+        ++visited_;
+        --size;
+        if (!leaf) {
+          taken[count++] = at;
+          continue;
+        }
+        wholeAgainstLeaf(at);
+        over = done();
+        if (over) settle(lower);  // parts of it may not have been looked at
+        break;
+      }
+      if (count > 0) size += children({taken.data(), count}, &open[size]);
+      // Nodes alone end nothing but sweeps.
+      over = over || (placement_.swept && done());
+    }
+    while (size > 0) settle(static_cast<double>(open[--size].lower));
+  }
+
+  void wholeAgainstLeaf(const Open& at) {
     const DeformTree& tree = *b_.snapshot->tree;
+    const DeformTree::Leaf& leaf = tree.leaf(DeformTree::leafOf(at.ref));
+    if (isBeyondPlane(tree.leafVertices().subspan(
+            static_cast<std::size_t>(leaf.vertex_begin),
+            static_cast<std::size_t>(leaf.vertex_end - leaf.vertex_begin))))
+      return;
     Bounds bounds;
-    kernels_.childBounds(whole_probe_, tree, b_.snapshot->vertices.data(), parent.ref, box,
-                         roundedUpToFloat(bar()), bounds);
-    tighten(parent.ref, whole_probe_, bounds);
-    settle(static_cast<double>(bounds.closed));
-    const DeformTree::Node& node = tree.node(parent.ref);
+    kernels_.triangleBounds(whole_probe_, tree, b_.snapshot->vertices.data(), leaf.slot_begin,
+                            leaf.slot_end, bounds);
+    leafAgainst(-1, leaf.slot_begin, leaf.slot_end, static_cast<double>(at.lower), bounds);
+  }
+
+  // Those children of the nodes that need a closer look, the first node's last, and of each the
+  // nearest last.
+  std::size_t children(std::span<const Open> parents, Open* open) {
+    const DeformTree& tree = *b_.snapshot->tree;
+    std::array<WideBox, kTogether> room;
+    std::array<const WideBox*, kTogether> boxes;
+    std::array<std::int32_t, kTogether> nodes;
+    std::array<Bounds, kTogether> bounds;
+    for (std::size_t i = 0; i < parents.size(); ++i) {
+      nodes[i] = parents[i].ref;
+      boxes[i] = &boxes_b_.boxes(nodes[i], room[i]);
+    }
+    kernels_.childBounds(whole_probe_, tree, b_.snapshot->vertices.data(),
+                         {nodes.data(), parents.size()}, boxes.data(), roundedUpToFloat(bar()),
+                         bounds.data());
     std::size_t count = 0;
-    for (unsigned left = bounds.open; left != 0; left &= left - 1) {
-      const int lane = std::countr_zero(left);
-      const double lower = std::max(parent.lower, static_cast<double>(bounds.lower[lane]));
-      std::size_t at = count++;
-      for (; at > 0 && open[at - 1].lower < lower; --at) open[at] = open[at - 1];
-      open[at] = {lower, node.child[lane]};
-      boxes_b_.fetch(node.child[lane]);
+    for (std::size_t i = parents.size(); i-- > 0;) {
+      tighten(nodes[i], whole_probe_, bounds[i]);
+      settle(static_cast<double>(bounds[i].closed));
+      const DeformTree::Node& node = tree.node(nodes[i]);
+      const std::size_t first = count;
+      for (unsigned left = bounds[i].open; left != 0; left &= left - 1) {
+        const int lane = std::countr_zero(left);
+        const float lower = std::max(parents[i].lower, bounds[i].lower[lane]);
+        std::size_t at = count++;
+        for (; at > first && open[at - 1].lower < lower; --at) open[at] = open[at - 1];
+        open[at] = {lower, node.child[lane]};
+        boxes_b_.fetch(node.child[lane]);
+      }
     }
     return count;
   }
 
   // What the volumes of B's motion prove beyond the boxes.
   void tighten(std::int32_t node, const Probe& probe, Bounds& bounds) const {
-    if (b_.snapshot->bounds == nullptr || !b_.snapshot->bounds->hasVolumes()) return;
+    if (!has_volumes_) return;
     b_.snapshot->bounds->tighten(node, b_.snapshot->parameters, probe, bounds);
     for (unsigned left = bounds.open; left != 0; left &= left - 1) {
       const int lane = std::countr_zero(left);
@@ -472,10 +506,11 @@ class DeformDescent {
     int count = 0;
     WideBox room;
     const WideBox& box = boxes_b_.boxes(pair.b.ref, room);
+    const WideBox* const boxes = &box;
     Bounds bounds;
     const Probe probe = makeProbeOf(pair.a);
-    kernels_.childBounds(probe, *b_.snapshot->tree, b_.snapshot->vertices.data(), pair.b.ref, box,
-                         roundedUpToFloat(bar()), bounds);
+    kernels_.childBounds(probe, *b_.snapshot->tree, b_.snapshot->vertices.data(), {&pair.b.ref, 1},
+                         &boxes, roundedUpToFloat(bar()), &bounds);
     tighten(pair.b.ref, probe, bounds);
     const DeformTree::Node& node = b_.snapshot->tree->node(pair.b.ref);
     for (int lane = 0; lane < kWidth && node.child[lane] != DeformTree::kNone; ++lane) {
@@ -545,17 +580,11 @@ class DeformDescent {
   // look; they are settled then.
   bool isBeyondPlane(std::span<const std::int32_t> vertices) {
     if (!has_plane_) return false;
-    double least = kInfinity, sum = 0;
-    for (const std::int32_t v : vertices) {
-      const Vector3d& p = b_.snapshot->vertices[static_cast<std::size_t>(v)];
-      const double along =
-          plane_normal_.x() * p.x() + plane_normal_.y() * p.y() + plane_normal_.z() * p.z();
-      least = along < least ? along : least;
-      sum += along;
-    }
-    // A vertex that is not finite says nothing: x - x is 0 for finite x only.
+    double least = 0;
+    if (!kernels_.leastAlong(plane_normal_.data(), b_.snapshot->vertices.data(), vertices, least))
+      return false;
     const double lower = least - plane_offset_;
-    if (sum - sum != 0 || !needless(lower)) return false;
+    if (!needless(lower)) return false;
     settle(lower);
     return true;
   }
@@ -654,6 +683,7 @@ class DeformDescent {
   DescentResult result_;
   double bar_ = kInfinity;  // but for sweeps, see bar()
   bool half_space_ = false;
+  bool has_volumes_ = false;       // of B, beyond boxes
   Probe whole_probe_{};            // of a rigid A
   double extent_b_ = 0;            // of B's coordinates
   int warm_a_ = -2, warm_b_ = -2;  // slots of the pair that was looked at first; -2: none

@@ -624,6 +624,67 @@ void triangleBounds(const Probe& probe, const DeformTree& tree, const Eigen::Vec
   }
 }
 
+// The coordinates of as many vertices as a vector has lanes.
+HWY_INLINE void loadVertices(const double* const* v, Doubles& x, Doubles& y, Doubles& z) {
+#if HWY_TARGET == HWY_SCALAR
+  x = hn::LoadU(kDoubles, v[0]);
+  y = hn::LoadU(kDoubles, v[0] + 1);
+  z = hn::LoadU(kDoubles, v[0] + 2);
+#else
+  const Doubles a = hn::LoadU(kDoubles, v[0]), b = hn::LoadU(kDoubles, v[1]);
+  const Doubles xz_ab = hn::InterleaveLower(kDoubles, a, b),
+                y_ab = hn::InterleaveUpper(kDoubles, a, b);
+  if constexpr (kDoubleLanes == 2) {
+    x = xz_ab;
+    y = y_ab;
+    z = hn::InterleaveLower(kDoubles, hn::LoadU(kDoubles, v[0] + 2), hn::LoadU(kDoubles, v[1] + 2));
+  } else {
+    const Doubles c = hn::LoadU(kDoubles, v[2]), d = hn::LoadU(kDoubles, v[3]);
+    const Doubles xz_cd = hn::InterleaveLower(kDoubles, c, d);
+    x = hn::ConcatLowerLower(kDoubles, xz_cd, xz_ab);
+    y = hn::ConcatLowerLower(kDoubles, hn::InterleaveUpper(kDoubles, c, d), y_ab);
+    z = hn::ConcatUpperUpper(kDoubles, xz_cd, xz_ab);
+  }
+#endif
+}
+
+// The least scalar product of n and some vertices; false when one is not finite.
+HWY_INLINE bool leastOf(const double* n, const Eigen::Vector3d* vertices, const std::int32_t* v,
+                        std::size_t count, double& least) {
+  const Doubles n_x = hn::Set(kDoubles, n[0]), n_y = hn::Set(kDoubles, n[1]),
+                n_z = hn::Set(kDoubles, n[2]);
+  Doubles lowest = hn::Set(kDoubles, std::numeric_limits<double>::infinity());
+  Doubles doubt = hn::Zero(kDoubles);
+  const auto add = [&](const double* const* from) HWY_ATTR {
+    Doubles x, y, z;
+    loadVertices(from, x, y, z);
+    const Doubles along = hn::Add(hn::Add(hn::Mul(n_x, x), hn::Mul(n_y, y)), hn::Mul(n_z, z));
+    lowest = hn::Min(along, lowest);
+    doubt = hn::Add(doubt, hn::Sub(along, along));  // 0 for finite numbers only
+  };
+  const double* from[kDoubleLanes];
+  if (count < kDoubleLanes) {
+    for (std::size_t k = 0; k < kDoubleLanes; ++k)
+      from[k] = at(vertices, v[std::min(k, count - 1)]);
+    add(from);
+  } else {
+    // The last vector ends with the last vertex, whatever it repeats.
+    const std::int32_t* const last = v + count - kDoubleLanes;
+    for (;; v = std::min(v + kDoubleLanes, last)) {
+      for (std::size_t k = 0; k < kDoubleLanes; ++k) from[k] = at(vertices, v[k]);
+      add(from);
+      if (v == last) break;
+    }
+  }
+  least = hn::GetLane(hn::MinOfLanes(kDoubles, lowest)) + 0.0;  // which zero depends on the lanes
+  return hn::AllTrue(kDoubles, hn::Eq(doubt, hn::Zero(kDoubles)));
+}
+
+bool leastAlong(const double* n, const Eigen::Vector3d* vertices, std::span<const std::int32_t> of,
+                double& least) {
+  return leastOf(n, vertices, of.data(), of.size(), least);
+}
+
 void openLanes(float bar, Bounds& bounds) {
   bounds.open = 0;
   Floats closed = hn::Set(kLanes, std::numeric_limits<float>::infinity());
@@ -647,15 +708,8 @@ unsigned leafLanes(const DeformTree::Node& node) {
 // In exact arithmetic no point of a convex body is farther along the way from its nearest point to
 // some other than that nearest point, so that the plane across it bounds all that is beyond; the
 // body is a box along the probe's axes.
-void childBounds(const Probe& probe, const DeformTree& tree, const Eigen::Vector3d* vertices,
-                 std::int32_t id, const WideBox& box, float bar, Bounds& bounds) {
-  bar = std::min(bar, std::numeric_limits<float>::max());  // empty lanes are above any
-  if (probe.turned) {
-    lowerBounds<true>(probe, box, bar, bounds);
-  } else {
-    lowerBounds<false>(probe, box, bar, bounds);
-  }
-  const DeformTree::Node& node = tree.node(id);
+void leafBounds(const Probe& probe, const DeformTree& tree, const Eigen::Vector3d* vertices,
+                const DeformTree::Node& node, const WideBox& box, float bar, Bounds& bounds) {
   const unsigned leaves = bounds.open & leafLanes(node);
   if (leaves == 0) return;
   // They come from far: which they are first, and below what they say.
@@ -695,37 +749,61 @@ void childBounds(const Probe& probe, const DeformTree& tree, const Eigen::Vector
     hn::Store(hn::Mul(z, scale), kLanes, way[2] + i);
     hn::Store(hn::Mul(along_way, scale), kLanes, reach + i);
   }
-  const auto grown = static_cast<double>(probe.radius) + static_cast<double>(probe.slack);
+  const double unknown = -std::numeric_limits<double>::infinity();
+  HWY_ALIGN double least[kWidth];
+  std::fill_n(least, kWidth, unknown);
   for (unsigned left = leaves; left != 0; left &= left - 1) {
     const auto lane = static_cast<std::size_t>(std::countr_zero(left));
     const DeformTree::Leaf& leaf = tree.leaf(DeformTree::leafOf(node.child[lane]));
     const double n[3] = {static_cast<double>(way[0][lane]), static_cast<double>(way[1][lane]),
                          static_cast<double>(way[2][lane])};
-    double least = std::numeric_limits<double>::infinity(), sum = 0;
-    const std::span<const std::int32_t> own =
-        tree.leafVertices().subspan(static_cast<std::size_t>(leaf.vertex_begin),
-                                    static_cast<std::size_t>(leaf.vertex_end - leaf.vertex_begin));
-    for (const std::int32_t i : own) {
-      const double* v = at(vertices, i);
-      const double along = n[0] * v[0] + n[1] * v[1] + n[2] * v[2];
-      least = along < least ? along : least;
-      sum += along;
-    }
-    double lower = least - static_cast<double>(reach[lane]);
-    // As in triangleBounds().
-    lower -= std::abs(lower) * (2 * kRotationTolerance) + grown;
-    // A vertex that is not finite says nothing: x - x is 0 for finite x only.
-    if (sum - sum == 0 && lower > static_cast<double>(bounds.lower[lane]))
-      bounds.lower[lane] = static_cast<float>(lower - std::abs(lower) * 0x1p-23);
+    double lowest = 0;
+    const bool finite =
+        leastOf(n, vertices, tree.leafVertices().data() + leaf.vertex_begin,
+                static_cast<std::size_t>(leaf.vertex_end - leaf.vertex_begin), lowest);
+    if (finite) least[lane] = lowest;  // a vertex that is not says nothing
+  }
+  // As in triangleBounds().
+  const Doubles grown =
+      hn::Set(kDoubles, static_cast<double>(probe.radius) + static_cast<double>(probe.slack));
+  for (std::size_t i = 0; i < kWidth; i += kDoubleLanes) {
+    const hn::Rebind<float, decltype(kDoubles)> singles;
+    const Doubles along = hn::Load(kDoubles, least + i);
+    Doubles lower = hn::Sub(along, hn::PromoteTo(kDoubles, hn::Load(singles, reach + i)));
+    lower = hn::Sub(
+        lower, hn::Add(hn::Mul(hn::Abs(lower), hn::Set(kDoubles, 2 * kRotationTolerance)), grown));
+    lower = hn::Sub(lower, hn::Mul(hn::Abs(lower), hn::Set(kDoubles, 0x1p-23)));
+    // Where there is no way there is no reach along it.
+    const auto known = hn::Gt(along, hn::Set(kDoubles, unknown));
+    lower = hn::IfThenElse(known, lower, hn::Set(kDoubles, unknown));
+    hn::Store(hn::Max(hn::DemoteTo(singles, lower), hn::Load(singles, bounds.lower + i)), singles,
+              bounds.lower + i);
   }
   openLanes(bar, bounds);
+}
+
+void childBounds(const Probe& probe, const DeformTree& tree, const Eigen::Vector3d* vertices,
+                 std::span<const std::int32_t> nodes, const WideBox* const* boxes, float bar,
+                 Bounds* bounds) {
+  bar = std::min(bar, std::numeric_limits<float>::max());  // empty lanes are above any
+  // Without a branch that hangs on what came before, so that several are worked on at a time.
+  if (probe.turned) {
+    for (std::size_t i = 0; i < nodes.size(); ++i)
+      lowerBounds<true>(probe, *boxes[i], bar, bounds[i]);
+  } else {
+    for (std::size_t i = 0; i < nodes.size(); ++i)
+      lowerBounds<false>(probe, *boxes[i], bar, bounds[i]);
+  }
+  for (std::size_t i = 0; i < nodes.size(); ++i)
+    leafBounds(probe, tree, vertices, tree.node(nodes[i]), *boxes[i], bar, bounds[i]);
 }
 
 }  // namespace
 
 const DeformKernels* kernels() {
-  static constexpr DeformKernels kKernels = {refit,     branches,       allBranches, fromVertices,
-                                             triangles, triangleBounds, bound,       childBounds};
+  static constexpr DeformKernels kKernels = {refit,        branches,    allBranches,
+                                             fromVertices, triangles,   triangleBounds,
+                                             bound,        childBounds, leastAlong};
   return &kKernels;
 }
 

@@ -63,11 +63,16 @@ struct DeformKernels {
   /// The box of all vertices. False when one is NaN or beyond +-limit.
   bool (*bound)(const Eigen::Vector3d* vertices, std::size_t count, double limit,
                 Eigen::Vector3d& low, Eigen::Vector3d& high);
-  /// The same of the boxes of a node's children; and for leaves that this leaves at `bar` or below,
-  /// what their vertices prove, too: across the way from the body to the middle of the box, where a
-  /// box around a tilted surface is loose.
+  /// The same of the boxes of the children of some nodes, of each in its turn; and for leaves that
+  /// this leaves at `bar` or below, what their vertices prove, too: across the way from the body to
+  /// the middle of the box, where a box around a tilted surface is loose.
   void (*childBounds)(const Probe& probe, const DeformTree& tree, const Eigen::Vector3d* vertices,
-                      std::int32_t node, const WideBox& box, float bar, Bounds& bounds);
+                      std::span<const std::int32_t> nodes, const WideBox* const* boxes, float bar,
+                      Bounds* bounds);
+  /// The least scalar product of `n` and each of these vertices, of which there is one at least.
+  /// False when a vertex is not finite.
+  bool (*leastAlong)(const double* n, const Eigen::Vector3d* vertices,
+                     std::span<const std::int32_t> of, double& least);
 };
 
 /// Those of the best instruction set that this machine has: about 3 ns, so once a query.

@@ -7,6 +7,7 @@
 
 #include <cmath>
 #include <limits>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -156,12 +157,39 @@ std::vector<float> results() {
         kernels.triangleBounds(body.probe, tree, mesh.vertices.data(), leaf.slot_begin,
                                leaf.slot_end, bounds);
         all.insert(all.end(), bounds.lower, bounds.lower + (leaf.slot_end - leaf.slot_begin));
+        std::vector<std::int32_t> nodes(1 + static_cast<std::size_t>(random.below(7)));
+        std::vector<const WideBox*> boxes_of;
+        for (std::int32_t& other : nodes) {
+          other = random.below(tree.nodeCount());
+          boxes_of.push_back(&boxes[static_cast<std::size_t>(other)]);
+        }
+        std::vector<Bounds> of_nodes(nodes.size());
         for (const float bar : {0.3F, std::numeric_limits<float>::infinity()}) {
-          kernels.childBounds(body.probe, tree, mesh.vertices.data(), node,
-                              boxes[static_cast<std::size_t>(node)], bar, bounds);
-          all.insert(all.end(), bounds.lower, bounds.lower + kWidth);
-          all.push_back(static_cast<float>(bounds.open));
-          all.push_back(bounds.closed);
+          kernels.childBounds(body.probe, tree, mesh.vertices.data(), nodes, boxes_of.data(), bar,
+                              of_nodes.data());
+          for (std::size_t n = 0; n < nodes.size(); ++n) {
+            all.insert(all.end(), of_nodes[n].lower, of_nodes[n].lower + kWidth);
+            all.push_back(static_cast<float>(of_nodes[n].open));
+            all.push_back(of_nodes[n].closed);
+          }
+        }
+        // Of any number of vertices.
+        const std::span<const std::int32_t> some = tree.leafVertices().subspan(
+            static_cast<std::size_t>(leaf.vertex_begin),
+            1 + static_cast<std::size_t>(random.below(leaf.vertex_end - leaf.vertex_begin)));
+        const Vector3d n = random.direction();
+        double least = 0, plain = kInfinity;
+        const bool finite = kernels.leastAlong(n.data(), mesh.vertices.data(), some, least);
+        bool all_finite = true;
+        for (const std::int32_t v : some) {
+          const Vector3d& p = mesh.vertices[static_cast<std::size_t>(v)];
+          all_finite = all_finite && p.allFinite();
+          plain = std::min(plain, n.x() * p.x() + n.y() * p.y() + n.z() * p.z());
+        }
+        EXPECT_EQ(finite, all_finite);
+        if (finite) {
+          EXPECT_EQ(least, plain);
+          all.push_back(static_cast<float>(least));
         }
       }
     }
@@ -278,7 +306,9 @@ TEST(DeformKernels, BoundsHold) {
     const WideBox& box = boxes[static_cast<std::size_t>(node)];
     const auto bar = static_cast<float>(random.uniform(0, 1));
     Bounds bounds, of_triangles;
-    kernels.childBounds(body.probe, tree, mesh.vertices.data(), node, box, bar, bounds);
+    const WideBox* const boxes_of = &box;
+    kernels.childBounds(body.probe, tree, mesh.vertices.data(), {&node, 1}, &boxes_of, bar,
+                        &bounds);
     float least_closed = std::numeric_limits<float>::infinity();
     for (int lane = 0; lane < kWidth; ++lane) {
       const std::int32_t child = tree.node(node).child[lane];
