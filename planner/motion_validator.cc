@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <atomic>
 #include <stdexcept>
+#include <utility>
 
 #include "leeway/planner/ompl_motion_validator.h"
 #include "planner/ompl_lock.h"
@@ -62,8 +63,9 @@ ob::SpaceInformationPtr makeSpaceInformation(std::shared_ptr<const CompiledScene
                                              std::shared_ptr<CertifierPool> pool) {
   if (!pool) pool = std::make_shared<CertifierPool>(scene);
   const std::lock_guard<std::recursive_mutex> lock(omplSeedLock());
+  const ConfigurationSpace* space_of_scene = &scene->space();
   auto space = std::make_shared<OmplStateSpace>(
-      std::shared_ptr<const ConfigurationSpace>(scene, &scene->space()), seed);
+      std::shared_ptr<const ConfigurationSpace>(std::move(scene), space_of_scene), seed);
   auto information = std::make_shared<ob::SpaceInformation>(space);
   information->setStateValidityChecker(std::make_shared<OmplValidityChecker>(information, pool));
   information->setMotionValidator(std::make_shared<OmplMotionValidator>(information, pool));

@@ -147,7 +147,7 @@ collision::FrameVelocity LinkMotion::velocity(double t) const {
     const Pose& X_WC = X_WL_[at(joint.child_link)];
     const Pose X_WJ =
         joint.parent_link < 0 ? joint.X_PJ : X_WL_[at(joint.parent_link)] * joint.X_PJ;
-    const double* d = joint.first_variable < 0 ? nullptr : &dq_[at(joint.first_variable)];
+    const auto d = [&](std::size_t k) { return dq_[at(joint.first_variable) + k]; };
     switch (joint.type) {
       case JointType::kFixed:
         break;
@@ -161,13 +161,13 @@ collision::FrameVelocity LinkMotion::velocity(double t) const {
       case JointType::kPlanar: {
         Eigen::Vector3d x, y;
         planeAxes(joint.axis, x, y);
-        v.linear += X_WJ.rotation * (d[0] * x + d[1] * y);
-        turn(d[2] * (X_WC.rotation * joint.axis), X_WC);
+        v.linear += X_WJ.rotation * (d(0) * x + d(1) * y);
+        turn(d(2) * (X_WC.rotation * joint.axis), X_WC);
         break;
       }
       case JointType::kFloating:
-        v.linear += X_WJ.rotation * Eigen::Vector3d(d[0], d[1], d[2]);
-        turn(X_WC.rotation * Eigen::Vector3d(d[3], d[4], d[5]), X_WC);
+        v.linear += X_WJ.rotation * Eigen::Vector3d(d(0), d(1), d(2));
+        turn(X_WC.rotation * Eigen::Vector3d(d(3), d(4), d(5)), X_WC);
         break;
     }
   }

@@ -31,6 +31,7 @@ void eachChild(const XMLElement& parent, const char* name, const Visit& visit) {
 template <typename Item>
 std::vector<std::string> namesOf(const std::vector<Item>& items) {
   std::vector<std::string> names;
+  names.reserve(items.size());
   for (const Item& item : items) names.push_back(item.name);
   return names;
 }

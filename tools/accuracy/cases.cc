@@ -83,6 +83,7 @@ std::vector<Shape> degenerateShapes(ShapeType type) {
 Shape largeHull(Random& random, int count) {
   const Vector3d axes(random.uniform(0.1, 1), random.uniform(0.1, 1), random.uniform(0.1, 1));
   std::vector<Vector3d> points;
+  points.reserve(static_cast<std::size_t>(count));
   for (int i = 0; i < count; ++i) points.push_back(random.direction().cwiseProduct(axes));
   return Shape::convexHull(std::span<const Vector3d>(points));
 }
