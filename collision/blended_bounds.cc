@@ -57,6 +57,8 @@ BlendedMotion::Field meanOf(const std::vector<BlendedMotion::Field>& fields) {
 }
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+// Displacements are asked for in the order of the nodes: rows are fetched that many early.
+constexpr std::int32_t kNodesAhead = 3;
 
 // Diagonal i is axis a plus or minus axis b.
 struct Pair {
@@ -161,6 +163,12 @@ void BlendedBounds::Boxes::addNode(const BlendedMotion::Field& field, std::size_
     std::copy_n(box.low[k], kWidth, row.low);
     std::copy_n(box.high[k], kWidth, row.high);
   }
+}
+
+void BlendedBounds::Boxes::fetch(std::int32_t node) const {
+  const std::size_t first = static_cast<std::size_t>(node) * rows_a_node;
+  if (first >= rows.size()) return;
+  for (std::size_t i = 0; i < rows_a_node; ++i) __builtin_prefetch(&rows[first + i]);
 }
 
 void BlendedBounds::Boxes::blend(std::int32_t node, const double* first, std::span<const double> to,
@@ -278,8 +286,9 @@ void BlendedBounds::boundBoxes(std::int32_t node, std::span<const double> parame
 // The difference of two sums is the sum with the differences of the coordinates; each of the two is
 // off as the bounds say, and so are the differences, of what is at most both together.
 void BlendedBounds::displacement(std::int32_t node, std::span<const double> from,
-                                 std::span<const double> to, WideBox& box) const {
-  BoxSum sum = sumOf(rounding(from) + rounding(to));
+                                 std::span<const double> to, double rounding, WideBox& box) const {
+  (has_base_ ? boxes_ : differences_).fetch(node + kNodesAhead);
+  BoxSum sum = sumOf(rounding);
   if (has_base_) {
     boxes_.blend(node, nullptr, to, from, sum);
   } else {
@@ -288,6 +297,11 @@ void BlendedBounds::displacement(std::int32_t node, std::span<const double> from
     differences_.blend(node, &total, to, from, sum);
   }
   motionKernels().put(sum, box);
+}
+
+double BlendedBounds::displacementRounding(std::span<const double> from,
+                                           std::span<const double> to) const {
+  return rounding(from) + rounding(to);
 }
 
 BlendedBounds::BlendedBalls BlendedBounds::blendBalls(std::int32_t node,

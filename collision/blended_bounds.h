@@ -23,7 +23,9 @@ class BlendedBounds final : public NodeBounds {
   void bound(std::int32_t node, std::span<const double> parameters, WideBox& box) const override;
   /// Not where there are balls.
   void displacement(std::int32_t node, std::span<const double> from, std::span<const double> to,
-                    WideBox& box) const override;
+                    double rounding, WideBox& box) const override;
+  double displacementRounding(std::span<const double> from,
+                              std::span<const double> to) const override;
   bool hasVolumes() const override { return volume_ != DeformVolume::kBox; }
   void tighten(std::int32_t node, std::span<const double> parameters, const Probe& probe,
                Bounds& bounds) const override;
@@ -48,6 +50,8 @@ class BlendedBounds final : public NodeBounds {
     std::size_t rows_a_node = 0;
 
     void addField(const BlendedMotion::Field& field);
+    /// Starts to bring near the rows of a node, if there is one.
+    void fetch(std::int32_t node) const;
     /// To be called field by field.
     void addNode(const BlendedMotion::Field& field, std::size_t number, const DeformTree& tree,
                  std::int32_t node);

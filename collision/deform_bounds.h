@@ -27,10 +27,13 @@ class NodeBounds {
 
   /// Boxes of how far the vertices below each child of the node come from where they are for the
   /// parameters `from` to where they are for `to`, as VertexMotion::vertices() gives both, rounding
-  /// included; lanes without a child hold anything. Not of volumes of kind kBall. Never throws or
-  /// allocates.
+  /// included; lanes without a child hold anything. `rounding` is what displacementRounding() says
+  /// of the two, which need not be worked out for each node. Not of volumes of kind kBall. Never
+  /// throws or allocates.
   virtual void displacement(std::int32_t node, std::span<const double> from,
-                            std::span<const double> to, WideBox& box) const = 0;
+                            std::span<const double> to, double rounding, WideBox& box) const = 0;
+  virtual double displacementRounding(std::span<const double> from,
+                                      std::span<const double> to) const = 0;
 
   /// Whether there are volumes that say more than the boxes around them.
   virtual bool hasVolumes() const { return false; }

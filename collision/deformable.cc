@@ -8,6 +8,7 @@
 #include "collision/deform_build.h"
 #include "collision/deform_fit.h"
 #include "collision/deform_pool.h"
+#include "collision/motion_kernels.h"
 #include "collision/round_box.h"
 #include "collision/round_up.h"
 #include "collision/scratch.h"
@@ -118,7 +119,8 @@ struct Deformable::Impl {
   struct Turn {
     std::size_t next = 0;  // branch
     int frames = 0;        // of auto: since the last turn that ended, those of turns cut short, too
-    double area = 0, length = 0;  // sums over the branches that were read, as they were then
+    double area = 0, length = 0;  // sums over the branches that were read, as they were then; the
+                                  // area for auto alone
   };
   Turn turn;
   std::vector<BranchBox> branch_room;
@@ -310,24 +312,6 @@ bool Deformable::Impl::upperLevels(DeformableSnapshotImpl& s, const Known& known
   return true;
 }
 
-namespace {
-
-// In all lanes alike: boxes of vertices that were in `before` and have come as far as `moved` says.
-// A sum is off by half a unit in the last place; 2^-23 of it is one at least, and sums below the
-// normal numbers are exact.
-void displaced(const WideBox& before, const WideBox& moved, WideBox& box) {
-  for (int k = 0; k < 3; ++k) {
-    for (int lane = 0; lane < kWidth; ++lane) {
-      const float low = before.low[k][lane] + moved.low[k][lane],
-                  high = before.high[k][lane] + moved.high[k][lane];
-      box.low[k][lane] = low - std::abs(low) * 0x1p-23F;
-      box.high[k][lane] = high + std::abs(high) * 0x1p-23F;
-    }
-  }
-}
-
-}  // namespace
-
 // The boxes of branches from those of the current snapshot, and from how far their vertices can
 // have come since then; returns what they grow by at either end, along the axis where that is the
 // most, in the mean. Infinite when the current snapshot has no boxes of them, or nothing is known,
@@ -350,24 +334,18 @@ double Deformable::Impl::displace(DeformableSnapshotImpl& s, const Known& known)
     std::fill_n(moved.high[k], kWidth, high);
   }
   const std::int32_t upper = tree->upperCount();
+  const double rounding =
+      by_motion ? upper_bounds->displacementRounding(last.parameters, s.parameters) : 0;
   double sum = 0;
   for (std::int32_t node = 0; node < upper; ++node) {
     const auto& children = tree->node(node).child;
     const auto isBranch = [upper](std::int32_t child) { return child >= upper; };
     if (std::none_of(children, children + kWidth, isBranch)) continue;
-    float side[kWidth] = {};  // the longest
-    if (by_motion) upper_bounds->displacement(node, last.parameters, s.parameters, moved);
-    for (int k = 0; k < 3; ++k) {
-      for (int lane = 0; lane < kWidth; ++lane) {
-        // In this order, so that what is no number says nothing.
-        moved.low[k][lane] = std::max(low, moved.low[k][lane]);
-        moved.high[k][lane] = std::min(high, moved.high[k][lane]);
-        side[lane] = std::max(side[lane], moved.high[k][lane] - moved.low[k][lane]);
-      }
-    }
+    if (by_motion) upper_bounds->displacement(node, last.parameters, s.parameters, rounding, moved);
     const auto i = static_cast<std::size_t>(node);
     WideBox& box = s.boxes[i];
-    displaced(last.boxes[i], moved, box);
+    float side[kWidth];  // the longest
+    motionKernels().move(last.boxes[i], low, high, moved, box, side);
     for (int lane = 0; lane < kWidth; ++lane) {
       if (!isBranch(children[lane])) continue;
       sum += 0.5 * static_cast<double>(side[lane]);
@@ -401,8 +379,8 @@ void Deformable::Impl::addToTurn(const DeformableSnapshotImpl& s, std::size_t en
   for (; turn.next < end; ++turn.next) {
     const DeformTree::Up& up = tree->up(branches[turn.next].root);
     const Vector3d side = sideOf(s.boxes[static_cast<std::size_t>(up.parent)], up.lane);
-    turn.area += halfArea(side);
-    turn.length += side.maxCoeff();
+    if (options.strategy == DeformStrategy::kAuto) turn.area += halfArea(side);
+    turn.length += std::max({side.x(), side.y(), side.z()});
   }
   if (end == branches.size()) branch_length = turn.length / static_cast<double>(end);
 }

@@ -1,6 +1,7 @@
 #include "collision/motion_kernels.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 
@@ -22,19 +23,61 @@ namespace leeway::collision {
 namespace HWY_NAMESPACE {
 namespace {
 
+namespace hn = hwy::HWY_NAMESPACE;
+
+const hn::CappedTag<double, kWidth> kDoubles;
+const hn::Rebind<float, decltype(kDoubles)> kSingles;
+const hn::CappedTag<float, kWidth> kLanes;
+
 void blend(const AxisRow* rows, const std::uint8_t* axes, const double* to, const double* from,
            std::size_t count, BoxSum& sum) {
-  for (std::size_t f = 0; f < count; ++f) {
-    const double p = from != nullptr ? to[f] - from[f] : to[f];
-    for (int k = 0; k < 3; ++k) {
-      if ((axes[f] >> k & 1) == 0) continue;
-      const auto& lower = p >= 0 ? rows->low : rows->high;
-      const auto& upper = p >= 0 ? rows->high : rows->low;
-      ++rows;
-      double *low = sum.low + k * kWidth, *high = sum.high + k * kWidth;
-      for (int i = 0; i < kWidth; ++i) low[i] += p * static_cast<double>(lower[i]);
-      for (int i = 0; i < kWidth; ++i) high[i] += p * static_cast<double>(upper[i]);
+  for (std::size_t k = 0; k < 3; ++k) {
+    for (std::size_t i = 0; i < kWidth; i += hn::Lanes(kDoubles)) {
+      double *const at_low = sum.low + k * kWidth + i, *const at_high = sum.high + k * kWidth + i;
+      auto low = hn::LoadU(kDoubles, at_low), high = hn::LoadU(kDoubles, at_high);
+      const AxisRow* row = rows;
+      for (std::size_t f = 0; f < count; ++f) {
+        const unsigned there = axes[f];
+        if ((there >> k & 1) != 0) {
+          const double p = from != nullptr ? to[f] - from[f] : to[f];
+          const AxisRow& own = row[std::popcount(there & ((1U << k) - 1))];
+          const auto factor = hn::Set(kDoubles, p);
+          const auto l = hn::PromoteTo(kDoubles,
+                                       hn::Load(kSingles, (p >= 0 ? own.low : own.high) + i)),
+                     h = hn::PromoteTo(kDoubles,
+                                       hn::Load(kSingles, (p >= 0 ? own.high : own.low) + i));
+          low = hn::Add(low, hn::Mul(factor, l));
+          high = hn::Add(high, hn::Mul(factor, h));
+        }
+        row += std::popcount(there);
+      }
+      hn::StoreU(low, kDoubles, at_low);
+      hn::StoreU(high, kDoubles, at_high);
     }
+  }
+}
+
+// A sum is off by half a unit in the last place; 2^-23 of it is one at least, and sums below the
+// normal numbers are exact.
+void move(const WideBox& before, float least, float most, WideBox& way, WideBox& box, float* side) {
+  for (std::size_t i = 0; i < kWidth; i += hn::Lanes(kLanes)) {
+    const auto lowest = hn::Set(kLanes, least), highest = hn::Set(kLanes, most),
+               unit = hn::Set(kLanes, 0x1p-23F);
+    auto longest = hn::Zero(kLanes);
+    for (int k = 0; k < 3; ++k) {
+      auto low = hn::Load(kLanes, way.low[k] + i), high = hn::Load(kLanes, way.high[k] + i);
+      // Written so that what is no number says nothing.
+      low = hn::IfThenElse(hn::Gt(low, lowest), low, lowest);
+      high = hn::IfThenElse(hn::Lt(high, highest), high, highest);
+      hn::Store(low, kLanes, way.low[k] + i);
+      hn::Store(high, kLanes, way.high[k] + i);
+      longest = hn::Max(longest, hn::Sub(high, low));
+      low = hn::Add(hn::Load(kLanes, before.low[k] + i), low);
+      high = hn::Add(hn::Load(kLanes, before.high[k] + i), high);
+      hn::Store(hn::Sub(low, hn::Mul(hn::Abs(low), unit)), kLanes, box.low[k] + i);
+      hn::Store(hn::Add(high, hn::Mul(hn::Abs(high), unit)), kLanes, box.high[k] + i);
+    }
+    hn::StoreU(longest, kLanes, side + i);
   }
 }
 
@@ -127,7 +170,7 @@ void skin(const SkinRest& rest, std::span<const SkinPart> parts, const double* t
 }  // namespace
 
 const MotionKernels* motionKernelsOfTarget() {
-  static constexpr MotionKernels kKernels = {blend, put, skin};
+  static constexpr MotionKernels kKernels = {blend, put, move, skin};
   return &kKernels;
 }
 

@@ -44,6 +44,10 @@ struct MotionKernels {
                 std::size_t count, BoxSum& sum);
   /// Rounded outwards.
   void (*put)(const BoxSum& sum, WideBox& box);
+  /// Boxes of what was in `before` and has come as far as `way` says, which is cut to low .. high
+  /// first (what is no number there says nothing); `side` is the longest of each way's box.
+  void (*move)(const WideBox& before, float low, float high, WideBox& way, WideBox& box,
+               float* side);
   /// The boxes of skinned_bounds.cc, grown by `rounding`; lanes without a part hold anything.
   void (*skin)(const SkinRest& rest, std::span<const SkinPart> parts, const double* to,
                const double* from, double rounding, WideBox& box);

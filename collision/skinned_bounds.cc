@@ -218,8 +218,15 @@ void SkinnedBounds::bound(std::int32_t node, std::span<const double> parameters,
 // that bones are rigid. Both ends are off by their own rounding, and a difference of two numbers is
 // at most as large as both together.
 void SkinnedBounds::displacement(std::int32_t node, std::span<const double> from,
-                                 std::span<const double> to, WideBox& box) const {
+                                 std::span<const double> to, double /*rounding*/,
+                                 WideBox& box) const {
   boundBy(node, to, from, box);
+}
+
+// Each node's own is far less than that of all bones.
+double SkinnedBounds::displacementRounding(std::span<const double> /*from*/,
+                                           std::span<const double> /*to*/) const {
+  return 0;
 }
 
 void SkinnedBounds::boundBy(std::int32_t node, std::span<const double> to,

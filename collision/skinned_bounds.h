@@ -17,7 +17,9 @@ class SkinnedBounds final : public NodeBounds {
   void bound(std::int32_t node, std::span<const double> parameters, WideBox& box) const override;
   /// Likewise, of the differences of the bones' matrices.
   void displacement(std::int32_t node, std::span<const double> from, std::span<const double> to,
-                    WideBox& box) const override;
+                    double rounding, WideBox& box) const override;
+  double displacementRounding(std::span<const double> from,
+                              std::span<const double> to) const override;
 
  private:
   /// By the matrices `to`, or by what they are more than `from` where that is not empty.

@@ -68,7 +68,7 @@ void checkDisplacement(const VertexMotion& motion, const NodeBounds& bounds, con
   motion.vertices(to, 0, after);
   for (std::int32_t node = 0; node < tree.nodeCount(); ++node) {
     WideBox box;
-    bounds.displacement(node, from, to, box);
+    bounds.displacement(node, from, to, bounds.displacementRounding(from, to), box);
     for (int lane = 0; lane < kWidth; ++lane) {
       for (const std::int32_t v : tree.vertices(node, lane)) {
         const auto i = static_cast<std::size_t>(v);
@@ -187,7 +187,8 @@ TEST(DeformBounds, SameBytesOnEveryInstructionSet) {
           // Lanes without a child stay as they are.
           bounds->bound(node, to, boxes.emplace_back());
           boxes.push_back(boxes.back());
-          bounds->displacement(node, from, to, boxes.back());
+          bounds->displacement(node, from, to, bounds->displacementRounding(from, to),
+                               boxes.back());
         }
       }
     }
