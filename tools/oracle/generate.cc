@@ -68,6 +68,7 @@ void appendBox(const Vector3d& lower, const Vector3d& upper, std::vector<Vector3
 std::vector<Vector3d> randomPoints(Random& random, Flavour flavour, double size) {
   const int count = flavour == Flavour::kPlain ? 4 + random.below(40) : 1 + random.below(12);
   std::vector<Vector3d> points;
+  points.reserve(static_cast<std::size_t>(count));
   Vector3d stretch(1, 1, 1);
   if (flavour == Flavour::kThin) stretch = {1, random.chance(0.5) ? 1e-6 : 1, 1e-6};
   if (flavour == Flavour::kZero) stretch = {1, random.chance(0.3) ? 0.0 : 1.0, 0};

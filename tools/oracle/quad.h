@@ -6,7 +6,7 @@
 namespace leeway::oracle {
 
 /// Quadruple precision (113 bits). Compiler builtin, not a language extension switch.
-__extension__ typedef __float128 Quad;
+__extension__ typedef __float128 Quad;  // NOLINT(modernize-use-using): no __extension__ there
 
 /// The widening of a double, spelled out because some compilers warn of the silent one.
 inline Quad wide(double x) { return static_cast<Quad>(x); }

@@ -215,9 +215,10 @@ void timeFamily(const AccuracyFamily& family, int passes, std::vector<Measuremen
       for (std::size_t k = 0; k < measurements.size(); ++k) {
         const Measurement& m = measurements[k];
         if (m.timed.empty()) continue;
+        const Prepared& prepared = *m.prepared;
         // An engine's first row must not pay for fetching what the one before pushed out.
-        if (std::exchange(in_cache, m.prepared) != m.prepared)
-          timePass(*m.prepared, family, m.row.tolerance, m.timed);
+        if (std::exchange(in_cache, &prepared) != &prepared)
+          timePass(prepared, family, m.row.tolerance, m.timed);
         nanoseconds[k * count + pass] = timeRepeatedPass(m, family, repeats[k]);
       }
     }
@@ -248,6 +249,7 @@ std::vector<AccuracyRow> measureAccuracy(const AccuracySet& set,
   for (const AccuracyFamily& family : set.families) {
     if (options.progress) options.progress(family.name);
     std::vector<Prepared> prepared;
+    prepared.reserve(engines.size());
     for (const PairEngine* engine : engines)
       prepared.push_back(prepare(*engine, family, options.tolerances));
     std::vector<Measurement> measurements;

@@ -53,6 +53,7 @@ template <int kVertices>
 ReportShape hull(Random& r) {
   const Vector3d axes = lengths(r);
   std::vector<Vector3d> points;
+  points.reserve(kVertices);
   for (int i = 0; i < kVertices; ++i) points.push_back(axes.cwiseProduct(r.direction()));
   return hullOf(std::move(points));
 }
@@ -242,6 +243,7 @@ ReportShape sliver(Random& r) {
   if (r.chance(0.3)) return plain(Shape::box(lengths(r).cwiseProduct(stretch)));
   std::vector<Vector3d> points;
   const int count = 4 + r.below(16);
+  points.reserve(static_cast<std::size_t>(count));
   for (int i = 0; i < count; ++i) points.push_back(stretch.cwiseProduct(r.direction()));
   return hullOf(std::move(points));
 }

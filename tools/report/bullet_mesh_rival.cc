@@ -8,7 +8,7 @@
 namespace leeway::tools::report {
 namespace {
 
-class BulletFollower : public MeshFollower {
+class BulletFollower final : public MeshFollower {
  public:
   BulletFollower(const DeformingSpec& spec, bool refit) : refit_(refit) {
     for (const auto& t : spec.triangles) indices_.insert(indices_.end(), t.begin(), t.end());
