@@ -1,9 +1,10 @@
+#include "collision/cache_motion.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
 
-#include "collision/key_track.h"
 #include "collision/motion_input.h"
 #include "collision/round_up.h"
 #include "leeway/collision/tolerances.h"
@@ -16,75 +17,63 @@ using Eigen::Vector3d;
 
 constexpr MotionKind kKind = MotionKind::kCache;
 
-/// The parameters are the number of a frame and the share of the next one.
-class CachedVertices final : public VertexMotion {
- public:
-  explicit CachedVertices(CacheMotion motion)
-      : VertexMotion(kKind, motion.vertex_count, 2, motion.times),
-        track_(std::move(motion.times), Interpolation::kLinear),
-        positions_(std::move(motion.positions)) {
-    for (const Eigen::Vector3f& p : positions_)
-      size_ = std::max(size_, static_cast<double>(p.cwiseAbs().maxCoeff()));
-    measureSegments();
-  }
-
-  void parameters(double time, std::span<double> out) const override {
-    const KeyPlace place = track_.at(time);
-    out[0] = static_cast<double>(place.key);
-    out[1] = place.share;
-  }
-
-  void vertices(std::span<const double> parameters, int first,
-                std::span<Vector3d> out) const override {
-    const Eigen::Vector3f* from = frame(static_cast<std::size_t>(parameters[0])) + first;
-    if (!(parameters[1] > 0)) {
-      for (std::size_t i = 0; i < out.size(); ++i) out[i] = from[i].cast<double>();
-      return;
-    }
-    const double s = parameters[1], r = 1 - s;
-    const Eigen::Vector3f* to = from + vertexCount();
-    for (std::size_t i = 0; i < out.size(); ++i) {
-      for (int k = 0; k < 3; ++k)
-        out[i][k] = r * static_cast<double>(from[i][k]) + s * static_cast<double>(to[i][k]);
-    }
-  }
-
-  double speedBound(double t0, double t1) const override { return track_.largest(speeds_, t0, t1); }
-
-  // Vertices move along straight lines at constant speed between two frames.
-  double accelerationBound(double t0, double t1) const override {
-    return t0 <= t1 && !track_.jumps(t0, t1) ? 0 : std::numeric_limits<double>::infinity();
-  }
-
-  double rounding(double t0, double t1) const override {
-    if (!(t0 <= t1)) return std::numeric_limits<double>::infinity();
-    return roundedUp(2 * (2 * KeyTrack::kShareRounding + 8) * kUnitRoundoff * size_, 8);
-  }
-
- private:
-  const Eigen::Vector3f* frame(std::size_t i) const {
-    return positions_.data() + i * static_cast<std::size_t>(vertexCount());
-  }
-
-  void measureSegments() {
-    for (std::size_t i = 0; i < track_.segments(); ++i) {
-      double longest_squared = 0;
-      for (std::ptrdiff_t v = 0; v < vertexCount(); ++v) {
-        const Vector3d from = frame(i)[v].cast<double>(), to = frame(i + 1)[v].cast<double>();
-        longest_squared = std::max(longest_squared, squaredLength(to - from));
-      }
-      // A difference of two numbers is within one unit of the exact one, relative.
-      speeds_.push_back(roundedUp(std::sqrt(longest_squared) * track_.rate(i), 16));
-    }
-  }
-
-  KeyTrack track_;
-  std::vector<Eigen::Vector3f> positions_;
-  double size_ = 0;             // largest |coordinate| [m]
-  std::vector<double> speeds_;  // one a segment
-};
-
 }  // namespace
+
+CachedVertices::CachedVertices(CacheMotion motion)
+    : VertexMotion(kKind, motion.vertex_count, 2, motion.times),
+      track_(std::move(motion.times), Interpolation::kLinear),
+      positions_(std::move(motion.positions)) {
+  for (const Eigen::Vector3f& p : positions_)
+    size_ = std::max(size_, static_cast<double>(p.cwiseAbs().maxCoeff()));
+  measureSegments();
+}
+
+void CachedVertices::parameters(double time, std::span<double> out) const {
+  const KeyPlace place = track_.at(time);
+  out[0] = static_cast<double>(place.key);
+  out[1] = place.share;
+}
+
+void CachedVertices::vertices(std::span<const double> parameters, int first,
+                              std::span<Vector3d> out) const {
+  const Eigen::Vector3f* from = frame(static_cast<std::size_t>(parameters[0])) + first;
+  if (!(parameters[1] > 0)) {
+    for (std::size_t i = 0; i < out.size(); ++i) out[i] = from[i].cast<double>();
+    return;
+  }
+  const double s = parameters[1], r = 1 - s;
+  const Eigen::Vector3f* to = from + vertexCount();
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    for (int k = 0; k < 3; ++k)
+      out[i][k] = r * static_cast<double>(from[i][k]) + s * static_cast<double>(to[i][k]);
+  }
+}
+
+double CachedVertices::speedBound(double t0, double t1) const {
+  return track_.largest(speeds_, t0, t1);
+}
+
+// Vertices move along straight lines at constant speed between two frames.
+double CachedVertices::accelerationBound(double t0, double t1) const {
+  return t0 <= t1 && !track_.jumps(t0, t1) ? 0 : std::numeric_limits<double>::infinity();
+}
+
+double CachedVertices::rounding(double t0, double t1) const {
+  if (!(t0 <= t1)) return std::numeric_limits<double>::infinity();
+  return roundedUp(2 * (2 * KeyTrack::kShareRounding + 8) * kUnitRoundoff * size_, 8);
+}
+
+void CachedVertices::measureSegments() {
+  for (std::size_t i = 0; i < track_.segments(); ++i) {
+    double longest_squared = 0;
+    for (std::ptrdiff_t v = 0; v < vertexCount(); ++v) {
+      const Vector3d from = frame(i)[v].cast<double>(), to = frame(i + 1)[v].cast<double>();
+      longest_squared = std::max(longest_squared, squaredLength(to - from));
+    }
+    // A difference of two numbers is within one unit of the exact one, relative.
+    speeds_.push_back(roundedUp(std::sqrt(longest_squared) * track_.rate(i), 16));
+  }
+}
 
 std::shared_ptr<const VertexMotion> VertexMotion::cache(CacheMotion motion) {
   if (motion.vertex_count <= 0)

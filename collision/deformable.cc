@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include "collision/cached_bounds.h"
 #include "collision/deform_build.h"
 #include "collision/deform_fit.h"
 #include "collision/deform_pool.h"
@@ -93,8 +94,9 @@ struct Deformable::Impl {
   std::shared_ptr<const DeformTree> tree;
   std::shared_ptr<const NodeBounds> bounds;  // from the motion, of motion_tree; may be null
   std::shared_ptr<const DeformTree> motion_tree;
-  std::shared_ptr<const NodeBounds> upper_bounds;  // likewise, of its upper nodes; boxes
-  DeformPool::Slot* next = nullptr;                // being prepared
+  std::shared_ptr<const NodeBounds> upper_bounds;     // likewise, of its upper nodes; boxes
+  std::unique_ptr<const CachedBounds> cached_bounds;  // or these, of a vertex cache
+  DeformPool::Slot* next = nullptr;                   // being prepared
   std::shared_ptr<const DeformableSnapshot> current;
   UpdateStatistics statistics;
   int bad_vertex = -1;
@@ -146,6 +148,7 @@ struct Deformable::Impl {
   bool rebuild(DeformMethod method, DeformableSnapshotImpl& s, bool bounded);
   bool restructure(DeformableSnapshotImpl& s);
   bool upperLevels(DeformableSnapshotImpl& s, const Known& known);
+  bool blendsCache(const Known& known) const;
   double displace(DeformableSnapshotImpl& s, const Known& known) const;
   std::size_t branchesDue(double growth) const;
   void addToTurn(const DeformableSnapshotImpl& s, std::size_t end);
@@ -282,17 +285,30 @@ bool Deformable::Impl::restructure(DeformableSnapshotImpl& s) {
 // The boxes of the branches are read from all their vertices. Where it is known how far a vertex
 // can have moved since the current snapshot, that snapshot's boxes, moved and grown by as much,
 // hold, too: then a share of the branches is read, in turns, so that none grows by more than
-// kTurnGrowth of the branches' mean length before it is read again. Nodes below are read when a
-// query comes to them, and so as close as ever.
+// kTurnGrowth of the branches' mean length before it is read again. Between two stored frames all
+// boxes are blended, and none is read. Nodes below are read when a query comes to them, and so as
+// close as ever.
 bool Deformable::Impl::upperLevels(DeformableSnapshotImpl& s, const Known& known) {
   s.tree = tree;
   s.demand = Demand::kBranches;
   const std::int32_t upper = tree->upperCount();
   reserve(s.boxes, upper);
   statistics.nodes_touched += upper;
-  const std::size_t all = tree->branches().size(), due = branchesDue(displace(s, known));
+  const std::size_t all = tree->branches().size();
+  const bool blended = blendsCache(known);
+  const std::size_t due = branchesDue(blended ? 0 : displace(s, known));
   if (due == all || turn.next == all) turn = {.frames = turn.frames};
   const std::size_t begin = turn.next, end = std::min(begin + due, all);
+  if (blended) {
+    constexpr std::int32_t kNodesAhead = 3;
+    for (std::int32_t node = 0; node < upper; ++node) {
+      cached_bounds->fetch(node + kNodesAhead, s.parameters);
+      cached_bounds->bound(node, s.parameters, s.boxes[static_cast<std::size_t>(node)]);
+    }
+    addToTurn(s, end);
+    boundRoot(s.boxes[0], s.low, s.high);
+    return true;
+  }
   if (branch_room.size() < all) branch_room.resize(all);
   const bool finite =
       due == all && mesh->vertexCount() > kNearVertices
@@ -310,6 +326,11 @@ bool Deformable::Impl::upperLevels(DeformableSnapshotImpl& s, const Known& known
   }
   boundRoot(s.boxes[0], s.low, s.high);
   return true;
+}
+
+// Whether the boxes come from the stored frames, which no vertex has to be read for.
+bool Deformable::Impl::blendsCache(const Known& known) const {
+  return known.by_motion && cached_bounds && tree == motion_tree;
 }
 
 // The boxes of branches from those of the current snapshot, and from how far their vertices can
@@ -604,6 +625,10 @@ Deformable::Deformable(std::shared_ptr<const DeformableMesh> mesh,
       (options.strategy == DeformStrategy::kHybrid || options.strategy == DeformStrategy::kAuto)) {
     impl.upper_bounds =
         makeNodeBounds(*impl.motion, *impl.tree, DeformVolume::kBox, impl.tree->upperCount());
+    if (const auto* cached = dynamic_cast<const CachedVertices*>(impl.motion.get())) {
+      impl.cached_bounds =
+          std::make_unique<CachedBounds>(*cached, *impl.tree, impl.tree->upperCount());
+    }
   }
   // The rest position need not be one of the motion's, whose bounds hold for no other vertices.
   DeformStrategy& strategy = impl.options.strategy;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "collision/cached_bounds.h"
 #include "collision/deform_build.h"
 #include "collision/deform_probe.h"
 #include "tests/collision/motion_cases.h"
@@ -26,7 +27,9 @@ struct Fit {
 };
 
 /// Every vertex below every child of every node is in the child's box; what the boxes' areas are.
-void check(const VertexMotion& motion, const NodeBounds& bounds, const DeformTree& tree,
+/// `bounds` are NodeBounds or CachedBounds.
+template <class BoundsOf>
+void check(const VertexMotion& motion, const BoundsOf& bounds, const DeformTree& tree,
            std::span<const double> parameters, const std::string& what, Fit& fit) {
   std::vector<Vector3d> positions(static_cast<std::size_t>(motion.vertexCount()));
   motion.vertices(parameters, 0, positions);
@@ -115,6 +118,52 @@ TEST(DeformBounds, HoldTheVerticesOfEveryNode) {
   EXPECT_EQ(kinds, 7);
 }
 
+std::shared_ptr<const VertexMotion> cacheOf(const motion_cases::RestMesh& mesh, double far,
+                                            double size, Random& random) {
+  CacheMotion motion;
+  motion.vertex_count = static_cast<int>(mesh.vertices.size());
+  for (int frame = 0; frame < 5; ++frame) {
+    motion.times.push_back(frame == 0 ? 0 : motion.times.back() + random.logUniform(1e-3, 10));
+    const Vector3d offset = motion_cases::randomVector(random, far);
+    for (const Vector3d& v : mesh.vertices)
+      motion.positions.push_back((v * size + offset).cast<float>());
+  }
+  return VertexMotion::cache(std::move(motion));
+}
+
+// Between stored frames, at them, before the first and after the last.
+TEST(DeformBounds, OfCachesHoldTheVertices) {
+  Random random(23);
+  Fit fit;
+  for (int i = 0; i < 40; ++i) {
+    const motion_cases::RestMesh mesh = motion_cases::cloth(9);
+    const double far = i == 0 ? 0.1 : random.logUniform(1e-6, 1e6),
+                 size = i == 0 ? 1 : random.logUniform(1e-6, 1e3);
+    const auto motion = cacheOf(mesh, far, size, random);
+    const auto& cached = dynamic_cast<const CachedVertices&>(*motion);
+    const auto tree = buildDeformTree(mesh.vertices, mesh.triangles, DeformMethod::kBinned, 32);
+    const CachedBounds bounds(cached, *tree, tree->nodeCount()),
+        upper(cached, *tree, tree->upperCount());
+    std::vector<double> parameters(2);
+    for (int j = 0; j < 30; ++j) {
+      const std::span<const double> times = motion->keyTimes();
+      const double time = j < 5 ? times[static_cast<std::size_t>(j)]
+                                : random.uniform(times.front() - 0.1, times.back() + 0.1);
+      motion->parameters(time, parameters);
+      Fit of_case;
+      check(*motion, bounds, *tree, parameters, "case " + std::to_string(i), of_case);
+      if (i == 0) fit = of_case;
+      for (std::int32_t node = 0; node < tree->upperCount(); ++node) {
+        WideBox box, same;
+        bounds.bound(node, parameters, box);
+        upper.bound(node, parameters, same);
+        ASSERT_EQ(std::memcmp(&box, &same, sizeof(box)), 0);
+      }
+    }
+  }
+  EXPECT_LT(fit.area, 1.2 * fit.exact);
+}
+
 // Numbers that a file could have: huge and tiny weights, coordinates far from the origin.
 TEST(DeformBounds, HoldForHardNumbers) {
   Random random(22);
@@ -177,6 +226,15 @@ TEST(DeformBounds, SameBytesOnEveryInstructionSet) {
     for (const motion_cases::MotionCase& c : motion_cases::allMotions(12, 9)) {
       const auto tree =
           buildDeformTree(c.mesh.vertices, c.mesh.triangles, DeformMethod::kBinned, 64);
+      if (const auto* cached = dynamic_cast<const CachedVertices*>(c.motion.get())) {
+        const CachedBounds bounds(*cached, *tree, tree->nodeCount());
+        std::vector<double> parameters(2);
+        for (int i = 0; i < 10; ++i) {
+          c.motion->parameters(0.3 * i, parameters);
+          for (std::int32_t node = 0; node < tree->nodeCount(); ++node)
+            bounds.bound(node, parameters, boxes.emplace_back());
+        }
+      }
       const auto bounds = makeNodeBounds(*c.motion, *tree, DeformVolume::kBox, tree->nodeCount());
       if (!bounds) continue;
       std::vector<double> from(static_cast<std::size_t>(c.motion->parameterCount())), to = from;
