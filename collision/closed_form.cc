@@ -1,6 +1,9 @@
 #include "collision/closed_form.h"
 
 #include <algorithm>
+#include <cstdint>
+
+#include "collision/pose_check.h"
 
 namespace leeway::collision {
 
@@ -111,6 +114,12 @@ PointDistance fromCone(double radius, double half_length, const Vector& p) {
           unitOr(d, norm, normal_across * plane.radial + normal_along * Vector::UnitZ())};
 }
 
+// y, lane by lane 0 where x is.
+BodyLanes whereNotZero(BodyLanes x, BodyLanes y) {
+  using Bits = std::int64_t __attribute__((vector_size(16)));
+  return reinterpret_cast<BodyLanes>((x != BodyLanes{0, 0}) & reinterpret_cast<Bits>(y));
+}
+
 // nearestToBox() by looking at all places where the derivative bends.
 double breakpointsNearestToBox(const Triple& c, const Triple& h, const Triple& half) {
   const auto derivative = [&](double s) {
@@ -173,11 +182,12 @@ double nearestToBox(const Triple& c, const Triple& h, const Triple& half) {
     const Triple p = c + s * h;
     const Triple out = p - within(p, half);
     const double slope = dot(h, out);
-    const double size = std::abs(h.x * out.x) + std::abs(h.y * out.y) + std::abs(h.z * out.z);
-    const double curvature =
-        (out.x != 0) * squares.x + (out.y != 0) * squares.y + (out.z != 0) * squares.z;
-    // (NaN, where all of h is inside, ends it too.)
+    // (None where all of h is inside: no slope, either.)
+    const BodyLanes x_y = whereNotZero(BodyLanes{out.x, out.y}, BodyLanes{squares.x, squares.y});
+    const BodyLanes z = whereNotZero(BodyLanes{out.z, 0}, BodyLanes{squares.z, 0});
+    const double curvature = std::max(x_y[0] + x_y[1] + z[0], kInsteadOfZero);
     const double next = within(s - slope / curvature, -1, 1);
+    const double size = std::abs(h.x * out.x) + std::abs(h.y * out.y) + std::abs(h.z * out.z);
     if (!(std::abs(slope) > 4 * kUnitRoundoff * size) || next == s) return s;
     s = next;
   }

@@ -19,6 +19,12 @@ inline __attribute__((always_inline)) BodyLanes magnitude(BodyLanes x) {
   return reinterpret_cast<BodyLanes>(reinterpret_cast<Bits>(x) & Bits{kAllButSign, kAllButSign});
 }
 
+/// x > y in either lane, in one branch: which of the two it will be nobody can foretell.
+inline __attribute__((always_inline)) bool eitherIsGreater(BodyLanes x, BodyLanes y) {
+  const auto greater = x > y;
+  return (greater[0] | greater[1]) != 0;
+}
+
 /// How far the matrices of two poses are from rotations: see RelativePose (convex.h).
 struct PoseCheck {
   /// Both departures are at most kRotationTolerance; false when an entry is not finite.

@@ -57,7 +57,8 @@ bool settleAlongCenters(const Shape& a, const Pose& X_WA, const Shape& b, const 
   const Ray ray_a = rayOf(a, X_WA.rotation, n), ray_b = rayOf(b, X_WB.rotation, n);
   const double plane = length - (ray_a.reach + ray_b.reach);
   const double apart = length - (ray_a.exit + ray_b.exit);
-  if (!(plane > goal.above || apart < goal.below) || !(apart > 0)) return false;
+  if (!eitherIsGreater(BodyLanes{plane, goal.below}, BodyLanes{goal.above, apart}) || !(apart > 0))
+    return false;
   nearest.point_a = d + ray_a.exit * n;
   nearest.apart = apart;
   nearest.normal = n;
@@ -89,7 +90,7 @@ bool settleBoxes(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X
     const double per = 1 / apart;
     const double plane = per * (-dot(w, d) - (reach[0] + reach[1]));
     // (NaN, where they are at the same place, decides nothing.)
-    if ((plane > goal.above) | (apart < goal.below)) {
+    if (eitherIsGreater(BodyLanes{plane, goal.below}, BodyLanes{goal.above, apart})) {
       nearest.point_a = p;
       nearest.apart = apart;
       nearest.normal = per * w;

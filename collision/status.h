@@ -4,11 +4,25 @@
 
 namespace leeway::collision {
 
+/// What an interval tells of a request, in one number: which of these hold nobody can foretell, and
+/// each would be a branch.
+enum Tells : unsigned {
+  kTellsOverlap = 1,   ///< proven, and no depth was asked
+  kTellsNotAbove = 2,  ///< the threshold
+  kTellsAbove = 4,
+  kTellsNarrow = 8,  ///< width within the tolerance
+};
+inline unsigned whatTells(const Interval& distance, const DistanceRequest& request) {
+  const auto if_so = [](bool so, Tells tells) { return static_cast<unsigned>(so) * tells; };
+  return if_so(!request.depth & (distance.upper <= 0), kTellsOverlap) |
+         if_so(distance.upper <= request.threshold, kTellsNotAbove) |
+         if_so(distance.lower > request.threshold, kTellsAbove) |
+         if_so(distance.width() <= request.tolerance, kTellsNarrow);
+}
+
 /// Is the request met by a threshold or by a proven overlap? How far exactly is not asked then.
 inline bool isDecided(const Interval& distance, const DistanceRequest& request) {
-  // (All of these in one: which of them holds is not foreseen.)
-  return (distance.lower > request.threshold) | (distance.upper <= request.threshold) |
-         (!request.depth & (distance.upper <= 0));
+  return (whatTells(distance, request) & (kTellsOverlap | kTellsNotAbove | kTellsAbove)) != 0;
 }
 
 /// Is it proven on which side of contact the bodies are?
@@ -19,10 +33,12 @@ inline bool isSignKnown(const Interval& distance) {
 /// What an interval is worth to a request.
 inline DistanceStatus statusOf(const Interval& distance, const DistanceRequest& request) {
   using enum DistanceStatus;
-  DistanceStatus status = (!request.depth & (distance.upper <= 0)) ? kOverlap : kLimit;
-  status = distance.upper <= request.threshold ? kNotAboveThreshold : status;
-  status = distance.lower > request.threshold ? kAboveThreshold : status;
-  return distance.width() <= request.tolerance ? kConverged : status;
+  static constexpr DistanceStatus kWorth[16] = {
+      kLimit,          kOverlap,        kNotAboveThreshold, kNotAboveThreshold,
+      kAboveThreshold, kAboveThreshold, kAboveThreshold,    kAboveThreshold,
+      kConverged,      kConverged,      kConverged,         kConverged,
+      kConverged,      kConverged,      kConverged,         kConverged};
+  return kWorth[whatTells(distance, request)];
 }
 
 }  // namespace leeway::collision

@@ -37,9 +37,11 @@ class WorldHull {
   HWY_INLINE WorldHull(const Shape& shape, const Eigen::Matrix3d& R, const Triple& t)
       : hull_(*shape.hull()), support_(hull_.support()), R_(R), t_(t), extent_(shape.extent()) {}
 
-  HWY_INLINE Triple farthest(const Triple& n, std::int32_t& name) const {
-    const Triple d = rotatedBack(R_, n);
-    const int found = scannedSupport(support_, d, name);
+  HWY_INLINE Triple turnedBack(const Triple& n) const { return rotatedBack(R_, n); }
+  HWY_INLINE const HullCell* cellOf(const Triple& d) const { return cellFor(support_, d); }
+  // The vertex that is farthest along d, turned back, whose cell is known.
+  HWY_INLINE Triple farthest(const Triple& d, const HullCell* cell, std::int32_t& name) const {
+    const int found = scannedSupport(support_, cell, d, name);
     name = HWY_LIKELY(found >= 0) ? found : climbed(d, name);
     return vertex(name);
   }
@@ -75,7 +77,11 @@ struct WorldCores {
   static constexpr double kTilt = 0;  // (from one direction or from a cache)
   WorldHull a, b;
   HWY_INLINE Triple support(const Triple& n, VertexNames& names) const {
-    return b.farthest(-n, names.b) - a.farthest(n, names.a);
+    // Both cells first: the reads of either hull's vertices wait for its cell, and are so many that
+    // nothing else finds room beside them.
+    const Triple d_a = a.turnedBack(n), d_b = b.turnedBack(-n);
+    const HullCell *cell_a = a.cellOf(d_a), *cell_b = b.cellOf(d_b);
+    return b.farthest(d_b, cell_b, names.b) - a.farthest(d_a, cell_a, names.a);
   }
   HWY_INLINE Points<4> members(const VertexNames (&names)[3]) const {
     return b.vertices(names[0].b, names[1].b, names[2].b) -
@@ -140,7 +146,6 @@ class PlacedVertices {
   using Place = hn::Vec<hn::RebindToSigned<Widest>>;
   // The same for each of eight directions; `places` has names.
   HWY_INLINE Points<kFan> farthest(const Points<kFan>& n, Place* places) const {
-    const Widest d;
     const hn::RebindToSigned<Widest> di;
     Lanes<kFan> least = allLanes<kFan>(std::numeric_limits<double>::infinity());
     // (Each coordinate is read from memory into all lanes: from registers it would take a shuffle.)
@@ -164,9 +169,9 @@ class PlacedVertices {
         continue;
       }
 #endif
-      found.x.v[i] = hn::GatherIndex(d, x_, place);
-      found.y.v[i] = hn::GatherIndex(d, y_, place);
-      found.z.v[i] = hn::GatherIndex(d, z_, place);
+      found.x.v[i] = gathered(x_, place);
+      found.y.v[i] = gathered(y_, place);
+      found.z.v[i] = gathered(z_, place);
     }
     return found;
   }

@@ -167,6 +167,18 @@ class Pick {
   std::int64_t lane_;
 };
 
+/// The numbers at places of an array, none of them below 0, lane by lane.
+HWY_INLINE Same gathered(const double* from, hn::Vec<hn::RebindToSigned<Widest>> places) {
+#if HWY_CAP_GE512
+  // Highway's gathers to a register that it leaves as it was, which then has to be waited for: one
+  // hull's answer for the other's. (Compilers that know the mask leave the zero out, too.)
+  const __mmask8 all = _mm512_cmpge_epi64_mask(places.raw, _mm512_setzero_si512());
+  return Same{_mm512_mask_i64gather_pd(_mm512_setzero_pd(), all, places.raw, from, 8)};
+#else
+  return hn::GatherIndex(Widest(), from, places);
+#endif
+}
+
 /// The least of a register's lanes, in every lane.
 HWY_INLINE Same leastLane(Same x) {
 #if HWY_TARGET == HWY_SCALAR
@@ -238,6 +250,22 @@ HWY_INLINE Lanes<4> sideBySide(const Lanes<4>& x, const Lanes<4>& y, const Lanes
   return {{hn::ConcatUpperLower(Doubles<4>(), z.v[0], hn::OddEven(y.v[0], x.v[0]))}};
 #else
   return {{hn::OddEven(y.v[0], x.v[0]), z.v[0]}};
+#endif
+}
+
+HWY_INLINE Lanes<2> twoOf(double first, double second) {
+#if HWY_TARGET == HWY_SCALAR
+  return {{hn::Set(Doubles<2>(), first), hn::Set(Doubles<2>(), second)}};
+#else
+  return {{hn::OddEven(hn::Set(Doubles<2>(), second), hn::Set(Doubles<2>(), first))}};
+#endif
+}
+HWY_INLINE double firstOf(const Lanes<2>& a) { return hn::GetLane(a.v[0]); }
+HWY_INLINE double secondOf(const Lanes<2>& a) {
+#if HWY_TARGET == HWY_SCALAR
+  return hn::GetLane(a.v[1]);
+#else
+  return hn::GetLane(hn::Shuffle01(a.v[0]));
 #endif
 }
 

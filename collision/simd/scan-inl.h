@@ -149,9 +149,9 @@ HWY_INLINE int firstOfCell(const HullCell& cell, const Vector* points, double dx
         index,
         hn::PromoteTo(widest, hn::PromoteTo(wider, hn::Load(narrow, cell.vertex + i * kLanes))));
     const auto at = hn::Add(names, hn::Add(names, names));
-    return hn::Add(hn::Add(hn::Mul(hn::GatherIndex(d, base, at), dx_all),
-                           hn::Mul(hn::GatherIndex(d, base + 1, at), dy_all)),
-                   hn::Mul(hn::GatherIndex(d, base + 2, at), dz_all));
+    return hn::Add(
+        hn::Add(hn::Mul(gathered(base, at), dx_all), hn::Mul(gathered(base + 1, at), dy_all)),
+        hn::Mul(gathered(base + 2, at), dz_all));
   };
   const hn::Vec<Widest> values[] = {valuesOf(kRegister)...};
   return firstLargest(values, value, registers);
@@ -160,31 +160,41 @@ HWY_INLINE int firstOfCell(const HullCell& cell, const Vector* points, double dx
 /// The cell that holds a direction; null where there is no table, or the length is beyond what can
 /// be divided by.
 HWY_INLINE const HullCell* cellOf(const HullSupport& support, double dx, double dy, double dz) {
-  const double sides = support.sides();
-  // Choices among places in memory, which need no branches: those among directions are not
-  // foreseen.
-  const double direction[3] = {dx, dy, dz};
+  // Choices in lanes need no branches: those among directions are not foreseen. (Nor memory, which
+  // one hull's direction would share with the other's.)
   const double ax = std::abs(dx), ay = std::abs(dy), az = std::abs(dz);
+  const Lanes<2> x_x = allLanes<2>(ax), y_y = allLanes<2>(ay), z_z = allLanes<2>(az);
+  const Mask<2> y_most = y_y > x_x;
+  const Lanes<2> xy_most = choose(y_most, y_y, x_x);
+  const Mask<2> z_most = z_z > xy_most;
+  const Lanes<2> size = choose(z_most, z_z, xy_most);
+  const double largest_size = firstOf(size), sides = support.sides();
+  if (HWY_UNLIKELY(
+          !(largest_size > kSmallestDirection && largest_size < kLargestDirection && sides > 0)))
+    return nullptr;
+  const Lanes<2> along =
+      choose(z_most, allLanes<2>(dz), choose(y_most, allLanes<2>(dy), allLanes<2>(dx)));
+  // The next coordinate and the one before, in a ring.
+  const Lanes<2> across =
+      choose(z_most, twoOf(dx, dy), choose(y_most, twoOf(dz, dx), twoOf(dy, dz)));
+  const Lanes<2> zero = allLanes<2>(0.0), half = allLanes<2>(0.5 * sides),
+                 last = allLanes<2>(sides - 1);
+  const Lanes<2> place = across * (half / size) + half;
+  // In this order a NaN is 0.
+  const Lanes<2> above = choose(place > zero, place, zero),
+                 within = choose(above > last, last, above);
+  const auto u = static_cast<std::int32_t>(firstOf(within)),
+             v = static_cast<std::int32_t>(secondOf(within));
   int axis = static_cast<int>(ay > ax);
   axis += static_cast<int>(az > std::max(ax, ay)) * (2 - axis);
-  const double along = direction[axis], size = std::abs(along);
-  if (HWY_UNLIKELY(!(size > kSmallestDirection && size < kLargestDirection && sides > 0)))
-    return nullptr;
-  const double half = 0.5 * sides, scale = half / size;
-  const auto place = [=](double across) {
-    // In this order a NaN is 0.
-    return static_cast<std::int32_t>(std::min(std::max(0.0, across * scale + half), sides - 1));
-  };
-  static constexpr int kNext[3] = {1, 2, 0}, kPrevious[3] = {2, 0, 1};
-  const int face = 2 * axis + static_cast<int>(along < 0);
-  const std::int32_t u = place(direction[kNext[axis]]), v = place(direction[kPrevious[axis]]);
+  const int face = 2 * axis + static_cast<int>(firstOf(along) < 0);
   return support.cells() + (face * support.sides() + u) * support.sides() + v;
 }
 
-/// Index of the farthest vertex of a hull with a table; -1 where only a climb finds it, which
-/// starts well from `hint`.
-HWY_INLINE int scanTable(const HullSupport& support, double dx, double dy, double dz, int& hint) {
-  const HullCell* cell = cellOf(support, dx, dy, dz);
+/// Index of the farthest vertex of a hull with a table, given the direction's cell; -1 where only a
+/// climb finds it, which starts well from `hint`.
+HWY_INLINE int scanCell(const HullSupport& support, const HullCell* cell, double dx, double dy,
+                        double dz, int& hint) {
   if (HWY_UNLIKELY(cell == nullptr)) return -1;
   double value = 0;
   if (HWY_LIKELY(cell->vertex[0] != HullCell::kMany)) {
@@ -201,6 +211,9 @@ HWY_INLINE int scanTable(const HullSupport& support, double dx, double dy, doubl
     best_value = value;
   }
   return best;
+}
+HWY_INLINE int scanTable(const HullSupport& support, double dx, double dy, double dz, int& hint) {
+  return scanCell(support, cellOf(support, dx, dy, dz), dx, dy, dz, hint);
 }
 
 /// The same for any hull.

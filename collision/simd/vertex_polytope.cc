@@ -65,14 +65,14 @@ class VertexPolytope {
   }
   HWY_INLINE Points<kEight> verticesAt(const std::int64_t* places) const {
     const Widest d;
-    const auto gathered = [&](const double* coordinates) HWY_ATTR {
+    const auto gather = [&](const double* coordinates) HWY_ATTR {
       return eachLane<kEight>([&](int i) HWY_ATTR {
         const auto at = hn::Load(hn::RebindToSigned<Widest>(),
                                  places + static_cast<std::size_t>(i) * hn::MaxLanes(d));
-        return hn::GatherIndex(d, coordinates, at);
+        return gathered(coordinates, at);
       });
     };
-    return {gathered(x_), gathered(y_), gathered(z_)};
+    return {gather(x_), gather(y_), gather(z_)};
   }
   HWY_INLINE bool place(const Points<kEight>& a, const Points<kEight>& b, const Points<kEight>& c,
                         const std::int64_t* names_a, const std::int64_t* names_b,

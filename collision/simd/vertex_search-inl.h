@@ -17,6 +17,7 @@
 #include <limits>
 
 #include "collision/gjk.h"
+#include "collision/pose_check.h"
 #include "collision/simd/lanes-inl.h"
 #include "collision/simd/scan-inl.h"
 #include "collision/triple.h"
@@ -70,6 +71,16 @@ inline HWY_NOINLINE int calledColumns(const HullSupport& support, double dx, dou
 /// As scanSupport().
 HWY_INLINE int scannedSupport(const HullSupport& support, const Triple& d, std::int32_t& hint) {
   return support.length() == 0 ? scanTable(support, d.x, d.y, d.z, hint)
+                               : calledColumns(support, d.x, d.y, d.z);
+}
+/// The cell that is to be looked at for that; null where there is none.
+HWY_INLINE const HullCell* cellFor(const HullSupport& support, const Triple& d) {
+  return support.length() == 0 ? cellOf(support, d.x, d.y, d.z) : nullptr;
+}
+/// The same with that cell known.
+HWY_INLINE int scannedSupport(const HullSupport& support, const HullCell* cell, const Triple& d,
+                              std::int32_t& hint) {
+  return support.length() == 0 ? scanCell(support, cell, d.x, d.y, d.z, hint)
                                : calledColumns(support, d.x, d.y, d.z);
 }
 
@@ -133,11 +144,13 @@ HWY_INLINE void take(const Triangles<n>& t, std::int64_t k, const Point& newest,
   nearest.direction_squared = best(t.direction_squared);
   nearest.norm_squared = best(t.norm_squared);
   // Near contact what is left of the edge's point after cancellation is not at a right angle to
-  // the edge any more: once more.
-  if (HWY_UNLIKELY(nearest.norm_squared < kCancelled * squared(tripleOf(newest))) &&
-      best(t.second) == 0) {
-    const double along = best(t.first);
-    if (!(along > 0 && along < 1)) return;  // at an end
+  // the edge any more: once more. (Not at an edge's end. All in one branch: most pairs that are so
+  // near have their nearest points elsewhere.)
+  const Lanes<n> zero = allLanes<n>(0.0), one = allLanes<n>(1.0),
+                 least = allLanes<n>(kCancelled * squared(tripleOf(newest)));
+  const Mask<n> cancelled = (least > t.norm_squared) & (t.first > zero) & (one > t.first) &
+                            (allLanes<n>(std::numeric_limits<double>::denorm_min()) > t.second);
+  if (HWY_UNLIKELY((bitsOf(cancelled) >> static_cast<unsigned>(k) & 1U) != 0)) {
     Triple edge;
     pick(t.e, best, edge);
     const Triple way = tripleOf(nearest.direction);
@@ -191,17 +204,21 @@ HWY_INLINE Step step(const Point& newest, const Points<4>& old, Nearest<Point>& 
 /// The best supporting plane, without a branch: which it will be nobody can foretell.
 class BestPlane {
  public:
-  HWY_INLINE BestPlane() : direction_(allLanes<4>(1.0)) {}
+  HWY_INLINE BestPlane()
+      : value_(allLanes<4>(-std::numeric_limits<double>::infinity())),
+        direction_(allLanes<4>(1.0)) {}
   template <class Point>
   HWY_INLINE void offer(double value, const Point& direction) {
-    const Mask<4> better = allLanes<4>(value) > allLanes<4>(value_);
+    const Lanes<4> offered = allLanes<4>(value);
+    const Mask<4> better = offered > value_;
     direction_ = choose(
         better,
         sideBySide(allLanes<4>(direction.x), allLanes<4>(direction.y), allLanes<4>(direction.z)),
         direction_);
-    value_ = std::max(value_, value);
+    // (Of two single numbers compilers take the larger one by a branch here.)
+    value_ = choose(better, offered, value_);
   }
-  HWY_INLINE double value() const { return value_; }
+  HWY_INLINE double value() const { return hn::GetLane(value_.v[0]); }
   /// Of any length.
   HWY_INLINE Triple direction() const {
     alignas(32) double coordinates[4];
@@ -210,7 +227,7 @@ class BestPlane {
   }
 
  private:
-  double value_ = -std::numeric_limits<double>::infinity();
+  Lanes<4> value_;  // in each of them
   Lanes<4> direction_;
 };
 
@@ -231,12 +248,14 @@ alignas(32) constexpr double kFewRing[2][4] = {{1, -0.5, -0.5, 0},
 template <int n>
 HWY_INLINE Points<n> directionsAround(const Triple& first, const double* ring_u,
                                       const double* ring_v, double by) {
-  const double ax = std::abs(first.x), ay = std::abs(first.y), az = std::abs(first.z);
-  const Mask<n> z_most = allLanes<n>(az) > allLanes<n>(std::max(ax, ay)),
-                y_most = allLanes<n>(ay) > allLanes<n>(ax);
+  const Lanes<n> x = allLanes<n>(std::abs(first.x)), y = allLanes<n>(std::abs(first.y)),
+                 z = allLanes<n>(std::abs(first.z));
+  const Mask<n> y_most = y > x;
+  const Lanes<n> xy_most = choose(y_most, y, x);
+  const Mask<n> z_most = z > xy_most;
   // (The largest coordinate is known before the length is.)
-  const Lanes<n> size = allLanes<n>(std::max(std::max(ax, ay), az)), zero = allLanes<n>(0.0),
-                 tilt = allLanes<n>(by), u = tilt * load<n>(ring_u), v = tilt * load<n>(ring_v);
+  const Lanes<n> size = choose(z_most, z, xy_most), zero = allLanes<n>(0.0), tilt = allLanes<n>(by),
+                 u = tilt * load<n>(ring_u), v = tilt * load<n>(ring_v);
   const Points<n> across = {choose(z_most, u, choose(y_most, v, zero)),
                             choose(z_most, v, choose(y_most, zero, u)),
                             choose(z_most, zero, choose(y_most, u, v))};
@@ -424,10 +443,12 @@ HWY_INLINE GjkEnd Search<Cores>::run(const Triple& first, const PairCache* carri
     beginAlong(first);
   }
   while (last == Step::kNearer) {
-    // As Progress::enough(), but with an upper end that is not yet made of points.
+    // As Progress::enough(), but with an upper end that is not yet made of points (and may go on
+    // where that is the threshold itself).
     const double upper = std::sqrt(nearest_.norm_squared) - upper_offset_;
     double lower = best_.value() - lower_offset_;
-    if (lower > request_.threshold || upper <= request_.threshold ||
+    if (eitherIsGreater(BodyLanes{lower, -upper},
+                        BodyLanes{request_.threshold, -request_.threshold}) ||
         (!request_.depth && upper <= 0) ||
         (upper - lower <= request_.tolerance && (lower > 0 || upper <= 0))) {
       return GjkEnd::kStagnated;
