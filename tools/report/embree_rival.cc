@@ -48,7 +48,7 @@ RTCDevice device() {
   return instance;
 }
 
-class EmbreeFollower : public MeshFollower {
+class EmbreeFollower final : public MeshFollower {
  public:
   EmbreeFollower(const DeformingSpec& spec, RTCBuildQuality quality)
       : scene_(rtcNewScene(device())) {

@@ -89,6 +89,7 @@ void measureChunk(const ContactFamily& family, const std::vector<const ContactEn
                   const MotionReportOptions& options, std::vector<Tally>& tallies) {
   const std::size_t cases = family.cases.size();
   std::vector<Queries> queries;
+  queries.reserve(engines.size());
   for (const ContactEngine* engine : engines) queries.push_back(prepare(*engine, family));
   const SharedArray<Asked> asked(engines.size() * cases);
   std::vector<std::vector<Fate>> fates(engines.size());

@@ -71,9 +71,9 @@ class Maker {
   }
   /// Of eight points on an ellipsoid.
   Body hull() {
-    std::vector<Vector3d> points;
+    std::vector<Vector3d> points(8);
     const Vector3d size = sizes(random, 0.1, 0.5);
-    for (int i = 0; i < 8; ++i) points.push_back(size.cwiseProduct(random.direction()));
+    for (Vector3d& p : points) p = size.cwiseProduct(random.direction());
     return add({Shape::convexHull(points), points}, slowHull(points));
   }
   Body box(double least, double most) { return box(sizes(random, least, most)); }

@@ -411,8 +411,9 @@ std::string toSvg(const Figure& figure) {
   const std::vector<const PlotSeries*> legend = legendOf(figure);
   if (!legend.empty()) y += drawLegend(legend, width, y, body);
   for (std::size_t i = 0; i < figure.panels.size(); ++i) {
-    const double left = kMargin + kLeft + cell_width * static_cast<double>(i % columns);
-    const double top = y + kTop + cell_height * static_cast<double>(i / columns);
+    const std::size_t row = i / columns, column = i % columns;
+    const double left = kMargin + kLeft + cell_width * static_cast<double>(column);
+    const double top = y + kTop + cell_height * static_cast<double>(row);
     body += PanelDrawing(figure, figure.panels[i], left, top).draw(legend);
   }
   const double height = y + cell_height * static_cast<double>(rows) + kMargin;

@@ -47,6 +47,7 @@ std::vector<RivalModule> loadRivals() {
   const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", error);
   const std::filesystem::path folder = program.parent_path().parent_path() / LEEWAY_MODULE_FOLDER;
   std::vector<RivalModule> modules;
+  modules.reserve(std::size(kModules));
   for (const Known& known : kModules) modules.push_back(load(known, folder));
   return modules;
 }
