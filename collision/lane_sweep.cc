@@ -275,6 +275,18 @@ LaneSweep::Scratch::Scratch(const LaneSweep& sweep) : impl_(std::make_unique<Imp
 LaneSweep::Scratch::~Scratch() = default;
 std::span<const LaneSweep::Open> LaneSweep::Scratch::open() const { return impl_->open; }
 
+void LaneSweep::Scratch::close(std::span<const std::uint32_t> lanes) {
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < impl_->open.size(); ++i) {
+    impl_->open[i].lanes &= ~lanes[i];
+    if (impl_->open[i].lanes == 0) continue;
+    impl_->open[kept] = impl_->open[i];
+    impl_->open_pairs[kept++] = impl_->open_pairs[i];
+  }
+  impl_->open.resize(kept);
+  impl_->open_pairs.resize(kept);
+}
+
 namespace {
 
 Pose poseOf(const LaneFrame& frame, int lane) {

@@ -62,6 +62,15 @@ class Pairs {
 
   bool hasProven() const { return proven_; }
 
+  /// Of two bodies that are links, what is proven of them.
+  const robots::LinkGap* linkGap(int i, int j) const {
+    if (!entries_[at(i)].isLink() || !entries_[at(j)].isLink()) return nullptr;
+    const int a = entries_[at(i)].link, b = entries_[at(j)].link;
+    for (const robots::LinkGap& gap : model_.link_gaps)
+      if ((gap.link_a == a && gap.link_b == b) || (gap.link_a == b && gap.link_b == a)) return &gap;
+    return nullptr;
+  }
+
   std::vector<int> bodyLinks() const {
     std::vector<int> links;
     for (const Entry& e : entries_) links.push_back(e.body.moving ? e.link : -1);
@@ -254,6 +263,8 @@ CompiledScene::CompiledScene(const Problem& problem)
   pairs.decide(dropped_);
   scene_ = pairs.builder().build();
   body_link_ = pairs.bodyLinks();
+  for (const collision::ScenePair& pair : scene_.pairs())
+    link_gaps_.push_back(pairs.linkGap(pair.body_a, pair.body_b));
   needs_limits_ = pairs.hasProven();
   jumping_circles_ = jumpingCircles(*space_);
   deriveMotions(problem, ranges);
@@ -335,10 +346,12 @@ std::shared_ptr<const CompiledScene> CompiledScene::withPairs(
   reduced->scene_.keepPairs(keep);
   reduced->pair_motion_.clear();
   reduced->reversed_.clear();
+  reduced->link_gaps_.clear();
   for (std::size_t p = 0; p < scene_.pairs().size(); ++p) {
     if (!keep(scene_.pairs()[p])) continue;
     reduced->pair_motion_.push_back(pair_motion_[p]);
     reduced->reversed_.push_back(reversed_[p]);
+    reduced->link_gaps_.push_back(link_gaps_[p]);
   }
   return reduced;
 }

@@ -72,7 +72,7 @@ Verdict EdgeCertifier::decide(std::span<const double> point) {
   int pair = -1;
   if (!impl.frames.begin(point, point)) return Verdict::kUndecided;
   const int slot = impl.frames.place(0);
-  return slot < 0 ? Verdict::kUndecided : impl.checkState(slot, pair);
+  return slot < 0 ? Verdict::kUndecided : impl.checkState(slot, 0, pair);
 }
 
 StateCheck EdgeCertifier::clearance(std::span<const double> point, double tolerance) {
@@ -257,7 +257,9 @@ bool EdgeCertifier::Impl::examine(EdgeInterval& interval, std::vector<int>& list
     const int p = list[at(i)];
     const EdgePair& pair = frames.pairs()[at(p)];
     double growth = 0;
-    if (coarseSweep(interval, pair, growth) > pair.threshold) continue;
+    if (coarseSweep(interval, pair, growth) > pair.threshold ||
+        frames.keepsGap(pair, interval.t0, interval.t0 + interval.h))
+      continue;
     if (pair.by_surfaces) {
       const collision::MeshSweepResult result = sweepSurfaces(interval, pair);
       if (result.status == collision::MeshSweepStatus::kFree) continue;
@@ -314,6 +316,7 @@ EdgeCheck EdgeCertifier::Impl::certifyByLanes() {
   for (int i = 0; i < collision::kLanes; ++i) parts.from[i] = i * parts.width;
   if (contact.id >= 0)
     return told(Verdict::kNotFree, contact.id, parts.from[contact.lane] + parts.width / 2);
+  lanes.closeGaps(frames);
   if (lanes.open().empty()) return told(Verdict::kFree, -1, 0);
   const EdgeCheck closer = lookCloser(parts);
   if (closer.verdict != Verdict::kFree) return closer;
@@ -583,7 +586,7 @@ EdgeCheck EdgeCertifier::Impl::certifyByLevels() {
   int offender = -1;
   // The end decides most edges; it also settles for all of a certified edge that nothing is inside
   // a solid.
-  const Verdict at_end = end < 0 ? Verdict::kUndecided : checkState(end, offender);
+  const Verdict at_end = end < 0 ? Verdict::kUndecided : checkState(end, 1, offender);
   if (at_end != Verdict::kFree) return told(at_end, offender, 1);
   const int start = frames.place(0);
   if (start < 0) return told(Verdict::kUndecided, -1, 0);
@@ -648,7 +651,7 @@ void EdgeCertifier::Impl::findLastValid(const EdgeRequest&, EdgeCheck& check) {
   check.last_valid = 0;
   int offender = -1;
   const int start = frames.place(0), end = frames.place(1);
-  if (start < 0 || checkState(start, offender) != Verdict::kFree || end < 0) return;
+  if (start < 0 || checkState(start, 0, offender) != Verdict::kFree || end < 0) return;
   open.clear();
   for (std::size_t p = 0; p < frames.pairs().size(); ++p) open.push_back(static_cast<int>(p));
   certifyPrefix({start, end, 0, 1, 0, static_cast<int>(open.size()), 0}, check);

@@ -30,7 +30,8 @@ struct EdgeCertifier::Impl {
   enum class Pair : unsigned char { kFree, kNotFree, kOpen };
 
   // One configuration (edge_state.cc).
-  Verdict checkState(int slot, int& pair);
+  /// `slot` is the edge's configuration at t.
+  Verdict checkState(int slot, double t, int& pair);
   Pair coarseState(int slot, const EdgePair& pair) const;
   Pair exactState(int slot, const EdgePair& pair);
   collision::DistanceResult stateDistance(int slot, const EdgePair& pair,

@@ -29,6 +29,7 @@ void EdgeFrames::rebind(std::shared_ptr<const CompiledScene> scene) {
   pieces_.clear();
   moving_.clear();
   pairs_.clear();
+  gaps_.clear();
   addPieces();
   addPairs();
   release(0);
@@ -94,10 +95,34 @@ void EdgeFrames::addPairs() {
                     ((pieces_[at(e.a)].link < 0 && travels(pieces_[at(e.b)].link)) ||
                      (pieces_[at(e.b)].link < 0 && travels(pieces_[at(e.a)].link))) &&
                     collision::sweepsMesh(shapeOf(e.a), shapeOf(e.b));
+    addGap(e);
     pairs_.push_back(e);
   }
   std::stable_sort(pairs_.begin(), pairs_.end(),
                    [](const EdgePair& x, const EdgePair& y) { return x.a < y.a; });
+}
+
+void EdgeFrames::addGap(EdgePair& pair) {
+  const robots::LinkGap* known = scene_->linkGap(pair.scene_pair);
+  const auto enough = [&](float gap) { return static_cast<double>(gap) > pair.threshold; };
+  if (known == nullptr ||
+      (!enough(known->cell_gap) && std::none_of(known->gaps.begin(), known->gaps.end(), enough)))
+    return;
+  pair.gap = static_cast<int>(gaps_.size());
+  gaps_.push_back({known, {}, {}});
+}
+
+/// With q_ at the edge's start.
+EdgeFrames::Turn EdgeFrames::turnOf(int joint) const {
+  const robots::KinematicStep& step = scene_->model().steps[at(joint)];
+  return {step.multiplier * q_[at(step.variable)] + step.offset,
+          step.multiplier * dq_[at(step.variable)]};
+}
+
+bool EdgeFrames::keepsGap(const EdgePair& pair, double t0, double t1) const {
+  if (pair.gap < 0) return false;
+  const Gap& gap = gaps_[at(pair.gap)];
+  return gap.known->over(gap.turn.over(t0, t1), gap.other.over(t0, t1)) > pair.threshold;
 }
 
 bool EdgeFrames::isUsable(std::span<const double> point) const {
@@ -134,6 +159,8 @@ bool EdgeFrames::begin(std::span<const double> a, std::span<const double> b) {
   robots::jointMotion(scene_->model(), dq_, joint_motion_);
   within_limits_ = space.withinLimits(a_) && space.withinLimits(b_);
   if (!within_limits_ && scene_->needsLimits()) return false;
+  if (!gaps_.empty()) scene_->expand(a_, q_);
+  for (Gap& gap : gaps_) gap.turn = turnOf(gap.known->joint), gap.other = turnOf(gap.known->other);
   watch_reach_ = !within_limits_ || scene_->reach() >= kLargestReach;
   return true;
 }

@@ -33,6 +33,7 @@ struct EdgePair {
   double threshold;  ///< separation must exceed it: margin and all rounding of poses [m]
   double rounding;   ///< the latter alone [m]
   bool by_surfaces;  ///< collision::sweepMesh() takes it, and no depth is allowed
+  int gap = -1;      ///< index of what is known of its links by a joint's angle; -1: nothing
 };
 
 /// Places configurations a + t dq of one edge in numbered slots. Allocates in the constructor only.
@@ -66,6 +67,9 @@ class EdgeFrames {
   std::span<const double> difference() const { return difference_; }
   std::span<const double> configurationDifference() const { return dq_; }
   std::span<const robots::JointMotion> jointMotion() const { return joint_motion_; }
+  /// True when a pair is known to keep more than its threshold from t0 to t1, by the angles
+  /// of the two joints between its links (robots::LinkGap). O(arcs between the two).
+  bool keepsGap(const EdgePair& pair, double t0, double t1) const;
   bool isWithinLimits() const { return within_limits_; }
   std::span<const Piece> pieces() const { return pieces_; }
   std::span<const EdgePair> pairs() const { return pairs_; }
@@ -94,6 +98,7 @@ class EdgeFrames {
   static std::size_t at(int i) { return static_cast<std::size_t>(i); }
   void addPieces();
   void addPairs();
+  void addGap(EdgePair& pair);
   bool travels(int link) const;
   bool isUsable(std::span<const double> point) const;
   bool isInShape(std::span<const double> point) const;
@@ -102,6 +107,20 @@ class EdgeFrames {
   std::vector<Piece> pieces_;
   std::vector<EdgePair> pairs_;
   std::vector<int> moving_;  // pieces
+  /// A joint's angle at the edge's start, and how far it turns [rad].
+  struct Turn {
+    double angle = 0, turn = 0;
+    robots::LinkGap::Range over(double t0, double t1) const {
+      return {angle + t0 * turn, angle + t1 * turn};
+    }
+  };
+  /// What is known of a pair's links by two joints' angles.
+  struct Gap {
+    const robots::LinkGap* known;
+    Turn turn, other;
+  };
+  Turn turnOf(int joint) const;
+  std::vector<Gap> gaps_;
   std::size_t links_;
   int capacity_;
   int used_ = 0;

@@ -66,6 +66,7 @@ EdgeLanes::EdgeLanes(const EdgeFrames& frames) : scene_(frames.sharedScene()) {
   lane_frames_.resize(steps_.size());
   look_frames_.resize(steps_.size());
   growth_values_.resize(growth_.paddedSize());
+  closed_.reserve(frames.pairs().size());
   part_growth_.resize(growth_.paddedSize());
 }
 
@@ -369,6 +370,23 @@ LaneSweep::Contact EdgeLanes::sweep() {
   collision::moveFrames(frame_steps_, middles, kWidth, lane_frames_);
   growth_.run(joint_motion_, growth_values_);
   return sweep_.run(lane_frames_, growth_values_, slack_, *scratch_);
+}
+
+void EdgeLanes::closeGaps(const EdgeFrames& frames) {
+  constexpr double kWidth = 1.0 / collision::kLanes;
+  bool closes = false;
+  closed_.clear();
+  for (const LaneSweep::Open& open : scratch_->open()) {
+    const EdgePair& pair = frames.pairs()[at(open.id)];
+    closed_.push_back(0);
+    if (pair.gap < 0) continue;
+    for (int lane = 0; lane < collision::kLanes; ++lane)
+      if ((open.lanes >> lane & 1U) != 0 &&
+          frames.keepsGap(pair, lane * kWidth, (lane + 1) * kWidth))
+        closed_.back() |= 1U << lane;
+    closes = closes || closed_.back() != 0;
+  }
+  if (closes) scratch_->close(closed_);
 }
 
 LaneSweep::Contact EdgeLanes::part() {

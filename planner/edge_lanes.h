@@ -24,6 +24,8 @@ class EdgeLanes {
   /// After begin(): all intervals [k, k + 1] / kLanes, by balls, planes and points that are known.
   /// Ids are indices into frames.pairs().
   collision::LaneSweep::Contact sweep();
+  /// After a sweep() that found no contact: closes what EdgeFrames::keepsGap() knows to be free.
+  void closeGaps(const EdgeFrames& frames);
   /// After a sweep() that found no contact: planes are looked for between what it left open.
   collision::LaneSweep::Contact part();
   /// Parts of the edge, one a lane: from + [0, width]. Each `from` is a multiple of `width`, which
@@ -90,6 +92,7 @@ class EdgeLanes {
   std::vector<collision::LaneFrame> lane_frames_, look_frames_;
   std::vector<float> joint_motion_, growth_values_, part_growth_;
   std::vector<double> middle_, q_;
+  std::vector<std::uint32_t> closed_;  // lanes, one an open pair
   float slack_ = 0;
 };
 

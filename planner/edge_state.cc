@@ -51,7 +51,7 @@ EdgeCertifier::Impl::Pair EdgeCertifier::Impl::exactState(int slot, const EdgePa
   return distance.upper <= pair.threshold ? Pair::kNotFree : Pair::kOpen;
 }
 
-Verdict EdgeCertifier::Impl::checkState(int slot, int& offender) {
+Verdict EdgeCertifier::Impl::checkState(int slot, double t, int& offender) {
   const auto count = static_cast<int>(frames.pairs().size());
   // Balls first, for all pairs: most collisions are deep and need no more.
   open.clear();
@@ -68,6 +68,7 @@ Verdict EdgeCertifier::Impl::checkState(int slot, int& offender) {
   }
   Verdict verdict = Verdict::kFree;
   for (const int p : open) {
+    if (frames.keepsGap(frames.pairs()[at(p)], t, t)) continue;
     const Pair exact = exactState(slot, frames.pairs()[at(p)]);
     if (exact == Pair::kFree) continue;
     offender = p;

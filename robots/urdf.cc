@@ -10,6 +10,7 @@
 
 #include "leeway/collision/shape.h"
 #include "leeway/robots/input_error.h"
+#include "robots/link_gaps.h"
 #include "robots/mesh_path.h"
 #include "robots/model_builder.h"
 #include "robots/srdf.h"
@@ -202,6 +203,7 @@ std::shared_ptr<const Model> loadModel(const std::string& urdf_path, const std::
     if (joint.has_mimic) limitMaster(joint, *model);
   if (!srdf_path.empty()) readSrdf(srdf_path, *model);
   model->finish();
+  model->link_gaps = provenGaps(*model);
   return model;
 }
 

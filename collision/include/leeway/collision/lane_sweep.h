@@ -72,6 +72,9 @@ class LaneSweep {
     ~Scratch();
     /// All that the last run did not certify, when it found no contact.
     std::span<const Open> open() const;
+    /// After run(): lanes of each open() pair that are known to be free otherwise; where none is
+    /// left, it is no longer open. O(open pairs).
+    void close(std::span<const std::uint32_t> lanes);
 
    private:
     friend class LaneSweep;

@@ -32,6 +32,10 @@ class CompiledScene {
   /// motions(), which pairs share; the other way round when isReversed(pair): whichever of the two
   /// is near the joints between them moves less.
   int pairMotionIndex(int pair) const { return pair_motion_[static_cast<std::size_t>(pair)]; }
+  /// What is proven of the two links of a scene pair by the angles of two joints; null: nothing is.
+  const robots::LinkGap* linkGap(int pair) const {
+    return link_gaps_[static_cast<std::size_t>(pair)];
+  }
   bool isReversed(int pair) const { return reversed_[static_cast<std::size_t>(pair)] != 0; }
   std::span<const robots::RelativeMotion> motions() const { return motions_; }
   /// Configuration of the whole model for a point of the space.
@@ -100,7 +104,8 @@ class CompiledScene {
   collision::Scene scene_;
   std::vector<int> body_link_;
   std::vector<int> pair_motion_;
-  std::vector<char> reversed_;  // one a pair
+  std::vector<char> reversed_;                     // one a pair
+  std::vector<const robots::LinkGap*> link_gaps_;  // one a pair, of the model
   std::vector<robots::RelativeMotion> motions_;
   std::vector<int>
       jumping_circles_;  // places in a point of circles that a mimic joint is not periodic in

@@ -83,6 +83,28 @@ struct DisabledPair {
   std::string reason;
 };
 
+/// How far two links stay apart, between which just two joints stand, by the angles of both. Arc k
+/// of kArcs is [k, k + 1] * 2 pi / kArcs of a joint's angle, and the same some turns on.
+struct LinkGap {
+  static constexpr int kArcs = 128;
+  int link_a = -1, link_b = -1;
+  int joint = -1, other = -1;
+  /// Proven: all geometries of both keep more than that over an arc of `joint`, whatever the other
+  /// angle is [m]; 0: not proven.
+  std::vector<float> gaps;
+  /// Where gaps[i] is 0: whether arcs i of `joint` and k of `other` keep more than `cell_gap`, at
+  /// i * kArcs + k.
+  std::vector<char> cells;
+  float cell_gap = 0;  ///< [m]
+
+  /// Angles between two [rad].
+  struct Range {
+    double from, to;
+  };
+  /// The least over all pairs of angles in two ranges. O(arcs in them).
+  double over(const Range& angles, const Range& others) const;
+};
+
 /// What forward kinematics reads of joint i, compiled by Model::finish(): X_PC = [fixed + sin *
 /// sine + cos * cosine, translation + ...].
 struct KinematicStep {
@@ -107,6 +129,7 @@ class Model {
       groups;  ///< from the SRDF; always holds "all" with every variable last unless named so
   std::vector<GroupState> group_states;
   std::vector<DisabledPair> disabled_pairs;
+  std::vector<LinkGap> link_gaps;  ///< by loadModel(), for pairs that stay near each other
   bool has_srdf = false;
   std::string urdf_file, srdf_file;  ///< as given to loadModel; empty for a free body
   std::vector<KinematicStep> steps;  ///< one a joint, by finish()

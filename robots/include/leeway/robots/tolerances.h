@@ -22,4 +22,24 @@ inline constexpr int kApartBoxes = 2000;
 /// checked.
 inline constexpr double kApartSmallest = 1e-3;
 
+/// provenGaps(): slices of what turns, more of which tell more and take longer; samples are where
+/// proofs begin, and tell which of two links to take for turning.
+inline constexpr int kGapSlices = 24, kGapSamples = 32;
+
+/// provenGaps(): what is proven by both angles, for pairs whose gap by one is below kNearGap for
+/// half of the angles [m]; and the arcs of either that a proof begins and ends with.
+inline constexpr double kCellGap = 1e-3, kNearGap = 0.04;
+inline constexpr int kGapBlock = 8, kLeastBlock = 2;
+
+/// provenGaps(): no larger gap is proven, and no smaller one; tried is this share of the distance
+/// found halfway [m; m; 1].
+inline constexpr double kMostGap = 0.1, kLeastGap = 1e-3, kGapShare = 0.75;
+
+/// provenGaps(): queries about one pair of links, after which what is left stays unproven.
+inline constexpr int kGapQueries = 5'000;
+
+/// provenGaps(): rounding of coordinates and angles, relative and in metres and radians; edges that
+/// rise less are taken whole [m], so that none is cut with more rounding than that.
+inline constexpr double kGapSlack = 1e-9, kGapLevel = 1e-6;
+
 }  // namespace leeway::robots
