@@ -366,8 +366,9 @@ class DeformDescent {
 
   // A rigid body against the nodes of B alone. Those on top of the stack are looked at several at a
   // time, so that nobody waits for what one comes to before the next is begun; before there is an
-  // upper end, one at a time, since the nearest leads to it.
-  void whole(double root) {
+  // upper end, one at a time, since the nearest leads to it. (Not inlined: most questions about a
+  // threshold end before it, and its room on the stack is another page.)
+  __attribute__((noinline)) void whole(double root) {
     // What is taken together stands on top, deeper nodes above others: no level of the hierarchy
     // has more than the children of one taking there.
     std::array<Open, (DeformTree::kMaxDepth + 1) * kWidth * kTogether> open;
