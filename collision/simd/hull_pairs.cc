@@ -321,8 +321,7 @@ HWY_INLINE bool answered(const Pair& pair, const Cores& cores, const Search<Core
   const bool enough = (separation.width() <= request.tolerance && isSignKnown(separation)) ||
                       isDecided(separation, request);
   const Triple point_a = tripleOf(pair.X_WB.translation) + p, point_b = point_a + w;
-  const Triple plane = search.best().direction();
-  const Triple n = (1 / std::sqrt(squared(plane))) * plane;
+  const Triple n = search.best().normal();
   // Coordinates beyond 1e308 overflow.
   const double sum = std::abs(point_a.x + point_a.y + point_a.z) + std::abs(n.x + n.y + n.z);
   if (HWY_UNLIKELY(!enough || !(sum <= 1e300))) return false;

@@ -20,8 +20,7 @@ namespace {
 HWY_INLINE void leave(const Search<PlacedCores>& search, const PlacedCores& cores, GjkEnd end,
                       Progress& progress, Simplex& simplex) {
   progress.iterations = search.iterations();
-  const Triple plane = search.best().direction();
-  const Triple n = (1 / std::sqrt(squared(plane))) * plane;
+  const Triple n = search.best().normal();
   progress.offerLower(search.best().value(), {n.x, n.y, n.z});
   Carriers found;
   search.carriers(end, found);

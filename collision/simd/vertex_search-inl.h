@@ -206,10 +206,12 @@ class BestPlane {
  public:
   HWY_INLINE BestPlane()
       : value_(allLanes<4>(-std::numeric_limits<double>::infinity())),
+        per_(allLanes<4>(1.0)),
         direction_(allLanes<4>(1.0)) {}
   template <class Point>
-  HWY_INLINE void offer(double value, const Point& direction) {
-    const Lanes<4> offered = allLanes<4>(value);
+  /// A supporting value, of a direction with the reciprocal `per` of its length.
+  HWY_INLINE void offer(double value, double per, const Point& direction) {
+    const Lanes<4> offered = allLanes<4>(per * value);
     const Mask<4> better = offered > value_;
     direction_ = choose(
         better,
@@ -217,17 +219,17 @@ class BestPlane {
         direction_);
     // (Of two single numbers compilers take the larger one by a branch here.)
     value_ = choose(better, offered, value_);
+    per_ = choose(better, allLanes<4>(per), per_);
   }
   HWY_INLINE double value() const { return hn::GetLane(value_.v[0]); }
-  /// Of any length.
-  HWY_INLINE Triple direction() const {
+  HWY_INLINE Triple normal() const {
     alignas(32) double coordinates[4];
-    store(direction_, coordinates);
+    store(per_ * direction_, coordinates);
     return {coordinates[0], coordinates[1], coordinates[2]};
   }
 
  private:
-  Lanes<4> value_;  // in each of them
+  Lanes<4> value_, per_;  // in each of them
   Lanes<4> direction_;
 };
 
@@ -366,7 +368,7 @@ HWY_INLINE void Search<Cores>::beginAlong(const Triple& first) {
   set(nearest_.direction, first);
   newest_ = cores_.support(nearest_.direction, newest_names_);
   const Triple p = tripleOf(newest_);
-  best_.offer(dot(first, p) * (1 / std::sqrt(squared(first))), first);
+  best_.offer(dot(first, p), 1 / std::sqrt(squared(first)), first);
   const double length_squared = squared(p);
   nearest_ = {newest_,          length_squared,   length_squared,  0,
               allLanes<4>(0.0), allLanes<4>(0.0), allLanes<4>(1.0)};
@@ -382,7 +384,7 @@ HWY_INLINE Step Search<Cores>::beginFew(const Triple& first) {
   const Pick<4> middle(3);
   pick(old_, middle, newest_);
   newest_names_ = namesIn(middle(old_names_));
-  best_.offer(dot(first, tripleOf(newest_)) * (1 / std::sqrt(squared(first))), first);
+  best_.offer(dot(first, tripleOf(newest_)), 1 / std::sqrt(squared(first)), first);
   const Step found = step(newest_, old_, nearest_);
   if (found == Step::kNearer) keepNewest();
   return found;
@@ -397,7 +399,7 @@ HWY_INLINE void Search<Cores>::beginFan(const Triple& first) {
   const Pick<kFan> middle(kFan - 1);
   pick(ring, middle, newest_);
   newest_names_ = namesIn(middle(names));
-  best_.offer(dot(first, tripleOf(newest_)) * (1 / std::sqrt(squared(first))), first);
+  best_.offer(dot(first, tripleOf(newest_)), 1 / std::sqrt(squared(first)), first);
 
   const Triangles<kFan> t = trianglesOf(allLanes<kFan>(newest_), ring);
   const int k = firstLeast(t.norm_squared);
@@ -458,7 +460,7 @@ HWY_INLINE GjkEnd Search<Cores>::run(const Triple& first, const PairCache* carri
     const double per = 1 / std::sqrt(nearest_.direction_squared);
     newest_ = cores_.support(nearest_.direction, newest_names_);
     const Triple direction = tripleOf(nearest_.direction);
-    best_.offer(dot(direction, tripleOf(newest_)) * per, nearest_.direction);
+    best_.offer(dot(direction, tripleOf(newest_)), per, nearest_.direction);
     lower = best_.value() - lower_offset_;
     if (lower > request_.threshold || (upper - lower <= request_.tolerance && lower > 0)) {
       return GjkEnd::kStagnated;
