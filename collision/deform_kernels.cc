@@ -89,7 +89,7 @@ struct Extremes {
   }
   HWY_INLINE bool finite() const {
     bool all = true;
-    for (std::size_t i = 0; i < kParts; ++i) all = all && isFinite(kDoubles, sum[i]);
+    for (const Doubles& part : sum) all = all && isFinite(kDoubles, part);
     return all;
   }
 };
@@ -288,7 +288,7 @@ struct FourExtremes {
   };
   Third first, second, last;  // no array, so that they stay in registers
 
-  HWY_INLINE FourExtremes() {}
+  HWY_INLINE FourExtremes() = default;
   HWY_INLINE void add(const double* v) {
     for (std::size_t part = 0; part < kParts; ++part, v += 3 * kDoubleLanes) {
       first.add(v);
@@ -603,10 +603,10 @@ void triangleBounds(const Probe& probe, const DeformTree& tree, const Eigen::Vec
       squared = hn::Add(squared, hn::Mul(way[j], way[j]));
     }
     Floats least = set(std::numeric_limits<float>::infinity());
-    for (int c = 0; c < 3; ++c) {
+    for (const auto& of_corner : along) {
       Floats reach = zero;
       for (int j = 0; j < 3; ++j)
-        reach = hn::Add(reach, hn::Mul(way[j], hn::Sub(along[c][j], nearest[j])));
+        reach = hn::Add(reach, hn::Mul(way[j], hn::Sub(of_corner[j], nearest[j])));
       least = hn::Min(least, reach);
     }
     const auto usable = hn::Gt(squared, set(kLeastWaySquared));

@@ -26,8 +26,11 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 }  // namespace
 
-EdgeCertifier::Impl::Impl(const std::shared_ptr<const CompiledScene>& compiled)
-    : scene(compiled), frames(compiled, kEdgeSlots), lanes(frames), workspace(compiled->scene()) {
+EdgeCertifier::Impl::Impl(std::shared_ptr<const CompiledScene> compiled)
+    : scene(std::move(compiled)),
+      frames(scene, kEdgeSlots),
+      lanes(frames),
+      workspace(scene->scene()) {
   workspace.pose_error = scene->rounding();
   motion.resize(scene->motions().size());
   world_balls.resize(frames.pieces().size());

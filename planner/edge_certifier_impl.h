@@ -24,7 +24,7 @@ struct EdgeInterval {
 };
 
 struct EdgeCertifier::Impl {
-  explicit Impl(const std::shared_ptr<const CompiledScene>& scene);
+  explicit Impl(std::shared_ptr<const CompiledScene> scene);
 
   /// What a look at one pair found.
   enum class Pair : unsigned char { kFree, kNotFree, kOpen };
