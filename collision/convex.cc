@@ -82,7 +82,8 @@ ConvexView viewOfPoints(const Vector* points, int count, double radius) {
     lowest = lowest.cwiseMin(points[i]);
     highest = highest.cwiseMax(points[i]);
   }
-  view.extent = std::sqrt(extent_squared) * kOutwards;
+  // What squares lose to the numbers below the normal ones is far below kSmallestScale.
+  view.extent = std::sqrt(extent_squared + 0x1p-1000) * kOutwards;
   view.center = 0.5 * (lowest + highest);
   return view;
 }

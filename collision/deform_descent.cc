@@ -348,6 +348,12 @@ class DeformDescent {
     }
     return side.rigid.view;
   }
+  // Whether those corners, if there are any, are finite: x - x is 0 then.
+  static bool isFinite(const DeformSide& side, const Vector3d* corners) {
+    if (isWhole(side)) return true;
+    const double sum = corners[0].sum() + corners[1].sum() + corners[2].sum();
+    return sum - sum == 0;
+  }
 
   Probe makeProbeOf(const Part& part) const {
     return isWhole(a_) ? whole_probe_
@@ -623,6 +629,10 @@ class DeformDescent {
     Vector3d corners_a[3], corners_b[3];
     const ConvexView view_a = viewOfSlot(a_, slot_a, corners_a),
                      view_b = viewOfSlot(b_, slot_b, corners_b);
+    if (!isFinite(a_, corners_a) || !isFinite(b_, corners_b)) {
+      settle(-kInfinity);  // vouched for, but where is it?
+      return;
+    }
     const bool depth = request_.depth && !placement_.swept;
     const double bar_now = bar();
     const auto convex = [&](const ConvexView& a, const ConvexView& b, double threshold, bool deep) {

@@ -551,8 +551,11 @@ HWY_INLINE void lowerBounds(const Probe& probe, const WideBox& box, float bar, B
       squared = hn::Max(squared, squared_axes);
     }
     // Axes that depart from a rotation by 1e-6 make distances along them too large by half of that.
-    Floats lower = hn::Mul(hn::Sqrt(squared), set(static_cast<float>(1 - kRotationTolerance)));
-    lower = hn::IfThenElse(hn::Gt(lower, zero), lower, deepest);
+    // Squares beyond the range of float still are squares of at least its root; those that lost
+    // digits to the numbers below the normal ones say nothing.
+    const Floats kept = hn::Min(squared, set(std::numeric_limits<float>::max()));
+    Floats lower = hn::Mul(hn::Sqrt(kept), set(static_cast<float>(1 - kRotationTolerance)));
+    lower = hn::IfThenElse(hn::Gt(kept, set(kLeastWaySquared)), lower, hn::Min(deepest, zero));
     lower = hn::Sub(hn::Sub(lower, set(probe.radius)), set(probe.slack));
     lower =
         hn::IfThenElse(hn::Le(hn::Load(kLanes, box.low[0] + i), hn::Load(kLanes, box.high[0] + i)),
@@ -615,9 +618,11 @@ void triangleBounds(const Probe& probe, const DeformTree& tree, const Eigen::Vec
     // Axes that depart from a rotation by 1e-6 make the way longer or shorter than its square says.
     lower =
         hn::Sub(lower, hn::Mul(hn::Abs(lower), set(static_cast<float>(2 * kRotationTolerance))));
-    // Boxes that meet say nothing of how deep.
+    // Boxes that meet say nothing of how deep; squares as in lowerBounds().
     const Floats unknown = set(-std::numeric_limits<float>::infinity());
-    const Floats by_box = hn::IfThenElse(hn::Gt(outside, zero), hn::Sqrt(outside), unknown);
+    const Floats by_box =
+        hn::IfThenElse(hn::Gt(outside, set(kLeastWaySquared)),
+                       hn::Sqrt(hn::Min(outside, set(std::numeric_limits<float>::max()))), unknown);
     lower = hn::Max(hn::IfThenElse(usable, lower, unknown), by_box);
     hn::Store(hn::Sub(hn::Sub(lower, set(probe.radius)), set(probe.slack)), kLanes,
               bounds.lower + i);
@@ -749,7 +754,7 @@ void leafBounds(const Probe& probe, const DeformTree& tree, const Eigen::Vector3
     hn::Store(hn::Mul(z, scale), kLanes, way[2] + i);
     hn::Store(hn::Mul(along_way, scale), kLanes, reach + i);
   }
-  const double unknown = -std::numeric_limits<double>::infinity();
+  const double unknown = std::numeric_limits<double>::quiet_NaN();
   HWY_ALIGN double least[kWidth];
   std::fill_n(least, kWidth, unknown);
   for (unsigned left = leaves; left != 0; left &= left - 1) {
@@ -773,11 +778,9 @@ void leafBounds(const Probe& probe, const DeformTree& tree, const Eigen::Vector3
     lower = hn::Sub(
         lower, hn::Add(hn::Mul(hn::Abs(lower), hn::Set(kDoubles, 2 * kRotationTolerance)), grown));
     lower = hn::Sub(lower, hn::Mul(hn::Abs(lower), hn::Set(kDoubles, 0x1p-23)));
-    // Where there is no way there is no reach along it.
-    const auto known = hn::Gt(along, hn::Set(kDoubles, unknown));
-    lower = hn::IfThenElse(known, lower, hn::Set(kDoubles, unknown));
-    hn::Store(hn::Max(hn::DemoteTo(singles, lower), hn::Load(singles, bounds.lower + i)), singles,
-              bounds.lower + i);
+    // NaN, where nothing is known, is not greater on any instruction set.
+    const auto found = hn::DemoteTo(singles, lower), before = hn::Load(singles, bounds.lower + i);
+    hn::Store(hn::IfThenElse(hn::Gt(found, before), found, before), singles, bounds.lower + i);
   }
   openLanes(bar, bounds);
 }

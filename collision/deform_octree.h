@@ -6,21 +6,25 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <span>
 
 #include "collision/deform_tree.h"
+#include "leeway/collision/tolerances.h"
 
 namespace leeway::collision {
 
 /// Distance of two boxes in one frame, rounded downwards (three differences of outward-rounded
-/// numbers, three squares and a root, each off by 2^-24 of itself); 0 when they meet.
+/// numbers, three squares and a root, each off by 2^-24 of itself); 0 when they meet, or are so
+/// near that squares lose digits. Squares beyond the range of float are those of at least its root.
 inline float boxDistance(const FloatBox& a, const FloatBox& b) {
   float squared = 0;
   for (int k = 0; k < 3; ++k) {
     const float gap = std::max(std::max(b.low[k] - a.high[k], a.low[k] - b.high[k]), 0.0F);
     squared += gap * gap;
   }
-  return std::sqrt(squared) * (1 - 0x1p-20F);
+  if (!(squared > kLeastWaySquared)) return 0;
+  return std::sqrt(std::min(squared, std::numeric_limits<float>::max())) * (1 - 0x1p-20F);
 }
 
 /// Finds all pairs of boxes, one of each of two sets, that are within `reach` of each other: those

@@ -30,6 +30,7 @@ void EdgeFrames::rebind(std::shared_ptr<const CompiledScene> scene) {
   moving_.clear();
   pairs_.clear();
   gaps_.clear();
+  gaps_.reserve(scene_->scene().pairs().size());  // whatever margins a rebind may bring
   addPieces();
   addPairs();
   release(0);
@@ -122,7 +123,9 @@ EdgeFrames::Turn EdgeFrames::turnOf(int joint) const {
 bool EdgeFrames::keepsGap(const EdgePair& pair, double t0, double t1) const {
   if (pair.gap < 0) return false;
   const Gap& gap = gaps_[at(pair.gap)];
-  return gap.known->over(gap.turn.over(t0, t1), gap.other.over(t0, t1)) > pair.threshold;
+  const double kept = gap.known->over(gap.turn.over(t0, t1), gap.other.over(t0, t1));
+  // 0 is no proof, however deep the margin lets them overlap.
+  return kept > 0 && kept > pair.threshold;
 }
 
 bool EdgeFrames::isUsable(std::span<const double> point) const {

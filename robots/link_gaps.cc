@@ -10,6 +10,7 @@
 
 #include "leeway/collision/convex_hull.h"
 #include "leeway/collision/distance.h"
+#include "leeway/collision/sine_cosine.h"
 #include "leeway/collision/triangle_mesh.h"
 #include "leeway/robots/kinematics.h"
 #include "leeway/robots/motion_bound.h"
@@ -19,6 +20,7 @@ namespace leeway::robots {
 namespace {
 
 using collision::Shape;
+using collision::sineCosine;
 using Eigen::Vector3d;
 
 constexpr double kTwoPi = 6.283185307179586;
@@ -214,8 +216,9 @@ class GapProof {
   /// A geometry in the frame of its axis, and of the turning link in that of the held one's.
   static Pose turnedIn(const Side& side, const Geometry& g, double angle) {
     Pose X;
-    X.rotation =
-        Eigen::AngleAxisd(side.sign * (angle - side.angle), Vector3d::UnitZ()).toRotationMatrix();
+    double sine, cosine;
+    sineCosine(side.sign * (angle - side.angle), sine, cosine);
+    X.rotation << cosine, -sine, 0, sine, cosine, 0, 0, 0, 1;
     return X * g.X_BG;
   }
   Pose turned(const Geometry& g, double angle) const {
@@ -372,20 +375,52 @@ class GapProof {
   collision::Scratch scratch_;
 };
 
+bool isOfTriangles(const Link& link) {
+  return std::all_of(link.geometries.begin(), link.geometries.end(), [](const Geometry& g) {
+    return g.shape.type() == collision::ShapeType::kMesh ||
+           g.shape.type() == collision::ShapeType::kConvexHull;
+  });
+}
+
+int parentOf(const Model& model, int link) { return model.joints[at(link)].parent_link; }
+
+int depthOf(const Model& model, int link) {
+  int depth = 0;
+  for (int up = parentOf(model, link); up >= 0; up = parentOf(model, up)) ++depth;
+  return depth;
+}
+
+/// Whether no more than two joints that move stand between two links.
+bool areNear(const Model& model, const std::vector<int>& depth, int a, int b) {
+  int moving = 0;
+  while (a != b && a >= 0 && b >= 0 && moving <= 2) {
+    int& deeper = depth[at(a)] >= depth[at(b)] ? a : b;
+    if (model.joints[at(deeper)].type != JointType::kFixed) ++moving;
+    deeper = parentOf(model, deeper);
+  }
+  return a == b && moving <= 2;
+}
+
 }  // namespace
 
 std::vector<LinkGap> provenGaps(const Model& model) {
   std::vector<LinkGap> gaps;
   const auto links = static_cast<int>(model.links.size());
+  std::vector<int> depth;
+  std::vector<bool> has_stack;
+  for (int link = 0; link < links; ++link) {
+    depth.push_back(depthOf(model, link));
+    has_stack.push_back(isOfTriangles(model.links[at(link)]));
+  }
   for (int a = 0; a < links; ++a)
     for (int b = 0; b < a; ++b) {
       if (model.links[at(a)].geometries.empty() || model.links[at(b)].geometries.empty()) continue;
       const auto isPair = [a, b](int x, int y) { return (x == a && y == b) || (x == b && y == a); };
-      const auto parentOf = [&](int link) { return model.joints[at(link)].parent_link; };
-      if (parentOf(a) == b || parentOf(b) == a ||
+      if (parentOf(model, a) == b || parentOf(model, b) == a ||
           std::any_of(model.disabled_pairs.begin(), model.disabled_pairs.end(),
                       [&](const DisabledPair& d) { return isPair(d.link_a, d.link_b); }))
         continue;
+      if (!(has_stack[at(a)] || has_stack[at(b)]) || !areNear(model, depth, a, b)) continue;
       LinkGap gap = GapProof(model, a, b).run();
       if (!gap.gaps.empty()) gaps.push_back(std::move(gap));
     }

@@ -80,6 +80,7 @@ int Model::findVariable(std::string_view wanted) const { return findByName(varia
 int Model::findGroup(std::string_view wanted) const { return findByName(groups, wanted); }
 
 void Model::finish() {
+  link_gaps.clear();
   steps.clear();
   steps.reserve(joints.size());
   for (const Joint& joint : joints) steps.push_back(compile(*this, joint));

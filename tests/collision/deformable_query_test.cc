@@ -146,5 +146,75 @@ TEST(DeformableQuery, RigidShapesAgainstEveryStrategyAsByBruteForce) {
   EXPECT_GT(inside, 10 / testing::kFrameStep);
 }
 
+// Boxes are singles, whose squares leave their range at 1.8e19 and lose digits below 1e-19: lower
+// ends were above 1.9e19 (infinite), and 1.2 times 2.9e-23.
+TEST(DeformableQuery, DistancesWhoseSquaresLeaveTheRangeOfSingles) {
+  const Sheet sheet = testing::cloth(4);
+  Random random(13);
+  for (const double size : {1.0, 1e-20, 1e-24}) {
+    std::vector<Vector3d> vertices = sheet.vertices;
+    for (Vector3d& v : vertices) v *= size;
+    const auto mesh = DeformableMesh::make(vertices, sheet.triangles);
+    for (const DeformStrategy strategy : testing::strategiesWithoutMotion()) {
+      DeformOptions options;
+      options.strategy = strategy;
+      Deformable deformable(mesh, nullptr, options);
+      ASSERT_EQ(deformable.update(vertices, 1), UpdateStatus::kUpdated);
+      const auto snapshot = deformable.snapshot();
+      const Shape shape = Shape::deformable(snapshot);
+      Scratch scratch;
+      prepare(scratch, *snapshot);
+      for (int i = 0; i < 40; ++i) {
+        const double far = size * random.logUniform(1e-2, size == 1 ? 1e30 : 1e3);
+        const Shape ball = Shape::sphere(random.chance(0.5) ? 0 : 0.1 * far);
+        const Pose X_WS{Eigen::Matrix3d::Identity(), far * random.direction()};
+        const Interval truth = bruteForce(*snapshot, {}, ball, X_WS, scratch);
+        DistanceRequest request;
+        request.depth = false;
+        const auto told = [&] {
+          return std::string(toString(strategy)) + " " + oracle::replay(ball) + " " +
+                 oracle::replay(X_WS);
+        };
+        const Interval found = distance(ball, X_WS, shape, {}, request, scratch).distance;
+        ASSERT_LE(found.lower, truth.upper) << told();
+        ASSERT_GE(found.upper, truth.lower) << told();
+        request.threshold = 10 * far;
+        ASSERT_LE(distance(ball, X_WS, shape, {}, request, scratch).distance.lower, truth.upper)
+            << told();
+      }
+    }
+  }
+}
+
+// The caller has vouched for what is none: wherever its triangles are looked at, nothing is told to
+// be free.
+TEST(DeformableQuery, ACornerThatIsNotFiniteIsNearerThanAll) {
+  const Sheet sheet = testing::cloth(12);
+  const auto mesh = DeformableMesh::make(sheet.vertices, sheet.triangles);
+  for (const double wrong : {std::numeric_limits<double>::quiet_NaN(), kInfinity}) {
+    for (const bool at_ball : {false, true}) {
+      DeformOptions options;
+      options.strategy = DeformStrategy::kHybrid;
+      options.hybrid_split = 40;
+      Deformable deformable(mesh, nullptr, options);
+      ASSERT_EQ(deformable.update(sheet.vertices, 1), UpdateStatus::kUpdated);
+      const std::span<Vector3d> next = deformable.nextVertices();
+      std::copy(sheet.vertices.begin(), sheet.vertices.end(), next.begin());
+      const std::size_t broken = at_ball ? next.size() / 2 : 0;
+      const Vector3d place = next[next.size() / 2] + Vector3d(0, 0, 0.5);
+      next[broken].y() = wrong;
+      const UpdateStatus status = deformable.commit(2, 1, Deformable::Vertices::kFinite, 1e-9);
+      if (status != UpdateStatus::kUpdated) continue;  // it had been read
+      const Shape shape = Shape::deformable(deformable.snapshot());
+      Scratch scratch;
+      const DistanceResult r = distance(
+          Shape::sphere(0.1), Pose{Eigen::Matrix3d::Identity(), place}, shape, {}, {}, scratch);
+      if (at_ball) {
+        ASSERT_EQ(r.distance.lower, -kInfinity);
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace leeway::collision

@@ -10,6 +10,7 @@
 
 #include "leeway/collision/triangle_mesh.h"
 #include "leeway/robots/kinematics.h"
+#include "robots/link_gaps.h"
 #include "tests/collision/allocations.h"
 #include "tests/planner/random_problem.h"
 #include "tests/planner/test_models.h"
@@ -378,6 +379,48 @@ TEST(EdgeCertifier, AllowedDepthIsNotExceededInsideASolid) {
   EdgeRequest request;
   request.last_valid = true;
   EXPECT_LT(certifier.certify(shallow, middle, request).last_valid, 0.1);
+}
+
+// What is known of links by their joints' angles is how far they are apart, never how deep they may
+// be: pairs of which nothing is proven were free at any angle where the margin is below 0.
+TEST(EdgeCertifier, AllowedDepthIsThatOfLinksWithTables) {
+  Random random(8);
+  int free = 0, deep = 0, tables = 0;
+  for (int run = 0; run < 40; ++run) {
+    const auto model = robots::testing::randomTree(random, 5);
+    for (robots::Link& link : model->links) {
+      std::vector<Eigen::Vector3d> points;
+      for (int i = 0; i < 12; ++i) points.push_back(random.vector(0.12));
+      link.geometries.push_back({collision::Shape::convexHull(points), random.pose(0.15), ""});
+    }
+    model->link_gaps = robots::provenGaps(*model);
+    tables += static_cast<int>(model->link_gaps.size());
+    Problem problem =
+        test::problemOf(model, model->defaultConfiguration(), model->defaultConfiguration());
+    for (const double margin : {-0.005, -0.02, 0.005}) {
+      problem.margin = margin;
+      const auto scene = std::make_shared<const CompiledScene>(problem);
+      EdgeCertifier certifier(scene);
+      DenseTwin twin(*scene);
+      for (int i = 0; i < 30; ++i) {
+        const std::vector<double> a = randomPoint(random, *scene);
+        std::vector<double> b = a;
+        for (double& x : b) x += random.uniform(-0.05, 0.05);
+        const double least = twin.at(a, true);
+        if (certifier.decide(a) == Verdict::kFree) {
+          ASSERT_GT(least, margin) << "run " << run << ", state " << i;
+          ++free;
+        } else if (least < margin) {
+          ++deep;
+        }
+        if (certifier.certify(a, b).verdict != Verdict::kFree) continue;
+        ASSERT_GT(twin.along(a, b, 10, true), margin) << "run " << run << ", edge " << i;
+      }
+    }
+  }
+  EXPECT_GT(tables, 20);
+  EXPECT_GT(free, 300);
+  EXPECT_GT(deep, 100);
 }
 
 // Each ball of a cover may have a way out of its own: how deep they are one by one says nothing of

@@ -189,9 +189,10 @@ struct Measurement {
 constexpr double kShortestPass = 10e3;  // [ns]
 constexpr double kMostRepeats = 50;
 
-double timeRepeatedPass(const Measurement& m, const AccuracyFamily& family, int repeats) {
+double timeRepeatedPass(const Prepared& prepared, const Measurement& m,
+                        const AccuracyFamily& family, int repeats) {
   double sum = 0;
-  for (int r = 0; r < repeats; ++r) sum += timePass(*m.prepared, family, m.row.tolerance, m.timed);
+  for (int r = 0; r < repeats; ++r) sum += timePass(prepared, family, m.row.tolerance, m.timed);
   return sum / repeats;
 }
 
@@ -219,7 +220,7 @@ void timeFamily(const AccuracyFamily& family, int passes, std::vector<Measuremen
         // An engine's first row must not pay for fetching what the one before pushed out.
         if (std::exchange(in_cache, &prepared) != &prepared)
           timePass(prepared, family, m.row.tolerance, m.timed);
-        nanoseconds[k * count + pass] = timeRepeatedPass(m, family, repeats[k]);
+        nanoseconds[k * count + pass] = timeRepeatedPass(prepared, m, family, repeats[k]);
       }
     }
   });

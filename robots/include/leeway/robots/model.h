@@ -101,7 +101,8 @@ struct LinkGap {
   struct Range {
     double from, to;
   };
-  /// The least over all pairs of angles in two ranges. O(arcs in them).
+  /// The least over all pairs of angles in two ranges; 0: not proven, they may overlap. O(arcs in
+  /// them).
   double over(const Range& angles, const Range& others) const;
 };
 
@@ -129,7 +130,9 @@ class Model {
       groups;  ///< from the SRDF; always holds "all" with every variable last unless named so
   std::vector<GroupState> group_states;
   std::vector<DisabledPair> disabled_pairs;
-  std::vector<LinkGap> link_gaps;  ///< by loadModel(), for pairs that stay near each other
+  /// By loadModel(), for pairs that stay near each other. finish() takes them away: they hold for
+  /// the joints and geometries that they were proven for.
+  std::vector<LinkGap> link_gaps;
   bool has_srdf = false;
   std::string urdf_file, srdf_file;  ///< as given to loadModel; empty for a free body
   std::vector<KinematicStep> steps;  ///< one a joint, by finish()
