@@ -8,6 +8,7 @@
 
 #include "collision/lane_sweep_impl.h"
 #include "collision/mesh_tree.h"
+#include "collision/round_box.h"
 #include "collision/support.h"
 #include "leeway/collision/tolerances.h"
 #include "leeway/collision/triangle_mesh.h"
@@ -331,8 +332,8 @@ bool LaneSweepKernel::findPlane(const Sweep::Pair& pair, int lane, bool closely,
   Eigen::Vector3d n = -r.normal;
   if (o != nullptr) n = X_WB.rotation * n;
   for (int k = 0; k < 3; ++k) {
+    n[k] = roundedToSingle(n[k]);
     plane.normal[k] = static_cast<float>(n[k]);
-    n[k] = static_cast<double>(plane.normal[k]);
   }
   if (o != nullptr) {
     placePlane(*o, plane);

@@ -20,4 +20,12 @@ inline float roundedUpToFloat(double x) {
   return f + (std::abs(f) * 0x1p-22f + std::numeric_limits<float>::min());
 }
 
+/// The nearest float as a double, for numbers that are neither near the ends of a float's range
+/// nor 2^990 and more: Veltkamp's splitting (Dekker 1971). For what a conversion and one back would
+/// do, but g++ 12 takes the two for none where it makes vectors of them.
+inline double roundedToSingle(double x) {
+  const double spread = (0x1p29 + 1) * x;
+  return spread + (x - spread);
+}
+
 }  // namespace leeway::collision

@@ -13,6 +13,7 @@
 #include "collision/mesh_tree.h"
 #include "collision/point_in_solid.h"
 #include "collision/point_triangle.h"
+#include "collision/round_box.h"
 #include "leeway/collision/distance.h"
 #include "leeway/collision/tolerances.h"
 #include "tests/collision/allocations.h"
@@ -138,7 +139,7 @@ TriangleSoup gear(int teeth, int layers) {
 TriangleSoup rounded(TriangleSoup soup, const Pose& X) {
   for (auto& v : soup.vertices) {
     v = X * v;
-    for (int k = 0; k < 3; ++k) v[k] = static_cast<double>(static_cast<float>(v[k]));
+    for (int k = 0; k < 3; ++k) v[k] = roundedToSingle(v[k]);
   }
   return soup;
 }
