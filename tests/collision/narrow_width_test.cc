@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "leeway/collision/distance.h"
+#include "tests/sanitized.h"
 #include "tools/oracle/generate.h"
 #include "tools/oracle/oracle.h"
 
@@ -75,7 +76,7 @@ TEST(NarrowWidth, AsNarrowForTwinsForNearContactAndAboutOneAxis) {
   Random random(66);
   Scratch scratch;
   int open[3] = {0, 0, 0}, overlapping[3] = {0, 0, 0}, held = 0;
-  constexpr int kCases = 500;
+  constexpr int kCases = casesToAsk(500);
   for (int i = 0; i < 3 * kCases; ++i) {
     const int family = i % 3;
     const ShapeType type = family == 0   ? ShapeType::kEllipsoid
@@ -119,7 +120,7 @@ TEST(NarrowWidth, AsNarrowForTwinsForNearContactAndAboutOneAxis) {
     EXPECT_LE(100 * open[family], kCases) << family;
     EXPECT_GT(2 * overlapping[family], kCases) << family;
   }
-  EXPECT_EQ(held, 150);
+  EXPECT_EQ(held, 3 * casesToAsk(50));
 }
 
 // R (1 + E), E symmetric and of that size: what is still taken for a rotation.
