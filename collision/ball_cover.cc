@@ -10,6 +10,7 @@
 #include <span>
 #include <utility>
 
+#include "collision/face_parts.h"
 #include "leeway/collision/convex_hull.h"
 #include "leeway/collision/distance.h"
 #include "leeway/collision/tolerances.h"
@@ -21,9 +22,6 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-/// Convex polygons whose hulls, part by part, hold what is to be covered.
-using Polygon = std::vector<Vector3d>;
 
 void addPrism(std::vector<Polygon>& faces, std::span<const Vector3d> base, const Vector3d& up) {
   Polygon bottom(base.begin(), base.end()), top = bottom;
@@ -86,55 +84,6 @@ std::vector<Polygon> facesOf(const Shape& shape) {
       break;
   }
   return faces;
-}
-
-/// A ball around the points: steps towards the farthest of them (Badoiu and Clarkson, "Smaller
-/// core-sets for balls", 2003), so that its centre stays between them; the best centre counts.
-Ball ballAround(const std::vector<Polygon>& faces) {
-  Vector3d low = Vector3d::Constant(kInfinity), high = -low;
-  for (const Polygon& face : faces)
-    for (const Vector3d& p : face) {
-      low = low.cwiseMin(p);
-      high = high.cwiseMax(p);
-    }
-  Ball best{Vector3d::Zero(), kInfinity};
-  Vector3d center = low + (high - low) / 2;
-  // Large sets get fewer steps; any centre is right.
-  std::size_t points = 0;
-  for (const Polygon& face : faces) points += face.size();
-  const int steps = points > 5000 ? 8 : 24;
-  for (int step = 1; step <= steps; ++step) {
-    const Vector3d* farthest = nullptr;
-    double squared = -1;
-    for (const Polygon& face : faces)
-      for (const Vector3d& p : face)
-        if ((p - center).squaredNorm() > squared) {
-          squared = (p - center).squaredNorm();
-          farthest = &p;
-        }
-    if (farthest == nullptr) break;  // no points, and no ball around them
-    const double radius =
-        std::sqrt(squared) * (1 + kRelativeRounding) + kRelativeRounding * center.lpNorm<1>();
-    if (radius < best.radius) best = {center, radius};
-    center += (*farthest - center) / (step + 2);
-  }
-  return best;
-}
-
-/// The part of a convex polygon on one side of the plane x[axis] = at.
-Polygon clipped(const Polygon& polygon, Eigen::Index axis, double at, double side) {
-  Polygon result;
-  for (std::size_t i = 0; i < polygon.size(); ++i) {
-    const Vector3d &p = polygon[i], &q = polygon[(i + 1) % polygon.size()];
-    const double dp = side * (p[axis] - at), dq = side * (q[axis] - at);
-    if (dp >= 0) result.push_back(p);
-    if ((dp > 0 && dq < 0) || (dp < 0 && dq > 0)) {
-      Vector3d cut = p + (q - p) * (dp / (dp - dq));
-      cut[axis] = at;
-      result.push_back(cut);
-    }
-  }
-  return result;
 }
 
 struct Part {
@@ -235,6 +184,7 @@ std::shared_ptr<const BallCover> coverOf(const Shape& shape) {
   const auto make = [&] {
     BallCover cover = coverWithBalls(shape, kCoverBalls);
     cover.points = coverWithPoints(shape, kCoverPoints);
+    cover.parts = coverWithParts(shape, kCoverParts);
     return std::make_shared<const BallCover>(std::move(cover));
   };
   if (shape.type() != ShapeType::kMesh) return make();

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <iterator>
 #include <limits>
+#include <memory>
 #include <utility>
 
 #include "collision/lane_sweep_impl.h"
@@ -75,26 +77,39 @@ int LaneSweep::addPiece(const Piece& piece) {
   for (const Ball& ball : piece.inner)
     lane.inner_reach =
         std::max(lane.inner_reach, above((ball.center - piece.outer.center).norm() + ball.radius));
-  double rounding = piece.points.fine_radius;
-  const auto add = [&](const std::vector<Eigen::Vector3d>& points, double radius) {
-    const auto begin = static_cast<int>(impl_->points.size());
-    for (const Eigen::Vector3d& p : points) {
-      impl_->points.push_back(p);
-      for (int k = 0; k < 3; ++k) impl_->point[k].push_back(static_cast<float>(p[k]));
-      rounding = std::max(rounding, piece.points.fine_radius + centerRounding({p, 0}));
-    }
-    return Impl::LanePiece::Points{begin, static_cast<int>(impl_->points.size()), above(radius)};
+  const auto addPoints = [&](const PointCover& cover, Impl::LanePiece& of) {
+    double rounding = cover.fine_radius;
+    const auto add = [&](const std::vector<Eigen::Vector3d>& points, double radius) {
+      const auto begin = static_cast<int>(impl_->points.size());
+      for (const Eigen::Vector3d& p : points) {
+        impl_->points.push_back(p);
+        for (int k = 0; k < 3; ++k) impl_->point[k].push_back(static_cast<float>(p[k]));
+        rounding = std::max(rounding, cover.fine_radius + centerRounding({p, 0}));
+      }
+      return Impl::LanePiece::Points{begin, static_cast<int>(impl_->points.size()), above(radius)};
+    };
+    of.points = add(cover.points, cover.radius);
+    of.fine = cover.fine.empty() ? of.points : add(cover.fine, cover.fine_radius);
+    if (cover.own) of.own = above(rounding);
   };
-  lane.points = add(piece.points.points, piece.points.radius);
-  lane.fine =
-      piece.points.fine.empty() ? lane.points : add(piece.points.fine, piece.points.fine_radius);
-  if (piece.points.own) lane.own = above(rounding);
+  addPoints(piece.points, lane);
+  lane.parts_begin = static_cast<int>(impl_->parts.size());  // of `parts` until finish()
+  for (const CoverPart& p : piece.parts) {
+    Impl::LanePiece part{};
+    part.frame = lane.frame;
+    part.motion = lane.motion;
+    part.reach = lane.reach;
+    part.outer = grown(p.ball);
+    addPoints(p.points, part);
+    impl_->parts.push_back(part);
+  }
+  lane.parts_end = static_cast<int>(impl_->parts.size());
   impl_->pieces.push_back(lane);
   return static_cast<int>(impl_->pieces.size()) - 1;
 }
 
-int LaneSweep::addObstacle(const Shape& shape, const Pose& X_WG) {
-  Impl::Obstacle o;
+LaneSweep::Impl::Obstacle LaneSweep::Impl::obstacleOf(const Shape& shape, const Pose& X_WG) {
+  Obstacle o;
   Eigen::Vector3d center_G = Eigen::Vector3d::Zero(), half = Eigen::Vector3d::Zero();
   double radius = 0;
   o.exact = true;
@@ -111,12 +126,12 @@ int LaneSweep::addObstacle(const Shape& shape, const Pose& X_WG) {
       break;
     case ShapeType::kCylinder:
     case ShapeType::kCone:
-      o.kind = Impl::Kind::kCylinder;
+      o.kind = Kind::kCylinder;
       o.exact = shape.type() == ShapeType::kCylinder;
       half = {shape.radius(), shape.radius(), shape.halfLength()};
       break;
     case ShapeType::kHalfSpace:
-      o.kind = Impl::Kind::kHalfSpace;
+      o.kind = Kind::kHalfSpace;
       break;
     case ShapeType::kEllipsoid:
       o.exact = false;
@@ -148,7 +163,7 @@ int LaneSweep::addObstacle(const Shape& shape, const Pose& X_WG) {
       rotation_GW.transpose().cwiseAbs() * half + Eigen::Vector3d::Constant(radius);
   o.low = center - extent;
   o.high = center + extent;
-  if (o.kind == Impl::Kind::kHalfSpace) {
+  if (o.kind == Kind::kHalfSpace) {
     o.low.setConstant(-static_cast<double>(kFar));
     o.high.setConstant(static_cast<double>(kFar));
   }
@@ -160,11 +175,38 @@ int LaneSweep::addObstacle(const Shape& shape, const Pose& X_WG) {
     o.view = shape.mesh()->tree().hullView();
   }
   o.has_view = shape.type() != ShapeType::kDeformable && shape.type() != ShapeType::kHalfSpace;
+  return o;
+}
+
+/// A part of a mesh: its hull, grown by what stands out of it.
+LaneSweep::Impl::Obstacle LaneSweep::Impl::partOf(const CoverPart& part, const Pose& X_WG) {
+  const bool fine = !part.points.fine.empty();
+  const std::shared_ptr<const ConvexHull> hull =
+      ConvexHull::compute(fine ? part.points.fine : part.points.points);
+  const double radius =
+      (fine ? part.points.fine_radius : part.points.radius) * (1 + kRelativeRounding) +
+      hull->excess();
+  Obstacle o = obstacleOf(Shape::convexHull(hull), X_WG);
+  for (float& half : o.half) half = above(static_cast<double>(half) + radius);
+  o.view.excess += radius;
+  return o;
+}
+
+int LaneSweep::addObstacle(const Shape& shape, const Pose& X_WG) {
+  Impl::Obstacle o = Impl::obstacleOf(shape, X_WG);
+  o.parts_begin = o.parts_end = static_cast<int>(impl_->obstacle_parts.size());
+  if (shape.type() == ShapeType::kMesh) {
+    for (const CoverPart& part : coverOf(shape)->parts) {
+      impl_->obstacle_parts.push_back(Impl::partOf(part, X_WG));
+      ++o.parts_end;
+    }
+  }
   impl_->obstacles.push_back(std::move(o));
   return static_cast<int>(impl_->obstacles.size()) - 1;
 }
 
-void LaneSweep::addPair(int id, int piece, int obstacle, int balls, double threshold) {
+void LaneSweep::addPair(int id, int piece, int obstacle, int balls, double threshold,
+                        bool by_parts) {
   const Impl::LanePiece& a = impl_->pieces[at(piece)];
   const double rounding = kLaneSweepRounding * (a.reach + static_cast<double>(a.outer.radius) +
                                                 impl_->obstacles[at(obstacle)].scale);
@@ -174,10 +216,11 @@ void LaneSweep::addPair(int id, int piece, int obstacle, int balls, double thres
   impl_->pairs.push_back({id, piece, obstacle, balls, a.motion, false, above(threshold + rounding),
                           below(threshold - rounding), above(std::max(threshold, 0.0) + rounding),
                           points && o.has_view ? partAbove(threshold, rounding) : -1.0F,
-                          points && !deforms ? partEachAbove(threshold, rounding) : -1.0F});
+                          points && !deforms ? partEachAbove(threshold, rounding) : -1.0F,
+                          by_parts && points && !deforms});
 }
 
-void LaneSweep::addPiecePair(int id, int a, int b, int motion, double threshold) {
+void LaneSweep::addPiecePair(int id, int a, int b, int motion, double threshold, bool by_parts) {
   const Impl::LanePiece &x = impl_->pieces[at(a)], &y = impl_->pieces[at(b)];
   const double rounding =
       kLaneSweepRounding *
@@ -187,7 +230,8 @@ void LaneSweep::addPiecePair(int id, int a, int b, int motion, double threshold)
                       y.points.begin < y.points.end;
   impl_->pairs.push_back({id, a, b, b, motion, true, above(threshold + rounding),
                           below(threshold - rounding), above(std::max(threshold, 0.0) + rounding),
-                          planes ? partAbove(threshold, rounding) : -1.0F, -1.0F});
+                          planes ? partAbove(threshold, rounding) : -1.0F, -1.0F,
+                          by_parts && planes});
 }
 
 bool LaneSweep::canMeet(int pair) const {
@@ -203,7 +247,47 @@ bool LaneSweep::canMeet(int pair) const {
 
 void LaneSweep::finish() { impl_->finish(); }
 
+void LaneSweep::Impl::addParts() {
+  wholes = pieces.size();
+  const auto shift = static_cast<int>(wholes);
+  for (LanePiece& piece : pieces) {
+    piece.parts_begin += shift;
+    piece.parts_end += shift;
+  }
+  pieces.insert(pieces.end(), parts.begin(), parts.end());
+  parts.clear();
+  whole_obstacles = obstacles.size();
+  const auto shift_obstacles = static_cast<int>(whole_obstacles);
+  for (Obstacle& obstacle : obstacles) {
+    obstacle.parts_begin += shift_obstacles;
+    obstacle.parts_end += shift_obstacles;
+  }
+  std::move(obstacle_parts.begin(), obstacle_parts.end(), std::back_inserter(obstacles));
+  obstacle_parts.clear();
+  struct Range {
+    int begin, end;
+  };
+  const auto partsOf = [](const auto& things, int i) {
+    const auto& thing = things[at(i)];
+    return thing.parts_begin < thing.parts_end ? Range{thing.parts_begin, thing.parts_end}
+                                               : Range{i, i + 1};
+  };
+  const std::size_t whole_pairs = pairs.size();
+  for (std::size_t p = 0; p < whole_pairs; ++p) {
+    Pair pair = pairs[p];
+    const Range a = partsOf(pieces, pair.a),
+                b = pair.pieces ? partsOf(pieces, pair.b) : partsOf(obstacles, pair.b);
+    const int count = (a.end - a.begin) * (b.end - b.begin);
+    if (!pair.by_parts || count == 1 || count > kMostPartPairs) continue;
+    pairs[p].parts_begin = static_cast<int>(pairs.size());
+    pairs[p].parts_end = pairs[p].parts_begin + count;
+    for (pair.a = a.begin; pair.a < a.end; ++pair.a)
+      for (pair.b = b.begin; pair.b < b.end; ++pair.b) pairs.push_back(pair);
+  }
+}
+
 void LaneSweep::Impl::finish() {
+  addParts();
   for (LanePiece& piece : pieces) {
     if (piece.points.begin == piece.points.end) continue;
     const auto view = [&](const LanePiece::Points& p) {
@@ -213,11 +297,11 @@ void LaneSweep::Impl::finish() {
     piece.fine_view = view(piece.fine);
   }
   const std::size_t padded = paddedObstacles();
-  pair_of.assign(pieces.size() * padded, -1);
-  std::vector<double> grown(obstacles.size(), 0.0);
+  pair_of.assign(wholes * padded, -1);
+  std::vector<double> grown(whole_obstacles, 0.0);
   for (std::size_t p = 0; p < pairs.size(); ++p) {
     const Pair& pair = pairs[p];
-    if (pair.pieces) continue;
+    if (pair.pieces || at(pair.a) >= wholes || at(pair.b) >= whole_obstacles) continue;
     pieces[at(pair.a)].has_obstacles = true;
     pair_of[at(pair.a) * padded + at(pair.b)] = static_cast<std::int32_t>(p);
     double& g = grown[at(pair.b)];
@@ -226,7 +310,7 @@ void LaneSweep::Impl::finish() {
   for (int k = 0; k < 3; ++k) {
     low[k].assign(padded, kFar);
     high[k].assign(padded, -kFar);
-    for (std::size_t i = 0; i < obstacles.size(); ++i) {
+    for (std::size_t i = 0; i < whole_obstacles; ++i) {
       // A pair's rounding is larger than that of this comparison.
       low[k][i] = below(obstacles[i].low[k] - grown[i]);
       high[k][i] = above(obstacles[i].high[k] + grown[i]);
@@ -248,12 +332,14 @@ LaneSweep::Scratch::Scratch(const LaneSweep& sweep) : impl_(std::make_unique<Imp
   impl_->balls.resize(s.balls.size());
   impl_->cover_stamp.resize(s.pieces.size());
   impl_->inner_stamp.resize(s.pieces.size());
+  impl_->part_stamp.resize(s.pieces.size());
   impl_->low.resize(3 * s.pieces.size());
   impl_->high.resize(3 * s.pieces.size());
   impl_->candidates.reserve(s.pairs.size());
   impl_->open.reserve(s.pairs.size());
   impl_->open_pairs.reserve(s.pairs.size());
   impl_->planes.resize(s.pairs.size());
+  impl_->manners.resize(s.pairs.size());
   // What stands in the world is placed once.
   const auto still = [](const LaneSweep::Impl::LaneBall& ball, Impl::Placed& placed) {
     for (int k = 0; k < 3; ++k)

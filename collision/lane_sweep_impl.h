@@ -27,7 +27,8 @@ struct LaneSweep::Impl {
     Pose X_WG;
     ConvexView view;  // of the shape or its hull; borrows from it
     bool has_view = false;
-    Eigen::Vector3d low, high;  // in the world
+    Eigen::Vector3d low, high;           // in the world
+    int parts_begin = 0, parts_end = 0;  // indices into obstacles
   };
   struct LaneBall {
     float center[3], radius;
@@ -49,6 +50,7 @@ struct LaneSweep::Impl {
     float own = -1;   // all points are the piece's own to within this [m]; below 0: they are not
     ConvexView view;  // of `points`; borrows from Impl::points
     ConvexView fine_view;
+    int parts_begin = 0, parts_end = 0;  // indices into pieces
   };
   struct Pair {
     int id, a, b;
@@ -63,21 +65,34 @@ struct LaneSweep::Impl {
     // The same for planes, without the points' radius; below 0: no planes. And for planes that a
     // lane has for itself.
     float part_above, part_each_above;
+    bool by_parts = false;
+    // What stands for it where its hulls are not apart: pairs of parts (or of one side's parts with
+    // the other as a whole), those of b's parts side by side. Indices into pairs.
+    int parts_begin = 0, parts_end = 0;
   };
+  /// More pairs of parts than this are not looked at.
+  static constexpr int kMostPartPairs = kCoverParts * kCoverParts;
 
-  std::vector<LanePiece> pieces;
+  std::vector<LanePiece> pieces;  // parts stand behind all wholes
+  std::size_t wholes = 0;
+  std::vector<LanePiece> parts;  // until finish()
   std::vector<LaneBall> balls;
   std::vector<Eigen::Vector3d> points;
-  std::vector<float> point[3];  // the same, coordinate by coordinate
-  std::vector<Obstacle> obstacles;
-  std::vector<Pair> pairs;
+  std::vector<float> point[3];      // the same, coordinate by coordinate
+  std::vector<Obstacle> obstacles;  // the same
+  std::size_t whole_obstacles = 0;
+  std::vector<Obstacle> obstacle_parts;
+  std::vector<Pair> pairs;                // those of parts stand behind all others
   std::vector<std::int32_t> piece_pairs;  // indices into pairs
   // Of obstacles in the world, grown by the largest threshold of any of their pairs; padded to
   // kLanes with boxes that nothing meets.
   std::vector<float> low[3], high[3];
   std::vector<std::int32_t> pair_of;  // piece by piece, paddedObstacles() each; -1: no pair
-  std::size_t paddedObstacles() const { return (obstacles.size() + kLanes - 1) / kLanes * kLanes; }
+  std::size_t paddedObstacles() const { return (whole_obstacles + kLanes - 1) / kLanes * kLanes; }
+  static Obstacle obstacleOf(const Shape& shape, const Pose& X_WG);
+  static Obstacle partOf(const CoverPart& part, const Pose& X_WG);
   void finish();
+  void addParts();
 };
 
 struct LaneSweep::Scratch::Impl {
@@ -91,6 +106,7 @@ struct LaneSweep::Scratch::Impl {
   };
   std::vector<Placed> outer, balls;
   std::vector<std::uint64_t> cover_stamp, inner_stamp;  // the run in which a piece's were placed
+  std::vector<std::uint64_t> part_stamp;                // and a part's ball
   std::vector<float> low, high;                         // of pieces' sweeps, three each
   std::vector<Candidate> candidates;
   std::vector<Open> open;
@@ -101,6 +117,13 @@ struct LaneSweep::Scratch::Impl {
     bool known = false;
   };
   std::vector<Plane> planes;  // one a pair: what parted it last
+  /// Of a pair that has parts: hulls of wholes did not part it, parts did; and those that were in
+  /// the way last.
+  struct Manner {
+    bool by_parts = false;
+    std::int32_t stubborn = 0;
+  };
+  std::vector<Manner> manners;  // one a pair
   collision::Scratch distance;
   std::uint64_t stamp = 0;
   /// A pair last found in contact, and the point that was inside; -1: balls.
@@ -141,6 +164,12 @@ struct LaneSweepKernel {
     bool apart, touching;
   };
   Parted partEach(std::int32_t pair, std::uint32_t lanes) const;
+  /// The same by all planes that are looked for.
+  Parted partPair(std::int32_t pair, std::uint32_t lanes, bool closely) const;
+  /// The same for a pair of parts: the plane that parted them last comes first.
+  Parted partParts(std::int32_t pair, std::uint32_t lanes, bool closely) const;
+  /// What the parts of a pair leave: apart where all of those are that are still open.
+  Parted partByParts(std::int32_t pair, std::uint32_t lanes, bool closely) const;
   /// The plane of a lane is what parted the pair last.
   void remember(std::int32_t pair, const Each& each, int lane) const;
   /// Tells a plane how far the obstacle goes along its normal.

@@ -224,7 +224,6 @@ void EdgeLanes::addPieces(const EdgeFrames& frames) {
       moved.radius = ball.radius - (moved.radius - ball.radius);
       if (moved.radius > 0) lane.inner.push_back(moved);
     }
-    lane.points.own = cover->points.own;
     const auto placeAll = [&](const std::vector<Eigen::Vector3d>& points, double radius,
                               std::vector<Eigen::Vector3d>& out) {
       double moving = 0;  // rounds
@@ -235,14 +234,24 @@ void EdgeLanes::addPieces(const EdgeFrames& frames) {
       }
       return radius + moving;
     };
-    lane.points.radius = placeAll(cover->points.points, cover->points.radius, lane.points.points);
-    lane.points.fine_radius =
-        std::max(placeAll(cover->points.fine, cover->points.fine_radius, lane.points.fine),
-                 lane.points.radius - cover->points.radius);
+    const auto placePoints = [&](const collision::PointCover& points) {
+      collision::PointCover moved;
+      moved.own = points.own;
+      moved.radius = placeAll(points.points, points.radius, moved.points);
+      moved.fine_radius = std::max(placeAll(points.fine, points.fine_radius, moved.fine),
+                                   moved.radius - points.radius);
+      return moved;
+    };
+    lane.points = placePoints(cover->points);
+    if (!in_world)
+      for (const collision::CoverPart& part : cover->parts)
+        lane.parts.push_back({placed(X_FG, part.ball), placePoints(part.points)});
     const double chain = place.frame < 0 ? 0 : frame_reach_[at(place.frame)];
     lane.reach = lane.outer.center.norm();
     for (const collision::Ball& ball : lane.cover)
       lane.reach = std::max(lane.reach, ball.center.norm());
+    for (const collision::CoverPart& part : lane.parts)
+      lane.reach = std::max(lane.reach, part.ball.center.norm());
     lane.reach += chain;
     longest_ = std::max(longest_, lane.reach);
     lane_piece[i] = sweep_.addPiece(lane);
@@ -254,11 +263,11 @@ void EdgeLanes::addPieces(const EdgeFrames& frames) {
     const bool world_a = pieces[at(pair.a)].link < 0, world_b = pieces[at(pair.b)].link < 0;
     if (!world_a && !world_b) {
       sweep_.addPiecePair(id, lane_piece[at(pair.a)], lane_piece[at(pair.b)], pair.motion,
-                          pair.threshold);
+                          pair.threshold, !pair.by_surfaces);
     } else {
       const int moving = world_a ? pair.b : pair.a, still = world_a ? pair.a : pair.b;
       sweep_.addPair(id, lane_piece[at(moving)], obstacle[at(still)], lane_piece[at(still)],
-                     pair.threshold);
+                     pair.threshold, !pair.by_surfaces);
     }
   }
 }

@@ -559,6 +559,26 @@ class Run {
     return lanes != 0 ? kernel_.told(number, point, lanes) : LaneSweepKernel::Contact{};
   }
 
+  /// For each pair of parts of a pair, the lanes of `lanes` in which their balls are not proven to
+  /// keep the threshold.
+  HWY_INLINE void nearParts(std::int32_t number, std::uint32_t lanes, std::uint32_t* near) {
+    const Sweep::Pair& whole = s_.pairs[size(number)];
+    const float fixed = fixedPart(whole, whole.cover_above);
+    for (std::int32_t p = whole.parts_begin; p < whole.parts_end; ++p, ++near) {
+      const Sweep::Pair& pair = s_.pairs[size(p)];
+      const float above = fixed + s_.pieces[size(pair.a)].outer.radius;
+      placePart(size(pair.a));
+      if (pair.pieces) {
+        placePart(size(pair.b));
+        *near = openToBall<kStill>(scratch_.outer[size(pair.a)], scratch_.outer[size(pair.b)],
+                                   above + s_.pieces[size(pair.b)].outer.radius, lanes);
+      } else {
+        *near = openToObstacle<kStill>(s_.obstacles[size(pair.b)], scratch_.outer[size(pair.a)],
+                                       above, lanes);
+      }
+    }
+  }
+
   HWY_INLINE LaneSweepKernel::Contact all() {
     ++scratch_.stamp;
     scratch_.open.clear();
@@ -607,7 +627,7 @@ class Run {
 
   HWY_INLINE void placeOuter() {
     const D d;
-    for (std::size_t p = 0; p < s_.pieces.size(); ++p) {
+    for (std::size_t p = 0; p < s_.wholes; ++p) {
       const Sweep::LanePiece& piece = s_.pieces[p];
       if (piece.frame < 0) continue;
       Placed& placed = scratch_.outer[p];
@@ -632,7 +652,7 @@ class Run {
   HWY_INLINE void cull() {
     const D d;
     const std::size_t padded = s_.paddedObstacles();
-    for (std::size_t p = 0; p < s_.pieces.size(); ++p) {
+    for (std::size_t p = 0; p < s_.wholes; ++p) {
       if (!s_.pieces[p].has_obstacles) continue;
       const float* low = &scratch_.low[3 * p];
       const float* high = &scratch_.high[3 * p];
@@ -682,6 +702,13 @@ class Run {
     const float growth = growthOf(pair.motion);
     if (pair.pieces) return above + growth + 2 * kernel_.slack;
     return above + growth + kernel_.slack + s_.obstacles[size(pair.b)].radius;
+  }
+
+  HWY_INLINE void placePart(std::size_t p) {
+    if (scratch_.part_stamp[p] == scratch_.stamp) return;
+    scratch_.part_stamp[p] = scratch_.stamp;
+    const Sweep::LanePiece& piece = s_.pieces[p];
+    if (piece.frame >= 0) placeBall<kStill>(frame(piece), piece.outer.center, scratch_.outer[p]);
   }
 
   HWY_INLINE void placeCover(std::size_t p) {
@@ -786,6 +813,14 @@ std::uint32_t SweepPlane(const LaneSweepKernel& kernel, const Sweep::Pair& pair,
                          const Scratch::Plane& plane, std::uint32_t lanes) {
   return notParted<false>(kernel, pair, plane, lanes);
 }
+void SweepNearParts(const LaneSweepKernel& kernel, std::int32_t pair, std::uint32_t lanes,
+                    std::uint32_t* near) {
+  Run<false>(kernel).nearParts(pair, lanes, near);
+}
+void StillNearParts(const LaneSweepKernel& kernel, std::int32_t pair, std::uint32_t lanes,
+                    std::uint32_t* near) {
+  Run<true>(kernel).nearParts(pair, lanes, near);
+}
 void SweepEach(const LaneSweepKernel& kernel, const Sweep::Pair& pair, std::uint32_t lanes,
                LaneSweepKernel::Each& each) {
   Approach<false>(kernel, pair).run(lanes, each);
@@ -832,6 +867,8 @@ HWY_EXPORT(SweepPlane);
 HWY_EXPORT(StillPlane);
 HWY_EXPORT(PointsInside);
 HWY_EXPORT(SweepEach);
+HWY_EXPORT(SweepNearParts);
+HWY_EXPORT(StillNearParts);
 HWY_EXPORT(StillEach);
 
 LaneSweepKernel::Parted LaneSweepKernel::partEach(std::int32_t number, std::uint32_t lanes) const {
@@ -868,6 +905,57 @@ bool LaneSweepKernel::partByQueries(std::int32_t number, bool closely, std::uint
   return apart;
 }
 
+LaneSweepKernel::Parted LaneSweepKernel::partPair(std::int32_t number, std::uint32_t lanes,
+                                                  bool closely) const {
+  const Sweep::Pair& pair = sweep.pairs[static_cast<std::size_t>(number)];
+  Parted parted{lanes, false, false};
+  if (pair.part_each_above >= 0) parted = partEach(number, lanes);
+  // What has come to a box around a hull may still be apart from that.
+  const bool touching = parted.touching &&
+                        (!pair.by_parts || sweep.obstacles[static_cast<std::size_t>(pair.b)].exact);
+  if (pair.part_above >= 0 && !parted.apart && !touching)
+    parted.apart = partByQueries(number, closely, parted.open);
+  return parted;
+}
+
+LaneSweepKernel::Parted LaneSweepKernel::partParts(std::int32_t number, std::uint32_t lanes,
+                                                   bool closely) const {
+  const Scratch::Plane& plane = scratch.planes[static_cast<std::size_t>(number)];
+  if (plane.known) {
+    const Sweep::Pair& pair = sweep.pairs[static_cast<std::size_t>(number)];
+    lanes = growth == nullptr ? HWY_DYNAMIC_DISPATCH(StillPlane)(*this, pair, plane, lanes)
+                              : HWY_DYNAMIC_DISPATCH(SweepPlane)(*this, pair, plane, lanes);
+    if (lanes == 0) return {0, true, false};
+  }
+  return partPair(number, lanes, closely);
+}
+
+LaneSweepKernel::Parted LaneSweepKernel::partByParts(std::int32_t number, std::uint32_t lanes,
+                                                     bool closely) const {
+  const Sweep::Pair& pair = sweep.pairs[static_cast<std::size_t>(number)];
+  std::uint32_t near[Sweep::kMostPartPairs];
+  if (growth == nullptr)
+    HWY_DYNAMIC_DISPATCH(StillNearParts)(*this, number, lanes, near);
+  else
+    HWY_DYNAMIC_DISPATCH(SweepNearParts)(*this, number, lanes, near);
+  Parted parted{0, true, false};
+  const std::int32_t count = pair.parts_end - pair.parts_begin;
+  std::int32_t& stubborn = scratch.manners[static_cast<std::size_t>(number)].stubborn;
+  // What was in the way last is likely to be again, and then nothing else matters.
+  const std::int32_t first = stubborn;
+  for (std::int32_t k = 0; k < count && parted.open != lanes; ++k) {
+    const std::int32_t part = k == 0 ? first : k <= first ? k - 1 : k;
+    const std::uint32_t left = near[part] & ~parted.open;
+    if (left == 0) continue;
+    const Parted found = partParts(pair.parts_begin + part, left, closely);
+    if (found.open == 0) continue;
+    parted.open |= found.open;
+    parted.apart = parted.apart && found.apart;
+    stubborn = part;
+  }
+  return parted;
+}
+
 LaneSweep::Contact LaneSweepKernel::meetOpen() const {
   for (std::size_t i = 0; i < scratch.open.size(); ++i) {
     const std::int32_t number = scratch.open_pairs[i];
@@ -889,10 +977,14 @@ LaneSweep::Contact LaneSweepKernel::partOpen(bool closely) const {
     const Sweep::LanePiece& a = sweep.pieces[static_cast<std::size_t>(pair.a)];
     std::uint32_t lanes = scratch.open[i].lanes;
     Parted parted{lanes, false, false};
-    if (pair.part_each_above >= 0) parted = partEach(number, lanes);
+    Scratch::Manner& manner = scratch.manners[static_cast<std::size_t>(number)];
+    if (!manner.by_parts) parted = partPair(number, lanes, closely);
+    if (parted.open != 0 && !parted.apart && pair.parts_begin < pair.parts_end) {
+      const std::uint32_t before = parted.open;
+      parted = partByParts(number, before, closely);
+      manner.by_parts = before == lanes && parted.open != lanes;
+    }
     lanes = parted.open;
-    if (pair.part_above >= 0 && !parted.apart && !parted.touching)
-      parted.apart = partByQueries(number, closely, lanes);
     if (lanes == 0) continue;
     if (!parted.apart && a.fine.begin != a.points.begin) {
       std::int32_t point = -1;
@@ -929,6 +1021,7 @@ LaneSweep::Contact LaneSweep::run(std::span<const LaneFrame> frames, std::span<c
 LaneSweep::Contact LaneSweep::part(std::span<const LaneFrame> frames, std::span<const float> growth,
                                    float slack, Scratch& scratch) const {
   const LaneSweepKernel kernel{*impl_, *scratch.impl_, frames.data(), growth.data(), slack};
+  ++scratch.impl_->stamp;  // looks at other places may have come between
   return kernel.partOpen(false);
 }
 
@@ -937,6 +1030,7 @@ LaneSweep::Contact LaneSweep::runPairs(std::span<const Open> pairs,
                                        std::span<const float> growth, float slack,
                                        Scratch& scratch) const {
   const LaneSweepKernel kernel{*impl_, *scratch.impl_, frames.data(), growth.data(), slack};
+  ++scratch.impl_->stamp;
   scratch.impl_->open.clear();
   scratch.impl_->open_pairs.clear();
   for (const auto& [number, lanes, apart] : pairs) {

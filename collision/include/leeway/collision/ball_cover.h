@@ -9,6 +9,13 @@
 
 namespace leeway::collision {
 
+/// What is of a mesh between some planes: the ball holds it, and so does the hull of `points` grown
+/// by their radius; each with whatever is there of the inside of a closed mesh.
+struct CoverPart {
+  Ball ball;
+  PointCover points;
+};
+
 /// Balls, and a few points, that stand for a shape, in its own frame.
 struct BallCover {
   /// Every point of the shape is in one of these, rounding included, and so is every point inside a
@@ -19,6 +26,8 @@ struct BallCover {
   std::vector<Ball> inner;
   /// The shape by a few points.
   PointCover points;
+  /// A mesh that is far from convex, in parts; empty for everything else.
+  std::vector<CoverPart> parts;
 };
 
 /// At most `count` outer and as many inner balls; no points. Bisects the shape by planes across the
@@ -28,12 +37,21 @@ struct BallCover {
 /// triangles that the ball holds. O(triangles count); one distance query a part.
 BallCover coverWithBalls(const Shape& shape, int count);
 
+/// A mesh in at most `count` parts, all of which together hold it: none where its hull does nearly
+/// as well (or for other shapes). Planes across no more than two axes bisect it, so that each part
+/// holds what is inside as well, see coverWithBalls(): always that one which saves most of the
+/// widths of the parts' hulls. O(triangles count), and a hull a part.
+std::vector<CoverPart> coverWithParts(const Shape& shape, int count);
+
 /// Balls of each kind that edge certification takes: fewer leave more to exact queries, more cost
 /// more than they save.
 inline constexpr int kCoverBalls = 8;
 /// Points of a cover that edge certification takes: the same holds.
 inline constexpr int kCoverPoints = 32;
-/// coverWithBalls(shape, kCoverBalls), with coverWithPoints(shape, kCoverPoints); a mesh keeps it.
+/// Parts of a concave mesh that edge certification takes at most.
+inline constexpr int kCoverParts = 8;
+/// coverWithBalls(shape, kCoverBalls), with coverWithPoints(shape, kCoverPoints) and
+/// coverWithParts(shape, kCoverParts); a mesh keeps it.
 /// Any number of threads may ask.
 std::shared_ptr<const BallCover> coverOf(const Shape& shape);
 

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "leeway/collision/ball_cover.h"
 #include "leeway/collision/coarse_shape.h"
 #include "leeway/collision/lane_frames.h"
 #include "leeway/collision/point_cover.h"
@@ -18,7 +19,8 @@ namespace leeway::collision {
 /// that is nearest to the capsule's middle. What capsules leave open is tried with planes between
 /// the hulls of points of both bodies, that which parted them last; with the points themselves,
 /// each of which proves a contact where it is inside an obstacle; and with planes that a distance
-/// query finds in the middle of the open intervals. Constant once built.
+/// query finds in the middle of the open intervals. Pieces that are far from convex are looked at
+/// in parts where planes between the whole hulls will not do. Constant once built.
 class LaneSweep {
  public:
   /// A thing on a frame (-1: the world), its balls in that frame's axes.
@@ -29,7 +31,8 @@ class LaneSweep {
     std::vector<Ball> cover;  ///< together they hold the piece, its inside included
     std::vector<Ball> inner;  ///< each inside the piece
     PointCover points;        ///< may be without points: no planes then
-    double reach = 0;         ///< no centre of a ball comes farther from the world's origin [m]
+    std::vector<CoverPart> parts;  ///< together they hold the piece, its inside included; or none
+    double reach = 0;  ///< no centre of a ball comes farther from the world's origin [m]
   };
 
   LaneSweep();
@@ -43,10 +46,11 @@ class LaneSweep {
   int addObstacle(const Shape& shape, const Pose& X_WG);
   /// Piece and obstacle must keep a separation above `threshold` [m]; `id` is told in answers.
   /// `balls`: a piece of the world whose balls hold the obstacle as well, or -1: lanes that the
-  /// obstacle's box leaves open may be settled by them.
-  void addPair(int id, int piece, int obstacle, int balls, double threshold);
+  /// obstacle's box leaves open may be settled by them. `by_parts`: parts of pieces may settle
+  /// them, too.
+  void addPair(int id, int piece, int obstacle, int balls, double threshold, bool by_parts = true);
   /// The same for two pieces; `motion` is that of the first's points, seen from the second's frame.
-  void addPiecePair(int id, int a, int b, int motion, double threshold);
+  void addPiecePair(int id, int a, int b, int motion, double threshold, bool by_parts = true);
   /// After all additions, before any Scratch.
   void finish();
   std::size_t bytes() const;

@@ -164,6 +164,10 @@ inline constexpr double kTransferRounding = 1e-14;
 /// guarantee.
 inline constexpr double kLaneSweepRounding = 64 * 0x1p-24;
 
+/// A mesh whose hull stands out from it by no more than this [m] is not covered in parts: few of
+/// its pairs need them, and each takes milliseconds to make. Costs time, never truth.
+inline constexpr double kLeastConcavity = 0.01;
+
 /// How near to the widest gap LaneSweep searches planes [m]: chords and radii leave more open.
 inline constexpr double kLanePlaneTolerance = 5e-4;
 
