@@ -8,6 +8,7 @@
 #include <span>
 #include <utility>
 
+#include "collision/deform_nearest.h"
 #include "collision/deform_octree.h"
 #include "collision/deform_probe.h"
 #include "collision/mesh_distance.h"
@@ -94,13 +95,17 @@ class DeformDescent {
     has_volumes_ =
         b.snapshot != nullptr && b.snapshot->bounds != nullptr && b.snapshot->bounds->hasVolumes();
     extent_b_ = magnitude(b.low) + magnitude(b.high);
-    if (isWhole(a)) whole_probe_ = wholeProbe();
+    if (isWhole(a) && !isThin()) whole_probe_ = wholeProbe();
   }
 
   DescentResult run() {
     result_.lower = kInfinity;
     result_.upper = kInfinity;
     setBar();
+    if (isThin()) {
+      if (thin()) return result_;
+      whole_probe_ = wholeProbe();
+    }
     PartPair root;
     root.b = {0, boxOf(b_.low, b_.high)};
     if (!isWhole(a_)) root.a = {0, boxOf(a_.low, a_.high)};
@@ -110,7 +115,8 @@ class DeformDescent {
       settle(root.lower);
       return result_;
     }
-    warmStart();
+    // (The triangle nearest to a thin body has been found, if there is one.)
+    if (!(result_.upper < kInfinity)) warmStart();
     if (isFlat(a_) || isFlat(b_)) {
       flat(root);
       return result_;
@@ -141,6 +147,11 @@ class DeformDescent {
   static bool isHalfSpace(const DeformSide& side) {
     return side.snapshot == nullptr && side.rigid.tree == nullptr &&
            side.rigid.view.core == Core::kHalfSpace;
+  }
+  // (Not a segment that is hardly one, whose direction would not survive single precision.)
+  static bool hasThinCore(const ConvexView& view) {
+    constexpr double kLeastHalf = 1e-12;  // [m]
+    return view.core == Core::kPoint || (view.core == Core::kSegment && view.size.z() > kLeastHalf);
   }
   static double magnitude(const Vector3d& p) { return p.allFinite() ? p.lpNorm<1>() : 0; }
 
@@ -368,6 +379,90 @@ class DeformDescent {
     const bool has_core = !half_space_ && a_.rigid.tree == nullptr;
     const double grown = has_core ? a_.rigid.view.radius : 0;
     return makeProbeOf(a_.low.array() + grown, a_.high.array() - grown, placement_.growth + grown);
+  }
+
+  // A sphere or a capsule, which is as far away as its core is, less its radius.
+  bool isThin() const {
+    constexpr double kFarthest = 1e18;  // [m] in single precision
+    return isWhole(a_) && a_.rigid.tree == nullptr && hasThinCore(a_.rigid.view) &&
+           !placement_.swept && !has_volumes_ && !isFlat(b_) &&
+           placement_.X_BA0.translation.lpNorm<Eigen::Infinity>() < kFarthest;
+  }
+
+  // False where the question is still open: in contact, for a depth, and where rounding is not
+  // small beside the tolerance. Nothing has been settled then, but there is an upper end.
+  bool thin() {
+    const ConvexView& a = a_.rigid.view;
+    const double grown = a.radius + a.excess;
+    NearestSearch search;
+    search.middle = placement_.X_BA0.translation;
+    search.half = a.core == Core::kSegment ? Vector3d(placement_.X_BA0.rotation.col(2) * a.size.z())
+                                           : Vector3d::Zero();
+    const Vector3d reach = search.half.cwiseAbs();
+    search.slack = placement_.slack;
+    search.size = extent_b_ + grown + search.middle.lpNorm<1>() + reach.sum();
+    double root =
+        ((b_.low - search.middle).cwiseMax(search.middle - b_.high) - reach).cwiseMax(0.0).norm() -
+        grown - (search.slack + kRelativeRounding * search.size);
+    if (!(root > 0)) {
+      // How deep boxes are in each other is for those to tell that know of depths.
+      whole_probe_ = wholeProbe();
+      const FloatBox box = boxOf(b_.low, b_.high);
+      root = lowerBound(whole_probe_, box.low, box.high);
+    }
+    result_.hull_lower = root;
+    if (needless(root)) {
+      settle(root);
+      return true;
+    }
+    search.enough = a.radius;
+    if (request_.threshold == request_.threshold) {
+      search.reach = (floor() + grown) * (1 + kRelativeRounding);
+      search.enough = floor() + a.radius;
+    }
+    search.tolerance = 0.5 * request_.tolerance;
+    search.limit = limit();
+    const DeformTree& tree = *b_.snapshot->tree;
+    if (cache_.triangle_b >= 0 && cache_.triangle_b < tree.triangleCount())
+      search.first = tree.slotOf(cache_.triangle_b);
+    const NearestFound found = findNearest(search, *b_.snapshot, boxes_b_);
+    visited_ += found.visited;
+    if (found.slot >= 0 && !thinAt(found)) triangles(-1, found.slot);
+    const double lower = found.lower - grown;
+    if (done() || needless(lower) || visited_ >= limit()) {
+      settle(std::max(done() ? root : lower, root));
+      return true;
+    }
+    if (found.slot >= 0) {
+      warmed(-1, found.slot);
+      remember(result_.witness);
+    }
+    result_.lower = kInfinity;
+    return false;
+  }
+
+  // The body and the triangle that is nearest to its core. False where the way has no direction,
+  // or is not known as well as is asked.
+  bool thinAt(const NearestFound& found) {
+    const ConvexView& a = a_.rigid.view;
+    const double squared = found.way.squaredNorm();
+    const Interval distance{found.own_lower - a.radius - a.excess, found.upper - a.radius};
+    if (!(squared > static_cast<double>(kLeastWaySquared)) || !(distance.upper > 0) ||
+        !(distance.width() <= request_.tolerance))
+      return false;
+    ++visited_;
+    ++result_.iterations;
+    settle(distance.lower);
+    result_.upper = distance.upper;
+    setBar();
+    DistanceResult& r = result_.witness;
+    const Vector3d from = placement_.X_BA0.translation + found.from;
+    r.distance = distance;
+    r.normal = found.way / std::sqrt(squared);
+    r.point_a = from + a.radius * r.normal;
+    r.point_b = from + found.way;
+    r.triangle_b = triangleOf(b_, found.slot);
+    return true;
   }
 
   // A rigid body against the nodes of B alone. Those on top of the stack are looked at several at a
@@ -673,14 +768,18 @@ class DeformDescent {
     const double lower = result_.lower;
     triangles(slot_a, slot_b);
     if (placement_.swept) return;
-    // The pair comes again in its turn; what is known of it as well as is asked needs no second
-    // look then.
+    warmed(slot_a, slot_b);
+    result_.lower = lower;
+  }
+
+  // The pair, which was the first to be looked at, comes again in its turn; what is known of it as
+  // well as is asked needs no second look then.
+  void warmed(int slot_a, int slot_b) {
     if (result_.upper > 0 && result_.upper - result_.lower <= request_.tolerance) {
       warm_a_ = slot_a;
       warm_b_ = slot_b;
       warm_lower_ = result_.lower;
     }
-    result_.lower = lower;
   }
 
   const DeformSide& a_;

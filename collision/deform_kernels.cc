@@ -18,17 +18,13 @@
 #include <hwy/cache_control.h>
 #include <hwy/highway.h>
 
+#include "collision/deform_lanes-inl.h"
+
 HWY_BEFORE_NAMESPACE();
 namespace leeway::collision {
 namespace HWY_NAMESPACE {
 namespace {
 
-namespace hn = hwy::HWY_NAMESPACE;
-
-// Four doubles (x, y, z and what comes behind them) in one vector, or in two or four.
-const hn::CappedTag<double, 4> kDoubles;
-using Doubles = hn::Vec<decltype(kDoubles)>;
-constexpr std::size_t kDoubleLanes = hn::MaxLanes(decltype(kDoubles)());
 constexpr std::size_t kParts = 4 / kDoubleLanes;
 // Eight floats, or a part of them.
 const hn::CappedTag<float, kWidth> kLanes;
@@ -131,10 +127,6 @@ HWY_INLINE void putLane(const Extremes& e, WideBox& box, std::size_t lane) {
     box.low[k][lane] = l[k];
     box.high[k][lane] = h[k];
   }
-}
-
-const double* at(const Eigen::Vector3d* vertices, std::int32_t i) {
-  return vertices->data() + 3 * static_cast<std::ptrdiff_t>(i);
 }
 
 // Three doubles and what comes behind them, to the nearest floats; aligned.
@@ -431,9 +423,31 @@ HWY_INLINE bool fromRuns(const DeformTree& tree, const Eigen::Vector3d* vertices
   return four.finite() && e.finite();
 }
 
+// Of a node that has nothing but leaves, as refit() does it. False when a vertex is not finite.
+bool fromLeaves(const DeformTree& tree, const Eigen::Vector3d* vertices, std::int32_t id,
+                WideBox& box) {
+  HWY_ALIGN float near[3 * DeformTree::kLeafTriangles * kWidth][4];
+  HWY_ALIGN float low[kWidth][4], high[kWidth][4];
+  const DeformTree::Refit &from = tree.refits()[static_cast<std::size_t>(id) + 1],
+                          &to = tree.refits()[static_cast<std::size_t>(id)];
+  const std::int32_t* v = tree.refitVertices().data() + from.vertices;
+  const std::int32_t* const last = tree.refitVertices().data() + to.vertices;
+  Extremes sum;
+  for (float(*put)[4] = near; v != last; ++v, ++put) {
+    putSingle(at(vertices, *v), *put);
+    sum.count(at(vertices, *v));
+  }
+  leavesFrom(near, tree.refitCorners().data() + from.corners, low, high);
+  putLeaves(low, high, tree.node(id), box);
+  return sum.finite();
+}
+
 void fromVertices(const DeformTree& tree, const Eigen::Vector3d* vertices, std::int32_t id,
                   WideBox& box) {
   const DeformTree::Node& node = tree.node(id);
+  if (std::all_of(node.child, node.child + kWidth, [](std::int32_t child) { return child < 0; }) &&
+      fromLeaves(tree, vertices, id, box))
+    return;
   for (std::size_t lane = 0; lane < kWidth; ++lane) {
     const std::int32_t child = node.child[lane];
     bool finite = true;
@@ -629,60 +643,13 @@ void triangleBounds(const Probe& probe, const DeformTree& tree, const Eigen::Vec
   }
 }
 
-// The coordinates of as many vertices as a vector has lanes.
-HWY_INLINE void loadVertices(const double* const* v, Doubles& x, Doubles& y, Doubles& z) {
-#if HWY_TARGET == HWY_SCALAR
-  x = hn::LoadU(kDoubles, v[0]);
-  y = hn::LoadU(kDoubles, v[0] + 1);
-  z = hn::LoadU(kDoubles, v[0] + 2);
-#else
-  const Doubles a = hn::LoadU(kDoubles, v[0]), b = hn::LoadU(kDoubles, v[1]);
-  const Doubles xz_ab = hn::InterleaveLower(kDoubles, a, b),
-                y_ab = hn::InterleaveUpper(kDoubles, a, b);
-  if constexpr (kDoubleLanes == 2) {
-    x = xz_ab;
-    y = y_ab;
-    z = hn::InterleaveLower(kDoubles, hn::LoadU(kDoubles, v[0] + 2), hn::LoadU(kDoubles, v[1] + 2));
-  } else {
-    const Doubles c = hn::LoadU(kDoubles, v[2]), d = hn::LoadU(kDoubles, v[3]);
-    const Doubles xz_cd = hn::InterleaveLower(kDoubles, c, d);
-    x = hn::ConcatLowerLower(kDoubles, xz_cd, xz_ab);
-    y = hn::ConcatLowerLower(kDoubles, hn::InterleaveUpper(kDoubles, c, d), y_ab);
-    z = hn::ConcatUpperUpper(kDoubles, xz_cd, xz_ab);
-  }
-#endif
-}
-
 // The least scalar product of n and some vertices; false when one is not finite.
 HWY_INLINE bool leastOf(const double* n, const Eigen::Vector3d* vertices, const std::int32_t* v,
                         std::size_t count, double& least) {
-  const Doubles n_x = hn::Set(kDoubles, n[0]), n_y = hn::Set(kDoubles, n[1]),
-                n_z = hn::Set(kDoubles, n[2]);
-  Doubles lowest = hn::Set(kDoubles, std::numeric_limits<double>::infinity());
-  Doubles doubt = hn::Zero(kDoubles);
-  const auto add = [&](const double* const* from) HWY_ATTR {
-    Doubles x, y, z;
-    loadVertices(from, x, y, z);
-    const Doubles along = hn::Add(hn::Add(hn::Mul(n_x, x), hn::Mul(n_y, y)), hn::Mul(n_z, z));
-    lowest = hn::Min(along, lowest);
-    doubt = hn::Add(doubt, hn::Sub(along, along));  // 0 for finite numbers only
-  };
-  const double* from[kDoubleLanes];
-  if (count < kDoubleLanes) {
-    for (std::size_t k = 0; k < kDoubleLanes; ++k)
-      from[k] = at(vertices, v[std::min(k, count - 1)]);
-    add(from);
-  } else {
-    // The last vector ends with the last vertex, whatever it repeats.
-    const std::int32_t* const last = v + count - kDoubleLanes;
-    for (;; v = std::min(v + kDoubleLanes, last)) {
-      for (std::size_t k = 0; k < kDoubleLanes; ++k) from[k] = at(vertices, v[k]);
-      add(from);
-      if (v == last) break;
-    }
-  }
-  least = hn::GetLane(hn::MinOfLanes(kDoubles, lowest)) + 0.0;  // which zero depends on the lanes
-  return hn::AllTrue(kDoubles, hn::Eq(doubt, hn::Zero(kDoubles)));
+  LeastAlong along(n);
+  along.add(vertices, v, count);
+  least = along.least();
+  return along.isFinite();
 }
 
 bool leastAlong(const double* n, const Eigen::Vector3d* vertices, std::span<const std::int32_t> of,

@@ -76,6 +76,13 @@ class BoxSource {
     return fill(node, room);
   }
 
+  /// Whether the boxes of a node's children are there already.
+  bool isReady(std::int32_t node) const {
+    return snapshot_->demand == Demand::kNothing ||
+           (snapshot_->demand == Demand::kBranches && node < snapshot_->tree->upperCount()) ||
+           (entry_ != nullptr && entry_->stamp[static_cast<std::size_t>(node)] == snapshot_->id);
+  }
+
   /// Starts to bring near what a look at this child of a node will read: after an update it is far.
   void fetch(std::int32_t child) const {
     if (child < 0) return;

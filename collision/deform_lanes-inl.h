@@ -1,0 +1,110 @@
+// Private to collision/: vertices of a deforming mesh, as many at a time as a vector has lanes. To
+// be included once for each of Highway's targets, hence no #pragma once.
+
+#if defined(LEEWAY_COLLISION_DEFORM_LANES_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef LEEWAY_COLLISION_DEFORM_LANES_INL_H
+#undef LEEWAY_COLLISION_DEFORM_LANES_INL_H
+#else
+#define LEEWAY_COLLISION_DEFORM_LANES_INL_H
+#endif
+
+#include <hwy/highway.h>
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+
+HWY_BEFORE_NAMESPACE();
+namespace leeway::collision {
+namespace HWY_NAMESPACE {
+namespace {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+// Four doubles (x, y, z and what comes behind them) in one vector, or in two or four.
+const hn::CappedTag<double, 4> kDoubles;
+using Doubles = hn::Vec<decltype(kDoubles)>;
+constexpr std::size_t kDoubleLanes = hn::MaxLanes(decltype(kDoubles)());
+
+HWY_INLINE const double* at(const Eigen::Vector3d* vertices, std::int32_t i) {
+  return vertices->data() + 3 * static_cast<std::ptrdiff_t>(i);
+}
+
+// The coordinates of as many vertices as a vector has lanes. What comes behind each is read, too.
+HWY_INLINE void loadVertices(const double* const* v, Doubles& x, Doubles& y, Doubles& z) {
+#if HWY_TARGET == HWY_SCALAR
+  x = hn::LoadU(kDoubles, v[0]);
+  y = hn::LoadU(kDoubles, v[0] + 1);
+  z = hn::LoadU(kDoubles, v[0] + 2);
+#else
+  const Doubles a = hn::LoadU(kDoubles, v[0]), b = hn::LoadU(kDoubles, v[1]);
+  const Doubles xz_ab = hn::InterleaveLower(kDoubles, a, b),
+                y_ab = hn::InterleaveUpper(kDoubles, a, b);
+  if constexpr (kDoubleLanes == 2) {
+    x = xz_ab;
+    y = y_ab;
+    z = hn::InterleaveLower(kDoubles, hn::LoadU(kDoubles, v[0] + 2), hn::LoadU(kDoubles, v[1] + 2));
+  } else {
+    const Doubles c = hn::LoadU(kDoubles, v[2]), d = hn::LoadU(kDoubles, v[3]);
+    const Doubles xz_cd = hn::InterleaveLower(kDoubles, c, d);
+    x = hn::ConcatLowerLower(kDoubles, xz_cd, xz_ab);
+    y = hn::ConcatLowerLower(kDoubles, hn::InterleaveUpper(kDoubles, c, d), y_ab);
+    z = hn::ConcatUpperUpper(kDoubles, xz_cd, xz_ab);
+  }
+#endif
+}
+
+// The least scalar product of n and vertices, as they are added.
+class LeastAlong {
+ public:
+  HWY_INLINE explicit LeastAlong(const double* n)
+      : n_x_(hn::Set(kDoubles, n[0])),
+        n_y_(hn::Set(kDoubles, n[1])),
+        n_z_(hn::Set(kDoubles, n[2])),
+        lowest_(hn::Set(kDoubles, std::numeric_limits<double>::infinity())),
+        doubt_(hn::Zero(kDoubles)) {}
+
+  // As many as a vector has lanes.
+  HWY_INLINE void add(const double* const* from) {
+    Doubles x, y, z;
+    loadVertices(from, x, y, z);
+    const Doubles along = hn::Add(hn::Add(hn::Mul(n_x_, x), hn::Mul(n_y_, y)), hn::Mul(n_z_, z));
+    lowest_ = hn::Min(along, lowest_);
+    doubt_ = hn::Add(doubt_, hn::Sub(along, along));  // 0 for finite numbers only
+  }
+  // Any number of them, one at least.
+  HWY_INLINE void add(const Eigen::Vector3d* vertices, const std::int32_t* v, std::size_t count) {
+    const double* from[kDoubleLanes];
+    if (count < kDoubleLanes) {
+      for (std::size_t k = 0; k < kDoubleLanes; ++k)
+        from[k] = at(vertices, v[std::min(k, count - 1)]);
+      add(from);
+      return;
+    }
+    // The last vector ends with the last vertex, whatever it repeats.
+    const std::int32_t* const last = v + count - kDoubleLanes;
+    for (;; v = std::min(v + kDoubleLanes, last)) {
+      for (std::size_t k = 0; k < kDoubleLanes; ++k) from[k] = at(vertices, v[k]);
+      add(from);
+      if (v == last) return;
+    }
+  }
+  // Which zero it is does not depend on the lanes.
+  HWY_INLINE double least() const { return hn::GetLane(hn::MinOfLanes(kDoubles, lowest_)) + 0.0; }
+  // Whether all vertices are.
+  HWY_INLINE bool isFinite() const {
+    return hn::AllTrue(kDoubles, hn::Eq(doubt_, hn::Zero(kDoubles)));
+  }
+
+ private:
+  Doubles n_x_, n_y_, n_z_, lowest_, doubt_;
+};
+
+}  // namespace
+}  // namespace HWY_NAMESPACE
+}  // namespace leeway::collision
+HWY_AFTER_NAMESPACE();
+
+#endif
