@@ -725,7 +725,10 @@ class DeformDescent {
     const ConvexView view_a = viewOfSlot(a_, slot_a, corners_a),
                      view_b = viewOfSlot(b_, slot_b, corners_b);
     if (!isFinite(a_, corners_a) || !isFinite(b_, corners_b)) {
-      settle(-kInfinity);  // vouched for, but where is it?
+      // Vouched for, but where is it? Nor does the box of all vertices tell.
+      settle(-kInfinity);
+      result_.hull_lower = -kInfinity;
+      result_.misplaced = true;
       return;
     }
     const bool depth = request_.depth && !placement_.swept;

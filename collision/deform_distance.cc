@@ -58,7 +58,7 @@ DistanceResult deformDistance(const Shape& a, const Pose& X_WA, const Shape& b, 
   DistanceResult result = surfaceDistance(found, X_WB);
   // Boxes that meet say nothing yet: the surfaces may be apart, with one body inside the other, or
   // overlap.
-  if (!(found.hull_lower > 0)) {
+  if (!(found.hull_lower > 0) && !found.misplaced) {
     Containment containment = Containment::kUndecided;
     if (found.lower > 0) containment = containsAt(a, X_WA, b, X_WB, found.lower, scratch);
     if (containment != Containment::kNo) {

@@ -474,7 +474,10 @@ void triangles(const DeformTree& tree, const Eigen::Vector3d* vertices, std::int
   for (std::int32_t slot = begin; slot < end; ++slot) {
     const DeformTree::Triangle& t = tree.corners(slot);
     const Extremes e = boxOf(vertices, t.data(), t.data() + 3);
-    putLane(e, box, static_cast<std::size_t>(slot - begin));
+    const auto lane = static_cast<std::size_t>(slot - begin);
+    putLane(e, box, lane);
+    if (!e.finite())
+      fillLane(box, lane, -std::numeric_limits<float>::max(), std::numeric_limits<float>::max());
   }
 }
 
@@ -607,14 +610,15 @@ void triangleBounds(const Probe& probe, const DeformTree& tree, const Eigen::Vec
           hn::Max(hn::Sub(low, set(probe.high[k])), hn::Sub(set(probe.low[k]), high)), zero);
       outside = hn::Add(outside, hn::Mul(gap, gap));
     }
-    Floats along[3][3], way[3], nearest[3], squared = zero;
+    Floats along[3][3], way[3], nearest[3], squared = zero, sum = zero;
     for (int j = 0; j < 3; ++j) {
       for (int c = 0; c < 3; ++c) {
         along[c][j] = hn::Add(hn::Add(hn::Mul(set(probe.axis[j][0]), p[c][0]),
                                       hn::Mul(set(probe.axis[j][1]), p[c][1])),
                               hn::Mul(set(probe.axis[j][2]), p[c][2]));
       }
-      const Floats middle = hn::Mul(hn::Add(hn::Add(along[0][j], along[1][j]), along[2][j]), third);
+      sum = hn::Add(hn::Add(along[0][j], along[1][j]), along[2][j]);
+      const Floats middle = hn::Mul(sum, third);
       nearest[j] = hn::Min(hn::Max(middle, set(probe.axis_low[j])), set(probe.axis_high[j]));
       way[j] = hn::Sub(middle, nearest[j]);
       squared = hn::Add(squared, hn::Mul(way[j], way[j]));
@@ -638,6 +642,9 @@ void triangleBounds(const Probe& probe, const DeformTree& tree, const Eigen::Vec
         hn::IfThenElse(hn::Gt(outside, set(kLeastWaySquared)),
                        hn::Sqrt(hn::Min(outside, set(std::numeric_limits<float>::max()))), unknown);
     lower = hn::Max(hn::IfThenElse(usable, lower, unknown), by_box);
+    // Boxes may have left out a corner that is not finite; this sum of all coordinates has not.
+    const auto finite = hn::Eq(hn::Sub(sum, sum), zero);
+    lower = hn::IfThenElse(finite, lower, unknown);
     hn::Store(hn::Sub(hn::Sub(lower, set(probe.radius)), set(probe.slack)), kLanes,
               bounds.lower + i);
   }

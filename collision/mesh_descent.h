@@ -35,6 +35,7 @@ struct DescentResult {
       0;  ///< proven for the hulls of the bodies, and with them for whatever is inside
   DistanceResult witness;  ///< of the pair that carries `upper`, in B
   int iterations = 0;
+  bool misplaced = false;  ///< a deforming triangle that was looked at is nowhere: not finite
 };
 
 /// Branch and bound over pairs of nodes, nearer ones first, with a stack of fixed size. Ends as

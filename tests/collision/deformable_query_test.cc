@@ -5,8 +5,12 @@
 #include <cmath>
 #include <limits>
 
+#include "collision/deform_build.h"
+#include "collision/deform_kernels.h"
+#include "collision/deform_probe.h"
 #include "leeway/collision/convex_hull.h"
 #include "tests/collision/deformable_cases.h"
+#include "tests/every_target.h"
 
 namespace leeway::collision {
 namespace {
@@ -187,30 +191,81 @@ TEST(DeformableQuery, DistancesWhoseSquaresLeaveTheRangeOfSingles) {
 }
 
 // The caller has vouched for what is none: wherever its triangles are looked at, nothing is told to
-// be free.
+// be free. Boxes of triangles leave out what is no number, and the box of all vertices is that of
+// the frame before; either of them was believed.
 TEST(DeformableQuery, ACornerThatIsNotFiniteIsNearerThanAll) {
-  const Sheet sheet = testing::cloth(12);
-  const auto mesh = DeformableMesh::make(sheet.vertices, sheet.triangles);
-  for (const double wrong : {std::numeric_limits<double>::quiet_NaN(), kInfinity}) {
-    for (const bool at_ball : {false, true}) {
-      DeformOptions options;
-      options.strategy = DeformStrategy::kHybrid;
-      options.hybrid_split = 40;
-      Deformable deformable(mesh, nullptr, options);
-      ASSERT_EQ(deformable.update(sheet.vertices, 1), UpdateStatus::kUpdated);
-      const std::span<Vector3d> next = deformable.nextVertices();
-      std::copy(sheet.vertices.begin(), sheet.vertices.end(), next.begin());
-      const std::size_t broken = at_ball ? next.size() / 2 : 0;
-      const Vector3d place = next[next.size() / 2] + Vector3d(0, 0, 0.5);
-      next[broken].y() = wrong;
-      const UpdateStatus status = deformable.commit(2, 1, Deformable::Vertices::kFinite, 1e-9);
-      if (status != UpdateStatus::kUpdated) continue;  // it had been read
-      const Shape shape = Shape::deformable(deformable.snapshot());
-      Scratch scratch;
-      const DistanceResult r = distance(
-          Shape::sphere(0.1), Pose{Eigen::Matrix3d::Identity(), place}, shape, {}, {}, scratch);
-      if (at_ball) {
-        ASSERT_EQ(r.distance.lower, -kInfinity);
+  Sheet sheet = testing::cloth(40);
+  Random random(14);
+  int looks = 0;
+  for (int run = 0; run < 30; ++run) {
+    const auto vertices = testing::waved(sheet.vertices, run % 2 == 0 ? 0 : 0.3, run);
+    const auto broken = static_cast<std::size_t>(random.below(static_cast<int>(vertices.size())));
+    for (auto& t : sheet.triangles) {  // it is the first of its triangles' corners
+      const auto corner = std::find(t.begin(), t.end(), static_cast<std::int32_t>(broken));
+      if (corner != t.end()) std::rotate(t.begin(), corner, t.end());
+    }
+    const auto mesh = DeformableMesh::make(sheet.vertices, sheet.triangles);
+    DeformOptions options;
+    options.strategy = DeformStrategy::kHybrid;
+    options.hybrid_split = 200;
+    Deformable deformable(mesh, nullptr, options);
+    ASSERT_EQ(deformable.update(vertices, 1), UpdateStatus::kUpdated);
+    const std::span<Vector3d> next = deformable.nextVertices();
+    std::copy(vertices.begin(), vertices.end(), next.begin());
+    const Vector3d place = next[broken] + Vector3d(0, 0, 0.04);
+    const double wrong = random.chance(0.5) ? std::numeric_limits<double>::quiet_NaN() : kInfinity;
+    if (random.chance(0.5))
+      next[broken][random.below(3)] = wrong;
+    else
+      next[broken].setConstant(wrong);
+    const UpdateStatus status = deformable.commit(2, 1, Deformable::Vertices::kFinite, 1e-9);
+    if (status != UpdateStatus::kUpdated) continue;  // it had been read
+    ++looks;
+    const Shape shape = Shape::deformable(deformable.snapshot());
+    Scratch scratch;
+    for (const Shape& near : {Shape::sphere(0.01), Shape::box({0.01, 0.01, 0.01}), shape}) {
+      const Pose X_WS{Eigen::Matrix3d::Identity(),
+                      near.deformable() != nullptr ? Vector3d(0, 0, 0.04) : place};
+      for (const double threshold : {std::numeric_limits<double>::quiet_NaN(), 0.045}) {
+        DistanceRequest request;
+        request.threshold = threshold;  // the neighbours' corners are farther
+        const DistanceResult r = distance(near, X_WS, shape, {}, request, scratch);
+        if (r.distance.upper <= threshold) continue;
+        ASSERT_EQ(r.distance.lower, -kInfinity) << "run " << run << " " << toString(near.type());
+      }
+    }
+  }
+  EXPECT_GT(looks, 10);
+}
+
+// Whichever of the corners it is, and on every instruction set: minima left it out, or what came
+// before it.
+TEST(DeformableQuery, BoundsOfATriangleWithoutACornerSayNothing) {
+  const std::vector<std::array<std::int32_t, 3>> triangles = {{0, 1, 2}};
+  const std::vector<Vector3d> rest = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  const auto tree = buildDeformTree(rest, triangles, DeformMethod::kBinned, 40);
+  for (std::size_t broken = 0; broken < 3; ++broken) {
+    for (const double wrong : {std::numeric_limits<double>::quiet_NaN(), kInfinity, -kInfinity}) {
+      for (int axis = 0; axis <= 3; ++axis) {
+        std::vector<Vector3d> vertices = rest;
+        if (axis < 3)
+          vertices[broken][axis] = wrong;
+        else
+          vertices[broken].setConstant(wrong);
+        const Probe probe =
+            makeProbe(Vector3d(-0.1, -0.1, 2.9), Vector3d(0.1, 0.1, 3.1), 0, Pose{}, nullptr, 1, 0);
+        onEveryTarget([&](const char* target) {
+          Bounds bounds;
+          deformKernels().triangleBounds(probe, *tree, vertices.data(), 0, 1, bounds);
+          EXPECT_EQ(static_cast<double>(bounds.lower[0]), -kInfinity)
+              << target << " " << broken << " " << wrong << " " << axis;
+          WideBox box;
+          deformKernels().triangles(*tree, vertices.data(), 0, 1, box);
+          for (int k = 0; k < 3; ++k) {
+            EXPECT_EQ(box.low[k][0], -std::numeric_limits<float>::max()) << target;
+            EXPECT_EQ(box.high[k][0], std::numeric_limits<float>::max()) << target;
+          }
+        });
       }
     }
   }
