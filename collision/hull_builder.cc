@@ -16,6 +16,9 @@ using Eigen::Vector3d;
 
 std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
 
+// The square of a longer normal is a normal double [m^2].
+constexpr double kLeastNormal = 1e-140;
+
 // Largest coordinate of a normal, as the axis to project along.
 int dominantAxis(const Vector3d& normal) {
   int axis = 0;
@@ -24,6 +27,18 @@ int dominantAxis(const Vector3d& normal) {
 }
 
 }  // namespace
+
+inline double HullBuilder::heightOver(const Facet& f, std::int32_t point) const {
+  return f.normal.dot(at(point) - at(f.corner[0]));
+}
+
+// `height` is heightOver(). Exact: rounding decides nothing.
+inline bool HullBuilder::sees(std::int32_t point, const Facet& f, double height) const {
+  if (height > f.doubt) return true;
+  if (height < -f.doubt) return false;
+  if (point == f.corner[0] || point == f.corner[1] || point == f.corner[2]) return false;
+  return orientation(at(f.corner[0]), at(f.corner[1]), at(f.corner[2]), at(point)) > 0;
+}
 
 HullBuilder::HullBuilder(std::span<const Vector3d> points, int vertex_limit)
     : points_(points), limited_(vertex_limit > 0) {
@@ -42,6 +57,7 @@ bool HullBuilder::start() {
     low = low.cwiseMin(p);
     high = high.cwiseMax(p);
   }
+  size_ = (high - low).norm() * (1 + kRelativeRounding);
   const int axis = dominantAxis(high - low);
   std::int32_t a = 0, b = 0;
   for (std::int32_t i = 1; i < count; ++i) {
@@ -165,14 +181,17 @@ std::int32_t HullBuilder::addFacet(std::int32_t a, std::int32_t b, std::int32_t 
   Facet& f = facet(id);
   f.corner = {a, b, c};
   f.adjacent = {-1, -1, -1};
-  f.normal = (at(b) - at(a)).cross(at(c) - at(a));
+  const Vector3d ab = at(b) - at(a), ac = at(c) - at(a);
+  f.normal = ab.cross(ac);
   const double length = f.normal.norm();
   if (length > 0) f.normal /= length;
+  // The product as computed errs by less than 6 units of |ab| |ac|; what the division and a height
+  // by it add is less than 12 units of the distance between two points. Lengths whose squares leave
+  // the range of normal doubles tell nothing.
+  f.doubt = length > kLeastNormal
+                ? 16 * kUnitRoundoff * size_ * (ab.norm() * ac.norm() / length + 1)
+                : std::numeric_limits<double>::infinity();
   return id;
-}
-
-bool HullBuilder::sees(std::int32_t point, const Facet& f) const {
-  return orientation(at(f.corner[0]), at(f.corner[1]), at(f.corner[2]), at(point)) > 0;
 }
 
 // Puts the point on the list of the first live facet from `first_facet` on that it is outside of;
@@ -180,8 +199,9 @@ bool HullBuilder::sees(std::int32_t point, const Facet& f) const {
 void HullBuilder::assign(std::int32_t point, std::int32_t first_facet) {
   for (std::size_t i = index(first_facet); i < work_.size(); ++i) {
     Facet& f = work_[i];
-    if (!f.alive || !sees(point, f)) continue;
-    const double height = f.normal.dot(at(point) - at(f.corner[0]));
+    if (!f.alive) continue;
+    const double height = heightOver(f, point);
+    if (!sees(point, f, height)) continue;
     if (f.farthest < 0 || height > f.height) {
       f.farthest = point;
       f.height = height;
@@ -234,7 +254,7 @@ void HullBuilder::insert(std::int32_t start, std::int32_t point) {
       if (o.visible) continue;
       if (o.mark != point + 1) {
         o.mark = point + 1;
-        if (sees(point, o)) {
+        if (sees(point, o, heightOver(o, point))) {
           o.visible = true;
           visible_.push_back(other);
           continue;
@@ -283,8 +303,8 @@ void HullBuilder::insert(std::int32_t start, std::int32_t point) {
     double best_height = 0;
     for (const std::int32_t id : added) {
       const Facet& f = facet(id);
-      const double height = f.normal.dot(at(p) - at(f.corner[0]));
-      if ((best >= 0 && height <= best_height) || !sees(p, f)) continue;
+      const double height = heightOver(f, p);
+      if ((best >= 0 && height <= best_height) || !sees(p, f, height)) continue;
       best = id;
       best_height = height;
       if (!limited_)
@@ -304,22 +324,31 @@ void HullBuilder::insert(std::int32_t start, std::int32_t point) {
 }
 
 void HullBuilder::finish() {
+  constexpr std::int32_t kInside = -1, kVertex = -2;
   std::vector<std::int32_t> number(work_.size(), -1);
+  std::vector<std::int32_t>& place = horizon_facet_;  // per point: the facet that it is outside of
+  place.assign(points_.size(), kInside);
   for (std::size_t i = 0; i < work_.size(); ++i) {
     if (!work_[i].alive) continue;
     number[i] = static_cast<std::int32_t>(facets_.size());
     facets_.push_back(work_[i].corner);
-    for (std::int32_t p = work_[i].first; p >= 0; p = next_[index(p)]) outside_.push_back(p);
-    vertices_.insert(vertices_.end(), work_[i].corner.begin(), work_[i].corner.end());
+    for (std::int32_t p = work_[i].first; p >= 0; p = next_[index(p)]) place[index(p)] = number[i];
+    for (const std::int32_t p : work_[i].corner) place[index(p)] = kVertex;
   }
   for (const Facet& f : work_) {
     if (!f.alive) continue;
     adjacent_.push_back(
         {number[index(f.adjacent[0])], number[index(f.adjacent[1])], number[index(f.adjacent[2])]});
   }
-  std::sort(outside_.begin(), outside_.end());
-  std::sort(vertices_.begin(), vertices_.end());
-  vertices_.erase(std::unique(vertices_.begin(), vertices_.end()), vertices_.end());
+  for (std::size_t p = 0; p < place.size(); ++p) {
+    if (place[p] == kInside) continue;
+    if (place[p] == kVertex) {
+      vertices_.push_back(static_cast<std::int32_t>(p));
+      continue;
+    }
+    outside_.push_back(static_cast<std::int32_t>(p));
+    outside_of_.push_back(place[p]);
+  }
   work_ = {};
   next_ = {};
   visible_ = {};
@@ -328,6 +357,23 @@ void HullBuilder::finish() {
   horizon_facet_ = {};
 }
 
+namespace {
+
+double squaredDistance(const Vector3d& point, std::span<const Vector3d> points,
+                       const std::array<std::int32_t, 3>& f) {
+  return (point - closestPointOnTriangle(point, points[index(f[0])], points[index(f[1])],
+                                         points[index(f[2])]))
+      .squaredNorm();
+}
+
+// An upper bound on a point's distance from what its distance as computed is.
+double roundedOut(double squared, const Vector3d& point) {
+  const double size = point.cwiseAbs().maxCoeff();
+  return std::sqrt(squared) * (1 + kRelativeRounding) + size * kRelativeRounding;
+}
+
+}  // namespace
+
 double distanceFromHull(const Vector3d& point, std::span<const Vector3d> points,
                         const HullBuilder& hull) {
   double best = std::numeric_limits<double>::infinity();
@@ -335,11 +381,43 @@ double distanceFromHull(const Vector3d& point, std::span<const Vector3d> points,
   for (const auto& f : hull.facets()) {
     const Vector3d &a = points[index(f[0])], &b = points[index(f[1])], &c = points[index(f[2])];
     if (!outside) outside = orientation(a, b, c, point) > 0;
-    best = std::min(best, (point - closestPointOnTriangle(point, a, b, c)).squaredNorm());
+    best = std::min(best, squaredDistance(point, points, f));
   }
-  if (!outside) return 0;
-  const double size = point.cwiseAbs().maxCoeff();
-  return std::sqrt(best) * (1 + kRelativeRounding) + size * kRelativeRounding;
+  return outside ? roundedOut(best, point) : 0;
+}
+
+double largestDistanceFromHull(std::span<const Vector3d> points, const HullBuilder& hull) {
+  struct Outside {
+    std::int32_t point;
+    double squared;  // of its distance from the facet that it is outside of
+  };
+  std::vector<Outside> outside;
+  outside.reserve(hull.outside().size());
+  for (std::size_t i = 0; i < hull.outside().size(); ++i) {
+    const std::int32_t p = hull.outside()[i];
+    const auto& f = hull.facets()[index(hull.outsideOf()[i])];
+    outside.push_back({p, squaredDistance(points[index(p)], points, f)});
+  }
+  double largest = 0;
+  const auto hold = [&](Outside& o) {
+    // Rounding out keeps the order, so that what is no farther from one facet is so from the hull.
+    const Vector3d& point = points[index(o.point)];
+    if (roundedOut(o.squared, point) <= largest) return;
+    for (const auto& f : hull.facets()) {
+      const double squared = squaredDistance(point, points, f);
+      if (squared >= o.squared) continue;
+      o.squared = squared;
+      if (roundedOut(squared, point) <= largest) return;
+    }
+    largest = roundedOut(o.squared, point);
+  };
+  // The farthest first: they leave little to do for the others.
+  const auto far =
+      std::max_element(outside.begin(), outside.end(),
+                       [](const Outside& l, const Outside& r) { return l.squared < r.squared; });
+  if (far != outside.end()) hold(*far);
+  for (Outside& o : outside) hold(o);
+  return largest;
 }
 
 }  // namespace leeway::collision

@@ -36,17 +36,19 @@ class HullBuilder {
   const std::vector<std::array<std::int32_t, 3>>& adjacent() const { return adjacent_; }
   /// Points outside of a hull that was stopped by the limit; ascending.
   const std::vector<std::int32_t>& outside() const { return outside_; }
+  /// For each of outside(), a facet that it stands out of.
+  const std::vector<std::int32_t>& outsideOf() const { return outside_of_; }
 
  private:
   struct Facet {
     std::array<std::int32_t, 3> corner;
     std::array<std::int32_t, 3> adjacent;
-    Eigen::Vector3d normal =
-        Eigen::Vector3d::Zero();  // unit, rounded: chooses among points, never decides
-    std::int32_t first = -1;      // head of the list of points outside of this facet
-    std::int32_t farthest = -1;   // the one of them that is farthest from its plane
-    double height = 0;            // of that one [m]
-    std::int32_t mark = 0;        // insertion in which the facet was last found visible or not
+    Eigen::Vector3d normal = Eigen::Vector3d::Zero();  // unit, rounded: chooses among points
+    double doubt = 0;  // a height above the plane by `normal` errs by less [m]; infinity: unknown
+    std::int32_t first = -1;     // head of the list of points outside of this facet
+    std::int32_t farthest = -1;  // the one of them that is farthest from its plane
+    double height = 0;           // of that one [m]
+    std::int32_t mark = 0;       // insertion in which the facet was last found visible or not
     bool visible = false;
     bool alive = true;
   };
@@ -60,7 +62,8 @@ class HullBuilder {
   void insert(std::int32_t facet, std::int32_t point);
   std::int32_t addFacet(std::int32_t a, std::int32_t b, std::int32_t c);
   void assign(std::int32_t point, std::int32_t first_facet);
-  bool sees(std::int32_t point, const Facet& facet) const;
+  inline double heightOver(const Facet& facet, std::int32_t point) const;
+  inline bool sees(std::int32_t point, const Facet& facet, double height) const;
   void finish();
 
   const Eigen::Vector3d& at(std::int32_t i) const { return points_[static_cast<std::size_t>(i)]; }
@@ -68,12 +71,13 @@ class HullBuilder {
 
   std::span<const Eigen::Vector3d> points_;
   bool limited_ = false;
+  double size_ = 0;  // no two points are farther apart [m]
   int dimension_ = -1;
   std::vector<std::int32_t> vertices_;
   std::vector<std::int32_t> outline_;
   std::vector<std::array<std::int32_t, 3>> facets_;
   std::vector<std::array<std::int32_t, 3>> adjacent_;
-  std::vector<std::int32_t> outside_;
+  std::vector<std::int32_t> outside_, outside_of_;
 
   std::vector<Facet> work_;
   std::vector<std::int32_t> next_;     // list of points outside, per point
@@ -88,5 +92,10 @@ class HullBuilder {
 /// included: 0 when it is not outside of any facet. O(facets).
 double distanceFromHull(const Eigen::Vector3d& point, std::span<const Eigen::Vector3d> points,
                         const HullBuilder& hull);
+
+/// The largest distanceFromHull() of hull.outside(); 0 for none. O(outside + facets) as a rule:
+/// what is no farther from the facet that it stands out of than the largest distance met is not
+/// held against the others.
+double largestDistanceFromHull(std::span<const Eigen::Vector3d> points, const HullBuilder& hull);
 
 }  // namespace leeway::collision

@@ -239,9 +239,7 @@ void MeshTree::makeCore(Input& input, MeshNode& node) {
   } else {
     const HullBuilder hull(points, kCoreVertices);
     std::vector<std::int32_t> kept = hull.vertices();
-    for (const std::int32_t i : hull.outside()) {
-      node.excess = std::max(node.excess, distanceFromHull(points[index(i)], points, hull));
-    }
+    node.excess = largestDistanceFromHull(points, hull);
     if (kept.size() > static_cast<std::size_t>(kCoreVertices)) {
       // A flat piece: the builder's limit does not bind, so every n-th point of its outline is
       // taken, and those between two of them are no farther from the hull than from the edge
