@@ -12,41 +12,14 @@ using Triangle = std::array<std::int32_t, 3>;
 
 std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
 
-// A use of an edge by a triangle, in the direction low -> high or the reverse.
-struct EdgeUse {
-  std::int32_t low, high, triangle;
-  bool forward;
-};
-
 bool collapsed(const Triangle& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; }
-
-std::vector<EdgeUse> sortedEdges(const std::vector<Triangle>& triangles) {
-  std::vector<EdgeUse> edges;
-  edges.reserve(3 * triangles.size());
-  for (std::size_t i = 0; i < triangles.size(); ++i) {
-    // A triangle with a repeated corner uses an edge in both directions: its neighbours match
-    // without it.
-    if (collapsed(triangles[i])) continue;
-    for (std::size_t k = 0; k < 3; ++k) {
-      const std::int32_t from = triangles[i][k], to = triangles[i][(k + 1) % 3];
-      edges.push_back(
-          {std::min(from, to), std::max(from, to), static_cast<std::int32_t>(i), from < to});
-    }
-  }
-  std::sort(edges.begin(), edges.end(), [](const EdgeUse& a, const EdgeUse& b) {
-    if (a.low != b.low) return a.low < b.low;
-    if (a.high != b.high) return a.high < b.high;
-    return a.triangle < b.triangle;
-  });
-  return edges;
-}
 
 class Components {
  public:
   Components(std::span<const Vector3d> vertices, std::vector<Triangle>& triangles)
       : vertices_(vertices), triangles_(triangles), parent_(triangles.size()) {
     std::iota(parent_.begin(), parent_.end(), 0);
-    const std::vector<EdgeUse> edges = sortedEdges(triangles);
+    const std::vector<EdgeUse> edges = sortedEdges(triangles, vertices.size());
     connect(edges);
     number();
     orient();
@@ -61,6 +34,13 @@ class Components {
     std::int32_t triangle;
     bool same_direction;  // both triangles use the edge in the same direction: one of them must be
                           // turned
+  };
+  // Across the edges that a triangle shares with just one other.
+  struct Links {
+    std::array<Link, 3> link;
+    std::size_t count = 0;
+    void add(const Link& l) { link[count++] = l; }
+    std::span<const Link> all() const { return {link.data(), count}; }
   };
 
   std::int32_t root(std::int32_t t) {
@@ -88,8 +68,8 @@ class Components {
       }
       if (end - i == 2) {
         const bool same = edges[i].forward == edges[i + 1].forward;
-        links_[index(edges[i].triangle)].push_back({edges[i + 1].triangle, same});
-        links_[index(edges[i + 1].triangle)].push_back({edges[i].triangle, same});
+        links_[index(edges[i].triangle)].add({edges[i + 1].triangle, same});
+        links_[index(edges[i + 1].triangle)].add({edges[i].triangle, same});
       }
       i = end;
     }
@@ -120,7 +100,7 @@ class Components {
       queue.assign(1, static_cast<std::int32_t>(i));
       bool consistent = true;
       for (std::size_t k = 0; k < queue.size(); ++k) {
-        for (const Link& link : links_[index(queue[k])]) {
+        for (const Link& link : links_[index(queue[k])].all()) {
           const auto wanted =
               static_cast<signed char>(turned[index(queue[k])] ^ (link.same_direction ? 1 : 0));
           signed char& other = turned[index(link.triangle)];
@@ -187,11 +167,40 @@ class Components {
   std::span<const Vector3d> vertices_;
   std::vector<Triangle>& triangles_;
   std::vector<std::int32_t> parent_;
-  std::vector<std::vector<Link>> links_;
+  std::vector<Links> links_;
   std::vector<std::uint8_t> broken_;
 };
 
 }  // namespace
+
+std::vector<EdgeUse> sortedEdges(std::span<const Triangle> triangles, std::size_t vertices) {
+  std::vector<std::int32_t> begin(vertices + 1, 0);
+  const auto forEachEdge = [&](const auto& visit) {
+    for (std::size_t i = 0; i < triangles.size(); ++i) {
+      const Triangle& t = triangles[i];
+      if (collapsed(t)) continue;
+      for (std::size_t k = 0; k < 3; ++k) visit(i, k, t[k], t[(k + 1) % 3]);
+    }
+  };
+  forEachEdge([&](std::size_t, std::size_t, std::int32_t from, std::int32_t to) {
+    ++begin[index(std::min(from, to)) + 1];
+  });
+  for (std::size_t v = 0; v < vertices; ++v) begin[v + 1] += begin[v];
+  std::vector<EdgeUse> edges(index(begin.back()));
+  std::vector<std::int32_t> next(begin.begin(), begin.end() - 1);
+  forEachEdge([&](std::size_t i, std::size_t k, std::int32_t from, std::int32_t to) {
+    const std::int32_t low = std::min(from, to);
+    edges[index(next[index(low)]++)] = {low, std::max(from, to), static_cast<std::int32_t>(i),
+                                        static_cast<std::int32_t>(k), from < to};
+  });
+  for (std::size_t v = 0; v < vertices; ++v) {
+    std::sort(edges.begin() + begin[v], edges.begin() + begin[v + 1],
+              [](const EdgeUse& a, const EdgeUse& b) {
+                return a.high != b.high ? a.high < b.high : a.triangle < b.triangle;
+              });
+  }
+  return edges;
+}
 
 MeshComponents findComponents(std::span<const Vector3d> vertices,
                               std::vector<Triangle>& triangles) {

@@ -8,6 +8,20 @@
 
 namespace leeway::collision {
 
+/// A use of an edge by a triangle.
+struct EdgeUse {
+  std::int32_t low, high;  ///< its corners
+  std::int32_t triangle;
+  std::int32_t side;  ///< the edge is that from corner `side` to the next
+  bool forward;       ///< which is from low to high
+};
+
+/// The edges of all triangles but those that name a vertex twice (such a one uses an edge in both
+/// directions: its neighbours match without it), by low, high and triangle. O(n + vertices), and
+/// O(k log k) for a vertex of k edges.
+std::vector<EdgeUse> sortedEdges(std::span<const std::array<std::int32_t, 3>> triangles,
+                                 std::size_t vertices);
+
 /// The connected parts of a set of triangles.
 struct MeshComponents {
   std::vector<std::int32_t> component;  ///< one a triangle

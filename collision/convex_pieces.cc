@@ -8,6 +8,7 @@
 #include <numeric>
 #include <span>
 
+#include "collision/components.h"
 #include "collision/convex.h"
 #include "collision/hull_builder.h"
 #include "collision/mesh_tree.h"
@@ -31,27 +32,12 @@ bool isProper(const TriangleMesh::Triangle& t) {
 // For each triangle of a closed component the triangles across its edges, edge k from corner k to
 // corner k + 1; -1 where the component is open or the triangle is not proper.
 std::vector<std::array<std::int32_t, 3>> neighboursOf(const TriangleMesh& mesh) {
-  struct Edge {
-    std::int32_t low, high, triangle, side;
-  };
-  std::vector<Edge> edges;
-  edges.reserve(3 * mesh.triangles().size());
-  std::int32_t number = 0;
-  for (const TriangleMesh::Triangle& t : mesh.triangles()) {
-    const bool wanted = isProper(t) && mesh.isClosed(mesh.component(number));
-    for (std::size_t k = 0; k < 3 && wanted; ++k) {
-      const std::int32_t from = t[k], to = t[(k + 1) % 3];
-      edges.push_back(
-          {std::min(from, to), std::max(from, to), number, static_cast<std::int32_t>(k)});
-    }
-    ++number;
-  }
-  std::sort(edges.begin(), edges.end(), [](const Edge& l, const Edge& r) {
-    return std::array{l.low, l.high, l.triangle} < std::array{r.low, r.high, r.triangle};
-  });
+  std::vector<EdgeUse> edges = sortedEdges(mesh.triangles(), mesh.vertices().size());
+  std::erase_if(edges,
+                [&](const EdgeUse& e) { return !mesh.isClosed(mesh.component(e.triangle)); });
   std::vector<std::array<std::int32_t, 3>> neighbours(mesh.triangles().size(), {-1, -1, -1});
   for (std::size_t i = 0; i + 1 < edges.size(); i += 2) {
-    const Edge &e = edges[i], &f = edges[i + 1];
+    const EdgeUse &e = edges[i], &f = edges[i + 1];
     neighbours[index(e.triangle)][index(e.side)] = f.triangle;
     neighbours[index(f.triangle)][index(f.side)] = e.triangle;
   }

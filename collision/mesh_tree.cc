@@ -68,6 +68,8 @@ MeshTree::MeshTree(std::span<const Vector3d> vertices, std::span<const Triangle>
   Input input{vertices, triangles, triangle_component, {}, {}, {}, {}, {}, {}};
   const std::size_t count = triangles.size();
   input.stamp.assign(vertices.size(), -1);
+  for (auto* part : {&input.low, &input.high, &input.center}) part->reserve(count);
+  input.order.reserve(count);
   for (std::size_t i = 0; i < count; ++i) {
     const Vector3d &a = vertices[index(triangles[i][0])], &b = vertices[index(triangles[i][1])],
                    &c = vertices[index(triangles[i][2])];

@@ -2,8 +2,8 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <bit>
 #include <cmath>
-#include <numeric>
 #include <string>
 
 #include "collision/components.h"
@@ -42,24 +42,31 @@ void requireUsable(std::span<const Vector3d> vertices, std::span<const Triangle>
   }
 }
 
+// The first vertex with the same coordinates, for each; 0 and -0 are the same. By a table of twice
+// as many places as vertices, in the order of which nothing depends.
+std::vector<std::int32_t> firstEqual(std::span<const Vector3d> given) {
+  std::vector<std::int32_t> first(given.size());
+  std::vector<std::int32_t> table(std::bit_ceil(2 * given.size() + 1), -1);
+  const std::size_t mask = table.size() - 1;
+  for (std::size_t i = 0; i < given.size(); ++i) {
+    std::uint64_t hash = 0;
+    for (int k = 0; k < 3; ++k) {
+      // -0 + 0 is 0. What is multiplied is odd, what is shifted spreads high bits to low ones.
+      hash = (hash ^ std::bit_cast<std::uint64_t>(given[i][k] + 0.0)) * 0x9e3779b97f4a7c15U;
+      hash ^= hash >> 32;
+    }
+    std::size_t place = static_cast<std::size_t>(hash * 0xd6e8feb86659fd93U >> 20) & mask;
+    while (table[place] >= 0 && given[index(table[place])] != given[i]) place = (place + 1) & mask;
+    if (table[place] < 0) table[place] = static_cast<std::int32_t>(i);
+    first[i] = table[place];
+  }
+  return first;
+}
+
 // Vertices that are equal become one, in the order of their first use; unused ones go.
 void weld(std::span<const Vector3d> given, std::span<const Triangle> given_triangles,
           std::vector<Vector3d>& vertices, std::vector<Triangle>& triangles) {
-  std::vector<std::int32_t> order(given.size());
-  std::iota(order.begin(), order.end(), 0);
-  const auto before = [&](std::int32_t l, std::int32_t r) {
-    const Vector3d &a = given[index(l)], &b = given[index(r)];
-    for (int k = 0; k < 3; ++k) {
-      if (a[k] != b[k]) return a[k] < b[k];
-    }
-    return l < r;
-  };
-  std::sort(order.begin(), order.end(), before);
-  std::vector<std::int32_t> first(given.size());  // the first vertex with the same coordinates
-  for (std::size_t i = 0; i < order.size(); ++i) {
-    const bool same = i > 0 && given[index(order[i])] == given[index(order[i - 1])];
-    first[index(order[i])] = same ? first[index(order[i - 1])] : order[i];
-  }
+  const std::vector<std::int32_t> first = firstEqual(given);
   std::vector<std::int32_t> number(given.size(), -1);
   triangles.reserve(given_triangles.size());
   for (const Triangle& t : given_triangles) {
