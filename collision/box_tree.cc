@@ -1,13 +1,15 @@
 #include "collision/box_tree.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numeric>
 #include <utility>
 
+#include "collision/simd/box_ranges.h"
+#include "collision/vector.h"
 #include "leeway/collision/tolerances.h"
 
 namespace leeway::collision {
@@ -45,6 +47,106 @@ Matrix3d frame(const Vector3d& first, const Vector3d& second) {
   return axes;
 }
 
+constexpr std::size_t kMostFrames = 4;
+
+// A symmetric matrix: second moments of points.
+class Spread {
+ public:
+  void add(const Vector3d& v, double weight) {
+    const double x = weight * v.x(), y = weight * v.y();
+    xx_ += x * v.x();
+    xy_ += x * v.y();
+    xz_ += x * v.z();
+    yy_ += y * v.y();
+    yz_ += y * v.z();
+    zz_ += weight * v.z() * v.z();
+  }
+  void add(const Spread& s, double weight) {
+    xx_ += weight * s.xx_;
+    xy_ += weight * s.xy_;
+    xz_ += weight * s.xz_;
+    yy_ += weight * s.yy_;
+    yz_ += weight * s.yz_;
+    zz_ += weight * s.zz_;
+  }
+  void scale(double by) {
+    Spread scaled;
+    scaled.add(*this, by);
+    *this = scaled;
+  }
+
+  // The direction of the largest spread, first, and of the largest across it. The pieces of a
+  // surface are flat as a rule, so that the direction of the least spread is told apart best: that
+  // of the adjugate's largest, by squaring. Across it the largest has a closed form, and across
+  // that the others have, which leaves no trace of what the first was wrong by in their plane.
+  Matrix3d principal() const {
+    const double size = xx_ + yy_ + zz_;
+    if (!(size > 0)) return Matrix3d::Identity();
+    Spread unit = *this;
+    unit.scale(1 / size);
+    Spread power = unit.adjugate();
+    Vector3d first;
+    if (power.xx_ + power.yy_ + power.zz_ > 1e-12) {
+      for (int i = 0; i < 4; ++i) {
+        power.scale(1 / (power.xx_ + power.yy_ + power.zz_));
+        power = power.squared();
+      }
+      first = unit.mostAcross(power.longestColumn().normalized());
+    } else {  // along a line
+      first = unit.longestColumn();
+    }
+    return first.norm() > 0 ? frame(first, unit.mostAcross(first.normalized()))
+                            : Matrix3d::Identity();
+  }
+
+  // The direction of the largest spread among those across `n` (unit).
+  Vector3d mostAcross(const Vector3d& n) const {
+    const Vector3d u = n.unitOrthogonal(), v = cross(n, u);
+    const Vector3d along_u = times(u);
+    const double a = u.dot(along_u), b = v.dot(along_u), c = v.dot(times(v));
+    // (h + r, b) and (b, r - h) are along the eigenvector of the larger eigenvalue, h half of the
+    // difference.
+    const double h = 0.5 * (a - c), r = std::sqrt(h * h + b * b);
+    if (!(r > 0)) return u;
+    return h >= 0 ? Vector3d((h + r) * u + b * v) : Vector3d(b * u + (r - h) * v);
+  }
+
+ private:
+  Vector3d times(const Vector3d& v) const {
+    return {xx_ * v.x() + xy_ * v.y() + xz_ * v.z(), xy_ * v.x() + yy_ * v.y() + yz_ * v.z(),
+            xz_ * v.x() + yz_ * v.y() + zz_ * v.z()};
+  }
+  // Each column of a matrix that is nearly of rank one is along it; that of the largest entry is
+  // the least rounded.
+  Vector3d longestColumn() const {
+    if (yy_ > xx_ && yy_ >= zz_) return {xy_, yy_, yz_};
+    if (zz_ > xx_ && zz_ > yy_) return {xz_, yz_, zz_};
+    return {xx_, xy_, xz_};
+  }
+  Spread adjugate() const {
+    Spread s;
+    s.xx_ = yy_ * zz_ - yz_ * yz_;
+    s.yy_ = xx_ * zz_ - xz_ * xz_;
+    s.zz_ = xx_ * yy_ - xy_ * xy_;
+    s.xy_ = xz_ * yz_ - xy_ * zz_;
+    s.xz_ = xy_ * yz_ - xz_ * yy_;
+    s.yz_ = xy_ * xz_ - yz_ * xx_;
+    return s;
+  }
+  Spread squared() const {
+    Spread s;
+    s.xx_ = xx_ * xx_ + xy_ * xy_ + xz_ * xz_;
+    s.xy_ = xx_ * xy_ + xy_ * yy_ + xz_ * yz_;
+    s.xz_ = xx_ * xz_ + xy_ * yz_ + xz_ * zz_;
+    s.yy_ = xy_ * xy_ + yy_ * yy_ + yz_ * yz_;
+    s.yz_ = xy_ * xz_ + yy_ * yz_ + yz_ * zz_;
+    s.zz_ = xz_ * xz_ + yz_ * yz_ + zz_ * zz_;
+    return s;
+  }
+
+  double xx_ = 0, xy_ = 0, xz_ = 0, yy_ = 0, yz_ = 0, zz_ = 0;
+};
+
 }  // namespace
 
 // Triangles order[begin, end) and a box around them, in columns of `axes`.
@@ -63,6 +165,8 @@ struct BoxTree::Input {
   std::vector<std::int32_t> order;
   // What must not be parted stands together in `order` and has the same number here.
   std::vector<std::int32_t> unit;
+  // Coordinates of all corners of the piece that is looked at, filled up to whole blocks.
+  std::array<std::vector<double>, 3> in_hand;
 
   std::int32_t unitAt(std::int32_t at) const { return unit[index(order[index(at)])]; }
   bool isOneUnit(const Piece& piece) const { return unitAt(piece.begin) == unitAt(piece.end - 1); }
@@ -78,81 +182,121 @@ struct BoxTree::Input {
     return (vertices[index(c[0])] + vertices[index(c[1])] + vertices[index(c[2])]) / 3;
   }
 
+  /// Corner k of a triangle.
   const Vector3d& corner(std::int32_t at, std::size_t k) const {
     return vertices[index(triangles[index(order[index(at)])][k])];
   }
 
-  Vector3d range(const Piece& piece, const Matrix3d& axes, Vector3d& middle) const {
-    Vector3d low = Vector3d::Constant(std::numeric_limits<double>::infinity()), high = -low;
-    for (std::int32_t at = piece.begin; at < piece.end; ++at) {
-      for (std::size_t k = 0; k < 3; ++k) {
-        const Vector3d p = axes.transpose() * corner(at, k);
-        low = low.cwiseMin(p);
-        high = high.cwiseMax(p);
-      }
-    }
-    middle = 0.5 * (low + high);
-    return 0.5 * (high - low);
+  /// Corner k of triangle i of the piece in hand.
+  Vector3d cornerInHand(std::size_t i, std::size_t k) const {
+    const std::size_t at = 3 * i + k;
+    return {in_hand[0][at], in_hand[1][at], in_hand[2][at]};
   }
 
-  void consider(Piece& piece, const Matrix3d& axes, double& best) const {
-    Vector3d middle;
-    const Vector3d half = range(piece, axes, middle);
-    const double area = halfArea(half);
-    if (!(area < best)) return;
-    best = area;
-    piece.axes = axes;
-    piece.half = half;
-    piece.center = axes * middle;
+  void takeInHand(const Piece& piece) {
+    const std::size_t used = 3 * static_cast<std::size_t>(piece.end - piece.begin),
+                      size = (used + kRangeBlock - 1) / kRangeBlock * kRangeBlock;
+    for (std::vector<double>& column : in_hand) column.resize(size);
+    double *x = in_hand[0].data(), *y = in_hand[1].data(), *z = in_hand[2].data();
+    std::size_t i = 0;
+    const auto put = [&](const Vector3d& p) {
+      x[i] = p.x();
+      y[i] = p.y();
+      z[i] = p.z();
+      ++i;
+    };
+    for (std::int32_t at = piece.begin; at < piece.end; ++at) {
+      for (const std::int32_t v : triangles[index(order[index(at)])]) put(vertices[index(v)]);
+    }
+    while (i < size) put(corner(piece.end - 1, 2));
+  }
+
+  // The smallest of the boxes of all corners along some frames.
+  void fitBest(Piece& piece, std::span<const Matrix3d> frames) const {
+    std::array<BoxRange, kMostFrames> ranges;
+    boxRanges({in_hand[0], in_hand[1], in_hand[2]}, frames, ranges.data());
+    double best = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < frames.size(); ++i) {
+      const Vector3d half = 0.5 * (ranges[i].high - ranges[i].low);
+      const double area = halfArea(half);
+      if (!(area < best)) continue;
+      best = area;
+      piece.axes = frames[i];
+      piece.half = half;
+      piece.center = frames[i] * (0.5 * (ranges[i].low + ranges[i].high));
+    }
   }
 
   // The smallest box of a few.
-  void fit(Piece& piece) const {
-    double best = std::numeric_limits<double>::infinity();
-    consider(piece, Matrix3d::Identity(), best);
+  void fit(Piece& piece) {
+    takeInHand(piece);
+    std::array<Matrix3d, kMostFrames> frames;
+    std::size_t count = 0;
+    frames[count++].setIdentity();
     if (piece.end - piece.begin == 1) {
-      for (std::size_t k = 0; k < 3; ++k) {
-        const Vector3d edge = corner(piece.begin, (k + 1) % 3) - corner(piece.begin, k);
-        consider(piece, frame(edge, corner(piece.begin, (k + 2) % 3) - corner(piece.begin, k)),
-                 best);
-      }
-      return;
+      frames[count++] = frameOfTriangle();
+    } else {
+      addFrames(static_cast<std::size_t>(piece.end - piece.begin), frames, count);
     }
-    // Spread of the surface and of the corners, and the mean normal with the spread across it.
+    fitBest(piece, {frames.data(), count});
+  }
+
+  // Along an edge that the other corner is above: no rectangle around a triangle is smaller than
+  // those, which are of one area; of the least girth.
+  Matrix3d frameOfTriangle() const {
+    std::size_t best = 0;
+    double least = std::numeric_limits<double>::infinity();
+    const Vector3d a = cornerInHand(0, 0), b = cornerInHand(0, 1), c = cornerInHand(0, 2);
+    const std::array<Vector3d, 3> edge = {b - a, c - b, a - c};
+    const double twice_area = cross(edge[0], edge[2]).norm();
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double squared = edge[k].squaredNorm(), along = -edge[k].dot(edge[(k + 2) % 3]);
+      if (!(along > -1e-9 * squared && along < (1 + 1e-9) * squared)) continue;
+      const double length = std::sqrt(squared), girth = length + twice_area / length;
+      if (!(girth < least)) continue;
+      least = girth;
+      best = k;
+    }
+    return frame(edge[best], -edge[(best + 2) % 3]);
+  }
+
+  // Those of the spread of the surface and of the corners, and of the mean normal with the spread
+  // across it.
+  void addFrames(std::size_t triangle_count, std::array<Matrix3d, kMostFrames>& frames,
+                 std::size_t& count) const {
     Vector3d mean = Vector3d::Zero(), corner_mean = Vector3d::Zero(), normal = Vector3d::Zero();
-    Matrix3d spread = Matrix3d::Zero(), corner_spread = Matrix3d::Zero();
-    double total = 0, count = 0;
-    const Vector3d origin = corner(piece.begin, 0);
-    for (std::int32_t at = piece.begin; at < piece.end; ++at) {
-      const Vector3d a = corner(at, 0) - origin, b = corner(at, 1) - origin,
-                     c = corner(at, 2) - origin;
-      const Vector3d twice_area = (b - a).cross(c - a), middle = (a + b + c) / 3;
+    Spread spread, corner_spread;
+    double total = 0;
+    const Vector3d origin = cornerInHand(0, 0);
+    for (std::size_t i = 0; i < triangle_count; ++i) {
+      const Vector3d a = cornerInHand(i, 0) - origin, b = cornerInHand(i, 1) - origin,
+                     c = cornerInHand(i, 2) - origin;
+      const Vector3d twice_area = cross(b - a, c - a), middle = (a + b + c) / 3;
       const double area = 0.5 * twice_area.norm();
       normal += twice_area;
       mean += area * middle;
       total += area;
-      const Matrix3d corners = a * a.transpose() + b * b.transpose() + c * c.transpose();
-      spread += area / 12 * (9 * middle * middle.transpose() + corners);
-      corner_spread += corners;
+      Spread corners;
+      corners.add(a, 1);
+      corners.add(b, 1);
+      corners.add(c, 1);
+      corner_spread.add(corners, 1);
+      corners.add(middle, 9);
+      spread.add(corners, area / 12);
       corner_mean += a + b + c;
-      count += 3;
     }
-    corner_mean /= count;
-    corner_spread = (corner_spread / count - corner_mean * corner_mean.transpose()).eval();
-    const auto principal = [](const Matrix3d& m) {
-      const Eigen::SelfAdjointEigenSolver<Matrix3d> solver(m);
-      return frame(solver.eigenvectors().col(2), solver.eigenvectors().col(1));
-    };
-    consider(piece, principal(corner_spread), best);
+    const double corner_count = 3 * static_cast<double>(triangle_count);
+    corner_mean /= corner_count;
+    corner_spread.scale(1 / corner_count);
+    corner_spread.add(corner_mean, -1);
+    frames[count++] = corner_spread.principal();
     if (!(total > 0)) return;
     mean /= total;
-    spread = (spread / total - mean * mean.transpose()).eval();
-    consider(piece, principal(spread), best);
+    spread.scale(1 / total);
+    spread.add(mean, -1);
+    frames[count++] = spread.principal();
     if (!(normal.norm() > 0)) return;
-    normal.normalize();
-    const Matrix3d across = Matrix3d::Identity() - normal * normal.transpose();
-    const Matrix3d flat = across * spread * across;
-    consider(piece, frame(normal, principal(flat).col(0)), best);
+    frames[count++] = frame(normal, spread.mostAcross(normal.normalized()));
   }
 
   // Parts a piece along its longest axis, by the mean of the triangles' middles.
@@ -196,7 +340,9 @@ BoxTree::BoxTree(std::span<const Vector3d> vertices, std::span<const Triangle> t
     : piece_node_(static_cast<std::size_t>(pieces), -1),
       first_piece_(static_cast<std::int32_t>(triangles.size())) {
   if (!(extent >= kSmallestBoxScale && extent <= kLargestBoxScale)) return;
-  Input input{vertices, triangles, slot_of, extent, {}, {}, {}};
+  Input input{vertices, triangles, slot_of, extent, {}, {}, {}, {}};
+  input.centroid.reserve(triangles.size());
+  input.unit.reserve(triangles.size());
   std::vector<Vector3d> sum(index(pieces), Vector3d::Zero());
   std::vector<double> count(index(pieces), 0);
   for (std::size_t t = 0; t < triangles.size(); ++t) {

@@ -19,8 +19,6 @@ namespace {
 constexpr std::int32_t kLeafTriangles = 2;
 // A support over this many points costs about as much as the rest of a GJK step.
 constexpr int kCoreVertices = 32;
-// Below this many points all of them make the core, whether extreme or not.
-constexpr std::size_t kPlainCore = 8;
 constexpr int kBins = 16;
 // From this depth on nodes are halved, so that kMaxDepth holds for any mesh of 2^31 triangles.
 constexpr int kFreeDepth = MeshTree::kMaxDepth - 34;
@@ -236,7 +234,10 @@ void MeshTree::makeCore(Input& input, MeshNode& node) {
   for (const std::int32_t v : input.collected) points.push_back(input.vertices[index(v)]);
   node.core_begin = static_cast<std::int32_t>(core_.size());
   node.excess = 0;
-  if (points.size() <= kPlainCore) {
+  if (points.size() <= static_cast<std::size_t>(kCoreVertices)) {
+    // Their hull is that of its corners. Most nodes are such, and looking for the corners would
+    // take longer than all else; supports over all of them take as long as over the corners
+    // (measured).
     core_.insert(core_.end(), points.begin(), points.end());
   } else {
     const HullBuilder hull(points, kCoreVertices);

@@ -3,10 +3,14 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
+#include <limits>
 #include <set>
+#include <vector>
 
 #include "collision/mesh_tree.h"
 #include "collision/simd/box_gaps.h"
+#include "collision/simd/box_ranges.h"
 #include "collision/triangle_pair.h"
 #include "leeway/collision/distance.h"
 #include "tests/collision/box_cases.h"
@@ -72,6 +76,40 @@ TEST(BoxGaps, AreBelowTheDistanceAndNearItWhenFar) {
   EXPECT_GT(apart, casesToAsk(5000));
   EXPECT_GT(separated, 0.95 * apart);
   EXPECT_GT(share, 0.9 * apart);
+}
+
+// Against sums in the same order, one point after the other.
+TEST(BoxRanges, AreThoseOfThePointsOnEveryInstructionSet) {
+  Random random(53);
+  for (const std::size_t count : {1U, 2U, 7U, 40U}) {
+    std::array<std::vector<double>, 3> points;
+    for (auto& column : points) {
+      for (std::size_t i = 0; i < count * kRangeBlock; ++i) column.push_back(random.uniform());
+    }
+    const std::array<Eigen::Matrix3d, 3> frames = {
+        Eigen::Matrix3d::Identity(), random.pose(1).rotation, random.pose(1).rotation};
+    expectTheSameBytesOnEveryTarget([&] {
+      std::array<BoxRange, 3> ranges;
+      boxRanges({points[0], points[1], points[2]}, frames, ranges.data());
+      std::vector<double> all;
+      for (std::size_t f = 0; f < frames.size(); ++f) {
+        for (int k = 0; k < 3; ++k) {
+          const Vector3d axis = frames[f].col(k);
+          double low = std::numeric_limits<double>::infinity(), high = -low;
+          for (std::size_t i = 0; i < points[0].size(); ++i) {
+            const double along =
+                axis.x() * points[0][i] + axis.y() * points[1][i] + axis.z() * points[2][i];
+            low = std::min(low, along);
+            high = std::max(high, along);
+          }
+          EXPECT_EQ(ranges[f].low[k], low);
+          EXPECT_EQ(ranges[f].high[k], high);
+          all.insert(all.end(), {ranges[f].low[k], ranges[f].high[k]});
+        }
+      }
+      return all;
+    });
+  }
 }
 
 TEST(BoxGaps, AreTheSameOnEveryInstructionSet) {
