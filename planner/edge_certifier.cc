@@ -45,6 +45,8 @@ EdgeCertifier::Impl::Impl(std::shared_ptr<const CompiledScene> compiled)
   open_everywhere.reserve(frames.pairs().size());
   hopeful.assign(frames.pairs().size(), kSweepGrowth);
   failed_stamp.resize(frames.pairs().size());
+  end_looked.resize(frames.pairs().size());
+  stretches.reserve(kEdgeStretches);
   luck.assign(frames.pairs().size(), 0);
   closer_luck.assign(frames.pairs().size(), 0);
   closer_looks.reserve(kLooks);
@@ -110,6 +112,7 @@ EdgeCheck EdgeCertifier::certify(std::span<const double> a, std::span<const doub
   }
   Impl& impl = *impl_;
   impl.work = 0;
+  ++impl.edge;
   impl.work_limit = request.work_limit > 0 ? request.work_limit : kEdgeWork;
   impl.smallest = request.smallest_interval;
   EdgeCheck check;
@@ -340,6 +343,7 @@ EdgeCheck EdgeCertifier::Impl::certifyByLanes() {
   part_pairs.clear();
   if (!listOpenLanes() || !listParts(parts)) return told(Verdict::kUndecided, -1, 0);
   if (const std::optional<EdgeCheck> check = certifyParts()) return *check;
+  if (!mergeIntervals()) return told(Verdict::kUndecided, -1, 0);
   if (intervals.empty()) return told(Verdict::kFree, -1, 0);
   const EdgeCheck inside = checkInside();
   return inside.verdict == Verdict::kFree ? certifyIntervals() : inside;
@@ -538,6 +542,55 @@ std::optional<EdgeCheck> EdgeCertifier::Impl::certifyParts() {
   return std::nullopt;
 }
 
+std::size_t EdgeCertifier::Impl::mergeStretches() {
+  std::sort(stretches.begin(), stretches.end(), [](const Stretch& x, const Stretch& y) {
+    return x.pair != y.pair ? x.pair < y.pair : x.from < y.from;
+  });
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < stretches.size();) {
+    Stretch merged = stretches[i++];
+    const EdgePair& pair = frames.pairs()[at(merged.pair)];
+    // Of the whole edge at once; it falls with the square of the width.
+    const double growth = lanes.growth(pair.motion) * collision::kLanes * collision::kLanes;
+    const auto fits = [&](const Stretch& next) {
+      const double width = merged.width + next.width;
+      return next.pair == merged.pair && next.from == merged.from + merged.width &&
+             width * width * growth <= kMergedAgainGrowth;
+    };
+    while (!pair.by_surfaces && i < stretches.size() && fits(stretches[i]))
+      merged.width += stretches[i++].width;
+    stretches[kept++] = merged;
+  }
+  return kept;
+}
+
+bool EdgeCertifier::Impl::mergeIntervals() {
+  if (intervals.size() < 2 || open.size() > stretches.capacity()) return true;
+  stretches.clear();
+  for (const EdgeInterval& interval : intervals)
+    for (int i = interval.begin; i < interval.end; ++i)
+      stretches.push_back({open[at(i)], interval.t0, interval.h});
+  const std::size_t kept = mergeStretches();
+  if (kept == stretches.size()) return true;
+  stretches.resize(kept);
+  std::sort(stretches.begin(), stretches.end(), [](const Stretch& x, const Stretch& y) {
+    return x.from != y.from     ? x.from < y.from
+           : x.width != y.width ? x.width > y.width
+                                : x.pair < y.pair;
+  });
+  intervals.clear();
+  open.clear();
+  for (std::size_t i = 0; i < stretches.size(); ++i) {
+    const Stretch& s = stretches[i];
+    const bool begins =
+        i == 0 || s.from != stretches[i - 1].from || s.width != stretches[i - 1].width;
+    if (begins && !addInterval(s.from, s.width)) return false;
+    open.push_back(s.pair);
+    intervals.back().end = static_cast<int>(open.size());
+  }
+  return true;
+}
+
 bool EdgeCertifier::Impl::isAskedOver(const collision::LaneSweep::Open& pair, int lane,
                                       int width) const {
   const auto block = [](int first, int count) { return ((1U << count) - 1) << first; };
@@ -610,6 +663,9 @@ EdgeCheck EdgeCertifier::Impl::certifyIntervals() {
     for (EdgeInterval& interval : intervals) {
       if (!examine(interval, open, offender, t)) return told(Verdict::kNotFree, offender, t);
       if (interval.begin == interval.end) continue;
+      // Edges of a planner's tree come from where it is free and often end in contact.
+      const Verdict at_end = checkEnd(interval, offender);
+      if (at_end != Verdict::kFree) return told(at_end, offender, 1);
       const double middle = interval.t0 + interval.h / 2;
       const int first = open[at(interval.begin)];
       if (work > work_limit || interval.level >= kDeepestLevel || interval.h <= smallest)
@@ -630,6 +686,19 @@ EdgeCheck EdgeCertifier::Impl::certifyIntervals() {
     open.swap(next_open);
   }
   return told(Verdict::kFree, -1, 0);
+}
+
+Verdict EdgeCertifier::Impl::checkEnd(const EdgeInterval& interval, int& offender) {
+  if (interval.t0 + interval.h < 1) return Verdict::kFree;
+  for (int i = interval.begin; i < interval.end; ++i) {
+    offender = open[at(i)];
+    if (failed_stamp[at(offender)] != stamp || end_looked[at(offender)] == edge) continue;
+    end_looked[at(offender)] = edge;
+    const Pair found = exactState(interval.slot1, frames.pairs()[at(offender)]);
+    if (found == Pair::kOpen) return Verdict::kUndecided;
+    if (found == Pair::kNotFree) return Verdict::kNotFree;
+  }
+  return Verdict::kFree;
 }
 
 Verdict EdgeCertifier::Impl::checkMiddle(const EdgeInterval& interval, int slot, int& offender) {

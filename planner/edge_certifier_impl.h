@@ -77,6 +77,9 @@ struct EdgeCertifier::Impl {
 
   /// The open pairs of an interval at its middle: not free or undecided where one is there.
   Verdict checkMiddle(const EdgeInterval& interval, int slot, int& offender);
+  /// The same at the end of an interval, for pairs whose sweep has just failed there for the first
+  /// time on this edge.
+  Verdict checkEnd(const EdgeInterval& interval, int& offender);
   EdgeCheck told(Verdict verdict, int p, double t);
   EdgeCheck certifyByLanes();
   /// An exact look at a pair at t, which changes what is expected of the next; free where no
@@ -120,6 +123,11 @@ struct EdgeCertifier::Impl {
   /// Not free where one of the pairs that are open in all of the edge is so at its end: a body may
   /// be inside another there without a meeting of surfaces.
   EdgeCheck checkInside();
+  /// Intervals that stand side by side become one, pair by pair, as long as a sweep's growth stays
+  /// small: one is asked for less than two. False when that cannot be placed.
+  bool mergeIntervals();
+  /// The same for a range of stretches; the number of those that are left.
+  std::size_t mergeStretches();
   EdgeCheck certifyByLevels();
   EdgeCheck certifyIntervals();
   void findLastValid(const EdgeRequest& request, EdgeCheck& check);
@@ -152,6 +160,7 @@ struct EdgeCertifier::Impl {
   std::uint64_t stamp = 0;
   std::vector<double> hopeful;              // growth [m] at which a pair's sweep is worth trying
   std::vector<std::uint64_t> failed_stamp;  // the interval at which a pair's sweep last failed
+  std::vector<std::uint64_t> end_looked;    // the edge at whose end a pair was last looked at
   // Of looks at a pair before it is swept, and before planes are looked for: up by what is met,
   // down by what is not; below 0 none are taken.
   std::vector<int> luck, closer_luck;
@@ -163,6 +172,12 @@ struct EdgeCertifier::Impl {
   };
   std::vector<CloserLook> closer_looks;
   std::vector<EdgeInterval> intervals, next_intervals;
+  /// What mergeIntervals() asks of a pair.
+  struct Stretch {
+    int pair;
+    double from, width;
+  };
+  std::vector<Stretch> stretches;
   /// A part of the edge that is looked at in lanes again, and its pairs as a range of part_pairs.
   struct EdgePart {
     double from, width;
@@ -178,6 +193,7 @@ struct EdgeCertifier::Impl {
   int work = 0, work_limit = 0;
   double smallest = 0;
   Statistics* statistics = nullptr;
+  std::uint64_t edge = 0;  // number of the present one
 };
 
 /// Places for configurations and intervals of one edge; beyond them it is undecided.
@@ -185,6 +201,7 @@ inline constexpr int kEdgeSlots = 1024;
 inline constexpr int kEdgeIntervals = 2048;
 inline constexpr int kEdgeOpen = 1 << 16;
 inline constexpr int kEdgeParts = 512;
+inline constexpr int kEdgeStretches = 4096;
 
 /// Places of an edge whose slots are found again.
 inline constexpr int kSharedSlots = 1 << 9;

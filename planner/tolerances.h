@@ -69,6 +69,10 @@ constexpr int kShallowNodes = 12;
 /// truth.
 constexpr double kMergedGrowth = 2e-3;
 
+/// Intervals that these leave open are merged again, pair by pair, up to this growth [m]: what is
+/// left is near, and moves little in one of them. Measured; costs time, never truth.
+constexpr double kMergedAgainGrowth = 2e-4;
+
 /// Finer passes of lanes over what the pass over a whole edge left open [count], and the part of
 /// the edge below which none is made: what is open there nearly touches, and exact sweeps decide
 /// it. Measured; cost time, never truth.
