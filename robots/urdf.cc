@@ -1,9 +1,15 @@
 // From the two description files to a Model.
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <cstdint>
+#include <exception>
+#include <filesystem>
 #include <map>
 #include <optional>
+#include <system_error>
+#include <thread>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -30,19 +36,86 @@ class Meshes {
   Meshes(const std::string& urdf_path, const LoadOptions& options)
       : urdf_path_(urdf_path), options_(options) {}
 
+  /// Loads all meshes of the links, in that order, side by side: each by itself, so that nothing
+  /// depends on how many threads there are. What fails is told when load() comes to it.
+  void loadAll(const UrdfDocument& document, const std::vector<std::pair<int, int>>& order) {
+    for (const auto& [link, joint] : order)
+      for (const UrdfCollision& collision : document.links[index(link)].collisions)
+        if (collision.kind == UrdfCollision::Kind::kMesh) addTask(collision);
+    // The largest first, so that no thread is left with it at the end.
+    std::stable_sort(tasks_.begin(), tasks_.end(),
+                     [](const Task& l, const Task& r) { return l.bytes > r.bytes; });
+    std::atomic<std::size_t> next = 0;
+    const auto work = [&] {
+      for (std::size_t i = next++; i < tasks_.size(); i = next++) run(tasks_[i]);
+    };
+    const std::size_t most =
+        std::min<std::size_t>(std::thread::hardware_concurrency(), kMostThreads);
+    std::vector<std::thread> threads;
+    threads.reserve(most);
+    try {
+      while (threads.size() + 1 < std::min(most, tasks_.size())) threads.emplace_back(work);
+    } catch (const std::system_error&) {  // no more to be had: fewer do it
+    }
+    work();
+    for (std::thread& thread : threads) thread.join();
+  }
+
   Shape load(const UrdfCollision& collision) {
-    const std::string file = resolveMesh(collision.mesh_file, urdf_path_, collision.line, options_);
-    const Eigen::Vector3d& scale = collision.mesh_scale;
-    const auto key = std::make_tuple(file, scale.x(), scale.y(), scale.z());
-    const auto found = loaded_.find(key);
-    if (found != loaded_.end()) return found->second;
-    return loaded_.emplace(key, loadMesh(file, scale, urdf_path_, collision.line)).first->second;
+    const Loaded& loaded = loaded_.at(keyOf(collision));
+    if (loaded.error) std::rethrow_exception(loaded.error);
+    return *loaded.shape;
   }
 
  private:
+  using Key = std::tuple<std::string, double, double, double>;
+  struct Loaded {
+    std::optional<Shape> shape;
+    std::exception_ptr error;
+  };
+  struct Task {
+    Key key;
+    const UrdfCollision* collision;  // the first that names it
+    std::uintmax_t bytes;
+    Loaded* result;
+  };
+  // More would wait for memory, and for the largest mesh.
+  static constexpr std::size_t kMostThreads = 8;
+
+  /// Throws for a file that is not found.
+  Key keyOf(const UrdfCollision& collision) const {
+    const Eigen::Vector3d& scale = collision.mesh_scale;
+    return {resolveMesh(collision.mesh_file, urdf_path_, collision.line, options_), scale.x(),
+            scale.y(), scale.z()};
+  }
+
+  void addTask(const UrdfCollision& collision) {
+    Key key;
+    try {
+      key = keyOf(collision);
+    } catch (const InputError&) {
+      return;  // load() throws it again
+    }
+    const auto [place, is_new] = loaded_.try_emplace(key);
+    if (!is_new) return;
+    std::error_code error;
+    const std::uintmax_t bytes = std::filesystem::file_size(std::get<0>(key), error);
+    tasks_.push_back({key, &collision, error ? 0 : bytes, &place->second});
+  }
+
+  void run(const Task& task) const {
+    try {
+      task.result->shape = loadMesh(std::get<0>(task.key), task.collision->mesh_scale, urdf_path_,
+                                    task.collision->line);
+    } catch (...) {
+      task.result->error = std::current_exception();
+    }
+  }
+
   std::string urdf_path_;
   const LoadOptions& options_;
-  std::map<std::tuple<std::string, double, double, double>, Shape> loaded_;
+  std::map<Key, Loaded> loaded_;
+  std::vector<Task> tasks_;
 };
 
 Shape makeShape(const UrdfCollision& collision, Meshes& meshes) {
@@ -178,6 +251,7 @@ std::shared_ptr<const Model> loadModel(const std::string& urdf_path, const std::
   for (std::size_t i = 0; i < order.size(); ++i)
     link_position[index(order[i].first)] = static_cast<int>(i);
   Meshes meshes(urdf_path, options);
+  meshes.loadAll(document, order);
   for (const auto& [link, joint] : order) {
     appendLink(document.links[index(link)], static_cast<int>(model->joints.size()), meshes, *model);
     if (joint < 0)

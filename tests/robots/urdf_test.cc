@@ -1,6 +1,9 @@
 #include <gtest/gtest.h>
+#include <sched.h>
 
+#include <algorithm>
 #include <cmath>
+#include <string>
 
 #include "leeway/collision/triangle_mesh.h"
 #include "leeway/robots/kinematics.h"
@@ -397,6 +400,75 @@ TEST(Urdf, DeepChainsAndWideTreesKeepTreeOrder) {
   for (int i = 1; i < 3001; ++i)
     EXPECT_LT(model->joints[static_cast<std::size_t>(i)].parent_link, i);
   EXPECT_EQ(model->links[3000].name, "l2999");
+}
+
+TEST(Urdf, TheFirstMeshThatFailsIsTold) {
+  const test::Folder folder;
+  std::string text;
+  for (int i = 0; i < 6; ++i) {
+    const std::string name = "m" + std::to_string(i);
+    // The files that fail are not the largest: those are read first.
+    folder.write(name + ".obj",
+                 i % 2 == 0 ? std::string(1000, '#') + "\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
+                            : "v 0 0 0 but no face");
+    text += "<link name=\"" + name + "\"><collision><geometry>\n<mesh filename=\"" + name +
+            ".obj\"/></geometry></collision></link>\n" +
+            jointLine("j" + std::to_string(i), "fixed", "a", name);
+  }
+  const std::string file = folder.write("r.urdf", robot(text));
+  for (int i = 0; i < 20; ++i) {
+    try {
+      loadModel(file, "");
+      FAIL();
+    } catch (const InputError& error) {
+      EXPECT_NE(std::string(error.what()).find("m1.obj"), std::string::npos) << error.what();
+      EXPECT_EQ(error.line(), 7);
+    }
+  }
+}
+
+// Meshes are built side by side where there are cores: with one, the same bytes.
+TEST(Urdf, OneCoreLoadsTheSame) {
+  LEEWAY_NEEDS_DATA("robots/panda");
+  const std::string folder = test::dataFolder() + "/robots/";
+  const auto load = [&] {
+    return loadModel(folder + "panda/panda.urdf", folder + "panda/panda.srdf");
+  };
+  const auto many = load();
+  cpu_set_t allowed, one;
+  ASSERT_EQ(sched_getaffinity(0, sizeof allowed, &allowed), 0);
+  CPU_ZERO(&one);
+  for (std::size_t cpu = 0; cpu < CPU_SETSIZE && CPU_COUNT(&one) == 0; ++cpu)
+    if (CPU_ISSET(cpu, &allowed)) CPU_SET(cpu, &one);
+  ASSERT_EQ(sched_setaffinity(0, sizeof one, &one), 0);
+  const auto single = load();
+  ASSERT_EQ(sched_setaffinity(0, sizeof allowed, &allowed), 0);
+  ASSERT_EQ(many->links.size(), single->links.size());
+  int meshes = 0;
+  for (std::size_t i = 0; i < many->links.size(); ++i) {
+    ASSERT_EQ(many->links[i].geometries.size(), single->links[i].geometries.size());
+    for (std::size_t k = 0; k < many->links[i].geometries.size(); ++k) {
+      const auto *a = many->links[i].geometries[k].shape.mesh(),
+                 *b = single->links[i].geometries[k].shape.mesh();
+      ASSERT_EQ(a == nullptr, b == nullptr);
+      if (a == nullptr) continue;
+      ++meshes;
+      EXPECT_TRUE(std::equal(a->vertices().begin(), a->vertices().end(), b->vertices().begin(),
+                             b->vertices().end()));
+      EXPECT_TRUE(std::equal(a->triangles().begin(), a->triangles().end(), b->triangles().begin(),
+                             b->triangles().end()));
+      EXPECT_EQ(a->hullExcess(), b->hullExcess());
+      EXPECT_EQ(a->pieces().pieces, b->pieces().pieces);
+      EXPECT_EQ(a->pieces().excess, b->pieces().excess);
+      EXPECT_EQ(a->bytes(), b->bytes());
+    }
+  }
+  EXPECT_GT(meshes, 10);
+  ASSERT_EQ(many->link_gaps.size(), single->link_gaps.size());
+  for (std::size_t i = 0; i < many->link_gaps.size(); ++i) {
+    EXPECT_EQ(many->link_gaps[i].gaps, single->link_gaps[i].gaps);
+    EXPECT_EQ(many->link_gaps[i].cells, single->link_gaps[i].cells);
+  }
 }
 
 TEST(Urdf, RealRobots) {
