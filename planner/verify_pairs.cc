@@ -42,7 +42,8 @@ class Rules {
   /// True when the planner can change the joint's position.
   bool moves(int joint_index) const {
     const Joint* joint = &model_.joints[at(joint_index)];
-    while (joint->mimic >= 0) joint = &model_.joints[at(joint->mimic)];
+    for (; joint->mimic >= 0; joint = &model_.joints[at(joint->mimic)])
+      if (joint->multiplier == 0) return false;  // it stands still at its offset
     for (int k = 0; k < joint->variable_count; ++k) {
       const int v = joint->first_variable + k;
       const robots::Variable& variable = model_.variables[at(v)];

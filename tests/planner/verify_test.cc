@@ -11,6 +11,7 @@
 #include "leeway/collision/convex_hull.h"
 #include "leeway/collision/distance.h"
 #include "leeway/collision/triangle_mesh.h"
+#include "leeway/planner/compiled_scene.h"
 #include "leeway/planner/configuration_space.h"
 #include "leeway/robots/kinematics.h"
 #include "planner/verify_kinematics.h"
@@ -393,6 +394,27 @@ TEST(Verify, ContinuousJointsGoTheShorterWayAndJumpingMimicsAreNotCertified) {
       << result.reason;
   problem.goals[0].ranges[0] = {1, 1};
   EXPECT_EQ(verify(problem, pathOf(problem, {{3}, {1}})).status, VerifyStatus::kCertified);
+}
+
+// The planner leaves out what does not move against each other, and was refuted for it.
+TEST(Verify, FollowersWithoutAFactorStandStill) {
+  Builder b;
+  const robots::Geometry bar{Shape::box({0.5, 0.05, 0.05}), shifted(0.5, 0, 0), "bar"};
+  b.add("wheel", -1, JointType::kContinuous, {}, Vector3d::UnitZ(), {bar});
+  const int follower = b.add("follower", 0, JointType::kRevolute, {}, Vector3d::UnitZ(), {});
+  b.add("tip", follower, JointType::kFixed, {}, Vector3d::UnitZ(), {bar});
+  Joint& joint = b.model.joints[static_cast<std::size_t>(follower)];
+  b.model.variables.pop_back();
+  joint.mimic = 0;
+  joint.first_variable = -1;
+  joint.variable_count = 0;
+  joint.multiplier = 0;
+  joint.offset = 0.2;
+  b.model.has_srdf = true;
+  b.model.finish();
+  const Problem problem = problemFor(std::make_shared<Model>(b.model), {1});
+  EXPECT_TRUE(CompiledScene(problem).scene().pairs().empty());
+  EXPECT_EQ(verify(problem, pathOf(problem, {{0}, {1}})).status, VerifyStatus::kCertified);
 }
 
 TEST(Verify, StopsWhenToldTo) {
