@@ -57,8 +57,6 @@ BlendedMotion::Field meanOf(const std::vector<BlendedMotion::Field>& fields) {
 }
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-// Displacements are asked for in the order of the nodes: rows are fetched that many early.
-constexpr std::int32_t kNodesAhead = 3;
 
 // Diagonal i is axis a plus or minus axis b.
 struct Pair {

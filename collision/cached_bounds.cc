@@ -51,7 +51,7 @@ void CachedBounds::bound(std::int32_t node, std::span<const double> parameters,
                          WideBox& box) const {
   constexpr std::uint8_t kAllAxes[] = {7, 7};
   const double share = parameters[1];
-  const double weights[] = {1 - share, share};
+  const double weights[] = {share > 0 ? 1 - share : 1, share};
   BoxSum sum{};
   const MotionKernels& kernels = motionKernels();
   // The last frame has none behind it.

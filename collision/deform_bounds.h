@@ -14,6 +14,10 @@ namespace leeway::collision {
 
 class VertexMotion;  // vertex_motion.h
 
+/// Bounds are asked for in the order of the nodes: what they are made from is fetched that many
+/// nodes early. Any value is right.
+inline constexpr std::int32_t kNodesAhead = 3;
+
 /// Boxes of the nodes of one hierarchy, as functions of a motion's parameters
 /// (VertexMotion::parameters()): at a cost that does not depend on how many vertices are below a
 /// node. Constant; many threads ask it.

@@ -300,7 +300,6 @@ bool Deformable::Impl::upperLevels(DeformableSnapshotImpl& s, const Known& known
   if (due == all || turn.next == all) turn = {.frames = turn.frames};
   const std::size_t begin = turn.next, end = std::min(begin + due, all);
   if (blended) {
-    constexpr std::int32_t kNodesAhead = 3;
     for (std::int32_t node = 0; node < upper; ++node) {
       cached_bounds->fetch(node + kNodesAhead, s.parameters);
       cached_bounds->bound(node, s.parameters, s.boxes[static_cast<std::size_t>(node)]);
