@@ -412,6 +412,11 @@ class Verifier {
             std::min(result_.clearance_lower, found.distance.lower - found.slack - found.motion);
         continue;
       }
+      if (found.distance.upper + found.slack <= floor) {
+        // No part of the edge around here will be proven; only a refutation is still of interest.
+        leaveOpen(segment, {t, t}, &pair, "a mesh that overlaps within its margin is not proven");
+        limit = std::min(limit, work + kVerifyOpenWork);
+      }
       if (found.motion <= kVerifySmallestMotion || !(t > span.begin && t < span.end)) {
         leaveOpen(segment, span, &pair, "too near to decide");
         limit = std::min(limit, work + kVerifyOpenWork);  // only a refutation is still of interest

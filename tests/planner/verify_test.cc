@@ -354,6 +354,14 @@ TEST(Verify, SolidMeshesHoldWhatIsInsideThem) {
       {"cube", {{Shape::mesh(collision::TriangleMesh::make(corners, faces)), {}, ""}}, {}});
   const Path inside = pathOf(problem, {{0, 0, 0, 0, 0, 0, 1}, {0.3, 0.2, 0.1, 0, 0, 0, 1}});
   EXPECT_EQ(verify(problem, inside).status, VerifyStatus::kRefuted);
+  // Nothing is proven below zero of a mesh: that is told of the first look, not after half a
+  // million (minutes).
+  problem.margin = -5;
+  const VerifyResult deep = verify(problem, inside);
+  EXPECT_EQ(deep.status, VerifyStatus::kUndecided);
+  EXPECT_EQ(deep.t0, 0.5);
+  EXPECT_EQ(deep.t1, 0.5);
+  problem.margin = 0;
   problem.configuration[0] = 3;
   problem.goals[0].ranges[0] = {3, 3};
   EXPECT_EQ(
