@@ -54,24 +54,21 @@ Expansion<2> difference(double a, double b) {
   return e;
 }
 
-// e + f, term by term (Shewchuk's grow-expansion): quadratic, which does not matter for so rare a
-// case.
-template <std::size_t n, std::size_t m, std::size_t capacity>
-void add(const Expansion<n>& e, const Expansion<m>& f, Expansion<capacity>& result) {
-  Expansion<capacity> sum;
-  for (std::size_t i = 0; i < e.size; ++i) sum.push(e.term[i]);
+// Adds f to e, term by term (Shewchuk's grow-expansion), in place: what is written never overtakes
+// what is read.
+template <std::size_t n, std::size_t m>
+void add(Expansion<n>& e, const Expansion<m>& f) {
   for (std::size_t j = 0; j < f.size; ++j) {
-    Expansion<capacity> next;
     double carry = f.term[j];
-    for (std::size_t i = 0; i < sum.size; ++i) {
-      const Pair s = twoSum(carry, sum.term[i]);
-      next.push(s.low);
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < e.size; ++i) {
+      const Pair s = twoSum(carry, e.term[i]);
+      if (s.low != 0) e.term[kept++] = s.low;
       carry = s.high;
     }
-    next.push(carry);
-    sum = next;
+    e.size = kept;
+    e.push(carry);
   }
-  result = sum;
 }
 
 template <std::size_t n, std::size_t m>
@@ -89,7 +86,7 @@ Expansion<2 * n * m> multiply(const Expansion<n>& e, const Expansion<m>& f) {
       carry = high.high;
     }
     scaled.push(carry);
-    add(result, scaled, result);
+    add(result, scaled);
   }
   return result;
 }
@@ -106,7 +103,8 @@ Expansion<16> determinant2(const Expansion<2>& a, const Expansion<2>& b, const E
   Expansion<8> minus = multiply(b, c);
   negate(minus);
   Expansion<16> result;
-  add(plus, minus, result);
+  add(result, plus);
+  add(result, minus);
   return result;
 }
 
@@ -124,7 +122,7 @@ int exactOrientation(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const E
     const std::size_t l = (k + 1) % 3, m = (k + 2) % 3;
     const Expansion<16> minor = determinant2(row[0][l], row[0][m], row[1][l], row[1][m]);
     const Expansion<64> product = multiply(minor, row[2][k]);
-    add(sum, product, sum);
+    add(sum, product);
   }
   return sum.sign();
 }

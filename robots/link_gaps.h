@@ -14,7 +14,7 @@ namespace leeway::robots {
 /// cylinders about its axis, however it is turned; and over an arc of h radians of the other, its
 /// points stay within h^2 / 8 times their distance from its axis of their chords. Some hundred
 /// distance queries a pair, and kGapQueries at most and again as many by cells for pairs that stay
-/// near each other: a tenth of the time that meshes take to load.
+/// near each other: a fifth of the time that meshes take to load.
 std::vector<LinkGap> provenGaps(const Model& model);
 
 }  // namespace leeway::robots
