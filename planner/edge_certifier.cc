@@ -317,9 +317,7 @@ EdgeCheck EdgeCertifier::Impl::told(Verdict verdict, int p, double t) {
 
 EdgeCheck EdgeCertifier::Impl::certifyByLanes() {
   const collision::LaneSweep::Contact contact = lanes.sweep();
-  EdgeLanes::Parts parts;
-  parts.width = 1.0 / collision::kLanes;
-  for (int i = 0; i < collision::kLanes; ++i) parts.from[i] = i * parts.width;
+  const EdgeLanes::Parts parts = EdgeLanes::wholeEdge();
   if (contact.id >= 0)
     return told(Verdict::kNotFree, contact.id, parts.from[contact.lane] + parts.width / 2);
   lanes.closeGaps(frames);
@@ -531,15 +529,20 @@ std::optional<EdgeCheck> EdgeCertifier::Impl::certifyParts() {
     if (check.verdict != Verdict::kFree) return check;
     if (!listParts(parts)) return told(Verdict::kUndecided, -1, parts.from[0]);
   }
+  if (!listPartsLeft(next)) return told(Verdict::kUndecided, -1, edge_parts[next].from);
+  return std::nullopt;
+}
+
+bool EdgeCertifier::Impl::listPartsLeft(std::size_t& next) {
   for (; next < edge_parts.size(); ++next) {
     const EdgePart& part = edge_parts[next];
     if (!addInterval(part.from, part.width) ||
         open.size() + at(part.end - part.begin) > open.capacity())
-      return told(Verdict::kUndecided, -1, part.from);
+      return false;
     open.insert(open.end(), part_pairs.begin() + part.begin, part_pairs.begin() + part.end);
     intervals.back().end = static_cast<int>(open.size());
   }
-  return std::nullopt;
+  return true;
 }
 
 std::size_t EdgeCertifier::Impl::mergeStretches() {

@@ -113,6 +113,8 @@ struct EdgeCertifier::Impl {
   /// Finer passes over the parts that are listed, until none is left or they do not pay; what
   /// remains becomes intervals. Told where that decides the edge.
   std::optional<EdgeCheck> certifyParts();
+  /// Lists what parts from `next` on are left as intervals; false when there are too many.
+  bool listPartsLeft(std::size_t& next);
   bool isForParts(const collision::LaneSweep::Open& pair) const {
     return pair.apart && !frames.pairs()[static_cast<std::size_t>(pair.id)].by_surfaces;
   }
@@ -142,7 +144,14 @@ struct EdgeCertifier::Impl {
   void searchState(int slot, double t, ClearanceSearch& search);
   void settlePairs(EdgeInterval& interval, ClearanceSearch& search);
   void settleFromMiddle(EdgeInterval& interval, int slot, bool last, ClearanceSearch& search);
-  void searchEdge(int start, int end, ClearanceSearch& search);
+  /// Lists all pairs over the whole edge.
+  void listWholeEdge(int start, int end);
+  /// Lists what lanes do not prove to be so far apart that it need not be looked at, and settles
+  /// the rest; false, with nothing settled, where they say nothing.
+  bool listNearLanes(ClearanceSearch& search);
+  /// Looks at the first few pairs that lanes left open, in the middle of where they are open.
+  void searchOpenLanes(const EdgeLanes::Parts& parts, int count, ClearanceSearch& search);
+  void searchIntervals(ClearanceSearch& search);
 
   std::shared_ptr<const CompiledScene> scene;
   EdgeFrames frames;

@@ -140,25 +140,70 @@ EdgeClearance EdgeCertifier::edgeClearance(std::span<const double> a, std::span<
   }
   impl.searchState(end, 1, search);
   impl.searchState(start, 0, search);
-  impl.searchEdge(start, end, search);
+  if (!impl.listNearLanes(search)) impl.listWholeEdge(start, end);
+  impl.searchIntervals(search);
   // What is inside a mesh at one place of an edge that touches it may not be at its end: then
   // sweeps are not asked.
   if (search.swept && std::min(search.lower, search.best.clearance.upper) <= 0 && !search.cut()) {
     search.sweeps = false;
     impl.frames.release(end + 1);
     search.lower = kInfinity;
-    impl.searchEdge(start, end, search);
+    impl.listWholeEdge(start, end);
+    impl.searchIntervals(search);
   }
   search.best.clearance.lower =
       search.cut() ? -kInfinity : std::min(search.lower, search.best.clearance.upper);
   return search.best;
 }
 
-void EdgeCertifier::Impl::searchEdge(int start, int end, ClearanceSearch& search) {
+void EdgeCertifier::Impl::listWholeEdge(int start, int end) {
   open.clear();
   for (std::size_t p = 0; p < frames.pairs().size(); ++p) open.push_back(static_cast<int>(p));
   intervals.clear();
   intervals.push_back({start, end, 0, 1, 0, static_cast<int>(open.size()), 0});
+}
+
+bool EdgeCertifier::Impl::listNearLanes(ClearanceSearch& search) {
+  // Lanes know nothing of depths.
+  if (search.cut() || !(search.enough() > 0) || !std::isfinite(search.enough())) return false;
+  if (!lanes_fit || !lanes.begin(frames)) return false;
+  double least = kInfinity;
+  for (const EdgePair& pair : frames.pairs())
+    least = std::min(least, pair.threshold - pair.rounding);
+  const EdgeLanes::Parts whole = EdgeLanes::wholeEdge();
+  double beyond = 0;
+  for (int pass = 0;; ++pass) {
+    beyond = std::max(0.0, search.enough() - least);
+    if (lanes.sweepBeyond(beyond).id >= 0) return false;
+    // The nearer the upper end is to the truth, the less is open: a pass costs less than intervals.
+    const double known = search.best.clearance.upper;
+    if (lanes.open().empty() || pass == kClearancePasses) break;
+    searchOpenLanes(whole, kClearanceLooks, search);
+    if (search.cut()) return false;
+    if (!(search.best.clearance.upper < known - search.tolerance)) break;
+  }
+  intervals.clear();
+  open.clear();
+  edge_parts.clear();
+  part_pairs.clear();
+  std::size_t next = 0;
+  if (!listOpenLanes() || !listParts(whole) || !listPartsLeft(next)) return false;
+  search.settle(least + beyond);
+  return true;
+}
+
+void EdgeCertifier::Impl::searchOpenLanes(const EdgeLanes::Parts& parts, int count,
+                                          ClearanceSearch& search) {
+  for (const collision::LaneSweep::Open& pair : lanes.open()) {
+    if (--count < 0 || search.cut()) return;
+    const auto [from, width] = rangeOf(parts, pair.lanes);
+    const int slot = frames.place(from + width / 2);
+    if (slot < 0) return;
+    refineState(slot, from + width / 2, frames.pairs()[at(pair.id)], search);
+  }
+}
+
+void EdgeCertifier::Impl::searchIntervals(ClearanceSearch& search) {
   while (!intervals.empty() && !search.cut()) {
     next_intervals.clear();
     next_open.clear();

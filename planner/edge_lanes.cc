@@ -20,6 +20,17 @@ using robots::JointType;
 
 constexpr double kTwoPi = 6.283185307179586;
 
+/// The part of an edge that a lane has in the pass over all of it; exact.
+constexpr float kWidth = 1.0F / collision::kLanes;
+
+/// The middles of these parts, from that of the edge; exact.
+collision::LaneValues middlesOfEdge() {
+  collision::LaneValues middles;
+  for (int i = 0; i < collision::kLanes; ++i)
+    middles.at[i] = (static_cast<float>(i) + 0.5F) * kWidth - 0.5F;
+  return middles;
+}
+
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 float roundedUp(double x) {
@@ -67,7 +78,7 @@ EdgeLanes::EdgeLanes(const EdgeFrames& frames) : scene_(frames.sharedScene()) {
   look_frames_.resize(steps_.size());
   growth_values_.resize(growth_.paddedSize());
   closed_.reserve(frames.pairs().size());
-  part_growth_.resize(growth_.paddedSize());
+  pass_growth_.resize(growth_.paddedSize());
 }
 
 /// Joints that the planned variables move become steps; what is fixed between them is folded.
@@ -369,20 +380,31 @@ bool EdgeLanes::begin(const EdgeFrames& frames) {
 }
 
 LaneSweep::Contact EdgeLanes::sweep() {
-  constexpr float kWidth = 1.0F / collision::kLanes;
-  collision::LaneValues middles;  // exact
-  for (int i = 0; i < collision::kLanes; ++i)
-    middles.at[i] = (static_cast<float>(i) + 0.5F) * kWidth - 0.5F;
+  const collision::LaneValues middles = middlesOfEdge();
   collision::placeFrames(frame_steps_, middles, lane_frames_);
   const LaneSweep::Contact again = sweep_.meetAgain(lane_frames_, slack_, *scratch_);
   if (again.id >= 0) return again;
   collision::moveFrames(frame_steps_, middles, kWidth, lane_frames_);
   growth_.run(joint_motion_, growth_values_);
-  return sweep_.run(lane_frames_, growth_values_, slack_, *scratch_);
+  pass_growth_ = growth_values_;
+  return sweep_.run(lane_frames_, pass_growth_, slack_, *scratch_);
+}
+
+LaneSweep::Contact EdgeLanes::sweepBeyond(double beyond) {
+  const collision::LaneValues middles = middlesOfEdge();
+  collision::placeFrames(frame_steps_, middles, lane_frames_);
+  collision::moveFrames(frame_steps_, middles, kWidth, lane_frames_);
+  growth_.run(joint_motion_, growth_values_);
+  // What points may leave their chords by is a distance that must be kept; so is this.
+  const float wider = roundedUp(beyond);
+  for (std::size_t i = 0; i < growth_values_.size(); ++i)
+    pass_growth_[i] = (growth_values_[i] + wider) * (1 + 0x1p-22F);
+  const LaneSweep::Contact contact = sweep_.run(lane_frames_, pass_growth_, slack_, *scratch_);
+  return contact.id >= 0 ? contact : part();
 }
 
 void EdgeLanes::closeGaps(const EdgeFrames& frames) {
-  constexpr double kWidth = 1.0 / collision::kLanes;
+  constexpr double kShare = 1.0 / collision::kLanes;
   bool closes = false;
   closed_.clear();
   for (const LaneSweep::Open& open : scratch_->open()) {
@@ -391,7 +413,7 @@ void EdgeLanes::closeGaps(const EdgeFrames& frames) {
     if (pair.gap < 0) continue;
     for (int lane = 0; lane < collision::kLanes; ++lane)
       if ((open.lanes >> lane & 1U) != 0 &&
-          frames.keepsGap(pair, lane * kWidth, (lane + 1) * kWidth))
+          frames.keepsGap(pair, lane * kShare, (lane + 1) * kShare))
         closed_.back() |= 1U << lane;
     closes = closes || closed_.back() != 0;
   }
@@ -399,7 +421,14 @@ void EdgeLanes::closeGaps(const EdgeFrames& frames) {
 }
 
 LaneSweep::Contact EdgeLanes::part() {
-  return sweep_.part(lane_frames_, growth_values_, slack_, *scratch_);
+  return sweep_.part(lane_frames_, pass_growth_, slack_, *scratch_);
+}
+
+EdgeLanes::Parts EdgeLanes::wholeEdge() {
+  Parts parts;
+  parts.width = 1.0 / collision::kLanes;
+  for (int i = 0; i < collision::kLanes; ++i) parts.from[i] = i * parts.width;
+  return parts;
 }
 
 LaneSweep::Contact EdgeLanes::sweepParts(const Parts& parts,
@@ -412,8 +441,8 @@ LaneSweep::Contact EdgeLanes::sweepParts(const Parts& parts,
   collision::moveFrames(frame_steps_, middles, width, lane_frames_);
   const float share = width * collision::kLanes * (width * collision::kLanes);
   for (std::size_t i = 0; i < growth_values_.size(); ++i)
-    part_growth_[i] = share * growth_values_[i];
-  return sweep_.runPairs(pairs, lane_frames_, part_growth_, slack_, *scratch_);
+    pass_growth_[i] = share * growth_values_[i];
+  return sweep_.runPairs(pairs, lane_frames_, pass_growth_, slack_, *scratch_);
 }
 
 std::optional<double> EdgeLanes::meet(int pair, double from, double width) {

@@ -28,6 +28,9 @@ class EdgeLanes {
   void closeGaps(const EdgeFrames& frames);
   /// After a sweep() that found no contact: planes are looked for between what it left open.
   collision::LaneSweep::Contact part();
+  /// The same two passes for separations that exceed each pair's threshold by `beyond` >= 0 [m]
+  /// besides.
+  collision::LaneSweep::Contact sweepBeyond(double beyond);
   /// Parts of the edge, one a lane: from + [0, width]. Each `from` is a multiple of `width`, which
   /// is a power of two of at least 2^-16.
   struct Parts {
@@ -35,6 +38,8 @@ class EdgeLanes {
     double width = 0;
     int share = 1;  ///< lanes side by side that stand for one part of the pass before
   };
+  /// Those of sweep().
+  static Parts wholeEdge();
   /// After sweep(): planes and points alone, for some pairs in some of the parts.
   collision::LaneSweep::Contact sweepParts(const Parts& parts,
                                            std::span<const collision::LaneSweep::Open> pairs);
@@ -45,8 +50,8 @@ class EdgeLanes {
   /// What the last sweep left.
   std::span<const collision::LaneSweep::Open> open() const { return scratch_->open(); }
 
-  /// After sweep(): how far points leave their chords within a lane [m], for one of the scene's
-  /// motions.
+  /// After sweep() or sweepBeyond(): how far points leave their chords within a lane [m], for one
+  /// of the scene's motions.
   double growth(int motion) const {
     return static_cast<double>(growth_values_[static_cast<std::size_t>(motion)]);
   }
@@ -90,7 +95,8 @@ class EdgeLanes {
 
   std::vector<collision::FrameStep> frame_steps_;
   std::vector<collision::LaneFrame> lane_frames_, look_frames_;
-  std::vector<float> joint_motion_, growth_values_, part_growth_;
+  std::vector<float> joint_motion_, growth_values_;
+  std::vector<float> pass_growth_;  // that of the last pass, with what is asked for besides
   std::vector<double> middle_, q_;
   std::vector<std::uint32_t> closed_;  // lanes, one an open pair
   float slack_ = 0;

@@ -100,6 +100,11 @@ constexpr int kMostQueriesOfASweep = 1 << 20;
 /// Distance queries for the clearance of one edge before its interval is left wider than asked.
 constexpr int kClearanceWork = 100'000;
 
+/// Passes of lanes for it after the first, as long as each finds something nearer, and the pairs
+/// that are looked at after each [count]. Measured; cost time, never truth.
+constexpr int kClearancePasses = 3;
+constexpr int kClearanceLooks = 2;
+
 /// A start or goal of MoveIt's this far outside a limit is the limit itself, written with fewer
 /// digits (3.14159 for pi): moved onto it, with a warning [rad or m]. Larger would move a robot
 /// without being told.

@@ -576,6 +576,45 @@ TEST(EdgeCertifier, ClearanceHoldsTheDenseMinimum) {
   EXPECT_LE(wide, (apart + overlapping) / 50);
 }
 
+TEST(EdgeCertifier, ClearanceThatLanesBeganIsThatOfIntervalsAlone) {
+  Random random(14);
+  int asked = 0;
+  std::uint64_t with_lanes = 0, without = 0;
+  for (const Kind kind : {Kind::kArm, Kind::kFree, Kind::kPlanar, Kind::kTree})
+    for (int p = 0; p < 12; ++p) {
+      Problem problem = problemOf(random, kind);
+      const double margins[] = {0, 0.02, -0.02};
+      problem.margin = margins[p % 3];
+      if (p % 2 == 0 && !problem.objects.empty())
+        problem.margins.push_back({problem.objects[0].name, problem.model->links.back().name, 0.1});
+      const auto compiled = std::make_shared<const CompiledScene>(problem);
+      EdgeCertifier certifier(compiled), twin(compiled);
+      twin.rebind(compiled->withShapes({}));  // whose lanes are those of another scene
+      for (int e = 0; e < 10; ++e) {
+        const std::vector<double> a = randomPoint(random, *compiled);
+        std::vector<double> b(a.size());
+        compiled->space().interpolate(a, randomPoint(random, *compiled), random.uniform(0.02, 0.6),
+                                      b);
+        const double tolerance = random.uniform(0, 1) < 0.5 ? 1e-3 : 1e-5;
+        const Interval found = certifier.edgeClearance(a, b, tolerance, -kInfinity).clearance;
+        const Interval truth = twin.edgeClearance(a, b, tolerance, -kInfinity).clearance;
+        ++asked;
+        EXPECT_LE(found.lower, truth.upper) << "problem " << p << "\n" << replay(a, b);
+        EXPECT_LE(truth.lower, found.upper) << "problem " << p << "\n" << replay(a, b);
+        if (truth.width() <= tolerance) {
+          EXPECT_LE(found.width(), tolerance * 1.0001) << "problem " << p << "\n" << replay(a, b);
+        }
+      }
+      with_lanes += certifier.statistics.distance_queries;
+      without += twin.statistics.distance_queries;
+    }
+  std::printf("asked %d queries %llu, %llu without lanes\n", asked,
+              static_cast<unsigned long long>(with_lanes),
+              static_cast<unsigned long long>(without));
+  EXPECT_GT(asked, 400);
+  EXPECT_LT(with_lanes, without);
+}
+
 TEST(EdgeCertifier, StateClearanceIsTheLeastOverAllPairs) {
   Random random(12);
   for (const Kind kind : {Kind::kArm, Kind::kFree, Kind::kPlanar, Kind::kTree})
