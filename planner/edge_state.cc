@@ -46,7 +46,15 @@ EdgeCertifier::Impl::Pair EdgeCertifier::Impl::exactState(int slot, const EdgePa
   collision::DistanceRequest request;
   request.threshold = pair.threshold;
   request.depth = pair.threshold < 0;
-  const Interval distance = stateDistance(slot, pair, request).distance;
+  Interval distance = stateDistance(slot, pair, request).distance;
+  const auto isOpen = [&] {
+    return !(distance.lower > pair.threshold) && !(distance.upper <= pair.threshold);
+  };
+  if (request.depth && isOpen()) {
+    // What of meshes is not needed for the threshold may show the better way out.
+    request.threshold = std::numeric_limits<double>::quiet_NaN();
+    distance = stateDistance(slot, pair, request).distance;
+  }
   if (distance.lower > pair.threshold) return Pair::kFree;
   return distance.upper <= pair.threshold ? Pair::kNotFree : Pair::kOpen;
 }

@@ -423,6 +423,31 @@ TEST(EdgeCertifier, AllowedDepthIsThatOfLinksWithTables) {
   EXPECT_GT(deep, 100);
 }
 
+// A question about a depth ends early, and may know less of it than one for the depth itself:
+// states were undecided that the latter proves to be free.
+TEST(EdgeCertifier, AllowedDepthIsDecidedWhereItIsKnown) {
+  Random random(21);
+  int free = 0;
+  for (int run = 0; run < 60; ++run) {
+    const auto body = robots::freeBody("body", {{testing::randomMesh(random, 0.5), {}, "mesh"}},
+                                       robots::JointType::kFloating, {-1, -1, -1}, {1, 1, 1});
+    Problem problem =
+        test::problemOf(body, body->defaultConfiguration(), body->defaultConfiguration());
+    problem.objects = {
+        {"thing", {{testing::randomMesh(random, 0.5), {}, "mesh"}}, random.pose(0.1)}};
+    problem.margin = -random.uniform(0.05, 0.4);
+    EdgeCertifier certifier(std::make_shared<const CompiledScene>(problem));
+    for (int i = 0; i < 10; ++i) {
+      const std::vector<double> q = robots::testing::randomConfiguration(random, *body);
+      const Verdict verdict = certifier.decide(q);
+      if (!(certifier.clearance(q, 1e-6).clearance.lower > problem.margin + 1e-6)) continue;
+      ++free;
+      EXPECT_EQ(verdict, Verdict::kFree) << "run " << run << ", state " << i;
+    }
+  }
+  EXPECT_GT(free, 100);
+}
+
 // Each ball of a cover may have a way out of its own: how deep they are one by one says nothing of
 // the body.
 TEST(EdgeCertifier, AllowedDepthIsThatOfTheWholeBody) {
