@@ -5,6 +5,7 @@
 
 #include "collision/box_overlap.h"
 #include "collision/closed_form.h"
+#include "collision/curved_depth.h"
 #include "collision/gjk.h"
 #include "collision/parallel_axes.h"
 #include "collision/penetration.h"
@@ -506,6 +507,10 @@ DistanceResult convexDistance(const ConvexView& a, const Pose& X_BA, const Conve
     }
     if (straight && !exact && !progress.enough()) {
       offerTiltedAxes(a, X_BA, b, difference, progress);
+    }
+    if ((end == GjkEnd::kInside || progress.upper() < 0) && request.depth && !progress.enough() &&
+        request.iteration_limit >= kLeastIterations && haveCurvedDepth(a, b)) {
+      offerCurvedDepth(difference, progress, sharp);
     }
   }
   if (sharp != nullptr && !progress.enough()) {

@@ -20,76 +20,14 @@ constexpr int kMostCellsOfAll = 16'384;
 // The same, of those that may be looked at in twice the precision: some ten milliseconds.
 constexpr int kMostSharpCells = 4096;
 
-// One vocabulary for both precisions.
-inline double dot(const Vector& a, const Vector& b) { return a.dot(b); }
-inline double norm(const Vector& a) { return a.norm(); }
-inline double squareRoot(double a) { return std::sqrt(a); }
-inline double absolute(double a) { return std::abs(a); }
-inline double valueOf(double a) { return a; }
-inline double valueOf(const DoubleDouble& a) { return a.high; }
-inline Vector valueOf(const Vector& a) { return a; }
-inline Vector valueOf(const DoubleDoubleVector& a) { return a.rounded(); }
-inline Vector scaledBy(double s, const Vector& a) { return s * a; }
-inline DoubleDoubleVector scaledBy(const DoubleDouble& s, const DoubleDoubleVector& a) {
-  return s * a;
-}
-template <class Number>
-constexpr double kRootRounding = 16 * kUnitRoundoff;
-template <>
-constexpr double kRootRounding<DoubleDouble> = 0x1p-80;
-
-// A quadratic form on a triangle: the value at mu is sum mu_i mu_j of it.
-template <class Number>
-struct Form {
-  Number p00 = 0, p11 = 0, p22 = 0, p01 = 0, p02 = 0, p12 = 0;
-
-  // The symmetrised product of two functions that are linear in mu.
-  template <class Product>
-  void add(const Product& product) {
-    const Number half = 0.5;
-    p00 = p00 + product(0, 0), p11 = p11 + product(1, 1), p22 = p22 + product(2, 2);
-    p01 = p01 + half * (product(0, 1) + product(1, 0));
-    p02 = p02 + half * (product(0, 2) + product(2, 0));
-    p12 = p12 + half * (product(1, 2) + product(2, 1));
-  }
-};
-
-// Hadeler's criterion. Roots and sums err by a few units of roundoff of their terms, which are
-// taken off. (Written so that NaN fails; entries are brought to about 1, since products of six
-// would leave the range of double.)
-template <class Number>
-bool copositive(Form<Number> f) {
-  Number* const entries[] = {&f.p00, &f.p11, &f.p22, &f.p01, &f.p02, &f.p12};
-  double largest = 0;
-  for (const Number* p : entries) {
-    if (!(std::abs(valueOf(*p)) <= std::numeric_limits<double>::max())) return false;
-    largest = std::max(largest, std::abs(valueOf(*p)));
-  }
-  if (!(largest > 0)) return true;
-  const Number scale = std::ldexp(1.0, -std::ilogb(largest));
-  for (Number* p : entries) *p = scale * *p;
-  const Number rounding = kRootRounding<Number>, zero = 0;
-  if (!(zero <= f.p00 && zero <= f.p11 && zero <= f.p22)) return false;
-  if (zero <= f.p01 && zero <= f.p02 && zero <= f.p12) return true;
-  const Number r0 = squareRoot(f.p00), r1 = squareRoot(f.p11), r2 = squareRoot(f.p22);
-  const auto edge = [&](const Number& p, const Number& roots) -> Number {
-    return p + roots - rounding * (absolute(p) + roots);
-  };
-  const Number e01 = edge(f.p01, r0 * r1), e02 = edge(f.p02, r0 * r2), e12 = edge(f.p12, r1 * r2);
-  if (!(zero <= e01 && zero <= e02 && zero <= e12)) return false;
-  const Number all = r0 * r1 * r2, a = f.p01 * r2, b = f.p02 * r1, c = f.p12 * r0;
-  const Number two = 2, last = squareRoot(two * e01 * e02 * e12);
-  return rounding * (all + absolute(a) + absolute(b) + absolute(c) + last) <=
-         all + a + b + c + last;
-}
-
 }  // namespace
 
 // Rounding, in units of u L^2 with u = kUnitRoundoff and L = extent A + extent B + |t|, all of x,
 // C and M within L: a vertex's x errs by 3 u L as a member (see support.h), its centres by 8, M x
 // by 10; each of at most kMostHalvings means of two adds half a unit of each, 12 in all. A product
 // of two of them then errs by less than 48, of which there are four in a bound (x . C; A; B; the
-// depth, which is less than L); their own roundings are less than 8 of each. In all less than 224.
+// depth, which is less than L); their own roundings are less than 8 of each. In all less than 224,
+// and less than 16 more for what cells do to corners' lengths.
 CurvedFacets::CurvedFacets(const Difference<false>& difference, double roundoff)
     : difference_(difference) {
   const ConvexView* views[2] = {&difference.viewA(), &difference.viewB()};
@@ -155,7 +93,7 @@ CurvedFacets::Corner<DoubleDoubleVector> CurvedFacets::sharpCornerOf(
   Vector p_a, p_b;
   if (!centerOf(0, s.index_a, p_a)) vertex(sharp.a(), s.index_a, p_a);
   if (!centerOf(1, s.index_b, p_b)) vertex(sharp.b(), s.index_b, p_b);
-  c.center = sharp.memberOf(p_a, p_b);
+  c.center = sharp.memberOf(DoubleDoubleVector(p_a), DoubleDoubleVector(p_b));
   const auto scaled = [](const Vector& m, const DoubleDoubleVector& v) {
     return DoubleDoubleVector(m.x() * v.x, m.y() * v.y, m.z() * v.z);
   };
@@ -178,63 +116,6 @@ bool CurvedFacets::holdsAt(const Corner<Wide>& c, const Number& depth) {
   return valueOf(support - depth * length) >= slackOf(depth);
 }
 
-// A quadratic form below the bound on all of a cell. With e a unit vector, l = e . v and r what v
-// has across e: |v| = sqrt(l^2 + r^2) = l + r^2 / (sqrt(l^2 + r^2) + l), whose denominator is
-// largest at corners; and |v| <= l + r^2 / (2 l) for l > 0.
-template <class Number, class Wide>
-bool CurvedFacets::proves(const Cell<Wide>& cell, const Number& depth) const {
-  const Corner<Wide>* c = cell.corner;
-  Form<Number> form;
-  form.add([&](int i, int j) -> Number { return dot(c[i].x, c[j].center); });
-  constexpr double kThird = 1.0 / 3;
-  Number along[3];
-  Wide across[3];
-  const auto split = [&](const Wide& v0, const Wide& v1, const Wide& v2, double size) {
-    const Wide middle = scaledBy(Number(kThird), Wide(v0 + v1 + v2));
-    const Number length = norm(middle);
-    if (!(valueOf(length) > size)) return false;
-    const Wide e = scaledBy(Number(1) / length, middle);
-    const Wide* v[3] = {&v0, &v1, &v2};
-    for (int i = 0; i < 3; ++i) {
-      along[i] = dot(e, *v[i]);
-      across[i] = *v[i] - scaledBy(along[i], e);
-    }
-    return true;
-  };
-  const auto larger = [](const Number& p, const Number& q) { return p < q ? q : p; };
-  for (int k = 0; k < 2; ++k) {
-    const double least_share = std::min({c[0].share[k], c[1].share[k], c[2].share[k]});
-    const double most_share = std::max({c[0].share[k], c[1].share[k], c[2].share[k]});
-    // (Where the direction is lost, 0 is a bound, too.)
-    if (!(most_share > 0) ||
-        !split(c[0].scaled[k], c[1].scaled[k], c[2].scaled[k], 1e-12 * part_[k].view->extent)) {
-      continue;
-    }
-    Number l = 0, l_squared = 0, r_squared = 0;
-    for (int i = 0; i < 3; ++i) {
-      l = larger(l, along[i]);
-      l_squared = larger(l_squared, along[i] * along[i]);
-      r_squared = larger(r_squared, dot(across[i], across[i]));
-    }
-    const Number bend = Number(least_share) / (l + squareRoot(l_squared + r_squared));
-    form.add([&](int i, int j) -> Number {
-      return c[i].share[k] * along[j] + bend * dot(across[i], across[j]);
-    });
-  }
-  if (!split(c[0].x, c[1].x, c[2].x, 0)) return false;
-  const Number nearest = -larger(-along[0], larger(-along[1], -along[2]));
-  if (!(valueOf(nearest) > 0)) return false;
-  const Number bend = Number(0.5) / nearest;
-  form.add([&](int i, int j) -> Number {
-    return -(depth * (along[j] + bend * dot(across[i], across[j])));
-  });
-  const Number slack = slackOf(depth);
-  for (Number* p : {&form.p00, &form.p11, &form.p22, &form.p01, &form.p02, &form.p12}) {
-    *p = *p - slack;
-  }
-  return copositive(form);
-}
-
 template <class Number, class Wide>
 bool CurvedFacets::coversCells(const Corner<Wide> (&corners)[3], const Number& depth,
                                int& cells_left) {
@@ -251,14 +132,15 @@ bool CurvedFacets::coversCells(const Corner<Wide> (&corners)[3], const Number& d
     }
     return holdsAt(c, depth);
   };
+  const double sizes[2] = {part_[0].view->extent, part_[1].view->extent};
   const auto proven = [&](const Cell<Wide>& cell) {
     if constexpr (kSharp) {
-      const Cell<Vector> coarse = {
-          {rounded(cell.corner[0]), rounded(cell.corner[1]), rounded(cell.corner[2])}, cell.depth};
-      if (proves(coarse, valueOf(depth))) return true;
+      const Corner<Vector> coarse[3] = {rounded(cell.corner[0]), rounded(cell.corner[1]),
+                                        rounded(cell.corner[2])};
+      if (provesCell(coarse, sizes, valueOf(depth), slack_)) return true;
     }
     --cells_left;
-    return proves(cell, depth);
+    return provesCell(cell.corner, sizes, depth, Number(slackOf(depth)));
   };
   least_value_ = std::numeric_limits<double>::infinity();
   for (const Corner<Wide>& c : corners) {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "collision/double_double.h"
+#include "collision/curved_cell.h"
 #include "collision/support.h"
 
 namespace leeway::collision {
@@ -60,14 +60,8 @@ class CurvedFacets {
     Vector semi_axes = Vector::Zero();
     bool curved = false;
   };
-  /// Where the cone is looked at. Linear in the weights mu.
   template <class Wide>
-  struct Corner {
-    Wide x;           ///< direction
-    Wide center;      ///< B's centre less A's
-    Wide scaled[2];   ///< M x of A and B, in their frames
-    double share[2];  ///< s of A and B
-  };
+  using Corner = CurvedCorner<Wide>;
   template <class Wide>
   struct Cell {
     Corner<Wide> corner[3];
@@ -82,8 +76,6 @@ class CurvedFacets {
   void shareOf(const SupportPoint& s, double share[2]) const;
   template <class Number, class Wide>
   bool holdsAt(const Corner<Wide>& c, const Number& depth);
-  template <class Number, class Wide>
-  bool proves(const Cell<Wide>& cell, const Number& depth) const;
   template <class Number, class Wide>
   bool coversCells(const Corner<Wide> (&corners)[3], const Number& depth, int& cells_left);
 

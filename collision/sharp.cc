@@ -142,11 +142,11 @@ Wide SharpDifference::member(const SupportPoint& s, const Pose& X_BA) const {
     p_a = ontoPiece(a_, s.index_a, rotatedBack(X_BA.rotation, s.a - X_BA.translation));
   }
   if (!vertex(b_, s.index_b, p_b)) p_b = ontoPiece(b_, s.index_b, s.w + s.a);
-  return memberOf(p_a, p_b);
+  return memberOf(Wide(p_a), Wide(p_b));
 }
 
-Wide SharpDifference::memberOf(const Vector& p_a, const Vector& p_b) const {
-  return rotated(X_WB_.rotation, Wide(p_b)) - rotated(X_WA_.rotation, Wide(p_a)) - t_;
+Wide SharpDifference::memberOf(const Wide& p_a, const Wide& p_b) const {
+  return rotated(X_WB_.rotation, p_b) - rotated(X_WA_.rotation, p_a) - t_;
 }
 
 Wide SharpDifference::inWorld(const Vector& direction_b) const {

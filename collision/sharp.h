@@ -30,7 +30,7 @@ class SharpDifference {
   /// in the difference grown by memberDefect(). X_BA: the pose that s was made with.
   DoubleDoubleVector member(const SupportPoint& s, const Pose& X_BA) const;
   /// p_b - p_a of points in the bodies' frames.
-  DoubleDoubleVector memberOf(const Vector& p_a, const Vector& p_b) const;
+  DoubleDoubleVector memberOf(const DoubleDoubleVector& p_a, const DoubleDoubleVector& p_b) const;
   /// A direction of B's frame in the world, and directions in the world in the bodies' frames.
   DoubleDoubleVector inWorld(const Vector& direction_b) const;
   DoubleDoubleVector inA(const DoubleDoubleVector& direction) const;
