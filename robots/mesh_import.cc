@@ -1,22 +1,18 @@
-// Meshes, plain ones by our own reader, others through Assimp. Both make single-precision vertices;
-// everything after that is done in double.
+// Meshes through Assimp. Its importers make single-precision vertices; everything after that is
+// done in double.
 
 #include <assimp/config.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 
-#include <array>
 #include <assimp/Importer.hpp>
-#include <cstdint>
 #include <filesystem>
-#include <optional>
 #include <utility>
 #include <vector>
 
 #include "leeway/collision/triangle_mesh.h"
 #include "leeway/robots/input_error.h"
 #include "leeway/robots/model.h"
-#include "robots/plain_mesh.h"
 
 namespace leeway::robots {
 
@@ -68,19 +64,6 @@ void append(const aiScene& scene, const aiNode& node, const Eigen::Matrix4d& par
     append(scene, *node.mChildren[i], transform, scale, soup);
 }
 
-void append(const PlainTriangles& triangles, const Eigen::Vector3d& scale, Soup& soup) {
-  soup.vertices.reserve(3 * triangles.size());
-  soup.triangles.reserve(triangles.size());
-  for (const auto& triangle : triangles) {
-    const auto first = static_cast<std::int32_t>(soup.vertices.size());
-    for (const std::array<float, 3>& v : triangle)
-      soup.vertices.push_back(Eigen::Vector3d(static_cast<double>(v[0]), static_cast<double>(v[1]),
-                                              static_cast<double>(v[2]))
-                                  .cwiseProduct(scale));
-    soup.triangles.push_back({first, first + 1, first + 2});
-  }
-}
-
 }  // namespace
 
 collision::Shape loadMesh(const std::string& path, const Eigen::Vector3d& scale,
@@ -93,20 +76,16 @@ collision::Shape loadMesh(const std::string& path, const Eigen::Vector3d& scale,
     fail("is not there; the path of a mesh file (STL, OBJ, DAE) would be accepted");
   if (!scale.allFinite() || (scale.array() == 0).any())
     fail("has a scale that is zero or not finite; three other numbers would be accepted");
+  Assimp::Importer importer;
+  // RViz and MoveIt leave the file's up axis alone; its unit of length counts.
+  importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
+  const aiScene* scene = importer.ReadFile(path, aiProcess_Triangulate);
+  if (scene == nullptr)
+    fail("cannot be read: " + std::string(importer.GetErrorString()) +
+         "; an intact STL, OBJ or DAE file would be accepted");
   Soup soup;
-  if (const std::optional<PlainTriangles> plain = readPlainMesh(path)) {
-    append(*plain, scale, soup);
-  } else {
-    Assimp::Importer importer;
-    // RViz and MoveIt leave the file's up axis alone; its unit of length counts.
-    importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
-    const aiScene* scene = importer.ReadFile(path, aiProcess_Triangulate);
-    if (scene == nullptr)
-      fail("cannot be read: " + std::string(importer.GetErrorString()) +
-           "; an intact STL, OBJ or DAE file would be accepted");
-    if (scene->mRootNode != nullptr)
-      append(*scene, *scene->mRootNode, Eigen::Matrix4d::Identity(), scale, soup);
-  }
+  if (scene->mRootNode != nullptr)
+    append(*scene, *scene->mRootNode, Eigen::Matrix4d::Identity(), scale, soup);
   if (soup.triangles.empty()) fail("has no triangles; at least one would be accepted");
   for (const Eigen::Vector3d& v : soup.vertices)
     if (!v.allFinite())
