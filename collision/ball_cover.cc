@@ -23,18 +23,18 @@ using Eigen::Vector3d;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-void addPrism(std::vector<Polygon>& faces, std::span<const Vector3d> base, const Vector3d& up) {
-  Polygon bottom(base.begin(), base.end()), top = bottom;
+void addPrism(Polygons& faces, std::span<const Vector3d> base, const Vector3d& up) {
+  std::vector<Vector3d> top(base.begin(), base.end());
   for (Vector3d& p : top) p += up;
   for (std::size_t i = 0; i < base.size(); ++i) {
     const std::size_t next = (i + 1) % base.size();
-    faces.push_back({bottom[i], bottom[next], top[next], top[i]});
+    faces.add(std::array<Vector3d, 4>{base[i], base[next], top[next], top[i]});
   }
-  faces.push_back(std::move(bottom));
-  faces.push_back(std::move(top));
+  faces.add(base);
+  faces.add(top);
 }
 
-void addBox(std::vector<Polygon>& faces, const Vector3d& half) {
+void addBox(Polygons& faces, const Vector3d& half) {
   const std::array<Vector3d, 4> base = {
       Vector3d(-half.x(), -half.y(), -half.z()), Vector3d(half.x(), -half.y(), -half.z()),
       Vector3d(half.x(), half.y(), -half.z()), Vector3d(-half.x(), half.y(), -half.z())};
@@ -42,7 +42,7 @@ void addBox(std::vector<Polygon>& faces, const Vector3d& half) {
 }
 
 /// The prism over a regular octagon around the circle, which stands out by 8 %.
-void addCylinder(std::vector<Polygon>& faces, double radius, double half_length) {
+void addCylinder(Polygons& faces, double radius, double half_length) {
   const double a = radius * (1 + 1e-12), b = a * 0.41421356237309515;  // tan(pi / 8), rounded up
   std::array<Vector3d, 8> base;
   const double x[8] = {a, b, -b, -a, -a, -b, b, a}, y[8] = {b, a, a, b, -b, -a, -a, -b};
@@ -50,8 +50,8 @@ void addCylinder(std::vector<Polygon>& faces, double radius, double half_length)
   addPrism(faces, base, Vector3d(0, 0, 2 * half_length));
 }
 
-std::vector<Polygon> facesOf(const Shape& shape) {
-  std::vector<Polygon> faces;
+Polygons facesOf(const Shape& shape) {
+  Polygons faces;
   switch (shape.type()) {
     case ShapeType::kBox:
     case ShapeType::kEllipsoid:
@@ -67,17 +67,14 @@ std::vector<Polygon> facesOf(const Shape& shape) {
     case ShapeType::kConvexHull: {
       const std::span<const Vector3d> v = shape.hull()->vertices();
       for (const auto& f : shape.hull()->facets())
-        faces.push_back({v[static_cast<std::size_t>(f[0])], v[static_cast<std::size_t>(f[1])],
-                         v[static_cast<std::size_t>(f[2])]});
+        faces.add(std::array<Vector3d, 3>{v[static_cast<std::size_t>(f[0])],
+                                          v[static_cast<std::size_t>(f[1])],
+                                          v[static_cast<std::size_t>(f[2])]});
       break;
     }
-    case ShapeType::kMesh: {
-      const std::span<const Vector3d> v = shape.mesh()->vertices();
-      for (const auto& t : shape.mesh()->triangles())
-        faces.push_back({v[static_cast<std::size_t>(t[0])], v[static_cast<std::size_t>(t[1])],
-                         v[static_cast<std::size_t>(t[2])]});
+    case ShapeType::kMesh:
+      faces = polygonsOf(*shape.mesh());
       break;
-    }
     case ShapeType::kSphere:
     case ShapeType::kHalfSpace:
     case ShapeType::kDeformable:  // made anew at every step: one ball
@@ -87,26 +84,22 @@ std::vector<Polygon> facesOf(const Shape& shape) {
 }
 
 struct Part {
-  std::vector<Polygon> faces;
+  Polygons faces;
   Ball ball;
 };
 
 std::pair<Part, Part> bisect(const Part& part, Eigen::Index axis) {
   double low = kInfinity, high = -kInfinity;
-  for (const Polygon& face : part.faces)
-    for (const Vector3d& p : face) {
-      low = std::min(low, p[axis]);
-      high = std::max(high, p[axis]);
-    }
+  for (const Vector3d& p : part.faces.corners()) {
+    low = std::min(low, p[axis]);
+    high = std::max(high, p[axis]);
+  }
   const double at = low + (high - low) / 2;
   std::pair<Part, Part> halves;
   for (const auto& [half, side] :
        {std::pair(&halves.first, -1.0), std::pair(&halves.second, 1.0)}) {
-    for (const Polygon& face : part.faces) {
-      Polygon cut = clipped(face, axis, at, side);
-      if (!cut.empty()) half->faces.push_back(std::move(cut));
-    }
-    if (!half->faces.empty()) half->ball = ballAround(half->faces);
+    half->faces = clipped(part.faces, axis, at, side);
+    if (!half->faces.empty()) half->ball = ballAround(half->faces.corners());
   }
   return halves;
 }
@@ -146,13 +139,12 @@ BallCover coverWithBalls(const Shape& shape, int count) {
   if (shape.type() == ShapeType::kSphere || !(whole.radius > 0) || parts[0].faces.empty()) {
     cover.outer.push_back(whole);
   } else {
-    parts[0].ball = ballAround(parts[0].faces);
+    parts[0].ball = ballAround(parts[0].faces.corners());
     Vector3d low = Vector3d::Constant(kInfinity), high = -low;
-    for (const Polygon& face : parts[0].faces)
-      for (const Vector3d& p : face) {
-        low = low.cwiseMin(p);
-        high = high.cwiseMax(p);
-      }
+    for (const Vector3d& p : parts[0].faces.corners()) {
+      low = low.cwiseMin(p);
+      high = high.cwiseMax(p);
+    }
     Eigen::Index shortest = 0;
     (high - low).minCoeff(&shortest);
     const std::array<Eigen::Index, 2> axes = {(shortest + 1) % 3, (shortest + 2) % 3};

@@ -41,20 +41,21 @@ std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 /// A part across an axis: how far its slices go in each direction.
 class Profile {
  public:
-  Profile(std::span<const Polygon> faces, Index axis) : u_((axis + 1) % 3), v_((axis + 2) % 3) {
-    for (const Polygon& face : faces)
-      for (const Vector3d& p : face) {
-        low_ = std::min(low_, p[axis]);
-        high_ = std::max(high_, p[axis]);
-      }
+  Profile(const Polygons& faces, Index axis) : u_((axis + 1) % 3), v_((axis + 2) % 3) {
+    for (const Vector3d& p : faces.corners()) {
+      low_ = std::min(low_, p[axis]);
+      high_ = std::max(high_, p[axis]);
+    }
     for (int d = 0; d < kDirections; ++d)
       sineCosine(2 * std::numbers::pi * d / kDirections, sine_[at(d)], cosine_[at(d)]);
     for (auto& slice : reach_) slice.fill(-kInfinity);
     if (!(high_ > low_)) return;
     const std::size_t step = std::max<std::size_t>(1, faces.size() / kMeasuredFaces);
-    for (std::size_t f = 0; f < faces.size(); f += step)
-      for (std::size_t i = 0; i < faces[f].size(); ++i)
-        addEdge(faces[f][i], faces[f][(i + 1) % faces[f].size()], axis);
+    for (std::size_t f = 0; f < faces.size(); f += step) {
+      const std::span<const Vector3d> face = faces[f];
+      for (std::size_t i = 0; i < face.size(); ++i)
+        addEdge(face[i], face[(i + 1) % face.size()], axis);
+    }
   }
 
   double boundary(int slice) const { return low_ + (high_ - low_) * slice / kSlices; }
@@ -124,11 +125,11 @@ struct Cut {
 };
 
 struct Part {
-  std::vector<Polygon> faces;
+  Polygons faces;
   std::array<Cut, 3> cuts;  ///< across each axis
 };
 
-Cut bestCut(std::span<const Polygon> faces, Index axis) {
+Cut bestCut(const Polygons& faces, Index axis) {
   const Profile profile(faces, axis);
   const double whole = profile.measure(0, kSlices);
   Cut best{0, axis, 0};
@@ -139,7 +140,7 @@ Cut bestCut(std::span<const Polygon> faces, Index axis) {
   return best;
 }
 
-Part partOf(std::vector<Polygon> faces) {
+Part partOf(Polygons faces) {
   Part part;
   part.faces = std::move(faces);
   for (Index axis = 0; axis < 3; ++axis)
@@ -148,22 +149,14 @@ Part partOf(std::vector<Polygon> faces) {
 }
 
 std::pair<Part, Part> divide(const Part& part, const Cut& cut) {
-  std::vector<Polygon> below, above;
-  for (const Polygon& face : part.faces) {
-    for (const auto& [side, sign] : {std::pair(&below, -1.0), std::pair(&above, 1.0)}) {
-      Polygon kept = clipped(face, cut.axis, cut.place, sign);
-      if (!kept.empty()) side->push_back(std::move(kept));
-    }
-  }
-  return {partOf(std::move(below)), partOf(std::move(above))};
+  return {partOf(clipped(part.faces, cut.axis, cut.place, -1)),
+          partOf(clipped(part.faces, cut.axis, cut.place, 1))};
 }
 
 CoverPart told(const Part& part, double extent) {
   CoverPart cover;
-  cover.ball = ballAround(part.faces);
-  std::vector<Vector3d> all;
-  for (const Polygon& face : part.faces) all.insert(all.end(), face.begin(), face.end());
-  const std::shared_ptr<const ConvexHull> hull = ConvexHull::compute(all);
+  cover.ball = ballAround(part.faces.corners());
+  const std::shared_ptr<const ConvexHull> hull = ConvexHull::compute(part.faces.corners());
   const std::span<const Vector3d> vertices = hull->vertices();
   PointCover& points = cover.points;
   points.own = false;
@@ -186,10 +179,7 @@ std::vector<CoverPart> coverWithParts(const Shape& shape, int count) {
   std::vector<CoverPart> cover;
   if (shape.type() != ShapeType::kMesh || !(shape.mesh()->hullExcess() > kLeastConcavity))
     return cover;
-  std::vector<Polygon> faces;
-  const std::span<const Vector3d> v = shape.mesh()->vertices();
-  for (const auto& t : shape.mesh()->triangles())
-    faces.push_back({v[at(t[0])], v[at(t[1])], v[at(t[2])]});
+  Polygons faces = polygonsOf(*shape.mesh());
   const double least = kLeastSaving * Profile(faces, 0).measure(0, kSlices);
   std::vector<Part> parts;
   parts.push_back(partOf(std::move(faces)));
