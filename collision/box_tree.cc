@@ -35,8 +35,21 @@ float roundedUp(double x) {
   return static_cast<double>(f) < x ? std::nextafter(f, std::numeric_limits<float>::infinity()) : f;
 }
 
-// A right-handed frame with its first axis along `first` and its second near to `second`.
-Matrix3d frame(const Vector3d& first, const Vector3d& second) {
+// Vectors whose squares leave the range of normal doubles are brought to a length near 1, by a
+// power of two: divided by their own lengths as rounded they would not be of length 1.
+Vector3d withinRange(const Vector3d& v) {
+  constexpr double kLeast = 1e-140, kMost = 1e140;
+  const double largest = v.cwiseAbs().maxCoeff();
+  if (!(largest > 0 && largest <= std::numeric_limits<double>::max())) return v;
+  if (largest >= kLeast && largest <= kMost) return v;
+  const int exponent = std::ilogb(largest);
+  return v.unaryExpr([&](double x) { return std::ldexp(x, -exponent); });
+}
+
+// A right-handed frame with its first axis along `along_first` and its second near to
+// `near_second`.
+Matrix3d frame(const Vector3d& along_first, const Vector3d& near_second) {
+  const Vector3d first = withinRange(along_first), second = withinRange(near_second);
   Matrix3d axes = Matrix3d::Identity();
   if (!(first.norm() > 0)) return axes;
   axes.col(0) = first.normalized();

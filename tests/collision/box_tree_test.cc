@@ -186,6 +186,40 @@ TEST(BoxTree, EveryBoxHoldsItsTriangles) {
   EXPECT_GE(pieces_met, 12);
 }
 
+// Triangles along a line, beside it by so little that the squares of that are no normal doubles:
+// axes were up to 1.15 long, and a gap along such a one is more than the boxes' distance.
+TEST(BoxTree, AxesHaveLengthOneHoweverThinAMeshIs) {
+  int axes = 0;
+  for (const double beside : {1e-9, 1e-10, 3e-11, 1e-11, 3e-12, 1e-12}) {
+    std::vector<Vector3d> vertices;
+    std::vector<MeshTree::Triangle> triangles;
+    for (int i = 0; i < 24; ++i) {
+      const double along = (i * 7 % 24) / 24.0;
+      vertices.emplace_back(along, along, 1e-70 * (1 + beside * (i * 5 % 11)));
+      if (i >= 2) triangles.push_back({i - 2, i - 1, i});
+    }
+    MeshTree tree(vertices, triangles, std::vector<std::int32_t>(triangles.size(), 0));
+    tree.makeBoxes(vertices, triangles, {});
+    const std::function<void(int)> check = [&](int id) {
+      const BoxNode& node = tree.boxes().node(id);
+      for (int lane = 0; lane < node.count; ++lane) {
+        const OrientedBox box = node.box(lane);
+        Eigen::Matrix3d rows;
+        for (int k = 0; k < 3; ++k) {
+          for (int i = 0; i < 3; ++i) rows(k, i) = static_cast<double>(box.axis[k][i]);
+        }
+        const Eigen::Matrix3d off = rows * rows.transpose() - Eigen::Matrix3d::Identity();
+        EXPECT_LT(off.cwiseAbs().maxCoeff(), 0x1p-20) << "beside " << beside << ", node " << id;
+        ++axes;
+        if (node.child[lane] >= 0) check(node.child[lane]);
+      }
+    };
+    ASSERT_TRUE(tree.boxes().usable());
+    check(0);
+  }
+  EXPECT_GT(axes, 100);
+}
+
 TEST(TrianglePair, HoldsTheDistance) {
   Random random(54);
   Scratch scratch;
