@@ -7,6 +7,7 @@
 #include <limits>
 #include <span>
 
+#include "collision/mesh_tree.h"
 #include "leeway/collision/convex_hull.h"
 #include "leeway/collision/deformable_mesh.h"
 #include "leeway/collision/tolerances.h"
@@ -17,18 +18,27 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-std::span<const Eigen::Vector3d> verticesOf(const Shape& shape) {
+/// Its vertices, of a mesh those of its hull alone: a mesh is placed in many scenes, and most of
+/// its vertices matter to none of what is made of these.
+std::span<const Eigen::Vector3d> cornersOf(const Shape& shape) {
   if (shape.type() == ShapeType::kDeformable) return shape.deformable()->vertices();
-  return shape.type() == ShapeType::kMesh ? shape.mesh()->vertices() : shape.hull()->vertices();
+  if (shape.type() == ShapeType::kConvexHull) return shape.hull()->vertices();
+  const ConvexView hull = shape.mesh()->tree().hullView();
+  return {hull.points, static_cast<std::size_t>(hull.count)};
 }
 
 }  // namespace
 
 AxisBox boxOf(const Shape& shape) {
   Eigen::Vector3d low = Eigen::Vector3d::Constant(kInfinity), high = -low;
-  for (const Eigen::Vector3d& v : verticesOf(shape)) {
-    low = low.cwiseMin(v);
-    high = high.cwiseMax(v);
+  if (shape.type() == ShapeType::kMesh) {
+    low = shape.mesh()->tree().node(0).low;
+    high = shape.mesh()->tree().node(0).high;
+  } else {
+    for (const Eigen::Vector3d& v : cornersOf(shape)) {
+      low = low.cwiseMin(v);
+      high = high.cwiseMax(v);
+    }
   }
   AxisBox box;
   box.center = low + (high - low) / 2;
@@ -152,7 +162,7 @@ void addRow(std::vector<Ball>& balls, const Eigen::Vector3d& axis, double reach,
 /// Vertices far from each other: each next the farthest from those chosen, the first the farthest
 /// from the bounding centre.
 void addVertices(std::vector<Ball>& balls, const Shape& shape) {
-  const std::span<const Eigen::Vector3d> vertices = verticesOf(shape);
+  const std::span<const Eigen::Vector3d> vertices = cornersOf(shape);
   std::vector<double> squared(vertices.size());
   for (std::size_t i = 0; i < vertices.size(); ++i)
     squared[i] = (vertices[i] - shape.boundingCenter()).squaredNorm();
