@@ -187,7 +187,7 @@ TEST(BoxTree, EveryBoxHoldsItsTriangles) {
 }
 
 // Triangles along a line, beside it by so little that the squares of that are no normal doubles:
-// axes were up to 1.15 long, and a gap along such a one is more than the boxes' distance.
+// axes were 0.85 to 1.09 long, and a gap along a long one is more than the boxes' distance.
 TEST(BoxTree, AxesHaveLengthOneHoweverThinAMeshIs) {
   int axes = 0;
   for (const double beside : {1e-9, 1e-10, 3e-11, 1e-11, 3e-12, 1e-12}) {
@@ -218,6 +218,29 @@ TEST(BoxTree, AxesHaveLengthOneHoweverThinAMeshIs) {
     check(0);
   }
   EXPECT_GT(axes, 100);
+}
+
+// Such a mesh was said to be farther than 1.490015 m, at 1.490383 m at the least.
+TEST(BoxTree, AThinMeshIsNoFartherThanItIs) {
+  std::vector<Vector3d> line;
+  const double along[] = {0.671875, 0.0625, 0.296875, 0.8125}, beside[] = {6, 6, 5, 3};
+  for (int i = 0; i < 4; ++i)
+    line.emplace_back(along[i], along[i], 1e-70 * (1 + 3e-11 * beside[i]));
+  const Vector3d m(0.5, 0.5, -1.5);
+  const Vector3d body[] = {m, m + Vector3d(0.01, -0.003, 0), m + Vector3d(-0.004, 0.01, 0),
+                           m + Vector3d(0.003, 0.004, 0.01)};
+  const MeshTree::Triangle strip[] = {{0, 1, 2}, {1, 2, 3}},
+                           sides[] = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}};
+  const Shape a = Shape::mesh(TriangleMesh::make(line, strip)),
+              b = Shape::mesh(TriangleMesh::make(body, sides));
+  const double truth = std::hypot(1.49, 0.001 / std::sqrt(2.0));  // of the last corner from x = y
+  Scratch scratch;
+  DistanceRequest request;
+  const Interval plain = distance(a, {}, b, {}, request, scratch).distance;
+  EXPECT_NEAR(plain.lower, truth, 1e-9);
+  EXPECT_NEAR(plain.upper, truth, 1e-9);
+  request.threshold = 1.490015;
+  EXPECT_LE(distance(a, {}, b, {}, request, scratch).distance.lower, truth + 1e-12);
 }
 
 TEST(TrianglePair, HoldsTheDistance) {
