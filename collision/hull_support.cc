@@ -21,6 +21,8 @@ constexpr double kNeedle = 0.25;
 
 HullSupport::HullSupport(const ConvexHull& hull) : points_(hull.vertices().data()) {
   const auto count = static_cast<std::int32_t>(hull.vertices().size());
+  corners_.reserve(hull.vertices().size());
+  for (const Vector& p : hull.vertices()) corners_.push_back({p.x(), p.y(), p.z(), 0});
   // (Flat hulls have no neighbours: beyond what a scan takes they are left to a plain one.)
   if (count <= kScanUpTo) {
     fillColumns(count);

@@ -21,6 +21,11 @@ struct alignas(16) HullCell {
   std::uint16_t vertex[8];
 };
 
+/// A vertex, and a 0 that makes it half a cache line: it is read in one piece.
+struct alignas(32) HullCorner {
+  double x, y, z, zero;
+};
+
 /// What a hull's support function is quick with, made once with the hull.
 class HullSupport {
  public:
@@ -39,6 +44,8 @@ class HullSupport {
   std::int32_t length() const { return length_; }
 
   const Vector* points() const { return points_; }
+  /// The same, as vector registers take them.
+  const HullCorner* corners() const { return corners_.data(); }
 
   /// The table of directions: cells of the six faces of the cube |d| = 1, sides() along either edge
   /// (scan-inl.h finds a direction's). Empty where there is none.
@@ -79,6 +86,7 @@ class HullSupport {
   void fillAxis(const ConvexHull& hull);
 
   const Vector* points_;
+  std::vector<HullCorner> corners_;
   std::vector<Eight> columns_;
   const double* x_ = nullptr;
   std::int32_t length_ = 0;

@@ -45,18 +45,16 @@ class WorldHull {
     name = HWY_LIKELY(found >= 0) ? found : climbed(d, name);
     return vertex(name);
   }
-  HWY_INLINE Triple vertex(int name) const {
-    return placed(hull_.vertices()[static_cast<std::size_t>(name)]);
-  }
+  HWY_INLINE Triple vertex(int name) const { return placed(support_.corners()[name]); }
   // Three of them side by side.
   HWY_INLINE Points<4> vertices(int i, int j, int k) const {
-    const Vector* v = support_.points();
+    const HullCorner* v = support_.corners();
     return rotated(R_, sideBySide(tripleOf(v[i]), tripleOf(v[j]), tripleOf(v[k]))) +
            allLanes<4>(t_);
   }
 
  private:
-  HWY_INLINE Triple placed(const Vector& v) const { return rotated(R_, tripleOf(v)) + t_; }
+  HWY_INLINE Triple placed(const HullCorner& v) const { return rotated(R_, tripleOf(v)) + t_; }
   // As farthestPoint().
   HWY_NOINLINE std::int32_t climbed(const Triple& d, std::int32_t hint) const {
     const double length = std::sqrt(squared(d));

@@ -132,28 +132,60 @@ HWY_INLINE int scanColumns(const double* x, const double* y, const double* z, in
   return firstFarthest(x, y, z, dx, dy, dz, Registers<4>());
 }
 
+HWY_INLINE Triple tripleOf(const HullCorner& corner) { return {corner.x, corner.y, corner.z}; }
+
+/// x dx + y dy + z dz of as many of a cell's vertices as a register takes, from number `from` on.
+/// (A vertex is read in one piece and turned in registers: a gather takes as long for each of its
+/// coordinates on some processors.)
+HWY_INLINE Same valuesOfCell(const HullCell& cell, int from, const HullCorner* corners, double dx,
+                             double dy, double dz) {
+  const std::uint16_t* const names = cell.vertex + from;
+#if HWY_CAP_GE512
+  const __m512d direction = _mm512_broadcast_f64x4(_mm256_set_pd(0, dz, dy, dx));
+  const auto products = [&](int i, int j) HWY_ATTR {
+    const __m512d two =
+        _mm512_insertf64x4(_mm512_castpd256_pd512(_mm256_load_pd(&corners[names[i]].x)),
+                           _mm256_load_pd(&corners[names[j]].x), 1);
+    return _mm512_mul_pd(two, direction);
+  };
+  // Of four vertices, two by two: the sums over x and y, then the products with z.
+  const auto sums = [&](int i) HWY_ATTR {
+    const __m512d even = products(i, i + 2), odd = products(i + 1, i + 3);
+    return _mm512_add_pd(_mm512_unpacklo_pd(even, odd), _mm512_unpackhi_pd(even, odd));
+  };
+  const __m512d first = sums(0), second = sums(4);
+  return Same{_mm512_add_pd(_mm512_shuffle_f64x2(first, second, 0x88),
+                            _mm512_shuffle_f64x2(first, second, 0xdd))};
+#elif HWY_CAP_GE256
+  const Widest d;
+  const Same direction = Same{_mm256_set_pd(0, dz, dy, dx)};
+  const auto products = [&](int i) HWY_ATTR {
+    return hn::Mul(hn::Load(d, &corners[names[i]].x), direction);
+  };
+  const auto sums = [&](int i) HWY_ATTR {
+    const Same even = products(i), odd = products(i + 1);
+    return hn::Add(hn::InterleaveLower(d, even, odd), hn::InterleaveUpper(d, even, odd));
+  };
+  const Same first = sums(0), second = sums(2);
+  return hn::Add(hn::ConcatLowerLower(d, second, first), hn::ConcatUpperUpper(d, second, first));
+#else
+  const Widest d;
+  alignas(16) double values[hn::MaxLanes(Widest())];
+  for (std::size_t i = 0; i < hn::MaxLanes(Widest()); ++i) {
+    const HullCorner& corner = corners[names[i]];
+    values[i] = corner.x * dx + corner.y * dy + corner.z * dz;
+  }
+  return hn::Load(d, values);
+#endif
+}
+
 /// Place in a cell of the first of its farthest vertices.
 template <std::size_t... kRegister>
-HWY_INLINE int firstOfCell(const HullCell& cell, const Vector* points, double dx, double dy,
+HWY_INLINE int firstOfCell(const HullCell& cell, const HullCorner* corners, double dx, double dy,
                            double dz, double& value, std::index_sequence<kRegister...> registers) {
-  const Widest d;
-  constexpr std::size_t kLanes = hn::MaxLanes(Widest());
-  const hn::Rebind<std::uint16_t, Widest> narrow;
-  const hn::Rebind<std::uint32_t, Widest> wider;
-  const hn::Rebind<std::uint64_t, Widest> widest;
-  const hn::Rebind<std::int64_t, Widest> index;
-  const auto dx_all = hn::Set(d, dx), dy_all = hn::Set(d, dy), dz_all = hn::Set(d, dz);
-  const double* base = points->data();
-  const auto valuesOf = [&](std::size_t i) {
-    const auto names = hn::BitCast(
-        index,
-        hn::PromoteTo(widest, hn::PromoteTo(wider, hn::Load(narrow, cell.vertex + i * kLanes))));
-    const auto at = hn::Add(names, hn::Add(names, names));
-    return hn::Add(
-        hn::Add(hn::Mul(gathered(base, at), dx_all), hn::Mul(gathered(base + 1, at), dy_all)),
-        hn::Mul(gathered(base + 2, at), dz_all));
-  };
-  const hn::Vec<Widest> values[] = {valuesOf(kRegister)...};
+  constexpr int kLanes = static_cast<int>(hn::MaxLanes(Widest()));
+  const hn::Vec<Widest> values[] = {
+      valuesOfCell(cell, static_cast<int>(kRegister) * kLanes, corners, dx, dy, dz)...};
   return firstLargest(values, value, registers);
 }
 
@@ -198,14 +230,14 @@ HWY_INLINE int scanCell(const HullSupport& support, const HullCell* cell, double
   if (HWY_UNLIKELY(cell == nullptr)) return -1;
   double value = 0;
   if (HWY_LIKELY(cell->vertex[0] != HullCell::kMany)) {
-    return cell->vertex[firstOfCell(*cell, support.points(), dx, dy, dz, value, Registers<1>())];
+    return cell->vertex[firstOfCell(*cell, support.corners(), dx, dy, dz, value, Registers<1>())];
   }
   hint = HullSupport::start(*cell);
   int count = 0, best = -1;
   const HullCell* part = support.many(*cell, count);
   double best_value = 0;
   for (int i = 0; i < count; i += 8, ++part) {
-    const int found = firstOfCell(*part, support.points(), dx, dy, dz, value, Registers<1>());
+    const int found = firstOfCell(*part, support.corners(), dx, dy, dz, value, Registers<1>());
     if (best >= 0 && !(value > best_value)) continue;
     best = part->vertex[found];
     best_value = value;

@@ -19,6 +19,11 @@
 HWY_BEFORE_NAMESPACE();
 namespace leeway::collision::HWY_NAMESPACE {
 
+/// A kPoints core's point with this name. (Where vertices were looked at just now, they are.)
+HWY_INLINE Triple point(const ConvexView& view, int name) {
+  return view.support != nullptr ? tripleOf(view.support->corners()[name])
+                                 : tripleOf(view.points[name]);
+}
 /// The vertex of a core with this name, which must be one.
 HWY_INLINE Triple corner(const ConvexView& view, int name) {
   const double x = view.size.x(), y = view.size.y(), z = view.size.z();
@@ -28,7 +33,7 @@ HWY_INLINE Triple corner(const ConvexView& view, int name) {
     case Core::kSegment:
       return {0, 0, name == 1 ? z : -z};
     case Core::kPoints:
-      return tripleOf(view.points[name]);
+      return point(view, name);
     default:
       return {0, 0, 0};
   }
@@ -52,7 +57,7 @@ HWY_INLINE Triple farthestCorner(const ConvexView& view, const Triple& d, std::i
       // Climbing asks for a unit vector: what it takes for equal depends on the length.
       name = found >= 0 ? found
                         : farthestPoint(view, Vector(d.x, d.y, d.z) / std::sqrt(squared(d)), name);
-      return tripleOf(view.points[name]);
+      return point(view, name);
     }
     default:
       name = 0;
