@@ -343,12 +343,18 @@ std::shared_ptr<const CompiledScene> CompiledScene::withMarginsGrown(double grow
 std::shared_ptr<const CompiledScene> CompiledScene::withPairs(
     const std::function<bool(const collision::ScenePair&)>& keep) const {
   auto reduced = std::make_shared<CompiledScene>(*this);
-  reduced->scene_.keepPairs(keep);
+  // Each pair is asked once: of another answer the second time pairs would come to other pairs'
+  // motions, and what these prove would not hold.
+  std::vector<char> kept;
+  kept.reserve(scene_.pairs().size());
+  for (const collision::ScenePair& pair : scene_.pairs()) kept.push_back(keep(pair) ? 1 : 0);
+  std::size_t next = 0;
+  reduced->scene_.keepPairs([&](const collision::ScenePair&) { return kept[next++] != 0; });
   reduced->pair_motion_.clear();
   reduced->reversed_.clear();
   reduced->link_gaps_.clear();
-  for (std::size_t p = 0; p < scene_.pairs().size(); ++p) {
-    if (!keep(scene_.pairs()[p])) continue;
+  for (std::size_t p = 0; p < kept.size(); ++p) {
+    if (kept[p] == 0) continue;
     reduced->pair_motion_.push_back(pair_motion_[p]);
     reduced->reversed_.push_back(reversed_[p]);
     reduced->link_gaps_.push_back(link_gaps_[p]);

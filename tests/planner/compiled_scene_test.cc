@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <span>
 #include <string>
 
 #include "robots/model_builder.h"
@@ -166,6 +167,29 @@ TEST(CompiledScene, MarginsByName) {
     wide += named;
   }
   EXPECT_EQ(wide, 1);
+}
+
+/// Whatever is kept goes on with its own motion, even where two askings would not agree: pairs that
+/// came to others' motions were certified to be farther apart than they are.
+TEST(CompiledScene, PairsThatAreKeptKeepTheirMotions) {
+  auto model = column(7);
+  model->has_srdf = true;
+  const CompiledScene whole(problemWith(model));
+  const std::span<const collision::ScenePair> pairs = whole.scene().pairs();
+  std::size_t asked = 0;
+  const auto reduced =
+      whole.withPairs([&](const collision::ScenePair&) { return asked++ % 4 == 1; });
+  EXPECT_EQ(asked, pairs.size());
+  const std::span<const collision::ScenePair> left = reduced->scene().pairs();
+  ASSERT_EQ(left.size(), (pairs.size() + 2) / 4);
+  for (std::size_t p = 0; p < left.size(); ++p) {
+    EXPECT_EQ(left[p].body_a, pairs[4 * p + 1].body_a);
+    EXPECT_EQ(left[p].body_b, pairs[4 * p + 1].body_b);
+    const auto now = static_cast<int>(p), before = static_cast<int>(4 * p + 1);
+    EXPECT_EQ(reduced->pairMotionIndex(now), whole.pairMotionIndex(before));
+    EXPECT_EQ(reduced->isReversed(now), whole.isReversed(before));
+    EXPECT_EQ(reduced->linkGap(now), whole.linkGap(before));
+  }
 }
 
 }  // namespace
