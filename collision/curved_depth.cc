@@ -343,7 +343,8 @@ void CurvedDepth::setDepth() {
   DoubleDouble depth;
   if (sharp_ == nullptr) {
     const double tolerance = query.request.tolerance - (query.lower_offset - query.upper_offset);
-    const double gap = std::max(0.75 * tolerance, 4 * kCellRounding * roundoff_);
+    // (In this order, so that a tolerance that is no number is the least.)
+    const double gap = std::max(4 * kCellRounding * roundoff_, 0.75 * tolerance);
     depth = reach_ - std::min(gap, 0.25 * reach_);
   } else {
     const DoubleDoubleVector n = sharp_->inWorld(-progress_.normal());
@@ -503,7 +504,8 @@ bool CurvedDepth::run() {
   if (!(reach_ > 0)) return false;
   reach_ = std::numeric_limits<double>::infinity();
   look(-progress_.normal());
-  if (!(depth_.high > 0) || progress_.decided()) return false;
+  // (Infinity: no plane has been asked, and nothing is to be proven.)
+  if (!(depth_.high > 0 && std::isfinite(depth_.high)) || progress_.decided()) return false;
   Cell stack[8 + kMostHalvings];
   int count = 0;
   for (int octant = 0; octant < 8; ++octant) {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 
 #include "leeway/collision/distance.h"
 #include "tests/collision/pair_cases.h"
@@ -305,6 +306,33 @@ TEST(CurvedDepth, SwappedIsTheSame) {
     EXPECT_LE(e.width(), 1e-9) << pair.replay();
     EXPECT_LE(d.lower, e.upper) << pair.replay();
     EXPECT_LE(e.lower, d.upper) << pair.replay();
+  }
+}
+
+// One that is no number was none to the depth that is to be proven either: it stayed infinite, and
+// the upper end became that.
+TEST(CurvedDepth, ToleranceThatNothingMeetsLeavesTheTruth) {
+  const Pair pair{
+      Shape::ellipsoid({0.06142399395368027, 0.060938735178177071, 0.32684320026309294}),
+      Shape::cylinder(0.54587614483008084, 0.53073149722360435),
+      pose({0.69259647507259003, -0.71613621923555182, 0.086365723617838619, -0.46768007289394159,
+            -0.53697884640565174, -0.70208907407164034, 0.54916798170955006, 0.44587288997186786,
+            -0.70683229542317472},
+           {0.070610520459519183, 0.72293194939278815, -0.68730164480203249}),
+      pose({0.31515693471138767, 0.94510161796882419, 0.086365723617838619, 0.69230224665449702,
+            -0.16669892425076732, -0.70208907407164034, -0.64914844664410809, 0.28105942497334552,
+            -0.70683229542317472},
+           {0.070610510984088395, 0.72293193835084912, -0.68730164338059763})};
+  Scratch scratch;
+  const double infinity = std::numeric_limits<double>::infinity();
+  for (const double tolerance : {std::nan(""), -infinity, -1.0, 0.0}) {
+    DistanceRequest request;
+    request.tolerance = tolerance;
+    const DistanceResult d =
+        distance(pair.a, pair.X_WA, pair.b, pair.X_WB, request, scratch, nullptr);
+    EXPECT_EQ(d.status, DistanceStatus::kLimit);
+    EXPECT_NEAR(d.distance.lower, -0.60681486666, 1e-9) << tolerance;
+    EXPECT_NEAR(d.distance.upper, -0.60681486666, 1e-9) << tolerance;
   }
 }
 
