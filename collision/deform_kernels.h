@@ -35,7 +35,8 @@ struct alignas(64) BranchBox {
   double low[12], high[12];
 };
 
-/// Function pointers of one instruction set. Every set yields the same bytes.
+/// Function pointers of one instruction set. Every set yields the same bytes. `vertices` are those
+/// of a DeformSnapshot, or have one more behind them, too: four doubles are loaded a vertex.
 struct DeformKernels {
   /// Boxes of the nodes [begin, end), last first, each from its leaves' vertices and its children
   /// (which must be in the range, too); and the boxes of nodes whose parents are in the range, in
