@@ -10,7 +10,7 @@ class SharpDifference;
 inline constexpr int kLeastIterations = 64;
 
 /// True for pairs that offerCurvedDepth() knows: one core at least is a cylinder, cone or
-/// ellipsoid, the other none with vertices of its own.
+/// ellipsoid, the other that, a point, segment or box, or the vertices of a ConvexHull.
 bool haveCurvedDepth(const ConvexView& a, const ConvexView& b);
 
 /// Both ends of the signed separation of two overlapping cores of which one is round, where their
@@ -18,22 +18,22 @@ bool haveCurvedDepth(const ConvexView& a, const ConvexView& b);
 /// both nearly share, or along a valley of any shape. An expanding polytope needs facets for all of
 /// it then, and more the narrower the interval is to be. Here the support function h of the
 /// difference is itself proven to be at least a depth d in all directions, by branch and bound over
-/// triangles of directions: cells of curved_cell.h, whose bound errs by the fourth power of their
-/// size.
+/// triangles of directions, whose bound (cell_bound.h) errs by the fourth power of their size.
 ///
 /// In a cell each core is stood for by a convex combination of its pieces (rims, apex, ends,
-/// corners) that is chosen at its three corners and linear between them. At an edge of the core's
-/// surface, where one piece takes over from the other and depths like to be least, it is the
-/// combination whose member lies nearest to the direction: for a direction e and members y of the
-/// face there the one with the largest e . y - |y - (e . y) e|^2 / (2 d). Then the bound does not
-/// fall beside the edge, d |x| bends by less, and what the combinations' interpolation errs by is
-/// of the fourth power, too. (Any choice is a bound.)
+/// corners; curved_face.h) that is chosen at its three corners and linear between them. At an edge
+/// of the core's surface, where one piece takes over from the other and depths like to be least, it
+/// is the combination whose member lies nearest to the direction: for a direction e and members y
+/// of the face there the one with the largest e . y - |y - (e . y) e|^2 / (2 d). Then the bound
+/// does not fall beside the edge, d |x| bends by less, and what the combinations' interpolation
+/// errs by is of the fourth power, too. (Any choice is a bound.)
 ///
 /// Wherever a direction is met in which h is less than d, Newton's steps look for the nearest plane
 /// from there, along the edge if it is on one, and d becomes less: what has been proven stays so.
-/// `sharp`: as growPolytope(); cells that cannot be told from rounding are looked at once more in
-/// twice the precision. False where nothing was proven. O(1): thousands of cells, kMostCells at the
-/// most.
+/// `sharp`: as growPolytope(); at corners of cells that cannot be told from rounding the bound is
+/// taken in twice the precision. False where nothing was proven. The caller's limit of iterations
+/// is granted once more, some hundred cells a step: thousands of cells in all, at the default limit
+/// a hundred thousand at the most.
 bool offerCurvedDepth(Difference<false>& difference, Progress& progress,
                       const SharpDifference* sharp);
 

@@ -21,7 +21,7 @@ struct DistanceRequest {
   /// False: a pair proven to overlap (upper <= 0) is answered at once with whatever lower end is
   /// known.
   bool depth = true;
-  /// GJK and penetration steps for one convex pair. Reaching it costs width, never truth.
+  /// GJK and penetration steps for one pair, twice for round depths. It costs width, never truth.
   int iteration_limit = 256;
   /// Node pairs of bounding-volume hierarchies visited for a pair with a mesh. The same holds.
   int node_limit = 10'000'000;

@@ -1,0 +1,126 @@
+#include "collision/cell_bound.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "collision/curved_face.h"
+#include "collision/sharp.h"
+#include "tests/sanitized.h"
+#include "tools/oracle/generate.h"
+
+namespace leeway::collision {
+namespace {
+
+using Eigen::Vector3d;
+using oracle::Flavour;
+using oracle::Random;
+
+constexpr ShapeType kRound[] = {ShapeType::kCylinder, ShapeType::kCone, ShapeType::kEllipsoid};
+constexpr ShapeType kAny[] = {ShapeType::kCapsule,  ShapeType::kBox,  ShapeType::kConvexHull,
+                              ShapeType::kCylinder, ShapeType::kCone, ShapeType::kEllipsoid};
+
+CurvedCorner<Vector> cornerAt(const CurvedFaces& faces, const Pose& X_BA, const Vector3d& x,
+                              double depth, CurvedChoice& choice) {
+  faces.blend(faces.along(x), depth, choice);
+  double of_a[3], of_b[3];
+  faces.center(0, choice, of_a);
+  faces.center(1, choice, of_b);
+  CurvedCorner<Vector> c;
+  c.x = x;
+  c.center = Vector3d(of_b[0], of_b[1], of_b[2]) - placed(X_BA, {of_a[0], of_a[1], of_a[2]});
+  c.scaled[0] = faces.semiAxes(0).cwiseProduct(rotatedBack(X_BA.rotation, x));
+  c.scaled[1] = faces.semiAxes(1).cwiseProduct(x);
+  for (int k = 0; k < 2; ++k) c.share[k] = faces.share(k, choice);
+  return c;
+}
+
+// The bound at a corner, for the world's poses.
+DoubleDouble valueAt(const CurvedFaces& faces, const SharpDifference& sharp, const Vector3d& x_b,
+                     const CurvedChoice& choice) {
+  const DoubleDoubleVector x = sharp.inWorld(x_b);
+  DoubleDouble of_a[3], of_b[3];
+  faces.center(0, choice, of_a);
+  faces.center(1, choice, of_b);
+  DoubleDouble value =
+      dot(x, sharp.memberOf({of_a[0], of_a[1], of_a[2]}, {of_b[0], of_b[1], of_b[2]}));
+  const DoubleDoubleVector local[2] = {sharp.inA(x), sharp.inB(x)};
+  for (int k = 0; k < 2; ++k) {
+    const Vector3d& m = faces.semiAxes(k);
+    value = value + faces.share(k, choice) *
+                        norm({m.x() * local[k].x, m.y() * local[k].y, m.z() * local[k].z});
+  }
+  return value;
+}
+
+// What it says of a cell, and the support function itself in many of its directions, to twice the
+// precision; cells lie in valleys, and depths are about what is there.
+TEST(CellBound, WhatIsProvenHoldsInEveryDirection) {
+  Random random(171);
+  int proven = 0, refused = 0, gained = 0, hulls = 0;
+  for (int i = 0; i < casesToAsk(4000); ++i) {
+    Shape a = oracle::randomShape(random, kRound[random.below(3)], Flavour::kPlain);
+    Shape b = oracle::randomShape(random, kAny[random.below(6)], Flavour::kPlain);
+    if (random.chance(0.5)) std::swap(a, b);
+    const ConvexView view_a = viewOf(a), view_b = viewOf(b);
+    const Pose X_WA{random.rotation(), random.direction()};
+    Pose X_WB{random.chance(0.4) ? X_WA.rotation : random.rotation(),
+              X_WA.translation + random.logUniform(1e-6, 0.3) * random.direction()};
+    const SharpDifference sharp(view_a, X_WA, view_b, X_WB);
+    const Pose X_BA = sharp.X_BA();
+    Difference<false> difference(view_a, view_b, X_BA, X_BA);
+    const CurvedFaces faces(difference);
+    const double size = view_a.extent + view_b.extent + X_BA.translation.norm();
+    const double roundoff = kUnitRoundoff * size;
+    // Downhill on the sphere.
+    Vector3d nearest = random.direction();
+    for (int k = 0; k < 100; ++k) {
+      SupportPoint s;
+      difference.support(-nearest, s);
+      const Vector3d slope = s.w - nearest.dot(s.w) * nearest;
+      nearest = Vector3d(nearest - 0.5 / (1 + k) / size * slope).normalized();
+    }
+    CurvedChoice choice;
+    const double reach = nearest.dot(faces.blend(faces.along(nearest), 0.3 * size, choice));
+    if (!(reach > 1e-3 * size)) continue;
+    const double width = random.logUniform(1e-4, 0.3);
+    CurvedCorner<Vector> corners[3];
+    CurvedChoice choices[3];
+    Vector3d x[3];
+    for (int k = 0; k < 3; ++k) {
+      x[k] = random.uniform(0.6, 1) * Vector3d(nearest + width * random.direction()).normalized();
+      corners[k] = cornerAt(faces, X_BA, x[k], reach, choices[k]);
+    }
+    const double room = random.chance(0.5) ? random.logUniform(1e-15, 1e-3)
+                                           : std::pow(width, 4) * random.logUniform(1e-3, 10);
+    const double depth = reach - room * size;
+    double margins[3];
+    for (int k = 0; k < 3; ++k) {
+      margins[k] =
+          (valueAt(faces, sharp, x[k], choices[k]) - depth * norm(sharp.inWorld(x[k]))).high;
+    }
+    const double sizes[2] = {view_a.extent, view_b.extent};
+    if (!CellBound(corners, sizes, roundoff, sharp.moved()).proves(margins, depth)) {
+      ++refused;
+      continue;
+    }
+    ++proven;
+    hulls += view_a.core == Core::kPoints || view_b.core == Core::kPoints;
+    gained += !provesCell(corners, sizes, depth, 128 * roundoff);
+    for (int k = 0; k < 60; ++k) {
+      double mu[3] = {random.unit(), random.unit(), random.unit()};
+      if (k < 20) mu[k % 3] = 0;
+      const DoubleDoubleVector n = sharp.inWorld(mu[0] * x[0] + mu[1] * x[1] + mu[2] * x[2]);
+      const DoubleDouble rest = sharp.mostAlong(n) - depth * norm(n);
+      EXPECT_GE(rest.high, 0) << "case " << i;
+    }
+  }
+  EXPECT_GT(proven, casesToAsk(500));
+  EXPECT_GT(refused, casesToAsk(500));
+  EXPECT_GE(gained, casesToAsk(5));
+  EXPECT_GT(hulls, casesToAsk(50));
+}
+
+}  // namespace
+}  // namespace leeway::collision
