@@ -114,27 +114,24 @@ class PlacedVertices {
     HWY_UNROLL(4)
     for (int i = 0; i < kMost; i += kStep) {
       const int from = kEights == 1 || i < length ? i : i % 8;
-      placeColumns(support, from, R, t, sign, x_ + i, y_ + i, z_ + i);
+      placeColumns(support, from, R, t, sign, at_[0] + i, at_[1] + i, at_[2] + i);
     }
   }
 
-  HWY_INLINE Triple vertex(int name) const { return {x_[name], y_[name], z_[name]}; }
+  HWY_INLINE Triple vertex(int name) const { return {at_[0][name], at_[1][name], at_[2][name]}; }
   // The vertex with the least v . n.
   HWY_INLINE SamePoint farthest(const SamePoint& n, std::int32_t& name) const {
     const Widest d;
     const Same least =
         leastLane(leastOf<0, static_cast<std::size_t>(kMost / kStep)>([&](std::size_t i) HWY_ATTR {
           const std::size_t at = i * hn::MaxLanes(d);
-          return named(hn::Add(hn::Add(hn::Mul(hn::Load(d, x_ + at), n.x),
-                                       hn::Mul(hn::Load(d, y_ + at), n.y)),
-                               hn::Mul(hn::Load(d, z_ + at), n.z)),
-                       hn::Load(hn::RebindToSigned<Widest>(), kPlaces + at));
+          return named(along(n, at), hn::Load(hn::RebindToSigned<Widest>(), kPlaces + at));
         }));
     const auto place = placeOf(least);
     name = static_cast<std::int32_t>(hn::GetLane(place));
 #if HWY_CAP_GE512
     if constexpr (kEights <= 2) {
-      return {inRegisters(x_, place), inRegisters(y_, place), inRegisters(z_, place)};
+      return {inRegisters(at_[0], place), inRegisters(at_[1], place), inRegisters(at_[2], place)};
     }
 #endif
     SamePoint found;
@@ -142,18 +139,29 @@ class PlacedVertices {
     return found;
   }
   using Place = hn::Vec<hn::RebindToSigned<Widest>>;
-  // The same for each of eight directions; `places` has names.
-  HWY_INLINE Points<kFan> farthest(const Points<kFan>& n, Place* places) const {
+  // The same for each direction of a ring; `places` has names. A vertex's value is that of the
+  // first direction and what two of its coordinates add.
+  HWY_INLINE Points<kFan> farthest(const Ring<kFan>& ring, Place* places) const {
+    const Widest d;
     const hn::RebindToSigned<Widest> di;
+    alignas(64) double first[std::size_t{kMost}];
+    SamePoint n;
+    set(n, ring.first);
+    HWY_UNROLL(4)
+    for (std::size_t i = 0; i < std::size_t{kMost}; i += hn::MaxLanes(d))
+      hn::Store(along(n, i), d, first + i);
+    const double *const u = at_[0] + std::ptrdiff_t{kMost} * (ring.axis == 2 ? 0 : ring.axis + 1),
+                        *const v =
+                            at_[0] + std::ptrdiff_t{kMost} * (ring.axis == 0 ? 2 : ring.axis - 1);
     Lanes<kFan> least = allLanes<kFan>(std::numeric_limits<double>::infinity());
-    // (Each coordinate is read from memory into all lanes: from registers it would take a shuffle.)
+    // (Each number is read from memory into all lanes: from registers it would take a shuffle.)
     const int count = kEights == 1 ? kMost : count_;  // (Of eight hardly any is padding.)
     HWY_UNROLL(1)
-    for (int v = 0; v < count; ++v) {
+    for (int i = 0; i < count; ++i) {
       const Lanes<kFan> value =
-          allLanes<kFan>(x_[v]) * n.x + allLanes<kFan>(y_[v]) * n.y + allLanes<kFan>(z_[v]) * n.z;
+          allLanes<kFan>(u[i]) * ring.u + allLanes<kFan>(first[i]) + allLanes<kFan>(v[i]) * ring.v;
       least = eachLane<kFan>(
-          [&](int i) HWY_ATTR { return hn::Min(least.v[i], named(value.v[i], hn::Set(di, v))); });
+          [&](int k) HWY_ATTR { return hn::Min(least.v[k], named(value.v[k], hn::Set(di, i))); });
     }
     Points<kFan> found;
     for (int i = 0; i < kRegisters<kFan>; ++i) {
@@ -161,15 +169,15 @@ class PlacedVertices {
       places[i] = place;
 #if HWY_CAP_GE512
       if constexpr (kEights <= 2) {
-        found.x.v[i] = inRegisters(x_, place);
-        found.y.v[i] = inRegisters(y_, place);
-        found.z.v[i] = inRegisters(z_, place);
+        found.x.v[i] = inRegisters(at_[0], place);
+        found.y.v[i] = inRegisters(at_[1], place);
+        found.z.v[i] = inRegisters(at_[2], place);
         continue;
       }
 #endif
-      found.x.v[i] = gathered(x_, place);
-      found.y.v[i] = gathered(y_, place);
-      found.z.v[i] = gathered(z_, place);
+      found.x.v[i] = gathered(at_[0], place);
+      found.y.v[i] = gathered(at_[1], place);
+      found.z.v[i] = gathered(at_[2], place);
     }
     return found;
   }
@@ -180,6 +188,13 @@ class PlacedVertices {
       0,  1,  2,  3,  4,  5,  6,  7,  8,  9,  10, 11, 12, 13, 14, 15,
       16, 17, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27, 28, 29, 30, 31};
 
+  // Values along n of those from place `at` on.
+  HWY_INLINE Same along(const SamePoint& n, std::size_t at) const {
+    const Widest d;
+    return hn::Add(
+        hn::Add(hn::Mul(hn::Load(d, at_[0] + at), n.x), hn::Mul(hn::Load(d, at_[1] + at), n.y)),
+        hn::Mul(hn::Load(d, at_[2] + at), n.z));
+  }
   static HWY_INLINE Same named(Same value, Place place) {
     const hn::RebindToSigned<Widest> di;
     return hn::BitCast(Widest(), hn::OrAnd(place, hn::BitCast(di, value), hn::Set(di, -kMost)));
@@ -211,25 +226,27 @@ class PlacedVertices {
   }
 
   const int count_;
-  alignas(64) double x_[std::size_t{kMost}], y_[std::size_t{kMost}], z_[std::size_t{kMost}];
+  alignas(64) double at_[3][std::size_t{kMost}];  // coordinates
 };
 
 // Of A the mirror image, so that the difference is a sum.
 template <int kEights>
 struct PlacedCores {
   using Point = SamePoint;
-  static constexpr double kTilt = kEights <= 2 ? 1.2 : 0.72;  // the best of a few
+  static constexpr double kTilt = kEights <= 2 ? 1.1 : 0.72;  // the best of a few
+  static constexpr double kReach = 0.6;                       // likewise
   static constexpr double kTiltOfFew = 0;
   const ConvexHull &hull_a, &hull_b;
   PlacedVertices<kEights> minus_a, b;
+  const double reach;
   HWY_INLINE SamePoint support(const SamePoint& n, VertexNames& names) const {
     const SamePoint p = minus_a.farthest(n, names.a), q = b.farthest(n, names.b);
     return {hn::Add(p.x, q.x), hn::Add(p.y, q.y), hn::Add(p.z, q.z)};
   }
-  HWY_INLINE Points<kFan> fan(const Points<kFan>& n, const VertexNames& /*hints*/,
+  HWY_INLINE Points<kFan> fan(const Ring<kFan>& ring, const VertexNames& /*hints*/,
                               Lanes<kFan>& names) const {
     typename PlacedVertices<kEights>::Place places_a[kRegisters<kFan>], places_b[kRegisters<kFan>];
-    const Points<kFan> all = minus_a.farthest(n, places_a) + b.farthest(n, places_b);
+    const Points<kFan> all = minus_a.farthest(ring, places_a) + b.farthest(ring, places_b);
     names = eachLane<kFan>([&](int i) HWY_ATTR {
       return hn::BitCast(Widest(), hn::Or(places_a[i], hn::ShiftLeft<32>(places_b[i])));
     });
@@ -385,10 +402,12 @@ HWY_NOINLINE bool answerInWorld(const Pair& pair, const PairCache* carried, Dist
 }
 template <int kEights>
 HWY_NOINLINE bool answerPlaced(const Pair& pair, DistanceResult& result, VertexStart& start) {
-  const PlacedCores<kEights> cores = {*pair.a.hull(),
-                                      *pair.b.hull(),
-                                      {*pair.a.hull(), pair.X_WA.rotation, pair.t, -1},
-                                      {*pair.b.hull(), pair.X_WB.rotation, {0, 0, 0}, 1}};
+  const PlacedCores<kEights> cores = {
+      *pair.a.hull(),
+      *pair.b.hull(),
+      {*pair.a.hull(), pair.X_WA.rotation, pair.t, -1},
+      {*pair.b.hull(), pair.X_WB.rotation, {0, 0, 0}, 1},
+      PlacedCores<kEights>::kReach * (pair.a.boundingRadius() + pair.b.boundingRadius())};
   return answer(pair, cores, PlacedVertices<kEights>::kNameRounding * kUnitRoundoff * pair.size,
                 nullptr, result, start);
 }
@@ -421,7 +440,7 @@ bool hullSteps(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_W
   const Triple t = tripleOf(X_WA.translation) - tripleOf(X_WB.translation);
   const double size = a.extent() + b.extent() + std::sqrt(squared(t));
   // Written so that NaN fails.
-  if (!(check.rotations && size >= kSmallestScale && size <= kLargestScale) ||
+  if (!(check.rotations && size >= kSmallestScale && size <= kLargestForLanes) ||
       request.iteration_limit <= 0) {
     return false;
   }

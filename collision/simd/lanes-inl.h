@@ -77,6 +77,14 @@ HWY_INLINE Mask<n> operator&(const Mask<n>& a, const Mask<n>& b) {
   return result;
 }
 
+/// b where a is not.
+template <int n>
+HWY_INLINE Mask<n> andNot(const Mask<n>& a, const Mask<n>& b) {
+  Mask<n> result;
+  for (int i = 0; i < kRegisters<n>; ++i) result.v[i] = hn::AndNot(a.v[i], b.v[i]);
+  return result;
+}
+
 /// Lane by lane x where the mask is set, else y.
 template <int n>
 HWY_INLINE Lanes<n> choose(const Mask<n>& mask, const Lanes<n>& x, const Lanes<n>& y) {
@@ -134,21 +142,26 @@ HWY_INLINE Lanes<n> allLanes(Same x) {
 template <int n>
 class Pick {
  public:
-  HWY_INLINE explicit Pick(std::int64_t lane) : lane_(lane) {}
+  using Place = hn::Vec<hn::RebindToSigned<Widest>>;
+  HWY_INLINE explicit Pick(std::int64_t lane) : Pick(hn::Set(hn::RebindToSigned<Widest>(), lane)) {}
+  /// The lane in every lane of a register.
+  HWY_INLINE explicit Pick(Place lane) : lane_(lane) {}
+  HWY_INLINE int lane() const { return static_cast<int>(hn::GetLane(lane_)); }
   HWY_INLINE double operator()(const Lanes<n>& a) const {
 #if HWY_CAP_GE512
     return hn::GetLane(hn::TableLookupLanes(a.v[0], places<n>()));
 #else
     alignas(64) double some[std::size_t{n}];
     store(a, some);
-    return some[lane_];
+    return some[hn::GetLane(lane_)];
 #endif
   }
   /// For every lane.
   HWY_INLINE Same same(const Lanes<n>& a) const {
 #if HWY_CAP_GE512
     if constexpr (n == 4) {
-      return hn::TableLookupLanes(hn::ZeroExtendVector(Widest(), a.v[0]), places<8>());
+      // (Highway's way there sets the upper half to zero, which is never looked at.)
+      return hn::TableLookupLanes(Same{_mm512_castpd256_pd512(a.v[0].raw)}, places<8>());
     } else {
       return hn::TableLookupLanes(a.v[0], places<8>());
     }
@@ -161,10 +174,14 @@ class Pick {
 #if HWY_CAP_GE512
   template <int m>
   HWY_INLINE auto places() const {
-    return hn::IndicesFromVec(Doubles<m>(), hn::Set(hn::RebindToSigned<Doubles<m>>(), lane_));
+    if constexpr (m == 4) {
+      return hn::IndicesFromVec(Doubles<4>(), hn::LowerHalf(lane_));
+    } else {
+      return hn::IndicesFromVec(Doubles<8>(), lane_);
+    }
   }
 #endif
-  std::int64_t lane_;
+  Place lane_;
 };
 
 /// The numbers at places of an array, none of them below 0, lane by lane.
@@ -194,13 +211,19 @@ HWY_INLINE Same leastLane(Same x) {
 #endif
 }
 
-/// The first lane with the least value; there is no NaN.
-template <int n>
-HWY_INLINE int firstLeast(const Lanes<n>& a) {
-  static_assert(n == 8);
-  Same least = a.v[0];
-  for (int i = 1; i < kRegisters<n>; ++i) least = hn::Min(least, a.v[i]);
-  return std::countr_one(bitsOf(a > allLanes<n>(leastLane(least))) & 0x7fU);
+/// A lane with the least value, or with one that is greater by some units in the last place; none
+/// is below 0, infinite or NaN. (With a name infinity would be NaN, too, of which lanes do not
+/// agree which one is least.)
+HWY_INLINE Pick<8> leastLaneOf(const Lanes<8>& a) {
+  // The last bits of each value are replaced by its lane: no mask has to become a number.
+  const hn::RebindToSigned<Widest> di;
+  const auto named = [&](int i) HWY_ATTR {
+    const auto lane = hn::Iota(di, 8 / kRegisters<8> * i);
+    return hn::BitCast(Widest(), hn::OrAnd(lane, hn::BitCast(di, a.v[i]), hn::Set(di, -8)));
+  };
+  Same least = named(0);
+  for (int i = 1; i < kRegisters<8>; ++i) least = hn::Min(least, named(i));
+  return Pick<8>(hn::And(hn::BitCast(di, leastLane(least)), hn::Set(di, 7)));
 }
 
 /// The first four of the lanes that are told.
@@ -239,6 +262,15 @@ HWY_INLINE Lanes<8> nextInRing(const Lanes<8>& a) {
   return eachLane<8>(
       [&](int i) { return hn::LoadU(Doubles<8>(), some + 1 + 8 / kRegisters<8> * i); });
 #endif
+}
+
+/// The lane with the least of the first three values, a[k] / part[k]; no part is below 0. (Of the
+/// fourth one nothing is known.)
+HWY_INLINE Pick<4> leastOfThree(const Lanes<4>& a, const Lanes<4>& part) {
+  // Across, instead of divided: is the lane's greater than the next one's?
+  const Mask<4> greater = a * nextInRing(part) > nextInRing(a) * part;
+  static constexpr std::int64_t kLeastLane[8] = {0, 1, 2, 2, 0, 1, 0, 0};
+  return Pick<4>(kLeastLane[bitsOf(greater) & 7U]);
 }
 
 /// x, y and z side by side, each of them in all of its lanes; what the last lane gets does not

@@ -95,6 +95,7 @@ class PlacedCores {
  public:
   using Point = Triple;
   static constexpr double kTilt = 0.4, kTiltOfFew = 0.2;  // the best of a few each
+  static constexpr double reach = std::numeric_limits<double>::infinity();
   HWY_INLINE PlacedCores(const Difference<false>& difference, bool place)
       : a_(difference.viewA()),
         b_(difference.viewB()),
@@ -111,8 +112,8 @@ class PlacedCores {
     return b - placed(farthestCorner(a_, rotatedBack(R_, n), names.a));
   }
   template <int n>
-  HWY_INLINE Points<n> fan(const Points<n>& directions, const VertexNames& hints,
-                           Lanes<n>& names) const {
+  HWY_INLINE Points<n> fan(const Ring<n>& ring, const VertexNames& hints, Lanes<n>& names) const {
+    const Points<n> directions = directionsOf(ring);
     alignas(64) double x[std::size_t{n}], y[std::size_t{n}], z[std::size_t{n}],
         both[std::size_t{n}];
     store(directions.x, x);

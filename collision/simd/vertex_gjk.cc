@@ -11,6 +11,7 @@
 #include "collision/simd/dispatch.h"
 #include "collision/simd/vertex_cores-inl.h"
 #include "collision/simd/vertex_search-inl.h"
+#include "leeway/collision/tolerances.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace leeway::collision::HWY_NAMESPACE {
@@ -80,6 +81,7 @@ bool fits(const Difference<false>& difference, const PairCache& cache) {
 GjkEnd runVertexGjk(Difference<false>& difference, const Vector& direction,
                     const PairCache* carried, Progress& progress, Simplex& simplex) {
   if (progress.iterations >= progress.query().request.iteration_limit) return GjkEnd::kLimit;
+  if (progress.query().roundoff > kUnitRoundoff * kLargestForLanes) return GjkEnd::kStagnated;
   const GjkEnd end =
       LEEWAY_DISPATCH(vertexSteps)(difference, direction, progress, carried, simplex);
   if (end == GjkEnd::kStagnated && simplex.count > 0) reduceAll(simplex, simplex.count);

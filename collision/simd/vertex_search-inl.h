@@ -32,11 +32,11 @@
 // Nothing here calls code of another target: code without AVX that runs while registers' upper
 // halves are in use costs hundreds of cycles, and compilers forget to clear them.
 //
-// Whatever rounding does here costs steps only: both ends that are offered rest on points and
-// support values alone, as everywhere (gjk.cc says how they are rounded; a direction's length is
-// divided out of its support value, which errs by no more than a unit vector made of it would).
-// What plain arithmetic cannot settle - flat simplices, the origin inside, ends that rounding keeps
-// apart - is left to runGjk().
+// Sizes are below kLargestForLanes. Whatever rounding does here costs steps only: both ends that
+// are offered rest on points and support values alone, as everywhere (gjk.cc says how they are
+// rounded; a direction's length is divided out of its support value, which errs by no more than a
+// unit vector made of it would). What plain arithmetic cannot settle - flat simplices, the origin
+// inside, ends that rounding keeps apart - is left to runGjk().
 
 HWY_BEFORE_NAMESPACE();
 namespace leeway::collision::HWY_NAMESPACE {
@@ -93,10 +93,12 @@ struct Triangles {
   Lanes<n> height;              ///< p . normal
   Points<n> direction;          ///< of the nearest point, any length
   Lanes<n> direction_squared;   ///< its length squared
-  Lanes<n> norm_squared;        ///< of the nearest point
+  Lanes<n> norm_squared, part;  ///< of the nearest point, times `part`, which is above 0
   Lanes<n> first, second, all;  ///< weights of points k, k + 1 (parts of `all`)
+  Mask<n> on_edge;              ///< it is on the edge from p to point k, at neither end
 };
 
+// Nothing waits for a division.
 template <int n>
 HWY_INLINE Triangles<n> trianglesOf(const Points<n>& p, const Points<n>& ring) {
   const Lanes<n> zero = allLanes<n>(0.0), one = allLanes<n>(1.0);
@@ -111,16 +113,21 @@ HWY_INLINE Triangles<n> trianglesOf(const Points<n>& p, const Points<n>& ring) {
   // Weights of the lane's points, times nn.
   const Lanes<n> area_e = ff * pe - ef * pf, area_f = ee * pf - ef * pe;
   const Mask<n> inside = (area_e > zero) & (area_f > zero) & (nn - area_e > area_f);
-  const Lanes<n> along = choose(pe > zero, choose(ee > pe, pe / ee, one), zero);
-  const Points<n> on_edge = p - along * t.e;
+  // The edge's nearest point is along / whole of the way from p to the lane's.
+  const Mask<n> leaves = pe > zero, between = leaves & (ee > pe);
+  const Lanes<n> whole = choose(between, ee, one),
+                 along = choose(between, pe, choose(leaves, one, zero));
+  const Points<n> on_edge = whole * p - along * t.e;
   const Lanes<n> edge_squared = dot(on_edge, on_edge);
   // A triangle's normal points away from the origin or towards it.
   t.direction = choose(inside, withSignOf(t.normal, t.height), on_edge);
   t.direction_squared = choose(inside, nn, edge_squared);
-  t.norm_squared = choose(inside, t.height * (t.height / nn), edge_squared);
+  t.norm_squared = choose(inside, t.height * t.height, edge_squared);
+  t.part = choose(inside, nn, whole * whole);
   t.first = choose(inside, area_e, along);
   t.second = choose(inside, area_f, zero);
-  t.all = choose(inside, nn, one);
+  t.all = choose(inside, nn, whole);
+  t.on_edge = andNot(inside, between);
   return t;
 }
 
@@ -135,22 +142,20 @@ struct Nearest {
   Lanes<4> first, second, all;   ///< as Triangles has them, of that lane
 };
 
-/// What lane k of the triangles of p, the newest point, says of the nearest one.
+/// What a lane of the triangles of p, the newest point, says of the nearest one.
 template <int n, class Point>
-HWY_INLINE void take(const Triangles<n>& t, std::int64_t k, const Point& newest,
+HWY_INLINE void take(const Triangles<n>& t, const Pick<n>& best, const Point& newest,
                      Nearest<Point>& nearest) {
-  const Pick<n> best(k);
   pick(t.direction, best, nearest.direction);
   nearest.direction_squared = best(t.direction_squared);
-  nearest.norm_squared = best(t.norm_squared);
+  nearest.norm_squared = best(t.norm_squared) / best(t.part);
+  nearest.lane = best.lane();
   // Near contact what is left of the edge's point after cancellation is not at a right angle to
   // the edge any more: once more. (Not at an edge's end. All in one branch: most pairs that are so
   // near have their nearest points elsewhere.)
-  const Lanes<n> zero = allLanes<n>(0.0), one = allLanes<n>(1.0),
-                 least = allLanes<n>(kCancelled * squared(tripleOf(newest)));
-  const Mask<n> cancelled = (least > t.norm_squared) & (t.first > zero) & (one > t.first) &
-                            (allLanes<n>(std::numeric_limits<double>::denorm_min()) > t.second);
-  if (HWY_UNLIKELY((bitsOf(cancelled) >> static_cast<unsigned>(k) & 1U) != 0)) {
+  const Lanes<n> least = allLanes<n>(kCancelled * squared(tripleOf(newest)));
+  const Mask<n> cancelled = (least * t.part > t.norm_squared) & t.on_edge;
+  if (HWY_UNLIKELY((bitsOf(cancelled) >> static_cast<unsigned>(nearest.lane) & 1U) != 0)) {
     Triple edge;
     pick(t.e, best, edge);
     const Triple way = tripleOf(nearest.direction);
@@ -186,15 +191,10 @@ HWY_INLINE Step heldBy(const Triangles<4>& t) {
 /// Takes the newest point in.
 template <class Point>
 HWY_INLINE Step step(const Point& newest, const Points<4>& old, Nearest<Point>& nearest) {
-  // The lane with the least of the first three values, by which of them are greater than the next.
-  // (Of the fourth one nothing is known.)
-  static constexpr std::int64_t kLeastLane[8] = {0, 1, 2, 2, 0, 1, 0, 0};
   const Triangles<4> t = trianglesOf(allLanes<4>(newest), old);
   const Step found = heldBy(t);
   if (HWY_UNLIKELY(found != Step::kNearer)) return found;
-  const std::int64_t k = kLeastLane[bitsOf(t.norm_squared > nextInRing(t.norm_squared)) & 7U];
-  take(t, k, newest, nearest);
-  nearest.lane = static_cast<int>(k);
+  take(t, leastOfThree(t.norm_squared, t.part), newest, nearest);
   nearest.first = t.first;
   nearest.second = t.second;
   nearest.all = t.all;
@@ -205,23 +205,24 @@ HWY_INLINE Step step(const Point& newest, const Points<4>& old, Nearest<Point>& 
 class BestPlane {
  public:
   HWY_INLINE BestPlane()
-      : value_(allLanes<4>(-std::numeric_limits<double>::infinity())),
+      : value_(-std::numeric_limits<double>::infinity()),
         per_(allLanes<4>(1.0)),
         direction_(allLanes<4>(1.0)) {}
   template <class Point>
   /// A supporting value, of a direction with the reciprocal `per` of its length.
   HWY_INLINE void offer(double value, double per, const Point& direction) {
-    const Lanes<4> offered = allLanes<4>(per * value);
-    const Mask<4> better = offered > value_;
+    const double offered = per * value;
+    const Mask<4> better = allLanes<4>(offered) > allLanes<4>(value_);
     direction_ = choose(
         better,
         sideBySide(allLanes<4>(direction.x), allLanes<4>(direction.y), allLanes<4>(direction.z)),
         direction_);
-    // (Of two single numbers compilers take the larger one by a branch here.)
-    value_ = choose(better, offered, value_);
     per_ = choose(better, allLanes<4>(per), per_);
+    // (Of two single numbers compilers take the larger one by a branch here.)
+    const hn::CappedTag<double, 1> one;
+    value_ = hn::GetLane(hn::Max(hn::Set(one, offered), hn::Set(one, value_)));
   }
-  HWY_INLINE double value() const { return hn::GetLane(value_.v[0]); }
+  HWY_INLINE double value() const { return value_; }
   HWY_INLINE Triple normal() const {
     alignas(32) double coordinates[4];
     store(per_ * direction_, coordinates);
@@ -229,7 +230,8 @@ class BestPlane {
   }
 
  private:
-  Lanes<4> value_, per_;  // in each of them
+  double value_;
+  Lanes<4> per_;  // in each of them
   Lanes<4> direction_;
 };
 
@@ -247,21 +249,32 @@ alignas(64) constexpr double kFanRing[2][kFan] = {
 alignas(32) constexpr double kFewRing[2][4] = {{1, -0.5, -0.5, 0},
                                                {0, 0.8660254037844386, -0.8660254037844386, 0}};
 
+/// Directions around a first one.
 template <int n>
-HWY_INLINE Points<n> directionsAround(const Triple& first, const double* ring_u,
-                                      const double* ring_v, double by) {
-  const Lanes<n> x = allLanes<n>(std::abs(first.x)), y = allLanes<n>(std::abs(first.y)),
-                 z = allLanes<n>(std::abs(first.z));
-  const Mask<n> y_most = y > x;
-  const Lanes<n> xy_most = choose(y_most, y, x);
-  const Mask<n> z_most = z > xy_most;
+struct Ring {
+  Triple first;
+  int axis;       ///< its largest coordinate's
+  Lanes<n> u, v;  ///< what is added to the next coordinate and to the one after that, in a circle
+};
+
+template <int n>
+HWY_INLINE Ring<n> ringAround(const Triple& first, const double* ring_u, const double* ring_v,
+                              double tilt, double most) {
+  const double x = std::abs(first.x), y = std::abs(first.y), z = std::abs(first.z);
+  const int y_most = static_cast<int>(y > x);
+  const double xy_most = std::max(x, y);
+  const int axis = z > xy_most ? 2 : y_most;
   // (The largest coordinate is known before the length is.)
-  const Lanes<n> size = choose(z_most, z, xy_most), zero = allLanes<n>(0.0), tilt = allLanes<n>(by),
-                 u = tilt * load<n>(ring_u), v = tilt * load<n>(ring_v);
-  const Points<n> across = {choose(z_most, u, choose(y_most, v, zero)),
-                            choose(z_most, v, choose(y_most, zero, u)),
-                            choose(z_most, zero, choose(y_most, u, v))};
-  return allLanes<n>(first) + size * across;
+  const Lanes<n> size = allLanes<n>(tilt * std::min(std::max(xy_most, z), most));
+  return {first, axis, size * load<n>(ring_u), size * load<n>(ring_v)};
+}
+
+template <int n>
+HWY_INLINE Points<n> directionsOf(const Ring<n>& ring) {
+  const Lanes<n> zero = allLanes<n>(0.0);
+  const Lanes<n> across[3] = {zero, ring.u, ring.v};
+  return allLanes<n>(ring.first) +
+         Points<n>{across[(3 - ring.axis) % 3], across[(4 - ring.axis) % 3], across[2 - ring.axis]};
 }
 
 /// The points that carry what a search found, with their weights; some may have none. Of the four
@@ -288,10 +301,13 @@ struct Carriers {
 ///   Point, the kind of point that is quicker: Triple or SamePoint;
 ///   Point support(const Point& n, VertexNames& names) const: the member of the difference with the
 ///     smallest w . n, for a direction of any length; names come in as hints;
-///   Points<n> fan(const Points<n>& n, const VertexNames& hints, Lanes<n>& names) const: the same
-///     for all lanes, kFan or four of them;
+///   Points<n> fan(const Ring<n>& ring, const VertexNames& hints, Lanes<n>& names) const: the same
+///     for all lanes of a ring, kFan or four of them;
 ///   double kTilt, of a fan's ring; 0 where there is no fan to begin with;
 ///   double kTiltOfFew, of a ring of three; 0 where there never is one;
+///   double reach, what a ring's radius is at most before it is tilted: bodies that are far from
+///   each
+///     other for their size are met near the first direction;
 ///   bool areDear() const, where there may be: three are enough, since each answer is dear and the
 ///     first direction good;
 ///   Points<4> members(const VertexNames (&names)[3]) const: three members side by side.
@@ -379,7 +395,7 @@ HWY_INLINE void Search<Cores>::beginAlong(const Triple& first) {
 template <class Cores>
 HWY_INLINE Step Search<Cores>::beginFew(const Triple& first) {
   ++iterations_;
-  old_ = cores_.fan(directionsAround<4>(first, kFewRing[0], kFewRing[1], Cores::kTiltOfFew),
+  old_ = cores_.fan(ringAround<4>(first, kFewRing[0], kFewRing[1], Cores::kTiltOfFew, cores_.reach),
                     newest_names_, old_names_);
   const Pick<4> middle(3);
   pick(old_, middle, newest_);
@@ -394,18 +410,19 @@ template <class Cores>
 HWY_INLINE void Search<Cores>::beginFan(const Triple& first) {
   ++iterations_;
   Lanes<kFan> names;
-  const Points<kFan> ring = cores_.fan(
-      directionsAround<kFan>(first, kFanRing[0], kFanRing[1], Cores::kTilt), newest_names_, names);
+  const Points<kFan> ring =
+      cores_.fan(ringAround<kFan>(first, kFanRing[0], kFanRing[1], Cores::kTilt, cores_.reach),
+                 newest_names_, names);
   const Pick<kFan> middle(kFan - 1);
   pick(ring, middle, newest_);
   newest_names_ = namesIn(middle(names));
   best_.offer(dot(first, tripleOf(newest_)), 1 / std::sqrt(squared(first)), first);
 
   const Triangles<kFan> t = trianglesOf(allLanes<kFan>(newest_), ring);
-  const int k = firstLeast(t.norm_squared);
-  take(t, k, newest_, nearest_);
+  const Pick<kFan> best = leastLaneOf(t.norm_squared / t.part);
+  take(t, best, newest_, nearest_);
   // Points k, k + 1 and the middle are what the next step has.
-  const Pick<kFan> best(k);
+  const int k = nearest_.lane;
   nearest_.lane = 0;
   nearest_.first = allLanes<4>(best.same(t.first));
   nearest_.second = allLanes<4>(best.same(t.second));
@@ -456,6 +473,8 @@ HWY_INLINE GjkEnd Search<Cores>::run(const Triple& first, const PairCache* carri
       return GjkEnd::kStagnated;
     }
     if (iterations_ >= request_.iteration_limit) return GjkEnd::kLimit;
+    // (Of features that are all but none the square has lost its digits.)
+    if (HWY_UNLIKELY(!(nearest_.direction_squared > kLeastSquare))) return GjkEnd::kStagnated;
     ++iterations_;
     const double per = 1 / std::sqrt(nearest_.direction_squared);
     newest_ = cores_.support(nearest_.direction, newest_names_);

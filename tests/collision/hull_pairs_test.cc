@@ -113,6 +113,38 @@ TEST(HullPairs, AgreeWithTheGeneralWay) {
   EXPECT_GT(handed_over, casesToAsk(50));
 }
 
+// Directions have up to the cube of a length: where its square is out of range, a plane that proved
+// nothing would be told.
+TEST(HullPairs, SizesAtTheEndsOfTheScale) {
+  Random random(135);
+  Scratch scratch;
+  int converged = 0, asked = 0;
+  for (int i = 0; i < casesToAsk(1500); ++i) {
+    const Pair p = hullPair(random, scratch);
+    const DistanceResult r = generalDistance(p.a, p.X_WA, p.b, p.X_WB, {}, scratch, nullptr);
+    for (const int power : {-128, -110, 90, 110, 150, 180, 195}) {
+      const double scale = std::ldexp(1, power);
+      const auto scaled = [&](const Shape& shape) {
+        std::vector<Vector3d> points(shape.hull()->vertices().begin(),
+                                     shape.hull()->vertices().end());
+        for (Vector3d& point : points) point *= scale;
+        return Shape::convexHull(points);
+      };
+      const Pose X_WA{p.X_WA.rotation, scale * p.X_WA.translation},
+          X_WB{p.X_WB.rotation, scale * p.X_WB.translation};
+      DistanceRequest request;
+      request.tolerance *= scale;
+      const DistanceResult large =
+          distance(scaled(p.a), X_WA, scaled(p.b), X_WB, request, scratch, nullptr);
+      ASSERT_LE(large.distance.lower, scale * r.distance.upper) << power << " " << p.replay();
+      ASSERT_GE(large.distance.upper, scale * r.distance.lower) << power << " " << p.replay();
+      ++asked;
+      converged += large.status == DistanceStatus::kConverged;
+    }
+  }
+  EXPECT_GT(converged, asked * 95 / 100);
+}
+
 TEST(HullPairs, HoldTheTruth) {
   Random random(132);
   Scratch scratch;

@@ -35,6 +35,9 @@ inline constexpr double kRotationTolerance = 1e-6;
 /// bounding spheres, because products of four lengths would leave the range of double.
 inline constexpr double kLargestScale = 1e60;
 inline constexpr double kSmallestScale = 1e-40;
+/// GJK's steps in vector lanes square directions that are products of three lengths: larger sizes
+/// [m] are left to the general way.
+inline constexpr double kLargestForLanes = 1e50;
 
 /// Squared length of the part of a unit direction across the axis below which a round cap is asked
 /// at its centre: it moves the support value by less than 1e-140 of the radius, and keeps the
