@@ -24,6 +24,13 @@ ConvexView outerOf(const DeformSide& side, std::array<Vector3d, 8>& corners) {
   return viewOfPoints(corners.data(), 8, 0);
 }
 
+// Starts to bring near the corners of a triangle.
+void fetchSlot(const DeformableSnapshot& snapshot, int triangle) {
+  const DeformTree& tree = *snapshot.impl().tree;
+  if (triangle >= 0 && triangle < tree.triangleCount())
+    __builtin_prefetch(&tree.corners(tree.slotOf(triangle)));
+}
+
 // The bodies in the other order.
 DistanceResult exchanged(DistanceResult result) {
   std::swap(result.point_a, result.point_b);
@@ -46,6 +53,8 @@ DistanceResult deformDistance(const Shape& a, const Pose& X_WA, const Shape& b, 
     if (cache != nullptr) *cache = turned;
     return result;
   }
+  // What was nearest last time is looked at first, and comes from far.
+  if (cache != nullptr) fetchSlot(*b.deformable(), cache->triangle_b);
   const RelativePose relative = relativePose(X_WA, X_WB);
   if (!relative.valid) return {};
   const DeformSide side_a = deformSide(a), side_b = deformSide(b);

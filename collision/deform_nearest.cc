@@ -137,7 +137,8 @@ class NearestDescent {
     std::array<unsigned, kTogether> left;
     for (std::size_t i = 0; i < count; ++i) boxes[i] = &source_.boxes(ids[i], room[i]);
     for (std::size_t i = 0; i < count; ++i) left[i] = squares(*boxes[i], squared[i]);
-    for (std::size_t i = count; i-- > 0;) push(ids[i], *boxes[i], squared[i], left[i]);
+    for (std::size_t i = 0; i < count; ++i) close(ids[i], *boxes[i], squared[i], left[i]);
+    for (std::size_t i = count; i-- > 0;) push(ids[i], squared[i], left[i]);
   }
 
   // Those that are not above the bar, a bit each.
@@ -199,22 +200,41 @@ class NearestDescent {
     return hn::IfThenElse(known, hn::Mul(lower, lower), zero);
   }
 
-  HWY_INLINE void push(std::int32_t id, const WideBox& box, const float* squared, unsigned left) {
+  // Takes off children that their vertices show to be above the bar.
+  HWY_INLINE void close(std::int32_t id, const WideBox& box, float* squared, unsigned& left) {
     const DeformTree::Node& node = tree_.node(id);
-    const std::size_t first = size_;
     const DeformTree::Refit& refit = tree_.refits()[static_cast<std::size_t>(id) + 1];
     const std::int32_t* const vertices = tree_.refitVertices().data() + refit.vertices;
     const std::uint8_t* const corners = tree_.refitCorners().data() + refit.corners;
+    for (unsigned open = left; open != 0; open &= open - 1) {
+      const auto lane = static_cast<std::size_t>(std::countr_zero(open));
+      const std::int32_t child = node.child[lane];
+      float& near = squared[lane];
+      if (DeformTree::isLeaf(child)) {
+        if (isBeyondLeaf(box, lane, vertices, corners, near))
+          left &= ~(1U << lane);
+        else
+          __builtin_prefetch(&tree_.leaf(DeformTree::leafOf(child)));
+      } else {
+        source_.fetch(child);
+        if (!source_.isReady(child) && isBeyondLeaves(box, lane, child, near))
+          left &= ~(1U << lane);
+      }
+    }
+  }
+
+  HWY_INLINE void push(std::int32_t id, const float* squared, unsigned left) {
+    const DeformTree::Node& node = tree_.node(id);
+    const std::size_t first = size_;
     for (; left != 0; left &= left - 1) {
       const auto lane = static_cast<std::size_t>(std::countr_zero(left));
       const std::int32_t child = node.child[lane];
-      float near = squared[lane];
       if (DeformTree::isLeaf(child)) {
-        if (isBeyondLeaf(box, lane, vertices, corners, near)) continue;
-      } else {
-        source_.fetch(child);
-        if (!source_.isReady(child) && isBeyondLeaves(box, lane, child, near)) continue;
+        const DeformTree::Leaf& leaf = tree_.leaf(DeformTree::leafOf(child));
+        __builtin_prefetch(&tree_.corners(leaf.slot_begin));
+        __builtin_prefetch(&tree_.corners(leaf.slot_end - 1));
       }
+      const float near = squared[lane];
       std::size_t place = size_++;
       for (; place > first && open_[place - 1].squared < near; --place)
         open_[place] = open_[place - 1];
@@ -308,6 +328,7 @@ class NearestDescent {
       }
       if (found_.slot >= 0) settle(found_.own_lower);
       found_.slot = slot;
+      tree_.fetchTriangle(slot);
       found_.upper = of.upper[i];
       found_.own_lower = of.lower[i];
       found_.from = {of.from[0][i], of.from[1][i], of.from[2][i]};

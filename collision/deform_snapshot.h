@@ -96,7 +96,7 @@ class BoxSource {
     __builtin_prefetch(box.low[2]);
     __builtin_prefetch(box.high[1]);
     __builtin_prefetch(&snapshot_->tree->node(child));
-    snapshot_->tree->fetchLeaves(child);
+    if (!there) snapshot_->tree->fetchLeaves(child);
     if (there || snapshot_->demand == Demand::kMotion || entry_->stamp[i] == snapshot_->id) return;
     // Almost every child that is left open is looked at in its turn.
     if (child >= snapshot_->tree->upperCount())
