@@ -400,6 +400,7 @@ DistanceResult convexDistance(const ConvexView& a, const Pose& X_BA, const Conve
                               const DistanceRequest& request, Scratch& scratch, PairCache* cache,
                               double slack, const SharpDifference* sharp,
                               const VertexStart* start) {
+  scratch.impl().work->add(kPairWork);
   const double closed = sharp == nullptr ? kClosedFormRounding : kSharpClosedFormRounding;
   if (a.core == Core::kHalfSpace) {
     if (b.core == Core::kHalfSpace) return {};
@@ -522,6 +523,7 @@ DistanceResult convexDistance(const ConvexView& a, const Pose& X_BA, const Conve
   }
   remember(progress, simplex, difference.countsVertices(), difference.hintA(), difference.hintB(),
            cache);
+  scratch.impl().work->add(progress.iterations * kStepWork);
   return resultOf(progress);
 }
 
@@ -576,6 +578,7 @@ DistanceResult convexSweptDistance(const ConvexView& a, const Pose& X_BA0, const
     runGjk(difference, firstDirection(a, middle, b, cache), progress, simplex);
   }
   remember(progress, simplex, false, difference.hintA(), difference.hintB(), cache);
+  scratch.impl().work->add(kSweptPairWork + progress.iterations * kSweptStepWork);
   return resultOf(progress);
 }
 

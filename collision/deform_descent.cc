@@ -176,6 +176,7 @@ class DeformDescent {
   }
   double floor() const { return request_.threshold > 0 ? request_.threshold : 0; }
   int limit() const {
+    if (scratch_.impl().work->isSpent()) return 0;
     return result_.upper <= 0 && !half_space_ ? std::min(request_.node_limit, overlap_limit_)
                                               : request_.node_limit;
   }

@@ -20,6 +20,8 @@ Scratch::~Scratch() = default;
 Scratch::Scratch(Scratch&&) noexcept = default;
 Scratch& Scratch::operator=(Scratch&&) noexcept = default;
 
+void countInto(Scratch& scratch, Work& work) { scratch.impl().work = &work; }
+
 namespace {
 
 double finiteExtent(const ConvexView& view) {

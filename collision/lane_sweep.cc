@@ -328,6 +328,7 @@ std::size_t LaneSweep::bytes() const {
 
 LaneSweep::Scratch::Scratch(const LaneSweep& sweep) : impl_(std::make_unique<Impl>()) {
   const LaneSweep::Impl& s = *sweep.impl_;
+  countInto(impl_->own);
   impl_->outer.resize(s.pieces.size());
   impl_->balls.resize(s.balls.size());
   impl_->cover_stamp.resize(s.pieces.size());
@@ -361,6 +362,11 @@ LaneSweep::Scratch::Scratch(const LaneSweep& sweep) : impl_(std::make_unique<Imp
 }
 LaneSweep::Scratch::~Scratch() = default;
 std::span<const LaneSweep::Open> LaneSweep::Scratch::open() const { return impl_->open; }
+
+void LaneSweep::Scratch::countInto(Work& work) {
+  impl_->work = &work;
+  collision::countInto(impl_->distance, work);
+}
 
 void LaneSweep::Scratch::close(std::span<const std::uint32_t> lanes) {
   std::size_t kept = 0;
@@ -411,6 +417,7 @@ bool LaneSweepKernel::findPlane(const Sweep::Pair& pair, int lane, bool closely,
   DistanceRequest request;
   request.depth = false;
   request.tolerance = closely ? kLanePlaneTolerance / 8 : kLanePlaneTolerance;
+  scratch.work->add(kPlaneSearchWork);
   const DistanceResult r =
       convexDistance(viewOfPiece(a), X_BA, b, request, scratch.distance, nullptr);
   if (!(r.distance.upper > 0) || !r.normal.allFinite()) return false;

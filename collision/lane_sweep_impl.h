@@ -9,6 +9,7 @@
 #include "collision/convex.h"
 #include "leeway/collision/distance.h"
 #include "leeway/collision/lane_sweep.h"
+#include "leeway/collision/work.h"
 
 namespace leeway::collision {
 
@@ -125,6 +126,8 @@ struct LaneSweep::Scratch::Impl {
   };
   std::vector<Manner> manners;  // one a pair
   collision::Scratch distance;
+  Work own;
+  Work* work = &own;  // what is counted; queries of `distance` count there, too
   std::uint64_t stamp = 0;
   /// A pair last found in contact, and the point that was inside; -1: balls.
   struct Killer {

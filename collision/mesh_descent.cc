@@ -6,6 +6,8 @@
 #include <limits>
 #include <utility>
 
+#include "collision/scratch.h"
+#include "leeway/collision/sweep_fronts.h"
 #include "leeway/collision/tolerances.h"
 #include "leeway/collision/triangle_mesh.h"
 
@@ -42,23 +44,15 @@ class Descent {
     result_.lower = kInfinity;
     result_.upper = kInfinity;
     result_.hull_lower = -kInfinity;
+    if (SweepFront* front = lastFront(); front != nullptr) {
+      fromFront(*front);
+      return result_;
+    }
+    records_ = keepsFronts();
     if (root()) return result_;
     warmStart();
-    bool limited = false;
-    while (size_ > 0 && !done()) {
-      const NodePair pair = stack_[--size_];
-      if (needless(pair.lower)) {
-        settle(pair.lower);
-        continue;
-      }
-      if (visited_ >= limit()) {
-        settle(pair.lower);
-        limited = true;
-        break;
-      }
-      expand(pair);
-      if (done()) settle(pair.lower);  // parts of it may not have been looked at
-    }
+    const bool limited = goDown();
+    if (!limited && !done()) keepFront();
     while (size_ > 0) settle(stack_[--size_].lower);
     const bool threshold = request_.threshold == request_.threshold;
     if (hulls_upper_ < result_.upper && (limited || threshold)) {
@@ -71,6 +65,84 @@ class Descent {
   }
 
  private:
+  // Looks at all that is on the stack. True when a limit ended it.
+  bool goDown() {
+    while (size_ > 0 && !done()) {
+      const NodePair pair = stack_[--size_];
+      if (needless(pair.lower)) {
+        settle(pair.lower);
+        record(pair);
+        continue;
+      }
+      if (visited_ >= limit() || scratch_.impl().work->isSpent()) {
+        settle(pair.lower);
+        return true;
+      }
+      expand(pair);
+      if (done()) settle(pair.lower);  // parts of it may not have been looked at
+    }
+    return false;
+  }
+
+  bool keepsFronts() const {
+    return placement_.swept && scratch_.impl().fronts.active &&
+           request_.node_limit > 2 * static_cast<int>(SweepFront::kMost);
+  }
+  SweepFront* lastFront() {
+    return keepsFronts() ? scratch_.impl().fronts.of(a_.tree, b_.tree) : nullptr;
+  }
+
+  // Its pairs together are all there is.
+  void fromFront(SweepFront& front) {
+    records_ = true;
+    for (std::size_t i = 0; i < front.count; ++i) {
+      SweepFront::Entry& entry = front.entries[i];
+      NodePair pair{entry.a, entry.b, -kInfinity, 0};
+      cache_.direction_B = entry.direction_B;
+      cache_.vertex_a = entry.vertex_a;
+      cache_.vertex_b = entry.vertex_b;
+      bool limited = false;
+      if (evaluate(pair)) {
+        stack_[size_++] = pair;
+        limited = goDown();
+      }
+      if (!limited && !done()) continue;
+      // What was in the way is likely to be again. Of the others nothing is known.
+      std::swap(entry, front.entries[0]);
+      while (size_ > 0) settle(stack_[--size_].lower);
+      if (i + 1 < front.count) settle(-kInfinity);
+      return;
+    }
+    keepFront();
+  }
+
+  // A pair of nodes that need not come apart, with what parted it last.
+  void record(const NodePair& pair) {
+    if (!records_) return;
+    SweepFront& found = scratch_.impl().fronts.found;
+    if (recorded_ == SweepFront::kMost) {
+      records_ = false;
+      return;
+    }
+    found.entries[recorded_++] = {pair.a, pair.b, cache_.direction_B, cache_.vertex_a,
+                                  cache_.vertex_b};
+  }
+
+  // What was recorded holds all pairs: nothing was left on the stack.
+  void keepFront() {
+    if (!records_) return;
+    SweepFrontScratch& fronts = scratch_.impl().fronts;
+    SweepFront* front = fronts.of(a_.tree, b_.tree);
+    if (front == nullptr) {
+      front = &fronts.kept[fronts.next];
+      fronts.next = (fronts.next + 1) % SweepFrontScratch::kFronts;
+    }
+    front->a = a_.tree;
+    front->b = b_.tree;
+    front->count = recorded_;
+    std::copy_n(fronts.found.entries.begin(), recorded_, front->entries.begin());
+  }
+
   static double finite(double x) { return std::isfinite(x) ? x : 0; }
 
   // Pairs whose lower end is above the bar need no closer look.
@@ -199,6 +271,7 @@ class Descent {
     const double bar_now = bar();
     if (needless(pair.lower)) {
       settle(pair.lower);
+      record(pair);
       return false;
     }
     const ConvexView view_a = pair.a >= 0 ? a_.tree->nodeView(a_.tree->node(pair.a)) : a_.view;
@@ -213,6 +286,7 @@ class Descent {
     if (r.distance.lower > 0) pair.order = r.distance.lower;
     if (needless(pair.lower)) {
       settle(pair.lower);
+      record(pair);
       return false;
     }
     return true;
@@ -260,6 +334,7 @@ class Descent {
   }
 
   void leaves(const NodePair& pair) {
+    record(pair);
     const int begin_a = pair.a >= 0 ? a_.tree->node(pair.a).triangle_begin : -1;
     const int end_a = pair.a >= 0 ? a_.tree->node(pair.a).triangle_end : 0;
     const int begin_b = pair.b >= 0 ? b_.tree->node(pair.b).triangle_begin : -1;
@@ -308,6 +383,8 @@ class Descent {
   double rounding_ = 0;             // of sphereLower() [m]
   bool half_space_ = false;
   int visited_ = 0;
+  bool records_ = false;
+  std::size_t recorded_ = 0;
   int overlap_limit_ = std::numeric_limits<int>::max();
   // Every pair that is taken off puts at most two back, which are one level lower on one side.
   std::array<NodePair, 2 * MeshTree::kMaxDepth + 4> stack_;
@@ -315,6 +392,12 @@ class Descent {
 };
 
 }  // namespace
+
+SweepFronts::SweepFronts(Scratch& scratch) : scratch_(scratch) {
+  scratch_.impl().fronts.clear();
+  scratch_.impl().fronts.active = true;
+}
+SweepFronts::~SweepFronts() { scratch_.impl().fronts.active = false; }
 
 DescentSide descentSide(const Shape& shape) {
   DescentSide side;

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "collision/mesh_body.h"
+#include "collision/scratch.h"
 #include "collision/simd/box_gaps.h"
 #include "collision/support.h"
 #include "collision/triangle_pair.h"
@@ -36,6 +37,7 @@ class PairDescent {
         hull_excess_(a.hull_excess + b.hull_excess),
         request_(request),
         scratch_(scratch),
+        work_(*scratch.impl().work),
         cache_(cache) {
     X_AB_ = X_BA_.inverse();
     // As for support points, see gjk.cc: corners are placed and their products with a unit vector
@@ -67,7 +69,7 @@ class PairDescent {
     stack_[size_++] = {a_.root(), b_.root(), result_.hull_lower, !parts_};
     while (size_ > 0 && !done()) {
       const BoxPair pair = stack_[--size_];
-      if (pair.lower > bar() || visited_ >= limit()) {
+      if (pair.lower > bar() || visited_ >= limit() || work_.isSpent()) {
         settle(pair.lower);
         continue;
       }
@@ -148,6 +150,7 @@ class PairDescent {
     float gap[BoxNode::kWidth];
     boxGaps(split, other, gap);
     visited_ += split.count;
+    work_.add(split.count * kBoxWork);
     const double bar_now = bar();
     const std::size_t first = size_;
     for (int i = 0; i < split.count; ++i) {
@@ -221,6 +224,7 @@ class PairDescent {
 
   void triangles(int slot_a, int slot_b) {
     ++visited_;
+    work_.add(kBoxWork);
     const Vector* corners_a = a_.tree().corners(slot_a);
     const Vector* q = b_.tree().corners(slot_b);
     const Vector p[3] = {placed(X_BA_, corners_a[0]), placed(X_BA_, corners_a[1]),
@@ -303,6 +307,7 @@ class PairDescent {
   const double slack_, hull_excess_;
   const DistanceRequest& request_;
   Scratch& scratch_;
+  Work& work_;
   PairCache& cache_;
   DescentResult result_;
   double rounding_ = 0;  // of a pair of triangles, the poses' slack included [m]

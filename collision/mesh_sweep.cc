@@ -30,9 +30,9 @@ bool operator==(const Time& l, const Time& r) { return l.level == r.level && l.n
 struct SweptPair {
   std::int32_t a, b;
   Time time;
-  float gap;         ///< proven, where it is above 0; else the deeper, the more of an overlap
-  bool open;         ///< pieces have been asked: their triangles are wanted
-  int halvings = 0;  ///< of time since `gap`
+  float gap;     ///< proven, where it is above 0; else the deeper, the more of an overlap
+  bool open;     ///< pieces have been asked: their triangles are wanted
+  int halvings;  ///< of time since `gap`
 };
 
 /// |A| of a multiple of two rotations' difference, or of their mean less the rotation halfway
@@ -65,13 +65,16 @@ class MeshSweep {
     // Another part than the one that is asked for proves nothing.
     if (whole.length() != request_.h || whole.begin() != request_.t0) return {};
     result_.status = MeshSweepStatus::kFree;
-    stack_[size_++] = {a_.root(), b_.root(), whole, -1, !parts_};
+    stack_[size_++] = {a_.root(), b_.root(), whole, -1, !parts_, 0};
+    Work& work = *scratch_.impl().work;
     while (size_ > 0 && result_.status == MeshSweepStatus::kFree) {
-      if (result_.nodes >= request_.node_limit) {
+      if (result_.nodes >= request_.node_limit || work.isSpent()) {
         result_.status = MeshSweepStatus::kUndecided;
         break;
       }
+      const int before = result_.nodes;
       expand(stack_[--size_]);
+      work.add((result_.nodes - before) * kBoxWork);
     }
     return result_;
   }

@@ -5,7 +5,9 @@
 #include "collision/deform_snapshot.h"
 #include "collision/mesh_sweep_scratch.h"
 #include "collision/penetration.h"
+#include "collision/sweep_front.h"
 #include "leeway/collision/distance.h"
+#include "leeway/collision/work.h"
 
 namespace leeway::collision {
 
@@ -14,6 +16,9 @@ struct Scratch::Impl {
   PolytopeBuffers polytope;
   DeformScratch deform;
   SweepScratch sweep;
+  SweepFrontScratch fronts;
+  Work own;
+  Work* work = &own;  ///< what is counted
 };
 
 }  // namespace leeway::collision

@@ -43,7 +43,9 @@ class Blending {
     for (int k = 0; k <= chords; ++k) {
       blendPoint(space_, corner, before, after, length, static_cast<double>(k) / chords, next_);
       if (!space_.withinLimits(next_)) return false;
-      if (k > 0 && certifier_.certify(point_, next_).verdict != Verdict::kFree) return false;
+      if (k > 0 &&
+          certifier_.certify(point_, next_, EdgeRequest::persistent()).verdict != Verdict::kFree)
+        return false;
       std::swap(point_, next_);
     }
     return true;

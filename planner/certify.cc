@@ -46,7 +46,7 @@ Certificate certify(EdgeCertifier& certifier, const Path& path, double tolerance
   const double least_margin = leastMargin(scene);
   for (std::size_t i = 1; i < path.positions.size(); ++i) {
     const std::vector<double>&a = path.positions[i - 1], &b = path.positions[i];
-    const bool free = certifier.certify(a, b).verdict == Verdict::kFree;
+    const bool free = certifier.certify(a, b, EdgeRequest::persistent()).verdict == Verdict::kFree;
     if (!free) certificate.certified = false;
     EdgeClearance edge = certifier.edgeClearance(a, b, tolerance, -kInfinity);
     // Every pair is proven to keep its margin, which may say more than an interval of that

@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "leeway/collision/sweep_fronts.h"
 #include "planner/edge_certifier_impl.h"
 #include "planner/tolerances.h"
 
@@ -32,6 +33,9 @@ EdgeCertifier::Impl::Impl(std::shared_ptr<const CompiledScene> compiled)
       lanes(frames),
       workspace(scene->scene()) {
   workspace.pose_error = scene->rounding();
+  collision::countInto(workspace.scratch(), work);
+  lanes.countInto(work);
+  frames.countInto(work);
   motion.resize(scene->motions().size());
   world_balls.resize(frames.pieces().size());
   shared_slots.resize(kSharedSlots + 1);
@@ -73,7 +77,7 @@ void EdgeCertifier::rebind(std::shared_ptr<const CompiledScene> scene) {
 Verdict EdgeCertifier::decide(std::span<const double> point) {
   ++statistics.states;
   Impl& impl = *impl_;
-  impl.work = 0;
+  impl.startWork();
   int pair = -1;
   if (!impl.frames.begin(point, point)) return Verdict::kUndecided;
   const int slot = impl.frames.place(0);
@@ -83,6 +87,7 @@ Verdict EdgeCertifier::decide(std::span<const double> point) {
 StateCheck EdgeCertifier::clearance(std::span<const double> point, double tolerance) {
   ++statistics.states;
   Impl& impl = *impl_;
+  impl.startWork();
   StateCheck check;
   if (!impl.frames.begin(point, point)) return check;
   const int slot = impl.frames.place(0);
@@ -111,12 +116,15 @@ EdgeCheck EdgeCertifier::certify(std::span<const double> a, std::span<const doub
     trace->emplace_back(b.begin(), b.end());
   }
   Impl& impl = *impl_;
-  impl.work = 0;
   ++impl.edge;
-  impl.work_limit = request.work_limit > 0 ? request.work_limit : kEdgeWork;
+  impl.work_limit = request.work_limit > 0     ? request.work_limit
+                    : impl.frames.hasFlights() ? kFlightWork
+                                               : kEdgeWork;
+  impl.startWork(impl.work_limit);
   impl.smallest = request.smallest_interval;
   EdgeCheck check;
   if (!impl.frames.begin(a, b)) return check;
+  const collision::SweepFronts fronts(impl.workspace.scratch());
   const bool by_lanes = impl.lanes_fit && impl.lanes.begin(impl.frames);
   check = by_lanes ? impl.certifyByLanes() : impl.certifyByLevels();
   if (check.verdict == Verdict::kFree)
@@ -124,6 +132,12 @@ EdgeCheck EdgeCertifier::certify(std::span<const double> a, std::span<const doub
   else if (request.last_valid)
     impl.findLastValid(request, check);
   return check;
+}
+
+EdgeRequest EdgeRequest::persistent() {
+  EdgeRequest request;
+  request.work_limit = kPersistentWork;
+  return request;
 }
 
 const robots::MotionBound& EdgeCertifier::Impl::motionOf(const EdgeInterval& interval, int m) {
@@ -187,7 +201,7 @@ Interval EdgeCertifier::Impl::sweep(const EdgeInterval& interval, const EdgePair
   request.threshold = threshold;
   request.depth = false;
   if (nodes > 0) request.node_limit = nodes;
-  ++work;
+  ++queries;
   ++statistics->distance_queries;
   const collision::Shape& a = frames.pieces()[at(pair.a)].geometry->shape;
   const collision::Shape& b = frames.pieces()[at(pair.b)].geometry->shape;
@@ -242,13 +256,11 @@ collision::MeshSweepResult EdgeCertifier::Impl::sweepSurfaces(const EdgeInterval
   request.threshold = pair.threshold;
   request.least_motion = kSmallestMotion;
   request.least_time = smallest;
-  request.node_limit = std::clamp(work_limit - work, 1, kMostQueriesOfASweep) * kNodesPerQuery;
   const int mark = frames.used();
   PairPlacements placements(*this, pair);
   const collision::MeshSweepResult result = collision::sweepMesh(
       frames.pieces()[at(pair.a)].geometry->shape, placements,
       frames.pieces()[at(pair.b)].geometry->shape, request, workspace.scratch());
-  work += 1 + result.nodes / kNodesPerQuery;
   // Its short parts took places that nobody asks for again: a few of these would be all there are.
   if (result.status == collision::MeshSweepStatus::kUndecided) frames.release(mark);
   return result;
@@ -262,6 +274,10 @@ bool EdgeCertifier::Impl::examine(EdgeInterval& interval, std::vector<int>& list
   for (int i = interval.begin; i < interval.end; ++i) {
     const int p = list[at(i)];
     const EdgePair& pair = frames.pairs()[at(p)];
+    if (work.isSpent()) {
+      list[at(kept++)] = p;
+      continue;
+    }
     double growth = 0;
     if (coarseSweep(interval, pair, growth) > pair.threshold ||
         frames.keepsGap(pair, interval.t0, interval.t0 + interval.h))
@@ -283,7 +299,9 @@ bool EdgeCertifier::Impl::examine(EdgeInterval& interval, std::vector<int>& list
         hopeful[at(p)] = std::min(std::max(hopeful[at(p)], growth) * kHopeRegained, kSweepGrowth);
         continue;
       }
-      hopeful[at(p)] = std::max({growth * kHopeLost, hopeful[at(p)] / 2, kLeastHope});
+      // What a sweep of more work would have proven says nothing of growths.
+      if (!work.isSpent())
+        hopeful[at(p)] = std::max({growth * kHopeLost, hopeful[at(p)] / 2, kLeastHope});
       failed_stamp[at(p)] = stamp;
       if (distance.upper <= pair.threshold) {
         offender = p;
@@ -328,6 +346,7 @@ EdgeCheck EdgeCertifier::Impl::certifyByLanes() {
   if (parted.id >= 0)
     return told(Verdict::kNotFree, parted.id, parts.from[parted.lane] + parts.width / 2);
   if (lanes.open().empty()) return told(Verdict::kFree, -1, 0);
+  if (work.isSpent()) return told(Verdict::kUndecided, lanes.open().front().id, 0);
   looks = 0;
   const EdgeCheck open_check = checkOpen(parts);
   if (open_check.verdict != Verdict::kFree) return open_check;
@@ -343,6 +362,8 @@ EdgeCheck EdgeCertifier::Impl::certifyByLanes() {
   if (const std::optional<EdgeCheck> check = certifyParts()) return *check;
   if (!mergeIntervals()) return told(Verdict::kUndecided, -1, 0);
   if (intervals.empty()) return told(Verdict::kFree, -1, 0);
+  if (work.isSpent())
+    return told(Verdict::kUndecided, open[at(intervals.front().begin)], intervals.front().t0);
   const EdgeCheck inside = checkInside();
   return inside.verdict == Verdict::kFree ? certifyIntervals() : inside;
 }
@@ -354,7 +375,7 @@ EdgeCheck EdgeCertifier::Impl::lookCloser(const EdgeLanes::Parts& parts) {
   closer_looks.clear();
   for (const collision::LaneSweep::Open& o : lanes.open()) {
     if (closer_luck[at(o.id)] < 0) continue;
-    if (closer_looks.size() == kLooks) break;
+    if (closer_looks.size() == kLooks || work.isSpent()) break;
     const auto [from, width] = rangeOf(parts, o.lanes);
     if (const std::optional<double> t = lanes.meet(o.id, from, width))
       return told(Verdict::kNotFree, o.id, *t);
@@ -394,7 +415,7 @@ EdgeCheck EdgeCertifier::Impl::checkOpen(const EdgeLanes::Parts& parts) {
   // Pairs that are always near and hardly ever collide are not looked at.
   for (const collision::LaneSweep::Open& o : lanes.open()) {
     if (o.apart || luck[at(o.id)] < 0) continue;
-    if (looks >= kLooks) break;
+    if (looks >= kLooks || work.isSpent()) break;
     const auto [from, width] = rangeOf(parts, o.lanes);
     // Planes may have left a pair open over the same range: the same looks would find the same.
     const auto same = [&, from = from, width = width](const CloserLook& look) {
@@ -522,6 +543,9 @@ std::optional<EdgeCheck> EdgeCertifier::Impl::certifyParts() {
   std::size_t next = 0;
   for (int passes = 0; next < edge_parts.size() && passes < kLanePasses; ++passes) {
     if (edge_parts[next].width <= kFinestPart) break;
+    if (work.isSpent())
+      return told(Verdict::kUndecided, part_pairs[at(edge_parts[next].begin)],
+                  edge_parts[next].from);
     const EdgeLanes::Parts parts = takeParts(next);
     const collision::LaneSweep::Contact met = lanes.sweepParts(parts, pass_pairs);
     if (met.id >= 0) return told(Verdict::kNotFree, met.id, parts.from[met.lane] + parts.width / 2);
@@ -666,12 +690,14 @@ EdgeCheck EdgeCertifier::Impl::certifyIntervals() {
     for (EdgeInterval& interval : intervals) {
       if (!examine(interval, open, offender, t)) return told(Verdict::kNotFree, offender, t);
       if (interval.begin == interval.end) continue;
+      if (work.isSpent())
+        return told(Verdict::kUndecided, open[at(interval.begin)], interval.t0 + interval.h / 2);
       // Edges of a planner's tree come from where it is free and often end in contact.
       const Verdict at_end = checkEnd(interval, offender);
       if (at_end != Verdict::kFree) return told(at_end, offender, 1);
       const double middle = interval.t0 + interval.h / 2;
       const int first = open[at(interval.begin)];
-      if (work > work_limit || interval.level >= kDeepestLevel || interval.h <= smallest)
+      if (interval.level >= kDeepestLevel || interval.h <= smallest)
         return told(Verdict::kUndecided, first, middle);
       if (interval.h * motionOf(interval, frames.pairs()[at(first)].motion).speed < kSmallestMotion)
         return told(Verdict::kUndecided, first, middle);
@@ -709,11 +735,10 @@ Verdict EdgeCertifier::Impl::checkMiddle(const EdgeInterval& interval, int slot,
     offender = open[at(i)];
     const EdgePair& pair = frames.pairs()[at(offender)];
     Pair found = coarseState(slot, pair);
-    // What a sweep has failed to prove is near enough to be asked exactly; nothing that is open in
-    // a configuration can be closed by smaller intervals.
-    if (found == Pair::kOpen && failed_stamp[at(offender)] == stamp) {
-      found = exactState(slot, pair);
-      if (found == Pair::kOpen) return Verdict::kUndecided;
+    // What a sweep has failed to prove is near enough to be asked exactly. Contacts are found soon;
+    // that there is none, smaller intervals have to prove anyway.
+    if (found == Pair::kOpen && failed_stamp[at(offender)] == stamp && !work.isSpent()) {
+      found = exactState(slot, pair, kLookNodes);
     }
     if (found == Pair::kNotFree) return Verdict::kNotFree;
   }
@@ -722,7 +747,7 @@ Verdict EdgeCertifier::Impl::checkMiddle(const EdgeInterval& interval, int slot,
 
 void EdgeCertifier::Impl::findLastValid(const EdgeRequest&, EdgeCheck& check) {
   frames.release(0);
-  work = 0;
+  startWork(work_limit);
   check.last_valid = 0;
   int offender = -1;
   const int start = frames.place(0), end = frames.place(1);
@@ -741,8 +766,7 @@ bool EdgeCertifier::Impl::certifyPrefix(EdgeInterval interval, EdgeCheck& check)
     check.last_valid = interval.t0 + interval.h;
     return true;
   }
-  if (interval.level >= kLastValidLevel || work > work_limit || interval.h <= smallest)
-    return false;
+  if (interval.level >= kLastValidLevel || work.isSpent() || interval.h <= smallest) return false;
   const auto count = static_cast<std::size_t>(interval.end - interval.begin);
   const int mark = frames.used();
   const std::size_t top = open.size();

@@ -2,6 +2,7 @@
 
 // Private to planner/: what certify() and edgeClearance() share.
 
+#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -9,6 +10,7 @@
 #include <vector>
 
 #include "leeway/collision/mesh_sweep.h"
+#include "leeway/collision/work.h"
 #include "leeway/planner/edge_certifier.h"
 #include "planner/edge_frames.h"
 #include "planner/edge_lanes.h"
@@ -26,6 +28,11 @@ struct EdgeInterval {
 struct EdgeCertifier::Impl {
   explicit Impl(std::shared_ptr<const CompiledScene> scene);
 
+  /// Nothing is counted yet, and so much may be.
+  void startWork(std::int64_t limit = std::numeric_limits<std::int64_t>::max()) {
+    work = {0, limit};
+  }
+
   /// What a look at one pair found.
   enum class Pair : unsigned char { kFree, kNotFree, kOpen };
 
@@ -33,7 +40,8 @@ struct EdgeCertifier::Impl {
   /// `slot` is the edge's configuration at t.
   Verdict checkState(int slot, double t, int& pair);
   Pair coarseState(int slot, const EdgePair& pair) const;
-  Pair exactState(int slot, const EdgePair& pair);
+  /// `nodes`: see sweep(); where they do not suffice, open.
+  Pair exactState(int slot, const EdgePair& pair, int nodes = 0);
   collision::DistanceResult stateDistance(int slot, const EdgePair& pair,
                                           const collision::DistanceRequest& request);
 
@@ -199,7 +207,9 @@ struct EdgeCertifier::Impl {
   std::vector<int> open, next_open;
   std::vector<std::pair<double, int>> order;  // pairs by coarse distance
   int killer = 0;                             // index into pairs of what last was not free
-  int work = 0, work_limit = 0;
+  collision::Work work;                       // of the present edge or state
+  std::int64_t work_limit = 0;
+  int queries = 0;  // of the present edgeClearance()
   double smallest = 0;
   Statistics* statistics = nullptr;
   std::uint64_t edge = 0;  // number of the present one

@@ -131,7 +131,8 @@ EdgeClearance EdgeCertifier::edgeClearance(std::span<const double> a, std::span<
   Impl& impl = *impl_;
   Impl::ClearanceSearch search{tolerance, cutoff};
   if (impl.frames.pairs().empty()) return search.best;
-  impl.work = 0;
+  impl.startWork();
+  impl.queries = 0;
   const int start = impl.frames.begin(a, b) ? impl.frames.place(0) : -1;
   const int end = start < 0 ? -1 : impl.frames.place(1);
   if (end < 0) {
@@ -220,7 +221,7 @@ void EdgeCertifier::Impl::searchIntervals(ClearanceSearch& search) {
                         next_intervals.size() + 2 > next_intervals.capacity() ||
                         frames.used() + 1 >= kEdgeSlots;
       settleFromMiddle(interval, slot,
-                       full || work > kClearanceWork || interval.level >= kDeepestLevel, search);
+                       full || queries > kClearanceWork || interval.level >= kDeepestLevel, search);
       if (search.cut()) return;
       split(interval, slot);
     }

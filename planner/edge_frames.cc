@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 #include "leeway/collision/mesh_sweep.h"
@@ -29,6 +30,7 @@ void EdgeFrames::rebind(std::shared_ptr<const CompiledScene> scene) {
   pieces_.clear();
   moving_.clear();
   pairs_.clear();
+  has_flights_ = false;
   gaps_.clear();
   gaps_.reserve(scene_->scene().pairs().size());  // whatever margins a rebind may bring
   addPieces();
@@ -56,11 +58,29 @@ void EdgeFrames::addPieces() {
   }
 }
 
-/// Whether a free or planar joint carries a link.
+namespace {
+
+/// Arcs of a table that a range reaches into, at most.
+std::int64_t arcsIn(const robots::LinkGap::Range& range) {
+  const double arcs =
+      std::abs(range.to - range.from) * robots::LinkGap::kArcs / (2 * std::numbers::pi) + 2;
+  return arcs < robots::LinkGap::kArcs ? static_cast<std::int64_t>(arcs) : robots::LinkGap::kArcs;
+}
+
+}  // namespace
+
+/// Whether a free or planar joint that is planned carries a link: one that places an arm in its
+/// world stands still.
 bool EdgeFrames::travels(int link) const {
+  const std::span<const int> planned = scene_->space().variables();
   for (int l = link; l >= 0; l = scene_->model().joints[at(l)].parent_link) {
-    const robots::JointType type = scene_->model().joints[at(l)].type;
-    if (type == robots::JointType::kFloating || type == robots::JointType::kPlanar) return true;
+    const robots::Joint& joint = scene_->model().joints[at(l)];
+    const auto moves = [&joint](int v) {
+      return v >= joint.first_variable && v < joint.first_variable + joint.variable_count;
+    };
+    if ((joint.type == robots::JointType::kFloating || joint.type == robots::JointType::kPlanar) &&
+        std::any_of(planned.begin(), planned.end(), moves))
+      return true;
   }
   return false;
 }
@@ -96,6 +116,7 @@ void EdgeFrames::addPairs() {
                     ((pieces_[at(e.a)].link < 0 && travels(pieces_[at(e.b)].link)) ||
                      (pieces_[at(e.b)].link < 0 && travels(pieces_[at(e.a)].link))) &&
                     collision::sweepsMesh(shapeOf(e.a), shapeOf(e.b));
+    has_flights_ = has_flights_ || e.by_surfaces;
     addGap(e);
     pairs_.push_back(e);
   }
@@ -123,7 +144,9 @@ EdgeFrames::Turn EdgeFrames::turnOf(int joint) const {
 bool EdgeFrames::keepsGap(const EdgePair& pair, double t0, double t1) const {
   if (pair.gap < 0) return false;
   const Gap& gap = gaps_[at(pair.gap)];
-  const double kept = gap.known->over(gap.turn.over(t0, t1), gap.other.over(t0, t1));
+  const robots::LinkGap::Range angles = gap.turn.over(t0, t1), others = gap.other.over(t0, t1);
+  if (work_ != nullptr) work_->add(arcsIn(angles) * arcsIn(others) * collision::kCellWork);
+  const double kept = gap.known->over(angles, others);
   // 0 is no proof, however deep the margin lets them overlap.
   return kept > 0 && kept > pair.threshold;
 }
@@ -170,6 +193,7 @@ bool EdgeFrames::begin(std::span<const double> a, std::span<const double> b) {
 
 int EdgeFrames::place(double t) {
   if (used_ >= capacity_) return -1;
+  if (work_ != nullptr) work_->add(static_cast<std::int64_t>(links_) * collision::kPlacingWork);
   const int slot = used_;
   if (t == 0)
     scene_->expand(a_, q_);

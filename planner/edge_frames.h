@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "leeway/collision/work.h"
 #include "leeway/planner/compiled_scene.h"
 #include "leeway/robots/motion_bound.h"
 
@@ -70,6 +71,10 @@ class EdgeFrames {
   /// True when a pair is known to keep more than its threshold from t0 to t1, by the angles
   /// of the two joints between its links (robots::LinkGap). O(arcs between the two).
   bool keepsGap(const EdgePair& pair, double t0, double t1) const;
+  /// What placing and tables cost counts into `work` from now on.
+  void countInto(collision::Work& work) { work_ = &work; }
+  /// Whether a pair is followed by_surfaces.
+  bool hasFlights() const { return has_flights_; }
   bool isWithinLimits() const { return within_limits_; }
   std::span<const Piece> pieces() const { return pieces_; }
   std::span<const EdgePair> pairs() const { return pairs_; }
@@ -122,6 +127,8 @@ class EdgeFrames {
   Turn turnOf(int joint) const;
   std::vector<Gap> gaps_;
   std::size_t links_;
+  collision::Work* work_ = nullptr;  // what is counted
+  bool has_flights_ = false;
   int capacity_;
   int used_ = 0;
   std::uint64_t generation_ = 0;

@@ -379,9 +379,20 @@ bool EdgeLanes::begin(const EdgeFrames& frames) {
   return true;
 }
 
+void EdgeLanes::countInto(collision::Work& work) {
+  work_ = &work;
+  scratch_->countInto(work);
+}
+
+void EdgeLanes::placeFrames(const collision::LaneValues& places,
+                            std::vector<collision::LaneFrame>& frames) {
+  if (work_ != nullptr) work_->add(collision::kLanePassWork);
+  collision::placeFrames(frame_steps_, places, frames);
+}
+
 LaneSweep::Contact EdgeLanes::sweep() {
   const collision::LaneValues middles = middlesOfEdge();
-  collision::placeFrames(frame_steps_, middles, lane_frames_);
+  placeFrames(middles, lane_frames_);
   const LaneSweep::Contact again = sweep_.meetAgain(lane_frames_, slack_, *scratch_);
   if (again.id >= 0) return again;
   collision::moveFrames(frame_steps_, middles, kWidth, lane_frames_);
@@ -392,7 +403,7 @@ LaneSweep::Contact EdgeLanes::sweep() {
 
 LaneSweep::Contact EdgeLanes::sweepBeyond(double beyond) {
   const collision::LaneValues middles = middlesOfEdge();
-  collision::placeFrames(frame_steps_, middles, lane_frames_);
+  placeFrames(middles, lane_frames_);
   collision::moveFrames(frame_steps_, middles, kWidth, lane_frames_);
   growth_.run(joint_motion_, growth_values_);
   // What points may leave their chords by is a distance that must be kept; so is this.
@@ -437,7 +448,7 @@ LaneSweep::Contact EdgeLanes::sweepParts(const Parts& parts,
   collision::LaneValues middles;
   for (int i = 0; i < collision::kLanes; ++i)
     middles.at[i] = static_cast<float>(parts.from[i] - 0.5) + width / 2;
-  collision::placeFrames(frame_steps_, middles, lane_frames_);
+  placeFrames(middles, lane_frames_);
   collision::moveFrames(frame_steps_, middles, width, lane_frames_);
   const float share = width * collision::kLanes * (width * collision::kLanes);
   for (std::size_t i = 0; i < growth_values_.size(); ++i)
@@ -453,14 +464,14 @@ std::optional<double> EdgeLanes::meet(int pair, double from, double width) {
   collision::LaneValues places;
   for (int i = 0; i < collision::kLanes; ++i)
     places.at[i] = static_cast<float>(from - 0.5 + (first + i * share));
-  collision::placeFrames(frame_steps_, places, look_frames_);
+  placeFrames(places, look_frames_);
   const LaneSweep::Contact met = sweep_.meet(pair, look_frames_, slack_, *scratch_);
   if (met.id < 0) return std::nullopt;
   return 0.5 + static_cast<double>(places.at[met.lane]);
 }
 
 LaneSweep::Contact EdgeLanes::still(const collision::LaneValues& places) {
-  collision::placeFrames(frame_steps_, places, lane_frames_);
+  placeFrames(places, lane_frames_);
   const LaneSweep::Contact again = sweep_.meetAgain(lane_frames_, slack_, *scratch_);
   return again.id >= 0 ? again : sweep_.runStill(lane_frames_, slack_, *scratch_);
 }

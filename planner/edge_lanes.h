@@ -59,6 +59,9 @@ class EdgeLanes {
   /// After begin(): single configurations at t = 1/2 + places.
   collision::LaneSweep::Contact still(const collision::LaneValues& places);
 
+  /// What passes cost counts into `work` from now on, see LaneSweep::Scratch::countInto().
+  void countInto(collision::Work& work);
+
   std::size_t bytes() const { return sweep_.bytes(); }
 
  private:
@@ -80,6 +83,7 @@ class EdgeLanes {
   int addMotion(const robots::RelativeMotion& motion);
   void addPieces(const EdgeFrames& frames);
   int worldMotion(const Piece& piece);
+  void placeFrames(const collision::LaneValues& places, std::vector<collision::LaneFrame>& frames);
   void setStep(const EdgeFrames& frames, std::size_t i);
 
   std::shared_ptr<const CompiledScene> scene_;
@@ -98,6 +102,7 @@ class EdgeLanes {
   std::vector<float> joint_motion_, growth_values_;
   std::vector<float> pass_growth_;  // that of the last pass, with what is asked for besides
   std::vector<double> middle_, q_;
+  collision::Work* work_ = nullptr;    // what is counted
   std::vector<std::uint32_t> closed_;  // lanes, one an open pair
   float slack_ = 0;
 };

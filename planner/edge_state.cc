@@ -28,7 +28,7 @@ EdgeCertifier::Impl::Pair EdgeCertifier::Impl::coarseState(int slot, const EdgeP
 
 collision::DistanceResult EdgeCertifier::Impl::stateDistance(
     int slot, const EdgePair& pair, const collision::DistanceRequest& request) {
-  ++work;
+  ++queries;
   ++statistics->distance_queries;
   collision::DistanceResult result = collision::distance(
       frames.pieces()[at(pair.a)].geometry->shape, frames.piecePose(slot, pair.a),
@@ -42,8 +42,10 @@ collision::DistanceResult EdgeCertifier::Impl::stateDistance(
   return result;
 }
 
-EdgeCertifier::Impl::Pair EdgeCertifier::Impl::exactState(int slot, const EdgePair& pair) {
+EdgeCertifier::Impl::Pair EdgeCertifier::Impl::exactState(int slot, const EdgePair& pair,
+                                                          int nodes) {
   collision::DistanceRequest request;
+  if (nodes > 0) request.node_limit = nodes;
   request.threshold = pair.threshold;
   request.depth = pair.threshold < 0;
   Interval distance = stateDistance(slot, pair, request).distance;

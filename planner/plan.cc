@@ -158,7 +158,8 @@ class Plan {
         goals_.points.begin(), goals_.points.end(), [&](const auto& a, const auto& b) {
           return space.distance(start_, a) < space.distance(start_, b);
         });
-    if (certifier().certify(start_, *nearest).verdict != Verdict::kFree) return {};
+    if (certifier().certify(start_, *nearest, EdgeRequest::persistent()).verdict != Verdict::kFree)
+      return {};
     return {start_, *nearest};
   }
 

@@ -185,7 +185,9 @@ bool Search::endInGoal(Waypoints& path) {
         task_.goals.points.begin(), task_.goals.points.end(), [&](const auto& a, const auto& b) {
           return space.distance(last, a) < space.distance(last, b);
         });
-    while (!path.empty() && certifier().certify(path.back(), goal).verdict != Verdict::kFree)
+    while (!path.empty() &&
+           certifier().certify(path.back(), goal, EdgeRequest::persistent()).verdict !=
+               Verdict::kFree)
       path.pop_back();
     if (path.empty()) return false;
     path.push_back(goal);
@@ -202,7 +204,9 @@ bool Search::endInGoal(Waypoints& path) {
 
 bool Search::certified(const Waypoints& path) {
   for (std::size_t i = 1; i < path.size(); ++i)
-    if (certifier().certify(path[i - 1], path[i]).verdict != Verdict::kFree) return false;
+    if (certifier().certify(path[i - 1], path[i], EdgeRequest::persistent()).verdict !=
+        Verdict::kFree)
+      return false;
   return true;
 }
 

@@ -56,7 +56,7 @@ StepCertifier::Bodies StepCertifier::names(const CompiledScene& scene, int pair)
 bool StepCertifier::holds(const std::vector<std::vector<double>>& path, bool first_edge_known,
                           Bodies& broken) {
   if (!first_edge_known && path.size() > 1) {
-    const EdgeCheck check = still_.certify(path[0], path[1]);
+    const EdgeCheck check = still_.certify(path[0], path[1], EdgeRequest::persistent());
     if (check.verdict != Verdict::kFree) {
       broken = names(*still_scene_, check.pair);
       return false;
@@ -64,7 +64,7 @@ bool StepCertifier::holds(const std::vector<std::vector<double>>& path, bool fir
   }
   moving_.rebind(moving_scene_->withShapes(obstacles_.seen()));
   for (std::size_t i = 1; i < path.size(); ++i) {
-    const EdgeCheck check = moving_.certify(path[i - 1], path[i]);
+    const EdgeCheck check = moving_.certify(path[i - 1], path[i], EdgeRequest::persistent());
     if (check.verdict == Verdict::kFree) continue;
     broken = names(*moving_scene_, check.pair);
     return false;
@@ -87,7 +87,8 @@ const StepCertifier::Moment& StepCertifier::moment(double t0, double t1) {
 
 bool StepCertifier::edgesFree(std::span<const TimedPoint> part, Bodies& broken) {
   for (std::size_t i = 1; i < part.size(); ++i) {
-    const EdgeCheck check = moving_.certify(part[i - 1].position, part[i].position);
+    const EdgeCheck check =
+        moving_.certify(part[i - 1].position, part[i].position, EdgeRequest::persistent());
     if (check.verdict == Verdict::kFree) continue;
     broken = names(*moving_scene_, check.pair);
     return false;
@@ -119,7 +120,8 @@ double StepCertifier::certify(std::span<const TimedPoint> motion, std::span<cons
   double until = motion.front().time;
   proven_.clear();
   for (std::size_t i = 1; i < motion.size(); ++i) {
-    const EdgeCheck check = still_.certify(motion[i - 1].position, motion[i].position);
+    const EdgeCheck check =
+        still_.certify(motion[i - 1].position, motion[i].position, EdgeRequest::persistent());
     if (check.verdict == Verdict::kFree) continue;
     broken = names(*still_scene_, check.pair);
     return until;  // a part before it may be free, and is not asked for

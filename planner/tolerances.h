@@ -2,6 +2,8 @@
 
 // Every tolerance of planner/: unit, reason, and what goes wrong when it is changed.
 
+#include <cstdint>
+
 namespace leeway::planner {
 
 /// Below this angle [rad] sin x = x and atan x = x to the last bit (x^2 / 3 is under half an ulp);
@@ -83,19 +85,22 @@ constexpr double kFinestPart = 0x1p-10;
 /// not spoil the next.
 constexpr double kLeastHope = 2e-4;
 
-/// Distance queries for one edge before it is left undecided, looked at after each interval. Of the
-/// edges that planning and simplifying ask for in 28 MotionBenchMaker problems, panda's need 86 at
-/// most, ur5's with its fine meshes 162 at 99.9 % and 301 at most: less leaves free edges undecided
-/// (128: 0.13 % of ur5's), more is spent on edges that graze something. A query of ur5's meshes
-/// takes 5 to 20 us, so that its dearest edges take a millisecond, not 0.1.
-constexpr int kEdgeWork = 256;
+/// A look for a contact in the middle of an interval visits no more pairs of nodes than this: of
+/// those that find one nearly all have done so by then [count]. Measured; costs time, never truth.
+constexpr int kLookNodes = 200;
 
-/// Boxes and pairs of parts that a sweep of surfaces may look at for one distance query's worth of
-/// the above: about as many as one that stands still looks at [count].
-constexpr int kNodesPerQuery = 128;
+/// What an edge may cost before it is left undecided [units of collision::Work, about a nanosecond
+/// each]: an edge that grazes something is not to cost what fifty others do. Of the free edges that
+/// planning and simplifying ask for in 35 MotionBenchMaker problems it leaves .11 % of ur5's open
+/// and one of panda's 16,600; the dearest then take 140 us. Less leaves more of them.
+constexpr std::int64_t kEdgeWork = 100'000;
 
-/// More of them than one sweep is ever allowed, so that ints hold its nodes [count].
-constexpr int kMostQueriesOfASweep = 1 << 20;
+/// The same where a body flies freely among triangles: its surfaces are followed through all of the
+/// edge at once, and that limit would leave one in thirty of such edges undecided.
+constexpr std::int64_t kFlightWork = 500'000;
+
+/// The same for what is not tried again on another edge: certificates of paths and of steps.
+constexpr std::int64_t kPersistentWork = 10'000'000;
 
 /// Distance queries for the clearance of one edge before its interval is left wider than asked.
 constexpr int kClearanceWork = 100'000;

@@ -219,7 +219,8 @@ HWY_INLINE V3 pointOf(D d, const Sweep& s, int i) {
 }
 
 /// Lanes of `lanes` in which one of the points [begin, end), placed in the middle of the interval,
-/// is within `below` of the obstacle: the first that is so in any of them, which `point` becomes.
+/// is within `below` of the obstacle: the first that is so in any of them, which `point` becomes,
+/// or else `end`.
 HWY_INLINE std::uint32_t contactOfPoints(const Sweep& s, const LaneFrame& frame,
                                          const Sweep::Obstacle& o, std::int32_t begin,
                                          std::int32_t end, float below, std::uint32_t lanes,
@@ -240,6 +241,7 @@ HWY_INLINE std::uint32_t contactOfPoints(const Sweep& s, const LaneFrame& frame,
     point = i;
     return found & lanes;
   }
+  point = end;
   return 0;
 }
 
@@ -318,6 +320,7 @@ HWY_INLINE std::uint32_t notPartedBy(const LaneSweepKernel& kernel, const Sweep:
   const float above =
       pair.part_above + points.radius + growth + (pair.pieces ? 4 : 1) * kernel.slack;
   const V bar = hn::Set(d, plane.offset + above * (1 + 0x1p-11f));
+  kernel.scratch.work->add(kLanePlaneWork + (points.end - points.begin) * kLanePointWork);
   std::uint32_t open = 0;
   for (std::size_t at = 0; at < kLanes; at += hn::Lanes(d)) {
     V3 n = broadcast(d, plane.normal), o = load(d, frame_a.origin, at), turn = n, slide = n;
@@ -370,7 +373,10 @@ HWY_INLINE std::uint32_t pointsInside(const LaneSweepKernel& kernel, const Sweep
   const Sweep::Obstacle& o = s.obstacles[static_cast<std::size_t>(pair.b)];
   if (!o.exact) return 0;
   const float below = pair.contact_below - kernel.slack - a.own + o.radius;
-  return contactOfPoints(s, kernel.frames[a.frame], o, begin, end, below, lanes, point);
+  const std::uint32_t met =
+      contactOfPoints(s, kernel.frames[a.frame], o, begin, end, below, lanes, point);
+  kernel.scratch.work->add((point - begin + 1) * kLanePointWork);
+  return met;
 }
 
 /// Where the way of an Approach counts as having come to the obstacle [m].
@@ -398,18 +404,26 @@ class Approach {
   HWY_INLINE void run(std::uint32_t lanes, LaneSweepKernel::Each& each) {
     const D d;
     each.open = each.touching = 0;
+    int coarse = 0, fine = 0;  // steps, of the lane that takes most: the same for any registers
     for (std::size_t at = 0; at < kLanes; at += hn::Lanes(d)) {
       const std::uint32_t asked = lanes >> at & ((1U << hn::Lanes(d)) - 1);
       if (asked == 0) continue;
       begin(at);
       std::uint32_t open = asked;
-      for (int step = 0; step < kCoarseSteps && open != 0; ++step) open &= next(a_.points);
-      for (int step = 0; step < kFineSteps && open != 0 && a_.fine.begin != a_.points.begin; ++step)
+      int step = 0;
+      for (; step < kCoarseSteps && open != 0; ++step) open &= next(a_.points);
+      coarse = std::max(coarse, step);
+      step = 0;
+      for (; step < kFineSteps && open != 0 && a_.fine.begin != a_.points.begin; ++step)
         open &= next(a_.fine);
+      fine = std::max(fine, step);
       each.open |= open << at;
       each.touching |= (open & touching()) << at;
       store(d, parting_, each.normal, at);
     }
+    kernel_.scratch.work->add(
+        (coarse * (a_.points.end - a_.points.begin) + fine * (a_.fine.end - a_.fine.begin)) *
+        kLanePointWork);
   }
 
  private:
@@ -567,6 +581,7 @@ class Run {
     for (std::int32_t p = whole.parts_begin; p < whole.parts_end; ++p, ++near) {
       const Sweep::Pair& pair = s_.pairs[size(p)];
       const float above = fixed + s_.pieces[size(pair.a)].outer.radius;
+      scratch_.work->add(2 * kLaneBallWork);
       placePart(size(pair.a));
       if (pair.pieces) {
         placePart(size(pair.b));
@@ -680,6 +695,7 @@ class Run {
     float key;
     const std::uint32_t lanes = openToObstacle<kStill>(o, scratch_.outer[p], above, kAll, &key);
     if (lanes != 0) scratch_.candidates.push_back({key - above, number, lanes});
+    scratch_.work->add(kLaneBallWork);
   }
 
   HWY_INLINE void considerPieces(std::int32_t number) {
@@ -693,6 +709,7 @@ class Run {
     float key;
     const std::uint32_t lanes =
         openToBall<kStill>(scratch_.outer[a], scratch_.outer[b], above, kAll, &key);
+    scratch_.work->add(kLaneBallWork);
     if (lanes != 0) scratch_.candidates.push_back({key - above, number, lanes});
   }
 
@@ -715,6 +732,7 @@ class Run {
     if (scratch_.cover_stamp[p] == scratch_.stamp) return;
     scratch_.cover_stamp[p] = scratch_.stamp;
     const Sweep::LanePiece& piece = s_.pieces[p];
+    scratch_.work->add((piece.inner - piece.cover) * kLaneBallWork);
     if (piece.frame < 0) return;
     for (int i = piece.cover; i < piece.inner; ++i)
       placeBall<kStill>(frame(piece), s_.balls[size(i)].center, scratch_.balls[size(i)]);
@@ -723,6 +741,7 @@ class Run {
     if (scratch_.inner_stamp[p] == scratch_.stamp) return;
     scratch_.inner_stamp[p] = scratch_.stamp;
     const Sweep::LanePiece& piece = s_.pieces[p];
+    scratch_.work->add((piece.end - piece.inner) * kLaneBallWork);
     if (piece.frame < 0) return;
     for (int i = piece.inner; i < piece.end; ++i)
       placeBall<true>(frame(piece), s_.balls[size(i)].center, scratch_.balls[size(i)]);
@@ -768,6 +787,7 @@ class Run {
       for (int i = a.cover; i < a.inner && open != lanes; ++i)
         open |= openToObstacle<kStill>(o, scratch_.balls[size(i)], fixed + s_.balls[size(i)].radius,
                                        lanes & ~open);
+      scratch_.work->add((a.inner - a.cover) * kLaneBallWork);
       if (open == 0 || pair.balls < 0) return open;
       lanes = open;
     }
@@ -783,9 +803,11 @@ class Run {
     for (int i = a.cover; i < a.inner && open != lanes; ++i) {
       const Placed& ball = scratch_.balls[size(i)];
       const float above = fixed + s_.balls[size(i)].radius;
+      scratch_.work->add(kLaneBallWork);
       const std::uint32_t near =
           openToBall<kStill>(ball, scratch_.outer[number], above + b.outer.radius, lanes & ~open);
       if (near == 0) continue;
+      scratch_.work->add((b.inner - b.cover) * kLaneBallWork);
       for (int j = b.cover; j < b.inner && open != lanes; ++j)
         open |= openToBall<kStill>(ball, scratch_.balls[size(j)], above + s_.balls[size(j)].radius,
                                    near & ~open);
@@ -944,6 +966,7 @@ LaneSweepKernel::Parted LaneSweepKernel::partByParts(std::int32_t number, std::u
   // What was in the way last is likely to be again, and then nothing else matters.
   const std::int32_t first = stubborn;
   for (std::int32_t k = 0; k < count && parted.open != lanes; ++k) {
+    if (scratch.work->isSpent()) return {lanes, false, false};
     const std::int32_t part = k == 0 ? first : k <= first ? k - 1 : k;
     const std::uint32_t left = near[part] & ~parted.open;
     if (left == 0) continue;
@@ -976,6 +999,11 @@ LaneSweep::Contact LaneSweepKernel::partOpen(bool closely) const {
     const Sweep::Pair& pair = sweep.pairs[static_cast<std::size_t>(number)];
     const Sweep::LanePiece& a = sweep.pieces[static_cast<std::size_t>(pair.a)];
     std::uint32_t lanes = scratch.open[i].lanes;
+    if (scratch.work->isSpent()) {
+      scratch.open_pairs[kept] = number;
+      scratch.open[kept++] = {pair.id, lanes, false};
+      continue;
+    }
     Parted parted{lanes, false, false};
     Scratch::Manner& manner = scratch.manners[static_cast<std::size_t>(number)];
     if (!manner.by_parts) parted = partPair(number, lanes, closely);

@@ -10,10 +10,12 @@
 
 #include "leeway/collision/triangle_mesh.h"
 #include "leeway/robots/kinematics.h"
+#include "planner/edge_frames.h"
 #include "robots/link_gaps.h"
 #include "tests/collision/allocations.h"
 #include "tests/planner/random_problem.h"
 #include "tests/planner/test_models.h"
+#include "tests/sanitized.h"
 
 namespace leeway::planner {
 namespace {
@@ -687,6 +689,80 @@ TEST(EdgeCertifier, SameCallsSameAnswers) {
     return answers;
   };
   EXPECT_EQ(run(), run());
+}
+
+// A limit on work leaves edges undecided and changes no answer; a persistent request decides them.
+TEST(EdgeCertifier, WorkThatIsSpentIsUndecidedAndNoOtherAnswer) {
+  Random random(31);
+  int undecided = 0, decided = 0;
+  for (const Kind kind : {Kind::kArm, Kind::kFree, Kind::kMeshes, Kind::kTree}) {
+    for (int run = 0; run < casesToAsk(6); ++run) {
+      Problem problem = problemOf(random, kind);
+      for (std::size_t i = 1; i < problem.objects.size(); i += 2)
+        if (problem.objects[i].name != "floor")
+          problem.objects[i].geometries[0].shape = testing::randomMesh(random, 0.25);
+      const auto compiled = std::make_shared<const CompiledScene>(problem);
+      for (int e = 0; e < 10; ++e) {
+        const std::vector<double> a = randomPoint(random, *compiled),
+                                  b = randomPoint(random, *compiled);
+        const auto verdict = [&](const EdgeRequest& request) {
+          return EdgeCertifier(compiled).certify(a, b, request).verdict;
+        };
+        const Verdict truth = verdict(EdgeRequest::persistent());
+        for (const std::int64_t limit : {1, 3'000, 10'000, 30'000, 0}) {
+          EdgeRequest request;
+          request.work_limit = limit;
+          const Verdict found = verdict(request);
+          if (found != Verdict::kUndecided && truth != Verdict::kUndecided) {
+            ++decided;
+            EXPECT_EQ(found, truth) << "limit " << limit << "\n" << replay(a, b);
+          }
+          undecided += found == Verdict::kUndecided && truth != Verdict::kUndecided;
+        }
+      }
+    }
+  }
+  EXPECT_GT(undecided, casesToAsk(100));
+  EXPECT_GT(decided, casesToAsk(300));
+}
+
+// A robot that a virtual joint places in the world does not fly when that joint is not planned: its
+// links against its base were followed as free bodies are, and cost what these may.
+TEST(EdgeCertifier, WhatAVirtualJointPlacesDoesNotFly) {
+  Random random(33);
+  const collision::Shape mesh = testing::randomMesh(random, 0.1);
+  robots::Model model =
+      *robots::freeBody("base", {{mesh, {}, "base"}}, robots::JointType::kFloating,
+                        Eigen::Vector3d::Constant(-1), Eigen::Vector3d::Ones());
+  for (int i = 1; i < 3; ++i) {
+    robots::Joint joint;
+    joint.name = "turn" + std::to_string(i);
+    joint.type = robots::JointType::kRevolute;
+    joint.parent_link = i - 1;
+    joint.child_link = i;
+    joint.X_PJ.translation = {0.3, 0, 0};
+    joint.axis = Eigen::Vector3d::UnitZ();
+    joint.first_variable = static_cast<int>(model.variables.size());
+    joint.variable_count = 1;
+    model.variables.push_back({joint.name, i, -3, 3, 1});
+    robots::Link link;
+    link.name = "link" + std::to_string(i);
+    link.joint = i;
+    link.geometries.push_back({mesh, {}, link.name});
+    model.joints.push_back(joint);
+    model.links.push_back(link);
+  }
+  model.finish();
+  const auto shared = std::make_shared<const robots::Model>(model);
+  std::vector<double> q = shared->defaultConfiguration();
+  Problem problem = test::problemOf(shared, q, q);
+  problem.objects.push_back({"rock", {{mesh, {}, "rock"}}, test::at(0, 0, 0.5)});
+  EXPECT_TRUE(EdgeFrames(std::make_shared<const CompiledScene>(problem), 4).hasFlights());
+  problem.variables = {7, 8};
+  problem.goals = {test::pointGoal("goal", {0, 0})};
+  const auto still = std::make_shared<const CompiledScene>(problem);
+  EXPECT_GT(still->scene().pairs().size(), 0U);
+  EXPECT_FALSE(EdgeFrames(still, 4).hasFlights());
 }
 
 TEST(EdgeCertifier, WhatIsNoNumberIsUndecided) {

@@ -216,6 +216,8 @@ TEST(EdgeLanes, GiveTheSameAnswersOnEveryInstructionSet) {
   onEveryTarget([&](const char*) {
     EdgeFrames frames(scene, 64);
     EdgeLanes lanes(frames);
+    collision::Work work;
+    lanes.countInto(work);
     std::vector<std::uint32_t>& result = results.emplace_back();
     std::vector<double> b(points[0].size());
     for (std::size_t i = 0; i + 1 < points.size(); ++i) {
@@ -225,6 +227,7 @@ TEST(EdgeLanes, GiveTheSameAnswersOnEveryInstructionSet) {
       if (contact.id < 0) contact = lanes.part();
       result.push_back(static_cast<std::uint32_t>(contact.id));
       result.push_back(static_cast<std::uint32_t>(contact.lane));
+      result.push_back(static_cast<std::uint32_t>(work.done));  // edges end where it is spent
       if (contact.id >= 0) continue;
       for (const LaneSweep::Open& o : lanes.open()) {
         result.push_back(static_cast<std::uint32_t>(o.id));
@@ -232,7 +235,7 @@ TEST(EdgeLanes, GiveTheSameAnswersOnEveryInstructionSet) {
       }
     }
   });
-  EXPECT_GT(results[0].size(), 150U);
+  EXPECT_GT(results[0].size(), 250U);
   for (const auto& result : results) EXPECT_EQ(result, results[0]);
 }
 
@@ -268,6 +271,7 @@ TEST(EdgeLanes, EdgesAreToldTheSameOnEveryInstructionSet) {
       EdgeRequest request;
       request.last_valid = true;
       for (std::size_t i = 0; i < points.size(); i += 2) {
+        request.work_limit = i % 3 == 0 ? 0 : i % 3 == 1 ? 5'000 : 20'000;
         const EdgeCheck check = certifier.certify(points[i], points[i + 1], request);
         result.insert(result.end(), {static_cast<double>(check.verdict), check.t,
                                      static_cast<double>(check.pair), check.last_valid,

@@ -71,7 +71,8 @@ Stretch measure(planner::EdgeCertifier& certifier, const planner::Path& path, in
   stretch.found = certifier.edgeClearance(from, to, arguments.tolerance, -kInfinity);
   stretch.t = stretch.t0 + stretch.found.t * (stretch.t1 - stretch.t0);
   stretch.names = pairNames(certifier.scene(), stretch.found.pair);
-  stretch.keeps_margins = certifier.certify(from, to).verdict == planner::Verdict::kFree;
+  stretch.keeps_margins = certifier.certify(from, to, planner::EdgeRequest::persistent()).verdict ==
+                          planner::Verdict::kFree;
   if (stretch.keeps_margins) {
     // Every pair is proven to keep its margin, which may say more than an interval of that
     // tolerance.

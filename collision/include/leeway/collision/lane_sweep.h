@@ -9,6 +9,7 @@
 #include "leeway/collision/coarse_shape.h"
 #include "leeway/collision/lane_frames.h"
 #include "leeway/collision/point_cover.h"
+#include "leeway/collision/work.h"
 
 namespace leeway::collision {
 
@@ -79,6 +80,10 @@ class LaneSweep {
     /// After run(): lanes of each open() pair that are known to be free otherwise; where none is
     /// left, it is no longer open. O(open pairs).
     void close(std::span<const std::uint32_t> lanes);
+
+    /// What runs cost counts into `work` from now on, which has to outlive this. Where it is spent
+    /// planes are looked for no more, and what they might have parted stays open.
+    void countInto(Work& work);
 
    private:
     friend class LaneSweep;
