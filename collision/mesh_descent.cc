@@ -84,9 +84,15 @@ class Descent {
     return false;
   }
 
+  // Below 0 only the hulls answer, which a front knows nothing of; and the triangles of a deforming
+  // mesh come one by one, each near other parts.
   bool keepsFronts() const {
-    return placement_.swept && scratch_.impl().fronts.active &&
-           request_.node_limit > 2 * static_cast<int>(SweepFront::kMost);
+    const auto isTriangle = [](const DescentSide& side) {
+      return side.tree == nullptr && side.view.core == Core::kPoints && side.view.count <= 3;
+    };
+    return placement_.swept && scratch_.impl().fronts.active && request_.threshold >= 0 &&
+           request_.node_limit > 2 * static_cast<int>(SweepFront::kMost) && !isTriangle(a_) &&
+           !isTriangle(b_);
   }
   SweepFront* lastFront() {
     return keepsFronts() ? scratch_.impl().fronts.of(a_.tree, b_.tree) : nullptr;

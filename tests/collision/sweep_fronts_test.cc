@@ -152,6 +152,38 @@ TEST(SweepFronts, AreForgotten) {
   EXPECT_EQ(cost(), without);
 }
 
+/// Below zero the hulls answer, and no front knows them: sweeps were not proven to keep a negative
+/// threshold any more once the bodies had been swept apart.
+TEST(SweepFronts, LeaveNegativeThresholdsToTheHulls) {
+  Scratch scratch, without;
+  int proven = 0, twin_proven = 0, pairs = 0;
+  for (Passing& p : passings(73)) {
+    if (p.a.isConvex() || p.b.isConvex() || pairs++ % (kSanitized ? 8 : 1) != 0) continue;
+    const SweepFronts fronts(scratch);
+    const ScrewMotion motion(p.X0, {p.X1.rotation, 0.2 * p.X0.translation});
+    for (int part = 0; part < kParts; ++part) {
+      const Pose X0 = motion.pose(part / 16.0), X1 = motion.pose((part + 1) / 16.0);
+      for (const double threshold : {kThreshold, -0.5}) {
+        DistanceRequest request;
+        request.threshold = threshold;
+        request.depth = false;
+        const DistanceResult found =
+            sweptDistance(p.a, X0, X1, 0.01, p.b, request, scratch, &p.cache);
+        const DistanceResult twin =
+            sweptDistance(p.a, X0, X1, 0.01, p.b, request, without, &p.cache_without);
+        if (threshold > 0) continue;
+        proven += found.distance.lower > threshold && found.distance.lower <= 0;
+        twin_proven += twin.distance.lower > threshold && twin.distance.lower <= 0;
+      }
+    }
+  }
+  // Where bodies overlap a search ends at one of many planes, which its cache chooses. (143 of 157
+  // were, with fronts.)
+  std::printf("proven %d of %d\n", proven, twin_proven);
+  EXPECT_GT(twin_proven, kSanitized ? 3 : 50);
+  EXPECT_GE(proven, twin_proven * (kSanitized ? 14 : 19) / 20);
+}
+
 /// A query that ends because its work is spent tells less, and nothing that is not so.
 TEST(Work, EndsQueriesWithoutChangingTheTruth) {
   int wider = 0, asked = 0;
