@@ -13,6 +13,7 @@
 #include "collision/pose_check.h"
 #include "collision/scratch.h"
 #include "collision/sharp.h"
+#include "collision/sharp_polytope.h"
 #include "collision/simd/hull_pairs.h"
 #include "collision/simd/vertex_gjk.h"
 #include "collision/simd/vertex_polytope.h"
@@ -189,7 +190,7 @@ CoreQuery coreQuery(const ConvexView& a, const ConvexView& b, double translation
 
 // B is the half-space z <= 0 of its frame: the lowest point of A decides, apart or overlapping.
 DistanceResult fromHalfSpace(const ConvexView& a, const Pose& X_BA, const DistanceRequest& request,
-                             double slack, double rounding_units) {
+                             double slack, double rounding_units, const SharpDifference* sharp) {
   const double translation = X_BA.translation.norm();
   const CoreQuery query = [&] {
     ConvexView plane;
@@ -204,6 +205,7 @@ DistanceResult fromHalfSpace(const ConvexView& a, const Pose& X_BA, const Distan
   const double height = lowest.z();
   progress.offerLower(height, -Vector::UnitZ());
   progress.offerWitness(height, w, lowest);
+  if (sharp != nullptr) sharpenHalfSpace(*sharp, progress);
   return resultOf(progress);
 }
 
@@ -219,13 +221,15 @@ DistanceResult exchanged(DistanceResult result, const Pose& X_BA) {
 
 // A is a point at p in B's frame.
 DistanceResult fromPoint(const ConvexView& a, const Vector& p, const ConvexView& b,
-                         const DistanceRequest& request, double slack, double rounding_units) {
+                         const DistanceRequest& request, double slack, double rounding_units,
+                         const SharpDifference* sharp) {
   const CoreQuery query = coreQuery(a, b, p.norm(), request, slack, rounding_units);
   Progress progress(query);
   progress.iterations = 1;
   const PointDistance d = pointDistance(b, p);
   progress.offerLower(d.distance, -d.normal);
   progress.offerWitness(d.distance, d.nearest - p, p);
+  if (sharp != nullptr && d.distance > 0) sharpenPoint(*sharp, d.nearest, d.normal, progress);
   return resultOf(progress);
 }
 
@@ -404,7 +408,7 @@ DistanceResult convexDistance(const ConvexView& a, const Pose& X_BA, const Conve
   const double closed = sharp == nullptr ? kClosedFormRounding : kSharpClosedFormRounding;
   if (a.core == Core::kHalfSpace) {
     if (b.core == Core::kHalfSpace) return {};
-    return exchanged(fromHalfSpace(b, X_BA.inverse(), request, slack, closed), X_BA);
+    return exchanged(fromHalfSpace(b, X_BA.inverse(), request, slack, closed, sharp), X_BA);
   }
   const double translation = X_BA.translation.norm();
   const double b_extent = b.core == Core::kHalfSpace ? 0 : b.extent;
@@ -413,12 +417,13 @@ DistanceResult convexDistance(const ConvexView& a, const Pose& X_BA, const Conve
       return coarseDistance(a, X_BA.translation, b, request, slack);
     }
   }
-  if (b.core == Core::kHalfSpace) return fromHalfSpace(a, X_BA, request, slack, closed);
+  if (b.core == Core::kHalfSpace) return fromHalfSpace(a, X_BA, request, slack, closed, sharp);
   if (a.core == Core::kPoint && hasPointDistance(b.core)) {
-    return fromPoint(a, X_BA.translation, b, request, slack, closed);
+    return fromPoint(a, X_BA.translation, b, request, slack, closed, sharp);
   }
   if (b.core == Core::kPoint && hasPointDistance(a.core)) {
-    return exchanged(fromPoint(b, X_BA.inverse().translation, a, request, slack, closed), X_BA);
+    return exchanged(fromPoint(b, X_BA.inverse().translation, a, request, slack, closed, sharp),
+                     X_BA);
   }
 
   const CoreQuery query = coreQuery(a, b, translation, request, slack, kSupportRounding);
@@ -511,14 +516,24 @@ DistanceResult convexDistance(const ConvexView& a, const Pose& X_BA, const Conve
     }
     if ((end == GjkEnd::kInside || progress.upper() < 0) && request.depth && !progress.enough() &&
         request.iteration_limit >= kLeastIterations && haveCurvedDepth(a, b)) {
+      const int before = progress.iterations;
       offerCurvedDepth(difference, progress, sharp);
+      scratch.impl().work->add((progress.iterations - before) *
+                               (sharp == nullptr ? kCurvedStepWork : kSharpCurvedStepWork));
     }
+  }
+  if (end != GjkEnd::kInside && progress.upper() > 0 && !progress.enough() &&
+      request.iteration_limit >= kLeastIterations && haveCurvedDepth(a, b)) {
+    offerCurvedNearest(difference, progress, sharp);
   }
   if (sharp != nullptr && !progress.enough()) {
     if (end == GjkEnd::kInside) {
       offerSharpPlane(*sharp, sharp->inWorld(progress.normal()), progress);
     } else {
       sharpenApart(*sharp, simplex, X_BA, progress);
+    }
+    if (!progress.enough() && request.iteration_limit >= kLeastIterations) {
+      growSharpPolytope(*sharp, scratch.impl().sharp_polytope, progress);
     }
   }
   remember(progress, simplex, difference.countsVertices(), difference.hintA(), difference.hintB(),

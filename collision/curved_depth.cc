@@ -29,6 +29,9 @@ constexpr int kStiffnesses = 8;
 constexpr int kDescentSteps = 12;
 constexpr int kHalves = 4;
 constexpr int kEdgeSteps = 3;
+constexpr int kNearestSteps = 32;
+// See CurvedFaces: less is lost in rounding.
+constexpr double kEvenly = 1e-8;
 // Rounding of a cell's bound, derived below [units of roundoff of the sizes involved].
 constexpr double kCellRounding = 128;
 
@@ -56,8 +59,10 @@ bool isCounted(const ConvexView& view) {
 
 class CurvedDepth {
  public:
-  CurvedDepth(Difference<false>& difference, Progress& progress, const SharpDifference* sharp);
+  CurvedDepth(Difference<false>& difference, Progress& progress, const SharpDifference* sharp,
+              double evenly);
   bool run();
+  void findNearest();
 
  private:
   Node nodeAt(const Vector& x);
@@ -65,7 +70,9 @@ class CurvedDepth {
   void look(const Vector& e);
   void lookBelow(const Vector& e);
   bool askPlane(const Vector& e);
+  Vector nextFrom(const Vector& e, const Vector& step, const CurvedEdge* edge, int edges) const;
   void descend(Vector e);
+  double offerNearest(const Vector& e);
   Vector stepOnto(const CurvedFace& face, const CurvedEdge* edge, int edges) const;
   Vector stepFrom(const CurvedFace& face, CurvedEdge* edge, int& edges) const;
   void setDepth();
@@ -90,12 +97,12 @@ class CurvedDepth {
 };
 
 CurvedDepth::CurvedDepth(Difference<false>& difference, Progress& progress,
-                         const SharpDifference* sharp)
+                         const SharpDifference* sharp, double evenly)
     : difference_(difference),
       progress_(progress),
       sharp_(sharp),
       roundoff_(progress.query().roundoff),
-      faces_(difference),
+      faces_(difference, evenly),
       sizes_{difference.viewA().extent, difference.viewB().extent},
       work_per_step_(sharp == nullptr ? kWorkPerStep : kSharpWorkPerStep),
       work_left_(work_per_step_ * progress.query().request.iteration_limit) {}
@@ -221,7 +228,7 @@ Vector CurvedDepth::stepOnto(const CurvedFace& face, const CurvedEdge* edge, int
 // the direction belongs to (what may still be moved between two pieces), if it does to any.
 Vector CurvedDepth::stepFrom(const CurvedFace& face, CurvedEdge* edge, int& edges) const {
   CurvedChoice choice;
-  const Vector y = faces_.blend(face, reach_, choice);
+  const Vector y = faces_.blend(face, std::abs(reach_), choice);
   const Vector& e = face.e;
   const double reach = e.dot(y);
   // Along v and w: second derivatives of the support less the distance.
@@ -250,6 +257,16 @@ Vector CurvedDepth::stepFrom(const CurvedFace& face, CurvedEdge* edge, int& edge
   return -(gu * u + gv * v) / reach;
 }
 
+// (Edges are curved.)
+Vector CurvedDepth::nextFrom(const Vector& e, const Vector& step, const CurvedEdge* edge,
+                             int edges) const {
+  Vector next = (e + step).normalized();
+  for (int j = 0; j < kEdgeSteps && edges > 0; ++j) {
+    next = (next + stepOnto(faces_.along(next), edge, edges)).normalized();
+  }
+  return next;
+}
+
 void CurvedDepth::descend(Vector e) {
   for (int i = 0; i < kDescentSteps && !progress_.decided(); ++i) {
     CurvedEdge edge[2];
@@ -260,11 +277,7 @@ void CurvedDepth::descend(Vector e) {
     if (length > 1) step /= length;
     bool nearer = false;
     for (int k = 0; k < kHalves && !nearer; ++k, step *= 0.5) {
-      Vector next = (e + step).normalized();
-      // (Edges are curved.)
-      for (int j = 0; j < kEdgeSteps && edges > 0; ++j) {
-        next = (next + stepOnto(faces_.along(next), edge, edges)).normalized();
-      }
+      const Vector next = nextFrom(e, step, edge, edges);
       nearer = askPlane(next);
       if (nearer) e = next;
     }
@@ -357,6 +370,75 @@ void CurvedDepth::claim() {
   }
 }
 
+// The member that is blended along e, a point of the difference: how far it is. In double a centre
+// errs by 8 units of roundoff of its body's extent, turning by 6, an arm by 11 and sums and the
+// norm by 6 of all: less than kSupportRounding.
+double CurvedDepth::offerNearest(const Vector& e) {
+  const CurvedFace face = faces_.along(e);
+  CurvedChoice choice;
+  faces_.blend(face, std::abs(reach_), choice);
+  // (Afresh: what blend() returns is a sum of many steps.)
+  double of_a[3], of_b[3];
+  faces_.center(0, choice, of_a);
+  faces_.center(1, choice, of_b);
+  const Vector point_a = placed(difference_.pose(), Vector(of_a[0], of_a[1], of_a[2])) -
+                         faces_.share(0, choice) * face.arm[0];
+  const Vector y =
+      Vector(of_b[0], of_b[1], of_b[2]) + faces_.share(1, choice) * face.arm[1] - point_a;
+  if (sharp_ == nullptr) {
+    const double apart = y.norm();
+    progress_.offerWitness(apart, y, point_a);
+    return apart;
+  }
+  const DoubleDoubleVector x = sharp_->inWorld(face.e);
+  const DoubleDoubleVector local[2] = {-sharp_->inA(x), sharp_->inB(x)};
+  DoubleDoubleVector point[2];
+  for (int k = 0; k < 2; ++k) {
+    DoubleDouble of[3];
+    faces_.center(k, choice, of);
+    point[k] = {of[0], of[1], of[2]};
+    const double share = faces_.share(k, choice);
+    if (!(share > 0 && face.length[k] > 0)) continue;
+    const Vector& m = faces_.semiAxes(k);
+    const DoubleDoubleVector scaled = {m.x() * local[k].x, m.y() * local[k].y, m.z() * local[k].z};
+    const DoubleDouble per = share / norm(scaled);
+    point[k] =
+        point[k] + per * DoubleDoubleVector(m.x() * scaled.x, m.y() * scaled.y, m.z() * scaled.z);
+  }
+  const DoubleDouble sharp_apart = norm(sharp_->memberOf(point[0], point[1]));
+  offerSharpWitness(*sharp_, sharp_apart, 0, y, point_a, progress_);
+  return sharp_apart.high;
+}
+
+// Newton's steps as descend() takes them, which go on while the plane or the member gets nearer:
+// where the plane is known to within rounding, its direction is to the root of that only.
+void CurvedDepth::findNearest() {
+  const std::int64_t before = work_left_;
+  reach_ = std::numeric_limits<double>::infinity();
+  Vector e = -progress_.normal();
+  askPlane(e);
+  double least = offerNearest(e);
+  for (int i = 0; i < kNearestSteps && !progress_.enough(); ++i) {
+    CurvedEdge edge[2];
+    int edges = 0;
+    Vector step = stepFrom(faces_.along(e), edge, edges);
+    const double length = step.norm();
+    if (!(length > 0)) break;
+    if (length > 1) step /= length;
+    bool nearer = false;
+    for (int k = 0; k < kHalves && !nearer && !progress_.enough(); ++k, step *= 0.5) {
+      const Vector next = nextFrom(e, step, edge, edges);
+      const bool nearer_plane = askPlane(next);
+      const double apart = offerNearest(next);
+      nearer = nearer_plane || apart < least;
+      least = std::min(least, apart);
+      if (nearer) e = next;
+    }
+    if (!nearer) break;
+  }
+  progress_.iterations += static_cast<int>(before - work_left_);
+}
+
 bool CurvedDepth::run() {
   const std::int64_t before = work_left_;
   const bool proven = search();
@@ -416,9 +498,15 @@ bool haveCurvedDepth(const ConvexView& a, const ConvexView& b) {
   return isCounted(a) && isCounted(b) && (isRound(a.core) || isRound(b.core));
 }
 
+void offerCurvedNearest(Difference<false>& difference, Progress& progress,
+                        const SharpDifference* sharp) {
+  CurvedDepth search(difference, progress, sharp, 0);
+  search.findNearest();
+}
+
 bool offerCurvedDepth(Difference<false>& difference, Progress& progress,
                       const SharpDifference* sharp) {
-  CurvedDepth search(difference, progress, sharp);
+  CurvedDepth search(difference, progress, sharp, kEvenly);
   return search.run();
 }
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+
 #include "collision/progress.h"
 
 namespace leeway::collision {
@@ -8,6 +10,11 @@ class SharpDifference;
 
 /// A query that may take fewer iterations than this is left as it is: its caller wants little work.
 inline constexpr int kLeastIterations = 64;
+
+/// What one of its iterations counts for beyond any other [units of Work]: hundreds of cells, and
+/// more of them in twice the precision.
+inline constexpr std::int64_t kCurvedStepWork = 400'000;
+inline constexpr std::int64_t kSharpCurvedStepWork = 4 * kCurvedStepWork;
 
 /// True for pairs that offerCurvedDepth() knows: one core at least is a cylinder, cone or
 /// ellipsoid, the other that, a point, segment or box, or the vertices of a ConvexHull.
@@ -36,5 +43,11 @@ bool haveCurvedDepth(const ConvexView& a, const ConvexView& b);
 /// a hundred thousand at the most.
 bool offerCurvedDepth(Difference<false>& difference, Progress& progress,
                       const SharpDifference* sharp);
+
+/// Both ends of the separation of two such cores that are apart, however little, where other
+/// searches ended: Newton's steps for the plane that is the farthest, along edges as above, and the
+/// member of the difference that the direction's face has nearest to its line. Some tens of steps.
+void offerCurvedNearest(Difference<false>& difference, Progress& progress,
+                        const SharpDifference* sharp);
 
 }  // namespace leeway::collision

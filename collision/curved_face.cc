@@ -7,23 +7,20 @@ namespace leeway::collision {
 
 namespace {
 
-// Rounds through several parameters, and steps between vertices of a hull in each [count].
+// Rounds through several parameters, where any choice will do and where one member is wanted, and
+// steps between vertices of a hull in each [count].
 constexpr int kRounds = 4;
+constexpr int kMoreRounds = 16;
 constexpr int kMixSteps = 8;
-constexpr double kWeightUnit = 0x1p-40;
-// Where pieces are parallel the same member is made in many ways, and directions next to each other
-// should not choose different ones: departing from the parameters' middles costs this share of what
-// being beside the direction does. Less is lost in rounding, more costs width.
-constexpr double kEvenly = 1e-8;
-// A vertex that is farther by less than this share of the hull's extent gains nothing.
-constexpr double kSameVertex = 1e-14;
+constexpr double kWeightUnit = 0x1p-52;
 // |M e| below this share of a rim's radius: all of its disc is farthest. (It only says which member
 // is told.)
 constexpr double kFlat = 1e-8;
 
 }  // namespace
 
-CurvedFaces::CurvedFaces(const Difference<false>& difference) : pose_(difference.pose()) {
+CurvedFaces::CurvedFaces(const Difference<false>& difference, double evenly)
+    : pose_(difference.pose()), evenly_(evenly) {
   const ConvexView* views[2] = {&difference.viewA(), &difference.viewB()};
   for (int k = 0; k < 2; ++k) {
     Part& part = part_[k];
@@ -131,7 +128,7 @@ void CurvedFaces::slide(const CurvedFace& face, double stiffness, CurvedChoice& 
   for (int k = 0; k < parameters_; ++k) {
     gain[k] = face.e.dot(face.way[k]);
     beside[k] = face.way[k] - gain[k] * face.e;
-    evenly[k] = kEvenly * face.way[k].squaredNorm();
+    evenly[k] = evenly_ * face.way[k].squaredNorm();
   }
   // Along parameter k, and against l as far as that keeps the sum of what is beside e: both exact.
   const auto move = [&](int k, int l, double against) {
@@ -178,12 +175,15 @@ void CurvedFaces::slide(const CurvedFace& face, double stiffness, CurvedChoice& 
 // is best. False when there was nothing to gain.
 bool CurvedFaces::mix(const CurvedFace& face, double stiffness, CurvedChoice& choice,
                       Vector& y) const {
-  const double little = kSameVertex * part_[hull_].view->extent;
   int* const vertices = choice.vertex;
   double* const weight = choice.weight;
   bool gained = false;
   for (int step = 0; step < kMixSteps; ++step) {
-    Vector slope = stiffness * face.e - (y - face.e.dot(y) * face.e);
+    const Vector across = y - face.e.dot(y) * face.e;
+    const double squared_across = across.squaredNorm();
+    const double bent =
+        squared_across > 0 ? std::max(bend(face, choice, across, across), 0.0) / squared_across : 0;
+    Vector slope = (stiffness + bent) * face.e - across;
     const double length = slope.norm();
     if (!(stiffness > 0 && length > 0)) break;
     slope /= length;
@@ -197,7 +197,7 @@ bool CurvedFaces::mix(const CurvedFace& face, double stiffness, CurvedChoice& ch
       if (vertices[i] == to) slot = i;
     }
     const Vector way = ofHull(vertex(to) - vertex(vertices[from]));
-    if (slot == from || !(slope.dot(way) > little)) break;
+    if (slot == from || !(slope.dot(way) > 0)) break;
     const double gain = face.e.dot(way);
     const Vector beside = way - gain * face.e;
     const double squared = beside.squaredNorm();
@@ -238,7 +238,8 @@ Vector CurvedFaces::blend(const CurvedFace& face, double stiffness, CurvedChoice
   Vector y = face.base;
   for (int k = 0; k < parameters_; ++k) y += choice.parameter[k] * face.way[k];
   if (hull_ >= 0) y += ofHull(vertex(choice.vertex[0]));
-  const int rounds = parameters_ + (hull_ >= 0 ? 1 : 0) > 1 ? kRounds : 1;
+  const int several = evenly_ > 0 ? kRounds : kMoreRounds;
+  const int rounds = parameters_ + (hull_ >= 0 ? 1 : 0) > 1 ? several : 1;
   for (int i = 0; i < rounds; ++i) {
     slide(face, stiffness, choice, y);
     if (hull_ >= 0 && !mix(face, stiffness, choice, y)) break;

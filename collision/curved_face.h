@@ -14,7 +14,7 @@ inline constexpr int kMostCurvedParameters = 4;
 inline constexpr int kMostMixed = 4;
 
 /// How much of each piece stands for the cores: parameters of segments, boxes and cylinders are
-/// from -1 to 1, those of cones from 0 (apex) to 1 (rim). A hull's weights are multiples of 2^-40,
+/// from -1 to 1, those of cones from 0 (apex) to 1 (rim). A hull's weights are multiples of 2^-52,
 /// so that their sum is 1 exactly.
 struct CurvedChoice {
   double parameter[kMostCurvedParameters];
@@ -42,7 +42,10 @@ struct CurvedEdge {
 /// The cores of a difference B - A, of which one is round, and their pieces. In B's frame.
 class CurvedFaces {
  public:
-  explicit CurvedFaces(const Difference<false>& difference);
+  /// Where pieces are parallel the same member is made in many ways: departing from the parameters'
+  /// middles costs the share `evenly` of what being beside the direction does, so that directions
+  /// next to each other do not choose different ones. More costs width.
+  CurvedFaces(const Difference<false>& difference, double evenly);
 
   CurvedFace along(const Vector& direction) const;
   /// How far the difference reaches along face.e, and the pieces that do.
@@ -89,6 +92,7 @@ class CurvedFaces {
   bool mix(const CurvedFace& face, double stiffness, CurvedChoice& choice, Vector& y) const;
 
   const Pose& pose_;
+  const double evenly_;
   Part part_[2];
   int cone_[2] = {-1, -1};  // the parameter that is a cone's
   int hull_ = -1;           // the part that is one

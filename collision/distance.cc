@@ -29,12 +29,13 @@ double finiteExtent(const ConvexView& view) {
 }
 
 // True when twice the precision may give the width that was asked for. (Not a width that even the
-// poses' own rounding does not allow; and not what a search left open.)
+// poses' own rounding does not allow; and not what a search left open that used up its steps.)
 bool stoppedByRounding(const DistanceResult& result, const DistanceRequest& request, double size) {
   return result.status == DistanceStatus::kLimit && request.iteration_limit > 0 &&
          request.tolerance >= kUnitRoundoff * size &&
-         result.distance.width() <= kSharpFrom * size && size >= kSmallestScale &&
-         size <= kLargestScale;
+         (result.distance.width() <= kSharpFrom * size ||
+          result.iterations < request.iteration_limit) &&
+         size >= kSmallestScale && size <= kLargestScale;
 }
 
 void forgetPoints(DistanceResult& result) {

@@ -26,7 +26,7 @@ Wide rotatedBack(const Eigen::Matrix3d& R, const Wide& v) {
 
 // max of p . d over vertices: those that rounding does not tell from the best are compared in twice
 // the precision. A dot product errs by 3 units, dropping the low part of d by one more.
-Number mostOfPoints(const ConvexView& view, const Wide& d) {
+Number mostOfPoints(const ConvexView& view, const Wide& d, int& farthest) {
   const Vector direction = d.rounded();
   double best = -std::numeric_limits<double>::infinity();
   for (int i = 0; i < view.count; ++i) best = std::max(best, direction.dot(view.points[i]));
@@ -35,9 +35,14 @@ Number mostOfPoints(const ConvexView& view, const Wide& d) {
   for (int i = 0; i < view.count; ++i) {
     if (direction.dot(view.points[i]) < best - doubt) continue;
     const Number value = dot(d, Wide(view.points[i]));
-    if (most < value) most = value;
+    if (most < value) most = value, farthest = i;
   }
   return most;
+}
+
+Number mostOfPoints(const ConvexView& view, const Wide& d) {
+  int farthest = 0;
+  return mostOfPoints(view, d, farthest);
 }
 
 Number mostOfCore(const ConvexView& view, const Wide& d) {
@@ -88,6 +93,46 @@ double defectOf(const ConvexView& view, double size) {
 }
 
 }  // namespace
+
+Wide farthestOfCore(const ConvexView& view, const Wide& d) {
+  const Number r = view.size.x(), h = view.size.z(), zero = 0;
+  const auto rim = [&](const Number& z) -> Wide {
+    const Number across = squareRoot(d.x * d.x + d.y * d.y);
+    if (!(across.high > 0)) return {zero, zero, z};
+    return {r * d.x / across, r * d.y / across, z};
+  };
+  const auto towards = [](const Number& along, double size) -> Number {
+    return along.high < 0 ? -size : size;
+  };
+  switch (view.core) {
+    case Core::kSegment:
+      return {zero, zero, towards(d.z, view.size.z())};
+    case Core::kPoints: {
+      int farthest = 0;
+      mostOfPoints(view, d, farthest);
+      return Wide(view.points[farthest]);
+    }
+    case Core::kBox:
+      return {towards(d.x, view.size.x()), towards(d.y, view.size.y()),
+              towards(d.z, view.size.z())};
+    case Core::kCylinder:
+      return rim(towards(d.z, view.size.z()));
+    case Core::kCone:
+      if (r * squareRoot(d.x * d.x + d.y * d.y) - h * d.z < h * d.z) return {zero, zero, h};
+      return rim(-h);
+    case Core::kEllipsoid: {
+      const Vector& m = view.size;
+      const Wide scaled = {m.x() * d.x, m.y() * d.y, m.z() * d.z};
+      const Number length = norm(scaled);
+      if (!(length.high > 0)) return {};
+      return Number(1) / length * Wide(m.x() * scaled.x, m.y() * scaled.y, m.z() * scaled.z);
+    }
+    case Core::kPoint:
+    case Core::kHalfSpace:
+      break;
+  }
+  return {};
+}
 
 double departureOf(const Eigen::Matrix3d& R) {
   Number squares = 0;
@@ -183,6 +228,50 @@ void offerSharpWitness(const SharpDifference& difference, const Number& distance
   progress.offerUpperEnd(apart.high + 2 * kUnitRoundoff * std::abs(apart.high) +
                              0.01 * query.roundoff + defect + difference.slack(),
                          w, a);
+}
+
+// The plane is where its own pose's third column and translation say, the column's length divided
+// out. The rotation that was meant turns it by half the departure, and the affine map that the
+// matrix is by all of it, about a point within L.
+void sharpenHalfSpace(const SharpDifference& difference, Progress& progress) {
+  const bool first = difference.a().core == Core::kHalfSpace;
+  const ConvexView& body = first ? difference.b() : difference.a();
+  const Pose &plane = first ? difference.X_WA() : difference.X_WB(),
+             &pose = first ? difference.X_WB() : difference.X_WA();
+  const Wide up = column(plane.rotation, 2);
+  const Wide t = Wide(pose.translation) - Wide(plane.translation);
+  const Number height =
+      (dot(up, t) - mostOfCore(body, rotatedBack(pose.rotation, -up))) / norm(up) -
+      Number(body.radius);
+  const double size = body.extent + t.rounded().norm();
+  const double departures =
+      0.5 * departureOf(pose.rotation) * body.extent + departureOf(plane.rotation) * size;
+  const double slack = departures * (1 + 0x1p-10) + 2 * kUnitRoundoff * std::abs(height.high) +
+                       0.01 * kUnitRoundoff * size;
+  progress.offerEnd(height.high - slack - body.excess * (1 + 0x1p-50), progress.normal());
+  progress.offerUpperEnd(height.high + slack, progress.witnessW(), progress.witnessA());
+}
+
+void sharpenPoint(const SharpDifference& difference, const Vector& nearest, const Vector& normal,
+                  Progress& progress) {
+  const bool first = difference.a().core == Core::kPoint;
+  const ConvexView& body = first ? difference.b() : difference.a();
+  const Pose &pose = first ? difference.X_WB() : difference.X_WA(),
+             &point = first ? difference.X_WA() : difference.X_WB();
+  const CoreQuery& query = progress.query();
+  const Number radii = exactSum(query.radius_a, query.radius_b);
+  const Wide t = Wide(point.translation) - Wide(pose.translation);
+  const Wide out = rotated(pose.rotation, Wide(normal));
+  const Number lower =
+      (dot(out, t) - mostOfCore(body, rotatedBack(pose.rotation, out))) / norm(out) - radii;
+  const Number upper = norm(t - rotated(pose.rotation, Wide(nearest))) - radii;
+  const double slack = difference.slack() + 0.01 * query.roundoff;
+  progress.offerEnd(lower.high - 2 * kUnitRoundoff * std::abs(lower.high) - slack -
+                        (difference.a().excess + difference.b().excess) * (1 + 0x1p-50),
+                    progress.normal());
+  progress.offerUpperEnd(upper.high + 2 * kUnitRoundoff * std::abs(upper.high) + slack +
+                             8 * kUnitRoundoff * body.extent,
+                         progress.witnessW(), progress.witnessA());
 }
 
 void sharpenApart(const SharpDifference& difference, const Simplex& simplex, const Pose& X_BA,

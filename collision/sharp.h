@@ -14,6 +14,9 @@ namespace leeway::collision {
 /// quite a rotation is half of that, times (1 + itself), from the rotation next to it. O(1).
 double departureOf(const Eigen::Matrix3d& R);
 
+/// The farthest point of a core along a direction of its frame. O(vertices).
+DoubleDoubleVector farthestOfCore(const ConvexView& view, const DoubleDoubleVector& direction);
+
 /// The difference {b - a} of two cores in the world's axes, in twice the precision.
 class SharpDifference {
  public:
@@ -65,6 +68,16 @@ void offerSharpPlane(const SharpDifference& difference, const DoubleDoubleVector
 /// negated. w and a as in Progress::offerWitness(), in B.
 void offerSharpWitness(const SharpDifference& difference, const DoubleDouble& distance,
                        double defect, const Vector& w, const Vector& a, Progress& progress);
+
+/// Both ends where A or B is a half-space: the other's lowest point decides, apart or overlapping.
+/// The normal, witness and point of A are those that are known already. O(vertices).
+void sharpenHalfSpace(const SharpDifference& difference, Progress& progress);
+
+/// Both ends where A or B is a point, outside of the other at a distance from `nearest`, which may
+/// stand out of it by 8 units of roundoff of its extent, along `normal`, both in its frame. As
+/// above.
+void sharpenPoint(const SharpDifference& difference, const Vector& nearest, const Vector& normal,
+                  Progress& progress);
 
 /// Both ends of a pair that is apart, from the simplex that GJK ended on.
 void sharpenApart(const SharpDifference& difference, const Simplex& simplex, const Pose& X_BA,

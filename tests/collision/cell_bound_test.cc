@@ -70,7 +70,7 @@ TEST(CellBound, WhatIsProvenHoldsInEveryDirection) {
     const SharpDifference sharp(view_a, X_WA, view_b, X_WB);
     const Pose X_BA = sharp.X_BA();
     Difference<false> difference(view_a, view_b, X_BA, X_BA);
-    const CurvedFaces faces(difference);
+    const CurvedFaces faces(difference, 1e-8);
     const double size = view_a.extent + view_b.extent + X_BA.translation.norm();
     const double roundoff = kUnitRoundoff * size;
     // Downhill on the sphere.

@@ -6,11 +6,10 @@
 #include <cmath>
 #include <limits>
 #include <span>
-#include <vector>
 
 #include "leeway/collision/convex_hull.h"
 #include "leeway/collision/distance.h"
-#include "tests/collision/pair_cases.h"
+#include "tests/collision/known_cases.h"
 #include "tests/sanitized.h"
 #include "tools/oracle/oracle.h"
 
@@ -20,7 +19,11 @@ namespace {
 using Eigen::Vector3d;
 using oracle::Flavour;
 using oracle::Random;
+using testing::hull;
+using testing::known;
+using testing::Known;
 using testing::Pair;
+using testing::pose;
 
 constexpr ShapeType kRound[] = {ShapeType::kCylinder, ShapeType::kCone, ShapeType::kEllipsoid};
 constexpr ShapeType kAny[] = {ShapeType::kCapsule, ShapeType::kBox, ShapeType::kCylinder,
@@ -55,13 +58,6 @@ double apartAlong(const Pair& pair, const Vector3d& n) {
          most(pair.b, pair.X_WB, -n);
 }
 
-Pose pose(const double (&R)[9], const Vector3d& t) {
-  Pose X;
-  X.rotation << R[0], R[1], R[2], R[3], R[4], R[5], R[6], R[7], R[8];
-  X.translation = t;
-  return X;
-}
-
 // Round bodies whose axes z (nearly) fall together, of nearly round sections: depths that are about
 // the same all around.
 Pair aroundOneAxis(Random& random) {
@@ -91,31 +87,13 @@ Pair aroundOneAxis(Random& random) {
   return pair;
 }
 
-struct Known {
-  Pair pair;
-  double tolerance;  // of the sizes involved; 0: the default
-};
-
-Known known(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB, double tolerance) {
-  return {{a, b, X_WA, X_WB}, tolerance};
-}
-
-Shape hull(const std::vector<Vector3d>& points) { return Shape::convexHull(points); }
-
-void expectNarrow(std::span<const Known> all) {
+void expectDeepAndNarrow(std::span<const Known> all) {
   Scratch scratch;
-  for (const auto& [pair, tolerance] : all) {
-    DistanceRequest request;
-    const double size = oracle::sizeOf(pair.a) + oracle::sizeOf(pair.b) +
-                        (pair.X_WB.translation - pair.X_WA.translation).norm();
-    if (tolerance > 0) request.tolerance = tolerance * size;
-    const DistanceResult r = distance(pair.a, pair.X_WA, pair.b, pair.X_WB, request, scratch);
-    EXPECT_EQ(r.status, DistanceStatus::kConverged) << pair.replay();
-    EXPECT_LT(r.distance.upper, 0) << pair.replay();
-    const oracle::Truth truth = oracle::signedSeparation(pair.a, pair.X_WA, pair.b, pair.X_WB);
-    EXPECT_LE(r.distance.lower, truth.upper) << pair.replay();
-    EXPECT_GE(r.distance.upper, truth.lower) << pair.replay();
-    EXPECT_NEAR(apartAlong(pair, r.normal), r.distance.lower, 1e-9 + 1e-14 * size) << pair.replay();
+  for (const Known& one : all) {
+    const DistanceResult r = testing::expectNarrow(one, scratch);
+    EXPECT_LT(r.distance.upper, 0) << one.pair.replay();
+    EXPECT_NEAR(apartAlong(one.pair, r.normal), r.distance.lower, 1e-9 + 1e-14 * one.size())
+        << one.pair.replay();
   }
 }
 
@@ -245,7 +223,7 @@ TEST(CurvedDepth, PairsThatWereLeftOpenAreAsNarrowAsAsked) {
                  {-0.57928158216543624, 0.7513857248296516, 0.90604489975108438}),
             0),  // ratio
   };
-  expectNarrow(all);
+  expectDeepAndNarrow(all);
 }
 
 // The same of hulls beside round bodies: no vertex of theirs was known to cells of directions.
@@ -362,7 +340,7 @@ TEST(CurvedDepth, HullsInRoundBodiesAreAsNarrowAsAsked) {
                  {0.72878677627288801, -0.35100134445527781, 0.58785814777085921}),
             0),  // degenerate
   };
-  expectNarrow(all);
+  expectDeepAndNarrow(all);
 }
 
 // Valleys all around an axis took more cells than there are in a query where bends changed over a
@@ -381,7 +359,7 @@ TEST(CurvedDepth, ValleyAroundAnAxisIsAsNarrowAsTwiceThePrecisionAllows) {
                  {1.2466240430908486, -0.479205880940759, -0.42495569500169017}),
             1e-14),  // coaxial
   };
-  expectNarrow(all);
+  expectDeepAndNarrow(all);
 }
 
 // ... or where parallel lines of two cones made the same member in many ways.
@@ -399,7 +377,7 @@ TEST(CurvedDepth, TwinsAreAsNarrowAsTwiceThePrecisionAllows) {
                  {-0.96899553220557466, -0.038246401018287593, 0.32087009882567824}),
             1e-14),  // twin
   };
-  expectNarrow(all);
+  expectDeepAndNarrow(all);
 }
 
 // By itself, against many planes, most of them where the nearest one is.
