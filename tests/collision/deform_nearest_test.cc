@@ -158,6 +158,25 @@ TEST(DeformNearest, IsBruteForces) {
   EXPECT_GT(crossing, 0);
 }
 
+// Triangles that share the nearest vertex or edge are as near but for rounding. Which of them is
+// told depends neither on what the thread has read before, and so closes sooner, nor on where the
+// search begins: threads with different pasts say the same.
+TEST(DeformNearest, UpperEndsDoNotDependOnThePast) {
+  int searches = 0;
+  for (Cases& cases : allCases(false)) {
+    for (const Case& c : cases.cases) {
+      const NearestFound found = cases.find(c.search);
+      NearestSearch again = c.search;
+      for (const std::int32_t first : {-1, found.slot, 0}) {
+        again.first = first;
+        ASSERT_EQ(cases.find(again).upper, found.upper) << toString(cases.snapshot->strategy());
+        ++searches;
+      }
+    }
+  }
+  EXPECT_GT(searches, 100);
+}
+
 TEST(DeformNearest, SameBytesOnEveryTarget) {
   expectTheSameBytesOnEveryTarget([] {
     std::vector<double> all;
