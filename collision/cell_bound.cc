@@ -116,7 +116,7 @@ void CellBound::addRound(int k) {
   if (!split(v, 1e-12 * sizes_[k], round, beyond)) {
     // (0 is a bound, too.)
     for (int i = 0; i < 3; ++i) at_[i] -= round.share[i] * v[i].norm();
-    slack_ += 64 * roundoff_ + moved_;
+    slack_ += 64 * (roundoff_ + moved_) * (sizes_[k] / (roundoff_ / kUnitRoundoff));
     return;
   }
   const double nearest = std::min({round.along[0], round.along[1], round.along[2]}),

@@ -10,8 +10,8 @@ namespace leeway::collision {
 /// double knows it well enough, and it errs by the fourth power.
 class CellBound {
  public:
-  /// sizes: the cores' extents; roundoff [m]: as CoreQuery; moved [m]: how far corners may be from
-  /// where they are said to be besides rounding.
+  /// sizes: the largest M of the cores, or more; roundoff [m]: as CoreQuery; moved [m]: how far
+  /// corners may be from where they are said to be besides rounding.
   CellBound(const CurvedCorner<Vector> (&corners)[3], const double (&sizes)[2], double roundoff,
             double moved)
       : corners_(corners), sizes_(sizes), roundoff_(roundoff), moved_(moved) {}

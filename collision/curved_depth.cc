@@ -103,7 +103,7 @@ CurvedDepth::CurvedDepth(Difference<false>& difference, Progress& progress,
       sharp_(sharp),
       roundoff_(progress.query().roundoff),
       faces_(difference, evenly),
-      sizes_{difference.viewA().extent, difference.viewB().extent},
+      sizes_{faces_.semiAxes(0).maxCoeff(), faces_.semiAxes(1).maxCoeff()},
       work_per_step_(sharp == nullptr ? kWorkPerStep : kSharpWorkPerStep),
       work_left_(work_per_step_ * progress.query().request.iteration_limit) {}
 
