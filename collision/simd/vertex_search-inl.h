@@ -306,8 +306,7 @@ struct Carriers {
 ///   double kTilt, of a fan's ring; 0 where there is no fan to begin with;
 ///   double kTiltOfFew, of a ring of three; 0 where there never is one;
 ///   double reach, what a ring's radius is at most before it is tilted: bodies that are far from
-///   each
-///     other for their size are met near the first direction;
+///     each other for their size are met near the first direction;
 ///   bool areDear() const, where there may be: three are enough, since each answer is dear and the
 ///     first direction good;
 ///   Points<4> members(const VertexNames (&names)[3]) const: three members side by side.

@@ -58,9 +58,11 @@ struct EdgeClearance {
 /// the rounding that margins are charged with. Which queries look for the proof depends on the
 /// calls before: planes and directions that parted a pair last, pairs that were in the way, growths
 /// at which a sweep failed. So an edge whose proof just fits into the work limit, the smallest
-/// interval or rounding, as a rule one that grazes something within micrometres of its margin, may
-/// be decided after some calls and undecided after others; and of an edge that is not free, the
-/// pair and place that are told may differ. The same calls in the same order give the same answers.
+/// interval or rounding may be decided after some calls and undecided after others: as a rule one
+/// that grazes something within micrometres of its margin; where a negative margin lets bodies
+/// overlap, whose depths are dear, also one that stays millimetres off it. And of an edge that is
+/// not free, the pair and place that are told may differ. The same calls in the same order give the
+/// same answers.
 class EdgeCertifier {
  public:
   explicit EdgeCertifier(std::shared_ptr<const CompiledScene> scene);
