@@ -1,5 +1,6 @@
 #include "collision/simd/hull_pairs.h"
 
+#include <algorithm>
 #include <cmath>
 
 #undef HWY_TARGET_INCLUDE
@@ -302,13 +303,15 @@ HWY_INLINE Triple betweenAxes(const Pair& pair) {
   return squared(way) > kSmallestScale * kSmallestScale ? way : Triple{1, 0, 0};
 }
 
-// The cached direction if it is one, else from A's middle to B's; of any length.
+// The cached direction if it is one, else from A's middle to B's; as long as that way, which a
+// fan's reach is measured by.
 HWY_INLINE Triple firstDirection(const Pair& pair) {
   if (pair.cache != nullptr) {
     const Triple n = tripleOf(pair.cache->direction_B);
     const double length_squared = squared(n);
     if (length_squared > 0.25 && length_squared < 4) {  // NaN fails
-      return rotated(pair.X_WB.rotation, n);
+      const double apart = std::sqrt(squared(betweenMiddles(pair)));
+      return std::max(apart, kSmallestScale) * rotated(pair.X_WB.rotation, n);
     }
   }
   if (pair.needles) return betweenAxes(pair);

@@ -145,6 +145,38 @@ TEST(HullPairs, SizesAtTheEndsOfTheScale) {
   EXPECT_GT(converged, asked * 95 / 100);
 }
 
+// A direction from a cache has length 1 whatever the sizes are: taken as it is, directions around
+// it were next to it where bodies are small, and steps were half as many again.
+TEST(HullPairs, StepsFromADirectionDoNotDependOnTheScale) {
+  Random random(136);
+  Scratch scratch;
+  for (int i = 0; i < casesToAsk(300); ++i) {
+    const Pair p = hullPair(random, scratch);
+    const Vector3d direction = random.direction();
+    int steps = 0;
+    for (const int power : {0, -10, 10}) {
+      const double scale = std::ldexp(1, power);
+      const auto scaled = [&](const Shape& shape) {
+        std::vector<Vector3d> points(shape.hull()->vertices().begin(),
+                                     shape.hull()->vertices().end());
+        for (Vector3d& point : points) point *= scale;
+        return Shape::convexHull(points);
+      };
+      DistanceRequest request;
+      request.tolerance *= scale;
+      PairCache cache;
+      cache.direction_B = direction;
+      const Pose X_WA{p.X_WA.rotation, scale * p.X_WA.translation},
+          X_WB{p.X_WB.rotation, scale * p.X_WB.translation};
+      DistanceResult r;
+      VertexStart start;
+      if (!answerHullPair(scaled(p.a), X_WA, scaled(p.b), X_WB, request, &cache, r, start)) break;
+      if (power == 0) steps = r.iterations;
+      EXPECT_EQ(r.iterations, steps) << power << " " << p.replay();
+    }
+  }
+}
+
 TEST(HullPairs, HoldTheTruth) {
   Random random(132);
   Scratch scratch;
