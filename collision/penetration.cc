@@ -579,7 +579,7 @@ bool Polytope::walk(int first, const Vector& p) {
   const std::size_t count = buffers_.loop.size();
   if (count < 3) return false;
   std::int32_t at = buffers_.loop.back().to;
-  for (const PolytopeBuffers::HorizonEdge& e : buffers_.loop) {
+  for (const HorizonEdge& e : buffers_.loop) {
     std::int32_t& mark = buffers_.edge_mark[static_cast<std::size_t>(e.from)];
     if (e.from != at || mark == mark_) return false;
     mark = mark_;
@@ -622,22 +622,9 @@ void Polytope::expand(int first) {
     f.alive = false;
     buffers_.free_facets.push_back(index);
   }
-  std::int32_t first_new = -1, previous = -1;
-  for (const PolytopeBuffers::HorizonEdge& e : buffers_.loop) {
-    const int index = newFacet(e.from, e.to, apex);
-    PolytopeFacet& f = facet(index);
-    f.neighbour[0] = e.facet;
-    facet(e.facet).neighbour[e.edge] = index;
-    if (previous < 0) {
-      first_new = index;
-    } else {
-      f.neighbour[2] = previous;
-      facet(previous).neighbour[1] = index;
-    }
-    previous = index;
-  }
-  facet(first_new).neighbour[2] = previous;
-  facet(previous).neighbour[1] = first_new;
+  closeByFan(
+      buffers_.loop, [&](std::int32_t i) -> PolytopeFacet& { return facet(i); },
+      [&](const HorizonEdge& e) { return newFacet(e.from, e.to, apex); });
 }
 
 // How often the surface is crossed outwards along a ray from the origin; -1000 when rounding leaves

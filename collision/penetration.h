@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "collision/horizon.h"
 #include "collision/progress.h"
 #include "collision/sharp.h"
 #include "collision/simplex.h"
@@ -37,10 +38,6 @@ struct PolytopeBuffers {
   struct Entry {
     double key;
     std::int32_t facet, stamp;
-  };
-  struct HorizonEdge {
-    std::int32_t from, to;     ///< vertices, in the order of the facet that goes
-    std::int32_t facet, edge;  ///< the facet that stays and its edge
   };
   struct Step {
     std::int32_t facet, edge;  ///< where the walk came in, and the edge to look across next

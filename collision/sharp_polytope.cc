@@ -12,7 +12,6 @@ using Number = DoubleDouble;
 using Wide = DoubleDoubleVector;
 using Corner = SharpPolytopeBuffers::Corner;
 using Facet = SharpPolytopeBuffers::Facet;
-using Edge = SharpPolytopeBuffers::Edge;
 
 constexpr int kMostCorners = 192;
 constexpr int kMostFacets = 2 * kMostCorners;
@@ -277,7 +276,7 @@ bool SharpPolytope::walk(int first, const Wide& p) {
     }
   }
   // In the order of a loop.
-  std::vector<Edge>& rim = buffers_.rim;
+  std::vector<HorizonEdge>& rim = buffers_.rim;
   for (std::size_t i = 0; i + 1 < rim.size(); ++i) {
     std::size_t found = rim.size();
     for (std::size_t j = i + 1; j < rim.size(); ++j) {
@@ -309,24 +308,12 @@ bool SharpPolytope::expand(int first) {
     facet(index).alive = false;
     buffers_.free.push_back(index);
   }
-  int first_new = -1, previous = -1;
-  for (const Edge& e : buffers_.rim) {
-    int index = 0;
-    if (!addFacet(e.from, e.to, apex, index)) return false;
-    Facet& f = facet(index);
-    f.neighbour[0] = e.facet;
-    facet(e.facet).neighbour[e.side] = index;
-    if (previous < 0) {
-      first_new = index;
-    } else {
-      f.neighbour[2] = previous;
-      facet(previous).neighbour[1] = index;
-    }
-    previous = index;
-  }
-  facet(first_new).neighbour[2] = previous;
-  facet(previous).neighbour[1] = first_new;
-  return true;
+  return closeByFan(
+      buffers_.rim, [&](std::int32_t i) -> Facet& { return facet(i); },
+      [&](const HorizonEdge& e) {
+        int index = 0;
+        return addFacet(e.from, e.to, apex, index) ? index : -1;
+      });
 }
 
 // How often the surface is crossed outwards along a ray from the origin; -1000 where rounding

@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "collision/horizon.h"
 #include "collision/progress.h"
 #include "collision/sharp.h"
 
@@ -25,13 +26,10 @@ struct SharpPolytopeBuffers {
     int mark;
     bool alive;
   };
-  struct Edge {
-    int from, to, facet, side;  ///< of the facet that stays, and which of its sides
-  };
   std::vector<Corner> corners;
   std::vector<Facet> facets;
   std::vector<int> free, visible;
-  std::vector<Edge> rim;
+  std::vector<HorizonEdge> rim;  ///< the edges around those that are seen, in order
 };
 
 /// Both ends near contact, apart or overlapping, where rounding to double ended other searches: an

@@ -58,6 +58,19 @@ Pair hullPair(Random& random, Scratch& scratch) {
   return pair;
 }
 
+// The same pair of hulls in another unit of length: exact where the scale is a power of two.
+Pair scaled(const Pair& pair, double scale) {
+  const auto hull = [&](const Shape& shape) {
+    std::vector<Vector3d> points(shape.hull()->vertices().begin(), shape.hull()->vertices().end());
+    for (Vector3d& point : points) point *= scale;
+    return Shape::convexHull(points);
+  };
+  return {hull(pair.a),
+          hull(pair.b),
+          {pair.X_WA.rotation, scale * pair.X_WA.translation},
+          {pair.X_WB.rotation, scale * pair.X_WB.translation}};
+}
+
 // Along n, from A's farthest vertex to B's.
 double planeAlong(const Pair& p, const Vector3d& n) {
   double a = -1e300, b = 1e300;
@@ -124,18 +137,10 @@ TEST(HullPairs, SizesAtTheEndsOfTheScale) {
     const DistanceResult r = generalDistance(p.a, p.X_WA, p.b, p.X_WB, {}, scratch, nullptr);
     for (const int power : {-128, -110, 90, 110, 150, 180, 195}) {
       const double scale = std::ldexp(1, power);
-      const auto scaled = [&](const Shape& shape) {
-        std::vector<Vector3d> points(shape.hull()->vertices().begin(),
-                                     shape.hull()->vertices().end());
-        for (Vector3d& point : points) point *= scale;
-        return Shape::convexHull(points);
-      };
-      const Pose X_WA{p.X_WA.rotation, scale * p.X_WA.translation},
-          X_WB{p.X_WB.rotation, scale * p.X_WB.translation};
+      const Pair q = scaled(p, scale);
       DistanceRequest request;
       request.tolerance *= scale;
-      const DistanceResult large =
-          distance(scaled(p.a), X_WA, scaled(p.b), X_WB, request, scratch, nullptr);
+      const DistanceResult large = distance(q.a, q.X_WA, q.b, q.X_WB, request, scratch, nullptr);
       ASSERT_LE(large.distance.lower, scale * r.distance.upper) << power << " " << p.replay();
       ASSERT_GE(large.distance.upper, scale * r.distance.lower) << power << " " << p.replay();
       ++asked;
@@ -150,31 +155,27 @@ TEST(HullPairs, SizesAtTheEndsOfTheScale) {
 TEST(HullPairs, StepsFromADirectionDoNotDependOnTheScale) {
   Random random(136);
   Scratch scratch;
+  int asked = 0;
   for (int i = 0; i < casesToAsk(300); ++i) {
     const Pair p = hullPair(random, scratch);
     const Vector3d direction = random.direction();
     int steps = 0;
     for (const int power : {0, -10, 10}) {
       const double scale = std::ldexp(1, power);
-      const auto scaled = [&](const Shape& shape) {
-        std::vector<Vector3d> points(shape.hull()->vertices().begin(),
-                                     shape.hull()->vertices().end());
-        for (Vector3d& point : points) point *= scale;
-        return Shape::convexHull(points);
-      };
+      const Pair q = scaled(p, scale);
       DistanceRequest request;
       request.tolerance *= scale;
       PairCache cache;
       cache.direction_B = direction;
-      const Pose X_WA{p.X_WA.rotation, scale * p.X_WA.translation},
-          X_WB{p.X_WB.rotation, scale * p.X_WB.translation};
       DistanceResult r;
       VertexStart start;
-      if (!answerHullPair(scaled(p.a), X_WA, scaled(p.b), X_WB, request, &cache, r, start)) break;
+      if (!answerHullPair(q.a, q.X_WA, q.b, q.X_WB, request, &cache, r, start)) break;
       if (power == 0) steps = r.iterations;
       EXPECT_EQ(r.iterations, steps) << power << " " << p.replay();
+      ++asked;
     }
   }
+  EXPECT_GT(asked, 3 * casesToAsk(100));
 }
 
 TEST(HullPairs, HoldTheTruth) {
