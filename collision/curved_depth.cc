@@ -15,7 +15,7 @@ namespace {
 
 // Cells, directions and planes that one step of the caller's limit is worth [count]: with the
 // default of 256 some eighty milliseconds at the most; most queries take a hundredth. Where twice
-// the precision is asked for, the valleys of two bodies about one axis take a quarter of a second.
+// the precision is asked for, the valleys of two bodies about one axis take a third of a second.
 constexpr std::int64_t kWorkPerStep = 512;
 constexpr std::int64_t kSharpWorkPerStep = 2048;
 // Descents beside directions that are far enough out which found nothing, and after how many of
@@ -23,7 +23,9 @@ constexpr std::int64_t kSharpWorkPerStep = 2048;
 constexpr int kLongestRest = 63;
 // Halvings of a face of the octahedron: its corners' coordinates are exact then, and cells that
 // share an edge leave nothing between them.
-constexpr int kMostHalvings = 48;
+constexpr int kMostHalvings = 96;
+// Cells that have been halved so often since the last such one end the rest from descents [count].
+constexpr int kHalvingsPerLook = 8;
 // Stiffnesses, and Newton's steps, their halves and steps back onto an edge [count].
 constexpr int kStiffnesses = 8;
 constexpr int kDescentSteps = 12;
@@ -44,6 +46,7 @@ struct Node {
   // The same in twice the precision, where it has been asked.
   bool sharp;
   DoubleDouble sharp_value, sharp_length;
+  int looks;  // see CurvedDepth: what it has been chosen for may be farther out than the depth now
 };
 
 struct Cell {
@@ -69,9 +72,9 @@ class CurvedDepth {
   void sharpen(Node& node) const;
   void look(const Vector& e);
   void lookBelow(const Vector& e);
-  bool askPlane(const Vector& e);
+  double askPlane(const Vector& e);
   Vector nextFrom(const Vector& e, const Vector& step, const CurvedEdge* edge, int edges) const;
-  void descend(Vector e);
+  void descend(Vector e, double value);
   double offerNearest(const Vector& e);
   Vector stepOnto(const CurvedFace& face, const CurvedEdge* edge, int edges) const;
   Vector stepFrom(const CurvedFace& face, CurvedEdge* edge, int& edges) const;
@@ -84,16 +87,18 @@ class CurvedDepth {
   Progress& progress_;
   const SharpDifference* sharp_;
   const double roundoff_;
-  const CurvedFaces faces_;
+  CurvedFaces faces_;
   double sizes_[2];
   const std::int64_t work_per_step_;
   std::int64_t work_left_;
   int idle_ = 0, rest_ = 0;  // descents that found nothing, and for how many to do without
   double reach_ = 0;         // the nearest plane asked
+  double gap_ = 0;           // in double: how much less is to be proven
   // What is to be proven; the second, for cells in double precision, holds for the world's poses.
   DoubleDouble depth_ = std::numeric_limits<double>::infinity();
   double plain_depth_ = 0;
   double wanted_ = 0;  // directions in which the difference is nearer lead to a nearer plane
+  int looks_ = 0;      // how often the depth has become less
 };
 
 CurvedDepth::CurvedDepth(Difference<false>& difference, Progress& progress,
@@ -120,8 +125,11 @@ Node CurvedDepth::nodeAt(const Vector& x) {
   for (int i = 0; i < kStiffnesses; ++i, stiffness *= 4) {
     const Vector y = faces_.blend(face, stiffness, node.choice);
     if (face.e.dot(y) >= wanted_) break;
-    if (i == 0) lookBelow(face.e);
+    if (i > 0) continue;
+    lookBelow(face.e);
+    if (face.e.dot(y) >= wanted_) break;
   }
+  node.looks = looks_;
   CurvedCorner<Vector>& c = node.corner;
   c.x = x;
   const Pose& X_BA = difference_.pose();
@@ -161,30 +169,26 @@ void CurvedDepth::sharpen(Node& node) const {
   }
 }
 
-// Offers the plane across e; true when it is the nearest so far.
-bool CurvedDepth::askPlane(const Vector& e) {
+// Offers the plane across e, and tells how far it is.
+double CurvedDepth::askPlane(const Vector& e) {
   SupportPoint s;
   --work_left_;
   difference_.support(-e, s);
   const double value = e.dot(s.w);
   progress_.offerLower(-value, -e);
   if (sharp_ != nullptr) offerSharpPlane(*sharp_, sharp_->inWorld(-e), progress_);
-  if (!(value < reach_)) return false;
-  reach_ = value;
-  return true;
+  reach_ = std::min(reach_, value);
+  return value;
 }
 
-// A quarter of the width is left for the plane and for rounding; in twice the precision a twentieth
-// of what the ends' own rounding leaves. It only becomes less, so that what is proven stays so.
+// In twice the precision a twentieth is left of what the ends' own rounding leaves. It only becomes
+// less, so that what is proven stays so.
 void CurvedDepth::setDepth() {
   const CoreQuery& query = progress_.query();
   const double tolerance = query.request.tolerance;
   DoubleDouble depth;
   if (sharp_ == nullptr) {
-    // (In this order, so that a tolerance that is no number is the least.)
-    const double gap = std::max(4 * kCellRounding * roundoff_,
-                                0.75 * (tolerance - (query.lower_offset - query.upper_offset)));
-    depth = reach_ - std::min(gap, 0.25 * reach_);
+    depth = reach_ - std::min(gap_, 0.25 * reach_);
   } else {
     const DoubleDoubleVector n = sharp_->inWorld(-progress_.normal());
     depth = sharp_->mostAlong(n) / norm(n);
@@ -194,11 +198,20 @@ void CurvedDepth::setDepth() {
     depth = depth - DoubleDouble(std::max(0.5 * tolerance, 0.95 * (tolerance - 1.01 * ends)));
   }
   if (!(depth < depth_)) return;
+  ++looks_;
+  // Once more, so that what has been kept before does not move it.
+  for (int i = 0; i < 2; ++i) {
+    CurvedChoice choice;
+    faces_.blend(faces_.along(-progress_.normal()), reach_, choice);
+    faces_.keepNear(choice);
+  }
   depth_ = depth;
   plain_depth_ = wanted_ = depth.high;
   if (sharp_ == nullptr) {
     wanted_ += 2 * kCellRounding * roundoff_;
   } else {
+    // (What is chosen in double for a direction has to be enough in more digits, too.)
+    wanted_ += 8 * roundoff_;
     plain_depth_ += 8 * roundoff_ + sharp_->moved();
   }
 }
@@ -267,7 +280,8 @@ Vector CurvedDepth::nextFrom(const Vector& e, const Vector& step, const CurvedEd
   return next;
 }
 
-void CurvedDepth::descend(Vector e) {
+// From a direction whose plane is that far; by way of planes that are not the nearest, too.
+void CurvedDepth::descend(Vector e, double value) {
   for (int i = 0; i < kDescentSteps && !progress_.decided(); ++i) {
     CurvedEdge edge[2];
     int edges = 0;
@@ -278,8 +292,9 @@ void CurvedDepth::descend(Vector e) {
     bool nearer = false;
     for (int k = 0; k < kHalves && !nearer; ++k, step *= 0.5) {
       const Vector next = nextFrom(e, step, edge, edges);
-      nearer = askPlane(next);
-      if (nearer) e = next;
+      const double next_value = askPlane(next);
+      nearer = next_value < value;
+      if (nearer) e = next, value = next_value;
     }
     if (!nearer) return;
   }
@@ -287,8 +302,9 @@ void CurvedDepth::descend(Vector e) {
 
 // A direction in which the difference is no farther out than the depth.
 void CurvedDepth::look(const Vector& e) {
-  if (!askPlane(e)) return;
-  descend(e);
+  const double before = reach_, value = askPlane(e);
+  if (!(value < before)) return;
+  descend(e, value);
   setDepth();
 }
 
@@ -299,7 +315,7 @@ void CurvedDepth::lookBelow(const Vector& e) {
     return;
   }
   const double before = reach_;
-  descend(e);
+  descend(e, askPlane(e));
   if (reach_ < before) {
     idle_ = 0;
     setDepth();
@@ -346,27 +362,51 @@ bool CurvedDepth::proves(Cell& cell) {
 // The depth proven, with the member that lies along the nearest plane's normal.
 void CurvedDepth::claim() {
   const CurvedFace face = faces_.along(-progress_.normal());
-  CurvedChoice choice;
-  double of_a[3];
-  Vector y = faces_.blend(face, reach_, choice);
-  faces_.center(0, choice, of_a);
-  Vector point_a = placed(difference_.pose(), Vector(of_a[0], of_a[1], of_a[2])) -
-                   faces_.share(0, choice) * face.arm[0];
-  // Of a cap that is met squarely, the point that is wanted.
-  for (int k = 0; k < 2; ++k) {
-    const Core core = faces_.view(k).core;
-    const double radius = faces_.share(k, choice) * faces_.semiAxes(k).x();
-    if ((core != Core::kCylinder && core != Core::kCone) || face.length[k] > 0) continue;
-    Vector arm = y.dot(face.e) * face.e - y;
-    const double length = arm.norm();
-    if (length > radius) arm *= radius / length;
-    y += arm;
-    if (k == 0) point_a -= arm;
+  const double wide = reach_ - depth_.high;
+  double least = std::numeric_limits<double>::infinity();
+  Vector w = Vector::Zero(), a = Vector::Zero();
+  // What is blended knows nothing of the points inside of caps.
+  for (const bool blended : {true, false}) {
+    CurvedChoice choice;
+    if (blended) {
+      faces_.blend(face, reach_, choice);
+    } else {
+      faces_.support(face, choice);
+    }
+    double of_a[3], of_b[3];
+    faces_.center(0, choice, of_a);
+    faces_.center(1, choice, of_b);
+    Vector point_a = placed(difference_.pose(), Vector(of_a[0], of_a[1], of_a[2]));
+    Vector y = Vector(of_b[0], of_b[1], of_b[2]) - point_a;
+    for (const bool caps : {false, true}) {
+      for (int k = 0; k < 2; ++k) {
+        const Core core = faces_.view(k).core;
+        const bool cap =
+            (core == Core::kCylinder || core == Core::kCone) && !(face.length[k] > wide);
+        if (cap != caps) continue;
+        Vector arm = faces_.share(k, choice) * face.arm[k];
+        // Of a cap that is met squarely, the point that is wanted.
+        if (cap) {
+          const double radius = faces_.share(k, choice) * faces_.semiAxes(k).x();
+          const Vector up = faces_.axis(k);
+          arm = y.dot(face.e) * face.e - y;
+          arm -= up.dot(arm) * up;
+          const double length = arm.norm();
+          if (length > radius) arm *= radius / length;
+        }
+        y += arm;
+        if (k == 0) point_a -= arm;
+      }
+    }
+    const double off = (y - reach_ * face.e).norm();
+    if (!(off < least)) continue;
+    least = off;
+    w = y, a = point_a;
   }
   if (sharp_ == nullptr) {
-    progress_.offerWitness(-depth_.high, y, point_a);
+    progress_.offerWitness(-depth_.high, w, a);
   } else {
-    offerSharpWitness(*sharp_, -depth_, 0, y, point_a, progress_);
+    offerSharpWitness(*sharp_, -depth_, 0, w, a, progress_);
   }
 }
 
@@ -377,15 +417,15 @@ double CurvedDepth::offerNearest(const Vector& e) {
   const CurvedFace face = faces_.along(e);
   CurvedChoice choice;
   faces_.blend(face, std::abs(reach_), choice);
-  // (Afresh: what blend() returns is a sum of many steps.)
-  double of_a[3], of_b[3];
-  faces_.center(0, choice, of_a);
-  faces_.center(1, choice, of_b);
-  const Vector point_a = placed(difference_.pose(), Vector(of_a[0], of_a[1], of_a[2])) -
-                         faces_.share(0, choice) * face.arm[0];
-  const Vector y =
-      Vector(of_b[0], of_b[1], of_b[2]) + faces_.share(1, choice) * face.arm[1] - point_a;
   if (sharp_ == nullptr) {
+    // (Afresh: what blend() returns is a sum of many steps.)
+    double of_a[3], of_b[3];
+    faces_.center(0, choice, of_a);
+    faces_.center(1, choice, of_b);
+    const Vector point_a = placed(difference_.pose(), Vector(of_a[0], of_a[1], of_a[2])) -
+                           faces_.share(0, choice) * face.arm[0];
+    const Vector y =
+        Vector(of_b[0], of_b[1], of_b[2]) + faces_.share(1, choice) * face.arm[1] - point_a;
     const double apart = y.norm();
     progress_.offerWitness(apart, y, point_a);
     return apart;
@@ -405,9 +445,12 @@ double CurvedDepth::offerNearest(const Vector& e) {
     point[k] =
         point[k] + per * DoubleDoubleVector(m.x() * scaled.x, m.y() * scaled.y, m.z() * scaled.z);
   }
-  const DoubleDouble sharp_apart = norm(sharp_->memberOf(point[0], point[1]));
-  offerSharpWitness(*sharp_, sharp_apart, 0, y, point_a, progress_);
-  return sharp_apart.high;
+  // (Along a needle points are known worse than they are apart.)
+  const DoubleDoubleVector w = sharp_->memberOf(point[0], point[1]);
+  const DoubleDouble apart = norm(w);
+  offerSharpWitness(*sharp_, apart, 0, rotatedBack(sharp_->X_WB().rotation, w.rounded()),
+                    placed(difference_.pose(), point[0].rounded()), progress_);
+  return apart.high;
 }
 
 // Newton's steps as descend() takes them, which go on while the plane or the member gets nearer:
@@ -428,9 +471,10 @@ void CurvedDepth::findNearest() {
     bool nearer = false;
     for (int k = 0; k < kHalves && !nearer && !progress_.enough(); ++k, step *= 0.5) {
       const Vector next = nextFrom(e, step, edge, edges);
-      const bool nearer_plane = askPlane(next);
+      const double reach = reach_;
+      askPlane(next);
       const double apart = offerNearest(next);
-      nearer = nearer_plane || apart < least;
+      nearer = reach_ < reach || apart < least;
       least = std::min(least, apart);
       if (nearer) e = next;
     }
@@ -441,20 +485,39 @@ void CurvedDepth::findNearest() {
 
 bool CurvedDepth::run() {
   const std::int64_t before = work_left_;
-  const bool proven = search();
+  bool proven = false;
+  if (sharp_ != nullptr) {
+    proven = search();
+    if (proven) claim();
+  } else {
+    // What is narrower than a cell's rounding is a matter of twice the precision, which comes
+    // later, and begins where this has come.
+    const CoreQuery& query = progress_.query();
+    const double enough = kSharpFrom * (roundoff_ / kUnitRoundoff);
+    if (progress_.upper() - progress_.lower() <= enough) return false;
+    // A quarter of the width is left for the plane and for rounding. (In this order, so that a
+    // tolerance that is no number is the least.)
+    const double wanted =
+        std::max(4 * kCellRounding * roundoff_,
+                 0.75 * (query.request.tolerance - (query.lower_offset - query.upper_offset)));
+    gap_ = std::max(wanted, 0.75 * enough);
+    proven = search();
+    if (proven) claim();
+    if (proven && wanted < gap_ && !progress_.enough()) {
+      gap_ = wanted;
+      if (search()) claim();
+    }
+  }
   // (No more than the limit, but for the last descent.)
   progress_.iterations += static_cast<int>((before - work_left_) / work_per_step_);
-  if (proven) claim();
   return proven;
 }
 
 bool CurvedDepth::search() {
-  // What is narrower than a cell's rounding is a matter of twice the precision, which comes later.
-  const double size = roundoff_ / kUnitRoundoff;
-  if (sharp_ == nullptr && progress_.upper() - progress_.lower() <= kSharpFrom * size) return false;
   reach_ = -(progress_.lower() + progress_.query().lower_offset);
   if (!(reach_ > 0)) return false;
   reach_ = std::numeric_limits<double>::infinity();
+  depth_ = std::numeric_limits<double>::infinity();
   look(-progress_.normal());
   // (Infinity: no plane has been asked, and nothing is to be proven.)
   if (!(depth_.high > 0 && std::isfinite(depth_.high)) || progress_.decided()) return false;
@@ -474,7 +537,17 @@ bool CurvedDepth::search() {
       --count;
       continue;
     }
-    if (cell.halvings == kMostHalvings || work_left_ <= 0) return false;
+    if (work_left_ <= 0) return false;
+    if (cell.halvings % kHalvingsPerLook == 0) rest_ = 0;
+    // What was chosen beside an edge for a depth that was no bound is far from what is best there.
+    bool again = false;
+    for (Node& node : cell.node) {
+      if (node.looks == looks_) continue;
+      node = nodeAt(node.x);
+      again = true;
+    }
+    if (again) continue;
+    if (cell.halvings == kMostHalvings) return false;
     // Halved across its longest edge: from corner i to corner j.
     int i = 0, j = 1;
     double longest = -1;

@@ -17,6 +17,13 @@ constexpr double kWeightUnit = 0x1p-52;
 // is told.)
 constexpr double kFlat = 1e-8;
 
+// The only axis of an ellipsoid that is no more than a segment, or -1.
+int segmentAxis(const Vector& semi_axes) {
+  int axis = 0;
+  semi_axes.maxCoeff(&axis);
+  return semi_axes[(axis + 1) % 3] == 0 && semi_axes[(axis + 2) % 3] == 0 ? axis : -1;
+}
+
 }  // namespace
 
 CurvedFaces::CurvedFaces(const Difference<false>& difference, double evenly)
@@ -29,6 +36,9 @@ CurvedFaces::CurvedFaces(const Difference<false>& difference, double evenly)
     switch (views[k]->core) {
       case Core::kEllipsoid:
         part.semi_axes = views[k]->size;
+        part.axis = segmentAxis(part.semi_axes);
+        // (A segment is no round part: what |M x| does across it is not smooth.)
+        if (part.axis >= 0) part.semi_axes.setZero(), part.count = 1;
         break;
       case Core::kCone:
         cone_[k] = parameters_;
@@ -50,6 +60,11 @@ CurvedFaces::CurvedFaces(const Difference<false>& difference, double evenly)
     }
     parameters_ += part.count;
   }
+  for (int k = 0; k < parameters_; ++k) kept_[k] = 0.5 * (low(k) + 1);
+}
+
+void CurvedFaces::keepNear(const CurvedChoice& choice) {
+  for (int k = 0; k < parameters_; ++k) kept_[k] = choice.parameter[k];
 }
 
 CurvedFace CurvedFaces::along(const Vector& direction) const {
@@ -76,7 +91,7 @@ CurvedFace CurvedFaces::along(const Vector& direction) const {
     } else {
       face.base += face.arm[k];
       for (int i = 0; i < part.count; ++i) {
-        const int axis = part.count == 1 ? 2 : i;
+        const int axis = part.count == 1 ? part.axis : i;
         face.way[part.first + i] = turned(k, view.size[axis] * Vector::Unit(axis));
       }
     }
@@ -139,9 +154,9 @@ void CurvedFaces::slide(const CurvedFace& face, double stiffness, CurvedChoice& 
     // (stiff / squared: a stiffness that the round parts' bend is added to.)
     double wanted = squared > 0 ? along * (stiff / squared) - way.dot(y) : along * stiffness;
     double per_step = squared + evenly[k];
-    wanted -= evenly[k] * (parameter[k] - middle(k));
+    wanted -= evenly[k] * (parameter[k] - kept_[k]);
     if (against != 0) {
-      wanted += against * evenly[l] * (parameter[l] - middle(l));
+      wanted += against * evenly[l] * (parameter[l] - kept_[l]);
       per_step += against * against * evenly[l];
     }
     double most = wanted > 0 ? 1 - parameter[k] : low(k) - parameter[k];

@@ -42,10 +42,12 @@ struct CurvedEdge {
 /// The cores of a difference B - A, of which one is round, and their pieces. In B's frame.
 class CurvedFaces {
  public:
-  /// Where pieces are parallel the same member is made in many ways: departing from the parameters'
-  /// middles costs the share `evenly` of what being beside the direction does, so that directions
-  /// next to each other do not choose different ones. More costs width.
+  /// Where pieces are parallel the same member is made in many ways: departing from parameters that
+  /// are kept, at first the middles, costs the share `evenly` of what being beside the direction
+  /// does, so that directions next to each other do not choose different ones. More costs width.
   CurvedFaces(const Difference<false>& difference, double evenly);
+  /// Parameters to stay near.
+  void keepNear(const CurvedChoice& choice);
 
   CurvedFace along(const Vector& direction) const;
   /// How far the difference reaches along face.e, and the pieces that do.
@@ -68,6 +70,8 @@ class CurvedFaces {
   double share(int part, const CurvedChoice& choice) const;
   const Vector& semiAxes(int part) const { return part_[part].semi_axes; }
   const ConvexView& view(int part) const { return *part_[part].view; }
+  /// The third axis of the core's frame.
+  Vector axis(int part) const { return turned(part, Vector::UnitZ()); }
 
  private:
   /// One core; A is turned about.
@@ -75,9 +79,9 @@ class CurvedFaces {
     const ConvexView* view = nullptr;
     Vector semi_axes = Vector::Zero();
     int first = 0, count = 0;  // parameters
+    int axis = 2;              // of a single one
   };
   double low(int k) const { return k == cone_[0] || k == cone_[1] ? 0 : -1; }
-  double middle(int k) const { return 0.5 * (low(k) + 1); }
   Vector turned(int part, const Vector& v) const {
     return part == 0 ? rotated(pose_.rotation, v) : v;
   }
@@ -97,6 +101,7 @@ class CurvedFaces {
   int cone_[2] = {-1, -1};  // the parameter that is a cone's
   int hull_ = -1;           // the part that is one
   int parameters_ = 0;
+  double kept_[kMostCurvedParameters];
 };
 
 template <class Number>
@@ -122,7 +127,7 @@ void CurvedFaces::center(int part, const CurvedChoice& choice, Number center[3])
     return;
   }
   for (int i = 0; i < p.count; ++i) {
-    const int axis = p.count == 1 ? 2 : i;
+    const int axis = p.count == 1 ? p.axis : i;
     center[axis] = Number(part == 0 ? -view.size[axis] : view.size[axis]) * Number(of[i]);
   }
 }
