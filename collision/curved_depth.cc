@@ -362,7 +362,7 @@ bool CurvedDepth::proves(Cell& cell) {
 // The depth proven, with the member that lies along the nearest plane's normal.
 void CurvedDepth::claim() {
   const CurvedFace face = faces_.along(-progress_.normal());
-  const double wide = reach_ - depth_.high;
+  const double wide = std::max(reach_ - depth_.high, 0.0);
   double least = std::numeric_limits<double>::infinity();
   Vector w = Vector::Zero(), a = Vector::Zero();
   // What is blended knows nothing of the points inside of caps.
