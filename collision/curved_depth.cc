@@ -44,7 +44,7 @@ struct Node {
   CurvedCorner<Vector> corner;
   double value, length;  // the bound there, and the length of x
   // The same in twice the precision, where it has been asked.
-  bool sharp;
+  bool sharp, settled;
   DoubleDouble sharp_value, sharp_length;
   int looks;  // see CurvedDepth: what it has been chosen for may be farther out than the depth now
 };
@@ -69,7 +69,9 @@ class CurvedDepth {
 
  private:
   Node nodeAt(const Vector& x);
+  void fill(Node& node) const;
   void sharpen(Node& node) const;
+  void settle(Node& node);
   void look(const Vector& e);
   void lookBelow(const Vector& e);
   double askPlane(const Vector& e);
@@ -87,7 +89,7 @@ class CurvedDepth {
   Progress& progress_;
   const SharpDifference* sharp_;
   const double roundoff_;
-  CurvedFaces faces_;
+  CurvedFaces faces_, exact_faces_;
   double sizes_[2];
   const std::int64_t work_per_step_;
   std::int64_t work_left_;
@@ -108,6 +110,7 @@ CurvedDepth::CurvedDepth(Difference<false>& difference, Progress& progress,
       sharp_(sharp),
       roundoff_(progress.query().roundoff),
       faces_(difference, evenly),
+      exact_faces_(difference, 0),
       sizes_{faces_.semiAxes(0).maxCoeff(), faces_.semiAxes(1).maxCoeff()},
       work_per_step_(sharp == nullptr ? kWorkPerStep : kSharpWorkPerStep),
       work_left_(work_per_step_ * progress.query().request.iteration_limit) {}
@@ -130,7 +133,14 @@ Node CurvedDepth::nodeAt(const Vector& x) {
     if (face.e.dot(y) >= wanted_) break;
   }
   node.looks = looks_;
+  fill(node);
+  return node;
+}
+
+// What follows from the choice.
+void CurvedDepth::fill(Node& node) const {
   CurvedCorner<Vector>& c = node.corner;
+  const Vector& x = node.x;
   c.x = x;
   const Pose& X_BA = difference_.pose();
   double of_a[3], of_b[3];
@@ -145,8 +155,25 @@ Node CurvedDepth::nodeAt(const Vector& x) {
     node.value += c.share[k] * c.scaled[k].norm();
   }
   node.length = x.norm();
-  node.sharp = false;
-  return node;
+  node.sharp = node.settled = false;
+}
+
+// Where matrices depart from rotations by more than what is to be told, a choice that is enough in
+// double may not be, nor one that treats pieces evenly which are all but parallel.
+void CurvedDepth::settle(Node& node) {
+  const CurvedFace face = faces_.along(node.x);
+  double stiffness = depth_.high;
+  for (int i = 0; i < 2 * kStiffnesses; ++i) {
+    --work_left_;
+    Node other = node;
+    (i % 2 == 0 ? exact_faces_ : faces_).blend(face, stiffness, other.choice);
+    if (i % 2 != 0) stiffness *= 4;
+    fill(other);
+    sharpen(other);
+    const DoubleDouble gain = other.sharp_value - node.sharp_value;
+    if (gain.high > 0) node = other;
+  }
+  node.settled = true;
 }
 
 // The bound at the direction itself, for the bodies' world poses.
@@ -296,6 +323,13 @@ void CurvedDepth::descend(Vector e, double value) {
       nearer = next_value < value;
       if (nearer) e = next, value = next_value;
     }
+    // (Of two that are all but parallel the step is onto the first.)
+    if (edges == 2) {
+      std::swap(edge[0], edge[1]);
+      const Vector next = nextFrom(e, Vector::Zero(), edge, edges);
+      const double next_value = askPlane(next);
+      if (next_value < value) e = next, value = next_value, nearer = true;
+    }
     if (!nearer) return;
   }
 }
@@ -355,6 +389,9 @@ bool CurvedDepth::proves(Cell& cell) {
   }
   CellBound bound(corners, sizes_, roundoff_, moved);
   if (bound.proves(margins, depth_.high)) return true;
+  for (int i = 0; i < 3; ++i) {
+    if (margins[i] < roundoff_ && !node[i].settled) settle(node[i]);
+  }
   if (bound.seemsBelow()) lookBelow(bound.leastDirection().normalized());
   return false;
 }

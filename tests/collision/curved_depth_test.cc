@@ -411,6 +411,26 @@ TEST(CurvedDepth, EdgesAreProvenWhereTheirNearestPlaneWasFoundLate) {
   expectDeepAndNarrow(all);
 }
 
+// Sides that are parallel to within 1e-13 were held evenly, which took 4e-14 off.
+TEST(CurvedDepth, EdgesThatAreAllButParallelAreAsNarrowAsAsked) {
+  const Known all[] = {
+      known(hull({{0.077463448117133044, -0.94199100734402441, -1.8575296913736039e-09},
+                  {0.082371254462768023, 0.89147696166807855, -3.0304273193898107e-07},
+                  {0.61701349057423849, -0.70713690652389671, -1.1226238020355629e-07}}),
+            pose({-0.30141790332449347, -0.82149832444371218, -0.48403279898333285,
+                  -0.91527716768307443, 0.39156098594925648, -0.094592286157462124,
+                  0.26723576458534737, 0.41451236075492309, -0.86992215106172877},
+                 {0.74707492026913269, -0.56340151067355926, -0.3527857724960296}),
+            Shape::cylinder(4.066694508594082e-07, 0.34245131967307024),
+            pose({-0.82032132585581552, 0.56191558678511622, 0.10641332470182846,
+                  0.5419698701838942, 0.82321845967515483, -0.16905628489623925,
+                  -0.18259677477713337, -0.081007659995854797, -0.97984497593394138},
+                 {0.84090921424308296, -1.1361647850696506, -0.66428378786995501}),
+            1e-14),  // sliver
+  };
+  expectDeepAndNarrow(all);
+}
+
 // A needle of a millionth of its length needs cells that are narrower, and one without a width is a
 // segment.
 TEST(CurvedDepth, NeedlesAreAsNarrowAsAsked) {
