@@ -15,9 +15,10 @@ namespace {
 
 // Cells, directions and planes that one step of the caller's limit is worth [count]: with the
 // default of 256 some eighty milliseconds at the most; most queries take a hundredth. Where twice
-// the precision is asked for, the valleys of two bodies about one axis take a third of a second.
+// the precision is asked for, the valleys of two bodies about one axis take a third of a second,
+// and those of needles half of one.
 constexpr std::int64_t kWorkPerStep = 512;
-constexpr std::int64_t kSharpWorkPerStep = 2048;
+constexpr std::int64_t kSharpWorkPerStep = 4096;
 // Descents beside directions that are far enough out which found nothing, and after how many of
 // these at the most the next is tried [count].
 constexpr int kLongestRest = 63;
@@ -32,6 +33,8 @@ constexpr int kDescentSteps = 12;
 constexpr int kHalves = 4;
 constexpr int kEdgeSteps = 3;
 constexpr int kNearestSteps = 32;
+// Least stiffnesses of what is apart [of the sizes involved].
+constexpr double kNearestStiffnesses[] = {0, 1e-4, 1};
 // See CurvedFaces: less is lost in rounding.
 constexpr double kEvenly = 1e-8;
 // Rounding of a cell's bound, derived below [units of roundoff of the sizes involved].
@@ -78,6 +81,7 @@ class CurvedDepth {
   Vector nextFrom(const Vector& e, const Vector& step, const CurvedEdge* edge, int edges) const;
   void descend(Vector e, double value);
   double offerNearest(const Vector& e);
+  void stepNearer();
   Vector stepOnto(const CurvedFace& face, const CurvedEdge* edge, int edges) const;
   Vector stepFrom(const CurvedFace& face, CurvedEdge* edge, int& edges) const;
   void setDepth();
@@ -99,6 +103,7 @@ class CurvedDepth {
   // What is to be proven; the second, for cells in double precision, holds for the world's poses.
   DoubleDouble depth_ = std::numeric_limits<double>::infinity();
   double plain_depth_ = 0;
+  double stiff_ = 0;   // the least for blending [m]
   double wanted_ = 0;  // directions in which the difference is nearer lead to a nearer plane
   int looks_ = 0;      // how often the depth has become less
 };
@@ -219,10 +224,11 @@ void CurvedDepth::setDepth() {
   } else {
     const DoubleDoubleVector n = sharp_->inWorld(-progress_.normal());
     depth = sharp_->mostAlong(n) / norm(n);
-    // See offerSharpPlane() and offerSharpWitness(); half the tolerance where these alone take it.
+    // See offerSharpPlane() and offerSharpWitness(); where these alone take the tolerance, as much
+    // as they do.
     const double ends = 4 * kUnitRoundoff * std::abs(depth.high) + 0.02 * query.roundoff +
                         faces_.view(0).excess + faces_.view(1).excess + 2 * sharp_->slack();
-    depth = depth - DoubleDouble(std::max(0.5 * tolerance, 0.95 * (tolerance - 1.01 * ends)));
+    depth = depth - DoubleDouble(tolerance > 1.5 * ends ? 0.95 * (tolerance - 1.01 * ends) : ends);
   }
   if (!(depth < depth_)) return;
   ++looks_;
@@ -268,7 +274,7 @@ Vector CurvedDepth::stepOnto(const CurvedFace& face, const CurvedEdge* edge, int
 // the direction belongs to (what may still be moved between two pieces), if it does to any.
 Vector CurvedDepth::stepFrom(const CurvedFace& face, CurvedEdge* edge, int& edges) const {
   CurvedChoice choice;
-  const Vector y = faces_.blend(face, std::abs(reach_), choice);
+  const Vector y = faces_.blend(face, std::max(std::abs(reach_), stiff_), choice);
   const Vector& e = face.e;
   const double reach = e.dot(y);
   // Along v and w: second derivatives of the support less the distance.
@@ -453,7 +459,7 @@ void CurvedDepth::claim() {
 double CurvedDepth::offerNearest(const Vector& e) {
   const CurvedFace face = faces_.along(e);
   CurvedChoice choice;
-  faces_.blend(face, std::abs(reach_), choice);
+  faces_.blend(face, std::max(std::abs(reach_), stiff_), choice);
   if (sharp_ == nullptr) {
     // (Afresh: what blend() returns is a sum of many steps.)
     double of_a[3], of_b[3];
@@ -491,12 +497,25 @@ double CurvedDepth::offerNearest(const Vector& e) {
 }
 
 // Newton's steps as descend() takes them, which go on while the plane or the member gets nearer:
-// where the plane is known to within rounding, its direction is to the root of that only.
+// where the plane is known to within rounding, its direction is to the root of that only. Bodies
+// that all but touch hold pieces loosely, and of a hull's far vertices those that lie along the
+// direction: the same again, stiffer.
 void CurvedDepth::findNearest() {
   const std::int64_t before = work_left_;
   reach_ = std::numeric_limits<double>::infinity();
+  askPlane(-progress_.normal());
+  const double size = roundoff_ / kUnitRoundoff;
+  for (const double share : kNearestStiffnesses) {
+    if (progress_.enough()) break;
+    stiff_ = share * size;
+    stepNearer();
+  }
+  stiff_ = 0;
+  progress_.iterations += static_cast<int>(before - work_left_);
+}
+
+void CurvedDepth::stepNearer() {
   Vector e = -progress_.normal();
-  askPlane(e);
   double least = offerNearest(e);
   for (int i = 0; i < kNearestSteps && !progress_.enough(); ++i) {
     CurvedEdge edge[2];
@@ -517,7 +536,6 @@ void CurvedDepth::findNearest() {
     }
     if (!nearer) break;
   }
-  progress_.iterations += static_cast<int>(before - work_left_);
 }
 
 bool CurvedDepth::run() {

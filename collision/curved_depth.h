@@ -14,7 +14,7 @@ inline constexpr int kLeastIterations = 64;
 /// What one of its iterations counts for beyond any other [units of Work]: hundreds of cells, and
 /// more of them in twice the precision.
 inline constexpr std::int64_t kCurvedStepWork = 400'000;
-inline constexpr std::int64_t kSharpCurvedStepWork = 4 * kCurvedStepWork;
+inline constexpr std::int64_t kSharpCurvedStepWork = 8 * kCurvedStepWork;
 
 /// True for pairs that offerCurvedDepth() knows: one core at least is a cylinder, cone or
 /// ellipsoid, the other that, a point, segment or box, or the vertices of a ConvexHull.
@@ -40,9 +40,9 @@ bool haveCurvedDepth(const ConvexView& a, const ConvexView& b);
 /// `sharp`: as growPolytope(); at corners of cells that cannot be told from rounding the bound is
 /// taken in twice the precision. False where nothing was proven. The caller's limit of iterations
 /// is granted once more, some hundred cells a step: thousands of cells in all, at the default limit
-/// a hundred thousand at the most. In twice the precision it is four times as many, and at a
-/// tolerance of 2e-16 of the sizes that took up to 1.5 s. In double a depth that is narrow
-/// enough for twice the precision to begin with is proven first, whatever is asked for beyond it.
+/// a hundred thousand at the most, in twice the precision eight times as many, which takes about a
+/// second. In double a depth that is narrow enough for twice the precision to begin with is proven
+/// first, whatever is asked for beyond it.
 bool offerCurvedDepth(Difference<false>& difference, Progress& progress,
                       const SharpDifference* sharp);
 
