@@ -73,6 +73,15 @@ class MeshBody {
   float radius(std::int32_t box) const {
     return isMesh() ? node(box).radius[box % BoxNode::kWidth] : radius_;
   }
+  Vector center(std::int32_t box) const {
+    const auto vector = [](float x, float y, float z) {
+      return Vector(static_cast<double>(x), static_cast<double>(y), static_cast<double>(z));
+    };
+    if (!isMesh()) return vector(box_.center[0], box_.center[1], box_.center[2]);
+    const BoxNode& n = node(box);
+    const std::int32_t lane = box % BoxNode::kWidth;
+    return vector(n.center[0][lane], n.center[1][lane], n.center[2][lane]);
+  }
   OrientedBox box(std::int32_t box) const {
     return isMesh() ? node(box).box(box % BoxNode::kWidth) : box_;
   }

@@ -95,21 +95,22 @@ class MeshSweep {
     s.growth = time.length() * time.length() * request_.bend;
     s.half.rotation = 0.5 * (s.X_BA0.rotation + s.X_BA1.rotation);
     s.half.translation = 0.5 * (s.X_BA0.translation + s.X_BA1.translation);
-    s.away = 0.5 * (s.X_BA1.rotation - s.X_BA0.rotation);
-    s.way = 0.5 * (s.X_BA1.translation - s.X_BA0.translation);
+    s.away.rotation = 0.5 * (s.X_BA1.rotation - s.X_BA0.rotation);
+    s.away.translation = 0.5 * (s.X_BA1.translation - s.X_BA0.translation);
     Eigen::Quaterniond q0(s.X_BA0.rotation), q1(s.X_BA1.rotation);
     if (q0.dot(q1) < 0) q1.coeffs() = -q1.coeffs();
     q0.coeffs() += q1.coeffs();
     s.X_BM.rotation = q0.normalized().toRotationMatrix();
     s.X_BM.translation = s.half.translation;
     const double departure = begin.slack + end.slack;
-    s.turn =
-        (stretchOf(s.away, departure) + stretchOf(s.half.rotation - s.X_BM.rotation, departure)) *
-        kRadiusRounding;
+    s.turn = (stretchOf(s.away.rotation, departure) +
+              stretchOf(s.half.rotation - s.X_BM.rotation, departure)) *
+             kRadiusRounding;
     s.X_MB = s.X_BM.inverse();
     s.of_node.of_node = true;
-    const Eigen::Matrix3d map = s.X_MB.rotation * s.half.rotation, turn = s.X_MB.rotation * s.away;
-    const Vector way = s.X_MB.rotation * s.way;
+    const Eigen::Matrix3d map = s.X_MB.rotation * s.half.rotation,
+                          turn = s.X_MB.rotation * s.away.rotation;
+    const Vector way = s.X_MB.rotation * s.away.translation;
     for (int i = 0; i < 3; ++i) {
       for (int k = 0; k < 3; ++k) {
         s.of_node.map[3 * i + k] = static_cast<float>(map(i, k));
@@ -137,17 +138,15 @@ class MeshSweep {
       leaves(pair, *s, part_a, part_b);
       return;
     }
-    const OrientedBox box_a = a_.box(pair.a);
-    const Vector center_a = centerOf(box_a);
+    const Vector way = placed(s->away, a_.center(pair.a));
     const double radius_a = static_cast<double>(a_.radius(pair.a)),
                  radius_b = static_cast<double>(b_.radius(pair.b));
-    const Vector way = s->away * center_a + s->way;
-    const double loose = s->turn * radius_a;
     // What moves farther than its size: a shorter time says more.
     const double size = node_a && node_b ? std::max(radius_a, radius_b)
                         : node_a         ? radius_a
                                          : radius_b;
-    if (way.norm() + loose + s->growth > kSweepTimeShare * size) {
+    const double room = kSweepTimeShare * size - s->turn * radius_a - s->growth;
+    if (!(room > 0 && way.squaredNorm() <= room * room)) {
       if (pair.halvings >= kSweepHalvingsBetweenLooks && isApart(pair, *s)) return;
       if (halve(pair)) return;
     }
@@ -156,7 +155,7 @@ class MeshSweep {
     const std::int32_t child = split_a ? part_a.number : part_b.number;
     const BoxNode& split = (split_a ? a_ : b_).tree().boxes().node(child);
     float gap[BoxNode::kWidth];
-    gaps(pair, *s, split_a, split, gap);
+    gaps(pair, *s, way, split_a, split, gap);
     result_.nodes += split.count;
     const double bar = barOf(*s);
     const std::size_t first = size_;
@@ -175,20 +174,20 @@ class MeshSweep {
 
   double barOf(const Stretch& s) const { return request_.threshold + s.growth + s.slack; }
 
-  // Of the boxes of a node of A, or of B, from the pair's box of the other one, over the stretch.
-  void gaps(const SweptPair& pair, const Stretch& s, bool of_a, const BoxNode& node, float* gap) {
+  // Of the boxes of a node of A, or of B, from the pair's box of the other one, over the stretch,
+  // in half of which the middle of A's box goes that way.
+  void gaps(const SweptPair& pair, const Stretch& s, const Vector& way, bool of_a,
+            const BoxNode& node, float* gap) {
     if (of_a) {
       sweptBoxGaps(node, placedBox(b_.box(pair.b), s.X_MB), s.of_node, gap);
       return;
     }
-    OrientedBox box = a_.box(pair.a);
-    const Vector center = centerOf(box), way = s.away * center + s.way;
+    const Vector middle = placed(s.half, a_.center(pair.a));
+    OrientedBox box = placedBox(a_.box(pair.a), s.X_BM);
     BoxSweep sweep;
     for (int k = 0; k < 3; ++k) sweep.way[k] = static_cast<float>(way[k]);
     sweep.fixed = roundedUpToFloat(s.turn * static_cast<double>(a_.radius(pair.a)) +
                                    kWayRounding * way.lpNorm<1>());
-    box = placedBox(box, s.X_BM);
-    const Vector middle = placed(s.half, center);
     for (int k = 0; k < 3; ++k) box.center[k] = static_cast<float>(middle[k]);
     sweptBoxGaps(node, box, sweep, gap);
   }
@@ -198,7 +197,7 @@ class MeshSweep {
     const bool of_a = a_.isMesh();
     const std::int32_t part = of_a ? pair.a : pair.b;
     float gap[BoxNode::kWidth];
-    gaps(pair, s, of_a, (of_a ? a_ : b_).node(part), gap);
+    gaps(pair, s, placed(s.away, a_.center(pair.a)), of_a, (of_a ? a_ : b_).node(part), gap);
     ++result_.nodes;
     return static_cast<double>(gap[part % BoxNode::kWidth]) > barOf(s);
   }
@@ -257,7 +256,7 @@ class MeshSweep {
     const DistanceResult r = convexSweptDistance(a_.view(a), s.X_BA0, s.X_BA1, s.growth, b_.view(b),
                                                  request, scratch_, nullptr, s.slack);
     if (r.distance.lower > request_.threshold) return;
-    const Vector way = s.away * centerOf(a_.box(pair.a)) + s.way;
+    const Vector way = placed(s.away, a_.center(pair.a));
     const double motion = way.norm() + s.turn * static_cast<double>(a_.radius(pair.a)) + s.growth;
     const bool piece_a = a.kind == Kind::kPiece, piece_b = b.kind == Kind::kPiece;
     if (!piece_a && !piece_b) {
@@ -271,11 +270,6 @@ class MeshSweep {
     stack_[size_++] = open;
   }
 
-  static Vector centerOf(const OrientedBox& box) {
-    return {static_cast<double>(box.center[0]), static_cast<double>(box.center[1]),
-            static_cast<double>(box.center[2])};
-  }
-
   // By the plane that parts them halfway.
   bool trianglesApart(const Stretch& s, int slot_a, int slot_b) {
     ++result_.nodes;
@@ -286,13 +280,13 @@ class MeshSweep {
     const TrianglePair found = trianglePair(p, q);
     const Vector& n = found.normal;
     double reach = -std::numeric_limits<double>::infinity();
-    const Pose away{s.away, s.way};
     for (int i = 0; i < 3; ++i)
-      reach = std::max(reach, n.dot(p[i]) + std::abs(n.dot(placed(away, corners[i]))));
+      reach = std::max(reach, n.dot(p[i]) + std::abs(n.dot(placed(s.away, corners[i]))));
     const double lower = std::min({n.dot(q[0]), n.dot(q[1]), n.dot(q[2])}) - reach;
     // As for support points, see gjk.cc.
-    const double rounding = kSupportRounding * kUnitRoundoff *
-                            (a_.extent() + b_.extent() + s.half.translation.norm() + s.way.norm());
+    const double rounding =
+        kSupportRounding * kUnitRoundoff *
+        (a_.extent() + b_.extent() + s.half.translation.norm() + s.away.translation.norm());
     return lower - 2 * rounding - s.growth - s.slack > request_.threshold;
   }
 

@@ -21,16 +21,15 @@ struct SweepScratch {
   };
 
   /// What A does over it, in B's axes. A point v is within growth + slack of a segment that passes
-  /// by half v halfway and goes as far as away v + way to either side.
+  /// by half v halfway and goes as far as away v to either side.
   struct Stretch {
     Time time{-1, 0};
     Pose X_BA0, X_BA1;  ///< as they were told
     Pose half;          ///< their mean; no rotation
     Pose X_BM;          ///< a rigid placement near it, with the same origin
     Pose X_MB;
-    Eigen::Matrix3d away;
-    Vector way;
-    double turn = 0;    ///< |away v + (half - X_BM) v| is at most this times |v|
+    Pose away;          ///< v's way from halfway to the end; no rotation
+    double turn = 0;    ///< of away and half - X_BM, the rotations together stretch v so much
     double growth = 0;  ///< [m]
     double slack = 0;   ///< how far rounding of poses moves points besides [m]
     BoxSweep of_node;   ///< boxes of A in M
