@@ -5,7 +5,8 @@
 //   bench_edges --bodies                                            a body among bodies
 // --bodies: a free body of 2k triangles among twelve of 2k triangles, closed ones and sheets.
 // A seeded RRTConnect plans each problem and simplify() shortens its path; the edges that both ask
-// of the certifier are kept and replayed. Stepping looks at states at most 1/32 (rad or m, in the
+// of the certifier are kept and replayed; told are those of either, and the mix of both as it was
+// asked. Stepping looks at states at most 1/32 (rad or m, in the
 // space's distance) apart, spread over the edge sixteen at a time in the same lanes with the same
 // balls and bounds, and asks distance() with its warm caches for what they leave open; it says
 // nothing of what is between. Both have seen all edges once, in the order asked, before each kind
@@ -114,20 +115,21 @@ std::vector<Kind> kinds() {
   return {{"free, balls alone"}, {"free, exact"}, {"not free"}, {"undecided"}};
 }
 
+void add(Kind& sum, const Kind& k) {
+  sum.edges += k.edges, sum.certify_us += k.certify_us, sum.step_us += k.step_us,
+      sum.exact += k.exact;
+  sum.each_us.insert(sum.each_us.end(), k.each_us.begin(), k.each_us.end());
+}
+
 void print(const std::string& title, std::vector<Kind> rows) {
   Kind free{"free"}, all{"all"};
-  const auto add = [](Kind& sum, const Kind& k) {
-    sum.edges += k.edges, sum.certify_us += k.certify_us, sum.step_us += k.step_us,
-        sum.exact += k.exact;
-    sum.each_us.insert(sum.each_us.end(), k.each_us.begin(), k.each_us.end());
-  };
   for (std::size_t k = 0; k < rows.size(); ++k) {
     if (k < 2) add(free, rows[k]);
     add(all, rows[k]);
   }
   rows.insert(rows.begin() + 2, free);
   rows.push_back(all);
-  fmt::print("{:<34} {:>7} {:>10} {:>10} {:>6} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8}\n", title,
+  fmt::print("{:<41} {:>7} {:>10} {:>10} {:>6} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8}\n", title,
              "edges", "certify us", "step us", "ratio", "50 %", "99 %", "99.9 %", "worst us",
              ">100 us %", "queries");
   for (const Kind& k : rows) {
@@ -136,7 +138,7 @@ void print(const std::string& title, std::vector<Kind> rows) {
     const auto slow = std::count_if(k.each_us.begin(), k.each_us.end(),
                                     [](double us) { return us > kSlowMicroseconds; });
     fmt::print(
-        "  {:<32} {:>7} {:>10.2f} {:>10.2f} {:>6.2f} {:>8.1f} {:>8.1f} {:>8.1f} {:>8.1f} {:>8.2f} "
+        "  {:<39} {:>7} {:>10.2f} {:>10.2f} {:>6.2f} {:>8.1f} {:>8.1f} {:>8.1f} {:>8.1f} {:>8.2f} "
         "{:>8.2f}\n",
         k.name, k.edges, k.certify_us / n, k.step_us / n, k.certify_us / k.step_us,
         quantile(k.each_us, 0.5), quantile(k.each_us, 0.99), quantile(k.each_us, 0.999),
@@ -159,6 +161,9 @@ struct Mix {
   void print(const std::string& prefix = {}) const {
     ::print(prefix + "planning", planning);
     ::print(prefix + "simplifying", simplifying);
+    std::vector<Kind> both = planning;
+    for (std::size_t k = 0; k < both.size(); ++k) ::add(both[k], simplifying[k]);
+    ::print(prefix + "planning and simplifying", both);
   }
 };
 
