@@ -1,5 +1,6 @@
 #include "leeway/collision/lane_sweep.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -77,22 +78,7 @@ int LaneSweep::addPiece(const Piece& piece) {
   for (const Ball& ball : piece.inner)
     lane.inner_reach =
         std::max(lane.inner_reach, above((ball.center - piece.outer.center).norm() + ball.radius));
-  const auto addPoints = [&](const PointCover& cover, Impl::LanePiece& of) {
-    double rounding = cover.fine_radius;
-    const auto add = [&](const std::vector<Eigen::Vector3d>& points, double radius) {
-      const auto begin = static_cast<int>(impl_->points.size());
-      for (const Eigen::Vector3d& p : points) {
-        impl_->points.push_back(p);
-        for (int k = 0; k < 3; ++k) impl_->point[k].push_back(static_cast<float>(p[k]));
-        rounding = std::max(rounding, cover.fine_radius + centerRounding({p, 0}));
-      }
-      return Impl::LanePiece::Points{begin, static_cast<int>(impl_->points.size()), above(radius)};
-    };
-    of.points = add(cover.points, cover.radius);
-    of.fine = cover.fine.empty() ? of.points : add(cover.fine, cover.fine_radius);
-    if (cover.own) of.own = above(rounding);
-  };
-  addPoints(piece.points, lane);
+  impl_->addPoints(piece.points, lane);
   lane.parts_begin = static_cast<int>(impl_->parts.size());  // of `parts` until finish()
   for (const CoverPart& p : piece.parts) {
     Impl::LanePiece part{};
@@ -100,7 +86,7 @@ int LaneSweep::addPiece(const Piece& piece) {
     part.motion = lane.motion;
     part.reach = lane.reach;
     part.outer = grown(p.ball);
-    addPoints(p.points, part);
+    impl_->addPoints(p.points, part);
     impl_->parts.push_back(part);
   }
   lane.parts_end = static_cast<int>(impl_->parts.size());
@@ -247,6 +233,55 @@ bool LaneSweep::canMeet(int pair) const {
 
 void LaneSweep::finish() { impl_->finish(); }
 
+void LaneSweep::Impl::addPoints(const PointCover& cover, LanePiece& of) {
+  double rounding = cover.fine_radius;
+  const auto add = [&](const std::vector<Eigen::Vector3d>& added, double radius) {
+    LanePiece::Points told;
+    told.begin = static_cast<int>(points.size());
+    for (const Eigen::Vector3d& p : added) {
+      points.push_back(p);
+      for (int k = 0; k < 3; ++k) point[k].push_back(static_cast<float>(p[k]));
+      rounding = std::max(rounding, cover.fine_radius + centerRounding({p, 0}));
+    }
+    told.end = static_cast<int>(points.size());
+    told.radius = above(radius);
+    return told;
+  };
+  of.points = of.fine = add(cover.points, cover.radius);
+  if (!cover.fine.empty()) of.fine = add(cover.fine, cover.fine_radius);
+  if (cover.own) of.own = above(rounding);
+  of.fine.clusters_begin = static_cast<int>(clusters.size());
+  int begin = 0;
+  for (const int end : cover.clusters) {
+    addCluster(of.fine.begin + begin, of.fine.begin + end);
+    begin = end;
+  }
+  of.fine.clusters_end = static_cast<int>(clusters.size());
+  for (const int i : cover.nearest) begin_with.push_back(of.fine.begin + i);
+  for (auto i = static_cast<int>(begin_with.size()); i < static_cast<int>(points.size()); ++i)
+    begin_with.push_back(i);
+}
+
+void LaneSweep::Impl::addCluster(int begin, int end) {
+  Cluster cluster{{}, 0, begin, end};
+  Eigen::AlignedBox3d box;
+  for (int i = begin; i < end; ++i) box.extend(points[at(i)]);
+  setCenter(box.center(), cluster.center);
+  const auto place = [](const float* p) {
+    return Eigen::Vector3d(static_cast<double>(p[0]), static_cast<double>(p[1]),
+                           static_cast<double>(p[2]));
+  };
+  const Eigen::Vector3d center = place(cluster.center);
+  double radius = 0;
+  for (int i = begin; i < end; ++i) {
+    const float p[3] = {point[0][at(i)], point[1][at(i)], point[2][at(i)]};
+    radius = std::max(radius, (place(p) - center).norm());
+  }
+  // See simd/lane_sweep.cc.
+  cluster.radius = above((radius + 0x1p-20 * (center.norm() + radius)) * (1 + 0x1p-20));
+  clusters.push_back(cluster);
+}
+
 void LaneSweep::Impl::addParts() {
   wholes = pieces.size();
   const auto shift = static_cast<int>(wholes);
@@ -321,7 +356,9 @@ void LaneSweep::Impl::finish() {
 std::size_t LaneSweep::bytes() const {
   return impl_->pieces.size() * sizeof(Impl::LanePiece) +
          impl_->balls.size() * sizeof(Impl::LaneBall) +
-         impl_->points.size() * (sizeof(Eigen::Vector3d) + 3 * sizeof(float)) +
+         impl_->points.size() *
+             (sizeof(Eigen::Vector3d) + 3 * sizeof(float) + sizeof(std::int32_t)) +
+         impl_->clusters.size() * sizeof(Impl::Cluster) +
          impl_->obstacles.size() * (sizeof(Impl::Obstacle) + 6 * sizeof(float)) +
          impl_->pairs.size() * sizeof(Impl::Pair) + impl_->pair_of.size() * sizeof(std::int32_t);
 }

@@ -46,6 +46,7 @@ struct LaneSweep::Impl {
     struct Points {
       int begin = 0, end = 0;
       float radius = 0;
+      int clusters_begin = 0, clusters_end = 0;  // together all of them; or none
     };
     Points points, fine;
     float own = -1;   // all points are the piece's own to within this [m]; below 0: they are not
@@ -79,7 +80,16 @@ struct LaneSweep::Impl {
   std::vector<LanePiece> parts;  // until finish()
   std::vector<LaneBall> balls;
   std::vector<Eigen::Vector3d> points;
-  std::vector<float> point[3];      // the same, coordinate by coordinate
+  std::vector<float> point[3];  // the same, coordinate by coordinate
+  // Of each point, where a next look begins: itself, or the nearest of its piece's fine ones.
+  std::vector<std::int32_t> begin_with;
+  /// Points that stand together, most of which need not be looked at: a ball around them that is
+  /// larger by what rounding does to either.
+  struct Cluster {
+    float center[3], radius;
+    int begin, end;
+  };
+  std::vector<Cluster> clusters;
   std::vector<Obstacle> obstacles;  // the same
   std::size_t whole_obstacles = 0;
   std::vector<Obstacle> obstacle_parts;
@@ -94,6 +104,9 @@ struct LaneSweep::Impl {
   static Obstacle partOf(const CoverPart& part, const Pose& X_WG);
   void finish();
   void addParts();
+  /// All points of a piece's cover, those of `of` that are told.
+  void addPoints(const PointCover& cover, LanePiece& of);
+  void addCluster(int begin, int end);
 };
 
 struct LaneSweep::Scratch::Impl {

@@ -170,6 +170,7 @@ CoverPart told(const Part& part, double extent) {
   const double rounding = hull->excess() + kTransferRounding * extent;
   points.radius += rounding;
   points.fine_radius = rounding;
+  clusterFine(points);
   return cover;
 }
 

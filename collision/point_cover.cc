@@ -1,5 +1,6 @@
 #include "leeway/collision/point_cover.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <numbers>
 #include <span>
@@ -108,7 +109,43 @@ void addFine(std::span<const Vector3d> vertices, double excess, PointCover& cove
   cover.fine_radius = excess;
 }
 
+/// Of all clusters that are there, at most `most` come from fine[begin, end).
+void halve(std::vector<Vector3d>& fine, std::size_t begin, std::size_t end, int most,
+           std::vector<int>& ends) {
+  if (end - begin <= kClusterPoints || most < 2) {
+    ends.push_back(static_cast<int>(end));
+    return;
+  }
+  const auto place = [&](std::size_t i) { return fine.begin() + static_cast<std::ptrdiff_t>(i); };
+  Eigen::AlignedBox3d box;
+  std::for_each(place(begin), place(end), [&](const Vector3d& p) { box.extend(p); });
+  int axis = 0;
+  box.sizes().maxCoeff(&axis);
+  const std::size_t middle = (begin + end) / 2;
+  std::sort(place(begin), place(end), [axis](const Vector3d& x, const Vector3d& y) {
+    return x[axis] != y[axis]
+               ? x[axis] < y[axis]
+               : std::lexicographical_compare(x.begin(), x.end(), y.begin(), y.end());
+  });
+  halve(fine, begin, middle, most / 2, ends);
+  halve(fine, middle, end, most / 2, ends);
+}
+
 }  // namespace
+
+void clusterFine(PointCover& cover) {
+  cover.clusters.clear();
+  cover.nearest.clear();
+  if (cover.fine.empty()) return;
+  halve(cover.fine, 0, cover.fine.size(), kMostClusters, cover.clusters);
+  for (const Vector3d& p : cover.points) {
+    const auto next = std::min_element(cover.fine.begin(), cover.fine.end(),
+                                       [&p](const Vector3d& x, const Vector3d& y) {
+                                         return (x - p).squaredNorm() < (y - p).squaredNorm();
+                                       });
+    cover.nearest.push_back(static_cast<int>(next - cover.fine.begin()));
+  }
+}
 
 PointCover coverWithPoints(const Shape& shape, int count) {
   PointCover cover;
@@ -158,6 +195,7 @@ PointCover coverWithPoints(const Shape& shape, int count) {
   if (!cover.points.empty()) {
     cover.radius += 16 * kUnitRoundoff * (shape.extent() + cover.radius);
     cover.fine_radius += 16 * kUnitRoundoff * (shape.extent() + cover.fine_radius);
+    clusterFine(cover);
   }
   return cover;
 }

@@ -316,9 +316,25 @@ void CompiledScene::deriveMotions(const Problem& problem, std::span<const Variab
     pair_motion_.push_back(motion);
     reversed_.push_back(reversed ? 1 : 0);
   }
+  keepAskedMotions();
   reach_ = farthest <= kLargestReach / 2 ? 2 * farthest : kLargestReach;
   rounding_ = robots::kinematicsRounding(*model_, reach_) +
               static_cast<double>(longest) * reach_ * kInterpolationRounding;
+}
+
+/// Of most pairs only one side's motion is asked for.
+void CompiledScene::keepAskedMotions() {
+  std::vector<int> number(motions_.size(), -1);
+  std::vector<robots::RelativeMotion> asked;
+  for (int& motion : pair_motion_) {
+    int& kept = number[at(motion)];
+    if (kept < 0) {
+      kept = static_cast<int>(asked.size());
+      asked.push_back(std::move(motions_[at(motion)]));
+    }
+    motion = kept;
+  }
+  motions_ = std::move(asked);
 }
 
 std::shared_ptr<const CompiledScene> CompiledScene::withShapes(

@@ -97,13 +97,10 @@ ConfigurationSpace::ConfigurationSpace(std::shared_ptr<const robots::Model> mode
         {angle && unlimited(variable) ? Kind::kCircle : Kind::kLine, static_cast<int>(i), 1});
     ++i;
   }
-}
-
-double ConfigurationSpace::lower(int i) const {
-  return model_->variables[at(variables_[at(i)])].lower;
-}
-double ConfigurationSpace::upper(int i) const {
-  return model_->variables[at(variables_[at(i)])].upper;
+  for (const int v : variables_) {
+    lower_.push_back(model_->variables[at(v)].lower);
+    upper_.push_back(model_->variables[at(v)].upper);
+  }
 }
 
 void ConfigurationSpace::difference(std::span<const double> a, std::span<const double> b,

@@ -53,11 +53,16 @@ const Joint& masterOf(const robots::Model& model, int joint) {
   return *j;
 }
 
-void copy(const Eigen::Matrix3d& m, float* out) {
+void copyMatrix(const Eigen::Matrix3d& m, float* out) {
   for (int i = 0; i < 9; ++i) out[i] = static_cast<float>(m.data()[i]);  // column by column
 }
-void copy(const Eigen::Vector3d& v, float* out) {
+void copyVector(const Eigen::Vector3d& v, float* out) {
   for (int i = 0; i < 3; ++i) out[i] = static_cast<float>(v[i]);
+}
+
+void setTurn(double angle, double turn, collision::FrameStep& out) {
+  out.angle = static_cast<float>(angle - kTwoPi * std::nearbyint(angle / kTwoPi));
+  out.turn = static_cast<float>(turn);
 }
 
 }  // namespace
@@ -130,12 +135,18 @@ void EdgeLanes::addSteps() {
       step.length += factor == 0 ? offset : factor * most + offset;
     }
     const auto number = static_cast<int>(steps_.size());
+    const robots::KinematicStep& k = model.steps[l];
+    step.variable = at(k.variable);
+    step.multiplier = k.multiplier;
+    step.offset = k.offset;
     frame_reach_.push_back(step.length + (parent.frame < 0 ? 0 : frame_reach_[at(parent.frame)]));
     depth.push_back(1 + (parent.frame < 0 ? 0 : depth[at(parent.frame)]));
     deepest_ = std::max(deepest_, depth.back());
     steps_.push_back(step);
     frame_steps_.emplace_back();
     frame_steps_.back().parent = parent.frame;
+    copyMatrix(step.X_PJ.rotation * step.align, frame_steps_.back().rotation);
+    copyVector(step.X_PJ.translation, frame_steps_.back().translation);
     places_[l].frame = number;
     if (joint.type != JointType::kFloating) {
       places_[l].X_FL.rotation = step.align.transpose();  // the link does not know of `align`
@@ -248,6 +259,8 @@ void EdgeLanes::addPieces(const EdgeFrames& frames) {
     const auto placePoints = [&](const collision::PointCover& points) {
       collision::PointCover moved;
       moved.own = points.own;
+      moved.clusters = points.clusters;
+      moved.nearest = points.nearest;
       moved.radius = placeAll(points.points, points.radius, moved.points);
       moved.fine_radius = std::max(placeAll(points.fine, points.fine_radius, moved.fine),
                                    moved.radius - points.radius);
@@ -283,67 +296,56 @@ void EdgeLanes::addPieces(const EdgeFrames& frames) {
   }
 }
 
-/// The step of one joint for the present edge; q_ holds the configuration in its middle but for
-/// quaternions, which are still those of its start.
+/// The step of one joint for the present edge, what is the same for all of them being there; q_
+/// holds the configuration in its middle but for quaternions, which are still those of its start.
 void EdgeLanes::setStep(const EdgeFrames& frames, std::size_t i) {
-  const robots::Model& model = scene_->model();
   const Step& step = steps_[i];
-  const Joint& joint = model.joints[at(step.joint)];
-  const robots::KinematicStep& k = model.steps[at(step.joint)];
-  const std::span<const double> dq = frames.configurationDifference();
+  const Joint& joint = scene_->model().joints[at(step.joint)];
   collision::FrameStep& out = frame_steps_[i];
-  Eigen::Matrix3d rotation = step.X_PJ.rotation * step.align;
-  Eigen::Vector3d translation = step.X_PJ.translation, slide = Eigen::Vector3d::Zero();
-  double angle = 0, turn = 0;
-  const double* q = &q_[at(k.variable)];
-  const double* d = &dq[at(k.variable)];
+  const Eigen::Matrix3d& R_PJ = step.X_PJ.rotation;
+  const Eigen::Vector3d& p_PJ = step.X_PJ.translation;
+  const double* q = &q_[step.variable];
+  const double* d = &frames.configurationDifference()[step.variable];
   switch (joint.type) {
     case JointType::kFixed:
       break;
     case JointType::kRevolute:
     case JointType::kContinuous:
-      angle = k.multiplier * q[0] + k.offset;
-      turn = k.multiplier * d[0];
+      setTurn(step.multiplier * q[0] + step.offset, step.multiplier * d[0], out);
       break;
     case JointType::kPrismatic: {
-      const Eigen::Vector3d axis = step.X_PJ.rotation * joint.axis;
-      translation += axis * (k.multiplier * q[0] + k.offset);
-      slide = axis * (k.multiplier * d[0]);
+      const Eigen::Vector3d axis = R_PJ * joint.axis;
+      copyVector(p_PJ + axis * (step.multiplier * q[0] + step.offset), out.translation);
+      copyVector(axis * (step.multiplier * d[0]), out.slide);
       break;
     }
     case JointType::kPlanar: {
       Eigen::Vector3d u, v;
       robots::planeAxes(joint.axis, u, v);
-      translation += step.X_PJ.rotation * (u * q[0] + v * q[1]);
-      slide = step.X_PJ.rotation * (u * d[0] + v * d[1]);
-      angle = q[2];
-      turn = d[2];
+      copyVector(p_PJ + R_PJ * (u * q[0] + v * q[1]), out.translation);
+      copyVector(R_PJ * (u * d[0] + v * d[1]), out.slide);
+      setTurn(q[2], d[2], out);
       break;
     }
     case JointType::kFloating: {
-      translation += step.X_PJ.rotation * Eigen::Vector3d(q[0], q[1], q[2]);
-      slide = step.X_PJ.rotation * Eigen::Vector3d(d[0], d[1], d[2]);
       const Eigen::Vector3d r(d[3], d[4], d[5]);
-      turn = r.norm();
-      angle = turn / 2;
-      const Eigen::Matrix3d start =
-          Eigen::Quaterniond(q[6], q[3], q[4], q[5]).normalized().toRotationMatrix();
+      const double turn = r.norm();
       // Without a turn any axis will do.
       const Eigen::Matrix3d align =
           turn > 1e-150 ? turningZ(r / turn) : Eigen::Matrix3d::Identity();
       if (step.restores) {
-        copy(Eigen::Matrix3d(align.transpose()), out.rotation);
+        copyMatrix(align.transpose(), out.rotation);
         return;
       }
-      rotation = step.X_PJ.rotation * start * align;
+      copyVector(p_PJ + R_PJ * Eigen::Vector3d(q[0], q[1], q[2]), out.translation);
+      copyVector(R_PJ * Eigen::Vector3d(d[0], d[1], d[2]), out.slide);
+      const Eigen::Matrix3d start =
+          Eigen::Quaterniond(q[6], q[3], q[4], q[5]).normalized().toRotationMatrix();
+      copyMatrix(R_PJ * start * align, out.rotation);
+      setTurn(turn / 2, turn, out);
       break;
     }
   }
-  copy(rotation, out.rotation);
-  copy(translation, out.translation);
-  copy(slide, out.slide);
-  out.angle = static_cast<float>(angle - kTwoPi * std::nearbyint(angle / kTwoPi));
-  out.turn = static_cast<float>(turn);
 }
 
 bool EdgeLanes::begin(const EdgeFrames& frames) {

@@ -68,10 +68,12 @@ class EdgeLanes {
   /// A joint that turns or slides, as a step between frames whose z axis it turns about.
   struct Step {
     int joint;
-    Pose X_PJ;              // from the frame below it to the joint, joint at rest
-    Eigen::Matrix3d align;  // turns z onto the axis
-    double length = 0;      // of translation and slide together, at most [m]
-    bool restores = false;  // turns a floating joint's frame back to its link's axes
+    Pose X_PJ;                 // from the frame below it to the joint, joint at rest
+    Eigen::Matrix3d align;     // turns z onto the axis
+    double length = 0;         // of translation and slide together, at most [m]
+    bool restores = false;     // turns a floating joint's frame back to its link's axes
+    std::size_t variable = 0;  // its own or its master's, by which it turns or slides
+    double multiplier = 1, offset = 0;
   };
   struct LinkPlace {
     int frame = -1;

@@ -27,6 +27,14 @@
 // a normal's support of the core is a sum of |n| times half extents, right to 6 u s; turned into
 // the world the normal errs by 5 u, which moves what is between A's points and the obstacle's
 // centre by 5 u s; two sums more: below 13 u s besides the above, one more kLaneSweepRounding.
+//
+// Clusters of points. A cluster with centre c holds points v with |v - c| <= r, all as they are
+// rounded. A computed f . v errs by 3.1 u |f| |v|, so that it is at least the computed f . c less
+// |f| (r + 3.1 u (2 |c| + r)); the computed length of f is within 3 u of |f|, or larger, its
+// product with a radius and the difference round by u each, of at most |f| (|c| + r): a radius of
+// (r + 16 u (|c| + r)) (1 + 16 u) takes all of that in. What is subtracted or added then is the
+// same for the cluster and its points, and sums round in one direction with what they are of: no
+// point of a cluster is lower than the cluster, as computed.
 
 #include <algorithm>
 #include <bit>
@@ -283,6 +291,13 @@ HWY_INLINE std::uint32_t contactWithBall(const Placed& a, const Placed& b, float
   return found;
 }
 
+/// What points count that are seen along a plane: of clusters most are left out.
+HWY_INLINE std::int64_t workOf(const Sweep::LanePiece::Points& points) {
+  const int clusters = points.clusters_end - points.clusters_begin;
+  return kLanePointWork *
+         (clusters == 0 ? points.end - points.begin : clusters + 3 * kClusterPoints);
+}
+
 /// A direction as the points of a frame meet it in the two ends of their ways: the least of
 /// first . v - drift and second . v + drift over points v, from the frame's origin, is the least of
 /// the segments that they move along.
@@ -305,6 +320,36 @@ struct Ways {
   }
 };
 
+/// Least values of Ways over clusters of points: below none of those that are computed one by one.
+template <bool kStill>
+class ClusterWays {
+ public:
+  HWY_INLINE ClusterWays(D d, const Ways<kStill>& ways)
+      : ways_(ways), first_(lengthOf(d, ways.first)), second_(first_) {
+    if (!kStill) second_ = lengthOf(d, ways.second);
+  }
+
+  /// At most what any of the cluster's points comes to, as computed; drift included.
+  HWY_INLINE V leastOf(D d, const Sweep::Cluster& cluster) const {
+    const V3 center = broadcast(d, cluster.center);
+    const V radius = hn::Set(d, cluster.radius);
+    const V least =
+        hn::Sub(hn::Sub(dot(ways_.first, center), hn::Mul(first_, radius)), ways_.drift);
+    if (kStill) return least;
+    return hn::Min(
+        least, hn::Add(hn::Sub(dot(ways_.second, center), hn::Mul(second_, radius)), ways_.drift));
+  }
+
+ private:
+  // Its square would be 0 for what is very short.
+  static HWY_INLINE V lengthOf(D d, const V3& v) {
+    return hn::Sqrt(hn::Add(dot(v, v), hn::Set(d, 1e-30f)));
+  }
+
+  const Ways<kStill>& ways_;
+  V first_, second_;
+};
+
 /// Lanes of `lanes` in which the plane does not part the pair as it must, A being told by `points`.
 template <bool kStill>
 HWY_INLINE std::uint32_t notPartedBy(const LaneSweepKernel& kernel, const Sweep::Pair& pair,
@@ -320,9 +365,10 @@ HWY_INLINE std::uint32_t notPartedBy(const LaneSweepKernel& kernel, const Sweep:
   const float above =
       pair.part_above + points.radius + growth + (pair.pieces ? 4 : 1) * kernel.slack;
   const V bar = hn::Set(d, plane.offset + above * (1 + 0x1p-11f));
-  kernel.scratch.work->add(kLanePlaneWork + (points.end - points.begin) * kLanePointWork);
+  kernel.scratch.work->add(kLanePlaneWork + workOf(points));
   std::uint32_t open = 0;
   for (std::size_t at = 0; at < kLanes; at += hn::Lanes(d)) {
+    if ((lanes >> at & ((1U << hn::Lanes(d)) - 1)) == 0) continue;
     V3 n = broadcast(d, plane.normal), o = load(d, frame_a.origin, at), turn = n, slide = n;
     if (!kStill) turn = load(d, frame_a.turn, at), slide = load(d, frame_a.slide, at);
     if (frame_b != nullptr) {
@@ -340,15 +386,26 @@ HWY_INLINE std::uint32_t notPartedBy(const LaneSweepKernel& kernel, const Sweep:
                            load(d, frame_a.rotation + 6, at)};
     const Ways<kStill> ways(d, columns, n, turn, slide);
     V low_first = hn::Set(d, 1e30f), low_second = low_first;
-    for (int i = points.begin; i < points.end; ++i) {
-      const V3 v = pointOf(d, s, i);
-      low_first = hn::Min(low_first, dot(ways.first, v));
-      if (!kStill) low_second = hn::Min(low_second, dot(ways.second, v));
+    const auto scan = [&](int begin, int end) HWY_ATTR {
+      for (int i = begin; i < end; ++i) {
+        const V3 v = pointOf(d, s, i);
+        low_first = hn::Min(low_first, dot(ways.first, v));
+        if (!kStill) low_second = hn::Min(low_second, dot(ways.second, v));
+      }
+    };
+    const V from = dot(n, o);
+    if (points.clusters_begin == points.clusters_end) scan(points.begin, points.end);
+    // What is parted as a whole need not be looked at one by one: sums round alike.
+    const ClusterWays<kStill> clusters(d, ways);
+    for (int i = points.clusters_begin; i < points.clusters_end; ++i) {
+      const Sweep::Cluster& cluster = s.clusters[static_cast<std::size_t>(i)];
+      if (!hn::AllTrue(d, hn::Gt(hn::Add(from, clusters.leastOf(d, cluster)), bar)))
+        scan(cluster.begin, cluster.end);
     }
     V low = hn::Sub(low_first, ways.drift);
     if (!kStill) low = hn::Min(low, hn::Add(low_second, ways.drift));
     // NaN stays open.
-    open |= bitsOf(d, hn::Not(hn::Gt(hn::Add(dot(n, o), low), bar))) << at;
+    open |= bitsOf(d, hn::Not(hn::Gt(hn::Add(from, low), bar))) << at;
   }
   return open & lanes;
 }
@@ -421,9 +478,7 @@ class Approach {
       each.touching |= (open & touching()) << at;
       store(d, parting_, each.normal, at);
     }
-    kernel_.scratch.work->add(
-        (coarse * (a_.points.end - a_.points.begin) + fine * (a_.fine.end - a_.fine.begin)) *
-        kLanePointWork);
+    kernel_.scratch.work->add(coarse * workOf(a_.points) + fine * workOf(a_.fine));
   }
 
  private:
@@ -437,6 +492,7 @@ class Approach {
     parting_ = from_;
     done_ = hn::Lt(origin_.x, origin_.x);  // none
     for (std::size_t k = 0; k < 3; ++k) columns_[k] = load(d, frame_.rotation + 3 * k, at);
+    lowest_ = hn::Set(hn::RebindToSigned<D>(), a_.points.begin);
     turn_ = slide_ = from_;
     if (!kStill) turn_ = load(d, frame_.turn, at), slide_ = load(d, frame_.slide, at);
   }
@@ -463,7 +519,6 @@ class Approach {
   /// One step, with these points; lanes that its plane does not part.
   HWY_INLINE std::uint32_t next(const Sweep::LanePiece::Points& points) {
     const D d;
-    const hn::RebindToSigned<D> di;
     V depth;
     V3 n = outside(depth);
     // Squares of less would be lost, and a normal longer than 1 would prove what is not so.
@@ -478,16 +533,7 @@ class Approach {
       n = {dot({x.x, y.x, z.x}, n), dot({x.y, y.y, z.y}, n), dot({x.z, y.z, z.z}, n)};
     }
     const Ways<kStill> ways(d, columns_, n, turn_, slide_);
-    V low = hn::Set(d, 1e30f);
-    auto lowest = hn::Set(di, points.begin);
-    for (int i = points.begin; i < points.end; ++i) {
-      const V3 v = pointOf(d, s_, i);
-      V value = hn::Sub(dot(ways.first, v), ways.drift);
-      if (!kStill) value = hn::Min(value, hn::Add(dot(ways.second, v), ways.drift));
-      const M less = hn::Lt(value, low);
-      low = hn::IfThenElse(less, value, low);
-      lowest = hn::IfThenElse(hn::RebindMask(di, less), hn::Set(di, i), lowest);
-    }
+    const V low = least(points, ways);
     // NaN, and what is inside, stays open.
     const V bar = hn::Set(d, (above_ + points.radius) * (1 + 0x1p-11f));
     const M parted = hn::Gt(hn::Add(dot(n, origin_), low), hn::Add(support, bar));
@@ -496,17 +542,62 @@ class Approach {
     done_ = hn::Or(done_, parted);
     parting_ = {hn::IfThenElse(first, n.x, parting_.x), hn::IfThenElse(first, n.y, parting_.y),
                 hn::IfThenElse(first, n.z, parting_.z)};
-    goTowards(lowest, n, length);
+    goTowards(n, length);
     return bitsOf(d, hn::Not(parted));
   }
 
-  template <typename Indices>
-  HWY_INLINE void goTowards(Indices lowest, const V3& n, V length) {
+  HWY_INLINE V valueOf(const Ways<kStill>& ways, const V3& v) const {
+    const V value = hn::Sub(dot(ways.first, v), ways.drift);
+    return kStill ? value : hn::Min(value, hn::Add(dot(ways.second, v), ways.drift));
+  }
+
+  HWY_INLINE V3 lowestPoint() const {
+    const D d;
+    return {hn::GatherIndex(d, s_.point[0].data(), lowest_),
+            hn::GatherIndex(d, s_.point[1].data(), lowest_),
+            hn::GatherIndex(d, s_.point[2].data(), lowest_)};
+  }
+
+  /// The least of the points' values; lowest_ becomes whose it is.
+  HWY_INLINE V least(const Sweep::LanePiece::Points& points, const Ways<kStill>& ways) {
+    const D d;
+    const hn::RebindToSigned<D> di;
+    V low = hn::Set(d, 1e30f);
+    const auto scan = [&](int begin, int end) HWY_ATTR {
+      for (int i = begin; i < end; ++i) {
+        const V value = valueOf(ways, pointOf(d, s_, i));
+        const M less = hn::Lt(value, low);
+        low = hn::Min(value, low);
+        lowest_ = hn::IfThenElse(hn::RebindMask(di, less), hn::Set(di, i), lowest_);
+      }
+    };
+    if (points.clusters_begin == points.clusters_end) {
+      scan(points.begin, points.end);
+      return low;
+    }
+    // What was lowest, or is next to it, is nearly so again: most clusters are above it. To leave
+    // them out changes nothing, so that a lane does not depend on its neighbours.
+    lowest_ = hn::GatherIndex(di, s_.begin_with.data(), lowest_);
+    low = valueOf(ways, lowestPoint());
+    const ClusterWays<kStill> clusters(d, ways);
+    std::uint64_t wanted = 0;
+    for (int i = points.clusters_begin; i < points.clusters_end; ++i) {
+      const Sweep::Cluster& cluster = s_.clusters[static_cast<std::size_t>(i)];
+      const bool above = hn::AllFalse(d, hn::Lt(clusters.leastOf(d, cluster), low));
+      wanted |= std::uint64_t{above ? 0U : 1U} << (i - points.clusters_begin);
+    }
+    for (; wanted != 0; wanted &= wanted - 1) {
+      const Sweep::Cluster& cluster =
+          s_.clusters[static_cast<std::size_t>(points.clusters_begin + std::countr_zero(wanted))];
+      scan(cluster.begin, cluster.end);
+    }
+    return low;
+  }
+
+  HWY_INLINE void goTowards(const V3& n, V length) {
     const D d;
     const V one = hn::Set(d, 1.0f);
-    const V3 v = {hn::GatherIndex(d, s_.point[0].data(), lowest),
-                  hn::GatherIndex(d, s_.point[1].data(), lowest),
-                  hn::GatherIndex(d, s_.point[2].data(), lowest)};
+    const V3 v = lowestPoint();
     const V3 arm = armOf(d, frame_, v, at_);
     V3 to = {hn::Add(origin_.x, arm.x), hn::Add(origin_.y, arm.y), hn::Add(origin_.z, arm.z)};
     if (!kStill) {
@@ -535,6 +626,7 @@ class Approach {
   V3 columns_[3], turn_, slide_, origin_;  // origin_ and from_: from the obstacle's centre
   V3 from_, parting_;
   M done_;
+  hn::VFromD<hn::RebindToSigned<D>> lowest_;
 };
 
 /// One run; the steps stand in the order in which they are taken.

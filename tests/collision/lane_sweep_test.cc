@@ -2,11 +2,15 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
+#include <memory>
+#include <utility>
 #include <vector>
 
 #include "collision/lane_sweep_impl.h"
 #include "collision/round_box.h"
+#include "leeway/collision/convex_hull.h"
 #include "tools/oracle/generate.h"
 
 namespace leeway::collision {
@@ -70,6 +74,78 @@ TEST(LaneSweep, NothingIsBeyondAPlane) {
       ASSERT_LE(n.dot(p), static_cast<double>(plane.offset) + 1e-15) << "run " << run;
   }
   EXPECT_GT(planes, 900);
+}
+
+/// A hull that turns past a box, its points in clusters or not.
+struct Passing {
+  LaneSweep sweep;
+  std::unique_ptr<LaneSweep::Scratch> scratch;
+
+  Passing(const PointCover& points, const Shape& box, const Pose& X_WB) {
+    LaneSweep::Piece piece;
+    piece.frame = piece.motion = 0;
+    piece.outer = piece.cover.emplace_back(Ball{Vector3d::Zero(), 1.1});
+    piece.points = points;
+    piece.reach = 3;
+    sweep.addPair(0, sweep.addPiece(piece), sweep.addObstacle(box, X_WB), -1, 0.0);
+    sweep.finish();
+    scratch = std::make_unique<LaneSweep::Scratch>(sweep);
+  }
+
+  /// Lanes that are open after a run and a search for planes, and whether the hulls are apart.
+  std::pair<std::uint32_t, bool> open(const std::vector<LaneFrame>& frames, float growth) {
+    const float values[kLanes] = {growth};
+    if (sweep.run(frames, values, 1e-6F, *scratch).id >= 0 ||
+        sweep.part(frames, values, 1e-6F, *scratch).id >= 0)
+      return {0, false};
+    if (scratch->open().empty()) return {0, true};
+    return {scratch->open().front().lanes, scratch->open().front().apart};
+  }
+};
+
+TEST(LaneSweep, ClustersLeaveOutNothingThatCounts) {
+  Random random(5);
+  int clustered = 0, parted = 0, some = 0;
+  for (int run = 0; run < 300; ++run) {
+    std::vector<Vector3d> vertices;
+    for (int k = 0; k < 150; ++k)
+      vertices.push_back(random.direction().cwiseProduct(Vector3d(0.9, 0.6, 0.2)));
+    PointCover points = coverWithPoints(Shape::convexHull(ConvexHull::compute(vertices)), 24);
+    clustered += points.clusters.size() > 4;
+    ASSERT_EQ(points.nearest.size(), points.points.size());
+    ASSERT_EQ(points.clusters.back(), static_cast<int>(points.fine.size()));
+    Pose X_WB;
+    X_WB.rotation = Eigen::AngleAxisd(random.uniform(0.0, 3.0), random.direction()).matrix();
+    X_WB.translation = random.uniform(0.3, 1.3) * random.direction();
+    const Shape box = Shape::box({0.2, 0.1, 0.3});
+    Passing clusters(points, box, X_WB);
+    points.clusters.clear();
+    points.nearest.clear();
+    Passing all(points, box, X_WB);
+    // Several edges: planes and directions are remembered.
+    for (int edge = 0; edge < 4; ++edge) {
+      FrameStep step;
+      const Eigen::Matrix3d R =
+          Eigen::AngleAxisd(random.uniform(0.0, 3.0), random.direction()).matrix();
+      for (int i = 0; i < 9; ++i) step.rotation[i] = static_cast<float>(R.data()[i]);
+      step.angle = static_cast<float>(random.uniform(-3.0, 3.0));
+      step.turn = static_cast<float>(random.uniform(-1.5, 1.5));
+      for (float& slide : step.slide) slide = static_cast<float>(random.uniform(-0.1, 0.1));
+      LaneValues middles;
+      for (int i = 0; i < kLanes; ++i)
+        middles.at[i] = (static_cast<float>(i) + 0.5F) / kLanes - 0.5F;
+      std::vector<LaneFrame> frames(1);
+      placeFrames({&step, 1}, middles, frames);
+      moveFrames({&step, 1}, middles, 1.0F / kLanes, frames);
+      const auto found = clusters.open(frames, 0.02F);
+      ASSERT_EQ(found, all.open(frames, 0.02F)) << "run " << run << ", edge " << edge;
+      parted += found.first == 0 && found.second;
+      some += found.first != 0;
+    }
+  }
+  EXPECT_EQ(clustered, 300);
+  EXPECT_GT(parted, 200);
+  EXPECT_GT(some, 60);
 }
 
 }  // namespace

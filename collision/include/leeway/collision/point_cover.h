@@ -17,12 +17,24 @@ struct PointCover {
   /// mesh's hull, unless there are more than kMostHullPoints.
   std::vector<Eigen::Vector3d> fine;
   double fine_radius = 0;  ///< [m]
+  /// Where parts of `fine` end that stand together, and of each of `points` which of `fine` is next
+  /// to it; see clusterFine().
+  std::vector<int> clusters, nearest;
   /// All points are the shape's own, those of `fine` to within fine_radius.
   bool own = true;
 };
 
 /// Vertices beyond which a hull is not looked at as a whole: exact queries are cheaper then.
 inline constexpr int kMostHullPoints = 320;
+
+/// Puts the finer points into an order in which clusters of a few stand side by side, by halving
+/// the longest side of the box around them, and tells these: of those that are least along a
+/// direction most clusters need not be asked one by one. O(n log n), and O(n) for each of `points`.
+void clusterFine(PointCover& cover);
+
+/// Points that a cluster has at most, and clusters that there are at most: where that is too few
+/// for all points, they have more [count].
+inline constexpr int kClusterPoints = 16, kMostClusters = 32;
 
 /// At most `count` (>= 24) points for a convex hull, at most 32 for the others: a mesh gives those
 /// of its hierarchy's root. Hulls: extreme vertices, the one farthest from the hull of those before

@@ -97,6 +97,7 @@ class CompiledScene {
 
  private:
   void deriveMotions(const Problem& problem, std::span<const robots::VariableRange> ranges);
+  void keepAskedMotions();
 
   std::shared_ptr<const robots::Model> model_;
   std::shared_ptr<const ConfigurationSpace> space_;

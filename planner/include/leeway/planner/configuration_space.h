@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <memory>
 #include <span>
 #include <vector>
@@ -32,8 +33,8 @@ class ConfigurationSpace {
   std::span<const Part> parts() const { return parts_; }
   std::span<const int> variables() const { return variables_; }
   const robots::Model& model() const { return *model_; }
-  double lower(int i) const;
-  double upper(int i) const;
+  double lower(int i) const { return lower_[static_cast<std::size_t>(i)]; }
+  double upper(int i) const { return upper_[static_cast<std::size_t>(i)]; }
 
   /// dq such that a + t dq is the edge: circles the shorter way; rotations as a rotation vector
   /// (body frame) in the first three places, 0 in the fourth.
@@ -57,6 +58,7 @@ class ConfigurationSpace {
   std::shared_ptr<const robots::Model> model_;
   std::vector<int> variables_;
   std::vector<Part> parts_;
+  std::vector<double> lower_, upper_;
 };
 
 }  // namespace leeway::planner
