@@ -11,6 +11,7 @@
 #include "collision/deform_nearest.h"
 #include "collision/deform_octree.h"
 #include "collision/deform_probe.h"
+#include "collision/deform_round.h"
 #include "collision/mesh_distance.h"
 #include "collision/round_box.h"
 #include "collision/scratch.h"
@@ -147,11 +148,6 @@ class DeformDescent {
   static bool isHalfSpace(const DeformSide& side) {
     return side.snapshot == nullptr && side.rigid.tree == nullptr &&
            side.rigid.view.core == Core::kHalfSpace;
-  }
-  // (Not a segment that is hardly one, whose direction would not survive single precision.)
-  static bool hasThinCore(const ConvexView& view) {
-    constexpr double kLeastHalf = 1e-12;  // [m]
-    return view.core == Core::kPoint || (view.core == Core::kSegment && view.size.z() > kLeastHalf);
   }
   static double magnitude(const Vector3d& p) { return p.allFinite() ? p.lpNorm<1>() : 0; }
 
@@ -382,29 +378,22 @@ class DeformDescent {
     return makeProbeOf(a_.low.array() + grown, a_.high.array() - grown, placement_.growth + grown);
   }
 
-  // A sphere or a capsule, which is as far away as its core is, less its radius.
+  // A sphere or a capsule.
   bool isThin() const {
-    constexpr double kFarthest = 1e18;  // [m] in single precision
-    return isWhole(a_) && a_.rigid.tree == nullptr && hasThinCore(a_.rigid.view) &&
-           !placement_.swept && !has_volumes_ && !isFlat(b_) &&
-           placement_.X_BA0.translation.lpNorm<Eigen::Infinity>() < kFarthest;
+    if (!isWhole(a_) || a_.rigid.tree != nullptr || placement_.swept) return false;
+    const ConvexView& view = a_.rigid.view;
+    const bool is_segment = view.core == Core::kSegment;
+    return (is_segment || view.core == Core::kPoint) &&
+           hasNearest(is_segment, view.size.z(), placement_.X_BA0, *b_.snapshot);
   }
 
   // False where the question is still open: in contact, for a depth, and where rounding is not
   // small beside the tolerance. Nothing has been settled then, but there is an upper end.
   bool thin() {
     const ConvexView& a = a_.rigid.view;
-    const double grown = a.radius + a.excess;
-    NearestSearch search;
-    search.middle = placement_.X_BA0.translation;
-    search.half = a.core == Core::kSegment ? Vector3d(placement_.X_BA0.rotation.col(2) * a.size.z())
-                                           : Vector3d::Zero();
-    const Vector3d reach = search.half.cwiseAbs();
-    search.slack = placement_.slack;
-    search.size = extent_b_ + grown + search.middle.lpNorm<1>() + reach.sum();
-    double root =
-        ((b_.low - search.middle).cwiseMax(search.middle - b_.high) - reach).cwiseMax(0.0).norm() -
-        grown - (search.slack + kRelativeRounding * search.size);
+    const RoundBody body = roundBody(a.radius, a.size.z(), placement_.X_BA0);
+    NearestSearch search = nearestSearch(body, *b_.snapshot, placement_.slack, request_);
+    double root = boxLower(body, *b_.snapshot, search);
     if (!(root > 0)) {
       // How deep boxes are in each other is for those to tell that know of depths.
       whole_probe_ = wholeProbe();
@@ -416,20 +405,24 @@ class DeformDescent {
       settle(root);
       return true;
     }
-    search.enough = a.radius;
-    if (request_.threshold == request_.threshold) {
-      search.reach = (floor() + grown) * (1 + kRelativeRounding);
-      search.enough = floor() + a.radius;
-    }
-    search.tolerance = 0.5 * request_.tolerance;
     search.limit = limit();
     const DeformTree& tree = *b_.snapshot->tree;
     if (cache_.triangle_b >= 0 && cache_.triangle_b < tree.triangleCount())
       search.first = tree.slotOf(cache_.triangle_b);
     const NearestFound found = findNearest(search, *b_.snapshot, boxes_b_);
     visited_ += found.visited;
-    if (found.slot >= 0 && !thinAt(found)) triangles(-1, found.slot);
-    const double lower = found.lower - grown;
+    if (found.slot >= 0) {
+      if (answerNearest(body, found, tree, request_, result_.witness)) {
+        ++visited_;
+        ++result_.iterations;
+        settle(result_.witness.distance.lower);
+        result_.upper = result_.witness.distance.upper;
+        setBar();
+      } else {
+        triangles(-1, found.slot);
+      }
+    }
+    const double lower = found.lower - a.radius;
     if (done() || needless(lower) || visited_ >= limit()) {
       settle(std::max(done() ? root : lower, root));
       return true;
@@ -440,30 +433,6 @@ class DeformDescent {
     }
     result_.lower = kInfinity;
     return false;
-  }
-
-  // The body and the triangle that is nearest to its core. False where the way has no direction,
-  // or is not known as well as is asked.
-  bool thinAt(const NearestFound& found) {
-    const ConvexView& a = a_.rigid.view;
-    const double squared = found.way.squaredNorm();
-    const Interval distance{found.own_lower - a.radius - a.excess, found.upper - a.radius};
-    if (!(squared > static_cast<double>(kLeastWaySquared)) || !(distance.upper > 0) ||
-        !(distance.width() <= request_.tolerance))
-      return false;
-    ++visited_;
-    ++result_.iterations;
-    settle(distance.lower);
-    result_.upper = distance.upper;
-    setBar();
-    DistanceResult& r = result_.witness;
-    const Vector3d from = placement_.X_BA0.translation + found.from;
-    r.distance = distance;
-    r.normal = found.way / std::sqrt(squared);
-    r.point_a = from + a.radius * r.normal;
-    r.point_b = from + found.way;
-    r.triangle_b = triangleOf(b_, found.slot);
-    return true;
   }
 
   // A rigid body against the nodes of B alone. Those on top of the stack are looked at several at a

@@ -6,6 +6,7 @@
 
 #include "collision/containment.h"
 #include "collision/deform_descent.h"
+#include "collision/deform_round.h"
 #include "collision/descent_answer.h"
 #include "collision/mesh_distance.h"
 #include "collision/status.h"
@@ -41,28 +42,26 @@ DistanceResult exchanged(DistanceResult result) {
 
 }  // namespace
 
-DistanceResult deformDistance(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
-                              const DistanceRequest& request, Scratch& scratch, PairCache* cache) {
+namespace {
+
+DistanceResult descentDistance(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
+                               const DistanceRequest& request, Scratch& scratch, PairCache& cache) {
   // Boxes stand in B's frame: B is the one that deforms, where only one does.
   if (b.type() != ShapeType::kDeformable) {
-    PairCache turned = cache != nullptr ? *cache : PairCache{};
-    std::swap(turned.triangle_a, turned.triangle_b);
+    std::swap(cache.triangle_a, cache.triangle_b);
     const DistanceResult result =
-        exchanged(deformDistance(b, X_WB, a, X_WA, request, scratch, &turned));
-    std::swap(turned.triangle_a, turned.triangle_b);
-    if (cache != nullptr) *cache = turned;
+        exchanged(descentDistance(b, X_WB, a, X_WA, request, scratch, cache));
+    std::swap(cache.triangle_a, cache.triangle_b);
     return result;
   }
   // What was nearest last time is looked at first, and comes from far.
-  if (cache != nullptr) fetchSlot(*b.deformable(), cache->triangle_b);
+  fetchSlot(*b.deformable(), cache.triangle_b);
   const RelativePose relative = relativePose(X_WA, X_WB);
   if (!relative.valid) return {};
   const DeformSide side_a = deformSide(a), side_b = deformSide(b);
   const DescentPlacement placement = placementOf(relative, side_a, side_b);
-  PairCache own;
-  PairCache& warm = cache != nullptr ? *cache : own;
-  const DescentResult found = deformDescend(side_a, side_b, placement, request, scratch, &warm);
-  remember(found, warm);
+  const DescentResult found = deformDescend(side_a, side_b, placement, request, scratch, &cache);
+  remember(found, cache);
 
   DistanceResult result = surfaceDistance(found, X_WB);
   // Boxes that meet say nothing yet: the surfaces may be apart, with one body inside the other, or
@@ -92,6 +91,29 @@ DistanceResult deformDistance(const Shape& a, const Pose& X_WA, const Shape& b, 
   }
   result.status = statusOf(result.distance, request);
   return result;
+}
+
+bool isRound(const Shape& shape) {
+  return shape.type() == ShapeType::kSphere || shape.type() == ShapeType::kCapsule;
+}
+
+DistanceResult cachedDistance(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
+                              const DistanceRequest& request, Scratch& scratch, PairCache& cache) {
+  DistanceResult result;
+  if (isRound(b)
+          ? roundDistance(b, X_WB, a, X_WA, request, scratch, cache, true, result)
+          : isRound(a) && roundDistance(a, X_WA, b, X_WB, request, scratch, cache, false, result))
+    return result;
+  return descentDistance(a, X_WA, b, X_WB, request, scratch, cache);
+}
+
+}  // namespace
+
+DistanceResult deformDistance(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
+                              const DistanceRequest& request, Scratch& scratch, PairCache* cache) {
+  if (cache != nullptr) return cachedDistance(a, X_WA, b, X_WB, request, scratch, *cache);
+  PairCache none;
+  return cachedDistance(a, X_WA, b, X_WB, request, scratch, none);
 }
 
 DistanceResult deformSweptDistance(const Shape& a, const Pose& X_BA0, const Pose& X_BA1,

@@ -56,6 +56,22 @@ HWY_INLINE void loadVertices(const double* const* v, Doubles& x, Doubles& y, Dou
 #endif
 }
 
+// Of twice as many, where a vector of D has as many lanes.
+template <class D>
+HWY_INLINE void loadMany([[maybe_unused]] D d, const double* const* v, hn::Vec<D>* p) {
+#if HWY_TARGET != HWY_SCALAR
+  if constexpr (hn::MaxLanes(D()) > kDoubleLanes) {
+    static_assert(hn::MaxLanes(D()) == 2 * kDoubleLanes);
+    Doubles low[3], high[3];
+    loadVertices(v, low[0], low[1], low[2]);
+    loadVertices(v + kDoubleLanes, high[0], high[1], high[2]);
+    for (int k = 0; k < 3; ++k) p[k] = hn::Combine(d, high[k], low[k]);
+    return;
+  }
+#endif
+  if constexpr (hn::MaxLanes(D()) == kDoubleLanes) loadVertices(v, p[0], p[1], p[2]);
+}
+
 // The least scalar product of n and vertices, as they are added.
 class LeastAlong {
  public:
@@ -74,22 +90,27 @@ class LeastAlong {
     lowest_ = hn::Min(along, lowest_);
     doubt_ = hn::Add(doubt_, hn::Sub(along, along));  // 0 for finite numbers only
   }
-  // Any number of them, one at least.
-  HWY_INLINE void add(const Eigen::Vector3d* vertices, const std::int32_t* v, std::size_t count) {
+  // `count` of them, one at least; the i-th is vertexOf(i).
+  template <class VertexOf>
+  HWY_INLINE void add(const Eigen::Vector3d* vertices, std::size_t count,
+                      const VertexOf& vertexOf) {
     const double* from[kDoubleLanes];
     if (count < kDoubleLanes) {
       for (std::size_t k = 0; k < kDoubleLanes; ++k)
-        from[k] = at(vertices, v[std::min(k, count - 1)]);
+        from[k] = at(vertices, vertexOf(std::min(k, count - 1)));
       add(from);
       return;
     }
     // The last vector ends with the last vertex, whatever it repeats.
-    const std::int32_t* const last = v + count - kDoubleLanes;
-    for (;; v = std::min(v + kDoubleLanes, last)) {
-      for (std::size_t k = 0; k < kDoubleLanes; ++k) from[k] = at(vertices, v[k]);
+    const std::size_t last = count - kDoubleLanes;
+    for (std::size_t i = 0;; i = std::min(i + kDoubleLanes, last)) {
+      for (std::size_t k = 0; k < kDoubleLanes; ++k) from[k] = at(vertices, vertexOf(i + k));
       add(from);
-      if (v == last) return;
+      if (i == last) return;
     }
+  }
+  HWY_INLINE void add(const Eigen::Vector3d* vertices, const std::int32_t* v, std::size_t count) {
+    add(vertices, count, [v](std::size_t i) { return v[i]; });
   }
   // Which zero it is does not depend on the lanes.
   HWY_INLINE double least() const { return hn::GetLane(hn::MinOfLanes(kDoubles, lowest_)) + 0.0; }

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 
+#include "collision/fetch_code.h"
 #include "collision/round_box.h"
 #include "leeway/collision/tolerances.h"
 
@@ -29,6 +30,11 @@ const hn::CappedTag<float, kWidth> kLanes;
 using Floats = hn::Vec<decltype(kLanes)>;
 constexpr std::size_t kStep = hn::MaxLanes(decltype(kLanes)());
 constexpr unsigned kStepBits = (1U << kStep) - 1;
+
+// As many triangles, in double.
+const hn::CappedTag<double, kWidth> kMany;
+using Many = hn::Vec<decltype(kMany)>;
+constexpr std::size_t kManyLanes = hn::MaxLanes(decltype(kMany)());
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr float kLargest = std::numeric_limits<float>::max();
@@ -71,7 +77,7 @@ class NearestDescent {
   }
 
   NearestFound run() {
-    if (search_.first >= 0) triangles(search_.first, search_.first + 1);
+    if (search_.first >= 0) trianglesFor(*this, search_.first, search_.first + 1);
     open_[size_++] = {0, 0};
     bool within = true;
     while (size_ > 0 && !over_ && within) {
@@ -101,7 +107,7 @@ class NearestDescent {
         // the triangles there is told, and its last digits, would hang on what this thread has
         // asked before.
         const DeformTree::Leaf& l = tree_.leaf(DeformTree::leafOf(next.ref));
-        triangles(l.slot_begin, l.slot_end);
+        trianglesFor(*this, l.slot_begin, l.slot_end);
         break;
       }
       if (count > 0) nodes(taken.data(), count);
@@ -110,6 +116,12 @@ class NearestDescent {
     while (size_ > 0) closed_ = std::min(closed_, open_[--size_].squared);
     found_.lower = over_ ? 0 : std::min(settled_, distanceOf(closed_));
     return found_;
+  }
+
+  // Triangles of these slots, at most eight. (One function, whose code has a place of its own.)
+  HWY_NOINLINE static void trianglesFor(NearestDescent& descent, std::int32_t begin,
+                                        std::int32_t end) {
+    descent.triangles(begin, end);
   }
 
  private:
@@ -289,16 +301,9 @@ class NearestDescent {
     Way way;
     if (!wayTo(box, lane, way)) return false;
     const std::size_t count = *corners;
-    const std::uint8_t* place = corners + 1 + lane * count;
+    const std::uint8_t* const place = corners + 1 + lane * count;
     LeastAlong along(way.n);
-    const double* from[kDoubleLanes];
-    for (std::size_t i = 0; i < count; i += kDoubleLanes) {
-      // The last vector ends with the last vertex, whatever it repeats.
-      const std::size_t begin = count < kDoubleLanes ? 0 : std::min(i, count - kDoubleLanes);
-      for (std::size_t k = 0; k < kDoubleLanes; ++k)
-        from[k] = at(vertices_, vertices[place[std::min(begin + k, count - 1)]]);
-      along.add(from);
-    }
+    along.add(vertices_, count, [vertices, place](std::size_t i) { return vertices[place[i]]; });
     return isBeyond(along, way, near);
   }
 
@@ -317,11 +322,10 @@ class NearestDescent {
     return isBeyond(along, way, near);
   }
 
-  // Triangles of these slots, at most eight.
-  void triangles(std::int32_t begin, std::int32_t end) {
+  HWY_INLINE void triangles(std::int32_t begin, std::int32_t end) {
     Ends of;
     const auto count = static_cast<std::size_t>(end - begin);
-    for (std::size_t i = 0; i < count; i += kDoubleLanes)
+    for (std::size_t i = 0; i < count; i += kManyLanes)
       ends(begin + static_cast<std::int32_t>(i), end, i, of);
     for (std::size_t i = 0; i < count; ++i) {
       const std::int32_t slot = begin + static_cast<std::int32_t>(i);
@@ -349,19 +353,19 @@ class NearestDescent {
     HWY_ALIGN double from[3][kWidth], way[3][kWidth];  // as in NearestFound
   };
   struct Triple {
-    Doubles x[3];
+    Many x[3];
   };
   // Two points, of core and triangle, and the way between them.
   struct Pair {
     Triple from, way;
-    Doubles squared;
+    Many squared;
   };
 
   // Both ends of the distances of as many triangles as a vector has lanes; lanes that are left over
   // hold the last one again. What is not finite comes to 0 and NaN.
   HWY_INLINE void ends(std::int32_t begin, std::int32_t end, std::size_t i, Ends& of) const {
-    const double* from[3][kDoubleLanes];
-    for (std::size_t lane = 0; lane < kDoubleLanes; ++lane) {
+    const double* from[3][kManyLanes];
+    for (std::size_t lane = 0; lane < kManyLanes; ++lane) {
       const DeformTree::Triangle& t =
           tree_.corners(std::min(begin + static_cast<std::int32_t>(lane), end - 1));
       for (std::size_t c = 0; c < 3; ++c) from[c][lane] = at(vertices_, t[c]);
@@ -379,29 +383,29 @@ class NearestDescent {
     } else {
       best = nearestTo(half, a, b, c);
     }
-    const Doubles zero = hn::Zero(kDoubles);
+    const Many zero = hn::Zero(kMany);
     for (int k = 0; k < 3; ++k) {
-      hn::Store(best.from.x[k], kDoubles, of.from[k] + i);
-      hn::Store(best.way.x[k], kDoubles, of.way[k] + i);
+      hn::Store(best.from.x[k], kMany, of.from[k] + i);
+      hn::Store(best.way.x[k], kMany, of.way[k] + i);
     }
-    const Doubles length = hn::Sqrt(best.squared);
-    Doubles least = hn::Min(hn::Min(dot(best.way, a), dot(best.way, b)), dot(best.way, c));
+    const Many length = hn::Sqrt(best.squared);
+    Many least = hn::Min(hn::Min(dot(best.way, a), dot(best.way, b)), dot(best.way, c));
     // It grows with where the corners are, seen from the core, and with nothing else: not with what
     // holds the mesh, which depends on who updates it.
-    Doubles size = hn::Max(hn::Max(sizeOf(a), sizeOf(b)), sizeOf(c));
+    Many size = hn::Max(hn::Max(sizeOf(a), sizeOf(b)), sizeOf(c));
     if constexpr (kSegment) {
       least = hn::Sub(least, hn::Abs(dot(best.way, half)));
       size = hn::Add(size, sizeOf(half));
     }
-    const Doubles rounding = hn::Add(hn::Mul(size, hn::Set(kDoubles, kTriangleRounding)),
-                                     hn::Set(kDoubles, search_.slack));
+    const Many rounding =
+        hn::Add(hn::Mul(size, hn::Set(kMany, kTriangleRounding)), hn::Set(kMany, search_.slack));
     // Written so that a way without direction, and what is no number, prove nothing.
-    const Doubles beyond = hn::Sub(hn::Div(least, length), rounding);
+    const Many beyond = hn::Sub(hn::Div(least, length), rounding);
     const auto known =
         hn::And(hn::Gt(beyond, zero),
-                hn::Gt(best.squared, hn::Set(kDoubles, static_cast<double>(kLeastWaySquared))));
-    hn::Store(hn::IfThenElse(known, beyond, zero), kDoubles, of.lower + i);
-    hn::Store(hn::Add(length, rounding), kDoubles, of.upper + i);
+                hn::Gt(best.squared, hn::Set(kMany, static_cast<double>(kLeastWaySquared))));
+    hn::Store(hn::IfThenElse(known, beyond, zero), kMany, of.lower + i);
+    hn::Store(hn::Add(length, rounding), kMany, of.upper + i);
   }
 
   // A point, the same for all, and the triangles.
@@ -411,13 +415,13 @@ class NearestDescent {
                  b = kSegment ? difference(from_b, p) : from_b,
                  c = kSegment ? difference(from_c, p) : from_c;
     const Triple ab = difference(b, a), ac = difference(c, a);
-    const Doubles zero = hn::Zero(kDoubles), one = hn::Set(kDoubles, 1.0);
-    const Doubles d1 = hn::Neg(dot(ab, a)), d2 = hn::Neg(dot(ac, a)), d3 = hn::Neg(dot(ab, b)),
-                  d4 = hn::Neg(dot(ac, b)), d5 = hn::Neg(dot(ab, c)), d6 = hn::Neg(dot(ac, c));
-    const Doubles va = hn::Sub(hn::Mul(d3, d6), hn::Mul(d5, d4)),
-                  vb = hn::Sub(hn::Mul(d5, d2), hn::Mul(d1, d6)),
-                  vc = hn::Sub(hn::Mul(d1, d4), hn::Mul(d3, d2));
-    const Doubles along_bc = hn::Sub(d4, d3), back_bc = hn::Sub(d5, d6);
+    const Many zero = hn::Zero(kMany), one = hn::Set(kMany, 1.0);
+    const Many d1 = hn::Neg(dot(ab, a)), d2 = hn::Neg(dot(ac, a)), d3 = hn::Neg(dot(ab, b)),
+               d4 = hn::Neg(dot(ac, b)), d5 = hn::Neg(dot(ab, c)), d6 = hn::Neg(dot(ac, c));
+    const Many va = hn::Sub(hn::Mul(d3, d6), hn::Mul(d5, d4)),
+               vb = hn::Sub(hn::Mul(d5, d2), hn::Mul(d1, d6)),
+               vc = hn::Sub(hn::Mul(d1, d4), hn::Mul(d3, d2));
+    const Many along_bc = hn::Sub(d4, d3), back_bc = hn::Sub(d5, d6);
     const auto at_a = hn::And(hn::Le(d1, zero), hn::Le(d2, zero)),
                at_b = hn::And(hn::Ge(d3, zero), hn::Le(d4, d3)),
                at_c = hn::And(hn::Ge(d6, zero), hn::Le(d5, d6));
@@ -426,8 +430,8 @@ class NearestDescent {
                on_bc = hn::And(hn::Le(va, zero),
                                hn::And(hn::Ge(along_bc, zero), hn::Ge(back_bc, zero)));
     // Weights of b and c times `all`; the first of Ericson's cases is the last to be put in.
-    Doubles v = vb, w = vc, all = hn::Add(hn::Add(va, vb), vc);
-    const auto put = [&](auto mask, Doubles weight_b, Doubles weight_c, Doubles sum) HWY_ATTR {
+    Many v = vb, w = vc, all = hn::Add(hn::Add(va, vb), vc);
+    const auto put = [&](auto mask, Many weight_b, Many weight_c, Many sum) HWY_ATTR {
       v = hn::IfThenElse(mask, weight_b, v);
       w = hn::IfThenElse(mask, weight_c, w);
       all = hn::IfThenElse(mask, sum, all);
@@ -439,7 +443,7 @@ class NearestDescent {
     put(at_b, one, zero, one);
     put(at_a, zero, zero, one);
     // Some convex combination, whatever rounding did and where there is no plane.
-    const Doubles safe = hn::IfThenElse(hn::Gt(all, zero), all, one);
+    const Many safe = hn::IfThenElse(hn::Gt(all, zero), all, one);
     v = clampTo(hn::Div(v, safe), one);
     w = clampTo(hn::Div(w, safe), hn::Sub(one, v));
     Pair pair;
@@ -453,23 +457,22 @@ class NearestDescent {
   // The segment from -half to half and the edges from a to b: the points of the two lines that are
   // nearest, the edge's brought into it, and the segment's that is nearest to that.
   static HWY_INLINE Pair nearestOnEdge(const Triple& half, const Triple& a, const Triple& b) {
-    const Doubles zero = hn::Zero(kDoubles), one = hn::Set(kDoubles, 1.0);
+    const Many zero = hn::Zero(kMany), one = hn::Set(kMany, 1.0);
     const Triple edge = difference(b, a);
-    const Doubles hh = dot(half, half), he = dot(half, edge), ee = dot(edge, edge),
-                  ha = dot(half, a), ea = dot(edge, a);
-    const auto positive = [&](Doubles x)
-                              HWY_ATTR { return hn::IfThenElse(hn::Gt(x, zero), x, one); };
-    const auto along = [&](Doubles t) HWY_ATTR {
-      const Doubles s = hn::Div(hn::Add(ha, hn::Mul(t, he)), positive(hh));
+    const Many hh = dot(half, half), he = dot(half, edge), ee = dot(edge, edge), ha = dot(half, a),
+               ea = dot(edge, a);
+    const auto positive = [&](Many x) HWY_ATTR { return hn::IfThenElse(hn::Gt(x, zero), x, one); };
+    const auto along = [&](Many t) HWY_ATTR {
+      const Many s = hn::Div(hn::Add(ha, hn::Mul(t, he)), positive(hh));
       return hn::Max(hn::Min(s, one), hn::Neg(one));
     };
     // Of lines: s hh - t he = ha, s he - t ee = ea.
-    const Doubles across = hn::Sub(hn::Mul(hh, ee), hn::Mul(he, he));
-    const Doubles s_lines =
+    const Many across = hn::Sub(hn::Mul(hh, ee), hn::Mul(he, he));
+    const Many s_lines =
         hn::Max(hn::Min(hn::Div(hn::Sub(hn::Mul(ha, ee), hn::Mul(ea, he)), positive(across)), one),
                 hn::Neg(one));
-    const Doubles t = clampTo(hn::Div(hn::Sub(hn::Mul(s_lines, he), ea), positive(ee)), one);
-    const Doubles s = along(t);
+    const Many t = clampTo(hn::Div(hn::Sub(hn::Mul(s_lines, he), ea), positive(ee)), one);
+    const Many s = along(t);
     Pair pair;
     for (int k = 0; k < 3; ++k) {
       pair.from.x[k] = hn::Mul(s, half.x[k]);
@@ -489,18 +492,18 @@ class NearestDescent {
   }
 
   // From 0 to `most`.
-  static HWY_INLINE Doubles clampTo(Doubles x, Doubles most) {
-    return hn::Min(hn::Max(x, hn::Zero(kDoubles)), most);
+  static HWY_INLINE Many clampTo(Many x, Many most) {
+    return hn::Min(hn::Max(x, hn::Zero(kMany)), most);
   }
   HWY_INLINE Triple cornersAt(const double* const* from) const {
     Triple t;
-    loadVertices(from, t.x[0], t.x[1], t.x[2]);
-    for (int k = 0; k < 3; ++k) t.x[k] = hn::Sub(t.x[k], hn::Set(kDoubles, p_[k]));
+    loadMany(kMany, from, t.x);
+    for (int k = 0; k < 3; ++k) t.x[k] = hn::Sub(t.x[k], hn::Set(kMany, p_[k]));
     return t;
   }
   static HWY_INLINE Triple setTriple(const double* x) {
     Triple t;
-    for (int k = 0; k < 3; ++k) t.x[k] = hn::Set(kDoubles, x[k]);
+    for (int k = 0; k < 3; ++k) t.x[k] = hn::Set(kMany, x[k]);
     return t;
   }
   static HWY_INLINE Triple negative(const Triple& a) {
@@ -513,10 +516,10 @@ class NearestDescent {
     for (int k = 0; k < 3; ++k) t.x[k] = hn::Sub(a.x[k], b.x[k]);
     return t;
   }
-  static HWY_INLINE Doubles sizeOf(const Triple& a) {
+  static HWY_INLINE Many sizeOf(const Triple& a) {
     return hn::Add(hn::Add(hn::Abs(a.x[0]), hn::Abs(a.x[1])), hn::Abs(a.x[2]));
   }
-  static HWY_INLINE Doubles dot(const Triple& a, const Triple& b) {
+  static HWY_INLINE Many dot(const Triple& a, const Triple& b) {
     return hn::Add(hn::Add(hn::Mul(a.x[0], b.x[0]), hn::Mul(a.x[1], b.x[1])),
                    hn::Mul(a.x[2], b.x[2]));
   }
@@ -542,10 +545,22 @@ class NearestDescent {
   std::size_t size_ = 0;
 };
 
+template <bool kSegment>
+HWY_NOINLINE NearestFound findFor(const NearestSearch& search,
+                                  const DeformableSnapshotImpl& snapshot, const BoxSource& source) {
+  return NearestDescent<kSegment>(search, snapshot, source).run();
+}
+
 NearestFound find(const NearestSearch& search, const DeformableSnapshotImpl& snapshot,
                   const BoxSource& source) {
-  return search.half.isZero(0) ? NearestDescent<false>(search, snapshot, source).run()
-                               : NearestDescent<true>(search, snapshot, source).run();
+  return search.half.isZero(0) ? findFor<false>(search, snapshot, source)
+                               : findFor<true>(search, snapshot, source);
+}
+
+// About as many bytes as compilers make of it.
+void fetchFinder() {
+  fetchCode(findFor<false>, 6144);
+  fetchCode(NearestDescent<false>::trianglesFor, 2816);
 }
 
 }  // namespace
@@ -553,6 +568,8 @@ NearestFound find(const NearestSearch& search, const DeformableSnapshotImpl& sna
 using Find = NearestFound (*)(const NearestSearch&, const DeformableSnapshotImpl&,
                               const BoxSource&);
 Find nearestFinder() { return find; }
+using Fetch = void (*)();
+Fetch finderFetcher() { return fetchFinder; }
 
 }  // namespace HWY_NAMESPACE
 }  // namespace leeway::collision
@@ -562,6 +579,9 @@ HWY_AFTER_NAMESPACE();
 namespace leeway::collision {
 
 HWY_EXPORT(nearestFinder);
+HWY_EXPORT(finderFetcher);
+
+void fetchNearestCode() { HWY_DYNAMIC_DISPATCH(finderFetcher)()(); }
 
 NearestFound findNearest(const NearestSearch& search, const DeformableSnapshotImpl& snapshot,
                          const BoxSource& source) {

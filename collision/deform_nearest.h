@@ -44,4 +44,7 @@ struct NearestFound {
 NearestFound findNearest(const NearestSearch& search, const DeformableSnapshotImpl& snapshot,
                          const BoxSource& source);
 
+/// Starts to bring near its code, for a point.
+void fetchNearestCode();
+
 }  // namespace leeway::collision

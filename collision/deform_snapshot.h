@@ -49,6 +49,7 @@ struct DeformScratch {
     std::vector<std::uint64_t> stamp;  // one a node: the snapshot that its box belongs to
   };
   std::vector<Entry> entries;
+  std::uint64_t asked = 0;  ///< the snapshot that was asked last
   /// For Demand::kNoTree: boxes of two bodies' triangles and the lists of an octree's cells.
   std::vector<FloatBox> boxes_a, boxes_b;
   std::vector<std::int32_t> lists;

@@ -120,6 +120,7 @@ struct Deformable::Impl {
   // The turn in which the branches are read, see upperLevels().
   struct Turn {
     std::size_t next = 0;  // branch
+    std::size_t due = 0;   // branches that were read in the last frame
     int frames = 0;        // of auto: since the last turn that ended, those of turns cut short, too
     double area = 0, length = 0;  // sums over the branches that were read, as they were then; the
                                   // area for auto alone
@@ -151,6 +152,7 @@ struct Deformable::Impl {
   bool blendsCache(const Known& known) const;
   double displace(DeformableSnapshotImpl& s, const Known& known) const;
   std::size_t branchesDue(double growth) const;
+  std::span<const std::int32_t> turnVertices() const;
   void addToTurn(const DeformableSnapshotImpl& s, std::size_t end);
   bool rebuildPays(const DeformableSnapshotImpl& s);
   void measureBuilt(const DeformableSnapshotImpl& s);
@@ -298,6 +300,7 @@ bool Deformable::Impl::upperLevels(DeformableSnapshotImpl& s, const Known& known
   const bool blended = blendsCache(known);
   const std::size_t due = branchesDue(blended ? 0 : displace(s, known));
   if (due == all || turn.next == all) turn = {.frames = turn.frames};
+  turn.due = due;
   const std::size_t begin = turn.next, end = std::min(begin + due, all);
   if (blended) {
     for (std::int32_t node = 0; node < upper; ++node) {
@@ -332,6 +335,17 @@ bool Deformable::Impl::blendsCache(const Known& known) const {
   return known.by_motion && cached_bounds && tree == motion_tree;
 }
 
+namespace {
+
+// Starts to bring near four vertices that stand side by side.
+void fetchFour(const Vector3d* first) {
+  const char* from = reinterpret_cast<const char*>(first);
+  __builtin_prefetch(from);
+  __builtin_prefetch(from + 64);
+}
+
+}  // namespace
+
 // The boxes of branches from those of the current snapshot, and from how far their vertices can
 // have come since then; returns what they grow by at either end, along the axis where that is the
 // most, in the mean. Infinite when the current snapshot has no boxes of them, or nothing is known,
@@ -357,7 +371,14 @@ double Deformable::Impl::displace(DeformableSnapshotImpl& s, const Known& known)
   const double rounding =
       by_motion ? upper_bounds->displacementRounding(last.parameters, s.parameters) : 0;
   double sum = 0;
+  // What will be read comes from far: as much of it as last time is fetched while the boxes are
+  // moved, node by node; reading takes less than half the time then.
+  std::span<const std::int32_t> ahead = turnVertices();
+  const std::size_t step = ahead.size() / static_cast<std::size_t>(upper) + 1;
   for (std::int32_t node = 0; node < upper; ++node) {
+    const std::size_t count = std::min(step, ahead.size());
+    for (const std::int32_t four : ahead.first(count)) fetchFour(s.vertices.data() + four);
+    ahead = ahead.subspan(count);
     const auto& children = tree->node(node).child;
     const auto isBranch = [upper](std::int32_t child) { return child >= upper; };
     if (std::none_of(children, children + kWidth, isBranch)) continue;
@@ -375,6 +396,19 @@ double Deformable::Impl::displace(DeformableSnapshotImpl& s, const Known& known)
     }
   }
   return sum / static_cast<double>(tree->branches().size());
+}
+
+// The first of four vertices each of the branches whose turn comes next, as many as in the last
+// frame.
+std::span<const std::int32_t> Deformable::Impl::turnVertices() const {
+  const std::span<const DeformTree::Branch> branches = tree->branches();
+  const std::size_t begin = turn.next < branches.size() ? turn.next : 0,
+                    end = std::min(begin + turn.due, branches.size());
+  // (All of them would not stay near.)
+  if (begin >= end || turn.due == branches.size()) return {};
+  const auto first = static_cast<std::size_t>(branches[begin].runs.four_begin),
+             last = static_cast<std::size_t>(branches[end - 1].runs.four_end);
+  return tree->fours().subspan(first, last - first);
 }
 
 // How many branches have to be read.

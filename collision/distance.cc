@@ -98,6 +98,9 @@ DistanceResult distance(const Shape& a, const Pose& X_WA, const Shape& b, const 
   if (a.type() == kSphere && b.type() == kSphere) {
     return distanceOfSegments<false, false>(a, X_WA, b, X_WB, request, scratch, cache);
   }
+  // (Directly: code on the way is far when much else has been done since.)
+  if (a.type() == kDeformable || b.type() == kDeformable)
+    return deformDistance(a, X_WA, b, X_WB, request, scratch, cache);
   return distanceOfOthers(a, X_WA, b, X_WB, request, scratch, cache);
 }
 

@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "collision/scratch.h"
@@ -192,7 +193,8 @@ TEST(DeformNearest, SameBytesOnEveryTarget) {
   });
 }
 
-// A capsule without length goes the general way, which knows no such search.
+// A capsule without length goes the general way, which knows no such search. Bodies may come in
+// either order.
 TEST(DeformNearest, BallsAreCapsulesWithoutLength) {
   Random random(23);
   const Sheet sheet = testing::cloth(12);
@@ -213,16 +215,34 @@ TEST(DeformNearest, BallsAreCapsulesWithoutLength) {
         DistanceRequest request;
         request.depth = random.chance(0.3);
         if (random.chance(0.5)) request.threshold = random.uniform(-0.1, 0.5);
+        // Where the nearest triangle stood last time may be anything.
+        if (random.chance(0.3)) {
+          cache.hierarchy = deformable.snapshot()->impl().tree.get();
+          cache.place = random.below(2 * static_cast<int>(sheet.triangles.size())) - 10;
+        }
+        PairCache turned_cache = cache;
+        std::swap(turned_cache.triangle_a, turned_cache.triangle_b);
         const DistanceResult ball =
             distance(Shape::sphere(radius), X_WS, mesh, {}, request, scratch, &cache);
+        const DistanceResult turned =
+            distance(mesh, {}, Shape::sphere(radius), X_WS, request, scratch, &turned_cache);
         const DistanceResult twin =
             distance(Shape::capsule(radius, 0), X_WS, mesh, {}, request, scratch, &twins_cache);
         const auto told = [&] {
           return std::string(toString(strategy)) + " " + oracle::replay(X_WS) + " radius " +
                  std::to_string(radius);
         };
-        ASSERT_EQ(ball.status == DistanceStatus::kLimit, twin.status == DistanceStatus::kLimit)
-            << told();
+        ASSERT_EQ(turned.status, ball.status) << told();
+        ASSERT_EQ(turned.triangle_a, ball.triangle_b) << told();
+        ASSERT_EQ(turned_cache.triangle_a, cache.triangle_b) << told();
+        ASSERT_EQ(turned.distance.upper, ball.distance.upper) << told();
+        ASSERT_EQ(turned.point_b, ball.point_a) << told();
+        ASSERT_EQ(turned.normal, -ball.normal) << told();
+        // (How narrowly a depth is enclosed depends on where the search has begun.)
+        if (!request.depth || ball.distance.upper > 0) {
+          ASSERT_EQ(ball.status == DistanceStatus::kLimit, twin.status == DistanceStatus::kLimit)
+              << told();
+        }
         ASSERT_EQ(ball.distance.lower > request.threshold, twin.distance.lower > request.threshold)
             << told();
         ASSERT_LE(ball.distance.lower, twin.distance.upper) << told();

@@ -70,6 +70,8 @@ struct PairCache {
   int simplex_a[3] = {0, 0, 0}, simplex_b[3] = {0, 0, 0};
   int vertex_a = 0, vertex_b = 0;        ///< last support vertices
   int triangle_a = -1, triangle_b = -1;  ///< last closest triangles, or convex pieces
+  int place = -1;  ///< of the closest triangle in the hierarchy of a deforming mesh; -1: none
+  const void* hierarchy = nullptr;  ///< which one that is; never looked into
 };
 
 /// Caller-owned buffers of one thread. Everything a query needs is allocated in the constructor.

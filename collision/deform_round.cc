@@ -1,0 +1,167 @@
+#include "collision/deform_round.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "collision/containment.h"
+#include "collision/convex.h"
+#include "collision/fetch_code.h"
+#include "collision/round_box.h"
+#include "collision/scratch.h"
+#include "collision/status.h"
+#include "leeway/collision/deformable_mesh.h"
+#include "leeway/collision/tolerances.h"
+
+namespace leeway::collision {
+
+using Eigen::Vector3d;
+
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+double magnitude(const Vector3d& p) { return p.allFinite() ? p.lpNorm<1>() : 0; }
+
+}  // namespace
+
+RoundBody roundBody(double radius, double half_length, const Pose& X_BA) {
+  return {
+      X_BA.translation,
+      half_length > 0 ? Vector3d(X_BA.rotation.col(2) * half_length) : Vector3d(Vector3d::Zero()),
+      radius};
+}
+
+bool hasNearest(bool is_segment, double half_length, const Pose& X_BA,
+                const DeformableSnapshotImpl& mesh) {
+  constexpr double kLeastHalf = 1e-12;  // [m]
+  constexpr double kFarthest = 1e18;    // [m] in single precision
+  return (!is_segment || half_length > kLeastHalf) && mesh.demand != Demand::kNoTree &&
+         !(mesh.bounds != nullptr && mesh.bounds->hasVolumes()) &&
+         X_BA.translation.lpNorm<Eigen::Infinity>() < kFarthest;
+}
+
+NearestSearch nearestSearch(const RoundBody& body, const DeformableSnapshotImpl& mesh, double slack,
+                            const DistanceRequest& request) {
+  NearestSearch search;
+  search.middle = body.middle;
+  search.half = body.half;
+  search.slack = slack;
+  search.size = magnitude(mesh.low) + magnitude(mesh.high) + body.radius + body.middle.lpNorm<1>() +
+                body.half.lpNorm<1>();
+  search.enough = body.radius;
+  if (request.threshold == request.threshold) {
+    const double floor = std::max(request.threshold, 0.0);
+    search.reach = (floor + body.radius) * (1 + kRelativeRounding);
+    search.enough = floor + body.radius;
+  }
+  search.tolerance = 0.5 * request.tolerance;
+  return search;
+}
+
+double boxLower(const RoundBody& body, const DeformableSnapshotImpl& mesh,
+                const NearestSearch& search) {
+  const Vector3d outside =
+      ((mesh.low - body.middle).cwiseMax(body.middle - mesh.high) - body.half.cwiseAbs())
+          .cwiseMax(0.0);
+  return outside.norm() - body.radius - (search.slack + kRelativeRounding * search.size);
+}
+
+bool answerNearest(const RoundBody& body, const NearestFound& found, const DeformTree& tree,
+                   const DistanceRequest& request, DistanceResult& result) {
+  const double squared = found.way.squaredNorm();
+  const Interval distance{found.own_lower - body.radius, found.upper - body.radius};
+  if (!(squared > static_cast<double>(kLeastWaySquared)) || !(distance.upper > 0) ||
+      !(distance.width() <= request.tolerance))
+    return false;
+  const Vector3d from = body.middle + found.from;
+  result.distance = distance;
+  result.normal = found.way / std::sqrt(squared);
+  result.point_a = from + body.radius * result.normal;
+  result.point_b = from + found.way;
+  result.triangle_b = tree.triangleOf(found.slot);
+  return true;
+}
+
+bool roundDistance(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
+                   const DistanceRequest& request, Scratch& scratch, PairCache& cache, bool turned,
+                   DistanceResult& result) {
+  const DeformableSnapshotImpl& mesh = b.deformable()->impl();
+  const DeformTree& tree = *mesh.tree;
+  // What was nearest last time is looked at first, and comes from far.
+  const int triangle = turned ? cache.triangle_a : cache.triangle_b;
+  std::int32_t first = -1;
+  if (cache.hierarchy == &tree && cache.place >= 0 && cache.place < tree.triangleCount()) {
+    first = cache.place;
+  } else if (triangle >= 0 && triangle < tree.triangleCount()) {
+    first = tree.slotOf(triangle);
+  }
+  if (first >= 0) __builtin_prefetch(&tree.corners(first));
+
+  // The first question after an update finds the code far, too.
+  DeformScratch& scratch_of_meshes = scratch.impl().deform;
+  if (scratch_of_meshes.asked != mesh.id) {
+    scratch_of_meshes.asked = mesh.id;
+    fetchCode(roundDistance, 2304);
+    fetchNearestCode();
+  }
+
+  const RelativePose relative = relativePose(X_WA, X_WB);
+  const bool is_segment = a.type() == ShapeType::kCapsule;
+  const double half_length = is_segment ? a.halfLength() : 0;
+  if (!relative.valid || !hasNearest(is_segment, half_length, relative.X_BA, mesh)) return false;
+  const RoundBody body = roundBody(a.radius(), half_length, relative.X_BA);
+  const double slack =
+      relative.slack * (half_length + body.radius + b.extent() + relative.X_BA.translation.norm());
+  NearestSearch search = nearestSearch(body, mesh, slack, request);
+  const double root = boxLower(body, mesh, search);
+  // Written so that no threshold, NaN, decides nothing.
+  if (root > std::max(request.threshold, 0.0)) {
+    result.distance = {root, kInfinity};
+    result.status = statusOf(result.distance, request);
+    if (turned) result.normal = -result.normal;
+    return true;
+  }
+  if (scratch.impl().work->isSpent()) return false;
+  search.limit = request.node_limit;
+  search.first = first;
+  const NearestFound found = findNearest(search, mesh, BoxSource(mesh, scratch.impl().deform));
+  double bar =
+      request.threshold == request.threshold ? std::max(request.threshold, 0.0) : kInfinity;
+  double lower = found.lower - body.radius;
+  bool near = false;
+  result.distance.upper = kInfinity;
+  if (found.slot >= 0) {
+    cache.hierarchy = &tree;
+    cache.place = found.slot;
+    const bool answered = answerNearest(body, found, tree, request, result);
+    (turned ? cache.triangle_a : cache.triangle_b) = tree.triangleOf(found.slot);
+    (turned ? cache.triangle_b : cache.triangle_a) = -1;
+    if (!answered) return false;
+    result.iterations = 1;
+    bar = std::min(bar, result.distance.upper - request.tolerance);
+    near = result.distance.upper <= request.threshold;
+    lower = std::min(near ? root : lower, result.distance.lower);
+  }
+  // Of bodies whose boxes meet others tell how deep they may be.
+  if (!(near ? root > 0 : found.lower - body.radius > bar)) return false;
+  result.distance.lower = std::max(lower, root);
+  if (!(root > 0) &&
+      (!(lower > 0) || containsAt(a, X_WA, b, X_WB, lower, scratch) != Containment::kNo))
+    return false;
+  result.status = statusOf(result.distance, request);
+  if (found.slot >= 0) {
+    result.point_a = X_WB * result.point_a;
+    result.point_b = X_WB * result.point_b;
+    result.normal = X_WB.rotation * result.normal;
+  }
+  if (turned) {
+    std::swap(result.point_a, result.point_b);
+    std::swap(result.triangle_a, result.triangle_b);
+    result.normal = -result.normal;
+  }
+  return true;
+}
+
+}  // namespace leeway::collision
