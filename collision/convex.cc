@@ -229,7 +229,7 @@ DistanceResult fromPoint(const ConvexView& a, const Vector& p, const ConvexView&
   const PointDistance d = pointDistance(b, p);
   progress.offerLower(d.distance, -d.normal);
   progress.offerWitness(d.distance, d.nearest - p, p);
-  if (sharp != nullptr && d.distance > 0) sharpenPoint(*sharp, d.nearest, d.normal, progress);
+  if (sharp != nullptr) sharpenPoint(*sharp, d.distance > 0, d.nearest, d.normal, progress);
   return resultOf(progress);
 }
 

@@ -19,6 +19,8 @@ namespace {
 // and those of needles half of one.
 constexpr std::int64_t kWorkPerStep = 512;
 constexpr std::int64_t kSharpWorkPerStep = 4096;
+// What a direction is worth where a hull's vertices are blended, too.
+constexpr std::int64_t kHullWork = 8;
 // Descents beside directions that are far enough out which found nothing, and after how many of
 // these at the most the next is tried [count].
 constexpr int kLongestRest = 63;
@@ -35,6 +37,8 @@ constexpr int kEdgeSteps = 3;
 constexpr int kNearestSteps = 32;
 // Least stiffnesses of what is apart [of the sizes involved].
 constexpr double kNearestStiffnesses[] = {0, 1e-4, 1};
+// So that points of a cap are in it, rounding included.
+constexpr double kInwards = 1 - 0x1p-50;
 // See CurvedFaces: less is lost in rounding.
 constexpr double kEvenly = 1e-8;
 // Rounding of a cell's bound, derived below [units of roundoff of the sizes involved].
@@ -80,6 +84,10 @@ class CurvedDepth {
   double askPlane(const Vector& e);
   Vector nextFrom(const Vector& e, const Vector& step, const CurvedEdge* edge, int edges) const;
   void descend(Vector e, double value);
+  bool meetsCap(const CurvedFace& face, int part, double wide) const;
+  Vector memberOf(const CurvedFace& face, const CurvedChoice& choice, double wide,
+                  Vector& point_a) const;
+  double offerNearest(const CurvedFace& face, const CurvedChoice& choice);
   double offerNearest(const Vector& e);
   void stepNearer();
   Vector stepOnto(const CurvedFace& face, const CurvedEdge* edge, int edges) const;
@@ -96,6 +104,7 @@ class CurvedDepth {
   CurvedFaces faces_, exact_faces_;
   double sizes_[2];
   const std::int64_t work_per_step_;
+  const std::int64_t node_work_;
   std::int64_t work_left_;
   int idle_ = 0, rest_ = 0;  // descents that found nothing, and for how many to do without
   double reach_ = 0;         // the nearest plane asked
@@ -118,12 +127,13 @@ CurvedDepth::CurvedDepth(Difference<false>& difference, Progress& progress,
       exact_faces_(difference, 0),
       sizes_{faces_.semiAxes(0).maxCoeff(), faces_.semiAxes(1).maxCoeff()},
       work_per_step_(sharp == nullptr ? kWorkPerStep : kSharpWorkPerStep),
+      node_work_(faces_.hasHull() ? kHullWork : 1),
       work_left_(work_per_step_ * progress.query().request.iteration_limit) {}
 
 Node CurvedDepth::nodeAt(const Vector& x) {
   Node node;
   node.x = x;
-  --work_left_;
+  work_left_ -= node_work_;
   const CurvedFace face = faces_.along(x);
   const double support = faces_.support(face, node.choice);
   if (support < wanted_) look(face.e);
@@ -168,15 +178,17 @@ void CurvedDepth::fill(Node& node) const {
 void CurvedDepth::settle(Node& node) {
   const CurvedFace face = faces_.along(node.x);
   double stiffness = depth_.high;
-  for (int i = 0; i < 2 * kStiffnesses; ++i) {
+  for (int i = 0; i <= 2 * kStiffnesses; ++i) {
     --work_left_;
-    Node other = node;
-    (i % 2 == 0 ? exact_faces_ : faces_).blend(face, stiffness, other.choice);
-    if (i % 2 != 0) stiffness *= 4;
-    fill(other);
-    sharpen(other);
-    const DoubleDouble gain = other.sharp_value - node.sharp_value;
-    if (gain.high > 0) node = other;
+    if (i == 2 * kStiffnesses) {
+      faces_.support(face, node.choice);
+    } else {
+      (i % 2 == 0 ? exact_faces_ : faces_).blend(face, stiffness, node.choice);
+      if (i % 2 != 0) stiffness *= 4;
+    }
+    fill(node);
+    sharpen(node);
+    if (!((node.sharp_value - depth_ * node.sharp_length).high < 2 * roundoff_)) break;
   }
   node.settled = true;
 }
@@ -226,8 +238,9 @@ void CurvedDepth::setDepth() {
     depth = sharp_->mostAlong(n) / norm(n);
     // See offerSharpPlane() and offerSharpWitness(); where these alone take the tolerance, as much
     // as they do.
-    const double ends = 4 * kUnitRoundoff * std::abs(depth.high) + 0.02 * query.roundoff +
-                        faces_.view(0).excess + faces_.view(1).excess + 2 * sharp_->slack();
+    const double all = std::abs(depth.high) + query.radius_a + query.radius_b;
+    const double ends = 4 * kUnitRoundoff * all + 0.02 * query.roundoff + faces_.view(0).excess +
+                        faces_.view(1).excess + 2 * sharp_->slack();
     depth = depth - DoubleDouble(tolerance > 1.5 * ends ? 0.95 * (tolerance - 1.01 * ends) : ends);
   }
   if (!(depth < depth_)) return;
@@ -395,57 +408,63 @@ bool CurvedDepth::proves(Cell& cell) {
   }
   CellBound bound(corners, sizes_, roundoff_, moved);
   if (bound.proves(margins, depth_.high)) return true;
+  bool again = false;
   for (int i = 0; i < 3; ++i) {
-    if (margins[i] < roundoff_ && !node[i].settled) settle(node[i]);
+    if (!(margins[i] < roundoff_) || node[i].settled) continue;
+    settle(node[i]);
+    again = true;
   }
+  if (again) return proves(cell);
   if (bound.seemsBelow()) lookBelow(bound.leastDirection().normalized());
   return false;
+}
+
+// True for the core's flat end where the direction meets it squarely, to within `wide`.
+bool CurvedDepth::meetsCap(const CurvedFace& face, int part, double wide) const {
+  const Core core = faces_.view(part).core;
+  return (core == Core::kCylinder || core == Core::kCone) && !(face.length[part] > wide);
+}
+
+// The member of a choice, afresh: what blend() returns is a sum of many steps. Of a cap that is met
+// squarely, the point that is wanted, which blending knows nothing of.
+Vector CurvedDepth::memberOf(const CurvedFace& face, const CurvedChoice& choice, double wide,
+                             Vector& point_a) const {
+  double of_a[3], of_b[3];
+  faces_.center(0, choice, of_a);
+  faces_.center(1, choice, of_b);
+  point_a = placed(difference_.pose(), Vector(of_a[0], of_a[1], of_a[2]));
+  Vector y = Vector(of_b[0], of_b[1], of_b[2]) - point_a;
+  for (const bool caps : {false, true}) {
+    for (int k = 0; k < 2; ++k) {
+      if (meetsCap(face, k, wide) != caps) continue;
+      const double share = faces_.share(k, choice);
+      Vector arm = share * face.arm[k];
+      if (caps) {
+        const double radius = share * faces_.semiAxes(k).x();
+        const Vector up = faces_.axis(k);
+        arm = y.dot(face.e) * face.e - y;
+        arm -= up.dot(arm) * up;
+        const double length = arm.norm();
+        if (length > radius) arm *= radius / length;
+      }
+      y += arm;
+      if (k == 0) point_a -= arm;
+    }
+  }
+  return y;
 }
 
 // The depth proven, with the member that lies along the nearest plane's normal.
 void CurvedDepth::claim() {
   const CurvedFace face = faces_.along(-progress_.normal());
   const double wide = std::max(reach_ - depth_.high, 0.0);
-  double least = std::numeric_limits<double>::infinity();
-  Vector w = Vector::Zero(), a = Vector::Zero();
-  // What is blended knows nothing of the points inside of caps.
-  for (const bool blended : {true, false}) {
-    CurvedChoice choice;
-    if (blended) {
-      faces_.blend(face, reach_, choice);
-    } else {
-      faces_.support(face, choice);
-    }
-    double of_a[3], of_b[3];
-    faces_.center(0, choice, of_a);
-    faces_.center(1, choice, of_b);
-    Vector point_a = placed(difference_.pose(), Vector(of_a[0], of_a[1], of_a[2]));
-    Vector y = Vector(of_b[0], of_b[1], of_b[2]) - point_a;
-    for (const bool caps : {false, true}) {
-      for (int k = 0; k < 2; ++k) {
-        const Core core = faces_.view(k).core;
-        const bool cap =
-            (core == Core::kCylinder || core == Core::kCone) && !(face.length[k] > wide);
-        if (cap != caps) continue;
-        Vector arm = faces_.share(k, choice) * face.arm[k];
-        // Of a cap that is met squarely, the point that is wanted.
-        if (cap) {
-          const double radius = faces_.share(k, choice) * faces_.semiAxes(k).x();
-          const Vector up = faces_.axis(k);
-          arm = y.dot(face.e) * face.e - y;
-          arm -= up.dot(arm) * up;
-          const double length = arm.norm();
-          if (length > radius) arm *= radius / length;
-        }
-        y += arm;
-        if (k == 0) point_a -= arm;
-      }
-    }
-    const double off = (y - reach_ * face.e).norm();
-    if (!(off < least)) continue;
-    least = off;
-    w = y, a = point_a;
-  }
+  CurvedChoice choice;
+  Vector a, other_a;
+  faces_.blend(face, reach_, choice);
+  Vector w = memberOf(face, choice, wide, a);
+  faces_.support(face, choice);
+  const Vector other = memberOf(face, choice, wide, other_a);
+  if ((other - reach_ * face.e).norm() < (w - reach_ * face.e).norm()) w = other, a = other_a;
   if (sharp_ == nullptr) {
     progress_.offerWitness(-depth_.high, w, a);
   } else {
@@ -453,22 +472,13 @@ void CurvedDepth::claim() {
   }
 }
 
-// The member that is blended along e, a point of the difference: how far it is. In double a centre
+// The member that is chosen along e, a point of the difference: how far it is. In double a centre
 // errs by 8 units of roundoff of its body's extent, turning by 6, an arm by 11 and sums and the
 // norm by 6 of all: less than kSupportRounding.
-double CurvedDepth::offerNearest(const Vector& e) {
-  const CurvedFace face = faces_.along(e);
-  CurvedChoice choice;
-  faces_.blend(face, std::max(std::abs(reach_), stiff_), choice);
+double CurvedDepth::offerNearest(const CurvedFace& face, const CurvedChoice& choice) {
   if (sharp_ == nullptr) {
-    // (Afresh: what blend() returns is a sum of many steps.)
-    double of_a[3], of_b[3];
-    faces_.center(0, choice, of_a);
-    faces_.center(1, choice, of_b);
-    const Vector point_a = placed(difference_.pose(), Vector(of_a[0], of_a[1], of_a[2])) -
-                           faces_.share(0, choice) * face.arm[0];
-    const Vector y =
-        Vector(of_b[0], of_b[1], of_b[2]) + faces_.share(1, choice) * face.arm[1] - point_a;
+    Vector point_a;
+    const Vector y = memberOf(face, choice, 0, point_a);
     const double apart = y.norm();
     progress_.offerWitness(apart, y, point_a);
     return apart;
@@ -488,12 +498,32 @@ double CurvedDepth::offerNearest(const Vector& e) {
     point[k] =
         point[k] + per * DoubleDoubleVector(m.x() * scaled.x, m.y() * scaled.y, m.z() * scaled.z);
   }
+  for (int k = 0; k < 2; ++k) {
+    if (!meetsCap(face, k, 0)) continue;
+    const DoubleDoubleVector w = sharp_->memberOf(point[0], point[1]);
+    Vector arm = (k == 0 ? sharp_->inA(w) : -sharp_->inB(w)).rounded();
+    arm.z() = 0;
+    const double radius = faces_.share(k, choice) * faces_.semiAxes(k).x(), length = arm.norm();
+    if (length > radius * kInwards) arm *= radius * kInwards / length;
+    point[k] = point[k] + DoubleDoubleVector(arm);
+  }
   // (Along a needle points are known worse than they are apart.)
   const DoubleDoubleVector w = sharp_->memberOf(point[0], point[1]);
   const DoubleDouble apart = norm(w);
   offerSharpWitness(*sharp_, apart, 0, rotatedBack(sharp_->X_WB().rotation, w.rounded()),
                     placed(difference_.pose(), point[0].rounded()), progress_);
   return apart.high;
+}
+
+// What is blended, and what is farthest out.
+double CurvedDepth::offerNearest(const Vector& e) {
+  const CurvedFace face = faces_.along(e);
+  CurvedChoice choice;
+  faces_.blend(face, std::max(std::abs(reach_), stiff_), choice);
+  const double apart = offerNearest(face, choice);
+  if (!meetsCap(face, 0, 0) && !meetsCap(face, 1, 0)) return apart;
+  faces_.support(face, choice);
+  return std::min(apart, offerNearest(face, choice));
 }
 
 // Newton's steps as descend() takes them, which go on while the plane or the member gets nearer:

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <utility>
 
 namespace leeway::collision {
 
@@ -11,8 +13,10 @@ namespace {
 // steps between vertices of a hull in each [count].
 constexpr int kRounds = 4;
 constexpr int kMoreRounds = 16;
-constexpr int kMixSteps = 8;
+constexpr int kMixSteps = 32;
 constexpr double kWeightUnit = 0x1p-52;
+// Determinants below this share of their terms are taken for 0.
+constexpr double kSingular = 1e-13;
 // |M e| below this share of a rim's radius: all of its disc is farthest. (It only says which member
 // is told.)
 constexpr double kFlat = 1e-8;
@@ -22,6 +26,53 @@ int segmentAxis(const Vector& semi_axes) {
   int axis = 0;
   semi_axes.maxCoeff(&axis);
   return semi_axes[(axis + 1) % 3] == 0 && semi_axes[(axis + 2) % 3] == 0 ? axis : -1;
+}
+
+// Where gain . c - c . squares c / 2 is most, `count` numbers c; false where it grows along c for
+// ever.
+bool mostOf(const Eigen::Matrix3d& squares, const Vector& gain, int count, Vector& c) {
+  c.setZero();
+  const double s00 = squares(0, 0), s01 = squares(0, 1), s11 = squares(1, 1);
+  if (count == 1) {
+    c[0] = s00 > 0 ? gain[0] / s00 : gain[0];
+    return s00 > 0;
+  }
+  if (count == 2) {
+    const double determinant = s00 * s11 - s01 * s01;
+    if (determinant > kSingular * s00 * s11) {
+      c[0] = (s11 * gain[0] - s01 * gain[1]) / determinant;
+      c[1] = (s00 * gain[1] - s01 * gain[0]) / determinant;
+      return true;
+    }
+    c = s00 > s11 ? Vector(-s01, s00, 0) : Vector(s11, -s01, 0);
+  } else {
+    // (Of ways in a plane.)
+    const Vector row[3] = {squares.col(0), squares.col(1), squares.col(2)};
+    for (int i = 0; i < 3; ++i) {
+      const Vector across = cross(row[i], row[(i + 1) % 3]);
+      if (across.squaredNorm() > c.squaredNorm()) c = across;
+    }
+    const double length = c.norm();
+    if (length > 0) c /= length;
+  }
+  if (gain.dot(c) < 0) c = -c;
+  return false;
+}
+
+// The heaviest first, and multiples of the unit, of which it has what is left.
+void roundWeights(CurvedChoice& choice) {
+  for (int i = 1; i < choice.mixed; ++i) {
+    if (choice.weight[i] > choice.weight[0]) {
+      std::swap(choice.weight[0], choice.weight[i]);
+      std::swap(choice.vertex[0], choice.vertex[i]);
+    }
+  }
+  double left = 1;
+  for (int i = 1; i < choice.mixed; ++i) {
+    choice.weight[i] = std::min(std::floor(choice.weight[i] / kWeightUnit) * kWeightUnit, left);
+    left -= choice.weight[i];
+  }
+  choice.weight[0] = left;
 }
 
 }  // namespace
@@ -185,67 +236,75 @@ void CurvedFaces::slide(const CurvedFace& face, double stiffness, CurvedChoice& 
   }
 }
 
-// The hull's part of blend(): weight goes from the vertex that gives least to the one that would
-// give most (Frank and Wolfe's steps between pairs; Lacoste-Julien and Jaggi 2015), each as far as
-// is best. False when there was nothing to gain.
+// The hull's part of blend(): the nearest points among few vertices, exactly, and the vertex that
+// gains most beside these, until none does (Wolfe 1976; Frank and Wolfe's steps take thousands
+// among the vertices of a needle). False when there was nothing to gain.
 bool CurvedFaces::mix(const CurvedFace& face, double stiffness, CurvedChoice& choice,
                       Vector& y) const {
-  int* const vertices = choice.vertex;
-  double* const weight = choice.weight;
+  if (!(stiffness > 0)) return false;
+  const Vector& e = face.e;
+  const Vector across = y - e.dot(y) * e;
+  const double squared_across = across.squaredNorm();
+  const double bent =
+      squared_across > 0 ? std::max(bend(face, choice, across, across), 0.0) / squared_across : 0;
   bool gained = false;
   for (int step = 0; step < kMixSteps; ++step) {
-    const Vector across = y - face.e.dot(y) * face.e;
-    const double squared_across = across.squaredNorm();
-    const double bent =
-        squared_across > 0 ? std::max(bend(face, choice, across, across), 0.0) / squared_across : 0;
-    Vector slope = (stiffness + bent) * face.e - across;
+    Vector slope = (stiffness + bent) * e - (y - e.dot(y) * e);
     const double length = slope.norm();
-    if (!(stiffness > 0 && length > 0)) break;
+    if (!(length > 0)) break;
     slope /= length;
-    const int to = farthestOfHull(slope, vertices[0]);
-    int from = 0, slot = -1, lightest = 0;
-    double least = 0;
+    const int to = farthestOfHull(slope, choice.vertex[0]);
+    double most = -std::numeric_limits<double>::infinity();
     for (int i = 0; i < choice.mixed; ++i) {
-      const double along = slope.dot(ofHull(vertex(vertices[i])));
-      if (i == 0 || along < least) least = along, from = i;
-      if (weight[i] < weight[lightest]) lightest = i;
-      if (vertices[i] == to) slot = i;
+      most = std::max(most, slope.dot(ofHull(vertex(choice.vertex[i]))));
     }
-    const Vector way = ofHull(vertex(to) - vertex(vertices[from]));
-    if (slot == from || !(slope.dot(way) > 0)) break;
-    const double gain = face.e.dot(way);
-    const Vector beside = way - gain * face.e;
-    const double squared = beside.squaredNorm();
-    const double stiff = stiffness * squared + std::max(bend(face, choice, beside, beside), 0.0);
-    const double wanted = squared > 0 ? gain * (stiff / squared) - beside.dot(y) : gain * stiffness;
-    double moved = weight[from];
-    if (wanted < moved * squared) moved = std::floor(wanted / squared / kWeightUnit) * kWeightUnit;
-    if (!(moved > 0)) break;
+    if (!(slope.dot(ofHull(vertex(to))) > most) || choice.mixed == kMostMixed) break;
+    choice.vertex[choice.mixed] = to;
+    choice.weight[choice.mixed++] = 0;
     gained = true;
-    y += moved * way;
-    weight[from] -= moved;
-    if (slot < 0) {
-      if (weight[from] == 0) {
-        slot = from;
-      } else if (choice.mixed < kMostMixed) {
-        slot = choice.mixed++;
-      } else {
-        slot = lightest;
-        y += weight[slot] * ofHull(vertex(to) - vertex(vertices[slot]));
-        moved += weight[slot];
-      }
-      vertices[slot] = to;
-      weight[slot] = 0;
-    }
-    weight[slot] += moved;
-    // (The first has what is left of 1, and is no less than 0.)
-    if (weight[from] == 0) {
-      --choice.mixed;
-      vertices[from] = vertices[choice.mixed];
-      weight[from] = weight[choice.mixed];
+    while (choice.mixed > 1 && weigh(face, stiffness + bent, choice, y)) {
     }
   }
+  if (gained) roundWeights(choice);
   return gained;
+}
+
+// To where the mixed vertices' plane, or line, gives most, or to where the first one's weight is
+// gone: true then.
+bool CurvedFaces::weigh(const CurvedFace& face, double stiffness, CurvedChoice& choice,
+                        Vector& y) const {
+  const Vector& e = face.e;
+  const int count = choice.mixed - 1;
+  Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
+  Vector gain = Vector::Zero(), way[3], beside[3];
+  for (int i = 0; i < count; ++i) {
+    way[i] = ofHull(vertex(choice.vertex[i + 1]) - vertex(choice.vertex[0]));
+    const double along = e.dot(way[i]);
+    beside[i] = way[i] - along * e;
+    gain[i] = stiffness * along - beside[i].dot(y);
+    for (int j = 0; j <= i; ++j) squares(i, j) = squares(j, i) = beside[i].dot(beside[j]);
+  }
+  Vector change;
+  const bool ends = mostOf(squares, gain, count, change);
+  double step = ends ? 1 : std::numeric_limits<double>::infinity();
+  int gone = -1;
+  const double first = -change.head(count).sum();
+  for (int i = 0; i <= count; ++i) {
+    const double per_step = i == 0 ? first : change[i - 1];
+    if (!(per_step < 0 && -choice.weight[i] > step * per_step)) continue;
+    step = choice.weight[i] / -per_step;
+    gone = i;
+  }
+  if (!std::isfinite(step)) return false;
+  for (int i = 0; i <= count; ++i) {
+    choice.weight[i] = std::max(choice.weight[i] + step * (i == 0 ? first : change[i - 1]), 0.0);
+    if (i > 0) y += step * change[i - 1] * way[i - 1];
+  }
+  if (gone < 0) return false;
+  choice.vertex[gone] = choice.vertex[count];
+  choice.weight[gone] = choice.weight[count];
+  choice.mixed = count;
+  return true;
 }
 
 Vector CurvedFaces::blend(const CurvedFace& face, double stiffness, CurvedChoice& choice) const {

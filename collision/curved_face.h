@@ -70,6 +70,7 @@ class CurvedFaces {
   double share(int part, const CurvedChoice& choice) const;
   const Vector& semiAxes(int part) const { return part_[part].semi_axes; }
   const ConvexView& view(int part) const { return *part_[part].view; }
+  bool hasHull() const { return hull_ >= 0; }
   /// The third axis of the core's frame.
   Vector axis(int part) const { return turned(part, Vector::UnitZ()); }
 
@@ -94,6 +95,7 @@ class CurvedFaces {
   int farthestOfHull(const Vector& direction, int hint) const;
   void slide(const CurvedFace& face, double stiffness, CurvedChoice& choice, Vector& y) const;
   bool mix(const CurvedFace& face, double stiffness, CurvedChoice& choice, Vector& y) const;
+  bool weigh(const CurvedFace& face, double stiffness, CurvedChoice& choice, Vector& y) const;
 
   const Pose& pose_;
   const double evenly_;

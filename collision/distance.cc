@@ -33,7 +33,8 @@ double finiteExtent(const ConvexView& view) {
 bool stoppedByRounding(const DistanceResult& result, const DistanceRequest& request, double size) {
   return result.status == DistanceStatus::kLimit && request.iteration_limit > 0 &&
          request.tolerance >= kUnitRoundoff * size &&
-         (result.distance.width() <= kSharpFrom * size ||
+         (result.distance.width() <=
+              (result.distance.upper < 0 ? kSharpOverlapFrom : kSharpFrom) * size ||
           result.iterations < request.iteration_limit) &&
          size >= kSmallestScale && size <= kLargestScale;
 }

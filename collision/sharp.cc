@@ -252,8 +252,8 @@ void sharpenHalfSpace(const SharpDifference& difference, Progress& progress) {
   progress.offerUpperEnd(height.high + slack, progress.witnessW(), progress.witnessA());
 }
 
-void sharpenPoint(const SharpDifference& difference, const Vector& nearest, const Vector& normal,
-                  Progress& progress) {
+void sharpenPoint(const SharpDifference& difference, bool outside, const Vector& nearest,
+                  const Vector& normal, Progress& progress) {
   const bool first = difference.a().core == Core::kPoint;
   const ConvexView& body = first ? difference.b() : difference.a();
   const Pose &pose = first ? difference.X_WB() : difference.X_WA(),
@@ -264,11 +264,12 @@ void sharpenPoint(const SharpDifference& difference, const Vector& nearest, cons
   const Wide out = rotated(pose.rotation, Wide(normal));
   const Number lower =
       (dot(out, t) - mostOfCore(body, rotatedBack(pose.rotation, out))) / norm(out) - radii;
-  const Number upper = norm(t - rotated(pose.rotation, Wide(nearest))) - radii;
   const double slack = difference.slack() + 0.01 * query.roundoff;
   progress.offerEnd(lower.high - 2 * kUnitRoundoff * std::abs(lower.high) - slack -
                         (difference.a().excess + difference.b().excess) * (1 + 0x1p-50),
                     progress.normal());
+  if (!outside) return;
+  const Number upper = norm(t - rotated(pose.rotation, Wide(nearest))) - radii;
   progress.offerUpperEnd(upper.high + 2 * kUnitRoundoff * std::abs(upper.high) + slack +
                              8 * kUnitRoundoff * body.extent,
                          progress.witnessW(), progress.witnessA());

@@ -74,10 +74,10 @@ void offerSharpWitness(const SharpDifference& difference, const DoubleDouble& di
 void sharpenHalfSpace(const SharpDifference& difference, Progress& progress);
 
 /// Both ends where A or B is a point, outside of the other at a distance from `nearest`, which may
-/// stand out of it by 8 units of roundoff of its extent, along `normal`, both in its frame. As
-/// above.
-void sharpenPoint(const SharpDifference& difference, const Vector& nearest, const Vector& normal,
-                  Progress& progress);
+/// stand out of it by 8 units of roundoff of its extent, along `normal`, both in its frame. The
+/// lower end alone where it is not outside. As above.
+void sharpenPoint(const SharpDifference& difference, bool outside, const Vector& nearest,
+                  const Vector& normal, Progress& progress);
 
 /// Both ends of a pair that is apart, from the simplex that GJK ended on.
 void sharpenApart(const SharpDifference& difference, const Simplex& simplex, const Pose& X_BA,

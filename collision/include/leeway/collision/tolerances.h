@@ -26,6 +26,8 @@ inline constexpr double kPoseRounding = 24;
 /// 1e-12, and what is wider a search left open. Smaller may leave an interval wider than asked,
 /// larger only costs time.
 inline constexpr double kSharpFrom = 1e-11;
+/// The same of an overlap: its search in twice the precision looks at more directions.
+inline constexpr double kSharpOverlapFrom = 1e-9;
 
 /// Largest departure ||R^T R - 1|| (Frobenius) of a matrix that is still taken for a rotation;
 /// above, a query is kInvalid. The departure itself always is part of the interval's width.
