@@ -15,6 +15,7 @@
 #include "collision/sharp.h"
 #include "collision/sharp_polytope.h"
 #include "collision/simd/hull_pairs.h"
+#include "collision/simd/swept_gjk.h"
 #include "collision/simd/vertex_gjk.h"
 #include "collision/simd/vertex_polytope.h"
 #include "collision/status.h"
@@ -589,11 +590,16 @@ DistanceResult convexSweptDistance(const ConvexView& a, const Pose& X_BA0, const
   if (cache != nullptr) difference.setHints(cache->vertex_a, cache->vertex_b);
   const Pose middle{X_BA0.rotation, 0.5 * (X_BA0.translation + X_BA1.translation)};
   Simplex simplex;
+  const bool in_lanes = isForSweptLanes(difference);
   if (request.iteration_limit > 0) {
-    runGjk(difference, firstDirection(a, middle, b, cache), progress, simplex);
+    const Vector first = firstDirection(a, middle, b, cache);
+    const GjkEnd end =
+        in_lanes ? runSweptVertexGjk(difference, first, progress, simplex) : GjkEnd::kStagnated;
+    if (end != GjkEnd::kInside && !progress.enough()) runGjk(difference, first, progress, simplex);
   }
   remember(progress, simplex, false, difference.hintA(), difference.hintB(), cache);
-  scratch.impl().work->add(kSweptPairWork + progress.iterations * kSweptStepWork);
+  scratch.impl().work->add(in_lanes ? kSweptLanePairWork + progress.iterations * kSweptLaneStepWork
+                                    : kSweptPairWork + progress.iterations * kSweptStepWork);
   return resultOf(progress);
 }
 

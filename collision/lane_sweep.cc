@@ -377,6 +377,7 @@ LaneSweep::Scratch::Scratch(const LaneSweep& sweep) : impl_(std::make_unique<Imp
   impl_->open.reserve(s.pairs.size());
   impl_->open_pairs.reserve(s.pairs.size());
   impl_->planes.resize(s.pairs.size());
+  impl_->searches.resize(s.pairs.size());
   impl_->manners.resize(s.pairs.size());
   // What stands in the world is placed once.
   const auto still = [](const LaneSweep::Impl::LaneBall& ball, Impl::Placed& placed) {
@@ -441,7 +442,7 @@ LaneSweep::Contact LaneSweepKernel::told(std::int32_t pair, std::int32_t point,
 }
 
 bool LaneSweepKernel::findPlane(const Sweep::Pair& pair, int lane, bool closely,
-                                Scratch::Plane& plane) const {
+                                Scratch::Plane& plane, PairCache* cache) const {
   const Sweep::LanePiece& a = sweep.pieces[at(pair.a)];
   const Pose X_WA = poseOf(frames[a.frame], lane);
   const Sweep::Obstacle* o = pair.pieces ? nullptr : &sweep.obstacles[at(pair.b)];
@@ -456,7 +457,7 @@ bool LaneSweepKernel::findPlane(const Sweep::Pair& pair, int lane, bool closely,
   request.tolerance = closely ? kLanePlaneTolerance / 8 : kLanePlaneTolerance;
   scratch.work->add(kPlaneSearchWork);
   const DistanceResult r =
-      convexDistance(viewOfPiece(a), X_BA, b, request, scratch.distance, nullptr);
+      convexDistance(viewOfPiece(a), X_BA, b, request, scratch.distance, cache);
   if (!(r.distance.upper > 0) || !r.normal.allFinite()) return false;
   // Of the normal as it is rounded.
   Eigen::Vector3d n = -r.normal;

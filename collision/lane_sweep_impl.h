@@ -130,7 +130,8 @@ struct LaneSweep::Scratch::Impl {
     float normal[3], offset;
     bool known = false;
   };
-  std::vector<Plane> planes;  // one a pair: what parted it last
+  std::vector<Plane> planes;        // one a pair: what parted it last
+  std::vector<PairCache> searches;  // one a pair: of the last query for a plane
   /// Of a pair that has parts: hulls of wholes did not part it, parts did; and those that were in
   /// the way last.
   struct Manner {
@@ -165,8 +166,10 @@ struct LaneSweepKernel {
   /// Notes what is in contact, in the first of `lanes`.
   Contact told(std::int32_t pair, std::int32_t point, std::uint32_t lanes) const;
   /// A plane between the pair's bodies in the middle of a lane; false when there is none.
-  /// `closely`: all points are looked at, and the plane is nearer to the best.
-  bool findPlane(const Sweep::Pair& pair, int lane, bool closely, Scratch::Plane& plane) const;
+  /// `closely`: all points are looked at, and the plane is nearer to the best. `cache`: of the last
+  /// such query of the pair, or null.
+  bool findPlane(const Sweep::Pair& pair, int lane, bool closely, Scratch::Plane& plane,
+                 PairCache* cache = nullptr) const;
   /// Planes that the lanes have for themselves: lanes that they leave, those in which the search
   /// came to the obstacle, and the normals of the others.
   struct Each {

@@ -228,6 +228,7 @@ class Difference {
   const ConvexView& viewA() const { return a_; }
   const ConvexView& viewB() const { return b_; }
   const Pose& pose() const { return X_BA0_; }
+  const Pose& endPose() const { return X_BA1_; }
   int hintA() const { return hint_a_[0]; }
   int hintB() const { return hint_b_; }
 

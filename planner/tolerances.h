@@ -90,9 +90,9 @@ constexpr double kLeastHope = 2e-4;
 constexpr int kLookNodes = 200;
 
 /// What an edge may cost before it is left undecided [units of collision::Work, about a nanosecond
-/// each]: an edge that grazes something is not to cost what fifty others do. Of the free edges that
-/// planning and simplifying ask for in 35 MotionBenchMaker problems it leaves .11 % of ur5's open
-/// and one of panda's 16,600; the dearest then take 140 us. Less leaves more of them.
+/// each]: an edge that grazes something is not to cost what fifty others do. Of the edges that
+/// planning and simplifying ask for in 14 MotionBenchMaker problems with four seeds each it leaves
+/// 17 of ur5's 20,100 open and none of panda's 32,000. Four fifths of it leave 48 of ur5's.
 constexpr std::int64_t kEdgeWork = 100'000;
 
 /// The same where a body flies freely among triangles: its surfaces are followed through all of the

@@ -1006,7 +1006,8 @@ bool LaneSweepKernel::partByQueries(std::int32_t number, bool closely, std::uint
   bool apart = false;
   for (int look = 0; look < kPlaneTries && lanes != 0; ++look) {
     Scratch::Plane plane{};
-    apart = findPlane(pair, middleOf(lanes), closely, plane);
+    apart = findPlane(pair, middleOf(lanes), closely, plane,
+                      &scratch.searches[static_cast<std::size_t>(number)]);
     if (!apart) break;
     const std::uint32_t left = growth == nullptr
                                    ? HWY_DYNAMIC_DISPATCH(StillPlane)(*this, pair, plane, lanes)

@@ -48,6 +48,9 @@ std::vector<double> answers() {
                     reach * random.uniform(0, 1.3) * random.direction()};
     DistanceRequest request;
     if (random.chance(0.3)) request.threshold = reach * random.uniform(-0.2, 0.5);
+    const Pose X_WE{random.rotation(), X_WA.translation + 0.3 * reach * random.direction()};
+    const DistanceResult swept = sweptDistance(a, X_WA, X_WE, 0.01 * reach, b, request, scratch);
+    all.insert(all.end(), {swept.distance.lower, swept.distance.upper, double(swept.iterations)});
     for (PairCache* with : {static_cast<PairCache*>(nullptr), &cache}) {
       const DistanceResult r = distance(a, X_WA, b, X_WB, request, scratch, with);
       all.insert(all.end(),

@@ -4,6 +4,7 @@
 #include <limits>
 #include <vector>
 
+#include "collision/convex.h"
 #include "leeway/collision/distance.h"
 #include "tests/sanitized.h"
 #include "tools/oracle/generate.h"
@@ -125,6 +126,55 @@ TEST(SweptDistance, ThresholdsAndLimitsAreHonest) {
   }
   EXPECT_GT(above, casesToAsk(500));
   EXPECT_GT(open, casesToAsk(500));
+}
+
+// Up to 32 points are followed in lanes; more, copies of one of them here, step by step.
+TEST(SweptDistance, LanesFindWhatPlainStepsFind) {
+  Scratch scratch;
+  Random random(11);
+  int apart = 0, near = 0, above = 0;
+  for (int i = 0; i < casesToAsk(4000); ++i) {
+    const auto pointsAround = [&](int count) {
+      std::vector<Vector3d> points;
+      for (int k = 0; k < count; ++k)
+        points.push_back(random.direction().cwiseProduct(Vector3d(1, 0.7, random.unit())));
+      return points;
+    };
+    std::vector<Vector3d> a = pointsAround(1 + random.below(32));
+    const std::vector<Vector3d> b = pointsAround(1 + random.below(50));
+    const auto count = static_cast<int>(a.size());
+    const Vector3d first = a.front();
+    a.resize(40, first);
+    const Pose X0{random.rotation(), random.uniform(0.5, 4.0) * random.direction()};
+    Pose X1{random.rotation(), X0.translation + random.uniform(0.0, 2.0) * random.direction()};
+    if (random.chance(0.3)) X1.rotation = X0.rotation;
+    const ConvexView view_b = random.chance(0.3)
+                                  ? viewOf(Shape::box({0.3, 0.2, 0.5}))
+                                  : viewOfPoints(b.data(), static_cast<int>(b.size()), 0.01);
+    DistanceRequest request;
+    if (random.chance(0.6)) request.threshold = random.uniform(0.0, 1.0);
+    const auto ask = [&](int points) {
+      return convexSweptDistance(viewOfPoints(a.data(), points, 0), X0, X1, 0.02, view_b, request,
+                                 scratch, nullptr, 0);
+    };
+    const DistanceResult lanes = ask(count), plain = ask(40);
+    if (std::isnan(request.threshold)) {
+      ASSERT_EQ(lanes.distance.lower > 0, plain.distance.lower > 0) << "case " << i;
+      if (!(lanes.distance.lower > 0)) {
+        ++near;
+        continue;
+      }
+      ++apart;
+      ASSERT_NEAR(lanes.distance.lower, plain.distance.lower, 2e-9) << "case " << i;
+    } else {
+      above += lanes.distance.lower > request.threshold;
+      ASSERT_EQ(lanes.distance.lower > request.threshold, plain.distance.lower > request.threshold)
+          << "case " << i;
+    }
+  }
+  EXPECT_GT(apart, casesToAsk(4000) / 10);
+  EXPECT_GT(near, casesToAsk(4000) / 20);
+  EXPECT_GT(above, casesToAsk(4000) / 10);
 }
 
 TEST(SweptDistance, BadPosesAreRefused) {
