@@ -302,6 +302,15 @@ double BlendedBounds::displacementRounding(std::span<const double> from,
   return rounding(from) + rounding(to);
 }
 
+std::size_t BlendedBounds::bytes() const {
+  std::size_t bytes = sizeof(*this) + diagonals_.capacity() * sizeof(Diagonals) +
+                      balls_.capacity() * sizeof(Balls) + lanes_.capacity() +
+                      field_sizes_.capacity() * sizeof(double);
+  for (const Boxes* boxes : {&boxes_, &differences_})
+    bytes += boxes->axes.capacity() + boxes->rows.capacity() * sizeof(AxisRow);
+  return bytes;
+}
+
 BlendedBounds::BlendedBalls BlendedBounds::blendBalls(std::int32_t node,
                                                       std::span<const double> parameters) const {
   BlendedBalls sum{};

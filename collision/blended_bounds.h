@@ -27,6 +27,7 @@ class BlendedBounds final : public NodeBounds {
   double displacementRounding(std::span<const double> from,
                               std::span<const double> to) const override;
   bool hasVolumes() const override { return volume_ != DeformVolume::kBox; }
+  std::size_t bytes() const override;
   void tighten(std::int32_t node, std::span<const double> parameters, const Probe& probe,
                Bounds& bounds) const override;
 

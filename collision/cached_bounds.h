@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -24,6 +25,9 @@ class CachedBounds {
   void bound(std::int32_t node, std::span<const double> parameters, WideBox& box) const;
   /// Starts to bring near what bound() will read.
   void fetch(std::int32_t node, std::span<const double> parameters) const;
+  std::size_t bytes() const {
+    return sizeof(*this) + rows_.capacity() * sizeof(AxisRow) + lanes_.capacity();
+  }
 
  private:
   const AxisRow* rowsOf(std::int32_t node, std::span<const double> parameters) const {

@@ -2,6 +2,7 @@
 
 // Private to collision/: bounds of nodes from the structure of a motion.
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -45,6 +46,8 @@ class NodeBounds {
   /// volumes prove. Never throws or allocates.
   virtual void tighten(std::int32_t /*node*/, std::span<const double> /*parameters*/,
                        const Probe& /*probe*/, Bounds& /*bounds*/) const {}
+
+  virtual std::size_t bytes() const = 0;  ///< of memory
 };
 
 /// The bounds that the kind of motion allows (kMorph, kSkinned, kReduced); null for other kinds.

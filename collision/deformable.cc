@@ -732,10 +732,17 @@ const std::shared_ptr<const VertexMotion>& Deformable::motion() const { return i
 const DeformOptions& Deformable::options() const { return impl_->options; }
 
 std::size_t Deformable::bytes() const {
-  std::size_t bytes = impl_->tree->bytes() + impl_->branch_room.capacity() * sizeof(BranchBox);
+  std::size_t bytes = impl_->tree->bytes() + impl_->branch_room.capacity() * sizeof(BranchBox) +
+                      (impl_->fit.capacity() + impl_->built_fit.capacity()) * sizeof(float) +
+                      impl_->decayed.capacity() * sizeof(std::int32_t);
+  if (impl_->motion_tree != impl_->tree) bytes += impl_->motion_tree->bytes();
+  if (impl_->bounds) bytes += impl_->bounds->bytes();
+  if (impl_->upper_bounds) bytes += impl_->upper_bounds->bytes();
+  if (impl_->cached_bounds) bytes += impl_->cached_bounds->bytes();
   for (std::size_t i = 0; i < impl_->pool->slotCount(); ++i) {
     const DeformableSnapshotImpl& s = impl_->pool->slot(i).snapshot;
-    bytes += s.vertices.capacity() * sizeof(Vector3d) + s.boxes.capacity() * sizeof(WideBox);
+    bytes += sizeof(DeformPool::Slot) + s.vertices.capacity() * sizeof(Vector3d) +
+             s.boxes.capacity() * sizeof(WideBox) + s.parameters.capacity() * sizeof(double);
   }
   return bytes;
 }

@@ -20,6 +20,11 @@ class SkinnedBounds final : public NodeBounds {
                     double rounding, WideBox& box) const override;
   double displacementRounding(std::span<const double> from,
                               std::span<const double> to) const override;
+  std::size_t bytes() const override {
+    return sizeof(*this) + rest_.capacity() * sizeof(SkinRest) +
+           first_part_.capacity() * sizeof(std::int32_t) + parts_.capacity() * sizeof(SkinPart) +
+           lanes_.capacity();
+  }
 
  private:
   /// By the matrices `to`, or by what they are more than `from` where that is not empty.

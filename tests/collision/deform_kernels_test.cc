@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <span>
@@ -309,6 +311,18 @@ TEST(DeformKernels, BoundsHold) {
     const WideBox* const boxes_of = &box;
     kernels.childBounds(body.probe, tree, mesh.vertices.data(), {&node, 1}, &boxes_of, bar,
                         &bounds);
+    // Among others, the same.
+    const std::array<std::int32_t, 3> several = {random.below(tree.nodeCount()), node,
+                                                 random.below(tree.nodeCount())};
+    std::array<const WideBox*, 3> boxes_of_several;
+    for (std::size_t k = 0; k < 3; ++k)
+      boxes_of_several[k] = &boxes[static_cast<std::size_t>(several[k])];
+    std::array<Bounds, 3> of_several;
+    kernels.childBounds(body.probe, tree, mesh.vertices.data(), several, boxes_of_several.data(),
+                        bar, of_several.data());
+    EXPECT_TRUE(std::equal(bounds.lower, bounds.lower + kWidth, of_several[1].lower));
+    EXPECT_EQ(bounds.open, of_several[1].open);
+    EXPECT_EQ(bounds.closed, of_several[1].closed);
     float least_closed = std::numeric_limits<float>::infinity();
     for (int lane = 0; lane < kWidth; ++lane) {
       const std::int32_t child = tree.node(node).child[lane];
@@ -325,7 +339,11 @@ TEST(DeformKernels, BoundsHold) {
       const double by_box = lowerBound(body.probe, low, high);
       const auto lower = static_cast<double>(bounds.lower[lane]);
       EXPECT_GE(lower, by_box - static_cast<double>(body.probe.slack));
-      if (!DeformTree::isLeaf(child)) continue;
+      if (!DeformTree::isLeaf(child)) {
+        // Nothing but the box tells of it.
+        EXPECT_LE(lower, by_box + static_cast<double>(body.probe.slack));
+        continue;
+      }
       ++leaves;
       tighter += lower > by_box + 1e-3 ? 1 : 0;
       const DeformTree::Leaf& leaf = tree.leaf(DeformTree::leafOf(child));

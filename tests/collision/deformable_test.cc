@@ -258,6 +258,25 @@ TEST(Deformable, AMotionIsFollowedByItsOwnBounds) {
   EXPECT_GT(deformable.snapshot()->high().z(), 1);
 }
 
+// Bounds from a motion are memory, too: 64 bytes and more a node for each morph target's axis.
+TEST(Deformable, BytesCountBoundsFromTheMotion) {
+  const Sheet sheet = testing::cloth(10);
+  const auto mesh = DeformableMesh::make(sheet.vertices, sheet.triangles);
+  const auto bytesOf = [&](DeformStrategy strategy, std::size_t targets) {
+    MorphMotion motion;
+    motion.references.assign(targets, testing::waved(sheet.vertices, 0.4, 1));
+    motion.keys = {{0, std::vector<double>(targets, 1.0 / static_cast<double>(targets))}};
+    DeformOptions options;
+    options.strategy = strategy;
+    return Deformable(mesh, VertexMotion::morph(std::move(motion)), options).bytes();
+  };
+  const std::size_t refit = bytesOf(DeformStrategy::kRefit, 2),
+                    two = bytesOf(DeformStrategy::kMorph, 2),
+                    four = bytesOf(DeformStrategy::kMorph, 4);
+  EXPECT_GT(two, refit + 1000);
+  EXPECT_GT(four, two + 1000);
+}
+
 // Boxes of modes, waves' too, and of bones are looser than those of vertices, and cost no look at
 // these: the more queries, the less that pays. Those of morph targets are not.
 TEST(Deformable, LooserBoxesOfAMotionAreTakenWhereQueriesAreFew) {

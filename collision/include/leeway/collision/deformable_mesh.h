@@ -211,7 +211,7 @@ class Deformable {
   const std::shared_ptr<const DeformableMesh>& mesh() const;
   const std::shared_ptr<const VertexMotion>& motion() const;
   const DeformOptions& options() const;
-  std::size_t bytes() const;  ///< of all hierarchies and snapshots
+  std::size_t bytes() const;  ///< of all hierarchies, their bounds and snapshots
 
  private:
   struct Impl;
