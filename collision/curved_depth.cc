@@ -37,6 +37,8 @@ constexpr int kEdgeSteps = 3;
 constexpr int kNearestSteps = 32;
 // Least stiffnesses of what is apart [of the sizes involved].
 constexpr double kNearestStiffnesses[] = {0, 1e-4, 1};
+// More than matrices of rotations that were rounded once move points [units of roundoff].
+constexpr double kMostMoved = 64;
 // So that points of a cap are in it, rounding included.
 constexpr double kInwards = 1 - 0x1p-50;
 // See CurvedFaces: less is lost in rounding.
@@ -572,7 +574,9 @@ bool CurvedDepth::run() {
   const std::int64_t before = work_left_;
   bool proven = false;
   if (sharp_ != nullptr) {
-    proven = search();
+    // (What matrices that are no rotations leave open is not for directions to tell.)
+    const bool rigid = !(sharp_->moved() > kMostMoved * roundoff_);
+    proven = (rigid || 2 * sharp_->slack() < progress_.query().request.tolerance) && search();
     if (proven) claim();
   } else {
     // What is narrower than a cell's rounding is a matter of twice the precision, which comes
