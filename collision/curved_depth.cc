@@ -15,8 +15,7 @@ namespace {
 
 // Cells, directions and planes that one step of the caller's limit is worth [count]: with the
 // default of 256 some eighty milliseconds at the most; most queries take a hundredth. Where twice
-// the precision is asked for, the valleys of two bodies about one axis take a third of a second,
-// and those of needles half of one.
+// the precision is asked for, valleys around an axis and needles take up to a second.
 constexpr std::int64_t kWorkPerStep = 512;
 constexpr std::int64_t kSharpWorkPerStep = 4096;
 // What a direction is worth where a hull's vertices are blended, too.
@@ -35,6 +34,8 @@ constexpr int kDescentSteps = 12;
 constexpr int kHalves = 4;
 constexpr int kEdgeSteps = 3;
 constexpr int kNearestSteps = 32;
+// What a depth is first known to [of the sizes involved].
+constexpr double kRoughDepth = 1e-6;
 // Least stiffnesses of what is apart [of the sizes involved].
 constexpr double kNearestStiffnesses[] = {0, 1e-4, 1};
 // More than matrices of rotations that were rounded once move points [units of roundoff].
@@ -580,21 +581,23 @@ bool CurvedDepth::run() {
     if (proven) claim();
   } else {
     // What is narrower than a cell's rounding is a matter of twice the precision, which comes
-    // later, and begins where this has come.
+    // later.
     const CoreQuery& query = progress_.query();
-    const double enough = kSharpFrom * (roundoff_ / kUnitRoundoff);
-    if (progress_.upper() - progress_.lower() <= enough) return false;
+    const double size = roundoff_ / kUnitRoundoff;
+    if (progress_.upper() - progress_.lower() <= kSharpFrom * size) return false;
     // A quarter of the width is left for the plane and for rounding. (In this order, so that a
     // tolerance that is no number is the least.)
     const double wanted =
         std::max(4 * kCellRounding * roundoff_,
                  0.75 * (query.request.tolerance - (query.lower_offset - query.upper_offset)));
-    gap_ = std::max(wanted, 0.75 * enough);
-    proven = search();
-    if (proven) claim();
-    if (proven && wanted < gap_ && !progress_.enough()) {
-      gap_ = wanted;
-      if (search()) claim();
+    // Roughly first: what is proven stays, and twice the precision begins where it is narrow.
+    for (const double share : {kRoughDepth, kSharpOverlapFrom, 0.0}) {
+      gap_ = 0.75 * share * size;
+      if (!(gap_ > 4 * wanted)) gap_ = wanted;
+      const bool found = search();
+      if (found) claim();
+      proven = found && gap_ == wanted;
+      if (!found || proven || progress_.enough()) break;
     }
   }
   // (No more than the limit, but for the last descent.)

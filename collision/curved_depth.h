@@ -38,11 +38,11 @@ bool haveCurvedDepth(const ConvexView& a, const ConvexView& b);
 /// Wherever a direction is met in which h is less than d, Newton's steps look for the nearest plane
 /// from there, along the edge if it is on one, and d becomes less: what has been proven stays so.
 /// `sharp`: as growPolytope(); at corners of cells that cannot be told from rounding the bound is
-/// taken in twice the precision. False where nothing was proven. The caller's limit of iterations
-/// is granted once more, some hundred cells a step: thousands of cells in all, at the default limit
-/// a hundred thousand at the most, in twice the precision eight times as many, which takes about a
-/// second. In double a depth that is narrow enough for twice the precision to begin with is proven
-/// first, whatever is asked for beyond it.
+/// taken in twice the precision. False where less was proven than is asked. The caller's limit of
+/// iterations is granted once more, some hundred cells a step: thousands of cells in all, at the
+/// default limit a hundred thousand at the most, in twice the precision eight times as many, which
+/// takes about a second. In double a rough depth is proven first, then one that is narrow enough
+/// for twice the precision to begin with, whatever is asked for beyond it.
 bool offerCurvedDepth(Difference<false>& difference, Progress& progress,
                       const SharpDifference* sharp);
 

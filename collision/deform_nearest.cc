@@ -139,7 +139,9 @@ class NearestDescent {
     bar_squared_ = std::clamp(up * up * static_cast<float>(1 + kBoxRounding), kLeastWaySquared,
                               0.5F * kLargest);
   }
+  // (Squares of the smallest numbers round by more.)
   double distanceOf(float squared) const {
+    if (!(squared >= kLeastWaySquared)) return -search_.slack;
     return std::sqrt(static_cast<double>(squared)) * (1 - kBoxRounding) - search_.slack;
   }
   void settle(double lower) { settled_ = std::min(settled_, lower); }

@@ -251,13 +251,20 @@ void LaneSweep::Impl::addPoints(const PointCover& cover, LanePiece& of) {
   if (!cover.fine.empty()) of.fine = add(cover.fine, cover.fine_radius);
   if (cover.own) of.own = above(rounding);
   of.fine.clusters_begin = static_cast<int>(clusters.size());
+  // (Clusters that are not clusterFine()'s are no help.)
+  const std::vector<int>& ends = cover.clusters;
+  const bool whole = ends.size() <= kMostClusters && !ends.empty() && ends.front() > 0 &&
+                     std::is_sorted(ends.begin(), ends.end()) &&
+                     ends.back() == static_cast<int>(cover.fine.size());
   int begin = 0;
-  for (const int end : cover.clusters) {
+  for (const int end : whole ? ends : std::vector<int>()) {
     addCluster(of.fine.begin + begin, of.fine.begin + end);
     begin = end;
   }
   of.fine.clusters_end = static_cast<int>(clusters.size());
-  for (const int i : cover.nearest) begin_with.push_back(of.fine.begin + i);
+  if (cover.nearest.size() == cover.points.size()) {
+    for (const int i : cover.nearest) begin_with.push_back(of.fine.begin + i);
+  }
   for (auto i = static_cast<int>(begin_with.size()); i < static_cast<int>(points.size()); ++i)
     begin_with.push_back(i);
 }
