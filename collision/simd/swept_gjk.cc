@@ -101,12 +101,8 @@ GjkEnd sweptSteps(Difference<true>& difference, const Vector& direction, Progres
                             progress.iterations);
   const GjkEnd end =
       search.run(tripleOf(direction), nullptr, {difference.hintA(), difference.hintB()});
-  progress.iterations = search.iterations();
-  const Triple n = search.best().normal();
-  progress.offerLower(search.best().value(), {n.x, n.y, n.z});
   Carriers found;
-  search.carriers(end, found);
-  found.dropWeightless();
+  tell(search, end, progress, found);
   const int count = difference.viewA().count;
   for (int i = 0; i < found.count; ++i) {
     const Triple &here_w = found.w[i], here_a = cores.pointOfA(found.names[i]);

@@ -20,12 +20,8 @@ namespace {
 // Writes down what was found; the simplex is empty when that is nothing.
 HWY_INLINE void leave(const Search<PlacedCores>& search, const PlacedCores& cores, GjkEnd end,
                       Progress& progress, Simplex& simplex) {
-  progress.iterations = search.iterations();
-  const Triple n = search.best().normal();
-  progress.offerLower(search.best().value(), {n.x, n.y, n.z});
   Carriers found;
-  search.carriers(end, found);
-  found.dropWeightless();
+  tell(search, end, progress, found);
   Triple w = {0, 0, 0}, a = {0, 0, 0};
   for (int i = 0; i < found.count; ++i) {
     const Triple &here_w = found.w[i], here_a = cores.pointOfA(found.names[i]);

@@ -527,6 +527,16 @@ HWY_INLINE void Search<Cores>::carriers(GjkEnd end, Carriers& found) const {
   keep((k + 1) % 3, weight_second);
 }
 
+/// Tells of a search that has ended its steps and its best plane; `found` is what it ended on.
+template <class Cores>
+HWY_INLINE void tell(const Search<Cores>& search, GjkEnd end, Progress& progress, Carriers& found) {
+  progress.iterations = search.iterations();
+  const Triple n = search.best().normal();
+  progress.offerLower(search.best().value(), {n.x, n.y, n.z});
+  search.carriers(end, found);
+  found.dropWeightless();
+}
+
 }  // namespace leeway::collision::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
