@@ -235,7 +235,7 @@ class NearestDescent {
           __builtin_prefetch(&tree_.leaf(DeformTree::leafOf(child)));
       } else {
         source_.fetch(child);
-        if (!source_.isReady(child) && isBeyondLeaves(box, lane, child, near))
+        if (!source_.isThere(child) && isBeyondLeaves(box, lane, child, near))
           left &= ~(1U << lane);
       }
     }

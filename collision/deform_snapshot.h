@@ -70,27 +70,21 @@ class BoxSource {
 
   /// Boxes of the node's children; `room` is used where the thread's scratch has none for it.
   const WideBox& boxes(std::int32_t node, WideBox& room) const {
-    if (snapshot_->demand == Demand::kNothing ||
-        (snapshot_->demand == Demand::kBranches && node < snapshot_->tree->upperCount())) {
-      return snapshot_->boxes[static_cast<std::size_t>(node)];
-    }
-    return fill(node, room);
+    return isThere(node) ? snapshot_->boxes[static_cast<std::size_t>(node)] : fill(node, room);
   }
 
-  /// Whether the boxes of a node's children are there already.
-  bool isReady(std::int32_t node) const {
+  /// Whether the snapshot itself has the boxes of a node's children. Whether a query has filled
+  /// them is nobody's business: answers would hang on what this thread has asked before.
+  bool isThere(std::int32_t node) const {
     return snapshot_->demand == Demand::kNothing ||
-           (snapshot_->demand == Demand::kBranches && node < snapshot_->tree->upperCount()) ||
-           (entry_ != nullptr && entry_->stamp[static_cast<std::size_t>(node)] == snapshot_->id);
+           (snapshot_->demand == Demand::kBranches && node < snapshot_->tree->upperCount());
   }
 
   /// Starts to bring near what a look at this child of a node will read: after an update it is far.
   void fetch(std::int32_t child) const {
     if (child < 0) return;
     const auto i = static_cast<std::size_t>(child);
-    const bool there =
-        snapshot_->demand == Demand::kNothing ||
-        (snapshot_->demand == Demand::kBranches && child < snapshot_->tree->upperCount());
+    const bool there = isThere(child);
     if (!there && entry_ == nullptr) return;
     const WideBox& box = there ? snapshot_->boxes[i] : entry_->boxes[i];
     __builtin_prefetch(box.low[0]);  // 64 bytes each

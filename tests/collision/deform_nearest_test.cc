@@ -178,6 +178,76 @@ TEST(DeformNearest, UpperEndsDoNotDependOnThePast) {
   EXPECT_GT(searches, 100);
 }
 
+// Nor do other ends, where the search ends early, and what it comes by: nodes that a thread has
+// filled are looked at as those that it has not.
+TEST(DeformNearest, NodesThatAreFilledDoNotShow) {
+  const auto numbersOf = [](const NearestFound& f) {
+    return std::vector<double>{static_cast<double>(f.slot), f.upper, f.own_lower, f.lower,
+                               static_cast<double>(f.visited)};
+  };
+  int filled = 0;
+  for (Cases& cases : allCases(false)) {
+    std::vector<NearestSearch> searches;
+    std::vector<std::vector<double>> fresh;
+    for (const Case& c : cases.cases) {
+      for (const double share : {0.0, 1.1, 2.0}) {
+        NearestSearch search = c.search;
+        search.enough = share * cases.find(c.search).upper;
+        searches.push_back(search);
+      }
+    }
+    for (const NearestSearch& search : searches) {
+      cases.scratch = Scratch();
+      prepare(cases.scratch, *cases.snapshot);
+      fresh.push_back(numbersOf(cases.find(search)));
+    }
+    // Twice, so that each comes after all others.
+    for (int round = 0; round < 2; ++round)
+      for (const NearestSearch& search : searches) cases.find(search);
+    for (std::size_t i = 0; i < searches.size(); ++i) {
+      ASSERT_EQ(numbersOf(cases.find(searches[i])), fresh[i])
+          << toString(cases.snapshot->strategy());
+      filled += cases.snapshot->strategy() != DeformStrategy::kRefit ? 1 : 0;
+    }
+  }
+  EXPECT_GT(filled, 100);
+}
+
+// How deep bodies are is searched from the triangle that was found: one that is near enough ends
+// the search, and which one came first hung on what had been filled in 1 or 2 of 5,000 overlaps.
+TEST(DeformNearest, DepthsDoNotDependOnThePast) {
+  Random random(24);
+  const Sheet sheet = testing::globe(12);
+  for (const DeformStrategy strategy : {DeformStrategy::kHybrid, DeformStrategy::kLazy}) {
+    Deformable deformable(DeformableMesh::make(sheet.vertices, sheet.triangles), nullptr,
+                          Cases::optionsOf(strategy));
+    ASSERT_EQ(deformable.update(testing::exploded(sheet.vertices, 0.05, 6), 1),
+              UpdateStatus::kUpdated);
+    const Shape mesh = Shape::deformable(deformable.snapshot());
+    Scratch used;
+    prepare(used, *deformable.snapshot());
+    int overlaps = 0;
+    for (int i = 0; i < (kSanitized ? 40 : 400); ++i) {
+      const double radius = random.uniform(0.05, 0.5);
+      const Shape body = random.chance(0.5) ? Shape::sphere(radius) : Shape::capsule(radius, 0.3);
+      const Pose X_WS{random.rotation(), random.uniform(0.8, 1.1) * random.direction()};
+      Scratch fresh;
+      prepare(fresh, *deformable.snapshot());
+      DistanceRequest request;
+      request.depth = random.chance(0.5);
+      request.node_limit = 1000;
+      const DistanceResult one = distance(body, X_WS, mesh, {}, request, fresh),
+                           other = distance(body, X_WS, mesh, {}, request, used);
+      ASSERT_EQ(one.distance.lower, other.distance.lower) << oracle::replay(X_WS);
+      ASSERT_EQ(one.distance.upper, other.distance.upper) << oracle::replay(X_WS);
+      ASSERT_EQ(one.triangle_b, other.triangle_b) << oracle::replay(X_WS);
+      ASSERT_EQ(one.normal, other.normal) << oracle::replay(X_WS);
+      overlaps += one.distance.upper <= 0 ? 1 : 0;
+    }
+    EXPECT_GT(overlaps, kSanitized ? 10 : 100);
+  }
+}
+
 TEST(DeformNearest, SameBytesOnEveryTarget) {
   expectTheSameBytesOnEveryTarget([] {
     std::vector<double> all;
