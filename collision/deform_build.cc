@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -603,6 +604,11 @@ std::span<const std::int32_t> DeformTree::vertices(std::int32_t node, int lane) 
   const auto begin = index(leaves_[index(first)].vertex_begin);
   const auto end = index(leaves_[index(last - 1)].vertex_end);
   return std::span<const std::int32_t>(leaf_vertices_).subspan(begin, end - begin);
+}
+
+std::uint64_t DeformTree::nextId() {
+  static std::atomic<std::uint64_t> last{0};
+  return last.fetch_add(1, std::memory_order_relaxed) + 1;
 }
 
 std::size_t DeformTree::bytes() const {

@@ -92,7 +92,7 @@ bool roundDistance(const Shape& a, const Pose& X_WA, const Shape& b, const Pose&
   // What was nearest last time is looked at first, and comes from far.
   const int triangle = turned ? cache.triangle_a : cache.triangle_b;
   std::int32_t first = -1;
-  if (cache.hierarchy == &tree && cache.place >= 0 && cache.place < tree.triangleCount()) {
+  if (cache.hierarchy == tree.id() && cache.place >= 0 && cache.place < tree.triangleCount()) {
     first = cache.place;
   } else if (triangle >= 0 && triangle < tree.triangleCount()) {
     first = tree.slotOf(triangle);
@@ -133,7 +133,7 @@ bool roundDistance(const Shape& a, const Pose& X_WA, const Shape& b, const Pose&
   bool near = false;
   result.distance.upper = kInfinity;
   if (found.slot >= 0) {
-    cache.hierarchy = &tree;
+    cache.hierarchy = tree.id();
     cache.place = found.slot;
     const bool answered = answerNearest(body, found, tree, request, result);
     (turned ? cache.triangle_a : cache.triangle_b) = tree.triangleOf(found.slot);

@@ -160,10 +160,14 @@ class DeformTree {
     __builtin_prefetch(&triangle_of_[static_cast<std::size_t>(slot)]);
   }
   std::int32_t triangleCount() const { return static_cast<std::int32_t>(triangle_of_.size()); }
+  /// Another number for every hierarchy of this process, > 0: addresses are used again.
+  std::uint64_t id() const { return id_; }
   std::size_t bytes() const;
 
  private:
   friend class DeformBuilder;
+  static std::uint64_t nextId();
+
   std::vector<Node> nodes_;
   std::vector<Up> up_;
   std::vector<std::int32_t> leaf_begin_, leaf_end_;  // one a node: leaves below it
@@ -177,6 +181,7 @@ class DeformTree {
   std::vector<Runs> runs_;  // one a node of a branch; empty for the roots
   std::vector<std::int32_t> fours_, singles_;
   std::vector<std::int32_t> triangle_of_, slot_of_;
+  std::uint64_t id_ = nextId();  // read with what stands beside it
   std::vector<Triangle> corners_;
   std::int32_t upper_count_ = 0;
 };

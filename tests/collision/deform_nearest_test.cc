@@ -248,6 +248,44 @@ TEST(DeformNearest, DepthsDoNotDependOnThePast) {
   }
 }
 
+// A hierarchy that is built anew may stand where another one stood: a place in that one is none in
+// this one, and a depth would begin with whatever triangle is there.
+TEST(DeformNearest, PlacesAreOfOneHierarchy) {
+  Random random(25);
+  const Sheet sheet = testing::globe(12);
+  Deformable deformable(DeformableMesh::make(sheet.vertices, sheet.triangles), nullptr,
+                        Cases::optionsOf(DeformStrategy::kRebuild));
+  std::vector<std::uint64_t> ids;
+  std::vector<PairCache> caches;
+  Scratch scratch;
+  for (int frame = 0; frame < 6; ++frame) {
+    ASSERT_EQ(deformable.update(testing::exploded(sheet.vertices, 0.02 * frame, 6), frame),
+              UpdateStatus::kUpdated);
+    const Shape mesh = Shape::deformable(deformable.snapshot());
+    for (int i = 0; i < (kSanitized ? 10 : 40); ++i) {
+      const Pose X_WS{Eigen::Matrix3d::Identity(), random.uniform(0.8, 1.1) * random.direction()};
+      const Shape body = Shape::sphere(random.uniform(0.05, 0.5));
+      for (const PairCache& old : caches) {
+        PairCache cache = old, without = old;
+        without.place = -1;
+        const DistanceResult one = distance(body, X_WS, mesh, {}, {}, scratch, &cache),
+                             other = distance(body, X_WS, mesh, {}, {}, scratch, &without);
+        ASSERT_EQ(one.distance.lower, other.distance.lower) << oracle::replay(X_WS);
+        ASSERT_EQ(one.distance.upper, other.distance.upper) << oracle::replay(X_WS);
+        ASSERT_EQ(one.triangle_b, other.triangle_b) << oracle::replay(X_WS);
+      }
+    }
+    PairCache cache;
+    distance(Shape::sphere(0.1), {Eigen::Matrix3d::Identity(), random.direction()}, mesh, {}, {},
+             scratch, &cache);
+    ASSERT_GE(cache.place, 0);
+    caches.push_back(cache);
+    ids.push_back(deformable.snapshot()->impl().tree->id());
+  }
+  std::sort(ids.begin(), ids.end());
+  EXPECT_EQ(std::unique(ids.begin(), ids.end()), ids.end());
+}
+
 TEST(DeformNearest, SameBytesOnEveryTarget) {
   expectTheSameBytesOnEveryTarget([] {
     std::vector<double> all;
@@ -287,7 +325,7 @@ TEST(DeformNearest, BallsAreCapsulesWithoutLength) {
         if (random.chance(0.5)) request.threshold = random.uniform(-0.1, 0.5);
         // Where the nearest triangle stood last time may be anything.
         if (random.chance(0.3)) {
-          cache.hierarchy = deformable.snapshot()->impl().tree.get();
+          cache.hierarchy = deformable.snapshot()->impl().tree->id();
           cache.place = random.below(2 * static_cast<int>(sheet.triangles.size())) - 10;
         }
         PairCache turned_cache = cache;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <limits>
 #include <memory>
 
@@ -71,7 +72,7 @@ struct PairCache {
   int vertex_a = 0, vertex_b = 0;        ///< last support vertices
   int triangle_a = -1, triangle_b = -1;  ///< last closest triangles, or convex pieces
   int place = -1;  ///< of the closest triangle in the hierarchy of a deforming mesh; -1: none
-  const void* hierarchy = nullptr;  ///< which one that is; never looked into
+  std::uint64_t hierarchy = 0;  ///< which one that is, by its number; 0: none
 };
 
 /// Caller-owned buffers of one thread. Everything a query needs is allocated in the constructor.
