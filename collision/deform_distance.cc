@@ -100,11 +100,15 @@ bool isRound(const Shape& shape) {
 DistanceResult cachedDistance(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
                               const DistanceRequest& request, Scratch& scratch, PairCache& cache) {
   DistanceResult result;
-  if (isRound(b)
-          ? roundDistance(b, X_WB, a, X_WA, request, scratch, cache, true, result)
-          : isRound(a) && roundDistance(a, X_WA, b, X_WB, request, scratch, cache, false, result))
+  int visited = 0;
+  if (isRound(b) ? roundDistance(b, X_WB, a, X_WA, request, scratch, cache, true, result, visited)
+                 : isRound(a) && roundDistance(a, X_WA, b, X_WB, request, scratch, cache, false,
+                                               result, visited))
     return result;
-  return descentDistance(a, X_WA, b, X_WB, request, scratch, cache);
+  if (visited == 0) return descentDistance(a, X_WA, b, X_WB, request, scratch, cache);
+  DistanceRequest rest = request;
+  rest.node_limit -= visited;
+  return descentDistance(a, X_WA, b, X_WB, rest, scratch, cache);
 }
 
 }  // namespace

@@ -86,7 +86,8 @@ bool answerNearest(const RoundBody& body, const NearestFound& found, const Defor
 
 bool roundDistance(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
                    const DistanceRequest& request, Scratch& scratch, PairCache& cache, bool turned,
-                   DistanceResult& result) {
+                   DistanceResult& result, int& visited) {
+  visited = 0;
   const DeformableSnapshotImpl& mesh = b.deformable()->impl();
   const DeformTree& tree = *mesh.tree;
   // What was nearest last time is looked at first, and comes from far.
@@ -127,6 +128,7 @@ bool roundDistance(const Shape& a, const Pose& X_WA, const Shape& b, const Pose&
   search.limit = request.node_limit;
   search.first = first;
   const NearestFound found = findNearest(search, mesh, BoxSource(mesh, scratch.impl().deform));
+  visited = found.visited;
   double bar =
       request.threshold == request.threshold ? std::max(request.threshold, 0.0) : kInfinity;
   double lower = found.lower - body.radius;
@@ -144,8 +146,10 @@ bool roundDistance(const Shape& a, const Pose& X_WA, const Shape& b, const Pose&
     near = result.distance.upper <= request.threshold;
     lower = std::min(near ? root : lower, result.distance.lower);
   }
-  // Of bodies whose boxes meet others tell how deep they may be.
-  if (!(near ? root > 0 : found.lower - body.radius > bar)) return false;
+  // Of bodies whose boxes meet others tell how deep they may be. Where the limit has ended the
+  // search, nobody else has nodes left.
+  const bool over = visited >= request.node_limit && !near;
+  if (!over && !(near ? root > 0 : found.lower - body.radius > bar)) return false;
   result.distance.lower = std::max(lower, root);
   if (!(root > 0) &&
       (!(lower > 0) || containsAt(a, X_WA, b, X_WB, lower, scratch) != Containment::kNo))

@@ -248,6 +248,42 @@ TEST(DeformNearest, DepthsDoNotDependOnThePast) {
   }
 }
 
+// Balls that a first search leaves open are searched for again, and a limit holds for both: every
+// node of a lazy hierarchy that is looked at is filled.
+TEST(DeformNearest, LimitsHoldForBothSearches) {
+  Random random(26);
+  const Sheet sheet = testing::cloth(40);  // without an inside, which would be asked for, too
+  Deformable deformable(DeformableMesh::make(sheet.vertices, sheet.triangles), nullptr,
+                        Cases::optionsOf(DeformStrategy::kLazy));
+  ASSERT_EQ(deformable.update(testing::waved(sheet.vertices, 0.3, 1), 1), UpdateStatus::kUpdated);
+  const auto snapshot = deformable.snapshot();
+  const Shape mesh = Shape::deformable(snapshot);
+  int cut = 0, overlaps = 0;
+  for (int i = 0; i < (kSanitized ? 40 : 400); ++i) {
+    const Pose X_WS{Eigen::Matrix3d::Identity(), 0.7 * random.unit() * random.direction()};
+    const Shape ball = Shape::sphere(random.uniform(0.05, 0.5));
+    Scratch scratch, free;
+    prepare(scratch, *snapshot);
+    const DistanceResult whole = distance(ball, X_WS, mesh, {}, {}, free);
+    DistanceRequest request;
+    request.node_limit = 2 + random.below(8);
+    request.depth = random.chance(0.5);
+    const DistanceResult limited = distance(ball, X_WS, mesh, {}, request, scratch);
+    ASSERT_LE(limited.distance.lower, whole.distance.upper) << oracle::replay(X_WS);
+    ASSERT_GE(limited.distance.upper, whole.distance.lower) << oracle::replay(X_WS);
+    if (request.depth)
+      continue;  // translations that may part them are tried with limits of their own
+    int filled = 0;
+    for (const std::uint64_t id : scratch.impl().deform.find(snapshot->impl().owner)->stamp)
+      filled += id == snapshot->id() ? 1 : 0;
+    ASSERT_LE(filled, request.node_limit) << oracle::replay(X_WS);
+    cut += limited.status == DistanceStatus::kLimit ? 1 : 0;
+    overlaps += limited.distance.upper <= 0 ? 1 : 0;
+  }
+  EXPECT_GT(cut, kSanitized ? 1 : 10);
+  EXPECT_GT(overlaps, kSanitized ? 4 : 40);
+}
+
 // A hierarchy that is built anew may stand where another one stood: a place in that one is none in
 // this one, and a depth would begin with whatever triangle is there.
 TEST(DeformNearest, PlacesAreOfOneHierarchy) {
