@@ -39,6 +39,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <limits>
 
 #include "collision/lane_sweep_impl.h"
 
@@ -305,18 +306,28 @@ template <bool kStill>
 struct Ways {
   V3 first, second;
   V drift;
+  V doubt;  // 0; NaN where any of them is no number, which hn::Min() drops with some targets
 
   /// columns: the frame's rotation; turn, slide: its motion.
   HWY_INLINE Ways(D d, const V3* columns, const V3& n, const V3& turn, const V3& slide) {
     const V3 back = {dot(columns[0], n), dot(columns[1], n), dot(columns[2], n)};
     first = second = back;
     drift = hn::Zero(d);
+    doubt = doubtOf(first);
     if (kStill) return;
     const V3 m = cross(n, turn);
     const V3 way = {dot(columns[0], m), dot(columns[1], m), dot(columns[2], m)};
     first = difference(back, way);
     second = {hn::Add(back.x, way.x), hn::Add(back.y, way.y), hn::Add(back.z, way.z)};
     drift = dot(n, slide);
+    // (Where `second` is none, the way is none, nor is `first`.)
+    doubt = hn::Add(doubtOf(first), hn::Sub(drift, drift));
+  }
+
+ private:
+  static HWY_INLINE V doubtOf(const V3& v) {
+    const V sum = hn::Add(hn::Add(v.x, v.y), v.z);
+    return hn::Sub(sum, sum);
   }
 };
 
@@ -393,7 +404,7 @@ HWY_INLINE std::uint32_t notPartedBy(const LaneSweepKernel& kernel, const Sweep:
         if (!kStill) low_second = hn::Min(low_second, dot(ways.second, v));
       }
     };
-    const V from = dot(n, o);
+    const V from = hn::Add(dot(n, o), ways.doubt);
     if (points.clusters_begin == points.clusters_end) scan(points.begin, points.end);
     // What is parted as a whole need not be looked at one by one: sums round alike.
     const ClusterWays<kStill> clusters(d, ways);
@@ -533,7 +544,7 @@ class Approach {
       n = {dot({x.x, y.x, z.x}, n), dot({x.y, y.y, z.y}, n), dot({x.z, y.z, z.z}, n)};
     }
     const Ways<kStill> ways(d, columns_, n, turn_, slide_);
-    const V low = least(points, ways);
+    const V low = hn::Add(least(points, ways), ways.doubt);
     // NaN, and what is inside, stays open.
     const V bar = hn::Set(d, (above_ + points.radius) * (1 + 0x1p-11f));
     const M parted = hn::Gt(hn::Add(dot(n, origin_), low), hn::Add(support, bar));
@@ -583,7 +594,8 @@ class Approach {
     std::uint64_t wanted = 0;
     for (int i = points.clusters_begin; i < points.clusters_end; ++i) {
       const Sweep::Cluster& cluster = s_.clusters[static_cast<std::size_t>(i)];
-      const bool above = hn::AllFalse(d, hn::Lt(clusters.leastOf(d, cluster), low));
+      // (Not AllFalse() of less: what is no number is not above.)
+      const bool above = hn::AllTrue(d, hn::Ge(clusters.leastOf(d, cluster), low));
       wanted |= std::uint64_t{above ? 0U : 1U} << (i - points.clusters_begin);
     }
     for (; wanted != 0; wanted &= wanted - 1) {
@@ -740,19 +752,26 @@ class Run {
       Placed& placed = scratch_.outer[p];
       placeBall<kStill>(frame(piece), piece.outer.center, placed);
       const float radius = piece.outer.radius + growthOf(piece.motion) + kernel_.slack;
+      V sum = hn::Zero(d);
       for (int k = 0; k < 3; ++k) {
         V low = hn::Set(d, 1e30f), high = hn::Set(d, -1e30f);
         for (std::size_t at = 0; at < kLanes; at += hn::Lanes(d)) {
           const V c = hn::Load(d, placed.center[k].at + at);
           const V w = kStill ? hn::Zero(d) : hn::Abs(hn::Load(d, placed.way[k].at + at));
+          const V end = hn::Add(c, w);
           low = hn::Min(low, hn::Sub(c, w));
-          high = hn::Max(high, hn::Add(c, w));
+          high = hn::Max(high, end);
+          sum = hn::Add(sum, end);
         }
         scratch_.low[3 * p + static_cast<std::size_t>(k)] =
             hn::GetLane(hn::MinOfLanes(d, low)) - radius;
         scratch_.high[3 * p + static_cast<std::size_t>(k)] =
             hn::GetLane(hn::MaxOfLanes(d, high)) + radius;
       }
+      // What is no number may have been dropped: then nothing is known to be apart.
+      if (hn::AllTrue(d, hn::Eq(hn::Sub(sum, sum), hn::Zero(d)))) continue;
+      std::fill_n(&scratch_.low[3 * p], 3, std::numeric_limits<float>::quiet_NaN());
+      std::fill_n(&scratch_.high[3 * p], 3, std::numeric_limits<float>::quiet_NaN());
     }
   }
 

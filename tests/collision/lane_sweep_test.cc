@@ -4,6 +4,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <limits>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -11,6 +12,7 @@
 #include "collision/lane_sweep_impl.h"
 #include "collision/round_box.h"
 #include "leeway/collision/convex_hull.h"
+#include "tests/every_target.h"
 #include "tools/oracle/generate.h"
 
 namespace leeway::collision {
@@ -146,6 +148,63 @@ TEST(LaneSweep, ClustersLeaveOutNothingThatCounts) {
   EXPECT_EQ(clustered, 300);
   EXPECT_GT(parted, 200);
   EXPECT_GT(some, 60);
+}
+
+// Frames that are nowhere are nowhere apart from anything, whatever an instruction set makes of the
+// lesser of NaN and a number. What is remembered of runs before does not change that.
+TEST(LaneSweep, LanesThatAreNoNumbersStayOpen) {
+  Random random(6);
+  std::vector<Vector3d> vertices;
+  for (int k = 0; k < 150; ++k)
+    vertices.push_back(random.direction().cwiseProduct(Vector3d(0.9, 0.6, 0.2)));
+  PointCover points = coverWithPoints(Shape::convexHull(ConvexHull::compute(vertices)), 24);
+  ASSERT_GT(points.clusters.size(), 4U);
+  FrameStep step;
+  step.turn = 0.3F;
+  step.slide[0] = 0.05F;
+  LaneValues middles;
+  for (int i = 0; i < kLanes; ++i) middles.at[i] = (static_cast<float>(i) + 0.5F) / kLanes - 0.5F;
+  std::vector<LaneFrame> frames(1);
+  placeFrames({&step, 1}, middles, frames);
+  moveFrames({&step, 1}, middles, 1.0F / kLanes, frames);
+  const auto looked = [&] {
+    // Near by and far away; with clusters of points and without.
+    for (const double distance : {0.65, 0.8, 5.0}) {
+      for (const bool clusters : {true, false}) {
+        PointCover given = points;
+        if (!clusters) {
+          given.clusters.clear();
+          given.nearest.clear();
+        }
+        Pose X_WB;
+        X_WB.rotation = Eigen::AngleAxisd(0.3, Vector3d(1, 2, 3).normalized()).matrix();
+        X_WB.translation = distance * Vector3d::UnitZ();
+        Passing passing(given, Shape::box({0.2, 0.1, 0.3}), X_WB);
+        ASSERT_EQ(passing.open(frames, 0.001F), std::pair(std::uint32_t{0}, true)) << distance;
+        // One number at a time, and then rotation, origin, turn or slide. What is far is apart
+        // along one axis alone.
+        for (std::size_t which = distance < 1 ? 0 : 18; which < 22; ++which) {
+          std::vector<LaneFrame> others = frames;
+          const auto lane = static_cast<std::size_t>(random.below(kLanes));
+          for (std::size_t i = 0; i < 18; ++i) {
+            const std::size_t group = i < 9 ? 18 : i < 12 ? 19 : i < 15 ? 20 : 21;
+            LaneValues* const values[] = {others[0].rotation, others[0].origin, others[0].turn,
+                                          others[0].slide};
+            const std::size_t firsts[] = {0, 9, 12, 15};
+            if (which == i || which == group)
+              values[group - 18][i - firsts[group - 18]].at[lane] =
+                  std::numeric_limits<float>::quiet_NaN();
+          }
+          ASSERT_EQ(passing.open(others, 0.001F).first, 1U << lane)
+              << distance << " m, " << which << ", lane " << lane;
+        }
+      }
+    }
+  };
+  onEveryTarget([&](const char* target) {
+    SCOPED_TRACE(target);
+    looked();
+  });
 }
 
 }  // namespace
