@@ -13,10 +13,12 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
+long double extended(double x) { return static_cast<long double>(x); }
+
 /// How far the fastest motion allowed gets within t: the twin, in extended precision.
 long double reach(const PointMotion& m, long double t) {
-  const long double cap = m.speed_cap, a = m.acceleration;
-  const long double v = std::min<long double>(m.speed, cap);
+  const long double cap = extended(m.speed_cap), a = extended(m.acceleration),
+                    v = std::min(extended(m.speed), cap);
   if (a == 0 || v >= cap) return v * t;
   const long double rising = std::min(t, (cap - v) / a);
   return v * rising + a * rising * rising / 2 + (t - rising > 0 ? cap * (t - rising) : 0);
@@ -34,8 +36,8 @@ TEST(TimeToImpact, GapIsUsedUpNeverEarlierAndHardlyLater) {
     const double gap = power();
     const double t = timeToImpact(gap, m);
     ASSERT_TRUE(std::isfinite(t));
-    EXPECT_LE(reach(m, t), static_cast<long double>(gap)) << i;
-    EXPECT_GE(reach(m, t * (1 + 1e-13L)), static_cast<long double>(gap) * (1 - 1e-12L)) << i;
+    EXPECT_LE(reach(m, extended(t)), extended(gap)) << i;
+    EXPECT_GE(reach(m, extended(t) * (1 + 1e-13L)), extended(gap) * (1 - 1e-12L)) << i;
     capped += m.speed + m.acceleration * t > m.speed_cap;
   }
   EXPECT_GT(capped, 2000);
