@@ -599,8 +599,8 @@ class Approach {
       wanted |= std::uint64_t{above ? 0U : 1U} << (i - points.clusters_begin);
     }
     for (; wanted != 0; wanted &= wanted - 1) {
-      const Sweep::Cluster& cluster =
-          s_.clusters[static_cast<std::size_t>(points.clusters_begin + std::countr_zero(wanted))];
+      const int i = points.clusters_begin + std::countr_zero(wanted);
+      const Sweep::Cluster& cluster = s_.clusters[static_cast<std::size_t>(i)];
       scan(cluster.begin, cluster.end);
     }
     return low;
