@@ -70,7 +70,7 @@ void EdgeCertifier::Impl::searchState(int slot, double t, ClearanceSearch& searc
   }
   std::sort(order.begin(), order.end());
   for (const auto& [lower, p] : order) {
-    if (lower >= search.best.clearance.upper || search.cut()) break;
+    if (lower >= search.best.clearance.upper || search.cut() || work.isSpent()) break;
     refineState(slot, t, pairs[at(p)], search);
   }
 }
@@ -131,7 +131,7 @@ EdgeClearance EdgeCertifier::edgeClearance(std::span<const double> a, std::span<
   Impl& impl = *impl_;
   Impl::ClearanceSearch search{tolerance, cutoff};
   if (impl.frames.pairs().empty()) return search.best;
-  impl.startWork();
+  impl.startWork(kClearanceCost);
   impl.queries = 0;
   const int start = impl.frames.begin(a, b) ? impl.frames.place(0) : -1;
   const int end = start < 0 ? -1 : impl.frames.place(1);
@@ -149,6 +149,7 @@ EdgeClearance EdgeCertifier::edgeClearance(std::span<const double> a, std::span<
     search.sweeps = false;
     impl.frames.release(end + 1);
     search.lower = kInfinity;
+    impl.startWork(kClearanceCost);
     impl.listWholeEdge(start, end);
     impl.searchIntervals(search);
   }
@@ -220,8 +221,10 @@ void EdgeCertifier::Impl::searchIntervals(ClearanceSearch& search) {
       const bool full = next_open.size() + 2 * count > next_open.capacity() ||
                         next_intervals.size() + 2 > next_intervals.capacity() ||
                         frames.used() + 1 >= kEdgeSlots;
-      settleFromMiddle(interval, slot,
-                       full || queries > kClearanceWork || interval.level >= kDeepestLevel, search);
+      settleFromMiddle(
+          interval, slot,
+          full || queries > kClearanceWork || work.isSpent() || interval.level >= kDeepestLevel,
+          search);
       if (search.cut()) return;
       split(interval, slot);
     }

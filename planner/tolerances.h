@@ -102,8 +102,10 @@ constexpr std::int64_t kFlightWork = 500'000;
 /// The same for what is not tried again on another edge: certificates of paths and of steps.
 constexpr std::int64_t kPersistentWork = 10'000'000;
 
-/// Distance queries for the clearance of one edge before its interval is left wider than asked.
+/// Distance queries for the clearance of one edge before its interval is left wider than asked, and
+/// what they may cost [units of collision::Work]: depths of meshes take up to milliseconds each.
 constexpr int kClearanceWork = 100'000;
+constexpr std::int64_t kClearanceCost = 100'000'000;
 
 /// Passes of lanes for it after the first, as long as each finds something nearer, and the pairs
 /// that are looked at after each [count]. Measured; cost time, never truth.
@@ -250,6 +252,12 @@ constexpr double kVerifySmallestMotion = 1e-9;
 constexpr long kVerifyPairWork = 500'000;
 constexpr long kVerifyOpenWork = 20'000;  ///< once part of it is left undecided
 constexpr long kVerifyWork = 10'000'000;
+
+/// The same of what the distances cost [units of collision::Work]: as long, where each is a depth
+/// of meshes that takes milliseconds.
+constexpr std::int64_t kVerifyPairCost = 4'000'000'000;
+constexpr std::int64_t kVerifyOpenCost = 160'000'000;
+constexpr std::int64_t kVerifyCost = 80'000'000'000;
 
 // problem_execution.cc, timed_path.cc, path_write.cc
 

@@ -15,6 +15,7 @@
 #include <optional>
 
 #include "leeway/collision/distance.h"
+#include "leeway/collision/work.h"
 #include "planner/tolerances.h"
 #include "planner/verify_kinematics.h"
 #include "planner/verify_pairs.h"
@@ -188,6 +189,7 @@ class Verifier {
     point_.resize(at(space_.size()));
     difference_.resize(at(space_.size()));
     dq_.resize(model_.variables.size());
+    collision::countInto(scratch_, cost_);
   }
 
   VerifyResult run() {
@@ -382,12 +384,13 @@ class Verifier {
     const double margin = pair.bodies->margin, floor = floorOf(pair);
     std::deque<Span> open{{0, 1}};
     long limit = kVerifyPairWork;
+    cost_.limit = std::min(kVerifyCost, cost_.done + kVerifyPairCost);
     for (long work = 0; !open.empty(); ++work) {
       const Span span = open.front();
       open.pop_front();
-      if (work >= limit || ++work_ > kVerifyWork) {
+      if (work >= limit || ++work_ > kVerifyWork || cost_.isSpent()) {
         leaveOpen(segment, span, &pair, "not decided within the work limit");
-        return work_ <= kVerifyWork;
+        return work_ <= kVerifyWork && cost_.done <= kVerifyCost;
       }
       if (work_ % 64 == 0 && options_.stop && options_.stop()) {
         leaveOpen(segment, span, &pair, "stopped before it was decided");
@@ -413,18 +416,24 @@ class Verifier {
         continue;
       }
       if (found.distance.upper + found.slack <= floor) {
-        // No part of the edge around here will be proven; only a refutation is still of interest.
+        // No part of the edge around here will be proven.
         leaveOpen(segment, {t, t}, &pair, "a mesh that overlaps within its margin is not proven");
-        limit = std::min(limit, work + kVerifyOpenWork);
+        onlyRefute(work, limit);
       }
       if (found.motion <= kVerifySmallestMotion || !(t > span.begin && t < span.end)) {
         leaveOpen(segment, span, &pair, "too near to decide");
-        limit = std::min(limit, work + kVerifyOpenWork);  // only a refutation is still of interest
+        onlyRefute(work, limit);
         continue;
       }
       split(span, t, half, room, found, open);
     }
     return true;
+  }
+
+  /// Part of the edge is left undecided: only a refutation is still of interest.
+  void onlyRefute(long work, long& limit) {
+    limit = std::min(limit, work + kVerifyOpenWork);
+    cost_.limit = std::min(cost_.limit, cost_.done + kVerifyOpenCost);
   }
 
   /// What a positive room covers around t is done; the rest goes back.
@@ -450,6 +459,7 @@ class Verifier {
   std::vector<BodyPair> pairs_;
   std::vector<ShapePair> shapes_;
   std::vector<double> a_, b_, point_, difference_, q_, dq_;
+  collision::Work cost_;  // of the distances
   collision::Scratch scratch_;
   VerifyResult result_;
   std::optional<VerifyResult> refuted_, undecided_;

@@ -3,6 +3,7 @@
 // Random problems of primitives: arms, free bodies and trees among obstacles of all shapes.
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -55,6 +56,26 @@ inline void appendBox(const Eigen::Vector3d& center, const Eigen::Vector3d& half
     vertices.emplace_back(center + half.cwiseProduct(Eigen::Vector3d(i & 1 ? 1 : -1, i & 2 ? 1 : -1,
                                                                      i & 4 ? 1 : -1)));
   for (const auto& f : kFaces) triangles.push_back({first + f[0], first + f[1], first + f[2]});
+}
+
+/// A closed ring, 0.3 m around and some 0.24 m thick, with bumps: a mesh whose depths are dear.
+inline collision::Shape bumpyRing() {
+  constexpr int kAround = 40, kAcross = 20;
+  constexpr double kPi = 3.14159265358979323846;
+  std::vector<Eigen::Vector3d> vertices;
+  std::vector<collision::TriangleMesh::Triangle> triangles;
+  const auto place = [](int i, int j) { return i % kAround * kAcross + j % kAcross; };
+  for (int i = 0; i < kAround; ++i) {
+    for (int j = 0; j < kAcross; ++j) {
+      const double a = 2 * kPi * i / kAround, b = 2 * kPi * j / kAcross,
+                   r = 0.12 * (1 + 0.2 * std::sin(7 * a) * std::cos(3 * b)),
+                   out = 0.3 + r * std::cos(b);
+      vertices.emplace_back(out * std::cos(a), out * std::sin(a), r * std::sin(b));
+      triangles.push_back({place(i, j), place(i + 1, j), place(i + 1, j + 1)});
+      triangles.push_back({place(i, j), place(i + 1, j + 1), place(i, j + 1)});
+    }
+  }
+  return collision::Shape::mesh(collision::TriangleMesh::make(vertices, triangles));
 }
 
 /// Three boxes in one mesh: closed, concave, often in each other or one within another.
