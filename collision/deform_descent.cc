@@ -27,7 +27,6 @@ using Eigen::Vector3d;
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 FloatBox boxOf(const Vector3d& low, const Vector3d& high) {
   FloatBox box;
@@ -220,11 +219,7 @@ class DeformDescent {
     request.depth = depth;
     request.iteration_limit = request_.iteration_limit;
     ++visited_;
-    const DistanceResult r =
-        placement_.swept
-            ? convexSweptDistance(a, placement_.X_BA0, placement_.X_BA1, placement_.growth, b,
-                                  request, scratch_, &cache_, placement_.slack)
-            : convexDistance(a, placement_.X_BA0, b, request, scratch_, &cache_, placement_.slack);
+    const DistanceResult r = pieceDistance(a, b, placement_, request, scratch_, &cache_);
     result_.iterations += r.iterations;
     return r;
   }
@@ -702,22 +697,11 @@ class DeformDescent {
       return;
     }
     const bool depth = request_.depth && !placement_.swept;
-    const double bar_now = bar();
-    const auto convex = [&](const ConvexView& a, const ConvexView& b, double threshold, bool deep) {
-      if (a_.rigid.tree != nullptr) return mesh(a_.rigid, triangleSide(b), threshold, deep);
-      if (b_.rigid.tree != nullptr) return mesh(triangleSide(a), b_.rigid, threshold, deep);
-      return pieces(a, b, threshold, deep);
-    };
-    DistanceResult r = convex(view_a, view_b, bar_now < kInfinity ? bar_now : kNaN, depth);
-    const bool settled = r.distance.lower > bar_now || r.status == DistanceStatus::kConverged ||
-                         !(bar_now < kInfinity) || bar_now == request_.threshold ||
-                         r.distance.upper <= request_.threshold ||
-                         (!depth && r.distance.upper <= 0);
-    if (!settled) {
-      const double lower = r.distance.lower;
-      r = convex(view_a, view_b, request_.threshold, depth);
-      r.distance.lower = std::max(r.distance.lower, lower);
-    }
+    const DistanceResult r = askOfPieces(bar(), request_, depth, [&](double threshold) {
+      if (a_.rigid.tree != nullptr) return mesh(a_.rigid, triangleSide(view_b), threshold, depth);
+      if (b_.rigid.tree != nullptr) return mesh(triangleSide(view_a), b_.rigid, threshold, depth);
+      return pieces(view_a, view_b, threshold, depth);
+    });
     settle(r.distance.lower);
     if (!(r.distance.upper < result_.upper)) return;
     if (r.distance.upper <= 0 && result_.upper > 0) overlap_limit_ = visited_ + kDeeperNodes;

@@ -197,11 +197,7 @@ class Descent {
     request.depth = depth;
     request.iteration_limit = request_.iteration_limit;
     ++visited_;
-    const DistanceResult r =
-        placement_.swept
-            ? convexSweptDistance(a, placement_.X_BA0, placement_.X_BA1, placement_.growth, b,
-                                  request, scratch_, &cache_, placement_.slack)
-            : convexDistance(a, placement_.X_BA0, b, request, scratch_, &cache_, placement_.slack);
+    const DistanceResult r = pieceDistance(a, b, placement_, request, scratch_, &cache_);
     result_.iterations += r.iterations;
     return r;
   }
@@ -358,20 +354,9 @@ class Descent {
     const ConvexView view_a = slot_a >= 0 ? a_.tree->triangleView(slot_a) : a_.view;
     const ConvexView view_b = slot_b >= 0 ? b_.tree->triangleView(slot_b) : b_.view;
     const bool depth = request_.depth && !placement_.swept;
-    const double bar_now = bar();
-    DistanceResult r =
-        convex(view_a, view_b, bar_now < kInfinity ? bar_now : kNaN, request_.tolerance, depth);
-    // Not beyond the bar, where it stopped; now how near exactly, unless that is enough or does not
-    // matter any more.
-    const bool settled = r.distance.lower > bar_now || r.status == DistanceStatus::kConverged ||
-                         !(bar_now < kInfinity) || bar_now == request_.threshold ||
-                         r.distance.upper <= request_.threshold ||
-                         (!depth && r.distance.upper <= 0);
-    if (!settled) {
-      const double lower = r.distance.lower;
-      r = convex(view_a, view_b, request_.threshold, request_.tolerance, depth);
-      r.distance.lower = std::max(r.distance.lower, lower);
-    }
+    const DistanceResult r = askOfPieces(bar(), request_, depth, [&](double threshold) {
+      return convex(view_a, view_b, threshold, request_.tolerance, depth);
+    });
     settle(r.distance.lower);
     offer(r, r.distance.upper, slot_a >= 0 ? a_.tree->triangleOf(slot_a) : -1,
           slot_b >= 0 ? b_.tree->triangleOf(slot_b) : -1);

@@ -1,5 +1,9 @@
 #pragma once
 
+#include <algorithm>
+#include <limits>
+
+#include "collision/convex.h"
 #include "collision/mesh_tree.h"
 
 namespace leeway::collision {
@@ -43,5 +47,33 @@ struct DescentResult {
 /// while to find deeper pairs. `cache` is used and updated; it may not be null.
 DescentResult descend(const DescentSide& a, const DescentSide& b, const DescentPlacement& placement,
                       const DistanceRequest& request, Scratch& scratch, PairCache* cache);
+
+/// A pair of exact pieces: whether they are farther than the bar, which may be infinite, and how
+/// far exactly where they are not, unless that is enough or does not matter any more.
+/// ask(threshold) answers for them.
+template <class Ask>
+DistanceResult askOfPieces(double bar, const DistanceRequest& request, bool depth, const Ask& ask) {
+  const bool bounded = bar < std::numeric_limits<double>::infinity();
+  DistanceResult r = ask(bounded ? bar : std::numeric_limits<double>::quiet_NaN());
+  if (!bounded || r.distance.lower > bar || r.status == DistanceStatus::kConverged ||
+      bar == request.threshold || r.distance.upper <= request.threshold ||
+      (!depth && r.distance.upper <= 0))
+    return r;
+  const double lower = r.distance.lower;
+  r = ask(request.threshold);
+  r.distance.lower = std::max(r.distance.lower, lower);
+  return r;
+}
+
+/// One answer for such a pair.
+inline DistanceResult pieceDistance(const ConvexView& a, const ConvexView& b,
+                                    const DescentPlacement& placement,
+                                    const DistanceRequest& request, Scratch& scratch,
+                                    PairCache* cache) {
+  return placement.swept
+             ? convexSweptDistance(a, placement.X_BA0, placement.X_BA1, placement.growth, b,
+                                   request, scratch, cache, placement.slack)
+             : convexDistance(a, placement.X_BA0, b, request, scratch, cache, placement.slack);
+}
 
 }  // namespace leeway::collision
