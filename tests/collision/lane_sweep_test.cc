@@ -13,6 +13,7 @@
 #include "collision/round_box.h"
 #include "leeway/collision/convex_hull.h"
 #include "tests/every_target.h"
+#include "tests/sanitized.h"
 #include "tools/oracle/generate.h"
 
 namespace leeway::collision {
@@ -107,8 +108,9 @@ struct Passing {
 
 TEST(LaneSweep, ClustersLeaveOutNothingThatCounts) {
   Random random(5);
+  const int runs = casesToAsk(300);
   int clustered = 0, parted = 0, some = 0;
-  for (int run = 0; run < 300; ++run) {
+  for (int run = 0; run < runs; ++run) {
     std::vector<Vector3d> vertices;
     for (int k = 0; k < 150; ++k)
       vertices.push_back(random.direction().cwiseProduct(Vector3d(0.9, 0.6, 0.2)));
@@ -145,9 +147,9 @@ TEST(LaneSweep, ClustersLeaveOutNothingThatCounts) {
       some += found.first != 0;
     }
   }
-  EXPECT_EQ(clustered, 300);
-  EXPECT_GT(parted, 200);
-  EXPECT_GT(some, 60);
+  EXPECT_EQ(clustered, runs);
+  EXPECT_GT(parted, runs * 2 / 3);
+  EXPECT_GT(some, runs / 5);
 }
 
 // Frames that are nowhere are nowhere apart from anything, whatever an instruction set makes of the
