@@ -94,7 +94,9 @@ class DeformBuilder {
 
   std::shared_ptr<const DeformTree> restructure(const DeformTree& old,
                                                 std::span<const std::int32_t> roots, int split) {
-    order_.assign(old.triangle_of_.begin(), old.triangle_of_.end());
+    order_.resize(old.slots_.size());
+    for (std::size_t slot = 0; slot < order_.size(); ++slot)
+      order_[slot] = old.slots_[slot].triangle;
     std::vector<char> anew(old.nodes_.size(), 0);
     for (const std::int32_t r : roots) anew[index(r)] = 1;
     copyNode(old, 0, anew, 0);
@@ -403,13 +405,12 @@ class DeformBuilder {
       tree_->leaf_begin_[index(id)] = made_[old].leaves.begin;
       tree_->leaf_end_[index(id)] = made_[old].leaves.end;
     }
-    tree_->triangle_of_ = std::move(order_);
     tree_->slot_of_.resize(triangles_.size());
-    tree_->corners_.resize(triangles_.size());
+    tree_->slots_.resize(triangles_.size());
     for (std::size_t slot = 0; slot < triangles_.size(); ++slot) {
-      const std::int32_t t = tree_->triangle_of_[slot];
+      const std::int32_t t = order_[slot];
       tree_->slot_of_[index(t)] = static_cast<std::int32_t>(slot);
-      tree_->corners_[slot] = triangles_[index(t)];
+      tree_->slots_[slot] = {triangles_[index(t)], t};
     }
     collectVertices();
   }
@@ -480,8 +481,8 @@ class DeformBuilder {
                         std::vector<std::int32_t>& collected) {
     static_assert(3 * DeformTree::kLeafTriangles * kWidth <= 256, "places in a node are bytes");
     std::vector<std::uint8_t> place(vertices_.size());  // of those of this round
-    std::vector<std::int32_t>& all = tree_->refit_vertices_;
-    std::vector<std::uint8_t>& corners = tree_->refit_corners_;
+    std::pmr::vector<std::int32_t>& all = tree_->refit_vertices_;
+    std::pmr::vector<std::uint8_t>& corners = tree_->refit_corners_;
     tree_->refits_.assign(tree_->nodes_.size() + 1, {0, 0});
     for (std::int32_t id = tree_->nodeCount() - 1; id >= 0; --id, ++round) {
       collected.clear();
@@ -590,6 +591,25 @@ void WideBox::clear() {
   for (auto& axis : high) std::fill(axis, axis + kWidth, -std::numeric_limits<float>::infinity());
 }
 
+DeformTree::DeformTree(const DeformTree& other, std::pmr::memory_resource* memory)
+    : nodes_(other.nodes_, memory),
+      up_(other.up_, memory),
+      leaf_begin_(other.leaf_begin_, memory),
+      leaf_end_(other.leaf_end_, memory),
+      leaves_(other.leaves_, memory),
+      leaf_vertices_(other.leaf_vertices_, memory),
+      refits_(other.refits_, memory),
+      refit_vertices_(other.refit_vertices_, memory),
+      refit_corners_(other.refit_corners_, memory),
+      branches_(other.branches_, memory),
+      rows_(other.rows_, memory),
+      runs_(other.runs_, memory),
+      fours_(other.fours_, memory),
+      singles_(other.singles_, memory),
+      slot_of_(other.slot_of_, memory),
+      slots_(other.slots_, memory),
+      upper_count_(other.upper_count_) {}
+
 std::span<const std::int32_t> DeformTree::vertices(std::int32_t node, int lane) const {
   const std::int32_t child = nodes_[index(node)].child[lane];
   if (child == kNone) return {};
@@ -614,12 +634,12 @@ std::uint64_t DeformTree::nextId() {
 std::size_t DeformTree::bytes() const {
   return sizeof(*this) + nodes_.capacity() * sizeof(Node) + up_.capacity() * sizeof(Up) +
          (fours_.capacity() + singles_.capacity() + leaf_begin_.capacity() + leaf_end_.capacity() +
-          leaf_vertices_.capacity() + triangle_of_.capacity() + slot_of_.capacity()) *
+          leaf_vertices_.capacity() + slot_of_.capacity()) *
              sizeof(std::int32_t) +
          leaves_.capacity() * sizeof(Leaf) + branches_.capacity() * sizeof(Branch) +
          rows_.capacity() * sizeof(Row) + runs_.capacity() * sizeof(Runs) +
          refits_.capacity() * sizeof(Refit) + refit_vertices_.capacity() * sizeof(std::int32_t) +
-         refit_corners_.capacity() + corners_.capacity() * sizeof(Triangle);
+         refit_corners_.capacity() + slots_.capacity() * sizeof(Slot);
 }
 
 std::shared_ptr<const DeformTree> buildDeformTree(std::span<const Vector3d> vertices,

@@ -338,7 +338,6 @@ class NearestDescent {
       }
       if (found_.slot >= 0) settle(found_.own_lower);
       found_.slot = slot;
-      tree_.fetchTriangle(slot);
       found_.upper = of.upper[i];
       found_.own_lower = of.lower[i];
       found_.from = {of.from[0][i], of.from[1][i], of.from[2][i]};

@@ -4,11 +4,13 @@
 
 #include <cstdint>
 #include <memory>
+#include <memory_resource>
 #include <vector>
 
 #include "collision/deform_bounds.h"
 #include "collision/deform_kernels.h"
 #include "collision/deform_tree.h"
+#include "collision/large_pages.h"
 #include "leeway/collision/deformable_mesh.h"
 
 namespace leeway::collision {
@@ -31,9 +33,10 @@ struct DeformableSnapshotImpl {
   std::shared_ptr<const DeformableMesh> mesh;
   std::shared_ptr<const DeformTree> tree;
   std::shared_ptr<const NodeBounds> bounds;  // for Demand::kMotion
-  std::vector<Eigen::Vector3d> vertices;     // and one more, so that four doubles can be loaded
-  std::vector<double> parameters;            // of the motion
-  std::vector<WideBox> boxes;                // one a node that is not left to the queries
+  // And one more, so that four doubles can be loaded.
+  std::pmr::vector<Eigen::Vector3d> vertices{largePages()};
+  std::vector<double> parameters;                 // of the motion
+  std::pmr::vector<WideBox> boxes{largePages()};  // one a node that is not left to the queries
   Demand demand = Demand::kNothing;
   DeformStrategy strategy = DeformStrategy::kRebuild;
   double time = 0, speed_bound = 0;
@@ -45,8 +48,9 @@ struct DeformableSnapshotImpl {
 struct DeformScratch {
   struct Entry {
     std::uint64_t owner = 0;
-    std::vector<WideBox> boxes;        // one a node
-    std::vector<std::uint64_t> stamp;  // one a node: the snapshot that its box belongs to
+    std::pmr::vector<WideBox> boxes{largePages()};  // one a node
+    // One a node: the snapshot that its box belongs to.
+    std::pmr::vector<std::uint64_t> stamp{largePages()};
   };
   std::vector<Entry> entries;
   std::uint64_t asked = 0;  ///< the snapshot that was asked last

@@ -7,6 +7,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <memory_resource>
 #include <span>
 #include <vector>
 
@@ -37,6 +38,10 @@ struct FloatBox {
 /// behind all nodes above branches, so that the upper levels are a prefix of the array.
 class DeformTree {
  public:
+  DeformTree() = default;
+  /// A copy whose arrays stand there.
+  DeformTree(const DeformTree& other, std::pmr::memory_resource* memory);
+
   using Triangle = std::array<std::int32_t, 3>;
   static constexpr int kLeafTriangles = 8;
   static constexpr std::int32_t kNone = -1;
@@ -146,43 +151,44 @@ class DeformTree {
 
   /// Triangles in the order of the leaves stand in slots.
   std::int32_t triangleOf(std::int32_t slot) const {
-    return triangle_of_[static_cast<std::size_t>(slot)];
+    return slots_[static_cast<std::size_t>(slot)].triangle;
   }
   std::int32_t slotOf(std::int32_t triangle) const {
     return slot_of_[static_cast<std::size_t>(triangle)];
   }
   /// The three vertices of a slot's triangle.
   const Triangle& corners(std::int32_t slot) const {
-    return corners_[static_cast<std::size_t>(slot)];
+    return slots_[static_cast<std::size_t>(slot)].corners;
   }
-  /// Starts to bring near what triangleOf() tells.
-  void fetchTriangle(std::int32_t slot) const {
-    __builtin_prefetch(&triangle_of_[static_cast<std::size_t>(slot)]);
-  }
-  std::int32_t triangleCount() const { return static_cast<std::int32_t>(triangle_of_.size()); }
+  std::int32_t triangleCount() const { return static_cast<std::int32_t>(slots_.size()); }
   /// Another number for every hierarchy of this process, > 0: addresses are used again.
   std::uint64_t id() const { return id_; }
   std::size_t bytes() const;
 
  private:
   friend class DeformBuilder;
+  // Together, since whoever finds the nearest triangle by its corners tells which one it is.
+  struct alignas(16) Slot {
+    Triangle corners;
+    std::int32_t triangle;
+  };
   static std::uint64_t nextId();
 
-  std::vector<Node> nodes_;
-  std::vector<Up> up_;
-  std::vector<std::int32_t> leaf_begin_, leaf_end_;  // one a node: leaves below it
-  std::vector<Leaf> leaves_;
-  std::vector<std::int32_t> leaf_vertices_;
-  std::vector<Refit> refits_;
-  std::vector<std::int32_t> refit_vertices_;
-  std::vector<std::uint8_t> refit_corners_;
-  std::vector<Branch> branches_;
-  std::vector<Row> rows_;
-  std::vector<Runs> runs_;  // one a node of a branch; empty for the roots
-  std::vector<std::int32_t> fours_, singles_;
-  std::vector<std::int32_t> triangle_of_, slot_of_;
+  std::pmr::vector<Node> nodes_;
+  std::pmr::vector<Up> up_;
+  std::pmr::vector<std::int32_t> leaf_begin_, leaf_end_;  // one a node: leaves below it
+  std::pmr::vector<Leaf> leaves_;
+  std::pmr::vector<std::int32_t> leaf_vertices_;
+  std::pmr::vector<Refit> refits_;
+  std::pmr::vector<std::int32_t> refit_vertices_;
+  std::pmr::vector<std::uint8_t> refit_corners_;
+  std::pmr::vector<Branch> branches_;
+  std::pmr::vector<Row> rows_;
+  std::pmr::vector<Runs> runs_;  // one a node of a branch; empty for the roots
+  std::pmr::vector<std::int32_t> fours_, singles_;
+  std::pmr::vector<std::int32_t> slot_of_;
   std::uint64_t id_ = nextId();  // read with what stands beside it
-  std::vector<Triangle> corners_;
+  std::pmr::vector<Slot> slots_;
   std::int32_t upper_count_ = 0;
 };
 

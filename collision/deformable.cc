@@ -200,7 +200,7 @@ void Deformable::Impl::choose(bool by_motion, DeformStrategy& strategy, const ch
 
 namespace {
 
-void reserve(std::vector<WideBox>& boxes, std::int32_t nodes) {
+void reserve(std::pmr::vector<WideBox>& boxes, std::int32_t nodes) {
   if (boxes.size() < static_cast<std::size_t>(nodes)) boxes.resize(static_cast<std::size_t>(nodes));
 }
 
@@ -643,8 +643,11 @@ Deformable::Deformable(std::shared_ptr<const DeformableMesh> mesh,
   impl.options = options;
   impl.split = options.hybrid_split > 0 ? options.hybrid_split : kHybridSplit;
   impl.number = nextNumber();
+  // (Copied, since not all arrays are made at their size; what is built anew later may not last.)
   impl.tree =
-      buildDeformTree(impl.mesh->rest(), impl.mesh->triangles(), DeformMethod::kBinned, impl.split);
+      std::make_shared<DeformTree>(*buildDeformTree(impl.mesh->rest(), impl.mesh->triangles(),
+                                                    DeformMethod::kBinned, impl.split),
+                                   largePages());
   impl.motion_tree = impl.tree;
   const bool wanted = needsMotion(options.strategy) || options.strategy == DeformStrategy::kAuto;
   if (wanted && impl.motion) {
