@@ -172,8 +172,8 @@ class DeformDescent {
   double floor() const { return request_.threshold > 0 ? request_.threshold : 0; }
   int limit() const {
     if (scratch_.impl().work->isSpent()) return 0;
-    return result_.upper <= 0 && !half_space_ ? std::min(request_.node_limit, overlap_limit_)
-                                              : request_.node_limit;
+    const int most = request_.node_limit - below_;
+    return result_.upper <= 0 && !half_space_ ? std::min(most, overlap_limit_) : most;
   }
   void settle(double lower) { result_.lower = std::min(result_.lower, lower); }
 
@@ -198,9 +198,10 @@ class DeformDescent {
     DistanceRequest request = request_;
     request.threshold = threshold;
     request.depth = depth;
-    request.node_limit = request_.node_limit - visited_;
+    request.node_limit = request_.node_limit - below_ - visited_;
     ++visited_;
     const DescentResult found = descend(a, b, placement_, request, scratch_, &cache_);
+    below_ += found.visited;
     result_.iterations += found.iterations;
     DistanceResult r = found.witness;
     r.distance = {std::max(found.lower, found.hull_lower), found.upper};
@@ -759,6 +760,7 @@ class DeformDescent {
   Vector3d plane_normal_ = Vector3d::Zero();
   double plane_offset_ = 0;  // beyond which the plane is, along its normal
   int visited_ = 0;
+  int below_ = 0;  // in hierarchies of rigid meshes; of the limit, too, but not of overlap_limit_
   bool complete_ = true;
   int overlap_limit_ = std::numeric_limits<int>::max();
   // Every pair that is taken off puts at most eight back, which are one level lower on one side.

@@ -41,15 +41,22 @@ class Descent {
   }
 
   DescentResult run() {
+    search();
+    result_.visited = visited_;
+    return result_;
+  }
+
+ private:
+  void search() {
     result_.lower = kInfinity;
     result_.upper = kInfinity;
     result_.hull_lower = -kInfinity;
     if (SweepFront* front = lastFront(); front != nullptr) {
       fromFront(*front);
-      return result_;
+      return;
     }
     records_ = keepsFronts();
-    if (root()) return result_;
+    if (root()) return;
     warmStart();
     const bool limited = goDown();
     if (!limited && !done()) keepFront();
@@ -61,10 +68,8 @@ class Descent {
       // stands without it.
       if (!threshold) settle(hulls_.distance.lower);
     }
-    return result_;
   }
 
- private:
   // Looks at all that is on the stack. True when a limit ended it.
   bool goDown() {
     while (size_ > 0 && !done()) {

@@ -39,6 +39,7 @@ struct DescentResult {
       0;  ///< proven for the hulls of the bodies, and with them for whatever is inside
   DistanceResult witness;  ///< of the pair that carries `upper`, in B
   int iterations = 0;
+  int visited = 0;         ///< of request.node_limit; descend() alone tells it
   bool misplaced = false;  ///< a deforming triangle that was looked at is nowhere: not finite
 };
 

@@ -6,7 +6,9 @@
 #include <string>
 
 #include "leeway/collision/triangle_mesh.h"
+#include "leeway/collision/work.h"
 #include "tests/collision/deformable_cases.h"
+#include "tests/sanitized.h"
 
 namespace leeway::collision {
 namespace {
@@ -197,6 +199,35 @@ TEST(DeformablePairs, SweepsClaimNoMoreThanAnyPlacementOnTheWayHas) {
   }
   EXPECT_GT(positive, 80);
   EXPECT_GT(tight, 30);
+}
+
+// A rigid mesh's own hierarchy is gone into for one triangle after the other: all of them share the
+// limit, so that what is done, counted, stays near what that many pairs take.
+TEST(DeformablePairs, NodesOfRigidMeshesCountTowardsTheLimit) {
+  Random random(27);
+  const Sheet sheet = testing::cloth(16);
+  const Shape rigid = Shape::mesh(TriangleMesh::make(
+      testing::waved(testing::cloth(24).vertices, 0.2, 2), testing::cloth(24).triangles));
+  const auto deformable =
+      made(sheet, DeformStrategy::kRefit, testing::waved(sheet.vertices, 0.2, 1));
+  const Shape cloth = Shape::deformable(deformable.snapshot());
+  int cut = 0;
+  for (int i = 0; i < casesToAsk(40); ++i) {
+    const Pose X{random.rotation(), random.uniform(0.3, 0.8) * random.direction()};
+    DistanceRequest request;
+    request.depth = false;
+    Scratch whole, scratch;
+    const DistanceResult truth = distance(rigid, X, cloth, {}, request, whole);
+    request.node_limit = 60;
+    Work work;
+    countInto(scratch, work);
+    const DistanceResult limited = distance(rigid, X, cloth, {}, request, scratch);
+    ASSERT_LE(limited.distance.lower, truth.distance.upper) << oracle::replay(X);
+    ASSERT_GE(limited.distance.upper, truth.distance.lower) << oracle::replay(X);
+    ASSERT_LT(work.done, 100'000) << oracle::replay(X);
+    cut += limited.status == DistanceStatus::kLimit ? 1 : 0;
+  }
+  EXPECT_GT(cut, casesToAsk(40) / 4);
 }
 
 TEST(DeformablePairs, SelfDistanceAsByBruteForce) {
