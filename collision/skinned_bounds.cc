@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "collision/fetch_lines.h"
 #include "collision/motion_input.h"
 #include "collision/round_box.h"
 #include "leeway/collision/tolerances.h"
@@ -220,6 +221,7 @@ void SkinnedBounds::bound(std::int32_t node, std::span<const double> parameters,
 void SkinnedBounds::displacement(std::int32_t node, std::span<const double> from,
                                  std::span<const double> to, double /*rounding*/,
                                  WideBox& box) const {
+  fetch(node + kNodesAhead);
   boundBy(node, to, from, box);
 }
 
@@ -227,6 +229,14 @@ void SkinnedBounds::displacement(std::int32_t node, std::span<const double> from
 double SkinnedBounds::displacementRounding(std::span<const double> /*from*/,
                                            std::span<const double> /*to*/) const {
   return 0;
+}
+
+void SkinnedBounds::fetch(std::int32_t node) const {
+  const auto n = static_cast<std::size_t>(node);
+  if (n >= rest_.size()) return;
+  fetchLines(&rest_[n], sizeof(SkinRest));
+  const std::int32_t begin = first_part_[n], end = first_part_[n + 1];
+  fetchLines(parts_.data() + begin, static_cast<std::size_t>(end - begin) * sizeof(SkinPart));
 }
 
 void SkinnedBounds::boundBy(std::int32_t node, std::span<const double> to,

@@ -30,6 +30,8 @@ class SkinnedBounds final : public NodeBounds {
   /// By the matrices `to`, or by what they are more than `from` where that is not empty.
   void boundBy(std::int32_t node, std::span<const double> to, std::span<const double> from,
                WideBox& box) const;
+  /// Starts to bring near what the node's boxes are made from.
+  void fetch(std::int32_t node) const;
   void addParts(const SkinnedVertices& motion, const DeformTree& tree, std::int32_t node);
   void fitGradients(const SkinnedVertices& motion, std::span<const std::int32_t> vertices, int lane,
                     std::span<SkinPart> parts) const;
