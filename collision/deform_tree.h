@@ -39,6 +39,8 @@ struct FloatBox {
 class DeformTree {
  public:
   DeformTree() = default;
+  DeformTree(const DeformTree&) = delete;
+  DeformTree& operator=(const DeformTree&) = delete;
   /// A copy whose arrays stand there.
   DeformTree(const DeformTree& other, std::pmr::memory_resource* memory);
 
@@ -174,21 +176,26 @@ class DeformTree {
   };
   static std::uint64_t nextId();
 
-  std::pmr::vector<Node> nodes_;
-  std::pmr::vector<Up> up_;
-  std::pmr::vector<std::int32_t> leaf_begin_, leaf_end_;  // one a node: leaves below it
-  std::pmr::vector<Leaf> leaves_;
-  std::pmr::vector<std::int32_t> leaf_vertices_;
-  std::pmr::vector<Refit> refits_;
-  std::pmr::vector<std::int32_t> refit_vertices_;
-  std::pmr::vector<std::uint8_t> refit_corners_;
-  std::pmr::vector<Branch> branches_;
-  std::pmr::vector<Row> rows_;
-  std::pmr::vector<Runs> runs_;  // one a node of a branch; empty for the roots
-  std::pmr::vector<std::int32_t> fours_, singles_;
-  std::pmr::vector<std::int32_t> slot_of_;
+  // Not the default resource: an embedding program may have made that one of a single thread, and
+  // who gives a hierarchy up last may be any.
+  static std::pmr::memory_resource* plain() { return std::pmr::new_delete_resource(); }
+
+  std::pmr::vector<Node> nodes_{plain()};
+  std::pmr::vector<Up> up_{plain()};
+  std::pmr::vector<std::int32_t> leaf_begin_{plain()},
+      leaf_end_{plain()};  // leaves below each node
+  std::pmr::vector<Leaf> leaves_{plain()};
+  std::pmr::vector<std::int32_t> leaf_vertices_{plain()};
+  std::pmr::vector<Refit> refits_{plain()};
+  std::pmr::vector<std::int32_t> refit_vertices_{plain()};
+  std::pmr::vector<std::uint8_t> refit_corners_{plain()};
+  std::pmr::vector<Branch> branches_{plain()};
+  std::pmr::vector<Row> rows_{plain()};
+  std::pmr::vector<Runs> runs_{plain()};  // one a node of a branch; empty for the roots
+  std::pmr::vector<std::int32_t> fours_{plain()}, singles_{plain()};
+  std::pmr::vector<std::int32_t> slot_of_{plain()};
   std::uint64_t id_ = nextId();  // read with what stands beside it
-  std::pmr::vector<Slot> slots_;
+  std::pmr::vector<Slot> slots_{plain()};
   std::int32_t upper_count_ = 0;
 };
 

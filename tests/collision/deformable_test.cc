@@ -3,6 +3,7 @@
 #include <atomic>
 #include <cmath>
 #include <limits>
+#include <memory_resource>
 #include <mutex>
 #include <thread>
 
@@ -166,6 +167,27 @@ TEST(Deformable, UpdatesAndQueriesAllocateNothingInSteadyState) {
     }
     EXPECT_LE(deformable.bytes(), 4000 * static_cast<std::size_t>(mesh->vertexCount()));
   }
+}
+
+TEST(Deformable, TakesNothingFromTheDefaultResource) {
+  // An embedding program's own, which need not stand several threads.
+  std::pmr::memory_resource* const before =
+      std::pmr::set_default_resource(std::pmr::null_memory_resource());
+  const Sheet sheet = testing::cloth(24);
+  const auto mesh = DeformableMesh::make(sheet.vertices, sheet.triangles);
+  for (const DeformStrategy strategy : {DeformStrategy::kRebuild, DeformStrategy::kRebuildLinear,
+                                        DeformStrategy::kRestructure, DeformStrategy::kLazy}) {
+    DeformOptions options;
+    options.strategy = strategy;
+    EXPECT_NO_THROW({
+      Deformable deformable(mesh, nullptr, options);
+      const auto vertices = testing::waved(sheet.vertices, 0.4, 1);
+      EXPECT_EQ(deformable.update(vertices, 1), UpdateStatus::kUpdated);
+      Scratch scratch;
+      prepare(scratch, *deformable.snapshot());
+    }) << toString(strategy);
+  }
+  std::pmr::set_default_resource(before);
 }
 
 TEST(Deformable, SnapshotsOutliveTheirOwner) {
