@@ -17,14 +17,21 @@ namespace leeway::collision {
 // of their size, and so do r; r^2 / (|v| + l) by 40 u s, with the bends' products 68 u s of each of
 // A, B and the depth, whose sizes' sum is less than 2 L; centres err by 8 u L, times the
 // directions' difference 16 u s L. In all less than 160 u s L. What corners that differ add besides
-// is 20 u of the shares' difference times M and 4 u of the centres'. `moved` stands beside u L in
-// all of these.
+// is 20 u of the shares' difference times M and 4 u of the centres'. `moved`, which is all that
+// corners are off by besides, counts 5 s times for each of A, B and the depth at the most: once for
+// r^2 / (|v| + l), whose slope is the angle between v and e, three times for r^2 / g, and once for
+// the centres.
 
 namespace {
 
 constexpr int kNext[3] = {1, 2, 0};
 // How much of the corners' margins t n^2 may take, of A and B each.
 constexpr double kShareOfMargin = 0.1;
+// What M x of a corner errs by [units of roundoff of a core's size]: entries of X_BA that are
+// rounded once 2, their products and sums 5, M 1.
+constexpr double kCornerRounding = 8;
+// Three vectors whose middle is no longer than so many times what they err by have no direction.
+constexpr double kLostBelow = 16;
 
 void addSquares(const Vector (&v)[3], double factor, Form<double>& form) {
   form.p00 += factor * v[0].squaredNorm();
@@ -59,15 +66,15 @@ double at(const double (&values)[3], const double (&mu)[3]) {
 
 }  // namespace
 
-// |v| less the part along the middle; false where the direction is lost.
-bool CellBound::split(const Vector (&v)[3], double size, Round& round, double (&beyond)[3]) {
+// |v| less the part along the middle; false where the direction is lost: v may be off by `doubt`.
+bool CellBound::split(const Vector (&v)[3], double doubt, Round& round, double (&beyond)[3]) {
   constexpr double kThird = 1.0 / 3;
   const Vector middle = kThird * (v[0] + v[1] + v[2]);
   const double length = middle.norm();
-  if (!(length > size)) return false;
+  if (!(length > kLostBelow * doubt)) return false;
   const Vector e = middle / length;
   round.r_squared = 0;
-  double largest = 0;
+  double largest = 0, shortest = std::numeric_limits<double>::infinity();
   for (int i = 0; i < 3; ++i) {
     const double along = e.dot(v[i]);
     round.along[i] = along;
@@ -77,8 +84,11 @@ bool CellBound::split(const Vector (&v)[3], double size, Round& round, double (&
     beyond[i] = along > 0 ? r_squared / (whole + along) : whole - along;
     round.r_squared = std::max(round.r_squared, r_squared);
     if (squared > 0) largest = std::max(largest, r_squared / squared);
+    shortest = std::min(shortest, squared);
   }
   angle_ = std::max(angle_, std::sqrt(largest));
+  // (Of short ones that angle itself is known badly.)
+  slack_ += 4 * doubt * (shortest > doubt * doubt ? doubt / std::sqrt(shortest) : 1);
   return true;
 }
 
@@ -87,13 +97,17 @@ bool CellBound::addDepth(double depth) {
   double beyond[3];
   const Vector x[3] = {shorter_[0] * corners_[0].x, shorter_[1] * corners_[1].x,
                        shorter_[2] * corners_[2].x};
-  if (!split(x, 0, round, beyond)) return false;
   for (int i = 0; i < 3; ++i) {
     const int j = kNext[i];
     const Vector centers = corners_[i].center - corners_[j].center;
     between_[i] -= 0.5 * (x[i] - x[j]).dot(centers);
     difference_ = std::max(difference_, centers.cwiseAbs().sum());
   }
+  if (!(depth > 0)) {
+    addRound(x, {-depth, -depth, -depth}, 1, 0);
+    return true;
+  }
+  if (!split(x, 0, round, beyond)) return false;
   // |x| <= (1 / k + k) / 2 l + r^2 / (2 k min l), with k^2 = 1 + R^2 / (2 l^2).
   const double nearest = std::min({round.along[0], round.along[1], round.along[2]});
   if (!(nearest > 0)) return false;
@@ -104,19 +118,43 @@ bool CellBound::addDepth(double depth) {
   return true;
 }
 
-void CellBound::addRound(int k) {
-  Round& round = round_[rounds_];
-  double beyond[3];
-  Vector v[3];
+// What |M x| exceeds r |x| by is x' (M^2 - r^2) x / (|M x| + r |x|), whose denominator is less than
+// the sum of r and the longest axis where |x| is less than it is at the corners: a quadratic form.
+void CellBound::addBall(int k) {
+  const NearlyBall& ball = balls_[k];
+  double longest = 0;
+  Vector w[3];
   for (int i = 0; i < 3; ++i) {
-    round.share[i] = corners_[i].share[k];
+    const Vector v = shorter_[i] * corners_[i].scaled[k];
+    const double length = shorter_[i] * corners_[i].x.norm();
+    w[i] = ball.spread.cwiseProduct(v);
+    at_[i] -= w[i].squaredNorm() / (v.norm() + ball.radius * length);
+    longest = std::max(longest, length);
+  }
+  addSquares(w, 1 / (ball.sum * longest * kGrowthOutwards), form_);
+}
+
+void CellBound::addRound(int k) {
+  Vector v[3];
+  double share[3];
+  for (int i = 0; i < 3; ++i) {
+    share[i] = corners_[i].share[k];
     v[i] = shorter_[i] * corners_[i].scaled[k];
   }
-  if (!(std::max({round.share[0], round.share[1], round.share[2]}) > 0)) return;
-  if (!split(v, 1e-12 * sizes_[k], round, beyond)) {
+  if (!(std::max({share[0], share[1], share[2]}) > 0)) return;
+  addRound(v, share, sizes_[k],
+           sizes_[k] * (kCornerRounding * kUnitRoundoff + moved_ * (kUnitRoundoff / roundoff_)));
+}
+
+void CellBound::addRound(const Vector (&v)[3], const double (&share)[3], double size,
+                         double doubt) {
+  Round& round = round_[rounds_];
+  double beyond[3];
+  for (int i = 0; i < 3; ++i) round.share[i] = share[i];
+  if (!split(v, doubt, round, beyond)) {
     // (0 is a bound, too.)
     for (int i = 0; i < 3; ++i) at_[i] -= round.share[i] * v[i].norm();
-    slack_ += 64 * (roundoff_ + moved_) * (sizes_[k] / (roundoff_ / kUnitRoundoff));
+    slack_ += doubt;
     return;
   }
   const double nearest = std::min({round.along[0], round.along[1], round.along[2]}),
@@ -128,7 +166,7 @@ void CellBound::addRound(int k) {
     const double difference = round.share[i] - round.share[j];
     at_[i] -= round.share[i] * beyond[i];
     between_[i] -= 0.5 * difference * (round.along[i] - round.along[j]);
-    difference_ = std::max(difference_, std::abs(difference) * sizes_[k]);
+    difference_ = std::max(difference_, std::abs(difference) * size);
     round.g[i] = constant > 0 ? constant : 2 * round.along[i] + 0.5 * round.r_squared / nearest;
   }
   ++rounds_;
@@ -191,10 +229,14 @@ bool CellBound::proves(const double (&margins)[3], double depth) {
     at_[i] = shorter_[i] * margins[i];
   }
   slack_ = 0.25 * roundoff_;
-  if (!addDepth(depth)) return false;
-  for (int k = 0; k < 2; ++k) addRound(k);
-  slack_ +=
-      (256 * angle_ + 32 * (difference_ / (roundoff_ / kUnitRoundoff))) * (roundoff_ + moved_);
+  double rest = depth;
+  for (int k = 0; k < 2; ++k) {
+    if (isBall(k)) rest -= balls_[k].radius;
+  }
+  if (!addDepth(rest)) return false;
+  for (int k = 0; k < 2; ++k) isBall(k) ? addBall(k) : addRound(k);
+  slack_ += angle_ * (256 * roundoff_ + 16 * moved_) +
+            32 * (difference_ / (roundoff_ / kUnitRoundoff)) * (roundoff_ + moved_);
   form_.p00 += at_[0] - slack_;
   form_.p11 += at_[1] - slack_;
   form_.p22 += at_[2] - slack_;

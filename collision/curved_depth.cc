@@ -40,6 +40,9 @@ constexpr double kRoughDepth = 1e-6;
 constexpr double kNearestStiffnesses[] = {0, 1e-4, 1};
 // More than matrices of rotations that were rounded once move points [units of roundoff].
 constexpr double kMostMoved = 64;
+// Ellipsoids whose axes differ by no more than this share are looked at as balls first; any is
+// right.
+constexpr double kSlightlyLonger = 1e-2;
 // So that points of a cap are in it, rounding included.
 constexpr double kInwards = 1 - 0x1p-50;
 // See CurvedFaces: less is lost in rounding.
@@ -98,6 +101,9 @@ class CurvedDepth {
   void setDepth();
   bool search();
   bool proves(Cell& cell);
+  bool provesBalls(const CurvedCorner<Vector> (&corners)[3], const double (&margins)[3],
+                   double depth) const;
+  double bentAlong(const Node& from, const Node& to) const;
   void claim();
 
   Difference<false>& difference_;
@@ -106,6 +112,8 @@ class CurvedDepth {
   const double roundoff_;
   CurvedFaces faces_, exact_faces_;
   double sizes_[2];
+  NearlyBall balls_[2];
+  bool has_balls_ = false;
   const std::int64_t work_per_step_;
   const std::int64_t node_work_;
   std::int64_t work_left_;
@@ -131,7 +139,20 @@ CurvedDepth::CurvedDepth(Difference<false>& difference, Progress& progress,
       sizes_{faces_.semiAxes(0).maxCoeff(), faces_.semiAxes(1).maxCoeff()},
       work_per_step_(sharp == nullptr ? kWorkPerStep : kSharpWorkPerStep),
       node_work_(faces_.hasHull() ? kHullWork : 1),
-      work_left_(work_per_step_ * progress.query().request.iteration_limit) {}
+      work_left_(work_per_step_ * progress.query().request.iteration_limit) {
+  for (int k = 0; k < 2; ++k) {
+    if (faces_.view(k).core != Core::kEllipsoid) continue;
+    const Vector& m = faces_.semiAxes(k);
+    const double least = m.minCoeff(), most = m.maxCoeff();
+    if (!(most - least <= kSlightlyLonger * least && least > 0)) continue;
+    balls_[k].radius = least;
+    balls_[k].sum = least + most;
+    for (int i = 0; i < 3; ++i) {
+      balls_[k].spread[i] = std::sqrt((m[i] - least) * (m[i] + least)) / m[i];
+    }
+    has_balls_ = true;
+  }
+}
 
 Node CurvedDepth::nodeAt(const Vector& x) {
   Node node;
@@ -142,9 +163,9 @@ Node CurvedDepth::nodeAt(const Vector& x) {
   if (support < wanted_) look(face.e);
   // Less than the depth it may be far from an edge, where more of the piece that is farther is
   // needed, or close to a place on it that is nearer than the depth.
-  double stiffness = depth_.high;
-  for (int i = 0; i < kStiffnesses; ++i, stiffness *= 4) {
-    const Vector y = faces_.blend(face, stiffness, node.choice);
+  double times = 1;
+  for (int i = 0; i < kStiffnesses; ++i, times *= 4) {
+    const Vector y = faces_.blend(face, depth_.high, times, node.choice);
     if (face.e.dot(y) >= wanted_) break;
     if (i > 0) continue;
     lookBelow(face.e);
@@ -180,14 +201,14 @@ void CurvedDepth::fill(Node& node) const {
 // double may not be, nor one that treats pieces evenly which are all but parallel.
 void CurvedDepth::settle(Node& node) {
   const CurvedFace face = faces_.along(node.x);
-  double stiffness = depth_.high;
+  double times = 1;
   for (int i = 0; i <= 2 * kStiffnesses; ++i) {
     --work_left_;
     if (i == 2 * kStiffnesses) {
       faces_.support(face, node.choice);
     } else {
-      (i % 2 == 0 ? exact_faces_ : faces_).blend(face, stiffness, node.choice);
-      if (i % 2 != 0) stiffness *= 4;
+      (i % 2 == 0 ? exact_faces_ : faces_).blend(face, depth_.high, times, node.choice);
+      if (i % 2 != 0) times *= 4;
     }
     fill(node);
     sharpen(node);
@@ -251,7 +272,7 @@ void CurvedDepth::setDepth() {
   // Once more, so that what has been kept before does not move it.
   for (int i = 0; i < 2; ++i) {
     CurvedChoice choice;
-    faces_.blend(faces_.along(-progress_.normal()), reach_, choice);
+    faces_.blend(faces_.along(-progress_.normal()), reach_, 1, choice);
     faces_.keepNear(choice);
   }
   depth_ = depth;
@@ -290,7 +311,7 @@ Vector CurvedDepth::stepOnto(const CurvedFace& face, const CurvedEdge* edge, int
 // the direction belongs to (what may still be moved between two pieces), if it does to any.
 Vector CurvedDepth::stepFrom(const CurvedFace& face, CurvedEdge* edge, int& edges) const {
   CurvedChoice choice;
-  const Vector y = faces_.blend(face, std::max(std::abs(reach_), stiff_), choice);
+  const Vector y = faces_.blend(face, std::max(std::abs(reach_), stiff_), 1, choice);
   const Vector& e = face.e;
   const double reach = e.dot(y);
   // Along v and w: second derivatives of the support less the distance.
@@ -381,6 +402,14 @@ void CurvedDepth::lookBelow(const Vector& e) {
   }
 }
 
+// With nearly balls taken apart, if there are any.
+bool CurvedDepth::provesBalls(const CurvedCorner<Vector> (&corners)[3], const double (&margins)[3],
+                              double depth) const {
+  if (!has_balls_) return false;
+  const double moved = sharp_ == nullptr ? 0 : sharp_->moved();
+  return CellBound(corners, sizes_, roundoff_, moved, balls_).proves(margins, depth);
+}
+
 // Rounding of a cell's bound, in units of u L with u = kUnitRoundoff and L = extent A + extent B +
 // |t|; directions are exact and no longer than 1. Centres err by 8 at most, and M x by 5; x . C by
 // 11, each of the two products of a round part by 20 with what its unit vector lacks, that of the
@@ -398,6 +427,7 @@ bool CurvedDepth::proves(Cell& cell) {
     for (int i = 0; i < 3; ++i) {
       margins[i] = node[i].value - plain_depth_ * node[i].length - kCellRounding * roundoff_;
     }
+    if (provesBalls(corners, margins, plain_depth_)) return true;
     CellBound bound(corners, sizes_, roundoff_, moved);
     if (bound.proves(margins, plain_depth_)) return true;
     if (sharp_ == nullptr) {
@@ -409,6 +439,7 @@ bool CurvedDepth::proves(Cell& cell) {
     if (!node[i].sharp) sharpen(node[i]);
     margins[i] = (node[i].sharp_value - depth_ * node[i].sharp_length).high;
   }
+  if (provesBalls(corners, margins, depth_.high)) return true;
   CellBound bound(corners, sizes_, roundoff_, moved);
   if (bound.proves(margins, depth_.high)) return true;
   bool again = false;
@@ -463,7 +494,7 @@ void CurvedDepth::claim() {
   const double wide = std::max(reach_ - depth_.high, 0.0);
   CurvedChoice choice;
   Vector a, other_a;
-  faces_.blend(face, reach_, choice);
+  faces_.blend(face, reach_, 1, choice);
   Vector w = memberOf(face, choice, wide, a);
   faces_.support(face, choice);
   const Vector other = memberOf(face, choice, wide, other_a);
@@ -522,7 +553,7 @@ double CurvedDepth::offerNearest(const CurvedFace& face, const CurvedChoice& cho
 double CurvedDepth::offerNearest(const Vector& e) {
   const CurvedFace face = faces_.along(e);
   CurvedChoice choice;
-  faces_.blend(face, std::max(std::abs(reach_), stiff_), choice);
+  faces_.blend(face, std::max(std::abs(reach_), stiff_), 1, choice);
   const double apart = offerNearest(face, choice);
   if (!meetsCap(face, 0, 0) && !meetsCap(face, 1, 0)) return apart;
   faces_.support(face, choice);
@@ -605,6 +636,23 @@ bool CurvedDepth::run() {
   return proven;
 }
 
+// About what a cell's bound errs by along an edge, but for a factor: of each |v| the fourth power
+// of the angle that v turns by. Ellipsoids like needles turn theirs in directions across them
+// within a strip as narrow as they are thin, along which cells may be long.
+double CurvedDepth::bentAlong(const Node& from, const Node& to) const {
+  const auto bent = [](double share, const Vector& v, const Vector& w) {
+    const double way = (v - w).norm(), length = std::max(v.norm(), w.norm());
+    const double turn = length > way ? way / length : 1;
+    return share * way * (turn * turn * turn);
+  };
+  double sum = bent(depth_.high, from.x, to.x);
+  for (int k = 0; k < 2; ++k) {
+    const double share = std::max(from.corner.share[k], to.corner.share[k]);
+    if (share > 0) sum += bent(share, from.corner.scaled[k], to.corner.scaled[k]);
+  }
+  return sum;
+}
+
 bool CurvedDepth::search() {
   reach_ = -(progress_.lower() + progress_.query().lower_offset);
   if (!(reach_ > 0)) return false;
@@ -640,12 +688,12 @@ bool CurvedDepth::search() {
     }
     if (again) continue;
     if (cell.halvings == kMostHalvings) return false;
-    // Halved across its longest edge: from corner i to corner j.
+    // Halved across the edge along which its bound errs most: from corner i to corner j.
     int i = 0, j = 1;
-    double longest = -1;
+    double most = -1;
     for (int k = 0; k < 3; ++k) {
-      const double squared = (cell.node[k].x - cell.node[(k + 1) % 3].x).squaredNorm();
-      if (squared > longest) longest = squared, i = k, j = (k + 1) % 3;
+      const double bent = bentAlong(cell.node[k], cell.node[(k + 1) % 3]);
+      if (bent > most) most = bent, i = k, j = (k + 1) % 3;
     }
     const Node middle = nodeAt(0.5 * (cell.node[i].x + cell.node[j].x));
     ++cell.halvings;

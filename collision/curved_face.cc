@@ -186,8 +186,8 @@ double CurvedFaces::bend(const CurvedFace& face, const CurvedChoice& choice, con
 }
 
 // The parameters' part of blend().
-void CurvedFaces::slide(const CurvedFace& face, double stiffness, CurvedChoice& choice,
-                        Vector& y) const {
+void CurvedFaces::slide(const CurvedFace& face, double stiffness, double times,
+                        CurvedChoice& choice, Vector& y) const {
   double* const parameter = choice.parameter;
   Vector beside[kMostCurvedParameters];
   double gain[kMostCurvedParameters], evenly[kMostCurvedParameters];
@@ -201,7 +201,8 @@ void CurvedFaces::slide(const CurvedFace& face, double stiffness, CurvedChoice& 
     const Vector way = beside[k] - against * beside[l];
     const double along = gain[k] - against * gain[l], squared = way.squaredNorm();
     const double stiff =
-        stiffness > 0 ? stiffness * squared + std::max(bend(face, choice, way, way), 0.0) : 0;
+        stiffness > 0 ? times * (stiffness * squared + std::max(bend(face, choice, way, way), 0.0))
+                      : 0;
     // (stiff / squared: a stiffness that the round parts' bend is added to.)
     double wanted = squared > 0 ? along * (stiff / squared) - way.dot(y) : along * stiffness;
     double per_step = squared + evenly[k];
@@ -239,17 +240,19 @@ void CurvedFaces::slide(const CurvedFace& face, double stiffness, CurvedChoice& 
 // The hull's part of blend(): the nearest points among few vertices, exactly, and the vertex that
 // gains most beside these, until none does (Wolfe 1976; Frank and Wolfe's steps take thousands
 // among the vertices of a needle). False when there was nothing to gain.
-bool CurvedFaces::mix(const CurvedFace& face, double stiffness, CurvedChoice& choice,
+bool CurvedFaces::mix(const CurvedFace& face, double stiffness, double times, CurvedChoice& choice,
                       Vector& y) const {
   if (!(stiffness > 0)) return false;
   const Vector& e = face.e;
   const Vector across = y - e.dot(y) * e;
   const double squared_across = across.squaredNorm();
-  const double bent =
-      squared_across > 0 ? std::max(bend(face, choice, across, across), 0.0) / squared_across : 0;
+  if (squared_across > 0) {
+    stiffness += std::max(bend(face, choice, across, across), 0.0) / squared_across;
+  }
+  stiffness *= times;
   bool gained = false;
   for (int step = 0; step < kMixSteps; ++step) {
-    Vector slope = (stiffness + bent) * e - (y - e.dot(y) * e);
+    Vector slope = stiffness * e - (y - e.dot(y) * e);
     const double length = slope.norm();
     if (!(length > 0)) break;
     slope /= length;
@@ -262,7 +265,7 @@ bool CurvedFaces::mix(const CurvedFace& face, double stiffness, CurvedChoice& ch
     choice.vertex[choice.mixed] = to;
     choice.weight[choice.mixed++] = 0;
     gained = true;
-    while (choice.mixed > 1 && weigh(face, stiffness + bent, choice, y)) {
+    while (choice.mixed > 1 && weigh(face, stiffness, choice, y)) {
     }
   }
   if (gained) roundWeights(choice);
@@ -307,7 +310,8 @@ bool CurvedFaces::weigh(const CurvedFace& face, double stiffness, CurvedChoice& 
   return true;
 }
 
-Vector CurvedFaces::blend(const CurvedFace& face, double stiffness, CurvedChoice& choice) const {
+Vector CurvedFaces::blend(const CurvedFace& face, double stiffness, double times,
+                          CurvedChoice& choice) const {
   support(face, choice);
   Vector y = face.base;
   for (int k = 0; k < parameters_; ++k) y += choice.parameter[k] * face.way[k];
@@ -315,8 +319,8 @@ Vector CurvedFaces::blend(const CurvedFace& face, double stiffness, CurvedChoice
   const int several = evenly_ > 0 ? kRounds : kMoreRounds;
   const int rounds = parameters_ + (hull_ >= 0 ? 1 : 0) > 1 ? several : 1;
   for (int i = 0; i < rounds; ++i) {
-    slide(face, stiffness, choice, y);
-    if (hull_ >= 0 && !mix(face, stiffness, choice, y)) break;
+    slide(face, stiffness, times, choice, y);
+    if (hull_ >= 0 && !mix(face, stiffness, times, choice, y)) break;
   }
   return y;
 }

@@ -39,6 +39,23 @@ bool stoppedByRounding(const DistanceResult& result, const DistanceRequest& requ
          size >= kSmallestScale && size <= kLargestScale;
 }
 
+// An ellipsoid whose semi-axes differ by a small part of the tolerance is a ball that stands out a
+// little: about a middle that two such share, or one and another body, the way out is as long in
+// all directions, and no search for the nearest one comes to an end. Thresholds are compared with
+// the shape itself. The extent stays: what a matrix that is no rotation makes of an ellipsoid.
+ConvexView ballOr(ConvexView view, const DistanceRequest& request) {
+  if (view.core != Core::kEllipsoid) return view;
+  const double least = view.size.minCoeff(), beyond = view.size.maxCoeff() - least;
+  const bool nearly = std::isnan(request.threshold) && beyond <= kBallShare * request.tolerance &&
+                      beyond <= kNearlyBall * least;
+  if (!(beyond == 0 || nearly)) return view;
+  view.core = Core::kPoint;
+  view.size.setZero();
+  view.radius = least;
+  view.excess = beyond * kOutwards;
+  return view;
+}
+
 void forgetPoints(DistanceResult& result) {
   result.point_a.setZero();
   result.point_b.setZero();
@@ -116,7 +133,7 @@ DistanceResult generalDistance(const Shape& a, const Pose& X_WA, const Shape& b,
   }
   const RelativePose relative = relativePose(X_WA, X_WB);
   if (!relative.valid) return {};
-  const ConvexView view_a = viewOf(a), view_b = viewOf(b);
+  const ConvexView view_a = ballOr(viewOf(a), request), view_b = ballOr(viewOf(b), request);
   const Vector& t = relative.X_BA.translation;
   // (Squares of the smallest numbers are 0.)
   double translation = t.norm();

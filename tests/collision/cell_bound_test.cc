@@ -23,7 +23,7 @@ constexpr ShapeType kAny[] = {ShapeType::kCapsule,  ShapeType::kBox,  ShapeType:
 
 CurvedCorner<Vector> cornerAt(const CurvedFaces& faces, const Pose& X_BA, const Vector3d& x,
                               double depth, CurvedChoice& choice) {
-  faces.blend(faces.along(x), depth, choice);
+  faces.blend(faces.along(x), depth, 1, choice);
   double of_a[3], of_b[3];
   faces.center(0, choice, of_a);
   faces.center(1, choice, of_b);
@@ -54,14 +54,35 @@ DoubleDouble valueAt(const CurvedFaces& faces, const SharpDifference& sharp, con
   return value;
 }
 
+Shape nearlyBall(Random& random) {
+  const double r = random.uniform(0.1, 1), longer = random.logUniform(1e-16, 1e-2);
+  return Shape::ellipsoid({r, r * (1 + longer), r * (1 + random.unit() * longer)});
+}
+
+NearlyBall partOf(const Shape& shape) {
+  NearlyBall ball;
+  if (shape.type() != ShapeType::kEllipsoid) return ball;
+  const Vector3d m = shape.halfExtents();
+  const double r = m.minCoeff();
+  if (m.maxCoeff() > 1.01 * r) return ball;
+  ball.radius = r;
+  ball.sum = r + m.maxCoeff();
+  ball.spread = ((m.array() - r) * (m.array() + r)).sqrt() / m.array();
+  return ball;
+}
+
 // What it says of a cell, and the support function itself in many of its directions, to twice the
 // precision; cells lie in valleys, and depths are about what is there.
 TEST(CellBound, WhatIsProvenHoldsInEveryDirection) {
   Random random(171);
-  int proven = 0, refused = 0, gained = 0, hulls = 0;
+  int proven = 0, refused = 0, gained = 0, hulls = 0, balls_proven = 0;
   for (int i = 0; i < casesToAsk(4000); ++i) {
     Shape a = oracle::randomShape(random, kRound[random.below(3)], Flavour::kPlain);
     Shape b = oracle::randomShape(random, kAny[random.below(6)], Flavour::kPlain);
+    // Nearly balls, taken apart in every second case.
+    const bool nearly = random.chance(0.3);
+    if (nearly) a = nearlyBall(random);
+    if (nearly && random.chance(0.5)) b = nearlyBall(random);
     if (random.chance(0.5)) std::swap(a, b);
     const ConvexView view_a = viewOf(a), view_b = viewOf(b);
     const Pose X_WA{random.rotation(), random.direction()};
@@ -82,7 +103,7 @@ TEST(CellBound, WhatIsProvenHoldsInEveryDirection) {
       nearest = Vector3d(nearest - 0.5 / (1 + k) / size * slope).normalized();
     }
     CurvedChoice choice;
-    const double reach = nearest.dot(faces.blend(faces.along(nearest), 0.3 * size, choice));
+    const double reach = nearest.dot(faces.blend(faces.along(nearest), 0.3 * size, 1, choice));
     if (!(reach > 1e-3 * size)) continue;
     const double width = random.logUniform(1e-4, 0.3);
     CurvedCorner<Vector> corners[3];
@@ -101,11 +122,15 @@ TEST(CellBound, WhatIsProvenHoldsInEveryDirection) {
           (valueAt(faces, sharp, x[k], choices[k]) - depth * norm(sharp.inWorld(x[k]))).high;
     }
     const double sizes[2] = {view_a.extent, view_b.extent};
-    if (!CellBound(corners, sizes, roundoff, sharp.moved()).proves(margins, depth)) {
+    const NearlyBall parts[2] = {partOf(a), partOf(b)};
+    const bool taken_apart = nearly && i % 2 == 0;
+    const NearlyBall* const balls = taken_apart ? parts : nullptr;
+    if (!CellBound(corners, sizes, roundoff, sharp.moved(), balls).proves(margins, depth)) {
       ++refused;
       continue;
     }
     ++proven;
+    balls_proven += taken_apart;
     hulls += view_a.core == Core::kPoints || view_b.core == Core::kPoints;
     gained += !provesCell(corners, sizes, depth, 128 * roundoff);
     for (int k = 0; k < 60; ++k) {
@@ -120,6 +145,7 @@ TEST(CellBound, WhatIsProvenHoldsInEveryDirection) {
   EXPECT_GT(refused, casesToAsk(500));
   EXPECT_GE(gained, casesToAsk(5));
   EXPECT_GT(hulls, casesToAsk(50));
+  EXPECT_GT(balls_proven, casesToAsk(50));
 }
 
 }  // namespace

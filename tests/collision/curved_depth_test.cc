@@ -755,6 +755,121 @@ TEST(CurvedDepth, SwappedIsTheSame) {
   }
 }
 
+// Needles about the axis or the middle of another body: their support turns in a strip of
+// directions as narrow as they are thin, which cells have to follow all around. And ellipsoids that
+// are balls, exactly or nearly: as far in all directions.
+Pair revolvedPair(Random& random) {
+  const auto body = [&]() -> Shape {
+    const double r = random.chance(0.3) ? 1e-3 : random.uniform(0.05, 1);
+    const double h = random.chance(0.1) ? r : random.uniform(0.05, 1);
+    switch (random.below(6)) {
+      case 0:
+        return Shape::cylinder(r, h);
+      case 1:
+        return Shape::cone(r, h);
+      case 2:
+        return Shape::capsule(r, h);
+      default:
+        return Shape::ellipsoid({r, r, h});
+    }
+  };
+  Pair pair{body(), body(), {random.rotation(), random.direction()}, {}};
+  pair.X_WB = pair.X_WA;
+  if (random.chance(0.5)) {
+    pair.X_WB.translation += random.uniform(-0.1, 0.1) * pair.X_WA.rotation.col(2);
+  }
+  if (random.chance(0.3)) {
+    pair.X_WB.translation += random.logUniform(1e-17, 1e-3) * random.direction();
+  }
+  return pair;
+}
+
+TEST(CurvedDepth, BodiesOfRevolutionAboutOneAxis) {
+  Random random(93);
+  Scratch scratch;
+  int round = 0;
+  for (int i = 0; i < casesToAsk(100); ++i) {
+    const Pair pair = revolvedPair(random);
+    const double size = Known{pair, 0}.size();
+    DistanceRequest request;
+    request.tolerance = 1e-9 * size;
+    const DistanceResult r =
+        distance(pair.a, pair.X_WA, pair.b, pair.X_WB, request, scratch, nullptr);
+    EXPECT_EQ(r.status, DistanceStatus::kConverged) << pair.replay();
+    if (!(r.distance.upper < 0)) continue;
+    ++round;
+    EXPECT_NEAR(apartAlong(pair, r.normal), r.distance.lower, 1e-9 * size) << pair.replay();
+    // No plane is nearer than the upper end says.
+    const Vector3d axis = pair.X_WA.rotation.col(2), beside = pair.X_WA.rotation.col(0);
+    for (int k = 0; k < 400; ++k) {
+      const double slope = k < 200 ? random.uniform(-3, 3) : random.logUniform(1e-6, 1);
+      const Vector3d n = ((k % 2 == 0 ? 1 : -1) * beside + slope * axis).normalized();
+      EXPECT_LE(apartAlong(pair, n), r.distance.upper + 1e-15 * size) << pair.replay();
+    }
+  }
+  EXPECT_GT(2 * round, casesToAsk(100));
+}
+
+// The first five were left wider than a millionth of their sizes at the default tolerance, the last
+// one, whose sides are as near as its ends, 7.5e-10 where 1e-14 was asked.
+TEST(CurvedDepth, NeedlesBallsAndSquareCylindersAboutOneAxis) {
+  const Pose X = pose({-0.31507064602784673, -0.60686138720999172, 0.72969154080690823,
+                       -0.015086613236279689, 0.77195585439248471, 0.635497091236638,
+                       -0.94894830318234624, 0.18921790502680613, -0.25237611278528793},
+                      {0, 0, 0});
+  const auto moved = [&](double along) {
+    Pose Y = X;
+    Y.translation += along * X.rotation.col(2);
+    return Y;
+  };
+  const Known all[] = {
+      known(Shape::ellipsoid({0.001, 0.001, 0.64}), X,
+            Shape::ellipsoid({0.30275767245658786, 0.30275767245658786, 0.96148927962106157}),
+            moved(0), 0),
+      known(Shape::cone(0.17006972413669696, 0.32011800272022006), X,
+            Shape::ellipsoid({0.001, 0.001, 0.79835642965015308}), moved(0.03), 0),
+      known(Shape::ellipsoid({0.001, 0.001, 0.76274573350781349}), X,
+            Shape::capsule(0.25381891528711292, 0.76637862464275408), moved(0), 0),
+      known(Shape::cylinder(0.001, 0.93273194305222629), X,
+            Shape::ellipsoid({0.001, 0.001, 0.81623647376668784}), moved(-0.05), 0),
+      known(Shape::ellipsoid({0.79993789038592122, 0.79993789038592122, 0.79993789038592122}), X,
+            Shape::ellipsoid(
+                {0.24128370174496533, 0.24128370174496533, 0.24128370174496533 * (1 + 1e-11)}),
+            moved(0), 0),
+      known(Shape::cylinder(0.095673037761012963, 0.095673037761012963), X,
+            Shape::cylinder(0.22722076389104978, 0.22722076389104978),
+            pose({-0.31507064602783869, -0.60686138720999117, 0.72969154080691223,
+                  -0.015086613236284071, 0.77195585439248759, 0.63549709123663445,
+                  -0.9489483031823488, 0.18921790502679667, -0.25237611278528527},
+                 {0, 0, 0}),
+            1e-14)};
+  expectDeepAndNarrow(all);
+}
+
+// An ellipsoid that is a ball, but for a hair or not even that, has a ball's distances.
+TEST(CurvedDepth, EllipsoidsThatAreBalls) {
+  Random random(94);
+  Scratch scratch;
+  for (int i = 0; i < casesToAsk(150); ++i) {
+    const double r = random.uniform(0.1, 1), s = random.uniform(0.1, 1);
+    const double more = random.chance(0.5) ? 0 : random.logUniform(1e-17, 1e-7);
+    const Shape a = Shape::ellipsoid({r, r * (1 + more), r}), b = Shape::ellipsoid({s, s, s});
+    const Pose X{random.rotation(), random.direction()};
+    Pose Y{random.rotation(), X.translation};
+    Y.translation += (random.chance(0.3) ? 0 : random.uniform(0, 3)) * random.direction();
+    const double apart = (Y.translation - X.translation).norm(), size = r + s + apart;
+    DistanceRequest request;
+    request.tolerance = (i % 2 == 0 ? 1e-9 : 1e-14) * size;
+    const DistanceResult d = distance(a, X, b, Y, request, scratch, nullptr);
+    // (The longer axis shortens what is apart by no more than it is longer.)
+    EXPECT_LE(d.distance.lower, apart - r - s + 1e-15 * size) << i;
+    EXPECT_GE(d.distance.upper, apart - r * (1 + more) - s - 1e-15 * size) << i;
+    if (more < 1e-17 + 0.1 * request.tolerance || apart > r + s + 1e-3) {
+      EXPECT_EQ(d.status, DistanceStatus::kConverged) << i << " " << more << " " << apart;
+    }
+  }
+}
+
 // One that is no number was none to the depth that is to be proven either: it stayed infinite, and
 // the upper end became that.
 TEST(CurvedDepth, ToleranceThatNothingMeetsLeavesTheTruth) {

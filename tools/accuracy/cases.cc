@@ -88,6 +88,26 @@ Shape largeHull(Random& random, int count) {
   return Shape::convexHull(std::span<const Vector3d>(points));
 }
 
+// One of revolution: about z, ellipsoids about any axis of theirs; needles, plates, and one in six
+// as long as wide, exactly or nearly, which makes balls of ellipsoids.
+Shape revolvedShape(Random& random) {
+  const auto size = [&] { return random.chance(0.15) ? 1e-3 : random.uniform(0.05, 1); };
+  const double r = size(), h = random.chance(0.17) ? r * (1 + hair(random)) : size();
+  switch (random.below(6)) {
+    case 0:
+      return Shape::cylinder(r, h);
+    case 1:
+      return Shape::cone(r, h);
+    case 2:
+      return Shape::capsule(r, h);
+    default: {
+      Vector3d axes(r, r, r);
+      axes[random.below(3)] = h;
+      return Shape::ellipsoid(axes);
+    }
+  }
+}
+
 }  // namespace
 
 Pool::Pool(Random& random) {
@@ -100,6 +120,7 @@ Pool::Pool(Random& random) {
   }
   for (std::size_t i = 0; i < kTypes; ++i) degenerate_[i] = degenerateShapes(kConvexTypes[i]);
   for (const int count : {64, 128, 256, 512}) large_.push_back(largeHull(random, count));
+  for (int i = 0; i < 24; ++i) revolved_.push_back(revolvedShape(random));
 }
 
 const Shape& Pool::pick(Random& random, std::size_t type, Flavour flavour) const {
@@ -156,6 +177,16 @@ void Pool::place(Random& random, Case& c) const {
           c.X_WA.translation + c.X_WA.rotation * (along * Vector3d::UnitZ() + beside);
       return;
     }
+    case Family::kRevolved: {
+      c.X_WB.rotation = c.X_WA.rotation;
+      if (random.chance(0.5)) c.X_WB.rotation *= quarterTurn(random);
+      c.X_WB.rotation *= turned(random.direction(), hair(random));
+      const Vector3d beside = hair(random) * size * random.direction();
+      const double along = random.chance(0.5) ? 0 : random.uniform(-0.3, 0.3) * size;
+      c.X_WB.translation =
+          c.X_WA.translation + c.X_WA.rotation * (along * Vector3d::Unit(random.below(3)) + beside);
+      return;
+    }
     case Family::kDeep:
       c.X_WB.rotation = random.rotation();
       c.X_WB.translation = c.X_WA.translation;
@@ -187,6 +218,10 @@ Case Pool::draw(Random& random, Family family, Scratch& scratch) const {
   c.family = family;
   c.a = &pick(random, type_a, family, false);
   c.b = family == Family::kTwin ? c.a : &pick(random, type_b, family, true);
+  if (family == Family::kRevolved) {
+    c.a = &revolved_[static_cast<std::size_t>(random.below(static_cast<int>(revolved_.size())))];
+    c.b = &revolved_[static_cast<std::size_t>(random.below(static_cast<int>(revolved_.size())))];
+  }
   if (random.chance(0.5)) std::swap(c.a, c.b);
   const double far = family == Family::kFar ? random.logUniform(1e3, 1e9) : 1;
   c.X_WA = {random.rotation(), far * random.direction()};

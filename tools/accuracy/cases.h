@@ -24,10 +24,11 @@ enum class Family {
   kDeep,        ///< centres near each other or the same
   kTwin,        ///< a shape with itself: the same pose, or turned, or moved along an axis
   kLarge,       ///< hulls of 64 to 512 vertices
+  kRevolved,    ///< bodies of revolution about one axis or one middle, exactly or nearly
 };
-constexpr std::array<const char*, 13> kFamilyNames = {
-    "plain", "near",       "parallel",   "coaxial", "sliver", "flat", "ratio",
-    "far",   "duplicates", "degenerate", "deep",    "twin",   "large"};
+constexpr std::array<const char*, 14> kFamilyNames = {
+    "plain", "near",       "parallel",   "coaxial", "sliver", "flat",  "ratio",
+    "far",   "duplicates", "degenerate", "deep",    "twin",   "large", "revolved"};
 
 struct Case {
   const collision::Shape* a = nullptr;
@@ -54,7 +55,7 @@ class Pool {
 
   std::vector<collision::Shape> shapes_;  // by type, flavour, number
   std::array<std::vector<collision::Shape>, kTypes> degenerate_;
-  std::vector<collision::Shape> large_;
+  std::vector<collision::Shape> large_, revolved_;
 };
 
 }  // namespace leeway::accuracy

@@ -29,6 +29,12 @@ inline constexpr double kSharpFrom = 1e-11;
 /// The same of an overlap: its search in twice the precision looks at more directions.
 inline constexpr double kSharpOverlapFrom = 1e-9;
 
+/// Share of the tolerance that the semi-axes of an ellipsoid may differ by for it to be taken for a
+/// ball: the rest is left for all else. It only widens intervals.
+inline constexpr double kBallShare = 0.125;
+/// ... and of the least of them, so that points and normals are no worse than elsewhere.
+inline constexpr double kNearlyBall = 1e-9;
+
 /// Largest departure ||R^T R - 1|| (Frobenius) of a matrix that is still taken for a rotation;
 /// above, a query is kInvalid. The departure itself always is part of the interval's width.
 inline constexpr double kRotationTolerance = 1e-6;
