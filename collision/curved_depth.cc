@@ -15,9 +15,10 @@ namespace {
 
 // Cells, directions and planes that one step of the caller's limit is worth [count]: with the
 // default of 256 some eighty milliseconds at the most; most queries take a hundredth. Where twice
-// the precision is asked for, valleys around an axis and needles take up to a second.
-constexpr std::int64_t kWorkPerStep = 512;
-constexpr std::int64_t kSharpWorkPerStep = 4096;
+// the precision is asked for, valleys around an axis and needles take up to a second, and two where
+// neither way of halving comes to an end.
+constexpr std::int64_t kWorkPerStep = 1024;
+constexpr std::int64_t kSharpWorkPerStep = 8192;
 // What a direction is worth where a hull's vertices are blended, too.
 constexpr std::int64_t kHullWork = 8;
 // Descents beside directions that are far enough out which found nothing, and after how many of
@@ -103,7 +104,8 @@ class CurvedDepth {
   bool proves(Cell& cell);
   bool provesBalls(const CurvedCorner<Vector> (&corners)[3], const double (&margins)[3],
                    double depth) const;
-  double bentAlong(const Node& from, const Node& to) const;
+  double bentAlong(const Node& from, const Node& to, bool edges) const;
+  bool provesAll(bool edges, std::int64_t spare);
   void claim();
 
   Difference<false>& difference_;
@@ -639,7 +641,7 @@ bool CurvedDepth::run() {
 // About what a cell's bound errs by along an edge, but for a factor: of each |v| the fourth power
 // of the angle that v turns by. Ellipsoids like needles turn theirs in directions across them
 // within a strip as narrow as they are thin, along which cells may be long.
-double CurvedDepth::bentAlong(const Node& from, const Node& to) const {
+double CurvedDepth::bentAlong(const Node& from, const Node& to, bool edges) const {
   const auto bent = [](double share, const Vector& v, const Vector& w) {
     const double way = (v - w).norm(), length = std::max(v.norm(), w.norm());
     const double turn = length > way ? way / length : 1;
@@ -650,6 +652,7 @@ double CurvedDepth::bentAlong(const Node& from, const Node& to) const {
     const double share = std::max(from.corner.share[k], to.corner.share[k]);
     if (share > 0) sum += bent(share, from.corner.scaled[k], to.corner.scaled[k]);
   }
+  if (edges) sum += (from.corner.center - to.corner.center).squaredNorm() / (8 * depth_.high);
   return sum;
 }
 
@@ -661,6 +664,12 @@ bool CurvedDepth::search() {
   look(-progress_.normal());
   // (Infinity: no plane has been asked, and nothing is to be proven.)
   if (!(depth_.high > 0 && std::isfinite(depth_.high)) || progress_.decided()) return false;
+  // (What the one way of halving spends itself on is most often nothing to the other.)
+  return provesAll(false, work_left_ / 2) || provesAll(true, 0);
+}
+
+// True when what is to be proven holds in all directions; no more work than leaves `spare`.
+bool CurvedDepth::provesAll(bool edges, std::int64_t spare) {
   Cell stack[8 + kMostHalvings];
   int count = 0;
   for (int octant = 0; octant < 8; ++octant) {
@@ -677,7 +686,7 @@ bool CurvedDepth::search() {
       --count;
       continue;
     }
-    if (work_left_ <= 0) return false;
+    if (work_left_ <= spare) return false;
     if (cell.halvings % kHalvingsPerLook == 0) rest_ = 0;
     // What was chosen beside an edge for a depth that was no bound is far from what is best there.
     bool again = false;
@@ -692,7 +701,7 @@ bool CurvedDepth::search() {
     int i = 0, j = 1;
     double most = -1;
     for (int k = 0; k < 3; ++k) {
-      const double bent = bentAlong(cell.node[k], cell.node[(k + 1) % 3]);
+      const double bent = bentAlong(cell.node[k], cell.node[(k + 1) % 3], edges);
       if (bent > most) most = bent, i = k, j = (k + 1) % 3;
     }
     const Node middle = nodeAt(0.5 * (cell.node[i].x + cell.node[j].x));
