@@ -20,7 +20,8 @@ namespace leeway::collision {
 // is 20 u of the shares' difference times M and 4 u of the centres'. `moved`, which is all that
 // corners are off by besides, counts 5 s times for each of A, B and the depth at the most: once for
 // r^2 / (|v| + l), whose slope is the angle between v and e, three times for r^2 / g, and once for
-// the centres.
+// the centres. (That angle is at most 1.5 s where v is not opposite to e; where it is the slope is
+// 2 at the most, which is counted by itself.)
 
 namespace {
 
@@ -85,6 +86,8 @@ bool CellBound::split(const Vector (&v)[3], double doubt, Round& round, double (
     round.r_squared = std::max(round.r_squared, r_squared);
     if (squared > 0) largest = std::max(largest, r_squared / squared);
     shortest = std::min(shortest, squared);
+    // (Opposite to e, |v| and e . v move against each other, however small the angle's sine.)
+    if (!(along > 0)) slack_ += 2 * doubt;
   }
   angle_ = std::max(angle_, std::sqrt(largest));
   // (Of short ones that angle itself is known badly.)

@@ -24,8 +24,8 @@ constexpr std::int64_t kHullWork = 8;
 // Descents beside directions that are far enough out which found nothing, and after how many of
 // these at the most the next is tried [count].
 constexpr int kLongestRest = 63;
-// Halvings of a face of the octahedron: its corners' coordinates are exact then, and cells that
-// share an edge leave nothing between them.
+// Halvings of a face of the octahedron: most corners' coordinates are exact then, and cells that
+// share an edge leave nothing between them. (A search ends at the first that is not.)
 constexpr int kMostHalvings = 96;
 // Cells that have been halved so often since the last such one end the rest from descents [count].
 constexpr int kHalvingsPerLook = 8;
@@ -704,7 +704,11 @@ bool CurvedDepth::provesAll(bool edges, std::int64_t spare) {
       const double bent = bentAlong(cell.node[k], cell.node[(k + 1) % 3], edges);
       if (bent > most) most = bent, i = k, j = (k + 1) % 3;
     }
-    const Node middle = nodeAt(0.5 * (cell.node[i].x + cell.node[j].x));
+    const Vector sum = cell.node[i].x + cell.node[j].x;
+    if (!(sum - cell.node[i].x == cell.node[j].x && sum - cell.node[j].x == cell.node[i].x)) {
+      return false;
+    }
+    const Node middle = nodeAt(0.5 * sum);
     ++cell.halvings;
     Cell& other = stack[count++];
     other = cell;

@@ -148,5 +148,42 @@ TEST(CellBound, WhatIsProvenHoldsInEveryDirection) {
   EXPECT_GT(balls_proven, casesToAsk(50));
 }
 
+// A cell across the pole of a cap, whose corners lie on either side of it: what M x is off by moves
+// |M x| and the part along the middle against each other, where the angle's sine is all but none.
+TEST(CellBound, CellsAcrossThePoleOfACapHoldWhatCornersAreOffBy) {
+  struct Case {
+    double off, moved, wide, shift;
+  };
+  for (const Case& c : {Case{1e-8, 1.1e-8, 1e-4, 0.01}, Case{8e-16, 0, 1e-9, 0.6}}) {
+    const double depth = 1e-3, size = 1.1, roundoff = kUnitRoundoff * size;
+    const Vector3d x[3] = {{0.9 * -c.wide, 0, 0.9},
+                           {0.9 * c.wide, 0.9 * -1e-5 * c.wide, 0.9},
+                           {0.9 * c.wide, 0.9 * 1e-5 * c.wide, 0.9}};
+    const double shift = c.shift * c.off;
+    const Vector3d center(-(1 - c.off / c.wide + 0.2 * shift / c.wide), 0, depth + shift);
+    // What M x is, and what it is said to be.
+    const auto truly = [&](const Vector3d& d) {
+      return d.dot(center) + std::hypot(d.x() - c.off * d.z(), d.y()) - depth * d.norm();
+    };
+    CurvedCorner<Vector> corners[3];
+    double margins[3];
+    for (int i = 0; i < 3; ++i) {
+      corners[i].x = x[i];
+      corners[i].center = center;
+      corners[i].scaled[0] = Vector3d(x[i].x(), x[i].y(), 0);
+      corners[i].scaled[1].setZero();
+      corners[i].share[0] = 1;
+      corners[i].share[1] = 0;
+      margins[i] = truly(x[i]);
+    }
+    // In the cell, and below 0.
+    const double mu = 0.5 * (1 + c.off / c.wide);
+    const Vector3d pole = (1 - mu) * x[0] + 0.5 * mu * (x[1] + x[2]);
+    EXPECT_LT(truly(pole), 0) << c.off;
+    const double sizes[2] = {1, 0};
+    EXPECT_FALSE(CellBound(corners, sizes, roundoff, c.moved).proves(margins, depth)) << c.off;
+  }
+}
+
 }  // namespace
 }  // namespace leeway::collision
