@@ -127,6 +127,38 @@ TEST_F(Batch, SceneWithoutRequestIsReported) {
   EXPECT_EQ(lines[3]["status"], "error");
 }
 
+/// How often `text` stands in `all`.
+std::size_t countOf(const std::string& all, const std::string& text) {
+  std::size_t count = 0;
+  for (std::size_t at = all.find(text); at != std::string::npos; at = all.find(text, at + 1)) {
+    ++count;
+  }
+  return count;
+}
+
+TEST_F(Batch, WarningsThatComeAgainAreCounted) {
+  const std::string matrix = R"(allowed_collision_matrix:
+  entry_names: [ghost, post]
+  entry_values: [[false, true], [true, false]]
+)";
+  write("set/a/scene0001.yaml", kScene + matrix);
+  write("set/a/scene0010.yaml", kScene + matrix);
+  const std::string text = "the matrix names 'ghost', which is no link and no object";
+  const Answer one = run("batch " + robot_ + "set/a/scene0010.yaml set/b");
+  EXPECT_EQ(one.status, 0) << one.err;
+  EXPECT_EQ(countOf(one.err, text), 1U) << one.err;
+  EXPECT_NE(one.err.find("warning: set/a/scene0010.yaml:"), std::string::npos) << one.err;
+
+  write("set/b/scene0002.yaml", kScene + matrix);
+  const Answer answer = run("batch " + robot_ + "set");
+  EXPECT_EQ(answer.status, 0) << answer.err;
+  EXPECT_EQ(countOf(answer.err, text), 2U) << answer.err;
+  EXPECT_NE(answer.err.find("warning: set/a/scene0001.yaml:"), std::string::npos) << answer.err;
+  EXPECT_NE(answer.err.find("warning: in 2 more places, last set/b/scene0002.yaml:"),
+            std::string::npos)
+      << answer.err;
+}
+
 TEST_F(Batch, InvalidStartIsAnAnswer) {
   write("bad.yaml", kInvalidStart);
   const Answer answer = run("batch bad.yaml reach.yaml");

@@ -16,6 +16,7 @@
 #include "tools/leeway/problem_source.h"
 #include "tools/leeway/terminal.h"
 #include "tools/leeway/verb.h"
+#include "tools/leeway/warning_log.h"
 
 namespace leeway::tools {
 namespace {
@@ -60,7 +61,7 @@ double median(std::vector<double> values) {
 }
 
 planner::Problem load(const Arguments& arguments, const std::shared_ptr<const robots::Model>& model,
-                      const BatchItem& item) {
+                      const BatchItem& item, WarningLog& warnings) {
   if (!item.error.empty()) {
     throw robots::InputError(item.problem, 0, item.error);
   }
@@ -69,9 +70,9 @@ planner::Problem load(const Arguments& arguments, const std::shared_ptr<const ro
     problem = planner::loadMoveit(model, item.problem, item.request);
   } else {
     problem = planner::loadProblem(item.problem, {.load = loadOptions(arguments.source)});
-    printWarnings(problem.model->warnings);
+    warnings.print(problem.model->warnings);
   }
-  printWarnings(problem.warnings);
+  warnings.print(problem.warnings);
   return problem;
 }
 
@@ -95,13 +96,13 @@ void count(const planner::PlanResult& result, Tally& tally) {
 }
 
 Json solve(const Arguments& arguments, const std::shared_ptr<const robots::Model>& model,
-           const BatchItem& item, Tally& tally) {
+           const BatchItem& item, Tally& tally, WarningLog& warnings) {
   const auto start = Clock::now();
-  planner::Problem problem = load(arguments, model, item);
+  planner::Problem problem = load(arguments, model, item, warnings);
   apply(arguments.overrides, problem);
   const double load_s = secondsSince(start);
   const planner::PlanResult result = planner::plan(problem, interactivePlanOptions());
-  printWarnings(result.warnings);
+  warnings.print(result.warnings);
   std::optional<planner::Trajectory> trajectory;
   if (result.status == planner::PlanStatus::kSolved) {
     trajectory = planner::trajectoryOf(problem, result.path);
@@ -147,11 +148,11 @@ void countKept(const std::string& line, Tally& tally) {
 /// One line, whatever happens: bad input and faults of our own are told in it and on stderr, and
 /// the batch goes on.
 Json solveOrReport(const Arguments& arguments, const std::shared_ptr<const robots::Model>& model,
-                   const BatchItem& item, Tally& tally) {
+                   const BatchItem& item, Tally& tally, WarningLog& warnings) {
   Json line = {{"problem", item.problem}};
   Json answer;
   try {
-    answer = solve(arguments, model, item, tally);
+    answer = solve(arguments, model, item, tally, warnings);
   } catch (const robots::InputError& error) {
     ++tally.bad_input;
     answer = {{"status", "error"}, {"error", error.what()}};
@@ -208,11 +209,12 @@ int run(const Arguments& arguments) {
     throw robots::InputError("command line", 0, "--resume continues a file: name it with --output");
   }
   const std::vector<BatchItem> items = listItems(arguments);
+  WarningLog warnings;
   std::shared_ptr<const robots::Model> model;
   if (!arguments.source.robot.empty()) {
     model = robots::loadModel(arguments.source.robot, arguments.source.srdf,
                               loadOptions(arguments.source));
-    printWarnings(model->warnings);
+    warnings.print(model->warnings);
   }
   BatchOutput output(arguments.output, items, arguments.resume, arguments.overrides.seed);
   Tally tally;
@@ -224,10 +226,11 @@ int run(const Arguments& arguments) {
       continue;
     }
     showProgress(fmt::format("{} of {}: {}", done, items.size(), item.problem));
-    const Json line = solveOrReport(arguments, model, item, tally);
+    const Json line = solveOrReport(arguments, model, item, tally, warnings);
     if (interrupted()) {
       // This problem was cut short: it is not part of the answer.
       endProgress();
+      warnings.printCounts();
       fmt::print(stderr, "interrupted after {} of {} problems{}\n", done - 1, items.size(),
                  arguments.output.empty()
                      ? ""
@@ -238,6 +241,7 @@ int run(const Arguments& arguments) {
   }
   endProgress();
   output.finish();
+  warnings.printCounts();
   printSummary(tally, items.size(), output.keptCount(), arguments.verify);
   return tally.status();
 }
