@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "collision/motion_input.h"
 #include "collision/motion_kernels.h"
@@ -68,7 +69,7 @@ Pair pairOf(int i) {
   return {a, (a + 1) % 3, i % 2 == 0 ? 1.0 : -1.0};
 }
 // One over its length.
-constexpr double kPerDiagonal = 0.70710678118654752;
+constexpr double kPerDiagonal = std::numbers::sqrt2 / 2;
 
 double alongDiagonal(const double* p, int i) {
   const Pair d = pairOf(i);

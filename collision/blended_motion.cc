@@ -15,7 +15,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kTwoPi = 0x1.921fb54442d18p+2;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// 2 pi turns [rad], whole turns taken off first: that is exact. Off by less than 16 units for the
@@ -151,7 +150,7 @@ double BlendedMotion::rounding(double t0, double t1) const {
     if (track_) {
       for (const std::vector<double>& row : coordinates_)
         largest = std::max(largest, std::abs(row[k]));
-      coordinate_error = largest * (2 * KeyTrack::kShareRounding + 4);
+      coordinate_error = largest * (2 * kShareRounding + 4);
     } else {
       const Harmonic& h = harmonics_[k];
       largest = std::abs(h.amplitude);

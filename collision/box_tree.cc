@@ -8,6 +8,7 @@
 #include <numeric>
 #include <utility>
 
+#include "collision/round_box.h"
 #include "collision/simd/box_ranges.h"
 #include "collision/vector.h"
 #include "leeway/collision/tolerances.h"
@@ -29,19 +30,12 @@ std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 double halfArea(const Vector3d& h) { return h.x() * h.y() + h.y() * h.z() + h.z() * h.x(); }
 
-// The least float that is not below x.
-float roundedUp(double x) {
-  const auto f = static_cast<float>(x);
-  return static_cast<double>(f) < x ? std::nextafter(f, std::numeric_limits<float>::infinity()) : f;
-}
-
 // Vectors whose squares leave the range of normal doubles are brought to a length near 1, by a
 // power of two: divided by their own lengths as rounded they would not be of length 1.
 Vector3d withinRange(const Vector3d& v) {
-  constexpr double kLeast = 1e-140, kMost = 1e140;
   const double largest = v.cwiseAbs().maxCoeff();
   if (!(largest > 0 && largest <= std::numeric_limits<double>::max())) return v;
-  if (largest >= kLeast && largest <= kMost) return v;
+  if (largest >= kLeastToSquare && largest <= kMostToSquare) return v;
   const int exponent = std::ilogb(largest);
   return v.unaryExpr([&](double x) { return std::ldexp(x, -exponent); });
 }
@@ -454,7 +448,7 @@ void BoxTree::setLane(std::int32_t id, int lane, const Piece& piece, const Input
   }
   double squared = 0;
   for (int k = 0; k < 3; ++k) {
-    node.half[k][lane] = roundedUp(half[k] + kRelativeRounding * input.extent);
+    node.half[k][lane] = floatAbove(half[k] + kRelativeRounding * input.extent);
     squared += half[k] * half[k];
   }
   node.radius[lane] = static_cast<float>(std::sqrt(squared));

@@ -60,7 +60,7 @@ double CachedVertices::accelerationBound(double t0, double t1) const {
 
 double CachedVertices::rounding(double t0, double t1) const {
   if (!(t0 <= t1)) return std::numeric_limits<double>::infinity();
-  return roundedUp(2 * (2 * KeyTrack::kShareRounding + 8) * kUnitRoundoff * size_, 8);
+  return roundedUp(2 * (2 * kShareRounding + 8) * kUnitRoundoff * size_, 8);
 }
 
 void CachedVertices::measureSegments() {

@@ -1,5 +1,7 @@
 #include "collision/cell_bound.h"
 
+#include "leeway/collision/tolerances.h"
+
 namespace leeway::collision {
 
 // With e a unit vector, l_i = e . v_i and r_i across, |v_i| = l_i + r_i^2 / (|v_i| + l_i), and of
@@ -28,11 +30,6 @@ namespace {
 constexpr int kNext[3] = {1, 2, 0};
 // How much of the corners' margins t n^2 may take, of A and B each.
 constexpr double kShareOfMargin = 0.1;
-// What M x of a corner errs by [units of roundoff of a core's size]: entries of X_BA that are
-// rounded once 2, their products and sums 5, M 1.
-constexpr double kCornerRounding = 8;
-// Three vectors whose middle is no longer than so many times what they err by have no direction.
-constexpr double kLostBelow = 16;
 
 void addSquares(const Vector (&v)[3], double factor, Form<double>& form) {
   form.p00 += factor * v[0].squaredNorm();

@@ -27,9 +27,9 @@ inline DoubleDoubleVector scaledBy(const DoubleDouble& s, const DoubleDoubleVect
   return s * a;
 }
 template <class Number>
-constexpr double kRootRounding = 16 * kUnitRoundoff;
+constexpr double kRootRoundingOf = kRootRounding;
 template <>
-constexpr double kRootRounding<DoubleDouble> = 0x1p-80;
+constexpr double kRootRoundingOf<DoubleDouble> = kSharpRootRounding;
 
 // A quadratic form on a triangle: the value at mu is sum mu_i mu_j of it.
 template <class Number>
@@ -61,7 +61,7 @@ bool copositive(Form<Number> f) {
   if (!(largest > 0)) return true;
   const Number scale = std::ldexp(1.0, -std::ilogb(largest));
   for (Number* p : entries) *p = scale * *p;
-  const Number rounding = kRootRounding<Number>, zero = 0;
+  const Number rounding = kRootRoundingOf<Number>, zero = 0;
   if (!(zero <= f.p00 && zero <= f.p11 && zero <= f.p22)) return false;
   if (zero <= f.p01 && zero <= f.p02 && zero <= f.p12) return true;
   const Number r0 = squareRoot(f.p00), r1 = squareRoot(f.p11), r2 = squareRoot(f.p22);
@@ -132,7 +132,7 @@ bool provesCell(const CurvedCorner<Wide> (&corners)[3], const double (&sizes)[2]
     const double most_share = std::max({c[0].share[k], c[1].share[k], c[2].share[k]});
     // (Where the direction is lost, 0 is a bound, too.)
     if (!(most_share > 0) ||
-        !split(c[0].scaled[k], c[1].scaled[k], c[2].scaled[k], 1e-12 * sizes[k])) {
+        !split(c[0].scaled[k], c[1].scaled[k], c[2].scaled[k], kLostShare * sizes[k])) {
       continue;
     }
     Number l = 0, l_squared = 0, r_squared = 0;

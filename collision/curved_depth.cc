@@ -8,6 +8,7 @@
 #include "collision/cell_bound.h"
 #include "collision/curved_face.h"
 #include "collision/sharp.h"
+#include "leeway/collision/tolerances.h"
 
 namespace leeway::collision {
 
@@ -35,21 +36,8 @@ constexpr int kDescentSteps = 12;
 constexpr int kHalves = 4;
 constexpr int kEdgeSteps = 3;
 constexpr int kNearestSteps = 32;
-// What a depth is first known to [of the sizes involved].
-constexpr double kRoughDepth = 1e-6;
 // Least stiffnesses of what is apart [of the sizes involved].
 constexpr double kNearestStiffnesses[] = {0, 1e-4, 1};
-// More than matrices of rotations that were rounded once move points [units of roundoff].
-constexpr double kMostMoved = 64;
-// Ellipsoids whose axes differ by no more than this share are looked at as balls first; any is
-// right.
-constexpr double kSlightlyLonger = 1e-2;
-// So that points of a cap are in it, rounding included.
-constexpr double kInwards = 1 - 0x1p-50;
-// See CurvedFaces: less is lost in rounding.
-constexpr double kEvenly = 1e-8;
-// Rounding of a cell's bound, derived below [units of roundoff of the sizes involved].
-constexpr double kCellRounding = 128;
 
 // Where a direction is looked at.
 struct Node {

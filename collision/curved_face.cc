@@ -5,6 +5,8 @@
 #include <limits>
 #include <utility>
 
+#include "leeway/collision/tolerances.h"
+
 namespace leeway::collision {
 
 namespace {
@@ -15,11 +17,6 @@ constexpr int kRounds = 4;
 constexpr int kMoreRounds = 16;
 constexpr int kMixSteps = 32;
 constexpr double kWeightUnit = 0x1p-52;
-// Determinants below this share of their terms are taken for 0.
-constexpr double kSingular = 1e-13;
-// |M e| below this share of a rim's radius: all of its disc is farthest. (It only says which member
-// is told.)
-constexpr double kFlat = 1e-8;
 
 // The only axis of an ellipsoid that is no more than a segment, or -1.
 int segmentAxis(const Vector& semi_axes) {
@@ -39,7 +36,7 @@ bool mostOf(const Eigen::Matrix3d& squares, const Vector& gain, int count, Vecto
   }
   if (count == 2) {
     const double determinant = s00 * s11 - s01 * s01;
-    if (determinant > kSingular * s00 * s11) {
+    if (determinant > kSingularFace * s00 * s11) {
       c[0] = (s11 * gain[0] - s01 * gain[1]) / determinant;
       c[1] = (s00 * gain[1] - s01 * gain[0]) / determinant;
       return true;
@@ -130,7 +127,7 @@ CurvedFace CurvedFaces::along(const Vector& direction) const {
       const Vector scaled = part.semi_axes.cwiseProduct(turnedBack(k, face.e));
       const double length = scaled.norm();
       // (The centre of a cap that is met squarely.)
-      if (length > (view.core == Core::kEllipsoid ? 0 : kFlat * view.size.x())) {
+      if (length > (view.core == Core::kEllipsoid ? 0 : kFlatRim * view.size.x())) {
         face.length[k] = length;
         face.arm[k] = turned(k, part.semi_axes.cwiseProduct(scaled) / length);
       }

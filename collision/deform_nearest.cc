@@ -38,12 +38,6 @@ constexpr std::size_t kManyLanes = hn::MaxLanes(decltype(kMany)());
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr float kLargest = std::numeric_limits<float>::max();
-// A box's distance is as many roundings of 2^-24 off at most, as a share of it: six for its square,
-// one for the root, and those of the bar that it is held against.
-constexpr double kBoxRounding = 0x1p-20;
-// Of both ends of a triangle's distance, as a share of the coordinates seen from the core's middle:
-// 13 units for its nearest point and the way's length, and some for a segment's own point.
-constexpr double kTriangleRounding = 32 * kUnitRoundoff;
 // Nodes that are looked at together, so that nobody waits for what one comes to before the next is
 // begun.
 constexpr std::size_t kTogether = 8;
@@ -135,14 +129,15 @@ class NearestDescent {
     bar_ = bar;
     // Rounded up; below the least square nothing is closed, above the largest nothing that is not
     // so far.
-    const float up = roundedUpToFloat((std::max(bar, 0.0) + search_.slack) * (1 + kBoxRounding));
-    bar_squared_ = std::clamp(up * up * static_cast<float>(1 + kBoxRounding), kLeastWaySquared,
-                              0.5F * kLargest);
+    const float up =
+        roundedUpToFloat((std::max(bar, 0.0) + search_.slack) * (1 + kNearestBoxRounding));
+    bar_squared_ = std::clamp(up * up * static_cast<float>(1 + kNearestBoxRounding),
+                              kLeastWaySquared, 0.5F * kLargest);
   }
   // (Squares of the smallest numbers round by more.)
   double distanceOf(float squared) const {
     if (!(squared >= kLeastWaySquared)) return -search_.slack;
-    return std::sqrt(static_cast<double>(squared)) * (1 - kBoxRounding) - search_.slack;
+    return std::sqrt(static_cast<double>(squared)) * (1 - kNearestBoxRounding) - search_.slack;
   }
   void settle(double lower) { settled_ = std::min(settled_, lower); }
 
@@ -291,7 +286,7 @@ class NearestDescent {
       return true;
     }
     if (lower > 0) {
-      const float down = roundedDown(lower * (1 - kBoxRounding));
+      const float down = roundedDown(lower * (1 - kNearestBoxRounding));
       near = std::max(near, down * down);
     }
     return false;
@@ -398,8 +393,8 @@ class NearestDescent {
       least = hn::Sub(least, hn::Abs(dot(best.way, half)));
       size = hn::Add(size, sizeOf(half));
     }
-    const Many rounding =
-        hn::Add(hn::Mul(size, hn::Set(kMany, kTriangleRounding)), hn::Set(kMany, search_.slack));
+    const Many rounding = hn::Add(hn::Mul(size, hn::Set(kMany, kNearestTriangleRounding)),
+                                  hn::Set(kMany, search_.slack));
     // Written so that a way without direction, and what is no number, prove nothing.
     const Many beyond = hn::Sub(hn::Div(least, length), rounding);
     const auto known =

@@ -24,7 +24,7 @@ inline float boxDistance(const FloatBox& a, const FloatBox& b) {
     squared += gap * gap;
   }
   if (!(squared > kLeastWaySquared)) return 0;
-  return std::sqrt(std::min(squared, std::numeric_limits<float>::max())) * (1 - 0x1p-20F);
+  return std::sqrt(std::min(squared, std::numeric_limits<float>::max())) * kBoxDistanceInwards;
 }
 
 /// Finds all pairs of boxes, one of each of two sets, that are within `reach` of each other: those

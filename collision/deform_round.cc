@@ -35,11 +35,9 @@ RoundBody roundBody(double radius, double half_length, const Pose& X_BA) {
 
 bool hasNearest(bool is_segment, double half_length, const Pose& X_BA,
                 const DeformableSnapshotImpl& mesh) {
-  constexpr double kLeastHalf = 1e-12;  // [m]
-  constexpr double kFarthest = 1e18;    // [m] in single precision
-  return (!is_segment || half_length > kLeastHalf) && mesh.demand != Demand::kNoTree &&
+  return (!is_segment || half_length > kNearestLeastHalf) && mesh.demand != Demand::kNoTree &&
          !(mesh.bounds != nullptr && mesh.bounds->hasVolumes()) &&
-         X_BA.translation.lpNorm<Eigen::Infinity>() < kFarthest;
+         X_BA.translation.lpNorm<Eigen::Infinity>() < kNearestFarthest;
 }
 
 NearestSearch nearestSearch(const RoundBody& body, const DeformableSnapshotImpl& mesh, double slack,

@@ -36,7 +36,7 @@ float boxDistance(const float* low_a, const float* high_a, const float* low_b,
     const float gap = std::max(std::max(low_b[k] - high_a[k], low_a[k] - high_b[k]), 0.0F);
     squared += gap * gap;
   }
-  return std::sqrt(squared) * (1 - 0x1p-20F);
+  return std::sqrt(squared) * kBoxDistanceInwards;
 }
 
 class SelfDescent {

@@ -16,9 +16,6 @@ using Eigen::Vector3d;
 
 std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
 
-// The square of a longer normal is a normal double [m^2].
-constexpr double kLeastNormal = 1e-140;
-
 // Largest coordinate of a normal, as the axis to project along.
 int dominantAxis(const Vector3d& normal) {
   int axis = 0;
@@ -188,7 +185,7 @@ std::int32_t HullBuilder::addFacet(std::int32_t a, std::int32_t b, std::int32_t 
   // The product as computed errs by less than 6 units of |ab| |ac|; what the division and a height
   // by it add is less than 12 units of the distance between two points. Lengths whose squares leave
   // the range of normal doubles tell nothing.
-  f.doubt = length > kLeastNormal
+  f.doubt = length > kLeastToSquare
                 ? 16 * kUnitRoundoff * size_ * (ab.norm() * ac.norm() / length + 1)
                 : std::numeric_limits<double>::infinity();
   return id;

@@ -26,7 +26,6 @@ class KeyTrack {
 
   /// The share is within kShareRounding * kUnitRoundoff of the exact one. O(log keys).
   KeyPlace at(double time) const;
-  static constexpr double kShareRounding = 16;
 
   /// Bounds of |ds/dt| [1/s] and |d2s/dt2| [1/s^2] within a segment, rounded up; the second is
   /// exactly 0 for kLinear.

@@ -24,12 +24,6 @@ constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-float above(double x) {
-  const float f = static_cast<float>(x);
-  return static_cast<double>(f) < x ? std::nextafter(f, kInfinity) : f;
-}
-float below(double x) { return -above(-x); }
-
 void setCenter(const Eigen::Vector3d& p, float* center) {
   for (int k = 0; k < 3; ++k) center[k] = static_cast<float>(p[k]);
 }
@@ -37,10 +31,10 @@ void setCenter(const Eigen::Vector3d& p, float* center) {
 /// What a plane must part two bodies by besides radius, growth and slack, and one that a lane has
 /// for itself; see simd/lane_sweep.cc.
 float partAbove(double threshold, double rounding) {
-  return above(std::max(threshold, 0.0) + 4 * rounding);
+  return floatAbove(std::max(threshold, 0.0) + 4 * rounding);
 }
 float partEachAbove(double threshold, double rounding) {
-  return above(std::max(threshold, 0.0) + 5 * rounding);
+  return floatAbove(std::max(threshold, 0.0) + 5 * rounding);
 }
 
 /// Rounding of the centre and of the double that it was made from is added to the radius.
@@ -61,7 +55,7 @@ int LaneSweep::addPiece(const Piece& piece) {
   const auto grown = [](const Ball& ball) {
     Impl::LaneBall result{};
     setCenter(ball.center, result.center);
-    result.radius = above(ball.radius + centerRounding(ball));
+    result.radius = floatAbove(ball.radius + centerRounding(ball));
     return result;
   };
   lane.outer = grown(piece.outer);
@@ -71,13 +65,13 @@ int LaneSweep::addPiece(const Piece& piece) {
   for (const Ball& ball : piece.inner) {
     Impl::LaneBall result{};
     setCenter(ball.center, result.center);
-    result.radius = below(ball.radius - centerRounding(ball));
+    result.radius = floatBelow(ball.radius - centerRounding(ball));
     impl_->balls.push_back(result);
   }
   lane.end = static_cast<int>(impl_->balls.size());
   for (const Ball& ball : piece.inner)
-    lane.inner_reach =
-        std::max(lane.inner_reach, above((ball.center - piece.outer.center).norm() + ball.radius));
+    lane.inner_reach = std::max(
+        lane.inner_reach, floatAbove((ball.center - piece.outer.center).norm() + ball.radius));
   impl_->addPoints(piece.points, lane);
   lane.parts_begin = static_cast<int>(impl_->parts.size());  // of `parts` until finish()
   for (const CoverPart& p : piece.parts) {
@@ -173,7 +167,7 @@ LaneSweep::Impl::Obstacle LaneSweep::Impl::partOf(const CoverPart& part, const P
       (fine ? part.points.fine_radius : part.points.radius) * (1 + kRelativeRounding) +
       hull->excess();
   Obstacle o = obstacleOf(Shape::convexHull(hull), X_WG);
-  for (float& half : o.half) half = above(static_cast<double>(half) + radius);
+  for (float& half : o.half) half = floatAbove(static_cast<double>(half) + radius);
   o.view.excess += radius;
   return o;
 }
@@ -199,8 +193,9 @@ void LaneSweep::addPair(int id, int piece, int obstacle, int balls, double thres
   const Impl::Obstacle& o = impl_->obstacles[at(obstacle)];
   const bool points = a.frame >= 0 && a.points.begin < a.points.end;
   const bool deforms = o.shape.type() == ShapeType::kDeformable;
-  impl_->pairs.push_back({id, piece, obstacle, balls, a.motion, false, above(threshold + rounding),
-                          below(threshold - rounding), above(std::max(threshold, 0.0) + rounding),
+  impl_->pairs.push_back({id, piece, obstacle, balls, a.motion, false,
+                          floatAbove(threshold + rounding), floatBelow(threshold - rounding),
+                          floatAbove(std::max(threshold, 0.0) + rounding),
                           points && o.has_view ? partAbove(threshold, rounding) : -1.0F,
                           points && !deforms ? partEachAbove(threshold, rounding) : -1.0F,
                           by_parts && points && !deforms});
@@ -214,10 +209,10 @@ void LaneSweep::addPiecePair(int id, int a, int b, int motion, double threshold,
   impl_->piece_pairs.push_back(static_cast<std::int32_t>(impl_->pairs.size()));
   const bool planes = x.frame >= 0 && y.frame >= 0 && x.points.begin < x.points.end &&
                       y.points.begin < y.points.end;
-  impl_->pairs.push_back({id, a, b, b, motion, true, above(threshold + rounding),
-                          below(threshold - rounding), above(std::max(threshold, 0.0) + rounding),
-                          planes ? partAbove(threshold, rounding) : -1.0F, -1.0F,
-                          by_parts && planes});
+  impl_->pairs.push_back(
+      {id, a, b, b, motion, true, floatAbove(threshold + rounding),
+       floatBelow(threshold - rounding), floatAbove(std::max(threshold, 0.0) + rounding),
+       planes ? partAbove(threshold, rounding) : -1.0F, -1.0F, by_parts && planes});
 }
 
 bool LaneSweep::canMeet(int pair) const {
@@ -244,12 +239,12 @@ void LaneSweep::Impl::addPoints(const PointCover& cover, LanePiece& of) {
       rounding = std::max(rounding, cover.fine_radius + centerRounding({p, 0}));
     }
     told.end = static_cast<int>(points.size());
-    told.radius = above(radius);
+    told.radius = floatAbove(radius);
     return told;
   };
   of.points = of.fine = add(cover.points, cover.radius);
   if (!cover.fine.empty()) of.fine = add(cover.fine, cover.fine_radius);
-  if (cover.own) of.own = above(rounding);
+  if (cover.own) of.own = floatAbove(rounding);
   of.fine.clusters_begin = static_cast<int>(clusters.size());
   // (Clusters that are not clusterFine()'s are no help.)
   const std::vector<int>& ends = cover.clusters;
@@ -285,7 +280,7 @@ void LaneSweep::Impl::addCluster(int begin, int end) {
     radius = std::max(radius, (place(p) - center).norm());
   }
   // See simd/lane_sweep.cc.
-  cluster.radius = above((radius + 0x1p-20 * (center.norm() + radius)) * (1 + 0x1p-20));
+  cluster.radius = floatAbove((radius + 0x1p-20 * (center.norm() + radius)) * (1 + 0x1p-20));
   clusters.push_back(cluster);
 }
 
@@ -354,8 +349,8 @@ void LaneSweep::Impl::finish() {
     high[k].assign(padded, -kFar);
     for (std::size_t i = 0; i < whole_obstacles; ++i) {
       // A pair's rounding is larger than that of this comparison.
-      low[k][i] = below(obstacles[i].low[k] - grown[i]);
-      high[k][i] = above(obstacles[i].high[k] + grown[i]);
+      low[k][i] = floatBelow(obstacles[i].low[k] - grown[i]);
+      high[k][i] = floatAbove(obstacles[i].high[k] + grown[i]);
     }
   }
 }
@@ -478,8 +473,8 @@ bool LaneSweepKernel::findPlane(const Sweep::Pair& pair, int lane, bool closely,
   } else {
     const Sweep::LanePiece& piece_b = sweep.pieces[at(pair.b)];
     int hint = 0;
-    plane.offset = above(n.dot(farthest(piece_b.fine_view, n, hint)) +
-                         static_cast<double>(piece_b.fine.radius) * (1 + 1e-6));
+    plane.offset = floatAbove(n.dot(farthest(piece_b.fine_view, n, hint)) +
+                              static_cast<double>(piece_b.fine.radius) * kLanePlaneOutwards);
   }
   return plane.known = std::isfinite(plane.offset);
 }
@@ -490,8 +485,8 @@ void LaneSweepKernel::placePlane(const Sweep::Obstacle& o, Scratch::Plane& plane
                           static_cast<double>(plane.normal[2]));
   const Eigen::Vector3d n_B = o.X_WG.rotation.transpose() * n;
   int hint = 0;
-  plane.offset = above(n.dot(o.X_WG.translation) + n_B.dot(farthest(o.view, n_B, hint)) +
-                       (o.view.radius + o.view.excess) * (1 + 1e-6));
+  plane.offset = floatAbove(n.dot(o.X_WG.translation) + n_B.dot(farthest(o.view, n_B, hint)) +
+                            (o.view.radius + o.view.excess) * kLanePlaneOutwards);
 }
 
 void LaneSweepKernel::remember(std::int32_t number, const Each& each, int lane) const {

@@ -74,8 +74,7 @@ class LatticeVertices final : public VertexMotion {
 
   double rounding(double t0, double t1) const override {
     if (!(t0 <= t1)) return std::numeric_limits<double>::infinity();
-    return roundedUp(2 * (blendError() + 2 * KeyTrack::kShareRounding + 8) * kUnitRoundoff * size_,
-                     8);
+    return roundedUp(2 * (blendError() + 2 * kShareRounding + 8) * kUnitRoundoff * size_, 8);
   }
 
  private:

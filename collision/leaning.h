@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cmath>
-#include <numbers>
 
 #include "collision/vector.h"
 #include "leeway/collision/sine_cosine.h"
@@ -13,7 +12,7 @@ namespace leeway::collision {
 inline Vector leaning(const Vector& d, double tangent, int k, int count) {
   const Vector u = cross(d, std::abs(d.x()) < 0.6 ? Vector::UnitX() : Vector::UnitY()).normalized();
   double sine = 0, cosine = 0;
-  sineCosine(2 * std::numbers::pi * k / count, sine, cosine);
+  sineCosine(kTwoPi * k / count, sine, cosine);
   return (d + tangent * (cosine * u + sine * cross(d, u))).normalized();
 }
 

@@ -5,7 +5,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <span>
 #include <utility>
 
@@ -47,7 +46,7 @@ class Profile {
       high_ = std::max(high_, p[axis]);
     }
     for (int d = 0; d < kDirections; ++d)
-      sineCosine(2 * std::numbers::pi * d / kDirections, sine_[at(d)], cosine_[at(d)]);
+      sineCosine(kTwoPi * d / kDirections, sine_[at(d)], cosine_[at(d)]);
     for (auto& slice : reach_) slice.fill(-kInfinity);
     if (!(high_ > low_)) return;
     const std::size_t step = std::max<std::size_t>(1, faces.size() / kMeasuredFaces);

@@ -2,7 +2,6 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <numbers>
 #include <span>
 
 #include "collision/convex.h"
@@ -22,7 +21,7 @@ constexpr int kCircle = 12;  // corners of a polygon that stands for a circle
 void addCircle(double radius, double z, std::vector<Vector3d>& points) {
   for (int i = 0; i < kCircle; ++i) {
     double sine = 0, cosine = 0;
-    sineCosine(2 * std::numbers::pi * i / kCircle, sine, cosine);
+    sineCosine(kTwoPi * i / kCircle, sine, cosine);
     points.emplace_back(radius * cosine, radius * sine, z);
   }
 }

@@ -20,6 +20,13 @@ inline float roundedUpToFloat(double x) {
   return f + (std::abs(f) * 0x1p-22f + std::numeric_limits<float>::min());
 }
 
+/// The least float that is not below x, and the largest that is not above it.
+inline float floatAbove(double x) {
+  const auto f = static_cast<float>(x);
+  return static_cast<double>(f) < x ? std::nextafter(f, std::numeric_limits<float>::infinity()) : f;
+}
+inline float floatBelow(double x) { return -floatAbove(-x); }
+
 /// The nearest float as a double, for numbers that are neither near the ends of a float's range
 /// nor 2^990 and more: Veltkamp's splitting (Dekker 1971). For what a conversion and one back would
 /// do, but g++ 12 takes the two for none where it makes vectors of them.

@@ -142,7 +142,7 @@ double departureOf(const Eigen::Matrix3d& R) {
       squares = squares + (i == j ? e * e : 2 * (e * e));
     }
   }
-  return std::sqrt(squares.high) * (1 + 0x1p-50);
+  return std::sqrt(squares.high) * kOutwards;
 }
 
 SharpDifference::SharpDifference(const ConvexView& a, const Pose& X_WA, const ConvexView& b,
@@ -155,7 +155,7 @@ SharpDifference::SharpDifference(const ConvexView& a, const Pose& X_WA, const Co
   const double departure_a = departureOf(X_WA.rotation), departure_b = departureOf(X_WB.rotation);
   const double extent_a = a.core == Core::kHalfSpace ? 0 : a.extent;
   const double extent_b = b.core == Core::kHalfSpace ? 0 : b.extent;
-  slack_ = 0.5 * (departure_a * extent_a + departure_b * extent_b) * (1 + 0x1p-10);
+  slack_ = 0.5 * (departure_a * extent_a + departure_b * extent_b) * kFirstOrderOutwards;
   // With R = Q (1 + F) and |F| <= departure / 2 for both. In B's frame Q_B^T R_B moves points of B
   // by |F_B|, and R_B^T in place of Q_B^T those of A by |F_B| (extent A + |t|). In A's frame, which
   // X_BA's inverse leads to, it is |F_A| for extent A and (extent B + |t|), and t is turned by R_B
@@ -167,7 +167,7 @@ SharpDifference::SharpDifference(const ConvexView& a, const Pose& X_WA, const Co
   const double turned = planes ? (departure_a + departure_b) * size
                                : departure_a * (extent_a + 0.5 * (extent_b + t)) +
                                      departure_b * (extent_b + 0.5 * extent_a + t);
-  pose_slack_ = (turned + 2 * kUnitRoundoff * size) * (1 + 0x1p-10);
+  pose_slack_ = (turned + 2 * kUnitRoundoff * size) * kFirstOrderOutwards;
   // X_BA makes points of the difference that are off those of the world by as much.
   moved_ = 1.01 * (departure_a + 2 * departure_b) * size;
   member_defect_ = defectOf(a, size) + defectOf(b, size);
@@ -215,7 +215,7 @@ void offerSharpPlane(const SharpDifference& difference, const Wide& n, Progress&
   const double excess = difference.a().excess + difference.b().excess;
   // One rounding to double, and room for the 2^-100 of all that came before.
   const double lower = apart.high - 2 * kUnitRoundoff * std::abs(apart.high) -
-                       0.01 * query.roundoff - excess * (1 + 0x1p-50) - difference.slack();
+                       0.01 * query.roundoff - excess * kOutwards - difference.slack();
   Vector normal = rotatedBack(difference.X_WB().rotation, n.rounded());
   normal /= normal.norm();
   progress.offerEnd(lower, normal);
@@ -246,9 +246,9 @@ void sharpenHalfSpace(const SharpDifference& difference, Progress& progress) {
   const double size = body.extent + t.rounded().norm();
   const double departures =
       0.5 * departureOf(pose.rotation) * body.extent + departureOf(plane.rotation) * size;
-  const double slack = departures * (1 + 0x1p-10) + 2 * kUnitRoundoff * std::abs(height.high) +
-                       0.01 * kUnitRoundoff * size;
-  progress.offerEnd(height.high - slack - body.excess * (1 + 0x1p-50), progress.normal());
+  const double slack = departures * kFirstOrderOutwards +
+                       2 * kUnitRoundoff * std::abs(height.high) + 0.01 * kUnitRoundoff * size;
+  progress.offerEnd(height.high - slack - body.excess * kOutwards, progress.normal());
   progress.offerUpperEnd(height.high + slack, progress.witnessW(), progress.witnessA());
 }
 
@@ -266,7 +266,7 @@ void sharpenPoint(const SharpDifference& difference, bool outside, const Vector&
       (dot(out, t) - mostOfCore(body, rotatedBack(pose.rotation, out))) / norm(out) - radii;
   const double slack = difference.slack() + 0.01 * query.roundoff;
   progress.offerEnd(lower.high - 2 * kUnitRoundoff * std::abs(lower.high) - slack -
-                        (difference.a().excess + difference.b().excess) * (1 + 0x1p-50),
+                        (difference.a().excess + difference.b().excess) * kOutwards,
                     progress.normal());
   if (!outside) return;
   const Number upper = norm(t - rotated(pose.rotation, Wide(nearest))) - radii;

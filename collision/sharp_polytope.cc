@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "leeway/collision/tolerances.h"
+
 namespace leeway::collision {
 
 namespace {
@@ -15,14 +17,6 @@ using Facet = SharpPolytopeBuffers::Facet;
 
 constexpr int kMostCorners = 192;
 constexpr int kMostFacets = 2 * kMostCorners;
-// What numbers of twice the precision may err by after some tens of operations, as a share of the
-// sizes involved; planes that are no farther out than this are the facet's own.
-constexpr double kSharpRounding = 0x1p-90;
-// Of products of two or three members, as a share of the sizes' square or cube.
-constexpr double kDeterminant = 0x1p-96;
-// A nearest point that is farther than its plane by this share lies on the rim: others are better
-// known by the facet's normal.
-constexpr double kFlat = 1e-9;
 // Members of a flat difference that all triangles are made of [count].
 constexpr int kMostFlat = 12;
 // Rays along which the surface is looked at for winding around the origin [count].
@@ -319,7 +313,7 @@ bool SharpPolytope::expand(int first) {
 // How often the surface is crossed outwards along a ray from the origin; -1000 where rounding
 // leaves that open.
 int SharpPolytope::windingAlong(const Wide& ray) const {
-  const double doubt = kDeterminant * size_ * size_;
+  const double doubt = kSharpDeterminant * size_ * size_;
   int winding = 0;
   for (int i = 0; i < facet_count_; ++i) {
     const Facet& f = buffers_.facets[static_cast<std::size_t>(i)];
@@ -425,7 +419,7 @@ void SharpPolytope::grow() {
     // Outside of the facet towards the origin, from its nearest point where that is on its rim.
     Wide outward = f.outward;
     const bool on_rim = outside && f.nearest.high > kSharpRounding * size_ &&
-                        f.nearest.high > -f.height.high * (1 + kFlat);
+                        f.nearest.high > -f.height.high * (1 + kOnRim);
     if (outside) offerMember(f);
     if (on_rim) {
       Number weight[3];

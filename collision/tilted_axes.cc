@@ -18,8 +18,6 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // Cells of both circles [count]: some hundred microseconds. Most queries look at a tenth of them.
 constexpr int kTiltedCells = 2048;
-// Rounding, derived below [units of roundoff of the sizes involved].
-constexpr double kTiltedRounding = 40;
 // Halvings of an eighth of a circle.
 constexpr int kTiltedHalvings = 40;
 
@@ -297,7 +295,7 @@ bool offerTiltedAxes(const ConvexView& a, const Pose& X_BA, const ConvexView& b,
 
   const double depth = least.proven - kTiltedRounding * unit -
                        6 * kUnitRoundoff * std::max(around_a.steepest, around_b.steepest) -
-                       1.5 * (1 + 0x1p-10) * departureOf(X_BA.rotation) * a.extent;
+                       1.5 * kFirstOrderOutwards * departureOf(X_BA.rotation) * a.extent;
   if (!(depth > 0)) return false;
   // How far from across the axes the sides alone decide.
   const double widest = std::max(of_a.radius[0], of_a.radius[1]);

@@ -1,6 +1,9 @@
 #include "planner/arc_tangent.h"
 
 #include <cmath>
+#include <numbers>
+
+#include "planner/tolerances.h"
 
 namespace leeway::planner {
 namespace {
@@ -10,7 +13,7 @@ namespace {
 /// less than 1e-18 of the value.
 double arcTangent(double x) {
   // Below this x^2 / 3 is less than half an ulp, and squares of tiny numbers would underflow.
-  if (x < 1e-8) return x;
+  if (x < kTinyAngle) return x;
   const double half = x / (1 + std::sqrt(1 + x * x));
   const double quarter = half / (1 + std::sqrt(1 + half * half));
   const double squared = quarter * quarter;
@@ -19,7 +22,7 @@ double arcTangent(double x) {
   return 4 * (quarter + quarter * sum);
 }
 
-constexpr double kHalfPi = 1.57079632679489661923;
+constexpr double kHalfPi = std::numbers::pi / 2;
 
 }  // namespace
 

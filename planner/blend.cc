@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "leeway/collision/sine_cosine.h"
 #include "leeway/planner/edge_certifier.h"
 #include "leeway/planner/trajectory.h"
 #include "planner/tolerances.h"
@@ -59,7 +60,7 @@ class Blending {
     for (const ConfigurationSpace::Part& part : space_.parts()) {
       if (part.kind != ConfigurationSpace::Kind::kCircle) continue;
       const std::size_t i = at(part.first);
-      const double middle = std::remainder(corner[i], 2 * std::numbers::pi);
+      const double middle = std::remainder(corner[i], collision::kTwoPi);
       const double reach = std::max(std::abs(a * before[i]), std::abs(b * after[i]));
       if (!(std::abs(middle) + reach < std::numbers::pi && reach < kBlendReach)) return true;
     }

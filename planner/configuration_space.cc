@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "leeway/collision/sine_cosine.h"
 #include "leeway/robots/kinematics.h"
 #include "planner/arc_tangent.h"
 #include "planner/tolerances.h"
@@ -14,7 +15,7 @@
 namespace leeway::planner {
 namespace {
 
-constexpr double kTwoPi = 2 * std::numbers::pi;
+using collision::kTwoPi;
 
 using Kind = ConfigurationSpace::Kind;
 

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <utility>
 
 #include "leeway/collision/mesh_sweep.h"
+#include "leeway/collision/sine_cosine.h"
 #include "leeway/collision/tolerances.h"
 #include "leeway/robots/kinematics.h"
 #include "planner/tolerances.h"
@@ -63,7 +63,7 @@ namespace {
 /// Arcs of a table that a range reaches into, at most.
 std::int64_t arcsIn(const robots::LinkGap::Range& range) {
   const double arcs =
-      std::abs(range.to - range.from) * robots::LinkGap::kArcs / (2 * std::numbers::pi) + 2;
+      std::abs(range.to - range.from) * robots::LinkGap::kArcs / collision::kTwoPi + 2;
   return arcs < robots::LinkGap::kArcs ? static_cast<std::int64_t>(arcs) : robots::LinkGap::kArcs;
 }
 

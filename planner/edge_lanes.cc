@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "leeway/collision/ball_cover.h"
+#include "leeway/collision/sine_cosine.h"
 #include "leeway/collision/tolerances.h"
 #include "leeway/robots/kinematics.h"
 #include "planner/tolerances.h"
@@ -13,12 +14,11 @@
 namespace leeway::planner {
 namespace {
 
+using collision::kTwoPi;
 using collision::LaneGrowth;
 using collision::LaneSweep;
 using robots::Joint;
 using robots::JointType;
-
-constexpr double kTwoPi = 6.283185307179586;
 
 /// The part of an edge that a lane has in the pass over all of it; exact.
 constexpr float kWidth = 1.0F / collision::kLanes;
@@ -332,7 +332,7 @@ void EdgeLanes::setStep(const EdgeFrames& frames, std::size_t i) {
       const double turn = r.norm();
       // Without a turn any axis will do.
       const Eigen::Matrix3d align =
-          turn > 1e-150 ? turningZ(r / turn) : Eigen::Matrix3d::Identity();
+          turn > kLeastTurn ? turningZ(r / turn) : Eigen::Matrix3d::Identity();
       if (step.restores) {
         copyMatrix(align.transpose(), out.rotation);
         return;

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
-#include <numbers>
 
+#include "leeway/collision/sine_cosine.h"
 #include "leeway/planner/random.h"
 #include "leeway/robots/input_error.h"
 #include "planner/tolerances.h"
@@ -17,7 +17,7 @@ using Kind = ConfigurationSpace::Kind;
 using Part = ConfigurationSpace::Part;
 using Range = std::pair<double, double>;
 
-constexpr double kTwoPi = 2 * std::numbers::pi;
+using collision::kTwoPi;
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 

@@ -51,6 +51,7 @@
 #include "leeway/robots/text.h"
 #include "planner/nearest_name.h"
 #include "planner/ompl_lock.h"
+#include "planner/tolerances.h"
 
 namespace leeway::planner {
 namespace {
@@ -216,7 +217,7 @@ std::optional<std::string> setParameter(ob::Planner& planner, const std::string&
   }
   const std::optional<double> kept = number(parameter.getValue());
   // OMPL writes six digits.
-  if (kept && std::abs(*kept - *meant) > 1e-5 * std::abs(*meant))
+  if (kept && std::abs(*kept - *meant) > kParameterDigits * std::abs(*meant))
     return wrong + accepted(parameter);
   return std::nullopt;
 }

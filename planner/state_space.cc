@@ -8,8 +8,10 @@
 #include <ostream>
 #include <stdexcept>
 
+#include "leeway/collision/sine_cosine.h"
 #include "leeway/planner/ompl_state_space.h"
 #include "planner/ompl_lock.h"
+#include "planner/tolerances.h"
 
 namespace leeway::planner {
 namespace {
@@ -25,7 +27,7 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 double range(const ConfigurationSpace& space, const Part& part) {
   return part.kind == Kind::kLine ? space.upper(part.first) - space.lower(part.first)
-                                  : 2 * std::numbers::pi;
+                                  : collision::kTwoPi;
 }
 
 /// The greatest difference of two points in that part, in the metric.
@@ -129,11 +131,11 @@ void OmplStateSpace::enforceBounds(ob::State* state) const {
     if (part.kind == Kind::kLine)
       x = std::clamp(x, space_->lower(part.first), space_->upper(part.first));
     if (part.kind == Kind::kCircle && std::abs(x) > std::numbers::pi)
-      x = std::remainder(x, 2 * std::numbers::pi);
+      x = std::remainder(x, collision::kTwoPi);
     if (part.kind != Kind::kRotation) continue;
     double* r = &x;
     const double norm = std::sqrt(r[0] * r[0] + r[1] * r[1] + r[2] * r[2] + r[3] * r[3]);
-    if (std::abs(norm - 1) <= 1e-15)
+    if (std::abs(norm - 1) <= kUnitToRounding)
       continue;  // unit to rounding: a second division would only move it
     for (int i = 0; i < 4; ++i) r[i] = norm > 0 ? r[i] / norm : (i == 3 ? 1 : 0);
   }
@@ -259,7 +261,7 @@ void OmplStateSampler::sampleUniformNear(ob::State* state, const ob::State* near
   bool anywhere = false;
   for (const Part& part : space.parts()) {
     const std::size_t i = at(part.first);
-    const double reach = part.weight > 0 ? distance / part.weight : 2 * std::numbers::pi;
+    const double reach = part.weight > 0 ? distance / part.weight : collision::kTwoPi;
     if (part.kind == Kind::kLine) {
       const double low = std::max(space.lower(part.first), center[i] - reach);
       const double high = std::min(space.upper(part.first), center[i] + reach);
@@ -288,7 +290,7 @@ void OmplStateSampler::sampleGaussian(ob::State* state, const ob::State* mean, d
   const std::span<const double> center = own_.point(mean);
   for (const Part& part : space.parts()) {
     const std::size_t i = at(part.first);
-    const double sigma = part.weight > 0 ? deviation / part.weight : 2 * std::numbers::pi;
+    const double sigma = part.weight > 0 ? deviation / part.weight : collision::kTwoPi;
     const std::size_t count = part.kind == Kind::kRotation ? 3 : 1;
     for (std::size_t k = 0; k < count; ++k) offset_[i + k] = sigma * random_.gaussian();
     if (part.kind == Kind::kRotation) offset_[i + 3] = 0;

@@ -1,6 +1,7 @@
 #pragma once
 
-// Every tolerance of planner/: unit, reason, and what goes wrong when it is changed.
+// Every tolerance of planner/: unit, reason, and what goes wrong when it is changed. What stands
+// here and what beside its algorithm is decided as in collision's.
 
 #include <cstdint>
 
@@ -9,6 +10,21 @@ namespace leeway::planner {
 /// Below this angle [rad] sin x = x and atan x = x to the last bit (x^2 / 3 is under half an ulp);
 /// larger would cost accuracy, below 1e-150 squares would underflow to zero and lose the direction.
 constexpr double kTinyAngle = 1e-8;
+
+/// Below this [rad] a turn has no axis: the square of its length would lose digits that count. Any
+/// axis will do then.
+constexpr double kLeastTurn = 1e-150;
+
+/// A quaternion whose length is this near to 1 is unit to rounding: dividing by it again would only
+/// move it.
+constexpr double kUnitToRounding = 1e-15;
+
+/// Squared part of a unit normal across the z axis up to which it is that axis, or its opposite, in
+/// the verifier: below, squares lose digits.
+constexpr double kVerifyAcross = 1e-300;
+
+/// OMPL writes parameters with six digits: one that reads back within this share was kept.
+constexpr double kParameterDigits = 1e-5;
 
 /// How far from 1 the length of a planned body's quaternion may be to count as a rotation. Rounding
 /// leaves 1e-15; loaders normalise anything within kMendableQuaternion, so what is farther off here

@@ -57,7 +57,7 @@ Matrix3d rotationOf(const double* q) {
 /// normal the shortest way, that is by the product of two reflections, first in z, then in the
 /// bisector of z and the normal.
 void planeDirections(const Vector3d& normal, Vector3d& u, Vector3d& v) {
-  if (normal.x() * normal.x() + normal.y() * normal.y() <= 1e-300) {
+  if (normal.x() * normal.x() + normal.y() * normal.y() <= kVerifyAcross) {
     u = Vector3d::UnitX();
     v = normal.z() < 0 ? Vector3d(-Vector3d::UnitY()) : Vector3d(Vector3d::UnitY());
     return;

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstddef>
 
+#include "leeway/robots/tolerances.h"
+
 namespace leeway::robots {
 
 namespace {
@@ -116,12 +118,11 @@ double kinematicsRounding(const Model& model, double reach) {
   // products and sums an entry, which makes less than 160 u in Frobenius norm for the three
   // together; sine and cosine are within 1.5 u, the two products and sums add 3 u an entry, and the
   // product with the parent's rotation less than 16 u in norm. Together below 200 u a joint; 256 u
-  // leaves room for second-order terms. A translation's components pass one product, three sums and
-  // the parent's rotation: below 256 u of its length as well. So a point at distance d from a
-  // joint's frame is moved by at most 256 u d more by each joint above it, and d is at most reach
-  // plus what the chain's offsets add up to. A revolute joint's angle multiplier * q + offset is
-  // rounded too: |angle| times 2 u, counted for mimic joints up to 100 rad.
-  constexpr double kPerJoint = 256 * 0x1p-53;
+  // (kJointRounding) leaves room for second-order terms. A translation's components pass one
+  // product, three sums and the parent's rotation: below 256 u of its length as well. So a point at
+  // distance d from a joint's frame is moved by at most 256 u d more by each joint above it, and d
+  // is at most reach plus what the chain's offsets add up to. A revolute joint's angle multiplier *
+  // q + offset is rounded too: |angle| times 2 u, counted for mimic joints up to 100 rad.
   std::vector<double> extent(model.joints.size());
   std::vector<int> depth(model.joints.size());
   double worst = 0;
@@ -146,7 +147,7 @@ double kinematicsRounding(const Model& model, double reach) {
     const auto parent = static_cast<std::size_t>(root ? 0 : joint.parent_link);
     extent[i] = (root ? 0 : extent[parent]) + joint.X_PJ.translation.norm() + travel;
     depth[i] = (root ? 0 : depth[parent]) + (joint.mimic >= 0 ? 2 : 1);
-    worst = std::max(worst, depth[i] * kPerJoint * (reach + 2 * extent[i]));
+    worst = std::max(worst, depth[i] * kJointRounding * (reach + 2 * extent[i]));
   }
   return worst;
 }

@@ -19,11 +19,11 @@
 namespace leeway::robots {
 namespace {
 
+using collision::kTwoPi;
 using collision::Shape;
 using collision::sineCosine;
 using Eigen::Vector3d;
 
-constexpr double kTwoPi = 6.283185307179586;
 constexpr int kGapArcs = LinkGap::kArcs;
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
@@ -139,7 +139,7 @@ class GapProof {
     queries_ = 0;
     constexpr int kWhole = kGapArcs / kGapSamples;
     for (int arc = 0; arc < kGapArcs; arc += kWhole) prove(arc, kWhole, gap.gaps);
-    gap.cell_gap = static_cast<float>(kCellGap * (1 - 1e-6));
+    gap.cell_gap = static_cast<float>(kCellGap * kGapInwards);
     gap.cells.assign(at(kGapArcs) * at(kGapArcs), 0);
     queries_ = 0;
     if (!staysNear(gap.gaps) || !isMostlyApart(gap.gaps)) return gap;
@@ -202,7 +202,7 @@ class GapProof {
     const double near = distanceAt(angleOf(arc + 0.5 * count));  // neither inside the other
     for (double gap = kGapShare * near; gap >= kLeastGap; gap /= 2) {
       if (staysApart(angleOf(arc), angleOf(count), gap)) {
-        const auto told = static_cast<float>(gap * (1 - 1e-6));  // below it, rounded, too
+        const auto told = static_cast<float>(gap * kGapInwards);  // below it, rounded, too
         std::fill_n(gaps.begin() + arc, count, told);
         return;
       }

@@ -146,7 +146,8 @@ HWY_INLINE V3 outsideOf(D d, const Sweep::Obstacle& o, const V3& p, V& depth) {
   }
   const V across = hn::Sqrt(hn::Add(hn::Mul(p.x, p.x), hn::Mul(p.y, p.y)));
   const V er = hn::Sub(across, hn::Set(d, o.half[0]));
-  const V share = hn::Div(hn::Max(er, zero), hn::Max(across, hn::Set(d, 1e-30f)));  // 0 on the axis
+  const V share =
+      hn::Div(hn::Max(er, zero), hn::Max(across, hn::Set(d, kLaneInsteadOfZero)));  // 0 on the axis
   depth = hn::Min(hn::Max(er, ez), zero);
   return {hn::Mul(p.x, share), hn::Mul(p.y, share), hn::CopySign(hn::Max(ez, zero), p.z)};
 }
@@ -354,7 +355,7 @@ class ClusterWays {
  private:
   // Its square would be 0 for what is very short.
   static HWY_INLINE V lengthOf(D d, const V3& v) {
-    return hn::Sqrt(hn::Add(dot(v, v), hn::Set(d, 1e-30f)));
+    return hn::Sqrt(hn::Add(dot(v, v), hn::Set(d, kLaneInsteadOfZero)));
   }
 
   const Ways<kStill>& ways_;
@@ -375,7 +376,7 @@ HWY_INLINE std::uint32_t notPartedBy(const LaneSweepKernel& kernel, const Sweep:
   const float growth = kStill ? 0 : kernel.growth[pair.motion];
   const float above =
       pair.part_above + points.radius + growth + (pair.pieces ? 4 : 1) * kernel.slack;
-  const V bar = hn::Set(d, plane.offset + above * (1 + 0x1p-11f));
+  const V bar = hn::Set(d, plane.offset + above * kLaneNormalOutwards);
   kernel.scratch.work->add(kLanePlaneWork + workOf(points));
   std::uint32_t open = 0;
   for (std::size_t at = 0; at < kLanes; at += hn::Lanes(d)) {
@@ -446,9 +447,6 @@ HWY_INLINE std::uint32_t pointsInside(const LaneSweepKernel& kernel, const Sweep
   kernel.scratch.work->add((point - begin + 1) * kLanePointWork);
   return met;
 }
-
-/// Where the way of an Approach counts as having come to the obstacle [m].
-constexpr float kTouching = 1e-4f;
 
 /// Steps towards an obstacle with a few points, and then with more [count].
 constexpr int kCoarseSteps = 4, kFineSteps = 4;
@@ -523,7 +521,7 @@ class Approach {
     const D d;
     V depth;
     const V3 gap = outside(depth);
-    const V near = hn::Set(d, o_.radius + kTouching);
+    const V near = hn::Set(d, o_.radius + kLaneTouching);
     return bitsOf(d, hn::Le(dot(gap, gap), hn::Mul(near, near)));
   }
 
@@ -546,7 +544,7 @@ class Approach {
     const Ways<kStill> ways(d, columns_, n, turn_, slide_);
     const V low = hn::Add(least(points, ways), ways.doubt);
     // NaN, and what is inside, stays open.
-    const V bar = hn::Set(d, (above_ + points.radius) * (1 + 0x1p-11f));
+    const V bar = hn::Set(d, (above_ + points.radius) * kLaneNormalOutwards);
     const M parted = hn::Gt(hn::Add(dot(n, origin_), low), hn::Add(support, bar));
     // The first of a lane is kept: how many follow is a matter of its neighbours in the register.
     const M first = hn::AndNot(done_, parted);
@@ -621,8 +619,8 @@ class Approach {
     }
     const V3 way = difference(to, from_);
     const V nearer = hn::Neg(hn::Mul(dot(n, way), length));
-    const V share =
-        hn::Div(hn::Max(nearer, hn::Zero(d)), hn::Max(dot(way, way), hn::Set(d, 1e-30f)));
+    const V share = hn::Div(hn::Max(nearer, hn::Zero(d)),
+                            hn::Max(dot(way, way), hn::Set(d, kLaneInsteadOfZero)));
     const V taken = hn::Min(share, one);
     from_ = {hn::Add(from_.x, hn::Mul(taken, way.x)), hn::Add(from_.y, hn::Mul(taken, way.y)),
              hn::Add(from_.z, hn::Mul(taken, way.z))};

@@ -21,7 +21,7 @@ using ExactVector = Eigen::Matrix<Exact, 3, 1>;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr Exact kTwoPi = 6.283185307179586476925286766559L;
+constexpr Exact kExactTwoPi = 6.283185307179586476925286766559L;
 
 std::vector<Vector3d> at(const VertexMotion& motion, double time) {
   std::vector<Vector3d> positions(static_cast<std::size_t>(motion.vertexCount()));
@@ -74,7 +74,7 @@ TEST(VertexMotion, WavesFollowTheirFormula) {
       for (const Wave& w : spec.waves) {
         const Exact turns = w.direction.cast<Exact>().normalized().dot(r) / Exact(w.wavelength) -
                             Exact(w.frequency) * t;
-        p += share * std::sin(kTwoPi * turns + Exact(w.phase)) * w.amplitude.cast<Exact>();
+        p += share * std::sin(kExactTwoPi * turns + Exact(w.phase)) * w.amplitude.cast<Exact>();
       }
       return p;
     };
@@ -255,7 +255,8 @@ TEST(VertexMotion, ReducedCoordinatesAddModes) {
         ExactVector p = spec.rest[v].cast<Exact>();
         for (std::size_t k = 0; k < 6; ++k) {
           const ReducedMotion::Harmonic& h = spec.harmonics[k];
-          p += Exact(h.amplitude) * std::sin(kTwoPi * Exact(h.frequency) * t + Exact(h.phase)) *
+          p += Exact(h.amplitude) *
+               std::sin(kExactTwoPi * Exact(h.frequency) * t + Exact(h.phase)) *
                spec.modes[k][v].cast<Exact>();
         }
         return p;

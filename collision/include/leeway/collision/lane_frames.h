@@ -5,6 +5,8 @@
 #include <span>
 #include <vector>
 
+#include "leeway/collision/tolerances.h"
+
 namespace leeway::collision {
 
 /// Intervals of one motion that are looked at together, a lane of a vector register each.
@@ -37,9 +39,6 @@ struct FrameStep {
   float turn = 0;                                   ///< within kLargestLaneTurn [rad]
 };
 
-/// Turns of one joint over one motion that placeFrames() takes [rad]. More would cost accuracy.
-inline constexpr float kLargestLaneTurn = 7;
-
 /// Frame i of `frames` becomes that of steps[i] at t = 1/2 + places; its motion stays as it was. No
 /// point of a frame whose chain of steps has the lengths l[0 .. n) (of translation and slides
 /// together, the root's first), and which is at most |r| from the frame's origin, departs from its
@@ -51,11 +50,6 @@ void placeFrames(std::span<const FrameStep> steps, const LaneValues& places,
 /// The motions of frames that are placed, over intervals of this width in t around their places.
 void moveFrames(std::span<const FrameStep> steps, const LaneValues& places, float width,
                 std::span<LaneFrame> frames);
-
-/// The unit of placeFrames()'s bound: 80 times the unit roundoff of single precision. What it does
-/// to half an interval's motion is at most 4 (sum of half |turn| / kLanes) as much, and
-/// 2 n kLaneRounding times the sum of half |slide| / kLanes.
-inline constexpr double kLaneRounding = 80 * 0x1p-24;
 
 /// Second-order bounds for many motions at once: what robots::accelerationBound() sums, one motion
 /// a lane. A motion is a row of terms from the body to its base.

@@ -1,6 +1,11 @@
 #pragma once
 
+#include <numbers>
+
 namespace leeway::collision {
+
+/// A whole turn [rad], rounded once.
+inline constexpr double kTwoPi = 2 * std::numbers::pi;
 
 /// Sine and cosine that do not depend on the C library or the instruction set: within 1.5 ulp for
 /// |x| <= 1e5 rad. NaN for an argument that is not finite. O(1).

@@ -1,6 +1,11 @@
 #pragma once
 
 // Every tolerance of collision/: unit, reason, and what goes wrong when it is changed.
+//
+// What decides: a number that says how far another may be from the truth, or from where on one
+// counts as zero, as equal, as lost or as out of range, stands here, and nowhere else. Counts
+// (limits of steps, capacities, prices of work) and shares that steer an algorithm, none of which
+// changes what an answer may claim, may stand beside it.
 
 namespace leeway::collision {
 
@@ -61,10 +66,20 @@ inline constexpr int kClimbFrom = 32;
 /// A norm, or another root of a sum of a few squares, errs by less than 4 units of roundoff; times
 /// this it is rounded outwards.
 inline constexpr double kOutwards = 1 + 0x1p-50;
+/// The other way about, so that what is brought to a length is no longer.
+inline constexpr double kInwards = 1 - 0x1p-50;
+
+/// What bounds to first order in a rotation's departure are multiplied with: those of second order
+/// are less than kRotationTolerance of them. No unit.
+inline constexpr double kFirstOrderOutwards = 1 + 0x1p-10;
 
 /// Squares (of lengths [m^2], or of products of two lengths) below this are among the numbers that
 /// lose digits, or near them: no direction is made from them.
 inline constexpr double kLeastSquare = 1e-290;
+
+/// Lengths [m, or m^2 of a normal] from and to which squares are normal doubles, with room.
+inline constexpr double kLeastToSquare = 1e-140;
+inline constexpr double kMostToSquare = 1e140;
 
 /// Stands for a divisor that is 0, in its unit: what is divided is 0 then, too, or the quotient is
 /// cut to a range. Larger would change quotients that count.
@@ -132,6 +147,63 @@ inline constexpr double kSettledAngle = 1e-15;
 /// Squared part across an axis below which a direction is too near to it for that. No unit.
 inline constexpr double kTiltedAcross = 1e-3;
 
+/// Rounding of the least over both circles, in units of kUnitRoundoff times the sizes involved;
+/// derived in tilted_axes.cc. Smaller breaks the guarantee.
+inline constexpr double kTiltedRounding = 40;
+
+// Depths of curved pairs (curved_depth.cc, cell_bound.cc, curved_cell.h, curved_face.cc)
+
+/// Rounding of a cell's bound, in units of kUnitRoundoff times the sizes involved; derived in
+/// curved_depth.cc. Smaller breaks the guarantee.
+inline constexpr double kCellRounding = 128;
+
+/// What M x of a corner errs by, in units of kUnitRoundoff times a core's size: entries of X_BA
+/// that are rounded once 2, their products and sums 5, M 1. Smaller breaks the guarantee.
+inline constexpr double kCornerRounding = 8;
+
+/// Three vectors whose middle is no longer than so many times what they err by have no direction;
+/// or than this share of the sizes, where what they err by is not known. There 0 is the bound.
+inline constexpr double kLostBelow = 16;
+inline constexpr double kLostShare = 1e-12;
+
+/// Rounding of roots and sums in Hadeler's criterion, as a share of their terms, of which there are
+/// a few; and in twice the precision. Smaller breaks the guarantee.
+inline constexpr double kRootRounding = 16 * kUnitRoundoff;
+inline constexpr double kSharpRootRounding = 0x1p-80;
+
+/// What a depth is first known to, as a share of the sizes: what is proven roughly stays proven.
+/// Costs time, never truth.
+inline constexpr double kRoughDepth = 1e-6;
+
+/// Poses that move points by more than this, in units of kUnitRoundoff times the sizes involved,
+/// are farther from rotations than such as were rounded once: twice the precision gains nothing.
+inline constexpr double kMostMoved = 64;
+
+/// Ellipsoids whose axes differ by no more than this share are looked at as balls first. Any value
+/// is right.
+inline constexpr double kSlightlyLonger = 1e-2;
+
+/// See CurvedFaces: what being beside the middle of a face costs. Less is lost in rounding; it only
+/// says which member is taken.
+inline constexpr double kEvenly = 1e-8;
+
+/// Determinants below this share of their terms are taken for 0, and |M e| below the other share of
+/// a rim's radius: all of its disc is farthest. They only say which member is taken.
+inline constexpr double kSingularFace = 1e-13;
+inline constexpr double kFlatRim = 1e-8;
+
+// Depths in twice the precision (sharp_polytope.cc)
+
+/// What numbers of twice the precision may err by after some tens of operations, as a share of the
+/// sizes involved; planes that are no farther out than this are the facet's own. Smaller breaks the
+/// guarantee.
+inline constexpr double kSharpRounding = 0x1p-90;
+/// Of products of two or three members, as a share of the sizes' square or cube.
+inline constexpr double kSharpDeterminant = 0x1p-96;
+/// A nearest point that is farther than its plane by this share lies on the rim: others are better
+/// known by the facet's normal.
+inline constexpr double kOnRim = 1e-9;
+
 // Hulls' vertices (hull_support.cc, simd/scan-inl.h, simd/vertex_gjk.cc)
 
 /// Rim of a cell of directions, in cells: a direction that rounding puts into the cell beside it is
@@ -174,6 +246,29 @@ inline constexpr double kTransferRounding = 1e-14;
 /// coordinates at play; derived in simd/lane_sweep.cc (half of it is needed). Smaller breaks the
 /// guarantee.
 inline constexpr double kLaneSweepRounding = 64 * 0x1p-24;
+
+/// The unit of placeFrames()'s bound (lane_frames.h): 80 times the unit roundoff of single
+/// precision. What it does to half an interval's motion is at most 4 (sum of half |turn| / kLanes)
+/// as much, and 2 n kLaneRounding times the sum of half |slide| / kLanes. Smaller breaks the
+/// guarantee.
+inline constexpr double kLaneRounding = 80 * 0x1p-24;
+
+/// Turns of one joint over one motion that placeFrames() takes [rad]. More would cost accuracy.
+inline constexpr float kLargestLaneTurn = 7;
+
+/// A bar for a plane in a lane is multiplied with this: the normal's length is within 61
+/// kLaneRounding of 1. Smaller breaks the guarantee.
+inline constexpr float kLaneNormalOutwards = 1 + 0x1p-11F;
+
+/// Radii in a plane's offset likewise, whose normal is of a length within some units of 2^-24 of 1.
+inline constexpr double kLanePlaneOutwards = 1 + 1e-6;
+
+/// Stands for a divisor that is 0, or for the square of what is very short, in single precision.
+/// Larger would change quotients that count.
+inline constexpr float kLaneInsteadOfZero = 1e-30F;
+
+/// Where the way towards an obstacle counts as having come to it [m]. Any value is right.
+inline constexpr float kLaneTouching = 1e-4F;
 
 /// A mesh whose hull stands out from it by no more than this [m] is not covered in parts: few of
 /// its pairs need them, and each takes milliseconds to make. Costs time, never truth.
@@ -254,6 +349,25 @@ inline constexpr double kTurnedBox = 1.1;
 
 /// Ways between boxes whose square [m^2] is not above this have no direction in single precision.
 inline constexpr float kLeastWaySquared = 1e-30F;
+
+/// Distances of boxes in single precision are multiplied with this: three differences, three
+/// squares and a root, each off by 2^-24 of itself. Larger breaks the guarantee.
+inline constexpr float kBoxDistanceInwards = 1 - 0x1p-20F;
+
+/// The same held against a bar (deform_nearest.cc), as a share of either: six roundings of 2^-24
+/// for the square, one for the root, and those of the bar.
+inline constexpr double kNearestBoxRounding = 0x1p-20;
+
+/// Rounding of both ends of a triangle's distance there, as a share of the coordinates seen from
+/// the core's middle: 13 units for its nearest point and the way's length, and some for a segment's
+/// own point. Smaller breaks the guarantee.
+inline constexpr double kNearestTriangleRounding = 32 * kUnitRoundoff;
+
+/// Half lengths of segments from which on, and distances of a core from the mesh's origin up to
+/// which that search is taken [m]: in single precision shorter ones have no direction and the
+/// squares of farther ones no room.
+inline constexpr double kNearestLeastHalf = 1e-12;
+inline constexpr double kNearestFarthest = 1e18;
 
 /// Largest change of a bone's weight over a node's box that a gradient may stand for: bounds of
 /// rounding count on it. No unit.
@@ -358,6 +472,10 @@ inline constexpr double kFollowRimSquared = 1e-6;
 /// bounds multiply and add some of them, and what is larger is a broken file. Any value below 1e60
 /// would be right.
 inline constexpr double kLargestMotion = 1e15;
+
+/// Rounding of the share of a segment between two keys (key_track.h), in units of kUnitRoundoff.
+/// Smaller breaks the guarantee.
+inline constexpr double kShareRounding = 16;
 
 /// Largest phase of a wave [rad]: it is added to an angle as it is, and more would only lose
 /// digits.

@@ -1,12 +1,19 @@
 #pragma once
 
-// Every tolerance of robots/: unit, reason, and what goes wrong when it is changed.
+// Every tolerance of robots/: unit, reason, and what goes wrong when it is changed. What stands
+// here and what beside its algorithm is decided as in collision's.
+
+#include "leeway/collision/tolerances.h"
 
 namespace leeway::robots {
 
 /// Added to every reach, relative to it and as metres: a walk over a hundred joints rounds by 1e-14
 /// of the coordinates. Smaller would risk reaches rounded inwards; larger only loosens bounds.
 inline constexpr double kReachRounding = 1e-12;
+
+/// Rounding of a joint's place, as a fraction of the lengths above it; derived in kinematics.cc.
+/// Smaller breaks the guarantee.
+inline constexpr double kJointRounding = 256 * collision::kUnitRoundoff;
 
 /// Relative rounding of sums of some hundred positive terms, and of halving a box (an ulp each).
 inline constexpr double kBoundRounding = 1e-12;
@@ -37,6 +44,10 @@ inline constexpr double kMostGap = 0.1, kLeastGap = 1e-3, kGapShare = 0.75;
 
 /// provenGaps(): queries about one pair of links, after which what is left stays unproven.
 inline constexpr int kGapQueries = 5'000;
+
+/// provenGaps(): a gap is told as this much of what is proven, so that single precision rounds none
+/// above it.
+inline constexpr double kGapInwards = 1 - 1e-6;
 
 /// provenGaps(): rounding of coordinates and angles, relative and in metres and radians; edges that
 /// rise less are taken whole [m], so that none is cut with more rounding than that.
