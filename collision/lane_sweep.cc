@@ -5,7 +5,6 @@
 #include <bit>
 #include <cmath>
 #include <iterator>
-#include <limits>
 #include <memory>
 #include <utility>
 
@@ -20,7 +19,6 @@ namespace leeway::collision {
 namespace {
 
 constexpr float kFar = 1e30f;
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 

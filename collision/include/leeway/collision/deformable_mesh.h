@@ -190,7 +190,7 @@ class Deformable {
   std::span<Eigen::Vector3d> nextVertices();
   /// What is said of vertices that were written into nextVertices().
   enum class Vertices : unsigned char {
-    kUnchecked,  ///< they are checked, in a pass of its own where the strategy does not read all
+    kUnchecked,  ///< they are checked, each of the mesh's, in a pass of its own before the update
     kFinite,     ///< the caller vouches for finite coordinates up to 1e15. Where that is not so the
                  ///< update is refused, or queries near those vertices answer (-inf, something):
                  ///< nothing is called free that is not
