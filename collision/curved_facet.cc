@@ -6,6 +6,7 @@
 #include <type_traits>
 
 #include "collision/sharp.h"
+#include "leeway/collision/tolerances.h"
 
 namespace leeway::collision {
 
@@ -45,8 +46,8 @@ CurvedFacets::CurvedFacets(const Difference<false>& difference, double roundoff)
   cells_left_ = kMostCellsOfAll;
   sharp_cells_left_ = kMostSharpCells;
   const double size = roundoff / kUnitRoundoff;
-  slack_ = 256 * roundoff * size;
-  sharp_slack_ = 0x1p-80 * size * size;
+  slack_ = kFacetRounding * roundoff * size;
+  sharp_slack_ = kSharpFacetRounding * size * size;
 }
 
 // The centre of what a point of a round core is on, in the core's frame.

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstddef>
 
+#include "leeway/collision/tolerances.h"
+
 namespace leeway::collision {
 namespace {
 
@@ -139,10 +141,8 @@ int orientation(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen:
   const double permanent = std::abs(dx) * (std::abs(x1) + std::abs(x2)) +
                            std::abs(dy) * (std::abs(y1) + std::abs(y2)) +
                            std::abs(dz) * (std::abs(z1) + std::abs(z2));
-  // Shewchuk's bound is (7 + 56 eps) eps with eps = 2^-53; the rest is for the rounding of this
-  // line.
   if (permanent == 0) return 0;  // every product has a factor 0: frequent in axis-aligned parts
-  const double error = 8e-16 * permanent;
+  const double error = kOrientationRounding * permanent;
   if (determinant > error) return 1;
   if (-determinant > error) return -1;
   return exactOrientation(a, b, c, d);
@@ -152,7 +152,7 @@ int turn(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector
          int j) {
   const double left = (b[i] - a[i]) * (c[j] - a[j]);
   const double right = (b[j] - a[j]) * (c[i] - a[i]);
-  const double error = 4e-16 * (std::abs(left) + std::abs(right));  // (3 + 16 eps) eps, rounded up
+  const double error = kTurnRounding * (std::abs(left) + std::abs(right));
   if (left - right > error) return 1;
   if (right - left > error) return -1;
   return determinant2(difference(b[i], a[i]), difference(b[j], a[j]), difference(c[i], a[i]),

@@ -39,7 +39,7 @@ struct SweptPair {
 /// between them: both stretch two directions alike and the third, their axis, not at all, so that
 /// |A| is the Frobenius norm over the root of 2; but for what the matrices lack as rotations.
 double stretchOf(const Eigen::Matrix3d& A, double departure) {
-  return A.norm() * (std::numbers::sqrt2 / 2 + 1e-12) + 16 * departure;
+  return A.norm() * (std::numbers::sqrt2 / 2 + kStretchRounding) + 16 * departure;
 }
 
 class MeshSweep {

@@ -23,7 +23,7 @@ constexpr int kPlanes = 8;  // a choice's planes; three carry its point, the oth
 double reachOf(const PlacedShape& s, const Vector& direction) {
   const Vector d = rotatedBack(s.X_WS.rotation, direction);
   const double origin = direction.dot(s.X_WS.translation);
-  if (s.shape->type() == ShapeType::kHalfSpace) return d.z() > 1 - 1e-12 ? origin : kInfinity;
+  if (s.shape->type() == ShapeType::kHalfSpace) return d.z() > kAlongHalfSpace ? origin : kInfinity;
   if (s.shape->type() == ShapeType::kDeformable) {
     return origin + d.dot(s.shape->boundingCenter()) + s.shape->boundingRadius();
   }

@@ -33,14 +33,14 @@ Inside insideOf(const Shape& shape, const Pose& X_WS, const Vector& p_W, Scratch
   const double extent = std::isfinite(shape.extent()) ? shape.extent() : 0;
   const double error = (relative.slack + kRelativeRounding) * (extent + p.norm());
   DistanceRequest request;
-  request.tolerance = 1e-3 * extent;
+  request.tolerance = kSolidShare * extent;
   DescentSide point;
   point.view.core = Core::kPoint;
   point.center = point.low = point.high = Vector::Zero();
   Interval distance;
   Vector normal;
   if (shape.isConvex()) {
-    request.tolerance = 1e-9;
+    request.tolerance = kSolidTolerance;
     const DistanceResult r = convexDistance(viewOf(shape), Pose{Eigen::Matrix3d::Identity(), -p},
                                             point.view, request, scratch, nullptr, error);
     distance = {-r.distance.upper, -r.distance.lower};

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "leeway/collision/tolerances.h"
+
 namespace leeway::collision {
 namespace {
 
@@ -28,7 +30,7 @@ struct Search {
     if (!(now > 0)) return false;
     const double top = std::max({d.dot(p[0]), d.dot(p[1]), d.dot(p[2])});
     const double bottom = std::min({d.dot(q[0]), d.dot(q[1]), d.dot(q[2])});
-    return bottom - top >= now * (1 - 1e-12);
+    return bottom - top >= now * kTrianglesApart;
   }
 
   // A corner of one over the inside of the other.

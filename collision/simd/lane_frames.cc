@@ -160,7 +160,7 @@ void SumGrowth(const std::int32_t* motion, const float* reach, const float* turn
     }
     // Every sum and product is positive, so that rounding is relative: 4 units a term, of 2^-24;
     // 1e-5 holds for 40 terms, which add() sees to; rows without reach add nothing.
-    const V scale = hn::Set(d, (1 + 1e-5f) / (8 * kLanes * kLanes));
+    const V scale = hn::Set(d, kLaneGrowthOutwards / (8 * kLanes * kLanes));
     hn::StoreU(hn::Mul(acceleration, scale), d, growth + at);
   }
 }

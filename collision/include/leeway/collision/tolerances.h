@@ -3,9 +3,10 @@
 // Every tolerance of collision/: unit, reason, and what goes wrong when it is changed.
 //
 // What decides: a number that says how far another may be from the truth, or from where on one
-// counts as zero, as equal, as lost or as out of range, stands here, and nowhere else. Counts
-// (limits of steps, capacities, prices of work) and shares that steer an algorithm, none of which
-// changes what an answer may claim, may stand beside it.
+// counts as zero, as equal, as lost or as out of range, stands here. Counts (limits of steps,
+// capacities, prices of work) and shares that steer an algorithm, none of which changes what an
+// answer may claim, may stand beside it; so may the factors of an error bound that is derived in
+// the same few lines.
 
 namespace leeway::collision {
 
@@ -192,6 +193,12 @@ inline constexpr double kEvenly = 1e-8;
 inline constexpr double kSingularFace = 1e-13;
 inline constexpr double kFlatRim = 1e-8;
 
+/// Rounding of a bound over a facet's cells (curved_facet.cc, where it is derived), in units of
+/// kUnitRoundoff times the sizes' square; and in twice the precision, as a share of it. Smaller
+/// breaks the guarantee.
+inline constexpr double kFacetRounding = 256;
+inline constexpr double kSharpFacetRounding = 0x1p-80;
+
 // Depths in twice the precision (sharp_polytope.cc)
 
 /// What numbers of twice the precision may err by after some tens of operations, as a share of the
@@ -222,6 +229,14 @@ inline constexpr double kCancelled = 1e-6;
 /// Share of a tetrahedron's volume that each of the four weights must have, and of the cube of its
 /// size that the volume must have, for there to be no doubt that it holds the origin.
 inline constexpr double kHeldWell = 1e-6;
+
+// Signs (exact.cc)
+
+/// What a computed determinant of three or of two differences errs by, as a share of its permanent:
+/// Shewchuk's (7 + 56 eps) eps and (3 + 16 eps) eps with eps = kUnitRoundoff, rounded up. Smaller
+/// gives wrong signs, larger asks for exact ones more often.
+inline constexpr double kOrientationRounding = 8e-16;
+inline constexpr double kTurnRounding = 4e-16;
 
 // Scene (coarse_shape.cc, scene.cc, point_cover.cc, lane_sweep.cc)
 
@@ -273,6 +288,10 @@ inline constexpr float kLaneTouching = 1e-4F;
 /// A mesh whose hull stands out from it by no more than this [m] is not covered in parts: few of
 /// its pairs need them, and each takes milliseconds to make. Costs time, never truth.
 inline constexpr double kLeastConcavity = 0.01;
+
+/// What LaneGrowth's sums are multiplied with: 4 units of 2^-24 a term, of which there are 40 at
+/// most. Smaller breaks the guarantee.
+inline constexpr float kLaneGrowthOutwards = 1 + 1e-5F;
 
 /// How near to the widest gap LaneSweep searches planes [m]: chords and radii leave more open.
 inline constexpr double kLanePlaneTolerance = 5e-4;
@@ -432,7 +451,24 @@ inline constexpr double kSeparationGain = 0.1;
 /// end of a depth better.
 inline constexpr int kDeepestPointSteps = 24;
 
+/// Nothing is nearer than two points of two triangles when what lies between the planes across
+/// their way is all of it but this share. What it lacks is no more than rounding.
+inline constexpr double kTrianglesApart = 1 - 1e-12;
+
+/// What a solid's depth at a point is asked to within: a convex one's [m], and a mesh's as a share
+/// of its extent. It only says how deep a contact is, and where it is left.
+inline constexpr double kSolidTolerance = 1e-9;
+inline constexpr double kSolidShare = 1e-3;
+
+/// Difference of two rotations' matrices: what its Frobenius norm over the root of 2 is off by.
+/// Smaller breaks the guarantee.
+inline constexpr double kStretchRounding = 1e-12;
+
 // Pushing out (separation.cc, nearest_in_halfspaces.cc)
+
+/// Cosine from which on a direction is a half-space's normal, along which alone it ends. Smaller
+/// would give it an end that it has not; translations are proven by queries.
+inline constexpr double kAlongHalfSpace = 1 - 1e-12;
 
 /// Planes at a smaller sine than this meet too far away to be of use; a point may be outside of
 /// planes that it was not made from by the other share of its distance and of theirs. No unit.
