@@ -65,6 +65,11 @@ inline __attribute__((always_inline)) PoseCheck checkRotations(const Eigen::Matr
           std::sqrt(2 * (departure[0] + departure[1]))};
 }
 
+/// What queries take for a pose: finite, and orthogonal within kRotationTolerance.
+inline bool isPose(const Pose& X) {
+  return X.translation.allFinite() && checkRotations(X.rotation, X.rotation).rotations;
+}
+
 /// The same with sums of magnitudes instead of Frobenius norms, which are not larger: fewer
 /// operations and no root, but matrices near the tolerance may be called none.
 inline __attribute__((always_inline)) PoseCheck checkRotationsQuickly(const Eigen::Matrix3d& R,

@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "collision/pose_check.h"
 #include "leeway/collision/deformable_mesh.h"
 #include "leeway/collision/tolerances.h"
 
@@ -78,6 +79,16 @@ Scene SceneBuilder::build() const {
   };
   finite(default_margin_);
   for (const PairMargin& m : margins_) finite(m.margin);
+  const auto placed = [](const Pose& X, const std::string& name) {
+    if (!isPose(X)) {
+      throw std::invalid_argument("scene: the pose of '" + name +
+                                  "' must be finite, its rotation orthogonal");
+    }
+  };
+  for (const Body& body : bodies_) {
+    placed(body.X_WB, body.name);
+    for (const Geometry& g : body.geometries) placed(g.X_BG, body.name);
+  }
 
   Scene scene;
   scene.bodies_ = bodies_;
@@ -256,6 +267,12 @@ DistanceResult pairDistance(const Scene& scene, Workspace& workspace, int p,
                                    workspace.scratch(), &workspace.cache(p));
   ++workspace.statistics.exact;
   workspace.statistics.iterations += static_cast<std::uint64_t>(result.iterations);
+  // Of a place that is no number nothing is known, and NaN would be lost among other pairs.
+  if (!std::isfinite(slack)) {
+    result.status = DistanceStatus::kInvalid;
+    result.distance = {-kInfinity, kInfinity};
+    return result;
+  }
   result.distance.lower -= slack;
   result.distance.upper += slack;
   return result;
@@ -300,6 +317,7 @@ SceneResult clearance(const Scene& scene, Workspace& workspace, double tolerance
   for (std::size_t p = 0; p < pairs.size(); ++p) {
     impl.order[p] = static_cast<int>(p);
     impl.lower[p] = coarseLower(scene, workspace, pairs[p]);
+    if (std::isnan(impl.lower[p])) impl.lower[p] = -kInfinity;  // to be looked at, and to be sorted
   }
   std::sort(impl.order.begin(), impl.order.end(), [&](int x, int y) {
     return impl.lower[at(x)] < impl.lower[at(y)] ||

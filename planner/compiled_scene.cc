@@ -1,5 +1,7 @@
 #include "leeway/planner/compiled_scene.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -7,6 +9,8 @@
 #include <string>
 #include <utility>
 
+#include "leeway/collision/tolerances.h"
+#include "leeway/robots/input_error.h"
 #include "leeway/robots/kinematics.h"
 #include "planner/tolerances.h"
 
@@ -105,6 +109,7 @@ class Pairs {
 
   void addAttachments() {
     for (const Attachment& a : problem_.attachments) {
+      expectPose(a.X_LO, a.object.name);
       Body body{a.object.name, a.object.geometries, moves(a.link), poses_[at(a.link)]};
       for (robots::Geometry& g : body.geometries) g.X_BG = a.X_LO * g.X_BG;
       if (!body.geometries.empty()) entries_.push_back({std::move(body), a.link, &a});
@@ -112,9 +117,24 @@ class Pairs {
   }
 
   void addObjects() {
-    for (const Object& o : problem_.objects)
+    for (const Object& o : problem_.objects) {
+      expectPose(o.X_WO, o.name);
       if (!o.geometries.empty())
         entries_.push_back({{o.name, o.geometries, false, o.X_WO}, -1, nullptr});
+    }
+  }
+
+  /// Files are read so that this holds; programs may say anything.
+  void expectPose(const robots::Pose& X, const std::string& name) const {
+    const double departure =
+        (X.rotation.transpose() * X.rotation - Eigen::Matrix3d::Identity()).norm();
+    if (X.translation.allFinite() && departure <= collision::kRotationTolerance) return;
+    const Eigen::Vector3d& p = X.translation;
+    throw robots::InputError(
+        problem_.name, 0,
+        fmt::format("the pose of '{}' is at ({}, {}, {}), its rotation {} from orthogonal; finite "
+                    "numbers and a rotation within {} are expected",
+                    name, p.x(), p.y(), p.z(), departure, collision::kRotationTolerance));
   }
 
   /// The nearest link above that a joint which is not fixed stands between, with the link's own.

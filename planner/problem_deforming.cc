@@ -87,14 +87,18 @@ IndexedMesh readRestMesh(const YamlReader& entry) {
   return gridMesh(s[0], s[1], static_cast<int>(x), static_cast<int>(y));
 }
 
-void requireFreeName(const YamlReader& name, const Problem& problem) {
+bool isTaken(const std::string& name, const Problem& problem) {
   const auto taken = [&](const auto& list, const auto& nameOf) {
     return std::any_of(list.begin(), list.end(),
-                       [&](const auto& entry) { return nameOf(entry) == name.text(); });
+                       [&](const auto& entry) { return nameOf(entry) == name; });
   };
-  if (taken(problem.objects, [](const Object& o) { return o.name; }) ||
-      taken(problem.attachments, [](const Attachment& a) { return a.object.name; }) ||
-      problem.model->findLink(name.text()) >= 0)
+  return taken(problem.objects, [](const Object& o) { return o.name; }) ||
+         taken(problem.attachments, [](const Attachment& a) { return a.object.name; }) ||
+         (problem.model && problem.model->findLink(name) >= 0);
+}
+
+void requireFreeName(const YamlReader& name, const Problem& problem) {
+  if (isTaken(name.text(), problem))
     name.fail(
         fmt::format("{} '{}' is the name of another object or link; a name of its own is expected",
                     name.where(), name.text()));
@@ -119,6 +123,10 @@ void addDeforming(Problem& problem, const std::string& name,
                   std::shared_ptr<const collision::VertexMotion> motion, const robots::Pose& X_WO,
                   const DeformOptions& options, double speed_bound) {
   if (!mesh) throw std::invalid_argument("deforming obstacle '" + name + "': a mesh is expected");
+  if (isTaken(name, problem)) {
+    throw std::invalid_argument("deforming obstacle '" + name +
+                                "': another object or a link has this name");
+  }
   Deformable deformable(mesh, motion, options);
   const auto status = motion ? deformable.update(problem.execution.start)
                              : deformable.update(mesh->rest(), problem.execution.start);

@@ -359,9 +359,12 @@ std::shared_ptr<const VertexMotion> readCache(const YamlReader& cache, const Ver
   if (ending != ".pc2" && ending != ".mdd")
     file.fail(
         fmt::format("{} has the ending '{}'; .pc2 or .mdd is expected", file.where(), ending));
-  std::ifstream stream(path, std::ios::binary);
-  std::vector<char> text{std::istreambuf_iterator<char>(stream), {}};
-  if (!stream)
+  // (A folder can be opened, and throws when it is read.)
+  std::ifstream stream;
+  if (std::filesystem::is_regular_file(path)) stream.open(path, std::ios::binary);
+  std::vector<char> text;
+  if (stream.is_open()) text.assign(std::istreambuf_iterator<char>(stream), {});
+  if (!stream.is_open() || !stream)
     file.fail(fmt::format("{} names '{}', which cannot be read; a readable file is expected",
                           file.where(), path));
   const std::span<const std::byte> bytes = std::as_bytes(std::span<const char>(text));

@@ -208,6 +208,52 @@ TEST(Scene, APoseThatIsNoNumberIsUndecided) {
   EXPECT_EQ(clearance(scene, workspace, 1e-3).verdict, Verdict::kUndecided);
 }
 
+TEST(Scene, APoseThatIsNoNumberLeavesNothingKnown) {
+  SceneBuilder builder;
+  builder.add({"ball", {{Shape::sphere(0.1), {}, ""}}, true, {}});
+  builder.add({"lost", {{Shape::sphere(0.1), {}, ""}}, true, {}});
+  builder.add({"wall", {{Shape::box({1, 1, 1}), {}, ""}}, false, {}});
+  const Scene scene = builder.build();
+  Workspace workspace(scene);
+  workspace.setPose(0, Pose{Eigen::Matrix3d::Identity(), {2, 0, 0}});
+  for (const double bad : {std::nan(""), kInfinity, -kInfinity}) {
+    workspace.setPose(1, Pose{Eigen::Matrix3d::Identity(), {5, 5, bad}});
+    const SceneResult result = clearance(scene, workspace, 1e-6);
+    EXPECT_EQ(result.verdict, Verdict::kUndecided);
+    EXPECT_EQ(result.clearance.lower, -kInfinity);  // NaN was lost here, and 0.9 m told
+    EXPECT_LE(result.clearance.upper, 0.9 + 1e-6);
+    for (int p = 0; p < static_cast<int>(scene.pairs().size()); ++p) {
+      const ScenePair& pair = scene.pairs()[static_cast<std::size_t>(p)];
+      if (pair.body_a != 1 && pair.body_b != 1) continue;
+      const DistanceResult one = pairDistance(scene, workspace, p, {});
+      EXPECT_EQ(one.status, DistanceStatus::kInvalid);
+      EXPECT_EQ(one.distance.lower, -kInfinity);
+      EXPECT_EQ(one.distance.upper, kInfinity);
+    }
+  }
+}
+
+TEST(Scene, PosesThatAreNoneAreRefused) {
+  const auto build = [](const Pose& X_WB, const Pose& X_BG) {
+    SceneBuilder builder;
+    builder.add({"ball", {{Shape::sphere(0.1), {}, ""}}, true, {}});
+    builder.add({"post", {{Shape::box({0.1, 0.1, 0.1}), X_BG, ""}}, false, X_WB});
+    return builder.build().pairs().size();
+  };
+  EXPECT_EQ(build({}, {}), 1U);
+  std::vector<Pose> bad(8);
+  for (std::size_t k = 0; k < 3; ++k) bad[k].translation[static_cast<int>(k)] = std::nan("");
+  bad[3].translation.y() = kInfinity;
+  bad[4].rotation(1, 2) = std::nan("");
+  bad[5].rotation *= 2;
+  bad[6].rotation.setZero();
+  bad[7].rotation(0, 1) = 1e-3;
+  for (const Pose& X : bad) {
+    EXPECT_THROW(build(X, {}), std::invalid_argument);
+    EXPECT_THROW(build({}, X), std::invalid_argument);
+  }
+}
+
 TEST(Scene, PoseErrorWidensEveryAnswer) {
   SceneBuilder builder;
   Body ball{"ball", {{Shape::sphere(1), {}, ""}}, true, {}};

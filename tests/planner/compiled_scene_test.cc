@@ -3,9 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <limits>
 #include <span>
 #include <string>
 
+#include "leeway/planner/plan.h"
+#include "leeway/planner/replanner.h"
+#include "leeway/robots/input_error.h"
 #include "robots/model_builder.h"
 #include "tests/planner/test_models.h"
 
@@ -150,6 +154,42 @@ TEST(CompiledScene, AttachedThingsMoveWithTheirLink) {
   const collision::Geometry& g =
       compiled.scene().bodies()[static_cast<std::size_t>(body)].geometries[0];
   EXPECT_NEAR(g.X_BG.translation.z(), 0.21, 1e-15);
+}
+
+TEST(CompiledScene, ObjectsWithoutAPlaceAreRefused) {
+  // A box at (5, 5, NaN) was far from everything in lanes, and every edge free of it.
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  std::vector<collision::Pose> bad(4);
+  bad[0].translation = {5, 5, nan};
+  bad[1].translation.x() = std::numeric_limits<double>::infinity();
+  bad[2].rotation(0, 0) = nan;
+  bad[3].rotation *= 2;
+  for (const collision::Pose& X : bad) {
+    Problem problem = test::wallProblem();
+    problem.objects.push_back({"post", {{collision::Shape::sphere(0.1), {}, "post"}}, X});
+    const auto refused = [](const auto& ask) {
+      try {
+        ask();
+      } catch (const robots::InputError& error) {
+        return std::string(error.what());
+      }
+      return std::string("accepted");
+    };
+    for (const std::string& said :
+         {refused([&] { CompiledScene{problem}; }), refused([&] { plan(problem); }),
+          refused([&] { Replanner{problem}; })}) {
+      EXPECT_NE(said.find("the pose of 'post'"), std::string::npos) << said;
+      EXPECT_NE(said.find("orthogonal"), std::string::npos) << said;
+    }
+    problem.objects.pop_back();
+    Attachment held;
+    held.object = {"post", {{collision::Shape::sphere(0.1), {}, "post"}}, {}};
+    held.link = 0;
+    held.X_LO = X;
+    problem.attachments.push_back(held);
+    EXPECT_NE(refused([&] { CompiledScene{problem}; }).find("the pose of 'post'"),
+              std::string::npos);
+  }
 }
 
 TEST(CompiledScene, MarginsByName) {

@@ -198,6 +198,8 @@ TEST_F(ProblemDeforming, CachesOfAnimationTools) {
   expectRefused(head + "      cache: {file: short.mdd}\n", 14, "deforming[0].motion.cache");
   expectRefused(head + "      cache: {file: nowhere.pc2}\n", 14, "cannot be read");
   expectRefused(head + "      cache: {file: cloth.abc}\n", 14, ".pc2 or .mdd is expected");
+  fs::create_directories(folder_ / "folder.pc2");
+  expectRefused(head + "      cache: {file: folder.pc2}\n", 14, "cannot be read");
   expectRefused(
       "deforming:\n  - name: cloth\n    mesh: {file: three.obj}\n    motion:\n      cache: {file: "
       "cloth.mdd}\n",

@@ -45,6 +45,17 @@ struct World {
   int body = -1;
 };
 
+TEST(AddDeforming, TakesNoNameTwice) {
+  World world;
+  const std::size_t before = world.problem.objects.size();
+  for (const char* name : {"post", "square", "disc"})
+    EXPECT_THROW(addDeforming(world.problem, name, world.mesh, nullptr, {}), std::invalid_argument)
+        << name;
+  EXPECT_EQ(world.problem.objects.size(), before);
+  addDeforming(world.problem, "another", world.mesh, nullptr, {});
+  EXPECT_EQ(world.problem.objects.size(), before + 1);
+}
+
 TEST(Rebind, AnswersAsANewCertifier) {
   const World world;
   Random random(5);
