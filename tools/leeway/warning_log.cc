@@ -3,18 +3,32 @@
 #include <fmt/format.h>
 
 #include <cstdio>
-#include <regex>
 
 namespace leeway::tools {
+namespace {
+
+bool isDigit(char c) { return c >= '0' && c <= '9'; }
+
+// Where the ": " stands that follows the first ":line"; npos when there is none. By hand, since
+// std::regex ends the process on texts that are long enough, and files may say anything.
+std::size_t endOfPlace(const std::string& warning) {
+  for (std::size_t end = warning.find(": "); end != std::string::npos;
+       end = warning.find(": ", end + 1)) {
+    std::size_t digits = end;
+    while (digits > 0 && isDigit(warning[digits - 1])) --digits;
+    if (digits < end && digits > 0 && warning[digits - 1] == ':') return end;
+  }
+  return std::string::npos;
+}
+
+}  // namespace
 
 void WarningLog::print(const std::vector<std::string>& warnings) {
-  // The shortest start that ends in ":line: "; warnings without one are texts whole.
-  static const std::regex place_and_text(R"(^([^\n]*?:\d+): ([^]*)$)");
   for (const std::string& warning : warnings) {
-    std::smatch match;
-    const bool placed = std::regex_match(warning, match, place_and_text);
-    const std::string place = placed ? match.str(1) : std::string();
-    const auto [entry, first] = texts_.try_emplace(placed ? match.str(2) : warning);
+    const std::size_t end = endOfPlace(warning);
+    const bool placed = end != std::string::npos;
+    const std::string place = placed ? warning.substr(0, end) : std::string();
+    const auto [entry, first] = texts_.try_emplace(placed ? warning.substr(end + 2) : warning);
     if (entry->second.places.insert(place).second) entry->second.last = place;
     if (first) fmt::print(stderr, "warning: {}\n", warning);
   }
