@@ -174,6 +174,23 @@ DeformScene reduced(int triangles, Random& random) {
   return withMotion("reduced", std::move(cloth), VertexMotion::reduced(std::move(motion)));
 }
 
+/// The wave, recorded at 25 frames a second as animation tools write it and played back.
+DeformScene cache(int triangles, Random& random) {
+  constexpr int kFramesPerSecond = 25;
+  DeformScene recorded = wave(triangles, random);
+  collision::CacheMotion motion;
+  motion.vertex_count = static_cast<int>(recorded.spec.rest.size());
+  motion.positions.reserve((kFramesPerSecond + 1) * recorded.spec.rest.size());
+  std::vector<Vector3d> frame(recorded.spec.rest.size());
+  for (int i = 0; i <= kFramesPerSecond; ++i) {
+    motion.times.push_back(static_cast<double>(i) / kFramesPerSecond);
+    recorded.vertices(motion.times.back(), frame);
+    for (const Vector3d& v : frame) motion.positions.push_back(v.cast<float>());
+  }
+  return withMotion("cache", {std::move(recorded.spec.rest), std::move(recorded.spec.triangles)},
+                    VertexMotion::cache(std::move(motion)));
+}
+
 /// A ball whose triangles share no vertices, each on its own way out, up to three radii.
 DeformScene explode(int triangles, Random& random) {
   const int n = std::max(2, static_cast<int>(std::lround(std::sqrt(triangles / 4.0))));
@@ -201,8 +218,8 @@ DeformScene explode(int triangles, Random& random) {
 using MakeScene = DeformScene (*)(int, Random&);
 const std::vector<std::pair<std::string, MakeScene>>& makers() {
   static const std::vector<std::pair<std::string, MakeScene>> all = {
-      {"wave", wave},       {"lattice", lattice}, {"twist", twist},    {"morph", morph},
-      {"skinned", skinned}, {"reduced", reduced}, {"explode", explode}};
+      {"wave", wave},       {"lattice", lattice}, {"twist", twist}, {"morph", morph},
+      {"skinned", skinned}, {"reduced", reduced}, {"cache", cache}, {"explode", explode}};
   return all;
 }
 

@@ -22,8 +22,9 @@ struct DeformScene {
 
 /// "wave": travelling waves over a cloth. "lattice": a cloth in a free-form lattice. "twist": a
 /// cloth wrung about its middle, vertices given by the caller. "morph": a cloth between three
-/// shapes. "skinned": a tube on eight bones that curls. "reduced": a cloth in six modes. "explode":
-/// the triangles of a ball fly apart, caller's vertices again.
+/// shapes. "skinned": a tube on eight bones that curls. "reduced": a cloth in six modes. "cache":
+/// the wave as a vertex cache of 25 frames a second, linear between them. "explode": the triangles
+/// of a ball fly apart, caller's vertices again.
 const std::vector<std::string>& deformMotions();
 
 /// The scene with about that many triangles; the seed moves phases and directions. `motion` is one
