@@ -9,6 +9,7 @@
 #include "collision/deform_build.h"
 #include "collision/deform_fit.h"
 #include "collision/deform_pool.h"
+#include "collision/motion_input.h"
 #include "collision/motion_kernels.h"
 #include "collision/round_box.h"
 #include "collision/round_up.h"
@@ -80,6 +81,24 @@ DeformStrategy strategyOf(MotionKind kind) {
     default:
       return DeformStrategy::kHybrid;
   }
+}
+
+// Each with its name, the value and what is accepted; false for a NaN.
+void requireSensible(const DeformOptions& options) {
+  const auto require = [](bool good, const char* field, const std::string& value,
+                          const char* accepted) {
+    if (!good)
+      throw std::invalid_argument(std::string("deformable: ") + field + " is " + value + "; " +
+                                  accepted + " is accepted");
+  };
+  require(options.hybrid_split >= 0, "hybrid_split", std::to_string(options.hybrid_split),
+          "a count of at least 0");
+  require(options.restructure_factor > 1, "restructure_factor", shown(options.restructure_factor),
+          "a number above 1");
+  require(options.speed_horizon >= 0 && std::isfinite(options.speed_horizon), "speed_horizon",
+          shown(options.speed_horizon), "a finite number of at least 0 s");
+  require(options.expected_queries >= 0, "expected_queries",
+          std::to_string(options.expected_queries), "a count of at least 0");
 }
 
 }  // namespace
@@ -622,6 +641,7 @@ Deformable::Deformable(std::shared_ptr<const DeformableMesh> mesh,
                        std::shared_ptr<const VertexMotion> motion, const DeformOptions& options)
     : impl_(std::make_unique<Impl>()) {
   if (!mesh) throw std::invalid_argument("deformable: no mesh");
+  requireSensible(options);
   if (motion && motion->vertexCount() != mesh->vertexCount()) {
     throw std::invalid_argument("deformable: the motion has " +
                                 std::to_string(motion->vertexCount()) + " vertices, the mesh " +

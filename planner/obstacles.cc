@@ -81,7 +81,8 @@ void Obstacles::set(const std::string& object, std::span<const Eigen::Vector3d> 
   if (o == obstacles_.end())
     throw std::invalid_argument("there is no deforming obstacle '" + object + "'");
   if (!(speed_bound >= 0))
-    throw std::invalid_argument("a speed bound of at least 0 m/s is expected");
+    throw std::invalid_argument(fmt::format(
+        "obstacle '{}': the speed bound is {}; at least 0 m/s is expected", object, speed_bound));
   const UpdateStatus status = o->present.update(vertices, time, speed_bound);
   if (status != UpdateStatus::kUpdated)
     throw std::invalid_argument(fmt::format(

@@ -127,6 +127,10 @@ void addDeforming(Problem& problem, const std::string& name,
     throw std::invalid_argument("deforming obstacle '" + name +
                                 "': another object or a link has this name");
   }
+  if (!(speed_bound >= 0))
+    throw std::invalid_argument(
+        fmt::format("deforming obstacle '{}': the speed bound is {}; at least 0 m/s is expected",
+                    name, speed_bound));
   Deformable deformable(mesh, motion, options);
   const auto status = motion ? deformable.update(problem.execution.start)
                              : deformable.update(mesh->rest(), problem.execution.start);

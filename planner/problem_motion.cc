@@ -373,8 +373,17 @@ std::shared_ptr<const VertexMotion> readCache(const YamlReader& cache, const Ver
   if (rate && ending == ".mdd")
     rate->fail(fmt::format("{} goes with PC2 only: an MDD has times", rate->where()));
   const double frames_per_second = rate ? rate->number() : kFrameRate;
-  collision::CacheMotion motion =
-      ending == ".pc2" ? parsePc2(bytes, frames_per_second, scale) : parseMdd(bytes, scale);
+  // What is wrong in the file is told with its name; the place is that in the problem file.
+  const auto ofFile = [&](const auto& read) {
+    try {
+      return read();
+    } catch (const collision::InvalidMotion& error) {
+      file.fail(fmt::format("{} names '{}': {}", file.where(), path, error.what()));
+    }
+  };
+  collision::CacheMotion motion = ofFile([&] {
+    return ending == ".pc2" ? parsePc2(bytes, frames_per_second, scale) : parseMdd(bytes, scale);
+  });
   if (motion.vertex_count != static_cast<int>(rest.size()))
     file.fail(fmt::format("{} has {} vertices; the mesh's {} are expected", file.text(),
                           motion.vertex_count, rest.size()));
@@ -382,7 +391,7 @@ std::shared_ptr<const VertexMotion> readCache(const YamlReader& cache, const Ver
     const double shift = start->number() - motion.times.front();
     for (double& time : motion.times) time += shift;
   }
-  return VertexMotion::cache(std::move(motion));
+  return ofFile([&] { return VertexMotion::cache(std::move(motion)); });
 }
 
 std::shared_ptr<const VertexMotion> readWord(std::string_view word, const YamlReader& value,

@@ -40,15 +40,22 @@ std::uint64_t stream(std::uint64_t first, int number) {
 
 void requireSensible(const Problem& problem) {
   const Execution& e = problem.execution;
-  const auto refuse = [&](const char* what) { throw robots::InputError(problem.name, 0, what); };
-  if (!(e.step > 0) || !std::isfinite(e.step)) refuse("execution: a step above 0 s is expected");
-  if (!(e.duration >= e.step)) refuse("execution: a duration of at least one step is expected");
-  if (!(e.speed > 0 && e.speed <= 1)) refuse("execution: a speed above 0, up to 1, is expected");
-  if (!(e.look_ahead >= 0 && e.buffer >= 0 && e.patience >= 0) || !std::isfinite(e.look_ahead) ||
-      !std::isfinite(e.buffer) || !std::isfinite(e.start))
-    refuse("execution: look_ahead, buffer and patience of at least 0 are expected");
-  if (e.look_ahead > kLongestLookAhead * e.step)
-    refuse("execution: a look_ahead of at most 1000 steps is expected");
+  const auto require = [&](bool good, const char* key, double value, const std::string& expected) {
+    if (good) return;
+    throw robots::InputError(
+        problem.name, 0, fmt::format("execution.{} is {}; {} is expected", key, value, expected));
+  };
+  const auto isSize = [](double value) { return value >= 0 && std::isfinite(value); };
+  require(std::isfinite(e.start), "start", e.start, "a finite number of seconds");
+  require(e.step > 0 && std::isfinite(e.step), "step", e.step, "a finite number above 0 s");
+  require(e.duration >= e.step, "duration", e.duration,
+          fmt::format("at least a step, {} s,", e.step));
+  require(e.speed > 0 && e.speed <= 1, "speed", e.speed, "a share above 0, up to 1,");
+  require(isSize(e.look_ahead), "look_ahead", e.look_ahead, "a finite number of at least 0 s");
+  require(isSize(e.buffer), "buffer", e.buffer, "a finite number of at least 0 m");
+  require(e.patience >= 0, "patience", e.patience, "a number of at least 0 s");
+  require(e.look_ahead <= kLongestLookAhead * e.step, "look_ahead", e.look_ahead,
+          fmt::format("at most {} steps of {} s", kLongestLookAhead, e.step));
 }
 
 }  // namespace

@@ -89,6 +89,41 @@ TEST(Deformable, RefusesAStrategyThatTheVerticesDoNotHave) {
   }
 }
 
+TEST(Deformable, RefusesOptionsThatMakeNoSense) {
+  const Sheet sheet = testing::cloth(3);
+  const auto mesh = DeformableMesh::make(sheet.vertices, sheet.triangles);
+  const auto refused = [&](const auto& set, const std::string& told) {
+    DeformOptions options;
+    set(options);
+    try {
+      const Deformable deformable(mesh, nullptr, options);
+      ADD_FAILURE() << "accepted: " << told;
+    } catch (const std::invalid_argument& error) {
+      EXPECT_EQ(error.what(), "deformable: " + told + " is accepted");
+    }
+  };
+  const std::string factor = "restructure_factor is ", horizon = "speed_horizon is ";
+  refused([](DeformOptions& o) { o.restructure_factor = kNaN; }, factor + "nan; a number above 1");
+  refused([](DeformOptions& o) { o.restructure_factor = 0; }, factor + "0; a number above 1");
+  refused([](DeformOptions& o) { o.restructure_factor = -1; }, factor + "-1; a number above 1");
+  refused([](DeformOptions& o) { o.restructure_factor = 1; }, factor + "1; a number above 1");
+  refused([](DeformOptions& o) { o.hybrid_split = -3; },
+          "hybrid_split is -3; a count of at least 0");
+  refused([](DeformOptions& o) { o.speed_horizon = kNaN; },
+          horizon + "nan; a finite number of at least 0 s");
+  refused([](DeformOptions& o) { o.speed_horizon = kInfinity; },
+          horizon + "inf; a finite number of at least 0 s");
+  refused([](DeformOptions& o) { o.speed_horizon = -0.5; },
+          horizon + "-0.5; a finite number of at least 0 s");
+  refused([](DeformOptions& o) { o.expected_queries = -1; },
+          "expected_queries is -1; a count of at least 0");
+  DeformOptions least;
+  least.hybrid_split = least.expected_queries = 0;
+  least.speed_horizon = 0;
+  least.restructure_factor = 1.0000001;
+  EXPECT_NO_THROW(Deformable(mesh, nullptr, least));
+}
+
 TEST(Deformable, BrokenInputLeavesTheLastGoodState) {
   const Sheet sheet = testing::cloth(20);
   const auto mesh = DeformableMesh::make(sheet.vertices, sheet.triangles);

@@ -196,6 +196,18 @@ TEST_F(ProblemDeforming, CachesOfAnimationTools) {
   const std::string head =
       "deforming:\n  - name: cloth\n    mesh: {file: square.obj}\n    motion:\n";
   expectRefused(head + "      cache: {file: short.mdd}\n", 14, "deforming[0].motion.cache");
+  expectRefused(head + "      cache: {file: short.mdd}\n", 14, "short.mdd': MDD cache: ");
+  // Right in form, but a number in it is none, or the times do not increase.
+  std::string broken = mdd;
+  broken.replace(16, 4, std::string("\x7f\xc0\0\0", 4));
+  write("broken.mdd", broken);
+  expectRefused(head + "      cache: {file: broken.mdd}\n", 14,
+                "broken.mdd': cache: frame 0, vertex 0: nan");
+  broken = mdd;
+  broken.replace(12, 4, 4, '\0');
+  write("broken.mdd", broken);
+  expectRefused(head + "      cache: {file: broken.mdd}\n", 14,
+                "broken.mdd': cache: key 1: time 0");
   expectRefused(head + "      cache: {file: nowhere.pc2}\n", 14, "cannot be read");
   expectRefused(head + "      cache: {file: cloth.abc}\n", 14, ".pc2 or .mdd is expected");
   fs::create_directories(folder_ / "folder.pc2");

@@ -209,6 +209,7 @@ TEST(Replanner, AProgramSaysWhereTheVerticesAre) {
                std::invalid_argument);
   EXPECT_THROW(replanner.setVertices("gate", vertices, 0.1, 1), std::invalid_argument);
   EXPECT_THROW(replanner.setVertices("gate", vertices, 0, -1), std::invalid_argument);
+  EXPECT_THROW(replanner.setVertices("gate", vertices, 0, std::nan("")), std::invalid_argument);
   vertices[1].y() = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THROW(replanner.setVertices("gate", vertices, 0, 1), std::invalid_argument);
   result.clearance = {1, 1};
@@ -276,12 +277,32 @@ TEST(Replanner, ScenesAreReadByOthersWhileTheNextIsMade) {
 
 TEST(Replanner, RefusesSettingsThatMakeNoSense) {
   Problem problem = test::wallProblem();
-  problem.execution.step = 0;
-  EXPECT_THROW(Replanner{problem}, robots::InputError);
   problem.execution.step = 0.05;
-  problem.execution.speed = 2;
-  EXPECT_THROW(Replanner{problem}, robots::InputError);
-  problem.execution.speed = 1;
+  const struct {
+    double Execution::*setting;
+    double value;
+    const char* told;
+  } cases[] = {
+      {&Execution::start, HUGE_VAL, "execution.start is inf; a finite number"},
+      {&Execution::step, 0, "execution.step is 0; a finite number above 0 s"},
+      {&Execution::duration, 0.01, "execution.duration is 0.01; at least a step, 0.05 s,"},
+      {&Execution::speed, 2, "execution.speed is 2; a share above 0, up to 1,"},
+      {&Execution::look_ahead, std::nan(""), "execution.look_ahead is nan; a finite number"},
+      {&Execution::look_ahead, 51, "execution.look_ahead is 51; at most 1000 steps of 0.05 s"},
+      {&Execution::buffer, -0.5, "execution.buffer is -0.5; a finite number of at least 0"},
+      {&Execution::patience, -1, "execution.patience is -1; a number of at least 0 s"},
+  };
+  for (const auto& c : cases) {
+    Problem broken = problem;
+    broken.execution.*c.setting = c.value;
+    try {
+      const Replanner replanner(broken);
+      ADD_FAILURE() << "accepted: " << c.told;
+    } catch (const robots::InputError& error) {
+      EXPECT_NE(std::string(error.what()).find(c.told), std::string::npos) << error.what();
+    }
+  }
+  EXPECT_NO_THROW(Replanner{problem});
   problem.deforming.push_back({"nobody", nullptr, nullptr, 1, {}});
   EXPECT_THROW(Replanner{problem}, robots::InputError);
 }

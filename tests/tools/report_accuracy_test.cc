@@ -243,7 +243,7 @@ TEST_F(ReportAccuracyVerb, RefusesWhatItCannotUse) {
   write("file", "");
   expectRefused(
       "report accuracy --per-family 1 --passes 1 --no-rivals --family box-box --output file",
-      {"file"});
+      {"file", "Not a directory"});
 }
 
 }  // namespace

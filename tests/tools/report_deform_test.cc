@@ -177,6 +177,13 @@ TEST_F(ReportDeformVerb, RefusesWhatItCannotUse) {
   expectRefused("report deform --triangles 0", {"triangles"});
   expectRefused("report deform --frames 0", {"frames"});
   expectRefused("report deform --seconds -1", {"seconds"});
+  // Before the measuring, which would take minutes.
+  write("file", "");
+  expectRefused("report deform --full --output file", {"file", "Not a directory", "folder"});
+  expectRefused("report deform --full --output file/below/it",
+                {"file/below/it", "Not a directory"});
+  fs::create_symlink("nowhere", folder_ / "link");
+  expectRefused("report deform --full --output link", {"link"});
 }
 
 }  // namespace

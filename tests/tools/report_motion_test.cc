@@ -285,6 +285,8 @@ TEST_F(ReportMotionVerb, RefusesWhatItCannotUse) {
   expectRefused("report motion --family boiling", {"boiling", "ordinary"});
   expectRefused("report motion --cases 0", {"cases"});
   expectRefused("report motion --passes -1", {"passes"});
+  write("file", "");
+  expectRefused("report motion --full --output file", {"file", "Not a directory"});
 }
 
 }  // namespace

@@ -1,13 +1,18 @@
 #include "tools/leeway/report_common.h"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
+#include <cerrno>
 #include <cstdio>
+#include <cstring>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <system_error>
+#include <utility>
 
 #include "leeway/planner/path_io.h"
+#include "leeway/robots/input_error.h"
 #include "tools/leeway/exit_status.h"
 
 namespace leeway::tools {
@@ -17,7 +22,31 @@ std::string within(const std::string& folder, const std::string& name) {
   return std::filesystem::path(folder) / name;
 }
 
+/// `folder`, or what of its path is there already, takes new files and folders.
+void requireWritable(const std::string& folder) {
+  std::filesystem::path there = folder.empty() ? "." : std::filesystem::absolute(folder);
+  // Also a link that leads nowhere is there: nothing can be made in its place.
+  const auto isThere = [](const std::filesystem::path& path) {
+    std::error_code error;
+    return std::filesystem::exists(std::filesystem::symlink_status(path, error));
+  };
+  while (!isThere(there) && there.has_relative_path()) there = there.parent_path();
+  std::error_code error;
+  const int reason = !std::filesystem::is_directory(there, error) ? ENOTDIR
+                     : ::access(there.c_str(), W_OK | X_OK) != 0  ? errno
+                                                                  : 0;
+  if (reason != 0)
+    throw robots::InputError(folder, 0,
+                             fmt::format("cannot be written: {}: {}; a folder for CSV and pictures "
+                                         "is expected",
+                                         there.string(), std::strerror(reason)));
+}
+
 }  // namespace
+
+RivalReport::RivalReport(std::string folder) : folder_(std::move(folder)) {
+  requireWritable(folder_);
+}
 
 void RivalReport::loadRivals() {
   modules_ = report::loadRivals();

@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <memory>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "tools/report/rivals.h"
@@ -15,8 +14,9 @@ namespace leeway::tools {
 /// What all reports with rivals share: their modules, the folder of files, and how they end.
 class RivalReport {
  public:
-  /// Starts the clock.
-  explicit RivalReport(std::string folder) : folder_(std::move(folder)) {}
+  /// Starts the clock. Throws robots::InputError where files cannot be written into `folder`, nor
+  /// it be made: that is to be known before minutes are spent on measuring. Makes nothing yet.
+  explicit RivalReport(std::string folder);
 
   /// The rivals' modules; tells on stderr which are not there.
   void loadRivals();

@@ -121,14 +121,15 @@ struct DeformOptions {
   DeformStrategy strategy = DeformStrategy::kAuto;
   /// Of kMorph and kReduced; all others have boxes.
   DeformVolume volume = DeformVolume::kBox;
-  /// Triangles in a subtree below which kHybrid leaves nodes to the queries [count]; 0: chosen.
+  /// Triangles in a subtree below which kHybrid leaves nodes to the queries [count]; 0: chosen. At
+  /// least 0.
   int hybrid_split = 0;
   /// kRestructure builds a subtree anew when its nodes' surface area, compared with that of its own
-  /// box, has grown by this factor since it was built. No unit.
+  /// box, has grown by this factor since it was built. No unit; above 1.
   double restructure_factor = 1.6;
-  /// The speed bound of a snapshot holds from its time on for this long [s].
+  /// The speed bound of a snapshot holds from its time on for this long [s]; finite, at least 0.
   double speed_horizon = 1;
-  /// Queries a frame that `auto` expects [count].
+  /// Queries a frame that `auto` expects [count]; at least 0.
   int expected_queries = 12;
 };
 
@@ -164,7 +165,8 @@ class Deformable {
  public:
   /// `motion` may be null (vertices are then given by the caller). The first snapshot is of the
   /// rest vertices, at time 0. Throws std::invalid_argument for a motion with another number of
-  /// vertices, or a strategy that the motion does not have (the message says which it has).
+  /// vertices, a strategy that the motion does not have (the message says which it has), or options
+  /// out of their ranges.
   Deformable(std::shared_ptr<const DeformableMesh> mesh,
              std::shared_ptr<const VertexMotion> motion = nullptr,
              const DeformOptions& options = {});

@@ -146,8 +146,8 @@ Problem problemFromStates(std::shared_ptr<const robots::Model> model, const std:
 
 /// Adds an obstacle that deforms, as it is at problem.execution.start: to problem.objects and
 /// problem.deforming. Throws std::invalid_argument for a strategy that the motion does not have, a
-/// motion with another number of vertices than the mesh, vertices that are not finite, or a name
-/// that another object or a link has.
+/// motion with another number of vertices than the mesh, vertices that are not finite, options or a
+/// speed bound that make no sense, or a name that another object or a link has.
 void addDeforming(Problem& problem, const std::string& name,
                   std::shared_ptr<const collision::DeformableMesh> mesh,
                   std::shared_ptr<const collision::VertexMotion> motion, const robots::Pose& X_WO,
