@@ -43,7 +43,7 @@ Obstacles::Obstacles(const Problem& problem, const CompiledScene& scene) {
                           Deformable(source.mesh, source.motion, source.options),
                           Deformable(source.mesh, source.motion, source.options),
                           problem.execution.start, source.speed_bound});
-    updates_.push_back({source.object, {}, 0});
+    updates_.push_back({source.object, {}, {}, 0});
   }
 }
 
@@ -70,7 +70,9 @@ void Obstacles::look(double time) {
             fmt::format("obstacle '{}' at {} s: {}", o.object, time, collision::toString(status)));
       o.seen = time;
     }
-    updates_[i].strategy = collision::toString(o.present.statistics().strategy);
+    const collision::UpdateStatistics& statistics = o.present.statistics();
+    updates_[i].strategy = collision::toString(statistics.strategy);
+    updates_[i].reason = statistics.reason;
   }
 }
 

@@ -1,3 +1,6 @@
+#include <regex>
+#include <set>
+
 #include "tests/tools/command.h"
 
 namespace leeway::tools::testing {
@@ -54,6 +57,7 @@ TEST_F(Replan, TellsEveryStepAndTheEnd) {
     EXPECT_EQ(line["certified"], true);
     EXPECT_EQ(line["obstacles"][0]["name"], "sheet");
     EXPECT_NE(line["obstacles"][0]["strategy"], "auto");
+    EXPECT_EQ(line["obstacles"][0]["reason"], "the motion bounds its own nodes");
     EXPECT_GE(line["clearance_upper"], line["clearance_lower"]);
     EXPECT_GE(line["time_s"]["update"], 0);
     EXPECT_EQ(line["position"].size(), 2u);
@@ -63,6 +67,38 @@ TEST_F(Replan, TellsEveryStepAndTheEnd) {
   const std::string csv = read("executed.csv");
   EXPECT_EQ(csv.substr(0, csv.find('\n')), "time,shoulder,elbow");
   EXPECT_EQ(csv.substr(csv.find('\n') + 1, 6), "0,-1,0");
+}
+
+/// Keys of a document and of what it holds, "obstacles[]" and the like included.
+void collectKeys(const json& value, std::set<std::string>& keys) {
+  if (value.is_array())
+    for (const json& entry : value) collectKeys(entry, keys);
+  if (!value.is_object()) return;
+  for (const auto& [key, below] : value.items()) {
+    keys.insert(key);
+    collectKeys(below, keys);
+  }
+}
+
+TEST_F(Replan, HelpTellsEveryKey) {
+  const std::vector<json> lines = run("replan gate.yaml").lines();
+  ASSERT_GT(lines.size(), 2u);
+  std::set<std::string> of_steps, of_end;
+  for (std::size_t i = 0; i + 1 < lines.size(); ++i) collectKeys(lines[i], of_steps);
+  collectKeys(lines.back(), of_end);
+  EXPECT_TRUE(of_steps.count("reason") == 1 && of_steps.count("broken") == 1);
+  EXPECT_TRUE(of_end.count("longest_step"));
+  const std::string help = run("replan --help").out;
+  const std::size_t begin = help.find("JSON, a document a step"),
+                    middle = help.find("and at the end:", begin), end = help.find("Limits", middle);
+  ASSERT_TRUE(begin < middle && middle < end && end < help.size()) << help;
+  const auto told = [](const std::string& text, const std::string& key) {
+    return std::regex_search(text, std::regex("\\b" + key + "\\b"));
+  };
+  for (const std::string& key : of_steps)
+    EXPECT_TRUE(told(help.substr(begin, middle - begin), key)) << key;
+  for (const std::string& key : of_end)
+    EXPECT_TRUE(told(help.substr(middle, end - middle), key)) << key;
 }
 
 TEST_F(Replan, TheSameSeedSaysTheSame) {

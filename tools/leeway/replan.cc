@@ -21,6 +21,41 @@ namespace {
 
 constexpr std::string_view kRowsEndings[] = {".csv"};
 
+// What the JSON documents hold, for --help; a test looks that no key is missing.
+constexpr const char* kKeys =
+    R"(JSON, a document a step (metres, radians, seconds; null: nothing, or nothing known):
+  step                    from 0
+  time                    of the look at the obstacles
+  decision                plan: sets out on a new path; follow: the path holds; wait: stands; evade:
+                          leaves the path, because it cannot stay; unsafe: nothing can be certified
+  certified               the step keeps all margins, whatever the obstacles do in it
+  clearance_lower, clearance_upper
+                          least separation over the whole step
+  closest.a, closest.b    between these
+  look_ahead              certified to be able to go on, or to stand, so long after the step
+  path_held               what was left of the path held in the world as it was seen
+  broken.a, broken.b      else these were in the way
+  remaining_s             that the rest of the path takes
+  reached                 the step ends in a goal
+  position                at the end of the step, by planned joint
+  obstacles[]             name; strategy that its hierarchy was updated by; reason: why auto chose it,
+                          else "asked for"; update_s: what the update took
+  time_s                  of computing: update of all obstacles, certify, plan, clearance
+  counts                  looks: instants at which obstacles were placed; edges and distance_queries
+                          asked for; iterations of planners
+and at the end:
+  status                  reached, unsafe, timeout (execution: duration), stopped (--steps)
+  problem, seed           what was executed
+  certified               every step was
+  clearance_lower, clearance_upper
+                          the least of all steps
+  duration                of what was executed
+  steps, plans, follows, waits, evasions
+                          how many, and how many by decision
+  replans                 plans besides the first
+  time_s                  of computing: load, compute (all steps), longest_step
+)";
+
 struct Arguments {
   ProblemSource source;
   PlanOverrides overrides;
@@ -36,7 +71,10 @@ Json namesJson(const std::string& a, const std::string& b) {
 Json stepJson(const planner::ReplanStep& step) {
   Json obstacles = Json::array();
   for (const planner::ObstacleUpdate& o : step.obstacles) {
-    obstacles.push_back({{"name", o.object}, {"strategy", o.strategy}, {"update_s", o.update_s}});
+    obstacles.push_back({{"name", o.object},
+                         {"strategy", o.strategy},
+                         {"reason", o.reason},
+                         {"update_s", o.update_s}});
   }
   return {{"step", step.index},
           {"time", step.time},
@@ -230,7 +268,8 @@ Verb addReplan(CLI::App& command) {
                 "terminal");
   app->add_flag("--text", arguments->text, "print a table");
   app->footer(
-      "Limits are those of every planning. Exit status 0: in a goal, every step certified.\n"
+      std::string(kKeys) +
+      "\nLimits are those of every planning. Exit status 0: in a goal, every step certified.\n"
       "Example:\n  leeway replan problems/deforming/curtain.yaml --text");
   return {app, [arguments] { return run(*arguments); }};
 }

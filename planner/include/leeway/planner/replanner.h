@@ -31,6 +31,7 @@ struct TimedPoint {
 /// What following one obstacle cost in a step.
 struct ObstacleUpdate {
   std::string object, strategy;  ///< strategy: what was done, also where `auto` chose it
+  std::string reason;            ///< why `auto` chose it, in a few words; else "asked for"
   double update_s = 0;           ///< to have its hierarchy at the step's beginning [s]
 };
 
