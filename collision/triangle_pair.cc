@@ -17,6 +17,7 @@ struct Search {
   const Vector *p, *q;
   TrianglePair best;
   double squared = std::numeric_limits<double>::infinity();
+  bool has_normal = false;  // of the plane of a triangle
 
   // Nearer points; true when the planes through them, across the line between them, leave both
   // triangles on their far sides: then nothing is nearer.
@@ -37,7 +38,7 @@ struct Search {
   bool corners(const Vector* t, const Vector* points, bool t_is_p) {
     const Vector e0 = t[1] - t[0], e1 = t[2] - t[0], n = cross(e0, e1);
     const double squared_n = n.squaredNorm();
-    if (!(squared_n > 0)) return false;
+    if (!(squared_n > kLeastSquare)) return false;
     const double h[3] = {n.dot(points[0] - t[0]), n.dot(points[1] - t[0]), n.dot(points[2] - t[0])};
     // Only the corner nearest to the plane can be nearest, and none where they lie on both sides.
     int k = 0;
@@ -51,12 +52,25 @@ struct Search {
       return false;
     }
     const Vector foot = points[k] - (h[k] / squared_n) * n;
+    double weight[3], sum = 0;  // of the corner across each edge
     for (int i = 0; i < 3; ++i) {
       const Vector& from = t[i];
       const Vector edge = t[(i + 1) % 3] - from;
-      if (cross(n, edge).dot(foot - from) < 0) return false;
+      weight[i] = cross(n, edge).dot(foot - from);
+      if (weight[i] < 0) return false;
+      sum += weight[i];
     }
-    return t_is_p ? offer(foot, points[k]) : offer(points[k], foot);
+    if (!(sum > 0)) return false;
+    // The foot itself lies beside a sliver, whose normal is what rounding has left of it: a point
+    // of the triangle is taken, and the plane that it was found with.
+    const Vector inside = t[0] + (weight[2] / sum) * e0 + (weight[0] / sum) * e1;
+    const double before = squared;
+    const bool nearest = t_is_p ? offer(inside, points[k]) : offer(points[k], inside);
+    if (squared < before) {
+      best.normal = ((h[k] > 0) == t_is_p ? 1 : -1) / std::sqrt(squared_n) * n;
+      has_normal = true;
+    }
+    return nearest;
   }
 
   bool edges() {
@@ -90,8 +104,11 @@ TrianglePair trianglePair(const Vector* p, const Vector* q) {
   if (!search.edges() && !search.corners(p, q, true)) search.corners(q, p, false);
   TrianglePair& best = search.best;
   best.above = std::sqrt(search.squared);
-  best.normal = Vector::UnitX();
-  if (best.above > 0) best.normal = (best.q - best.p) / best.above;
+  if (!(best.above > 0)) {
+    best.normal = Vector::UnitX();
+  } else if (!search.has_normal) {
+    best.normal = (best.q - best.p) / best.above;
+  }
   const Vector& n = best.normal;
   best.below = std::min({n.dot(q[0]), n.dot(q[1]), n.dot(q[2])}) -
                std::max({n.dot(p[0]), n.dot(p[1]), n.dot(p[2])});
