@@ -36,7 +36,7 @@ RoundBody roundBody(double radius, double half_length, const Pose& X_BA) {
 bool hasNearest(bool is_segment, double half_length, const Pose& X_BA,
                 const DeformableSnapshotImpl& mesh) {
   return (!is_segment || half_length > kNearestLeastHalf) && mesh.demand != Demand::kNoTree &&
-         !(mesh.bounds != nullptr && mesh.bounds->hasVolumes()) &&
+         !(mesh.bounds != nullptr && mesh.bounds->hasVolumes()) && half_length < kNearestFarthest &&
          X_BA.translation.lpNorm<Eigen::Infinity>() < kNearestFarthest;
 }
 

@@ -190,6 +190,33 @@ TEST(DeformableQuery, DistancesWhoseSquaresLeaveTheRangeOfSingles) {
   }
 }
 
+// A segment whose ends leave the range of singles: empty lanes of a node seemed to be near, and
+// what is in none was read (a capsule of half length 1e40 m ended the process).
+TEST(DeformableQuery, CapsulesLongerThanSinglesReach) {
+  const Sheet sheet = testing::cloth(7);
+  const auto mesh = DeformableMesh::make(sheet.vertices, sheet.triangles);
+  Eigen::Matrix3d turned;
+  turned << 2.0 / 3, -1.0 / 3, 2.0 / 3, 2.0 / 3, 2.0 / 3, -1.0 / 3, -1.0 / 3, 2.0 / 3, 2.0 / 3;
+  for (const DeformStrategy strategy : testing::strategiesWithoutMotion()) {
+    DeformOptions options;
+    options.strategy = strategy;
+    Deformable deformable(mesh, nullptr, options);
+    ASSERT_EQ(deformable.update(sheet.vertices, 1), UpdateStatus::kUpdated);
+    const Shape shape = Shape::deformable(deformable.snapshot());
+    Scratch scratch;
+    for (const double half_length : {1e17, 1e19, 1e37, 1e40, 1e60}) {
+      const Shape capsule = Shape::capsule(0.1, half_length);
+      const Pose X_WC{turned, {1, 1, 1}};
+      const Interval truth = bruteForce(*deformable.snapshot(), {}, capsule, X_WC, scratch),
+                     found = distance(shape, {}, capsule, X_WC, {}, scratch).distance;
+      EXPECT_LE(found.lower, truth.upper) << toString(strategy) << " " << half_length;
+      EXPECT_GE(found.upper, truth.lower) << toString(strategy) << " " << half_length;
+      const Interval swept = sweptDistance(capsule, X_WC, X_WC, 0, shape, {}, scratch).distance;
+      EXPECT_LE(swept.lower, truth.upper) << toString(strategy) << " " << half_length;
+    }
+  }
+}
+
 // The caller has vouched for what is none: wherever its triangles are looked at, nothing is told to
 // be free. Boxes of triangles leave out what is no number, and the box of all vertices is that of
 // the frame before; either of them was believed.
