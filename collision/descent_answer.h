@@ -10,6 +10,8 @@
 #include "collision/mesh_descent.h"
 #include "collision/mesh_distance.h"
 #include "collision/status.h"
+#include "collision/vector.h"
+#include "leeway/collision/tolerances.h"
 
 namespace leeway::collision {
 
@@ -19,7 +21,11 @@ template <class Side>
 double slackOf(const RelativePose& relative, const Side& a, const Side& b) {
   const double extent_a = std::isfinite(a.extent) ? a.extent : 0,
                extent_b = std::isfinite(b.extent) ? b.extent : 0;
-  return relative.slack * (extent_a + extent_b + relative.X_BA.translation.norm());
+  const Vector& t = relative.X_BA.translation;
+  // (Squares of the smallest numbers are 0.)
+  double translation = t.norm();
+  if (!(translation > kSmallestScale)) translation = std::hypot(t.x(), t.y(), t.z());
+  return relative.slack * (extent_a + extent_b + translation);
 }
 
 /// Where A is for a distance.

@@ -431,6 +431,29 @@ TEST(MeshDistance, WitnessesCarryTheUpperEndWithoutSteps) {
   }
 }
 
+// Squares of such distances are 0: what matrices depart from rotations by was counted for none of
+// it, and the lower end was 2.5000005e-186 for a translation of 2.5e-186 m.
+TEST(MeshDistance, DeparturesFromRotationsCountNextToTheSmallestNumbers) {
+  Scratch scratch;
+  const std::vector<Vector3d> origin(3, Vector3d::Zero());
+  const TriangleMesh::Triangle triangle{0, 1, 2};
+  const Shape point = Shape::mesh(TriangleMesh::make(origin, {&triangle, 1})),
+              ground = Shape::halfSpace();
+  for (const double departure : {-2e-7, 2e-7}) {
+    for (const double far : {2.5e-186, 2.5e-20, 2.5}) {
+      Pose X_WP, X_WG;
+      X_WG.rotation *= 1 + departure;
+      X_WP.translation = {0, 0, far};
+      // Twice the plane's normal's own length: the ground's matrix may stand for either.
+      for (const DistanceResult& r : {distance(point, X_WP, ground, X_WG, {}, scratch),
+                                      distance(ground, X_WG, point, X_WP, {}, scratch)}) {
+        EXPECT_LE(r.distance.lower, far) << departure;
+        EXPECT_GE(r.distance.upper, far) << departure;
+      }
+    }
+  }
+}
+
 TEST(MeshDistance, PosesThatAreNoneAreInvalid) {
   Scratch scratch;
   const Shape a = Shape::mesh(sampleMeshes(25)[0].mesh), b = Shape::sphere(1);
