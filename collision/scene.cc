@@ -111,10 +111,19 @@ Scene SceneBuilder::build() const {
       for (const PairMargin& m : margins_)  // the last one said stands
         if (samePair(m.a, m.b, i, j)) margin = m.margin;
       const int a = bodies_[at(i)].moving ? i : j, b = a == i ? j : i;
-      for (std::size_t g = 0; g < bodies_[at(a)].geometries.size(); ++g)
-        for (std::size_t h = 0; h < bodies_[at(b)].geometries.size(); ++h)
+      const std::vector<Geometry>&of_a = bodies_[at(a)].geometries,
+            &of_b = bodies_[at(b)].geometries;
+      for (std::size_t g = 0; g < of_a.size(); ++g)
+        for (std::size_t h = 0; h < of_b.size(); ++h) {
+          if (of_a[g].shape.type() == ShapeType::kHalfSpace &&
+              of_b[h].shape.type() == ShapeType::kHalfSpace)
+            throw std::invalid_argument("half-space of '" + bodies_[at(a)].name +
+                                        "' with half-space of '" + bodies_[at(b)].name +
+                                        "': nothing is told of two; a pair that may touch, or "
+                                        "another shape for one of them is expected");
           scene.pairs_.push_back(
               {a, static_cast<std::int32_t>(g), b, static_cast<std::int32_t>(h), margin});
+        }
     }
   }
   return scene;

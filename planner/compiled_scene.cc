@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <stdexcept>
 #include <string>
 #include <utility>
 
@@ -281,7 +282,11 @@ CompiledScene::CompiledScene(const Problem& problem)
   const std::vector<VariableRange> ranges = plannedRanges(problem);
   Pairs pairs(problem, ranges);
   pairs.decide(dropped_);
-  scene_ = pairs.builder().build();
+  try {
+    scene_ = pairs.builder().build();
+  } catch (const std::invalid_argument& error) {
+    throw robots::InputError(problem.name, 0, error.what());
+  }
   body_link_ = pairs.bodyLinks();
   for (const collision::ScenePair& pair : scene_.pairs())
     link_gaps_.push_back(pairs.linkGap(pair.body_a, pair.body_b));

@@ -188,6 +188,24 @@ TEST(Scene, PairsAreThoseThatCanMeet) {
   EXPECT_THROW(builder.build(), std::invalid_argument);
 }
 
+TEST(Scene, HalfSpacesAreRefusedByName) {
+  SceneBuilder builder;
+  const int held = builder.add({"held", {{Shape::halfSpace(), {}, ""}}, true, {}});
+  const int floor = builder.add({"floor", {{Shape::halfSpace(), {}, ""}}, false, {}});
+  builder.add({"wall", {{Shape::halfSpace(), {}, ""}}, false, {}});
+  std::string message;
+  try {
+    builder.build();
+  } catch (const std::invalid_argument& error) {
+    message = error.what();
+  }
+  EXPECT_NE(message.find("'held' with half-space of 'floor'"), std::string::npos) << message;
+  // Pairs that may touch, and those that do not move, are not asked.
+  builder.allow(held, floor);
+  builder.allow(held, 2);
+  EXPECT_TRUE(builder.build().pairs().empty());
+}
+
 TEST(Scene, WithoutPairsThereIsNothingToBeNear) {
   const Scene scene = SceneBuilder().build();
   Workspace workspace(scene);

@@ -97,8 +97,9 @@ class SceneBuilder {
   void setDefaultMargin(double margin);  ///< [m]; default 0; may be negative (allowed depth)
   void setMargin(int body_a, int body_b, double margin);
   /// All pairs with a moving body that are not allowed, each with the margin said last. Throws
-  /// std::invalid_argument for a margin or a pose that is not finite, and for a rotation that is
-  /// not orthogonal within kRotationTolerance. O(bodies (bodies + allowed) + pairs margins).
+  /// std::invalid_argument for a margin or a pose that is not finite, for a rotation that is not
+  /// orthogonal within kRotationTolerance, and for two half-spaces, by the names of their bodies.
+  /// O(bodies (bodies + allowed) + pairs margins).
   Scene build() const;
 
  private:

@@ -18,10 +18,10 @@ namespace leeway::planner {
 /// proven apart left out. Constant while it is queried.
 class CompiledScene {
  public:
-  /// Throws robots::InputError for an object whose pose is not finite or no rotation;
-  /// std::invalid_argument for margins that are not finite and for variables that do not
-  /// exist or hold part of an orientation. O(pairs of geometries), besides the proofs (milliseconds
-  /// a pair of links) where the robot has no SRDF.
+  /// Throws robots::InputError for an object whose pose is not finite or no rotation, for margins
+  /// that are not finite and for two half-spaces that may not touch; std::invalid_argument for
+  /// variables that do not exist or hold part of an orientation. O(pairs of geometries), besides
+  /// the proofs (milliseconds a pair of links) where the robot has no SRDF.
   explicit CompiledScene(const Problem& problem);
 
   const collision::Scene& scene() const { return scene_; }
