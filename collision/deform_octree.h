@@ -3,6 +3,8 @@
 // Private to collision/: pairs of boxes that are near each other, without a hierarchy.
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -62,6 +64,9 @@ class OctreePairs {
     return cell(region_, lists, 0, visit);
   }
 
+  /// How many cells run() has looked at; no more than a few for every pair of boxes.
+  std::size_t cells() const { return cells_; }
+
  private:
   // At room_[begin]: indices of the first set, then those of the second.
   struct Lists {
@@ -99,6 +104,7 @@ class OctreePairs {
 
   template <class Visit>
   bool cell(const FloatBox& cell_box, const Lists& lists, int depth, const Visit& visit) {
+    ++cells_;
     if (lists.count_a == 0 || lists.count_b == 0) return true;
     const std::size_t next = lists.begin + lists.count_a + lists.count_b;
     const std::size_t longest = std::max(lists.count_a, lists.count_b);
@@ -108,21 +114,20 @@ class OctreePairs {
     }
     float middle[3];
     for (int k = 0; k < 3; ++k) middle[k] = 0.5F * cell_box.low[k] + 0.5F * cell_box.high[k];
-    // Boxes larger than the cells come again in each of them: where most do, splitting gains
-    // nothing.
-    std::size_t repeated = 0;
-    for (std::size_t i = lists.begin; i < next; ++i) {
-      const FloatBox& box = i < lists.begin + lists.count_a
-                                ? a_[static_cast<std::size_t>(room_[i])]
-                                : b_[static_cast<std::size_t>(room_[i])];
-      const float grown = i < lists.begin + lists.count_a ? reach_ : 0.0F;
-      bool all = true;
-      for (int k = 0; k < 3; ++k)
-        all = all && box.low[k] - grown <= middle[k] && middle[k] <= box.high[k] + grown;
-      repeated += all ? 1 : 0;
-    }
-    if (2 * repeated > lists.count_a + lists.count_b) return pairs(cell_box, lists, visit);
-    for (int octant = 0; octant < 8; ++octant) {
+    // Boxes that are longer than a cell, along one axis alone, come again in several of its parts:
+    // where that leaves most pairs to be looked at, splitting gains nothing. (It would go on to the
+    // last depth where flat boxes share a plane.)
+    std::array<std::size_t, 8> count_a{}, count_b{};
+    for (std::size_t i = 0; i < lists.count_a; ++i)
+      countIn(octantsOf(a_[static_cast<std::size_t>(room_[lists.begin + i])], reach_, middle),
+              count_a);
+    for (std::size_t i = lists.begin + lists.count_a; i < next; ++i)
+      countIn(octantsOf(b_[static_cast<std::size_t>(room_[i])], 0, middle), count_b);
+    std::size_t left = 0;
+    for (std::size_t octant = 0; octant < 8; ++octant) left += count_a[octant] * count_b[octant];
+    if (4 * left > 3 * lists.count_a * lists.count_b) return pairs(cell_box, lists, visit);
+    for (std::size_t octant = 0; octant < 8; ++octant) {
+      if (count_a[octant] == 0 || count_b[octant] == 0) continue;
       FloatBox part;
       for (int k = 0; k < 3; ++k) {
         const bool upper = ((octant >> k) & 1) != 0;
@@ -134,7 +139,6 @@ class OctreePairs {
         const std::int32_t id = room_[lists.begin + i];
         if (inA(a_[static_cast<std::size_t>(id)], part)) room_[next + below.count_a++] = id;
       }
-      if (below.count_a == 0) continue;
       for (std::size_t i = 0; i < lists.count_b; ++i) {
         const std::int32_t id = room_[lists.begin + lists.count_a + i];
         if (inB(b_[static_cast<std::size_t>(id)], part))
@@ -143,6 +147,21 @@ class OctreePairs {
       if (!cell(part, below, depth + 1, visit)) return false;
     }
     return true;
+  }
+
+  // The octants about `middle` that a box of the cell meets: a bit each.
+  static unsigned octantsOf(const FloatBox& box, float grown, const float* middle) {
+    constexpr unsigned kLower[] = {0x55, 0x33, 0x0f};  // those below the middle, along x, y, z
+    unsigned octants = 0xff;
+    for (int k = 0; k < 3; ++k) {
+      octants &= (box.low[k] - grown <= middle[k] ? kLower[k] : 0U) |
+                 (middle[k] <= box.high[k] + grown ? 0xffU & ~kLower[k] : 0U);
+    }
+    return octants;
+  }
+  static void countIn(unsigned octants, std::array<std::size_t, 8>& counts) {
+    for (; octants != 0; octants &= octants - 1)
+      ++counts[static_cast<std::size_t>(std::countr_zero(octants))];
   }
 
   template <class Visit>
@@ -174,6 +193,7 @@ class OctreePairs {
   float reach_;
   std::span<std::int32_t> room_;
   FloatBox region_{};
+  std::size_t cells_ = 0;
 };
 
 }  // namespace leeway::collision
