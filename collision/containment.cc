@@ -26,6 +26,7 @@ double distanceFromSurface(const Shape& mesh, const Vector3d& p, double threshol
   DescentPlacement placement;
   placement.X_BA0.translation = placement.X_BA1.translation = -p;
   DistanceRequest request;
+  request.tolerance = kDefaultTolerance;
   request.threshold = threshold;
   request.depth = false;
   PairCache cache;

@@ -618,6 +618,7 @@ class Decomposition {
     std::size_t size = 0;
     stack[size++] = 0;
     DistanceRequest request;
+    request.tolerance = kDefaultTolerance;
     request.threshold = 0;
     request.depth = false;
     while (size > 0) {

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "collision/convex.h"
+#include "collision/default_tolerance.h"
 #include "collision/deform_probe.h"
 #include "collision/deform_snapshot.h"
 #include "collision/mesh_distance.h"
@@ -283,7 +284,16 @@ class SelfDescent {
 DistanceResult selfDistance(const DeformableSnapshot& snapshot, const DistanceRequest& request,
                             Scratch& scratch, PairCache* cache) {
   PairCache own;
-  return SelfDescent(snapshot.impl(), request, scratch, cache != nullptr ? *cache : own).run();
+  PairCache& warm = cache != nullptr ? *cache : own;
+  if (!std::isnan(request.tolerance)) {
+    return SelfDescent(snapshot.impl(), request, scratch, warm).run();
+  }
+  // As distance() of two bodies in this one's place.
+  const DeformableSnapshotImpl& mesh = snapshot.impl();
+  const double radius = 0.5 * (mesh.high - mesh.low).norm(),
+               extent = mesh.low.cwiseAbs().cwiseMax(mesh.high.cwiseAbs()).norm();
+  const DistanceRequest by_default = withTolerance(request, toleranceOf(radius, extent));
+  return SelfDescent(snapshot.impl(), by_default, scratch, warm).run();
 }
 
 }  // namespace leeway::collision

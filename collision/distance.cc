@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "collision/convex.h"
+#include "collision/default_tolerance.h"
 #include "collision/deform_distance.h"
 #include "collision/mesh_distance.h"
 #include "collision/scratch.h"
@@ -99,27 +100,43 @@ __attribute__((noinline)) DistanceResult distanceOfOthers(const Shape& a, const 
   return result;
 }
 
-}  // namespace
-
-DistanceResult distance(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
-                        const DistanceRequest& request, Scratch& scratch, PairCache* cache) {
+// Straight to the functions: code on the way is far when much else has been done since.
+DistanceResult distanceOf(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
+                          const DistanceRequest& request, Scratch& scratch, PairCache* cache) {
   using enum ShapeType;
-  if (a.type() == kCapsule && b.type() == kCapsule) {
-    return distanceOfSegments<true, true>(a, X_WA, b, X_WB, request, scratch, cache);
-  }
-  if (a.type() == kCapsule && b.type() == kSphere) {
-    return distanceOfSegments<true, false>(a, X_WA, b, X_WB, request, scratch, cache);
-  }
-  if (a.type() == kSphere && b.type() == kCapsule) {
-    return distanceOfSegments<false, true>(a, X_WA, b, X_WB, request, scratch, cache);
-  }
-  if (a.type() == kSphere && b.type() == kSphere) {
+  static_assert(kSphere < kCapsule && kCapsule < kBox);
+  if (std::max(a.type(), b.type()) <= kCapsule) {
+    const bool segment_a = a.type() == kCapsule, segment_b = b.type() == kCapsule;
+    if (segment_a && segment_b) {
+      return distanceOfSegments<true, true>(a, X_WA, b, X_WB, request, scratch, cache);
+    }
+    if (segment_a) {
+      return distanceOfSegments<true, false>(a, X_WA, b, X_WB, request, scratch, cache);
+    }
+    if (segment_b) {
+      return distanceOfSegments<false, true>(a, X_WA, b, X_WB, request, scratch, cache);
+    }
     return distanceOfSegments<false, false>(a, X_WA, b, X_WB, request, scratch, cache);
   }
-  // (Directly: code on the way is far when much else has been done since.)
   if (a.type() == kDeformable || b.type() == kDeformable)
     return deformDistance(a, X_WA, b, X_WB, request, scratch, cache);
   return distanceOfOthers(a, X_WA, b, X_WB, request, scratch, cache);
+}
+
+}  // namespace
+
+double defaultTolerance(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB) {
+  return toleranceOf(a, b, X_WB.translation - X_WA.translation);
+}
+
+DistanceResult distance(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
+                        const DistanceRequest& request, Scratch& scratch, PairCache* cache) {
+  if (!std::isnan(request.tolerance)) {
+    return distanceOf(a, X_WA, b, X_WB, request, scratch, cache);
+  }
+  const Eigen::Vector3d offset = X_WB.translation - X_WA.translation;
+  return distanceOf(a, X_WA, b, X_WB, withTolerance(request, toleranceOf(a, b, offset)), scratch,
+                    cache);
 }
 
 DistanceResult generalDistance(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
@@ -161,6 +178,11 @@ DistanceResult generalDistance(const Shape& a, const Pose& X_WA, const Shape& b,
 DistanceResult sweptDistance(const Shape& a, const Pose& X_BA0, const Pose& X_BA1, double growth,
                              const Shape& b, const DistanceRequest& request, Scratch& scratch,
                              PairCache* cache) {
+  if (std::isnan(request.tolerance)) {
+    return sweptDistance(a, X_BA0, X_BA1, growth, b,
+                         withTolerance(request, toleranceOf(a, b, X_BA0.translation)), scratch,
+                         cache);
+  }
   if (a.type() == ShapeType::kDeformable || b.type() == ShapeType::kDeformable) {
     return deformSweptDistance(a, X_BA0, X_BA1, growth, b, request, scratch, cache);
   }

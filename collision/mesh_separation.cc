@@ -21,6 +21,7 @@ class Search {
         tolerance_(request.tolerance),
         scratch_(scratch),
         result_(result) {
+    apart_.tolerance = kDefaultTolerance;
     apart_.threshold = 0;
     apart_.depth = false;
     apart_.node_limit = std::min(request.node_limit, kSeparationNodes);

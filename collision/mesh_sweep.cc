@@ -237,6 +237,7 @@ class MeshSweep {
     ++result_.nodes;
     const double excess = a_.excess(a) + b_.excess(b);
     DistanceRequest request;
+    request.tolerance = kDefaultTolerance;
     request.threshold = request_.threshold - excess;
     request.iteration_limit = request_.iteration_limit;
     request.depth = excess > 0;
@@ -250,6 +251,7 @@ class MeshSweep {
     if (triangles && trianglesApart(s, a.number, b.number)) return;
     ++result_.nodes;
     DistanceRequest request;
+    request.tolerance = kDefaultTolerance;
     request.threshold = request_.threshold;
     request.iteration_limit = request_.iteration_limit;
     request.depth = false;

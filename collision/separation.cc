@@ -45,7 +45,7 @@ class Search {
          const SeparationRequest& request, Scratch& scratch)
       : body_(body), obstacles_(obstacles), request_(request), scratch_(scratch) {
     query_.threshold = request.clearance;
-    query_.tolerance = std::min(1e-9, request.tolerance);
+    query_.tolerance = std::min(kDefaultTolerance, request.tolerance);
     query_.iteration_limit = request.iteration_limit;
     query_.node_limit = request.node_limit;
     // Half the tolerance is left for translations to come out on the far side of their planes.

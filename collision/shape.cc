@@ -5,6 +5,7 @@
 #include <limits>
 #include <sstream>
 
+#include "collision/default_tolerance.h"
 #include "leeway/collision/convex_hull.h"
 #include "leeway/collision/deformable_mesh.h"
 #include "leeway/collision/tolerances.h"
@@ -84,11 +85,18 @@ const char* toString(ShapeType type) {
   return "unknown";
 }
 
+void Shape::setReach(double bounding_radius, double extent) {
+  bounding_radius_ = bounding_radius;
+  extent_ = extent;
+  default_tolerance_ = toleranceOf(bounding_radius, extent);
+}
+
 Shape Shape::sphere(double radius) {
   requireSize(radius, "sphere", "radius");
   Shape shape;
   shape.type_ = ShapeType::kSphere;
-  shape.radius_ = shape.bounding_radius_ = shape.extent_ = radius;
+  shape.radius_ = radius;
+  shape.setReach(radius, radius);
   return shape;
 }
 
@@ -99,7 +107,8 @@ Shape Shape::capsule(double radius, double half_length) {
   shape.type_ = ShapeType::kCapsule;
   shape.radius_ = radius;
   shape.half_length_ = half_length;
-  shape.bounding_radius_ = shape.extent_ = (radius + half_length) * kOutwards;
+  const double reach = (radius + half_length) * kOutwards;
+  shape.setReach(reach, reach);
   return shape;
 }
 
@@ -109,8 +118,8 @@ Shape Shape::box(const Eigen::Vector3d& half_extents) {
   Shape shape;
   shape.type_ = ShapeType::kBox;
   shape.half_extents_ = half_extents;
-  shape.bounding_radius_ = shape.extent_ =
-      outwardNorm(half_extents.x(), half_extents.y(), half_extents.z());
+  const double reach = outwardNorm(half_extents.x(), half_extents.y(), half_extents.z());
+  shape.setReach(reach, reach);
   return shape;
 }
 
@@ -121,7 +130,8 @@ Shape Shape::cylinder(double radius, double half_length) {
   shape.type_ = ShapeType::kCylinder;
   shape.radius_ = radius;
   shape.half_length_ = half_length;
-  shape.bounding_radius_ = shape.extent_ = outwardNorm(radius, half_length, 0);
+  const double reach = outwardNorm(radius, half_length, 0);
+  shape.setReach(reach, reach);
   return shape;
 }
 
@@ -132,7 +142,8 @@ Shape Shape::cone(double radius, double half_length) {
   shape.type_ = ShapeType::kCone;
   shape.radius_ = radius;
   shape.half_length_ = half_length;
-  shape.bounding_radius_ = shape.extent_ = outwardNorm(radius, half_length, 0);
+  const double reach = outwardNorm(radius, half_length, 0);
+  shape.setReach(reach, reach);
   return shape;
 }
 
@@ -142,14 +153,16 @@ Shape Shape::ellipsoid(const Eigen::Vector3d& semi_axes) {
   Shape shape;
   shape.type_ = ShapeType::kEllipsoid;
   shape.half_extents_ = semi_axes;
-  shape.bounding_radius_ = shape.extent_ = semi_axes.maxCoeff();
+  const double reach = semi_axes.maxCoeff();
+  shape.setReach(reach, reach);
   return shape;
 }
 
 Shape Shape::halfSpace() {
   Shape shape;
   shape.type_ = ShapeType::kHalfSpace;
-  shape.bounding_radius_ = shape.extent_ = std::numeric_limits<double>::infinity();
+  const double reach = std::numeric_limits<double>::infinity();
+  shape.setReach(reach, reach);
   return shape;
 }
 
@@ -165,8 +178,7 @@ Shape Shape::convexHull(std::shared_ptr<const ConvexHull> hull) {
   Shape shape;
   shape.type_ = ShapeType::kConvexHull;
   shape.bounding_center_ = sphere.center;
-  shape.bounding_radius_ = sphere.radius;
-  shape.extent_ = sphere.extent;
+  shape.setReach(sphere.radius, sphere.extent);
   shape.hull_ = std::move(hull);
   return shape;
 }
@@ -179,8 +191,7 @@ Shape Shape::mesh(std::shared_ptr<const TriangleMesh> mesh) {
   Shape shape;
   shape.type_ = ShapeType::kMesh;
   shape.bounding_center_ = sphere.center;
-  shape.bounding_radius_ = sphere.radius;
-  shape.extent_ = sphere.extent;
+  shape.setReach(sphere.radius, sphere.extent);
   shape.mesh_ = std::move(mesh);
   return shape;
 }
@@ -193,8 +204,7 @@ Shape Shape::deformable(std::shared_ptr<const DeformableSnapshot> snapshot) {
   Shape shape;
   shape.type_ = ShapeType::kDeformable;
   shape.bounding_center_ = sphere.center;
-  shape.bounding_radius_ = sphere.radius;
-  shape.extent_ = outwardNorm(farthest.x(), farthest.y(), farthest.z());
+  shape.setReach(sphere.radius, outwardNorm(farthest.x(), farthest.y(), farthest.z()));
   shape.deformable_ = std::move(snapshot);
   return shape;
 }

@@ -308,6 +308,7 @@ DistanceRequest lookRequest(const ContactRequest& request, double tolerance) {
 
 DistanceRequest sweepRequest(const ContactRequest& request) {
   DistanceRequest r;
+  r.tolerance = kDefaultTolerance;
   r.threshold = request.margin;
   r.depth = false;
   return r;

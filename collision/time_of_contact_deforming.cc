@@ -273,6 +273,7 @@ ContactResult timeOfContact(const std::shared_ptr<const DeformableSnapshot>& fro
   const double size = std::max(from->low().norm(), from->high().norm());
   const double rounding = motion_b.rounding(std::min(b.extent(), X_WB.translation.norm() + size));
   DistanceRequest start;
+  start.tolerance = kDefaultTolerance;
   start.threshold = request.margin + 2 * rounding;
   start.depth = false;
   result.queries = 1;

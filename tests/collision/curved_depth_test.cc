@@ -882,8 +882,8 @@ TEST(CurvedDepth, EllipsoidsThatAreBalls) {
   }
 }
 
-// One that is no number was none to the depth that is to be proven either: it stayed infinite, and
-// the upper end became that.
+// One that is no number, as none was told then, was none to the depth that is to be proven either:
+// it stayed infinite, and the upper end became that.
 TEST(CurvedDepth, ToleranceThatNothingMeetsLeavesTheTruth) {
   const Pair pair{
       Shape::ellipsoid({0.06142399395368027, 0.060938735178177071, 0.32684320026309294}),
@@ -898,7 +898,7 @@ TEST(CurvedDepth, ToleranceThatNothingMeetsLeavesTheTruth) {
            {0.070610510984088395, 0.72293193835084912, -0.68730164338059763})};
   Scratch scratch;
   const double infinity = std::numeric_limits<double>::infinity();
-  for (const double tolerance : {std::nan(""), -infinity, -1.0, 0.0}) {
+  for (const double tolerance : {-infinity, -1.0, 0.0}) {
     DistanceRequest request;
     request.tolerance = tolerance;
     const DistanceResult d =

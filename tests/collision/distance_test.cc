@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <vector>
@@ -406,6 +407,75 @@ TEST(Distance, FarFromTheOriginOnlyTheRoundingOfTheInputIsLost) {
       EXPECT_EQ(away.distance.upper, near.distance.upper);
     }
   }
+}
+
+// A shape of sizes of about `scale`.
+Shape shapeOfScale(ShapeType type, double scale, Random& random) {
+  const auto size = [&] { return scale * random.uniform(0.2, 1); };
+  switch (type) {
+    case ShapeType::kSphere:
+      return Shape::sphere(size());
+    case ShapeType::kCapsule:
+      return Shape::capsule(size(), size());
+    case ShapeType::kBox:
+      return Shape::box({size(), size(), size()});
+    case ShapeType::kCylinder:
+      return Shape::cylinder(size(), size());
+    case ShapeType::kCone:
+      return Shape::cone(size(), size());
+    case ShapeType::kEllipsoid:
+      return Shape::ellipsoid({size(), size(), size()});
+    case ShapeType::kHalfSpace:
+      return Shape::halfSpace();
+    default: {
+      std::vector<Vector3d> points;
+      for (int i = 0; i < 12; ++i) points.emplace_back(size() * random.direction());
+      return hullOf(points);
+    }
+  }
+}
+
+// By default intervals are as narrow as 1e-9 of the larger body, be it of micrometres: 1e-9 m was
+// a thousandth of it then. (At 1 km they are 1e-9 m wide, as they always were.)
+TEST(Distance, DefaultToleranceIsOfTheSizes) {
+  using enum ShapeType;
+  constexpr ShapeType kTypes[] = {kSphere, kCapsule,   kBox,        kCylinder,
+                                  kCone,   kEllipsoid, kConvexHull, kHalfSpace};
+  Scratch scratch;
+  Random random(47);
+  int overlapping = 0, apart = 0;
+  for (const double scale : {1e-6, 1e-3, 1.0, 1e3})
+    for (const ShapeType type_a : kTypes)
+      for (const ShapeType type_b : kTypes)
+        for (int i = 0; i < casesToAsk(12); ++i) {
+          if (type_a == kHalfSpace && type_b == kHalfSpace) continue;
+          const Shape a = shapeOfScale(type_a, scale, random),
+                      b = shapeOfScale(type_b, scale * (i % 4 == 0 ? 0.01 : 1), random);
+          const Pose X_WA{random.rotation(), scale * random.direction()};
+          // (A quarter of them a metre away.)
+          const double way = i % 4 == 1 ? 1 : scale * random.uniform(0, 3);
+          const Pose X_WB{random.rotation(), X_WA.translation + way * random.direction()};
+          const DistanceResult r = distance(a, X_WA, b, X_WB, {}, scratch);
+          const double asked = defaultTolerance(a, X_WA, b, X_WB);
+          const auto finite = [](double x) { return std::isfinite(x) ? x : 0; };
+          const double larger = std::max(finite(a.boundingRadius()), finite(b.boundingRadius())),
+                       most = std::max({finite(a.extent()), finite(b.extent()), 2 * way});
+          EXPECT_LE(asked, std::max(std::min(1e-9 * larger, 1e-9), 4e-14 * most));
+          EXPECT_EQ(r.status, DistanceStatus::kConverged)
+              << oracle::replay(a) << " at " << oracle::replay(X_WA) << " with "
+              << oracle::replay(b) << " at " << oracle::replay(X_WB);
+          EXPECT_LE(r.distance.width(), asked);
+          overlapping += r.distance.upper < 0;
+          apart += r.distance.lower > 0;
+          // As if it had been named.
+          DistanceRequest named;
+          named.tolerance = asked;
+          const DistanceResult again = distance(a, X_WA, b, X_WB, named, scratch);
+          EXPECT_EQ(r.distance.lower, again.distance.lower);
+          EXPECT_EQ(r.distance.upper, again.distance.upper);
+        }
+  EXPECT_GT(overlapping, casesToAsk(500));
+  EXPECT_GT(apart, casesToAsk(500));
 }
 
 }  // namespace

@@ -97,7 +97,8 @@ TEST(HullPairs, AgreeWithTheGeneralWay) {
   int apart = 0, answered = 0, handed_over = 0;
   for (int i = 0; i < casesToAsk(9000); ++i) {
     const Pair p = hullPair(random, scratch);
-    const DistanceResult slow = generalDistance(p.a, p.X_WA, p.b, p.X_WB, {}, scratch, nullptr);
+    const DistanceResult slow =
+        generalDistance(p.a, p.X_WA, p.b, p.X_WB, testing::nanometre(), scratch, nullptr);
     // (Large ones without a cache are left to B's frame.)
     const bool counts = slow.distance.lower > 1e-9 && p.a.hull()->vertices().size() <= 32 &&
                         p.b.hull()->vertices().size() <= 32;
@@ -105,7 +106,7 @@ TEST(HullPairs, AgreeWithTheGeneralWay) {
     DistanceResult r;
     PairCache cache;
     VertexStart start;
-    if (answerHullPair(p.a, p.X_WA, p.b, p.X_WB, {}, &cache, r, start)) {
+    if (answerHullPair(p.a, p.X_WA, p.b, p.X_WB, testing::nanometre(), &cache, r, start)) {
       answered += counts;
       EXPECT_EQ(r.status, DistanceStatus::kConverged) << p.replay();
       EXPECT_LE(r.distance.width(), 1e-9) << p.replay();
@@ -116,7 +117,7 @@ TEST(HullPairs, AgreeWithTheGeneralWay) {
     // Going on from there ends where a search of its own does.
     handed_over += start.count > 0;
     const DistanceResult on =
-        generalDistance(p.a, p.X_WA, p.b, p.X_WB, {}, scratch, nullptr, &start);
+        generalDistance(p.a, p.X_WA, p.b, p.X_WB, testing::nanometre(), scratch, nullptr, &start);
     EXPECT_LE(on.distance.lower, slow.distance.upper) << p.replay();
     EXPECT_GE(on.distance.upper, slow.distance.lower) << p.replay();
     EXPECT_LE(on.distance.width(), std::max(2 * slow.distance.width(), 1e-9)) << p.replay();
@@ -134,11 +135,12 @@ TEST(HullPairs, SizesAtTheEndsOfTheScale) {
   int converged = 0, asked = 0;
   for (int i = 0; i < casesToAsk(1500); ++i) {
     const Pair p = hullPair(random, scratch);
-    const DistanceResult r = generalDistance(p.a, p.X_WA, p.b, p.X_WB, {}, scratch, nullptr);
+    const DistanceResult r =
+        generalDistance(p.a, p.X_WA, p.b, p.X_WB, testing::nanometre(), scratch, nullptr);
     for (const int power : {-128, -110, 90, 110, 150, 180, 195}) {
       const double scale = std::ldexp(1, power);
       const Pair q = scaled(p, scale);
-      DistanceRequest request;
+      DistanceRequest request = testing::nanometre();
       request.tolerance *= scale;
       const DistanceResult large = distance(q.a, q.X_WA, q.b, q.X_WB, request, scratch, nullptr);
       ASSERT_LE(large.distance.lower, scale * r.distance.upper) << power << " " << p.replay();
@@ -163,7 +165,7 @@ TEST(HullPairs, StepsFromADirectionDoNotDependOnTheScale) {
     for (const int power : {0, -10, 10}) {
       const double scale = std::ldexp(1, power);
       const Pair q = scaled(p, scale);
-      DistanceRequest request;
+      DistanceRequest request = testing::nanometre();
       request.tolerance *= scale;
       PairCache cache;
       cache.direction_B = direction;
@@ -185,7 +187,7 @@ TEST(HullPairs, HoldTheTruth) {
   for (int i = 0; i < 60; ++i) {
     const Pair p = hullPair(random, scratch);
     if (p.a.hull()->vertices().size() > 40 || p.b.hull()->vertices().size() > 40) continue;
-    DistanceRequest request;
+    DistanceRequest request = testing::nanometre();
     request.tolerance = random.chance(0.5) ? 1e-9 : 1e-12;
     DistanceResult r;
     VertexStart start;
@@ -204,8 +206,9 @@ TEST(HullPairs, ThresholdsAreDecidedAsTheGeneralWayDoes) {
   int above = 0, below = 0;
   for (int i = 0; i < casesToAsk(4000); ++i) {
     const Pair p = hullPair(random, scratch);
-    const Interval truth = generalDistance(p.a, p.X_WA, p.b, p.X_WB, {}, scratch, nullptr).distance;
-    DistanceRequest request;
+    const Interval truth =
+        generalDistance(p.a, p.X_WA, p.b, p.X_WB, testing::nanometre(), scratch, nullptr).distance;
+    DistanceRequest request = testing::nanometre();
     request.threshold =
         random.chance(0.5) ? truth.upper * random.uniform(0.5, 2) : random.logUniform(1e-9, 10);
     request.depth = random.chance(0.5);
@@ -252,10 +255,11 @@ TEST(HullPairs, AnyCacheAgrees) {
     const Vector3d step = 0.01 * random.direction();
     for (int frame = 0; frame < 10; ++frame) {
       const Interval slow =
-          generalDistance(p.a, p.X_WA, p.b, p.X_WB, {}, scratch, nullptr).distance;
+          generalDistance(p.a, p.X_WA, p.b, p.X_WB, testing::nanometre(), scratch, nullptr)
+              .distance;
       DistanceResult r;
       VertexStart start;
-      if (answerHullPair(p.a, p.X_WA, p.b, p.X_WB, {}, &cache, r, start)) {
+      if (answerHullPair(p.a, p.X_WA, p.b, p.X_WB, testing::nanometre(), &cache, r, start)) {
         ++answered;
         expectSound(p, r, slow, 2e-12, scratch);
       }
@@ -272,7 +276,8 @@ TEST(HullPairs, DeparturesFromRotationsAreInTheWidth) {
   int answered = 0;
   for (int i = 0; i < casesToAsk(2000); ++i) {
     Pair p = hullPair(random, scratch);
-    const Interval truth = generalDistance(p.a, p.X_WA, p.b, p.X_WB, {}, scratch, nullptr).distance;
+    const Interval truth =
+        generalDistance(p.a, p.X_WA, p.b, p.X_WB, testing::nanometre(), scratch, nullptr).distance;
     for (Pose* X : {&p.X_WA, &p.X_WB}) {
       Eigen::Matrix3d strain;
       for (int k = 0; k < 3; ++k) strain.col(k) = random.direction();
@@ -280,7 +285,7 @@ TEST(HullPairs, DeparturesFromRotationsAreInTheWidth) {
       const double small = random.logUniform(1e-12, 2.5e-7);
       X->rotation = (X->rotation * (Eigen::Matrix3d::Identity() + small * strain)).eval();
     }
-    DistanceRequest request;
+    DistanceRequest request = testing::nanometre();
     request.tolerance = 1e-3;
     DistanceResult r;
     VertexStart start;
@@ -302,16 +307,16 @@ TEST(HullPairs, LeaveTheRestAlone) {
   const auto answers = [&](const Pose& X_WA, const Pose& X_WB, const DistanceRequest& request) {
     return answerHullPair(p.a, X_WA, p.b, X_WB, request, nullptr, r, start);
   };
-  DistanceRequest none;
+  DistanceRequest none = testing::nanometre();
   none.iteration_limit = 0;
   EXPECT_FALSE(answers(p.X_WA, p.X_WB, none));
   for (const double bad : {std::nan(""), 1e308, 1e61, std::numeric_limits<double>::infinity()}) {
     Pose X = p.X_WB;
     X.translation.y() = bad;
-    EXPECT_FALSE(answers(p.X_WA, X, {})) << bad;
+    EXPECT_FALSE(answers(p.X_WA, X, testing::nanometre())) << bad;
     X = p.X_WA;
     X.rotation(1, 2) = bad;
-    EXPECT_FALSE(answers(X, p.X_WB, {})) << bad;
+    EXPECT_FALSE(answers(X, p.X_WB, testing::nanometre())) << bad;
   }
 }
 
@@ -386,7 +391,8 @@ TEST(HullPairs, AxesThatMeetCostStepsOnly) {
                               Vector3d(0.3, 0.2, 0.1), Vector3d(0, 1e-3, 0)}) {
       const Pose X_WB{R, t};
       const DistanceResult quick = distance(needle, {}, needle, X_WB, {}, scratch);
-      const DistanceResult slow = generalDistance(needle, {}, needle, X_WB, {}, scratch, nullptr);
+      const DistanceResult slow =
+          generalDistance(needle, {}, needle, X_WB, testing::nanometre(), scratch, nullptr);
       EXPECT_LE(quick.distance.lower, slow.distance.upper) << t;
       EXPECT_GE(quick.distance.upper, slow.distance.lower) << t;
       EXPECT_EQ(quick.status, slow.status) << t;
@@ -402,7 +408,7 @@ TEST(RoundedHulls, WitnessesAreAsFarApartAsTheUpperEndWithAStaleCache) {
     corners.emplace_back(i & 1 ? 0.1 : -0.1, i & 2 ? 0.1 : -0.1, i & 4 ? 0.1 : -0.1);
   const Shape capsule = Shape::capsule(0.3, 0.05), hull = Shape::convexHull(corners);
   Scratch scratch;
-  DistanceRequest request;
+  DistanceRequest request = testing::nanometre();
   request.threshold = 2;
   PairCache cache;
   cache.direction_B = Vector3d(-1, 0, 0);

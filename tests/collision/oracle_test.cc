@@ -96,7 +96,9 @@ class Examiner {
     bool honest = true;
     switch (r.status) {
       case DistanceStatus::kConverged:
-        honest = r.distance.width() <= request.tolerance;
+        honest = r.distance.width() <= (std::isnan(request.tolerance)
+                                            ? defaultTolerance(a.shape, a.pose, b.shape, b.pose)
+                                            : request.tolerance);
         break;
       case DistanceStatus::kAboveThreshold:
         honest = r.distance.lower > request.threshold;

@@ -97,11 +97,12 @@ TEST(SimplePairs, AgreeWithTheGeneralWay) {
       int apart = 0, closed = 0;
       for (int i = 0; i < casesToAsk(1500); ++i) {
         const Pair p = simplePair(random, type_a, type_b, scratch);
-        const DistanceResult slow = generalDistance(p.a, p.X_WA, p.b, p.X_WB, {}, scratch, nullptr);
+        const DistanceResult slow =
+            generalDistance(p.a, p.X_WA, p.b, p.X_WB, testing::nanometre(), scratch, nullptr);
         apart += slow.distance.lower > 1e-10;
         DistanceResult r;
         PairCache cache;
-        if (!answerSimplePair(p.a, p.X_WA, p.b, p.X_WB, {}, &cache, r)) continue;
+        if (!answerSimplePair(p.a, p.X_WA, p.b, p.X_WB, testing::nanometre(), &cache, r)) continue;
         closed += slow.distance.lower > 1e-10;
         EXPECT_EQ(r.status, DistanceStatus::kConverged) << p.replay();
         EXPECT_LE(r.distance.width(), 1e-9) << p.replay();
@@ -127,8 +128,9 @@ TEST(SimplePairs, ThresholdsAreDecidedAsTheGeneralWayDoes) {
   int early = 0;
   for (int i = 0; i < casesToAsk(8000); ++i) {
     const Pair p = simplePair(random, kTypes[random.below(4)], kTypes[random.below(4)], scratch);
-    const Interval truth = generalDistance(p.a, p.X_WA, p.b, p.X_WB, {}, scratch, nullptr).distance;
-    DistanceRequest request;
+    const Interval truth =
+        generalDistance(p.a, p.X_WA, p.b, p.X_WB, testing::nanometre(), scratch, nullptr).distance;
+    DistanceRequest request = testing::nanometre();
     request.threshold =
         random.chance(0.5) ? truth.upper * random.uniform(0.5, 2) : random.logUniform(1e-9, 10);
     DistanceResult r;
@@ -164,9 +166,10 @@ TEST(SimplePairs, ThresholdsOfBoxesNextToTheDistance) {
     p.X_WA = {random.rotation(), scale * random.direction()};
     p.X_WB = {random.chance(0.1) ? p.X_WA.rotation : random.rotation(),
               scale * random.uniform(0, 4) * random.direction()};
-    const DistanceResult exact = generalDistance(p.a, p.X_WA, p.b, p.X_WB, {}, scratch, nullptr);
+    const DistanceResult exact =
+        generalDistance(p.a, p.X_WA, p.b, p.X_WB, testing::nanometre(), scratch, nullptr);
     const Interval truth = exact.distance;
-    DistanceRequest request;
+    DistanceRequest request = testing::nanometre();
     request.tolerance = random.chance(0.5) ? 1e-9 : 0;
     request.threshold = random.chance(0.6) ? truth.upper + (random.chance(0.5) ? 1 : -1) * scale *
                                                                random.logUniform(1e-17, 1e-11)
@@ -212,7 +215,7 @@ TEST(SimplePairs, PosesThatAreNoneAreRefused) {
     } else {
       X.rotation.col(k) *= 1 + (random.chance(0.5) ? 1 : -1) * random.logUniform(2e-6, 1);
     }
-    DistanceRequest request;
+    DistanceRequest request = testing::nanometre();
     if (random.chance(0.5)) request.threshold = random.uniform(-1, 2);
     const DistanceResult r = distance(p.a, p.X_WA, p.b, p.X_WB, request, scratch);
     EXPECT_EQ(r.status, DistanceStatus::kInvalid) << p.replay();
@@ -234,10 +237,11 @@ TEST(SimplePairs, AnyCacheAgrees) {
     const Vector3d step = 0.01 * random.direction();
     const Eigen::Matrix3d turn = turned(random.direction(), 0.02);
     for (int frame = 0; frame < 20; ++frame) {
-      const DistanceResult slow = generalDistance(p.a, p.X_WA, p.b, p.X_WB, {}, scratch, nullptr);
+      const DistanceResult slow =
+          generalDistance(p.a, p.X_WA, p.b, p.X_WB, testing::nanometre(), scratch, nullptr);
       apart += slow.distance.lower > 1e-10;
       DistanceResult r;
-      if (answerSimplePair(p.a, p.X_WA, p.b, p.X_WB, {}, &cache, r)) {
+      if (answerSimplePair(p.a, p.X_WA, p.b, p.X_WB, testing::nanometre(), &cache, r)) {
         closed += slow.distance.lower > 1e-10;
         EXPECT_LE(r.distance.width(), 1e-9) << p.replay();
         EXPECT_LE(r.distance.lower, slow.distance.upper) << p.replay();
@@ -291,7 +295,7 @@ TEST(SimplePairs, LowerEndsAreThoseOfThePlaneAcrossTheNormal) {
       }
     }
     DistanceResult r;
-    if (!answerSimplePair(p.a, p.X_WA, p.b, p.X_WB, {}, nullptr, r)) continue;
+    if (!answerSimplePair(p.a, p.X_WA, p.b, p.X_WB, testing::nanometre(), nullptr, r)) continue;
     ++closed;
     const double plane = r.normal.dot(p.X_WB.translation - p.X_WA.translation) -
                          reachOf(p.a, p.X_WA, r.normal) - reachOf(p.b, p.X_WB, r.normal);
@@ -328,7 +332,8 @@ TEST(SimplePairs, DeparturesFromRotationsAreInTheWidth) {
   int answered = 0;
   for (int i = 0; i < casesToAsk(40000); ++i) {
     Pair p = simplePair(random, kTypes[random.below(4)], kTypes[random.below(4)], scratch);
-    const Interval truth = generalDistance(p.a, p.X_WA, p.b, p.X_WB, {}, scratch, nullptr).distance;
+    const Interval truth =
+        generalDistance(p.a, p.X_WA, p.b, p.X_WB, testing::nanometre(), scratch, nullptr).distance;
     for (Pose* X : {&p.X_WA, &p.X_WB}) {
       Eigen::Matrix3d strain = Eigen::Matrix3d::Identity();
       if (random.chance(0.7)) {
@@ -338,7 +343,7 @@ TEST(SimplePairs, DeparturesFromRotationsAreInTheWidth) {
       const double small = random.logUniform(1e-12, 2.5e-7);
       X->rotation = (X->rotation * (Eigen::Matrix3d::Identity() + small * strain)).eval();
     }
-    DistanceRequest request;
+    DistanceRequest request = testing::nanometre();
     request.tolerance = 1e-3;
     if (random.chance(0.3)) request.threshold = truth.upper * random.uniform(0.5, 2);
     DistanceResult r;

@@ -108,7 +108,7 @@ TEST(TiltedAxes, ThresholdsAreDecided) {
   for (int i = 0; i < casesToAsk(1000); ++i) {
     const Pair pair = nearlyCoaxial(random);
     const Interval full = distance(pair.a, pair.X_WA, pair.b, pair.X_WB, {}, scratch).distance;
-    DistanceRequest request;
+    DistanceRequest request = testing::nanometre();
     request.depth = false;
     const DistanceResult shallow = distance(pair.a, pair.X_WA, pair.b, pair.X_WB, request, scratch);
     EXPECT_EQ(shallow.distance.upper <= 0, full.upper <= 0) << pair.replay();
@@ -146,7 +146,7 @@ TEST(TiltedAxes, SpeakOfSidesOnly) {
   const Shape a = Shape::cylinder(0.3, 0.5), b = Shape::cone(0.25, 0.6);
   const ConvexView view_a = viewOf(a), view_b = viewOf(b);
   const auto offered = [&](const Pose& X_BA, double& width) {
-    DistanceRequest request;
+    DistanceRequest request = testing::nanometre();
     CoreQuery query;
     query.request = request;
     query.roundoff = kUnitRoundoff * (view_a.extent + view_b.extent + X_BA.translation.norm());

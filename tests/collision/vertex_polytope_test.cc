@@ -82,7 +82,7 @@ TEST(VertexPolytope, AgreesWithItsSlowTwin) {
   int asked = 0, found = 0;
   for (int i = 0; i < casesToAsk(6000); ++i) {
     const testing::Pair pair = anyPair(random, scratch);
-    DistanceRequest request;
+    DistanceRequest request = testing::nanometre();
     request.tolerance = random.chance(0.5) ? 1e-9 : random.logUniform(1e-12, 1e-1);
     Overlap overlap(pair, request);
     Progress progress(overlap.query);
@@ -120,7 +120,7 @@ TEST(VertexPolytope, ThresholdsLimitsAndYesOrNo) {
   int above = 0, below = 0, yes = 0, open = 0, told = 0;
   for (int i = 0; i < casesToAsk(4000); ++i) {
     const testing::Pair pair = anyPair(random, scratch);
-    DistanceRequest exact;
+    DistanceRequest exact = testing::nanometre();
     Overlap overlap(pair, exact);
     Progress slow(overlap.query);
     if (!overlap.begin(slow)) continue;
@@ -161,7 +161,7 @@ TEST(VertexPolytope, LeavesToItsTwinWhatIsInDoubt) {
   const Pose identity;
   // Four points that do not hold the origin, or with it on their surface.
   for (const double height : {0.0, 1e-17, 0.5}) {
-    DistanceRequest request;
+    DistanceRequest request = testing::nanometre();
     Overlap overlap({box, box, identity, identity}, request);
     const Vector3d corners[4] = {
         {2, 2, height}, {-2, 2, height}, {-2, -2, height}, {2, 2, 1 + height}};
@@ -174,7 +174,7 @@ TEST(VertexPolytope, LeavesToItsTwinWhatIsInDoubt) {
     EXPECT_EQ(progress.upper(), std::numeric_limits<double>::infinity());
   }
   // Less than rounding leaves.
-  DistanceRequest request;
+  DistanceRequest request = testing::nanometre();
   request.tolerance = 1e-16;
   Overlap overlap({box, box, identity, Pose{Eigen::Matrix3d::Identity(), {0.5, 0.2, 0.1}}},
                   request);
@@ -190,7 +190,7 @@ TEST(VertexPolytope, TheSameBytesOnEveryInstructionSet) {
     std::vector<double> answers;
     for (int i = 0; i < casesToAsk(500); ++i) {
       const testing::Pair pair = anyPair(random, scratch);
-      DistanceRequest request;
+      DistanceRequest request = testing::nanometre();
       Overlap overlap(pair, request);
       Progress progress(overlap.query);
       if (!overlap.begin(progress)) continue;

@@ -25,11 +25,12 @@ constexpr double kAllowed = 16 * kUnit;
 constexpr double kNarrow = 1e-14;
 constexpr int kMostSaid = 40;
 
-bool honest(const DistanceRequest& request, const DistanceResult& r) {
+bool honest(const DistanceRequest& request, double default_tolerance, const DistanceResult& r) {
   const auto& d = r.distance;
   switch (r.status) {
     case DistanceStatus::kConverged:
-      return d.upper - d.lower <= request.tolerance;
+      return d.upper - d.lower <=
+             (std::isnan(request.tolerance) ? default_tolerance : request.tolerance);
     case DistanceStatus::kAboveThreshold:
       return d.lower > request.threshold;
     case DistanceStatus::kNotAboveThreshold:
@@ -95,7 +96,7 @@ void Examiner::judge(const Ask& ask, const DistanceResult& r) {
       !(std::abs(r.normal.norm() - 1) < 1e-6)) {
     return say("not numbers, or the ends exchanged", ask, r, 0, tally_->failures);
   }
-  if (!honest(ask.request, r)) say("status", ask, r, 0, tally_->failures);
+  if (!honest(ask.request, default_tolerance_, r)) say("status", ask, r, 0, tally_->failures);
   if (half_space_) {
     judgeHalfSpace(ask, r);
   } else {
@@ -227,6 +228,7 @@ void Examiner::examine(const Case& c, oracle::Random& random, bool with_oracle,
   half_space_ = c.a->type() == ShapeType::kHalfSpace || c.b->type() == ShapeType::kHalfSpace;
   size_ = oracle::sizeOf(*c.a) + oracle::sizeOf(*c.b) +
           (c.X_WB.translation - c.X_WA.translation).norm();
+  default_tolerance_ = collision::defaultTolerance(*c.a, c.X_WA, *c.b, c.X_WB);
   coordinate_ = c.X_WA.translation.norm() + c.X_WB.translation.norm();
   ++tally.cases;
   const Ask plain;

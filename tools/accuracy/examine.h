@@ -55,7 +55,8 @@ class Examiner {
   const Case* case_ = nullptr;
   const std::string* says_ = nullptr;
   Tally* tally_ = nullptr;
-  double size_ = 0;        // the sizes involved: extents and the way between the frames [m]
+  double size_ = 0;  // the sizes involved: extents and the way between the frames [m]
+  double default_tolerance_ = 0;
   double coordinate_ = 0;  // largest coordinate in the world [m]
   bool half_space_ = false;
   collision::DistanceResult exact_;

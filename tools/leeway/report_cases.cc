@@ -27,6 +27,7 @@ using collision::PairCache;
 struct Answer {
   DistanceResult result;
   std::int64_t nanoseconds = 0;
+  double tolerance = 0;  // that was asked for [m]
 };
 
 const char* word(DistanceStatus status) {
@@ -61,8 +62,10 @@ std::vector<Answer> answer(const CaseFile& file) {
         collision::distance(file.shapes[c.shape_a], c.X_WA, file.shapes[c.shape_b], c.X_WB,
                             DistanceRequest{}, scratch, cache);
     const auto end = Clock::now();
-    answers.push_back(
-        {result, std::chrono::duration_cast<std::chrono::nanoseconds>(end - begin).count()});
+    answers.push_back({result,
+                       std::chrono::duration_cast<std::chrono::nanoseconds>(end - begin).count(),
+                       collision::defaultTolerance(file.shapes[c.shape_a], c.X_WA,
+                                                   file.shapes[c.shape_b], c.X_WB)});
   }
   return answers;
 }
@@ -117,8 +120,8 @@ void judge(const Case& c, const Answer& a, const Reference& r, Tally& tally) {
                c.id, c.family, d.lower, d.upper, r.distance, slack, 1e-16 * r.extent);
   }
   if ((r.verdict < 0 && d.lower > 0) || (r.verdict > 0 && d.upper < 0)) ++tally.wrong;
-  const double tolerance = DistanceRequest{}.tolerance;
-  if (r.has_value && std::abs(r.distance) > tolerance && d.lower <= 0 && d.upper > 0) ++tally.open;
+  if (r.has_value && std::abs(r.distance) > a.tolerance && d.lower <= 0 && d.upper > 0)
+    ++tally.open;
 }
 
 void printRow(const std::string& name, const Tally& t) {

@@ -27,7 +27,7 @@ class OwnQuery : public PairQuery {
         warm_(warm) {}
 
   PairAnswer ask(double tolerance) override {
-    request_.tolerance = std::isnan(tolerance) ? DistanceRequest{}.tolerance : tolerance;
+    request_.tolerance = tolerance;
     const collision::DistanceResult result =
         collision::distance(a_, X_WA_, b_, X_WB_, request_, scratch(), warm_ ? &cache_ : nullptr);
     return {result.distance.lower, result.distance.upper};

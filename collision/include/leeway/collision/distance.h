@@ -14,8 +14,8 @@ namespace leeway::collision {
 /// What is asked of a query. The answer's interval always holds the truth; these say when it is
 /// good enough.
 struct DistanceRequest {
-  /// Stop when upper - lower <= tolerance [m].
-  double tolerance = 1e-9;
+  /// Stop when upper - lower <= tolerance [m]. NaN: that of defaultTolerance().
+  double tolerance = std::numeric_limits<double>::quiet_NaN();
   /// Stop when lower > threshold ("farther than") or upper <= threshold ("not farther"); NaN: no
   /// threshold [m].
   double threshold = std::numeric_limits<double>::quiet_NaN();
@@ -29,7 +29,7 @@ struct DistanceRequest {
 };
 
 enum class DistanceStatus : unsigned char {
-  kConverged,          ///< upper - lower <= tolerance
+  kConverged,          ///< upper - lower <= tolerance, the request's or the default one
   kAboveThreshold,     ///< lower > threshold
   kNotAboveThreshold,  ///< upper <= threshold
   kOverlap,            ///< upper <= 0 and no depth was asked
@@ -88,6 +88,11 @@ class Scratch {
  private:
   std::unique_ptr<Impl> impl_;
 };
+
+/// The tolerance of a request that names none [m]: 1e-9 of the larger body's bounding radius, at
+/// most 1e-9 m (half-spaces have no size), but no less than 4e-14 of the larger extent or of the
+/// offset between the frames, next to rounding. O(1).
+double defaultTolerance(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB);
 
 /// The signed separation of two shapes at the poses X_WA, X_WB (any common frame W).
 /// Never throws, allocates or loops without end. `cache` may be null. Convex pairs: closed forms

@@ -85,9 +85,12 @@ class Shape {
   /// No point of the shape is farther from the origin of G than this [m]; infinite for a
   /// half-space.
   double extent() const { return extent_; }
+  /// What the shape's size allows of distance.h's defaultTolerance() [m]; 0 for a half-space.
+  double defaultTolerance() const { return default_tolerance_; }
 
  private:
   Shape() = default;
+  void setReach(double bounding_radius, double extent);
   ShapeType type_ = ShapeType::kSphere;
   double radius_ = 0;
   double half_length_ = 0;
@@ -95,6 +98,7 @@ class Shape {
   Eigen::Vector3d bounding_center_ = Eigen::Vector3d::Zero();
   double bounding_radius_ = 0;
   double extent_ = 0;
+  double default_tolerance_ = 0;
   std::shared_ptr<const ConvexHull> hull_;
   std::shared_ptr<const TriangleMesh> mesh_;
   std::shared_ptr<const DeformableSnapshot> deformable_;

@@ -27,6 +27,15 @@ inline constexpr double kSharpClosedFormRounding = 16;
 /// Rounding of X_BA made from two world poses, in the same unit; derived in convex.cc.
 inline constexpr double kPoseRounding = 24;
 
+/// Tolerance of requests that name none, as a share of the larger body's bounding radius ...
+inline constexpr double kDefaultShare = 1e-9;
+/// ... and the most that it is [m]. What we ask ourselves, of bodies of any size, is asked with it,
+/// too.
+inline constexpr double kDefaultTolerance = 1e-9;
+/// The least that it is, as a share of the larger extent or of the offset between the frames: what
+/// is narrower may not be had.
+inline constexpr double kDefaultLeastShare = 4e-14;
+
 /// An interval that is wider than asked, but narrower than this share of the sizes involved, is
 /// looked at again in twice the precision: rounding leaves some 1.5e-14, of curved overlaps up to
 /// 1e-12, and what is wider a search left open. Smaller may leave an interval wider than asked,
