@@ -9,6 +9,8 @@
 #include "collision/deform_round.h"
 #include "collision/descent_answer.h"
 #include "collision/mesh_distance.h"
+#include "collision/mesh_separation.h"
+#include "collision/solid_depth.h"
 #include "collision/status.h"
 
 namespace leeway::collision {
@@ -85,7 +87,12 @@ DistanceResult descentDistance(const Shape& a, const Pose& X_WA, const Shape& b,
         result.iterations += outer.iterations;
         result.distance.lower = outer.distance.lower;
         result.normal = X_WB.rotation * outer.normal;
-        separate(a, X_WA, b, X_WB, way_out, request, scratch, result);
+        if (result.distance.width() > request.tolerance) {
+          const Vector3d middle = X_WB * Vector3d(0.5 * (outer.point_a + outer.point_b));
+          const Vector3d deepest = deepen(a, X_WA, b, X_WB, middle, request, scratch, result);
+          const Vector3d tries[] = {way_out, deepest};
+          separateMeshes(a, X_WA, b, X_WB, tries, request, scratch, result);
+        }
       }
     }
   }

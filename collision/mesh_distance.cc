@@ -113,30 +113,7 @@ bool boundsDecide(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& 
   return decides(boxes, normal);
 }
 
-// Lowers the upper end of an overlap by points that lie in both solids: near the deepest pair of
-// triangles, in the middle of the hulls' overlap and in the middle of either body. Returns a way
-// out.
-Vector deepen(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
-              const DistanceResult& hulls, Scratch& scratch, DistanceResult& result) {
-  const auto isSolid = [](const Shape& s) {
-    return s.isConvex() || s.mesh()->closedComponentCount() > 0;
-  };
-  if (!isSolid(a) || !isSolid(b)) return Vector::Zero();
-  const Vector starts[] = {placed(X_WB, 0.5 * (hulls.point_a + hulls.point_b)),
-                           0.5 * (result.point_a + result.point_b),
-                           placed(X_WA, a.boundingCenter()), placed(X_WB, b.boundingCenter())};
-  const SolidDepth found = solidDepth(a, X_WA, b, X_WB, starts, 4, scratch);
-  if (found.depth > 0) result.distance.upper = std::min(result.distance.upper, -found.depth);
-  return found.way_out;
-}
-
 }  // namespace
-
-void separate(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
-              const Vector& direction, const DistanceRequest& request, Scratch& scratch,
-              DistanceResult& result) {
-  separateMeshes(a, X_WA, b, X_WB, {&direction, 1}, request, scratch, result);
-}
 
 DistanceResult meshDistance(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
                             const DistanceRequest& request, Scratch& scratch, PairCache* cache) {
@@ -183,7 +160,8 @@ DistanceResult meshDistance(const Shape& a, const Pose& X_WA, const Shape& b, co
                                      ? Vector3d(result.point_a - result.point_b)
                                      : result.normal;
         result.normal = X_WB.rotation * hulls.normal;
-        const Vector deepest = deepen(a, X_WA, b, X_WB, hulls, scratch, result);
+        const Vector middle = placed(X_WB, 0.5 * (hulls.point_a + hulls.point_b));
+        const Vector deepest = deepen(a, X_WA, b, X_WB, middle, request, scratch, result);
         const Vector tries[] = {way_out, deepest};
         separateMeshes(a, X_WA, b, X_WB, tries, request, scratch, result);
       }

@@ -16,10 +16,4 @@ DistanceResult meshSweptDistance(const Shape& a, const Pose& X_BA0, const Pose& 
                                  double growth, const Shape& b, const DistanceRequest& request,
                                  Scratch& scratch, PairCache* cache);
 
-/// Shared with deforming meshes: raises the lower end of an overlap to -|t| of a translation t
-/// along `direction` (in W) that is proven to separate.
-void separate(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
-              const Eigen::Vector3d& direction, const DistanceRequest& request, Scratch& scratch,
-              DistanceResult& result);
-
 }  // namespace leeway::collision

@@ -6,7 +6,9 @@
 #include <algorithm>
 
 #include "collision/solid_depth.h"
+#include "leeway/collision/deformable_mesh.h"
 #include "leeway/collision/distance.h"
+#include "tests/collision/allocations.h"
 #include "tests/collision/mesh_cases.h"
 #include "tests/sanitized.h"
 
@@ -72,6 +74,99 @@ TEST(MeshDepth, IsEnclosedByASearchInAllDirections) {
   EXPECT_GT(upper, 0.65 * count);
 }
 
+/// Of the same vertices and triangles, at rest, as a solid that may deform.
+Deformable deformableOf(const TriangleMesh& mesh, DeformStrategy strategy) {
+  DeformOptions options;
+  options.strategy = strategy;
+  options.hybrid_split = 20;
+  Deformable deformable(DeformableMesh::make(mesh.vertices(), mesh.triangles()), nullptr, options);
+  EXPECT_EQ(deformable.update(mesh.vertices(), 1), collision::UpdateStatus::kUpdated);
+  return deformable;
+}
+
+// The twin looks at rigid meshes of the same triangles.
+TEST(MeshDepth, OfDeformingSolidsIsEnclosedByTheSameSearch) {
+  // Without a hierarchy fewer points are looked at.
+  constexpr DeformStrategy kStrategies[] = {DeformStrategy::kOctree, DeformStrategy::kRefit,
+                                            DeformStrategy::kHybrid, DeformStrategy::kLazy};
+  Random random(72);
+  Scratch scratch;
+  const auto meshes = sampleMeshes(71);
+  std::vector<Deformable> deforming;
+  for (std::size_t i = 0; i < 5; ++i) {
+    deforming.push_back(deformableOf(*meshes[i].mesh, kStrategies[i % 4]));
+    EXPECT_GT(deforming.back().mesh()->closedComponentCount(), 0) << meshes[i].name;
+    prepare(scratch, *deforming.back().snapshot());
+  }
+  int count = 0;
+  double lower = 0, upper = 0;
+  for (std::size_t i = 0; i < 5; ++i) {
+    for (std::size_t j = 0; j < 5; ++j) {
+      if (kSanitized && (i + j) % 3 != 0) continue;
+      const Shape rigid_a = Shape::mesh(meshes[i].mesh), rigid_b = Shape::mesh(meshes[j].mesh),
+                  a = (i + j) % 3 == 1 ? rigid_a : Shape::deformable(deforming[i].snapshot()),
+                  b = (i + j) % 3 == 2 ? rigid_b : Shape::deformable(deforming[j].snapshot());
+      const Pose X_WA = random.pose(0.1), X_WB = random.pose(0.5);
+      DistanceRequest request;
+      const DistanceResult r = distance(a, X_WA, b, X_WB, request, scratch);
+      if (!(r.distance.upper <= 0)) continue;
+      const double twin = shortest(rigid_a, X_WA, rigid_b, X_WB, 2, 0.02, scratch);
+      const std::string names = meshes[i].name + " and " + meshes[j].name;
+      ++count;
+      EXPECT_LE(-r.distance.upper, twin) << names;
+      EXPECT_LT(-r.distance.lower, 2 * twin) << names;
+      lower += -r.distance.lower / twin;
+      upper += -r.distance.upper / twin;
+      // The lower end's translation separates them.
+      Pose moved = X_WB;
+      moved.translation += (1e-9 - r.distance.lower) * r.normal;
+      EXPECT_GT(distance(rigid_a, X_WA, rigid_b, moved, {}, scratch).distance.lower, 0) << names;
+      // A limit costs width, never truth.
+      for (const int nodes : {1, 20, 400}) {
+        request.node_limit = nodes;
+        const DistanceResult limited = distance(a, X_WA, b, X_WB, request, scratch);
+        EXPECT_LE(limited.distance.lower, -twin / 2) << names << ", nodes " << nodes;
+        EXPECT_GE(limited.distance.upper, -twin) << names << ", nodes " << nodes;
+      }
+    }
+  }
+  EXPECT_GT(count, kSanitized ? 5 : 18);
+  EXPECT_LT(lower, 1.05 * count);
+  EXPECT_GT(upper, 0.65 * count);
+}
+
+// Cubes of 0.6 m about one another's middle were said to be between 0.01 and 0.58 m deep: the
+// deepest pair of triangles was all that was known.
+TEST(MeshDepth, OfConcentricDeformingCubesIsTheDistanceToTheirFaces) {
+  const TriangleSoup soup = boxSoup({0.3, 0.3, 0.3});
+  const NamedMesh cube = named("cube", soup);
+  Pose X_WB;
+  X_WB.translation = {0, 0.01, 0.02};
+  Scratch scratch;
+  for (const DeformStrategy strategy :
+       {DeformStrategy::kRefit, DeformStrategy::kHybrid, DeformStrategy::kLazy,
+        DeformStrategy::kOctree, DeformStrategy::kRebuild}) {
+    const Deformable one = deformableOf(*cube.mesh, strategy),
+                     two = deformableOf(*cube.mesh, strategy);
+    const Shape a = Shape::deformable(one.snapshot()), b = Shape::deformable(two.snapshot());
+    for (const Shape& other : {b, Shape::mesh(cube.mesh), Shape::box({0.3, 0.3, 0.3})}) {
+      const DistanceResult r = distance(a, {}, other, X_WB, {}, scratch);
+      EXPECT_NEAR(r.distance.lower, -0.58, 1e-6) << toString(strategy) << toString(other.type());
+      EXPECT_NEAR(r.distance.upper, -0.58, 1e-6) << toString(strategy) << toString(other.type());
+      const DistanceResult swapped = distance(other, X_WB, a, {}, {}, scratch);
+      EXPECT_NEAR(swapped.distance.lower, -0.58, 1e-6) << toString(strategy);
+      EXPECT_NEAR(swapped.distance.upper, -0.58, 1e-6) << toString(strategy);
+    }
+    prepare(scratch, *one.snapshot());
+    prepare(scratch, *two.snapshot());
+    distance(a, {}, b, X_WB, {}, scratch);
+    const std::size_t before = allocationCount();
+    distance(a, {}, b, X_WB, {}, scratch);
+    distance(a, {}, Shape::sphere(0.3), X_WB, {}, scratch);
+    EXPECT_EQ(allocationCount(), before) << toString(strategy);
+  }
+}
+
 // Of convex solids the deepest balls touch where the shapes part: the depth itself.
 TEST(MeshDepth, ByConcentricBallsIsExactForBoxes) {
   Scratch scratch;
@@ -80,9 +175,9 @@ TEST(MeshDepth, ByConcentricBallsIsExactForBoxes) {
   Pose X_WB;
   X_WB.translation = {0.6, 0.1, 0.05};
   const Vector3d start(0.45, 0.1, 0.05);
-  EXPECT_NEAR(solidDepth(a, {}, b, X_WB, &start, 1, scratch).depth, 0.1, 1e-9);
+  EXPECT_NEAR(solidDepth(a, {}, b, X_WB, {&start, 1}, 1000, scratch).depth, 0.1, 1e-9);
   const Vector3d outside(0.9, 0.1, 0.05);
-  EXPECT_EQ(solidDepth(a, {}, b, X_WB, &outside, 1, scratch).depth, 0);
+  EXPECT_EQ(solidDepth(a, {}, b, X_WB, {&outside, 1}, 1000, scratch).depth, 0);
 }
 
 }  // namespace

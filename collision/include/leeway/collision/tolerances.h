@@ -456,9 +456,13 @@ inline constexpr double kSeparationFirstTurn = 0.5;
 inline constexpr double kSeparationLastTurn = 0.03;
 inline constexpr double kSeparationGain = 0.1;
 
-/// Points that are looked at in the search for one that is deep in two solids. More makes the upper
-/// end of a depth better.
-inline constexpr int kDeepestPointSteps = 24;
+/// The search for a point that is deep in two solids looks at a few starts and, where a solid
+/// deforms, at a grid of this many points along each axis of what their boxes share, then takes so
+/// many steps from the best. More makes the upper end of a depth better (on balls, boxes and tori
+/// 0.63 of the true depth in the mean without a grid, 0.74 with it, 0.75 with 5) and the query
+/// dearer.
+inline constexpr int kDeepestPointGrid = 4;
+inline constexpr int kDeepestPointSteps = 20;
 
 /// Nothing is nearer than two points of two triangles when what lies between the planes across
 /// their way is all of it but this share. What it lacks is no more than rounding.
