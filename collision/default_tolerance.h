@@ -4,17 +4,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "leeway/collision/distance.h"
 #include "leeway/collision/tolerances.h"
 
 namespace leeway::collision {
 
-/// The request with that tolerance [m]; one that is NaN, of poses that are not finite, is 0.
-/// (Member by member: a copy by vectors waits for what the caller has just written in pieces.)
+/// The request with that tolerance [m]. (Member by member: a copy by vectors waits for what the
+/// caller has just written in pieces.)
 inline DistanceRequest withTolerance(const DistanceRequest& request, double tolerance) {
-  return {std::isnan(tolerance) ? 0 : tolerance, request.threshold, request.depth,
-          request.iteration_limit, request.node_limit};
+  return {tolerance, request.threshold, request.depth, request.iteration_limit, request.node_limit};
 }
 
 /// A body's part in defaultTolerance() [m]; half-spaces have no size.
@@ -26,8 +26,10 @@ inline double toleranceOf(double bounding_radius, double extent) {
 
 /// defaultTolerance() of two shapes whose frames are `offset` apart [m].
 inline double toleranceOf(const Shape& a, const Shape& b, const Eigen::Vector3d& offset) {
-  return std::max(std::max(a.defaultTolerance(), b.defaultTolerance()),
-                  kDefaultLeastShare * offset.lpNorm<1>());
+  const double least = (kDefaultLeastShare * offset).lpNorm<1>(),
+               tolerance = std::max(std::max(a.defaultTolerance(), b.defaultTolerance()), least);
+  // Written so that a NaN, too, is none; what is infinite would be met by anything.
+  return least < std::numeric_limits<double>::infinity() ? tolerance : 0;
 }
 
 }  // namespace leeway::collision

@@ -478,5 +478,22 @@ TEST(Distance, DefaultToleranceIsOfTheSizes) {
   EXPECT_GT(apart, casesToAsk(500));
 }
 
+// Where offsets overflow there is none: an infinite one would be met by any interval.
+TEST(Distance, DefaultToleranceIsFinite) {
+  Scratch scratch;
+  const Shape ball = Shape::sphere(1), box = Shape::box({1, 1, 1});
+  for (const double far : {1e60, 1e160, 1e300, 1.7e308, kInfinity, kNan}) {
+    const Pose X_WA = at(-far, -far, far), X_WB = at(far, far, -far);
+    const double asked = defaultTolerance(ball, X_WA, box, X_WB);
+    EXPECT_TRUE(asked >= 0 && asked < kInfinity) << far;
+    for (const Shape* b : {&ball, &box}) {
+      const DistanceResult r = distance(ball, X_WA, *b, X_WB, {}, scratch);
+      if (r.status != DistanceStatus::kConverged) continue;
+      EXPECT_LE(r.distance.width(), asked) << far;
+    }
+  }
+  EXPECT_EQ(defaultTolerance(ball, at(-1.7e308, 0, 0), box, at(1.7e308, 0, 0)), 0);
+}
+
 }  // namespace
 }  // namespace leeway::collision

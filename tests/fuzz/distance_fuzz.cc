@@ -34,11 +34,13 @@ void describe(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB
                oracle::replay(X_WB).c_str());
 }
 
-void checkStatus(const DistanceResult& r, const DistanceRequest& request) {
+void checkStatus(const DistanceResult& r, const DistanceRequest& request,
+                 double default_tolerance) {
   const collision::Interval& d = r.distance;
   if (!(d.lower <= d.upper)) fuzz::fail("interval [%.17g, %.17g]", d.lower, d.upper);
+  const double tolerance = std::isnan(request.tolerance) ? default_tolerance : request.tolerance;
   const bool honest =
-      r.status == DistanceStatus::kConverged           ? d.width() <= request.tolerance
+      r.status == DistanceStatus::kConverged           ? d.width() <= tolerance
       : r.status == DistanceStatus::kAboveThreshold    ? d.lower > request.threshold
       : r.status == DistanceStatus::kNotAboveThreshold ? d.upper <= request.threshold
       : r.status == DistanceStatus::kOverlap           ? !request.depth && d.upper <= 0
@@ -92,7 +94,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       describe(*a, X_WA, *b, X_WB);
       fuzz::fail("status %d, departure from a rotation %g", static_cast<int>(each.status), off);
     }
-    checkStatus(each, request);
+    checkStatus(each, request, collision::defaultTolerance(*a, X_WA, *b, X_WB));
   }
   if (r.status == DistanceStatus::kInvalid || off > 1e-12) return 0;
 
