@@ -66,6 +66,8 @@ class OctreePairs {
 
   /// How many cells run() has looked at; no more than a few for every pair of boxes.
   std::size_t cells() const { return cells_; }
+  /// How many pairs of boxes it has compared.
+  std::size_t compared() const { return compared_; }
 
  private:
   // At room_[begin]: indices of the first set, then those of the second.
@@ -74,6 +76,8 @@ class OctreePairs {
   };
 
   static constexpr int kMaxDepth = 16;
+  // The octants below the middle, along x, y, z.
+  static constexpr unsigned kLower[] = {0x55, 0x33, 0x0f};
   // So few pairs are looked at at once.
   static constexpr std::size_t kFew = 32;
 
@@ -113,16 +117,20 @@ class OctreePairs {
       return pairs(cell_box, lists, visit);
     }
     float middle[3];
-    for (int k = 0; k < 3; ++k) middle[k] = 0.5F * cell_box.low[k] + 0.5F * cell_box.high[k];
-    // Boxes that are longer than a cell, along one axis alone, come again in several of its parts:
-    // where that leaves most pairs to be looked at, splitting gains nothing. (It would go on to the
-    // last depth where flat boxes share a plane.)
+    unsigned parts = 0xff;  // a bit for each octant
+    for (int k = 0; k < 3; ++k) {
+      middle[k] = 0.5F * cell_box.low[k] + 0.5F * cell_box.high[k];
+      if (isHalved(cell_box, lists, k, middle[k])) continue;
+      middle[k] = cell_box.high[k];
+      parts &= kLower[k];
+    }
+    // Boxes that are longer than a cell come again in several of its parts: where that leaves most
+    // pairs to be looked at, splitting gains nothing.
     std::array<std::size_t, 8> count_a{}, count_b{};
-    for (std::size_t i = 0; i < lists.count_a; ++i)
-      countIn(octantsOf(a_[static_cast<std::size_t>(room_[lists.begin + i])], reach_, middle),
-              count_a);
+    for (std::size_t i = lists.begin; i < lists.begin + lists.count_a; ++i)
+      countIn(parts & octantsOf(boxA(i), reach_, middle), count_a);
     for (std::size_t i = lists.begin + lists.count_a; i < next; ++i)
-      countIn(octantsOf(b_[static_cast<std::size_t>(room_[i])], 0, middle), count_b);
+      countIn(parts & octantsOf(boxB(i), 0, middle), count_b);
     std::size_t left = 0;
     for (std::size_t octant = 0; octant < 8; ++octant) left += count_a[octant] * count_b[octant];
     if (4 * left > 3 * lists.count_a * lists.count_b) return pairs(cell_box, lists, visit);
@@ -149,9 +157,29 @@ class OctreePairs {
     return true;
   }
 
+  const FloatBox& boxA(std::size_t i) const { return a_[static_cast<std::size_t>(room_[i])]; }
+  const FloatBox& boxB(std::size_t i) const { return b_[static_cast<std::size_t>(room_[i])]; }
+
+  // Whether the halves along axis k have fewer pairs than the whole: of flat boxes that share a
+  // plane, or of ropes side by side, those across them have twice as many. (And both halves of a
+  // cell without a thickness would own all its pairs.)
+  bool isHalved(const FloatBox& cell_box, const Lists& lists, int k, float middle) const {
+    if (!(cell_box.low[k] < middle && middle < cell_box.high[k])) return false;
+    std::size_t lower_a = 0, upper_a = 0, lower_b = 0, upper_b = 0;
+    const std::size_t begin_b = lists.begin + lists.count_a;
+    for (std::size_t i = lists.begin; i < begin_b; ++i) {
+      lower_a += static_cast<std::size_t>(boxA(i).low[k] - reach_ <= middle);
+      upper_a += static_cast<std::size_t>(middle <= boxA(i).high[k] + reach_);
+    }
+    for (std::size_t i = begin_b; i < begin_b + lists.count_b; ++i) {
+      lower_b += static_cast<std::size_t>(boxB(i).low[k] <= middle);
+      upper_b += static_cast<std::size_t>(middle <= boxB(i).high[k]);
+    }
+    return lower_a * lower_b + upper_a * upper_b < lists.count_a * lists.count_b;
+  }
+
   // The octants about `middle` that a box of the cell meets: a bit each.
   static unsigned octantsOf(const FloatBox& box, float grown, const float* middle) {
-    constexpr unsigned kLower[] = {0x55, 0x33, 0x0f};  // those below the middle, along x, y, z
     unsigned octants = 0xff;
     for (int k = 0; k < 3; ++k) {
       octants &= (box.low[k] - grown <= middle[k] ? kLower[k] : 0U) |
@@ -165,7 +193,8 @@ class OctreePairs {
   }
 
   template <class Visit>
-  bool pairs(const FloatBox& cell_box, const Lists& lists, const Visit& visit) const {
+  bool pairs(const FloatBox& cell_box, const Lists& lists, const Visit& visit) {
+    compared_ += lists.count_a * lists.count_b;
     for (std::size_t i = 0; i < lists.count_a; ++i) {
       const std::int32_t id_a = room_[lists.begin + i];
       const FloatBox& a = a_[static_cast<std::size_t>(id_a)];
@@ -193,7 +222,7 @@ class OctreePairs {
   float reach_;
   std::span<std::int32_t> room_;
   FloatBox region_{};
-  std::size_t cells_ = 0;
+  std::size_t cells_ = 0, compared_ = 0;
 };
 
 }  // namespace leeway::collision
