@@ -26,7 +26,8 @@ double distanceFromSurface(const Shape& mesh, const Vector3d& p, double threshol
   DescentPlacement placement;
   placement.X_BA0.translation = placement.X_BA1.translation = -p;
   DistanceRequest request;
-  request.tolerance = kDefaultTolerance;
+  // An interval narrower than half the threshold that holds it is above that half.
+  request.tolerance = 0.5 * threshold;
   request.threshold = threshold;
   request.depth = false;
   PairCache cache;

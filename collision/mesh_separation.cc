@@ -21,7 +21,8 @@ class Search {
         tolerance_(request.tolerance),
         scratch_(scratch),
         result_(result) {
-    apart_.tolerance = kDefaultTolerance;
+    // Finer than what is asked for is of no use; bodies may be smaller than a nanometre.
+    apart_.tolerance = std::min(kDefaultTolerance, request.tolerance);
     apart_.threshold = 0;
     apart_.depth = false;
     apart_.node_limit = std::min(request.node_limit, kSeparationNodes);

@@ -76,7 +76,10 @@ Inside insideOf(const Shape& shape, const Pose& X_WS, const Vector& p_W, int nod
   const double extent = std::isfinite(shape.extent()) ? shape.extent() : 0;
   const double error = (relative.slack + kRelativeRounding) * (extent + p.norm());
   DistanceRequest request;
-  request.tolerance = shape.type() == ShapeType::kMesh ? kSolidShare * extent : kSolidTolerance;
+  // (A half-space has no extent.)
+  request.tolerance = shape.type() == ShapeType::kMesh
+                          ? kSolidShare * extent
+                          : kSolidTolerance * (extent > 0 ? std::min(extent, 1.0) : 1);
   request.node_limit = node_limit;
   DescentSide point;
   point.view.core = Core::kPoint;

@@ -248,6 +248,8 @@ std::string fault(const Truth& truth, const DistanceRequest& request, const Dist
     ++tally.cautious;
     return "nearer than brute force";
   }
+  // (What a NaN stands for is no more.)
+  const double tolerance = std::isnan(request.tolerance) ? 1e-9 : request.tolerance;
   const double t = request.threshold;
   if (!std::isnan(t)) {
     if (r.status == DistanceStatus::kAboveThreshold && !(r.distance.lower > t)) return "status";
@@ -257,10 +259,10 @@ std::string fault(const Truth& truth, const DistanceRequest& request, const Dist
       ++tally.undecided;
       return "undecided";
     }
-  } else if (truth.apart && r.distance.width() > std::max(request.tolerance, 1e-12)) {
+  } else if (truth.apart && r.distance.width() > std::max(tolerance, 1e-12)) {
     // Closer than the tolerance, closed bodies are enclosed as if they could overlap.
     ++tally.wide;
-    if (truth.separation.lower > request.tolerance) return "wider than asked";
+    if (truth.separation.lower > tolerance) return "wider than asked";
     if (r.status != DistanceStatus::kLimit) return "status";
   }
   if (truth.apart && std::isnan(t)) {
