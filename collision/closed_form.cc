@@ -96,18 +96,24 @@ PointDistance fromCone(double radius, double half_length, const Vector& p) {
         plane.point(plane.across - from_slant * normal_across, p.z() - from_slant * normal_along),
         normal_across * plane.radial + normal_along * Vector::UnitZ()};
   }
-  // Outside. Over the slant or the base the direction is theirs: as a difference of two points it
-  // would be lost near contact. Way along the slant from the rim, as a fraction:
-  const double t = ((radius - plane.across) * radius + (p.z() + half_length) * 2 * half_length) /
-                   (slant * slant);
-  if (from_slant > 0 && t > 0 && t < 1) {
-    return {from_slant, plane.point(radius * (1 - t), half_length * (2 * t - 1)),
-            normal_across * plane.radial + normal_along * Vector::UnitZ()};
-  }
+  // Outside. Over the base or the slant the direction is theirs: as a difference of two points it
+  // would be lost near contact.
   if (from_base > 0 && plane.across <= radius) {
     return {from_base, plane.point(plane.across, -half_length), -Vector::UnitZ()};
   }
-  const double across = t < 0.5 ? radius : 0, along = t < 0.5 ? -half_length : half_length;
+  // Way along the slant beyond the apex and the rim, each by differences from there: next to them
+  // they are known as well as the point is. (As a share of the slant they would not be, and beside
+  // the apex any direction across the axis would be taken, along which the cone is farther out.)
+  const double rise = 2 * half_length;
+  const double over_apex = ((p.z() - half_length) * rise - plane.across * radius) / slant;
+  const double over_rim = ((plane.across - radius) * radius - (p.z() + half_length) * rise) / slant;
+  if (over_apex < 0 && over_rim < 0) {
+    const double t = -over_rim / slant;
+    return {from_slant, plane.point(radius * (1 - t), half_length * (2 * t - 1)),
+            normal_across * plane.radial + normal_along * Vector::UnitZ()};
+  }
+  const bool rim = over_rim > over_apex;
+  const double across = rim ? radius : 0, along = rim ? -half_length : half_length;
   const double norm = std::hypot(plane.across - across, p.z() - along);
   const Vector d = (plane.across - across) * plane.radial + (p.z() - along) * Vector::UnitZ();
   return {norm, plane.point(across, along),

@@ -31,13 +31,16 @@ constexpr int kMostHalvings = 96;
 // Cells that have been halved so often since the last such one end the rest from descents [count].
 constexpr int kHalvingsPerLook = 8;
 // Stiffnesses, and Newton's steps, their halves and steps back onto an edge [count].
-constexpr int kStiffnesses = 8;
+constexpr int kStiffnesses = 16;
 constexpr int kDescentSteps = 12;
 constexpr int kHalves = 4;
 constexpr int kEdgeSteps = 3;
 constexpr int kNearestSteps = 32;
 // Least stiffnesses of what is apart [of the sizes involved].
 constexpr double kNearestStiffnesses[] = {0, 1e-4, 1};
+
+// From one stiffness to the next: by and by, and to what is as good as the farthest piece.
+double stifferBy(int i) { return i < kStiffnesses / 2 ? 4 : 64; }
 
 // Where a direction is looked at.
 struct Node {
@@ -92,7 +95,7 @@ class CurvedDepth {
   bool proves(Cell& cell);
   bool provesBalls(const CurvedCorner<Vector> (&corners)[3], const double (&margins)[3],
                    double depth) const;
-  double bentAlong(const Node& from, const Node& to, bool edges) const;
+  double bentAlong(const Cell& cell, int i, int j, bool edges) const;
   bool provesAll(bool edges, std::int64_t spare);
   void claim();
 
@@ -154,7 +157,7 @@ Node CurvedDepth::nodeAt(const Vector& x) {
   // Less than the depth it may be far from an edge, where more of the piece that is farther is
   // needed, or close to a place on it that is nearer than the depth.
   double times = 1;
-  for (int i = 0; i < kStiffnesses; ++i, times *= 4) {
+  for (int i = 0; i < kStiffnesses; ++i, times *= stifferBy(i)) {
     const Vector y = faces_.blend(face, depth_.high, times, node.choice);
     if (face.e.dot(y) >= wanted_) break;
     if (i > 0) continue;
@@ -198,7 +201,7 @@ void CurvedDepth::settle(Node& node) {
       faces_.support(face, node.choice);
     } else {
       (i % 2 == 0 ? exact_faces_ : faces_).blend(face, depth_.high, times, node.choice);
-      if (i % 2 != 0) times *= 4;
+      if (i % 2 != 0) times *= stifferBy(i / 2);
     }
     fill(node);
     sharpen(node);
@@ -227,10 +230,12 @@ void CurvedDepth::sharpen(Node& node) const {
   }
 }
 
-// Offers the plane across e, and tells how far it is.
+// Offers the plane across e, and tells how far it is. (A step along ways of next to no length may
+// be so long that its direction is lost, and 0 or no number: that is no plane.)
 double CurvedDepth::askPlane(const Vector& e) {
   SupportPoint s;
   --work_left_;
+  if (!(e.squaredNorm() > 0.5)) return std::numeric_limits<double>::infinity();
   difference_.support(-e, s);
   const double value = e.dot(s.w);
   progress_.offerLower(-value, -e);
@@ -626,21 +631,30 @@ bool CurvedDepth::run() {
   return proven;
 }
 
-// About what a cell's bound errs by along an edge, but for a factor: of each |v| the fourth power
-// of the angle that v turns by. Ellipsoids like needles turn theirs in directions across them
-// within a strip as narrow as they are thin, along which cells may be long.
-double CurvedDepth::bentAlong(const Node& from, const Node& to, bool edges) const {
-  const auto bent = [](double share, const Vector& v, const Vector& w) {
-    const double way = (v - w).norm(), length = std::max(v.norm(), w.norm());
+// About what a cell's bound errs by along its edge from corner i to j, but for a factor: of each
+// |v| the fourth power of the angle that v turns by. Ellipsoids like needles turn theirs in
+// directions across them within a strip as narrow as they are thin, along which cells may be long.
+// (Shares and lengths are those of the cell, so that of edges in one line the whole is longer than
+// its parts: else cells become flat, and never small.)
+double CurvedDepth::bentAlong(const Cell& cell, int i, int j, bool edges) const {
+  const auto bent = [&](double share, const auto& of) {
+    double length = 0;
+    for (const Node& node : cell.node) length = std::max(length, of(node).norm());
+    const double way = (of(cell.node[i]) - of(cell.node[j])).norm();
     const double turn = length > way ? way / length : 1;
     return share * way * (turn * turn * turn);
   };
-  double sum = bent(depth_.high, from.x, to.x);
+  double sum = bent(depth_.high, [](const Node& node) -> const Vector& { return node.x; });
   for (int k = 0; k < 2; ++k) {
-    const double share = std::max(from.corner.share[k], to.corner.share[k]);
-    if (share > 0) sum += bent(share, from.corner.scaled[k], to.corner.scaled[k]);
+    double share = 0;
+    for (const Node& node : cell.node) share = std::max(share, node.corner.share[k]);
+    if (!(share > 0)) continue;
+    sum += bent(share, [k](const Node& node) -> const Vector& { return node.corner.scaled[k]; });
   }
-  if (edges) sum += (from.corner.center - to.corner.center).squaredNorm() / (8 * depth_.high);
+  if (edges) {
+    const Vector way = cell.node[i].corner.center - cell.node[j].corner.center;
+    sum += way.squaredNorm() / (8 * depth_.high);
+  }
   return sum;
 }
 
@@ -689,7 +703,7 @@ bool CurvedDepth::provesAll(bool edges, std::int64_t spare) {
     int i = 0, j = 1;
     double most = -1;
     for (int k = 0; k < 3; ++k) {
-      const double bent = bentAlong(cell.node[k], cell.node[(k + 1) % 3], edges);
+      const double bent = bentAlong(cell, k, (k + 1) % 3, edges);
       if (bent > most) most = bent, i = k, j = (k + 1) % 3;
     }
     const Vector sum = cell.node[i].x + cell.node[j].x;

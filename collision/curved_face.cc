@@ -11,10 +11,7 @@ namespace leeway::collision {
 
 namespace {
 
-// Rounds through several parameters, where any choice will do and where one member is wanted, and
-// steps between vertices of a hull in each [count].
-constexpr int kRounds = 4;
-constexpr int kMoreRounds = 16;
+// Members that are looked at in a direction [count].
 constexpr int kMixSteps = 32;
 constexpr double kWeightUnit = 0x1p-52;
 
@@ -25,35 +22,105 @@ int segmentAxis(const Vector& semi_axes) {
   return semi_axes[(axis + 1) % 3] == 0 && semi_axes[(axis + 2) % 3] == 0 ? axis : -1;
 }
 
-// Where gain . c - c . squares c / 2 is most, `count` numbers c; false where it grows along c for
-// ever.
-bool mostOf(const Eigen::Matrix3d& squares, const Vector& gain, int count, Vector& c) {
-  c.setZero();
-  const double s00 = squares(0, 0), s01 = squares(0, 1), s11 = squares(1, 1);
-  if (count == 1) {
-    c[0] = s00 > 0 ? gain[0] / s00 : gain[0];
-    return s00 > 0;
+// Beside a direction: two coordinates, and what departing from parameters that are kept counts.
+constexpr int kBeside = 2 + kMostCurvedParameters;
+// As many as are independent there, and the one that joins them.
+constexpr int kMostMembers = kBeside + 2;
+
+// A member of the face that has one vertex of a hull, one end of each parameter and of each round
+// part all of its arm or none: how much it gains, and what it has beside the direction.
+struct Member {
+  int vertex = 0;
+  double parameter[kMostCurvedParameters] = {};
+  double arm[2] = {0, 0};
+  double weight = 0, gain = 0;
+  double beside[kBeside] = {};
+};
+
+double product(const double (&v)[kBeside], const double (&w)[kBeside]) {
+  double sum = 0;
+  for (int i = 0; i < kBeside; ++i) sum += v[i] * w[i];
+  return sum;
+}
+
+// What the mean of the members, their weights' sum 1, has beside the direction.
+void meanOf(const Member* members, int count, double (&mean)[kBeside]) {
+  for (double& m : mean) m = 0;
+  for (int i = 0; i < count; ++i) {
+    for (int k = 0; k < kBeside; ++k) mean[k] += members[i].weight * members[i].beside[k];
   }
-  if (count == 2) {
-    const double determinant = s00 * s11 - s01 * s01;
-    if (determinant > kSingularFace * s00 * s11) {
-      c[0] = (s11 * gain[0] - s01 * gain[1]) / determinant;
-      c[1] = (s00 * gain[1] - s01 * gain[0]) / determinant;
-      return true;
-    }
-    c = s00 > s11 ? Vector(-s01, s00, 0) : Vector(s11, -s01, 0);
-  } else {
-    // (Of ways in a plane.)
-    const Vector row[3] = {squares.col(0), squares.col(1), squares.col(2)};
-    for (int i = 0; i < 3; ++i) {
-      const Vector across = cross(row[i], row[(i + 1) % 3]);
-      if (across.squaredNorm() > c.squaredNorm()) c = across;
-    }
-    const double length = c.norm();
-    if (length > 0) c /= length;
+}
+
+// Where the mean gains most less half of its square beside the direction, as changes of the
+// weights; false where that grows along them for ever.
+bool mostOf(const Member* members, int count, double (&change)[kMostMembers]) {
+  double way[kMostMembers][kBeside], a[kMostMembers][kMostMembers], mean[kBeside];
+  double whole[kMostMembers] = {}, right[kMostMembers] = {};
+  int order[kMostMembers] = {};
+  meanOf(members, count, mean);
+  for (int i = 1; i < count; ++i) {
+    for (int k = 0; k < kBeside; ++k) way[i][k] = members[i].beside[k] - members[0].beside[k];
+    order[i] = i;
+    right[i] = members[i].gain - members[0].gain - product(way[i], mean);
+    for (int j = 1; j <= i; ++j) a[i][j] = a[j][i] = product(way[i], way[j]);
+    whole[i] = a[i][i];
   }
-  if (gain.dot(c) < 0) c = -c;
-  return false;
+  // Cholesky's steps, those first that leave the largest share of a square.
+  int rank = 1;
+  for (; rank < count; ++rank) {
+    int best = rank;
+    for (int i = rank + 1; i < count; ++i) {
+      if (a[i][i] * whole[best] > a[best][best] * whole[i]) best = i;
+    }
+    if (!(a[best][best] > kSingularFace * whole[best])) break;
+    std::swap(order[rank], order[best]);
+    std::swap(whole[rank], whole[best]);
+    std::swap(right[rank], right[best]);
+    for (int i = 1; i < count; ++i) std::swap(a[rank][i], a[best][i]);
+    for (int i = 1; i < count; ++i) std::swap(a[i][rank], a[i][best]);
+    for (int i = rank + 1; i < count; ++i) {
+      const double times = a[i][rank] / a[rank][rank];
+      for (int j = rank + 1; j < count; ++j) a[i][j] -= times * a[rank][j];
+      right[i] -= times * right[rank];
+    }
+  }
+  const bool ends = rank == count;
+  double c[kMostMembers] = {};
+  if (!ends) c[rank] = 1;
+  for (int i = rank - 1; i > 0; --i) {
+    double sum = ends ? right[i] : -a[i][rank];
+    for (int j = i + 1; j < rank; ++j) sum -= a[i][j] * c[j];
+    c[i] = sum / a[i][i];
+  }
+  // (What is left on the right is what the way gains.)
+  const double sign = !ends && right[rank] < 0 ? -1 : 1;
+  change[0] = 0;
+  for (int i = 1; i < count; ++i) {
+    change[order[i]] = sign * c[i];
+    change[0] -= sign * c[i];
+  }
+  return ends;
+}
+
+// To where the members' plane, or line, gives most, or to where the weight of one is gone: true
+// then.
+bool weigh(Member* members, int& count) {
+  double change[kMostMembers];
+  const bool ends = mostOf(members, count, change);
+  double step = ends ? 1 : std::numeric_limits<double>::infinity();
+  int gone = -1;
+  for (int i = 0; i < count; ++i) {
+    if (!(change[i] < 0 && -members[i].weight > step * change[i])) continue;
+    step = members[i].weight / -change[i];
+    gone = i;
+  }
+  if (!std::isfinite(step)) return false;
+  for (int i = 0; i < count; ++i) {
+    members[i].weight = std::max(members[i].weight + step * change[i], 0.0);
+  }
+  if (gone < 0) return false;
+  members[gone] = members[--count];
+  return true;
 }
 
 // The heaviest first, and multiples of the unit, of which it has what is left.
@@ -171,154 +238,142 @@ double CurvedFaces::support(const CurvedFace& face, CurvedChoice& choice) const 
 
 double CurvedFaces::bend(const CurvedFace& face, const CurvedChoice& choice, const Vector& v,
                          const Vector& w) const {
+  const double shares[2] = {share(0, choice), share(1, choice)};
+  return bend(face, shares, v, w);
+}
+
+double CurvedFaces::bend(const CurvedFace& face, const double (&shares)[2], const Vector& v,
+                         const Vector& w) const {
   double sum = 0;
   for (int k = 0; k < 2; ++k) {
-    const double of = share(k, choice);
-    if (!(of > 0 && face.length[k] > 0)) continue;
+    if (!(shares[k] > 0 && face.length[k] > 0)) continue;
     const Vector mv = part_[k].semi_axes.cwiseProduct(turnedBack(k, v));
     const Vector mw = part_[k].semi_axes.cwiseProduct(turnedBack(k, w));
-    sum += of * (mv.dot(mw) - face.arm[k].dot(v) * face.arm[k].dot(w)) / face.length[k];
+    sum += shares[k] * (mv.dot(mw) - face.arm[k].dot(v) * face.arm[k].dot(w)) / face.length[k];
   }
   return sum;
 }
 
-// The parameters' part of blend().
-void CurvedFaces::slide(const CurvedFace& face, double stiffness, double times,
-                        CurvedChoice& choice, Vector& y) const {
-  double* const parameter = choice.parameter;
-  Vector beside[kMostCurvedParameters];
-  double gain[kMostCurvedParameters], evenly[kMostCurvedParameters];
-  for (int k = 0; k < parameters_; ++k) {
-    gain[k] = face.e.dot(face.way[k]);
-    beside[k] = face.way[k] - gain[k] * face.e;
-    evenly[k] = evenly_ * face.way[k].squaredNorm();
-  }
-  // Along parameter k, and against l as far as that keeps the sum of what is beside e: both exact.
-  const auto move = [&](int k, int l, double against) {
-    const Vector way = beside[k] - against * beside[l];
-    const double along = gain[k] - against * gain[l], squared = way.squaredNorm();
-    const double stiff =
-        stiffness > 0 ? times * (stiffness * squared + std::max(bend(face, choice, way, way), 0.0))
-                      : 0;
-    // (stiff / squared: a stiffness that the round parts' bend is added to.)
-    double wanted = squared > 0 ? along * (stiff / squared) - way.dot(y) : along * stiffness;
-    double per_step = squared + evenly[k];
-    wanted -= evenly[k] * (parameter[k] - kept_[k]);
-    if (against != 0) {
-      wanted += against * evenly[l] * (parameter[l] - kept_[l]);
-      per_step += against * against * evenly[l];
+// blend() for round parts that count with these shares, which become what is taken of them: the
+// member of most gain among few, exactly, and the one that gains most beside these, until none does
+// (Wolfe 1976; one piece after the other creeps where ways are nearly parallel, and Frank and
+// Wolfe's steps take thousands among the vertices of a needle). |y|^2 beside the direction counts
+// by the inverse of what pieces and round parts bend by.
+void CurvedFaces::mix(const CurvedFace& face, double stiffness, double times, double (&round)[2],
+                      CurvedChoice& choice) const {
+  const Vector& e = face.e;
+  const Vector helper = std::abs(e.x()) < 0.6 ? Vector::UnitX() : Vector::UnitY();
+  Vector u = cross(e, helper);
+  u /= u.norm();
+  const Vector v = cross(e, u);
+  // The root of the bends, as a triangle.
+  const double uu = 1 + std::max(bend(face, round, u, u), 0.0) / stiffness,
+               vv = 1 + std::max(bend(face, round, v, v), 0.0) / stiffness,
+               uv = bend(face, round, u, v) / stiffness;
+  const double root_u = std::sqrt(uu), lower = uv / root_u,
+               root_v = std::sqrt(std::max(vv - lower * lower, 1.0));
+  if (!(uu * vv < std::numeric_limits<double>::infinity())) return;
+  const double of_gain = times * stiffness;
+  double evenly[kMostCurvedParameters];
+  for (int k = 0; k < parameters_; ++k) evenly[k] = std::sqrt(evenly_) * face.way[k].norm();
+  const auto complete = [&](Member& m) {
+    Vector y = face.base;
+    for (int k = 0; k < parameters_; ++k) {
+      y += m.parameter[k] * face.way[k];
+      m.beside[2 + k] = evenly[k] * (m.parameter[k] - kept_[k]);
     }
-    double most = wanted > 0 ? 1 - parameter[k] : low(k) - parameter[k];
-    if (against != 0) {
-      const double end = (wanted > 0) == (against > 0) ? low(l) : 1.0;
-      const double other = (parameter[l] - end) / against;
-      if (std::abs(other) < std::abs(most)) most = other;
+    for (int k = 0; k < 2; ++k) {
+      if (cone_[k] < 0 || m.parameter[cone_[k]] > 0) y -= (1 - m.arm[k]) * face.arm[k];
     }
-    double step = most;
-    if (std::abs(wanted) < std::abs(most) * per_step) step = wanted / per_step;
-    if (!(std::abs(step) <= 2)) return;
-    const auto moved = [&](int m, double by) {
-      const double next = std::clamp(parameter[m] + by, low(m), 1.0);
-      y += (next - parameter[m]) * face.way[m];
-      parameter[m] = next;
-    };
-    moved(k, step);
-    if (against != 0) moved(l, -against * step);
+    if (hull_ >= 0) y += ofHull(vertex(m.vertex));
+    m.gain = of_gain * e.dot(y);
+    m.beside[0] = u.dot(y) / root_u;
+    m.beside[1] = (v.dot(y) - lower * m.beside[0]) / root_v;
   };
+  Member members[kMostMembers];
+  int count = 1;
   for (int k = 0; k < parameters_; ++k) {
-    move(k, k, 0);
-    for (int l = 0; l < k; ++l) {
-      const double squared = beside[l].squaredNorm();
-      if (squared > 0) move(k, l, beside[k].dot(beside[l]) / squared);
+    members[0].parameter[k] = face.e.dot(face.way[k]) >= 0 ? 1 : low(k);
+  }
+  members[0].arm[0] = members[0].arm[1] = members[0].weight = 1;
+  if (hull_ >= 0) members[0].vertex = choice.vertex[0];
+  complete(members[0]);
+  for (int step = 0; step < kMixSteps && count < kMostMembers; ++step) {
+    double mean[kBeside];
+    meanOf(members, count, mean);
+    const double at_v = mean[1] / root_v;
+    const Vector slope = of_gain * e - ((mean[0] - lower * at_v) / root_u) * u - at_v * v;
+    if (!(slope.squaredNorm() > 0)) break;
+    Member next;
+    double dropped[2];
+    for (int k = 0; k < 2; ++k) {
+      dropped[k] = std::max(-slope.dot(face.arm[k]), 0.0);
+      next.arm[k] = dropped[k] > 0 ? 0 : 1;
     }
-  }
-}
-
-// The hull's part of blend(): the nearest points among few vertices, exactly, and the vertex that
-// gains most beside these, until none does (Wolfe 1976; Frank and Wolfe's steps take thousands
-// among the vertices of a needle). False when there was nothing to gain.
-bool CurvedFaces::mix(const CurvedFace& face, double stiffness, double times, CurvedChoice& choice,
-                      Vector& y) const {
-  if (!(stiffness > 0)) return false;
-  const Vector& e = face.e;
-  const Vector across = y - e.dot(y) * e;
-  const double squared_across = across.squaredNorm();
-  if (squared_across > 0) {
-    stiffness += std::max(bend(face, choice, across, across), 0.0) / squared_across;
-  }
-  stiffness *= times;
-  bool gained = false;
-  for (int step = 0; step < kMixSteps; ++step) {
-    Vector slope = stiffness * e - (y - e.dot(y) * e);
-    const double length = slope.norm();
-    if (!(length > 0)) break;
-    slope /= length;
-    const int to = farthestOfHull(slope, choice.vertex[0]);
+    for (int k = 0; k < parameters_; ++k) {
+      double gain = slope.dot(face.way[k]) - evenly[k] * mean[2 + k];
+      for (int part = 0; part < 2; ++part) {
+        if (k == cone_[part]) gain += dropped[part];
+      }
+      next.parameter[k] = gain >= 0 ? 1 : low(k);
+    }
+    if (hull_ >= 0) next.vertex = farthestOfHull(slope, members[0].vertex);
+    complete(next);
     double most = -std::numeric_limits<double>::infinity();
-    for (int i = 0; i < choice.mixed; ++i) {
-      most = std::max(most, slope.dot(ofHull(vertex(choice.vertex[i]))));
+    for (int i = 0; i < count; ++i) {
+      most = std::max(most, members[i].gain - product(mean, members[i].beside));
     }
-    if (!(slope.dot(ofHull(vertex(to))) > most) || choice.mixed == kMostMixed) break;
-    choice.vertex[choice.mixed] = to;
-    choice.weight[choice.mixed++] = 0;
-    gained = true;
-    while (choice.mixed > 1 && weigh(face, stiffness, choice, y)) {
+    if (!(next.gain - product(mean, next.beside) > most)) break;
+    members[count++] = next;
+    while (count > 1 && weigh(members, count)) {
     }
   }
-  if (gained) roundWeights(choice);
-  return gained;
-}
-
-// To where the mixed vertices' plane, or line, gives most, or to where the first one's weight is
-// gone: true then.
-bool CurvedFaces::weigh(const CurvedFace& face, double stiffness, CurvedChoice& choice,
-                        Vector& y) const {
-  const Vector& e = face.e;
-  const int count = choice.mixed - 1;
-  Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
-  Vector gain = Vector::Zero(), way[3], beside[3];
+  choice.mixed = 0;
+  for (int k = 0; k < parameters_; ++k) choice.parameter[k] = 0;
+  round[0] = round[1] = 0;
   for (int i = 0; i < count; ++i) {
-    way[i] = ofHull(vertex(choice.vertex[i + 1]) - vertex(choice.vertex[0]));
-    const double along = e.dot(way[i]);
-    beside[i] = way[i] - along * e;
-    gain[i] = stiffness * along - beside[i].dot(y);
-    for (int j = 0; j <= i; ++j) squares(i, j) = squares(j, i) = beside[i].dot(beside[j]);
+    const Member& m = members[i];
+    for (int k = 0; k < parameters_; ++k) choice.parameter[k] += m.weight * m.parameter[k];
+    for (int k = 0; k < 2; ++k) {
+      if (cone_[k] < 0 || m.parameter[cone_[k]] > 0) round[k] += m.weight * m.arm[k];
+    }
+    if (hull_ < 0) continue;
+    int k = 0;
+    while (k < choice.mixed && choice.vertex[k] != m.vertex) ++k;
+    if (k == kMostMixed) continue;
+    if (k == choice.mixed) {
+      choice.vertex[choice.mixed] = m.vertex;
+      choice.weight[choice.mixed++] = 0;
+    }
+    choice.weight[k] += m.weight;
   }
-  Vector change;
-  const bool ends = mostOf(squares, gain, count, change);
-  double step = ends ? 1 : std::numeric_limits<double>::infinity();
-  int gone = -1;
-  const double first = -change.head(count).sum();
-  for (int i = 0; i <= count; ++i) {
-    const double per_step = i == 0 ? first : change[i - 1];
-    if (!(per_step < 0 && -choice.weight[i] > step * per_step)) continue;
-    step = choice.weight[i] / -per_step;
-    gone = i;
+  for (int k = 0; k < parameters_; ++k) {
+    choice.parameter[k] = std::clamp(choice.parameter[k], low(k), 1.0);
   }
-  if (!std::isfinite(step)) return false;
-  for (int i = 0; i <= count; ++i) {
-    choice.weight[i] = std::max(choice.weight[i] + step * (i == 0 ? first : change[i - 1]), 0.0);
-    if (i > 0) y += step * change[i - 1] * way[i - 1];
-  }
-  if (gone < 0) return false;
-  choice.vertex[gone] = choice.vertex[count];
-  choice.weight[gone] = choice.weight[count];
-  choice.mixed = count;
-  return true;
+  if (hull_ >= 0) roundWeights(choice);
 }
 
 Vector CurvedFaces::blend(const CurvedFace& face, double stiffness, double times,
                           CurvedChoice& choice) const {
   support(face, choice);
+  if (stiffness > 0 && (parameters_ > 0 || hull_ >= 0)) {
+    // What round parts bend by depends on how much of them is taken: once more where that turns out
+    // to be much more or less.
+    const double guess[2] = {cone_[0] >= 0 ? 0.5 : 1, cone_[1] >= 0 ? 0.5 : 1};
+    double round[2] = {guess[0], guess[1]};
+    const int first = choice.vertex[0];
+    mix(face, stiffness, times, round, choice);
+    const auto far = [&](int k) {
+      return face.length[k] > 0 && std::abs(round[k] - guess[k]) > kRoundTaken;
+    };
+    if (far(0) || far(1)) {
+      choice.vertex[0] = first;
+      mix(face, stiffness, times, round, choice);
+    }
+  }
   Vector y = face.base;
   for (int k = 0; k < parameters_; ++k) y += choice.parameter[k] * face.way[k];
-  if (hull_ >= 0) y += ofHull(vertex(choice.vertex[0]));
-  const int several = evenly_ > 0 ? kRounds : kMoreRounds;
-  const int rounds = parameters_ + (hull_ >= 0 ? 1 : 0) > 1 ? several : 1;
-  for (int i = 0; i < rounds; ++i) {
-    slide(face, stiffness, times, choice, y);
-    if (hull_ >= 0 && !mix(face, stiffness, times, choice, y)) break;
-  }
+  for (int i = 0; i < choice.mixed; ++i) y += choice.weight[i] * ofHull(vertex(choice.vertex[i]));
   return y;
 }
 

@@ -52,9 +52,11 @@ class CurvedFaces {
   CurvedFace along(const Vector& direction) const;
   /// How far the difference reaches along face.e, and the pieces that do.
   double support(const CurvedFace& face, CurvedChoice& choice) const;
-  /// The member y with the largest e . y - |y - (e . y) e|^2 / (2 stiffness), one piece after the
-  /// other; with the round parts' bend the stiffness is that of what pieces do alone, and of both
-  /// it is so many times as much.
+  /// The member y with the largest e . y - |y - (e . y) e|^2 / (2 stiffness), all pieces together;
+  /// with the round parts' bend the stiffness is that of what pieces do alone, and of both it is so
+  /// many times as much. For choosing it round parts may be taken in part, which reach to all sides
+  /// about the pole of a cap and would have the other pieces lean away from them; the choice has
+  /// all of them, which is farther out.
   Vector blend(const CurvedFace& face, double stiffness, double times, CurvedChoice& choice) const;
   /// How much the round parts' farthest points move along v when the direction moves along w.
   double bend(const CurvedFace& face, const CurvedChoice& choice, const Vector& v,
@@ -94,11 +96,10 @@ class CurvedFaces {
   Vector ofHull(const Vector& v) const { return hull_ == 0 ? Vector(-turned(0, v)) : v; }
   const Vector& vertex(int i) const { return part_[hull_].view->points[i]; }
   int farthestOfHull(const Vector& direction, int hint) const;
-  void slide(const CurvedFace& face, double stiffness, double times, CurvedChoice& choice,
-             Vector& y) const;
-  bool mix(const CurvedFace& face, double stiffness, double times, CurvedChoice& choice,
-           Vector& y) const;
-  bool weigh(const CurvedFace& face, double stiffness, CurvedChoice& choice, Vector& y) const;
+  double bend(const CurvedFace& face, const double (&shares)[2], const Vector& v,
+              const Vector& w) const;
+  void mix(const CurvedFace& face, double stiffness, double times, double (&round)[2],
+           CurvedChoice& choice) const;
 
   const Pose& pose_;
   const double evenly_;

@@ -161,12 +161,14 @@ class Polytope {
   int idle_ = 0, rest_ = 0;
 };
 
-// The support point along n, its plane offered; true when the request is met by it.
+// The support point along n, its plane offered; true when the request is met by it. (The normal of
+// what has next to no size may be 0 or no number: that is no plane.)
 inline bool Polytope::ask(const Vector& n, SupportPoint& found) {
   ++progress_.iterations;
   difference_.support(n, found);
   clean(found.w);
   const double value = n.dot(found.w);
+  if (!(n.squaredNorm() > 0.5)) return false;
   reach_ = std::min(reach_, -value);
   progress_.offerLower(value, n);
   return progress_.enough();

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <span>
 
+#include "leeway/collision/convex_hull.h"
+
 namespace leeway::accuracy {
 
 using collision::DistanceResult;
@@ -108,6 +110,92 @@ Shape revolvedShape(Random& random) {
   }
 }
 
+// Rims, apexes and ellipsoids, some as long as wide.
+Shape roundShape(Random& random) {
+  const double r = random.logUniform(0.02, 1);
+  const double h = random.chance(0.15) ? r : random.logUniform(0.02, 1);
+  switch (random.below(7)) {
+    case 0:
+    case 1:
+      return Shape::cone(r, h);
+    case 2:
+    case 3:
+      return Shape::cylinder(r, h);
+    case 4:
+      return Shape::capsule(r, h);
+    case 5:
+      return Shape::ellipsoid({r, r, h});
+    default:
+      return Shape::ellipsoid({r, random.logUniform(0.02, 1), h});
+  }
+}
+
+// Hulls of few, of right or of any angles, and boxes.
+Shape corneredShape(Random& random) {
+  const double size = random.logUniform(0.05, 2);
+  std::vector<Vector3d> points = {{0, 0, 0}, {size, 0, 0}, {0, size, 0}, {0, 0, size}};
+  switch (random.below(5)) {
+    case 0:
+      break;
+    case 1:
+      for (Vector3d& p : points) p = random.uniform(0, size) * random.direction();
+      break;
+    case 2:
+      for (int i = random.below(20); i >= 0; --i) points.push_back(size * random.direction());
+      break;
+    case 3:
+      for (int i = 0; i < 3; ++i) {
+        points.push_back(size * (Vector3d(1, 1, 1) - Vector3d::Unit(i)));
+      }
+      points.push_back(Vector3d(size, size, size));
+      break;
+    default:
+      return Shape::box({size, random.uniform(0, size), random.uniform(0, size)});
+  }
+  return Shape::convexHull(std::span<const Vector3d>(points));
+}
+
+// A corner, or a place on an edge or a face; of round bodies on the axis, a rim or a cap, too. In
+// the shape's frame.
+Vector3d markedPoint(Random& random, const Shape& shape) {
+  const double r = shape.radius(), h = shape.halfLength();
+  switch (shape.type()) {
+    case ShapeType::kConvexHull: {
+      const auto vertices = shape.hull()->vertices();
+      const int count = static_cast<int>(vertices.size());
+      const auto any = [&] { return vertices[static_cast<std::size_t>(random.below(count))]; };
+      Vector3d point = any();
+      for (int i = random.below(3); i > 0; --i) point += random.unit() * (any() - point);
+      return point;
+    }
+    case ShapeType::kBox: {
+      Vector3d point = shape.halfExtents();
+      for (int i = 0; i < 3; ++i) point[i] *= random.below(3) - 1;
+      return point;
+    }
+    case ShapeType::kCylinder:
+    case ShapeType::kCone: {
+      const double along = random.chance(0.3) ? 0 : random.chance(0.5) ? h : -h;
+      return {random.chance(0.3) ? r : 0, 0, along};
+    }
+    case ShapeType::kCapsule:
+      return {0, 0, h * (random.below(3) - 1)};
+    default:
+      return Vector3d::Zero();
+  }
+}
+
+// The middle, or another place on the axis.
+Vector3d middlePoint(Random& random, const Shape& shape) {
+  const double h =
+      shape.type() == ShapeType::kEllipsoid ? shape.halfExtents().z() : shape.halfLength();
+  return {0, 0, random.chance(0.5) ? 0 : random.chance(0.3) ? h : h * random.uniform(-1, 1)};
+}
+
+const Shape& anyOf(Random& random, const std::vector<Shape>& shapes) {
+  return shapes[static_cast<std::size_t>(random.below(static_cast<int>(shapes.size())))];
+}
+
 }  // namespace
 
 Pool::Pool(Random& random) {
@@ -121,6 +209,8 @@ Pool::Pool(Random& random) {
   for (std::size_t i = 0; i < kTypes; ++i) degenerate_[i] = degenerateShapes(kConvexTypes[i]);
   for (const int count : {64, 128, 256, 512}) large_.push_back(largeHull(random, count));
   for (int i = 0; i < 24; ++i) revolved_.push_back(revolvedShape(random));
+  for (int i = 0; i < 24; ++i) round_.push_back(roundShape(random));
+  for (int i = 0; i < 24; ++i) cornered_.push_back(corneredShape(random));
 }
 
 const Shape& Pool::pick(Random& random, std::size_t type, Flavour flavour) const {
@@ -208,7 +298,31 @@ void Pool::place(Random& random, Case& c) const {
   }
 }
 
+// A place of B's that is marked in the middle of A.
+Case Pool::drawMiddle(Random& random) const {
+  Case c;
+  c.family = Family::kMiddle;
+  c.a = &anyOf(random, round_);
+  c.b = random.chance(0.7) ? &anyOf(random, cornered_) : &anyOf(random, round_);
+  if (random.chance(0.5)) c.X_WA = {random.rotation(), random.direction()};
+  Eigen::Matrix3d R_AB = random.rotation();
+  if (random.chance(0.5)) {
+    const Vector3d axis = Vector3d::Unit(random.below(3));
+    R_AB = random.chance(0.3) ? quarterTurn(random) : turned(axis, random.uniform(0, 4 * kQuarter));
+  }
+  c.X_WB.rotation = c.X_WA.rotation * R_AB;
+  const Vector3d place =
+      middlePoint(random, *c.a) + hair(random) * oracle::sizeOf(*c.a) * random.direction();
+  c.X_WB.translation = c.X_WA * place - c.X_WB.rotation * markedPoint(random, *c.b);
+  if (random.chance(0.5)) {
+    std::swap(c.a, c.b);
+    std::swap(c.X_WA, c.X_WB);
+  }
+  return c;
+}
+
 Case Pool::draw(Random& random, Family family, Scratch& scratch) const {
+  if (family == Family::kMiddle) return drawMiddle(random);
   std::size_t type_a = 0, type_b = 0;
   do {
     type_a = static_cast<std::size_t>(random.below(kTypes));
@@ -219,8 +333,8 @@ Case Pool::draw(Random& random, Family family, Scratch& scratch) const {
   c.a = &pick(random, type_a, family, false);
   c.b = family == Family::kTwin ? c.a : &pick(random, type_b, family, true);
   if (family == Family::kRevolved) {
-    c.a = &revolved_[static_cast<std::size_t>(random.below(static_cast<int>(revolved_.size())))];
-    c.b = &revolved_[static_cast<std::size_t>(random.below(static_cast<int>(revolved_.size())))];
+    c.a = &anyOf(random, revolved_);
+    c.b = &anyOf(random, revolved_);
   }
   if (random.chance(0.5)) std::swap(c.a, c.b);
   const double far = family == Family::kFar ? random.logUniform(1e3, 1e9) : 1;

@@ -25,10 +25,11 @@ enum class Family {
   kTwin,        ///< a shape with itself: the same pose, or turned, or moved along an axis
   kLarge,       ///< hulls of 64 to 512 vertices
   kRevolved,    ///< bodies of revolution about one axis or one middle, exactly or nearly
+  kMiddle,      ///< a corner, edge or face in the middle of a round body, exactly or nearly
 };
-constexpr std::array<const char*, 14> kFamilyNames = {
-    "plain", "near",       "parallel",   "coaxial", "sliver", "flat",  "ratio",
-    "far",   "duplicates", "degenerate", "deep",    "twin",   "large", "revolved"};
+constexpr std::array<const char*, 15> kFamilyNames = {
+    "plain",      "near",       "parallel", "coaxial", "sliver", "flat",     "ratio", "far",
+    "duplicates", "degenerate", "deep",     "twin",    "large",  "revolved", "middle"};
 
 struct Case {
   const collision::Shape* a = nullptr;
@@ -51,11 +52,12 @@ class Pool {
                                oracle::Flavour flavour) const;
   const collision::Shape& pick(oracle::Random& random, std::size_t type, Family family,
                                bool second) const;
+  Case drawMiddle(oracle::Random& random) const;
   void place(oracle::Random& random, Case& c) const;
 
   std::vector<collision::Shape> shapes_;  // by type, flavour, number
   std::array<std::vector<collision::Shape>, kTypes> degenerate_;
-  std::vector<collision::Shape> large_, revolved_;
+  std::vector<collision::Shape> large_, revolved_, round_, cornered_;
 };
 
 }  // namespace leeway::accuracy

@@ -197,6 +197,10 @@ inline constexpr double kSlightlyLonger = 1e-2;
 /// says which member is taken.
 inline constexpr double kEvenly = 1e-8;
 
+/// Round parts whose share in a member is other than was supposed by more than this bend otherwise,
+/// too: the member is chosen once more. It only says which one is taken; smaller costs time.
+inline constexpr double kRoundTaken = 0.1;
+
 /// Determinants below this share of their terms are taken for 0, and |M e| below the other share of
 /// a rim's radius: all of its disc is farthest. They only say which member is taken.
 inline constexpr double kSingularFace = 1e-13;
