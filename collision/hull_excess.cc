@@ -75,7 +75,8 @@ class Search {
   }
 
   bool accept(double bound) {
-    if (bound > std::max({accepted_, kExcessTolerance, kExcessRatio * met_})) return false;
+    if (bound > std::max({accepted_, kExcessTolerance * std::min(size_, 1.0), kExcessRatio * met_}))
+      return false;
     accepted_ = std::max(accepted_, bound);
     return true;
   }

@@ -332,7 +332,8 @@ inline constexpr double kRelativeRounding = 1e-14;
 /// The excess of a mesh's hull is refined until it is within this ratio of a distance that was met,
 /// ...
 inline constexpr double kExcessRatio = 1.05;
-/// ... or below this [m], far less than what any planner asks for, ...
+/// ... or below this [m], of meshes within a metre this share of their extent, far less than what
+/// any planner asks for, ...
 inline constexpr double kExcessTolerance = 1e-7;
 /// ... or this many pieces (and four a facet) have been cut: about 0.1 s.
 inline constexpr long kExcessPieces = 40'000;
@@ -472,8 +473,9 @@ inline constexpr int kDeepestPointSteps = 20;
 /// their way is all of it but this share. What it lacks is no more than rounding.
 inline constexpr double kTrianglesApart = 1 - 1e-12;
 
-/// What a solid's depth at a point is asked to within: a convex one's [m], and a mesh's as a share
-/// of its extent. It only says how deep a contact is, and where it is left.
+/// What a solid's depth at a point is asked to within: a convex or deforming one's [m], of those
+/// within a metre as a share of their extent, and a rigid mesh's as a share of its extent. It only
+/// says how deep a contact is, and where it is left.
 inline constexpr double kSolidTolerance = 1e-9;
 inline constexpr double kSolidShare = 1e-3;
 
