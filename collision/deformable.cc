@@ -119,6 +119,7 @@ struct Deformable::Impl {
   std::shared_ptr<const DeformableSnapshot> current;
   UpdateStatistics statistics;
   int bad_vertex = -1;
+  bool all_used = false;  // every vertex is a triangle's corner
   // What stands in the next snapshot's vertices.
   enum class Prepared : unsigned char {
     kNothing,  // nothing since the last commit: what an older snapshot had
@@ -513,10 +514,19 @@ bool Deformable::Impl::rebuildPays(const DeformableSnapshotImpl& s) {
 
 namespace {
 
-// Of the whole mesh; rounded outward, hence a little more. Written so that a NaN fails.
-bool withinLimits(const DeformableSnapshotImpl& s) {
-  constexpr double kLimit = 1.01 * kLargestDeformed;
-  return (s.low.array() >= -kLimit).all() && (s.high.array() <= kLimit).all();
+// The box of the whole mesh. Written so that a NaN fails.
+bool isWithin(const DeformableSnapshotImpl& s, double limit) {
+  return (s.low.array() >= -limit).all() && (s.high.array() <= limit).all();
+}
+
+// Rounded outward, hence a little more.
+bool withinLimits(const DeformableSnapshotImpl& s) { return isWithin(s, 1.01 * kLargestDeformed); }
+
+bool areAllUsed(const DeformableMesh& mesh) {
+  std::vector<bool> used(mesh.rest().size());
+  for (const DeformableMesh::Triangle& t : mesh.triangles())
+    for (const std::int32_t corner : t) used[static_cast<std::size_t>(corner)] = true;
+  return std::find(used.begin(), used.end(), false) == used.end();
 }
 
 }  // namespace
@@ -542,6 +552,7 @@ bool Deformable::Impl::follow(DeformStrategy& strategy, const char*& reason,
       good = upperLevels(s, known);
       // Boxes that were only moved and grown may leave the limits though no vertex does.
       if (good && !withinLimits(s)) good = upperLevels(s, {known.bounded, false, kInfinity});
+      good = good && withinLimits(s);
       if (good && options.strategy == DeformStrategy::kAuto && rebuildPays(s)) {
         strategy = DeformStrategy::kRebuild;
         reason = "the hierarchy has decayed by more than building it anew costs";
@@ -615,11 +626,21 @@ UpdateStatus Deformable::Impl::take(double time, double speed_bound, bool checke
   DeformStrategy strategy = DeformStrategy::kAuto;
   const char* reason = "";
   choose(by_motion, strategy, reason);
-  const bool bounded = !checked;
-  bool good = checked || deformKernels().bound(s.vertices.data(), mesh->rest().size(),
-                                               kLargestDeformed, s.low, s.high);
+  const auto boundAll = [&] {
+    return deformKernels().bound(s.vertices.data(), mesh->rest().size(), kLargestDeformed, s.low,
+                                 s.high);
+  };
+  // An update that reads all vertices finds those that are not finite, too, and a box within the
+  // limit holds none beyond it: no pass of its own then.
+  const bool reads_all =
+      all_used && !by_motion && !(moved < kInfinity) &&
+      (strategy == DeformStrategy::kRefit || strategy == DeformStrategy::kHybrid);
+  const bool bounded = !checked && !reads_all;
+  bool good = !bounded || boundAll();
   const UpdateStatistics before = statistics;
   if (good) good = follow(strategy, reason, s, {bounded, by_motion, moved});
+  // (Boxes are rounded outwards.)
+  if (good && !checked && !bounded && !isWithin(s, kLargestDeformed)) good = boundAll();
   if (!good) {
     statistics = before;
     findBadVertex(s);
@@ -660,6 +681,7 @@ Deformable::Deformable(std::shared_ptr<const DeformableMesh> mesh,
   Impl& impl = *impl_;
   impl.mesh = std::move(mesh);
   impl.motion = std::move(motion);
+  impl.all_used = areAllUsed(*impl.mesh);
   impl.options = options;
   impl.split = options.hybrid_split > 0 ? options.hybrid_split : kHybridSplit;
   impl.number = nextNumber();

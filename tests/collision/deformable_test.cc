@@ -225,6 +225,48 @@ TEST(Deformable, TakesNothingFromTheDefaultResource) {
   std::pmr::set_default_resource(before);
 }
 
+// Some strategies look whether vertices are numbers while they read them for boxes, which those of
+// no triangle are not.
+TEST(Deformable, ChecksVerticesThatNoTriangleHas) {
+  Sheet sheet = testing::cloth(20);
+  sheet.vertices.push_back({0, 0, 0});
+  const auto mesh = DeformableMesh::make(sheet.vertices, sheet.triangles);
+  for (const DeformStrategy strategy : testing::strategiesWithoutMotion()) {
+    DeformOptions options;
+    options.strategy = strategy;
+    options.hybrid_split = 40;
+    Deformable deformable(mesh, nullptr, options);
+    std::vector<Vector3d> vertices = testing::waved(sheet.vertices, 0.2, 1);
+    ASSERT_EQ(deformable.update(vertices, 1), UpdateStatus::kUpdated) << toString(strategy);
+    for (const double bad : {kNaN, kInfinity, 1.0001e15}) {
+      vertices.back().z() = bad;
+      EXPECT_EQ(deformable.update(vertices, 2), UpdateStatus::kNotFinite) << toString(strategy);
+      EXPECT_EQ(deformable.badVertex(), static_cast<int>(vertices.size()) - 1);
+    }
+  }
+}
+
+// At the very limit boxes are rounded beyond it.
+TEST(Deformable, TakesVerticesUpToTheLimitAndNoneBeyond) {
+  const Sheet sheet = testing::cloth(20);
+  const auto mesh = DeformableMesh::make(sheet.vertices, sheet.triangles);
+  for (const DeformStrategy strategy : testing::strategiesWithoutMotion()) {
+    DeformOptions options;
+    options.strategy = strategy;
+    options.hybrid_split = 40;
+    Deformable deformable(mesh, nullptr, options);
+    for (std::size_t v = 0; v < sheet.vertices.size(); v += 17) {
+      std::vector<Vector3d> vertices = sheet.vertices;
+      vertices[v].y() = -1e15;
+      EXPECT_EQ(deformable.update(vertices, 1), UpdateStatus::kUpdated) << toString(strategy);
+      vertices[v].y() = std::nextafter(-1e15, -kInfinity);
+      EXPECT_EQ(deformable.update(vertices, 2), UpdateStatus::kNotFinite) << toString(strategy);
+      EXPECT_EQ(deformable.badVertex(), static_cast<int>(v)) << toString(strategy);
+      EXPECT_EQ(deformable.snapshot()->time(), 1) << toString(strategy);
+    }
+  }
+}
+
 TEST(Deformable, SnapshotsOutliveTheirOwner) {
   const Sheet sheet = testing::cloth(6);
   auto deformable = std::make_unique<Deformable>(

@@ -192,7 +192,9 @@ class Deformable {
   std::span<Eigen::Vector3d> nextVertices();
   /// What is said of vertices that were written into nextVertices().
   enum class Vertices : unsigned char {
-    kUnchecked,  ///< they are checked, each of the mesh's, in a pass of its own before the update
+    kUnchecked,  ///< they are checked, each of the mesh's: by the update itself where that reads
+                 ///< all of them (kRefit; kHybrid of vertices of which no more is said), else in a
+                 ///< pass of its own before it
     kFinite,     ///< the caller vouches for finite coordinates up to 1e15. Where that is not so the
                  ///< update is refused, or queries near those vertices answer (-inf, something):
                  ///< nothing is called free that is not
