@@ -53,7 +53,7 @@ struct Cases {
   Cases(const Sheet& sheet, std::vector<Vector3d> vertices, DeformStrategy strategy, bool prepared,
         Random& random, int count, bool with_truth)
       : deformable(DeformableMesh::make(sheet.vertices, sheet.triangles), nullptr,
-                   optionsOf(strategy)) {
+                   testing::optionsOf(strategy)) {
     EXPECT_EQ(deformable.update(vertices, 1), UpdateStatus::kUpdated);
     snapshot = deformable.snapshot();
     if (prepared) prepare(scratch, *snapshot);
@@ -71,13 +71,6 @@ struct Cases {
       if (with_truth) c.truth = bruteForce(*snapshot, c.search.middle, c.search.half);
       cases.push_back(c);
     }
-  }
-
-  static DeformOptions optionsOf(DeformStrategy strategy) {
-    DeformOptions options;
-    options.strategy = strategy;
-    options.hybrid_split = 40;
-    return options;
   }
 
   NearestFound find(const NearestSearch& search) {
@@ -220,7 +213,7 @@ TEST(DeformNearest, DepthsDoNotDependOnThePast) {
   const Sheet sheet = testing::globe(12);
   for (const DeformStrategy strategy : {DeformStrategy::kHybrid, DeformStrategy::kLazy}) {
     Deformable deformable(DeformableMesh::make(sheet.vertices, sheet.triangles), nullptr,
-                          Cases::optionsOf(strategy));
+                          testing::optionsOf(strategy));
     ASSERT_EQ(deformable.update(testing::exploded(sheet.vertices, 0.05, 6), 1),
               UpdateStatus::kUpdated);
     const Shape mesh = Shape::deformable(deformable.snapshot());
@@ -254,7 +247,7 @@ TEST(DeformNearest, LimitsHoldForBothSearches) {
   Random random(26);
   const Sheet sheet = testing::cloth(40);  // without an inside, which would be asked for, too
   Deformable deformable(DeformableMesh::make(sheet.vertices, sheet.triangles), nullptr,
-                        Cases::optionsOf(DeformStrategy::kLazy));
+                        testing::optionsOf(DeformStrategy::kLazy));
   ASSERT_EQ(deformable.update(testing::waved(sheet.vertices, 0.3, 1), 1), UpdateStatus::kUpdated);
   const auto snapshot = deformable.snapshot();
   const Shape mesh = Shape::deformable(snapshot);
@@ -290,7 +283,7 @@ TEST(DeformNearest, PlacesAreOfOneHierarchy) {
   Random random(25);
   const Sheet sheet = testing::globe(12);
   Deformable deformable(DeformableMesh::make(sheet.vertices, sheet.triangles), nullptr,
-                        Cases::optionsOf(DeformStrategy::kRebuild));
+                        testing::optionsOf(DeformStrategy::kRebuild));
   std::vector<std::uint64_t> ids;
   std::vector<PairCache> caches;
   Scratch scratch;
@@ -345,7 +338,7 @@ TEST(DeformNearest, BallsAreCapsulesWithoutLength) {
   int contacts = 0;
   for (const DeformStrategy strategy : testing::strategiesWithoutMotion()) {
     Deformable deformable(DeformableMesh::make(sheet.vertices, sheet.triangles), nullptr,
-                          Cases::optionsOf(strategy));
+                          testing::optionsOf(strategy));
     Scratch scratch;
     PairCache cache, twins_cache;
     for (int frame = 0; frame < 4; ++frame) {

@@ -105,4 +105,12 @@ inline const std::vector<DeformStrategy>& strategiesWithoutMotion() {
   return all;
 }
 
+/// Options of a strategy, with hybrid trees whose lower levels small meshes have, too.
+inline DeformOptions optionsOf(DeformStrategy strategy) {
+  DeformOptions options;
+  options.strategy = strategy;
+  options.hybrid_split = 40;
+  return options;
+}
+
 }  // namespace leeway::collision::testing

@@ -116,10 +116,7 @@ TEST(DeformableQuery, RigidShapesAgainstEveryStrategyAsByBruteForce) {
   for (const Sheet& sheet : {testing::cloth(12), testing::cloth(9, &numbers), testing::globe(6)}) {
     const auto mesh = DeformableMesh::make(sheet.vertices, sheet.triangles);
     for (const DeformStrategy strategy : testing::strategiesWithoutMotion()) {
-      DeformOptions options;
-      options.strategy = strategy;
-      options.hybrid_split = 40;
-      Deformable deformable(mesh, nullptr, options);
+      Deformable deformable(mesh, nullptr, testing::optionsOf(strategy));
       Scratch scratch;
       prepare(scratch, *deformable.snapshot());
       Count count;

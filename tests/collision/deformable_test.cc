@@ -232,10 +232,7 @@ TEST(Deformable, ChecksVerticesThatNoTriangleHas) {
   sheet.vertices.push_back({0, 0, 0});
   const auto mesh = DeformableMesh::make(sheet.vertices, sheet.triangles);
   for (const DeformStrategy strategy : testing::strategiesWithoutMotion()) {
-    DeformOptions options;
-    options.strategy = strategy;
-    options.hybrid_split = 40;
-    Deformable deformable(mesh, nullptr, options);
+    Deformable deformable(mesh, nullptr, testing::optionsOf(strategy));
     std::vector<Vector3d> vertices = testing::waved(sheet.vertices, 0.2, 1);
     ASSERT_EQ(deformable.update(vertices, 1), UpdateStatus::kUpdated) << toString(strategy);
     for (const double bad : {kNaN, kInfinity, 1.0001e15}) {
@@ -251,10 +248,7 @@ TEST(Deformable, TakesVerticesUpToTheLimitAndNoneBeyond) {
   const Sheet sheet = testing::cloth(20);
   const auto mesh = DeformableMesh::make(sheet.vertices, sheet.triangles);
   for (const DeformStrategy strategy : testing::strategiesWithoutMotion()) {
-    DeformOptions options;
-    options.strategy = strategy;
-    options.hybrid_split = 40;
-    Deformable deformable(mesh, nullptr, options);
+    Deformable deformable(mesh, nullptr, testing::optionsOf(strategy));
     for (std::size_t v = 0; v < sheet.vertices.size(); v += 17) {
       std::vector<Vector3d> vertices = sheet.vertices;
       vertices[v].y() = -1e15;
@@ -553,10 +547,7 @@ void expectHeld(const DeformableSnapshot& snapshot) {
 TEST(Deformable, BranchesThatAreReadInTurnsHoldTheirVertices) {
   const Sheet sheet = testing::cloth(24);
   const auto mesh = DeformableMesh::make(sheet.vertices, sheet.triangles);
-  DeformOptions options;
-  options.strategy = DeformStrategy::kHybrid;
-  options.hybrid_split = 40;
-  Deformable deformable(mesh, nullptr, options);
+  Deformable deformable(mesh, nullptr, testing::optionsOf(DeformStrategy::kHybrid));
   std::vector<Vector3d> before(sheet.vertices);
   int few = 0;
   for (int frame = 0; frame < 200; ++frame) {
@@ -590,10 +581,7 @@ TEST(Deformable, AMotionsBranchesAreReadInTurns) {
   const Sheet sheet = testing::cloth(24);
   const auto waves = oneWave(sheet, 0.1);
   const auto mesh = DeformableMesh::make(sheet.vertices, sheet.triangles);
-  DeformOptions options;
-  options.strategy = DeformStrategy::kHybrid;
-  options.hybrid_split = 40;
-  Deformable deformable(mesh, waves, options);
+  Deformable deformable(mesh, waves, testing::optionsOf(DeformStrategy::kHybrid));
   int few = 0;
   double time = 1e3;
   for (int frame = 0; frame < 200; ++frame) {
@@ -714,10 +702,7 @@ TEST(Deformable, ACommitOfNothingNewReadsAll) {
   const Sheet sheet = testing::cloth(24);
   const auto mesh = DeformableMesh::make(sheet.vertices, sheet.triangles);
   for (const DeformStrategy strategy : {DeformStrategy::kHybrid, DeformStrategy::kAuto}) {
-    DeformOptions options;
-    options.strategy = strategy;
-    options.hybrid_split = 40;
-    Deformable deformable(mesh, oneWave(sheet, 0.5), options);
+    Deformable deformable(mesh, oneWave(sheet, 0.5), testing::optionsOf(strategy));
     for (const double time : {0.1, 0.2, 0.3, 0.7})
       ASSERT_EQ(deformable.update(time), UpdateStatus::kUpdated);
     // Twice; after an evaluation that is refused; after a commit that is; and with a word on what
