@@ -1,6 +1,6 @@
 #pragma once
 
-#include "collision/simd/targets.h"
+#include "collision/base/targets.h"
 //
 #include <gtest/gtest.h>
 #include <hwy/highway.h>

@@ -6,8 +6,8 @@
 #include "leeway/collision/distance.h"
 #include "tests/fuzz/shapes.h"
 #include "tests/fuzz/target.h"
-#include "tools/oracle/generate.h"
-#include "tools/oracle/oracle.h"
+#include "tools/truth/oracle/generate.h"
+#include "tools/truth/oracle/oracle.h"
 
 namespace {
 

@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "tests/fuzz/target.h"
-#include "tools/oracle/generate.h"
+#include "tools/truth/oracle/generate.h"
 
 namespace {
 

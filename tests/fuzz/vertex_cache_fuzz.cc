@@ -5,7 +5,7 @@
 #include <cstring>
 
 #include "leeway/collision/vertex_motion.h"
-#include "planner/vertex_cache.h"
+#include "planner/problem/vertex_cache.h"
 #include "tests/fuzz/shapes.h"
 #include "tests/fuzz/target.h"
 #include "tests/planner/cache_bytes.h"

@@ -1,2 +1,2 @@
 // The counter of tests/collision, for this program too.
-#include "tests/collision/allocations_test.cc"
+#include "tests/collision/distance/allocations_test.cc"

@@ -10,7 +10,7 @@
 #include "leeway/planner/plan.h"
 #include "leeway/planner/replanner.h"
 #include "leeway/robots/input_error.h"
-#include "robots/model_builder.h"
+#include "robots/model/model_builder.h"
 #include "tests/planner/test_models.h"
 
 namespace leeway::planner {

@@ -7,7 +7,7 @@
 #include <limits>
 #include <random>
 
-#include "planner/arc_tangent.h"
+#include "planner/base/arc_tangent.h"
 
 namespace leeway::planner {
 namespace {

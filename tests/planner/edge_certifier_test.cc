@@ -10,9 +10,9 @@
 
 #include "leeway/collision/triangle_mesh.h"
 #include "leeway/robots/kinematics.h"
-#include "planner/edge_frames.h"
-#include "robots/link_gaps.h"
-#include "tests/collision/allocations.h"
+#include "planner/edge/edge_frames.h"
+#include "robots/motion/link_gaps.h"
+#include "tests/collision/distance/allocations.h"
 #include "tests/planner/random_problem.h"
 #include "tests/planner/test_models.h"
 #include "tests/sanitized.h"

@@ -1,4 +1,4 @@
-#include "planner/edge_lanes.h"
+#include "planner/edge/edge_lanes.h"
 
 #include <gtest/gtest.h>
 

@@ -13,8 +13,8 @@
 #include "leeway/planner/edge_certifier.h"
 #include "leeway/planner/problem.h"
 #include "leeway/robots/input_error.h"
-#include "planner/indexed_mesh.h"
-#include "planner/obstacles.h"
+#include "planner/execute/obstacles.h"
+#include "planner/problem/indexed_mesh.h"
 
 namespace leeway::planner {
 namespace {

@@ -1,4 +1,4 @@
-#include "planner/problem_format.h"
+#include "planner/problem/problem_format.h"
 
 #include <gtest/gtest.h>
 

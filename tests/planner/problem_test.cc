@@ -15,7 +15,7 @@
 #include "leeway/planner/edge_certifier.h"
 #include "leeway/robots/input_error.h"
 #include "leeway/robots/kinematics.h"
-#include "planner/nearest_name.h"
+#include "planner/base/nearest_name.h"
 #include "tests/build_paths.h"
 
 namespace leeway::planner {

@@ -11,7 +11,7 @@
 #include "leeway/planner/plan.h"
 #include "leeway/planner/random.h"
 #include "leeway/robots/input_error.h"
-#include "planner/timed_path.h"
+#include "planner/execute/timed_path.h"
 #include "tests/build_paths.h"
 #include "tests/planner/dense_truth.h"
 #include "tests/planner/test_models.h"

@@ -8,14 +8,15 @@
 #include <limits>
 #include <random>
 
+#include "collision/base/sine_cosine.h"
 #include "leeway/collision/convex_hull.h"
 #include "leeway/collision/distance.h"
 #include "leeway/collision/triangle_mesh.h"
 #include "leeway/planner/compiled_scene.h"
 #include "leeway/planner/configuration_space.h"
 #include "leeway/robots/kinematics.h"
-#include "planner/verify_kinematics.h"
-#include "planner/verify_pairs.h"
+#include "planner/verify/verify_kinematics.h"
+#include "planner/verify/verify_pairs.h"
 #include "tests/planner/random_problem.h"
 
 namespace leeway::planner {
@@ -539,7 +540,7 @@ Model everyJoint(std::mt19937_64& random) {
     X.translation = {uniform(random), uniform(random), uniform(random)};
     const Eigen::Vector3d w(uniform(random), uniform(random), uniform(random));
     double s, c;
-    robots::sineCosine(w.norm(), s, c);
+    collision::sineCosine(w.norm(), s, c);
     for (int k = 0; k < 3; ++k) {
       const Vector3d a = w.normalized(), e = Vector3d::Unit(k);
       X.rotation.col(k) = a * a[k] + c * (e - a * a[k]) + s * a.cross(e);

@@ -1,4 +1,4 @@
-#include "planner/vertex_cache.h"
+#include "planner/problem/vertex_cache.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "robots/link_gaps.h"
+#include "robots/motion/link_gaps.h"
 
 #include <gtest/gtest.h>
 

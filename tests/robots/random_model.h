@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "leeway/robots/model.h"
-#include "robots/model_builder.h"
+#include "robots/model/model_builder.h"
 
 namespace leeway::robots::testing {
 

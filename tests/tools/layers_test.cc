@@ -1,5 +1,5 @@
-// tools/check_layers passes on this tree (a test of its own) and bites on trees that break the
-// rules.
+// tools/scripts/check_layers passes on this tree (a test of its own) and bites on trees that break
+// the rules.
 
 #include "tests/build_paths.h"
 #include "tests/tools/command.h"
@@ -9,10 +9,12 @@ namespace {
 
 class Layers : public CommandTest {
  protected:
-  Answer check() const { return shell("'" + leeway::sourceFolder() + "/tools/check_layers' tree"); }
+  Answer check() const {
+    return shell("'" + leeway::sourceFolder() + "/tools/scripts/check_layers' tree");
+  }
   void expectBites(const std::string& file, const std::string& include) const {
     fs::remove_all(path("tree"));
-    write("tree/collision/ok.cc", "#include \"leeway/collision/pose.h\"\n#include <vector>\n");
+    write("tree/collision/base/ok.cc", "#include \"leeway/collision/pose.h\"\n#include <vector>\n");
     EXPECT_EQ(check().status, 0);
     write("tree/" + file, "// comment\n#include " + include + "\n");
     const Answer answer = check();
@@ -22,22 +24,37 @@ class Layers : public CommandTest {
 };
 
 TEST_F(Layers, EveryRuleBites) {
-  expectBites("collision/a.cc", "\"leeway/robots/model.h\"");
-  expectBites("collision/simd/a.cc", "\"robots/urdf_document.h\"");
-  expectBites("robots/a.cc", "\"leeway/planner/plan.h\"");
-  expectBites("planner/a.cc", "\"tools/leeway/verb.h\"");
+  expectBites("collision/base/a.cc", "\"leeway/robots/model.h\"");
+  expectBites("collision/lanes/a.cc", "\"robots/urdf/urdf_document.h\"");
+  expectBites("collision/base/a.cc", "\"collision/shapes/hull_support.h\"");
+  expectBites("collision/mesh/a.cc", "\"leeway/collision/distance.h\"");
+  expectBites("collision/base/a.cc", "\"collision/nowhere/a.h\"");
+  expectBites("collision/base/a.cc", "\"leeway/collision/nothing.h\"");
+  expectBites("robots/model/a.cc", "\"leeway/planner/plan.h\"");
+  expectBites("planner/edge/a.cc", "\"planner/search/goals.h\"");
+  expectBites("planner/edge/a.cc", "\"tools/leeway/support/verb.h\"");
   expectBites("tools/leeway/a.cc", "\"tests/tools/command.h\"");
-  expectBites("tools/oracle/a.cc", "\"collision/gjk.h\"");
-  expectBites("tools/oracle/a.cc", "\"leeway/robots/model.h\"");
-  expectBites("collision/a.cc", "\"tools/oracle/quad.h\"");
-  expectBites("collision/a.h", "<ompl/base/State.h>");
-  expectBites("collision/a.cc", "<yaml-cpp/yaml.h>");
-  expectBites("collision/a.cc", "<fstream>");
-  expectBites("collision/a.cc", "<urdf_parser/urdf_parser.h>");
-  expectBites("robots/a.cc", "<ompl/base/State.h>");
-  expectBites("planner/a.cc", "<CLI/CLI.hpp>");
-  expectBites("planner/include/leeway/planner/a.h", "\"planner/limits.h\"");
-  expectBites("robots/include/leeway/robots/a.h", "<tinyxml2.h>");
+  expectBites("tools/truth/oracle/a.cc", "\"collision/convex/gjk/gjk.h\"");
+  expectBites("tools/truth/oracle/a.cc", "\"leeway/robots/model.h\"");
+  expectBites("collision/time/a.cc", "\"tools/truth/oracle/quad.h\"");
+  expectBites("collision/base/a.h", "<ompl/base/State.h>");
+  expectBites("collision/base/a.cc", "<yaml-cpp/yaml.h>");
+  expectBites("collision/base/a.cc", "<fstream>");
+  expectBites("collision/base/a.cc", "<urdf_parser/urdf_parser.h>");
+  expectBites("collision/base/a.cc", "<hwy/foreach_target.h>");
+  expectBites("robots/model/a.cc", "<ompl/base/State.h>");
+  expectBites("planner/edge/a.cc", "<CLI/CLI.hpp>");
+  expectBites("planner/include/leeway/planner/plan.h", "\"planner/search/limits.h\"");
+  expectBites("robots/include/leeway/robots/model.h", "<tinyxml2.h>");
+}
+
+TEST_F(Layers, UnlistedAndFullFoldersAreNamed) {
+  write("tree/collision/attic/a.cc", "// comment\n");
+  EXPECT_EQ(check().status, 1);
+  fs::remove_all(path("tree"));
+  for (int i = 0; i < 27; ++i)
+    write("tree/collision/base/file" + std::to_string(i) + ".cc", "// comment\n");
+  EXPECT_NE(check().out.find("more than 26 files"), std::string::npos);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "tools/report/plot.h"
+#include "tools/report/base/plot.h"
 
 #include <gtest/gtest.h>
 #include <tinyxml2.h>

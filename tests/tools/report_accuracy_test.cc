@@ -10,10 +10,10 @@
 #include <stdexcept>
 
 #include "tests/tools/command.h"
-#include "tools/oracle/oracle.h"
-#include "tools/report/accuracy.h"
-#include "tools/report/guard.h"
-#include "tools/report/own_engine.h"
+#include "tools/report/accuracy/accuracy.h"
+#include "tools/report/accuracy/own_engine.h"
+#include "tools/report/base/guard.h"
+#include "tools/truth/oracle/oracle.h"
 
 namespace leeway::tools::testing {
 namespace {

@@ -9,9 +9,9 @@
 #include <set>
 
 #include "tests/tools/command.h"
-#include "tools/report/deform.h"
-#include "tools/report/deform_scenes.h"
-#include "tools/report/own_mesh_engine.h"
+#include "tools/report/deform/deform.h"
+#include "tools/report/deform/deform_scenes.h"
+#include "tools/report/deform/own_mesh_engine.h"
 
 namespace leeway::tools::testing {
 namespace {

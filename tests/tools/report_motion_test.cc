@@ -11,10 +11,10 @@
 #include <stdexcept>
 
 #include "tests/tools/command.h"
-#include "tools/report/motion.h"
-#include "tools/report/motion_cases.h"
-#include "tools/report/motion_truth.h"
-#include "tools/report/own_motion_engine.h"
+#include "tools/report/motion/motion.h"
+#include "tools/report/motion/motion_cases.h"
+#include "tools/report/motion/motion_truth.h"
+#include "tools/report/motion/own_motion_engine.h"
 
 namespace leeway::tools::testing {
 namespace {

@@ -13,13 +13,13 @@
 #include "leeway/planner/compiled_scene.h"
 #include "leeway/planner/trajectory.h"
 #include "leeway/robots/input_error.h"
-#include "tools/leeway/exit_status.h"
-#include "tools/leeway/json_result.h"
-#include "tools/leeway/pair_samples.h"
-#include "tools/leeway/problem_source.h"
-#include "tools/leeway/scene_names.h"
-#include "tools/leeway/terminal.h"
-#include "tools/leeway/verb.h"
+#include "tools/leeway/support/exit_status.h"
+#include "tools/leeway/support/json_result.h"
+#include "tools/leeway/support/pair_samples.h"
+#include "tools/leeway/support/problem_source.h"
+#include "tools/leeway/support/scene_names.h"
+#include "tools/leeway/support/terminal.h"
+#include "tools/leeway/support/verb.h"
 
 namespace leeway::tools {
 namespace {

@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "leeway/robots/input_error.h"
-#include "tools/leeway/exit_status.h"
-#include "tools/leeway/verb.h"
+#include "tools/leeway/support/exit_status.h"
+#include "tools/leeway/support/verb.h"
 
 namespace leeway::tools {
 namespace {

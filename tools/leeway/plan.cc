@@ -14,12 +14,12 @@
 #include "leeway/planner/planners.h"
 #include "leeway/planner/trajectory.h"
 #include "leeway/robots/input_error.h"
-#include "tools/leeway/exit_status.h"
-#include "tools/leeway/json_result.h"
-#include "tools/leeway/output_file.h"
-#include "tools/leeway/problem_source.h"
-#include "tools/leeway/terminal.h"
-#include "tools/leeway/verb.h"
+#include "tools/leeway/support/exit_status.h"
+#include "tools/leeway/support/json_result.h"
+#include "tools/leeway/support/output_file.h"
+#include "tools/leeway/support/problem_source.h"
+#include "tools/leeway/support/terminal.h"
+#include "tools/leeway/support/verb.h"
 
 namespace leeway::tools {
 namespace {

@@ -7,11 +7,11 @@
 #include <nlohmann/json.hpp>
 
 #include "leeway/planner/path_io.h"
-#include "tools/leeway/exit_status.h"
-#include "tools/leeway/json_result.h"
-#include "tools/leeway/problem_source.h"
-#include "tools/leeway/terminal.h"
-#include "tools/leeway/verb.h"
+#include "tools/leeway/support/exit_status.h"
+#include "tools/leeway/support/json_result.h"
+#include "tools/leeway/support/problem_source.h"
+#include "tools/leeway/support/terminal.h"
+#include "tools/leeway/support/verb.h"
 
 namespace leeway::tools {
 namespace {

@@ -1,6 +1,8 @@
 #pragma once
 
-#include "leeway/collision/distance.h"
+#include "leeway/collision/pose.h"
+#include "leeway/collision/query.h"
+#include "leeway/collision/shape.h"
 
 namespace leeway::collision {
 

@@ -11,7 +11,8 @@
 #include <string_view>
 #include <vector>
 
-#include "leeway/collision/distance.h"
+#include "leeway/collision/pose.h"
+#include "leeway/collision/query.h"
 #include "leeway/collision/shape.h"
 
 namespace leeway::collision {

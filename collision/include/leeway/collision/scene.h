@@ -8,7 +8,6 @@
 #include <string>
 #include <vector>
 
-#include "leeway/collision/coarse_shape.h"
 #include "leeway/collision/distance.h"
 
 namespace leeway::collision {
@@ -36,18 +35,19 @@ struct ScenePair {
   double margin;                    // [m]
 };
 
-/// Cheap bounds of one geometry, in its body's frame; in the world's for a body that does not move.
-struct GeometryBounds {
-  Ball outer;  ///< holds the geometry, rounding included; infinite radius for a half-space
-  CoarseShape coarse;
-  std::vector<Ball> inner;  ///< balls of the geometry itself
-};
-
+struct GeometryBounds;  // private to the library: cheap bounds of one geometry
 class SceneBuilder;
 
 /// What must not touch what: constant while it is queried. Static-static pairs are never kept.
 class Scene {
  public:
+  Scene();
+  ~Scene();
+  Scene(const Scene&);
+  Scene& operator=(const Scene&);
+  Scene(Scene&&) noexcept;
+  Scene& operator=(Scene&&) noexcept;
+
   std::span<const Body> bodies() const { return bodies_; }
   std::span<const ScenePair> pairs() const { return pairs_; }
   /// Index of the body with that name, -1 when there is none. O(bodies).
@@ -57,9 +57,7 @@ class Scene {
   int geometryIndex(int body, int geometry) const {
     return first_geometry_[static_cast<std::size_t>(body)] + geometry;
   }
-  const GeometryBounds& bounds(int geometry_index) const {
-    return bounds_[static_cast<std::size_t>(geometry_index)];
-  }
+  const GeometryBounds& bounds(int geometry_index) const;
   std::size_t bytes() const;  ///< of the bounds and pairs; shared meshes are not counted
 
   /// Another shape for one geometry: the next snapshot of a deforming obstacle. Nobody may query

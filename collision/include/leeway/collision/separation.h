@@ -4,7 +4,9 @@
 #include <limits>
 #include <span>
 
-#include "leeway/collision/distance.h"
+#include "leeway/collision/pose.h"
+#include "leeway/collision/query.h"
+#include "leeway/collision/shape.h"
 
 namespace leeway::collision {
 

@@ -7,7 +7,6 @@
 
 #include "leeway/collision/distance.h"
 #include "leeway/collision/scene.h"
-#include "leeway/collision/tolerances.h"
 
 namespace leeway::collision {
 
@@ -119,7 +118,7 @@ struct ContactRequest {
   /// How wide the interval of the time of contact may be [of the motion's parameter].
   double time_tolerance = 1e-6;
   /// How well distances on the way are known [m].
-  double tolerance = kDefaultTolerance;
+  double tolerance = 1e-9;
   /// The motion is followed up to here, in [0, 1].
   double end = 1;
   /// Distance and sweep queries. Reaching it leaves the rest of the motion undecided.

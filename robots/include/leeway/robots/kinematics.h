@@ -2,7 +2,6 @@
 
 #include <span>
 
-#include "leeway/collision/sine_cosine.h"
 #include "leeway/robots/model.h"
 
 namespace leeway::robots {
@@ -21,7 +20,5 @@ void forwardKinematicsBatch(const Model& model, std::span<const double> q, int c
 /// A bound on how far rounding moves any point within `reach` of the world's origin in
 /// forwardKinematics [m]. O(joints); derived where it is defined.
 double kinematicsRounding(const Model& model, double reach);
-
-using collision::sineCosine;
 
 }  // namespace leeway::robots

@@ -1,0 +1,84 @@
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+
+#include "collision/base/tolerances.h"
+#include "leeway/collision/pose.h"
+
+namespace leeway::collision {
+
+/// Two numbers side by side, the same operation on both: a lane for each body. (Every compiler that
+/// we build with has these; they are rounded like single doubles, so that results are the same
+/// where they are not fast.)
+using BodyLanes = double __attribute__((vector_size(16)));
+
+inline __attribute__((always_inline)) BodyLanes magnitude(BodyLanes x) {
+  using Bits = std::int64_t __attribute__((vector_size(16)));
+  constexpr std::int64_t kAllButSign = 0x7fffffffffffffff;
+  return reinterpret_cast<BodyLanes>(reinterpret_cast<Bits>(x) & Bits{kAllButSign, kAllButSign});
+}
+
+/// x > y in either lane, in one branch: which of the two it will be nobody can foretell.
+inline __attribute__((always_inline)) bool eitherIsGreater(BodyLanes x, BodyLanes y) {
+  const auto greater = x > y;
+  return (greater[0] | greater[1]) != 0;
+}
+
+/// How far the matrices of two poses are from rotations: see RelativePose (convex.h).
+struct PoseCheck {
+  /// Both departures are at most kRotationTolerance; false when an entry is not finite.
+  bool rotations = false;
+  double departure = 0;  ///< the sum of both, or a little more
+};
+
+/// R^T R - 1 of two matrices, side by side: the diagonal's and the other entries. NaN or infinite
+/// when an entry is.
+struct Departures {
+  BodyLanes aa, bb, cc, ab, bc, ca;
+};
+inline __attribute__((always_inline)) Departures departuresOf(const Eigen::Matrix3d& R,
+                                                              const Eigen::Matrix3d& S) {
+  const auto entry = [&](int i, int j) __attribute__((always_inline)) {
+    return BodyLanes{R(i, j), S(i, j)};
+  };
+  const BodyLanes a0 = entry(0, 0), a1 = entry(1, 0), a2 = entry(2, 0);
+  const BodyLanes b0 = entry(0, 1), b1 = entry(1, 1), b2 = entry(2, 1);
+  const BodyLanes c0 = entry(0, 2), c1 = entry(1, 2), c2 = entry(2, 2);
+  const BodyLanes one = {1, 1};
+  return {a0 * a0 + a1 * a1 + a2 * a2 - one, b0 * b0 + b1 * b1 + b2 * b2 - one,
+          c0 * c0 + c1 * c1 + c2 * c2 - one, a0 * b0 + a1 * b1 + a2 * b2,
+          b0 * c0 + b1 * c1 + b2 * c2,       c0 * a0 + c1 * a1 + c2 * a2};
+}
+
+/// O(1), without a branch: every query starts with it. Translations are not looked at.
+inline __attribute__((always_inline)) PoseCheck checkRotations(const Eigen::Matrix3d& R,
+                                                               const Eigen::Matrix3d& S) {
+  const Departures d = departuresOf(R, S);
+  // Squared Frobenius norms.
+  const BodyLanes mixed = d.ab * d.ab + d.bc * d.bc + d.ca * d.ca;
+  const BodyLanes departure = d.aa * d.aa + d.bb * d.bb + d.cc * d.cc + (mixed + mixed);
+  constexpr double kLimit = kRotationTolerance * kRotationTolerance;
+  // sqrt(x) + sqrt(y) <= sqrt(2 (x + y)), at one root less. Comparisons are written so that NaN and
+  // infinity fail.
+  return {departure[0] <= kLimit && departure[1] <= kLimit,
+          std::sqrt(2 * (departure[0] + departure[1]))};
+}
+
+/// What queries take for a pose: finite, and orthogonal within kRotationTolerance.
+inline bool isPose(const Pose& X) {
+  return X.translation.allFinite() && checkRotations(X.rotation, X.rotation).rotations;
+}
+
+/// The same with sums of magnitudes instead of Frobenius norms, which are not larger: fewer
+/// operations and no root, but matrices near the tolerance may be called none.
+inline __attribute__((always_inline)) PoseCheck checkRotationsQuickly(const Eigen::Matrix3d& R,
+                                                                      const Eigen::Matrix3d& S) {
+  const Departures d = departuresOf(R, S);
+  const BodyLanes mixed = magnitude(d.ab) + magnitude(d.bc) + magnitude(d.ca);
+  const BodyLanes departure = magnitude(d.aa) + magnitude(d.bb) + magnitude(d.cc) + (mixed + mixed);
+  const double sum = departure[0] + departure[1];
+  return {sum <= kRotationTolerance, sum};
+}
+
+}  // namespace leeway::collision

@@ -1,0 +1,40 @@
+#pragma once
+
+#include "leeway/collision/query.h"
+
+namespace leeway::collision {
+
+struct DeformScratch;         // deform/snapshot.h
+struct PolytopeBuffers;       // convex/epa/epa.h
+struct SharpPolytopeBuffers;  // convex/epa/sharp_polytope.h
+struct SweepFrontScratch;     // mesh/sweep_front.h
+struct SweepScratch;          // sweep/mesh_sweep_scratch.h
+struct Work;                  // base/work.h
+
+/// What the folders of the engine keep in a Scratch: one member each. References, so that no folder
+/// needs to know what the others keep; distance/scratch.cc owns what they refer to.
+struct Scratch::Impl {
+  PolytopeBuffers& polytope;
+  SharpPolytopeBuffers& sharp_polytope;
+  DeformScratch& deform;
+  SweepScratch& sweep;
+  SweepFrontScratch& fronts;
+  Work* work;  ///< what is counted; the scratch's own until countInto()
+
+  virtual ~Impl() = default;
+
+ protected:
+  Impl(PolytopeBuffers& polytope_buffers, SharpPolytopeBuffers& sharp_polytope_buffers,
+       DeformScratch& deform_scratch, SweepScratch& sweep_scratch, SweepFrontScratch& sweep_fronts,
+       Work& own_work)
+      : polytope(polytope_buffers),
+        sharp_polytope(sharp_polytope_buffers),
+        deform(deform_scratch),
+        sweep(sweep_scratch),
+        fronts(sweep_fronts),
+        work(&own_work) {}
+  Impl(const Impl&) = delete;
+  Impl& operator=(const Impl&) = delete;
+};
+
+}  // namespace leeway::collision

@@ -1,0 +1,132 @@
+#pragma once
+
+// What a query has proven so far, and whether that is enough.
+
+#include <algorithm>
+#include <limits>
+
+#include "collision/base/status.h"
+#include "collision/convex/gjk/support.h"
+
+namespace leeway::collision {
+
+/// The request in the terms of two cores.
+struct CoreQuery {
+  DistanceRequest request;
+  double radius_a = 0, radius_b = 0;
+  /// A support plane at core distance d proves d - lower_offset; a witness at core distance d
+  /// proves d - upper_offset: radii and every rounding and excess are in there.
+  double lower_offset = 0, upper_offset = 0;
+  /// Part of lower_offset: how far a swept body may leave the hull of its placements.
+  double growth = 0;
+  /// One rounding of a coordinate at play: kUnitRoundoff * (extents + |translation|) [m].
+  double roundoff = 0;
+};
+
+/// Best ends found, with what carries them.
+class Progress {
+ public:
+  explicit Progress(const CoreQuery& query) : query_(query) {}
+
+  /// A plane: every point w of the difference has w . n >= value.
+  void offerLower(double value, const Vector& n) {
+    const double lower = value - query_.lower_offset;
+    if (lower > lower_) {
+      lower_ = lower;
+      normal_ = n;
+    }
+  }
+
+  /// Takes this plane in place of one that is better by rounding only: `normal` then belongs to the
+  /// witness.
+  void preferLower(double value, const Vector& n) {
+    lower_ = value - query_.lower_offset;
+    normal_ = n;
+  }
+
+  /// A point of the difference at `distance` from the origin, made from point `a` of A.
+  void offerWitness(double distance, const Vector& w, const Vector& a) {
+    const double upper = distance - query_.upper_offset;
+    if (upper <= upper_) {
+      upper_ = upper;
+      witness_w_ = w;
+      witness_a_ = a;
+    }
+  }
+
+  /// A witness and the plane that it lies next to, their values as above. Where the two meet the
+  /// tolerance they are taken together, however little better others are: `normal`, along which
+  /// radii are laid off, then is that of the witness. Where they do not, the plane alone is offered
+  /// and the answer is false.
+  bool offerTogether(double distance, const Vector& w, const Vector& a, double value,
+                     const Vector& n) {
+    const double upper = distance - query_.upper_offset, lower = value - query_.lower_offset;
+    if (!(upper - lower <= query_.request.tolerance) || aboveThreshold()) {
+      offerLower(value, n);
+      return false;
+    }
+    upper_ = std::min(upper_, upper);
+    witness_w_ = w, witness_a_ = a;
+    lower_ = lower, normal_ = n;
+    return true;
+  }
+
+  /// Ends that are known better than the offsets say: all rounding is in them already.
+  void offerEnd(double lower, const Vector& n) {
+    if (!(lower > lower_)) return;
+    lower_ = lower;
+    normal_ = n;
+  }
+  void offerUpperEnd(double upper, const Vector& w, const Vector& a) {
+    if (!(upper < upper_)) return;
+    upper_ = upper;
+    witness_w_ = w;
+    witness_a_ = a;
+  }
+
+  /// The same, for a witness whose points will be offered later.
+  void offerUpper(double distance) { upper_ = std::min(upper_, distance - query_.upper_offset); }
+
+  /// A point of a swept hull at `distance`, which no single placement need reach: it only tells how
+  /// good the lower end is.
+  void offerSweptWitness(double distance) {
+    const double upper = distance - query_.upper_offset - query_.growth;
+    if (upper < swept_upper_) swept_upper_ = upper;
+  }
+
+  /// Written so that a NaN threshold or tolerance decides nothing.
+  bool aboveThreshold() const { return lower_ > query_.request.threshold; }
+  bool converged() const {
+    return upper_ - lower_ <= query_.request.tolerance ||
+           swept_upper_ - lower_ <= query_.request.tolerance;
+  }
+
+  bool decided() const { return isDecided({lower_, upper_}, query_.request); }
+  bool enough() const { return decided() || (converged() && signKnown()); }
+
+  /// Which side of contact the pair is on: work goes on for that even when the interval is narrow
+  /// enough.
+  bool signKnown() const { return isSignKnown({lower_, upper_}); }
+
+  DistanceStatus status() const {
+    return converged() ? DistanceStatus::kConverged : statusOf({lower_, upper_}, query_.request);
+  }
+
+  const CoreQuery& query() const { return query_; }
+  double lower() const { return lower_; }
+  double upper() const { return upper_; }
+  const Vector& normal() const { return normal_; }
+  const Vector& witnessW() const { return witness_w_; }
+  const Vector& witnessA() const { return witness_a_; }
+  int iterations = 0;
+
+ private:
+  const CoreQuery& query_;
+  double lower_ = -std::numeric_limits<double>::infinity();
+  double upper_ = std::numeric_limits<double>::infinity();
+  double swept_upper_ = std::numeric_limits<double>::infinity();
+  Vector normal_ = Vector::UnitX();
+  Vector witness_w_ = Vector::Zero(), witness_a_ = Vector::Zero();
+};
+
+}  // namespace leeway::collision

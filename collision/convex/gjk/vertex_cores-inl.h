@@ -1,0 +1,153 @@
+// The difference of two cores that name their vertices, asked for its farthest ones in vector code.
+// Included once a target (see Highway's foreach_target.h).
+
+#if defined(LEEWAY_COLLISION_VERTEX_CORES_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef LEEWAY_COLLISION_VERTEX_CORES_INL_H
+#undef LEEWAY_COLLISION_VERTEX_CORES_INL_H
+#else
+#define LEEWAY_COLLISION_VERTEX_CORES_INL_H
+#endif
+
+#include <hwy/highway.h>
+
+#include <cmath>
+#include <cstdint>
+
+#include "collision/convex/gjk/support.h"
+#include "collision/convex/gjk/vertex_search-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace leeway::collision::HWY_NAMESPACE {
+
+/// A kPoints core's point with this name. (Where vertices were looked at just now, they are.)
+HWY_INLINE Triple point(const ConvexView& view, int name) {
+  return view.support != nullptr ? tripleOf(view.support->corners()[name])
+                                 : tripleOf(view.points[name]);
+}
+/// The vertex of a core with this name, which must be one.
+HWY_INLINE Triple corner(const ConvexView& view, int name) {
+  const double x = view.size.x(), y = view.size.y(), z = view.size.z();
+  switch (view.core) {
+    case Core::kBox:
+      return {(name & 1) != 0 ? x : -x, (name & 2) != 0 ? y : -y, (name & 4) != 0 ? z : -z};
+    case Core::kSegment:
+      return {0, 0, name == 1 ? z : -z};
+    case Core::kPoints:
+      return point(view, name);
+    default:
+      return {0, 0, 0};
+  }
+}
+
+/// The farthest vertex of a core along a direction of any length, and its name: as farthest().
+HWY_INLINE Triple farthestCorner(const ConvexView& view, const Triple& d, std::int32_t& name) {
+  switch (view.core) {
+    case Core::kBox: {
+      name =
+          (std::signbit(d.x) ? 0 : 1) | (std::signbit(d.y) ? 0 : 2) | (std::signbit(d.z) ? 0 : 4);
+      return {std::copysign(view.size.x(), d.x), std::copysign(view.size.y(), d.y),
+              std::copysign(view.size.z(), d.z)};
+    }
+    case Core::kSegment:
+      name = d.z >= 0 ? 1 : 0;
+      return {0, 0, d.z >= 0 ? view.size.z() : -view.size.z()};
+    case Core::kPoints: {
+      int found = -1;
+      if (view.support != nullptr) found = scannedSupport(*view.support, d, name);
+      // Climbing asks for a unit vector: what it takes for equal depends on the length.
+      name = found >= 0 ? found
+                        : farthestPoint(view, Vector(d.x, d.y, d.z) / std::sqrt(squared(d)), name);
+      return point(view, name);
+    }
+    default:
+      name = 0;
+      return {0, 0, 0};
+  }
+}
+
+/// The vertices of a small hull at a pose, brought there once: no direction has to be turned back
+/// for them, and no vertex forth.
+class PlacedColumns {
+ public:
+  /// Nothing is placed where there are too many.
+  HWY_INLINE void place(const HullSupport& support, const Eigen::Matrix3d& R, const Triple& t) {
+    if (support.length() == 0 || support.length() > kPlacedUpTo) return;
+    length_ = support.length();
+    for (int i = 0; i < length_; i += static_cast<int>(hn::MaxLanes(Widest()))) {
+      placeColumns(support, i, R, t, 1, x_ + i, y_ + i, z_ + i);
+    }
+  }
+  HWY_INLINE bool empty() const { return length_ == 0; }
+  HWY_INLINE Triple farthest(const Triple& n, std::int32_t& name) const {
+    name = scanColumns<kPlacedUpTo>(x_, y_, z_, length_, n.x, n.y, n.z);
+    return {x_[name], y_[name], z_[name]};
+  }
+
+ private:
+  static constexpr int kPlacedUpTo = 32;
+  int length_ = 0;
+  alignas(64) double x_[kPlacedUpTo], y_[kPlacedUpTo], z_[kPlacedUpTo];
+};
+
+/// The difference of two cores with vertices, A's brought to B's frame where they are few and will
+/// be asked often.
+class PlacedCores {
+ public:
+  using Point = Triple;
+  static constexpr double kTilt = 0.4, kTiltOfFew = 0.2;  // the best of a few each
+  static constexpr double reach = std::numeric_limits<double>::infinity();
+  HWY_INLINE PlacedCores(const Difference<false>& difference, bool place)
+      : a_(difference.viewA()),
+        b_(difference.viewB()),
+        R_(difference.pose().rotation),
+        t_(tripleOf(difference.pose().translation)) {
+    if (place && a_.core == Core::kPoints && a_.support != nullptr) {
+      vertices_a_.place(*a_.support, R_, t_);
+    }
+  }
+
+  HWY_INLINE Triple support(const Triple& n, VertexNames& names) const {
+    const Triple b = farthestCorner(b_, -n, names.b);
+    if (!vertices_a_.empty()) return b - vertices_a_.farthest(n, names.a);
+    return b - placed(farthestCorner(a_, rotatedBack(R_, n), names.a));
+  }
+  template <int n>
+  HWY_INLINE Points<n> fan(const Ring<n>& ring, const VertexNames& hints, Lanes<n>& names) const {
+    const Points<n> directions = directionsOf(ring);
+    alignas(64) double x[std::size_t{n}], y[std::size_t{n}], z[std::size_t{n}],
+        both[std::size_t{n}];
+    store(directions.x, x);
+    store(directions.y, y);
+    store(directions.z, z);
+    for (int i = 0; i < n; ++i) {
+      VertexNames found = hints;
+      const Triple w = support({x[i], y[i], z[i]}, found);
+      x[i] = w.x;
+      y[i] = w.y;
+      z[i] = w.z;
+      both[i] = inLane(found);
+    }
+    names = load<n>(both);
+    return {load<n>(x), load<n>(y), load<n>(z)};
+  }
+  HWY_INLINE bool areDear() const { return haveTables(a_, b_); }
+  /// A's point in a member.
+  HWY_INLINE Triple pointOfA(const VertexNames& names) const { return placed(corner(a_, names.a)); }
+  HWY_INLINE Points<4> members(const VertexNames (&names)[3]) const {
+    const auto member = [&](int i) HWY_ATTR { return corner(b_, names[i].b) - pointOfA(names[i]); };
+    return sideBySide(member(0), member(1), member(2));
+  }
+
+ private:
+  HWY_INLINE Triple placed(const Triple& a) const { return rotated(R_, a) + t_; }
+
+  const ConvexView &a_, &b_;
+  const Eigen::Matrix3d& R_;
+  const Triple t_;
+  PlacedColumns vertices_a_;
+};
+
+}  // namespace leeway::collision::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif  // per-target include guard

@@ -1,0 +1,489 @@
+#include <algorithm>
+#include <cmath>
+
+#include "collision/convex/hull_pairs.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "collision/convex/hull_pairs_simd.cc"
+#include "collision/base/targets.h"
+//
+#include <hwy/foreach_target.h>
+//
+#include "collision/base/dispatch.h"
+#include "collision/base/pose_check.h"
+#include "collision/base/status.h"
+#include "collision/base/tolerances.h"
+#include "collision/convex/gjk/support.h"
+#include "collision/convex/gjk/vertex_gjk.h"
+#include "collision/convex/gjk/vertex_search-inl.h"
+#include "collision/convex/pairs/closed_form.h"
+
+// Rounding, in units of u L with u = kUnitRoundoff and L = extent A + extent B + |t|, of the two
+// ends (see gjk.cc). Along the world's axes, with the origin at B's:
+//   the translation 1 |t|; a vertex 3 sqrt(3) of its extent, A's one more of its and of |t|
+//   a choice among placed vertices 6 of extents and |t|; after a direction was turned back 2 * 5.2
+//   of the extent more, and without |t|
+//   b - a 1 L, the dot product 3 L, the direction's length 3 L
+// in sum 30 of an extent and 15 |t|; and a rotation's departure errs by 9, which the caller may
+// have meant to move the body by half of that: less than kSupportRounding + kPoseRounding = 56.
+// Names in values add to that (see PlacedVertices).
+
+HWY_BEFORE_NAMESPACE();
+namespace leeway::collision::HWY_NAMESPACE {
+namespace {
+
+// A hull at its pose: R v + t.
+class WorldHull {
+ public:
+  HWY_INLINE WorldHull(const Shape& shape, const Eigen::Matrix3d& R, const Triple& t)
+      : hull_(*shape.hull()), support_(hull_.support()), R_(R), t_(t), extent_(shape.extent()) {}
+
+  HWY_INLINE Triple turnedBack(const Triple& n) const { return rotatedBack(R_, n); }
+  HWY_INLINE const HullCell* cellOf(const Triple& d) const { return cellFor(support_, d); }
+  // The vertex that is farthest along d, turned back, whose cell is known.
+  HWY_INLINE Triple farthest(const Triple& d, const HullCell* cell, std::int32_t& name) const {
+    const int found = scannedSupport(support_, cell, d, name);
+    name = HWY_LIKELY(found >= 0) ? found : climbed(d, name);
+    return vertex(name);
+  }
+  HWY_INLINE Triple vertex(int name) const { return placed(support_.corners()[name]); }
+  // Three of them side by side.
+  HWY_INLINE Points<4> vertices(int i, int j, int k) const {
+    const HullCorner* v = support_.corners();
+    return rotated(R_, sideBySide(tripleOf(v[i]), tripleOf(v[j]), tripleOf(v[k]))) +
+           allLanes<4>(t_);
+  }
+
+ private:
+  HWY_INLINE Triple placed(const HullCorner& v) const { return rotated(R_, tripleOf(v)) + t_; }
+  // As farthestPoint().
+  HWY_NOINLINE std::int32_t climbed(const Triple& d, std::int32_t hint) const {
+    const double length = std::sqrt(squared(d));
+    return climbFarthest(hull_, support_.points(), static_cast<int>(hull_.vertices().size()),
+                         Vector(d.x / length, d.y / length, d.z / length), hint,
+                         8 * kUnitRoundoff * extent_);
+  }
+
+  const ConvexHull& hull_;
+  const HullSupport& support_;
+  const Eigen::Matrix3d& R_;
+  const Triple t_;
+  const double extent_;
+};
+
+struct WorldCores {
+  using Point = Triple;
+  static constexpr double kTilt = 0;  // (from one direction or from a cache)
+  WorldHull a, b;
+  HWY_INLINE Triple support(const Triple& n, VertexNames& names) const {
+    // Both cells first: the reads of either hull's vertices wait for its cell, and are so many that
+    // nothing else finds room beside them.
+    const Triple d_a = a.turnedBack(n), d_b = b.turnedBack(-n);
+    const HullCell *cell_a = a.cellOf(d_a), *cell_b = b.cellOf(d_b);
+    return b.farthest(d_b, cell_b, names.b) - a.farthest(d_a, cell_a, names.a);
+  }
+  HWY_INLINE Points<4> members(const VertexNames (&names)[3]) const {
+    return b.vertices(names[0].b, names[1].b, names[2].b) -
+           a.vertices(names[0].a, names[1].a, names[2].a);
+  }
+  HWY_INLINE Triple pointOfA(const VertexNames& names) const { return a.vertex(names.a); }
+  HWY_INLINE VertexNames verticesOf(const VertexNames& names) const { return names; }
+};
+
+// Up to 8 kEights vertices of a hull brought to a pose once, in vector lanes, or those of its
+// mirror image: no direction has to be turned back for them, and no vertex forth.
+//
+// The least of their values along a direction tells its vertex by itself: the last bits of a value
+// are replaced by the vertex's place. Of two values that differ in these bits alone the wrong one
+// may be taken: that errs by less than 8 kEights units in the last place.
+template <int kEights>
+class PlacedVertices {
+ public:
+  static constexpr int kMost = 8 * kEights;
+  // In units of u times what the values are made of.
+  static constexpr double kNameRounding = 2 * kMost;
+
+  static HWY_INLINE bool takes(const HullSupport& support) {
+    return support.length() > 0 && support.length() <= kMost;
+  }
+  HWY_INLINE PlacedVertices(const ConvexHull& hull, const Eigen::Matrix3d& R, const Triple& t,
+                            double sign)
+      : count_(static_cast<int>(hull.vertices().size())) {
+    const HullSupport& support = hull.support();
+    // A shorter hull is padded by copies of its beginning.
+    const int length = support.length();
+    HWY_UNROLL(4)
+    for (int i = 0; i < kMost; i += kStep) {
+      const int from = kEights == 1 || i < length ? i : i % 8;
+      placeColumns(support, from, R, t, sign, at_[0] + i, at_[1] + i, at_[2] + i);
+    }
+  }
+
+  HWY_INLINE Triple vertex(int name) const { return {at_[0][name], at_[1][name], at_[2][name]}; }
+  // The vertex with the least v . n.
+  HWY_INLINE SamePoint farthest(const SamePoint& n, std::int32_t& name) const {
+    const Widest d;
+    const Same least =
+        leastLane(leastOf<0, static_cast<std::size_t>(kMost / kStep)>([&](std::size_t i) HWY_ATTR {
+          const std::size_t at = i * hn::MaxLanes(d);
+          return named(along(n, at), hn::Load(hn::RebindToSigned<Widest>(), kPlaces + at));
+        }));
+    const auto place = placeOf(least);
+    name = static_cast<std::int32_t>(hn::GetLane(place));
+#if HWY_CAP_GE512
+    if constexpr (kEights <= 2) {
+      return {inRegisters(at_[0], place), inRegisters(at_[1], place), inRegisters(at_[2], place)};
+    }
+#endif
+    SamePoint found;
+    set(found, vertex(name));
+    return found;
+  }
+  using Place = hn::Vec<hn::RebindToSigned<Widest>>;
+  // The same for each direction of a ring; `places` has names. A vertex's value is that of the
+  // first direction and what two of its coordinates add.
+  HWY_INLINE Points<kFan> farthest(const Ring<kFan>& ring, Place* places) const {
+    const Widest d;
+    const hn::RebindToSigned<Widest> di;
+    alignas(64) double first[std::size_t{kMost}];
+    SamePoint n;
+    set(n, ring.first);
+    HWY_UNROLL(4)
+    for (std::size_t i = 0; i < std::size_t{kMost}; i += hn::MaxLanes(d))
+      hn::Store(along(n, i), d, first + i);
+    const double *const u = at_[0] + std::ptrdiff_t{kMost} * (ring.axis == 2 ? 0 : ring.axis + 1),
+                        *const v =
+                            at_[0] + std::ptrdiff_t{kMost} * (ring.axis == 0 ? 2 : ring.axis - 1);
+    Lanes<kFan> least = allLanes<kFan>(std::numeric_limits<double>::infinity());
+    // (Each number is read from memory into all lanes: from registers it would take a shuffle.)
+    const int count = kEights == 1 ? kMost : count_;  // (Of eight hardly any is padding.)
+    HWY_UNROLL(1)
+    for (int i = 0; i < count; ++i) {
+      const Lanes<kFan> value =
+          allLanes<kFan>(u[i]) * ring.u + allLanes<kFan>(first[i]) + allLanes<kFan>(v[i]) * ring.v;
+      least = eachLane<kFan>(
+          [&](int k) HWY_ATTR { return hn::Min(least.v[k], named(value.v[k], hn::Set(di, i))); });
+    }
+    Points<kFan> found;
+    for (int i = 0; i < kRegisters<kFan>; ++i) {
+      const Place place = placeOf(least.v[i]);
+      places[i] = place;
+#if HWY_CAP_GE512
+      if constexpr (kEights <= 2) {
+        found.x.v[i] = inRegisters(at_[0], place);
+        found.y.v[i] = inRegisters(at_[1], place);
+        found.z.v[i] = inRegisters(at_[2], place);
+        continue;
+      }
+#endif
+      found.x.v[i] = gathered(at_[0], place);
+      found.y.v[i] = gathered(at_[1], place);
+      found.z.v[i] = gathered(at_[2], place);
+    }
+    return found;
+  }
+
+ private:
+  static constexpr int kStep = static_cast<int>(hn::MaxLanes(Widest()));
+  alignas(64) static constexpr std::int64_t kPlaces[32] = {
+      0,  1,  2,  3,  4,  5,  6,  7,  8,  9,  10, 11, 12, 13, 14, 15,
+      16, 17, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27, 28, 29, 30, 31};
+
+  // Values along n of those from place `at` on.
+  HWY_INLINE Same along(const SamePoint& n, std::size_t at) const {
+    const Widest d;
+    return hn::Add(
+        hn::Add(hn::Mul(hn::Load(d, at_[0] + at), n.x), hn::Mul(hn::Load(d, at_[1] + at), n.y)),
+        hn::Mul(hn::Load(d, at_[2] + at), n.z));
+  }
+  static HWY_INLINE Same named(Same value, Place place) {
+    const hn::RebindToSigned<Widest> di;
+    return hn::BitCast(Widest(), hn::OrAnd(place, hn::BitCast(di, value), hn::Set(di, -kMost)));
+  }
+  static HWY_INLINE Place placeOf(Same named) {
+    const hn::RebindToSigned<Widest> di;
+    return hn::And(hn::BitCast(di, named), hn::Set(di, kMost - 1));
+  }
+#if HWY_CAP_GE512
+  // Lane by lane the coordinate at a place.
+  static HWY_INLINE Same inRegisters(const double* coordinates, Place place) {
+    const Widest d;
+    const hn::RebindToSigned<Widest> di;
+    const auto lane = hn::IndicesFromVec(d, hn::And(place, hn::Set(di, 7)));
+    const Same first = hn::TableLookupLanes(hn::Load(d, coordinates), lane);
+    if constexpr (kEights == 1) return first;
+    const Same second = hn::TableLookupLanes(hn::Load(d, coordinates + kMost - 8), lane);
+    return hn::IfThenElse(hn::RebindMask(d, hn::Gt(place, hn::Set(di, 7))), second, first);
+  }
+#endif
+  template <std::size_t kBegin, std::size_t kEnd, class Value>
+  static HWY_INLINE Same leastOf(const Value& value) {
+    if constexpr (kEnd - kBegin == 1) {
+      return value(kBegin);
+    } else {
+      constexpr std::size_t kMiddle = (kBegin + kEnd) / 2;
+      return hn::Min(leastOf<kBegin, kMiddle>(value), leastOf<kMiddle, kEnd>(value));
+    }
+  }
+
+  const int count_;
+  alignas(64) double at_[3][std::size_t{kMost}];  // coordinates
+};
+
+// Of A the mirror image, so that the difference is a sum.
+template <int kEights>
+struct PlacedCores {
+  using Point = SamePoint;
+  static constexpr double kTilt = kEights <= 2 ? 1.1 : 0.72;  // the best of a few
+  static constexpr double kReach = 0.6;                       // likewise
+  static constexpr double kTiltOfFew = 0;
+  const ConvexHull &hull_a, &hull_b;
+  PlacedVertices<kEights> minus_a, b;
+  const double reach;
+  HWY_INLINE SamePoint support(const SamePoint& n, VertexNames& names) const {
+    const SamePoint p = minus_a.farthest(n, names.a), q = b.farthest(n, names.b);
+    return {hn::Add(p.x, q.x), hn::Add(p.y, q.y), hn::Add(p.z, q.z)};
+  }
+  HWY_INLINE Points<kFan> fan(const Ring<kFan>& ring, const VertexNames& /*hints*/,
+                              Lanes<kFan>& names) const {
+    typename PlacedVertices<kEights>::Place places_a[kRegisters<kFan>], places_b[kRegisters<kFan>];
+    const Points<kFan> all = minus_a.farthest(ring, places_a) + b.farthest(ring, places_b);
+    names = eachLane<kFan>([&](int i) HWY_ATTR {
+      return hn::BitCast(Widest(), hn::Or(places_a[i], hn::ShiftLeft<32>(places_b[i])));
+    });
+    return all;
+  }
+  HWY_INLINE Points<4> members(const VertexNames (&names)[3]) const {
+    const auto member = [&](int i)
+                            HWY_ATTR { return minus_a.vertex(names[i].a) + b.vertex(names[i].b); };
+    return sideBySide(member(0), member(1), member(2));
+  }
+  HWY_INLINE Triple pointOfA(const VertexNames& names) const { return -minus_a.vertex(names.a); }
+  HWY_INLINE VertexNames verticesOf(const VertexNames& names) const {
+    return {vertexOf(hull_a, names.a), vertexOf(hull_b, names.b)};
+  }
+
+ private:
+  // Columns are padded with copies of the first vertex, placed ones with copies of the first eight.
+  static HWY_INLINE std::int32_t vertexOf(const ConvexHull& hull, std::int32_t name) {
+    const std::int32_t place = name < hull.support().length() ? name : name % 8;
+    return place < static_cast<std::int32_t>(hull.vertices().size()) ? place : 0;
+  }
+};
+
+// What is known before the search.
+struct Pair {
+  const Shape &a, &b;
+  const Pose &X_WA, &X_WB;
+  const DistanceRequest& request;
+  PairCache* cache;
+  Triple t;  // of A, from B's origin
+  double size, rounding;
+  VertexNames hints;
+  bool needles;  // one of them at least
+};
+
+HWY_INLINE Triple betweenMiddles(const Pair& pair) {
+  const HullSupport &a = pair.a.hull()->support(), &b = pair.b.hull()->support();
+  return rotated(pair.X_WB.rotation, tripleOf(b.middle())) -
+         (rotated(pair.X_WA.rotation, tripleOf(a.middle())) + pair.t);
+}
+
+// From one axis to the other where they are nearest: a needle's middle tells little of where it is
+// met. Hulls that are none stand for their middles.
+HWY_INLINE Triple betweenAxes(const Pair& pair) {
+  const HullSupport &a = pair.a.hull()->support(), &b = pair.b.hull()->support();
+  const Triple axis_a = rotated(pair.X_WA.rotation, tripleOf(a.axis())),
+               axis_b = rotated(pair.X_WB.rotation, tripleOf(b.axis()));
+  const Triple middle = betweenMiddles(pair);
+  double s_a = 0, s_b = 0;
+  nearestOnAxes(dot(axis_a, axis_b), -dot(axis_a, middle), -dot(axis_b, middle), a.halfLength(),
+                b.halfLength(), s_a, s_b);
+  const Triple way = middle + (s_b * axis_b - s_a * axis_a);
+  return squared(way) > kSmallestScale * kSmallestScale ? way : Triple{1, 0, 0};
+}
+
+// The cached direction if it is one, else from A's middle to B's; as long as that way, which a
+// fan's reach is measured by.
+HWY_INLINE Triple firstDirection(const Pair& pair) {
+  if (pair.cache != nullptr) {
+    const Triple n = tripleOf(pair.cache->direction_B);
+    const double length_squared = squared(n);
+    if (length_squared > 0.25 && length_squared < 4) {  // NaN fails
+      const double apart = std::sqrt(squared(betweenMiddles(pair)));
+      return std::max(apart, kSmallestScale) * rotated(pair.X_WB.rotation, n);
+    }
+  }
+  if (pair.needles) return betweenAxes(pair);
+  const Triple middle = betweenMiddles(pair);
+  return squared(middle) > kSmallestScale * kSmallestScale ? middle : Triple{1, 0, 0};
+}
+
+// Writes down what was found; false when it is not enough.
+template <class Cores>
+HWY_INLINE bool answered(const Pair& pair, const Cores& cores, const Search<Cores>& search,
+                         const Carriers& found, double lower_offset, double upper_offset,
+                         DistanceResult& result) {
+  const DistanceRequest& request = pair.request;
+  PairCache* const cache = pair.cache;
+  if (HWY_UNLIKELY(found.count != 3)) return false;
+  // Which of them have no weight is not foreseen.
+  const Triple w =
+      found.weight[0] * found.w[0] + found.weight[1] * found.w[1] + found.weight[2] * found.w[2];
+  const Triple p = found.weight[0] * cores.pointOfA(found.names[0]) +
+                   found.weight[1] * cores.pointOfA(found.names[1]) +
+                   found.weight[2] * cores.pointOfA(found.names[2]);
+  // As Progress has it.
+  const Interval separation = {search.best().value() - lower_offset,
+                               std::sqrt(squared(w)) - upper_offset};
+  const bool enough = (separation.width() <= request.tolerance && isSignKnown(separation)) ||
+                      isDecided(separation, request);
+  const Triple point_a = tripleOf(pair.X_WB.translation) + p, point_b = point_a + w;
+  const Triple n = search.best().normal();
+  // Coordinates beyond 1e308 overflow.
+  const double sum = std::abs(point_a.x + point_a.y + point_a.z) + std::abs(n.x + n.y + n.z);
+  if (HWY_UNLIKELY(!enough || !(sum <= 1e300))) return false;
+  result.distance = separation;
+  result.status = statusOf(separation, request);
+  result.iterations = search.iterations();
+  write(point_a, result.point_a);
+  write(point_b, result.point_b);
+  write(n, result.normal);
+  if (cache != nullptr) {
+    write(rotatedBack(pair.X_WB.rotation, n), cache->direction_B);
+    const VertexNames last = cores.verticesOf(search.lastNames());
+    cache->vertex_a = last.a;
+    cache->vertex_b = last.b;
+    int kept = 0;
+    const auto keep = [&](int i) HWY_ATTR {
+      const VertexNames vertices = cores.verticesOf(found.names[i]);
+      cache->simplex_a[kept] = vertices.a;
+      cache->simplex_b[kept] = vertices.b;
+      kept += static_cast<int>(found.weight[i] > 0);
+    };
+    keep(0);
+    keep(1);
+    keep(2);
+    cache->simplex_count = kept;
+  }
+  return true;
+}
+
+// Searches; false when what was found is not enough.
+template <class Cores>
+HWY_INLINE bool answer(const Pair& pair, const Cores& cores, double more_rounding,
+                       const PairCache* carried, DistanceResult& result, VertexStart& start) {
+  const double upper_offset = -pair.rounding;
+  const double lower_offset =
+      pair.a.hull()->excess() + pair.b.hull()->excess() + pair.rounding + more_rounding;
+  Search<Cores> search(cores, pair.request, lower_offset, upper_offset, 0);
+  const Triple first = carried != nullptr ? Triple{1, 0, 0} : firstDirection(pair);
+  const GjkEnd end = search.run(first, carried, pair.hints);
+  Carriers found;
+  search.carriers(end, found);
+  if (HWY_LIKELY(answered(pair, cores, search, found, lower_offset, upper_offset, result))) {
+    return true;
+  }
+  found.dropWeightless();
+  start.count = end == GjkEnd::kLimit ? 0 : found.count;
+  for (int i = 0; i < start.count; ++i) {
+    const VertexNames vertices = cores.verticesOf(found.names[i]);
+    start.vertex_a[i] = vertices.a;
+    start.vertex_b[i] = vertices.b;
+  }
+  start.end = end;
+  start.iterations = search.iterations();
+  return false;
+}
+
+// Not inlined: all of them in one would leave none the registers it needs.
+HWY_NOINLINE bool answerInWorld(const Pair& pair, const PairCache* carried, DistanceResult& result,
+                                VertexStart& start) {
+  const WorldCores cores = {{pair.a, pair.X_WA.rotation, pair.t},
+                            {pair.b, pair.X_WB.rotation, {0, 0, 0}}};
+  return answer(pair, cores, 0, carried, result, start);
+}
+template <int kEights>
+HWY_NOINLINE bool answerPlaced(const Pair& pair, DistanceResult& result, VertexStart& start) {
+  const PlacedCores<kEights> cores = {
+      *pair.a.hull(),
+      *pair.b.hull(),
+      {*pair.a.hull(), pair.X_WA.rotation, pair.t, -1},
+      {*pair.b.hull(), pair.X_WB.rotation, {0, 0, 0}, 1},
+      PlacedCores<kEights>::kReach * (pair.a.boundingRadius() + pair.b.boundingRadius())};
+  return answer(pair, cores, PlacedVertices<kEights>::kNameRounding * kUnitRoundoff * pair.size,
+                nullptr, result, start);
+}
+
+// Without a table or columns only general code knows the farthest vertex.
+HWY_INLINE bool isQuick(const HullSupport& support) {
+  return support.length() > 0 || support.sides() > 0;
+}
+
+}  // namespace
+
+bool hullSteps(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
+               const DistanceRequest& request, PairCache* cache, DistanceResult& result,
+               VertexStart& start) {
+  const HullSupport &support_a = a.hull()->support(), &support_b = b.hull()->support();
+  if (!(isQuick(support_a) && isQuick(support_b))) return false;
+  bool carried = false;
+  VertexNames hints = {0, 0};
+  if (cache != nullptr) {
+    const int count_a = static_cast<int>(a.hull()->vertices().size());
+    const int count_b = static_cast<int>(b.hull()->vertices().size());
+    carried = std::isnan(request.threshold) && fits(*cache, count_a, count_b);
+    if (cache->vertex_a > 0 && cache->vertex_a < count_a) hints.a = cache->vertex_a;
+    if (cache->vertex_b > 0 && cache->vertex_b < count_b) hints.b = cache->vertex_b;
+  }
+  const bool place = !carried && std::isnan(request.threshold);
+  if (place && !(PlacedVertices<4>::takes(support_a) && PlacedVertices<4>::takes(support_b)))
+    return false;
+  const PoseCheck check = checkRotations(X_WA.rotation, X_WB.rotation);
+  const Triple t = tripleOf(X_WA.translation) - tripleOf(X_WB.translation);
+  const double size = a.extent() + b.extent() + std::sqrt(squared(t));
+  // Written so that NaN fails.
+  if (!(check.rotations && size >= kSmallestScale && size <= kLargestForLanes) ||
+      request.iteration_limit <= 0) {
+    return false;
+  }
+  const double rounding =
+      (kSupportRounding + kPoseRounding) * kUnitRoundoff * size + check.departure * size;
+  const Pair pair = {a,
+                     b,
+                     X_WA,
+                     X_WB,
+                     request,
+                     cache,
+                     t,
+                     size,
+                     rounding,
+                     hints,
+                     support_a.halfLength() + support_b.halfLength() > 0};
+  if (!place) return answerInWorld(pair, carried ? cache : nullptr, result, start);
+  switch ((std::max(support_a.length(), support_b.length()) + 7) / 8) {
+    case 1:
+      return answerPlaced<1>(pair, result, start);
+    case 2:
+      return answerPlaced<2>(pair, result, start);
+    default:
+      return answerPlaced<4>(pair, result, start);
+  }
+}
+
+}  // namespace leeway::collision::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace leeway::collision {
+
+HWY_EXPORT(hullSteps);
+
+bool answerHullPair(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
+                    const DistanceRequest& request, PairCache* cache, DistanceResult& result,
+                    VertexStart& start) {
+  return LEEWAY_DISPATCH(hullSteps)(a, X_WA, b, X_WB, request, cache, result, start);
+}
+
+}  // namespace leeway::collision
+#endif

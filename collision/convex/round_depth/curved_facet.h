@@ -1,0 +1,95 @@
+#pragma once
+
+#include "collision/convex/gjk/support.h"
+#include "collision/convex/round_depth/curved_cell.h"
+
+namespace leeway::collision {
+
+class SharpDifference;
+
+/// What the curved parts of two cores add to a facet of a polytope in their difference. A triangle
+/// of three members lies inside of a curved surface by its chords, so that a polytope needs a facet
+/// for every width of the tolerance wherever the surface is about as curved as a ball around the
+/// origin; but the members between the three are known as well. Each vertex w_i is taken apart into
+/// the centre C_i of the ellipsoid (of cylinders and cones: the rim's disc) that its points lie on,
+/// and what they add. In all directions x = sum mu_i w_i of the triangle's cone, mu_i >= 0 with the
+/// sum 1, the support function h of the difference is at least that of a convex combination of its
+/// members:
+///
+///   h(x) >= x . sum mu_i C_i + sum over A and B of (sum mu_i s_i) |M x|
+///
+/// with M the semi-axes in their directions, and s_i 1 where a vertex lies on such an ellipsoid, 0
+/// where it is a point of its own (a cone's apex, a box's corner). Where the right side is at least
+/// `depth` |x| in the cones of all facets that are nearer than `depth`, the difference holds a ball
+/// of that radius around the origin: a ray from the origin meets a facet, and that is farther out
+/// or one of these. Branch and bound over directions; each cell of them is judged by a quadratic
+/// form below the right side, which is not negative if the form's matrix is copositive (K. P.
+/// Hadeler, "On copositive matrices", 1983). What rounding hides is looked at in twice the
+/// precision where that is asked for.
+class CurvedFacets {
+ public:
+  /// roundoff: as CoreQuery.
+  CurvedFacets(const Difference<false>& difference, double roundoff);
+
+  /// Some part of the difference is curved: else nothing is ever gained.
+  bool any() const { return curved_; }
+
+  /// True when the support of the difference is proven to be at least `depth` > 0 in all directions
+  /// of the cone of the three points, which must be members of the difference by their indices.
+  /// Rounding is counted. O(1): some hundred cells at the most, and
+  /// some ten thousand for all facets together.
+  bool covers(const SupportPoint& w0, const SupportPoint& w1, const SupportPoint& w2, double depth);
+
+  /// The same for the bodies' world poses as they were given, in twice the precision: where a cell
+  /// cannot be told from rounding it is looked at once more.
+  bool coversSharply(const SupportPoint& w0, const SupportPoint& w1, const SupportPoint& w2,
+                     const DoubleDouble& depth, const SharpDifference& sharp);
+
+  /// After covers(): the direction, of any length, with the least bound that was met.
+  const Vector& leastDirection() const { return least_direction_; }
+
+  /// The member that carries the bound in the direction sum weights[i] w_i, the weights' sum 1: a
+  /// point of B less one of A, and that of A.
+  void member(const SupportPoint* const w[3], const double weights[3], Vector& of_difference,
+              Vector& of_a) const;
+
+ private:
+  /// One core: semi-axes in its own frame, whose axes are the columns of R.
+  struct Part {
+    const ConvexView* view = nullptr;
+    Vector semi_axes = Vector::Zero();
+    bool curved = false;
+  };
+  template <class Wide>
+  using Corner = CurvedCorner<Wide>;
+  template <class Wide>
+  struct Cell {
+    Corner<Wide> corner[3];
+    int depth;  ///< halvings
+  };
+  /// The centre of what a point of a core is on, in the core's frame; false when it is a vertex.
+  bool centerOf(int part, int piece, Vector& center) const;
+  Vector centerOfA(const SupportPoint& s) const;
+  Corner<Vector> cornerOf(const SupportPoint& s) const;
+  Corner<DoubleDoubleVector> sharpCornerOf(const SupportPoint& s,
+                                           const SharpDifference& sharp) const;
+  void shareOf(const SupportPoint& s, double share[2]) const;
+  template <class Number, class Wide>
+  bool holdsAt(const Corner<Wide>& c, const Number& depth);
+  template <class Number, class Wide>
+  bool coversCells(const Corner<Wide> (&corners)[3], const Number& depth, int& cells_left);
+
+  const Difference<false>& difference_;
+  Part part_[2];
+  bool curved_ = false;
+  int cells_left_ = 0, sharp_cells_left_ = 0;
+  double slackOf(double) const { return slack_; }
+  double slackOf(const DoubleDouble&) const { return sharp_slack_; }
+
+  double slack_ = 0;        // rounding of one bound [m^2]
+  double sharp_slack_ = 0;  // the same in twice the precision
+  Vector least_direction_ = Vector::UnitX();
+  double least_value_ = 0;
+};
+
+}  // namespace leeway::collision

@@ -1,0 +1,258 @@
+#include "collision/cover/coarse_shape.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <span>
+
+#include "collision/base/tolerances.h"
+#include "collision/mesh/mesh_tree.h"
+#include "leeway/collision/convex_hull.h"
+#include "leeway/collision/deformable_mesh.h"
+#include "leeway/collision/triangle_mesh.h"
+
+namespace leeway::collision {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// Its vertices, of a mesh those of its hull alone: a mesh is placed in many scenes, and most of
+/// its vertices matter to none of what is made of these.
+std::span<const Eigen::Vector3d> cornersOf(const Shape& shape) {
+  if (shape.type() == ShapeType::kDeformable) return shape.deformable()->vertices();
+  if (shape.type() == ShapeType::kConvexHull) return shape.hull()->vertices();
+  const ConvexView hull = shape.mesh()->tree().hullView();
+  return {hull.points, static_cast<std::size_t>(hull.count)};
+}
+
+}  // namespace
+
+AxisBox boxOf(const Shape& shape) {
+  Eigen::Vector3d low = Eigen::Vector3d::Constant(kInfinity), high = -low;
+  if (shape.type() == ShapeType::kMesh) {
+    low = shape.mesh()->tree().node(0).low;
+    high = shape.mesh()->tree().node(0).high;
+  } else {
+    for (const Eigen::Vector3d& v : cornersOf(shape)) {
+      low = low.cwiseMin(v);
+      high = high.cwiseMax(v);
+    }
+  }
+  AxisBox box;
+  box.center = low + (high - low) / 2;
+  box.half = (high - box.center).cwiseMax(box.center - low);
+  if (shape.type() == ShapeType::kConvexHull) box.half.array() += shape.hull()->excess();
+  return box;
+}
+
+CoarseShape::CoarseShape(const Shape& shape, const Pose& X_FG) {
+  Eigen::Vector3d center_G = Eigen::Vector3d::Zero();
+  exact_ = true;
+  switch (shape.type()) {
+    case ShapeType::kSphere:
+      kind_ = Kind::kBall;
+      half_.setConstant(shape.radius());
+      break;
+    case ShapeType::kCapsule:
+      kind_ = Kind::kSegment;
+      half_ = {shape.radius(), shape.radius(), shape.halfLength()};
+      break;
+    case ShapeType::kCylinder:
+      kind_ = Kind::kCylinder;
+      half_ = {shape.radius(), shape.radius(), shape.halfLength()};
+      break;
+    case ShapeType::kBox:
+      kind_ = Kind::kBox;
+      half_ = shape.halfExtents();
+      break;
+    case ShapeType::kHalfSpace:
+      kind_ = Kind::kHalfSpace;
+      break;
+    case ShapeType::kCone:
+      kind_ = Kind::kCylinder;
+      exact_ = false;
+      half_ = {shape.radius(), shape.radius(), shape.halfLength()};
+      break;
+    case ShapeType::kEllipsoid:
+      kind_ = Kind::kBox;
+      exact_ = false;
+      half_ = shape.halfExtents();
+      break;
+    case ShapeType::kDeformable: {
+      kind_ = Kind::kBox;
+      exact_ = false;
+      const DeformableSnapshot& snapshot = *shape.deformable();
+      center_G = snapshot.low() + (snapshot.high() - snapshot.low()) / 2;
+      half_ = (snapshot.high() - center_G).cwiseMax(center_G - snapshot.low());
+      break;
+    }
+    case ShapeType::kConvexHull:
+    case ShapeType::kMesh: {
+      kind_ = Kind::kBox;
+      exact_ = false;
+      const AxisBox box = boxOf(shape);
+      center_G = box.center;
+      half_ = box.half;
+      break;
+    }
+  }
+  rotation_GF_ = X_FG.rotation.transpose();
+  center_F_ = X_FG * center_G;
+  slack_ = kCoarseRounding * (center_F_.lpNorm<1>() + center_G.lpNorm<1>() + half_.lpNorm<1>());
+}
+
+double CoarseShape::signedDistance(const Eigen::Vector3d& p_F) const {
+  const Eigen::Vector3d p = rotation_GF_ * (p_F - center_F_);
+  switch (kind_) {
+    case Kind::kBall:
+      return p.norm() - half_.x();
+    case Kind::kSegment: {
+      const double along = std::max(std::abs(p.z()) - half_.z(), 0.0);
+      return std::sqrt(p.x() * p.x() + p.y() * p.y() + along * along) - half_.x();
+    }
+    case Kind::kBox: {
+      const double x = std::abs(p.x()) - half_.x(), y = std::abs(p.y()) - half_.y(),
+                   z = std::abs(p.z()) - half_.z();
+      const double inside = std::max(x, std::max(y, z));
+      if (inside <= 0) return inside;
+      const double ox = std::max(x, 0.0), oy = std::max(y, 0.0), oz = std::max(z, 0.0);
+      return std::sqrt(ox * ox + oy * oy + oz * oz);
+    }
+    case Kind::kCylinder: {
+      const double across = std::sqrt(p.x() * p.x() + p.y() * p.y()) - half_.x(),
+                   along = std::abs(p.z()) - half_.z();
+      if (across <= 0 || along <= 0) return std::max(across, along);
+      return std::sqrt(across * across + along * along);
+    }
+    case Kind::kHalfSpace:
+      return p.z();
+  }
+  return -kInfinity;
+}
+
+double CoarseShape::lower(const Eigen::Vector3d& p_F) const {
+  const double d = signedDistance(p_F);
+  // The point's own coordinates are at most the shape's and the distance together. A half-space has
+  // no size that would bound how far along it the point is.
+  const double far = kind_ == Kind::kHalfSpace ? p_F.lpNorm<1>() : std::abs(d);
+  return d - slack_ - kCoarseRounding * far;
+}
+
+double CoarseShape::upper(const Eigen::Vector3d& p_F) const {
+  if (!exact_) return kInfinity;
+  const double d = signedDistance(p_F);
+  const double far = kind_ == Kind::kHalfSpace ? p_F.lpNorm<1>() : std::abs(d);
+  return d + slack_ + kCoarseRounding * far;
+}
+
+namespace {
+
+/// Balls of `radius` along z from -reach to +reach, the middle first.
+void addRow(std::vector<Ball>& balls, const Eigen::Vector3d& axis, double reach, double radius) {
+  balls.push_back({Eigen::Vector3d::Zero(), radius});
+  if (!(reach > 0)) return;
+  const double step = std::max(radius, reach / 3);  // at most three on a side
+  for (double s = step; s < reach + step / 2; s += step)
+    for (const double sign : {1.0, -1.0})
+      balls.push_back({axis * (sign * std::min(s, reach)), radius});
+}
+
+/// Vertices far from each other: each next the farthest from those chosen, the first the farthest
+/// from the bounding centre.
+void addVertices(std::vector<Ball>& balls, const Shape& shape) {
+  const std::span<const Eigen::Vector3d> vertices = cornersOf(shape);
+  std::vector<double> squared(vertices.size());
+  for (std::size_t i = 0; i < vertices.size(); ++i)
+    squared[i] = (vertices[i] - shape.boundingCenter()).squaredNorm();
+  for (int k = 0; k < kVertexProbes; ++k) {
+    const std::size_t next = static_cast<std::size_t>(
+        std::max_element(squared.begin(), squared.end()) - squared.begin());
+    if (k > 0 && squared[next] == 0) break;
+    balls.push_back({vertices[next], 0});
+    for (std::size_t i = 0; i < vertices.size(); ++i)
+      squared[i] = k == 0 ? (vertices[i] - vertices[next]).squaredNorm()
+                          : std::min(squared[i], (vertices[i] - vertices[next]).squaredNorm());
+  }
+}
+
+/// The ball around the mean of the vertices that stays behind every facet's plane.
+void addHullMiddle(std::vector<Ball>& balls, const ConvexHull& hull) {
+  if (hull.facets().empty()) return;
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector3d& v : hull.vertices()) middle += v;
+  middle /= static_cast<double>(hull.vertices().size());
+  double radius = kInfinity;
+  for (const std::array<std::int32_t, 3>& f : hull.facets()) {
+    const Eigen::Vector3d& p = hull.vertices()[static_cast<std::size_t>(f[0])];
+    const Eigen::Vector3d n = (hull.vertices()[static_cast<std::size_t>(f[1])] - p)
+                                  .cross(hull.vertices()[static_cast<std::size_t>(f[2])] - p);
+    const double norm = n.norm();
+    if (!(norm > 0)) continue;  // a sliver: its neighbours bound the ball there
+    radius = std::min(radius, n.dot(p - middle) / norm);
+  }
+  // Facets may miss the hull of the vertices by its excess and by the slivers' rounding.
+  radius -= hull.excess() + kInnerBallSlack * (1 + middle.lpNorm<1>());
+  if (radius > 0 && std::isfinite(radius)) balls.push_back({middle, radius});
+}
+
+}  // namespace
+
+std::vector<Ball> innerBalls(const Shape& shape, const Pose& X_FG) {
+  std::vector<Ball> balls;
+  const double r = shape.radius(), h = shape.halfLength();
+  const Eigen::Vector3d z = Eigen::Vector3d::UnitZ();
+  switch (shape.type()) {
+    case ShapeType::kSphere:
+      balls.push_back({Eigen::Vector3d::Zero(), r});
+      break;
+    case ShapeType::kCapsule:
+      addRow(balls, z, h, r);
+      break;
+    case ShapeType::kCylinder:
+      addRow(balls, z, h - std::min(r, h), std::min(r, h));
+      break;
+    case ShapeType::kBox:
+    case ShapeType::kEllipsoid: {
+      const Eigen::Vector3d& size = shape.halfExtents();
+      Eigen::Index longest = 0;
+      size.maxCoeff(&longest);
+      const double least = size.minCoeff();
+      const double reach = shape.type() == ShapeType::kBox ? size[longest] - least : 0;
+      addRow(balls, Eigen::Vector3d::Unit(longest), reach, least);
+      break;
+    }
+    case ShapeType::kCone: {
+      // The circle in the triangle (base 2 r, height 2 h), which touches the base and both sides.
+      const double side = std::sqrt(r * r + 4 * h * h);
+      const double inner = r + side > 0 ? 2 * h * r / (r + side) : 0;
+      balls.push_back({Eigen::Vector3d(0, 0, inner - h), inner * (1 - kInnerBallSlack)});
+      break;
+    }
+    case ShapeType::kHalfSpace:
+      break;
+    case ShapeType::kConvexHull:
+      addHullMiddle(balls, *shape.hull());
+      addVertices(balls, shape);
+      break;
+    case ShapeType::kMesh:
+      addVertices(balls, shape);
+      break;
+    case ShapeType::kDeformable: {
+      // Made anew at every step: a few used vertices, wherever they are.
+      const DeformableSnapshot& snapshot = *shape.deformable();
+      const std::size_t count = snapshot.mesh().triangles().size();
+      for (std::size_t k = 0; k < static_cast<std::size_t>(kVertexProbes) && k < count; ++k) {
+        const std::size_t t = k * count / static_cast<std::size_t>(kVertexProbes);
+        const std::int32_t v = snapshot.mesh().triangles()[std::min(t, count - 1)][0];
+        balls.push_back({snapshot.vertices()[static_cast<std::size_t>(v)], 0});
+      }
+      break;
+    }
+  }
+  for (Ball& ball : balls) ball.center = X_FG * ball.center;
+  return balls;
+}
+
+}  // namespace leeway::collision

@@ -1,0 +1,76 @@
+#include "collision/cover/face_parts.h"
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+
+#include "collision/base/tolerances.h"
+
+namespace leeway::collision {
+
+using Eigen::Vector3d;
+
+namespace {
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+}  // namespace
+
+Ball ballAround(std::span<const Vector3d> points) {
+  Vector3d low = Vector3d::Constant(kInfinity), high = -low;
+  for (const Vector3d& p : points) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  Ball best{Vector3d::Zero(), kInfinity};
+  Vector3d center = low + (high - low) / 2;
+  // Large sets get fewer steps; any centre is right.
+  const int steps = points.size() > 5000 ? 8 : 24;
+  for (int step = 1; step <= steps; ++step) {
+    const Vector3d* farthest = nullptr;
+    double squared = -1;
+    for (const Vector3d& p : points)
+      if ((p - center).squaredNorm() > squared) {
+        squared = (p - center).squaredNorm();
+        farthest = &p;
+      }
+    if (farthest == nullptr) break;  // no points, and no ball around them
+    const double radius =
+        std::sqrt(squared) * (1 + kRelativeRounding) + kRelativeRounding * center.lpNorm<1>();
+    if (radius < best.radius) best = {center, radius};
+    center += (*farthest - center) / (step + 2);
+  }
+  return best;
+}
+
+void Polygons::addClipped(std::span<const Vector3d> polygon, Eigen::Index axis, double at,
+                          double side) {
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    const Vector3d &p = polygon[i], &q = polygon[(i + 1) % polygon.size()];
+    const double dp = side * (p[axis] - at), dq = side * (q[axis] - at);
+    if (dp >= 0) corners_.push_back(p);
+    if ((dp > 0 && dq < 0) || (dp < 0 && dq > 0)) {
+      Vector3d cut = p + (q - p) * (dp / (dp - dq));
+      cut[axis] = at;
+      corners_.push_back(cut);
+    }
+  }
+  if (corners_.size() > (ends_.empty() ? 0 : ends_.back())) ends_.push_back(corners_.size());
+}
+
+Polygons clipped(const Polygons& polygons, Eigen::Index axis, double at, double side) {
+  Polygons kept;
+  kept.reserve(polygons.size(), polygons.corners().size());
+  for (std::size_t i = 0; i < polygons.size(); ++i) kept.addClipped(polygons[i], axis, at, side);
+  return kept;
+}
+
+Polygons polygonsOf(const TriangleMesh& mesh) {
+  Polygons triangles;
+  triangles.reserve(mesh.triangles().size(), 3 * mesh.triangles().size());
+  const auto corner = [&](std::int32_t i) { return mesh.vertices()[static_cast<std::size_t>(i)]; };
+  for (const auto& t : mesh.triangles())
+    triangles.add(std::array<Vector3d, 3>{corner(t[0]), corner(t[1]), corner(t[2])});
+  return triangles;
+}
+
+}  // namespace leeway::collision

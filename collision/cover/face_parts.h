@@ -1,0 +1,58 @@
+#pragma once
+
+// Private to collision/: surfaces as polygons, and what planes leave of them.
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "collision/cover/coarse_shape.h"
+#include "leeway/collision/triangle_mesh.h"
+
+namespace leeway::collision {
+
+/// Convex polygons whose hulls, part by part, hold what is to be covered; their corners stand one
+/// after the other.
+class Polygons {
+ public:
+  std::size_t size() const { return ends_.size(); }
+  bool empty() const { return ends_.empty(); }
+  std::span<const Eigen::Vector3d> operator[](std::size_t i) const {
+    const std::size_t begin = i == 0 ? 0 : ends_[i - 1];
+    return std::span(corners_).subspan(begin, ends_[i] - begin);
+  }
+  /// Of all polygons.
+  std::span<const Eigen::Vector3d> corners() const { return corners_; }
+
+  void reserve(std::size_t polygons, std::size_t corners) {
+    ends_.reserve(polygons);
+    corners_.reserve(corners);
+  }
+  /// O(corners).
+  void add(std::span<const Eigen::Vector3d> polygon) {
+    corners_.insert(corners_.end(), polygon.begin(), polygon.end());
+    ends_.push_back(corners_.size());
+  }
+  /// Adds the part of a convex polygon on one side of the plane x[axis] = at, if there is any;
+  /// corners on it stay. `polygon` is not one of these. O(corners).
+  void addClipped(std::span<const Eigen::Vector3d> polygon, Eigen::Index axis, double at,
+                  double side);
+
+ private:
+  std::vector<Eigen::Vector3d> corners_;
+  std::vector<std::size_t> ends_;
+};
+
+/// What planes across an axis leave of polygons on one side. O(corners).
+Polygons clipped(const Polygons& polygons, Eigen::Index axis, double at, double side);
+
+/// The triangles of a mesh.
+Polygons polygonsOf(const TriangleMesh& mesh);
+
+/// A ball around the points: steps towards the farthest of them (Badoiu and Clarkson, "Smaller
+/// core-sets for balls", 2003), so that its centre stays between them; the best centre counts.
+/// O(points).
+Ball ballAround(std::span<const Eigen::Vector3d> points);
+
+}  // namespace leeway::collision

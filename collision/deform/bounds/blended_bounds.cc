@@ -1,0 +1,399 @@
+#include "collision/deform/bounds/blended_bounds.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "collision/base/round_box.h"
+#include "collision/base/tolerances.h"
+#include "collision/deform/bounds/motion_boxes.h"
+#include "collision/deform/motion/motion_input.h"
+
+namespace leeway::collision {
+namespace {
+
+// Zeros where a lane is empty, so that no infinity meets a weight of 0.
+WideBox boxOf(const BlendedMotion::Field& field, const DeformTree& tree, std::int32_t node) {
+  WideBox box{};
+  for (int lane = 0; lane < kWidth; ++lane) {
+    const std::span<const std::int32_t> vertices = tree.vertices(node, lane);
+    if (vertices.empty()) break;
+    Eigen::Vector3d low = field[static_cast<std::size_t>(vertices[0])], high = low;
+    for (const std::int32_t v : vertices) {
+      low = low.cwiseMin(field[static_cast<std::size_t>(v)]);
+      high = high.cwiseMax(field[static_cast<std::size_t>(v)]);
+    }
+    for (int k = 0; k < 3; ++k) {
+      box.low[k][lane] = roundedDown(low[k]);
+      box.high[k][lane] = roundedUpToFloat(high[k]);
+    }
+  }
+  return box;
+}
+
+/// Children of a node stand before its empty lanes.
+std::uint8_t lanesOf(const DeformTree& tree, std::int32_t node) {
+  std::uint8_t lanes = 0;
+  while (lanes < kWidth && tree.node(node).child[lanes] != DeformTree::kNone) ++lanes;
+  return lanes;
+}
+
+// [-slack, slack].
+BoxSum sumOf(double slack) {
+  BoxSum sum;
+  std::fill_n(sum.low, BoxSum::kNumbers, -slack);
+  std::fill_n(sum.high, BoxSum::kNumbers, slack);
+  return sum;
+}
+
+BlendedMotion::Field meanOf(const std::vector<BlendedMotion::Field>& fields) {
+  BlendedMotion::Field mean = fields[0];
+  for (std::size_t k = 1; k < fields.size(); ++k) {
+    for (std::size_t v = 0; v < mean.size(); ++v) mean[v] += fields[k][v];
+  }
+  for (Eigen::Vector3d& v : mean) v /= static_cast<double>(fields.size());
+  return mean;
+}
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+// Diagonal i is axis a plus or minus axis b.
+struct Pair {
+  int a, b;
+  double sign;
+};
+Pair pairOf(int i) {
+  const int a = i / 2;
+  return {a, (a + 1) % 3, i % 2 == 0 ? 1.0 : -1.0};
+}
+// One over its length.
+constexpr double kPerDiagonal = std::numbers::sqrt2 / 2;
+
+double alongDiagonal(const double* p, int i) {
+  const Pair d = pairOf(i);
+  return p[d.a] + d.sign * p[d.b];
+}
+
+// A body's reach along diagonal i; its box along its own axes counts grown by `slack`.
+Interval reachAlongDiagonal(const Probe& probe, int i, double slack) {
+  const Pair d = pairOf(i);
+  const auto number = [](float x) { return static_cast<double>(x); };
+  const bool plus = d.sign > 0;
+  Interval reach{
+      number(probe.low[d.a]) + (plus ? number(probe.low[d.b]) : -number(probe.high[d.b])),
+      number(probe.high[d.a]) + (plus ? number(probe.high[d.b]) : -number(probe.low[d.b]))};
+  Interval own{-slack, slack};
+  for (int j = 0; j < 3; ++j) {
+    const double n = number(probe.axis[j][d.a]) + d.sign * number(probe.axis[j][d.b]);
+    const double low = number(probe.axis_low[j]), high = number(probe.axis_high[j]);
+    own.lower += n > 0 ? n * low : n * high;
+    own.upper += n > 0 ? n * high : n * low;
+  }
+  // Written so that what is no number, 0 times infinity, narrows nothing.
+  if (own.lower > reach.lower) reach.lower = own.lower;
+  if (own.upper < reach.upper) reach.upper = own.upper;
+  return reach;
+}
+
+void raise(double lower, float& bound) {
+  if (lower > static_cast<double>(bound)) bound = roundedDown(lower);
+}
+
+}  // namespace
+
+BlendedBounds::BlendedBounds(const BlendedMotion& motion, const DeformTree& tree,
+                             DeformVolume volume, std::int32_t nodes)
+    : volume_(volume), fields_(motion.fields().size()), has_base_(!motion.base().empty()) {
+  base_size_ = largestCoordinate(motion.base());
+  for (const BlendedMotion::Field& field : motion.fields())
+    field_sizes_.push_back(largestCoordinate(field));
+  // The mean of fields may be as large as the largest of them.
+  if (!has_base_) {
+    const double largest = *std::max_element(field_sizes_.begin(), field_sizes_.end());
+    std::fill(field_sizes_.begin(), field_sizes_.end(), largest);
+  }
+  std::vector<const BlendedMotion::Field*> all;
+  if (has_base_) all.push_back(&motion.base());
+  for (const BlendedMotion::Field& field : motion.fields()) all.push_back(&field);
+  std::vector<BlendedMotion::Field> differences;  // and the mean first
+  if (!has_base_ && volume != DeformVolume::kBall) {
+    differences.push_back(meanOf(motion.fields()));
+    for (const BlendedMotion::Field& field : motion.fields()) {
+      differences.push_back(field);
+      for (std::size_t v = 0; v < field.size(); ++v) differences.back()[v] -= differences[0][v];
+    }
+  }
+  for (const BlendedMotion::Field& field : differences) differences_.addField(field);
+  if (volume != DeformVolume::kBall) {
+    for (const BlendedMotion::Field* field : all) boxes_.addField(*field);
+  }
+  for (std::int32_t node = 0; node < nodes; ++node) {
+    lanes_.push_back(lanesOf(tree, node));
+    if (volume == DeformVolume::kBall) {
+      for (const BlendedMotion::Field* field : all) balls_.push_back(ballsOf(*field, tree, node));
+      continue;
+    }
+    for (std::size_t i = 0; i < differences.size(); ++i)
+      differences_.addNode(differences[i], i, tree, node);
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      boxes_.addNode(*all[i], i, tree, node);
+      if (volume == DeformVolume::kDop) diagonals_.push_back(diagonalsOf(*all[i], tree, node));
+    }
+  }
+}
+
+void BlendedBounds::Boxes::addField(const BlendedMotion::Field& field) {
+  unsigned there = 0;
+  for (const Eigen::Vector3d& v : field) {
+    for (int k = 0; k < 3; ++k) there |= v[k] != 0 ? 1U << k : 0U;
+  }
+  axes.push_back(static_cast<std::uint8_t>(there));
+  rows_a_node += static_cast<std::size_t>(std::popcount(there));
+}
+
+void BlendedBounds::Boxes::addNode(const BlendedMotion::Field& field, std::size_t number,
+                                   const DeformTree& tree, std::int32_t node) {
+  const WideBox box = boxOf(field, tree, node);
+  for (int k = 0; k < 3; ++k) {
+    if ((axes[number] >> k & 1) == 0) continue;
+    AxisRow& row = rows.emplace_back();
+    std::copy_n(box.low[k], kWidth, row.low);
+    std::copy_n(box.high[k], kWidth, row.high);
+  }
+}
+
+void BlendedBounds::Boxes::fetch(std::int32_t node) const {
+  const std::size_t first = static_cast<std::size_t>(node) * rows_a_node;
+  if (first >= rows.size()) return;
+  for (std::size_t i = 0; i < rows_a_node; ++i) __builtin_prefetch(&rows[first + i]);
+}
+
+void BlendedBounds::Boxes::blend(std::int32_t node, const double* first, std::span<const double> to,
+                                 std::span<const double> from, BoxSum& sum) const {
+  const MotionKernels& kernels = motionKernels();
+  const AxisRow* row = rows.data() + static_cast<std::size_t>(node) * rows_a_node;
+  const std::size_t others = axes.size() - to.size();  // 1 or none
+  if (first != nullptr) kernels.blend(row, axes.data(), first, nullptr, others, sum);
+  if (others > 0) row += std::popcount(axes[0]);
+  kernels.blend(row, axes.data() + others, to.data(), from.empty() ? nullptr : from.data(),
+                to.size(), sum);
+}
+
+// A sum of two doubles is as good as one when it becomes a float.
+BlendedBounds::Diagonals BlendedBounds::diagonalsOf(const BlendedMotion::Field& field,
+                                                    const DeformTree& tree, std::int32_t node) {
+  Diagonals result{};
+  for (int lane = 0; lane < kWidth; ++lane) {
+    const std::span<const std::int32_t> vertices = tree.vertices(node, lane);
+    if (vertices.empty()) break;
+    for (int i = 0; i < kDiagonals; ++i) {
+      double low = kInfinity, high = -kInfinity;
+      for (const std::int32_t v : vertices) {
+        const double along = alongDiagonal(field[static_cast<std::size_t>(v)].data(), i);
+        low = std::min(low, along);
+        high = std::max(high, along);
+      }
+      result.low[i][lane] = roundedDown(low);
+      result.high[i][lane] = roundedUpToFloat(high);
+    }
+  }
+  return result;
+}
+
+// About the middle of the box; radii are of the centres as they are stored.
+BlendedBounds::Balls BlendedBounds::ballsOf(const BlendedMotion::Field& field,
+                                            const DeformTree& tree, std::int32_t node) {
+  Balls result{};
+  const WideBox box = boxOf(field, tree, node);
+  for (int lane = 0; lane < kWidth; ++lane) {
+    const std::span<const std::int32_t> vertices = tree.vertices(node, lane);
+    if (vertices.empty()) break;
+    Eigen::Vector3d center;
+    for (int k = 0; k < 3; ++k) {
+      result.center[k][lane] = 0.5F * box.low[k][lane] + 0.5F * box.high[k][lane];
+      center[k] = static_cast<double>(result.center[k][lane]);
+    }
+    double squared = 0;
+    for (const std::int32_t v : vertices)
+      squared = std::max(squared, (field[static_cast<std::size_t>(v)] - center).squaredNorm());
+    result.radius[lane] = roundedUpToFloat(std::sqrt(squared));
+  }
+  return result;
+}
+
+void BlendedBounds::bound(std::int32_t node, std::span<const double> parameters,
+                          WideBox& box) const {
+  if (volume_ != DeformVolume::kBall) {
+    boundBoxes(node, parameters, box);
+    return;
+  }
+  box.clear();
+  const BlendedBalls balls = blendBalls(node, parameters);
+  for (int lane = 0; lane < lanes_[static_cast<std::size_t>(node)]; ++lane) {
+    for (int k = 0; k < 3; ++k) {
+      box.low[k][lane] = roundedDown(balls.center[k][lane] - balls.radius[lane]);
+      box.high[k][lane] = roundedUpToFloat(balls.center[k][lane] + balls.radius[lane]);
+    }
+  }
+}
+
+// In exact arithmetic the sums below hold the exact vertices. A vertex as evaluated and each bound
+// are off by at most one rounding a product and a sum, of numbers that are at most the sum of
+// magnitudes: (fields + 1) units each, so that 4 (fields + 2) cover both and the sum's own. A
+// difference from the mean is at most twice as large and one rounding more: 8 (fields + 4) there,
+// and along a diagonal, which adds two coordinates. The ways of a vertex and a ball's centre are
+// the root of 3 times as long, and a radius is at most twice that times the largest coordinate: 7
+// (fields + 2) in sum.
+double BlendedBounds::rounding(std::span<const double> parameters) const {
+  double size = base_size_;
+  for (std::size_t k = 0; k < fields_; ++k) size += std::abs(parameters[k]) * field_sizes_[k];
+  return 8 * (static_cast<double>(fields_) + 4) * kUnitRoundoff * size;
+}
+
+void BlendedBounds::boundBoxes(std::int32_t node, std::span<const double> parameters,
+                               WideBox& box) const {
+  double total = 0;
+  bool turned = false;
+  for (std::size_t k = 0; k < fields_; ++k) {
+    total += parameters[k];
+    turned = turned || parameters[k] < 0;
+  }
+  const double slack = rounding(parameters);
+  const auto n = static_cast<std::size_t>(node);
+  BoxSum sum = sumOf(slack);
+  const double one = 1;
+  boxes_.blend(node, &one, parameters, {}, sum);
+  if (turned && !has_base_) {
+    BoxSum other = sumOf(slack);
+    differences_.blend(node, &total, parameters, {}, other);
+    for (int i = 0; i < BoxSum::kNumbers; ++i) {
+      sum.low[i] = std::max(sum.low[i], other.low[i]);
+      sum.high[i] = std::min(sum.high[i], other.high[i]);
+    }
+  }
+  motionKernels().put(sum, box);
+  for (int axis = 0; axis < 3; ++axis) {
+    for (int lane = lanes_[n]; lane < kWidth; ++lane) {
+      box.low[axis][lane] = std::numeric_limits<float>::infinity();
+      box.high[axis][lane] = -std::numeric_limits<float>::infinity();
+    }
+  }
+}
+
+// The difference of two sums is the sum with the differences of the coordinates; each of the two is
+// off as the bounds say, and so are the differences, of what is at most both together.
+void BlendedBounds::displacement(std::int32_t node, std::span<const double> from,
+                                 std::span<const double> to, double rounding, WideBox& box) const {
+  (has_base_ ? boxes_ : differences_).fetch(node + kNodesAhead);
+  BoxSum sum = sumOf(rounding);
+  if (has_base_) {
+    boxes_.blend(node, nullptr, to, from, sum);
+  } else {
+    double total = 0;
+    for (std::size_t k = 0; k < fields_; ++k) total += to[k] - from[k];
+    differences_.blend(node, &total, to, from, sum);
+  }
+  motionKernels().put(sum, box);
+}
+
+double BlendedBounds::displacementRounding(std::span<const double> from,
+                                           std::span<const double> to) const {
+  return rounding(from) + rounding(to);
+}
+
+std::size_t BlendedBounds::bytes() const {
+  std::size_t bytes = sizeof(*this) + diagonals_.capacity() * sizeof(Diagonals) +
+                      balls_.capacity() * sizeof(Balls) + lanes_.capacity() +
+                      field_sizes_.capacity() * sizeof(double);
+  for (const Boxes* boxes : {&boxes_, &differences_})
+    bytes += boxes->axes.capacity() + boxes->rows.capacity() * sizeof(AxisRow);
+  return bytes;
+}
+
+BlendedBounds::BlendedBalls BlendedBounds::blendBalls(std::int32_t node,
+                                                      std::span<const double> parameters) const {
+  BlendedBalls sum{};
+  const double slack = rounding(parameters);
+  for (double& radius : sum.radius) radius = slack;
+  const Balls* balls = &balls_[static_cast<std::size_t>(node) * volumesOfNode()];
+  for (std::size_t i = 0; i < volumesOfNode(); ++i) {
+    const double p = weight(parameters, i);
+    for (int lane = 0; lane < kWidth; ++lane) {
+      for (int k = 0; k < 3; ++k)
+        sum.center[k][lane] += p * static_cast<double>(balls[i].center[k][lane]);
+      sum.radius[lane] += std::abs(p) * static_cast<double>(balls[i].radius[lane]);
+    }
+  }
+  return sum;
+}
+
+void BlendedBounds::tighten(std::int32_t node, std::span<const double> parameters,
+                            const Probe& probe, Bounds& bounds) const {
+  if (volume_ == DeformVolume::kDop) tightenByDiagonals(node, parameters, probe, bounds);
+  if (volume_ == DeformVolume::kBall) tightenByBalls(node, parameters, probe, bounds);
+}
+
+// How far the body reaches along a diagonal, by its box along the axes of B and by that along its
+// own. An axis in single precision is off by less than 2^-22 in all, its body's coordinates by that
+// times what probe.slack is 2^-19 of, and twice that if the axes depart from a rotation as far as
+// they may: four times the slack covers both.
+void BlendedBounds::tightenByDiagonals(std::int32_t node, std::span<const double> parameters,
+                                       const Probe& probe, Bounds& bounds) const {
+  double low[kDiagonals][kWidth], high[kDiagonals][kWidth];
+  const double slack = rounding(parameters);
+  for (int i = 0; i < kDiagonals; ++i) {
+    for (int lane = 0; lane < kWidth; ++lane) {
+      low[i][lane] = -slack;
+      high[i][lane] = slack;
+    }
+  }
+  const Diagonals* diagonals = &diagonals_[static_cast<std::size_t>(node) * volumesOfNode()];
+  for (std::size_t f = 0; f < volumesOfNode(); ++f) {
+    const double p = weight(parameters, f);
+    const auto& lower = p >= 0 ? diagonals[f].low : diagonals[f].high;
+    const auto& upper = p >= 0 ? diagonals[f].high : diagonals[f].low;
+    for (int i = 0; i < kDiagonals; ++i) {
+      for (int lane = 0; lane < kWidth; ++lane) {
+        low[i][lane] += p * static_cast<double>(lower[i][lane]);
+        high[i][lane] += p * static_cast<double>(upper[i][lane]);
+      }
+    }
+  }
+  const double body_slack = static_cast<double>(probe.slack);
+  const double grown = static_cast<double>(probe.radius) + body_slack;
+  for (int i = 0; i < kDiagonals; ++i) {
+    const Interval across = reachAlongDiagonal(probe, i, 4 * body_slack);
+    for (int lane = 0; lane < lanes_[static_cast<std::size_t>(node)]; ++lane) {
+      double gap = std::max(low[i][lane] - across.upper, across.lower - high[i][lane]);
+      if (!(gap >= -kInfinity)) continue;  // both infinite: nothing is known along this one
+      gap *= kPerDiagonal;
+      raise(gap - std::abs(gap) * kRotationTolerance - grown, bounds.lower[lane]);
+    }
+  }
+}
+
+// A centre that is within the body's box says nothing of how deep.
+void BlendedBounds::tightenByBalls(std::int32_t node, std::span<const double> parameters,
+                                   const Probe& probe, Bounds& bounds) const {
+  const BlendedBalls balls = blendBalls(node, parameters);
+  const double grown = static_cast<double>(probe.radius) + static_cast<double>(probe.slack);
+  for (int lane = 0; lane < lanes_[static_cast<std::size_t>(node)]; ++lane) {
+    double squared = 0;
+    for (int j = 0; j < 3; ++j) {
+      double along = 0;
+      for (int k = 0; k < 3; ++k)
+        along += static_cast<double>(probe.axis[j][k]) * balls.center[k][lane];
+      const double outside = std::max({along - static_cast<double>(probe.axis_high[j]),
+                                       static_cast<double>(probe.axis_low[j]) - along, 0.0});
+      squared += outside * outside;
+    }
+    if (!(squared > 0)) continue;
+    // As in the kernels: axes that depart from a rotation.
+    raise(std::sqrt(squared) * (1 - kRotationTolerance) - balls.radius[lane] - grown,
+          bounds.lower[lane]);
+  }
+}
+
+}  // namespace leeway::collision

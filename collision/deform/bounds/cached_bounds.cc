@@ -1,0 +1,74 @@
+#include "collision/deform/bounds/cached_bounds.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace leeway::collision {
+
+// Least and largest of stored singles are exact.
+CachedBounds::CachedBounds(const CachedVertices& motion, const DeformTree& tree, std::int32_t nodes)
+    : frames_(motion.frameCount()),
+      rows_(3 * frames_ * static_cast<std::size_t>(nodes)),
+      lanes_(static_cast<std::size_t>(nodes)) {
+  // Children stand behind their parents.
+  for (std::int32_t node = nodes - 1; node >= 0; --node) {
+    const auto n = static_cast<std::size_t>(node);
+    for (int lane = 0; lane < kWidth; ++lane) {
+      const std::int32_t child = tree.node(node).child[lane];
+      if (child == DeformTree::kNone) break;  // no others come behind it
+      ++lanes_[n];
+      const std::span<const std::int32_t> below = tree.vertices(node, lane);
+      for (std::size_t f = 0; f < frames_; ++f) {
+        AxisRow* const rows = &rows_[3 * (n * frames_ + f)];
+        const bool known = child >= 0 && child < nodes;
+        const AxisRow* const of_child =
+            known ? &rows_[3 * (static_cast<std::size_t>(child) * frames_ + f)] : nullptr;
+        const int lanes = known ? lanes_[static_cast<std::size_t>(child)] : 0;
+        const Eigen::Vector3f* const frame = motion.frame(f);
+        for (int k = 0; k < 3; ++k) {
+          float low = std::numeric_limits<float>::infinity(), high = -low;
+          for (int i = 0; i < lanes; ++i) {
+            low = std::min(low, of_child[k].low[i]);
+            high = std::max(high, of_child[k].high[i]);
+          }
+          if (!known) {
+            for (const std::int32_t v : below) {
+              low = std::min(low, frame[v][k]);
+              high = std::max(high, frame[v][k]);
+            }
+          }
+          rows[k].low[lane] = low;
+          rows[k].high[lane] = high;
+        }
+      }
+    }
+  }
+}
+
+// Products and sums are rounded as those of the vertices are, and rounding keeps the order: no
+// vertex as evaluated is out of its box.
+void CachedBounds::bound(std::int32_t node, std::span<const double> parameters,
+                         WideBox& box) const {
+  constexpr std::uint8_t kAllAxes[] = {7, 7};
+  const double share = parameters[1];
+  const double weights[] = {share > 0 ? 1 - share : 1, share};
+  BoxSum sum{};
+  const MotionKernels& kernels = motionKernels();
+  // The last frame has none behind it.
+  kernels.blend(rowsOf(node, parameters), kAllAxes, weights, nullptr, share > 0 ? 2 : 1, sum);
+  kernels.put(sum, box);
+  for (int k = 0; k < 3; ++k) {
+    for (int lane = lanes_[static_cast<std::size_t>(node)]; lane < kWidth; ++lane) {
+      box.low[k][lane] = std::numeric_limits<float>::infinity();
+      box.high[k][lane] = -std::numeric_limits<float>::infinity();
+    }
+  }
+}
+
+void CachedBounds::fetch(std::int32_t node, std::span<const double> parameters) const {
+  if (static_cast<std::size_t>(node) >= lanes_.size()) return;
+  const AxisRow* const rows = rowsOf(node, parameters);
+  for (int i = 0; i < (parameters[1] > 0 ? 6 : 3); ++i) __builtin_prefetch(rows + i);
+}
+
+}  // namespace leeway::collision

@@ -1,0 +1,98 @@
+#include "collision/deform/motion/cache_motion.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "collision/base/round_up.h"
+#include "collision/base/tolerances.h"
+#include "collision/deform/motion/motion_input.h"
+#include "leeway/collision/vertex_motion.h"
+
+namespace leeway::collision {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr MotionKind kKind = MotionKind::kCache;
+
+}  // namespace
+
+CachedVertices::CachedVertices(CacheMotion motion)
+    : VertexMotion(kKind, motion.vertex_count, 2, motion.times),
+      track_(std::move(motion.times), Interpolation::kLinear),
+      positions_(std::move(motion.positions)) {
+  for (const Eigen::Vector3f& p : positions_)
+    size_ = std::max(size_, static_cast<double>(p.cwiseAbs().maxCoeff()));
+  measureSegments();
+}
+
+void CachedVertices::parameters(double time, std::span<double> out) const {
+  const KeyPlace place = track_.at(time);
+  out[0] = static_cast<double>(place.key);
+  out[1] = place.share;
+}
+
+void CachedVertices::vertices(std::span<const double> parameters, int first,
+                              std::span<Vector3d> out) const {
+  const Eigen::Vector3f* from = frame(static_cast<std::size_t>(parameters[0])) + first;
+  if (!(parameters[1] > 0)) {
+    for (std::size_t i = 0; i < out.size(); ++i) out[i] = from[i].cast<double>();
+    return;
+  }
+  const double s = parameters[1], r = 1 - s;
+  const Eigen::Vector3f* to = from + vertexCount();
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    for (int k = 0; k < 3; ++k)
+      out[i][k] = r * static_cast<double>(from[i][k]) + s * static_cast<double>(to[i][k]);
+  }
+}
+
+double CachedVertices::speedBound(double t0, double t1) const {
+  return track_.largest(speeds_, t0, t1);
+}
+
+// Vertices move along straight lines at constant speed between two frames.
+double CachedVertices::accelerationBound(double t0, double t1) const {
+  return t0 <= t1 && !track_.jumps(t0, t1) ? 0 : std::numeric_limits<double>::infinity();
+}
+
+double CachedVertices::rounding(double t0, double t1) const {
+  if (!(t0 <= t1)) return std::numeric_limits<double>::infinity();
+  return roundedUp(2 * (2 * kShareRounding + 8) * kUnitRoundoff * size_, 8);
+}
+
+void CachedVertices::measureSegments() {
+  for (std::size_t i = 0; i < track_.segments(); ++i) {
+    double longest_squared = 0;
+    for (std::ptrdiff_t v = 0; v < vertexCount(); ++v) {
+      const Vector3d from = frame(i)[v].cast<double>(), to = frame(i + 1)[v].cast<double>();
+      longest_squared = std::max(longest_squared, squaredLength(to - from));
+    }
+    // A difference of two numbers is within one unit of the exact one, relative.
+    speeds_.push_back(roundedUp(std::sqrt(longest_squared) * track_.rate(i), 16));
+  }
+}
+
+std::shared_ptr<const VertexMotion> VertexMotion::cache(CacheMotion motion) {
+  if (motion.vertex_count <= 0)
+    refuse(kKind, std::to_string(motion.vertex_count) + " vertices; at least 1 is needed");
+  if (motion.times.empty()) refuse(kKind, "no frames; at least 1 is needed");
+  requireIncreasing(kKind, motion.times);
+  const auto count = static_cast<std::size_t>(motion.vertex_count);
+  requireCount(kKind, "the motion", motion.positions.size(), motion.times.size() * count,
+               "positions (" + std::to_string(motion.times.size()) + " frames of " +
+                   std::to_string(count) + " vertices)");
+  for (std::size_t i = 0; i < motion.positions.size(); ++i) {
+    if ((motion.positions[i].array().abs() <= static_cast<float>(kLargestMotion)).all()) continue;
+    for (int k = 0; k < 3; ++k) {
+      requireUsable(kKind,
+                    "frame " + std::to_string(i / count) + ", vertex " + std::to_string(i % count),
+                    static_cast<double>(motion.positions[i][k]));
+    }
+  }
+  return std::make_shared<CachedVertices>(std::move(motion));
+}
+
+}  // namespace leeway::collision

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "collision/deform/motion/key_track.h"
+#include "leeway/collision/vertex_motion.h"
+
+namespace leeway::collision {
+
+/// Vertices stored frame by frame. The parameters are the number of a frame and the share of the
+/// next one.
+class CachedVertices final : public VertexMotion {
+ public:
+  explicit CachedVertices(CacheMotion motion);
+
+  void parameters(double time, std::span<double> out) const override;
+  /// (1 - share) * frame + share * next, rounded product by product; a share of 0: the frame.
+  void vertices(std::span<const double> parameters, int first,
+                std::span<Eigen::Vector3d> out) const override;
+  double speedBound(double t0, double t1) const override;
+  double accelerationBound(double t0, double t1) const override;
+  double rounding(double t0, double t1) const override;
+
+  std::size_t frameCount() const { return track_.times().size(); }
+  const Eigen::Vector3f* frame(std::size_t i) const {
+    return positions_.data() + i * static_cast<std::size_t>(vertexCount());
+  }
+
+ private:
+  void measureSegments();
+
+  KeyTrack track_;
+  std::vector<Eigen::Vector3f> positions_;
+  double size_ = 0;             // largest |coordinate| [m]
+  std::vector<double> speeds_;  // one a segment
+};
+
+}  // namespace leeway::collision

@@ -1,0 +1,112 @@
+#pragma once
+
+// Private to collision/: the state of a deforming mesh, and where queries find bounds of nodes.
+
+#include <cstdint>
+#include <memory>
+#include <memory_resource>
+#include <vector>
+
+#include "collision/base/large_pages.h"
+#include "collision/deform/bounds/node_bounds.h"
+#include "collision/deform/tree/deform_tree.h"
+#include "collision/deform/tree/refit.h"
+#include "leeway/collision/deformable_mesh.h"
+
+namespace leeway::collision {
+
+/// Which bounds a snapshot leaves to the queries.
+enum class Demand : unsigned char {
+  kNothing,   ///< none: all nodes have been computed
+  kBranches,  ///< those of branches: a node looks at the vertices below it
+  kVertices,  ///< all, likewise
+  kMotion,    ///< all: from the parameters of the motion
+  kNoTree,    ///< there are no nodes
+};
+
+struct DeformableSnapshotImpl {
+  DeformableSnapshotImpl() { face.impl_ = this; }
+  DeformableSnapshotImpl(const DeformableSnapshotImpl&) = delete;
+  DeformableSnapshotImpl& operator=(const DeformableSnapshotImpl&) = delete;
+
+  DeformableSnapshot face;
+  std::shared_ptr<const DeformableMesh> mesh;
+  std::shared_ptr<const DeformTree> tree;
+  std::shared_ptr<const NodeBounds> bounds;  // for Demand::kMotion
+  // And one more, so that four doubles can be loaded.
+  std::pmr::vector<Eigen::Vector3d> vertices{largePages()};
+  std::vector<double> parameters;                 // of the motion
+  std::pmr::vector<WideBox> boxes{largePages()};  // one a node that is not left to the queries
+  Demand demand = Demand::kNothing;
+  DeformStrategy strategy = DeformStrategy::kRebuild;
+  double time = 0, speed_bound = 0;
+  std::uint64_t id = 0, owner = 0;
+  Eigen::Vector3d low = Eigen::Vector3d::Zero(), high = Eigen::Vector3d::Zero();
+};
+
+/// Nodes of one owner's snapshots that a thread has filled.
+struct DeformScratch {
+  struct Entry {
+    std::uint64_t owner = 0;
+    std::pmr::vector<WideBox> boxes{largePages()};  // one a node
+    // One a node: the snapshot that its box belongs to.
+    std::pmr::vector<std::uint64_t> stamp{largePages()};
+  };
+  std::vector<Entry> entries;
+  std::uint64_t asked = 0;  ///< the snapshot that was asked last
+  /// For Demand::kNoTree: boxes of two bodies' triangles and the lists of an octree's cells.
+  std::vector<FloatBox> boxes_a, boxes_b;
+  std::vector<std::int32_t> lists;
+
+  Entry* find(std::uint64_t owner) {
+    for (Entry& entry : entries) {
+      if (entry.owner == owner) return &entry;
+    }
+    return nullptr;
+  }
+};
+
+/// The bounds of a snapshot's nodes, for one query.
+class BoxSource {
+ public:
+  BoxSource() = default;
+  BoxSource(const DeformableSnapshotImpl& snapshot, DeformScratch& scratch);
+
+  /// Boxes of the node's children; `room` is used where the thread's scratch has none for it.
+  const WideBox& boxes(std::int32_t node, WideBox& room) const {
+    return isThere(node) ? snapshot_->boxes[static_cast<std::size_t>(node)] : fill(node, room);
+  }
+
+  /// Whether the snapshot itself has the boxes of a node's children. Whether a query has filled
+  /// them is nobody's business: answers would hang on what this thread has asked before.
+  bool isThere(std::int32_t node) const {
+    return snapshot_->demand == Demand::kNothing ||
+           (snapshot_->demand == Demand::kBranches && node < snapshot_->tree->upperCount());
+  }
+
+  /// Starts to bring near what a look at this child of a node will read: after an update it is far.
+  void fetch(std::int32_t child) const {
+    if (child < 0) return;
+    const auto i = static_cast<std::size_t>(child);
+    const bool there = isThere(child);
+    if (!there && entry_ == nullptr) return;
+    const WideBox& box = there ? snapshot_->boxes[i] : entry_->boxes[i];
+    __builtin_prefetch(box.low[0]);  // 64 bytes each
+    __builtin_prefetch(box.low[2]);
+    __builtin_prefetch(box.high[1]);
+    __builtin_prefetch(&snapshot_->tree->node(child));
+    if (!there) snapshot_->tree->fetchLeaves(child);
+    if (there || snapshot_->demand == Demand::kMotion || entry_->stamp[i] == snapshot_->id) return;
+    // Almost every child that is left open is looked at in its turn.
+    if (child >= snapshot_->tree->upperCount())
+      snapshot_->tree->fetchVertices(child, snapshot_->vertices.data());
+  }
+
+ private:
+  const WideBox& fill(std::int32_t node, WideBox& room) const;
+
+  const DeformableSnapshotImpl* snapshot_ = nullptr;
+  DeformScratch::Entry* entry_ = nullptr;  // null: there is no room
+};
+
+}  // namespace leeway::collision

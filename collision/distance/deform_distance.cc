@@ -1,0 +1,137 @@
+#include "collision/distance/deform_distance.h"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "collision/base/status.h"
+#include "collision/deform/query/deform_descent.h"
+#include "collision/distance/mesh_distance.h"
+#include "collision/distance/mesh_separation.h"
+#include "collision/distance/round_distance.h"
+#include "collision/mesh/descent/descent_answer.h"
+#include "collision/solids/contains_at.h"
+#include "collision/solids/solid_depth.h"
+
+namespace leeway::collision {
+namespace {
+
+using Eigen::Vector3d;
+
+// What holds a body and is convex: itself, or the corners of its box. A mesh's hull is in it.
+ConvexView outerOf(const DeformSide& side, std::array<Vector3d, 8>& corners) {
+  if (side.snapshot == nullptr && side.rigid.tree == nullptr) return side.rigid.view;
+  for (std::size_t i = 0; i < 8; ++i) {
+    for (int k = 0; k < 3; ++k) corners[i][k] = (i >> k & 1) != 0 ? side.high[k] : side.low[k];
+  }
+  return viewOfPoints(corners.data(), 8, 0);
+}
+
+// Starts to bring near the corners of a triangle.
+void fetchSlot(const DeformableSnapshot& snapshot, int triangle) {
+  const DeformTree& tree = *snapshot.impl().tree;
+  if (triangle >= 0 && triangle < tree.triangleCount())
+    __builtin_prefetch(&tree.corners(tree.slotOf(triangle)));
+}
+
+// The bodies in the other order.
+DistanceResult exchanged(DistanceResult result) {
+  std::swap(result.point_a, result.point_b);
+  std::swap(result.triangle_a, result.triangle_b);
+  result.normal = -result.normal;
+  return result;
+}
+
+}  // namespace
+
+namespace {
+
+DistanceResult descentDistance(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
+                               const DistanceRequest& request, Scratch& scratch, PairCache& cache) {
+  // Boxes stand in B's frame: B is the one that deforms, where only one does.
+  if (b.type() != ShapeType::kDeformable) {
+    std::swap(cache.triangle_a, cache.triangle_b);
+    const DistanceResult result =
+        exchanged(descentDistance(b, X_WB, a, X_WA, request, scratch, cache));
+    std::swap(cache.triangle_a, cache.triangle_b);
+    return result;
+  }
+  // What was nearest last time is looked at first, and comes from far.
+  fetchSlot(*b.deformable(), cache.triangle_b);
+  const RelativePose relative = relativePose(X_WA, X_WB);
+  if (!relative.valid) return {};
+  const DeformSide side_a = deformSide(a), side_b = deformSide(b);
+  const DescentPlacement placement = placementOf(relative, side_a, side_b);
+  const DescentResult found = deformDescend(side_a, side_b, placement, request, scratch, &cache);
+  remember(found, cache);
+
+  DistanceResult result = surfaceDistance(found, X_WB);
+  // Boxes that meet say nothing yet: the surfaces may be apart, with one body inside the other, or
+  // overlap.
+  if (!(found.hull_lower > 0) && !found.misplaced) {
+    Containment containment = Containment::kUndecided;
+    if (found.lower > 0) containment = containsAt(a, X_WA, b, X_WB, found.lower, scratch);
+    if (containment != Containment::kNo) {
+      // What is inside has to come through the surface, which is that far away.
+      if (containment == Containment::kYes) result.distance.upper = -found.lower;
+      result.distance.lower = found.hull_lower;
+      if (request.depth && !(result.distance.upper <= request.threshold)) {
+        const Vector3d way_out = containment == Containment::kYes
+                                     ? Vector3d(result.point_a - result.point_b)
+                                     : result.normal;
+        // A translation that separates what holds the bodies, with its direction.
+        std::array<Vector3d, 8> corners_a, corners_b;
+        const DistanceResult outer =
+            convexDistance(outerOf(side_a, corners_a), relative.X_BA, outerOf(side_b, corners_b),
+                           request, scratch, nullptr, placement.slack);
+        result.iterations += outer.iterations;
+        result.distance.lower = outer.distance.lower;
+        result.normal = X_WB.rotation * outer.normal;
+        if (result.distance.width() > request.tolerance) {
+          const Vector3d middle = X_WB * Vector3d(0.5 * (outer.point_a + outer.point_b));
+          const Vector3d deepest = deepen(a, X_WA, b, X_WB, middle, request, scratch, result);
+          const Vector3d tries[] = {way_out, deepest};
+          separateMeshes(a, X_WA, b, X_WB, tries, request, scratch, result);
+        }
+      }
+    }
+  }
+  result.status = statusOf(result.distance, request);
+  return result;
+}
+
+bool isRound(const Shape& shape) {
+  return shape.type() == ShapeType::kSphere || shape.type() == ShapeType::kCapsule;
+}
+
+DistanceResult cachedDistance(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
+                              const DistanceRequest& request, Scratch& scratch, PairCache& cache) {
+  DistanceResult result;
+  int visited = 0;
+  if (isRound(b) ? roundDistance(b, X_WB, a, X_WA, request, scratch, cache, true, result, visited)
+                 : isRound(a) && roundDistance(a, X_WA, b, X_WB, request, scratch, cache, false,
+                                               result, visited))
+    return result;
+  if (visited == 0) return descentDistance(a, X_WA, b, X_WB, request, scratch, cache);
+  DistanceRequest rest = request;
+  rest.node_limit -= visited;
+  return descentDistance(a, X_WA, b, X_WB, rest, scratch, cache);
+}
+
+}  // namespace
+
+DistanceResult deformDistance(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
+                              const DistanceRequest& request, Scratch& scratch, PairCache* cache) {
+  if (cache != nullptr) return cachedDistance(a, X_WA, b, X_WB, request, scratch, *cache);
+  PairCache none;
+  return cachedDistance(a, X_WA, b, X_WB, request, scratch, none);
+}
+
+DistanceResult deformSweptDistance(const Shape& a, const Pose& X_BA0, const Pose& X_BA1,
+                                   double growth, const Shape& b, const DistanceRequest& request,
+                                   Scratch& scratch, PairCache* cache) {
+  return sweptByDescent(a, X_BA0, X_BA1, growth, b, request, scratch, cache, deformSide,
+                        deformDescend);
+}
+
+}  // namespace leeway::collision

@@ -1,0 +1,193 @@
+#include "leeway/collision/distance.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "collision/base/scratch.h"
+#include "collision/base/tolerances.h"
+#include "collision/base/vector.h"
+#include "collision/convex/convex_distance.h"
+#include "collision/convex/gjk/sharp.h"
+#include "collision/convex/hull_pairs.h"
+#include "collision/convex/pairs/simple_answer.h"
+#include "collision/distance/deform_distance.h"
+#include "collision/distance/mesh_distance.h"
+#include "collision/shapes/default_tolerance.h"
+
+namespace leeway::collision {
+
+namespace {
+
+double finiteExtent(const ConvexView& view) {
+  return view.core == Core::kHalfSpace ? 0 : view.extent;
+}
+
+// True when twice the precision may give the width that was asked for. (Not a width that even the
+// poses' own rounding does not allow; and not what a search left open that used up its steps.)
+bool stoppedByRounding(const DistanceResult& result, const DistanceRequest& request, double size) {
+  return result.status == DistanceStatus::kLimit && request.iteration_limit > 0 &&
+         request.tolerance >= kUnitRoundoff * size &&
+         (result.distance.width() <=
+              (result.distance.upper < 0 ? kSharpOverlapFrom : kSharpFrom) * size ||
+          result.iterations < request.iteration_limit) &&
+         size >= kSmallestScale && size <= kLargestScale;
+}
+
+// An ellipsoid whose semi-axes differ by a small part of the tolerance is a ball that stands out a
+// little: about a middle that two such share, or one and another body, the way out is as long in
+// all directions, and no search for the nearest one comes to an end. Thresholds are compared with
+// the shape itself. The extent stays: what a matrix that is no rotation makes of an ellipsoid.
+ConvexView ballOr(ConvexView view, const DistanceRequest& request) {
+  if (view.core != Core::kEllipsoid) return view;
+  const double least = view.size.minCoeff(), beyond = view.size.maxCoeff() - least;
+  const bool nearly = std::isnan(request.threshold) && beyond <= kBallShare * request.tolerance &&
+                      beyond <= kNearlyBall * least;
+  if (!(beyond == 0 || nearly)) return view;
+  view.core = Core::kPoint;
+  view.size.setZero();
+  view.radius = least;
+  view.excess = beyond * kOutwards;
+  return view;
+}
+
+void forgetPoints(DistanceResult& result) {
+  result.point_a.setZero();
+  result.point_b.setZero();
+  if (!result.normal.allFinite()) result.normal = Eigen::Vector3d::UnitX();
+}
+
+// Spheres and capsules. (One function for each pair, that none saves what others use; with one end
+// for what each knows in registers it all would go through memory.)
+template <bool kSegmentA, bool kSegmentB>
+__attribute__((noinline)) DistanceResult distanceOfSegments(const Shape& a, const Pose& X_WA,
+                                                            const Shape& b, const Pose& X_WB,
+                                                            const DistanceRequest& request,
+                                                            Scratch& scratch, PairCache* cache) {
+  const auto resultOf = [](const PairAnswer& found) __attribute__((always_inline)) {
+    DistanceResult result;
+    found.writeTo(result);
+    return result;
+  };
+  PairAnswer found;
+  if (answerSegments<kSegmentA, kSegmentB>(a, X_WA, b, X_WB, request, cache, found)) {
+    return resultOf(found);
+  }
+  return generalDistance(a, X_WA, b, X_WB, request, scratch, cache);
+}
+
+// All other pairs.
+__attribute__((noinline)) DistanceResult distanceOfOthers(const Shape& a, const Pose& X_WA,
+                                                          const Shape& b, const Pose& X_WB,
+                                                          const DistanceRequest& request,
+                                                          Scratch& scratch, PairCache* cache) {
+  // (One result, made where the caller wants it.)
+  DistanceResult result;
+  if (a.type() == ShapeType::kConvexHull && b.type() == ShapeType::kConvexHull) {
+    VertexStart start;
+    if (!answerHullPair(a, X_WA, b, X_WB, request, cache, result, start)) {
+      result = generalDistance(a, X_WA, b, X_WB, request, scratch, cache, &start);
+    }
+  } else if (!answerBoxPair(a, X_WA, b, X_WB, request, cache, result)) {
+    result = generalDistance(a, X_WA, b, X_WB, request, scratch, cache);
+  }
+  return result;
+}
+
+// Straight to the functions: code on the way is far when much else has been done since.
+DistanceResult distanceOf(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
+                          const DistanceRequest& request, Scratch& scratch, PairCache* cache) {
+  using enum ShapeType;
+  static_assert(kSphere < kCapsule && kCapsule < kBox);
+  if (std::max(a.type(), b.type()) <= kCapsule) {
+    const bool segment_a = a.type() == kCapsule, segment_b = b.type() == kCapsule;
+    if (segment_a && segment_b) {
+      return distanceOfSegments<true, true>(a, X_WA, b, X_WB, request, scratch, cache);
+    }
+    if (segment_a) {
+      return distanceOfSegments<true, false>(a, X_WA, b, X_WB, request, scratch, cache);
+    }
+    if (segment_b) {
+      return distanceOfSegments<false, true>(a, X_WA, b, X_WB, request, scratch, cache);
+    }
+    return distanceOfSegments<false, false>(a, X_WA, b, X_WB, request, scratch, cache);
+  }
+  if (a.type() == kDeformable || b.type() == kDeformable)
+    return deformDistance(a, X_WA, b, X_WB, request, scratch, cache);
+  return distanceOfOthers(a, X_WA, b, X_WB, request, scratch, cache);
+}
+
+}  // namespace
+
+double defaultTolerance(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB) {
+  return toleranceOf(a, b, X_WB.translation - X_WA.translation);
+}
+
+DistanceResult distance(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
+                        const DistanceRequest& request, Scratch& scratch, PairCache* cache) {
+  if (!std::isnan(request.tolerance)) {
+    return distanceOf(a, X_WA, b, X_WB, request, scratch, cache);
+  }
+  const Eigen::Vector3d offset = X_WB.translation - X_WA.translation;
+  return distanceOf(a, X_WA, b, X_WB, withTolerance(request, toleranceOf(a, b, offset)), scratch,
+                    cache);
+}
+
+DistanceResult generalDistance(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
+                               const DistanceRequest& request, Scratch& scratch, PairCache* cache,
+                               const VertexStart* start) {
+  if (a.type() == ShapeType::kDeformable || b.type() == ShapeType::kDeformable) {
+    return deformDistance(a, X_WA, b, X_WB, request, scratch, cache);
+  }
+  if (!a.isConvex() || !b.isConvex()) {
+    return meshDistance(a, X_WA, b, X_WB, request, scratch, cache);
+  }
+  const RelativePose relative = relativePose(X_WA, X_WB);
+  if (!relative.valid) return {};
+  const ConvexView view_a = ballOr(viewOf(a), request), view_b = ballOr(viewOf(b), request);
+  const Vector& t = relative.X_BA.translation;
+  // (Squares of the smallest numbers are 0.)
+  double translation = t.norm();
+  if (!(translation > kSmallestScale)) translation = std::hypot(t.x(), t.y(), t.z());
+  const double slack = relative.slack * (finiteExtent(view_a) + finiteExtent(view_b) + translation);
+  DistanceResult result =
+      convexDistance(view_a, relative.X_BA, view_b, request, scratch, cache, slack, nullptr, start);
+  const double size =
+      view_a.radius + view_b.radius + finiteExtent(view_a) + finiteExtent(view_b) + translation;
+  if (stoppedByRounding(result, request, size)) {
+    const SharpDifference sharp(view_a, X_WA, view_b, X_WB);
+    const DistanceResult again = convexDistance(view_a, sharp.X_BA(), view_b, request, scratch,
+                                                cache, sharp.poseSlack(), &sharp);
+    if (again.distance.width() < result.distance.width()) result = again;
+  }
+  result.point_a = placed(X_WB, result.point_a);
+  result.point_b = placed(X_WB, result.point_b);
+  result.normal = rotated(X_WB.rotation, result.normal);
+  // Coordinates beyond 1e308 overflow; there are no points to name then.
+  const double sum = result.point_a.sum() + result.point_b.sum() + result.normal.sum();
+  if (!std::isfinite(sum)) forgetPoints(result);
+  return result;
+}
+
+DistanceResult sweptDistance(const Shape& a, const Pose& X_BA0, const Pose& X_BA1, double growth,
+                             const Shape& b, const DistanceRequest& request, Scratch& scratch,
+                             PairCache* cache) {
+  if (std::isnan(request.tolerance)) {
+    return sweptDistance(a, X_BA0, X_BA1, growth, b,
+                         withTolerance(request, toleranceOf(a, b, X_BA0.translation)), scratch,
+                         cache);
+  }
+  if (a.type() == ShapeType::kDeformable || b.type() == ShapeType::kDeformable) {
+    return deformSweptDistance(a, X_BA0, X_BA1, growth, b, request, scratch, cache);
+  }
+  if (!a.isConvex() || !b.isConvex()) {
+    return meshSweptDistance(a, X_BA0, X_BA1, growth, b, request, scratch, cache);
+  }
+  const RelativePose pose0 = relativePose(X_BA0, {}), pose1 = relativePose(X_BA1, {});
+  // Written so that a NaN fails.
+  if (!pose0.valid || !pose1.valid || !(growth >= 0)) return {};
+  const ConvexView view_a = viewOf(a), view_b = viewOf(b);
+  const double slack = std::max(pose0.slack, pose1.slack) * finiteExtent(view_a);
+  return convexSweptDistance(view_a, X_BA0, X_BA1, growth, view_b, request, scratch, cache, slack);
+}
+
+}  // namespace leeway::collision

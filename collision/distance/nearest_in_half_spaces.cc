@@ -1,0 +1,65 @@
+#include "collision/distance/nearest_in_half_spaces.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "collision/base/tolerances.h"
+
+namespace leeway::collision {
+namespace {
+
+struct Search {
+  const HalfSpaceOf* spaces;
+  int count;
+  double size = 0;  // of the offsets [m]
+  double best = std::numeric_limits<double>::infinity();
+  Vector point = Vector::Zero();
+
+  void offer(const Vector& t) {
+    const double squared = t.squaredNorm();
+    if (!(squared < best)) return;
+    const double doubt = kHalfSpaceDoubt * (size + std::sqrt(squared));
+    for (int i = 0; i < count; ++i) {
+      if (!(spaces[i].normal.dot(t) >= spaces[i].offset - doubt)) return;
+    }
+    best = squared;
+    point = t;
+  }
+
+  void two(const HalfSpaceOf& a, const HalfSpaceOf& b) {
+    // t = x a + y b with a . t and b . t as given.
+    const double ab = a.normal.dot(b.normal), squared_sine = 1 - ab * ab;
+    if (squared_sine < kParallelPlanes * kParallelPlanes) return;
+    const double x = (a.offset - ab * b.offset) / squared_sine,
+                 y = (b.offset - ab * a.offset) / squared_sine;
+    offer(x * a.normal + y * b.normal);
+  }
+
+  void three(const HalfSpaceOf& a, const HalfSpaceOf& b, const HalfSpaceOf& c) {
+    const Vector bc = cross(b.normal, c.normal), ca = cross(c.normal, a.normal),
+                 ab = cross(a.normal, b.normal);
+    const double volume = a.normal.dot(bc);
+    if (std::abs(volume) < kParallelPlanes) return;
+    offer((a.offset * bc + b.offset * ca + c.offset * ab) / volume);
+  }
+};
+
+}  // namespace
+
+bool nearestInHalfSpaces(const HalfSpaceOf* spaces, int count, Vector& point) {
+  Search search{spaces, count};
+  for (int i = 0; i < count; ++i) search.size = std::max(search.size, std::abs(spaces[i].offset));
+  search.offer(Vector::Zero());
+  for (int i = 0; i < count; ++i) {
+    search.offer(spaces[i].offset * spaces[i].normal);
+    for (int j = i + 1; j < count; ++j) {
+      search.two(spaces[i], spaces[j]);
+      for (int k = j + 1; k < count; ++k) search.three(spaces[i], spaces[j], spaces[k]);
+    }
+  }
+  point = search.point;
+  return search.best < std::numeric_limits<double>::infinity();
+}
+
+}  // namespace leeway::collision

@@ -1,0 +1,110 @@
+#include "collision/distance/round_distance.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "collision/base/fetch_code.h"
+#include "collision/base/scratch.h"
+#include "collision/base/status.h"
+#include "collision/base/tolerances.h"
+#include "collision/base/work.h"
+#include "collision/convex/convex_distance.h"
+#include "collision/deform/query/round_body.h"
+#include "collision/solids/contains_at.h"
+#include "leeway/collision/deformable_mesh.h"
+
+namespace leeway::collision {
+
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+}  // namespace
+
+bool roundDistance(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
+                   const DistanceRequest& request, Scratch& scratch, PairCache& cache, bool turned,
+                   DistanceResult& result, int& visited) {
+  visited = 0;
+  const DeformableSnapshotImpl& mesh = b.deformable()->impl();
+  const DeformTree& tree = *mesh.tree;
+  // What was nearest last time is looked at first, and comes from far.
+  const int triangle = turned ? cache.triangle_a : cache.triangle_b;
+  std::int32_t first = -1;
+  if (cache.hierarchy == tree.id() && cache.place >= 0 && cache.place < tree.triangleCount()) {
+    first = cache.place;
+  } else if (triangle >= 0 && triangle < tree.triangleCount()) {
+    first = tree.slotOf(triangle);
+  }
+  if (first >= 0) __builtin_prefetch(&tree.corners(first));
+
+  // The first question after an update finds the code far, too.
+  DeformScratch& scratch_of_meshes = scratch.impl().deform;
+  if (scratch_of_meshes.asked != mesh.id) {
+    scratch_of_meshes.asked = mesh.id;
+    fetchCode(roundDistance, 2304);
+    fetchNearestCode();
+  }
+
+  const RelativePose relative = relativePose(X_WA, X_WB);
+  const bool is_segment = a.type() == ShapeType::kCapsule;
+  const double half_length = is_segment ? a.halfLength() : 0;
+  if (!relative.valid || !hasNearest(is_segment, half_length, relative.X_BA, mesh)) return false;
+  const RoundBody body = roundBody(a.radius(), half_length, relative.X_BA);
+  const double slack =
+      relative.slack * (half_length + body.radius + b.extent() + relative.X_BA.translation.norm());
+  NearestSearch search = nearestSearch(body, mesh, slack, request);
+  const double root = boxLower(body, mesh, search);
+  // Written so that no threshold, NaN, decides nothing.
+  if (root > std::max(request.threshold, 0.0)) {
+    result.distance = {root, kInfinity};
+    result.status = statusOf(result.distance, request);
+    if (turned) result.normal = -result.normal;
+    return true;
+  }
+  if (scratch.impl().work->isSpent()) return false;
+  search.limit = request.node_limit;
+  search.first = first;
+  const NearestFound found = findNearest(search, mesh, BoxSource(mesh, scratch.impl().deform));
+  visited = found.visited;
+  double bar =
+      request.threshold == request.threshold ? std::max(request.threshold, 0.0) : kInfinity;
+  double lower = found.lower - body.radius;
+  bool near = false;
+  result.distance.upper = kInfinity;
+  if (found.slot >= 0) {
+    cache.hierarchy = tree.id();
+    cache.place = found.slot;
+    const bool answered = answerNearest(body, found, tree, request, result);
+    (turned ? cache.triangle_a : cache.triangle_b) = tree.triangleOf(found.slot);
+    (turned ? cache.triangle_b : cache.triangle_a) = -1;
+    if (!answered) return false;
+    result.iterations = 1;
+    bar = std::min(bar, result.distance.upper - request.tolerance);
+    near = result.distance.upper <= request.threshold;
+    lower = std::min(near ? root : lower, result.distance.lower);
+  }
+  // Of bodies whose boxes meet others tell how deep they may be. Where the limit has ended the
+  // search, nobody else has nodes left.
+  const bool over = visited >= request.node_limit && !near;
+  if (!over && !(near ? root > 0 : found.lower - body.radius > bar)) return false;
+  result.distance.lower = std::max(lower, root);
+  if (!(root > 0) &&
+      (!(lower > 0) || containsAt(a, X_WA, b, X_WB, lower, scratch) != Containment::kNo))
+    return false;
+  result.status = statusOf(result.distance, request);
+  if (found.slot >= 0) {
+    result.point_a = X_WB * result.point_a;
+    result.point_b = X_WB * result.point_b;
+    result.normal = X_WB.rotation * result.normal;
+  }
+  if (turned) {
+    std::swap(result.point_a, result.point_b);
+    std::swap(result.triangle_a, result.triangle_b);
+    result.normal = -result.normal;
+  }
+  return true;
+}
+
+}  // namespace leeway::collision

@@ -1,0 +1,39 @@
+#include "collision/base/scratch.h"
+
+#include "collision/base/work.h"
+#include "collision/convex/epa/epa.h"
+#include "collision/convex/epa/sharp_polytope.h"
+#include "collision/deform/snapshot.h"
+#include "collision/mesh/descent/sweep_front.h"
+#include "collision/sweep/mesh_sweep_scratch.h"
+
+namespace leeway::collision {
+
+namespace {
+
+struct Buffers {
+  PolytopeBuffers polytope;
+  SharpPolytopeBuffers sharp_polytope;
+  DeformScratch deform;
+  SweepScratch sweep;
+  SweepFrontScratch fronts;
+  Work work;
+};
+
+/// The buffers come first among the bases: they stand before Impl refers to them.
+struct OwningImpl : private Buffers, public Scratch::Impl {
+  OwningImpl()
+      : Scratch::Impl(Buffers::polytope, Buffers::sharp_polytope, Buffers::deform, Buffers::sweep,
+                      Buffers::fronts, Buffers::work) {}
+};
+
+}  // namespace
+
+Scratch::Scratch() : impl_(std::make_unique<OwningImpl>()) {}
+Scratch::~Scratch() = default;
+Scratch::Scratch(Scratch&&) noexcept = default;
+Scratch& Scratch::operator=(Scratch&&) noexcept = default;
+
+void countInto(Scratch& scratch, Work& work) { scratch.impl().work = &work; }
+
+}  // namespace leeway::collision

@@ -1,0 +1,87 @@
+#pragma once
+
+// Private to collision/: what distances of rigid and of deforming meshes share around a descent. A
+// side is a DescentSide or a DeformSide.
+
+#include <algorithm>
+#include <cmath>
+
+#include "collision/base/status.h"
+#include "collision/base/tolerances.h"
+#include "collision/base/vector.h"
+#include "collision/convex/gjk/convex_view.h"
+#include "collision/mesh/descent/mesh_descent.h"
+
+namespace leeway::collision {
+
+/// How far rounding of the poses may move points of the bodies against each other [m], what reaches
+/// infinitely far left out.
+template <class Side>
+double slackOf(const RelativePose& relative, const Side& a, const Side& b) {
+  const double extent_a = std::isfinite(a.extent) ? a.extent : 0,
+               extent_b = std::isfinite(b.extent) ? b.extent : 0;
+  const Vector& t = relative.X_BA.translation;
+  // (Squares of the smallest numbers are 0.)
+  double translation = t.norm();
+  if (!(translation > kSmallestScale)) translation = std::hypot(t.x(), t.y(), t.z());
+  return relative.slack * (extent_a + extent_b + translation);
+}
+
+/// Where A is for a distance.
+template <class Side>
+DescentPlacement placementOf(const RelativePose& relative, const Side& a, const Side& b) {
+  DescentPlacement placement;
+  placement.X_BA0 = placement.X_BA1 = relative.X_BA;
+  placement.slack = slackOf(relative, a, b);
+  return placement;
+}
+
+/// The triangles that were nearest, for the next query.
+inline void remember(const DescentResult& found, PairCache& cache) {
+  if (found.witness.triangle_a >= 0 || found.witness.triangle_b >= 0) {
+    cache.triangle_a = found.witness.triangle_a;
+    cache.triangle_b = found.witness.triangle_b;
+  }
+}
+
+/// The surfaces' distance, points and normal in W; without a status.
+inline DistanceResult surfaceDistance(const DescentResult& found, const Pose& X_WB) {
+  DistanceResult result = found.witness;
+  result.iterations = found.iterations;
+  result.distance = {std::max(found.lower, found.hull_lower), found.upper};
+  result.point_a = X_WB * result.point_a;
+  result.point_b = X_WB * result.point_b;
+  result.normal = X_WB.rotation * result.normal;
+  return result;
+}
+
+/// sweptDistance() by a descent: descend(side of A, side of B, placement, request, scratch, cache).
+template <class SideOf, class Descend>
+DistanceResult sweptByDescent(const Shape& a, const Pose& X_BA0, const Pose& X_BA1, double growth,
+                              const Shape& b, const DistanceRequest& request, Scratch& scratch,
+                              PairCache* cache, const SideOf& sideOf, const Descend& descend) {
+  const RelativePose begin = relativePose(X_BA0, Pose{}), end = relativePose(X_BA1, Pose{});
+  if (!begin.valid || !end.valid || !(growth >= 0)) return {};  // written so that a NaN fails
+  const auto side_a = sideOf(a), side_b = sideOf(b);
+  DescentPlacement placement;
+  placement.X_BA0 = X_BA0;
+  placement.X_BA1 = X_BA1;
+  placement.swept = true;
+  placement.growth = growth;
+  placement.slack = std::max(slackOf(begin, side_a, side_b), slackOf(end, side_a, side_b));
+  PairCache own;
+  PairCache& warm = cache != nullptr ? *cache : own;
+  const DescentResult found = descend(side_a, side_b, placement, request, scratch, &warm);
+  remember(found, warm);
+
+  DistanceResult result = found.witness;
+  result.iterations = found.iterations;
+  // Below zero the pieces say nothing about the whole; its hull or box may.
+  result.distance.lower =
+      found.lower > 0 ? std::max(found.lower, found.hull_lower) : found.hull_lower;
+  result.distance.upper = found.upper;
+  result.status = statusOf(result.distance, request);
+  return result;
+}
+
+}  // namespace leeway::collision

@@ -1,0 +1,451 @@
+#include "collision/mesh/descent/mesh_descent.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "collision/base/scratch.h"
+#include "collision/base/tolerances.h"
+#include "collision/base/work.h"
+#include "collision/mesh/descent/sweep_front.h"
+#include "collision/mesh/descent/sweep_fronts.h"
+#include "leeway/collision/triangle_mesh.h"
+
+namespace leeway::collision {
+
+using Eigen::Vector3d;
+
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+// A pair of nodes; -1 stands for a convex shape as a whole.
+struct NodePair {
+  std::int32_t a, b;
+  double lower;  // proven for everything below the pair
+  double order;  // smaller is looked at first
+};
+
+class Descent {
+ public:
+  Descent(const DescentSide& a, const DescentSide& b, const DescentPlacement& placement,
+          const DistanceRequest& request, Scratch& scratch, PairCache& cache)
+      : a_(a), b_(b), placement_(placement), request_(request), scratch_(scratch), cache_(cache) {
+    rounding_ = kRelativeRounding *
+                    (finite(a.extent) + finite(b.extent) + placement.X_BA0.translation.norm() +
+                     placement.X_BA1.translation.norm()) +
+                placement.slack;
+    half_space_ = (a.tree == nullptr && a.view.core == Core::kHalfSpace) ||
+                  (b.tree == nullptr && b.view.core == Core::kHalfSpace);
+  }
+
+  DescentResult run() {
+    search();
+    result_.visited = visited_;
+    return result_;
+  }
+
+ private:
+  void search() {
+    result_.lower = kInfinity;
+    result_.upper = kInfinity;
+    result_.hull_lower = -kInfinity;
+    if (SweepFront* front = lastFront(); front != nullptr) {
+      fromFront(*front);
+      return;
+    }
+    records_ = keepsFronts();
+    if (root()) return;
+    warmStart();
+    const bool limited = goDown();
+    if (!limited && !done()) keepFront();
+    while (size_ > 0) settle(stack_[--size_].lower);
+    const bool threshold = request_.threshold == request_.threshold;
+    if (hulls_upper_ < result_.upper && (limited || threshold)) {
+      offer(hulls_, hulls_upper_, -1, -1);
+      // So wide an interval holds what the points of the hulls are apart; a threshold's verdict
+      // stands without it.
+      if (!threshold) settle(hulls_.distance.lower);
+    }
+  }
+
+  // Looks at all that is on the stack. True when a limit ended it.
+  bool goDown() {
+    while (size_ > 0 && !done()) {
+      const NodePair pair = stack_[--size_];
+      if (needless(pair.lower)) {
+        settle(pair.lower);
+        record(pair);
+        continue;
+      }
+      if (visited_ >= limit() || scratch_.impl().work->isSpent()) {
+        settle(pair.lower);
+        return true;
+      }
+      expand(pair);
+      if (done()) settle(pair.lower);  // parts of it may not have been looked at
+    }
+    return false;
+  }
+
+  // Below 0 only the hulls answer, which a front knows nothing of; and the triangles of a deforming
+  // mesh come one by one, each near other parts.
+  bool keepsFronts() const {
+    const auto isTriangle = [](const DescentSide& side) {
+      return side.tree == nullptr && side.view.core == Core::kPoints && side.view.count <= 3;
+    };
+    return placement_.swept && scratch_.impl().fronts.active && request_.threshold >= 0 &&
+           request_.node_limit > 2 * static_cast<int>(SweepFront::kMost) && !isTriangle(a_) &&
+           !isTriangle(b_);
+  }
+  SweepFront* lastFront() {
+    return keepsFronts() ? scratch_.impl().fronts.of(a_.tree, b_.tree) : nullptr;
+  }
+
+  // Its pairs together are all there is.
+  void fromFront(SweepFront& front) {
+    records_ = true;
+    for (std::size_t i = 0; i < front.count; ++i) {
+      SweepFront::Entry& entry = front.entries[i];
+      NodePair pair{entry.a, entry.b, -kInfinity, 0};
+      cache_.direction_B = entry.direction_B;
+      cache_.vertex_a = entry.vertex_a;
+      cache_.vertex_b = entry.vertex_b;
+      bool limited = false;
+      if (evaluate(pair)) {
+        stack_[size_++] = pair;
+        limited = goDown();
+      }
+      if (!limited && !done()) continue;
+      // What was in the way is likely to be again. Of the others nothing is known.
+      std::swap(entry, front.entries[0]);
+      while (size_ > 0) settle(stack_[--size_].lower);
+      if (i + 1 < front.count) settle(-kInfinity);
+      return;
+    }
+    keepFront();
+  }
+
+  // A pair of nodes that need not come apart, with what parted it last.
+  void record(const NodePair& pair) {
+    if (!records_) return;
+    SweepFront& found = scratch_.impl().fronts.found;
+    if (recorded_ == SweepFront::kMost) {
+      records_ = false;
+      return;
+    }
+    found.entries[recorded_++] = {pair.a, pair.b, cache_.direction_B, cache_.vertex_a,
+                                  cache_.vertex_b};
+  }
+
+  // What was recorded holds all pairs: nothing was left on the stack.
+  void keepFront() {
+    if (!records_) return;
+    SweepFrontScratch& fronts = scratch_.impl().fronts;
+    SweepFront* front = fronts.of(a_.tree, b_.tree);
+    if (front == nullptr) {
+      front = &fronts.kept[fronts.next];
+      fronts.next = (fronts.next + 1) % SweepFrontScratch::kFronts;
+    }
+    front->a = a_.tree;
+    front->b = b_.tree;
+    front->count = recorded_;
+    std::copy_n(fronts.found.entries.begin(), recorded_, front->entries.begin());
+  }
+
+  static double finite(double x) { return std::isfinite(x) ? x : 0; }
+
+  // Pairs whose lower end is above the bar need no closer look.
+  double bar() const {
+    double bar = kInfinity;
+    if (request_.threshold == request_.threshold) bar = floor();
+    double tolerance = request_.tolerance;
+    // The depth of two meshes is not that of their deepest triangles, so that precision would be
+    // wasted.
+    if (result_.upper <= 0 && !half_space_)
+      tolerance = std::max(tolerance, kDeeperShare * -result_.upper);
+    bar = std::min(bar, std::min(result_.upper - tolerance, hulls_upper_));
+    // What cannot lower the lower end is of no interest to a sweep.
+    return placement_.swept ? std::min(bar, result_.lower) : bar;
+  }
+
+  bool needless(double lower) const {
+    return lower > bar() || (placement_.swept && lower >= result_.lower);
+  }
+
+  bool done() const {
+    if (result_.upper <= request_.threshold) return true;
+    if (!placement_.swept) return result_.upper <= 0 && !request_.depth;
+    // A sweep is asked for its lower end: where one pair of pieces does not come above what counts,
+    // neither will all.
+    return result_.upper <= 0 || result_.lower <= floor();
+  }
+
+  // The lower end has to come above this to be of use: below zero pieces say nothing about the
+  // whole.
+  double floor() const { return request_.threshold > 0 ? request_.threshold : 0; }
+
+  int limit() const {
+    // Deeper pairs are looked for with limited effort.
+    return result_.upper <= 0 && !half_space_ ? std::min(request_.node_limit, overlap_limit_)
+                                              : request_.node_limit;
+  }
+
+  void settle(double lower) { result_.lower = std::min(result_.lower, lower); }
+
+  DistanceResult convex(const ConvexView& a, const ConvexView& b, double threshold,
+                        double tolerance, bool depth) {
+    DistanceRequest request;
+    request.threshold = threshold;
+    request.tolerance = tolerance;
+    request.depth = depth;
+    request.iteration_limit = request_.iteration_limit;
+    ++visited_;
+    const DistanceResult r = pieceDistance(a, b, placement_, request, scratch_, &cache_);
+    result_.iterations += r.iterations;
+    return r;
+  }
+
+  // A pair of exact pieces carries an upper end.
+  void offer(const DistanceResult& r, double upper, int triangle_a, int triangle_b) {
+    if (!(upper < result_.upper)) return;
+    if (upper <= 0 && result_.upper > 0) overlap_limit_ = visited_ + kDeeperNodes;
+    result_.upper = upper;
+    result_.witness = r;
+    result_.witness.triangle_a = triangle_a;
+    result_.witness.triangle_b = triangle_b;
+  }
+
+  // The hulls of both bodies first: as a rule nothing else is needed. True when that decides.
+  bool root() {
+    const std::int32_t root_a = a_.tree != nullptr ? 0 : -1, root_b = b_.tree != nullptr ? 0 : -1;
+    NodePair pair{root_a, root_b, -kInfinity, 0};
+    const bool more = evaluate(pair);
+    result_.hull_lower = pair.lower;
+    if (!more) return true;
+    const double excess = a_.hull_excess + b_.hull_excess;
+    const ConvexView hull_a = a_.tree != nullptr ? a_.tree->hullView() : a_.view;
+    const ConvexView hull_b = b_.tree != nullptr ? b_.tree->hullView() : b_.view;
+    const double bar_now = bar();
+    const double size = std::min(a_.radius, b_.radius);
+    const DistanceResult r = convex(hull_a, hull_b, bar_now < kInfinity ? bar_now : kNaN,
+                                    std::max(request_.tolerance, kNodeTolerance * size), false);
+    pair.lower = std::max(pair.lower, r.distance.lower);
+    result_.hull_lower = pair.lower;
+    // Where hulls are apart, their nearest points lie on their surfaces, and the meshes are not far
+    // from those.
+    if (pair.lower >= 0) {
+      // Where that is no answer by itself it only tells how far to look: points of the hulls may
+      // stand out from the meshes by all of the excess.
+      const double upper = r.distance.upper + excess;
+      if (upper <= request_.threshold || pair.lower > upper - request_.tolerance) {
+        offer(r, upper, -1, -1);
+      } else {
+        hulls_ = r;
+        hulls_upper_ = upper;
+      }
+    }
+    if (done() || needless(pair.lower)) {
+      settle(pair.lower);
+      return true;
+    }
+    stack_[size_++] = pair;
+    return false;
+  }
+
+  // The pair of triangles that was closest last time: an upper end at once.
+  void warmStart() {
+    const bool usable_a = a_.tree == nullptr ||
+                          (cache_.triangle_a >= 0 && cache_.triangle_a < a_.tree->triangleCount());
+    const bool usable_b = b_.tree == nullptr ||
+                          (cache_.triangle_b >= 0 && cache_.triangle_b < b_.tree->triangleCount());
+    if (!usable_a || !usable_b) return;
+    const double lower = result_.lower;
+    triangles(a_.tree != nullptr ? a_.tree->slotOf(cache_.triangle_a) : -1,
+              b_.tree != nullptr ? b_.tree->slotOf(cache_.triangle_b) : -1);
+    // The pair comes again in its turn; where it was stopped early, its lower end is worse than
+    // need be.
+    if (!placement_.swept) result_.lower = lower;
+  }
+
+  // Bounds a pair of nodes. False when it needs no closer look; its lower end has been settled
+  // then.
+  bool evaluate(NodePair& pair) {
+    const double sphere = sphereLower(pair);
+    if (sphere > 0) pair.lower = std::max(pair.lower, sphere);  // the box knows no depth
+    pair.order = sphere;
+    const double bar_now = bar();
+    if (needless(pair.lower)) {
+      settle(pair.lower);
+      record(pair);
+      return false;
+    }
+    const ConvexView view_a = pair.a >= 0 ? a_.tree->nodeView(a_.tree->node(pair.a)) : a_.view;
+    const ConvexView view_b = pair.b >= 0 ? b_.tree->nodeView(b_.tree->node(pair.b)) : b_.view;
+    const double size = std::min(pair.a >= 0 ? a_.tree->node(pair.a).radius : a_.radius,
+                                 pair.b >= 0 ? b_.tree->node(pair.b).radius : b_.radius);
+    const double tolerance =
+        std::max(request_.tolerance, kNodeTolerance * size + 1.1 * (view_a.excess + view_b.excess));
+    const DistanceResult r = convex(view_a, view_b, bar_now < kInfinity ? bar_now : kNaN, tolerance,
+                                    request_.depth && !placement_.swept && result_.upper <= 0);
+    pair.lower = std::max(pair.lower, r.distance.lower);
+    if (r.distance.lower > 0) pair.order = r.distance.lower;
+    if (needless(pair.lower)) {
+      settle(pair.lower);
+      record(pair);
+      return false;
+    }
+    return true;
+  }
+
+  // Distance of the spheres around A's node from the box around B's.
+  double sphereLower(const NodePair& pair) const {
+    const Vector3d& center = pair.a >= 0 ? a_.tree->node(pair.a).center : a_.center;
+    double radius = pair.a >= 0 ? a_.tree->node(pair.a).radius : a_.radius;
+    if (!(radius < kInfinity)) return -kInfinity;
+    const Vector3d& low = pair.b >= 0 ? b_.tree->node(pair.b).low : b_.low;
+    const Vector3d& high = pair.b >= 0 ? b_.tree->node(pair.b).high : b_.high;
+    Vector3d p = placement_.X_BA0 * center;
+    if (placement_.swept) {
+      const Vector3d end = placement_.X_BA1 * center;
+      radius += 0.5 * (end - p).norm() + placement_.growth;
+      p = 0.5 * (p + end);
+    }
+    const double outside = (low - p).cwiseMax(p - high).cwiseMax(0.0).norm();
+    return outside - radius - rounding_;
+  }
+
+  void expand(const NodePair& pair) {
+    const bool leaf_a = pair.a < 0 || a_.tree->node(pair.a).isLeaf();
+    const bool leaf_b = pair.b < 0 || b_.tree->node(pair.b).isLeaf();
+    if (leaf_a && leaf_b) {
+      leaves(pair);
+      return;
+    }
+    // The larger one comes apart.
+    const bool split_a =
+        leaf_b || (!leaf_a && a_.tree->node(pair.a).radius >= b_.tree->node(pair.b).radius);
+    NodePair near = pair, far = pair;
+    if (split_a) {
+      near.a = pair.a + 1;
+      far.a = a_.tree->node(pair.a).right;
+    } else {
+      near.b = pair.b + 1;
+      far.b = b_.tree->node(pair.b).right;
+    }
+    bool near_open = evaluate(near), far_open = evaluate(far);
+    if (near_open && far_open && far.order < near.order) std::swap(near, far);
+    if (far_open) stack_[size_++] = far;
+    if (near_open) stack_[size_++] = near;
+  }
+
+  void leaves(const NodePair& pair) {
+    record(pair);
+    const int begin_a = pair.a >= 0 ? a_.tree->node(pair.a).triangle_begin : -1;
+    const int end_a = pair.a >= 0 ? a_.tree->node(pair.a).triangle_end : 0;
+    const int begin_b = pair.b >= 0 ? b_.tree->node(pair.b).triangle_begin : -1;
+    const int end_b = pair.b >= 0 ? b_.tree->node(pair.b).triangle_end : 0;
+    for (int slot_a = begin_a; slot_a < end_a; ++slot_a) {
+      for (int slot_b = begin_b; slot_b < end_b; ++slot_b) {
+        triangles(slot_a, slot_b);
+        if (done()) return;
+      }
+    }
+  }
+
+  // A pair of exact pieces; -1 is a convex shape as a whole.
+  void triangles(int slot_a, int slot_b) {
+    const ConvexView view_a = slot_a >= 0 ? a_.tree->triangleView(slot_a) : a_.view;
+    const ConvexView view_b = slot_b >= 0 ? b_.tree->triangleView(slot_b) : b_.view;
+    const bool depth = request_.depth && !placement_.swept;
+    const DistanceResult r = askOfPieces(bar(), request_, depth, [&](double threshold) {
+      return convex(view_a, view_b, threshold, request_.tolerance, depth);
+    });
+    settle(r.distance.lower);
+    offer(r, r.distance.upper, slot_a >= 0 ? a_.tree->triangleOf(slot_a) : -1,
+          slot_b >= 0 ? b_.tree->triangleOf(slot_b) : -1);
+  }
+
+  const DescentSide& a_;
+  const DescentSide& b_;
+  const DescentPlacement& placement_;
+  const DistanceRequest& request_;
+  Scratch& scratch_;
+  PairCache& cache_;
+  DescentResult result_;
+  DistanceResult hulls_;            // of the hulls, when they do not answer by themselves;
+  double hulls_upper_ = kInfinity;  // no more than this are the bodies apart then
+  double rounding_ = 0;             // of sphereLower() [m]
+  bool half_space_ = false;
+  int visited_ = 0;
+  bool records_ = false;
+  std::size_t recorded_ = 0;
+  int overlap_limit_ = std::numeric_limits<int>::max();
+  // Every pair that is taken off puts at most two back, which are one level lower on one side.
+  std::array<NodePair, 2 * MeshTree::kMaxDepth + 4> stack_;
+  std::size_t size_ = 0;
+};
+
+}  // namespace
+
+SweepFronts::SweepFronts(Scratch& scratch) : scratch_(scratch) {
+  scratch_.impl().fronts.clear();
+  scratch_.impl().fronts.active = true;
+}
+SweepFronts::~SweepFronts() { scratch_.impl().fronts.active = false; }
+
+DescentSide descentSide(const Shape& shape) {
+  DescentSide side;
+  if (shape.type() == ShapeType::kMesh) {
+    side.tree = &shape.mesh()->tree();
+    const MeshNode& root = side.tree->node(0);
+    side.center = root.center;
+    side.radius = root.radius;
+    side.low = root.low;
+    side.high = root.high;
+    side.extent = side.tree->extent();
+    side.hull_excess = shape.mesh()->hullExcess();
+    return side;
+  }
+  side.view = viewOf(shape);
+  side.center = shape.boundingCenter();
+  side.radius = shape.boundingRadius();
+  side.extent = side.view.extent + side.view.radius + side.view.excess;
+  const Vector3d& size = shape.halfExtents();
+  Vector3d half = Vector3d::Constant(side.radius);
+  switch (shape.type()) {
+    case ShapeType::kBox:
+    case ShapeType::kEllipsoid:
+      half = size;
+      break;
+    case ShapeType::kCylinder:
+    case ShapeType::kCone:
+      half = {shape.radius(), shape.radius(), shape.halfLength()};
+      break;
+    case ShapeType::kCapsule:
+      half = {shape.radius(), shape.radius(), shape.radius() + shape.halfLength()};
+      break;
+    case ShapeType::kHalfSpace:
+      side.low = Vector3d::Constant(-kInfinity);
+      side.high = Vector3d(kInfinity, kInfinity, 0);
+      side.extent = kInfinity;
+      return side;
+    default:
+      side.low = side.center - half;
+      side.high = side.center + half;
+      return side;
+  }
+  side.low = -half;
+  side.high = half;
+  return side;
+}
+
+DescentResult descend(const DescentSide& a, const DescentSide& b, const DescentPlacement& placement,
+                      const DistanceRequest& request, Scratch& scratch, PairCache* cache) {
+  return Descent(a, b, placement, request, scratch, *cache).run();
+}
+
+}  // namespace leeway::collision

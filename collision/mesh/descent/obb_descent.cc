@@ -1,0 +1,351 @@
+#include "collision/mesh/descent/obb_descent.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "collision/base/scratch.h"
+#include "collision/base/tolerances.h"
+#include "collision/base/work.h"
+#include "collision/convex/gjk/support.h"
+#include "collision/mesh/descent/box_gaps.h"
+#include "collision/mesh/descent/mesh_body.h"
+#include "collision/mesh/descent/triangle_pair.h"
+
+namespace leeway::collision {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+using Kind = Part::Kind;
+
+// Two boxes, as MeshBody names them.
+struct BoxPair {
+  std::int32_t a, b;
+  double lower;  // proven for everything in the boxes; below 0 the deeper, the more of an overlap
+  bool open;     // pieces have been asked: their triangles are wanted
+};
+
+class PairDescent {
+ public:
+  PairDescent(const DescentSide& a, const DescentSide& b, const DescentPlacement& placement,
+              const DistanceRequest& request, Scratch& scratch, PairCache& cache)
+      : a_(a),
+        b_(b),
+        X_BA_(placement.X_BA0),
+        slack_(placement.slack),
+        hull_excess_(a.hull_excess + b.hull_excess),
+        request_(request),
+        scratch_(scratch),
+        work_(*scratch.impl().work),
+        cache_(cache) {
+    X_AB_ = X_BA_.inverse();
+    // As for support points, see gjk.cc: corners are placed and their products with a unit vector
+    // taken in the same way.
+    rounding_ =
+        kSupportRounding * kUnitRoundoff * (a_.extent() + b_.extent() + X_BA_.translation.norm()) +
+        slack_;
+    floor_ = request.threshold == request.threshold ? std::max(request.threshold, 0.0) : kInfinity;
+    parts_ = a_.consistsOfPieces() && b_.consistsOfPieces();
+    deepens_ = request.depth && parts_;
+  }
+
+  DescentResult run() {
+    result_.lower = kInfinity;
+    result_.upper = kInfinity;
+    result_.hull_lower = -kInfinity;
+    float gap[BoxNode::kWidth];
+    if (b_.isMesh()) {
+      boxGaps(b_.node(0), placedBox(a_.box(a_.root()), X_BA_), gap);
+    } else {
+      boxGaps(a_.node(0), placedBox(b_.box(-1), X_AB_), gap);
+    }
+    result_.hull_lower = static_cast<double>(gap[0]) - slack_;
+    if (result_.hull_lower > bar() || hullsDecide()) {
+      settle(result_.hull_lower);
+      return result_;
+    }
+    warmStart();
+    stack_[size_++] = {a_.root(), b_.root(), result_.hull_lower, !parts_};
+    while (size_ > 0 && !done()) {
+      const BoxPair pair = stack_[--size_];
+      if (pair.lower > bar() || visited_ >= limit() || work_.isSpent()) {
+        settle(pair.lower);
+        continue;
+      }
+      expand(pair);
+    }
+    while (size_ > 0) settle(stack_[--size_].lower);
+    hulls();
+    remember();
+    return result_;
+  }
+
+ private:
+  double bar() const {
+    if (result_.upper <= 0) {
+      // Deeper pairs only, see kDeeperShare.
+      return result_.upper - std::max(request_.tolerance, -kDeeperShare * result_.upper);
+    }
+    return std::min(floor_, result_.upper - request_.tolerance);
+  }
+  bool done() const {
+    if (result_.upper <= request_.threshold) return true;  // a NaN decides nothing
+    return result_.upper <= 0 && !deepens_;
+  }
+  int limit() const { return std::min(request_.node_limit, deeper_limit_); }
+  void settle(double lower) { result_.lower = std::min(result_.lower, lower); }
+
+  // A convex body and the hull of a mesh: as a rule nothing else is needed. True when that decides.
+  bool hullsDecide() {
+    if (a_.isMesh() && b_.isMesh()) return false;
+    DistanceRequest request;
+    const double bar_now = bar();
+    if (bar_now < kInfinity) request.threshold = bar_now;
+    request.tolerance = std::max(request_.tolerance, 0.1 * hull_excess_);
+    request.depth = false;
+    request.iteration_limit = request_.iteration_limit;
+    ++visited_;
+    const DistanceResult r =
+        convexDistance(a_.hull(), X_BA_, b_.hull(), request, scratch_, &cache_, slack_);
+    result_.iterations += r.iterations;
+    result_.hull_lower = std::max(result_.hull_lower, r.distance.lower);
+    hulls_known_ = true;
+    // Where hulls are apart, their nearest points lie on their surfaces, and the meshes are not far
+    // from those.
+    if (r.distance.lower >= 0) offer(r, r.distance.upper + hull_excess_, {}, {});
+    return result_.hull_lower > bar() || done();
+  }
+
+  void warmStart() {
+    Part a, b;
+    if (!a_.partOf(cache_.triangle_a, a) || !b_.partOf(cache_.triangle_b, b)) return;
+    if ((a.kind == Kind::kPiece || b.kind == Kind::kPiece) && !parts_) return;
+    const double lower = result_.lower;
+    if (a.kind == Kind::kTriangle && b.kind == Kind::kTriangle) {
+      triangles(a.number, b.number);
+    } else {
+      warm_ = hullPair(a, b, &cache_);
+      warm_a_ = a;
+      warm_b_ = b;
+      has_warm_ = true;
+    }
+    // The pair comes again in its turn.
+    if (!done()) result_.lower = lower;
+  }
+
+  void expand(const BoxPair& pair) {
+    const Part part_a = a_.part(pair.a, pair.open), part_b = b_.part(pair.b, pair.open);
+    if (part_a.kind != Kind::kNode && part_b.kind != Kind::kNode) {
+      leaves(pair, part_a, part_b);
+      return;
+    }
+    // The larger one comes apart.
+    const bool split_a = part_b.kind != Kind::kNode ||
+                         (part_a.kind == Kind::kNode && a_.radius(pair.a) >= b_.radius(pair.b));
+    const std::int32_t child = split_a ? part_a.number : part_b.number;
+    const BoxNode& split = (split_a ? a_ : b_).tree().boxes().node(child);
+    const OrientedBox other =
+        split_a ? placedBox(b_.box(pair.b), X_AB_) : placedBox(a_.box(pair.a), X_BA_);
+    float gap[BoxNode::kWidth];
+    boxGaps(split, other, gap);
+    visited_ += split.count;
+    work_.add(split.count * kBoxWork);
+    const double bar_now = bar();
+    const std::size_t first = size_;
+    for (int i = 0; i < split.count; ++i) {
+      // What the parent has proven holds for its parts.
+      const double found = static_cast<double>(gap[i]) - slack_;
+      if (found > bar_now) {
+        settle(std::max(found, pair.lower));
+        continue;
+      }
+      BoxPair part = pair;
+      (split_a ? part.a : part.b) = child * BoxNode::kWidth + i;
+      part.lower = found > 0 ? std::max(found, pair.lower) : found;
+      // The nearest one on top; of several the first.
+      std::size_t at = size_++;
+      for (; at > first && stack_[at - 1].lower <= part.lower; --at) stack_[at] = stack_[at - 1];
+      stack_[at] = part;
+    }
+  }
+
+  void leaves(const BoxPair& pair, const Part& a, const Part& b) {
+    if (a.kind == Kind::kTriangle && b.kind == Kind::kTriangle) {
+      triangles(a.number, b.number);
+      return;
+    }
+    PairCache local;
+    const bool known = has_warm_ && a == warm_a_ && b == warm_b_;
+    const Interval d = known ? warm_ : hullPair(a, b, &local);
+    const double lower = std::max(d.lower, pair.lower);
+    const bool pieces = a.kind == Kind::kPiece || b.kind == Kind::kPiece;
+    // (Rounding keeps exact pieces apart, too, but triangles would not do better.)
+    if (!pieces || lower > bar() || d.upper - d.lower <= request_.tolerance || d.upper <= 0) {
+      settle(lower);
+      return;
+    }
+    stack_[size_++] = {pair.a, pair.b, lower, true};
+  }
+
+  // What two convex parts say: they are at least `lower` apart, and the bodies at most `upper`.
+  Interval hullPair(const Part& a, const Part& b, PairCache* cache) {
+    ++visited_;
+    const double excess = a_.excess(a) + b_.excess(b);
+    const ConvexView view_a = a_.view(a), view_b = b_.view(b);
+    const double bar_now = bar();
+    DistanceRequest request;
+    request.iteration_limit = request_.iteration_limit;
+    // Finer than what the excess leaves open is of no use.
+    request.tolerance = std::max(request_.tolerance - excess, 0.5 * request_.tolerance);
+    if (excess > request_.tolerance) request.tolerance = 0.25 * excess;
+    request.depth = deepens_;
+    if (bar_now < kInfinity) request.threshold = bar_now;
+    DistanceResult r = convexDistance(view_a, X_BA_, view_b, request, scratch_, cache, slack_);
+    result_.iterations += r.iterations;
+    if (r.distance.lower > bar_now) return {r.distance.lower, r.distance.upper + excess};
+    if (r.status != DistanceStatus::kConverged && !(r.distance.upper + excess <= 0 && !deepens_)) {
+      // Nearer than what was known: by how much? Where the hulls overlap, whether by more than what
+      // they stand out.
+      const double lower = r.distance.lower;
+      request.threshold = request_.threshold - excess;
+      if (r.distance.upper <= 0 && !deepens_) {
+        request.threshold = -excess;
+        request.depth = excess > 0;
+      }
+      r = convexDistance(view_a, X_BA_, view_b, request, scratch_, cache, slack_);
+      result_.iterations += r.iterations;
+      r.distance.lower = std::max(r.distance.lower, lower);
+    }
+    if (r.distance.upper + excess < result_.upper) best_ = *cache;
+    offer(r, r.distance.upper + excess, a, b);
+    return {r.distance.lower, r.distance.upper + excess};
+  }
+
+  void triangles(int slot_a, int slot_b) {
+    ++visited_;
+    work_.add(kBoxWork);
+    const Vector* corners_a = a_.tree().corners(slot_a);
+    const Vector* q = b_.tree().corners(slot_b);
+    const Vector p[3] = {placed(X_BA_, corners_a[0]), placed(X_BA_, corners_a[1]),
+                         placed(X_BA_, corners_a[2])};
+    const TrianglePair pair = trianglePair(p, q);
+    ++result_.iterations;
+    double lower = pair.below - rounding_, upper = pair.above + rounding_;
+    const Part a{Kind::kTriangle, slot_a}, b{Kind::kTriangle, slot_b};
+    if (lower > 0 && (lower > bar() || upper - lower <= request_.tolerance)) {
+      settle(lower);
+      if (!(upper < result_.upper)) return;
+      DistanceResult r;
+      r.normal = pair.normal;
+      r.point_a = pair.p;
+      r.point_b = pair.q;
+      offer(r, upper, a, b);
+      return;
+    }
+    // Crossing, touching, or a sliver.
+    DistanceRequest request;
+    request.threshold = request_.threshold;
+    request.tolerance = request_.tolerance;
+    request.depth = false;
+    request.iteration_limit = request_.iteration_limit;
+    PairCache* none = nullptr;
+    DistanceResult r =
+        convexDistance(a_.view(a), X_BA_, b_.view(b), request, scratch_, none, slack_);
+    result_.iterations += r.iterations;
+    settle(std::max(lower, r.distance.lower));
+    if (upper < r.distance.upper) {  // by much, where steps were few
+      r.point_a = pair.p;
+      r.point_b = pair.q;
+      if (lower > 0) r.normal = pair.normal;
+      r.distance.upper = upper;
+    }
+    offer(r, r.distance.upper, a, b);
+  }
+
+  void offer(const DistanceResult& r, double upper, const Part& a, const Part& b) {
+    if (!(upper < result_.upper)) return;
+    if (upper <= 0 && result_.upper > 0) {
+      const int most = std::numeric_limits<int>::max() - kDeeperNodes;
+      deeper_limit_ = std::min(visited_, most) + kDeeperNodes;
+    }
+    result_.upper = upper;
+    result_.witness = r;
+    result_.witness.triangle_a = a_.triangleOf(a);
+    result_.witness.triangle_b = b_.triangleOf(b);
+    best_a_ = a;
+    best_b_ = b;
+  }
+
+  // Surfaces that are apart may be one inside the other: not if a plane between the witnesses parts
+  // the bodies' hulls.
+  void hulls() {
+    if (hulls_known_ || result_.hull_lower > 0 || !(result_.lower > 0) ||
+        best_a_.kind == Kind::kNode) {
+      return;
+    }
+    const Vector& n = result_.witness.normal;
+    int hint_a = 0, hint_b = 0;
+    const ConvexView hull_a = a_.hull(), hull_b = b_.hull();
+    const Vector p = placed(X_BA_, farthest(hull_a, rotatedBack(X_BA_.rotation, n), hint_a));
+    const Vector q = farthest(hull_b, -n, hint_b);
+    result_.hull_lower =
+        std::max(result_.hull_lower, n.dot(q - p) - rounding_ - hull_a.excess - hull_b.excess);
+  }
+
+  // Pieces are remembered like triangles, under numbers beyond those.
+  void remember() {
+    if (best_a_.kind != Kind::kPiece && best_b_.kind != Kind::kPiece) return;
+    cache_ = best_;
+    cache_.triangle_a = a_.numberOf(best_a_);
+    cache_.triangle_b = b_.numberOf(best_b_);
+  }
+
+  const MeshBody a_, b_;
+  const Pose& X_BA_;
+  Pose X_AB_;
+  const double slack_, hull_excess_;
+  const DistanceRequest& request_;
+  Scratch& scratch_;
+  Work& work_;
+  PairCache& cache_;
+  DescentResult result_;
+  double rounding_ = 0;  // of a pair of triangles, the poses' slack included [m]
+  double floor_ = kInfinity;
+  bool parts_ = false;  // both bodies have convex parts; against bare triangles those do not pay
+  bool deepens_ = false, hulls_known_ = false;
+  int visited_ = 0;
+  int deeper_limit_ = std::numeric_limits<int>::max();
+  Part best_a_{Kind::kNode, 0}, best_b_{Kind::kNode, 0};  // that carry the upper end
+  PairCache best_;                                        // of those, where they are hulls
+  bool has_warm_ = false;
+  Part warm_a_{Kind::kNode, 0}, warm_b_{Kind::kNode, 0};
+  Interval warm_;
+  // A pair that is taken off puts at most kWidth back, which are one level lower on one side; or
+  // itself, opened.
+  std::array<BoxPair, 2 * (BoxTree::kMaxDepth + 1) * (BoxNode::kWidth - 1) + 1> stack_;
+  std::size_t size_ = 0;
+};
+
+}  // namespace
+
+bool takesPair(const DescentSide& a, const DescentSide& b, const DescentPlacement& placement) {
+  if (placement.swept || !(placement.X_BA0.translation.norm() <= kLargestBoxScale)) return false;
+  if (a.tree != nullptr && b.tree != nullptr) {
+    return a.tree->boxes().usable() && b.tree->boxes().usable();
+  }
+  return (hasPieces(a) && isBounded(b)) || (hasPieces(b) && isBounded(a));
+}
+
+bool deepensPair(const DescentSide& a, const DescentSide& b) {
+  return (a.tree == nullptr || hasPieces(a)) && (b.tree == nullptr || hasPieces(b));
+}
+
+DescentResult descendPair(const DescentSide& a, const DescentSide& b,
+                          const DescentPlacement& placement, const DistanceRequest& request,
+                          Scratch& scratch, PairCache* cache) {
+  return PairDescent(a, b, placement, request, scratch, *cache).run();
+}
+
+}  // namespace leeway::collision

@@ -1,0 +1,140 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "collision/convex/gjk/convex_view.h"
+#include "collision/mesh/box_tree.h"
+#include "leeway/collision/convex_hull.h"
+
+namespace leeway::collision {
+
+struct ConvexPiece;  // convex_pieces.h
+
+/// A node of MeshTree: bounds of a run of triangles.
+struct MeshNode {
+  Eigen::Vector3d center;     ///< of a sphere that holds the triangles [m]
+  double radius;              ///< of that sphere, rounded outwards [m]
+  Eigen::Vector3d low, high;  ///< their axis-aligned box; exact
+  double excess;  ///< no point of the triangles lies farther than this outside the hull of the core
+                  ///< [m]
+  double extent;  ///< no point of the core is farther from the origin [m]
+  std::int32_t core_begin, core_count;
+  std::int32_t right;  ///< right child; the left one is the next node; -1: a leaf
+  std::int32_t triangle_begin, triangle_end;  ///< slots
+  std::int32_t component;                     ///< of all its triangles; -1 when they are of several
+
+  bool isLeaf() const { return right < 0; }
+};
+
+/// A binary hierarchy over the triangles of a mesh. Every node is bounded by the hull of a few of
+/// the mesh's own vertices, its core, grown by a proven excess, so that one convex query bounds the
+/// distance of a whole nearly convex piece, and queries near a node's surface need not go below it.
+/// Compare convex covers and surface decompositions (S. A. Ehmann, M. C. Lin, "Accurate and fast
+/// proximity queries between polyhedra using convex surface decomposition", 2001); here pieces need
+/// not be convex, their departure from it is carried as a number. Nodes stand in an array, parents
+/// before children, each left child right behind its parent.
+class MeshTree {
+ public:
+  using Triangle = std::array<std::int32_t, 3>;
+
+  /// No path from the root to a leaf is longer; traversals size their stacks by it.
+  static constexpr int kMaxDepth = 80;
+
+  /// O(n log n). Arguments as TriangleMesh holds them.
+  MeshTree(std::span<const Eigen::Vector3d> vertices, std::span<const Triangle> triangles,
+           std::span<const std::int32_t> triangle_component);
+
+  std::span<const MeshNode> nodes() const { return nodes_; }
+  const MeshNode& node(int i) const { return nodes_[static_cast<std::size_t>(i)]; }
+  ConvexView nodeView(const MeshNode& node) const {
+    ConvexView view;
+    view.core = Core::kPoints;
+    view.points = core_.data() + node.core_begin;
+    view.count = node.core_count;
+    view.center = node.center;
+    view.extent = node.extent;
+    view.excess = node.excess;
+    return view;
+  }
+  /// Triangles in the order of the leaves stand in slots; these are the slot's corners and its own
+  /// number.
+  const Eigen::Vector3d* corners(int slot) const {
+    return corners_.data() + 3 * static_cast<std::size_t>(slot);
+  }
+  ConvexView triangleView(int slot) const {
+    ConvexView view;
+    view.core = Core::kPoints;
+    view.points = corners(slot);
+    view.count = 3;
+    view.center = (view.points[0] + view.points[1] + view.points[2]) / 3;
+    view.extent = extent_;
+    return view;
+  }
+  /// The hull of all vertices, without excess: answers alone where the mesh is nearly convex.
+  ConvexView hullView() const {
+    ConvexView view;
+    view.core = Core::kPoints;
+    view.points = hull_->vertices().data();
+    view.count = static_cast<int>(hull_->vertices().size());
+    view.hull = hull_.get();
+    view.support = &hull_->support();
+    view.center = nodes_[0].center;
+    view.extent = extent_;
+    view.excess = hull_->excess();
+    return view;
+  }
+  /// The same triangles, and convex pieces, under oriented boxes: for pairs of meshes. Only after
+  /// makeBoxes().
+  const BoxTree& boxes() const { return *boxes_; }
+  /// Takes the pieces over. Once, before the first query. O(n log n).
+  void makeBoxes(std::span<const Eigen::Vector3d> vertices, std::span<const Triangle> triangles,
+                 std::span<const ConvexPiece> pieces);
+  /// Convex pieces of the mesh, see convex_pieces.h; none where they do not pay.
+  int pieceCount() const { return static_cast<int>(pieces_.size()); }
+  const ConvexView& pieceView(int piece) const {
+    return pieces_[static_cast<std::size_t>(piece)].view;
+  }
+  double pieceExcess(int piece) const { return pieces_[static_cast<std::size_t>(piece)].excess; }
+  /// What is known of a component besides its triangles.
+  struct Component {
+    Eigen::Vector3d low, high;  ///< its box; exact
+    Eigen::Vector3d point;      ///< one of its vertices
+  };
+  std::span<const Component> components() const { return components_; }
+  std::int32_t triangleOf(int slot) const { return triangle_of_[static_cast<std::size_t>(slot)]; }
+  std::int32_t slotOf(int triangle) const { return slot_of_[static_cast<std::size_t>(triangle)]; }
+  int triangleCount() const { return static_cast<int>(triangle_of_.size()); }
+  /// No vertex of the mesh is farther from the origin [m].
+  double extent() const { return extent_; }
+  std::size_t bytes() const;
+
+ private:
+  struct Input;
+  std::int32_t build(Input& input, std::int32_t begin, std::int32_t end, int depth);
+  void bound(Input& input, MeshNode& node);
+  void makeCore(Input& input, MeshNode& node);
+
+  struct Piece {
+    std::shared_ptr<const ConvexHull> hull;
+    ConvexView view;
+    double excess;
+  };
+
+  std::vector<MeshNode> nodes_;
+  std::vector<Piece> pieces_;
+  std::vector<Eigen::Vector3d> core_;
+  std::vector<Eigen::Vector3d> corners_;
+  std::vector<std::int32_t> triangle_of_, slot_of_;
+  std::vector<Component> components_;
+  std::shared_ptr<const ConvexHull> hull_;
+  std::unique_ptr<const BoxTree> boxes_;
+  double extent_ = 0;
+};
+
+}  // namespace leeway::collision

@@ -1,0 +1,130 @@
+#include "leeway/collision/triangle_mesh.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <string>
+
+#include "collision/base/tolerances.h"
+#include "collision/mesh/components.h"
+#include "collision/mesh/convex_pieces.h"
+#include "collision/mesh/hull_excess.h"
+#include "collision/mesh/mesh_tree.h"
+#include "leeway/collision/shape.h"
+
+namespace leeway::collision {
+namespace {
+
+using Eigen::Vector3d;
+using Triangle = TriangleMesh::Triangle;
+
+std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
+
+void requireUsable(std::span<const Vector3d> vertices, std::span<const Triangle> triangles) {
+  if (triangles.empty()) throw InvalidShape("mesh: no triangles; at least 1 is needed");
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    for (int k = 0; k < 3; ++k) {
+      if (std::abs(vertices[i][k]) <= kLargestCoordinate) continue;
+      throw InvalidShape("mesh: vertex " + std::to_string(i) + " has the coordinate " +
+                         std::to_string(vertices[i][k]) +
+                         "; finite numbers up to 1e60 are accepted");
+    }
+  }
+  for (std::size_t i = 0; i < triangles.size(); ++i) {
+    for (const std::int32_t v : triangles[i]) {
+      if (v >= 0 && index(v) < vertices.size()) continue;
+      throw InvalidShape("mesh: triangle " + std::to_string(i) + " names vertex " +
+                         std::to_string(v) + "; 0 to " + std::to_string(vertices.size()) +
+                         " - 1 are there");
+    }
+  }
+}
+
+// The first vertex with the same coordinates, for each; 0 and -0 are the same. By a table of twice
+// as many places as vertices, in the order of which nothing depends.
+std::vector<std::int32_t> firstEqual(std::span<const Vector3d> given) {
+  std::vector<std::int32_t> first(given.size());
+  std::vector<std::int32_t> table(std::bit_ceil(2 * given.size() + 1), -1);
+  const std::size_t mask = table.size() - 1;
+  for (std::size_t i = 0; i < given.size(); ++i) {
+    std::uint64_t hash = 0;
+    for (int k = 0; k < 3; ++k) {
+      // -0 + 0 is 0. What is multiplied is odd, what is shifted spreads high bits to low ones.
+      hash = (hash ^ std::bit_cast<std::uint64_t>(given[i][k] + 0.0)) * 0x9e3779b97f4a7c15U;
+      hash ^= hash >> 32;
+    }
+    std::size_t place = static_cast<std::size_t>(hash * 0xd6e8feb86659fd93U >> 20) & mask;
+    while (table[place] >= 0 && given[index(table[place])] != given[i]) place = (place + 1) & mask;
+    if (table[place] < 0) table[place] = static_cast<std::int32_t>(i);
+    first[i] = table[place];
+  }
+  return first;
+}
+
+// Vertices that are equal become one, in the order of their first use; unused ones go.
+void weld(std::span<const Vector3d> given, std::span<const Triangle> given_triangles,
+          std::vector<Vector3d>& vertices, std::vector<Triangle>& triangles) {
+  const std::vector<std::int32_t> first = firstEqual(given);
+  std::vector<std::int32_t> number(given.size(), -1);
+  triangles.reserve(given_triangles.size());
+  for (const Triangle& t : given_triangles) {
+    Triangle welded{};
+    for (std::size_t k = 0; k < 3; ++k) {
+      std::int32_t& n = number[index(first[index(t[k])])];
+      if (n < 0) {
+        n = static_cast<std::int32_t>(vertices.size());
+        vertices.push_back(given[index(first[index(t[k])])]);
+      }
+      welded[k] = n;
+    }
+    triangles.push_back(welded);
+  }
+}
+
+}  // namespace
+
+std::shared_ptr<const TriangleMesh> TriangleMesh::make(std::span<const Vector3d> vertices,
+                                                       std::span<const Triangle> triangles,
+                                                       bool decompose) {
+  requireUsable(vertices, triangles);
+  std::shared_ptr<TriangleMesh> mesh(new TriangleMesh);
+  // Coordinates below what the exact predicates take become 0: 1e-70 m is far below any rounding of
+  // a query.
+  std::vector<Vector3d> clean(vertices.begin(), vertices.end());
+  for (Vector3d& v : clean) {
+    for (int k = 0; k < 3; ++k) {
+      if (std::abs(v[k]) < kSmallestExact) v[k] = 0;
+    }
+  }
+  weld(clean, triangles, mesh->vertices_, mesh->triangles_);
+  MeshComponents components = findComponents(mesh->vertices_, mesh->triangles_);
+  mesh->triangle_component_ = std::move(components.component);
+  mesh->component_closed_ = std::move(components.closed);
+  auto tree =
+      std::make_unique<MeshTree>(mesh->vertices_, mesh->triangles_, mesh->triangle_component_);
+  MeshTree& made = *tree;
+  mesh->tree_ = std::move(tree);
+  mesh->hull_excess_ = collision::hullExcess(mesh->vertices_, made);
+  ConvexPieces pieces;
+  pieces.summary.use = PieceSummary::Use::kNotAsked;
+  if (decompose) pieces = convexPieces(*mesh);
+  mesh->pieces_ = pieces.summary;
+  made.makeBoxes(mesh->vertices_, mesh->triangles_, pieces.pieces);
+  return mesh;
+}
+
+TriangleMesh::~TriangleMesh() = default;
+
+int TriangleMesh::closedComponentCount() const {
+  return static_cast<int>(std::count(component_closed_.begin(), component_closed_.end(), 1));
+}
+
+std::size_t TriangleMesh::bytes() const {
+  return sizeof(*this) + vertices_.capacity() * sizeof(Vector3d) +
+         triangles_.capacity() * sizeof(Triangle) +
+         triangle_component_.capacity() * sizeof(std::int32_t) + component_closed_.capacity() +
+         tree_->bytes();
+}
+
+}  // namespace leeway::collision

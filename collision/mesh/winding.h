@@ -1,0 +1,84 @@
+#pragma once
+
+// Private to collision/: on which side of a closed surface a point is, by its winding number.
+
+#include <Eigen/Core>
+#include <array>
+#include <cmath>
+
+#include "collision/base/exact_predicates.h"
+#include "collision/base/tolerances.h"
+#include "collision/mesh/point_in_solid.h"
+
+namespace leeway::collision {
+
+enum class Crossing : signed char { kIn = -1, kNone = 0, kOut = 1, kIrregular = 2 };
+
+/// Whether the segment from p to a point q that is not on the triangle crosses it, and in which
+/// direction.
+inline Crossing crossing(const Eigen::Vector3d& p, const Eigen::Vector3d& q,
+                         const Eigen::Vector3d* v) {
+  const int side_p = orientation(v[0], v[1], v[2], p), side_q = orientation(v[0], v[1], v[2], q);
+  if (side_p == side_q && side_p != 0) return Crossing::kNone;
+  if (side_p == 0 && side_q == 0) {
+    // In the triangle's plane, or the triangle has no area and bounds nothing (its neighbours
+    // tell).
+    return collinear(v[0], v[1], v[2]) ? Crossing::kNone : Crossing::kIrregular;
+  }
+  int positive = 0, negative = 0;
+  for (int k = 0; k < 3; ++k) {
+    const int side = orientation(p, q, v[k], v[(k + 1) % 3]);
+    positive += side > 0 ? 1 : 0;
+    negative += side < 0 ? 1 : 0;
+  }
+  if (positive > 0 && negative > 0) return Crossing::kNone;
+  if (positive + negative < 3) return Crossing::kIrregular;
+  if (side_q == 0)
+    return Crossing::kNone;  // q is not on the triangle, and the line meets its plane in q
+  if (side_p == 0) return Crossing::kIrregular;  // p is on it
+  return side_p < 0 ? Crossing::kOut : Crossing::kIn;
+}
+
+/// `winding_number(q, winding)` is asked for segments from the point to places q outside of the
+/// box.
+template <class WindingNumber>
+Side sideByWinding(const Eigen::Vector3d& low, const Eigen::Vector3d& high,
+                   const Eigen::Vector3d& point, const WindingNumber& winding_number) {
+  if (!((low.array() <= point.array()).all() && (point.array() <= high.array()).all()))
+    return Side::kOutside;
+  Eigen::Vector3d p = point;
+  for (int k = 0; k < 3; ++k) {
+    if (p[k] != 0 && std::abs(p[k]) < kSmallestExact)
+      return Side::kUnknown;  // the predicates would not be exact
+  }
+  const Eigen::Vector3d size = high - low;
+  const double tilt = kSegmentTilt * size.maxCoeff();
+  // Segments nearly along an axis have thin boxes and so meet few nodes. The way out that is
+  // shortest comes first.
+  for (int attempt = 0; attempt < 4; ++attempt) {
+    std::array<bool, 6> tried{};
+    for (int turn = 0; turn < 6; ++turn) {
+      int best = -1;
+      double shortest = 0;
+      for (int way = 0; way < 6; ++way) {
+        if (tried[static_cast<std::size_t>(way)]) continue;
+        const int axis = way / 2;
+        const double length = way % 2 == 0 ? high[axis] - p[axis] : p[axis] - low[axis];
+        if (best >= 0 && length >= shortest) continue;
+        best = way;
+        shortest = length;
+      }
+      tried[static_cast<std::size_t>(best)] = true;
+      const int axis = best / 2;
+      Eigen::Vector3d q = p;
+      q[axis] = best % 2 == 0 ? high[axis] + tilt : low[axis] - tilt;
+      q[(axis + 1) % 3] += tilt * (0.37 + attempt);
+      q[(axis + 2) % 3] += tilt * (0.71 + attempt * attempt);
+      int winding = 0;
+      if (winding_number(q, winding)) return winding != 0 ? Side::kInside : Side::kOutside;
+    }
+  }
+  return Side::kUnknown;
+}
+
+}  // namespace leeway::collision

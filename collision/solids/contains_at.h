@@ -1,0 +1,13 @@
+#pragma once
+
+#include "collision/convex/gjk/convex_view.h"
+#include "leeway/collision/containment.h"
+
+namespace leeway::collision {
+
+/// contains() for bodies whose surfaces are known to be at least `gap` apart [m] (0: nothing is
+/// known of that).
+Containment containsAt(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
+                       double gap, Scratch& scratch);
+
+}  // namespace leeway::collision

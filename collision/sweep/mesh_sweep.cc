@@ -1,0 +1,336 @@
+#include "collision/sweep/mesh_sweep.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <numbers>
+
+#include "collision/base/scratch.h"
+#include "collision/base/tolerances.h"
+#include "collision/base/work.h"
+#include "collision/convex/convex_distance.h"
+#include "collision/mesh/descent/box_gaps.h"
+#include "collision/mesh/descent/descent_answer.h"
+#include "collision/mesh/descent/mesh_body.h"
+#include "collision/mesh/descent/triangle_pair.h"
+#include "collision/sweep/mesh_sweep_scratch.h"
+#include "leeway/collision/triangle_mesh.h"
+
+namespace leeway::collision {
+namespace {
+
+using Kind = Part::Kind;
+using Time = SweepScratch::Time;
+using Stretch = SweepScratch::Stretch;
+
+bool operator==(const Time& l, const Time& r) { return l.level == r.level && l.number == r.number; }
+
+/// Two boxes, as MeshBody names them, over a part of the motion.
+struct SweptPair {
+  std::int32_t a, b;
+  Time time;
+  float gap;     ///< proven, where it is above 0; else the deeper, the more of an overlap
+  bool open;     ///< pieces have been asked: their triangles are wanted
+  int halvings;  ///< of time since `gap`
+};
+
+/// |A| of a multiple of two rotations' difference, or of their mean less the rotation halfway
+/// between them: both stretch two directions alike and the third, their axis, not at all, so that
+/// |A| is the Frobenius norm over the root of 2; but for what the matrices lack as rotations.
+double stretchOf(const Eigen::Matrix3d& A, double departure) {
+  return A.norm() * (std::numbers::sqrt2 / 2 + kStretchRounding) + 16 * departure;
+}
+
+class MeshSweep {
+ public:
+  MeshSweep(const DescentSide& a, const DescentSide& b, Placements& motion,
+            const MeshSweepRequest& request, Scratch& scratch)
+      : side_a_(a),
+        side_b_(b),
+        a_(a),
+        b_(b),
+        motion_(motion),
+        request_(request),
+        scratch_(scratch),
+        stretches_(scratch.impl().sweep.stretches) {
+    parts_ = a_.consistsOfPieces() && b_.consistsOfPieces();
+    for (Stretch& s : stretches_) s.time.level = -1;
+  }
+
+  MeshSweepResult run() {
+    Time whole{0, 0};
+    for (double h = request_.h; h < 1; h *= 2) ++whole.level;
+    whole.number = static_cast<std::int32_t>(std::lround(std::ldexp(request_.t0, whole.level)));
+    // Another part than the one that is asked for proves nothing.
+    if (whole.length() != request_.h || whole.begin() != request_.t0) return {};
+    result_.status = MeshSweepStatus::kFree;
+    stack_[size_++] = {a_.root(), b_.root(), whole, -1, !parts_, 0};
+    Work& work = *scratch_.impl().work;
+    while (size_ > 0 && result_.status == MeshSweepStatus::kFree) {
+      if (result_.nodes >= request_.node_limit || work.isSpent()) {
+        result_.status = MeshSweepStatus::kUndecided;
+        break;
+      }
+      const int before = result_.nodes;
+      expand(stack_[--size_]);
+      work.add((result_.nodes - before) * kBoxWork);
+    }
+    return result_;
+  }
+
+ private:
+  // Null where a pose is none or cannot be told.
+  const Stretch* over(const Time& time) {
+    const auto place =
+        static_cast<std::size_t>((time.number + 5 * time.level) & (SweepScratch::kStretches - 1));
+    Stretch& s = stretches_[place];
+    if (s.time == time) return &s;
+    s.time.level = -1;
+    const double t0 = time.begin(), t1 = t0 + time.length();
+    if (!motion_.at(t0, s.X_BA0) || !motion_.at(t1, s.X_BA1)) return nullptr;
+    const RelativePose begin = relativePose(s.X_BA0, Pose{}), end = relativePose(s.X_BA1, Pose{});
+    if (!begin.valid || !end.valid) return nullptr;
+    s.slack = std::max(slackOf(begin, side_a_, side_b_), slackOf(end, side_a_, side_b_));
+    s.growth = time.length() * time.length() * request_.bend;
+    s.half.rotation = 0.5 * (s.X_BA0.rotation + s.X_BA1.rotation);
+    s.half.translation = 0.5 * (s.X_BA0.translation + s.X_BA1.translation);
+    s.away.rotation = 0.5 * (s.X_BA1.rotation - s.X_BA0.rotation);
+    s.away.translation = 0.5 * (s.X_BA1.translation - s.X_BA0.translation);
+    Eigen::Quaterniond q0(s.X_BA0.rotation), q1(s.X_BA1.rotation);
+    if (q0.dot(q1) < 0) q1.coeffs() = -q1.coeffs();
+    q0.coeffs() += q1.coeffs();
+    s.X_BM.rotation = q0.normalized().toRotationMatrix();
+    s.X_BM.translation = s.half.translation;
+    const double departure = begin.slack + end.slack;
+    s.turn = (stretchOf(s.away.rotation, departure) +
+              stretchOf(s.half.rotation - s.X_BM.rotation, departure)) *
+             kRadiusRounding;
+    s.X_MB = s.X_BM.inverse();
+    s.of_node.of_node = true;
+    const Eigen::Matrix3d map = s.X_MB.rotation * s.half.rotation,
+                          turn = s.X_MB.rotation * s.away.rotation;
+    const Vector way = s.X_MB.rotation * s.away.translation;
+    for (int i = 0; i < 3; ++i) {
+      for (int k = 0; k < 3; ++k) {
+        s.of_node.map[3 * i + k] = static_cast<float>(map(i, k));
+        s.of_node.turn[3 * i + k] = static_cast<float>(turn(i, k));
+      }
+      s.of_node.way[i] = static_cast<float>(way[i]);
+    }
+    s.of_node.loose = roundedUpToFloat(s.turn);
+    s.of_node.fixed = roundedUpToFloat(kWayRounding * (a_.extent() + way.lpNorm<1>()));
+    // Written so that a NaN fails: rotations a half turn apart have no mean.
+    if (!(s.turn < 4 && s.growth < kLargestBoxScale)) return nullptr;
+    s.time = time;
+    return &s;
+  }
+
+  void expand(const SweptPair& pair) {
+    const Stretch* s = over(pair.time);
+    if (s == nullptr) {
+      result_.status = MeshSweepStatus::kUndecided;
+      return;
+    }
+    const Part part_a = a_.part(pair.a, pair.open), part_b = b_.part(pair.b, pair.open);
+    const bool node_a = part_a.kind == Kind::kNode, node_b = part_b.kind == Kind::kNode;
+    if (!node_a && !node_b) {
+      leaves(pair, *s, part_a, part_b);
+      return;
+    }
+    const Vector way = placed(s->away, a_.center(pair.a));
+    const double radius_a = static_cast<double>(a_.radius(pair.a)),
+                 radius_b = static_cast<double>(b_.radius(pair.b));
+    // What moves farther than its size: a shorter time says more.
+    const double size = node_a && node_b ? std::max(radius_a, radius_b)
+                        : node_a         ? radius_a
+                                         : radius_b;
+    const double room = kSweepTimeShare * size - s->turn * radius_a - s->growth;
+    if (!(room > 0 && way.squaredNorm() <= room * room)) {
+      if (pair.halvings >= kSweepHalvingsBetweenLooks && isApart(pair, *s)) return;
+      if (halve(pair)) return;
+    }
+    // The larger one comes apart.
+    const bool split_a = !node_b || (node_a && radius_a >= radius_b);
+    const std::int32_t child = split_a ? part_a.number : part_b.number;
+    const BoxNode& split = (split_a ? a_ : b_).tree().boxes().node(child);
+    float gap[BoxNode::kWidth];
+    gaps(pair, *s, way, split_a, split, gap);
+    result_.nodes += split.count;
+    const double bar = barOf(*s);
+    const std::size_t first = size_;
+    for (int i = 0; i < split.count; ++i) {
+      if (static_cast<double>(gap[i]) > bar) continue;
+      SweptPair part = pair;
+      (split_a ? part.a : part.b) = child * BoxNode::kWidth + i;
+      part.gap = gap[i];
+      part.halvings = 0;
+      // The nearest one on top; of several the first.
+      std::size_t at = size_++;
+      for (; at > first && stack_[at - 1].gap <= part.gap; --at) stack_[at] = stack_[at - 1];
+      stack_[at] = part;
+    }
+  }
+
+  double barOf(const Stretch& s) const { return request_.threshold + s.growth + s.slack; }
+
+  // Of the boxes of a node of A, or of B, from the pair's box of the other one, over the stretch,
+  // in half of which the middle of A's box goes that way.
+  void gaps(const SweptPair& pair, const Stretch& s, const Vector& way, bool of_a,
+            const BoxNode& node, float* gap) {
+    if (of_a) {
+      sweptBoxGaps(node, placedBox(b_.box(pair.b), s.X_MB), s.of_node, gap);
+      return;
+    }
+    const Vector middle = placed(s.half, a_.center(pair.a));
+    OrientedBox box = placedBox(a_.box(pair.a), s.X_BM);
+    BoxSweep sweep;
+    for (int k = 0; k < 3; ++k) sweep.way[k] = static_cast<float>(way[k]);
+    sweep.fixed = roundedUpToFloat(s.turn * static_cast<double>(a_.radius(pair.a)) +
+                                   kWayRounding * way.lpNorm<1>());
+    for (int k = 0; k < 3; ++k) box.center[k] = static_cast<float>(middle[k]);
+    sweptBoxGaps(node, box, sweep, gap);
+  }
+
+  // The pair's own two boxes; one of them is a node's.
+  bool isApart(const SweptPair& pair, const Stretch& s) {
+    const bool of_a = a_.isMesh();
+    const std::int32_t part = of_a ? pair.a : pair.b;
+    float gap[BoxNode::kWidth];
+    gaps(pair, s, placed(s.away, a_.center(pair.a)), of_a, (of_a ? a_ : b_).node(part), gap);
+    ++result_.nodes;
+    return static_cast<double>(gap[part % BoxNode::kWidth]) > barOf(s);
+  }
+
+  // Both halves of the pair's time, the nearer one on top. False when there is no room for them.
+  bool halve(const SweptPair& pair) {
+    if (pair.time.level >= kSweepHalvings) return false;
+    SweptPair half = pair;
+    ++half.halvings;
+    half.time = {pair.time.level + 1, 2 * pair.time.number + 1};
+    stack_[size_++] = half;
+    --half.time.number;
+    stack_[size_++] = half;
+    return true;
+  }
+
+  // What nothing could tell apart: proven to be in contact halfway, or looked at in halves.
+  void failed(const SweptPair& pair, const Part& a, const Part& b, double motion) {
+    const double t = pair.time.begin() + pair.time.length() / 2;
+    Pose X_BA;
+    if (!motion_.at(t, X_BA)) {
+      result_.status = MeshSweepStatus::kUndecided;
+      return;
+    }
+    const RelativePose halfway = relativePose(X_BA, Pose{});
+    if (halfway.valid && meets(X_BA, slackOf(halfway, side_a_, side_b_), a, b)) {
+      result_.status = MeshSweepStatus::kContact;
+      result_.t = t;
+    } else if (motion <= request_.least_motion || pair.time.length() <= request_.least_time ||
+               !halve(pair)) {
+      result_.status = MeshSweepStatus::kUndecided;
+    }
+  }
+
+  // Proven not to be farther apart than the threshold there.
+  bool meets(const Pose& X_BA, double slack, const Part& a, const Part& b) {
+    ++result_.nodes;
+    const double excess = a_.excess(a) + b_.excess(b);
+    DistanceRequest request;
+    request.tolerance = kDefaultTolerance;
+    request.threshold = request_.threshold - excess;
+    request.iteration_limit = request_.iteration_limit;
+    request.depth = excess > 0;
+    const DistanceResult r =
+        convexDistance(a_.view(a), X_BA, b_.view(b), request, scratch_, nullptr, slack);
+    return r.distance.upper + excess <= request_.threshold;
+  }
+
+  void leaves(const SweptPair& pair, const Stretch& s, const Part& a, const Part& b) {
+    const bool triangles = a.kind == Kind::kTriangle && b.kind == Kind::kTriangle;
+    if (triangles && trianglesApart(s, a.number, b.number)) return;
+    ++result_.nodes;
+    DistanceRequest request;
+    request.tolerance = kDefaultTolerance;
+    request.threshold = request_.threshold;
+    request.iteration_limit = request_.iteration_limit;
+    request.depth = false;
+    const DistanceResult r = convexSweptDistance(a_.view(a), s.X_BA0, s.X_BA1, s.growth, b_.view(b),
+                                                 request, scratch_, nullptr, s.slack);
+    if (r.distance.lower > request_.threshold) return;
+    const Vector way = placed(s.away, a_.center(pair.a));
+    const double motion = way.norm() + s.turn * static_cast<double>(a_.radius(pair.a)) + s.growth;
+    const bool piece_a = a.kind == Kind::kPiece, piece_b = b.kind == Kind::kPiece;
+    if (!piece_a && !piece_b) {
+      failed(pair, a, b, motion);
+      return;
+    }
+    const float size = std::max(piece_a ? a_.radius(pair.a) : 0, piece_b ? b_.radius(pair.b) : 0);
+    if (motion > kSweepTimeShare * static_cast<double>(size) && halve(pair)) return;
+    SweptPair open = pair;
+    open.open = true;
+    stack_[size_++] = open;
+  }
+
+  // By the plane that parts them halfway.
+  bool trianglesApart(const Stretch& s, int slot_a, int slot_b) {
+    ++result_.nodes;
+    const Vector* corners = a_.tree().corners(slot_a);
+    const Vector* q = b_.tree().corners(slot_b);
+    const Vector p[3] = {placed(s.half, corners[0]), placed(s.half, corners[1]),
+                         placed(s.half, corners[2])};
+    const TrianglePair found = trianglePair(p, q);
+    const Vector& n = found.normal;
+    double reach = -std::numeric_limits<double>::infinity();
+    for (int i = 0; i < 3; ++i)
+      reach = std::max(reach, n.dot(p[i]) + std::abs(n.dot(placed(s.away, corners[i]))));
+    const double lower = std::min({n.dot(q[0]), n.dot(q[1]), n.dot(q[2])}) - reach;
+    // As for support points, see gjk.cc.
+    const double rounding =
+        kSupportRounding * kUnitRoundoff *
+        (a_.extent() + b_.extent() + s.half.translation.norm() + s.away.translation.norm());
+    return lower - 2 * rounding - s.growth - s.slack > request_.threshold;
+  }
+
+  const DescentSide &side_a_, &side_b_;
+  const MeshBody a_, b_;
+  Placements& motion_;
+  const MeshSweepRequest& request_;
+  Scratch& scratch_;
+  MeshSweepResult result_;
+  bool parts_ = false;  // both bodies have convex parts; against bare triangles those do not pay
+  std::array<Stretch, SweepScratch::kStretches>& stretches_;
+  // A pair that is taken off puts at most kWidth back, which are one level lower on one side; or
+  // its two halves; or itself, opened.
+  std::array<SweptPair, 2 * (BoxTree::kMaxDepth + 1) * (BoxNode::kWidth - 1) + kSweepHalvings + 3>
+      stack_;
+  std::size_t size_ = 0;
+};
+
+bool isSweepable(const DescentSide& side) {
+  return side.tree != nullptr ? side.tree->boxes().usable() : isBounded(side);
+}
+
+}  // namespace
+
+bool sweepsMesh(const Shape& a, const Shape& b) {
+  const auto isMesh = [](const Shape& s) { return s.type() == ShapeType::kMesh; };
+  const auto isFit = [&](const Shape& s) { return isMesh(s) || s.isConvex(); };
+  if (!(isMesh(a) || isMesh(b)) || !isFit(a) || !isFit(b)) return false;
+  return isSweepable(descentSide(a)) && isSweepable(descentSide(b));
+}
+
+MeshSweepResult sweepMesh(const Shape& a, Placements& motion, const Shape& b,
+                          const MeshSweepRequest& request, Scratch& scratch) {
+  // Written so that a NaN fails.
+  if (!(request.bend >= 0 && request.threshold >= 0 && request.t0 >= 0 && request.t0 < 1 &&
+        request.h >= std::ldexp(1.0, -kSweepHalvings) && request.h <= 1))
+    return {};
+  const DescentSide side_a = descentSide(a), side_b = descentSide(b);
+  if (!isSweepable(side_a) || !isSweepable(side_b)) return {};
+  return MeshSweep(side_a, side_b, motion, request, scratch).run();
+}
+
+}  // namespace leeway::collision

@@ -1,0 +1,16 @@
+#include "planner/base/nearest_name.h"
+
+#include "leeway/robots/text.h"
+
+namespace leeway::planner {
+
+std::string nearestName(std::string_view name, const std::vector<std::string>& known) {
+  if (known.empty()) return "; there is none";
+  if (const std::string* nearest = robots::nearestName(name, known))
+    return "; did you mean '" + *nearest + "'?";
+  std::string list = "; known: ";
+  for (std::size_t i = 0; i < known.size() && i < 12; ++i) list += (i > 0 ? ", " : "") + known[i];
+  return known.size() > 12 ? list + ", ..." : list;
+}
+
+}  // namespace leeway::planner

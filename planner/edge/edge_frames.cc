@@ -1,0 +1,249 @@
+#include "planner/edge/edge_frames.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "collision/base/sine_cosine.h"
+#include "collision/base/tolerances.h"
+#include "collision/scene/geometry_bounds.h"
+#include "collision/sweep/mesh_sweep.h"
+#include "leeway/robots/kinematics.h"
+#include "planner/base/tolerances.h"
+
+namespace leeway::planner {
+
+EdgeFrames::EdgeFrames(std::shared_ptr<const CompiledScene> scene, int capacity)
+    : scene_(std::move(scene)), links_(scene_->model().links.size()), capacity_(capacity) {
+  addPieces();
+  addPairs();
+  const auto size = static_cast<std::size_t>(scene_->space().size());
+  for (std::vector<double>* v : {&a_, &b_, &difference_, &point_}) v->resize(size);
+  q_.resize(scene_->model().variables.size());
+  dq_.resize(q_.size());
+  joint_motion_.resize(scene_->model().joints.size());
+  poses_.resize(at(capacity) * links_);
+  centers_.resize(at(capacity) * pieces_.size());
+}
+
+void EdgeFrames::rebind(std::shared_ptr<const CompiledScene> scene) {
+  scene_ = std::move(scene);
+  pieces_.clear();
+  moving_.clear();
+  pairs_.clear();
+  has_flights_ = false;
+  gaps_.clear();
+  gaps_.reserve(scene_->scene().pairs().size());  // whatever margins a rebind may bring
+  addPieces();
+  addPairs();
+  release(0);
+}
+
+void EdgeFrames::addPieces() {
+  const collision::Scene& scene = scene_->scene();
+  for (std::size_t b = 0; b < scene.bodies().size(); ++b) {
+    const collision::Body& body = scene.bodies()[b];
+    for (const collision::Geometry& g : body.geometries) {
+      Piece piece;
+      piece.body = static_cast<int>(b);
+      piece.link = scene_->bodyLink(piece.body);
+      piece.geometry = &g;
+      piece.bounds = &scene.bounds(static_cast<int>(pieces_.size()));
+      piece.at_origin = g.X_BG.rotation.isIdentity(0) && g.X_BG.translation.isZero(0);
+      if (piece.link < 0)
+        piece.X_GW = (body.X_WB * g.X_BG).inverse();
+      else
+        moving_.push_back(static_cast<int>(pieces_.size()));
+      pieces_.push_back(piece);
+    }
+  }
+}
+
+namespace {
+
+/// Arcs of a table that a range reaches into, at most.
+std::int64_t arcsIn(const robots::LinkGap::Range& range) {
+  const double arcs =
+      std::abs(range.to - range.from) * robots::LinkGap::kArcs / collision::kTwoPi + 2;
+  return arcs < robots::LinkGap::kArcs ? static_cast<std::int64_t>(arcs) : robots::LinkGap::kArcs;
+}
+
+}  // namespace
+
+/// Whether a free or planar joint that is planned carries a link: one that places an arm in its
+/// world stands still.
+bool EdgeFrames::travels(int link) const {
+  const std::span<const int> planned = scene_->space().variables();
+  for (int l = link; l >= 0; l = scene_->model().joints[at(l)].parent_link) {
+    const robots::Joint& joint = scene_->model().joints[at(l)];
+    const auto moves = [&joint](int v) {
+      return v >= joint.first_variable && v < joint.first_variable + joint.variable_count;
+    };
+    if ((joint.type == robots::JointType::kFloating || joint.type == robots::JointType::kPlanar) &&
+        std::any_of(planned.begin(), planned.end(), moves))
+      return true;
+  }
+  return false;
+}
+
+void EdgeFrames::addPairs() {
+  const collision::Scene& scene = scene_->scene();
+  for (std::size_t p = 0; p < scene.pairs().size(); ++p) {
+    const collision::ScenePair& pair = scene.pairs()[p];
+    EdgePair e;
+    e.scene_pair = static_cast<int>(p);
+    e.a = scene.geometryIndex(pair.body_a, pair.geometry_a);
+    e.b = scene.geometryIndex(pair.body_b, pair.geometry_b);
+    e.motion = scene_->pairMotionIndex(e.scene_pair);
+    e.rounding = (pieces_[at(e.b)].link >= 0 ? 2 : 1) * scene_->rounding();
+    if (scene_->isReversed(e.scene_pair)) std::swap(e.a, e.b);
+    // Every coordinate that a relative pose is made from is within this of its frame's origin.
+    double scale = 2 * scene_->reach();
+    for (const int piece : {e.a, e.b})
+      if (pieces_[at(piece)].link < 0)
+        scale += pieces_[at(piece)].X_GW.translation.lpNorm<1>() +
+                 pieces_[at(piece)].bounds->outer.center.lpNorm<1>();
+    e.rounding += collision::kTransferRounding * scale;
+    e.threshold = pair.margin + e.rounding;
+    const auto shapeOf = [this](int piece) -> const collision::Shape& {
+      return pieces_[at(piece)].geometry->shape;
+    };
+    const auto isMesh = [&](int piece) {
+      return shapeOf(piece).type() == collision::ShapeType::kMesh;
+    };
+    // Links of an arm stay near each other and near its base, move little there, and their hulls'
+    // sweeps answer; against a convex obstacle convex pieces do.
+    e.by_surfaces = pair.margin >= 0 && isMesh(e.a) && isMesh(e.b) &&
+                    ((pieces_[at(e.a)].link < 0 && travels(pieces_[at(e.b)].link)) ||
+                     (pieces_[at(e.b)].link < 0 && travels(pieces_[at(e.a)].link))) &&
+                    collision::sweepsMesh(shapeOf(e.a), shapeOf(e.b));
+    has_flights_ = has_flights_ || e.by_surfaces;
+    addGap(e);
+    pairs_.push_back(e);
+  }
+  std::stable_sort(pairs_.begin(), pairs_.end(),
+                   [](const EdgePair& x, const EdgePair& y) { return x.a < y.a; });
+}
+
+void EdgeFrames::addGap(EdgePair& pair) {
+  const robots::LinkGap* known = scene_->linkGap(pair.scene_pair);
+  const auto enough = [&](float gap) { return static_cast<double>(gap) > pair.threshold; };
+  if (known == nullptr ||
+      (!enough(known->cell_gap) && std::none_of(known->gaps.begin(), known->gaps.end(), enough)))
+    return;
+  pair.gap = static_cast<int>(gaps_.size());
+  gaps_.push_back({known, {}, {}});
+}
+
+/// With q_ at the edge's start.
+EdgeFrames::Turn EdgeFrames::turnOf(int joint) const {
+  const robots::KinematicStep& step = scene_->model().steps[at(joint)];
+  return {step.multiplier * q_[at(step.variable)] + step.offset,
+          step.multiplier * dq_[at(step.variable)]};
+}
+
+bool EdgeFrames::keepsGap(const EdgePair& pair, double t0, double t1) const {
+  if (pair.gap < 0) return false;
+  const Gap& gap = gaps_[at(pair.gap)];
+  const robots::LinkGap::Range angles = gap.turn.over(t0, t1), others = gap.other.over(t0, t1);
+  if (work_ != nullptr) work_->add(arcsIn(angles) * arcsIn(others) * collision::kCellWork);
+  const double kept = gap.known->over(angles, others);
+  // 0 is no proof, however deep the margin lets them overlap.
+  return kept > 0 && kept > pair.threshold;
+}
+
+bool EdgeFrames::isUsable(std::span<const double> point) const {
+  for (const double x : point)
+    if (!(std::abs(x) <= kLargestAngle)) return false;  // written so that NaN fails
+  return true;
+}
+
+/// What holds outside the limits, too: joints without room have no motion terms, and a quaternion
+/// that is nearly zero is no rotation.
+bool EdgeFrames::isInShape(std::span<const double> point) const {
+  const ConfigurationSpace& space = scene_->space();
+  for (const ConfigurationSpace::Part& part : space.parts()) {
+    const double* x = &point[at(part.first)];
+    if (part.kind == ConfigurationSpace::Kind::kRotation) {
+      if (!(x[0] * x[0] + x[1] * x[1] + x[2] * x[2] + x[3] * x[3] > 0.25)) return false;
+    } else if (space.lower(part.first) == space.upper(part.first) &&
+               *x != space.lower(part.first)) {
+      return false;
+    }
+  }
+  return true;
+}
+
+bool EdgeFrames::begin(std::span<const double> a, std::span<const double> b) {
+  release(0);
+  if (!isUsable(a) || !isUsable(b) || !isInShape(a) || !isInShape(b)) return false;
+  const ConfigurationSpace& space = scene_->space();
+  std::copy(a.begin(), a.end(), a_.begin());
+  std::copy(b.begin(), b.end(), b_.begin());
+  space.difference(a_, b_, difference_);
+  if (!scene_->isSmooth(a_, b_, difference_)) return false;
+  scene_->expandDifference(difference_, dq_);
+  robots::jointMotion(scene_->model(), dq_, joint_motion_);
+  within_limits_ = space.withinLimits(a_) && space.withinLimits(b_);
+  if (!within_limits_ && scene_->needsLimits()) return false;
+  if (!gaps_.empty()) scene_->expand(a_, q_);
+  for (Gap& gap : gaps_) gap.turn = turnOf(gap.known->joint), gap.other = turnOf(gap.known->other);
+  watch_reach_ = !within_limits_ || scene_->reach() >= kLargestReach;
+  return true;
+}
+
+int EdgeFrames::place(double t) {
+  if (used_ >= capacity_) return -1;
+  if (work_ != nullptr) work_->add(static_cast<std::int64_t>(links_) * collision::kPlacingWork);
+  const int slot = used_;
+  if (t == 0)
+    scene_->expand(a_, q_);
+  else if (t == 1)
+    scene_->expand(b_, q_);
+  else {
+    scene_->space().advance(a_, difference_, t, point_);
+    scene_->expand(point_, q_);
+  }
+  const std::span<Pose> X_WL{&poses_[at(slot) * links_], links_};
+  robots::forwardKinematics(scene_->model(), q_, X_WL);
+  Eigen::Vector3d* centers = &centers_[at(slot) * pieces_.size()];
+  for (const int i : moving_) {
+    const Piece& piece = pieces_[at(i)];
+    centers[i] = X_WL[at(piece.link)] * piece.bounds->outer.center;
+    // Limits keep bodies in reach; without them the rounding bound must be watched.
+    if (watch_reach_ && !(centers[i].norm() + piece.bounds->outer.radius <= scene_->reach()))
+      return -1;
+  }
+  ++used_;
+  return slot;
+}
+
+Pose EdgeFrames::piecePose(int slot, int piece) const {
+  const Piece& p = pieces_[at(piece)];
+  const Pose& X_WB =
+      p.link >= 0 ? links(slot)[at(p.link)] : scene_->scene().bodies()[at(p.body)].X_WB;
+  return p.at_origin ? X_WB : X_WB * p.geometry->X_BG;
+}
+
+Pose EdgeFrames::relative(int slot, const EdgePair& pair) const {
+  const Pose X_WA = piecePose(slot, pair.a);
+  const Piece& b = pieces_[at(pair.b)];
+  if (b.link < 0) return b.X_GW * X_WA;
+  const Pose X_WB = piecePose(slot, pair.b);
+  return {X_WB.rotation.transpose() * X_WA.rotation,
+          X_WB.rotation.transpose() * (X_WA.translation - X_WB.translation)};
+}
+
+Eigen::Vector3d EdgeFrames::inFrameOf(int slot, int piece, const Eigen::Vector3d& p_W) const {
+  const int link = pieces_[at(piece)].link;
+  if (link < 0) return p_W;
+  const Pose& X_WL = links(slot)[at(link)];
+  return X_WL.rotation.transpose() * (p_W - X_WL.translation);
+}
+
+robots::MotionBound EdgeFrames::motionNear(int motion, int slot, double half) const {
+  return robots::localMotionBound(scene_->model(), scene_->motions()[at(motion)], joint_motion_,
+                                  links(slot), half, within_limits_);
+}
+
+}  // namespace leeway::planner

@@ -1,0 +1,143 @@
+#include "planner/execute/blend.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "collision/base/sine_cosine.h"
+#include "leeway/planner/edge_certifier.h"
+#include "leeway/planner/trajectory.h"
+#include "planner/base/tolerances.h"
+
+namespace leeway::planner {
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+/// Proves blends of one path.
+class Blending {
+ public:
+  explicit Blending(const std::shared_ptr<const CompiledScene>& scene)
+      : scene_(*scene),
+        space_(scene->space()),
+        certifier_(scene->withMarginsGrown(kBlendDeviation)),
+        size_(at(space_.size())),
+        bend_(size_),
+        point_(size_),
+        next_(size_),
+        dq_(scene->model().variables.size()),
+        motion_(scene->model().joints.size()) {}
+
+  /// Is the cut proven to keep the margins?
+  bool holds(std::span<const double> corner, std::span<const double> before,
+             std::span<const double> after, double length) {
+    const double a = length / norm(before), b = length / norm(after);
+    for (std::size_t i = 0; i < size_; ++i) bend_[i] = b * after[i] - a * before[i];
+    if (wraps(corner, before, after, a, b)) return false;
+    // The curve's second derivative is 2 (b after - a before): over 1/n of the parameter it
+    // departs from its chord by no more than an eighth of that over n^2.
+    const double deviation = displacement() / 4;
+    int chords = 1;
+    while (chords <= kBlendChords && !(deviation / (chords * chords) <= kBlendDeviation))
+      chords *= 2;
+    if (chords > kBlendChords) return false;
+    for (int k = 0; k <= chords; ++k) {
+      blendPoint(space_, corner, before, after, length, static_cast<double>(k) / chords, next_);
+      if (!space_.withinLimits(next_)) return false;
+      if (k > 0 &&
+          certifier_.certify(point_, next_, EdgeRequest::persistent()).verdict != Verdict::kFree)
+        return false;
+      std::swap(point_, next_);
+    }
+    return true;
+  }
+
+ private:
+  /// A circle that passes from pi to -pi within the cut: a mimic of it might jump between a chord
+  /// and the curve. Or one that turns by about half a turn: rounding might choose the chord's way.
+  bool wraps(std::span<const double> corner, std::span<const double> before,
+             std::span<const double> after, double a, double b) const {
+    for (const ConfigurationSpace::Part& part : space_.parts()) {
+      if (part.kind != ConfigurationSpace::Kind::kCircle) continue;
+      const std::size_t i = at(part.first);
+      const double middle = std::remainder(corner[i], collision::kTwoPi);
+      const double reach = std::max(std::abs(a * before[i]), std::abs(b * after[i]));
+      if (!(std::abs(middle) + reach < std::numbers::pi && reach < kBlendReach)) return true;
+    }
+    return false;
+  }
+
+  /// How far at most a point of any body moves, seen from any it is checked against, when every
+  /// joint goes as far as bend_ has it.
+  double displacement() {
+    scene_.expandDifference(bend_, dq_);
+    robots::jointMotion(scene_.model(), dq_, motion_);
+    double most = 0;
+    for (const robots::RelativeMotion& motion : scene_.motions())
+      most = std::max(most, robots::speedBound(scene_.model(), motion, motion_));
+    return most;
+  }
+
+  const CompiledScene& scene_;
+  const ConfigurationSpace& space_;
+  EdgeCertifier certifier_;
+  std::size_t size_;
+  std::vector<double> bend_, point_, next_, dq_;
+  std::vector<robots::JointMotion> motion_;
+};
+
+}  // namespace
+
+double norm(std::span<const double> v) {
+  double sum = 0;
+  for (const double x : v) sum += x * x;
+  return std::sqrt(sum);
+}
+
+bool inLine(std::span<const double> first, std::span<const double> second) {
+  const double a = norm(first), b = norm(second);
+  if (a == 0 || b == 0) return true;
+  for (std::size_t i = 0; i < first.size(); ++i)
+    if (std::abs(first[i] / a - second[i] / b) > kInLine) return false;
+  return true;
+}
+
+bool hasRotation(const ConfigurationSpace& space) {
+  return std::any_of(space.parts().begin(), space.parts().end(), [](const auto& part) {
+    return part.kind == ConfigurationSpace::Kind::kRotation;
+  });
+}
+
+void blendPoint(const ConfigurationSpace& space, std::span<const double> corner,
+                std::span<const double> before, std::span<const double> after, double length,
+                double t, std::span<double> result) {
+  const double a = length * (1 - t) * (1 - t) / norm(before), b = length * t * t / norm(after);
+  std::vector<double> way(corner.size());
+  for (std::size_t i = 0; i < way.size(); ++i) way[i] = b * after[i] - a * before[i];
+  space.advance(corner, way, 1, result);
+}
+
+std::vector<Blend> certifiedBlends(const std::shared_ptr<const CompiledScene>& scene,
+                                   std::span<const std::vector<double>> waypoints) {
+  const ConfigurationSpace& space = scene->space();
+  std::vector<Blend> blends;
+  if (hasRotation(space) || waypoints.size() < 3) return blends;
+  Blending blending(scene);
+  std::vector<double> before(at(space.size())), after(before);
+  space.difference(waypoints[0], waypoints[1], before);
+  for (std::size_t corner = 1; corner + 1 < waypoints.size(); ++corner) {
+    space.difference(waypoints[corner], waypoints[corner + 1], after);
+    double length = std::min(norm(before), norm(after)) / 2;
+    if (!inLine(before, after)) {
+      for (int attempt = 0; attempt < kBlendTries; ++attempt, length /= 2) {
+        if (!blending.holds(waypoints[corner], before, after, length)) continue;
+        blends.push_back({static_cast<int>(corner), length});
+        break;
+      }
+    }
+    std::swap(before, after);
+  }
+  return blends;
+}
+
+}  // namespace leeway::planner

@@ -1,0 +1,246 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "leeway/planner/path_io.h"
+#include "leeway/robots/text.h"
+#include "planner/base/nearest_name.h"
+#include "planner/base/tolerances.h"
+#include "planner/problem/yaml_reader.h"
+
+namespace leeway::planner {
+namespace {
+
+using robots::InputError;
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+/// What a file says before it is matched to the problem: columns by name (none: by order) and rows
+/// with their lines.
+struct Table {
+  std::vector<std::string> names;
+  int names_line = 0;
+  struct Row {
+    std::vector<double> values;
+    int line;
+  };
+  std::vector<Row> rows;
+};
+
+std::vector<std::string> plannedNames(const Problem& problem) {
+  std::vector<std::string> names;
+  for (const int v : problem.variables) names.push_back(problem.model->variables[at(v)].name);
+  return names;
+}
+
+// ---- JSON and YAML ----
+
+Table readTrajectory(const YamlReader& file) {
+  if (!file.isMap())
+    file.fail("is no map; joint_names and points (trajectory_msgs/JointTrajectory) are expected");
+  if (const auto nested = file.find("joint_trajectory")) return readTrajectory(*nested);
+  const auto planned = file.find("path");
+  const YamlReader& source = planned && planned->isMap() ? *planned : file;
+  Table table;
+  const YamlReader names = source.at("joint_names", "a list of joint names");
+  table.names_line = names.line();
+  for (const YamlReader& name : names.items()) table.names.push_back(name.text());
+  const bool plain = source.has("positions");
+  const YamlReader rows = source.at(plain ? "positions" : "points", "a list of waypoints");
+  for (const YamlReader& item : rows.items()) {
+    const YamlReader row = plain ? item : item.at("positions", "a list of numbers");
+    table.rows.push_back({row.numbers(), row.line()});
+  }
+  return table;
+}
+
+// ---- CSV and .path ----
+
+std::vector<std::string> csvFields(const std::string& file, int line_number,
+                                   std::string_view line) {
+  std::vector<std::string> fields(1);
+  bool quoted = false;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    const char c = line[i];
+    if (quoted && c == '"' && i + 1 < line.size() && line[i + 1] == '"') {
+      fields.back() += '"';
+      ++i;
+    } else if (c == '"') {
+      quoted = !quoted;
+    } else if (c == ',' && !quoted) {
+      fields.emplace_back();
+    } else {
+      fields.back() += c;
+    }
+  }
+  if (quoted)
+    throw InputError(file, line_number, "a quoted field has no end; a closing quote is expected");
+  return fields;
+}
+
+std::vector<std::string> blankFields(std::string_view line) {
+  std::vector<std::string> fields;
+  std::istringstream stream{std::string(line)};
+  for (std::string field; stream >> field;) fields.push_back(field);
+  return fields;
+}
+
+std::string trimmed(const std::string& text) {
+  const std::size_t first = text.find_first_not_of(" \t"), last = text.find_last_not_of(" \t");
+  return first == std::string::npos ? std::string() : text.substr(first, last - first + 1);
+}
+
+double readField(const std::string& file, int line, const std::string& field) {
+  const std::optional<double> value = robots::parseNumber(trimmed(field));
+  if (!value || !std::isfinite(*value))
+    throw InputError(file, line,
+                     fmt::format("'{}' stands where a finite number is expected", field));
+  return *value;
+}
+
+/// Lines that are not blank, with their numbers.
+std::vector<std::pair<int, std::string>> readLines(const std::string& file) {
+  std::ifstream stream(file, std::ios::binary);
+  std::vector<std::pair<int, std::string>> lines;
+  if (!stream || std::filesystem::is_directory(file))
+    throw InputError(file, 0, "cannot be read; a readable file is expected");
+  int number = 0;
+  for (std::string line; std::getline(stream, line);) {
+    ++number;
+    if (number == 1 && line.starts_with("\xEF\xBB\xBF")) line.erase(0, 3);  // as spreadsheets do
+    if (!line.empty() && line.back() == '\r') line.pop_back();
+    if (!trimmed(line).empty()) lines.emplace_back(number, line);
+  }
+  if (stream.bad())
+    throw InputError(file, number, "cannot be read to its end; a readable file is expected");
+  return lines;
+}
+
+Table readCsv(const std::string& file) {
+  Table table;
+  for (const auto& [number, line] : readLines(file)) {
+    const std::vector<std::string> fields = csvFields(file, number, line);
+    if (table.names.empty()) {
+      for (const std::string& field : fields) table.names.push_back(trimmed(field));
+      table.names_line = number;
+      continue;
+    }
+    Table::Row row{{}, number};
+    for (const std::string& field : fields) row.values.push_back(readField(file, number, field));
+    table.rows.push_back(std::move(row));
+  }
+  if (table.names.empty())
+    throw InputError(file, 0, "is empty; a header of 'time' and joint names is expected");
+  return table;
+}
+
+Table readMatrix(const std::string& file) {
+  Table table;
+  for (const auto& [number, line] : readLines(file)) {
+    Table::Row row{{}, number};
+    for (const std::string& field : blankFields(line))
+      row.values.push_back(readField(file, number, field));
+    table.rows.push_back(std::move(row));
+  }
+  return table;
+}
+
+// ---- Matching to the problem ----
+
+constexpr int kIgnored = -1;  // a column of times
+
+/// For each column the variable of the model that it holds.
+std::vector<int> columnVariables(const std::string& file, const Table& table,
+                                 const Problem& problem) {
+  std::vector<int> columns;
+  for (std::size_t i = 0; i < table.names.size(); ++i) {
+    const std::string& name = table.names[i];
+    const int v = problem.model->findVariable(name);
+    if (v < 0 && name != "time")
+      throw InputError(
+          file, table.names_line,
+          fmt::format("unknown joint '{}'{}", name, nearestName(name, plannedNames(problem))));
+    if (v >= 0 && std::find(columns.begin(), columns.end(), v) != columns.end())
+      throw InputError(file, table.names_line,
+                       fmt::format("joint '{}' stands twice; once is expected", name));
+    columns.push_back(v >= 0 ? v : kIgnored);
+  }
+  for (const int v : problem.variables)
+    if (std::find(columns.begin(), columns.end(), v) == columns.end())
+      throw InputError(
+          file, table.names_line,
+          fmt::format("planned joint '{}' is missing; a column for each planned joint is expected",
+                      problem.model->variables[at(v)].name));
+  return columns;
+}
+
+void requirePassive(const std::string& file, int line, double value, int variable,
+                    const Problem& problem) {
+  const double expected = problem.configuration[at(variable)];
+  if (std::abs(value - expected) > kPassiveJointSlack)
+    throw InputError(
+        file, line,
+        fmt::format("joint '{}' is at {}, but not planned; the problem's {} is expected",
+                    problem.model->variables[at(variable)].name, value, expected));
+}
+
+void normaliseRotations(const std::string& file, int line, const ConfigurationSpace& space,
+                        std::vector<double>& point) {
+  for (const ConfigurationSpace::Part& part : space.parts()) {
+    if (part.kind != ConfigurationSpace::Kind::kRotation) continue;
+    double* q = &point[at(part.first)];
+    const double norm = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+    if (!(std::abs(norm - 1) <= kMendableQuaternion))
+      throw InputError(file, line,
+                       fmt::format("a quaternion of length {}; unit length is expected", norm));
+    if (std::abs(norm - 1) > kSilentQuaternion)  // what we wrote ourselves comes back to the bit
+      for (int i = 0; i < 4; ++i) q[i] /= norm;
+  }
+}
+
+Path matched(const std::string& file, const Table& table, const Problem& problem) {
+  const ConfigurationSpace space(problem.model, problem.variables);
+  const std::vector<int> columns =
+      table.names.empty() ? problem.variables : columnVariables(file, table, problem);
+  Path path;
+  path.names = plannedNames(problem);
+  if (table.rows.empty()) throw InputError(file, 0, "holds no waypoint; at least one is expected");
+  for (const Table::Row& row : table.rows) {
+    if (row.values.size() != columns.size())
+      throw InputError(
+          file, row.line,
+          fmt::format("a row of {} numbers; {} are expected", row.values.size(), columns.size()));
+    std::vector<double> point(problem.variables.size());
+    for (std::size_t c = 0; c < columns.size(); ++c) {
+      if (columns[c] == kIgnored) continue;
+      const auto place = std::find(problem.variables.begin(), problem.variables.end(), columns[c]);
+      if (place == problem.variables.end())
+        requirePassive(file, row.line, row.values[c], columns[c], problem);
+      else
+        point[static_cast<std::size_t>(place - problem.variables.begin())] = row.values[c];
+    }
+    normaliseRotations(file, row.line, space, point);
+    path.positions.push_back(std::move(point));
+  }
+  return path;
+}
+
+}  // namespace
+
+Path readPath(const std::string& file, const Problem& problem) {
+  const std::string ending = std::filesystem::path(file).extension().string();
+  if (ending == ".json" || ending == ".yaml" || ending == ".yml")
+    return matched(file, readTrajectory(YamlReader::load(file)), problem);
+  if (ending == ".csv") return matched(file, readCsv(file), problem);
+  if (ending == ".path") return matched(file, readMatrix(file), problem);
+  throw InputError(
+      file, 0,
+      fmt::format("the ending '{}' names no format; .json, .yaml, .csv or .path is expected",
+                  ending));
+}
+
+}  // namespace leeway::planner

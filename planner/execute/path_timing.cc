@@ -1,0 +1,158 @@
+#include "planner/execute/path_timing.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "planner/base/tolerances.h"
+
+namespace leeway::planner {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+struct Range {
+  double low, high;
+  bool empty() const { return !(low <= high); }
+};
+
+/// A part of a piece over which d2s/dt2 = u is constant. x stands for (ds/dt)^2.
+struct Cell {
+  const CurvePiece* piece;
+  int index;  // of the piece
+  double begin, length;
+};
+
+class Timing {
+ public:
+  Timing(std::span<const CurvePiece> pieces, std::span<const double> velocity,
+         std::span<const double> acceleration)
+      : velocity_(velocity), acceleration_(acceleration) {
+    for (std::size_t p = 0; p < pieces.size(); ++p) {
+      const int count = pieces[p].straight ? 1 : kBendCells;
+      const double length = pieces[p].length;
+      for (int i = 0; i < count; ++i)
+        cells_.push_back({&pieces[p], static_cast<int>(p), length * i / count, length / count});
+    }
+    limitBackwards();
+  }
+
+  std::vector<TimedPhase> phases() const {
+    std::vector<TimedPhase> result;
+    double time = 0, x = 0;
+    // Ways are told within their piece: summed over all, what a short one adds would be rounding.
+    const auto phase = [&](int piece, double way, double length, double u, double next) {
+      const double rate = std::sqrt(x), then = std::sqrt(next);
+      x = next;
+      if (!(length > 0) || !(rate + then > 0)) return;
+      result.push_back({time, piece, way, rate, u});
+      time += 2 * length / (rate + then);
+    };
+    for (std::size_t i = 0; i < cells_.size(); ++i) {
+      const Cell& cell = cells_[i];
+      if (!cell.piece->straight) {
+        const double u = accelerations(cell, x, most_[i + 1]).high;
+        const double next = std::clamp(x + 2 * cell.length * u, 0.0, most_[i + 1]);
+        phase(cell.index, cell.begin, cell.length, u, next);
+        continue;
+      }
+      const double a = straightAcceleration(*cell.piece), gain = 2 * a * cell.length;
+      const double next = std::min(most_[i + 1], x + gain);
+      const double peak = std::clamp((x + next + gain) / 2, std::max(x, next),
+                                     std::max(speedLimit(cell), std::max(x, next)));
+      const double rise = std::min((peak - x) / (2 * a), cell.length);
+      const double falling = std::max(cell.length - (peak - next) / (2 * a), rise);  // from here on
+      phase(cell.index, 0, rise, a, peak);
+      phase(cell.index, rise, falling - rise, 0, peak);
+      phase(cell.index, falling, cell.length - falling, -a, next);
+    }
+    result.push_back({time, cells_.back().index, cells_.back().piece->length, 0, 0});
+    return result;
+  }
+
+ private:
+  /// q' at a place of a piece.
+  static double slope(const CurvePiece& piece, double s, std::size_t i) {
+    const double share = s / piece.length;
+    return (1 - share) * piece.first[i] + share * piece.last[i];
+  }
+
+  /// x may not be above this at either end of the cell, nor between.
+  double speedLimit(const Cell& cell) const {
+    double most = kInfinity;
+    for (std::size_t i = 0; i < velocity_.size(); ++i) {
+      const double steepest = std::max(std::abs(slope(*cell.piece, cell.begin, i)),
+                                       std::abs(slope(*cell.piece, cell.begin + cell.length, i)));
+      if (steepest > 0) most = std::min(most, velocity_[i] / steepest);
+    }
+    return most * most;
+  }
+
+  double straightAcceleration(const CurvePiece& piece) const {
+    double most = kInfinity;
+    for (std::size_t i = 0; i < acceleration_.size(); ++i)
+      if (piece.first[i] != 0) most = std::min(most, acceleration_[i] / std::abs(piece.first[i]));
+    return most;
+  }
+
+  /// All u with which the cell can be gone through from x, to at most `next` at its end.
+  Range accelerations(const Cell& cell, double x, double next) const {
+    const double twice = 2 * cell.length;
+    Range range{-x / twice, (next - x) / twice};
+    for (std::size_t i = 0; i < acceleration_.size(); ++i) {
+      const double bend = (cell.piece->last[i] - cell.piece->first[i]) / cell.piece->length;
+      // d2q/dt2 = q' u + q'' x at the cell's begin; at its end x has become x + 2 length u.
+      const double slopes[2] = {slope(*cell.piece, cell.begin, i),
+                                slope(*cell.piece, cell.begin + cell.length, i) + bend * twice};
+      for (const double factor : slopes) {
+        const double low = -acceleration_[i] - bend * x, high = acceleration_[i] - bend * x;
+        if (factor == 0) {
+          if (low > 0 || high < 0) return {1, 0};
+          continue;
+        }
+        range.low = std::max(range.low, (factor > 0 ? low : high) / factor);
+        range.high = std::min(range.high, (factor > 0 ? high : low) / factor);
+      }
+    }
+    return range;
+  }
+
+  /// most_[i]: the largest x at the begin of cell i from which the end can be reached.
+  void limitBackwards() {
+    most_.assign(cells_.size() + 1, 0);
+    for (std::size_t i = cells_.size(); i-- > 0;) {
+      const Cell& cell = cells_[i];
+      const double limit = speedLimit(cell);
+      most_[i + 1] = std::min(most_[i + 1], limit);
+      if (cell.piece->straight) {
+        const double gain = 2 * straightAcceleration(*cell.piece) * cell.length;
+        most_[i] = std::min(limit, most_[i + 1] + gain);
+        continue;
+      }
+      // What can be gone through is convex and holds standing still: bisection finds its end.
+      double low = 0, high = limit;
+      if (!accelerations(cell, high, most_[i + 1]).empty()) low = high;
+      while (low < high) {  // down to neighbouring numbers: limits may be any powers of ten apart
+        const double middle = low + (high - low) / 2;
+        if (middle == low || middle == high) break;
+        (accelerations(cell, middle, most_[i + 1]).empty() ? high : low) = middle;
+      }
+      most_[i] = low;
+    }
+    most_[0] = 0;  // at rest
+  }
+
+  std::span<const double> velocity_, acceleration_;
+  std::vector<Cell> cells_;
+  std::vector<double> most_;
+};
+
+}  // namespace
+
+std::vector<TimedPhase> timeOptimal(std::span<const CurvePiece> pieces,
+                                    std::span<const double> velocity,
+                                    std::span<const double> acceleration) {
+  return Timing(pieces, velocity, acceleration).phases();
+}
+
+}  // namespace leeway::planner

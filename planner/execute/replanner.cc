@@ -1,0 +1,490 @@
+#include "leeway/planner/replanner.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include "leeway/planner/path_io.h"
+#include "leeway/planner/random.h"
+#include "leeway/robots/input_error.h"
+#include "planner/base/tolerances.h"
+#include "planner/execute/step_certifier.h"
+#include "planner/execute/timed_path.h"
+#include "planner/search/goals.h"
+
+namespace leeway::planner {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+using Clock = std::chrono::steady_clock;
+using Waypoints = std::vector<std::vector<double>>;
+
+double secondsSince(Clock::time_point begin) {
+  return std::chrono::duration<double>(Clock::now() - begin).count();
+}
+
+std::vector<double> startOf(const Problem& problem) {
+  std::vector<double> point;
+  for (const int v : problem.variables)
+    point.push_back(problem.configuration.at(static_cast<std::size_t>(v)));
+  return point;
+}
+
+std::uint64_t stream(std::uint64_t first, int number) {
+  return first + static_cast<std::uint64_t>(number);
+}
+
+void requireSensible(const Problem& problem) {
+  const Execution& e = problem.execution;
+  const auto require = [&](bool good, const char* key, double value, const std::string& expected) {
+    if (good) return;
+    throw robots::InputError(
+        problem.name, 0, fmt::format("execution.{} is {}; {} is expected", key, value, expected));
+  };
+  const auto isSize = [](double value) { return value >= 0 && std::isfinite(value); };
+  require(std::isfinite(e.start), "start", e.start, "a finite number of seconds");
+  require(e.step > 0 && std::isfinite(e.step), "step", e.step, "a finite number above 0 s");
+  require(e.duration >= e.step, "duration", e.duration,
+          fmt::format("at least a step, {} s,", e.step));
+  require(e.speed > 0 && e.speed <= 1, "speed", e.speed, "a share above 0, up to 1,");
+  require(isSize(e.look_ahead), "look_ahead", e.look_ahead, "a finite number of at least 0 s");
+  require(isSize(e.buffer), "buffer", e.buffer, "a finite number of at least 0 m");
+  require(e.patience >= 0, "patience", e.patience, "a number of at least 0 s");
+  require(e.look_ahead <= kLongestLookAhead * e.step, "look_ahead", e.look_ahead,
+          fmt::format("at most {} steps of {} s", kLongestLookAhead, e.step));
+}
+
+}  // namespace
+
+const char* toString(Decision decision) {
+  switch (decision) {
+    case Decision::kPlan:
+      return "plan";
+    case Decision::kFollow:
+      return "follow";
+    case Decision::kWait:
+      return "wait";
+    case Decision::kEvade:
+      return "evade";
+    case Decision::kUnsafe:
+      break;
+  }
+  return "unsafe";
+}
+
+const char* toString(ReplanStatus status) {
+  switch (status) {
+    case ReplanStatus::kReached:
+      return "reached";
+    case ReplanStatus::kUnsafe:
+      return "unsafe";
+    case ReplanStatus::kTimeout:
+      return "timeout";
+    case ReplanStatus::kStopped:
+      break;
+  }
+  return "stopped";
+}
+
+struct Replanner::Impl {
+  Impl(const Problem& given, const ReplanOptions& given_options)
+      : problem((requireSensible(given), given)),
+        options(given_options),
+        scene(std::make_shared<const CompiledScene>(problem)),
+        obstacles(problem, *scene),
+        certifier(scene, obstacles),
+        limits(velocityLimits(problem)),
+        seen(scene),
+        now(problem.execution.start),
+        state(startOf(problem)),
+        trail{state} {}
+
+  /// A motion that could be made, and how far it is proven.
+  struct Candidate {
+    Decision decision = Decision::kUnsafe;
+    std::vector<TimedPoint> motion;  // the step and what lies ahead
+    Waypoints rest;                  // of the path after the step
+    Waypoints trail;                 // when it goes back along it: what is left; else empty
+    bool first_edge_known = true;    // of the rest, against what stands still
+    double until = -kInfinity;       // proven up to [s]
+  };
+
+  const ConfigurationSpace& space() const { return scene->space(); }
+  const Execution& execution() const { return problem.execution; }
+  double stepEnd() const { return execution().start + (index + 1) * execution().step; }
+  bool isFull(const Candidate& c) const { return c.until >= marks.back(); }
+  bool looksAhead() const { return marks.size() > 1; }
+
+  /// The step's end and, where the obstacles' future is known, the ends of those that lie ahead.
+  void setMarks() {
+    const double step_end = stepEnd(), end = step_end + execution().look_ahead;
+    marks = {step_end};
+    if (!obstacles.arePredicted()) return;
+    for (int k = 1; step_end + k * execution().step < end - execution().step / 2; ++k)
+      marks.push_back(step_end + k * execution().step);
+    if (end > step_end) marks.push_back(end);
+  }
+  bool isProven(const Candidate& c) const { return c.until >= stepEnd(); }
+
+  bool inGoal(const std::vector<double>& point) const {
+    return std::any_of(problem.goals.begin(), problem.goals.end(),
+                       [&](const Goal& goal) { return goalHolds(space(), goal, point); });
+  }
+
+  // ---------------------------------------------------------------------------------------------
+  // candidates
+
+  /// Keeps the candidate that is proven farthest, the earlier one where two are alike.
+  void consider(Candidate candidate, ReplanStep& step) {
+    StepCertifier::Bodies broken;
+    candidate.until = certifier.certify(candidate.motion, marks, broken);
+    if (step.broken_a.empty()) {
+      step.broken_a = broken.a;
+      step.broken_b = broken.b;
+    }
+    if (isProven(candidate) && candidate.until > best.until) best = std::move(candidate);
+  }
+
+  /// Along the path for the step; then on, or, where that cannot be certified, standing.
+  void considerPath(Decision decision, const Waypoints& along, bool edge_known, ReplanStep& step) {
+    Candidate go{decision, {}, {}, {}, true, -kInfinity};
+    go.motion = travel(space(), limits, along, now, stepEnd(), &go.rest);
+    // As long as the first edge is not left, the rest of it is part of what was asked here.
+    go.first_edge_known = edge_known || go.rest.size() < along.size();
+    Candidate stop = go;
+    if (looksAhead()) {
+      const std::vector<TimedPoint> ahead =
+          travel(space(), limits, go.rest, stepEnd(), marks.back());
+      go.motion.insert(go.motion.end(), ahead.begin() + 1, ahead.end());
+    }
+    consider(std::move(go), step);
+    if (isFull(best) || !looksAhead()) return;
+    stop.motion.push_back({marks.back(), stop.motion.back().position});
+    consider(std::move(stop), step);
+  }
+
+  Candidate standing(const std::vector<double>& place) const {
+    Candidate stand{Decision::kWait, {}, path, {}, first_edge_known, -kInfinity};
+    stand.motion = {{now, state}, {stepEnd(), place}};
+    if (looksAhead()) stand.motion.push_back({marks.back(), place});
+    return stand;
+  }
+
+  /// Back along the trail, then to whichever random neighbours have the most room.
+  void considerEvasions(ReplanStep& step) {
+    const Clock::time_point begin = Clock::now();
+    const auto evasion = [&](const std::vector<TimedPoint>& motion) {
+      Candidate c = standing(motion.back().position);
+      c.decision = Decision::kEvade;
+      c.motion = motion;
+      if (looksAhead()) c.motion.push_back({marks.back(), motion.back().position});
+      if (!c.rest.empty()) c.rest.front() = motion.back().position;
+      c.first_edge_known = false;
+      return c;
+    };
+    if (trail.size() > 1) {
+      const Waypoints back(trail.rbegin(), trail.rend());
+      Waypoints left;
+      Candidate retreat = evasion(travel(space(), limits, back, now, stepEnd(), &left));
+      retreat.trail.assign(left.rbegin(), left.rend());
+      consider(std::move(retreat), step);
+    }
+    std::vector<std::pair<double, std::vector<double>>> places;
+    Random random(problem.seed, stream(kEvasionStream, index));
+    for (int k = 0; k < kEvasions && !isFull(best); ++k) {
+      std::vector<double> place = neighbour(random);
+      if (space().withinLimits(place)) {
+        const double room = certifier.roomAt(place, stepEnd());
+        places.emplace_back(room, std::move(place));
+      }
+    }
+    std::stable_sort(places.begin(), places.end(),
+                     [](const auto& a, const auto& b) { return a.first > b.first; });
+    for (std::size_t k = 0; k < places.size() && k < kEvasionsAsked && !isFull(best); ++k)
+      consider(evasion({{now, state}, {stepEnd(), places[k].second}}), step);
+    step.plan_s += secondsSince(begin);
+  }
+
+  /// Within what the joints can do in a step.
+  std::vector<double> neighbour(Random& random) const {
+    std::vector<double> dq(state.size()), place(state.size());
+    const double time = stepEnd() - now;
+    for (const ConfigurationSpace::Part& part : space().parts()) {
+      const auto i = static_cast<std::size_t>(part.first);
+      if (part.kind == ConfigurationSpace::Kind::kRotation) {
+        const double most = limits[i] * time / std::sqrt(3.0);
+        for (std::size_t k = 0; k < 3; ++k) dq[i + k] = random.uniform(-most, most);
+      } else {
+        dq[i] = random.uniform(-1, 1) * limits[i] * time;
+      }
+    }
+    space().advance(state, dq, 1, place);
+    for (const ConfigurationSpace::Part& part : space().parts())
+      if (part.kind == ConfigurationSpace::Kind::kLine) {
+        const auto i = static_cast<std::size_t>(part.first);
+        place[i] = std::clamp(place[i], space().lower(part.first), space().upper(part.first));
+      }
+    return place;
+  }
+
+  // ---------------------------------------------------------------------------------------------
+  // planning
+
+  /// A path from here in the world as it is seen; with a buffer to what deforms, where there is
+  /// one.
+  bool plan(ReplanStep& step, Waypoints& found) {
+    const Clock::time_point begin = Clock::now();
+    Problem from_here = problem;
+    for (std::size_t i = 0; i < state.size(); ++i)
+      from_here.configuration[static_cast<std::size_t>(problem.variables[i])] = state[i];
+    from_here.seed = Random(problem.seed, stream(kReplanStream, searches++)).next();
+    PlanOptions plan_options;
+    plan_options.stop = options.stop;
+    plan_options.progress = options.progress;
+    bool solved = false;
+    for (const double buffer : {execution().buffer, 0.0}) {
+      const PlanResult result =
+          planner::plan(scene->withShapes(obstacles.seen(buffer)), from_here, plan_options);
+      step.iterations += result.iterations;
+      step.edges += result.edges;
+      step.distance_queries += result.distance_queries;
+      if (result.status == PlanStatus::kSolved) {
+        found = result.path.positions;
+        step.path_clearance = result.certificate.clearance.lower;
+        solved = true;
+        break;
+      }
+      if (buffer == 0 || problem.deforming.empty()) break;
+    }
+    step.plan_s += secondsSince(begin);
+    return solved;
+  }
+
+  bool mayPlan() const { return index >= next_plan; }
+
+  /// A plan that cannot be had now is not asked for at every step.
+  void planFailed() {
+    next_plan = index + pause;
+    pause = std::min(2 * pause, kLongestPause);
+  }
+
+  // ---------------------------------------------------------------------------------------------
+  // the step
+
+  void decide(ReplanStep& step) {
+    best = Candidate{};
+    if (step.path_held) considerPath(Decision::kFollow, path, first_edge_known, step);
+    if (isFull(best)) return;
+    const bool impatient = waited >= execution().patience;
+    if ((!step.path_held || impatient) && mayPlan()) {
+      Waypoints found;
+      if (plan(step, found))
+        considerPath(Decision::kPlan, found, true, step);
+      else
+        planFailed();
+    }
+    if (isFull(best)) return;
+    consider(standing(state), step);
+    if (isFull(best)) return;
+    considerEvasions(step);
+  }
+
+  void take(ReplanStep& step) {
+    if (!isProven(best)) {
+      best = standing(state);
+      best.decision = Decision::kUnsafe;
+    }
+    step.decision = best.decision;
+    step.certified = best.decision != Decision::kUnsafe;
+    step.look_ahead = step.certified ? best.until - stepEnd() : 0.0;
+    step.motion = partOf(space(), best.motion, now, stepEnd());
+    if (!step.certified) {
+      step.clearance = {-kInfinity, kInfinity};
+    } else {
+      const Clock::time_point begin = Clock::now();
+      // What lies ahead of other candidates has been asked since: the proof's parts are asked
+      // again.
+      StepCertifier::Bodies ignored, closest;
+      certifier.certify(step.motion, {&marks[0], 1}, ignored);
+      step.clearance =
+          certifier.clearance(step.motion, stepEnd(), options.clearance_tolerance, closest);
+      step.closest_a = closest.a;
+      step.closest_b = closest.b;
+      step.clearance_s = secondsSince(begin);
+    }
+    state = step.motion.back().position;
+    path = best.rest;
+    first_edge_known = best.first_edge_known;
+    if (best.decision == Decision::kPlan) {
+      if (plans++ > 0) ++replans;
+      pause = 1;
+    }
+    const bool moved = best.decision == Decision::kFollow || best.decision == Decision::kPlan;
+    waited = moved ? 0 : waited + execution().step;
+    if (!best.trail.empty()) trail = best.trail;
+    if (trail.back() != state) trail.push_back(state);
+    if (trail.size() > kTrail) trail.erase(trail.begin());
+    step.reached = path.size() == 1 && inGoal(state);
+    step.remaining_s = path.empty() ? kInfinity : pathDuration(space(), limits, path);
+    now = stepEnd();
+    ++index;
+  }
+
+  ReplanStep run() {
+    ReplanStep step;
+    step.index = index;
+    step.time = now;
+    step.path_clearance = kInfinity;
+    const EdgeCertifier::Statistics before = certifier.statistics();
+    const std::uint64_t looks = certifier.looks;
+    if (options.progress) options.progress("update", 0);
+    Clock::time_point begin = Clock::now();
+    obstacles.look(now);
+    certifier.begin();
+    setMarks();
+    step.update_s = secondsSince(begin);
+    step.obstacles = obstacles.updates();
+    seen = scene->withShapes(obstacles.seen());
+    begin = Clock::now();
+    StepCertifier::Bodies broken;
+    step.path_held = !path.empty() && certifier.holds(path, first_edge_known, broken);
+    step.broken_a = broken.a;
+    step.broken_b = broken.b;
+    if (options.progress) options.progress("certify", 0);
+    decide(step);
+    step.certify_s = secondsSince(begin) - step.plan_s;
+    take(step);
+    const EdgeCertifier::Statistics after = certifier.statistics();
+    step.edges += after.edges - before.edges;
+    step.distance_queries += after.distance_queries - before.distance_queries;
+    step.looks = 1 + certifier.looks - looks;
+    return step;
+  }
+
+  Problem problem;
+  ReplanOptions options;
+  std::shared_ptr<const CompiledScene> scene;
+  Obstacles obstacles;
+  StepCertifier certifier;
+  std::vector<double> limits;
+  std::shared_ptr<const CompiledScene> seen;
+  double now;
+  std::vector<double> state;
+  Waypoints trail;
+  Waypoints path;
+  bool first_edge_known = true;
+  Candidate best;
+  std::vector<double> marks;
+  double waited = 0;
+  int index = 0, searches = 0, plans = 0, replans = 0;
+  int next_plan = 0, pause = 1;
+};
+
+Replanner::Replanner(const Problem& problem, const ReplanOptions& options)
+    : impl_(std::make_unique<Impl>(problem, options)) {}
+Replanner::~Replanner() = default;
+Replanner::Replanner(Replanner&&) noexcept = default;
+Replanner& Replanner::operator=(Replanner&&) noexcept = default;
+
+ReplanStep Replanner::step() { return impl_->run(); }
+double Replanner::time() const { return impl_->now; }
+std::span<const double> Replanner::state() const { return impl_->state; }
+const Waypoints& Replanner::path() const { return impl_->path; }
+bool Replanner::reached() const { return impl_->path.size() == 1 && impl_->inGoal(impl_->state); }
+int Replanner::replans() const { return impl_->replans; }
+std::shared_ptr<const CompiledScene> Replanner::scene() const { return impl_->seen; }
+
+void Replanner::setState(std::span<const double> point) {
+  if (point.size() != impl_->state.size() || !impl_->space().withinLimits(point))
+    throw std::invalid_argument(fmt::format(
+        "a state of {} finite numbers within the limits is expected", impl_->state.size()));
+  if (std::equal(point.begin(), point.end(), impl_->state.begin())) return;
+  impl_->state.assign(point.begin(), point.end());
+  impl_->trail.push_back(impl_->state);
+  impl_->first_edge_known = false;
+  // Off the goal a path of one waypoint is none.
+  if (impl_->path.size() == 1) impl_->path.clear();
+  if (!impl_->path.empty()) impl_->path.front() = impl_->state;
+}
+
+void Replanner::setVertices(const std::string& object, std::span<const Eigen::Vector3d> vertices,
+                            double time, double speed_bound) {
+  if (!(time <= impl_->now))
+    throw std::invalid_argument(fmt::format(
+        "vertices of '{}' seen at {} s, later than the present {} s", object, time, impl_->now));
+  impl_->obstacles.set(object, vertices, time, speed_bound);
+}
+
+ReplanResult replan(const Problem& problem, const ReplanOptions& options,
+                    const std::function<void(const ReplanStep&)>& on_step, int steps) {
+  Replanner replanner(problem, options);
+  ReplanResult result;
+  result.seed = problem.seed;
+  result.clearance = {kInfinity, kInfinity};
+  result.certified = true;
+  for (const int v : problem.variables)
+    result.names.push_back(problem.model->variables[static_cast<std::size_t>(v)].name);
+  const double end = problem.execution.start + problem.execution.duration;
+  while (true) {
+    if ((options.stop && options.stop()) || (steps > 0 && result.steps >= steps)) {
+      result.status = ReplanStatus::kStopped;
+      break;
+    }
+    if (!(replanner.time() < end - problem.execution.step / 2)) {
+      result.status = ReplanStatus::kTimeout;
+      break;
+    }
+    const Clock::time_point begin = Clock::now();
+    const ReplanStep step = replanner.step();
+    const double took = secondsSince(begin);
+    ++result.steps;
+    result.compute_s += took;
+    result.longest_step_s = std::max(result.longest_step_s, took);
+    (step.decision == Decision::kPlan     ? result.plans
+     : step.decision == Decision::kFollow ? result.follows
+     : step.decision == Decision::kEvade  ? result.evasions
+                                          : result.waits) += 1;
+    result.certified = result.certified && step.certified;
+    result.clearance.lower = std::min(result.clearance.lower, step.clearance.lower);
+    result.clearance.upper = std::min(result.clearance.upper, step.clearance.upper);
+    result.trajectory.insert(result.trajectory.end(),
+                             step.motion.begin() + (result.trajectory.empty() ? 0 : 1),
+                             step.motion.end());
+    if (on_step) on_step(step);
+    if (step.decision == Decision::kUnsafe) {
+      result.status = ReplanStatus::kUnsafe;
+      break;
+    }
+    if (step.reached) {
+      result.status = ReplanStatus::kReached;
+      break;
+    }
+  }
+  result.replans = replanner.replans();
+  return result;
+}
+
+void writeTrajectory(const std::string& file, const Problem& problem,
+                     std::span<const TimedPoint> trajectory) {
+  const ConfigurationSpace space(problem.model, problem.variables);
+  std::string text = "time";
+  for (const int v : problem.variables)
+    text += "," + problem.model->variables[static_cast<std::size_t>(v)].name;
+  text += "\n";
+  std::vector<double> row, previous;
+  for (const TimedPoint& point : trajectory) {
+    row = point.position;
+    if (!previous.empty()) space.unwrap(previous, row);
+    text += fmt::format("{:.17g}", point.time);
+    for (const double x : row) text += fmt::format(",{:.17g}", x);
+    text += "\n";
+    previous = row;
+  }
+  writeFileWhole(file, text);
+}
+
+}  // namespace leeway::planner

@@ -1,0 +1,121 @@
+#include "planner/execute/timed_path.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "planner/base/tolerances.h"
+
+namespace leeway::planner {
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+/// The point at t of the edge; never outside the limits that its ends keep, whatever the rounding.
+std::vector<double> pointOn(const ConfigurationSpace& space, std::span<const double> a,
+                            std::span<const double> b, double t) {
+  std::vector<double> point(a.size());
+  space.interpolate(a, b, t, point);
+  for (const ConfigurationSpace::Part& part : space.parts())
+    if (part.kind == ConfigurationSpace::Kind::kLine) {
+      const std::size_t i = at(part.first);
+      point[i] = std::clamp(point[i], std::min(a[i], b[i]), std::max(a[i], b[i]));
+    }
+  return point;
+}
+
+}  // namespace
+
+double velocityLimit(const robots::Variable& variable) {
+  const double limit = variable.velocity;
+  return limit > 0 && limit <= kMostLimit ? limit : kDefaultVelocity;
+}
+
+std::vector<double> velocityLimits(const Problem& problem) {
+  std::vector<double> limits;
+  for (const int v : problem.variables) {
+    const robots::Variable& variable = problem.model->variables[at(v)];
+    const auto given = problem.execution.velocities.find(variable.name);
+    const double limit =
+        given != problem.execution.velocities.end() ? given->second : velocityLimit(variable);
+    limits.push_back(limit * problem.execution.speed);
+  }
+  return limits;
+}
+
+double timeAtLimits(const ConfigurationSpace& space, std::span<const double> limits,
+                    std::span<const double> dq) {
+  double time = 0;
+  for (const ConfigurationSpace::Part& part : space.parts()) {
+    const std::size_t i = at(part.first);
+    const double change =
+        part.kind == ConfigurationSpace::Kind::kRotation
+            ? std::sqrt(dq[i] * dq[i] + dq[i + 1] * dq[i + 1] + dq[i + 2] * dq[i + 2])
+            : std::abs(dq[i]);
+    time = std::max(time, change / limits[i]);
+  }
+  return time;
+}
+
+double edgeDuration(const ConfigurationSpace& space, std::span<const double> limits,
+                    std::span<const double> a, std::span<const double> b) {
+  std::vector<double> dq(a.size());
+  space.difference(a, b, dq);
+  return timeAtLimits(space, limits, dq);
+}
+
+double pathDuration(const ConfigurationSpace& space, std::span<const double> limits,
+                    const std::vector<std::vector<double>>& path) {
+  double time = 0;
+  for (std::size_t i = 1; i < path.size(); ++i)
+    time += edgeDuration(space, limits, path[i - 1], path[i]);
+  return time;
+}
+
+std::vector<TimedPoint> travel(const ConfigurationSpace& space, std::span<const double> limits,
+                               const std::vector<std::vector<double>>& path, double time,
+                               double end, std::vector<std::vector<double>>* rest) {
+  std::vector<TimedPoint> motion = {{time, path.front()}};
+  std::size_t next = 1;
+  bool inside = false;  // an edge
+  while (next < path.size()) {
+    const std::vector<double>& here = motion.back().position;
+    const double takes = edgeDuration(space, limits, here, path[next]);
+    const double left = end - motion.back().time;
+    if (!(left > 0)) break;
+    if (takes > left) {
+      motion.push_back({end, pointOn(space, here, path[next], left / takes)});
+      inside = true;
+      break;
+    }
+    if (takes > 0) motion.push_back({motion.back().time + takes, path[next]});
+    ++next;
+  }
+  if (motion.back().time < end || motion.size() == 1)
+    motion.push_back({end, motion.back().position});
+  motion.back().time = end;
+  if (rest != nullptr) {
+    rest->assign(1, motion.back().position);
+    rest->insert(rest->end(), path.begin() + static_cast<std::ptrdiff_t>(next), path.end());
+    if (inside && rest->size() > 1 && (*rest)[0] == (*rest)[1]) rest->erase(rest->begin());
+  }
+  return motion;
+}
+
+std::vector<TimedPoint> partOf(const ConfigurationSpace& space, std::span<const TimedPoint> motion,
+                               double t0, double t1) {
+  const auto place = [&](double t) {
+    std::size_t i = 1;
+    while (i + 1 < motion.size() && motion[i].time <= t) ++i;
+    const TimedPoint &a = motion[i - 1], &b = motion[i];
+    if (t <= a.time) return a.position;
+    if (t >= b.time) return b.position;
+    return pointOn(space, a.position, b.position, (t - a.time) / (b.time - a.time));
+  };
+  std::vector<TimedPoint> part = {{t0, place(t0)}};
+  for (const TimedPoint& row : motion)
+    if (row.time > t0 && row.time < t1) part.push_back(row);
+  part.push_back({t1, place(t1)});
+  return part;
+}
+
+}  // namespace leeway::planner

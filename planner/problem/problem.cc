@@ -1,0 +1,312 @@
+#include "leeway/planner/problem.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <set>
+
+#include "leeway/planner/planners.h"
+#include "planner/base/nearest_name.h"
+#include "planner/problem/problem_deforming.h"
+#include "planner/problem/problem_execution.h"
+#include "planner/problem/problem_format.h"
+#include "planner/problem/problem_shapes.h"
+#include "planner/problem/problem_states.h"
+#include "planner/problem/yaml_reader.h"
+
+namespace leeway::planner {
+namespace {
+
+using robots::InputError;
+using robots::Model;
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+void requireVersion(const YamlReader& file) {
+  const auto version = file.find("leeway");
+  if (!version)
+    file.fail("key 'leeway' is missing: no problem file of this program; 'leeway: 1' is expected");
+  if (!version->isScalar() || version->text() != "1")
+    version->fail(fmt::format("problem format version '{}' is not known; 'leeway: 1' is expected",
+                              version->isScalar() ? version->text() : "?"));
+}
+
+std::shared_ptr<const Model> loadRobot(const YamlReader& robot, const ProblemOptions& options) {
+  robot.expectKeys(keysOf("robot"));
+  robots::LoadOptions load = options.load;
+  if (const auto packages = robot.find("packages"))
+    for (const auto& [name, folder] : packages->entries()) {
+      const std::string path = resolvedPath(folder);
+      if (!std::filesystem::is_directory(path))
+        folder.fail(fmt::format("package '{}' has no folder '{}'; an existing folder is expected",
+                                name, path));
+      load.packages.emplace_back(name, path);
+    }
+  const auto existing = [](const YamlReader& file) {
+    std::string path = resolvedPath(file);
+    if (!std::filesystem::exists(path))
+      file.fail(fmt::format("{} names '{}', which does not exist; an existing file is expected",
+                            file.where(), path));
+    return path;
+  };
+  const std::string urdf = existing(robot.at("urdf", "the path of a URDF"));
+  const auto srdf = robot.find("srdf");
+  return robots::loadModel(urdf, srdf ? existing(*srdf) : std::string(), load);
+}
+
+std::shared_ptr<const Model> loadBody(const YamlReader& body, std::vector<std::string>& warnings) {
+  body.expectKeys(keysOf("body"));
+  const YamlReader joint = body.at("joint", "planar or floating");
+  const bool planar = joint.text() == "planar";
+  if (!planar && joint.text() != "floating")
+    joint.fail(
+        fmt::format("{} is '{}'; planar or floating is expected", joint.where(), joint.text()));
+  const YamlReader bounds = body.at("bounds", "lower and upper corner of where its origin may be");
+  bounds.expectKeys(keysOf("bounds"));
+  const auto corner = [&](const char* key) {
+    const YamlReader value = bounds.at(key, planar ? "[x, y] in m" : "[x, y, z] in m");
+    if (!planar) return value.vector3();
+    const std::vector<double> v = value.numbers();
+    if (v.size() != 2)
+      value.fail(fmt::format("{} is a list of {}; [x, y] is expected", value.where(), v.size()));
+    return Eigen::Vector3d(v[0], v[1], 0);
+  };
+  const Eigen::Vector3d lower = corner("lower"), upper = corner("upper");
+  if ((lower.array() > upper.array()).any())
+    bounds.fail("body.bounds has lower above upper; lower <= upper is expected");
+  const auto name = body.find("name");
+  const std::string body_name = name ? name->text() : "body";
+  body.at("shapes", "a list of shapes");
+  return robots::freeBody(body_name, readGeometries(body, body_name, warnings),
+                          planar ? robots::JointType::kPlanar : robots::JointType::kFloating, lower,
+                          upper);
+}
+
+std::vector<std::string> groupNames(const Model& model) {
+  std::vector<std::string> names;
+  for (const robots::Group& group : model.groups) names.push_back(group.name);
+  return names;
+}
+
+std::vector<std::string> linkNames(const Model& model) {
+  std::vector<std::string> names;
+  for (const robots::Link& link : model.links) names.push_back(link.name);
+  return names;
+}
+
+std::vector<std::string> objectNames(const Problem& problem) {
+  std::vector<std::string> names;
+  for (const Object& object : problem.objects) names.push_back(object.name);
+  for (const Attachment& attachment : problem.attachments) names.push_back(attachment.object.name);
+  return names;
+}
+
+void takeGroup(const std::string& file, int line, const std::string& name, Problem& problem) {
+  const int group = problem.model->findGroup(name);
+  if (group < 0)
+    throw InputError(file, line,
+                     fmt::format("robot '{}' has no group '{}'{}", problem.model->name, name,
+                                 nearestName(name, groupNames(*problem.model))));
+  problem.variables = problem.model->groups[at(group)].variables;
+  if (problem.variables.empty())
+    throw InputError(
+        file, line,
+        fmt::format("group '{}' has no joint that can move; another group is expected", name));
+}
+
+int readLink(const YamlReader& reader, const Model& model) {
+  const int link = model.findLink(reader.text());
+  if (link < 0)
+    reader.fail(fmt::format("unknown link '{}' in {}{}", reader.text(), reader.where(),
+                            nearestName(reader.text(), linkNames(model))));
+  return link;
+}
+
+void readObject(const YamlReader& map, Problem& problem) {
+  map.expectKeys(keysOf("object"));
+  const YamlReader name = map.at("name", "a name of its own");
+  const std::vector<std::string> taken = objectNames(problem);
+  if (std::find(taken.begin(), taken.end(), name.text()) != taken.end() ||
+      problem.model->findLink(name.text()) >= 0)
+    name.fail(
+        fmt::format("{} '{}' is the name of another object or link; a name of its own is expected",
+                    name.where(), name.text()));
+  Object object{name.text(), readGeometries(map, name.text(), problem.warnings),
+                readPose(map, problem.warnings)};
+  const auto attach = map.find("attach");
+  if (!attach) {
+    problem.objects.push_back(std::move(object));
+    return;
+  }
+  attach->expectKeys(keysOf("attach"));
+  Attachment attachment;
+  attachment.link =
+      readLink(attach->at("link", "the name of the link that holds it"), *problem.model);
+  attachment.X_LO = object.X_WO;
+  object.X_WO = robots::Pose();
+  attachment.object = std::move(object);
+  if (const auto touch = attach->find("touch"))
+    for (const YamlReader& link : touch->items())
+      attachment.touch_links.push_back(readLink(link, *problem.model));
+  problem.attachments.push_back(std::move(attachment));
+}
+
+/// Two different names of links or objects.
+std::pair<std::string, std::string> readNamePair(const YamlReader& pair, const Problem& problem) {
+  const std::vector<YamlReader> items = pair.items();
+  if (items.size() != 2 || items[0].text() == items[1].text())
+    pair.fail(fmt::format("{} is no pair; two different names of links or objects are expected",
+                          pair.where()));
+  std::vector<std::string> known = linkNames(*problem.model);
+  const std::vector<std::string> objects = objectNames(problem);
+  known.insert(known.end(), objects.begin(), objects.end());
+  for (const YamlReader& item : items)
+    if (std::find(known.begin(), known.end(), item.text()) == known.end())
+      item.fail(fmt::format("unknown link or object '{}' in {}{}", item.text(), pair.where(),
+                            nearestName(item.text(), known)));
+  return {items[0].text(), items[1].text()};
+}
+
+/// Margins below zero are meant now and then, for models fatter than the robot, and mistyped more
+/// often: the answers still say solved and certified.
+double readMargin(const YamlReader& margin, Problem& problem) {
+  const double value = margin.number();
+  if (value < 0)
+    problem.warnings.push_back(fmt::format("{}:{}: {} is {}: bodies may overlap by that much",
+                                           margin.file(), margin.line(), margin.where(), value));
+  return value;
+}
+
+void readPairs(const YamlReader& file, Problem& problem) {
+  if (const auto allowed = file.find("allowed"))
+    for (const YamlReader& pair : allowed->items())
+      problem.allowed.push_back(readNamePair(pair, problem));
+  if (const auto margin = file.find("margin")) problem.margin = readMargin(*margin, problem);
+  const auto margins = file.find("margins");
+  if (!margins) return;
+  for (const YamlReader& entry : margins->items()) {
+    entry.expectKeys(keysOf("pair_margin"));
+    const auto [a, b] = readNamePair(entry.at("between", "two names"), problem);
+    problem.margins.push_back({a, b, readMargin(entry.at("margin", "a number [m]"), problem)});
+  }
+}
+
+void readPlanner(const YamlReader& file, Problem& problem) {
+  if (const auto planner = file.find("planner")) {
+    planner->expectKeys(keysOf("planner"));
+    if (const auto name = planner->find("name")) {
+      problem.planner = name->text();
+      if (const auto error = plannerError(problem.planner, {})) name->fail(*error);
+    }
+    if (const auto parameters = planner->find("parameters"))
+      for (const auto& [name, value] : parameters->entries()) {
+        problem.planner_parameters[name] = value.text();
+        if (const auto error = plannerError(problem.planner, {{name, value.text()}}))
+          value.fail(*error);
+      }
+  }
+  if (const auto objective = file.find("objective")) {
+    problem.objective = objective->text();
+    if (problem.objective != "length" && problem.objective != "clearance")
+      objective->fail(fmt::format("objective '{}' is not known; length or clearance is expected",
+                                  problem.objective));
+  }
+  if (const auto simplify = file.find("simplify")) problem.simplify = simplify->boolean();
+  if (const auto limits = file.find("limits")) {
+    limits->expectKeys(keysOf("limits"));
+    if (const auto time = limits->find("time")) problem.time_limit = time->sizeNumber();
+    if (const auto iterations = limits->find("iterations"))
+      problem.iteration_limit = iterations->integer(0);
+  }
+  if (const auto seed = file.find("seed")) problem.seed = seed->seed();
+}
+
+void readStartAndGoals(const YamlReader& file, Problem& problem) {
+  if (const auto joints = file.find("joints")) readPassiveJoints(*joints, problem);
+  readStart(file.at("start", "a group state, a list of values or a map by joint"), problem);
+  const auto goal = file.find("goal"), goals = file.find("goals");
+  if (goal.has_value() == goals.has_value())
+    file.fail(fmt::format("the file has {}; one of them is expected",
+                          goal ? "both 'goal' and 'goals'" : "neither 'goal' nor 'goals'"));
+  if (goal) {
+    problem.goals.push_back(readGoal(*goal, "goal", problem));
+    return;
+  }
+  for (const YamlReader& item : goals->items())
+    problem.goals.push_back(
+        readGoal(item, fmt::format("goal {}", problem.goals.size() + 1), problem));
+  if (problem.goals.empty()) goals->fail("goals is empty; at least one goal is expected");
+}
+
+/// Robot, start, goals and objects as MoveIt's files say; the problem file may add to them, but not
+/// say them again.
+Problem fromMoveit(const YamlReader& file, const YamlReader& moveit,
+                   const ProblemOptions& options) {
+  moveit.expectKeys(keysOf("moveit"));
+  for (const char* key : {"body", "joints", "start", "goal", "goals"})
+    if (const auto other = file.find(key))
+      other->fail(fmt::format(
+          "key '{}' stands beside 'moveit', whose request says it; one of them is expected", key));
+  const YamlReader robot = file.at("robot", "urdf and srdf");
+  if (const auto group = robot.find("group"))
+    group->fail(
+        "key 'group' stands beside 'moveit', whose request names the group; one of them is "
+        "expected");
+  const auto model = loadRobot(robot, options);
+  return loadMoveit(model, resolvedPath(moveit.at("scene", "the path of a planning scene")),
+                    resolvedPath(moveit.at("request", "the path of a motion plan request")));
+}
+
+Problem fromOwnKeys(const YamlReader& file, const ProblemOptions& options) {
+  Problem problem;
+  const auto robot = file.find("robot"), body = file.find("body");
+  if (robot.has_value() == body.has_value())
+    file.fail(fmt::format("the file has {}; one of them is expected",
+                          robot ? "both 'robot' and 'body'" : "neither 'robot' nor 'body'"));
+  problem.model = robot ? loadRobot(*robot, options) : loadBody(*body, problem.warnings);
+  const auto group = robot ? robot->find("group") : std::nullopt;
+  takeGroup(file.file(),
+            group   ? group->line()
+            : robot ? robot->line()
+                    : body->line(),
+            group ? group->text() : "all", problem);
+  problem.configuration = problem.model->defaultConfiguration();
+  readStartAndGoals(file, problem);
+  return problem;
+}
+
+}  // namespace
+
+Problem loadProblem(const std::string& yaml_path, const ProblemOptions& options) {
+  const YamlReader file = YamlReader::load(yaml_path);
+  if (!file.isMap()) file.fail("is no map; a problem file (leeway: 1, ...) is expected");
+  requireVersion(file);
+  file.expectKeys(keysOf("problem"));
+  const auto moveit = file.find("moveit");
+  Problem problem = moveit ? fromMoveit(file, *moveit, options) : fromOwnKeys(file, options);
+  const auto name = file.find("name");
+  problem.name = name ? name->text() : std::filesystem::path(yaml_path).stem().string();
+  if (const auto objects = file.find("objects"))
+    for (const YamlReader& object : objects->items()) readObject(object, problem);
+  if (const auto execution = file.find("execution")) readExecution(*execution, problem);
+  if (const auto deforming = file.find("deforming"))
+    for (const YamlReader& entry : deforming->items()) readDeforming(entry, problem);
+  readPairs(file, problem);
+  readPlanner(file, problem);
+  return problem;
+}
+
+Problem problemFromStates(std::shared_ptr<const Model> model, const std::string& group,
+                          const std::string& start, const std::string& goal) {
+  Problem problem;
+  problem.name = model->name;
+  problem.model = std::move(model);
+  takeGroup("", 0, group, problem);
+  problem.configuration = problem.model->defaultConfiguration();
+  takeStart("", 0, groupStateRanges("", 0, start, problem), problem);
+  problem.goals.push_back(takeGoal("", 0, goal, groupStateRanges("", 0, goal, problem), problem));
+  return problem;
+}
+
+}  // namespace leeway::planner

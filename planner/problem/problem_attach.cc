@@ -1,0 +1,82 @@
+#include <algorithm>
+#include <stdexcept>
+
+#include "leeway/planner/problem.h"
+#include "leeway/robots/kinematics.h"
+#include "planner/base/nearest_name.h"
+
+namespace leeway::planner {
+namespace {
+
+using robots::Pose;
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+int requireLink(const robots::Model& model, const std::string& name) {
+  const int link = model.findLink(name);
+  if (link >= 0) return link;
+  std::vector<std::string> known;
+  for (const robots::Link& candidate : model.links) known.push_back(candidate.name);
+  throw std::invalid_argument("unknown link '" + name + "'" + nearestName(name, known));
+}
+
+Pose linkPose(const Problem& problem, int link, std::span<const double> configuration) {
+  const robots::Model& model = *problem.model;
+  if (configuration.empty()) configuration = problem.configuration;
+  if (configuration.size() != model.variables.size())
+    throw std::invalid_argument("a configuration of " + std::to_string(configuration.size()) +
+                                " numbers; all " + std::to_string(model.variables.size()) +
+                                " variables of the model are expected");
+  std::vector<Pose> X_WL(model.links.size());
+  robots::forwardKinematics(model, configuration, X_WL);
+  return X_WL[at(link)];
+}
+
+}  // namespace
+
+Problem attachObject(const Problem& problem, const std::string& object, const std::string& link,
+                     const std::vector<std::string>& touch_links,
+                     std::span<const double> configuration) {
+  Problem result = problem;
+  const auto found = std::find_if(result.objects.begin(), result.objects.end(),
+                                  [&](const Object& o) { return o.name == object; });
+  if (found == result.objects.end()) {
+    std::vector<std::string> known;
+    for (const Object& o : result.objects) known.push_back(o.name);
+    throw std::invalid_argument("no object '" + object + "' to attach" +
+                                nearestName(object, known));
+  }
+  if (std::any_of(problem.deforming.begin(), problem.deforming.end(),
+                  [&](const DeformingObstacle& o) { return o.object == object; }))
+    throw std::invalid_argument("object '" + object + "' deforms: only rigid ones can be attached");
+  Attachment attachment;
+  attachment.link = requireLink(*problem.model, link);
+  for (const std::string& touch : touch_links)
+    attachment.touch_links.push_back(requireLink(*problem.model, touch));
+  attachment.X_LO = linkPose(problem, attachment.link, configuration).inverse() * found->X_WO;
+  attachment.object = std::move(*found);
+  attachment.object.X_WO = Pose();
+  result.objects.erase(found);
+  result.attachments.push_back(std::move(attachment));
+  return result;
+}
+
+Problem detachObject(const Problem& problem, const std::string& object,
+                     std::span<const double> configuration) {
+  Problem result = problem;
+  const auto found = std::find_if(result.attachments.begin(), result.attachments.end(),
+                                  [&](const Attachment& a) { return a.object.name == object; });
+  if (found == result.attachments.end()) {
+    std::vector<std::string> known;
+    for (const Attachment& a : result.attachments) known.push_back(a.object.name);
+    throw std::invalid_argument("no attached object '" + object + "' to detach" +
+                                nearestName(object, known));
+  }
+  Object put_down = std::move(found->object);
+  put_down.X_WO = linkPose(problem, found->link, configuration) * found->X_LO;
+  result.attachments.erase(found);
+  result.objects.push_back(std::move(put_down));
+  return result;
+}
+
+}  // namespace leeway::planner

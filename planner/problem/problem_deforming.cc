@@ -1,0 +1,172 @@
+#include "planner/problem/problem_deforming.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <stdexcept>
+
+#include "planner/base/nearest_name.h"
+#include "planner/problem/problem_format.h"
+#include "planner/problem/problem_motion.h"
+#include "planner/problem/problem_shapes.h"
+
+namespace leeway::planner {
+namespace {
+
+using collision::Deformable;
+using collision::DeformableMesh;
+using collision::DeformOptions;
+using collision::DeformStrategy;
+using collision::DeformVolume;
+
+/// The words of an enumeration up to its last value.
+template <typename Enum>
+std::vector<std::string> wordsOf(Enum last) {
+  std::vector<std::string> words;
+  for (int i = 0; i <= static_cast<int>(last); ++i)
+    words.emplace_back(collision::toString(static_cast<Enum>(i)));
+  return words;
+}
+
+DeformOptions readOptions(const YamlReader& entry) {
+  DeformOptions options;
+  if (const auto strategy = entry.find("strategy")) {
+    const auto known = collision::deformStrategy(strategy->text());
+    if (!known)
+      strategy->fail(fmt::format("strategy '{}' is unknown{}", strategy->text(),
+                                 nearestName(strategy->text(), wordsOf(DeformStrategy::kOctree))));
+    options.strategy = *known;
+  }
+  if (const auto given = entry.find("options")) {
+    given->expectKeys(keysOf("deform_options"));
+    if (const auto volume = given->find("volume")) {
+      const auto known = collision::deformVolume(volume->text());
+      if (!known)
+        volume->fail(fmt::format("volume '{}' is unknown{}", volume->text(),
+                                 nearestName(volume->text(), wordsOf(DeformVolume::kBall))));
+      options.volume = *known;
+    }
+    if (const auto split = given->find("hybrid_split"))
+      options.hybrid_split = static_cast<int>(std::min<std::int64_t>(split->integer(0), 1 << 30));
+    if (const auto factor = given->find("restructure_factor")) {
+      options.restructure_factor = factor->number();
+      if (!(options.restructure_factor > 1))
+        factor->fail(fmt::format("{} is {}; a number above 1 is expected", factor->where(),
+                                 options.restructure_factor));
+    }
+    if (const auto queries = given->find("expected_queries"))
+      options.expected_queries =
+          static_cast<int>(std::min<std::int64_t>(queries->integer(0), 1 << 30));
+  }
+  return options;
+}
+
+IndexedMesh readRestMesh(const YamlReader& entry) {
+  const auto grid = entry.find("grid"), mesh = entry.find("mesh");
+  if (grid.has_value() == mesh.has_value())
+    entry.fail(fmt::format("{} has {}; one of them is expected", entry.where(),
+                           grid ? "both 'grid' and 'mesh'" : "neither 'grid' nor 'mesh'"));
+  if (mesh) {
+    mesh->expectKeys(keysOf("mesh"));
+    return readVertices(*mesh);
+  }
+  grid->expectKeys(keysOf("grid"));
+  const YamlReader size = grid->at("size", "[x, y] in m"), cells = grid->at("cells", "[x, y]");
+  const std::vector<double> s = size.numbers();
+  if (s.size() != 2 || !(s[0] > 0 && s[1] > 0))
+    size.fail(fmt::format("{} is not [x, y] with two numbers above 0", size.where()));
+  const std::vector<YamlReader> c = cells.items();
+  if (c.size() != 2)
+    cells.fail(fmt::format("{} is a list of {}; [x, y] is expected", cells.where(), c.size()));
+  const std::int64_t x = c[0].integer(1), y = c[1].integer(1);
+  if (x > kMostGridCells / y)
+    cells.fail(fmt::format("{} makes more than {} cells; fewer are expected", cells.where(),
+                           kMostGridCells));
+  return gridMesh(s[0], s[1], static_cast<int>(x), static_cast<int>(y));
+}
+
+bool isTaken(const std::string& name, const Problem& problem) {
+  const auto taken = [&](const auto& list, const auto& nameOf) {
+    return std::any_of(list.begin(), list.end(),
+                       [&](const auto& entry) { return nameOf(entry) == name; });
+  };
+  return taken(problem.objects, [](const Object& o) { return o.name; }) ||
+         taken(problem.attachments, [](const Attachment& a) { return a.object.name; }) ||
+         (problem.model && problem.model->findLink(name) >= 0);
+}
+
+void requireFreeName(const YamlReader& name, const Problem& problem) {
+  if (isTaken(name.text(), problem))
+    name.fail(
+        fmt::format("{} '{}' is the name of another object or link; a name of its own is expected",
+                    name.where(), name.text()));
+}
+
+/// What is said of speed must be true of the motion that is said.
+double readSpeedBound(const YamlReader& bound, const collision::VertexMotion* motion,
+                      const Execution& execution) {
+  const double value = bound.sizeNumber();
+  if (motion == nullptr) return value;
+  const double most = motion->speedBound(execution.start, execution.start + execution.duration);
+  if (value < most)
+    bound.fail(fmt::format("{} is {}, and the motion may reach {} m/s; at least that is expected",
+                           bound.where(), value, most));
+  return value;
+}
+
+}  // namespace
+
+void addDeforming(Problem& problem, const std::string& name,
+                  std::shared_ptr<const DeformableMesh> mesh,
+                  std::shared_ptr<const collision::VertexMotion> motion, const robots::Pose& X_WO,
+                  const DeformOptions& options, double speed_bound) {
+  if (!mesh) throw std::invalid_argument("deforming obstacle '" + name + "': a mesh is expected");
+  if (isTaken(name, problem)) {
+    throw std::invalid_argument("deforming obstacle '" + name +
+                                "': another object or a link has this name");
+  }
+  if (!(speed_bound >= 0))
+    throw std::invalid_argument(
+        fmt::format("deforming obstacle '{}': the speed bound is {}; at least 0 m/s is expected",
+                    name, speed_bound));
+  Deformable deformable(mesh, motion, options);
+  const auto status = motion ? deformable.update(problem.execution.start)
+                             : deformable.update(mesh->rest(), problem.execution.start);
+  if (status != collision::UpdateStatus::kUpdated)
+    throw std::invalid_argument(fmt::format("deforming obstacle '{}' at {} s: {}", name,
+                                            problem.execution.start, collision::toString(status)));
+  problem.objects.push_back(
+      {name, {{collision::Shape::deformable(deformable.snapshot()), {}, name}}, X_WO});
+  problem.deforming.push_back({name, std::move(mesh), std::move(motion), speed_bound, options});
+}
+
+void readDeforming(const YamlReader& entry, Problem& problem) {
+  entry.expectKeys(keysOf("deforming"));
+  const YamlReader name = entry.at("name", "a name of its own");
+  requireFreeName(name, problem);
+  const IndexedMesh rest = readRestMesh(entry);
+  const auto motion_entry = entry.find("motion");
+  const auto motion = motion_entry ? readMotion(*motion_entry, rest, problem.warnings) : nullptr;
+  const DeformOptions options = readOptions(entry);
+  const auto bound = entry.find("speed_bound");
+  const double speed_bound = bound ? readSpeedBound(*bound, motion.get(), problem.execution)
+                                   : std::numeric_limits<double>::infinity();
+  try {
+    addDeforming(problem, name.text(), DeformableMesh::make(rest.vertices, rest.triangles), motion,
+                 readPose(entry, problem.warnings), options, speed_bound);
+  } catch (const std::invalid_argument& error) {
+    const auto strategy = entry.find("strategy");
+    (strategy ? *strategy : entry).fail(fmt::format("{}: {}", entry.where(), error.what()));
+  }
+  if (const auto margin = entry.find("margin")) {
+    const double value = margin->sizeNumber();
+    for (const robots::Link& link : problem.model->links)
+      problem.margins.push_back({link.name, name.text(), value});
+    for (const Attachment& held : problem.attachments)
+      problem.margins.push_back({held.object.name, name.text(), value});
+  }
+}
+
+}  // namespace leeway::planner

@@ -1,0 +1,11 @@
+#pragma once
+
+#include "leeway/planner/problem.h"
+#include "planner/problem/yaml_reader.h"
+
+namespace leeway::planner {
+
+/// One entry of `deforming:`; after readExecution().
+void readDeforming(const YamlReader& reader, Problem& problem);
+
+}  // namespace leeway::planner

@@ -1,0 +1,11 @@
+#pragma once
+
+#include "leeway/planner/problem.h"
+#include "planner/problem/yaml_reader.h"
+
+namespace leeway::planner {
+
+/// `execution:` of a problem file. Before readDeforming(), which looks at the time of the start.
+void readExecution(const YamlReader& reader, Problem& problem);
+
+}  // namespace leeway::planner

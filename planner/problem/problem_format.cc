@@ -1,0 +1,124 @@
+#include "planner/problem/problem_format.h"
+
+#include <array>
+#include <stdexcept>
+
+namespace leeway::planner {
+namespace {
+
+using Keys = std::string_view;
+
+constexpr Keys kProblem[] = {"leeway", "name",    "robot",   "body",      "joints",
+                             "start",  "goal",    "goals",   "objects",   "allowed",
+                             "margin", "margins", "planner", "objective", "simplify",
+                             "limits", "seed",    "moveit",  "deforming", "execution"};
+constexpr Keys kRobot[] = {"urdf", "srdf", "packages", "group"};
+constexpr Keys kBody[] = {"name", "joint", "bounds", "shapes"};
+constexpr Keys kBounds[] = {"lower", "upper"};
+constexpr Keys kShapeWords[] = {"box",       "sphere",     "cylinder", "capsule",    "cone",
+                                "ellipsoid", "half_space", "mesh",     "convex_hull"};
+constexpr Keys kShape[] = {"name",       "position", "orientation", "rpy",  "box",
+                           "sphere",     "cylinder", "capsule",     "cone", "ellipsoid",
+                           "half_space", "mesh",     "convex_hull"};
+constexpr Keys kObject[] = {"name",   "position",  "orientation", "rpy",      "shapes",
+                            "attach", "box",       "sphere",      "cylinder", "capsule",
+                            "cone",   "ellipsoid", "half_space",  "mesh",     "convex_hull"};
+constexpr Keys kBox[] = {"size"};
+constexpr Keys kSphere[] = {"radius"};
+constexpr Keys kRadiusLength[] = {"radius", "length"};
+constexpr Keys kCone[] = {"radius", "height"};
+constexpr Keys kEllipsoid[] = {"semi_axes"};
+constexpr Keys kMesh[] = {"file", "scale"};
+constexpr Keys kConvexHull[] = {"points", "file", "scale"};
+constexpr Keys kAttach[] = {"link", "touch"};
+constexpr Keys kPairMargin[] = {"between", "margin"};
+constexpr Keys kPlanner[] = {"name", "parameters"};
+constexpr Keys kLimits[] = {"time", "iterations"};
+constexpr Keys kMoveit[] = {"scene", "request"};
+constexpr Keys kDeforming[] = {"name",   "position", "orientation", "rpy",      "grid",   "mesh",
+                               "motion", "margin",   "speed_bound", "strategy", "options"};
+constexpr Keys kGrid[] = {"size", "cells"};
+constexpr Keys kDeformOptions[] = {"volume", "hybrid_split", "restructure_factor",
+                                   "expected_queries"};
+constexpr Keys kMotion[] = {"waves", "pinned", "lattice", "morph", "skinned", "reduced", "cache"};
+constexpr Keys kWave[] = {"direction", "amplitude", "wavelength", "frequency", "phase"};
+constexpr Keys kPinned[] = {"point", "direction", "length"};
+constexpr Keys kLattice[] = {"box", "cells", "keys", "interpolation"};
+constexpr Keys kLatticeKey[] = {"time", "moved"};
+constexpr Keys kControlPoint[] = {"at", "by"};
+constexpr Keys kMorph[] = {"references", "keys", "interpolation"};
+constexpr Keys kMorphKey[] = {"time", "weights"};
+constexpr Keys kTarget[] = {"file", "scale", "bumps"};
+constexpr Keys kBump[] = {"center", "radius", "by"};
+constexpr Keys kSkinned[] = {"bones", "weights", "keys", "interpolation"};
+constexpr Keys kBone[] = {"name", "parent", "position", "orientation", "rpy", "tip", "reach"};
+constexpr Keys kBoneWeight[] = {"vertex", "bone", "weight"};
+constexpr Keys kSkinnedKey[] = {"time", "poses"};
+constexpr Keys kReduced[] = {"modes", "harmonics", "keys", "interpolation"};
+constexpr Keys kHarmonic[] = {"amplitude", "frequency", "phase"};
+constexpr Keys kReducedKey[] = {"time", "coordinates"};
+constexpr Keys kCache[] = {"file", "scale", "start", "rate"};
+constexpr Keys kExecution[] = {"start",      "step",          "duration", "speed",
+                               "velocities", "accelerations", "jerks",    "corners",
+                               "foresight",  "look_ahead",    "buffer",   "patience"};
+constexpr Keys kPose[] = {"position", "orientation", "rpy"};
+constexpr Keys kPlanarPose[] = {"position", "angle"};
+
+const std::array kFormats = {MapFormat{"problem", kProblem},
+                             MapFormat{"robot", kRobot},
+                             MapFormat{"body", kBody},
+                             MapFormat{"bounds", kBounds},
+                             MapFormat{"shape", kShape},
+                             MapFormat{"object", kObject},
+                             MapFormat{"box", kBox},
+                             MapFormat{"sphere", kSphere},
+                             MapFormat{"cylinder", kRadiusLength},
+                             MapFormat{"capsule", kRadiusLength},
+                             MapFormat{"cone", kCone},
+                             MapFormat{"ellipsoid", kEllipsoid},
+                             MapFormat{"half_space", {}},
+                             MapFormat{"mesh", kMesh},
+                             MapFormat{"convex_hull", kConvexHull},
+                             MapFormat{"attach", kAttach},
+                             MapFormat{"pair_margin", kPairMargin},
+                             MapFormat{"planner", kPlanner},
+                             MapFormat{"limits", kLimits},
+                             MapFormat{"moveit", kMoveit},
+                             MapFormat{"deforming", kDeforming},
+                             MapFormat{"grid", kGrid},
+                             MapFormat{"deform_options", kDeformOptions},
+                             MapFormat{"motion", kMotion},
+                             MapFormat{"wave", kWave},
+                             MapFormat{"pinned", kPinned},
+                             MapFormat{"lattice", kLattice},
+                             MapFormat{"lattice_key", kLatticeKey},
+                             MapFormat{"control_point", kControlPoint},
+                             MapFormat{"morph", kMorph},
+                             MapFormat{"morph_key", kMorphKey},
+                             MapFormat{"target", kTarget},
+                             MapFormat{"bump", kBump},
+                             MapFormat{"skinned", kSkinned},
+                             MapFormat{"bone", kBone},
+                             MapFormat{"bone_weight", kBoneWeight},
+                             MapFormat{"skinned_key", kSkinnedKey},
+                             MapFormat{"reduced", kReduced},
+                             MapFormat{"harmonic", kHarmonic},
+                             MapFormat{"reduced_key", kReducedKey},
+                             MapFormat{"cache", kCache},
+                             MapFormat{"execution", kExecution},
+                             MapFormat{"pose", kPose},
+                             MapFormat{"planar_pose", kPlanarPose}};
+
+}  // namespace
+
+std::span<const MapFormat> mapFormats() { return kFormats; }
+
+std::span<const std::string_view> keysOf(std::string_view name) {
+  for (const MapFormat& format : kFormats)
+    if (format.name == name) return format.keys;
+  throw std::logic_error("no such kind of map: " + std::string(name));
+}
+
+std::span<const std::string_view> shapeWords() { return kShapeWords; }
+
+}  // namespace leeway::planner

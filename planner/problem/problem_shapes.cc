@@ -1,0 +1,209 @@
+#include "planner/problem/problem_shapes.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <filesystem>
+
+#include "collision/base/sine_cosine.h"
+#include "collision/base/tolerances.h"
+#include "leeway/collision/convex_hull.h"
+#include "leeway/collision/triangle_mesh.h"
+#include "leeway/robots/kinematics.h"
+#include "leeway/robots/model.h"
+#include "planner/base/tolerances.h"
+#include "planner/problem/problem_format.h"
+
+namespace leeway::planner {
+namespace {
+
+using collision::Geometry;
+using collision::Pose;
+using collision::Shape;
+
+std::string listed(std::span<const std::string_view> words) {
+  std::string text;
+  for (std::size_t i = 0; i < words.size(); ++i)
+    text += (i == 0 ? "" : i + 1 == words.size() ? " or " : ", ") + std::string(words[i]);
+  return text;
+}
+
+Eigen::Vector3d readScale(const YamlReader& mesh) {
+  const auto scale = mesh.find("scale");
+  if (!scale) return Eigen::Vector3d::Ones();
+  Eigen::Vector3d factors = scale->isList()
+                                ? scale->vector3()
+                                : Eigen::Vector3d(Eigen::Vector3d::Constant(scale->number()));
+  if ((factors.array() == 0).any())
+    scale->fail(fmt::format("{} holds a zero; other factors are expected", scale->where()));
+  return factors;
+}
+
+Shape readMesh(const YamlReader& mesh) {
+  const YamlReader file = mesh.at("file", "a mesh file (STL, OBJ, DAE)");
+  return robots::loadMesh(resolvedPath(file), readScale(mesh), file.file(), file.line());
+}
+
+Shape readConvexHull(const YamlReader& hull) {
+  const auto points = hull.find("points");
+  if (points.has_value() == hull.has("file"))
+    hull.fail(fmt::format("{} has {}; either is expected", hull.where(),
+                          points ? "both 'points' and 'file'" : "neither 'points' nor 'file'"));
+  if (!points) {
+    const Shape mesh = readMesh(hull);
+    return mesh.mesh() != nullptr ? Shape::convexHull(mesh.mesh()->vertices()) : mesh;
+  }
+  if (const auto scale = hull.find("scale"))
+    scale->fail(fmt::format("{} goes with 'file' only", scale->where()));
+  std::vector<Eigen::Vector3d> vertices;
+  for (const YamlReader& point : points->items()) vertices.push_back(point.vector3());
+  if (vertices.empty())
+    points->fail(fmt::format("{} is empty; at least one point is expected", points->where()));
+  return Shape::convexHull(vertices);
+}
+
+Shape readShape(std::string_view word, const YamlReader& sizes) {
+  if (word == "half_space" && sizes.isNull()) return Shape::halfSpace();
+  sizes.expectKeys(keysOf(word));
+  const auto radius = [&] { return sizes.at("radius", "a number [m]").sizeNumber(); };
+  if (word == "box")
+    return Shape::box(sizes.at("size", "the three edges [x, y, z] in m").sizeVector3() / 2);
+  if (word == "sphere") return Shape::sphere(radius());
+  if (word == "cylinder")
+    return Shape::cylinder(radius(), sizes.at("length", "a number [m]").sizeNumber() / 2);
+  if (word == "capsule")
+    return Shape::capsule(radius(), sizes.at("length", "a number [m]").sizeNumber() / 2);
+  if (word == "cone")
+    return Shape::cone(radius(), sizes.at("height", "a number [m]").sizeNumber() / 2);
+  if (word == "ellipsoid")
+    return Shape::ellipsoid(sizes.at("semi_axes", "three numbers [m]").sizeVector3());
+  if (word == "mesh") return readMesh(sizes);
+  if (word == "convex_hull") return readConvexHull(sizes);
+  return Shape::halfSpace();
+}
+
+/// The shape's word in the map; empty when there is none. Fails for two.
+std::string_view shapeWord(const YamlReader& map) {
+  std::string_view found;
+  for (const std::string_view word : shapeWords()) {
+    if (!map.has(word)) continue;
+    if (!found.empty())
+      map.fail(fmt::format(
+          "{} has both '{}' and '{}'; one shape is expected (several go under 'shapes')",
+          map.where(), found, word));
+    found = word;
+  }
+  return found;
+}
+
+Shape readOneShape(const YamlReader& map, std::string_view word) {
+  const YamlReader sizes = map.at(word, "its sizes");
+  try {
+    return readShape(word, sizes);
+  } catch (const collision::InvalidShape& error) {
+    sizes.fail(fmt::format("{}: {}", sizes.where(), error.what()));
+  }
+}
+
+}  // namespace
+
+Eigen::Matrix3d rotationFromQuaternion(const Eigen::Vector4d& q) {
+  const double x = q[0], y = q[1], z = q[2], w = q[3];
+  Eigen::Matrix3d rotation;
+  rotation << 1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y),  //
+      2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x),          //
+      2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y);
+  return rotation;
+}
+
+Eigen::Vector4d quaternionFromRpy(const Eigen::Vector3d& rpy) {
+  double sr, cr, sp, cp, sy, cy;
+  collision::sineCosine(rpy[0] / 2, sr, cr);
+  collision::sineCosine(rpy[1] / 2, sp, cp);
+  collision::sineCosine(rpy[2] / 2, sy, cy);
+  const Eigen::Vector4d q(sr * cp * cy - cr * sp * sy, cr * sp * cy + sr * cp * sy,
+                          cr * cp * sy - sr * sp * cy, cr * cp * cy + sr * sp * sy);
+  return q / std::sqrt(q.dot(q));
+}
+
+Eigen::Vector4d readQuaternion(const YamlReader& reader, std::vector<std::string>& warnings) {
+  const std::vector<double> v = reader.numbers();
+  if (v.size() != 4)
+    reader.fail(fmt::format("{} is a list of {}; a quaternion [x, y, z, w] is expected",
+                            reader.where(), v.size()));
+  const double norm = std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2] + v[3] * v[3]);
+  const double off = std::abs(norm - 1);
+  if (!(off <= kMendableQuaternion))
+    reader.fail(fmt::format("{} is a quaternion of length {}; unit length (within {}) is expected",
+                            reader.where(), norm, kMendableQuaternion));
+  if (off > kSilentQuaternion)
+    warnings.push_back(fmt::format("{}:{}: {} is a quaternion of length {}, taken as normalised",
+                                   reader.file(), reader.line(), reader.where(), norm));
+  return Eigen::Vector4d(v[0], v[1], v[2], v[3]) / norm;
+}
+
+Eigen::Vector4d readOrientation(const YamlReader& map, std::vector<std::string>& warnings) {
+  const auto orientation = map.find("orientation");
+  const auto rpy = map.find("rpy");
+  if (orientation && rpy)
+    rpy->fail(fmt::format("{} has both 'orientation' and 'rpy'; one is expected", map.where()));
+  if (orientation) return readQuaternion(*orientation, warnings);
+  if (!rpy) return Eigen::Vector4d::UnitW();
+  const Eigen::Vector3d angles = rpy->vector3();
+  if (angles.cwiseAbs().maxCoeff() > kLargestAngle)
+    rpy->fail(fmt::format("{} holds an angle of {}; at most {} rad is expected", rpy->where(),
+                          angles.cwiseAbs().maxCoeff(), kLargestAngle));
+  return quaternionFromRpy(angles);
+}
+
+Pose readPose(const YamlReader& map, std::vector<std::string>& warnings) {
+  Pose pose;
+  if (const auto position = map.find("position")) {
+    pose.translation = position->vector3();
+    if (const double farthest = pose.translation.cwiseAbs().maxCoeff();
+        farthest > collision::kLargestCoordinate)
+      position->fail(fmt::format("{} holds {}; coordinates up to {} m are expected",
+                                 position->where(), farthest, collision::kLargestCoordinate));
+  }
+  pose.rotation = rotationFromQuaternion(readOrientation(map, warnings));
+  return pose;
+}
+
+Geometry readGeometry(const YamlReader& map, const std::string& name,
+                      std::vector<std::string>& warnings) {
+  map.expectKeys(keysOf("shape"));
+  const std::string_view word = shapeWord(map);
+  if (word.empty())
+    map.fail(fmt::format("{} has no shape; {} is expected", map.where(), listed(shapeWords())));
+  const auto own_name = map.find("name");
+  return {readOneShape(map, word), readPose(map, warnings), own_name ? own_name->text() : name};
+}
+
+std::vector<Geometry> readGeometries(const YamlReader& map, const std::string& owner,
+                                     std::vector<std::string>& warnings) {
+  const std::string_view word = shapeWord(map);
+  const auto shapes = map.find("shapes");
+  if (shapes && !word.empty())
+    map.fail(fmt::format("{} has both 'shapes' and '{}'; one is expected", map.where(), word));
+  std::vector<Geometry> geometries;
+  if (shapes) {
+    for (const YamlReader& shape : shapes->items())
+      geometries.push_back(readGeometry(shape, owner, warnings));
+    if (geometries.empty())
+      shapes->fail(fmt::format("{} is empty; at least one shape is expected", shapes->where()));
+    return geometries;
+  }
+  if (word.empty())
+    map.fail(fmt::format("{} has no shape; {} or 'shapes' is expected", map.where(),
+                         listed(shapeWords())));
+  geometries.push_back({readOneShape(map, word), Pose(), owner});
+  return geometries;
+}
+
+std::string resolvedPath(const YamlReader& reader) {
+  const std::filesystem::path path = reader.text();
+  if (path.is_absolute()) return path.string();
+  return (std::filesystem::path(reader.file()).parent_path() / path).lexically_normal().string();
+}
+
+}  // namespace leeway::planner

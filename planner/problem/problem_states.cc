@@ -1,0 +1,291 @@
+#include "planner/problem/problem_states.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "planner/base/nearest_name.h"
+#include "planner/base/tolerances.h"
+#include "planner/problem/problem_format.h"
+#include "planner/problem/problem_shapes.h"
+
+namespace leeway::planner {
+namespace {
+
+using robots::InputError;
+using robots::Joint;
+using robots::JointType;
+using robots::Model;
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+bool planned(const Problem& problem, int variable) {
+  return std::find(problem.variables.begin(), problem.variables.end(), variable) !=
+         problem.variables.end();
+}
+
+/// A planned body that the short form of a pose may mean: the only planar or floating joint among
+/// the planned ones, -1 otherwise.
+int plannedBodyJoint(const Problem& problem) {
+  int found = -1;
+  for (const int v : problem.variables) {
+    const int joint = problem.model->variables[at(v)].joint;
+    const JointType type = problem.model->joints[at(joint)].type;
+    if (type != JointType::kPlanar && type != JointType::kFloating) continue;
+    if (found >= 0 && found != joint) return -1;
+    found = joint;
+  }
+  return found;
+}
+
+std::vector<std::string> jointNames(const Model& model) {
+  std::vector<std::string> names;
+  for (const Joint& joint : model.joints)
+    if (joint.variable_count > 0) names.push_back(joint.name);
+  return names;
+}
+
+std::string plannedNames(const Problem& problem) {
+  std::string names;
+  for (const int v : problem.variables)
+    names += (names.empty() ? "" : ", ") + problem.model->variables[at(v)].name;
+  return names;
+}
+
+/// Reads values of one state into the model's variables; ranges only where the caller may have
+/// them.
+class StateReader {
+ public:
+  StateReader(Problem& problem, bool goal)
+      : problem_(problem), model_(*problem.model), goal_(goal) {
+    ranges_.resize(model_.variables.size());
+  }
+
+  VariableRanges read(const YamlReader& reader) {
+    if (reader.isScalar())
+      return groupStateRanges(reader.file(), reader.line(), reader.text(), problem_);
+    if (reader.isList()) {
+      readList(reader);
+    } else if (reader.isMap()) {
+      readMap(reader);
+    } else {
+      reader.fail(
+          fmt::format("{} is empty; a group state, a list of values or a map by joint is expected",
+                      reader.where()));
+    }
+    return ranges_;
+  }
+
+  /// By joint; a single planned body may have its pose stand there directly.
+  void readMap(const YamlReader& reader) {
+    const int body = plannedBodyJoint(problem_);
+    if (body >= 0 && reader.has("position") && model_.findJoint("position") < 0) {
+      readBodyPose(reader, model_.joints[at(body)]);
+      return;
+    }
+    for (const auto& [name, value] : reader.entries()) readEntry(reader, name, value);
+  }
+
+  const VariableRanges& ranges() const { return ranges_; }
+
+ private:
+  void readList(const YamlReader& reader) {
+    const std::vector<YamlReader> items = reader.items();
+    if (items.size() != problem_.variables.size())
+      reader.fail(fmt::format("{} is a list of {}; {} values are expected: {}", reader.where(),
+                              items.size(), problem_.variables.size(), plannedNames(problem_)));
+    for (std::size_t i = 0; i < items.size(); ++i) readValue(items[i], problem_.variables[i]);
+  }
+
+  void readEntry(const YamlReader& map, const std::string& name, const YamlReader& value) {
+    const int variable = model_.findVariable(name);
+    if (variable >= 0) return readValue(value, variable);
+    const int index = model_.findJoint(name);
+    if (index < 0)
+      value.fail(fmt::format("unknown joint '{}' in {}{}", name, map.where(),
+                             nearestName(name, jointNames(model_))));
+    const Joint& joint = model_.joints[at(index)];
+    if (joint.type == JointType::kPlanar || joint.type == JointType::kFloating)
+      return readBodyPose(value, joint);
+    const double number = value.number();
+    if (goal_)
+      value.fail(fmt::format("joint '{}' in {} {}; a planned joint is expected: {}", name,
+                             map.where(), joint.mimic >= 0 ? "follows another joint" : "is fixed",
+                             plannedNames(problem_)));
+    // A robot's driver reports such joints too; they have no place in a configuration.
+    problem_.warnings.push_back(fmt::format(
+        "{}:{}: {} = {} has no effect: joint '{}' {}", value.file(), value.line(), value.where(),
+        number, name, joint.mimic >= 0 ? "follows another joint" : "is fixed"));
+  }
+
+  void readBodyPose(const YamlReader& map, const Joint& joint) {
+    const bool planar = joint.type == JointType::kPlanar;
+    map.expectKeys(keysOf(planar ? "planar_pose" : "pose"));
+    const YamlReader position = map.at("position", planar ? "[x, y]" : "[x, y, z]");
+    const std::vector<YamlReader> items = position.items();
+    if (items.size() != (planar ? 2U : 3U))
+      position.fail(fmt::format("{} is a list of {}; {} is expected", position.where(),
+                                items.size(), planar ? "[x, y]" : "[x, y, z]"));
+    for (std::size_t i = 0; i < items.size(); ++i)
+      readValue(items[i], joint.first_variable + static_cast<int>(i));
+    if (planar) {
+      const auto angle = map.find("angle");
+      if (angle) return readValue(*angle, joint.first_variable + 2);
+      return set(joint.first_variable + 2, 0, 0, map.line());
+    }
+    const Eigen::Vector4d q = readOrientation(map, problem_.warnings);
+    for (int i = 0; i < 4; ++i) set(joint.first_variable + 3 + i, q[i], q[i], map.line());
+  }
+
+  void readValue(const YamlReader& value, int variable) {
+    if (goal_ && value.isScalar() && value.text() == "any") {
+      const robots::Variable& v = model_.variables[at(variable)];
+      const bool circle = turnsFreely(variable);
+      if (!circle && !(std::isfinite(v.lower) && std::isfinite(v.upper)))
+        value.fail(fmt::format(
+            "{} is 'any', but {} has no limits; a number or a pair [from, to] is expected",
+            value.where(), variableText(model_, variable)));
+      return set(variable, circle ? -std::numbers::pi : v.lower,
+                 circle ? std::numbers::pi : v.upper, value.line());
+    }
+    if (goal_ && value.isList()) {
+      const std::vector<double> range = value.numbers();
+      if (range.size() != 2 || !(range[0] <= range[1]))
+        value.fail(
+            fmt::format("{} is no range; [from, to] with from <= to is expected", value.where()));
+      return set(variable, range[0], range[1], value.line());
+    }
+    const double number = value.number();
+    set(variable, number, number, value.line());
+  }
+
+  bool turnsFreely(int variable) const {
+    const robots::Variable& v = model_.variables[at(variable)];
+    const Joint& joint = model_.joints[at(v.joint)];
+    return std::isinf(v.lower) && std::isinf(v.upper) &&
+           (joint.type == JointType::kContinuous ||
+            (joint.type == JointType::kPlanar && variable == joint.first_variable + 2));
+  }
+
+  void set(int variable, double lower, double upper, int line) {
+    ranges_[at(variable)] = {true, lower, upper, line};
+  }
+
+  Problem& problem_;
+  const Model& model_;
+  bool goal_;
+  VariableRanges ranges_;
+};
+
+}  // namespace
+
+std::string variableText(const Model& model, int variable) {
+  return "joint '" + model.variables[at(variable)].name + "'";
+}
+
+namespace {
+
+/// Every planned variable is known and inside its limits; `what` is "start" or the goal's name.
+void checkPlanned(const std::string& file, int line, const std::string& what,
+                  const VariableRanges& given, const Problem& problem) {
+  for (const int v : problem.variables) {
+    const VariableRange& range = given[at(v)];
+    const robots::Variable& variable = problem.model->variables[at(v)];
+    if (!range.given)
+      throw InputError(
+          file, line,
+          fmt::format("{} says nothing of {}; a value for every planned joint is expected: {}",
+                      what, variableText(*problem.model, v), plannedNames(problem)));
+    const int at_line = range.line > 0 ? range.line : line;
+    // Written so that NaN fails.
+    if (!(range.lower >= variable.lower && range.upper <= variable.upper))
+      throw InputError(file, at_line,
+                       fmt::format("{} has {} at {}, outside its limits; {} to {} is expected",
+                                   what, variableText(*problem.model, v),
+                                   range.lower >= variable.lower ? range.upper : range.lower,
+                                   variable.lower, variable.upper));
+    if (!(std::abs(range.lower) <= kLargestAngle && std::abs(range.upper) <= kLargestAngle))
+      throw InputError(
+          file, at_line,
+          fmt::format(
+              "{} has {} at {}; at most {} is expected", what, variableText(*problem.model, v),
+              std::abs(range.lower) <= kLargestAngle ? range.upper : range.lower, kLargestAngle));
+  }
+}
+
+}  // namespace
+
+void takeStart(const std::string& file, int line, const VariableRanges& given, Problem& problem) {
+  checkPlanned(file, line, "start", given, problem);
+  for (std::size_t v = 0; v < given.size(); ++v)
+    if (given[v].given) problem.configuration[v] = given[v].lower;
+}
+
+Goal takeGoal(const std::string& file, int line, const std::string& name,
+              const VariableRanges& given, const Problem& problem) {
+  checkPlanned(file, line, name, given, problem);
+  for (std::size_t v = 0; v < given.size(); ++v)
+    if (given[v].given && !planned(problem, static_cast<int>(v)))
+      throw InputError(
+          file, given[v].line > 0 ? given[v].line : line,
+          fmt::format("{} names {}, which is not planned; planned are {}", name,
+                      variableText(*problem.model, static_cast<int>(v)), plannedNames(problem)));
+  Goal goal;
+  goal.name = name;
+  for (const int v : problem.variables)
+    goal.ranges.emplace_back(given[at(v)].lower, given[at(v)].upper);
+  return goal;
+}
+
+VariableRanges groupStateRanges(const std::string& file, int line, const std::string& name,
+                                const Problem& problem) {
+  const Model& model = *problem.model;
+  std::vector<std::string> known;
+  for (const robots::GroupState& state : model.group_states) {
+    const auto covers = [&](int v) {
+      return std::any_of(state.values.begin(), state.values.end(),
+                         [&](const auto& value) { return value.first == v; });
+    };
+    // A state of another group is as good when it says everything that is planned.
+    if (!std::all_of(problem.variables.begin(), problem.variables.end(), covers)) continue;
+    if (state.name != name) {
+      known.push_back(state.name);
+      continue;
+    }
+    VariableRanges ranges(model.variables.size());
+    for (const auto& [v, value] : state.values)
+      if (planned(problem, v)) ranges[at(v)] = {true, value, value, 0};
+    return ranges;
+  }
+  throw InputError(
+      file, line,
+      fmt::format("no group state '{}' for the planned joints{}", name, nearestName(name, known)));
+}
+
+void readStart(const YamlReader& reader, Problem& problem) {
+  const VariableRanges given = StateReader(problem, false).read(reader);
+  takeStart(reader.file(), reader.line(), given, problem);
+}
+
+Goal readGoal(const YamlReader& reader, const std::string& name, Problem& problem) {
+  const VariableRanges given = StateReader(problem, true).read(reader);
+  return takeGoal(reader.file(), reader.line(), reader.isScalar() ? reader.text() : name, given,
+                  problem);
+}
+
+void readPassiveJoints(const YamlReader& reader, Problem& problem) {
+  StateReader states(problem, false);
+  for (const auto& [name, value] : reader.entries())
+    if (const int v = problem.model->findVariable(name); v >= 0 && planned(problem, v))
+      value.fail(fmt::format("{} is planned; its value belongs under 'start'",
+                             variableText(*problem.model, v)));
+  states.readMap(reader);
+  const VariableRanges& given = states.ranges();
+  for (std::size_t v = 0; v < given.size(); ++v)
+    if (given[v].given) problem.configuration[v] = given[v].lower;
+}
+
+}  // namespace leeway::planner

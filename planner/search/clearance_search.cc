@@ -1,0 +1,58 @@
+#include <algorithm>
+#include <limits>
+
+#include "planner/base/tolerances.h"
+#include "planner/search/search.h"
+
+// The greatest least clearance by a planner that knows nothing of clearance. A path that keeps the
+// margin c exists or not; finding one is an ordinary search in the scene with its margins raised to
+// c, where every check is as fast as ever. So: find a path, measure what it keeps, demand more,
+// half of the way to the bound at first; where a search fails within its budget, demand half as
+// much more; where that becomes too little to matter, double the budget and be bold again. This
+// climbs much faster than a tree that measures the clearance of every edge, since an edge that is
+// not good enough is refused by the first bound that says so.
+
+namespace leeway::planner {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+}  // namespace
+
+std::optional<ClearancePath> searchClearance(const std::shared_ptr<const CompiledScene>& scene,
+                                             Search& search, const SearchTask& task, double bound) {
+  std::uint64_t run = 0;
+  auto first = search.any(task.problem.seed);
+  if (!first) return std::nullopt;
+  const auto measured = [&](const Waypoints& path) {
+    return pathClearance(search.certifier(), path, kBoundTolerance, -kInfinity);
+  };
+  ClearancePath best{std::move(*first), 0, {}};
+  best.clearance = measured(best.path);
+
+  std::uint64_t budget = kFirstBudget, iterations = task.limits.iterations();
+  double demand = best.clearance + (bound - best.clearance) / 2;
+  while (bound - best.clearance > kClearanceTolerance && !task.limits.searchOver()) {
+    const auto raised = scene->withMarginAtLeast(demand);
+    const auto pool = std::make_shared<CertifierPool>(raised);
+    Search wider(raised, pool, task);
+    auto path = wider.any(task.problem.seed + ++run, budget);
+    addStatistics(best.work, pool->statistics());
+    if (path) {
+      best.path = std::move(*path);
+      best.clearance = std::max(demand, measured(best.path));
+      demand = best.clearance + (bound - best.clearance) / 2;
+      continue;
+    }
+    demand = best.clearance + (demand - best.clearance) / 2;
+    if (demand - best.clearance > kClearanceTolerance) continue;
+    // Searches that end before they begin (no start, no goal with so much room) will not do better.
+    if (task.limits.iterations() == iterations) break;
+    iterations = task.limits.iterations();
+    budget *= 2;
+    demand = best.clearance + (bound - best.clearance) / 2;
+  }
+  return best;
+}
+
+}  // namespace leeway::planner

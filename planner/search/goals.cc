@@ -1,0 +1,219 @@
+#include "planner/search/goals.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+
+#include "collision/base/sine_cosine.h"
+#include "leeway/planner/random.h"
+#include "leeway/robots/input_error.h"
+#include "planner/base/tolerances.h"
+
+namespace leeway::planner {
+namespace {
+
+using Kind = ConfigurationSpace::Kind;
+using Part = ConfigurationSpace::Part;
+using Range = std::pair<double, double>;
+
+using collision::kTwoPi;
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+bool isPoint(const Goal& goal) {
+  return std::all_of(goal.ranges.begin(), goal.ranges.end(),
+                     [](const Range& r) { return r.first == r.second; });
+}
+
+bool orientationIsGiven(const Goal& goal, const Part& part) {
+  for (std::size_t k = 0; k < 4; ++k)
+    if (goal.ranges[at(part.first) + k].first != goal.ranges[at(part.first) + k].second)
+      return false;
+  return true;
+}
+
+bool orientationIsFree(const Goal& goal, const Part& part) {
+  for (std::size_t k = 0; k < 4; ++k)
+    if (goal.ranges[at(part.first) + k].first > -1 || goal.ranges[at(part.first) + k].second < 1)
+      return false;
+  return true;
+}
+
+double nearestOnCircle(const Range& range, double x) {
+  if (range.second - range.first >= kTwoPi) return x;
+  const double below = std::remainder(x - range.first, kTwoPi);
+  const double above = std::remainder(x - range.second, kTwoPi);
+  if (below == 0 || above == 0) return x;
+  // Held when going up from the lower end meets x before the upper end.
+  const double from_lower = below < 0 ? below + kTwoPi : below;
+  if (from_lower < range.second - range.first) return x;
+  return std::abs(below) < std::abs(above) ? range.first : range.second;
+}
+
+std::string text(double x) {
+  char buffer[32];
+  std::snprintf(buffer, sizeof buffer, "%.17g", x);
+  return buffer;
+}
+
+[[noreturn]] void refuse(const Problem& problem, const std::string& message) {
+  throw robots::InputError(problem.name, 0, message);
+}
+
+/// A goal must leave something to reach: as many ranges as variables, in order, meeting the limits.
+void checkGoal(const Problem& problem, const ConfigurationSpace& space, const Goal& goal) {
+  if (goal.ranges.size() != at(space.size()))
+    refuse(problem, "goal '" + goal.name + "' has " + std::to_string(goal.ranges.size()) +
+                        " values; the group has " + std::to_string(space.size()));
+  for (const Part& part : space.parts()) {
+    const Range& range = goal.ranges[at(part.first)];
+    const std::string& name = problem.model->variables[at(space.variables()[at(part.first)])].name;
+    if (part.kind == Kind::kRotation) {
+      std::vector<double> q;
+      for (std::size_t k = 0; k < 4; ++k) q.push_back(goal.ranges[at(part.first) + k].first);
+      const double norm = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+      if (orientationIsFree(goal, part)) continue;
+      if (!orientationIsGiven(goal, part) || !(std::abs(norm - 1) <= kUnitQuaternion))
+        refuse(problem, "goal '" + goal.name + "': the orientation at '" + name +
+                            "' must be one unit quaternion, or free: every number from -1 to 1");
+      continue;
+    }
+    if (!(range.first <= range.second) || !std::isfinite(range.first) ||
+        !std::isfinite(range.second))
+      refuse(problem, "goal '" + goal.name + "': '" + name + "' is " + text(range.first) + " to " +
+                          text(range.second) + "; a finite range, lower end first, is expected");
+    if (part.kind == Kind::kLine &&
+        (range.second < space.lower(part.first) || range.first > space.upper(part.first)))
+      refuse(problem, "goal '" + goal.name + "': '" + name + "' is " + text(range.first) +
+                          (range.first == range.second ? "" : " to " + text(range.second)) +
+                          ", outside its limits " + text(space.lower(part.first)) + " to " +
+                          text(space.upper(part.first)));
+  }
+}
+
+/// A point of the goal: the only one, or one drawn uniformly.
+void drawPoint(const ConfigurationSpace& space, const Goal& goal, Random& random,
+               std::span<double> q) {
+  for (const Part& part : space.parts()) {
+    const std::size_t i = at(part.first);
+    if (part.kind == Kind::kRotation) {
+      if (orientationIsFree(goal, part))
+        random.quaternion(&q[i]);
+      else
+        for (std::size_t k = 0; k < 4; ++k) q[i + k] = goal.ranges[i + k].first;
+      continue;
+    }
+    Range range = goal.ranges[i];
+    if (part.kind == Kind::kLine)
+      range = {std::max(range.first, space.lower(part.first)),
+               std::min(range.second, space.upper(part.first))};
+    q[i] = random.uniform(range.first, range.second);
+  }
+}
+
+/// Keeps the check with the greatest lower bound: of invalid configurations the one least deep.
+void keepBetter(StateCheck& best, const StateCheck& check) {
+  if (best.pair < 0 || check.clearance.upper > best.clearance.upper) best = check;
+}
+
+}  // namespace
+
+void nearestInGoal(const ConfigurationSpace& space, const Goal& goal, std::span<const double> q,
+                   std::span<double> nearest) {
+  for (const Part& part : space.parts()) {
+    const std::size_t i = at(part.first);
+    if (part.kind == Kind::kLine)
+      nearest[i] = std::clamp(q[i], goal.ranges[i].first, goal.ranges[i].second);
+    if (part.kind == Kind::kCircle) nearest[i] = nearestOnCircle(goal.ranges[i], q[i]);
+    if (part.kind != Kind::kRotation) continue;
+    const bool free = orientationIsFree(goal, part);
+    for (std::size_t k = 0; k < 4; ++k) nearest[i + k] = free ? q[i + k] : goal.ranges[i + k].first;
+  }
+}
+
+bool goalHolds(const ConfigurationSpace& space, const Goal& goal, std::span<const double> q) {
+  std::vector<double> nearest(q.size());
+  nearestInGoal(space, goal, q, nearest);
+  return space.distance(q, nearest) == 0;
+}
+
+void writeAsInGoal(const ConfigurationSpace& space, const Goal& goal, std::span<double> q) {
+  for (const Part& part : space.parts()) {
+    const std::size_t i = at(part.first);
+    const Range& range = goal.ranges[i];
+    if (part.kind == Kind::kRotation && !orientationIsFree(goal, part))
+      for (std::size_t k = 0; k < 4; ++k) q[i + k] = goal.ranges[i + k].first;
+    if (part.kind != Kind::kCircle || (q[i] >= range.first && q[i] <= range.second)) continue;
+    const double turned = range.first + (std::remainder(q[i] - range.first, kTwoPi) < 0
+                                             ? std::remainder(q[i] - range.first, kTwoPi) + kTwoPi
+                                             : std::remainder(q[i] - range.first, kTwoPi));
+    q[i] = std::clamp(turned, range.first, range.second);
+  }
+}
+
+GoalPoints validGoalPoints(EdgeCertifier& certifier, const Problem& problem, std::uint64_t seed,
+                           const std::function<bool()>& stop) {
+  const ConfigurationSpace& space = certifier.scene().space();
+  GoalPoints result;
+  std::vector<double> q(at(space.size()));
+  for (std::size_t g = 0; g < problem.goals.size(); ++g) {
+    const Goal& goal = problem.goals[g];
+    checkGoal(problem, space, goal);
+    Random random(seed, kGoalStream + g);
+    const bool point = isPoint(goal);
+    const std::size_t wanted = result.points.size() + (point ? 1 : kGoalSamples);
+    bool found = false;
+    for (int i = 0; i < (point ? 1 : kGoalAttempts) && result.points.size() < wanted; ++i) {
+      if (i > 0 && stop()) {
+        result.stopped = true;
+        break;
+      }
+      drawPoint(space, goal, random, q);
+      if (certifier.decide(q) == Verdict::kFree) {
+        result.points.push_back(q);
+        found = true;
+      } else if (result.points.empty() && i < kGoalReports) {
+        keepBetter(result.closest, certifier.clearance(q, kReportTolerance));
+      }
+    }
+    if (!found)
+      result.warnings.push_back(
+          "goal '" + goal.name + "' is left out: " +
+          (point ? "it is in collision"
+           : result.stopped
+               ? "no valid point of it was found within the limits"
+               : "none of " + std::to_string(kGoalAttempts) + " points of it was valid"));
+  }
+  return result;
+}
+
+GoalRegions::GoalRegions(const ompl::base::SpaceInformationPtr& space_information,
+                         const ConfigurationSpace& space, const Problem& problem,
+                         const GoalPoints& points)
+    : GoalStates(space_information), space_(space), problem_(problem) {
+  // OMPL asks for a distance below the threshold: this is the largest that only zero is below of.
+  setThreshold(std::numeric_limits<double>::denorm_min());
+  for (const std::vector<double>& point : points.points) {
+    ompl::base::State* state = si_->allocState();
+    std::copy(point.begin(), point.end(), state->as<OmplStateSpace::StateType>()->values);
+    states_.push_back(state);
+  }
+  for (const planner::Goal& goal : problem.goals) ranges_ = ranges_ || !isPoint(goal);
+}
+
+double GoalRegions::distanceGoal(const ompl::base::State* state) const {
+  if (!ranges_) return GoalStates::distanceGoal(state);
+  const std::span<const double> q(state->as<OmplStateSpace::StateType>()->values,
+                                  at(space_.size()));
+  thread_local std::vector<double> nearest;  // goals are asked by all of a planner's threads
+  nearest.resize(q.size());
+  double distance = std::numeric_limits<double>::infinity();
+  for (const planner::Goal& goal : problem_.goals) {
+    nearestInGoal(space_, goal, q, nearest);
+    distance = std::min(distance, space_.distance(q, nearest));
+  }
+  return distance;
+}
+
+}  // namespace leeway::planner

@@ -1,0 +1,63 @@
+#include "planner/search/limits.h"
+
+#include <cmath>
+#include <limits>
+
+#include "planner/base/tolerances.h"
+
+namespace leeway::planner {
+
+Limits::Limits(double seconds, std::int64_t iterations, std::function<bool()> stop,
+               Progress progress)
+    : seconds_(seconds > 0 && std::isfinite(seconds) ? seconds
+                                                     : std::numeric_limits<double>::infinity()),
+      search_seconds_(seconds_),
+      limit_(iterations > 0 ? static_cast<std::uint64_t>(iterations)
+                            : std::numeric_limits<std::uint64_t>::max()),
+      stop_(std::move(stop)),
+      progress_(std::move(progress)) {}
+
+double Limits::elapsed() const {
+  return std::chrono::duration<double>(Clock::now() - begin_).count();
+}
+
+bool Limits::pastCount() const { return iterations() >= limit_; }
+
+void Limits::reserve(double fraction) { search_seconds_ = seconds_ * (1 - fraction); }
+
+bool Limits::iterate() {
+  if (pastCount()) return true;
+  iterations_.fetch_add(1, std::memory_order_relaxed);
+  return over() || elapsed() > search_seconds_;
+}
+
+bool Limits::searchOver() { return pastCount() || over() || elapsed() > search_seconds_; }
+
+bool Limits::over() {
+  if (over_.load(std::memory_order_relaxed)) return true;
+  const double now = elapsed();
+  bool over = now > seconds_;
+  if (stop_ || progress_) {
+    const std::lock_guard<std::mutex> lock(callbacks_);
+    if (stop_ && stop_()) over = true;
+    report(now);
+  }
+  if (over) over_.store(true, std::memory_order_relaxed);
+  return over;
+}
+
+void Limits::enter(const char* phase) {
+  if (!progress_) return;
+  const std::lock_guard<std::mutex> lock(callbacks_);
+  phase_ = phase;
+  last_report_ = elapsed();
+  progress_(phase_, last_report_);
+}
+
+void Limits::report(double now) {
+  if (!progress_ || now - last_report_ < kProgressPeriod) return;
+  last_report_ = now;
+  progress_(phase_, now);
+}
+
+}  // namespace leeway::planner

@@ -1,0 +1,88 @@
+#include "leeway/planner/ompl_objectives.h"
+
+#include <ompl/base/ProblemDefinition.h>
+#include <ompl/base/samplers/informed/RejectionInfSampler.h>
+
+#include <algorithm>
+#include <limits>
+
+#include "planner/edge/ompl_point.h"
+#include "planner/space/ompl_lock.h"
+
+namespace leeway::planner {
+namespace {
+
+namespace ob = ompl::base;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+ob::InformedSamplerPtr rejectionSampler(const ob::ProblemDefinitionPtr& problem,
+                                        unsigned int attempts) {
+  const std::lock_guard<std::recursive_mutex> lock(omplSeedLock());
+  return std::make_shared<ob::RejectionInfSampler>(problem, attempts);
+}
+
+double smallestMargin(const collision::Scene& scene) {
+  double margin = kInfinity;
+  for (const collision::ScenePair& pair : scene.pairs()) margin = std::min(margin, pair.margin);
+  return margin;
+}
+
+}  // namespace
+
+OmplLengthObjective::OmplLengthObjective(const ob::SpaceInformationPtr& space_information)
+    : PathLengthOptimizationObjective(space_information) {}
+
+ob::InformedSamplerPtr OmplLengthObjective::allocInformedStateSampler(
+    const ob::ProblemDefinitionPtr& problem, unsigned int attempts) const {
+  return rejectionSampler(problem, attempts);
+}
+
+OmplClearanceObjective::OmplClearanceObjective(const ob::SpaceInformationPtr& space_information,
+                                               std::shared_ptr<CertifierPool> pool,
+                                               double tolerance)
+    : OptimizationObjective(space_information),
+      pool_(std::move(pool)),
+      tolerance_(tolerance),
+      cutoff_(smallestMargin(pool_->scene().scene())) {
+  description_ = "Least clearance, certified";
+  threshold_ = ob::Cost(kInfinity);
+}
+
+bool OmplClearanceObjective::isSatisfied(ob::Cost cost) const {
+  return cost.value() >= threshold_.value();
+}
+
+bool OmplClearanceObjective::isCostBetterThan(ob::Cost a, ob::Cost b) const {
+  return a.value() > b.value();
+}
+
+ob::Cost OmplClearanceObjective::stateCost(const ob::State* state) const {
+  return ob::Cost(pool_->local()
+                      .certifier.clearance(pointOf(state, pool_->scene()), tolerance_)
+                      .clearance.lower);
+}
+
+ob::Cost OmplClearanceObjective::motionCost(const ob::State* s1, const ob::State* s2) const {
+  return ob::Cost(pool_->local()
+                      .certifier
+                      .edgeClearance(pointOf(s1, pool_->scene()), pointOf(s2, pool_->scene()),
+                                     tolerance_, cutoff_)
+                      .clearance.lower);
+}
+
+ob::Cost OmplClearanceObjective::combineCosts(ob::Cost a, ob::Cost b) const {
+  return ob::Cost(std::min(a.value(), b.value()));
+}
+
+ob::Cost OmplClearanceObjective::identityCost() const { return ob::Cost(kInfinity); }
+ob::Cost OmplClearanceObjective::infiniteCost() const { return ob::Cost(-kInfinity); }
+ob::Cost OmplClearanceObjective::initialCost(const ob::State* state) const {
+  return stateCost(state);
+}
+
+ob::InformedSamplerPtr OmplClearanceObjective::allocInformedStateSampler(
+    const ob::ProblemDefinitionPtr& problem, unsigned int attempts) const {
+  return rejectionSampler(problem, attempts);
+}
+
+}  // namespace leeway::planner

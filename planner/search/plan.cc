@@ -1,0 +1,266 @@
+#include "leeway/planner/plan.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+
+#include "leeway/planner/planners.h"
+#include "leeway/planner/simplify.h"
+#include "leeway/robots/input_error.h"
+#include "planner/base/tolerances.h"
+#include "planner/search/search.h"
+#include "planner/space/ompl_lock.h"
+
+namespace leeway::planner {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+enum class Objective { kLength, kClearance };
+
+Objective objectiveOf(const Problem& problem) {
+  if (problem.objective == "length") return Objective::kLength;
+  if (problem.objective == "clearance") return Objective::kClearance;
+  throw robots::InputError(
+      problem.name, 0,
+      "objective '" + problem.objective + "' is unknown; length and clearance are accepted");
+}
+
+/// One call of plan(), its steps in the order in which they happen.
+class Plan {
+ public:
+  Plan(std::shared_ptr<const CompiledScene> scene, const Problem& problem,
+       const PlanOptions& options)
+      : scene_(std::move(scene)),
+        problem_(problem),
+        options_(options),
+        objective_(objectiveOf(problem)),
+        limits_(problem.time_limit, problem.iteration_limit, options.stop, options.progress) {}
+
+  PlanResult run() {
+    checkProblem();
+    pool_ = std::make_shared<CertifierPool>(scene_);
+    limits_.enter("plan");
+    if (checkEnds()) {
+      Waypoints path = search();
+      result_.plan_s = limits_.elapsed();
+      if (!path.empty()) finish(std::move(path));
+    } else {
+      result_.plan_s = limits_.elapsed();
+    }
+    result_.iterations = limits_.iterations();
+    addStatistics(work_, pool_->statistics());
+    result_.states = work_.states;
+    result_.edges = work_.edges;
+    result_.distance_queries = work_.distance_queries;
+    return std::move(result_);
+  }
+
+ private:
+  EdgeCertifier& certifier() { return pool_->local().certifier; }
+
+  [[noreturn]] void refuse(const std::string& message) const {
+    throw robots::InputError(problem_.name, 0, message);
+  }
+
+  void checkProblem() {
+    if (const auto error = plannerError(problem_.planner, problem_.planner_parameters))
+      refuse(*error);
+    traits_ = findPlanner(problem_.planner);
+    result_.planner = traits_->name;
+    result_.deterministic = traits_->deterministic;
+    result_.seed = problem_.seed;
+    if (problem_.goals.empty()) refuse("there is no goal; at least one is expected");
+    const ConfigurationSpace& space = scene_->space();
+    for (const ConfigurationSpace::Part& part : space.parts())
+      if (part.kind == ConfigurationSpace::Kind::kLine &&
+          !std::isfinite(space.upper(part.first) - space.lower(part.first)))
+        refuse("variable '" + variableName(part.first) +
+               "' has no limits; a range to plan in is expected");
+    for (const int v : problem_.variables)
+      start_.push_back(problem_.configuration.at(static_cast<std::size_t>(v)));
+    if (start_.size() != static_cast<std::size_t>(space.size()) || !space.withinLimits(start_))
+      refuseStart();
+  }
+
+  std::string variableName(int i) const {
+    return scene_->model()
+        .variables[static_cast<std::size_t>(
+            scene_->space().variables()[static_cast<std::size_t>(i)])]
+        .name;
+  }
+
+  [[noreturn]] void refuseStart() const {
+    const ConfigurationSpace& space = scene_->space();
+    for (int i = 0; i < space.size() && static_cast<std::size_t>(i) < start_.size(); ++i) {
+      const double x = start_[static_cast<std::size_t>(i)];
+      if (x >= space.lower(i) && x <= space.upper(i)) continue;
+      refuse("start: '" + variableName(i) + "' is " + std::to_string(x) + ", outside its limits " +
+             std::to_string(space.lower(i)) + " to " + std::to_string(space.upper(i)));
+    }
+    refuse("start: the orientation is not a unit quaternion");
+  }
+
+  /// Start and goals valid? If not, the result says what is in the way.
+  bool checkEnds() {
+    if (certifier().decide(start_) != Verdict::kFree) {
+      offend(PlanStatus::kInvalidStart, certifier().clearance(start_, kReportTolerance));
+      return false;
+    }
+    goals_ =
+        validGoalPoints(certifier(), problem_, problem_.seed, [this] { return limits_.over(); });
+    result_.warnings = goals_.warnings;
+    if (!goals_.points.empty()) return true;
+    // Goal regions that the limits left unexplored are not known to be invalid.
+    if (!goals_.stopped) offend(PlanStatus::kInvalidGoal, goals_.closest);
+    return false;
+  }
+
+  void offend(PlanStatus status, const StateCheck& check) {
+    result_.status = status;
+    result_.offending = check;
+    if (check.pair < 0) return;
+    const collision::Scene& scene = scene_->scene();
+    const collision::ScenePair& pair = scene.pairs()[static_cast<std::size_t>(check.pair)];
+    result_.offending_a = scene.bodies()[static_cast<std::size_t>(pair.body_a)].name;
+    result_.offending_b = scene.bodies()[static_cast<std::size_t>(pair.body_b)].name;
+  }
+
+  /// A path with every edge certified; empty when none was found within the limits.
+  Waypoints search() {
+    if (Waypoints path = direct(); !path.empty()) return path;
+    const QuietOmpl quiet;
+    const SearchTask task{problem_, start_, goals_, limits_};
+    if (traits_->optimizing) limits_.reserve(kSimplifyShare);
+    if (objective_ == Objective::kLength) {
+      Search search(scene_, pool_, task);
+      return search.shortest(problem_.seed).value_or(Waypoints{});
+    }
+    limits_.reserve(kSimplifyShare);
+    const double bound = clearanceBound();
+    Search search(scene_, pool_, task);
+    if (traits_->optimizing && traits_->widens)
+      return search.widest(problem_.seed, bound - kClearanceTolerance).value_or(Waypoints{});
+    auto widest = searchClearance(scene_, search, task, bound);
+    if (!widest) return {};
+    addStatistics(work_, widest->work);
+    return std::move(widest->path);
+  }
+
+  /// The straight edge to the nearest goal, when it is the answer: no path is shorter.
+  Waypoints direct() {
+    const ConfigurationSpace& space = scene_->space();
+    for (const Goal& goal : problem_.goals)
+      if (goalHolds(space, goal, start_)) return {start_, start_};
+    if (objective_ != Objective::kLength || limits_.searchOver()) return {};
+    const auto nearest = std::min_element(
+        goals_.points.begin(), goals_.points.end(), [&](const auto& a, const auto& b) {
+          return space.distance(start_, a) < space.distance(start_, b);
+        });
+    if (certifier().certify(start_, *nearest, EdgeRequest::persistent()).verdict != Verdict::kFree)
+      return {};
+    return {start_, *nearest};
+  }
+
+  /// No path has more clearance than its start, or than the best of the goals' points.
+  double clearanceBound() {
+    double goal = -kInfinity;
+    for (const std::vector<double>& point : goals_.points)
+      goal = std::max(goal, certifier().clearance(point, kBoundTolerance).clearance.upper);
+    return std::min(goal, certifier().clearance(start_, kBoundTolerance).clearance.upper);
+  }
+
+  void finish(Waypoints path) {
+    const double planned = limits_.elapsed();
+    const Waypoints unsimplified = path;
+    if (problem_.simplify) {
+      limits_.enter("simplify");
+      simplifyPath(path);
+    }
+    result_.simplify_s = limits_.elapsed() - planned;
+    limits_.enter("certify");
+    for (int i = 0; i < scene_->space().size(); ++i) result_.path.names.push_back(variableName(i));
+    // Every edge was certified before; nothing is reported that is not certified now, as it stands.
+    if (!certifyPath(std::move(path)) && !certifyPath(unsimplified)) {
+      result_.warnings.push_back("a path was found whose certificate could not be repeated");
+      result_.path = {};
+      result_.certificate = {};
+    } else {
+      report();
+    }
+    result_.certify_s = limits_.elapsed() - planned - result_.simplify_s;
+  }
+
+  bool certifyPath(Waypoints path) {
+    splitHalfTurns(scene_->space(), path);
+    result_.path.positions = std::move(path);
+    result_.certificate = planner::certify(certifier(), result_.path, options_.clearance_tolerance);
+    return result_.certificate.certified;
+  }
+
+  void report() {
+    result_.length = pathLength(scene_->space(), result_.path.positions);
+    for (std::size_t g = 0; g < problem_.goals.size() && result_.goal < 0; ++g)
+      if (goalHolds(scene_->space(), problem_.goals[g], result_.path.positions.back()))
+        result_.goal = static_cast<int>(g);
+    result_.status = PlanStatus::kSolved;
+  }
+
+  void simplifyPath(Waypoints& path) {
+    SimplifyOptions options;
+    options.seed = Random(problem_.seed, kSimplifyStream).next();
+    options.stop = [this] { return limits_.over(); };
+    if (objective_ == Objective::kClearance) {
+      options.clearance_floor = pathClearance(certifier(), path, kClearanceTolerance, -kInfinity);
+      options.clearance_tolerance = kClearanceTolerance;
+    }
+    simplify(certifier(), path, options);
+  }
+
+  std::shared_ptr<const CompiledScene> scene_;
+  const Problem& problem_;
+  const PlanOptions& options_;
+  Objective objective_;
+  Limits limits_;
+  const PlannerTraits* traits_ = nullptr;
+  std::shared_ptr<CertifierPool> pool_;
+  std::vector<double> start_;
+  GoalPoints goals_;
+  EdgeCertifier::Statistics work_;
+  PlanResult result_;
+};
+
+}  // namespace
+
+const char* toString(PlanStatus status) {
+  switch (status) {
+    case PlanStatus::kSolved:
+      return "solved";
+    case PlanStatus::kUnsolved:
+      return "unsolved";
+    case PlanStatus::kInvalidStart:
+      return "invalid_start";
+    case PlanStatus::kInvalidGoal:
+      return "invalid_goal";
+  }
+  return "unsolved";
+}
+
+PlanResult plan(const Problem& problem, const PlanOptions& options) {
+  const auto begin = std::chrono::steady_clock::now();
+  if (options.progress) options.progress("compile", 0);
+  const auto scene = std::make_shared<const CompiledScene>(problem);
+  const double compile_s =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  PlanResult result = plan(scene, problem, options);
+  result.compile_s = compile_s;
+  return result;
+}
+
+PlanResult plan(std::shared_ptr<const CompiledScene> scene, const Problem& problem,
+                const PlanOptions& options) {
+  return Plan(std::move(scene), problem, options).run();
+}
+
+}  // namespace leeway::planner

@@ -1,0 +1,223 @@
+#include "planner/search/search.h"
+
+#include <ompl/base/ProblemDefinition.h>
+#include <ompl/base/goals/GoalState.h>
+#include <ompl/geometric/PathGeometric.h>
+#include <ompl/util/Exception.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "planner/base/tolerances.h"
+#include "planner/edge/ompl_point.h"
+#include "planner/space/ompl_lock.h"
+#include "planner/space/ompl_planners.h"
+
+namespace leeway::planner {
+namespace {
+
+namespace ob = ompl::base;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// The k-th run of a planner within one plan has seeds of its own.
+std::uint64_t runSeed(std::uint64_t seed, std::uint64_t run) {
+  return Random(seed, kRunStream + run).next();
+}
+
+/// As a parameter is written: std::to_string would follow the program's locale.
+std::string digits(double x) {
+  char buffer[32];
+  return {buffer, std::to_chars(buffer, buffer + sizeof buffer, x).ptr};
+}
+
+bool turns(const ConfigurationSpace& space, int i) {
+  const robots::Model& model = space.model();
+  const int v = space.variables()[static_cast<std::size_t>(i)];
+  const robots::Joint& joint =
+      model.joints[static_cast<std::size_t>(model.variables[static_cast<std::size_t>(v)].joint)];
+  const bool planar_angle =
+      joint.type == robots::JointType::kPlanar && v == joint.first_variable + 2;
+  return joint.type == robots::JointType::kRevolute ||
+         joint.type == robots::JointType::kContinuous || planar_angle;
+}
+
+/// The space's extent where a joint's turn counts up to half a turn: what is beyond comes round
+/// again, and steps should not be longer for it.
+double usefulExtent(const ConfigurationSpace& space) {
+  double squared = 0;
+  for (const ConfigurationSpace::Part& part : space.parts()) {
+    double range = std::numbers::pi;
+    if (part.kind == ConfigurationSpace::Kind::kLine) {
+      range = space.upper(part.first) - space.lower(part.first);
+      if (turns(space, part.first)) range = std::min(range, std::numbers::pi);
+    }
+    squared += part.weight * range * part.weight * range;
+  }
+  return std::sqrt(squared);
+}
+
+}  // namespace
+
+Search::Search(std::shared_ptr<const CompiledScene> scene, std::shared_ptr<CertifierPool> pool,
+               const SearchTask& task)
+    : scene_(std::move(scene)),
+      pool_(std::move(pool)),
+      task_(task),
+      parameters_(task.problem.planner_parameters),
+      space_information_(makeSpaceInformation(scene_, task.problem.seed, pool_)),
+      traits_(findPlanner(task.problem.planner)) {
+  const double extent = space_information_->getMaximumExtent();
+  if (traits_->name == "RRTConnect")
+    parameters_.emplace("range", digits(kConnectRange * usefulExtent(scene_->space())));
+  if (traits_->name == "SST") {  // alone it has lengths of 3 and 5, whatever the space
+    parameters_.emplace("range", digits(kStepRange * extent));
+    parameters_.emplace("selection_radius", digits(kSelectionRadius * extent));
+    parameters_.emplace("pruning_radius", digits(kPruningRadius * extent));
+  }
+}
+
+std::optional<Waypoints> Search::shortest(std::uint64_t seed) {
+  return search(seed, 0, !traits_->optimizing);
+}
+
+std::optional<Waypoints> Search::any(std::uint64_t seed, std::uint64_t budget) {
+  return search(seed, budget, true);
+}
+
+std::optional<Waypoints> Search::search(std::uint64_t seed, std::uint64_t budget, bool first) {
+  auto objective = std::make_shared<OmplLengthObjective>(space_information_);
+  // A planner that does not optimise must be content with its first path; some of them look here.
+  objective->setCostThreshold(ob::Cost(first ? kInfinity : 0));
+  return run(objective, seed, budget);
+}
+
+std::optional<Waypoints> Search::widest(std::uint64_t seed, double enough) {
+  auto objective =
+      std::make_shared<OmplClearanceObjective>(space_information_, pool_, kClearanceTolerance);
+  objective->setCostThreshold(ob::Cost(enough));
+  return run(objective, seed, 0);
+}
+
+std::optional<Waypoints> Search::run(const ob::OptimizationObjectivePtr& objective,
+                                     std::uint64_t seed, std::uint64_t budget) {
+  Limits& limits = task_.limits;
+  const std::uint64_t last =
+      budget > 0 ? limits.iterations() + budget : std::numeric_limits<std::uint64_t>::max();
+  int idle = 0;
+  for (std::uint64_t round = 0; !limits.searchOver() && limits.iterations() < last; ++round) {
+    const std::uint64_t before = limits.iterations();
+    if (auto path = runOnce(objective, runSeed(seed, round), last, round)) return path;
+    // A planner that gives up without an iteration would do so for ever.
+    idle = limits.iterations() == before ? idle + 1 : 0;
+    if (idle == kIdleRuns) break;
+  }
+  return std::nullopt;
+}
+
+std::optional<Waypoints> Search::runOnce(const ob::OptimizationObjectivePtr& objective,
+                                         std::uint64_t seed, std::uint64_t last_iteration,
+                                         std::uint64_t round) {
+  auto definition = std::make_shared<ob::ProblemDefinition>(space_information_);
+  ob::State* start = space_information_->allocState();
+  std::copy(task_.start.begin(), task_.start.end(), pointOf(start, *scene_).begin());
+  definition->addStartState(start);
+  space_information_->freeState(start);
+  definition->setOptimizationObjective(objective);
+
+  ob::PlannerPtr planner;
+  {
+    const std::lock_guard<std::recursive_mutex> lock(omplSeedLock());
+    seedOmpl(seed);
+    planner = makePlanner(task_.problem.planner, parameters_, space_information_);
+    definition->setGoal(goalFor(*planner, round));
+    planner->setProblemDefinition(definition);
+    planner->setup();
+  }
+  Limits& limits = task_.limits;
+  try {
+    planner->solve(ob::PlannerTerminationCondition([&limits, last_iteration] {
+      return limits.iterations() >= last_iteration || limits.iterate();
+    }));
+  } catch (const ompl::Exception&) {
+    return std::nullopt;  // an OMPL planner that lost its way has no path; the next run may
+  }
+  if (!definition->hasExactSolution()) return std::nullopt;
+
+  const auto solution =
+      std::dynamic_pointer_cast<ompl::geometric::PathGeometric>(definition->getSolutionPath());
+  if (!solution) return std::nullopt;
+  Waypoints path;
+  for (const ob::State* state : solution->getStates()) {
+    const std::span<const double> q = pointOf(state, *scene_);
+    path.emplace_back(q.begin(), q.end());
+  }
+  if (path.empty() || path.front() != task_.start) return std::nullopt;
+  if (!endInGoal(path) || !certified(path)) return std::nullopt;
+  return path;
+}
+
+ob::GoalPtr Search::goalFor(const ob::Planner& planner, std::uint64_t round) {
+  if (planner.getSpecs().recognizedGoal == ob::GOAL_STATE) {  // one goal a run, each in its turn
+    auto goal = std::make_shared<ob::GoalState>(space_information_);
+    ob::State* state = space_information_->allocState();
+    const std::vector<double>& point = task_.goals.points[round % task_.goals.points.size()];
+    std::copy(point.begin(), point.end(), pointOf(state, *scene_).begin());
+    goal->setState(state);
+    space_information_->freeState(state);
+    return goal;
+  }
+  auto goal = std::make_shared<GoalRegions>(space_information_, scene_->space(), task_.problem,
+                                            task_.goals);
+  if (!traits_->exact) goal->setThreshold(kNearGoal * space_information_->getMaximumExtent());
+  return goal;
+}
+
+/// Makes the path's last point one of a goal's: where the planner only came near, by a certified
+/// edge from the last waypoint that has one.
+bool Search::endInGoal(Waypoints& path) {
+  const ConfigurationSpace& space = scene_->space();
+  if (!traits_->exact) {
+    const std::vector<double>& last = path.back();
+    const std::vector<double> goal = *std::min_element(
+        task_.goals.points.begin(), task_.goals.points.end(), [&](const auto& a, const auto& b) {
+          return space.distance(last, a) < space.distance(last, b);
+        });
+    while (!path.empty() &&
+           certifier().certify(path.back(), goal, EdgeRequest::persistent()).verdict !=
+               Verdict::kFree)
+      path.pop_back();
+    if (path.empty()) return false;
+    path.push_back(goal);
+  }
+  if (path.size() == 1) path.push_back(path.front());
+  const auto& goals = task_.problem.goals;
+  const auto goal = std::find_if(goals.begin(), goals.end(), [&](const planner::Goal& g) {
+    return goalHolds(space, g, path.back());
+  });
+  if (goal == goals.end()) return false;
+  writeAsInGoal(space, *goal, path.back());
+  return true;
+}
+
+bool Search::certified(const Waypoints& path) {
+  for (std::size_t i = 1; i < path.size(); ++i)
+    if (certifier().certify(path[i - 1], path[i], EdgeRequest::persistent()).verdict !=
+        Verdict::kFree)
+      return false;
+  return true;
+}
+
+double pathClearance(EdgeCertifier& certifier, const Waypoints& path, double tolerance,
+                     double cutoff) {
+  double clearance = kInfinity;
+  for (std::size_t i = 1; i < path.size() && clearance >= cutoff; ++i)
+    clearance =
+        std::min(clearance,
+                 certifier.edgeClearance(path[i - 1], path[i], tolerance, cutoff).clearance.lower);
+  return clearance;
+}
+
+}  // namespace leeway::planner

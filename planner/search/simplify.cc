@@ -1,0 +1,231 @@
+#include "leeway/planner/simplify.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "leeway/planner/random.h"
+#include "planner/base/tolerances.h"
+
+namespace leeway::planner {
+namespace {
+
+using Point = std::vector<double>;
+
+/// A place on the path: t along the edge from waypoint `edge` to the next.
+struct Place {
+  std::size_t edge;
+  double t;
+};
+
+class Shortener {
+ public:
+  Shortener(EdgeCertifier& certifier, std::vector<Point>& path, const SimplifyOptions& options)
+      : certifier_(certifier),
+        space_(certifier.scene().space()),
+        path_(path),
+        options_(options),
+        random_(options.seed) {}
+
+  SimplifyResult run() {
+    dropRepeated();
+    dropVertices();
+    shortcut();
+    pullVertices();
+    dropVertices();
+    return result_;
+  }
+
+ private:
+  bool stopped() {
+    if (!stopped_ && options_.stop && options_.stop()) stopped_ = true;
+    return stopped_;
+  }
+
+  bool certified(const Point& a, const Point& b) {
+    if (stopped() || certifier_.certify(a, b).verdict != Verdict::kFree) return false;
+    if (options_.clearance_floor == -std::numeric_limits<double>::infinity()) return true;
+    return certifier_.edgeClearance(a, b, options_.clearance_tolerance, options_.clearance_floor)
+               .clearance.lower >= options_.clearance_floor;
+  }
+
+  double distance(const Point& a, const Point& b) const { return space_.distance(a, b); }
+
+  /// Waypoints that stand twice in a row are one; a path of nothing else keeps two.
+  void dropRepeated() {
+    std::size_t last = 0;
+    for (std::size_t i = 1; i < path_.size(); ++i) {
+      if (path_[i] == path_[last] && !(i + 1 == path_.size() && last == 0)) continue;
+      if (++last != i) path_[last] = std::move(path_[i]);
+    }
+    path_.resize(last + 1);
+  }
+
+  /// From each waypoint on to the farthest that a certified edge reaches, tried by halves: O(n log
+  /// n) edges.
+  void dropVertices() {
+    for (std::size_t i = 0; i + 2 < path_.size(); ++i) {
+      for (std::size_t j = path_.size() - 1; j > i + 1; j = i + 1 + (j - i - 1) / 2) {
+        if (stopped_) return;
+        if (!certified(path_[i], path_[j])) continue;
+        eraseBetween(i, j);
+        break;
+      }
+    }
+  }
+
+  void eraseBetween(std::size_t i, std::size_t j) {
+    path_.erase(path_.begin() + static_cast<std::ptrdiff_t>(i) + 1,
+                path_.begin() + static_cast<std::ptrdiff_t>(j));
+  }
+
+  void shortcut() {
+    int failures = 0;
+    while (result_.attempts < options_.attempts && failures < options_.failures &&
+           path_.size() > 2 && !stopped_) {
+      ++result_.attempts;
+      const bool success = result_.attempts % kPartEvery == 0 ? straightenPart() : shortcutOnce();
+      failures = success ? 0 : failures + 1;
+      result_.shortcuts += success;
+    }
+  }
+
+  void measure() {
+    along_.assign(1, 0.0);
+    for (std::size_t i = 1; i < path_.size(); ++i)
+      along_.push_back(along_.back() + distance(path_[i - 1], path_[i]));
+  }
+
+  Place placeAt(double s) const {
+    const auto next = std::upper_bound(along_.begin() + 1, along_.end() - 1, s);
+    const auto edge = static_cast<std::size_t>(next - along_.begin()) - 1;
+    const double length = along_[edge + 1] - along_[edge];
+    return {edge, length > 0 ? std::clamp((s - along_[edge]) / length, 0.0, 1.0) : 0.0};
+  }
+
+  /// A place near a waypoint is the waypoint: nothing is gained by an edge that short.
+  Place snapped(Place place, double reach) const {
+    const double length = along_[place.edge + 1] - along_[place.edge];
+    if (place.t * length < reach) return {place.edge, 0};
+    if ((1 - place.t) * length < reach) return {place.edge + 1, 0};
+    return place;
+  }
+
+  Point pointAt(const Place& place) const {
+    if (place.t == 0) return path_[place.edge];
+    Point point(path_[0].size());
+    space_.interpolate(path_[place.edge], path_[place.edge + 1], place.t, point);
+    return point;
+  }
+
+  bool shortcutOnce() {
+    measure();
+    const double total = along_.back();
+    double s0 = random_.uniform(0, total), s1 = random_.uniform(0, total);
+    if (s0 > s1) std::swap(s0, s1);
+    const Place from = snapped(placeAt(s0), kShortcutSnap * total);
+    const Place to = snapped(placeAt(s1), kShortcutSnap * total);
+    // Along one edge there is nothing to cut.
+    if (to.edge <= from.edge || (to.edge == from.edge + 1 && to.t == 0)) return false;
+    const Point a = pointAt(from), b = pointAt(to);
+    // What is compared are the lengths of the edges before and after as they are, rounding of the
+    // two places included.
+    const std::size_t last = to.t > 0 ? to.edge + 1 : to.edge;
+    const double before = along_[last] - along_[from.edge];
+    double after = distance(a, b);
+    if (from.t > 0) after += distance(path_[from.edge], a);
+    if (to.t > 0) after += distance(b, path_[last]);
+    if (!(after < before - kShortcutGain * total)) return false;
+    // The two ends lie on certified edges, but rounded: they are certified again as they stand.
+    if (!certified(a, b)) return false;
+    if (from.t > 0 && !certified(path_[from.edge], a)) return false;
+    if (to.t > 0 && !certified(b, path_[last])) return false;
+    eraseBetween(from.edge, last);
+    const auto at = path_.begin() + static_cast<std::ptrdiff_t>(from.edge) + 1;
+    std::vector<Point> inserted;
+    if (from.t > 0) inserted.push_back(a);
+    if (to.t > 0) inserted.push_back(b);
+    path_.insert(at, inserted.begin(), inserted.end());
+    return true;
+  }
+
+  /// One joint alone moves evenly between two random waypoints, the others as they did: takes out
+  /// detours of one joint that a cut of all would bring into contact (the partial shortcut of
+  /// Geraerts and Overmars).
+  bool straightenPart() {
+    measure();
+    const int count = static_cast<int>(path_.size());
+    int i = random_.index(count), j = random_.index(count);
+    if (i > j) std::swap(i, j);
+    const ConfigurationSpace::Part& part = space_.parts()[static_cast<std::size_t>(
+        random_.index(static_cast<int>(space_.parts().size())))];
+    const auto first = static_cast<std::size_t>(i), last = static_cast<std::size_t>(j);
+    if (last < first + 2) return false;
+    const double span = along_[last] - along_[first];
+    if (!(span > 0)) return false;
+    std::vector<Point> changed(path_.begin() + i, path_.begin() + j + 1);
+    const std::size_t width = part.kind == ConfigurationSpace::Kind::kRotation ? 4 : 1;
+    const auto place = static_cast<std::ptrdiff_t>(part.first);
+    Point even(path_[0].size());
+    for (std::size_t k = 1; k + 1 < changed.size(); ++k) {
+      const double t = (along_[first + k] - along_[first]) / span;
+      space_.interpolate(path_[first], path_[last], t, even);
+      std::copy_n(even.begin() + place, width, changed[k].begin() + place);
+    }
+    if (!(pathLength(space_, changed) < span - kShortcutGain * along_.back())) return false;
+    for (std::size_t k = 1; k < changed.size(); ++k)
+      if (!certified(changed[k - 1], changed[k])) return false;
+    std::move(changed.begin(), changed.end(), path_.begin() + i);
+    return true;
+  }
+
+  /// Each waypoint goes half of the way to its place on the chord of its neighbours, or a quarter,
+  /// or an eighth.
+  void pullVertices() {
+    Point chord(path_[0].size()), pulled(path_[0].size());
+    for (int sweep = 0; sweep < kPullSweeps; ++sweep) {
+      const double before = pathLength(space_, path_);
+      for (std::size_t i = 1; i + 1 < path_.size(); ++i) {
+        if (stopped_) return;
+        const double left = distance(path_[i - 1], path_[i]);
+        const double right = distance(path_[i], path_[i + 1]);
+        if (!(left + right > 0)) continue;
+        space_.interpolate(path_[i - 1], path_[i + 1], left / (left + right), chord);
+        for (double step = 0.5; step > 0.1; step /= 2) {
+          space_.interpolate(path_[i], chord, step, pulled);
+          const double length = distance(path_[i - 1], pulled) + distance(pulled, path_[i + 1]);
+          if (!(length < left + right - kShortcutGain * before)) break;
+          if (!certified(path_[i - 1], pulled) || !certified(pulled, path_[i + 1])) continue;
+          path_[i] = pulled;
+          break;
+        }
+      }
+      if (!(pathLength(space_, path_) < before * (1 - kPullGain))) return;
+    }
+  }
+
+  EdgeCertifier& certifier_;
+  const ConfigurationSpace& space_;
+  std::vector<Point>& path_;
+  const SimplifyOptions& options_;
+  Random random_;
+  SimplifyResult result_;
+  std::vector<double> along_;
+  bool stopped_ = false;
+};
+
+}  // namespace
+
+SimplifyResult simplify(EdgeCertifier& certifier, std::vector<std::vector<double>>& path,
+                        const SimplifyOptions& options) {
+  if (path.size() < 2) return {};
+  return Shortener(certifier, path, options).run();
+}
+
+double pathLength(const ConfigurationSpace& space, const std::vector<std::vector<double>>& path) {
+  double length = 0;
+  for (std::size_t i = 1; i < path.size(); ++i) length += space.distance(path[i - 1], path[i]);
+  return length;
+}
+
+}  // namespace leeway::planner

@@ -1,0 +1,195 @@
+#include "leeway/planner/configuration_space.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <stdexcept>
+#include <utility>
+
+#include "collision/base/sine_cosine.h"
+#include "leeway/robots/kinematics.h"
+#include "planner/base/arc_tangent.h"
+#include "planner/base/tolerances.h"
+
+namespace leeway::planner {
+namespace {
+
+using collision::kTwoPi;
+
+using Kind = ConfigurationSpace::Kind;
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+/// std::remainder is exact by IEEE 754, and so the same everywhere.
+double wrapped(double angle) {
+  const double x = std::remainder(angle, kTwoPi);
+  return x >= std::numbers::pi ? -std::numbers::pi : x;
+}
+
+bool unlimited(const robots::Variable& variable) {
+  return std::isinf(variable.lower) && std::isinf(variable.upper);
+}
+
+/// Rotation vector r with b = a * exp(r / 2), |r| <= pi, for quaternions xyzw near unit length. The
+/// half angle is taken from sine and cosine together, so that it is as exact at 1e-12 rad as at 1
+/// rad (an arc cosine of the scalar product is not).
+void rotationDifference(const double* a, const double* b, double* r) {
+  double v[3] = {(a[3] * b[0] - b[3] * a[0]) - (a[1] * b[2] - a[2] * b[1]),
+                 (a[3] * b[1] - b[3] * a[1]) - (a[2] * b[0] - a[0] * b[2]),
+                 (a[3] * b[2] - b[3] * a[2]) - (a[0] * b[1] - a[1] * b[0])};
+  double w = a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3];
+  if (w < 0) {  // b and -b are the same rotation: the shorter way
+    w = -w;
+    for (double& x : v) x = -x;
+  }
+  const double sine = std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+  const bool tiny =
+      sine <
+      kTinyAngle * w;  // the angle equals its sine to rounding, and sine may have underflowed
+  const double scale = tiny ? 2 / w : sine > 0 ? 2 * firstQuadrantAngle(sine, w) / sine : 0;
+  for (int i = 0; i < 3; ++i) r[i] = scale * v[i];
+}
+
+double rotationAngle(const double* r) { return std::sqrt(r[0] * r[0] + r[1] * r[1] + r[2] * r[2]); }
+
+/// a * exp(t r / 2), normalised.
+void rotationAdvance(const double* a, const double* r, double t, double* result) {
+  const double angle = rotationAngle(r);
+  double sine = 0, cosine = 1, scale = t / 2;
+  if (angle >= kTinyAngle) {
+    collision::sineCosine(t * angle / 2, sine, cosine);
+    scale = sine / angle;
+  }
+  const double e[3] = {scale * r[0], scale * r[1], scale * r[2]};
+  const double p[4] = {a[3] * e[0] + cosine * a[0] + (a[1] * e[2] - a[2] * e[1]),
+                       a[3] * e[1] + cosine * a[1] + (a[2] * e[0] - a[0] * e[2]),
+                       a[3] * e[2] + cosine * a[2] + (a[0] * e[1] - a[1] * e[0]),
+                       a[3] * cosine - (a[0] * e[0] + a[1] * e[1] + a[2] * e[2])};
+  const double norm = std::sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2] + p[3] * p[3]);
+  for (int i = 0; i < 4; ++i) result[i] = p[i] / norm;
+}
+
+}  // namespace
+
+ConfigurationSpace::ConfigurationSpace(std::shared_ptr<const robots::Model> model,
+                                       std::vector<int> variables)
+    : model_(std::move(model)), variables_(std::move(variables)) {
+  for (std::size_t i = 0; i < variables_.size();) {
+    const int v = variables_[i];
+    if (v < 0 || at(v) >= model_->variables.size())
+      throw std::invalid_argument("configuration space: variable index out of range");
+    const robots::Variable& variable = model_->variables[at(v)];
+    const robots::Joint& joint = model_->joints[at(variable.joint)];
+    const int place = v - joint.first_variable;
+    if (joint.type == robots::JointType::kFloating && place >= 3) {
+      for (std::size_t k = 0; k < 4; ++k)
+        if (place != 3 || i + k >= variables_.size() ||
+            variables_[i + k] != v + static_cast<int>(k))
+          throw std::invalid_argument("configuration space: the orientation of '" + joint.name +
+                                      "' must be planned whole, its four variables in order");
+      parts_.push_back({Kind::kRotation, static_cast<int>(i), 1});
+      i += 4;
+      continue;
+    }
+    const bool angle = joint.type == robots::JointType::kContinuous ||
+                       (joint.type == robots::JointType::kPlanar && place == 2);
+    parts_.push_back(
+        {angle && unlimited(variable) ? Kind::kCircle : Kind::kLine, static_cast<int>(i), 1});
+    ++i;
+  }
+  for (const int v : variables_) {
+    lower_.push_back(model_->variables[at(v)].lower);
+    upper_.push_back(model_->variables[at(v)].upper);
+  }
+}
+
+void ConfigurationSpace::difference(std::span<const double> a, std::span<const double> b,
+                                    std::span<double> dq) const {
+  for (const Part& part : parts_) {
+    const std::size_t i = at(part.first);
+    if (part.kind == Kind::kLine) dq[i] = b[i] - a[i];
+    if (part.kind == Kind::kCircle) dq[i] = std::remainder(b[i] - a[i], kTwoPi);
+    if (part.kind == Kind::kRotation) {
+      rotationDifference(&a[i], &b[i], &dq[i]);
+      dq[i + 3] = 0;
+    }
+  }
+}
+
+void ConfigurationSpace::advance(std::span<const double> a, std::span<const double> dq, double t,
+                                 std::span<double> result) const {
+  for (const Part& part : parts_) {
+    const std::size_t i = at(part.first);
+    if (part.kind == Kind::kLine) result[i] = a[i] + t * dq[i];
+    if (part.kind == Kind::kCircle) result[i] = wrapped(a[i] + t * dq[i]);
+    if (part.kind == Kind::kRotation) rotationAdvance(&a[i], &dq[i], t, &result[i]);
+  }
+}
+
+void ConfigurationSpace::interpolate(std::span<const double> a, std::span<const double> b, double t,
+                                     std::span<double> result) const {
+  if (t == 0 || t == 1) {
+    const std::span<const double> end = t == 0 ? a : b;
+    if (end.data() != result.data()) std::copy(end.begin(), end.end(), result.begin());
+    return;
+  }
+  for (const Part& part : parts_) {
+    const std::size_t i = at(part.first);
+    if (part.kind == Kind::kLine)  // rounding must not leave the limits that a and b keep
+      result[i] = std::clamp(a[i] + t * (b[i] - a[i]), std::min(a[i], b[i]), std::max(a[i], b[i]));
+    if (part.kind == Kind::kCircle)
+      result[i] = wrapped(a[i] + t * std::remainder(b[i] - a[i], kTwoPi));
+    if (part.kind == Kind::kRotation) {
+      double r[3];
+      rotationDifference(&a[i], &b[i], r);
+      rotationAdvance(&a[i], r, t, &result[i]);
+    }
+  }
+}
+
+double ConfigurationSpace::distance(std::span<const double> a, std::span<const double> b) const {
+  double squared = 0;
+  for (const Part& part : parts_) {
+    const std::size_t i = at(part.first);
+    double d = b[i] - a[i];
+    if (part.kind == Kind::kCircle) d = std::remainder(d, kTwoPi);
+    if (part.kind == Kind::kRotation) {
+      double r[3];
+      rotationDifference(&a[i], &b[i], r);
+      d = rotationAngle(r);
+    }
+    d *= part.weight;
+    squared += d * d;
+  }
+  return std::sqrt(squared);
+}
+
+bool ConfigurationSpace::withinLimits(std::span<const double> a) const {
+  for (const Part& part : parts_) {
+    const std::size_t i = at(part.first);
+    if (part.kind == Kind::kRotation) {
+      const double squared =
+          a[i] * a[i] + a[i + 1] * a[i + 1] + a[i + 2] * a[i + 2] + a[i + 3] * a[i + 3];
+      if (!(std::abs(squared - 1) <= 2 * kUnitQuaternion))
+        return false;  // written so that NaN fails
+      continue;
+    }
+    if (!std::isfinite(a[i])) return false;
+    if (part.kind == Kind::kLine && !(a[i] >= lower(part.first) && a[i] <= upper(part.first)))
+      return false;
+  }
+  return true;
+}
+
+void ConfigurationSpace::unwrap(std::span<const double> previous, std::span<double> next) const {
+  for (const Part& part : parts_) {
+    if (part.kind != Kind::kCircle) continue;
+    const std::size_t i = at(part.first);
+    // Half a turn exactly rounds to none, both ways: what is unwrapped stays as it is.
+    const double turns = std::nearbyint((previous[i] - next[i]) / kTwoPi);
+    if (turns != 0) next[i] += turns * kTwoPi;
+  }
+}
+
+}  // namespace leeway::planner

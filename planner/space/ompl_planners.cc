@@ -1,0 +1,291 @@
+#include "planner/space/ompl_planners.h"
+
+#include <ompl/base/SpaceInformation.h>
+#include <ompl/base/spaces/RealVectorStateSpace.h>
+#include <ompl/geometric/planners/AnytimePathShortening.h>
+#include <ompl/geometric/planners/cforest/CForest.h>
+#include <ompl/geometric/planners/est/BiEST.h>
+#include <ompl/geometric/planners/est/EST.h>
+#include <ompl/geometric/planners/est/ProjEST.h>
+#include <ompl/geometric/planners/fmt/BFMT.h>
+#include <ompl/geometric/planners/fmt/FMT.h>
+#include <ompl/geometric/planners/informedtrees/ABITstar.h>
+#include <ompl/geometric/planners/informedtrees/AITstar.h>
+#include <ompl/geometric/planners/informedtrees/BITstar.h>
+#include <ompl/geometric/planners/kpiece/BKPIECE1.h>
+#include <ompl/geometric/planners/kpiece/KPIECE1.h>
+#include <ompl/geometric/planners/kpiece/LBKPIECE1.h>
+#include <ompl/geometric/planners/pdst/PDST.h>
+#include <ompl/geometric/planners/prm/LazyPRM.h>
+#include <ompl/geometric/planners/prm/LazyPRMstar.h>
+#include <ompl/geometric/planners/prm/PRM.h>
+#include <ompl/geometric/planners/prm/PRMstar.h>
+#include <ompl/geometric/planners/prm/SPARS.h>
+#include <ompl/geometric/planners/prm/SPARStwo.h>
+#include <ompl/geometric/planners/rlrt/BiRLRT.h>
+#include <ompl/geometric/planners/rlrt/RLRT.h>
+#include <ompl/geometric/planners/rrt/BiTRRT.h>
+#include <ompl/geometric/planners/rrt/InformedRRTstar.h>
+#include <ompl/geometric/planners/rrt/LBTRRT.h>
+#include <ompl/geometric/planners/rrt/LazyRRT.h>
+#include <ompl/geometric/planners/rrt/RRT.h>
+#include <ompl/geometric/planners/rrt/RRTConnect.h>
+#include <ompl/geometric/planners/rrt/RRTXstatic.h>
+#include <ompl/geometric/planners/rrt/RRTsharp.h>
+#include <ompl/geometric/planners/rrt/RRTstar.h>
+#include <ompl/geometric/planners/rrt/SORRTstar.h>
+#include <ompl/geometric/planners/rrt/TRRT.h>
+#include <ompl/geometric/planners/rrt/pRRT.h>
+#include <ompl/geometric/planners/sbl/SBL.h>
+#include <ompl/geometric/planners/sbl/pSBL.h>
+#include <ompl/geometric/planners/sst/SST.h>
+#include <ompl/geometric/planners/stride/STRIDE.h>
+#include <ompl/util/Exception.h>
+#include <ompl/util/RandomNumbers.h>
+
+#include <cmath>
+#include <functional>
+#include <memory>
+#include <stdexcept>
+
+#include "leeway/robots/text.h"
+#include "planner/base/nearest_name.h"
+#include "planner/base/tolerances.h"
+#include "planner/space/ompl_lock.h"
+
+namespace leeway::planner {
+namespace {
+
+namespace ob = ompl::base;
+namespace og = ompl::geometric;
+
+using Factory = std::function<ob::PlannerPtr(const ob::SpaceInformationPtr&)>;
+
+struct Entry {
+  PlannerTraits traits;
+  Factory make;
+};
+
+constexpr bool kSeeded = true, kUnseeded = false;
+constexpr bool kOptimizing = true, kFirst = false;
+constexpr bool kCells = true, kNoCells = false;
+
+template <typename Planner>
+Entry entry(const char* name, bool deterministic, bool optimizing, bool projection,
+            const char* summary) {
+  const bool exact =
+      !std::is_same_v<Planner, og::SST>;  // its steps are random, never towards a goal
+  // Its A* over the roadmap subtracts and adds costs, and throws where they do not.
+  const bool widens = !std::is_same_v<Planner, og::LazyPRMstar>;
+  return {{name, deterministic, optimizing, widens, projection, exact, summary},
+          [](const ob::SpaceInformationPtr& si) { return std::make_shared<Planner>(si); }};
+}
+
+const std::vector<Entry>& entries() {
+  static const std::vector<Entry> list = {
+      entry<og::RRTConnect>("RRTConnect", kSeeded, kFirst, kNoCells,
+                            "two trees that grow towards each other (default)"),
+      entry<og::RRT>("RRT", kSeeded, kFirst, kNoCells, "one rapidly exploring random tree"),
+      entry<og::LazyRRT>("LazyRRT", kSeeded, kFirst, kNoCells,
+                         "a tree whose edges are checked once it reaches a goal"),
+      entry<og::TRRT>("TRRT", kSeeded, kFirst, kNoCells, "a tree that avoids costly states"),
+      entry<og::BiTRRT>("BiTRRT", kSeeded, kFirst, kNoCells, "two trees that avoid costly states"),
+      entry<og::RRTstar>("RRTstar", kSeeded, kOptimizing, kNoCells,
+                         "a tree that rewires itself to better paths"),
+      entry<og::RRTsharp>("RRTsharp", kSeeded, kOptimizing, kNoCells,
+                          "RRT* with relaxation of the whole tree"),
+      entry<og::RRTXstatic>("RRTXstatic", kSeeded, kOptimizing, kNoCells,
+                            "RRT# with an epsilon-consistent graph"),
+      entry<og::InformedRRTstar>("InformedRRTstar", kSeeded, kOptimizing, kNoCells,
+                                 "RRT* that samples where a better path can be"),
+      entry<og::SORRTstar>("SORRTstar", kSeeded, kOptimizing, kNoCells,
+                           "RRT* that sorts its samples by what they promise"),
+      // OMPL 1.5.2 never sets the start's lower bound and compares with what was in memory.
+      entry<og::LBTRRT>("LBTRRT", kUnseeded, kOptimizing, kNoCells,
+                        "between RRT and RRT*: a lower bound decides what to rewire"),
+      entry<og::EST>("EST", kSeeded, kFirst, kNoCells, "expansive tree, density by neighbours"),
+      entry<og::BiEST>("BiEST", kSeeded, kFirst, kNoCells, "two expansive trees"),
+      entry<og::ProjEST>("ProjEST", kSeeded, kFirst, kCells,
+                         "expansive tree, density by projection"),
+      entry<og::KPIECE1>("KPIECE1", kSeeded, kFirst, kCells, "exploration from the border cells"),
+      entry<og::BKPIECE1>("BKPIECE1", kSeeded, kFirst, kCells, "KPIECE with two trees"),
+      entry<og::LBKPIECE1>("LBKPIECE1", kSeeded, kFirst, kCells, "lazy KPIECE with two trees"),
+      entry<og::PDST>("PDST", kSeeded, kFirst, kCells, "path-directed subdivision of cells"),
+      entry<og::STRIDE>("STRIDE", kSeeded, kFirst, kNoCells,
+                        "expansive tree, density by a nearest-neighbour structure"),
+      entry<og::SBL>("SBL", kSeeded, kFirst, kCells, "two lazy trees over cells"),
+      entry<og::SST>("SST", kSeeded, kOptimizing, kNoCells, "stable sparse tree"),
+      entry<og::RLRT>("RLRT", kSeeded, kFirst, kNoCells, "range-less random tree"),
+      entry<og::BiRLRT>("BiRLRT", kSeeded, kFirst, kNoCells, "two range-less random trees"),
+      entry<og::FMT>("FMT", kSeeded, kFirst, kNoCells,
+                     "a tree marched over a fixed number of samples"),
+      entry<og::BFMT>("BFMT", kSeeded, kFirst, kNoCells, "FMT* from both ends"),
+      entry<og::BITstar>("BITstar", kSeeded, kOptimizing, kNoCells,
+                         "batches of samples, searched best first"),
+      entry<og::ABITstar>("ABITstar", kSeeded, kOptimizing, kNoCells,
+                          "BIT* with inflated and truncated search"),
+      entry<og::AITstar>("AITstar", kSeeded, kOptimizing, kNoCells,
+                         "BIT* with a heuristic that adapts to the problem"),
+      entry<og::LazyPRM>("LazyPRM", kSeeded, kFirst, kNoCells,
+                         "a roadmap whose edges are checked when a path needs them"),
+      entry<og::LazyPRMstar>("LazyPRMstar", kSeeded, kOptimizing, kNoCells,
+                             "LazyPRM with the connections of PRM*"),
+      entry<og::PRM>("PRM", kUnseeded, kFirst, kNoCells, "a roadmap, in two threads"),
+      entry<og::PRMstar>("PRMstar", kUnseeded, kOptimizing, kNoCells,
+                         "a roadmap that tends to the best path, in two threads"),
+      entry<og::SPARS>("SPARS", kUnseeded, kFirst, kNoCells,
+                       "a sparse roadmap above a dense one, in two threads"),
+      entry<og::SPARStwo>("SPARStwo", kUnseeded, kFirst, kNoCells,
+                          "a sparse roadmap, in two threads"),
+      entry<og::pRRT>("pRRT", kUnseeded, kFirst, kNoCells, "RRT, one tree grown by threads"),
+      entry<og::pSBL>("pSBL", kUnseeded, kFirst, kCells, "SBL, trees grown by threads"),
+      entry<og::CForest>("CForest", kUnseeded, kOptimizing, kNoCells,
+                         "RRT* trees in threads that share paths"),
+      entry<og::AnytimePathShortening>("AnytimePathShortening", kUnseeded, kOptimizing, kNoCells,
+                                       "planners in threads, their paths shortened and crossed"),
+  };
+  return list;
+}
+
+/// Capitals to small letters, the star of RRT* to the word that OMPL's class names use.
+std::string normalizedName(std::string_view name) {
+  std::string result;
+  for (const char c : name) {
+    if (c == '*')
+      result += "star";
+    else
+      result += c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  }
+  return result;
+}
+
+const Entry* find(std::string_view name) {
+  const std::string wanted = normalizedName(name);
+  for (const Entry& e : entries())
+    if (normalizedName(e.traits.name) == wanted) return &e;
+  return nullptr;
+}
+
+/// A space to make planners in whose parameters are asked for.
+ob::SpaceInformationPtr smallSpace() {
+  auto space = std::make_shared<ob::RealVectorStateSpace>(2);
+  space->setBounds(0, 1);
+  return std::make_shared<ob::SpaceInformation>(space);
+}
+
+std::optional<double> number(std::string_view text) {
+  if (text == "true" || text == "True" || text == "TRUE") return 1;
+  if (text == "false" || text == "False" || text == "FALSE") return 0;
+  return robots::parseFinite(text);
+}
+
+std::string accepted(const ob::GenericParam& parameter) {
+  const std::string& suggestion = parameter.getRangeSuggestion();
+  if (suggestion.empty()) return "a number is expected, e.g. " + parameter.getValue();
+  if (suggestion == "0,1") return "true or false is expected";
+  return "a number in the manner of " + suggestion + " (first:step:last) is expected";
+}
+
+/// OMPL reads "1.5x" as 1.5, "-1" as 4294967295 and keeps whatever a setter leaves: so what stands
+/// there afterwards is compared with what was meant.
+std::optional<std::string> setParameter(ob::Planner& planner, const std::string& key,
+                                        const std::string& value) {
+  ob::ParamSet& parameters = planner.params();
+  if (!parameters.hasParam(key)) {
+    std::vector<std::string> names;
+    parameters.getParamNames(names);
+    if (names.empty()) return "planner parameter '" + key + "' is unknown: the planner has none";
+    return "planner parameter '" + key + "' is unknown" + nearestName(key, names);
+  }
+  ob::GenericParam& parameter = parameters[key];
+  const std::string wrong = "planner parameter '" + key + "' cannot be '" + value + "'; ";
+  // AnytimePathShortening's list of planners is the one parameter that is not a number.
+  if (key == "planners") {
+    if (!parameter.setValue(value)) return wrong + "planner names with commas between are expected";
+    return std::nullopt;
+  }
+  const std::optional<double> meant = number(value);
+  const std::string& suggestion = parameter.getRangeSuggestion();
+  const bool flag = suggestion == "0,1";
+  if (!meant || (flag && *meant != 0 && *meant != 1)) return wrong + accepted(parameter);
+  if (*meant < 0 && suggestion.find('-') == std::string::npos) return wrong + accepted(parameter);
+  try {
+    if (!parameter.setValue(flag ? (*meant == 1 ? "1" : "0") : value))
+      return wrong + accepted(parameter);
+  } catch (const std::exception&) {
+    return wrong + accepted(parameter);
+  }
+  const std::optional<double> kept = number(parameter.getValue());
+  // OMPL writes six digits.
+  if (kept && std::abs(*kept - *meant) > kParameterDigits * std::abs(*meant))
+    return wrong + accepted(parameter);
+  return std::nullopt;
+}
+
+std::string unknownPlanner(const std::string& name) {
+  std::vector<std::string> names;
+  for (const PlannerTraits& traits : plannerNames()) names.push_back(traits.name);
+  return "planner '" + name + "' is unknown" + nearestName(name, names);
+}
+
+}  // namespace
+
+const std::vector<PlannerTraits>& plannerNames() {
+  static const std::vector<PlannerTraits> names = [] {
+    std::vector<PlannerTraits> result;
+    for (const Entry& e : entries()) result.push_back(e.traits);
+    return result;
+  }();
+  return names;
+}
+
+const PlannerTraits* findPlanner(std::string_view name) {
+  const Entry* e = find(name);
+  return e == nullptr ? nullptr : &e->traits;
+}
+
+std::vector<PlannerParameter> plannerParameters(std::string_view name) {
+  std::vector<PlannerParameter> result;
+  const Entry* e = find(name);
+  if (e == nullptr) return result;
+  const QuietOmpl quiet;
+  const std::lock_guard<std::recursive_mutex> lock(omplSeedLock());
+  const ob::PlannerPtr planner = e->make(smallSpace());
+  for (const auto& [key, parameter] : planner->params().getParams())
+    result.push_back({key, parameter->getValue(), parameter->getRangeSuggestion()});
+  return result;
+}
+
+std::optional<std::string> plannerError(const std::string& name,
+                                        const std::map<std::string, std::string>& parameters) {
+  const Entry* e = find(name);
+  if (e == nullptr) return unknownPlanner(name);
+  if (parameters.empty()) return std::nullopt;
+  const QuietOmpl quiet;
+  const std::lock_guard<std::recursive_mutex> lock(omplSeedLock());
+  const ob::PlannerPtr planner = e->make(smallSpace());
+  for (const auto& [key, value] : parameters)
+    if (const auto error = setParameter(*planner, key, value)) return error;
+  return std::nullopt;
+}
+
+ob::PlannerPtr makePlanner(const std::string& name,
+                           const std::map<std::string, std::string>& parameters,
+                           const ob::SpaceInformationPtr& space_information) {
+  const Entry* e = find(name);
+  if (e == nullptr) throw std::invalid_argument(unknownPlanner(name));
+  ob::PlannerPtr planner = e->make(space_information);
+  for (const auto& [key, value] : parameters)
+    if (const auto error = setParameter(*planner, key, value)) throw std::invalid_argument(*error);
+  return planner;
+}
+
+void seedOmpl(std::uint64_t seed) {
+  // setSeed() complains when seeds were given out before, and then does what it is told; 0 alone it
+  // refuses. Thirty-one bits are what every width of uint_fast32_t and the generator behind it
+  // keep.
+  const std::uint64_t mixed = (seed ^ (seed >> 31) ^ (seed >> 62)) & 0x7fffffffu;
+  ompl::RNG::setSeed(mixed == 0 ? 0x7fffffffu : static_cast<std::uint_fast32_t>(mixed));
+}
+
+}  // namespace leeway::planner

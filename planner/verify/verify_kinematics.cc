@@ -1,0 +1,236 @@
+#include "planner/verify/verify_kinematics.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "leeway/collision/convex_hull.h"
+#include "leeway/collision/deformable_mesh.h"
+#include "leeway/collision/triangle_mesh.h"
+#include "planner/base/tolerances.h"
+
+namespace leeway::planner::verification {
+namespace {
+
+using collision::Shape;
+using collision::ShapeType;
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+using robots::Joint;
+using robots::JointType;
+using robots::Model;
+using robots::Pose;
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+/// p turned by `angle` about the unit axis: the part along the axis stays, the part across it turns
+/// in its plane. The sine is taken in long double and rounded once, so that C libraries agree on
+/// it.
+Matrix3d rotationAbout(const Vector3d& axis, double angle) {
+  const double s = static_cast<double>(std::sin(static_cast<long double>(angle)));
+  const double c = static_cast<double>(std::cos(static_cast<long double>(angle)));
+  Matrix3d R;
+  for (int i = 0; i < 3; ++i) {
+    const Vector3d e = Vector3d::Unit(i);
+    const Vector3d along = axis * axis[i];
+    R.col(i) = along + c * (e - along) + s * axis.cross(e);
+  }
+  return R;
+}
+
+/// The rotation of a quaternion xyzw of any length but zero, by turning the unit vectors: v + 2 w
+/// (u x v) + 2 u x (u x v), u and w normalised.
+Matrix3d rotationOf(const double* q) {
+  const double norm = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+  const Vector3d u = Vector3d(q[0], q[1], q[2]) / norm;
+  const double w = q[3] / norm;
+  Matrix3d R;
+  for (int i = 0; i < 3; ++i) {
+    const Vector3d e = Vector3d::Unit(i), twice = 2 * u.cross(e);
+    R.col(i) = e + w * twice + u.cross(twice);
+  }
+  return R;
+}
+
+/// Directions of a planar joint's x and y: the unit vectors turned as the z axis is turned onto the
+/// normal the shortest way, that is by the product of two reflections, first in z, then in the
+/// bisector of z and the normal.
+void planeDirections(const Vector3d& normal, Vector3d& u, Vector3d& v) {
+  if (normal.x() * normal.x() + normal.y() * normal.y() <= kVerifyAcross) {
+    u = Vector3d::UnitX();
+    v = normal.z() < 0 ? Vector3d(-Vector3d::UnitY()) : Vector3d(Vector3d::UnitY());
+    return;
+  }
+  // The bisector; for a normal almost opposite to z its z component, 1 + normal.z, comes from the
+  // others.
+  const double across = normal.x() * normal.x() + normal.y() * normal.y();
+  Vector3d bisector(normal.x(), normal.y(),
+                    normal.z() < 0 ? across / (1 - normal.z()) : 1 + normal.z());
+  bisector /= bisector.norm();
+  const auto reflect = [&](const Vector3d& p) -> Vector3d {
+    return p - 2 * bisector.dot(p) * bisector;
+  };
+  u = reflect(Vector3d::UnitX());  // the reflection in z leaves x and y alone
+  v = reflect(Vector3d::UnitY());
+}
+
+/// Position of a joint with one variable, its own or its master's.
+double position(const Model& model, const Joint& joint, std::span<const double> q) {
+  if (joint.mimic < 0) return q[at(joint.first_variable)];
+  return joint.multiplier * position(model, model.joints[at(joint.mimic)], q) + joint.offset;
+}
+
+/// The same for a change: offsets fall out.
+double change(const Model& model, const Joint& joint, std::span<const double> dq) {
+  if (joint.mimic < 0) return dq[at(joint.first_variable)];
+  return joint.multiplier * change(model, model.joints[at(joint.mimic)], dq);
+}
+
+Pose jointMotion(const Model& model, const Joint& joint, std::span<const double> q) {
+  Pose X_JC;
+  switch (joint.type) {
+    case JointType::kFixed:
+      break;
+    case JointType::kRevolute:
+    case JointType::kContinuous:
+      X_JC.rotation = rotationAbout(joint.axis, position(model, joint, q));
+      break;
+    case JointType::kPrismatic:
+      X_JC.translation = position(model, joint, q) * joint.axis;
+      break;
+    case JointType::kPlanar: {
+      const double* p = &q[at(joint.first_variable)];
+      Vector3d u, v;
+      planeDirections(joint.axis, u, v);
+      X_JC.rotation = rotationAbout(joint.axis, p[2]);
+      X_JC.translation = p[0] * u + p[1] * v;
+      break;
+    }
+    case JointType::kFloating: {
+      const double* p = &q[at(joint.first_variable)];
+      X_JC.rotation = rotationOf(p + 3);
+      X_JC.translation = Vector3d(p[0], p[1], p[2]);
+      break;
+    }
+  }
+  return X_JC;
+}
+
+Sphere enclosingPoints(std::span<const Vector3d> points) {
+  Vector3d low = points[0], high = points[0];
+  for (const Vector3d& p : points) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  Sphere sphere{(low + high) / 2, 0};
+  for (const Vector3d& p : points)
+    sphere.radius = std::max(sphere.radius, (p - sphere.center).norm());
+  return sphere;
+}
+
+}  // namespace
+
+std::vector<Pose> placeLinks(const Model& model, std::span<const double> q) {
+  std::vector<Pose> X_WL(model.links.size());
+  for (std::size_t i = 0; i < model.joints.size(); ++i) {
+    const Joint& joint = model.joints[i];
+    const Pose X_PC = joint.X_PJ * jointMotion(model, joint, q);
+    X_WL[at(joint.child_link)] = joint.parent_link < 0 ? X_PC : X_WL[at(joint.parent_link)] * X_PC;
+  }
+  return X_WL;
+}
+
+Sphere enclosingSphere(const Shape& shape) {
+  Sphere sphere;
+  const double r = shape.radius(), l = shape.halfLength();
+  switch (shape.type()) {
+    case ShapeType::kSphere:
+      sphere.radius = r;
+      break;
+    case ShapeType::kCapsule:
+      sphere.radius = r + l;
+      break;
+    case ShapeType::kBox:
+      sphere.radius = shape.halfExtents().norm();
+      break;
+    case ShapeType::kCylinder:
+    case ShapeType::kCone:
+      sphere.radius = std::sqrt(r * r + l * l);
+      break;
+    case ShapeType::kEllipsoid:
+      sphere.radius = shape.halfExtents().maxCoeff();
+      break;
+    case ShapeType::kHalfSpace:
+      sphere.radius = std::numeric_limits<double>::infinity();
+      break;
+    case ShapeType::kConvexHull:
+      sphere = enclosingPoints(shape.hull()->vertices());
+      sphere.radius += shape.hull()->excess();
+      break;
+    case ShapeType::kMesh:
+      sphere = enclosingPoints(shape.mesh()->vertices());
+      break;
+    case ShapeType::kDeformable:
+      sphere = enclosingPoints(shape.deformable()->vertices());
+      break;
+  }
+  sphere.radius += kVerifyRounding * (sphere.radius + sphere.center.norm());
+  return sphere;
+}
+
+std::vector<int> jointsAbove(const Model& model, int link) {
+  std::vector<int> joints;
+  while (link >= 0) {
+    joints.push_back(model.links[at(link)].joint);
+    link = model.joints[at(joints.back())].parent_link;
+  }
+  return joints;
+}
+
+Motion boundMotion(const Model& model, std::span<const int> joints, std::span<const Pose> X_WL,
+                   std::span<const double> dq, const Vector3d& center_W, double radius,
+                   double half) {
+  Motion motion;
+  for (const int j : joints) {
+    const Joint& joint = model.joints[at(j)];
+    const Pose& X_WC = X_WL[at(joint.child_link)];
+    const Vector3d arm = center_W - X_WC.translation;
+    // While t changes by `half`, what lies between this joint and the body moves the body by no
+    // more than half * motion.speed, as seen from this joint's child link, in which its axis and
+    // origin stand still.
+    const double drift = half * motion.speed;
+    motion.slack += kVerifyRounding * (1 + arm.norm() + radius);
+    const auto turn = [&](double angle, double distance) {
+      if (angle != 0) motion.speed += angle * (distance + radius + drift);
+    };
+    const auto distanceFromAxis = [&] { return arm.cross(X_WC.rotation * joint.axis).norm(); };
+    switch (joint.type) {
+      case JointType::kFixed:
+        break;
+      case JointType::kRevolute:
+      case JointType::kContinuous:
+        turn(std::abs(change(model, joint, dq)), distanceFromAxis());
+        break;
+      case JointType::kPrismatic:
+        motion.speed += std::abs(change(model, joint, dq));
+        break;
+      case JointType::kPlanar: {
+        const double* d = &dq[at(joint.first_variable)];
+        turn(std::abs(d[2]), distanceFromAxis());
+        motion.speed += std::sqrt(d[0] * d[0] + d[1] * d[1]);
+        break;
+      }
+      case JointType::kFloating: {
+        const double* d = &dq[at(joint.first_variable)];
+        turn(Vector3d(d[3], d[4], d[5]).norm(), arm.norm());
+        motion.speed += Vector3d(d[0], d[1], d[2]).norm();
+        break;
+      }
+    }
+  }
+  motion.speed *= 1 + kVerifyRounding;
+  return motion;
+}
+
+}  // namespace leeway::planner::verification

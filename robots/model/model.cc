@@ -1,0 +1,152 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "robots/model/model_builder.h"
+
+namespace leeway::robots {
+
+namespace {
+
+template <typename Item>
+int findByName(const std::vector<Item>& items, std::string_view name) {
+  const auto found =
+      std::find_if(items.begin(), items.end(), [&](const Item& item) { return item.name == name; });
+  return found == items.end() ? -1 : static_cast<int>(found - items.begin());
+}
+
+/// The cross product matrix: skew(a) b = a x b.
+Eigen::Matrix3d skew(const Eigen::Vector3d& a) {
+  Eigen::Matrix3d result;
+  result << 0, -a.z(), a.y(), a.z(), 0, -a.x(), -a.y(), a.x(), 0;
+  return result;
+}
+
+KinematicStep compile(const Model& model, const Joint& joint) {
+  KinematicStep step;
+  step.type = joint.type;
+  step.parent_link = joint.parent_link;
+  step.multiplier = joint.multiplier;
+  step.offset = joint.offset;
+  step.variable = joint.mimic >= 0
+                      ? model.joints[static_cast<std::size_t>(joint.mimic)].first_variable
+                      : joint.first_variable;
+  step.translation = joint.X_PJ.translation;
+  step.turned = joint.X_PJ.rotation != Eigen::Matrix3d::Identity();
+  step.fixed = joint.X_PJ.rotation;
+  step.sine = step.cosine = Eigen::Matrix3d::Zero();
+  step.u = step.v = Eigen::Vector3d::Zero();
+  const Eigen::Matrix3d& R_PJ = joint.X_PJ.rotation;
+  const Eigen::Vector3d& a = joint.axis;
+  if (joint.type == JointType::kPrismatic) {
+    step.u = R_PJ * a;
+  } else if (joint.type == JointType::kPlanar) {
+    Eigen::Vector3d u, v;
+    planeAxes(a, u, v);
+    step.u = R_PJ * u;
+    step.v = R_PJ * v;
+  }
+  if (joint.type == JointType::kRevolute || joint.type == JointType::kContinuous ||
+      joint.type == JointType::kPlanar) {
+    // Rodrigues: R(angle) = a a' + sin [a] + cos (1 - a a').
+    const Eigen::Matrix3d along = a * a.transpose();
+    step.fixed = R_PJ * along;
+    step.sine = R_PJ * skew(a);
+    step.cosine = R_PJ * (Eigen::Matrix3d::Identity() - along);
+  }
+  return step;
+}
+
+}  // namespace
+
+void planeAxes(const Eigen::Vector3d& normal, Eigen::Vector3d& u, Eigen::Vector3d& v) {
+  // R = 1 + [w] + [w]^2 / (1 + z) with w = z axis x normal. Below the horizon 1 + z cancels; (x^2 +
+  // y^2) / (1 - z) is the same.
+  const double x = normal.x(), y = normal.y(), z = normal.z(), squared = x * x + y * y;
+  if (z < 0 && !(squared > 1e-300)) {  // opposite to the z axis: half a turn about x
+    u = Eigen::Vector3d::UnitX();
+    v = -Eigen::Vector3d::UnitY();
+    return;
+  }
+  const double k = z < 0 ? (1 - z) / squared : 1 / (1 + z);
+  u = {1 - k * x * x, -k * x * y, -x};
+  v = {-k * x * y, 1 - k * y * y, -y};
+}
+
+int Model::findLink(std::string_view wanted) const { return findByName(links, wanted); }
+int Model::findJoint(std::string_view wanted) const { return findByName(joints, wanted); }
+int Model::findVariable(std::string_view wanted) const { return findByName(variables, wanted); }
+int Model::findGroup(std::string_view wanted) const { return findByName(groups, wanted); }
+
+void Model::finish() {
+  link_gaps.clear();
+  steps.clear();
+  steps.reserve(joints.size());
+  for (const Joint& joint : joints) steps.push_back(compile(*this, joint));
+  if (findGroup("all") < 0) {
+    Group all;
+    all.name = "all";
+    for (int i = 0; i < static_cast<int>(variables.size()); ++i) all.variables.push_back(i);
+    for (int i = 0; i < static_cast<int>(links.size()); ++i) all.links.push_back(i);
+    groups.push_back(std::move(all));
+  }
+}
+
+std::vector<double> Model::defaultConfiguration() const {
+  std::vector<double> q;
+  q.reserve(variables.size());
+  for (const Variable& variable : variables)
+    q.push_back(std::clamp(0.0, variable.lower, variable.upper));
+  for (const Joint& joint : joints)
+    if (joint.type == JointType::kFloating)
+      q[static_cast<std::size_t>(joint.first_variable) + 6] = 1;
+  return q;
+}
+
+void appendVariables(Model& model, int joint_index, const Eigen::Vector3d& lower,
+                     const Eigen::Vector3d& upper, double velocity) {
+  static constexpr const char* kPlanarNames[] = {"/x", "/y", "/theta"};
+  static constexpr const char* kFloatingNames[] = {"/x", "/y", "/z", "/qx", "/qy", "/qz", "/qw"};
+  Joint& joint = model.joints[static_cast<std::size_t>(joint_index)];
+  if (joint.type == JointType::kFixed || joint.mimic >= 0) return;
+  joint.first_variable = static_cast<int>(model.variables.size());
+  joint.variable_count = joint.type == JointType::kPlanar     ? 3
+                         : joint.type == JointType::kFloating ? 7
+                                                              : 1;
+  if (joint.variable_count == 1) {
+    const bool continuous = joint.type == JointType::kContinuous;
+    model.variables.push_back({joint.name, joint_index, continuous ? -kInfinity : lower.x(),
+                               continuous ? kInfinity : upper.x(), velocity});
+    return;
+  }
+  const int bounded = joint.variable_count == 3 ? 2 : 3;
+  for (int i = 0; i < joint.variable_count; ++i)
+    model.variables.push_back(
+        {joint.name + (joint.variable_count == 3 ? kPlanarNames[i] : kFloatingNames[i]),
+         joint_index, i < bounded ? lower(i) : -kInfinity, i < bounded ? upper(i) : kInfinity,
+         velocity});
+}
+
+std::shared_ptr<const Model> freeBody(const std::string& name, std::vector<Geometry> geometries,
+                                      JointType type, const Eigen::Vector3d& lower,
+                                      const Eigen::Vector3d& upper) {
+  auto model = std::make_shared<Model>();
+  model->name = name;
+  Link link;
+  link.name = name;
+  link.joint = 0;
+  link.geometries = std::move(geometries);
+  model->links.push_back(std::move(link));
+  Joint joint;
+  joint.name = name;
+  joint.type = type;
+  joint.child_link = 0;
+  joint.axis = Eigen::Vector3d::UnitZ();
+  model->joints.push_back(std::move(joint));
+  appendVariables(*model, 0, lower, upper);
+  model->finish();
+  return model;
+}
+
+}  // namespace leeway::robots

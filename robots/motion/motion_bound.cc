@@ -1,0 +1,433 @@
+#include "leeway/robots/motion_bound.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "collision/base/sine_cosine.h"
+#include "leeway/collision/distance.h"
+#include "leeway/robots/kinematics.h"
+#include "robots/base/tolerances.h"
+
+namespace leeway::robots {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+double outwards(double x) { return x + kReachRounding * (1 + std::abs(x)); }
+
+/// A sphere that holds the body over all positions of the joints walked so far, in the frame
+/// reached.
+struct Ball {
+  Eigen::Vector3d center;
+  double radius;
+};
+
+/// Values of a joint with one degree of freedom, through its masters.
+VariableRange jointRange(const Model& model, int joint, std::span<const VariableRange> ranges) {
+  double multiplier = 1, offset = 0;
+  const Joint* j = &model.joints[at(joint)];
+  for (std::size_t steps = 0; j->mimic >= 0 && steps < model.joints.size(); ++steps) {
+    offset += multiplier * j->offset;
+    multiplier *= j->multiplier;
+    j = &model.joints[at(j->mimic)];
+  }
+  if (j->first_variable < 0) return {offset, offset};
+  const VariableRange& r = ranges[at(j->first_variable)];
+  // 0 * infinity would be NaN where a multiplier is 0: such a joint stands still.
+  if (multiplier == 0) return {offset, offset};
+  const double x = multiplier * r.lower + offset, y = multiplier * r.upper + offset;
+  return {std::min(x, y), std::max(x, y)};
+}
+
+/// Middle and half width; an unlimited range has infinite half width.
+struct Spread {
+  double middle, half;
+};
+Spread spread(const VariableRange& r) {
+  if (!std::isfinite(r.lower) || !std::isfinite(r.upper)) return {0, kInfinity};
+  const double middle = r.lower + (r.upper - r.lower) / 2;
+  return {middle, std::max(r.upper - middle, middle - r.lower)};
+}
+
+Eigen::Vector3d rotated(const Eigen::Vector3d& axis, double angle, const Eigen::Vector3d& p) {
+  double s, c;
+  collision::sineCosine(angle, s, c);
+  return c * p + s * axis.cross(p) + (1 - c) * axis.dot(p) * axis;
+}
+
+/// Where the ball can be after it has turned about an axis through the origin in all ways.
+Ball turned(const Ball& ball, const Eigen::Vector3d& axis, double& reach) {
+  const double along = axis.dot(ball.center);
+  reach = outwards((ball.center - along * axis).norm() + ball.radius);
+  return {along * axis, reach};
+}
+
+Ball turnedFreely(const Ball& ball, double& reach) {
+  reach = outwards(ball.center.norm() + ball.radius);
+  return {Eigen::Vector3d::Zero(), reach};
+}
+
+bool constant(const VariableRange& r) { return r.lower == r.upper; }
+
+bool isConstant(const Model& model, int joint, std::span<const VariableRange> ranges) {
+  const Joint& j = model.joints[at(joint)];
+  if (j.type == JointType::kFixed) return true;
+  if (j.type == JointType::kPlanar || j.type == JointType::kFloating) {
+    for (int k = 0; k < j.variable_count; ++k)
+      if (!constant(ranges[at(j.first_variable + k)])) return false;
+    return true;
+  }
+  return constant(jointRange(model, joint, ranges));
+}
+
+/// One step of the walk from the body to the base, over a joint from its child's frame to its
+/// parent's (or the other way, `inverted`). `reach` is set for joints that turn.
+Ball cross(const Model& model, int joint, bool inverted, Ball ball,
+           std::span<const VariableRange> ranges, double& reach) {
+  const Joint& j = model.joints[at(joint)];
+  if (inverted) ball.center = j.X_PJ.inverse() * ball.center;
+  const double sign = inverted ? -1 : 1;
+  switch (j.type) {
+    case JointType::kFixed:
+      break;
+    case JointType::kRevolute:
+    case JointType::kContinuous: {
+      const VariableRange r = jointRange(model, joint, ranges);
+      if (constant(r))
+        ball.center = rotated(j.axis, sign * r.lower, ball.center);
+      else
+        ball = turned(ball, j.axis, reach);
+      break;
+    }
+    case JointType::kPrismatic: {
+      const Spread s = spread(jointRange(model, joint, ranges));
+      ball.center += sign * s.middle * j.axis;
+      ball.radius += s.half;
+      break;
+    }
+    case JointType::kPlanar: {
+      const VariableRange& x = ranges[at(j.first_variable)];
+      const VariableRange& y = ranges[at(j.first_variable + 1)];
+      const double drift = std::hypot(std::max(std::abs(x.lower), std::abs(x.upper)),
+                                      std::max(std::abs(y.lower), std::abs(y.upper)));
+      if (inverted) ball.radius += drift;
+      ball = turned(ball, j.axis, reach);
+      if (!inverted) ball.radius += drift;
+      break;
+    }
+    case JointType::kFloating: {
+      Eigen::Vector3d middle, half;
+      for (int k = 0; k < 3; ++k) {
+        const Spread s = spread(ranges[at(j.first_variable + k)]);
+        middle[k] = s.middle;
+        half[k] = s.half;
+      }
+      const double drift = half.array().isFinite().all() ? half.norm() : kInfinity;
+      if (inverted) ball = {ball.center - middle, ball.radius + drift};
+      ball = turnedFreely(ball, reach);
+      if (!inverted) ball = {ball.center + middle, ball.radius + drift};
+      break;
+    }
+  }
+  if (!inverted) ball.center = j.X_PJ * ball.center;
+  ball.radius = outwards(ball.radius);
+  return ball;
+}
+
+/// Links from `link` up to the root, `link` first.
+std::vector<int> ancestors(const Model& model, int link) {
+  std::vector<int> result;
+  for (int l = link; l >= 0; l = model.joints[at(model.links[at(l)].joint)].parent_link)
+    result.push_back(l);
+  return result;
+}
+
+}  // namespace
+
+std::vector<VariableRange> limitRanges(const Model& model) {
+  std::vector<VariableRange> ranges;
+  ranges.reserve(model.variables.size());
+  for (const Variable& v : model.variables) ranges.push_back({v.lower, v.upper});
+  return ranges;
+}
+
+RelativeMotion relativeMotion(const Model& model, int link, int base,
+                              const Eigen::Vector3d& center_L, double radius) {
+  return relativeMotion(model, link, base, center_L, radius, limitRanges(model));
+}
+
+RelativeMotion relativeMotion(const Model& model, int link, int base,
+                              const Eigen::Vector3d& center_L, double radius,
+                              std::span<const VariableRange> ranges) {
+  std::vector<int> up = ancestors(model, link), down = ancestors(model, base);
+  while (!up.empty() && !down.empty() &&
+         up.back() == down.back()) {  // what moves both moves neither
+    up.pop_back();
+    down.pop_back();
+  }
+  RelativeMotion motion{link, base, {}, center_L, radius, 0};
+  Ball ball{center_L, outwards(radius)};
+  const auto step = [&](int l, bool inverted) {
+    const int joint = model.links[at(l)].joint;
+    double reach = 0;
+    ball = cross(model, joint, inverted, ball, ranges, reach);
+    if (!isConstant(model, joint, ranges)) motion.terms.push_back({joint, reach, inverted});
+  };
+  for (const int l : up) step(l, false);
+  std::reverse(down.begin(), down.end());
+  for (const int l : down) step(l, true);
+  std::reverse(motion.terms.begin(),
+               motion.terms.end());  // walked from the body, told from the base
+  motion.base_reach = outwards(ball.center.norm() + ball.radius);
+  return motion;
+}
+
+void jointMotion(const Model& model, std::span<const double> dq,
+                 std::span<JointMotion> joint_motion) {
+  for (std::size_t i = 0; i < model.joints.size(); ++i) {
+    const Joint* j = &model.joints[i];
+    double factor = 1;
+    for (std::size_t steps = 0; j->mimic >= 0 && steps < model.joints.size(); ++steps) {
+      factor *= j->multiplier;
+      j = &model.joints[at(j->mimic)];
+    }
+    JointMotion& m = joint_motion[i];
+    m = {};
+    if (j->first_variable < 0 || j->variable_count == 0) continue;
+    const double* d = &dq[at(j->first_variable)];
+    switch (model.joints[i].type) {
+      case JointType::kFixed:
+        break;
+      case JointType::kRevolute:
+      case JointType::kContinuous:
+        m.angle = std::abs(factor * d[0]);
+        break;
+      case JointType::kPrismatic:
+        m.travel = std::abs(factor * d[0]);
+        break;
+      case JointType::kPlanar:
+        m.travel = std::sqrt(d[0] * d[0] + d[1] * d[1]);
+        m.angle = std::abs(d[2]);
+        break;
+      case JointType::kFloating:
+        m.travel = std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+        m.angle = std::sqrt(d[3] * d[3] + d[4] * d[4] + d[5] * d[5]);
+        break;
+    }
+  }
+}
+
+namespace {
+
+/// Sums the joints' shares from the body to the base. What lies nearer to the body enters a term
+/// only through `speed`, the sum of |dq| rho (turns) and |dq| (slides) there: each turn adds its
+/// own centripetal part |dq|^2 rho and, twice, |dq| times that speed (Coriolis); slides add nothing
+/// themselves.
+struct Sum {
+  double speed = 0, acceleration = 0;
+
+  void turn(double angle, double reach) {
+    if (angle == 0) return;  // 0 * infinity
+    acceleration += angle * (angle * reach + 2 * speed);
+    speed += angle * reach;
+  }
+  void slide(double travel) { speed += travel; }
+};
+
+/// reach(term, speed so far): rho of a joint that turns.
+template <typename Reach>
+MotionBound sumTerms(const Model& model, const RelativeMotion& motion,
+                     std::span<const JointMotion> joint_motion, const Reach& reach) {
+  Sum sum;
+  for (std::size_t i = motion.terms.size(); i-- > 0;) {
+    const RelativeMotion::Term& term = motion.terms[i];
+    const JointMotion& m = joint_motion[at(term.joint)];
+    if (model.joints[at(term.joint)].type == JointType::kPrismatic) {
+      sum.slide(m.travel);
+      continue;
+    }
+    if (term.inverted)
+      sum.slide(m.travel);  // seen from the child, a free joint's slide lies nearer to the body
+    if (m.angle != 0) sum.turn(m.angle, reach(term, sum.speed));
+    if (!term.inverted) sum.slide(m.travel);
+  }
+  return {sum.speed * (1 + kBoundRounding), sum.acceleration * (1 + kBoundRounding)};
+}
+
+}  // namespace
+
+double accelerationBound(const Model& model, const RelativeMotion& motion,
+                         std::span<const JointMotion> joint_motion) {
+  return sumTerms(model, motion, joint_motion, [](const auto& term, double) { return term.reach; })
+      .acceleration;
+}
+
+double speedBound(const Model& model, const RelativeMotion& motion,
+                  std::span<const JointMotion> joint_motion) {
+  return sumTerms(model, motion, joint_motion, [](const auto& term, double) { return term.reach; })
+      .speed;
+}
+
+MotionBound localMotionBound(const Model& model, const RelativeMotion& motion,
+                             std::span<const JointMotion> joint_motion, std::span<const Pose> X_WL,
+                             double half_interval, bool within_limits) {
+  const Eigen::Vector3d center_W =
+      motion.link < 0 ? motion.center_L : X_WL[at(motion.link)] * motion.center_L;
+  return sumTerms(model, motion, joint_motion, [&](const RelativeMotion::Term& term, double speed) {
+    const Joint& joint = model.joints[at(term.joint)];
+    const Pose& X_WC = X_WL[at(joint.child_link)];
+    const Eigen::Vector3d arm = center_W - X_WC.translation;
+    const double squared = joint.type == JointType::kFloating
+                               ? arm.squaredNorm()
+                               : arm.cross(X_WC.rotation * joint.axis).squaredNorm();
+    // Joints between this one and the body move it by at most their speed times the time from the
+    // middle.
+    const double local = outwards(std::sqrt(squared) + motion.radius + half_interval * speed);
+    return within_limits ? std::min(term.reach, local) : local;
+  });
+}
+
+namespace {
+
+/// One pair of links for provenApart().
+class ApartProof {
+ public:
+  ApartProof(const Model& model, int link_a, int link_b)
+      : model_(model),
+        a_(model.links[at(link_a)]),
+        b_(model.links[at(link_b)]),
+        link_a_(link_a),
+        link_b_(link_b) {}
+
+  bool run() {
+    if (!prepare()) return false;
+    std::vector<Box> stack{{center_, half_}};
+    for (int work = 0; !stack.empty(); ++work) {
+      if (work >= kApartBoxes) return false;
+      const Box box = stack.back();
+      stack.pop_back();
+      if (apart(box)) continue;
+      const std::size_t v = widest(box);
+      if (box.half[v] < kApartSmallest) return false;
+      Box low = box, high = box;
+      low.half[v] = high.half[v] = box.half[v] / 2 * (1 + kBoundRounding);
+      low.center[v] -= box.half[v] / 2;
+      high.center[v] += box.half[v] / 2;
+      stack.push_back(low);
+      stack.push_back(high);
+    }
+    return true;
+  }
+
+ private:
+  struct Box {
+    std::vector<double> center, half;  // one a variable
+  };
+
+  /// False when the pair is not one that this proof can treat.
+  bool prepare() {
+    for (const Geometry& g : a_.geometries) {
+      const Eigen::Vector3d center_L = g.X_BG * g.shape.boundingCenter();
+      motions_.push_back(
+          relativeMotion(model_, link_a_, link_b_, center_L, g.shape.boundingRadius()));
+    }
+    if (motions_.empty() || b_.geometries.empty()) return false;
+    center_ = model_.defaultConfiguration();
+    half_.assign(model_.variables.size(), 0);
+    for (const RelativeMotion::Term& term : motions_.front().terms) {
+      const Joint* j = &model_.joints[at(term.joint)];
+      while (j->mimic >= 0) j = &model_.joints[at(j->mimic)];
+      if (j->type == JointType::kFloating || j->type == JointType::kPlanar || j->first_variable < 0)
+        return false;
+      const Variable& v = model_.variables[at(j->first_variable)];
+      Spread s = spread({v.lower, v.upper});
+      if (j->type == JointType::kContinuous) s = {0, 3.141592653589794};  // all of the circle
+      if (!std::isfinite(s.half)) return false;
+      center_[at(j->first_variable)] = s.middle;
+      half_[at(j->first_variable)] = s.half;
+      moving_.push_back(at(j->first_variable));
+    }
+    std::sort(moving_.begin(), moving_.end());
+    moving_.erase(std::unique(moving_.begin(), moving_.end()), moving_.end());
+    // A continuous master turns its mimics beyond one circle's worth: not periodic in it.
+    for (const RelativeMotion::Term& term : motions_.front().terms) {
+      const Joint& j = model_.joints[at(term.joint)];
+      if (j.mimic >= 0 && model_.joints[at(j.mimic)].type == JointType::kContinuous) return false;
+    }
+    poses_.resize(model_.links.size());
+    joint_motion_.resize(model_.joints.size());
+    return !moving_.empty();
+  }
+
+  bool apart(const Box& box) {
+    forwardKinematics(model_, box.center, poses_);
+    jointMotion(model_, box.half, joint_motion_);
+    const Pose& X_WA = poses_[at(link_a_)];
+    const Pose& X_WB = poses_[at(link_b_)];
+    for (std::size_t i = 0; i < a_.geometries.size(); ++i) {
+      const Geometry& a = a_.geometries[i];
+      // From the box's middle any of its points is an edge of length one.
+      const double motion =
+          localMotionBound(model_, motions_[i], joint_motion_, poses_, 1).speed + kApartSlack;
+      for (const Geometry& b : b_.geometries) {
+        const Eigen::Vector3d d =
+            X_WA * (a.X_BG * a.shape.boundingCenter()) - X_WB * (b.X_BG * b.shape.boundingCenter());
+        if (d.norm() - a.shape.boundingRadius() - b.shape.boundingRadius() > motion) continue;
+        collision::DistanceRequest request;
+        request.threshold = motion;
+        request.depth = false;
+        const collision::DistanceResult result =
+            collision::distance(a.shape, X_WA * a.X_BG, b.shape, X_WB * b.X_BG, request, scratch_);
+        if (!(result.distance.lower > motion)) return false;
+      }
+    }
+    return true;
+  }
+
+  /// The variable whose half width moves the body most.
+  std::size_t widest(const Box& box) {
+    std::size_t best = moving_.front();
+    double most = -1;
+    std::vector<double> one(box.half.size(), 0);
+    for (const std::size_t v : moving_) {
+      one[v] = box.half[v];
+      jointMotion(model_, one, joint_motion_);
+      one[v] = 0;
+      double speed = 0;
+      for (const RelativeMotion& m : motions_)
+        speed = std::max(speed, localMotionBound(model_, m, joint_motion_, poses_, 1).speed);
+      if (speed > most) {
+        most = speed;
+        best = v;
+      }
+    }
+    return best;
+  }
+
+  const Model& model_;
+  const Link& a_;
+  const Link& b_;
+  int link_a_, link_b_;
+  std::vector<RelativeMotion> motions_;  // one a geometry of a
+  std::vector<double> center_, half_;
+  std::vector<std::size_t> moving_;
+  std::vector<Pose> poses_;
+  std::vector<JointMotion> joint_motion_;
+  collision::Scratch scratch_;
+};
+
+}  // namespace
+
+std::vector<std::pair<int, int>> provenApart(const Model& model,
+                                             std::span<const std::pair<int, int>> candidates) {
+  std::vector<std::pair<int, int>> proven;
+  for (const auto& [a, b] : candidates)
+    if (ApartProof(model, a, b).run()) proven.emplace_back(a, b);
+  return proven;
+}
+
+}  // namespace leeway::robots

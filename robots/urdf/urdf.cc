@@ -1,0 +1,284 @@
+// From the two description files to a Model.
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <cstdint>
+#include <exception>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <system_error>
+#include <thread>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "leeway/collision/shape.h"
+#include "leeway/robots/input_error.h"
+#include "robots/model/model_builder.h"
+#include "robots/motion/link_gaps.h"
+#include "robots/urdf/mesh_path.h"
+#include "robots/urdf/srdf.h"
+#include "robots/urdf/urdf_document.h"
+
+namespace leeway::robots {
+
+namespace {
+
+using collision::Shape;
+
+std::size_t index(int i) { return static_cast<std::size_t>(i); }
+
+/// Loads each mesh file once for each scale.
+class Meshes {
+ public:
+  Meshes(const std::string& urdf_path, const LoadOptions& options)
+      : urdf_path_(urdf_path), options_(options) {}
+
+  /// Loads all meshes of the links, in that order, side by side: each by itself, so that nothing
+  /// depends on how many threads there are. What fails is told when load() comes to it.
+  void loadAll(const UrdfDocument& document, const std::vector<std::pair<int, int>>& order) {
+    for (const auto& [link, joint] : order)
+      for (const UrdfCollision& collision : document.links[index(link)].collisions)
+        if (collision.kind == UrdfCollision::Kind::kMesh) addTask(collision);
+    // The largest first, so that no thread is left with it at the end.
+    std::stable_sort(tasks_.begin(), tasks_.end(),
+                     [](const Task& l, const Task& r) { return l.bytes > r.bytes; });
+    std::atomic<std::size_t> next = 0;
+    const auto work = [&] {
+      for (std::size_t i = next++; i < tasks_.size(); i = next++) run(tasks_[i]);
+    };
+    const std::size_t most =
+        std::min<std::size_t>(std::thread::hardware_concurrency(), kMostThreads);
+    std::vector<std::thread> threads;
+    threads.reserve(most);
+    try {
+      while (threads.size() + 1 < std::min(most, tasks_.size())) threads.emplace_back(work);
+    } catch (const std::system_error&) {  // no more to be had: fewer do it
+    }
+    work();
+    for (std::thread& thread : threads) thread.join();
+  }
+
+  Shape load(const UrdfCollision& collision) {
+    const Loaded& loaded = loaded_.at(keyOf(collision));
+    if (loaded.error) std::rethrow_exception(loaded.error);
+    return *loaded.shape;
+  }
+
+ private:
+  using Key = std::tuple<std::string, double, double, double>;
+  struct Loaded {
+    std::optional<Shape> shape;
+    std::exception_ptr error;
+  };
+  struct Task {
+    Key key;
+    const UrdfCollision* collision;  // the first that names it
+    std::uintmax_t bytes;
+    Loaded* result;
+  };
+  // More would wait for memory, and for the largest mesh.
+  static constexpr std::size_t kMostThreads = 8;
+
+  /// Throws for a file that is not found.
+  Key keyOf(const UrdfCollision& collision) const {
+    const Eigen::Vector3d& scale = collision.mesh_scale;
+    return {resolveMesh(collision.mesh_file, urdf_path_, collision.line, options_), scale.x(),
+            scale.y(), scale.z()};
+  }
+
+  void addTask(const UrdfCollision& collision) {
+    Key key;
+    try {
+      key = keyOf(collision);
+    } catch (const InputError&) {
+      return;  // load() throws it again
+    }
+    const auto [place, is_new] = loaded_.try_emplace(key);
+    if (!is_new) return;
+    std::error_code error;
+    const std::uintmax_t bytes = std::filesystem::file_size(std::get<0>(key), error);
+    tasks_.push_back({key, &collision, error ? 0 : bytes, &place->second});
+  }
+
+  void run(const Task& task) const {
+    try {
+      task.result->shape = loadMesh(std::get<0>(task.key), task.collision->mesh_scale, urdf_path_,
+                                    task.collision->line);
+    } catch (...) {
+      task.result->error = std::current_exception();
+    }
+  }
+
+  std::string urdf_path_;
+  const LoadOptions& options_;
+  std::map<Key, Loaded> loaded_;
+  std::vector<Task> tasks_;
+};
+
+Shape makeShape(const UrdfCollision& collision, Meshes& meshes) {
+  switch (collision.kind) {
+    case UrdfCollision::Kind::kBox:
+      return Shape::box(collision.size / 2);
+    case UrdfCollision::Kind::kSphere:
+      return Shape::sphere(collision.radius);
+    case UrdfCollision::Kind::kCylinder:
+      return Shape::cylinder(collision.radius, collision.length / 2);
+    case UrdfCollision::Kind::kMesh:
+      break;
+  }
+  return meshes.load(collision);
+}
+
+/// Link indices of the document, parents before children, depth first, children in the order of
+/// their joints; [i] = (link, its joint or -1).
+std::vector<std::pair<int, int>> treeOrder(const UrdfDocument& document) {
+  std::vector<std::vector<int>> child_joints(document.links.size());
+  std::vector<bool> has_parent(document.links.size(), false);
+  for (std::size_t j = 0; j < document.joints.size(); ++j) {
+    child_joints[index(document.joints[j].parent)].push_back(static_cast<int>(j));
+    has_parent[index(document.joints[j].child)] = true;
+  }
+  const auto root = std::find(has_parent.begin(), has_parent.end(), false) - has_parent.begin();
+  std::vector<std::pair<int, int>> order, stack{{static_cast<int>(root), -1}};
+  while (!stack.empty()) {
+    const auto [link, joint] = stack.back();
+    stack.pop_back();
+    order.emplace_back(link, joint);
+    const std::vector<int>& children = child_joints[index(link)];
+    // (clang 14 cannot read the library's views.) NOLINTNEXTLINE(modernize-loop-convert)
+    for (auto j = children.rbegin(); j != children.rend(); ++j)
+      stack.emplace_back(document.joints[index(*j)].child, *j);
+  }
+  return order;
+}
+
+Joint rootJoint(const UrdfDocument& document, const std::string& root_link,
+                const std::optional<VirtualJoint>& asked, const std::string& srdf_path) {
+  Joint joint;
+  joint.child_link = 0;
+  joint.axis = Eigen::Vector3d::UnitZ();
+  const auto taken = [&](const std::string& name) {
+    return std::any_of(document.joints.begin(), document.joints.end(),
+                       [&](const UrdfJoint& j) { return j.name == name; });
+  };
+  if (!asked) {
+    joint.name = "root_joint";
+    while (taken(joint.name)) joint.name += '_';
+    return joint;
+  }
+  if (asked->child_link != root_link)
+    throw InputError(srdf_path, asked->line,
+                     "the virtual joint's child_link is \"" + asked->child_link +
+                         "\"; the root link \"" + root_link + "\" would be accepted");
+  if (taken(asked->name))
+    throw InputError(srdf_path, asked->line,
+                     "the virtual joint's name \"" + asked->name +
+                         "\" is that of a joint of the URDF; another name would be accepted");
+  joint.name = asked->name;
+  joint.type = asked->type;
+  return joint;
+}
+
+void appendLink(const UrdfLink& source, int joint, Meshes& meshes, Model& model) {
+  Link link;
+  link.name = source.name;
+  link.joint = joint;
+  for (const UrdfCollision& collision : source.collisions)
+    link.geometries.push_back({makeShape(collision, meshes), collision.X_LG, collision.name});
+  model.links.push_back(std::move(link));
+}
+
+void appendJoint(const UrdfJoint& source, const std::vector<int>& link_position, Model& model) {
+  Joint joint;
+  joint.name = source.name;
+  joint.type = source.type;
+  joint.parent_link = link_position[index(source.parent)];
+  joint.child_link = static_cast<int>(model.joints.size());
+  joint.X_PJ = source.X_PJ;
+  joint.axis = source.axis / source.axis.norm();
+  model.joints.push_back(std::move(joint));
+}
+
+/// Follows a chain of mimics to the joint that has a variable; positions compose: m1 (m2 q + o2) +
+/// o1.
+void resolveMimic(const UrdfDocument& document, const UrdfJoint& source, Model& model) {
+  const auto find = [&](const std::string& name) {
+    return &*std::find_if(document.joints.begin(), document.joints.end(),
+                          [&](const UrdfJoint& j) { return j.name == name; });
+  };
+  Joint& joint = model.joints[index(model.findJoint(source.name))];
+  const UrdfJoint* master = find(source.mimic);
+  joint.multiplier = source.multiplier;
+  joint.offset = source.offset;
+  while (master->has_mimic) {
+    joint.offset += joint.multiplier * master->offset;
+    joint.multiplier *= master->multiplier;
+    master = find(master->mimic);
+  }
+  joint.mimic = model.findJoint(master->name);
+}
+
+/// A mimic joint's own velocity limit bounds its master: at a variable's velocity no joint that
+/// follows it is too fast. 0 is no limit.
+void limitMaster(const UrdfJoint& source, Model& model) {
+  const Joint& joint = model.joints[index(model.findJoint(source.name))];
+  const int variable = model.joints[index(joint.mimic)].first_variable;
+  if (!source.has_limit || !(source.velocity > 0) || joint.multiplier == 0 || variable < 0) return;
+  double& velocity = model.variables[index(variable)].velocity;
+  const double limit = source.velocity / std::abs(joint.multiplier);
+  velocity = velocity > 0 ? std::min(velocity, limit) : limit;
+}
+
+}  // namespace
+
+std::shared_ptr<const Model> loadModel(const std::string& urdf_path, const std::string& srdf_path,
+                                       const LoadOptions& options) {
+  const UrdfDocument document = readUrdf(urdf_path);
+  compareWithUrdfdom(document);
+  std::optional<VirtualJoint> virtual_joint;
+  if (!srdf_path.empty()) virtual_joint = readVirtualJoint(srdf_path);
+
+  auto model = std::make_shared<Model>();
+  model->name = document.name;
+  model->urdf_file = urdf_path;
+  model->srdf_file = srdf_path;
+  model->warnings = document.warnings;
+  const std::vector<std::pair<int, int>> order = treeOrder(document);
+  std::vector<int> link_position(document.links.size());
+  for (std::size_t i = 0; i < order.size(); ++i)
+    link_position[index(order[i].first)] = static_cast<int>(i);
+  Meshes meshes(urdf_path, options);
+  meshes.loadAll(document, order);
+  for (const auto& [link, joint] : order) {
+    appendLink(document.links[index(link)], static_cast<int>(model->joints.size()), meshes, *model);
+    if (joint < 0)
+      model->joints.push_back(
+          rootJoint(document, document.links[index(link)].name, virtual_joint, srdf_path));
+    else
+      appendJoint(document.joints[index(joint)], link_position, *model);
+  }
+  for (const UrdfJoint& joint : document.joints)
+    if (joint.has_mimic) resolveMimic(document, joint, *model);
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    const int source = order[i].second;
+    const bool bounded = model->joints[i].type == JointType::kRevolute ||
+                         model->joints[i].type == JointType::kPrismatic;
+    const UrdfJoint* joint = source < 0 ? nullptr : &document.joints[index(source)];
+    const double lower = bounded ? joint->lower : -kInfinity,
+                 upper = bounded ? joint->upper : kInfinity;
+    appendVariables(*model, static_cast<int>(i), Eigen::Vector3d::Constant(lower),
+                    Eigen::Vector3d::Constant(upper),
+                    joint != nullptr && joint->has_limit ? joint->velocity : kInfinity);
+  }
+  for (const UrdfJoint& joint : document.joints)
+    if (joint.has_mimic) limitMaster(joint, *model);
+  if (!srdf_path.empty()) readSrdf(srdf_path, *model);
+  model->finish();
+  model->link_gaps = provenGaps(*model);
+  return model;
+}
+
+}  // namespace leeway::robots

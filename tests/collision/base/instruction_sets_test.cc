@@ -1,0 +1,134 @@
+// The same bytes from every instruction set that this machine has: targets forced one by one.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "collision/convex/gjk/convex_view.h"
+#include "collision/convex/gjk/support.h"
+#include "collision/shapes/hull_support.h"
+#include "leeway/collision/distance.h"
+#include "tests/every_target.h"
+#include "tests/sanitized.h"
+#include "tools/truth/oracle/generate.h"
+
+namespace leeway::collision {
+namespace {
+
+using Eigen::Vector3d;
+using oracle::Random;
+
+Shape roundHull(Random& random, int count) {
+  std::vector<Vector3d> points;
+  for (int i = 0; i < count; ++i) points.push_back(random.direction());
+  return Shape::convexHull(points);
+}
+
+/// The numbers of many queries, cold and with a cache, of all types and sizes of hulls.
+std::vector<double> answers() {
+  constexpr ShapeType kTypes[] = {ShapeType::kBox, ShapeType::kCapsule, ShapeType::kCylinder,
+                                  ShapeType::kEllipsoid, ShapeType::kConvexHull};
+  Random random(61);
+  Scratch scratch;
+  PairCache cache;
+  std::vector<double> all;
+  for (int i = 0; i < casesToAsk(1500); ++i) {
+    const auto any = [&] {
+      return random.chance(0.4) ? roundHull(random, 4 + random.below(130))
+                                : oracle::randomShape(
+                                      random, kTypes[random.below(5)],
+                                      oracle::kFlavours[static_cast<std::size_t>(random.below(6))]);
+    };
+    const Shape a = any(), b = any();
+    const double reach = oracle::sizeOf(a) + oracle::sizeOf(b);
+    const Pose X_WA{random.rotation(), {0, 0, 0}};
+    const Pose X_WB{random.chance(0.2) ? X_WA.rotation : random.rotation(),
+                    reach * random.uniform(0, 1.3) * random.direction()};
+    DistanceRequest request;
+    if (random.chance(0.3)) request.threshold = reach * random.uniform(-0.2, 0.5);
+    const Pose X_WE{random.rotation(), X_WA.translation + 0.3 * reach * random.direction()};
+    const DistanceResult swept = sweptDistance(a, X_WA, X_WE, 0.01 * reach, b, request, scratch);
+    all.insert(all.end(), {swept.distance.lower, swept.distance.upper, double(swept.iterations)});
+    for (PairCache* with : {static_cast<PairCache*>(nullptr), &cache}) {
+      const DistanceResult r = distance(a, X_WA, b, X_WB, request, scratch, with);
+      all.insert(all.end(),
+                 {r.distance.lower, r.distance.upper, double(r.iterations), r.point_a.x(),
+                  r.point_a.y(), r.point_a.z(), r.point_b.x(), r.point_b.y(), r.point_b.z(),
+                  r.normal.x(), r.normal.y(), r.normal.z(), double(static_cast<int>(r.status))});
+    }
+  }
+  return all;
+}
+
+TEST(InstructionSets, DistancesAreTheSameBytes) { expectTheSameBytesOnEveryTarget(answers); }
+
+/// Points whose hull has many vertices in some directions and few in others.
+std::vector<Vector3d> pointsOfHull(Random& random, int kind) {
+  std::vector<Vector3d> points;
+  const int count = 1 + random.below(kind == 0 ? 700 : 90);
+  const bool grid = random.chance(0.3);
+  for (int k = 0; k < count; ++k) {
+    if (kind == 2) {  // two rims, coplanar exactly: more vertices than a cell of the table lists
+      const double angle = 2 * M_PI * k / count;
+      for (const double z : {-1.0, 1.0}) points.emplace_back(std::cos(angle), std::sin(angle), z);
+    } else {
+      points.push_back(grid ? Vector3d(random.below(3), random.below(3), random.below(3))
+                            : random.direction());
+    }
+  }
+  return points;
+}
+
+/// Vector scans, tables and climbs against the plain scan: the same vertex, or one within rounding;
+/// of equal ones the first where all are looked at.
+TEST(HullSupport, FindsTheFarthestVertex) {
+  Random random(62);
+  int scanned = 0, looked_up = 0, climbed = 0, tied = 0;
+  for (int i = 0; i < casesToAsk(150); ++i) {
+    const Shape shape = Shape::convexHull(pointsOfHull(random, i % 3));
+    const ConvexView view = viewOf(shape);
+    ASSERT_NE(view.support, nullptr);
+    const bool scans = view.support->length() > 0;
+    (scans ? scanned : looked_up) += 1;
+    for (int k = 0; k < 400; ++k) {
+      Vector3d d = random.direction();
+      if (random.chance(0.3)) d = Vector3d::Unit(random.below(3)) * (random.chance(0.5) ? 1 : -1);
+      // On the rims of cells, and a little beside the axes.
+      if (random.chance(0.3)) d = Vector3d(random.below(9) - 4, random.below(9) - 4, 4) / 8;
+      if (random.chance(0.3)) d += std::pow(10, random.uniform(-16, 0)) * random.direction();
+      if (random.chance(0.1)) d *= std::pow(10, random.uniform(-200, 200));
+      if (!(d.norm() > 0)) continue;
+      int hint = random.below(view.count);
+      climbed += scanFarthest(*view.support, d, hint) < 0 ? 1 : 0;
+      const double length = d.norm();
+      const int found = farthestPoint(view, d / length, random.below(view.count));
+      int expected = 0, equal = 0;
+      double most = -std::numeric_limits<double>::infinity();
+      d /= length;
+      for (int v = 0; v < view.count; ++v) {
+        const Vector3d& p = view.points[v];
+        const double value = p.x() * d.x() + p.y() * d.y() + p.z() * d.z();
+        equal = value > most ? 1 : equal + (value == most ? 1 : 0);
+        if (value > most) {
+          most = value;
+          expected = v;
+        }
+      }
+      tied += equal > 1 ? 1 : 0;
+      if (scans) {
+        ASSERT_EQ(found, expected);
+      } else {
+        ASSERT_GE(view.points[found].dot(d), most - 8 * kUnitRoundoff * view.extent);
+      }
+    }
+  }
+  EXPECT_GT(scanned, casesToAsk(50));
+  EXPECT_GT(looked_up, casesToAsk(30));
+  EXPECT_GT(climbed, casesToAsk(300));
+  EXPECT_GT(tied, casesToAsk(500));
+}
+
+}  // namespace
+}  // namespace leeway::collision

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <cmath>
+
+#include "collision/mesh/box_tree.h"
+#include "tests/collision/mesh/mesh_cases.h"
+
+namespace leeway::collision::testing {
+
+/// Within `reach` [m] of the origin, halves of up to `size` [m]; flat, thin and pointed ones, too.
+inline OrientedBox randomBox(Random& random, double reach, double size) {
+  const Pose pose = random.pose(reach);
+  OrientedBox box{};
+  for (int k = 0; k < 3; ++k) {
+    box.center[k] = static_cast<float>(pose.translation[k]);
+    box.half[k] = random.below(4) == 0
+                      ? 0.0F
+                      : static_cast<float>(size * std::pow(10, random.uniform(-3, 0)));
+    for (int i = 0; i < 3; ++i) box.axis[k][i] = static_cast<float>(pose.rotation(i, k));
+  }
+  return box;
+}
+
+inline void setLane(BoxNode& node, int lane, const OrientedBox& box) {
+  for (int k = 0; k < 3; ++k) {
+    node.center[k][lane] = box.center[k];
+    node.half[k][lane] = box.half[k];
+    for (int i = 0; i < 3; ++i) node.axis[k][i][lane] = box.axis[k][i];
+  }
+}
+
+}  // namespace leeway::collision::testing

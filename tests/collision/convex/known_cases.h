@@ -1,0 +1,56 @@
+#pragma once
+
+// Pairs with exact numbers that long runs left open once.
+
+#include <gtest/gtest.h>
+
+#include <span>
+#include <vector>
+
+#include "leeway/collision/distance.h"
+#include "tests/collision/convex/pair_cases.h"
+#include "tools/truth/oracle/oracle.h"
+
+namespace leeway::collision::testing {
+
+struct Known {
+  Pair pair;
+  double tolerance;  // of the sizes involved; 0: the default
+
+  double size() const {
+    return oracle::sizeOf(pair.a) + oracle::sizeOf(pair.b) +
+           (pair.X_WB.translation - pair.X_WA.translation).norm();
+  }
+};
+
+inline Known known(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
+                   double tolerance) {
+  return {{a, b, X_WA, X_WB}, tolerance};
+}
+
+inline Pose pose(const double (&R)[9], const Eigen::Vector3d& t) {
+  Pose X;
+  X.rotation << R[0], R[1], R[2], R[3], R[4], R[5], R[6], R[7], R[8];
+  X.translation = t;
+  return X;
+}
+
+inline Shape hull(const std::vector<Eigen::Vector3d>& points) { return Shape::convexHull(points); }
+
+/// As narrow as asked, around the truth, in either order. Returns the first order's answer.
+inline DistanceResult expectNarrow(const Known& known, Scratch& scratch) {
+  const Pair& pair = known.pair;
+  DistanceRequest request;
+  if (known.tolerance > 0) request.tolerance = known.tolerance * known.size();
+  const oracle::Truth truth = oracle::signedSeparation(pair.a, pair.X_WA, pair.b, pair.X_WB);
+  const DistanceResult there = distance(pair.a, pair.X_WA, pair.b, pair.X_WB, request, scratch),
+                       back = distance(pair.b, pair.X_WB, pair.a, pair.X_WA, request, scratch);
+  for (const DistanceResult& r : {there, back}) {
+    EXPECT_EQ(r.status, DistanceStatus::kConverged) << pair.replay();
+    EXPECT_LE(r.distance.lower, truth.upper) << pair.replay();
+    EXPECT_GE(r.distance.upper, truth.lower) << pair.replay();
+  }
+  return there;
+}
+
+}  // namespace leeway::collision::testing

@@ -1,0 +1,46 @@
+#pragma once
+
+// What tests of fast ways for pairs of shapes share; the slow twin is generalDistance().
+
+#include <string>
+
+#include "collision/convex/pairs/simple_pairs.h"
+#include "leeway/collision/distance.h"
+#include "tools/truth/oracle/generate.h"
+
+namespace leeway::collision::testing {
+
+/// A request for the parts of distance(), which want a tolerance told.
+inline DistanceRequest nanometre() {
+  DistanceRequest request;
+  request.tolerance = 1e-9;
+  return request;
+}
+
+struct Pair {
+  Shape a, b;
+  Pose X_WA, X_WB;
+  /// Of both bodies [m].
+  double size() const { return a.extent() + b.extent(); }
+  std::string replay() const {
+    return oracle::replay(a) + " at " + oracle::replay(X_WA) + " with " + oracle::replay(b) +
+           " at " + oracle::replay(X_WB);
+  }
+};
+
+/// Moves B along the normal until the bodies are about `gap` [m] apart.
+inline void moveApart(Pair& pair, double gap, Scratch& scratch) {
+  const DistanceResult r =
+      generalDistance(pair.a, pair.X_WA, pair.b, pair.X_WB, nanometre(), scratch, nullptr);
+  pair.X_WB.translation += (gap - r.distance.upper) * r.normal;
+}
+
+/// By how much p stands out of a shape [m]: the shape with the point as a sphere of no radius.
+inline double outside(const Shape& shape, const Pose& X_WS, const Eigen::Vector3d& p_W,
+                      Scratch& scratch) {
+  return generalDistance(Shape::sphere(0), {Eigen::Matrix3d::Identity(), p_W}, shape, X_WS,
+                         nanometre(), scratch, nullptr)
+      .distance.lower;
+}
+
+}  // namespace leeway::collision::testing

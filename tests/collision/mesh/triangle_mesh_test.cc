@@ -1,0 +1,249 @@
+#include "leeway/collision/triangle_mesh.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "collision/deform/query/point_in_snapshot.h"
+#include "collision/mesh/mesh_tree.h"
+#include "collision/shapes/hull_builder.h"
+#include "collision/shapes/point_triangle.h"
+#include "leeway/collision/convex_hull.h"
+#include "tests/collision/mesh/mesh_cases.h"
+#include "tests/sanitized.h"
+
+namespace leeway::collision {
+namespace {
+
+using Eigen::Vector3d;
+using namespace testing;
+
+TEST(TriangleMesh, WeldsByEqualityAndFindsSolids) {
+  for (const bool weld : {false, true}) {
+    TriangleSoup soup = boxSoup({1, 2, 3});
+    if (!weld) soup = unwelded(soup);
+    const auto mesh = TriangleMesh::make(soup.vertices, soup.triangles);
+    EXPECT_EQ(mesh->vertices().size(), 8U);
+    EXPECT_EQ(mesh->triangles().size(), 12U);
+    EXPECT_EQ(mesh->componentCount(), 1);
+    EXPECT_TRUE(mesh->isClosed(0));
+  }
+}
+
+TEST(TriangleMesh, MendsOrientation) {
+  Random random(1);
+  for (int i = 0; i < 20; ++i) {
+    TriangleSoup soup = torusSoup(12, 6, 1, 0.3, 0.1, random);
+    for (auto& t : soup.triangles) {
+      if (random.below(2) != 0) std::swap(t[0], t[1]);
+    }
+    const auto mesh = TriangleMesh::make(soup.vertices, soup.triangles);
+    ASSERT_EQ(mesh->closedComponentCount(), 1);
+    double volume = 0;
+    for (const auto& t : mesh->triangles()) {
+      const auto at = [&](std::size_t k) {
+        return mesh->vertices()[static_cast<std::size_t>(t[k])];
+      };
+      volume += at(0).dot(at(1).cross(at(2))) / 6;
+    }
+    EXPECT_GT(volume, 0.5);
+  }
+}
+
+TEST(TriangleMesh, WhatIsNotClosedIsASurface) {
+  TriangleSoup hole = boxSoup({1, 1, 1});
+  hole.triangles.pop_back();
+  EXPECT_EQ(TriangleMesh::make(hole.vertices, hole.triangles)->closedComponentCount(), 0);
+
+  TriangleSoup twice = boxSoup({1, 1, 1});
+  twice.triangles.push_back(twice.triangles[0]);
+  EXPECT_EQ(TriangleMesh::make(twice.vertices, twice.triangles)->closedComponentCount(), 0);
+
+  // A Moebius strip has a border; a Klein bottle, glued from a grid with one turn, has none but no
+  // orientation either.
+  TriangleSoup klein;
+  constexpr int n = 8;
+  for (int i = 0; i < n * n; ++i) klein.vertices.emplace_back(i % n, i / n, 0.1 * (i * i % 7));
+  const auto at = [](int i, int j) {
+    if (i >= n) {
+      i -= n;
+      j = n - j;
+    }
+    return i * n + (j + n) % n;
+  };
+  for (int i = 0; i < n; ++i) {
+    for (int j = 0; j < n; ++j) {
+      klein.triangles.push_back({at(i, j), at(i + 1, j), at(i + 1, j + 1)});
+      klein.triangles.push_back({at(i, j), at(i + 1, j + 1), at(i, j + 1)});
+    }
+  }
+  const auto mesh = TriangleMesh::make(klein.vertices, klein.triangles);
+  EXPECT_EQ(mesh->componentCount(), 1);
+  EXPECT_EQ(mesh->closedComponentCount(), 0);
+}
+
+TEST(TriangleMesh, DegenerateTrianglesStayAndDoNotOpenASolid) {
+  TriangleSoup soup = boxSoup({1, 1, 1});
+  soup.triangles.push_back({0, 0, 1});  // a segment along an edge
+  soup.triangles.push_back({3, 3, 3});  // a corner
+  soup.vertices.emplace_back(5, 5, 5);
+  soup.triangles.push_back({8, 8, 8});  // a point of its own
+  const auto mesh = TriangleMesh::make(soup.vertices, soup.triangles);
+  EXPECT_EQ(mesh->triangles().size(), 15U);
+  EXPECT_EQ(mesh->componentCount(), 2);
+  EXPECT_EQ(mesh->closedComponentCount(), 1);
+  EXPECT_EQ(mesh->component(12), mesh->component(0));
+  EXPECT_FALSE(mesh->isClosed(mesh->component(14)));
+}
+
+TEST(TriangleMesh, RejectsWhatIsNoMesh) {
+  const std::vector<Vector3d> points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  using Triangles = std::vector<TriangleMesh::Triangle>;
+  EXPECT_THROW(TriangleMesh::make(points, {}), InvalidShape);
+  EXPECT_THROW(TriangleMesh::make(points, Triangles{{0, 1, 3}}), InvalidShape);
+  EXPECT_THROW(TriangleMesh::make(points, Triangles{{0, 1, -1}}), InvalidShape);
+  std::vector<Vector3d> bad = points;
+  bad[1].y() = std::numeric_limits<double>::quiet_NaN();
+  try {
+    TriangleMesh::make(bad, Triangles{{0, 1, 2}});
+    FAIL();
+  } catch (const InvalidShape& e) {
+    EXPECT_NE(std::string(e.what()).find("vertex 1"), std::string::npos);
+  }
+}
+
+// Every node holds its triangles: sphere, box, core grown by the excess. The distance of a vertex
+// from a core's hull is bounded here by the distance from the core's own exact hull, facet by
+// facet.
+void expectTreeHolds(const TriangleMesh& mesh) {
+  const MeshTree& tree = mesh.tree();
+  std::vector<int> seen(mesh.triangles().size(), 0);
+  double worst = 0;
+  for (std::size_t id = 0; id < tree.nodes().size(); ++id) {
+    const MeshNode& node = tree.nodes()[id];
+    const ConvexView view = tree.nodeView(node);
+    const std::span<const Vector3d> core(view.points, static_cast<std::size_t>(view.count));
+    const HullBuilder hull(core);
+    for (int slot = node.triangle_begin; slot < node.triangle_end; ++slot) {
+      if (node.isLeaf()) ++seen[static_cast<std::size_t>(tree.triangleOf(slot))];
+      ASSERT_EQ(tree.slotOf(tree.triangleOf(slot)), slot);
+      for (int k = 0; k < 3; ++k) {
+        const Vector3d& v = tree.corners(slot)[k];
+        ASSERT_LE((v - node.center).norm(), node.radius);
+        ASSERT_TRUE((v.array() >= node.low.array()).all() &&
+                    (v.array() <= node.high.array()).all());
+        ASSERT_LE(v.norm(), tree.extent());
+        bool of_core = false;
+        for (const Vector3d& c : core) of_core = of_core || c == v;
+        if (of_core || hull.dimension() < 3) continue;
+        worst = std::max(worst, distanceFromHull(v, core, hull) - node.excess);
+      }
+    }
+    if (!node.isLeaf()) {
+      ASSERT_EQ(tree.node(static_cast<int>(id) + 1).triangle_begin, node.triangle_begin);
+      ASSERT_EQ(tree.node(static_cast<int>(id) + 1).triangle_end,
+                tree.node(node.right).triangle_begin);
+      ASSERT_EQ(tree.node(node.right).triangle_end, node.triangle_end);
+    }
+  }
+  EXPECT_LE(worst, 1e-13);
+  for (const int count : seen) ASSERT_EQ(count, 1);
+}
+
+TEST(MeshTree, NodesHoldTheirTriangles) {
+  for (const NamedMesh& m : sampleMeshes(11)) {
+    SCOPED_TRACE(m.name);
+    expectTreeHolds(*m.mesh);
+  }
+}
+
+TEST(MeshTree, NodesHoldTheirTrianglesInTheRobots) {
+  const auto files = meshFiles();
+  if (files.empty()) GTEST_SKIP() << "no test data";
+  for (const auto& file : files) {
+    const TriangleSoup soup = readMesh(file);
+    if (soup.triangles.size() > 3000) continue;  // the large ones take seconds here
+    SCOPED_TRACE(file.filename().string());
+    expectTreeHolds(*TriangleMesh::make(soup.vertices, soup.triangles));
+  }
+}
+
+// Sampled points of the hull's facets against all triangles.
+TEST(TriangleMesh, HullExcessIsAnUpperBound) {
+  for (const NamedMesh& m : sampleMeshes(12)) {
+    SCOPED_TRACE(m.name);
+    const auto hull = ConvexHull::compute(m.mesh->vertices());
+    Random random(3);
+    double met = 0;
+    for (const auto& f : hull->facets()) {
+      for (int i = 0; i < 20; ++i) {
+        double u = random.uniform(0, 1), v = random.uniform(0, 1);
+        if (u + v > 1) {
+          u = 1 - u;
+          v = 1 - v;
+        }
+        const auto at = [&](std::size_t k) {
+          return hull->vertices()[static_cast<std::size_t>(f[k])];
+        };
+        const Vector3d p = at(0) + u * (at(1) - at(0)) + v * (at(2) - at(0));
+        double nearest = std::numeric_limits<double>::infinity();
+        for (int slot = 0; slot < m.mesh->tree().triangleCount(); ++slot) {
+          const Vector3d* c = m.mesh->tree().corners(slot);
+          nearest = std::min(nearest, (p - closestPointOnTriangle(p, c[0], c[1], c[2])).norm());
+        }
+        met = std::max(met, nearest);
+      }
+    }
+    EXPECT_LE(met, m.mesh->hullExcess() + 1e-14);
+    EXPECT_LE(m.mesh->hullExcess(), std::max(1.3 * met, 2e-7));
+  }
+}
+
+// It was found to within 1e-7 m, more than a tenth of a mesh of half a micrometre.
+TEST(TriangleMesh, HullExcessFollowsTheSize) {
+  Random random(5);
+  for (const TriangleSoup& soup : {ballSoup(6, 8, 0.4, 0, random), ballSoup(6, 8, 0.4, 0.1, random),
+                                   torusSoup(9, 5, 0.3, 0.1, 0, random)}) {
+    const double large = TriangleMesh::make(soup.vertices, soup.triangles)->hullExcess();
+    for (const double scale : {std::ldexp(1, -21), std::ldexp(1, -31)}) {
+      std::vector<Vector3d> vertices = soup.vertices;
+      for (Vector3d& v : vertices) v *= scale;
+      EXPECT_EQ(TriangleMesh::make(vertices, soup.triangles)->hullExcess(), scale * large);
+    }
+  }
+}
+
+TEST(PointInSolid, AgreesWithSolidAngles) {
+  int inside = 0, outside = 0;
+  for (const NamedMesh& m : sampleMeshes(13)) {
+    SCOPED_TRACE(m.name);
+    Random random(5);
+    for (int c = 0; c < m.mesh->componentCount(); ++c) {
+      if (!m.mesh->isClosed(c)) continue;
+      for (int i = 0; i < casesToAsk(1000); ++i) {
+        const Vector3d p = random.vector();
+        const Side side = sideOf(*m.mesh, c, p);
+        const bool expected = std::lround(windingAround(*m.mesh, c, p)) != 0;
+        ASSERT_EQ(side, expected ? Side::kInside : Side::kOutside) << p.transpose();
+        ++(expected ? inside : outside);
+      }
+    }
+  }
+  EXPECT_GT(inside, casesToAsk(400));
+  EXPECT_GT(outside, casesToAsk(400));
+}
+
+TEST(PointInSolid, DecidesOnAxesAndDiagonalsOfABox) {
+  const auto mesh = TriangleMesh::make(boxSoup({1, 1, 1}).vertices, boxSoup({1, 1, 1}).triangles);
+  for (const double x : {0.0, 0.5, -0.25, 0.999}) {
+    EXPECT_EQ(sideOf(*mesh, 0, {x, x, x}), Side::kInside);
+    EXPECT_EQ(sideOf(*mesh, 0, {x, 0, 0}), Side::kInside);
+    EXPECT_EQ(sideOf(*mesh, 0, {1 + 1e-15, x, x}), Side::kOutside);
+  }
+  EXPECT_EQ(sideOf(*mesh, 0, {1, 0.5, 0.5}), Side::kUnknown);  // on the surface
+}
+
+}  // namespace
+}  // namespace leeway::collision

@@ -1,0 +1,199 @@
+#include "leeway/collision/time_to_impact.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <vector>
+
+#include "tools/truth/oracle/generate.h"
+
+namespace leeway::collision {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+long double extended(double x) { return static_cast<long double>(x); }
+
+/// How far the fastest motion allowed gets within t: the twin, in extended precision.
+long double reach(const PointMotion& m, long double t) {
+  const long double cap = extended(m.speed_cap), a = extended(m.acceleration),
+                    v = std::min(extended(m.speed), cap);
+  if (a == 0 || v >= cap) return v * t;
+  const long double rising = std::min(t, (cap - v) / a);
+  return v * rising + a * rising * rising / 2 + (t - rising > 0 ? cap * (t - rising) : 0);
+}
+
+TEST(TimeToImpact, GapIsUsedUpNeverEarlierAndHardlyLater) {
+  oracle::Random random(5);
+  int capped = 0;
+  for (int i = 0; i < 20'000; ++i) {
+    const auto power = [&] { return std::pow(10.0, random.uniform(-6, 4)); };
+    PointMotion m{random.uniform(0, 1) < 0.2 ? 0 : power(),
+                  random.uniform(0, 1) < 0.2 ? 0 : power(),
+                  random.uniform(0, 1) < 0.5 ? kInfinity : power()};
+    if (m.speed == 0 && m.acceleration == 0) continue;
+    const double gap = power();
+    const double t = timeToImpact(gap, m);
+    ASSERT_TRUE(std::isfinite(t));
+    EXPECT_LE(reach(m, extended(t)), extended(gap)) << i;
+    EXPECT_GE(reach(m, extended(t) * (1 + 1e-13L)), extended(gap) * (1 - 1e-12L)) << i;
+    capped += m.speed + m.acceleration * t > m.speed_cap;
+  }
+  EXPECT_GT(capped, 2000);
+}
+
+TEST(TimeToImpact, EdgesOfTheDomain) {
+  EXPECT_EQ(timeToImpact(0, {1, 1}), 0);
+  EXPECT_EQ(timeToImpact(-1, {0, 0}), 0);
+  EXPECT_EQ(timeToImpact(1, {0, 0}), kInfinity);
+  EXPECT_EQ(timeToImpact(1, {kInfinity, kInfinity, 0}), kInfinity);
+  EXPECT_EQ(timeToImpact(1, {kInfinity, 0}), 0);
+  EXPECT_EQ(timeToImpact(kInfinity, {1, 1}), kInfinity);
+  EXPECT_EQ(timeToImpact(kInfinity, {kInfinity, kInfinity}), 0);
+  EXPECT_NEAR(timeToImpact(1, {0, kInfinity, 2}), 0.5, 1e-14);
+  const double nan = std::nan("");
+  EXPECT_EQ(timeToImpact(nan, {0, 0}), 0);
+  EXPECT_EQ(timeToImpact(1, {nan, 0}), 0);
+  EXPECT_EQ(timeToImpact(1, {0, nan}), 0);
+  EXPECT_EQ(timeToImpact(1, {0, 0, nan}), 0);
+  EXPECT_EQ(timeToImpact(1, {-1, 0}), 0);
+  EXPECT_GT(timeToImpact(1e300, {1e-300, 0}), 1e300);
+}
+
+/// A body that swings and turns with bounds that are known exactly enough.
+struct Swing {
+  Eigen::Vector3d center, amplitude, axis;
+  double frequency, spin, radius;
+
+  Pose at(double t) const {
+    Pose X;
+    X.rotation = Eigen::AngleAxisd(spin * t, axis).toRotationMatrix();
+    X.translation = center + amplitude * std::sin(frequency * t);
+    return X;
+  }
+  PointMotion motion(double t) const {
+    const double a = amplitude.norm() * frequency;
+    return {(a * std::abs(std::cos(frequency * t)) + spin * radius) * (1 + 1e-12) + 1e-12,
+            (a * frequency + spin * spin * radius) * (1 + 1e-12),
+            (a + spin * radius) * (1 + 1e-12)};
+  }
+};
+
+struct Crowd {
+  Scene scene;
+  std::vector<Swing> swings;
+
+  explicit Crowd(int count, std::uint64_t seed) {
+    oracle::Random random(seed);
+    SceneBuilder builder;
+    for (int i = 0; i < count; ++i) {
+      Body body;
+      body.name = "body" + std::to_string(i);
+      body.moving = true;
+      const Eigen::Vector3d half(random.uniform(0.05, 0.3), random.uniform(0.05, 0.3),
+                                 random.uniform(0.05, 0.3));
+      body.geometries.push_back({Shape::box(half), Pose{}, ""});
+      builder.add(body);
+      const auto vector = [&](double size) {
+        return Eigen::Vector3d(random.uniform(-size, size), random.uniform(-size, size),
+                               random.uniform(-size, size));
+      };
+      swings.push_back({vector(1), vector(0.5), vector(1).normalized(), random.uniform(0.1, 3),
+                        random.uniform(0, 2), half.norm()});
+    }
+    builder.setDefaultMargin(0.01);
+    scene = builder.build();
+  }
+  void place(double t, Workspace& workspace) const {
+    for (std::size_t b = 0; b < swings.size(); ++b)
+      workspace.setPose(static_cast<int>(b), swings[b].at(t));
+  }
+};
+
+TEST(ImpactSchedule, NothingTouchesBeforeItSays) {
+  const Crowd crowd(12, 3);
+  const int pairs = static_cast<int>(crowd.scene.pairs().size());
+  Workspace workspace(crowd.scene), truth(crowd.scene);
+  ImpactSchedule schedule(crowd.scene);
+  std::vector<char> below(static_cast<std::size_t>(pairs), 0);
+  int met = 0, unsafe = 0, missed = 0;
+  const double dt = 0.01;
+  for (int k = 0; k < 800; ++k) {
+    const double t = k * dt;
+    for (std::size_t b = 0; b < crowd.swings.size(); ++b)
+      schedule.setMotion(static_cast<int>(b), crowd.swings[b].motion(t), t);
+    crowd.place(t, workspace);
+    const ImpactReport report = schedule.advance(t, dt, workspace);
+    EXPECT_EQ(report.safe_until, schedule.safeUntil());
+    std::vector<char> imminent(static_cast<std::size_t>(pairs), 0);
+    for (const std::int32_t p : schedule.imminent()) imminent[static_cast<std::size_t>(p)] = 1;
+    // Brute force: every pair, at moments within the step.
+    for (int s = 0; s < 4; ++s) {
+      const double now = t + dt * s / 4;
+      crowd.place(now, truth);
+      for (int p = 0; p < pairs; ++p) {
+        DistanceRequest request;
+        request.threshold = 0.01;
+        const bool touches = pairDistance(crowd.scene, truth, p, request).distance.upper <= 0.01;
+        if (!touches) continue;
+        below[static_cast<std::size_t>(p)] = 1;
+        unsafe += now < schedule.due(p);
+        missed += !imminent[static_cast<std::size_t>(p)];
+      }
+    }
+  }
+  for (const char b : below) met += b;
+  EXPECT_EQ(unsafe, 0);
+  EXPECT_EQ(missed, 0);
+  EXPECT_GT(met, 10);     // pairs that did come together
+  EXPECT_LT(met, pairs);  // and not all
+  EXPECT_LT(schedule.statistics.exact * 4, 800u * static_cast<unsigned>(pairs));
+}
+
+TEST(ImpactSchedule, FasterThanSaidIsLookedAtAgain) {
+  SceneBuilder builder;
+  for (const char* name : {"a", "b"}) {
+    Body body;
+    body.name = name;
+    body.moving = true;
+    body.geometries.push_back({Shape::sphere(0.1), Pose{}, ""});
+    builder.add(body);
+  }
+  const Scene scene = builder.build();
+  Workspace workspace(scene);
+  workspace.setPose(1, {Eigen::Matrix3d::Identity(), {1.2, 0, 0}});
+  ImpactSchedule schedule(scene);
+  EXPECT_EQ(schedule.safeUntil(), -kInfinity);
+  EXPECT_LT(schedule.advance(0, 1, workspace).safe_until, 0.01);  // motions are unknown
+  schedule.setMotion(0, {0.5, 0, 1}, 0);
+  schedule.setMotion(1, {0, 0, 0}, 0);
+  EXPECT_NEAR(schedule.advance(0, 1, workspace).safe_until, 2, 1e-3);
+  EXPECT_EQ(schedule.statistics.looks, 2u);
+  schedule.setMotion(0, {0.4, 0, 1}, 0.5);  // slower: nothing to do
+  EXPECT_NEAR(schedule.safeUntil(), 2, 1e-3);
+  schedule.setMotion(0, {0.8, 0, 1}, 0.5);
+  EXPECT_LE(schedule.safeUntil(), 0.5);
+  EXPECT_NEAR(schedule.advance(0.5, 0.1, workspace).safe_until, 1.75, 1e-3);
+  const ImpactReport nowhere = schedule.advance(std::nan(""), 0.1, workspace);
+  EXPECT_EQ(nowhere.safe_until, -kInfinity);
+  workspace.setPose(1, {Eigen::Matrix3d::Identity(), {0.15, 0, 0}});
+  schedule.setMotion(1, {9, 0, 9}, 0.5);
+  const ImpactReport report = schedule.advance(0.6, 0.1, workspace);
+  EXPECT_EQ(report.violated, 1);
+  EXPECT_EQ(report.imminent, 1);
+  EXPECT_EQ(schedule.imminent()[0], 0);
+  EXPECT_EQ(report.next_pair, 0);
+}
+
+TEST(ImpactSchedule, NoPairsAreSafeForever) {
+  const Scene scene = SceneBuilder().build();
+  Workspace workspace(scene);
+  ImpactSchedule schedule(scene);
+  const ImpactReport report = schedule.advance(0, 1, workspace);
+  EXPECT_EQ(report.safe_until, kInfinity);
+  EXPECT_EQ(report.next_pair, -1);
+}
+
+}  // namespace
+}  // namespace leeway::collision

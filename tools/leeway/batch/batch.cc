@@ -1,0 +1,279 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "leeway/planner/plan.h"
+#include "leeway/planner/verify.h"
+#include "leeway/robots/input_error.h"
+#include "tools/leeway/batch/batch_list.h"
+#include "tools/leeway/batch/batch_output.h"
+#include "tools/leeway/support/exit_status.h"
+#include "tools/leeway/support/json_result.h"
+#include "tools/leeway/support/problem_source.h"
+#include "tools/leeway/support/terminal.h"
+#include "tools/leeway/support/verb.h"
+#include "tools/leeway/support/warning_log.h"
+
+namespace leeway::tools {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+struct Arguments {
+  ProblemSource source;  ///< robot, srdf and packages only
+  PlanOverrides overrides;
+  std::vector<std::string> inputs;
+  std::string shard, output;
+  bool resume = false, verify = false;
+};
+
+double secondsSince(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+/// What became of the problems, for the last line on stderr and for the exit status.
+struct Tally {
+  int solved = 0, unsolved = 0, invalid = 0, not_verified = 0, bad_input = 0, faults = 0;
+  std::vector<double> plan_s, total_s;
+
+  int status() const {
+    if (faults > 0) {
+      return kInternal;
+    }
+    if (bad_input > 0) {
+      return kBadInput;
+    }
+    return unsolved + invalid + not_verified > 0 ? kNo : kYes;
+  }
+};
+
+double median(std::vector<double> values) {
+  if (values.empty()) {
+    return 0;
+  }
+  std::sort(values.begin(), values.end());
+  const std::size_t middle = values.size() / 2;
+  return values.size() % 2 == 1 ? values[middle] : 0.5 * (values[middle - 1] + values[middle]);
+}
+
+planner::Problem load(const Arguments& arguments, const std::shared_ptr<const robots::Model>& model,
+                      const BatchItem& item, WarningLog& warnings) {
+  if (!item.error.empty()) {
+    throw robots::InputError(item.problem, 0, item.error);
+  }
+  planner::Problem problem;
+  if (model) {
+    problem = planner::loadMoveit(model, item.problem, item.request);
+  } else {
+    problem = planner::loadProblem(item.problem, {.load = loadOptions(arguments.source)});
+    warnings.print(problem.model->warnings);
+  }
+  warnings.print(problem.warnings);
+  return problem;
+}
+
+void count(const planner::PlanResult& result, Tally& tally) {
+  switch (result.status) {
+    case planner::PlanStatus::kSolved:
+      // A path without its proof is not an answer.
+      result.certificate.certified ? ++tally.solved : ++tally.unsolved;
+      tally.plan_s.push_back(result.plan_s);
+      tally.total_s.push_back(result.compile_s + result.plan_s + result.simplify_s +
+                              result.certify_s);
+      break;
+    case planner::PlanStatus::kUnsolved:
+      ++tally.unsolved;
+      break;
+    case planner::PlanStatus::kInvalidStart:
+    case planner::PlanStatus::kInvalidGoal:
+      ++tally.invalid;
+      break;
+  }
+}
+
+Json solve(const Arguments& arguments, const std::shared_ptr<const robots::Model>& model,
+           const BatchItem& item, Tally& tally, WarningLog& warnings) {
+  const auto start = Clock::now();
+  planner::Problem problem = load(arguments, model, item, warnings);
+  apply(arguments.overrides, problem);
+  const double load_s = secondsSince(start);
+  const planner::PlanResult result = planner::plan(problem, interactivePlanOptions());
+  warnings.print(result.warnings);
+  std::optional<planner::Trajectory> trajectory;
+  if (result.status == planner::PlanStatus::kSolved) {
+    trajectory = planner::trajectoryOf(problem, result.path);
+  }
+  Json document = toJson(problem, result, trajectory, load_s);
+  Json verification;
+  if (arguments.verify && result.status == planner::PlanStatus::kSolved) {
+    const auto verify_start = Clock::now();
+    const planner::VerifyResult verified =
+        planner::verify(problem, result.path, interactivePlanOptions());
+    verification = toJson(verified);
+    verification["time_s"] = secondsSince(verify_start);
+    if (verified.status != planner::VerifyStatus::kCertified) {
+      ++tally.not_verified;
+    }
+  }
+  if (arguments.verify) {
+    document["verify"] = verification;
+  }
+  count(result, tally);
+  return document;
+}
+
+/// A line of the run before counts as it counted then.
+void countKept(const std::string& line, Tally& tally) {
+  const auto document = nlohmann::json::parse(line);
+  const std::string status = document["status"];
+  const auto flag = [](const nlohmann::json& object, const char* key) {
+    return object.is_object() && object.value(key, false);
+  };
+  if (status == "solved" && document.contains("certificate") &&
+      flag(document["certificate"], "certified")) {
+    ++tally.solved;
+  } else {
+    status == "solved" || status == "unsolved" ? ++tally.unsolved : ++tally.invalid;
+  }
+  if (document.contains("verify") && document["verify"].is_object() &&
+      document["verify"]["status"] != "certified") {
+    ++tally.not_verified;
+  }
+}
+
+/// One line, whatever happens: bad input and faults of our own are told in it and on stderr, and
+/// the batch goes on.
+Json solveOrReport(const Arguments& arguments, const std::shared_ptr<const robots::Model>& model,
+                   const BatchItem& item, Tally& tally, WarningLog& warnings) {
+  Json line = {{"problem", item.problem}};
+  Json answer;
+  try {
+    answer = solve(arguments, model, item, tally, warnings);
+  } catch (const robots::InputError& error) {
+    ++tally.bad_input;
+    answer = {{"status", "error"}, {"error", error.what()}};
+  } catch (const std::exception& error) {
+    ++tally.faults;
+    answer = {{"status", "internal_error"}, {"error", error.what()}};
+  }
+  if (answer.contains("error")) {
+    endProgress();
+    const std::string message = answer["error"];
+    fmt::print(stderr, "{}\n", message);
+  }
+  line.update(answer);
+  return line;
+}
+
+void printSummary(const Tally& tally, std::size_t count, std::size_t kept, bool verified) {
+  std::string text = fmt::format(
+      "{} problems: {} solved, {} unsolved, {} with an invalid start or goal, {} with bad input",
+      count, tally.solved, tally.unsolved, tally.invalid, tally.bad_input);
+  if (verified) {
+    text += fmt::format(", {} not verified", tally.not_verified);
+  }
+  if (tally.faults > 0) {
+    text += fmt::format(", {} faults of this program", tally.faults);
+  }
+  if (kept > 0) {
+    text += fmt::format("; {} kept from the run before", kept);
+  }
+  if (!tally.plan_s.empty()) {
+    text += fmt::format(
+        "; median {:.2f} ms of planning, {:.2f} ms with compiling, simplifying and certifying",
+        median(tally.plan_s) * 1e3, median(tally.total_s) * 1e3);
+  }
+  fmt::print(stderr, "{}\n", text);
+}
+
+std::vector<BatchItem> listItems(const Arguments& arguments) {
+  std::vector<BatchItem> items = arguments.source.robot.empty()
+                                     ? listProblems(arguments.inputs)
+                                     : listMoveitProblems(arguments.inputs);
+  std::set<std::string> seen;
+  std::vector<BatchItem> unique;
+  for (const BatchItem& item : items) {
+    if (seen.insert(item.problem).second) {
+      unique.push_back(item);
+    }
+  }
+  return arguments.shard.empty() ? unique : selectShard(unique, arguments.shard);
+}
+
+int run(const Arguments& arguments) {
+  if (arguments.resume && arguments.output.empty()) {
+    throw robots::InputError("command line", 0, "--resume continues a file: name it with --output");
+  }
+  const std::vector<BatchItem> items = listItems(arguments);
+  WarningLog warnings;
+  std::shared_ptr<const robots::Model> model;
+  if (!arguments.source.robot.empty()) {
+    model = robots::loadModel(arguments.source.robot, arguments.source.srdf,
+                              loadOptions(arguments.source));
+    warnings.print(model->warnings);
+  }
+  BatchOutput output(arguments.output, items, arguments.resume, arguments.overrides.seed);
+  Tally tally;
+  std::size_t done = 0;
+  for (const BatchItem& item : items) {
+    ++done;
+    if (output.has(item.problem)) {
+      countKept(output.line(item.problem), tally);
+      continue;
+    }
+    showProgress(fmt::format("{} of {}: {}", done, items.size(), item.problem));
+    const Json line = solveOrReport(arguments, model, item, tally, warnings);
+    if (interrupted()) {
+      // This problem was cut short: it is not part of the answer.
+      endProgress();
+      warnings.printCounts();
+      fmt::print(stderr, "interrupted after {} of {} problems{}\n", done - 1, items.size(),
+                 arguments.output.empty()
+                     ? ""
+                     : fmt::format("; {} holds them for --resume", output.partialPath()));
+      return kNo;
+    }
+    output.add(item.problem, jsonText(line));
+  }
+  endProgress();
+  output.finish();
+  warnings.printCounts();
+  printSummary(tally, items.size(), output.keptCount(), arguments.verify);
+  return tally.status();
+}
+
+}  // namespace
+
+Verb addBatch(CLI::App& command) {
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* app =
+      command.add_subcommand("batch", "plan many problems in one process, one JSON line each");
+  app->add_option(
+         "inputs", arguments->inputs,
+         "problem files or folders of them; with --robot folders of MoveIt scenes and requests")
+      ->type_name("FILE|FOLDER")
+      ->required();
+  addRobotArguments(*app, arguments->source);
+  addPlanOverrides(*app, arguments->overrides);
+  app->add_option("--shard", arguments->shard, "only every N-th problem from the i-th")
+      ->type_name("i/N");
+  app->add_option("--output", arguments->output,
+                  "write the lines to FILE; FILE.partial grows until all are done")
+      ->type_name("FILE");
+  app->add_flag("--resume", arguments->resume, "continue an interrupted --output FILE");
+  app->add_flag("--verify", arguments->verify,
+                "add the independent verifier's answer to each line");
+  app->footer(
+      "A line is what `plan --json` prints, with `problem`, the file's path, before it; bad input "
+      "is a line too, and the rest goes on.\n\n"
+      "Examples:\n"
+      "  leeway batch problems/shelf --time 1 --verify --output lines.json\n"
+      "  leeway batch problems/shelf --time 1 --shard 1/2");
+  return {app, [arguments] { return run(*arguments); }};
+}
+
+}  // namespace leeway::tools

@@ -1,0 +1,222 @@
+#include "tools/leeway/batch/batch_list.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <charconv>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <set>
+#include <utility>
+
+#include "leeway/robots/input_error.h"
+
+namespace leeway::tools {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool isYaml(const fs::path& path) {
+  return path.extension() == ".yaml" || path.extension() == ".yml";
+}
+
+/// All YAML files of a folder and the folders in it, sorted by path.
+std::vector<fs::path> yamlFilesBelow(const fs::path& folder) {
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    if (entry.is_regular_file() && isYaml(entry.path())) {
+      files.push_back(entry.path());
+    }
+  }
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+/// Whether a file found in a folder says that it is a problem: a line begins with the key `leeway`.
+bool isProblemFile(const fs::path& file) {
+  std::ifstream in(file);
+  for (std::string line; std::getline(in, line);) {
+    if (line.starts_with("leeway:")) {
+      return true;
+    }
+  }
+  return false;
+}
+
+void requireExists(const std::string& input) {
+  if (!fs::exists(input)) {
+    throw robots::InputError(input, 0, "there is no such file or folder");
+  }
+}
+
+/// What a file name says: "scene0042.yaml" is scene 42.
+struct NumberedName {
+  enum class Kind { kScene, kRequest, kOther } kind = Kind::kOther;
+  long number = -1;
+};
+
+NumberedName parseName(const fs::path& path) {
+  const std::string stem = path.stem().string();
+  NumberedName name;
+  if (stem.starts_with("scene")) {
+    name.kind = NumberedName::Kind::kScene;
+  } else if (stem.starts_with("request")) {
+    name.kind = NumberedName::Kind::kRequest;
+  }
+  std::size_t first = stem.size();
+  while (first > 0 && std::isdigit(static_cast<unsigned char>(stem[first - 1])) != 0) {
+    --first;
+  }
+  const char* end = stem.data() + stem.size();
+  if (std::from_chars(stem.data() + first, end, name.number).ec != std::errc()) {
+    name.kind = NumberedName::Kind::kOther;
+  }
+  return name;
+}
+
+/// The pairs of one folder, by number.
+using Folder = std::map<long, BatchItem>;
+
+void addToFolder(Folder& folder, const fs::path& file, const NumberedName& name) {
+  BatchItem& item = folder[name.number];
+  std::string& place = name.kind == NumberedName::Kind::kScene ? item.problem : item.request;
+  if (!place.empty() && place != file.string()) {
+    item.error = fmt::format("{} and {} have the same number", place, file.string());
+    return;
+  }
+  place = file.string();
+}
+
+void appendFolder(const Folder& folder, std::vector<BatchItem>& items) {
+  for (const auto& [number, pair] : folder) {
+    BatchItem item = pair;
+    if (item.problem.empty()) {
+      item.problem = item.request;
+      item.error =
+          fmt::format("{}: there is no scene with number {} beside it", item.request, number);
+    } else if (item.request.empty()) {
+      item.error =
+          fmt::format("{}: there is no request with number {} beside it", item.problem, number);
+    }
+    items.push_back(item);
+  }
+}
+
+/// The scene given by name, with the request of its number from its folder.
+BatchItem pairScene(const fs::path& scene) {
+  const NumberedName wanted = parseName(scene);
+  if (wanted.kind != NumberedName::Kind::kScene) {
+    throw robots::InputError(scene.string(), 0,
+                             "is not named like a scene; sceneNNNN.yaml files and folders of them "
+                             "are accepted with --robot");
+  }
+  const fs::path parent = scene.has_parent_path() ? scene.parent_path() : fs::path(".");
+  Folder folder;
+  addToFolder(folder, scene, wanted);
+  for (const auto& entry : fs::directory_iterator(parent)) {
+    const NumberedName name = parseName(entry.path());
+    if (isYaml(entry.path()) && name.kind == NumberedName::Kind::kRequest &&
+        name.number == wanted.number) {
+      addToFolder(folder, entry.path(), name);
+    }
+  }
+  std::vector<BatchItem> items;
+  appendFolder(folder, items);
+  return items.front();
+}
+
+/// "i/N" with 0 <= i <= N; false when it is not that.
+bool parseShard(const std::string& text, std::size_t& index, std::size_t& count) {
+  const char* end = text.data() + text.size();
+  const auto first = std::from_chars(text.data(), end, index);
+  if (first.ec != std::errc() || first.ptr == end || *first.ptr != '/') {
+    return false;
+  }
+  const auto second = std::from_chars(first.ptr + 1, end, count);
+  return second.ec == std::errc() && second.ptr == end && count > 0 && index <= count;
+}
+
+/// Each problem once, however often and under whatever names its file is given.
+std::vector<BatchItem> withoutRepeats(std::vector<BatchItem> items) {
+  std::set<fs::path> seen;
+  std::erase_if(items, [&](const BatchItem& item) {
+    const bool repeated = !seen.insert(fs::weakly_canonical(item.problem)).second;
+    if (repeated) {
+      fmt::print(stderr, "{}: left out, it is in the list already\n", item.problem);
+    }
+    return repeated;
+  });
+  return items;
+}
+
+}  // namespace
+
+std::vector<BatchItem> listProblems(const std::vector<std::string>& inputs) {
+  std::vector<BatchItem> items;
+  for (const std::string& input : inputs) {
+    requireExists(input);
+    if (!fs::is_directory(input)) {
+      items.push_back({input, "", ""});
+      continue;
+    }
+    const auto files = yamlFilesBelow(input);
+    if (files.empty()) {
+      throw robots::InputError(input, 0, "there is no .yaml file in this folder");
+    }
+    for (const fs::path& file : files) {
+      if (isProblemFile(file)) {
+        items.push_back({file.string(), "", ""});
+      } else {
+        fmt::print(stderr, "{}: left out, it has no key 'leeway' and so is no problem file\n",
+                   file.string());
+      }
+    }
+  }
+  return withoutRepeats(std::move(items));
+}
+
+std::vector<BatchItem> listMoveitProblems(const std::vector<std::string>& inputs) {
+  std::vector<BatchItem> items;
+  for (const std::string& input : inputs) {
+    requireExists(input);
+    if (!fs::is_directory(input)) {
+      items.push_back(pairScene(input));
+      continue;
+    }
+    std::map<fs::path, Folder> folders;
+    for (const fs::path& file : yamlFilesBelow(input)) {
+      const NumberedName name = parseName(file);
+      if (name.kind != NumberedName::Kind::kOther) {
+        addToFolder(folders[file.parent_path()], file, name);
+      }
+    }
+    if (folders.empty()) {
+      throw robots::InputError(
+          input, 0, "there is no sceneNNNN.yaml with its requestNNNN.yaml in this folder");
+    }
+    for (const auto& [path, folder] : folders) {
+      appendFolder(folder, items);
+    }
+  }
+  return withoutRepeats(std::move(items));
+}
+
+std::vector<BatchItem> selectShard(const std::vector<BatchItem>& items, const std::string& shard) {
+  std::size_t index = 0;
+  std::size_t count = 0;
+  if (!parseShard(shard, index, count)) {
+    throw robots::InputError("command line", 0,
+                             fmt::format("--shard '{}' is not i/N, such as 1/4 to 4/4", shard));
+  }
+  std::vector<BatchItem> selected;
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    if ((i + 1) % count == index % count) {
+      selected.push_back(items[i]);
+    }
+  }
+  return selected;
+}
+
+}  // namespace leeway::tools

@@ -1,0 +1,114 @@
+#include "tools/leeway/batch/batch_output.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "leeway/planner/path_io.h"
+#include "leeway/robots/input_error.h"
+
+namespace leeway::tools {
+
+BatchOutput::BatchOutput(std::string path, const std::vector<BatchItem>& items, bool resume,
+                         std::optional<std::uint64_t> seed)
+    : path_(std::move(path)) {
+  for (const BatchItem& item : items) {
+    order_.push_back(item.problem);
+  }
+  if (path_.empty()) {
+    return;
+  }
+  if (resume) {
+    if (std::filesystem::exists(partialPath())) {
+      keepLinesOf(partialPath(), seed);
+    } else if (std::filesystem::exists(path_)) {
+      keepLinesOf(path_, seed);
+    }
+    kept_ = lines_.size();
+  }
+  planner::writeFileWhole(partialPath(), linesInOrder());
+  partial_ = std::fopen(partialPath().c_str(), "ab");
+  if (partial_ == nullptr) {
+    throw robots::InputError(partialPath(), 0,
+                             fmt::format("cannot be written: {}", std::strerror(errno)));
+  }
+}
+
+BatchOutput::~BatchOutput() {
+  if (partial_ != nullptr) {
+    std::fclose(partial_);
+  }
+}
+
+void BatchOutput::keepLinesOf(const std::string& file, std::optional<std::uint64_t> seed) {
+  std::ifstream in(file, std::ios::binary);
+  std::string line;
+  for (int number = 1; std::getline(in, line); ++number) {
+    if (in.eof()) {
+      return;  // no line break: the run was cut off while it wrote this line
+    }
+    const auto document = nlohmann::json::parse(line, nullptr, false);
+    if (!document.is_object() || !document.contains("problem") ||
+        !document["problem"].is_string() || !document.contains("status")) {
+      throw robots::InputError(
+          file, number, "is not a line of a batch; without --resume the file is written anew");
+    }
+    const std::string problem = document["problem"];
+    if (std::find(order_.begin(), order_.end(), problem) == order_.end()) {
+      throw robots::InputError(
+          file, number,
+          fmt::format(
+              "'{}' is not a problem of this batch; resume with the arguments of the first run",
+              problem));
+    }
+    if (seed && document.contains("seed") && document["seed"] != *seed) {
+      throw robots::InputError(
+          file, number,
+          fmt::format("has seed {}, not {}; resume with the arguments of the first run",
+                      document["seed"].dump(), *seed));
+    }
+    if (document["status"] != "error" && document["status"] != "internal_error") {
+      lines_[problem] = line;
+    }
+  }
+}
+
+std::string BatchOutput::linesInOrder() const {
+  std::string text;
+  for (const std::string& problem : order_) {
+    const auto line = lines_.find(problem);
+    if (line != lines_.end()) {
+      text += line->second + "\n";
+    }
+  }
+  return text;
+}
+
+void BatchOutput::add(const std::string& problem, const std::string& line) {
+  std::FILE* file = partial_ != nullptr ? partial_ : stdout;
+  const std::string text = line + "\n";
+  if (std::fwrite(text.data(), 1, text.size(), file) != text.size() || std::fflush(file) != 0) {
+    throw robots::InputError(path_.empty() ? "standard output" : partialPath(), 0,
+                             fmt::format("cannot be written: {}", std::strerror(errno)));
+  }
+  if (partial_ != nullptr) {
+    lines_[problem] = line;
+  }
+}
+
+void BatchOutput::finish() {
+  if (partial_ == nullptr) {
+    return;
+  }
+  planner::writeFileWhole(path_, linesInOrder());
+  std::fclose(partial_);
+  partial_ = nullptr;
+  std::filesystem::remove(partialPath());
+}
+
+}  // namespace leeway::tools

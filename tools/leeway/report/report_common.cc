@@ -1,0 +1,88 @@
+#include "tools/leeway/report/report_common.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <system_error>
+#include <utility>
+
+#include "leeway/planner/path_io.h"
+#include "leeway/robots/input_error.h"
+#include "tools/leeway/support/exit_status.h"
+
+namespace leeway::tools {
+namespace {
+
+std::string within(const std::string& folder, const std::string& name) {
+  return std::filesystem::path(folder) / name;
+}
+
+/// `folder`, or what of its path is there already, takes new files and folders.
+void requireWritable(const std::string& folder) {
+  std::filesystem::path there = folder.empty() ? "." : std::filesystem::absolute(folder);
+  // Also a link that leads nowhere is there: nothing can be made in its place.
+  const auto isThere = [](const std::filesystem::path& path) {
+    std::error_code error;
+    return std::filesystem::exists(std::filesystem::symlink_status(path, error));
+  };
+  while (!isThere(there) && there.has_relative_path()) there = there.parent_path();
+  std::error_code error;
+  const int reason = !std::filesystem::is_directory(there, error) ? ENOTDIR
+                     : ::access(there.c_str(), W_OK | X_OK) != 0  ? errno
+                                                                  : 0;
+  if (reason != 0)
+    throw robots::InputError(folder, 0,
+                             fmt::format("cannot be written: {}: {}; a folder for CSV and pictures "
+                                         "is expected",
+                                         there.string(), std::strerror(reason)));
+}
+
+}  // namespace
+
+RivalReport::RivalReport(std::string folder) : folder_(std::move(folder)) {
+  requireWritable(folder_);
+}
+
+void RivalReport::loadRivals() {
+  modules_ = report::loadRivals();
+  for (const report::RivalModule& module : modules_) {
+    if (module.problem.empty()) continue;
+    fmt::print(stderr, "without {}: {}\n", module.library, module.problem);
+    missing_.push_back(module.library);
+  }
+}
+
+void RivalReport::write(const std::string& name, const std::string& text) {
+  std::error_code error;  // what is wrong shows when the file is written
+  std::filesystem::create_directories(folder_, error);
+  planner::writeFileWhole(within(folder_, name), text);
+  names_.push_back(name);
+}
+
+int RivalReport::end(bool json, const End& end) const {
+  const double seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
+  if (json) {
+    std::vector<std::string> files;
+    for (const std::string& name : names_) files.push_back(within(folder_, name));
+    fmt::print("{}\n", nlohmann::json{{"seed", end.seed},
+                                      {end.counted, end.count},
+                                      {"missing", missing_},
+                                      {"own_errors", end.own_errors},
+                                      {"processor", end.processor},
+                                      {"time_s", seconds},
+                                      {"files", files}}
+                           .dump());
+  } else {
+    fmt::print("{}{}, {:.0f} s; in {}: {}\n", end.text, end.words, seconds, folder_,
+               fmt::join(names_, ", "));
+  }
+  return end.own_errors == 0 ? kYes : kNo;
+}
+
+}  // namespace leeway::tools

@@ -1,0 +1,144 @@
+#include "tools/leeway/support/json_result.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "leeway/robots/input_error.h"
+
+namespace leeway::tools {
+namespace {
+
+Json certificateJson(const planner::Certificate& certificate,
+                     const std::optional<planner::Trajectory>& trajectory) {
+  Json segments = Json::array();
+  for (const auto& segment : certificate.segments) {
+    segments.push_back({{"clearance_lower", jsonNumber(segment.lower)},
+                        {"clearance_upper", jsonNumber(segment.upper)}});
+  }
+  Json closest;  // null: nothing is near
+  if (certificate.closest_segment >= 0) {
+    closest = {{"a", certificate.closest_a},
+               {"b", certificate.closest_b},
+               {"segment", certificate.closest_segment},
+               {"t", jsonNumber(certificate.closest_t)},
+               {"point_a", jsonVector(certificate.closest_point_a)},
+               {"point_b", jsonVector(certificate.closest_point_b)}};
+    if (trajectory) {
+      const auto time = trajectory->passes(certificate.closest_segment, certificate.closest_t);
+      closest["time"] = time ? jsonNumber(*time) : Json();  // null: cut off by a blend
+    }
+  }
+  return {{"certified", certificate.certified},
+          {"clearance_lower", jsonNumber(certificate.clearance.lower)},
+          {"clearance_upper", jsonNumber(certificate.clearance.upper)},
+          {"closest", closest},
+          {"segments", segments}};
+}
+
+Json offendingJson(const planner::PlanResult& result) {
+  const auto& check = result.offending;
+  const bool overlapping = check.clearance.upper <= 0;
+  return {{"a", result.offending_a},
+          {"b", result.offending_b},
+          {"clearance_lower", jsonNumber(check.clearance.lower)},
+          {"clearance_upper", jsonNumber(check.clearance.upper)},
+          {"depth", overlapping ? jsonNumber(-check.clearance.upper) : Json()},
+          {"point_a", jsonVector(check.closest.point_a)},
+          {"point_b", jsonVector(check.closest.point_b)},
+          {"normal", jsonVector(check.closest.normal)}};
+}
+
+Json trajectoryJson(const planner::Trajectory& trajectory) {
+  Json corners = Json::array();
+  for (const planner::Blend& blend : trajectory.blends()) corners.push_back(blend.corner);
+  return {{"duration", trajectory.duration()}, {"blended_corners", corners}};
+}
+
+}  // namespace
+
+Json jsonNumber(double value) { return std::isfinite(value) ? Json(value) : Json(); }
+
+Json jsonVector(const Eigen::Vector3d& v) {
+  return {jsonNumber(v.x()), jsonNumber(v.y()), jsonNumber(v.z())};
+}
+
+Json toJson(const planner::Problem& problem, const planner::PlanResult& result,
+            const std::optional<planner::Trajectory>& trajectory, double load_s) {
+  const bool solved = result.status == planner::PlanStatus::kSolved;
+  const bool invalid = result.status == planner::PlanStatus::kInvalidStart ||
+                       result.status == planner::PlanStatus::kInvalidGoal;
+  Json document = {{"status", planner::toString(result.status)},
+                   {"seed", result.seed},
+                   {"planner", result.planner},
+                   {"objective", problem.objective},
+                   {"deterministic", result.deterministic},
+                   {"time_s",
+                    {{"load", load_s},
+                     {"compile", result.compile_s},
+                     {"plan", result.plan_s},
+                     {"simplify", result.simplify_s},
+                     {"certify", result.certify_s}}},
+                   {"counts",
+                    {{"iterations", result.iterations},
+                     {"states", result.states},
+                     {"edges", result.edges},
+                     {"distance_queries", result.distance_queries}}}};
+  document["warnings"] = result.warnings;
+  document["goal"] =
+      result.goal >= 0 ? Json(problem.goals[static_cast<std::size_t>(result.goal)].name) : Json();
+  document["path"] = Json();
+  document["length"] = Json();
+  document["certificate"] = Json();
+  document["trajectory"] = Json();
+  if (solved) {
+    document["path"] = {{"joint_names", result.path.names}, {"positions", result.path.positions}};
+    document["length"] = jsonNumber(result.length);
+    document["certificate"] = certificateJson(result.certificate, trajectory);
+    if (trajectory) document["trajectory"] = trajectoryJson(*trajectory);
+  }
+  if (invalid) {
+    document["offending"] = offendingJson(result);
+  }
+  return document;
+}
+
+Json toJson(const planner::VerifyResult& result) {
+  const bool certified = result.status == planner::VerifyStatus::kCertified;
+  Json document = {{"status", toString(result.status)},
+                   {"clearance_lower", certified ? jsonNumber(result.clearance_lower) : Json()}};
+  Json where;  // null: certified, or the failure is not at a place of the path
+  if (!certified && result.segment >= 0) {
+    where = {{"segment", result.segment}, {"t0", result.t0}, {"t1", result.t1}};
+    where["a"] = result.a.empty() ? Json() : Json(result.a);
+    where["b"] = result.b.empty() ? Json() : Json(result.b);
+  }
+  document["where"] = where;
+  document["reason"] = result.reason.empty() ? Json() : Json(result.reason);
+  return document;
+}
+
+const char* toString(planner::VerifyStatus status) {
+  switch (status) {
+    case planner::VerifyStatus::kCertified:
+      return "certified";
+    case planner::VerifyStatus::kRefuted:
+      return "refuted";
+    case planner::VerifyStatus::kUndecided:
+      break;
+  }
+  return "undecided";
+}
+
+std::string jsonText(const Json& document, int indent) {
+  return document.dump(indent, ' ', false, Json::error_handler_t::replace);
+}
+
+void printJson(const Json& document) {
+  const bool terminal = isatty(STDOUT_FILENO) == 1;
+  fmt::print("{}\n", jsonText(document, terminal ? 2 : -1));
+}
+
+}  // namespace leeway::tools

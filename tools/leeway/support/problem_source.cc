@@ -1,0 +1,202 @@
+#include "tools/leeway/support/problem_source.h"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+#include <set>
+
+#include "leeway/robots/input_error.h"
+
+namespace leeway::tools {
+namespace {
+
+[[noreturn]] void badUsage(const std::string& message) {
+  throw robots::InputError("command line", 0, message);
+}
+
+std::shared_ptr<const robots::Model> loadRobot(const ProblemSource& source) {
+  auto model = robots::loadModel(source.robot, source.srdf, loadOptions(source));
+  printWarnings(model->warnings);
+  return model;
+}
+
+planner::Problem loadFromRobot(const ProblemSource& source) {
+  const bool moveit = !source.scene.empty() || !source.request.empty();
+  const bool states = !source.group.empty() || !source.start.empty() || !source.goal.empty();
+  if (moveit && states) {
+    badUsage(
+        "--scene and --request name start and goal already; leave --group, --start and --goal out");
+  }
+  if (moveit) {
+    if (source.scene.empty() || source.request.empty()) {
+      badUsage("--scene and --request go together");
+    }
+    return planner::loadMoveit(loadRobot(source), source.scene, source.request);
+  }
+  if (source.group.empty() || source.start.empty() || source.goal.empty()) {
+    badUsage(
+        "beside --robot either --group, --start and --goal are needed, or --scene and --request");
+  }
+  return planner::problemFromStates(loadRobot(source), source.group, source.start, source.goal);
+}
+
+}  // namespace
+
+void addRobotArguments(CLI::App& app, ProblemSource& source) {
+  app.add_option("--robot", source.robot, "URDF of the robot")->type_name("URDF");
+  app.add_option("--srdf", source.srdf, "SRDF of the robot: groups, states, pairs that may touch")
+      ->type_name("SRDF");
+  app.add_option("--package", source.packages, "where package://NAME/ lies; may be repeated")
+      ->type_name("NAME=DIR");
+}
+
+namespace {
+
+void addStatesAndMoveitArguments(CLI::App& app, ProblemSource& source) {
+  addRobotArguments(app, source);
+  app.add_option("--group", source.group, "planned group of the SRDF")->type_name("NAME");
+  app.add_option("--start", source.start, "group state to start from")->type_name("NAME");
+  app.add_option("--goal", source.goal, "group state to reach")->type_name("NAME");
+  app.add_option("--scene", source.scene, "MoveIt planning scene")->type_name("YAML");
+  app.add_option("--request", source.request, "MoveIt motion plan request")->type_name("YAML");
+}
+
+}  // namespace
+
+void addProblemArguments(CLI::App& app, ProblemSource& source) {
+  app.add_option("problem", source.problem, "problem file")->type_name("PROBLEM.yaml");
+  addStatesAndMoveitArguments(app, source);
+}
+
+void addProblemAndPathArguments(CLI::App& app, ProblemSource& source,
+                                std::vector<std::string>& files) {
+  app.add_option("files", files,
+                 "problem file (not with --robot) and path file: .yaml .json .csv .path")
+      ->type_name("PROBLEM.yaml PATH")
+      ->expected(1, 2);
+  addStatesAndMoveitArguments(app, source);
+}
+
+std::string seedError(const std::string& text) {
+  std::uint64_t seed = 0;
+  const char* end = text.data() + text.size();
+  const auto read = std::from_chars(text.data(), end, seed);
+  return read.ec == std::errc() && read.ptr == end
+             ? ""
+             : fmt::format("'{}' is not a whole number from 0 to 18446744073709551615", text);
+}
+
+void addRunLimits(CLI::App& app, PlanOverrides& overrides) {
+  app.add_option("--seed", overrides.seed, "seed of the run; same seed, same answer")
+      ->type_name("N")
+      ->check(seedError);
+  app.add_option("--time", overrides.time_limit, "limit of the run [s]")->type_name("SECONDS");
+}
+
+void addPlanOverrides(CLI::App& app, PlanOverrides& overrides) {
+  addRunLimits(app, overrides);
+  app.add_option("--iterations", overrides.iteration_limit,
+                 "limit of planner iterations, 0 for none")
+      ->type_name("N");
+  app.add_option("--planner", overrides.planner,
+                 "planner by name; `leeway plan --planners` lists them")
+      ->type_name("NAME");
+  app.add_option("--objective", overrides.objective, "length or clearance")->type_name("NAME");
+}
+
+robots::LoadOptions loadOptions(const ProblemSource& source) {
+  robots::LoadOptions options;
+  for (const std::string& package : source.packages) {
+    const std::size_t equals = package.find('=');
+    if (equals == std::string::npos || equals == 0 || equals + 1 == package.size()) {
+      badUsage(fmt::format("--package '{}' is not NAME=DIR", package));
+    }
+    const std::string directory = package.substr(equals + 1);
+    if (!std::filesystem::is_directory(directory)) {
+      badUsage(fmt::format("--package {}: there is no folder '{}'", package, directory));
+    }
+    options.packages.emplace_back(package.substr(0, equals), directory);
+  }
+  return options;
+}
+
+planner::Problem loadProblem(const ProblemSource& source) {
+  if (source.problem.empty() && source.robot.empty()) {
+    badUsage(
+        "a problem file is needed, or --robot with --group, --start and --goal, or --robot with "
+        "--scene and --request");
+  }
+  if (!source.problem.empty() && !(source.robot + source.srdf + source.scene + source.request +
+                                   source.group + source.start + source.goal)
+                                      .empty()) {
+    badUsage(fmt::format(
+        "{} names its robot, start and goal itself; leave the other problem options out",
+        source.problem));
+  }
+  planner::Problem problem;
+  if (source.problem.empty()) {
+    problem = loadFromRobot(source);
+  } else {
+    problem = planner::loadProblem(source.problem, {.load = loadOptions(source)});
+    printWarnings(problem.model->warnings);
+  }
+  printWarnings(problem.warnings);
+  return problem;
+}
+
+std::string takePathFile(ProblemSource& source, const std::vector<std::string>& files) {
+  if (files.empty() || (files.size() == 1 && source.robot.empty())) {
+    badUsage("a problem file and a path file are needed, or --robot and a path file");
+  }
+  if (files.size() == 2) {
+    source.problem = files.front();
+  }
+  return files.back();
+}
+
+void apply(const PlanOverrides& overrides, planner::Problem& problem) {
+  if (overrides.seed) {
+    problem.seed = *overrides.seed;
+  }
+  if (overrides.time_limit) {
+    // The negated comparison refuses NaN too.
+    if (!(*overrides.time_limit > 0) || std::isinf(*overrides.time_limit)) {
+      badUsage(fmt::format("--time {} is not a positive number of seconds", *overrides.time_limit));
+    }
+    problem.time_limit = *overrides.time_limit;
+  }
+  if (overrides.iteration_limit) {
+    if (*overrides.iteration_limit < 0) {
+      badUsage(
+          fmt::format("--iterations {} is negative; 0 means no limit", *overrides.iteration_limit));
+    }
+    problem.iteration_limit = *overrides.iteration_limit;
+  }
+  if (!overrides.planner.empty()) {
+    // Parameters belong to the planner that the file names.
+    if (overrides.planner != problem.planner) {
+      problem.planner_parameters.clear();
+    }
+    problem.planner = overrides.planner;
+  }
+  if (!overrides.objective.empty()) {
+    if (overrides.objective != "length" && overrides.objective != "clearance") {
+      badUsage(fmt::format("--objective '{}' is unknown; there are length and clearance",
+                           overrides.objective));
+    }
+    problem.objective = overrides.objective;
+  }
+}
+
+void printWarnings(const std::vector<std::string>& warnings) {
+  static std::set<std::string> printed;
+  for (const std::string& warning : warnings) {
+    if (printed.insert(warning).second) {
+      fmt::print(stderr, "warning: {}\n", warning);
+    }
+  }
+}
+
+}  // namespace leeway::tools

@@ -1,0 +1,128 @@
+#include "tools/leeway/support/terminal.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <csignal>
+
+namespace leeway::tools {
+namespace {
+
+volatile std::sig_atomic_t interrupt_count = 0;
+bool progress_shown = false;
+
+void onInterrupt(int signal) {
+  interrupt_count = interrupt_count + 1;
+  if (interrupt_count > 1) {
+    std::signal(signal, SIG_DFL);
+    std::raise(signal);
+  }
+}
+
+bool stderrIsTerminal() {
+  static const bool is_terminal = isatty(STDERR_FILENO) == 1;
+  return is_terminal;
+}
+
+std::string formatRounded(double value, int digits, double (*round)(double)) {
+  if (!std::isfinite(value)) {
+    return "-";
+  }
+  const double scale = std::pow(10.0, digits);
+  // + 0.0 turns -0 into 0.
+  return fmt::format("{:.{}f}", round(value * scale) / scale + 0.0, digits);
+}
+
+}  // namespace
+
+planner::PlanOptions interactivePlanOptions(std::optional<double> time_limit) {
+  using Clock = std::chrono::steady_clock;
+  std::signal(SIGINT, onInterrupt);
+  planner::PlanOptions options;
+  options.stop = [] { return interrupted(); };
+  if (time_limit) {
+    options.stop = [start = Clock::now(), limit = std::chrono::duration<double>(*time_limit)] {
+      return interrupted() || Clock::now() - start > limit;
+    };
+  }
+  if (stderrIsTerminal()) {
+    options.progress = [](const std::string& phase, double elapsed) {
+      showProgress(fmt::format("{} {:.1f} s", phase, elapsed));
+    };
+  }
+  return options;
+}
+
+bool interrupted() { return interrupt_count > 0; }
+
+void showProgress(const std::string& text) {
+  if (stderrIsTerminal()) {
+    fmt::print(stderr, "\r\x1b[K{}", text);
+    progress_shown = true;
+  }
+}
+
+void endProgress() {
+  if (progress_shown) {
+    fmt::print(stderr, "\r\x1b[K");
+    progress_shown = false;
+  }
+}
+
+std::string formatTable(const std::vector<std::string>& heading,
+                        const std::vector<std::vector<std::string>>& rows,
+                        const std::vector<std::size_t>& left) {
+  const auto is_left = [&](std::size_t c) {
+    return c == 0 || std::find(left.begin(), left.end(), c) != left.end();
+  };
+  std::vector<std::size_t> widths;
+  for (std::size_t c = 0; c < heading.size(); ++c) {
+    std::size_t width = heading[c].size();
+    for (const auto& row : rows) {
+      width = std::max(width, row[c].size());
+    }
+    widths.push_back(width);
+  }
+  std::string text;
+  const auto append = [&](const std::vector<std::string>& row) {
+    std::string line;
+    for (std::size_t c = 0; c < row.size(); ++c) {
+      line += c == 0 ? "" : "  ";
+      line += is_left(c) ? fmt::format("{:<{}}", row[c], widths[c])
+                         : fmt::format("{:>{}}", row[c], widths[c]);
+    }
+    line.erase(line.find_last_not_of(' ') + 1);
+    text += line + "\n";
+  };
+  append(heading);
+  std::size_t total = 0;
+  for (std::size_t c = 0; c < widths.size(); ++c) {
+    total += widths[c] + (c == 0 ? 0 : 2);
+  }
+  text += std::string(total, '-') + "\n";
+  for (const auto& row : rows) {
+    append(row);
+  }
+  return text;
+}
+
+std::string formatLower(double value, int digits) {
+  return formatRounded(value, digits, std::floor);
+}
+std::string formatUpper(double value, int digits) {
+  return formatRounded(value, digits, std::ceil);
+}
+
+std::string formatBytes(std::size_t bytes) {
+  const auto value = static_cast<double>(bytes);
+  if (bytes < 1024) {
+    return fmt::format("{} B", bytes);
+  }
+  return bytes < 1024 * 1024 ? fmt::format("{:.1f} KiB", value / 1024)
+                             : fmt::format("{:.1f} MiB", value / (1024 * 1024));
+}
+
+}  // namespace leeway::tools

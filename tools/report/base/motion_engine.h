@@ -1,0 +1,83 @@
+#pragma once
+
+#include <array>
+#include <limits>
+#include <memory>
+#include <vector>
+
+#include "leeway/collision/time_of_contact.h"
+#include "tools/report/base/engine.h"
+
+namespace leeway::tools::report {
+
+/// What an engine says of the first time of contact, in [0, 1].
+struct ContactAnswer {
+  bool contact = false;
+  bool undecided = false;  ///< neither: a limit or rounding left it open
+  /// Of a contact; engines that return bare numbers have both ends equal.
+  double lower = std::numeric_limits<double>::quiet_NaN(), upper = lower;
+};
+
+/// A shape and how it moves.
+struct MovingBody {
+  const ReportShape* shape = nullptr;
+  std::shared_ptr<const collision::RigidMotion> motion;
+  /// A StraightMotion between its two ends. Engines that know only such follow others in pieces.
+  bool straight = true;
+};
+
+/// Bodies of which the first contact of any listed pair is asked, or two triangles whose corners
+/// move.
+struct ContactSpec {
+  std::vector<MovingBody> bodies;
+  std::vector<std::array<std::size_t, 2>> pairs;
+  std::vector<collision::MovingTriangle> triangles;  ///< two, where there are no bodies
+  double margin = 0;  ///< so near counts as contact [m]; for engines that can be told
+};
+
+/// One engine's form of one case, made before the clock runs.
+class ContactQuery {
+ public:
+  virtual ~ContactQuery() = default;
+  /// May throw, abort or loop: that is what the report counts.
+  virtual ContactAnswer ask() = 0;
+};
+
+class ContactEngine {
+ public:
+  virtual ~ContactEngine() = default;
+  virtual const char* name() const = 0;
+  /// True: the interval of the time claims to hold the truth.
+  virtual bool claimsBounds() const { return false; }
+  /// Null: the engine has no such shapes or motions.
+  virtual std::unique_ptr<ContactQuery> prepare(const ContactSpec& spec) const = 0;
+};
+
+/// Pieces in which engines that know only straight motions follow others [count].
+inline constexpr int kMotionPieces = 32;
+
+/// First contact by an engine that knows pairs and straight motions only: every pair in turn, each
+/// motion in as many pieces as it needs. `follow(pair, X_WA0, X_WA1, X_WB0, X_WB1)` returns the
+/// fraction of the piece at which contact is, negative where there is none.
+template <typename Follow>
+ContactAnswer firstOfPieces(const ContactSpec& spec, const Follow& follow) {
+  ContactAnswer first;
+  for (std::size_t p = 0; p < spec.pairs.size(); ++p) {
+    const MovingBody &a = spec.bodies[spec.pairs[p][0]], &b = spec.bodies[spec.pairs[p][1]];
+    const int pieces = a.straight && b.straight ? 1 : kMotionPieces;
+    for (int k = 0; k < pieces; ++k) {
+      const double begin = static_cast<double>(k) / pieces;
+      const double end = static_cast<double>(k + 1) / pieces;
+      if (first.contact && begin >= first.upper) break;
+      const double fraction = follow(p, a.motion->pose(begin), a.motion->pose(end),
+                                     b.motion->pose(begin), b.motion->pose(end));
+      if (!(fraction >= 0)) continue;
+      const double time = begin + fraction * (end - begin);
+      if (!first.contact || time < first.upper) first = {true, false, time, time};
+      break;
+    }
+  }
+  return first;
+}
+
+}  // namespace leeway::tools::report

@@ -1,0 +1,55 @@
+#include "tools/report/base/rivals.h"
+
+#include <dlfcn.h>
+
+#include <array>
+#include <filesystem>
+#include <system_error>
+
+namespace leeway::tools::report {
+namespace {
+
+struct Known {
+  const char* library;
+  const char* file;
+};
+constexpr std::array<Known, 3> kModules = {{{"FCL", "leeway_rival_fcl.so"},
+                                            {"Bullet", "leeway_rival_bullet.so"},
+                                            {"Embree", "leeway_rival_embree.so"}}};
+
+RivalModule load(const Known& known, const std::filesystem::path& folder) {
+  RivalModule module{known.library, "", nullptr};
+  const std::filesystem::path file = folder / known.file;
+  std::error_code error;
+  if (!std::filesystem::exists(file, error)) {
+    module.problem = "this build has no module for it";
+    return module;
+  }
+  void* const handle = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
+  if (handle == nullptr) {
+    const char* const reason = dlerror();
+    module.problem = reason != nullptr ? reason : "cannot be loaded";
+    return module;
+  }
+  void* const symbol = dlsym(handle, kMakeRivals);
+  if (symbol == nullptr) {
+    module.problem = file.string() + " is of another version";
+    return module;
+  }
+  module.rivals.reset(reinterpret_cast<MakeRivals>(symbol)());
+  return module;
+}
+
+}  // namespace
+
+std::vector<RivalModule> loadRivals() {
+  std::error_code error;
+  const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", error);
+  const std::filesystem::path folder = program.parent_path().parent_path() / LEEWAY_MODULE_FOLDER;
+  std::vector<RivalModule> modules;
+  modules.reserve(std::size(kModules));
+  for (const Known& known : kModules) modules.push_back(load(known, folder));
+  return modules;
+}
+
+}  // namespace leeway::tools::report

@@ -1,0 +1,81 @@
+#pragma once
+
+// Not part of the product: edges looked at in steps, to be measured against certified ones.
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <vector>
+
+#include "leeway/planner/compiled_scene.h"
+#include "planner/edge/edge_frames.h"
+#include "planner/edge/edge_lanes.h"
+
+namespace leeway::bench {
+
+/// States along an edge, at most `step` apart in the space's distance: not the edge. They are
+/// spread over it sixteen at a time in the certifier's lanes, with its balls and bounds.
+class Stepper {
+ public:
+  Stepper(const std::shared_ptr<const planner::CompiledScene>& scene, double step)
+      : step_(step), frames_(scene, kLanes), lanes_(frames_), workspace_(scene->scene()) {}
+
+  /// No state met anything; `a` is not looked at. Allocates nothing.
+  bool isFree(const std::vector<double>& a, const std::vector<double>& b) {
+    const double length = frames_.scene().space().distance(a, b);
+    const int states = std::max(1, static_cast<int>(std::ceil(length / step_)));
+    if (!frames_.begin(a, b) || !lanes_.begin(frames_)) return false;
+    const int blocks = (states + kLanes - 1) / kLanes;
+    for (int block = 0; block < blocks; ++block) {
+      collision::LaneValues places;
+      double t[kLanes];
+      for (int lane = 0; lane < kLanes; ++lane) {
+        t[lane] = std::min(block + lane * blocks + 1, states) / static_cast<double>(states);
+        places.at[lane] = static_cast<float>(t[lane] - 0.5);
+      }
+      if (lanes_.still(places).id >= 0 || !isOpenFree(t)) return false;
+    }
+    return true;
+  }
+
+ private:
+  static constexpr int kLanes = collision::kLanes;
+
+  bool isOpenFree(const double* t) {
+    frames_.release(0);
+    int slots[kLanes];
+    std::fill(slots, slots + kLanes, -1);
+    for (const auto& open : lanes_.open()) {
+      const planner::EdgePair& pair = frames_.pairs()[static_cast<std::size_t>(open.id)];
+      for (int lane = 0; lane < kLanes; ++lane) {
+        if ((open.lanes >> lane & 1U) == 0) continue;
+        if (lane > 0 && t[lane] == t[lane - 1]) continue;  // past the last state
+        if (frames_.keepsGap(pair, t[lane], t[lane])) continue;
+        if (slots[lane] < 0) slots[lane] = frames_.place(t[lane]);
+        if (slots[lane] < 0) return false;
+        const planner::Piece& a = frames_.pieces()[static_cast<std::size_t>(pair.a)];
+        const planner::Piece& b = frames_.pieces()[static_cast<std::size_t>(pair.b)];
+        const double coarse = b.bounds->coarse.lower(frames_.inFrameOf(
+                                  slots[lane], pair.b, frames_.center(slots[lane], pair.a))) -
+                              a.bounds->outer.radius;
+        if (coarse > pair.threshold) continue;
+        collision::DistanceRequest request;
+        request.threshold = pair.threshold;
+        request.depth = pair.threshold < 0;
+        if (!(collision::distance(a.geometry->shape, frames_.piecePose(slots[lane], pair.a),
+                                  b.geometry->shape, frames_.piecePose(slots[lane], pair.b),
+                                  request, workspace_.scratch(), &workspace_.cache(pair.scene_pair))
+                  .distance.lower > pair.threshold))
+          return false;
+      }
+    }
+    return true;
+  }
+
+  double step_;
+  planner::EdgeFrames frames_;
+  planner::EdgeLanes lanes_;
+  collision::Workspace workspace_;
+};
+
+}  // namespace leeway::bench

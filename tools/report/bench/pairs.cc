@@ -1,0 +1,443 @@
+// Times distance queries of convex pairs against Debian's FCL (libccd), in one run on one core.
+//
+//   bench_pairs [--rounds N] [--seed N] [--family WORD]
+//
+// Pairs are drawn from a seed: sizes of 0.1 to 1 m, any rotation, gaps spread evenly over their
+// logarithm from 1e-7 to 10 m where a family does not say otherwise. Blocks of eight pairs are
+// timed, ours and FCL's by turns; a block's time is its median over the rounds, a family's the
+// median over its blocks. Warm families ask ours with the cache of the frame before. `off` counts
+// answers of FCL that are farther from our interval than its own tolerance explains, `verdict`
+// pairs that only one of the two calls apart, `failed` its exceptions. (Whose fault it is, the
+// tests with the quadruple-precision oracle say.) For `d > t` the yardstick is our own distance
+// query, and `verdict` counts answers that contradict it.
+
+#include <fcl/narrowphase/distance.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <exception>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "leeway/collision/convex_hull.h"
+#include "leeway/collision/distance.h"
+#include "tools/report/bench/splitmix.h"
+
+namespace {
+
+using Eigen::Vector3d;
+using leeway::collision::DistanceRequest;
+using leeway::collision::DistanceResult;
+using leeway::collision::PairCache;
+using leeway::collision::Pose;
+using leeway::collision::Scratch;
+using leeway::collision::Shape;
+
+constexpr int kBlock = 8;
+
+class Random : public leeway::bench::SplitMix {
+ public:
+  using SplitMix::SplitMix;
+  double logUniform(double low, double high) {
+    return std::exp(uniform(std::log(low), std::log(high)));
+  }
+  Vector3d direction() {
+    for (;;) {
+      const double x = uniform(-1, 1), y = uniform(-1, 1), z = uniform(-1, 1);
+      const Vector3d v(x, y, z);
+      const double norm = v.norm();
+      if (norm > 0.01 && norm <= 1) return v / norm;
+    }
+  }
+  Eigen::Matrix3d rotation() {
+    const Vector3d axis = direction();
+    return Eigen::AngleAxisd(uniform(0, 6.283185307179586), axis).toRotationMatrix();
+  }
+};
+
+/// The same body for both.
+struct Body {
+  Shape ours;
+  std::shared_ptr<fcl::CollisionGeometryd> theirs;
+};
+
+Body box(const Vector3d& half) {
+  return {Shape::box(half), std::make_shared<fcl::Boxd>(Vector3d(2 * half))};
+}
+Body sphere(double radius) {
+  return {Shape::sphere(radius), std::make_shared<fcl::Sphered>(radius)};
+}
+Body capsule(double radius, double half) {
+  return {Shape::capsule(radius, half), std::make_shared<fcl::Capsuled>(radius, 2 * half)};
+}
+Body cylinder(double radius, double half) {
+  return {Shape::cylinder(radius, half), std::make_shared<fcl::Cylinderd>(radius, 2 * half)};
+}
+
+Body hull(const std::vector<Vector3d>& points) {
+  const auto own = leeway::collision::ConvexHull::compute(points);
+  auto vertices =
+      std::make_shared<std::vector<Vector3d>>(own->vertices().begin(), own->vertices().end());
+  auto faces = std::make_shared<std::vector<int>>();
+  for (const auto& f : own->facets()) faces->insert(faces->end(), {3, f[0], f[1], f[2]});
+  return {Shape::convexHull(own),
+          std::make_shared<fcl::Convexd>(vertices, static_cast<int>(own->facets().size()), faces)};
+}
+
+/// `count` vertices on an ellipsoid.
+Body roundHull(Random& random, int count) {
+  const Vector3d axes(random.uniform(0.5, 1), random.uniform(0.4, 1), random.uniform(0.3, 1));
+  std::vector<Vector3d> points;
+  points.reserve(static_cast<std::size_t>(count));
+  for (int i = 0; i < count; ++i) points.push_back(axes.cwiseProduct(random.direction()));
+  return hull(points);
+}
+
+/// Long, thin and flat: two sizes out of three below a thousandth to a hundredth of the first.
+Body sliver(Random& random) {
+  const Vector3d scale(1, random.logUniform(1e-5, 1e-2), random.logUniform(1e-6, 1));
+  std::vector<Vector3d> points;
+  points.reserve(12);
+  for (int i = 0; i < 12; ++i) points.push_back(scale.cwiseProduct(random.direction()));
+  return hull(points);
+}
+
+Body anyBox(Random& random) {
+  return box({random.uniform(0.2, 1), random.uniform(0.2, 1), random.uniform(0.2, 1)});
+}
+Body anySphere(Random& random) { return sphere(random.uniform(0.1, 0.6)); }
+Body anyCapsule(Random& random) {
+  return capsule(random.uniform(0.1, 0.6), random.uniform(0.2, 1));
+}
+Body anyCylinder(Random& random) {
+  return cylinder(random.uniform(0.1, 0.6), random.uniform(0.2, 1));
+}
+
+struct Pair {
+  Body a, b;
+  Pose X_WA, X_WB;
+  fcl::Transform3d F_WA, F_WB;
+  double gap = 0;        // [m], that the pair was made with
+  double threshold = 0;  // [m], of the tolerance verification
+  int track = 0;
+};
+
+fcl::Transform3d transform(const Pose& X) {
+  fcl::Transform3d F = fcl::Transform3d::Identity();
+  F.linear() = X.rotation;
+  F.translation() = X.translation;
+  return F;
+}
+
+/// Puts B so that the pair is `gap` apart (below zero: that deep), by moving it along the normal.
+bool place(Random& random, double gap, Scratch& scratch, Pair& pair) {
+  const double reach = pair.a.ours.boundingRadius() + pair.b.ours.boundingRadius();
+  pair.X_WA = {random.rotation(), {random.uniform(), random.uniform(), random.uniform()}};
+  pair.X_WB.rotation = random.rotation();
+  pair.X_WB.translation = pair.X_WA.translation + 1.1 * reach * random.direction();
+  for (int i = 0; i < 40; ++i) {
+    const DistanceResult r = distance(pair.a.ours, pair.X_WA, pair.b.ours, pair.X_WB, {}, scratch);
+    if (std::abs(r.distance.upper - gap) <= 1e-12) break;
+    pair.X_WB.translation += (gap - r.distance.upper) * r.normal;
+  }
+  const DistanceResult r = distance(pair.a.ours, pair.X_WA, pair.b.ours, pair.X_WB, {}, scratch);
+  pair.gap = r.distance.upper;
+  pair.F_WA = transform(pair.X_WA);
+  pair.F_WB = transform(pair.X_WB);
+  return std::abs(r.distance.upper - gap) <= 1e-3 * std::abs(gap) + 1e-9;
+}
+
+using Make = std::function<Body(Random&)>;
+
+std::vector<Pair> scattered(Random& random, int count, const Make& a, const Make& b,
+                            const std::function<double(Random&)>& gap) {
+  std::vector<Body> bodies_a, bodies_b;
+  for (int i = 0; i < 16; ++i) {
+    bodies_a.push_back(a(random));
+    bodies_b.push_back(b(random));
+  }
+  Scratch scratch;
+  std::vector<Pair> pairs;
+  while (static_cast<int>(pairs.size()) < count) {
+    const auto pick = [&] { return static_cast<std::size_t>(random.uniform(0, 15.999)); };
+    Pair pair{bodies_a[pick()], bodies_b[pick()], {}, {}, {}, {}, 0, 0, 0};
+    if (place(random, gap(random), scratch, pair)) pairs.push_back(pair);
+  }
+  return pairs;
+}
+
+/// Tracks of frames: B passes A at some 2 to 30 cm, 1 to 6 mm and 0.01 rad a frame.
+std::vector<Pair> coherent(Random& random, int tracks, int frames, const Make& make) {
+  Scratch scratch;
+  std::vector<Pair> pairs;
+  int track = 0;
+  while (static_cast<int>(pairs.size()) < tracks * frames) {
+    Pair pair{make(random), make(random), {}, {}, {}, {}, 0, 0, 0};
+    if (!place(random, random.uniform(0.05, 0.5), scratch, pair)) continue;
+    const DistanceResult r = distance(pair.a.ours, pair.X_WA, pair.b.ours, pair.X_WB, {}, scratch);
+    // Mostly past it.
+    Vector3d v = random.direction();
+    v = (v - 0.9 * v.dot(r.normal) * r.normal).normalized() * random.uniform(0.001, 0.006);
+    const Eigen::Matrix3d turn = Eigen::AngleAxisd(0.01, random.direction()).toRotationMatrix();
+    ++track;
+    for (int i = 0; i < frames; ++i) {
+      pair.track = track;
+      pair.F_WB = transform(pair.X_WB);
+      pair.gap = std::numeric_limits<double>::quiet_NaN();
+      pairs.push_back(pair);
+      pair.X_WB.translation += v;
+      // (Orthogonal to within rounding for some hundred frames.)
+      pair.X_WB.rotation = turn * pair.X_WB.rotation;
+    }
+  }
+  return pairs;
+}
+
+enum class Query { kCold, kWarm, kDepth, kVerify };
+
+struct Family {
+  const char* name;
+  double target;  // ratio asked for; of kVerify: to our own distance query
+  Query query;
+  std::vector<Pair> pairs;
+};
+
+double gapOf(Random& random) { return random.logUniform(1e-7, 10); }
+double nearGap(Random& random) { return random.logUniform(1e-12, 1e-6); }
+double depthOf(Random& random) { return -random.logUniform(1e-3, 0.3); }
+double farGap(Random& random) { return random.uniform(0.01, 1); }
+
+Make hullOf(int count) {
+  return [count](Random& random) { return roundHull(random, count); };
+}
+
+std::vector<Pair> verifications(Random& random, int count, const Make& make) {
+  std::vector<Pair> pairs = scattered(random, count, make, make, farGap);
+  for (Pair& p : pairs) p.threshold = random.uniform(0.01, 1);
+  return pairs;
+}
+
+std::vector<Family> families(std::uint64_t seed, const std::string& only) {
+  constexpr int kCount = 256, kTracks = 10, kFrames = 48;
+  std::vector<Family> all;
+  // Its own seed for each, so that a family alone is the same family.
+  const auto add = [&](const char* name, double target, Query query,
+                       const std::function<std::vector<Pair>(Random&)>& make) {
+    if (!only.empty() && std::string(name).find(only) == std::string::npos) return;
+    std::uint64_t hash = seed;
+    for (const char* c = name; *c != 0; ++c)
+      hash = hash * 1099511628211U + static_cast<unsigned char>(*c);
+    Random random(hash);
+    all.push_back({name, target, query, make(random)});
+  };
+  const auto cold = [&](const char* name, double target, const Make& a, const Make& b) {
+    add(name, target, Query::kCold,
+        [&](Random& random) { return scattered(random, kCount, a, b, gapOf); });
+  };
+  cold("box-box", .25, anyBox, anyBox);
+  cold("sphere-capsule", .35, anySphere, anyCapsule);
+  cold("capsule-capsule", .5, anyCapsule, anyCapsule);
+  cold("box-cylinder", .30, anyBox, anyCylinder);
+  cold("box-capsule", .03, anyBox, anyCapsule);
+  cold("cylinder-cylinder", .30, anyCylinder, anyCylinder);
+  cold("hull 8", .15, hullOf(8), hullOf(8));
+  cold("hull 32", .25, hullOf(32), hullOf(32));
+  cold("hull 128", .20, hullOf(128), hullOf(128));
+  cold("hull 512", .15, hullOf(512), hullOf(512));
+  add("nearly touching", .30, Query::kCold, [&](Random& random) {
+    std::vector<Pair> pairs;
+    for (const int size : {8, 32, 128}) {
+      const auto some = scattered(random, kCount / 4, hullOf(size), hullOf(size), nearGap);
+      pairs.insert(pairs.end(), some.begin(), some.end());
+    }
+    return pairs;
+  });
+  cold("slivers", .22, sliver, sliver);
+  for (const int size : {32, 512}) {
+    add(size == 32 ? "depth, hull 32" : "depth, hull 512", size == 32 ? .25 : .15, Query::kDepth,
+        [&](Random& random) {
+          return scattered(random, kCount / 2, hullOf(size), hullOf(size), depthOf);
+        });
+  }
+  const auto warm = [&](const char* name, double target, const Make& make) {
+    add(name, target, Query::kWarm,
+        [&](Random& random) { return coherent(random, kTracks, kFrames, make); });
+  };
+  warm("warm, box", .15, anyBox);
+  warm("warm, hull 32", .10, hullOf(32));
+  warm("warm, hull 128", .08, hullOf(128));
+  warm("warm, hull 512", .05, hullOf(512));
+  const auto verify = [&](const char* name, const Make& make) {
+    add(name, .5, Query::kVerify,
+        [&](Random& random) { return verifications(random, kCount, make); });
+  };
+  verify("d > t, box", anyBox);
+  verify("d > t, cylinder", anyCylinder);
+  verify("d > t, hull 32", hullOf(32));
+  verify("d > t, hull 512", hullOf(512));
+  return all;
+}
+
+double theirDistance(const Pair& pair, const fcl::DistanceRequestd& request) {
+  fcl::DistanceResultd result;
+  try {
+    fcl::distance(pair.a.theirs.get(), pair.F_WA, pair.b.theirs.get(), pair.F_WB, request, result);
+  } catch (const std::exception&) {
+    return std::numeric_limits<double>::quiet_NaN();
+  }
+  return result.min_distance;
+}
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+double now() {
+  return std::chrono::duration<double, std::nano>(
+             std::chrono::steady_clock::now().time_since_epoch())
+      .count();
+}
+
+double clockCost() {
+  std::vector<double> costs;
+  for (int i = 0; i < 1001; ++i) {
+    const double begin = now();
+    costs.push_back(now() - begin);
+  }
+  return median(costs);
+}
+
+/// What the timed calls return goes here, so that none is left out.
+volatile double sink = 0;
+
+struct Disagreement {
+  int off = 0, verdict = 0, failed = 0;
+};
+
+void compare(const DistanceResult& ours, double theirs, bool depth, Disagreement& d) {
+  // [m], ten times the distance tolerance that FCL works to.
+  constexpr double kOff = 1e-5;
+  if (!std::isfinite(theirs)) {
+    ++d.failed;
+    return;
+  }
+  const bool apart = ours.distance.lower > 0, they_apart = theirs > 0;
+  if (apart != they_apart) {
+    d.verdict += std::abs(ours.distance.upper) > kOff ? 1 : 0;
+  } else if ((apart || depth) &&
+             (theirs < ours.distance.lower - kOff || theirs > ours.distance.upper + kOff)) {
+    ++d.off;
+  }
+}
+
+void run(const Family& family, int rounds, double clock_cost) {
+  const std::size_t blocks = family.pairs.size() / kBlock;
+  std::vector<std::vector<double>> ours(blocks), theirs(blocks);
+  Scratch scratch;
+  fcl::DistanceRequestd fcl_request;
+  fcl_request.gjk_solver_type = fcl::GST_LIBCCD;
+  fcl_request.enable_nearest_points = true;
+  fcl_request.enable_signed_distance = family.query == Query::kDepth;
+  const bool verify = family.query == Query::kVerify;
+  Disagreement disagreement;
+  double result_sum = 0;
+  for (int round = -1; round < rounds; ++round) {
+    PairCache cache;
+    for (std::size_t block = 0; block < blocks; ++block) {
+      const Pair* pairs = &family.pairs[block * kBlock];
+      DistanceResult results[kBlock];
+      double their_results[kBlock];
+      const bool warm = family.query == Query::kWarm;
+      if (block > 0 && pairs[0].track != pairs[-1].track) cache = {};
+      double begin = now();
+      if (verify) {
+        for (int i = 0; i < kBlock; ++i) {
+          DistanceRequest request;
+          request.threshold = pairs[i].threshold;
+          results[i] = distance(pairs[i].a.ours, pairs[i].X_WA, pairs[i].b.ours, pairs[i].X_WB,
+                                request, scratch);
+        }
+      } else {
+        for (int i = 0; i < kBlock; ++i) {
+          results[i] = distance(pairs[i].a.ours, pairs[i].X_WA, pairs[i].b.ours, pairs[i].X_WB, {},
+                                scratch, warm ? &cache : nullptr);
+        }
+      }
+      const double our_time = now() - begin;
+      begin = now();
+      if (verify) {  // the yardstick is our own distance query
+        for (int i = 0; i < kBlock; ++i) {
+          const DistanceResult r =
+              distance(pairs[i].a.ours, pairs[i].X_WA, pairs[i].b.ours, pairs[i].X_WB, {}, scratch);
+          their_results[i] = r.distance.upper;
+        }
+      } else {
+        for (int i = 0; i < kBlock; ++i) their_results[i] = theirDistance(pairs[i], fcl_request);
+      }
+      const double their_time = now() - begin;
+      for (int i = 0; i < kBlock; ++i) result_sum += results[i].distance.upper + their_results[i];
+      if (round >= 0) {
+        ours[block].push_back((our_time - clock_cost) / kBlock);
+        theirs[block].push_back((their_time - clock_cost) / kBlock);
+        continue;
+      }
+      for (int i = 0; i < kBlock; ++i) {
+        if (!verify) {
+          compare(results[i], their_results[i], family.query == Query::kDepth, disagreement);
+        } else if (results[i].distance.lower > pairs[i].threshold
+                       ? pairs[i].gap <= pairs[i].threshold
+                       : pairs[i].gap > pairs[i].threshold) {
+          ++disagreement.verdict;
+        }
+      }
+    }
+  }
+  sink = result_sum;
+  std::vector<double> block_ours, block_theirs;
+  for (std::size_t i = 0; i < blocks; ++i) {
+    block_ours.push_back(median(ours[i]));
+    block_theirs.push_back(median(theirs[i]));
+  }
+  const double our_median = median(block_ours), their_median = median(block_theirs);
+  std::printf("%-18s %8.1f %8.1f   %5.3f   %4.2f %s   %3zu", family.name, our_median, their_median,
+              our_median / their_median, family.target,
+              our_median <= family.target * their_median ? "ok  " : "MISS", family.pairs.size());
+  std::printf("  %3d  %3d  %3d\n", disagreement.off, disagreement.verdict, disagreement.failed);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  int rounds = 31;
+  std::uint64_t seed = 1;
+  std::string only;
+  for (int i = 1; i < argc; i += 2) {
+    const bool value = i + 1 < argc;
+    if (value && std::strcmp(argv[i], "--rounds") == 0) {
+      rounds = std::max(1, std::atoi(argv[i + 1]));
+    } else if (value && std::strcmp(argv[i], "--seed") == 0) {
+      seed = std::strtoull(argv[i + 1], nullptr, 10);
+    } else if (value && std::strcmp(argv[i], "--family") == 0) {
+      only = argv[i + 1];
+    } else {
+      std::fprintf(stderr, "usage: bench_pairs [--rounds N] [--seed N] [--family WORD]\n");
+      return 2;
+    }
+  }
+  std::printf("median ns a query; FCL with libccd (d > t: our own distance query)\n");
+  std::printf("%-18s %8s %8s   %5s   target      pairs  off verdict failed\n", "family", "ours",
+              "FCL", "ratio");
+  const double clock_cost = clockCost();
+  for (const Family& family : families(seed, only)) run(family, rounds, clock_cost);
+  return 0;
+}

@@ -1,0 +1,15 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "tools/report/base/mesh_engine.h"
+
+namespace leeway::tools::report {
+
+/// Our deforming meshes behind the rivals' interface, one engine a strategy: "leeway refit", ...;
+/// "leeway hybrid moved" knows the motion that its vertices come from, and so how far they can have
+/// come since the frame before.
+std::vector<std::unique_ptr<MeshEngine>> makeOwnMeshEngines();
+
+}  // namespace leeway::tools::report

@@ -1,0 +1,13 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "tools/report/base/motion_engine.h"
+
+namespace leeway::tools::report {
+
+/// Ours: timeOfContact() to within 1e-6 of the motion, with default limits.
+std::vector<std::unique_ptr<ContactEngine>> makeOwnMotionEngines();
+
+}  // namespace leeway::tools::report

@@ -1,0 +1,13 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "tools/report/base/mesh_engine.h"
+
+namespace leeway::tools::report {
+
+/// Quantised hierarchies, refitted and rebuilt. They answer no distances.
+std::vector<std::unique_ptr<MeshEngine>> makeBulletMeshEngines();
+
+}  // namespace leeway::tools::report

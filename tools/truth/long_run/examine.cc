@@ -1,0 +1,285 @@
+#include "tools/truth/long_run/examine.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "tools/truth/oracle/oracle.h"
+
+namespace leeway::accuracy {
+
+using collision::DistanceRequest;
+using collision::DistanceResult;
+using collision::DistanceStatus;
+using collision::Pose;
+using collision::Shape;
+using collision::ShapeType;
+using Eigen::Vector3d;
+
+namespace {
+
+constexpr double kUnit = 0x1p-53;
+/// Rounding of a normal or point on its way into the world frame, and of the second opinion.
+constexpr double kAllowed = 16 * kUnit;
+/// What a caller may ask for, of the sizes involved.
+constexpr double kNarrow = 1e-14;
+constexpr int kMostSaid = 40;
+
+bool honest(const DistanceRequest& request, double default_tolerance, const DistanceResult& r) {
+  const auto& d = r.distance;
+  switch (r.status) {
+    case DistanceStatus::kConverged:
+      return d.upper - d.lower <=
+             (std::isnan(request.tolerance) ? default_tolerance : request.tolerance);
+    case DistanceStatus::kAboveThreshold:
+      return d.lower > request.threshold;
+    case DistanceStatus::kNotAboveThreshold:
+      return d.upper <= request.threshold;
+    case DistanceStatus::kOverlap:
+      return !request.depth && d.upper <= 0;
+    case DistanceStatus::kLimit:
+      return true;
+    case DistanceStatus::kInvalid:
+      return false;
+  }
+  return false;
+}
+
+}  // namespace
+
+void Tally::add(const Tally& t) {
+  cases += t.cases, overlapping += t.overlapping, unsafe += t.unsafe, failures += t.failures,
+      open += t.open, narrow += t.narrow, narrow_open += t.narrow_open, oracle += t.oracle;
+}
+
+void Examiner::say(const char* what, const Ask& ask, const DistanceResult& r, Real value,
+                   std::int64_t& count) {
+  ++count;
+  if (++said_ > kMostSaid && !verbose) return;
+  std::fprintf(stderr,
+               "%s: %s (%s, tolerance %.17g, threshold %.17g, iterations at most %d): [%.17g, "
+               "%.17g] status %d, found %.20Lg\n  A %s\n    %s\n  B %s\n    %s\n",
+               says_->c_str(), what, ask.how, ask.request.tolerance, ask.request.threshold,
+               ask.request.iteration_limit, r.distance.lower, r.distance.upper,
+               static_cast<int>(r.status), value, oracle::replay(*case_->a).c_str(),
+               oracle::replay(case_->X_WA).c_str(), oracle::replay(*case_->b).c_str(),
+               oracle::replay(case_->X_WB).c_str());
+}
+
+DistanceResult Examiner::ask(const Ask& ask) {
+  const Case& c = *case_;
+  DistanceResult r =
+      ask.swapped
+          ? collision::distance(*c.b, c.X_WB, *c.a, c.X_WA, ask.request, scratch_, ask.cache)
+          : collision::distance(*c.a, c.X_WA, *c.b, c.X_WB, ask.request, scratch_, ask.cache);
+  if (ask.swapped) {
+    std::swap(r.point_a, r.point_b);
+    r.normal = -r.normal;
+  }
+  judge(ask, r);
+  return r;
+}
+
+// What the plane across n proves: no point of B is nearer to A than this along n.
+Real Examiner::provenAlong(const Vector3d& n) const {
+  const Vector3d& origin = case_->X_WA.translation;
+  const Real apart = -farthestAlong(*case_->b, case_->X_WB, -n, origin) -
+                     farthestAlong(*case_->a, case_->X_WA, n, origin);
+  const Real x = static_cast<Real>(n.x()), y = static_cast<Real>(n.y()),
+             z = static_cast<Real>(n.z());
+  return apart / std::sqrt(x * x + y * y + z * z);
+}
+
+void Examiner::judge(const Ask& ask, const DistanceResult& r) {
+  const bool ordered = r.distance.lower <= r.distance.upper;  // false for NaN
+  if (!ordered || !r.point_a.allFinite() || !r.point_b.allFinite() ||
+      !(std::abs(r.normal.norm() - 1) < 1e-6)) {
+    return say("not numbers, or the ends exchanged", ask, r, 0, tally_->failures);
+  }
+  if (!honest(ask.request, default_tolerance_, r)) say("status", ask, r, 0, tally_->failures);
+  if (half_space_) {
+    judgeHalfSpace(ask, r);
+  } else {
+    judgePlane(ask, r);
+  }
+  judgeWitness(ask, r);
+}
+
+void Examiner::judgePlane(const Ask& ask, const DistanceResult& r) {
+  const Real proven = provenAlong(r.normal);
+  const Real allowed = static_cast<Real>(kAllowed * size_);
+  if (static_cast<Real>(r.distance.upper) < proven - allowed) {
+    say("a plane proves more than the upper end", ask, r, proven, tally_->unsafe);
+  }
+  // The distance of a point is known better than its direction is, by its closed form.
+  const bool point =
+      case_->a->type() == ShapeType::kSphere || case_->b->type() == ShapeType::kSphere;
+  const auto rounded = [](const Shape& s) {
+    return s.type() == ShapeType::kSphere || s.type() == ShapeType::kCapsule ? s.radius() : 0;
+  };
+  const double core = r.distance.upper + rounded(*case_->a) + rounded(*case_->b);
+  const Real turned = point ? static_cast<Real>(1 + size_ / std::abs(core)) : 1;
+  if (static_cast<Real>(r.distance.lower) > proven + turned * allowed) {
+    say("the normal does not prove the lower end", ask, r, proven, tally_->unsafe);
+  }
+}
+
+void Examiner::judgeHalfSpace(const Ask& ask, const DistanceResult& r) {
+  const bool first = case_->a->type() == ShapeType::kHalfSpace;
+  const Pose& plane = first ? case_->X_WA : case_->X_WB;
+  const Shape& other = first ? *case_->b : *case_->a;
+  const Pose& pose = first ? case_->X_WB : case_->X_WA;
+  const Vector3d up = plane.rotation.col(2);
+  const Real truth = -farthestAlong(other, pose, -up, plane.translation);
+  const Real allowed = static_cast<Real>(kAllowed * size_);
+  if (static_cast<Real>(r.distance.lower) > truth + allowed ||
+      static_cast<Real>(r.distance.upper) < truth - allowed) {
+    say("the lowest point is elsewhere", ask, r, truth, tally_->unsafe);
+  }
+}
+
+// Points of the bodies bound their distance from above.
+void Examiner::judgeWitness(const Ask& ask, const DistanceResult& r) {
+  // (Infinite: decided by a plane before there were any.)
+  if (!(r.distance.lower > 0) || !std::isfinite(r.distance.upper)) return;
+  const Real apart = static_cast<Real>((r.point_b - r.point_a).norm());
+  const Real out_a = outsideBy(*case_->a, case_->X_WA, r.point_a),
+             out_b = outsideBy(*case_->b, case_->X_WB, r.point_b);
+  const Real allowed = static_cast<Real>(kAllowed * (size_ + coordinate_));
+  if (out_a > allowed || out_b > allowed) {
+    say("a witness point is not of its body", ask, r, std::max(out_a, out_b), tally_->failures);
+  }
+  if (static_cast<Real>(r.distance.lower) > apart + 2 * allowed) {
+    say("witness points are nearer than the lower end", ask, r, apart, tally_->unsafe);
+  }
+  if (std::abs(apart - static_cast<Real>(r.distance.upper)) >
+      static_cast<Real>(r.distance.width()) + 2 * allowed) {
+    say("witness points are not as far apart as they should be", ask, r, apart, tally_->failures);
+  }
+}
+
+// Planes that a wrong depth would have missed: no direction may prove more than the upper end.
+void Examiner::tryPlanes(const Ask& ask, const DistanceResult& r, oracle::Random& random) {
+  if (half_space_) return;
+  const Pose& pose = random.chance(0.5) ? case_->X_WA : case_->X_WB;
+  const Vector3d axis = pose.rotation.col(random.below(3));
+  const double tilt = random.logUniform(1e-8, 1);
+  const Real allowed = static_cast<Real>(kAllowed * size_);
+  for (const Vector3d& n : {axis, Vector3d(-axis), random.direction(),
+                            Vector3d(r.normal + tilt * random.direction())}) {
+    const Real proven = provenAlong(n);
+    if (static_cast<Real>(r.distance.upper) < proven - allowed) {
+      say("another plane proves more than the upper end", ask, r, proven, tally_->unsafe);
+    }
+  }
+}
+
+// Two intervals that both hold the truth have a point in common.
+void Examiner::meet(const Ask& ask, const DistanceResult& r) {
+  if (r.distance.lower > exact_.distance.upper || r.distance.upper < exact_.distance.lower) {
+    say("does not meet the plain answer", ask, r,
+        static_cast<Real>(r.distance.lower > exact_.distance.upper ? exact_.distance.upper
+                                                                   : exact_.distance.lower),
+        tally_->unsafe);
+  }
+}
+
+void Examiner::threshold(oracle::Random& random) {
+  Ask above;
+  above.how = "threshold";
+  above.request.depth = random.chance(0.5);
+  const double offset = random.chance(0.1) ? 0 : size_ * random.logUniform(1e-17, 1);
+  above.request.threshold = exact_.distance.upper + (random.chance(0.5) ? offset : -offset);
+  const double t = above.request.threshold;
+  const DistanceResult r = ask(above);
+  meet(above, r);
+  const bool wrong = (r.status == DistanceStatus::kAboveThreshold && exact_.distance.upper <= t) ||
+                     (r.status == DistanceStatus::kNotAboveThreshold && exact_.distance.lower > t);
+  if (wrong) say("wrong verdict", above, r, static_cast<Real>(t), tally_->unsafe);
+  // An overlap may be answered without its depth.
+  const bool decided = r.distance.lower > t || r.distance.upper <= t ||
+                       (r.status == DistanceStatus::kOverlap && r.distance.upper <= 0);
+  const bool clear = exact_.distance.lower > t || exact_.distance.upper <= t;
+  if (!decided && clear && exact_.status == DistanceStatus::kConverged &&
+      std::abs(t - exact_.distance.upper) > 2e-9 + 1e-13 * size_) {
+    say("no verdict", above, r, static_cast<Real>(t), tally_->failures);
+  }
+}
+
+void Examiner::holdAgainstOracle() {
+  const oracle::Truth truth =
+      oracle::signedSeparation(*case_->a, case_->X_WA, *case_->b, case_->X_WB);
+  ++tally_->oracle;
+  Ask plain;
+  plain.how = "against the oracle";
+  if (exact_.distance.lower > truth.upper) {
+    say("above the truth", plain, exact_, static_cast<Real>(truth.upper), tally_->unsafe);
+  }
+  if (exact_.distance.upper < truth.lower) {
+    say("below the truth", plain, exact_, static_cast<Real>(truth.lower), tally_->unsafe);
+  }
+}
+
+void Examiner::examine(const Case& c, oracle::Random& random, bool with_oracle,
+                       const std::string& says, Tally& tally) {
+  case_ = &c;
+  says_ = &says;
+  tally_ = &tally;
+  half_space_ = c.a->type() == ShapeType::kHalfSpace || c.b->type() == ShapeType::kHalfSpace;
+  size_ = oracle::sizeOf(*c.a) + oracle::sizeOf(*c.b) +
+          (c.X_WB.translation - c.X_WA.translation).norm();
+  default_tolerance_ = collision::defaultTolerance(*c.a, c.X_WA, *c.b, c.X_WB);
+  coordinate_ = c.X_WA.translation.norm() + c.X_WB.translation.norm();
+  ++tally.cases;
+  const Ask plain;
+  exact_ = ask(plain);
+  if (exact_.distance.upper < 0) {
+    ++tally.overlapping;
+    tryPlanes(plain, exact_, random);
+  }
+  if (exact_.status == DistanceStatus::kLimit) {
+    ++tally.open;
+    if (verbose) {
+      std::int64_t uncounted = 0;
+      say("open", plain, exact_, static_cast<Real>(exact_.distance.width()), uncounted);
+    }
+  }
+  Ask swapped;
+  swapped.swapped = true;
+  swapped.how = "swapped";
+  meet(swapped, ask(swapped));
+  threshold(random);
+  // The cache of the case before is a foreign one; asked again it is warm.
+  Ask warm;
+  warm.cache = &cache_;
+  warm.how = "foreign cache";
+  meet(warm, ask(warm));
+  if (random.chance(0.3)) {
+    warm.how = "warm cache";
+    meet(warm, ask(warm));
+  }
+  if (random.chance(0.25)) {
+    Ask narrow;
+    narrow.how = "narrow";
+    narrow.request.tolerance = kNarrow * size_;
+    const DistanceResult r = ask(narrow);
+    meet(narrow, r);
+    ++tally.narrow;
+    if (r.status == DistanceStatus::kLimit) {
+      ++tally.narrow_open;
+      if (verbose && exact_.status != DistanceStatus::kLimit) {
+        std::int64_t uncounted = 0;
+        say("narrow open", narrow, r, static_cast<Real>(r.distance.width() / size_), uncounted);
+      }
+    }
+  }
+  if (random.chance(0.25)) {
+    Ask limited;
+    limited.how = "limited";
+    limited.request.iteration_limit = random.below(12);
+    meet(limited, ask(limited));
+  }
+  if (with_oracle) holdAgainstOracle();
+}
+
+}  // namespace leeway::accuracy

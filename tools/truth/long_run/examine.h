@@ -1,0 +1,68 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "tools/truth/long_run/cases.h"
+#include "tools/truth/long_run/independent.h"
+
+namespace leeway::accuracy {
+
+struct Tally {
+  std::int64_t cases = 0;
+  std::int64_t overlapping = 0;  // the truth is below 0
+  std::int64_t unsafe = 0;       // an interval that does not hold the truth
+  std::int64_t failures = 0;     // every other broken promise of distance.h
+  std::int64_t open = 0;         // the default tolerance was not reached
+  std::int64_t narrow = 0;       // asked for 1e-14 of the sizes involved ...
+  std::int64_t narrow_open = 0;  // ... and not reached
+  std::int64_t oracle = 0;       // held against quadruple precision
+
+  void add(const Tally& t);
+};
+
+/// Asks for one case in every way that a caller can and holds the answers against extended
+/// precision, against each other and, on request, against the quadruple-precision oracle. Says so
+/// on stderr when something does not hold, so that it can be replayed.
+class Examiner {
+ public:
+  /// `says`: stands before each message.
+  void examine(const Case& c, oracle::Random& random, bool with_oracle, const std::string& says,
+               Tally& tally);
+  /// Also reports cases that stay open.
+  bool verbose = false;
+
+ private:
+  struct Ask {
+    collision::DistanceRequest request;
+    collision::PairCache* cache = nullptr;
+    bool swapped = false;
+    const char* how = "plain";
+  };
+  collision::DistanceResult ask(const Ask& ask);
+  void judge(const Ask& ask, const collision::DistanceResult& r);
+  void judgePlane(const Ask& ask, const collision::DistanceResult& r);
+  void judgeHalfSpace(const Ask& ask, const collision::DistanceResult& r);
+  void judgeWitness(const Ask& ask, const collision::DistanceResult& r);
+  void tryPlanes(const Ask& ask, const collision::DistanceResult& r, oracle::Random& random);
+  void meet(const Ask& ask, const collision::DistanceResult& r);
+  void threshold(oracle::Random& random);
+  void holdAgainstOracle();
+  Real provenAlong(const Eigen::Vector3d& n) const;
+  void say(const char* what, const Ask& ask, const collision::DistanceResult& r, Real value,
+           std::int64_t& count);
+
+  const Case* case_ = nullptr;
+  const std::string* says_ = nullptr;
+  Tally* tally_ = nullptr;
+  double size_ = 0;  // the sizes involved: extents and the way between the frames [m]
+  double default_tolerance_ = 0;
+  double coordinate_ = 0;  // largest coordinate in the world [m]
+  bool half_space_ = false;
+  collision::DistanceResult exact_;
+  collision::Scratch scratch_;
+  collision::PairCache cache_;
+  int said_ = 0;
+};
+
+}  // namespace leeway::accuracy
