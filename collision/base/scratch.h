@@ -12,7 +12,7 @@ struct SweepScratch;          // sweep/mesh_sweep_scratch.h
 struct Work;                  // base/work.h
 
 /// What the folders of the engine keep in a Scratch: one member each. References, so that no folder
-/// needs to know what the others keep; distance/scratch.cc owns what they refer to.
+/// needs to know what the others keep; distance/scratch_buffers.cc owns what they refer to.
 struct Scratch::Impl {
   PolytopeBuffers& polytope;
   SharpPolytopeBuffers& sharp_polytope;
