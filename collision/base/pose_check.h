@@ -65,6 +65,12 @@ inline __attribute__((always_inline)) PoseCheck checkRotations(const Eigen::Matr
           std::sqrt(2 * (departure[0] + departure[1]))};
 }
 
+/// ||R^T R - 1|| (Frobenius) of one matrix, no less than it is: its norm is computed to within 9
+/// units of roundoff. A matrix is half of that, times (1 + itself), from the rotation next to it.
+inline double departureOf(const Eigen::Matrix3d& R) {
+  return 0.5 * checkRotations(R, R).departure + 16 * kUnitRoundoff;
+}
+
 /// What queries take for a pose: finite, and orthogonal within kRotationTolerance.
 inline bool isPose(const Pose& X) {
   return X.translation.allFinite() && checkRotations(X.rotation, X.rotation).rotations;

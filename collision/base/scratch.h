@@ -4,18 +4,16 @@
 
 namespace leeway::collision {
 
-struct DeformScratch;         // deform/snapshot.h
-struct PolytopeBuffers;       // convex/epa/epa.h
-struct SharpPolytopeBuffers;  // convex/epa/sharp_polytope.h
-struct SweepFrontScratch;     // mesh/sweep_front.h
-struct SweepScratch;          // sweep/mesh_sweep_scratch.h
-struct Work;                  // base/work.h
+struct DeformScratch;      // deform/snapshot.h
+struct PolytopeBuffers;    // convex/epa/epa.h
+struct SweepFrontScratch;  // mesh/sweep_front.h
+struct SweepScratch;       // sweep/mesh_sweep_scratch.h
+struct Work;               // base/work.h
 
 /// What the folders of the engine keep in a Scratch: one member each. References, so that no folder
 /// needs to know what the others keep; distance/scratch_buffers.cc owns what they refer to.
 struct Scratch::Impl {
   PolytopeBuffers& polytope;
-  SharpPolytopeBuffers& sharp_polytope;
   DeformScratch& deform;
   SweepScratch& sweep;
   SweepFrontScratch& fronts;
@@ -24,11 +22,9 @@ struct Scratch::Impl {
   virtual ~Impl() = default;
 
  protected:
-  Impl(PolytopeBuffers& polytope_buffers, SharpPolytopeBuffers& sharp_polytope_buffers,
-       DeformScratch& deform_scratch, SweepScratch& sweep_scratch, SweepFrontScratch& sweep_fronts,
-       Work& own_work)
+  Impl(PolytopeBuffers& polytope_buffers, DeformScratch& deform_scratch,
+       SweepScratch& sweep_scratch, SweepFrontScratch& sweep_fronts, Work& own_work)
       : polytope(polytope_buffers),
-        sharp_polytope(sharp_polytope_buffers),
         deform(deform_scratch),
         sweep(sweep_scratch),
         fronts(sweep_fronts),

@@ -21,9 +21,6 @@ inline constexpr double kSupportRounding = 32;
 /// Rounding of a closed form, in the same unit; derived in closed_form.cc.
 inline constexpr double kClosedFormRounding = 32;
 
-/// The same where an interval is asked for that is as narrow as can be: without room to spare.
-inline constexpr double kSharpClosedFormRounding = 16;
-
 /// Rounding of X_BA made from two world poses, in the same unit; derived in convex.cc.
 inline constexpr double kPoseRounding = 24;
 
@@ -32,17 +29,10 @@ inline constexpr double kDefaultShare = 1e-9;
 /// ... and the most that it is [m]. What we ask ourselves, of bodies of any size, is asked with it,
 /// too.
 inline constexpr double kDefaultTolerance = 1e-9;
-/// The least that it is, as a share of the larger extent or of the offset between the frames: what
-/// is narrower may not be had.
-inline constexpr double kDefaultLeastShare = 4e-14;
-
-/// An interval that is wider than asked, but narrower than this share of the sizes involved, is
-/// looked at again in twice the precision: rounding leaves some 1.5e-14, of curved overlaps up to
-/// 1e-12, and what is wider a search left open. Smaller may leave an interval wider than asked,
-/// larger only costs time.
-inline constexpr double kSharpFrom = 1e-11;
-/// The same of an overlap: its search in twice the precision looks at more directions.
-inline constexpr double kSharpOverlapFrom = 1e-9;
+/// The least that it is, as a share of the larger extent or of the offset between the frames:
+/// rounding leaves 3e-13 of them, most of it in depths of round bodies. Only bodies of a kilometre
+/// and more have it.
+inline constexpr double kDefaultLeastShare = 1e-12;
 
 /// Share of the tolerance that the semi-axes of an ellipsoid may differ by for it to be taken for a
 /// ball: the rest is left for all else. It only widens intervals.
@@ -177,17 +167,12 @@ inline constexpr double kLostBelow = 16;
 inline constexpr double kLostShare = 1e-12;
 
 /// Rounding of roots and sums in Hadeler's criterion, as a share of their terms, of which there are
-/// a few; and in twice the precision. Smaller breaks the guarantee.
+/// a few. Smaller breaks the guarantee.
 inline constexpr double kRootRounding = 16 * kUnitRoundoff;
-inline constexpr double kSharpRootRounding = 0x1p-80;
 
 /// What a depth is first known to, as a share of the sizes: what is proven roughly stays proven.
 /// Costs time, never truth.
 inline constexpr double kRoughDepth = 1e-6;
-
-/// Poses that move points by more than this, in units of kUnitRoundoff times the sizes involved,
-/// are farther from rotations than such as were rounded once: twice the precision gains nothing.
-inline constexpr double kMostMoved = 64;
 
 /// Ellipsoids whose axes differ by no more than this share are looked at as balls first. Any value
 /// is right.
@@ -207,22 +192,8 @@ inline constexpr double kSingularFace = 1e-13;
 inline constexpr double kFlatRim = 1e-8;
 
 /// Rounding of a bound over a facet's cells (curved_facet.cc, where it is derived), in units of
-/// kUnitRoundoff times the sizes' square; and in twice the precision, as a share of it. Smaller
-/// breaks the guarantee.
+/// kUnitRoundoff times the sizes' square. Smaller breaks the guarantee.
 inline constexpr double kFacetRounding = 256;
-inline constexpr double kSharpFacetRounding = 0x1p-80;
-
-// Depths in twice the precision (sharp_polytope.cc)
-
-/// What numbers of twice the precision may err by after some tens of operations, as a share of the
-/// sizes involved; planes that are no farther out than this are the facet's own. Smaller breaks the
-/// guarantee.
-inline constexpr double kSharpRounding = 0x1p-90;
-/// Of products of two or three members, as a share of the sizes' square or cube.
-inline constexpr double kSharpDeterminant = 0x1p-96;
-/// A nearest point that is farther than its plane by this share lies on the rim: others are better
-/// known by the facet's normal.
-inline constexpr double kOnRim = 1e-9;
 
 // Hulls' vertices (hull_support.cc, simd/scan-inl.h, simd/vertex_gjk.cc)
 

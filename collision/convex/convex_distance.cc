@@ -9,10 +9,8 @@
 #include "collision/base/tolerances.h"
 #include "collision/base/work.h"
 #include "collision/convex/epa/epa.h"
-#include "collision/convex/epa/sharp_polytope.h"
 #include "collision/convex/epa/vertex_polytope.h"
 #include "collision/convex/gjk/gjk.h"
-#include "collision/convex/gjk/sharp.h"
 #include "collision/convex/gjk/support.h"
 #include "collision/convex/gjk/swept_gjk.h"
 #include "collision/convex/gjk/vertex_gjk.h"
@@ -192,11 +190,11 @@ CoreQuery coreQuery(const ConvexView& a, const ConvexView& b, double translation
 
 // B is the half-space z <= 0 of its frame: the lowest point of A decides, apart or overlapping.
 DistanceResult fromHalfSpace(const ConvexView& a, const Pose& X_BA, const DistanceRequest& request,
-                             double slack, double rounding_units, const SharpDifference* sharp) {
+                             double slack) {
   const double translation = X_BA.translation.norm();
   const CoreQuery query = [&] {
     ConvexView plane;
-    return coreQuery(a, plane, translation, request, slack, rounding_units);
+    return coreQuery(a, plane, translation, request, slack, kClosedFormRounding);
   }();
   Progress progress(query);
   progress.iterations = 1;
@@ -207,7 +205,6 @@ DistanceResult fromHalfSpace(const ConvexView& a, const Pose& X_BA, const Distan
   const double height = lowest.z();
   progress.offerLower(height, -Vector::UnitZ());
   progress.offerWitness(height, w, lowest);
-  if (sharp != nullptr) sharpenHalfSpace(*sharp, progress);
   return resultOf(progress);
 }
 
@@ -223,15 +220,13 @@ DistanceResult exchanged(DistanceResult result, const Pose& X_BA) {
 
 // A is a point at p in B's frame.
 DistanceResult fromPoint(const ConvexView& a, const Vector& p, const ConvexView& b,
-                         const DistanceRequest& request, double slack, double rounding_units,
-                         const SharpDifference* sharp) {
-  const CoreQuery query = coreQuery(a, b, p.norm(), request, slack, rounding_units);
+                         const DistanceRequest& request, double slack) {
+  const CoreQuery query = coreQuery(a, b, p.norm(), request, slack, kClosedFormRounding);
   Progress progress(query);
   progress.iterations = 1;
   const PointDistance d = pointDistance(b, p);
   progress.offerLower(d.distance, -d.normal);
   progress.offerWitness(d.distance, d.nearest - p, p);
-  if (sharp != nullptr) sharpenPoint(*sharp, d.distance > 0, d.nearest, d.normal, progress);
   return resultOf(progress);
 }
 
@@ -400,94 +395,70 @@ Vector anyPoint(const ConvexView& view) {
   return view.core == Core::kPoints ? view.points[0] : Vector::Zero();
 }
 
-}  // namespace
-
-DistanceResult convexDistance(const ConvexView& a, const Pose& X_BA, const ConvexView& b,
-                              const DistanceRequest& request, Scratch& scratch, PairCache* cache,
-                              double slack, const SharpDifference* sharp,
-                              const VertexStart* start) {
-  scratch.impl().work->add(kPairWork);
-  const double closed = sharp == nullptr ? kClosedFormRounding : kSharpClosedFormRounding;
-  if (a.core == Core::kHalfSpace) {
-    if (b.core == Core::kHalfSpace) return {};
-    return exchanged(fromHalfSpace(b, X_BA.inverse(), request, slack, closed, sharp), X_BA);
-  }
+// Ends that need no search, however wide.
+void offerAnything(const ConvexView& a, const Pose& X_BA, const ConvexView& b, Progress& progress) {
+  const Vector p = X_BA * anyPoint(a);
+  const Vector w = anyPoint(b) - p;
+  progress.offerWitness(w.norm(), w, p);
   const double translation = X_BA.translation.norm();
-  const double b_extent = b.core == Core::kHalfSpace ? 0 : b.extent;
-  if (!withinScale(a.extent + b_extent + translation + a.radius + b.radius)) {
-    if (b.core != Core::kHalfSpace) {
-      return coarseDistance(a, X_BA.translation, b, request, slack);
-    }
+  if (translation > 0) {
+    progress.offerLower(translation - a.extent - b.extent, -X_BA.translation / translation);
+  } else {
+    progress.offerLower(-a.extent - b.extent, Vector::UnitX());
   }
-  if (b.core == Core::kHalfSpace) return fromHalfSpace(a, X_BA, request, slack, closed, sharp);
-  if (a.core == Core::kPoint && hasPointDistance(b.core)) {
-    return fromPoint(a, X_BA.translation, b, request, slack, closed, sharp);
-  }
-  if (b.core == Core::kPoint && hasPointDistance(a.core)) {
-    return exchanged(fromPoint(b, X_BA.inverse().translation, a, request, slack, closed, sharp),
-                     X_BA);
-  }
+}
 
-  const CoreQuery query = coreQuery(a, b, translation, request, slack, kSupportRounding);
-  Progress progress(query);
-  if (a.core == Core::kSegment && b.core == Core::kSegment && trySegments(a, X_BA, b, progress)) {
-    return resultOf(progress);
+// Pairs that have a closed form. False when it does not suffice; what it found stays offered.
+bool tryClosedForms(const ConvexView& a, const Pose& X_BA, const ConvexView& b, Progress& progress,
+                    PairCache* cache, DistanceResult& result) {
+  const auto met = [&](bool enough) {
+    if (enough) result = resultOf(progress);
+    return enough;
+  };
+  // The same with A and B exchanged.
+  const auto metExchanged = [&](const auto& attempt) {
+    CoreQuery query = progress.query();
+    std::swap(query.radius_a, query.radius_b);
+    Progress other(query);
+    if (!attempt(b, X_BA.inverse(), a, other)) return false;
+    result = exchanged(resultOf(other), X_BA);
+    return true;
+  };
+  if (a.core == Core::kSegment && b.core == Core::kSegment) {
+    if (met(trySegments(a, X_BA, b, progress))) return true;
   }
-  if (request.iteration_limit > 0) {
-    if (a.core == Core::kSegment && b.core == Core::kBox &&
-        trySegmentAndBox(a, X_BA, b, progress)) {
-      return resultOf(progress);
-    }
-    if (a.core == Core::kBox && b.core == Core::kSegment) {
-      const CoreQuery exchanged_query =
-          coreQuery(b, a, translation, request, slack, kSupportRounding);
-      Progress exchanged_progress(exchanged_query);
-      if (trySegmentAndBox(b, X_BA.inverse(), a, exchanged_progress)) {
-        return exchanged(resultOf(exchanged_progress), X_BA);
-      }
-    }
-    // Boxes that are apart have been answered before in closed form but for a few.
-    if (a.core == Core::kBox && b.core == Core::kBox) {
-      ++progress.iterations;
-      if (offerBoxOverlap(a, X_BA, b, progress, sharp) && progress.enough()) {
-        remember(progress, {}, false, -1, -1, cache);
-        return resultOf(progress);
-      }
-    }
-    const auto thin = [](const ConvexView& view) {
-      return view.core == Core::kPoint || view.core == Core::kSegment;
-    };
-    if (thin(a) && isTriangle(b) && tryTriangle(a, X_BA, b, progress)) return resultOf(progress);
-    if (isTriangle(a) && thin(b)) {
-      const CoreQuery exchanged_query =
-          coreQuery(b, a, translation, request, slack, kSupportRounding);
-      Progress exchanged_progress(exchanged_query);
-      if (tryTriangle(b, X_BA.inverse(), a, exchanged_progress))
-        return exchanged(resultOf(exchanged_progress), X_BA);
-    }
+  if (progress.query().request.iteration_limit <= 0) return false;
+  if (a.core == Core::kSegment && b.core == Core::kBox) {
+    return met(trySegmentAndBox(a, X_BA, b, progress));
   }
-  Difference<false> difference(a, b, X_BA, X_BA);
-  if (cache != nullptr) difference.setHints(cache->vertex_a, cache->vertex_b);
-  if (request.iteration_limit <= 0) {
-    const Vector p = X_BA * anyPoint(a);
-    const Vector w = anyPoint(b) - p;
-    progress.offerWitness(w.norm(), w, p);
-    if (translation > 0) {
-      progress.offerLower(translation - a.extent - b.extent, -X_BA.translation / translation);
-    } else {
-      progress.offerLower(-a.extent - b.extent, Vector::UnitX());
-    }
-    return resultOf(progress);
+  if (a.core == Core::kBox && b.core == Core::kSegment) return metExchanged(trySegmentAndBox);
+  // Boxes that are apart have been answered before in closed form but for a few.
+  if (a.core == Core::kBox && b.core == Core::kBox) {
+    ++progress.iterations;
+    if (!offerBoxOverlap(a, X_BA, b, progress) || !progress.enough()) return false;
+    remember(progress, {}, false, -1, -1, cache);
+    return met(true);
   }
-  Simplex simplex;
+  const auto thin = [](const ConvexView& view) {
+    return view.core == Core::kPoint || view.core == Core::kSegment;
+  };
+  if (thin(a) && isTriangle(b)) return met(tryTriangle(a, X_BA, b, progress));
+  if (isTriangle(a) && thin(b)) return metExchanged(tryTriangle);
+  return false;
+}
+
+// GJK on vertices where both cores have only these, else on support functions.
+GjkEnd runAnyGjk(const ConvexView& a, const Pose& X_BA, const ConvexView& b,
+                 Difference<false>& difference, const VertexStart* start, const PairCache* cache,
+                 Progress& progress, Simplex& simplex) {
   Vector first;
   GjkEnd end = GjkEnd::kStagnated;
   if (start != nullptr && start->count > 0) {
     end = resume(difference, *start, progress, simplex);
   } else if (difference.countsVertices()) {
     // A threshold is most often decided by the last direction alone.
-    const bool carried =
-        cache != nullptr && std::isnan(request.threshold) && fits(difference, *cache);
+    const bool carried = cache != nullptr && std::isnan(progress.query().request.threshold) &&
+                         fits(difference, *cache);
     if (!carried) first = firstDirection(a, X_BA, b, cache);
     end = runVertexGjk(difference, first, carried ? cache : nullptr, progress, simplex);
   }
@@ -495,48 +466,83 @@ DistanceResult convexDistance(const ConvexView& a, const Pose& X_BA, const Conve
     if (simplex.count == 0) first = firstDirection(a, X_BA, b, cache);
     end = runGjk(difference, first, progress, simplex);
   }
-  const bool open = end == GjkEnd::kInside || end == GjkEnd::kStagnated;
+  return end;
+}
+
+// Near and below contact, from where GJK ended, by and by dearer: closed forms of parallel axes, an
+// expanding polytope, the search over directions for round bodies. `narrow` [m]: what rounding
+// leaves.
+void searchDepth(const ConvexView& a, const Pose& X_BA, const ConvexView& b, bool inside,
+                 double narrow, Difference<false>& difference, const Simplex& simplex,
+                 Scratch::Impl& scratch, Progress& progress) {
+  const DistanceRequest& request = progress.query().request;
+  const bool straight = haveAxes(a, b);
+  // A threshold is most often decided by the polytope's first steps.
+  const bool exact = request.depth && std::isnan(request.threshold);
+  if (straight && !offerParallelAxes(a, X_BA, b, difference, progress) && exact &&
+      !progress.enough()) {
+    offerTiltedAxes(a, X_BA, b, difference, progress);
+  }
+  const bool found = inside && simplex.count == 4 && difference.countsVertices() &&
+                     !progress.enough() && growVertexPolytope(difference, simplex, progress);
+  if (!found && !progress.enough() && progress.upper() - progress.lower() > narrow) {
+    growPolytope(difference, simplex, scratch.polytope, progress);
+  }
+  if (straight && !exact && !progress.enough()) {
+    offerTiltedAxes(a, X_BA, b, difference, progress);
+  }
+  if ((inside || progress.upper() < 0) && request.depth && !progress.enough() &&
+      request.iteration_limit >= kLeastIterations && haveCurvedDepth(a, b)) {
+    const int before = progress.iterations;
+    offerCurvedDepth(difference, progress);
+    scratch.work->add((progress.iterations - before) * kCurvedStepWork);
+  }
+}
+
+}  // namespace
+
+DistanceResult convexDistance(const ConvexView& a, const Pose& X_BA, const ConvexView& b,
+                              const DistanceRequest& request, Scratch& scratch, PairCache* cache,
+                              double slack, const VertexStart* start) {
+  scratch.impl().work->add(kPairWork);
+  if (a.core == Core::kHalfSpace) {
+    if (b.core == Core::kHalfSpace) return {};
+    return exchanged(fromHalfSpace(b, X_BA.inverse(), request, slack), X_BA);
+  }
+  if (b.core == Core::kHalfSpace) return fromHalfSpace(a, X_BA, request, slack);
+  const double translation = X_BA.translation.norm();
+  if (!withinScale(a.extent + b.extent + translation + a.radius + b.radius)) {
+    return coarseDistance(a, X_BA.translation, b, request, slack);
+  }
+  if (a.core == Core::kPoint && hasPointDistance(b.core)) {
+    return fromPoint(a, X_BA.translation, b, request, slack);
+  }
+  if (b.core == Core::kPoint && hasPointDistance(a.core)) {
+    return exchanged(fromPoint(b, X_BA.inverse().translation, a, request, slack), X_BA);
+  }
+
+  const CoreQuery query = coreQuery(a, b, translation, request, slack, kSupportRounding);
+  Progress progress(query);
+  DistanceResult result;
+  if (tryClosedForms(a, X_BA, b, progress, cache, result)) return result;
+  Difference<false> difference(a, b, X_BA, X_BA);
+  if (cache != nullptr) difference.setHints(cache->vertex_a, cache->vertex_b);
+  if (request.iteration_limit <= 0) {
+    offerAnything(a, X_BA, b, progress);
+    return resultOf(progress);
+  }
+  Simplex simplex;
+  const GjkEnd end = runAnyGjk(a, X_BA, b, difference, start, cache, progress, simplex);
   // Rounding alone keeps the ends this far apart.
   const double narrow = query.lower_offset - query.upper_offset + 8 * query.roundoff;
-  if (open && !progress.enough() &&
-      (end == GjkEnd::kInside || progress.upper() - progress.lower() > narrow)) {
-    const bool straight = haveAxes(a, b);
-    // A threshold is most often decided by the polytope's first steps.
-    const bool exact = request.depth && std::isnan(request.threshold);
-    if (straight && !offerParallelAxes(a, X_BA, b, difference, progress) && exact &&
-        !progress.enough()) {
-      offerTiltedAxes(a, X_BA, b, difference, progress);
-    }
-    const bool found = end == GjkEnd::kInside && simplex.count == 4 &&
-                       difference.countsVertices() && !progress.enough() &&
-                       growVertexPolytope(difference, simplex, progress);
-    if (!found && !progress.enough() && progress.upper() - progress.lower() > narrow) {
-      growPolytope(difference, simplex, X_BA, scratch.impl().polytope, progress, sharp);
-    }
-    if (straight && !exact && !progress.enough()) {
-      offerTiltedAxes(a, X_BA, b, difference, progress);
-    }
-    if ((end == GjkEnd::kInside || progress.upper() < 0) && request.depth && !progress.enough() &&
-        request.iteration_limit >= kLeastIterations && haveCurvedDepth(a, b)) {
-      const int before = progress.iterations;
-      offerCurvedDepth(difference, progress, sharp);
-      scratch.impl().work->add((progress.iterations - before) *
-                               (sharp == nullptr ? kCurvedStepWork : kSharpCurvedStepWork));
-    }
+  const bool inside = end == GjkEnd::kInside;
+  if ((inside || end == GjkEnd::kStagnated) && !progress.enough() &&
+      (inside || progress.upper() - progress.lower() > narrow)) {
+    searchDepth(a, X_BA, b, inside, narrow, difference, simplex, scratch.impl(), progress);
   }
-  if (end != GjkEnd::kInside && progress.upper() > 0 && !progress.enough() &&
+  if (!inside && progress.upper() > 0 && !progress.enough() &&
       request.iteration_limit >= kLeastIterations && haveCurvedDepth(a, b)) {
-    offerCurvedNearest(difference, progress, sharp);
-  }
-  if (sharp != nullptr && !progress.enough()) {
-    if (end == GjkEnd::kInside) {
-      offerSharpPlane(*sharp, sharp->inWorld(progress.normal()), progress);
-    } else {
-      sharpenApart(*sharp, simplex, X_BA, progress);
-    }
-    if (!progress.enough() && request.iteration_limit >= kLeastIterations) {
-      growSharpPolytope(*sharp, scratch.impl().sharp_polytope, progress);
-    }
+    offerCurvedNearest(difference, progress);
   }
   remember(progress, simplex, difference.countsVertices(), difference.hintA(), difference.hintB(),
            cache);

@@ -7,19 +7,15 @@
 
 namespace leeway::collision {
 
-class SharpDifference;  // convex/gjk/sharp.h
-struct VertexStart;     // convex/hull_pairs.h
+struct VertexStart;  // convex/hull_pairs.h
 
 /// Signed separation of two convex pieces, in frame B: points and normal are in B. X_BA is taken as
 /// the affine map that it is; what is known of its own error goes into `slack` [m], by which both
-/// ends are widened (before thresholds and tolerance are looked at). cache may be null. `sharp`
-/// (sharp.h): the same pair at its world poses; where rounding keeps the interval wider than asked,
-/// both ends are looked at again in twice the precision, at several times the cost. `start`: where
-/// a search on the vertices of this pair has ended already.
+/// ends are widened (before thresholds and tolerance are looked at). cache may be null. `start`:
+/// where a search on the vertices of this pair has ended already.
 DistanceResult convexDistance(const ConvexView& a, const Pose& X_BA, const ConvexView& b,
                               const DistanceRequest& request, Scratch& scratch, PairCache* cache,
-                              double slack = 0, const SharpDifference* sharp = nullptr,
-                              const VertexStart* start = nullptr);
+                              double slack = 0, const VertexStart* start = nullptr);
 
 /// Lower bound on the separation of B from the hull of A's placements at X_BA0 and X_BA1, less
 /// `growth`; as sweptDistance().

@@ -7,7 +7,6 @@
 #include "collision/base/tolerances.h"
 #include "collision/base/vector.h"
 #include "collision/convex/convex_distance.h"
-#include "collision/convex/gjk/sharp.h"
 #include "collision/convex/hull_pairs.h"
 #include "collision/convex/pairs/simple_answer.h"
 #include "collision/distance/deform_distance.h"
@@ -20,17 +19,6 @@ namespace {
 
 double finiteExtent(const ConvexView& view) {
   return view.core == Core::kHalfSpace ? 0 : view.extent;
-}
-
-// True when twice the precision may give the width that was asked for. (Not a width that even the
-// poses' own rounding does not allow; and not what a search left open that used up its steps.)
-bool stoppedByRounding(const DistanceResult& result, const DistanceRequest& request, double size) {
-  return result.status == DistanceStatus::kLimit && request.iteration_limit > 0 &&
-         request.tolerance >= kUnitRoundoff * size &&
-         (result.distance.width() <=
-              (result.distance.upper < 0 ? kSharpOverlapFrom : kSharpFrom) * size ||
-          result.iterations < request.iteration_limit) &&
-         size >= kSmallestScale && size <= kLargestScale;
 }
 
 // An ellipsoid whose semi-axes differ by a small part of the tolerance is a ball that stands out a
@@ -150,15 +138,7 @@ DistanceResult generalDistance(const Shape& a, const Pose& X_WA, const Shape& b,
   if (!(translation > kSmallestScale)) translation = std::hypot(t.x(), t.y(), t.z());
   const double slack = relative.slack * (finiteExtent(view_a) + finiteExtent(view_b) + translation);
   DistanceResult result =
-      convexDistance(view_a, relative.X_BA, view_b, request, scratch, cache, slack, nullptr, start);
-  const double size =
-      view_a.radius + view_b.radius + finiteExtent(view_a) + finiteExtent(view_b) + translation;
-  if (stoppedByRounding(result, request, size)) {
-    const SharpDifference sharp(view_a, X_WA, view_b, X_WB);
-    const DistanceResult again = convexDistance(view_a, sharp.X_BA(), view_b, request, scratch,
-                                                cache, sharp.poseSlack(), &sharp);
-    if (again.distance.width() < result.distance.width()) result = again;
-  }
+      convexDistance(view_a, relative.X_BA, view_b, request, scratch, cache, slack, start);
   result.point_a = placed(X_WB, result.point_a);
   result.point_b = placed(X_WB, result.point_b);
   result.normal = rotated(X_WB.rotation, result.normal);

@@ -1,8 +1,6 @@
 #include "collision/base/scratch.h"
-
 #include "collision/base/work.h"
 #include "collision/convex/epa/epa.h"
-#include "collision/convex/epa/sharp_polytope.h"
 #include "collision/deform/snapshot.h"
 #include "collision/mesh/descent/sweep_front.h"
 #include "collision/sweep/mesh_sweep_scratch.h"
@@ -13,7 +11,6 @@ namespace {
 
 struct Buffers {
   PolytopeBuffers polytope;
-  SharpPolytopeBuffers sharp_polytope;
   DeformScratch deform;
   SweepScratch sweep;
   SweepFrontScratch fronts;
@@ -23,8 +20,8 @@ struct Buffers {
 /// The buffers come first among the bases: they stand before Impl refers to them.
 struct OwningImpl : private Buffers, public Scratch::Impl {
   OwningImpl()
-      : Scratch::Impl(Buffers::polytope, Buffers::sharp_polytope, Buffers::deform, Buffers::sweep,
-                      Buffers::fronts, Buffers::work) {}
+      : Scratch::Impl(Buffers::polytope, Buffers::deform, Buffers::sweep, Buffers::fronts,
+                      Buffers::work) {}
 };
 
 }  // namespace

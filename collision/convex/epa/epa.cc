@@ -91,8 +91,6 @@ class Polytope {
   // False when the difference is flat: the lower ends found on the way are all there is.
   bool begin(const Simplex& start);
   void grow();
-  /// The depth claimed, and the plane against it, in twice the precision.
-  void sharpen(const SharpDifference& sharp, const Pose& X_BA);
 
  private:
   bool full() const {
@@ -737,80 +735,12 @@ void Polytope::grow() {
   settle();
 }
 
-// The facets that are as near as rounding can tell are measured again; all others are farther out
-// than the claim by more than that. Exact vertices are within kSupportRounding of those that the
-// surface was built from, and what departures from rotations move, and it stays off the origin
-// while they are exchanged, so that it still winds around it. Curved parts are asked for what the
-// nearest plane leaves but for half the width.
-void Polytope::sharpen(const SharpDifference& sharp, const Pose& X_BA) {
-  const double moved = sharp.moved();
-  if (!(claim_ > 2 * kSupportRounding * roundoff_ + moved) || left_facing_ || !winds_) return;
-  const auto corner = [&](const PolytopeFacet& f, int i) -> const SupportPoint& {
-    return buffers_.vertices[static_cast<std::size_t>(f.vertex[i])];
-  };
-  DoubleDouble depth = claim_ + 64 * roundoff_;
-  const bool curved = curved_.any();
-  const double half_width = 0.5 * progress_.query().request.tolerance;
-  // Where a facet's curved parts are nearer there may be a nearer plane.
-  const auto covers = [&](const PolytopeFacet& f) {
-    for (int i = 0; i < kCoverTries; ++i) {
-      if (curved_.coversSharply(corner(f, 0), corner(f, 1), corner(f, 2), depth, sharp)) {
-        return true;
-      }
-      const DoubleDoubleVector n(curved_.leastDirection());
-      const DoubleDouble nearer = sharp.mostAlong(n) / norm(n) - half_width;
-      if (!(nearer < depth)) return false;
-      offerSharpPlane(sharp, -n, progress_);
-      depth = nearer;
-    }
-    return false;
-  };
-  if (curved) {
-    const DoubleDoubleVector n = sharp.inWorld(-progress_.normal());
-    depth = sharp.mostAlong(n) / norm(n) - half_width;
-  }
-  const double near = std::max(claim_, depth.high) + 128 * roundoff_ + 2 * moved;
-  DoubleDoubleVector outward;
-  bool flat = false;  // the nearest is a facet, not a curved part
-  for (int i = 0; i < facet_count_; ++i) {
-    const PolytopeFacet& f = facet(i);
-    if (!f.alive) continue;
-    const double height = leastAlong(f, f.normal);
-    if (height > 0 && height * height > near * near * f.length_squared) continue;
-    const DoubleDoubleVector a = sharp.member(corner(f, 0), X_BA),
-                             b = sharp.member(corner(f, 1), X_BA),
-                             c = sharp.member(corner(f, 2), X_BA);
-    DoubleDoubleVector n = cross(b - a, c - a);
-    const DoubleDouble length = norm(n);
-    if (!(length.high > 0)) return;
-    n = DoubleDouble(1) / length * n;
-    // (The least of the three: a sliver's normal is poor even so.)
-    DoubleDouble here = dot(n, a);
-    for (const DoubleDouble& other : {dot(n, b), dot(n, c)}) {
-      if (other < here) here = other;
-    }
-    here = here - sharp.memberDefect();
-    if (!(here < depth)) continue;
-    if (curved && covers(f)) continue;
-    if (!(here < depth)) continue;  // which covers() may have lowered
-    depth = here, outward = n, flat = true;
-  }
-  if (!(depth.high > 0)) return;
-  Vector a;
-  const Vector nearest = memberClaimed(a);
-  offerSharpWitness(sharp, -depth, 0, nearest, a, progress_);
-  if (flat) offerSharpPlane(sharp, -outward, progress_);
-  offerSharpPlane(sharp, sharp.inWorld(progress_.normal()), progress_);
-}
-
 }  // namespace
 
-void growPolytope(Difference<false>& difference, const Simplex& start, const Pose& X_BA,
-                  PolytopeBuffers& buffers, Progress& progress, const SharpDifference* sharp) {
+void growPolytope(Difference<false>& difference, const Simplex& start, PolytopeBuffers& buffers,
+                  Progress& progress) {
   Polytope polytope(difference, buffers, progress);
-  if (!polytope.begin(start)) return;
-  polytope.grow();
-  if (sharp != nullptr && !progress.enough()) polytope.sharpen(*sharp, X_BA);
+  if (polytope.begin(start)) polytope.grow();
 }
 
 }  // namespace leeway::collision

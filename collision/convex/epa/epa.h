@@ -5,7 +5,6 @@
 
 #include "collision/convex/epa/polytope_fan.h"
 #include "collision/convex/gjk/progress.h"
-#include "collision/convex/gjk/sharp.h"
 #include "collision/convex/gjk/simplex.h"
 
 namespace leeway::collision {
@@ -66,8 +65,7 @@ struct PolytopeBuffers {
 /// rounding bends it. So -(distance of the nearest triangle) is a true upper end, and any support
 /// plane a true lower end. An origin slightly outside (GJK stagnated near contact) is treated
 /// alike: the facets that see it come first.
-/// `sharp`, where it is given, sharpens what was found; X_BA is the pose of the difference.
-void growPolytope(Difference<false>& difference, const Simplex& start, const Pose& X_BA,
-                  PolytopeBuffers& buffers, Progress& progress, const SharpDifference* sharp);
+void growPolytope(Difference<false>& difference, const Simplex& start, PolytopeBuffers& buffers,
+                  Progress& progress);
 
 }  // namespace leeway::collision

@@ -71,20 +71,7 @@ class Progress {
     return true;
   }
 
-  /// Ends that are known better than the offsets say: all rounding is in them already.
-  void offerEnd(double lower, const Vector& n) {
-    if (!(lower > lower_)) return;
-    lower_ = lower;
-    normal_ = n;
-  }
-  void offerUpperEnd(double upper, const Vector& w, const Vector& a) {
-    if (!(upper < upper_)) return;
-    upper_ = upper;
-    witness_w_ = w;
-    witness_a_ = a;
-  }
-
-  /// The same, for a witness whose points will be offered later.
+  /// As offerWitness(), whose points will be offered later.
   void offerUpper(double distance) { upper_ = std::min(upper_, distance - query_.upper_offset); }
 
   /// A point of a swept hull at `distance`, which no single placement need reach: it only tells how

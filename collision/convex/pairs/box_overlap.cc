@@ -178,36 +178,10 @@ Vector touching(Feature of_a, const Feature& of_b, const Vector& w) {
   return p - w;
 }
 
-// The least of the fifteen overlaps again, in twice the precision.
-void sharpen(const SharpDifference& sharp, const Vector& w, const Vector& point_a,
-             Progress& progress) {
-  const auto column = [](const Pose& X, int i) {
-    return DoubleDoubleVector(Vector(X.rotation.col(i)));
-  };
-  DoubleDouble depth = std::numeric_limits<double>::infinity();
-  DoubleDoubleVector best;
-  const auto offer = [&](const DoubleDoubleVector& n) {
-    const DoubleDouble length = norm(n);
-    if (!(length.high > 0)) return;
-    for (const DoubleDoubleVector& m : {n, -n}) {
-      const DoubleDouble here = sharp.mostAlong(m) / length;
-      if (here < depth) depth = here, best = m;
-    }
-  };
-  for (int i = 0; i < 3; ++i) {
-    for (const Pose* X : {&sharp.X_WA(), &sharp.X_WB()}) {
-      offer(cross(column(*X, i), column(*X, (i + 1) % 3)));
-    }
-    for (int j = 0; j < 3; ++j) offer(cross(column(sharp.X_WA(), i), column(sharp.X_WB(), j)));
-  }
-  offerSharpPlane(sharp, -best, progress);
-  if (depth.high >= 0) offerSharpWitness(sharp, -depth, 0, w, point_a, progress);
-}
-
 }  // namespace
 
-bool offerBoxOverlap(const ConvexView& a, const Pose& X_BA, const ConvexView& b, Progress& progress,
-                     const SharpDifference* sharp) {
+bool offerBoxOverlap(const ConvexView& a, const Pose& X_BA, const ConvexView& b,
+                     Progress& progress) {
   const Eigen::Matrix3d& R = X_BA.rotation;
   const Boxes boxes{{R.col(0) * a.size.x(), R.col(1) * a.size.y(), R.col(2) * a.size.z()},
                     X_BA.translation,
@@ -221,7 +195,6 @@ bool offerBoxOverlap(const ConvexView& a, const Pose& X_BA, const ConvexView& b,
   const Vector point_a = touching(farthestFeature(boxes.t, boxes.axis_a, best.n),
                                   farthestFeature(Vector::Zero(), half_b, -best.n), w);
   progress.offerWitness(best.apart, w, point_a);
-  if (sharp != nullptr && !progress.enough()) sharpen(*sharp, w, point_a, progress);
   return true;
 }
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "collision/convex/gjk/sharp.h"
+#include "collision/convex/gjk/progress.h"
 
 namespace leeway::collision {
 
@@ -9,8 +9,7 @@ namespace leeway::collision {
 /// (Gottschalk, Lin, Manocha 1996), so that the depth is the least of fifteen overlaps: nothing is
 /// searched for, and parallel faces are no harder than others. True when they overlap; when they do
 /// not, the lower end of the best of these axes is offered and no upper one.
-/// `sharp`, where it is given, sharpens both ends when they are too wide.
-bool offerBoxOverlap(const ConvexView& a, const Pose& X_BA, const ConvexView& b, Progress& progress,
-                     const SharpDifference* sharp);
+bool offerBoxOverlap(const ConvexView& a, const Pose& X_BA, const ConvexView& b,
+                     Progress& progress);
 
 }  // namespace leeway::collision

@@ -19,11 +19,7 @@ namespace leeway::collision {
 // of their size, and so do r; r^2 / (|v| + l) by 40 u s, with the bends' products 68 u s of each of
 // A, B and the depth, whose sizes' sum is less than 2 L; centres err by 8 u L, times the
 // directions' difference 16 u s L. In all less than 160 u s L. What corners that differ add besides
-// is 20 u of the shares' difference times M and 4 u of the centres'. `moved`, which is all that
-// corners are off by besides, counts 5 s times for each of A, B and the depth at the most: once for
-// r^2 / (|v| + l), whose slope is the angle between v and e, three times for r^2 / g, and once for
-// the centres. (That angle is at most 1.5 s where v is not opposite to e; where it is the slope is
-// 2 at the most, which is counted by itself.)
+// is 20 u of the shares' difference times M and 4 u of the centres'.
 
 namespace {
 
@@ -31,7 +27,7 @@ constexpr int kNext[3] = {1, 2, 0};
 // How much of the corners' margins t n^2 may take, of A and B each.
 constexpr double kShareOfMargin = 0.1;
 
-void addSquares(const Vector (&v)[3], double factor, Form<double>& form) {
+void addSquares(const Vector (&v)[3], double factor, Form& form) {
   form.p00 += factor * v[0].squaredNorm();
   form.p11 += factor * v[1].squaredNorm();
   form.p22 += factor * v[2].squaredNorm();
@@ -41,7 +37,7 @@ void addSquares(const Vector (&v)[3], double factor, Form<double>& form) {
 }
 
 // Where the form is least on a corner or an edge, the weights' sum 1, and what it is there.
-double findLeast(const Form<double>& form, double (&mu)[3]) {
+double findLeast(const Form& form, double (&mu)[3]) {
   const double corner[3] = {form.p00, form.p11, form.p22};
   const double between[3] = {form.p01, form.p12, form.p02};
   double least = std::numeric_limits<double>::infinity();
@@ -142,8 +138,7 @@ void CellBound::addRound(int k) {
     v[i] = shorter_[i] * corners_[i].scaled[k];
   }
   if (!(std::max({share[0], share[1], share[2]}) > 0)) return;
-  addRound(v, share, sizes_[k],
-           sizes_[k] * (kCornerRounding * kUnitRoundoff + moved_ * (kUnitRoundoff / roundoff_)));
+  addRound(v, share, sizes_[k], sizes_[k] * kCornerRounding * kUnitRoundoff);
 }
 
 void CellBound::addRound(const Vector (&v)[3], const double (&share)[3], double size,
@@ -172,8 +167,8 @@ void CellBound::addRound(const Vector (&v)[3], const double (&share)[3], double 
   ++rounds_;
 }
 
-Form<double> CellBound::leastForm() const {
-  Form<double> form = form_;
+Form CellBound::leastForm() const {
+  Form form = form_;
   for (int m = 0; m < rounds_; ++m) {
     const Round& r = round_[m];
     const double bend = std::min({r.share[0] / r.g[0], r.share[1] / r.g[1], r.share[2] / r.g[2]});
@@ -182,8 +177,8 @@ Form<double> CellBound::leastForm() const {
   return form;
 }
 
-Form<double> CellBound::middleForm() const {
-  Form<double> form = form_;
+Form CellBound::middleForm() const {
+  Form form = form_;
   for (int m = 0; m < rounds_; ++m) {
     const Round& r = round_[m];
     addSquares(r.across, (r.share[0] + r.share[1] + r.share[2]) / (r.g[0] + r.g[1] + r.g[2]), form);
@@ -192,7 +187,7 @@ Form<double> CellBound::middleForm() const {
 }
 
 // With the bends at mu; false where there is no room for what they change by.
-bool CellBound::bendAt(const double (&mu)[3], double most, Form<double>& form) const {
+bool CellBound::bendAt(const double (&mu)[3], double most, Form& form) const {
   if (!(most > 0)) return false;
   for (int m = 0; m < rounds_; ++m) {
     const Round& r = round_[m];
@@ -235,8 +230,7 @@ bool CellBound::proves(const double (&margins)[3], double depth) {
   }
   if (!addDepth(rest)) return false;
   for (int k = 0; k < 2; ++k) isBall(k) ? addBall(k) : addRound(k);
-  slack_ += angle_ * (256 * roundoff_ + 16 * moved_) +
-            32 * (difference_ / (roundoff_ / kUnitRoundoff)) * (roundoff_ + moved_);
+  slack_ += 256 * angle_ * roundoff_ + 32 * kUnitRoundoff * difference_;
   form_.p00 += at_[0] - slack_;
   form_.p11 += at_[1] - slack_;
   form_.p22 += at_[2] - slack_;
@@ -245,11 +239,11 @@ bool CellBound::proves(const double (&margins)[3], double depth) {
   form_.p02 += 0.5 * (at_[0] + at_[2]) + between_[2] - slack_;
   if (copositive(leastForm())) return true;
   if (rounds_ == 0) return false;
-  const Form<double> middle = middleForm();
+  const Form middle = middleForm();
   double mu[3] = {1, 0, 0};
   below_ = findLeast(middle, mu) < 0;
   least_ = mu[0] * corners_[0].x + mu[1] * corners_[1].x + mu[2] * corners_[2].x;
-  Form<double> form = form_;
+  Form form = form_;
   return bendAt(mu, std::max({middle.p00, middle.p11, middle.p22}), form) && copositive(form);
 }
 

@@ -13,18 +13,16 @@ struct NearlyBall {
   Vector spread = Vector::Zero();  ///< sqrt(M^2 - r^2) / M
 };
 
-/// What provesCell() says, in double, from what is known of the corners themselves, to more digits
-/// if there are: margins[i] is x . center + sum share |M x| - depth |x| of corner i, or less. In
-/// between the bound departs from that by what is of second order in the cell's size, so that
-/// double knows it well enough, and it errs by the fourth power.
+/// What provesCell() says, from what is known of the corners themselves: margins[i] is x . center +
+/// sum share |M x| - depth |x| of corner i, or less. In between the bound departs from that by what
+/// is of second order in the cell's size, and it errs by the fourth power.
 class CellBound {
  public:
-  /// sizes: the largest M of the cores, or more; roundoff [m]: as CoreQuery; moved [m]: how far
-  /// corners may be from where they are said to be besides rounding. `balls`, of A and B: those are
-  /// taken apart.
-  CellBound(const CurvedCorner<Vector> (&corners)[3], const double (&sizes)[2], double roundoff,
-            double moved, const NearlyBall* balls = nullptr)
-      : corners_(corners), sizes_(sizes), roundoff_(roundoff), moved_(moved), balls_(balls) {}
+  /// sizes: the largest M of the cores, or more; roundoff [m]: as CoreQuery. `balls`, of A and
+  /// B: those are taken apart.
+  CellBound(const CurvedCorner (&corners)[3], const double (&sizes)[2], double roundoff,
+            const NearlyBall* balls = nullptr)
+      : corners_(corners), sizes_(sizes), roundoff_(roundoff), balls_(balls) {}
 
   /// True when the bound is at least 0 in all of the cell. Once. O(1).
   bool proves(const double (&margins)[3], double depth);
@@ -47,18 +45,18 @@ class CellBound {
   void addRound(int k);
   void addBall(int k);
   bool isBall(int k) const { return balls_ != nullptr && balls_[k].radius > 0; }
-  Form<double> leastForm() const;
-  Form<double> middleForm() const;
-  bool bendAt(const double (&mu)[3], double most, Form<double>& form) const;
+  Form leastForm() const;
+  Form middleForm() const;
+  bool bendAt(const double (&mu)[3], double most, Form& form) const;
 
-  const CurvedCorner<Vector> (&corners_)[3];
+  const CurvedCorner (&corners_)[3];
   const double (&sizes_)[2];
-  const double roundoff_, moved_;
+  const double roundoff_;
   const NearlyBall* const balls_;
   double shorter_[3];
   double at_[3];                   // linear parts at the corners
   double between_[3] = {0, 0, 0};  // of corners i and i + 1: what products of differences take off
-  Form<double> form_;              // all but the bends of rounds
+  Form form_;                      // all but the bends of rounds
   Round round_[3];
   int rounds_ = 0;
   bool below_ = false;

@@ -6,7 +6,6 @@
 #include <limits>
 
 #include "collision/base/tolerances.h"
-#include "collision/convex/gjk/sharp.h"
 #include "collision/convex/round_depth/cell_bound.h"
 #include "collision/convex/round_depth/curved_face.h"
 
@@ -14,10 +13,7 @@ namespace leeway::collision {
 
 namespace {
 
-// Cells, directions and planes that one step of the caller's limit is worth [count]: with the
-// default of 256 some eighty milliseconds at the most; most queries take a hundredth. Where twice
-// the precision is asked for, valleys around an axis and needles take up to a second, and two where
-// neither way of halving comes to an end.
+// Cells, directions and planes that one step of the caller's limit is worth [count].
 constexpr std::int64_t kWorkPerStep = 1024;
 constexpr std::int64_t kSharpWorkPerStep = 8192;
 // What a direction is worth where a hull's vertices are blended, too.
@@ -46,11 +42,8 @@ double stifferBy(int i) { return i < kStiffnesses / 2 ? 4 : 64; }
 struct Node {
   Vector x;  // exact, of a length from 0.5 to 1
   CurvedChoice choice;
-  CurvedCorner<Vector> corner;
+  CurvedCorner corner;
   double value, length;  // the bound there, and the length of x
-  // The same in twice the precision, where it has been asked.
-  bool sharp, settled;
-  DoubleDouble sharp_value, sharp_length;
   int looks;  // see CurvedDepth: what it has been chosen for may be farther out than the depth now
 };
 
@@ -67,16 +60,13 @@ bool isCounted(const ConvexView& view) {
 
 class CurvedDepth {
  public:
-  CurvedDepth(Difference<false>& difference, Progress& progress, const SharpDifference* sharp,
-              double evenly);
+  CurvedDepth(Difference<false>& difference, Progress& progress, double evenly);
   bool run();
   void findNearest();
 
  private:
   Node nodeAt(const Vector& x);
   void fill(Node& node) const;
-  void sharpen(Node& node) const;
-  void settle(Node& node);
   void look(const Vector& e);
   void lookBelow(const Vector& e);
   double askPlane(const Vector& e);
@@ -92,8 +82,8 @@ class CurvedDepth {
   Vector stepFrom(const CurvedFace& face, CurvedEdge* edge, int& edges) const;
   void setDepth();
   bool search();
-  bool proves(Cell& cell);
-  bool provesBalls(const CurvedCorner<Vector> (&corners)[3], const double (&margins)[3],
+  bool proves(const Cell& cell);
+  bool provesBalls(const CurvedCorner (&corners)[3], const double (&margins)[3],
                    double depth) const;
   double bentAlong(const Cell& cell, int i, int j, bool edges) const;
   bool provesAll(bool edges, std::int64_t spare);
@@ -101,38 +91,30 @@ class CurvedDepth {
 
   Difference<false>& difference_;
   Progress& progress_;
-  const SharpDifference* sharp_;
   const double roundoff_;
-  CurvedFaces faces_, exact_faces_;
+  CurvedFaces faces_;
   double sizes_[2];
   NearlyBall balls_[2];
   bool has_balls_ = false;
-  const std::int64_t work_per_step_;
   const std::int64_t node_work_;
   std::int64_t work_left_;
   int idle_ = 0, rest_ = 0;  // descents that found nothing, and for how many to do without
   double reach_ = 0;         // the nearest plane asked
-  double gap_ = 0;           // in double: how much less is to be proven
-  // What is to be proven; the second, for cells in double precision, holds for the world's poses.
-  DoubleDouble depth_ = std::numeric_limits<double>::infinity();
-  double plain_depth_ = 0;
-  double stiff_ = 0;   // the least for blending [m]
+  double gap_ = 0;           // how much less is to be proven
+  double depth_ = std::numeric_limits<double>::infinity();  // what is to be proven
+  double stiff_ = 0;                                        // the least for blending [m]
   double wanted_ = 0;  // directions in which the difference is nearer lead to a nearer plane
   int looks_ = 0;      // how often the depth has become less
 };
 
-CurvedDepth::CurvedDepth(Difference<false>& difference, Progress& progress,
-                         const SharpDifference* sharp, double evenly)
+CurvedDepth::CurvedDepth(Difference<false>& difference, Progress& progress, double evenly)
     : difference_(difference),
       progress_(progress),
-      sharp_(sharp),
       roundoff_(progress.query().roundoff),
       faces_(difference, evenly),
-      exact_faces_(difference, 0),
       sizes_{faces_.semiAxes(0).maxCoeff(), faces_.semiAxes(1).maxCoeff()},
-      work_per_step_(sharp == nullptr ? kWorkPerStep : kSharpWorkPerStep),
       node_work_(faces_.hasHull() ? kHullWork : 1),
-      work_left_(work_per_step_ * progress.query().request.iteration_limit) {
+      work_left_(kWorkPerStep * progress.query().request.iteration_limit) {
   for (int k = 0; k < 2; ++k) {
     if (faces_.view(k).core != Core::kEllipsoid) continue;
     const Vector& m = faces_.semiAxes(k);
@@ -158,7 +140,7 @@ Node CurvedDepth::nodeAt(const Vector& x) {
   // needed, or close to a place on it that is nearer than the depth.
   double times = 1;
   for (int i = 0; i < kStiffnesses; ++i, times *= stifferBy(i)) {
-    const Vector y = faces_.blend(face, depth_.high, times, node.choice);
+    const Vector y = faces_.blend(face, depth_, times, node.choice);
     if (face.e.dot(y) >= wanted_) break;
     if (i > 0) continue;
     lookBelow(face.e);
@@ -171,14 +153,11 @@ Node CurvedDepth::nodeAt(const Vector& x) {
 
 // What follows from the choice.
 void CurvedDepth::fill(Node& node) const {
-  CurvedCorner<Vector>& c = node.corner;
+  CurvedCorner& c = node.corner;
   const Vector& x = node.x;
   c.x = x;
   const Pose& X_BA = difference_.pose();
-  double of_a[3], of_b[3];
-  faces_.center(0, node.choice, of_a);
-  faces_.center(1, node.choice, of_b);
-  c.center = Vector(of_b[0], of_b[1], of_b[2]) - placed(X_BA, Vector(of_a[0], of_a[1], of_a[2]));
+  c.center = faces_.center(1, node.choice) - placed(X_BA, faces_.center(0, node.choice));
   c.scaled[0] = faces_.semiAxes(0).cwiseProduct(rotatedBack(X_BA.rotation, x));
   c.scaled[1] = faces_.semiAxes(1).cwiseProduct(x);
   node.value = x.dot(c.center);
@@ -187,47 +166,6 @@ void CurvedDepth::fill(Node& node) const {
     node.value += c.share[k] * c.scaled[k].norm();
   }
   node.length = x.norm();
-  node.sharp = node.settled = false;
-}
-
-// Where matrices depart from rotations by more than what is to be told, a choice that is enough in
-// double may not be, nor one that treats pieces evenly which are all but parallel.
-void CurvedDepth::settle(Node& node) {
-  const CurvedFace face = faces_.along(node.x);
-  double times = 1;
-  for (int i = 0; i <= 2 * kStiffnesses; ++i) {
-    --work_left_;
-    if (i == 2 * kStiffnesses) {
-      faces_.support(face, node.choice);
-    } else {
-      (i % 2 == 0 ? exact_faces_ : faces_).blend(face, depth_.high, times, node.choice);
-      if (i % 2 != 0) times *= stifferBy(i / 2);
-    }
-    fill(node);
-    sharpen(node);
-    if (!((node.sharp_value - depth_ * node.sharp_length).high < 2 * roundoff_)) break;
-  }
-  node.settled = true;
-}
-
-// The bound at the direction itself, for the bodies' world poses.
-void CurvedDepth::sharpen(Node& node) const {
-  node.sharp = true;
-  const DoubleDoubleVector x = sharp_->inWorld(node.x);
-  DoubleDouble of_a[3], of_b[3];
-  faces_.center(0, node.choice, of_a);
-  faces_.center(1, node.choice, of_b);
-  node.sharp_length = norm(x);
-  node.sharp_value =
-      dot(x, sharp_->memberOf({of_a[0], of_a[1], of_a[2]}, {of_b[0], of_b[1], of_b[2]}));
-  const DoubleDoubleVector local[2] = {sharp_->inA(x), sharp_->inB(x)};
-  for (int k = 0; k < 2; ++k) {
-    const double share = node.corner.share[k];
-    if (!(share > 0)) continue;
-    const Vector& m = faces_.semiAxes(k);
-    const DoubleDoubleVector& v = local[k];
-    node.sharp_value = node.sharp_value + share * norm({m.x() * v.x, m.y() * v.y, m.z() * v.z});
-  }
 }
 
 // Offers the plane across e, and tells how far it is. (A step along ways of next to no length may
@@ -239,29 +177,13 @@ double CurvedDepth::askPlane(const Vector& e) {
   difference_.support(-e, s);
   const double value = e.dot(s.w);
   progress_.offerLower(-value, -e);
-  if (sharp_ != nullptr) offerSharpPlane(*sharp_, sharp_->inWorld(-e), progress_);
   reach_ = std::min(reach_, value);
   return value;
 }
 
-// In twice the precision a twentieth is left of what the ends' own rounding leaves. It only becomes
-// less, so that what is proven stays so.
+// The depth to be proven. It only becomes less, so that what is proven stays so.
 void CurvedDepth::setDepth() {
-  const CoreQuery& query = progress_.query();
-  const double tolerance = query.request.tolerance;
-  DoubleDouble depth;
-  if (sharp_ == nullptr) {
-    depth = reach_ - std::min(gap_, 0.25 * reach_);
-  } else {
-    const DoubleDoubleVector n = sharp_->inWorld(-progress_.normal());
-    depth = sharp_->mostAlong(n) / norm(n);
-    // See offerSharpPlane() and offerSharpWitness(); where these alone take the tolerance, as much
-    // as they do.
-    const double all = std::abs(depth.high) + query.radius_a + query.radius_b;
-    const double ends = 4 * kUnitRoundoff * all + 0.02 * query.roundoff + faces_.view(0).excess +
-                        faces_.view(1).excess + 2 * sharp_->slack();
-    depth = depth - DoubleDouble(tolerance > 1.5 * ends ? 0.95 * (tolerance - 1.01 * ends) : ends);
-  }
+  const double depth = reach_ - std::min(gap_, 0.25 * reach_);
   if (!(depth < depth_)) return;
   ++looks_;
   // Once more, so that what has been kept before does not move it.
@@ -271,14 +193,7 @@ void CurvedDepth::setDepth() {
     faces_.keepNear(choice);
   }
   depth_ = depth;
-  plain_depth_ = wanted_ = depth.high;
-  if (sharp_ == nullptr) {
-    wanted_ += 2 * kCellRounding * roundoff_;
-  } else {
-    // (What is chosen in double for a direction has to be enough in more digits, too.)
-    wanted_ += 8 * roundoff_;
-    plain_depth_ += 8 * roundoff_ + sharp_->moved();
-  }
+  wanted_ = depth + 2 * kCellRounding * roundoff_;
 }
 
 // The step onto one or two edges of the difference.
@@ -398,52 +313,27 @@ void CurvedDepth::lookBelow(const Vector& e) {
 }
 
 // With nearly balls taken apart, if there are any.
-bool CurvedDepth::provesBalls(const CurvedCorner<Vector> (&corners)[3], const double (&margins)[3],
+bool CurvedDepth::provesBalls(const CurvedCorner (&corners)[3], const double (&margins)[3],
                               double depth) const {
   if (!has_balls_) return false;
-  const double moved = sharp_ == nullptr ? 0 : sharp_->moved();
-  return CellBound(corners, sizes_, roundoff_, moved, balls_).proves(margins, depth);
+  return CellBound(corners, sizes_, roundoff_, balls_).proves(margins, depth);
 }
 
 // Rounding of a cell's bound, in units of u L with u = kUnitRoundoff and L = extent A + extent B +
 // |t|; directions are exact and no longer than 1. Centres err by 8 at most, and M x by 5; x . C by
 // 11, each of the two products of a round part by 20 with what its unit vector lacks, that of the
 // depth, which is less than L, by 16; and the sum of these by 8 more. In all less than 80.
-// In double what is proven of X_BA is so for the world's poses less by what rounding and their
-// departures move.
-bool CurvedDepth::proves(Cell& cell) {
+bool CurvedDepth::proves(const Cell& cell) {
   --work_left_;
-  Node* node = cell.node;
-  const CurvedCorner<Vector> corners[3] = {node[0].corner, node[1].corner, node[2].corner};
-  const double moved = sharp_ == nullptr ? 0 : sharp_->moved();
+  const Node* node = cell.node;
+  const CurvedCorner corners[3] = {node[0].corner, node[1].corner, node[2].corner};
   double margins[3];
-  // (Cells that have come down to corners known better are too narrow for this.)
-  if (!(node[0].sharp && node[1].sharp && node[2].sharp)) {
-    for (int i = 0; i < 3; ++i) {
-      margins[i] = node[i].value - plain_depth_ * node[i].length - kCellRounding * roundoff_;
-    }
-    if (provesBalls(corners, margins, plain_depth_)) return true;
-    CellBound bound(corners, sizes_, roundoff_, moved);
-    if (bound.proves(margins, plain_depth_)) return true;
-    if (sharp_ == nullptr) {
-      if (bound.seemsBelow()) lookBelow(bound.leastDirection().normalized());
-      return false;
-    }
-  }
   for (int i = 0; i < 3; ++i) {
-    if (!node[i].sharp) sharpen(node[i]);
-    margins[i] = (node[i].sharp_value - depth_ * node[i].sharp_length).high;
+    margins[i] = node[i].value - depth_ * node[i].length - kCellRounding * roundoff_;
   }
-  if (provesBalls(corners, margins, depth_.high)) return true;
-  CellBound bound(corners, sizes_, roundoff_, moved);
-  if (bound.proves(margins, depth_.high)) return true;
-  bool again = false;
-  for (int i = 0; i < 3; ++i) {
-    if (!(margins[i] < roundoff_) || node[i].settled) continue;
-    settle(node[i]);
-    again = true;
-  }
-  if (again) return proves(cell);
+  if (provesBalls(corners, margins, depth_)) return true;
+  CellBound bound(corners, sizes_, roundoff_);
+  if (bound.proves(margins, depth_)) return true;
   if (bound.seemsBelow()) lookBelow(bound.leastDirection().normalized());
   return false;
 }
@@ -458,11 +348,8 @@ bool CurvedDepth::meetsCap(const CurvedFace& face, int part, double wide) const 
 // squarely, the point that is wanted, which blending knows nothing of.
 Vector CurvedDepth::memberOf(const CurvedFace& face, const CurvedChoice& choice, double wide,
                              Vector& point_a) const {
-  double of_a[3], of_b[3];
-  faces_.center(0, choice, of_a);
-  faces_.center(1, choice, of_b);
-  point_a = placed(difference_.pose(), Vector(of_a[0], of_a[1], of_a[2]));
-  Vector y = Vector(of_b[0], of_b[1], of_b[2]) - point_a;
+  point_a = placed(difference_.pose(), faces_.center(0, choice));
+  Vector y = faces_.center(1, choice) - point_a;
   for (const bool caps : {false, true}) {
     for (int k = 0; k < 2; ++k) {
       if (meetsCap(face, k, wide) != caps) continue;
@@ -486,7 +373,7 @@ Vector CurvedDepth::memberOf(const CurvedFace& face, const CurvedChoice& choice,
 // The depth proven, with the member that lies along the nearest plane's normal.
 void CurvedDepth::claim() {
   const CurvedFace face = faces_.along(-progress_.normal());
-  const double wide = std::max(reach_ - depth_.high, 0.0);
+  const double wide = std::max(reach_ - depth_, 0.0);
   CurvedChoice choice;
   Vector a, other_a;
   faces_.blend(face, reach_, 1, choice);
@@ -494,54 +381,18 @@ void CurvedDepth::claim() {
   faces_.support(face, choice);
   const Vector other = memberOf(face, choice, wide, other_a);
   if ((other - reach_ * face.e).norm() < (w - reach_ * face.e).norm()) w = other, a = other_a;
-  if (sharp_ == nullptr) {
-    progress_.offerWitness(-depth_.high, w, a);
-  } else {
-    offerSharpWitness(*sharp_, -depth_, 0, w, a, progress_);
-  }
+  progress_.offerWitness(-depth_, w, a);
 }
 
-// The member that is chosen along e, a point of the difference: how far it is. In double a centre
-// errs by 8 units of roundoff of its body's extent, turning by 6, an arm by 11 and sums and the
-// norm by 6 of all: less than kSupportRounding.
+// The member that is chosen along e, a point of the difference: how far it is. A centre errs by 8
+// units of roundoff of its body's extent, turning by 6, an arm by 11 and sums and the norm by 6 of
+// all: less than kSupportRounding.
 double CurvedDepth::offerNearest(const CurvedFace& face, const CurvedChoice& choice) {
-  if (sharp_ == nullptr) {
-    Vector point_a;
-    const Vector y = memberOf(face, choice, 0, point_a);
-    const double apart = y.norm();
-    progress_.offerWitness(apart, y, point_a);
-    return apart;
-  }
-  const DoubleDoubleVector x = sharp_->inWorld(face.e);
-  const DoubleDoubleVector local[2] = {-sharp_->inA(x), sharp_->inB(x)};
-  DoubleDoubleVector point[2];
-  for (int k = 0; k < 2; ++k) {
-    DoubleDouble of[3];
-    faces_.center(k, choice, of);
-    point[k] = {of[0], of[1], of[2]};
-    const double share = faces_.share(k, choice);
-    if (!(share > 0 && face.length[k] > 0)) continue;
-    const Vector& m = faces_.semiAxes(k);
-    const DoubleDoubleVector scaled = {m.x() * local[k].x, m.y() * local[k].y, m.z() * local[k].z};
-    const DoubleDouble per = share / norm(scaled);
-    point[k] =
-        point[k] + per * DoubleDoubleVector(m.x() * scaled.x, m.y() * scaled.y, m.z() * scaled.z);
-  }
-  for (int k = 0; k < 2; ++k) {
-    if (!meetsCap(face, k, 0)) continue;
-    const DoubleDoubleVector w = sharp_->memberOf(point[0], point[1]);
-    Vector arm = (k == 0 ? sharp_->inA(w) : -sharp_->inB(w)).rounded();
-    arm.z() = 0;
-    const double radius = faces_.share(k, choice) * faces_.semiAxes(k).x(), length = arm.norm();
-    if (length > radius * kInwards) arm *= radius * kInwards / length;
-    point[k] = point[k] + DoubleDoubleVector(arm);
-  }
-  // (Along a needle points are known worse than they are apart.)
-  const DoubleDoubleVector w = sharp_->memberOf(point[0], point[1]);
-  const DoubleDouble apart = norm(w);
-  offerSharpWitness(*sharp_, apart, 0, rotatedBack(sharp_->X_WB().rotation, w.rounded()),
-                    placed(difference_.pose(), point[0].rounded()), progress_);
-  return apart.high;
+  Vector point_a;
+  const Vector y = memberOf(face, choice, 0, point_a);
+  const double apart = y.norm();
+  progress_.offerWitness(apart, y, point_a);
+  return apart;
 }
 
 // What is blended, and what is farthest out.
@@ -599,35 +450,25 @@ void CurvedDepth::stepNearer() {
 
 bool CurvedDepth::run() {
   const std::int64_t before = work_left_;
+  const CoreQuery& query = progress_.query();
+  const double offsets = query.lower_offset - query.upper_offset;
+  // A quarter of the width is left for the plane and for rounding. (In this order, so that a
+  // tolerance that is no number is the least.)
+  const double wanted =
+      std::max(4 * kCellRounding * roundoff_, 0.75 * (query.request.tolerance - offsets));
+  if (progress_.upper() - progress_.lower() <= wanted + offsets) return false;
+  // Roughly first: what is proven stays proven where the rest comes to no end.
   bool proven = false;
-  if (sharp_ != nullptr) {
-    // (What matrices that are no rotations leave open is not for directions to tell.)
-    const bool rigid = !(sharp_->moved() > kMostMoved * roundoff_);
-    proven = (rigid || 2 * sharp_->slack() < progress_.query().request.tolerance) && search();
-    if (proven) claim();
-  } else {
-    // What is narrower than a cell's rounding is a matter of twice the precision, which comes
-    // later.
-    const CoreQuery& query = progress_.query();
-    const double size = roundoff_ / kUnitRoundoff;
-    if (progress_.upper() - progress_.lower() <= kSharpFrom * size) return false;
-    // A quarter of the width is left for the plane and for rounding. (In this order, so that a
-    // tolerance that is no number is the least.)
-    const double wanted =
-        std::max(4 * kCellRounding * roundoff_,
-                 0.75 * (query.request.tolerance - (query.lower_offset - query.upper_offset)));
-    // Roughly first: what is proven stays, and twice the precision begins where it is narrow.
-    for (const double share : {kRoughDepth, kSharpOverlapFrom, 0.0}) {
-      gap_ = 0.75 * share * size;
-      if (!(gap_ > 4 * wanted)) gap_ = wanted;
-      const bool found = search();
-      if (found) claim();
-      proven = found && gap_ == wanted;
-      if (!found || proven || progress_.enough()) break;
-    }
+  for (const double share : {kRoughDepth, 0.0}) {
+    gap_ = 0.75 * share * (roundoff_ / kUnitRoundoff);
+    if (!(gap_ > 4 * wanted)) gap_ = wanted;
+    const bool found = search();
+    if (found) claim();
+    proven = found && gap_ == wanted;
+    if (!found || proven || progress_.enough()) break;
   }
   // (No more than the limit, but for the last descent.)
-  progress_.iterations += static_cast<int>((before - work_left_) / work_per_step_);
+  progress_.iterations += static_cast<int>((before - work_left_) / kWorkPerStep);
   return proven;
 }
 
@@ -644,7 +485,7 @@ double CurvedDepth::bentAlong(const Cell& cell, int i, int j, bool edges) const 
     const double turn = length > way ? way / length : 1;
     return share * way * (turn * turn * turn);
   };
-  double sum = bent(depth_.high, [](const Node& node) -> const Vector& { return node.x; });
+  double sum = bent(depth_, [](const Node& node) -> const Vector& { return node.x; });
   for (int k = 0; k < 2; ++k) {
     double share = 0;
     for (const Node& node : cell.node) share = std::max(share, node.corner.share[k]);
@@ -653,7 +494,7 @@ double CurvedDepth::bentAlong(const Cell& cell, int i, int j, bool edges) const 
   }
   if (edges) {
     const Vector way = cell.node[i].corner.center - cell.node[j].corner.center;
-    sum += way.squaredNorm() / (8 * depth_.high);
+    sum += way.squaredNorm() / (8 * depth_);
   }
   return sum;
 }
@@ -665,7 +506,7 @@ bool CurvedDepth::search() {
   depth_ = std::numeric_limits<double>::infinity();
   look(-progress_.normal());
   // (Infinity: no plane has been asked, and nothing is to be proven.)
-  if (!(depth_.high > 0 && std::isfinite(depth_.high)) || progress_.decided()) return false;
+  if (!(depth_ > 0 && std::isfinite(depth_)) || progress_.decided()) return false;
   // (What the one way of halving spends itself on is most often nothing to the other.)
   return provesAll(false, work_left_ / 2) || provesAll(true, 0);
 }
@@ -682,7 +523,7 @@ bool CurvedDepth::provesAll(bool edges, std::int64_t spare) {
     }
   }
   while (count > 0) {
-    if (progress_.decided() || !(depth_.high > 0)) return false;
+    if (progress_.decided() || !(depth_ > 0)) return false;
     Cell& cell = stack[count - 1];
     if (proves(cell)) {
       --count;
@@ -726,15 +567,13 @@ bool haveCurvedDepth(const ConvexView& a, const ConvexView& b) {
   return isCounted(a) && isCounted(b) && (isRound(a.core) || isRound(b.core));
 }
 
-void offerCurvedNearest(Difference<false>& difference, Progress& progress,
-                        const SharpDifference* sharp) {
-  CurvedDepth search(difference, progress, sharp, 0);
+void offerCurvedNearest(Difference<false>& difference, Progress& progress) {
+  CurvedDepth search(difference, progress, 0);
   search.findNearest();
 }
 
-bool offerCurvedDepth(Difference<false>& difference, Progress& progress,
-                      const SharpDifference* sharp) {
-  CurvedDepth search(difference, progress, sharp, kEvenly);
+bool offerCurvedDepth(Difference<false>& difference, Progress& progress) {
+  CurvedDepth search(difference, progress, kEvenly);
   return search.run();
 }
 

@@ -6,15 +6,11 @@
 
 namespace leeway::collision {
 
-class SharpDifference;
-
 /// A query that may take fewer iterations than this is left as it is: its caller wants little work.
 inline constexpr int kLeastIterations = 64;
 
-/// What one of its iterations counts for beyond any other [units of Work]: a thousand cells, and
-/// more of them in twice the precision.
+/// What one of its iterations counts for beyond any other [units of Work]: a thousand cells.
 inline constexpr std::int64_t kCurvedStepWork = 800'000;
-inline constexpr std::int64_t kSharpCurvedStepWork = 8 * kCurvedStepWork;
 
 /// True for pairs that offerCurvedDepth() knows: one core at least is a cylinder, cone or
 /// ellipsoid, the other that, a point, segment or box, or the vertices of a ConvexHull.
@@ -37,21 +33,15 @@ bool haveCurvedDepth(const ConvexView& a, const ConvexView& b);
 ///
 /// Wherever a direction is met in which h is less than d, Newton's steps look for the nearest plane
 /// from there, along the edge if it is on one, and d becomes less: what has been proven stays so.
-/// `sharp`: as growPolytope(); at corners of cells that cannot be told from rounding the bound is
-/// taken in twice the precision. False where less was proven than is asked. The caller's limit of
-/// iterations is granted once more, up to a thousand cells a step: most often thousands in all, at
-/// the default limit a quarter of a million at the most, in twice the precision eight times as
-/// many, which takes a second or two. Half of that is for cells that are halved as round parts
-/// bend, the rest for others that follow edges, where the first did not come to an end. In double a
-/// rough depth is proven first, then one that is narrow enough for twice the precision to begin
-/// with, whatever is asked for beyond it.
-bool offerCurvedDepth(Difference<false>& difference, Progress& progress,
-                      const SharpDifference* sharp);
+/// False where less was proven than is asked. The caller's limit of
+/// iterations is granted once more, up to a thousand cells a step: most often thousands in all.
+/// Half of that is for cells that are halved as round parts bend, the rest for others that follow
+/// edges, where the first did not come to an end. A rough depth is proven first.
+bool offerCurvedDepth(Difference<false>& difference, Progress& progress);
 
 /// Both ends of the separation of two such cores that are apart, however little, where other
 /// searches ended: Newton's steps for the plane that is the farthest, along edges as above, and the
 /// member of the difference that the direction's face has nearest to its line. Some tens of steps.
-void offerCurvedNearest(Difference<false>& difference, Progress& progress,
-                        const SharpDifference* sharp);
+void offerCurvedNearest(Difference<false>& difference, Progress& progress);
 
 }  // namespace leeway::collision

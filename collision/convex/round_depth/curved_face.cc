@@ -393,6 +393,31 @@ Vector CurvedFaces::wayOf(const CurvedFace& face, const CurvedEdge& edge) const 
                              : ofHull(vertex(edge.to) - vertex(edge.from));
 }
 
+Vector CurvedFaces::center(int part, const CurvedChoice& choice) const {
+  const Part& p = part_[part];
+  const ConvexView& view = *p.view;
+  Vector center = Vector::Zero();
+  if (part == hull_) {
+    const Vector& first = vertex(choice.vertex[0]);
+    center = first;
+    for (int k = 1; k < choice.mixed; ++k) {
+      center += choice.weight[k] * (vertex(choice.vertex[k]) - first);
+    }
+    return center;
+  }
+  const double* of = choice.parameter + p.first;
+  if (view.core == Core::kCone) {
+    // (Twice the parameter is exact.)
+    center.z() = view.size.z() * (1 - 2 * of[0]);
+    return center;
+  }
+  for (int i = 0; i < p.count; ++i) {
+    const int axis = p.count == 1 ? p.axis : i;
+    center[axis] = (part == 0 ? -view.size[axis] : view.size[axis]) * of[i];
+  }
+  return center;
+}
+
 double CurvedFaces::share(int part, const CurvedChoice& choice) const {
   const Core core = part_[part].view->core;
   if (core == Core::kCone) return choice.parameter[part_[part].first];

@@ -3,7 +3,6 @@
 // Members of the difference of two cores where it is farthest out along a direction, taken apart
 // into what is round and what is straight: what curved_depth.cc chooses from.
 
-#include "collision/base/double_double.h"
 #include "collision/convex/gjk/support.h"
 
 namespace leeway::collision {
@@ -65,10 +64,9 @@ class CurvedFaces {
   int edges(const CurvedChoice& choice, CurvedEdge edge[2]) const;
   Vector wayOf(const CurvedFace& face, const CurvedEdge& edge) const;
 
-  /// The centre of what is chosen of a core, in the core's frame; in double within 8 units of
-  /// roundoff of the core's extent.
-  template <class Number>
-  void center(int part, const CurvedChoice& choice, Number center[3]) const;
+  /// The centre of what is chosen of a core, in the core's frame, within 8 units of roundoff of the
+  /// core's extent.
+  Vector center(int part, const CurvedChoice& choice) const;
   /// How much of the core's ellipsoid or rim.
   double share(int part, const CurvedChoice& choice) const;
   const Vector& semiAxes(int part) const { return part_[part].semi_axes; }
@@ -109,33 +107,5 @@ class CurvedFaces {
   int parameters_ = 0;
   double kept_[kMostCurvedParameters];
 };
-
-template <class Number>
-void CurvedFaces::center(int part, const CurvedChoice& choice, Number center[3]) const {
-  const Part& p = part_[part];
-  const ConvexView& view = *p.view;
-  for (int i = 0; i < 3; ++i) center[i] = 0;
-  if (part == hull_) {
-    const Vector& first = vertex(choice.vertex[0]);
-    for (int i = 0; i < 3; ++i) {
-      center[i] = first[i];
-      for (int k = 1; k < choice.mixed; ++k) {
-        center[i] = center[i] + Number(choice.weight[k]) *
-                                    (Number(vertex(choice.vertex[k])[i]) - Number(first[i]));
-      }
-    }
-    return;
-  }
-  const double* of = choice.parameter + p.first;
-  if (view.core == Core::kCone) {
-    // (Twice the parameter is exact.)
-    center[2] = Number(view.size.z()) * (Number(1) - Number(2 * of[0]));
-    return;
-  }
-  for (int i = 0; i < p.count; ++i) {
-    const int axis = p.count == 1 ? p.axis : i;
-    center[axis] = Number(part == 0 ? -view.size[axis] : view.size[axis]) * Number(of[i]);
-  }
-}
 
 }  // namespace leeway::collision

@@ -5,8 +5,6 @@
 
 namespace leeway::collision {
 
-class SharpDifference;
-
 /// What the curved parts of two cores add to a facet of a polytope in their difference. A triangle
 /// of three members lies inside of a curved surface by its chords, so that a polytope needs a facet
 /// for every width of the tolerance wherever the surface is about as curved as a ball around the
@@ -24,8 +22,7 @@ class SharpDifference;
 /// of that radius around the origin: a ray from the origin meets a facet, and that is farther out
 /// or one of these. Branch and bound over directions; each cell of them is judged by a quadratic
 /// form below the right side, which is not negative if the form's matrix is copositive (K. P.
-/// Hadeler, "On copositive matrices", 1983). What rounding hides is looked at in twice the
-/// precision where that is asked for.
+/// Hadeler, "On copositive matrices", 1983).
 class CurvedFacets {
  public:
   /// roundoff: as CoreQuery.
@@ -39,11 +36,6 @@ class CurvedFacets {
   /// Rounding is counted. O(1): some hundred cells at the most, and
   /// some ten thousand for all facets together.
   bool covers(const SupportPoint& w0, const SupportPoint& w1, const SupportPoint& w2, double depth);
-
-  /// The same for the bodies' world poses as they were given, in twice the precision: where a cell
-  /// cannot be told from rounding it is looked at once more.
-  bool coversSharply(const SupportPoint& w0, const SupportPoint& w1, const SupportPoint& w2,
-                     const DoubleDouble& depth, const SharpDifference& sharp);
 
   /// After covers(): the direction, of any length, with the least bound that was met.
   const Vector& leastDirection() const { return least_direction_; }
@@ -60,34 +52,22 @@ class CurvedFacets {
     Vector semi_axes = Vector::Zero();
     bool curved = false;
   };
-  template <class Wide>
-  using Corner = CurvedCorner<Wide>;
-  template <class Wide>
   struct Cell {
-    Corner<Wide> corner[3];
+    CurvedCorner corner[3];
     int depth;  ///< halvings
   };
   /// The centre of what a point of a core is on, in the core's frame; false when it is a vertex.
   bool centerOf(int part, int piece, Vector& center) const;
   Vector centerOfA(const SupportPoint& s) const;
-  Corner<Vector> cornerOf(const SupportPoint& s) const;
-  Corner<DoubleDoubleVector> sharpCornerOf(const SupportPoint& s,
-                                           const SharpDifference& sharp) const;
+  CurvedCorner cornerOf(const SupportPoint& s) const;
   void shareOf(const SupportPoint& s, double share[2]) const;
-  template <class Number, class Wide>
-  bool holdsAt(const Corner<Wide>& c, const Number& depth);
-  template <class Number, class Wide>
-  bool coversCells(const Corner<Wide> (&corners)[3], const Number& depth, int& cells_left);
+  bool holdsAt(const CurvedCorner& c, double depth);
 
   const Difference<false>& difference_;
   Part part_[2];
   bool curved_ = false;
-  int cells_left_ = 0, sharp_cells_left_ = 0;
-  double slackOf(double) const { return slack_; }
-  double slackOf(const DoubleDouble&) const { return sharp_slack_; }
-
-  double slack_ = 0;        // rounding of one bound [m^2]
-  double sharp_slack_ = 0;  // the same in twice the precision
+  int cells_left_ = 0;
+  double slack_ = 0;  // rounding of one bound [m^2]
   Vector least_direction_ = Vector::UnitX();
   double least_value_ = 0;
 };

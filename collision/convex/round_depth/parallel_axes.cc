@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "collision/base/pose_check.h"
 #include "collision/base/tolerances.h"
-#include "collision/convex/gjk/sharp.h"
 
 namespace leeway::collision {
 

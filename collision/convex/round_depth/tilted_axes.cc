@@ -5,9 +5,9 @@
 #include <limits>
 #include <numbers>
 
+#include "collision/base/pose_check.h"
 #include "collision/base/sine_cosine.h"
 #include "collision/base/tolerances.h"
-#include "collision/convex/gjk/sharp.h"
 #include "collision/convex/round_depth/parallel_axes.h"
 
 namespace leeway::collision {

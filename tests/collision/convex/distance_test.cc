@@ -460,7 +460,7 @@ TEST(Distance, DefaultToleranceIsOfTheSizes) {
           const auto finite = [](double x) { return std::isfinite(x) ? x : 0; };
           const double larger = std::max(finite(a.boundingRadius()), finite(b.boundingRadius())),
                        most = std::max({finite(a.extent()), finite(b.extent()), 2 * way});
-          EXPECT_LE(asked, std::max(std::min(1e-9 * larger, 1e-9), 4e-14 * most));
+          EXPECT_LE(asked, std::max(std::min(1e-9 * larger, 1e-9), 1e-12 * most));
           EXPECT_EQ(r.status, DistanceStatus::kConverged)
               << oracle::replay(a) << " at " << oracle::replay(X_WA) << " with "
               << oracle::replay(b) << " at " << oracle::replay(X_WB);

@@ -89,8 +89,7 @@ TEST(VertexPolytope, AgreesWithItsSlowTwin) {
     if (!overlap.begin(progress) || progress.enough()) continue;
     ++asked;
     Progress slow = progress;
-    growPolytope(overlap.difference, overlap.simplex, overlap.relative.X_BA, buffers, slow,
-                 nullptr);
+    growPolytope(overlap.difference, overlap.simplex, buffers, slow);
     const bool enough = growVertexPolytope(overlap.difference, overlap.simplex, progress);
     EXPECT_LE(progress.lower(), slow.upper()) << pair.replay();
     EXPECT_GE(progress.upper(), slow.lower()) << pair.replay();
@@ -126,7 +125,7 @@ TEST(VertexPolytope, ThresholdsLimitsAndYesOrNo) {
     if (!overlap.begin(slow)) continue;
     const Simplex start = overlap.simplex;
     const Progress begun = slow;
-    growPolytope(overlap.difference, start, overlap.relative.X_BA, buffers, slow, nullptr);
+    growPolytope(overlap.difference, start, buffers, slow);
     const int kind = random.below(3);
     DistanceRequest& request = overlap.query.request;
     if (kind == 0) request.threshold = random.uniform(0.5, 1.5) * slow.upper();

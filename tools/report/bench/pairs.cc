@@ -9,7 +9,8 @@
 // answers of FCL that are farther from our interval than its own tolerance explains, `verdict`
 // pairs that only one of the two calls apart, `failed` its exceptions. (Whose fault it is, the
 // tests with the quadruple-precision oracle say.) For `d > t` the yardstick is our own distance
-// query, and `verdict` counts answers that contradict it.
+// query, and `verdict` counts answers that contradict it. `open` counts our answers that are wider
+// than asked. Depths of a mesh have no yardstick: FCL gives none.
 
 #include <fcl/narrowphase/distance.h>
 
@@ -29,6 +30,8 @@
 
 #include "leeway/collision/convex_hull.h"
 #include "leeway/collision/distance.h"
+#include "leeway/collision/triangle_mesh.h"
+#include "tools/report/bench/bodies.h"
 #include "tools/report/bench/splitmix.h"
 
 namespace {
@@ -36,6 +39,7 @@ namespace {
 using Eigen::Vector3d;
 using leeway::collision::DistanceRequest;
 using leeway::collision::DistanceResult;
+using leeway::collision::DistanceStatus;
 using leeway::collision::PairCache;
 using leeway::collision::Pose;
 using leeway::collision::Scratch;
@@ -66,7 +70,7 @@ class Random : public leeway::bench::SplitMix {
 /// The same body for both.
 struct Body {
   Shape ours;
-  std::shared_ptr<fcl::CollisionGeometryd> theirs;
+  std::shared_ptr<fcl::CollisionGeometryd> theirs;  ///< null: FCL is not asked
 };
 
 Body box(const Vector3d& half) {
@@ -80,6 +84,13 @@ Body capsule(double radius, double half) {
 }
 Body cylinder(double radius, double half) {
   return {Shape::cylinder(radius, half), std::make_shared<fcl::Cylinderd>(radius, 2 * half)};
+}
+
+Body cone(double radius, double half) {
+  return {Shape::cone(radius, half), std::make_shared<fcl::Coned>(radius, 2 * half)};
+}
+Body ellipsoid(const Vector3d& axes) {
+  return {Shape::ellipsoid(axes), std::make_shared<fcl::Ellipsoidd>(axes)};
 }
 
 Body hull(const std::vector<Vector3d>& points) {
@@ -120,6 +131,15 @@ Body anyCapsule(Random& random) {
 Body anyCylinder(Random& random) {
   return cylinder(random.uniform(0.1, 0.6), random.uniform(0.2, 1));
 }
+Body anyCone(Random& random) { return cone(random.uniform(0.1, 0.6), random.uniform(0.2, 1)); }
+Body anyEllipsoid(Random& random) {
+  return ellipsoid({random.uniform(0.2, 1), random.uniform(0.2, 1), random.uniform(0.2, 1)});
+}
+/// A robot's link, closed, of 768 triangles.
+Body link(Random&) {
+  const leeway::bench::Soup soup = leeway::bench::link(24, 16);
+  return {Shape::mesh(leeway::collision::TriangleMesh::make(soup.vertices, soup.triangles)), {}};
+}
 
 struct Pair {
   Body a, b;
@@ -137,12 +157,8 @@ fcl::Transform3d transform(const Pose& X) {
   return F;
 }
 
-/// Puts B so that the pair is `gap` apart (below zero: that deep), by moving it along the normal.
-bool place(Random& random, double gap, Scratch& scratch, Pair& pair) {
-  const double reach = pair.a.ours.boundingRadius() + pair.b.ours.boundingRadius();
-  pair.X_WA = {random.rotation(), {random.uniform(), random.uniform(), random.uniform()}};
-  pair.X_WB.rotation = random.rotation();
-  pair.X_WB.translation = pair.X_WA.translation + 1.1 * reach * random.direction();
+/// Moves B along the normal until the pair is `gap` apart (below zero: that deep).
+bool settle(double gap, Scratch& scratch, Pair& pair) {
   for (int i = 0; i < 40; ++i) {
     const DistanceResult r = distance(pair.a.ours, pair.X_WA, pair.b.ours, pair.X_WB, {}, scratch);
     if (std::abs(r.distance.upper - gap) <= 1e-12) break;
@@ -153,6 +169,15 @@ bool place(Random& random, double gap, Scratch& scratch, Pair& pair) {
   pair.F_WA = transform(pair.X_WA);
   pair.F_WB = transform(pair.X_WB);
   return std::abs(r.distance.upper - gap) <= 1e-3 * std::abs(gap) + 1e-9;
+}
+
+/// Any poses at that gap.
+bool place(Random& random, double gap, Scratch& scratch, Pair& pair) {
+  const double reach = pair.a.ours.boundingRadius() + pair.b.ours.boundingRadius();
+  pair.X_WA = {random.rotation(), {random.uniform(), random.uniform(), random.uniform()}};
+  pair.X_WB.rotation = random.rotation();
+  pair.X_WB.translation = pair.X_WA.translation + 1.1 * reach * random.direction();
+  return settle(gap, scratch, pair);
 }
 
 using Make = std::function<Body(Random&)>;
@@ -170,6 +195,46 @@ std::vector<Pair> scattered(Random& random, int count, const Make& a, const Make
     const auto pick = [&] { return static_cast<std::size_t>(random.uniform(0, 15.999)); };
     Pair pair{bodies_a[pick()], bodies_b[pick()], {}, {}, {}, {}, 0, 0, 0};
     if (place(random, gap(random), scratch, pair)) pairs.push_back(pair);
+  }
+  return pairs;
+}
+
+/// Bodies of revolution that overlap side by side, their axes at an angle that `tilt` draws.
+std::vector<Pair> sideBySide(Random& random, int count, const Make& make,
+                             const std::function<double(Random&)>& tilt) {
+  Scratch scratch;
+  std::vector<Pair> pairs;
+  while (static_cast<int>(pairs.size()) < count) {
+    Pair pair{make(random), make(random), {}, {}, {}, {}, 0, 0, 0};
+    pair.X_WA = {random.rotation(), {random.uniform(), random.uniform(), random.uniform()}};
+    const auto about = [&](const Vector3d& axis, double angle) {
+      return Eigen::AngleAxisd(angle, axis).toRotationMatrix();
+    };
+    const double way = random.uniform(0, 6.283185307179586);
+    const Vector3d beside(std::cos(way), std::sin(way), 0);
+    pair.X_WB.rotation = pair.X_WA.rotation * about(Vector3d::UnitZ(), random.uniform(0, 6)) *
+                         about(beside, tilt(random));
+    const double reach = pair.a.ours.boundingRadius() + pair.b.ours.boundingRadius();
+    const Vector3d along(0, 0, random.uniform(-0.2, 0.2));
+    pair.X_WB.translation = pair.X_WA.translation + pair.X_WA.rotation * (reach * (beside + along));
+    if (settle(-random.logUniform(1e-3, 0.1), scratch, pair)) pairs.push_back(pair);
+  }
+  return pairs;
+}
+
+/// Pairs that overlap, somehow: of meshes no depth can be chosen.
+std::vector<Pair> overlapping(Random& random, int count, const Make& a, const Make& b) {
+  Scratch scratch;
+  const Body body_a = a(random);
+  std::vector<Pair> pairs;
+  while (static_cast<int>(pairs.size()) < count) {
+    Pair pair{body_a, b(random), {}, {}, {}, {}, 0, 0, 0};
+    const double reach = pair.a.ours.boundingRadius() + pair.b.ours.boundingRadius();
+    pair.X_WA = {random.rotation(), {random.uniform(), random.uniform(), random.uniform()}};
+    pair.X_WB = {random.rotation(),
+                 pair.X_WA.translation + random.uniform(0.3, 1) * reach * random.direction()};
+    const DistanceResult r = distance(pair.a.ours, pair.X_WA, pair.b.ours, pair.X_WB, {}, scratch);
+    if (r.distance.upper < -1e-3) pairs.push_back(pair);
   }
   return pairs;
 }
@@ -267,6 +332,23 @@ std::vector<Family> families(std::uint64_t seed, const std::string& only) {
           return scattered(random, kCount / 2, hullOf(size), hullOf(size), depthOf);
         });
   }
+  const auto side = [&](const char* name, double target,
+                        const std::function<double(Random&)>& tilt) {
+    add(name, target, Query::kDepth,
+        [&](Random& random) { return sideBySide(random, kCount / 2, anyCylinder, tilt); });
+  };
+  side("depth, cylinders |", .05, [](Random&) { return 0.0; });
+  side("depth, cylinders /", 1.2, [](Random& random) { return random.logUniform(1e-6, 1e-2); });
+  const auto depth = [&](const char* name, double target, const Make& a, const Make& b) {
+    add(name, target, Query::kDepth,
+        [&](Random& random) { return scattered(random, kCount / 2, a, b, depthOf); });
+  };
+  depth("depth, cylinders", .30, anyCylinder, anyCylinder);
+  depth("depth, box-cyl.", .35, anyBox, anyCylinder);
+  depth("depth, cone-ell.", .30, anyCone, anyEllipsoid);
+  depth("depth, hull-cyl.", .35, hullOf(32), anyCylinder);
+  add("depth, mesh-cyl.", 0, Query::kDepth,
+      [&](Random& random) { return overlapping(random, kCount / 2, link, anyCylinder); });
   const auto warm = [&](const char* name, double target, const Make& make) {
     add(name, target, Query::kWarm,
         [&](Random& random) { return coherent(random, kTracks, kFrames, make); });
@@ -349,7 +431,9 @@ void run(const Family& family, int rounds, double clock_cost) {
   fcl_request.enable_nearest_points = true;
   fcl_request.enable_signed_distance = family.query == Query::kDepth;
   const bool verify = family.query == Query::kVerify;
+  const bool rival = family.pairs.front().a.theirs != nullptr;
   Disagreement disagreement;
+  int open = 0;
   double result_sum = 0;
   for (int round = -1; round < rounds; ++round) {
     PairCache cache;
@@ -382,7 +466,9 @@ void run(const Family& family, int rounds, double clock_cost) {
           their_results[i] = r.distance.upper;
         }
       } else {
-        for (int i = 0; i < kBlock; ++i) their_results[i] = theirDistance(pairs[i], fcl_request);
+        for (int i = 0; i < kBlock; ++i) {
+          their_results[i] = rival ? theirDistance(pairs[i], fcl_request) : 0;
+        }
       }
       const double their_time = now() - begin;
       for (int i = 0; i < kBlock; ++i) result_sum += results[i].distance.upper + their_results[i];
@@ -392,6 +478,8 @@ void run(const Family& family, int rounds, double clock_cost) {
         continue;
       }
       for (int i = 0; i < kBlock; ++i) {
+        open += results[i].status == DistanceStatus::kLimit ? 1 : 0;
+        if (!rival) continue;
         if (!verify) {
           compare(results[i], their_results[i], family.query == Query::kDepth, disagreement);
         } else if (results[i].distance.lower > pairs[i].threshold
@@ -409,10 +497,15 @@ void run(const Family& family, int rounds, double clock_cost) {
     block_theirs.push_back(median(theirs[i]));
   }
   const double our_median = median(block_ours), their_median = median(block_theirs);
-  std::printf("%-18s %8.1f %8.1f   %5.3f   %4.2f %s   %3zu", family.name, our_median, their_median,
-              our_median / their_median, family.target,
-              our_median <= family.target * their_median ? "ok  " : "MISS", family.pairs.size());
-  std::printf("  %3d  %3d  %3d\n", disagreement.off, disagreement.verdict, disagreement.failed);
+  if (rival) {
+    std::printf("%-18s %8.1f %8.1f   %5.3f   %4.2f %s", family.name, our_median, their_median,
+                our_median / their_median, family.target,
+                our_median <= family.target * their_median ? "ok  " : "MISS");
+  } else {
+    std::printf("%-18s %8.1f %8s   %5s   %4s     ", family.name, our_median, "-", "-", "-");
+  }
+  std::printf("   %3zu  %3d  %3d  %3d  %3d\n", family.pairs.size(), disagreement.off,
+              disagreement.verdict, disagreement.failed, open);
 }
 
 }  // namespace
@@ -435,8 +528,8 @@ int main(int argc, char** argv) {
     }
   }
   std::printf("median ns a query; FCL with libccd (d > t: our own distance query)\n");
-  std::printf("%-18s %8s %8s   %5s   target      pairs  off verdict failed\n", "family", "ours",
-              "FCL", "ratio");
+  std::printf("%-18s %8s %8s   %5s   target      pairs  off verdict failed open\n", "family",
+              "ours", "FCL", "ratio");
   const double clock_cost = clockCost();
   for (const Family& family : families(seed, only)) run(family, rounds, clock_cost);
   return 0;

@@ -21,8 +21,6 @@ namespace {
 constexpr double kUnit = 0x1p-53;
 /// Rounding of a normal or point on its way into the world frame, and of the second opinion.
 constexpr double kAllowed = 16 * kUnit;
-/// What a caller may ask for, of the sizes involved.
-constexpr double kNarrow = 1e-14;
 constexpr int kMostSaid = 40;
 
 bool honest(const DistanceRequest& request, double default_tolerance, const DistanceResult& r) {
@@ -49,7 +47,7 @@ bool honest(const DistanceRequest& request, double default_tolerance, const Dist
 
 void Tally::add(const Tally& t) {
   cases += t.cases, overlapping += t.overlapping, unsafe += t.unsafe, failures += t.failures,
-      open += t.open, narrow += t.narrow, narrow_open += t.narrow_open, oracle += t.oracle;
+      open += t.open, oracle += t.oracle;
 }
 
 void Examiner::say(const char* what, const Ask& ask, const DistanceResult& r, Real value,
@@ -257,21 +255,6 @@ void Examiner::examine(const Case& c, oracle::Random& random, bool with_oracle,
   if (random.chance(0.3)) {
     warm.how = "warm cache";
     meet(warm, ask(warm));
-  }
-  if (random.chance(0.25)) {
-    Ask narrow;
-    narrow.how = "narrow";
-    narrow.request.tolerance = kNarrow * size_;
-    const DistanceResult r = ask(narrow);
-    meet(narrow, r);
-    ++tally.narrow;
-    if (r.status == DistanceStatus::kLimit) {
-      ++tally.narrow_open;
-      if (verbose && exact_.status != DistanceStatus::kLimit) {
-        std::int64_t uncounted = 0;
-        say("narrow open", narrow, r, static_cast<Real>(r.distance.width() / size_), uncounted);
-      }
-    }
   }
   if (random.chance(0.25)) {
     Ask limited;

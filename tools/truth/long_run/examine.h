@@ -14,8 +14,6 @@ struct Tally {
   std::int64_t unsafe = 0;       // an interval that does not hold the truth
   std::int64_t failures = 0;     // every other broken promise of distance.h
   std::int64_t open = 0;         // the default tolerance was not reached
-  std::int64_t narrow = 0;       // asked for 1e-14 of the sizes involved ...
-  std::int64_t narrow_open = 0;  // ... and not reached
   std::int64_t oracle = 0;       // held against quadruple precision
 
   void add(const Tally& t);

@@ -4,7 +4,7 @@
 //            [--block N] [--verbose]
 //
 // Each case is asked plainly, swapped, with a threshold, with a foreign and a warm cache, at
-// times narrowly and with few iterations; extended precision proves both ends again from the
+// times with few iterations; extended precision proves both ends again from the
 // normal and the witness points, and on every N-th case the quadruple-precision oracle judges (0:
 // never). Cases come in blocks, each with its own random numbers, so that --block repeats one; with
 // --state FILE totals are kept after every block, and a run that was stopped goes on from there.
@@ -98,8 +98,7 @@ bool readState(const Options& o, State& state) {
   if (line != heading(o)) return false;
   file >> state.next_block;
   for (Tally& t : state.table) {
-    file >> t.cases >> t.overlapping >> t.unsafe >> t.failures >> t.open >> t.narrow >>
-        t.narrow_open >> t.oracle;
+    file >> t.cases >> t.overlapping >> t.unsafe >> t.failures >> t.open >> t.oracle;
   }
   return static_cast<bool>(file);
 }
@@ -111,7 +110,7 @@ bool writeState(const Options& o, const State& state) {
     file << heading(o) << '\n' << state.next_block << '\n';
     for (const Tally& t : state.table) {
       file << t.cases << ' ' << t.overlapping << ' ' << t.unsafe << ' ' << t.failures << ' '
-           << t.open << ' ' << t.narrow << ' ' << t.narrow_open << ' ' << t.oracle << '\n';
+           << t.open << ' ' << t.oracle << '\n';
     }
     if (!file.flush()) return false;
   }
@@ -135,14 +134,13 @@ void runBlock(const Options& o, std::int64_t block, std::int64_t count, Examiner
 }
 
 void print(const Table& table, Tally& all) {
-  std::printf("%-12s %12s %11s %7s %8s %9s %10s %11s %8s\n", "family", "cases", "overlapping",
-              "unsafe", "failures", "open", "1e-14", "1e-14 open", "oracle");
+  std::printf("%-12s %12s %11s %7s %8s %9s %8s\n", "family", "cases", "overlapping", "unsafe",
+              "failures", "open", "oracle");
   const auto row = [](const char* name, const Tally& t) {
-    std::printf("%-12s %12lld %11lld %7lld %8lld %9lld %10lld %11lld %8lld\n", name,
+    std::printf("%-12s %12lld %11lld %7lld %8lld %9lld %8lld\n", name,
                 static_cast<long long>(t.cases), static_cast<long long>(t.overlapping),
                 static_cast<long long>(t.unsafe), static_cast<long long>(t.failures),
-                static_cast<long long>(t.open), static_cast<long long>(t.narrow),
-                static_cast<long long>(t.narrow_open), static_cast<long long>(t.oracle));
+                static_cast<long long>(t.open), static_cast<long long>(t.oracle));
   };
   for (std::size_t f = 0; f < table.size(); ++f) {
     all.add(table[f]);

@@ -7,8 +7,8 @@
 namespace leeway::collision {
 
 /// The tolerance of a request that names none [m]: 1e-9 of the larger body's bounding radius, at
-/// most 1e-9 m (half-spaces have no size), but no less than 4e-14 of the larger extent or of the
-/// offset between the frames, next to rounding; 0 where that is no finite number. O(1).
+/// most 1e-9 m (half-spaces have no size), but no less than 1e-12 of the larger extent or of the
+/// offset between the frames, above rounding; 0 where that is no finite number. O(1).
 double defaultTolerance(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB);
 
 /// The signed separation of two shapes at the poses X_WA, X_WB (any common frame W).
