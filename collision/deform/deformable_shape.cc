@@ -7,7 +7,7 @@
 
 namespace leeway::collision {
 
-// Shape::deformable() stands here: shapes/ does not know deforming meshes.
+// Defined here since shapes/ does not know deforming meshes.
 Shape Shape::deformable(std::shared_ptr<const DeformableSnapshot> snapshot) {
   if (!snapshot) throw InvalidShape("deformable: there is no snapshot");
   const Eigen::Vector3d corners[2] = {snapshot->low(), snapshot->high()};

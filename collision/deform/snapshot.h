@@ -1,6 +1,7 @@
 #pragma once
 
-// Private to collision/: the state of a deforming mesh, and where queries find bounds of nodes.
+// Private to collision/: a deforming mesh at one time, and where queries find the boxes of its
+// nodes.
 
 #include <cstdint>
 #include <memory>
@@ -15,13 +16,13 @@
 
 namespace leeway::collision {
 
-/// Which bounds a snapshot leaves to the queries.
+/// Which boxes of nodes a snapshot leaves to the queries.
 enum class Demand : unsigned char {
-  kNothing,   ///< none: all nodes have been computed
-  kBranches,  ///< those of branches: a node looks at the vertices below it
-  kVertices,  ///< all, likewise
-  kMotion,    ///< all: from the parameters of the motion
-  kNoTree,    ///< there are no nodes
+  kNothing,   ///< none
+  kBranches,  ///< those of branches, to be found from the vertices below the node
+  kVertices,  ///< all, to be found from the vertices below the node
+  kMotion,    ///< all, to be found from the parameters of the motion
+  kNoTree,    ///< queries work without nodes
 };
 
 struct DeformableSnapshotImpl {
@@ -33,10 +34,10 @@ struct DeformableSnapshotImpl {
   std::shared_ptr<const DeformableMesh> mesh;
   std::shared_ptr<const DeformTree> tree;
   std::shared_ptr<const NodeBounds> bounds;  // for Demand::kMotion
-  // And one more, so that four doubles can be loaded.
+  // One more than the mesh has: kernels load four doubles a vertex.
   std::pmr::vector<Eigen::Vector3d> vertices{largePages()};
   std::vector<double> parameters;                 // of the motion
-  std::pmr::vector<WideBox> boxes{largePages()};  // one a node that is not left to the queries
+  std::pmr::vector<WideBox> boxes{largePages()};  // of the nodes that are not left to queries
   Demand demand = Demand::kNothing;
   DeformStrategy strategy = DeformStrategy::kRebuild;
   double time = 0, speed_bound = 0;
@@ -44,17 +45,17 @@ struct DeformableSnapshotImpl {
   Eigen::Vector3d low = Eigen::Vector3d::Zero(), high = Eigen::Vector3d::Zero();
 };
 
-/// Nodes of one owner's snapshots that a thread has filled.
+/// Boxes of nodes that a thread has found on demand, for each owner of a deforming mesh.
 struct DeformScratch {
   struct Entry {
     std::uint64_t owner = 0;
     std::pmr::vector<WideBox> boxes{largePages()};  // one a node
-    // One a node: the snapshot that its box belongs to.
+    // The snapshot that each box belongs to.
     std::pmr::vector<std::uint64_t> stamp{largePages()};
   };
   std::vector<Entry> entries;
-  std::uint64_t asked = 0;  ///< the snapshot that was asked last
-  /// For Demand::kNoTree: boxes of two bodies' triangles and the lists of an octree's cells.
+  std::uint64_t asked = 0;  ///< id of the snapshot that a query has read last
+  /// For Demand::kNoTree: boxes of two bodies' triangles, and room for OctreePairs.
   std::vector<FloatBox> boxes_a, boxes_b;
   std::vector<std::int32_t> lists;
 
@@ -66,25 +67,25 @@ struct DeformScratch {
   }
 };
 
-/// The bounds of a snapshot's nodes, for one query.
+/// The boxes of a snapshot's nodes, for one query.
 class BoxSource {
  public:
   BoxSource() = default;
   BoxSource(const DeformableSnapshotImpl& snapshot, DeformScratch& scratch);
 
-  /// Boxes of the node's children; `room` is used where the thread's scratch has none for it.
+  /// Boxes of the node's children. `room` holds them where the thread's scratch has no room.
   const WideBox& boxes(std::int32_t node, WideBox& room) const {
     return isThere(node) ? snapshot_->boxes[static_cast<std::size_t>(node)] : fill(node, room);
   }
 
-  /// Whether the snapshot itself has the boxes of a node's children. Whether a query has filled
-  /// them is nobody's business: answers would hang on what this thread has asked before.
+  /// Whether the snapshot itself has the boxes of a node's children. Queries must not depend on
+  /// which others were found on demand: answers would depend on earlier queries of the thread.
   bool isThere(std::int32_t node) const {
     return snapshot_->demand == Demand::kNothing ||
            (snapshot_->demand == Demand::kBranches && node < snapshot_->tree->upperCount());
   }
 
-  /// Starts to bring near what a look at this child of a node will read: after an update it is far.
+  /// Prefetches what opening this child of a node reads: an update has evicted it from the cache.
   void fetch(std::int32_t child) const {
     if (child < 0) return;
     const auto i = static_cast<std::size_t>(child);
@@ -97,7 +98,7 @@ class BoxSource {
     __builtin_prefetch(&snapshot_->tree->node(child));
     if (!there) snapshot_->tree->fetchLeaves(child);
     if (there || snapshot_->demand == Demand::kMotion || entry_->stamp[i] == snapshot_->id) return;
-    // Almost every child that is left open is looked at in its turn.
+    // Nearly every child that stays open is opened later.
     if (child >= snapshot_->tree->upperCount())
       snapshot_->tree->fetchVertices(child, snapshot_->vertices.data());
   }
@@ -106,7 +107,7 @@ class BoxSource {
   const WideBox& fill(std::int32_t node, WideBox& room) const;
 
   const DeformableSnapshotImpl* snapshot_ = nullptr;
-  DeformScratch::Entry* entry_ = nullptr;  // null: there is no room
+  DeformScratch::Entry* entry_ = nullptr;  // null: no room
 };
 
 }  // namespace leeway::collision

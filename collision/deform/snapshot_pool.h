@@ -1,6 +1,6 @@
 #pragma once
 
-// Private to collision/: snapshots whose memory is used again.
+// Private to collision/: a pool of snapshots.
 
 #include <atomic>
 #include <cstddef>
@@ -12,10 +12,10 @@
 
 namespace leeway::collision {
 
-/// Snapshots that are handed out as shared pointers, and come back when the last of these goes. The
-/// shared pointer's own bookkeeping stands in the slot, too, so that nothing is allocated once
-/// there are slots enough. One thread takes; any thread gives back.
-class DeformPool : public std::enable_shared_from_this<DeformPool> {
+/// Snapshots are handed out as shared pointers and return when the last of these goes. The control
+/// block of the shared pointer is in the slot, too: nothing is allocated once there are enough
+/// slots. One thread takes; any thread gives back.
+class SnapshotPool : public std::enable_shared_from_this<SnapshotPool> {
  public:
   struct Slot {
     DeformableSnapshotImpl snapshot;
@@ -23,17 +23,17 @@ class DeformPool : public std::enable_shared_from_this<DeformPool> {
     std::atomic<bool> free{true};
   };
 
-  /// A slot that nobody holds; a new one when there is none.
+  /// A free slot; allocates one when there is none.
   Slot& take() {
     for (const std::unique_ptr<Slot>& slot : slots_) {
-      // Pairs with the release in Allocator::deallocate(): what readers did is over.
+      // Pairs with the release in Allocator::deallocate(): all reads have ended.
       if (slot->free.load(std::memory_order_acquire)) return *slot;
     }
     slots_.push_back(std::make_unique<Slot>());
     return *slots_.back();
   }
 
-  /// The slot's snapshot as what readers hold; it keeps the pool alive.
+  /// The slot's snapshot as readers hold it. It keeps the pool alive.
   std::shared_ptr<const DeformableSnapshot> publish(Slot& slot) {
     slot.free.store(false, std::memory_order_relaxed);
     return {&slot.snapshot.face, [](const DeformableSnapshot*) {},
@@ -47,15 +47,16 @@ class DeformPool : public std::enable_shared_from_this<DeformPool> {
   template <class T>
   struct Allocator {
     using value_type = T;
-    std::shared_ptr<DeformPool> pool;
+    std::shared_ptr<SnapshotPool> pool;
     Slot* slot;
 
-    Allocator(std::shared_ptr<DeformPool> p, Slot* s) : pool(std::move(p)), slot(s) {}
+    Allocator(std::shared_ptr<SnapshotPool> p, Slot* s) : pool(std::move(p)), slot(s) {}
     template <class U>
     Allocator(const Allocator<U>& other) : pool(other.pool), slot(other.slot) {}
 
     T* allocate(std::size_t n) {
-      static_assert(sizeof(T) <= sizeof(Slot::control), "a slot is too small for its bookkeeping");
+      static_assert(sizeof(T) <= sizeof(Slot::control),
+                    "a slot is too small for the control block");
       if (n != 1) throw std::bad_alloc();
       return reinterpret_cast<T*>(slot->control);
     }

@@ -14,7 +14,7 @@
 namespace leeway::collision {
 namespace {
 
-// Zeros where a lane is empty, so that no infinity meets a weight of 0.
+// The boxes of a field below a node. Zeros in empty lanes: infinity times a weight of 0 is NaN.
 WideBox boxOf(const BlendedMotion::Field& field, const DeformTree& tree, std::int32_t node) {
   WideBox box{};
   for (int lane = 0; lane < kWidth; ++lane) {
@@ -33,14 +33,14 @@ WideBox boxOf(const BlendedMotion::Field& field, const DeformTree& tree, std::in
   return box;
 }
 
-/// Children of a node stand before its empty lanes.
+// How many children a node has.
 std::uint8_t lanesOf(const DeformTree& tree, std::int32_t node) {
   std::uint8_t lanes = 0;
   while (lanes < kWidth && tree.node(node).child[lanes] != DeformTree::kNone) ++lanes;
   return lanes;
 }
 
-// [-slack, slack].
+// Starts a sum with [-slack, slack] everywhere.
 BoxSum sumOf(double slack) {
   BoxSum sum;
   std::fill_n(sum.low, BoxSum::kNumbers, -slack);
@@ -68,7 +68,7 @@ Pair pairOf(int i) {
   const int a = i / 2;
   return {a, (a + 1) % 3, i % 2 == 0 ? 1.0 : -1.0};
 }
-// One over its length.
+// One over the length of a diagonal.
 constexpr double kPerDiagonal = std::numbers::sqrt2 / 2;
 
 double alongDiagonal(const double* p, int i) {
@@ -76,7 +76,8 @@ double alongDiagonal(const double* p, int i) {
   return p[d.a] + d.sign * p[d.b];
 }
 
-// A body's reach along diagonal i; its box along its own axes counts grown by `slack`.
+// The interval that a body takes along diagonal i, by its box along B's axes and by its box along
+// its own, grown by `slack`.
 Interval reachAlongDiagonal(const Probe& probe, int i, double slack) {
   const Pair d = pairOf(i);
   const auto number = [](float x) { return static_cast<double>(x); };
@@ -91,12 +92,13 @@ Interval reachAlongDiagonal(const Probe& probe, int i, double slack) {
     own.lower += n > 0 ? n * low : n * high;
     own.upper += n > 0 ? n * high : n * low;
   }
-  // Written so that what is no number, 0 times infinity, narrows nothing.
+  // Written so that a NaN (0 times infinity) narrows nothing.
   if (own.lower > reach.lower) reach.lower = own.lower;
   if (own.upper < reach.upper) reach.upper = own.upper;
   return reach;
 }
 
+// Raises a bound to `lower`, unless that is NaN.
 void raise(double lower, float& bound) {
   if (lower > static_cast<double>(bound)) bound = roundedDown(lower);
 }
@@ -109,7 +111,7 @@ BlendedBounds::BlendedBounds(const BlendedMotion& motion, const DeformTree& tree
   base_size_ = largestCoordinate(motion.base());
   for (const BlendedMotion::Field& field : motion.fields())
     field_sizes_.push_back(largestCoordinate(field));
-  // The mean of fields may be as large as the largest of them.
+  // The mean of the fields may be as large as the largest of them.
   if (!has_base_) {
     const double largest = *std::max_element(field_sizes_.begin(), field_sizes_.end());
     std::fill(field_sizes_.begin(), field_sizes_.end(), largest);
@@ -117,7 +119,7 @@ BlendedBounds::BlendedBounds(const BlendedMotion& motion, const DeformTree& tree
   std::vector<const BlendedMotion::Field*> all;
   if (has_base_) all.push_back(&motion.base());
   for (const BlendedMotion::Field& field : motion.fields()) all.push_back(&field);
-  std::vector<BlendedMotion::Field> differences;  // and the mean first
+  std::vector<BlendedMotion::Field> differences;  // the mean, then each field minus the mean
   if (!has_base_ && volume != DeformVolume::kBall) {
     differences.push_back(meanOf(motion.fields()));
     for (const BlendedMotion::Field& field : motion.fields()) {
@@ -181,7 +183,7 @@ void BlendedBounds::Boxes::blend(std::int32_t node, const double* first, std::sp
                 to.size(), sum);
 }
 
-// A sum of two doubles is as good as one when it becomes a float.
+// Outward rounding to float covers the rounding of the sum of two doubles.
 BlendedBounds::Diagonals BlendedBounds::diagonalsOf(const BlendedMotion::Field& field,
                                                     const DeformTree& tree, std::int32_t node) {
   Diagonals result{};
@@ -202,7 +204,7 @@ BlendedBounds::Diagonals BlendedBounds::diagonalsOf(const BlendedMotion::Field& 
   return result;
 }
 
-// About the middle of the box; radii are of the centres as they are stored.
+// Centred in the box. Radii are measured from the stored centres, so their rounding is covered.
 BlendedBounds::Balls BlendedBounds::ballsOf(const BlendedMotion::Field& field,
                                             const DeformTree& tree, std::int32_t node) {
   Balls result{};
@@ -239,13 +241,16 @@ void BlendedBounds::bound(std::int32_t node, std::span<const double> parameters,
   }
 }
 
-// In exact arithmetic the sums below hold the exact vertices. A vertex as evaluated and each bound
-// are off by at most one rounding a product and a sum, of numbers that are at most the sum of
-// magnitudes: (fields + 1) units each, so that 4 (fields + 2) cover both and the sum's own. A
-// difference from the mean is at most twice as large and one rounding more: 8 (fields + 4) there,
-// and along a diagonal, which adds two coordinates. The ways of a vertex and a ball's centre are
-// the root of 3 times as long, and a radius is at most twice that times the largest coordinate: 7
-// (fields + 2) in sum.
+// In exact arithmetic the sums below hold the exact vertices. With n fields, in units of
+// kUnitRoundoff times the sum of magnitudes (`size`):
+//   - an evaluated vertex and each bound are off by one rounding a product and a sum, n + 1 each:
+//     4 (n + 2) cover both and the addition of the slack;
+//   - a difference from the mean is at most twice as large and one rounding more, and a diagonal
+//   adds
+//     two coordinates: 8 (n + 4);
+//   - the errors of a vertex and of a ball's centre are sqrt(3) times as long, and a radius is at
+//   most
+//     2 sqrt(3) times the largest coordinate: 7 (n + 2) in all.
 double BlendedBounds::rounding(std::span<const double> parameters) const {
   double size = base_size_;
   for (std::size_t k = 0; k < fields_; ++k) size += std::abs(parameters[k]) * field_sizes_[k];
@@ -282,8 +287,9 @@ void BlendedBounds::boundBoxes(std::int32_t node, std::span<const double> parame
   }
 }
 
-// The difference of two sums is the sum with the differences of the coordinates; each of the two is
-// off as the bounds say, and so are the differences, of what is at most both together.
+// The difference of two sums is the sum with the differences of the parameters. Each of the two is
+// off by its rounding(), and the differences, at most as large as both together, by the sum of
+// these.
 void BlendedBounds::displacement(std::int32_t node, std::span<const double> from,
                                  std::span<const double> to, double rounding, WideBox& box) const {
   (has_base_ ? boxes_ : differences_).fetch(node + kNodesAhead);
@@ -330,17 +336,16 @@ BlendedBounds::BlendedBalls BlendedBounds::blendBalls(std::int32_t node,
 }
 
 void BlendedBounds::tighten(std::int32_t node, std::span<const double> parameters,
-                            const Probe& probe, Bounds& bounds) const {
+                            const Probe& probe, LaneBounds& bounds) const {
   if (volume_ == DeformVolume::kDop) tightenByDiagonals(node, parameters, probe, bounds);
   if (volume_ == DeformVolume::kBall) tightenByBalls(node, parameters, probe, bounds);
 }
 
-// How far the body reaches along a diagonal, by its box along the axes of B and by that along its
-// own. An axis in single precision is off by less than 2^-22 in all, its body's coordinates by that
-// times what probe.slack is 2^-19 of, and twice that if the axes depart from a rotation as far as
-// they may: four times the slack covers both.
+// The body's own axes in single precision are off by less than 2^-22 in all, and the body's
+// coordinates along them by that times the size of which probe.slack is 2^-19; by twice as much
+// where the axes depart from a rotation as far as they may. Four times the slack covers both.
 void BlendedBounds::tightenByDiagonals(std::int32_t node, std::span<const double> parameters,
-                                       const Probe& probe, Bounds& bounds) const {
+                                       const Probe& probe, LaneBounds& bounds) const {
   double low[kDiagonals][kWidth], high[kDiagonals][kWidth];
   const double slack = rounding(parameters);
   for (int i = 0; i < kDiagonals; ++i) {
@@ -367,16 +372,16 @@ void BlendedBounds::tightenByDiagonals(std::int32_t node, std::span<const double
     const Interval across = reachAlongDiagonal(probe, i, 4 * body_slack);
     for (int lane = 0; lane < lanes_[static_cast<std::size_t>(node)]; ++lane) {
       double gap = std::max(low[i][lane] - across.upper, across.lower - high[i][lane]);
-      if (!(gap >= -kInfinity)) continue;  // both infinite: nothing is known along this one
+      if (!(gap >= -kInfinity)) continue;  // NaN: both are infinite
       gap *= kPerDiagonal;
       raise(gap - std::abs(gap) * kRotationTolerance - grown, bounds.lower[lane]);
     }
   }
 }
 
-// A centre that is within the body's box says nothing of how deep.
+// A centre within the body's box proves nothing about depth.
 void BlendedBounds::tightenByBalls(std::int32_t node, std::span<const double> parameters,
-                                   const Probe& probe, Bounds& bounds) const {
+                                   const Probe& probe, LaneBounds& bounds) const {
   const BlendedBalls balls = blendBalls(node, parameters);
   const double grown = static_cast<double>(probe.radius) + static_cast<double>(probe.slack);
   for (int lane = 0; lane < lanes_[static_cast<std::size_t>(node)]; ++lane) {
@@ -390,7 +395,7 @@ void BlendedBounds::tightenByBalls(std::int32_t node, std::span<const double> pa
       squared += outside * outside;
     }
     if (!(squared > 0)) continue;
-    // As in the kernels: axes that depart from a rotation.
+    // Axes that depart from a rotation overstate distances.
     raise(std::sqrt(squared) * (1 - kRotationTolerance) - balls.radius[lane] - grown,
           bounds.lower[lane]);
   }

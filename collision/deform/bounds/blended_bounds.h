@@ -6,22 +6,25 @@
 
 namespace leeway::collision {
 
-/// Volumes of vertices that are blended from fields. T. Larsson and T. Akenine-Moller, "Efficient
-/// collision detection for models deformed by morphing", 2003: a vertex is the sum over the
-/// references of weight times place, each place is in its reference's volume of the node, so the
-/// vertex is in the sum of weights times volumes, a weight below 0 turning its volume round.
-/// O(references) a node. D. James and D. Pai, "BD-Tree: output-sensitive collision detection for
-/// reduced deformation models", 2004, is the same sum with the rest shape's volume taken once and
-/// one of displacements for every mode. A box is an interval along each axis; an 18-DOP has six
-/// more, along the diagonals of the axes' planes; of balls, centres are blended as vertices are,
-/// and radii by the weights' magnitudes.
+/// Volumes of vertices that are blended from fields.
+///
+/// T. Larsson and T. Akenine-Moller, "Efficient collision detection for models deformed by
+/// morphing", 2003: a vertex is the sum over the references of weight times position, and each
+/// position is in its reference's volume of the node; so the vertex is in the sum of weights times
+/// volumes, a negative weight mirroring its volume. O(references) a node. D. James and D. Pai,
+/// "BD-Tree: output-sensitive collision detection for reduced deformation models", 2004: the sum is
+/// that of the rest shape's volume (the base) and a volume of displacements for every mode.
+///
+/// A box is an interval along each axis; an 18-DOP has six more, along the diagonals of the
+/// coordinate planes; centres of balls are blended as vertices are, radii by the magnitudes of the
+/// weights.
 class BlendedBounds final : public NodeBounds {
  public:
   BlendedBounds(const BlendedMotion& motion, const DeformTree& tree, DeformVolume volume,
                 std::int32_t nodes);
-  /// The boxes; those around the balls where there are no others.
+  /// The boxes; with kBall those around the balls.
   void bound(std::int32_t node, std::span<const double> parameters, WideBox& box) const override;
-  /// Not where there are balls.
+  /// Not with kBall.
   void displacement(std::int32_t node, std::span<const double> from, std::span<const double> to,
                     double rounding, WideBox& box) const override;
   double displacementRounding(std::span<const double> from,
@@ -29,11 +32,11 @@ class BlendedBounds final : public NodeBounds {
   bool hasVolumes() const override { return volume_ != DeformVolume::kBox; }
   std::size_t bytes() const override;
   void tighten(std::int32_t node, std::span<const double> parameters, const Probe& probe,
-               Bounds& bounds) const override;
+               LaneBounds& bounds) const override;
 
  private:
   static constexpr int kDiagonals = 6;
-  /// Intervals along x + y, x - y, y + z, y - z, z + x, z - x (not divided by the root of 2).
+  /// Intervals along x + y, x - y, y + z, y - z, z + x, z - x (not normalised).
   struct Diagonals {
     float low[kDiagonals][kWidth], high[kDiagonals][kWidth];
   };
@@ -44,20 +47,21 @@ class BlendedBounds final : public NodeBounds {
     double center[3][kWidth], radius[kWidth];
   };
 
-  /// Boxes of some fields, node by node; axes along which a field is 0 everywhere are left out.
+  /// Boxes of some fields, node by node, without the axes along which a field is 0 everywhere.
   struct Boxes {
-    std::vector<std::uint8_t> axes;  ///< one a field: those of x, y, z that are there, a bit each
-    std::vector<AxisRow> rows;       ///< a node: field by field, axis by axis
+    std::vector<std::uint8_t> axes;  ///< one a field: a bit for each of x, y, z that is kept
+    std::vector<AxisRow> rows;       ///< node by node, field by field, axis by axis
     std::size_t rows_a_node = 0;
 
     void addField(const BlendedMotion::Field& field);
-    /// Starts to bring near the rows of a node, if there is one.
+    /// Prefetches the rows of a node, if there is such a node.
     void fetch(std::int32_t node) const;
-    /// To be called field by field.
+    /// Appends the rows of a field in a node; to be called node by node, field by field.
     void addNode(const BlendedMotion::Field& field, std::size_t number, const DeformTree& tree,
                  std::int32_t node);
-    /// Adds those of the first field times `first`, if there is one, and of the others times the
-    /// parameters `to`, or what they are more than `from` where that is not empty.
+    /// Adds the boxes of the node's fields, each times its parameter in `to` (or in to - from,
+    /// where `from` is not empty). One field more than `to` has parameters: it comes first, times
+    /// *first, or is skipped where `first` is null.
     void blend(std::int32_t node, const double* first, std::span<const double> to,
                std::span<const double> from, BoxSum& sum) const;
   };
@@ -70,10 +74,10 @@ class BlendedBounds final : public NodeBounds {
   BlendedBalls blendBalls(std::int32_t node, std::span<const double> parameters) const;
   void boundBoxes(std::int32_t node, std::span<const double> parameters, WideBox& box) const;
   void tightenByDiagonals(std::int32_t node, std::span<const double> parameters, const Probe& probe,
-                          Bounds& bounds) const;
+                          LaneBounds& bounds) const;
   void tightenByBalls(std::int32_t node, std::span<const double> parameters, const Probe& probe,
-                      Bounds& bounds) const;
-  /// The coordinate of field `i` of those that a node has volumes of: 1 for the base.
+                      LaneBounds& bounds) const;
+  /// The weight of a node's volume i: 1 for the base, which comes first.
   double weight(std::span<const double> parameters, std::size_t i) const {
     return !has_base_ ? parameters[i] : i == 0 ? 1 : parameters[i - 1];
   }
@@ -82,12 +86,12 @@ class BlendedBounds final : public NodeBounds {
   DeformVolume volume_;
   std::size_t fields_;
   bool has_base_;
-  // A node: the base's if there is one, then one a field. No boxes where there are balls.
+  // In each node that of the base, if there is one, then one a field. No boxes with kBall.
   Boxes boxes_;
   std::vector<Diagonals> diagonals_;
   std::vector<Balls> balls_;
-  Boxes differences_;                // without a base; a node: the mean's, then one a field's
-  std::vector<std::uint8_t> lanes_;  // one a node: how many children it has
+  Boxes differences_;  // no base: of the mean of the fields, then of each field minus the mean
+  std::vector<std::uint8_t> lanes_;  // children of each node
   double base_size_ = 0;
   std::vector<double> field_sizes_;  // largest |coordinate| [m]
 };

@@ -1,6 +1,6 @@
 #pragma once
 
-// Private to collision/: the inner loops of bounds from a motion, for every instruction set.
+// Private to collision/: the inner loops of bounds from a motion.
 
 #include <cstddef>
 #include <cstdint>
@@ -10,50 +10,49 @@
 
 namespace leeway::collision {
 
-/// What boxes of the eight children of a node have along one axis.
+/// The boxes of the eight children of a node along one axis.
 struct alignas(64) AxisRow {
   float low[kWidth], high[kWidth];
 };
 
-/// Boxes of the eight children of a node that are still being summed up: as WideBox has them, in a
-/// row.
+/// Boxes of the eight children of a node while they are summed up: x of all lanes, then y, z.
 struct BoxSum {
   static constexpr int kNumbers = 3 * kWidth;
   double low[kNumbers], high[kNumbers];
 };
 
-/// The boxes of what is below each child of a node in the rest position.
+/// Boxes of the rest positions below each child of a node.
 struct SkinRest {
   double center[3][kWidth], half[3][kWidth];
 };
 
-/// A bone's part in the vertices of each lane: every weight is within `range` of `mean`, and
-/// within `residue` of mean + gradient . (rest position - center); the means of a lane add up to
-/// what the weights do. No range and no mean: no part.
+/// A bone's weights in the vertices of each lane: all are within `range` of `mean`, and within
+/// `residue` of mean + gradient . (rest position - center). The means of a lane's bones add up to
+/// 1, as the weights do. Range and mean 0: the bone carries no vertex of the lane.
 struct SkinPart {
   std::int32_t bone;
   double mean[kWidth], range[kWidth], residue[kWidth], gradient[3][kWidth];
 };
 
-/// Function pointers of one instruction set. Every set yields the same bytes. Parameters are a
-/// motion's: where there are `from`, the differences to - from take the place of `to`.
+/// Function pointers of one instruction set. Every set yields the same bytes. `to` and `from` are
+/// parameters of a motion; where `from` is not null, to - from replaces `to`.
 struct MotionKernels {
-  /// Adds each of `count` boxes times its parameter, which turns a box round when it is below 0. Of
-  /// each box there is a row for each of the axes x, y, z whose bit is set in `axes`.
+  /// Adds `count` boxes, each times its parameter (interval arithmetic: a negative factor swaps low
+  /// and high). A box has a row for each of the axes x, y, z whose bit is set in its `axes`.
   void (*blend)(const AxisRow* rows, const std::uint8_t* axes, const double* to, const double* from,
                 std::size_t count, BoxSum& sum);
-  /// Rounded outwards.
+  /// Rounds a sum outwards.
   void (*put)(const BoxSum& sum, WideBox& box);
-  /// Boxes of what was in `before` and has come as far as `way` says, which is cut to low .. high
-  /// first (what is no number there says nothing); `side` is the longest of each way's box.
+  /// Boxes of what was in `before` and has been displaced by something in `way`. `way` is first cut
+  /// to low .. high, which also replaces NaN; `side` receives the longest side of each lane's way.
   void (*move)(const WideBox& before, float low, float high, WideBox& way, WideBox& box,
                float* side);
-  /// The boxes of skinned_bounds.cc, grown by `rounding`; lanes without a part hold anything.
+  /// The boxes of skinned_bounds.cc, grown by `rounding`; lanes without a part are undefined.
   void (*skin)(const SkinRest& rest, std::span<const SkinPart> parts, const double* to,
                const double* from, double rounding, WideBox& box);
 };
 
-/// Those of the best instruction set that this machine has: about 3 ns.
+/// The kernels of the best instruction set of this machine. Costs about 3 ns.
 const MotionKernels& motionKernels();
 
 }  // namespace leeway::collision

@@ -14,8 +14,8 @@
 // After foreach_target.h.
 #include <hwy/highway.h>
 
-// Plain loops over lanes, which the compiler turns into each set's vectors: products and sums stay
-// apart, so that all sets agree.
+// Products and sums stay apart (no fused multiply-add), so that all instruction sets agree. Plain
+// loops over lanes are left to the compiler's vectoriser.
 
 HWY_BEFORE_NAMESPACE();
 namespace leeway::collision {
@@ -33,7 +33,7 @@ void blend(const AxisRow* rows, const std::uint8_t* axes, const double* to, cons
   unsigned any = 0;
   for (std::size_t f = 0; f < count; ++f) any |= axes[f];
   for (std::size_t k = 0; k < 3; ++k) {
-    if ((any >> k & 1) == 0) continue;  // waves know one axis
+    if ((any >> k & 1) == 0) continue;  // waves, for one, move along one axis
     for (std::size_t i = 0; i < kWidth; i += hn::Lanes(kDoubles)) {
       double *const at_low = sum.low + k * kWidth + i, *const at_high = sum.high + k * kWidth + i;
       auto low = hn::LoadU(kDoubles, at_low), high = hn::LoadU(kDoubles, at_high);
@@ -59,8 +59,8 @@ void blend(const AxisRow* rows, const std::uint8_t* axes, const double* to, cons
   }
 }
 
-// A sum is off by half a unit in the last place; 2^-23 of it is one at least, and sums below the
-// normal numbers are exact.
+// A sum is off by half a unit in the last place. 2^-23 of it is at least one unit; subnormal sums
+// are exact.
 void move(const WideBox& before, float least, float most, WideBox& way, WideBox& box, float* side) {
   for (std::size_t i = 0; i < kWidth; i += hn::Lanes(kLanes)) {
     const auto lowest = hn::Set(kLanes, least), highest = hn::Set(kLanes, most),
@@ -68,7 +68,7 @@ void move(const WideBox& before, float least, float most, WideBox& way, WideBox&
     auto longest = hn::Zero(kLanes);
     for (int k = 0; k < 3; ++k) {
       auto low = hn::Load(kLanes, way.low[k] + i), high = hn::Load(kLanes, way.high[k] + i);
-      // Written so that what is no number says nothing.
+      // Written so that a NaN is replaced.
       low = hn::IfThenElse(hn::Gt(low, lowest), low, lowest);
       high = hn::IfThenElse(hn::Lt(high, highest), high, highest);
       hn::Store(low, kLanes, way.low[k] + i);
@@ -83,7 +83,7 @@ void move(const WideBox& before, float least, float most, WideBox& way, WideBox&
   }
 }
 
-// As roundedDown() and roundedUpToFloat(), in as many lanes: plain code is eight times as long.
+// roundedDown() and roundedUpToFloat() in vectors: plain code takes eight times as long.
 void put(const BoxSum& sum, WideBox& box) {
   const auto most = hn::Set(kSingles, std::numeric_limits<float>::max()),
              least = hn::Set(kSingles, std::numeric_limits<float>::min()),
@@ -92,7 +92,7 @@ void put(const BoxSum& sum, WideBox& box) {
     for (std::size_t i = 0; i < kWidth; i += hn::Lanes(kDoubles)) {
       auto low = hn::DemoteTo(kSingles, hn::LoadU(kDoubles, sum.low + k * kWidth + i)),
            high = hn::DemoteTo(kSingles, hn::LoadU(kDoubles, sum.high + k * kWidth + i));
-      // Written so that what is no number stays none.
+      // Written so that a NaN stays one.
       low = hn::IfThenElse(hn::Gt(low, most), most, low);
       high = hn::IfThenElse(hn::Lt(high, hn::Neg(most)), hn::Neg(most), high);
       low = hn::Sub(low, hn::Add(hn::Mul(hn::Abs(low), unit), least));
@@ -103,11 +103,12 @@ void put(const BoxSum& sum, WideBox& box) {
   }
 }
 
-// One row of an affine map: x, y, z and what is added.
+// One row of an affine map: linear part and translation.
 struct Row {
   double x, y, z, t;
 };
 
+// A row of the bone's matrix `to`, or of to - from.
 HWY_INLINE Row rowOf(const SkinPart& part, const double* to, const double* from, int row) {
   const double* T = to + 12 * static_cast<std::ptrdiff_t>(part.bone);
   Row r{T[3 * row], T[3 * row + 1], T[3 * row + 2], T[9 + row]};
@@ -116,13 +117,14 @@ HWY_INLINE Row rowOf(const SkinPart& part, const double* to, const double* from,
   return {r.x - S[3 * row], r.y - S[3 * row + 1], r.z - S[3 * row + 2], r.t - S[9 + row]};
 }
 
+// Numbers in brackets and symbols refer to the derivation in skinned_bounds.cc.
 void skin(const SkinRest& rest, std::span<const SkinPart> parts, const double* to,
           const double* from, double rounding, WideBox& box) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   BoxSum sum;
   for (int row = 0; row < 3; ++row) {
-    double center[kWidth], x[kWidth], y[kWidth], z[kWidth];  // of the mean map
-    double low[kWidth], high[kWidth];                        // around the bones
+    double center[kWidth], x[kWidth], y[kWidth], z[kWidth];  // M c and R_M, (1)
+    double low[kWidth], high[kWidth];                        // around the bones' images, (2)
     for (int i = 0; i < kWidth; ++i) {
       center[i] = x[i] = y[i] = z[i] = 0;
       low[i] = kInfinity;
@@ -140,7 +142,7 @@ void skin(const SkinRest& rest, std::span<const SkinPart> parts, const double* t
         x[i] += mean * r.x;
         y[i] += mean * r.y;
         z[i] += mean * r.z;
-        // A bone without a part says nothing.
+        // A bone that carries no vertex of the lane does not count.
         const bool has_part = static_cast<int>(part.range[i] > 0) | static_cast<int>(mean > 0);
         const double lower = has_part ? image - reach : kInfinity,
                      upper = has_part ? image + reach : -kInfinity;
@@ -148,7 +150,7 @@ void skin(const SkinRest& rest, std::span<const SkinPart> parts, const double* t
         high[i] = std::max(high[i], upper);
       }
     }
-    double spread[kWidth], bent_x[kWidth], bent_y[kWidth], bent_z[kWidth];  // around the mean
+    double spread[kWidth], bent_x[kWidth], bent_y[kWidth], bent_z[kWidth];  // (1)
     for (int i = 0; i < kWidth; ++i) {
       spread[i] = 0;
       bent_x[i] = x[i];

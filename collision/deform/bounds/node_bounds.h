@@ -7,21 +7,21 @@
 #include <memory>
 #include <span>
 
+#include "collision/deform/bounds/probe_bounds.h"
 #include "collision/deform/tree/deform_tree.h"
-#include "collision/deform/tree/refit.h"
 #include "leeway/collision/deformable_mesh.h"
 
 namespace leeway::collision {
 
 class VertexMotion;  // vertex_motion.h
 
-/// Bounds are asked for in the order of the nodes: what they are made from is fetched that many
-/// nodes early. Any value is right.
+/// Boxes are found in the order of the nodes; what they are made from is prefetched so many nodes
+/// ahead. Any value is right.
 inline constexpr std::int32_t kNodesAhead = 3;
 
-/// Boxes of the nodes of one hierarchy, as functions of a motion's parameters
-/// (VertexMotion::parameters()): at a cost that does not depend on how many vertices are below a
-/// node. Constant; many threads ask it.
+/// Boxes of the nodes of one hierarchy as functions of a motion's parameters
+/// (VertexMotion::parameters()), at a cost that does not depend on how many vertices are below a
+/// node. Constant; safe to use from many threads.
 class NodeBounds {
  public:
   virtual ~NodeBounds() = default;
@@ -30,29 +30,28 @@ class NodeBounds {
   /// child are empty. Never throws or allocates.
   virtual void bound(std::int32_t node, std::span<const double> parameters, WideBox& box) const = 0;
 
-  /// Boxes of how far the vertices below each child of the node come from where they are for the
-  /// parameters `from` to where they are for `to`, as VertexMotion::vertices() gives both, rounding
-  /// included; lanes without a child hold anything. `rounding` is what displacementRounding() says
-  /// of the two, which need not be worked out for each node. Not of volumes of kind kBall. Never
-  /// throws or allocates.
+  /// Boxes of the displacements of the vertices below each child of the node from the parameters
+  /// `from` to `to`, as VertexMotion::vertices() gives both, rounding included; lanes without a
+  /// child are undefined. `rounding`: displacementRounding(from, to), which is the same for all
+  /// nodes. Not for DeformVolume::kBall. Never throws or allocates.
   virtual void displacement(std::int32_t node, std::span<const double> from,
                             std::span<const double> to, double rounding, WideBox& box) const = 0;
   virtual double displacementRounding(std::span<const double> from,
                                       std::span<const double> to) const = 0;
 
-  /// Whether there are volumes that say more than the boxes around them.
+  /// Whether tighten() can improve on the boxes.
   virtual bool hasVolumes() const { return false; }
-  /// Raises the lower bounds on the separation of a body and each child of the node to what the
-  /// volumes prove. Never throws or allocates.
+  /// Raises the lower bounds on the separation of a body and each child of the node to what volumes
+  /// other than boxes prove. Never throws or allocates.
   virtual void tighten(std::int32_t /*node*/, std::span<const double> /*parameters*/,
-                       const Probe& /*probe*/, Bounds& /*bounds*/) const {}
+                       const Probe& /*probe*/, LaneBounds& /*bounds*/) const {}
 
   virtual std::size_t bytes() const = 0;  ///< of memory
 };
 
-/// The bounds that the kind of motion allows (kMorph, kSkinned, kReduced); null for other kinds.
-/// `volume` is for kMorph and kReduced. Of the nodes 0 .. nodes - 1 alone. The tree's memory is not
-/// needed afterwards. O(nodes x vertices below them).
+/// Bounds of the nodes 0 .. nodes - 1 from a motion of kind kMorph, kSkinned, kReduced or kWaves;
+/// null for other kinds. `volume` is for blended vertices, not for skinned ones. Keeps no reference
+/// to the tree. O(nodes x vertices below them).
 std::unique_ptr<const NodeBounds> makeNodeBounds(const VertexMotion& motion, const DeformTree& tree,
                                                  DeformVolume volume, std::int32_t nodes);
 

@@ -10,6 +10,7 @@
 #include "collision/base/tolerances.h"
 #include "collision/deform/motion/motion_input.h"
 
+// clang-format off
 // A vertex with rest position r, in the box c +- e of its node, goes to
 //
 //     x = sum_b w_b T_b r,   sum_b w_b = 1,   T_b affine (bone b's matrix).
@@ -19,23 +20,24 @@
 //
 //     x = M r + sum_b (w_b - m_b) T_b r = M r + sum_b (w_b - m_b) (T_b - M) r,
 //
-// because the differences of the weights add up to 0. Weights change along a skin, and that is what
-// bends it: with any gradients g_b, w_b - m_b = g_b . (r - c) + f_b. T_b - M is affine, too, with
-// the linear part L_b = R_b - R_M, so that with d = r - c and D_b = T_b c - M c
+// because the differences of the weights add up to 0. A skin bends where weights change along it:
+// with any gradients g_b, w_b - m_b = g_b . (r - c) + f_b. T_b - M is affine, too, with the linear
+// part L_b = R_b - R_M, so that with d = r - c and D_b = T_b c - M c
 //
 //     x = M c + (R_M + sum_b D_b g_b^T) d + sum_b f_b D_b + sum_b (w_b - m_b) L_b d,
 //     x in  M c +- ( |R_M + sum_b D_b g_b^T| e + sum_b |f_b| |D_b| + sum_b h_b |L_b| e ).
 //
-// The first term is the exact image where weights are linear in the rest position, the others are
-// small of second order in the size of the node, however far the bones are apart. Kavan and Zara's
-// sphere is this with a ball for the box and without gradients, their convex combination of the
-// bones' images of its centre being M c.
+// The first term is exact where weights are linear in the rest position; the others are of second
+// order in the size of the node, however far apart the bones are. Kavan and Zara's sphere is this
+// with a ball for the box and without gradients; their convex combination of the bones' images of
+// the centre is M c.
 //
-// (2) Around the bones. x is a convex combination of the images T_b r, each within T_b c +- |R_b|
-// e: it is in the box around these boxes, of the bones that have a part in the node. This is the
-// better one for large nodes, where weights range from 0 to 1.
+// (2) Around the bones. x is a convex combination of the images T_b r, each within T_b c +- |R_b| e:
+// it is in the box around these boxes, over the bones that carry vertices of the node. Better for
+// large nodes, where weights range from 0 to 1.
 //
 // Both hold, so their intersection does.
+// clang-format on
 
 namespace leeway::collision {
 namespace {
@@ -44,8 +46,8 @@ using Eigen::Vector3d;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// No coordinate of T r is larger for rest positions up to `reach`; T: rotation row by row, then
-/// the translation.
+// A bound on |coordinates| of T r for rest positions with |coordinates| up to `reach`. T: rotation
+// row by row, then the translation.
 double sizeOf(const double* T, double reach) {
   double size = 0;
   for (int k = 0; k < 3; ++k) {
@@ -75,7 +77,7 @@ SkinnedBounds::SkinnedBounds(const SkinnedVertices& motion, const DeformTree& tr
       for (int k = 0; k < 3; ++k) {
         const double center = 0.5 * (low[k] + high[k]);
         rest.center[k][lanes] = center;
-        // Two units cover the rounding of the difference.
+        // Four units cover the rounding of the difference.
         rest.half[k][lanes] = std::max(high[k] - center, center - low[k]) * (1 + 4 * kUnitRoundoff);
       }
     }
@@ -92,8 +94,8 @@ SkinnedBounds::SkinnedBounds(const SkinnedVertices& motion, const DeformTree& tr
 
 void SkinnedBounds::addParts(const SkinnedVertices& motion, const DeformTree& tree,
                              std::int32_t node) {
-  // Least and largest weight of every bone in every lane; a vertex that a bone does not carry
-  // counts with 0.
+  // Least and largest weight of every bone in every lane. Vertices that a bone does not carry have
+  // weight 0.
   struct Seen {
     std::int32_t bone;
     double least[kWidth], largest[kWidth];
@@ -129,7 +131,7 @@ void SkinnedBounds::addParts(const SkinnedVertices& motion, const DeformTree& tr
     }
     parts_.push_back(part);
   }
-  // The means must add up to 1: what is missing goes to the bones of the lane in equal shares.
+  // Makes the means add up to 1: the bones of the lane share equally what is missing.
   for (int lane = 0; lane < kWidth; ++lane) {
     double sum = 0, bones = 0;
     for (std::size_t i = begin; i < parts_.size(); ++i) {
@@ -150,8 +152,8 @@ void SkinnedBounds::addParts(const SkinnedVertices& motion, const DeformTree& tr
   }
 }
 
-// Least squares, a little towards 0 where the vertices do not span all directions. Any gradient is
-// right; its residue is what counts, with the rounding of the sums that it comes from.
+// Least squares, regularised where the vertices do not span all directions. Any gradient is right:
+// the bound rests on its residue, which includes the rounding of these sums.
 void SkinnedBounds::fitGradients(const SkinnedVertices& motion,
                                  std::span<const std::int32_t> vertices, int lane,
                                  std::span<SkinPart> parts) const {
@@ -189,7 +191,7 @@ void SkinnedBounds::fitGradients(const SkinnedVertices& motion,
       residue = std::max(residue, std::abs(weight(v, part.bone) - part.mean[lane] - linear));
     }
     residue += 16 * kUnitRoundoff * (1 + gradient.lpNorm<1>() * (reach + 2 * center.lpNorm<1>()));
-    // A NaN, too, leaves the gradient at 0; a steep one would cost digits.
+    // A NaN leaves the gradient at 0, and so does a steep one, which would cost digits.
     const double across = std::abs(gradient.x()) * rest.half[0][lane] +
                           std::abs(gradient.y()) * rest.half[1][lane] +
                           std::abs(gradient.z()) * rest.half[2][lane];
@@ -199,11 +201,10 @@ void SkinnedBounds::fitGradients(const SkinnedVertices& motion,
   }
 }
 
-// Rounding: every number here and in a vertex's evaluation is at most the size below, made of sums
-// of up to terms_ + 12 products; the means and the weights add up to 1 within terms_ + 2 units
-// each, which moves x by that share of the size; a gradient changes a weight by at most
-// kSteepestWeight over a node. 64 (terms_ + 12) units a part, and four parts more, cover the sum of
-// all.
+// Rounding: every number here and in the evaluation of a vertex is at most `size` (boundBy()) and a
+// sum of up to terms_ + 12 products. Means and weights add up to 1 within terms_ + 2 units each,
+// which moves x by that share of the size. A gradient changes a weight by at most kSteepestWeight
+// over a node. 64 (terms_ + 12) units a part, and four parts more, cover all of it.
 void SkinnedBounds::bound(std::int32_t node, std::span<const double> parameters,
                           WideBox& box) const {
   boundBy(node, parameters, {}, box);
@@ -215,9 +216,9 @@ void SkinnedBounds::bound(std::int32_t node, std::span<const double> parameters,
   }
 }
 
-// A vertex comes from sum w_b S_b r to sum w_b T_b r, by sum w_b (T_b - S_b) r: nothing above asks
-// that bones are rigid. Both ends are off by their own rounding, and a difference of two numbers is
-// at most as large as both together.
+// A vertex moves from sum w_b S_b r to sum w_b T_b r, that is by sum w_b (T_b - S_b) r: the
+// derivation above does not need rigid bones. Both ends are off by their own rounding, and a
+// difference is at most as large as both numbers together.
 void SkinnedBounds::displacement(std::int32_t node, std::span<const double> from,
                                  std::span<const double> to, double /*rounding*/,
                                  WideBox& box) const {
@@ -225,7 +226,7 @@ void SkinnedBounds::displacement(std::int32_t node, std::span<const double> from
   boundBy(node, to, from, box);
 }
 
-// Each node's own is far less than that of all bones.
+// boundBy() finds each node's own, which is far less than that of all bones.
 double SkinnedBounds::displacementRounding(std::span<const double> /*from*/,
                                            std::span<const double> /*to*/) const {
   return 0;

@@ -8,14 +8,14 @@ namespace leeway::collision {
 
 /// Boxes of vertices that are blended from bones. L. Kavan and J. Zara, "Fast collision detection
 /// for skeletally deformable models", 2005: a vertex is a convex combination of its images under
-/// the bones, so the bones' images of the node's own rest volume, and not those of all that a bone
-/// carries, bound it. Where they refine a sphere by the range of the weights, this refines a box
-/// (derivation in the source). O(bones of the node's vertices) a node.
+/// the bones, so it is bounded by the bones' images of the node's own rest volume, however much
+/// else a bone carries. They refine spheres by the range of the weights; this refines boxes
+/// (derivation in skinned_bounds.cc). O(bones of the node's vertices) a node.
 class SkinnedBounds final : public NodeBounds {
  public:
   SkinnedBounds(const SkinnedVertices& motion, const DeformTree& tree, std::int32_t nodes);
   void bound(std::int32_t node, std::span<const double> parameters, WideBox& box) const override;
-  /// Likewise, of the differences of the bones' matrices.
+  /// bound() with the differences of the bones' matrices.
   void displacement(std::int32_t node, std::span<const double> from, std::span<const double> to,
                     double rounding, WideBox& box) const override;
   double displacementRounding(std::span<const double> from,
@@ -27,10 +27,10 @@ class SkinnedBounds final : public NodeBounds {
   }
 
  private:
-  /// By the matrices `to`, or by what they are more than `from` where that is not empty.
+  /// Boxes for the matrices `to`, or for to - from where `from` is not empty.
   void boundBy(std::int32_t node, std::span<const double> to, std::span<const double> from,
                WideBox& box) const;
-  /// Starts to bring near what the node's boxes are made from.
+  /// Prefetches what the node's boxes are made from.
   void fetch(std::int32_t node) const;
   void addParts(const SkinnedVertices& motion, const DeformTree& tree, std::int32_t node);
   void fitGradients(const SkinnedVertices& motion, std::span<const std::int32_t> vertices, int lane,
@@ -39,7 +39,7 @@ class SkinnedBounds final : public NodeBounds {
   std::vector<SkinRest> rest_;            // one a node
   std::vector<std::int32_t> first_part_;  // one a node, and one more
   std::vector<SkinPart> parts_;
-  std::vector<std::uint8_t> lanes_;  // one a node: how many children it has
+  std::vector<std::uint8_t> lanes_;  // children of each node
   double rest_size_ = 0;             // largest |coordinate| [m]
   double terms_ = 0;                 // most weights of a vertex, or parts of a node
 };

@@ -1,37 +1,45 @@
 #pragma once
 
+#include <cmath>
 #include <optional>
 #include <vector>
 
+#include "collision/base/sine_cosine.h"
 #include "collision/deform/motion/key_track.h"
 #include "leeway/collision/vertex_motion.h"
 
 namespace leeway::collision {
 
-/// A vertex is base + sum over the fields of coordinate times the field's vector there: morph
-/// targets (no base), reduced modes, and waves, each of which is two standing ones:
+/// 2 pi turns [rad]. Whole turns are taken off first, which is exact. Off by less than 16 units for
+/// the two operations, besides 2 pi times the error of `turns`.
+inline double angleOfTurns(double turns) { return kTwoPi * (turns - std::nearbyint(turns)); }
+
+// clang-format off
+/// A vertex is base + sum over the fields of coordinate times the field's vector there: morph targets
+/// (no base), reduced modes, and waves, each of which is two standing waves:
 ///   sin(k r - w t + p) = sin(k r) cos(p - w t) + cos(k r) sin(p - w t).
 /// The parameters are the coordinates.
+// clang-format on
 class BlendedMotion final : public VertexMotion {
  public:
   using Field = std::vector<Eigen::Vector3d>;
 
-  /// amplitude * sin(2 pi frequency t + phase), or the cosine.
+  /// amplitude * sin(2 pi frequency t + phase), or with the cosine.
   struct Harmonic {
     double amplitude, frequency, phase;
     bool cosine;
   };
 
-  /// What bounds the derivatives of harmonic coordinates for all times, and how far the stored
-  /// fields are from the exact ones [m].
+  /// Bounds, for all times, of a vertex's speed [m/s] and acceleration [m/s^2], and of the error of
+  /// the stored fields [m].
   struct HarmonicBounds {
     double speed = 0, acceleration = 0, field_error = 0;
   };
 
-  /// Keyed: one row of coordinates a key. `base` may be empty.
+  /// With keys: a row of coordinates each. `base` may be empty.
   BlendedMotion(MotionKind kind, Field base, std::vector<Field> fields, KeyTrack track,
                 std::vector<std::vector<double>> coordinates);
-  /// Harmonic: one a field.
+  /// With one harmonic a field.
   BlendedMotion(MotionKind kind, Field base, std::vector<Field> fields,
                 std::vector<Harmonic> harmonics, const HarmonicBounds& bounds);
 
@@ -51,7 +59,7 @@ class BlendedMotion final : public VertexMotion {
   Field base_;
   std::vector<Field> fields_;
   double base_size_ = 0;             // largest |coordinate| [m]
-  std::vector<double> field_sizes_;  // the same, one a field
+  std::vector<double> field_sizes_;  // largest |coordinate| of each field [m]
 
   std::optional<KeyTrack> track_;
   std::vector<std::vector<double>> coordinates_;  // one row a key

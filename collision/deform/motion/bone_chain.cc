@@ -22,7 +22,7 @@ double dot(const Vector4d& a, const Vector4d& b) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3];
 }
 
-// Scaled first: squares of tiny or huge numbers leave the range of double.
+// Scaled first: squares of tiny or huge numbers would under- or overflow.
 Vector4d unit(const Vector4d& q) {
   const double largest = q.cwiseAbs().maxCoeff();
   const Vector4d scaled = q / largest;
@@ -38,7 +38,7 @@ Eigen::Matrix3d matrix(const Vector4d& q) {
   return R;
 }
 
-// Written out, so that the order of the sums does not depend on how Eigen is compiled.
+// Written out: the order of the sums must not depend on how Eigen is compiled.
 Pose product(const Pose& a, const Pose& b) {
   Pose c;
   for (int k = 0; k < 3; ++k) {
@@ -82,7 +82,7 @@ BoneChain::BoneChain(const SkinnedMotion& motion, KeyTrack track) : track_(std::
     for (std::size_t b = 0; b < motion.bones.size(); ++b) {
       const SkinnedMotion::BonePose& pose = motion.keys[i].poses[b];
       Vector4d q = unit(pose.quaternion);
-      // q and -q are one rotation; the way from one key to the next is to be the shorter one.
+      // q and -q are the same rotation: takes the one that makes the shorter arc from the last key.
       if (i > 0 && dot(q, key(i - 1, b).quaternion) < 0) q = -q;
       keys_.push_back({pose.translation, q});
     }
@@ -98,13 +98,13 @@ Pose BoneChain::interpolated(const KeyPlace& place, std::size_t bone) const {
   for (int k = 0; k < 3; ++k) X.translation[k] = r * from.translation[k] + s * to.translation[k];
   Vector4d q;
   for (int k = 0; k < 4; ++k) q[k] = r * from.quaternion[k] + s * to.quaternion[k];
-  X.rotation = matrix(unit(q));  // neighbours are at most a quarter turn apart: |q|^2 >= 1/2
+  X.rotation = matrix(unit(q));  // |q|^2 >= 1/2: neighbours are at most a quarter turn apart
   return X;
 }
 
 void BoneChain::skinningMatrices(double time, std::span<double> out) const {
   const KeyPlace place = track_.at(time);
-  // First the bones' places in the mesh, in the order of the bones, then times the rest's inverse.
+  // First X_MB(t) of all bones, parents first; then times X_MB(rest)^-1.
   for (std::size_t b = 0; b < parents_.size(); ++b) {
     Pose X = interpolated(place, b);
     if (parents_[b] >= 0) {
@@ -133,16 +133,18 @@ Vector3d BoneChain::inBone(int bone, const Vector3d& rest) const {
   return placed(rest_inverse_[static_cast<std::size_t>(bone)], rest);
 }
 
-// From a bone up to the root. A frame that turns with w (changing by w') about an origin that moves
-// with v (changing by v') carries a point at distance r, which moves in it with V (changing by A):
+// clang-format off
+// From a bone up to the root. A frame that turns with w (rate of change w') about an origin that moves
+// with v (rate v') carries a point at distance r, which moves in it with V (rate A):
 //   speed         <= v + w r + V
 //   acceleration  <= v' + (w^2 + w') r + 2 w V + A
-//   distance from the origin of the frame around it <= |translation| + r
-// The unit quaternion between two keys an angle h apart goes along their great circle, by an angle
-// a(s) with tan known at the ends: a' = sin h / |q|^2, |q|^2 = 1 - 2 s (1 - s) (1 - cos h) >=
-// cos^2(h / 2), so with T = tan(h / 2) = |q1 - q0| / |q1 + q0|
+//   distance from the parent's origin <= |translation| + r
+// The unit quaternion between two keys an angle h apart moves along their great circle by an angle a(s):
+//   a' = sin h / |q|^2,  |q|^2 = 1 - 2 s (1 - s) (1 - cos h) >= cos^2(h / 2),
+// so with T = tan(h / 2) = |q1 - q0| / |q1 + q0|
 //   a' <= 2 T,  |a''| = sin h |d|q|^2 / ds| / |q|^4 <= 8 T^3,
-// and the rotation turns by twice the angle: w <= 4 T s', w' <= 16 T^3 s'^2 + 4 T s''.
+// and the rotation turns by twice that angle: w <= 4 T s', w' <= 16 T^3 s'^2 + 4 T s''.
+// clang-format on
 BoneChain::Rates BoneChain::rates(std::size_t segment, std::span<const double> reaches) const {
   const double rate = track_.rate(segment), change = track_.rateChange(segment);
   Rates worst{0, 0};
@@ -155,7 +157,7 @@ BoneChain::Rates BoneChain::rates(std::size_t segment, std::span<const double> r
       const double moved = length(to.translation - from.translation);
       const Vector4d difference = to.quaternion - from.quaternion,
                      sum = to.quaternion + from.quaternion;
-      // Unit vectors are exact to 8 units a coordinate, which the sum of 64 covers.
+      // Unit vectors are off by 8 units a coordinate, which 64 cover.
       const double tangent =
           std::sqrt(dot(difference, difference)) / std::sqrt(dot(sum, sum)) + 64 * kUnitRoundoff;
       const double turn = 4 * tangent * rate;
@@ -165,7 +167,7 @@ BoneChain::Rates BoneChain::rates(std::size_t segment, std::span<const double> r
       speed += moved * rate + turn * reach;
       reach += std::max(length(from.translation), length(to.translation));
     }
-    // Keys so close that a rate leaves the range of double: 0 times it is no number, and no bound.
+    // A rate overflows where keys are very close; 0 times it is NaN and no bound.
     worst.speed = std::max(worst.speed, speed >= 0 ? speed : kInfinity);
     worst.acceleration = std::max(worst.acceleration, acceleration >= 0 ? acceleration : kInfinity);
   }
@@ -173,12 +175,14 @@ BoneChain::Rates BoneChain::rates(std::size_t segment, std::span<const double> r
   return {roundedUp(worst.speed, operations), roundedUp(worst.acceleration, operations)};
 }
 
-// A local rotation: the blended quaternion is off by the share's error (16 units) times at most
-// sqrt(2), three units more for the blend, over a length of at least sqrt(1/2), and 6 units to make
-// it a unit vector: 40; the matrix by four times that and 12 roundings: 180 units, in norm. A
-// product of two adds 12. A skinning matrix has two chains of up to `depth` of them, and its
-// application one more; every length that they carry is at most the reach and twice the chain's
-// translations, of which each is off by 40 units.
+// In units of kUnitRoundoff:
+//   - a blended quaternion: sqrt(2) times the error of the share (16), three for the blend, over a
+//     length of at least sqrt(1/2), and 6 to normalise it: 40;
+//   - its rotation matrix, in norm: four times that and 12 roundings: 180;
+//   - a product of two matrices adds 12.
+// A skinning matrix is made of two chains of up to `depth` of these, and is applied once. Every
+// length that they carry is at most the reach and twice the chain's translations, each of which is
+// off by 40.
 double BoneChain::rounding(double reach) const {
   return roundedUp(2 * (256.0 * depth_ + 64) * kUnitRoundoff * (reach + 2 * length_), 16);
 }

@@ -9,25 +9,25 @@
 
 namespace leeway::collision {
 
-/// Bones with their parents before them, and key poses that are interpolated in the parents'
+/// A hierarchy of bones, parents before children, with key poses interpolated in the parents'
 /// frames.
 class BoneChain {
  public:
-  /// Everything checked; quaternions need not be unit vectors.
+  /// `motion` has been checked; its quaternions need not be unit vectors.
   BoneChain(const SkinnedMotion& motion, KeyTrack track);
 
   int count() const { return static_cast<int>(parents_.size()); }
   const KeyTrack& track() const { return track_; }
 
-  /// The bones' matrices X_MB(t) X_MB(rest)^-1, M being the mesh's frame: 12 numbers each, the
-  /// rotation row by row and then the translation. Never allocates. O(bones).
+  /// The bones' matrices X_MB(t) X_MB(rest)^-1 in the mesh's frame M: 12 numbers each, the rotation
+  /// row by row, then the translation. Never allocates. O(bones).
   void skinningMatrices(double time, std::span<double> out) const;
 
-  /// The place of a point of the mesh in bone b's rest frame.
+  /// A point of the mesh at rest in a bone's rest frame.
   Eigen::Vector3d inBone(int bone, const Eigen::Vector3d& rest) const;
 
-  /// What a point that stays within reaches[b] of bone b's origin does in a segment at most, the
-  /// worst of all bones (those with a negative reach carry nothing).
+  /// Bounds of speed [m/s] and acceleration [m/s^2] in a segment of any point within reaches[b] of
+  /// the origin of a bone b that it is fixed to. Bones with a negative reach carry nothing.
   struct Rates {
     double speed, acceleration;
   };
@@ -50,8 +50,8 @@ class BoneChain {
   KeyTrack track_;
   std::vector<int> parents_;
   std::vector<Pose> rest_inverse_;  // X_BM at rest
-  std::vector<Local> keys_;         // key by key; of neighbours on the same half of the sphere
-  double length_ = 0;               // of the longest sum of translations along a chain [m]
+  std::vector<Local> keys_;         // key by key; quaternions of neighbours have a product >= 0
+  double length_ = 0;               // largest sum of translations along a chain [m]
   int depth_ = 0;                   // bones in the longest chain
 };
 

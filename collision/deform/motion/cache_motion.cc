@@ -53,7 +53,7 @@ double CachedVertices::speedBound(double t0, double t1) const {
   return track_.largest(speeds_, t0, t1);
 }
 
-// Vertices move along straight lines at constant speed between two frames.
+// Between two frames vertices move along straight lines at constant speed.
 double CachedVertices::accelerationBound(double t0, double t1) const {
   return t0 <= t1 && !track_.jumps(t0, t1) ? 0 : std::numeric_limits<double>::infinity();
 }
@@ -70,7 +70,7 @@ void CachedVertices::measureSegments() {
       const Vector3d from = frame(i)[v].cast<double>(), to = frame(i + 1)[v].cast<double>();
       longest_squared = std::max(longest_squared, squaredLength(to - from));
     }
-    // A difference of two numbers is within one unit of the exact one, relative.
+    // A difference is off by one unit, relative.
     speeds_.push_back(roundedUp(std::sqrt(longest_squared) * track_.rate(i), 16));
   }
 }

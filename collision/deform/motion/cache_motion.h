@@ -10,14 +10,13 @@
 
 namespace leeway::collision {
 
-/// Vertices stored frame by frame. The parameters are the number of a frame and the share of the
-/// next one.
+/// Vertices stored frame by frame. Two parameters: the number of a frame and the share of the next.
 class CachedVertices final : public VertexMotion {
  public:
   explicit CachedVertices(CacheMotion motion);
 
   void parameters(double time, std::span<double> out) const override;
-  /// (1 - share) * frame + share * next, rounded product by product; a share of 0: the frame.
+  /// (1 - share) * frame + share * next, without fused operations; the frame itself for share 0.
   void vertices(std::span<const double> parameters, int first,
                 std::span<Eigen::Vector3d> out) const override;
   double speedBound(double t0, double t1) const override;

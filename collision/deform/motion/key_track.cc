@@ -11,8 +11,8 @@ namespace leeway::collision {
 KeyTrack::KeyTrack(std::vector<double> times, Interpolation interpolation)
     : times_(std::move(times)), interpolation_(interpolation) {}
 
-// u = (t - a) / (b - a) is three roundings away from the exact value, all relative. s = u u (3 - 2
-// u) has |ds/du| <= 1.5 and five roundings of numbers up to 3 times u^2: 1.5 * 3 + 10 < 16 units.
+// u = (t - a) / (b - a) is off by three roundings, all relative. s = u u (3 - 2 u) has |ds/du|
+// <= 1.5 and five roundings of numbers up to 3 u^2: 1.5 * 3 + 10 < 16 units.
 KeyPlace KeyTrack::at(double time) const {
   if (!(time > times_.front())) return {0, 0};  // a NaN is held at the first key
   if (time >= times_.back()) return {times_.size() - 1, 0};

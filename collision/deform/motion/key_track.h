@@ -8,17 +8,17 @@
 
 namespace leeway::collision {
 
-/// Value at a time: (1 - share) * value[key] + share * value[key + 1]; at the last key, and beyond,
-/// share is 0 and key + 1 must not be read.
+/// A time between keys: values are (1 - share) * value[key] + share * value[key + 1]. From the last
+/// key on the share is 0 and key + 1 must not be read.
 struct KeyPlace {
   std::size_t key;
   double share;
 };
 
-/// Key times and what lies between them. Segment i is from key i to key i + 1.
+/// Key times and the interpolation between them. Segment i is from key i to key i + 1.
 class KeyTrack {
  public:
-  /// `times` increases and is not empty.
+  /// `times` increases and is not empty [s].
   KeyTrack(std::vector<double> times, Interpolation interpolation);
 
   std::span<const double> times() const { return times_; }
@@ -27,13 +27,13 @@ class KeyTrack {
   /// The share is within kShareRounding * kUnitRoundoff of the exact one. O(log keys).
   KeyPlace at(double time) const;
 
-  /// Bounds of |ds/dt| [1/s] and |d2s/dt2| [1/s^2] within a segment, rounded up; the second is
-  /// exactly 0 for kLinear.
+  /// Bounds of |ds/dt| [1/s] and |d2s/dt2| [1/s^2] within a segment, s being the share, rounded up;
+  /// the second is exactly 0 for kLinear.
   double rate(std::size_t segment) const;
   double rateChange(std::size_t segment) const;
 
-  /// The largest entry among the segments that [t0, t1] meets; 0 where the first or last value is
-  /// held; infinite unless t0 <= t1.
+  /// The largest entry among the segments that [t0, t1] meets; 0 before the first key and after the
+  /// last; infinite unless t0 <= t1.
   double largest(std::span<const double> of_segments, double t0, double t1) const;
   /// Whether speed may jump strictly between t0 and t1.
   bool jumps(double t0, double t1) const;

@@ -18,9 +18,9 @@ using Eigen::Vector3d;
 constexpr MotionKind kKind = MotionKind::kLattice;
 constexpr int kLargestDegree = 16;
 
-/// The Bernstein polynomials of `degree` at u in [0, 1], to out[0 ... degree]: de Casteljau's
-/// triangle of convex combinations, in which nothing cancels. Where u is off by e, the sum of the
-/// values' errors is at most 2 degree e; every row adds four units to it.
+// The Bernstein polynomials of `degree` at u in [0, 1], to out[0 ... degree]: de Casteljau's
+// triangle of convex combinations, in which nothing cancels. An error e of u changes the values by
+// at most 2 degree e in sum; every row adds four units.
 void bernstein(int degree, double u, double* out) {
   const double v = 1 - u;
   out[0] = 1;
@@ -31,7 +31,7 @@ void bernstein(int degree, double u, double* out) {
   }
 }
 
-/// The parameters are the coordinates of the control points.
+// The parameters are the coordinates of the control points.
 class LatticeVertices final : public VertexMotion {
  public:
   LatticeVertices(const LatticeMotion& motion, KeyTrack track)
@@ -78,9 +78,9 @@ class LatticeVertices final : public VertexMotion {
   }
 
  private:
-  /// How far blended() is off in a coordinate, in units of kUnitRoundoff times the largest control
-  /// coordinate: an axis adds 2 degree times the 4 units of its u, 4 units a row of the triangle,
-  /// and one a product and sum.
+  // A bound on the error of a coordinate of blended(), in units of kUnitRoundoff times the largest
+  // control coordinate. An axis adds 2 degree times the 4 units of its u, 4 units a row of the
+  // triangle, and one a product and sum.
   double blendError() const { return 16.0 * (cells_[0] + cells_[1] + cells_[2]) + 32; }
 
   void weighVertices(const LatticeMotion& motion) {
@@ -118,7 +118,7 @@ class LatticeVertices final : public VertexMotion {
     return {sum[0], sum[1], sum[2]};
   }
 
-  // Within a segment every control point, and so every vertex, moves along a straight line.
+  // Within a segment control points, and so vertices, move along straight lines.
   void measureSegments() {
     std::vector<double> difference(controls_[0].size());
     for (std::size_t i = 0; i < track_.segments(); ++i) {
@@ -142,7 +142,7 @@ class LatticeVertices final : public VertexMotion {
   std::vector<std::vector<double>> controls_;  // one row a key
   double size_ = 0;                            // largest |coordinate| of a control point [m]
   std::size_t stride_ = 0;
-  std::vector<double> weights_;                 // a vertex: along x, along y, along z
+  std::vector<double> weights_;                 // vertex by vertex: along x, y, z
   std::vector<double> speeds_, accelerations_;  // one a segment
 };
 

@@ -68,4 +68,19 @@ Eigen::Vector3d requireDirection(MotionKind kind, const std::string& what,
          std::sqrt(scaled.x() * scaled.x() + scaled.y() * scaled.y() + scaled.z() * scaled.z());
 }
 
+void requireRow(MotionKind kind, std::size_t key, std::span<const double> row, std::size_t wanted,
+                const std::string& thing) {
+  const std::string name = "key " + std::to_string(key);
+  requireCount(kind, name, row.size(), wanted, thing + "s");
+  const std::string prefix = name + ", " + thing + " ";
+  for (std::size_t k = 0; k < row.size(); ++k)
+    requireUsable(kind, prefix + std::to_string(k), row[k]);
+}
+
+void requirePhase(MotionKind kind, const std::string& what, double phase) {
+  if (std::abs(phase) <= kLargestPhase) return;  // false for a NaN
+  refuse(kind, what + ": " + shown(phase) + "; finite numbers up to " + shown(kLargestPhase) +
+                   " are accepted");
+}
+
 }  // namespace leeway::collision

@@ -8,34 +8,40 @@
 
 #include "leeway/collision/vertex_motion.h"
 
-// What the factories of VertexMotion refuse. Every function throws InvalidMotion with the kind, the
-// place, the value and what would be accepted.
+// Private to collision/: what the factories of VertexMotion refuse. Every function throws
+// InvalidMotion with the kind of motion, the place, the value and what is accepted.
 
 namespace leeway::collision {
 
-/// A number as messages show it: the shortest that reads back as the same.
+/// A number as messages show it: the shortest text that reads back as the same number.
 std::string shown(double value);
 
-/// "morph: key 3: <what>".
+/// Throws with the message "<kind>: <what>".
 [[noreturn]] void refuse(MotionKind kind, const std::string& what);
 
-/// Finite, each larger than the one before.
+/// Times must be finite, each larger than the one before.
 void requireIncreasing(MotionKind kind, std::span<const double> times);
-/// Finite, at most kLargestMotion in magnitude. `what` names it: "reference 2, vertex 17".
+/// A number must be finite and at most kLargestMotion in magnitude. `what` names it: "reference 2,
+/// vertex 17".
 void requireUsable(MotionKind kind, const std::string& what, double value);
-/// The same for every vertex of `positions`, which `what` names as a whole.
+/// Every coordinate of `positions` must be usable. `what` names all of them: "reference 2, vertex".
 void requireUsable(MotionKind kind, const std::string& what,
                    std::span<const Eigen::Vector3d> positions);
-/// `count` is `wanted` of `things`.
+/// There must be `wanted` of `things`.
 void requireCount(MotionKind kind, const std::string& what, std::size_t count, std::size_t wanted,
                   const std::string& things);
-/// At least one vertex.
+/// There must be a vertex.
 void requireVertices(MotionKind kind, std::size_t count);
-/// At least one key; times as requireIncreasing().
+/// There must be a key; times as in requireIncreasing().
 void requireKeys(MotionKind kind, std::span<const double> times);
-/// Usable, not zero: the unit vector.
+/// A direction must be usable and not zero. Returns the unit vector.
 Eigen::Vector3d requireDirection(MotionKind kind, const std::string& what,
                                  const Eigen::Vector3d& direction);
+/// A key must have `wanted` numbers, each usable. `thing`: "weight".
+void requireRow(MotionKind kind, std::size_t key, std::span<const double> row, std::size_t wanted,
+                const std::string& thing);
+/// A phase must be finite and at most kLargestPhase in magnitude [rad].
+void requirePhase(MotionKind kind, const std::string& what, double phase);
 
 template <class Keys>
 std::vector<double> timesOf(const Keys& keys) {
@@ -49,7 +55,7 @@ inline double squaredLength(const Eigen::Vector3d& v) {
   return v.x() * v.x() + v.y() * v.y() + v.z() * v.z();
 }
 
-/// The largest magnitude of a coordinate.
+/// The largest magnitude of a coordinate; 0 for no points.
 inline double largestCoordinate(std::span<const Eigen::Vector3d> points) {
   double largest = 0;
   for (const Eigen::Vector3d& p : points) largest = std::max(largest, p.cwiseAbs().maxCoeff());

@@ -18,8 +18,8 @@ constexpr MotionKind kKind = MotionKind::kSkinned;
 
 }  // namespace
 
-// A vertex is a convex combination of what the bones would do with it, so that it is nowhere faster
-// than the worst of them.
+// A vertex is a convex combination of its images under the bones, so it is never faster than the
+// fastest of these.
 SkinnedVertices::SkinnedVertices(std::vector<Vector3d> rest, BoneChain bones,
                                  std::vector<std::int32_t> first_influence,
                                  std::vector<Influence> influences)
@@ -50,7 +50,7 @@ SkinnedVertices::SkinnedVertices(std::vector<Vector3d> rest, BoneChain bones,
     speeds_.push_back(rates.speed);
     accelerations_.push_back(rates.acceleration);
   }
-  // The blend: weights off by three units, a product and a sum each.
+  // The blend: three units for each weight, a product and a sum.
   rounding_ = roundedUp(rounding_ * (1 + static_cast<double>(most) / 64), 8);
 }
 
@@ -140,7 +140,7 @@ void requireWeight(const SkinnedMotion& motion, std::size_t number) {
   if (!(w.weight >= 0)) refuse(kKind, name + ": " + shown(w.weight) + "; 0 or more is accepted");
 }
 
-/// Sorted by vertex, then bone, and divided by the vertices' sums.
+// Sorts the weights by vertex, then bone, and divides those of a vertex by their sum.
 void normalise(SkinnedMotion& motion, std::vector<std::int32_t>& first_influence,
                std::vector<SkinnedVertices::Influence>& influences) {
   for (std::size_t i = 0; i < motion.weights.size(); ++i) requireWeight(motion, i);

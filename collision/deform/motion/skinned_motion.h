@@ -8,12 +8,12 @@
 
 namespace leeway::collision {
 
-/// Linear blend skinning. The parameters are the bones' matrices (bone_chain.h).
+/// Linear blend skinning. The parameters are the skinning matrices (bone_chain.h).
 class SkinnedVertices final : public VertexMotion {
  public:
   struct Influence {
     std::int32_t bone;
-    double weight;  // >= 0; those of a vertex add up to 1 but for rounding
+    double weight;  // >= 0; those of a vertex add up to 1 within rounding
   };
 
   /// `first_influence` has vertices + 1 entries.

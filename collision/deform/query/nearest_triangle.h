@@ -1,7 +1,7 @@
 #pragma once
 
 // Private to collision/: the triangle of a deforming mesh that is nearest to a point or a segment,
-// which is what spheres and capsules ask for.
+// the core of a sphere or a capsule.
 
 #include <Eigen/Core>
 #include <cstdint>
@@ -11,40 +11,39 @@
 
 namespace leeway::collision {
 
-/// What is asked of a search; distances are those of the core, a point or a segment [m].
+/// A search. Distances are those of the core, a point or a segment [m].
 struct NearestSearch {
   Eigen::Vector3d middle;  ///< of the core, in the mesh's frame; finite
   Eigen::Vector3d half;    ///< from there to one of a segment's ends; 0 for a point
-  double reach = std::numeric_limits<double>::infinity();  ///< what is farther is not looked for
-  double enough = 0;        ///< a triangle that is as near ends the search
-  double tolerance = 0;     ///< what is nearer than the nearest so far by less is not looked for
-  double size = 0;          ///< of all coordinates at play, which rounding grows with
-  double slack = 0;         ///< the core's own error, which both ends are to hold
-  std::int32_t first = -1;  ///< slot of a triangle that is looked at first; -1: none
-  int limit = 0;            ///< nodes and leaves
+  double reach = std::numeric_limits<double>::infinity();  ///< nothing farther is searched for
+  double enough = 0;                                       ///< a triangle this near ends the search
+  double tolerance = 0;     ///< nothing nearer by less than this is searched for
+  double size = 0;          ///< sum of the magnitudes of coordinates: rounding grows with it
+  double slack = 0;         ///< the core's own error, included in all bounds
+  std::int32_t first = -1;  ///< slot of the triangle to compare first; -1: none
+  int limit = 0;            ///< of nodes and leaves [count]
 };
 
 struct NearestFound {
-  std::int32_t slot = -1;  ///< of the nearest triangle; -1: none is within reach
-  double upper = std::numeric_limits<double>::infinity();  ///< it is no farther
-  double own_lower = 0;                                    ///< nor is it nearer
-  /// The core's point that is nearest to it, from the core's middle, and the way from there to it,
-  /// as rounding left them.
+  std::int32_t slot = -1;  ///< of the nearest triangle; -1: none within reach
+  double upper = std::numeric_limits<double>::infinity();  ///< of its distance
+  double own_lower = 0;                                    ///< of its distance
+  /// The nearest point of the core relative to its middle, and the vector from there to the
+  /// triangle; rounded.
   Eigen::Vector3d from, way;
-  /// No other triangle is nearer; 0 when the search has ended before it knew.
-  double lower = 0;
-  int visited = 0;  ///< nodes and leaves
+  double lower = 0;  ///< no other triangle is nearer; 0 when `enough` ended the search
+  int visited = 0;   ///< nodes and leaves [count]
 };
 
-/// Branch and bound, nearer nodes first. Triangles are looked at several at a time, by closed
-/// forms: ends of a segment and the triangle, the segment and its edges (C. Ericson, "Real-Time
-/// Collision Detection", 2005, sections 5.1.5 and 5.1.9). The plane across the way proves the lower
-/// end, whatever rounding did to the two points and though a segment may cross the triangle. Every
-/// instruction set yields the same bytes.
+/// Branch and bound, nearer nodes first. Triangles are compared several at a time by closed forms
+/// (C. Ericson, "Real-Time Collision Detection", 2005, sections 5.1.5 and 5.1.9): the ends of a
+/// segment and the triangle, the segment and the edges. Rounding of the two points cannot spoil the
+/// lower bound, nor can a segment that crosses the triangle: it comes from the plane perpendicular
+/// to the way between them. Every instruction set yields the same bytes.
 NearestFound findNearest(const NearestSearch& search, const DeformableSnapshotImpl& snapshot,
                          const BoxSource& source);
 
-/// Starts to bring near its code, for a point.
+/// Prefetches the code of findNearest() for a point.
 void fetchNearestCode();
 
 }  // namespace leeway::collision

@@ -17,38 +17,19 @@
 // After foreach_target.h.
 #include <hwy/highway.h>
 
-#include "collision/deform/tree/node_lanes-inl.h"
+#include "collision/deform/query/nearest_points-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace leeway::collision {
 namespace HWY_NAMESPACE {
 namespace {
 
-// Eight floats, or a part of them.
-const hn::CappedTag<float, kWidth> kLanes;
-using Floats = hn::Vec<decltype(kLanes)>;
-constexpr std::size_t kStep = hn::MaxLanes(decltype(kLanes)());
-constexpr unsigned kStepBits = (1U << kStep) - 1;
-
-// As many triangles, in double.
-const hn::CappedTag<double, kWidth> kMany;
-using Many = hn::Vec<decltype(kMany)>;
-constexpr std::size_t kManyLanes = hn::MaxLanes(decltype(kMany)());
-
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr float kLargest = std::numeric_limits<float>::max();
-// Nodes that are looked at together, so that nobody waits for what one comes to before the next is
-// begun.
+// Nodes that are opened together, to overlap their cache misses.
 constexpr std::size_t kTogether = 8;
 
-template <class M>
-HWY_INLINE unsigned bitsOf(M mask) {
-  std::uint8_t bits[8] = {};  // as many as StoreMaskBits() may write
-  hn::StoreMaskBits(kLanes, mask, bits);
-  return bits[0] & kStepBits;
-}
-
-// Of a segment, or a point.
+// The search, from a segment or a point.
 template <bool kSegment>
 class NearestDescent {
  public:
@@ -74,7 +55,7 @@ class NearestDescent {
     open_[size_++] = {0, 0};
     bool within = true;
     while (size_ > 0 && !over_ && within) {
-      // Before there is an upper end one at a time, since the nearest leads to it.
+      // One at a time before there is an upper bound: the nearest node leads to one.
       const std::size_t most = found_.slot >= 0 ? kTogether : 1;
       std::array<std::int32_t, kTogether> taken;
       std::size_t count = 0;
@@ -95,23 +76,22 @@ class NearestDescent {
           taken[count++] = next.ref;
           continue;
         }
-        // Most leaves that come here share the nearest vertex or edge. The plane across the
-        // shortest way so far would close them, and 3 to 8 % of the time with them; but which of
-        // the triangles there is told, and its last digits, would hang on what this thread has
-        // asked before.
+        // Most leaves that come here share the nearest vertex or edge. The plane perpendicular to
+        // the shortest way so far would close them and save 3 to 8 % of the time; but then the
+        // triangle reported, and the last digits, would depend on earlier queries of this thread.
         const DeformTree::Leaf& l = tree_.leaf(DeformTree::leafOf(next.ref));
         trianglesFor(*this, l.slot_begin, l.slot_end);
         break;
       }
       if (count > 0) nodes(taken.data(), count);
     }
-    // What the limit has left.
+    // Nodes that the limit has left open.
     while (size_ > 0) closed_ = std::min(closed_, open_[--size_].squared);
     found_.lower = over_ ? 0 : std::min(settled_, distanceOf(closed_));
     return found_;
   }
 
-  // Triangles of these slots, at most eight. (One function, whose code has a place of its own.)
+  // The triangles in these slots, at most eight. A function, for fetchFinder() to prefetch.
   HWY_NOINLINE static void trianglesFor(NearestDescent& descent, std::int32_t begin,
                                         std::int32_t end) {
     descent.triangles(begin, end);
@@ -119,29 +99,28 @@ class NearestDescent {
 
  private:
   struct Open {
-    float squared;     // of a distance that is proven for everything below
+    float squared;     // lower bound for everything below, squared
     std::int32_t ref;  // as in DeformTree::Node
   };
 
-  // What is above needs no closer look.
+  // Nothing above the bar needs a closer look.
   void setBar(double bar) {
     bar_ = bar;
-    // Rounded up; below the least square nothing is closed, above the largest nothing that is not
-    // so far.
+    // Rounded up, and kept within the range where squares have their digits.
     const float up =
         roundedUpToFloat((std::max(bar, 0.0) + search_.slack) * (1 + kNearestBoxRounding));
     bar_squared_ = std::clamp(up * up * static_cast<float>(1 + kNearestBoxRounding),
                               kLeastWaySquared, 0.5F * kLargest);
   }
-  // (Squares of the smallest numbers round by more.)
+  // A lower bound; squares near the subnormal numbers have lost their digits.
   double distanceOf(float squared) const {
     if (!(squared >= kLeastWaySquared)) return -search_.slack;
     return std::sqrt(static_cast<double>(squared)) * (1 - kNearestBoxRounding) - search_.slack;
   }
   void settle(double lower) { settled_ = std::min(settled_, lower); }
 
-  // Boxes of several nodes; those of their children that need a closer look, the first node's last,
-  // and of each the nearest last.
+  // Opens several nodes: puts the children that need a closer look on the stack, the first node's
+  // last, and of each node the nearest last.
   void nodes(const std::int32_t* ids, std::size_t count) {
     std::array<WideBox, kTogether> room;
     std::array<const WideBox*, kTogether> boxes;
@@ -153,7 +132,7 @@ class NearestDescent {
     for (std::size_t i = count; i-- > 0;) push(ids[i], squared[i], left[i]);
   }
 
-  // Those that are not above the bar, a bit each.
+  // Squared distances of the core and the boxes. A bit for each lane that is not above the bar.
   HWY_INLINE unsigned squares(const WideBox& box, float* squared) {
     const Floats zero = hn::Zero(kLanes), most = hn::Set(kLanes, kLargest),
                  bar = hn::Set(kLanes, bar_squared_);
@@ -168,7 +147,7 @@ class NearestDescent {
         sum = hn::Add(sum, hn::Mul(gap, gap));
       }
       if constexpr (kSegment) sum = hn::Max(sum, acrossWay(box, i));
-      // Empty lanes are infinitely far; what overflows is as far as the largest number at least.
+      // Empty lanes are infinitely far; an overflow is at least the largest float.
       sum = hn::Min(sum, most);
       hn::Store(sum, kLanes, squared + i);
       const auto beyond = hn::Gt(sum, bar);
@@ -179,8 +158,9 @@ class NearestDescent {
     return left;
   }
 
-  // The plane across the way from the segment to the middle of each box: a box around a segment is
-  // loose. The square of what it proves; 0 for nothing, and for empty lanes.
+  // A box around a segment is loose. A plane perpendicular to the line from the segment to the
+  // middle of each box gives another bound: its square, 0 where it proves nothing and for empty
+  // lanes.
   HWY_INLINE Floats acrossWay(const WideBox& box, std::size_t i) const {
     const Floats zero = hn::Zero(kLanes), half = hn::Set(kLanes, 0.5F);
     const auto set = [](double x) HWY_ATTR { return hn::Set(kLanes, static_cast<float>(x)); };
@@ -191,7 +171,7 @@ class NearestDescent {
       side[k] = hn::Mul(hn::Sub(high, low), half);
       along = hn::Add(along, hn::Mul(w[k], set(h_[k])));
     }
-    // Wherever on the segment it starts, a way is one; the reach of the segment along it counts.
+    // Any start on the segment is right: what counts is how far the segment reaches along the way.
     const Floats s = hn::Max(hn::Min(hn::Mul(along, set(1 / half_squared_)), hn::Set(kLanes, 1.0F)),
                              hn::Set(kLanes, -1.0F));
     Floats squared = zero, middle = zero, reach = zero, own = zero;
@@ -207,15 +187,15 @@ class NearestDescent {
                                 hn::Lt(squared, hn::Set(kLanes, kLargest)));
     const Floats length = hn::Sqrt(hn::IfThenElse(usable, squared, hn::Set(kLanes, 1.0F)));
     const Floats lower = hn::Sub(hn::Div(proven, length), set(kSingleRounding * search_.size));
-    // (What is no number, as in empty lanes, is not greater.)
+    // A NaN, as in empty lanes, is not greater.
     const auto known = hn::And(usable, hn::Gt(lower, zero));
     return hn::IfThenElse(known, hn::Mul(lower, lower), zero);
   }
 
-  // Takes off children that their vertices show to be above the bar.
+  // Closes children whose vertices prove that they are above the bar.
   HWY_INLINE void close(std::int32_t id, const WideBox& box, float* squared, unsigned& left) {
     const DeformTree::Node& node = tree_.node(id);
-    const DeformTree::Refit& refit = tree_.refits()[static_cast<std::size_t>(id) + 1];
+    const DeformTree::RefitOffsets& refit = tree_.refitOffsets()[static_cast<std::size_t>(id) + 1];
     const std::int32_t* const vertices = tree_.refitVertices().data() + refit.vertices;
     const std::uint8_t* const corners = tree_.refitCorners().data() + refit.corners;
     for (unsigned open = left; open != 0; open &= open - 1) {
@@ -254,7 +234,7 @@ class NearestDescent {
     }
   }
 
-  // From the core to the middle of a box.
+  // The vector from the core to the middle of a box.
   struct Way {
     double n[3];
     double length;
@@ -274,8 +254,8 @@ class NearestDescent {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
   }
 
-  // Whether vertices, and what they span, are above the bar; they are settled then. Else `near` may
-  // grow.
+  // Whether vertices, and what they span, are above the bar; they are settled then. Else raises
+  // `near`, a squared lower bound.
   HWY_INLINE bool isBeyond(const LeastAlong& along, const Way& way, float& near) {
     if (!along.isFinite()) return false;
     const double own = dotOf(way.n, p_) + (kSegment ? std::abs(dotOf(way.n, h_)) : 0);
@@ -291,7 +271,7 @@ class NearestDescent {
     return false;
   }
 
-  // A leaf, of a node with these vertices.
+  // isBeyond() for a leaf; vertices and corners are those of its node.
   HWY_INLINE bool isBeyondLeaf(const WideBox& box, std::size_t lane, const std::int32_t* vertices,
                                const std::uint8_t* corners, float& near) {
     Way way;
@@ -303,15 +283,16 @@ class NearestDescent {
     return isBeyond(along, way, near);
   }
 
-  // A node that has nothing but leaves.
+  // isBeyond() for a node that has leaves only; false for other nodes.
   HWY_INLINE bool isBeyondLeaves(const WideBox& box, std::size_t lane, std::int32_t child,
                                  float& near) {
     for (const std::int32_t below : tree_.node(child).child)
       if (below >= 0) return false;
     Way way;
     if (!wayTo(box, lane, way)) return false;
-    const DeformTree::Refit &begin = tree_.refits()[static_cast<std::size_t>(child) + 1],
-                            &end = tree_.refits()[static_cast<std::size_t>(child)];
+    const DeformTree::RefitOffsets &begin =
+                                       tree_.refitOffsets()[static_cast<std::size_t>(child) + 1],
+                                   &end = tree_.refitOffsets()[static_cast<std::size_t>(child)];
     LeastAlong along(way.n);
     along.add(vertices_, tree_.refitVertices().data() + begin.vertices,
               static_cast<std::size_t>(end.vertices - begin.vertices));
@@ -342,22 +323,13 @@ class NearestDescent {
     over_ = found_.upper <= search_.enough;
   }
 
-  // Of triangles, one a lane.
+  // Of triangles: lower and upper bound of the distance, and the rest as in NearestFound.
   struct Ends {
     HWY_ALIGN double lower[kWidth], upper[kWidth];
-    HWY_ALIGN double from[3][kWidth], way[3][kWidth];  // as in NearestFound
+    HWY_ALIGN double from[3][kWidth], way[3][kWidth];
   };
-  struct Triple {
-    Many x[3];
-  };
-  // Two points, of core and triangle, and the way between them.
-  struct Pair {
-    Triple from, way;
-    Many squared;
-  };
-
-  // Both ends of the distances of as many triangles as a vector has lanes; lanes that are left over
-  // hold the last one again. What is not finite comes to 0 and NaN.
+  // Bounds of the distances of as many triangles as a vector has lanes; lanes left over repeat the
+  // last triangle. One that is not finite gets 0 and NaN.
   HWY_INLINE void ends(std::int32_t begin, std::int32_t end, std::size_t i, Ends& of) const {
     const double* from[3][kManyLanes];
     for (std::size_t lane = 0; lane < kManyLanes; ++lane) {
@@ -365,18 +337,16 @@ class NearestDescent {
           tree_.corners(std::min(begin + static_cast<std::int32_t>(lane), end - 1));
       for (std::size_t c = 0; c < 3; ++c) from[c][lane] = at(vertices_, t[c]);
     }
-    // Seen from the middle of the core.
-    const Triple a = cornersAt(from[0]), b = cornersAt(from[1]), c = cornersAt(from[2]);
+    // Relative to the middle of the core.
+    const Triple a = verticesFrom(from[0], p_), b = verticesFrom(from[1], p_),
+                 c = verticesFrom(from[2], p_);
     const Triple half = setTriple(h_);
-    Pair best;
+    PointPair best = nearestTo<kSegment>(half, a, b, c);
     if constexpr (kSegment) {
-      best = nearestTo(half, a, b, c);
-      offer(nearestTo(negative(half), a, b, c), best);
-      offer(nearestOnEdge(half, a, b), best);
-      offer(nearestOnEdge(half, b, c), best);
-      offer(nearestOnEdge(half, c, a), best);
-    } else {
-      best = nearestTo(half, a, b, c);
+      keepNearer(nearestTo<kSegment>(negative(half), a, b, c), best);
+      keepNearer(nearestOnEdge(half, a, b), best);
+      keepNearer(nearestOnEdge(half, b, c), best);
+      keepNearer(nearestOnEdge(half, c, a), best);
     }
     const Many zero = hn::Zero(kMany);
     for (int k = 0; k < 3; ++k) {
@@ -385,8 +355,8 @@ class NearestDescent {
     }
     const Many length = hn::Sqrt(best.squared);
     Many least = hn::Min(hn::Min(dot(best.way, a), dot(best.way, b)), dot(best.way, c));
-    // It grows with where the corners are, seen from the core, and with nothing else: not with what
-    // holds the mesh, which depends on who updates it.
+    // Rounding grows with the corners' coordinates relative to the core, and with nothing that
+    // depends on the update strategy, such as the box of the mesh.
     Many size = hn::Max(hn::Max(sizeOf(a), sizeOf(b)), sizeOf(c));
     if constexpr (kSegment) {
       least = hn::Sub(least, hn::Abs(dot(best.way, half)));
@@ -394,7 +364,7 @@ class NearestDescent {
     }
     const Many rounding = hn::Add(hn::Mul(size, hn::Set(kMany, kNearestTriangleRounding)),
                                   hn::Set(kMany, search_.slack));
-    // Written so that a way without direction, and what is no number, prove nothing.
+    // Written so that a way without direction and a NaN prove nothing.
     const Many beyond = hn::Sub(hn::Div(least, length), rounding);
     const auto known =
         hn::And(hn::Gt(beyond, zero),
@@ -403,139 +373,22 @@ class NearestDescent {
     hn::Store(hn::Add(length, rounding), kMany, of.upper + i);
   }
 
-  // A point, the same for all, and the triangles.
-  static HWY_INLINE Pair nearestTo(const Triple& p, const Triple& from_a, const Triple& from_b,
-                                   const Triple& from_c) {
-    const Triple a = kSegment ? difference(from_a, p) : from_a,
-                 b = kSegment ? difference(from_b, p) : from_b,
-                 c = kSegment ? difference(from_c, p) : from_c;
-    const Triple ab = difference(b, a), ac = difference(c, a);
-    const Many zero = hn::Zero(kMany), one = hn::Set(kMany, 1.0);
-    const Many d1 = hn::Neg(dot(ab, a)), d2 = hn::Neg(dot(ac, a)), d3 = hn::Neg(dot(ab, b)),
-               d4 = hn::Neg(dot(ac, b)), d5 = hn::Neg(dot(ab, c)), d6 = hn::Neg(dot(ac, c));
-    const Many va = hn::Sub(hn::Mul(d3, d6), hn::Mul(d5, d4)),
-               vb = hn::Sub(hn::Mul(d5, d2), hn::Mul(d1, d6)),
-               vc = hn::Sub(hn::Mul(d1, d4), hn::Mul(d3, d2));
-    const Many along_bc = hn::Sub(d4, d3), back_bc = hn::Sub(d5, d6);
-    const auto at_a = hn::And(hn::Le(d1, zero), hn::Le(d2, zero)),
-               at_b = hn::And(hn::Ge(d3, zero), hn::Le(d4, d3)),
-               at_c = hn::And(hn::Ge(d6, zero), hn::Le(d5, d6));
-    const auto on_ab = hn::And(hn::Le(vc, zero), hn::And(hn::Ge(d1, zero), hn::Le(d3, zero))),
-               on_ac = hn::And(hn::Le(vb, zero), hn::And(hn::Ge(d2, zero), hn::Le(d6, zero))),
-               on_bc = hn::And(hn::Le(va, zero),
-                               hn::And(hn::Ge(along_bc, zero), hn::Ge(back_bc, zero)));
-    // Weights of b and c times `all`; the first of Ericson's cases is the last to be put in.
-    Many v = vb, w = vc, all = hn::Add(hn::Add(va, vb), vc);
-    const auto put = [&](auto mask, Many weight_b, Many weight_c, Many sum) HWY_ATTR {
-      v = hn::IfThenElse(mask, weight_b, v);
-      w = hn::IfThenElse(mask, weight_c, w);
-      all = hn::IfThenElse(mask, sum, all);
-    };
-    put(on_bc, back_bc, along_bc, hn::Add(along_bc, back_bc));
-    put(on_ac, zero, d2, hn::Sub(d2, d6));
-    put(at_c, zero, one, one);
-    put(on_ab, d1, zero, hn::Sub(d1, d3));
-    put(at_b, one, zero, one);
-    put(at_a, zero, zero, one);
-    // Some convex combination, whatever rounding did and where there is no plane.
-    const Many safe = hn::IfThenElse(hn::Gt(all, zero), all, one);
-    v = clampTo(hn::Div(v, safe), one);
-    w = clampTo(hn::Div(w, safe), hn::Sub(one, v));
-    Pair pair;
-    pair.from = p;
-    for (int k = 0; k < 3; ++k)
-      pair.way.x[k] = hn::Add(a.x[k], hn::Add(hn::Mul(v, ab.x[k]), hn::Mul(w, ac.x[k])));
-    pair.squared = dot(pair.way, pair.way);
-    return pair;
-  }
-
-  // The segment from -half to half and the edges from a to b: the points of the two lines that are
-  // nearest, the edge's brought into it, and the segment's that is nearest to that.
-  static HWY_INLINE Pair nearestOnEdge(const Triple& half, const Triple& a, const Triple& b) {
-    const Many zero = hn::Zero(kMany), one = hn::Set(kMany, 1.0);
-    const Triple edge = difference(b, a);
-    const Many hh = dot(half, half), he = dot(half, edge), ee = dot(edge, edge), ha = dot(half, a),
-               ea = dot(edge, a);
-    const auto positive = [&](Many x) HWY_ATTR { return hn::IfThenElse(hn::Gt(x, zero), x, one); };
-    const auto along = [&](Many t) HWY_ATTR {
-      const Many s = hn::Div(hn::Add(ha, hn::Mul(t, he)), positive(hh));
-      return hn::Max(hn::Min(s, one), hn::Neg(one));
-    };
-    // Of lines: s hh - t he = ha, s he - t ee = ea.
-    const Many across = hn::Sub(hn::Mul(hh, ee), hn::Mul(he, he));
-    const Many s_lines =
-        hn::Max(hn::Min(hn::Div(hn::Sub(hn::Mul(ha, ee), hn::Mul(ea, he)), positive(across)), one),
-                hn::Neg(one));
-    const Many t = clampTo(hn::Div(hn::Sub(hn::Mul(s_lines, he), ea), positive(ee)), one);
-    const Many s = along(t);
-    Pair pair;
-    for (int k = 0; k < 3; ++k) {
-      pair.from.x[k] = hn::Mul(s, half.x[k]);
-      pair.way.x[k] = hn::Sub(hn::Add(a.x[k], hn::Mul(t, edge.x[k])), pair.from.x[k]);
-    }
-    pair.squared = dot(pair.way, pair.way);
-    return pair;
-  }
-
-  static HWY_INLINE void offer(const Pair& pair, Pair& best) {
-    const auto nearer = hn::Lt(pair.squared, best.squared);
-    best.squared = hn::IfThenElse(nearer, pair.squared, best.squared);
-    for (int k = 0; k < 3; ++k) {
-      best.from.x[k] = hn::IfThenElse(nearer, pair.from.x[k], best.from.x[k]);
-      best.way.x[k] = hn::IfThenElse(nearer, pair.way.x[k], best.way.x[k]);
-    }
-  }
-
-  // From 0 to `most`.
-  static HWY_INLINE Many clampTo(Many x, Many most) {
-    return hn::Min(hn::Max(x, hn::Zero(kMany)), most);
-  }
-  HWY_INLINE Triple cornersAt(const double* const* from) const {
-    Triple t;
-    loadMany(kMany, from, t.x);
-    for (int k = 0; k < 3; ++k) t.x[k] = hn::Sub(t.x[k], hn::Set(kMany, p_[k]));
-    return t;
-  }
-  static HWY_INLINE Triple setTriple(const double* x) {
-    Triple t;
-    for (int k = 0; k < 3; ++k) t.x[k] = hn::Set(kMany, x[k]);
-    return t;
-  }
-  static HWY_INLINE Triple negative(const Triple& a) {
-    Triple t;
-    for (int k = 0; k < 3; ++k) t.x[k] = hn::Neg(a.x[k]);
-    return t;
-  }
-  static HWY_INLINE Triple difference(const Triple& a, const Triple& b) {
-    Triple t;
-    for (int k = 0; k < 3; ++k) t.x[k] = hn::Sub(a.x[k], b.x[k]);
-    return t;
-  }
-  static HWY_INLINE Many sizeOf(const Triple& a) {
-    return hn::Add(hn::Add(hn::Abs(a.x[0]), hn::Abs(a.x[1])), hn::Abs(a.x[2]));
-  }
-  static HWY_INLINE Many dot(const Triple& a, const Triple& b) {
-    return hn::Add(hn::Add(hn::Mul(a.x[0], b.x[0]), hn::Mul(a.x[1], b.x[1])),
-                   hn::Mul(a.x[2], b.x[2]));
-  }
-
   const NearestSearch& search_;
   const DeformTree& tree_;
   const Eigen::Vector3d* vertices_;
   const BoxSource& source_;
   double p_[3], h_[3];  // the core's middle, and from there to an end
   double half_squared_ = 0;
-  double rounding_ = 0;     // of vertices' distances along any way, the core's error included
+  double rounding_ = 0;     // of distances along any way, the core's own error included [m]
   float low_[3], high_[3];  // a box around the core, in single precision
   double bar_ = kInfinity;
   float bar_squared_ = kLargest;
-  float closed_ = kLargest;  // the least square of what is closed by its box
-  double settled_ =
-      kInfinity;  // no other triangle that was looked at, or closed otherwise, is nearer
+  float closed_ = kLargest;     // least squared lower bound of what its box has closed
+  double settled_ = kInfinity;  // least lower bound of what was compared or closed otherwise
   NearestFound found_;
   bool over_ = false;
-  // What is taken together stands on top, deeper nodes above others: no level of the hierarchy has
-  // more than the children of one taking there.
+  // The children of nodes opened together go on top, above all shallower nodes: each level of the
+  // hierarchy has at most the children of one such batch here.
   std::array<Open, (DeformTree::kMaxDepth + 1) * kWidth * kTogether> open_;
   std::size_t size_ = 0;
 };
@@ -552,7 +405,7 @@ NearestFound find(const NearestSearch& search, const DeformableSnapshotImpl& sna
                                : findFor<true>(search, snapshot, source);
 }
 
-// About as many bytes as compilers make of it.
+// Prefetches the code of a search from a point; sizes as g++ 12 makes them [bytes].
 void fetchFinder() {
   fetchCode(findFor<false>, 6144);
   fetchCode(NearestDescent<false>::trianglesFor, 2816);

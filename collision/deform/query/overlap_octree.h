@@ -1,6 +1,6 @@
 #pragma once
 
-// Private to collision/: pairs of boxes that are near each other, without a hierarchy.
+// Private to collision/: all pairs of boxes that are near each other, without a hierarchy.
 
 #include <algorithm>
 #include <array>
@@ -16,9 +16,9 @@
 
 namespace leeway::collision {
 
-/// Distance of two boxes in one frame, rounded downwards (three differences of outward-rounded
-/// numbers, three squares and a root, each off by 2^-24 of itself); 0 when they meet, or are so
-/// near that squares lose digits. Squares beyond the range of float are those of at least its root.
+/// Distance of two boxes in one frame, rounded downwards: three differences of outward-rounded
+/// numbers, three squares and a root are each off by 2^-24 of themselves. 0 when the boxes overlap,
+/// or are so near that squares lose digits. A square that overflows counts as the largest float.
 inline float boxDistance(const FloatBox& a, const FloatBox& b) {
   float squared = 0;
   for (int k = 0; k < 3; ++k) {
@@ -29,22 +29,22 @@ inline float boxDistance(const FloatBox& a, const FloatBox& b) {
   return std::sqrt(std::min(squared, std::numeric_limits<float>::max())) * kBoxDistanceInwards;
 }
 
-/// Finds all pairs of boxes, one of each of two sets, that are within `reach` of each other: those
-/// in the overlap of both sets' boxes are sorted into the cells of an implicit octree, and a cell
-/// in which only one set is left is done (A. Smith et al., "A simple and efficient method for
+/// Finds all pairs of boxes, one from each of two sets, that are within `reach` of each other.
+/// Boxes in the overlap of the two sets' boxes are sorted into the cells of an implicit octree; a
+/// cell with boxes of one set only is done (A. Smith et al., "A simple and efficient method for
 /// accurate collision detection among deformable polyhedral objects in arbitrary motion", 1995).
-/// Boxes of the first set are grown by the reach, which makes contact of distance. A box lies in
-/// several cells, a pair belongs to one: that with the lowest corner of the two boxes' overlap.
+/// Boxes of the first set are grown by `reach`, which turns distance into overlap. A box may be in
+/// several cells; a pair belongs to the cell that has the lowest corner of the two boxes' overlap.
 class OctreePairs {
  public:
-  /// `room` holds the lists of the cells on the way down; a cell for which it is too small is not
-  /// split further. At least a.size() + b.size() is needed.
+  /// `room` holds the lists of the cells from the root to the current one, and needs at least
+  /// a.size() + b.size() entries. A cell for which it is too small is not split.
   OctreePairs(std::span<const FloatBox> a, std::span<const FloatBox> b, float reach,
               std::span<std::int32_t> room)
       : a_(a), b_(b), reach_(reach), room_(room) {}
 
-  /// visit(i, j, lower) for every such pair once, `lower` being the distance of the boxes; false
-  /// ends it. Returns whether it went to the end.
+  /// Calls visit(i, j, distance of the boxes) once for every such pair, until it returns false.
+  /// Returns whether all pairs were visited.
   template <class Visit>
   bool run(const Visit& visit) {
     FloatBox all_a = around(a_), all_b = around(b_);
@@ -64,9 +64,9 @@ class OctreePairs {
     return cell(region_, lists, 0, visit);
   }
 
-  /// How many cells run() has looked at; no more than a few for every pair of boxes.
+  /// Cells visited by run() [count].
   std::size_t cells() const { return cells_; }
-  /// How many pairs of boxes it has compared.
+  /// Pairs of boxes compared by run() [count].
   std::size_t compared() const { return compared_; }
 
  private:
@@ -76,9 +76,9 @@ class OctreePairs {
   };
 
   static constexpr int kMaxDepth = 16;
-  // The octants below the middle, along x, y, z.
+  // The octants below the middle along x, y, z, a bit each.
   static constexpr unsigned kLower[] = {0x55, 0x33, 0x0f};
-  // So few pairs are looked at at once.
+  // So few pairs are compared without splitting.
   static constexpr std::size_t kFew = 32;
 
   static FloatBox around(std::span<const FloatBox> boxes) {
@@ -124,8 +124,8 @@ class OctreePairs {
       middle[k] = cell_box.high[k];
       parts &= kLower[k];
     }
-    // Boxes that are longer than a cell come again in several of its parts: where that leaves most
-    // pairs to be looked at, splitting gains nothing.
+    // Boxes longer than a cell are in several of its parts: splitting gains nothing where most
+    // pairs remain.
     std::array<std::size_t, 8> count_a{}, count_b{};
     for (std::size_t i = lists.begin; i < lists.begin + lists.count_a; ++i)
       countIn(parts & octantsOf(boxA(i), reach_, middle), count_a);
@@ -160,9 +160,9 @@ class OctreePairs {
   const FloatBox& boxA(std::size_t i) const { return a_[static_cast<std::size_t>(room_[i])]; }
   const FloatBox& boxB(std::size_t i) const { return b_[static_cast<std::size_t>(room_[i])]; }
 
-  // Whether the halves along axis k have fewer pairs than the whole: of flat boxes that share a
-  // plane, or of ropes side by side, those across them have twice as many. (And both halves of a
-  // cell without a thickness would own all its pairs.)
+  // Whether splitting along axis k leaves fewer pairs. Across flat boxes that share a plane, or
+  // along ropes side by side, it leaves twice as many. A cell without thickness is not split: both
+  // halves would own all its pairs.
   bool isHalved(const FloatBox& cell_box, const Lists& lists, int k, float middle) const {
     if (!(cell_box.low[k] < middle && middle < cell_box.high[k])) return false;
     std::size_t lower_a = 0, upper_a = 0, lower_b = 0, upper_b = 0;
@@ -178,7 +178,7 @@ class OctreePairs {
     return lower_a * lower_b + upper_a * upper_b < lists.count_a * lists.count_b;
   }
 
-  // The octants about `middle` that a box of the cell meets: a bit each.
+  // The octants around `middle` that a box of the cell overlaps, a bit each.
   static unsigned octantsOf(const FloatBox& box, float grown, const float* middle) {
     unsigned octants = 0xff;
     for (int k = 0; k < 3; ++k) {
@@ -208,10 +208,11 @@ class OctreePairs {
     return true;
   }
 
+  // Whether the lowest corner of the overlap of two boxes is in the cell.
   bool owns(const FloatBox& cell_box, const FloatBox& a, const FloatBox& b) const {
     for (int k = 0; k < 3; ++k) {
       const float x = std::max(a.low[k] - reach_, b.low[k]);
-      // Cells are half open, the last one of the region is not.
+      // Cells are half open, except at the upper end of the region.
       if (!(cell_box.low[k] <= x && (x < cell_box.high[k] || cell_box.high[k] == region_.high[k])))
         return false;
     }

@@ -15,17 +15,18 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// The reach of the box low .. high, placed by X_BA, along a unit vector of B.
 struct Reach {
   double low = kInfinity, high = -kInfinity;
 };
 
+// Extends `reach` by the interval of the box low .. high, placed by X_BA, along a unit vector n of
+// B.
 void reachAlong(const Vector3d& n, const Vector3d& low, const Vector3d& high, const Pose& X_BA,
                 Reach& reach) {
   const Vector3d n_A = X_BA.rotation.transpose() * n;
   double least = n.dot(X_BA.translation), most = least;
   for (int k = 0; k < 3; ++k) {
-    // 0 times infinity is no number: what does not count along n must not be multiplied.
+    // 0 times infinity would be NaN.
     if (n_A[k] == 0) continue;
     least += n_A[k] * (n_A[k] > 0 ? low[k] : high[k]);
     most += n_A[k] * (n_A[k] > 0 ? high[k] : low[k]);
@@ -34,6 +35,7 @@ void reachAlong(const Vector3d& n, const Vector3d& low, const Vector3d& high, co
   reach.high = std::max(reach.high, most);
 }
 
+// The sum of the magnitudes of finite coordinates.
 double magnitude(const Vector3d& low, const Vector3d& high) {
   double sum = 0;
   for (int k = 0; k < 3; ++k) {
@@ -50,7 +52,7 @@ Probe makeProbe(const Vector3d& low, const Vector3d& high, double radius, const 
   Probe probe{};
   const bool finite = low.allFinite() && high.allFinite();
   const Vector3d middle = 0.5 * (low + high), half = 0.5 * (high - low);
-  // The half lengths of the box around the turned box, and whether that is much larger.
+  // Half the sides of the axis-aligned box around the turned box.
   const Vector3d around = finite ? Vector3d(X_BA0.rotation.cwiseAbs() * half) : half;
   probe.turned = !finite || X_BA1 != nullptr || around.sum() > kTurnedBox * half.sum();
   for (int k = 0; k < 3; ++k) {
@@ -64,7 +66,7 @@ Probe makeProbe(const Vector3d& low, const Vector3d& high, double radius, const 
       if (X_BA1 != nullptr) reachAlong(Vector3d::Unit(k), low, high, *X_BA1, along);
     }
     if (X_BA1 == nullptr) {
-      // Along the axis of the infinite box exactly, so that a half-space stays bounded.
+      // Exact along the body's own axis, so that a half-space stays bounded on one side.
       const double at = own.dot(X_BA0.translation);
       along_own = {at + low[k], at + high[k]};
     } else {
@@ -92,7 +94,7 @@ double lowerBound(const Probe& probe, const float* low, const float* high) {
     turned = turned && std::isfinite(l) && std::isfinite(h);
     const double gap =
         std::max(l - static_cast<double>(probe.high[k]), static_cast<double>(probe.low[k]) - h);
-    if (!(gap >= -kInfinity)) continue;  // both infinite: nothing is known along this axis
+    if (!(gap >= -kInfinity)) continue;  // NaN: both are infinite
     deepest = std::max(deepest, gap);
     squared += std::max(gap, 0.0) * std::max(gap, 0.0);
   }

@@ -12,31 +12,31 @@
 
 namespace leeway::collision {
 
-/// A sphere or a capsule, which is as far away as its core is, less its radius.
+/// A sphere or a capsule: all points within `radius` of its core, a point or a segment.
 struct RoundBody {
-  Eigen::Vector3d middle, half;  ///< of the core, as NearestSearch has them
-  double radius;
+  Eigen::Vector3d middle, half;  ///< of the core, see NearestSearch; in the mesh's frame [m]
+  double radius;                 // [m]
 };
 
-/// Seen from a mesh.
+/// A sphere (half_length 0) or a capsule along z of its frame A, in the mesh's frame B.
 RoundBody roundBody(double radius, double half_length, const Pose& X_BA);
 
-/// Whether the triangle nearest to such a body can be looked for. False for a segment that is
-/// hardly one, whose direction would not survive single precision, and where single precision ends.
+/// Whether findNearest() can take such a body. False for a segment so short that its direction
+/// would not survive single precision, and so far away that squares would overflow it; and for
+/// meshes without nodes or with volumes other than boxes.
 bool hasNearest(bool is_segment, double half_length, const Pose& X_BA,
                 const DeformableSnapshotImpl& mesh);
 
-/// What is asked of the search, but for its limit and its first triangle. `slack` as
-/// convexDistance().
+/// The search for a request, without its limit and first triangle. `slack` as in convexDistance().
 NearestSearch nearestSearch(const RoundBody& body, const DeformableSnapshotImpl& mesh, double slack,
                             const DistanceRequest& request);
 
-/// What the box around the mesh proves of the distance [m]; 0 or less says nothing of how deep.
+/// A lower bound of the distance by the box around the mesh [m]; proves nothing where 0 or less.
 double boxLower(const RoundBody& body, const DeformableSnapshotImpl& mesh,
                 const NearestSearch& search);
 
-/// The body and the triangle that is nearest to its core: the distance, and witnesses in the mesh's
-/// frame. False where the way has no direction, or is not known as well as is asked.
+/// The distance to the triangle that is nearest to the core, with witnesses in the mesh's frame.
+/// False in contact, and where the interval is wider than the requested tolerance.
 bool answerNearest(const RoundBody& body, const NearestFound& found, const DeformTree& tree,
                    const DistanceRequest& request, DistanceResult& result);
 

@@ -13,7 +13,7 @@
 
 namespace leeway::collision {
 
-/// Children of a node, and lanes of its bounds.
+/// Children of a node; a lane of its bounds each.
 inline constexpr int kWidth = 8;
 
 /// Boxes of the eight children of a node, single precision, rounded outwards. A lane without a
@@ -22,6 +22,7 @@ struct alignas(64) WideBox {
   float low[3][kWidth];
   float high[3][kWidth];
 
+  /// Makes every lane empty.
   void clear();
 };
 
@@ -31,17 +32,20 @@ struct FloatBox {
 };
 
 /// A hierarchy of fixed shape over the triangles of a mesh: nodes of up to eight children, leaves
-/// of up to kLeafTriangles. Parents stand before their children. Bounds stand apart (WideBox, one a
-/// node), because they change while this does not.
+/// of up to kLeafTriangles. Bounds are kept apart (one WideBox a node): they change with every
+/// update, the tree does not.
 ///
-/// The nodes of every small subtree (a "branch", of up to `split` triangles) stand side by side,
-/// behind all nodes above branches, so that the upper levels are a prefix of the array.
+/// Order of the nodes: parents before their children, so that a refit is one backward loop. A
+/// branch is a maximal subtree of up to `split` triangles. The nodes of a branch are consecutive,
+/// and all branches come after all nodes above them: the upper levels are a prefix of the array.
+///
+/// Slots are the triangles in the order of the leaves.
 class DeformTree {
  public:
   DeformTree() = default;
   DeformTree(const DeformTree&) = delete;
   DeformTree& operator=(const DeformTree&) = delete;
-  /// A copy whose arrays stand there.
+  /// A copy with its arrays in `memory`.
   DeformTree(const DeformTree& other, std::pmr::memory_resource* memory);
 
   using Triangle = std::array<std::int32_t, 3>;
@@ -51,39 +55,39 @@ class DeformTree {
   static constexpr int kMaxDepth = 48;
 
   struct Node {
-    /// A node when >= 0, leaf -2 - child when < -1, or kNone. Children come first, then kNone.
+    /// >= 0: a node; < -1: leaf -2 - child; kNone: no child. Lanes without a child come last.
     std::int32_t child[kWidth];
   };
   struct Leaf {
     std::int32_t slot_begin, slot_end;      ///< its triangles
     std::int32_t vertex_begin, vertex_end;  ///< in leafVertices(): each of its vertices once
   };
+  /// The lane of its parent that holds a node's box.
   struct Up {
     std::int32_t parent;  ///< kNone for the root
     std::int32_t lane;
   };
-  /// Vertices: four side by side each (some of them repeated), and those with fewer neighbours one
-  /// by one.
+  /// Vertices below a node. Runs of four or more consecutive vertices are listed as fours, the last
+  /// of which may overlap the one before; shorter runs vertex by vertex.
   struct Runs {
     std::int32_t four_begin, four_end;      ///< in fours()
     std::int32_t single_begin, single_end;  ///< in singles()
   };
-  /// Where a refit finds what the leaves of a node hold: counted from the end, so that the last
-  /// node, whose turn comes first, stands first.
-  struct Refit {
-    std::int32_t vertices;  ///< in refitVertices(): before it those of the nodes behind
-    std::int32_t corners;   ///< in refitCorners(), likewise
+  /// Where a refit finds the leaf vertices of a node. The last node comes first, as in the refit.
+  struct RefitOffsets {
+    std::int32_t vertices;  ///< in refitVertices()
+    std::int32_t corners;   ///< in refitCorners()
   };
-  /// Vertices that stand in refitVertices() behind all others, so that it can be read ahead.
+  /// Padding behind the last of refitVertices(), so that prefetching may read ahead [count].
   static constexpr std::int32_t kAhead = 128;
-  /// Four or more vertices of a branch that stand side by side.
+  /// Four or more consecutive vertices of a branch.
   struct Row {
     std::int32_t begin, count;  ///< vertices
     std::int32_t branch;
   };
   struct Branch {
     std::int32_t root;
-    Runs runs;  ///< in the order of the branches
+    Runs runs;  ///< fours and singles follow each other in the order of the branches
   };
 
   std::span<const Node> nodes() const { return nodes_; }
@@ -93,35 +97,35 @@ class DeformTree {
   std::int32_t upperCount() const { return upper_count_; }
   const Up& up(std::int32_t node) const { return up_[static_cast<std::size_t>(node)]; }
   std::span<const Branch> branches() const { return branches_; }
-  /// What the branches have in fours(), in the order of memory.
+  /// The runs of all branches that fours() holds, in the order of memory.
   std::span<const Row> rows() const { return rows_; }
-  /// The vertices below a node of a branch that is not its root, each once.
+  /// The vertices below a node of a branch other than its root, each once.
   const Runs& runs(std::int32_t node) const {
     return runs_[static_cast<std::size_t>(node - upper_count_)];
   }
-  /// The first of four vertices each.
+  /// The first of four consecutive vertices each.
   std::span<const std::int32_t> fours() const { return fours_; }
   std::span<const std::int32_t> singles() const { return singles_; }
-  /// How many vertices of the branches stand apart from their neighbours there.
+  /// Vertices of branches that are read one by one: a measure of how scattered memory is [count].
   std::int32_t branchSingles() const {
     return branches_.empty() ? 0 : branches_.back().runs.single_end;
   }
 
-  /// One a node and one more: the node's own begin at refits()[node + 1] and end at refits()[node].
-  std::span<const Refit> refits() const { return refits_; }
-  /// Of each node, last node first, the vertices of its leaves: each once, but for some of the last
-  /// again, so that they are a multiple of four.
+  /// nodeCount() + 1 entries: node i's range begins at [i + 1] and ends at [i].
+  std::span<const RefitOffsets> refitOffsets() const { return refit_offsets_; }
+  /// The leaf vertices of each node, last node first: each once, the last one repeated up to a
+  /// multiple of four.
   std::span<const std::int32_t> refitVertices() const { return refit_vertices_; }
-  /// Of each node that has leaves, how many vertices its largest has, and for each lane as many
-  /// places among the node's vertices: those of a leaf with fewer repeat the last one, and lanes
-  /// without a leaf hold anything.
+  /// For each node with leaves: the vertex count of its largest leaf, then as many places for each
+  /// lane, counted within the node's refitVertices(). Smaller leaves repeat their last place; lanes
+  /// without a leaf hold any.
   std::span<const std::uint8_t> refitCorners() const { return refit_corners_; }
 
   static bool isLeaf(std::int32_t child) { return child < kNone; }
   static std::int32_t leafOf(std::int32_t child) { return -2 - child; }
   const Leaf& leaf(std::int32_t i) const { return leaves_[static_cast<std::size_t>(i)]; }
   std::int32_t leafCount() const { return static_cast<std::int32_t>(leaves_.size()); }
-  /// Starts to bring the first eight leaves below a node near.
+  /// Prefetches the first eight leaves below a node.
   void fetchLeaves(std::int32_t node) const {
     const Leaf* first =
         &leaves_[static_cast<std::size_t>(leaf_begin_[static_cast<std::size_t>(node)])];
@@ -129,7 +133,7 @@ class DeformTree {
     __builtin_prefetch(reinterpret_cast<const char*>(first) + 64);
   }
   std::span<const std::int32_t> leafVertices() const { return leaf_vertices_; }
-  /// Starts to bring near the first vertices below a node of a branch; none of its root's.
+  /// Prefetches the first vertices below a node of a branch; nothing for the branch's root.
   void fetchVertices(std::int32_t node, const Eigen::Vector3d* vertices) const {
     constexpr std::int32_t kMost = 16;  // fours
     const Runs& own = runs(node);
@@ -141,17 +145,20 @@ class DeformTree {
     }
   }
 
-  /// How many triangles are below a node.
+  /// The slots below a node are slotBegin(node) .. slotBegin(node) + slotsBelow(node) - 1.
+  std::int32_t slotBegin(std::int32_t node) const {
+    return leaves_[static_cast<std::size_t>(leaf_begin_[static_cast<std::size_t>(node)])]
+        .slot_begin;
+  }
   std::int32_t slotsBelow(std::int32_t node) const {
-    const auto i = static_cast<std::size_t>(node);
-    return leaves_[static_cast<std::size_t>(leaf_end_[i] - 1)].slot_end -
-           leaves_[static_cast<std::size_t>(leaf_begin_[i])].slot_begin;
+    return leaves_[static_cast<std::size_t>(leaf_end_[static_cast<std::size_t>(node)] - 1)]
+               .slot_end -
+           slotBegin(node);
   }
 
   /// The vertices below a child of a node (some of them repeated); empty for kNone. O(1).
   std::span<const std::int32_t> vertices(std::int32_t node, int lane) const;
 
-  /// Triangles in the order of the leaves stand in slots.
   std::int32_t triangleOf(std::int32_t slot) const {
     return slots_[static_cast<std::size_t>(slot)].triangle;
   }
@@ -163,21 +170,22 @@ class DeformTree {
     return slots_[static_cast<std::size_t>(slot)].corners;
   }
   std::int32_t triangleCount() const { return static_cast<std::int32_t>(slots_.size()); }
-  /// Another number for every hierarchy of this process, > 0: addresses are used again.
+  /// Unique in this process, > 0. Addresses are not: memory is used again.
   std::uint64_t id() const { return id_; }
   std::size_t bytes() const;
 
  private:
-  friend class DeformBuilder;
-  // Together, since whoever finds the nearest triangle by its corners tells which one it is.
+  friend class TreeLayout;
+  // One cache line for both: a query that reads the corners of the nearest triangle reports its
+  // number next.
   struct alignas(16) Slot {
     Triangle corners;
     std::int32_t triangle;
   };
   static std::uint64_t nextId();
 
-  // Not the default resource: an embedding program may have made that one of a single thread, and
-  // who gives a hierarchy up last may be any.
+  // Not the default resource: an embedding program may have set one that belongs to one thread, and
+  // any thread may release the tree.
   static std::pmr::memory_resource* plain() { return std::pmr::new_delete_resource(); }
 
   std::pmr::vector<Node> nodes_{plain()};
@@ -186,7 +194,7 @@ class DeformTree {
       leaf_end_{plain()};  // leaves below each node
   std::pmr::vector<Leaf> leaves_{plain()};
   std::pmr::vector<std::int32_t> leaf_vertices_{plain()};
-  std::pmr::vector<Refit> refits_{plain()};
+  std::pmr::vector<RefitOffsets> refit_offsets_{plain()};
   std::pmr::vector<std::int32_t> refit_vertices_{plain()};
   std::pmr::vector<std::uint8_t> refit_corners_{plain()};
   std::pmr::vector<Branch> branches_{plain()};
@@ -194,7 +202,7 @@ class DeformTree {
   std::pmr::vector<Runs> runs_{plain()};  // one a node of a branch; empty for the roots
   std::pmr::vector<std::int32_t> fours_{plain()}, singles_{plain()};
   std::pmr::vector<std::int32_t> slot_of_{plain()};
-  std::uint64_t id_ = nextId();  // read with what stands beside it
+  std::uint64_t id_ = nextId();  // beside the slots, with which it is read
   std::pmr::vector<Slot> slots_{plain()};
   std::int32_t upper_count_ = 0;
 };

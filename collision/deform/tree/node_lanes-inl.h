@@ -1,11 +1,11 @@
-// Private to collision/: vertices of a deforming mesh, as many at a time as a vector has lanes. To
-// be included once for each of Highway's targets, hence no #pragma once.
+// Private to collision/: vertices and nodes of a deforming mesh, as many at a time as a vector has
+// lanes. Included once for each of Highway's targets, hence no #pragma once.
 
-#if defined(LEEWAY_COLLISION_DEFORM_LANES_INL_H) == defined(HWY_TARGET_TOGGLE)
-#ifdef LEEWAY_COLLISION_DEFORM_LANES_INL_H
-#undef LEEWAY_COLLISION_DEFORM_LANES_INL_H
+#if defined(LEEWAY_COLLISION_DEFORM_NODE_LANES_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef LEEWAY_COLLISION_DEFORM_NODE_LANES_INL_H
+#undef LEEWAY_COLLISION_DEFORM_NODE_LANES_INL_H
 #else
-#define LEEWAY_COLLISION_DEFORM_LANES_INL_H
+#define LEEWAY_COLLISION_DEFORM_NODE_LANES_INL_H
 #endif
 
 #include <hwy/highway.h>
@@ -16,6 +16,8 @@
 #include <cstdint>
 #include <limits>
 
+#include "collision/deform/tree/deform_tree.h"
+
 HWY_BEFORE_NAMESPACE();
 namespace leeway::collision {
 namespace HWY_NAMESPACE {
@@ -23,16 +25,40 @@ namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Four doubles (x, y, z and what comes behind them) in one vector, or in two or four.
+// Four doubles, x, y, z of a vertex and whatever follows, in one, two or four vectors.
 const hn::CappedTag<double, 4> kDoubles;
 using Doubles = hn::Vec<decltype(kDoubles)>;
 constexpr std::size_t kDoubleLanes = hn::MaxLanes(decltype(kDoubles)());
+
+// Eight floats, one a child of a node, in one or more vectors.
+const hn::CappedTag<float, kWidth> kLanes;
+using Floats = hn::Vec<decltype(kLanes)>;
+constexpr std::size_t kStep = hn::MaxLanes(decltype(kLanes)());
+constexpr unsigned kStepBits = (1U << kStep) - 1;
+
+// A bit for each lane of a mask.
+template <class M>
+HWY_INLINE unsigned bitsOf(M mask) {
+  std::uint8_t bits[8] = {};  // as many as StoreMaskBits() may write
+  hn::StoreMaskBits(kLanes, mask, bits);
+  return bits[0] & kStepBits;
+}
 
 HWY_INLINE const double* at(const Eigen::Vector3d* vertices, std::int32_t i) {
   return vertices->data() + 3 * static_cast<std::ptrdiff_t>(i);
 }
 
-// The coordinates of as many vertices as a vector has lanes. What comes behind each is read, too.
+// A vertex and whatever follows, rounded to the nearest floats. `to` is aligned.
+HWY_INLINE void putSingle(const double* from, float* to) {
+  if constexpr (kDoubleLanes == 4) {
+    const hn::Rebind<float, decltype(kDoubles)> four;
+    hn::Store(hn::DemoteTo(four, hn::LoadU(kDoubles, from)), four, to);
+  } else {
+    for (int k = 0; k < 4; ++k) to[k] = static_cast<float>(from[k]);
+  }
+}
+
+// The coordinates of as many vertices as a vector has lanes. Reads four doubles of each.
 HWY_INLINE void loadVertices(const double* const* v, Doubles& x, Doubles& y, Doubles& z) {
 #if HWY_TARGET == HWY_SCALAR
   x = hn::LoadU(kDoubles, v[0]);
@@ -56,7 +82,7 @@ HWY_INLINE void loadVertices(const double* const* v, Doubles& x, Doubles& y, Dou
 #endif
 }
 
-// Of twice as many, where a vector of D has as many lanes.
+// Coordinates of as many vertices as a vector of D has lanes: those of Doubles, or twice as many.
 template <class D>
 HWY_INLINE void loadMany([[maybe_unused]] D d, const double* const* v, hn::Vec<D>* p) {
 #if HWY_TARGET != HWY_SCALAR
@@ -72,7 +98,7 @@ HWY_INLINE void loadMany([[maybe_unused]] D d, const double* const* v, hn::Vec<D
   if constexpr (hn::MaxLanes(D()) == kDoubleLanes) loadVertices(v, p[0], p[1], p[2]);
 }
 
-// The least scalar product of n and vertices, as they are added.
+// The least scalar product of n and the vertices added so far.
 class LeastAlong {
  public:
   HWY_INLINE explicit LeastAlong(const double* n)
@@ -82,7 +108,7 @@ class LeastAlong {
         lowest_(hn::Set(kDoubles, std::numeric_limits<double>::infinity())),
         doubt_(hn::Zero(kDoubles)) {}
 
-  // As many as a vector has lanes.
+  // Adds as many vertices as a vector has lanes.
   HWY_INLINE void add(const double* const* from) {
     Doubles x, y, z;
     loadVertices(from, x, y, z);
@@ -90,7 +116,7 @@ class LeastAlong {
     lowest_ = hn::Min(along, lowest_);
     doubt_ = hn::Add(doubt_, hn::Sub(along, along));  // 0 for finite numbers only
   }
-  // `count` of them, one at least; the i-th is vertexOf(i).
+  // Adds `count` vertices, at least one; the i-th is vertexOf(i).
   template <class VertexOf>
   HWY_INLINE void add(const Eigen::Vector3d* vertices, std::size_t count,
                       const VertexOf& vertexOf) {
@@ -101,7 +127,7 @@ class LeastAlong {
       add(from);
       return;
     }
-    // The last vector ends with the last vertex, whatever it repeats.
+    // The last vector ends with the last vertex and may repeat some.
     const std::size_t last = count - kDoubleLanes;
     for (std::size_t i = 0;; i = std::min(i + kDoubleLanes, last)) {
       for (std::size_t k = 0; k < kDoubleLanes; ++k) from[k] = at(vertices, vertexOf(i + k));
@@ -112,9 +138,9 @@ class LeastAlong {
   HWY_INLINE void add(const Eigen::Vector3d* vertices, const std::int32_t* v, std::size_t count) {
     add(vertices, count, [v](std::size_t i) { return v[i]; });
   }
-  // Which zero it is does not depend on the lanes.
+  // Adding 0.0 makes -0 a +0: which of the two a minimum picks depends on the lanes.
   HWY_INLINE double least() const { return hn::GetLane(hn::MinOfLanes(kDoubles, lowest_)) + 0.0; }
-  // Whether all vertices are.
+  // Whether all vertices are finite.
   HWY_INLINE bool isFinite() const {
     return hn::AllTrue(kDoubles, hn::Eq(doubt_, hn::Zero(kDoubles)));
   }

@@ -1,11 +1,9 @@
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <limits>
 
 #include "collision/base/round_box.h"
-#include "collision/base/tolerances.h"
 #include "collision/deform/tree/refit.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -17,145 +15,20 @@
 #include <hwy/cache_control.h>
 #include <hwy/highway.h>
 
-#include "collision/deform/tree/node_lanes-inl.h"
+#include "collision/deform/tree/vertex_boxes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace leeway::collision {
 namespace HWY_NAMESPACE {
 namespace {
 
-constexpr std::size_t kParts = 4 / kDoubleLanes;
-// Eight floats, or a part of them.
-const hn::CappedTag<float, kWidth> kLanes;
-using Floats = hn::Vec<decltype(kLanes)>;
-constexpr std::size_t kStep = hn::MaxLanes(decltype(kLanes)());
-
-// Four floats, or a part of them.
+// Four floats in one or more vectors.
 const hn::CappedTag<float, 4> kFourFloats;
 using FourFloats = hn::Vec<decltype(kFourFloats)>;
 constexpr std::size_t kFourLanes = hn::MaxLanes(decltype(kFourFloats)());
 constexpr std::size_t kFloatParts = 4 / kFourLanes;
 
-// x - x is 0 for finite x only.
-template <class D, class V>
-HWY_INLINE bool isFinite(D d, V x) {
-  return hn::AllTrue(d, hn::Eq(hn::Sub(x, x), hn::Zero(d)));
-}
-
-// The box of vertices, in double. Minimum and maximum are exact, so that the order of vertices and
-// the number of lanes do not show.
-struct Extremes {
-  Doubles low[kParts], high[kParts];
-  Doubles sum[kParts];  // not finite when a vertex is not
-
-  // Of nothing.
-  HWY_INLINE Extremes() {
-    for (std::size_t i = 0; i < kParts; ++i) {
-      low[i] = hn::Set(kDoubles, std::numeric_limits<double>::infinity());
-      high[i] = hn::Neg(low[i]);
-      sum[i] = hn::Zero(kDoubles);
-    }
-  }
-  HWY_INLINE explicit Extremes(const double* v) {
-    for (std::size_t i = 0; i < kParts; ++i) {
-      low[i] = high[i] = hn::LoadU(kDoubles, v + kDoubleLanes * i);
-      sum[i] = low[i];
-    }
-  }
-  HWY_INLINE void add(const double* v) {
-    for (std::size_t i = 0; i < kParts; ++i) {
-      const Doubles p = hn::LoadU(kDoubles, v + kDoubleLanes * i);
-      low[i] = hn::Min(p, low[i]);
-      high[i] = hn::Max(p, high[i]);
-      sum[i] = hn::Add(sum[i], p);
-    }
-  }
-  HWY_INLINE void add(const Extremes& other) {
-    for (std::size_t i = 0; i < kParts; ++i) {
-      low[i] = hn::Min(other.low[i], low[i]);
-      high[i] = hn::Max(other.high[i], high[i]);
-      sum[i] = hn::Add(sum[i], other.sum[i]);
-    }
-  }
-  // Looks only whether it is finite.
-  HWY_INLINE void count(const double* v) {
-    for (std::size_t i = 0; i < kParts; ++i)
-      sum[i] = hn::Add(sum[i], hn::LoadU(kDoubles, v + kDoubleLanes * i));
-  }
-  HWY_INLINE bool finite() const {
-    bool all = true;
-    for (const Doubles& part : sum) all = all && isFinite(kDoubles, part);
-    return all;
-  }
-};
-
-// How far a single can be off that is the nearest to some number, and then some: that is half a
-// unit in the last place; 2^-23 |x| is one unit at least, and what is below the normal numbers is
-// covered by their least.
-template <class D, class V>
-HWY_INLINE V doubtOf(D d, V x) {
-  return hn::Add(hn::Mul(hn::Abs(x), hn::Set(d, 0x1p-23F)), hn::Set(d, 0x1p-126F));
-}
-
-// Single precision, outwards.
-template <class D>
-HWY_INLINE void outwards(D d, const Doubles* low, const Doubles* high, float* l, float* h) {
-  if constexpr (hn::MaxLanes(D()) == 4) {
-    const hn::Rebind<float, D> four;
-    const auto below = hn::DemoteTo(four, low[0]), above = hn::DemoteTo(four, high[0]);
-    hn::StoreU(hn::Sub(below, doubtOf(four, below)), four, l);
-    hn::StoreU(hn::Add(above, doubtOf(four, above)), four, h);
-  } else {
-    HWY_ALIGN double a[4], b[4];
-    for (std::size_t i = 0; i < kParts; ++i) {
-      hn::StoreU(low[i], d, a + kDoubleLanes * i);
-      hn::StoreU(high[i], d, b + kDoubleLanes * i);
-    }
-    for (int k = 0; k < 3; ++k) {
-      const auto below = static_cast<float>(a[k]), above = static_cast<float>(b[k]);
-      l[k] = below - (std::abs(below) * 0x1p-23F + 0x1p-126F);
-      h[k] = above + (std::abs(above) * 0x1p-23F + 0x1p-126F);
-    }
-  }
-}
-
-HWY_INLINE void putLane(const Extremes& e, WideBox& box, std::size_t lane) {
-  HWY_ALIGN float l[4], h[4];
-  outwards(kDoubles, e.low, e.high, l, h);
-  for (int k = 0; k < 3; ++k) {
-    box.low[k][lane] = l[k];
-    box.high[k][lane] = h[k];
-  }
-}
-
-// Three doubles and what comes behind them, to the nearest floats; aligned.
-HWY_INLINE void putSingle(const double* from, float* to) {
-  if constexpr (kParts == 1) {
-    const hn::Rebind<float, decltype(kDoubles)> four;
-    hn::Store(hn::DemoteTo(four, hn::LoadU(kDoubles, from)), four, to);
-  } else {
-    for (int k = 0; k < 4; ++k) to[k] = static_cast<float>(from[k]);
-  }
-}
-
-HWY_INLINE Extremes boxOf(const Eigen::Vector3d* vertices, const std::int32_t* v,
-                          const std::int32_t* end) {
-  Extremes e(at(vertices, *v));
-  if (end - v < 32) {
-    for (++v; v != end; ++v) e.add(at(vertices, *v));
-    return e;
-  }
-  Extremes other = e;  // two chains of dependent operations
-  for (++v; end - v >= 2; v += 2) {
-    e.add(at(vertices, v[0]));
-    other.add(at(vertices, v[1]));
-  }
-  if (v != end) e.add(at(vertices, *v));
-  e.add(other);
-  return e;
-}
-
-// The box of all lanes into one lane of another box.
+// Puts the union of the eight boxes of a node into the node's lane of its parent.
 HWY_INLINE void unite(const WideBox& box, WideBox& parent, std::size_t lane) {
   for (int k = 0; k < 3; ++k) {
     Floats low = hn::Load(kLanes, box.low[k]), high = hn::Load(kLanes, box.high[k]);
@@ -168,16 +41,9 @@ HWY_INLINE void unite(const WideBox& box, WideBox& parent, std::size_t lane) {
   }
 }
 
-void fillLane(WideBox& box, std::size_t lane, float low, float high) {
-  for (int k = 0; k < 3; ++k) {
-    box.low[k][lane] = low;
-    box.high[k][lane] = high;
-  }
-}
-
-// The boxes of a node's leaves, lane by lane, from its vertices as `near` has them: in single
-// precision, for what is nearest to the least is the least of what is nearest. Leaves of a node are
-// made out to be of the same size, since the end of a loop that comes as a surprise costs more.
+// The boxes of a node's leaves, lane by lane, from its vertices `near`, rounded to nearest:
+// rounding is monotonic, so the least of the rounded numbers is the rounded least. All leaves of a
+// node are padded to one size: a mispredicted loop end costs more.
 HWY_INLINE void leavesFrom(const float (*near)[4], const std::uint8_t* corners, float (*low)[4],
                            float (*high)[4]) {
   const std::size_t count = *corners++;
@@ -199,8 +65,8 @@ HWY_INLINE void leavesFrom(const float (*near)[4], const std::uint8_t* corners, 
   }
 }
 
-// The lanes of leaves, rounded outwards, into the node's boxes; lanes without a child become empty;
-// those of nodes stay.
+// Puts the boxes of leaves, rounded outwards, into the lanes of leaves. Empties lanes without a
+// child; keeps those of child nodes, which unite() has filled.
 HWY_INLINE void putLeaves(const float (*low)[4], const float (*high)[4],
                           const DeformTree::Node& node, WideBox& box) {
   const hn::RebindToSigned<decltype(kLanes)> ints;
@@ -216,7 +82,7 @@ HWY_INLINE void putLeaves(const float (*low)[4], const float (*high)[4],
     for (int k = 0; k < 3; ++k) {
       l[k] = hn::IfThenElse(none, infinity, hn::Sub(l[k], doubtOf(kLanes, l[k])));
       h[k] = hn::IfThenElse(none, hn::Neg(infinity), hn::Add(h[k], doubtOf(kLanes, h[k])));
-      if (!none_inner) {  // the box comes from far
+      if (!none_inner) {  // else spares a load that misses the cache
         l[k] = hn::IfThenElse(inner, hn::Load(kLanes, box.low[k] + i), l[k]);
         h[k] = hn::IfThenElse(inner, hn::Load(kLanes, box.high[k] + i), h[k]);
       }
@@ -226,22 +92,24 @@ HWY_INLINE void putLeaves(const float (*low)[4], const float (*high)[4],
   }
 }
 
+// One backward loop over the nodes: boxes of a node's leaves from their vertices, then the union of
+// all its boxes into its parent, whose turn comes later.
 bool refit(const DeformTree& tree, const Eigen::Vector3d* vertices, std::int32_t begin,
            std::int32_t end, WideBox* boxes) {
-  // Of the last node that was looked at; lanes without a leaf hold anything.
+  // Vertices and leaf boxes of the current node; lanes without a leaf hold leftovers.
   HWY_ALIGN float near[3 * DeformTree::kLeafTriangles * kWidth][4];
   HWY_ALIGN float low[kWidth][4] = {}, high[kWidth][4] = {};
-  const std::span<const DeformTree::Refit> refits = tree.refits();
-  Extremes sums[4];  // a chain of dependent additions each
+  const std::span<const DeformTree::RefitOffsets> offsets = tree.refitOffsets();
+  Extremes sums[4];  // four independent chains of additions
   for (std::int32_t id = end - 1; id >= begin; --id) {
     const DeformTree::Node& node = tree.node(id);
-    const DeformTree::Refit &from = refits[static_cast<std::size_t>(id) + 1],
-                            &to = refits[static_cast<std::size_t>(id)];
+    const DeformTree::RefitOffsets &from = offsets[static_cast<std::size_t>(id) + 1],
+                                   &to = offsets[static_cast<std::size_t>(id)];
     WideBox& box = boxes[id];
     const std::int32_t* v = tree.refitVertices().data() + from.vertices;
     const std::int32_t* const last = tree.refitVertices().data() + to.vertices;
     if (v != last) {
-      // Vertices come from far: each is fetched early, and read once.
+      // Each vertex is prefetched, and read once.
       for (float(*put)[4] = near; v != last; v += 4, put += 4) {
         for (std::size_t i = 0; i < 4; ++i) {
           hwy::Prefetch(at(vertices, v[i + DeformTree::kAhead]));
@@ -259,94 +127,8 @@ bool refit(const DeformTree& tree, const Eigen::Vector3d* vertices, std::int32_t
   return sums[0].finite();
 }
 
-// Four vertices that stand side by side fill three vectors, or six or twelve: coordinates x, y, z,
-// x, ... of as many vertices as a vector has lanes in any three of them.
-struct FourExtremes {
-  struct Third {
-    Doubles low, high, sum;
-
-    HWY_INLINE Third() {
-      low = hn::Set(kDoubles, std::numeric_limits<double>::infinity());
-      high = hn::Neg(low);
-      sum = hn::Zero(kDoubles);
-    }
-    HWY_INLINE void add(const double* v) {
-      const Doubles p = hn::LoadU(kDoubles, v);
-      low = hn::Min(p, low);
-      high = hn::Max(p, high);
-      sum = hn::Add(sum, p);
-    }
-  };
-  Third first, second, last;  // no array, so that they stay in registers
-
-  HWY_INLINE FourExtremes() = default;
-  HWY_INLINE void add(const double* v) {
-    for (std::size_t part = 0; part < kParts; ++part, v += 3 * kDoubleLanes) {
-      first.add(v);
-      second.add(v + kDoubleLanes);
-      last.add(v + 2 * kDoubleLanes);
-    }
-  }
-  // Lowest and highest so far, to go on with others; what is not finite is summed up over all.
-  HWY_INLINE void save(BranchBox& box) const {
-    hn::Store(first.low, kDoubles, box.low);
-    hn::Store(second.low, kDoubles, box.low + kDoubleLanes);
-    hn::Store(last.low, kDoubles, box.low + 2 * kDoubleLanes);
-    hn::Store(first.high, kDoubles, box.high);
-    hn::Store(second.high, kDoubles, box.high + kDoubleLanes);
-    hn::Store(last.high, kDoubles, box.high + 2 * kDoubleLanes);
-  }
-  HWY_INLINE void resume(const BranchBox& box) {
-    first.low = hn::Load(kDoubles, box.low);
-    second.low = hn::Load(kDoubles, box.low + kDoubleLanes);
-    last.low = hn::Load(kDoubles, box.low + 2 * kDoubleLanes);
-    first.high = hn::Load(kDoubles, box.high);
-    second.high = hn::Load(kDoubles, box.high + kDoubleLanes);
-    last.high = hn::Load(kDoubles, box.high + 2 * kDoubleLanes);
-  }
-  // All of them, and those of `e`. Number by number: a vector that straddles two that were just
-  // stored waits for both.
-  HWY_INLINE void fold(const Extremes& e, double* lowest, double* highest) const {
-    HWY_ALIGN double l[3 * kDoubleLanes + 4], h[3 * kDoubleLanes + 4];
-    hn::Store(first.low, kDoubles, l);
-    hn::Store(second.low, kDoubles, l + kDoubleLanes);
-    hn::Store(last.low, kDoubles, l + 2 * kDoubleLanes);
-    hn::Store(first.high, kDoubles, h);
-    hn::Store(second.high, kDoubles, h + kDoubleLanes);
-    hn::Store(last.high, kDoubles, h + 2 * kDoubleLanes);
-    for (std::size_t i = 0; i < kParts; ++i) {
-      hn::StoreU(e.low[i], kDoubles, l + kDoubleLanes * (3 + i));
-      hn::StoreU(e.high[i], kDoubles, h + kDoubleLanes * (3 + i));
-    }
-    for (std::size_t k = 0; k < 3; ++k) {
-      lowest[k] = l[k];
-      highest[k] = h[k];
-      for (std::size_t v = 1; v <= kDoubleLanes; ++v) {
-        lowest[k] = std::min(lowest[k], l[3 * v + k]);
-        highest[k] = std::max(highest[k], h[3 * v + k]);
-      }
-    }
-  }
-  HWY_INLINE bool finite() const {
-    return isFinite(kDoubles, first.sum) && isFinite(kDoubles, second.sum) &&
-           isFinite(kDoubles, last.sum);
-  }
-};
-
-// Adds the fours begin .. end - 1. Vertices come from far: fetching them kAhead fours early saves a
-// third of the time. An update goes on to those of the next branch, a query seldom past its node.
-template <std::size_t kAhead>
-HWY_INLINE void addFours(std::span<const std::int32_t> fours, std::int32_t begin, std::int32_t end,
-                         const Eigen::Vector3d* vertices, FourExtremes& four) {
-  for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
-    const double* ahead = at(vertices, fours[std::min(i + kAhead, fours.size() - 1)]);
-    hwy::Prefetch(ahead);
-    hwy::Prefetch(ahead + 8);
-    four.add(at(vertices, fours[i]));
-  }
-}
-
-// The vertices of a branch that stand alone, and all that `four` holds, into its parent's lane.
+// Puts the box of `four` and of the branch's single vertices into the branch's lane of its parent.
+// Returns whether the single vertices are finite.
 HWY_INLINE bool endBranch(const DeformTree& tree, const Eigen::Vector3d* vertices,
                           const DeformTree::Branch& branch, const FourExtremes& four,
                           WideBox* boxes) {
@@ -376,10 +158,10 @@ bool branches(const DeformTree& tree, const Eigen::Vector3d* vertices, std::size
   return finite;
 }
 
-constexpr std::size_t kRowAhead = 384;  // doubles
+constexpr std::size_t kRowAhead = 384;  // prefetched so much ahead [doubles]
 
-// Memory comes faster in its own order than in that of the branches, and faster still where it is
-// fetched 3 KB early: 30 % less time together.
+// Reads vertices in the order of memory rather than of branches, prefetching 3 KB ahead: 30 % less
+// time together.
 bool allBranches(const DeformTree& tree, const Eigen::Vector3d* vertices, BranchBox* room,
                  WideBox* boxes) {
   const std::span<const DeformTree::Branch> branches = tree.branches();
@@ -406,7 +188,7 @@ bool allBranches(const DeformTree& tree, const Eigen::Vector3d* vertices, Branch
   return finite;
 }
 
-// One lane of a box from the vertices in the runs; false when one is not finite.
+// Puts the box of the vertices in the runs into a lane. False when a vertex is not finite.
 HWY_INLINE bool fromRuns(const DeformTree& tree, const Eigen::Vector3d* vertices,
                          const DeformTree::Runs& runs, WideBox& box, std::size_t lane) {
   FourExtremes four;
@@ -423,13 +205,14 @@ HWY_INLINE bool fromRuns(const DeformTree& tree, const Eigen::Vector3d* vertices
   return four.finite() && e.finite();
 }
 
-// Of a node that has nothing but leaves, as refit() does it. False when a vertex is not finite.
+// The boxes of a node that has leaves only, as refit() finds them. False when a vertex is not
+// finite.
 bool fromLeaves(const DeformTree& tree, const Eigen::Vector3d* vertices, std::int32_t id,
                 WideBox& box) {
   HWY_ALIGN float near[3 * DeformTree::kLeafTriangles * kWidth][4];
   HWY_ALIGN float low[kWidth][4], high[kWidth][4];
-  const DeformTree::Refit &from = tree.refits()[static_cast<std::size_t>(id) + 1],
-                          &to = tree.refits()[static_cast<std::size_t>(id)];
+  const DeformTree::RefitOffsets &from = tree.refitOffsets()[static_cast<std::size_t>(id) + 1],
+                                 &to = tree.refitOffsets()[static_cast<std::size_t>(id)];
   const std::int32_t* v = tree.refitVertices().data() + from.vertices;
   const std::int32_t* const last = tree.refitVertices().data() + to.vertices;
   Extremes sum;
@@ -481,8 +264,8 @@ void triangles(const DeformTree& tree, const Eigen::Vector3d* vertices, std::int
   }
 }
 
-// Fours of vertices that stand one after the other, each fetched early. A function of its own: in
-// one with more to do g++ 12 keeps some of the extremes in memory, which takes 2.5 times as long.
+// Adds consecutive vertices, four at a time. Not inlined: within a larger function g++ 12 spills
+// some of the extremes, which takes 2.5 times as long.
 HWY_NOINLINE void addRow(const double* v, const double* last, FourExtremes& four) {
   FourExtremes held = four;
   for (; v != last; v += 12) {
@@ -512,283 +295,11 @@ bool bound(const Eigen::Vector3d* vertices, std::size_t count, double limit, Eig
   return good;
 }
 
-constexpr unsigned kStepBits = (1U << kStep) - 1;
-
-template <class M>
-HWY_INLINE unsigned bitsOf(M mask) {
-  std::uint8_t bits[8] = {};  // as many as StoreMaskBits() may write
-  hn::StoreMaskBits(kLanes, mask, bits);
-  return bits[0] & kStepBits;
-}
-
-// Those at or below the bar, a bit each; the least of the others goes into `closed`.
-HWY_INLINE unsigned openOf(Floats lower, Floats bar, Floats& closed) {
-  // Written so that what is no number stays open; the others are settled by their least.
-  const auto above = hn::Gt(lower, bar);
-  closed = hn::Min(closed, hn::IfThenElse(above, lower, closed));
-  return ~bitsOf(above) & kStepBits;
-}
-
-// By boxes; kTurned: along the body's own axes, too.
-//
-// Boxes are loose on tilted sheets. Slabs beside them, along one normal a branch, with the way
-// across it, close a fifth to three tenths of the nodes that boxes leave open, seen on 20k and 200k
-// triangles in waves; but the bound takes in every node what is saved, so that 12 distances come
-// out even, and a refit that finds the slabs takes a third longer. Boxes in a frame of each branch
-// would close no more.
-template <bool kTurned>
-HWY_INLINE void lowerBounds(const Probe& probe, const WideBox& box, float bar, Bounds& bounds) {
-  const Floats zero = hn::Zero(kLanes), half = hn::Set(kLanes, 0.5F);
-  const auto set = [](float x) { return hn::Set(kLanes, x); };
-  Floats closed = set(std::numeric_limits<float>::infinity());
-  bounds.open = 0;
-  for (std::size_t i = 0; i < kWidth; i += kStep) {
-    Floats middle[3], size[3];
-    Floats squared = zero, deepest = set(-std::numeric_limits<float>::infinity());
-    for (int k = 0; k < 3; ++k) {
-      const Floats low = hn::Load(kLanes, box.low[k] + i), high = hn::Load(kLanes, box.high[k] + i);
-      if constexpr (kTurned) {
-        middle[k] = hn::Mul(hn::Add(low, high), half);
-        size[k] = hn::Mul(hn::Sub(high, low), half);
-      }
-      const Floats gap =
-          hn::Max(hn::Sub(low, set(probe.high[k])), hn::Sub(set(probe.low[k]), high));
-      deepest = hn::Max(deepest, gap);
-      const Floats outside = hn::Max(gap, zero);
-      squared = hn::Add(squared, hn::Mul(outside, outside));
-    }
-    if constexpr (kTurned) {
-      Floats squared_axes = zero;
-      for (int j = 0; j < 3; ++j) {
-        Floats center = zero, reach = zero;
-        for (int k = 0; k < 3; ++k) {
-          const float n = probe.axis[j][k];
-          center = hn::Add(center, hn::Mul(set(n), middle[k]));
-          reach = hn::Add(reach, hn::Mul(set(std::abs(n)), size[k]));
-        }
-        const Floats gap = hn::Sub(hn::Max(hn::Sub(center, set(probe.axis_high[j])),
-                                           hn::Sub(set(probe.axis_low[j]), center)),
-                                   reach);
-        deepest = hn::Max(deepest, gap);
-        const Floats outside = hn::Max(gap, zero);
-        squared_axes = hn::Add(squared_axes, hn::Mul(outside, outside));
-      }
-      squared = hn::Max(squared, squared_axes);
-    }
-    // Axes that depart from a rotation by 1e-6 make distances along them too large by half of that.
-    // Squares beyond the range of float still are squares of at least its root; those that lost
-    // digits to the numbers below the normal ones say nothing.
-    const Floats kept = hn::Min(squared, set(std::numeric_limits<float>::max()));
-    Floats lower = hn::Mul(hn::Sqrt(kept), set(static_cast<float>(1 - kRotationTolerance)));
-    lower = hn::IfThenElse(hn::Gt(kept, set(kLeastWaySquared)), lower, hn::Min(deepest, zero));
-    lower = hn::Sub(hn::Sub(lower, set(probe.radius)), set(probe.slack));
-    lower =
-        hn::IfThenElse(hn::Le(hn::Load(kLanes, box.low[0] + i), hn::Load(kLanes, box.high[0] + i)),
-                       lower, set(std::numeric_limits<float>::infinity()));
-    hn::Store(lower, kLanes, bounds.lower + i);
-    bounds.open |= openOf(lower, set(bar), closed) << i;
-  }
-  bounds.closed = hn::GetLane(hn::MinOfLanes(kLanes, closed));
-}
-
-// The plane across the way from the body's point that is nearest to the middle of the triangle: as
-// good as exact when the triangle is small beside the distance, where its box is not. In
-// coordinates along the probe's own axes, in which the body is a box.
-void triangleBounds(const Probe& probe, const DeformTree& tree, const Eigen::Vector3d* vertices,
-                    std::int32_t begin, std::int32_t end, Bounds& bounds) {
-  HWY_ALIGN float corner[3][kWidth][4];  // corner, triangle, axis
-  for (std::int32_t slot = begin; slot < begin + kWidth; ++slot) {
-    // Lanes that are left over hold the last triangle again.
-    const DeformTree::Triangle& t = tree.corners(std::min(slot, end - 1));
-    const std::size_t lane = static_cast<std::size_t>(slot - begin);
-    for (std::size_t c = 0; c < 3; ++c) putSingle(at(vertices, t[c]), corner[c][lane]);
-  }
-  const auto set = [](float x) { return hn::Set(kLanes, x); };
-  const Floats third = set(1.0F / 3), zero = hn::Zero(kLanes);
-  for (std::size_t i = 0; i < kWidth; i += kStep) {
-    Floats p[3][3], outside = zero;  // corner, axis; distance of the boxes, squared
-    for (int c = 0; c < 3; ++c) {
-      Floats next;  // what came behind the three coordinates
-      hn::LoadInterleaved4(kLanes, corner[c][i], p[c][0], p[c][1], p[c][2], next);
-    }
-    for (int k = 0; k < 3; ++k) {
-      const Floats low = hn::Min(hn::Min(p[0][k], p[1][k]), p[2][k]),
-                   high = hn::Max(hn::Max(p[0][k], p[1][k]), p[2][k]);
-      const Floats gap = hn::Max(
-          hn::Max(hn::Sub(low, set(probe.high[k])), hn::Sub(set(probe.low[k]), high)), zero);
-      outside = hn::Add(outside, hn::Mul(gap, gap));
-    }
-    Floats along[3][3], way[3], nearest[3], squared = zero, sum = zero;
-    for (int j = 0; j < 3; ++j) {
-      for (int c = 0; c < 3; ++c) {
-        along[c][j] = hn::Add(hn::Add(hn::Mul(set(probe.axis[j][0]), p[c][0]),
-                                      hn::Mul(set(probe.axis[j][1]), p[c][1])),
-                              hn::Mul(set(probe.axis[j][2]), p[c][2]));
-      }
-      sum = hn::Add(hn::Add(along[0][j], along[1][j]), along[2][j]);
-      const Floats middle = hn::Mul(sum, third);
-      nearest[j] = hn::Min(hn::Max(middle, set(probe.axis_low[j])), set(probe.axis_high[j]));
-      way[j] = hn::Sub(middle, nearest[j]);
-      squared = hn::Add(squared, hn::Mul(way[j], way[j]));
-    }
-    Floats least = set(std::numeric_limits<float>::infinity());
-    for (const auto& of_corner : along) {
-      Floats reach = zero;
-      for (int j = 0; j < 3; ++j)
-        reach = hn::Add(reach, hn::Mul(way[j], hn::Sub(of_corner[j], nearest[j])));
-      least = hn::Min(least, reach);
-    }
-    const auto usable = hn::Gt(squared, set(kLeastWaySquared));
-    const Floats safe = hn::IfThenElse(usable, squared, set(1.0F));
-    Floats lower = hn::Div(least, hn::Sqrt(safe));
-    // Axes that depart from a rotation by 1e-6 make the way longer or shorter than its square says.
-    lower =
-        hn::Sub(lower, hn::Mul(hn::Abs(lower), set(static_cast<float>(2 * kRotationTolerance))));
-    // Boxes that meet say nothing of how deep; squares as in lowerBounds().
-    const Floats unknown = set(-std::numeric_limits<float>::infinity());
-    const Floats by_box =
-        hn::IfThenElse(hn::Gt(outside, set(kLeastWaySquared)),
-                       hn::Sqrt(hn::Min(outside, set(std::numeric_limits<float>::max()))), unknown);
-    lower = hn::Max(hn::IfThenElse(usable, lower, unknown), by_box);
-    // Boxes may have left out a corner that is not finite; this sum of all coordinates has not.
-    const auto finite = hn::Eq(hn::Sub(sum, sum), zero);
-    lower = hn::IfThenElse(finite, lower, unknown);
-    hn::Store(hn::Sub(hn::Sub(lower, set(probe.radius)), set(probe.slack)), kLanes,
-              bounds.lower + i);
-  }
-}
-
-// The least scalar product of n and some vertices; false when one is not finite.
-HWY_INLINE bool leastOf(const double* n, const Eigen::Vector3d* vertices, const std::int32_t* v,
-                        std::size_t count, double& least) {
-  LeastAlong along(n);
-  along.add(vertices, v, count);
-  least = along.least();
-  return along.isFinite();
-}
-
-bool leastAlong(const double* n, const Eigen::Vector3d* vertices, std::span<const std::int32_t> of,
-                double& least) {
-  return leastOf(n, vertices, of.data(), of.size(), least);
-}
-
-void openLanes(float bar, Bounds& bounds) {
-  bounds.open = 0;
-  Floats closed = hn::Set(kLanes, std::numeric_limits<float>::infinity());
-  for (std::size_t i = 0; i < kWidth; i += kStep) {
-    bounds.open |= openOf(hn::Load(kLanes, bounds.lower + i), hn::Set(kLanes, bar), closed) << i;
-  }
-  bounds.closed = hn::GetLane(hn::MinOfLanes(kLanes, closed));
-}
-
-// Those that are leaves, a bit each.
-unsigned leafLanes(const DeformTree::Node& node) {
-  const hn::RebindToSigned<decltype(kLanes)> ints;
-  unsigned leaves = 0;
-  for (std::size_t i = 0; i < kWidth; i += kStep) {
-    const auto leaf = hn::Lt(hn::LoadU(ints, node.child + i), hn::Set(ints, DeformTree::kNone));
-    leaves |= bitsOf(hn::RebindMask(kLanes, leaf)) << i;
-  }
-  return leaves;
-}
-
-// In exact arithmetic no point of a convex body is farther along the way from its nearest point to
-// some other than that nearest point, so that the plane across it bounds all that is beyond; the
-// body is a box along the probe's axes.
-void leafBounds(const Probe& probe, const DeformTree& tree, const Eigen::Vector3d* vertices,
-                const DeformTree::Node& node, const WideBox& box, float bar, Bounds& bounds) {
-  const unsigned leaves = bounds.open & leafLanes(node);
-  if (leaves == 0) return;
-  // They come from far: which they are first, and below what they say.
-  for (unsigned left = leaves; left != 0; left &= left - 1) {
-    const auto lane = static_cast<std::size_t>(std::countr_zero(left));
-    const DeformTree::Leaf& leaf = tree.leaf(DeformTree::leafOf(node.child[lane]));
-    hwy::Prefetch(tree.leafVertices().data() + leaf.vertex_begin);
-  }
-  const Floats zero = hn::Zero(kLanes), half = hn::Set(kLanes, 0.5F);
-  const auto set = [](float x) { return hn::Set(kLanes, x); };
-  // The way, a unit vector, in the boxes' frame, and how far the body reaches along it.
-  HWY_ALIGN float way[3][kWidth], reach[kWidth];
-  for (std::size_t i = 0; i < kWidth; i += kStep) {
-    Floats middle[3], x = zero, y = zero, z = zero, squared = zero, along_way = zero;
-    for (int k = 0; k < 3; ++k) {
-      middle[k] = hn::Mul(
-          hn::Add(hn::Load(kLanes, box.low[k] + i), hn::Load(kLanes, box.high[k] + i)), half);
-    }
-    for (int j = 0; j < 3; ++j) {
-      const Floats a = set(probe.axis[j][0]), b = set(probe.axis[j][1]), c = set(probe.axis[j][2]);
-      const Floats along =
-          hn::Add(hn::Add(hn::Mul(a, middle[0]), hn::Mul(b, middle[1])), hn::Mul(c, middle[2]));
-      const Floats nearest =
-          hn::Min(hn::Max(along, set(probe.axis_low[j])), set(probe.axis_high[j]));
-      const Floats d = hn::Sub(along, nearest);
-      squared = hn::Add(squared, hn::Mul(d, d));
-      along_way = hn::Add(along_way, hn::Mul(d, nearest));
-      x = hn::Add(x, hn::Mul(d, a));
-      y = hn::Add(y, hn::Mul(d, b));
-      z = hn::Add(z, hn::Mul(d, c));
-    }
-    // Too short a way, or none, becomes NaN and infinity, and fails below.
-    const Floats scale = hn::Div(
-        set(1.0F), hn::Sqrt(hn::IfThenElseZero(hn::Gt(squared, set(kLeastWaySquared)), squared)));
-    hn::Store(hn::Mul(x, scale), kLanes, way[0] + i);
-    hn::Store(hn::Mul(y, scale), kLanes, way[1] + i);
-    hn::Store(hn::Mul(z, scale), kLanes, way[2] + i);
-    hn::Store(hn::Mul(along_way, scale), kLanes, reach + i);
-  }
-  const double unknown = std::numeric_limits<double>::quiet_NaN();
-  HWY_ALIGN double least[kWidth];
-  std::fill_n(least, kWidth, unknown);
-  for (unsigned left = leaves; left != 0; left &= left - 1) {
-    const auto lane = static_cast<std::size_t>(std::countr_zero(left));
-    const DeformTree::Leaf& leaf = tree.leaf(DeformTree::leafOf(node.child[lane]));
-    const double n[3] = {static_cast<double>(way[0][lane]), static_cast<double>(way[1][lane]),
-                         static_cast<double>(way[2][lane])};
-    double lowest = 0;
-    const bool finite =
-        leastOf(n, vertices, tree.leafVertices().data() + leaf.vertex_begin,
-                static_cast<std::size_t>(leaf.vertex_end - leaf.vertex_begin), lowest);
-    if (finite) least[lane] = lowest;  // a vertex that is not says nothing
-  }
-  // As in triangleBounds().
-  const Doubles grown =
-      hn::Set(kDoubles, static_cast<double>(probe.radius) + static_cast<double>(probe.slack));
-  for (std::size_t i = 0; i < kWidth; i += kDoubleLanes) {
-    const hn::Rebind<float, decltype(kDoubles)> singles;
-    const Doubles along = hn::Load(kDoubles, least + i);
-    Doubles lower = hn::Sub(along, hn::PromoteTo(kDoubles, hn::Load(singles, reach + i)));
-    lower = hn::Sub(
-        lower, hn::Add(hn::Mul(hn::Abs(lower), hn::Set(kDoubles, 2 * kRotationTolerance)), grown));
-    lower = hn::Sub(lower, hn::Mul(hn::Abs(lower), hn::Set(kDoubles, 0x1p-23)));
-    // NaN, where nothing is known, is not greater on any instruction set.
-    const auto found = hn::DemoteTo(singles, lower), before = hn::Load(singles, bounds.lower + i);
-    hn::Store(hn::IfThenElse(hn::Gt(found, before), found, before), singles, bounds.lower + i);
-  }
-  openLanes(bar, bounds);
-}
-
-void childBounds(const Probe& probe, const DeformTree& tree, const Eigen::Vector3d* vertices,
-                 std::span<const std::int32_t> nodes, const WideBox* const* boxes, float bar,
-                 Bounds* bounds) {
-  bar = std::min(bar, std::numeric_limits<float>::max());  // empty lanes are above any
-  // Without a branch that hangs on what came before, so that several are worked on at a time.
-  if (probe.turned) {
-    for (std::size_t i = 0; i < nodes.size(); ++i)
-      lowerBounds<true>(probe, *boxes[i], bar, bounds[i]);
-  } else {
-    for (std::size_t i = 0; i < nodes.size(); ++i)
-      lowerBounds<false>(probe, *boxes[i], bar, bounds[i]);
-  }
-  for (std::size_t i = 0; i < nodes.size(); ++i)
-    leafBounds(probe, tree, vertices, tree.node(nodes[i]), *boxes[i], bar, bounds[i]);
-}
-
 }  // namespace
 
-const DeformKernels* kernels() {
-  static constexpr DeformKernels kKernels = {refit,        branches,    allBranches,
-                                             fromVertices, triangles,   triangleBounds,
-                                             bound,        childBounds, leastAlong};
+const DeformKernels* deformKernelsOfTarget() {
+  static constexpr DeformKernels kKernels = {refit,        branches,  allBranches,
+                                             fromVertices, triangles, bound};
   return &kKernels;
 }
 
@@ -799,9 +310,9 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace leeway::collision {
 
-HWY_EXPORT(kernels);
+HWY_EXPORT(deformKernelsOfTarget);
 
-const DeformKernels& deformKernels() { return *HWY_DYNAMIC_DISPATCH(kernels)(); }
+const DeformKernels& deformKernels() { return *HWY_DYNAMIC_DISPATCH(deformKernelsOfTarget)(); }
 
 }  // namespace leeway::collision
 #endif

@@ -1,6 +1,6 @@
 #pragma once
 
-// Private to collision/: how hierarchies of deforming meshes are made.
+// Private to collision/: hierarchies of deforming meshes, built or restructured.
 
 #include <Eigen/Core>
 #include <cstdint>
@@ -12,21 +12,21 @@
 
 namespace leeway::collision {
 
+/// How a hierarchy is built (sources: tree_draft.h).
 enum class DeformMethod : unsigned char {
-  kBinned,  ///< surface area heuristic over bins (I. Wald, "On fast construction of SAH-based
-            ///< bounding volume hierarchies", 2007)
-  kLinear,  ///< along a Morton curve (C. Lauterbach et al., "Fast BVH construction on GPUs", 2009)
+  kBinned,  ///< surface area heuristic over bins
+  kLinear,  ///< along a Morton curve
 };
 
-/// A hierarchy for the triangles where their vertices are now; `split` as
-/// DeformOptions::hybrid_split, > 0. Triangles with the same place stand in the order of their
-/// numbers. O(n log n); O(n) for kLinear.
+/// A hierarchy for the triangles where their vertices are now. `split`: most triangles of a branch,
+/// > 0 (DeformOptions::hybrid_split). Ties are broken by triangle number. O(n log n); O(n) for
+/// kLinear.
 std::shared_ptr<const DeformTree> buildDeformTree(
     std::span<const Eigen::Vector3d> vertices,
     std::span<const std::array<std::int32_t, 3>> triangles, DeformMethod method, int split);
 
-/// The same hierarchy with the subtrees below `roots` (nodes, none below another) built anew by
-/// kBinned. O(n) and O(m log m) for the m triangles below the roots.
+/// A copy of `old` in which the subtrees below `roots` (nodes, none below another) are built anew
+/// by kBinned. O(n + m log m) for the m triangles below the roots.
 std::shared_ptr<const DeformTree> restructureDeformTree(
     const DeformTree& old, std::span<const Eigen::Vector3d> vertices,
     std::span<const std::array<std::int32_t, 3>> triangles, std::span<const std::int32_t> roots,

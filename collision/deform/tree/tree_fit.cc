@@ -9,7 +9,7 @@ std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 float halfArea(float x, float y, float z) { return x * y + y * z + z * x; }
 
-// Areas of the children, and of the box around them.
+// Half the surface areas of the children, summed, and of the box around them.
 struct Areas {
   float children = 0, whole = 0;
 };

@@ -2,12 +2,13 @@
 
 // Private to collision/: how well a hierarchy still fits its vertices.
 //
-// Subtrees that decayed are built anew. Tree rotations (D. Kopta et al., "Fast, effective BVH
-// updates for animated scenes", 2012) were built in their place and taken back: bottom-up, at every
-// node, the exchange of a grandchild with an uncle or a cousin that saves the most area, until none
-// does. `leeway report deform --motion explode twist --no-rivals` with each printed, in us, update
-// and 12 distances of spheres (on a busy machine: 200k is good to a third):
+// Subtrees that decayed are built anew. Rejected: tree rotations (D. Kopta et al., "Fast, effective
+// BVH updates for animated scenes", 2012), bottom-up, at every node the exchange of a grandchild
+// with an uncle or a cousin that saves the most area, until none saves any. Measured with `leeway
+// report deform --motion explode twist --no-rivals`: update and 12 distances of spheres, in us (on
+// a busy machine: the rows of 200k are good to a third):
 //
+// clang-format off
 //                   refit     built anew   rotated       rotated in
 //                             as decayed   as decayed    every frame
 //   twist     2k    3, 8      5, 8         6, 9          103, 10
@@ -16,10 +17,11 @@
 //   explode   2k    9, 18     11, 14       16, 17        89, 18
 //            20k    72, 43    103, 30      8340, 51      8250, 53
 //           200k    1030, 330 187000, 196                245000, 434
+// clang-format on
 //
-// Leaves of eight triangles are what decays when triangles fly apart, and no rotation takes those
-// apart; a twisted sheet leaves nothing to gain; and whatever is exchanged, slots and vertices have
-// to be put in order again.
+// When triangles fly apart it is the leaves of eight that decay, which no rotation takes apart; a
+// twisted sheet leaves nothing to gain; and after any exchange slots and vertices have to be laid
+// out again.
 
 #include <cstdint>
 #include <span>
@@ -29,17 +31,17 @@
 
 namespace leeway::collision {
 
-/// The children's surface area over that of the node itself, one a node (0 for one without area):
-/// what a query pays at a node that it opens (T. Larsson, T. Akenine-Moller, "A dynamic bounding
-/// volume hierarchy for generalized collision detection", 2006, compare volumes). All boxes must be
-/// known. O(nodes).
+/// Fit of each node: its children's surface area over that of the box around them, which is what a
+/// query pays at a node that it opens; 0 for a node without area. All boxes must be known.
+/// O(nodes). T. Larsson, T. Akenine-Moller, "A dynamic bounding volume hierarchy for generalized
+/// collision detection", 2006, compare volumes instead.
 void measureFit(const DeformTree& tree, std::span<const WideBox> boxes, std::vector<float>& fit);
 
-/// The surface area of all children of the nodes 0 .. count - 1 over that of the root's own box:
-/// the cost of a random query by the surface area heuristic. 0 for a root without area.
+/// Cost of a random query by the surface area heuristic: the surface area of all children of the
+/// nodes 0 .. count - 1 over that of the root's box. 0 for a root without area.
 double surfaceCost(std::span<const WideBox> boxes, std::int32_t count);
 
-/// Nodes whose fit has grown by more than `factor` since `before`, none below another.
+/// Nodes whose fit has grown by more than `factor` since `before`; none is below another.
 void findDecayed(const DeformTree& tree, std::span<const float> fit, std::span<const float> before,
                  double factor, std::vector<std::int32_t>& roots);
 

@@ -6,6 +6,7 @@
 
 #include "collision/deform/bounds/cached_bounds.h"
 #include "collision/deform/bounds/node_bounds.h"
+#include "collision/deform/bounds/probe_bounds.h"
 #include "collision/deform/query/probe.h"
 #include "collision/deform/tree/tree_builder.h"
 #include "tests/collision/scene/motion_cases.h"
@@ -313,7 +314,7 @@ TEST(DeformBounds, VolumesProveWhatHoldsForTheVerticesOfEveryNode) {
         for (std::int32_t node = 0; node < tree->nodeCount(); ++node) {
           WideBox box;
           bounds->bound(node, parameters, box);
-          Bounds found;
+          LaneBounds found;
           for (int lane = 0; lane < kWidth; ++lane)
             found.lower[lane] = -std::numeric_limits<float>::infinity();
           bounds->tighten(node, parameters, probe, found);

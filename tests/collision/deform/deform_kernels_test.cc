@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "collision/convex/convex_distance.h"
+#include "collision/deform/bounds/probe_bounds.h"
 #include "collision/deform/query/probe.h"
 #include "collision/deform/tree/refit.h"
 #include "collision/deform/tree/tree_builder.h"
@@ -154,9 +155,9 @@ std::vector<float> results() {
         kernels.triangles(tree, mesh.vertices.data(), leaf.slot_begin, leaf.slot_end, box);
         append(all, box);
         const Body body = makeBody(random, mesh);
-        Bounds bounds;
-        kernels.triangleBounds(body.probe, tree, mesh.vertices.data(), leaf.slot_begin,
-                               leaf.slot_end, bounds);
+        LaneBounds bounds;
+        probeKernels().triangleBounds(body.probe, tree, mesh.vertices.data(), leaf.slot_begin,
+                                      leaf.slot_end, bounds);
         all.insert(all.end(), bounds.lower, bounds.lower + (leaf.slot_end - leaf.slot_begin));
         std::vector<std::int32_t> nodes(1 + static_cast<std::size_t>(random.below(7)));
         std::vector<const WideBox*> boxes_of;
@@ -164,10 +165,10 @@ std::vector<float> results() {
           other = random.below(tree.nodeCount());
           boxes_of.push_back(&boxes[static_cast<std::size_t>(other)]);
         }
-        std::vector<Bounds> of_nodes(nodes.size());
+        std::vector<LaneBounds> of_nodes(nodes.size());
         for (const float bar : {0.3F, std::numeric_limits<float>::infinity()}) {
-          kernels.childBounds(body.probe, tree, mesh.vertices.data(), nodes, boxes_of.data(), bar,
-                              of_nodes.data());
+          probeKernels().childBounds(body.probe, tree, mesh.vertices.data(), nodes, boxes_of.data(),
+                                     bar, of_nodes.data());
           for (std::size_t n = 0; n < nodes.size(); ++n) {
             all.insert(all.end(), of_nodes[n].lower, of_nodes[n].lower + kWidth);
             all.push_back(static_cast<float>(of_nodes[n].open));
@@ -180,7 +181,7 @@ std::vector<float> results() {
             1 + static_cast<std::size_t>(random.below(leaf.vertex_end - leaf.vertex_begin)));
         const Vector3d n = random.direction();
         double least = 0, plain = kInfinity;
-        const bool finite = kernels.leastAlong(n.data(), mesh.vertices.data(), some, least);
+        const bool finite = probeKernels().leastAlong(n.data(), mesh.vertices.data(), some, least);
         bool all_finite = true;
         for (const std::int32_t v : some) {
           const Vector3d& p = mesh.vertices[static_cast<std::size_t>(v)];
@@ -306,19 +307,19 @@ TEST(DeformKernels, BoundsHold) {
     const std::int32_t node = random.below(tree.nodeCount());
     const WideBox& box = boxes[static_cast<std::size_t>(node)];
     const auto bar = static_cast<float>(random.uniform(0, 1));
-    Bounds bounds, of_triangles;
+    LaneBounds bounds, of_triangles;
     const WideBox* const boxes_of = &box;
-    kernels.childBounds(body.probe, tree, mesh.vertices.data(), {&node, 1}, &boxes_of, bar,
-                        &bounds);
+    probeKernels().childBounds(body.probe, tree, mesh.vertices.data(), {&node, 1}, &boxes_of, bar,
+                               &bounds);
     // Among others, the same.
     const std::array<std::int32_t, 3> several = {random.below(tree.nodeCount()), node,
                                                  random.below(tree.nodeCount())};
     std::array<const WideBox*, 3> boxes_of_several;
     for (std::size_t k = 0; k < 3; ++k)
       boxes_of_several[k] = &boxes[static_cast<std::size_t>(several[k])];
-    std::array<Bounds, 3> of_several;
-    kernels.childBounds(body.probe, tree, mesh.vertices.data(), several, boxes_of_several.data(),
-                        bar, of_several.data());
+    std::array<LaneBounds, 3> of_several;
+    probeKernels().childBounds(body.probe, tree, mesh.vertices.data(), several,
+                               boxes_of_several.data(), bar, of_several.data());
     EXPECT_TRUE(std::equal(bounds.lower, bounds.lower + kWidth, of_several[1].lower));
     EXPECT_EQ(bounds.open, of_several[1].open);
     EXPECT_EQ(bounds.closed, of_several[1].closed);
@@ -346,8 +347,8 @@ TEST(DeformKernels, BoundsHold) {
       ++leaves;
       tighter += lower > by_box + 1e-3 ? 1 : 0;
       const DeformTree::Leaf& leaf = tree.leaf(DeformTree::leafOf(child));
-      kernels.triangleBounds(body.probe, tree, mesh.vertices.data(), leaf.slot_begin, leaf.slot_end,
-                             of_triangles);
+      probeKernels().triangleBounds(body.probe, tree, mesh.vertices.data(), leaf.slot_begin,
+                                    leaf.slot_end, of_triangles);
       for (std::int32_t slot = leaf.slot_begin; slot < leaf.slot_end; ++slot) {
         const double distance = distanceOf(slot);
         EXPECT_LE(lower, distance);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "collision/deform/bounds/probe_bounds.h"
 #include "collision/deform/query/probe.h"
 #include "collision/deform/tree/refit.h"
 #include "collision/deform/tree/tree_builder.h"
@@ -281,8 +282,8 @@ TEST(DeformableQuery, BoundsOfATriangleWithoutACornerSayNothing) {
         const Probe probe =
             makeProbe(Vector3d(-0.1, -0.1, 2.9), Vector3d(0.1, 0.1, 3.1), 0, Pose{}, nullptr, 1, 0);
         onEveryTarget([&](const char* target) {
-          Bounds bounds;
-          deformKernels().triangleBounds(probe, *tree, vertices.data(), 0, 1, bounds);
+          LaneBounds bounds;
+          probeKernels().triangleBounds(probe, *tree, vertices.data(), 0, 1, bounds);
           EXPECT_EQ(static_cast<double>(bounds.lower[0]), -kInfinity)
               << target << " " << broken << " " << wrong << " " << axis;
           WideBox box;

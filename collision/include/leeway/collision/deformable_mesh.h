@@ -22,51 +22,54 @@ struct DeformableSnapshotImpl;  // private to collision/
 
 /// How the hierarchy of a deforming mesh follows its vertices. No choice changes an answer.
 enum class DeformStrategy : unsigned char {
-  kAuto,           ///< by the kind of motion and a written cost model; see UpdateStatistics::reason
+  kAuto,           ///< chosen by the kind of motion and a cost model; see UpdateStatistics::reason
   kRebuild,        ///< from scratch, surface area heuristic over bins (Wald 2007)
   kRebuildLinear,  ///< from scratch, along a Morton curve (Lauterbach et al. 2009)
   kRefit,          ///< one backward sweep over the array of nodes (van den Bergen 1997)
   kHybrid,         ///< upper levels bottom-up, lower ones when a query arrives there (Larsson and
                    ///< Akenine-Moller 2001)
-  kLazy,           ///< a node finds its own vertices when a query arrives there (the same)
-  kMorph,    ///< volumes of the references blended as the vertices are (Larsson and Akenine-Moller
-             ///< 2003), of the kind DeformOptions::volume; needs a morphing motion
+  kLazy,     ///< every node when a query arrives there, from the vertices below it (Larsson and
+             ///< Akenine-Moller 2001)
+  kMorph,    ///< volumes of the references, blended as the vertices are (Larsson and Akenine-Moller
+             ///< 2003); see DeformOptions::volume; needs a morphing motion
   kSkinned,  ///< boxes from the bones (Kavan and Zara 2005); needs a skinned motion
-  kReduced,  ///< volumes, likewise, from the reduced coordinates (James and Pai 2004); needs a
-             ///< reduced motion or waves
-  kRestructure,  ///< refit, and subtrees that no longer fit are built anew (Larsson and
-                 ///< Akenine-Moller 2006; Yoon, Curtis, Manocha 2007)
+  kReduced,  ///< volumes from the reduced coordinates (James and Pai 2004); see
+             ///< DeformOptions::volume; needs a reduced motion or waves
+  kRestructure,  ///< refit; subtrees that no longer fit are built anew (Larsson and Akenine-Moller
+                 ///< 2006; Yoon, Curtis, Manocha 2007)
   kOctree,       ///< no tree: triangles in the overlap of two boxes, split by an implicit octree
                  ///< (Smith et al. 1995)
 };
 
 /// "auto", "rebuild", "rebuild-linear", "refit", "hybrid", "lazy", "morph", "skinned", "reduced",
-/// "restructure", "octree": the word used in files and messages; and back.
+/// "restructure", "octree": the word used in files and messages.
 const char* toString(DeformStrategy strategy);
+/// The strategy that a word stands for; none for any other word.
 std::optional<DeformStrategy> deformStrategy(std::string_view word);
 
 /// The volumes that kMorph and kReduced blend. No choice changes an answer.
 enum class DeformVolume : unsigned char {
-  kBox,   ///< along x, y, z
-  kDop,   ///< boxes cut along the six diagonals of their sides, too: 18 planes (18-DOPs)
-  kBall,  ///< the least numbers, the loosest around sheets
+  kBox,   ///< axis-aligned
+  kDop,   ///< boxes with their twelve edges cut off: 18-DOPs
+  kBall,  ///< the fewest numbers; the loosest around sheets
 };
 
-/// "box", "dop", "ball": the word used in files and messages; and back.
+/// "box", "dop", "ball": the word used in files and messages.
 const char* toString(DeformVolume volume);
+/// The volume that a word stands for; none for any other word.
 std::optional<DeformVolume> deformVolume(std::string_view word);
 
-/// What stays when a mesh deforms: which triangles there are. Vertices are not welded (two that
-/// rest on each other may part): a component whose edges, BY INDEX, are each shared by exactly two
-/// triangles of opposite direction is closed and counts as a solid at any time; the others are
-/// surfaces without an inside. Triangles are turned, where need be, so that the neighbours in a
-/// closed component agree.
+/// What stays when a mesh deforms: its triangles. Vertices are not welded: two at the same place
+/// may part. A component is closed when each of its edges, BY INDEX, is shared by exactly two
+/// triangles; it is then a solid at any time, and its triangles are turned to agree in direction.
+/// Other components are surfaces without an inside.
 class DeformableMesh {
  public:
   using Triangle = std::array<std::int32_t, 3>;
 
-  /// `rest` [m]: where the first hierarchy is built. Throws InvalidShape for no triangles, an index
-  /// out of range, or a coordinate that is not finite or exceeds 1e15 in magnitude. O(n log n).
+  /// `rest` [m]: positions for which the first hierarchy is built. Throws InvalidShape for no
+  /// triangles, an index out of range, or a coordinate that is not finite or exceeds 1e15 m in
+  /// magnitude. O(n log n).
   static std::shared_ptr<const DeformableMesh> make(std::span<const Eigen::Vector3d> rest,
                                                     std::span<const Triangle> triangles);
 
@@ -83,7 +86,7 @@ class DeformableMesh {
   int component(int triangle) const {
     return triangle_component_[static_cast<std::size_t>(triangle)];
   }
-  /// A vertex of component c.
+  /// Some vertex of a component.
   int componentVertex(int component) const {
     return component_vertex_[static_cast<std::size_t>(component)];
   }
@@ -96,55 +99,55 @@ class DeformableMesh {
   std::vector<std::uint8_t> component_closed_;
 };
 
-/// What an update came to.
+/// The outcome of an update.
 enum class UpdateStatus : unsigned char {
   kUpdated,
-  kWrongVertexCount,  ///< not one vertex for each of the mesh's
-  kNotFinite,         ///< a vertex is NaN, infinite or beyond 1e15 m; `bad_vertex` tells which
-  kBadTime,   ///< the time is NaN or infinite, or the speed bound or what vertices moved NaN or < 0
-  kNoMotion,  ///< update(time) without a motion
+  kWrongVertexCount,  ///< another number of vertices than the mesh has
+  kNotFinite,         ///< a vertex is NaN, infinite or beyond 1e15 m; see badVertex()
+  kBadTime,   ///< the time is NaN or infinite, or `speed_bound` or `moved` is NaN or negative
+  kNoMotion,  ///< update(time) or evaluate(time) without a motion
 };
 const char* toString(UpdateStatus status);  ///< a few words for messages
 
 /// What the last update did.
 struct UpdateStatistics {
   DeformStrategy strategy = DeformStrategy::kRebuild;  ///< what was done; never kAuto
-  const char* reason = "";             ///< why `auto` chose it, in a few words; else "asked for"
-  std::int64_t nodes_touched = 0;      ///< whose bounds were computed
-  std::int64_t vertices_touched = 0;   ///< reads of vertices for bounds, repeats included
-  std::int64_t triangles_rebuilt = 0;  ///< in subtrees that were built anew
-  /// Surface area of the nodes, each times its number of children, over that of the whole at the
-  /// last full rebuild; 0: not measured. Grows as a hierarchy decays. No unit.
+  const char* reason = "";             ///< why kAuto chose it, in a few words; else "asked for"
+  std::int64_t nodes_touched = 0;      ///< nodes whose bounds were computed [count]
+  std::int64_t vertices_touched = 0;   ///< reads of vertices for bounds, repeats included [count]
+  std::int64_t triangles_rebuilt = 0;  ///< in subtrees that were built anew [count]
+  /// Cost of a random query by the surface area heuristic, over that after the last full rebuild;
+  /// 0: not measured. Grows as a hierarchy decays. No unit.
   double decay = 0;
 };
 
 struct DeformOptions {
   DeformStrategy strategy = DeformStrategy::kAuto;
-  /// Of kMorph and kReduced; all others have boxes.
+  /// For kMorph and kReduced; all other strategies have boxes.
   DeformVolume volume = DeformVolume::kBox;
-  /// Triangles in a subtree below which kHybrid leaves nodes to the queries [count]; 0: chosen. At
-  /// least 0.
+  /// kHybrid leaves subtrees of up to so many triangles to the queries [count]; at least 0. 0: a
+  /// default.
   int hybrid_split = 0;
-  /// kRestructure builds a subtree anew when its nodes' surface area, compared with that of its own
-  /// box, has grown by this factor since it was built. No unit; above 1.
+  /// kRestructure builds a subtree anew when the surface area of its root's children, over that of
+  /// the box around them, has grown by this factor since it was built. No unit; above 1.
   double restructure_factor = 1.6;
-  /// The speed bound of a snapshot holds from its time on for this long [s]; finite, at least 0.
+  /// How long after its time the speed bound of a snapshot holds [s]; finite, at least 0.
   double speed_horizon = 1;
-  /// Queries a frame that `auto` expects [count]; at least 0.
+  /// Queries between two updates that kAuto expects [count]; at least 0.
   int expected_queries = 12;
 };
 
-/// A deforming mesh at one time: constant, and read by any number of threads while the next is
+/// A deforming mesh at one time. Constant: any number of threads may read it while the next is
 /// made.
 class DeformableSnapshot {
  public:
   const DeformableMesh& mesh() const;
   std::span<const Eigen::Vector3d> vertices() const;  // [m]
   double time() const;                                // [s]
-  /// No vertex moves faster than this from time() to time() + speed_horizon [m/s]; infinite when
-  /// nothing is known.
+  /// No vertex moves faster than this from time() to time() + DeformOptions::speed_horizon [m/s];
+  /// infinite when nothing is known.
   double speedBound() const;
-  /// Another number for every snapshot of this process, > 0.
+  /// Unique in this process, > 0.
   std::uint64_t id() const;
   DeformStrategy strategy() const;
   /// A box that holds the mesh, rounded outwards [m].
@@ -158,16 +161,16 @@ class DeformableSnapshot {
   DeformableSnapshotImpl* impl_ = nullptr;
 };
 
-/// Owner of a deforming mesh. One thread updates; snapshots may be read by any thread, and outlive
-/// the owner. Memory of a snapshot that nobody holds any more is used again, so that an update by
-/// kRefit, kHybrid, kLazy, kMorph, kSkinned, kReduced or kOctree allocates nothing once as many
-/// snapshots exist as are held at a time (at least two).
+/// Owner of a deforming mesh. One thread updates it; any thread may read its snapshots, which may
+/// outlive it. The memory of a released snapshot is used again: updates by kRefit, kHybrid, kLazy,
+/// kMorph, kSkinned, kReduced and kOctree allocate nothing once there are as many snapshots as are
+/// held at a time (at least two).
 class Deformable {
  public:
-  /// `motion` may be null (vertices are then given by the caller). The first snapshot is of the
-  /// rest vertices, at time 0. Throws std::invalid_argument for a motion with another number of
-  /// vertices, a strategy that the motion does not have (the message says which it has), or options
-  /// out of their ranges.
+  /// `motion` may be null: the caller then gives the vertices. The first snapshot has the rest
+  /// vertices, at time 0. Throws std::invalid_argument for a motion with another number of
+  /// vertices, a strategy that the motion does not allow (the message says which it does), or
+  /// options out of their ranges.
   Deformable(std::shared_ptr<const DeformableMesh> mesh,
              std::shared_ptr<const VertexMotion> motion = nullptr,
              const DeformOptions& options = {});
@@ -175,35 +178,33 @@ class Deformable {
   Deformable(Deformable&&) noexcept;
   Deformable& operator=(Deformable&&) noexcept;
 
-  /// To where the motion has the vertices. When anything but kUpdated is returned, the last good
-  /// snapshot stays.
+  /// Moves the vertices to where the motion has them at `time` [s]. Unless it returns kUpdated, the
+  /// last good snapshot stays.
   UpdateStatus update(double time);
-  /// To vertices given by the caller, which are checked and copied. `speed_bound` [m/s] may be
-  /// infinite.
+  /// Moves the vertices to the given positions [m], which are checked and copied. `speed_bound`
+  /// [m/s] may be infinite.
   UpdateStatus update(std::span<const Eigen::Vector3d> vertices, double time,
                       double speed_bound = std::numeric_limits<double>::infinity());
 
-  /// The first half of update(time): fills nextVertices() from the motion and leaves the rest to
-  /// commit(). kUpdated, kBadTime or kNoMotion.
+  /// The first half of update(time): fills nextVertices() from the motion; commit() does the rest.
+  /// Returns kUpdated, kBadTime or kNoMotion.
   UpdateStatus evaluate(double time);
 
-  /// update(vertices) without a copy: the vertices of the next snapshot, to be filled completely
-  /// (what they hold before is undefined) and then taken by commit(). Valid until the next commit()
-  /// or update().
+  /// update(vertices) without a copy: the vertices of the next snapshot [m], undefined at first.
+  /// Fill all of them, then commit(). Valid until the next commit() or update().
   std::span<Eigen::Vector3d> nextVertices();
-  /// What is said of vertices that were written into nextVertices().
+  /// What the caller knows of the vertices in nextVertices().
   enum class Vertices : unsigned char {
-    kUnchecked,  ///< they are checked, each of the mesh's: by the update itself where that reads
-                 ///< all of them (kRefit; kHybrid of vertices of which no more is said), else in a
-                 ///< pass of its own before it
-    kFinite,     ///< the caller vouches for finite coordinates up to 1e15. Where that is not so the
-                 ///< update is refused, or queries near those vertices answer (-inf, something):
+    kUnchecked,  ///< nothing: all are checked, by the update itself where it reads all of them
+                 ///< (kRefit; kHybrid without `moved`), else in a pass of its own
+    kFinite,     ///< coordinates are finite and up to 1e15 m. Where that is wrong the update is
+                 ///< refused, or queries near those vertices return a lower bound of -infinity:
                  ///< nothing is called free that is not
   };
-  /// `moved` [m]: the caller vouches that no vertex is farther than this from where snapshot() has
-  /// it, so that kHybrid (and kAuto, where it takes that) need not read all of them; what is near a
-  /// query is read whatever is said. Wrong where that is not so: leave it out when in doubt. Of a
-  /// motion's vertices, after evaluate(), it is known, and not asked.
+  /// Makes the next snapshot from nextVertices(). `speed_bound` [m/s] may be infinite. `moved` [m]:
+  /// no vertex is farther than this from its place in snapshot(), so that kHybrid (and kAuto where
+  /// it takes that) need not read all of them. Answers are wrong where `moved` is too small: leave
+  /// it out when in doubt. Ignored after evaluate(): the motion knows.
   UpdateStatus commit(double time, double speed_bound = std::numeric_limits<double>::infinity(),
                       Vertices vertices = Vertices::kUnchecked,
                       double moved = std::numeric_limits<double>::infinity());
@@ -211,27 +212,26 @@ class Deformable {
   /// The last good state; never null.
   std::shared_ptr<const DeformableSnapshot> snapshot() const;
   const UpdateStatistics& statistics() const;
-  /// Of the last refused update, else -1.
+  /// The first bad vertex of the last update, if that returned kNotFinite; else -1.
   int badVertex() const;
   const std::shared_ptr<const DeformableMesh>& mesh() const;
   const std::shared_ptr<const VertexMotion>& motion() const;
   const DeformOptions& options() const;
-  std::size_t bytes() const;  ///< of all hierarchies, their bounds and snapshots
+  std::size_t bytes() const;  ///< memory of all hierarchies, their bounds and snapshots
 
  private:
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
 
-/// Makes room in a thread's scratch for the nodes that queries of this snapshot, and of later ones
-/// of its owner, fill on demand. May allocate; O(nodes) then, O(1) when there is room. Queries
-/// without it are right, but fill the same nodes again and again. Scene's Workspace does it for its
-/// scene.
+/// Makes room in a thread's scratch for the nodes that queries of this snapshot and of later ones
+/// of its owner find on demand. May allocate: O(nodes); O(1) when there is room. Queries without it
+/// are right, but find the same nodes again and again. Scene's Workspace does it for its scene.
 void prepare(Scratch& scratch, const DeformableSnapshot& snapshot);
 
-/// The least distance between two triangles of the mesh that share no vertex; 0 or less where they
-/// cross (no depth is told). (inf, inf) when there are no such triangles. Witness points in the
-/// mesh's frame, triangles in triangle_a < triangle_b. Never throws or allocates.
+/// The least distance between two triangles of the mesh that share no vertex [m]; at most 0 where
+/// they cross (the depth is not found). (inf, inf) when there are no such triangles. Witness points
+/// are in the mesh's frame; triangle_a < triangle_b. Never throws or allocates.
 DistanceResult selfDistance(const DeformableSnapshot& snapshot, const DistanceRequest& request,
                             Scratch& scratch, PairCache* cache = nullptr);
 

@@ -11,6 +11,7 @@
 
 namespace leeway::collision {
 
+/// The class of a VertexMotion; kOwn: derived by an embedding program.
 enum class MotionKind : unsigned char {
   kWaves,
   kLattice,
@@ -25,17 +26,17 @@ enum class MotionKind : unsigned char {
 /// messages.
 const char* toString(MotionKind kind);
 
-/// Thrown by the factories of VertexMotion: the message names the value and what would be accepted.
+/// Thrown by the factories of VertexMotion; the message names the value and what is accepted.
 class InvalidMotion : public std::invalid_argument {
  public:
   using std::invalid_argument::invalid_argument;
 };
 
-/// What lies between two keys, u in [0, 1] being the share of the time between them. Before the
-/// first key and after the last one its value is held.
+/// What lies between two keys: (1 - s) times the one plus s times the other, where u in [0, 1] is
+/// the share of the time between them. Before the first key and after the last its value is held.
 enum class Interpolation : unsigned char {
   kLinear,  ///< s = u: constant speed, which jumps at every key
-  kSmooth,  ///< s = u^2 (3 - 2 u): at rest at every key, 1.5 times faster between, no jump of speed
+  kSmooth,  ///< s = u^2 (3 - 2 u): at rest at every key, up to 1.5 times as fast in between
 };
 
 /// A travelling wave: a vertex with rest position r is displaced by
@@ -48,7 +49,8 @@ struct Wave {
   double phase = 0;                                      // [rad]
 };
 
-/// Holds an edge still: waves are multiplied by (r - point) . direction / length, cut to [0, 1].
+/// Holds an edge still: waves are multiplied by (r - point) . direction / length, clamped to [0,
+/// 1].
 struct PinnedEdge {
   Eigen::Vector3d point = Eigen::Vector3d::Zero();       // [m]
   Eigen::Vector3d direction = Eigen::Vector3d::UnitX();  ///< away from the edge; made a unit vector
@@ -61,10 +63,10 @@ struct WavesMotion {
   std::optional<PinnedEdge> pinned;
 };
 
-/// Free-form deformation (Sederberg and Parry 1986): the rest box is filled with control points,
-/// (cells[k] + 1 along axis k), and a vertex at (u, v, w) of the box goes to the sum of the control
-/// points weighted by Bernstein polynomials of degree cells[k]. Control points at their places on
-/// the regular grid leave the mesh as it is.
+/// Free-form deformation (Sederberg and Parry 1986): the rest box has a grid of control points,
+/// cells[k] + 1 along axis k, and a vertex at (u, v, w) of the box moves to the sum of the control
+/// points weighted by Bernstein polynomials of degree cells[k]. Control points at their grid places
+/// leave the mesh undeformed.
 struct LatticeMotion {
   std::vector<Eigen::Vector3d> rest;  // [m], all within the box
   Eigen::Vector3d box_lower = Eigen::Vector3d::Zero(), box_upper = Eigen::Vector3d::Ones();  // [m]
@@ -77,8 +79,8 @@ struct LatticeMotion {
   Interpolation interpolation = Interpolation::kLinear;
 };
 
-/// Morph targets: a vertex is the sum over the references of weight times its position there. The
-/// weights are free: they need not add up to 1 nor lie in [0, 1].
+/// Morph targets: a vertex is the sum over the references of weight times its position there.
+/// Weights need not add up to 1 nor lie in [0, 1].
 struct MorphMotion {
   std::vector<std::vector<Eigen::Vector3d>> references;  // [m]
   struct Key {
@@ -91,9 +93,9 @@ struct MorphMotion {
 
 /// Linear blend skinning: a vertex with rest position r is the sum over bones b of
 /// weight_b * X_b(t) * X_b(rest)^-1 * r. Between keys a bone's pose is interpolated in its parent's
-/// frame: the translation along the straight line, the rotation by the normalised linear blend of
-/// the two quaternions along the shorter way (axis as slerp's, speed within 4/pi of it and free of
-/// trigonometric functions).
+/// frame: the translation linearly, the rotation by normalised linear interpolation of the two
+/// quaternions along the shorter arc (nlerp: the axis of slerp, its speed within a factor of 4/pi,
+/// no trigonometric functions).
 struct SkinnedMotion {
   /// A rigid placement as files give it; the quaternion x y z w is normalised.
   struct BonePose {
@@ -147,15 +149,15 @@ struct CacheMotion {
   std::vector<Eigen::Vector3f> positions;  // [m], frame by frame
 };
 
-/// Where the vertices of a mesh are at any time: immutable, and safe to use from many threads. The
-/// positions pass through a few parameters (weights, bone matrices, coordinates), so that one
-/// vertex, and a bound of many, can be had without the others. Same bytes on every machine. Times
+/// Where the vertices of a mesh are at any time. Immutable; safe to use from many threads.
+/// Positions are functions of a few parameters (weights, bone matrices, coordinates), so that one
+/// vertex, or a bound of many, costs nothing for the others. Same bytes on every machine. Times
 /// [s], positions [m] in the mesh's frame.
 class VertexMotion {
  public:
-  /// All factories throw InvalidMotion: for numbers that are not finite (coordinates up to 1e15 in
-  /// magnitude are accepted), other counts than said above, no vertices, no keys, or key times that
-  /// do not increase. O(vertices x (references, modes, waves, control points, bones or frames)).
+  /// All factories throw InvalidMotion for numbers that are not finite or exceed 1e15 in magnitude,
+  /// counts that do not match, no vertices, no keys, or key times that do not increase.
+  /// O(vertices x (references, modes, waves, control points, bones or frames)).
   static std::shared_ptr<const VertexMotion> waves(WavesMotion motion);
   static std::shared_ptr<const VertexMotion> lattice(LatticeMotion motion);
   static std::shared_ptr<const VertexMotion> morph(MorphMotion motion);
@@ -169,35 +171,34 @@ class VertexMotion {
 
   MotionKind kind() const { return kind_; }
   int vertexCount() const { return vertex_count_; }
-  /// Between two neighbours the motion is smooth; increasing, may be empty [s].
+  /// Times between which the motion is smooth, increasing; may be empty [s].
   std::span<const double> keyTimes() const { return key_times_; }
 
-  /// How many numbers a moment is made of.
+  /// How many parameters there are.
   int parameterCount() const { return parameter_count_; }
-  /// The numbers that the vertices are functions of at `time` (finite); out.size() is
-  /// parameterCount(). Independent of the number of vertices; never throws or allocates.
+  /// The parameters at `time` [s], which must be finite; out.size() is parameterCount(). The cost
+  /// does not depend on the number of vertices. Never throws or allocates.
   virtual void parameters(double time, std::span<double> out) const = 0;
-  /// The vertices first ... first + out.size() - 1 for such parameters: the same bytes however they
-  /// are asked for. Never throws or allocates. O(out.size()).
+  /// The vertices first ... first + out.size() - 1 for such parameters [m]; the same bytes whatever
+  /// the range. Never throws or allocates. O(out.size()).
   virtual void vertices(std::span<const double> parameters, int first,
                         std::span<Eigen::Vector3d> out) const = 0;
-  /// All vertices at `time`; positions.size() is vertexCount(). Allocates room for the parameters.
+  /// All vertices at `time` [s]; positions.size() is vertexCount(). Allocates the parameters.
   void evaluate(double time, std::span<Eigen::Vector3d> positions) const;
 
-  /// The motion is meant as the exact value of its formula for the numbers that it was made from;
-  /// no vertex moves faster [m/s] or accelerates more [m/s^2] than this from t0 to t1. Infinite
-  /// when nothing is known, and the acceleration when speed jumps at a key strictly between t0 and
-  /// t1. Updates keep boxes by it: with a bound that is too small queries miss what has moved.
-  /// Never throws or allocates. O(log keys + keys between).
+  /// No vertex moves faster [m/s] or accelerates more [m/s^2] than this from t0 to t1, in exact
+  /// arithmetic. Infinite when nothing is known; the acceleration also when speed jumps at a key
+  /// strictly between t0 and t1. Updates rely on it: with a bound that is too small queries miss
+  /// what has moved. Never throws or allocates. O(log keys + keys between).
   virtual double speedBound(double t0, double t1) const = 0;
   virtual double accelerationBound(double t0, double t1) const = 0;
-  /// No vertex as evaluated at a time from t0 to t1 is farther than this from the exact one [m], so
-  /// that evaluated vertices move at most speedBound * (t1 - t0) + 2 * rounding.
+  /// No vertex evaluated at a time from t0 to t1 is farther than this from the exact one [m]:
+  /// evaluated vertices move by at most speedBound * (t1 - t0) + 2 * rounding.
   virtual double rounding(double t0, double t1) const = 0;
 
  protected:
-  /// An embedding program's own motion derives from this class and has kind kOwn. Throws
-  /// InvalidMotion for no vertices, or key times that are not finite or do not increase.
+  /// For the classes of embedding programs, whose kind is kOwn. Throws InvalidMotion for no
+  /// vertices, a negative parameter count, or key times that are not finite or do not increase.
   VertexMotion(MotionKind kind, int vertex_count, int parameter_count,
                std::vector<double> key_times);
 

@@ -1,0 +1,54 @@
+#pragma once
+
+// Private to collision/: lower bounds on how far a body is from the children of a node.
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <span>
+
+#include "collision/deform/tree/deform_tree.h"
+
+namespace leeway::collision {
+
+/// A body as the boxes of a mesh see it, in their frame B and in single precision, rounded
+/// outwards: intervals along B's axes and along three other orthonormal ones. The body lies within
+/// all of them, grown by `radius`. Intervals may be infinite. Made by makeProbe() (query/probe.h).
+struct Probe {
+  float low[3], high[3];            ///< along x, y, z of B
+  float axis[3][3];                 ///< three unit vectors
+  float axis_low[3], axis_high[3];  ///< along them
+  bool turned;  ///< the body is clearly smaller along its own axes than along B's: test both
+  float radius;
+  float slack;  ///< bound on the rounding of all of the above [m]
+};
+
+/// Lower bounds on the signed separation of a body and each of eight boxes or triangles [m].
+struct LaneBounds {
+  alignas(64) float lower[kWidth];  ///< infinity for empty lanes of a node
+  unsigned open;                    ///< a bit for each lane at or below the bar
+  float closed;                     ///< the least of the other lanes
+};
+
+/// Function pointers of one instruction set. Every set yields the same bytes. `vertices` as in
+/// DeformKernels.
+struct ProbeKernels {
+  /// Bounds of the children of several nodes, by their boxes. Leaves that this leaves at or below
+  /// `bar` are tightened by a plane per leaf: a box around a tilted surface is loose.
+  void (*childBounds)(const Probe& probe, const DeformTree& tree, const Eigen::Vector3d* vertices,
+                      std::span<const std::int32_t> nodes, const WideBox* const* boxes, float bar,
+                      LaneBounds* bounds);
+  /// Bounds of the triangles in slots [begin, end), at most eight: by their boxes, and by a plane
+  /// per triangle. Fills `lower` alone; lanes without a triangle repeat the last one.
+  void (*triangleBounds)(const Probe& probe, const DeformTree& tree,
+                         const Eigen::Vector3d* vertices, std::int32_t begin, std::int32_t end,
+                         LaneBounds& bounds);
+  /// The least scalar product of `n` and each of these vertices, at least one. False when a vertex
+  /// is not finite.
+  bool (*leastAlong)(const double* n, const Eigen::Vector3d* vertices,
+                     std::span<const std::int32_t> of, double& least);
+};
+
+/// The kernels of the best instruction set of this machine. Costs about 3 ns: once a query.
+const ProbeKernels& probeKernels();
+
+}  // namespace leeway::collision

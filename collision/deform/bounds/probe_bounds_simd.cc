@@ -1,0 +1,306 @@
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+
+#include "collision/base/tolerances.h"
+#include "collision/deform/bounds/probe_bounds.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "collision/deform/bounds/probe_bounds_simd.cc"
+#include "collision/base/targets.h"
+//
+#include <hwy/foreach_target.h>
+// After foreach_target.h.
+#include <hwy/cache_control.h>
+#include <hwy/highway.h>
+
+#include "collision/deform/tree/node_lanes-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace leeway::collision {
+namespace HWY_NAMESPACE {
+namespace {
+
+// A bit for each lane at or below the bar; lowers `closed` to the least of the others.
+HWY_INLINE unsigned openOf(Floats lower, Floats bar, Floats& closed) {
+  // Written so that a NaN stays open.
+  const auto above = hn::Gt(lower, bar);
+  closed = hn::Min(closed, hn::IfThenElse(above, lower, closed));
+  return ~bitsOf(above) & kStepBits;
+}
+
+// Lower bounds by the boxes alone; kTurned: along the body's own axes, too.
+//
+// Tried and dropped: slabs beside the boxes, along one normal a branch, since boxes are loose
+// around tilted sheets. On waves of 20k and 200k triangles they closed 20 to 30 % of the nodes that
+// boxes leave open, but evaluating them cost as much (12 distances came out even) and a refit took
+// a third longer. Boxes in a frame of each branch would close no more.
+template <bool kTurned>
+HWY_INLINE void lowerBounds(const Probe& probe, const WideBox& box, float bar, LaneBounds& bounds) {
+  const Floats zero = hn::Zero(kLanes), half = hn::Set(kLanes, 0.5F);
+  const auto set = [](float x) { return hn::Set(kLanes, x); };
+  Floats closed = set(std::numeric_limits<float>::infinity());
+  bounds.open = 0;
+  for (std::size_t i = 0; i < kWidth; i += kStep) {
+    Floats middle[3], size[3];
+    Floats squared = zero, deepest = set(-std::numeric_limits<float>::infinity());
+    for (int k = 0; k < 3; ++k) {
+      const Floats low = hn::Load(kLanes, box.low[k] + i), high = hn::Load(kLanes, box.high[k] + i);
+      if constexpr (kTurned) {
+        middle[k] = hn::Mul(hn::Add(low, high), half);
+        size[k] = hn::Mul(hn::Sub(high, low), half);
+      }
+      const Floats gap =
+          hn::Max(hn::Sub(low, set(probe.high[k])), hn::Sub(set(probe.low[k]), high));
+      deepest = hn::Max(deepest, gap);
+      const Floats outside = hn::Max(gap, zero);
+      squared = hn::Add(squared, hn::Mul(outside, outside));
+    }
+    if constexpr (kTurned) {
+      Floats squared_axes = zero;
+      for (int j = 0; j < 3; ++j) {
+        Floats center = zero, reach = zero;
+        for (int k = 0; k < 3; ++k) {
+          const float n = probe.axis[j][k];
+          center = hn::Add(center, hn::Mul(set(n), middle[k]));
+          reach = hn::Add(reach, hn::Mul(set(std::abs(n)), size[k]));
+        }
+        const Floats gap = hn::Sub(hn::Max(hn::Sub(center, set(probe.axis_high[j])),
+                                           hn::Sub(set(probe.axis_low[j]), center)),
+                                   reach);
+        deepest = hn::Max(deepest, gap);
+        const Floats outside = hn::Max(gap, zero);
+        squared_axes = hn::Add(squared_axes, hn::Mul(outside, outside));
+      }
+      squared = hn::Max(squared, squared_axes);
+    }
+    // Axes that depart from a rotation by 1e-6 overstate distances by half of that. A square that
+    // overflows is at least the largest float; one near the subnormal numbers has lost its digits
+    // and proves nothing.
+    const Floats kept = hn::Min(squared, set(std::numeric_limits<float>::max()));
+    Floats lower = hn::Mul(hn::Sqrt(kept), set(static_cast<float>(1 - kRotationTolerance)));
+    lower = hn::IfThenElse(hn::Gt(kept, set(kLeastWaySquared)), lower, hn::Min(deepest, zero));
+    lower = hn::Sub(hn::Sub(lower, set(probe.radius)), set(probe.slack));
+    lower =
+        hn::IfThenElse(hn::Le(hn::Load(kLanes, box.low[0] + i), hn::Load(kLanes, box.high[0] + i)),
+                       lower, set(std::numeric_limits<float>::infinity()));
+    hn::Store(lower, kLanes, bounds.lower + i);
+    bounds.open |= openOf(lower, set(bar), closed) << i;
+  }
+  bounds.closed = hn::GetLane(hn::MinOfLanes(kLanes, closed));
+}
+
+// A plane per triangle, perpendicular to the line from the body's nearest point to the triangle's
+// centroid, in coordinates along the probe's own axes, in which the body is a box. Nearly exact for
+// triangles that are small beside the distance, where their boxes are loose.
+void triangleBounds(const Probe& probe, const DeformTree& tree, const Eigen::Vector3d* vertices,
+                    std::int32_t begin, std::int32_t end, LaneBounds& bounds) {
+  HWY_ALIGN float corner[3][kWidth][4];  // corner, triangle, axis
+  for (std::int32_t slot = begin; slot < begin + kWidth; ++slot) {
+    // Lanes left over repeat the last triangle.
+    const DeformTree::Triangle& t = tree.corners(std::min(slot, end - 1));
+    const std::size_t lane = static_cast<std::size_t>(slot - begin);
+    for (std::size_t c = 0; c < 3; ++c) putSingle(at(vertices, t[c]), corner[c][lane]);
+  }
+  const auto set = [](float x) { return hn::Set(kLanes, x); };
+  const Floats third = set(1.0F / 3), zero = hn::Zero(kLanes);
+  for (std::size_t i = 0; i < kWidth; i += kStep) {
+    Floats p[3][3], outside = zero;  // corner, axis; distance of the boxes, squared
+    for (int c = 0; c < 3; ++c) {
+      Floats next;  // the number after the three coordinates
+      hn::LoadInterleaved4(kLanes, corner[c][i], p[c][0], p[c][1], p[c][2], next);
+    }
+    for (int k = 0; k < 3; ++k) {
+      const Floats low = hn::Min(hn::Min(p[0][k], p[1][k]), p[2][k]),
+                   high = hn::Max(hn::Max(p[0][k], p[1][k]), p[2][k]);
+      const Floats gap = hn::Max(
+          hn::Max(hn::Sub(low, set(probe.high[k])), hn::Sub(set(probe.low[k]), high)), zero);
+      outside = hn::Add(outside, hn::Mul(gap, gap));
+    }
+    Floats along[3][3], way[3], nearest[3], squared = zero, sum = zero;
+    for (int j = 0; j < 3; ++j) {
+      for (int c = 0; c < 3; ++c) {
+        along[c][j] = hn::Add(hn::Add(hn::Mul(set(probe.axis[j][0]), p[c][0]),
+                                      hn::Mul(set(probe.axis[j][1]), p[c][1])),
+                              hn::Mul(set(probe.axis[j][2]), p[c][2]));
+      }
+      sum = hn::Add(hn::Add(along[0][j], along[1][j]), along[2][j]);
+      const Floats middle = hn::Mul(sum, third);
+      nearest[j] = hn::Min(hn::Max(middle, set(probe.axis_low[j])), set(probe.axis_high[j]));
+      way[j] = hn::Sub(middle, nearest[j]);
+      squared = hn::Add(squared, hn::Mul(way[j], way[j]));
+    }
+    Floats least = set(std::numeric_limits<float>::infinity());
+    for (const auto& of_corner : along) {
+      Floats reach = zero;
+      for (int j = 0; j < 3; ++j)
+        reach = hn::Add(reach, hn::Mul(way[j], hn::Sub(of_corner[j], nearest[j])));
+      least = hn::Min(least, reach);
+    }
+    const auto usable = hn::Gt(squared, set(kLeastWaySquared));
+    const Floats safe = hn::IfThenElse(usable, squared, set(1.0F));
+    Floats lower = hn::Div(least, hn::Sqrt(safe));
+    // The line's length is off where the axes depart from a rotation by 1e-6.
+    lower =
+        hn::Sub(lower, hn::Mul(hn::Abs(lower), set(static_cast<float>(2 * kRotationTolerance))));
+    // Boxes that overlap prove nothing about depth; squares as in lowerBounds().
+    const Floats unknown = set(-std::numeric_limits<float>::infinity());
+    const Floats by_box =
+        hn::IfThenElse(hn::Gt(outside, set(kLeastWaySquared)),
+                       hn::Sqrt(hn::Min(outside, set(std::numeric_limits<float>::max()))), unknown);
+    lower = hn::Max(hn::IfThenElse(usable, lower, unknown), by_box);
+    // Minimum and maximum may have dropped a NaN; the sum of all coordinates has not.
+    const auto finite = hn::Eq(hn::Sub(sum, sum), zero);
+    lower = hn::IfThenElse(finite, lower, unknown);
+    hn::Store(hn::Sub(hn::Sub(lower, set(probe.radius)), set(probe.slack)), kLanes,
+              bounds.lower + i);
+  }
+}
+
+HWY_INLINE bool leastOf(const double* n, const Eigen::Vector3d* vertices, const std::int32_t* v,
+                        std::size_t count, double& least) {
+  LeastAlong along(n);
+  along.add(vertices, v, count);
+  least = along.least();
+  return along.isFinite();
+}
+
+bool leastAlong(const double* n, const Eigen::Vector3d* vertices, std::span<const std::int32_t> of,
+                double& least) {
+  return leastOf(n, vertices, of.data(), of.size(), least);
+}
+
+// Finds `open` and `closed` anew.
+void openLanes(float bar, LaneBounds& bounds) {
+  bounds.open = 0;
+  Floats closed = hn::Set(kLanes, std::numeric_limits<float>::infinity());
+  for (std::size_t i = 0; i < kWidth; i += kStep) {
+    bounds.open |= openOf(hn::Load(kLanes, bounds.lower + i), hn::Set(kLanes, bar), closed) << i;
+  }
+  bounds.closed = hn::GetLane(hn::MinOfLanes(kLanes, closed));
+}
+
+// A bit for each child that is a leaf.
+unsigned leafLanes(const DeformTree::Node& node) {
+  const hn::RebindToSigned<decltype(kLanes)> ints;
+  unsigned leaves = 0;
+  for (std::size_t i = 0; i < kWidth; i += kStep) {
+    const auto leaf = hn::Lt(hn::LoadU(ints, node.child + i), hn::Set(ints, DeformTree::kNone));
+    leaves |= bitsOf(hn::RebindMask(kLanes, leaf)) << i;
+  }
+  return leaves;
+}
+
+// Tightens the bounds of open leaves by their vertices. Take the body's point nearest to the middle
+// of the leaf's box, and the direction from there to the middle. The body is convex: none of its
+// points is farther along that direction. So the leaf's least vertex along it, less that point,
+// bounds the separation. The body is a box along the probe's axes.
+void leafBounds(const Probe& probe, const DeformTree& tree, const Eigen::Vector3d* vertices,
+                const DeformTree::Node& node, const WideBox& box, float bar, LaneBounds& bounds) {
+  const unsigned leaves = bounds.open & leafLanes(node);
+  if (leaves == 0) return;
+  // Prefetches the leaves' vertex numbers, which are read further below.
+  for (unsigned left = leaves; left != 0; left &= left - 1) {
+    const auto lane = static_cast<std::size_t>(std::countr_zero(left));
+    const DeformTree::Leaf& leaf = tree.leaf(DeformTree::leafOf(node.child[lane]));
+    hwy::Prefetch(tree.leafVertices().data() + leaf.vertex_begin);
+  }
+  const Floats zero = hn::Zero(kLanes), half = hn::Set(kLanes, 0.5F);
+  const auto set = [](float x) { return hn::Set(kLanes, x); };
+  // The direction, a unit vector in the boxes' frame, and how far the body reaches along it.
+  HWY_ALIGN float way[3][kWidth], reach[kWidth];
+  for (std::size_t i = 0; i < kWidth; i += kStep) {
+    Floats middle[3], x = zero, y = zero, z = zero, squared = zero, along_way = zero;
+    for (int k = 0; k < 3; ++k) {
+      middle[k] = hn::Mul(
+          hn::Add(hn::Load(kLanes, box.low[k] + i), hn::Load(kLanes, box.high[k] + i)), half);
+    }
+    for (int j = 0; j < 3; ++j) {
+      const Floats a = set(probe.axis[j][0]), b = set(probe.axis[j][1]), c = set(probe.axis[j][2]);
+      const Floats along =
+          hn::Add(hn::Add(hn::Mul(a, middle[0]), hn::Mul(b, middle[1])), hn::Mul(c, middle[2]));
+      const Floats nearest =
+          hn::Min(hn::Max(along, set(probe.axis_low[j])), set(probe.axis_high[j]));
+      const Floats d = hn::Sub(along, nearest);
+      squared = hn::Add(squared, hn::Mul(d, d));
+      along_way = hn::Add(along_way, hn::Mul(d, nearest));
+      x = hn::Add(x, hn::Mul(d, a));
+      y = hn::Add(y, hn::Mul(d, b));
+      z = hn::Add(z, hn::Mul(d, c));
+    }
+    // A direction too short to normalise becomes infinite or NaN, and fails below.
+    const Floats scale = hn::Div(
+        set(1.0F), hn::Sqrt(hn::IfThenElseZero(hn::Gt(squared, set(kLeastWaySquared)), squared)));
+    hn::Store(hn::Mul(x, scale), kLanes, way[0] + i);
+    hn::Store(hn::Mul(y, scale), kLanes, way[1] + i);
+    hn::Store(hn::Mul(z, scale), kLanes, way[2] + i);
+    hn::Store(hn::Mul(along_way, scale), kLanes, reach + i);
+  }
+  const double unknown = std::numeric_limits<double>::quiet_NaN();
+  HWY_ALIGN double least[kWidth];
+  std::fill_n(least, kWidth, unknown);
+  for (unsigned left = leaves; left != 0; left &= left - 1) {
+    const auto lane = static_cast<std::size_t>(std::countr_zero(left));
+    const DeformTree::Leaf& leaf = tree.leaf(DeformTree::leafOf(node.child[lane]));
+    const double n[3] = {static_cast<double>(way[0][lane]), static_cast<double>(way[1][lane]),
+                         static_cast<double>(way[2][lane])};
+    double lowest = 0;
+    const bool finite =
+        leastOf(n, vertices, tree.leafVertices().data() + leaf.vertex_begin,
+                static_cast<std::size_t>(leaf.vertex_end - leaf.vertex_begin), lowest);
+    if (finite) least[lane] = lowest;
+  }
+  const Doubles grown =
+      hn::Set(kDoubles, static_cast<double>(probe.radius) + static_cast<double>(probe.slack));
+  for (std::size_t i = 0; i < kWidth; i += kDoubleLanes) {
+    const hn::Rebind<float, decltype(kDoubles)> singles;
+    const Doubles along = hn::Load(kDoubles, least + i);
+    Doubles lower = hn::Sub(along, hn::PromoteTo(kDoubles, hn::Load(singles, reach + i)));
+    lower = hn::Sub(
+        lower, hn::Add(hn::Mul(hn::Abs(lower), hn::Set(kDoubles, 2 * kRotationTolerance)), grown));
+    lower = hn::Sub(lower, hn::Mul(hn::Abs(lower), hn::Set(kDoubles, 0x1p-23)));
+    // NaN stands for nothing known; it is not greater on any instruction set.
+    const auto found = hn::DemoteTo(singles, lower), before = hn::Load(singles, bounds.lower + i);
+    hn::Store(hn::IfThenElse(hn::Gt(found, before), found, before), singles, bounds.lower + i);
+  }
+  openLanes(bar, bounds);
+}
+
+void childBounds(const Probe& probe, const DeformTree& tree, const Eigen::Vector3d* vertices,
+                 std::span<const std::int32_t> nodes, const WideBox* const* boxes, float bar,
+                 LaneBounds* bounds) {
+  bar = std::min(bar, std::numeric_limits<float>::max());  // empty lanes stay above it
+  // Two loops: the first has no data-dependent branch, so the processor overlaps its iterations.
+  if (probe.turned) {
+    for (std::size_t i = 0; i < nodes.size(); ++i)
+      lowerBounds<true>(probe, *boxes[i], bar, bounds[i]);
+  } else {
+    for (std::size_t i = 0; i < nodes.size(); ++i)
+      lowerBounds<false>(probe, *boxes[i], bar, bounds[i]);
+  }
+  for (std::size_t i = 0; i < nodes.size(); ++i)
+    leafBounds(probe, tree, vertices, tree.node(nodes[i]), *boxes[i], bar, bounds[i]);
+}
+
+}  // namespace
+
+const ProbeKernels* probeKernelsOfTarget() {
+  static constexpr ProbeKernels kKernels = {childBounds, triangleBounds, leastAlong};
+  return &kKernels;
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace leeway::collision
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace leeway::collision {
+
+HWY_EXPORT(probeKernelsOfTarget);
+
+const ProbeKernels& probeKernels() { return *HWY_DYNAMIC_DISPATCH(probeKernelsOfTarget)(); }
+
+}  // namespace leeway::collision
+#endif

@@ -1,0 +1,164 @@
+#include <array>
+
+#include "collision/base/round_box.h"
+#include "collision/deform/query/descent_state.h"
+#include "collision/deform/query/float_box.h"
+
+namespace leeway::collision {
+
+namespace {
+
+// A node or a leaf (as in DeformTree::Node), or the whole of a rigid B.
+struct Part {
+  std::int32_t ref;
+  FloatBox box;  // in the body's frame
+};
+
+struct PartPair {
+  Part a, b;
+  double lower;  // proven for everything below
+};
+
+double sizeOf(const FloatBox& box) { return (highOf(box) - lowOf(box)).norm(); }
+
+class PairDescent {
+ public:
+  explicit PairDescent(DescentState& state) : state_(state), a_(state.a), b_(state.b) {}
+
+  void run(double root) {
+    stack_[size_++] = {{0, floatBox(a_.low, a_.high)}, {0, floatBox(b_.low, b_.high)}, root};
+    while (size_ > 0 && !state_.done()) {
+      const PartPair pair = stack_[--size_];
+      if (state_.needless(pair.lower)) {
+        state_.settle(pair.lower);
+        continue;
+      }
+      if (state_.visited >= state_.limit()) {
+        state_.settle(pair.lower);
+        break;
+      }
+      expand(pair);
+      if (state_.done()) state_.settle(pair.lower);  // some of it may not have been compared
+    }
+    while (size_ > 0) state_.settle(stack_[--size_].lower);
+  }
+
+ private:
+  static bool isLeaf(const DeformSide& side, const Part& part) {
+    return isRigid(side) || DeformTree::isLeaf(part.ref);
+  }
+
+  Probe probeOf(const Part& part) const {
+    return state_.probeOf(lowOf(part.box), highOf(part.box), state_.placement.growth);
+  }
+
+  // Splits the larger part; compares leaves.
+  void expand(const PartPair& pair) {
+    const bool leaf_a = isLeaf(a_, pair.a), leaf_b = isLeaf(b_, pair.b);
+    ++state_.visited;
+    if (leaf_a && leaf_b) {
+      compareLeaves(pair);
+    } else if (leaf_a || (!leaf_b && sizeOf(pair.b.box) >= sizeOf(pair.a.box))) {
+      splitB(pair);
+    } else {
+      splitA(pair);
+    }
+  }
+
+  // Pairs that need a closer look go on the stack, the nearest on top; the others are settled.
+  void push(const std::array<PartPair, kWidth>& pairs, int count) {
+    std::array<int, kWidth> order{};
+    int open = 0;
+    for (int i = 0; i < count; ++i) {
+      const PartPair& pair = pairs[static_cast<std::size_t>(i)];
+      if (state_.needless(pair.lower)) {
+        state_.settle(pair.lower);
+        continue;
+      }
+      int at = open++;
+      for (; at > 0 &&
+             pairs[static_cast<std::size_t>(order[static_cast<std::size_t>(at - 1)])].lower <
+                 pair.lower;
+           --at)
+        order[static_cast<std::size_t>(at)] = order[static_cast<std::size_t>(at - 1)];
+      order[static_cast<std::size_t>(at)] = i;
+    }
+    for (int i = 0; i < open; ++i)
+      stack_[size_++] = pairs[static_cast<std::size_t>(order[static_cast<std::size_t>(i)])];
+  }
+
+  void splitB(const PartPair& pair) {
+    std::array<PartPair, kWidth> pairs;
+    int count = 0;
+    WideBox room;
+    const WideBox& box = state_.boxes_b.boxes(pair.b.ref, room);
+    const WideBox* const boxes = &box;
+    LaneBounds bounds;
+    const Probe probe = probeOf(pair.a);
+    state_.kernels.childBounds(probe, *b_.snapshot->tree, b_.snapshot->vertices.data(),
+                               {&pair.b.ref, 1}, &boxes, roundedUpToFloat(state_.bar()), &bounds);
+    state_.tighten(pair.b.ref, probe, bounds);
+    const DeformTree::Node& node = b_.snapshot->tree->node(pair.b.ref);
+    for (int lane = 0; lane < kWidth && node.child[lane] != DeformTree::kNone; ++lane) {
+      pairs[static_cast<std::size_t>(count++)] = {
+          pair.a,
+          {node.child[lane], floatBox(box, lane)},
+          std::max(pair.lower, static_cast<double>(bounds.lower[lane]))};
+    }
+    push(pairs, count);
+  }
+
+  void splitA(const PartPair& pair) {
+    std::array<PartPair, kWidth> pairs;
+    int count = 0;
+    WideBox room;
+    const WideBox& box = state_.boxes_a.boxes(pair.a.ref, room);
+    const DeformTree::Node& node = a_.snapshot->tree->node(pair.a.ref);
+    for (int lane = 0; lane < kWidth && node.child[lane] != DeformTree::kNone; ++lane) {
+      const Part part{node.child[lane], floatBox(box, lane)};
+      pairs[static_cast<std::size_t>(count++)] = {
+          part, pair.b,
+          std::max(pair.lower, lowerBound(probeOf(part), pair.b.box.low, pair.b.box.high))};
+    }
+    push(pairs, count);
+  }
+
+  void compareLeaves(const PartPair& pair) {
+    const DeformTree& tree_a = *a_.snapshot->tree;
+    const DeformTree::Leaf& leaf_a = tree_a.leaf(DeformTree::leafOf(pair.a.ref));
+    int begin_b = kWholeBody, end_b = kWholeBody + 1;
+    if (!isRigid(b_)) {
+      const DeformTree::Leaf& leaf_b = b_.snapshot->tree->leaf(DeformTree::leafOf(pair.b.ref));
+      begin_b = leaf_b.slot_begin;
+      end_b = leaf_b.slot_end;
+    }
+    WideBox box_a;
+    deformKernels().triangles(tree_a, a_.snapshot->vertices.data(), leaf_a.slot_begin,
+                              leaf_a.slot_end, box_a);
+    for (int slot_a = leaf_a.slot_begin; slot_a < leaf_a.slot_end; ++slot_a) {
+      const Part part{pair.a.ref, floatBox(box_a, slot_a - leaf_a.slot_begin)};
+      LaneBounds bounds;
+      if (isRigid(b_)) {
+        bounds.lower[0] = -std::numeric_limits<float>::infinity();  // B may be unbounded
+      } else {
+        state_.kernels.triangleBounds(probeOf(part), *b_.snapshot->tree,
+                                      b_.snapshot->vertices.data(), begin_b, end_b, bounds);
+      }
+      state_.compareWithLeaf(slot_a, begin_b, end_b, pair.lower, bounds);
+      if (state_.done()) return;
+    }
+  }
+
+  DescentState& state_;
+  const DeformSide& a_;
+  const DeformSide& b_;
+  // Every pair that is taken off puts back at most eight, which are one level deeper on one side.
+  std::array<PartPair, (kWidth - 1) * (2 * DeformTree::kMaxDepth) + kWidth> stack_;
+  std::size_t size_ = 0;
+};
+
+}  // namespace
+
+void descendPairs(DescentState& state, double root) { PairDescent(state).run(root); }
+
+}  // namespace leeway::collision

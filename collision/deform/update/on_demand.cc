@@ -1,0 +1,16 @@
+#include "collision/base/tolerances.h"
+#include "collision/deform/update/strategy.h"
+
+namespace leeway::collision {
+
+// The queries' part: BoxSource::fill() finds a node's boxes when a query opens it (kLazy);
+// query/octree_descent.cc works without nodes (kOctree).
+bool followOnDemand(UpdateState& state, DeformableSnapshotImpl& next, Demand demand, bool bounded) {
+  next.tree = state.tree;
+  next.demand = demand;
+  state.statistics.vertices_touched = state.mesh->vertexCount();
+  return bounded || deformKernels().bound(next.vertices.data(), state.mesh->rest().size(),
+                                          kLargestDeformed, next.low, next.high);
+}
+
+}  // namespace leeway::collision
