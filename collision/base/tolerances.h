@@ -97,7 +97,7 @@ inline constexpr double kBesideFacet = 1e-6;
 /// which of equally good translations is told with which plane.
 inline constexpr double kSameNormal = 1 - 1e-6;
 
-// Closed forms (box_overlap.cc, box_pairs.cc, cylinder_pairs.cc, parallel_axes.cc, tilted_axes.cc)
+// Closed forms (box_overlap.cc, box_pairs.cc, cylinder_pairs.cc, parallel_axes.cc)
 
 /// A closed form's answer is taken when its ends are apart by at most this share of the sizes: what
 /// rounding leaves, with room. Smaller sends pairs to the slow query.
@@ -130,26 +130,6 @@ inline constexpr double kSideTogether = 1e-13;
 /// Beyond this sine between two axes the closed form of parallel ones has nothing to give that is
 /// worth the time.
 inline constexpr double kNearlyParallelAxes = 1e-2;
-
-/// Sine between two axes up to which one angle may be left to decide. Any value would be right;
-/// beyond it the bounds seldom suffice.
-inline constexpr double kTiltedAxes = 0.1;
-
-/// Tangents of the angle from across two nearly parallel axes up to which their sides may be left
-/// to decide: the largest that the axes' angle and the depth allow is taken. Any values would be
-/// right; larger ones decide where a way out along the axes is nearly as short.
-inline constexpr double kTiltedReaches[] = {4, 10, 30, 100};
-
-/// Nearer to the least of one angle none need be [rad]: differences that small are rounding. Larger
-/// leaves witnesses farther from the plane's normal.
-inline constexpr double kSettledAngle = 1e-15;
-
-/// Squared part across an axis below which a direction is too near to it for that. No unit.
-inline constexpr double kTiltedAcross = 1e-3;
-
-/// Rounding of the least over both circles, in units of kUnitRoundoff times the sizes involved;
-/// derived in tilted_axes.cc. Smaller breaks the guarantee.
-inline constexpr double kTiltedRounding = 40;
 
 // Depths of curved pairs (curved_depth.cc, cell_bound.cc, curved_cell.h, curved_face.cc)
 

@@ -19,7 +19,6 @@
 #include "collision/convex/pairs/closed_form.h"
 #include "collision/convex/round_depth/curved_depth.h"
 #include "collision/convex/round_depth/parallel_axes.h"
-#include "collision/convex/round_depth/tilted_axes.h"
 #include "collision/shapes/point_triangle.h"
 
 namespace leeway::collision {
@@ -476,20 +475,11 @@ void searchDepth(const ConvexView& a, const Pose& X_BA, const ConvexView& b, boo
                  double narrow, Difference<false>& difference, const Simplex& simplex,
                  Scratch::Impl& scratch, Progress& progress) {
   const DistanceRequest& request = progress.query().request;
-  const bool straight = haveAxes(a, b);
-  // A threshold is most often decided by the polytope's first steps.
-  const bool exact = request.depth && std::isnan(request.threshold);
-  if (straight && !offerParallelAxes(a, X_BA, b, difference, progress) && exact &&
-      !progress.enough()) {
-    offerTiltedAxes(a, X_BA, b, difference, progress);
-  }
+  if (haveAxes(a, b)) offerParallelAxes(a, X_BA, b, difference, progress);
   const bool found = inside && simplex.count == 4 && difference.countsVertices() &&
                      !progress.enough() && growVertexPolytope(difference, simplex, progress);
   if (!found && !progress.enough() && progress.upper() - progress.lower() > narrow) {
     growPolytope(difference, simplex, scratch.polytope, progress);
-  }
-  if (straight && !exact && !progress.enough()) {
-    offerTiltedAxes(a, X_BA, b, difference, progress);
   }
   if ((inside || progress.upper() < 0) && request.depth && !progress.enough() &&
       request.iteration_limit >= kLeastIterations && haveCurvedDepth(a, b)) {

@@ -9,8 +9,8 @@ namespace leeway::collision {
 /// A query that may take fewer iterations than this is left as it is: its caller wants little work.
 inline constexpr int kLeastIterations = 64;
 
-/// What one of its iterations counts for beyond any other [units of Work]: a thousand cells.
-inline constexpr std::int64_t kCurvedStepWork = 800'000;
+/// What one of its iterations counts for beyond any other [units of Work]: 320 cells.
+inline constexpr std::int64_t kCurvedStepWork = 250'000;
 
 /// True for pairs that offerCurvedDepth() knows: one core at least is a cylinder, cone or
 /// ellipsoid, the other that, a point, segment or box, or the vertices of a ConvexHull.
@@ -34,7 +34,7 @@ bool haveCurvedDepth(const ConvexView& a, const ConvexView& b);
 /// Wherever a direction is met in which h is less than d, Newton's steps look for the nearest plane
 /// from there, along the edge if it is on one, and d becomes less: what has been proven stays so.
 /// False where less was proven than is asked. The caller's limit of
-/// iterations is granted once more, up to a thousand cells a step: most often thousands in all.
+/// iterations is granted once more, up to 320 cells a step: most often thousands in all.
 /// Half of that is for cells that are halved as round parts bend, the rest for others that follow
 /// edges, where the first did not come to an end. A rough depth is proven first.
 bool offerCurvedDepth(Difference<false>& difference, Progress& progress);

@@ -4,18 +4,19 @@
 
 #include <gtest/gtest.h>
 
-#include <span>
+#include <string>
 #include <vector>
 
 #include "leeway/collision/distance.h"
+#include "tests/build_paths.h"
 #include "tests/collision/convex/pair_cases.h"
+#include "tests/support/case_file.h"
 #include "tools/truth/oracle/oracle.h"
 
 namespace leeway::collision::testing {
 
 struct Known {
   Pair pair;
-  double tolerance;  // of the sizes involved; 0: the default
 
   double size() const {
     return oracle::sizeOf(pair.a) + oracle::sizeOf(pair.b) +
@@ -23,9 +24,19 @@ struct Known {
   }
 };
 
-inline Known known(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
-                   double tolerance) {
-  return {{a, b, X_WA, X_WB}, tolerance};
+inline Known known(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB) {
+  return {{a, b, X_WA, X_WB}};
+}
+
+/// The pairs of a family of tests/data/depths.txt; a family without a pair fails the test.
+inline std::vector<Known> knownDepths(const std::string& family) {
+  static const CaseFile file = readCases(leeway::sourceFolder() + "/tests/data/depths.txt");
+  std::vector<Known> pairs;
+  for (const FileCase& c : file.cases)
+    if (c.family == family)
+      pairs.push_back(known(file.shapes.at(c.a), c.X_WA, file.shapes.at(c.b), c.X_WB));
+  EXPECT_FALSE(pairs.empty()) << family;
+  return pairs;
 }
 
 inline Pose pose(const double (&R)[9], const Eigen::Vector3d& t) {
@@ -37,11 +48,13 @@ inline Pose pose(const double (&R)[9], const Eigen::Vector3d& t) {
 
 inline Shape hull(const std::vector<Eigen::Vector3d>& points) { return Shape::convexHull(points); }
 
-/// As narrow as asked, around the truth, in either order. Returns the first order's answer.
-inline DistanceResult expectNarrow(const Known& known, Scratch& scratch) {
+/// As narrow as asked, around the truth, in either order, with `iteration_limit` steps. Returns the
+/// first order's answer.
+inline DistanceResult expectNarrow(const Known& known, Scratch& scratch,
+                                   int iteration_limit = DistanceRequest{}.iteration_limit) {
   const Pair& pair = known.pair;
   DistanceRequest request;
-  if (known.tolerance > 0) request.tolerance = known.tolerance * known.size();
+  request.iteration_limit = iteration_limit;
   const oracle::Truth truth = oracle::signedSeparation(pair.a, pair.X_WA, pair.b, pair.X_WB);
   const DistanceResult there = distance(pair.a, pair.X_WA, pair.b, pair.X_WB, request, scratch),
                        back = distance(pair.b, pair.X_WB, pair.a, pair.X_WA, request, scratch);

@@ -11,6 +11,7 @@
 
 #include "leeway/collision/distance.h"
 #include "tests/build_paths.h"
+#include "tests/support/case_file.h"
 #include "tools/truth/oracle/oracle.h"
 
 // 6,000 pairs, ordinary and hard, with reference distances from quadruple precision: see the data's
@@ -19,12 +20,6 @@
 namespace leeway::collision {
 namespace {
 
-struct Case {
-  int id = 0, a = 0, b = 0;
-  std::string family;
-  Pose X_WA, X_WB;
-};
-
 struct Reference {
   int verdict = 0;
   double distance = 0, gap = 0;
@@ -32,63 +27,14 @@ struct Reference {
   double largest = 0;
 };
 
-struct Data {
-  std::map<int, Shape> shapes;
-  std::vector<Case> cases;
+std::map<int, Reference> readReferences(const std::string& path) {
   std::map<int, Reference> references;
-};
-
-Shape readShape(std::istringstream& in) {
-  std::string type;
-  in >> type;
-  if (type == "box") {
-    Eigen::Vector3d h;
-    in >> h.x() >> h.y() >> h.z();
-    return Shape::box(h);
-  }
-  if (type == "hull") {
-    std::size_t vertices = 0, facets = 0;
-    in >> vertices >> facets;
-    std::vector<Eigen::Vector3d> points(vertices);
-    for (Eigen::Vector3d& p : points) in >> p.x() >> p.y() >> p.z();
-    return Shape::convexHull(points);
-  }
-  double radius = 0, half_length = 0;
-  in >> radius;
-  if (type == "sphere") return Shape::sphere(radius);
-  in >> half_length;
-  return type == "capsule" ? Shape::capsule(radius, half_length)
-                           : Shape::cylinder(radius, half_length);
-}
-
-bool readData(const std::string& folder, Data& data) {
-  std::ifstream cases(folder + "/cases.txt"), references(folder + "/reference.txt");
-  if (!cases || !references) return false;
-  std::string line, word;
-  while (std::getline(cases, line)) {
-    std::istringstream in(line);
-    in >> word;
-    if (word == "shape") {
-      int id = 0;
-      in >> id;
-      data.shapes.emplace(id, readShape(in));
-    } else if (word == "case") {
-      Case c;
-      in >> c.id >> c.family >> word >> c.a >> c.b;
-      for (Pose* X : {&c.X_WA, &c.X_WB}) {
-        for (int i = 0; i < 9; ++i) in >> X->rotation(i / 3, i % 3);
-        for (int i = 0; i < 3; ++i) in >> X->translation[i];
-      }
-      EXPECT_TRUE(in) << line.substr(0, 80);
-      data.cases.push_back(c);
-    }
-  }
+  std::ifstream lines(path);
   int id = 0;
   Reference r;
-  while (references >> id >> r.verdict >> r.distance >> r.gap >> r.has_value >> r.largest) {
-    data.references[id] = r;
-  }
-  return true;
+  while (lines >> id >> r.verdict >> r.distance >> r.gap >> r.has_value >> r.largest)
+    references[id] = r;
+  return references;
 }
 
 bool holds(const Interval& d, const Reference& r) {
@@ -101,15 +47,16 @@ TEST(NarrowCases, EveryIntervalHoldsTheReference) {
   const std::string folder =
       (root != nullptr ? std::string(root) : (leeway::sourceFolder() + "/../shared/data")) +
       "/narrow";
-  Data data;
-  if (!readData(folder, data)) GTEST_SKIP() << "no data in " << folder;
+  const testing::CaseFile data = testing::readCases(folder + "/cases.txt");
+  const std::map<int, Reference> references = readReferences(folder + "/reference.txt");
+  if (data.cases.empty() || references.empty()) GTEST_SKIP() << "no data in " << folder;
   ASSERT_GE(data.cases.size(), 6000u);
   Scratch scratch;
   PairCache cache;
   int unsafe = 0, refuted = 0, undecided = 0, wide = 0, overlapping = 0;
   double widest = 0;
-  for (const Case& c : data.cases) {
-    const Reference& reference = data.references.at(c.id);
+  for (const testing::FileCase& c : data.cases) {
+    const Reference& reference = references.at(c.id);
     const Shape &a = data.shapes.at(c.a), &b = data.shapes.at(c.b);
     overlapping += reference.verdict < 0;
     for (const bool swapped : {false, true}) {
