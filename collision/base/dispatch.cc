@@ -4,7 +4,7 @@ namespace leeway::collision {
 
 namespace {
 
-// Chooses none: functions that are called before this file is initialized find out themselves.
+// No target chosen: functions that are called before this file is initialized choose on their own.
 constinit const hwy::ChosenTarget unknown;
 
 }  // namespace

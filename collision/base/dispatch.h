@@ -6,13 +6,13 @@
 
 namespace leeway::collision {
 
-/// Where Highway keeps which target it chose. HWY_DYNAMIC_DISPATCH asks its library each time: a
-/// call, for which all arguments have to be put aside, in a page that nothing else uses.
+/// Highway's record of the target that it chose. HWY_DYNAMIC_DISPATCH fetches it through a library
+/// call each time, which spills all arguments and touches a page that nothing else uses.
 extern const hwy::ChosenTarget* chosen_target;
 
 }  // namespace leeway::collision
 
-/// HWY_DYNAMIC_DISPATCH() without that call. For what is called so often that it counts.
+/// HWY_DYNAMIC_DISPATCH() without that call, for hot functions.
 #if HWY_IDE || ((HWY_TARGETS & (HWY_TARGETS - 1)) == 0)
 #define LEEWAY_DISPATCH(FUNCTION) HWY_DYNAMIC_DISPATCH(FUNCTION)
 #else

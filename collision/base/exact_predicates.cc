@@ -9,8 +9,8 @@
 namespace leeway::collision {
 namespace {
 
-// A sum of doubles that do not overlap, smallest first: the exact value is the sum of the terms,
-// its sign that of the last one. Shewchuk 1997, section 2. Capacities below are those of a product
+// A nonoverlapping expansion, smallest term first: the exact value is the sum of the terms, its
+// sign that of the last one. Shewchuk 1997, section 2. The capacities below suffice for a product
 // of three differences.
 template <std::size_t capacity>
 struct Expansion {
@@ -56,8 +56,7 @@ Expansion<2> difference(double a, double b) {
   return e;
 }
 
-// Adds f to e, term by term (Shewchuk's grow-expansion), in place: what is written never overtakes
-// what is read.
+// Adds f to e, term by term (Shewchuk's grow-expansion). In place: writes never overtake reads.
 template <std::size_t n, std::size_t m>
 void add(Expansion<n>& e, const Expansion<m>& f) {
   for (std::size_t j = 0; j < f.size; ++j) {
@@ -141,7 +140,7 @@ int orientation(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen:
   const double permanent = std::abs(dx) * (std::abs(x1) + std::abs(x2)) +
                            std::abs(dy) * (std::abs(y1) + std::abs(y2)) +
                            std::abs(dz) * (std::abs(z1) + std::abs(z2));
-  if (permanent == 0) return 0;  // every product has a factor 0: frequent in axis-aligned parts
+  if (permanent == 0) return 0;  // every product has a factor 0: common in axis-aligned parts
   const double error = kOrientationRounding * permanent;
   if (determinant > error) return 1;
   if (-determinant > error) return -1;

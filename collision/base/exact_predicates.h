@@ -4,11 +4,11 @@
 
 namespace leeway::collision {
 
-// Signs of determinants of points with double coordinates, without error: a floating-point filter
-// decides nearly always, expansion arithmetic (J. R. Shewchuk, "Adaptive precision floating-point
-// arithmetic and fast robust geometric predicates", 1997) the rest. Valid while no non-zero
-// coordinate is below kSmallestExact, nor above 1e90, in magnitude, so that no product of three
-// leaves the range of normal doubles.
+// Exact signs of determinants of points with double coordinates. A floating-point filter decides
+// nearly always, expansion arithmetic (J. R. Shewchuk, "Adaptive precision floating-point
+// arithmetic and fast robust geometric predicates", 1997) the rest. Valid while every coordinate is
+// 0 or between kSmallestExact and 1e90 in magnitude: then no product of three leaves the range of
+// normal doubles.
 
 /// Sign of ((b - a) x (c - a)) . (d - a): +1 where d lies on the side from which abc is
 /// counter-clockwise, 0 when the four points are exactly coplanar.

@@ -1,7 +1,6 @@
-// Four or eight doubles side by side, the same operation on each: as many registers as the target
-// needs for them. Every operation is rounded like that of single doubles (there is no fused one),
-// so that results are the same on every target. Included once a target (see Highway's
-// foreach_target.h).
+// Vectors of four or eight doubles, in as many registers as the target needs. Every operation
+// rounds like one on single doubles, without fused multiply-add, so that results are the same on
+// every target. Included once for each target (see Highway's foreach_target.h).
 
 #if defined(LEEWAY_COLLISION_LANES_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef LEEWAY_COLLISION_LANES_INL_H
@@ -109,7 +108,7 @@ HWY_INLINE unsigned bitsOf(const Mask<n>& mask) {
   return bits;
 }
 
-/// From and to n doubles at a multiple of 8 n bytes.
+/// From and to n doubles, aligned to 8 n bytes.
 template <int n>
 HWY_INLINE Lanes<n> load(const double* from) {
   return eachLane<n>(
@@ -138,13 +137,13 @@ HWY_INLINE Lanes<n> allLanes(Same x) {
 #endif
 }
 
-/// Picks the number in one lane.
+/// Selects one lane.
 template <int n>
 class Pick {
  public:
   using Place = hn::Vec<hn::RebindToSigned<Widest>>;
   HWY_INLINE explicit Pick(std::int64_t lane) : Pick(hn::Set(hn::RebindToSigned<Widest>(), lane)) {}
-  /// The lane in every lane of a register.
+  /// From a register that holds the lane's number in every lane.
   HWY_INLINE explicit Pick(Place lane) : lane_(lane) {}
   HWY_INLINE int lane() const { return static_cast<int>(hn::GetLane(lane_)); }
   HWY_INLINE double operator()(const Lanes<n>& a) const {
@@ -156,11 +155,11 @@ class Pick {
     return some[hn::GetLane(lane_)];
 #endif
   }
-  /// For every lane.
+  /// The selected number in every lane.
   HWY_INLINE Same same(const Lanes<n>& a) const {
 #if HWY_CAP_GE512
     if constexpr (n == 4) {
-      // (Highway's way there sets the upper half to zero, which is never looked at.)
+      // (Highway's conversion zeroes the upper half, which is never read.)
       return hn::TableLookupLanes(Same{_mm512_castpd256_pd512(a.v[0].raw)}, places<8>());
     } else {
       return hn::TableLookupLanes(a.v[0], places<8>());
@@ -184,11 +183,11 @@ class Pick {
   Place lane_;
 };
 
-/// The numbers at places of an array, none of them below 0, lane by lane.
+/// Gathers from[places], lane by lane; places >= 0.
 HWY_INLINE Same gathered(const double* from, hn::Vec<hn::RebindToSigned<Widest>> places) {
 #if HWY_CAP_GE512
-  // Highway's gathers to a register that it leaves as it was, which then has to be waited for: one
-  // hull's answer for the other's. (Compilers that know the mask leave the zero out, too.)
+  // Highway's gather merges into an uninitialized register, which makes one hull's result wait for
+  // the other's. (A constant mask would let compilers drop the zeroed source, too.)
   const __mmask8 all = _mm512_cmpge_epi64_mask(places.raw, _mm512_setzero_si512());
   return Same{_mm512_mask_i64gather_pd(_mm512_setzero_pd(), all, places.raw, from, 8)};
 #else
@@ -196,7 +195,7 @@ HWY_INLINE Same gathered(const double* from, hn::Vec<hn::RebindToSigned<Widest>>
 #endif
 }
 
-/// The least of a register's lanes, in every lane.
+/// The minimum of a register's lanes, in every lane.
 HWY_INLINE Same leastLane(Same x) {
 #if HWY_TARGET == HWY_SCALAR
   return x;
@@ -211,11 +210,12 @@ HWY_INLINE Same leastLane(Same x) {
 #endif
 }
 
-/// A lane with the least value, or with one that is greater by some units in the last place; none
-/// is below 0, infinite or NaN. (With a name infinity would be NaN, too, of which lanes do not
-/// agree which one is least.)
+/// A lane whose value is the least to within some units in the last place. Values must be finite
+/// and not below 0. (Tagged with its lane infinity would become NaN, on whose minimum lanes
+/// disagree.)
 HWY_INLINE Pick<8> leastLaneOf(const Lanes<8>& a) {
-  // The last bits of each value are replaced by its lane: no mask has to become a number.
+  // The lane's number replaces the last bits of each value, which saves the way from a mask to an
+  // index.
   const hn::RebindToSigned<Widest> di;
   const auto named = [&](int i) HWY_ATTR {
     const auto lane = hn::Iota(di, 8 / kRegisters<8> * i);
@@ -226,7 +226,7 @@ HWY_INLINE Pick<8> leastLaneOf(const Lanes<8>& a) {
   return Pick<8>(hn::And(hn::BitCast(di, leastLane(least)), hn::Set(di, 7)));
 }
 
-/// The first four of the lanes that are told.
+/// The lanes named by the first four of `lanes`.
 HWY_INLINE Lanes<4> fourOf(const Lanes<8>& a, const std::int64_t (&lanes)[8]) {
 #if HWY_CAP_GE512
   return {{hn::LowerHalf(hn::TableLookupLanes(a.v[0], hn::SetTableIndices(Doubles<8>(), lanes)))}};
@@ -239,7 +239,8 @@ HWY_INLINE Lanes<4> fourOf(const Lanes<8>& a, const std::int64_t (&lanes)[8]) {
 #endif
 }
 
-/// The next one of all lanes but the last, in a ring; what the last one gets does not matter.
+/// Rotates all lanes but the last by one: each gets its successor, the last of them the first. The
+/// last lane gets any value.
 HWY_INLINE Lanes<4> nextInRing(const Lanes<4>& a) {
 #if HWY_TARGET == HWY_SCALAR
   return {{a.v[1], a.v[2], a.v[0], a.v[1]}};
@@ -264,17 +265,16 @@ HWY_INLINE Lanes<8> nextInRing(const Lanes<8>& a) {
 #endif
 }
 
-/// The lane with the least of the first three values, a[k] / part[k]; no part is below 0. (Of the
-/// fourth one nothing is known.)
+/// The lane with the least of a[k] / part[k] for k = 0, 1, 2; no part is below 0. (The fourth lane
+/// may hold anything.)
 HWY_INLINE Pick<4> leastOfThree(const Lanes<4>& a, const Lanes<4>& part) {
-  // Across, instead of divided: is the lane's greater than the next one's?
+  // Cross-multiplied instead of divided: is the lane's quotient greater than the next one's?
   const Mask<4> greater = a * nextInRing(part) > nextInRing(a) * part;
   static constexpr std::int64_t kLeastLane[8] = {0, 1, 2, 2, 0, 1, 0, 0};
   return Pick<4>(kLeastLane[bitsOf(greater) & 7U]);
 }
 
-/// x, y and z side by side, each of them in all of its lanes; what the last lane gets does not
-/// matter.
+/// (x, y, z, any), where each argument holds its number in all lanes.
 HWY_INLINE Lanes<4> sideBySide(const Lanes<4>& x, const Lanes<4>& y, const Lanes<4>& z) {
 #if HWY_TARGET == HWY_SCALAR
   return {{x.v[0], y.v[0], z.v[0], z.v[0]}};
@@ -325,13 +325,13 @@ template <int n, class Point>
 HWY_INLINE Points<n> allLanes(const Point& p) {
   return {allLanes<n>(p.x), allLanes<n>(p.y), allLanes<n>(p.z)};
 }
-/// What the last lane gets does not matter.
+/// (a, b, c, any).
 HWY_INLINE Points<4> sideBySide(const Triple& a, const Triple& b, const Triple& c) {
   return {sideBySide(allLanes<4>(a.x), allLanes<4>(b.x), allLanes<4>(c.x)),
           sideBySide(allLanes<4>(a.y), allLanes<4>(b.y), allLanes<4>(c.y)),
           sideBySide(allLanes<4>(a.z), allLanes<4>(b.z), allLanes<4>(c.z))};
 }
-/// R p, rounded as that of a Triple.
+/// R p, rounded like rotated() of a Triple.
 HWY_INLINE Points<4> rotated(const Eigen::Matrix3d& R, const Points<4>& p) {
   const auto row = [&](int i) HWY_ATTR {
     return allLanes<4>(R(i, 0)) * p.x + allLanes<4>(R(i, 1)) * p.y + allLanes<4>(R(i, 2)) * p.z;

@@ -14,7 +14,7 @@
 #define LEEWAY_PLAIN_MEMORY
 #endif
 #elif defined(__SANITIZE_ADDRESS__)
-// Reads behind an array's end would not be seen.
+// Within a shared page the sanitizer would miss reads past an array's end.
 #define LEEWAY_PLAIN_MEMORY
 #endif
 
@@ -26,15 +26,16 @@ namespace {
 
 constexpr std::size_t kPage = std::size_t{2} << 20;
 constexpr std::align_val_t kPageAlignment{kPage};
-// Smaller arrays gain nothing. Nor do larger ones (measured: pages of their own for those of 200k
-// triangles take nothing off a query, and distances after `restructure` took 1.4 times as long).
+// Smaller arrays gain nothing. Nor do larger ones (measured: with pages of their own for the arrays
+// of 200k triangles queries were no faster, and distances after `restructure` took 1.4 times as
+// long).
 constexpr std::size_t kLeast = 4096, kMost = kPage / 2;
-// Of arrays that share a page: lines of the cache.
+// Arrays that share a page begin at cache lines.
 constexpr std::size_t kAlignment = 64;
 
 class LargePages final : public std::pmr::memory_resource {
  private:
-  // Stands at the begin of a page that arrays share.
+  // The header of a page that arrays share.
   struct Shared {
     std::size_t used, arrays;
   };
@@ -73,19 +74,19 @@ class LargePages final : public std::pmr::memory_resource {
 
   static Shared* newPage() {
     void* const page = ::operator new(kPage, kPageAlignment);
-    // Where the system has none to give, small ones do as well as ever.
+    // Only a hint: without a large page small ones back the same memory.
     static_cast<void>(madvise(page, kPage, MADV_HUGEPAGE));
     return new (page) Shared{kAlignment, 0};
   }
 
   std::mutex mutex_;
-  Shared* open_ = nullptr;  // where the next array goes
+  Shared* open_ = nullptr;  // the page that takes the next array
 };
 
 }  // namespace
 
 std::pmr::memory_resource* largePages() {
-  // Never destroyed: arrays may outlive whatever is.
+  // Never destroyed: arrays may outlive any static object.
   static LargePages* const pages = new LargePages;
   return pages;
 }

@@ -8,9 +8,9 @@
 
 namespace leeway::collision {
 
-/// Two numbers side by side, the same operation on both: a lane for each body. (Every compiler that
-/// we build with has these; they are rounded like single doubles, so that results are the same
-/// where they are not fast.)
+/// Two doubles with the same operation on both: a lane for each body. (A vector extension of gcc
+/// and clang; lanes are rounded like single doubles, so that targets without such registers give
+/// the same results.)
 using BodyLanes = double __attribute__((vector_size(16)));
 
 inline __attribute__((always_inline)) BodyLanes magnitude(BodyLanes x) {
@@ -19,21 +19,21 @@ inline __attribute__((always_inline)) BodyLanes magnitude(BodyLanes x) {
   return reinterpret_cast<BodyLanes>(reinterpret_cast<Bits>(x) & Bits{kAllButSign, kAllButSign});
 }
 
-/// x > y in either lane, in one branch: which of the two it will be nobody can foretell.
+/// x > y in either lane, in one branch: which lane it is is unpredictable.
 inline __attribute__((always_inline)) bool eitherIsGreater(BodyLanes x, BodyLanes y) {
   const auto greater = x > y;
   return (greater[0] | greater[1]) != 0;
 }
 
-/// How far the matrices of two poses are from rotations: see RelativePose (convex.h).
+/// How far the matrices of two poses are from rotations: see RelativePose (gjk/convex_view.h).
 struct PoseCheck {
   /// Both departures are at most kRotationTolerance; false when an entry is not finite.
   bool rotations = false;
-  double departure = 0;  ///< the sum of both, or a little more
+  double departure = 0;  ///< an upper bound of their sum, at most sqrt(2) times it
 };
 
-/// R^T R - 1 of two matrices, side by side: the diagonal's and the other entries. NaN or infinite
-/// when an entry is.
+/// R^T R - 1 of two matrices, a lane each: the diagonal and the other entries. NaN or infinite when
+/// an entry of the matrix is.
 struct Departures {
   BodyLanes aa, bb, cc, ab, bc, ca;
 };
@@ -51,7 +51,7 @@ inline __attribute__((always_inline)) Departures departuresOf(const Eigen::Matri
           b0 * c0 + b1 * c1 + b2 * c2,       c0 * a0 + c1 * a1 + c2 * a2};
 }
 
-/// O(1), without a branch: every query starts with it. Translations are not looked at.
+/// Every query starts with it: O(1), branch-free. Translations are not looked at.
 inline __attribute__((always_inline)) PoseCheck checkRotations(const Eigen::Matrix3d& R,
                                                                const Eigen::Matrix3d& S) {
   const Departures d = departuresOf(R, S);
@@ -59,8 +59,7 @@ inline __attribute__((always_inline)) PoseCheck checkRotations(const Eigen::Matr
   const BodyLanes mixed = d.ab * d.ab + d.bc * d.bc + d.ca * d.ca;
   const BodyLanes departure = d.aa * d.aa + d.bb * d.bb + d.cc * d.cc + (mixed + mixed);
   constexpr double kLimit = kRotationTolerance * kRotationTolerance;
-  // sqrt(x) + sqrt(y) <= sqrt(2 (x + y)), at one root less. Comparisons are written so that NaN and
-  // infinity fail.
+  // sqrt(x) + sqrt(y) <= sqrt(2 (x + y)) saves a root. The comparisons fail for NaN and infinity.
   return {departure[0] <= kLimit && departure[1] <= kLimit,
           std::sqrt(2 * (departure[0] + departure[1]))};
 }
@@ -71,13 +70,13 @@ inline double departureOf(const Eigen::Matrix3d& R) {
   return 0.5 * checkRotations(R, R).departure + 16 * kUnitRoundoff;
 }
 
-/// What queries take for a pose: finite, and orthogonal within kRotationTolerance.
+/// Whether queries accept X as a pose: finite, and orthogonal within kRotationTolerance.
 inline bool isPose(const Pose& X) {
   return X.translation.allFinite() && checkRotations(X.rotation, X.rotation).rotations;
 }
 
-/// The same with sums of magnitudes instead of Frobenius norms, which are not larger: fewer
-/// operations and no root, but matrices near the tolerance may be called none.
+/// checkRotations() with sums of magnitudes, which are no smaller than Frobenius norms: fewer
+/// operations and no root, but a matrix near the tolerance may be refused.
 inline __attribute__((always_inline)) PoseCheck checkRotationsQuickly(const Eigen::Matrix3d& R,
                                                                       const Eigen::Matrix3d& S) {
   const Departures d = departuresOf(R, S);

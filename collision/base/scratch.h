@@ -6,18 +6,19 @@ namespace leeway::collision {
 
 struct DeformScratch;      // deform/snapshot.h
 struct PolytopeBuffers;    // convex/epa/epa.h
-struct SweepFrontScratch;  // mesh/sweep_front.h
+struct SweepFrontScratch;  // mesh/descent/sweep_front.h
 struct SweepScratch;       // sweep/mesh_sweep_scratch.h
 struct Work;               // base/work.h
 
-/// What the folders of the engine keep in a Scratch: one member each. References, so that no folder
-/// needs to know what the others keep; distance/scratch_buffers.cc owns what they refer to.
+/// The contents of a Scratch: one member for each folder of the engine that keeps some. References
+/// to incomplete types, so that no folder needs to know the others'; distance/scratch_buffers.cc
+/// owns what they refer to.
 struct Scratch::Impl {
   PolytopeBuffers& polytope;
   DeformScratch& deform;
   SweepScratch& sweep;
   SweepFrontScratch& fronts;
-  Work* work;  ///< what is counted; the scratch's own until countInto()
+  Work* work;  ///< where work is counted; the scratch's own until countInto()
 
   virtual ~Impl() = default;
 

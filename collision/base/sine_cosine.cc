@@ -1,9 +1,9 @@
 // Sine and cosine from basic operations alone, so that a configuration has the same bytes on every
 // machine. Reduction: Cody and Waite, Software Manual for the Elementary Functions (1980), with
-// pi/2 in three parts; where too little of the remainder is left, and for large arguments, that of
-// Payne and Hanek, Radian Reduction for Trigonometric Functions (1983), in integers. The
+// pi/2 in three parts; where cancellation leaves too few digits of the remainder, and for large
+// arguments, Payne and Hanek, Radian Reduction for Trigonometric Functions (1983), in integers. The
 // polynomials are minimax (Remez exchange, 300 bits) on |r| <= pi/4 + 2^-20:
-// tools/accuracy/derive_sine_cosine.py prints them.
+// tools/truth/long_run/derive_sine_cosine.py prints them.
 
 #include "collision/base/sine_cosine.h"
 
@@ -62,7 +62,7 @@ double productError(double a, double b, double product) {
   return ((a1 * b1 - product) + a1 * b0 + a0 * b1) + a0 * b0;
 }
 
-/// Any finite x >= 2^-1: x * 2/pi modulo 4 in 320 bits of fixed point, two of them before the
+/// For finite x >= 2^-1: x * 2/pi modulo 4 in 320 bits of fixed point, two of them before the
 /// point.
 Reduced reduceExactly(double x) {
   const auto bits = std::bit_cast<std::uint64_t>(x);
@@ -81,21 +81,21 @@ Reduced reduceExactly(double x) {
     carry = high;
   }
   fixed[0] = carry;
-  // The product is x * 2/pi * 2^(256 - (exponent - first)); the point goes behind the second bit of
-  // word 0.
+  // The product is x * 2/pi * 2^(256 - (exponent - first)); the shift puts the point behind the
+  // second bit of word 0.
   const int shift = 62 + exponent - first;
   for (std::size_t i = 0; i < 5; ++i) {
     const std::uint64_t next = i < 4 ? fixed[i + 1] : 0;
     fixed[i] = shift == 64 ? next : (fixed[i] << shift) | (next >> (64 - shift));
   }
   unsigned quadrant = static_cast<unsigned>(fixed[0] >> 62);
-  fixed[0] <<= 2;  // now a fraction in [0, 1): 64 bits, the top two of word 1 follow below
+  fixed[0] <<= 2;  // drops the quadrant; the loop moves the lower words' bits up, too
   for (std::size_t i = 0; i < 4; ++i) {
     fixed[i] |= fixed[i + 1] >> 62;
     fixed[i + 1] <<= 2;
   }
   const bool negative = (fixed[0] >> 63) != 0;
-  if (negative) {  // nearer to the next quadrant: 1 - fraction (the last bit does not matter)
+  if (negative) {  // nearer to the next quadrant: 1 - fraction, but for the last bit
     ++quadrant;
     for (std::uint64_t& word : fixed) word = ~word;
   }
@@ -130,10 +130,10 @@ Reduced reduce(double x) {
   constexpr double kPart1 = 0x1.921fb544p+0, kPart2 = 0x1.0b4611a6p-34,
                    kPart3 = 0x1.3198a2e037073p-69;
   constexpr double kTwoOverPiRounded = 0x1.45f306dc9c883p-1;
-  constexpr double kRound = 0x1.8p+52;  // adding and taking it off rounds to the nearest integer
+  constexpr double kRound = 0x1.8p+52;  // adding and subtracting it rounds to the nearest integer
   const double n = (x * kTwoOverPiRounded + kRound) - kRound;
-  const double first =
-      x - n * kPart1;  // exact: both are multiples of the same unit, the result is small
+  // Exact: both are multiples of the same unit, and the result is small.
+  const double first = x - n * kPart1;
   const double second = n * kPart2;
   const double third = n * kPart3;
   const double sum = first - second;  // sum + error = first - second exactly (Knuth's two-sum)
@@ -141,7 +141,7 @@ Reduced reduce(double x) {
   const double error = (first - (sum - back)) - (second + back);
   const double low = error - third;
   const double high = sum + low;
-  // The remainder is wrong by at most 2^-101: below 2^-40 that would show in the last place.
+  // The remainder errs by at most 2^-101: below 2^-40 that would show in the last place.
   if (std::fabs(high) < 0x1p-40) return reduceExactly(x);
   return {high, low - (high - sum), static_cast<unsigned>(static_cast<int>(n)) & 3u};
 }
@@ -175,7 +175,7 @@ double cosinePolynomial(double r, double low) {
 void sineCosine(double x, double& sine, double& cosine) {
   const double magnitude = std::fabs(x);
   Reduced reduced{magnitude, 0, 0};
-  if (!(magnitude <= 0.785398163397448)) {  // written so that a NaN comes here
+  if (!(magnitude <= 0.785398163397448)) {  // NaN, too
     if (!(magnitude < std::numeric_limits<double>::infinity())) {
       sine = cosine = std::numeric_limits<double>::quiet_NaN();
       return;

@@ -4,41 +4,43 @@
 
 namespace leeway::collision {
 
-/// What an interval tells of a request, in one number: which of these hold nobody can foretell, and
-/// each would be a branch.
-enum Tells : unsigned {
-  kTellsOverlap = 1,   ///< proven, and no depth was asked
-  kTellsNotAbove = 2,  ///< the threshold
-  kTellsAbove = 4,
-  kTellsNarrow = 8,  ///< width within the tolerance
+/// Conditions of a request that an interval meets, as bits.
+enum Conditions : unsigned {
+  kOverlapProven = 1,    ///< overlap is proven and no depth is asked
+  kNotAboveProven = 2,   ///< upper <= threshold
+  kAboveProven = 4,      ///< lower > threshold
+  kWithinTolerance = 8,  ///< width <= tolerance
 };
-inline unsigned whatTells(const Interval& distance, const DistanceRequest& request) {
-  const auto if_so = [](bool so, Tells tells) { return static_cast<unsigned>(so) * tells; };
-  return if_so(!request.depth & (distance.upper <= 0), kTellsOverlap) |
-         if_so(distance.upper <= request.threshold, kTellsNotAbove) |
-         if_so(distance.lower > request.threshold, kTellsAbove) |
-         if_so(distance.width() <= request.tolerance, kTellsNarrow);
+
+/// Branch-free: the outcomes are unpredictable.
+inline unsigned conditionsMet(const Interval& distance, const DistanceRequest& request) {
+  const auto if_so = [](bool so, Conditions bit) { return static_cast<unsigned>(so) * bit; };
+  return if_so(!request.depth & (distance.upper <= 0), kOverlapProven) |
+         if_so(distance.upper <= request.threshold, kNotAboveProven) |
+         if_so(distance.lower > request.threshold, kAboveProven) |
+         if_so(distance.width() <= request.tolerance, kWithinTolerance);
 }
 
-/// Is the request met by a threshold or by a proven overlap? How far exactly is not asked then.
+/// Whether a threshold or a proven overlap settles the request, however wide the interval is.
 inline bool isDecided(const Interval& distance, const DistanceRequest& request) {
-  return (whatTells(distance, request) & (kTellsOverlap | kTellsNotAbove | kTellsAbove)) != 0;
+  return (conditionsMet(distance, request) & (kOverlapProven | kNotAboveProven | kAboveProven)) !=
+         0;
 }
 
-/// Is it proven on which side of contact the bodies are?
+/// Whether the bodies are proven apart or proven to touch or overlap.
 inline bool isSignKnown(const Interval& distance) {
   return (distance.lower > 0) | (distance.upper <= 0);
 }
 
-/// What an interval is worth to a request.
+/// The status of an answer with this interval: kLimit where it meets no condition.
 inline DistanceStatus statusOf(const Interval& distance, const DistanceRequest& request) {
   using enum DistanceStatus;
-  static constexpr DistanceStatus kWorth[16] = {
+  static constexpr DistanceStatus kStatusOf[16] = {
       kLimit,          kOverlap,        kNotAboveThreshold, kNotAboveThreshold,
       kAboveThreshold, kAboveThreshold, kAboveThreshold,    kAboveThreshold,
       kConverged,      kConverged,      kConverged,         kConverged,
       kConverged,      kConverged,      kConverged,         kConverged};
-  return kWorth[whatTells(distance, request)];
+  return kStatusOf[conditionsMet(distance, request)];
 }
 
 }  // namespace leeway::collision

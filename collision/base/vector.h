@@ -8,10 +8,10 @@ namespace leeway::collision {
 
 using Vector = Eigen::Vector3d;
 
-// The few products that every query makes, written out: they are inlined everywhere, which Eigen's
-// expressions of a matrix product are not, and the order of the sums is fixed here.
+// The products that every query computes, written out: unlike Eigen's matrix products they are
+// always inlined, and the order of the sums is fixed.
 
-/// a x b. (Eigen's own stands in Eigen/Geometry, which costs every file that includes it.)
+/// a x b. (Eigen's own is in Eigen/Geometry, which is slow to compile.)
 inline Vector cross(const Vector& a, const Vector& b) {
   return {a.y() * b.z() - a.z() * b.y(), a.z() * b.x() - a.x() * b.z(),
           a.x() * b.y() - a.y() * b.x()};

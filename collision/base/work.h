@@ -7,13 +7,13 @@ namespace leeway::collision {
 
 class Scratch;  // leeway/collision/query.h
 
-/// What queries have cost, counted and not timed, so that it is the same on every machine and
+/// The cost of queries, counted and not timed, so that it is the same on every machine and
 /// instruction set: steps of searches, boxes, points and planes in lanes, each with its weight. A
-/// unit is about a nanosecond where the weights were measured.
+/// unit is about a nanosecond on the machine that the weights were measured on.
 struct Work {
   std::int64_t done = 0;
-  /// Beyond it searches through hierarchies and lanes end where they are: it costs width and
-  /// answers, never truth.
+  /// Above it searches through hierarchies and lanes stop: intervals get wider or stay undecided,
+  /// but hold.
   std::int64_t limit = std::numeric_limits<std::int64_t>::max();
 
   bool isSpent() const { return done > limit; }
@@ -24,20 +24,20 @@ struct Work {
 /// whose sum is within a third of the time of nine edges in ten above 20 us.
 inline constexpr std::int64_t kPairWork = 100;       ///< a pair of convex parts
 inline constexpr std::int64_t kStepWork = 80;        ///< a step of its search
-inline constexpr std::int64_t kSweptPairWork = 250;  ///< the same for a part that moves
+inline constexpr std::int64_t kSweptPairWork = 250;  ///< a pair of which one part moves
 inline constexpr std::int64_t kSweptStepWork = 75;
-inline constexpr std::int64_t kSweptLanePairWork = 120;  ///< the same in vector lanes
+inline constexpr std::int64_t kSweptLanePairWork = 120;  ///< such a pair in vector lanes
 inline constexpr std::int64_t kSweptLaneStepWork = 50;
 inline constexpr std::int64_t kBoxWork = 13;        ///< a box of a node, or a pair of triangles
 inline constexpr std::int64_t kLaneBallWork = 5;    ///< a ball in all lanes
-inline constexpr std::int64_t kLanePointWork = 3;   ///< a point, seen along a plane
-inline constexpr std::int64_t kLanePlaneWork = 80;  ///< a plane besides
+inline constexpr std::int64_t kLanePointWork = 3;   ///< a point against a plane
+inline constexpr std::int64_t kLanePlaneWork = 80;  ///< each plane, besides its points
 inline constexpr std::int64_t kPlaneSearchWork = 1200;
 inline constexpr std::int64_t kLanePassWork = 850;  ///< placing the frames
 inline constexpr std::int64_t kPlacingWork = 40;    ///< placing one link
 inline constexpr std::int64_t kCellWork = 2;        ///< a cell of a table
 
-/// Queries with `scratch` count into `work` from now on, and end where it says; `work` has to
+/// Queries with `scratch` count into `work` from now on and stop at its limit; `work` has to
 /// outlive them. O(1).
 void countInto(Scratch& scratch, Work& work);
 

@@ -13,6 +13,7 @@
 #include "collision/cover/ball_cover.h"
 #include "collision/cover/face_parts.h"
 #include "collision/shapes/hull_builder.h"
+#include "collision/shapes/hull_distance.h"
 #include "leeway/collision/convex_hull.h"
 #include "leeway/collision/triangle_mesh.h"
 

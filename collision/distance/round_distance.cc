@@ -5,7 +5,7 @@
 #include <limits>
 #include <utility>
 
-#include "collision/base/fetch_code.h"
+#include "collision/base/prefetch.h"
 #include "collision/base/scratch.h"
 #include "collision/base/status.h"
 #include "collision/base/tolerances.h"
@@ -43,7 +43,7 @@ bool roundDistance(const Shape& a, const Pose& X_WA, const Shape& b, const Pose&
   DeformScratch& scratch_of_meshes = scratch.impl().deform;
   if (scratch_of_meshes.asked != mesh.id) {
     scratch_of_meshes.asked = mesh.id;
-    fetchCode(roundDistance, 2304);
+    prefetchCode(roundDistance, 2304);
     fetchNearestCode();
   }
 

@@ -9,16 +9,15 @@
 
 namespace leeway::collision {
 
-/// An oriented box around points x: |axis_k . (x - center)| <= half_k for k = 0, 1, 2, as exact
-/// real numbers, whatever the axes' own rounding; their lengths are 1 and their angles right within
-/// 2^-21.
+/// An oriented box: the points x with |axis_k . (x - center)| <= half_k for k = 0, 1, 2, in exact
+/// arithmetic with the axes as stored. The axes are orthonormal to within 2^-21.
 struct OrientedBox {
   float center[3];
   float axis[3][3];  ///< axis[k] is a vector
   float half[3];
 };
 
-/// Up to kWidth boxes in vector-friendly order, and what is in each.
+/// Up to kWidth boxes, as columns for vector registers, and what each holds.
 struct BoxNode {
   static constexpr int kWidth = 8;
 
@@ -26,7 +25,8 @@ struct BoxNode {
   alignas(32) float axis[3][3][kWidth];  ///< axis[k][coordinate][lane]
   alignas(32) float half[3][kWidth];
   alignas(32) float radius[kWidth];  ///< half the diagonal
-  /// >= 0: a node; < 0: the triangle in slot ~child, or from BoxTree::firstPiece() on a piece
+  /// >= 0: a node; < 0: the triangle in slot ~child, or from BoxTree::firstPiece() on a convex
+  /// piece
   std::int32_t child[kWidth];
   std::int32_t count;
 
@@ -35,9 +35,9 @@ struct BoxNode {
 
 /// A hierarchy of oriented boxes over the triangles of a mesh, eight to a node (S. Gottschalk, M.
 /// C. Lin, D. Manocha, "OBBTree", 1996; I. Wald, C. Benthin, S. Boulos, "Getting rid of packets",
-/// 2008, for wide nodes). Every triangle has a box of its own, and so have convex pieces, where
-/// there are some: above them stands a hierarchy of pieces and loose triangles, below each one of
-/// its triangles. Single precision, rounded outwards: a filter.
+/// 2008, for wide nodes). Every triangle has a box of its own, and so has every convex piece: above
+/// them is a hierarchy of pieces and loose triangles, below each piece one of its triangles. Single
+/// precision, rounded outwards: a filter.
 class BoxTree {
  public:
   using Triangle = std::array<std::int32_t, 3>;
@@ -45,15 +45,15 @@ class BoxTree {
   /// No path from the root is longer.
   static constexpr int kMaxDepth = 48;
 
-  /// `slot_of` numbers the triangles as `child` is to name them; `piece_of` says for each triangle
-  /// which of `pieces` it is in (two and more in each), -1 for none. O(n log n).
+  /// For each triangle `slot_of` is its number in `child`, and `piece_of` its convex piece, 0 to
+  /// `pieces` - 1 (each of two triangles or more), or -1. O(n log n).
   BoxTree(std::span<const Eigen::Vector3d> vertices, std::span<const Triangle> triangles,
           std::span<const std::int32_t> slot_of, double extent,
           std::span<const std::int32_t> piece_of, int pieces);
 
-  /// False when the coordinates are out of the range of single precision: then there are no nodes.
+  /// False when coordinates are out of the range of single precision: there are no nodes then.
   bool usable() const { return !nodes_.empty(); }
-  /// Node 0 has one box only, that of the whole mesh.
+  /// Node 0 has one box, that of the whole mesh.
   const BoxNode& node(int i) const { return nodes_[static_cast<std::size_t>(i)]; }
   /// ~child of piece 0; those of the others follow.
   std::int32_t firstPiece() const { return first_piece_; }
@@ -65,10 +65,10 @@ class BoxTree {
 
  private:
   struct Input;
-  struct Piece;
-  std::int32_t build(Input& input, const Piece& whole, int depth, bool in_piece);
-  std::int32_t childFor(Input& input, const Piece& piece, int depth, bool in_piece);
-  void setLane(std::int32_t node, int lane, const Piece& piece, const Input& input);
+  struct Cluster;
+  std::int32_t build(Input& input, const Cluster& whole, int depth, bool in_piece);
+  std::int32_t childFor(Input& input, const Cluster& cluster, int depth, bool in_piece);
+  void setLane(std::int32_t node, int lane, const Cluster& cluster, const Input& input);
 
   std::vector<BoxNode> nodes_;
   std::vector<std::int32_t> piece_node_;

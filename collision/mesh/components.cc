@@ -32,10 +32,9 @@ class Components {
  private:
   struct Link {
     std::int32_t triangle;
-    bool same_direction;  // both triangles use the edge in the same direction: one of them must be
-                          // turned
+    bool same_direction;  // of both triangles along the edge: one of them must be flipped
   };
-  // Across the edges that a triangle shares with just one other.
+  // Across the edges that a triangle shares with exactly one other.
   struct Links {
     std::array<Link, 3> link;
     std::size_t count = 0;
@@ -83,12 +82,12 @@ class Components {
         component[i] = static_cast<std::int32_t>(closed.size());
         closed.push_back(collapsed(triangles_[i]) ? 0 : 1);
       }
-      component[i] = component[index(r)];  // a root is the lowest triangle of its component
+      component[i] = component[index(r)];  // the root, its lowest triangle, has its number already
       if (broken_[i] != 0) closed[index(component[i])] = 0;
     }
   }
 
-  // Flood fill: turns triangles so that neighbours agree; a component where they cannot is not a
+  // Flood fill: flips triangles so that neighbours agree; a component where they cannot is no
   // solid.
   void orient() {
     std::vector<signed char> turned(triangles_.size(), -1);
@@ -125,7 +124,7 @@ class Components {
       if (turned[index(t)] == 1) std::swap(triangles_[index(t)][1], triangles_[index(t)][2]);
     }
     const Vector3d origin = vertices_[index(triangles_[index(triangles[0])][0])];
-    double volume = 0;  // its sign only: what is inside does not depend on it
+    double volume = 0;  // only its sign is used, and what is inside does not depend on that
     for (const std::int32_t t : triangles) {
       const Triangle& v = triangles_[index(t)];
       volume += (vertices_[index(v[0])] - origin)
@@ -136,7 +135,7 @@ class Components {
       std::swap(triangles_[index(t)][1], triangles_[index(t)][2]);
   }
 
-  // A triangle with a repeated corner belongs to a component that has this corner, if there is one.
+  // A triangle with a repeated corner joins a component that has one of its corners, if any.
   void joinCollapsed() {
     std::vector<std::int32_t> of_vertex(vertices_.size(), -1);
     for (std::size_t i = 0; i < triangles_.size(); ++i) {
@@ -151,7 +150,7 @@ class Components {
         if (of_vertex[index(v)] >= 0) component[i] = of_vertex[index(v)];
       }
     }
-    // Number the components that are left anew.
+    // Renumber the components that are left.
     std::vector<std::int32_t> renumbered(closed.size(), -1);
     std::vector<std::uint8_t> kept;
     for (std::int32_t& c : component) {

@@ -8,29 +8,29 @@
 
 namespace leeway::collision {
 
-/// A use of an edge by a triangle.
+/// An edge of a triangle.
 struct EdgeUse {
   std::int32_t low, high;  ///< its corners
   std::int32_t triangle;
-  std::int32_t side;  ///< the edge is that from corner `side` to the next
-  bool forward;       ///< which is from low to high
+  std::int32_t side;  ///< it runs from corner `side` to the next
+  bool forward;       ///< from low to high
 };
 
-/// The edges of all triangles but those that name a vertex twice (such a one uses an edge in both
-/// directions: its neighbours match without it), by low, high and triangle. O(n + vertices), and
-/// O(k log k) for a vertex of k edges.
+/// The edges of all triangles, sorted by low, high and triangle; but for triangles that name a
+/// vertex twice: such a triangle uses an edge in both directions, and its neighbours match without
+/// it. O(n + vertices), and O(k log k) for a vertex of k edges.
 std::vector<EdgeUse> sortedEdges(std::span<const std::array<std::int32_t, 3>> triangles,
                                  std::size_t vertices);
 
 /// The connected parts of a set of triangles.
 struct MeshComponents {
-  std::vector<std::int32_t> component;  ///< one a triangle
-  std::vector<std::uint8_t> closed;     ///< one a component: not 0 for a solid
+  std::vector<std::int32_t> component;  ///< of each triangle
+  std::vector<std::uint8_t> closed;     ///< of each component: not 0 for a solid
 };
 
-/// Components by edges that share both vertex indices. One whose edges are each shared by exactly
-/// two triangles of opposite direction is closed; triangles are turned where that makes a component
-/// consistent, so that it encloses positive volume at `vertices`. O(n log n).
+/// Components are connected by edges with the same two vertices. A component is closed when each of
+/// its edges is shared by exactly two triangles of opposite direction; triangles are flipped where
+/// that makes a component consistent, and so that it encloses positive volume. O(n log n).
 MeshComponents findComponents(std::span<const Eigen::Vector3d> vertices,
                               std::vector<std::array<std::int32_t, 3>>& triangles);
 

@@ -17,9 +17,10 @@ namespace {
 
 using Eigen::Vector3d;
 
+// A part of a facet.
 struct Piece {
   std::array<Vector3d, 3> corner;
-  int slot;  // a triangle near it
+  int slot;  // of a triangle near it
 };
 
 using Polygon = std::vector<Vector3d>;
@@ -67,13 +68,14 @@ class Search {
     return d * (1 + kRelativeRounding) + size_ * kRelativeRounding;
   }
 
-  // No point of the polygon's hull is farther from the triangle in that slot.
+  // An upper bound on the distance of the polygon's points from the triangle in a slot.
   double boundOf(const Vector3d* corners, std::size_t count, int slot) const {
     double bound = 0;
     for (std::size_t i = 0; i < count; ++i) bound = std::max(bound, distance(corners[i], slot));
     return bound;
   }
 
+  // Whether a part with this bound needs no refinement.
   bool accept(double bound) {
     if (bound > std::max({accepted_, kExcessTolerance * std::min(size_, 1.0), kExcessRatio * met_}))
       return false;
@@ -81,8 +83,8 @@ class Search {
     return true;
   }
 
-  // The slot of the triangle nearest to p. Only how good the bound gets depends on it. Remembers
-  // the largest distance met.
+  // The slot of the triangle nearest to p: a heuristic, on which only the bound's quality depends.
+  // Records the largest distance met.
   int nearest(const Vector3d& p, int slot) {
     double best = distance(p, slot);
     std::array<int, 2 * MeshTree::kMaxDepth> stack;
@@ -119,9 +121,8 @@ class Search {
     }
   }
 
-  // Where the hull lies (nearly) on the mesh, borders of its triangles are followed, not
-  // approximated: the part of the piece over the triangle is dropped and the rest is kept. False
-  // when that part is not near the triangle.
+  // Where the hull lies (nearly) on the mesh, cuts follow the triangle's edges: what is over the
+  // triangle is done, the rest of the piece is kept. False when that is not near the triangle.
   bool cutOut(const Piece& piece, int slot) {
     const Vector3d* v = tree_.corners(slot);
     const Vector3d normal = (v[1] - v[0]).cross(v[2] - v[0]);
@@ -151,8 +152,7 @@ class Search {
       length = l;
       longest = k;
     }
-    // Halving is quick while the piece is no longer than what is allowed, and hopeless when it is
-    // far longer.
+    // Halving is fast for a piece about as long as the excess, and hopeless for a far longer one.
     if (std::sqrt(length) > 64 * met_ && cutOut(piece, slot)) return;
     const Vector3d &a = piece.corner[longest], &b = piece.corner[(longest + 1) % 3],
                    &c = piece.corner[(longest + 2) % 3];
@@ -161,8 +161,9 @@ class Search {
     stack_.push_back({{middle, b, c}, slot});
   }
 
-  // Keeps in `polygon` what lies on the side of `direction`, and puts the other part into `rest`.
-  // New corners lie on edges to within rounding, which the bound's own share for rounding covers.
+  // Splits a polygon by the plane through `point`: `polygon` keeps the side that `direction` points
+  // to, `rest` gets the other. New corners are on edges to within rounding, which distance()
+  // covers.
   static void cut(Polygon& polygon, const Vector3d& point, const Vector3d& direction,
                   Polygon& rest) {
     Polygon kept;
@@ -193,8 +194,8 @@ class Search {
   const MeshTree& tree_;
   std::vector<Piece> stack_;
   double size_ = 0;
-  double accepted_ = 0;  // the largest bound of a piece that was let go
-  double met_ = 0;       // the largest distance of a point of the hull from the mesh that was met
+  double accepted_ = 0;  // the largest bound of a piece that is done
+  double met_ = 0;       // the largest distance of a point of the hull from the mesh so far
 };
 
 }  // namespace

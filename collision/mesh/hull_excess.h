@@ -7,11 +7,11 @@
 
 namespace leeway::collision {
 
-/// An upper bound on the distance of the convex hull's surface from the mesh, over all points of
-/// the hull's facets [m]: proven, and as a rule within 5 % or 1e-7 m of the true one. The distance
-/// from one triangle is a convex function, so that over a piece of a facet it is largest at a
-/// corner; facets are cut into pieces until the largest such bound is near to a distance that was
-/// met. Work is limited; at the limit the bound is wider.
+/// An upper bound on the largest distance of a point of the convex hull's surface from the mesh
+/// [m]: proven, and as a rule within 5 % or 1e-7 m of it. The distance from one triangle is a
+/// convex function, so that over a part of a facet it is largest at a corner; facets are cut until
+/// the largest such bound is near a distance that was met. Work is limited: at the limit (about 0.1
+/// s) the bound is looser.
 double hullExcess(std::span<const Eigen::Vector3d> vertices, const MeshTree& tree);
 
 }  // namespace leeway::collision

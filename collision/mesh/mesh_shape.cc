@@ -7,7 +7,7 @@
 
 namespace leeway::collision {
 
-// Shape::mesh() stands here: shapes/ does not know meshes.
+// Shape::mesh() is here because shapes/ does not know meshes.
 Shape Shape::mesh(std::shared_ptr<const TriangleMesh> mesh) {
   if (!mesh || mesh->vertices().empty()) {
     throw InvalidShape("mesh: it has no triangles; at least one is needed");

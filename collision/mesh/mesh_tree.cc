@@ -7,6 +7,7 @@
 #include "collision/base/tolerances.h"
 #include "collision/mesh/convex_pieces.h"
 #include "collision/shapes/hull_builder.h"
+#include "collision/shapes/hull_distance.h"
 #include "leeway/collision/shape.h"
 
 namespace leeway::collision {
@@ -15,9 +16,9 @@ using Eigen::Vector3d;
 
 namespace {
 
-// A leaf's triangles are asked one by one.
+// Queries test a leaf's triangles one by one.
 constexpr std::int32_t kLeafTriangles = 2;
-// A support over this many points costs about as much as the rest of a GJK step.
+// A support function over this many points costs about as much as the rest of a GJK step.
 constexpr int kCoreVertices = 32;
 constexpr int kBins = 16;
 // From this depth on nodes are halved, so that kMaxDepth holds for any mesh of 2^31 triangles.
@@ -119,8 +120,8 @@ void MeshTree::makeBoxes(std::span<const Vector3d> vertices, std::span<const Tri
 
 namespace {
 
-// Where to cut: the bin border with the least sum of area times count on both sides (surface area
-// heuristic), over three axes. Returns the axis, or -1 when all centres coincide.
+// The surface area heuristic with bins: the cut between two bins with the least sum of area times
+// count on both sides, over three axes. Returns the axis, or -1 when all centres coincide.
 int chooseCut(const std::vector<Vector3d>& low, const std::vector<Vector3d>& high,
               const std::vector<Vector3d>& center, std::span<const std::int32_t> order,
               double& cut) {
@@ -182,7 +183,7 @@ std::int32_t MeshTree::build(Input& input, std::int32_t begin, std::int32_t end,
                      {&*first, static_cast<std::size_t>(end - begin)}, cut);
   }
   if (axis >= 0) {
-    // Stable, so that the order of triangles depends on nothing but the mesh.
+    // Stable, so that the order depends on the mesh alone.
     const auto parted = std::stable_partition(
         first, last, [&](std::int32_t t) { return input.center[index(t)][axis] < cut; });
     if (parted != first && parted != last) middle = parted;
@@ -235,18 +236,17 @@ void MeshTree::makeCore(Input& input, MeshNode& node) {
   node.core_begin = static_cast<std::int32_t>(core_.size());
   node.excess = 0;
   if (points.size() <= static_cast<std::size_t>(kCoreVertices)) {
-    // Their hull is that of its corners. Most nodes are such, and looking for the corners would
-    // take longer than all else; supports over all of them take as long as over the corners
-    // (measured).
+    // All points instead of their hull's corners. Most nodes are so small: finding the corners
+    // would dominate the build, and support functions are as fast over all points (measured).
     core_.insert(core_.end(), points.begin(), points.end());
   } else {
     const HullBuilder hull(points, kCoreVertices);
     std::vector<std::int32_t> kept = hull.vertices();
     node.excess = largestDistanceFromHull(points, hull);
     if (kept.size() > static_cast<std::size_t>(kCoreVertices)) {
-      // A flat piece: the builder's limit does not bind, so every n-th point of its outline is
-      // taken, and those between two of them are no farther from the hull than from the edge
-      // between the two.
+      // A flat part, to which the builder's limit does not apply. Every n-th point of the outline
+      // is kept; those between two of them are no farther from the hull than from the edge between
+      // the two.
       const std::vector<std::int32_t>& outline = hull.outline();
       const std::size_t step = (outline.size() + kCoreVertices - 1) / kCoreVertices;
       kept.clear();

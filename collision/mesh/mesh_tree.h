@@ -16,29 +16,28 @@ namespace leeway::collision {
 
 struct ConvexPiece;  // convex_pieces.h
 
-/// A node of MeshTree: bounds of a run of triangles.
+/// A node of MeshTree: bounds of a range of triangles.
 struct MeshNode {
   Eigen::Vector3d center;     ///< of a sphere that holds the triangles [m]
   double radius;              ///< of that sphere, rounded outwards [m]
   Eigen::Vector3d low, high;  ///< their axis-aligned box; exact
-  double excess;  ///< no point of the triangles lies farther than this outside the hull of the core
-                  ///< [m]
+  double excess;  ///< no point of the triangles is farther outside of the core's hull [m]
   double extent;  ///< no point of the core is farther from the origin [m]
   std::int32_t core_begin, core_count;
-  std::int32_t right;  ///< right child; the left one is the next node; -1: a leaf
+  std::int32_t right;  ///< right child, the left one is the next node; -1: a leaf
   std::int32_t triangle_begin, triangle_end;  ///< slots
-  std::int32_t component;                     ///< of all its triangles; -1 when they are of several
+  std::int32_t component;                     ///< of all its triangles; -1: of several
 
   bool isLeaf() const { return right < 0; }
 };
 
-/// A binary hierarchy over the triangles of a mesh. Every node is bounded by the hull of a few of
-/// the mesh's own vertices, its core, grown by a proven excess, so that one convex query bounds the
-/// distance of a whole nearly convex piece, and queries near a node's surface need not go below it.
-/// Compare convex covers and surface decompositions (S. A. Ehmann, M. C. Lin, "Accurate and fast
-/// proximity queries between polyhedra using convex surface decomposition", 2001); here pieces need
-/// not be convex, their departure from it is carried as a number. Nodes stand in an array, parents
-/// before children, each left child right behind its parent.
+/// A binary hierarchy over the triangles of a mesh. A node is bounded by the hull of a few of the
+/// mesh's own vertices, its core, grown by a proven excess: one convex query bounds the distance of
+/// a whole nearly convex part, and queries that allow the excess need not descend further. Compare
+/// convex covers and surface decompositions (S. A. Ehmann, M. C. Lin, "Accurate and fast proximity
+/// queries between polyhedra using convex surface decomposition", 2001); here parts need not be
+/// convex, and the excess measures by how much they are not. Nodes are in an array in preorder:
+/// each left child follows its parent.
 class MeshTree {
  public:
   using Triangle = std::array<std::int32_t, 3>;
@@ -62,8 +61,8 @@ class MeshTree {
     view.excess = node.excess;
     return view;
   }
-  /// Triangles in the order of the leaves stand in slots; these are the slot's corners and its own
-  /// number.
+  /// The three corners of the triangle in a slot. Slots number the triangles in the order of the
+  /// leaves.
   const Eigen::Vector3d* corners(int slot) const {
     return corners_.data() + 3 * static_cast<std::size_t>(slot);
   }
@@ -76,7 +75,7 @@ class MeshTree {
     view.extent = extent_;
     return view;
   }
-  /// The hull of all vertices, without excess: answers alone where the mesh is nearly convex.
+  /// The hull of all vertices: enough for many queries where the mesh is nearly convex.
   ConvexView hullView() const {
     ConvexView view;
     view.core = Core::kPoints;
@@ -89,19 +88,18 @@ class MeshTree {
     view.excess = hull_->excess();
     return view;
   }
-  /// The same triangles, and convex pieces, under oriented boxes: for pairs of meshes. Only after
+  /// The triangles and convex pieces under oriented boxes, for pairs of meshes. Only after
   /// makeBoxes().
   const BoxTree& boxes() const { return *boxes_; }
-  /// Takes the pieces over. Once, before the first query. O(n log n).
+  /// Makes boxes() and takes over the pieces. Call once, before the first query. O(n log n).
   void makeBoxes(std::span<const Eigen::Vector3d> vertices, std::span<const Triangle> triangles,
                  std::span<const ConvexPiece> pieces);
-  /// Convex pieces of the mesh, see convex_pieces.h; none where they do not pay.
+  /// Convex pieces (convex_pieces.h); none where they do not pay.
   int pieceCount() const { return static_cast<int>(pieces_.size()); }
   const ConvexView& pieceView(int piece) const {
     return pieces_[static_cast<std::size_t>(piece)].view;
   }
   double pieceExcess(int piece) const { return pieces_[static_cast<std::size_t>(piece)].excess; }
-  /// What is known of a component besides its triangles.
   struct Component {
     Eigen::Vector3d low, high;  ///< its box; exact
     Eigen::Vector3d point;      ///< one of its vertices

@@ -6,10 +6,10 @@ namespace leeway::collision {
 
 enum class Side : unsigned char { kOutside, kInside, kUnknown };
 
-/// Where a point stands to one closed component of a mesh: inside when the component's winding
-/// number about it is not 0. Signs are exact, so that the answer is, for the double coordinates
-/// given; kUnknown only for a point on the surface or when every segment tried meets an edge or
-/// vertex. O(log n) to O(n).
+/// On which side of one closed component of a mesh a point is: inside when the component's winding
+/// number about it is not 0. Exact for the given double coordinates. kUnknown only for a point on
+/// the surface, for one with a non-zero coordinate below kSmallestExact, or when every segment
+/// tried meets an edge or vertex. O(log n) to O(n).
 Side sideOf(const TriangleMesh& mesh, int component, const Eigen::Vector3d& point);
 
 }  // namespace leeway::collision

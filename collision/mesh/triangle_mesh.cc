@@ -41,8 +41,8 @@ void requireUsable(std::span<const Vector3d> vertices, std::span<const Triangle>
   }
 }
 
-// The first vertex with the same coordinates, for each; 0 and -0 are the same. By a table of twice
-// as many places as vertices, in the order of which nothing depends.
+// For each vertex the first one with equal coordinates, 0 and -0 being equal: a hash table with
+// open addressing, at most half full. The result does not depend on the table's order.
 std::vector<std::int32_t> firstEqual(std::span<const Vector3d> given) {
   std::vector<std::int32_t> first(given.size());
   std::vector<std::int32_t> table(std::bit_ceil(2 * given.size() + 1), -1);
@@ -50,7 +50,7 @@ std::vector<std::int32_t> firstEqual(std::span<const Vector3d> given) {
   for (std::size_t i = 0; i < given.size(); ++i) {
     std::uint64_t hash = 0;
     for (int k = 0; k < 3; ++k) {
-      // -0 + 0 is 0. What is multiplied is odd, what is shifted spreads high bits to low ones.
+      // -0 + 0 is 0. An odd factor keeps all bits; the shift mixes high bits into low ones.
       hash = (hash ^ std::bit_cast<std::uint64_t>(given[i][k] + 0.0)) * 0x9e3779b97f4a7c15U;
       hash ^= hash >> 32;
     }
@@ -62,7 +62,7 @@ std::vector<std::int32_t> firstEqual(std::span<const Vector3d> given) {
   return first;
 }
 
-// Vertices that are equal become one, in the order of their first use; unused ones go.
+// Merges equal vertices, in the order of their first use, and drops unused ones.
 void weld(std::span<const Vector3d> given, std::span<const Triangle> given_triangles,
           std::vector<Vector3d>& vertices, std::vector<Triangle>& triangles) {
   const std::vector<std::int32_t> first = firstEqual(given);
@@ -89,8 +89,8 @@ std::shared_ptr<const TriangleMesh> TriangleMesh::make(std::span<const Vector3d>
                                                        bool decompose) {
   requireUsable(vertices, triangles);
   std::shared_ptr<TriangleMesh> mesh(new TriangleMesh);
-  // Coordinates below what the exact predicates take become 0: 1e-70 m is far below any rounding of
-  // a query.
+  // Coordinates too small for the exact predicates become 0: 1e-70 m is far below the rounding of
+  // any query.
   std::vector<Vector3d> clean(vertices.begin(), vertices.end());
   for (Vector3d& v : clean) {
     for (int k = 0; k < 3; ++k) {

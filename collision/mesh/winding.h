@@ -1,6 +1,6 @@
 #pragma once
 
-// Private to collision/: on which side of a closed surface a point is, by its winding number.
+// Private to collision/: the side of a closed surface that a point is on, by the winding number.
 
 #include <Eigen/Core>
 #include <array>
@@ -14,15 +14,21 @@ namespace leeway::collision {
 
 enum class Crossing : signed char { kIn = -1, kNone = 0, kOut = 1, kIrregular = 2 };
 
-/// Whether the segment from p to a point q that is not on the triangle crosses it, and in which
-/// direction.
+/// A segment that decides inside or outside leaves the component's box by this share of its size,
+/// and is tilted by multiples of it: enough to miss the edges and vertices of axis-aligned parts at
+/// once.
+inline constexpr double kSegmentTilt = 1.0 / 1024;
+
+/// How the segment from p to a point q that is not on the triangle crosses it: outwards, inwards or
+/// not at all. Irregular where it meets an edge or a vertex, lies in the plane, or begins on the
+/// triangle. Exact.
 inline Crossing crossing(const Eigen::Vector3d& p, const Eigen::Vector3d& q,
                          const Eigen::Vector3d* v) {
   const int side_p = orientation(v[0], v[1], v[2], p), side_q = orientation(v[0], v[1], v[2], q);
   if (side_p == side_q && side_p != 0) return Crossing::kNone;
   if (side_p == 0 && side_q == 0) {
-    // In the triangle's plane, or the triangle has no area and bounds nothing (its neighbours
-    // tell).
+    // The segment lies in the triangle's plane; or the triangle has no area and bounds nothing: its
+    // neighbours count.
     return collinear(v[0], v[1], v[2]) ? Crossing::kNone : Crossing::kIrregular;
   }
   int positive = 0, negative = 0;
@@ -33,14 +39,13 @@ inline Crossing crossing(const Eigen::Vector3d& p, const Eigen::Vector3d& q,
   }
   if (positive > 0 && negative > 0) return Crossing::kNone;
   if (positive + negative < 3) return Crossing::kIrregular;
-  if (side_q == 0)
-    return Crossing::kNone;  // q is not on the triangle, and the line meets its plane in q
+  if (side_q == 0) return Crossing::kNone;       // the line meets the plane in q, off the triangle
   if (side_p == 0) return Crossing::kIrregular;  // p is on it
   return side_p < 0 ? Crossing::kOut : Crossing::kIn;
 }
 
-/// `winding_number(q, winding)` is asked for segments from the point to places q outside of the
-/// box.
+/// The side of a component within the box [low, high]. `winding_number(q, winding)` counts the
+/// crossings of the segment from the point to q, outside of the box; false when one is irregular.
 template <class WindingNumber>
 Side sideByWinding(const Eigen::Vector3d& low, const Eigen::Vector3d& high,
                    const Eigen::Vector3d& point, const WindingNumber& winding_number) {
@@ -53,8 +58,8 @@ Side sideByWinding(const Eigen::Vector3d& low, const Eigen::Vector3d& high,
   }
   const Eigen::Vector3d size = high - low;
   const double tilt = kSegmentTilt * size.maxCoeff();
-  // Segments nearly along an axis have thin boxes and so meet few nodes. The way out that is
-  // shortest comes first.
+  // Segments nearly along an axis have thin boxes and meet few nodes. The shortest way out comes
+  // first.
   for (int attempt = 0; attempt < 4; ++attempt) {
     std::array<bool, 6> tried{};
     for (int turn = 0; turn < 6; ++turn) {

@@ -11,7 +11,7 @@
 
 namespace leeway::collision {
 
-/// hypot() never overflows before its result does.
+/// The norm, rounded outwards. hypot() overflows only where the norm does.
 inline double outwardNorm(double x, double y, double z) { return std::hypot(x, y, z) * kOutwards; }
 
 /// A sphere around points, rounded outwards.
@@ -33,7 +33,7 @@ inline BoundingSphere sphereAround(std::span<const Eigen::Vector3d> points, doub
     sphere.radius = std::max(sphere.radius, std::hypot(d.x(), d.y(), d.z()));
     sphere.extent = std::max(sphere.extent, std::hypot(p.x(), p.y(), p.z()));
   }
-  // The differences are rounded in proportion to the coordinates, not to the radius.
+  // The differences' rounding is proportional to the coordinates, not to the radius.
   sphere.radius = (sphere.radius + excess) * kOutwards + sphere.extent * 0x1p-51;
   sphere.extent = (sphere.extent + excess) * kOutwards;
   return sphere;

@@ -29,7 +29,7 @@ void requireUsable(std::span<const Vector3d> points) {
   }
 }
 
-// Edges of the hull between facets that are not coplanar: those of the true polytope. Exact.
+// Edges between facets that are not coplanar: those of the true polytope. Exact.
 std::vector<std::array<std::int32_t, 2>> properEdges(std::span<const Vector3d> points,
                                                      const HullBuilder& hull) {
   std::vector<std::array<std::int32_t, 2>> edges;
@@ -52,9 +52,9 @@ std::vector<std::array<std::int32_t, 2>> properEdges(std::span<const Vector3d> p
   return edges;
 }
 
-// The corners of the true polytope: three or more proper edges meet there. A vertex with fewer lies
-// within a flat face (none) or a straight edge (two), where inserting in another order would not
-// have kept it.
+// The corners of the true polytope, where three or more proper edges meet. A vertex with fewer lies
+// within a flat face (none) or a straight edge (two): another order of insertion would not have
+// kept it.
 std::vector<std::int32_t> corners(std::size_t count,
                                   const std::vector<std::array<std::int32_t, 2>>& edges) {
   std::vector<int> degree(count, 0);
@@ -76,7 +76,7 @@ ConvexHull::~ConvexHull() = default;
 
 std::shared_ptr<const ConvexHull> ConvexHull::compute(std::span<const Vector3d> given) {
   requireUsable(given);
-  // Coordinates too small for the exact predicates become 0, and what that moves is the excess.
+  // Coordinates too small for the exact predicates become 0; the excess covers the change.
   std::vector<Vector3d> points(given.begin(), given.end());
   double moved = 0;
   for (Vector3d& p : points) {
@@ -95,7 +95,7 @@ std::shared_ptr<const ConvexHull> ConvexHull::compute(std::span<const Vector3d> 
   std::vector<Vector3d> vertices;
   vertices.reserve(kept.size());
   for (const std::int32_t i : kept) vertices.push_back(points[index(i)]);
-  // Once more over the vertices alone: facets are numbered by them then, and none is left within a
+  // Built again from the vertices alone: facets then index them, and no vertex is left within a
   // face.
   if (hull.dimension() == 3) hull = HullBuilder(vertices);
 

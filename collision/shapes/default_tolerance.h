@@ -12,8 +12,8 @@
 
 namespace leeway::collision {
 
-/// The request with that tolerance [m]. (Member by member: a copy by vectors waits for what the
-/// caller has just written in pieces.)
+/// The request with that tolerance [m]. (Member by member: a vector copy of what the caller has
+/// just written in pieces would stall.)
 inline DistanceRequest withTolerance(const DistanceRequest& request, double tolerance) {
   return {tolerance, request.threshold, request.depth, request.iteration_limit, request.node_limit};
 }
@@ -29,7 +29,7 @@ inline double toleranceOf(double bounding_radius, double extent) {
 inline double toleranceOf(const Shape& a, const Shape& b, const Eigen::Vector3d& offset) {
   const double least = (kDefaultLeastShare * offset).lpNorm<1>(),
                tolerance = std::max(std::max(a.defaultTolerance(), b.defaultTolerance()), least);
-  // Written so that a NaN, too, is none; what is infinite would be met by anything.
+  // 0 for NaN and infinity: any interval would meet an infinite tolerance.
   return least < std::numeric_limits<double>::infinity() ? tolerance : 0;
 }
 

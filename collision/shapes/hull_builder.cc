@@ -7,7 +7,6 @@
 
 #include "collision/base/exact_predicates.h"
 #include "collision/base/tolerances.h"
-#include "collision/shapes/point_triangle.h"
 
 namespace leeway::collision {
 namespace {
@@ -16,7 +15,7 @@ using Eigen::Vector3d;
 
 std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
 
-// Largest coordinate of a normal, as the axis to project along.
+// The axis of a vector's largest coordinate.
 int dominantAxis(const Vector3d& normal) {
   int axis = 0;
   normal.cwiseAbs().maxCoeff(&axis);
@@ -29,7 +28,7 @@ inline double HullBuilder::heightOver(const Facet& f, std::int32_t point) const 
   return f.normal.dot(at(point) - at(f.corner[0]));
 }
 
-// `height` is heightOver(). Exact: rounding decides nothing.
+// Exact: where the rounding of `height`, which is heightOver(), could matter, a predicate decides.
 inline bool HullBuilder::sees(std::int32_t point, const Facet& f, double height) const {
   if (height > f.doubt) return true;
   if (height < -f.doubt) return false;
@@ -47,8 +46,35 @@ HullBuilder::HullBuilder(std::span<const Vector3d> points, int vertex_limit)
 }
 
 bool HullBuilder::start() {
-  const auto count = static_cast<std::int32_t>(points_.size());
-  // Two points far apart: the lowest and highest of the coordinate that spreads most.
+  std::int32_t a = 0, b = 0;
+  farthestAlongAnAxis(a, b);
+  if (a == b) {
+    dimension_ = 0;
+    vertices_ = {0};
+    return false;
+  }
+  std::int32_t c = farthestFromLine(a, b);
+  if (c < 0) {
+    dimension_ = 1;
+    // Extreme, too: a and b are the ends along a coordinate that is not constant on the line.
+    vertices_ = {std::min(a, b), std::max(a, b)};
+    return false;
+  }
+  int side = 0;
+  const std::int32_t d = farthestFromPlane(a, b, c, side);
+  if (side == 0) {
+    dimension_ = 2;
+    buildFlat(a, b, c);
+    return false;
+  }
+  if (side > 0) std::swap(b, c);  // now d lies behind abc
+  makeTetrahedron(a, b, c, d);
+  return true;
+}
+
+// The lowest and highest point along the coordinate that spreads most; equal indices when all
+// points are the same. Sets size_, too.
+void HullBuilder::farthestAlongAnAxis(std::int32_t& a, std::int32_t& b) {
   Vector3d low = at(0), high = at(0);
   for (const Vector3d& p : points_) {
     low = low.cwiseMin(p);
@@ -56,62 +82,57 @@ bool HullBuilder::start() {
   }
   size_ = (high - low).norm() * (1 + kRelativeRounding);
   const int axis = dominantAxis(high - low);
-  std::int32_t a = 0, b = 0;
-  for (std::int32_t i = 1; i < count; ++i) {
+  a = b = 0;
+  for (std::int32_t i = 1; i < pointCount(); ++i) {
     if (at(i)[axis] < at(a)[axis]) a = i;
     if (at(i)[axis] > at(b)[axis]) b = i;
   }
-  if (at(a)[axis] == at(b)[axis]) {
-    dimension_ = 0;
-    vertices_ = {0};
-    return false;
-  }
-  // The point farthest from their line; where rounding says 0, any point that is exactly off the
-  // line.
+}
+
+// The point farthest from the line ab; where rounding finds none, the first that is off it exactly;
+// -1: none is.
+std::int32_t HullBuilder::farthestFromLine(std::int32_t a, std::int32_t b) const {
   const Vector3d direction = (at(b) - at(a)).normalized();
-  std::int32_t c = -1;
+  std::int32_t farthest = -1;
   double best = 0;
-  for (std::int32_t i = 0; i < count; ++i) {
-    const double distance = (at(i) - at(a)).cross(direction).squaredNorm();
-    if (distance > best) {
-      best = distance;
-      c = i;
+  for (std::int32_t i = 0; i < pointCount(); ++i) {
+    const double squared = (at(i) - at(a)).cross(direction).squaredNorm();
+    if (squared > best) {
+      best = squared;
+      farthest = i;
     }
   }
-  if (c < 0 || collinear(at(a), at(b), at(c))) {
-    c = -1;
-    for (std::int32_t i = 0; i < count && c < 0; ++i) {
-      if (!collinear(at(a), at(b), at(i))) c = i;
-    }
+  if (farthest >= 0 && !collinear(at(a), at(b), at(farthest))) return farthest;
+  for (std::int32_t i = 0; i < pointCount(); ++i) {
+    if (!collinear(at(a), at(b), at(i))) return i;
   }
-  if (c < 0) {
-    dimension_ = 1;
-    // a and b are extreme along an axis on which the line is not constant.
-    vertices_ = {std::min(a, b), std::max(a, b)};
-    return false;
-  }
-  // The point farthest from their plane, and again any that is exactly off it.
+  return -1;
+}
+
+// The point farthest from the plane abc; where rounding finds none, the first that is off it
+// exactly. `side` is the exact side that it lies on, 0 when all points lie in the plane.
+std::int32_t HullBuilder::farthestFromPlane(std::int32_t a, std::int32_t b, std::int32_t c,
+                                            int& side) const {
   const Vector3d normal = (at(b) - at(a)).cross(at(c) - at(a));
-  std::int32_t d = -1;
-  best = 0;
-  for (std::int32_t i = 0; i < count; ++i) {
+  std::int32_t farthest = -1;
+  double best = 0;
+  for (std::int32_t i = 0; i < pointCount(); ++i) {
     const double distance = std::abs(normal.dot(at(i) - at(a)));
     if (distance > best) {
       best = distance;
-      d = i;
+      farthest = i;
     }
   }
-  int side = d < 0 ? 0 : orientation(at(a), at(b), at(c), at(d));
-  for (std::int32_t i = 0; i < count && side == 0; ++i) {
-    d = i;
-    side = orientation(at(a), at(b), at(c), at(d));
+  side = farthest < 0 ? 0 : orientation(at(a), at(b), at(c), at(farthest));
+  for (std::int32_t i = 0; i < pointCount() && side == 0; ++i) {
+    farthest = i;
+    side = orientation(at(a), at(b), at(c), at(farthest));
   }
-  if (side == 0) {
-    dimension_ = 2;
-    buildFlat(a, b, c);
-    return false;
-  }
-  if (side > 0) std::swap(b, c);  // now d lies behind abc
+  return farthest;
+}
+
+// d lies behind abc.
+void HullBuilder::makeTetrahedron(std::int32_t a, std::int32_t b, std::int32_t c, std::int32_t d) {
   work_.reserve(64);
   next_.assign(points_.size(), -1);
   horizon_facet_.assign(points_.size(), -1);
@@ -123,12 +144,11 @@ bool HullBuilder::start() {
   facet(1).adjacent = {3, 2, 0};
   facet(2).adjacent = {1, 3, 0};
   facet(3).adjacent = {2, 1, 0};
-  for (std::int32_t i = 0; i < count; ++i) assign(i, 0);
-  return true;
+  for (std::int32_t i = 0; i < pointCount(); ++i) assign(i);
 }
 
-// Extreme points of a set that is exactly flat, by Andrew's monotone chain on two coordinates. The
-// projection keeps them because abc, and with it the plane, does not become straight in it.
+// Extreme points of an exactly flat set, by Andrew's monotone chain on two coordinates. The
+// projection preserves them: abc, and so the plane, does not become straight in it.
 void HullBuilder::buildFlat(std::int32_t a, std::int32_t b, std::int32_t c) {
   int i = 0, j = 1;
   const int dominant = dominantAxis((at(b) - at(a)).cross(at(c) - at(a)));
@@ -151,13 +171,11 @@ void HullBuilder::buildFlat(std::int32_t a, std::int32_t b, std::int32_t c) {
              turn(at(chain[chain.size() - 2]), at(chain.back()), at(p), i, j) <= 0) {
         chain.pop_back();
       }
-      // A duplicate of the last point turns by 0 about every other, so that only the first two need
-      // a look.
+      // Duplicates come in a row. The loop above replaces all but those of a chain's first point.
       if (!chain.empty() && at(chain.back()) == at(p)) continue;
       chain.push_back(p);
     }
-    // The last point of a chain is the first of the other; duplicates of it may carry another
-    // index.
+    // The last point of a chain is the first of the other, perhaps under a duplicate's index.
     outline_.insert(outline_.end(), chain.begin(), chain.end() - 1);
     std::reverse(order.begin(), order.end());
   }
@@ -182,37 +200,37 @@ std::int32_t HullBuilder::addFacet(std::int32_t a, std::int32_t b, std::int32_t 
   f.normal = ab.cross(ac);
   const double length = f.normal.norm();
   if (length > 0) f.normal /= length;
-  // The product as computed errs by less than 6 units of |ab| |ac|; what the division and a height
-  // by it add is less than 12 units of the distance between two points. Lengths whose squares leave
-  // the range of normal doubles tell nothing.
+  // The computed product errs by less than 6 units of |ab| |ac|; the division and a height computed
+  // with it add less than 12 units of the distance between two points. Where the squared length
+  // leaves the range of normal doubles, the normal is unknown.
   f.doubt = length > kLeastToSquare
                 ? 16 * kUnitRoundoff * size_ * (ab.norm() * ac.norm() / length + 1)
                 : std::numeric_limits<double>::infinity();
   return id;
 }
 
-// Puts the point on the list of the first live facet from `first_facet` on that it is outside of;
-// none: it is inside.
-void HullBuilder::assign(std::int32_t point, std::int32_t first_facet) {
-  for (std::size_t i = index(first_facet); i < work_.size(); ++i) {
-    Facet& f = work_[i];
-    if (!f.alive) continue;
+void HullBuilder::putOutside(Facet& f, std::int32_t point, double height) {
+  if (f.farthest < 0 || height > f.height) {
+    f.farthest = point;
+    f.height = height;
+  }
+  next_[index(point)] = f.first;
+  f.first = point;
+}
+
+// Puts a point on the list of the first facet that it is outside of; none: it is inside.
+void HullBuilder::assign(std::int32_t point) {
+  for (Facet& f : work_) {
     const double height = heightOver(f, point);
     if (!sees(point, f, height)) continue;
-    if (f.farthest < 0 || height > f.height) {
-      f.farthest = point;
-      f.height = height;
-    }
-    next_[index(point)] = f.first;
-    f.first = point;
+    putOutside(f, point, height);
     return;
   }
 }
 
 void HullBuilder::build(int vertex_limit) {
   if (!limited_) {
-    // Facets made by an insertion stand behind or in the place of old ones: sweep until a sweep
-    // finds nothing.
+    // New facets follow or replace old ones: sweep until a sweep finds nothing.
     for (bool found = true; found;) {
       found = false;
       for (std::size_t i = 0; i < work_.size(); ++i) {
@@ -237,9 +255,16 @@ void HullBuilder::build(int vertex_limit) {
 }
 
 void HullBuilder::insert(std::int32_t start, std::int32_t point) {
-  // The visible facets are connected, and their border, the horizon, is one cycle without a
-  // repeated corner: they are those that a point moved a little inwards would see, which lies in no
-  // facet's plane.
+  findHorizon(start, point);
+  const std::int32_t orphans = removeVisible(point);
+  addCone(point);
+  reassign(orphans);
+}
+
+// Collects the facets that the point sees, from one of them on, and their border. The visible
+// facets are connected and their border, the horizon, is one cycle without a repeated corner: they
+// are those that the point would see moved slightly inwards, where it lies in no facet's plane.
+void HullBuilder::findHorizon(std::int32_t start, std::int32_t point) {
   visible_.assign(1, start);
   horizon_.clear();
   facet(start).visible = true;
@@ -261,7 +286,11 @@ void HullBuilder::insert(std::int32_t start, std::int32_t point) {
       horizon_.push_back({facet(id).corner[k], facet(id).corner[(k + 1) % 3], other, side});
     }
   }
-  // Points outside of the visible facets, to be spread over the new ones.
+}
+
+// Frees the visible facets. Returns the list of the other points that were outside of them; -1:
+// none.
+std::int32_t HullBuilder::removeVisible(std::int32_t point) {
   std::int32_t orphans = -1;
   for (const std::int32_t id : visible_) {
     Facet& f = facet(id);
@@ -276,46 +305,45 @@ void HullBuilder::insert(std::int32_t start, std::int32_t point) {
     f.alive = false;
     f.first = f.farthest = -1;
   }
-  std::vector<std::int32_t>& added = visible_;  // its old content goes to the free list first
   free_.insert(free_.end(), visible_.begin(), visible_.end());
-  added.clear();
+  return orphans;
+}
+
+// Adds the facets from the horizon to the point.
+void HullBuilder::addCone(std::int32_t point) {
+  added_.clear();
   for (const HorizonEdge& e : horizon_) {
     const std::int32_t id = addFacet(e.from, e.to, point);
     facet(id).adjacent[0] = e.facet;
     facet(e.facet).adjacent[index(e.side)] = id;
     horizon_facet_[index(e.from)] = id;
-    added.push_back(id);
+    added_.push_back(id);
   }
-  for (const std::int32_t id : added) {
+  for (const std::int32_t id : added_) {
     const std::int32_t following = horizon_facet_[index(facet(id).corner[1])];
     facet(id).adjacent[1] = following;
     facet(following).adjacent[2] = id;
   }
-  // An orphan that is still outside sees a new facet: where it sees both facets at a horizon edge,
-  // it sees the new one between their planes, and where it sees no facet that stayed, only new ones
-  // are left.
+}
+
+// Puts orphans on the lists of new facets. An orphan that is still outside sees a new facet: where
+// it sees both facets at a horizon edge, it sees the new one between their planes; where it sees no
+// facet that stayed, only new ones are left.
+void HullBuilder::reassign(std::int32_t orphans) {
   for (std::int32_t p = orphans; p >= 0;) {
     const std::int32_t following = next_[index(p)];
     std::int32_t best = -1;
     double best_height = 0;
-    for (const std::int32_t id : added) {
+    for (const std::int32_t id : added_) {
       const Facet& f = facet(id);
       const double height = heightOver(f, p);
       if ((best >= 0 && height <= best_height) || !sees(p, f, height)) continue;
       best = id;
       best_height = height;
-      if (!limited_)
-        break;  // the height over the best facet is nearer to the true distance, but costs
+      // Only a limited hull pays for the largest height, which is nearer to the true distance.
+      if (!limited_) break;
     }
-    if (best >= 0) {
-      Facet& f = facet(best);
-      if (f.farthest < 0 || best_height > f.height) {
-        f.farthest = p;
-        f.height = best_height;
-      }
-      next_[index(p)] = f.first;
-      f.first = p;
-    }
+    if (best >= 0) putOutside(facet(best), p, best_height);
     p = following;
   }
 }
@@ -323,7 +351,8 @@ void HullBuilder::insert(std::int32_t start, std::int32_t point) {
 void HullBuilder::finish() {
   constexpr std::int32_t kInside = -1, kVertex = -2;
   std::vector<std::int32_t> number(work_.size(), -1);
-  std::vector<std::int32_t>& place = horizon_facet_;  // per point: the facet that it is outside of
+  // Per point: the facet that it is outside of, or one of the above. Reuses the memory.
+  std::vector<std::int32_t>& place = horizon_facet_;
   place.assign(points_.size(), kInside);
   for (std::size_t i = 0; i < work_.size(); ++i) {
     if (!work_[i].alive) continue;
@@ -350,71 +379,9 @@ void HullBuilder::finish() {
   next_ = {};
   visible_ = {};
   horizon_ = {};
+  added_ = {};
   free_ = {};
   horizon_facet_ = {};
-}
-
-namespace {
-
-double squaredDistance(const Vector3d& point, std::span<const Vector3d> points,
-                       const std::array<std::int32_t, 3>& f) {
-  return (point - closestPointOnTriangle(point, points[index(f[0])], points[index(f[1])],
-                                         points[index(f[2])]))
-      .squaredNorm();
-}
-
-// An upper bound on a point's distance from what its distance as computed is.
-double roundedOut(double squared, const Vector3d& point) {
-  const double size = point.cwiseAbs().maxCoeff();
-  return std::sqrt(squared) * (1 + kRelativeRounding) + size * kRelativeRounding;
-}
-
-}  // namespace
-
-double distanceFromHull(const Vector3d& point, std::span<const Vector3d> points,
-                        const HullBuilder& hull) {
-  double best = std::numeric_limits<double>::infinity();
-  bool outside = false;
-  for (const auto& f : hull.facets()) {
-    const Vector3d &a = points[index(f[0])], &b = points[index(f[1])], &c = points[index(f[2])];
-    if (!outside) outside = orientation(a, b, c, point) > 0;
-    best = std::min(best, squaredDistance(point, points, f));
-  }
-  return outside ? roundedOut(best, point) : 0;
-}
-
-double largestDistanceFromHull(std::span<const Vector3d> points, const HullBuilder& hull) {
-  struct Outside {
-    std::int32_t point;
-    double squared;  // of its distance from the facet that it is outside of
-  };
-  std::vector<Outside> outside;
-  outside.reserve(hull.outside().size());
-  for (std::size_t i = 0; i < hull.outside().size(); ++i) {
-    const std::int32_t p = hull.outside()[i];
-    const auto& f = hull.facets()[index(hull.outsideOf()[i])];
-    outside.push_back({p, squaredDistance(points[index(p)], points, f)});
-  }
-  double largest = 0;
-  const auto hold = [&](Outside& o) {
-    // Rounding out keeps the order, so that what is no farther from one facet is so from the hull.
-    const Vector3d& point = points[index(o.point)];
-    if (roundedOut(o.squared, point) <= largest) return;
-    for (const auto& f : hull.facets()) {
-      const double squared = squaredDistance(point, points, f);
-      if (squared >= o.squared) continue;
-      o.squared = squared;
-      if (roundedOut(squared, point) <= largest) return;
-    }
-    largest = roundedOut(o.squared, point);
-  };
-  // The farthest first: they leave little to do for the others.
-  const auto far =
-      std::max_element(outside.begin(), outside.end(),
-                       [](const Outside& l, const Outside& r) { return l.squared < r.squared; });
-  if (far != outside.end()) hold(*far);
-  for (Outside& o : outside) hold(o);
-  return largest;
 }
 
 }  // namespace leeway::collision

@@ -9,24 +9,22 @@
 namespace leeway::collision {
 
 /// The convex hull of a point set by Quickhull (C. B. Barber, D. P. Dobkin, H. Huhdanpaa, "The
-/// Quickhull algorithm for convex hulls", 1996) with exact predicates: a facet is visible from a
-/// point only when it is so exactly. The hull therefore is convex and holds every point without any
-/// tolerance, and nothing has to be merged.
+/// Quickhull algorithm for convex hulls", 1996) with exact predicates for visibility. The hull
+/// therefore is exactly convex and holds every point without any tolerance, and no facets have to
+/// be merged.
 class HullBuilder {
  public:
-  /// A point to insert is taken from the facet from which it stands out farthest. With
-  /// `vertex_limit` the insertion stops at that many vertices (at least 4) and outside() names the
-  /// points that the hull does not hold. Points must be finite, their non-zero coordinates not
-  /// below kSmallestExact (see tolerances.h). O(n log n) as a rule; O(n) memory. Deterministic.
+  /// Inserts the point that is farthest from its facet. With `vertex_limit` insertion stops at that
+  /// many vertices (at least 4), and outside() names the points that the hull does not hold. Points
+  /// must be finite, their non-zero coordinates at least kSmallestExact (tolerances.h). O(n log n)
+  /// as a rule; O(n) memory. Deterministic.
   explicit HullBuilder(std::span<const Eigen::Vector3d> points, int vertex_limit = 0);
 
-  /// Affine dimension of the set, exactly: 0 a point, 1 a segment, 2 flat, 3 solid. -1 when there
-  /// are no points.
+  /// Exact affine dimension of the set: 0 a point, 1 a segment, 2 flat, 3 solid; -1 for no points.
   int dimension() const { return dimension_; }
-  /// Indices of the hull's vertices, ascending. For dimension 0..2 these are the extreme points
-  /// (without a limit on their number). For dimension 3 the corners of facets(): when the insertion
-  /// was not stopped, every extreme point is among them, and perhaps points within a flat face or
-  /// straight edge.
+  /// Indices of the hull's vertices, ascending. For dimensions 0 to 2 the extreme points, whatever
+  /// the limit. For dimension 3 the corners of facets(): unless the limit stopped insertion, all
+  /// extreme points, and perhaps points within a flat face or straight edge.
   const std::vector<std::int32_t>& vertices() const { return vertices_; }
   /// Dimension 2: vertices() once around the outline. Empty otherwise.
   const std::vector<std::int32_t>& outline() const { return outline_; }
@@ -34,38 +32,48 @@ class HullBuilder {
   const std::vector<std::array<std::int32_t, 3>>& facets() const { return facets_; }
   /// For each facet, the facet across the edge from corner k to corner k + 1.
   const std::vector<std::array<std::int32_t, 3>>& adjacent() const { return adjacent_; }
-  /// Points outside of a hull that was stopped by the limit; ascending.
+  /// Points outside of a hull that the limit stopped; ascending.
   const std::vector<std::int32_t>& outside() const { return outside_; }
-  /// For each of outside(), a facet that it stands out of.
+  /// For each of outside(), a facet that it is outside of.
   const std::vector<std::int32_t>& outsideOf() const { return outside_of_; }
 
  private:
   struct Facet {
     std::array<std::int32_t, 3> corner;
     std::array<std::int32_t, 3> adjacent;
-    Eigen::Vector3d normal = Eigen::Vector3d::Zero();  // unit, rounded: chooses among points
-    double doubt = 0;  // a height above the plane by `normal` errs by less [m]; infinity: unknown
+    Eigen::Vector3d normal = Eigen::Vector3d::Zero();  // unit, rounded: selects points
+    double doubt = 0;  // error bound of a height computed with `normal` [m]; infinity: unknown
     std::int32_t first = -1;     // head of the list of points outside of this facet
-    std::int32_t farthest = -1;  // the one of them that is farthest from its plane
+    std::int32_t farthest = -1;  // the one of them that is farthest from the plane
     double height = 0;           // of that one [m]
-    std::int32_t mark = 0;       // insertion in which the facet was last found visible or not
+    std::int32_t mark = 0;       // the last insertion that tested the facet's visibility
     bool visible = false;
     bool alive = true;
   };
   struct HorizonEdge {
-    std::int32_t from, to, facet, side;  // facet: the one that stays; side: its edge
+    std::int32_t from, to, facet, side;  // facet: the one beyond, which stays; side: its edge
   };
 
-  bool start();  // the first tetrahedron; false when the set is not solid
+  bool start();  // builds the first tetrahedron; false when the set is not solid
+  void farthestAlongAnAxis(std::int32_t& a, std::int32_t& b);
+  std::int32_t farthestFromLine(std::int32_t a, std::int32_t b) const;
+  std::int32_t farthestFromPlane(std::int32_t a, std::int32_t b, std::int32_t c, int& side) const;
+  void makeTetrahedron(std::int32_t a, std::int32_t b, std::int32_t c, std::int32_t d);
   void buildFlat(std::int32_t a, std::int32_t b, std::int32_t c);
   void build(int vertex_limit);
   void insert(std::int32_t facet, std::int32_t point);
+  void findHorizon(std::int32_t facet, std::int32_t point);
+  std::int32_t removeVisible(std::int32_t point);
+  void addCone(std::int32_t point);
+  void reassign(std::int32_t orphans);
+  void putOutside(Facet& facet, std::int32_t point, double height);
   std::int32_t addFacet(std::int32_t a, std::int32_t b, std::int32_t c);
-  void assign(std::int32_t point, std::int32_t first_facet);
+  void assign(std::int32_t point);
   inline double heightOver(const Facet& facet, std::int32_t point) const;
   inline bool sees(std::int32_t point, const Facet& facet, double height) const;
   void finish();
 
+  std::int32_t pointCount() const { return static_cast<std::int32_t>(points_.size()); }
   const Eigen::Vector3d& at(std::int32_t i) const { return points_[static_cast<std::size_t>(i)]; }
   Facet& facet(std::int32_t i) { return work_[static_cast<std::size_t>(i)]; }
 
@@ -80,22 +88,13 @@ class HullBuilder {
   std::vector<std::int32_t> outside_, outside_of_;
 
   std::vector<Facet> work_;
-  std::vector<std::int32_t> next_;     // list of points outside, per point
-  std::vector<std::int32_t> visible_;  // facets seen by the point being inserted
+  std::vector<std::int32_t> next_;     // per point: its successor in a facet's list
+  std::vector<std::int32_t> visible_;  // facets that the point being inserted sees
   std::vector<HorizonEdge> horizon_;
-  std::vector<std::int32_t> free_;  // facets to use again
-  std::vector<std::int32_t>
-      horizon_facet_;  // per point: the new facet whose horizon edge starts there
+  std::vector<std::int32_t> added_;  // facets from the horizon to that point
+  std::vector<std::int32_t> free_;   // facets to use again
+  // Per point: the new facet whose horizon edge starts there.
+  std::vector<std::int32_t> horizon_facet_;
 };
-
-/// An upper bound on the distance of `point` from the hull built of `points` [m], rounding
-/// included: 0 when it is not outside of any facet. O(facets).
-double distanceFromHull(const Eigen::Vector3d& point, std::span<const Eigen::Vector3d> points,
-                        const HullBuilder& hull);
-
-/// The largest distanceFromHull() of hull.outside(); 0 for none. O(outside + facets) as a rule:
-/// what is no farther from the facet that it stands out of than the largest distance met is not
-/// held against the others.
-double largestDistanceFromHull(std::span<const Eigen::Vector3d> points, const HullBuilder& hull);
 
 }  // namespace leeway::collision

@@ -7,12 +7,12 @@ namespace leeway::collision {
 
 namespace {
 
-// Vertices within rounding of each other that a climb's end is compared with; more than these (a
-// hull with large flat faces, met squarely) are scanned.
+// Most vertices within rounding of the climb's end that are followed. Larger plateaus (a large flat
+// face, met squarely) are left to a scan.
 constexpr int kPlateau = 32;
 
-// True when no vertex connected with `best` by a plateau is better; else `best` and its value
-// become one that is. `overflow` is set when the plateau is larger than is followed.
+// True when no vertex next to the plateau around `best` is better. Else `best` and its value become
+// one that is, or `overflow` is set because the plateau has more than kPlateau vertices.
 bool plateauHasNoWayUp(const ConvexHull& hull, const Vector* points, const Vector& direction,
                        double doubt, int& best, double& best_value, bool& overflow) {
   int members[kPlateau];
@@ -50,7 +50,7 @@ int climbFarthest(const ConvexHull& hull, const Vector* points, int count, const
   int best = start;
   double best_value = valueOf(start);
   for (;;) {
-    // The value grows in every round, so that no vertex comes twice: the climb ends.
+    // Terminates: the value grows in every round, so that no vertex comes twice.
     int next = best;
     double runner_up = -std::numeric_limits<double>::infinity();
     const double here = best_value;

@@ -1,6 +1,6 @@
 #pragma once
 
-// Private to collision/: the farthest vertex of a hull, by a plain scan or by climbing its edges.
+// Private to collision/: the farthest vertex of a hull, by a scan or by hill climbing on its edges.
 
 #include "collision/base/vector.h"
 #include "leeway/collision/convex_hull.h"
@@ -21,11 +21,11 @@ inline int scanFarthest(const Vector* points, int count, const Vector& direction
   return best;
 }
 
-/// As scanFarthest(), by steepest ascent along the edges of a hull from `start`; values within
-/// `doubt` of each other are not told apart by rounding. The answer is as good as a scan's: on the
-/// surface of a convex polytope the vertices above any level hang together by edges, so if the
-/// climb's end and all that is connected with it by vertices within `doubt` of it have no better
-/// neighbour, there is none anywhere. (The hull's facets are convex exactly, see HullBuilder.)
+/// A farthest vertex, by steepest ascent along the edges of a hull from `start`; rounding does not
+/// distinguish values within `doubt` of each other. As good as a scan: on a convex polytope the
+/// vertices above any level are connected by edges. So if neither the climb's end nor any vertex
+/// connected to it through vertices within `doubt` has a better neighbour, no vertex is better.
+/// (The hull is exactly convex, see HullBuilder.)
 int climbFarthest(const ConvexHull& hull, const Vector* points, int count, const Vector& direction,
                   int start, double doubt);
 

@@ -1,5 +1,5 @@
-// The farthest vertex of a hull: of many points whose coordinates stand side by side, or of those
-// that a table names. Included once a target (see Highway's foreach_target.h).
+// The farthest vertex of a hull: a scan of columns of coordinates, or of the vertices that a table
+// of directions names. Included once for each target (see Highway's foreach_target.h).
 
 #if defined(LEEWAY_COLLISION_SCAN_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef LEEWAY_COLLISION_SCAN_INL_H
@@ -27,8 +27,8 @@ namespace leeway::collision::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Brings a register full of a hull's vertices, from number `from` on, to a pose: sign (R v + t),
-/// the sign 1 or -1.
+/// Places a register of a hull's vertices, from number `from` on: sign (R v + t), with a sign of 1
+/// or -1.
 HWY_INLINE void placeColumns(const HullSupport& support, int from, const Eigen::Matrix3d& R,
                              const Triple& t, double sign, double* to_x, double* to_y,
                              double* to_z) {
@@ -48,10 +48,10 @@ HWY_INLINE void placeColumns(const HullSupport& support, int from, const Eigen::
   hn::Store(row(2, t.z), d, to_z);
 }
 
-// Loops over registers are written as packs of their numbers: compilers leave loops of this length
-// as they are, with the values in memory and a branch for each.
+// Loops over registers are written as packs of indices: compilers do not unroll loops of this
+// length, which leaves the values in memory and a branch for each.
 
-/// The largest, lane by lane, of the registers from kBegin to kEnd.
+/// The maximum, lane by lane, of the registers from kBegin to kEnd.
 template <std::size_t kBegin, std::size_t kEnd>
 HWY_INLINE hn::Vec<Widest> largest(const hn::Vec<Widest>* values) {
   if constexpr (kEnd - kBegin == 1) {
@@ -62,7 +62,7 @@ HWY_INLINE hn::Vec<Widest> largest(const hn::Vec<Widest>* values) {
   }
 }
 
-/// Place of the first of the largest values, at most 64, and the value.
+/// Index of the first of the largest of at most 64 values, and that value.
 template <std::size_t... kRegister>
 HWY_INLINE int firstLargest(const hn::Vec<Widest>* values, double& value,
                             std::index_sequence<kRegister...> /*registers*/) {
@@ -95,7 +95,7 @@ HWY_INLINE int firstFarthest(const double* x, const double* y, const double* z, 
   return firstLargest(values, value, registers);
 }
 
-/// As many registers as eight times kEights doubles fill.
+/// The registers that hold 8 kEights doubles.
 template <std::size_t kEights>
 using Registers = std::make_index_sequence<kEights * 8 / hn::MaxLanes(Widest())>;
 
@@ -134,9 +134,9 @@ HWY_INLINE int scanColumns(const double* x, const double* y, const double* z, in
 
 HWY_INLINE Triple tripleOf(const HullCorner& corner) { return {corner.x, corner.y, corner.z}; }
 
-/// x dx + y dy + z dz of as many of a cell's vertices as a register takes, from number `from` on.
-/// (A vertex is read in one piece and turned in registers: a gather takes as long for each of its
-/// coordinates on some processors.)
+/// x dx + y dy + z dz of a register of a cell's vertices, from number `from` on. (Each vertex is
+/// loaded whole and transposed in registers: on some processors a gather takes as long for every
+/// coordinate.)
 HWY_INLINE Same valuesOfCell(const HullCell& cell, int from, const HullCorner* corners, double dx,
                              double dy, double dz) {
   const std::uint16_t* const names = cell.vertex + from;
@@ -148,7 +148,7 @@ HWY_INLINE Same valuesOfCell(const HullCell& cell, int from, const HullCorner* c
                            _mm256_load_pd(&corners[names[j]].x), 1);
     return _mm512_mul_pd(two, direction);
   };
-  // Of four vertices, two by two: the sums over x and y, then the products with z.
+  // Four vertices: x dx + y dy of two in each even 128-bit block, their z dz in the next one.
   const auto sums = [&](int i) HWY_ATTR {
     const __m512d even = products(i, i + 2), odd = products(i + 1, i + 3);
     return _mm512_add_pd(_mm512_unpacklo_pd(even, odd), _mm512_unpackhi_pd(even, odd));
@@ -179,7 +179,7 @@ HWY_INLINE Same valuesOfCell(const HullCell& cell, int from, const HullCorner* c
 #endif
 }
 
-/// Place in a cell of the first of its farthest vertices.
+/// Index within a cell of the first of its farthest vertices.
 template <std::size_t... kRegister>
 HWY_INLINE int firstOfCell(const HullCell& cell, const HullCorner* corners, double dx, double dy,
                            double dz, double& value, std::index_sequence<kRegister...> registers) {
@@ -189,11 +189,11 @@ HWY_INLINE int firstOfCell(const HullCell& cell, const HullCorner* corners, doub
   return firstLargest(values, value, registers);
 }
 
-/// The cell that holds a direction; null where there is no table, or the length is beyond what can
-/// be divided by.
+/// The cell that holds a direction; null where there is no table, or where quotients would leave
+/// the range of double.
 HWY_INLINE const HullCell* cellOf(const HullSupport& support, double dx, double dy, double dz) {
-  // Choices in lanes need no branches: those among directions are not foreseen. (Nor memory, which
-  // one hull's direction would share with the other's.)
+  // Selected in lanes, without branches: which coordinate is largest is unpredictable. (And without
+  // memory, which the two hulls' directions would share.)
   const double ax = std::abs(dx), ay = std::abs(dy), az = std::abs(dz);
   const Lanes<2> x_x = allLanes<2>(ax), y_y = allLanes<2>(ay), z_z = allLanes<2>(az);
   const Mask<2> y_most = y_y > x_x;
@@ -206,13 +206,13 @@ HWY_INLINE const HullCell* cellOf(const HullSupport& support, double dx, double 
     return nullptr;
   const Lanes<2> along =
       choose(z_most, allLanes<2>(dz), choose(y_most, allLanes<2>(dy), allLanes<2>(dx)));
-  // The next coordinate and the one before, in a ring.
+  // The coordinates after and before it, cyclically.
   const Lanes<2> across =
       choose(z_most, twoOf(dx, dy), choose(y_most, twoOf(dz, dx), twoOf(dy, dz)));
   const Lanes<2> zero = allLanes<2>(0.0), half = allLanes<2>(0.5 * sides),
                  last = allLanes<2>(sides - 1);
   const Lanes<2> place = across * (half / size) + half;
-  // In this order a NaN is 0.
+  // In this order NaN becomes 0.
   const Lanes<2> above = choose(place > zero, place, zero),
                  within = choose(above > last, last, above);
   const auto u = static_cast<std::int32_t>(firstOf(within)),
@@ -224,7 +224,7 @@ HWY_INLINE const HullCell* cellOf(const HullSupport& support, double dx, double 
 }
 
 /// Index of the farthest vertex of a hull with a table, given the direction's cell; -1 where only a
-/// climb finds it, which starts well from `hint`.
+/// climb finds it: `hint` then is a good start.
 HWY_INLINE int scanCell(const HullSupport& support, const HullCell* cell, double dx, double dy,
                         double dz, int& hint) {
   if (HWY_UNLIKELY(cell == nullptr)) return -1;
@@ -248,7 +248,7 @@ HWY_INLINE int scanTable(const HullSupport& support, double dx, double dy, doubl
   return scanCell(support, cellOf(support, dx, dy, dz), dx, dy, dz, hint);
 }
 
-/// The same for any hull.
+/// Index of the farthest vertex of any hull, or -1 and a hint, as scanCell().
 HWY_INLINE int scanSupport(const HullSupport& support, double dx, double dy, double dz, int& hint) {
   if (support.length() == 0) return scanTable(support, dx, dy, dz, hint);
   return scanColumns<kScanUpTo>(support.x(), support.y(), support.z(), support.length(), dx, dy,

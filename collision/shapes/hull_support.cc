@@ -12,11 +12,11 @@ namespace leeway::collision {
 
 namespace {
 
-// Vertices that a cell may list; where a large flat face is met squarely there can be more, and a
-// climb is quicker.
+// Most vertices that a cell lists. Where a large flat face is met squarely there are more, and a
+// climb is faster.
 constexpr std::size_t kMostOfCell = 64;
 constexpr int kFewestSides = 8, kMostSides = 32;
-// A hull is a needle where no vertex is farther from its axis than this share of the half length.
+// A hull is a needle where no vertex is farther from its axis than this share of its half length.
 constexpr double kNeedle = 0.25;
 
 }  // namespace
@@ -25,7 +25,7 @@ HullSupport::HullSupport(const ConvexHull& hull) : points_(hull.vertices().data(
   const auto count = static_cast<std::int32_t>(hull.vertices().size());
   corners_.reserve(hull.vertices().size());
   for (const Vector& p : hull.vertices()) corners_.push_back({p.x(), p.y(), p.z(), 0});
-  // (Flat hulls have no neighbours: beyond what a scan takes they are left to a plain one.)
+  // (Large flat hulls have neither columns nor neighbour lists: they get a scalar scan.)
   if (count <= kScanUpTo) {
     fillColumns(count);
     fillAxis(hull);
@@ -48,10 +48,10 @@ void HullSupport::fillColumns(std::int32_t count) {
   x_ = columns_[0].value;
 }
 
-// A direction in a cell is a positive combination of the cell's corners. So a vertex that is the
-// farthest for one is no worse than the middle's farthest at some corner; and going from the middle
-// to that direction the farthest vertex changes along edges only, so that those vertices hang
-// together by edges.
+// A direction in a cell is a positive combination of the cell's corners. So a vertex that is
+// farthest along it is, at some corner, no worse than the vertex that is farthest along the cell's
+// middle. And from the middle to that direction the farthest vertex changes along edges only: all
+// candidates are connected by edges.
 void HullSupport::fillCells(const ConvexHull& hull) {
   const std::span<const Vector> vertices = hull.vertices();
   double extent = 0;
@@ -104,8 +104,8 @@ void HullSupport::fillCells(const ConvexHull& hull) {
   }
 }
 
-// The ellipsoid whose surface has the vertices' mean and, spread evenly over a sphere's, their
-// covariance: a sphere's is a third of its radius squared.
+// The ellipsoid whose surface has the vertices' mean and covariance. The covariance of a sphere's
+// surface is a third of its radius squared in every direction.
 void HullSupport::fillEllipsoid(const ConvexHull& hull) {
   const double count = static_cast<double>(hull.vertices().size());
   for (const Vector& p : hull.vertices()) middle_ += p / count;
@@ -114,7 +114,8 @@ void HullSupport::fillEllipsoid(const ConvexHull& hull) {
   }
 }
 
-// From the vertex farthest from the first to the one farthest from that; through the mean of all.
+// The axis runs from the vertex farthest from the first to the one farthest from that, moved to the
+// vertices' mean.
 void HullSupport::fillAxis(const ConvexHull& hull) {
   const std::span<const Vector> vertices = hull.vertices();
   const auto farthestFrom = [&](const Vector& p) {

@@ -9,68 +9,68 @@ namespace leeway::collision {
 
 class ConvexHull;
 
-/// Hulls of up to this many vertices are scanned, coordinates side by side in vector registers;
-/// beyond, a table of directions says which few to look at. At 64 a scan takes four fifths of the
-/// time with registers of eight doubles, nine tenths with four (hulls of 64 and of 66) [count].
+/// Hulls of up to this many vertices are scanned in vector registers; for larger ones a table of
+/// directions names the few candidates. At 64 a scan takes 0.8 of the table's time with registers
+/// of eight doubles, 0.9 with four (hulls of 64 and of 66) [count].
 inline constexpr int kScanUpTo = 64;
 
-/// A cell of the table of directions: whatever the direction in it, the farthest vertex is one of
-/// these. Where there are more than eight, the first is kMany.
+/// A cell of the table of directions: for every direction in it the farthest vertex is one of
+/// these. Where there are more than eight, the first entry is kMany.
 struct alignas(16) HullCell {
   static constexpr std::uint16_t kMany = 0xffff;
   std::uint16_t vertex[8];
 };
 
-/// A vertex, and a 0 that makes it half a cache line: it is read in one piece.
+/// A vertex, padded with a 0 to half a cache line: one load reads it.
 struct alignas(32) HullCorner {
   double x, y, z, zero;
 };
 
-/// What a hull's support function is quick with, made once with the hull.
+/// Precomputed data of a hull's support function.
 class HullSupport {
  public:
-  /// From the vertices and, where there are many, the neighbour lists of `hull`, which has to stay
-  /// where it is. O(vertices), with some hundred nanoseconds for each cell of a table, of which
-  /// there are about three a vertex.
+  /// From the vertices and, where there are many, the neighbour lists of `hull`, which must not
+  /// move. O(vertices): some hundred nanoseconds for each of the table's cells, of which there are
+  /// about three a vertex.
   explicit HullSupport(const ConvexHull& hull);
   HullSupport(const HullSupport&) = delete;  // it points into itself
   HullSupport& operator=(const HullSupport&) = delete;
 
-  /// Coordinates of all vertices side by side, padded to a multiple of eight by copies of vertex 0;
-  /// 64-byte aligned. Empty (length 0) where the table is quicker.
+  /// Columns of the vertices' coordinates, padded to a multiple of eight with copies of vertex 0;
+  /// 64-byte aligned. Empty (length 0) where the table is faster.
   const double* x() const { return x_; }
   const double* y() const { return x() + length_; }
   const double* z() const { return x() + 2 * length_; }
   std::int32_t length() const { return length_; }
 
   const Vector* points() const { return points_; }
-  /// The same, as vector registers take them.
+  /// The vertices, padded for vector loads.
   const HullCorner* corners() const { return corners_.data(); }
 
-  /// The table of directions: cells of the six faces of the cube |d| = 1, sides() along either edge
-  /// (scan-inl.h finds a direction's). Empty where there is none.
+  /// The table of directions: each of the six faces of the cube max |d_i| = 1 has sides() x sides()
+  /// cells (hull_scan-inl.h finds a direction's). Empty where there is none.
   std::int32_t sides() const { return sides_; }
   const HullCell* cells() const { return cells_.data(); }
 
-  /// An ellipsoid that is about as the hull is, where there is a table: its middle, and the matrix
-  /// S for which it reaches sqrt(n . S n) from there along a unit vector n [m^2].
+  /// Where there is a table, an ellipsoid that approximates the hull: its centre [m], and the
+  /// matrix S [m^2] with which it reaches sqrt(n . S n) from there along a unit vector n.
   const Vector& middle() const { return middle_; }
   const Eigen::Matrix3d& spread() const { return spread_; }
 
-  /// The segment that a needle is about: halfLength() [m] either way from middle() along the unit
-  /// vector axis(). Half a length of 0 where the hull is none or has a table; without a table its
-  /// middle is about the vertices' mean.
+  /// The segment that approximates a needle: halfLength() [m] to either side of middle() along the
+  /// unit vector axis(). The half length is 0 where the hull is no needle or has a table; without a
+  /// table middle() is near the vertices' mean.
   const Vector& axis() const { return axis_; }
   double halfLength() const { return half_length_; }
 
-  /// The vertices of a cell of many, a multiple of eight; `count` is 0 where they are too many to
-  /// look at.
+  /// The vertices of a kMany cell, padded to a multiple of eight; `count` is 0 where there are too
+  /// many to scan.
   const HullCell* many(const HullCell& cell, int& count) const {
     count = cell.vertex[1];
     return more_.data() + (cell.vertex[2] + (static_cast<std::size_t>(cell.vertex[3]) << 16U));
   }
 
-  /// A vertex that is about the farthest along the directions of a cell: where to start a climb.
+  /// A vertex that is nearly the farthest along a cell's directions: a start for a climb.
   static int start(const HullCell& cell) {
     return cell.vertex[0] == HullCell::kMany ? cell.vertex[4] : cell.vertex[0];
   }

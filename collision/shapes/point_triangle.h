@@ -4,10 +4,10 @@
 
 namespace leeway::collision {
 
-/// The point of triangle abc closest to p, as far as rounding allows: always a convex combination
-/// of the corners to within rounding, so that its distance from p bounds the true distance from
-/// above whatever the shape of the triangle. C. Ericson, "Real-Time Collision Detection", 2005,
-/// section 5.1.5.
+/// The point of triangle abc closest to p, to within rounding (C. Ericson, "Real-Time Collision
+/// Detection", 2005, section 5.1.5). For triangles of any shape it is a convex combination of the
+/// corners to within rounding, so that its distance from p bounds the true distance from above.
+/// O(1).
 Eigen::Vector3d closestPointOnTriangle(const Eigen::Vector3d& p, const Eigen::Vector3d& a,
                                        const Eigen::Vector3d& b, const Eigen::Vector3d& c);
 

@@ -15,8 +15,8 @@ namespace leeway::collision {
 namespace {
 
 void requireSize(double value, const char* shape, const char* name) {
-  // Written so that a NaN fails, too. Squares and cubes of larger sizes overflow: the fuzzer found
-  // a half-space that an ellipsoid of 1e308 m was said to touch.
+  // False for NaN, too. Squares and cubes of larger sizes overflow: fuzzing found an ellipsoid of
+  // 1e308 m that falsely touched a half-space.
   if (value >= 0 && value <= kLargestCoordinate) return;
   std::ostringstream message;
   message.precision(17);

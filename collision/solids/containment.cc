@@ -16,7 +16,8 @@ bool isSolidMesh(const Shape& shape) {
   return shape.type() == ShapeType::kMesh && shape.mesh()->closedComponentCount() > 0;
 }
 
-// A lower bound on the distance of a point from the surface of a mesh, if it is above `threshold`.
+// A lower bound on the distance of a point from the surface of a mesh, above `threshold` where the
+// distance is well above.
 double distanceFromSurface(const Shape& mesh, const Vector3d& p, double threshold,
                            Scratch& scratch) {
   DescentSide point;
@@ -25,13 +26,13 @@ double distanceFromSurface(const Shape& mesh, const Vector3d& p, double threshol
   DescentPlacement placement;
   placement.X_BA0.translation = placement.X_BA1.translation = -p;
   DistanceRequest request;
-  // An interval narrower than half the threshold that holds it is above that half.
+  // An interval of this width that holds the threshold is above half of it.
   request.tolerance = 0.5 * threshold;
   request.threshold = threshold;
   request.depth = false;
   PairCache cache;
   if (mesh.type() == ShapeType::kDeformable) {
-    // The point moves here, because a deforming mesh is bounded in its own frame.
+    // The point is the placed body: a deforming mesh is bounded in its own frame.
     DeformSide moving;
     moving.rigid = point;
     moving.low = moving.high = Vector3d::Zero();
@@ -41,7 +42,7 @@ double distanceFromSurface(const Shape& mesh, const Vector3d& p, double threshol
   return descend(descentSide(mesh), point, placement, request, scratch, &cache).lower;
 }
 
-// Whether the point, known to within `error` in the mesh's frame, lies in one of the mesh's solids.
+// Whether a point, known to within `error` in the mesh's frame, is inside a closed component.
 Containment holds(const Shape& shape, const Vector3d& p, double error, double gap,
                   Scratch& scratch) {
   const bool deforms = shape.type() == ShapeType::kDeformable;
@@ -49,7 +50,7 @@ Containment holds(const Shape& shape, const Vector3d& p, double error, double ga
   const Vector3d& high = deforms ? shape.deformable()->high() : shape.mesh()->tree().node(0).high;
   if (((low - p).array() > error).any() || ((p - high).array() > error).any())
     return Containment::kNo;
-  // The true point is on the same side when no surface comes between it and the rounded one.
+  // No surface may be between the true point and the rounded one.
   if (!(gap > error) && !(distanceFromSurface(shape, p, 2 * error, scratch) > error))
     return Containment::kUndecided;
   Containment answer = Containment::kNo;
@@ -65,7 +66,7 @@ Containment holds(const Shape& shape, const Vector3d& p, double error, double ga
   return answer;
 }
 
-// Whether a component of `inner` lies in a solid of the mesh `outer`.
+// Whether a component of `inner` is inside a closed component of the mesh `outer`.
 Containment oneWay(const Shape& outer, const Pose& X_WO, const Shape& inner, const Pose& X_WI,
                    double gap, Scratch& scratch) {
   if (!isSolidMesh(outer) || inner.type() == ShapeType::kHalfSpace) return Containment::kNo;
@@ -74,8 +75,8 @@ Containment oneWay(const Shape& outer, const Pose& X_WO, const Shape& inner, con
   const double size = outer.extent() + inner.boundingCenter().norm() + inner.boundingRadius() +
                       relative.X_BA.translation.norm();
   const double error = (relative.slack + kRelativeRounding) * size;
-  // Connected bodies whose surfaces are apart are inside or outside as a whole: one point of each
-  // will do.
+  // One point of each component is enough: where surfaces are apart, a connected body is inside or
+  // outside as a whole.
   if (inner.isConvex()) {
     const Vector3d p =
         inner.type() == ShapeType::kConvexHull ? inner.hull()->vertices()[0] : Vector3d::Zero();

@@ -5,8 +5,7 @@
 
 namespace leeway::collision {
 
-/// contains() for bodies whose surfaces are known to be at least `gap` apart [m] (0: nothing is
-/// known of that).
+/// contains() for bodies whose surfaces are proven to be at least `gap` apart [m]; 0: unknown.
 Containment containsAt(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
                        double gap, Scratch& scratch);
 

@@ -15,8 +15,13 @@
 namespace leeway::collision {
 namespace {
 
-// A point in a solid: how far its surface is at least, and the way to it. 0: outside, on the
-// surface or undecided.
+// Points along each axis of a grid over what the bodies' boxes share, where a body deforms. Without
+// a grid deforming solids would have looser depths than rigid ones; a fifth point gains next to
+// nothing.
+constexpr int kGrid = 4;
+
+// A point in a solid: a lower bound on the distance of the surface, and the direction to it. 0:
+// outside, on the surface or undecided.
 struct Inside {
   double distance = 0;
   Vector outwards = Vector::Zero();  // unit, in W
@@ -38,7 +43,7 @@ bool isInside(const Shape& shape, const Vector& p, Scratch& scratch) {
                      [&](int c) { return sideOf(snapshot.impl(), c, p, scratch); });
 }
 
-// The surface of a mesh about a point p.
+// The distance of a mesh's surface from a point p, and the direction to it.
 DescentResult surfaceAbout(const Shape& mesh, const Vector& p, const DescentSide& point,
                            const DistanceRequest& request, Scratch& scratch, Vector& outwards) {
   DescentPlacement placement;
@@ -49,7 +54,7 @@ DescentResult surfaceAbout(const Shape& mesh, const Vector& p, const DescentSide
     outwards = r.witness.point_a - r.witness.point_b;
     return r;
   }
-  // The point moves here, because a deforming mesh is bounded in its own frame.
+  // The point is the placed body: a deforming mesh is bounded in its own frame.
   DeformSide moving;
   moving.rigid = point;
   moving.low = moving.high = Vector::Zero();
@@ -90,7 +95,7 @@ Inside insideOf(const Shape& shape, const Pose& X_WS, const Vector& p_W, int nod
     const DistanceResult r = convexDistance(viewOf(shape), Pose{Eigen::Matrix3d::Identity(), -p},
                                             point.view, request, scratch, nullptr, error);
     distance = {-r.distance.upper, -r.distance.lower};
-    // From the shape to the point, which leaves along it.
+    // From the shape to the point: along it the point leaves the shape.
     normal = r.normal;
   } else {
     if (!isInside(shape, p, scratch)) return {};
@@ -103,7 +108,7 @@ Inside insideOf(const Shape& shape, const Pose& X_WS, const Vector& p_W, int nod
   return {distance.lower, rotated(X_WS.rotation, normal / norm)};
 }
 
-// Where the points of a body are, in W; where rounding puts them does not matter.
+// A box around a body in W, rounded: it only places the grid.
 struct Box {
   Vector low, high;
 };
@@ -122,8 +127,8 @@ Box boxAround(const Shape& shape, const Pose& X_WS) {
   return {center - reach, center + reach};
 }
 
-// Two rigid meshes take longer about a point, and without a hierarchy each takes as long as all
-// triangles do.
+// Two rigid meshes do without a grid: a point takes them longer. And so does a deforming mesh
+// without a hierarchy, where each point costs a pass over all triangles.
 bool hasGrid(const Shape& a, const Shape& b) {
   const auto isDeforming = [](const Shape& s) { return s.type() == ShapeType::kDeformable; };
   const auto hasTree = [&](const Shape& s) {
@@ -145,13 +150,13 @@ SolidDepth solidDepth(const Shape& a, const Pose& X_WA, const Shape& b, const Po
     if (!(in_a.distance > 0)) return false;
     const Inside in_b = insideOf(b, X_WB, p, node_limit, scratch);
     if (!(in_b.distance > 0)) return false;
-    // (A rounding of the sum.)
+    // (Rounded inwards.)
     const double depth = (in_a.distance + in_b.distance) * (1 - 4 * kUnitRoundoff);
     if (!(depth > best)) return false;
     best = depth;
     result.way_out = in_a.outwards - in_b.outwards;
     at = p;
-    // Away from both surfaces; what turned back and forth before evens out.
+    // Away from both surfaces, averaged so that zigzags cancel.
     way = 0.5 * way - in_a.outwards - in_b.outwards;
     return true;
   };
@@ -174,7 +179,7 @@ Vector deepen(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB
               const Vector& middle, const DistanceRequest& request, Scratch& scratch,
               DistanceResult& result) {
   if (!isSolid(a) || !isSolid(b)) return Vector::Zero();
-  std::array<Vector, 4 + kDeepestPointGrid * kDeepestPointGrid * kDeepestPointGrid> starts;
+  std::array<Vector, 4 + kGrid * kGrid * kGrid> starts;
   std::size_t count = 0;
   for (const Vector& start : {middle, Vector(0.5 * (result.point_a + result.point_b)),
                               placed(X_WA, a.boundingCenter()), placed(X_WB, b.boundingCenter())})
@@ -182,10 +187,10 @@ Vector deepen(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB
   if (hasGrid(a, b)) {
     const Box box_a = boxAround(a, X_WA), box_b = boxAround(b, X_WB);
     const Vector low = box_a.low.cwiseMax(box_b.low),
-                 cell = (box_a.high.cwiseMin(box_b.high) - low) / kDeepestPointGrid;
-    for (int i = 0; i < kDeepestPointGrid; ++i)
-      for (int j = 0; j < kDeepestPointGrid; ++j)
-        for (int k = 0; k < kDeepestPointGrid; ++k)
+                 cell = (box_a.high.cwiseMin(box_b.high) - low) / kGrid;
+    for (int i = 0; i < kGrid; ++i)
+      for (int j = 0; j < kGrid; ++j)
+        for (int k = 0; k < kGrid; ++k)
           starts[count++] = low + cell.cwiseProduct(Vector(i + 0.5, j + 0.5, k + 0.5));
   }
   const SolidDepth found =

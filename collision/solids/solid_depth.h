@@ -8,23 +8,28 @@
 
 namespace leeway::collision {
 
+/// A lower bound on the depth of two overlapping solids.
 struct SolidDepth {
-  double depth = 0;                                   ///< [m]; 0 when nothing is found
-  Eigen::Vector3d way_out = Eigen::Vector3d::Zero();  ///< of B, in W: worth a try; any length
+  double depth = 0;  ///< [m]; 0 when none is found
+  /// A direction in which to try to move B out, in W; of any length.
+  Eigen::Vector3d way_out = Eigen::Vector3d::Zero();
 };
 
-/// A length that every translation that separates two overlapping solids must have [m]; 0 when
-/// nothing is found. A ball in A and a ball in B around the same point stay apart only when moved
-/// by the sum of their radii: so for any point inside both, the sum of its distances from the two
-/// surfaces is one. Solids are convex shapes and the closed components of meshes, deforming ones,
-/// too. The search looks at the given points (in W) and takes kDeepestPointSteps steps from the
-/// best one at the most, each with `node_limit` nodes of either hierarchy.
+/// Most steps of the search for a point deep in both solids. More deepens the bound and costs time.
+inline constexpr int kDeepestPointSteps = 20;
+
+/// Searches for a point deep in both solids. A ball in A and a ball in B around the same point come
+/// apart only when moved by the sum of their radii, so that the sum of a point's distances from the
+/// two surfaces is a lower bound on the length of every translation that separates the solids.
+/// Solids are convex shapes and the closed components of meshes, deforming ones included. The
+/// search evaluates the given points (in W) and ascends from the best one, by at most
+/// kDeepestPointSteps steps, each with `node_limit` nodes of either hierarchy.
 SolidDepth solidDepth(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
                       std::span<const Eigen::Vector3d> starts, int node_limit, Scratch& scratch);
 
-/// Lowers the upper end of an overlap by such points: near the deepest pair of triangles, in the
-/// middle of either body, `middle`, in W, and, where a body deforms, on a grid. Nothing where
-/// either body has no inside. Returns a way out, of B and in W, that is worth a try.
+/// Lowers the upper end of an overlap by solidDepth() from the deepest pair of triangles, the
+/// middle of each body, `middle` (in W), and, where a body deforms, the points of a grid. Does
+/// nothing where a body has no inside. Returns way_out of SolidDepth.
 Eigen::Vector3d deepen(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
                        const Eigen::Vector3d& middle, const DistanceRequest& request,
                        Scratch& scratch, DistanceResult& result);

@@ -9,12 +9,18 @@
 
 namespace leeway::collision {
 
-// Rounding, in units of u L (see gjk.cc): X_BA is taken as the affine map that it is, A as the
-// parallelepiped that it makes. Axes of B are exact, so are cross products with them but for their
-// length (3 units); normals of A's faces err by 7. The overlap along a unit axis errs by 3 |t|, 11
-// extent A and 6 extent B and moves by as many units of L as the axis does: less than 22, within
-// kSupportRounding. A cross product whose square leaves the range of double belongs to edges that
-// are parallel within 1e-150: without it the box is another one by as much.
+// clang-format off
+// Rounding, in units of u L (see gjk.cc). X_BA is taken as the affine map that it is, and A as the
+// parallelepiped that it makes.
+//
+//   axes of B                           exact
+//   cross products with them            exact but for their length, 3
+//   normals of A's faces                7
+//   the overlap along a unit axis       3 |t|, 11 extent A and 6 extent B, and as many units of L as the axis errs by
+//
+// In sum less than 22, within kSupportRounding. A cross product whose square leaves the range of double
+// belongs to edges that are parallel to within 1e-150: without it the box is another one by as much.
+// clang-format on
 
 namespace {
 
@@ -29,7 +35,7 @@ struct Axis {
   double apart = -std::numeric_limits<double>::infinity();
 };
 
-// By how much the boxes are apart along an axis of any length, and how long that is.
+// The gap of the boxes along an axis of any length, times that length, and the length squared.
 struct Gap {
   double apart, length_squared;
 };
@@ -43,7 +49,7 @@ Gap gapAlong(const Boxes& boxes, double x, double y, double z) {
   return {apart, x * x + y * y + z * z};
 }
 
-// The axis along which the boxes are least deep in each other; the first of equals.
+// The axis of least overlap; the first of equals.
 Axis bestAxis(const Boxes& boxes, const Eigen::Matrix3d& R) {
   Vector axes[15];
   for (int i = 0; i < 3; ++i) {
@@ -54,7 +60,7 @@ Axis bestAxis(const Boxes& boxes, const Eigen::Matrix3d& R) {
     axes[7 + 3 * i] = {z, 0, -x};
     axes[8 + 3 * i] = {-y, x, 0};
   }
-  // All in a row, so that roots and quotients of one do not wait for another's.
+  // In one loop without dependencies, so that roots and quotients overlap.
   double apart[15], length[15];
   for (int i = 0; i < 15; ++i) {
     const Gap gap = gapAlong(boxes, axes[i].x(), axes[i].y(), axes[i].z());
@@ -68,8 +74,8 @@ Axis bestAxis(const Boxes& boxes, const Eigen::Matrix3d& R) {
   return {side / length[best] * axes[best], apart[best]};
 }
 
-// What of a box lies farthest along a direction: a point, edge or face, its edges within rounding
-// of perpendicular counted in.
+// The feature of a box that is farthest along a direction: a corner, edge or face. Edges within
+// kPerpendicularEdge of perpendicular belong to it.
 struct Feature {
   Vector center;
   Vector half[2];  // half edges
@@ -92,7 +98,7 @@ Feature farthestFeature(const Vector& center, const Vector half[3], const Vector
   return f;
 }
 
-// Coordinate of p - center along a half edge, as a fraction of it.
+// The coordinate of p - center along a half edge, as a fraction of that.
 double coordinate(const Feature& f, int i, const Vector& p) {
   const double squared = f.half[i].squaredNorm();
   return squared > 0 ? f.half[i].dot(p - f.center) / squared : 0;
@@ -106,8 +112,8 @@ Vector clamped(const Feature& f, const Vector& p) {
   return q;
 }
 
-// Cuts a convex polygon by sign * coordinate <= 1. (Sutherland and Hodgman 1974; each cut adds one
-// vertex at most.)
+// Clips a convex polygon to sign * coordinate <= 1 (Sutherland and Hodgman 1974). Each cut adds at
+// most one vertex.
 int cut(const Feature& f, int i, double sign, Vector polygon[12], int count) {
   Vector result[12];
   int kept = 0;
@@ -123,8 +129,7 @@ int cut(const Feature& f, int i, double sign, Vector polygon[12], int count) {
   return kept;
 }
 
-// A point of f near to `of`, which touches it or misses it by rounding: the middle of what they
-// share.
+// A point of f in the middle of what f shares with `of`, which touches it or misses it by rounding.
 Vector shared(const Feature& f, const Feature& of) {
   Vector polygon[12];
   int count = 0;
@@ -144,7 +149,7 @@ Vector shared(const Feature& f, const Feature& of) {
       Vector before[12];
       std::copy(polygon, polygon + count, before);
       const int kept = cut(f, i, sign, polygon, count);
-      // Rounding may leave nothing: then what was there is near enough.
+      // Rounding may leave nothing: the polygon before the cut is near enough then.
       if (kept > 0) {
         count = kept;
       } else {
@@ -157,7 +162,7 @@ Vector shared(const Feature& f, const Feature& of) {
   return clamped(f, middle);
 }
 
-// A point of A's feature that, moved by w, lies on B's.
+// A point of A's feature that, moved by w, is on B's.
 Vector touching(Feature of_a, const Feature& of_b, const Vector& w) {
   of_a.center += w;
   Vector p;

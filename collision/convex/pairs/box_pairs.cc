@@ -10,6 +10,10 @@ namespace leeway::collision {
 
 namespace {
 
+// Cosines from and to which a face, or an edge, is tried in a cached direction. Any value is right.
+constexpr double kCachedAligned = 0.99;
+constexpr double kCachedAcross = 0.1;
+
 Triple halfOf(const Shape& box) { return tripleOf(box.halfExtents()); }
 
 }  // namespace
@@ -19,7 +23,7 @@ bool nearestOfSphereAndBox(const Pose& X_WS, const Shape& box, const Pose& X_WB,
       rotatedBack(X_WB.rotation, tripleOf(X_WS.translation) - tripleOf(X_WB.translation));
   const Triple w = within(c, halfOf(box)) - c;
   const double apart = std::sqrt(squared(w));
-  // A point's clamp is its nearest point: both ends are the same.
+  // The clamped point is the nearest one: both ends are the same.
   nearest.apart = nearest.plane = apart;
   nearest.point_a = c;
   nearest.normal = (1 / apart) * w;
@@ -47,7 +51,7 @@ bool nearestOfCapsuleAndBox(const Shape& capsule, const Pose& X_WC, const Shape&
 
 namespace {
 
-// Two boxes in B's frame, where B stands at the origin.
+// Two boxes in B's frame; B's centre is the origin.
 struct Boxes {
   Triple c;        // A's centre
   Triple axis[3];  // A's axes
@@ -59,7 +63,7 @@ double sizeOf(const Boxes& boxes) {
          boxes.half_b[2];
 }
 
-// By how much B is beyond A along n, a unit vector from A to B.
+// The gap between A and B along n, a unit vector from A to B.
 double planeAlong(const Boxes& boxes, const Triple& n) {
   return -dot(n, boxes.c) - std::abs(dot(n, boxes.axis[0])) * boxes.half_a[0] -
          std::abs(dot(n, boxes.axis[1])) * boxes.half_a[1] -
@@ -67,20 +71,20 @@ double planeAlong(const Boxes& boxes, const Triple& n) {
          std::abs(n.y) * boxes.half_b[1] - std::abs(n.z) * boxes.half_b[2];
 }
 
-// A box and another one in its frame: with centre c and axes (m[.][k]).
+// A box in another one's frame: its centre c and its axes m[.][k].
 struct Placement {
   double c[3];
   double m[3][3];
 };
 
-// The way to a point from a box.
+// The vector from a box to a point.
 Triple beyond(const double p[3], const double half[3]) {
   return {p[0] - within(p[0], -half[0], half[0]), p[1] - within(p[1], -half[1], half[1]),
           p[2] - within(p[2], -half[2], half[2])};
 }
 
-// The corner of the other box that is nearest to this one's face across axis i. True when it stands
-// above the face.
+// The corner of the other box that is nearest to this one's face across axis i. True when it is
+// above that face.
 bool cornerAboveFace(const Placement& other, const double half[3], const double other_half[3],
                      int i, double corner[3]) {
   for (int j = 0; j < 3; ++j) corner[j] = other.c[j];
@@ -92,13 +96,13 @@ bool cornerAboveFace(const Placement& other, const double half[3], const double 
   return std::abs(corner[j]) <= half[j] && std::abs(corner[k]) <= half[k];
 }
 
-// Gap between a box and another across its face i.
+// The gap between a box and another one across the first one's face i.
 double gapAcross(const Placement& other, const double half[3], const double other_half[3], int i) {
   return std::abs(other.c[i]) - half[i] - std::abs(other.m[i][0]) * other_half[0] -
          std::abs(other.m[i][1]) * other_half[1] - std::abs(other.m[i][2]) * other_half[2];
 }
 
-// The face of the largest gap.
+// The face with the largest gap.
 int widestFace(const Placement& other, const double half[3], const double other_half[3],
                double& gap) {
   const double gaps[3] = {gapAcross(other, half, other_half, 0),
@@ -110,20 +114,20 @@ int widestFace(const Placement& other, const double half[3], const double other_
   return k;
 }
 
-// Two edges of which one is parallel to B's axis i, the other to A's axis k.
+// Two edges: one parallel to B's axis i, the other to A's axis k.
 struct EdgePair {
   int i = -1, k = -1;
 };
 
-// The pair of edges across which the boxes are farther apart than `gap`, and farthest: none is
-// chosen by a branch, because which it is nobody can foretell.
+// The pair of edges with the largest gap, if that is larger than `gap`. Branch-free: which pair
+// wins is unpredictable.
 EdgePair widestEdges(const Placement& a, const double half_a[3], const double half_b[3],
                      double gap) {
   double r[3][3];
   for (int i = 0; i < 3; ++i) {
     for (int k = 0; k < 3; ++k) r[i][k] = std::abs(a.m[i][k]);
   }
-  // Numbers that are not negative are in the order of their bits.
+  // Doubles >= 0 have the order of their bits.
   std::int64_t best = std::bit_cast<std::int64_t>(gap > 0 ? gap * gap : 0.0);
   int which = -1;
   for (int i = 0; i < 3; ++i) {
@@ -131,7 +135,7 @@ EdgePair widestEdges(const Placement& a, const double half_a[3], const double ha
     for (int k = 0; k < 3; ++k) {
       const int p = k == 2 ? 0 : k + 1, q = k == 0 ? 2 : k - 1;
       // e_i x a_k = (0, -a_k[m], a_k[j]) in the order i, j, m; its products with A's other axes are
-      // entries of the rotation. (A matrix that is not quite one chooses another pair, no more.)
+      // entries of the rotation. (A matrix that is not quite a rotation only selects another pair.)
       const double across = std::abs(a.m[j][k] * a.c[m] - a.m[m][k] * a.c[j]) -
                             (half_b[j] * r[m][k] + half_b[m] * r[j][k]) -
                             (half_a[p] * r[i][q] + half_a[q] * r[i][p]);
@@ -147,13 +151,13 @@ EdgePair widestEdges(const Placement& a, const double half_a[3], const double ha
   return which < 0 ? EdgePair{} : EdgePair{which / 3, which % 3};
 }
 
-// The two edges' nearest points. False when these are beyond an end.
+// The nearest points of two edges. False when one of them is beyond an end.
 bool edgesMeet(const Boxes& boxes, const Placement& a, const EdgePair& edges, Nearest& nearest) {
   const int i = edges.i, k = edges.k;
   const int j = i == 2 ? 0 : i + 1, m = i == 0 ? 2 : i - 1;
   const int p = k == 2 ? 0 : k + 1, q = k == 0 ? 2 : k - 1;
   const double sine_squared = a.m[j][k] * a.m[j][k] + a.m[m][k] * a.m[m][k];
-  // (A square that is nearly 0 has lost digits, and the normal its length with them.)
+  // (Below, the square has lost digits, and the normal would not be of unit length.)
   if (!(sine_squared > kParallelEdgesSquared)) return false;
   double n_j = -a.m[m][k], n_m = a.m[j][k];
   // From A to B.
@@ -186,9 +190,9 @@ bool edgesMeet(const Boxes& boxes, const Placement& a, const EdgePair& edges, Ne
   return true;
 }
 
-// From A's corner farthest along n, along A's edges to where it is nearest to B, by Newton's steps
-// along the edge that promises most: the squared distance from a box is convex, and quadratic
-// between the planes of B's faces. True when a plane proves that nothing is nearer.
+// Coordinate descent from A's corner farthest along n: Newton steps along A's axis with the largest
+// possible gain. The squared distance from B is convex, and quadratic between the planes of B's
+// faces. True once the points are nearest to within a share of kPairNarrow, or after the last step.
 bool descend(const Boxes& boxes, const Triple& n, Nearest& nearest) {
   constexpr int kSteps = 16;
   const double narrow = 0.1 * kPairNarrow * sizeOf(boxes);
@@ -199,12 +203,13 @@ bool descend(const Boxes& boxes, const Triple& n, Nearest& nearest) {
     p = p + s[k] * boxes.axis[k];
   }
   const Triple half_b = {boxes.half_b[0], boxes.half_b[1], boxes.half_b[2]};
-  int last = -1;  // the edge of the step before, where it started and how steep it was there
+  int last = -1;  // axis of the step before; its coordinate and the slope before that step
   double last_s = 0, last_slope = 0;
   for (int step = 0;; ++step) {
     const Triple w = within(p, half_b) - p;
     const double squares = squared(w);
-    // What a move along each edge may gain, to first order: all that keeps the ends apart.
+    // The gain that a move along each axis may have, to first order. Their sum is the gap between
+    // both ends.
     double slope[3], gain[3], sum = 0;
     for (int k = 0; k < 3; ++k) {
       slope[k] = dot(w, boxes.axis[k]);
@@ -225,8 +230,7 @@ bool descend(const Boxes& boxes, const Triple& n, Nearest& nearest) {
     const double curvature = (w.x != 0) * (axis.x * axis.x) + (w.y != 0) * (axis.y * axis.y) +
                              (w.z != 0) * (axis.z * axis.z);
     const double before = s[k];
-    // Newton's step, or the secant's where that before went too far: by turns they would go on for
-    // ever.
+    // Newton's step; the secant's where the step before overshot, or they might alternate for ever.
     const bool beyond_it = k == last && last_slope * slope[k] < 0;
     const double way =
         beyond_it ? slope[k] * (before - last_s) / (last_slope - slope[k]) : slope[k] / curvature;
@@ -238,7 +242,7 @@ bool descend(const Boxes& boxes, const Triple& n, Nearest& nearest) {
   }
 }
 
-// Both boxes seen from each other.
+// Each box in the other's frame.
 struct Views {
   Placement a_in_b, b_in_a;
 };
@@ -255,14 +259,15 @@ Views viewsOf(const Boxes& boxes) {
             {axis[2].x, axis[2].y, axis[2].z}}}};
 }
 
-// The face of B (or of A) across an axis of it, at a distance of `gap` from the other box: true
-// when that one's nearest corner is above it, or the goal is decided.
+// A face of B (or of A) with a gap of `gap` to the other box. True when the other's nearest corner
+// is above the face, or the goal is decided.
 bool faceMeets(const Boxes& boxes, const Views& views, bool on_b, int face, double gap,
                const Goal& goal, Nearest& nearest) {
   double corner[3];
   const bool above = on_b ? cornerAboveFace(views.a_in_b, boxes.half_b, boxes.half_a, face, corner)
                           : cornerAboveFace(views.b_in_a, boxes.half_a, boxes.half_b, face, corner);
-  // In the frame of the face's box the way to the corner, which is along the normal above the face.
+  // The vector to the corner, in the frame of the face's box; above the face it is along the
+  // normal.
   const Triple w = beyond(corner, on_b ? boxes.half_b : boxes.half_a);
   const bool meets = above && gap > 0;
   if (!meets && !(gap > goal.above) && !(goal.below > 0 && squared(w) < goal.below * goal.below)) {
@@ -282,8 +287,8 @@ bool faceMeets(const Boxes& boxes, const Views& views, bool on_b, int face, doub
   return true;
 }
 
-// A pair that has hardly moved since the cache was written: its direction tells the face, or the
-// corner to start from. Any content is taken.
+// For a pair that has hardly moved since the cache was written: the cached direction names the
+// face, the edges, or the corner to start from. Any content is valid.
 bool nearestFromCache(const Boxes& boxes, const Views& views, const PairCache& cache,
                       const Goal& goal, Nearest& nearest) {
   const Triple n = tripleOf(cache.direction_B);
@@ -309,7 +314,7 @@ bool nearestFromCache(const Boxes& boxes, const Views& views, const PairCache& c
   if (!(across && edgesMeet(boxes, views.a_in_b, edges, nearest)) && !descend(boxes, n, nearest)) {
     return false;
   }
-  // (Where the way is too short to tell a direction the axes are better.)
+  // (Where the vector is too short to have a direction, the separating axes are better.)
   return nearest.apart - nearest.plane <= kPairNarrow * sizeOf(boxes) || nearest.plane > goal.above;
 }
 
@@ -322,7 +327,7 @@ bool nearestInB(const Boxes& boxes, const Views& views, const Goal& goal, Neares
   const int face = on_b ? face_b : face_a;
   if (faceMeets(boxes, views, on_b, face, gap, goal, nearest)) return true;
   const EdgePair edges = widestEdges(views.a_in_b, boxes.half_a, boxes.half_b, gap);
-  // No axis parts them, but for edges that are nearly parallel: there is no way to walk down.
+  // No axis separates them, except perhaps across nearly parallel edges: nowhere to descend to.
   if (edges.i < 0 && !(gap > 0)) return false;
   if (edges.i >= 0 && edgesMeet(boxes, views.a_in_b, edges, nearest)) return true;
   const Triple n = on_b ? Triple{face == 0 ? -boxes.c.x : 0, face == 1 ? -boxes.c.y : 0,

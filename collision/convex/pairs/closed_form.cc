@@ -7,10 +7,17 @@
 
 namespace leeway::collision {
 
-// Rounding: every result below is a chain of clamps (exact), one difference per coordinate (1 unit
-// of extent + |p|), a norm (3 units) and, for cylinder and cone, a distance from the axis (3 units)
-// and a product with a unit vector (4 units). A square root of a sum of squares does not amplify
-// absolute errors. Less than 16 units in all; kClosedFormRounding doubles that.
+// clang-format off
+// Rounding, in units of extent + |p|. Every result below is a chain of
+//
+//   clamps                                                     exact
+//   one difference a coordinate                                1
+//   a norm (a root of squares amplifies no absolute errors)    3
+//   of cylinders and cones, a distance from the axis           3
+//     and a product with a unit vector                         4
+//
+// Less than 16 in all; kClosedFormRounding doubles that.
+// clang-format on
 
 namespace {
 
@@ -27,7 +34,7 @@ PointDistance fromPoint(const Vector& p, const Vector& nearest) {
 PointDistance fromSegment(double half_length, const Vector& p) {
   const Vector d(p.x(), p.y(), p.z() - std::clamp(p.z(), -half_length, half_length));
   const double norm = d.norm();
-  // A point on the segment leaves it sideways; off its ends that cannot be (norm is 0 there only).
+  // The norm is 0 only for a point on the segment, which leaves it sideways.
   return {norm, Vector(0, 0, std::clamp(p.z(), -half_length, half_length)),
           unitOr(d, norm, Vector::UnitX())};
 }
@@ -40,8 +47,8 @@ PointDistance fromBox(const Vector& half, const Vector& p) {
     const double norm = std::sqrt(norm_squared);
     return {norm, nearest, d / norm};
   }
-  // Inside: out through the nearest face. (Also when d is so small that its square is 0: an error
-  // of 1e-160.)
+  // Inside: out through the nearest face. (Also where the square of d underflows: an error of
+  // 1e-160.)
   int axis = 0;
   const double depth = (half - p.cwiseAbs()).minCoeff(&axis);
   PointDistance result{-std::max(depth, 0.0), nearest, Vector::Zero()};
@@ -86,7 +93,8 @@ PointDistance fromCone(double radius, double half_length, const Vector& p) {
   const double normal_across = 2 * half_length / slant, normal_along = radius / slant;
   const double from_slant = plane.across * normal_across + (p.z() - half_length) * normal_along;
   const double from_base = -half_length - p.z();
-  // (The planes of a flat cone do not end at its rim, nor those of a thin one at its apex.)
+  // (A point inside both planes may still be outside: of a flat cone beyond the rim, of a thin one
+  // beyond the apex.)
   if (from_slant <= 0 && from_base <= 0 && plane.across <= radius && p.z() <= half_length) {
     if (from_base > from_slant) {
       return {from_base, plane.point(plane.across, -half_length), -Vector::UnitZ()};
@@ -96,14 +104,15 @@ PointDistance fromCone(double radius, double half_length, const Vector& p) {
         plane.point(plane.across - from_slant * normal_across, p.z() - from_slant * normal_along),
         normal_across * plane.radial + normal_along * Vector::UnitZ()};
   }
-  // Outside. Over the base or the slant the direction is theirs: as a difference of two points it
-  // would be lost near contact.
+  // Outside. Above the base or the slant the direction is their normal: a difference of two points
+  // would lose it near contact.
   if (from_base > 0 && plane.across <= radius) {
     return {from_base, plane.point(plane.across, -half_length), -Vector::UnitZ()};
   }
-  // Way along the slant beyond the apex and the rim, each by differences from there: next to them
-  // they are known as well as the point is. (As a share of the slant they would not be, and beside
-  // the apex any direction across the axis would be taken, along which the cone is farther out.)
+  // How far the point is, along the slant, beyond the apex and the rim. Computed from differences
+  // to them, which keep the point's accuracy nearby. (Computed as a share of the slant they would
+  // not: next to the apex the direction would come out across the axis, along which the cone
+  // reaches farther.)
   const double rise = 2 * half_length;
   const double over_apex = ((p.z() - half_length) * rise - plane.across * radius) / slant;
   const double over_rim = ((plane.across - radius) * radius - (p.z() + half_length) * rise) / slant;
@@ -120,13 +129,13 @@ PointDistance fromCone(double radius, double half_length, const Vector& p) {
           unitOr(d, norm, normal_across * plane.radial + normal_along * Vector::UnitZ())};
 }
 
-// y, lane by lane 0 where x is.
+// Lane by lane: y, but 0 where x is 0.
 BodyLanes whereNotZero(BodyLanes x, BodyLanes y) {
   using Bits = std::int64_t __attribute__((vector_size(16)));
   return reinterpret_cast<BodyLanes>((x != BodyLanes{0, 0}) & reinterpret_cast<Bits>(y));
 }
 
-// nearestToBox() by looking at all places where the derivative bends.
+// nearestToBox() by bisection over all breakpoints of the derivative.
 double breakpointsNearestToBox(const Triple& c, const Triple& h, const Triple& half) {
   const auto derivative = [&](double s) {
     const Triple p = c + s * h;
@@ -178,9 +187,9 @@ PointDistance pointDistance(const ConvexView& view, const Vector& p) {
 }
 
 double nearestToBox(const Triple& c, const Triple& h, const Triple& half) {
-  // The squared distance is convex in s, its derivative increasing and linear between the places
-  // where a coordinate enters or leaves the box. Newton's steps end on the root as soon as they
-  // meet its piece: after two or three, mostly.
+  // The squared distance is convex in s. Its derivative increases and is linear between the
+  // breakpoints where a coordinate enters or leaves the box: Newton's step is exact once it is on
+  // the root's piece, mostly after two or three steps.
   constexpr int kSteps = 6;
   const Triple squares = {h.x * h.x, h.y * h.y, h.z * h.z};
   double s = nearestOnSegment(within(c, half) - c, h);
@@ -188,7 +197,7 @@ double nearestToBox(const Triple& c, const Triple& h, const Triple& half) {
     const Triple p = c + s * h;
     const Triple out = p - within(p, half);
     const double slope = dot(h, out);
-    // (None where all of h is inside: no slope, either.)
+    // (0 where the point is inside; then the slope is 0, too.)
     const BodyLanes x_y = whereNotZero(BodyLanes{out.x, out.y}, BodyLanes{squares.x, squares.y});
     const BodyLanes z = whereNotZero(BodyLanes{out.z, 0}, BodyLanes{squares.z, 0});
     const double curvature = std::max(x_y[0] + x_y[1] + z[0], kInsteadOfZero);

@@ -5,10 +5,14 @@
 
 namespace leeway::collision {
 
-// Rounding, in units of u L as in simple_pairs.cc. A rim point: the centre 1 and the cap 2, the
-// radial direction 4 in length and 2 out of the rim's plane, and 1 or 2 more with each of at most 8
-// turns; g 5 and its norm 3: less than 32. A plane: products with the centre and with the axis 3,
-// what is left across the axis 6, norms 3, the normal's own length 4: less than 24.
+// clang-format off
+// Rounding, in units of u L as in simple_answer.h:
+//
+//   rim point: centre 1, cap 2, radial direction 4 in length and 2 out of the rim's plane,
+//     1 or 2 more for each of at most 8 rotations; g 5 and its norm 3                             < 32
+//   plane: products with the centre and with the axis 3, the rest across the axis 6, norms 3,
+//     the normal's own length 4                                                                   < 24
+// clang-format on
 
 namespace {
 
@@ -20,8 +24,8 @@ struct Cylinder {
 
 double norm(const Triple& v) { return std::sqrt(squared(v)); }
 
-// A column of a matrix that is a rotation within kRotationTolerance, of unit length: what is taken
-// off along the axis must be all that is along it.
+// A column of a rotation (to within kRotationTolerance), normalized: projections onto the axis rely
+// on its length.
 Triple unitAxis(const Triple& v) {
   const double squares = squared(v);
   return std::abs(squares - 1) <= 8 * kUnitRoundoff ? v : (1 / std::sqrt(squares)) * v;
@@ -31,8 +35,8 @@ Cylinder cylinderOf(const Shape& shape, const Triple& center, const Triple& axis
   return {center, unitAxis(axis), shape.radius(), shape.halfLength()};
 }
 
-// The unit vector along v's part across u, 0 where rounding leaves none: taken off twice, for when
-// v is nearly along u the first leaves rounding of v's size.
+// The unit vector along v's part across u, 0 where rounding leaves none. Orthogonalized twice:
+// where v is nearly along u, the first pass leaves rounding of v's size.
 Triple unitAcross(const Triple& v, const Triple& u) {
   const Triple once = v - dot(v, u) * u, twice = once - dot(once, u) * u;
   const double squares = squared(twice);
@@ -41,15 +45,16 @@ Triple unitAcross(const Triple& v, const Triple& u) {
              : Triple{};
 }
 
-// How far the bodies reach along a unit vector, from their centres.
+// How far the cylinder reaches from its centre along a unit vector.
 double reachOf(const Cylinder& a, const Triple& n) {
   const double along = dot(n, a.u);
   return a.half * std::abs(along) + a.radius * norm(n - along * a.u);
 }
 
-// Solids with a nearest point in closed form. project(): the way g to p from it, the way `pull` to
-// p from a point, line or solid whose distance differs by a constant, and how fast `pull` grows
-// along t with p (t . dpull/dt), for a unit vector t.
+// Solids with a closed form for the point nearest to p. project() gives the vector g from that
+// point to p; the vector `pull` to p from a point, line or solid whose distance differs by a
+// constant; and `bend` = t . dpull/dt, the rate at which `pull` grows with p along the unit vector
+// t.
 struct SegmentSolid {
   Triple c, h;
   double reachAlong(const Triple& n) const { return std::abs(dot(n, h)); }
@@ -87,8 +92,8 @@ struct CylinderSolid {
     g = (out * per) * radial + up * body.u;
     const double along_z = dot(t, body.u), along_radial = dot(t, radial) * per;
     const double z_squared = along_z * along_z, radial_squared = along_radial * along_radial;
-    // Beside the side the distance from the axis has the same minimum, and its square bends there
-    // also where the bodies nearly touch.
+    // Next to the side the distance from the axis has the same minimum, and its square is curved
+    // even where the bodies nearly touch.
     pull = up == 0 ? radial : g;
     bend = up == 0 ? 1 - z_squared
                    : z_squared + (out > 0) * (radial_squared +
@@ -96,16 +101,16 @@ struct CylinderSolid {
   }
 };
 
-// The gap along a normal that was found.
+// The gap along nearest.normal.
 template <class Solid>
 void planeOf(const Cylinder& a, const Solid& solid, Nearest& nearest) {
   const Triple& n = nearest.normal;
   nearest.plane = dot(n, solid.center() - a.c) - reachOf(a, n) - solid.reachAlong(n);
 }
 
-// From the rim point in the direction `radial` along the rim to where it is nearest to the solid:
-// with p = m + r rho and its tangent t, half the square of `pull` has the derivatives r pull . t
-// and r^2 (t . dpull/dt) - r pull . rho.
+// Newton steps along the rim, from its point in the direction `radial` to the one nearest to the
+// solid. With p = m + r rho and the tangent t, half the square of `pull` has the derivatives
+// r pull . t and r^2 (t . dpull/dt) - r pull . rho.
 template <class Solid>
 inline bool nearestOfRim(const Cylinder& a, double side, Triple radial, const Solid& solid,
                          const Goal& goal, Nearest& nearest) {
@@ -118,7 +123,7 @@ inline bool nearestOfRim(const Cylinder& a, double side, Triple radial, const So
     double bend = 0;
     solid.project(nearest.point_a, t, g, pull, bend);
     const double along = dot(pull, t), inwards = -dot(pull, radial);
-    // To second order the rim stands out of the plane by half of this share of its radius, or less.
+    // To second order the rim stands out of the plane by at most half this share of its radius.
     if (along * along <= kRimNarrow * (inwards * inwards) || i == kSteps) break;
     if (goal.below > 0 && squared(g) < goal.below * goal.below) break;
     const double curvature = a.radius * bend + inwards;
@@ -133,20 +138,20 @@ inline bool nearestOfRim(const Cylinder& a, double side, Triple radial, const So
   return nearest.apart > 0;
 }
 
-// The unit vector across A's axis that points towards p, or any.
+// The unit vector across A's axis towards p; any one where p is on the axis.
 Triple radialTowards(const Cylinder& a, const Triple& p) {
   const Triple v = unitAcross(p - a.c, a.u);
   if (squared(v) > 0) return v;
   return unitAcross(std::abs(a.u.x) < 0.6 ? Triple{1, 0, 0} : Triple{0, 1, 0}, a.u);
 }
 
-// By how much p + radius n misses the side of a cylinder around u, n nearly across u and p on its
-// axis: it is moved along the axis by no more than this. (p then is not at an end.)
+// By how much p + radius n misses the side of a cylinder with axis u, for p on the axis and not at
+// an end, and n nearly across u: the distance to move it along the axis is at most this.
 double tiltOf(const Triple& n, const Triple& u, double radius) {
   return std::abs(dot(n, u)) * radius;
 }
 
-// Two sides are nearest where the axes are: p on A's, p + w on the other's (or the box's).
+// Two sides are nearest where their axes are: p is on A's axis, p + w on the other's (or on a box).
 bool sidesMeet(const Cylinder& a, const Triple& p, const Triple& w, double other_radius,
                Nearest& nearest) {
   const double length = norm(w);
@@ -161,7 +166,8 @@ Triple farthestPoint(const Cylinder& a, const Triple& n) {
   return a.c + std::copysign(a.half, dot(n, a.u)) * a.u + a.radius * unitAcross(n, a.u);
 }
 
-// The same along the axis, where all of the cap is as far: the one next to `towards` then.
+// The farthest point along the axis, where all of the cap is equally far: the one nearest
+// `towards`.
 Triple farthestOfCap(const Cylinder& a, const Triple& n, const Triple& towards) {
   const Triple end = a.c + std::copysign(a.half, dot(n, a.u)) * a.u;
   const Triple v = towards - end, w = v - dot(v, a.u) * a.u;
@@ -169,8 +175,7 @@ Triple farthestOfCap(const Cylinder& a, const Triple& n, const Triple& towards) 
   return length <= a.radius ? end + w : end + (a.radius / length) * w;
 }
 
-// A's cap towards p, the other body's point nearest to the cap's plane: true when p is above the
-// cap.
+// A's cap and p, the other body's point nearest to the cap's plane. True when p is above the cap.
 bool capMeets(const Cylinder& a, const Triple& p, Nearest& nearest) {
   const Triple from = p - a.c;
   const double z = dot(from, a.u);
@@ -185,7 +190,7 @@ bool capMeets(const Cylinder& a, const Triple& p, Nearest& nearest) {
 
 bool nearestOfCylinderAndPoint(const Shape& cylinder, const Pose& X_WC, const Pose& X_WP,
                                Nearest& nearest) {
-  // In the axes of the world, the point at the origin.
+  // In the world's axes, with the point at the origin.
   const Triple from = tripleOf(X_WP.translation) - tripleOf(X_WC.translation);
   const Cylinder a = cylinderOf(cylinder, -from, column(X_WC.rotation, 2));
   const Triple& u = a.u;
@@ -238,7 +243,7 @@ bool nearestOfCylinders(const Shape& shape_a, const Pose& X_WA, const Shape& sha
   const double gap_a = std::abs(along_a) - a.half - b.half * std::abs(cosine) - b.radius * sine;
   const double gap_b = std::abs(along_b) - b.half - a.half * std::abs(cosine) - a.radius * sine;
   const double gap = std::max(gap_a, gap_b);
-  // Where a cap's plane is enough, or the axes are near enough.
+  // Ends early, where a cap's plane or two points of the axes decide the threshold.
   const auto settle = [&](const Triple& p, const Triple& w) {
     nearest.settle(
         p, w,
@@ -280,7 +285,7 @@ bool nearestOfCylinders(const Shape& shape_a, const Pose& X_WA, const Shape& sha
     planeOf(a, CylinderSolid{b}, nearest);
     return true;
   }
-  // First the rims that the axes' nearest points are at, then those next to them.
+  // First rims at which the axes' nearest points are, then those nearest to inner ones.
   const double narrow = kPairNarrow * (a.radius + a.half + b.radius + b.half);
   const auto enough = [&] {
     return nearest.apart - nearest.plane <= narrow || nearest.apart < goal.below;
@@ -349,7 +354,7 @@ bool nearestOfCylinderAndBox(const Shape& cylinder, const Pose& X_WC, const Shap
   } else if (gap > 0) {
     nearest.normal = n;
     nearest.plane = gap;
-    // Where only the coordinate of the face is outside.
+    // True where only the face's coordinate of p is outside of the box.
     const auto faceMeets = [&](const Triple& p) {
       const Triple w = within(p, half) - p;
       nearest.point_a = p;

@@ -4,16 +4,18 @@
 
 namespace leeway::collision {
 
-// A is a cylinder. What can be nearest of two such bodies is one of: a flat cap or a box's face and
-// a corner or rim point of the other (directions that are known); two sides, where their axes are
-// nearest (a closed form); or a rim, along which Newton's steps lead to the nearest point. False
-// where none of these does: cores that overlap or touch, steps that do not converge.
+// Nearest points of a cylinder and another core. They are one of three cases:
+// - a flat cap, or a box's face, and a corner or rim point of the other: the direction is known;
+// - two sides, where the axes are nearest: a closed form;
+// - a rim, along which Newton steps lead to the nearest point.
+// False where none of these applies: cores that overlap or touch, steps that do not converge. The
+// results are in the world's axes. O(1).
 
-/// A point at the origin of P. Everything in the world's axes.
+/// The point is the origin of P.
 bool nearestOfCylinderAndPoint(const Shape& cylinder, const Pose& X_WC, const Pose& X_WP,
                                Nearest& nearest);
 
-/// The capsule's segment.
+/// The cylinder and the capsule's segment.
 bool nearestOfCylinderAndCapsule(const Shape& cylinder, const Pose& X_WC, const Shape& capsule,
                                  const Pose& X_WB, Nearest& nearest);
 

@@ -10,18 +10,22 @@
 
 namespace leeway::collision {
 
-// How the nearest points of two cores become an answer, and the pairs that have no more to do than
-// that: spheres and capsules. Inline, because a call costs as much as their arithmetic.
+// From the nearest points of two cores to an answer; and spheres and capsules, which need no more.
+// Inline, because a call costs as much as their arithmetic.
 
-// Rounding, in units of u L with u = kUnitRoundoff and L >= extent A + extent B + |t|, of points
-// and planes given the frames that they are made in: a box's frame, made with what kPoseRounding
-// covers, or the world's axes. Points: halves 1 or 2 units, the translation 1, sums 3, their
-// difference 1, its norm 3: less than 10; a box's point that is turned to the world's axes 3
-// sqrt(3) of the extent instead of the halves: less than 14. Planes of segments: dot products 3,
-// with a unit vector's own length 4 and three sums 3: less than 16; of boxes less than 22 (see
-// box_overlap.cc). kClosedFormRounding covers all of them.
+// clang-format off
+// Rounding, in units of u L with u = kUnitRoundoff and L >= extent A + extent B + |t|, of points and planes
+// given the frame that they are made in: a box's, whose rounding kPoseRounding covers, or the world's axes.
+//
+//   point: halves 1 or 2, the translation 1, sums 3, their difference 1, its norm 3                < 10
+//   a box's point, rotated to the world's axes: 3 sqrt(3) of the extent in place of the halves     < 14
+//   plane of segments: dot products 3, with a unit vector's own length 4, three sums 3             < 16
+//   plane of boxes (box_overlap.cc)                                                                < 22
+//
+// kClosedFormRounding covers all of them.
+// clang-format on
 
-/// What a query knows of its pair besides the cores' nearest points.
+/// Data of a pair besides the cores' nearest points.
 struct PairFrame {
   const Pose& X_WA;
   const Pose& X_WB;
@@ -29,8 +33,7 @@ struct PairFrame {
   double radius_a, radius_b;
 };
 
-/// What an answer is made of: plain numbers, so that a result is written once and where the caller
-/// wants it.
+/// An answer in registers: plain numbers, so that the caller's result is written only once.
 struct PairAnswer {
   Interval found;
   DistanceStatus status;
@@ -42,25 +45,26 @@ struct PairAnswer {
     write(point_a, result.point_a);
     write(point_b, result.point_b);
     write(normal, result.normal);
-    // (Beside each other in memory: together they are written, and read, in one piece.)
+    // (Neighbours in memory: one store writes both, one load reads them.)
     result.iterations = 1;
     result.triangle_a = -1;
   }
 };
 
-/// False when this does not do.
+/// The answer from nearest points of the cores. False when it meets no condition of the request, or
+/// when poses or sizes are out of range.
 inline __attribute__((always_inline)) bool answer(const PairFrame& frame, const Nearest& nearest,
                                                   const DistanceRequest& request, PairCache* cache,
                                                   PairAnswer& answer) {
   const PoseCheck check = checkRotationsQuickly(frame.X_WA.rotation, frame.X_WB.rotation);
   const double radii = frame.radius_a + frame.radius_b;
-  // |t| <= apart + both extents. (What waits for the root of `apart` is kept short.)
+  // |t| <= apart + both extents. (Written so that little has to wait for the root in `apart`.)
   const double share = check.departure + (kClosedFormRounding + kPoseRounding) * kUnitRoundoff;
   const double extents = 2 * (frame.extent_a + frame.extent_b);
   const double size = nearest.apart + extents;
   const double rounding = share * nearest.apart + (share * extents + 4 * kUnitRoundoff * radii);
   const Interval found = {(nearest.plane - radii) - rounding, (nearest.apart - radii) + rounding};
-  // Written so that NaN fails; a translation that is not finite gives no finite size.
+  // False for NaN; a translation that is not finite gives no finite size.
   if (!(check.rotations && nearest.apart > 64 * kUnitRoundoff * size &&
         size + radii >= kSmallestScale && size + radii <= kLargestScale)) {
     return false;
@@ -81,14 +85,12 @@ inline __attribute__((always_inline)) bool answer(const PairFrame& frame, const 
   return true;
 }
 
-/// The signed separation of two spheres or capsules that are apart (kSegment: a capsule), by closed
-/// forms from the world poses: no view, search or simplex is made. False where a closed form is not
-/// enough: cores that overlap or nearly do, sizes beyond the scale, tolerances below rounding, no
-/// iteration allowed. The interval rests on points of both bodies and on a supporting plane, as
-/// everywhere; how they were guessed is of no matter. Poses that are none give false. O(1).
-///
-/// Along the world's axes: neither frame is needed. After Lumelsky (1985); near parallel the points
-/// can be poor, which the plane tells.
+/// The signed separation of two spheres or capsules (kSegment: a capsule) that are apart, by closed
+/// forms from the world poses (Lumelsky 1985), in the world's axes. False where a closed form is
+/// not enough: cores that overlap or nearly do, sizes out of range, tolerances below rounding,
+/// invalid poses, no iteration allowed. The interval rests on points of both bodies and on a
+/// supporting plane, however they were found: near-parallel segments may get poor points, and the
+/// plane then makes the interval wide. O(1).
 template <bool kSegmentA, bool kSegmentB>
 inline __attribute__((always_inline)) bool answerSegments(const Shape& a, const Pose& X_WA,
                                                           const Shape& b, const Pose& X_WB,
@@ -101,7 +103,7 @@ inline __attribute__((always_inline)) bool answerSegments(const Shape& a, const 
   Nearest nearest;
   nearest.point_a = d;
   if constexpr (kSegmentA && kSegmentB) {
-    // Both axes, side by side.
+    // A lane for each axis.
     const BodyLanes x = {R(0, 2), S(0, 2)}, y = {R(1, 2), S(1, 2)}, z = {R(2, 2), S(2, 2)};
     const auto along = [&](const Triple& v) __attribute__((always_inline)) {
       return x * BodyLanes{v.x, v.x} + y * BodyLanes{v.y, v.y} + z * BodyLanes{v.z, v.z};
@@ -115,7 +117,7 @@ inline __attribute__((always_inline)) bool answerSegments(const Shape& a, const 
     nearest.apart = std::sqrt(squared(w));
     const double per = 1 / nearest.apart;
     nearest.normal = per * w;
-    // (Divided last, it need not wait for the root.)
+    // (Divided last, so that the sums need not wait for the root.)
     const BodyLanes reach = along(w);
     nearest.plane =
         per * (-dot(w, d) - (std::abs(reach[0]) * extent_a + std::abs(reach[1]) * extent_b));
@@ -132,8 +134,8 @@ inline __attribute__((always_inline)) bool answerSegments(const Shape& a, const 
     nearest.apart = nearest.plane = std::sqrt(squared(w));
     const double per = 1 / nearest.apart;
     nearest.normal = per * w;
-    // From a point the distance itself errs by little; but the normal of a short way is not at a
-    // right angle to the segment, and callers rely on the plane.
+    // For a point the distance is the plane's. For a segment the normal of a short vector is not
+    // perpendicular to it, and callers rely on the plane.
     if constexpr (kSegmentA || kSegmentB)
       nearest.plane = per * (-dot(w, d) - std::abs(dot(w, half)));
   }
@@ -141,10 +143,9 @@ inline __attribute__((always_inline)) bool answerSegments(const Shape& a, const 
                 found);
 }
 
-/// The signed separation of two boxes or cylinders that are apart, or of one of them and a sphere
-/// or capsule. False, with nothing written to `result`, where a closed form is not enough: as
-/// answerSegments(), and for other shapes and a few features that meet in none of the ways that are
-/// looked at.
+/// The signed separation of a box or cylinder that is apart from a box, cylinder, sphere or
+/// capsule. False, with nothing written to `result`, where answerSegments() would be, for other
+/// shapes, and for a few pairs of features that no closed form covers. O(1).
 bool answerBoxPair(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
                    const DistanceRequest& request, PairCache* cache, DistanceResult& result);
 

@@ -9,16 +9,15 @@ namespace leeway::collision {
 
 namespace {
 
-// With room for rounding that a threshold near the distance leaves; where the slack of poses takes
-// more, answer() sees that it did not do.
+// With room for rounding. Where the poses' slack needs more, answer() finds the request not met.
 Goal goalOf(const PairFrame& frame, const DistanceRequest& request) {
   const double core = request.threshold + (frame.radius_a + frame.radius_b);
   const double room = 256 * kUnitRoundoff * (std::abs(core) + frame.extent_a + frame.extent_b);
   return {core + room, core - room};
 }
 
-// How far a core reaches from its centre along a unit vector, and where a ray along it leaves the
-// core (or before that).
+// How far a core reaches from its centre along a unit vector, and the distance at which a ray along
+// it leaves the core, or less.
 struct Ray {
   double reach = 0, exit = 0;
 };
@@ -66,9 +65,9 @@ bool settleAlongCenters(const Shape& a, const Pose& X_WA, const Shape& b, const 
   return true;
 }
 
-// Two boxes. B's point nearest to A's centre, A's point nearest to that, and B's nearest to that
-// one: the way between the two last and the plane across it decide nine thresholds out of ten, most
-// of them before the last step.
+// Two boxes, by alternating projections: B's point nearest to A's centre, A's point nearest to
+// that, and B's point nearest to that one. The vector between the last two and the plane across it
+// decide nine thresholds out of ten, most of them before the last projection.
 bool settleBoxes(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
                  const Goal& goal, Nearest& nearest) {
   const Eigen::Matrix3d &R = X_WA.rotation, &S = X_WB.rotation;
@@ -79,7 +78,8 @@ bool settleBoxes(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X
   for (bool last = false;; last = true) {
     const Triple w = q - p;
     const double apart = std::sqrt(squared(w));
-    // How far both reach along w, side by side. (Divided last, it need not wait for the root.)
+    // How far both reach along w, a lane each. (Divided last, so that it need not wait for the
+    // root.)
     const auto along = [&](int k) __attribute__((always_inline)) {
       const BodyLanes x = {R(0, k), S(0, k)}, y = {R(1, k), S(1, k)}, z = {R(2, k), S(2, k)};
       return magnitude(x * BodyLanes{w.x, w.x} + y * BodyLanes{w.y, w.y} + z * BodyLanes{w.z, w.z});
@@ -89,7 +89,7 @@ bool settleBoxes(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X
                             along(2) * BodyLanes{half_a.z, half_b.z};
     const double per = 1 / apart;
     const double plane = per * (-dot(w, d) - (reach[0] + reach[1]));
-    // (NaN, where they are at the same place, decides nothing.)
+    // (NaN, where the points coincide, decides nothing.)
     if (eitherIsGreater(BodyLanes{plane, goal.below}, BodyLanes{goal.above, apart})) {
       nearest.point_a = p;
       nearest.apart = apart;
@@ -102,7 +102,7 @@ bool settleBoxes(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X
   }
 }
 
-// Exchanges A and B, and with them the origin.
+// Swaps A and B, and with them the origin.
 bool exchanged(const Pose& X_WA, const Pose& X_WB, Nearest& nearest) {
   nearest.point_a = nearest.point_a + nearest.wayToB() +
                     (tripleOf(X_WA.translation) - tripleOf(X_WB.translation));

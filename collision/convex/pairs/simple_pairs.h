@@ -9,28 +9,28 @@
 
 namespace leeway::collision {
 
-/// Distances of the cores that decide the caller's threshold, with room for rounding; NaN: there is
-/// none [m].
+/// Distances of the cores that decide the caller's threshold, with room for rounding [m]; NaN:
+/// there is no threshold.
 struct Goal {
-  double above = std::numeric_limits<double>::quiet_NaN();
-  double below = std::numeric_limits<double>::quiet_NaN();
+  double above = std::numeric_limits<double>::quiet_NaN();  ///< farther is above the threshold
+  double below = std::numeric_limits<double>::quiet_NaN();  ///< nearer is not above it
   bool asked() const { return above == above; }
 };
 
-/// Two points of two cores that are apart, A's and B's, and a plane between the cores. In a frame
-/// whose origin is B's.
+/// Nearest points of two cores that are apart, and a plane between them. In a frame with B's
+/// origin.
 struct Nearest {
   Triple point_a;
   double apart = 0;  ///< distance of the two points: an upper end of the cores' distance [m]
   Triple normal;     ///< unit, from A to B
-  double plane = 0;  ///< along `normal` every point of B is beyond every one of A by this much [m]
-  /// False: the way between the points is apart * normal, or next to it. True: it is `way`, because
-  /// the search ended when a threshold was decided.
+  double plane = 0;  ///< along `normal` all of B is beyond all of A by this: the lower end [m]
+  /// The search ended at a decided threshold: the vector from A's point to B's is `way`. Otherwise
+  /// it is apart * normal, but for rounding.
   bool early = false;
   Triple way;
 
   Triple wayToB() const { return early ? way : apart * normal; }
-  /// Ends a search on these points.
+  /// Ends a search early, at these points.
   void settle(const Triple& a, const Triple& to_b, const Triple& n, double plane_along_n) {
     point_a = a;
     way = to_b;
@@ -41,17 +41,17 @@ struct Nearest {
   }
 };
 
-/// From B's frame to the world's axes.
+/// Rotates from B's frame to the world's axes.
 inline void toWorld(const Eigen::Matrix3d& R_WB, Nearest& nearest) {
   nearest.point_a = rotated(R_WB, nearest.point_a);
   nearest.normal = rotated(R_WB, nearest.normal);
   if (nearest.early) nearest.way = rotated(R_WB, nearest.way);
 }
 
-struct VertexStart;  // simd/hull_pairs.h
+struct VertexStart;  // convex/hull_pairs.h
 
-/// distance() without answerSegments(), answerBoxPair() and answerHullPair(): their slow twin,
-/// and what they go on to, for hulls from where a search has ended.
+/// distance() without answerSegments(), answerBoxPair() and answerHullPair(): their fallback, for
+/// hulls from where a search has ended (`start`), and their slow twin in tests.
 DistanceResult generalDistance(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
                                const DistanceRequest& request, Scratch& scratch, PairCache* cache,
                                const VertexStart* start = nullptr);

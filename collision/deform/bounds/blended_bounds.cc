@@ -6,7 +6,7 @@
 #include <limits>
 #include <numbers>
 
-#include "collision/base/round_box.h"
+#include "collision/base/rounding.h"
 #include "collision/base/tolerances.h"
 #include "collision/deform/bounds/motion_boxes.h"
 #include "collision/deform/motion/motion_input.h"

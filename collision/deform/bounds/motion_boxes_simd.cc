@@ -3,7 +3,7 @@
 #include <cmath>
 #include <limits>
 
-#include "collision/base/round_box.h"
+#include "collision/base/rounding.h"
 #include "collision/deform/bounds/motion_boxes.h"
 
 #undef HWY_TARGET_INCLUDE

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <limits>
 
-#include "collision/base/fetch_lines.h"
-#include "collision/base/round_box.h"
+#include "collision/base/prefetch.h"
+#include "collision/base/rounding.h"
 #include "collision/base/tolerances.h"
 #include "collision/deform/motion/motion_input.h"
 
@@ -235,9 +235,9 @@ double SkinnedBounds::displacementRounding(std::span<const double> /*from*/,
 void SkinnedBounds::fetch(std::int32_t node) const {
   const auto n = static_cast<std::size_t>(node);
   if (n >= rest_.size()) return;
-  fetchLines(&rest_[n], sizeof(SkinRest));
+  prefetch(&rest_[n], sizeof(SkinRest));
   const std::int32_t begin = first_part_[n], end = first_part_[n + 1];
-  fetchLines(parts_.data() + begin, static_cast<std::size_t>(end - begin) * sizeof(SkinPart));
+  prefetch(parts_.data() + begin, static_cast<std::size_t>(end - begin) * sizeof(SkinPart));
 }
 
 void SkinnedBounds::boundBy(std::int32_t node, std::span<const double> to,

@@ -4,7 +4,7 @@
 #include <limits>
 #include <utility>
 
-#include "collision/base/round_up.h"
+#include "collision/base/rounding.h"
 
 namespace leeway::collision {
 

@@ -5,7 +5,7 @@
 #include <limits>
 #include <utility>
 
-#include "collision/base/round_up.h"
+#include "collision/base/rounding.h"
 #include "collision/base/tolerances.h"
 #include "collision/deform/motion/motion_input.h"
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <utility>
 
-#include "collision/base/round_up.h"
+#include "collision/base/rounding.h"
 #include "collision/base/sine_cosine.h"
 #include "collision/base/tolerances.h"
 #include "collision/deform/motion/blended_motion.h"

@@ -4,7 +4,7 @@
 
 #include <Eigen/Core>
 
-#include "collision/base/round_box.h"
+#include "collision/base/rounding.h"
 #include "collision/deform/tree/deform_tree.h"
 
 namespace leeway::collision {

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <cstddef>
 
-#include "collision/base/fetch_code.h"
-#include "collision/base/round_box.h"
+#include "collision/base/prefetch.h"
+#include "collision/base/rounding.h"
 #include "collision/base/tolerances.h"
 #include "collision/deform/query/nearest_triangle.h"
 
@@ -407,8 +407,8 @@ NearestFound find(const NearestSearch& search, const DeformableSnapshotImpl& sna
 
 // Prefetches the code of a search from a point; sizes as g++ 12 makes them [bytes].
 void fetchFinder() {
-  fetchCode(findFor<false>, 6144);
-  fetchCode(NearestDescent<false>::trianglesFor, 2816);
+  prefetchCode(findFor<false>, 6144);
+  prefetchCode(NearestDescent<false>::trianglesFor, 2816);
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
 #include <array>
 
-#include "collision/base/round_box.h"
+#include "collision/base/rounding.h"
 #include "collision/deform/query/descent_state.h"
 #include "collision/deform/query/float_box.h"
 

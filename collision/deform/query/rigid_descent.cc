@@ -1,7 +1,7 @@
 #include <array>
 #include <bit>
 
-#include "collision/base/round_box.h"
+#include "collision/base/rounding.h"
 #include "collision/deform/query/descent_state.h"
 
 namespace leeway::collision {

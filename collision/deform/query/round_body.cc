@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "collision/base/round_box.h"
+#include "collision/base/rounding.h"
 #include "collision/base/status.h"
 #include "collision/base/tolerances.h"
 #include "collision/convex/gjk/convex_view.h"

@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <limits>
 
-#include "collision/base/round_box.h"
+#include "collision/base/rounding.h"
 #include "collision/deform/tree/refit.h"
 
 #undef HWY_TARGET_INCLUDE

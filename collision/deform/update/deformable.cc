@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "collision/base/large_pages.h"
-#include "collision/base/round_up.h"
+#include "collision/base/rounding.h"
 #include "collision/base/tolerances.h"
 #include "collision/deform/motion/motion_input.h"
 #include "collision/deform/snapshot_pool.h"

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "collision/base/round_box.h"
+#include "collision/base/rounding.h"
 #include "collision/deform/bounds/motion_boxes.h"
 #include "collision/deform/update/snapshot_box.h"
 #include "collision/deform/update/strategy.h"

@@ -10,18 +10,24 @@
 #include "collision/base/dispatch.h"
 #include "collision/base/tolerances.h"
 
-// Rounding, with u = 2^-24 and S = |T|_1 + sum of both boxes' halves, T the way between the
-// centres: the query's axes err by 5 u a component (turned in single precision), which moves its
-// points by 9 u |h|_1; the dual of axes that are orthonormal to 2^-21 differs from them by 2^-20,
-// 16 u a half; sums of up to 10 products 12 u S; lengths of axes and of the vector of three gaps 8
-// u |T|. In sum less than 48 u S. The query's centre was rounded once: u |center|, by coordinate.
+// clang-format off
+// Rounding, with u = 2^-24, T the vector between the centres and S = |T|_1 + sum of both boxes' halves:
+//
+//   the query's axes, turned in single precision, err by 5 u a component,
+//     which moves its points by                                                 9 u |h|_1
+//   the dual basis of axes orthonormal to 2^-21 differs from them by 2^-20     16 u a half
+//   sums of up to 10 products                                                  12 u S
+//   lengths of axes and of the vector of three gaps                             8 u |T|
+//
+// In sum less than 48 u S. The query's centre was rounded once: u |center| for each coordinate.
+// clang-format on
 
 HWY_BEFORE_NAMESPACE();
 namespace leeway::collision {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// kNothing: `sweep` is not looked at.
+/// What moves; for kNothing `sweep` is not read.
 enum class Moves { kNothing, kQuery, kNode };
 
 template <Moves kMoves>
@@ -65,10 +71,10 @@ HWY_ATTR void gapsOf(const BoxNode& node, const OrientedBox& q, const BoxSweep* 
     V slack = hn::Add(hn::Mul(set(kBoxRounding), size), set(fixed));
     if (kMoves == Moves::kNode)
       slack = hn::Add(slack, hn::Mul(set(sweep->loose), hn::Load(d, node.radius + lane)));
-    // What the query's halves add along the node's axes, column by column.
+    // The reach of both boxes along the node's axes.
     V reach0 = g0, reach1 = g1, reach2 = g2;
     V gap_q[3];
-    // Along the way between the centres, times its length.
+    // The gap along the line of the centres, times |T|.
     const V squared = hn::Add(hn::Add(hn::Mul(tx, tx), hn::Mul(ty, ty)), hn::Mul(tz, tz));
     V along = squared;
     const V v00 = hn::Load(d, node.axis[0][0] + lane), v01 = hn::Load(d, node.axis[0][1] + lane),
@@ -112,7 +118,7 @@ HWY_ATTR void gapsOf(const BoxNode& node, const OrientedBox& q, const BoxSweep* 
     };
     const V across = hn::Max(
         hn::Sqrt(hn::Max(square(gap_q[0], gap_q[1], gap_q[2]), square(gap_n0, gap_n1, gap_n2))),
-        // (Where the centres coincide this divides by a little, not by 0.)
+        // (Not 0 where the centres coincide.)
         hn::Div(along, hn::Max(hn::Sqrt(squared), set(1e-18F))));
     const V deepest = hn::Max(hn::Max(hn::Max(gap_q[0], gap_q[1]), gap_q[2]),
                               hn::Max(hn::Max(gap_n0, gap_n1), gap_n2));

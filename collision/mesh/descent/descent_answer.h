@@ -1,7 +1,7 @@
 #pragma once
 
-// Private to collision/: what distances of rigid and of deforming meshes share around a descent. A
-// side is a DescentSide or a DeformSide.
+// Private to collision/: from a request to a descent, and from its result to an answer, for rigid
+// and deforming meshes. A side is a DescentSide or a DeformSide.
 
 #include <algorithm>
 #include <cmath>
@@ -14,20 +14,20 @@
 
 namespace leeway::collision {
 
-/// How far rounding of the poses may move points of the bodies against each other [m], what reaches
-/// infinitely far left out.
+/// How far rounding of the poses may move points of the bodies against each other [m]; infinite
+/// extents are left out.
 template <class Side>
 double slackOf(const RelativePose& relative, const Side& a, const Side& b) {
   const double extent_a = std::isfinite(a.extent) ? a.extent : 0,
                extent_b = std::isfinite(b.extent) ? b.extent : 0;
   const Vector& t = relative.X_BA.translation;
-  // (Squares of the smallest numbers are 0.)
+  // (Squares of tiny numbers underflow.)
   double translation = t.norm();
   if (!(translation > kSmallestScale)) translation = std::hypot(t.x(), t.y(), t.z());
   return relative.slack * (extent_a + extent_b + translation);
 }
 
-/// Where A is for a distance.
+/// The placement of A for a query at rest.
 template <class Side>
 DescentPlacement placementOf(const RelativePose& relative, const Side& a, const Side& b) {
   DescentPlacement placement;
@@ -36,7 +36,7 @@ DescentPlacement placementOf(const RelativePose& relative, const Side& a, const 
   return placement;
 }
 
-/// The triangles that were nearest, for the next query.
+/// Remembers the nearest triangles for the next query.
 inline void remember(const DescentResult& found, PairCache& cache) {
   if (found.witness.triangle_a >= 0 || found.witness.triangle_b >= 0) {
     cache.triangle_a = found.witness.triangle_a;
@@ -44,7 +44,7 @@ inline void remember(const DescentResult& found, PairCache& cache) {
   }
 }
 
-/// The surfaces' distance, points and normal in W; without a status.
+/// The distance of the surfaces, with points and normal in W, without a status.
 inline DistanceResult surfaceDistance(const DescentResult& found, const Pose& X_WB) {
   DistanceResult result = found.witness;
   result.iterations = found.iterations;
@@ -55,13 +55,13 @@ inline DistanceResult surfaceDistance(const DescentResult& found, const Pose& X_
   return result;
 }
 
-/// sweptDistance() by a descent: descend(side of A, side of B, placement, request, scratch, cache).
+/// sweptDistance() by `descend`, which is called as descend() is.
 template <class SideOf, class Descend>
 DistanceResult sweptByDescent(const Shape& a, const Pose& X_BA0, const Pose& X_BA1, double growth,
                               const Shape& b, const DistanceRequest& request, Scratch& scratch,
                               PairCache* cache, const SideOf& sideOf, const Descend& descend) {
   const RelativePose begin = relativePose(X_BA0, Pose{}), end = relativePose(X_BA1, Pose{});
-  if (!begin.valid || !end.valid || !(growth >= 0)) return {};  // written so that a NaN fails
+  if (!begin.valid || !end.valid || !(growth >= 0)) return {};  // NaN, too
   const auto side_a = sideOf(a), side_b = sideOf(b);
   DescentPlacement placement;
   placement.X_BA0 = X_BA0;
@@ -76,7 +76,7 @@ DistanceResult sweptByDescent(const Shape& a, const Pose& X_BA0, const Pose& X_B
 
   DistanceResult result = found.witness;
   result.iterations = found.iterations;
-  // Below zero the pieces say nothing about the whole; its hull or box may.
+  // Below 0 pieces bound nothing but themselves; the bound on hulls or boxes still holds.
   result.distance.lower =
       found.lower > 0 ? std::max(found.lower, found.hull_lower) : found.hull_lower;
   result.distance.upper = found.upper;

@@ -1,12 +1,13 @@
 #pragma once
 
-// Private to collision/: bodies as descents over oriented boxes see them.
+// Private to collision/: one interface to meshes and convex shapes for descents over oriented
+// boxes.
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 
-#include "collision/base/round_box.h"
+#include "collision/base/rounding.h"
 #include "collision/base/tolerances.h"
 #include "collision/base/vector.h"
 #include "collision/mesh/box_tree.h"
@@ -14,7 +15,7 @@
 
 namespace leeway::collision {
 
-/// What a box of MeshBody stands for: a node, a triangle (its slot), a convex piece, or a convex
+/// The content of a box of MeshBody: a node, a triangle (by its slot), a convex piece, or a convex
 /// body as a whole.
 struct Part {
   enum class Kind : unsigned char { kNode, kTriangle, kPiece, kBody };
@@ -26,8 +27,8 @@ inline bool operator==(const Part& l, const Part& r) {
   return l.kind == r.kind && l.number == r.number;
 }
 
-/// One of two bodies: a mesh with its boxes and pieces, or a convex shape. Boxes are named by node
-/// and lane, node * kWidth + lane; -1 is that of a convex body.
+/// One of two bodies: a mesh with its boxes and pieces, or a convex shape. Boxes are numbered by
+/// node and lane, node * kWidth + lane; -1 is that of a convex body.
 class MeshBody {
   using Kind = Part::Kind;
 
@@ -58,6 +59,7 @@ class MeshBody {
   std::int32_t root() const { return isMesh() ? 0 : -1; }
   bool consistsOfPieces() const { return !isMesh() || tree_->pieceCount() > 0; }
 
+  /// The content of a box; with `open` a convex piece is replaced by the node of its triangles.
   Part part(std::int32_t box, bool open) const {
     if (!isMesh()) return {Kind::kBody, 0};
     const std::int32_t child = node(box).child[box % BoxNode::kWidth];
@@ -97,7 +99,7 @@ class MeshBody {
   int triangleOf(const Part& part) const {
     return part.kind == Kind::kTriangle ? tree_->triangleOf(part.number) : -1;
   }
-  // Triangles and pieces numbered through, for a cache. False for a number that is none.
+  /// Triangles and pieces in one numbering, for a cache. partOf() is false for other numbers.
   int numberOf(const Part& part) const {
     return part.kind == Kind::kPiece ? tree_->triangleCount() + part.number : triangleOf(part);
   }
@@ -121,6 +123,7 @@ class MeshBody {
   double extent_ = 0;
 };
 
+/// The box in another frame, rounded: boxGaps() allows for it.
 inline OrientedBox placedBox(const OrientedBox& box, const Pose& X) {
   OrientedBox result;
   const Vector center =
@@ -141,13 +144,13 @@ inline OrientedBox placedBox(const OrientedBox& box, const Pose& X) {
   return result;
 }
 
-/// Whether a body's box is within the range of single precision.
+/// Whether a body's box is finite and within the range of single precision.
 inline bool isBounded(const DescentSide& side) {
   return side.tree != nullptr || (side.extent <= kLargestBoxScale && side.low.allFinite() &&
                                   side.high.allFinite() && side.extent >= kSmallestBoxScale);
 }
 
-/// Whether it has convex pieces.
+/// Whether it is a mesh with convex pieces.
 inline bool hasPieces(const DescentSide& side) {
   return side.tree != nullptr && side.tree->boxes().usable() && side.tree->pieceCount() > 0;
 }

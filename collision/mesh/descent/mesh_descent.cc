@@ -10,8 +10,6 @@
 #include "collision/base/tolerances.h"
 #include "collision/base/work.h"
 #include "collision/mesh/descent/sweep_front.h"
-#include "collision/mesh/descent/sweep_fronts.h"
-#include "leeway/collision/triangle_mesh.h"
 
 namespace leeway::collision {
 
@@ -25,15 +23,21 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 // A pair of nodes; -1 stands for a convex shape as a whole.
 struct NodePair {
   std::int32_t a, b;
-  double lower;  // proven for everything below the pair
-  double order;  // smaller is looked at first
+  double lower;  // proven for all pairs of triangles below
+  double order;  // of visits: smaller first
 };
 
 class Descent {
  public:
   Descent(const DescentSide& a, const DescentSide& b, const DescentPlacement& placement,
           const DistanceRequest& request, Scratch& scratch, PairCache& cache)
-      : a_(a), b_(b), placement_(placement), request_(request), scratch_(scratch), cache_(cache) {
+      : a_(a),
+        b_(b),
+        placement_(placement),
+        request_(request),
+        scratch_(scratch),
+        cache_(cache),
+        recorder_(scratch.impl().fronts.found, cache) {
     rounding_ = kRelativeRounding *
                     (finite(a.extent) + finite(b.extent) + placement.X_BA0.translation.norm() +
                      placement.X_BA1.translation.norm()) +
@@ -57,7 +61,7 @@ class Descent {
       fromFront(*front);
       return;
     }
-    records_ = keepsFronts();
+    recorder_.start(keepsFronts());
     if (root()) return;
     warmStart();
     const bool limited = goDown();
@@ -66,17 +70,17 @@ class Descent {
     const bool threshold = request_.threshold == request_.threshold;
     if (hulls_upper_ < result_.upper && (limited || threshold)) {
       offer(hulls_, hulls_upper_, -1, -1);
-      // So wide an interval holds what the points of the hulls are apart; a threshold's verdict
-      // stands without it.
+      // An interval this wide has to hold the distance of the hulls' witness points, too; where a
+      // threshold is asked for, the verdict does not need it.
       if (!threshold) settle(hulls_.distance.lower);
     }
   }
 
-  // Looks at all that is on the stack. True when a limit ended it.
+  // Works off the stack. True when a limit ended it.
   bool goDown() {
     while (size_ > 0 && !done()) {
       const NodePair pair = stack_[--size_];
-      if (needless(pair.lower)) {
+      if (isPruned(pair.lower)) {
         settle(pair.lower);
         record(pair);
         continue;
@@ -86,13 +90,13 @@ class Descent {
         return true;
       }
       expand(pair);
-      if (done()) settle(pair.lower);  // parts of it may not have been looked at
+      if (done()) settle(pair.lower);  // some of its parts may not have been visited
     }
     return false;
   }
 
-  // Below 0 only the hulls answer, which a front knows nothing of; and the triangles of a deforming
-  // mesh come one by one, each near other parts.
+  // Below 0 only the hulls answer, which no front describes; and the triangles of a deforming mesh
+  // come one by one, each near other parts.
   bool keepsFronts() const {
     const auto isTriangle = [](const DescentSide& side) {
       return side.tree == nullptr && side.view.core == Core::kPoints && side.view.count <= 3;
@@ -105,9 +109,9 @@ class Descent {
     return keepsFronts() ? scratch_.impl().fronts.of(a_.tree, b_.tree) : nullptr;
   }
 
-  // Its pairs together are all there is.
+  // Starts from the pairs of a front, which together cover all pairs of triangles.
   void fromFront(SweepFront& front) {
-    records_ = true;
+    recorder_.start(true);
     for (std::size_t i = 0; i < front.count; ++i) {
       SweepFront::Entry& entry = front.entries[i];
       NodePair pair{entry.a, entry.b, -kInfinity, 0};
@@ -120,7 +124,7 @@ class Descent {
         limited = goDown();
       }
       if (!limited && !done()) continue;
-      // What was in the way is likely to be again. Of the others nothing is known.
+      // The pair that could not be parted comes first next time. The pairs after it are unknown.
       std::swap(entry, front.entries[0]);
       while (size_ > 0) settle(stack_[--size_].lower);
       if (i + 1 < front.count) settle(-kInfinity);
@@ -129,67 +133,42 @@ class Descent {
     keepFront();
   }
 
-  // A pair of nodes that need not come apart, with what parted it last.
-  void record(const NodePair& pair) {
-    if (!records_) return;
-    SweepFront& found = scratch_.impl().fronts.found;
-    if (recorded_ == SweepFront::kMost) {
-      records_ = false;
-      return;
-    }
-    found.entries[recorded_++] = {pair.a, pair.b, cache_.direction_B, cache_.vertex_a,
-                                  cache_.vertex_b};
-  }
+  void record(const NodePair& pair) { recorder_.record(pair.a, pair.b); }
 
-  // What was recorded holds all pairs: nothing was left on the stack.
-  void keepFront() {
-    if (!records_) return;
-    SweepFrontScratch& fronts = scratch_.impl().fronts;
-    SweepFront* front = fronts.of(a_.tree, b_.tree);
-    if (front == nullptr) {
-      front = &fronts.kept[fronts.next];
-      fronts.next = (fronts.next + 1) % SweepFrontScratch::kFronts;
-    }
-    front->a = a_.tree;
-    front->b = b_.tree;
-    front->count = recorded_;
-    std::copy_n(fronts.found.entries.begin(), recorded_, front->entries.begin());
-  }
+  // Complete, because nothing was left on the stack: what was recorded covers all pairs.
+  void keepFront() { recorder_.keep(scratch_.impl().fronts, a_.tree, b_.tree); }
 
   static double finite(double x) { return std::isfinite(x) ? x : 0; }
 
-  // Pairs whose lower end is above the bar need no closer look.
+  // Pairs whose lower end is above this need not be expanded.
   double bar() const {
     double bar = kInfinity;
     if (request_.threshold == request_.threshold) bar = floor();
     double tolerance = request_.tolerance;
-    // The depth of two meshes is not that of their deepest triangles, so that precision would be
-    // wasted.
+    // Precision would be wasted: the depth of two meshes is not that of their deepest triangles.
     if (result_.upper <= 0 && !half_space_)
       tolerance = std::max(tolerance, kDeeperShare * -result_.upper);
     bar = std::min(bar, std::min(result_.upper - tolerance, hulls_upper_));
-    // What cannot lower the lower end is of no interest to a sweep.
+    // A sweep only needs pairs that can lower its lower end.
     return placement_.swept ? std::min(bar, result_.lower) : bar;
   }
 
-  bool needless(double lower) const {
+  bool isPruned(double lower) const {
     return lower > bar() || (placement_.swept && lower >= result_.lower);
   }
 
   bool done() const {
     if (result_.upper <= request_.threshold) return true;
     if (!placement_.swept) return result_.upper <= 0 && !request_.depth;
-    // A sweep is asked for its lower end: where one pair of pieces does not come above what counts,
-    // neither will all.
+    // A sweep is asked for its lower end: one pair that does not exceed floor() decides.
     return result_.upper <= 0 || result_.lower <= floor();
   }
 
-  // The lower end has to come above this to be of use: below zero pieces say nothing about the
-  // whole.
+  // A sweep's lower end is of use only above this: below 0 pieces bound nothing but themselves.
   double floor() const { return request_.threshold > 0 ? request_.threshold : 0; }
 
   int limit() const {
-    // Deeper pairs are looked for with limited effort.
+    // The search for deeper pairs is limited.
     return result_.upper <= 0 && !half_space_ ? std::min(request_.node_limit, overlap_limit_)
                                               : request_.node_limit;
   }
@@ -209,7 +188,7 @@ class Descent {
     return r;
   }
 
-  // A pair of exact pieces carries an upper end.
+  // Takes the upper end that a pair of exact pieces proves.
   void offer(const DistanceResult& r, double upper, int triangle_a, int triangle_b) {
     if (!(upper < result_.upper)) return;
     if (upper <= 0 && result_.upper > 0) overlap_limit_ = visited_ + kDeeperNodes;
@@ -219,7 +198,7 @@ class Descent {
     result_.witness.triangle_b = triangle_b;
   }
 
-  // The hulls of both bodies first: as a rule nothing else is needed. True when that decides.
+  // Bounds the pair of roots, and the hulls of both bodies: as a rule that decides, then true.
   bool root() {
     const std::int32_t root_a = a_.tree != nullptr ? 0 : -1, root_b = b_.tree != nullptr ? 0 : -1;
     NodePair pair{root_a, root_b, -kInfinity, 0};
@@ -235,10 +214,10 @@ class Descent {
                                     std::max(request_.tolerance, kNodeTolerance * size), false);
     pair.lower = std::max(pair.lower, r.distance.lower);
     result_.hull_lower = pair.lower;
-    // Where hulls are apart, their nearest points lie on their surfaces, and the meshes are not far
-    // from those.
+    // Where hulls are apart, their nearest points are on their surfaces, and the meshes are within
+    // the excess of those.
     if (pair.lower >= 0) {
-      // Where that is no answer by itself it only tells how far to look: points of the hulls may
+      // Only an upper bound for the search, unless it is an answer: the hulls' witness points may
       // stand out from the meshes by all of the excess.
       const double upper = r.distance.upper + excess;
       if (upper <= request_.threshold || pair.lower > upper - request_.tolerance) {
@@ -248,7 +227,7 @@ class Descent {
         hulls_upper_ = upper;
       }
     }
-    if (done() || needless(pair.lower)) {
+    if (done() || isPruned(pair.lower)) {
       settle(pair.lower);
       return true;
     }
@@ -256,7 +235,7 @@ class Descent {
     return false;
   }
 
-  // The pair of triangles that was closest last time: an upper end at once.
+  // Starts with the upper end of the pair of triangles that was closest last time.
   void warmStart() {
     const bool usable_a = a_.tree == nullptr ||
                           (cache_.triangle_a >= 0 && cache_.triangle_a < a_.tree->triangleCount());
@@ -266,19 +245,17 @@ class Descent {
     const double lower = result_.lower;
     triangles(a_.tree != nullptr ? a_.tree->slotOf(cache_.triangle_a) : -1,
               b_.tree != nullptr ? b_.tree->slotOf(cache_.triangle_b) : -1);
-    // The pair comes again in its turn; where it was stopped early, its lower end is worse than
-    // need be.
+    // The pair is visited again in its turn, and may get a better lower end than now.
     if (!placement_.swept) result_.lower = lower;
   }
 
-  // Bounds a pair of nodes. False when it needs no closer look; its lower end has been settled
-  // then.
+  // Bounds a pair of nodes. False when it is pruned; its lower end is settled then.
   bool evaluate(NodePair& pair) {
     const double sphere = sphereLower(pair);
-    if (sphere > 0) pair.lower = std::max(pair.lower, sphere);  // the box knows no depth
+    if (sphere > 0) pair.lower = std::max(pair.lower, sphere);  // below 0 it bounds no depth
     pair.order = sphere;
     const double bar_now = bar();
-    if (needless(pair.lower)) {
+    if (isPruned(pair.lower)) {
       settle(pair.lower);
       record(pair);
       return false;
@@ -293,7 +270,7 @@ class Descent {
                                     request_.depth && !placement_.swept && result_.upper <= 0);
     pair.lower = std::max(pair.lower, r.distance.lower);
     if (r.distance.lower > 0) pair.order = r.distance.lower;
-    if (needless(pair.lower)) {
+    if (isPruned(pair.lower)) {
       settle(pair.lower);
       record(pair);
       return false;
@@ -301,7 +278,7 @@ class Descent {
     return true;
   }
 
-  // Distance of the spheres around A's node from the box around B's.
+  // A lower bound: the distance of the sphere around A's node, swept, from the box around B's.
   double sphereLower(const NodePair& pair) const {
     const Vector3d& center = pair.a >= 0 ? a_.tree->node(pair.a).center : a_.center;
     double radius = pair.a >= 0 ? a_.tree->node(pair.a).radius : a_.radius;
@@ -325,7 +302,7 @@ class Descent {
       leaves(pair);
       return;
     }
-    // The larger one comes apart.
+    // Descend into the larger one.
     const bool split_a =
         leaf_b || (!leaf_a && a_.tree->node(pair.a).radius >= b_.tree->node(pair.b).radius);
     NodePair near = pair, far = pair;
@@ -356,7 +333,7 @@ class Descent {
     }
   }
 
-  // A pair of exact pieces; -1 is a convex shape as a whole.
+  // Queries a pair of exact pieces; -1 is a convex shape as a whole.
   void triangles(int slot_a, int slot_b) {
     const ConvexView view_a = slot_a >= 0 ? a_.tree->triangleView(slot_a) : a_.view;
     const ConvexView view_b = slot_b >= 0 ? b_.tree->triangleView(slot_b) : b_.view;
@@ -376,72 +353,19 @@ class Descent {
   Scratch& scratch_;
   PairCache& cache_;
   DescentResult result_;
-  DistanceResult hulls_;            // of the hulls, when they do not answer by themselves;
-  double hulls_upper_ = kInfinity;  // no more than this are the bodies apart then
+  DistanceResult hulls_;            // of the hulls, where that is no answer by itself
+  double hulls_upper_ = kInfinity;  // the upper end of the bodies' distance that follows from it
   double rounding_ = 0;             // of sphereLower() [m]
   bool half_space_ = false;
   int visited_ = 0;
-  bool records_ = false;
-  std::size_t recorded_ = 0;
+  FrontRecorder recorder_;
   int overlap_limit_ = std::numeric_limits<int>::max();
-  // Every pair that is taken off puts at most two back, which are one level lower on one side.
+  // Each pair popped pushes at most two, one level lower on one side.
   std::array<NodePair, 2 * MeshTree::kMaxDepth + 4> stack_;
   std::size_t size_ = 0;
 };
 
 }  // namespace
-
-SweepFronts::SweepFronts(Scratch& scratch) : scratch_(scratch) {
-  scratch_.impl().fronts.clear();
-  scratch_.impl().fronts.active = true;
-}
-SweepFronts::~SweepFronts() { scratch_.impl().fronts.active = false; }
-
-DescentSide descentSide(const Shape& shape) {
-  DescentSide side;
-  if (shape.type() == ShapeType::kMesh) {
-    side.tree = &shape.mesh()->tree();
-    const MeshNode& root = side.tree->node(0);
-    side.center = root.center;
-    side.radius = root.radius;
-    side.low = root.low;
-    side.high = root.high;
-    side.extent = side.tree->extent();
-    side.hull_excess = shape.mesh()->hullExcess();
-    return side;
-  }
-  side.view = viewOf(shape);
-  side.center = shape.boundingCenter();
-  side.radius = shape.boundingRadius();
-  side.extent = side.view.extent + side.view.radius + side.view.excess;
-  const Vector3d& size = shape.halfExtents();
-  Vector3d half = Vector3d::Constant(side.radius);
-  switch (shape.type()) {
-    case ShapeType::kBox:
-    case ShapeType::kEllipsoid:
-      half = size;
-      break;
-    case ShapeType::kCylinder:
-    case ShapeType::kCone:
-      half = {shape.radius(), shape.radius(), shape.halfLength()};
-      break;
-    case ShapeType::kCapsule:
-      half = {shape.radius(), shape.radius(), shape.radius() + shape.halfLength()};
-      break;
-    case ShapeType::kHalfSpace:
-      side.low = Vector3d::Constant(-kInfinity);
-      side.high = Vector3d(kInfinity, kInfinity, 0);
-      side.extent = kInfinity;
-      return side;
-    default:
-      side.low = side.center - half;
-      side.high = side.center + half;
-      return side;
-  }
-  side.low = -half;
-  side.high = half;
-  return side;
-}
 
 DescentResult descend(const DescentSide& a, const DescentSide& b, const DescentPlacement& placement,
                       const DistanceRequest& request, Scratch& scratch, PairCache* cache) {

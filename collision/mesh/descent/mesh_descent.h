@@ -4,54 +4,33 @@
 #include <limits>
 
 #include "collision/convex/convex_distance.h"
-#include "collision/mesh/mesh_tree.h"
+#include "collision/mesh/descent/descent_side.h"
 
 namespace leeway::collision {
 
-/// One of the two bodies of a descent: a hierarchy, or a convex shape as a whole (tree is null).
-struct DescentSide {
-  const MeshTree* tree = nullptr;
-  ConvexView view;            ///< of a convex shape
-  Eigen::Vector3d center;     ///< of a sphere that holds it, in its own frame
-  double radius = 0;          ///< of that sphere; may be infinite
-  Eigen::Vector3d low, high;  ///< a box that holds it, in its own frame; may be infinite
-  double hull_excess = 0;     ///< of a mesh, as TriangleMesh::hullExcess() [m]
-  double extent = 0;  ///< no point is farther from its frame's origin; infinite for a half-space
-};
-
-DescentSide descentSide(const Shape& shape);
-
-/// Where A is, seen from B; with `swept`, at the beginning and at the end.
-struct DescentPlacement {
-  Pose X_BA0, X_BA1;
-  bool swept = false;
-  double growth = 0;  ///< [m]
-  double slack = 0;   ///< see convexDistance() [m]
-};
-
-/// What the pieces of two bodies are apart: the minimum over all pairs of triangles (or the convex
-/// shape itself). This knows nothing of insides.
+/// The distance between the surfaces of two bodies: the minimum over all pairs of triangles (or
+/// convex shapes). Solids' insides are not considered.
 struct DescentResult {
-  double lower =
-      0;  ///< no pair of pieces is nearer (or, below 0, deeper); -infinity: nothing is known
+  /// No pair is nearer (or, below 0, deeper); -infinity: nothing is known.
+  double lower = 0;
   double upper = 0;  ///< some pair is as near
-  double hull_lower =
-      0;  ///< proven for the hulls of the bodies, and with them for whatever is inside
+  /// A lower bound on the distance of the bodies' hulls, and so of all that is inside.
+  double hull_lower = 0;
   DistanceResult witness;  ///< of the pair that carries `upper`, in B
   int iterations = 0;
-  int visited = 0;         ///< of request.node_limit; descend() alone tells it
-  bool misplaced = false;  ///< a deforming triangle that was looked at is nowhere: not finite
+  int visited = 0;         ///< node pairs, which request.node_limit limits; set by descend() only
+  bool misplaced = false;  ///< a deforming triangle that was looked at is not finite
 };
 
 /// Branch and bound over pairs of nodes, nearer ones first, with a stack of fixed size. Ends as
-/// soon as the request is met; where `upper` is not positive and a depth is asked, it goes on for a
-/// while to find deeper pairs. `cache` is used and updated; it may not be null.
+/// soon as the request is met. Once surfaces are known to overlap and a depth is asked, it searches
+/// for deeper pairs with limited effort (kDeeperNodes). `cache` is read and updated; it must not be
+/// null. Allocates nothing.
 DescentResult descend(const DescentSide& a, const DescentSide& b, const DescentPlacement& placement,
                       const DistanceRequest& request, Scratch& scratch, PairCache* cache);
 
-/// A pair of exact pieces: whether they are farther than the bar, which may be infinite, and how
-/// far exactly where they are not, unless that is enough or does not matter any more.
-/// ask(threshold) answers for them.
+/// Queries a pair of exact pieces by ask(threshold): first whether they are farther than the bar,
+/// which may be infinite; if not, for their distance, unless the first answer suffices.
 template <class Ask>
 DistanceResult askOfPieces(double bar, const DistanceRequest& request, bool depth, const Ask& ask) {
   const bool bounded = bar < std::numeric_limits<double>::infinity();
@@ -66,7 +45,7 @@ DistanceResult askOfPieces(double bar, const DistanceRequest& request, bool dept
   return r;
 }
 
-/// One answer for such a pair.
+/// The distance of two convex pieces, or of their sweep.
 inline DistanceResult pieceDistance(const ConvexView& a, const ConvexView& b,
                                     const DescentPlacement& placement,
                                     const DistanceRequest& request, Scratch& scratch,

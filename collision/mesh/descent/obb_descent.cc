@@ -20,11 +20,11 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 using Kind = Part::Kind;
 
-// Two boxes, as MeshBody names them.
+// Two boxes, as MeshBody numbers them.
 struct BoxPair {
   std::int32_t a, b;
-  double lower;  // proven for everything in the boxes; below 0 the deeper, the more of an overlap
-  bool open;     // pieces have been asked: their triangles are wanted
+  double lower;  // proven for all that is in the boxes; below 0 it only orders visits
+  bool open;     // convex pieces were not enough: visit their triangles
 };
 
 class PairDescent {
@@ -41,8 +41,8 @@ class PairDescent {
         work_(*scratch.impl().work),
         cache_(cache) {
     X_AB_ = X_BA_.inverse();
-    // As for support points, see gjk.cc: corners are placed and their products with a unit vector
-    // taken in the same way.
+    // As for support points (derived in gjk.cc): corners are placed, and multiplied with a unit
+    // vector, by the same operations.
     rounding_ =
         kSupportRounding * kUnitRoundoff * (a_.extent() + b_.extent() + X_BA_.translation.norm()) +
         slack_;
@@ -85,19 +85,19 @@ class PairDescent {
  private:
   double bar() const {
     if (result_.upper <= 0) {
-      // Deeper pairs only, see kDeeperShare.
+      // Only pairs that are deeper by kDeeperShare.
       return result_.upper - std::max(request_.tolerance, -kDeeperShare * result_.upper);
     }
     return std::min(floor_, result_.upper - request_.tolerance);
   }
   bool done() const {
-    if (result_.upper <= request_.threshold) return true;  // a NaN decides nothing
+    if (result_.upper <= request_.threshold) return true;  // false for NaN
     return result_.upper <= 0 && !deepens_;
   }
   int limit() const { return std::min(request_.node_limit, deeper_limit_); }
   void settle(double lower) { result_.lower = std::min(result_.lower, lower); }
 
-  // A convex body and the hull of a mesh: as a rule nothing else is needed. True when that decides.
+  // Queries a convex body and the hull of a mesh: as a rule that decides, then true.
   bool hullsDecide() {
     if (a_.isMesh() && b_.isMesh()) return false;
     DistanceRequest request;
@@ -112,8 +112,8 @@ class PairDescent {
     result_.iterations += r.iterations;
     result_.hull_lower = std::max(result_.hull_lower, r.distance.lower);
     hulls_known_ = true;
-    // Where hulls are apart, their nearest points lie on their surfaces, and the meshes are not far
-    // from those.
+    // Where hulls are apart, their nearest points are on their surfaces, and the meshes are within
+    // the excess of those.
     if (r.distance.lower >= 0) offer(r, r.distance.upper + hull_excess_, {}, {});
     return result_.hull_lower > bar() || done();
   }
@@ -131,7 +131,7 @@ class PairDescent {
       warm_b_ = b;
       has_warm_ = true;
     }
-    // The pair comes again in its turn.
+    // The pair is visited again in its turn.
     if (!done()) result_.lower = lower;
   }
 
@@ -141,7 +141,7 @@ class PairDescent {
       leaves(pair, part_a, part_b);
       return;
     }
-    // The larger one comes apart.
+    // Descend into the larger one.
     const bool split_a = part_b.kind != Kind::kNode ||
                          (part_a.kind == Kind::kNode && a_.radius(pair.a) >= b_.radius(pair.b));
     const std::int32_t child = split_a ? part_a.number : part_b.number;
@@ -155,7 +155,7 @@ class PairDescent {
     const double bar_now = bar();
     const std::size_t first = size_;
     for (int i = 0; i < split.count; ++i) {
-      // What the parent has proven holds for its parts.
+      // What is proven for the parent holds for its parts.
       const double found = static_cast<double>(gap[i]) - slack_;
       if (found > bar_now) {
         settle(std::max(found, pair.lower));
@@ -164,7 +164,7 @@ class PairDescent {
       BoxPair part = pair;
       (split_a ? part.a : part.b) = child * BoxNode::kWidth + i;
       part.lower = found > 0 ? std::max(found, pair.lower) : found;
-      // The nearest one on top; of several the first.
+      // Sorted, with the nearest on top; of equals the first.
       std::size_t at = size_++;
       for (; at > first && stack_[at - 1].lower <= part.lower; --at) stack_[at] = stack_[at - 1];
       stack_[at] = part;
@@ -181,7 +181,7 @@ class PairDescent {
     const Interval d = known ? warm_ : hullPair(a, b, &local);
     const double lower = std::max(d.lower, pair.lower);
     const bool pieces = a.kind == Kind::kPiece || b.kind == Kind::kPiece;
-    // (Rounding keeps exact pieces apart, too, but triangles would not do better.)
+    // (For exact shapes, too, rounding may leave the request open, but triangles would not help.)
     if (!pieces || lower > bar() || d.upper - d.lower <= request_.tolerance || d.upper <= 0) {
       settle(lower);
       return;
@@ -189,7 +189,7 @@ class PairDescent {
     stack_[size_++] = {pair.a, pair.b, lower, true};
   }
 
-  // What two convex parts say: they are at least `lower` apart, and the bodies at most `upper`.
+  // Queries two convex parts: they are at least `lower` apart, and the bodies at most `upper`.
   Interval hullPair(const Part& a, const Part& b, PairCache* cache) {
     ++visited_;
     const double excess = a_.excess(a) + b_.excess(b);
@@ -197,7 +197,7 @@ class PairDescent {
     const double bar_now = bar();
     DistanceRequest request;
     request.iteration_limit = request_.iteration_limit;
-    // Finer than what the excess leaves open is of no use.
+    // A tolerance much finer than the excess gains nothing.
     request.tolerance = std::max(request_.tolerance - excess, 0.5 * request_.tolerance);
     if (excess > request_.tolerance) request.tolerance = 0.25 * excess;
     request.depth = deepens_;
@@ -206,8 +206,8 @@ class PairDescent {
     result_.iterations += r.iterations;
     if (r.distance.lower > bar_now) return {r.distance.lower, r.distance.upper + excess};
     if (r.status != DistanceStatus::kConverged && !(r.distance.upper + excess <= 0 && !deepens_)) {
-      // Nearer than what was known: by how much? Where the hulls overlap, whether by more than what
-      // they stand out.
+      // Nearer than the best known pair: query for the distance. Where the hulls overlap, query
+      // whether by more than their excess.
       const double lower = r.distance.lower;
       request.threshold = request_.threshold - excess;
       if (r.distance.upper <= 0 && !deepens_) {
@@ -244,7 +244,7 @@ class PairDescent {
       offer(r, upper, a, b);
       return;
     }
-    // Crossing, touching, or a sliver.
+    // They cross, touch, or one is a sliver.
     DistanceRequest request;
     request.threshold = request_.threshold;
     request.tolerance = request_.tolerance;
@@ -255,7 +255,7 @@ class PairDescent {
         convexDistance(a_.view(a), X_BA_, b_.view(b), request, scratch_, none, slack_);
     result_.iterations += r.iterations;
     settle(std::max(lower, r.distance.lower));
-    if (upper < r.distance.upper) {  // by much, where steps were few
+    if (upper < r.distance.upper) {  // the query may have stopped early
       r.point_a = pair.p;
       r.point_b = pair.q;
       if (lower > 0) r.normal = pair.normal;
@@ -278,8 +278,8 @@ class PairDescent {
     best_b_ = b;
   }
 
-  // Surfaces that are apart may be one inside the other: not if a plane between the witnesses parts
-  // the bodies' hulls.
+  // Bodies with separate surfaces may still contain each other: not where the plane between the
+  // witnesses separates their hulls.
   void hulls() {
     if (hulls_known_ || result_.hull_lower > 0 || !(result_.lower > 0) ||
         best_a_.kind == Kind::kNode) {
@@ -294,7 +294,7 @@ class PairDescent {
         std::max(result_.hull_lower, n.dot(q - p) - rounding_ - hull_a.excess - hull_b.excess);
   }
 
-  // Pieces are remembered like triangles, under numbers beyond those.
+  // Caches pieces as triangles are, with higher numbers.
   void remember() {
     if (best_a_.kind != Kind::kPiece && best_b_.kind != Kind::kPiece) return;
     cache_ = best_;
@@ -313,17 +313,16 @@ class PairDescent {
   DescentResult result_;
   double rounding_ = 0;  // of a pair of triangles, the poses' slack included [m]
   double floor_ = kInfinity;
-  bool parts_ = false;  // both bodies have convex parts; against bare triangles those do not pay
+  bool parts_ = false;  // both bodies consist of convex parts; against triangles those do not pay
   bool deepens_ = false, hulls_known_ = false;
   int visited_ = 0;
   int deeper_limit_ = std::numeric_limits<int>::max();
-  Part best_a_{Kind::kNode, 0}, best_b_{Kind::kNode, 0};  // that carry the upper end
-  PairCache best_;                                        // of those, where they are hulls
+  Part best_a_{Kind::kNode, 0}, best_b_{Kind::kNode, 0};  // these carry the upper end
+  PairCache best_;                                        // theirs, where they are hulls
   bool has_warm_ = false;
   Part warm_a_{Kind::kNode, 0}, warm_b_{Kind::kNode, 0};
   Interval warm_;
-  // A pair that is taken off puts at most kWidth back, which are one level lower on one side; or
-  // itself, opened.
+  // Each pair popped pushes at most kWidth, one level lower on one side; or itself, opened.
   std::array<BoxPair, 2 * (BoxTree::kMaxDepth + 1) * (BoxNode::kWidth - 1) + 1> stack_;
   std::size_t size_ = 0;
 };

@@ -1,24 +1,26 @@
 #pragma once
 
-// Private to collision/: where sweeps of two meshes have ended, for SweepFronts.
+// Private to collision/: the fronts at which descents of sweeps have ended, for SweepFronts.
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
 
 #include "collision/mesh/mesh_tree.h"
+#include "leeway/collision/query.h"
 
 namespace leeway::collision {
 
-/// Pairs of nodes that between them hold all pairs of triangles of two bodies, and what parted
-/// each.
+/// Pairs of nodes that together cover all pairs of triangles of two bodies, and the direction that
+/// separated each.
 struct SweepFront {
   struct Entry {
-    std::int32_t a, b;  ///< nodes; -1: a convex shape as a whole, whichever it is
+    std::int32_t a, b;  ///< nodes; -1: any convex shape as a whole
     Eigen::Vector3d direction_B;
     int vertex_a, vertex_b;
   };
-  /// More are not kept: looking at them would cost more than a descent.
+  /// Larger fronts are not kept: testing them would cost more than a descent.
   static constexpr std::size_t kMost = 96;
 
   const MeshTree* a = nullptr;  ///< null: a convex shape
@@ -27,14 +29,14 @@ struct SweepFront {
   std::array<Entry, kMost> entries;
 };
 
-/// The last of some pairs of meshes, and room for the next.
+/// The last fronts of a few pairs of meshes, and room for the next.
 struct SweepFrontScratch {
   static constexpr std::size_t kFronts = 4;
 
   bool active = false;
-  std::size_t next = 0;  ///< whose place is taken
+  std::size_t next = 0;  ///< index in `kept` that is replaced next
   std::array<SweepFront, kFronts> kept;
-  SweepFront found;
+  SweepFront found;  ///< in the making
 
   SweepFront* of(const MeshTree* a, const MeshTree* b) {
     for (SweepFront& front : kept)
@@ -44,6 +46,42 @@ struct SweepFrontScratch {
   void clear() {
     for (SweepFront& front : kept) front.count = 0;
   }
+};
+
+/// Records a front while a descent goes on: the pairs of nodes that it did not have to expand, each
+/// with the direction in `cache`, which separated it.
+class FrontRecorder {
+ public:
+  FrontRecorder(SweepFront& front, const PairCache& cache) : front_(front), cache_(cache) {}
+
+  void start(bool records) { records_ = records; }
+  void record(std::int32_t a, std::int32_t b) {
+    if (!records_) return;
+    if (count_ == SweepFront::kMost) {
+      records_ = false;
+      return;
+    }
+    front_.entries[count_++] = {a, b, cache_.direction_B, cache_.vertex_a, cache_.vertex_b};
+  }
+  /// Keeps what was recorded as the front of two bodies, if it is not too large.
+  void keep(SweepFrontScratch& fronts, const MeshTree* a, const MeshTree* b) const {
+    if (!records_) return;
+    SweepFront* front = fronts.of(a, b);
+    if (front == nullptr) {
+      front = &fronts.kept[fronts.next];
+      fronts.next = (fronts.next + 1) % SweepFrontScratch::kFronts;
+    }
+    front->a = a;
+    front->b = b;
+    front->count = count_;
+    std::copy_n(front_.entries.begin(), count_, front->entries.begin());
+  }
+
+ private:
+  SweepFront& front_;
+  const PairCache& cache_;
+  bool records_ = false;
+  std::size_t count_ = 0;
 };
 
 }  // namespace leeway::collision

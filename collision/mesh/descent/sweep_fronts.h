@@ -6,10 +6,10 @@
 
 namespace leeway::collision {
 
-/// While one lives, sweptDistance() of meshes with its scratch begins with the pairs of nodes that
-/// settled the last sweep of the same meshes, each along the direction that settled it: sweeps over
-/// one motion part by part look at the same parts of both. It costs or saves time and never truth.
-/// No mesh that is asked about may be destroyed before it. One at a time for a scratch; O(1).
+/// While this lives, sweptDistance() of meshes with its scratch starts from the pairs of nodes at
+/// which the last sweep of the same meshes ended, each with the direction that separated it: sweeps
+/// over consecutive parts of a motion end at the same pairs. Answers hold either way. Meshes that
+/// are queried must outlive this. One at a time for each scratch; O(1).
 class SweepFronts {
  public:
   explicit SweepFronts(Scratch& scratch);

@@ -17,10 +17,10 @@ struct Search {
   const Vector *p, *q;
   TrianglePair best;
   double squared = std::numeric_limits<double>::infinity();
-  bool has_normal = false;  // of the plane of a triangle
+  bool has_normal = false;  // best.normal is set, from a triangle's plane
 
-  // Nearer points; true when the planes through them, across the line between them, leave both
-  // triangles on their far sides: then nothing is nearer.
+  // Takes two points if they are nearer. True when the planes through them, across their connecting
+  // line, have both triangles on their far sides: no points are nearer then.
   bool offer(const Vector& a, const Vector& b) {
     const Vector d = b - a;
     const double now = d.squaredNorm();
@@ -34,13 +34,14 @@ struct Search {
     return bottom - top >= now * kTrianglesApart;
   }
 
-  // A corner of one over the inside of the other.
+  // A corner of one triangle above the interior of the other, `t`.
   bool corners(const Vector* t, const Vector* points, bool t_is_p) {
     const Vector e0 = t[1] - t[0], e1 = t[2] - t[0], n = cross(e0, e1);
     const double squared_n = n.squaredNorm();
     if (!(squared_n > kLeastSquare)) return false;
     const double h[3] = {n.dot(points[0] - t[0]), n.dot(points[1] - t[0]), n.dot(points[2] - t[0])};
-    // Only the corner nearest to the plane can be nearest, and none where they lie on both sides.
+    // Only the corner nearest to the plane can be nearest, and none where corners are on both
+    // sides.
     int k = 0;
     if (h[0] > 0 && h[1] > 0 && h[2] > 0) {
       k = h[1] < h[0] ? 1 : 0;
@@ -52,7 +53,7 @@ struct Search {
       return false;
     }
     const Vector foot = points[k] - (h[k] / squared_n) * n;
-    double weight[3], sum = 0;  // of the corner across each edge
+    double weight[3], sum = 0;  // of the corner opposite to each edge
     for (int i = 0; i < 3; ++i) {
       const Vector& from = t[i];
       const Vector edge = t[(i + 1) % 3] - from;
@@ -61,8 +62,8 @@ struct Search {
       sum += weight[i];
     }
     if (!(sum > 0)) return false;
-    // The foot itself lies beside a sliver, whose normal is what rounding has left of it: a point
-    // of the triangle is taken, and the plane that it was found with.
+    // A sliver's normal is mostly rounding, and the foot may miss the triangle: a point of the
+    // triangle is taken instead, with the plane that was used.
     const Vector inside = t[0] + (weight[2] / sum) * e0 + (weight[0] / sum) * e1;
     const double before = squared;
     const bool nearest = t_is_p ? offer(inside, points[k]) : offer(points[k], inside);

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "collision/base/round_box.h"
+#include "collision/base/rounding.h"
 #include "collision/deform/query/overlap_octree.h"
 #include "leeway/collision/distance.h"
 #include "tests/collision/deform/deformable_cases.h"

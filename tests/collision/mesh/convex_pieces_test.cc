@@ -9,11 +9,12 @@
 #include <functional>
 #include <numeric>
 
-#include "collision/base/round_box.h"
+#include "collision/base/rounding.h"
 #include "collision/base/tolerances.h"
 #include "collision/deform/query/point_in_snapshot.h"
 #include "collision/mesh/mesh_tree.h"
 #include "collision/shapes/hull_builder.h"
+#include "collision/shapes/hull_distance.h"
 #include "collision/shapes/point_triangle.h"
 #include "leeway/collision/distance.h"
 #include "tests/collision/distance/allocations.h"

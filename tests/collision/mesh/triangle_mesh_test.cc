@@ -9,6 +9,7 @@
 #include "collision/deform/query/point_in_snapshot.h"
 #include "collision/mesh/mesh_tree.h"
 #include "collision/shapes/hull_builder.h"
+#include "collision/shapes/hull_distance.h"
 #include "collision/shapes/point_triangle.h"
 #include "leeway/collision/convex_hull.h"
 #include "tests/collision/mesh/mesh_cases.h"

@@ -8,6 +8,7 @@
 
 #include "collision/base/exact_predicates.h"
 #include "collision/shapes/hull_builder.h"
+#include "collision/shapes/hull_distance.h"
 #include "leeway/collision/distance.h"
 #include "leeway/collision/shape.h"
 #include "tests/collision/mesh/mesh_cases.h"

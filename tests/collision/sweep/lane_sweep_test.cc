@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "collision/base/round_box.h"
+#include "collision/base/rounding.h"
 #include "collision/lanes/lane_sweep_impl.h"
 #include "leeway/collision/convex_hull.h"
 #include "tests/every_target.h"

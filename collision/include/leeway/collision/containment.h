@@ -8,16 +8,16 @@ namespace leeway::collision {
 
 enum class Containment : unsigned char {
   kNo,         ///< no component of either body lies inside a closed component of the other
-  kYes,        ///< a point of one body is proven to lie inside a solid component of the other
-  kUndecided,  ///< rounding or a limit left it open: treat it as kYes
+  kYes,        ///< a point of one body is proven to lie inside a closed component of the other
+  kUndecided,  ///< rounding or a limit left the question open: treat it as kYes
 };
 
-/// Whether a component of A lies inside a closed component of B or the reverse at these poses. The
-/// answer is about points: for bodies whose surfaces are apart it decides containment; when
-/// surfaces cross, kYes and kNo are both possible. Convex shapes hold an inside of their own that
-/// distance() and sweptDistance() already count, so that only closed components of meshes are
-/// asked; without one the answer is kNo at once. A half-space lies inside nothing. Never throws or
-/// allocates. O(components * sqrt(triangles)) as a rule.
+/// Whether a component of A lies inside a closed component of B, or the reverse, at these poses.
+/// One point of each component is tested: that decides containment where surfaces are apart; where
+/// they cross, kYes and kNo are both possible. Only closed components of meshes are tested for an
+/// inside, because distance() and sweptDistance() already count that of convex shapes; without one
+/// the answer is kNo at once. A half-space lies inside nothing. Never throws or allocates.
+/// O(components * sqrt(triangles)) as a rule.
 Containment contains(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
                      Scratch& scratch);
 

@@ -4,7 +4,7 @@
 
 namespace leeway::collision {
 
-/// A guaranteed enclosure of a real number: lower <= value <= upper, rounding included.
+/// A guaranteed enclosure of a real number, rounding included: lower <= value <= upper.
 struct Interval {
   double lower = -std::numeric_limits<double>::infinity();
   double upper = std::numeric_limits<double>::infinity();

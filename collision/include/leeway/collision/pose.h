@@ -4,9 +4,9 @@
 
 namespace leeway::collision {
 
-/// A rigid placement: X_AB maps the coordinates of a point in frame B to those in frame A.
-/// Our own struct of two plain Eigen members, because the alignment of Eigen's Isometry3d depends
-/// on the instruction set that a program is compiled for and this type stands in public interfaces.
+/// A rigid placement: X_AB maps the coordinates of a point in frame B to those in frame A. A struct
+/// of two plain Eigen members and not Eigen's Isometry3d, whose alignment depends on the
+/// instruction set that a program is compiled for: this type is part of public interfaces.
 struct Pose {
   Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
   Eigen::Vector3d translation = Eigen::Vector3d::Zero();  // [m]
@@ -21,7 +21,7 @@ struct Pose {
     return {rotation * X_BC.rotation, rotation * X_BC.translation + translation};
   }
 
-  /// X_BA, by transposition: exact only as far as `rotation` is orthogonal.
+  /// X_BA, by transposition: an inverse only as far as `rotation` is orthogonal.
   Pose inverse() const { return {rotation.transpose(), -(rotation.transpose() * translation)}; }
 };
 

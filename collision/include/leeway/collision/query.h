@@ -1,6 +1,6 @@
 #pragma once
 
-// What a distance query is asked, and what it answers.
+// The requests and results of distance queries.
 
 #include <Eigen/Core>
 #include <cstdint>
@@ -11,20 +11,19 @@
 
 namespace leeway::collision {
 
-/// What is asked of a query. The answer's interval always holds the truth; these say when it is
-/// good enough.
+/// When the answer of a query is good enough. Its interval holds the truth in any case.
 struct DistanceRequest {
-  /// Stop when upper - lower <= tolerance [m]. NaN: that of defaultTolerance().
+  /// Stop when upper - lower <= tolerance [m]. NaN: defaultTolerance() of the pair.
   double tolerance = std::numeric_limits<double>::quiet_NaN();
   /// Stop when lower > threshold ("farther than") or upper <= threshold ("not farther"); NaN: no
   /// threshold [m].
   double threshold = std::numeric_limits<double>::quiet_NaN();
-  /// False: a pair proven to overlap (upper <= 0) is answered at once with whatever lower end is
-  /// known.
+  /// False: stop as soon as overlap is proven (upper <= 0), with whatever lower end is known.
   bool depth = true;
-  /// GJK and penetration steps for one pair, twice for round depths. It costs width, never truth.
+  /// Most steps of GJK and of the penetration search for one pair, twice as many for depths of
+  /// round shapes. At a limit the interval is wider, but holds.
   int iteration_limit = 256;
-  /// Node pairs of bounding-volume hierarchies visited for a pair with a mesh. The same holds.
+  /// Most node pairs of bounding-volume hierarchies visited for a pair with a mesh.
   int node_limit = 10'000'000;
 };
 
@@ -34,15 +33,15 @@ enum class DistanceStatus : unsigned char {
   kNotAboveThreshold,  ///< upper <= threshold
   kOverlap,            ///< upper <= 0 and no depth was asked
   kLimit,    ///< stopped by a limit or by rounding: the interval holds, but is wider than asked
-  kInvalid,  ///< a pose that is not finite or not a rotation, or half-space with half-space; the
-             ///< interval is (-inf, inf)
+  kInvalid,  ///< a pose is not finite or no rotation, or both are half-spaces: (-inf, inf)
 };
 
-/// Signed separation of A and B: the distance when apart, minus the length of the smallest
-/// translation that separates them when they overlap. Of overlapping meshes that length is enclosed
-/// only: at least what the deepest pair of triangles found, the way from inside to the surface, or
-/// two balls around a common point, one in either body, say; at most a translation that is proven
-/// to separate them. Such an interval can stay wider than asked (kLimit).
+/// The signed separation of A and B: their distance when apart, minus the length of the shortest
+/// translation that separates them when they overlap. For overlapping meshes that length is only
+/// enclosed. It is at least what follows from the deepest pair of triangles found, from the
+/// distance of an inner point to the surface, or from two balls around a common point, one in each
+/// body; it is at most the length of a translation that is proven to separate them. Such an
+/// interval can stay wider than asked (kLimit).
 struct DistanceResult {
   Interval distance;  // [m]
   DistanceStatus status = DistanceStatus::kInvalid;
@@ -50,32 +49,33 @@ struct DistanceResult {
   /// interval's width of the distance; when overlapping, the deepest points found along `normal`.
   Eigen::Vector3d point_a = Eigen::Vector3d::Zero();
   Eigen::Vector3d point_b = Eigen::Vector3d::Zero();
-  /// Unit vector from A to B. For convex shapes the lower end is proven along it: moving B by
-  /// t * normal adds t to it. For meshes that overlap, moving B by -lower * normal separates; for
-  /// meshes that are apart it points from the nearest part of A to that of B, and nothing is
-  /// promised of other parts.
+  /// Unit vector from A to B. For convex shapes it is the normal of the plane that proves the lower
+  /// end: moving B by t * normal adds t to that end. For meshes that overlap, moving B by -lower *
+  /// normal separates them. For meshes that are apart it points from the nearest part of A to that
+  /// of B; other parts may get nearer when B moves along it.
   Eigen::Vector3d normal = Eigen::Vector3d::UnitX();
   int iterations = 0;
-  /// Triangles (of the meshes as given by TriangleMesh::triangles()) that carry the upper end; -1
-  /// if none (a hull or a convex piece does).
+  /// Indices into TriangleMesh::triangles() of the triangles that carry the upper end; -1: none, a
+  /// hull or a convex piece does.
   int triangle_a = -1;
   int triangle_b = -1;
 };
 
-/// Caller-owned memory of a pair's last query, for warm starts. Stale or foreign content costs
-/// time, never truth.
+/// Caller-owned memory of a pair's last query, for warm starts. Any content is valid: stale or
+/// foreign content only costs time.
 struct PairCache {
-  Eigen::Vector3d direction_B =
-      Eigen::Vector3d::Zero();  ///< last separating direction, in B's frame; 0: none
-  int simplex_count = 0;  ///< vertices of A and B that carried the last distance, pairwise; 0: none
+  /// Last separating direction, in B's frame; 0: none.
+  Eigen::Vector3d direction_B = Eigen::Vector3d::Zero();
+  /// Pairs of vertices of A and B that carried the last distance [count].
+  int simplex_count = 0;
   int simplex_a[3] = {0, 0, 0}, simplex_b[3] = {0, 0, 0};
   int vertex_a = 0, vertex_b = 0;        ///< last support vertices
   int triangle_a = -1, triangle_b = -1;  ///< last closest triangles, or convex pieces
   int place = -1;  ///< of the closest triangle in the hierarchy of a deforming mesh; -1: none
-  std::uint64_t hierarchy = 0;  ///< which one that is, by its number; 0: none
+  std::uint64_t hierarchy = 0;  ///< the number of that hierarchy; 0: none
 };
 
-/// Caller-owned buffers of one thread. Everything a query needs is allocated in the constructor.
+/// Caller-owned buffers for one thread. The constructor allocates all that queries need.
 class Scratch {
  public:
   Scratch();

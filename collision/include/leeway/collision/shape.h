@@ -26,20 +26,20 @@ enum class ShapeType : unsigned char {
   kDeformable,
 };
 
-/// "sphere", "capsule", ...: the word used in files and messages.
+/// "sphere", "capsule", ...: the name used in files and messages.
 const char* toString(ShapeType type);
 
-/// Thrown by the factories of Shape, ConvexHull and TriangleMesh (never by a query) when a size is
-/// negative, not finite or too large, or when a hull or mesh has no points. The message names the
-/// size, its value and what would be accepted.
+/// Thrown by the factories of Shape, ConvexHull and TriangleMesh, never by a query: a size is
+/// negative, not finite or too large, or a hull or mesh has no points. The message names the size,
+/// its value and the values that are accepted.
 class InvalidShape : public std::invalid_argument {
  public:
   using std::invalid_argument::invalid_argument;
 };
 
-/// A body in its own frame G: immutable, cheap to copy (vertices are shared). Zero sizes are
-/// allowed (a sphere of radius 0 is a point, a box with a zero half extent a rectangle). The
-/// factories throw InvalidShape.
+/// A body in its own frame G: immutable, cheap to copy (vertices are shared). Sizes may be 0: a
+/// sphere of radius 0 is a point, a box with one half extent of 0 a rectangle. The factories throw
+/// InvalidShape.
 class Shape {
  public:
   /// Centre at the origin. radius >= 0 [m].
@@ -54,16 +54,16 @@ class Shape {
   static Shape cone(double radius, double half_length);
   /// (x/a)^2 + (y/b)^2 + (z/c)^2 <= 1 [m].
   static Shape ellipsoid(const Eigen::Vector3d& semi_axes);
-  /// All points with z <= 0 of its frame. Unbounded.
+  /// All points with z <= 0. Unbounded.
   static Shape halfSpace();
-  /// The convex hull of `vertices` [m]; any number >= 1, duplicates and flat sets included. Cost
-  /// as ConvexHull::compute().
+  /// The convex hull of one or more `vertices` [m]; duplicates and flat sets are allowed. Costs as
+  /// much as ConvexHull::compute().
   static Shape convexHull(std::span<const Eigen::Vector3d> vertices);
   static Shape convexHull(std::shared_ptr<const ConvexHull> hull);
   /// A triangle mesh; its closed components are solids.
   static Shape mesh(std::shared_ptr<const TriangleMesh> mesh);
-  /// A deforming mesh as it is at one time; its closed components are solids. O(1): a new shape is
-  /// made for every snapshot.
+  /// A deforming mesh at one time; its closed components are solids. O(1): make a new shape for
+  /// every snapshot.
   static Shape deformable(std::shared_ptr<const DeformableSnapshot> snapshot);
 
   ShapeType type() const { return type_; }
@@ -85,7 +85,7 @@ class Shape {
   /// No point of the shape is farther from the origin of G than this [m]; infinite for a
   /// half-space.
   double extent() const { return extent_; }
-  /// What the shape's size allows of distance.h's defaultTolerance() [m]; 0 for a half-space.
+  /// The shape's part in defaultTolerance() (distance.h) [m]; 0 for a half-space.
   double defaultTolerance() const { return default_tolerance_; }
 
  private:

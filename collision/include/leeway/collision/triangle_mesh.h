@@ -14,38 +14,38 @@ class MeshTree;    // private to collision/
 class Shape;       // shape.h
 struct BallCover;  // ball_cover.h
 
-/// What became of a mesh's decomposition into convex pieces. Where they are used, queries that do
-/// not move (distance, tolerance, depth) ask hulls of pieces first, and triangles only where a
-/// piece's excess leaves the question open. Answers mean the same either way.
+/// The outcome of a mesh's decomposition into convex pieces. Where they are used, queries of bodies
+/// at rest (distance, tolerance, depth) look at the pieces' hulls first, and at triangles only
+/// where a piece's excess leaves the question open. The guarantees are the same either way.
 struct PieceSummary {
   enum class Use : unsigned char {
     kUsed,
     kOpen,       ///< no component is closed: there is no inside that pieces could fill
-    kSmall,      ///< so few triangles that they are as quick
-    kConcave,    ///< too many pieces for the triangles: those are as quick
-    kLaborious,  ///< more work than preparation may take
-    kExtreme,    ///< of a size that hierarchies in single precision do not take
-    kNotAsked
+    kSmall,      ///< so few triangles that pieces would not be faster
+    kConcave,    ///< too many pieces for the number of triangles: they would not be faster
+    kLaborious,  ///< finding them takes more work than allowed
+    kExtreme,    ///< of a size beyond hierarchies in single precision
+    kNotAsked    ///< TriangleMesh::make() was told not to decompose
   };
   Use use = Use::kSmall;
-  int pieces = 0;           ///< hulls, of four triangles and more
+  int pieces = 0;           ///< hulls, each of four triangles or more
   int loose_triangles = 0;  ///< in no piece
   double excess = 0;        ///< no hull stands out of the solid by more, proven [m]
 };
 
-/// A rigid triangle mesh. Vertices are welded by exact equality; components whose welded edges are
+/// A rigid triangle mesh. Vertices are welded by exact equality. Components whose welded edges are
 /// each shared by exactly two triangles of opposite direction are closed and count as solids
-/// (orientation is mended so that they enclose positive volume); the others are surfaces without an
+/// (triangles are flipped so that they enclose positive volume); the others are surfaces without an
 /// inside.
 class TriangleMesh {
  public:
   using Triangle = std::array<std::int32_t, 3>;
 
   /// `vertices` [m]. Throws InvalidShape for no triangles, an index out of range, or a coordinate
-  /// that is not finite or exceeds 1e60 in magnitude. Triangles without area are kept (they are
-  /// segments or points that can be touched). O(n log n), and up to about 0.1 s for hullExcess().
-  /// With `decompose`, convex pieces are looked for, which about doubles that: see pieces(). False
-  /// saves the time; answers mean the same.
+  /// that is not finite or exceeds 1e60 in magnitude. Triangles without area are kept: they are
+  /// segments or points that can be touched. O(n log n), and up to about 0.1 s for hullExcess().
+  /// `decompose` also finds convex pieces, see pieces(), which about doubles the time and makes
+  /// many queries faster; the guarantees do not depend on it.
   static std::shared_ptr<const TriangleMesh> make(std::span<const Eigen::Vector3d> vertices,
                                                   std::span<const Triangle> triangles,
                                                   bool decompose = true);
@@ -61,13 +61,13 @@ class TriangleMesh {
   int component(int triangle) const {
     return triangle_component_[static_cast<std::size_t>(triangle)];
   }
-  /// How far the convex hull's surface stands out from the mesh: sup over the hull's facets of the
-  /// distance to the mesh, a proven upper bound [m].
+  /// A proven upper bound on how far the convex hull stands out from the mesh: the largest distance
+  /// of a point of the hull's facets from the mesh [m].
   double hullExcess() const { return hull_excess_; }
-  /// Counts and excess are 0 where pieces are not used.
+  /// The outcome of `decompose`; counts and excess are 0 where pieces are not used.
   const PieceSummary& pieces() const { return pieces_; }
-  const MeshTree& tree() const { return *tree_; }  ///< for the engine's own queries
-  std::size_t bytes() const;                       ///< of memory, hierarchy included
+  const MeshTree& tree() const { return *tree_; }  ///< for the engine's own use
+  std::size_t bytes() const;                       ///< of memory, hierarchies included
 
   ~TriangleMesh();
 

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "collision/convex/gjk/convex_view.h"
+#include "collision/mesh/mesh_tree.h"
+#include "leeway/collision/shape.h"
+
+namespace leeway::collision {
+
+/// One of the two bodies of a descent: a hierarchy, or a convex shape as a whole (tree is null).
+struct DescentSide {
+  const MeshTree* tree = nullptr;
+  ConvexView view;            ///< of a convex shape
+  Eigen::Vector3d center;     ///< of a sphere that holds the body, in its own frame [m]
+  double radius = 0;          ///< of that sphere; may be infinite [m]
+  Eigen::Vector3d low, high;  ///< a box that holds the body, in its own frame; may be infinite [m]
+  double hull_excess = 0;     ///< of a mesh, as TriangleMesh::hullExcess() [m]
+  double extent =
+      0;  ///< no point is farther from the frame's origin; infinite for a half-space [m]
+};
+
+/// The side of a rigid mesh or a convex shape. O(1).
+DescentSide descentSide(const Shape& shape);
+
+/// Where A is in B's frame; of a sweep at its begin and at its end.
+struct DescentPlacement {
+  Pose X_BA0, X_BA1;
+  bool swept = false;
+  double growth = 0;  ///< of the swept body [m], see convexSweptDistance()
+  double slack = 0;   ///< rounding of the poses [m], see convexDistance()
+};
+
+}  // namespace leeway::collision
