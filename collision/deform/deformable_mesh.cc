@@ -67,7 +67,7 @@ const char* toString(UpdateStatus status) {
     case UpdateStatus::kNotFinite:
       return "a vertex is not finite, or beyond 1e15 m";
     case UpdateStatus::kBadTime:
-      return "the time, the speed bound or the way that vertices moved is no usable number";
+      return "the time, the speed bound or the distance moved is not a usable number";
     case UpdateStatus::kNoMotion:
       return "there is no motion to follow";
   }

@@ -43,7 +43,7 @@ bool roundDistance(const Shape& a, const Pose& X_WA, const Shape& b, const Pose&
   DeformScratch& scratch_of_meshes = scratch.impl().deform;
   if (scratch_of_meshes.asked != mesh.id) {
     scratch_of_meshes.asked = mesh.id;
-    prefetchCode(roundDistance, 2304);
+    preprefetchCode(roundDistance, 2304);
     fetchNearestCode();
   }
 

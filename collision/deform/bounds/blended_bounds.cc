@@ -266,7 +266,6 @@ void BlendedBounds::boundBoxes(std::int32_t node, std::span<const double> parame
     turned = turned || parameters[k] < 0;
   }
   const double slack = rounding(parameters);
-  const auto n = static_cast<std::size_t>(node);
   BoxSum sum = sumOf(slack);
   const double one = 1;
   boxes_.blend(node, &one, parameters, {}, sum);
@@ -279,12 +278,7 @@ void BlendedBounds::boundBoxes(std::int32_t node, std::span<const double> parame
     }
   }
   motionKernels().put(sum, box);
-  for (int axis = 0; axis < 3; ++axis) {
-    for (int lane = lanes_[n]; lane < kWidth; ++lane) {
-      box.low[axis][lane] = std::numeric_limits<float>::infinity();
-      box.high[axis][lane] = -std::numeric_limits<float>::infinity();
-    }
-  }
+  box.clear(lanes_[static_cast<std::size_t>(node)]);
 }
 
 // The difference of two sums is the sum with the differences of the parameters. Each of the two is

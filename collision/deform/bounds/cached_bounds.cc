@@ -57,12 +57,7 @@ void CachedBounds::bound(std::int32_t node, std::span<const double> parameters,
   // There is no frame after the last.
   kernels.blend(rowsOf(node, parameters), kAllAxes, weights, nullptr, share > 0 ? 2 : 1, sum);
   kernels.put(sum, box);
-  for (int k = 0; k < 3; ++k) {
-    for (int lane = lanes_[static_cast<std::size_t>(node)]; lane < kWidth; ++lane) {
-      box.low[k][lane] = std::numeric_limits<float>::infinity();
-      box.high[k][lane] = -std::numeric_limits<float>::infinity();
-    }
-  }
+  box.clear(lanes_[static_cast<std::size_t>(node)]);
 }
 
 void CachedBounds::fetch(std::int32_t node, std::span<const double> parameters) const {

@@ -193,24 +193,16 @@ unsigned leafLanes(const DeformTree::Node& node) {
   return leaves;
 }
 
-// Tightens the bounds of open leaves by their vertices. Take the body's point nearest to the middle
-// of the leaf's box, and the direction from there to the middle. The body is convex: none of its
-// points is farther along that direction. So the leaf's least vertex along it, less that point,
-// bounds the separation. The body is a box along the probe's axes.
-void leafBounds(const Probe& probe, const DeformTree& tree, const Eigen::Vector3d* vertices,
-                const DeformTree::Node& node, const WideBox& box, float bar, LaneBounds& bounds) {
-  const unsigned leaves = bounds.open & leafLanes(node);
-  if (leaves == 0) return;
-  // Prefetches the leaves' vertex numbers, which are read further below.
-  for (unsigned left = leaves; left != 0; left &= left - 1) {
-    const auto lane = static_cast<std::size_t>(std::countr_zero(left));
-    const DeformTree::Leaf& leaf = tree.leaf(DeformTree::leafOf(node.child[lane]));
-    hwy::Prefetch(tree.leafVertices().data() + leaf.vertex_begin);
-  }
+// From the body's point nearest to the middle of each box to that middle: unit vectors in the
+// boxes' frame, and how far the body reaches along them. A direction too short to normalise is not
+// finite.
+struct Directions {
+  HWY_ALIGN float way[3][kWidth], reach[kWidth];
+};
+
+HWY_INLINE void directionsTo(const Probe& probe, const WideBox& box, Directions& directions) {
   const Floats zero = hn::Zero(kLanes), half = hn::Set(kLanes, 0.5F);
   const auto set = [](float x) { return hn::Set(kLanes, x); };
-  // The direction, a unit vector in the boxes' frame, and how far the body reaches along it.
-  HWY_ALIGN float way[3][kWidth], reach[kWidth];
   for (std::size_t i = 0; i < kWidth; i += kStep) {
     Floats middle[3], x = zero, y = zero, z = zero, squared = zero, along_way = zero;
     for (int k = 0; k < 3; ++k) {
@@ -230,22 +222,39 @@ void leafBounds(const Probe& probe, const DeformTree& tree, const Eigen::Vector3
       y = hn::Add(y, hn::Mul(d, b));
       z = hn::Add(z, hn::Mul(d, c));
     }
-    // A direction too short to normalise becomes infinite or NaN, and fails below.
     const Floats scale = hn::Div(
         set(1.0F), hn::Sqrt(hn::IfThenElseZero(hn::Gt(squared, set(kLeastWaySquared)), squared)));
-    hn::Store(hn::Mul(x, scale), kLanes, way[0] + i);
-    hn::Store(hn::Mul(y, scale), kLanes, way[1] + i);
-    hn::Store(hn::Mul(z, scale), kLanes, way[2] + i);
-    hn::Store(hn::Mul(along_way, scale), kLanes, reach + i);
+    hn::Store(hn::Mul(x, scale), kLanes, directions.way[0] + i);
+    hn::Store(hn::Mul(y, scale), kLanes, directions.way[1] + i);
+    hn::Store(hn::Mul(z, scale), kLanes, directions.way[2] + i);
+    hn::Store(hn::Mul(along_way, scale), kLanes, directions.reach + i);
   }
+}
+
+// Tightens the bounds of open leaves by their vertices. The body, a box along the probe's axes, is
+// convex: none of its points is farther along the direction to a leaf than its nearest point. So
+// the leaf's least vertex along it, less that point, bounds the separation.
+void leafBounds(const Probe& probe, const DeformTree& tree, const Eigen::Vector3d* vertices,
+                const DeformTree::Node& node, const WideBox& box, float bar, LaneBounds& bounds) {
+  const unsigned leaves = bounds.open & leafLanes(node);
+  if (leaves == 0) return;
+  // Prefetches the leaves' vertex numbers, which are read further below.
+  for (unsigned left = leaves; left != 0; left &= left - 1) {
+    const auto lane = static_cast<std::size_t>(std::countr_zero(left));
+    const DeformTree::Leaf& leaf = tree.leaf(DeformTree::leafOf(node.child[lane]));
+    hwy::Prefetch(tree.leafVertices().data() + leaf.vertex_begin);
+  }
+  Directions directions;
+  directionsTo(probe, box, directions);
   const double unknown = std::numeric_limits<double>::quiet_NaN();
   HWY_ALIGN double least[kWidth];
   std::fill_n(least, kWidth, unknown);
   for (unsigned left = leaves; left != 0; left &= left - 1) {
     const auto lane = static_cast<std::size_t>(std::countr_zero(left));
     const DeformTree::Leaf& leaf = tree.leaf(DeformTree::leafOf(node.child[lane]));
-    const double n[3] = {static_cast<double>(way[0][lane]), static_cast<double>(way[1][lane]),
-                         static_cast<double>(way[2][lane])};
+    const double n[3] = {static_cast<double>(directions.way[0][lane]),
+                         static_cast<double>(directions.way[1][lane]),
+                         static_cast<double>(directions.way[2][lane])};
     double lowest = 0;
     const bool finite =
         leastOf(n, vertices, tree.leafVertices().data() + leaf.vertex_begin,
@@ -257,7 +266,8 @@ void leafBounds(const Probe& probe, const DeformTree& tree, const Eigen::Vector3
   for (std::size_t i = 0; i < kWidth; i += kDoubleLanes) {
     const hn::Rebind<float, decltype(kDoubles)> singles;
     const Doubles along = hn::Load(kDoubles, least + i);
-    Doubles lower = hn::Sub(along, hn::PromoteTo(kDoubles, hn::Load(singles, reach + i)));
+    Doubles lower =
+        hn::Sub(along, hn::PromoteTo(kDoubles, hn::Load(singles, directions.reach + i)));
     lower = hn::Sub(
         lower, hn::Add(hn::Mul(hn::Abs(lower), hn::Set(kDoubles, 2 * kRotationTolerance)), grown));
     lower = hn::Sub(lower, hn::Mul(hn::Abs(lower), hn::Set(kDoubles, 0x1p-23)));

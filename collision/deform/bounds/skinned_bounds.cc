@@ -208,12 +208,7 @@ void SkinnedBounds::fitGradients(const SkinnedVertices& motion,
 void SkinnedBounds::bound(std::int32_t node, std::span<const double> parameters,
                           WideBox& box) const {
   boundBy(node, parameters, {}, box);
-  for (int k = 0; k < 3; ++k) {
-    for (int i = lanes_[static_cast<std::size_t>(node)]; i < kWidth; ++i) {
-      box.low[k][i] = std::numeric_limits<float>::infinity();
-      box.high[k][i] = -std::numeric_limits<float>::infinity();
-    }
-  }
+  box.clear(lanes_[static_cast<std::size_t>(node)]);
 }
 
 // A vertex moves from sum w_b S_b r to sum w_b T_b r, that is by sum w_b (T_b - S_b) r: the

@@ -83,11 +83,7 @@ void BlendedMotion::measureSegments() {
 
 void BlendedMotion::parameters(double time, std::span<double> out) const {
   if (track_) {
-    const KeyPlace place = track_->at(time);
-    const std::vector<double>& from = coordinates_[place.key];
-    const std::vector<double>& to = coordinates_[std::min(place.key + 1, coordinates_.size() - 1)];
-    for (std::size_t k = 0; k < out.size(); ++k)
-      out[k] = (1 - place.share) * from[k] + place.share * to[k];
+    track_->blend(coordinates_, time, out);
     return;
   }
   for (std::size_t k = 0; k < out.size(); ++k) {

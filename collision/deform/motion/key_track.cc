@@ -23,6 +23,15 @@ KeyPlace KeyTrack::at(double time) const {
   return {static_cast<std::size_t>(after - times_.begin()) - 1, std::min(s, 1.0)};
 }
 
+void KeyTrack::blend(std::span<const std::vector<double>> rows, double time,
+                     std::span<double> out) const {
+  const KeyPlace place = at(time);
+  const std::vector<double>& from = rows[place.key];
+  const std::vector<double>& to = rows[std::min(place.key + 1, rows.size() - 1)];
+  for (std::size_t k = 0; k < out.size(); ++k)
+    out[k] = (1 - place.share) * from[k] + place.share * to[k];
+}
+
 double KeyTrack::rate(std::size_t segment) const {
   const double steepest = interpolation_ == Interpolation::kSmooth ? 1.5 : 1;
   return roundedUp(steepest / (times_[segment + 1] - times_[segment]), 3);

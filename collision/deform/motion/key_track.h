@@ -27,6 +27,9 @@ class KeyTrack {
   /// The share is within kShareRounding * kUnitRoundoff of the exact one. O(log keys).
   KeyPlace at(double time) const;
 
+  /// The numbers between two rows, one row a key; a row has out.size() numbers. O(log keys).
+  void blend(std::span<const std::vector<double>> rows, double time, std::span<double> out) const;
+
   /// Bounds of |ds/dt| [1/s] and |d2s/dt2| [1/s^2] within a segment, s being the share, rounded up;
   /// the second is exactly 0 for kLinear.
   double rate(std::size_t segment) const;

@@ -52,11 +52,7 @@ class LatticeVertices final : public VertexMotion {
   }
 
   void parameters(double time, std::span<double> out) const override {
-    const KeyPlace place = track_.at(time);
-    const std::vector<double>& from = controls_[place.key];
-    const std::vector<double>& to = controls_[std::min(place.key + 1, controls_.size() - 1)];
-    for (std::size_t k = 0; k < out.size(); ++k)
-      out[k] = (1 - place.share) * from[k] + place.share * to[k];
+    track_.blend(controls_, time, out);
   }
 
   void vertices(std::span<const double> parameters, int first,

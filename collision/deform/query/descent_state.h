@@ -28,9 +28,6 @@ inline constexpr int kWholeBody = -1;
 /// rigid convex body.
 ConvexView pieceOf(const DeformSide& side, int slot, Eigen::Vector3d* corners);
 
-/// The sum of magnitudes; 0 for a point that is not finite.
-inline double magnitude(const Eigen::Vector3d& p) { return p.allFinite() ? p.lpNorm<1>() : 0; }
-
 /// The interval found so far, when to stop, and the comparison of exact pieces. As Descent in
 /// mesh_descent.cc.
 class DescentState {

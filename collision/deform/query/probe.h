@@ -9,6 +9,9 @@
 
 namespace leeway::collision {
 
+/// The sum of the magnitudes of the coordinates; 0 for a point that is not finite.
+inline double magnitude(const Eigen::Vector3d& p) { return p.allFinite() ? p.lpNorm<1>() : 0; }
+
 /// A box in frame A (which may be infinite) grown by `radius`, placed in frame B; with X_BA1 the
 /// hull of both placements. `extent`: sum of the magnitudes of coordinates that boxes in B can have
 /// [m]; `slack`: the poses' own error [m].

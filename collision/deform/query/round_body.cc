@@ -2,25 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
-#include "collision/base/rounding.h"
-#include "collision/base/status.h"
 #include "collision/base/tolerances.h"
-#include "collision/convex/gjk/convex_view.h"
-#include "leeway/collision/deformable_mesh.h"
+#include "collision/deform/query/probe.h"
 
 namespace leeway::collision {
 
 using Eigen::Vector3d;
-
-namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-double magnitude(const Vector3d& p) { return p.allFinite() ? p.lpNorm<1>() : 0; }
-
-}  // namespace
 
 RoundBody roundBody(double radius, double half_length, const Pose& X_BA) {
   return {

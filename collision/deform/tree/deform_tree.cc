@@ -1,8 +1,6 @@
 #include "collision/deform/tree/deform_tree.h"
 
-#include <algorithm>
 #include <atomic>
-#include <limits>
 
 namespace leeway::collision {
 namespace {
@@ -10,11 +8,6 @@ namespace {
 std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 }  // namespace
-
-void WideBox::clear() {
-  for (auto& axis : low) std::fill(axis, axis + kWidth, std::numeric_limits<float>::infinity());
-  for (auto& axis : high) std::fill(axis, axis + kWidth, -std::numeric_limits<float>::infinity());
-}
 
 DeformTree::DeformTree(const DeformTree& other, std::pmr::memory_resource* memory)
     : nodes_(other.nodes_, memory),

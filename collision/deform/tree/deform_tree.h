@@ -7,6 +7,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <memory_resource>
 #include <span>
 #include <vector>
@@ -22,8 +23,13 @@ struct alignas(64) WideBox {
   float low[3][kWidth];
   float high[3][kWidth];
 
-  /// Makes every lane empty.
-  void clear();
+  /// Empties the lanes from `first` on.
+  void clear(int first = 0) {
+    for (int k = 0; k < 3; ++k) {
+      std::fill(low[k] + first, low[k] + kWidth, std::numeric_limits<float>::infinity());
+      std::fill(high[k] + first, high[k] + kWidth, -std::numeric_limits<float>::infinity());
+    }
+  }
 };
 
 /// One box, single precision, rounded outwards.

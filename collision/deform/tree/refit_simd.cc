@@ -127,21 +127,19 @@ bool refit(const DeformTree& tree, const Eigen::Vector3d* vertices, std::int32_t
   return sums[0].finite();
 }
 
-// Puts the box of `four` and of the branch's single vertices into the branch's lane of its parent.
-// Returns whether the single vertices are finite.
-HWY_INLINE bool endBranch(const DeformTree& tree, const Eigen::Vector3d* vertices,
-                          const DeformTree::Branch& branch, const FourExtremes& four,
-                          WideBox* boxes) {
+// Puts the box of `four` and of the single vertices of the runs into a lane. Returns whether the
+// single vertices are finite.
+HWY_INLINE bool endRuns(const DeformTree& tree, const Eigen::Vector3d* vertices,
+                        const DeformTree::Runs& runs, const FourExtremes& four, WideBox& box,
+                        std::int32_t lane) {
   Extremes e;
-  for (std::int32_t i = branch.runs.single_begin; i < branch.runs.single_end; ++i)
+  for (std::int32_t i = runs.single_begin; i < runs.single_end; ++i)
     e.add(at(vertices, tree.singles()[static_cast<std::size_t>(i)]));
   double low[3], high[3];
   four.fold(e, low, high);
-  const DeformTree::Up& up = tree.up(branch.root);
-  WideBox& box = boxes[up.parent];
   for (int k = 0; k < 3; ++k) {
-    box.low[k][up.lane] = roundedDown(low[k]);
-    box.high[k][up.lane] = roundedUpToFloat(high[k]);
+    box.low[k][lane] = roundedDown(low[k]);
+    box.high[k][lane] = roundedUpToFloat(high[k]);
   }
   return e.finite();
 }
@@ -153,7 +151,8 @@ bool branches(const DeformTree& tree, const Eigen::Vector3d* vertices, std::size
     FourExtremes four;
     addFours<96>(tree.fours(), branch.runs.four_begin, branch.runs.four_end, vertices, four);
     finite &= four.finite();
-    finite &= endBranch(tree, vertices, branch, four, boxes);
+    const DeformTree::Up& up = tree.up(branch.root);
+    finite &= endRuns(tree, vertices, branch.runs, four, boxes[up.parent], up.lane);
   }
   return finite;
 }
@@ -183,26 +182,10 @@ bool allBranches(const DeformTree& tree, const Eigen::Vector3d* vertices, Branch
   bool finite = four.finite();
   for (std::size_t b = 0; b < branches.size(); ++b) {
     four.resume(room[b]);
-    finite &= endBranch(tree, vertices, branches[b], four, boxes);
+    const DeformTree::Up& up = tree.up(branches[b].root);
+    finite &= endRuns(tree, vertices, branches[b].runs, four, boxes[up.parent], up.lane);
   }
   return finite;
-}
-
-// Puts the box of the vertices in the runs into a lane. False when a vertex is not finite.
-HWY_INLINE bool fromRuns(const DeformTree& tree, const Eigen::Vector3d* vertices,
-                         const DeformTree::Runs& runs, WideBox& box, std::size_t lane) {
-  FourExtremes four;
-  addFours<16>(tree.fours(), runs.four_begin, runs.four_end, vertices, four);
-  Extremes e;
-  for (std::int32_t i = runs.single_begin; i < runs.single_end; ++i)
-    e.add(at(vertices, tree.singles()[static_cast<std::size_t>(i)]));
-  double low[3], high[3];
-  four.fold(e, low, high);
-  for (int k = 0; k < 3; ++k) {
-    box.low[k][lane] = roundedDown(low[k]);
-    box.high[k][lane] = roundedUpToFloat(high[k]);
-  }
-  return four.finite() && e.finite();
 }
 
 // The boxes of a node that has leaves only, as refit() finds them. False when a vertex is not
@@ -238,7 +221,11 @@ void fromVertices(const DeformTree& tree, const Eigen::Vector3d* vertices, std::
       fillLane(box, lane, std::numeric_limits<float>::infinity(),
                -std::numeric_limits<float>::infinity());
     } else if (child >= tree.upperCount() && id >= tree.upperCount()) {
-      finite = fromRuns(tree, vertices, tree.runs(child), box, lane);
+      const DeformTree::Runs& runs = tree.runs(child);
+      FourExtremes four;
+      addFours<16>(tree.fours(), runs.four_begin, runs.four_end, vertices, four);
+      finite = endRuns(tree, vertices, runs, four, box, static_cast<std::int32_t>(lane));
+      finite = four.finite() && finite;
     } else {
       const std::span<const std::int32_t> below = tree.vertices(id, static_cast<int>(lane));
       const Extremes e = boxOf(vertices, below.data(), below.data() + below.size());

@@ -59,9 +59,9 @@ const char* toString(DeformVolume volume);
 /// The volume that a word stands for; none for any other word.
 std::optional<DeformVolume> deformVolume(std::string_view word);
 
-/// What stays when a mesh deforms: its triangles. Vertices are not welded: two at the same place
-/// may part. A component is closed when each of its edges, BY INDEX, is shared by exactly two
-/// triangles; it is then a solid at any time, and its triangles are turned to agree in direction.
+/// What stays when a mesh deforms: its triangles. Vertices are not welded: two at one place may
+/// part. A component is closed, and a solid at any time, when exactly two triangles share each of
+/// its edges, BY INDEX, and can be turned to run along it in opposite directions (make() does).
 /// Other components are surfaces without an inside.
 class DeformableMesh {
  public:
@@ -202,9 +202,9 @@ class Deformable {
                  ///< nothing is called free that is not
   };
   /// Makes the next snapshot from nextVertices(). `speed_bound` [m/s] may be infinite. `moved` [m]:
-  /// no vertex is farther than this from its place in snapshot(), so that kHybrid (and kAuto where
-  /// it takes that) need not read all of them. Answers are wrong where `moved` is too small: leave
-  /// it out when in doubt. Ignored after evaluate(): the motion knows.
+  /// no vertex is farther than this from its place in snapshot(). kHybrid (and kAuto when it takes
+  /// that) then reads few vertices; queries read those near them. Too small a `moved` makes answers
+  /// wrong: leave it out when in doubt. Ignored after evaluate(): the motion knows.
   UpdateStatus commit(double time, double speed_bound = std::numeric_limits<double>::infinity(),
                       Vertices vertices = Vertices::kUnchecked,
                       double moved = std::numeric_limits<double>::infinity());
