@@ -15,7 +15,7 @@ inline void prefetch(const void* from, std::size_t bytes) {
 
 /// Prefetches code from a function's first byte on; `bytes` may reach into what follows it.
 template <class Result, class... Arguments>
-void preprefetchCode(Result (*function)(Arguments...), std::size_t bytes) {
+void prefetchCode(Result (*function)(Arguments...), std::size_t bytes) {
   prefetch(reinterpret_cast<const char*>(function), bytes);
 }
 

@@ -18,8 +18,8 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// Its vertices, of a mesh those of its hull alone: a mesh is placed in many scenes, and most of
-/// its vertices matter to none of what is made of these.
+/// The shape's vertices; of a mesh only those of its hull. A mesh is placed in many scenes, and its
+/// other vertices change nothing that is made of these.
 std::span<const Eigen::Vector3d> cornersOf(const Shape& shape) {
   if (shape.type() == ShapeType::kDeformable) return shape.deformable()->vertices();
   if (shape.type() == ShapeType::kConvexHull) return shape.hull()->vertices();
@@ -134,8 +134,8 @@ double CoarseShape::signedDistance(const Eigen::Vector3d& p_F) const {
 
 double CoarseShape::lower(const Eigen::Vector3d& p_F) const {
   const double d = signedDistance(p_F);
-  // The point's own coordinates are at most the shape's and the distance together. A half-space has
-  // no size that would bound how far along it the point is.
+  // Rounding relative to the point's coordinates: those are at most the shape's, in slack_, and the
+  // distance. A half-space has no such size: the coordinates themselves.
   const double far = kind_ == Kind::kHalfSpace ? p_F.lpNorm<1>() : std::abs(d);
   return d - slack_ - kCoarseRounding * far;
 }
@@ -159,8 +159,8 @@ void addRow(std::vector<Ball>& balls, const Eigen::Vector3d& axis, double reach,
       balls.push_back({axis * (sign * std::min(s, reach)), radius});
 }
 
-/// Vertices far from each other: each next the farthest from those chosen, the first the farthest
-/// from the bounding centre.
+/// Vertices far from each other: first the farthest from the bounding centre, then always the
+/// farthest from those chosen.
 void addVertices(std::vector<Ball>& balls, const Shape& shape) {
   const std::span<const Eigen::Vector3d> vertices = cornersOf(shape);
   std::vector<double> squared(vertices.size());
@@ -224,7 +224,7 @@ std::vector<Ball> innerBalls(const Shape& shape, const Pose& X_FG) {
       break;
     }
     case ShapeType::kCone: {
-      // The circle in the triangle (base 2 r, height 2 h), which touches the base and both sides.
+      // The incircle of the triangle with base 2 r and height 2 h.
       const double side = std::sqrt(r * r + 4 * h * h);
       const double inner = r + side > 0 ? 2 * h * r / (r + side) : 0;
       balls.push_back({Eigen::Vector3d(0, 0, inner - h), inner * (1 - kInnerBallSlack)});
@@ -240,7 +240,7 @@ std::vector<Ball> innerBalls(const Shape& shape, const Pose& X_FG) {
       addVertices(balls, shape);
       break;
     case ShapeType::kDeformable: {
-      // Made anew at every step: a few used vertices, wherever they are.
+      // Made anew at every step: a few vertices of triangles, without a search.
       const DeformableSnapshot& snapshot = *shape.deformable();
       const std::size_t count = snapshot.mesh().triangles().size();
       for (std::size_t k = 0; k < static_cast<std::size_t>(kVertexProbes) && k < count; ++k) {

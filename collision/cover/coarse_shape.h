@@ -14,27 +14,27 @@ struct Ball {
   double radius = 0;                                 // [m]
 };
 
-/// The box with faces across the axes of the shape's own frame around a hull or mesh [m].
+/// An axis-aligned box in a shape's own frame [m].
 struct AxisBox {
   Eigen::Vector3d center = Eigen::Vector3d::Zero();
   Eigen::Vector3d half = Eigen::Vector3d::Zero();
 };
-/// Of a hull (with its excess) or mesh, rounded outwards. O(vertices).
+/// The box around a hull (with its excess) or mesh, rounded outwards. O(vertices).
 AxisBox boxOf(const Shape& hull_or_mesh);
 
-/// A stand-in for a placed shape that bounds the distance of a point in a few nanoseconds: the
-/// shape itself for spheres, capsules, boxes, cylinders and half-spaces, else a box around it. What
-/// decides most pairs before GJK is asked.
+/// A stand-in for a placed shape that bounds the distance of a point in a few nanoseconds, which
+/// decides most pairs without GJK. Spheres, capsules, boxes, cylinders and half-spaces stand for
+/// themselves, a cylinder for a cone, a box for everything else.
 class CoarseShape {
  public:
   CoarseShape() = default;
   /// The stand-in of `shape`, placed in frame F by X_FG. O(vertices).
   CoarseShape(const Shape& shape, const Pose& X_FG);
 
-  /// A lower bound, rounding included, on the signed distance [m] of the point to the shape
-  /// (negative inside).
+  /// A lower bound, rounding included, on the signed distance of the point to the shape [m];
+  /// negative inside.
   double lower(const Eigen::Vector3d& p_F) const;
-  /// An upper bound on the same; infinite when the stand-in is larger than the shape.
+  /// An upper bound on the same distance; infinite where the stand-in is larger than the shape.
   double upper(const Eigen::Vector3d& p_F) const;
 
  private:
@@ -50,8 +50,8 @@ class CoarseShape {
   double slack_ = 0;            // rounding at the shape [m]
 };
 
-/// Balls inside the shape (points of it where nothing larger is known), in frame F, at most about a
-/// dozen: what proves most collisions. For solids the largest at its middle comes first; for meshes
+/// Balls inside the shape, points where nothing larger is known, in frame F; a dozen or so at most.
+/// They prove most collisions. Of solids the one in the middle comes first; of meshes they are
 /// vertices far from each other. May be empty. O(vertices).
 std::vector<Ball> innerBalls(const Shape& shape, const Pose& X_FG);
 

@@ -23,7 +23,7 @@ Ball ballAround(std::span<const Vector3d> points) {
   }
   Ball best{Vector3d::Zero(), kInfinity};
   Vector3d center = low + (high - low) / 2;
-  // Large sets get fewer steps; any centre is right.
+  // Fewer steps for large sets: any centre gives a valid ball.
   const int steps = points.size() > 5000 ? 8 : 24;
   for (int step = 1; step <= steps; ++step) {
     const Vector3d* farthest = nullptr;
@@ -33,7 +33,7 @@ Ball ballAround(std::span<const Vector3d> points) {
         squared = (p - center).squaredNorm();
         farthest = &p;
       }
-    if (farthest == nullptr) break;  // no points, and no ball around them
+    if (farthest == nullptr) break;  // no points
     const double radius =
         std::sqrt(squared) * (1 + kRelativeRounding) + kRelativeRounding * center.lpNorm<1>();
     if (radius < best.radius) best = {center, radius};

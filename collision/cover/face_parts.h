@@ -1,6 +1,6 @@
 #pragma once
 
-// Private to collision/: surfaces as polygons, and what planes leave of them.
+// Surfaces as polygons, clipped by planes.
 
 #include <Eigen/Core>
 #include <cstddef>
@@ -12,8 +12,7 @@
 
 namespace leeway::collision {
 
-/// Convex polygons whose hulls, part by part, hold what is to be covered; their corners stand one
-/// after the other.
+/// Convex polygons, corners one after the other.
 class Polygons {
  public:
   std::size_t size() const { return ends_.size(); }
@@ -22,7 +21,7 @@ class Polygons {
     const std::size_t begin = i == 0 ? 0 : ends_[i - 1];
     return std::span(corners_).subspan(begin, ends_[i] - begin);
   }
-  /// Of all polygons.
+  /// Those of all polygons.
   std::span<const Eigen::Vector3d> corners() const { return corners_; }
 
   void reserve(std::size_t polygons, std::size_t corners) {
@@ -34,8 +33,8 @@ class Polygons {
     corners_.insert(corners_.end(), polygon.begin(), polygon.end());
     ends_.push_back(corners_.size());
   }
-  /// Adds the part of a convex polygon on one side of the plane x[axis] = at, if there is any;
-  /// corners on it stay. `polygon` is not one of these. O(corners).
+  /// Adds the part of a convex polygon (not one of these) on one side of the plane x[axis] = at: of
+  /// greater x[axis] for side 1, of less for -1; corners on the plane stay. O(corners).
   void addClipped(std::span<const Eigen::Vector3d> polygon, Eigen::Index axis, double at,
                   double side);
 
@@ -44,15 +43,14 @@ class Polygons {
   std::vector<std::size_t> ends_;
 };
 
-/// What planes across an axis leave of polygons on one side. O(corners).
+/// All polygons, each as by addClipped(). O(corners).
 Polygons clipped(const Polygons& polygons, Eigen::Index axis, double at, double side);
 
 /// The triangles of a mesh.
 Polygons polygonsOf(const TriangleMesh& mesh);
 
-/// A ball around the points: steps towards the farthest of them (Badoiu and Clarkson, "Smaller
-/// core-sets for balls", 2003), so that its centre stays between them; the best centre counts.
-/// O(points).
+/// A small ball around the points, rounded outwards: steps towards the farthest point (M. Badoiu,
+/// K. Clarkson, "Smaller core-sets for balls", 2003); the best of the centres counts. O(points).
 Ball ballAround(std::span<const Eigen::Vector3d> points);
 
 }  // namespace leeway::collision

@@ -1,4 +1,4 @@
-// Concave meshes as a few hulls.
+// Concave meshes as a few convex hulls.
 
 #include <Eigen/Core>
 #include <algorithm>
@@ -25,20 +25,20 @@ using Eigen::Vector3d;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// Slices of a part across an axis, at whose boundaries it may be cut, and directions in which they
-/// are measured, evenly around the axis [count].
+/// Slices of a part across an axis: it may be cut at their boundaries; and directions around the
+/// axis in which their widths are measured [count].
 constexpr int kSlices = 16;
 constexpr int kDirections = 12;
 
-/// A cut must save this share of what the whole mesh's hull measures.
+/// A cut must save this share of the measure of the whole mesh's hull.
 constexpr double kLeastSaving = 0.02;
 
-/// Of larger parts only so many faces are measured; nothing but the choice of a cut depends on it.
+/// Faces of a part that are measured at most [count]. Only the choice of cuts depends on it.
 constexpr std::size_t kMeasuredFaces = 4000;
 
 std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
-/// A part across an axis: how far its slices go in each direction.
+/// Supports of a part's slices across an axis, in each direction.
 class Profile {
  public:
   Profile(const Polygons& faces, Index axis) : u_((axis + 1) % 3), v_((axis + 2) % 3) {
@@ -60,8 +60,8 @@ class Profile {
 
   double boundary(int slice) const { return low_ + (high_ - low_) * slice / kSlices; }
 
-  /// What the hull of slices [begin, end) measures: the widths of its sections, summed up along the
-  /// axis [m^2]. 0 where there is nothing.
+  /// Measure of the hull of slices [begin, end): the widths of its sections, summed along the axis
+  /// [m^2]. 0 where it is empty.
   double measure(int begin, int end) const {
     double sum = 0;
     for (int d = 0; d < kDirections; ++d) sum += envelope(begin, end, d);
@@ -88,7 +88,7 @@ class Profile {
     }
   }
 
-  /// The sum of the least concave sequence that is nowhere below the reach of slices [begin, end).
+  /// The sum over slices [begin, end) of the least concave sequence above their supports.
   double envelope(int begin, int end, int direction) const {
     std::array<int, kSlices> corner{};
     int corners = 0;
@@ -117,7 +117,7 @@ class Profile {
   std::array<std::array<double, kDirections>, kSlices> reach_{};
 };
 
-/// The best cut of a part, and what it saves; of nothing, none.
+/// A cut of a part and what it saves [m^2]; 0 for none.
 struct Cut {
   double saved = 0;
   Index axis = 0;
@@ -153,7 +153,7 @@ std::pair<Part, Part> divide(const Part& part, const Cut& cut) {
           partOf(clipped(part.faces, cut.axis, cut.place, 1))};
 }
 
-CoverPart told(const Part& part, double extent) {
+CoverPart coverOfPart(const Part& part, double extent) {
   CoverPart cover;
   cover.ball = ballAround(part.faces.corners());
   const std::shared_ptr<const ConvexHull> hull = ConvexHull::compute(part.faces.corners());
@@ -166,7 +166,7 @@ CoverPart told(const Part& part, double extent) {
     points.radius = std::max(points.radius, distanceFromHull(vertices[at(i)], vertices, few));
   if (vertices.size() <= kMostHullPoints && vertices.size() > points.points.size())
     points.fine.assign(vertices.begin(), vertices.end());
-  // Corners on planes are rounded.
+  // Corners that clipping made are rounded.
   const double rounding = hull->excess() + kTransferRounding * extent;
   points.radius += rounding;
   points.fine_radius = rounding;
@@ -202,7 +202,7 @@ std::vector<CoverPart> coverWithParts(const Shape& shape, int count) {
     parts.push_back(std::move(sides.second));
   }
   if (parts.size() == 1) return cover;
-  for (const Part& part : parts) cover.push_back(told(part, shape.extent()));
+  for (const Part& part : parts) cover.push_back(coverOfPart(part, shape.extent()));
   return cover;
 }
 

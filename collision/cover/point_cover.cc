@@ -16,7 +16,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr int kCircle = 12;  // corners of a polygon that stands for a circle
+constexpr int kCircle = 12;  // corners of the polygon in a circle
 
 void addCircle(double radius, double z, std::vector<Vector3d>& points) {
   for (int i = 0; i < kCircle; ++i) {
@@ -26,7 +26,7 @@ void addCircle(double radius, double z, std::vector<Vector3d>& points) {
   }
 }
 
-/// How far the circle is from its polygon, rounded up: 1 - cos(pi / 12).
+/// Largest distance of the circle from its polygon, rounded up: radius (1 - cos(pi / 12)).
 double outsideOfCircle(double radius) { return 0.0340742 * radius; }
 
 void addBox(const Vector3d& half, std::vector<Vector3d>& points) {
@@ -35,10 +35,10 @@ void addBox(const Vector3d& half, std::vector<Vector3d>& points) {
                         (i & 4) != 0 ? half.z() : -half.z());
 }
 
-/// Vertices of a hull, and how far the others are from the hull of the chosen.
-class Choice {
+/// Greedy choice of a hull's vertices, by their distances from the hull of those chosen.
+class VertexChoice {
  public:
-  Choice(std::span<const Vector3d> vertices, std::size_t most)
+  VertexChoice(std::span<const Vector3d> vertices, std::size_t most)
       : vertices_(vertices), most_(most), distance_(vertices.size()) {
     for (int axis = 0; axis < 3; ++axis) {
       choose(farthest(Vector3d::Unit(axis)));
@@ -48,8 +48,7 @@ class Choice {
   }
 
   PointCover run() {
-    // What a vertex was from a smaller hull it is at most from a larger one: only the farthest is
-    // looked at again.
+    // As the hull grows, distances from it only shrink: only the farthest is computed again.
     double farthest = 0;
     while (true) {
       const auto v = static_cast<std::size_t>(std::max_element(distance_.begin(), distance_.end()) -
@@ -96,19 +95,20 @@ class Choice {
 
   std::span<const Vector3d> vertices_;
   std::size_t most_;
-  std::vector<double> distance_;  // of each vertex, at most [m]
+  std::vector<double>
+      distance_;  // of each vertex from the hull of those chosen, an upper bound [m]
   std::vector<Vector3d> chosen_;
   Scratch scratch_;
 };
 
-/// What a hull has more than the points chosen from it.
+/// All vertices of a hull as fine points, where they are more than those chosen.
 void addFine(std::span<const Vector3d> vertices, double excess, PointCover& cover) {
   if (vertices.size() > kMostHullPoints || vertices.size() <= cover.points.size()) return;
   cover.fine.assign(vertices.begin(), vertices.end());
   cover.fine_radius = excess;
 }
 
-/// Of all clusters that are there, at most `most` come from fine[begin, end).
+/// Clusters of fine[begin, end), at most `most` of them; appends their ends.
 void halve(std::vector<Vector3d>& fine, std::size_t begin, std::size_t end, int most,
            std::vector<int>& ends) {
   if (end - begin <= kClusterPoints || most < 2) {
@@ -174,7 +174,7 @@ PointCover coverWithPoints(const Shape& shape, int count) {
       cover.radius = outsideOfCircle(shape.radius());
       break;
     case ShapeType::kConvexHull:
-      cover = Choice(shape.hull()->vertices(), static_cast<std::size_t>(count)).run();
+      cover = VertexChoice(shape.hull()->vertices(), static_cast<std::size_t>(count)).run();
       cover.radius += shape.hull()->excess();
       addFine(shape.hull()->vertices(), shape.hull()->excess(), cover);
       break;

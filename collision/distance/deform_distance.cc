@@ -18,7 +18,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-// What holds a body and is convex: itself, or the corners of its box. A mesh's hull is in it.
+// A convex body around a body: itself, or its box by its corners, which holds a mesh's hull.
 ConvexView outerOf(const DeformSide& side, std::array<Vector3d, 8>& corners) {
   if (side.snapshot == nullptr && side.rigid.tree == nullptr) return side.rigid.view;
   for (std::size_t i = 0; i < 8; ++i) {
@@ -27,14 +27,14 @@ ConvexView outerOf(const DeformSide& side, std::array<Vector3d, 8>& corners) {
   return viewOfPoints(corners.data(), 8, 0);
 }
 
-// Starts to bring near the corners of a triangle.
+// Prefetches the corners of a triangle.
 void fetchSlot(const DeformableSnapshot& snapshot, int triangle) {
   const DeformTree& tree = *snapshot.impl().tree;
   if (triangle >= 0 && triangle < tree.triangleCount())
     __builtin_prefetch(&tree.corners(tree.slotOf(triangle)));
 }
 
-// The bodies in the other order.
+// The answer for the bodies in the other order.
 DistanceResult exchanged(DistanceResult result) {
   std::swap(result.point_a, result.point_b);
   std::swap(result.triangle_a, result.triangle_b);
@@ -42,13 +42,9 @@ DistanceResult exchanged(DistanceResult result) {
   return result;
 }
 
-}  // namespace
-
-namespace {
-
 DistanceResult descentDistance(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
                                const DistanceRequest& request, Scratch& scratch, PairCache& cache) {
-  // Boxes stand in B's frame: B is the one that deforms, where only one does.
+  // Boxes are compared in B's frame: a mesh that deforms has its own there, unturned.
   if (b.type() != ShapeType::kDeformable) {
     std::swap(cache.triangle_a, cache.triangle_b);
     const DistanceResult result =
@@ -56,7 +52,7 @@ DistanceResult descentDistance(const Shape& a, const Pose& X_WA, const Shape& b,
     std::swap(cache.triangle_a, cache.triangle_b);
     return result;
   }
-  // What was nearest last time is looked at first, and comes from far.
+  // The last nearest triangle is tried first; its corners are likely out of cache.
   fetchSlot(*b.deformable(), cache.triangle_b);
   const RelativePose relative = relativePose(X_WA, X_WB);
   if (!relative.valid) return {};
@@ -66,20 +62,19 @@ DistanceResult descentDistance(const Shape& a, const Pose& X_WA, const Shape& b,
   remember(found, cache);
 
   DistanceResult result = surfaceDistance(found, X_WB);
-  // Boxes that meet say nothing yet: the surfaces may be apart, with one body inside the other, or
-  // overlap.
+  // Where boxes meet, the surfaces may be apart, one body inside the other or not, or overlap.
   if (!(found.hull_lower > 0) && !found.misplaced) {
     Containment containment = Containment::kUndecided;
     if (found.lower > 0) containment = containsAt(a, X_WA, b, X_WB, found.lower, scratch);
     if (containment != Containment::kNo) {
-      // What is inside has to come through the surface, which is that far away.
+      // A body inside must come out through the surface, which is that far away.
       if (containment == Containment::kYes) result.distance.upper = -found.lower;
       result.distance.lower = found.hull_lower;
       if (request.depth && !(result.distance.upper <= request.threshold)) {
         const Vector3d way_out = containment == Containment::kYes
                                      ? Vector3d(result.point_a - result.point_b)
                                      : result.normal;
-        // A translation that separates what holds the bodies, with its direction.
+        // A translation that separates the convex bodies around both separates both.
         std::array<Vector3d, 8> corners_a, corners_b;
         const DistanceResult outer =
             convexDistance(outerOf(side_a, corners_a), relative.X_BA, outerOf(side_b, corners_b),

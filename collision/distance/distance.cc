@@ -21,10 +21,11 @@ double finiteExtent(const ConvexView& view) {
   return view.core == Core::kHalfSpace ? 0 : view.extent;
 }
 
-// An ellipsoid whose semi-axes differ by a small part of the tolerance is a ball that stands out a
-// little: about a middle that two such share, or one and another body, the way out is as long in
-// all directions, and no search for the nearest one comes to an end. Thresholds are compared with
-// the shape itself. The extent stays: what a matrix that is no rotation makes of an ellipsoid.
+// An ellipsoid whose semi-axes differ by a small part of the tolerance becomes a ball with a little
+// excess. When such a body is concentric with the other, all directions are nearly as deep and the
+// search for the least depth does not converge. Thresholds are still compared with the ellipsoid
+// itself. The extent stays that of the ellipsoid: it bounds what a pose whose rotation departs from
+// orthogonality makes of it.
 ConvexView ballOr(ConvexView view, const DistanceRequest& request) {
   if (view.core != Core::kEllipsoid) return view;
   const double least = view.size.minCoeff(), beyond = view.size.maxCoeff() - least;
@@ -44,8 +45,8 @@ void forgetPoints(DistanceResult& result) {
   if (!result.normal.allFinite()) result.normal = Eigen::Vector3d::UnitX();
 }
 
-// Spheres and capsules. (One function for each pair, that none saves what others use; with one end
-// for what each knows in registers it all would go through memory.)
+// Spheres and capsules. One function for each pair: merged, each would save the registers that only
+// the others use, and answers would go through memory.
 template <bool kSegmentA, bool kSegmentB>
 __attribute__((noinline)) DistanceResult distanceOfSegments(const Shape& a, const Pose& X_WA,
                                                             const Shape& b, const Pose& X_WB,
@@ -68,7 +69,7 @@ __attribute__((noinline)) DistanceResult distanceOfOthers(const Shape& a, const 
                                                           const Shape& b, const Pose& X_WB,
                                                           const DistanceRequest& request,
                                                           Scratch& scratch, PairCache* cache) {
-  // (One result, made where the caller wants it.)
+  // One named result: constructed in place in the caller.
   DistanceResult result;
   if (a.type() == ShapeType::kConvexHull && b.type() == ShapeType::kConvexHull) {
     VertexStart start;
@@ -81,7 +82,8 @@ __attribute__((noinline)) DistanceResult distanceOfOthers(const Shape& a, const 
   return result;
 }
 
-// Straight to the functions: code on the way is far when much else has been done since.
+// Branches straight to one function a pair: every cache line of code in between is a miss when the
+// caller has evicted it since the last query.
 DistanceResult distanceOf(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
                           const DistanceRequest& request, Scratch& scratch, PairCache* cache) {
   using enum ShapeType;
@@ -133,7 +135,7 @@ DistanceResult generalDistance(const Shape& a, const Pose& X_WA, const Shape& b,
   if (!relative.valid) return {};
   const ConvexView view_a = ballOr(viewOf(a), request), view_b = ballOr(viewOf(b), request);
   const Vector& t = relative.X_BA.translation;
-  // (Squares of the smallest numbers are 0.)
+  // Squares of the smallest numbers underflow to 0.
   double translation = t.norm();
   if (!(translation > kSmallestScale)) translation = std::hypot(t.x(), t.y(), t.z());
   const double slack = relative.slack * (finiteExtent(view_a) + finiteExtent(view_b) + translation);
@@ -142,7 +144,7 @@ DistanceResult generalDistance(const Shape& a, const Pose& X_WA, const Shape& b,
   result.point_a = placed(X_WB, result.point_a);
   result.point_b = placed(X_WB, result.point_b);
   result.normal = rotated(X_WB.rotation, result.normal);
-  // Coordinates beyond 1e308 overflow; there are no points to name then.
+  // Coordinates beyond 1e308 overflow: no witness points then.
   const double sum = result.point_a.sum() + result.point_b.sum() + result.normal.sum();
   if (!std::isfinite(sum)) forgetPoints(result);
   return result;
@@ -168,6 +170,12 @@ DistanceResult sweptDistance(const Shape& a, const Pose& X_BA0, const Pose& X_BA
   const ConvexView view_a = viewOf(a), view_b = viewOf(b);
   const double slack = std::max(pose0.slack, pose1.slack) * finiteExtent(view_a);
   return convexSweptDistance(view_a, X_BA0, X_BA1, growth, view_b, request, scratch, cache, slack);
+}
+
+DistanceResult distance(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
+                        const DistanceRequest& request) {
+  Scratch scratch;
+  return distance(a, X_WA, b, X_WB, request, scratch);
 }
 
 }  // namespace leeway::collision

@@ -21,16 +21,14 @@ namespace leeway::collision {
 
 using Eigen::Vector3d;
 
-// The order is that of DistanceStatus's own documentation: what was asked most precisely comes
-// first.
 namespace {
 
 ConvexView hullOf(const DescentSide& side) {
   return side.tree != nullptr ? side.tree->hullView() : side.view;
 }
 
-// A mesh and the sphere of another body, whose centre is at `gap` from the mesh's own in the
-// world's axes: how far the mesh's box is from the sphere, and the unit way to it.
+// Distance of a mesh's box from the bounding sphere of another body, and the unit vector to it.
+// `gap` is the vector between the centres of both bounding spheres, in the world's axes.
 double boxToSphere(const Shape& mesh, const Eigen::Matrix3d& R, const Triple& gap, double radius,
                    Triple& normal) {
   const MeshNode& root = mesh.mesh()->tree().node(0);
@@ -43,9 +41,9 @@ double boxToSphere(const Shape& mesh, const Eigen::Matrix3d& R, const Triple& ga
   return apart - radius;
 }
 
-// The boxes around two meshes, B's origin `t` from A's in the world's axes: how far they are apart
-// along the best of the axes of either (six of the fifteen of the separating axis theorem), and
-// that axis.
+// Separation of the boxes around two meshes along the best of the axes of either (six of the
+// fifteen of the separating axis theorem), and that axis. `t` is B's origin from A's, in the
+// world's axes.
 double boxToBox(const Shape& a, const Eigen::Matrix3d& R_A, const Shape& b,
                 const Eigen::Matrix3d& R_B, const Triple& t, Triple& normal) {
   const auto middle = [](const MeshNode& n) {
@@ -73,10 +71,9 @@ double boxToBox(const Shape& a, const Eigen::Matrix3d& R_A, const Shape& b,
   return best;
 }
 
-// Whether the spheres around both bodies, or a sphere and the box around the other one's triangles,
-// or two such boxes already are farther apart than the threshold: most pairs of a scene end here.
-// Straight from the world poses, as the answer takes no longer than a relative pose. Poses that are
-// none decide nothing.
+// Whether bounding spheres, a sphere and a mesh's box, or two such boxes are already farther apart
+// than the threshold: most pairs of a scene end here. From the world poses, because a relative pose
+// would cost as much as the answer. Invalid poses decide nothing.
 bool boundsDecide(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
                   const DistanceRequest& request, DistanceResult& result) {
   if (std::isnan(request.threshold)) return false;
@@ -85,13 +82,14 @@ bool boundsDecide(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& 
   const Triple gap = t + (rotated(X_WB.rotation, tripleOf(b.boundingCenter())) -
                           rotated(X_WA.rotation, tripleOf(a.boundingCenter())));
   const double norm = std::sqrt(squared(gap)), least = std::max(request.threshold, kSmallestScale);
-  // (Squares of smaller ones lose digits.) A box is looked at through a transpose in the place of
-  // an inverse: twice the departure. (Along any axis of either matrix, too, though that be no unit
-  // vector: how far a box reaches is told by the matrices' own products.)
+  // kSmallestScale: squares of smaller lengths lose digits. The factor 2: a box is transformed by a
+  // transpose in place of an inverse, which doubles the departure from orthogonality. That holds
+  // along axes of either matrix, too, which need not be unit vectors: a box's reach is computed
+  // from the same matrix.
   const double rounding =
       2 * (check.departure + kRelativeRounding) * (a.extent() + b.extent() + std::sqrt(squared(t)));
   const double radius_a = a.boundingRadius(), radius_b = b.boundingRadius();
-  // Written so that a NaN, of infinite sizes, too, decides nothing.
+  // Written so that a NaN, which infinite sizes give, decides nothing.
   const auto decides = [&](double lower, const Triple& normal) {
     if (!(lower - rounding > least && check.rotations)) return false;
     result.distance.lower = lower - rounding;
@@ -142,13 +140,12 @@ DistanceResult meshDistance(const Shape& a, const Pose& X_WA, const Shape& b, co
   remember(found, warm);
 
   DistanceResult result = surfaceDistance(found, X_WB);
-  // Hulls that meet say nothing yet: the surfaces may be apart, with one body inside the other, or
-  // overlap.
+  // Where hulls meet, the surfaces may be apart, one body inside the other or not, or overlap.
   if (!(found.hull_lower > 0)) {
     Containment containment = Containment::kUndecided;
     if (found.lower > 0) containment = containsAt(a, X_WA, b, X_WB, found.lower, scratch);
     if (containment != Containment::kNo) {
-      // What is inside has to come through the surface, which is that far away.
+      // A body inside must come out through the surface, which is that far away.
       if (containment == Containment::kYes) result.distance.upper = -found.lower;
       result.distance.lower = found.hull_lower;
       if (request.depth && !(result.distance.upper <= request.threshold)) {

@@ -6,14 +6,14 @@
 
 namespace leeway::collision {
 
-/// distance() for pairs of which at least one is a mesh; the same meaning, field by field.
-/// Swapping a and b swaps the answer. O(nodes visited), bounded by request.node_limit.
+/// distance() of pairs with at least one mesh, none of them deforming. Swapping a and b swaps the
+/// answer. O(nodes visited), bounded by request.node_limit.
 DistanceResult meshDistance(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
                             const DistanceRequest& request, Scratch& scratch, PairCache* cache);
 
-/// sweptDistance() for pairs of which at least one is a mesh: each leaf of a hierarchy is swept on
-/// its own, so that a concave body's sweep is that of its pieces. Points and normal are in B's
-/// frame.
+/// sweptDistance() of pairs with at least one mesh, none of them deforming: each leaf of a
+/// hierarchy is swept by itself, so a concave body's sweep is the union of its pieces' sweeps.
+/// Points and normal are in B's frame.
 DistanceResult meshSweptDistance(const Shape& a, const Pose& X_BA0, const Pose& X_BA1,
                                  double growth, const Shape& b, const DistanceRequest& request,
                                  Scratch& scratch, PairCache* cache);

@@ -5,16 +5,16 @@
 
 #include "collision/base/tolerances.h"
 #include "collision/base/vector.h"
-#include "collision/distance/leaning.h"
+#include "collision/distance/cone_direction.h"
 #include "leeway/collision/distance.h"
 
 namespace leeway::collision {
 namespace {
 
-class Search {
+class TranslationSearch {
  public:
-  Search(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
-         const DistanceRequest& request, Scratch& scratch, DistanceResult& result)
+  TranslationSearch(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
+                    const DistanceRequest& request, Scratch& scratch, DistanceResult& result)
       : a_(a),
         b_(b),
         X_WA_(X_WA),
@@ -22,7 +22,7 @@ class Search {
         tolerance_(request.tolerance),
         scratch_(scratch),
         result_(result) {
-    // Finer than what is asked for is of no use; bodies may be smaller than a nanometre.
+    // Bodies may be smaller than the default tolerance.
     apart_.tolerance = std::min(kDefaultTolerance, request.tolerance);
     apart_.threshold = 0;
     apart_.depth = false;
@@ -32,21 +32,23 @@ class Search {
   }
 
   void run(std::span<const Vector> tries) {
-    // The hulls' way out is known to do; along it as along the others, shorter ones may.
     for (const Vector& direction : tries) {
-      if (direction.norm() > 0) outwards(direction / direction.norm());
+      if (direction.norm() > 0) searchAlong(direction / direction.norm());
     }
-    outwards(Vector(result_.normal));  // a copy: what is found takes its place
-    for (double angle = kSeparationFirstTurn; angle > kSeparationLastTurn && !good();
+    // Along the hulls' way out a shorter translation may separate. A copy: a find replaces it.
+    searchAlong(Vector(result_.normal));
+    for (double angle = kSeparationFirstTurn; angle > kSeparationLastTurn && !isDone();
          angle *= 0.5) {
-      while (!good() && turned(angle)) {
+      while (!isDone() && turn(angle)) {
       }
     }
   }
 
  private:
   double length() const { return -result_.distance.lower; }
-  bool good() const { return !(length() - least_ > tolerance_) || queries_ >= kSeparationQueries; }
+  bool isDone() const {
+    return !(length() - least_ > tolerance_) || queries_ >= kSeparationQueries;
+  }
 
   bool separates(double length, const Vector& unit) {
     if (queries_ >= kSeparationQueries) return false;
@@ -56,7 +58,7 @@ class Search {
     const DistanceResult r = distance(a_, X_WA_, b_, moved, apart_, scratch_, &cache_);
     result_.iterations += r.iterations;
     if (!(r.distance.lower > 0)) return false;
-    // The length moved, with the rounding of the sum.
+    // The length rounded up, and the rounding of the moved translation.
     const double lower = -(length * (1 + 8 * kUnitRoundoff) + rounding_);
     if (lower > result_.distance.lower) {
       result_.distance.lower = lower;
@@ -65,41 +67,41 @@ class Search {
     return true;
   }
 
-  // Lengths are multiplied from the least that can do, then halved back.
-  void outwards(const Vector& unit) {
-    double fails = least_, next = least_ * (1 + 1e-6) + std::max(tolerance_, rounding_);
-    // In short steps at first: what is needed at least often is nearly enough.
+  // Lengths grow from the least that can separate; then bisection.
+  void searchAlong(const Vector& unit) {
+    double too_short = least_, next = least_ * (1 + 1e-6) + std::max(tolerance_, rounding_);
+    // Short steps first: the proven least length is often nearly enough.
     double factor = 1.1;
-    for (int step = 0; step < kSeparationSteps && next < length() && !good();
+    for (int step = 0; step < kSeparationSteps && next < length() && !isDone();
          ++step, next *= factor) {
       factor = std::min(1.3 * factor, 4.0);
       if (separates(next, unit)) {
-        halve(fails, next, unit);
+        bisect(too_short, next, unit);
         return;
       }
-      fails = next;
+      too_short = next;
     }
-    if (unit == result_.normal) halve(fails, length(), unit);
+    if (unit == result_.normal) bisect(too_short, length(), unit);
   }
 
-  void halve(double fails, double does, const Vector& unit) {
-    for (int half = 0; half < kSeparationHalvings && does - fails > tolerance_ && !good(); ++half) {
-      const double middle = 0.5 * (fails + does);
-      (separates(middle, unit) ? does : fails) = middle;
+  void bisect(double too_short, double enough, const Vector& unit) {
+    for (int i = 0; i < kSeparationHalvings && enough - too_short > tolerance_ && !isDone(); ++i) {
+      const double middle = 0.5 * (too_short + enough);
+      (separates(middle, unit) ? enough : too_short) = middle;
     }
   }
 
-  // Whether a direction at this angle does with less.
-  bool turned(double angle) {
-    const Vector d = result_.normal;
+  // Whether a shorter translation at this angle separates.
+  bool turn(double angle) {
+    const Vector axis = result_.normal;
     const double trial = std::max(length() * (1 - kSeparationGain * angle), least_);
-    for (int k = 0; k < 6 && !good(); ++k) {
-      const Vector other = leaning(d, angle, k, 6);
+    for (int k = 0; k < 6 && !isDone(); ++k) {
+      const Vector other = coneDirection(axis, angle, k, 6);
       if (!separates(trial, other)) continue;
-      double fails = least_, does = trial;
-      for (int half = 0; half < 3 && !good(); ++half) {
-        const double middle = 0.5 * (fails + does);
-        (separates(middle, other) ? does : fails) = middle;
+      double too_short = least_, enough = trial;
+      for (int i = 0; i < 3 && !isDone(); ++i) {
+        const double middle = 0.5 * (too_short + enough);
+        (separates(middle, other) ? enough : too_short) = middle;
       }
       return true;
     }
@@ -125,7 +127,7 @@ void separateMeshes(const Shape& a, const Pose& X_WA, const Shape& b, const Pose
                     std::span<const Vector> tries, const DistanceRequest& request, Scratch& scratch,
                     DistanceResult& result) {
   if (!(result.distance.width() > request.tolerance)) return;
-  Search(a, X_WA, b, X_WB, request, scratch, result).run(tries);
+  TranslationSearch(a, X_WA, b, X_WB, request, scratch, result).run(tries);
 }
 
 }  // namespace leeway::collision

@@ -9,26 +9,28 @@
 namespace leeway::collision {
 namespace {
 
-struct Search {
-  const HalfSpaceOf* spaces;
+struct NearestPoint {
+  const PlaneHalfSpace* spaces;
   int count;
-  double size = 0;  // of the offsets [m]
-  double best = std::numeric_limits<double>::infinity();
+  double size = 0;  // of the largest offset [m]
+  double best_squared = std::numeric_limits<double>::infinity();
   Vector point = Vector::Zero();
 
+  /// Takes t if it is nearer and in all half-spaces.
   void offer(const Vector& t) {
     const double squared = t.squaredNorm();
-    if (!(squared < best)) return;
+    if (!(squared < best_squared)) return;
     const double doubt = kHalfSpaceDoubt * (size + std::sqrt(squared));
     for (int i = 0; i < count; ++i) {
       if (!(spaces[i].normal.dot(t) >= spaces[i].offset - doubt)) return;
     }
-    best = squared;
+    best_squared = squared;
     point = t;
   }
 
-  void two(const HalfSpaceOf& a, const HalfSpaceOf& b) {
-    // t = x a + y b with a . t and b . t as given.
+  /// The nearest point of both planes.
+  void two(const PlaneHalfSpace& a, const PlaneHalfSpace& b) {
+    // t = x a + y b with a . t = a.offset, b . t = b.offset.
     const double ab = a.normal.dot(b.normal), squared_sine = 1 - ab * ab;
     if (squared_sine < kParallelPlanes * kParallelPlanes) return;
     const double x = (a.offset - ab * b.offset) / squared_sine,
@@ -36,7 +38,8 @@ struct Search {
     offer(x * a.normal + y * b.normal);
   }
 
-  void three(const HalfSpaceOf& a, const HalfSpaceOf& b, const HalfSpaceOf& c) {
+  /// The common point of three planes.
+  void three(const PlaneHalfSpace& a, const PlaneHalfSpace& b, const PlaneHalfSpace& c) {
     const Vector bc = cross(b.normal, c.normal), ca = cross(c.normal, a.normal),
                  ab = cross(a.normal, b.normal);
     const double volume = a.normal.dot(bc);
@@ -47,8 +50,8 @@ struct Search {
 
 }  // namespace
 
-bool nearestInHalfSpaces(const HalfSpaceOf* spaces, int count, Vector& point) {
-  Search search{spaces, count};
+bool nearestInHalfSpaces(const PlaneHalfSpace* spaces, int count, Vector& point) {
+  NearestPoint search{spaces, count};
   for (int i = 0; i < count; ++i) search.size = std::max(search.size, std::abs(spaces[i].offset));
   search.offer(Vector::Zero());
   for (int i = 0; i < count; ++i) {
@@ -59,7 +62,7 @@ bool nearestInHalfSpaces(const HalfSpaceOf* spaces, int count, Vector& point) {
     }
   }
   point = search.point;
-  return search.best < std::numeric_limits<double>::infinity();
+  return search.best_squared < std::numeric_limits<double>::infinity();
 }
 
 }  // namespace leeway::collision

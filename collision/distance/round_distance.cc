@@ -24,13 +24,13 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 }  // namespace
 
 bool roundDistance(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
-                   const DistanceRequest& request, Scratch& scratch, PairCache& cache, bool turned,
+                   const DistanceRequest& request, Scratch& scratch, PairCache& cache, bool swapped,
                    DistanceResult& result, int& visited) {
   visited = 0;
   const DeformableSnapshotImpl& mesh = b.deformable()->impl();
   const DeformTree& tree = *mesh.tree;
-  // What was nearest last time is looked at first, and comes from far.
-  const int triangle = turned ? cache.triangle_a : cache.triangle_b;
+  // The last nearest triangle is tried first; its corners are likely out of cache.
+  const int triangle = swapped ? cache.triangle_a : cache.triangle_b;
   std::int32_t first = -1;
   if (cache.hierarchy == tree.id() && cache.place >= 0 && cache.place < tree.triangleCount()) {
     first = cache.place;
@@ -39,11 +39,11 @@ bool roundDistance(const Shape& a, const Pose& X_WA, const Shape& b, const Pose&
   }
   if (first >= 0) __builtin_prefetch(&tree.corners(first));
 
-  // The first question after an update finds the code far, too.
+  // At the first query after an update the code is likely out of cache, too.
   DeformScratch& scratch_of_meshes = scratch.impl().deform;
   if (scratch_of_meshes.asked != mesh.id) {
     scratch_of_meshes.asked = mesh.id;
-    preprefetchCode(roundDistance, 2304);
+    prefetchCode(roundDistance, 2304);
     fetchNearestCode();
   }
 
@@ -56,11 +56,11 @@ bool roundDistance(const Shape& a, const Pose& X_WA, const Shape& b, const Pose&
       relative.slack * (half_length + body.radius + b.extent() + relative.X_BA.translation.norm());
   NearestSearch search = nearestSearch(body, mesh, slack, request);
   const double root = boxLower(body, mesh, search);
-  // Written so that no threshold, NaN, decides nothing.
+  // Written so that a NaN, no threshold, decides nothing.
   if (root > std::max(request.threshold, 0.0)) {
     result.distance = {root, kInfinity};
     result.status = statusOf(result.distance, request);
-    if (turned) result.normal = -result.normal;
+    if (swapped) result.normal = -result.normal;
     return true;
   }
   if (scratch.impl().work->isSpent()) return false;
@@ -77,16 +77,16 @@ bool roundDistance(const Shape& a, const Pose& X_WA, const Shape& b, const Pose&
     cache.hierarchy = tree.id();
     cache.place = found.slot;
     const bool answered = answerNearest(body, found, tree, request, result);
-    (turned ? cache.triangle_a : cache.triangle_b) = tree.triangleOf(found.slot);
-    (turned ? cache.triangle_b : cache.triangle_a) = -1;
+    (swapped ? cache.triangle_a : cache.triangle_b) = tree.triangleOf(found.slot);
+    (swapped ? cache.triangle_b : cache.triangle_a) = -1;
     if (!answered) return false;
     result.iterations = 1;
     bar = std::min(bar, result.distance.upper - request.tolerance);
     near = result.distance.upper <= request.threshold;
     lower = std::min(near ? root : lower, result.distance.lower);
   }
-  // Of bodies whose boxes meet others tell how deep they may be. Where the limit has ended the
-  // search, nobody else has nodes left.
+  // Contact, and bodies whose boxes meet, are left to the caller, for their depth; not so where the
+  // limit has ended the search, since the caller would have no nodes left.
   const bool over = visited >= request.node_limit && !near;
   if (!over && !(near ? root > 0 : found.lower - body.radius > bar)) return false;
   result.distance.lower = std::max(lower, root);
@@ -99,7 +99,7 @@ bool roundDistance(const Shape& a, const Pose& X_WA, const Shape& b, const Pose&
     result.point_b = X_WB * result.point_b;
     result.normal = X_WB.rotation * result.normal;
   }
-  if (turned) {
+  if (swapped) {
     std::swap(result.point_a, result.point_b);
     std::swap(result.triangle_a, result.triangle_b);
     result.normal = -result.normal;

@@ -17,7 +17,7 @@ struct Buffers {
   Work work;
 };
 
-/// The buffers come first among the bases: they stand before Impl refers to them.
+/// Buffers are the first base, so that they are constructed before Impl, which refers to them.
 struct OwningImpl : private Buffers, public Scratch::Impl {
   OwningImpl()
       : Scratch::Impl(Buffers::polytope, Buffers::deform, Buffers::sweep, Buffers::fronts,

@@ -22,14 +22,14 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// Two parts of the same tree, or one with itself.
+// Two nodes of one tree, or a node with itself.
 struct SelfPair {
   std::int32_t a, b;
   float lower;
   float low_a[3], high_a[3], low_b[3], high_b[3];
 };
 
-// As boxDistance() in deform_octree.h.
+// Lower bound on the distance of two boxes.
 float boxDistance(const float* low_a, const float* high_a, const float* low_b,
                   const float* high_b) {
   float squared = 0;
@@ -58,7 +58,7 @@ class SelfDescent {
     if (cache_.triangle_a >= 0 && cache_.triangle_a < count && cache_.triangle_b >= 0 &&
         cache_.triangle_b < count && cache_.triangle_a != cache_.triangle_b) {
       triangles(tree_.slotOf(cache_.triangle_a), tree_.slotOf(cache_.triangle_b));
-      result_.distance.lower = kInfinity;  // the pair comes again in its turn
+      result_.distance.lower = kInfinity;  // the descent visits the pair again
     }
     SelfPair root{};
     stack_[size_++] = root;
@@ -77,7 +77,7 @@ class SelfDescent {
       if (done()) settle(lower);
     }
     while (size_ > 0) settle(static_cast<double>(stack_[--size_].lower));
-    // Crossing triangles end the search, however deep others are.
+    // Crossing triangles end the search; others may be deeper.
     if (result_.distance.upper <= 0) result_.distance.lower = -kInfinity;
     if (result_.triangle_a > result_.triangle_b) {
       std::swap(result_.triangle_a, result_.triangle_b);
@@ -93,7 +93,7 @@ class SelfDescent {
   }
 
  private:
-  // Infinite where squares could leave their range, so that no closed form is believed.
+  // Infinite where squares could overflow or underflow: no closed form is accepted then.
   static double roundingOf(double extent) {
     return extent >= kSmallestScale && extent <= kLargestScale ? 2 * kRelativeRounding * extent
                                                                : kInfinity;
@@ -146,7 +146,7 @@ class SelfDescent {
     WideBox room;
     const WideBox& box = boxes_.boxes(id, room);
     const DeformTree::Node& node = tree_.node(id);
-    // Children with each other first: those with themselves, whose lower end is 0, on top.
+    // Pairs of children first: each child with itself, whose lower end is 0, goes on top.
     for (int own = 0; own < 2; ++own) {
       for (int i = 0; i < kWidth && node.child[i] != DeformTree::kNone; ++i) {
         for (int j = own == 0 ? i + 1 : i;
@@ -181,7 +181,7 @@ class SelfDescent {
       }
       pair.lower = boxDistance(pair.low_a, pair.high_a, pair.low_b, pair.high_b);
       push(pair);
-      // The least on top.
+      // The nearest on top.
       for (std::size_t at = size_; at > begin + 1 && stack_[at - 1].lower > stack_[at - 2].lower;
            --at)
         std::swap(stack_[at - 1], stack_[at - 2]);
@@ -220,7 +220,7 @@ class SelfDescent {
     Vector3d corners[2][3];
     for (std::size_t i = 0; i < 3; ++i) {
       for (std::size_t j = 0; j < 3; ++j) {
-        if (a[i] == b[j]) return;  // neighbours touch by their nature
+        if (a[i] == b[j]) return;  // neighbours touch
       }
       corners[0][i] = snapshot_.vertices[static_cast<std::size_t>(a[i])];
       corners[1][i] = snapshot_.vertices[static_cast<std::size_t>(b[i])];
@@ -240,7 +240,7 @@ class SelfDescent {
       result_.triangle_b = tree_.triangleOf(slot_b);
       return;
     }
-    // Crossing, touching, or a sliver.
+    // Crossing, touching, or a sliver: GJK.
     DistanceRequest request = request_;
     request.depth = false;
     if (bar_now < kInfinity && bar_now > 0) request.threshold = bar_now;
@@ -274,7 +274,7 @@ class SelfDescent {
   const double rounding_;  // of a pair in closed form, as in mesh_pair.cc [m]
   DistanceResult result_;
   int visited_ = 0;
-  // A pair that is taken off puts at most 36 back (a node with itself: once a level) or 8.
+  // A pair that is popped pushes at most 36 (a node with itself, once a level) or 8.
   std::array<SelfPair, 36 * DeformTree::kMaxDepth + 8 * 2 * DeformTree::kMaxDepth> stack_;
   std::size_t size_ = 0;
 };
@@ -288,7 +288,7 @@ DistanceResult selfDistance(const DeformableSnapshot& snapshot, const DistanceRe
   if (!std::isnan(request.tolerance)) {
     return SelfDescent(snapshot.impl(), request, scratch, warm).run();
   }
-  // As distance() of two bodies in this one's place.
+  // The default tolerance of distance(), with this body for both.
   const DeformableSnapshotImpl& mesh = snapshot.impl();
   const double radius = 0.5 * (mesh.high - mesh.low).norm(),
                extent = mesh.low.cwiseAbs().cwiseMax(mesh.high.cwiseAbs()).norm();

@@ -7,7 +7,7 @@
 #include "collision/base/tolerances.h"
 #include "collision/convex/gjk/convex_view.h"
 #include "collision/convex/gjk/support.h"
-#include "collision/distance/leaning.h"
+#include "collision/distance/cone_direction.h"
 #include "collision/distance/nearest_in_half_spaces.h"
 #include "collision/mesh/mesh_tree.h"
 #include "leeway/collision/distance.h"
@@ -17,11 +17,11 @@ namespace leeway::collision {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr int kPlanes = 8;  // a choice's planes; three carry its point, the others are beyond it
+constexpr int kPlanes = 8;  // planes of a choice; its point is on three of them at most
 
-// How far a shape (a mesh's hull, a ball around a deforming one) reaches along a unit direction;
-// infinite where there is no end.
-double reachOf(const PlacedShape& s, const Vector& direction) {
+// Support of a shape (of a mesh its hull, of a deforming one its bounding ball) along a unit
+// direction; infinite where the shape is unbounded.
+double supportOf(const PlacedShape& s, const Vector& direction) {
   const Vector d = rotatedBack(s.X_WS.rotation, direction);
   const double origin = direction.dot(s.X_WS.translation);
   if (s.shape->type() == ShapeType::kHalfSpace) return d.z() > kAlongHalfSpace ? origin : kInfinity;
@@ -35,30 +35,30 @@ double reachOf(const PlacedShape& s, const Vector& direction) {
 }
 
 struct Plane {
-  HalfSpaceOf space;
-  Vector point;  // of all planes of the choice together with this one
-  double length;
+  PlaneHalfSpace space;
+  Vector point;   // nearest to the origin across all planes of the choice and this one
+  double length;  // of `point`
 };
 
-class Search {
+class TranslationSearch {
  public:
-  Search(std::span<const PlacedShape> body, std::span<const PlacedShape> obstacles,
-         const SeparationRequest& request, Scratch& scratch)
+  TranslationSearch(std::span<const PlacedShape> body, std::span<const PlacedShape> obstacles,
+                    const SeparationRequest& request, Scratch& scratch)
       : body_(body), obstacles_(obstacles), request_(request), scratch_(scratch) {
     query_.threshold = request.clearance;
     query_.tolerance = std::min(kDefaultTolerance, request.tolerance);
     query_.iteration_limit = request.iteration_limit;
     query_.node_limit = request.node_limit;
-    // Half the tolerance is left for translations to come out on the far side of their planes.
+    // Planes are moved out by half the tolerance: rounding keeps translations beyond them.
     margin_ = 0.5 * request.tolerance;
   }
 
   SeparationResult run() {
     Pair pair;
     DistanceResult found;
-    Reach reach = deepest(Vector::Zero(), pair, found);
+    const State state = deepest(Vector::Zero(), pair, found);
     if (invalid_) return {};
-    if (reach == Reach::kFree) {
+    if (state == State::kFree) {
       result_.status = SeparationStatus::kApart;
       result_.clearance = clearanceAt(Vector::Zero());
       result_.queries = queries_;
@@ -66,9 +66,9 @@ class Search {
     }
     length_ = request_.longest * (1 + 8 * kUnitRoundoff);
     if (result_.least <= request_.longest) {
-      std::array<HalfSpaceOf, kPlanes> none;
+      std::array<PlaneHalfSpace, kPlanes> none;
       branch(none, 0, Vector::Zero());
-      if (concave()) rays();
+      if (concave()) march();
       if (result_.status == SeparationStatus::kSeparated) turn();
     }
     if (result_.status == SeparationStatus::kSeparated) {
@@ -84,7 +84,7 @@ class Search {
   struct Pair {
     std::size_t obstacle = 0, part = 0;
   };
-  enum class Reach : unsigned char { kFree, kBlocked, kUnknown };
+  enum class State : unsigned char { kFree, kBlocked, kUnknown };
 
   bool exhausted() const { return queries_ >= request_.query_limit; }
 
@@ -113,48 +113,48 @@ class Search {
     }
   }
 
-  // The pair that needs the longest way, if not all are farther apart than the clearance.
-  Reach deepest(const Vector& t, Pair& worst, DistanceResult& found) {
-    Reach reach = Reach::kFree;
+  // The deepest pair, unless all are farther apart than the clearance.
+  State deepest(const Vector& t, Pair& worst, DistanceResult& found) {
+    State state = State::kFree;
     DistanceRequest exact = query_;
     exact.threshold = std::numeric_limits<double>::quiet_NaN();
     DistanceRequest quick = query_;
     quick.depth = false;
     forEachPair([&](const Pair& pair) {
       if (exhausted()) {
-        reach = Reach::kUnknown;
+        state = State::kUnknown;
         return false;
       }
       if (ask(pair, t, quick).distance.lower > request_.clearance) return true;
       const DistanceResult r = ask(pair, t, exact);
-      // Moving by less cannot bring the pair out.
+      // No shorter translation separates this pair.
       if (t.isZero(0)) {
         const double least = request_.clearance - r.distance.upper;
         result_.least = std::max(result_.least, least * (1 - 4 * kUnitRoundoff));
       }
-      if (reach == Reach::kBlocked && !(r.distance.lower < found.distance.lower)) return true;
-      reach = Reach::kBlocked;
+      if (state == State::kBlocked && !(r.distance.lower < found.distance.lower)) return true;
+      state = State::kBlocked;
       worst = pair;
       found = r;
       return true;
     });
-    return reach;
+    return state;
   }
 
-  // Whether every pair is farther apart than the clearance; the pair that was not last time is
-  // asked first.
-  bool free(const Vector& t) {
+  // Whether every pair is farther apart than the clearance. The pair that was not last time is
+  // tried first.
+  bool isFree(const Vector& t) {
     DistanceRequest quick = query_;
     quick.depth = false;
     quick.tolerance = 0;
     const auto blocked = [&](const Pair& pair) {
       return exhausted() || !(ask(pair, t, quick).distance.lower > request_.clearance);
     };
-    if (blocked(killer_)) return false;
+    if (blocked(blocking_)) return false;
     bool all = true;
     forEachPair([&](const Pair& pair) {
       if (!blocked(pair)) return true;
-      killer_ = pair;
+      blocking_ = pair;
       all = false;
       return false;
     });
@@ -170,12 +170,12 @@ class Search {
     return true;
   }
 
-  bool good() const {
+  bool isDone() const {
     return result_.status == SeparationStatus::kSeparated &&
            length_ - result_.least <= request_.tolerance;
   }
 
-  // A way that is long enough in some direction, where the shapes are bounded.
+  // A length that separates in some direction, where the shapes are bounded.
   double farEnough() {
     double far = 0;
     forEachPair([&](const Pair& pair) {
@@ -189,19 +189,18 @@ class Search {
     return far;
   }
 
-  // All translations across the plane: at t = 0 the pair is `lower` apart along the normal.
-  HalfSpaceOf across(const Vector& normal, double lower, const Vector& t) const {
+  // Translations that separate a pair along `normal`: at the translation t it is `lower` apart.
+  PlaneHalfSpace across(const Vector& normal, double lower, const Vector& t) const {
     return {normal, normal.dot(t) + request_.clearance - lower + margin_};
   }
 
-  // How far B's shape is beyond A's along a direction where they stand; -infinity where it cannot
-  // be told.
-  double along(const Pair& pair, const Vector& n) const {
+  // Separation of the pair along n at t = 0; -infinity where a shape is unbounded.
+  double separationAlong(const Pair& pair, const Vector& n) const {
     const PlacedShape &a = obstacles_[pair.obstacle], &b = body_[pair.part];
-    return -reachOf(b, -n) - reachOf(a, n);
+    return -supportOf(b, -n) - supportOf(a, n);
   }
 
-  void offer(const Vector& normal, double offset, std::array<HalfSpaceOf, kPlanes>& chosen,
+  void offer(const Vector& normal, double offset, std::array<PlaneHalfSpace, kPlanes>& chosen,
              int count, std::array<Plane, 13>& planes, int& size) const {
     if (!std::isfinite(offset) || !normal.allFinite()) return;
     Plane plane{{normal, offset}, Vector::Zero(), 0};
@@ -209,7 +208,7 @@ class Search {
     if (!nearestInHalfSpaces(chosen.data(), count + 1, plane.point)) return;
     plane.length = plane.point.norm();
     if (plane.length >= length_) return;
-    // Shortest first, of several the first.
+    // Shortest first; of equal ones the earlier.
     int at = size++;
     for (; at > 0 && planes[static_cast<std::size_t>(at - 1)].length > plane.length; --at) {
       planes[static_cast<std::size_t>(at)] = planes[static_cast<std::size_t>(at - 1)];
@@ -217,21 +216,21 @@ class Search {
     planes[static_cast<std::size_t>(at)] = plane;
   }
 
-  void branch(std::array<HalfSpaceOf, kPlanes>& chosen, int count, const Vector& t) {
-    if (nodes_++ >= kSeparationChoices || good()) return;
+  void branch(std::array<PlaneHalfSpace, kPlanes>& chosen, int count, const Vector& t) {
+    if (nodes_++ >= kSeparationChoices || isDone()) return;
     Pair pair;
     DistanceResult found;
-    const Reach reach = deepest(t, pair, found);
-    if (reach == Reach::kFree) take(t);
-    if (reach != Reach::kBlocked || count == kPlanes) return;
+    const State state = deepest(t, pair, found);
+    if (state == State::kFree) take(t);
+    if (state != State::kBlocked || count == kPlanes) return;
     std::array<Plane, 13> planes;
     int size = 0;
-    const HalfSpaceOf own = across(found.normal, found.distance.lower, t);
+    const PlaneHalfSpace own = across(found.normal, found.distance.lower, t);
     offer(own.normal, own.offset, chosen, count, planes, size);
     for (const Pose* X : {&obstacles_[pair.obstacle].X_WS, &body_[pair.part].X_WS}) {
       for (int k = 0; k < 6; ++k) {
         const Vector axis = (k % 2 == 0 ? 1.0 : -1.0) * X->rotation.col(k / 2);
-        const HalfSpaceOf space = across(axis, along(pair, axis), Vector::Zero());
+        const PlaneHalfSpace space = across(axis, separationAlong(pair, axis), Vector::Zero());
         offer(space.normal, space.offset, chosen, count, planes, size);
       }
     }
@@ -243,19 +242,19 @@ class Search {
     }
   }
 
-  // Hollows are not seen by planes: marches out along some directions.
-  void rays() {
+  // Planes do not lead out of hollows: marches along 26 directions.
+  void march() {
     const double far = std::min(length_, farEnough());
     for (int x = -1; x <= 1; ++x) {
       for (int y = -1; y <= 1; ++y) {
         for (int z = -1; z <= 1; ++z) {
           if (x == 0 && y == 0 && z == 0) continue;
-          if (exhausted() || good()) return;
+          if (exhausted() || isDone()) return;
           const Vector direction = Vector(x, y, z).normalized();
           const double step = std::min(far, length_) / kSeparationRaySteps;
           for (double s = result_.least + margin_; s < std::min(2 * far, length_) && !exhausted();
                s += step) {
-            if (free(s * direction)) {
+            if (isFree(s * direction)) {
               take(s * direction);
               shorten(std::max(result_.least, s - step));
               break;
@@ -266,28 +265,28 @@ class Search {
     }
   }
 
-  // Halves the way between a length that does not do and the one that does.
-  void shorten(double fails) {
-    while (length_ - fails > request_.tolerance && !exhausted()) {
-      const double middle = 0.5 * (fails + length_);
+  // Bisects between a length that is too short and the best one.
+  void shorten(double too_short) {
+    while (length_ - too_short > request_.tolerance && !exhausted()) {
+      const double middle = 0.5 * (too_short + length_);
       const Vector t = (middle / length_) * result_.translation;
-      if (middle >= length_ || middle <= fails) return;
-      if (!free(t) || !take(t)) fails = middle;
+      if (middle >= length_ || middle <= too_short) return;
+      if (!isFree(t) || !take(t)) too_short = middle;
     }
   }
 
-  // Turns the translation in smaller and smaller steps as long as that makes it shorter.
+  // Turns the translation by smaller and smaller angles as long as that shortens it.
   void turn() {
     tryShorter();
     for (double angle = 0.6; angle > kSeparationLeastTurn; angle *= 0.5) {
       for (int round = 0; round < 8; ++round) {
-        if (good() || exhausted()) return;
-        const Vector d = result_.translation / length_;
+        if (isDone() || exhausted()) return;
+        const Vector axis = result_.translation / length_;
         bool better = false;
         for (int k = 0; k < 8 && !better; ++k) {
-          const Vector other = leaning(d, angle, k, 8);
+          const Vector other = coneDirection(axis, angle, k, 8);
           const double trial = length_ - std::max(request_.tolerance, 0.02 * angle * length_);
-          if (!(trial > result_.least) || !free(trial * other)) continue;
+          if (!(trial > result_.least) || !isFree(trial * other)) continue;
           better = take(trial * other);
           tryShorter();
         }
@@ -298,9 +297,9 @@ class Search {
 
   void tryShorter() {
     const double trial = length_ - request_.tolerance;
-    if (!(trial > result_.least) || good()) return;
+    if (!(trial > result_.least) || isDone()) return;
     const Vector t = (trial / length_) * result_.translation;
-    if (free(t) && take(t)) shorten(result_.least);
+    if (isFree(t) && take(t)) shorten(result_.least);
   }
 
   // The proven least distance at a translation that was found free.
@@ -312,7 +311,7 @@ class Search {
     double least = kInfinity;
     forEachPair([&](const Pair& pair) {
       double lower = ask(pair, t, exact).distance.lower;
-      // What has been proven once can be proven again.
+      // The query with a threshold has proven it before.
       if (!(lower > request_.clearance))
         lower = std::max(lower, ask(pair, t, quick).distance.lower);
       least = std::min(least, lower);
@@ -327,8 +326,8 @@ class Search {
   DistanceRequest query_;
   SeparationResult result_;
   double margin_ = 0;
-  double length_ = kInfinity;  // of the best translation; before there is one, what is not taken
-  Pair killer_;
+  double length_ = kInfinity;  // of the best translation; without one, of those that are too long
+  Pair blocking_;
   int queries_ = 0;
   int nodes_ = 0;
   bool invalid_ = false;
@@ -357,7 +356,7 @@ SeparationResult separation(std::span<const PlacedShape> body,
     apart.clearance = kInfinity;
     return apart;
   }
-  return Search(body, obstacles, request, scratch).run();
+  return TranslationSearch(body, obstacles, request, scratch).run();
 }
 
 SeparationResult separation(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,

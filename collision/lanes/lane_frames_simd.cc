@@ -1,6 +1,7 @@
-// Frames and second-order bounds, an interval or a motion a lane. Every lane does the same
-// operations in the same order, with one rounding each (no fused multiply and add), so that all
-// instruction sets give the same bits.
+// Frames and second-order bounds, an interval or a motion a lane.
+//
+// Every lane does the same operations in the same order, each rounded once (no fused multiply and
+// add): all instruction sets give the same bits.
 
 #include <algorithm>
 #include <cmath>
@@ -23,11 +24,15 @@ namespace hn = hwy::HWY_NAMESPACE;
 using D = hn::CappedTag<float, kLanes>;
 using V = hn::Vec<D>;
 
-// Sine and cosine for |x| <= 7, within 24 * 2^-24 together with the rounding of x itself (which is
-// up to 17 units, see below): x less a multiple of pi / 2 in two parts, of which the first has few
-// enough bits for its product with the multiple (at most 5) to be exact, errs by 2 units; Taylor's
-// polynomials on [-pi/4, pi/4] leave remainders of x^11 / 11! < 2e-9 and x^10 / 10! < 3e-8, half a
-// unit, and round by 3 units.
+// clang-format off
+// Sine and cosine for |x| <= 7, within 24 units of 2^-24:
+//   rounding of x itself, see below                                          up to 17 units
+//   x less a multiple (at most 5) of pi / 2, in two parts, the first of
+//   few enough bits for an exact product                                     2 units
+//   Taylor's polynomials on [-pi/4, pi/4]: remainders x^11 / 11! < 2e-9
+//   and x^10 / 10! < 3e-8                                                    half a unit
+//   rounding of the polynomials                                              3 units
+// clang-format on
 HWY_INLINE void sineCosine(D d, V x, V& sine, V& cosine) {
   const V turns = hn::Round(hn::Mul(x, hn::Set(d, 0.636619772f)));
   V r = hn::Sub(x, hn::Mul(turns, hn::Set(d, 1.5703125f)));
@@ -58,7 +63,7 @@ HWY_INLINE V dot3(V ax, V ay, V az, V bx, V by, V bz) {
   return hn::Add(hn::Add(hn::Mul(ax, bx), hn::Mul(ay, by)), hn::Mul(az, bz));
 }
 
-// Where a step's frame begins, seen from its parent.
+// Origin of a step's frame, seen from its parent.
 HWY_INLINE void placeTranslation(D d, const FrameStep& step, V middle, V* t) {
   for (int i = 0; i < 3; ++i)
     t[i] = hn::Add(hn::Set(d, step.translation[i]), hn::Mul(middle, hn::Set(d, step.slide[i])));
@@ -94,7 +99,7 @@ HWY_INLINE void placeStep(D d, const FrameStep& step, const LaneFrame* parent, s
   }
 }
 
-// The motion of a frame that is placed: its z axis is the step's.
+// The motion of a placed frame. Its z axis is the one that the step turns about.
 HWY_INLINE void moveStep(D d, const FrameStep& step, const LaneFrame* parent, std::size_t at,
                          V middle, V half, LaneFrame& frame) {
   const V swing = hn::Mul(half, hn::Set(d, step.turn));
@@ -158,8 +163,8 @@ void SumGrowth(const std::int32_t* motion, const float* reach, const float* turn
       acceleration = hn::Add(acceleration, hn::Mul(share, hn::LoadU(d, turns + i)));
       speed = hn::Add(speed, step);
     }
-    // Every sum and product is positive, so that rounding is relative: 4 units a term, of 2^-24;
-    // 1e-5 holds for 40 terms, which add() sees to; rows without reach add nothing.
+    // All terms are positive, so rounding is relative: 4 units of 2^-24 a term, below 1e-5 for
+    // kMostTerms. Rows of reach 0 add nothing.
     const V scale = hn::Set(d, kLaneGrowthOutwards / (8 * kLanes * kLanes));
     hn::StoreU(hn::Mul(acceleration, scale), d, growth + at);
   }
@@ -176,16 +181,30 @@ HWY_EXPORT(PlaceFrames);
 HWY_EXPORT(MoveFrames);
 HWY_EXPORT(SumGrowth);
 
-// Let u = 2^-24. A step's angle in a lane rounds by at most 17 u: angle (up to pi) by 3.2, turn (7)
-// by 7 of which a lane has half, the product by 3.5, the sum (6.7) by 6.7. Sine and cosine are then
-// within 24 u. The columns m0 c + m1 s and m1 c - m0 s together move by at most 48 u (Frobenius)
-// for that, 4 u by their own rounding; the product with the parent's rotation rounds by 9 u and the
-// step's entries by 2 u: below 72 u a step, second order included, on top of the parent's. An
-// origin's arm errs by 72 u of its length for each step above and by 4 u itself, its sum by u of
-// the origin's distance, which is at most the sum of all lengths: all lengths l[0 .. n) and |r|
-// once more with 8 u, which the remaining 8 u of the 80 hold up to chains of 60 steps. A point of
-// the frame is one more arm. The motion: turn is a sum of axes, each within 72 u a step, times half
-// |turn| / kLanes; slide a sum of turns times arms, and each of the two errs as above.
+// clang-format off
+// Rounding, with u = 2^-24.
+//
+// A step's angle in a lane, at most 17 u:
+//   angle, up to pi                                                   3.2 u
+//   turn, up to 7, of which a lane has half                           3.5 u
+//   the product                                                       3.5 u
+//   the sum, up to 6.7                                                6.7 u
+// A step's rotation (Frobenius norm), below 72 u on top of the parent's, second order included:
+//   columns m0 c + m1 s and m1 c - m0 s, by sine and cosine (24 u)    48 u
+//   their own rounding                                                4 u
+//   the product with the parent's rotation                            9 u
+//   the step's entries                                                2 u
+// An origin:
+//   its arm, for each step above                                      72 u of the arm's length
+//   the arm itself                                                    4 u of it
+//   the sum                                                           u of the origin's distance,
+//                                                  which is at most the sum of all lengths
+// The last two are less than 8 u of all lengths l[0 .. n) and |r|: the remaining 8 u of the 80 of
+// kLaneRounding hold them up to chains of 60 steps. A point of the frame is one more arm.
+//
+// The motion: turn is a sum of axes, each within 72 u a step, times half |turn| / kLanes; slide is
+// a sum of turns times arms; each errs as above.
+// clang-format on
 void placeFrames(std::span<const FrameStep> steps, const LaneValues& places,
                  std::span<LaneFrame> frames) {
   HWY_DYNAMIC_DISPATCH(PlaceFrames)(steps.data(), steps.size(), places, frames.data());

@@ -13,27 +13,29 @@
 
 namespace leeway::collision {
 
-/// Balls of moving pieces, swept to capsules over kLanes intervals at once, against each other and
-/// against what stands still: the coarse pass of edge certification. A ball's centre is within
-/// `growth` of the straight way through its place in the middle of the interval, so that the ball
-/// stays in a capsule; a capsule is told from a convex shape by the plane through the shape's point
-/// that is nearest to the capsule's middle. What capsules leave open is tried with planes between
-/// the hulls of points of both bodies, that which parted them last; with the points themselves,
-/// each of which proves a contact where it is inside an obstacle; and with planes that a distance
-/// query finds in the middle of the open intervals. Pieces that are far from convex are looked at
-/// in parts where planes between the whole hulls will not do. Constant once built.
+/// The coarse pass of edge certification: moving pieces against each other and against obstacles
+/// that stand still, over kLanes intervals of one motion at once. Constant once built.
+///
+/// Over an interval the centre of a ball stays within `growth` of a segment through its position in
+/// the middle, so the ball stays in a capsule. A capsule is apart from a convex shape where the
+/// plane through the shape's point nearest to the capsule's middle separates them. Pairs whose
+/// capsules leave lanes open are tried with
+///   1. the plane that separated the hulls of both bodies' points last;
+///   2. the points themselves: one inside an obstacle proves a contact;
+///   3. planes found for each lane, and by distance queries in the middle of open intervals;
+///   4. convex parts of both, where the bodies are far from convex and their hulls are not apart.
 class LaneSweep {
  public:
-  /// A thing on a frame (-1: the world), its balls in that frame's axes.
+  /// A geometry on a frame (-1: the world), its balls in that frame's axes.
   struct Piece {
     int frame = -1;
-    int motion = -1;          ///< that of its points seen from the world: a place in run()'s growth
+    int motion = -1;          ///< of its points, seen from the world: index into run()'s growth
     Ball outer;               ///< holds the piece
-    std::vector<Ball> cover;  ///< together they hold the piece, its inside included
+    std::vector<Ball> cover;  ///< their union holds the piece, its inside included
     std::vector<Ball> inner;  ///< each inside the piece
-    PointCover points;        ///< may be without points: no planes then
-    std::vector<CoverPart> parts;  ///< together they hold the piece, its inside included; or none
-    double reach = 0;  ///< no centre of a ball comes farther from the world's origin [m]
+    PointCover points;        ///< without points: no planes
+    std::vector<CoverPart> parts;  ///< their union holds the piece, its inside included; or empty
+    double reach = 0;  ///< centres of its balls stay within this of the world's origin [m]
   };
 
   LaneSweep();
@@ -42,15 +44,14 @@ class LaneSweep {
   LaneSweep& operator=(LaneSweep&&) noexcept;
 
   int addPiece(const Piece& piece);
-  /// A shape that stands still: spheres, capsules, boxes, cylinders and half-spaces as they are,
-  /// everything else as a box around it. O(vertices).
+  /// A shape that stands still: spheres, capsules, boxes, cylinders and half-spaces as they are, a
+  /// cone as a cylinder, all else as a box around it. O(vertices).
   int addObstacle(const Shape& shape, const Pose& X_WG);
-  /// Piece and obstacle must keep a separation above `threshold` [m]; `id` is told in answers.
-  /// `balls`: a piece of the world whose balls hold the obstacle as well, or -1: lanes that the
-  /// obstacle's box leaves open may be settled by them. `by_parts`: parts of pieces may settle
-  /// them, too.
+  /// Piece and obstacle must keep a separation above `threshold` [m]; answers name the pair by
+  /// `id`. `balls`: a piece of the world whose balls hold the obstacle, too, or -1; they may settle
+  /// lanes that the obstacle's box leaves open. `by_parts`: convex parts may settle them, too.
   void addPair(int id, int piece, int obstacle, int balls, double threshold, bool by_parts = true);
-  /// The same for two pieces; `motion` is that of the first's points, seen from the second's frame.
+  /// addPair() of two pieces; `motion` is that of A's points, seen from B's frame.
   void addPiecePair(int id, int a, int b, int motion, double threshold, bool by_parts = true);
   /// After all additions, before any Scratch.
   void finish();
@@ -60,29 +61,29 @@ class LaneSweep {
   struct Open {
     int id;
     std::uint32_t lanes;
-    /// Hulls were apart in the middle of them by more than rounding takes: over shorter intervals
-    /// planes may part them.
+    /// The hulls are apart in the middle of these intervals by more than rounding: over shorter
+    /// ones planes may separate them.
     bool apart = false;
   };
-  /// A pair proven not to keep its threshold, and the lane in the middle of which it does not.
+  /// A pair that is proven not to keep its threshold in the middle of this lane's interval.
   struct Contact {
     int id = -1;  ///< -1: none found
     int lane = 0;
   };
 
-  /// What a run changes. Allocates in its constructor only, which comes after all additions.
+  /// What a run changes. Made after finish(); only the constructor allocates.
   class Scratch {
    public:
     explicit Scratch(const LaneSweep& sweep);
     ~Scratch();
-    /// All that the last run did not certify, when it found no contact.
+    /// What the last run did not certify, where it found no contact.
     std::span<const Open> open() const;
-    /// After run(): lanes of each open() pair that are known to be free otherwise; where none is
-    /// left, it is no longer open. O(open pairs).
+    /// After run(): takes away, for each open() pair, lanes that the caller knows to be free; pairs
+    /// without a lane left are no longer open. O(open pairs).
     void close(std::span<const std::uint32_t> lanes);
 
-    /// What runs cost counts into `work` from now on, which has to outlive this. Where it is spent
-    /// planes are looked for no more, and what they might have parted stays open.
+    /// Runs count their work into `work` from now on, which has to outlive this. Once it is spent,
+    /// no more planes are searched, and pairs stay open.
     void countInto(Work& work);
 
    private:
@@ -92,31 +93,30 @@ class LaneSweep {
     std::unique_ptr<Impl> impl_;
   };
 
-  /// A look at what was in contact last alone, in the middle of the intervals: most of what a
-  /// planner is told not to be free is so for the same reason. Frames need only be placed, not
-  /// moved.
+  /// Looks for the last contacts alone, in the middle of the intervals: most colliding edges of a
+  /// planner collide as the last ones did. Frames need only be placed, not moved.
   Contact meetAgain(std::span<const LaneFrame> frames, float slack, Scratch& scratch) const;
-  /// One pass over frames that are placed and moved, by balls, planes that parted a pair last, and
+  /// One pass over frames that are placed and moved: by balls, by the last plane of each pair, by
   /// points. growth: h^2 A / 8 of each motion [m]; slack: how far the frames' rounding moves any
-  /// capsule [m]. Which contacts are found, and what planes leave open, depends on the runs before:
-  /// what is told is proven whatever they were. O(pieces + pairs); never throws or allocates.
+  /// capsule [m]. Which contacts are found and what planes leave open depends on the runs before;
+  /// every answer is proven regardless. O(pieces + pairs); never throws or allocates.
   Contact run(std::span<const LaneFrame> frames, std::span<const float> growth, float slack,
               Scratch& scratch) const;
-  /// After a run() that found no contact, with the same frames, growth and slack: planes are looked
-  /// for between what it left open; Open::apart is told from here on. O(open pairs), a distance
+  /// After a run() that found no contact, with the same frames, growth and slack: searches planes
+  /// between the pairs that it left open, and sets Open::apart. O(open pairs), with a distance
   /// query of a few points for some of them.
-  Contact part(std::span<const LaneFrame> frames, std::span<const float> growth, float slack,
-               Scratch& scratch) const;
-  /// Planes and points alone, for some pairs in some lanes; their ids are here the pairs' places in
-  /// the order of addition. Planes are looked for more closely than in run().
+  Contact separate(std::span<const LaneFrame> frames, std::span<const float> growth, float slack,
+                   Scratch& scratch) const;
+  /// Planes and points alone, for some pairs in some lanes. The ids given are the pairs' numbers in
+  /// the order of addition. Planes are searched to a smaller tolerance than in separate().
   Contact runPairs(std::span<const Open> pairs, std::span<const LaneFrame> frames,
                    std::span<const float> growth, float slack, Scratch& scratch) const;
-  /// A look for a contact of one pair in the middle of the intervals, by balls and all points,
-  /// `pair` being its place in the order of addition. Frames need only be placed.
+  /// Looks for a contact of one pair, by its number in the order of addition, in the middle of the
+  /// intervals: by balls and all points. Frames need only be placed.
   Contact meet(int pair, std::span<const LaneFrame> frames, float slack, Scratch& scratch) const;
-  /// False for pairs of which neither balls nor points can ever prove a contact. O(1).
+  /// False for pairs whose balls and points can never prove a contact. O(1).
   bool canMeet(int pair) const;
-  /// run() and part() for single configurations: frames need not be moved.
+  /// run() and separate() at single configurations: frames need only be placed.
   Contact runStill(std::span<const LaneFrame> frames, float slack, Scratch& scratch) const;
 
  private:

@@ -1,6 +1,6 @@
 #pragma once
 
-// Private to collision/: the data of LaneSweep, as its kernels read it.
+// The data of LaneSweep, as its kernels read it.
 
 #include <cstddef>
 #include <cstdint>
@@ -15,17 +15,24 @@
 
 namespace leeway::collision {
 
+inline constexpr float kFar = 1e30f;  // beyond all coordinates [m]
+
+inline void setSingle(const Eigen::Vector3d& p, float* single) {
+  for (int k = 0; k < 3; ++k) single[k] = static_cast<float>(p[k]);
+}
+
 struct LaneSweep::Impl {
   enum class Kind : unsigned char { kBox, kCylinder, kHalfSpace };
-  /// A box or cylinder grown by a radius (balls and segments are boxes without size), or z <= 0.
+  /// A core (box, cylinder, or the half-space z <= 0), grown by a radius. Points and segments are
+  /// boxes without size in some axes.
   struct Obstacle {
     Kind kind = Kind::kBox;
-    bool exact = false;    // not a stand-in
+    bool exact = false;    // the shape itself, not a box or cylinder around it
     bool aligned = false;  // its axes are the world's
     float rotation[9];     // from the world into its own axes, row by row
     float center[3], half[3];
     float radius = 0;
-    double scale = 0;  // what rounding grows with [m]
+    double scale = 0;  // magnitudes that its rounding is relative to [m]
     Shape shape = Shape::sphere(0);
     Pose X_WG;
     ConvexView view;  // of the shape or its hull; borrows from it
@@ -42,63 +49,64 @@ struct LaneSweep::Impl {
     int cover, inner, end;  // balls [cover, inner) and [inner, end)
     double reach;
     bool has_obstacles = false;
-    float inner_reach = 0;  // no inner ball comes farther out from outer's centre
-    // Points whose hull, grown by a radius, holds the piece: a few, and more with a smaller radius.
-    // Without a finer choice both are the same.
+    float inner_reach = 0;  // inner balls are within this of outer's centre [m]
+    // Points whose hull, grown by a radius, holds the piece: `points` a few, `fine` more, with a
+    // smaller radius. Both may be the same.
     struct Points {
       int begin = 0, end = 0;
       float radius = 0;
-      int clusters_begin = 0, clusters_end = 0;  // together all of them; or none
+      int clusters_begin = 0, clusters_end = 0;  // all points in clusters; or no clusters
     };
     Points points, fine;
-    float own = -1;   // all points are the piece's own to within this [m]; below 0: they are not
+    float own = -1;   // points are of the piece, within this [m]; below 0: not all are
     ConvexView view;  // of `points`; borrows from Impl::points
     ConvexView fine_view;
     int parts_begin = 0, parts_end = 0;  // indices into pieces
   };
   struct Pair {
     int id, a, b;
-    int balls;  // of b: the piece that stands for it besides an obstacle; -1: none
+    int balls;  // the piece whose balls hold b, where b is an obstacle; else b; -1: none
     int motion;
     bool pieces;  // b is a piece, too
-    // The threshold, less and more this pass's own rounding.
+    // The threshold plus and minus this pass's own rounding.
     float free_above, contact_below;
-    // For the balls of a cover one by one, 0 at least: how deep each of them is says nothing of how
-    // deep all of them are, as each may have a way out of its own.
+    // free_above for the balls of a cover one by one, at least 0: depths of single balls do not
+    // bound the depth of all, as each may have a way out of its own.
     float cover_above;
-    // The same for planes, without the points' radius; below 0: no planes. And for planes that a
-    // lane has for itself.
-    float part_above, part_each_above;
+    // free_above for planes that queries find and for planes of each lane's own, without the
+    // points' radius; below 0: no such planes.
+    float plane_above, own_plane_above;
     bool by_parts = false;
-    // What stands for it where its hulls are not apart: pairs of parts (or of one side's parts with
-    // the other as a whole), those of b's parts side by side. Indices into pairs.
+    // Pairs of its convex parts (or of one side's parts with the other as a whole), tried where the
+    // hulls of wholes are not apart; those of b's parts side by side. Indices into pairs.
     int parts_begin = 0, parts_end = 0;
   };
-  /// More pairs of parts than this are not looked at.
+  /// A pair with more pairs of parts is not tried by parts [count].
   static constexpr int kMostPartPairs = kCoverParts * kCoverParts;
 
-  std::vector<LanePiece> pieces;  // parts stand behind all wholes
+  std::vector<LanePiece> pieces;  // wholes, then parts
   std::size_t wholes = 0;
   std::vector<LanePiece> parts;  // until finish()
   std::vector<LaneBall> balls;
   std::vector<Eigen::Vector3d> points;
-  std::vector<float> point[3];  // the same, coordinate by coordinate
-  // Of each point, where a next look begins: itself, or the nearest of its piece's fine ones.
-  std::vector<std::int32_t> begin_with;
-  /// Points that stand together, most of which need not be looked at: a ball around them that is
-  /// larger by what rounding does to either.
+  std::vector<float> point[3];  // `points`, coordinate by coordinate
+  // Of each point: itself, or the fine point of its piece that is nearest to it. A search by fine
+  // points starts there.
+  std::vector<std::int32_t> nearest_fine;
+  /// Neighbouring points and a ball around them, grown by the rounding of both: points of most
+  /// clusters are skipped.
   struct Cluster {
     float center[3], radius;
     int begin, end;
   };
   std::vector<Cluster> clusters;
-  std::vector<Obstacle> obstacles;  // the same
+  std::vector<Obstacle> obstacles;  // wholes, then parts
   std::size_t whole_obstacles = 0;
   std::vector<Obstacle> obstacle_parts;
-  std::vector<Pair> pairs;                // those of parts stand behind all others
+  std::vector<Pair> pairs;                // of wholes, then of parts
   std::vector<std::int32_t> piece_pairs;  // indices into pairs
-  // Of obstacles in the world, grown by the largest threshold of any of their pairs; padded to
-  // kLanes with boxes that nothing meets.
+  // Boxes of obstacles in the world, grown by the largest threshold of any of their pairs; padded
+  // to a multiple of kLanes with boxes that nothing meets.
   std::vector<float> low[3], high[3];
   std::vector<std::int32_t> pair_of;  // piece by piece, paddedObstacles() each; -1: no pair
   std::size_t paddedObstacles() const { return (whole_obstacles + kLanes - 1) / kLanes * kLanes; }
@@ -106,14 +114,15 @@ struct LaneSweep::Impl {
   static Obstacle partOf(const CoverPart& part, const Pose& X_WG);
   void finish();
   void addParts();
-  /// All points of a piece's cover, those of `of` that are told.
-  void addPoints(const PointCover& cover, LanePiece& of);
+  /// Adds all points of a cover to the points of `piece`.
+  void addPoints(const PointCover& cover, LanePiece& piece);
   void addCluster(int begin, int end);
 };
 
 struct LaneSweep::Scratch::Impl {
   struct Placed {
-    LaneValues center[3], way[3];
+    LaneValues center[3];  // in the middle of each interval
+    LaneValues way[3];     // displacement over half an interval
   };
   struct Candidate {
     float key;
@@ -121,39 +130,39 @@ struct LaneSweep::Scratch::Impl {
     std::uint32_t lanes;
   };
   std::vector<Placed> outer, balls;
-  std::vector<std::uint64_t> cover_stamp, inner_stamp;  // the run in which a piece's were placed
-  std::vector<std::uint64_t> part_stamp;                // and a part's ball
-  std::vector<float> low, high;                         // of pieces' sweeps, three each
+  // The run in which the balls of a piece's cover, its inner balls, and a part's ball were placed.
+  std::vector<std::uint64_t> cover_stamp, inner_stamp, part_stamp;
+  std::vector<float> low, high;  // boxes around pieces' sweeps, three numbers each
   std::vector<Candidate> candidates;
   std::vector<Open> open;
-  std::vector<std::int32_t> open_pairs;  // the same as indices into pairs
-  /// From B to A, in B's frame: nothing of B is beyond `offset` along it.
+  std::vector<std::int32_t> open_pairs;  // indices into pairs, one for each of `open`
+  /// A plane in B's frame, its normal from B to A: nothing of B is beyond `offset` along it.
   struct Plane {
     float normal[3], offset;
     bool known = false;
   };
-  std::vector<Plane> planes;        // one a pair: what parted it last
-  std::vector<PairCache> searches;  // one a pair: of the last query for a plane
-  /// Of a pair that has parts: hulls of wholes did not part it, parts did; and those that were in
-  /// the way last.
-  struct Manner {
+  std::vector<Plane> planes;        // of each pair: the plane that separated it last
+  std::vector<PairCache> searches;  // of each pair: of the last query for a plane
+  /// For a pair that has parts: whether its parts were apart last where the hulls of its wholes
+  /// were not, and the pair of parts that was open last.
+  struct PartHint {
     bool by_parts = false;
-    std::int32_t stubborn = 0;
+    std::int32_t blocking = 0;
   };
-  std::vector<Manner> manners;  // one a pair
+  std::vector<PartHint> part_hints;  // one a pair
   collision::Scratch distance;
   Work own;
-  Work* work = &own;  // what is counted; queries of `distance` count there, too
+  Work* work = &own;  // counts passes and the queries of `distance`
   std::uint64_t stamp = 0;
-  /// A pair last found in contact, and the point that was inside; -1: balls.
-  struct Killer {
+  /// A pair that was found in contact, and the point that was inside; point -1: by balls.
+  struct PastContact {
     std::int32_t pair = -1, point = -1;
   };
-  static constexpr int kKillers = 4;
-  Killer killers[kKillers];
+  static constexpr int kContacts = 4;
+  PastContact contacts[kContacts];  // the last ones first
 };
 
-/// What the kernels are given.
+/// One run's arguments, and its steps.
 struct LaneSweepKernel {
   using Sweep = LaneSweep::Impl;
   using Scratch = LaneSweep::Scratch::Impl;
@@ -165,43 +174,44 @@ struct LaneSweepKernel {
   const float* growth;
   float slack;
 
-  /// Notes what is in contact, in the first of `lanes`.
-  Contact told(std::int32_t pair, std::int32_t point, std::uint32_t lanes) const;
-  /// A plane between the pair's bodies in the middle of a lane; false when there is none.
-  /// `closely`: all points are looked at, and the plane is nearer to the best. `cache`: of the last
-  /// such query of the pair, or null.
+  /// Remembers a contact and returns it, in the first of `lanes`.
+  Contact noteContact(std::int32_t pair, std::int32_t point, std::uint32_t lanes) const;
+  /// A plane between the pair's bodies in the middle of a lane's interval; false where they are not
+  /// apart. `closely`: by fine points and to a smaller tolerance. `cache`: of the pair's last such
+  /// query, or null.
   bool findPlane(const Sweep::Pair& pair, int lane, bool closely, Scratch::Plane& plane,
                  PairCache* cache = nullptr) const;
-  /// Planes that the lanes have for themselves: lanes that they leave, those in which the search
-  /// came to the obstacle, and the normals of the others.
-  struct Each {
+  /// A plane for each lane: the lanes that are still open, those of them in which the search came
+  /// to the obstacle, and the normals of the others.
+  struct OwnPlanes {
     std::uint32_t open = 0, touching = 0;
     LaneValues normal[3];
   };
-  /// What planes leave of a pair, and what its hulls are in the middle of these lanes: apart in all
-  /// of them, or in contact, to the eye, in one.
-  struct Parted {
+  /// The lanes of a pair that planes leave open, and what its hulls are in the middle of these
+  /// intervals: apart in all of them; in contact, as far as the search can tell, in one.
+  struct Separation {
     std::uint32_t open;
     bool apart, touching;
   };
-  Parted partEach(std::int32_t pair, std::uint32_t lanes) const;
-  /// The same by all planes that are looked for.
-  Parted partPair(std::int32_t pair, std::uint32_t lanes, bool closely) const;
-  /// The same for a pair of parts: the plane that parted them last comes first.
-  Parted partParts(std::int32_t pair, std::uint32_t lanes, bool closely) const;
-  /// What the parts of a pair leave: apart where all of those are that are still open.
-  Parted partByParts(std::int32_t pair, std::uint32_t lanes, bool closely) const;
-  /// The plane of a lane is what parted the pair last.
-  void remember(std::int32_t pair, const Each& each, int lane) const;
-  /// Tells a plane how far the obstacle goes along its normal.
+  /// By a plane for each lane.
+  Separation separateByOwnPlanes(std::int32_t pair, std::uint32_t lanes) const;
+  /// By planes between the hulls, found by distance queries, each for all of the lanes: removes the
+  /// lanes that these separate. Returns whether the hulls are apart in the median of the others.
+  bool separateByQueries(std::int32_t pair, bool closely, std::uint32_t& lanes) const;
+  /// By both.
+  Separation separatePair(std::int32_t pair, std::uint32_t lanes, bool closely) const;
+  /// A pair of parts: first by the plane that separated it last.
+  Separation separateParts(std::int32_t pair, std::uint32_t lanes, bool closely) const;
+  /// By the pairs of its parts; apart where all open ones are.
+  Separation separateByParts(std::int32_t pair, std::uint32_t lanes, bool closely) const;
+  /// Keeps a lane's plane as the one that separated the pair last.
+  void remember(std::int32_t pair, const OwnPlanes& planes, int lane) const;
+  /// Sets the plane's offset: the obstacle's support along its normal.
   void placePlane(const Sweep::Obstacle& obstacle, Scratch::Plane& plane) const;
-  /// Planes between the hulls, one for all of the lanes, by distance queries: takes away the lanes
-  /// that these part, and tells whether the hulls are apart in the middle one of the others.
-  bool partByQueries(std::int32_t pair, bool closely, std::uint32_t& lanes) const;
-  /// A few points of each pair that is open are looked for in its obstacle.
-  Contact meetOpen() const;
-  /// What is open is tried with planes, and then with more points.
-  Contact partOpen(bool closely) const;
+  /// Looks for a few points of each open pair in its obstacle.
+  Contact contactOfOpen() const;
+  /// Tries planes on what is open, then looks for more points in obstacles.
+  Contact separateOpen(bool closely) const;
 };
 
 }  // namespace leeway::collision

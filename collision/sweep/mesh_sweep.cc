@@ -28,19 +28,20 @@ using Stretch = SweepScratch::Stretch;
 
 bool operator==(const Time& l, const Time& r) { return l.level == r.level && l.number == r.number; }
 
-/// Two boxes, as MeshBody names them, over a part of the motion.
+/// Two boxes, by MeshBody's numbers, over an interval of the motion.
 struct SweptPair {
   std::int32_t a, b;
   Time time;
-  float gap;     ///< proven, where it is above 0; else the deeper, the more of an overlap
-  bool open;     ///< pieces have been asked: their triangles are wanted
-  int halvings;  ///< of time since `gap`
+  float gap;     ///< proven where positive; else the deeper the overlap, the lower
+  bool open;     ///< convex pieces did not suffice: visit their triangles
+  int halvings;  ///< of the interval since `gap`
 };
 
-/// |A| of a multiple of two rotations' difference, or of their mean less the rotation halfway
-/// between them: both stretch two directions alike and the third, their axis, not at all, so that
-/// |A| is the Frobenius norm over the root of 2; but for what the matrices lack as rotations.
-double stretchOf(const Eigen::Matrix3d& A, double departure) {
+/// Spectral norm of A, a multiple of the difference of two rotations, or their mean less the
+/// rotation halfway between them. Either stretches two directions equally and their axis not at
+/// all, so the norm is the Frobenius norm / sqrt(2), but for the matrices' departure from
+/// rotations.
+double spectralNorm(const Eigen::Matrix3d& A, double departure) {
   return A.norm() * (std::numbers::sqrt2 / 2 + kStretchRounding) + 16 * departure;
 }
 
@@ -56,7 +57,7 @@ class MeshSweep {
         request_(request),
         scratch_(scratch),
         stretches_(scratch.impl().sweep.stretches) {
-    parts_ = a_.consistsOfPieces() && b_.consistsOfPieces();
+    by_pieces_ = a_.consistsOfPieces() && b_.consistsOfPieces();
     for (Stretch& s : stretches_) s.time.level = -1;
   }
 
@@ -64,10 +65,10 @@ class MeshSweep {
     Time whole{0, 0};
     for (double h = request_.h; h < 1; h *= 2) ++whole.level;
     whole.number = static_cast<std::int32_t>(std::lround(std::ldexp(request_.t0, whole.level)));
-    // Another part than the one that is asked for proves nothing.
+    // Not representable: another interval would prove nothing.
     if (whole.length() != request_.h || whole.begin() != request_.t0) return {};
     result_.status = MeshSweepStatus::kFree;
-    stack_[size_++] = {a_.root(), b_.root(), whole, -1, !parts_, 0};
+    stack_[size_++] = {a_.root(), b_.root(), whole, -1, !by_pieces_, 0};
     Work& work = *scratch_.impl().work;
     while (size_ > 0 && result_.status == MeshSweepStatus::kFree) {
       if (result_.nodes >= request_.node_limit || work.isSpent()) {
@@ -82,17 +83,24 @@ class MeshSweep {
   }
 
  private:
-  // Null where a pose is none or cannot be told.
-  const Stretch* over(const Time& time) {
+  // Null where a pose is missing or invalid.
+  const Stretch* stretchOver(const Time& time) {
     const auto place =
         static_cast<std::size_t>((time.number + 5 * time.level) & (SweepScratch::kStretches - 1));
     Stretch& s = stretches_[place];
     if (s.time == time) return &s;
     s.time.level = -1;
+    if (!measure(time, s)) return nullptr;
+    s.time = time;
+    return &s;
+  }
+
+  // What A does over the interval. False where a pose is missing or invalid.
+  bool measure(const Time& time, Stretch& s) {
     const double t0 = time.begin(), t1 = t0 + time.length();
-    if (!motion_.at(t0, s.X_BA0) || !motion_.at(t1, s.X_BA1)) return nullptr;
+    if (!motion_.at(t0, s.X_BA0) || !motion_.at(t1, s.X_BA1)) return false;
     const RelativePose begin = relativePose(s.X_BA0, Pose{}), end = relativePose(s.X_BA1, Pose{});
-    if (!begin.valid || !end.valid) return nullptr;
+    if (!begin.valid || !end.valid) return false;
     s.slack = std::max(slackOf(begin, side_a_, side_b_), slackOf(end, side_a_, side_b_));
     s.growth = time.length() * time.length() * request_.bend;
     s.half.rotation = 0.5 * (s.X_BA0.rotation + s.X_BA1.rotation);
@@ -105,10 +113,17 @@ class MeshSweep {
     s.X_BM.rotation = q0.normalized().toRotationMatrix();
     s.X_BM.translation = s.half.translation;
     const double departure = begin.slack + end.slack;
-    s.turn = (stretchOf(s.away.rotation, departure) +
-              stretchOf(s.half.rotation - s.X_BM.rotation, departure)) *
+    s.turn = (spectralNorm(s.away.rotation, departure) +
+              spectralNorm(s.half.rotation - s.X_BM.rotation, departure)) *
              kRadiusRounding;
     s.X_MB = s.X_BM.inverse();
+    setBoxSweep(s);
+    // Written so that a NaN fails, as of rotations half a turn apart, which have no mean.
+    return s.turn < 4 && s.growth < kLargestBoxScale;
+  }
+
+  // The motion of A's boxes in M, in single precision.
+  void setBoxSweep(Stretch& s) const {
     s.of_node.of_node = true;
     const Eigen::Matrix3d map = s.X_MB.rotation * s.half.rotation,
                           turn = s.X_MB.rotation * s.away.rotation;
@@ -122,14 +137,10 @@ class MeshSweep {
     }
     s.of_node.loose = roundedUpToFloat(s.turn);
     s.of_node.fixed = roundedUpToFloat(kWayRounding * (a_.extent() + way.lpNorm<1>()));
-    // Written so that a NaN fails: rotations a half turn apart have no mean.
-    if (!(s.turn < 4 && s.growth < kLargestBoxScale)) return nullptr;
-    s.time = time;
-    return &s;
   }
 
   void expand(const SweptPair& pair) {
-    const Stretch* s = over(pair.time);
+    const Stretch* s = stretchOver(pair.time);
     if (s == nullptr) {
       result_.status = MeshSweepStatus::kUndecided;
       return;
@@ -143,7 +154,7 @@ class MeshSweep {
     const Vector way = placed(s->away, a_.center(pair.a));
     const double radius_a = static_cast<double>(a_.radius(pair.a)),
                  radius_b = static_cast<double>(b_.radius(pair.b));
-    // What moves farther than its size: a shorter time says more.
+    // A pair that moves farther than its size is halved in time.
     const double size = node_a && node_b ? std::max(radius_a, radius_b)
                         : node_a         ? radius_a
                                          : radius_b;
@@ -152,7 +163,7 @@ class MeshSweep {
       if (pair.halvings >= kSweepHalvingsBetweenLooks && isApart(pair, *s)) return;
       if (halve(pair)) return;
     }
-    // The larger one comes apart.
+    // The larger box is split.
     const bool split_a = !node_b || (node_a && radius_a >= radius_b);
     const std::int32_t child = split_a ? part_a.number : part_b.number;
     const BoxNode& split = (split_a ? a_ : b_).tree().boxes().node(child);
@@ -167,7 +178,7 @@ class MeshSweep {
       (split_a ? part.a : part.b) = child * BoxNode::kWidth + i;
       part.gap = gap[i];
       part.halvings = 0;
-      // The nearest one on top; of several the first.
+      // The nearest on top; of equal ones the first.
       std::size_t at = size_++;
       for (; at > first && stack_[at - 1].gap <= part.gap; --at) stack_[at] = stack_[at - 1];
       stack_[at] = part;
@@ -176,8 +187,8 @@ class MeshSweep {
 
   double barOf(const Stretch& s) const { return request_.threshold + s.growth + s.slack; }
 
-  // Of the boxes of a node of A, or of B, from the pair's box of the other one, over the stretch,
-  // in half of which the middle of A's box goes that way.
+  // Gaps between the boxes of a node of one body (A if `of_a`) and the pair's box of the other,
+  // over the interval. `way`: displacement of the centre of A's box over half of it.
   void gaps(const SweptPair& pair, const Stretch& s, const Vector& way, bool of_a,
             const BoxNode& node, float* gap) {
     if (of_a) {
@@ -194,7 +205,7 @@ class MeshSweep {
     sweptBoxGaps(node, box, sweep, gap);
   }
 
-  // The pair's own two boxes; one of them is a node's.
+  // Whether the pair's own two boxes are apart; one of them is a node's.
   bool isApart(const SweptPair& pair, const Stretch& s) {
     const bool of_a = a_.isMesh();
     const std::int32_t part = of_a ? pair.a : pair.b;
@@ -204,7 +215,7 @@ class MeshSweep {
     return static_cast<double>(gap[part % BoxNode::kWidth]) > barOf(s);
   }
 
-  // Both halves of the pair's time, the nearer one on top. False when there is no room for them.
+  // Pushes both halves of the pair's interval, the earlier on top. False where it is too short.
   bool halve(const SweptPair& pair) {
     if (pair.time.level >= kSweepHalvings) return false;
     SweptPair half = pair;
@@ -216,8 +227,9 @@ class MeshSweep {
     return true;
   }
 
-  // What nothing could tell apart: proven to be in contact halfway, or looked at in halves.
-  void failed(const SweptPair& pair, const Part& a, const Part& b, double motion) {
+  // A pair of leaves that is not proven apart: contact in the middle of the interval, or its
+  // halves, or undecided.
+  void contactOrHalve(const SweptPair& pair, const Part& a, const Part& b, double motion) {
     const double t = pair.time.begin() + pair.time.length() / 2;
     Pose X_BA;
     if (!motion_.at(t, X_BA)) {
@@ -234,7 +246,7 @@ class MeshSweep {
     }
   }
 
-  // Proven not to be farther apart than the threshold there.
+  // Whether two leaves are proven to be within the threshold at that pose.
   bool meets(const Pose& X_BA, double slack, const Part& a, const Part& b) {
     ++result_.nodes;
     const double excess = a_.excess(a) + b_.excess(b);
@@ -264,7 +276,7 @@ class MeshSweep {
     const double motion = way.norm() + s.turn * static_cast<double>(a_.radius(pair.a)) + s.growth;
     const bool piece_a = a.kind == Kind::kPiece, piece_b = b.kind == Kind::kPiece;
     if (!piece_a && !piece_b) {
-      failed(pair, a, b, motion);
+      contactOrHalve(pair, a, b, motion);
       return;
     }
     const float size = std::max(piece_a ? a_.radius(pair.a) : 0, piece_b ? b_.radius(pair.b) : 0);
@@ -274,7 +286,7 @@ class MeshSweep {
     stack_[size_++] = open;
   }
 
-  // By the plane that parts them halfway.
+  // By the plane that separates them in the middle of the interval.
   bool trianglesApart(const Stretch& s, int slot_a, int slot_b) {
     ++result_.nodes;
     const Vector* corners = a_.tree().corners(slot_a);
@@ -287,7 +299,7 @@ class MeshSweep {
     for (int i = 0; i < 3; ++i)
       reach = std::max(reach, n.dot(p[i]) + std::abs(n.dot(placed(s.away, corners[i]))));
     const double lower = std::min({n.dot(q[0]), n.dot(q[1]), n.dot(q[2])}) - reach;
-    // As for support points, see gjk.cc.
+    // As that of support points, see gjk.cc.
     const double rounding =
         kSupportRounding * kUnitRoundoff *
         (a_.extent() + b_.extent() + s.half.translation.norm() + s.away.translation.norm());
@@ -300,10 +312,11 @@ class MeshSweep {
   const MeshSweepRequest& request_;
   Scratch& scratch_;
   MeshSweepResult result_;
-  bool parts_ = false;  // both bodies have convex parts; against bare triangles those do not pay
+  // Visits convex pieces before triangles: both bodies have pieces. (One body's do not pay.)
+  bool by_pieces_ = false;
   std::array<Stretch, SweepScratch::kStretches>& stretches_;
-  // A pair that is taken off puts at most kWidth back, which are one level lower on one side; or
-  // its two halves; or itself, opened.
+  // A popped pair pushes at most kWidth pairs, one level lower on one side; or its two halves; or
+  // itself, opened.
   std::array<SweptPair, 2 * (BoxTree::kMaxDepth + 1) * (BoxNode::kWidth - 1) + kSweepHalvings + 3>
       stack_;
   std::size_t size_ = 0;

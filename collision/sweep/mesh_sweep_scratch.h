@@ -1,7 +1,5 @@
 #pragma once
 
-// Private to collision/: what sweepMesh() keeps in a Scratch.
-
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -11,8 +9,9 @@
 
 namespace leeway::collision {
 
+/// What sweepMesh() keeps in a Scratch.
 struct SweepScratch {
-  /// A part [number, number + 1] / 2^level of the motion.
+  /// The interval [number, number + 1] / 2^level of the motion.
   struct Time {
     std::int32_t level, number;
 
@@ -20,19 +19,19 @@ struct SweepScratch {
     double length() const { return std::ldexp(1.0, -level); }
   };
 
-  /// What A does over it, in B's axes. A point v is within growth + slack of a segment that passes
-  /// by half v halfway and goes as far as away v to either side.
+  /// A's motion over an interval, in B's axes: a point v of A stays within growth + slack of the
+  /// segment from half v - away v to half v + away v.
   struct Stretch {
     Time time{-1, 0};
-    Pose X_BA0, X_BA1;  ///< as they were told
-    Pose half;          ///< their mean; no rotation
-    Pose X_BM;          ///< a rigid placement near it, with the same origin
+    Pose X_BA0, X_BA1;  ///< at both ends, as given
+    Pose half;          ///< their mean; not a rotation
+    Pose X_BM;          ///< a rigid placement near `half`, with its origin
     Pose X_MB;
-    Pose away;          ///< v's way from halfway to the end; no rotation
-    double turn = 0;    ///< of away and half - X_BM, the rotations together stretch v so much
-    double growth = 0;  ///< [m]
-    double slack = 0;   ///< how far rounding of poses moves points besides [m]
-    BoxSweep of_node;   ///< boxes of A in M
+    Pose away;          ///< (X_BA1 - X_BA0) / 2: displacement from the middle; not a rotation
+    double turn = 0;    ///< |away v| + |half v - X_BM v| <= turn |v|, by their rotations alone
+    double growth = 0;  ///< distance of points from their chords [m]
+    double slack = 0;   ///< rounding of the poses, as far as it moves points [m]
+    BoxSweep of_node;   ///< of boxes of A, in M
   };
 
   static constexpr int kStretches = 32;

@@ -1,4 +1,4 @@
-// Straight and screw motions of a frame, and of frames that are fixed to it.
+// Straight and screw motions of a frame, and motions of frames that are fixed to a moving one.
 
 #include <Eigen/Geometry>
 #include <cmath>
@@ -18,7 +18,7 @@ AxisTurn::AxisTurn(const Eigen::Matrix3d& R_WA0, const Eigen::Matrix3d& R_WA1) {
   const Eigen::AngleAxisd turn(Eigen::Matrix3d(R_WA1 * R_WA0.transpose()));
   axis_W_ = turn.axis();
   angle_ = turn.angle();
-  // Rodrigues, the sums sorted by sine and cosine.
+  // Rodrigues' formula, terms collected by sine and cosine.
   along_ = axis_W_ * (axis_W_.transpose() * R_WA0);
   across_ = R_WA0 - along_;
   for (int i = 0; i < 3; ++i) turned_.col(i) = axis_W_.cross(R_WA0.col(i));
@@ -46,7 +46,7 @@ FrameMotionBound StraightMotion::bound(double, double) const {
 }
 
 double StraightMotion::rounding(double reach) const {
-  // Some thirty operations a coordinate, the axis' own departure from unit length among them.
+  // Some thirty operations a coordinate; the axis' departure from unit length included.
   return kMotionRounding * (3 * reach + start_.norm() + travel_.norm());
 }
 
@@ -64,8 +64,8 @@ ScrewMotion::ScrewMotion(const Pose& X_WA0, const Pose& X_WA1)
   turned_ = turn_.axis().cross(across_);
 }
 
-// The axis runs through o(0) + (across + cotangent * turned) / 2. What is turned about it comes to
-// the sums below, in which no term is larger than the travel, however far away the axis is.
+// The axis runs through o(0) + (across + cotangent turned) / 2, far away for small angles. Rotation
+// about it is written so that no term is larger than the travel.
 Pose ScrewMotion::pose(double t) const {
   double s, c, sh, ch;
   sineCosine(turn_.angle() * t, s, c);

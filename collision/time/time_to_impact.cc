@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "collision/base/tolerances.h"
+#include "collision/scene/scene_access.h"
 
 namespace leeway::collision {
 namespace {
@@ -12,16 +13,16 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
-/// The moment `wait` after `time`, rounded down.
+/// time + wait, rounded down.
 double later(double time, double wait) {
   return wait == kInfinity ? kInfinity : std::nextafter(time + wait, -kInfinity);
 }
 
-/// Does `said` at its own time allow all that `now` says for `time`?
-bool covers(const PointMotion& said, double said_time, const PointMotion& now, double time) {
+/// Whether bounds that hold from `old_time` on include all that `now` allows from `time` on.
+bool covers(const PointMotion& old, double old_time, const PointMotion& now, double time) {
   const double reached =
-      std::min(said.speed_cap, said.speed + said.acceleration * std::max(0.0, time - said_time));
-  return now.acceleration <= said.acceleration && now.speed_cap <= said.speed_cap &&
+      std::min(old.speed_cap, old.speed + old.acceleration * std::max(0.0, time - old_time));
+  return now.acceleration <= old.acceleration && now.speed_cap <= old.speed_cap &&
          std::min(now.speed, now.speed_cap) <= reached;
 }
 
@@ -34,7 +35,7 @@ PointMotion closing(const PointMotion& a, const PointMotion& b) {
 
 double timeToImpact(double gap, const PointMotion& closing) {
   const double cap = closing.speed_cap, a = closing.acceleration;
-  // Written so that a NaN anywhere is no proof of time.
+  // Written so that a NaN anywhere gives 0.
   if (!(gap > 0) || !(cap >= 0) || !(a >= 0) || !(closing.speed >= 0)) return 0;
   if (gap == kInfinity) return cap < kInfinity || a < kInfinity ? kInfinity : 0;
   const double v = std::min(closing.speed, cap);
@@ -42,25 +43,25 @@ double timeToImpact(double gap, const PointMotion& closing) {
   if (cap == 0) return kInfinity;
   if (v == 0 && a == 0) return kInfinity;
   if (v >= cap || a == kInfinity) return down(gap / cap);
-  // hypot does not overflow where v * v would.
+  // hypot() does not overflow where v * v would.
   const double t = gap / (v + std::hypot(v, std::sqrt(2 * a) * std::sqrt(gap))) * 2;
   const double reached = a * t + v;
   if (std::isnan(t)) return 0;
   if (!(reached > cap)) return down(std::min(t, std::numeric_limits<double>::max()));
-  // The cap is reached at t_cap, after which the rest is covered at full speed.
+  // Accelerates up to the cap, at t_cap; covers the rest at the cap.
   const double t_cap = (cap - v) / a;
   const double covered = v * t_cap + a * t_cap * t_cap / 2;
   const double rest = std::max(0.0, gap - covered * (1 + 16 * kUnitRoundoff));
   const double capped = t_cap + rest / cap;
-  // Cancellation in `rest` is worth a few roundings of the gap, travelled at the cap.
+  // Cancellation in `rest`: a few roundings of the gap, covered at the cap.
   return std::max(0.0, down(capped) - 16 * kUnitRoundoff * gap / cap);
 }
 
 ImpactSchedule::ImpactSchedule(const Scene& scene) : scene_(&scene) {
   const std::size_t pairs = scene.pairs().size(), bodies = scene.bodies().size();
-  said_.resize(bodies);
+  motions_.resize(bodies);
   for (std::size_t b = 0; b < bodies; ++b)
-    if (scene.bodies()[b].moving) said_[b].motion = {kInfinity, kInfinity, kInfinity};
+    if (scene.bodies()[b].moving) motions_[b].motion = {kInfinity, kInfinity, kInfinity};
   due_.assign(pairs, -kInfinity);
   heap_.resize(pairs);
   slot_.resize(pairs);
@@ -75,7 +76,7 @@ ImpactSchedule::ImpactSchedule(const Scene& scene) : scene_(&scene) {
   pairs_of_body_.resize(2 * pairs);
   std::vector<std::int32_t> next(first_pair_.begin(), first_pair_.end() - 1);
   for (std::size_t p = 0; p < pairs; ++p) {
-    place(p, static_cast<std::int32_t>(p));  // all equally due: in order of their indices
+    place(p, static_cast<std::int32_t>(p));  // all due at once: any order is a heap
     const ScenePair& pair = scene.pairs()[p];
     pairs_of_body_[at(next[at(pair.body_a)]++)] = static_cast<std::int32_t>(p);
     pairs_of_body_[at(next[at(pair.body_b)]++)] = static_cast<std::int32_t>(p);
@@ -83,19 +84,19 @@ ImpactSchedule::ImpactSchedule(const Scene& scene) : scene_(&scene) {
 }
 
 PointMotion ImpactSchedule::motionAt(int body, double time) const {
-  const Said& said = said_[at(body)];
-  PointMotion motion = said.motion;
-  // 0 * infinity: what accelerates without bound has any speed as soon as time passes.
-  const double passed = time - said.time;
+  const TimedMotion& last = motions_[at(body)];
+  PointMotion motion = last.motion;
+  // The conditions keep 0 * infinity out: unbounded acceleration counts once time has passed.
+  const double passed = time - last.time;
   if (passed > 0 && motion.acceleration > 0) motion.speed += motion.acceleration * passed;
   motion.speed = std::min(motion.speed, motion.speed_cap);
   return motion;
 }
 
 void ImpactSchedule::setMotion(int body, const PointMotion& motion, double time) {
-  Said& said = said_[at(body)];
-  const bool covered = covers(said.motion, said.time, motion, time);
-  said = {motion, std::max(said.time, time)};
+  TimedMotion& last = motions_[at(body)];
+  const bool covered = covers(last.motion, last.time, motion, time);
+  last = {motion, std::max(last.time, time)};
   if (covered) return;
   for (std::int32_t i = first_pair_[at(body)]; i < first_pair_[at(body) + 1]; ++i) {
     const std::int32_t pair = pairs_of_body_[at(i)];
@@ -110,7 +111,7 @@ double ImpactSchedule::look(int p, double time, double horizon, Workspace& works
   const double coarse = coarseLowerBound(*scene_, workspace, p) - pair.margin;
   const double due = later(time, timeToImpact(coarse, motion));
   ++statistics.looks;
-  // A pair that coarse bounds put off for a while is not worth an exact query yet.
+  // Coarse bounds put the pair off for long enough: no exact query yet.
   if (due >= time + kImpactHorizons * horizon && due > time) return due;
   DistanceRequest request;
   request.tolerance = std::max(kImpactTolerance, kImpactShare * std::max(0.0, coarse));
@@ -130,7 +131,7 @@ ImpactReport ImpactSchedule::advance(double time, double horizon, Workspace& wor
     report.safe_until = -kInfinity;
     return report;
   }
-  // Taken out first, so that a pair that stays due is looked at once.
+  // All due pairs are taken out before any goes back: one that stays due is looked at once.
   std::size_t count = 0;
   while (!heap_.empty() && due_[at(heap_.front())] < end) {
     looking_[count++] = heap_.front();
@@ -164,13 +165,13 @@ void ImpactSchedule::place(std::size_t slot, std::int32_t pair) {
 }
 
 void ImpactSchedule::setDue(std::int32_t pair, double due) {
-  // A time that is no number is no proof.
+  // NaN proves nothing: due now.
   due_[at(pair)] = std::isnan(due) ? -kInfinity : due;
-  rise(at(slot_[at(pair)]));
-  sink(at(slot_[at(pair)]));
+  siftUp(at(slot_[at(pair)]));
+  siftDown(at(slot_[at(pair)]));
 }
 
-void ImpactSchedule::rise(std::size_t slot) {
+void ImpactSchedule::siftUp(std::size_t slot) {
   const std::int32_t pair = heap_[slot];
   while (slot > 0 && before(pair, heap_[(slot - 1) / 2])) {
     place(slot, heap_[(slot - 1) / 2]);
@@ -179,7 +180,7 @@ void ImpactSchedule::rise(std::size_t slot) {
   place(slot, pair);
 }
 
-void ImpactSchedule::sink(std::size_t slot) {
+void ImpactSchedule::siftDown(std::size_t slot) {
   const std::int32_t pair = heap_[slot];
   for (std::size_t child; (child = 2 * slot + 1) < heap_.size(); slot = child) {
     if (child + 1 < heap_.size() && before(heap_[child + 1], heap_[child])) ++child;

@@ -11,7 +11,7 @@
 #include <utility>
 
 #include "collision/base/tolerances.h"
-#include "collision/scene/geometry_bounds.h"
+#include "collision/scene/scene_access.h"
 #include "leeway/robots/input_error.h"
 #include "leeway/robots/kinematics.h"
 #include "planner/base/tolerances.h"
@@ -21,6 +21,7 @@ namespace {
 
 using collision::Body;
 using collision::Pose;
+using collision::SceneAccess;
 using robots::Joint;
 using robots::Model;
 using robots::VariableRange;
@@ -308,7 +309,9 @@ void CompiledScene::deriveMotions(const Problem& problem, std::span<const Variab
   for (std::size_t b = 0; b < scene_.bodies().size(); ++b)
     for (std::size_t g = 0; body_link_[b] >= 0 && g < scene_.bodies()[b].geometries.size(); ++g) {
       const collision::Ball& ball =
-          scene_.bounds(scene_.geometryIndex(static_cast<int>(b), static_cast<int>(g))).outer;
+          SceneAccess::bounds(
+              scene_, SceneAccess::geometryIndex(scene_, static_cast<int>(b), static_cast<int>(g)))
+              .outer;
       const robots::RelativeMotion motion =
           robots::relativeMotion(*model_, body_link_[b], -1, ball.center, ball.radius, ranges);
       farthest = std::max(farthest, motion.base_reach);
@@ -319,21 +322,21 @@ void CompiledScene::deriveMotions(const Problem& problem, std::span<const Variab
   const auto derived = [&](int geometry, int link, int base) {
     const auto [entry, is_new] =
         known.emplace(std::pair(geometry, base), static_cast<int>(motions_.size()));
-    const collision::Ball& ball = scene_.bounds(geometry).outer;
+    const collision::Ball& ball = SceneAccess::bounds(scene_, geometry).outer;
     if (is_new)
       motions_.push_back(
           robots::relativeMotion(*model_, link, base, ball.center, ball.radius, ranges));
     return entry->second;
   };
   for (const collision::ScenePair& pair : scene_.pairs()) {
-    const int a = scene_.geometryIndex(pair.body_a, pair.geometry_a);
-    const int b = scene_.geometryIndex(pair.body_b, pair.geometry_b);
+    const int a = SceneAccess::geometryIndex(scene_, pair.body_a, pair.geometry_a);
+    const int b = SceneAccess::geometryIndex(scene_, pair.body_b, pair.geometry_b);
     const int link_a = bodyLink(pair.body_a), link_b = bodyLink(pair.body_b);
     int motion = derived(a, link_a, link_b);
     bool reversed = false;
     // What is near the joints between the two moves least; as a rule that is not the thing of the
     // world.
-    if (std::isfinite(scene_.bounds(b).outer.radius) && !deforms(pair.body_b)) {
+    if (std::isfinite(SceneAccess::bounds(scene_, b).outer.radius) && !deforms(pair.body_b)) {
       const int other = derived(b, link_b, link_a);
       reversed = robots::accelerationBound(*model_, motions_[at(other)], unit) <
                  robots::accelerationBound(*model_, motions_[at(motion)], unit);
@@ -391,7 +394,8 @@ std::shared_ptr<const CompiledScene> CompiledScene::withPairs(
   kept.reserve(scene_.pairs().size());
   for (const collision::ScenePair& pair : scene_.pairs()) kept.push_back(keep(pair) ? 1 : 0);
   std::size_t next = 0;
-  reduced->scene_.keepPairs([&](const collision::ScenePair&) { return kept[next++] != 0; });
+  SceneAccess::keepPairs(reduced->scene_,
+                         [&](const collision::ScenePair&) { return kept[next++] != 0; });
   reduced->pair_motion_.clear();
   reduced->reversed_.clear();
   reduced->link_gaps_.clear();

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "collision/mesh/descent/sweep_fronts.h"
+#include "collision/scene/scene_access.h"
 #include "planner/base/tolerances.h"
 #include "planner/edge/edge_certifier_impl.h"
 
@@ -33,7 +34,7 @@ EdgeCertifier::Impl::Impl(std::shared_ptr<const CompiledScene> compiled)
       lanes(frames),
       workspace(scene->scene()) {
   workspace.pose_error = scene->rounding();
-  collision::countInto(workspace.scratch(), work);
+  collision::countInto(collision::SceneAccess::scratch(workspace), work);
   lanes.countInto(work);
   frames.countInto(work);
   motion.resize(scene->motions().size());
@@ -124,7 +125,7 @@ EdgeCheck EdgeCertifier::certify(std::span<const double> a, std::span<const doub
   impl.smallest = request.smallest_interval;
   EdgeCheck check;
   if (!impl.frames.begin(a, b)) return check;
-  const collision::SweepFronts fronts(impl.workspace.scratch());
+  const collision::SweepFronts fronts(collision::SceneAccess::scratch(impl.workspace));
   const bool by_lanes = impl.lanes_fit && impl.lanes.begin(impl.frames);
   check = by_lanes ? impl.certifyByLanes() : impl.certifyByLevels();
   if (check.verdict == Verdict::kFree)
@@ -208,7 +209,8 @@ Interval EdgeCertifier::Impl::sweep(const EdgeInterval& interval, const EdgePair
   Interval distance =
       collision::sweptDistance(a, frames.relative(interval.slot0, pair),
                                frames.relative(interval.slot1, pair), growth, b, request,
-                               workspace.scratch(), &workspace.cache(pair.scene_pair))
+                               collision::SceneAccess::scratch(workspace),
+                               &collision::SceneAccess::cache(workspace, pair.scene_pair))
           .distance;
   // Where depth is allowed, a body inside a mesh may be at the edge's end, and come too deep
   // without a meeting of surfaces. Below zero the sweep's bound is that of the hulls and holds as
@@ -258,9 +260,10 @@ collision::MeshSweepResult EdgeCertifier::Impl::sweepSurfaces(const EdgeInterval
   request.least_time = smallest;
   const int mark = frames.used();
   PairPlacements placements(*this, pair);
-  const collision::MeshSweepResult result = collision::sweepMesh(
-      frames.pieces()[at(pair.a)].geometry->shape, placements,
-      frames.pieces()[at(pair.b)].geometry->shape, request, workspace.scratch());
+  const collision::MeshSweepResult result =
+      collision::sweepMesh(frames.pieces()[at(pair.a)].geometry->shape, placements,
+                           frames.pieces()[at(pair.b)].geometry->shape, request,
+                           collision::SceneAccess::scratch(workspace));
   // Its short parts took places that nobody asks for again: a few of these would be all there are.
   if (result.status == collision::MeshSweepStatus::kUndecided) frames.release(mark);
   return result;

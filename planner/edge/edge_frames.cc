@@ -6,7 +6,7 @@
 
 #include "collision/base/sine_cosine.h"
 #include "collision/base/tolerances.h"
-#include "collision/scene/geometry_bounds.h"
+#include "collision/scene/scene_access.h"
 #include "collision/sweep/mesh_sweep.h"
 #include "leeway/robots/kinematics.h"
 #include "planner/base/tolerances.h"
@@ -48,7 +48,7 @@ void EdgeFrames::addPieces() {
       piece.body = static_cast<int>(b);
       piece.link = scene_->bodyLink(piece.body);
       piece.geometry = &g;
-      piece.bounds = &scene.bounds(static_cast<int>(pieces_.size()));
+      piece.bounds = &collision::SceneAccess::bounds(scene, static_cast<int>(pieces_.size()));
       piece.at_origin = g.X_BG.rotation.isIdentity(0) && g.X_BG.translation.isZero(0);
       if (piece.link < 0)
         piece.X_GW = (body.X_WB * g.X_BG).inverse();
@@ -92,8 +92,8 @@ void EdgeFrames::addPairs() {
     const collision::ScenePair& pair = scene.pairs()[p];
     EdgePair e;
     e.scene_pair = static_cast<int>(p);
-    e.a = scene.geometryIndex(pair.body_a, pair.geometry_a);
-    e.b = scene.geometryIndex(pair.body_b, pair.geometry_b);
+    e.a = collision::SceneAccess::geometryIndex(scene, pair.body_a, pair.geometry_a);
+    e.b = collision::SceneAccess::geometryIndex(scene, pair.body_b, pair.geometry_b);
     e.motion = scene_->pairMotionIndex(e.scene_pair);
     e.rounding = (pieces_[at(e.b)].link >= 0 ? 2 : 1) * scene_->rounding();
     if (scene_->isReversed(e.scene_pair)) std::swap(e.a, e.b);

@@ -434,7 +434,7 @@ void EdgeLanes::closeGaps(const EdgeFrames& frames) {
 }
 
 LaneSweep::Contact EdgeLanes::part() {
-  return sweep_.part(lane_frames_, pass_growth_, slack_, *scratch_);
+  return sweep_.separate(lane_frames_, pass_growth_, slack_, *scratch_);
 }
 
 EdgeLanes::Parts EdgeLanes::wholeEdge() {

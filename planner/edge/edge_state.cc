@@ -4,6 +4,7 @@
 #include <limits>
 #include <utility>
 
+#include "collision/scene/scene_access.h"
 #include "planner/edge/edge_certifier_impl.h"
 
 namespace leeway::planner {
@@ -33,7 +34,8 @@ collision::DistanceResult EdgeCertifier::Impl::stateDistance(
   collision::DistanceResult result = collision::distance(
       frames.pieces()[at(pair.a)].geometry->shape, frames.piecePose(slot, pair.a),
       frames.pieces()[at(pair.b)].geometry->shape, frames.piecePose(slot, pair.b), request,
-      workspace.scratch(), &workspace.cache(pair.scene_pair));
+      collision::SceneAccess::scratch(workspace),
+      &collision::SceneAccess::cache(workspace, pair.scene_pair));
   if (scene->isReversed(pair.scene_pair)) {  // told in the scene's order
     std::swap(result.point_a, result.point_b);
     std::swap(result.triangle_a, result.triangle_b);

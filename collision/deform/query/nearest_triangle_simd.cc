@@ -407,8 +407,8 @@ NearestFound find(const NearestSearch& search, const DeformableSnapshotImpl& sna
 
 // Prefetches the code of a search from a point; sizes as g++ 12 makes them [bytes].
 void fetchFinder() {
-  preprefetchCode(findFor<false>, 6144);
-  preprefetchCode(NearestDescent<false>::trianglesFor, 2816);
+  prefetchCode(findFor<false>, 6144);
+  prefetchCode(NearestDescent<false>::trianglesFor, 2816);
 }
 
 }  // namespace

@@ -41,5 +41,22 @@ TEST(Allocation, QueriesOfConvexShapesAllocateNothing) {
   EXPECT_GT(overlapping, queries / 10);
 }
 
+TEST(Allocation, AQueryWithoutScratchAnswersAsOneWithIt) {
+  oracle::Random random(6);
+  Scratch scratch;
+  for (int i = 0; i < 200; ++i) {
+    const Shape a = oracle::randomShape(random, ShapeType::kConvexHull, oracle::Flavour::kPlain);
+    const Shape b = oracle::randomShape(random, ShapeType::kCylinder, oracle::Flavour::kPlain);
+    const Pose X_WA{random.rotation(),
+                    0.5 * (oracle::sizeOf(a) + oracle::sizeOf(b)) * random.direction()};
+    const DistanceResult own = distance(a, X_WA, b, {});
+    const DistanceResult given = distance(a, X_WA, b, {}, {}, scratch);
+    EXPECT_EQ(own.distance.lower, given.distance.lower);
+    EXPECT_EQ(own.distance.upper, given.distance.upper);
+    EXPECT_EQ(own.normal, given.normal);
+    EXPECT_EQ(own.status, given.status);
+  }
+}
+
 }  // namespace
 }  // namespace leeway::collision

@@ -310,15 +310,16 @@ TEST(NearestInHalfSpaces, AgainstSampling) {
   Random random(66);
   int found = 0, none = 0;
   for (int i = 0; i < 500; ++i) {
-    HalfSpaceOf spaces[8];
+    PlaneHalfSpace spaces[8];
     const int count = 1 + random.below(8);
     for (int k = 0; k < count; ++k) spaces[k] = {random.direction(), random.uniform(-0.5, 1)};
     Vector3d point;
     const bool any = nearestInHalfSpaces(spaces, count, point);
     (any ? found : none) += 1;
     const auto holds = [&](const Vector3d& t, double doubt) {
-      return std::all_of(spaces, spaces + count,
-                         [&](const HalfSpaceOf& s) { return s.normal.dot(t) >= s.offset - doubt; });
+      return std::all_of(spaces, spaces + count, [&](const PlaneHalfSpace& s) {
+        return s.normal.dot(t) >= s.offset - doubt;
+      });
     };
     if (any) {
       EXPECT_TRUE(holds(point, 1e-9 * (1 + point.norm())));

@@ -99,7 +99,7 @@ struct Passing {
   std::pair<std::uint32_t, bool> open(const std::vector<LaneFrame>& frames, float growth) {
     const float values[kLanes] = {growth};
     if (sweep.run(frames, values, 1e-6F, *scratch).id >= 0 ||
-        sweep.part(frames, values, 1e-6F, *scratch).id >= 0)
+        sweep.separate(frames, values, 1e-6F, *scratch).id >= 0)
       return {0, false};
     if (scratch->open().empty()) return {0, true};
     return {scratch->open().front().lanes, scratch->open().front().apart};

@@ -7,6 +7,7 @@
 #include <memory>
 #include <vector>
 
+#include "collision/scene/scene_access.h"
 #include "leeway/planner/compiled_scene.h"
 #include "planner/edge/edge_frames.h"
 #include "planner/edge/edge_lanes.h"
@@ -64,7 +65,8 @@ class Stepper {
         request.depth = pair.threshold < 0;
         if (!(collision::distance(a.geometry->shape, frames_.piecePose(slots[lane], pair.a),
                                   b.geometry->shape, frames_.piecePose(slots[lane], pair.b),
-                                  request, workspace_.scratch(), &workspace_.cache(pair.scene_pair))
+                                  request, collision::SceneAccess::scratch(workspace_),
+                                  &collision::SceneAccess::cache(workspace_, pair.scene_pair))
                   .distance.lower > pair.threshold))
           return false;
       }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -19,7 +18,7 @@ struct Geometry {
   std::string name;  // for messages; may be empty
 };
 
-/// A rigid thing with one pose. A body that does not move has its pose here; a moving one has it in
+/// A rigid thing with one pose. A body that stands still has its pose here, a moving one has it in
 /// the Workspace.
 struct Body {
   std::string name;
@@ -35,10 +34,12 @@ struct ScenePair {
   double margin;                    // [m]
 };
 
-struct GeometryBounds;  // private to the library: cheap bounds of one geometry
+struct GeometryBounds;  // private to the library
+struct SceneAccess;     // private to the library
 class SceneBuilder;
 
-/// What must not touch what: constant while it is queried. Static-static pairs are never kept.
+/// What must not touch what: constant while it is queried, shared by any number of Workspaces.
+/// Made by SceneBuilder. Has no pair of two bodies that stand still.
 class Scene {
  public:
   Scene();
@@ -53,37 +54,26 @@ class Scene {
   /// Index of the body with that name, -1 when there is none. O(bodies).
   int find(const std::string& name) const;
 
-  /// Geometries of all bodies are numbered through: the number of one of them.
-  int geometryIndex(int body, int geometry) const {
-    return first_geometry_[static_cast<std::size_t>(body)] + geometry;
-  }
-  const GeometryBounds& bounds(int geometry_index) const;
-  std::size_t bytes() const;  ///< of the bounds and pairs; shared meshes are not counted
-
-  /// Another shape for one geometry: the next snapshot of a deforming obstacle. Nobody may query
-  /// the scene meanwhile; pairs and margins stay. O(1) for a snapshot.
+  /// Another shape for one geometry: the next snapshot of a deforming obstacle. No query may run
+  /// meanwhile; pairs and margins stay. O(1) for a snapshot.
   void setShape(int body, int geometry, const Shape& shape);
 
-  /// Every pair must keep at least this margin [m] from now on; what it had beyond stays.
+  /// Raises every pair's margin to at least this [m].
   void raiseMargins(double margin) {
     for (ScenePair& pair : pairs_) pair.margin = std::max(pair.margin, margin);
   }
 
-  /// Every pair of that geometry must keep `growth` >= 0 [m] from now on besides its margin, and
-  /// none less than that, since depth does not change slowly with a mesh's vertices. A growth of 0
-  /// leaves margins as they are; with NaN such a pair is never free.
+  /// Adds `growth` >= 0 [m] to the margin of every pair of that geometry, negative margins raised
+  /// to 0 first: a bound on how far vertices of a mesh move bounds its distances, not its depths. A
+  /// growth of 0 leaves margins as they are; with NaN such a pair is never free.
   void growMargins(int body, int geometry, double growth);
-
-  /// Leaves out all pairs but those of which keep(pair) is true.
-  void keepPairs(const std::function<bool(const ScenePair&)>& keep) {
-    std::erase_if(pairs_, [&](const ScenePair& pair) { return !keep(pair); });
-  }
 
  private:
   friend class SceneBuilder;
+  friend struct SceneAccess;
   std::vector<Body> bodies_;
   std::vector<ScenePair> pairs_;
-  std::vector<int> first_geometry_;  // one a body
+  std::vector<int> first_geometry_;  // of each body, in the numbering of all geometries
   std::vector<GeometryBounds> bounds_;
 };
 
@@ -91,12 +81,12 @@ class Scene {
 class SceneBuilder {
  public:
   int add(Body body);                    ///< the new body's index
-  void allow(int body_a, int body_b);    ///< that pair may touch and is left out
+  void allow(int body_a, int body_b);    ///< the two may touch: no pair of theirs is kept
   void setDefaultMargin(double margin);  ///< [m]; default 0; may be negative (allowed depth)
-  void setMargin(int body_a, int body_b, double margin);
-  /// All pairs with a moving body that are not allowed, each with the margin said last. Throws
+  void setMargin(int body_a, int body_b, double margin);  ///< [m]; the last call for a pair counts
+  /// All pairs with a moving body that are not allowed, each with its margin. Throws
   /// std::invalid_argument for a margin or a pose that is not finite, for a rotation that is not
-  /// orthogonal within kRotationTolerance, and for two half-spaces, by the names of their bodies.
+  /// orthogonal within kRotationTolerance, and for two half-spaces, naming their bodies.
   /// O(bodies (bodies + allowed) + pairs margins).
   Scene build() const;
 
@@ -111,12 +101,16 @@ class SceneBuilder {
   double default_margin_ = 0;
 };
 
-/// Everything that one thread changes while it asks: poses of moving bodies, caches per pair,
-/// scratch, statistics.
+/// What one thread changes while it queries a Scene: poses of moving bodies, a cache per pair,
+/// scratch memory, statistics. For that scene only, and those with the same bodies and pairs.
 class Workspace {
  public:
   explicit Workspace(const Scene& scene);
-  /// Places a moving body; a body that does not move stays where the scene has it.
+  ~Workspace();
+  Workspace(Workspace&&) noexcept;
+  Workspace& operator=(Workspace&&) noexcept;
+
+  /// Places a moving body. (A body that stands still is where the scene has it.)
   void setPose(int body, const Pose& X_WB);
   const Pose& pose(int body) const;
   /// Makes room for what queries of the scene's deforming shapes fill on demand (see prepare() in
@@ -124,7 +118,7 @@ class Workspace {
   /// before (strategies that rebuild need no room). May allocate.
   void prepare(const Scene& scene);
 
-  /// How far any point of a moving body may be from where its pose has it [m]: widens every
+  /// How far any point of a moving body may be from where its pose places it [m]: widens every
   /// interval.
   double pose_error = 0;
 
@@ -133,20 +127,13 @@ class Workspace {
   };
   Statistics statistics;
 
-  // For the functions below and for edge certification.
-  struct Impl;
-  Impl& impl() { return *impl_; }
-  Scratch& scratch();
-  PairCache& cache(int pair);
-  ~Workspace();
-  Workspace(Workspace&&) noexcept;
-  Workspace& operator=(Workspace&&) noexcept;
-
  private:
+  friend struct SceneAccess;
+  struct Impl;
   std::unique_ptr<Impl> impl_;
 };
 
-/// What is known of pairs and their margins. Whoever must be safe takes kUndecided for kNotFree.
+/// What is known of pairs and their margins. For safety treat kUndecided as kNotFree.
 enum class Verdict : unsigned char {
   kFree,       ///< every pair is proven to keep more than its margin
   kNotFree,    ///< some pair is proven not to
@@ -155,28 +142,24 @@ enum class Verdict : unsigned char {
 
 /// The answer of decide() and clearance().
 struct SceneResult {
-  Verdict verdict = Verdict::kUndecided;  ///< against the margins; undecided is never free
+  Verdict verdict = Verdict::kUndecided;
   Interval clearance;      ///< minimum over the pairs of the signed separation [m]; (inf, inf) when
                            ///< there is no pair
   int pair = -1;           ///< the pair that carries the upper end
-  DistanceResult closest;  ///< its result, in world coordinates
+  DistanceResult closest;  ///< that pair's result, in world coordinates
 };
 
-/// Decides every pair against its margin; stops at the first that is not free. Coarse bounds first.
-/// Clearance is what is known at the stop. Never throws or allocates. O(pairs).
+/// Decides every pair against its margin, coarse bounds first, and stops at the first pair that is
+/// not free: `clearance` is what is known by then. Never throws or allocates. O(pairs) queries.
 SceneResult decide(const Scene& scene, Workspace& workspace);
 
-/// The clearance to within `tolerance` [m], with the closest pair and its witness points. Verdict
-/// as decide(). Never throws or allocates. O(pairs log pairs).
+/// The clearance to within `tolerance` [m], with the closest pair and its witness points, and the
+/// verdict of all pairs. Never throws or allocates. O(pairs log pairs).
 SceneResult clearance(const Scene& scene, Workspace& workspace, double tolerance);
 
-/// The distance of one pair of the scene as the workspace has its bodies placed, in world
-/// coordinates, widened by the workspace's pose_error. Never throws or allocates.
+/// The distance of one pair, in world coordinates, as the workspace places its bodies; widened by
+/// the workspace's pose_error. Never throws or allocates.
 DistanceResult pairDistance(const Scene& scene, Workspace& workspace, int pair,
                             const DistanceRequest& request);
-
-/// A lower bound on the separation of one pair [m], as the workspace has its bodies placed, from
-/// balls and stand-ins alone. Never throws or allocates. O(1).
-double coarseLowerBound(const Scene& scene, const Workspace& workspace, int pair);
 
 }  // namespace leeway::collision

@@ -18,17 +18,17 @@ struct PlacedShape {
 
 /// What is asked of separation().
 struct SeparationRequest {
-  /// Every pair must be proven farther apart than this after the translation [m]; finite, >= 0.
+  /// After the translation every pair must be proven farther apart than this [m]; finite, >= 0.
   double clearance = 0;
-  /// The translation is not shortened further when it is within this of a length that is proven
-  /// necessary, or of one found too short along the same direction [m]; > 0.
+  /// Stop shortening within this of a length that is proven necessary, or of one that was found too
+  /// short along the same direction [m]; > 0.
   double tolerance = 1e-6;
   /// Longer translations are not taken [m].
   double longest = std::numeric_limits<double>::infinity();
-  /// Distance queries of single pairs, the last proof's apart. Reaching it costs length, or the
-  /// answer.
+  /// Distance queries of single pairs, the last proof's not counted. A lower limit gives longer
+  /// translations, or none.
   int query_limit = 20'000;
-  /// As DistanceRequest's, for every query.
+  /// Limits of each query, as in DistanceRequest.
   int iteration_limit = 256;
   int node_limit = 10'000'000;
 };
@@ -48,29 +48,31 @@ struct SeparationResult {
   /// Proven lower end of the distances of all pairs after the translation [m]: above the request's
   /// clearance for kApart and kSeparated, -infinity otherwise.
   double clearance = -std::numeric_limits<double>::infinity();
-  /// No translation shorter than this separates: proven [m].
+  /// Proven: no translation shorter than this separates [m].
   double least = 0;
   int queries = 0;  ///< distance queries made
 };
 
-/// A short translation of `body`, all its shapes together, after which every one of them is farther
-/// than request.clearance from every one of `obstacles`: collision response by pushing out.
+/// A short translation of `body`, all its shapes together, after which each of them is farther than
+/// request.clearance from each of `obstacles`: collision response by pushing out.
 ///
 /// Any plane between two shapes leaves a half-space of translations that separate this pair; for
-/// convex pairs the shortest way is across one of them. A choice of one plane a pair gives the
-/// nearest point of an intersection of half-spaces; choices are searched depth first, shorter ones
-/// first (the planes of the deepest pair: its depth's own, and those of both frames' axes), pruned
-/// by the best translation that was verified. What was found is then turned and shortened in small
-/// steps, each verified. For one convex pair the result is the smallest within the tolerance; else
-/// it is small, not proven smallest: `least` says how far from it at most. Never throws, allocates
-/// or loops without end. Compare S. Redon, M. C. Lin, "A fast method for local penetration depth
-/// computation", 2006; L. Zhang, Y. J. Kim, G. Varadhan, D. Manocha, "Generalized penetration depth
-/// computation", 2007.
+/// convex pairs the shortest one crosses such a plane. One plane a pair makes an intersection of
+/// half-spaces, whose point nearest to the origin is a candidate. Choices of planes are searched
+/// depth first, shorter candidates first, pruned by the best translation that is verified; the
+/// planes tried are the deepest pair's own (its depth's) and those of both frames' axes. The best
+/// translation is then turned and shortened in small steps, each verified.
+///
+/// For one convex pair the result is the smallest within the tolerance; else it is small, not
+/// proven smallest, and `least` bounds what it could lose. Never throws, allocates or loops without
+/// end; at most request.query_limit distance queries, and one or two more a pair for the proof.
+/// Compare S. Redon, M. C. Lin, "A fast method for local penetration depth computation", 2006;
+/// L. Zhang, Y. J. Kim, G. Varadhan, D. Manocha, "Generalized penetration depth computation", 2007.
 SeparationResult separation(std::span<const PlacedShape> body,
                             std::span<const PlacedShape> obstacles,
                             const SeparationRequest& request, Scratch& scratch);
 
-/// The same for two shapes: moves B away from A.
+/// separation() of two shapes: moves B away from A.
 SeparationResult separation(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
                             const SeparationRequest& request, Scratch& scratch);
 

@@ -10,13 +10,13 @@
 
 namespace leeway::collision {
 
-/// Velocity of a frame at one moment, per unit of the motion's parameter, in the world.
+/// Velocity of a frame at one moment, per unit of the motion's parameter t, in the world.
 struct FrameVelocity {
   Eigen::Vector3d linear = Eigen::Vector3d::Zero();   ///< of the frame's origin [m]
   Eigen::Vector3d angular = Eigen::Vector3d::Zero();  ///< [rad]
 };
 
-/// What a frame's motion does not exceed over an interval of its parameter.
+/// Upper bounds on a frame's motion over an interval of its parameter t.
 struct FrameMotionBound {
   double speed = 0;                 ///< of the origin [m]
   double acceleration = 0;          ///< of the origin [m]
@@ -30,30 +30,31 @@ class RigidMotion {
   virtual ~RigidMotion() = default;
   virtual Pose pose(double t) const = 0;
   virtual FrameVelocity velocity(double t) const = 0;
-  /// Rounded outwards.
+  /// Over [t0, t1], rounded outwards.
   virtual FrameMotionBound bound(double t0, double t1) const = 0;
-  /// A bound on how far rounding in pose() moves a point within `reach` of the origin of A [m]; its
-  /// rotations depart from orthogonality as pose(0)'s does, and by no more than such rounding.
+  /// A bound on how far rounding in pose() moves a point within `reach` of the origin of A [m]. The
+  /// rotation of pose(t) may depart from orthogonality as far as that of pose(0), and by as much
+  /// again as this rounding.
   virtual double rounding(double reach) const = 0;
 };
 
-/// The rotation about one axis that is fixed in the world, at constant speed, from one orientation
-/// to another; half turns and a bit go the shorter way. The turned matrix is linear in sine and
-/// cosine of the angle.
+/// Rotation from one orientation to another about an axis fixed in the world, at constant speed,
+/// the shorter way round (by at most half a turn).
 class AxisTurn {
  public:
   AxisTurn(const Eigen::Matrix3d& R_WA0, const Eigen::Matrix3d& R_WA1);
   Eigen::Matrix3d at(double t) const;
   const Eigen::Vector3d& axis() const { return axis_W_; }  ///< unit
-  double angle() const { return angle_; }                  ///< of all of it, 0 to pi [rad]
+  double angle() const { return angle_; }                  ///< of the whole turn, 0 to pi [rad]
 
  private:
   Eigen::Vector3d axis_W_;
   double angle_;
+  // R_WA(t) = along + cos(angle t) across + sin(angle t) turned.
   Eigen::Matrix3d along_, across_, turned_;
 };
 
-/// No motion.
+/// A body that stands still.
 class Still final : public RigidMotion {
  public:
   explicit Still(const Pose& X_WA) : X_WA_(X_WA) {}
@@ -66,8 +67,8 @@ class Still final : public RigidMotion {
   Pose X_WA_;
 };
 
-/// The origin of A travels on the straight line, the rotation about one axis, both at constant
-/// speed: the geodesic of R^3 x SO(3). At t = 1 it is X_WA1 but for rounding.
+/// The origin of A moves along a straight line, A turns about an axis, both at constant speed: the
+/// geodesic of R^3 x SO(3). At t = 1 the pose is X_WA1 up to rounding.
 class StraightMotion final : public RigidMotion {
  public:
   StraightMotion(const Pose& X_WA0, const Pose& X_WA1);
@@ -81,8 +82,8 @@ class StraightMotion final : public RigidMotion {
   AxisTurn turn_;
 };
 
-/// A screw: rotation about a line that is fixed in the world and travel along it, both at constant
-/// speed; the straight line where there is no rotation. Ends as StraightMotion.
+/// A screw: rotation about a line fixed in the world and travel along it, both at constant speed; a
+/// straight line where there is no rotation. At t = 1 the pose is X_WA1 up to rounding.
 class ScrewMotion final : public RigidMotion {
  public:
   ScrewMotion(const Pose& X_WA0, const Pose& X_WA1);
@@ -92,13 +93,14 @@ class ScrewMotion final : public RigidMotion {
   double rounding(double reach) const override;
 
  private:
-  Eigen::Vector3d start_, along_, across_,
-      turned_;  // of the origin; parts of its travel; axis x across [m]
+  Eigen::Vector3d start_;           // of the origin [m]
+  Eigen::Vector3d along_, across_;  // parts of its travel along the axis and across it [m]
+  Eigen::Vector3d turned_;          // axis x across [m]
   AxisTurn turn_;
   double cotangent_;  // of half the angle
 };
 
-/// The motion of a frame G that is fixed to a body B: a geometry's, from its body's. Borrows both.
+/// The motion of a frame G that is fixed to a moving body B: of a geometry. Borrows both arguments.
 class MountedMotion final : public RigidMotion {
  public:
   MountedMotion(const RigidMotion& body, const Pose& X_BG) : body_(body), X_BG_(X_BG) {}
@@ -115,11 +117,11 @@ class MountedMotion final : public RigidMotion {
 struct ContactRequest {
   /// Contact is a separation of this or less [m]; may be negative (allowed depth).
   double margin = 0;
-  /// How wide the interval of the time of contact may be [of the motion's parameter].
+  /// Allowed width of the interval of the time of contact [of the motion's parameter].
   double time_tolerance = 1e-6;
-  /// How well distances on the way are known [m].
+  /// Allowed width of distances on the way [m].
   double tolerance = 1e-9;
-  /// The motion is followed up to here, in [0, 1].
+  /// The motion is followed over [0, end]; in [0, 1].
   double end = 1;
   /// Distance and sweep queries. Reaching it leaves the rest of the motion undecided.
   int query_limit = 10'000;
@@ -127,40 +129,44 @@ struct ContactRequest {
 
 enum class ContactStatus : unsigned char {
   kFree,       ///< certified: the separation exceeds the margin over [0, end]
-  kContact,    ///< proven: it does so before time.lower and does not at time.upper
-  kUndecided,  ///< certified before time.lower; beyond, a limit or rounding left it open
-  kInvalid,    ///< what distance() calls so, or a request that makes no sense
+  kContact,    ///< proven: above the margin before time.lower, at or below it at time.upper
+  kUndecided,  ///< certified before time.lower; from there a limit or rounding left it open
+  kInvalid,    ///< kInvalid of distance(), or a request out of its range
 };
 
 struct ContactResult {
   ContactStatus status = ContactStatus::kInvalid;
-  /// The first time of contact lies in it; (infinity, infinity) when free.
+  /// Holds the first time of contact; (infinity, infinity) when free.
   Interval time{0, 0};
-  /// At time.upper of a contact, else at the last time that was looked at; world coordinates. Of
-  /// bodies that are far from each other only a lower end may be known.
+  /// At time.upper of a contact, else at the last time that was queried; world coordinates. Of
+  /// bodies that are far apart only a lower end may be known.
   DistanceResult distance;
   int queries = 0;
-  int pair = -1;  ///< of the scene, where one was asked
+  int pair = -1;  ///< index of Scene::pairs(), where a scene was asked
 };
 
-/// The first contact of two shapes that move. Convex ones are looked at where Newton's method or a
-/// secant expects the contact, and what lies between two looks is certified from their planes with
-/// second-order bounds; meshes advance conservatively (compare B. Mirtich 1996, section 2.3.2;
-/// X. Zhang, M. Lee, Y. J. Kim, "Interactive continuous collision detection for non-convex
-/// polyhedra", 2006) and by sweeps (sweptDistance()). In contact at the start: contact at [0, 0].
-/// Never throws, allocates or loops without end. `cache` may be null.
+/// The first contact of two moving shapes. In contact at the start: contact at [0, 0].
+///
+/// Convex shapes: distances are queried where Newton's method or a secant predicts the contact; the
+/// time between two queries is certified from their separating planes with second-order bounds.
+/// Meshes: conservative advancement (compare B. Mirtich, "Impulse-based dynamic simulation of rigid
+/// body systems", 1996, section 2.3.2; X. Zhang, M. Lee, Y. J. Kim, "Interactive continuous
+/// collision detection for non-convex polyhedra", 2006) and sweeps (sweptDistance()).
+///
+/// Never throws, allocates or loops without end; O(request.query_limit) distance queries. `cache`
+/// may be null.
 ContactResult timeOfContact(const Shape& a, const RigidMotion& motion_a, const Shape& b,
                             const RigidMotion& motion_b, const ContactRequest& request,
                             Scratch& scratch, PairCache* cache = nullptr);
 
-/// A triangle whose corners travel on straight lines from `from` to `to` (t in [0, 1]), as those of
-/// a deforming mesh between two of its states.
+/// A triangle whose corners move on straight lines from `from` to `to` (t in [0, 1]), as those of a
+/// deforming mesh between two of its states.
 struct MovingTriangle {
   std::array<Eigen::Vector3d, 3> from, to;  // [m]
 };
 
-/// The same for two such triangles, and for one and a convex shape that moves or stands (kInvalid
-/// for a mesh).
+/// The first contact of two such triangles, and of one and a convex shape that moves or stands
+/// still (kInvalid for a mesh).
 ContactResult timeOfContact(const MovingTriangle& a, const MovingTriangle& b,
                             const ContactRequest& request, Scratch& scratch);
 ContactResult timeOfContact(const MovingTriangle& a, const Shape& b, const RigidMotion& motion_b,
@@ -168,21 +174,23 @@ ContactResult timeOfContact(const MovingTriangle& a, const Shape& b, const Rigid
 ContactResult timeOfContact(const MovingTriangle& a, const Shape& b, const Pose& X_WB,
                             const ContactRequest& request, Scratch& scratch);
 
-/// The same for a whole deforming mesh whose vertices travel on straight lines from those of one
-/// snapshot (t = 0) to those of another of the same mesh (t = 1), and a convex shape that moves in
-/// the mesh's frame. At the start the mesh's closed components are solids; later nothing comes into
-/// them but through their triangles. The hierarchy of `from` is followed into what the body may
-/// meet, earliest parts first: the boxes of a node at both ends bound it at all times between. A
-/// strategy without a hierarchy costs O(triangles). `distance.triangle_a` is the triangle that was
-/// met. kInvalid also for snapshots of different meshes and margins below 0.
+/// The first contact of a deforming mesh and a convex shape that moves in the mesh's frame. The
+/// mesh's vertices move on straight lines from those of one snapshot (t = 0) to those of another of
+/// the same mesh (t = 1). At the start its closed components are solids; later the shape can only
+/// enter them through their triangles. `distance.triangle_a` is the triangle of the contact.
+/// kInvalid also for snapshots of different meshes and margins below 0.
+///
+/// Descends the hierarchy of `from` into the nodes that the shape may meet, earliest first: at any
+/// time between, a node is in the blend of its boxes at both ends. A strategy without a hierarchy
+/// costs O(triangles).
 ContactResult timeOfContact(const std::shared_ptr<const DeformableSnapshot>& from,
                             const std::shared_ptr<const DeformableSnapshot>& to, const Shape& b,
                             const RigidMotion& motion_b, const ContactRequest& request,
                             Scratch& scratch);
 
-/// The first contact (separation at or below the pair's own margin, plus request.margin) of any
-/// pair of a scene of which every body moves as told: one motion a body, null for bodies that do
-/// not move. O(pairs) contact queries; later pairs are followed only to the first contact found.
+/// The first contact of any pair of a scene: separation at or below the pair's margin plus
+/// request.margin. `motions`: one a body, null for a body that stands still; kInvalid for another
+/// number of them. O(pairs) contact queries, each followed only up to the first contact found.
 ContactResult timeOfContact(const Scene& scene, std::span<const RigidMotion* const> motions,
                             const ContactRequest& request, Workspace& workspace);
 

@@ -1,8 +1,8 @@
 // The first contact of a deforming mesh and a body that moves.
 //
-// Vertices travel on straight lines, so that the box of any of them at t is held by the blend of
-// their boxes at 0 and 1. Time is cut into slabs; in each, the body has a box of its own. The first
-// slab in which a node's box may meet the body's says when the node can matter at the earliest.
+// Vertices move on straight lines, so at any t a set of them is inside the blend of its boxes at 0
+// and 1. Time is cut into slabs, with a box of the body for each. The first slab in which a node's
+// box may meet the body's is the earliest time at which the node matters.
 
 #include <algorithm>
 #include <array>
@@ -15,6 +15,7 @@
 #include "collision/convex/gjk/convex_view.h"
 #include "collision/convex/gjk/support.h"
 #include "collision/deform/snapshot.h"
+#include "collision/time/relative_motion.h"
 #include "leeway/collision/deformable_mesh.h"
 #include "leeway/collision/time_of_contact.h"
 
@@ -24,7 +25,7 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr int kSlabs = 16;
 
-/// A box that moves: all of what it holds is, at t, in the blend of its two states.
+/// A box that moves: at t all it holds is inside the blend of its two states.
 struct MovingBox {
   Vector low0 = Vector::Constant(kInfinity), high0 = Vector::Constant(-kInfinity);
   Vector low1 = low0, high1 = high0;
@@ -33,22 +34,19 @@ struct MovingBox {
     low0 = low0.cwiseMin(from), high0 = high0.cwiseMax(from);
     low1 = low1.cwiseMin(to), high1 = high1.cwiseMax(to);
   }
-  bool isEmpty() const { return !(low0.x() <= high0.x()); }
 };
 
-/// Where the body is, slab by slab of [0, end].
+/// Boxes around the body (of a half-space its plane's highest offset), slab by slab of [0, end].
 class Slabs {
  public:
-  /// `size`: of the mesh's coordinates.
+  /// `size`: largest distance of a vertex from the origin [m].
   Slabs(const Shape& b, const RigidMotion& motion, double end, double margin, double size)
       : end_(end) {
     const ConvexView view = viewOf(b);
     const FrameMotionBound bound = motion.bound(0, end);
     plane_ = b.type() == ShapeType::kHalfSpace;
-    any_ = !plane_ || bound.angular_speed == 0;
-    if (!any_) return;
-    const double turning = bound.angular_acceleration + bound.angular_speed * bound.angular_speed;
-    const double accelerated = bound.acceleration + (turning == 0 ? 0 : turning * b.extent());
+    bounded_ = !plane_ || bound.angular_speed == 0;
+    if (!bounded_) return;
     const double step = end / kSlabs;
     const double departure = relativePose(Pose{}, motion.pose(0)).slack;
     std::array<Vector, kSlabs + 1> low, high;
@@ -72,8 +70,8 @@ class Slabs {
         low[at(k)][i] = X.translation[i] + along.dot(farthest(view, -along, hint)) - out;
       }
     }
-    // Points leave the chords of a slab by no more.
-    slack += accelerated * step * step / 8 * kGrowthOutwards;
+    // Points leave their chords over a slab by no more than this.
+    slack += pointAcceleration(b, bound) * step * step / 8 * kGrowthOutwards;
     for (int k = 0; k < kSlabs; ++k) {
       low_[at(k)] = (low[at(k)].cwiseMin(low[at(k + 1)])).array() - slack - margin;
       high_[at(k)] = (high[at(k)].cwiseMax(high[at(k + 1)])).array() + slack + margin;
@@ -82,9 +80,10 @@ class Slabs {
 
   double timeOf(int slab) const { return end_ * slab / kSlabs; }
 
-  /// The first slab in which what is in the box may be as near as the margin; kSlabs: none.
+  /// The first slab in which the contents of the box may be within the margin of the body; kSlabs:
+  /// none.
   int first(const MovingBox& box) const {
-    if (!any_) return 0;
+    if (!bounded_) return 0;
     for (int k = 0; k < kSlabs; ++k)
       if (!isApart(box, k)) return k;
     return kSlabs;
@@ -99,7 +98,7 @@ class Slabs {
     const Vector low = blend(box.low0, box.low1, t0).cwiseMin(blend(box.low0, box.low1, t1));
     const Vector high = blend(box.high0, box.high1, t0).cwiseMax(blend(box.high0, box.high1, t1));
     if (plane_) {
-      // The corner that is lowest seen from the plane.
+      // The box's lowest corner, seen from the plane.
       const Vector lowest = (up_.array() > 0).select(low, high);
       return up_.dot(lowest) > high_[at(k)].x();
     }
@@ -109,11 +108,13 @@ class Slabs {
   static Vector blend(const Vector& a, const Vector& b, double t) { return (1 - t) * a + t * b; }
 
   double end_;
-  bool plane_ = false, any_ = false;  // a half-space; something can be said
+  bool plane_ = false;    // the body is a half-space
+  bool bounded_ = false;  // boxes are known: not of a half-space that turns
   Vector up_ = Vector::UnitZ();
-  std::array<Vector, kSlabs> low_, high_;  // grown by all that is in doubt, and by the margin
+  std::array<Vector, kSlabs> low_, high_;  // grown by the margin and all rounding
 };
 
+/// Follows the triangles of the mesh that may meet the body, earliest first.
 class DeformFollower {
  public:
   DeformFollower(const DeformableSnapshotImpl& from, const DeformableSnapshotImpl& to,
@@ -136,7 +137,7 @@ class DeformFollower {
       for (int i = 0; i < from_.mesh->triangleCount(); ++i) follow(i);
     else
       descend();
-    // What is open before the first contact leaves its beginning open, or all.
+    // An undecided triangle leaves the time of contact open from there on.
     if (open_.time.lower < first_.time.lower) {
       const int queries = first_.queries;
       if (first_.status != ContactStatus::kContact) first_ = open_;
@@ -156,17 +157,17 @@ class DeformFollower {
     return std::max({from.low.norm(), from.high.norm(), to.low.norm(), to.high.norm()});
   }
 
-  /// Nothing that comes later than this matters.
+  /// Later times do not matter.
   double limit() const { return first_.time.lower; }
 
-  /// Depth first, the child that can matter earliest before the others.
+  /// Depth first, the child with the earliest slab first.
   void descend() {
     std::array<Item, DeformTree::kMaxDepth * kWidth> stack;
     std::size_t count = 0;
     stack[count++] = {0, 0};
     const BoxSource source0(from_, scratch_.impl().deform);
     const BoxSource source1(to_, scratch_.impl().deform);
-    const bool same = to_.tree == from_.tree && to_.demand != Demand::kNoTree;
+    const bool same_tree = to_.tree == from_.tree && to_.demand != Demand::kNoTree;
     while (count > 0) {
       const Item item = stack[--count];
       if (slabs_.timeOf(item.slab) >= limit()) continue;
@@ -176,10 +177,10 @@ class DeformFollower {
           follow(from_.tree->triangleOf(slot));
         continue;
       }
-      // Copies: both snapshots may fill the same place.
+      // Copies: both snapshots may fill the same memory.
       WideBox room0, room1;
       const WideBox boxes0 = source0.boxes(item.child, room0);
-      const WideBox boxes1 = same ? source1.boxes(item.child, room1) : WideBox{};
+      const WideBox boxes1 = same_tree ? source1.boxes(item.child, room1) : WideBox{};
       const DeformTree::Node& node = from_.tree->node(item.child);
       const std::size_t begin = count;
       for (int lane = 0; lane < kWidth && node.child[lane] != DeformTree::kNone; ++lane) {
@@ -190,10 +191,10 @@ class DeformFollower {
           box.low1[i] = static_cast<double>(boxes1.low[i][lane]);
           box.high1[i] = static_cast<double>(boxes1.high[i][lane]);
         }
-        if (!same) laterBox(item.child, lane, box);
+        if (!same_tree) laterBox(item.child, lane, box);
         const int slab = slabs_.first(box);
         if (slab == kSlabs || slabs_.timeOf(slab) >= limit()) continue;
-        // The earliest last, which comes off first.
+        // The earliest on top of the stack.
         std::size_t place = count++;
         for (; place > begin && stack[place - 1].slab < slab; --place)
           stack[place] = stack[place - 1];
@@ -202,7 +203,7 @@ class DeformFollower {
     }
   }
 
-  /// From the vertices: the later snapshot has another hierarchy.
+  /// The box in the later snapshot from its vertices: its hierarchy is another one.
   void laterBox(std::int32_t node, int lane, MovingBox& box) const {
     MovingBox later;
     for (const std::int32_t v : from_.tree->vertices(node, lane)) {
@@ -231,7 +232,7 @@ class DeformFollower {
     result.distance.triangle_a = triangle;
     const int queries = first_.queries + result.queries;
     if (result.status == ContactStatus::kContact) {
-      // An earlier triangle's contact was proven no earlier than this one's end.
+      // Followed only to first_.time.upper; the contact found before may still be the earlier one.
       result.time.lower = std::min(first_.time.lower, result.time.lower);
       first_ = result;
     } else if (result.status != ContactStatus::kFree && !(open_.time.lower <= result.time.lower)) {
@@ -247,9 +248,9 @@ class DeformFollower {
   Scratch& scratch_;
   Slabs slabs_;
   ContactResult first_;
-  ContactResult open_ = openNowhere();
+  ContactResult open_ = noneOpen();
 
-  static ContactResult openNowhere() {
+  static ContactResult noneOpen() {
     ContactResult result;
     result.time = {kInfinity, kInfinity};
     return result;
@@ -268,7 +269,8 @@ ContactResult timeOfContact(const std::shared_ptr<const DeformableSnapshot>& fro
       !(request.end >= 0 && request.end <= 1) || !(request.margin >= 0) ||
       !std::isfinite(request.margin))
     return result;
-  // Solids may hold the body, or it them, without a triangle near: once decided, that stays.
+  // Closed components may contain the body, or it them, without a triangle near. Without contact
+  // that does not change later: decided at t = 0.
   const Pose X_WB = motion_b.pose(0);
   const double size = std::max(from->low().norm(), from->high().norm());
   const double rounding = motion_b.rounding(std::min(b.extent(), X_WB.translation.norm() + size));

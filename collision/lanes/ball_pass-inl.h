@@ -1,0 +1,328 @@
+// The passes of LaneSweep over its pairs by balls.
+// Included once a target (see Highway's foreach_target.h).
+
+#if defined(LEEWAY_COLLISION_BALL_PASS_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef LEEWAY_COLLISION_BALL_PASS_INL_H
+#undef LEEWAY_COLLISION_BALL_PASS_INL_H
+#else
+#define LEEWAY_COLLISION_BALL_PASS_INL_H
+#endif
+
+#include <hwy/highway.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+
+#include "collision/base/tolerances.h"
+#include "collision/lanes/lane_balls-inl.h"
+#include "collision/lanes/lane_planes-inl.h"
+#include "collision/lanes/lane_points-inl.h"
+#include "collision/lanes/lane_sweep_impl.h"
+#include "collision/lanes/lane_vectors-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace leeway::collision::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+/// The passes over pairs by balls. all() culls by boxes around sweeps, then by outer balls, then
+/// looks for contacts by inner balls, then tries the last planes and the covers of balls.
+template <bool kStill>
+class BallPass {
+ public:
+  explicit BallPass(const LaneSweepKernel& kernel)
+      : s_(kernel.sweep), scratch_(kernel.scratch), kernel_(kernel) {}
+
+  /// The last contacts again, in the middle of the intervals.
+  HWY_INLINE LaneSweepKernel::Contact again() {
+    ++scratch_.stamp;
+    for (const Scratch::PastContact& last : scratch_.contacts) {
+      if (last.pair < 0) break;
+      const Sweep::Pair& pair = s_.pairs[size(last.pair)];
+      std::int32_t point = last.point;
+      const std::uint32_t lanes = point < 0
+                                      ? contact(pair, kAll)
+                                      : pointsInside(kernel_, pair, point, point + 1, kAll, point);
+      if (lanes != 0) return kernel_.noteContact(last.pair, point, lanes);
+    }
+    return {};
+  }
+
+  /// A contact of one pair by balls and all points.
+  HWY_INLINE LaneSweepKernel::Contact one(std::int32_t number) {
+    ++scratch_.stamp;
+    const Sweep::Pair& pair = s_.pairs[size(number)];
+    const std::uint32_t by_balls = contact(pair, kAll);
+    if (by_balls != 0) return kernel_.noteContact(number, -1, by_balls);
+    const Sweep::LanePiece& a = s_.pieces[size(pair.a)];
+    std::int32_t point = -1;
+    const auto inside = [&](const Sweep::LanePiece::Points& points) {
+      return pointsInside(kernel_, pair, points.begin, points.end, kAll, point);
+    };
+    std::uint32_t lanes = inside(a.points);
+    if (lanes == 0 && a.fine.begin != a.points.begin) lanes = inside(a.fine);
+    return lanes != 0 ? kernel_.noteContact(number, point, lanes) : LaneSweepKernel::Contact{};
+  }
+
+  /// near: for each pair of parts, the lanes of `lanes` in which their balls are not proven to keep
+  /// the threshold.
+  HWY_INLINE void nearParts(std::int32_t number, std::uint32_t lanes, std::uint32_t* near) {
+    const Sweep::Pair& whole = s_.pairs[size(number)];
+    const float fixed = requiredGap(whole, whole.cover_above);
+    for (std::int32_t p = whole.parts_begin; p < whole.parts_end; ++p, ++near) {
+      const Sweep::Pair& pair = s_.pairs[size(p)];
+      const float above = fixed + s_.pieces[size(pair.a)].outer.radius;
+      scratch_.work->add(2 * kLaneBallWork);
+      placePart(size(pair.a));
+      if (pair.pieces) {
+        placePart(size(pair.b));
+        *near = openToBall<kStill>(scratch_.outer[size(pair.a)], scratch_.outer[size(pair.b)],
+                                   above + s_.pieces[size(pair.b)].outer.radius, lanes);
+      } else {
+        *near = openToObstacle<kStill>(s_.obstacles[size(pair.b)], scratch_.outer[size(pair.a)],
+                                       above, lanes);
+      }
+    }
+  }
+
+  /// All pairs: a contact, or what is left open.
+  HWY_INLINE LaneSweepKernel::Contact all() {
+    ++scratch_.stamp;
+    scratch_.open.clear();
+    scratch_.open_pairs.clear();
+    scratch_.candidates.clear();
+    placeOuter();
+    cull();
+    std::sort(scratch_.candidates.begin(), scratch_.candidates.end(),
+              [](const Scratch::Candidate& x, const Scratch::Candidate& y) {
+                return x.key < y.key || (x.key == y.key && x.pair < y.pair);
+              });
+    // Inner balls before covers for obstacles: a contact with one is usually deep. Pairs of pieces
+    // usually miss: the other way round, below.
+    for (const Scratch::Candidate& c : scratch_.candidates) {
+      const Sweep::Pair& pair = s_.pairs[size(c.pair)];
+      const Sweep::LanePiece& a = s_.pieces[size(pair.a)];
+      if (pair.pieces || !(c.key <= a.inner_reach - a.outer.radius)) continue;
+      const std::uint32_t lanes = contact(pair, c.lanes);
+      if (lanes != 0) return kernel_.noteContact(c.pair, -1, lanes);
+    }
+    for (const Scratch::Candidate& c : scratch_.candidates) {
+      const Sweep::Pair& pair = s_.pairs[size(c.pair)];
+      std::uint32_t open = c.lanes;
+      // The plane that separated the pair last, in an earlier run, often does again.
+      const Scratch::Plane& plane = scratch_.planes[size(c.pair)];
+      if (plane.known) open = notSeparated<kStill>(kernel_, pair, plane, open);
+      if (open == 0) continue;
+      open = uncovered(pair, open);
+      if (open == 0) continue;
+      if (pair.pieces) {
+        const std::uint32_t lanes = contact(pair, open);
+        if (lanes != 0) return kernel_.noteContact(c.pair, -1, lanes);
+      }
+      scratch_.open.push_back({pair.id, open});
+      scratch_.open_pairs.push_back(c.pair);
+    }
+    return {};
+  }
+
+ private:
+  static std::size_t size(std::int32_t i) { return static_cast<std::size_t>(i); }
+
+  const LaneFrame& frame(const Sweep::LanePiece& piece) const {
+    return kernel_.frames[piece.frame];
+  }
+  float growthOf(int motion) const { return kStill || motion < 0 ? 0 : kernel_.growth[motion]; }
+
+  HWY_INLINE void placeOuter() {
+    const D d;
+    for (std::size_t p = 0; p < s_.wholes; ++p) {
+      const Sweep::LanePiece& piece = s_.pieces[p];
+      if (piece.frame < 0) continue;
+      Placed& placed = scratch_.outer[p];
+      placeBall<kStill>(frame(piece), piece.outer.center, placed);
+      const float radius = piece.outer.radius + growthOf(piece.motion) + kernel_.slack;
+      V sum = hn::Zero(d);
+      for (int k = 0; k < 3; ++k) {
+        V low = hn::Set(d, 1e30f), high = hn::Set(d, -1e30f);
+        for (std::size_t at = 0; at < kLanes; at += hn::Lanes(d)) {
+          const V c = hn::Load(d, placed.center[k].at + at);
+          const V w = kStill ? hn::Zero(d) : hn::Abs(hn::Load(d, placed.way[k].at + at));
+          const V end = hn::Add(c, w);
+          low = hn::Min(low, hn::Sub(c, w));
+          high = hn::Max(high, end);
+          sum = hn::Add(sum, end);
+        }
+        scratch_.low[3 * p + static_cast<std::size_t>(k)] =
+            hn::GetLane(hn::MinOfLanes(d, low)) - radius;
+        scratch_.high[3 * p + static_cast<std::size_t>(k)] =
+            hn::GetLane(hn::MaxOfLanes(d, high)) + radius;
+      }
+      // hn::Min() may have dropped NaN or infinity: then NaN bounds keep the piece near everything.
+      if (hn::AllTrue(d, hn::Eq(hn::Sub(sum, sum), hn::Zero(d)))) continue;
+      std::fill_n(&scratch_.low[3 * p], 3, std::numeric_limits<float>::quiet_NaN());
+      std::fill_n(&scratch_.high[3 * p], 3, std::numeric_limits<float>::quiet_NaN());
+    }
+  }
+
+  HWY_INLINE void cull() {
+    const D d;
+    const std::size_t padded = s_.paddedObstacles();
+    for (std::size_t p = 0; p < s_.wholes; ++p) {
+      if (!s_.pieces[p].has_obstacles) continue;
+      const float* low = &scratch_.low[3 * p];
+      const float* high = &scratch_.high[3 * p];
+      for (std::size_t i = 0; i < padded; i += hn::Lanes(d)) {
+        M apart = hn::Lt(hn::Set(d, high[0]), hn::LoadU(d, s_.low[0].data() + i));
+        for (int k = 0; k < 3; ++k) {
+          if (k > 0)
+            apart = hn::Or(apart, hn::Lt(hn::Set(d, high[k]), hn::LoadU(d, s_.low[k].data() + i)));
+          apart = hn::Or(apart, hn::Gt(hn::Set(d, low[k]), hn::LoadU(d, s_.high[k].data() + i)));
+        }
+        std::uint32_t near = bitsOf(d, hn::Not(apart));
+        for (std::size_t j = i; near != 0; near >>= 1U, ++j)
+          if ((near & 1U) != 0) considerObstacle(p, s_.pair_of[p * padded + j]);
+      }
+    }
+    for (const std::int32_t pair : s_.piece_pairs) considerPieces(pair);
+  }
+
+  HWY_INLINE void considerObstacle(std::size_t p, std::int32_t number) {
+    if (number < 0) return;
+    const Sweep::Pair& pair = s_.pairs[size(number)];
+    const Sweep::Obstacle& o = s_.obstacles[size(pair.b)];
+    const Sweep::LanePiece& piece = s_.pieces[p];
+    const float above = requiredGap(pair) + piece.outer.radius;
+    float key;
+    const std::uint32_t lanes = openToObstacle<kStill>(o, scratch_.outer[p], above, kAll, &key);
+    if (lanes != 0) scratch_.candidates.push_back({key - above, number, lanes});
+    scratch_.work->add(kLaneBallWork);
+  }
+
+  HWY_INLINE void considerPieces(std::int32_t number) {
+    const Sweep::Pair& pair = s_.pairs[size(number)];
+    const std::size_t a = size(pair.a), b = size(pair.b);
+    for (std::size_t k = 0; k < 3; ++k)
+      if (scratch_.low[3 * a + k] - scratch_.high[3 * b + k] > pair.free_above ||
+          scratch_.low[3 * b + k] - scratch_.high[3 * a + k] > pair.free_above)
+        return;
+    const float above = requiredGap(pair) + s_.pieces[a].outer.radius + s_.pieces[b].outer.radius;
+    float key;
+    const std::uint32_t lanes =
+        openToBall<kStill>(scratch_.outer[a], scratch_.outer[b], above, kAll, &key);
+    scratch_.work->add(kLaneBallWork);
+    if (lanes != 0) scratch_.candidates.push_back({key - above, number, lanes});
+  }
+
+  /// What a pair's separation must exceed besides the radii of pieces.
+  float requiredGap(const Sweep::Pair& pair) const { return requiredGap(pair, pair.free_above); }
+  float requiredGap(const Sweep::Pair& pair, float above) const {
+    const float growth = growthOf(pair.motion);
+    if (pair.pieces) return above + growth + 2 * kernel_.slack;
+    return above + growth + kernel_.slack + s_.obstacles[size(pair.b)].radius;
+  }
+
+  HWY_INLINE void placePart(std::size_t p) {
+    if (scratch_.part_stamp[p] == scratch_.stamp) return;
+    scratch_.part_stamp[p] = scratch_.stamp;
+    const Sweep::LanePiece& piece = s_.pieces[p];
+    if (piece.frame >= 0) placeBall<kStill>(frame(piece), piece.outer.center, scratch_.outer[p]);
+  }
+
+  HWY_INLINE void placeCover(std::size_t p) {
+    if (scratch_.cover_stamp[p] == scratch_.stamp) return;
+    scratch_.cover_stamp[p] = scratch_.stamp;
+    const Sweep::LanePiece& piece = s_.pieces[p];
+    scratch_.work->add((piece.inner - piece.cover) * kLaneBallWork);
+    if (piece.frame < 0) return;
+    for (int i = piece.cover; i < piece.inner; ++i)
+      placeBall<kStill>(frame(piece), s_.balls[size(i)].center, scratch_.balls[size(i)]);
+  }
+  HWY_INLINE void placeInner(std::size_t p) {
+    if (scratch_.inner_stamp[p] == scratch_.stamp) return;
+    scratch_.inner_stamp[p] = scratch_.stamp;
+    const Sweep::LanePiece& piece = s_.pieces[p];
+    scratch_.work->add((piece.end - piece.inner) * kLaneBallWork);
+    if (piece.frame < 0) return;
+    for (int i = piece.inner; i < piece.end; ++i)
+      placeBall<true>(frame(piece), s_.balls[size(i)].center, scratch_.balls[size(i)]);
+  }
+
+  /// Lanes of `lanes` in which inner balls prove that the threshold is not kept.
+  HWY_INLINE std::uint32_t contact(const Sweep::Pair& pair, std::uint32_t lanes) {
+    const Sweep::LanePiece& a = s_.pieces[size(pair.a)];
+    if (a.inner == a.end) return 0;
+    placeInner(size(pair.a));
+    if (!pair.pieces && s_.obstacles[size(pair.b)].exact) {
+      const Sweep::Obstacle& o = s_.obstacles[size(pair.b)];
+      const float below = pair.contact_below - kernel_.slack + o.radius;
+      for (int i = a.inner; i < a.end; ++i) {
+        const std::uint32_t found = lanes & contactWithObstacle(o, scratch_.balls[size(i)],
+                                                                below + s_.balls[size(i)].radius);
+        if (found != 0) return found;
+      }
+      return 0;
+    }
+    if (pair.balls < 0) return 0;
+    const Sweep::LanePiece& b = s_.pieces[size(pair.balls)];
+    placeInner(size(pair.balls));
+    const float below = pair.contact_below - 2 * kernel_.slack;
+    for (int i = a.inner; i < a.end; ++i)
+      for (int j = b.inner; j < b.end; ++j) {
+        const std::uint32_t found =
+            lanes & contactWithBall(scratch_.balls[size(i)], scratch_.balls[size(j)],
+                                    below + s_.balls[size(i)].radius + s_.balls[size(j)].radius);
+        if (found != 0) return found;
+      }
+    return 0;
+  }
+
+  /// Lanes of `lanes` in which some ball of the covers is not proven to keep the threshold.
+  HWY_INLINE std::uint32_t uncovered(const Sweep::Pair& pair, std::uint32_t lanes) {
+    placeCover(size(pair.a));
+    const Sweep::LanePiece& a = s_.pieces[size(pair.a)];
+    if (!pair.pieces) {
+      const Sweep::Obstacle& o = s_.obstacles[size(pair.b)];
+      const float fixed = requiredGap(pair, pair.cover_above);
+      std::uint32_t open = 0;
+      for (int i = a.cover; i < a.inner && open != lanes; ++i)
+        open |= openToObstacle<kStill>(o, scratch_.balls[size(i)], fixed + s_.balls[size(i)].radius,
+                                       lanes & ~open);
+      scratch_.work->add((a.inner - a.cover) * kLaneBallWork);
+      if (open == 0 || pair.balls < 0) return open;
+      lanes = open;
+    }
+    return uncoveredPieces(a, size(pair.balls),
+                           pair.cover_above + growthOf(pair.motion) + 2 * kernel_.slack, lanes);
+  }
+
+  HWY_INLINE std::uint32_t uncoveredPieces(const Sweep::LanePiece& a, std::size_t number,
+                                           float fixed, std::uint32_t lanes) {
+    placeCover(number);
+    const Sweep::LanePiece& b = s_.pieces[number];
+    std::uint32_t open = 0;
+    for (int i = a.cover; i < a.inner && open != lanes; ++i) {
+      const Placed& ball = scratch_.balls[size(i)];
+      const float above = fixed + s_.balls[size(i)].radius;
+      scratch_.work->add(kLaneBallWork);
+      const std::uint32_t near =
+          openToBall<kStill>(ball, scratch_.outer[number], above + b.outer.radius, lanes & ~open);
+      if (near == 0) continue;
+      scratch_.work->add((b.inner - b.cover) * kLaneBallWork);
+      for (int j = b.cover; j < b.inner && open != lanes; ++j)
+        open |= openToBall<kStill>(ball, scratch_.balls[size(j)], above + s_.balls[size(j)].radius,
+                                   near & ~open);
+    }
+    return open;
+  }
+
+  const Sweep& s_;
+  Scratch& scratch_;
+  const LaneSweepKernel& kernel_;
+};
+
+}  // namespace leeway::collision::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif  // per-target include guard

@@ -1,0 +1,66 @@
+#include "collision/lanes/lane_sweep.h"
+#include "collision/lanes/lane_sweep_impl.h"
+
+namespace leeway::collision {
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+}  // namespace
+
+LaneSweep::Scratch::Scratch(const LaneSweep& sweep) : impl_(std::make_unique<Impl>()) {
+  const LaneSweep::Impl& s = *sweep.impl_;
+  countInto(impl_->own);
+  impl_->outer.resize(s.pieces.size());
+  impl_->balls.resize(s.balls.size());
+  impl_->cover_stamp.resize(s.pieces.size());
+  impl_->inner_stamp.resize(s.pieces.size());
+  impl_->part_stamp.resize(s.pieces.size());
+  impl_->low.resize(3 * s.pieces.size());
+  impl_->high.resize(3 * s.pieces.size());
+  impl_->candidates.reserve(s.pairs.size());
+  impl_->open.reserve(s.pairs.size());
+  impl_->open_pairs.reserve(s.pairs.size());
+  impl_->planes.resize(s.pairs.size());
+  impl_->searches.resize(s.pairs.size());
+  impl_->part_hints.resize(s.pairs.size());
+  // Balls that stand in the world are placed once, here.
+  const auto still = [](const LaneSweep::Impl::LaneBall& ball, Impl::Placed& placed) {
+    for (int k = 0; k < 3; ++k)
+      for (int i = 0; i < kLanes; ++i) {
+        placed.center[k].at[i] = ball.center[k];
+        placed.way[k].at[i] = 0;
+      }
+  };
+  for (std::size_t p = 0; p < s.pieces.size(); ++p) {
+    const LaneSweep::Impl::LanePiece& piece = s.pieces[p];
+    if (piece.frame >= 0) continue;
+    still(piece.outer, impl_->outer[p]);
+    for (int k = 0; k < 3; ++k) {
+      impl_->low[3 * p + at(k)] = piece.outer.center[k] - piece.outer.radius;
+      impl_->high[3 * p + at(k)] = piece.outer.center[k] + piece.outer.radius;
+    }
+    for (int i = piece.cover; i < piece.end; ++i) still(s.balls[at(i)], impl_->balls[at(i)]);
+  }
+}
+LaneSweep::Scratch::~Scratch() = default;
+std::span<const LaneSweep::Open> LaneSweep::Scratch::open() const { return impl_->open; }
+
+void LaneSweep::Scratch::countInto(Work& work) {
+  impl_->work = &work;
+  collision::countInto(impl_->distance, work);
+}
+
+void LaneSweep::Scratch::close(std::span<const std::uint32_t> lanes) {
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < impl_->open.size(); ++i) {
+    impl_->open[i].lanes &= ~lanes[i];
+    if (impl_->open[i].lanes == 0) continue;
+    impl_->open[kept] = impl_->open[i];
+    impl_->open_pairs[kept++] = impl_->open_pairs[i];
+  }
+  impl_->open.resize(kept);
+  impl_->open_pairs.resize(kept);
+}
+
+}  // namespace leeway::collision

@@ -1,0 +1,89 @@
+#pragma once
+
+// The first contact of bodies of any shape, by steps that are certified free.
+
+#include <algorithm>
+#include <limits>
+
+#include "collision/time/contact_sample.h"
+#include "leeway/collision/time_to_impact.h"
+
+namespace leeway::collision {
+
+/// The next step from a sample at t with that gap, certified free: by the bound on the closing
+/// speed, or, where that is short of the predicted contact, by a sweep. Counts sweeps into
+/// `queries`.
+template <typename Problem>
+double certifiedStep(Problem& problem, const ContactRequest& request, const ContactSample& now,
+                     double gap, int& queries) {
+  const double left = request.end - now.t, coming = timeToClose(gap, now);
+  const double step = timeToImpact(gap, {now.speed, 0}) * (1 - 4 * kUnitRoundoff);
+  if (!(step < kContactStepShare * std::min(coming, left))) return step;
+  for (double sweep = std::min(kContactSweepShare * coming, left);
+       sweep > 2 * step && queries < request.query_limit; sweep /= 2) {
+    ++queries;
+    if (problem.isFreeOver(now.t, sweep)) return sweep;
+  }
+  return step;
+}
+
+/// Conservative advancement with a bound on the closing speed (B. Mirtich 1996) and with sweeps.
+/// Problem has sample(t, tolerance), and isFreeOver(t, step): is [t, t + step] certified free.
+template <typename Problem>
+ContactResult advanceConservatively(Problem& problem, const ContactRequest& request) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  ContactResult result;
+  const double end = request.end;
+  if (!isInRange(request)) return result;
+  double t = 0;  // certified free before t; open at t itself
+  double tolerance = request.tolerance;
+  const auto answer = [&](ContactStatus status, double upper, const ContactSample& s) {
+    result.status = status;
+    result.time = {t, upper};
+    result.distance = s.distance;
+    return result;
+  };
+  while (result.queries < request.query_limit) {
+    const ContactSample now = problem.sample(t, tolerance);
+    ++result.queries;
+    if (now.distance.status == DistanceStatus::kInvalid) {
+      result.distance = now.distance;
+      return result;
+    }
+    if (isInContact(now, request)) return answer(ContactStatus::kContact, t, now);
+    const double gap = now.distance.distance.lower - request.margin;
+    const double coming = timeToClose(gap, now);
+    if (!(coming > request.time_tolerance / 2) || !(gap > 0)) {
+      // About to touch, as far as the query can tell: a little later contact may be proven.
+      const double later = std::min(t + request.time_tolerance, end);
+      if (later > t) {
+        const ContactSample then = problem.sample(later, request.tolerance);
+        ++result.queries;
+        if (isInContact(then, request)) return answer(ContactStatus::kContact, later, then);
+      }
+      if (!(gap > 0)) {
+        if (!(tolerance > request.tolerance))
+          return answer(ContactStatus::kUndecided, kInfinity, now);
+        tolerance = request.tolerance;  // the last sample was a coarse one
+        continue;
+      }
+    }
+    const double step = certifiedStep(problem, request, now, gap, result.queries);
+    if (step >= end - t) {
+      t = kInfinity;
+      return answer(ContactStatus::kFree, kInfinity, now);
+    }
+    const double next = t + step * (1 - 4 * kUnitRoundoff);
+    if (!(next > t)) return answer(ContactStatus::kUndecided, kInfinity, now);
+    t = std::min(next, end);
+    // An interval of a small share of the gap that the prediction leaves will do.
+    tolerance = std::max(request.tolerance, kContactDistanceShare * gap *
+                                                std::max(0.0, 1 - step / std::max(coming, step)));
+    result.distance = now.distance;
+  }
+  result.status = ContactStatus::kUndecided;
+  result.time = {t, kInfinity};
+  return result;
+}
+
+}  // namespace leeway::collision
