@@ -6,9 +6,9 @@
 
 namespace leeway::planner {
 
-/// What a message says to who mistyped a name: "; did you mean 'NAME'?" when one of `known` is
+/// The end of a message about an unknown name: "; did you mean 'NAME'?" when one of `known` is
 /// near, otherwise "; known: a, b, c" (the first twelve), or "; there is none" for an empty list.
-/// O(known x length^2).
+/// O(known * length^2).
 std::string nearestName(std::string_view name, const std::vector<std::string>& known);
 
 }  // namespace leeway::planner

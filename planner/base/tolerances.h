@@ -1,44 +1,37 @@
 #pragma once
 
 // Every tolerance of planner/: unit, reason, and what goes wrong when it is changed. What stands
-// here and what beside its algorithm is decided as in collision's.
+// here and what beside its algorithm is decided as in collision/base/tolerances.h.
 
 #include <cstdint>
 
 namespace leeway::planner {
 
-/// Below this angle [rad] sin x = x and atan x = x to the last bit (x^2 / 3 is under half an ulp);
-/// larger would cost accuracy, below 1e-150 squares would underflow to zero and lose the direction.
+// ============================== 1. What guarantees rest on ==============================
+// A proof, an accepted input or a written file would be wrong with another value.
+
+// Angles and rotations
+
+/// Below this angle [rad] sin x = x and atan x = x to the last bit (x^2 / 3 is under half an ulp).
+/// Larger costs accuracy; below 1e-150 squares underflow to zero and lose the direction.
 constexpr double kTinyAngle = 1e-8;
 
-/// Below this [rad] a turn has no axis: the square of its length would lose digits that count. Any
-/// axis will do then.
+/// Below this [rad] a turn has no axis, because the square of its length loses digits; any axis
+/// will do then.
 constexpr double kLeastTurn = 1e-150;
 
 /// A quaternion whose length is this near to 1 is unit to rounding: dividing by it again would only
 /// move it.
 constexpr double kUnitToRounding = 1e-15;
 
-/// Squared part of a unit normal across the z axis up to which it is that axis, or its opposite, in
-/// the verifier: below, squares lose digits.
+/// Squared part of a unit normal across the z axis up to which the verifier takes it for that axis
+/// or its opposite: below, squares lose digits.
 constexpr double kVerifyAcross = 1e-300;
 
-/// OMPL writes parameters with six digits: one that reads back within this share was kept.
-constexpr double kParameterDigits = 1e-5;
+// Range and rounding of poses
 
-/// How far from 1 the length of a planned body's quaternion may be to count as a rotation. Rounding
-/// leaves 1e-15; loaders normalise anything within kMendableQuaternion, so what is farther off here
-/// was made by a program that forgot to.
-constexpr double kUnitQuaternion = 1e-6;
-
-/// A quaternion in a file this near to unit length was meant to be one (three or four written
-/// digits): normalised, with a warning above kSilentQuaternion; farther off it is taken for an
-/// error in the file.
-constexpr double kMendableQuaternion = 1e-3;
-constexpr double kSilentQuaternion = 1e-8;
-
-/// Joint angles farther from zero than this [rad] are not certified: their rounding would no longer
-/// be small. Files that name one are refused.
+/// Joint angles farther from zero than this [rad] are not certified, and files that name one are
+/// refused: kInterpolationRounding would not hold.
 constexpr double kLargestAngle = 1e3;
 
 /// How far rounding of a + t dq (three operations) moves a joint within kLargestAngle [rad], and a
@@ -49,6 +42,72 @@ constexpr double kInterpolationRounding = 1e-12;
 /// farther out rounding of kinematics (1e-16 of it and more) would eat margins of micrometres.
 constexpr double kLargestReach = 1e4;
 
+/// The product of a vertex's speed bound and a time is rounded up by this share: two products and a
+/// sum err by less than 1e-15.
+constexpr double kGrowthRounding = 1e-14;
+
+/// How far the verifier's poses may be from the exact ones, for each joint, relative to the reach
+/// and as metres. At its angles of up to 1e4 rad interpolation rounds by 2e-12 rad at the most;
+/// sines and products by 1e-14.
+constexpr double kVerifyRounding = 4e-12;
+
+// Blended corners
+
+/// A blend is proven as chords from which any point of the robot, seen from any other, departs by
+/// at most this [m]; it is charged to the margins.
+constexpr double kBlendDeviation = 5e-5;
+
+/// On either side of a blended corner a circle turns by less than this [rad]: with the rounding of
+/// a chord's ends less than half a turn in all, so that the chord goes the same way.
+constexpr double kBlendReach = 1.5;
+
+/// Edges whose unit directions differ by no more than this in each number are run through without a
+/// stop. Cutting an edge rounds by less; velocity jumps by that share at such a corner.
+constexpr double kInLine = 1e-12;
+
+// What input is accepted, and what counts as equal in it
+
+/// How far from 1 the length of a planned body's quaternion may be to count as a rotation. Rounding
+/// leaves 1e-15, and loaders normalise anything within kMendableQuaternion: what is farther off
+/// comes from a program that did not normalise.
+constexpr double kUnitQuaternion = 1e-6;
+
+/// A quaternion in a file this near to unit length was meant to be one (three or four written
+/// digits). It is normalised, with a warning above kSilentQuaternion; farther off it is an error.
+constexpr double kMendableQuaternion = 1e-3;
+constexpr double kSilentQuaternion = 1e-8;
+
+/// A start or goal of MoveIt's this far outside a limit [rad or m] is the limit itself, written
+/// with fewer digits (3.14159 for pi): it is moved onto it, with a warning. Larger would move a
+/// robot unasked.
+constexpr double kLimitSlack = 1e-5;
+
+/// A column of a path file that is not planned agrees with the problem within this [rad or m]: logs
+/// have six digits.
+constexpr double kPassiveJointSlack = 1e-5;
+
+/// How near a verified path's ends must be to start and goal, and how far outside its limits a
+/// waypoint may be [rad or m]: rounding of files and of whole turns, nothing that a robot could
+/// feel.
+constexpr double kVerifyWaypoint = 1e-9;
+
+/// OMPL writes parameters with six digits: one that reads back within this share was kept.
+constexpr double kParameterDigits = 1e-5;
+
+/// Limits on velocity, acceleration and jerk that a problem may name, and the least share of them:
+/// far beyond all machines, and no product or quotient of them overflows. A URDF's velocity above
+/// the largest means that there is no limit.
+constexpr double kLeastLimit = 1e-9;
+constexpr double kMostLimit = 1e9;
+
+/// The latest time [s] that the stamps of trajectory_msgs/JointTrajectory can hold.
+constexpr double kLatestStamp = 2147483647;
+
+// ================================= 2. What only tunes ===================================
+// Time, memory, or how good an answer is; never whether it is true.
+
+// Edges: what ends a proof
+
 /// An interval of an edge in which no point of a pair moves farther than this [m] is not split
 /// again: what is still open there comes within about as much of its margin, and is undecided.
 /// Smaller only delays that answer.
@@ -58,80 +117,133 @@ constexpr double kSmallestMotion = 1e-6;
 /// nanometre.
 constexpr int kDeepestLevel = 30;
 
-/// The last valid place of an edge is told to 2^-12 of it: planners go back there and need no more.
+/// What an edge may cost before it is left undecided [units of collision::Work, about a nanosecond
+/// each], so that an edge that grazes something does not cost as much as fifty others. Of the edges
+/// that planning and simplifying ask for in 14 MotionBenchMaker problems with four seeds each it
+/// leaves 17 of ur5's 20,100 open and none of panda's 32,000. Four fifths of it leave 48 of ur5's.
+constexpr std::int64_t kEdgeWork = 100'000;
+
+/// kEdgeWork where a body flies freely among triangles: its surfaces are followed through all of
+/// the edge at once, and kEdgeWork would leave one in thirty of such edges undecided.
+constexpr std::int64_t kFlightWork = 500'000;
+
+/// kEdgeWork where no other edge can take this one's place: certificates of paths and of steps.
+constexpr std::int64_t kPersistentWork = 10'000'000;
+
+/// The last valid place of an edge is found to 2^-12 of it: planners go back there and need no
+/// more.
 constexpr int kLastValidLevel = 12;
 
-/// Tries at a last valid state nearer to the start, each half as far: the edge up to the first is
-/// certified, but its end is a rounded point beside it, and near contact that may tip the scales.
+/// Tries at a last valid state nearer to the start, each half as far. The edge up to the first is
+/// certified, but its end is a rounded point beside it, which near contact may not be.
 constexpr int kLastValidTries = 4;
 
-/// A sweep is only tried where the growth of its hull is below this [m]; wider ones seldom prove
-/// anything that their halves would not. Chosen by measurement; costs time, never truth.
-constexpr double kSweepGrowth = 0.02;
-
-/// A pair whose sweep failed at some growth is not swept again above this share of it; each success
-/// raises that limit by the second factor. Pairs of one robot stay about as near to each other from
-/// edge to edge. Cost time, never truth.
-constexpr double kHopeLost = 0.7;
-constexpr double kHopeRegained = 1.1;
-
-/// A sweep of meshes with more growth than this [m] looks at no more than so many pairs of nodes:
-/// halves of the interval, which the hulls alone often decide, are cheaper than a deep descent.
-/// Measured; costs time, never truth.
-constexpr double kDeepSweepGrowth = 1e-3;
-constexpr int kShallowNodes = 12;
-
-/// Lanes that balls leave open are asked exactly several at once as long as a sweep's growth stays
-/// below this [m]: things that are always near each other move little against each other, and one
-/// sweep of meshes is as dear over a long interval as over a short one. Measured; costs time, never
-/// truth.
-constexpr double kMergedGrowth = 2e-3;
-
-/// Intervals that these leave open are merged again, pair by pair, up to this growth [m]: what is
-/// left is near, and moves little in one of them. Measured; costs time, never truth.
-constexpr double kMergedAgainGrowth = 2e-4;
+// Edges: lanes
 
 /// Finer passes of lanes over what the pass over a whole edge left open [count], and the part of
 /// the edge below which none is made: what is open there nearly touches, and exact sweeps decide
-/// it. Measured; cost time, never truth.
+/// it. Measured.
 constexpr int kLanePasses = 24;
 constexpr double kFinestPart = 0x1p-10;
 
-/// Below this growth [m] a sweep is always tried, so that an edge that once grazed something does
-/// not spoil the next.
-constexpr double kLeastHope = 2e-4;
+/// Several open lanes are swept exactly as one interval while the sweep's growth stays below this
+/// [m]: things that are always near each other move little against each other, and one sweep of
+/// meshes costs as much over a long interval as over a short one. Measured.
+constexpr double kMergedGrowth = 2e-3;
 
-/// A look for a contact in the middle of an interval visits no more pairs of nodes than this: of
-/// those that find one nearly all have done so by then [count]. Measured; costs time, never truth.
-constexpr int kLookNodes = 200;
+/// Intervals that remain after finer passes are merged, pair by pair, up to this growth [m]: what
+/// is left is near, and moves little in one of them. Measured.
+constexpr double kMergedAgainGrowth = 2e-4;
 
-/// What an edge may cost before it is left undecided [units of collision::Work, about a nanosecond
-/// each]: an edge that grazes something is not to cost what fifty others do. Of the edges that
-/// planning and simplifying ask for in 14 MotionBenchMaker problems with four seeds each it leaves
-/// 17 of ur5's 20,100 open and none of panda's 32,000. Four fifths of it leave 48 of ur5's.
-constexpr std::int64_t kEdgeWork = 100'000;
+// Edges: exact sweeps
 
-/// The same where a body flies freely among triangles: its surfaces are followed through all of the
-/// edge at once, and that limit would leave one in thirty of such edges undecided.
-constexpr std::int64_t kFlightWork = 500'000;
+/// A sweep is tried only where the growth of its hull is below this [m]; wider ones seldom prove
+/// anything that their halves would not. Measured.
+constexpr double kSweepGrowth = 0.02;
 
-/// The same for what is not tried again on another edge: certificates of paths and of steps.
-constexpr std::int64_t kPersistentWork = 10'000'000;
+/// Each pair has a limit of its own below that, since pairs of one robot stay about as near to each
+/// other from edge to edge. A sweep that fails lowers it to the first share of its growth, one that
+/// succeeds raises it by the second. It is never lowered below the third [m], or an edge that once
+/// grazed something would spoil the next.
+constexpr double kGrowthLimitFall = 0.7;
+constexpr double kGrowthLimitRise = 1.1;
+constexpr double kLeastGrowthLimit = 2e-4;
+
+/// A sweep of meshes with more growth than this [m] looks at no more than so many pairs of nodes:
+/// halves of the interval, which the hulls alone often decide, are cheaper than a deep descent.
+/// Measured.
+constexpr double kDeepSweepGrowth = 1e-3;
+constexpr int kShallowNodes = 12;
+
+/// Pairs of nodes that a look for a contact in the middle of an interval visits [count]: of those
+/// that find one nearly all have done so by then. Measured.
+constexpr int kContactNodes = 200;
+
+// Edges: the least clearance
 
 /// Distance queries for the clearance of one edge before its interval is left wider than asked, and
 /// what they may cost [units of collision::Work]: depths of meshes take up to milliseconds each.
-constexpr int kClearanceWork = 100'000;
-constexpr std::int64_t kClearanceCost = 100'000'000;
+constexpr int kClearanceQueries = 100'000;
+constexpr std::int64_t kClearanceWork = 100'000'000;
 
-/// Passes of lanes for it after the first, as long as each finds something nearer, and the pairs
-/// that are looked at after each [count]. Measured; cost time, never truth.
+/// Passes of lanes after the first, as long as each finds something nearer, and the pairs that are
+/// looked at after each [count]. Measured.
 constexpr int kClearancePasses = 3;
 constexpr int kClearanceLooks = 2;
 
-/// A start or goal of MoveIt's this far outside a limit is the limit itself, written with fewer
-/// digits (3.14159 for pi): moved onto it, with a warning [rad or m]. Larger would move a robot
-/// without being told.
-constexpr double kLimitSlack = 1e-5;
+// Goals
+
+/// Valid points drawn from a goal range [count]: enough that a planner finds an easy one, few
+/// enough that checking them is not felt. Tries before a range is taken for invalid.
+constexpr int kGoalSamples = 16;
+constexpr int kGoalAttempts = 1000;
+
+/// Points of an invalid goal range that are compared for the least deep one, which is reported.
+constexpr int kGoalReports = 16;
+
+/// How near the reported clearance of an invalid start or goal is to the truth [m].
+constexpr double kReportTolerance = 1e-6;
+
+// Searches
+
+/// RRTConnect's (Kuffner, LaValle 2000) range when a problem names none, as a fraction of the
+/// space's extent (joints counted up to half a turn). Certified edges cost more the longer they
+/// are, and long ones mostly fail: OMPL's 0.2 of the whole extent took three to six times as long
+/// on arms of six and seven joints.
+constexpr double kConnectRange = 0.08;
+
+/// SST's step and radii when a problem names none, as fractions of the space's extent: its steps go
+/// anywhere, and long ones end in obstacles.
+constexpr double kStepRange = 0.1;
+constexpr double kSelectionRadius = 0.04;
+constexpr double kPruningRadius = 0.02;
+
+/// How near a planner must come that cannot reach a goal exactly, as a fraction of the space's
+/// extent: near enough that the edge from there is mostly free, far enough to be found by chance.
+constexpr double kNearGoal = 0.05;
+
+/// Runs without a single iteration after which a planner is not started again.
+constexpr int kIdleRuns = 3;
+
+/// How near clearances are known to a search [m]: beyond the thickness of paint no path is worth a
+/// longer search. The certificate has a tolerance of its own.
+constexpr double kClearanceTolerance = 1e-3;
+
+/// How near the two ends of a search for clearance are known [m]: what its path has, and what any
+/// path can have. Together less than kClearanceTolerance, or it would not see that it has arrived.
+constexpr double kBoundTolerance = 2.5e-4;
+
+/// Iterations of the first search with raised margins: a fraction of a second, and doubled when it
+/// proves too few.
+constexpr unsigned long long kFirstBudget = 1000;
+
+/// What an optimising planner leaves of the time limit to simplification, as a fraction.
+constexpr double kSimplifyShare = 0.05;
+
+/// Time between two calls of a progress callback [s]: what an eye can follow.
+constexpr double kProgressPeriod = 0.1;
+
+// Simplification
 
 /// A shortcut that starts or ends this near to a waypoint, as a fraction of the path's length,
 /// starts or ends at the waypoint: smaller pieces multiply edges and gain nothing.
@@ -148,71 +260,15 @@ constexpr int kPartEvery = 3;
 constexpr int kPullSweeps = 4;
 constexpr double kPullGain = 1e-2;
 
-/// Valid points drawn from a goal range [count]: enough that a planner finds an easy one, few
-/// enough that checking them is not felt. Tries before a range is taken for invalid.
-constexpr int kGoalSamples = 16;
-constexpr int kGoalAttempts = 1000;
+// Streams of random numbers, far from each other and beyond any number of samplers
 
-/// Of an invalid goal range, how many points are looked at for the least deep one that is reported.
-constexpr int kGoalReports = 16;
+constexpr unsigned long long kGoalStream = 1ULL << 40;      ///< goals, one each
+constexpr unsigned long long kRunStream = 1ULL << 41;       ///< seeds of a plan's planner runs
+constexpr unsigned long long kSimplifyStream = 1ULL << 42;  ///< simplification
+constexpr unsigned long long kReplanStream = 1ULL << 43;    ///< seeds of replanning
+constexpr unsigned long long kEvasionStream = 1ULL << 44;   ///< evasions
 
-/// How near the reported clearance of an invalid start or goal is to the truth [m].
-constexpr double kReportTolerance = 1e-6;
-
-/// First stream of random numbers for goals: beyond any number of samplers.
-constexpr unsigned long long kGoalStream = 1ULL << 40;
-
-/// First stream of random numbers for the seeds of a plan's planner runs, for its simplification:
-/// see above.
-constexpr unsigned long long kRunStream = 1ULL << 41;
-constexpr unsigned long long kSimplifyStream = 1ULL << 42;
-
-/// RRTConnect's (Kuffner, LaValle 2000) range when a problem names none, as a fraction of the
-/// space's extent (joints counted up to half a turn). Certified edges cost more the longer they
-/// are, and long ones mostly fail: OMPL's 0.2 of the whole extent took three to six times as long
-/// on arms of six and seven joints.
-constexpr double kConnectRange = 0.08;
-
-/// SST's step when a problem names none, as a fraction of the space's extent: its steps go
-/// anywhere, and long ones end in obstacles. Its radii likewise.
-constexpr double kStepRange = 0.1;
-constexpr double kSelectionRadius = 0.04;
-constexpr double kPruningRadius = 0.02;
-
-/// How near a planner must come that cannot reach a goal exactly, as a fraction of the space's
-/// extent: near enough that the edge from there is mostly free, far enough to be found by chance.
-constexpr double kNearGoal = 0.05;
-
-/// Runs without a single iteration after which a planner is not started again.
-constexpr int kIdleRuns = 3;
-
-/// How near clearances are known to a search [m]: beyond the thickness of paint no path is worth a
-/// longer search. The certificate has a tolerance of its own.
-constexpr double kClearanceTolerance = 1e-3;
-
-/// How near the ends of a search for clearance are known [m]: what it has and what it could have at
-/// most; together less than kClearanceTolerance, or it would not see that it has arrived.
-constexpr double kBoundTolerance = 2.5e-4;
-
-/// Iterations of the first search with raised margins: a fraction of a second, and doubled when it
-/// proves too few.
-constexpr unsigned long long kFirstBudget = 1000;
-
-/// What an optimising planner leaves of the time limit to simplification, as a fraction.
-constexpr double kSimplifyShare = 0.05;
-
-/// Time between two calls of a progress callback [s]: what an eye can follow.
-constexpr double kProgressPeriod = 0.1;
-
-/// A column of a path file that is not planned agrees with the problem within this [rad or m]: six
-/// digits are usual in logs.
-constexpr double kPassiveJointSlack = 1e-5;
-
-// step_certifier.cc, obstacles.cc, replanner.cc
-
-/// A vertex's speed bound times a time is rounded up by this share: two products and a sum err by
-/// less than 1e-15.
-constexpr double kGrowthRounding = 1e-14;
+// Replanning
 
 /// A part of a step in which no obstacle's vertex moves farther than this [m] is not halved again:
 /// halving it gains nothing that a robot could feel.
@@ -220,7 +276,7 @@ constexpr double kLeastGrowth = 1e-5;
 
 /// How often a step is halved in time: a vertex at 1 m/s moves 0.2 mm in half of 0.05 s / 2^7.
 constexpr int kMustHalvings = 7;
-/// The same for what lies ahead of a step, which is asked again when it comes.
+/// How often what lies ahead of a step is halved; it is asked again when it comes.
 constexpr int kAheadHalvings = 3;
 
 /// Places that are tried when a robot cannot stay [count], and how many of those with the most room
@@ -237,87 +293,48 @@ constexpr int kLongestPause = 8;
 /// Steps that may be looked ahead [count]: each costs what a step costs.
 constexpr double kLongestLookAhead = 1000;
 
-/// First stream of random numbers for the seeds of replanning, and for evasions.
-constexpr unsigned long long kReplanStream = 1ULL << 43;
-constexpr unsigned long long kEvasionStream = 1ULL << 44;
+// Trajectories
 
-// verify.cc
+/// Joints without a limit on acceleration reach their limit on velocity from rest in this time [s]:
+/// what arms' controllers commonly take.
+constexpr double kTimeToVelocityLimit = 0.5;
 
-/// How near a path's ends must be to start and goal, and how far outside its limits a waypoint may
-/// be [rad or m]: rounding of files and of whole turns, nothing that a robot could feel.
-constexpr double kVerifyWaypoint = 1e-9;
+/// A blended corner is divided into so many parts of constant acceleration along it: twice as many
+/// gain less than 1 % of its time.
+constexpr int kBendCells = 16;
 
-/// For each joint, relative to the reach and as metres: how far the verifier's poses may be from
-/// the exact ones. Interpolation at angles of up to 1e4 rad rounds by 2e-12 rad at the most there;
-/// sines and products by 1e-14.
-constexpr double kVerifyRounding = 4e-12;
+/// The chords that prove a blend [count, power of two]; one that would need more is not tried.
+constexpr int kBlendChords = 128;
 
-/// Where a distance alone decides, it is wanted to this [m].
-constexpr double kVerifyTolerance = 1e-9;
-
-/// Where a span is only partly free, its distance is wanted to this fraction: finer costs much more
-/// than the larger step saves.
-constexpr double kVerifyFraction = 0.4;
-
-/// A span in which the pair can move by no more than this [m] is not split further: it is left
-/// undecided.
-constexpr double kVerifySmallestMotion = 1e-9;
-
-/// Looks at one pair of shapes on one edge, and on a whole path, before it is left undecided
-/// [count]: about 10 s and some minutes.
-constexpr long kVerifyPairWork = 500'000;
-constexpr long kVerifyOpenWork = 20'000;  ///< once part of it is left undecided
-constexpr long kVerifyWork = 10'000'000;
-
-/// The same of what the distances cost [units of collision::Work]: as long, where each is a depth
-/// of meshes that takes milliseconds.
-constexpr std::int64_t kVerifyPairCost = 4'000'000'000;
-constexpr std::int64_t kVerifyOpenCost = 160'000'000;
-constexpr std::int64_t kVerifyCost = 80'000'000'000;
-
-// problem_execution.cc, timed_path.cc, path_write.cc
-
-/// Limits on velocity, acceleration and jerk that a problem may name, and the least share of them:
-/// far beyond all machines, and no product or quotient of them overflows. A URDF's velocity above
-/// the largest means that there is no limit.
-constexpr double kLeastLimit = 1e-9;
-constexpr double kMostLimit = 1e9;
-
-/// Seconds that trajectory_msgs/JointTrajectory's stamps can say.
-constexpr double kLatestStamp = 2147483647;
+/// Cuts of half the shorter edge are tried, then halves of that, so often [count].
+constexpr int kBlendTries = 7;
 
 /// Rows that a period may ask for [count]: some hundred megabytes.
 constexpr double kMostRows = 1e6;
 
-// trajectory.cc
+// Verification
 
-/// Edges whose unit directions differ by no more than this in each number are run through without a
-/// stop: cutting an edge rounds by less, and the jump of velocity at such a corner is that share of
-/// it.
-constexpr double kInLine = 1e-12;
+/// Where a distance alone decides, it is asked for to this [m].
+constexpr double kVerifyTolerance = 1e-9;
 
-/// Without a limit on acceleration, velocity limits are reached from rest in this time [s]: what
-/// arms' controllers commonly take.
-constexpr double kTimeToVelocityLimit = 0.5;
+/// Where a span is only partly free, its distance is asked for to this fraction: finer costs much
+/// more than the larger step saves.
+constexpr double kVerifyFraction = 0.4;
 
-/// A blended corner is gone through in so many parts of constant acceleration along it: twice as
-/// many gain less than 1 % of its time.
-constexpr int kBendCells = 16;
+/// A span in which the pair can move by no more than this [m] is not split further and stays
+/// undecided.
+constexpr double kVerifySmallestMotion = 1e-9;
 
-// blend.cc
+/// Looks [count] before something is left undecided: at one pair of shapes on one edge, at it once
+/// part of it is left undecided, and on a whole path. About 10 s and some minutes.
+constexpr long kVerifyPairWork = 500'000;
+constexpr long kVerifyOpenWork = 20'000;
+constexpr long kVerifyWork = 10'000'000;
 
-/// A blend is proven as chords from which it departs by at most this [m], any point of the robot
-/// seen from any other; it is charged to the margins.
-constexpr double kBlendDeviation = 5e-5;
-
-/// In at most so many chords [count, power of two]; a blend that would need more is not tried.
-constexpr int kBlendChords = 128;
-
-/// On either side of its corner a circle may turn by less than this [rad]: with the rounding of a
-/// chord's ends less than half a turn in all.
-constexpr double kBlendReach = 1.5;
-
-/// Cuts of half the shorter edge are tried, then halves of that, so often [count].
-constexpr int kBlendTries = 7;
+/// What the distances of these looks may cost [units of collision::Work]: as long, where each is a
+/// depth of meshes that takes milliseconds.
+constexpr std::int64_t kVerifyPairCost = 4'000'000'000;
+constexpr std::int64_t kVerifyOpenCost = 160'000'000;
+constexpr std::int64_t kVerifyCost = 80'000'000'000;
 
 }  // namespace leeway::planner

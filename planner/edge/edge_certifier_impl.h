@@ -1,6 +1,24 @@
 #pragma once
 
-// Private to planner/: what certify() and edgeClearance() share.
+// Private to planner/: the state of an EdgeCertifier, and the stages that certify() and
+// edgeClearance() share, file by file.
+//
+// clang-format off
+//   what decides an edge, cheap to dear             here                        file
+//   1. balls; planes and points already known       EdgeLanes::sweep            edge_lanes.cc
+//   2. gaps between links, by joint angles          EdgeLanes::closeGaps        edge_lanes.cc
+//   3. contacts, where they are likely              searchLikelyContacts        edge_contacts.cc
+//   4. new planes                                   EdgeLanes::searchPlanes     edge_lanes.cc
+//   5. contacts in the middle of open lanes         searchContacts              edge_contacts.cc
+//   6. planes again, over finer parts               certifyParts                edge_parts.cc
+//   7. containment at the edge's end                checkContainment            edge_contacts.cc
+//   8. exact sweeps of what is left, bisected       bisectIntervals             edge_bisection.cc
+//
+//   beneath these: one interval                     sweepOpenPairs              edge_sweep.cc
+//                  lists of intervals               listOpenLanes and below     edge_intervals.cc
+//                  one configuration                checkState                  edge_state.cc
+//   the least clearance in place of a verdict       ClearanceSearch             edge_clearance.cc
+// clang-format on
 
 #include <limits>
 #include <memory>
@@ -17,212 +35,268 @@
 
 namespace leeway::planner {
 
-/// A dyadic part of the edge, with the pairs that it leaves open as a range of a list.
+inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+inline std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+// Capacities for one edge, which stays undecided where it needs more.
+
+inline constexpr int kEdgeSlots = 1024;      ///< configurations
+inline constexpr int kEdgeIntervals = 2048;  ///< intervals of one level
+inline constexpr int kEdgeOpen = 1 << 16;    ///< open pairs of all these
+inline constexpr int kEdgeParts = 512;       ///< parts for finer passes of lanes
+
+inline constexpr int kEdgeSpans = 4096;      ///< of more spans none are merged
+inline constexpr int kSharedSlots = 1 << 9;  ///< multiples of 1 / kSharedSlots are placed once
+inline constexpr int kContactLooks = 3;      ///< looks for a contact, in each of two stages
+
+/// Part [t0, t0 + h] of the edge; both are dyadic, and so exact. The pairs that are still open
+/// there are [begin, end) of a list.
 struct EdgeInterval {
-  int slot0, slot1;
+  int slot0, slot1;  ///< the configurations at its ends
   double t0, h;
   int begin, end;
-  int level;
+  int level;  ///< bisections so far
 };
 
 struct EdgeCertifier::Impl {
   explicit Impl(std::shared_ptr<const CompiledScene> scene);
 
-  /// Nothing is counted yet, and so much may be.
+  /// Resets the count of work; beyond `limit` the edge stays undecided.
   void startWork(std::int64_t limit = std::numeric_limits<std::int64_t>::max()) {
     work = {0, limit};
   }
 
-  /// What a look at one pair found.
-  enum class Pair : unsigned char { kFree, kNotFree, kOpen };
+  // The order of the stages (edge_certifier.cc). Functions that return an optional check return it
+  // where they decide the edge.
+
+  EdgeCheck certifyByLanes();
+  /// Without lanes: exact sweeps alone, from the whole edge down.
+  EdgeCheck certifyByBisection();
+  /// A verdict on pair p (-1: none) at t. Remembers a pair that is not free.
+  EdgeCheck makeCheck(Verdict verdict, int p = -1, double t = 0);
+  EdgeCheck makeCheck(const EdgeLanes::Parts& parts, const collision::LaneSweep::Contact& contact) {
+    return makeCheck(Verdict::kNotFree, contact.id, parts.from[contact.lane] + parts.width / 2);
+  }
 
   // One configuration (edge_state.cc).
-  /// `slot` is the edge's configuration at t.
-  Verdict checkState(int slot, double t, int& pair);
-  Pair coarseState(int slot, const EdgePair& pair) const;
-  /// `nodes`: see sweep(); where they do not suffice, open.
-  Pair exactState(int slot, const EdgePair& pair, int nodes = 0);
+
+  enum class PairState : unsigned char { kFree, kNotFree, kOpen };
+  /// All pairs at t, placed in `slot`. `offender`: the pair that is not free or undecided.
+  Verdict checkState(int slot, double t, int& offender);
+  /// By balls and coarse shapes.
+  PairState coarseState(int slot, const EdgePair& pair) const;
+  /// By distance(). Looks at no more than `nodes` pairs of nodes; 0: as many as it takes.
+  PairState exactState(int slot, const EdgePair& pair, int nodes = 0);
+  /// Witnesses in the scene's order of the two bodies.
   collision::DistanceResult stateDistance(int slot, const EdgePair& pair,
                                           const collision::DistanceRequest& request);
 
-  // One interval.
-  /// What is known of a motion: its bound over the present interval, and its part near the right
-  /// end.
+  // One interval (edge_sweep.cc).
+
+  /// Bounds on a motion, of the present interval, and of its right half, which the next interval
+  /// needs as its left one.
   struct MotionMemory {
-    std::uint64_t stamp = 0, generation = 0;
-    int slot = -1;
+    std::uint64_t interval_stamp = 0, generation = 0;
+    int slot = -1;  ///< at the right end
     double half = 0;
     robots::MotionBound bound, right;
   };
-  /// A piece's ball over an interval, in some frame.
+  /// Holds a piece over an interval, in some frame. `growth`: how far points may leave the chord
+  /// between their two places [m].
   struct SweptBall {
     Eigen::Vector3d center = Eigen::Vector3d::Zero();
     double radius = 0, growth = 0;
-    std::uint64_t stamp = 0;
+    std::uint64_t interval_stamp = 0;
   };
-  SweptBall sweptBall(const EdgeInterval& interval, const EdgePair& pair, const Eigen::Vector3d& c0,
-                      const Eigen::Vector3d& c1);
-  /// The same in the world, for a pair whose other piece does not move: once an interval and piece.
-  const SweptBall& worldBall(const EdgeInterval& interval, const EdgePair& pair);
-  const robots::MotionBound& motionOf(const EdgeInterval& interval, int motion);
-  /// Lower bound on the separation over the interval, from balls, and the growth of a sweep.
-  double coarseSweep(const EdgeInterval& interval, const EdgePair& pair, double& growth);
-  /// `nodes`: at most so many pairs of nodes for meshes; 0: no limit of its own.
-  Interval sweep(const EdgeInterval& interval, const EdgePair& pair, double growth,
-                 double threshold, int nodes = 0);
-  /// Both surfaces of a pair over all of an interval, for by_surfaces. Told: free, or not (at t),
-  /// or neither.
-  collision::MeshSweepResult sweepSurfaces(const EdgeInterval& interval, const EdgePair& pair);
-  /// The slot of the edge's configuration at t, placed once for most t; -1 when there is none left.
-  int slotAt(double t);
-  /// Where a pair's first piece is, seen from the second, along the edge.
+  struct PairContact {
+    int pair;
+    double t;
+  };
   class PairPlacements;
 
-  /// Sweeps the open pairs of an interval, in place: afterwards [begin, end) is what it leaves
-  /// open. False when one is proven not to be free, at t.
-  bool examine(EdgeInterval& interval, std::vector<int>& open, int& offender, double& t);
-  void startInterval() { ++stamp; }
+  /// Sweeps the open pairs of an interval, in place: afterwards [begin, end) are those still open.
+  /// Stops at a pair that is proven not to be free, and returns it.
+  std::optional<PairContact> sweepOpenPairs(EdgeInterval& interval);
+  /// One of these pairs; `t`: where it is not free.
+  PairState sweepPair(const EdgeInterval& interval, int p, double& t);
+  PairState sweepExactly(const EdgeInterval& interval, int p, double growth, double& t);
+  /// Invalidates bounds and balls of the interval before.
+  void startInterval() { ++interval_stamp; }
+  const robots::MotionBound& motionOf(const EdgeInterval& interval, int motion);
+  SweptBall sweptBall(const EdgeInterval& interval, const EdgePair& pair, const Eigen::Vector3d& c0,
+                      const Eigen::Vector3d& c1);
+  /// sweptBall() in the world, for pairs whose other piece stands still: made once an interval and
+  /// piece.
+  const SweptBall& worldBall(const EdgeInterval& interval, const EdgePair& pair);
+  /// Lower bound on the separation over the interval, from balls, and the growth of a sweep [m].
+  double coarseSweep(const EdgeInterval& interval, const EdgePair& pair, double& growth);
+  /// Separation over the interval, from the hull of a's two placements grown by `growth`, as far as
+  /// `threshold` needs it. `nodes`: see exactState().
+  Interval sweep(const EdgeInterval& interval, const EdgePair& pair, double growth,
+                 double threshold, int nodes = 0);
+  /// Both surfaces of a pair that is by_surfaces.
+  collision::MeshSweepResult sweepSurfaces(const EdgeInterval& interval, const EdgePair& pair);
+  /// The slot of the configuration at t, placed once for multiples of 1 / kSharedSlots; -1 when
+  /// none is left.
+  int slotAt(double t);
 
-  /// The open pairs of an interval at its middle: not free or undecided where one is there.
-  Verdict checkMiddle(const EdgeInterval& interval, int slot, int& offender);
-  /// The same at the end of an interval, for pairs whose sweep has just failed there for the first
-  /// time on this edge.
-  Verdict checkEnd(const EdgeInterval& interval, int& offender);
-  EdgeCheck told(Verdict verdict, int p, double t);
-  EdgeCheck certifyByLanes();
-  /// An exact look at a pair at t, which changes what is expected of the next; free where no
-  /// contact is found there.
-  EdgeCheck lookAt(int p, double t);
-  /// Looks for contacts between the middles of lanes, of pairs that are open and have not been
-  /// looked at so in vain, and exactly at those that the last exact look found in contact; free
-  /// where nothing is met.
-  EdgeCheck lookCloser(const EdgeLanes::Parts& parts);
+  // Contacts (edge_contacts.cc).
+
+  /// Before planes are searched, which costs more: between the middles of lanes, for pairs whose
+  /// lane_contact_score allows it; exactly, for those that the last exact look found in contact.
+  std::optional<EdgeCheck> searchLikelyContacts(const EdgeLanes::Parts& parts);
+  /// After planes: open pairs whose hulls are not apart, in the middle of where they are open.
+  std::optional<EdgeCheck> searchContacts(const EdgeLanes::Parts& parts);
+  /// distance() of a pair at t; updates its contact_score.
+  std::optional<EdgeCheck> checkContactAt(int p, double t);
   /// Where the first of some lanes begins, and how far it is from there to the end of the last.
   static std::pair<double, double> rangeOf(const EdgeLanes::Parts& parts, std::uint32_t open_lanes);
-  /// Looks at open pairs whose hulls are not apart, in the middle of where they are open; free
-  /// where nothing is met.
-  EdgeCheck checkOpen(const EdgeLanes::Parts& parts);
-  /// Lists what the pass of lanes left and planes will not part as intervals; false when that
-  /// cannot be placed.
-  bool listOpenLanes();
-  /// Whether a pair that is open in some lanes is asked over just these as one interval.
-  bool isAskedOver(const collision::LaneSweep::Open& pair, int lane, int width) const;
-  /// How many lanes one sweep of a pair is tried on: as long as its growth stays small.
-  int mergedLanes(const collision::LaneSweep::Open& pair) const;
-  /// Lists what a pass over parts left: pairs whose hulls were apart as parts for finer passes,
-  /// others, and those that it left open in most of a part, as intervals. False when there are too
-  /// many.
+  /// At the edge's end, pairs of meshes that are open in all of it: a body may be inside another
+  /// though their surfaces never meet.
+  std::optional<EdgeCheck> checkContainment();
+  /// At the edge's end, pairs whose sweep of its last interval has failed; once an edge and pair.
+  std::optional<EdgeCheck> checkEnd(const EdgeInterval& interval);
+  /// At an interval's middle, placed in `slot`, its open pairs. Undecided pairs stay open.
+  std::optional<EdgeCheck> checkMiddle(const EdgeInterval& interval, int slot);
+
+  // Finer passes of lanes (edge_parts.cc).
+
+  /// Planes over the listed parts, each divided again, until none is left or they no longer pay;
+  /// what remains becomes intervals.
+  std::optional<EdgeCheck> certifyParts();
+  /// Lists what a pass over `parts` left open: pairs whose hulls were apart become parts of finer
+  /// passes; the others, and those open in most of a part, become intervals. False when full.
   bool listParts(const EdgeLanes::Parts& parts);
-  /// Whether a finer pass was of little use for a pair in the part that begins with lane `first`:
-  /// one sweep of what is there is tried on all of it, where it would take many in pieces.
-  bool isWideOpen(const collision::LaneSweep::Open& pair, int first, int share) const;
   bool listWideOpen(const EdgeLanes::Parts& parts, int first);
   bool listLane(const EdgeLanes::Parts& parts, int lane, int first);
-  /// Finer passes over the parts that are listed, until none is left or they do not pay; what
-  /// remains becomes intervals. Told where that decides the edge.
-  std::optional<EdgeCheck> certifyParts();
-  /// Lists what parts from `next` on are left as intervals; false when there are too many.
+  /// Lists the parts from `next` on as intervals. False when full.
   bool listPartsLeft(std::size_t& next);
+  /// True for a pair that a finer pass left open in more than half of the `share` lanes from
+  /// `first` on, which are one part of the pass before: one exact sweep is tried over all of it.
+  bool isWideOpen(const collision::LaneSweep::Open& pair, int first, int share) const;
+  /// Finer passes may part what is apart in the middle of its lanes.
   bool isForParts(const collision::LaneSweep::Open& pair) const {
-    return pair.apart && !frames.pairs()[static_cast<std::size_t>(pair.id)].by_surfaces;
+    return pair.apart && !frames.pairs()[at(pair.id)].by_surfaces;
   }
-  /// As many parts of the list, from `next` on, as one pass divides; pass_pairs become their pairs.
+  /// As many parts of the list, from `next` on, as one pass divides; pass_pairs are their pairs.
   EdgeLanes::Parts takeParts(std::size_t& next);
-  /// An interval without pairs, at the end of the lists.
-  bool addInterval(double from, double width);
-  /// Not free where one of the pairs that are open in all of the edge is so at its end: a body may
-  /// be inside another there without a meeting of surfaces.
-  EdgeCheck checkInside();
-  /// Intervals that stand side by side become one, pair by pair, as long as a sweep's growth stays
-  /// small: one is asked for less than two. False when that cannot be placed.
-  bool mergeIntervals();
-  /// The same for a range of stretches; the number of those that are left.
-  std::size_t mergeStretches();
-  EdgeCheck certifyByLevels();
-  EdgeCheck certifyIntervals();
-  void findLastValid(const EdgeRequest& request, EdgeCheck& check);
-  bool certifyPrefix(EdgeInterval interval, EdgeCheck& check);
 
-  /// Appends the halves of an interval, met in `slot`, with its open pairs, to the next level.
+  // Lists of intervals (edge_intervals.cc).
+
+  /// One interval, with all pairs.
+  void listWholeEdge(int start, int end);
+  /// Appends the pairs that the pass over the whole edge left and finer passes will not part, each
+  /// over as many lanes at once as a sweep is tried on. False when full.
+  bool listOpenLanes();
+  /// Whether listOpenLanes() has a pair over the `width` lanes from `lane` on as one interval.
+  bool isSweptOver(const collision::LaneSweep::Open& pair, int lane, int width) const;
+  /// The most lanes over which a sweep of the pair keeps its growth below kMergedGrowth.
+  int lanesPerSweep(const collision::LaneSweep::Open& pair) const;
+  /// Appends an interval without pairs. False when full.
+  bool addInterval(double from, double width);
+  /// Makes one interval of neighbours, pair by pair, as long as a sweep's growth stays small: one
+  /// long sweep costs less than two short ones. False when full.
+  bool mergeIntervals();
+  /// mergeIntervals() over `spans`; returns how many remain.
+  std::size_t mergeSpans();
+  /// Whether the next level has room for the halves of an interval with `count` pairs.
+  bool hasRoomToSplit(std::size_t count) const {
+    return next_open_pairs.size() + 2 * count <= next_open_pairs.capacity() &&
+           next_intervals.size() + 2 <= next_intervals.capacity();
+  }
+  /// Appends the halves of an interval, which meet in `slot`, to the next level.
   void split(const EdgeInterval& interval, int slot);
 
-  // Clearance of an edge (edge_clearance.cc).
+  // Bisection (edge_bisection.cc).
+
+  /// Sweeps the listed intervals and the halves of those that stay open, level by level.
+  EdgeCheck bisectIntervals();
+  std::optional<EdgeCheck> bisect(EdgeInterval& interval);
+  /// Sets check.last_valid: how far from its start the edge is certified.
+  void findLastValid(EdgeCheck& check);
+  /// Depth first from the left; false where an interval stays open.
+  bool certifyPrefix(EdgeInterval interval, EdgeCheck& check);
+
+  // The least clearance of an edge (edge_clearance.cc).
+
   struct ClearanceSearch;
   Interval refineState(int slot, double t, const EdgePair& pair, ClearanceSearch& search);
   void searchState(int slot, double t, ClearanceSearch& search);
   void settlePairs(EdgeInterval& interval, ClearanceSearch& search);
   void settleFromMiddle(EdgeInterval& interval, int slot, bool last, ClearanceSearch& search);
-  /// Lists all pairs over the whole edge.
-  void listWholeEdge(int start, int end);
-  /// Lists what lanes do not prove to be so far apart that it need not be looked at, and settles
-  /// the rest; false, with nothing settled, where they say nothing.
   bool listNearLanes(ClearanceSearch& search);
-  /// Looks at the first few pairs that lanes left open, in the middle of where they are open.
   void searchOpenLanes(const EdgeLanes::Parts& parts, int count, ClearanceSearch& search);
   void searchIntervals(ClearanceSearch& search);
+
+  // The scene, and what is placed of it.
 
   std::shared_ptr<const CompiledScene> scene;
   EdgeFrames frames;
   EdgeLanes lanes;
-  bool lanes_fit = true;  // what `scene` is now
+  bool lanes_fit = true;  ///< false after rebind(): lanes hold the shapes of the scene before
   collision::Workspace workspace;
-  std::vector<MotionMemory> motion;    // one a motion
-  std::vector<SweptBall> world_balls;  // one a piece
-  /// Slots of multiples of 1 / kSharedSlots.
   struct SharedSlot {
     std::uint64_t generation = 0;
     int slot = -1;
   };
   std::vector<SharedSlot> shared_slots;
-  std::uint64_t stamp = 0;
-  std::vector<double> hopeful;              // growth [m] at which a pair's sweep is worth trying
-  std::vector<std::uint64_t> failed_stamp;  // the interval at which a pair's sweep last failed
-  std::vector<std::uint64_t> end_looked;    // the edge at whose end a pair was last looked at
-  // Of looks at a pair before it is swept, and before planes are looked for: up by what is met,
-  // down by what is not; below 0 none are taken.
-  std::vector<int> luck, closer_luck;
-  /// What lookCloser() has asked in vain of this edge, with exact queries or without.
-  struct CloserLook {
+
+  // The present edge.
+
+  std::uint64_t edge = 0;  ///< its number
+  collision::Work work;    ///< spent on it, or on a state
+  std::int64_t work_limit = 0;
+  double smallest = 0;    ///< EdgeRequest::smallest_interval
+  int queries = 0;        ///< exact ones; for edgeClearance()
+  int contact_looks = 0;  ///< of searchContacts()
+
+  // The present interval.
+
+  std::uint64_t interval_stamp = 0;
+  std::vector<MotionMemory> motion;    ///< one a motion
+  std::vector<SweptBall> world_balls;  ///< one a piece
+
+  // Lists.
+
+  std::vector<EdgeInterval> intervals, next_intervals;  ///< of this level and the next
+  std::vector<int> open_pairs, next_open_pairs;         ///< theirs
+  /// Where a pair is to be swept, for mergeIntervals().
+  struct Span {
     int pair;
     double from, width;
-    bool exact;
   };
-  std::vector<CloserLook> closer_looks;
-  std::vector<EdgeInterval> intervals, next_intervals;
-  /// What mergeIntervals() asks of a pair.
-  struct Stretch {
-    int pair;
-    double from, width;
-  };
-  std::vector<Stretch> stretches;
-  /// A part of the edge that is looked at in lanes again, and its pairs as a range of part_pairs.
+  std::vector<Span> spans;
+  /// A part of the edge for finer passes; its pairs are [begin, end) of part_pairs.
   struct EdgePart {
     double from, width;
     int begin, end;
   };
   std::vector<EdgePart> edge_parts;
-  std::vector<int> part_pairs, open_everywhere;
+  std::vector<int> part_pairs;
   std::vector<collision::LaneSweep::Open> pass_pairs;
-  int looks = 0;  // at single configurations of this edge
-  std::vector<int> open, next_open;
-  std::vector<std::pair<double, int>> order;  // pairs by coarse distance
-  int killer = 0;                             // index into pairs of what last was not free
-  collision::Work work;                       // of the present edge or state
-  std::int64_t work_limit = 0;
-  int queries = 0;  // of the present edgeClearance()
-  double smallest = 0;
+  std::vector<int> never_parted;              ///< pairs for checkContainment()
+  std::vector<std::pair<double, int>> order;  ///< pairs by coarse distance
+  /// What searchLikelyContacts() has asked of this edge in vain.
+  struct ContactLook {
+    int pair;
+    double from, width;
+    bool exact;  ///< by distance(), too
+  };
+  std::vector<ContactLook> likely_looks;
+
+  // Memory of edges before, one a pair. It steers which queries are tried, never what they prove.
+
+  int last_contact = 0;  ///< the pair that was last not free
+  /// Growth up to which a sweep is tried [m]: falls where it fails, rises where it succeeds.
+  std::vector<double> growth_limit;
+  std::vector<std::uint64_t> sweep_failed;  ///< interval_stamp of the last failure
+  std::vector<std::uint64_t> end_checked;   ///< the edge at whose end it was last asked
+  /// Looks for a contact, by distance() and by lanes: up by a contact, down by a look in vain;
+  /// below 0 no look is taken.
+  std::vector<int> contact_score, lane_contact_score;
+
   Statistics* statistics = nullptr;
-  std::uint64_t edge = 0;  // number of the present one
 };
-
-/// Places for configurations and intervals of one edge; beyond them it is undecided.
-inline constexpr int kEdgeSlots = 1024;
-inline constexpr int kEdgeIntervals = 2048;
-inline constexpr int kEdgeOpen = 1 << 16;
-inline constexpr int kEdgeParts = 512;
-inline constexpr int kEdgeStretches = 4096;
-
-/// Places of an edge whose slots are found again.
-inline constexpr int kSharedSlots = 1 << 9;
 
 }  // namespace leeway::planner

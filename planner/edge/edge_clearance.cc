@@ -1,6 +1,7 @@
-// The least clearance along an edge: branch and bound over pairs and intervals. The upper end comes
-// from configurations, the lower from sweeps and, where bodies overlap and sweeps say nothing, from
-// the distance at an interval's middle less how far the pair can move from it.
+// The least clearance along an edge, by branch and bound over pairs and intervals. The upper end is
+// the least distance at some configuration. The lower end comes from sweeps; where bodies overlap,
+// of which sweeps say nothing, from the distance at an interval's middle less how far the pair can
+// move from it.
 
 #include <algorithm>
 #include <cmath>
@@ -10,30 +11,24 @@
 #include "planner/edge/edge_certifier_impl.h"
 
 namespace leeway::planner {
-namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
-}  // namespace
-
-/// What one search carries.
+/// The state of one search.
 struct EdgeCertifier::Impl::ClearanceSearch {
   double tolerance, cutoff;
-  double lower = kInfinity;  // of everything that is settled
-  bool sweeps = true;        // may be asked
-  bool swept = false;        // some of it by sweeps of surfaces, which do not see what is inside
+  double lower = kInfinity;  ///< of everything that is settled
+  bool sweeps = true;        ///< sweeps may be asked
+  bool swept = false;        ///< some pairs are settled by sweeps that miss containment
   EdgeClearance best{{kInfinity, kInfinity}, 0, -1, {}};
 
-  /// From here on a part of the edge need not be looked at.
+  /// A part of the edge with this lower bound cannot improve the minimum by more than the
+  /// tolerance.
   double enough() const { return best.clearance.upper - tolerance; }
-  bool cut() const { return best.clearance.upper < cutoff; }
+  bool isCutOff() const { return best.clearance.upper < cutoff; }
   void settle(double bound) { lower = std::min(lower, bound); }
 };
 
-/// The distance of one pair at one configuration, as far as it can matter: exact to a quarter of
-/// the tolerance, or above what is known.
+/// The distance of one pair at one configuration: to within a quarter of the tolerance, or above
+/// the least one known, which it lowers.
 Interval EdgeCertifier::Impl::refineState(int slot, double t, const EdgePair& pair,
                                           ClearanceSearch& search) {
   collision::DistanceRequest request;
@@ -57,7 +52,7 @@ Interval EdgeCertifier::Impl::refineState(int slot, double t, const EdgePair& pa
   return result.distance;
 }
 
-/// All pairs at one configuration, those with the least coarse bound first.
+/// All pairs at one configuration, in the order of their coarse bounds.
 void EdgeCertifier::Impl::searchState(int slot, double t, ClearanceSearch& search) {
   const std::span<const EdgePair> pairs = frames.pairs();
   order.clear();
@@ -70,22 +65,22 @@ void EdgeCertifier::Impl::searchState(int slot, double t, ClearanceSearch& searc
   }
   std::sort(order.begin(), order.end());
   for (const auto& [lower, p] : order) {
-    if (lower >= search.best.clearance.upper || search.cut() || work.isSpent()) break;
+    if (lower >= search.best.clearance.upper || search.isCutOff() || work.isSpent()) break;
     refineState(slot, t, pairs[at(p)], search);
   }
 }
 
-/// Settles the pairs of an interval that cannot improve the minimum by more than the tolerance; the
-/// others stay in [begin, end).
+/// Settles the pairs of an interval that balls or sweeps prove to be far enough; the others stay in
+/// [begin, end).
 void EdgeCertifier::Impl::settlePairs(EdgeInterval& interval, ClearanceSearch& search) {
   ++statistics->intervals;
   startInterval();
   int kept = interval.begin;
   for (int i = interval.begin; i < interval.end; ++i) {
-    const EdgePair& pair = frames.pairs()[at(open[at(i)])];
+    const EdgePair& pair = frames.pairs()[at(open_pairs[at(i)])];
     double growth = 0;
     double lower = coarseSweep(interval, pair, growth) - pair.rounding;
-    // A sweep tells distances, not depths: it is asked only for what is apart.
+    // A sweep bounds distances, not depths.
     if (lower < search.enough() && growth <= kSweepGrowth && search.enough() > 0 && search.sweeps) {
       search.swept = search.swept || !frames.isConvex(pair);
       lower = std::max(lower, sweep(interval, pair, growth, search.enough() + pair.rounding).lower -
@@ -94,24 +89,24 @@ void EdgeCertifier::Impl::settlePairs(EdgeInterval& interval, ClearanceSearch& s
     if (lower >= search.enough())
       search.settle(lower);
     else
-      open[at(kept++)] = open[at(i)];
+      open_pairs[at(kept++)] = open_pairs[at(i)];
   }
   interval.end = kept;
 }
 
-/// Looks at the open pairs in the interval's middle; what that does not settle stays in [begin,
-/// end). `last`: nothing may stay.
+/// Settles open pairs of an interval by their distance in its middle; the others stay in [begin,
+/// end). `last`: all are settled.
 void EdgeCertifier::Impl::settleFromMiddle(EdgeInterval& interval, int slot, bool last,
                                            ClearanceSearch& search) {
   int kept = interval.begin;
-  for (int i = interval.begin; i < interval.end && !search.cut(); ++i) {
-    const EdgePair& pair = frames.pairs()[at(open[at(i)])];
+  for (int i = interval.begin; i < interval.end && !search.isCutOff(); ++i) {
+    const EdgePair& pair = frames.pairs()[at(open_pairs[at(i)])];
     const Interval distance = refineState(slot, interval.t0 + interval.h / 2, pair, search);
     // Signed separation changes no faster than the pair's points move.
     double lower = distance.lower - interval.h / 2 * motionOf(interval, pair.motion).speed;
     bool settled = last || lower >= search.enough();
-    // But not of a mesh that touches: a turn may lock what a short way would part. Convex bodies
-    // around both do, loosely; where it is still apart, halves may prove that it stays so.
+    // That does not hold for depths of a mesh: a turn may lock a body that a short way would part.
+    // The bound of balls holds, but is loose; of a pair that is apart, halves may prove more.
     if (settled && lower <= 0 && !frames.isConvex(pair)) {
       double growth = 0;
       lower = std::min(lower, coarseSweep(interval, pair, growth) - pair.rounding);
@@ -120,7 +115,7 @@ void EdgeCertifier::Impl::settleFromMiddle(EdgeInterval& interval, int slot, boo
     if (settled)
       search.settle(lower);
     else
-      open[at(kept++)] = open[at(i)];
+      open_pairs[at(kept++)] = open_pairs[at(i)];
   }
   interval.end = kept;
 }
@@ -131,7 +126,7 @@ EdgeClearance EdgeCertifier::edgeClearance(std::span<const double> a, std::span<
   Impl& impl = *impl_;
   Impl::ClearanceSearch search{tolerance, cutoff};
   if (impl.frames.pairs().empty()) return search.best;
-  impl.startWork(kClearanceCost);
+  impl.startWork(kClearanceWork);
   impl.queries = 0;
   const int start = impl.frames.begin(a, b) ? impl.frames.place(0) : -1;
   const int end = start < 0 ? -1 : impl.frames.place(1);
@@ -143,31 +138,27 @@ EdgeClearance EdgeCertifier::edgeClearance(std::span<const double> a, std::span<
   impl.searchState(start, 0, search);
   if (!impl.listNearLanes(search)) impl.listWholeEdge(start, end);
   impl.searchIntervals(search);
-  // What is inside a mesh at one place of an edge that touches it may not be at its end: then
-  // sweeps are not asked.
-  if (search.swept && std::min(search.lower, search.best.clearance.upper) <= 0 && !search.cut()) {
+  // Containment is decided at the ends, and changes where surfaces meet. So where they may have,
+  // the search starts again without sweeps.
+  if (search.swept && std::min(search.lower, search.best.clearance.upper) <= 0 &&
+      !search.isCutOff()) {
     search.sweeps = false;
     impl.frames.release(end + 1);
     search.lower = kInfinity;
-    impl.startWork(kClearanceCost);
+    impl.startWork(kClearanceWork);
     impl.listWholeEdge(start, end);
     impl.searchIntervals(search);
   }
   search.best.clearance.lower =
-      search.cut() ? -kInfinity : std::min(search.lower, search.best.clearance.upper);
+      search.isCutOff() ? -kInfinity : std::min(search.lower, search.best.clearance.upper);
   return search.best;
 }
 
-void EdgeCertifier::Impl::listWholeEdge(int start, int end) {
-  open.clear();
-  for (std::size_t p = 0; p < frames.pairs().size(); ++p) open.push_back(static_cast<int>(p));
-  intervals.clear();
-  intervals.push_back({start, end, 0, 1, 0, static_cast<int>(open.size()), 0});
-}
-
+/// Lists the lanes that are not proven to be far enough, and settles the rest. False, with nothing
+/// settled, where lanes say nothing.
 bool EdgeCertifier::Impl::listNearLanes(ClearanceSearch& search) {
-  // Lanes know nothing of depths.
-  if (search.cut() || !(search.enough() > 0) || !std::isfinite(search.enough())) return false;
+  // Lanes bound no depths.
+  if (search.isCutOff() || !(search.enough() > 0) || !std::isfinite(search.enough())) return false;
   if (!lanes_fit || !lanes.begin(frames)) return false;
   double least = kInfinity;
   for (const EdgePair& pair : frames.pairs())
@@ -177,15 +168,15 @@ bool EdgeCertifier::Impl::listNearLanes(ClearanceSearch& search) {
   for (int pass = 0;; ++pass) {
     beyond = std::max(0.0, search.enough() - least);
     if (lanes.sweepBeyond(beyond).id >= 0) return false;
-    // The nearer the upper end is to the truth, the less is open: a pass costs less than intervals.
+    // A lower upper end leaves less open, and a pass costs less than intervals.
     const double known = search.best.clearance.upper;
     if (lanes.open().empty() || pass == kClearancePasses) break;
     searchOpenLanes(whole, kClearanceLooks, search);
-    if (search.cut()) return false;
+    if (search.isCutOff()) return false;
     if (!(search.best.clearance.upper < known - search.tolerance)) break;
   }
   intervals.clear();
-  open.clear();
+  open_pairs.clear();
   edge_parts.clear();
   part_pairs.clear();
   std::size_t next = 0;
@@ -194,10 +185,11 @@ bool EdgeCertifier::Impl::listNearLanes(ClearanceSearch& search) {
   return true;
 }
 
+/// The distances of the first `count` open pairs, in the middle of where they are open.
 void EdgeCertifier::Impl::searchOpenLanes(const EdgeLanes::Parts& parts, int count,
                                           ClearanceSearch& search) {
   for (const collision::LaneSweep::Open& pair : lanes.open()) {
-    if (--count < 0 || search.cut()) return;
+    if (--count < 0 || search.isCutOff()) return;
     const auto [from, width] = rangeOf(parts, pair.lanes);
     const int slot = frames.place(from + width / 2);
     if (slot < 0) return;
@@ -205,43 +197,28 @@ void EdgeCertifier::Impl::searchOpenLanes(const EdgeLanes::Parts& parts, int cou
   }
 }
 
+/// Settles the listed intervals, and the halves of what stays open, level by level.
 void EdgeCertifier::Impl::searchIntervals(ClearanceSearch& search) {
-  while (!intervals.empty() && !search.cut()) {
+  while (!intervals.empty() && !search.isCutOff()) {
     next_intervals.clear();
-    next_open.clear();
+    next_open_pairs.clear();
     for (EdgeInterval& interval : intervals) {
       settlePairs(interval, search);
       if (interval.begin == interval.end) continue;
       const int slot = frames.place(interval.t0 + interval.h / 2);
-      if (slot < 0) {  // out of places or reach: nothing is known of the rest
+      if (slot < 0) {  // no slot is left, or a body is out of reach
         search.settle(-kInfinity);
         return;
       }
-      const auto count = static_cast<std::size_t>(interval.end - interval.begin);
-      const bool full = next_open.size() + 2 * count > next_open.capacity() ||
-                        next_intervals.size() + 2 > next_intervals.capacity() ||
-                        frames.used() + 1 >= kEdgeSlots;
-      settleFromMiddle(
-          interval, slot,
-          full || queries > kClearanceWork || work.isSpent() || interval.level >= kDeepestLevel,
-          search);
-      if (search.cut()) return;
+      const bool last = !hasRoomToSplit(at(interval.end - interval.begin)) ||
+                        frames.used() + 1 >= kEdgeSlots || queries > kClearanceQueries ||
+                        work.isSpent() || interval.level >= kDeepestLevel;
+      settleFromMiddle(interval, slot, last, search);
+      if (search.isCutOff()) return;
       split(interval, slot);
     }
     intervals.swap(next_intervals);
-    open.swap(next_open);
-  }
-}
-
-void EdgeCertifier::Impl::split(const EdgeInterval& interval, int slot) {
-  const int count = interval.end - interval.begin;
-  if (count == 0) return;
-  const double h = interval.h / 2;
-  for (int half = 0; half < 2; ++half) {
-    const auto begin = static_cast<int>(next_open.size());
-    next_open.insert(next_open.end(), open.begin() + interval.begin, open.begin() + interval.end);
-    next_intervals.push_back({half == 0 ? interval.slot0 : slot, half == 0 ? slot : interval.slot1,
-                              interval.t0 + half * h, h, begin, begin + count, interval.level + 1});
+    open_pairs.swap(next_open_pairs);
   }
 }
 

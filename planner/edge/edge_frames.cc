@@ -10,6 +10,7 @@
 #include "collision/sweep/mesh_sweep.h"
 #include "leeway/robots/kinematics.h"
 #include "planner/base/tolerances.h"
+#include "planner/edge/edge_model.h"
 
 namespace leeway::planner {
 
@@ -31,9 +32,9 @@ void EdgeFrames::rebind(std::shared_ptr<const CompiledScene> scene) {
   pieces_.clear();
   moving_.clear();
   pairs_.clear();
-  has_flights_ = false;
+  has_surface_pairs_ = false;
   gaps_.clear();
-  gaps_.reserve(scene_->scene().pairs().size());  // whatever margins a rebind may bring
+  gaps_.reserve(scene_->scene().pairs().size());  // margins decide how many: see addGap()
   addPieces();
   addPairs();
   release(0);
@@ -61,7 +62,7 @@ void EdgeFrames::addPieces() {
 
 namespace {
 
-/// Arcs of a table that a range reaches into, at most.
+/// Arcs of a table that a range of angles crosses, at most.
 std::int64_t arcsIn(const robots::LinkGap::Range& range) {
   const double arcs =
       std::abs(range.to - range.from) * robots::LinkGap::kArcs / collision::kTwoPi + 2;
@@ -70,9 +71,9 @@ std::int64_t arcsIn(const robots::LinkGap::Range& range) {
 
 }  // namespace
 
-/// Whether a free or planar joint that is planned carries a link: one that places an arm in its
-/// world stands still.
-bool EdgeFrames::travels(int link) const {
+/// Whether a planned floating or planar joint carries a link. One that only places an arm in its
+/// world is not planned.
+bool EdgeFrames::isCarriedFreely(int link) const {
   const std::span<const int> planned = scene_->space().variables();
   for (int l = link; l >= 0; l = scene_->model().joints[at(l)].parent_link) {
     const robots::Joint& joint = scene_->model().joints[at(l)];
@@ -86,38 +87,42 @@ bool EdgeFrames::travels(int link) const {
   return false;
 }
 
+/// Two meshes, one of which flies freely. Links of an arm stay near each other and near its base
+/// and move little there, so that sweeps of their hulls answer; against a convex obstacle sweeps of
+/// convex pieces do.
+bool EdgeFrames::sweepsSurfaces(const EdgePair& pair, double margin) const {
+  const Piece &a = pieces_[at(pair.a)], &b = pieces_[at(pair.b)];
+  const collision::Shape &shape_a = a.geometry->shape, &shape_b = b.geometry->shape;
+  const auto isMesh = [](const collision::Shape& shape) {
+    return shape.type() == collision::ShapeType::kMesh;
+  };
+  return margin >= 0 && isMesh(shape_a) && isMesh(shape_b) &&
+         ((a.link < 0 && isCarriedFreely(b.link)) || (b.link < 0 && isCarriedFreely(a.link))) &&
+         collision::sweepsMesh(shape_a, shape_b);
+}
+
 void EdgeFrames::addPairs() {
   const collision::Scene& scene = scene_->scene();
+  const EdgeModel& model = scene_->edgeModel();
   for (std::size_t p = 0; p < scene.pairs().size(); ++p) {
     const collision::ScenePair& pair = scene.pairs()[p];
     EdgePair e;
     e.scene_pair = static_cast<int>(p);
     e.a = collision::SceneAccess::geometryIndex(scene, pair.body_a, pair.geometry_a);
     e.b = collision::SceneAccess::geometryIndex(scene, pair.body_b, pair.geometry_b);
-    e.motion = scene_->pairMotionIndex(e.scene_pair);
-    e.rounding = (pieces_[at(e.b)].link >= 0 ? 2 : 1) * scene_->rounding();
-    if (scene_->isReversed(e.scene_pair)) std::swap(e.a, e.b);
-    // Every coordinate that a relative pose is made from is within this of its frame's origin.
-    double scale = 2 * scene_->reach();
+    e.motion = model.pairs[p].motion;
+    e.rounding = (pieces_[at(e.b)].link >= 0 ? 2 : 1) * model.rounding;
+    if (model.pairs[p].is_reversed) std::swap(e.a, e.b);
+    // All coordinates that a relative pose is made from are within this of their frame's origin.
+    double scale = 2 * model.reach;
     for (const int piece : {e.a, e.b})
       if (pieces_[at(piece)].link < 0)
         scale += pieces_[at(piece)].X_GW.translation.lpNorm<1>() +
                  pieces_[at(piece)].bounds->outer.center.lpNorm<1>();
     e.rounding += collision::kTransferRounding * scale;
     e.threshold = pair.margin + e.rounding;
-    const auto shapeOf = [this](int piece) -> const collision::Shape& {
-      return pieces_[at(piece)].geometry->shape;
-    };
-    const auto isMesh = [&](int piece) {
-      return shapeOf(piece).type() == collision::ShapeType::kMesh;
-    };
-    // Links of an arm stay near each other and near its base, move little there, and their hulls'
-    // sweeps answer; against a convex obstacle convex pieces do.
-    e.by_surfaces = pair.margin >= 0 && isMesh(e.a) && isMesh(e.b) &&
-                    ((pieces_[at(e.a)].link < 0 && travels(pieces_[at(e.b)].link)) ||
-                     (pieces_[at(e.b)].link < 0 && travels(pieces_[at(e.a)].link))) &&
-                    collision::sweepsMesh(shapeOf(e.a), shapeOf(e.b));
-    has_flights_ = has_flights_ || e.by_surfaces;
+    e.by_surfaces = sweepsSurfaces(e, pair.margin);
+    has_surface_pairs_ = has_surface_pairs_ || e.by_surfaces;
     addGap(e);
     pairs_.push_back(e);
   }
@@ -126,16 +131,16 @@ void EdgeFrames::addPairs() {
 }
 
 void EdgeFrames::addGap(EdgePair& pair) {
-  const robots::LinkGap* known = scene_->linkGap(pair.scene_pair);
+  const robots::LinkGap* table = scene_->edgeModel().pairs[at(pair.scene_pair)].gap;
   const auto enough = [&](float gap) { return static_cast<double>(gap) > pair.threshold; };
-  if (known == nullptr ||
-      (!enough(known->cell_gap) && std::none_of(known->gaps.begin(), known->gaps.end(), enough)))
+  if (table == nullptr ||
+      (!enough(table->cell_gap) && std::none_of(table->gaps.begin(), table->gaps.end(), enough)))
     return;
   pair.gap = static_cast<int>(gaps_.size());
-  gaps_.push_back({known, {}, {}});
+  gaps_.push_back({table, {}, {}});
 }
 
-/// With q_ at the edge's start.
+/// Needs q_ at the edge's start.
 EdgeFrames::Turn EdgeFrames::turnOf(int joint) const {
   const robots::KinematicStep& step = scene_->model().steps[at(joint)];
   return {step.multiplier * q_[at(step.variable)] + step.offset,
@@ -147,20 +152,20 @@ bool EdgeFrames::keepsGap(const EdgePair& pair, double t0, double t1) const {
   const Gap& gap = gaps_[at(pair.gap)];
   const robots::LinkGap::Range angles = gap.turn.over(t0, t1), others = gap.other.over(t0, t1);
   if (work_ != nullptr) work_->add(arcsIn(angles) * arcsIn(others) * collision::kCellWork);
-  const double kept = gap.known->over(angles, others);
-  // 0 is no proof, however deep the margin lets them overlap.
+  const double kept = gap.table->over(angles, others);
+  // 0 means that nothing is proven, even where the margin lets bodies overlap.
   return kept > 0 && kept > pair.threshold;
 }
 
-bool EdgeFrames::isUsable(std::span<const double> point) const {
+bool EdgeFrames::hasExactAngles(std::span<const double> point) const {
   for (const double x : point)
     if (!(std::abs(x) <= kLargestAngle)) return false;  // written so that NaN fails
   return true;
 }
 
-/// What holds outside the limits, too: joints without room have no motion terms, and a quaternion
-/// that is nearly zero is no rotation.
-bool EdgeFrames::isInShape(std::span<const double> point) const {
+/// Needed outside the limits, too: a joint without room has no motion term and must be in its
+/// place, and a quaternion that is nearly zero is no rotation.
+bool EdgeFrames::isWellFormed(std::span<const double> point) const {
   const ConfigurationSpace& space = scene_->space();
   for (const ConfigurationSpace::Part& part : space.parts()) {
     const double* x = &point[at(part.first)];
@@ -176,19 +181,21 @@ bool EdgeFrames::isInShape(std::span<const double> point) const {
 
 bool EdgeFrames::begin(std::span<const double> a, std::span<const double> b) {
   release(0);
-  if (!isUsable(a) || !isUsable(b) || !isInShape(a) || !isInShape(b)) return false;
+  if (!hasExactAngles(a) || !hasExactAngles(b) || !isWellFormed(a) || !isWellFormed(b))
+    return false;
   const ConfigurationSpace& space = scene_->space();
   std::copy(a.begin(), a.end(), a_.begin());
   std::copy(b.begin(), b.end(), b_.begin());
   space.difference(a_, b_, difference_);
-  if (!scene_->isSmooth(a_, b_, difference_)) return false;
-  scene_->expandDifference(difference_, dq_);
+  const EdgeModel& model = scene_->edgeModel();
+  if (!model.isSmooth(a_, b_, difference_)) return false;
+  expandDifference(space, difference_, dq_);
   robots::jointMotion(scene_->model(), dq_, joint_motion_);
   within_limits_ = space.withinLimits(a_) && space.withinLimits(b_);
-  if (!within_limits_ && scene_->needsLimits()) return false;
+  if (!within_limits_ && model.needs_limits) return false;
   if (!gaps_.empty()) scene_->expand(a_, q_);
-  for (Gap& gap : gaps_) gap.turn = turnOf(gap.known->joint), gap.other = turnOf(gap.known->other);
-  watch_reach_ = !within_limits_ || scene_->reach() >= kLargestReach;
+  for (Gap& gap : gaps_) gap.turn = turnOf(gap.table->joint), gap.other = turnOf(gap.table->other);
+  watch_reach_ = !within_limits_ || model.reach >= kLargestReach;
   return true;
 }
 
@@ -210,8 +217,9 @@ int EdgeFrames::place(double t) {
   for (const int i : moving_) {
     const Piece& piece = pieces_[at(i)];
     centers[i] = X_WL[at(piece.link)] * piece.bounds->outer.center;
-    // Limits keep bodies in reach; without them the rounding bound must be watched.
-    if (watch_reach_ && !(centers[i].norm() + piece.bounds->outer.radius <= scene_->reach()))
+    // Beyond the reach the bound on rounding does not hold. Limits keep bodies within it.
+    if (watch_reach_ &&
+        !(centers[i].norm() + piece.bounds->outer.radius <= scene_->edgeModel().reach))
       return -1;
   }
   ++used_;
@@ -242,8 +250,8 @@ Eigen::Vector3d EdgeFrames::inFrameOf(int slot, int piece, const Eigen::Vector3d
 }
 
 robots::MotionBound EdgeFrames::motionNear(int motion, int slot, double half) const {
-  return robots::localMotionBound(scene_->model(), scene_->motions()[at(motion)], joint_motion_,
-                                  links(slot), half, within_limits_);
+  return robots::localMotionBound(scene_->model(), scene_->edgeModel().motions[at(motion)],
+                                  joint_motion_, links(slot), half, within_limits_);
 }
 
 }  // namespace leeway::planner

@@ -1,7 +1,7 @@
 #pragma once
 
 // Private to planner/: the configurations of one edge, each placed once, and the pairs that are
-// asked along it.
+// checked along it.
 
 #include <cstdint>
 #include <memory>
@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "collision/base/work.h"
-#include "collision/scene/geometry_bounds.h"
+#include "collision/scene/scene_access.h"
 #include "leeway/planner/compiled_scene.h"
 #include "leeway/robots/motion_bound.h"
 
@@ -22,20 +22,20 @@ struct Piece {
   int body = -1;
   int link = -1;  ///< that carries it; -1: the world
   const collision::Geometry* geometry = nullptr;
-  const collision::GeometryBounds* bounds = nullptr;  ///< in link's frame, or the world's
+  const collision::GeometryBounds* bounds = nullptr;  ///< in the link's frame, or the world's
   bool at_origin = false;                             ///< X_BG is the identity
-  Pose X_GW;                                          ///< world pieces only
+  Pose X_GW;                                          ///< only of pieces of the world
 };
 
-/// One pair of the scene; a is the one whose sweep is taken, seen from b.
+/// One pair of the scene. Piece a is swept, seen from piece b.
 struct EdgePair {
   int scene_pair;
   int a, b;          ///< pieces
-  int motion;        ///< of a seen from b's link, index into CompiledScene::motions()
-  double threshold;  ///< separation must exceed it: margin and all rounding of poses [m]
-  double rounding;   ///< the latter alone [m]
-  bool by_surfaces;  ///< collision::sweepMesh() takes it, and no depth is allowed
-  int gap = -1;      ///< index of what is known of its links by a joint's angle; -1: nothing
+  int motion;        ///< of a seen from b's link, index into EdgeModel::motions
+  double threshold;  ///< that separation must exceed: margin + rounding [m]
+  double rounding;   ///< of the poses that a separation is computed from [m]
+  bool by_surfaces;  ///< swept by collision::sweepMesh(); its margin is not negative
+  int gap = -1;      ///< index of the table of its links' gap by joint angles; -1: none
 };
 
 /// Places configurations a + t dq of one edge in numbered slots. Allocates in the constructor only.
@@ -43,39 +43,39 @@ class EdgeFrames {
  public:
   EdgeFrames(std::shared_ptr<const CompiledScene> scene, int capacity);
 
-  /// The same pieces and pairs with other shapes; no slot is in use afterwards.
+  /// Takes a withShapes() of the same scene; no slot is in use afterwards.
   void rebind(std::shared_ptr<const CompiledScene> scene);
 
-  /// Starts an edge: no slot is in use afterwards. False when the edge cannot be certified at all:
+  /// Starts an edge: no slot is in use afterwards. False when it cannot be certified at all:
   /// numbers that are not finite, angles too large to be exact, a quaternion of no length, a joint
-  /// without room that has left its place, or a mimic joint that would jump.
+  /// that has no room and is not in its place, or a mimic joint that would jump.
   bool begin(std::span<const double> a, std::span<const double> b);
-  /// A slot with the configuration at t; -1 when none is left or a body is out of reach.
+  /// A slot with the configuration at t; -1 when none is left or a body is beyond EdgeModel::reach.
   int place(double t);
   int used() const { return used_; }
-  /// Gives back all slots from `used` on.
+  /// Frees all slots from `used` on.
   void release(int used) {
     used_ = used;
     ++generation_;
   }
-  /// Changes whenever a slot's number may come to stand for another configuration.
+  /// Changes whenever a slot may come to hold another configuration.
   std::uint64_t generation() const { return generation_; }
 
   const CompiledScene& scene() const { return *scene_; }
   const std::shared_ptr<const CompiledScene>& sharedScene() const { return scene_; }
-  // Of the edge begun: its start and difference in the space, that in the model's variables, and
-  // what each joint makes of it.
+  // Of the edge begun: its start and difference in the space, the difference in the model's
+  // variables, and how far each joint moves.
   std::span<const double> start() const { return a_; }
   std::span<const double> difference() const { return difference_; }
   std::span<const double> configurationDifference() const { return dq_; }
   std::span<const robots::JointMotion> jointMotion() const { return joint_motion_; }
-  /// True when a pair is known to keep more than its threshold from t0 to t1, by the angles
-  /// of the two joints between its links (robots::LinkGap). O(arcs between the two).
+  /// True when the angles of two joints between a pair's links prove that it keeps more than its
+  /// threshold from t0 to t1 (robots::LinkGap). O(cells of the table that the angles cross).
   bool keepsGap(const EdgePair& pair, double t0, double t1) const;
-  /// What placing and tables cost counts into `work` from now on.
+  /// Counts what placing and tables cost into `work` from now on.
   void countInto(collision::Work& work) { work_ = &work; }
-  /// Whether a pair is followed by_surfaces.
-  bool hasFlights() const { return has_flights_; }
+  /// Whether some pair is by_surfaces.
+  bool hasSurfacePairs() const { return has_surface_pairs_; }
   bool isWithinLimits() const { return within_limits_; }
   std::span<const Piece> pieces() const { return pieces_; }
   std::span<const EdgePair> pairs() const { return pairs_; }
@@ -86,7 +86,7 @@ class EdgeFrames {
     const Piece& p = pieces_[at(piece)];
     return p.link < 0 ? p.bounds->outer.center : centers_[at(slot) * pieces_.size() + at(piece)];
   }
-  /// True when both of a pair's shapes are: no sweep or distance then misses what is inside.
+  /// Both shapes are convex: then a sweep sees containment, too.
   bool isConvex(const EdgePair& pair) const {
     return pieces_[at(pair.a)].geometry->shape.isConvex() &&
            pieces_[at(pair.b)].geometry->shape.isConvex();
@@ -94,10 +94,11 @@ class EdgeFrames {
   Pose piecePose(int slot, int piece) const;
   /// X_BA of a pair's pieces.
   Pose relative(int slot, const EdgePair& pair) const;
-  /// A point of the world in the frame of b's coarse stand-in: its link's, or the world's.
+  /// A point of the world in the frame of a piece's coarse shape: its link's, or the world's.
   Eigen::Vector3d inFrameOf(int slot, int piece, const Eigen::Vector3d& p_W) const;
 
-  /// Bounds on a motion within `half` (in t) of a slot's configuration.
+  /// Bounds on a motion within `half` (in t) of a slot's configuration, see
+  /// robots::localMotionBound().
   robots::MotionBound motionNear(int motion, int slot, double half) const;
 
  private:
@@ -105,9 +106,10 @@ class EdgeFrames {
   void addPieces();
   void addPairs();
   void addGap(EdgePair& pair);
-  bool travels(int link) const;
-  bool isUsable(std::span<const double> point) const;
-  bool isInShape(std::span<const double> point) const;
+  bool isCarriedFreely(int link) const;
+  bool sweepsSurfaces(const EdgePair& pair, double margin) const;
+  bool hasExactAngles(std::span<const double> point) const;
+  bool isWellFormed(std::span<const double> point) const;
 
   std::shared_ptr<const CompiledScene> scene_;
   std::vector<Piece> pieces_;
@@ -120,16 +122,16 @@ class EdgeFrames {
       return {angle + t0 * turn, angle + t1 * turn};
     }
   };
-  /// What is known of a pair's links by two joints' angles.
+  /// The gap between a pair's links by two joints' angles, and how this edge turns the two.
   struct Gap {
-    const robots::LinkGap* known;
+    const robots::LinkGap* table;
     Turn turn, other;
   };
   Turn turnOf(int joint) const;
   std::vector<Gap> gaps_;
   std::size_t links_;
-  collision::Work* work_ = nullptr;  // what is counted
-  bool has_flights_ = false;
+  collision::Work* work_ = nullptr;
+  bool has_surface_pairs_ = false;
   int capacity_;
   int used_ = 0;
   std::uint64_t generation_ = 0;

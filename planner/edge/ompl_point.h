@@ -7,8 +7,8 @@
 
 namespace leeway::planner {
 
-/// The numbers of a state of OmplStateSpace. The size comes from the scene: a planner may hand over
-/// states through a wrapper of the space (CForest does).
+/// The numbers of a state of OmplStateSpace. The scene says how many: a planner's own space may be
+/// a wrapper of ours (CForest's is).
 inline std::span<const double> pointOf(const ompl::base::State* state, const CompiledScene& scene) {
   return {state->as<OmplStateSpace::StateType>()->values,
           static_cast<std::size_t>(scene.space().size())};

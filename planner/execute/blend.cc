@@ -8,6 +8,7 @@
 #include "leeway/planner/edge_certifier.h"
 #include "leeway/planner/trajectory.h"
 #include "planner/base/tolerances.h"
+#include "planner/edge/edge_model.h"
 
 namespace leeway::planner {
 namespace {
@@ -70,10 +71,10 @@ class Blending {
   /// How far at most a point of any body moves, seen from any it is checked against, when every
   /// joint goes as far as bend_ has it.
   double displacement() {
-    scene_.expandDifference(bend_, dq_);
+    expandDifference(space_, bend_, dq_);
     robots::jointMotion(scene_.model(), dq_, motion_);
     double most = 0;
-    for (const robots::RelativeMotion& motion : scene_.motions())
+    for (const robots::RelativeMotion& motion : scene_.edgeModel().motions)
       most = std::max(most, robots::speedBound(scene_.model(), motion, motion_));
     return most;
   }

@@ -9,8 +9,8 @@
 #include <stdexcept>
 
 #include "leeway/planner/path_io.h"
-#include "leeway/planner/random.h"
 #include "leeway/robots/input_error.h"
+#include "planner/base/random.h"
 #include "planner/base/tolerances.h"
 #include "planner/execute/step_certifier.h"
 #include "planner/execute/timed_path.h"

@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "leeway/planner/plan.h"
+#include "planner/search/search.h"
 
 namespace leeway::planner {
 namespace {
@@ -16,13 +17,13 @@ void name(const collision::Scene& scene, int pair, std::string& a, std::string& 
   b = scene.bodies()[static_cast<std::size_t>(p.body_b)].name;
 }
 
+}  // namespace
+
 double leastMargin(const collision::Scene& scene) {
   double least = kInfinity;
   for (const collision::ScenePair& pair : scene.pairs()) least = std::min(least, pair.margin);
   return least;
 }
-
-}  // namespace
 
 Certificate certify(EdgeCertifier& certifier, const Path& path, double tolerance) {
   const collision::Scene& scene = certifier.scene().scene();
@@ -49,8 +50,7 @@ Certificate certify(EdgeCertifier& certifier, const Path& path, double tolerance
     const bool free = certifier.certify(a, b, EdgeRequest::persistent()).verdict == Verdict::kFree;
     if (!free) certificate.certified = false;
     EdgeClearance edge = certifier.edgeClearance(a, b, tolerance, -kInfinity);
-    // Every pair is proven to keep its margin, which may say more than an interval of that
-    // tolerance.
+    // A free edge is proven to keep its margins, which may say more than the interval.
     if (free) edge.clearance.lower = std::max(edge.clearance.lower, least_margin);
     certificate.segments.push_back(edge.clearance);
     certificate.clearance.lower = std::min(certificate.clearance.lower, edge.clearance.lower);
@@ -64,30 +64,6 @@ Certificate certify(EdgeCertifier& certifier, const Path& path, double tolerance
     }
   }
   return certificate;
-}
-
-void splitHalfTurns(const ConfigurationSpace& space, std::vector<std::vector<double>>& path) {
-  if (path.empty()) return;
-  std::vector<double> here = path[0], next, way(here.size()), written(here.size());
-  for (std::size_t i = 1; i < path.size(); ++i) {
-    next = path[i];
-    space.unwrap(here, next);
-    space.difference(path[i - 1], path[i], way);
-    space.difference(here, next, written);
-    bool same = true;
-    for (const ConfigurationSpace::Part& part : space.parts()) {
-      if (part.kind != ConfigurationSpace::Kind::kCircle) continue;
-      const auto k = static_cast<std::size_t>(part.first);
-      // Else a whole turn apart.
-      same = same && std::abs(next[k] - here[k] - way[k]) < 1 && std::abs(written[k] - way[k]) < 1;
-    }
-    if (!same) {
-      space.interpolate(path[i - 1], path[i], 0.5, next);
-      path.insert(path.begin() + static_cast<std::ptrdiff_t>(i), next);
-      space.unwrap(here, next);
-    }
-    here = next;
-  }
 }
 
 }  // namespace leeway::planner

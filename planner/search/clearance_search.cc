@@ -4,13 +4,13 @@
 #include "planner/base/tolerances.h"
 #include "planner/search/search.h"
 
-// The greatest least clearance by a planner that knows nothing of clearance. A path that keeps the
-// margin c exists or not; finding one is an ordinary search in the scene with its margins raised to
-// c, where every check is as fast as ever. So: find a path, measure what it keeps, demand more,
-// half of the way to the bound at first; where a search fails within its budget, demand half as
-// much more; where that becomes too little to matter, double the budget and be bold again. This
-// climbs much faster than a tree that measures the clearance of every edge, since an edge that is
-// not good enough is refused by the first bound that says so.
+// The greatest least clearance, by a planner that knows nothing of clearance. Finding a path that
+// keeps the margin c is an ordinary search in the scene with its margins raised to c, where every
+// check is as fast as ever. So: find a path, measure what it keeps, and demand more, at first half
+// of the way to the bound. Where a search fails within its budget, demand half as much more; where
+// that becomes too little to matter, double the budget and start from half of the way again. This
+// climbs much faster than a tree that measures the clearance of every edge: an edge that is not
+// good enough is refused by the first bound that says so.
 
 namespace leeway::planner {
 namespace {
@@ -37,7 +37,7 @@ std::optional<ClearancePath> searchClearance(const std::shared_ptr<const Compile
     const auto pool = std::make_shared<CertifierPool>(raised);
     Search wider(raised, pool, task);
     auto path = wider.any(task.problem.seed + ++run, budget);
-    addStatistics(best.work, pool->statistics());
+    best.work += pool->statistics();
     if (path) {
       best.path = std::move(*path);
       best.clearance = std::max(demand, measured(best.path));
@@ -46,7 +46,8 @@ std::optional<ClearancePath> searchClearance(const std::shared_ptr<const Compile
     }
     demand = best.clearance + (demand - best.clearance) / 2;
     if (demand - best.clearance > kClearanceTolerance) continue;
-    // Searches that end before they begin (no start, no goal with so much room) will not do better.
+    // A search without an iteration (no start or no goal has so much room) will not do better
+    // later.
     if (task.limits.iterations() == iterations) break;
     iterations = task.limits.iterations();
     budget *= 2;

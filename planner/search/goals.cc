@@ -6,8 +6,8 @@
 #include <limits>
 
 #include "collision/base/sine_cosine.h"
-#include "leeway/planner/random.h"
 #include "leeway/robots/input_error.h"
+#include "planner/base/random.h"
 #include "planner/base/tolerances.h"
 
 namespace leeway::planner {
@@ -40,12 +40,13 @@ bool orientationIsFree(const Goal& goal, const Part& part) {
   return true;
 }
 
+/// The angle in `range`, modulo whole turns, that is nearest to x; x itself where it is in it.
 double nearestOnCircle(const Range& range, double x) {
   if (range.second - range.first >= kTwoPi) return x;
   const double below = std::remainder(x - range.first, kTwoPi);
   const double above = std::remainder(x - range.second, kTwoPi);
   if (below == 0 || above == 0) return x;
-  // Held when going up from the lower end meets x before the upper end.
+  // x is in the range when a turn upwards from the lower end meets it before the upper end.
   const double from_lower = below < 0 ? below + kTwoPi : below;
   if (from_lower < range.second - range.first) return x;
   return std::abs(below) < std::abs(above) ? range.first : range.second;
@@ -61,7 +62,8 @@ std::string text(double x) {
   throw robots::InputError(problem.name, 0, message);
 }
 
-/// A goal must leave something to reach: as many ranges as variables, in order, meeting the limits.
+/// Refuses a goal that nothing can reach: it needs as many ranges as variables, each with its lower
+/// end first and partly within the limits.
 void checkGoal(const Problem& problem, const ConfigurationSpace& space, const Goal& goal) {
   if (goal.ranges.size() != at(space.size()))
     refuse(problem, "goal '" + goal.name + "' has " + std::to_string(goal.ranges.size()) +
@@ -92,7 +94,7 @@ void checkGoal(const Problem& problem, const ConfigurationSpace& space, const Go
   }
 }
 
-/// A point of the goal: the only one, or one drawn uniformly.
+/// A point of the goal within the limits, drawn uniformly.
 void drawPoint(const ConfigurationSpace& space, const Goal& goal, Random& random,
                std::span<double> q) {
   for (const Part& part : space.parts()) {
@@ -112,7 +114,7 @@ void drawPoint(const ConfigurationSpace& space, const Goal& goal, Random& random
   }
 }
 
-/// Keeps the check with the greatest lower bound: of invalid configurations the one least deep.
+/// Keeps the check with the greatest clearance: of invalid configurations the least deep.
 void keepBetter(StateCheck& best, const StateCheck& check) {
   if (best.pair < 0 || check.clearance.upper > best.clearance.upper) best = check;
 }
@@ -145,10 +147,9 @@ void writeAsInGoal(const ConfigurationSpace& space, const Goal& goal, std::span<
     if (part.kind == Kind::kRotation && !orientationIsFree(goal, part))
       for (std::size_t k = 0; k < 4; ++k) q[i + k] = goal.ranges[i + k].first;
     if (part.kind != Kind::kCircle || (q[i] >= range.first && q[i] <= range.second)) continue;
-    const double turned = range.first + (std::remainder(q[i] - range.first, kTwoPi) < 0
-                                             ? std::remainder(q[i] - range.first, kTwoPi) + kTwoPi
-                                             : std::remainder(q[i] - range.first, kTwoPi));
-    q[i] = std::clamp(turned, range.first, range.second);
+    double above = std::remainder(q[i] - range.first, kTwoPi);
+    if (above < 0) above += kTwoPi;
+    q[i] = std::clamp(range.first + above, range.first, range.second);
   }
 }
 
@@ -192,18 +193,18 @@ GoalRegions::GoalRegions(const ompl::base::SpaceInformationPtr& space_informatio
                          const ConfigurationSpace& space, const Problem& problem,
                          const GoalPoints& points)
     : GoalStates(space_information), space_(space), problem_(problem) {
-  // OMPL asks for a distance below the threshold: this is the largest that only zero is below of.
+  // OMPL asks for a distance below the threshold: only zero is below this one.
   setThreshold(std::numeric_limits<double>::denorm_min());
   for (const std::vector<double>& point : points.points) {
     ompl::base::State* state = si_->allocState();
     std::copy(point.begin(), point.end(), state->as<OmplStateSpace::StateType>()->values);
     states_.push_back(state);
   }
-  for (const planner::Goal& goal : problem.goals) ranges_ = ranges_ || !isPoint(goal);
+  for (const planner::Goal& goal : problem.goals) has_ranges_ = has_ranges_ || !isPoint(goal);
 }
 
 double GoalRegions::distanceGoal(const ompl::base::State* state) const {
-  if (!ranges_) return GoalStates::distanceGoal(state);
+  if (!has_ranges_) return GoalStates::distanceGoal(state);
   const std::span<const double> q(state->as<OmplStateSpace::StateType>()->values,
                                   at(space_.size()));
   thread_local std::vector<double> nearest;  // goals are asked by all of a planner's threads

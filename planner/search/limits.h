@@ -9,9 +9,9 @@
 
 namespace leeway::planner {
 
-/// When a plan must end: a deadline, a count of planner iterations, a caller who has had enough. An
-/// iteration is one look of the planner at its termination condition, which every OMPL planner
-/// takes once in its main loop. Thread-safe.
+/// When a plan must end: at a deadline, after a count of iterations, or when the caller says so. An
+/// iteration is one call of the planner's termination condition, which every OMPL planner makes
+/// once in its main loop. Thread-safe.
 class Limits {
  public:
   using Progress = std::function<void(const std::string& phase, double elapsed_s)>;
@@ -23,12 +23,12 @@ class Limits {
   bool iterate();
   /// True when the search must end; counts nothing.
   bool searchOver();
-  /// True when everything must end: the deadline or the caller, not the count.
+  /// True when everything must end: by the deadline or the caller, not by the count.
   bool over();
-  /// The search ends that fraction of the time limit before the deadline, to leave time for what
-  /// follows.
+  /// Lets the search end that fraction of the time limit before the deadline.
   void reserve(double fraction);
-  /// Names what is being done; told to the caller at once and from then on now and again.
+  /// Names what is done from now on; reported to the caller at once, and then every
+  /// kProgressPeriod.
   void enter(const char* phase);
 
   std::uint64_t iterations() const { return iterations_.load(std::memory_order_relaxed); }
@@ -47,7 +47,7 @@ class Limits {
   Progress progress_;
   std::atomic<std::uint64_t> iterations_{0};
   std::atomic<bool> over_{false};
-  std::mutex callbacks_;  ///< the caller's functions are never called by two threads at once
+  std::mutex callbacks_;  ///< held while one of the caller's functions is called
   const char* phase_ = "";
   double last_report_ = 0;
 };

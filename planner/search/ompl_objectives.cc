@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "planner/edge/ompl_point.h"
+#include "planner/search/search.h"
 #include "planner/space/ompl_lock.h"
 
 namespace leeway::planner {
@@ -19,12 +20,6 @@ ob::InformedSamplerPtr rejectionSampler(const ob::ProblemDefinitionPtr& problem,
                                         unsigned int attempts) {
   const std::lock_guard<std::recursive_mutex> lock(omplSeedLock());
   return std::make_shared<ob::RejectionInfSampler>(problem, attempts);
-}
-
-double smallestMargin(const collision::Scene& scene) {
-  double margin = kInfinity;
-  for (const collision::ScenePair& pair : scene.pairs()) margin = std::min(margin, pair.margin);
-  return margin;
 }
 
 }  // namespace
@@ -43,7 +38,7 @@ OmplClearanceObjective::OmplClearanceObjective(const ob::SpaceInformationPtr& sp
     : OptimizationObjective(space_information),
       pool_(std::move(pool)),
       tolerance_(tolerance),
-      cutoff_(smallestMargin(pool_->scene().scene())) {
+      cutoff_(leastMargin(pool_->scene().scene())) {
   description_ = "Least clearance, certified";
   threshold_ = ob::Cost(kInfinity);
 }

@@ -8,7 +8,9 @@
 #include "leeway/planner/planners.h"
 #include "leeway/planner/simplify.h"
 #include "leeway/robots/input_error.h"
+#include "planner/base/random.h"
 #include "planner/base/tolerances.h"
+#include "planner/search/half_turns.h"
 #include "planner/search/search.h"
 #include "planner/space/ompl_lock.h"
 
@@ -27,7 +29,7 @@ Objective objectiveOf(const Problem& problem) {
       "objective '" + problem.objective + "' is unknown; length and clearance are accepted");
 }
 
-/// One call of plan(), its steps in the order in which they happen.
+/// One call of plan(), its stages in their order.
 class Plan {
  public:
   Plan(std::shared_ptr<const CompiledScene> scene, const Problem& problem,
@@ -50,7 +52,7 @@ class Plan {
       result_.plan_s = limits_.elapsed();
     }
     result_.iterations = limits_.iterations();
-    addStatistics(work_, pool_->statistics());
+    work_ += pool_->statistics();
     result_.states = work_.states;
     result_.edges = work_.edges;
     result_.distance_queries = work_.distance_queries;
@@ -102,7 +104,7 @@ class Plan {
     refuse("start: the orientation is not a unit quaternion");
   }
 
-  /// Start and goals valid? If not, the result says what is in the way.
+  /// Whether the start and some goal are valid. If not, the result says what is in the way.
   bool checkEnds() {
     if (certifier().decide(start_) != Verdict::kFree) {
       offend(PlanStatus::kInvalidStart, certifier().clearance(start_, kReportTolerance));
@@ -112,7 +114,7 @@ class Plan {
         validGoalPoints(certifier(), problem_, problem_.seed, [this] { return limits_.over(); });
     result_.warnings = goals_.warnings;
     if (!goals_.points.empty()) return true;
-    // Goal regions that the limits left unexplored are not known to be invalid.
+    // A goal range that the limits left unexplored is not known to be invalid.
     if (!goals_.stopped) offend(PlanStatus::kInvalidGoal, goals_.closest);
     return false;
   }
@@ -127,7 +129,7 @@ class Plan {
     result_.offending_b = scene.bodies()[static_cast<std::size_t>(pair.body_b)].name;
   }
 
-  /// A path with every edge certified; empty when none was found within the limits.
+  /// A path with every edge certified; empty when none is found within the limits.
   Waypoints search() {
     if (Waypoints path = direct(); !path.empty()) return path;
     const QuietOmpl quiet;
@@ -140,15 +142,16 @@ class Plan {
     limits_.reserve(kSimplifyShare);
     const double bound = clearanceBound();
     Search search(scene_, pool_, task);
-    if (traits_->optimizing && traits_->widens)
+    if (traits_->optimizing && traits_->any_cost)
       return search.widest(problem_.seed, bound - kClearanceTolerance).value_or(Waypoints{});
     auto widest = searchClearance(scene_, search, task, bound);
     if (!widest) return {};
-    addStatistics(work_, widest->work);
+    work_ += widest->work;
     return std::move(widest->path);
   }
 
-  /// The straight edge to the nearest goal, when it is the answer: no path is shorter.
+  /// The straight edge to the nearest goal, when length is the objective and it is free: no path is
+  /// shorter. Where the start is a goal, a path that stays.
   Waypoints direct() {
     const ConfigurationSpace& space = scene_->space();
     for (const Goal& goal : problem_.goals)
@@ -163,7 +166,7 @@ class Plan {
     return {start_, *nearest};
   }
 
-  /// No path has more clearance than its start, or than the best of the goals' points.
+  /// The most clearance that a path can have: that of its start, or of the best goal point [m].
   double clearanceBound() {
     double goal = -kInfinity;
     for (const std::vector<double>& point : goals_.points)
@@ -181,7 +184,7 @@ class Plan {
     result_.simplify_s = limits_.elapsed() - planned;
     limits_.enter("certify");
     for (int i = 0; i < scene_->space().size(); ++i) result_.path.names.push_back(variableName(i));
-    // Every edge was certified before; nothing is reported that is not certified now, as it stands.
+    // Every edge was certified before, but only what is certified now, as it stands, is reported.
     if (!certifyPath(std::move(path)) && !certifyPath(unsimplified)) {
       result_.warnings.push_back("a path was found whose certificate could not be repeated");
       result_.path = {};

@@ -11,6 +11,7 @@
 #include <limits>
 #include <numbers>
 
+#include "planner/base/random.h"
 #include "planner/base/tolerances.h"
 #include "planner/edge/ompl_point.h"
 #include "planner/space/ompl_lock.h"
@@ -22,18 +23,19 @@ namespace {
 namespace ob = ompl::base;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// The k-th run of a planner within one plan has seeds of its own.
+/// Seed of the k-th run of a planner within one plan.
 std::uint64_t runSeed(std::uint64_t seed, std::uint64_t run) {
   return Random(seed, kRunStream + run).next();
 }
 
-/// As a parameter is written: std::to_string would follow the program's locale.
+/// A parameter's text. Not std::to_string, which follows the program's locale.
 std::string digits(double x) {
   char buffer[32];
   return {buffer, std::to_chars(buffer, buffer + sizeof buffer, x).ptr};
 }
 
-bool turns(const ConfigurationSpace& space, int i) {
+/// Whether a number of a point is an angle.
+bool isAngle(const ConfigurationSpace& space, int i) {
   const robots::Model& model = space.model();
   const int v = space.variables()[static_cast<std::size_t>(i)];
   const robots::Joint& joint =
@@ -44,15 +46,15 @@ bool turns(const ConfigurationSpace& space, int i) {
          joint.type == robots::JointType::kContinuous || planar_angle;
 }
 
-/// The space's extent where a joint's turn counts up to half a turn: what is beyond comes round
-/// again, and steps should not be longer for it.
+/// The space's extent with each joint's turn counted up to half a turn: beyond, a turn comes round
+/// again, and steps should not grow with it.
 double usefulExtent(const ConfigurationSpace& space) {
   double squared = 0;
   for (const ConfigurationSpace::Part& part : space.parts()) {
     double range = std::numbers::pi;
     if (part.kind == ConfigurationSpace::Kind::kLine) {
       range = space.upper(part.first) - space.lower(part.first);
-      if (turns(space, part.first)) range = std::min(range, std::numbers::pi);
+      if (isAngle(space, part.first)) range = std::min(range, std::numbers::pi);
     }
     squared += part.weight * range * part.weight * range;
   }
@@ -72,7 +74,7 @@ Search::Search(std::shared_ptr<const CompiledScene> scene, std::shared_ptr<Certi
   const double extent = space_information_->getMaximumExtent();
   if (traits_->name == "RRTConnect")
     parameters_.emplace("range", digits(kConnectRange * usefulExtent(scene_->space())));
-  if (traits_->name == "SST") {  // alone it has lengths of 3 and 5, whatever the space
+  if (traits_->name == "SST") {  // OMPL's defaults are lengths of 3 and 5, whatever the space
     parameters_.emplace("range", digits(kStepRange * extent));
     parameters_.emplace("selection_radius", digits(kSelectionRadius * extent));
     parameters_.emplace("pruning_radius", digits(kPruningRadius * extent));
@@ -89,7 +91,7 @@ std::optional<Waypoints> Search::any(std::uint64_t seed, std::uint64_t budget) {
 
 std::optional<Waypoints> Search::search(std::uint64_t seed, std::uint64_t budget, bool first) {
   auto objective = std::make_shared<OmplLengthObjective>(space_information_);
-  // A planner that does not optimise must be content with its first path; some of them look here.
+  // Some planners that do not optimise still ask whether their first path will do: it does.
   objective->setCostThreshold(ob::Cost(first ? kInfinity : 0));
   return run(objective, seed, budget);
 }
@@ -110,7 +112,7 @@ std::optional<Waypoints> Search::run(const ob::OptimizationObjectivePtr& objecti
   for (std::uint64_t round = 0; !limits.searchOver() && limits.iterations() < last; ++round) {
     const std::uint64_t before = limits.iterations();
     if (auto path = runOnce(objective, runSeed(seed, round), last, round)) return path;
-    // A planner that gives up without an iteration would do so for ever.
+    // A planner that gives up without an iteration would give up for ever.
     idle = limits.iterations() == before ? idle + 1 : 0;
     if (idle == kIdleRuns) break;
   }
@@ -142,7 +144,7 @@ std::optional<Waypoints> Search::runOnce(const ob::OptimizationObjectivePtr& obj
       return limits.iterations() >= last_iteration || limits.iterate();
     }));
   } catch (const ompl::Exception&) {
-    return std::nullopt;  // an OMPL planner that lost its way has no path; the next run may
+    return std::nullopt;  // an inner error of OMPL; the next run may find a path
   }
   if (!definition->hasExactSolution()) return std::nullopt;
 
@@ -155,12 +157,12 @@ std::optional<Waypoints> Search::runOnce(const ob::OptimizationObjectivePtr& obj
     path.emplace_back(q.begin(), q.end());
   }
   if (path.empty() || path.front() != task_.start) return std::nullopt;
-  if (!endInGoal(path) || !certified(path)) return std::nullopt;
+  if (!endInGoal(path) || !isCertified(path)) return std::nullopt;
   return path;
 }
 
 ob::GoalPtr Search::goalFor(const ob::Planner& planner, std::uint64_t round) {
-  if (planner.getSpecs().recognizedGoal == ob::GOAL_STATE) {  // one goal a run, each in its turn
+  if (planner.getSpecs().recognizedGoal == ob::GOAL_STATE) {  // takes one goal a run: by turns
     auto goal = std::make_shared<ob::GoalState>(space_information_);
     ob::State* state = space_information_->allocState();
     const std::vector<double>& point = task_.goals.points[round % task_.goals.points.size()];
@@ -175,8 +177,8 @@ ob::GoalPtr Search::goalFor(const ob::Planner& planner, std::uint64_t round) {
   return goal;
 }
 
-/// Makes the path's last point one of a goal's: where the planner only came near, by a certified
-/// edge from the last waypoint that has one.
+/// Makes the path end in a goal, as the goal is written. Where the planner only came near, by a
+/// certified edge from the last waypoint that has one. False where that fails.
 bool Search::endInGoal(Waypoints& path) {
   const ConfigurationSpace& space = scene_->space();
   if (!traits_->exact) {
@@ -202,7 +204,7 @@ bool Search::endInGoal(Waypoints& path) {
   return true;
 }
 
-bool Search::certified(const Waypoints& path) {
+bool Search::isCertified(const Waypoints& path) {
   for (std::size_t i = 1; i < path.size(); ++i)
     if (certifier().certify(path[i - 1], path[i], EdgeRequest::persistent()).verdict !=
         Verdict::kFree)

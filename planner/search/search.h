@@ -19,7 +19,7 @@ namespace leeway::planner {
 
 using Waypoints = std::vector<std::vector<double>>;
 
-/// What a search is about, apart from the scene that it is made in.
+/// What is searched, in whatever scene.
 struct SearchTask {
   const Problem& problem;
   const std::vector<double>& start;
@@ -27,7 +27,9 @@ struct SearchTask {
   Limits& limits;
 };
 
-/// One scene's OMPL side, and searches in it.
+/// Searches in one scene by the problem's OMPL planner. A planner that gives up before the limits
+/// is started again with another seed. Every edge of a path that is returned is certified as it
+/// stands; nothing is returned when none is found.
 class Search {
  public:
   Search(std::shared_ptr<const CompiledScene> scene, std::shared_ptr<CertifierPool> pool,
@@ -35,19 +37,16 @@ class Search {
 
   EdgeCertifier& certifier() { return pool_->local().certifier; }
 
-  /// Runs the problem's planner for the shortest path (or any: as the planner is), anew when it
-  /// gives up before the limits. A path is returned only when every edge of it is certified as it
-  /// stands.
+  /// The shortest path that a planner finds within the limits if it optimises, otherwise its first.
   std::optional<Waypoints> shortest(std::uint64_t seed);
-  /// The same for the first path it finds. `budget`: at most so many iterations (0: what the limits
-  /// leave).
+  /// The first path. `budget`: at most so many iterations; 0: what the limits leave.
   std::optional<Waypoints> any(std::uint64_t seed, std::uint64_t budget = 0);
-  /// The same for the greatest clearance, ending early at `enough` [m]. For planners that optimise.
+  /// The path of greatest clearance; ends early at `enough` [m]. For planners that optimise any
+  /// cost.
   std::optional<Waypoints> widest(std::uint64_t seed, double enough);
 
-  bool certified(const Waypoints& path);
-
  private:
+  bool isCertified(const Waypoints& path);
   std::optional<Waypoints> search(std::uint64_t seed, std::uint64_t budget, bool first);
   std::optional<Waypoints> run(const ompl::base::OptimizationObjectivePtr& objective,
                                std::uint64_t seed, std::uint64_t budget);
@@ -65,25 +64,22 @@ class Search {
   const PlannerTraits* traits_;
 };
 
-inline void addStatistics(EdgeCertifier::Statistics& sum, const EdgeCertifier::Statistics& more) {
-  sum.states += more.states;
-  sum.edges += more.edges;
-  sum.distance_queries += more.distance_queries;
-  sum.intervals += more.intervals;
-}
-
-/// A path whose least clearance is as great as the limits allow, found by a planner that only looks
-/// for any path: searches with rising margins, see clearance_search.cc. `bound`: no path can have
-/// more [m].
 struct ClearancePath {
   Waypoints path;
   double clearance;                ///< certified lower bound [m]
   EdgeCertifier::Statistics work;  ///< of the searches with raised margins
 };
+/// A path whose least clearance is as great as the limits allow, by a planner that knows nothing of
+/// clearance: searches with rising margins, see clearance_search.cc. `bound`: no path can have more
+/// [m].
 std::optional<ClearancePath> searchClearance(const std::shared_ptr<const CompiledScene>& scene,
                                              Search& search, const SearchTask& task, double bound);
 
-/// Certified lower bound of a path's clearance to within tolerance [m]; stops below `cutoff`.
+/// The smallest margin of a pair [m]; infinity without pairs.
+double leastMargin(const collision::Scene& scene);
+
+/// Certified lower bound of a path's clearance, to within tolerance [m]; stops once it is below
+/// `cutoff`.
 double pathClearance(EdgeCertifier& certifier, const Waypoints& path, double tolerance,
                      double cutoff);
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "leeway/planner/random.h"
+#include "planner/base/random.h"
 #include "planner/base/tolerances.h"
 
 namespace leeway::planner {
@@ -51,7 +51,7 @@ class Shortener {
 
   double distance(const Point& a, const Point& b) const { return space_.distance(a, b); }
 
-  /// Waypoints that stand twice in a row are one; a path of nothing else keeps two.
+  /// Makes repeated waypoints one; a path of one point keeps two.
   void dropRepeated() {
     std::size_t last = 0;
     for (std::size_t i = 1; i < path_.size(); ++i) {
@@ -61,8 +61,8 @@ class Shortener {
     path_.resize(last + 1);
   }
 
-  /// From each waypoint on to the farthest that a certified edge reaches, tried by halves: O(n log
-  /// n) edges.
+  /// Goes on from each waypoint to the farthest that a certified edge reaches, tried by halves: O(n
+  /// log n) edges.
   void dropVertices() {
     for (std::size_t i = 0; i + 2 < path_.size(); ++i) {
       for (std::size_t j = path_.size() - 1; j > i + 1; j = i + 1 + (j - i - 1) / 2) {
@@ -103,7 +103,7 @@ class Shortener {
     return {edge, length > 0 ? std::clamp((s - along_[edge]) / length, 0.0, 1.0) : 0.0};
   }
 
-  /// A place near a waypoint is the waypoint: nothing is gained by an edge that short.
+  /// A place within `reach` of a waypoint is the waypoint: an edge that short gains nothing.
   Place snapped(Place place, double reach) const {
     const double length = along_[place.edge + 1] - along_[place.edge];
     if (place.t * length < reach) return {place.edge, 0};
@@ -125,18 +125,18 @@ class Shortener {
     if (s0 > s1) std::swap(s0, s1);
     const Place from = snapped(placeAt(s0), kShortcutSnap * total);
     const Place to = snapped(placeAt(s1), kShortcutSnap * total);
-    // Along one edge there is nothing to cut.
+    // One edge has nothing to cut.
     if (to.edge <= from.edge || (to.edge == from.edge + 1 && to.t == 0)) return false;
     const Point a = pointAt(from), b = pointAt(to);
-    // What is compared are the lengths of the edges before and after as they are, rounding of the
-    // two places included.
+    // Compares the edges as they will stand, the rounding of both places included.
     const std::size_t last = to.t > 0 ? to.edge + 1 : to.edge;
     const double before = along_[last] - along_[from.edge];
     double after = distance(a, b);
     if (from.t > 0) after += distance(path_[from.edge], a);
     if (to.t > 0) after += distance(b, path_[last]);
     if (!(after < before - kShortcutGain * total)) return false;
-    // The two ends lie on certified edges, but rounded: they are certified again as they stand.
+    // Rounding moves the two ends off their certified edges: what is left of these is certified
+    // again.
     if (!certified(a, b)) return false;
     if (from.t > 0 && !certified(path_[from.edge], a)) return false;
     if (to.t > 0 && !certified(b, path_[last])) return false;
@@ -149,9 +149,9 @@ class Shortener {
     return true;
   }
 
-  /// One joint alone moves evenly between two random waypoints, the others as they did: takes out
-  /// detours of one joint that a cut of all would bring into contact (the partial shortcut of
-  /// Geraerts and Overmars).
+  /// Lets one joint move evenly between two random waypoints, the others as before: takes out a
+  /// detour of one joint where a cut of all would meet something (the partial shortcut of Geraerts
+  /// and Overmars).
   bool straightenPart() {
     measure();
     const int count = static_cast<int>(path_.size());
@@ -179,7 +179,7 @@ class Shortener {
     return true;
   }
 
-  /// Each waypoint goes half of the way to its place on the chord of its neighbours, or a quarter,
+  /// Moves each waypoint half of the way to its place on the chord of its neighbours, or a quarter,
   /// or an eighth.
   void pullVertices() {
     Point chord(path_[0].size()), pulled(path_[0].size());

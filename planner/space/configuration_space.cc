@@ -32,21 +32,20 @@ bool unlimited(const robots::Variable& variable) {
 }
 
 /// Rotation vector r with b = a * exp(r / 2), |r| <= pi, for quaternions xyzw near unit length. The
-/// half angle is taken from sine and cosine together, so that it is as exact at 1e-12 rad as at 1
-/// rad (an arc cosine of the scalar product is not).
+/// half angle comes from sine and cosine together: an arc cosine of the scalar product would lose
+/// small angles.
 void rotationDifference(const double* a, const double* b, double* r) {
   double v[3] = {(a[3] * b[0] - b[3] * a[0]) - (a[1] * b[2] - a[2] * b[1]),
                  (a[3] * b[1] - b[3] * a[1]) - (a[2] * b[0] - a[0] * b[2]),
                  (a[3] * b[2] - b[3] * a[2]) - (a[0] * b[1] - a[1] * b[0])};
   double w = a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3];
-  if (w < 0) {  // b and -b are the same rotation: the shorter way
+  if (w < 0) {  // b and -b are one rotation; this is the shorter way
     w = -w;
     for (double& x : v) x = -x;
   }
   const double sine = std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-  const bool tiny =
-      sine <
-      kTinyAngle * w;  // the angle equals its sine to rounding, and sine may have underflowed
+  // A tiny angle equals its sine to rounding, and the sine may have underflowed.
+  const bool tiny = sine < kTinyAngle * w;
   const double scale = tiny ? 2 / w : sine > 0 ? 2 * firstQuadrantAngle(sine, w) / sine : 0;
   for (int i = 0; i < 3; ++i) r[i] = scale * v[i];
 }
@@ -136,7 +135,7 @@ void ConfigurationSpace::interpolate(std::span<const double> a, std::span<const 
   }
   for (const Part& part : parts_) {
     const std::size_t i = at(part.first);
-    if (part.kind == Kind::kLine)  // rounding must not leave the limits that a and b keep
+    if (part.kind == Kind::kLine)  // clamped, or rounding could leave the limits that a and b keep
       result[i] = std::clamp(a[i] + t * (b[i] - a[i]), std::min(a[i], b[i]), std::max(a[i], b[i]));
     if (part.kind == Kind::kCircle)
       result[i] = wrapped(a[i] + t * std::remainder(b[i] - a[i], kTwoPi));
@@ -171,8 +170,7 @@ bool ConfigurationSpace::withinLimits(std::span<const double> a) const {
     if (part.kind == Kind::kRotation) {
       const double squared =
           a[i] * a[i] + a[i + 1] * a[i + 1] + a[i + 2] * a[i + 2] + a[i + 3] * a[i + 3];
-      if (!(std::abs(squared - 1) <= 2 * kUnitQuaternion))
-        return false;  // written so that NaN fails
+      if (!(std::abs(squared - 1) <= 2 * kUnitQuaternion)) return false;  // NaN fails
       continue;
     }
     if (!std::isfinite(a[i])) return false;
@@ -186,7 +184,7 @@ void ConfigurationSpace::unwrap(std::span<const double> previous, std::span<doub
   for (const Part& part : parts_) {
     if (part.kind != Kind::kCircle) continue;
     const std::size_t i = at(part.first);
-    // Half a turn exactly rounds to none, both ways: what is unwrapped stays as it is.
+    // Exactly half a turn rounds to none either way, so that unwrapped points stay as they are.
     const double turns = std::nearbyint((previous[i] - next[i]) / kTwoPi);
     if (turns != 0) next[i] += turns * kTwoPi;
   }

@@ -4,14 +4,14 @@
 
 namespace leeway::planner {
 
-/// OMPL seeds each of its generators from one generator of the whole process, at birth. Whoever
-/// makes an object that holds such a generator does it under this lock: a planner seeded under it
-/// then gets the same seeds however many other plans are starting. Recursive, because making a
-/// planner may make a sampler.
+/// OMPL seeds each of its generators, when it is made, from one generator of the whole process.
+/// Hold this lock while you make an object that has such a generator: after seedOmpl() under the
+/// lock a planner then gets the same seeds however many other plans are starting. Recursive,
+/// because making a planner may make a sampler.
 std::recursive_mutex& omplSeedLock();
 
-/// Silences OMPL's console as long as one of them lives, then puts back the output handler that was
-/// there.
+/// Silences OMPL's console while at least one exists; the last one puts the old output handler
+/// back.
 class QuietOmpl {
  public:
   QuietOmpl();

@@ -73,11 +73,11 @@ constexpr bool kCells = true, kNoCells = false;
 template <typename Planner>
 Entry entry(const char* name, bool deterministic, bool optimizing, bool projection,
             const char* summary) {
-  const bool exact =
-      !std::is_same_v<Planner, og::SST>;  // its steps are random, never towards a goal
-  // Its A* over the roadmap subtracts and adds costs, and throws where they do not.
-  const bool widens = !std::is_same_v<Planner, og::LazyPRMstar>;
-  return {{name, deterministic, optimizing, widens, projection, exact, summary},
+  // SST's steps are random, never towards a goal.
+  const bool exact = !std::is_same_v<Planner, og::SST>;
+  // LazyPRM*'s A* adds and subtracts costs, and throws where they do not add up.
+  const bool any_cost = !std::is_same_v<Planner, og::LazyPRMstar>;
+  return {{name, deterministic, optimizing, any_cost, projection, exact, summary},
           [](const ob::SpaceInformationPtr& si) { return std::make_shared<Planner>(si); }};
 }
 
@@ -100,7 +100,7 @@ const std::vector<Entry>& entries() {
                                  "RRT* that samples where a better path can be"),
       entry<og::SORRTstar>("SORRTstar", kSeeded, kOptimizing, kNoCells,
                            "RRT* that sorts its samples by what they promise"),
-      // OMPL 1.5.2 never sets the start's lower bound and compares with what was in memory.
+      // OMPL 1.5.2 never sets the start's lower bound, and compares whatever is in memory.
       entry<og::LBTRRT>("LBTRRT", kUnseeded, kOptimizing, kNoCells,
                         "between RRT and RRT*: a lower bound decides what to rewire"),
       entry<og::EST>("EST", kSeeded, kFirst, kNoCells, "expansive tree, density by neighbours"),
@@ -147,7 +147,7 @@ const std::vector<Entry>& entries() {
   return list;
 }
 
-/// Capitals to small letters, the star of RRT* to the word that OMPL's class names use.
+/// In small letters, * as the word "star" of OMPL's class names.
 std::string normalizedName(std::string_view name) {
   std::string result;
   for (const char c : name) {
@@ -166,7 +166,7 @@ const Entry* find(std::string_view name) {
   return nullptr;
 }
 
-/// A space to make planners in whose parameters are asked for.
+/// A space for planners that are made to ask for their parameters.
 ob::SpaceInformationPtr smallSpace() {
   auto space = std::make_shared<ob::RealVectorStateSpace>(2);
   space->setBounds(0, 1);
@@ -186,8 +186,8 @@ std::string accepted(const ob::GenericParam& parameter) {
   return "a number in the manner of " + suggestion + " (first:step:last) is expected";
 }
 
-/// OMPL reads "1.5x" as 1.5, "-1" as 4294967295 and keeps whatever a setter leaves: so what stands
-/// there afterwards is compared with what was meant.
+/// Sets a parameter and reads it back, because OMPL reads "1.5x" as 1.5, "-1" as 4294967295 and
+/// keeps whatever a setter leaves.
 std::optional<std::string> setParameter(ob::Planner& planner, const std::string& key,
                                         const std::string& value) {
   ob::ParamSet& parameters = planner.params();
@@ -199,7 +199,7 @@ std::optional<std::string> setParameter(ob::Planner& planner, const std::string&
   }
   ob::GenericParam& parameter = parameters[key];
   const std::string wrong = "planner parameter '" + key + "' cannot be '" + value + "'; ";
-  // AnytimePathShortening's list of planners is the one parameter that is not a number.
+  // The only parameter that is not a number: AnytimePathShortening's list of planners.
   if (key == "planners") {
     if (!parameter.setValue(value)) return wrong + "planner names with commas between are expected";
     return std::nullopt;
@@ -216,7 +216,6 @@ std::optional<std::string> setParameter(ob::Planner& planner, const std::string&
     return wrong + accepted(parameter);
   }
   const std::optional<double> kept = number(parameter.getValue());
-  // OMPL writes six digits.
   if (kept && std::abs(*kept - *meant) > kParameterDigits * std::abs(*meant))
     return wrong + accepted(parameter);
   return std::nullopt;
@@ -281,9 +280,8 @@ ob::PlannerPtr makePlanner(const std::string& name,
 }
 
 void seedOmpl(std::uint64_t seed) {
-  // setSeed() complains when seeds were given out before, and then does what it is told; 0 alone it
-  // refuses. Thirty-one bits are what every width of uint_fast32_t and the generator behind it
-  // keep.
+  // setSeed() warns when seeds were given out before, but obeys; only 0 it refuses. Every width of
+  // uint_fast32_t and the generator behind it keep thirty-one bits.
   const std::uint64_t mixed = (seed ^ (seed >> 31) ^ (seed >> 62)) & 0x7fffffffu;
   ompl::RNG::setSeed(mixed == 0 ? 0x7fffffffu : static_cast<std::uint_fast32_t>(mixed));
 }

@@ -10,14 +10,14 @@
 
 namespace leeway::planner {
 
-/// A planner for that space information. Call under omplSeedLock(), after seedOmpl(). Throws
-/// std::invalid_argument with plannerError()'s words.
+/// A planner by name. Call under omplSeedLock(), after seedOmpl(). Throws std::invalid_argument
+/// with plannerError()'s message.
 ompl::base::PlannerPtr makePlanner(const std::string& name,
                                    const std::map<std::string, std::string>& parameters,
                                    const ompl::base::SpaceInformationPtr& space_information);
 
-/// Puts OMPL's generator of seeds at a place that depends on `seed` only: until omplSeedLock() is
-/// given back, whatever is made gets the same seeds each time.
+/// Sets OMPL's generator of seeds: what is made next, under the same omplSeedLock(), has seeds that
+/// depend on `seed` only.
 void seedOmpl(std::uint64_t seed);
 
 }  // namespace leeway::planner

@@ -1,6 +1,7 @@
 #include "leeway/planner/ompl_state_space.h"
 
 #include <ompl/base/ProjectionEvaluator.h>
+#include <ompl/base/StateSampler.h>
 
 #include <algorithm>
 #include <cmath>
@@ -11,6 +12,7 @@
 #include <stdexcept>
 
 #include "collision/base/sine_cosine.h"
+#include "planner/base/random.h"
 #include "planner/base/tolerances.h"
 #include "planner/space/ompl_lock.h"
 
@@ -21,7 +23,7 @@ namespace ob = ompl::base;
 using Kind = ConfigurationSpace::Kind;
 using Part = ConfigurationSpace::Part;
 
-/// Cells of the default projection along each axis; OMPL's own spaces use the same number.
+/// Cells of the default projection along each axis, as many as in OMPL's own spaces.
 constexpr double kProjectionCells = 20;
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
@@ -31,14 +33,13 @@ double range(const ConfigurationSpace& space, const Part& part) {
                                   : collision::kTwoPi;
 }
 
-/// The greatest difference of two points in that part, in the metric.
+/// The greatest distance of two points in that part.
 double extent(const ConfigurationSpace& space, const Part& part) {
   return part.weight * (part.kind == Kind::kLine ? range(space, part) : std::numbers::pi);
 }
 
 double measure(const ConfigurationSpace& space, const Part& part) {
-  // Unit quaternions up to sign have the volume pi^2 on the sphere; the angle is twice the arc
-  // there.
+  // Unit quaternions up to sign have the volume pi^2 on the sphere, and an angle is twice the arc.
   if (part.kind == Kind::kRotation)
     return 8 * std::numbers::pi * std::numbers::pi * part.weight * part.weight * part.weight;
   return part.weight * range(space, part);
@@ -80,6 +81,77 @@ class FirstNumbers : public ob::ProjectionEvaluator {
  private:
   const OmplStateSpace& own_;
   unsigned int dimension_;
+};
+
+/// See OmplStateSpace.
+class Sampler : public ob::StateSampler {
+ public:
+  Sampler(const OmplStateSpace* space, std::uint64_t seed, std::uint64_t stream)
+      : StateSampler(space),
+        own_(*space),
+        random_(seed, stream),
+        offset_(at(space->space().size()), 0.0) {}
+
+  void sampleUniform(ob::State* state) override {
+    const ConfigurationSpace& space = own_.space();
+    const std::span<double> q = own_.point(state);
+    for (const Part& part : space.parts()) {
+      double& x = q[at(part.first)];
+      if (part.kind == Kind::kLine)
+        x = random_.uniform(space.lower(part.first), space.upper(part.first));
+      if (part.kind == Kind::kCircle) x = random_.uniform(-std::numbers::pi, std::numbers::pi);
+      if (part.kind == Kind::kRotation) random_.quaternion(&x);
+    }
+  }
+
+  void sampleUniformNear(ob::State* state, const ob::State* near, double distance) override {
+    const ConfigurationSpace& space = own_.space();
+    const std::span<const double> center = own_.point(near);
+    bool anywhere = false;
+    for (const Part& part : space.parts()) {
+      const std::size_t i = at(part.first);
+      const double reach = part.weight > 0 ? distance / part.weight : collision::kTwoPi;
+      if (part.kind == Kind::kLine) {
+        const double low = std::max(space.lower(part.first), center[i] - reach);
+        const double high = std::min(space.upper(part.first), center[i] + reach);
+        offset_[i] = random_.uniform(std::min(low, high), high) - center[i];
+      }
+      if (part.kind == Kind::kCircle) {
+        const double turn = std::min(reach, std::numbers::pi);
+        offset_[i] = random_.uniform(-turn, turn);
+      }
+      if (part.kind == Kind::kRotation) {
+        anywhere = reach >= std::numbers::pi;
+        random_.inBall(std::min(reach, std::numbers::pi), &offset_[i]);
+        offset_[i + 3] = 0;
+      }
+    }
+    space.advance(center, offset_, 1, own_.point(state));
+    if (anywhere)
+      for (const Part& part : space.parts())
+        if (part.kind == Kind::kRotation && distance >= std::numbers::pi * part.weight)
+          random_.quaternion(&own_.point(state)[at(part.first)]);
+    own_.enforceBounds(state);
+  }
+
+  void sampleGaussian(ob::State* state, const ob::State* mean, double deviation) override {
+    const ConfigurationSpace& space = own_.space();
+    const std::span<const double> center = own_.point(mean);
+    for (const Part& part : space.parts()) {
+      const std::size_t i = at(part.first);
+      const double sigma = part.weight > 0 ? deviation / part.weight : collision::kTwoPi;
+      const std::size_t count = part.kind == Kind::kRotation ? 3 : 1;
+      for (std::size_t k = 0; k < count; ++k) offset_[i + k] = sigma * random_.gaussian();
+      if (part.kind == Kind::kRotation) offset_[i + 3] = 0;
+    }
+    space.advance(center, offset_, 1, own_.point(state));
+    own_.enforceBounds(state);
+  }
+
+ private:
+  const OmplStateSpace& own_;
+  Random random_;
+  std::vector<double> offset_;
 };
 
 }  // namespace
@@ -136,8 +208,7 @@ void OmplStateSpace::enforceBounds(ob::State* state) const {
     if (part.kind != Kind::kRotation) continue;
     double* r = &x;
     const double norm = std::sqrt(r[0] * r[0] + r[1] * r[1] + r[2] * r[2] + r[3] * r[3]);
-    if (std::abs(norm - 1) <= kUnitToRounding)
-      continue;  // unit to rounding: a second division would only move it
+    if (std::abs(norm - 1) <= kUnitToRounding) continue;
     for (int i = 0; i < 4; ++i) r[i] = norm > 0 ? r[i] / norm : (i == 3 ? 1 : 0);
   }
 }
@@ -147,7 +218,7 @@ bool OmplStateSpace::satisfiesBounds(const ob::State* state) const {
 }
 
 void OmplStateSpace::copyState(ob::State* destination, const ob::State* source) const {
-  // memmove: some planners copy a state onto itself.
+  // Not memcpy: some planners copy a state onto itself.
   std::memmove(destination->as<StateType>()->values, source->as<StateType>()->values,
                size_ * sizeof(double));
 }
@@ -172,9 +243,9 @@ void OmplStateSpace::interpolate(const ob::State* from, const ob::State* to, dou
 }
 
 ob::StateSamplerPtr OmplStateSpace::allocDefaultStateSampler() const {
-  // The base class holds a generator of OMPL's, though ours never asks it: see omplSeedLock().
+  // The base class holds a generator of OMPL's, which ours never uses: see omplSeedLock().
   const std::lock_guard<std::recursive_mutex> lock(omplSeedLock());
-  return std::make_shared<OmplStateSampler>(this, seed_, sampler_count_++);
+  return std::make_shared<Sampler>(this, seed_, sampler_count_++);
 }
 
 ob::State* OmplStateSpace::allocState() const {
@@ -235,69 +306,6 @@ void OmplStateSpace::printSettings(std::ostream& out) const {
   for (int i = 0; i < space_->size(); ++i)
     out << "  " << space_->model().variables[at(space_->variables()[at(i)])].name << " ["
         << space_->lower(i) << ", " << space_->upper(i) << "]\n";
-}
-
-OmplStateSampler::OmplStateSampler(const OmplStateSpace* space, std::uint64_t seed,
-                                   std::uint64_t stream)
-    : StateSampler(space),
-      own_(*space),
-      random_(seed, stream),
-      offset_(at(space->space().size()), 0.0) {}
-
-void OmplStateSampler::sampleUniform(ob::State* state) {
-  const ConfigurationSpace& space = own_.space();
-  const std::span<double> q = own_.point(state);
-  for (const Part& part : space.parts()) {
-    double& x = q[at(part.first)];
-    if (part.kind == Kind::kLine)
-      x = random_.uniform(space.lower(part.first), space.upper(part.first));
-    if (part.kind == Kind::kCircle) x = random_.uniform(-std::numbers::pi, std::numbers::pi);
-    if (part.kind == Kind::kRotation) random_.quaternion(&x);
-  }
-}
-
-void OmplStateSampler::sampleUniformNear(ob::State* state, const ob::State* near, double distance) {
-  const ConfigurationSpace& space = own_.space();
-  const std::span<const double> center = own_.point(near);
-  bool anywhere = false;
-  for (const Part& part : space.parts()) {
-    const std::size_t i = at(part.first);
-    const double reach = part.weight > 0 ? distance / part.weight : collision::kTwoPi;
-    if (part.kind == Kind::kLine) {
-      const double low = std::max(space.lower(part.first), center[i] - reach);
-      const double high = std::min(space.upper(part.first), center[i] + reach);
-      offset_[i] = random_.uniform(std::min(low, high), high) - center[i];
-    }
-    if (part.kind == Kind::kCircle) {
-      const double turn = std::min(reach, std::numbers::pi);
-      offset_[i] = random_.uniform(-turn, turn);
-    }
-    if (part.kind == Kind::kRotation) {
-      anywhere = reach >= std::numbers::pi;
-      random_.inBall(std::min(reach, std::numbers::pi), &offset_[i]);
-      offset_[i + 3] = 0;
-    }
-  }
-  space.advance(center, offset_, 1, own_.point(state));
-  if (anywhere)
-    for (const Part& part : space.parts())
-      if (part.kind == Kind::kRotation && distance >= std::numbers::pi * part.weight)
-        random_.quaternion(&own_.point(state)[at(part.first)]);
-  own_.enforceBounds(state);
-}
-
-void OmplStateSampler::sampleGaussian(ob::State* state, const ob::State* mean, double deviation) {
-  const ConfigurationSpace& space = own_.space();
-  const std::span<const double> center = own_.point(mean);
-  for (const Part& part : space.parts()) {
-    const std::size_t i = at(part.first);
-    const double sigma = part.weight > 0 ? deviation / part.weight : collision::kTwoPi;
-    const std::size_t count = part.kind == Kind::kRotation ? 3 : 1;
-    for (std::size_t k = 0; k < count; ++k) offset_[i + k] = sigma * random_.gaussian();
-    if (part.kind == Kind::kRotation) offset_[i + 3] = 0;
-  }
-  space.advance(center, offset_, 1, own_.point(state));
-  own_.enforceBounds(state);
 }
 
 }  // namespace leeway::planner

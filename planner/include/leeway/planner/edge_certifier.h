@@ -15,20 +15,20 @@ using collision::Verdict;
 /// One configuration, against the margins.
 struct StateCheck {
   Verdict verdict = Verdict::kUndecided;
-  Interval clearance;  ///< [m]
-  int pair = -1;
+  Interval clearance;                 ///< [m]
+  int pair = -1;                      ///< the closest one, in collision::Scene::pairs()
   collision::DistanceResult closest;  ///< in world coordinates
 };
 
 struct EdgeRequest {
   bool last_valid = false;       ///< find the largest t up to which the edge is certified
   double smallest_interval = 0;  ///< in t; 0: the default of tolerances (by motion, not by t)
-  /// What it may cost, in units of collision::Work, of which there are about a thousand a
-  /// microsecond. 0: the default, about 100 us, and half a millisecond where a body flies freely
-  /// among triangles. Beyond: undecided. As much again for `last_valid`.
+  /// The most it may cost, in units of collision::Work, of which there are about a thousand a
+  /// microsecond; beyond, the edge is undecided. 0: about 100 us, half a millisecond where a body
+  /// flies freely among triangles. `last_valid` may cost as much again.
   std::int64_t work_limit = 0;
 
-  /// For proofs that nobody tries again on another edge: a hundred times as much.
+  /// A hundred times the default work: for proofs that no other edge can replace.
   static EdgeRequest persistent();
 };
 
@@ -36,7 +36,7 @@ struct EdgeCheck {
   Verdict verdict = Verdict::kUndecided;
   double last_valid = 0;  ///< the edge is certified on [0, last_valid]; 1 when free
   double t = 0;           ///< not free or undecided: where
-  int pair = -1;          ///< and which pair
+  int pair = -1;          ///< and which pair; -1: none in particular
 };
 
 /// Where along an edge the least clearance is, as a certified interval.
@@ -54,44 +54,43 @@ struct EdgeClearance {
 /// acceleration, instead of by path lengths, which shrink only with h. One per thread; allocates in
 /// the constructor only; queries never throw. Points have the size of the scene's space.
 ///
-/// Answers and history. Free is a proof whatever was asked before, and not free is one to within
-/// the rounding that margins are charged with. Which queries look for the proof depends on the
-/// calls before: planes and directions that parted a pair last, pairs that were in the way, growths
-/// at which a sweep failed. So an edge whose proof just fits into the work limit, the smallest
-/// interval or rounding may be decided after some calls and undecided after others: as a rule one
-/// that grazes something within micrometres of its margin; where a negative margin lets bodies
-/// overlap, whose depths are dear, also one that stays millimetres off it. And of an edge that is
-/// not free, the pair and place that are told may differ. The same calls in the same order give the
-/// same answers.
+/// Answers and history. Free is a proof whatever was asked before; not free is one to within the
+/// rounding that margins are charged with. But which queries look for the proof depends on earlier
+/// calls: on planes that parted a pair last, pairs last in contact, growths at which a sweep
+/// failed. So an edge whose proof just fits into the work limit, the smallest interval or rounding
+/// may be decided after some calls and undecided after others. As a rule such an edge grazes
+/// something within micrometres of its margin; where a negative margin lets bodies overlap, whose
+/// depths are dear, it may stay millimetres off. Of an edge that is not free, the reported pair and
+/// place may differ. The same calls in the same order give the same answers.
 class EdgeCertifier {
  public:
   explicit EdgeCertifier(std::shared_ptr<const CompiledScene> scene);
   ~EdgeCertifier();
 
   const CompiledScene& scene() const;
-  /// Answers for `scene` from now on, which must be a withShapes() of the same scene as the one
-  /// before. O(bodies + pairs), far cheaper than a new certifier.
+  /// Answers for `scene` from now on, a withShapes() of the scene before. O(bodies + pairs), far
+  /// cheaper than a new certifier.
   void rebind(std::shared_ptr<const CompiledScene> scene);
 
-  /// Valid or not, as fast as it can.
+  /// Whether a point keeps its margins, as fast as possible.
   Verdict decide(std::span<const double> point);
-  /// Clearance to within tolerance [m], closest pair, witnesses.
+  /// Clearance of a point to within tolerance [m], closest pair, witnesses.
   StateCheck clearance(std::span<const double> point, double tolerance);
-  /// Certifies the edge from a to b as the space interpolates it. Costs at most the work
-  /// limit.
+  /// Certifies the edge from a to b as the space interpolates it.
   EdgeCheck certify(std::span<const double> a, std::span<const double> b,
                     const EdgeRequest& request = {});
-  /// The minimum clearance along the edge to within tolerance [m] (or as near as the work limit
-  /// allows). `cutoff`: stop as soon as the minimum is known to be below (upper < cutoff).
+  /// The minimum clearance along the edge to within tolerance [m], or as near as its work limit
+  /// allows. `cutoff`: stops as soon as the minimum is known to be below it (upper < cutoff).
   EdgeClearance edgeClearance(std::span<const double> a, std::span<const double> b,
                               double tolerance, double cutoff);
 
   struct Statistics {
     std::uint64_t states = 0, edges = 0, distance_queries = 0, intervals = 0;
+    Statistics& operator+=(const Statistics& more);
   };
   Statistics statistics;
-  /// When set, both ends of every edge that certify() is asked are appended: what measurements
-  /// replay. It allocates then.
+  /// When set, certify() appends both ends of every edge, for measurements to replay. It allocates
+  /// then.
   std::vector<std::vector<double>>* trace = nullptr;
 
  private:

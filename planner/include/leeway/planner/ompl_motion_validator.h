@@ -12,16 +12,16 @@
 namespace leeway::planner {
 
 /// A motion is valid when the whole edge between its states is certified; there is no resolution.
-/// Thread-safe; allocates nothing after a thread's first call.
+/// States are those of OmplStateSpace. Thread-safe; allocates nothing after a thread's first call.
 class OmplMotionValidator : public ompl::base::MotionValidator {
  public:
   OmplMotionValidator(const ompl::base::SpaceInformationPtr& space_information,
                       std::shared_ptr<CertifierPool> pool);
 
   bool checkMotion(const ompl::base::State* s1, const ompl::base::State* s2) const override;
-  /// `last_valid.second` is a fraction up to which the edge is certified, `last_valid.first`
-  /// (unless null) the state there, valid by itself and the end of a certified edge from s1; s1
-  /// when nothing could be certified.
+  /// Of a motion that is not valid, `last_valid.second` is a fraction up to which the edge is
+  /// certified, and `last_valid.first`, unless null, the state there: valid, and the end of a
+  /// certified edge from s1. Where nothing can be certified, 0 and s1.
   bool checkMotion(const ompl::base::State* s1, const ompl::base::State* s2,
                    std::pair<ompl::base::State*, double>& last_valid) const override;
 
@@ -30,9 +30,8 @@ class OmplMotionValidator : public ompl::base::MotionValidator {
   std::shared_ptr<CertifierPool> pool_;
 };
 
-/// A SpaceInformation for a scene, set up and ready for any of OMPL's geometric planners:
-/// OmplStateSpace (seeded), OmplValidityChecker and OmplMotionValidator over one pool (a new one
-/// when null).
+/// A SpaceInformation for a scene, set up for any of OMPL's geometric planners: an OmplStateSpace
+/// with `seed`, and OmplValidityChecker and OmplMotionValidator over one pool (null: a new one).
 ompl::base::SpaceInformationPtr makeSpaceInformation(std::shared_ptr<const CompiledScene> scene,
                                                      std::uint64_t seed = 1,
                                                      std::shared_ptr<CertifierPool> pool = nullptr);

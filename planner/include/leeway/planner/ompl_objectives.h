@@ -9,9 +9,9 @@
 
 namespace leeway::planner {
 
-/// The length of a path in the space's distance, smaller is better. Informed planners sample by
-/// rejection with our samplers (OMPL's direct sampler knows only its own spaces and the process's
-/// seed).
+/// The length of a path in the space's distance; smaller is better. Informed planners sample by
+/// rejection from our samplers, since OMPL's direct sampler knows only its own spaces and the
+/// process's seed.
 class OmplLengthObjective : public ompl::base::PathLengthOptimizationObjective {
  public:
   explicit OmplLengthObjective(const ompl::base::SpaceInformationPtr& space_information);
@@ -19,10 +19,10 @@ class OmplLengthObjective : public ompl::base::PathLengthOptimizationObjective {
       const ompl::base::ProblemDefinitionPtr& problem, unsigned int attempts) const override;
 };
 
-/// The least clearance along a path [m], larger is better. An edge's cost is a certified lower
-/// bound over the whole edge, at most `tolerance` below the truth for edges that keep the margins
-/// (for others it only says that it is no better than the smallest margin). Costs combine by
-/// minimum. Satisfied at getCostThreshold(), infinity unless set.
+/// The least clearance along a path [m]; larger is better. Costs combine by minimum. An edge's cost
+/// is a certified lower bound over the whole edge: at most `tolerance` below the truth where the
+/// edge keeps the margins, otherwise anything up to the smallest margin. Satisfied at
+/// getCostThreshold(), infinity unless set.
 class OmplClearanceObjective : public ompl::base::OptimizationObjective {
  public:
   OmplClearanceObjective(const ompl::base::SpaceInformationPtr& space_information,
@@ -36,7 +36,7 @@ class OmplClearanceObjective : public ompl::base::OptimizationObjective {
   ompl::base::Cost combineCosts(ompl::base::Cost a, ompl::base::Cost b) const override;
   ompl::base::Cost identityCost() const override;
   ompl::base::Cost infiniteCost() const override;
-  /// A start's own clearance bounds every path from it.
+  /// That of the start, which bounds every path from it.
   ompl::base::Cost initialCost(const ompl::base::State* state) const override;
   ompl::base::InformedSamplerPtr allocInformedStateSampler(
       const ompl::base::ProblemDefinitionPtr& problem, unsigned int attempts) const override;

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <ompl/base/StateSampler.h>
 #include <ompl/base/StateSpace.h>
 
 #include <atomic>
@@ -10,16 +9,17 @@
 #include <vector>
 
 #include "leeway/planner/configuration_space.h"
-#include "leeway/planner/random.h"
 
 namespace leeway::planner {
 
-/// A ConfigurationSpace as OMPL knows spaces: joint groups, continuous joints and free bodies in
-/// one flat array of doubles a state, so that planner, certificate and verifier interpolate with
-/// the same function. Rotations are quaternions xyzw whose distance is the angle [rad] (OMPL's
-/// SO(3) has half of it), exact at small angles. Samplers draw from the space's own seed, the k-th
-/// one made from stream k: the same seed gives the same samples, whatever other threads do. Throws
-/// std::invalid_argument when a joint that is not continuous has no limits.
+/// A ConfigurationSpace for OMPL. A state is one flat array of doubles for joints and free bodies
+/// alike, and interpolates as everywhere else in the library. The distance of two rotations is the
+/// angle between them [rad] (OMPL's SO(3) has half of it), exact at small angles.
+///
+/// Samplers are uniform over the space, uniform near a state (each variable by itself within
+/// distance / weight, a rotation in the ball of that angle) or normal about a state (with that
+/// standard deviation / weight), always inside the limits. They draw from the space's seed, the
+/// k-th one from stream k: one seed gives one sequence of samples, whatever other threads do.
 class OmplStateSpace : public ompl::base::StateSpace {
  public:
   class StateType : public ompl::base::State {
@@ -29,6 +29,7 @@ class OmplStateSpace : public ompl::base::StateSpace {
     double operator[](std::size_t i) const { return values[i]; }
   };
 
+  /// Throws std::invalid_argument when a joint that is not continuous has no limits.
   explicit OmplStateSpace(std::shared_ptr<const ConfigurationSpace> space, std::uint64_t seed = 1);
   ~OmplStateSpace() override;
 
@@ -36,7 +37,7 @@ class OmplStateSpace : public ompl::base::StateSpace {
   std::span<double> point(ompl::base::State* state) const;
   std::span<const double> point(const ompl::base::State* state) const;
 
-  /// Degrees of freedom: a rotation counts 3 though it is stored as 4 numbers.
+  /// Degrees of freedom: 3 for a rotation, though it is stored as 4 numbers.
   unsigned int getDimension() const override;
   double getMaximumExtent() const override;
   /// Volume in the metric of distance(): products of ranges, 2 pi a circle, 8 pi^2 a rotation.
@@ -45,7 +46,7 @@ class OmplStateSpace : public ompl::base::StateSpace {
   bool satisfiesBounds(const ompl::base::State* state) const override;
   void copyState(ompl::base::State* destination, const ompl::base::State* source) const override;
   double distance(const ompl::base::State* a, const ompl::base::State* b) const override;
-  /// True when the distance is exactly zero: neither rounding nor small motions are equality.
+  /// True when the distance is exactly zero.
   bool equalStates(const ompl::base::State* a, const ompl::base::State* b) const override;
   void interpolate(const ompl::base::State* from, const ompl::base::State* to, double t,
                    ompl::base::State* state) const override;
@@ -56,8 +57,8 @@ class OmplStateSpace : public ompl::base::StateSpace {
   void serialize(void* serialization, const ompl::base::State* state) const override;
   void deserialize(ompl::base::State* state, const void* serialization) const override;
   double* getValueAddressAtIndex(ompl::base::State* state, unsigned int index) const override;
-  /// Default projection: the first two numbers, three when they are a free body's position, in
-  /// cells of a twentieth of their range.
+  /// The default projection is onto the first two numbers, or the three of a free body's position,
+  /// in cells of a twentieth of their range.
   void registerProjections() override;
   void printState(const ompl::base::State* state, std::ostream& out) const override;
   void printSettings(std::ostream& out) const override;
@@ -66,28 +67,8 @@ class OmplStateSpace : public ompl::base::StateSpace {
   std::shared_ptr<const ConfigurationSpace> space_;
   std::size_t size_;
   std::uint64_t seed_;
-  bool plain_;  ///< straight lines of weight 1 only: the common case, worth a loop of its own in
-                ///< distance()
+  bool plain_;  ///< straight lines of weight 1 only: distance() has a loop of its own for them
   mutable std::atomic<std::uint64_t> sampler_count_{0};  ///< the next sampler's stream
-};
-
-/// Uniform over the space, uniform near a state, normal about a state.
-class OmplStateSampler : public ompl::base::StateSampler {
- public:
-  OmplStateSampler(const OmplStateSpace* space, std::uint64_t seed, std::uint64_t stream);
-  void sampleUniform(ompl::base::State* state) override;
-  /// Each variable by itself within distance / weight of `near` (rotations: in the ball of that
-  /// angle), inside the limits.
-  void sampleUniformNear(ompl::base::State* state, const ompl::base::State* near,
-                         double distance) override;
-  /// Each variable by itself with that standard deviation / weight, inside the limits.
-  void sampleGaussian(ompl::base::State* state, const ompl::base::State* mean,
-                      double deviation) override;
-
- private:
-  const OmplStateSpace& own_;
-  Random random_;
-  std::vector<double> offset_;
 };
 
 }  // namespace leeway::planner

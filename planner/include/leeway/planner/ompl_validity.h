@@ -14,8 +14,9 @@
 
 namespace leeway::planner {
 
-/// One EdgeCertifier a thread for one compiled scene: OMPL's checkers are shared by a planner's
-/// threads, ours is not. The thread that made the pool finds its own without a lock.
+/// One EdgeCertifier a thread for one compiled scene, because OMPL's checkers are shared by a
+/// planner's threads and a certifier is not. The thread that made the pool gets its own without a
+/// lock.
 class CertifierPool {
  public:
   struct Slot {
@@ -26,9 +27,9 @@ class CertifierPool {
 
   explicit CertifierPool(std::shared_ptr<const CompiledScene> scene);
   const CompiledScene& scene() const { return *scene_; }
-  /// The calling thread's certifier. Allocates when a thread comes for the first time.
+  /// The calling thread's certifier. Allocates at a thread's first call.
   Slot& local();
-  /// Sums over all threads; only when none of them is at work.
+  /// Sums over all threads. Call it when none of them is in a certifier.
   EdgeCertifier::Statistics statistics() const;
 
  private:
@@ -39,8 +40,8 @@ class CertifierPool {
   std::map<std::thread::id, std::unique_ptr<Slot>> others_;
 };
 
-/// A state is valid when it keeps the limits and is proven to keep the scene's margins.
-/// clearance() is a lower bound on the signed distance between whatever may not touch [m], at most
+/// A state is valid when it is within the limits and proven to keep the scene's margins.
+/// clearance() is a lower bound on the signed distance of the checked pairs [m], at most
 /// `tolerance` below it (declared as OMPL's BOUNDED_APPROXIMATE); infinity where there is nothing
 /// to be near. States are those of OmplStateSpace. Thread-safe.
 class OmplValidityChecker : public ompl::base::StateValidityChecker {

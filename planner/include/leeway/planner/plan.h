@@ -18,9 +18,8 @@ struct Path {
   std::vector<std::vector<double>> positions;  ///< one row a waypoint
 };
 
-/// The proof that comes with a path: a lower bound of the clearance for every edge. Clearances are
-/// over the pairs that are checked: what may touch, and links that are proven never to touch
-/// each other within the joints' limits, take no part.
+/// The proof that comes with a path: an interval of the clearance for every edge. Clearances are
+/// over the pairs that are checked, see CompiledScene.
 struct Certificate {
   Interval clearance;  ///< of the whole path [m]; (inf, inf) where there is nothing to be near
   std::string closest_a, closest_b;
@@ -33,7 +32,7 @@ struct Certificate {
 };
 
 struct PlanOptions {
-  std::function<bool()> stop;  ///< asked often; true ends the run
+  std::function<bool()> stop;  ///< called often; true ends the run
   std::function<void(const std::string& phase, double elapsed_s)> progress;
   double clearance_tolerance = 1e-4;  ///< of the certificate [m]
 };
@@ -44,8 +43,8 @@ struct PlanResult {
   std::string planner;
   bool deterministic = true;  ///< false for planners with threads or clocks of their own
   double compile_s = 0, plan_s = 0, simplify_s = 0, certify_s = 0;
-  /// `iterations`: looks of the planner at its termination condition, one a turn of its main loop;
-  /// what an iteration limit counts.
+  /// `iterations`: calls of the planner's termination condition, one a turn of its main loop; an
+  /// iteration limit counts these.
   std::uint64_t iterations = 0, states = 0, edges = 0, distance_queries = 0;
   Path path;          ///< empty unless solved
   int goal = -1;      ///< index of the goal reached
@@ -57,35 +56,33 @@ struct PlanResult {
 };
 
 /// Compiles, plans, simplifies, certifies. Throws robots::InputError only for what a problem file
-/// can get wrong (an unknown planner or objective, a bad parameter, a start outside its limits, a
-/// goal that cannot be met).
+/// can get wrong: an unknown planner or objective, a bad parameter, a start outside its limits, a
+/// goal that cannot be met.
 ///
-/// The limits hold for planning and simplification together, counted from the end of compilation.
-/// Solved means that every edge of the path as returned is proven to keep its margins. A start or
-/// goal that is not proven valid ends the call with what is in the way; of several goals the
-/// invalid ones are left out with a warning; of a goal range, points are drawn, and it counts as
-/// invalid when a thousand of them are. Where the straight edge to the nearest goal is valid and
-/// length is the objective, it is the answer, without a planner. A planner that gives up early is
-/// started again, with other seeds, until the limits.
+/// Solved means that every edge of the path as returned is proven to keep its margins. The limits
+/// hold for planning and simplification together, counted from the end of compilation. A planner
+/// that gives up early is started again with other seeds, until the limits.
 ///
-/// Objective "length": planners that optimise run until the limits, others stop at their first
-/// path. Objective "clearance": planners that optimise maximise the least clearance along the path,
-/// edges' costs being certified bounds; the others, RRTConnect among them, are run again and again
-/// with rising margins, which climbs faster. Both end when no path can have more, since start or
-/// goal have not; simplification then keeps what was reached.
+/// A start that is not proven valid, or no valid goal, ends the call; the result says what is in
+/// the way. Of several goals the invalid ones are left out with a warning. Of a goal range points
+/// are drawn; it counts as invalid when a thousand of them are.
 ///
-/// Same problem, seed and iteration limit: same bytes, times apart and for planners that are
-/// deterministic (see planners.h), as long as no other thread makes generators of OMPL's in the
-/// same process outside this library at the same moment. A time limit only cuts such a run short.
+/// Objective "length": a free straight edge to the nearest goal is the answer, without a planner.
+/// Planners that optimise run until the limits, others stop at their first path. Objective
+/// "clearance": planners that optimise maximise the least clearance along the path, their edges'
+/// costs being certified bounds; the others, RRTConnect among them, are run again and again with
+/// rising margins, which climbs faster. Both end early when start or goal have no more clearance
+/// than the path. Simplification keeps the clearance that was reached.
+///
+/// The same problem, seed and iteration limit give the same bytes, except for times. This holds for
+/// deterministic planners (see PlannerTraits), and while no other thread makes generators of OMPL
+/// outside this library. A time limit only cuts such a run short.
 PlanResult plan(const Problem& problem, const PlanOptions& options = {});
+/// plan() in a scene that is already compiled from `problem`.
 PlanResult plan(std::shared_ptr<const CompiledScene> scene, const Problem& problem,
                 const PlanOptions& options = {});
 
-/// Certificate of any path: each edge's minimum clearance to within tolerance [m].
+/// The certificate of any path, each edge's minimum clearance to within tolerance [m].
 Certificate certify(EdgeCertifier& certifier, const Path& path, double tolerance);
-
-/// Cuts edges in their middles on which a circle makes half a turn so exactly that rounding could
-/// send it the other way when the path is unwrapped, as files have it. O(points).
-void splitHalfTurns(const ConfigurationSpace& space, std::vector<std::vector<double>>& path);
 
 }  // namespace leeway::planner

@@ -1,0 +1,55 @@
+#pragma once
+
+// Private to planner/: what a CompiledScene holds for the certification of edges.
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "leeway/planner/compiled_scene.h"
+#include "leeway/planner/problem.h"
+#include "leeway/robots/motion_bound.h"
+
+namespace leeway::planner {
+
+/// How the bodies of a scene's pairs move along any edge, and how exact their poses are. Constant.
+struct EdgeModel {
+  /// One of collision::Scene::pairs().
+  struct Pair {
+    int motion;  ///< index into `motions`: how body a moves seen from body b, static: the world
+    bool is_reversed;  ///< `motion` is that of b seen from a: the body near the joints between the
+                       ///< two moves less
+    const robots::LinkGap* gap;  ///< proven of the two links by two joints' angles; null: nothing
+  };
+  std::vector<Pair> pairs;
+  std::vector<robots::RelativeMotion> motions;  ///< pairs share them
+
+  /// How far any point of a moving body may be from where the exact kinematics of the exact point
+  /// of the edge have it [m]; added to every bound.
+  double rounding = 0;
+  /// `rounding` holds for bodies within this distance of the world's origin [m]: beyond all limits,
+  /// or what an unlimited joint is trusted with.
+  double reach = 0;
+  /// Pairs were dropped by a proof that holds within the joints' limits only: points outside them
+  /// cannot be answered.
+  bool needs_limits = false;
+  /// Places in a point of the circles in which some mimic joint is not periodic.
+  std::vector<int> jumping_circles;
+
+  /// True when the edge is one smooth motion of every joint: false only where a circle wraps under
+  /// a mimic joint that is not periodic in it, so that the mimic would jump.
+  bool isSmooth(std::span<const double> a, std::span<const double> b,
+                std::span<const double> difference) const;
+};
+
+/// `gaps`: one a pair of the scene. O(pairs * joints^2).
+std::shared_ptr<const EdgeModel> makeEdgeModel(const CompiledScene& scene, const Problem& problem,
+                                               std::span<const robots::VariableRange> ranges,
+                                               std::span<const robots::LinkGap* const> gaps,
+                                               bool needs_limits);
+
+/// A difference of points as one of configurations: 0 for variables that are not planned.
+void expandDifference(const ConfigurationSpace& space, std::span<const double> difference,
+                      std::span<double> dq);
+
+}  // namespace leeway::planner

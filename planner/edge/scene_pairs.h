@@ -1,0 +1,75 @@
+#pragma once
+
+// Private to planner/: the bodies of a problem, and which of their pairs are checked.
+
+#include <map>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "leeway/collision/scene.h"
+#include "leeway/planner/compiled_scene.h"
+#include "leeway/planner/problem.h"
+#include "leeway/robots/motion_bound.h"
+
+namespace leeway::planner {
+
+/// Bodies: links with geometry, held objects, objects of the world, in this order. A pair is
+/// checked unless there is a reason to drop it; the first reason found stands.
+class ScenePairs {
+ public:
+  /// `ranges`: of the model's variables, in this problem. Throws robots::InputError for an object
+  /// whose pose is not finite or no rotation.
+  ScenePairs(const Problem& problem, std::span<const robots::VariableRange> ranges);
+
+  collision::SceneBuilder builder() const;
+  /// The link that carries each body; -1 for a body that does not move.
+  std::vector<int> bodyLinks() const;
+  /// What the model knows of the links of two bodies by joint angles; null: nothing.
+  const robots::LinkGap* linkGap(int i, int j) const;
+
+  /// True when a pair was dropped by a proof that holds within the joints' limits only.
+  bool hasProven() const { return has_proven_; }
+  /// Dropped pairs, but for those of the world with itself.
+  std::vector<CompiledScene::Dropped> takeDropped() { return std::move(dropped_); }
+
+ private:
+  struct Entry {
+    collision::Body body;
+    int link;                // that carries it; -1: the world
+    const Attachment* held;  // null for links and objects
+    bool isLink() const { return link >= 0 && held == nullptr; }
+  };
+
+  void addLinks();
+  void addAttachments();
+  void addObjects();
+  void expectPose(const robots::Pose& X, const std::string& name) const;
+
+  std::string reason(int i, int j) const;
+  void drop(int i, int j, const std::string& why);
+  void dropProven();
+
+  int count() const { return static_cast<int>(entries_.size()); }
+  const std::string& name(int i) const;
+  bool areNamed(int i, int j, const std::string& a, const std::string& b) const;
+  bool moves(int link) const;
+  int parentOf(int link) const;
+  int rigidRoot(int link) const;
+  bool areAdjacent(int a, int b) const;
+  bool areRigid(const Entry& a, const Entry& b) const;
+  bool hasMargin(int i, int j) const;
+  bool isPassiveWithinLimits() const;
+
+  const Problem& problem_;
+  const robots::Model& model_;
+  std::span<const robots::VariableRange> ranges_;
+  std::vector<robots::Pose> poses_;
+  std::vector<Entry> entries_;
+  std::map<std::pair<int, int>, std::string> reasons_;
+  std::vector<CompiledScene::Dropped> dropped_;
+  bool has_proven_ = false;
+};
+
+}  // namespace leeway::planner

@@ -1,0 +1,238 @@
+#include "leeway/planner/compiled_scene.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <limits>
+#include <span>
+#include <string>
+
+#include "leeway/planner/plan.h"
+#include "leeway/planner/replanner.h"
+#include "leeway/robots/input_error.h"
+#include "planner/edge/edge_model.h"
+#include "robots/model/model_builder.h"
+#include "tests/planner/base/test_models.h"
+
+namespace leeway::planner {
+namespace {
+
+/// A column of links of 0.2 m with balls far smaller than the gaps, on revolute joints; those in
+/// `fixed` are fixed.
+std::shared_ptr<robots::Model> column(int links, const std::vector<int>& fixed = {}) {
+  auto model = std::make_shared<robots::Model>();
+  for (int i = 0; i < links; ++i) {
+    robots::Link link;
+    link.name = "link" + std::to_string(i);
+    link.joint = i;
+    link.geometries.push_back({collision::Shape::sphere(0.05), test::at(0, 0, 0.1), link.name});
+    model->links.push_back(link);
+    robots::Joint joint;
+    joint.name = "joint" + std::to_string(i);
+    const bool turns = i > 0 && std::find(fixed.begin(), fixed.end(), i) == fixed.end();
+    joint.type = turns ? robots::JointType::kRevolute : robots::JointType::kFixed;
+    joint.parent_link = i - 1;
+    joint.child_link = i;
+    joint.axis = Eigen::Vector3d::UnitY();
+    if (i > 0) joint.X_PJ = test::at(0, 0, 0.2);
+    model->joints.push_back(joint);
+    robots::appendVariables(*model, i, Eigen::Vector3d::Constant(-3), Eigen::Vector3d::Constant(3));
+  }
+  return model;
+}
+
+std::string reason(const CompiledScene& compiled, const std::string& a, const std::string& b) {
+  for (const CompiledScene::Dropped& d : compiled.dropped())
+    if ((d.a == a && d.b == b) || (d.a == b && d.b == a)) return d.reason;
+  return "";
+}
+
+bool kept(const CompiledScene& compiled, const std::string& a, const std::string& b) {
+  for (const collision::ScenePair& pair : compiled.scene().pairs()) {
+    const std::string& x = compiled.scene().bodies()[static_cast<std::size_t>(pair.body_a)].name;
+    const std::string& y = compiled.scene().bodies()[static_cast<std::size_t>(pair.body_b)].name;
+    if ((x == a && y == b) || (x == b && y == a)) return true;
+  }
+  return false;
+}
+
+Problem problemWith(std::shared_ptr<robots::Model> model) {
+  model->finish();
+  const std::vector<double> q = model->defaultConfiguration();
+  Problem problem = test::problemOf(model, q, q);
+  problem.objects.push_back(test::box("table", {0.1, 0.1, 0.1}, 0.7, 0, 0));
+  return problem;
+}
+
+TEST(CompiledScene, AdjacentAndDisabledPairsAreDroppedWithReasons) {
+  auto model = column(5);
+  model->has_srdf = true;
+  model->disabled_pairs.push_back({1, 3, "Never"});
+  Problem problem = problemWith(model);
+  problem.allowed.emplace_back("link4", "table");
+  const CompiledScene compiled(problem);
+  EXPECT_EQ(reason(compiled, "link1", "link2"), "adjacent");
+  EXPECT_EQ(reason(compiled, "link1", "link3"), "disabled by the SRDF: Never");
+  EXPECT_EQ(reason(compiled, "link4", "table"), "allowed by the problem");
+  EXPECT_TRUE(kept(compiled, "link0", "link2"));
+  EXPECT_TRUE(kept(compiled, "link2", "link4"));
+  EXPECT_TRUE(kept(compiled, "link3", "table"));
+  EXPECT_FALSE(kept(compiled, "link1", "link3"));
+  EXPECT_FALSE(kept(compiled, "link0", "table"));  // neither moves
+}
+
+TEST(CompiledScene, AMatrixReplacesTheSrdfsPairs) {
+  auto model = column(5);
+  model->has_srdf = true;
+  model->disabled_pairs.push_back({1, 3, "Never"});
+  Problem problem = problemWith(model);
+  problem.replace_srdf_pairs = true;
+  problem.allowed.emplace_back("link2", "link4");
+  const CompiledScene compiled(problem);
+  EXPECT_TRUE(kept(compiled, "link1", "link3"));
+  EXPECT_EQ(reason(compiled, "link2", "link4"), "allowed by the problem");
+}
+
+TEST(CompiledScene, PassiveJointsFoldIntoTheWorld) {
+  auto model = column(5);
+  model->has_srdf = true;
+  Problem problem = problemWith(model);
+  problem.configuration[0] = 0.5;  // joint1 stands, joints 2 to 4 are planned
+  problem.variables = {1, 2, 3};
+  const CompiledScene compiled(problem);
+  const int link1 = compiled.scene().find("link1"), link2 = compiled.scene().find("link2");
+  EXPECT_FALSE(compiled.scene().bodies()[static_cast<std::size_t>(link1)].moving);
+  EXPECT_EQ(compiled.bodyLink(link1), -1);
+  EXPECT_EQ(compiled.bodyLink(link2), 2);
+  EXPECT_NEAR(compiled.scene().bodies()[static_cast<std::size_t>(link1)].X_WB.rotation(0, 2),
+              std::sin(0.5), 1e-12);
+  EXPECT_EQ(reason(compiled, "link0", "link1"), "adjacent");
+  EXPECT_TRUE(kept(compiled, "link0", "link2"));
+  std::vector<double> q(4);
+  compiled.expand(std::vector<double>{1, 2, 3}, q);
+  EXPECT_EQ(q, (std::vector<double>{0.5, 1, 2, 3}));
+}
+
+TEST(CompiledScene, WithoutAnSrdfFixedJointsAreSeenThroughAndProofsCount) {
+  auto model = column(6, {3});  // link2 and link3 are one piece
+  model->has_srdf = false;
+  Problem problem = problemWith(model);
+  const CompiledScene compiled(problem);
+  EXPECT_EQ(reason(compiled, "link2", "link3"), "adjacent");
+  EXPECT_EQ(reason(compiled, "link1", "link3"), "adjacent");
+  EXPECT_EQ(reason(compiled, "link2", "link4"), "adjacent");
+  // Two joints apart the balls can meet, so these pairs stay.
+  EXPECT_TRUE(kept(compiled, "link3", "link5"));
+  auto stiff = column(4);
+  for (robots::Variable& v : stiff->variables) v.lower = -0.3, v.upper = 0.3;
+  const CompiledScene straight(problemWith(stiff));
+  EXPECT_EQ(reason(straight, "link0", "link2"), "proven never to meet");
+  EXPECT_TRUE(straight.edgeModel().needs_limits);
+  auto margin = column(4);
+  for (robots::Variable& v : margin->variables) v.lower = -0.3, v.upper = 0.3;
+  Problem kept_apart = problemWith(margin);
+  kept_apart.margin = 0.01;  // the proof is of not touching only
+  EXPECT_TRUE(kept(CompiledScene(kept_apart), "link0", "link2"));
+}
+
+TEST(CompiledScene, AttachedThingsMoveWithTheirLink) {
+  auto model = column(4);
+  model->has_srdf = true;
+  Problem problem = problemWith(model);
+  Attachment cup;
+  cup.object = {"cup", {{collision::Shape::sphere(0.03), test::at(0, 0, 0.01), "cup"}}, {}};
+  cup.link = 3;
+  cup.X_LO = test::at(0, 0, 0.2);
+  cup.touch_links = {2};
+  problem.attachments.push_back(cup);
+  const CompiledScene compiled(problem);
+  EXPECT_EQ(reason(compiled, "cup", "link3"), "attached");
+  EXPECT_EQ(reason(compiled, "cup", "link2"), "attached");
+  EXPECT_TRUE(kept(compiled, "cup", "link1"));
+  EXPECT_TRUE(kept(compiled, "cup", "table"));
+  const int body = compiled.scene().find("cup");
+  EXPECT_EQ(compiled.bodyLink(body), 3);
+  const collision::Geometry& g =
+      compiled.scene().bodies()[static_cast<std::size_t>(body)].geometries[0];
+  EXPECT_NEAR(g.X_BG.translation.z(), 0.21, 1e-15);
+}
+
+TEST(CompiledScene, ObjectsWithoutAPlaceAreRefused) {
+  // In lanes a box at (5, 5, NaN) was far from everything, and every edge was free of it.
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  std::vector<collision::Pose> bad(4);
+  bad[0].translation = {5, 5, nan};
+  bad[1].translation.x() = std::numeric_limits<double>::infinity();
+  bad[2].rotation(0, 0) = nan;
+  bad[3].rotation *= 2;
+  for (const collision::Pose& X : bad) {
+    Problem problem = test::wallProblem();
+    problem.objects.push_back({"post", {{collision::Shape::sphere(0.1), {}, "post"}}, X});
+    const auto refused = [](const auto& ask) {
+      try {
+        ask();
+      } catch (const robots::InputError& error) {
+        return std::string(error.what());
+      }
+      return std::string("accepted");
+    };
+    for (const std::string& said :
+         {refused([&] { CompiledScene{problem}; }), refused([&] { plan(problem); }),
+          refused([&] { Replanner{problem}; })}) {
+      EXPECT_NE(said.find("the pose of 'post'"), std::string::npos) << said;
+      EXPECT_NE(said.find("orthogonal"), std::string::npos) << said;
+    }
+    problem.objects.pop_back();
+    Attachment held;
+    held.object = {"post", {{collision::Shape::sphere(0.1), {}, "post"}}, {}};
+    held.link = 0;
+    held.X_LO = X;
+    problem.attachments.push_back(held);
+    EXPECT_NE(refused([&] { CompiledScene{problem}; }).find("the pose of 'post'"),
+              std::string::npos);
+  }
+}
+
+TEST(CompiledScene, MarginsByName) {
+  auto model = column(4);
+  model->has_srdf = true;
+  Problem problem = problemWith(model);
+  problem.margin = 0.01;
+  problem.margins.push_back({"table", "link3", 0.05});
+  const CompiledScene compiled(problem);
+  int wide = 0;
+  for (const collision::ScenePair& pair : compiled.scene().pairs()) {
+    const bool named = pair.body_a == compiled.scene().find("link3") &&
+                       pair.body_b == compiled.scene().find("table");
+    EXPECT_EQ(pair.margin, named ? 0.05 : 0.01);
+    wide += named;
+  }
+  EXPECT_EQ(wide, 1);
+}
+
+/// A pair that is kept keeps its own motion, even where keep() answers differently the second time.
+/// Pairs that got the motions of others were certified to be farther apart than they are.
+TEST(CompiledScene, PairsThatAreKeptKeepTheirMotions) {
+  auto model = column(7);
+  model->has_srdf = true;
+  const CompiledScene whole(problemWith(model));
+  const std::span<const collision::ScenePair> pairs = whole.scene().pairs();
+  std::size_t asked = 0;
+  const auto reduced =
+      whole.withPairs([&](const collision::ScenePair&) { return asked++ % 4 == 1; });
+  EXPECT_EQ(asked, pairs.size());
+  const std::span<const collision::ScenePair> left = reduced->scene().pairs();
+  ASSERT_EQ(left.size(), (pairs.size() + 2) / 4);
+  for (std::size_t p = 0; p < left.size(); ++p) {
+    EXPECT_EQ(left[p].body_a, pairs[4 * p + 1].body_a);
+    EXPECT_EQ(left[p].body_b, pairs[4 * p + 1].body_b);
+    const EdgeModel::Pair& now = reduced->edgeModel().pairs[p];
+    const EdgeModel::Pair& before = whole.edgeModel().pairs[4 * p + 1];
+    EXPECT_EQ(now.motion, before.motion);
+    EXPECT_EQ(now.is_reversed, before.is_reversed);
+    EXPECT_EQ(now.gap, before.gap);
+  }
+}
+
+}  // namespace
+}  // namespace leeway::planner

@@ -1,0 +1,938 @@
+#include "leeway/planner/edge_certifier.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <string>
+
+#include "leeway/collision/triangle_mesh.h"
+#include "leeway/robots/kinematics.h"
+#include "planner/edge/edge_frames.h"
+#include "planner/edge/edge_model.h"
+#include "robots/motion/link_gaps.h"
+#include "tests/collision/distance/allocations.h"
+#include "tests/planner/base/random_problem.h"
+#include "tests/planner/base/test_models.h"
+#include "tests/sanitized.h"
+
+namespace leeway::planner {
+namespace {
+
+using testing::Random;
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// The slow twin: distance() of every pair at single configurations.
+class DenseTwin {
+ public:
+  explicit DenseTwin(const CompiledScene& compiled)
+      : compiled_(compiled),
+        poses_(compiled.model().links.size()),
+        q_(compiled.model().variables.size()) {}
+
+  /// Least separation less margin at a point; `signed_distance`: least separation, with depth.
+  double at(std::span<const double> point, bool signed_distance = false) {
+    compiled_.expand(point, q_);
+    robots::forwardKinematics(compiled_.model(), q_, poses_);
+    double least = kInfinity;
+    for (const collision::ScenePair& pair : compiled_.scene().pairs()) {
+      const collision::Body& a = compiled_.scene().bodies()[static_cast<std::size_t>(pair.body_a)];
+      const collision::Body& b = compiled_.scene().bodies()[static_cast<std::size_t>(pair.body_b)];
+      const collision::Geometry& g = a.geometries[static_cast<std::size_t>(pair.geometry_a)];
+      const collision::Geometry& h = b.geometries[static_cast<std::size_t>(pair.geometry_b)];
+      const auto ask = [&](double threshold) {
+        collision::DistanceRequest request;
+        request.depth = signed_distance;
+        request.threshold = threshold;
+        return collision::distance(g.shape, pose(pair.body_a) * g.X_BG, h.shape,
+                                   pose(pair.body_b) * h.X_BG, request, scratch_)
+            .distance;
+      };
+      const double enough = least + (signed_distance ? 0 : pair.margin);  // farther does not matter
+      if (std::isfinite(enough) && ask(enough).lower > enough) continue;
+      const collision::Interval d = ask(std::nan(""));
+      least = std::min(least, d.upper - (signed_distance ? 0 : pair.margin));
+    }
+    return least;
+  }
+
+  /// Lower bound on the separation of one pair less its margin.
+  double lowestOf(std::span<const double> point, int pair_index) {
+    compiled_.expand(point, q_);
+    robots::forwardKinematics(compiled_.model(), q_, poses_);
+    const collision::ScenePair& pair =
+        compiled_.scene().pairs()[static_cast<std::size_t>(pair_index)];
+    const collision::Geometry& g = compiled_.scene()
+                                       .bodies()[static_cast<std::size_t>(pair.body_a)]
+                                       .geometries[static_cast<std::size_t>(pair.geometry_a)];
+    const collision::Geometry& h = compiled_.scene()
+                                       .bodies()[static_cast<std::size_t>(pair.body_b)]
+                                       .geometries[static_cast<std::size_t>(pair.geometry_b)];
+    return collision::distance(g.shape, pose(pair.body_a) * g.X_BG, h.shape,
+                               pose(pair.body_b) * h.X_BG, {}, scratch_)
+               .distance.lower -
+           pair.margin;
+  }
+
+  /// The least over an edge: at `samples` places, then more finely around the least of them.
+  double along(std::span<const double> a, std::span<const double> b, int samples,
+               bool signed_distance = false, double to = 1) {
+    double best = kInfinity, best_t = 0;
+    std::vector<double> point(a.size());
+    const auto look = [&](double t) {
+      compiled_.space().interpolate(a, b, t, point);
+      const double d = at(point, signed_distance);
+      if (d < best) {
+        best = d;
+        best_t = t;
+      }
+    };
+    for (int i = 0; i <= samples; ++i) look(to * i / samples);
+    const double around = best_t, step = to / samples;
+    for (int i = -20; i <= 20; ++i) look(std::clamp(around + step * i / 20, 0.0, to));
+    return best;
+  }
+
+ private:
+  collision::Pose pose(int body) const {
+    const int link = compiled_.bodyLink(body);
+    return link < 0 ? compiled_.scene().bodies()[static_cast<std::size_t>(body)].X_WB
+                    : poses_[static_cast<std::size_t>(link)];
+  }
+  const CompiledScene& compiled_;
+  std::vector<collision::Pose> poses_;
+  std::vector<double> q_;
+  collision::Scratch scratch_;
+};
+
+std::vector<double> randomPoint(Random& random, const CompiledScene& compiled) {
+  return robots::testing::randomConfiguration(random, compiled.model());
+}
+
+enum class Kind { kArm, kFree, kPlanar, kTree, kMeshes };
+
+Problem problemOf(Random& random, Kind kind) {
+  switch (kind) {
+    case Kind::kArm:
+      return testing::randomProblem(random, testing::randomArm(random), 6, 1.2);
+    case Kind::kFree:
+      return testing::randomProblem(
+          random, testing::randomFreeBody(random, robots::JointType::kFloating), 12, 1.2);
+    case Kind::kPlanar:
+      return testing::randomProblem(
+          random, testing::randomFreeBody(random, robots::JointType::kPlanar), 12, 1.0);
+    case Kind::kMeshes: {  // a free body of triangles among its like
+      Problem problem = testing::randomProblem(
+          random,
+          robots::freeBody("body", {{testing::randomMesh(random, 0.4), random.pose(0.25), "part"}},
+                           robots::JointType::kFloating, Eigen::Vector3d::Constant(-1.5),
+                           Eigen::Vector3d::Constant(1.5)),
+          12, 1.2);
+      for (Object& object : problem.objects)
+        if (object.name != "floor") object.geometries[0].shape = testing::randomMesh(random, 0.25);
+      return problem;
+    }
+    case Kind::kTree:
+      break;
+  }
+  return testing::randomProblem(random, testing::randomTreeWithShapes(random), 8, 1.0);
+}
+
+std::string replay(const std::vector<double>& a, const std::vector<double>& b) {
+  std::string text = "a";
+  char number[32];
+  for (const std::vector<double>* v : {&a, &b}) {
+    for (const double x : *v) {
+      std::snprintf(number, sizeof number, " %.17g", x);
+      text += number;
+    }
+    if (v == &a) text += "\nb";
+  }
+  return text;
+}
+
+struct Tally {
+  int edges = 0, free = 0, not_free = 0, undecided = 0, unsafe = 0, cautious = 0, wrong_prefix = 0,
+      prefixes = 0, places = 0;
+};
+
+void checkRandomEdges(Kind kind, int problems, int edges, std::uint64_t seed, Tally& tally) {
+  Random random(seed);
+  for (int p = 0; p < problems; ++p) {
+    Problem problem = problemOf(random, kind);
+    if (p % 2 == 1)
+      for (Object& object : problem.objects)
+        if (random.integer(2) == 0 && object.name != "floor")
+          object.geometries[0].shape = testing::randomMesh(random, 0.25);
+    const auto compiled = std::make_shared<const CompiledScene>(problem);
+    EdgeCertifier certifier(compiled);
+    DenseTwin twin(*compiled);
+    std::vector<double> a_before, goal_before;
+    for (int e = 0; e < edges; ++e) {
+      // From a free state where one is found soon, as the edges of a search are.
+      std::vector<double> a = randomPoint(random, *compiled), b(a.size());
+      for (int k = 0; k < 30 && certifier.decide(a) != Verdict::kFree; ++k)
+        a = randomPoint(random, *compiled);
+      std::vector<double> goal = randomPoint(random, *compiled);
+      // Every other edge is near the one before it, so that memory of the last contact is used.
+      if (e % 2 == 1 && !a_before.empty()) {
+        const std::vector<double> from = a, to = goal;
+        compiled->space().interpolate(a_before, from, 0.02, a);
+        compiled->space().interpolate(goal_before, to, 0.02, goal);
+      }
+      a_before = a;
+      goal_before = goal;
+      compiled->space().interpolate(a, goal, random.uniform(0.05, 1), b);
+      std::vector<double> difference(a.size());
+      compiled->space().difference(a, b, difference);
+      if (!compiled->edgeModel().isSmooth(a, b, difference))
+        continue;  // a mimic would jump: never certified
+      EdgeRequest request;
+      request.last_valid = true;
+      const EdgeCheck check = certifier.certify(a, b, request);
+      const double dense = twin.along(a, b, 60);
+      ++tally.edges;
+      tally.free += check.verdict == Verdict::kFree;
+      tally.not_free += check.verdict == Verdict::kNotFree;
+      tally.undecided += check.verdict == Verdict::kUndecided;
+      if (check.verdict == Verdict::kFree && dense <= 0) {
+        ++tally.unsafe;
+        ADD_FAILURE() << "unsafe: seed " << seed << " problem " << p << " edge " << e << " dense "
+                      << dense << "\n"
+                      << replay(a, b);
+      }
+      if (check.verdict != Verdict::kFree && dense > 1e-4) {
+        ++tally.cautious;
+        // "Not free" is a proof; only "undecided" may be cautious.
+        EXPECT_EQ(check.verdict, Verdict::kUndecided)
+            << "seed " << seed << " problem " << p << " edge " << e << "\n"
+            << replay(a, b);
+      }
+      if (check.verdict == Verdict::kNotFree && check.pair >= 0) {
+        // There it is in contact, to within the rounding that margins are charged with.
+        ++tally.places;
+        EXPECT_GE(check.t, 0);
+        EXPECT_LE(check.t, 1);
+        std::vector<double> there(a.size());
+        compiled->space().interpolate(a, b, check.t, there);
+        EXPECT_LE(twin.lowestOf(there, check.pair), 1e-5)
+            << "t " << check.t << " pair " << check.pair << ": seed " << seed << " problem " << p
+            << " edge " << e << "\n"
+            << replay(a, b);
+      }
+      if (check.verdict == Verdict::kFree) {
+        EXPECT_EQ(check.last_valid, 1);
+      } else if (check.last_valid > 0) {
+        ++tally.prefixes;
+        if (twin.along(a, b, 40, false, check.last_valid) <= 0) {
+          ++tally.wrong_prefix;
+          ADD_FAILURE() << "last_valid " << check.last_valid << ": seed " << seed << " problem "
+                        << p << " edge " << e << "\n"
+                        << replay(a, b);
+        }
+      }
+    }
+  }
+}
+
+class RandomEdges : public ::testing::TestWithParam<Kind> {};
+
+TEST_P(RandomEdges, AgreeWithDenseSampling) {
+  Tally tally;
+  checkRandomEdges(GetParam(), 30, 15, 100 + static_cast<std::uint64_t>(GetParam()), tally);
+  RecordProperty("free", tally.free);
+  std::printf("edges %d free %d not free %d undecided %d cautious %d prefixes %d\n", tally.edges,
+              tally.free, tally.not_free, tally.undecided, tally.cautious, tally.prefixes);
+  EXPECT_EQ(tally.unsafe, 0);
+  EXPECT_EQ(tally.wrong_prefix, 0);
+  EXPECT_LE(tally.cautious, tally.edges / 200);
+  // The test bites only where both answers and prefixes occur often.
+  EXPECT_GT(tally.free, tally.edges / 10);
+  EXPECT_GT(tally.not_free, tally.edges / 10);
+  EXPECT_GT(tally.prefixes, tally.edges / 20);
+}
+
+INSTANTIATE_TEST_SUITE_P(Kinds, RandomEdges,
+                         ::testing::Values(Kind::kArm, Kind::kFree, Kind::kPlanar, Kind::kTree,
+                                           Kind::kMeshes));
+
+// A wire thinner than any step: the disc passes it between all samples of a stepping check.
+TEST(EdgeCertifier, NeverMissesAThinWire) {
+  Random random(7);
+  for (int run = 0; run < 200; ++run) {
+    Problem problem = test::problemOf(test::disc(), {-1, 0, 0}, {1, 0, 0});
+    Object wire;
+    wire.name = "wire";
+    const double radius = std::pow(10, random.uniform(-9, -4));
+    wire.geometries.push_back({collision::Shape::capsule(radius, 0.5), {}, "wire"});
+    wire.X_WO.translation = {random.uniform(-0.7, 0.7), random.uniform(-0.09, 0.09), 0};
+    problem.objects.push_back(wire);
+    // A needle instead of a disc, 1e-6 long in x, its way.
+    auto model =
+        robots::freeBody("needle", {{collision::Shape::box({1e-7, 0.1, 0.1}), {}, "needle"}},
+                         robots::JointType::kPlanar, {-2, -2, 0}, {2, 2, 0});
+    problem.model = model;
+    EdgeCertifier certifier(std::make_shared<const CompiledScene>(problem));
+    const EdgeCheck check =
+        certifier.certify(std::vector<double>{-1, 0, 0}, std::vector<double>{1, 0, 0.3});
+    ASSERT_NE(check.verdict, Verdict::kFree) << run;
+  }
+}
+
+/// A square wall of four metres at z = 0 with a window of one metre in its middle.
+Object wallWithWindow() {
+  std::vector<Eigen::Vector3d> corners;
+  std::vector<collision::TriangleMesh::Triangle> triangles;
+  for (const double half : {2.0, 0.5}) {
+    for (const auto& [x, y] : {std::pair{-1, -1}, {1, -1}, {1, 1}, {-1, 1}})
+      corners.emplace_back(half * x, half * y, 0);
+  }
+  for (int i = 0; i < 4; ++i) {
+    const int j = (i + 1) % 4;
+    triangles.push_back({i, j, j + 4});
+    triangles.push_back({i, j + 4, i + 4});
+  }
+  Object wall;
+  wall.name = "wall";
+  wall.geometries.push_back(
+      {collision::Shape::mesh(collision::TriangleMesh::make(corners, triangles)), {}, "wall"});
+  return wall;
+}
+
+// The way is ten thousand times as long as the body is large. Also any limit on work holds.
+TEST(EdgeCertifier, ASmallMeshFliesThroughAWindow) {
+  for (const double half : {0.1, 0.01, 0.001, 1e-4, 1e-5}) {
+    std::vector<Eigen::Vector3d> corners;
+    std::vector<collision::TriangleMesh::Triangle> triangles;
+    testing::appendBox(Eigen::Vector3d::Zero(), Eigen::Vector3d::Constant(half), corners,
+                       triangles);
+    const collision::Shape cube =
+        collision::Shape::mesh(collision::TriangleMesh::make(corners, triangles));
+    Problem problem = test::problemOf(
+        robots::freeBody("cube", {{cube, {}, "cube"}}, robots::JointType::kFloating,
+                         Eigen::Vector3d::Constant(-2), Eigen::Vector3d::Constant(2)),
+        {0, 0, 0, 0, 0, 0, 1}, {0, 0, 0, 0, 0, 0, 1});
+    problem.objects.push_back(wallWithWindow());
+    EdgeCertifier certifier(std::make_shared<const CompiledScene>(problem));
+    const std::vector<double> before{-0.9, -0.2, -1, 0, 0, 0, 1}, behind{1.1, 0.25, 1, 0, 0, 0, 1},
+        beside{1.1, 1.25, 1, 0, 0, 0, 1};
+    for (const int limit : {0, 16'777'216, std::numeric_limits<int>::max()}) {
+      EdgeRequest request;
+      request.work_limit = limit;
+      EXPECT_EQ(certifier.certify(before, behind, request).verdict, Verdict::kFree)
+          << half << ", limit " << limit;
+      EXPECT_EQ(certifier.certify(before, beside, request).verdict, Verdict::kNotFree)
+          << half << ", limit " << limit;
+    }
+  }
+}
+
+/// A closed mesh of cubes of two metres around these centres.
+Object solidCubes(const std::vector<Eigen::Vector3d>& centers) {
+  std::vector<Eigen::Vector3d> vertices;
+  std::vector<collision::TriangleMesh::Triangle> triangles;
+  for (const Eigen::Vector3d& c : centers)
+    testing::appendBox(c, Eigen::Vector3d::Ones(), vertices, triangles);
+  Object solid;
+  solid.name = "solid";
+  solid.geometries.push_back(
+      {collision::Shape::mesh(collision::TriangleMesh::make(vertices, triangles)), {}, "solid"});
+  return solid;
+}
+
+Object solidBox() { return solidCubes({Eigen::Vector3d::Zero()}); }
+
+// A box inside a hollow one never meets its surface: sweeps of surfaces alone would call it free.
+TEST(EdgeCertifier, ABodyInsideASolidIsNotFree) {
+  Problem problem = test::problemOf(test::disc(), {0, 0, 0}, {0.1, 0, 0});
+  problem.objects.push_back(solidBox());
+  EdgeCertifier certifier(std::make_shared<const CompiledScene>(problem));
+  EXPECT_EQ(
+      certifier.certify(std::vector<double>{0, 0, 0}, std::vector<double>{0.3, 0.2, 1}).verdict,
+      Verdict::kNotFree);
+  EXPECT_LE(certifier
+                .edgeClearance(std::vector<double>{0, 0, 0}, std::vector<double>{0.3, 0.2, 1}, 1e-3,
+                               -kInfinity)
+                .clearance.upper,
+            0);
+}
+
+// A body may sink into this solid a little, and does not meet its surface between the two places.
+TEST(EdgeCertifier, AllowedDepthIsNotExceededInsideASolid) {
+  Problem problem =
+      test::problemOf(robots::freeBody("ball", {{collision::Shape::sphere(0.01), {}, "ball"}},
+                                       robots::JointType::kPlanar, {-2, -2, 0}, {2, 2, 0}),
+                      {0, 0, 0}, {0.1, 0, 0});
+  problem.objects.push_back(solidBox());
+  problem.margin = -0.1;
+  EdgeCertifier certifier(std::make_shared<const CompiledScene>(problem));
+  const std::vector<double> middle{0, 0, 0}, shallow{0.95, 0, 0}, out{1.2, 0, 0},
+      aside{0.95, 0.5, 0};
+  EXPECT_EQ(certifier.decide(middle), Verdict::kNotFree);
+  EXPECT_EQ(certifier.decide(shallow), Verdict::kFree);
+  EXPECT_NE(certifier.certify(middle, shallow).verdict, Verdict::kFree);
+  EXPECT_NE(certifier.certify(shallow, std::vector<double>{-0.95, 0, 0}).verdict, Verdict::kFree);
+  EXPECT_EQ(certifier.certify(out, std::vector<double>{1.2, 0.5, 0}).verdict, Verdict::kFree);
+  EdgeRequest request;
+  request.last_valid = true;
+  EXPECT_LT(certifier.certify(shallow, middle, request).last_valid, 0.1);
+}
+
+// Tables of link gaps prove how far links are apart, never how deep they may overlap. Pairs without
+// a proof were free at any angle where the margin is below 0.
+TEST(EdgeCertifier, AllowedDepthIsThatOfLinksWithTables) {
+  Random random(8);
+  int free = 0, deep = 0, tables = 0;
+  for (int run = 0; run < 40; ++run) {
+    const auto model = robots::testing::randomTree(random, 5);
+    for (robots::Link& link : model->links) {
+      std::vector<Eigen::Vector3d> points;
+      for (int i = 0; i < 12; ++i) points.push_back(random.vector(0.12));
+      link.geometries.push_back({collision::Shape::convexHull(points), random.pose(0.15), ""});
+    }
+    model->link_gaps = robots::provenGaps(*model);
+    tables += static_cast<int>(model->link_gaps.size());
+    Problem problem =
+        test::problemOf(model, model->defaultConfiguration(), model->defaultConfiguration());
+    for (const double margin : {-0.005, -0.02, 0.005}) {
+      problem.margin = margin;
+      const auto scene = std::make_shared<const CompiledScene>(problem);
+      EdgeCertifier certifier(scene);
+      DenseTwin twin(*scene);
+      for (int i = 0; i < 30; ++i) {
+        const std::vector<double> a = randomPoint(random, *scene);
+        std::vector<double> b = a;
+        for (double& x : b) x += random.uniform(-0.05, 0.05);
+        const double least = twin.at(a, true);
+        if (certifier.decide(a) == Verdict::kFree) {
+          ASSERT_GT(least, margin) << "run " << run << ", state " << i;
+          ++free;
+        } else if (least < margin) {
+          ++deep;
+        }
+        if (certifier.certify(a, b).verdict != Verdict::kFree) continue;
+        ASSERT_GT(twin.along(a, b, 10, true), margin) << "run " << run << ", edge " << i;
+      }
+    }
+  }
+  EXPECT_GT(tables, 20);
+  EXPECT_GT(free, 300);
+  EXPECT_GT(deep, 100);
+}
+
+// A depth query that stops at a threshold may know less of the depth than a full one: states were
+// undecided that a full query proves to be free.
+TEST(EdgeCertifier, AllowedDepthIsDecidedWhereItIsKnown) {
+  Random random(21);
+  int free = 0;
+  for (int run = 0; run < 60; ++run) {
+    const auto body = robots::freeBody("body", {{testing::randomMesh(random, 0.5), {}, "mesh"}},
+                                       robots::JointType::kFloating, {-1, -1, -1}, {1, 1, 1});
+    Problem problem =
+        test::problemOf(body, body->defaultConfiguration(), body->defaultConfiguration());
+    problem.objects = {
+        {"thing", {{testing::randomMesh(random, 0.5), {}, "mesh"}}, random.pose(0.1)}};
+    problem.margin = -random.uniform(0.05, 0.4);
+    EdgeCertifier certifier(std::make_shared<const CompiledScene>(problem));
+    for (int i = 0; i < 10; ++i) {
+      const std::vector<double> q = robots::testing::randomConfiguration(random, *body);
+      const Verdict verdict = certifier.decide(q);
+      if (!(certifier.clearance(q, 1e-6).clearance.lower > problem.margin + 1e-6)) continue;
+      ++free;
+      EXPECT_EQ(verdict, Verdict::kFree) << "run " << run << ", state " << i;
+    }
+  }
+  EXPECT_GT(free, 100);
+}
+
+// Each ball of a cover may have its own way out, so that their depths one by one say nothing of the
+// body's.
+TEST(EdgeCertifier, AllowedDepthIsThatOfTheWholeBody) {
+  const auto of = [](const collision::Shape& body, const Object& obstacle, double margin) {
+    Problem problem =
+        test::problemOf(robots::freeBody("body", {{body, {}, "body"}}, robots::JointType::kPlanar,
+                                         {-2, -2, 0}, {2, 2, 0}),
+                        {0, 0, 0}, {0.1, 0, 0});
+    problem.objects.push_back(obstacle);
+    problem.margin = margin;
+    return std::make_shared<const CompiledScene>(problem);
+  };
+  Object ball;
+  ball.name = "ball";
+  ball.geometries.push_back({collision::Shape::sphere(0.05), {}, "ball"});
+  const collision::Shape box = collision::Shape::box({0.5, 0.5, 0.5});
+  // The edge begins 0.367 deep.
+  EXPECT_NE(
+      EdgeCertifier(of(box, ball, -0.3))
+          .certify(
+              std::vector<double>{0.11949160664579406, 0.14269096173777007, 0.7007467647857355},
+              std::vector<double>{0.19798601666998913, 0.21718365313340471, 0.76789479203553201})
+          .verdict,
+      Verdict::kFree);
+  Random random(7);
+  int free = 0, deep = 0;
+  for (const double margin : {-0.1, -0.2, -0.3}) {
+    for (const auto& scene :
+         {of(box, ball, margin), of(collision::Shape::sphere(0.05), solidBox(), margin)}) {
+      EdgeCertifier certifier(scene);
+      const double reach = random.integer(2) == 0 ? 1.1 : 0.6;
+      for (int i = 0; i < 1500; ++i) {
+        std::vector<double> a, b;
+        for (int k = 0; k < 3; ++k) {
+          a.push_back(random.uniform(-reach, reach));
+          b.push_back(a.back() + random.uniform(-0.1, 0.1));
+        }
+        if (certifier.certify(a, b).verdict != Verdict::kFree) continue;
+        ++free;
+        for (const double t : {0.0, 0.5, 1.0}) {
+          std::vector<double> point(3);
+          scene->space().interpolate(a, b, t, point);
+          const Interval clearance = certifier.clearance(point, 1e-6).clearance;
+          ASSERT_GE(clearance.upper, margin) << a[0] << ' ' << a[1] << ' ' << a[2] << " at " << t;
+          deep += clearance.upper < 0 ? 1 : 0;
+        }
+      }
+    }
+  }
+  EXPECT_GT(free, 1000);
+  EXPECT_GT(deep, 100);
+}
+
+// A ball's centre, outside the body, within 1e-23 of an obstacle's centre: in single precision the
+// square of such a way is 0.
+TEST(EdgeCertifier, AWayThatIsNoDirectionPartsNothing) {
+  const std::vector<Eigen::Vector3d> corners = {
+      {-0.5, -0.5, -0.5}, {0.5, -0.5, -0.5}, {-0.5, 0.5, -0.5}, {-0.5, -0.5, 0.5}};
+  const auto of = [&](double radius, double margin) {
+    Problem problem = test::problemOf(
+        robots::freeBody("hull", {{collision::Shape::convexHull(corners), {}, "hull"}},
+                         robots::JointType::kFloating, Eigen::Vector3d::Constant(-2),
+                         Eigen::Vector3d::Constant(2)),
+        {0, 0, 0, 0, 0, 0, 1}, {0, 0, 0, 0, 0, 0, 1});
+    Object ball;
+    ball.name = "ball";
+    ball.geometries.push_back({collision::Shape::sphere(radius), {}, "ball"});
+    problem.objects.push_back(ball);
+    problem.margin = margin;
+    return std::make_shared<const CompiledScene>(problem);
+  };
+  for (const double off : {0.0, 1e-14, 1e-16, 1e-18, 1e-20, 1e-22, 1e-23, 1e-24, 1e-26, 1e-40}) {
+    const std::vector<double> place{-off, -off, -off, 0, 0, 0, 1};
+    for (const double radius : {0.289, 0.2895, 0.292, 0.3, 0.35}) {
+      EdgeCertifier certifier(of(radius, 0));
+      const Verdict verdict = certifier.certify(place, place).verdict;
+      // The way to the facet is 0.5 / 3^(1/2).
+      EXPECT_EQ(verdict == Verdict::kFree, radius < 0.5 / std::sqrt(3) - off)
+          << off << ' ' << radius;
+    }
+    // It is not remembered as a plane that parts them either.
+    EdgeCertifier certifier(of(0.26, 0.05));
+    certifier.certify(place, place);
+    EXPECT_NE(certifier
+                  .certify(std::vector<double>{0.01, -0.004, -0.004, 0, 0, 0, 1},
+                           std::vector<double>{-0.004, 0.01, -0.004, 0, 0, 0, 1})
+                  .verdict,
+              Verdict::kFree)
+        << off;
+  }
+}
+
+// A plate that turns in a slot touches both walls at once, and then no short way parts them.
+TEST(EdgeCertifier, ATurnLocksAPlateInASlot) {
+  Problem problem = test::problemOf(
+      robots::freeBody("plate", {{collision::Shape::box({0.5, 0.02, 0.1}), {}, "plate"}},
+                       robots::JointType::kPlanar, {-2, -2, 0}, {2, 2, 0}),
+      {0, 0, 0}, {0.1, 0, 0});
+  problem.objects.push_back(solidCubes({{0, 1.025, 0}, {0, -1.025, 0}}));
+  EdgeCertifier certifier(std::make_shared<const CompiledScene>(problem));
+  const std::vector<double> straight{0, 0, 0}, turned{0, 0, 0.0101};
+  EXPECT_EQ(certifier.decide(straight), Verdict::kFree);
+  EXPECT_EQ(certifier.decide(turned), Verdict::kNotFree);
+  const Interval clearance = certifier.edgeClearance(straight, turned, 1e-3, -kInfinity).clearance;
+  EXPECT_LT(clearance.lower, -1);
+  EXPECT_LT(clearance.upper, 1e-5);
+  const Interval before =
+      certifier.edgeClearance(straight, std::vector<double>{0, 0, 0.009}, 1e-3, -kInfinity)
+          .clearance;
+  EXPECT_GT(before.lower, -1e-3);
+  EXPECT_LT(before.upper - before.lower, 1.001e-3);
+}
+
+// Depths of meshes take long: 1,572 of them took 2 s and ended without a lower end. Their cost is
+// counted, and beyond the limit the interval stays as wide as it is.
+TEST(EdgeCertifier, ClearanceOfMeshesDeepInEachOtherEndsWithItsWork) {
+  Problem problem =
+      test::problemOf(robots::freeBody("ring", {{testing::bumpyRing(), {}, "ring"}},
+                                       robots::JointType::kPlanar, {-2, -2, 0}, {2, 2, 0}),
+                      {-0.3, 0, 0}, {0.3, 0.1, 0.5});
+  for (const double side : {-1.0, 1.0}) {
+    Object object;
+    object.name = side < 0 ? "left" : "right";
+    object.geometries.push_back({testing::bumpyRing(), {}, object.name});
+    object.X_WO.rotation =
+        Eigen::AngleAxisd(2 * side, Eigen::Vector3d(1, 2, 3).normalized()).matrix();
+    object.X_WO.translation = {0.2 * side, 0.05, 0.1 * side};
+    problem.objects.push_back(object);
+  }
+  problem.margin = -0.5;
+  const auto compiled = std::make_shared<const CompiledScene>(problem);
+  EdgeCertifier certifier(compiled);
+  DenseTwin twin(*compiled);
+  const std::vector<double> a{-0.3, 0, 0}, b{0.3, 0.1, 0.5};
+  const Interval clearance = certifier.edgeClearance(a, b, 1e-3, -kInfinity).clearance;
+  EXPECT_LT(certifier.statistics.distance_queries, 700U);
+  EXPECT_LE(clearance.lower, clearance.upper);
+  EXPECT_LT(clearance.upper, -0.1);
+  std::vector<double> point(a.size());
+  for (const double t : {0.0, 0.3, 0.7, 1.0}) {
+    compiled->space().interpolate(a, b, t, point);
+    EXPECT_LE(clearance.lower, twin.at(point, true)) << t;
+  }
+}
+
+TEST(EdgeCertifier, ClearanceHoldsTheDenseMinimum) {
+  Random random(11);
+  int apart = 0, overlapping = 0, wide = 0;
+  for (const Kind kind : {Kind::kArm, Kind::kFree, Kind::kPlanar, Kind::kTree})
+    for (int p = 0; p < 10; ++p) {
+      const auto compiled = std::make_shared<const CompiledScene>(problemOf(random, kind));
+      EdgeCertifier certifier(compiled);
+      DenseTwin twin(*compiled);
+      for (int e = 0; e < 6; ++e) {
+        std::vector<double> a = randomPoint(random, *compiled), b(a.size());
+        for (int k = 0; k < 30 && certifier.decide(a) != Verdict::kFree; ++k)
+          a = randomPoint(random, *compiled);
+        compiled->space().interpolate(a, randomPoint(random, *compiled), random.uniform(0.02, 0.4),
+                                      b);
+        const double tolerance = 1e-3;
+        const EdgeClearance result = certifier.edgeClearance(a, b, tolerance, -kInfinity);
+        const double dense = twin.along(a, b, 60, true);
+        if (dense == kInfinity) continue;
+        (dense > 0 ? apart : overlapping) += 1;
+        EXPECT_LE(result.clearance.lower, dense + 1e-9) << "problem " << p << " edge " << e << "\n"
+                                                        << replay(a, b);
+        // Samples can only be above the minimum.
+        EXPECT_LE(result.clearance.upper, dense + tolerance + 1e-9)
+            << "problem " << p << " edge " << e << "\n"
+            << replay(a, b);
+        EXPECT_LE(result.clearance.lower, result.clearance.upper);
+        wide += !(result.clearance.width() <= tolerance * 1.0001);
+        std::vector<double> point(a.size());
+        compiled->space().interpolate(a, b, result.t, point);
+        EXPECT_NEAR(twin.at(point, true), result.clearance.upper, tolerance);
+        const EdgeClearance cut = certifier.edgeClearance(a, b, tolerance, dense + 0.01);
+        EXPECT_LT(cut.clearance.upper, dense + 0.01);
+      }
+    }
+  std::printf("apart %d overlapping %d wide %d\n", apart, overlapping, wide);
+  EXPECT_GT(apart, 30);
+  EXPECT_GT(overlapping, 10);
+  EXPECT_LE(wide, (apart + overlapping) / 50);
+}
+
+TEST(EdgeCertifier, ClearanceThatLanesBeganIsThatOfIntervalsAlone) {
+  Random random(14);
+  int asked = 0;
+  std::uint64_t with_lanes = 0, without = 0;
+  for (const Kind kind : {Kind::kArm, Kind::kFree, Kind::kPlanar, Kind::kTree})
+    for (int p = 0; p < 12; ++p) {
+      Problem problem = problemOf(random, kind);
+      const double margins[] = {0, 0.02, -0.02};
+      problem.margin = margins[p % 3];
+      if (p % 2 == 0 && !problem.objects.empty())
+        problem.margins.push_back({problem.objects[0].name, problem.model->links.back().name, 0.1});
+      const auto compiled = std::make_shared<const CompiledScene>(problem);
+      EdgeCertifier certifier(compiled), twin(compiled);
+      twin.rebind(compiled->withShapes({}));  // whose lanes are those of another scene
+      for (int e = 0; e < 10; ++e) {
+        const std::vector<double> a = randomPoint(random, *compiled);
+        std::vector<double> b(a.size());
+        compiled->space().interpolate(a, randomPoint(random, *compiled), random.uniform(0.02, 0.6),
+                                      b);
+        const double tolerance = random.uniform(0, 1) < 0.5 ? 1e-3 : 1e-5;
+        const Interval found = certifier.edgeClearance(a, b, tolerance, -kInfinity).clearance;
+        const Interval truth = twin.edgeClearance(a, b, tolerance, -kInfinity).clearance;
+        ++asked;
+        EXPECT_LE(found.lower, truth.upper) << "problem " << p << "\n" << replay(a, b);
+        EXPECT_LE(truth.lower, found.upper) << "problem " << p << "\n" << replay(a, b);
+        if (truth.width() <= tolerance) {
+          EXPECT_LE(found.width(), tolerance * 1.0001) << "problem " << p << "\n" << replay(a, b);
+        }
+      }
+      with_lanes += certifier.statistics.distance_queries;
+      without += twin.statistics.distance_queries;
+    }
+  std::printf("asked %d queries %llu, %llu without lanes\n", asked,
+              static_cast<unsigned long long>(with_lanes),
+              static_cast<unsigned long long>(without));
+  EXPECT_GT(asked, 400);
+  EXPECT_LT(with_lanes, without);
+}
+
+TEST(EdgeCertifier, StateClearanceIsTheLeastOverAllPairs) {
+  Random random(12);
+  for (const Kind kind : {Kind::kArm, Kind::kFree, Kind::kPlanar, Kind::kTree})
+    for (int p = 0; p < 8; ++p) {
+      const auto compiled = std::make_shared<const CompiledScene>(problemOf(random, kind));
+      EdgeCertifier certifier(compiled);
+      DenseTwin twin(*compiled);
+      for (int s = 0; s < 20; ++s) {
+        const std::vector<double> point = randomPoint(random, *compiled);
+        const double truth = twin.at(point, true);
+        const StateCheck check = certifier.clearance(point, 1e-6);
+        EXPECT_LE(check.clearance.lower, truth + 1e-9) << replay(point, point);
+        EXPECT_GE(check.clearance.upper, truth - 1e-6) << replay(point, point);
+        if (truth < kInfinity) {
+          EXPECT_LE(check.clearance.width(), 2e-6) << replay(point, point);
+        }
+        const double beyond = twin.at(point);
+        if (std::abs(beyond) > 1e-6) {
+          EXPECT_EQ(check.verdict, beyond > 0 ? Verdict::kFree : Verdict::kNotFree)
+              << replay(point, point);
+          EXPECT_EQ(certifier.decide(point), beyond > 0 ? Verdict::kFree : Verdict::kNotFree)
+              << replay(point, point);
+        }
+      }
+    }
+}
+
+TEST(EdgeCertifier, SameCallsSameAnswers) {
+  Random random(13);
+  const auto compiled = std::make_shared<const CompiledScene>(problemOf(random, Kind::kArm));
+  std::vector<std::vector<double>> points;
+  for (int i = 0; i < 60; ++i) points.push_back(randomPoint(random, *compiled));
+  const auto run = [&] {
+    EdgeCertifier certifier(compiled);
+    std::vector<double> answers;
+    for (std::size_t i = 1; i < points.size(); ++i) {
+      EdgeRequest request;
+      request.last_valid = true;
+      const EdgeCheck check = certifier.certify(points[i - 1], points[i], request);
+      const EdgeClearance clearance = certifier.edgeClearance(points[i - 1], points[i], 1e-3, 0);
+      for (const double x : {static_cast<double>(check.verdict), check.last_valid, check.t,
+                             clearance.clearance.lower, clearance.clearance.upper, clearance.t})
+        answers.push_back(x);
+    }
+    return answers;
+  };
+  EXPECT_EQ(run(), run());
+}
+
+// A limit on work may leave edges undecided, but changes no answer; a persistent request decides
+// them.
+TEST(EdgeCertifier, WorkThatIsSpentIsUndecidedAndNoOtherAnswer) {
+  Random random(31);
+  int undecided = 0, decided = 0;
+  for (const Kind kind : {Kind::kArm, Kind::kFree, Kind::kMeshes, Kind::kTree}) {
+    for (int run = 0; run < casesToAsk(6); ++run) {
+      Problem problem = problemOf(random, kind);
+      for (std::size_t i = 1; i < problem.objects.size(); i += 2)
+        if (problem.objects[i].name != "floor")
+          problem.objects[i].geometries[0].shape = testing::randomMesh(random, 0.25);
+      const auto compiled = std::make_shared<const CompiledScene>(problem);
+      for (int e = 0; e < 10; ++e) {
+        const std::vector<double> a = randomPoint(random, *compiled),
+                                  b = randomPoint(random, *compiled);
+        const auto verdict = [&](const EdgeRequest& request) {
+          return EdgeCertifier(compiled).certify(a, b, request).verdict;
+        };
+        const Verdict truth = verdict(EdgeRequest::persistent());
+        for (const std::int64_t limit : {1, 3'000, 10'000, 30'000, 0}) {
+          EdgeRequest request;
+          request.work_limit = limit;
+          const Verdict found = verdict(request);
+          if (found != Verdict::kUndecided && truth != Verdict::kUndecided) {
+            ++decided;
+            EXPECT_EQ(found, truth) << "limit " << limit << "\n" << replay(a, b);
+          }
+          undecided += found == Verdict::kUndecided && truth != Verdict::kUndecided;
+        }
+      }
+    }
+  }
+  EXPECT_GT(undecided, casesToAsk(100));
+  EXPECT_GT(decided, casesToAsk(300));
+}
+
+// A virtual joint that is not planned places a robot in the world and lets nothing fly. Its links
+// against its base were swept by surfaces, as free bodies are, and at their work limit.
+TEST(EdgeCertifier, WhatAVirtualJointPlacesDoesNotFly) {
+  Random random(33);
+  const collision::Shape mesh = testing::randomMesh(random, 0.1);
+  robots::Model model =
+      *robots::freeBody("base", {{mesh, {}, "base"}}, robots::JointType::kFloating,
+                        Eigen::Vector3d::Constant(-1), Eigen::Vector3d::Ones());
+  for (int i = 1; i < 3; ++i) {
+    robots::Joint joint;
+    joint.name = "turn" + std::to_string(i);
+    joint.type = robots::JointType::kRevolute;
+    joint.parent_link = i - 1;
+    joint.child_link = i;
+    joint.X_PJ.translation = {0.3, 0, 0};
+    joint.axis = Eigen::Vector3d::UnitZ();
+    joint.first_variable = static_cast<int>(model.variables.size());
+    joint.variable_count = 1;
+    model.variables.push_back({joint.name, i, -3, 3, 1});
+    robots::Link link;
+    link.name = "link" + std::to_string(i);
+    link.joint = i;
+    link.geometries.push_back({mesh, {}, link.name});
+    model.joints.push_back(joint);
+    model.links.push_back(link);
+  }
+  model.finish();
+  const auto shared = std::make_shared<const robots::Model>(model);
+  std::vector<double> q = shared->defaultConfiguration();
+  Problem problem = test::problemOf(shared, q, q);
+  problem.objects.push_back({"rock", {{mesh, {}, "rock"}}, test::at(0, 0, 0.5)});
+  EXPECT_TRUE(EdgeFrames(std::make_shared<const CompiledScene>(problem), 4).hasSurfacePairs());
+  problem.variables = {7, 8};
+  problem.goals = {test::pointGoal("goal", {0, 0})};
+  const auto still = std::make_shared<const CompiledScene>(problem);
+  EXPECT_GT(still->scene().pairs().size(), 0U);
+  EXPECT_FALSE(EdgeFrames(still, 4).hasSurfacePairs());
+}
+
+TEST(EdgeCertifier, WhatIsNoNumberIsUndecided) {
+  const Problem problem = test::wallProblem();
+  EdgeCertifier certifier(std::make_shared<const CompiledScene>(problem));
+  const std::vector<double> good{-1, -1, 0}, bad{std::nan(""), 0, 0}, far{kInfinity, 0, 0};
+  for (const std::vector<double>& q : {bad, far}) {
+    EXPECT_EQ(certifier.decide(q), Verdict::kUndecided);
+    EXPECT_EQ(certifier.certify(good, q).verdict, Verdict::kUndecided);
+    EXPECT_EQ(certifier.certify(q, good).verdict, Verdict::kUndecided);
+    EXPECT_EQ(certifier.clearance(q, 1e-3).verdict, Verdict::kUndecided);
+    EXPECT_EQ(certifier.edgeClearance(good, q, 1e-3, 0).clearance.lower, -kInfinity);
+  }
+  EXPECT_EQ(certifier.certify(good, good).verdict, Verdict::kFree);
+}
+
+// A quaternion without length is no rotation, and a joint without room has one place only.
+TEST(EdgeCertifier, WhatCannotBeIsUndecided) {
+  Problem flyer = test::problemOf(test::flyingBox(), {0, 0, 0, 0, 0, 0, 1}, {0, 0, 0, 0, 0, 0, 1});
+  flyer.objects.push_back(test::box("far", {0.1, 0.1, 0.1}, 5, 5, 5));
+  EdgeCertifier flying(std::make_shared<const CompiledScene>(flyer));
+  const std::vector<double> zero{0, 0, 0, 0, 0, 0, 0}, turned{0, 0, 0, 1, 0, 0, 0};
+  EXPECT_EQ(flying.certify(zero, turned).verdict, Verdict::kUndecided);
+  EXPECT_EQ(flying.certify(turned, zero).verdict, Verdict::kUndecided);
+  EXPECT_EQ(flying.certify(turned, turned).verdict, Verdict::kFree);
+
+  auto model = std::make_shared<robots::Model>();
+  for (int i = 0; i < 2; ++i) {
+    robots::Link link;
+    link.name = "link" + std::to_string(i);
+    link.joint = i;
+    if (i == 1) link.geometries.push_back({collision::Shape::sphere(0.1), {}, link.name});
+    model->links.push_back(link);
+    robots::Joint joint;
+    joint.name = "joint" + std::to_string(i);
+    joint.type = i == 0 ? robots::JointType::kFixed : robots::JointType::kPrismatic;
+    joint.parent_link = i - 1;
+    joint.child_link = i;
+    model->joints.push_back(joint);
+    robots::appendVariables(*model, i, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero());
+  }
+  model->finish();
+  Problem stuck = test::problemOf(model, {0}, {0});
+  stuck.objects.push_back(test::box("wall", {0.05, 2, 2}, 1, 0, 0));
+  EdgeCertifier sliding(std::make_shared<const CompiledScene>(stuck));
+  const std::vector<double> home{0}, wall{1};
+  EXPECT_EQ(sliding.certify(home, home).verdict, Verdict::kFree);
+  EXPECT_EQ(sliding.decide(wall), Verdict::kUndecided);
+  EXPECT_EQ(sliding.certify(home, wall).verdict, Verdict::kUndecided);
+}
+
+// A continuous joint that wraps would make a mimic of half its angle jump.
+TEST(EdgeCertifier, AMimicThatWouldJumpIsUndecided) {
+  auto model = std::make_shared<robots::Model>();
+  for (int i = 0; i < 3; ++i) {
+    robots::Link link;
+    link.name = "link" + std::to_string(i);
+    link.joint = i;
+    link.geometries.push_back({collision::Shape::sphere(0.1), {}, link.name});
+    model->links.push_back(link);
+    robots::Joint joint;
+    joint.name = "joint" + std::to_string(i);
+    joint.type = i == 0   ? robots::JointType::kFixed
+                 : i == 1 ? robots::JointType::kContinuous
+                          : robots::JointType::kRevolute;
+    joint.parent_link = i - 1;
+    joint.child_link = i;
+    joint.axis = Eigen::Vector3d::UnitZ();
+    if (i > 0) joint.X_PJ.translation = {0.5, 0, 0};
+    if (i == 2) {
+      joint.mimic = 1;
+      joint.multiplier = 0.5;
+    }
+    model->joints.push_back(joint);
+    robots::appendVariables(*model, i, Eigen::Vector3d::Constant(-1), Eigen::Vector3d::Constant(1));
+  }
+  model->disabled_pairs.push_back({0, 2, "drawn so"});
+  model->has_srdf = true;
+  model->finish();
+  Problem problem = test::problemOf(model, {0}, {1});
+  problem.objects.push_back(test::box("far", {0.1, 0.1, 0.1}, 5, 5, 5));
+  EdgeCertifier certifier(std::make_shared<const CompiledScene>(problem));
+  EXPECT_EQ(certifier.certify(std::vector<double>{2.0}, std::vector<double>{3.0}).verdict,
+            Verdict::kFree);
+  EXPECT_EQ(certifier.certify(std::vector<double>{3.0}, std::vector<double>{-3.0}).verdict,
+            Verdict::kUndecided);
+  // Outside [-pi, pi), to which circles are wrapped inside an edge.
+  EXPECT_EQ(certifier.certify(std::vector<double>{3.5}, std::vector<double>{3.6}).verdict,
+            Verdict::kUndecided);
+}
+
+TEST(EdgeCertifier, QueriesAllocateNothing) {
+  Random random(14);
+  for (const Kind kind : {Kind::kArm, Kind::kFree, Kind::kPlanar, Kind::kTree}) {
+    const auto compiled = std::make_shared<const CompiledScene>(problemOf(random, kind));
+    EdgeCertifier certifier(compiled);
+    std::vector<std::vector<double>> points;
+    for (int i = 0; i < 30; ++i) points.push_back(randomPoint(random, *compiled));
+    const std::size_t before = collision::testing::allocationCount();
+    for (std::size_t i = 1; i < points.size(); ++i) {
+      EdgeRequest request;
+      request.last_valid = true;
+      certifier.decide(points[i]);
+      certifier.clearance(points[i], 1e-4);
+      certifier.certify(points[i - 1], points[i], request);
+      certifier.edgeClearance(points[i - 1], points[i], 1e-2, -kInfinity);
+    }
+    EXPECT_EQ(collision::testing::allocationCount(), before);
+  }
+}
+
+// A pair dropped by a proof within the limits may touch outside them.
+TEST(EdgeCertifier, OutsideLimitsThatAProofNeededIsUndecided) {
+  auto model = std::make_shared<robots::Model>();
+  for (int i = 0; i < 3; ++i) {
+    robots::Link link;
+    link.name = "link" + std::to_string(i);
+    link.joint = i;
+    link.geometries.push_back({collision::Shape::sphere(0.1), {}, link.name});
+    model->links.push_back(link);
+    robots::Joint joint;
+    joint.name = "joint" + std::to_string(i);
+    joint.type = i == 0 ? robots::JointType::kFixed : robots::JointType::kPrismatic;
+    joint.parent_link = i - 1;
+    joint.child_link = i;
+    if (i > 0) joint.X_PJ.translation = {0.5, 0, 0};
+    model->joints.push_back(joint);
+    robots::appendVariables(*model, i, Eigen::Vector3d::Constant(-0.1),
+                            Eigen::Vector3d::Constant(0.1));
+  }
+  model->finish();
+  Problem problem = test::problemOf(model, {0, 0}, {0, 0});
+  EdgeCertifier certifier(std::make_shared<const CompiledScene>(problem));
+  EXPECT_TRUE(certifier.scene().edgeModel().needs_limits);
+  EXPECT_EQ(certifier.decide(std::vector<double>{0.1, 0}), Verdict::kFree);
+  EXPECT_EQ(certifier.decide(std::vector<double>{-0.9, 0}), Verdict::kUndecided);
+  EXPECT_EQ(certifier.certify(std::vector<double>{0, 0}, std::vector<double>{-0.9, 0}).verdict,
+            Verdict::kUndecided);
+}
+
+}  // namespace
+}  // namespace leeway::planner

@@ -1,0 +1,118 @@
+// A certifier that is bound to another instant answers as one made for it.
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <vector>
+
+#include "leeway/collision/deformable_mesh.h"
+#include "leeway/planner/compiled_scene.h"
+#include "leeway/planner/edge_certifier.h"
+#include "planner/base/random.h"
+#include "tests/planner/base/test_models.h"
+
+namespace leeway::planner {
+namespace {
+
+using collision::Deformable;
+using collision::DeformableMesh;
+using collision::Shape;
+
+/// A disc, a post, and a square that is pulled about.
+struct World {
+  World() : problem(test::problemOf(test::disc(), {-1.5, 0, 0}, {1.5, 0, 0})) {
+    const std::vector<Eigen::Vector3d> rest = {
+        {-0.3, 0, -0.3}, {0.3, 0, -0.3}, {0.3, 0, 0.3}, {-0.3, 0, 0.3}};
+    mesh = DeformableMesh::make(rest, std::vector<DeformableMesh::Triangle>{{0, 1, 2}, {0, 2, 3}});
+    problem.objects.push_back(test::box("post", {0.1, 0.1, 0.5}, 0, 1, 0));
+    addDeforming(problem, "square", mesh, nullptr, {});
+    problem.margin = 0.01;
+    scene = std::make_shared<const CompiledScene>(problem);
+    body = scene->scene().find("square");
+  }
+  Shape pulled(Random& random) const {
+    std::vector<Eigen::Vector3d> vertices(mesh->rest().begin(), mesh->rest().end());
+    const Eigen::Vector3d by(random.uniform(-1.2, 1.2), random.uniform(-1.2, 1.2), 0);
+    for (Eigen::Vector3d& v : vertices)
+      v += by + 0.2 * Eigen::Vector3d(random.uniform(-1, 1), random.uniform(-1, 1), 0);
+    Deformable deformable(mesh);
+    EXPECT_EQ(deformable.update(vertices, 1), collision::UpdateStatus::kUpdated);
+    return Shape::deformable(deformable.snapshot());
+  }
+
+  Problem problem;
+  std::shared_ptr<const DeformableMesh> mesh;
+  std::shared_ptr<const CompiledScene> scene;
+  int body = -1;
+};
+
+TEST(AddDeforming, TakesNoNameTwice) {
+  World world;
+  const std::size_t before = world.problem.objects.size();
+  for (const char* name : {"post", "square", "disc"})
+    EXPECT_THROW(addDeforming(world.problem, name, world.mesh, nullptr, {}), std::invalid_argument)
+        << name;
+  EXPECT_EQ(world.problem.objects.size(), before);
+  addDeforming(world.problem, "another", world.mesh, nullptr, {});
+  EXPECT_EQ(world.problem.objects.size(), before + 1);
+}
+
+TEST(Rebind, AnswersAsANewCertifier) {
+  const World world;
+  Random random(5);
+  EdgeCertifier rebound(world.scene);
+  int free = 0, not_free = 0;
+  for (int k = 0; k < 60; ++k) {
+    const std::vector<CompiledScene::Replacement> shapes = {
+        {world.body, 0, world.pulled(random), k % 3 == 0 ? 0.05 : 0.0}};
+    const auto scene = world.scene->withShapes(shapes);
+    rebound.rebind(scene);
+    EdgeCertifier fresh(scene);
+    for (int i = 0; i < 20; ++i) {
+      std::vector<double> a(3), b(3);
+      for (std::vector<double>* q : {&a, &b})
+        *q = {random.uniform(-1.9, 1.9), random.uniform(-1.9, 1.9), random.uniform(-3, 3)};
+      const Verdict x = rebound.certify(a, b).verdict, y = fresh.certify(a, b).verdict;
+      EXPECT_EQ(x, y) << k << " " << i;
+      EXPECT_EQ(rebound.decide(a), fresh.decide(a)) << k << " " << i;
+      free += x == Verdict::kFree;
+      not_free += x == Verdict::kNotFree;
+    }
+  }
+  EXPECT_GT(free, 200);
+  EXPECT_GT(not_free, 200);
+}
+
+TEST(Rebind, GrowthIsKeptBesidesTheMargin) {
+  const World world;
+  Deformable deformable(world.mesh);
+  const std::vector<double> q = {0, -0.2, 0};  // the disc's rim is 0.1 from the square
+  const auto verdict = [&](double growth) {
+    const std::vector<CompiledScene::Replacement> shapes = {
+        {world.body, 0, Shape::deformable(deformable.snapshot()), growth}};
+    return EdgeCertifier(world.scene->withShapes(shapes)).decide(q);
+  };
+  EXPECT_EQ(verdict(0), Verdict::kFree);
+  EXPECT_EQ(verdict(0.089), Verdict::kFree);
+  EXPECT_EQ(verdict(0.091), Verdict::kNotFree);
+  EXPECT_NE(verdict(std::numeric_limits<double>::infinity()), Verdict::kFree);
+  EXPECT_NE(verdict(std::numeric_limits<double>::quiet_NaN()), Verdict::kFree);
+}
+
+TEST(Rebind, PairsCanBeAskedApart) {
+  const World world;
+  const auto with = [&](bool square) {
+    return world.scene->withPairs([&, square](const collision::ScenePair& pair) {
+      return (pair.body_a == world.body || pair.body_b == world.body) == square;
+    });
+  };
+  EXPECT_EQ(with(true)->scene().pairs().size() + with(false)->scene().pairs().size(),
+            world.scene->scene().pairs().size());
+  const std::vector<double> at_post = {0, 1, 0}, at_square = {0, 0, 0};
+  EXPECT_EQ(EdgeCertifier(with(true)).decide(at_post), Verdict::kFree);
+  EXPECT_EQ(EdgeCertifier(with(true)).decide(at_square), Verdict::kNotFree);
+  EXPECT_EQ(EdgeCertifier(with(false)).decide(at_post), Verdict::kNotFree);
+  EXPECT_EQ(EdgeCertifier(with(false)).decide(at_square), Verdict::kFree);
+}
+
+}  // namespace
+}  // namespace leeway::planner

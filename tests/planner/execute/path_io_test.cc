@@ -1,0 +1,585 @@
+#include "leeway/planner/path_io.h"
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <csignal>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <locale>
+#include <nlohmann/json.hpp>
+#include <random>
+#include <sstream>
+
+#include "leeway/planner/trajectory.h"
+#include "leeway/robots/input_error.h"
+#include "planner/search/half_turns.h"
+#include "tests/build_paths.h"
+
+namespace leeway::planner {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+const std::string kSource = leeway::sourceFolder();
+
+class PathIo : public testing::Test {
+ protected:
+  PathIo() {
+    folder_ = std::filesystem::path(testing::TempDir()) /
+              ("leeway_path_io_" + std::to_string(::getpid()));
+    std::filesystem::create_directories(folder_);
+  }
+  ~PathIo() override {
+    std::error_code ignored;
+    std::filesystem::remove_all(folder_, ignored);
+  }
+  std::string file(const std::string& name) const { return (folder_ / name).string(); }
+  std::string write(const std::string& name, const std::string& text) const {
+    std::ofstream(file(name), std::ios::binary) << text;
+    return file(name);
+  }
+  static std::string contents(const std::string& path) {
+    std::ifstream stream(path, std::ios::binary);
+    std::ostringstream text;
+    text << stream.rdbuf();
+    return text.str();
+  }
+  /// What stands in the folder: a failed write must not leave its temporary file.
+  std::size_t fileCount() const {
+    const std::filesystem::directory_iterator first(folder_), last;
+    return static_cast<std::size_t>(std::distance(first, last));
+  }
+  std::string messageOf(const std::string& path, const Problem& problem) const {
+    try {
+      readPath(path, problem);
+    } catch (const robots::InputError& error) {
+      return error.what();
+    }
+    return "accepted";
+  }
+
+  std::filesystem::path folder_;
+};
+
+double signedUnit(std::mt19937_64& random) {
+  return static_cast<double>(random() >> 11) * 0x1p-52 - 1;
+}
+
+PlanResult resultOf(const Problem& problem, std::vector<std::vector<double>> rows) {
+  PlanResult result;
+  result.status = PlanStatus::kSolved;
+  for (const int v : problem.variables)
+    result.path.names.push_back(problem.model->variables[static_cast<std::size_t>(v)].name);
+  result.path.positions = std::move(rows);
+  result.certificate.certified = true;
+  result.certificate.clearance = {0.0123456789012345678, 0.0234};
+  result.certificate.closest_a = "a \"quoted\" name";
+  result.certificate.closest_b = "b";
+  result.certificate.closest_segment = 0;
+  result.certificate.closest_t = 1.0 / 3;
+  for (std::size_t i = 1; i < result.path.positions.size(); ++i)
+    result.certificate.segments.push_back({0.1 / static_cast<double>(i), 1});
+  return result;
+}
+
+Problem armProblem() { return loadProblem(kSource + "/problems/shelf/reach.yaml"); }
+Problem bodyProblem() { return loadProblem(kSource + "/problems/bodies/window.yaml"); }
+
+std::vector<std::vector<double>> armRows() {
+  std::mt19937_64 random(1);
+  std::vector<std::vector<double>> rows(20, std::vector<double>(7));
+  for (auto& row : rows)
+    for (double& x : row)
+      x = 2 * signedUnit(random) * std::pow(10.0, static_cast<double>(random() % 6) - 5);
+  rows[3] = {0, -0.0, 1e-300, 5e-324, 0.1, 1.0 / 3, -2};
+  return rows;
+}
+
+bool sameBits(const std::vector<std::vector<double>>& a,
+              const std::vector<std::vector<double>>& b) {
+  if (a.size() != b.size()) return false;
+  for (std::size_t i = 0; i < a.size(); ++i)
+    if (a[i].size() != b[i].size() ||
+        std::memcmp(a[i].data(), b[i].data(), a[i].size() * sizeof(double)) != 0)
+      return false;
+  return true;
+}
+
+TEST_F(PathIo, EveryFormatComesBackToTheBit) {
+  const Problem problem = armProblem();
+  const PlanResult result = resultOf(problem, armRows());
+  for (const char* ending : {".json", ".yaml", ".yml", ".csv", ".path"}) {
+    writePath(file(std::string("arm") + ending), problem, result);
+    const Path path = readPath(file(std::string("arm") + ending), problem);
+    EXPECT_EQ(path.names, result.path.names) << ending;
+    EXPECT_TRUE(sameBits(path.positions, result.path.positions)) << ending;
+  }
+}
+
+TEST_F(PathIo, BodiesComeBackToTheBit) {
+  const Problem problem = bodyProblem();
+  std::mt19937_64 random(2);
+  std::vector<std::vector<double>> rows;
+  for (int i = 0; i < 10; ++i) {
+    std::vector<double> row(7);
+    for (double& x : row) x = signedUnit(random);
+    const double n =
+        std::sqrt(row[3] * row[3] + row[4] * row[4] + row[5] * row[5] + row[6] * row[6]);
+    for (std::size_t k = 3; k < 7; ++k) row[k] /= n;
+    rows.push_back(row);
+  }
+  const PlanResult result = resultOf(problem, rows);
+  for (const char* ending : {".json", ".yaml", ".csv", ".path"}) {
+    writePath(file(std::string("body") + ending), problem, result);
+    EXPECT_TRUE(sameBits(readPath(file(std::string("body") + ending), problem).positions, rows))
+        << ending;
+  }
+  // x y z qx qy qz qw and nothing else in a row, as OMPL prints them.
+  std::istringstream first(contents(file("body.path")));
+  for (const double expected : rows[0]) {
+    double x = 0;
+    first >> x;
+    EXPECT_EQ(x, expected);
+  }
+}
+
+TEST_F(PathIo, NumbersDoNotDependOnTheLocale) {
+  struct Comma : std::numpunct<char> {
+    char do_decimal_point() const override { return ','; }
+    std::string do_grouping() const override { return "\3"; }
+    char do_thousands_sep() const override { return '.'; }
+  };
+  const Problem problem = armProblem();
+  const PlanResult result = resultOf(problem, armRows());
+  writePath(file("classic.json"), problem, result);
+  const std::locale before = std::locale::global(std::locale(std::locale::classic(), new Comma));
+  const Problem again = armProblem();
+  for (const char* ending : {".json", ".yaml", ".csv", ".path"}) {
+    writePath(file(std::string("comma") + ending), problem, result);
+    EXPECT_TRUE(sameBits(readPath(file(std::string("comma") + ending), problem).positions,
+                         result.path.positions))
+        << ending;
+  }
+  std::locale::global(before);
+  EXPECT_EQ(contents(file("comma.json")), contents(file("classic.json")));
+  EXPECT_EQ(again.configuration, problem.configuration);
+}
+
+TEST_F(PathIo, JsonHoldsTrajectoryAndCertificate) {
+  const Problem problem = armProblem();
+  PlanResult result = resultOf(problem, armRows());
+  writePath(file("arm.json"), problem, result);
+  const auto json = nlohmann::json::parse(contents(file("arm.json")));
+  EXPECT_EQ(json.at("header").at("frame_id"), "base");
+  EXPECT_EQ(json.at("joint_names").size(), 7U);
+  ASSERT_EQ(json.at("points").size(), 20U);
+  EXPECT_EQ(json.at("points")[0].at("time_from_start").at("sec"), 0);
+  const auto& certificate = json.at("certificate");
+  EXPECT_EQ(certificate.at("certified"), true);
+  EXPECT_EQ(certificate.at("interpolation"), "joint-linear");
+  EXPECT_EQ(certificate.at("clearance_lower").get<double>(), result.certificate.clearance.lower);
+  EXPECT_EQ(certificate.at("closest").at("a"), "a \"quoted\" name");
+  EXPECT_EQ(certificate.at("segments").size(), 19U);
+  // Margin 0.01 of the problem: half of what is above it.
+  EXPECT_NEAR(certificate.at("tracking_tolerance").get<double>(),
+              (0.0123456789012345678 - 0.01) / 2, 1e-15);
+
+  result.certificate.clearance = {kInfinity, kInfinity};  // nothing to be near
+  result.certificate.closest_segment = -1;
+  writePath(file("arm.json"), problem, result);
+  const auto far = nlohmann::json::parse(contents(file("arm.json")));
+  EXPECT_TRUE(far.at("certificate").at("clearance_lower").is_null());
+  EXPECT_TRUE(far.at("certificate").at("closest").is_null());
+}
+
+TEST_F(PathIo, TimesKeepTheVelocityLimits) {
+  const Problem problem = armProblem();
+  std::vector<std::vector<double>> rows(2, std::vector<double>(7));
+  rows[1][3] = 1.0;  // joint4, at most 75 degrees a second
+  rows[1][0] = 0.5;  // joint1, 85
+  writePath(file("arm.csv"), problem, resultOf(problem, rows));
+  std::istringstream lines(contents(file("arm.csv")));
+  std::string header, first, second;
+  std::getline(lines, header);
+  std::getline(lines, first);
+  std::getline(lines, second);
+  EXPECT_EQ(header, "time,joint1,joint2,joint3,joint4,joint5,joint6,joint7");
+  EXPECT_EQ(first.substr(0, 2), "0,");
+  // And half a second is taken for reaching that speed and for leaving it, half of it lost.
+  EXPECT_NEAR(std::stod(second), 1 / (75 * 3.141592653589793 / 180) + 0.5, 1e-4);
+}
+
+TEST_F(PathIo, TrajectoriesHaveRatesAndTheirOwnCertificate) {
+  Problem problem = armProblem();
+  problem.execution.corners = Corners::kBlend;
+  std::vector<std::vector<double>> rows(3, std::vector<double>(7));
+  rows[1][0] = 0.5;
+  rows[2][0] = 0.5;
+  rows[2][1] = 0.25;
+  PlanResult result = resultOf(problem, rows);
+  result.certificate.clearance = {0.03, 0.031};
+  const auto space = std::make_shared<ConfigurationSpace>(problem.model, problem.variables);
+  const std::vector<Blend> blends = {{1, 0.1}};
+  const Trajectory trajectory(space, rows, defaultMotionLimits(*space), blends);
+  for (const char* name : {"t.json", "t.yaml"}) {
+    writeTrajectory(file(name), problem, result, trajectory, 0.05);
+    const auto read = readPath(file(name), problem);  // the rows are a path again
+    EXPECT_TRUE(sameBits({read.positions.front(), read.positions.back()}, {rows[0], rows[2]}));
+  }
+  const auto json = nlohmann::json::parse(contents(file("t.json")));
+  const auto& points = json.at("points");
+  double before = -1;
+  int sampled = 0;
+  for (const auto& point : points) {
+    const double time = point.at("time_from_start").at("sec").get<double>() +
+                        point.at("time_from_start").at("nanosec").get<double>() * 1e-9;
+    EXPECT_GT(time, before);
+    before = time;
+    std::vector<double> q(7), rate(7), second(7);
+    trajectory.configuration(time, q);
+    trajectory.velocity(time, rate);
+    for (std::size_t i = 0; i < 7; ++i) {
+      EXPECT_NEAR(point.at("positions")[i].get<double>(), q[i], 1e-8);
+      EXPECT_NEAR(point.at("velocities")[i].get<double>(), rate[i], 1e-8);
+    }
+    sampled += std::abs(time / 0.05 - std::round(time / 0.05)) < 1e-6;
+  }
+  EXPECT_NEAR(before, trajectory.duration(), 1e-9);
+  EXPECT_GE(sampled, static_cast<int>(trajectory.duration() / 0.05));
+  EXPECT_GT(points[0].at("accelerations")[0].get<double>(), 0.1);
+  const auto& certificate = json.at("certificate");
+  EXPECT_EQ(certificate.at("blended_corners"), nlohmann::json::array({1}));
+  EXPECT_EQ(certificate.at("clearance_lower").get<double>(), problem.margin);
+  EXPECT_EQ(certificate.at("tracking_tolerance").get<double>(), 0);
+  EXPECT_FALSE(certificate.contains("segments"));
+  // The path's least clearance is no upper bound where the motion does not go.
+  EXPECT_EQ(certificate.at("clearance_upper").get<double>(), 0.031);
+  for (const double t : {0.7, 0.9}) {
+    result.certificate.closest_segment = 0;
+    result.certificate.closest_t = t;
+    writeTrajectory(file("cut.json"), problem, result, trajectory);
+    EXPECT_EQ(nlohmann::json::parse(contents(file("cut.json")))
+                  .at("certificate")
+                  .at("clearance_upper")
+                  .is_null(),
+              t > 0.8);
+  }
+
+  const Trajectory stopping(space, rows, defaultMotionLimits(*space));
+  writeTrajectory(file("stop.json"), problem, result, stopping);
+  const auto stop = nlohmann::json::parse(contents(file("stop.json")));
+  EXPECT_EQ(stop.at("certificate").at("clearance_lower").get<double>(), 0.03);
+  EXPECT_EQ(stop.at("points").size(), stopping.knots().size());
+  for (std::size_t i = 0; i + 1 < stop.at("points").size(); ++i) {  // as it is from then on
+    std::vector<double> second(7);
+    stopping.acceleration((stopping.knots()[i] + stopping.knots()[i + 1]) / 2, second);
+    EXPECT_NEAR(stop.at("points")[i].at("accelerations")[0].get<double>(), second[0], 1e-9) << i;
+  }
+  writeTrajectory(file("stop.csv"), problem, result, stopping);
+  EXPECT_EQ(contents(file("stop.csv")).substr(0, 12), "time,joint1,");
+  try {
+    writeTrajectory(file("stop.path"), problem, result, stopping);
+    ADD_FAILURE();
+  } catch (const robots::InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("'.path' names no format of trajectories"),
+              std::string::npos);
+  }
+}
+
+/// What is written for an orientation is the rate of its four numbers.
+TEST_F(PathIo, TrajectoriesOfBodiesHaveTheRatesOfTheirNumbers) {
+  const Problem problem = loadProblem(kSource + "/problems/bodies/window.yaml");
+  const auto space = std::make_shared<ConfigurationSpace>(problem.model, problem.variables);
+  const std::vector<std::vector<double>> rows = {{0, 0, 1, 0, 0, 0, 1},
+                                                 {0.3, 0, 1, 0.6, 0, 0.48, 0.64}};
+  const Trajectory trajectory(space, rows, defaultMotionLimits(*space));
+  writeTrajectory(file("body.json"), problem, resultOf(problem, rows), trajectory,
+                  trajectory.duration() / 17);
+  const double h = 1e-5;
+  std::vector<double> before(7), middle(7), after(7);
+  int moving = 0;
+  const auto json = nlohmann::json::parse(contents(file("body.json")));
+  for (const auto& point : json.at("points")) {
+    const double time = point.at("time_from_start").at("sec").get<double>() +
+                        point.at("time_from_start").at("nanosec").get<double>() * 1e-9;
+    if (time < 2 * h || time > trajectory.duration() - 2 * h) continue;
+    trajectory.configuration(time - h, before);
+    trajectory.configuration(time, middle);
+    trajectory.configuration(time + h, after);
+    const bool smooth = std::abs(std::remainder(time, trajectory.duration() / 17)) <
+                        1e-6;  // else a jump within 2 h
+    for (std::size_t i = 0; i < 7; ++i) {
+      EXPECT_NEAR(point.at("velocities")[i].get<double>(), (after[i] - before[i]) / (2 * h), 1e-4);
+      if (smooth) {
+        EXPECT_NEAR(point.at("accelerations")[i].get<double>(),
+                    (after[i] - 2 * middle[i] + before[i]) / (h * h), 1e-4);
+      }
+    }
+    moving += smooth;
+  }
+  EXPECT_GT(moving, 3);
+}
+
+/// A waypoint that names its orientation by the opposite numbers: between two rows they would turn
+/// through zero.
+TEST_F(PathIo, TrajectoriesOfBodiesDoNotChangeTheSignOfOrientations) {
+  const Problem problem = loadProblem(kSource + "/problems/bodies/window.yaml");
+  const auto space = std::make_shared<ConfigurationSpace>(problem.model, problem.variables);
+  const std::vector<std::vector<double>> rows = {
+      {0, 0, 1, 0, 0, 0, 1}, {0.3, 0, 1, -0.6, 0, -0.48, -0.64}, {0.3, 0.2, 1, 0.6, 0, 0.64, 0.48}};
+  const Trajectory trajectory(space, rows, defaultMotionLimits(*space));
+  writeTrajectory(file("signs.json"), problem, resultOf(problem, rows), trajectory, 0.1);
+  const auto json = nlohmann::json::parse(contents(file("signs.json")));
+  const auto& points = json.at("points");
+  ASSERT_GT(points.size(), 10U);
+  for (std::size_t k = 1; k < points.size(); ++k) {
+    double product = 0;
+    for (std::size_t i = 3; i < 7; ++i)
+      product += points[k - 1].at("positions")[i].get<double>() *
+                 points[k].at("positions")[i].get<double>();
+    EXPECT_GT(product, 0.9) << k;
+  }
+}
+
+TEST_F(PathIo, TimesThatNoFileCanSayAreRefused) {
+  Problem problem = armProblem();
+  std::vector<std::vector<double>> rows(2, std::vector<double>(7));
+  rows[1][0] = 1;
+  const PlanResult result = resultOf(problem, rows);
+  const auto space = std::make_shared<ConfigurationSpace>(problem.model, problem.variables);
+  const auto message = [&](double period) {
+    const Trajectory trajectory(space, rows, motionLimits(problem));
+    try {
+      writeTrajectory(file("t.json"), problem, result, trajectory, period);
+    } catch (const robots::InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  EXPECT_EQ(message(0), "");
+  EXPECT_NE(message(1e-6).find("more than 1000000 rows 1e-06 s apart"), std::string::npos);
+  problem.execution.velocities["joint1"] = 1e-9;
+  EXPECT_EQ(message(0), "");
+  problem.execution.speed = 0.1;
+  EXPECT_NE(message(0).find("no more than 2147483647 s"), std::string::npos);
+  EXPECT_THROW(writePath(file("p.json"), problem, result), robots::InputError);
+  EXPECT_THROW(writePath(file("p.csv"), problem, result), robots::InputError);
+  EXPECT_NO_THROW(writePath(file("p.path"), problem, result));
+}
+
+/// A controller that knows nothing of circles must go the way that was certified.
+TEST_F(PathIo, ContinuousJointsAreWrittenUnwrapped) {
+  const Problem problem = loadProblem(kSource + "/problems/bodies/piano.yaml");
+  const double pi = 3.14159265358979323846;
+  const std::vector<std::vector<double>> rows = {
+      {1, 1, 3.0}, {1, 1, -3.0}, {1, 1, -0.5}, {1, 1, 3.1}};
+  writePath(file("piano.csv"), problem, resultOf(problem, rows));
+  const Path path = readPath(file("piano.csv"), problem);
+  EXPECT_EQ(path.positions[0][2], 3.0);
+  EXPECT_EQ(path.positions[1][2], -3.0 + 2 * pi);
+  EXPECT_EQ(path.positions[2][2], -0.5 + 2 * pi);
+  EXPECT_EQ(path.positions[3][2], 3.1);
+  for (std::size_t i = 1; i < 4; ++i)
+    EXPECT_LE(std::abs(path.positions[i][2] - path.positions[i - 1][2]), pi + 1e-12);
+  writePath(file("again.csv"), problem,
+            resultOf(problem, path.positions));  // what is unwrapped stays to the bit
+  EXPECT_TRUE(sameBits(readPath(file("again.csv"), problem).positions, path.positions));
+}
+
+/// Half a turn exactly goes the way that was certified, whatever turns the rows before have made.
+TEST_F(PathIo, HalfTurnsAreWrittenAsTheyWereCertified) {
+  const Problem problem = loadProblem(kSource + "/problems/bodies/piano.yaml");
+  const ConfigurationSpace space(problem.model, problem.variables);
+  const double pi = 3.14159265358979323846;
+  int cut = 0;
+  for (const double last : {-3.0 + pi, 0.0, pi - 3.0, -pi / 2})
+    for (const double way : {1.0, -1.0}) {
+      std::vector<std::vector<double>> rows = {{1, 1, way * 3.0}, {1, 1, way * -3.0}};
+      for (const double x : {way * last, way * (last > 0 ? last - pi : last + pi)})
+        rows.push_back({1, 1, x});
+      const std::size_t before = rows.size();
+      splitHalfTurns(space, rows);
+      cut += rows.size() > before;
+      writePath(file("turns.csv"), problem, resultOf(problem, rows));
+      const Path path = readPath(file("turns.csv"), problem);
+      ASSERT_EQ(path.positions.size(), rows.size());
+      std::vector<double> certified(3), read(3);
+      for (std::size_t i = 1; i < rows.size(); ++i) {
+        space.difference(rows[i - 1], rows[i], certified);
+        space.difference(path.positions[i - 1], path.positions[i], read);
+        EXPECT_NEAR(path.positions[i][2] - path.positions[i - 1][2], certified[2], 1e-9);
+        EXPECT_NEAR(read[2], certified[2], 1e-9);
+      }
+    }
+  EXPECT_GT(cut, 0);
+}
+
+TEST_F(PathIo, ColumnsAreMatchedByName) {
+  const Problem problem = armProblem();
+  const Path path =
+      readPath(write("path.csv",
+                     "joint7,joint1,joint2,joint3, joint4 ,\"joint5\",joint6,finger_joint,time\r\n"
+                     "7,1,2,3,4,5,6,0.03,0\r\n\r\n0.7,0.1,0.2,0.3,0.4,0.5,0.6,0.03,1\r\n"),
+               problem);
+  EXPECT_EQ(path.positions[0], (std::vector<double>{1, 2, 3, 4, 5, 6, 7}));
+  EXPECT_EQ(path.positions[1], (std::vector<double>{0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7}));
+}
+
+TEST_F(PathIo, OtherShapesOfTrajectoryAreRead) {
+  const Problem problem = armProblem();
+  const std::string names =
+      "joint_names: [joint1, joint2, joint3, joint4, joint5, joint6, joint7]\n";
+  const std::vector<double> row = {1, 2, 3, 4, 5, 6, 7};
+  EXPECT_EQ(
+      readPath(write("a.yaml",
+                     "joint_trajectory:\n  " + names +
+                         "  points:\n    - {positions: [1, 2, 3, 4, 5, 6, 7], velocities: []}\n"),
+               problem)
+          .positions[0],
+      row);
+  EXPECT_EQ(
+      readPath(
+          write(
+              "b.json",
+              R"({"status": "solved", "path": {"joint_names": ["joint1", "joint2", "joint3", "joint4", "joint5", "joint6", "joint7"],
+    "positions": [[1, 2, 3, 4, 5, 6, 7]]}})"),
+          problem)
+          .positions[0],
+      row);
+}
+
+TEST_F(PathIo, MessagesOfBadFiles) {
+  const Problem problem = armProblem();
+  const std::string header = "time,joint1,joint2,joint3,joint4,joint5,joint6,joint7\n";
+  const auto expect = [&](const std::string& path, const std::string& expected) {
+    const std::string message = messageOf(path, problem);
+    EXPECT_EQ(message.substr(0, path.size() + expected.size()), path + expected);
+  };
+  expect(file("absent.csv"), ": cannot be read; a readable file is expected");
+  expect(file("absent.json"),
+         ": cannot be read: No such file or directory; a readable file is expected");
+  expect(write("a.txt", ""),
+         ": the ending '.txt' names no format; .json, .yaml, .csv or .path is expected");
+  expect(write("a.csv", ""), ": is empty; a header of 'time' and joint names is expected");
+  expect(write("b.csv", header), ": holds no waypoint; at least one is expected");
+  expect(write("c.csv", header + "0,1,2,3,4,5,6\n"), ":2: a row of 7 numbers; 8 are expected");
+  expect(write("d.csv", header + "0,1,2,3,4,x,6,7\n"),
+         ":2: 'x' stands where a finite number is expected");
+  expect(write("e.csv", header + "0,1,2,3,4,nan,6,7\n"),
+         ":2: 'nan' stands where a finite number is expected");
+  expect(write("f.csv", "time,joint1,joint2,joint3,joint4,joint5,joint6\n0,1,2,3,4,5,6\n"),
+         ":1: planned joint 'joint7' is missing; a column for each planned joint is expected");
+  expect(write("g.csv", "joint1,joint2,joint3,joint4,joint5,joint6,joint8\n"),
+         ":1: unknown joint 'joint8'; did you mean 'joint1'?");
+  expect(write("h.csv", "joint1,joint1\n1,1\n"),
+         ":1: joint 'joint1' stands twice; once is expected");
+  expect(
+      write("i.csv",
+            "joint1,joint2,joint3,joint4,joint5,joint6,joint7,finger_joint\n1,2,3,4,5,6,7,0.05\n"),
+      ":2: joint 'finger_joint' is at 0.05, but not planned; the problem's 0.03 is expected");
+  expect(write("j.csv", "time,\"joint1\n"),
+         ":1: a quoted field has no end; a closing quote is expected");
+  expect(write("a.path", "1 2 3\n"), ":1: a row of 3 numbers; 7 are expected");
+  expect(write("b.path", "\n"), ": holds no waypoint; at least one is expected");
+  expect(write("a.json", "{\"joint_names\": []}"),
+         ":1: key 'points' is missing in the file; a list of waypoints is expected");
+  expect(write("b.json", "[1]"),
+         ":1: is no map; joint_names and points (trajectory_msgs/JointTrajectory) are expected");
+  const std::string body = write("c.path", "0 0 1 0 0 0 2\n");
+  EXPECT_EQ(messageOf(body, bodyProblem()),
+            body + ":1: a quaternion of length 2; unit length is expected");
+}
+
+TEST_F(PathIo, UnwritableOutputIsAnInputErrorAndLeavesNothing) {
+  const Problem problem = armProblem();
+  const PlanResult result = resultOf(problem, armRows());
+  const auto messageOfWriting = [&](const std::string& path) -> std::string {
+    try {
+      writePath(path, problem, result);
+    } catch (const robots::InputError& error) {
+      return error.what();
+    }
+    return "written";
+  };
+  EXPECT_EQ(messageOfWriting(file("no/such/folder.json")),
+            file("no/such/folder.json") +
+                ": cannot be written: No such file or directory; a writable path is expected");
+  std::filesystem::create_directory(file("folder.json"));
+  EXPECT_EQ(
+      messageOfWriting(file("folder.json")),
+      file("folder.json") + ": cannot be written: Is a directory; a writable path is expected");
+  EXPECT_EQ(messageOfWriting(file("path.xml")),
+            file("path.xml") +
+                ": the ending '.xml' names no format; .json, .yaml, .csv or .path is expected");
+  EXPECT_EQ(fileCount(), 1U);
+}
+
+/// Neither a row that makes no sense nor a full disk touches the file that was there.
+TEST_F(PathIo, AnExistingFileSurvivesAFailedWrite) {
+  const Problem problem = armProblem();
+  write("path.json", "precious");
+  PlanResult result = resultOf(problem, armRows());
+  result.path.positions[1].pop_back();
+  EXPECT_THROW(writePath(file("path.json"), problem, result), std::invalid_argument);
+  EXPECT_EQ(contents(file("path.json")), "precious");
+  // A disk that is full after 16 bytes.
+  result = resultOf(problem, armRows());
+  struct rlimit before {};
+  ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
+  struct rlimit small = before;
+  small.rlim_cur = 16;
+  const auto handler = std::signal(SIGXFSZ, SIG_IGN);
+  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &small), 0);
+  EXPECT_THROW(writePath(file("path.json"), problem, result), robots::InputError);
+  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &before), 0);
+  std::signal(SIGXFSZ, handler);
+  EXPECT_EQ(contents(file("path.json")), "precious");
+  EXPECT_EQ(fileCount(), 1U);
+}
+
+TEST_F(PathIo, ALinkStaysAndItsFileIsReplaced) {
+  write("old.txt", "old");
+  std::filesystem::create_symlink("old.txt", file("link.txt"));
+  std::filesystem::create_symlink("fresh.txt", file("dangling.txt"));
+  writeFileWhole(file("link.txt"), "new");
+  writeFileWhole(file("dangling.txt"), "first");
+  EXPECT_TRUE(std::filesystem::is_symlink(file("link.txt")));
+  EXPECT_TRUE(std::filesystem::is_symlink(file("dangling.txt")));
+  EXPECT_EQ(contents(file("old.txt")), "new");
+  EXPECT_EQ(contents(file("fresh.txt")), "first");
+}
+
+TEST_F(PathIo, APipeIsWrittenToAndStays) {
+  ASSERT_EQ(::mkfifo(file("pipe.json").c_str(), 0600), 0);
+  const int end = ::open(file("pipe.json").c_str(), O_RDWR | O_CLOEXEC);
+  ASSERT_GE(end, 0);
+  writeFileWhole(file("pipe.json"), "through");
+  char text[16] = {};
+  EXPECT_EQ(::read(end, text, sizeof text), 7);
+  EXPECT_STREQ(text, "through");
+  ::close(end);
+  EXPECT_TRUE(std::filesystem::is_fifo(file("pipe.json")));
+}
+
+TEST_F(PathIo, AReplacedFileKeepsItsModeAndANewOneTheUsers) {
+  const std::string path = write("a.txt", "old");
+  std::filesystem::permissions(
+      path, std::filesystem::perms::owner_read | std::filesystem::perms::owner_write);
+  writeFileWhole(path, "new");
+  EXPECT_EQ(contents(path), "new");
+  EXPECT_EQ(std::filesystem::status(path).permissions(),
+            std::filesystem::perms::owner_read | std::filesystem::perms::owner_write);
+  write("plain.txt", "");
+  writeFileWhole(file("fresh.txt"), "x");
+  EXPECT_EQ(std::filesystem::status(file("fresh.txt")).permissions(),
+            std::filesystem::status(file("plain.txt")).permissions());
+}
+
+}  // namespace
+}  // namespace leeway::planner

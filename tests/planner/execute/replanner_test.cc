@@ -1,0 +1,376 @@
+#include "leeway/planner/replanner.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <string>
+#include <thread>
+
+#include "leeway/planner/configuration_space.h"
+#include "leeway/planner/plan.h"
+#include "leeway/robots/input_error.h"
+#include "planner/base/random.h"
+#include "planner/execute/timed_path.h"
+#include "tests/build_paths.h"
+#include "tests/planner/base/test_models.h"
+#include "tests/planner/execute/dense_truth.h"
+
+namespace leeway::planner {
+namespace {
+
+using collision::DeformableMesh;
+using collision::VertexMotion;
+
+struct Sheet {
+  std::vector<Eigen::Vector3d> vertices;
+  std::vector<DeformableMesh::Triangle> triangles;
+};
+
+/// An upright sheet across x = 0, from y0 to y1, in cells.
+Sheet sheet(double y0, double y1, int cells) {
+  Sheet s;
+  for (int j = 0; j <= 2; ++j)
+    for (int i = 0; i <= cells; ++i)
+      s.vertices.emplace_back(0, y0 + (y1 - y0) * i / cells, -0.5 + 0.5 * j);
+  for (int j = 0; j < 2; ++j)
+    for (int i = 0; i < cells; ++i) {
+      const int a = j * (cells + 1) + i, c = a + cells + 1;
+      s.triangles.push_back({a, a + 1, c + 1});
+      s.triangles.push_back({a, c + 1, c});
+    }
+  return s;
+}
+
+/// The vertices go through these displacements.
+std::shared_ptr<const VertexMotion> moved(
+    const Sheet& s, const std::vector<std::pair<double, Eigen::Vector3d>>& keys) {
+  collision::MorphMotion motion;
+  for (const auto& [time, by] : keys) {
+    std::vector<Eigen::Vector3d> reference = s.vertices;
+    for (Eigen::Vector3d& v : reference) v += by;
+    motion.references.push_back(reference);
+  }
+  for (std::size_t k = 0; k < keys.size(); ++k) {
+    std::vector<double> weights(keys.size(), 0.0);
+    weights[k] = 1;
+    motion.keys.push_back({keys[k].first, weights});
+  }
+  return VertexMotion::morph(motion);
+}
+
+/// A disc goes from left to right where a wall with a gap stands; a sheet closes the gap for a
+/// while.
+Problem gate(const std::vector<std::pair<double, Eigen::Vector3d>>& keys) {
+  Problem problem = test::wallProblem();
+  problem.configuration = {-1, 1.2, 0};
+  problem.goals = {test::pointGoal("goal", {1, 1.2, 0})};
+  const Sheet s = sheet(0.95, 1.45, 4);
+  addDeforming(problem, "gate", DeformableMesh::make(s.vertices, s.triangles), moved(s, keys), {});
+  problem.margin = 0.01;
+  problem.iteration_limit = 1000;
+  problem.execution.duration = 12;
+  return problem;
+}
+
+/// Certified steps must be free; returns what was kept.
+double expectTruth(const Problem& problem, const ReplanResult& result, double step = 0.002) {
+  const double kept = test::denseClearance(problem, result.trajectory, step, 1.0);
+  if (result.certified) {
+    EXPECT_GT(kept, problem.margin);
+    EXPECT_GE(kept, result.clearance.lower - 1e-9);
+  }
+  return kept;
+}
+
+TEST(Replanner, WithoutAnythingThatDeformsThePathIsFollowed) {
+  Problem problem = test::wallProblem();
+  problem.execution.velocities = {{"disc/x", 0.7}};
+  problem.execution.speed = 0.5;
+  const ReplanResult result = replan(problem);
+  EXPECT_EQ(result.status, ReplanStatus::kReached);
+  EXPECT_TRUE(result.certified);
+  EXPECT_EQ(result.plans, 1);
+  EXPECT_EQ(result.replans, 0);
+  EXPECT_EQ(result.waits + result.evasions, 0);
+  EXPECT_EQ(result.trajectory.front().position, problem.configuration);
+  EXPECT_EQ(result.trajectory.back().position, (std::vector<double>{1, -1, 0}));
+  double fastest = 0;
+  for (std::size_t i = 1; i < result.trajectory.size(); ++i) {
+    const TimedPoint &a = result.trajectory[i - 1], &b = result.trajectory[i];
+    ASSERT_GT(b.time, a.time);
+    const double time = b.time - a.time;
+    EXPECT_LE(std::abs(b.position[0] - a.position[0]), 0.35 * time + 1e-12);
+    EXPECT_LE(std::abs(b.position[1] - a.position[1]), 0.5 * time + 1e-12);
+    fastest = std::max(fastest, std::abs(b.position[0] - a.position[0]) / (0.35 * time));
+    fastest = std::max(fastest, std::abs(b.position[1] - a.position[1]) / (0.5 * time));
+  }
+  EXPECT_GT(fastest, 0.999);
+}
+
+TEST(Replanner, WaitsForAGateThatOpens) {
+  // Closed from the start to 2 s: no path, so it stands; then the gate moves up and away.
+  const Problem problem = gate({{0, {0, 0, 0}}, {2, {0, 0, 0}}, {3, {0, 0, 1.2}}});
+  int waits = 0, broken = 0;
+  const ReplanResult result = replan(problem, {}, [&](const ReplanStep& step) {
+    waits += step.decision == Decision::kWait;
+    broken += step.path_held ? 0 : 1;
+    EXPECT_TRUE(step.certified);
+    EXPECT_EQ(step.motion.front().time, step.time);
+    EXPECT_LE(step.clearance.lower, step.clearance.upper);
+    EXPECT_GT(step.clearance.lower, problem.margin - 1e-12);
+  });
+  EXPECT_EQ(result.status, ReplanStatus::kReached);
+  EXPECT_GT(waits, 30);
+  EXPECT_GT(broken, 30);
+  expectTruth(problem, result);
+}
+
+TEST(Replanner, PlansAnewWhereTheWayIsClosed) {
+  // Open at first; then it closes before the disc is there, for good, and the long way is below.
+  Problem problem = gate({{0, {0, 0, 1.5}}, {0.2, {0, 0, 1.5}}, {0.5, {0, 0, 0}}});
+  problem.objects[0] = test::box("lower wall", {0.05, 0.9, 0.5}, 0, 0, 0);  // y -0.9 to 0.9
+  const ReplanResult first = replan(problem, {}, {}, 1);
+  const PlanResult plan_alone = plan(problem);
+  ASSERT_EQ(plan_alone.status, PlanStatus::kSolved);
+  const ReplanResult result = replan(problem);
+  EXPECT_EQ(result.status, ReplanStatus::kReached);
+  EXPECT_GE(result.replans, 1);
+  expectTruth(problem, result);
+  // It bites: the first path, executed blindly at the same speed, runs into the gate.
+  std::vector<TimedPoint> blind = {{0, plan_alone.path.positions.front()}};
+  for (std::size_t i = 1; i < plan_alone.path.positions.size(); ++i) {
+    const auto &a = plan_alone.path.positions[i - 1], &b = plan_alone.path.positions[i];
+    double time = 0;
+    for (std::size_t k = 0; k < a.size(); ++k) time = std::max(time, std::abs(b[k] - a[k]));
+    blind.push_back({blind.back().time + time, b});
+  }
+  EXPECT_LE(test::denseClearance(problem, blind, 0.005, 1.0), 0);
+}
+
+TEST(Replanner, EvadesWhatComesWhereItStands) {
+  // A sheet sweeps over the place of the start, where nothing leads to the goal.
+  Problem problem = gate({{0, {0, 0, 0}}, {20, {0, 0, 0}}});
+  const Sheet s = sheet(0.9, 1.5, 4);
+  addDeforming(problem, "broom", DeformableMesh::make(s.vertices, s.triangles),
+               moved(s, {{0, {-1.9, 0, 0}}, {0.5, {-1.9, 0, 0}}, {3.5, {-0.6, 0, 0}}}), {});
+  problem.execution.duration = 3;
+  int evasions = 0;
+  const ReplanResult result = replan(
+      problem, {}, [&](const ReplanStep& step) { evasions += step.decision == Decision::kEvade; });
+  EXPECT_EQ(result.status, ReplanStatus::kTimeout);
+  EXPECT_TRUE(result.certified);
+  EXPECT_GT(evasions, 3);
+  expectTruth(problem, result);
+}
+
+TEST(Replanner, SaysWhenNothingIsCertain) {
+  // Two sheets close in on the disc from both sides faster than it can leave.
+  Problem problem = gate({{0, {0, 0, 0}}, {20, {0, 0, 0}}});
+  const Sheet s = sheet(-2, 2.5, 4);
+  for (const double side : {-1.0, 1.0})
+    addDeforming(problem, side < 0 ? "left" : "right",
+                 DeformableMesh::make(s.vertices, s.triangles),
+                 moved(s, {{0, {-1 + side * 0.8, 0, 0}}, {0.3, {-1, 0, 0}}}), {});
+  const ReplanResult result = replan(problem);
+  EXPECT_EQ(result.status, ReplanStatus::kUnsafe);
+  EXPECT_FALSE(result.certified);
+  EXPECT_LT(result.steps, 8);
+  // All steps but the last were free.
+  std::vector<TimedPoint> before = result.trajectory;
+  while (before.size() > 1 && before.back().time > (result.steps - 1) * 0.05 + 1e-9)
+    before.pop_back();
+  EXPECT_GT(test::denseClearance(problem, before, 0.002, 1.0), problem.margin);
+}
+
+TEST(Replanner, ASpeedBoundAloneIsEnoughForSafety) {
+  Problem problem = gate({{0, {0, 0, 0}}, {1, {0, 0, 0}}, {3, {0, 0, 1.2}}});
+  problem.execution.foresight = Foresight::kSpeedBound;
+  problem.deforming[0].speed_bound = 1;
+  const ReplanResult result = replan(problem);
+  EXPECT_EQ(result.status, ReplanStatus::kReached);
+  EXPECT_GT(result.waits, 10);
+  expectTruth(problem, result);
+}
+
+TEST(Replanner, AProgramSaysWhereTheVerticesAre) {
+  Problem problem = gate({{0, {0, 0, 0}}, {1, {0, 0, 0}}, {2, {0, 0, 1.5}}});
+  const std::shared_ptr<const VertexMotion> truth = problem.deforming[0].motion;
+  Problem blind = problem;
+  blind.deforming[0].motion = nullptr;
+  Replanner replanner(blind);
+  ReplanResult result;
+  result.certified = true;
+  std::vector<Eigen::Vector3d> vertices(blind.deforming[0].mesh->rest().begin(),
+                                        blind.deforming[0].mesh->rest().end());
+  // What is wrong is refused, and what was known stays.
+  EXPECT_THROW(replanner.setVertices("door", vertices, 0, 1), std::invalid_argument);
+  EXPECT_THROW(replanner.setVertices("gate", std::span(vertices).first(3), 0, 1),
+               std::invalid_argument);
+  EXPECT_THROW(replanner.setVertices("gate", vertices, 0.1, 1), std::invalid_argument);
+  EXPECT_THROW(replanner.setVertices("gate", vertices, 0, -1), std::invalid_argument);
+  EXPECT_THROW(replanner.setVertices("gate", vertices, 0, std::nan("")), std::invalid_argument);
+  vertices[1].y() = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(replanner.setVertices("gate", vertices, 0, 1), std::invalid_argument);
+  result.clearance = {1, 1};
+  while (!replanner.reached() && replanner.time() < 8) {
+    truth->evaluate(replanner.time(), vertices);
+    replanner.setVertices("gate", vertices, replanner.time(), 1.5);
+    const ReplanStep step = replanner.step();
+    ASSERT_TRUE(step.certified) << step.time;
+    result.clearance.lower = std::min(result.clearance.lower, step.clearance.lower);
+    result.trajectory.insert(result.trajectory.end(), step.motion.begin(), step.motion.end());
+    // The robot is where it was told to be, give or take what an encoder tells.
+    if (step.index == 3) {
+      std::vector<double> measured(replanner.state().begin(), replanner.state().end());
+      measured[1] += 1e-4;
+      replanner.setState(measured);
+      EXPECT_EQ(replanner.state()[1], measured[1]);
+    }
+  }
+  EXPECT_TRUE(replanner.reached());
+  for (std::size_t i = 1; i < result.trajectory.size(); ++i)
+    result.trajectory[i].time = std::max(result.trajectory[i].time, result.trajectory[i - 1].time);
+  expectTruth(problem, result);
+  EXPECT_THROW(replanner.setState(std::vector<double>{0, 0}), std::invalid_argument);
+  EXPECT_THROW(replanner.setState(std::vector<double>{9, 0, 0}), std::invalid_argument);
+}
+
+TEST(Replanner, VerticesWithoutASpeedBoundStopTheRobot) {
+  Problem problem = gate({{0, {0, 0, 1.5}}, {1, {0, 0, 1.5}}});
+  problem.deforming[0].motion = nullptr;
+  Replanner replanner(problem);
+  const ReplanStep step = replanner.step();
+  EXPECT_EQ(step.decision, Decision::kUnsafe);
+  EXPECT_FALSE(step.certified);
+  EXPECT_EQ(step.motion.front().position, step.motion.back().position);
+}
+
+TEST(Replanner, TheSameSeedTakesTheSameSteps) {
+  const Problem problem =
+      gate({{0, {0, 0, 1.5}}, {0.7, {0, 0, 1.5}}, {1.2, {0, 0, 0}}, {2, {0, 0, 2}}});
+  const ReplanResult one = replan(problem), two = replan(problem);
+  ASSERT_EQ(one.trajectory.size(), two.trajectory.size());
+  for (std::size_t i = 0; i < one.trajectory.size(); ++i) {
+    EXPECT_EQ(one.trajectory[i].time, two.trajectory[i].time);
+    EXPECT_EQ(one.trajectory[i].position, two.trajectory[i].position);
+  }
+  EXPECT_EQ(one.clearance.lower, two.clearance.lower);
+  EXPECT_EQ(one.clearance.upper, two.clearance.upper);
+}
+
+TEST(Replanner, ScenesAreReadByOthersWhileTheNextIsMade) {
+  const Problem problem = gate({{0, {0, 0, 1.5}}, {4, {0, 0, 0}}});
+  Replanner replanner(problem);
+  replanner.step();
+  std::vector<std::thread> readers;
+  std::vector<PlanResult> results(6);
+  for (int k = 0; k < 6; ++k) {
+    readers.emplace_back([&results, k, scene = replanner.scene(), &problem] {
+      results[static_cast<std::size_t>(k)] = plan(scene, problem);
+    });
+    replanner.step();
+  }
+  for (std::thread& reader : readers) reader.join();
+  for (const PlanResult& result : results) EXPECT_EQ(result.status, PlanStatus::kSolved);
+}
+
+TEST(Replanner, RefusesSettingsThatMakeNoSense) {
+  Problem problem = test::wallProblem();
+  problem.execution.step = 0.05;
+  const struct {
+    double Execution::*setting;
+    double value;
+    const char* told;
+  } cases[] = {
+      {&Execution::start, HUGE_VAL, "execution.start is inf; a finite number"},
+      {&Execution::step, 0, "execution.step is 0; a finite number above 0 s"},
+      {&Execution::duration, 0.01, "execution.duration is 0.01; at least a step, 0.05 s,"},
+      {&Execution::speed, 2, "execution.speed is 2; a share above 0, up to 1,"},
+      {&Execution::look_ahead, std::nan(""), "execution.look_ahead is nan; a finite number"},
+      {&Execution::look_ahead, 51, "execution.look_ahead is 51; at most 1000 steps of 0.05 s"},
+      {&Execution::buffer, -0.5, "execution.buffer is -0.5; a finite number of at least 0"},
+      {&Execution::patience, -1, "execution.patience is -1; a number of at least 0 s"},
+  };
+  for (const auto& c : cases) {
+    Problem broken = problem;
+    broken.execution.*c.setting = c.value;
+    try {
+      const Replanner replanner(broken);
+      ADD_FAILURE() << "accepted: " << c.told;
+    } catch (const robots::InputError& error) {
+      EXPECT_NE(std::string(error.what()).find(c.told), std::string::npos) << error.what();
+    }
+  }
+  EXPECT_NO_THROW(Replanner{problem});
+  problem.deforming.push_back({"nobody", nullptr, nullptr, 1, {}});
+  EXPECT_THROW(Replanner{problem}, robots::InputError);
+}
+
+/// The shipped scenes: reached, every step certified and free, and not by the first path alone.
+class ShippedScene : public testing::TestWithParam<const char*> {};
+
+TEST_P(ShippedScene, IsExecutedAndNeedsReplanning) {
+  const Problem problem =
+      loadProblem(leeway::sourceFolder() + "/problems/deforming/" + GetParam() + ".yaml");
+  const ReplanResult result = replan(
+      problem, {}, [&](const ReplanStep& step) { EXPECT_TRUE(step.certified) << step.time; });
+  EXPECT_EQ(result.status, ReplanStatus::kReached);
+  EXPECT_GT(result.replans + result.waits + result.evasions, 0);
+  expectTruth(problem, result, 0.02);
+  // The first path alone, executed blindly, does not keep the margin.
+  const PlanResult alone = plan(problem);
+  ASSERT_EQ(alone.status, PlanStatus::kSolved);
+  const ConfigurationSpace space(problem.model, problem.variables);
+  std::vector<TimedPoint> blind = {{problem.execution.start, alone.path.positions.front()}};
+  for (std::size_t i = 1; i < alone.path.positions.size(); ++i)
+    blind.push_back(
+        {blind.back().time + edgeDuration(space, velocityLimits(problem),
+                                          alone.path.positions[i - 1], alone.path.positions[i]),
+         alone.path.positions[i]});
+  EXPECT_LE(test::denseClearance(problem, blind, 0.02, 1.0), 0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Files, ShippedScene, testing::Values("curtain", "heap", "figure"),
+                         [](const auto& scene) { return std::string(scene.param); });
+
+/// Random sheets fly through the room; whatever is certified must be free.
+TEST(Replanner, RandomSheetsNeverTouchWhatIsCertified) {
+  int steps = 0, unsafe_errors = 0, disturbed = 0, reached = 0;
+  for (int seed = 0; seed < 12; ++seed) {
+    Random random(77, static_cast<std::uint64_t>(seed));
+    Problem problem = test::problemOf(test::disc(), {-1.5, 0, 0}, {1.5, 0, 0});
+    problem.margin = 0.01;
+    problem.iteration_limit = 300;
+    problem.execution.step = 0.1;
+    problem.execution.duration = 5;
+    problem.seed = static_cast<std::uint64_t>(seed);
+    if (seed % 3 == 2) problem.execution.foresight = Foresight::kSpeedBound;
+    for (int k = 0; k < 3; ++k) {
+      const Sheet s = sheet(-0.3, 0.3, 3);
+      std::vector<std::pair<double, Eigen::Vector3d>> keys;
+      for (int key = 0; key < 4; ++key)
+        keys.push_back({1.3 * key, {random.uniform(-0.8, 1.2), random.uniform(-1.2, 1.2), 0}});
+      addDeforming(problem, "sheet " + std::to_string(k),
+                   DeformableMesh::make(s.vertices, s.triangles), moved(s, keys), {});
+    }
+    const ReplanResult result = replan(problem);
+    const double certified_end =
+        result.certified ? result.trajectory.back().time : (result.steps - 1) * 0.1;
+    std::vector<TimedPoint> sure = result.trajectory;
+    while (sure.size() > 1 && sure.back().time > certified_end + 1e-9) sure.pop_back();
+    const double kept = test::denseClearance(problem, sure, 0.01, 1.0);
+    unsafe_errors += kept > problem.margin ? 0 : 1;
+    EXPECT_GT(kept, problem.margin) << "seed " << seed;
+    steps += result.steps;
+    disturbed += result.waits + result.replans + result.evasions > 0 ? 1 : 0;
+    reached += result.status == ReplanStatus::kReached ? 1 : 0;
+  }
+  EXPECT_EQ(unsafe_errors, 0);
+  EXPECT_GE(disturbed, 6);
+  EXPECT_GE(reached, 6);
+  EXPECT_GT(steps, 100);
+}
+
+}  // namespace
+}  // namespace leeway::planner

@@ -1,0 +1,95 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <limits>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "leeway/planner/plan.h"
+#include "tests/planner/base/test_models.h"
+
+namespace leeway::planner {
+namespace {
+
+/// Expects reported bounds to hold what dense sampling sees.
+void expectHonest(const Problem& problem, const PlanResult& result) {
+  ASSERT_EQ(result.status, PlanStatus::kSolved);
+  EXPECT_TRUE(result.certificate.certified);
+  const auto scene = std::make_shared<const CompiledScene>(problem);
+  EdgeCertifier certifier(scene);
+  std::vector<double> q(problem.configuration.size());
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 1; i < result.path.positions.size(); ++i)
+    for (int k = 0; k <= 300; ++k) {
+      scene->space().interpolate(result.path.positions[i - 1], result.path.positions[i], k / 300.0,
+                                 q);
+      least = std::min(least, certifier.clearance(q, 1e-9).clearance.upper);
+    }
+  EXPECT_LE(result.certificate.clearance.lower, least);
+  EXPECT_GE(result.certificate.clearance.upper, least - 0.02) << "samples 0.02 apart";
+  EXPECT_LE(result.certificate.clearance.width(), 2e-4);
+}
+
+class WidestPath : public testing::TestWithParam<std::string> {};
+
+TEST_P(WidestPath, BeatsTheShortestInClearance) {
+  Problem problem = test::corridorProblem();
+  problem.iteration_limit = 4000;
+  const PlanResult shortest = plan(problem);
+  expectHonest(problem, shortest);
+  problem.planner = GetParam();
+  problem.objective = "clearance";
+  problem.iteration_limit = 800;
+  if (GetParam() == "PRMstar") problem.iteration_limit = 0;  // with threads of its own
+  if (GetParam() == "PRMstar") problem.time_limit = 2;
+  if (GetParam() == "RRTConnect") problem.iteration_limit = 20000;
+  const PlanResult widest = plan(problem);
+  expectHonest(problem, widest);
+  // The upper passage lets the disc by with at most 0.1, the lower one with 0.6.
+  EXPECT_GT(widest.certificate.clearance.lower, shortest.certificate.clearance.upper + 0.02);
+  EXPECT_LE(widest.certificate.clearance.lower, 0.6);
+  if (GetParam() == "RRTConnect") {
+    EXPECT_GT(widest.certificate.clearance.lower, 0.5);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Ompl, WidestPath,
+                         testing::Values("RRTConnect", "BITstar", "AITstar", "RRTstar", "PRMstar",
+                                         "LazyPRMstar"),
+                         [](const auto& each) { return each.param; });
+
+TEST(WidestPathAlone, SimplificationKeepsWhatWasReached) {
+  Problem problem = test::corridorProblem();
+  problem.objective = "clearance";
+  problem.iteration_limit = 5000;
+  problem.time_limit = 0;
+  problem.simplify = false;
+  const PlanResult raw = plan(problem);
+  problem.simplify = true;
+  const PlanResult simplified = plan(problem);
+  EXPECT_GE(simplified.certificate.clearance.upper, raw.certificate.clearance.lower - 1e-3);
+  EXPECT_LT(simplified.length, raw.length);
+}
+
+TEST(WidestPathAlone, EndsWhenStartOrGoalAllowsNoMore) {
+  Problem problem = test::problemOf(test::disc(), {-1, 0, 0}, {1, 0, 0});
+  problem.objects.push_back(test::box("post", {0.1, 0.1, 0.5}, 0, 0.25, 0));
+  problem.objects.push_back(test::box("beside the start", {0.1, 0.1, 0.5}, -1, 0.25, 0));
+  problem.objective = "clearance";
+  problem.time_limit = 0;  // it must end by itself
+  const PlanResult result = plan(problem);
+  expectHonest(problem, result);
+  EXPECT_NEAR(result.certificate.clearance.lower, 0.05, 2e-3);
+}
+
+TEST(WidestPathAlone, NothingToBeNearIsInfinite) {
+  Problem problem = test::problemOf(test::disc(), {-1, 0, 0}, {1, 0, 0});
+  problem.objective = "clearance";
+  const PlanResult result = plan(problem);
+  ASSERT_EQ(result.status, PlanStatus::kSolved);
+  EXPECT_EQ(result.certificate.clearance.lower, std::numeric_limits<double>::infinity());
+}
+
+}  // namespace
+}  // namespace leeway::planner

@@ -1,0 +1,263 @@
+#include "leeway/planner/plan.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <memory>
+#include <set>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "leeway/planner/planners.h"
+#include "leeway/robots/input_error.h"
+#include "tests/planner/base/test_models.h"
+
+namespace leeway::planner {
+namespace {
+
+/// Expects every edge to be proven, the ends to be start and goal, and the certificate's interval
+/// to hold what dense sampling sees.
+void expectCertified(const Problem& problem, const PlanResult& result) {
+  ASSERT_EQ(result.status, PlanStatus::kSolved);
+  EXPECT_TRUE(result.certificate.certified);
+  ASSERT_GE(result.path.positions.size(), 2u);
+  EXPECT_EQ(result.path.positions.front(), problem.configuration);
+  ASSERT_GE(result.goal, 0);
+  const Goal& goal = problem.goals[static_cast<std::size_t>(result.goal)];
+  for (std::size_t i = 0; i < goal.ranges.size(); ++i) {
+    EXPECT_GE(result.path.positions.back()[i], goal.ranges[i].first);
+    EXPECT_LE(result.path.positions.back()[i], goal.ranges[i].second);
+  }
+  const auto scene = std::make_shared<const CompiledScene>(problem);
+  EdgeCertifier certifier(scene);
+  std::vector<double> q(problem.configuration.size());
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 1; i < result.path.positions.size(); ++i) {
+    double least_here = std::numeric_limits<double>::infinity();
+    for (int k = 0; k <= 100; ++k) {
+      scene->space().interpolate(result.path.positions[i - 1], result.path.positions[i], k / 100.0,
+                                 q);
+      const StateCheck check = certifier.clearance(q, 1e-7);
+      EXPECT_EQ(check.verdict, Verdict::kFree) << "segment " << i - 1 << " at " << k / 100.0;
+      least_here = std::min(least_here, check.clearance.upper);
+    }
+    EXPECT_LE(result.certificate.segments[i - 1].lower, least_here);
+    least = std::min(least, least_here);
+  }
+  EXPECT_LE(result.certificate.clearance.lower, least);
+  EXPECT_GE(result.certificate.clearance.upper, result.certificate.clearance.lower);
+}
+
+std::vector<std::string> allPlanners() {
+  std::vector<std::string> names;
+  for (const PlannerTraits& traits : plannerNames()) names.push_back(traits.name);
+  return names;
+}
+
+class EachPlanner : public testing::TestWithParam<std::string> {};
+
+TEST_P(EachPlanner, SolvesTheWallAndCertifies) {
+  const PlannerTraits& traits = *findPlanner(GetParam());
+  Problem problem = test::wallProblem();
+  problem.planner = traits.name;
+  problem.iteration_limit = traits.optimizing ? 1500 : 1000000;
+  if (!traits.exact) problem.iteration_limit = 30000;  // random steps need many
+  // Planners with threads check their limits any number of times, so they get a time limit.
+  if (!traits.deterministic) problem.iteration_limit = 0;
+  if (!traits.deterministic) problem.time_limit = traits.optimizing ? 0.5 : 20;
+  const PlanResult result = plan(problem);
+  EXPECT_EQ(result.planner, traits.name);
+  EXPECT_EQ(result.deterministic, traits.deterministic);
+  expectCertified(problem, result);
+  EXPECT_GT(result.iterations, 0u);
+  EXPECT_GT(result.length, 4.0) << "the straight way is closed";
+}
+
+INSTANTIATE_TEST_SUITE_P(Ompl, EachPlanner, testing::ValuesIn(allPlanners()),
+                         [](const auto& each) { return each.param; });
+
+TEST(Plan, FliesThroughAWindow) {
+  Problem problem = test::problemOf(test::flyingBox(), {-0.8, 0, 0, 0, 0, 0, 1},
+                                    {0.8, 0, 0, 0, 0, std::sqrt(0.5), std::sqrt(0.5)});
+  // A window of 0.3 x 0.3 at y = 0.4, z = 0.
+  problem.objects.push_back(test::box("left", {0.02, 0.6, 1.5}, 0, -0.35, 0));
+  problem.objects.push_back(test::box("right", {0.02, 0.5, 1.5}, 0, 1.05, 0));
+  problem.objects.push_back(test::box("below", {0.02, 0.15, 0.7}, 0, 0.4, -0.85));
+  problem.objects.push_back(test::box("above", {0.02, 0.15, 0.7}, 0, 0.4, 0.85));
+  problem.iteration_limit = 200000;
+  expectCertified(problem, plan(problem));
+}
+
+TEST(Plan, StraightWayIsTheAnswerWhereItIsFree) {
+  Problem problem = test::problemOf(test::disc(), {-1, -1, 0}, {1, -1, 0});
+  const PlanResult result = plan(problem);
+  expectCertified(problem, result);
+  EXPECT_EQ(result.path.positions.size(), 2u);
+  EXPECT_EQ(result.iterations, 0u);
+  EXPECT_EQ(result.length, 2.0);
+}
+
+TEST(Plan, StartInsideItsGoalStays) {
+  Problem problem = test::wallProblem();
+  problem.goals[0] = test::pointGoal("here", problem.configuration);
+  const PlanResult result = plan(problem);
+  expectCertified(problem, result);
+  EXPECT_EQ(result.length, 0.0);
+}
+
+TEST(Plan, InvalidStartNamesPairDepthAndPlace) {
+  Problem problem = test::wallProblem();
+  problem.configuration = {-0.1, -1, 0};
+  const PlanResult result = plan(problem);
+  EXPECT_EQ(result.status, PlanStatus::kInvalidStart);
+  EXPECT_EQ(std::set<std::string>({result.offending_a, result.offending_b}),
+            std::set<std::string>({"disc", "lower wall"}));
+  EXPECT_NEAR(result.offending.clearance.upper, -0.05, 1e-4);
+  EXPECT_NEAR(result.offending.closest.point_a.x(), -0.05, 0.06);
+  EXPECT_TRUE(result.path.positions.empty());
+}
+
+TEST(Plan, AllGoalsInvalidNamesTheLeastDeep) {
+  Problem problem = test::wallProblem();
+  problem.goals = {test::pointGoal("deep", {0, -1, 0}), test::pointGoal("shallow", {0.12, -1, 0})};
+  const PlanResult result = plan(problem);
+  EXPECT_EQ(result.status, PlanStatus::kInvalidGoal);
+  EXPECT_NEAR(result.offending.clearance.upper, -0.03, 1e-4);
+  EXPECT_EQ(result.warnings.size(), 2u);
+}
+
+TEST(Plan, InvalidGoalsAmongOthersAreLeftOutWithAWarning) {
+  Problem problem = test::wallProblem();
+  problem.goals.insert(problem.goals.begin(), test::pointGoal("inside", {0, -1, 0}));
+  const PlanResult result = plan(problem);
+  expectCertified(problem, result);
+  EXPECT_EQ(result.goal, 1);
+  ASSERT_EQ(result.warnings.size(), 1u);
+  EXPECT_NE(result.warnings[0].find("'inside'"), std::string::npos);
+}
+
+TEST(Plan, GoalRangesAreReachedByEveryKindOfPlanner) {
+  for (const char* planner : {"RRTConnect", "RRT", "BITstar", "KPIECE1", "FMT"}) {
+    Problem problem = test::wallProblem();
+    problem.planner = planner;
+    problem.iteration_limit = 5000;
+    // A box of goals half inside the wall, at any angle.
+    problem.goals[0].ranges = {{0, 1}, {-1.5, -1}, {-3.2, 3.2}};
+    const PlanResult result = plan(problem);
+    SCOPED_TRACE(planner);
+    expectCertified(problem, result);
+  }
+}
+
+TEST(Plan, AnglesOfARangeCountModuloATurn) {
+  Problem problem = test::wallProblem();
+  problem.goals[0].ranges[2] = {6, 6.5};
+  const PlanResult result = plan(problem);
+  expectCertified(problem, result);
+  EXPECT_LT(result.length, 7) << "6.28 is where it started";
+}
+
+TEST(Plan, UnsolvableProblemEndsAtItsIterations) {
+  for (const std::string planner : {"RRTConnect", "FMT", "BITstar", "LazyPRM", "SBL", "PDST"}) {
+    Problem problem = test::wallProblem();
+    problem.objects[0] = test::box("wall", {0.05, 3, 0.5}, 0, 0, 0);
+    problem.planner = planner;
+    problem.iteration_limit = 500;
+    problem.time_limit = 0;
+    const PlanResult result = plan(problem);
+    EXPECT_EQ(result.status, PlanStatus::kUnsolved) << planner;
+    EXPECT_EQ(result.iterations, 500u) << planner;
+    EXPECT_TRUE(result.path.positions.empty()) << planner;
+  }
+}
+
+TEST(Plan, UnsolvableProblemEndsAtItsTime) {
+  for (const std::string planner : {"RRTConnect", "PRM", "CForest"}) {
+    Problem problem = test::wallProblem();
+    problem.objects[0] = test::box("wall", {0.05, 3, 0.5}, 0, 0, 0);
+    problem.planner = planner;
+    problem.time_limit = 0.1;
+    EXPECT_EQ(plan(problem).status, PlanStatus::kUnsolved) << planner;
+  }
+}
+
+TEST(Plan, StopEndsAndProgressIsTold) {
+  for (const std::string planner : {"RRTConnect", "RRTstar", "PRM"}) {
+    Problem problem = test::wallProblem();
+    problem.objects[0] = test::box("wall", {0.05, 3, 0.5}, 0, 0, 0);
+    problem.planner = planner;
+    problem.time_limit = 0;
+    std::atomic<int> asked{0};
+    std::vector<std::string> phases;
+    PlanOptions options;
+    options.stop = [&] { return ++asked > 200; };
+    options.progress = [&](const std::string& phase, double elapsed) {
+      EXPECT_GE(elapsed, 0);
+      if (phases.empty() || phases.back() != phase) phases.push_back(phase);
+    };
+    EXPECT_EQ(plan(problem, options).status, PlanStatus::kUnsolved) << planner;
+    EXPECT_GT(asked, 200);
+    EXPECT_EQ(phases, (std::vector<std::string>{"compile", "plan"}));
+  }
+}
+
+std::string refusal(const Problem& problem) {
+  try {
+    plan(problem);
+  } catch (const robots::InputError& error) {
+    return error.what();
+  }
+  return "nothing was wrong";
+}
+
+TEST(Plan, RefusesWhatCannotBeMeant) {
+  const auto expectRefusal = [](const Problem& problem, std::vector<std::string> words) {
+    const std::string message = refusal(problem);
+    for (const std::string& word : words)
+      EXPECT_NE(message.find(word), std::string::npos) << message << " lacks " << word;
+  };
+  Problem problem = test::wallProblem();
+  problem.planner = "RRTConect";
+  expectRefusal(problem, {"'RRTConect' is unknown", "'RRTConnect'"});
+  problem.planner = "rrt*";
+  problem.planner_parameters = {{"goal_bia", "0.1"}};
+  expectRefusal(problem, {"'goal_bia' is unknown", "'goal_bias'"});
+  for (const char* bad : {"", "fast", "nan", "inf", "-1", "0.5x"}) {
+    problem.planner_parameters = {{"goal_bias", bad}};
+    expectRefusal(problem, {"'goal_bias' cannot be '" + std::string(bad) + "'", "is expected"});
+  }
+  problem.planner_parameters = {{"focus_search", "2"}};
+  expectRefusal(problem, {"true or false"});
+  problem = test::wallProblem();
+  problem.objective = "energy";
+  expectRefusal(problem, {"'energy' is unknown", "length and clearance"});
+  problem = test::wallProblem();
+  problem.configuration[1] = 2.5;
+  expectRefusal(problem, {"start", "'disc/y'", "2.5", "-2", "2"});
+  problem = test::wallProblem();
+  problem.goals[0].ranges[0] = {5, 6};
+  expectRefusal(problem, {"goal 'goal'", "'disc/x'", "5 to 6", "-2 to 2"});
+  problem = test::wallProblem();
+  problem.goals.clear();
+  expectRefusal(problem, {"no goal"});
+}
+
+TEST(Planners, ParametersAreTakenAndListed) {
+  Problem problem = test::wallProblem();
+  problem.planner = "RRT*";
+  problem.planner_parameters = {{"range", "0.5"}, {"focus_search", "true"}, {"goal_bias", "0.1"}};
+  problem.iteration_limit = 1500;
+  const PlanResult result = plan(problem);
+  EXPECT_EQ(result.planner, "RRTstar");
+  expectCertified(problem, result);
+  EXPECT_GE(plannerNames().size(), 38u);
+  const auto parameters = plannerParameters("RRTConnect");
+  ASSERT_EQ(parameters.size(), 2u);
+  EXPECT_EQ(parameters[1].name, "range");
+}
+
+}  // namespace
+}  // namespace leeway::planner

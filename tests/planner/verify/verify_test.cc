@@ -1,0 +1,647 @@
+#include "leeway/planner/verify.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include "collision/base/sine_cosine.h"
+#include "leeway/collision/convex_hull.h"
+#include "leeway/collision/distance.h"
+#include "leeway/collision/triangle_mesh.h"
+#include "leeway/planner/compiled_scene.h"
+#include "leeway/planner/configuration_space.h"
+#include "leeway/robots/kinematics.h"
+#include "planner/verify/verify_kinematics.h"
+#include "planner/verify/verify_pairs.h"
+#include "tests/planner/base/random_problem.h"
+
+namespace leeway::planner {
+namespace {
+
+using collision::Shape;
+using Eigen::Vector3d;
+using robots::Joint;
+using robots::JointType;
+using robots::Model;
+using robots::Pose;
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+Pose shifted(double x, double y, double z) {
+  return {Eigen::Matrix3d::Identity(), Vector3d(x, y, z)};
+}
+
+/// Builds robots link by link.
+struct Builder {
+  Model model;
+
+  int add(const std::string& name, int parent, JointType type, const Pose& X_PJ,
+          const Vector3d& axis, std::vector<robots::Geometry> geometries, double limit = 3) {
+    const int i = static_cast<int>(model.links.size());
+    Joint joint;
+    joint.name = name + "_joint";
+    joint.type = type;
+    joint.parent_link = parent;
+    joint.child_link = i;
+    joint.X_PJ = X_PJ;
+    joint.axis = axis.normalized();
+    joint.variable_count = type == JointType::kFixed      ? 0
+                           : type == JointType::kPlanar   ? 3
+                           : type == JointType::kFloating ? 7
+                                                          : 1;
+    if (joint.variable_count > 0) joint.first_variable = static_cast<int>(model.variables.size());
+    for (int k = 0; k < joint.variable_count; ++k) {
+      const bool bounded = type == JointType::kRevolute || type == JointType::kPrismatic;
+      model.variables.push_back(
+          {joint.name + (joint.variable_count > 1 ? "/" + std::to_string(k) : ""), i,
+           bounded ? -limit : -kInfinity, bounded ? limit : kInfinity, kInfinity});
+    }
+    model.joints.push_back(joint);
+    model.links.push_back({name, i, std::move(geometries)});
+    return i;
+  }
+};
+
+/// A planar arm of two bars of 1 m, 0.1 m thick, in the plane z = 0.
+std::shared_ptr<const Model> arm() {
+  Builder b;
+  b.add("base", -1, JointType::kFixed, {}, Vector3d::UnitZ(), {});
+  const robots::Geometry bar{Shape::box({0.5, 0.05, 0.05}), shifted(0.5, 0, 0), "bar"};
+  b.add("upper", 0, JointType::kRevolute, {}, Vector3d::UnitZ(), {bar});
+  b.add("lower", 1, JointType::kRevolute, shifted(1, 0, 0), Vector3d::UnitZ(), {bar});
+  b.model.finish();
+  return std::make_shared<Model>(b.model);
+}
+
+Problem problemFor(std::shared_ptr<const Model> model, const std::vector<double>& goal) {
+  Problem problem;
+  problem.model = model;
+  for (std::size_t i = 0; i < model->variables.size(); ++i)
+    problem.variables.push_back(static_cast<int>(i));
+  problem.configuration = model->defaultConfiguration();
+  Goal g{"goal", {}};
+  for (double x : goal) g.ranges.emplace_back(x, x);
+  problem.goals.push_back(g);
+  return problem;
+}
+
+Object box(const std::string& name, const Vector3d& half, double x, double y, double z) {
+  return {name, {{Shape::box(half), {}, ""}}, shifted(x, y, z)};
+}
+
+Path pathOf(const Problem& problem, std::vector<std::vector<double>> rows) {
+  Path path;
+  for (int v : problem.variables)
+    path.names.push_back(problem.model->variables[static_cast<std::size_t>(v)].name);
+  path.positions = std::move(rows);
+  return path;
+}
+
+TEST(Verify, FreePathIsCertifiedWithAClearanceThatHolds) {
+  Problem problem = problemFor(arm(), {1.5, 0});
+  problem.objects.push_back(box("wall", {0.1, 0.1, 1}, 2.5, 0, 0));
+  const Path path = pathOf(problem, {{0, 0}, {0.5, 0.5}, {1.5, 0}});
+  const VerifyResult result = verify(problem, path);
+  ASSERT_EQ(result.status, VerifyStatus::kCertified) << result.reason;
+  // At the start the tip, at 2 m, is 0.4 m from the wall; that is the least.
+  EXPECT_LE(result.clearance_lower, 0.4);
+  EXPECT_GE(result.clearance_lower, 0.1);
+}
+
+TEST(Verify, ObstacleBetweenWaypointsIsFoundInItsSegment) {
+  Problem problem = problemFor(arm(), {1.5, 0});
+  problem.objects.push_back(
+      box("post", {0.02, 0.02, 1}, 1.8 * std::cos(1.0), 1.8 * std::sin(1.0), 0));
+  const Path path = pathOf(problem, {{0, 0}, {0.5, 0}, {1.5, 0}});
+  const VerifyResult result = verify(problem, path);
+  ASSERT_EQ(result.status, VerifyStatus::kRefuted);
+  EXPECT_EQ(result.segment, 1);
+  EXPECT_NEAR(result.t0, 0.5, 0.05);
+  EXPECT_EQ(result.t0, result.t1);
+  EXPECT_EQ(result.a, "lower");
+  EXPECT_EQ(result.b, "post");
+  EXPECT_NE(result.reason.find("apart"), std::string::npos);
+}
+
+/// A wire of a tenth of a millimetre: no sampling with a step that a planner would use sees it.
+TEST(Verify, ThinObstaclesAreNotJumpedOver) {
+  std::mt19937_64 random(4);
+  for (int i = 0; i < 40; ++i) {
+    Problem problem = problemFor(arm(), {2.5, 0});
+    const double angle = std::uniform_real_distribution<double>(0.2, 2.4)(random);
+    const double r = std::uniform_real_distribution<double>(0.3, 1.9)(random);
+    problem.objects.push_back({"wire",
+                               {{Shape::cylinder(5e-5, 1), {}, ""}},
+                               shifted(r * std::cos(angle), r * std::sin(angle), 0)});
+    EXPECT_EQ(verify(problem, pathOf(problem, {{0, 0}, {2.5, 0}})).status, VerifyStatus::kRefuted)
+        << angle << ' ' << r;
+    problem.objects[0].geometries[0].shape = Shape::sphere(0);  // a point
+    EXPECT_EQ(verify(problem, pathOf(problem, {{0, 0}, {2.5, 0}})).status, VerifyStatus::kRefuted)
+        << angle << ' ' << r;
+  }
+}
+
+/// The tip passes a post at a distance that is chosen: certified exactly when there is room.
+TEST(Verify, GrazingPassesAreDecidedToTheMicrometre) {
+  for (double gap : {1e-2, 1e-4, 1e-6, -1e-6, -1e-4}) {
+    Problem problem = problemFor(arm(), {1.5, 0});
+    // The far corners of the straight arm reach sqrt(2^2 + 0.05^2).
+    const double reach = std::sqrt(4 + 0.0025);
+    problem.objects.push_back(
+        {"post",
+         {{Shape::cylinder(0.1, 1), {}, ""}},
+         shifted((reach + 0.1 + gap) * std::cos(0.7), (reach + 0.1 + gap) * std::sin(0.7), 0)});
+    const VerifyResult result = verify(problem, pathOf(problem, {{0, 0}, {1.5, 0}}));
+    EXPECT_EQ(result.status, gap > 0 ? VerifyStatus::kCertified : VerifyStatus::kRefuted)
+        << gap << ' ' << result.reason;
+    if (gap > 0) {
+      EXPECT_LE(result.clearance_lower, gap);
+      EXPECT_GE(result.clearance_lower, gap / 5);  // what is promised: verify.h
+    }
+  }
+}
+
+TEST(Verify, MarginsCount) {
+  Problem problem = problemFor(arm(), {1, 0});
+  problem.objects.push_back(box("wall", {0.1, 0.1, 1}, 2.3, 0, 0));  // 0.2 m from the tip
+  const Path path = pathOf(problem, {{0, 0}, {1, 0}});
+  EXPECT_EQ(verify(problem, path).status, VerifyStatus::kCertified);
+  problem.margin = 0.25;
+  EXPECT_EQ(verify(problem, path).status, VerifyStatus::kRefuted);
+  problem.margins.push_back({"wall", "lower", 0.1});
+  EXPECT_EQ(verify(problem, path).status, VerifyStatus::kCertified);
+  problem.margins[0].margin = 0.3;
+  const VerifyResult refuted = verify(problem, path);
+  EXPECT_EQ(refuted.status, VerifyStatus::kRefuted);
+  EXPECT_EQ(refuted.a, "lower");
+}
+
+TEST(Verify, AllowedDepthOfConvexShapes) {
+  Problem problem = problemFor(arm(), {1, 0});
+  problem.objects.push_back(box("wall", {0.1, 0.1, 1}, 2.05, 0, 0));  // 0.05 m into it at the start
+  const Path path = pathOf(problem, {{0, 0}, {1, 0}});
+  EXPECT_EQ(verify(problem, path).status, VerifyStatus::kRefuted);
+  problem.margin = -0.06;
+  EXPECT_EQ(verify(problem, path).status, VerifyStatus::kCertified);
+  problem.margin = -0.04;
+  EXPECT_EQ(verify(problem, path).status, VerifyStatus::kRefuted);
+}
+
+TEST(Verify, WaypointsLimitsStartAndGoal) {
+  Problem problem = problemFor(arm(), {1, 0});
+  const auto expect = [&](const Path& path, int segment, double t, const std::string& word) {
+    const VerifyResult result = verify(problem, path);
+    EXPECT_EQ(result.status, VerifyStatus::kRefuted) << word;
+    EXPECT_EQ(result.segment, segment) << word;
+    EXPECT_EQ(result.t0, t) << word;
+    EXPECT_NE(result.reason.find(word), std::string::npos) << result.reason;
+  };
+  EXPECT_EQ(verify(problem, pathOf(problem, {{0, 0}, {1, 0}})).status, VerifyStatus::kCertified);
+  EXPECT_EQ(verify(problem, pathOf(problem, {{1e-10, 0}, {1, -1e-10}})).status,
+            VerifyStatus::kCertified);
+  expect(pathOf(problem, {{0, 0}, {3.1, 0}, {1, 0}}), 1, 0, "upper_joint is 3.1");
+  expect(pathOf(problem, {{0, 0}, {1, -3.1}}), 0, 1, "lower_joint is -3.1");
+  expect(pathOf(problem, {{0, 0}, {1, kInfinity}}), 0, 1, "not finite");
+  expect(pathOf(problem, {{0, 0}, {1, std::nan("")}}), 0, 1, "not finite");
+  expect(pathOf(problem, {{1e-6, 0}, {1, 0}}), 0, 0, "not the start");
+  expect(pathOf(problem, {{0, 0}, {1, 1e-6}}), 0, 1, "goals");
+  expect(pathOf(problem, {}), 0, 0, "no waypoints");
+  expect(pathOf(problem, {{0, 0}, {1}}), 0, 1, "values");
+  Path renamed = pathOf(problem, {{0, 0}, {1, 0}});
+  renamed.names[1] = "elbow";
+  expect(renamed, 0, 0, "columns");
+  problem.goals.push_back({"range", {{1.5, 2.0}, {-0.5, 0.5}}});
+  EXPECT_EQ(verify(problem, pathOf(problem, {{0, 0}, {1.75, 0.25}})).status,
+            VerifyStatus::kCertified);
+  expect(pathOf(problem, {{0, 0}, {2.01, 0.25}}), 0, 1, "goals");
+}
+
+TEST(Verify, OneWaypointIsAnEdgeThatDoesNotMove) {
+  Problem problem = problemFor(arm(), {0, 0});
+  EXPECT_EQ(verify(problem, pathOf(problem, {{0, 0}})).status, VerifyStatus::kCertified);
+  problem.objects.push_back(box("wall", {0.1, 0.1, 1}, 2.05, 0, 0));
+  EXPECT_EQ(verify(problem, pathOf(problem, {{0, 0}})).status, VerifyStatus::kRefuted);
+}
+
+TEST(Verify, TouchingIsNotCertified) {
+  Problem problem = problemFor(arm(), {1, 0});
+  problem.objects.push_back(box("wall", {0.1, 0.1, 1}, 2.1, 0, 0));
+  EXPECT_NE(verify(problem, pathOf(problem, {{0, 0}, {1, 0}})).status, VerifyStatus::kCertified);
+}
+
+TEST(Verify, SelfCollisionAdjacencyAndAllowedPairs) {
+  Builder b;
+  b.add("base", -1, JointType::kFixed, {}, Vector3d::UnitZ(),
+        {{Shape::box({0.2, 0.2, 0.2}), {}, ""}});
+  const robots::Geometry bar{Shape::box({0.5, 0.05, 0.05}), shifted(0.5, 0, 0), "bar"};
+  b.add("upper", 0, JointType::kRevolute, {}, Vector3d::UnitZ(), {bar});
+  b.add("lower", 1, JointType::kRevolute, shifted(1, 0, 0), Vector3d::UnitZ(), {bar});
+  b.model.finish();
+  Problem problem = problemFor(std::make_shared<Model>(b.model), {0, 2.9});
+  const Path path = pathOf(problem, {{0, 0}, {0, 2.9}});  // the lower arm folds back onto the base
+  const VerifyResult result = verify(problem, path);
+  ASSERT_EQ(result.status,
+            VerifyStatus::kRefuted);  // base-upper and upper-lower always overlap: adjacent
+  EXPECT_EQ(result.a, "base");
+  EXPECT_EQ(result.b, "lower");
+  problem.allowed.emplace_back("lower", "base");
+  EXPECT_EQ(verify(problem, path).status, VerifyStatus::kCertified);
+  problem.allowed.clear();
+  b.model.has_srdf = true;
+  b.model.disabled_pairs.push_back({0, 2, "Never"});
+  problem.model = std::make_shared<Model>(b.model);
+  EXPECT_EQ(verify(problem, path).status, VerifyStatus::kCertified);
+  problem.replace_srdf_pairs = true;
+  EXPECT_EQ(verify(problem, path).status, VerifyStatus::kRefuted);
+}
+
+TEST(Verify, PassiveJointsDoNotMoveAndFixedBlocksAreAdjacent) {
+  Builder b;
+  const auto ball = [](double r) {
+    return std::vector<robots::Geometry>{{Shape::sphere(r), {}, ""}};
+  };
+  b.add("base", -1, JointType::kFixed, {}, Vector3d::UnitZ(), ball(0.1));
+  b.add("cover", 0, JointType::kFixed, shifted(0, 0, 0.1), Vector3d::UnitZ(), ball(0.1));
+  b.add("arm", 0, JointType::kRevolute, {}, Vector3d::UnitZ(), ball(0.1));
+  b.add("tool", 2, JointType::kFixed, shifted(0, 0, 0.1), Vector3d::UnitZ(), ball(0.1));
+  b.add("finger", 3, JointType::kPrismatic, shifted(0, 0, 0.2), Vector3d::UnitX(), ball(0.02));
+  b.model.finish();
+  Problem problem = problemFor(std::make_shared<Model>(b.model), {1});
+  problem.variables = {0};
+  EXPECT_EQ(verification::collectPairs(problem, verification::collectBodies(problem)).size(), 2u)
+      << "base-finger and cover-finger; the rest is adjacent or rigid";
+  b.model.has_srdf = true;
+  problem.model = std::make_shared<Model>(b.model);
+  // With an SRDF only links that share a joint: base-tool, cover-arm, cover-tool as well;
+  // arm-finger and tool-finger do not move.
+  EXPECT_EQ(verification::collectPairs(problem, verification::collectBodies(problem)).size(), 5u);
+}
+
+TEST(Verify, AttachedBodiesMoveAndMayTouchWhatTheyMay) {
+  Problem problem = problemFor(arm(), {1, 0});
+  problem.objects.push_back(box("wall", {0.1, 0.1, 1}, 2.6, 0, 0));
+  problem.objects.push_back(
+      box("shelf", {0.1, 0.1, 0.1}, 2.3 * std::cos(0.5), 2.3 * std::sin(0.5), 0));
+  Attachment held;
+  held.object = {"stick", {{Shape::capsule(0.02, 0.2), {}, ""}}, {}};
+  held.link = 2;
+  held.X_LO.translation = {1.2, 0, 0};
+  held.X_LO.rotation << 0, 0, 1, 1, 0, 0, 0, 1, 0;  // its axis along the arm
+  problem.attachments.push_back(held);
+  const Path path = pathOf(problem, {{0, 0}, {1, 0}});
+  const VerifyResult result = verify(problem, path);
+  ASSERT_EQ(result.status, VerifyStatus::kRefuted);
+  EXPECT_EQ(result.a, "stick");
+  EXPECT_EQ(result.b, "shelf");
+  EXPECT_NEAR(result.t0, 0.5, 0.1);
+  problem.allowed.emplace_back("stick", "shelf");
+  EXPECT_EQ(verify(problem, path).status, VerifyStatus::kCertified);
+  problem.attachments[0].X_LO.translation = {-0.5, 0, 0};  // into the upper arm
+  EXPECT_EQ(verify(problem, path).status, VerifyStatus::kRefuted);
+  problem.attachments[0].touch_links = {1};
+  EXPECT_EQ(verify(problem, path).status, VerifyStatus::kCertified);
+}
+
+TEST(Verify, FreeBodyThroughAWindow) {
+  for (double width : {0.3, 0.38, 0.42}) {
+    // A stick of 1 m turns by half a turn while it flies through a gap along x that is `width` less
+    // than its length.
+    const auto body = robots::freeBody("stick", {{Shape::box({0.5, 0.02, 0.02}), {}, ""}},
+                                       JointType::kFloating, {-3, -3, -3}, {3, 3, 3});
+    Problem problem = problemFor(body, {0, 2, 0, 0, 0, 1, 0});
+    problem.configuration = {0, -2, 0, 0, 0, 0, 1};
+    problem.objects.push_back(box("left", {0.5, 0.01, 1}, -0.5 - width / 2, 0, 0));
+    problem.objects.push_back(box("right", {0.5, 0.01, 1}, 0.5 + width / 2, 0, 0));
+    // Half a turn about z: at y = 0 the stick points along y and fits when the gap is wide enough
+    // for its turning.
+    const Path path = pathOf(problem, {{0, -2, 0, 0, 0, 0, 1}, {0, 2, 0, 0, 0, 1, 0}});
+    const VerifyResult result = verify(problem, path);
+    // Dense look: the least distance between the stick and the walls' edges.
+    double least = 1;
+    for (int i = 0; i <= 4000; ++i) {
+      const double t = i / 4000.0, angle = M_PI * t, y = -2 + 4 * t;
+      for (double u = -0.5; u <= 0.5; u += 0.002) {
+        const double px = u * std::cos(angle), py = y + u * std::sin(angle);
+        if (std::abs(py) <= 0.01) least = std::min(least, width / 2 - std::abs(px));
+      }
+    }
+    const bool free = least > 0.03, hit = least < -0.03;
+    if (free) {
+      EXPECT_EQ(result.status, VerifyStatus::kCertified) << width << ' ' << result.reason;
+    }
+    if (hit) {
+      EXPECT_EQ(result.status, VerifyStatus::kRefuted) << width;
+    }
+  }
+}
+
+TEST(Verify, SolidMeshesHoldWhatIsInsideThem) {
+  // A cube of 2 m as a mesh: the arm's tip ends up wholly inside, without touching the surface at
+  // the end.
+  std::vector<Vector3d> corners;
+  for (int i = 0; i < 8; ++i)
+    corners.emplace_back((i & 1) != 0 ? 1 : -1, (i & 2) != 0 ? 1 : -1, (i & 4) != 0 ? 1 : -1);
+  const std::vector<collision::TriangleMesh::Triangle> faces = {
+      {0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
+      {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
+  const auto body = robots::freeBody("fly", {{Shape::sphere(0.1), {}, ""}}, JointType::kFloating,
+                                     {-9, -9, -9}, {9, 9, 9});
+  Problem problem = problemFor(body, {0.3, 0.2, 0.1, 0, 0, 0, 1});
+  problem.configuration = problem.model->defaultConfiguration();
+  problem.objects.push_back(
+      {"cube", {{Shape::mesh(collision::TriangleMesh::make(corners, faces)), {}, ""}}, {}});
+  const Path inside = pathOf(problem, {{0, 0, 0, 0, 0, 0, 1}, {0.3, 0.2, 0.1, 0, 0, 0, 1}});
+  EXPECT_EQ(verify(problem, inside).status, VerifyStatus::kRefuted);
+  // Nothing is proven below zero of a mesh: that is told of the first look, not after half a
+  // million (minutes).
+  problem.margin = -5;
+  const VerifyResult deep = verify(problem, inside);
+  EXPECT_EQ(deep.status, VerifyStatus::kUndecided);
+  EXPECT_EQ(deep.t0, 0.5);
+  EXPECT_EQ(deep.t1, 0.5);
+  problem.margin = 0;
+  problem.configuration[0] = 3;
+  problem.goals[0].ranges[0] = {3, 3};
+  EXPECT_EQ(
+      verify(problem, pathOf(problem, {{3, 0, 0, 0, 0, 0, 1}, {3, 0.2, 0.1, 0, 0, 0, 1}})).status,
+      VerifyStatus::kCertified);
+}
+
+TEST(Verify, ContinuousJointsGoTheShorterWayAndJumpingMimicsAreNotCertified) {
+  Builder b;
+  const robots::Geometry bar{Shape::box({0.5, 0.05, 0.05}), shifted(0.5, 0, 0), "bar"};
+  b.add("wheel", -1, JointType::kContinuous, {}, Vector3d::UnitZ(), {bar});
+  b.model.finish();
+  Problem problem = problemFor(std::make_shared<Model>(b.model), {-3});
+  problem.configuration[0] = 3;
+  problem.objects.push_back(
+      box("post", {0.1, 0.1, 0.1}, 0.7, 0, 0));  // at angle 0: the long way round would meet it
+  EXPECT_EQ(verify(problem, pathOf(problem, {{3}, {-3}})).status, VerifyStatus::kCertified);
+  EXPECT_EQ(verify(problem, pathOf(problem, {{3 - 2 * M_PI}, {-3 + 2 * M_PI}})).status,
+            VerifyStatus::kCertified);
+  problem.objects[0].X_WO.translation.x() = -0.7;
+  EXPECT_EQ(verify(problem, pathOf(problem, {{3}, {-3}})).status, VerifyStatus::kRefuted);
+  // A follower at half the angle turns the other way round when its master wraps.
+  const int follower =
+      b.add("follower", -1, JointType::kContinuous, shifted(0, 0, 5), Vector3d::UnitZ(), {bar});
+  Joint& joint = b.model.joints[static_cast<std::size_t>(follower)];
+  b.model.variables.pop_back();
+  joint.mimic = 0;
+  joint.first_variable = -1;
+  joint.variable_count = 0;
+  joint.multiplier = 0.5;
+  b.model.groups.clear();
+  b.model.finish();
+  problem.model = std::make_shared<Model>(b.model);
+  problem.objects.clear();
+  const VerifyResult result = verify(problem, pathOf(problem, {{3}, {-3}}));
+  EXPECT_EQ(result.status, VerifyStatus::kUndecided);
+  EXPECT_NE(result.reason.find("follower_joint mimics wheel_joint"), std::string::npos)
+      << result.reason;
+  problem.goals[0].ranges[0] = {1, 1};
+  EXPECT_EQ(verify(problem, pathOf(problem, {{3}, {1}})).status, VerifyStatus::kCertified);
+}
+
+// The planner leaves out what does not move against each other, and was refuted for it.
+TEST(Verify, FollowersWithoutAFactorStandStill) {
+  Builder b;
+  const robots::Geometry bar{Shape::box({0.5, 0.05, 0.05}), shifted(0.5, 0, 0), "bar"};
+  b.add("wheel", -1, JointType::kContinuous, {}, Vector3d::UnitZ(), {bar});
+  const int follower = b.add("follower", 0, JointType::kRevolute, {}, Vector3d::UnitZ(), {});
+  b.add("tip", follower, JointType::kFixed, {}, Vector3d::UnitZ(), {bar});
+  Joint& joint = b.model.joints[static_cast<std::size_t>(follower)];
+  b.model.variables.pop_back();
+  joint.mimic = 0;
+  joint.first_variable = -1;
+  joint.variable_count = 0;
+  joint.multiplier = 0;
+  joint.offset = 0.2;
+  b.model.has_srdf = true;
+  b.model.finish();
+  const Problem problem = problemFor(std::make_shared<Model>(b.model), {1});
+  EXPECT_TRUE(CompiledScene(problem).scene().pairs().empty());
+  EXPECT_EQ(verify(problem, pathOf(problem, {{0}, {1}})).status, VerifyStatus::kCertified);
+}
+
+TEST(Verify, StopsWhenToldTo) {
+  Problem problem = problemFor(arm(), {1, 0});
+  for (int i = 0; i < 200; ++i)
+    problem.objects.push_back(box("far " + std::to_string(i), {0.1, 0.1, 0.1}, 5, 5, i));
+  PlanOptions options;
+  options.stop = [] { return true; };
+  const VerifyResult result = verify(problem, pathOf(problem, {{0, 0}, {1, 0}}), options);
+  EXPECT_EQ(result.status, VerifyStatus::kUndecided);
+  EXPECT_NE(result.reason.find("stopped"), std::string::npos);
+}
+
+// Looks at meshes deep in each other take milliseconds: 20,000 of them took 25 s, for nothing but a
+// refutation of what was undecided already. What they may cost is counted, too.
+TEST(Verify, DeepMeshesEndWithTheirWork) {
+  const auto body = robots::freeBody("ring", {{testing::bumpyRing(), {}, "ring"}},
+                                     JointType::kPlanar, {-2, -2, 0}, {2, 2, 0});
+  Problem problem = problemFor(body, {0.3, 0.1, 0.5});
+  problem.configuration = {-0.3, 0, 0};
+  problem.objects.push_back({"other", {{testing::bumpyRing(), {}, ""}}, shifted(0.2, 0.05, 0.1)});
+  problem.margin = -0.5;
+  PlanOptions options;
+  int asked = 0;  // after every 64 looks
+  options.stop = [&asked] { return ++asked > 100; };
+  const VerifyResult result =
+      verify(problem, pathOf(problem, {{-0.3, 0, 0}, {0.3, 0.1, 0.5}}), options);
+  EXPECT_EQ(result.status, VerifyStatus::kUndecided);
+  EXPECT_EQ(result.reason, "a mesh that overlaps within its margin is not proven");
+  EXPECT_LT(asked, 20);
+}
+
+TEST(Verify, HalfSpaces) {
+  Problem problem = problemFor(arm(), {1, 0});
+  problem.objects.push_back({"floor", {{Shape::halfSpace(), {}, ""}}, shifted(0, 0, -0.06)});
+  EXPECT_EQ(verify(problem, pathOf(problem, {{0, 0}, {1, 0}})).status, VerifyStatus::kCertified);
+  problem.objects[0].X_WO = shifted(0, 0, -0.04);
+  EXPECT_EQ(verify(problem, pathOf(problem, {{0, 0}, {1, 0}})).status, VerifyStatus::kRefuted);
+}
+
+/// Least distance of the arm's bars to the objects over 1000 looks along an edge, by the planner's
+/// kinematics.
+double denseLook(const Problem& problem, const std::vector<double>& a,
+                 const std::vector<double>& b) {
+  collision::Scratch scratch;
+  std::vector<Pose> X_WL(problem.model->links.size());
+  double least = kInfinity;
+  for (int i = 0; i <= 1000; ++i) {
+    const double t = i / 1000.0;
+    robots::forwardKinematics(
+        *problem.model, std::vector<double>{a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1])},
+        X_WL);
+    for (std::size_t l = 1; l < 3; ++l)
+      for (const robots::Geometry& bar : problem.model->links[l].geometries)
+        for (const Object& object : problem.objects)
+          least = std::min(
+              least, collision::distance(bar.shape, X_WL[l] * bar.X_BG, object.geometries[0].shape,
+                                         object.X_WO, {}, scratch)
+                         .distance.lower);
+  }
+  return least;
+}
+
+TEST(Verify, RandomEdgesAgainstADenseLook) {
+  std::mt19937_64 random(21);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  int certified = 0, refuted = 0, undecided = 0, unsafe = 0, missed = 0, boast = 0;
+  for (int i = 0; i < 300; ++i) {
+    std::vector<double> a{2.9 * uniform(random), 2.9 * uniform(random)},
+        b{a[0] + 0.7 * uniform(random), a[1] + 0.7 * uniform(random)};
+    b[0] = std::clamp(b[0], -3.0, 3.0);
+    b[1] = std::clamp(b[1], -3.0, 3.0);
+    Problem problem = problemFor(arm(), b);
+    problem.configuration = a;
+    for (int k = 0; k < 3; ++k) {
+      const Shape shapes[] = {Shape::box({0.1, 0.2, 0.3}), Shape::sphere(0.1),
+                              Shape::capsule(0.05, 0.3)};
+      problem.objects.push_back(
+          {"o" + std::to_string(k),
+           {{shapes[k], {}, ""}},
+           shifted(2 * uniform(random), 2 * uniform(random), 0.2 * uniform(random))});
+    }
+    const VerifyResult result = verify(problem, pathOf(problem, {a, b}));
+    const double least = denseLook(problem, a, b);
+    certified += result.status == VerifyStatus::kCertified ? 1 : 0;
+    refuted += result.status == VerifyStatus::kRefuted ? 1 : 0;
+    undecided += result.status == VerifyStatus::kUndecided ? 1 : 0;
+    unsafe += result.status == VerifyStatus::kCertified && least <= 0 ? 1 : 0;
+    boast +=
+        result.status == VerifyStatus::kCertified && result.clearance_lower > least + 1e-9 ? 1 : 0;
+    missed += result.status != VerifyStatus::kCertified && least > 0.01
+                  ? 1
+                  : 0;  // 1000 looks miss less than that
+  }
+  EXPECT_EQ(unsafe, 0);
+  EXPECT_EQ(boast, 0);
+  EXPECT_EQ(missed, 0);
+  EXPECT_EQ(undecided, 0);
+  EXPECT_GT(certified, 60);
+  EXPECT_GT(refuted, 60);
+}
+
+/// A robot with every kind of joint, at random.
+Model everyJoint(std::mt19937_64& random) {
+  Builder b;
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  const JointType types[] = {JointType::kFloating, JointType::kRevolute,   JointType::kPlanar,
+                             JointType::kFixed,    JointType::kContinuous, JointType::kPrismatic,
+                             JointType::kRevolute};
+  int parent = -1;
+  for (int i = 0; i < 7; ++i) {
+    Pose X;
+    X.translation = {uniform(random), uniform(random), uniform(random)};
+    const Eigen::Vector3d w(uniform(random), uniform(random), uniform(random));
+    double s, c;
+    collision::sineCosine(w.norm(), s, c);
+    for (int k = 0; k < 3; ++k) {
+      const Vector3d a = w.normalized(), e = Vector3d::Unit(k);
+      X.rotation.col(k) = a * a[k] + c * (e - a * a[k]) + s * a.cross(e);
+    }
+    parent = b.add("l" + std::to_string(i), parent, types[i], X,
+                   {uniform(random), uniform(random), uniform(random)}, {});
+  }
+  Joint& last = b.model.joints.back();
+  last.mimic = 1;
+  last.multiplier = -1.5;
+  last.offset = 0.3;
+  b.model.variables.pop_back();
+  last.first_variable = -1;
+  last.variable_count = 0;
+  b.model.finish();
+  return b.model;
+}
+
+TEST(VerifyKinematics, AgreesWithTheOtherKinematics) {
+  std::mt19937_64 random(11);
+  std::uniform_real_distribution<double> uniform(-2, 2);
+  for (int i = 0; i < 500; ++i) {
+    const Model model = everyJoint(random);
+    std::vector<double> q;
+    for (std::size_t v = 0; v < model.variables.size(); ++v) q.push_back(uniform(random));
+    std::vector<Pose> fast(model.links.size());
+    robots::forwardKinematics(model, q, fast);
+    const std::vector<Pose> slow = verification::placeLinks(model, q);
+    for (std::size_t l = 0; l < fast.size(); ++l) {
+      ASSERT_LT((fast[l].rotation - slow[l].rotation).norm(), 1e-13);
+      ASSERT_LT((fast[l].translation - slow[l].translation).norm(), 1e-12);
+    }
+  }
+}
+
+/// No point of a body may move farther than the bound says, and some must come near to it.
+TEST(VerifyKinematics, MotionBoundsHoldAndBite) {
+  std::mt19937_64 random(12);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  double tightest = 0;
+  int unsafe = 0;
+  for (int i = 0; i < 300; ++i) {
+    const auto model = std::make_shared<Model>(everyJoint(random));
+    std::vector<int> variables;
+    for (std::size_t v = 0; v < model->variables.size(); ++v)
+      variables.push_back(static_cast<int>(v));
+    const ConfigurationSpace space(model, variables);
+    const auto point = [&] {
+      std::vector<double> q(variables.size());
+      for (double& x : q) x = uniform(random);
+      double* r = &q[3];
+      const double norm = std::sqrt(r[0] * r[0] + r[1] * r[1] + r[2] * r[2] + r[3] * r[3]);
+      for (int k = 0; k < 4; ++k) r[k] /= norm;
+      return q;
+    };
+    std::vector<double> a = point(), b = point(), dq(a.size()), q(a.size());
+    if (i % 2 == 0) {  // one joint alone
+      const std::vector<double> c = b;
+      b = a;
+      const std::size_t v = static_cast<std::size_t>(i / 2) % 3 == 0   ? 7
+                            : static_cast<std::size_t>(i / 2) % 3 == 1 ? 10
+                                                                       : 11;
+      b[v] = c[v];
+    }
+    space.difference(a, b, dq);
+    const int link = 6;
+    const Vector3d center_L(uniform(random), uniform(random), uniform(random));
+    const double radius = 0.2, half = std::pow(10, -1.5 * (1 + uniform(random))) * 0.5,
+                 middle = 0.5;
+    space.interpolate(a, b, middle, q);
+    const std::vector<Pose> X_WL = verification::placeLinks(*model, q);
+    const auto motion = verification::boundMotion(*model, verification::jointsAbove(*model, link),
+                                                  X_WL, dq, X_WL[link] * center_L, radius, half);
+    for (int k = 0; k < 20; ++k) {
+      Vector3d offset(uniform(random), uniform(random), uniform(random));
+      const Vector3d p_L = center_L + offset.normalized() * radius;
+      space.interpolate(a, b, middle + half * uniform(random), q);
+      const double t_other = uniform(random);
+      space.interpolate(a, b, middle + half * t_other, q);
+      const double moved =
+          (verification::placeLinks(*model, q)[link] * p_L - X_WL[link] * p_L).norm();
+      const double bound = half * std::abs(t_other) * motion.speed + motion.slack;
+      unsafe += moved > bound ? 1 : 0;
+      tightest = std::max(tightest, moved / bound);
+    }
+  }
+  EXPECT_EQ(unsafe, 0);
+  EXPECT_GT(tightest, 0.7) << "the bound is never approached: it says nothing";
+}
+
+TEST(VerifyKinematics, SpheresHoldTheirShapes) {
+  const std::vector<Vector3d> points = {{0, 0, 0}, {3, 0, 0}, {0, 2, 0}, {0, 0, 1}, {1, 1, 1}};
+  const auto hull = verification::enclosingSphere(Shape::convexHull(points));
+  for (const Vector3d& p : points) EXPECT_LE((p - hull.center).norm(), hull.radius);
+  EXPECT_GE(verification::enclosingSphere(Shape::cone(3, 4)).radius, 5);
+  EXPECT_GE(verification::enclosingSphere(Shape::cylinder(3, 4)).radius, 5);
+  EXPECT_GE(verification::enclosingSphere(Shape::capsule(3, 4)).radius, 7);
+  EXPECT_GE(verification::enclosingSphere(Shape::box({2, 3, 6})).radius, 7);
+  EXPECT_GE(verification::enclosingSphere(Shape::ellipsoid({1, 3, 2})).radius, 3);
+  EXPECT_TRUE(std::isinf(verification::enclosingSphere(Shape::halfSpace()).radius));
+}
+
+}  // namespace
+}  // namespace leeway::planner

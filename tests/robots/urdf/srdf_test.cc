@@ -1,0 +1,224 @@
+#include <gtest/gtest.h>
+
+#include "tests/robots/base/files.h"
+
+namespace leeway::robots {
+namespace {
+
+using test::expectInputError;
+
+/// base - j1 - l1 - j2 - l2 - tool_joint (fixed) - tool, and base - k1 - m1 - k2 (mimics k1) - m2.
+constexpr const char* kUrdf = R"(<robot name="two_arms">
+<link name="base"/><link name="l1"/><link name="l2"/><link name="tool"/><link name="m1"/><link name="m2"/>
+<joint name="j1" type="continuous"><parent link="base"/><child link="l1"/></joint>
+<joint name="j2" type="revolute"><parent link="l1"/><child link="l2"/><limit lower="-1" upper="1" effort="1" velocity="1"/></joint>
+<joint name="tool_joint" type="fixed"><parent link="l2"/><child link="tool"/></joint>
+<joint name="k1" type="continuous"><parent link="base"/><child link="m1"/></joint>
+<joint name="k2" type="continuous"><parent link="m1"/><child link="m2"/><mimic joint="k1"/></joint>
+</robot>)";
+
+std::string srdf(const std::string& rest) {
+  return "<robot name=\"two_arms\">\n" + rest + "\n</robot>";
+}
+
+class Srdf : public testing::Test {
+ protected:
+  std::shared_ptr<const Model> load(const std::string& rest) {
+    return loadModel(folder_.write("r.urdf", kUrdf), folder_.write("r.srdf", srdf(rest)));
+  }
+  std::vector<std::string> variables(const Model& model, const std::string& group) {
+    std::vector<std::string> names;
+    for (int v : model.groups.at(static_cast<std::size_t>(model.findGroup(group))).variables)
+      names.push_back(model.variables[static_cast<std::size_t>(v)].name);
+    return names;
+  }
+  void expectError(const std::string& rest, int line, std::initializer_list<std::string> words) {
+    expectInputError([&] { load(rest); }, folder_.path("r.srdf"), line, words);
+  }
+  test::Folder folder_;
+};
+
+using Names = std::vector<std::string>;
+
+TEST_F(Srdf, GroupsByChainJointLinkAndSubgroup) {
+  const auto model = load(R"(<group name="both"><group name="arm"/><group name="second"/></group>
+<group name="arm"><chain base_link="base" tip_link="tool"/></group>
+<group name="second"><joint name="k1"/></group>
+<group name="upper"><chain base_link="l1" tip_link="tool"/></group>
+<group name="linked"><link name="l2"/><link name="base"/></group>
+<group name="across"><chain base_link="m1" tip_link="l1"/></group>
+<group name="frozen"><joint name="tool_joint"/></group>)");
+  EXPECT_TRUE(model->has_srdf);
+  EXPECT_EQ(variables(*model, "arm"), (Names{"j1", "j2"}));
+  EXPECT_EQ(variables(*model, "second"), (Names{"k1"}));
+  EXPECT_EQ(variables(*model, "both"), (Names{"j1", "j2", "k1"}));
+  EXPECT_EQ(variables(*model, "upper"), (Names{"j2"}));
+  EXPECT_EQ(variables(*model, "linked"), (Names{"j2"}));  // and the root's fixed joint
+  EXPECT_EQ(variables(*model, "across"), (Names{"j1", "k1"}));
+  EXPECT_EQ(variables(*model, "frozen"), Names{});
+  EXPECT_EQ(variables(*model, "all"), (Names{"j1", "j2", "k1"}));
+  EXPECT_EQ(model->groups.back().name, "all");
+  const Group& arm = model->groups[static_cast<std::size_t>(model->findGroup("arm"))];
+  EXPECT_EQ(arm.links, (std::vector<int>{model->findLink("l1"), model->findLink("l2"),
+                                         model->findLink("tool")}));
+}
+
+TEST_F(Srdf, AGroupNamedAllStaysTheUsers) {
+  const auto model = load(R"(<group name="all"><joint name="j1"/></group>)");
+  ASSERT_EQ(model->groups.size(), 1u);
+  EXPECT_EQ(variables(*model, "all"), (Names{"j1"}));
+}
+
+TEST_F(Srdf, StatesPairsAndVirtualJoint) {
+  const auto model =
+      load(R"(<virtual_joint name="floor" type="planar" parent_frame="odom" child_link="base"/>
+<group name="arm"><chain base_link="base" tip_link="tool"/></group>
+<group name="whole"><joint name="floor"/><group name="arm"/><link name="m2"/></group>
+<group_state name="home" group="arm"><joint name="j2" value="0.5"/><joint name="j1" value="-3"/><joint name="tool_joint" value="0"/></group_state>
+<group_state name="away" group="whole"><joint name="floor" value="1 2 0.5"/><joint name="k2" value="1"/></group_state>
+<disable_collisions link1="l2" link2="l1" reason="Adjacent"/>
+<disable_collisions link1="l1" link2="l2" reason="Again"/>
+<end_effector name="hand" parent_link="tool" group="arm"/>
+<passive_joint name="k1"/>)");
+  EXPECT_EQ(model->joints[0].name, "floor");
+  EXPECT_EQ(model->joints[0].type, JointType::kPlanar);
+  EXPECT_EQ(model->joints[0].axis, Eigen::Vector3d::UnitZ());
+  EXPECT_EQ(variables(*model, "whole"), (Names{"floor/x", "floor/y", "floor/theta", "j1", "j2"}));
+  ASSERT_EQ(model->group_states.size(), 2u);
+  const auto value = [&](const GroupState& state, const char* name) {
+    for (const auto& [v, x] : state.values)
+      if (v == model->findVariable(name)) return x;
+    return -99.0;
+  };
+  EXPECT_EQ(model->group_states[0].group, "arm");
+  EXPECT_EQ(model->group_states[0].values.size(), 2u);
+  EXPECT_EQ(value(model->group_states[0], "j2"), 0.5);
+  EXPECT_EQ(value(model->group_states[0], "j1"), -3);
+  EXPECT_EQ(value(model->group_states[1], "floor/theta"), 0.5);
+  ASSERT_EQ(model->disabled_pairs.size(), 1u);
+  EXPECT_LT(model->disabled_pairs[0].link_a, model->disabled_pairs[0].link_b);
+  EXPECT_EQ(model->disabled_pairs[0].reason, "Adjacent");
+  EXPECT_TRUE(model->warnings.empty()) << model->warnings[0];
+}
+
+TEST_F(Srdf, FixedVirtualJointAddsNothingToPlan) {
+  EXPECT_EQ(load(R"(<virtual_joint name="v" type="fixed" parent_frame="w" child_link="base"/>)")
+                ->variables.size(),
+            3u);
+  EXPECT_EQ(load(R"(<virtual_joint name="v" type="floating" parent_frame="w" child_link="base"/>)")
+                ->variables.size(),
+            10u);
+}
+
+TEST_F(Srdf, Warnings) {
+  const auto model = load(R"(<disable_collisions link1="l1" link2="l9" reason="Never"/>
+<disable_collisions link1="l1" link2="l1"/>
+<group name="arm"><chain base_link="base" tip_link="tool"/></group>
+<group_state name="far" group="arm"><joint name="j2" value="1.5"/><joint name="tool_joint" value="2"/></group_state>
+<passive_joint name="j1"/><passive_joint name="q"/>
+<wheel/>)");
+  const Names expected = {":7: <wheel>",
+                          ":5: value \"1.5\" of joint \"j2\"",
+                          ":5: joint \"tool_joint\" is fixed",
+                          ":2: disable_collisions names the link \"l9\"",
+                          ":3: disable_collisions names the link \"l1\" twice",
+                          ":6: the passive joint \"j1\" is in the group \"arm\"",
+                          ":6: the passive joint \"q\" is not defined"};
+  ASSERT_EQ(model->warnings.size(), expected.size());
+  for (std::size_t i = 0; i < expected.size(); ++i)
+    EXPECT_NE(model->warnings[i].find(expected[i]), std::string::npos)
+        << model->warnings[i] << " should hold " << expected[i];
+}
+
+TEST_F(Srdf, OtherRobotIsAWarning) {
+  const auto model =
+      loadModel(folder_.write("r.urdf", kUrdf), folder_.write("r.srdf", "<robot name=\"other\"/>"));
+  ASSERT_EQ(model->warnings.size(), 1u);
+  EXPECT_NE(model->warnings[0].find("\"other\""), std::string::npos);
+}
+
+TEST_F(Srdf, Messages) {
+  expectError("<group name=\"arm\">", 2, {"XML syntax error"});
+  expectError("<group/>", 2, {"<group> has no name"});
+  expectError("<group name=\"g\"/>\n<group name=\"g\"/>", 3, {"second group \"g\"", "line 2"});
+  expectError("<group name=\"arm\">\n<link name=\"tol\"/></group>", 3,
+              {"link \"tol\"", "did you mean \"tool\"?"});
+  expectError("<group name=\"arm\">\n<joint name=\"j9\"/></group>", 3,
+              {"joint \"j9\"", "did you mean \"j1\"?"});
+  expectError("<group name=\"arm\">\n<chain base_link=\"base\" tip_link=\"tip_of_tool\"/></group>",
+              3, {"link \"tip_of_tool\" in <chain>", "not defined"});
+  expectError("<group name=\"arm\">\n<chain base_link=\"base\"/></group>", 3,
+              {"<chain> has no tip_link"});
+  expectError("<group name=\"arm\">\n<group name=\"amr\"/></group>", 3,
+              {"group \"amr\"", "did you mean \"arm\"?"});
+  expectError(
+      "<group name=\"a\"><group name=\"b\"/></group>\n<group name=\"b\"><group "
+      "name=\"a\"/></group>",
+      3, {"contains itself", "\"a\"", "\"b\""});
+  expectError("<group name=\"arm\">\n<plane/></group>", 3,
+              {"<plane> in <group>", "chain, joint, link and group"});
+  const std::string arm =
+      "<group name=\"arm\"><chain base_link=\"base\" tip_link=\"tool\"/></group>\n";
+  expectError(arm + "<group_state name=\"s\" group=\"arn\"/>", 3,
+              {"group \"arn\" in <group_state>", "did you mean \"arm\"?"});
+  expectError(
+      arm +
+          "<group_state name=\"s\" group=\"arm\">\n<joint name=\"j3\" value=\"0\"/></group_state>",
+      4, {"joint \"j3\"", "did you mean"});
+  expectError(
+      arm +
+          "<group_state name=\"s\" group=\"arm\">\n<joint name=\"k1\" value=\"0\"/></group_state>",
+      4, {"\"k1\" is not in the group \"arm\""});
+  expectError(arm +
+                  "<group_state name=\"s\" group=\"arm\">\n<joint name=\"j1\" "
+                  "value=\"nan\"/></group_state>",
+              4, {"\"nan\"", "finite"});
+  expectError(arm +
+                  "<group_state name=\"s\" group=\"arm\">\n<joint name=\"j1\" value=\"0 "
+                  "1\"/></group_state>",
+              4, {"\"0 1\"", "2 numbers; 1 would"});
+  expectError(arm +
+                  "<group_state name=\"s\" group=\"arm\"><joint name=\"j1\" value=\"0\"/>\n<joint "
+                  "name=\"j1\" value=\"0\"/></group_state>",
+              4, {"second value", "line 3"});
+  expectError(
+      arm + "<group_state name=\"s\" group=\"arm\"/>\n<group_state name=\"s\" group=\"arm\"/>", 4,
+      {"second group_state \"s\""});
+  expectError("<virtual_joint name=\"v\" type=\"hinge\" child_link=\"base\"/>", 2,
+              {"\"hinge\"", "fixed, planar or floating"});
+  expectError("<virtual_joint name=\"v\" type=\"fixed\" child_link=\"l1\"/>", 2,
+              {"\"l1\"", "root link \"base\""});
+  expectError("<virtual_joint name=\"j1\" type=\"fixed\" child_link=\"base\"/>", 2,
+              {"\"j1\"", "another name"});
+  expectError(
+      "<virtual_joint name=\"v\" type=\"fixed\" child_link=\"base\"/>\n<virtual_joint name=\"w\" "
+      "type=\"fixed\" child_link=\"base\"/>",
+      3, {"second <virtual_joint>"});
+  expectError("<end_effector name=\"e\" group=\"hand\" parent_link=\"tool\"/>", 2,
+              {"group \"hand\" in <end_effector>"});
+  expectError("<disable_collisions link1=\"l1\"/>", 2, {"has no link2"});
+  expectInputError([&] { loadModel(folder_.write("r.urdf", kUrdf), folder_.path("none.srdf")); },
+                   folder_.path("none.srdf"), 0, {"no such file", "SRDF"});
+  const std::string xacro = folder_.write("r.srdf.xacro", "<robot/>");
+  expectInputError([&] { loadModel(folder_.write("r.urdf", kUrdf), xacro); }, xacro, 0,
+                   {"xacro " + xacro + " > " + folder_.path("r.srdf")});
+}
+
+TEST_F(Srdf, RealRobots) {
+  LEEWAY_NEEDS_DATA("robots/panda");
+  const std::string folder = test::dataFolder() + "/robots/";
+  const auto panda = loadModel(folder + "panda/panda.urdf", folder + "panda/panda.srdf");
+  EXPECT_EQ(variables(*panda, "panda_arm"),
+            (Names{"panda_joint1", "panda_joint2", "panda_joint3", "panda_joint4", "panda_joint5",
+                   "panda_joint6", "panda_joint7"}));
+  EXPECT_EQ(panda->joints[0].type, JointType::kFloating);
+  EXPECT_EQ(panda->disabled_pairs.size(), 34u);
+  EXPECT_EQ(panda->group_states.size(), 5u);
+  const auto ur5 = loadModel(folder + "ur5/ur5.urdf", folder + "ur5/ur5.srdf");
+  EXPECT_EQ(variables(*ur5, "manipulator"),
+            (Names{"shoulder_pan_joint", "shoulder_lift_joint", "elbow_joint", "wrist_1_joint",
+                   "wrist_2_joint", "wrist_3_joint"}));
+}
+
+}  // namespace
+}  // namespace leeway::robots

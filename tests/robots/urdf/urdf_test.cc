@@ -1,0 +1,503 @@
+#include <gtest/gtest.h>
+#include <sched.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "leeway/collision/triangle_mesh.h"
+#include "leeway/robots/kinematics.h"
+#include "tests/robots/base/files.h"
+
+namespace leeway::robots {
+namespace {
+
+using test::expectInputError;
+
+/// A robot of one link "a" (line 2); `rest` begins in line 3.
+std::string robot(const std::string& rest) {
+  return "<robot name=\"r\">\n<link name=\"a\"/>\n" + rest + "\n</robot>\n";
+}
+
+std::string jointLine(const std::string& name, const std::string& type, const std::string& parent,
+                      const std::string& child, const std::string& rest = "") {
+  return "<joint name=\"" + name + "\" type=\"" + type + "\"><parent link=\"" + parent +
+         "\"/><child link=\"" + child + "\"/>" + rest + "</joint>\n";
+}
+
+const std::string kLimit = "<limit lower=\"-1\" upper=\"1\" effort=\"1\" velocity=\"1\"/>";
+
+struct BadUrdf {
+  const char* name;
+  std::string text;
+  int line;
+  std::initializer_list<std::string> words;
+};
+
+void PrintTo(const BadUrdf& bad, std::ostream* stream) { *stream << bad.text; }
+
+class UrdfMessage : public testing::TestWithParam<BadUrdf> {};
+
+TEST_P(UrdfMessage, SaysWhereWhatAndWhatInstead) {
+  const test::Folder folder;
+  const std::string file = folder.write("bad.urdf", GetParam().text);
+  expectInputError([&] { loadModel(file, ""); }, file, GetParam().line, GetParam().words);
+}
+
+const BadUrdf kBad[] = {
+    {"SyntaxError",
+     "<robot name=\"r\">\n<link name=\"a\">\n</robot>\n",
+     2,
+     {"XML syntax error", "well-formed XML"}},
+    {"Empty", "", 0, {"empty", "URDF file"}},
+    {"OtherRoot", "<sdf>\n</sdf>", 1, {"<sdf>", "<robot>"}},
+    {"NoRobotName", "<robot>\n<link name=\"a\"/></robot>", 1, {"has no name"}},
+    {"NoLinks", "<robot name=\"r\">\n</robot>", 1, {"no <link>", "at least one"}},
+    {"Xacro",
+     "<robot name=\"r\">\n<link name=\"a\"/>\n<xacro:arm side=\"left\"/></robot>",
+     3,
+     {"xacro:arm", "expand it first: xacro ", " > "}},
+    {"LinkWithoutName", robot("<link/>"), 3, {"<link> has no name"}},
+    {"LinkTwice", robot("<link name=\"a\"/>"), 3, {"second link \"a\"", "line 2", "unique"}},
+    {"JointTwice",
+     robot("<link name=\"b\"/><link name=\"c\"/>\n" + jointLine("j", "fixed", "a", "b") +
+           jointLine("j", "fixed", "a", "c")),
+     5,
+     {"second joint \"j\"", "line 4"}},
+    {"JointWithoutType",
+     robot("<link name=\"b\"/>\n<joint name=\"j\"><parent link=\"a\"/><child link=\"b\"/></joint>"),
+     4,
+     {"has no type"}},
+    {"UnknownType",
+     robot("<link name=\"b\"/>\n" + jointLine("j", "revolut", "a", "b")),
+     4,
+     {"\"revolut\"", "did you mean \"revolute\"?", "prismatic"}},
+    {"UnknownParent",
+     robot("<link name=\"shoulder\"/>\n" + jointLine("j", "fixed", "sholder", "a")),
+     4,
+     {"parent link \"sholder\"", "did you mean \"shoulder\"?"}},
+    {"UnknownChild",
+     robot("\n" + jointLine("j", "fixed", "a", "qqqqqq")),
+     4,
+     {"child link \"qqqqqq\"", "name of a <link>"}},
+    {"NoParent",
+     robot("<link name=\"b\"/>\n<joint name=\"j\" type=\"fixed\"><child link=\"b\"/></joint>"),
+     4,
+     {"<joint> has no <parent>", "exactly one"}},
+    {"TwoParentElements",
+     robot("<link name=\"b\"/>\n<joint name=\"j\" type=\"fixed\"><parent link=\"a\"/>\n<parent "
+           "link=\"b\"/><child link=\"b\"/></joint>"),
+     5,
+     {"second <parent>", "line 4"}},
+    {"TwoRoots",
+     robot("<link name=\"b\"/>\n<link name=\"c\"/>\n" + jointLine("j", "fixed", "a", "b")),
+     4,
+     {"2 roots", "\"a\" (line 2)", "\"c\"", "fixed joint"}},
+    {"TwoParents",
+     robot("<link name=\"b\"/><link name=\"c\"/>\n" + jointLine("j", "fixed", "a", "b") +
+           jointLine("k", "fixed", "c", "b") + jointLine("l", "fixed", "a", "c")),
+     5,
+     {"link \"b\" has two parents", "\"j\" (line 4)", "\"k\""}},
+    {"Cycle",
+     robot("<link name=\"b\"/>\n" + jointLine("j", "fixed", "a", "b") +
+           jointLine("k", "fixed", "b", "a")),
+     5,
+     {"cycle", "\"a\"", "\"b\"", "tree"}},
+    {"DetachedCycle",
+     robot("<link name=\"b\"/><link name=\"c\"/>\n" + jointLine("j", "fixed", "b", "c") +
+           jointLine("k", "fixed", "c", "b")),
+     5,
+     {"cycle", "\"b\"", "\"c\""}},
+    {"JoinedToItself",
+     robot(jointLine("j", "fixed", "a", "a")),
+     3,
+     {"\"a\" to itself", "two different links"}},
+    {"MissingLimit",
+     robot("<link name=\"b\"/>\n" + jointLine("j", "revolute", "a", "b")),
+     4,
+     {"\"j\" has no <limit>", "lower=", "continuous"}},
+    {"MissingPrismaticLimit",
+     robot("<link name=\"b\"/>\n" + jointLine("j", "prismatic", "a", "b")),
+     4,
+     {"\"j\" has no <limit>", "lower="}},
+    {"LimitWithoutEffort",
+     robot("<link name=\"b\"/>\n" + jointLine("j", "revolute", "a", "b",
+                                              "\n<limit lower=\"0\" upper=\"1\" velocity=\"1\"/>")),
+     5,
+     {"<limit> has no effort"}},
+    {"LowerAboveUpper",
+     robot("<link name=\"b\"/>\n" +
+           jointLine("j", "revolute", "a", "b",
+                     "\n<limit lower=\"2\" upper=\"1.5\" effort=\"1\" velocity=\"1\"/>")),
+     5,
+     {"lower limit \"2\"", "above", "\"1.5\"", "\"j\""}},
+    {"NanLimit",
+     robot("<link name=\"b\"/>\n" +
+           jointLine("j", "revolute", "a", "b",
+                     "\n<limit lower=\"nan\" upper=\"1.5\" effort=\"1\" velocity=\"1\"/>")),
+     5,
+     {"lower of <limit> holds \"nan\"", "finite number"}},
+    {"InfiniteLimit",
+     robot("<link name=\"b\"/>\n" +
+           jointLine("j", "revolute", "a", "b",
+                     "\n<limit lower=\"0\" upper=\"inf\" effort=\"1\" velocity=\"1\"/>")),
+     5,
+     {"\"inf\"", "finite"}},
+    {"HugeLimit",
+     robot("<link name=\"b\"/>\n" +
+           jointLine("j", "revolute", "a", "b",
+                     "\n<limit lower=\"0\" upper=\"1e999\" effort=\"1\" velocity=\"1\"/>")),
+     5,
+     {"\"1e999\"", "finite"}},
+    {"NegativeVelocity",
+     robot("<link name=\"b\"/>\n" +
+           jointLine("j", "revolute", "a", "b",
+                     "\n<limit lower=\"0\" upper=\"1\" effort=\"1\" velocity=\"-1\"/>")),
+     5,
+     {"velocity limit \"-1\"", "zero or more"}},
+    {"ZeroAxis",
+     robot("<link name=\"b\"/>\n" +
+           jointLine("j", "revolute", "a", "b", "\n<axis xyz=\"0 0 0\"/>" + kLimit)),
+     5,
+     {"axis \"0 0 0\"", "\"j\"", "other than zero"}},
+    {"ShortAxis",
+     robot("<link name=\"b\"/>\n" +
+           jointLine("j", "revolute", "a", "b", "\n<axis xyz=\"0 1\"/>" + kLimit)),
+     5,
+     {"2 numbers", "three"}},
+    {"NanAxis",
+     robot("<link name=\"b\"/>\n" +
+           jointLine("j", "revolute", "a", "b", "\n<axis xyz=\"0 nan 0\"/>" + kLimit)),
+     5,
+     {"\"nan\"", "finite"}},
+    {"WordInOrigin",
+     robot("<link name=\"b\"/>\n" + jointLine("j", "fixed", "a", "b", "\n<origin xyz=\"0 x 0\"/>")),
+     5,
+     {"xyz of <origin> holds \"x\""}},
+    {"UnknownOriginAttribute",
+     robot("<link name=\"b\"/>\n" +
+           jointLine("j", "fixed", "a", "b", "\n<origin xyz=\"0 0 0\" quat=\"0 0 0 1\"/>")),
+     5,
+     {"\"quat\"", "xyz, rpy"}},
+    {"UnknownMimicMaster",
+     robot("<link name=\"b\"/>\n" +
+           jointLine("elbow", "continuous", "a", "b", "\n<mimic joint=\"elbo\"/>")),
+     5,
+     {"mimics \"elbo\"", "not defined", "\"elbow\""}},
+    {"MimicsItself",
+     robot("<link name=\"b\"/>\n" +
+           jointLine("j", "continuous", "a", "b", "\n<mimic joint=\"j\"/>")),
+     5,
+     {"mimics itself"}},
+    {"MimicCycle",
+     robot("<link name=\"b\"/><link name=\"c\"/>\n" +
+           jointLine("j", "continuous", "a", "b", "<mimic joint=\"k\"/>") +
+           jointLine("k", "continuous", "b", "c", "<mimic joint=\"j\"/>")),
+     4,
+     {"\"j\" mimics itself", "by way of others"}},
+    {"MimicsFixed",
+     robot("<link name=\"b\"/><link name=\"c\"/>\n" + jointLine("j", "fixed", "a", "b") +
+           jointLine("k", "continuous", "b", "c", "<mimic joint=\"j\"/>")),
+     5,
+     {"\"k\" mimics \"j\"", "no single position"}},
+    {"PlanarMimics",
+     robot("<link name=\"b\"/>\n" +
+           jointLine("j", "planar", "a", "b", "<axis xyz=\"0 0 1\"/><mimic joint=\"j\"/>")),
+     4,
+     {"planar", "cannot mimic"}},
+    {"UnknownGeometry",
+     robot("<link name=\"b\"><collision><geometry><box size=\"1 1 "
+           "1\"/></geometry></collision>\n<collision><geometry><torus "
+           "radius=\"1\"/></geometry></collision></link>"),
+     4,
+     {"<torus> is not known", "<box>, <sphere>, <cylinder> or <mesh>"}},
+    {"EmptyGeometry",
+     robot("<link name=\"b\"><collision>\n<geometry/></collision></link>"),
+     4,
+     {"<geometry> is empty", "<box>"}},
+    {"NoGeometry", robot("<link name=\"b\">\n<collision/></link>"), 4, {"no <geometry>"}},
+    {"TwoShapes",
+     robot("<link name=\"b\"><collision><geometry><sphere radius=\"1\"/>\n<sphere "
+           "radius=\"2\"/></geometry></collision></link>"),
+     4,
+     {"second shape <sphere>", "collisions of their own"}},
+    {"NegativeBox",
+     robot("<link name=\"b\"><collision><geometry>\n<box size=\"1 -1 "
+           "1\"/></geometry></collision></link>"),
+     4,
+     {"\"1 -1 1\"", "zero or more"}},
+    {"NegativeRadius",
+     robot("<link name=\"b\"><collision><geometry>\n<sphere "
+           "radius=\"-0.5\"/></geometry></collision></link>"),
+     4,
+     {"radius of <sphere> is \"-0.5\"", "zero or more"}},
+    {"InfiniteLength",
+     robot("<link name=\"b\"><collision><geometry>\n<cylinder radius=\"1\" "
+           "length=\"inf\"/></geometry></collision></link>"),
+     4,
+     {"length of <cylinder> holds \"inf\"", "finite"}},
+    {"NoRadius",
+     robot("<link name=\"b\"><collision><geometry>\n<cylinder "
+           "length=\"1\"/></geometry></collision></link>"),
+     4,
+     {"<cylinder> has no radius"}},
+    {"MisspeltSize",
+     robot("<link name=\"b\"><collision><geometry>\n<cylinder radius=\"1\" length=\"1\" "
+           "lenght=\"1\"/></geometry></collision></link>"),
+     4,
+     {"\"lenght\"", "radius, length"}},
+    {"MeshNotFound",
+     robot("<link name=\"b\"><collision><geometry>\n<mesh "
+           "filename=\"package://arm/meshes/b.stl\"/></geometry></collision></link>\n" +
+           jointLine("j", "fixed", "a", "b")),
+     4,
+     {"package://arm/meshes/b.stl", "not found", "--package arm=FOLDER"}},
+    {"MeshScheme",
+     robot("<link name=\"b\"><collision><geometry>\n<mesh "
+           "filename=\"http://x.org/b.stl\"/></geometry></collision></link>\n" +
+           jointLine("j", "fixed", "a", "b")),
+     4,
+     {"http://", "package://NAME/PATH"}},
+    {"ZeroScale",
+     robot("<link name=\"b\"><collision><geometry>\n<mesh filename=\"b.stl\" scale=\"1 0 "
+           "1\"/></geometry></collision></link>"),
+     4,
+     {"\"1 0 1\"", "other than zero"}},
+};
+
+INSTANTIATE_TEST_SUITE_P(Urdf, UrdfMessage, testing::ValuesIn(kBad),
+                         [](const auto& test) { return std::string(test.param.name); });
+
+TEST(Urdf, MissingFileAndFolder) {
+  const test::Folder folder;
+  expectInputError([&] { loadModel(folder.path("none.urdf"), ""); }, folder.path("none.urdf"), 0,
+                   {"no such file", "URDF"});
+  expectInputError([&] { loadModel(folder.path(""), ""); }, folder.path(""), 0,
+                   {"is a folder", "URDF"});
+}
+
+TEST(Urdf, XacroFileNamesTheCommandThatExpandsIt) {
+  const test::Folder folder;
+  const std::string file = folder.write("arm.urdf.xacro", "<robot name=\"r\"/>");
+  expectInputError([&] { loadModel(file, ""); }, file, 0,
+                   {"xacro file", "xacro " + file + " > " + folder.path("arm.urdf")});
+}
+
+TEST(Urdf, ShapesPosesLimitsAndWarnings) {
+  const test::Folder folder;
+  const auto model = loadModel(folder.write("good.urdf", R"(<?xml version="1.0"?>
+<robot name="good">
+  <material name="red"/>
+  <link name="tip">
+    <collision name="ball"><origin xyz="1 2 3"/><geometry><sphere radius=".5"/></geometry></collision>
+    <collision><geometry><cylinder radius="+0.25" length="2e0"/></geometry></collision>
+  </link>
+  <link name="base"><visual><geometry><capsule radius="1" length="2"/></geometry></visual></link>
+  <link name="middle"><collision><origin rpy="0 0 1.5"/><geometry><box size="1 2 4"/></geometry></collision><blob/></link>
+  <joint name="j2" type="prismatic"><parent link="middle"/><child link="tip"/><axis xyz="0 0 -2"/><limit upper="0.5" effort="1" velocity="3"/></joint>
+  <joint name="j1" type="continuous"><parent link="base"/><child link="middle"/></joint>
+  <loop_joint name="x"/>
+</robot>)"),
+                               "");
+  ASSERT_EQ(model->links.size(), 3u);
+  EXPECT_EQ(model->links[0].name, "base");
+  EXPECT_EQ(model->links[1].name, "middle");
+  EXPECT_EQ(model->links[2].name, "tip");
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_EQ(model->links[static_cast<std::size_t>(i)].joint, i);
+    EXPECT_EQ(model->joints[static_cast<std::size_t>(i)].child_link, i);
+  }
+  EXPECT_EQ(model->joints[0].type, JointType::kFixed);
+  EXPECT_EQ(model->joints[0].parent_link, -1);
+  ASSERT_EQ(model->variables.size(), 2u);
+  EXPECT_EQ(model->variables[0].name, "j1");
+  EXPECT_TRUE(std::isinf(model->variables[0].lower) && std::isinf(model->variables[0].velocity));
+  EXPECT_EQ(model->joints[1].axis, Eigen::Vector3d::UnitX());  // URDF's default
+  EXPECT_EQ(model->joints[2].axis, Eigen::Vector3d(0, 0, -1));
+  EXPECT_EQ(model->variables[1].lower, 0);
+  EXPECT_EQ(model->variables[1].upper, 0.5);
+  EXPECT_EQ(model->variables[1].velocity, 3);
+  const auto& tip = model->links[2].geometries;
+  ASSERT_EQ(tip.size(), 2u);
+  EXPECT_EQ(tip[0].name, "ball");
+  EXPECT_EQ(tip[0].X_BG.translation, Eigen::Vector3d(1, 2, 3));
+  EXPECT_EQ(tip[0].shape.radius(), 0.5);
+  EXPECT_EQ(tip[1].shape.type(), collision::ShapeType::kCylinder);
+  EXPECT_EQ(tip[1].shape.halfLength(), 1);
+  const auto& box = model->links[1].geometries.at(0);
+  EXPECT_EQ(box.shape.halfExtents(), Eigen::Vector3d(0.5, 1, 2));
+  EXPECT_NEAR(box.X_BG.rotation(0, 0), std::cos(1.5), 1e-16);
+  EXPECT_EQ(model->groups.back().name, "all");
+  ASSERT_EQ(model->warnings.size(), 3u);
+  EXPECT_NE(model->warnings[0].find("good.urdf:12: <loop_joint>"), std::string::npos)
+      << model->warnings[0];
+  EXPECT_NE(model->warnings[1].find("good.urdf:8: link \"base\" has a <visual>"), std::string::npos)
+      << model->warnings[1];
+  EXPECT_NE(model->warnings[2].find("good.urdf:9: <blob>"), std::string::npos)
+      << model->warnings[2];
+}
+
+// The master of joints that follow it is no faster than the slowest of them allows.
+TEST(Urdf, VelocityLimitsOfMimicJointsBoundTheirMaster) {
+  const test::Folder folder;
+  const auto limit = [](const char* velocity) {
+    return std::string("<limit lower=\"-1\" upper=\"1\" effort=\"1\" velocity=\"") + velocity +
+           "\"/>";
+  };
+  const auto velocity = [&](const char* own, const std::string& follower,
+                            const std::string& second) {
+    const std::string file =
+        folder.write("mimic.urdf", robot("<link name=\"b\"/><link name=\"c\"/><link name=\"d\"/>" +
+                                         jointLine("m", "revolute", "a", "b", limit(own)) +
+                                         jointLine("f", "revolute", "a", "c", follower) +
+                                         jointLine("g", "revolute", "a", "d", second)));
+    const auto model = loadModel(file, "");
+    EXPECT_EQ(model->variables.size(), 1U);
+    return model->variables.front().velocity;
+  };
+  const std::string half = "<mimic joint=\"m\" multiplier=\"-2\"/>";
+  const std::string chained = "<mimic joint=\"f\" multiplier=\"4\"/>";
+  EXPECT_EQ(velocity("3", limit("5") + half, limit("100") + chained), 2.5);
+  EXPECT_EQ(velocity("3", limit("5") + half, limit("10") + chained), 1.25);  // -8 times the master
+  EXPECT_EQ(velocity("1", limit("5") + half, limit("100") + chained), 1);
+  // No limit of the master's, of the follower's, or of what does not move.
+  EXPECT_EQ(velocity("0", limit("5") + half, limit("100") + chained), 2.5);
+  EXPECT_EQ(velocity("3", limit("0") + half, limit("0") + chained), 3);
+  EXPECT_EQ(velocity("3", limit("5") + "<mimic joint=\"m\" multiplier=\"0\"/>",
+                     limit("4") + "<mimic joint=\"m\"/>"),
+            3);
+}
+
+TEST(Urdf, RollPitchYawTurnsAboutFixedAxes) {
+  const test::Folder folder;
+  const auto model = loadModel(
+      folder.write("r.urdf",
+                   robot("<link name=\"b\"/>" +
+                         jointLine("j", "fixed", "a", "b", "<origin rpy=\"0.3 -0.7 2.1\"/>"))),
+      "");
+  const auto about = [](int axis, double angle) {
+    Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
+    const int i = (axis + 1) % 3, j = (axis + 2) % 3;
+    R(i, i) = R(j, j) = std::cos(angle);
+    R(i, j) = -std::sin(angle);
+    R(j, i) = std::sin(angle);
+    return R;
+  };
+  const Eigen::Matrix3d expected = about(2, 2.1) * about(1, -0.7) * about(0, 0.3);
+  EXPECT_LT((model->joints[1].X_PJ.rotation - expected).norm(), 1e-15);
+}
+
+TEST(Urdf, DeepChainsAndWideTreesKeepTreeOrder) {
+  const test::Folder folder;
+  std::string text;
+  for (int i = 0; i < 3000; ++i) text += "<link name=\"l" + std::to_string(i) + "\"/>";
+  for (int i = 0; i < 3000; ++i)
+    text += jointLine("j" + std::to_string(i), "fixed",
+                      i % 3 == 0 || i == 0 ? "a" : "l" + std::to_string(i - 1),
+                      "l" + std::to_string(i));
+  const auto model = loadModel(folder.write("r.urdf", robot(text)), "");
+  ASSERT_EQ(model->links.size(), 3001u);
+  for (int i = 1; i < 3001; ++i)
+    EXPECT_LT(model->joints[static_cast<std::size_t>(i)].parent_link, i);
+  EXPECT_EQ(model->links[3000].name, "l2999");
+}
+
+TEST(Urdf, TheFirstMeshThatFailsIsTold) {
+  const test::Folder folder;
+  std::string text;
+  for (int i = 0; i < 6; ++i) {
+    const std::string name = "m" + std::to_string(i);
+    // The files that fail are not the largest: those are read first.
+    folder.write(name + ".obj",
+                 i % 2 == 0 ? std::string(1000, '#') + "\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
+                            : "v 0 0 0 but no face");
+    text += "<link name=\"" + name + "\"><collision><geometry>\n<mesh filename=\"" + name +
+            ".obj\"/></geometry></collision></link>\n" +
+            jointLine("j" + std::to_string(i), "fixed", "a", name);
+  }
+  const std::string file = folder.write("r.urdf", robot(text));
+  for (int i = 0; i < 20; ++i) {
+    try {
+      loadModel(file, "");
+      FAIL();
+    } catch (const InputError& error) {
+      EXPECT_NE(std::string(error.what()).find("m1.obj"), std::string::npos) << error.what();
+      EXPECT_EQ(error.line(), 7);
+    }
+  }
+}
+
+// Meshes are built side by side where there are cores: with one, the same bytes.
+TEST(Urdf, OneCoreLoadsTheSame) {
+  LEEWAY_NEEDS_DATA("robots/panda");
+  const std::string folder = test::dataFolder() + "/robots/";
+  const auto load = [&] {
+    return loadModel(folder + "panda/panda.urdf", folder + "panda/panda.srdf");
+  };
+  const auto many = load();
+  cpu_set_t allowed, one;
+  ASSERT_EQ(sched_getaffinity(0, sizeof allowed, &allowed), 0);
+  CPU_ZERO(&one);
+  for (std::size_t cpu = 0; cpu < CPU_SETSIZE && CPU_COUNT(&one) == 0; ++cpu)
+    if (CPU_ISSET(cpu, &allowed)) CPU_SET(cpu, &one);
+  ASSERT_EQ(sched_setaffinity(0, sizeof one, &one), 0);
+  const auto single = load();
+  ASSERT_EQ(sched_setaffinity(0, sizeof allowed, &allowed), 0);
+  ASSERT_EQ(many->links.size(), single->links.size());
+  int meshes = 0;
+  for (std::size_t i = 0; i < many->links.size(); ++i) {
+    ASSERT_EQ(many->links[i].geometries.size(), single->links[i].geometries.size());
+    for (std::size_t k = 0; k < many->links[i].geometries.size(); ++k) {
+      const auto *a = many->links[i].geometries[k].shape.mesh(),
+                 *b = single->links[i].geometries[k].shape.mesh();
+      ASSERT_EQ(a == nullptr, b == nullptr);
+      if (a == nullptr) continue;
+      ++meshes;
+      EXPECT_TRUE(std::equal(a->vertices().begin(), a->vertices().end(), b->vertices().begin(),
+                             b->vertices().end()));
+      EXPECT_TRUE(std::equal(a->triangles().begin(), a->triangles().end(), b->triangles().begin(),
+                             b->triangles().end()));
+      EXPECT_EQ(a->hullExcess(), b->hullExcess());
+      EXPECT_EQ(a->pieces().pieces, b->pieces().pieces);
+      EXPECT_EQ(a->pieces().excess, b->pieces().excess);
+      EXPECT_EQ(a->bytes(), b->bytes());
+    }
+  }
+  EXPECT_GT(meshes, 10);
+  ASSERT_EQ(many->link_gaps.size(), single->link_gaps.size());
+  for (std::size_t i = 0; i < many->link_gaps.size(); ++i) {
+    EXPECT_EQ(many->link_gaps[i].gaps, single->link_gaps[i].gaps);
+    EXPECT_EQ(many->link_gaps[i].cells, single->link_gaps[i].cells);
+  }
+}
+
+TEST(Urdf, RealRobots) {
+  LEEWAY_NEEDS_DATA("robots/panda");
+  const std::string folder = test::dataFolder() + "/robots/";
+  const auto panda = loadModel(folder + "panda/panda.urdf", folder + "panda/panda.srdf");
+  EXPECT_EQ(panda->links.size(), 13u);
+  EXPECT_EQ(panda->links[1].geometries.at(0).shape.type(), collision::ShapeType::kMesh);
+  const auto finger = [&](const char* name) {
+    return panda->links[static_cast<std::size_t>(panda->findLink(name))]
+        .geometries.at(0)
+        .shape.mesh();
+  };
+  EXPECT_EQ(finger("panda_leftfinger"), finger("panda_rightfinger"))
+      << "the same file was loaded twice";
+  // Its published forward kinematics: the flange (link 8) at the ready posture is 0.088 from the
+  // wrist's axis and so on; here at zero.
+  std::vector<Pose> X_WL(panda->links.size());
+  forwardKinematics(*panda, panda->defaultConfiguration(), X_WL);
+  const Pose& flange = X_WL[static_cast<std::size_t>(panda->findLink("panda_link8"))];
+  EXPECT_LT((flange.translation - Eigen::Vector3d(0.088, 0, 0.333 + 0.316 + 0.384 - 0.107)).norm(),
+            1e-10);
+  const auto ur5 = loadModel(folder + "ur5/ur5.urdf", folder + "ur5/ur5.srdf");
+  std::size_t triangles = 0;
+  for (const Link& link : ur5->links)
+    for (const Geometry& g : link.geometries)
+      if (g.shape.mesh() != nullptr) triangles += g.shape.mesh()->triangles().size();
+  EXPECT_GT(triangles, 100000u);
+}
+
+}  // namespace
+}  // namespace leeway::robots
