@@ -18,20 +18,20 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// Limits for what is planned, the start's value for what is not.
 std::vector<VariableRange> plannedRanges(const Problem& problem) {
-  std::vector<VariableRange> ranges = robots::limitRanges(*problem.model);
+  std::vector<VariableRange> ranges = robots::limitRanges(*problem.robot.model);
   std::vector<char> planned(ranges.size(), 0);
-  for (const int v : problem.variables) planned[at(v)] = 1;
+  for (const int v : problem.robot.variables) planned[at(v)] = 1;
   for (std::size_t v = 0; v < ranges.size(); ++v)
-    if (!planned[v]) ranges[v] = {problem.configuration[v], problem.configuration[v]};
+    if (!planned[v]) ranges[v] = {problem.start[v], problem.start[v]};
   return ranges;
 }
 
 }  // namespace
 
 CompiledScene::CompiledScene(const Problem& problem)
-    : model_(problem.model),
-      space_(std::make_shared<ConfigurationSpace>(problem.model, problem.variables)),
-      base_configuration_(problem.configuration) {
+    : model_(problem.robot.model),
+      space_(std::make_shared<ConfigurationSpace>(problem.robot.model, problem.robot.variables)),
+      base_configuration_(problem.start) {
   const std::vector<VariableRange> ranges = plannedRanges(problem);
   ScenePairs pairs(problem, ranges);
   try {

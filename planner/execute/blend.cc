@@ -29,14 +29,14 @@ class Blending {
         dq_(scene->model().variables.size()),
         motion_(scene->model().joints.size()) {}
 
-  /// Is the cut proven to keep the margins?
+  /// Whether the cut is proven to keep the margins.
   bool holds(std::span<const double> corner, std::span<const double> before,
              std::span<const double> after, double length) {
     const double a = length / norm(before), b = length / norm(after);
     for (std::size_t i = 0; i < size_; ++i) bend_[i] = b * after[i] - a * before[i];
     if (wraps(corner, before, after, a, b)) return false;
-    // The curve's second derivative is 2 (b after - a before): over 1/n of the parameter it
-    // departs from its chord by no more than an eighth of that over n^2.
+    // The curve's second derivative is 2 bend_. Over 1/n of the parameter the curve stays within an
+    // eighth of it, over n^2, of its chord.
     const double deviation = displacement() / 4;
     int chords = 1;
     while (chords <= kBlendChords && !(deviation / (chords * chords) <= kBlendDeviation))
@@ -54,8 +54,8 @@ class Blending {
   }
 
  private:
-  /// A circle that passes from pi to -pi within the cut: a mimic of it might jump between a chord
-  /// and the curve. Or one that turns by about half a turn: rounding might choose the chord's way.
+  /// Whether a circle passes from pi to -pi within the cut, where a mimic might jump between chord
+  /// and curve, or turns by about half a turn, where rounding might send the chord the other way.
   bool wraps(std::span<const double> corner, std::span<const double> before,
              std::span<const double> after, double a, double b) const {
     for (const ConfigurationSpace::Part& part : space_.parts()) {
@@ -68,8 +68,8 @@ class Blending {
     return false;
   }
 
-  /// How far at most a point of any body moves, seen from any it is checked against, when every
-  /// joint goes as far as bend_ has it.
+  /// Bound on the motion of any body's points, seen from any body that it is checked against, over
+  /// a joint motion of bend_ [m].
   double displacement() {
     expandDifference(space_, bend_, dq_);
     robots::jointMotion(scene_.model(), dq_, motion_);

@@ -1,7 +1,7 @@
 #pragma once
 
-// Private to planner/: geometry of corners that are cut. Differences are those of the edges before
-// and after the corner, as ConfigurationSpace::difference() has them.
+// Private to planner/: the geometry of cut corners. `before` and `after` are the differences of the
+// edges at the corner, see ConfigurationSpace::difference().
 
 #include <span>
 
@@ -9,13 +9,13 @@
 
 namespace leeway::planner {
 
-/// Euclidean, of the numbers as they are.
+/// Euclidean norm.
 double norm(std::span<const double> v);
 
-/// Does the second edge go on exactly where the first one points?
+/// Whether the second edge continues the first in its direction, within kInLine.
 bool inLine(std::span<const double> first, std::span<const double> second);
 
-/// Are there floating joints' orientations?
+/// Whether the space has orientations of floating joints.
 bool hasRotation(const ConfigurationSpace& space);
 
 /// The point at t in [0, 1] of the quadratic Bezier curve that cuts the corner over `length`.

@@ -24,26 +24,22 @@ double secondsSince(Clock::time_point begin) {
   return std::chrono::duration<double>(Clock::now() - begin).count();
 }
 
-/// Rounded up: a bound times a time is none when it is rounded to the nearest. Infinite when it is
-/// no number, as 0 m/s are for longer than a double holds.
+/// A product of a speed bound and a time, rounded up: rounded to nearest it is no bound. NaN, from
+/// 0 m/s for an infinite time, is infinite.
 double upwards(double x) { return x >= 0 ? x * (1 + kGrowthRounding) : kInfinity; }
 
 }  // namespace
 
 Obstacles::Obstacles(const Problem& problem, const CompiledScene& scene) {
-  for (const DeformingObstacle& source : problem.deforming) {
+  for (const DeformingObstacle& source : problem.world.deforming) {
     const bool predicted =
         source.motion != nullptr && problem.execution.foresight == Foresight::kMotion;
-    bodies_.push_back(scene.scene().find(source.object));
-    if (bodies_.back() < 0 || !source.mesh)
-      throw robots::InputError(problem.name, 0,
-                               "deforming obstacle '" + source.object +
-                                   "' is no object of the problem; see addDeforming()");
-    obstacles_.push_back({source.object, &source, predicted,
+    bodies_.push_back(scene.scene().find(source.object.name));
+    obstacles_.push_back({source.object.name, &source, predicted,
                           Deformable(source.mesh, source.motion, source.options),
                           Deformable(source.mesh, source.motion, source.options),
                           problem.execution.start, source.speed_bound});
-    updates_.push_back({source.object, {}, {}, 0});
+    updates_.push_back({source.object.name, {}, {}, 0});
   }
 }
 

@@ -11,8 +11,8 @@
 
 namespace leeway::planner {
 
-/// Where the obstacles are seen and what they can do from there on. Not for several threads at
-/// once; the snapshots that it hands out are.
+/// Where the obstacles were last seen, and where they can be after that. One thread at a time; any
+/// thread may read the snapshots that it hands out.
 class Obstacles {
  public:
   using Replacements = std::vector<CompiledScene::Replacement>;
@@ -22,20 +22,20 @@ class Obstacles {
   /// Scene bodies, one an obstacle.
   const std::vector<int>& bodies() const { return bodies_; }
   bool has(int body) const;
-  /// True when the motions of all are known beyond the last look.
+  /// True when all motions are known beyond the last look.
   bool arePredicted() const;
 
-  /// Brings all that have a motion to `time`.
+  /// Moves all that have a motion to `time` [s].
   void look(double time);
   /// See Replanner::setVertices().
   void set(const std::string& object, std::span<const Eigen::Vector3d> vertices, double time,
            double speed_bound);
 
-  /// As they were seen, each grown by `growth` [m].
+  /// The shapes at the last look, each grown by `growth` [m].
   Replacements seen(double growth = 0) const;
-  /// Placements that, grown as they are, hold every obstacle at every moment from t0 to t1.
+  /// Grown shapes that hold every obstacle at every time from t0 to t1 [s].
   Replacements during(double t0, double t1);
-  /// The same placements, grown only by what is not known of the middle of that time.
+  /// The shapes of during(t0, t1), grown to hold every obstacle at the middle of that time only.
   Replacements atMiddle(Replacements during, double t0, double t1) const;
 
   const std::vector<ObstacleUpdate>& updates() const { return updates_; }
@@ -44,11 +44,11 @@ class Obstacles {
   struct Followed {
     std::string object;
     const DeformingObstacle* source;
-    bool predicted;  ///< its motion is known, and asked beyond the last look
+    bool predicted;  ///< `motion` tells where it is after the last look
     collision::Deformable present, future;
     double seen = 0;     ///< time of `present` [s]
-    double speed_bound;  ///< of set vertices, or the file's [m/s]
-    bool own = false;    ///< set by the program
+    double speed_bound;  ///< the program's, with set vertices, or the problem's [m/s]
+    bool own = false;    ///< the program has set its vertices
   };
   double speedBetween(const Followed& obstacle, double t0, double t1) const;
   double agedGrowth(const Followed& obstacle, double time) const;

@@ -19,8 +19,7 @@ using robots::InputError;
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-/// What a file says before it is matched to the problem: columns by name (none: by order) and rows
-/// with their lines.
+/// The contents of a file: columns by name (without names: by order), and rows with their lines.
 struct Table {
   std::vector<std::string> names;
   int names_line = 0;
@@ -33,7 +32,8 @@ struct Table {
 
 std::vector<std::string> plannedNames(const Problem& problem) {
   std::vector<std::string> names;
-  for (const int v : problem.variables) names.push_back(problem.model->variables[at(v)].name);
+  for (const int v : problem.robot.variables)
+    names.push_back(problem.robot.model->variables[at(v)].name);
   return names;
 }
 
@@ -111,7 +111,7 @@ std::vector<std::pair<int, std::string>> readLines(const std::string& file) {
   int number = 0;
   for (std::string line; std::getline(stream, line);) {
     ++number;
-    if (number == 1 && line.starts_with("\xEF\xBB\xBF")) line.erase(0, 3);  // as spreadsheets do
+    if (number == 1 && line.starts_with("\xEF\xBB\xBF")) line.erase(0, 3);  // byte order mark
     if (!line.empty() && line.back() == '\r') line.pop_back();
     if (!trimmed(line).empty()) lines.emplace_back(number, line);
   }
@@ -151,15 +151,15 @@ Table readMatrix(const std::string& file) {
 
 // ---- Matching to the problem ----
 
-constexpr int kIgnored = -1;  // a column of times
+constexpr int kIgnored = -1;  // the column of times
 
-/// For each column the variable of the model that it holds.
+/// The model's variable of each column.
 std::vector<int> columnVariables(const std::string& file, const Table& table,
                                  const Problem& problem) {
   std::vector<int> columns;
   for (std::size_t i = 0; i < table.names.size(); ++i) {
     const std::string& name = table.names[i];
-    const int v = problem.model->findVariable(name);
+    const int v = problem.robot.model->findVariable(name);
     if (v < 0 && name != "time")
       throw InputError(
           file, table.names_line,
@@ -169,23 +169,23 @@ std::vector<int> columnVariables(const std::string& file, const Table& table,
                        fmt::format("joint '{}' stands twice; once is expected", name));
     columns.push_back(v >= 0 ? v : kIgnored);
   }
-  for (const int v : problem.variables)
+  for (const int v : problem.robot.variables)
     if (std::find(columns.begin(), columns.end(), v) == columns.end())
       throw InputError(
           file, table.names_line,
           fmt::format("planned joint '{}' is missing; a column for each planned joint is expected",
-                      problem.model->variables[at(v)].name));
+                      problem.robot.model->variables[at(v)].name));
   return columns;
 }
 
 void requirePassive(const std::string& file, int line, double value, int variable,
                     const Problem& problem) {
-  const double expected = problem.configuration[at(variable)];
+  const double expected = problem.start[at(variable)];
   if (std::abs(value - expected) > kPassiveJointSlack)
     throw InputError(
         file, line,
         fmt::format("joint '{}' is at {}, but not planned; the problem's {} is expected",
-                    problem.model->variables[at(variable)].name, value, expected));
+                    problem.robot.model->variables[at(variable)].name, value, expected));
 }
 
 void normaliseRotations(const std::string& file, int line, const ConfigurationSpace& space,
@@ -197,15 +197,15 @@ void normaliseRotations(const std::string& file, int line, const ConfigurationSp
     if (!(std::abs(norm - 1) <= kMendableQuaternion))
       throw InputError(file, line,
                        fmt::format("a quaternion of length {}; unit length is expected", norm));
-    if (std::abs(norm - 1) > kSilentQuaternion)  // what we wrote ourselves comes back to the bit
+    if (std::abs(norm - 1) > kSilentQuaternion)  // our own files read back to the bit
       for (int i = 0; i < 4; ++i) q[i] /= norm;
   }
 }
 
 Path matched(const std::string& file, const Table& table, const Problem& problem) {
-  const ConfigurationSpace space(problem.model, problem.variables);
+  const ConfigurationSpace space(problem.robot.model, problem.robot.variables);
   const std::vector<int> columns =
-      table.names.empty() ? problem.variables : columnVariables(file, table, problem);
+      table.names.empty() ? problem.robot.variables : columnVariables(file, table, problem);
   Path path;
   path.names = plannedNames(problem);
   if (table.rows.empty()) throw InputError(file, 0, "holds no waypoint; at least one is expected");
@@ -214,14 +214,15 @@ Path matched(const std::string& file, const Table& table, const Problem& problem
       throw InputError(
           file, row.line,
           fmt::format("a row of {} numbers; {} are expected", row.values.size(), columns.size()));
-    std::vector<double> point(problem.variables.size());
+    std::vector<double> point(problem.robot.variables.size());
     for (std::size_t c = 0; c < columns.size(); ++c) {
       if (columns[c] == kIgnored) continue;
-      const auto place = std::find(problem.variables.begin(), problem.variables.end(), columns[c]);
-      if (place == problem.variables.end())
+      const auto place =
+          std::find(problem.robot.variables.begin(), problem.robot.variables.end(), columns[c]);
+      if (place == problem.robot.variables.end())
         requirePassive(file, row.line, row.values[c], columns[c], problem);
       else
-        point[static_cast<std::size_t>(place - problem.variables.begin())] = row.values[c];
+        point[static_cast<std::size_t>(place - problem.robot.variables.begin())] = row.values[c];
     }
     normaliseRotations(file, row.line, space, point);
     path.positions.push_back(std::move(point));

@@ -16,7 +16,7 @@ struct Range {
   bool empty() const { return !(low <= high); }
 };
 
-/// A part of a piece over which d2s/dt2 = u is constant. x stands for (ds/dt)^2.
+/// A part of a piece over which d2s/dt2 = u is constant. Below, x is (ds/dt)^2.
 struct Cell {
   const CurvePiece* piece;
   int index;  // of the piece
@@ -40,7 +40,8 @@ class Timing {
   std::vector<TimedPhase> phases() const {
     std::vector<TimedPhase> result;
     double time = 0, x = 0;
-    // Ways are told within their piece: summed over all, what a short one adds would be rounding.
+    // Ways count from the beginning of their piece: in a sum over all, short pieces would vanish in
+    // rounding.
     const auto phase = [&](int piece, double way, double length, double u, double next) {
       const double rate = std::sqrt(x), then = std::sqrt(next);
       x = next;
@@ -77,7 +78,7 @@ class Timing {
     return (1 - share) * piece.first[i] + share * piece.last[i];
   }
 
-  /// x may not be above this at either end of the cell, nor between.
+  /// The largest x that keeps the velocity limits over the whole cell.
   double speedLimit(const Cell& cell) const {
     double most = kInfinity;
     for (std::size_t i = 0; i < velocity_.size(); ++i) {
@@ -95,7 +96,7 @@ class Timing {
     return most;
   }
 
-  /// All u with which the cell can be gone through from x, to at most `next` at its end.
+  /// All u that keep the acceleration limits over the cell from x, and end at `next` at most.
   Range accelerations(const Cell& cell, double x, double next) const {
     const double twice = 2 * cell.length;
     Range range{-x / twice, (next - x) / twice};
@@ -129,10 +130,10 @@ class Timing {
         most_[i] = std::min(limit, most_[i + 1] + gain);
         continue;
       }
-      // What can be gone through is convex and holds standing still: bisection finds its end.
+      // The feasible x form an interval from 0: bisection finds its end.
       double low = 0, high = limit;
       if (!accelerations(cell, high, most_[i + 1]).empty()) low = high;
-      while (low < high) {  // down to neighbouring numbers: limits may be any powers of ten apart
+      while (low < high) {  // to adjacent numbers: limits may differ by any power of ten
         const double middle = low + (high - low) / 2;
         if (middle == low || middle == high) break;
         (accelerations(cell, middle, most_[i + 1]).empty() ? high : low) = middle;
@@ -153,6 +154,28 @@ std::vector<TimedPhase> timeOptimal(std::span<const CurvePiece> pieces,
                                     std::span<const double> velocity,
                                     std::span<const double> acceleration) {
   return Timing(pieces, velocity, acceleration).phases();
+}
+
+double timeAt(std::span<const TimedPhase> phases, int piece, double way) {
+  const auto phase = std::prev(std::upper_bound(
+      phases.begin() + 1, phases.end(), way, [piece](double to, const TimedPhase& p) {
+        return piece < p.piece || (piece == p.piece && to < p.way);
+      }));
+  const double rest = phase->piece == piece ? std::max(0.0, way - phase->way) : 0;
+  const double then =
+      std::sqrt(std::max(0.0, phase->rate * phase->rate + 2 * phase->acceleration * rest));
+  const double speed = phase->rate + then;  // 0 at the end; rounding may put `way` beyond it
+  return phase->start + (speed > 0 ? 2 * rest / speed : 0);
+}
+
+double timeAt(const RestToRest& profile, double way) {
+  double low = 0, high = profile.duration();
+  if (!(way < 1)) return high;  // rounding reaches it before
+  for (int k = 0; k < 100; ++k) {
+    const double middle = low + (high - low) / 2;
+    (profile.at(middle).way < way ? low : high) = middle;
+  }
+  return high;
 }
 
 }  // namespace leeway::planner

@@ -1,6 +1,6 @@
 #pragma once
 
-// Private to planner/: how fast a curve in configuration space can be gone along.
+// Private to planner/: time-optimal speed along a curve in configuration space.
 
 #include <span>
 #include <vector>
@@ -9,24 +9,31 @@
 
 namespace leeway::planner {
 
-/// A piece of a curve q(s), s in [0, length]: q'(s) goes linearly from `first` to `last`, which are
-/// the same where it is straight. Joined to its neighbours without a jump of q'.
+/// A piece of a curve q(s), s in [0, length]. q'(s) changes linearly from `first` to `last`, which
+/// are equal on a straight piece, and continuously from piece to piece.
 struct CurvePiece {
   std::vector<double> first, last;
   double length = 0;  ///< positive
   bool straight = true;
 };
 
-/// From rest to rest along the pieces (at least one) with |dq_i/dt| <= velocity[i] and |d2q_i/dt2|
-/// <= acceleration[i] (all positive and finite) at every moment, not only on a grid. The last phase
-/// has rate and acceleration 0 and starts when the end is reached. As fast as speeds allow that are
-/// constant in acceleration of s over each of kBendCells parts of a bent piece; on straight pieces
-/// as fast as can be.
-/// Two passes over linear constraints as in H. Pham and Q.-C. Pham, "A new approach to time-optimal
-/// path parameterization based on reachability analysis", 2018. With q' and (ds/dt)^2 both linear
-/// in s over a cell, so is d2q/dt2: the cell's two ends bound it. O(pieces, variables).
+/// From rest to rest along the pieces (at least one). At every time |dq_i/dt| <= velocity[i] and
+/// |d2q_i/dt2| <= acceleration[i], all positive and finite. The last phase has rate and
+/// acceleration 0 and begins at the end. Time-optimal on straight pieces; on bent ones among speeds
+/// whose acceleration along s is constant in each of kBendCells cells.
+///
+/// Two passes over linear constraints, after H. Pham and Q.-C. Pham, "A new approach to
+/// time-optimal path parameterization based on reachability analysis", 2018. Over a cell q' and
+/// (ds/dt)^2 are linear in s, and so is d2q/dt2: its values at the cell's ends bound it. O(pieces,
+/// variables).
 std::vector<TimedPhase> timeOptimal(std::span<const CurvePiece> pieces,
                                     std::span<const double> velocity,
                                     std::span<const double> acceleration);
+
+/// When the way `way` along a piece is passed [s].
+double timeAt(std::span<const TimedPhase> phases, int piece, double way);
+
+/// When the way in [0, 1] is passed [s]. By bisection: the way has no simple inverse.
+double timeAt(const RestToRest& profile, double way);
 
 }  // namespace leeway::planner

@@ -8,10 +8,10 @@
 #include <limits>
 #include <stdexcept>
 
-#include "leeway/planner/path_io.h"
 #include "leeway/robots/input_error.h"
 #include "planner/base/random.h"
 #include "planner/base/tolerances.h"
+#include "planner/execute/motion_limits.h"
 #include "planner/execute/step_certifier.h"
 #include "planner/execute/timed_path.h"
 #include "planner/search/goals.h"
@@ -29,8 +29,8 @@ double secondsSince(Clock::time_point begin) {
 
 std::vector<double> startOf(const Problem& problem) {
   std::vector<double> point;
-  for (const int v : problem.variables)
-    point.push_back(problem.configuration.at(static_cast<std::size_t>(v)));
+  for (const int v : problem.robot.variables)
+    point.push_back(problem.start.at(static_cast<std::size_t>(v)));
   return point;
 }
 
@@ -76,20 +76,6 @@ const char* toString(Decision decision) {
   return "unsafe";
 }
 
-const char* toString(ReplanStatus status) {
-  switch (status) {
-    case ReplanStatus::kReached:
-      return "reached";
-    case ReplanStatus::kUnsafe:
-      return "unsafe";
-    case ReplanStatus::kTimeout:
-      return "timeout";
-    case ReplanStatus::kStopped:
-      break;
-  }
-  return "stopped";
-}
-
 struct Replanner::Impl {
   Impl(const Problem& given, const ReplanOptions& given_options)
       : problem((requireSensible(given), given)),
@@ -103,23 +89,25 @@ struct Replanner::Impl {
         state(startOf(problem)),
         trail{state} {}
 
-  /// A motion that could be made, and how far it is proven.
+  /// A possible motion, and how far it is proven.
   struct Candidate {
     Decision decision = Decision::kUnsafe;
-    std::vector<TimedPoint> motion;  // the step and what lies ahead
-    Waypoints rest;                  // of the path after the step
-    Waypoints trail;                 // when it goes back along it: what is left; else empty
-    bool first_edge_known = true;    // of the rest, against what stands still
+    std::vector<TimedPoint> motion;  // over the step and the look-ahead
+    Waypoints rest;                  // the path after the step
+    Waypoints trail;                 // what is left of it after a retreat; else empty
+    bool first_edge_known = true;    // the rest's first edge is certified against static bodies
     double until = -kInfinity;       // proven up to [s]
   };
 
   const ConfigurationSpace& space() const { return scene->space(); }
   const Execution& execution() const { return problem.execution; }
   double stepEnd() const { return execution().start + (index + 1) * execution().step; }
-  bool isFull(const Candidate& c) const { return c.until >= marks.back(); }
+  bool isProven(const Candidate& c) const { return c.until >= stepEnd(); }
+  bool isFullyProven(const Candidate& c) const { return c.until >= marks.back(); }
   bool looksAhead() const { return marks.size() > 1; }
 
-  /// The step's end and, where the obstacles' future is known, the ends of those that lie ahead.
+  /// Sets the times up to which candidates are proven: the step's end and, where the obstacles'
+  /// future is known, the ends of the steps of the look-ahead.
   void setMarks() {
     const double step_end = stepEnd(), end = step_end + execution().look_ahead;
     marks = {step_end};
@@ -128,7 +116,6 @@ struct Replanner::Impl {
       marks.push_back(step_end + k * execution().step);
     if (end > step_end) marks.push_back(end);
   }
-  bool isProven(const Candidate& c) const { return c.until >= stepEnd(); }
 
   bool inGoal(const std::vector<double>& point) const {
     return std::any_of(problem.goals.begin(), problem.goals.end(),
@@ -138,7 +125,7 @@ struct Replanner::Impl {
   // ---------------------------------------------------------------------------------------------
   // candidates
 
-  /// Keeps the candidate that is proven farthest, the earlier one where two are alike.
+  /// Keeps the candidate that is proven farthest; of equals, the first.
   void consider(Candidate candidate, ReplanStep& step) {
     StepCertifier::Bodies broken;
     candidate.until = certifier.certify(candidate.motion, marks, broken);
@@ -149,11 +136,11 @@ struct Replanner::Impl {
     if (isProven(candidate) && candidate.until > best.until) best = std::move(candidate);
   }
 
-  /// Along the path for the step; then on, or, where that cannot be certified, standing.
+  /// Follows the path for the step, then further or, where that is not certified, stands.
   void considerPath(Decision decision, const Waypoints& along, bool edge_known, ReplanStep& step) {
     Candidate go{decision, {}, {}, {}, true, -kInfinity};
     go.motion = travel(space(), limits, along, now, stepEnd(), &go.rest);
-    // As long as the first edge is not left, the rest of it is part of what was asked here.
+    // The candidate's proof covers the first edge once the motion has left it.
     go.first_edge_known = edge_known || go.rest.size() < along.size();
     Candidate stop = go;
     if (looksAhead()) {
@@ -162,7 +149,7 @@ struct Replanner::Impl {
       go.motion.insert(go.motion.end(), ahead.begin() + 1, ahead.end());
     }
     consider(std::move(go), step);
-    if (isFull(best) || !looksAhead()) return;
+    if (isFullyProven(best) || !looksAhead()) return;
     stop.motion.push_back({marks.back(), stop.motion.back().position});
     consider(std::move(stop), step);
   }
@@ -174,7 +161,7 @@ struct Replanner::Impl {
     return stand;
   }
 
-  /// Back along the trail, then to whichever random neighbours have the most room.
+  /// Retreats along the trail, or goes to the random neighbours with the most clearance.
   void considerEvasions(ReplanStep& step) {
     const Clock::time_point begin = Clock::now();
     const auto evasion = [&](const std::vector<TimedPoint>& motion) {
@@ -195,7 +182,7 @@ struct Replanner::Impl {
     }
     std::vector<std::pair<double, std::vector<double>>> places;
     Random random(problem.seed, stream(kEvasionStream, index));
-    for (int k = 0; k < kEvasions && !isFull(best); ++k) {
+    for (int k = 0; k < kEvasions && !isFullyProven(best); ++k) {
       std::vector<double> place = neighbour(random);
       if (space().withinLimits(place)) {
         const double room = certifier.roomAt(place, stepEnd());
@@ -204,12 +191,12 @@ struct Replanner::Impl {
     }
     std::stable_sort(places.begin(), places.end(),
                      [](const auto& a, const auto& b) { return a.first > b.first; });
-    for (std::size_t k = 0; k < places.size() && k < kEvasionsAsked && !isFull(best); ++k)
+    for (std::size_t k = 0; k < places.size() && k < kEvasionsAsked && !isFullyProven(best); ++k)
       consider(evasion({{now, state}, {stepEnd(), places[k].second}}), step);
     step.plan_s += secondsSince(begin);
   }
 
-  /// Within what the joints can do in a step.
+  /// A random configuration that the joints reach within the step.
   std::vector<double> neighbour(Random& random) const {
     std::vector<double> dq(state.size()), place(state.size());
     const double time = stepEnd() - now;
@@ -234,13 +221,13 @@ struct Replanner::Impl {
   // ---------------------------------------------------------------------------------------------
   // planning
 
-  /// A path from here in the world as it is seen; with a buffer to what deforms, where there is
-  /// one.
+  /// Plans from the present state in the world as last seen: first with the buffer to deforming
+  /// obstacles, then without.
   bool plan(ReplanStep& step, Waypoints& found) {
     const Clock::time_point begin = Clock::now();
     Problem from_here = problem;
     for (std::size_t i = 0; i < state.size(); ++i)
-      from_here.configuration[static_cast<std::size_t>(problem.variables[i])] = state[i];
+      from_here.start[static_cast<std::size_t>(problem.robot.variables[i])] = state[i];
     from_here.seed = Random(problem.seed, stream(kReplanStream, searches++)).next();
     PlanOptions plan_options;
     plan_options.stop = options.stop;
@@ -258,7 +245,7 @@ struct Replanner::Impl {
         solved = true;
         break;
       }
-      if (buffer == 0 || problem.deforming.empty()) break;
+      if (buffer == 0 || problem.world.deforming.empty()) break;
     }
     step.plan_s += secondsSince(begin);
     return solved;
@@ -266,7 +253,7 @@ struct Replanner::Impl {
 
   bool mayPlan() const { return index >= next_plan; }
 
-  /// A plan that cannot be had now is not asked for at every step.
+  /// Doubles the number of steps until the next attempt.
   void planFailed() {
     next_plan = index + pause;
     pause = std::min(2 * pause, kLongestPause);
@@ -278,7 +265,7 @@ struct Replanner::Impl {
   void decide(ReplanStep& step) {
     best = Candidate{};
     if (step.path_held) considerPath(Decision::kFollow, path, first_edge_known, step);
-    if (isFull(best)) return;
+    if (isFullyProven(best)) return;
     const bool impatient = waited >= execution().patience;
     if ((!step.path_held || impatient) && mayPlan()) {
       Waypoints found;
@@ -287,9 +274,9 @@ struct Replanner::Impl {
       else
         planFailed();
     }
-    if (isFull(best)) return;
+    if (isFullyProven(best)) return;
     consider(standing(state), step);
-    if (isFull(best)) return;
+    if (isFullyProven(best)) return;
     considerEvasions(step);
   }
 
@@ -306,8 +293,7 @@ struct Replanner::Impl {
       step.clearance = {-kInfinity, kInfinity};
     } else {
       const Clock::time_point begin = Clock::now();
-      // What lies ahead of other candidates has been asked since: the proof's parts are asked
-      // again.
+      // clearance() uses the parts of the last proof, which may be another candidate's.
       StepCertifier::Bodies ignored, closest;
       certifier.certify(step.motion, {&marks[0], 1}, ignored);
       step.clearance =
@@ -406,7 +392,7 @@ void Replanner::setState(std::span<const double> point) {
   impl_->state.assign(point.begin(), point.end());
   impl_->trail.push_back(impl_->state);
   impl_->first_edge_known = false;
-  // Off the goal a path of one waypoint is none.
+  // One waypoint is the goal, and the robot is no longer there.
   if (impl_->path.size() == 1) impl_->path.clear();
   if (!impl_->path.empty()) impl_->path.front() = impl_->state;
 }
@@ -417,74 +403,6 @@ void Replanner::setVertices(const std::string& object, std::span<const Eigen::Ve
     throw std::invalid_argument(fmt::format(
         "vertices of '{}' seen at {} s, later than the present {} s", object, time, impl_->now));
   impl_->obstacles.set(object, vertices, time, speed_bound);
-}
-
-ReplanResult replan(const Problem& problem, const ReplanOptions& options,
-                    const std::function<void(const ReplanStep&)>& on_step, int steps) {
-  Replanner replanner(problem, options);
-  ReplanResult result;
-  result.seed = problem.seed;
-  result.clearance = {kInfinity, kInfinity};
-  result.certified = true;
-  for (const int v : problem.variables)
-    result.names.push_back(problem.model->variables[static_cast<std::size_t>(v)].name);
-  const double end = problem.execution.start + problem.execution.duration;
-  while (true) {
-    if ((options.stop && options.stop()) || (steps > 0 && result.steps >= steps)) {
-      result.status = ReplanStatus::kStopped;
-      break;
-    }
-    if (!(replanner.time() < end - problem.execution.step / 2)) {
-      result.status = ReplanStatus::kTimeout;
-      break;
-    }
-    const Clock::time_point begin = Clock::now();
-    const ReplanStep step = replanner.step();
-    const double took = secondsSince(begin);
-    ++result.steps;
-    result.compute_s += took;
-    result.longest_step_s = std::max(result.longest_step_s, took);
-    (step.decision == Decision::kPlan     ? result.plans
-     : step.decision == Decision::kFollow ? result.follows
-     : step.decision == Decision::kEvade  ? result.evasions
-                                          : result.waits) += 1;
-    result.certified = result.certified && step.certified;
-    result.clearance.lower = std::min(result.clearance.lower, step.clearance.lower);
-    result.clearance.upper = std::min(result.clearance.upper, step.clearance.upper);
-    result.trajectory.insert(result.trajectory.end(),
-                             step.motion.begin() + (result.trajectory.empty() ? 0 : 1),
-                             step.motion.end());
-    if (on_step) on_step(step);
-    if (step.decision == Decision::kUnsafe) {
-      result.status = ReplanStatus::kUnsafe;
-      break;
-    }
-    if (step.reached) {
-      result.status = ReplanStatus::kReached;
-      break;
-    }
-  }
-  result.replans = replanner.replans();
-  return result;
-}
-
-void writeTrajectory(const std::string& file, const Problem& problem,
-                     std::span<const TimedPoint> trajectory) {
-  const ConfigurationSpace space(problem.model, problem.variables);
-  std::string text = "time";
-  for (const int v : problem.variables)
-    text += "," + problem.model->variables[static_cast<std::size_t>(v)].name;
-  text += "\n";
-  std::vector<double> row, previous;
-  for (const TimedPoint& point : trajectory) {
-    row = point.position;
-    if (!previous.empty()) space.unwrap(previous, row);
-    text += fmt::format("{:.17g}", point.time);
-    for (const double x : row) text += fmt::format(",{:.17g}", x);
-    text += "\n";
-    previous = row;
-  }
-  writeFileWhole(file, text);
 }
 
 }  // namespace leeway::planner

@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// By Newton's method, so that the C library has no say.
+/// By Newton's method: the same on every C library.
 double cubeRoot(double x) {
   if (!(x > 0) || !std::isfinite(x)) return 0;
   double root = std::max(1.0, x);
@@ -24,16 +24,16 @@ double cubeRoot(double x) {
 }  // namespace
 
 RestToRest::RestToRest(double speed, double acceleration, double jerk) : jerk_(jerk) {
-  // Speeding up to v takes v / a + a / j where a is reached, 2 sqrt(v / j) where it is not, and
-  // covers half of v times that.
+  // Speeding up to v takes v / a + a / j if a is reached, else 2 sqrt(v / j), and covers v / 2
+  // times that time.
   const double a = acceleration, reached = jerk == kInfinity ? 0 : a / jerk * a;
   const auto rise = [&](double v) {
     return v >= reached ? v / a + (jerk == kInfinity ? 0 : a / jerk) : 2 * std::sqrt(v / jerk);
   };
   peak_ = speed;
-  if (speed * rise(speed) > 1) {  // the way is too short for full speed
+  if (speed * rise(speed) > 1) {  // too short for full speed
     const double ramp = jerk == kInfinity ? 0 : a / jerk;
-    const double top = reached * rise(reached) > 1  // too short for full acceleration, too
+    const double top = reached * rise(reached) > 1  // nor for full acceleration
                            ? cubeRoot(jerk / 4)
                            : a * (std::sqrt(ramp * ramp + 4 / a) - ramp) / 2;
     peak_ = std::min(top, speed);

@@ -33,7 +33,7 @@ StepCertifier::StepCertifier(std::shared_ptr<const CompiledScene> scene, Obstacl
       moving_(moving_scene_) {}
 
 void StepCertifier::begin() {
-  moments_.clear();
+  placements_.clear();
   proven_.clear();
 }
 
@@ -72,8 +72,8 @@ bool StepCertifier::holds(const std::vector<std::vector<double>>& path, bool fir
   return true;
 }
 
-const StepCertifier::Moment& StepCertifier::moment(double t0, double t1) {
-  const auto [entry, is_new] = moments_.try_emplace({t0, t1});
+const StepCertifier::Placement& StepCertifier::placement(double t0, double t1) {
+  const auto [entry, is_new] = placements_.try_emplace({t0, t1});
   if (is_new) {
     ++looks;
     Obstacles::Replacements shapes = obstacles_.during(t0, t1);
@@ -98,7 +98,7 @@ bool StepCertifier::edgesFree(std::span<const TimedPoint> part, Bodies& broken) 
 
 bool StepCertifier::certifyPart(std::span<const TimedPoint> motion, double t0, double t1, int depth,
                                 Bodies& broken) {
-  const Moment& known = moment(t0, t1);
+  const Placement& known = placement(t0, t1);
   const ConfigurationSpace& space = scene_->space();
   moving_.rebind(known.grown);
   if (edgesFree(partOf(space, motion, t0, t1), broken)) {
@@ -107,7 +107,7 @@ bool StepCertifier::certifyPart(std::span<const TimedPoint> motion, double t0, d
   }
   const double middle = t0 + (t1 - t0) / 2;
   if (depth == 0 || known.growth <= kLeastGrowth || !(middle > t0 && middle < t1)) return false;
-  // What is not free at the middle itself is not so in any part that holds it.
+  // A collision at the middle is in one of the halves.
   moving_.rebind(known.middle);
   if (moving_.decide(partOf(space, motion, t0, middle).back().position) != Verdict::kFree)
     return false;
@@ -124,7 +124,7 @@ double StepCertifier::certify(std::span<const TimedPoint> motion, std::span<cons
         still_.certify(motion[i - 1].position, motion[i].position, EdgeRequest::persistent());
     if (check.verdict == Verdict::kFree) continue;
     broken = names(*still_scene_, check.pair);
-    return until;  // a part before it may be free, and is not asked for
+    return until;  // not split at the failing edge: a shorter proof is of no use
   }
   for (std::size_t k = 0; k < marks.size(); ++k) {
     if (!certifyPart(motion, until, marks[k], k == 0 ? kMustHalvings : kAheadHalvings, broken))
@@ -164,7 +164,7 @@ Interval StepCertifier::clearance(std::span<const TimedPoint> motion, double end
   ask(still_, partOf(space, motion, motion.front().time, end), 0, still);
   for (const auto& [t0, t1] : proven_) {
     if (t0 >= end) continue;
-    const Moment& known = moment(t0, t1);
+    const Placement& known = placement(t0, t1);
     moving_.rebind(known.grown);
     ask(moving_, partOf(space, motion, t0, t1), known.growth, moving);
   }
@@ -172,7 +172,7 @@ Interval StepCertifier::clearance(std::span<const TimedPoint> motion, double end
 }
 
 double StepCertifier::roomAt(std::span<const double> point, double time) {
-  const Moment& known = moment(time, time);
+  const Placement& known = placement(time, time);
   moving_.rebind(known.middle);
   return moving_.clearance(point, kClearanceTolerance).clearance.lower;
 }

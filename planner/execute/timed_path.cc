@@ -25,23 +25,6 @@ std::vector<double> pointOn(const ConfigurationSpace& space, std::span<const dou
 
 }  // namespace
 
-double velocityLimit(const robots::Variable& variable) {
-  const double limit = variable.velocity;
-  return limit > 0 && limit <= kMostLimit ? limit : kDefaultVelocity;
-}
-
-std::vector<double> velocityLimits(const Problem& problem) {
-  std::vector<double> limits;
-  for (const int v : problem.variables) {
-    const robots::Variable& variable = problem.model->variables[at(v)];
-    const auto given = problem.execution.velocities.find(variable.name);
-    const double limit =
-        given != problem.execution.velocities.end() ? given->second : velocityLimit(variable);
-    limits.push_back(limit * problem.execution.speed);
-  }
-  return limits;
-}
-
 double timeAtLimits(const ConfigurationSpace& space, std::span<const double> limits,
                     std::span<const double> dq) {
   double time = 0;

@@ -1,6 +1,6 @@
 #pragma once
 
-// Private to planner/: meshes whose vertices have to keep their numbers.
+// Private to planner/: meshes whose vertices keep the order of their file.
 
 #include <Eigen/Core>
 #include <string>
@@ -10,15 +10,14 @@
 
 namespace leeway::planner {
 
-/// Vertices and triangles by number.
 struct IndexedMesh {
   std::vector<Eigen::Vector3d> vertices;  // [m]
   std::vector<collision::DeformableMesh::Triangle> triangles;
 };
 
-/// The `v` and `f` lines of a Wavefront OBJ, vertices in the order of the file (Assimp, which reads
-/// the meshes that are rigid, hands them out in an order of its own); polygons become fans. Throws
-/// robots::InputError with file and line.
+/// The `v` and `f` lines of a Wavefront OBJ, vertices in the order of the file; polygons become
+/// fans. (Assimp, which reads rigid meshes, reorders vertices.) Throws robots::InputError with file
+/// and line.
 IndexedMesh readObj(const std::string& file);
 
 /// A rectangle of `size` in the plane z = 0, its middle at the origin, in cells of two triangles.

@@ -18,7 +18,7 @@ constexpr char kPc2Mark[12] = "POINTCACHE2";  // with its zero
 constexpr std::size_t kPc2Header = 32, kMddHeader = 8;
 constexpr std::size_t kVertexBytes = 12;
 
-/// Numbers of four bytes, one after the other. What is asked for must be there.
+/// Reads numbers of four bytes in sequence. Does not check that they are there.
 class Words {
  public:
   Words(std::span<const std::byte> bytes, bool big_endian)
@@ -39,7 +39,7 @@ class Words {
   bool big_endian_;
 };
 
-/// The shortest that reads back as the same.
+/// The shortest text that reads back to the bit.
 std::string shortNumber(double x) {
   char text[32];
   return {text, std::to_chars(text, text + sizeof text, x).ptr};
@@ -63,7 +63,7 @@ void requireCount(const char* format, const char* things, std::int32_t count) {
 void requireSize(const char* format, std::size_t rest, std::int32_t frames, std::int32_t vertices,
                  std::size_t extra) {
   const auto f = static_cast<std::uint64_t>(frames);
-  // At most 2^31 * 12 + 4, and that a frame: divided, because the product may not fit.
+  // Divide: a frame has up to 2^31 * 12 + 4 bytes, and their product with the frames may overflow.
   const std::uint64_t frame = static_cast<std::uint64_t>(vertices) * kVertexBytes + extra;
   if (rest % f == 0 && rest / f == frame) return;
   const bool short_of = rest / f < frame;
@@ -100,7 +100,7 @@ CacheMotion parsePc2(std::span<const std::byte> bytes, double frames_per_second,
     refuse(kFormat, shortNumber(frames_per_second) +
                         " frames per second; a finite number above 0 is accepted");
   }
-  // The mark first: a short file of another kind is told what it is not.
+  // The mark before the length: a short file of another kind is no PC2 in the first place.
   const std::span<const std::byte> mark = std::as_bytes(std::span(kPc2Mark));
   const std::size_t marked = std::min(bytes.size(), mark.size());
   if (!std::equal(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(marked), mark.begin()))

@@ -5,19 +5,18 @@
 
 #include "leeway/collision/vertex_motion.h"
 
-// Vertex caches, as animation tools write them: the positions of all vertices, frame by frame.
-// Everything here throws collision::InvalidMotion, whose message names the value and what would be
-// accepted: a wrong mark or version, counts below 1 or beyond what the bytes hold, bytes missing or
-// left over, times that are not finite. Whether times increase and positions are finite is checked
-// by collision::VertexMotion::cache(). O(bytes).
+// Vertex caches of animation tools: the positions of all vertices, frame by frame. Both functions
+// throw collision::InvalidMotion, naming the value and what would be accepted, for a wrong mark or
+// version, counts below 1 or beyond the bytes, missing or surplus bytes, and times that are not
+// finite. collision::VertexMotion::cache() checks that times increase and positions are finite.
+// O(bytes).
 
 namespace leeway::planner {
 
 /// PC2 (Point Cache 2: 3ds Max, Blender), little endian: the 12 characters "POINTCACHE2" and a
 /// zero, int32 version 1, int32 vertices, float first frame, float frames from one sample to the
-/// next, int32 samples, then the samples, three floats a vertex. Times are frames by
-/// `frames_per_second`
-/// (> 0), positions are multiplied by `scale`.
+/// next, int32 samples, then the samples, three floats a vertex. A sample's time is its frame over
+/// `frames_per_second` (> 0); positions are multiplied by `scale`.
 collision::CacheMotion parsePc2(std::span<const std::byte> bytes, double frames_per_second,
                                 double scale = 1);
 

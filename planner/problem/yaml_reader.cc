@@ -42,7 +42,7 @@ std::string elided(std::string text) {
 
 bool quoted(const YAML::Node& node) { return node.Tag() == "!"; }
 
-/// Lets a parser run without building anything.
+/// Parses without building a document.
 class IgnoreEvents : public YAML::EventHandler {
  public:
   void OnDocumentStart(const YAML::Mark&) override {}
@@ -59,8 +59,8 @@ class IgnoreEvents : public YAML::EventHandler {
   void OnMapEnd() override {}
 };
 
-/// 0, 1, or 2 for two and more. YAML::LoadAll is not asked: where a stray comma follows a
-/// document, yaml-cpp 0.7 hands out empty documents without end and without going on in the text.
+/// 0, 1, or 2 for more. Not by YAML::LoadAll: after a stray comma behind a document, that of
+/// yaml-cpp 0.7 returns empty documents without end.
 int countDocuments(const std::string& text) {
   std::istringstream stream(text);
   YAML::Parser parser(stream);
@@ -75,7 +75,7 @@ int countDocuments(const std::string& text) {
 YamlReader::YamlReader(std::shared_ptr<const std::string> file, const YAML::Node& node,
                        std::string where, int parent_line)
     : file_(std::move(file)), node_(node), where_(std::move(where)) {
-  // An empty value has the place of what comes after it: its key is where to look.
+  // The mark of an empty value is that of the next token: take its key's line.
   const YAML::Mark mark = node_.Mark();
   line_ = mark.is_null() || node_.IsNull() ? parent_line : mark.line + 1;
 }

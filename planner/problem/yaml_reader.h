@@ -16,12 +16,12 @@
 
 namespace leeway::planner {
 
-/// A place in a YAML file, read strictly: every wrong type, missing or unknown key and number that
-/// is not finite throws InputError with file and line (from 1; yaml-cpp counts from 0). JSON is
-/// read by the same means, being YAML. Cheap to copy.
+/// A place in a YAML file, read strictly: a wrong type, a missing or unknown key and a number that
+/// is not finite throw InputError with file and line (from 1; yaml-cpp counts from 0). JSON is
+/// YAML, too. Cheap to copy.
 class YamlReader {
  public:
-  /// The one document of a file. Throws for a file that cannot be read, bad syntax, none or several
+  /// The only document of a file. Throws for an unreadable file, bad syntax, no or several
   /// documents.
   static YamlReader load(const std::string& path);
 

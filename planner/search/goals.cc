@@ -70,7 +70,8 @@ void checkGoal(const Problem& problem, const ConfigurationSpace& space, const Go
                         " values; the group has " + std::to_string(space.size()));
   for (const Part& part : space.parts()) {
     const Range& range = goal.ranges[at(part.first)];
-    const std::string& name = problem.model->variables[at(space.variables()[at(part.first)])].name;
+    const std::string& name =
+        problem.robot.model->variables[at(space.variables()[at(part.first)])].name;
     if (part.kind == Kind::kRotation) {
       std::vector<double> q;
       for (std::size_t k = 0; k < 4; ++k) q.push_back(goal.ranges[at(part.first) + k].first);

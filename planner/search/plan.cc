@@ -19,16 +19,6 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-enum class Objective { kLength, kClearance };
-
-Objective objectiveOf(const Problem& problem) {
-  if (problem.objective == "length") return Objective::kLength;
-  if (problem.objective == "clearance") return Objective::kClearance;
-  throw robots::InputError(
-      problem.name, 0,
-      "objective '" + problem.objective + "' is unknown; length and clearance are accepted");
-}
-
 /// One call of plan(), its stages in their order.
 class Plan {
  public:
@@ -37,8 +27,7 @@ class Plan {
       : scene_(std::move(scene)),
         problem_(problem),
         options_(options),
-        objective_(objectiveOf(problem)),
-        limits_(problem.time_limit, problem.iteration_limit, options.stop, options.progress) {}
+        limits_(problem.limits.time, problem.limits.iterations, options.stop, options.progress) {}
 
   PlanResult run() {
     checkProblem();
@@ -60,6 +49,7 @@ class Plan {
   }
 
  private:
+  bool wantsLength() const { return std::holds_alternative<MinimumLength>(problem_.objective); }
   EdgeCertifier& certifier() { return pool_->local().certifier; }
 
   [[noreturn]] void refuse(const std::string& message) const {
@@ -67,9 +57,9 @@ class Plan {
   }
 
   void checkProblem() {
-    if (const auto error = plannerError(problem_.planner, problem_.planner_parameters))
+    if (const auto error = plannerError(problem_.planner.name, problem_.planner.parameters))
       refuse(*error);
-    traits_ = findPlanner(problem_.planner);
+    traits_ = findPlanner(problem_.planner.name);
     result_.planner = traits_->name;
     result_.deterministic = traits_->deterministic;
     result_.seed = problem_.seed;
@@ -80,8 +70,8 @@ class Plan {
           !std::isfinite(space.upper(part.first) - space.lower(part.first)))
         refuse("variable '" + variableName(part.first) +
                "' has no limits; a range to plan in is expected");
-    for (const int v : problem_.variables)
-      start_.push_back(problem_.configuration.at(static_cast<std::size_t>(v)));
+    for (const int v : problem_.robot.variables)
+      start_.push_back(problem_.start.at(static_cast<std::size_t>(v)));
     if (start_.size() != static_cast<std::size_t>(space.size()) || !space.withinLimits(start_))
       refuseStart();
   }
@@ -135,7 +125,7 @@ class Plan {
     const QuietOmpl quiet;
     const SearchTask task{problem_, start_, goals_, limits_};
     if (traits_->optimizing) limits_.reserve(kSimplifyShare);
-    if (objective_ == Objective::kLength) {
+    if (wantsLength()) {
       Search search(scene_, pool_, task);
       return search.shortest(problem_.seed).value_or(Waypoints{});
     }
@@ -156,7 +146,7 @@ class Plan {
     const ConfigurationSpace& space = scene_->space();
     for (const Goal& goal : problem_.goals)
       if (goalHolds(space, goal, start_)) return {start_, start_};
-    if (objective_ != Objective::kLength || limits_.searchOver()) return {};
+    if (!wantsLength() || limits_.searchOver()) return {};
     const auto nearest = std::min_element(
         goals_.points.begin(), goals_.points.end(), [&](const auto& a, const auto& b) {
           return space.distance(start_, a) < space.distance(start_, b);
@@ -177,7 +167,7 @@ class Plan {
   void finish(Waypoints path) {
     const double planned = limits_.elapsed();
     const Waypoints unsimplified = path;
-    if (problem_.simplify) {
+    if (problem_.planner.simplify) {
       limits_.enter("simplify");
       simplifyPath(path);
     }
@@ -214,7 +204,7 @@ class Plan {
     SimplifyOptions options;
     options.seed = Random(problem_.seed, kSimplifyStream).next();
     options.stop = [this] { return limits_.over(); };
-    if (objective_ == Objective::kClearance) {
+    if (!wantsLength()) {
       options.clearance_floor = pathClearance(certifier(), path, kClearanceTolerance, -kInfinity);
       options.clearance_tolerance = kClearanceTolerance;
     }
@@ -224,7 +214,6 @@ class Plan {
   std::shared_ptr<const CompiledScene> scene_;
   const Problem& problem_;
   const PlanOptions& options_;
-  Objective objective_;
   Limits limits_;
   const PlannerTraits* traits_ = nullptr;
   std::shared_ptr<CertifierPool> pool_;

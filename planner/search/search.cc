@@ -68,9 +68,9 @@ Search::Search(std::shared_ptr<const CompiledScene> scene, std::shared_ptr<Certi
     : scene_(std::move(scene)),
       pool_(std::move(pool)),
       task_(task),
-      parameters_(task.problem.planner_parameters),
+      parameters_(task.problem.planner.parameters),
       space_information_(makeSpaceInformation(scene_, task.problem.seed, pool_)),
-      traits_(findPlanner(task.problem.planner)) {
+      traits_(findPlanner(task.problem.planner.name)) {
   const double extent = space_information_->getMaximumExtent();
   if (traits_->name == "RRTConnect")
     parameters_.emplace("range", digits(kConnectRange * usefulExtent(scene_->space())));
@@ -133,7 +133,7 @@ std::optional<Waypoints> Search::runOnce(const ob::OptimizationObjectivePtr& obj
   {
     const std::lock_guard<std::recursive_mutex> lock(omplSeedLock());
     seedOmpl(seed);
-    planner = makePlanner(task_.problem.planner, parameters_, space_information_);
+    planner = makePlanner(task_.problem.planner.name, parameters_, space_information_);
     definition->setGoal(goalFor(*planner, round));
     planner->setProblemDefinition(definition);
     planner->setup();

@@ -1,14 +1,12 @@
 // Conservative advancement, after Mirtich (1996) and Zhang, Lee and Kim (2006), in its plainest
-// form: for each edge and each pair of shapes, intervals of t wait in a queue; at the middle of one
-// the distance d is taken, and where the pair's speed bound v allows no meeting within (d - margin)
-// / 2 of motion, that much of the interval is done. What remains on both sides goes back to the
-// queue.
+// form. For each edge and each pair of shapes a queue holds the open intervals of t. The distance d
+// at an interval's middle, with the pair's speed bound v, proves |t - middle| < (d - margin) / (2
+// v) of it; the remains on both sides go back to the queue.
 
 #include "leeway/planner/verify.h"
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <deque>
 #include <limits>
 #include <numbers>
@@ -17,8 +15,9 @@
 #include "collision/base/work.h"
 #include "leeway/collision/distance.h"
 #include "planner/base/tolerances.h"
-#include "planner/verify/verify_kinematics.h"
-#include "planner/verify/verify_pairs.h"
+#include "planner/verify/kinematics.h"
+#include "planner/verify/pairs.h"
+#include "planner/verify/path_check.h"
 
 namespace leeway::planner {
 namespace {
@@ -35,139 +34,6 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-std::string text(double x) {
-  char buffer[32];
-  std::snprintf(buffer, sizeof buffer, "%.17g", x);
-  return buffer;
-}
-
-/// What the path must be before any geometry is looked at; empty when all is well.
-class PathCheck {
- public:
-  PathCheck(const Problem& problem, const ConfigurationSpace& space, const Path& path)
-      : problem_(problem), space_(space), path_(path) {}
-
-  /// The reason, and through `waypoint` where.
-  std::string run(std::size_t& waypoint) const {
-    waypoint = 0;
-    if (path_.positions.empty()) return "the path has no waypoints";
-    if (path_.names.size() != problem_.variables.size()) return columns();
-    for (std::size_t i = 0; i < path_.names.size(); ++i)
-      if (path_.names[i] != variable(i).name) return columns();
-    for (; waypoint < path_.positions.size(); ++waypoint)
-      if (const std::string reason = outside(path_.positions[waypoint]); !reason.empty())
-        return reason;
-    waypoint = 0;
-    if (const std::string reason = notStart(path_.positions.front()); !reason.empty())
-      return reason;
-    waypoint = path_.positions.size() - 1;
-    for (const Goal& goal : problem_.goals)
-      if (meets(goal, path_.positions.back())) return {};
-    return "the last waypoint is in none of the problem's goals";
-  }
-
- private:
-  const robots::Variable& variable(std::size_t i) const {
-    return problem_.model->variables[at(problem_.variables[i])];
-  }
-
-  std::string columns() const {
-    return "the path's columns are not the problem's planned variables";
-  }
-
-  std::string outside(const std::vector<double>& q) const {
-    if (q.size() != path_.names.size())
-      return "the waypoint has " + std::to_string(q.size()) + " values, " +
-             std::to_string(path_.names.size()) + " are planned";
-    for (std::size_t i = 0; i < q.size(); ++i) {
-      const robots::Variable& v = variable(i);
-      if (!std::isfinite(q[i])) return v.name + " is not finite";
-      if (q[i] < v.lower - kVerifyWaypoint || q[i] > v.upper + kVerifyWaypoint)
-        return v.name + " is " + text(q[i]) + ", outside its limits " + text(v.lower) + " to " +
-               text(v.upper);
-    }
-    for (const ConfigurationSpace::Part& part : space_.parts()) {
-      const double* x = &q[at(part.first)];
-      if (part.kind == ConfigurationSpace::Kind::kRotation) {
-        const double norm = std::sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2] + x[3] * x[3]);
-        if (!(std::abs(norm - 1) <= kUnitQuaternion))
-          return "the quaternion at " + variable(at(part.first)).name + " has length " +
-                 text(norm) + ", not 1";
-      }
-    }
-    return {};
-  }
-
-  static double angleBetween(double a, double b) {
-    return std::remainder(a - b, 2 * std::numbers::pi);
-  }
-
-  /// Angle between two orientations [rad], for small angles.
-  static double turnBetween(const double* a, const double* b) {
-    double minus = 0, plus = 0;
-    for (int k = 0; k < 4; ++k) {
-      minus += (a[k] - b[k]) * (a[k] - b[k]);
-      plus += (a[k] + b[k]) * (a[k] + b[k]);
-    }
-    return 2 * std::sqrt(std::min(minus, plus));
-  }
-
-  std::string notStart(const std::vector<double>& q) const {
-    std::vector<double> start;
-    for (const int v : problem_.variables) start.push_back(problem_.configuration[at(v)]);
-    for (const ConfigurationSpace::Part& part : space_.parts()) {
-      const std::size_t i = at(part.first);
-      const bool angle = part.kind == ConfigurationSpace::Kind::kCircle;
-      const double apart = part.kind == ConfigurationSpace::Kind::kRotation
-                               ? turnBetween(&q[i], &start[i])
-                           : angle ? std::abs(angleBetween(q[i], start[i]))
-                                   : std::abs(q[i] - start[i]);
-      if (!(apart <= kVerifyWaypoint))
-        return "the first waypoint is not the start: " + variable(i).name + " is " + text(q[i]) +
-               ", the start's " + text(start[i]);
-    }
-    return {};
-  }
-
-  bool meets(const Goal& goal, const std::vector<double>& q) const {
-    if (goal.ranges.size() != q.size()) return false;
-    for (const ConfigurationSpace::Part& part : space_.parts()) {
-      const std::size_t i = at(part.first);
-      if (part.kind == ConfigurationSpace::Kind::kRotation) {
-        if (!orientationMeets(goal, q, i)) return false;
-        continue;
-      }
-      const auto& [low, high] = goal.ranges[i];
-      if (part.kind != ConfigurationSpace::Kind::kCircle) {
-        if (!(q[i] >= low - kVerifyWaypoint && q[i] <= high + kVerifyWaypoint)) return false;
-        continue;
-      }
-      // An angle may stand whole turns away from the range as it is written.
-      const double middle = low / 2 + high / 2, half = high / 2 - low / 2;
-      if (half < std::numbers::pi &&
-          !(std::abs(angleBetween(q[i], middle)) <= half + kVerifyWaypoint))
-        return false;
-    }
-    return true;
-  }
-
-  /// A goal's orientation is one quaternion, or free: [-1, 1] four times.
-  static bool orientationMeets(const Goal& goal, const std::vector<double>& q, std::size_t i) {
-    double given[4];
-    bool free = true;
-    for (std::size_t k = 0; k < 4; ++k) {
-      const auto& [low, high] = goal.ranges[i + k];
-      free = free && low <= -1 && high >= 1;
-      given[k] = low;
-    }
-    return free || turnBetween(&q[i], given) <= kVerifyWaypoint;
-  }
-
-  const Problem& problem_;
-  const ConfigurationSpace& space_;
-  const Path& path_;
-};
-
 /// One shape of one body against one of another.
 struct ShapePair {
   const BodyPair* bodies;
@@ -180,12 +46,12 @@ class Verifier {
  public:
   Verifier(const Problem& problem, const Path& path, const PlanOptions& options)
       : problem_(problem),
-        model_(*problem.model),
+        model_(*problem.robot.model),
         path_(path),
         options_(options),
-        space_(problem.model, problem.variables) {
+        space_(problem.robot.model, problem.robot.variables) {
     result_.clearance_lower = kInfinity;
-    q_ = problem.configuration;
+    q_ = problem.start;
     point_.resize(at(space_.size()));
     difference_.resize(at(space_.size()));
     dq_.resize(model_.variables.size());
@@ -193,15 +59,14 @@ class Verifier {
   }
 
   VerifyResult run() {
-    std::size_t waypoint = 0;
-    if (const std::string reason = PathCheck(problem_, space_, path_).run(waypoint);
-        !reason.empty()) {
+    if (const std::optional<PathFault> fault = findFault(problem_, space_, path_)) {
       const std::size_t last = path_.positions.size() < 2 ? 0 : path_.positions.size() - 2;
-      const double t = waypoint > last ? 1 : 0;
-      return fail(VerifyStatus::kRefuted, std::min(waypoint, last), t, t, nullptr, reason);
+      const double t = fault->waypoint > last ? 1 : 0;
+      return fail(VerifyStatus::kRefuted, std::min(fault->waypoint, last), t, t, nullptr,
+                  fault->reason);
     }
     collectShapes();
-    // A path of one waypoint is an edge that does not move.
+    // One waypoint is an edge without motion.
     const std::size_t segments = std::max<std::size_t>(1, path_.positions.size() - 1);
     for (std::size_t s = 0; s < segments; ++s)
       if (!checkSegment(s)) break;
@@ -246,14 +111,14 @@ class Verifier {
           shapes_.push_back({&pair, &a, &b, enclosingSphere(a.shape), enclosingSphere(b.shape)});
   }
 
-  /// False: the whole can stop.
+  /// False when the whole path is decided or the work is used up.
   bool checkSegment(std::size_t segment) {
     a_ = path_.positions[segment];
     b_ = path_.positions[std::min(segment + 1, path_.positions.size() - 1)];
     space_.difference(a_, b_, difference_);
     std::fill(dq_.begin(), dq_.end(), 0.0);
     for (std::size_t i = 0; i < difference_.size(); ++i)
-      dq_[at(problem_.variables[i])] = difference_[i];
+      dq_[at(problem_.robot.variables[i])] = difference_[i];
     if (const std::string reason = notContinuous(); !reason.empty()) {
       leaveOpen(segment, {0, 1}, nullptr, reason);
       return true;
@@ -263,8 +128,8 @@ class Verifier {
     return true;
   }
 
-  /// Positions are wrapped to [-pi, pi) inside an edge: a mimic joint that does not turn by whole
-  /// multiples of its master would jump there.
+  /// Why the edge is no continuous motion; empty when it is one. Circles wrap to [-pi, pi) inside
+  /// an edge; a mimic that does not turn by whole multiples of its master jumps there.
   std::string notContinuous() const {
     for (const ConfigurationSpace::Part& part : space_.parts()) {
       const std::size_t i = at(part.first);
@@ -274,7 +139,7 @@ class Verifier {
       if (part.kind != ConfigurationSpace::Kind::kCircle) continue;
       const auto inside = [](double x) { return x >= -std::numbers::pi && x < std::numbers::pi; };
       if (inside(a_[i]) && inside(b_[i]) && std::abs(b_[i] - a_[i]) <= std::numbers::pi) continue;
-      const int master = model_.variables[at(problem_.variables[i])].joint;
+      const int master = model_.variables[at(problem_.robot.variables[i])].joint;
       for (const robots::Joint& joint : model_.joints) {
         double factor = 1;
         const robots::Joint* j = &joint;
@@ -290,19 +155,18 @@ class Verifier {
     return {};
   }
 
-  /// One look at the pair in the middle of a span.
+  /// A pair at the middle of a span.
   struct Look {
     Interval distance;  ///< [m]
     DistanceStatus status = DistanceStatus::kInvalid;
-    double motion =
-        0;  ///< how far the shapes can come nearer to each other within the span's half [m]
-    double slack = 0;
+    double motion = 0;  ///< bound on the shapes' approach within half of the span [m]
+    double slack = 0;   ///< rounding of both placements [m]
     Motion a, b;
   };
 
   std::vector<Pose> poses(double t) {
     space_.interpolate(a_, b_, t, point_);
-    for (std::size_t i = 0; i < point_.size(); ++i) q_[at(problem_.variables[i])] = point_[i];
+    for (std::size_t i = 0; i < point_.size(); ++i) q_[at(problem_.robot.variables[i])] = point_[i];
     return placeLinks(model_, q_);
   }
 
@@ -326,24 +190,25 @@ class Verifier {
     return look;
   }
 
-  /// What must be proven: the margin. Below zero a mesh's distance is not known to change as slowly
-  /// as its points move, so there it is zero.
-  static double floorOf(const ShapePair& pair) {
+  /// The separation that is proven for a pair: its margin, for meshes at least 0. The depth of
+  /// overlapping meshes may change faster than their points move.
+  static double provableMargin(const ShapePair& pair) {
     const bool convex = pair.a->shape.isConvex() && pair.b->shape.isConvex();
     return convex ? pair.bodies->margin : std::max(pair.bodies->margin, 0.0);
   }
 
-  /// The distance as well as it is needed: first only whether it is enough for the whole span;
-  /// itself where it is not, or where the proven clearance would suffer from knowing no more.
+  /// The distance, as exactly as it is needed: first whether it suffices for the whole span. If it
+  /// does, larger thresholds until the certified clearance does not depend on it; if not, its
+  /// value.
   void measure(const ShapePair& pair, const Pose& X_WA, const Pose& X_WB, Look& look) {
     const double margin = pair.bodies->margin;
     DistanceRequest request;
     request.depth = margin < 0;
     request.tolerance = kVerifyTolerance;
-    request.threshold = floorOf(pair) + 2 * look.motion + look.slack;
+    request.threshold = provableMargin(pair) + 2 * look.motion + look.slack;
     look.status = DistanceStatus::kInvalid;
     if (!std::isfinite(request.threshold))
-      return;  // an unbounded shape that turns: nothing can be said
+      return;  // an unbounded shape turns: its motion has no bound
     const auto ask = [&] {
       const DistanceResult answer =
           collision::distance(pair.a->shape, X_WA, pair.b->shape, X_WB, request, scratch_);
@@ -355,8 +220,7 @@ class Verifier {
     if (look.status == DistanceStatus::kInvalid || look.distance.upper + look.slack <= margin)
       return;
     if (look.distance.lower > request.threshold) {
-      // Enough. Twice as far is asked for until the proven clearance does not suffer, or it is
-      // farther than the truth.
+      // It suffices: double the threshold until the clearance so far is reached, or the truth.
       const double wanted = result_.clearance_lower + look.motion + look.slack;
       do {
         const double lower = look.distance.lower;
@@ -366,8 +230,8 @@ class Verifier {
       } while (look.status == DistanceStatus::kAboveThreshold);
       return;
     }
-    // Not enough: how much there is, to a fraction. The tolerance follows from an upper end that is
-    // itself only an estimate at first.
+    // It does not: measure, to a fraction of the distance. The tolerance follows the upper end,
+    // which is an estimate at first.
     request.threshold = std::numeric_limits<double>::quiet_NaN();
     do {
       if (!std::isfinite(look.distance.upper)) return;
@@ -379,9 +243,9 @@ class Verifier {
                  1.25 * kVerifyFraction * (look.distance.upper - margin));
   }
 
-  /// False: refuted, or the work is used up.
+  /// False when the path is refuted or the work is used up.
   bool checkPair(std::size_t segment, const ShapePair& pair) {
-    const double margin = pair.bodies->margin, floor = floorOf(pair);
+    const double margin = pair.bodies->margin, floor = provableMargin(pair);
     std::deque<Span> open{{0, 1}};
     long limit = kVerifyPairWork;
     cost_.limit = std::min(kVerifyCost, cost_.done + kVerifyPairCost);
@@ -405,8 +269,8 @@ class Verifier {
       }
       if (found.distance.upper + found.slack <= margin) {
         refuted_ = fail(VerifyStatus::kRefuted, segment, t, t, &pair,
-                        "not more than " + text(found.distance.upper) + " m apart, " +
-                            text(margin) + " m are required");
+                        "not more than " + numberText(found.distance.upper) + " m apart, " +
+                            numberText(margin) + " m are required");
         return false;
       }
       const double room = (found.distance.lower - found.slack - floor) / 2;
@@ -416,7 +280,7 @@ class Verifier {
         continue;
       }
       if (found.distance.upper + found.slack <= floor) {
-        // No part of the edge around here will be proven.
+        // The edge cannot be proven here.
         leaveOpen(segment, {t, t}, &pair, "a mesh that overlaps within its margin is not proven");
         onlyRefute(work, limit);
       }
@@ -430,18 +294,17 @@ class Verifier {
     return true;
   }
 
-  /// Part of the edge is left undecided: only a refutation is still of interest.
+  /// Reduces the pair's limits: with part of the edge undecided only a refutation still counts.
   void onlyRefute(long work, long& limit) {
     limit = std::min(limit, work + kVerifyOpenWork);
     cost_.limit = std::min(cost_.limit, cost_.done + kVerifyOpenCost);
   }
 
-  /// What a positive room covers around t is done; the rest goes back.
+  /// Proves what the room covers around t; the remains of the span go back to the queue.
   void split(const Span& span, double t, double half, double room, const Look& found,
              std::deque<Span>& open) {
     double done = 0;
     if (room > 0 && std::isfinite(found.motion)) {
-      // The speed bounds hold for the whole half, so for less as well.
       done = half * (room / found.motion) * (1 - kVerifyRounding);
       result_.clearance_lower =
           std::min(result_.clearance_lower, found.distance.lower - found.slack - room);

@@ -1,56 +1,70 @@
 #pragma once
 
-// Every tolerance of robots/: unit, reason, and what goes wrong when it is changed. What stands
-// here and what beside its algorithm is decided as in collision's.
+// Tolerances of robots/: unit, reason, and what a change breaks. First what guarantees rest on,
+// then what only trades time for tightness.
 
 #include "collision/base/tolerances.h"
 
 namespace leeway::robots {
 
-/// Added to every reach, relative to it and as metres: a walk over a hundred joints rounds by 1e-14
-/// of the coordinates. Smaller would risk reaches rounded inwards; larger only loosens bounds.
+// ------------------------------------------------------------------------------------------------
+// Guarantees: smaller values make bounds untrue, larger ones only loosen them.
+
+/// Rounding of a reach, relative to it and in metres. A walk over a hundred joints rounds by 1e-14
+/// of the coordinates.
 inline constexpr double kReachRounding = 1e-12;
 
-/// Rounding of a joint's place, as a fraction of the lengths above it; derived in kinematics.cc.
-/// Smaller breaks the guarantee.
+/// Rounding of a joint's pose, as a fraction of the lengths above it. Derived in kinematics.cc.
 inline constexpr double kJointRounding = 256 * collision::kUnitRoundoff;
 
-/// Relative rounding of sums of some hundred positive terms, and of halving a box (an ulp each).
+/// Relative rounding of a sum of some hundred positive terms, and of halving a box (an ulp each).
 inline constexpr double kBoundRounding = 1e-12;
 
-/// provenApart(): a distance must beat the motion by this much [m]: kinematics' rounding for robots
-/// of up to 1e5 m.
+/// A proof that links stay apart needs a distance that exceeds the motion by this [m]: the rounding
+/// of kinematics for robots of up to 1e5 m.
 inline constexpr double kApartSlack = 1e-9;
 
-/// provenApart(): boxes looked at for one pair before it is left to be checked (a few ms).
-inline constexpr int kApartBoxes = 2000;
+/// Rounding of coordinates and angles in provenGaps(): relative, and in metres and radians.
+inline constexpr double kGapSlack = 1e-9;
 
-/// provenApart(): no box is split below this half width [rad or m]: pairs that come that near stay
-/// checked.
-inline constexpr double kApartSmallest = 1e-3;
+/// Edges that rise by less are not clipped to a slice [m]: clipping them would round by more than
+/// kGapSlack.
+inline constexpr double kGapLevel = 1e-6;
 
-/// provenGaps(): slices of what turns, more of which tell more and take longer; samples are where
-/// proofs begin, and tell which of two links to take for turning.
-inline constexpr int kGapSlices = 24, kGapSamples = 32;
-
-/// provenGaps(): what is proven by both angles, for pairs whose gap by one is below kNearGap for
-/// half of the angles [m]; and the arcs of either that a proof begins and ends with.
-inline constexpr double kCellGap = 1e-3, kNearGap = 0.04;
-inline constexpr int kGapBlock = 8, kLeastBlock = 2;
-
-/// provenGaps(): no larger gap is proven, and no smaller one; tried is this share of the distance
-/// found halfway [m; m; 1].
-inline constexpr double kMostGap = 0.1, kLeastGap = 1e-3, kGapShare = 0.75;
-
-/// provenGaps(): queries about one pair of links, after which what is left stays unproven.
-inline constexpr int kGapQueries = 5'000;
-
-/// provenGaps(): a gap is told as this much of what is proven, so that single precision rounds none
-/// above it.
+/// Share of a proven gap that is stored: rounded to single precision, it stays below the gap.
 inline constexpr double kGapInwards = 1 - 1e-6;
 
-/// provenGaps(): rounding of coordinates and angles, relative and in metres and radians; edges that
-/// rise less are taken whole [m], so that none is cut with more rounding than that.
-inline constexpr double kGapSlack = 1e-9, kGapLevel = 1e-6;
+// ------------------------------------------------------------------------------------------------
+// Tuning: any positive value is safe.
+
+/// provenApart(): boxes of configurations examined for a pair before it is left to be checked (a
+/// few ms).
+inline constexpr int kApartBoxes = 2000;
+
+/// provenApart(): no box is split below this half width [rad or m]. Pairs that need smaller ones
+/// stay checked.
+inline constexpr double kApartSmallest = 1e-3;
+
+/// provenGaps(): slices of a turning body. More are tighter and slower.
+inline constexpr int kGapSlices = 24;
+
+/// provenGaps(): angles at which the proof begins, and that choose which link to replace by its
+/// solid of revolution.
+inline constexpr int kGapSamples = 32;
+
+/// provenGaps(): largest and smallest gap that is tried [m], and the first try's share of the
+/// distance at the middle of the arc.
+inline constexpr double kMostGap = 0.1, kLeastGap = 1e-3, kGapShare = 0.75;
+
+/// provenGaps(): pairs whose gap by one angle is below kNearGap for half of the angles are examined
+/// by both angles, for a gap of kCellGap [m].
+inline constexpr double kNearGap = 0.04, kCellGap = 1e-3;
+
+/// provenGaps(): arcs of each angle in the largest and the smallest block of cells that is proven
+/// at once.
+inline constexpr int kGapBlock = 8, kLeastBlock = 2;
+
+/// provenGaps(): distance queries for a pair of links; what they leave open stays unproven.
+inline constexpr int kGapQueries = 5'000;
 
 }  // namespace leeway::robots

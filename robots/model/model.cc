@@ -23,14 +23,14 @@ Eigen::Matrix3d skew(const Eigen::Vector3d& a) {
   return result;
 }
 
-KinematicStep compile(const Model& model, const Joint& joint) {
+KinematicStep compile(const RobotDescription& robot, const Joint& joint) {
   KinematicStep step;
   step.type = joint.type;
   step.parent_link = joint.parent_link;
   step.multiplier = joint.multiplier;
   step.offset = joint.offset;
   step.variable = joint.mimic >= 0
-                      ? model.joints[static_cast<std::size_t>(joint.mimic)].first_variable
+                      ? robot.joints[static_cast<std::size_t>(joint.mimic)].first_variable
                       : joint.first_variable;
   step.translation = joint.X_PJ.translation;
   step.turned = joint.X_PJ.rotation != Eigen::Matrix3d::Identity();
@@ -74,14 +74,18 @@ void planeAxes(const Eigen::Vector3d& normal, Eigen::Vector3d& u, Eigen::Vector3
   v = {-k * x * y, 1 - k * y * y, -y};
 }
 
-int Model::findLink(std::string_view wanted) const { return findByName(links, wanted); }
-int Model::findJoint(std::string_view wanted) const { return findByName(joints, wanted); }
-int Model::findVariable(std::string_view wanted) const { return findByName(variables, wanted); }
-int Model::findGroup(std::string_view wanted) const { return findByName(groups, wanted); }
+int RobotDescription::findLink(std::string_view wanted) const { return findByName(links, wanted); }
+int RobotDescription::findJoint(std::string_view wanted) const {
+  return findByName(joints, wanted);
+}
+int RobotDescription::findVariable(std::string_view wanted) const {
+  return findByName(variables, wanted);
+}
+int RobotDescription::findGroup(std::string_view wanted) const {
+  return findByName(groups, wanted);
+}
 
-void Model::finish() {
-  link_gaps.clear();
-  steps.clear();
+Model::Model(RobotDescription description) : RobotDescription(std::move(description)) {
   steps.reserve(joints.size());
   for (const Joint& joint : joints) steps.push_back(compile(*this, joint));
   if (findGroup("all") < 0) {
@@ -104,25 +108,25 @@ std::vector<double> Model::defaultConfiguration() const {
   return q;
 }
 
-void appendVariables(Model& model, int joint_index, const Eigen::Vector3d& lower,
+void appendVariables(RobotDescription& robot, int joint_index, const Eigen::Vector3d& lower,
                      const Eigen::Vector3d& upper, double velocity) {
   static constexpr const char* kPlanarNames[] = {"/x", "/y", "/theta"};
   static constexpr const char* kFloatingNames[] = {"/x", "/y", "/z", "/qx", "/qy", "/qz", "/qw"};
-  Joint& joint = model.joints[static_cast<std::size_t>(joint_index)];
+  Joint& joint = robot.joints[static_cast<std::size_t>(joint_index)];
   if (joint.type == JointType::kFixed || joint.mimic >= 0) return;
-  joint.first_variable = static_cast<int>(model.variables.size());
+  joint.first_variable = static_cast<int>(robot.variables.size());
   joint.variable_count = joint.type == JointType::kPlanar     ? 3
                          : joint.type == JointType::kFloating ? 7
                                                               : 1;
   if (joint.variable_count == 1) {
     const bool continuous = joint.type == JointType::kContinuous;
-    model.variables.push_back({joint.name, joint_index, continuous ? -kInfinity : lower.x(),
+    robot.variables.push_back({joint.name, joint_index, continuous ? -kInfinity : lower.x(),
                                continuous ? kInfinity : upper.x(), velocity});
     return;
   }
   const int bounded = joint.variable_count == 3 ? 2 : 3;
   for (int i = 0; i < joint.variable_count; ++i)
-    model.variables.push_back(
+    robot.variables.push_back(
         {joint.name + (joint.variable_count == 3 ? kPlanarNames[i] : kFloatingNames[i]),
          joint_index, i < bounded ? lower(i) : -kInfinity, i < bounded ? upper(i) : kInfinity,
          velocity});
@@ -131,22 +135,21 @@ void appendVariables(Model& model, int joint_index, const Eigen::Vector3d& lower
 std::shared_ptr<const Model> freeBody(const std::string& name, std::vector<Geometry> geometries,
                                       JointType type, const Eigen::Vector3d& lower,
                                       const Eigen::Vector3d& upper) {
-  auto model = std::make_shared<Model>();
-  model->name = name;
+  RobotDescription body;
+  body.name = name;
   Link link;
   link.name = name;
   link.joint = 0;
   link.geometries = std::move(geometries);
-  model->links.push_back(std::move(link));
+  body.links.push_back(std::move(link));
   Joint joint;
   joint.name = name;
   joint.type = type;
   joint.child_link = 0;
   joint.axis = Eigen::Vector3d::UnitZ();
-  model->joints.push_back(std::move(joint));
-  appendVariables(*model, 0, lower, upper);
-  model->finish();
-  return model;
+  body.joints.push_back(std::move(joint));
+  appendVariables(body, 0, lower, upper);
+  return std::make_shared<const Model>(std::move(body));
 }
 
 }  // namespace leeway::robots

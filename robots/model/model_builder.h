@@ -8,10 +8,10 @@ namespace leeway::robots {
 
 inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// Appends the variables of model.joints[joint], which must not be there yet; none for a fixed or
+/// Appends the variables of robot.joints[joint], which it must not have yet; none for a fixed or
 /// mimic joint. `lower` and `upper` bound x for a joint of one variable (ignored for a continuous
 /// one), x and y of a planar, x, y and z of a floating one.
-void appendVariables(Model& model, int joint, const Eigen::Vector3d& lower,
+void appendVariables(RobotDescription& robot, int joint, const Eigen::Vector3d& lower,
                      const Eigen::Vector3d& upper, double velocity = kInfinity);
 
 }  // namespace leeway::robots

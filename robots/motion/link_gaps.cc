@@ -2,134 +2,53 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdint>
 #include <limits>
+#include <optional>
 #include <span>
 
 #include "collision/base/sine_cosine.h"
-#include "leeway/collision/convex_hull.h"
 #include "leeway/collision/distance.h"
-#include "leeway/collision/triangle_mesh.h"
 #include "leeway/robots/kinematics.h"
 #include "leeway/robots/motion_bound.h"
 #include "robots/base/tolerances.h"
+#include "robots/motion/revolution_cover.h"
 
 namespace leeway::robots {
 namespace {
 
 using collision::kTwoPi;
-using collision::Shape;
-using collision::sineCosine;
 using Eigen::Vector3d;
 
 constexpr int kGapArcs = LinkGap::kArcs;
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-/// The corners of a shape's triangles, three and three; empty where it has none.
-std::vector<Vector3d> triangleCorners(const Geometry& g) {
-  std::vector<Vector3d> corners;
-  const auto add = [&](std::span<const Vector3d> vertices,
-                       std::span<const std::array<std::int32_t, 3>> triangles) {
-    for (const std::array<std::int32_t, 3>& t : triangles)
-      for (const std::int32_t v : t) corners.push_back(g.X_BG * vertices[at(v)]);
-  };
-  if (g.shape.type() == collision::ShapeType::kMesh)
-    add(g.shape.mesh()->vertices(), g.shape.mesh()->triangles());
-  if (g.shape.type() == collision::ShapeType::kConvexHull)
-    add(g.shape.hull()->vertices(), g.shape.hull()->facets());
-  return corners;
-}
-
-/// Cylinders about the z axis that hold all that triangles pass through as they turn about it, and
-/// all that they enclose.
-std::vector<Geometry> stackAbout(const std::vector<Vector3d>& corners) {
-  double low = corners.front().z(), high = low, size = 0;
-  for (const Vector3d& p : corners) {
-    low = std::min(low, p.z());
-    high = std::max(high, p.z());
-    size = std::max(size, p.lpNorm<1>());
-  }
-  const double slack = kGapSlack * (1 + size);
-  const double thickness = (high - low) / kGapSlices + slack;
-  std::array<double, kGapSlices> radius{};
-  const auto slice = [&](double z) {
-    return static_cast<int>(std::clamp((z - low) / thickness, 0.0, kGapSlices - 1.0));
-  };
-  for (std::size_t i = 0; i < corners.size(); ++i) {
-    // A triangle's part within a slice has its corners on the triangle's edges.
-    const Vector3d &p = corners[i], &q = corners[i % 3 == 2 ? i - 2 : i + 1];
-    const double rise = q.z() - p.z();
-    const int last = slice(std::max(p.z(), q.z()) + slack);
-    for (int k = slice(std::min(p.z(), q.z()) - slack); k <= last; ++k) {
-      double from = 0, to = 1;
-      if (std::abs(rise) > kGapLevel) {
-        from = std::clamp((low + k * thickness - slack - p.z()) / rise, 0.0, 1.0);
-        to = std::clamp((low + (k + 1) * thickness + slack - p.z()) / rise, 0.0, 1.0);
-      }
-      for (const double t : {from, to}) {
-        const Vector3d x = p + t * (q - p);
-        radius[at(k)] = std::max(radius[at(k)], std::hypot(x.x(), x.y()) + slack);
-      }
-    }
-  }
-  std::vector<Geometry> stack;
-  for (int k = 0; k < kGapSlices;) {
-    // Slices of nearly one radius make one cylinder.
-    double most = radius[at(k)], least = most;
-    int end = k + 1;
-    for (; end < kGapSlices; ++end) {
-      most = std::max(most, radius[at(end)]);
-      least = std::min(least, radius[at(end)]);
-      if (most - least > kLeastGap) break;
-    }
-    const double r = *std::max_element(radius.begin() + k, radius.begin() + end);
-    if (r > 0) {
-      Pose X;
-      X.translation.z() = low + 0.5 * (k + end) * thickness;
-      stack.push_back({Shape::cylinder(r, (end - k) * thickness / 2 + 2 * slack), X, ""});
-    }
-    k = end;
-  }
-  return stack;
-}
-
-/// How far geometries reach from the z axis, at most.
-double reachFrom(const Geometry& g) {
-  const Vector3d center = g.X_BG * g.shape.boundingCenter();
-  return (std::hypot(center.x(), center.y()) + g.shape.boundingRadius()) * (1 + kGapSlack);
-}
-
-/// One pair of links, seen from what stands between the two joints.
+/// The proof for one pair of links between which two joints turn, seen from the link between these
+/// joints: each of the pair turns about an axis at rest. One of them is replaced by its solid of
+/// revolution, which holds it at any angle; the gap then depends on the other's angle alone.
 class GapProof {
  public:
   GapProof(const Model& model, int link_a, int link_b)
       : model_(model), link_a_(link_a), link_b_(link_b) {}
 
-  /// By the angle of the joint that tells more; none of it where nothing is proven.
+  /// By the angle of the joint that proves more; without gaps where nothing is proven.
   LinkGap run() {
     LinkGap none;
-    // Joints without room, too: a passive one may stand outside its limits.
-    const std::vector<VariableRange> ranges(model_.variables.size(), {-1, 1});
-    const RelativeMotion motion =
-        relativeMotion(model_, link_a_, link_b_, Vector3d::Zero(), 0, ranges);
-    if (motion.terms.size() != 2) return none;
-    for (const RelativeMotion::Term& term : motion.terms) {
-      const JointType type = model_.joints[at(term.joint)].type;
-      if (type != JointType::kRevolute && type != JointType::kContinuous) return none;
-    }
+    const RelativeMotion motion = motionBetween();
+    if (!hasTwoTurns(motion)) return none;
     std::vector<Pose> X_WL(model_.links.size());
     forwardKinematics(model_, model_.defaultConfiguration(), X_WL);
-    // b turns about the axis of the first joint, a about that of the second; as the joint's angle
-    // grows, what is on its child's side turns forwards, seen from the other side.
-    const Side a = sideOf(link_a_, motion.terms[1].joint, !motion.terms[1].inverted, X_WL);
-    const Side b = sideOf(link_b_, motion.terms[0].joint, motion.terms[0].inverted, X_WL);
-    const bool a_turns = prepare(a, b);
+    // b turns about the axis of the first joint, a about that of the second. As a joint's angle
+    // grows, its child's side turns forwards, seen from the other side.
+    const TurningLink a =
+        turningLink(link_a_, motion.terms[1].joint, !motion.terms[1].inverted, X_WL);
+    const TurningLink b =
+        turningLink(link_b_, motion.terms[0].joint, motion.terms[0].inverted, X_WL);
+    const bool a_turns = choose(a, b);
     const int apart = a_turns ? samplesApart() : 0;
-    const bool b_turns = apart < kGapSamples && prepare(b, a) && samplesApart() > apart;
-    if (!b_turns && (apart == 0 || !prepare(a, b))) return none;
+    const bool b_turns = apart < kGapSamples && choose(b, a) && samplesApart() > apart;
+    if (!b_turns && (apart == 0 || !choose(a, b))) return none;
     LinkGap gap;
     gap.link_a = link_a_;
     gap.link_b = link_b_;
@@ -149,15 +68,29 @@ class GapProof {
   }
 
  private:
-  /// A link's geometries in the frame of the axis that it turns about, its z axis.
-  struct Side {
+  /// A link's geometries in frame F, whose z axis is the one that it turns about.
+  struct TurningLink {
     Pose X_WF;
     std::vector<Geometry> geometries;
-    double sign, angle;  // it stands as it does here at that angle of the joint [rad]
+    double sign, angle;  // X_WF is that at this angle of the joint [rad]; which way it turns
   };
 
-  Side sideOf(int link, int joint, bool forwards, std::span<const Pose> X_WL) const {
-    Side side;
+  RelativeMotion motionBetween() const {
+    // Ranges of some width for all joints: a passive one may stand outside its limits.
+    const std::vector<VariableRange> ranges(model_.variables.size(), {-1, 1});
+    return relativeMotion(model_, link_a_, link_b_, Vector3d::Zero(), 0, ranges);
+  }
+
+  bool hasTwoTurns(const RelativeMotion& motion) const {
+    const auto turns = [&](const RelativeMotion::Term& term) {
+      const JointType type = model_.joints[at(term.joint)].type;
+      return type == JointType::kRevolute || type == JointType::kContinuous;
+    };
+    return motion.terms.size() == 2 && std::all_of(motion.terms.begin(), motion.terms.end(), turns);
+  }
+
+  TurningLink turningLink(int link, int joint, bool forwards, std::span<const Pose> X_WL) const {
+    TurningLink side;
     const Joint& j = model_.joints[at(joint)];
     Vector3d u, v;
     planeAxes(j.axis, u, v);
@@ -172,22 +105,19 @@ class GapProof {
     return side;
   }
 
-  /// Sets out to prove how far apart `turning` and the other, however it is turned, stay. False
-  /// when the other is not made of triangles.
-  bool prepare(const Side& turning, const Side& held) {
-    stack_.clear();
-    for (const Geometry& g : held.geometries) {
-      const std::vector<Vector3d> corners = triangleCorners(g);
-      if (corners.empty()) return false;
-      for (Geometry& cylinder : stackAbout(corners)) stack_.push_back(std::move(cylinder));
-    }
-    X_HT_ = held.X_WF.inverse() * turning.X_WF;
+  /// Takes `turning` as it turns, and `covered` by its solid of revolution. False when `covered`
+  /// is not made of triangles.
+  bool choose(const TurningLink& turning, const TurningLink& covered) {
+    std::optional<std::vector<Geometry>> cover = revolutionCover(covered.geometries);
+    if (!cover) return false;
+    cover_ = std::move(*cover);
+    X_CT_ = covered.X_WF.inverse() * turning.X_WF;
     turning_ = &turning;
-    held_ = &held;
+    covered_ = &covered;
     return true;
   }
 
-  /// At how many of as many angles as are sampled the two are apart.
+  /// The number of sampled angles, of kGapSamples, at which the two are apart.
   int samplesApart() {
     int apart = 0;
     for (int i = 0; i < kGapSamples; ++i)
@@ -197,13 +127,13 @@ class GapProof {
 
   static double angleOf(double arc) { return kTwoPi / kGapArcs * arc; }
 
-  /// Fills in [arc, arc + count).
+  /// Fills in gaps of arcs [arc, arc + count), halving what is not proven at once.
   void prove(int arc, int count, std::vector<float>& gaps) {
-    const double near = distanceAt(angleOf(arc + 0.5 * count));  // neither inside the other
-    for (double gap = kGapShare * near; gap >= kLeastGap; gap /= 2) {
+    // A positive distance also means that neither is inside the other: staysApart() needs that.
+    const double distance = distanceAt(angleOf(arc + 0.5 * count));
+    for (double gap = kGapShare * distance; gap >= kLeastGap; gap /= 2) {
       if (staysApart(angleOf(arc), angleOf(count), gap)) {
-        const auto told = static_cast<float>(gap * kGapInwards);  // below it, rounded, too
-        std::fill_n(gaps.begin() + arc, count, told);
+        std::fill_n(gaps.begin() + arc, count, static_cast<float>(gap * kGapInwards));
         return;
       }
       if (count > 1) break;
@@ -213,16 +143,17 @@ class GapProof {
     prove(arc + count / 2, count / 2, gaps);
   }
 
-  /// A geometry in the frame of its axis, and of the turning link in that of the held one's.
-  static Pose turnedIn(const Side& side, const Geometry& g, double angle) {
+  /// The pose of a link's geometry in frame F at an angle of its joint [rad].
+  static Pose turnedIn(const TurningLink& side, const Geometry& g, double angle) {
     Pose X;
     double sine, cosine;
     collision::sineCosine(side.sign * (angle - side.angle), sine, cosine);
     X.rotation << cosine, -sine, 0, sine, cosine, 0, 0, 0, 1;
     return X * g.X_BG;
   }
+  /// The pose of the turning link's geometry in the covered link's frame F.
   Pose turned(const Geometry& g, double angle) const {
-    return X_HT_ * turnedIn(*turning_, g, angle);
+    return X_CT_ * turnedIn(*turning_, g, angle);
   }
 
   struct Arcs {
@@ -232,7 +163,8 @@ class GapProof {
     double middle() const { return begin() + width() / 2; }
   };
 
-  /// Fills in cells whose first arc has no gap of its own.
+  /// Fills in the cells of a block, halving it where it is not proven at once. Arcs with a gap of
+  /// their own need none.
   void proveCells(const Arcs& arcs, const Arcs& others, LinkGap& gap) {
     const auto begin = gap.gaps.begin() + arcs.first;
     if (std::all_of(begin, begin + arcs.count, [](float g) { return g > 0; })) return;
@@ -246,7 +178,7 @@ class GapProof {
     if (arcs.count <= 2 * kLeastBlock && others.count <= 2 * kLeastBlock &&
         !isApartHalfway(arcs, others))
       return;
-    // The held link's points leave its middle place at once, the others' chords slowly.
+    // The other angle costs more: its bound falls with the width, that of `arcs` with its square.
     const bool halves_other =
         others.count > kLeastBlock && (arcs.count <= kLeastBlock || 2 * others.count > arcs.count);
     for (int half = 0; half < 2; ++half) {
@@ -258,13 +190,14 @@ class GapProof {
     }
   }
 
-  /// Bodies that are farther apart as a rule are parted for less.
+  /// True where cells pay: for half of the angles the gap is small. Wide gaps already decide most
+  /// queries.
   static bool staysNear(std::vector<float> gaps) {
     std::nth_element(gaps.begin(), gaps.begin() + kGapArcs / 2, gaps.end());
     return static_cast<double>(gaps[kGapArcs / 2]) < kNearGap;
   }
 
-  /// Samples of what one angle does not tell: where bodies meet as a rule, little is proven.
+  /// True when the two are apart in most samples of arcs without a gap: else cells prove little.
   bool isMostlyApart(const std::vector<float>& gaps) {
     int apart = 0, samples = 0;
     for (int i = 0; i < kGapArcs; i += kGapBlock / 2)
@@ -275,35 +208,37 @@ class GapProof {
     return 2 * apart > samples;
   }
 
-  /// Whether more than kCellGap is kept where both are halfway.
+  /// Whether more than kCellGap is kept at the middle of both.
   bool isApartHalfway(const Arcs& arcs, const Arcs& others) {
     collision::DistanceRequest request;
     request.depth = false;
     request.threshold = kCellGap;
     for (const Geometry& g : turning_->geometries)
-      for (const Geometry& h : held_->geometries) {
+      for (const Geometry& h : covered_->geometries) {
         ++queries_;
         if (!(collision::distance(g.shape, turned(g, arcs.middle()), h.shape,
-                                  turnedIn(*held_, h, others.middle()), request, scratch_)
+                                  turnedIn(*covered_, h, others.middle()), request, scratch_)
                   .distance.lower > kCellGap))
           return false;
       }
     return true;
   }
 
-  /// Whether more than kCellGap is kept over arcs of both angles.
+  /// Whether more than kCellGap is kept over arcs of both angles. Over an arc of h radians the
+  /// turning link's points stay within h^2 / 8 times their axis distance of their chords; the other
+  /// link's within h / 2 times theirs of where they are at its middle.
   bool keepsCell(const Arcs& arcs, const Arcs& others) {
     collision::DistanceRequest request;
     request.depth = false;
     for (const Geometry& g : turning_->geometries)
-      for (const Geometry& h : held_->geometries) {
+      for (const Geometry& h : covered_->geometries) {
         queries_ += 2;
-        request.threshold = kCellGap + kApartSlack + others.width() / 2 * reachFrom(h);
-        const Pose X_GH = turnedIn(*held_, h, others.middle()).inverse();
+        request.threshold = kCellGap + kApartSlack + others.width() / 2 * axisReach(h);
+        const Pose X_GH = turnedIn(*covered_, h, others.middle()).inverse();
         const Pose X0 = X_GH * turned(g, arcs.begin()),
                    X1 = X_GH * turned(g, arcs.begin() + arcs.width());
-        const double growth = arcs.width() * arcs.width() / 8 * reachFrom(g);
-        // Apart at one end, with neither inside the other, and surfaces apart from there on.
+        const double growth = arcs.width() * arcs.width() / 8 * axisReach(g);
+        // Apart at the beginning with neither inside the other, and surfaces apart from there on.
         if (!(collision::distance(g.shape, X0, h.shape, Pose{}, request, scratch_).distance.lower >
               request.threshold) ||
             !(collision::sweptDistance(g.shape, X0, X1, growth, h.shape, request, scratch_)
@@ -318,18 +253,18 @@ class GapProof {
     request.depth = false;
     request.threshold = gap;
     for (const Geometry& g : turning_->geometries)
-      for (const Geometry& c : stack_)
+      for (const Geometry& c : cover_)
         if (!(collision::distance(g.shape, turned(g, angle), c.shape, c.X_BG, request, scratch_)
                   .distance.lower > gap))
           return false;
     return true;
   }
 
-  /// At an angle, kMostGap at most; 0 and less where they meet.
+  /// A lower bound of the distance at an angle, kMostGap at most; 0 or less where they meet [m].
   double distanceAt(double angle) {
     double most = kMostGap;
     for (const Geometry& g : turning_->geometries)
-      for (const Geometry& c : stack_) {
+      for (const Geometry& c : cover_) {
         ++queries_;
         collision::DistanceRequest request;
         request.depth = false;
@@ -347,19 +282,19 @@ class GapProof {
     return most;
   }
 
-  /// Whether more than `gap` is kept over an arc by surfaces, which suffices where they are apart
-  /// without one inside the other anywhere on it.
+  /// Whether surfaces keep more than `gap` over an arc. So do the bodies if at one angle of it
+  /// neither is inside the other.
   bool staysApart(double angle, double arc, double gap) {
     collision::DistanceRequest request;
     request.depth = false;
     request.threshold = gap + kApartSlack;
     for (const Geometry& g : turning_->geometries) {
-      const double growth = arc * arc / 8 * reachFrom(g);
-      for (const Geometry& c : stack_) {
+      const double growth = arc * arc / 8 * axisReach(g);
+      for (const Geometry& c : cover_) {
         ++queries_;
-        const Pose X_CH = c.X_BG.inverse();
-        const Pose X_C0 = X_CH * turned(g, angle), X_C1 = X_CH * turned(g, angle + arc);
-        if (!(collision::sweptDistance(g.shape, X_C0, X_C1, growth, c.shape, request, scratch_)
+        const Pose X_GC = c.X_BG.inverse();
+        const Pose X0 = X_GC * turned(g, angle), X1 = X_GC * turned(g, angle + arc);
+        if (!(collision::sweptDistance(g.shape, X0, X1, growth, c.shape, request, scratch_)
                   .distance.lower > request.threshold))
           return false;
       }
@@ -369,18 +304,11 @@ class GapProof {
 
   const Model& model_;
   int link_a_, link_b_, queries_ = 0;
-  const Side *turning_ = nullptr, *held_ = nullptr;
-  Pose X_HT_;
-  std::vector<Geometry> stack_;
+  const TurningLink *turning_ = nullptr, *covered_ = nullptr;
+  Pose X_CT_;                    // of the two frames F, covered to turning
+  std::vector<Geometry> cover_;  // in the covered link's frame F
   collision::Scratch scratch_;
 };
-
-bool isOfTriangles(const Link& link) {
-  return std::all_of(link.geometries.begin(), link.geometries.end(), [](const Geometry& g) {
-    return g.shape.type() == collision::ShapeType::kMesh ||
-           g.shape.type() == collision::ShapeType::kConvexHull;
-  });
-}
 
 int parentOf(const Model& model, int link) { return model.joints[at(link)].parent_link; }
 
@@ -390,7 +318,7 @@ int depthOf(const Model& model, int link) {
   return depth;
 }
 
-/// Whether no more than two joints that move stand between two links.
+/// Whether at most two joints that move stand between two links.
 bool areNear(const Model& model, const std::vector<int>& depth, int a, int b) {
   int moving = 0;
   while (a != b && a >= 0 && b >= 0 && moving <= 2) {
@@ -407,10 +335,10 @@ std::vector<LinkGap> provenGaps(const Model& model) {
   std::vector<LinkGap> gaps;
   const auto links = static_cast<int>(model.links.size());
   std::vector<int> depth;
-  std::vector<bool> has_stack;
+  std::vector<bool> has_triangles;
   for (int link = 0; link < links; ++link) {
     depth.push_back(depthOf(model, link));
-    has_stack.push_back(isOfTriangles(model.links[at(link)]));
+    has_triangles.push_back(areTriangles(model.links[at(link)].geometries));
   }
   for (int a = 0; a < links; ++a)
     for (int b = 0; b < a; ++b) {
@@ -420,51 +348,11 @@ std::vector<LinkGap> provenGaps(const Model& model) {
           std::any_of(model.disabled_pairs.begin(), model.disabled_pairs.end(),
                       [&](const DisabledPair& d) { return isPair(d.link_a, d.link_b); }))
         continue;
-      if (!(has_stack[at(a)] || has_stack[at(b)]) || !areNear(model, depth, a, b)) continue;
+      if (!(has_triangles[at(a)] || has_triangles[at(b)]) || !areNear(model, depth, a, b)) continue;
       LinkGap gap = GapProof(model, a, b).run();
       if (!gap.gaps.empty()) gaps.push_back(std::move(gap));
     }
   return gaps;
-}
-
-namespace {
-
-/// Arcs that hold all angles of a range, rounding included; of more than all of them, one.
-struct ArcRange {
-  std::int64_t first = 0;
-  int count = LinkGap::kArcs;
-
-  explicit ArcRange(const LinkGap::Range& range) {
-    const double slack = kGapSlack * (1 + std::abs(range.from) + std::abs(range.to));
-    constexpr double kScale = LinkGap::kArcs / kTwoPi;
-    const double low = std::floor((std::min(range.from, range.to) - slack) * kScale),
-                 high = std::floor((std::max(range.from, range.to) + slack) * kScale);
-    if (!(high - low < LinkGap::kArcs) || !(std::abs(low) < 1e9)) return;  // NaN, too
-    first = static_cast<std::int64_t>(low);
-    count = static_cast<int>(high - low) + 1;
-  }
-  std::size_t operator[](int i) const {
-    return static_cast<std::size_t>(((first + i) % LinkGap::kArcs + LinkGap::kArcs) %
-                                    LinkGap::kArcs);
-  }
-};
-
-}  // namespace
-
-double LinkGap::over(const Range& angles, const Range& others) const {
-  const ArcRange arcs(angles), other_arcs(others);
-  float least = std::numeric_limits<float>::infinity();
-  for (int i = 0; i < arcs.count; ++i) {
-    const std::size_t arc = arcs[i];
-    if (gaps[arc] > 0) {
-      least = std::min(least, gaps[arc]);
-      continue;
-    }
-    for (int k = 0; k < other_arcs.count; ++k)
-      if (cells[arc * kArcs + other_arcs[k]] == 0) return 0;
-    least = std::min(least, cell_gap);
-  }
-  return static_cast<double>(least);
 }
 
 }  // namespace leeway::robots

@@ -6,8 +6,6 @@
 #include <limits>
 
 #include "collision/base/sine_cosine.h"
-#include "leeway/collision/distance.h"
-#include "leeway/robots/kinematics.h"
 #include "robots/base/tolerances.h"
 
 namespace leeway::robots {
@@ -19,14 +17,14 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 double outwards(double x) { return x + kReachRounding * (1 + std::abs(x)); }
 
-/// A sphere that holds the body over all positions of the joints walked so far, in the frame
+/// Holds the body over all positions of the joints walked so far, in the frame that the walk has
 /// reached.
 struct Ball {
   Eigen::Vector3d center;
   double radius;
 };
 
-/// Values of a joint with one degree of freedom, through its masters.
+/// The positions of a joint of one degree of freedom. A mimic's follow from its masters'.
 VariableRange jointRange(const Model& model, int joint, std::span<const VariableRange> ranges) {
   double multiplier = 1, offset = 0;
   const Joint* j = &model.joints[at(joint)];
@@ -37,13 +35,13 @@ VariableRange jointRange(const Model& model, int joint, std::span<const Variable
   }
   if (j->first_variable < 0) return {offset, offset};
   const VariableRange& r = ranges[at(j->first_variable)];
-  // 0 * infinity would be NaN where a multiplier is 0: such a joint stands still.
+  // A joint of multiplier 0 stands still; 0 * infinity would be NaN.
   if (multiplier == 0) return {offset, offset};
   const double x = multiplier * r.lower + offset, y = multiplier * r.upper + offset;
   return {std::min(x, y), std::max(x, y)};
 }
 
-/// Middle and half width; an unlimited range has infinite half width.
+/// Middle and half width of a range; the half width of an unlimited one is infinite.
 struct Spread {
   double middle, half;
 };
@@ -59,33 +57,35 @@ Eigen::Vector3d rotated(const Eigen::Vector3d& axis, double angle, const Eigen::
   return c * p + s * axis.cross(p) + (1 - c) * axis.dot(p) * axis;
 }
 
-/// Where the ball can be after it has turned about an axis through the origin in all ways.
+/// Holds the ball at all angles about an axis through the origin. `reach` is its points' largest
+/// distance from the axis.
 Ball turned(const Ball& ball, const Eigen::Vector3d& axis, double& reach) {
   const double along = axis.dot(ball.center);
   reach = outwards((ball.center - along * axis).norm() + ball.radius);
   return {along * axis, reach};
 }
 
+/// Holds the ball at all rotations about the origin. `reach` is as for turned(), from the origin.
 Ball turnedFreely(const Ball& ball, double& reach) {
   reach = outwards(ball.center.norm() + ball.radius);
   return {Eigen::Vector3d::Zero(), reach};
 }
 
-bool constant(const VariableRange& r) { return r.lower == r.upper; }
+bool isConstant(const VariableRange& r) { return r.lower == r.upper; }
 
 bool isConstant(const Model& model, int joint, std::span<const VariableRange> ranges) {
   const Joint& j = model.joints[at(joint)];
   if (j.type == JointType::kFixed) return true;
   if (j.type == JointType::kPlanar || j.type == JointType::kFloating) {
     for (int k = 0; k < j.variable_count; ++k)
-      if (!constant(ranges[at(j.first_variable + k)])) return false;
+      if (!isConstant(ranges[at(j.first_variable + k)])) return false;
     return true;
   }
-  return constant(jointRange(model, joint, ranges));
+  return isConstant(jointRange(model, joint, ranges));
 }
 
-/// One step of the walk from the body to the base, over a joint from its child's frame to its
-/// parent's (or the other way, `inverted`). `reach` is set for joints that turn.
+/// One step of the walk from the body to the base: over a joint from its child's frame to its
+/// parent's, or from parent to child (`inverted`). Sets `reach` for joints that turn.
 Ball cross(const Model& model, int joint, bool inverted, Ball ball,
            std::span<const VariableRange> ranges, double& reach) {
   const Joint& j = model.joints[at(joint)];
@@ -97,7 +97,7 @@ Ball cross(const Model& model, int joint, bool inverted, Ball ball,
     case JointType::kRevolute:
     case JointType::kContinuous: {
       const VariableRange r = jointRange(model, joint, ranges);
-      if (constant(r))
+      if (isConstant(r))
         ball.center = rotated(j.axis, sign * r.lower, ball.center);
       else
         ball = turned(ball, j.axis, reach);
@@ -165,7 +165,7 @@ RelativeMotion relativeMotion(const Model& model, int link, int base,
                               std::span<const VariableRange> ranges) {
   std::vector<int> up = ancestors(model, link), down = ancestors(model, base);
   while (!up.empty() && !down.empty() &&
-         up.back() == down.back()) {  // what moves both moves neither
+         up.back() == down.back()) {  // joints above both move neither against the other
     up.pop_back();
     down.pop_back();
   }
@@ -180,8 +180,8 @@ RelativeMotion relativeMotion(const Model& model, int link, int base,
   for (const int l : up) step(l, false);
   std::reverse(down.begin(), down.end());
   for (const int l : down) step(l, true);
-  std::reverse(motion.terms.begin(),
-               motion.terms.end());  // walked from the body, told from the base
+  // The walk begins at the body, the terms at the base.
+  std::reverse(motion.terms.begin(), motion.terms.end());
   motion.base_reach = outwards(ball.center.norm() + ball.radius);
   return motion;
 }
@@ -223,22 +223,26 @@ void jointMotion(const Model& model, std::span<const double> dq,
 
 namespace {
 
-/// Sums the joints' shares from the body to the base. What lies nearer to the body enters a term
-/// only through `speed`, the sum of |dq| rho (turns) and |dq| (slides) there: each turn adds its
-/// own centripetal part |dq|^2 rho and, twice, |dq| times that speed (Coriolis); slides add nothing
-/// themselves.
+// clang-format off
+/// Sums the joints' shares from the body to the base. Joints nearer to the body enter a term only
+/// through `speed`, their sum so far:
+///
+///   joint    adds to speed   adds to acceleration
+///   turn     |dq| rho        |dq|^2 rho (centripetal) + 2 |dq| speed (Coriolis)
+///   slide    |dq|            nothing
+// clang-format on
 struct Sum {
   double speed = 0, acceleration = 0;
 
   void turn(double angle, double reach) {
-    if (angle == 0) return;  // 0 * infinity
+    if (angle == 0) return;  // the reach may be infinite, and 0 * infinity is NaN
     acceleration += angle * (angle * reach + 2 * speed);
     speed += angle * reach;
   }
   void slide(double travel) { speed += travel; }
 };
 
-/// reach(term, speed so far): rho of a joint that turns.
+/// `reach(term, speed so far)` is rho of a joint that turns.
 template <typename Reach>
 MotionBound sumTerms(const Model& model, const RelativeMotion& motion,
                      std::span<const JointMotion> joint_motion, const Reach& reach) {
@@ -251,7 +255,7 @@ MotionBound sumTerms(const Model& model, const RelativeMotion& motion,
       continue;
     }
     if (term.inverted)
-      sum.slide(m.travel);  // seen from the child, a free joint's slide lies nearer to the body
+      sum.slide(m.travel);  // seen from the child, the slide of a free joint is nearer to the body
     if (m.angle != 0) sum.turn(m.angle, reach(term, sum.speed));
     if (!term.inverted) sum.slide(m.travel);
   }
@@ -284,150 +288,11 @@ MotionBound localMotionBound(const Model& model, const RelativeMotion& motion,
     const double squared = joint.type == JointType::kFloating
                                ? arm.squaredNorm()
                                : arm.cross(X_WC.rotation * joint.axis).squaredNorm();
-    // Joints between this one and the body move it by at most their speed times the time from the
-    // middle.
+    // Joints between this one and the body move it from its place at the middle by at most their
+    // speed times the time from there.
     const double local = outwards(std::sqrt(squared) + motion.radius + half_interval * speed);
     return within_limits ? std::min(term.reach, local) : local;
   });
-}
-
-namespace {
-
-/// One pair of links for provenApart().
-class ApartProof {
- public:
-  ApartProof(const Model& model, int link_a, int link_b)
-      : model_(model),
-        a_(model.links[at(link_a)]),
-        b_(model.links[at(link_b)]),
-        link_a_(link_a),
-        link_b_(link_b) {}
-
-  bool run() {
-    if (!prepare()) return false;
-    std::vector<Box> stack{{center_, half_}};
-    for (int work = 0; !stack.empty(); ++work) {
-      if (work >= kApartBoxes) return false;
-      const Box box = stack.back();
-      stack.pop_back();
-      if (apart(box)) continue;
-      const std::size_t v = widest(box);
-      if (box.half[v] < kApartSmallest) return false;
-      Box low = box, high = box;
-      low.half[v] = high.half[v] = box.half[v] / 2 * (1 + kBoundRounding);
-      low.center[v] -= box.half[v] / 2;
-      high.center[v] += box.half[v] / 2;
-      stack.push_back(low);
-      stack.push_back(high);
-    }
-    return true;
-  }
-
- private:
-  struct Box {
-    std::vector<double> center, half;  // one a variable
-  };
-
-  /// False when the pair is not one that this proof can treat.
-  bool prepare() {
-    for (const Geometry& g : a_.geometries) {
-      const Eigen::Vector3d center_L = g.X_BG * g.shape.boundingCenter();
-      motions_.push_back(
-          relativeMotion(model_, link_a_, link_b_, center_L, g.shape.boundingRadius()));
-    }
-    if (motions_.empty() || b_.geometries.empty()) return false;
-    center_ = model_.defaultConfiguration();
-    half_.assign(model_.variables.size(), 0);
-    for (const RelativeMotion::Term& term : motions_.front().terms) {
-      const Joint* j = &model_.joints[at(term.joint)];
-      while (j->mimic >= 0) j = &model_.joints[at(j->mimic)];
-      if (j->type == JointType::kFloating || j->type == JointType::kPlanar || j->first_variable < 0)
-        return false;
-      const Variable& v = model_.variables[at(j->first_variable)];
-      Spread s = spread({v.lower, v.upper});
-      if (j->type == JointType::kContinuous) s = {0, 3.141592653589794};  // all of the circle
-      if (!std::isfinite(s.half)) return false;
-      center_[at(j->first_variable)] = s.middle;
-      half_[at(j->first_variable)] = s.half;
-      moving_.push_back(at(j->first_variable));
-    }
-    std::sort(moving_.begin(), moving_.end());
-    moving_.erase(std::unique(moving_.begin(), moving_.end()), moving_.end());
-    // A continuous master turns its mimics beyond one circle's worth: not periodic in it.
-    for (const RelativeMotion::Term& term : motions_.front().terms) {
-      const Joint& j = model_.joints[at(term.joint)];
-      if (j.mimic >= 0 && model_.joints[at(j.mimic)].type == JointType::kContinuous) return false;
-    }
-    poses_.resize(model_.links.size());
-    joint_motion_.resize(model_.joints.size());
-    return !moving_.empty();
-  }
-
-  bool apart(const Box& box) {
-    forwardKinematics(model_, box.center, poses_);
-    jointMotion(model_, box.half, joint_motion_);
-    const Pose& X_WA = poses_[at(link_a_)];
-    const Pose& X_WB = poses_[at(link_b_)];
-    for (std::size_t i = 0; i < a_.geometries.size(); ++i) {
-      const Geometry& a = a_.geometries[i];
-      // From the box's middle any of its points is an edge of length one.
-      const double motion =
-          localMotionBound(model_, motions_[i], joint_motion_, poses_, 1).speed + kApartSlack;
-      for (const Geometry& b : b_.geometries) {
-        const Eigen::Vector3d d =
-            X_WA * (a.X_BG * a.shape.boundingCenter()) - X_WB * (b.X_BG * b.shape.boundingCenter());
-        if (d.norm() - a.shape.boundingRadius() - b.shape.boundingRadius() > motion) continue;
-        collision::DistanceRequest request;
-        request.threshold = motion;
-        request.depth = false;
-        const collision::DistanceResult result =
-            collision::distance(a.shape, X_WA * a.X_BG, b.shape, X_WB * b.X_BG, request, scratch_);
-        if (!(result.distance.lower > motion)) return false;
-      }
-    }
-    return true;
-  }
-
-  /// The variable whose half width moves the body most.
-  std::size_t widest(const Box& box) {
-    std::size_t best = moving_.front();
-    double most = -1;
-    std::vector<double> one(box.half.size(), 0);
-    for (const std::size_t v : moving_) {
-      one[v] = box.half[v];
-      jointMotion(model_, one, joint_motion_);
-      one[v] = 0;
-      double speed = 0;
-      for (const RelativeMotion& m : motions_)
-        speed = std::max(speed, localMotionBound(model_, m, joint_motion_, poses_, 1).speed);
-      if (speed > most) {
-        most = speed;
-        best = v;
-      }
-    }
-    return best;
-  }
-
-  const Model& model_;
-  const Link& a_;
-  const Link& b_;
-  int link_a_, link_b_;
-  std::vector<RelativeMotion> motions_;  // one a geometry of a
-  std::vector<double> center_, half_;
-  std::vector<std::size_t> moving_;
-  std::vector<Pose> poses_;
-  std::vector<JointMotion> joint_motion_;
-  collision::Scratch scratch_;
-};
-
-}  // namespace
-
-std::vector<std::pair<int, int>> provenApart(const Model& model,
-                                             std::span<const std::pair<int, int>> candidates) {
-  std::vector<std::pair<int, int>> proven;
-  for (const auto& [a, b] : candidates)
-    if (ApartProof(model, a, b).run()) proven.emplace_back(a, b);
-  return proven;
 }
 
 }  // namespace leeway::robots

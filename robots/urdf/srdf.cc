@@ -38,7 +38,7 @@ std::vector<std::string> namesOf(const std::vector<Item>& items) {
 
 class Reader {
  public:
-  Reader(const std::string& path, Model& model) : file_(path, "SRDF"), model_(model) {}
+  Reader(const std::string& path, RobotDescription& model) : file_(path, "SRDF"), model_(model) {}
 
   void read() {
     model_.has_srdf = true;
@@ -267,7 +267,7 @@ class Reader {
   }
 
   XmlFile file_;
-  Model& model_;
+  RobotDescription& model_;
   std::vector<std::set<int>> group_joints_;
   std::set<std::pair<int, int>> disabled_;
 };
@@ -294,6 +294,8 @@ std::optional<VirtualJoint> readVirtualJoint(const std::string& srdf_path) {
   return joint;
 }
 
-void readSrdf(const std::string& srdf_path, Model& model) { Reader(srdf_path, model).read(); }
+void readSrdf(const std::string& srdf_path, RobotDescription& model) {
+  Reader(srdf_path, model).read();
+}
 
 }  // namespace leeway::robots

@@ -20,6 +20,6 @@ std::optional<VirtualJoint> readVirtualJoint(const std::string& srdf_path);
 
 /// Adds groups, group states and disabled pairs to a model whose links, joints and variables are
 /// complete. Throws InputError.
-void readSrdf(const std::string& srdf_path, Model& model);
+void readSrdf(const std::string& srdf_path, RobotDescription& model);
 
 }  // namespace leeway::robots

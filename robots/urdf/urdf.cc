@@ -182,7 +182,7 @@ Joint rootJoint(const UrdfDocument& document, const std::string& root_link,
   return joint;
 }
 
-void appendLink(const UrdfLink& source, int joint, Meshes& meshes, Model& model) {
+void appendLink(const UrdfLink& source, int joint, Meshes& meshes, RobotDescription& model) {
   Link link;
   link.name = source.name;
   link.joint = joint;
@@ -191,7 +191,8 @@ void appendLink(const UrdfLink& source, int joint, Meshes& meshes, Model& model)
   model.links.push_back(std::move(link));
 }
 
-void appendJoint(const UrdfJoint& source, const std::vector<int>& link_position, Model& model) {
+void appendJoint(const UrdfJoint& source, const std::vector<int>& link_position,
+                 RobotDescription& model) {
   Joint joint;
   joint.name = source.name;
   joint.type = source.type;
@@ -204,7 +205,7 @@ void appendJoint(const UrdfJoint& source, const std::vector<int>& link_position,
 
 /// Follows a chain of mimics to the joint that has a variable; positions compose: m1 (m2 q + o2) +
 /// o1.
-void resolveMimic(const UrdfDocument& document, const UrdfJoint& source, Model& model) {
+void resolveMimic(const UrdfDocument& document, const UrdfJoint& source, RobotDescription& model) {
   const auto find = [&](const std::string& name) {
     return &*std::find_if(document.joints.begin(), document.joints.end(),
                           [&](const UrdfJoint& j) { return j.name == name; });
@@ -223,7 +224,7 @@ void resolveMimic(const UrdfDocument& document, const UrdfJoint& source, Model& 
 
 /// A mimic joint's own velocity limit bounds its master: at a variable's velocity no joint that
 /// follows it is too fast. 0 is no limit.
-void limitMaster(const UrdfJoint& source, Model& model) {
+void limitMaster(const UrdfJoint& source, RobotDescription& model) {
   const Joint& joint = model.joints[index(model.findJoint(source.name))];
   const int variable = model.joints[index(joint.mimic)].first_variable;
   if (!source.has_limit || !(source.velocity > 0) || joint.multiplier == 0 || variable < 0) return;
@@ -241,11 +242,11 @@ std::shared_ptr<const Model> loadModel(const std::string& urdf_path, const std::
   std::optional<VirtualJoint> virtual_joint;
   if (!srdf_path.empty()) virtual_joint = readVirtualJoint(srdf_path);
 
-  auto model = std::make_shared<Model>();
-  model->name = document.name;
-  model->urdf_file = urdf_path;
-  model->srdf_file = srdf_path;
-  model->warnings = document.warnings;
+  RobotDescription robot;
+  robot.name = document.name;
+  robot.urdf_file = urdf_path;
+  robot.srdf_file = srdf_path;
+  robot.warnings = document.warnings;
   const std::vector<std::pair<int, int>> order = treeOrder(document);
   std::vector<int> link_position(document.links.size());
   for (std::size_t i = 0; i < order.size(); ++i)
@@ -253,30 +254,30 @@ std::shared_ptr<const Model> loadModel(const std::string& urdf_path, const std::
   Meshes meshes(urdf_path, options);
   meshes.loadAll(document, order);
   for (const auto& [link, joint] : order) {
-    appendLink(document.links[index(link)], static_cast<int>(model->joints.size()), meshes, *model);
+    appendLink(document.links[index(link)], static_cast<int>(robot.joints.size()), meshes, robot);
     if (joint < 0)
-      model->joints.push_back(
+      robot.joints.push_back(
           rootJoint(document, document.links[index(link)].name, virtual_joint, srdf_path));
     else
-      appendJoint(document.joints[index(joint)], link_position, *model);
+      appendJoint(document.joints[index(joint)], link_position, robot);
   }
   for (const UrdfJoint& joint : document.joints)
-    if (joint.has_mimic) resolveMimic(document, joint, *model);
+    if (joint.has_mimic) resolveMimic(document, joint, robot);
   for (std::size_t i = 0; i < order.size(); ++i) {
     const int source = order[i].second;
-    const bool bounded = model->joints[i].type == JointType::kRevolute ||
-                         model->joints[i].type == JointType::kPrismatic;
+    const bool bounded = robot.joints[i].type == JointType::kRevolute ||
+                         robot.joints[i].type == JointType::kPrismatic;
     const UrdfJoint* joint = source < 0 ? nullptr : &document.joints[index(source)];
     const double lower = bounded ? joint->lower : -kInfinity,
                  upper = bounded ? joint->upper : kInfinity;
-    appendVariables(*model, static_cast<int>(i), Eigen::Vector3d::Constant(lower),
+    appendVariables(robot, static_cast<int>(i), Eigen::Vector3d::Constant(lower),
                     Eigen::Vector3d::Constant(upper),
                     joint != nullptr && joint->has_limit ? joint->velocity : kInfinity);
   }
   for (const UrdfJoint& joint : document.joints)
-    if (joint.has_mimic) limitMaster(joint, *model);
-  if (!srdf_path.empty()) readSrdf(srdf_path, *model);
-  model->finish();
+    if (joint.has_mimic) limitMaster(joint, robot);
+  if (!srdf_path.empty()) readSrdf(srdf_path, robot);
+  auto model = std::make_shared<Model>(std::move(robot));
   model->link_gaps = provenGaps(*model);
   return model;
 }

@@ -100,7 +100,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::string request = fuzz::writeInput("request0001.yaml", bytes(input.substr(next)));
   try {
     const planner::Problem problem = planner::loadMoveit(model, scene, request);
-    if (problem.configuration.size() != problem.model->variables.size())
+    if (problem.start.size() != problem.robot.model->variables.size())
       fuzz::fail("a start of the wrong size");
     if (problem.goals.empty()) fuzz::fail("a problem without a goal");
   } catch (const robots::InputError& error) {

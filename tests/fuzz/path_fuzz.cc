@@ -32,12 +32,12 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   static const planner::Problem problem = [] {
     const std::string text = fuzz::kArmUrdf;
     planner::Problem p;
-    p.model = robots::loadModel(
+    p.robot.model = robots::loadModel(
         fuzz::writeInput("robot.urdf",
                          {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()}),
         "");
-    p.variables = {0, 1};
-    p.configuration = {0, 0};
+    p.robot.variables = {0, 1};
+    p.start = {0, 0};
     p.goals.push_back({"goal", {{0, 0}, {0, 0}}});
     return p;
   }();
@@ -45,7 +45,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     try {
       const planner::Path path = planner::readPath(fuzz::writeInput(name, {data, size}), problem);
       for (const std::vector<double>& row : path.positions) {
-        if (row.size() != problem.variables.size())
+        if (row.size() != problem.robot.variables.size())
           fuzz::fail("%s: a row of %zu", name, row.size());
         for (const double q : row)
           if (!(q - q == 0)) fuzz::fail("%s: a position that is not finite", name);

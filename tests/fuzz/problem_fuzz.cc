@@ -51,13 +51,14 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   for (const char* name : {"problems/fuzz/input.yaml", "problems/input.yaml"}) {
     try {
       const planner::Problem problem = planner::loadProblem(fuzz::writeInput(name, {data, size}));
-      if (!problem.model) fuzz::fail("a problem without a model");
-      if (problem.configuration.size() != problem.model->variables.size())
+      if (!problem.robot.model) fuzz::fail("a problem without a model");
+      if (problem.start.size() != problem.robot.model->variables.size())
         fuzz::fail("a start of the wrong size");
       if (problem.goals.empty()) fuzz::fail("a problem without a goal");
       for (const planner::Goal& goal : problem.goals)
-        if (goal.ranges.size() != problem.variables.size()) fuzz::fail("a goal of the wrong size");
-      for (const double q : problem.configuration)
+        if (goal.ranges.size() != problem.robot.variables.size())
+          fuzz::fail("a goal of the wrong size");
+      for (const double q : problem.start)
         if (!(q - q == 0)) fuzz::fail("a start that is not finite");
     } catch (const robots::InputError& error) {
       if (error.what()[0] == '\0') fuzz::fail("an error without a message");

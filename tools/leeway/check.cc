@@ -48,8 +48,8 @@ struct CheckedState {
 
 std::vector<double> startPoint(const planner::Problem& problem) {
   std::vector<double> point;
-  for (const int variable : problem.variables) {
-    point.push_back(problem.configuration[static_cast<std::size_t>(variable)]);
+  for (const int variable : problem.robot.variables) {
+    point.push_back(problem.start[static_cast<std::size_t>(variable)]);
   }
   return point;
 }
@@ -92,9 +92,9 @@ std::vector<std::string> split(const std::string& text) {
 
 std::string plannedNames(const planner::Problem& problem) {
   std::string names;
-  for (const int variable : problem.variables) {
+  for (const int variable : problem.robot.variables) {
     names += (names.empty() ? "" : ", ") +
-             problem.model->variables[static_cast<std::size_t>(variable)].name;
+             problem.robot.model->variables[static_cast<std::size_t>(variable)].name;
   }
   return names;
 }
@@ -119,8 +119,10 @@ std::vector<double> parseValues(const planner::Problem& problem, const std::stri
     const std::size_t equals = part.find('=');
     const std::string name = part.substr(0, equals);
     std::size_t i = 0;
-    while (i < point.size() &&
-           problem.model->variables[static_cast<std::size_t>(problem.variables[i])].name != name) {
+    while (
+        i < point.size() &&
+        problem.robot.model->variables[static_cast<std::size_t>(problem.robot.variables[i])].name !=
+            name) {
       ++i;
     }
     if (equals == std::string::npos || i == point.size()) {
@@ -137,7 +139,7 @@ std::vector<double> parseValues(const planner::Problem& problem, const std::stri
 }
 
 const robots::GroupState* findGroupState(const planner::Problem& problem, const std::string& name) {
-  for (const auto& state : problem.model->group_states) {
+  for (const auto& state : problem.robot.model->group_states) {
     if (state.name == name) {
       return &state;
     }
@@ -150,7 +152,7 @@ std::vector<double> groupStatePoint(const planner::Problem& problem,
   std::vector<double> point = startPoint(problem);
   for (const auto& [variable, value] : state.values) {
     for (std::size_t i = 0; i < point.size(); ++i) {
-      if (problem.variables[i] == variable) {
+      if (problem.robot.variables[i] == variable) {
         point[i] = value;
       }
     }

@@ -80,14 +80,14 @@ std::string findUrdfOf(const std::string& srdf) {
 planner::Problem robotProblem(const std::string& urdf, const std::string& srdf,
                               const ProblemSource& source) {
   planner::Problem problem;
-  problem.model = robots::loadModel(urdf, srdf, loadOptions(source));
-  printWarnings(problem.model->warnings);
-  problem.name = problem.model->name;
-  problem.configuration = problem.model->defaultConfiguration();
+  problem.robot.model = robots::loadModel(urdf, srdf, loadOptions(source));
+  printWarnings(problem.robot.model->warnings);
+  problem.name = problem.robot.model->name;
+  problem.start = problem.robot.model->defaultConfiguration();
   planner::Goal goal{"default", {}};
-  for (std::size_t i = 0; i < problem.model->variables.size(); ++i) {
-    problem.variables.push_back(static_cast<int>(i));
-    goal.ranges.emplace_back(problem.configuration[i], problem.configuration[i]);
+  for (std::size_t i = 0; i < problem.robot.model->variables.size(); ++i) {
+    problem.robot.variables.push_back(static_cast<int>(i));
+    goal.ranges.emplace_back(problem.start[i], problem.start[i]);
   }
   problem.goals = {goal};
   return problem;
@@ -242,14 +242,14 @@ Json geometryJson(const std::string& owner, const robots::Geometry& geometry) {
 /// Obstacles that deform: what follows them and what that takes, at the start.
 Json deformingJson(const planner::Problem& problem) {
   Json list = Json::array();
-  for (const planner::DeformingObstacle& obstacle : problem.deforming) {
+  for (const planner::DeformingObstacle& obstacle : problem.world.deforming) {
     collision::Deformable deformable(obstacle.mesh, obstacle.motion, obstacle.options);
     if (obstacle.motion) {
       deformable.update(problem.execution.start);
     }
     const double end = problem.execution.start + problem.execution.duration;
     list.push_back(
-        {{"name", obstacle.object},
+        {{"name", obstacle.object.name},
          {"vertices", obstacle.mesh->vertexCount()},
          {"triangles", obstacle.mesh->triangleCount()},
          {"motion", obstacle.motion ? collision::toString(obstacle.motion->kind()) : "program"},
@@ -293,13 +293,16 @@ Json geometriesJson(const planner::Problem& problem) {
       list.push_back(geometryJson(owner, geometry));
     }
   };
-  for (const auto& link : problem.model->links) {
+  for (const auto& link : problem.robot.model->links) {
     append(link.name, link.geometries);
   }
-  for (const auto& object : problem.objects) {
+  for (const auto& object : problem.world.objects) {
     append(object.name, object.geometries);
   }
-  for (const auto& attachment : problem.attachments) {
+  for (const auto& obstacle : problem.world.deforming) {
+    append(obstacle.object.name, obstacle.object.geometries);
+  }
+  for (const auto& attachment : problem.robot.attachments) {
     append(attachment.object.name, attachment.object.geometries);
   }
   return list;
@@ -339,9 +342,10 @@ Json robotJson(const robots::Model& model) {
 
 Json problemJson(const planner::Problem& problem) {
   Json planned = Json::array();
-  for (const int variable : problem.variables) {
-    planned.push_back({{"name", problem.model->variables[static_cast<std::size_t>(variable)].name},
-                       {"start", problem.configuration[static_cast<std::size_t>(variable)]}});
+  for (const int variable : problem.robot.variables) {
+    planned.push_back(
+        {{"name", problem.robot.model->variables[static_cast<std::size_t>(variable)].name},
+         {"start", problem.start[static_cast<std::size_t>(variable)]}});
   }
   Json goals = Json::array();
   for (const auto& goal : problem.goals) {
@@ -352,14 +356,17 @@ Json problemJson(const planner::Problem& problem) {
     goals.push_back({{"name", goal.name}, {"ranges", ranges}});
   }
   Json objects = Json::array();
-  for (const auto& object : problem.objects) {
+  for (const auto& object : problem.world.objects) {
     objects.push_back(object.name);
   }
+  for (const auto& obstacle : problem.world.deforming) {
+    objects.push_back(obstacle.object.name);
+  }
   Json attached = Json::array();
-  for (const auto& attachment : problem.attachments) {
+  for (const auto& attachment : problem.robot.attachments) {
     attached.push_back(
         {{"name", attachment.object.name},
-         {"link", problem.model->links[static_cast<std::size_t>(attachment.link)].name}});
+         {"link", problem.robot.model->links[static_cast<std::size_t>(attachment.link)].name}});
   }
   return {{"name", problem.name},
           {"planned", planned},
@@ -368,10 +375,10 @@ Json problemJson(const planner::Problem& problem) {
           {"attached", attached},
           {"deforming", deformingJson(problem)},
           {"execution", executionJson(problem)},
-          {"margin", problem.margin},
-          {"planner", problem.planner},
-          {"objective", problem.objective},
-          {"time_limit", problem.time_limit},
+          {"margin", problem.margins.common},
+          {"planner", problem.planner.name},
+          {"objective", planner::toString(problem.objective)},
+          {"time_limit", problem.limits.time},
           {"seed", problem.seed}};
 }
 
@@ -583,7 +590,7 @@ int run(Arguments& arguments) {
   const FileKind kind = kindOf(arguments.file);
   const planner::Problem problem = load(arguments, kind);
   const planner::CompiledScene scene(problem);
-  Json document = {{"file", arguments.file}, {"robot", robotJson(*problem.model)}};
+  Json document = {{"file", arguments.file}, {"robot", robotJson(*problem.robot.model)}};
   if (kind == FileKind::kProblem) {
     document["problem"] = problemJson(problem);
   }

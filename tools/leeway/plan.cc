@@ -147,9 +147,9 @@ void printText(const planner::Problem& problem, const planner::PlanResult& resul
       fmt::print("{}", durationText(*trajectory));
       break;
     case planner::PlanStatus::kUnsolved:
-      fmt::print("No path within {} s{}.\n", problem.time_limit,
-                 problem.iteration_limit > 0
-                     ? fmt::format(" and {} iterations", problem.iteration_limit)
+      fmt::print("No path within {} s{}.\n", problem.limits.time,
+                 problem.limits.iterations > 0
+                     ? fmt::format(" and {} iterations", problem.limits.iterations)
                      : "");
       break;
     case planner::PlanStatus::kInvalidStart:

@@ -207,10 +207,10 @@ int run(const Arguments& arguments) {
   apply(arguments.overrides, problem);
   const double load_s =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  for (const planner::DeformingObstacle& obstacle : problem.deforming) {
+  for (const planner::DeformingObstacle& obstacle : problem.world.deforming) {
     if (!obstacle.motion) {
       printWarnings({fmt::format("{}: obstacle '{}' has no motion: it stands still here",
-                                 arguments.source.problem, obstacle.object)});
+                                 arguments.source.problem, obstacle.object.name)});
     }
   }
   const planner::Execution& execution = problem.execution;

@@ -93,7 +93,7 @@ inline collision::Shape randomMesh(Random& random, double size) {
 
 /// Seven joints, links of 0.25 m; the fourth continuous, the last with a mimic finger.
 inline std::shared_ptr<const robots::Model> randomArm(Random& random) {
-  auto model = std::make_shared<robots::Model>();
+  robots::RobotDescription robot;
   for (int i = 0; i < 9; ++i) {
     robots::Link link;
     link.name = "link" + std::to_string(i);
@@ -101,7 +101,7 @@ inline std::shared_ptr<const robots::Model> randomArm(Random& random) {
     collision::Pose X_LG = random.pose(0.03);
     X_LG.translation.z() += 0.12;
     link.geometries.push_back({randomShape(random, 0.08), X_LG, link.name});
-    model->links.push_back(link);
+    robot.links.push_back(link);
     robots::Joint joint;
     joint.name = "joint" + std::to_string(i);
     joint.type = i == 0   ? robots::JointType::kFixed
@@ -116,14 +116,13 @@ inline std::shared_ptr<const robots::Model> randomArm(Random& random) {
       joint.multiplier = -0.5;
       joint.offset = 0.2;
     }
-    model->joints.push_back(joint);
-    robots::appendVariables(*model, i, Eigen::Vector3d::Constant(-2.6),
+    robot.joints.push_back(joint);
+    robots::appendVariables(robot, i, Eigen::Vector3d::Constant(-2.6),
                             Eigen::Vector3d::Constant(2.6));
   }
-  for (int i = 0; i + 2 < 9; ++i) model->disabled_pairs.push_back({i, i + 2, "near"});
-  model->has_srdf = true;
-  model->finish();
-  return model;
+  for (int i = 0; i + 2 < 9; ++i) robot.disabled_pairs.push_back({i, i + 2, "near"});
+  robot.has_srdf = true;
+  return std::make_shared<robots::Model>(std::move(robot));
 }
 
 inline std::shared_ptr<const robots::Model> randomFreeBody(Random& random, robots::JointType type) {
@@ -151,25 +150,25 @@ inline std::shared_ptr<const robots::Model> randomTreeWithShapes(Random& random)
 inline Problem randomProblem(Random& random, std::shared_ptr<const robots::Model> model,
                              int obstacles, double room) {
   Problem problem;
-  problem.model = std::move(model);
-  problem.configuration = robots::testing::randomConfiguration(random, *problem.model);
-  for (std::size_t v = 0; v < problem.model->variables.size(); ++v)
-    problem.variables.push_back(static_cast<int>(v));
+  problem.robot.model = std::move(model);
+  problem.start = robots::testing::randomConfiguration(random, *problem.robot.model);
+  for (std::size_t v = 0; v < problem.robot.model->variables.size(); ++v)
+    problem.robot.variables.push_back(static_cast<int>(v));
   for (int i = 0; i < obstacles; ++i) {
     Object object;
     object.name = "object" + std::to_string(i);
     object.geometries.push_back({randomShape(random, 0.2), random.pose(0.05), object.name});
     object.X_WO = random.pose(room);
-    problem.objects.push_back(object);
+    problem.world.objects.push_back(object);
   }
   if (random.integer(2) == 0) {
     Object floor;
     floor.name = "floor";
     floor.geometries.push_back({collision::Shape::halfSpace(), {}, "floor"});
     floor.X_WO.translation = {0, 0, -0.8 * room};
-    problem.objects.push_back(floor);
+    problem.world.objects.push_back(floor);
   }
-  problem.margin = random.integer(2) == 0 ? 0.0 : 0.01;
+  problem.margins.common = random.integer(2) == 0 ? 0.0 : 0.01;
   return problem;
 }
 

@@ -35,11 +35,11 @@ inline Problem problemOf(std::shared_ptr<const robots::Model> model, std::vector
   Problem problem;
   problem.name = "test";
   for (std::size_t i = 0; i < model->variables.size(); ++i)
-    problem.variables.push_back(static_cast<int>(i));
-  problem.model = std::move(model);
-  problem.configuration = std::move(start);
+    problem.robot.variables.push_back(static_cast<int>(i));
+  problem.robot.model = std::move(model);
+  problem.start = std::move(start);
   problem.goals.push_back(pointGoal("goal", goal));
-  problem.time_limit = 20;
+  problem.limits.time = 20;
   return problem;
 }
 
@@ -52,8 +52,9 @@ inline std::shared_ptr<const robots::Model> disc() {
 /// From left to right of a wall at x = 0 whose only gap is 0.6 wide, at y = 1.2: no straight path.
 inline Problem wallProblem() {
   Problem problem = problemOf(disc(), {-1, -1, 0}, {1, -1, 0});
-  problem.objects.push_back(box("lower wall", {0.05, 1.7, 0.5}, 0, -0.8, 0));  // y -2.5 to 0.9
-  problem.objects.push_back(box("upper wall", {0.05, 0.5, 0.5}, 0, 2.0, 0));   // y 1.5 to 2.5
+  problem.world.objects.push_back(
+      box("lower wall", {0.05, 1.7, 0.5}, 0, -0.8, 0));                             // y -2.5 to 0.9
+  problem.world.objects.push_back(box("upper wall", {0.05, 0.5, 0.5}, 0, 2.0, 0));  // y 1.5 to 2.5
   return problem;
 }
 
@@ -61,9 +62,9 @@ inline Problem wallProblem() {
 /// below 1.4; the start is nearer to the narrow one, so that the shortest path squeezes through.
 inline Problem corridorProblem() {
   Problem problem = problemOf(disc(), {-1.2, 0.7, 0}, {1.2, 0.7, 0});
-  problem.objects.push_back(box("block", {0.2, 0.8, 0.5}, 0, 0.2, 0));    // y -0.6 to 1.0
-  problem.objects.push_back(box("ceiling", {0.2, 0.5, 0.5}, 0, 1.9, 0));  // y 1.4 to 2.4
-  problem.objects.push_back(box("floor", {0.2, 0.5, 0.5}, 0, -2.5, 0));   // y -3 to -2
+  problem.world.objects.push_back(box("block", {0.2, 0.8, 0.5}, 0, 0.2, 0));    // y -0.6 to 1.0
+  problem.world.objects.push_back(box("ceiling", {0.2, 0.5, 0.5}, 0, 1.9, 0));  // y 1.4 to 2.4
+  problem.world.objects.push_back(box("floor", {0.2, 0.5, 0.5}, 0, -2.5, 0));   // y -3 to -2
   return problem;
 }
 

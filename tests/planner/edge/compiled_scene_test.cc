@@ -20,13 +20,13 @@ namespace {
 /// A column of links of 0.2 m with balls far smaller than the gaps, on revolute joints; those in
 /// `fixed` are fixed.
 std::shared_ptr<robots::Model> column(int links, const std::vector<int>& fixed = {}) {
-  auto model = std::make_shared<robots::Model>();
+  robots::RobotDescription robot;
   for (int i = 0; i < links; ++i) {
     robots::Link link;
     link.name = "link" + std::to_string(i);
     link.joint = i;
     link.geometries.push_back({collision::Shape::sphere(0.05), test::at(0, 0, 0.1), link.name});
-    model->links.push_back(link);
+    robot.links.push_back(link);
     robots::Joint joint;
     joint.name = "joint" + std::to_string(i);
     const bool turns = i > 0 && std::find(fixed.begin(), fixed.end(), i) == fixed.end();
@@ -35,10 +35,10 @@ std::shared_ptr<robots::Model> column(int links, const std::vector<int>& fixed =
     joint.child_link = i;
     joint.axis = Eigen::Vector3d::UnitY();
     if (i > 0) joint.X_PJ = test::at(0, 0, 0.2);
-    model->joints.push_back(joint);
-    robots::appendVariables(*model, i, Eigen::Vector3d::Constant(-3), Eigen::Vector3d::Constant(3));
+    robot.joints.push_back(joint);
+    robots::appendVariables(robot, i, Eigen::Vector3d::Constant(-3), Eigen::Vector3d::Constant(3));
   }
-  return model;
+  return std::make_shared<robots::Model>(std::move(robot));
 }
 
 std::string reason(const CompiledScene& compiled, const std::string& a, const std::string& b) {
@@ -57,10 +57,9 @@ bool kept(const CompiledScene& compiled, const std::string& a, const std::string
 }
 
 Problem problemWith(std::shared_ptr<robots::Model> model) {
-  model->finish();
   const std::vector<double> q = model->defaultConfiguration();
   Problem problem = test::problemOf(model, q, q);
-  problem.objects.push_back(test::box("table", {0.1, 0.1, 0.1}, 0.7, 0, 0));
+  problem.world.objects.push_back(test::box("table", {0.1, 0.1, 0.1}, 0.7, 0, 0));
   return problem;
 }
 
@@ -69,7 +68,7 @@ TEST(CompiledScene, AdjacentAndDisabledPairsAreDroppedWithReasons) {
   model->has_srdf = true;
   model->disabled_pairs.push_back({1, 3, "Never"});
   Problem problem = problemWith(model);
-  problem.allowed.emplace_back("link4", "table");
+  problem.contacts.allowed.emplace_back("link4", "table");
   const CompiledScene compiled(problem);
   EXPECT_EQ(reason(compiled, "link1", "link2"), "adjacent");
   EXPECT_EQ(reason(compiled, "link1", "link3"), "disabled by the SRDF: Never");
@@ -86,8 +85,8 @@ TEST(CompiledScene, AMatrixReplacesTheSrdfsPairs) {
   model->has_srdf = true;
   model->disabled_pairs.push_back({1, 3, "Never"});
   Problem problem = problemWith(model);
-  problem.replace_srdf_pairs = true;
-  problem.allowed.emplace_back("link2", "link4");
+  problem.contacts.replace_srdf = true;
+  problem.contacts.allowed.emplace_back("link2", "link4");
   const CompiledScene compiled(problem);
   EXPECT_TRUE(kept(compiled, "link1", "link3"));
   EXPECT_EQ(reason(compiled, "link2", "link4"), "allowed by the problem");
@@ -97,8 +96,8 @@ TEST(CompiledScene, PassiveJointsFoldIntoTheWorld) {
   auto model = column(5);
   model->has_srdf = true;
   Problem problem = problemWith(model);
-  problem.configuration[0] = 0.5;  // joint1 stands, joints 2 to 4 are planned
-  problem.variables = {1, 2, 3};
+  problem.start[0] = 0.5;  // joint1 stands, joints 2 to 4 are planned
+  problem.robot.variables = {1, 2, 3};
   const CompiledScene compiled(problem);
   const int link1 = compiled.scene().find("link1"), link2 = compiled.scene().find("link2");
   EXPECT_FALSE(compiled.scene().bodies()[static_cast<std::size_t>(link1)].moving);
@@ -131,7 +130,7 @@ TEST(CompiledScene, WithoutAnSrdfFixedJointsAreSeenThroughAndProofsCount) {
   auto margin = column(4);
   for (robots::Variable& v : margin->variables) v.lower = -0.3, v.upper = 0.3;
   Problem kept_apart = problemWith(margin);
-  kept_apart.margin = 0.01;  // the proof is of not touching only
+  kept_apart.margins.common = 0.01;  // the proof is of not touching only
   EXPECT_TRUE(kept(CompiledScene(kept_apart), "link0", "link2"));
 }
 
@@ -144,7 +143,7 @@ TEST(CompiledScene, AttachedThingsMoveWithTheirLink) {
   cup.link = 3;
   cup.X_LO = test::at(0, 0, 0.2);
   cup.touch_links = {2};
-  problem.attachments.push_back(cup);
+  problem.robot.attachments.push_back(cup);
   const CompiledScene compiled(problem);
   EXPECT_EQ(reason(compiled, "cup", "link3"), "attached");
   EXPECT_EQ(reason(compiled, "cup", "link2"), "attached");
@@ -167,7 +166,7 @@ TEST(CompiledScene, ObjectsWithoutAPlaceAreRefused) {
   bad[3].rotation *= 2;
   for (const collision::Pose& X : bad) {
     Problem problem = test::wallProblem();
-    problem.objects.push_back({"post", {{collision::Shape::sphere(0.1), {}, "post"}}, X});
+    problem.world.objects.push_back({"post", {{collision::Shape::sphere(0.1), {}, "post"}}, X});
     const auto refused = [](const auto& ask) {
       try {
         ask();
@@ -182,12 +181,12 @@ TEST(CompiledScene, ObjectsWithoutAPlaceAreRefused) {
       EXPECT_NE(said.find("the pose of 'post'"), std::string::npos) << said;
       EXPECT_NE(said.find("orthogonal"), std::string::npos) << said;
     }
-    problem.objects.pop_back();
+    problem.world.objects.pop_back();
     Attachment held;
     held.object = {"post", {{collision::Shape::sphere(0.1), {}, "post"}}, {}};
     held.link = 0;
     held.X_LO = X;
-    problem.attachments.push_back(held);
+    problem.robot.attachments.push_back(held);
     EXPECT_NE(refused([&] { CompiledScene{problem}; }).find("the pose of 'post'"),
               std::string::npos);
   }
@@ -197,8 +196,8 @@ TEST(CompiledScene, MarginsByName) {
   auto model = column(4);
   model->has_srdf = true;
   Problem problem = problemWith(model);
-  problem.margin = 0.01;
-  problem.margins.push_back({"table", "link3", 0.05});
+  problem.margins.common = 0.01;
+  problem.margins.pairs.push_back({"table", "link3", 0.05});
   const CompiledScene compiled(problem);
   int wide = 0;
   for (const collision::ScenePair& pair : compiled.scene().pairs()) {

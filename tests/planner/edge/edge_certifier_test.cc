@@ -131,7 +131,7 @@ Problem problemOf(Random& random, Kind kind) {
                            robots::JointType::kFloating, Eigen::Vector3d::Constant(-1.5),
                            Eigen::Vector3d::Constant(1.5)),
           12, 1.2);
-      for (Object& object : problem.objects)
+      for (Object& object : problem.world.objects)
         if (object.name != "floor") object.geometries[0].shape = testing::randomMesh(random, 0.25);
       return problem;
     }
@@ -164,7 +164,7 @@ void checkRandomEdges(Kind kind, int problems, int edges, std::uint64_t seed, Ta
   for (int p = 0; p < problems; ++p) {
     Problem problem = problemOf(random, kind);
     if (p % 2 == 1)
-      for (Object& object : problem.objects)
+      for (Object& object : problem.world.objects)
         if (random.integer(2) == 0 && object.name != "floor")
           object.geometries[0].shape = testing::randomMesh(random, 0.25);
     const auto compiled = std::make_shared<const CompiledScene>(problem);
@@ -269,12 +269,12 @@ TEST(EdgeCertifier, NeverMissesAThinWire) {
     const double radius = std::pow(10, random.uniform(-9, -4));
     wire.geometries.push_back({collision::Shape::capsule(radius, 0.5), {}, "wire"});
     wire.X_WO.translation = {random.uniform(-0.7, 0.7), random.uniform(-0.09, 0.09), 0};
-    problem.objects.push_back(wire);
+    problem.world.objects.push_back(wire);
     // A needle instead of a disc, 1e-6 long in x, its way.
     auto model =
         robots::freeBody("needle", {{collision::Shape::box({1e-7, 0.1, 0.1}), {}, "needle"}},
                          robots::JointType::kPlanar, {-2, -2, 0}, {2, 2, 0});
-    problem.model = model;
+    problem.robot.model = model;
     EdgeCertifier certifier(std::make_shared<const CompiledScene>(problem));
     const EdgeCheck check =
         certifier.certify(std::vector<double>{-1, 0, 0}, std::vector<double>{1, 0, 0.3});
@@ -315,7 +315,7 @@ TEST(EdgeCertifier, ASmallMeshFliesThroughAWindow) {
         robots::freeBody("cube", {{cube, {}, "cube"}}, robots::JointType::kFloating,
                          Eigen::Vector3d::Constant(-2), Eigen::Vector3d::Constant(2)),
         {0, 0, 0, 0, 0, 0, 1}, {0, 0, 0, 0, 0, 0, 1});
-    problem.objects.push_back(wallWithWindow());
+    problem.world.objects.push_back(wallWithWindow());
     EdgeCertifier certifier(std::make_shared<const CompiledScene>(problem));
     const std::vector<double> before{-0.9, -0.2, -1, 0, 0, 0, 1}, behind{1.1, 0.25, 1, 0, 0, 0, 1},
         beside{1.1, 1.25, 1, 0, 0, 0, 1};
@@ -348,7 +348,7 @@ Object solidBox() { return solidCubes({Eigen::Vector3d::Zero()}); }
 // A box inside a hollow one never meets its surface: sweeps of surfaces alone would call it free.
 TEST(EdgeCertifier, ABodyInsideASolidIsNotFree) {
   Problem problem = test::problemOf(test::disc(), {0, 0, 0}, {0.1, 0, 0});
-  problem.objects.push_back(solidBox());
+  problem.world.objects.push_back(solidBox());
   EdgeCertifier certifier(std::make_shared<const CompiledScene>(problem));
   EXPECT_EQ(
       certifier.certify(std::vector<double>{0, 0, 0}, std::vector<double>{0.3, 0.2, 1}).verdict,
@@ -366,8 +366,8 @@ TEST(EdgeCertifier, AllowedDepthIsNotExceededInsideASolid) {
       test::problemOf(robots::freeBody("ball", {{collision::Shape::sphere(0.01), {}, "ball"}},
                                        robots::JointType::kPlanar, {-2, -2, 0}, {2, 2, 0}),
                       {0, 0, 0}, {0.1, 0, 0});
-  problem.objects.push_back(solidBox());
-  problem.margin = -0.1;
+  problem.world.objects.push_back(solidBox());
+  problem.margins.common = -0.1;
   EdgeCertifier certifier(std::make_shared<const CompiledScene>(problem));
   const std::vector<double> middle{0, 0, 0}, shallow{0.95, 0, 0}, out{1.2, 0, 0},
       aside{0.95, 0.5, 0};
@@ -398,7 +398,7 @@ TEST(EdgeCertifier, AllowedDepthIsThatOfLinksWithTables) {
     Problem problem =
         test::problemOf(model, model->defaultConfiguration(), model->defaultConfiguration());
     for (const double margin : {-0.005, -0.02, 0.005}) {
-      problem.margin = margin;
+      problem.margins.common = margin;
       const auto scene = std::make_shared<const CompiledScene>(problem);
       EdgeCertifier certifier(scene);
       DenseTwin twin(*scene);
@@ -433,14 +433,14 @@ TEST(EdgeCertifier, AllowedDepthIsDecidedWhereItIsKnown) {
                                        robots::JointType::kFloating, {-1, -1, -1}, {1, 1, 1});
     Problem problem =
         test::problemOf(body, body->defaultConfiguration(), body->defaultConfiguration());
-    problem.objects = {
+    problem.world.objects = {
         {"thing", {{testing::randomMesh(random, 0.5), {}, "mesh"}}, random.pose(0.1)}};
-    problem.margin = -random.uniform(0.05, 0.4);
+    problem.margins.common = -random.uniform(0.05, 0.4);
     EdgeCertifier certifier(std::make_shared<const CompiledScene>(problem));
     for (int i = 0; i < 10; ++i) {
       const std::vector<double> q = robots::testing::randomConfiguration(random, *body);
       const Verdict verdict = certifier.decide(q);
-      if (!(certifier.clearance(q, 1e-6).clearance.lower > problem.margin + 1e-6)) continue;
+      if (!(certifier.clearance(q, 1e-6).clearance.lower > problem.margins.common + 1e-6)) continue;
       ++free;
       EXPECT_EQ(verdict, Verdict::kFree) << "run " << run << ", state " << i;
     }
@@ -456,8 +456,8 @@ TEST(EdgeCertifier, AllowedDepthIsThatOfTheWholeBody) {
         test::problemOf(robots::freeBody("body", {{body, {}, "body"}}, robots::JointType::kPlanar,
                                          {-2, -2, 0}, {2, 2, 0}),
                         {0, 0, 0}, {0.1, 0, 0});
-    problem.objects.push_back(obstacle);
-    problem.margin = margin;
+    problem.world.objects.push_back(obstacle);
+    problem.margins.common = margin;
     return std::make_shared<const CompiledScene>(problem);
   };
   Object ball;
@@ -515,8 +515,8 @@ TEST(EdgeCertifier, AWayThatIsNoDirectionPartsNothing) {
     Object ball;
     ball.name = "ball";
     ball.geometries.push_back({collision::Shape::sphere(radius), {}, "ball"});
-    problem.objects.push_back(ball);
-    problem.margin = margin;
+    problem.world.objects.push_back(ball);
+    problem.margins.common = margin;
     return std::make_shared<const CompiledScene>(problem);
   };
   for (const double off : {0.0, 1e-14, 1e-16, 1e-18, 1e-20, 1e-22, 1e-23, 1e-24, 1e-26, 1e-40}) {
@@ -546,7 +546,7 @@ TEST(EdgeCertifier, ATurnLocksAPlateInASlot) {
       robots::freeBody("plate", {{collision::Shape::box({0.5, 0.02, 0.1}), {}, "plate"}},
                        robots::JointType::kPlanar, {-2, -2, 0}, {2, 2, 0}),
       {0, 0, 0}, {0.1, 0, 0});
-  problem.objects.push_back(solidCubes({{0, 1.025, 0}, {0, -1.025, 0}}));
+  problem.world.objects.push_back(solidCubes({{0, 1.025, 0}, {0, -1.025, 0}}));
   EdgeCertifier certifier(std::make_shared<const CompiledScene>(problem));
   const std::vector<double> straight{0, 0, 0}, turned{0, 0, 0.0101};
   EXPECT_EQ(certifier.decide(straight), Verdict::kFree);
@@ -575,9 +575,9 @@ TEST(EdgeCertifier, ClearanceOfMeshesDeepInEachOtherEndsWithItsWork) {
     object.X_WO.rotation =
         Eigen::AngleAxisd(2 * side, Eigen::Vector3d(1, 2, 3).normalized()).matrix();
     object.X_WO.translation = {0.2 * side, 0.05, 0.1 * side};
-    problem.objects.push_back(object);
+    problem.world.objects.push_back(object);
   }
-  problem.margin = -0.5;
+  problem.margins.common = -0.5;
   const auto compiled = std::make_shared<const CompiledScene>(problem);
   EdgeCertifier certifier(compiled);
   DenseTwin twin(*compiled);
@@ -641,9 +641,10 @@ TEST(EdgeCertifier, ClearanceThatLanesBeganIsThatOfIntervalsAlone) {
     for (int p = 0; p < 12; ++p) {
       Problem problem = problemOf(random, kind);
       const double margins[] = {0, 0.02, -0.02};
-      problem.margin = margins[p % 3];
-      if (p % 2 == 0 && !problem.objects.empty())
-        problem.margins.push_back({problem.objects[0].name, problem.model->links.back().name, 0.1});
+      problem.margins.common = margins[p % 3];
+      if (p % 2 == 0 && !problem.world.objects.empty())
+        problem.margins.pairs.push_back(
+            {problem.world.objects[0].name, problem.robot.model->links.back().name, 0.1});
       const auto compiled = std::make_shared<const CompiledScene>(problem);
       EdgeCertifier certifier(compiled), twin(compiled);
       twin.rebind(compiled->withShapes({}));  // whose lanes are those of another scene
@@ -729,9 +730,9 @@ TEST(EdgeCertifier, WorkThatIsSpentIsUndecidedAndNoOtherAnswer) {
   for (const Kind kind : {Kind::kArm, Kind::kFree, Kind::kMeshes, Kind::kTree}) {
     for (int run = 0; run < casesToAsk(6); ++run) {
       Problem problem = problemOf(random, kind);
-      for (std::size_t i = 1; i < problem.objects.size(); i += 2)
-        if (problem.objects[i].name != "floor")
-          problem.objects[i].geometries[0].shape = testing::randomMesh(random, 0.25);
+      for (std::size_t i = 1; i < problem.world.objects.size(); i += 2)
+        if (problem.world.objects[i].name != "floor")
+          problem.world.objects[i].geometries[0].shape = testing::randomMesh(random, 0.25);
       const auto compiled = std::make_shared<const CompiledScene>(problem);
       for (int e = 0; e < 10; ++e) {
         const std::vector<double> a = randomPoint(random, *compiled),
@@ -762,7 +763,7 @@ TEST(EdgeCertifier, WorkThatIsSpentIsUndecidedAndNoOtherAnswer) {
 TEST(EdgeCertifier, WhatAVirtualJointPlacesDoesNotFly) {
   Random random(33);
   const collision::Shape mesh = testing::randomMesh(random, 0.1);
-  robots::Model model =
+  robots::RobotDescription model =
       *robots::freeBody("base", {{mesh, {}, "base"}}, robots::JointType::kFloating,
                         Eigen::Vector3d::Constant(-1), Eigen::Vector3d::Ones());
   for (int i = 1; i < 3; ++i) {
@@ -783,13 +784,12 @@ TEST(EdgeCertifier, WhatAVirtualJointPlacesDoesNotFly) {
     model.joints.push_back(joint);
     model.links.push_back(link);
   }
-  model.finish();
   const auto shared = std::make_shared<const robots::Model>(model);
   std::vector<double> q = shared->defaultConfiguration();
   Problem problem = test::problemOf(shared, q, q);
-  problem.objects.push_back({"rock", {{mesh, {}, "rock"}}, test::at(0, 0, 0.5)});
+  problem.world.objects.push_back({"rock", {{mesh, {}, "rock"}}, test::at(0, 0, 0.5)});
   EXPECT_TRUE(EdgeFrames(std::make_shared<const CompiledScene>(problem), 4).hasSurfacePairs());
-  problem.variables = {7, 8};
+  problem.robot.variables = {7, 8};
   problem.goals = {test::pointGoal("goal", {0, 0})};
   const auto still = std::make_shared<const CompiledScene>(problem);
   EXPECT_GT(still->scene().pairs().size(), 0U);
@@ -813,31 +813,31 @@ TEST(EdgeCertifier, WhatIsNoNumberIsUndecided) {
 // A quaternion without length is no rotation, and a joint without room has one place only.
 TEST(EdgeCertifier, WhatCannotBeIsUndecided) {
   Problem flyer = test::problemOf(test::flyingBox(), {0, 0, 0, 0, 0, 0, 1}, {0, 0, 0, 0, 0, 0, 1});
-  flyer.objects.push_back(test::box("far", {0.1, 0.1, 0.1}, 5, 5, 5));
+  flyer.world.objects.push_back(test::box("far", {0.1, 0.1, 0.1}, 5, 5, 5));
   EdgeCertifier flying(std::make_shared<const CompiledScene>(flyer));
   const std::vector<double> zero{0, 0, 0, 0, 0, 0, 0}, turned{0, 0, 0, 1, 0, 0, 0};
   EXPECT_EQ(flying.certify(zero, turned).verdict, Verdict::kUndecided);
   EXPECT_EQ(flying.certify(turned, zero).verdict, Verdict::kUndecided);
   EXPECT_EQ(flying.certify(turned, turned).verdict, Verdict::kFree);
 
-  auto model = std::make_shared<robots::Model>();
+  robots::RobotDescription robot;
   for (int i = 0; i < 2; ++i) {
     robots::Link link;
     link.name = "link" + std::to_string(i);
     link.joint = i;
     if (i == 1) link.geometries.push_back({collision::Shape::sphere(0.1), {}, link.name});
-    model->links.push_back(link);
+    robot.links.push_back(link);
     robots::Joint joint;
     joint.name = "joint" + std::to_string(i);
     joint.type = i == 0 ? robots::JointType::kFixed : robots::JointType::kPrismatic;
     joint.parent_link = i - 1;
     joint.child_link = i;
-    model->joints.push_back(joint);
-    robots::appendVariables(*model, i, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero());
+    robot.joints.push_back(joint);
+    robots::appendVariables(robot, i, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero());
   }
-  model->finish();
+  const auto model = std::make_shared<robots::Model>(std::move(robot));
   Problem stuck = test::problemOf(model, {0}, {0});
-  stuck.objects.push_back(test::box("wall", {0.05, 2, 2}, 1, 0, 0));
+  stuck.world.objects.push_back(test::box("wall", {0.05, 2, 2}, 1, 0, 0));
   EdgeCertifier sliding(std::make_shared<const CompiledScene>(stuck));
   const std::vector<double> home{0}, wall{1};
   EXPECT_EQ(sliding.certify(home, home).verdict, Verdict::kFree);
@@ -847,13 +847,13 @@ TEST(EdgeCertifier, WhatCannotBeIsUndecided) {
 
 // A continuous joint that wraps would make a mimic of half its angle jump.
 TEST(EdgeCertifier, AMimicThatWouldJumpIsUndecided) {
-  auto model = std::make_shared<robots::Model>();
+  robots::RobotDescription robot;
   for (int i = 0; i < 3; ++i) {
     robots::Link link;
     link.name = "link" + std::to_string(i);
     link.joint = i;
     link.geometries.push_back({collision::Shape::sphere(0.1), {}, link.name});
-    model->links.push_back(link);
+    robot.links.push_back(link);
     robots::Joint joint;
     joint.name = "joint" + std::to_string(i);
     joint.type = i == 0   ? robots::JointType::kFixed
@@ -867,14 +867,14 @@ TEST(EdgeCertifier, AMimicThatWouldJumpIsUndecided) {
       joint.mimic = 1;
       joint.multiplier = 0.5;
     }
-    model->joints.push_back(joint);
-    robots::appendVariables(*model, i, Eigen::Vector3d::Constant(-1), Eigen::Vector3d::Constant(1));
+    robot.joints.push_back(joint);
+    robots::appendVariables(robot, i, Eigen::Vector3d::Constant(-1), Eigen::Vector3d::Constant(1));
   }
-  model->disabled_pairs.push_back({0, 2, "drawn so"});
-  model->has_srdf = true;
-  model->finish();
+  robot.disabled_pairs.push_back({0, 2, "drawn so"});
+  robot.has_srdf = true;
+  const auto model = std::make_shared<robots::Model>(std::move(robot));
   Problem problem = test::problemOf(model, {0}, {1});
-  problem.objects.push_back(test::box("far", {0.1, 0.1, 0.1}, 5, 5, 5));
+  problem.world.objects.push_back(test::box("far", {0.1, 0.1, 0.1}, 5, 5, 5));
   EdgeCertifier certifier(std::make_shared<const CompiledScene>(problem));
   EXPECT_EQ(certifier.certify(std::vector<double>{2.0}, std::vector<double>{3.0}).verdict,
             Verdict::kFree);
@@ -907,24 +907,24 @@ TEST(EdgeCertifier, QueriesAllocateNothing) {
 
 // A pair dropped by a proof within the limits may touch outside them.
 TEST(EdgeCertifier, OutsideLimitsThatAProofNeededIsUndecided) {
-  auto model = std::make_shared<robots::Model>();
+  robots::RobotDescription robot;
   for (int i = 0; i < 3; ++i) {
     robots::Link link;
     link.name = "link" + std::to_string(i);
     link.joint = i;
     link.geometries.push_back({collision::Shape::sphere(0.1), {}, link.name});
-    model->links.push_back(link);
+    robot.links.push_back(link);
     robots::Joint joint;
     joint.name = "joint" + std::to_string(i);
     joint.type = i == 0 ? robots::JointType::kFixed : robots::JointType::kPrismatic;
     joint.parent_link = i - 1;
     joint.child_link = i;
     if (i > 0) joint.X_PJ.translation = {0.5, 0, 0};
-    model->joints.push_back(joint);
-    robots::appendVariables(*model, i, Eigen::Vector3d::Constant(-0.1),
+    robot.joints.push_back(joint);
+    robots::appendVariables(robot, i, Eigen::Vector3d::Constant(-0.1),
                             Eigen::Vector3d::Constant(0.1));
   }
-  model->finish();
+  const auto model = std::make_shared<robots::Model>(std::move(robot));
   Problem problem = test::problemOf(model, {0, 0}, {0, 0});
   EdgeCertifier certifier(std::make_shared<const CompiledScene>(problem));
   EXPECT_TRUE(certifier.scene().edgeModel().needs_limits);

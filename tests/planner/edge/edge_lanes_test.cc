@@ -166,7 +166,7 @@ TEST(EdgeLanes, CertifyOnlyWhatIsApart) {
         model = testing::randomTreeWithShapes(random);
     }
     Problem problem = testing::randomProblem(random, model, 8, 1.0);
-    problem.objects.push_back(
+    problem.world.objects.push_back(
         {"rock", {{testing::randomMesh(random, 0.3), {}, "rock"}}, random.pose(1.0)});
     check(random, problem, 25, count);
   }
@@ -251,7 +251,7 @@ TEST(EdgeLanes, EdgesAreToldTheSameOnEveryInstructionSet) {
         : kind == 2 ? testing::randomFreeBody(random, robots::JointType::kPlanar)
                     : testing::randomTreeWithShapes(random),
         8, 1.0);
-    problem.objects.push_back(
+    problem.world.objects.push_back(
         {"rock", {{testing::randomMesh(random, 0.3), {}, "rock"}}, random.pose(1.0)});
     const auto scene = std::make_shared<const CompiledScene>(problem);
     std::vector<std::vector<double>> points;

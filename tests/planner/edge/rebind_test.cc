@@ -7,6 +7,7 @@
 #include "leeway/collision/deformable_mesh.h"
 #include "leeway/planner/compiled_scene.h"
 #include "leeway/planner/edge_certifier.h"
+#include "leeway/robots/input_error.h"
 #include "planner/base/random.h"
 #include "tests/planner/base/test_models.h"
 
@@ -18,14 +19,14 @@ using collision::DeformableMesh;
 using collision::Shape;
 
 /// A disc, a post, and a square that is pulled about.
-struct World {
-  World() : problem(test::problemOf(test::disc(), {-1.5, 0, 0}, {1.5, 0, 0})) {
+struct DiscWorld {
+  DiscWorld() : problem(test::problemOf(test::disc(), {-1.5, 0, 0}, {1.5, 0, 0})) {
     const std::vector<Eigen::Vector3d> rest = {
         {-0.3, 0, -0.3}, {0.3, 0, -0.3}, {0.3, 0, 0.3}, {-0.3, 0, 0.3}};
     mesh = DeformableMesh::make(rest, std::vector<DeformableMesh::Triangle>{{0, 1, 2}, {0, 2, 3}});
-    problem.objects.push_back(test::box("post", {0.1, 0.1, 0.5}, 0, 1, 0));
-    addDeforming(problem, "square", mesh, nullptr, {});
-    problem.margin = 0.01;
+    problem.world.objects.push_back(test::box("post", {0.1, 0.1, 0.5}, 0, 1, 0));
+    problem.world.deforming.push_back(makeDeformingObstacle("square", mesh, nullptr, {}));
+    problem.margins.common = 0.01;
     scene = std::make_shared<const CompiledScene>(problem);
     body = scene->scene().find("square");
   }
@@ -45,19 +46,26 @@ struct World {
   int body = -1;
 };
 
-TEST(AddDeforming, TakesNoNameTwice) {
-  World world;
-  const std::size_t before = world.problem.objects.size();
-  for (const char* name : {"post", "square", "disc"})
-    EXPECT_THROW(addDeforming(world.problem, name, world.mesh, nullptr, {}), std::invalid_argument)
-        << name;
-  EXPECT_EQ(world.problem.objects.size(), before);
-  addDeforming(world.problem, "another", world.mesh, nullptr, {});
-  EXPECT_EQ(world.problem.objects.size(), before + 1);
+TEST(CompiledScene, RefusesDeformingObstaclesThatAreNotTheirOwnOrNotOfTheStart) {
+  const DiscWorld world;
+  for (const char* name : {"post", "square", "disc"}) {
+    Problem twice = world.problem;
+    twice.world.deforming.push_back(makeDeformingObstacle(name, world.mesh, nullptr, {}));
+    EXPECT_THROW(CompiledScene{twice}, robots::InputError) << name;
+  }
+  Problem late = world.problem;
+  late.execution.start = 1;
+  EXPECT_THROW(CompiledScene{late}, robots::InputError);
+  Problem raw = world.problem;
+  raw.world.deforming.push_back({{"another", {}, {}}, world.mesh, nullptr, 1, {}});
+  EXPECT_THROW(CompiledScene{raw}, robots::InputError);
+  Problem more = world.problem;
+  more.world.deforming.push_back(makeDeformingObstacle("another", world.mesh, nullptr, {}));
+  EXPECT_NO_THROW(CompiledScene{more});
 }
 
 TEST(Rebind, AnswersAsANewCertifier) {
-  const World world;
+  const DiscWorld world;
   Random random(5);
   EdgeCertifier rebound(world.scene);
   int free = 0, not_free = 0;
@@ -83,7 +91,7 @@ TEST(Rebind, AnswersAsANewCertifier) {
 }
 
 TEST(Rebind, GrowthIsKeptBesidesTheMargin) {
-  const World world;
+  const DiscWorld world;
   Deformable deformable(world.mesh);
   const std::vector<double> q = {0, -0.2, 0};  // the disc's rim is 0.1 from the square
   const auto verdict = [&](double growth) {
@@ -99,7 +107,7 @@ TEST(Rebind, GrowthIsKeptBesidesTheMargin) {
 }
 
 TEST(Rebind, PairsCanBeAskedApart) {
-  const World world;
+  const DiscWorld world;
   const auto with = [&](bool square) {
     return world.scene->withPairs([&, square](const collision::ScenePair& pair) {
       return (pair.body_a == world.body || pair.body_b == world.body) == square;

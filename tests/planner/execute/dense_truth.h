@@ -19,31 +19,29 @@
 namespace leeway::planner::test {
 
 /// The least distance between the robot at `point` and what deforms at `time` [m], as far as it is
-/// below `enough`. Pairs in Problem::allowed are left out.
+/// below `enough`. Pairs in Contacts::allowed are left out.
 inline double bruteClearance(const Problem& problem, std::span<const double> point, double time,
                              double enough) {
-  std::vector<double> q = problem.configuration;
+  std::vector<double> q = problem.start;
   for (std::size_t i = 0; i < point.size(); ++i)
-    q[static_cast<std::size_t>(problem.variables[i])] = point[i];
-  std::vector<robots::Pose> X_WL(problem.model->links.size());
-  robots::forwardKinematics(*problem.model, q, X_WL);
+    q[static_cast<std::size_t>(problem.robot.variables[i])] = point[i];
+  std::vector<robots::Pose> X_WL(problem.robot.model->links.size());
+  robots::forwardKinematics(*problem.robot.model, q, X_WL);
   collision::Scratch scratch;
   double least = enough;
-  for (const DeformingObstacle& obstacle : problem.deforming) {
-    const auto object = std::find_if(problem.objects.begin(), problem.objects.end(),
-                                     [&](const Object& o) { return o.name == obstacle.object; });
+  for (const DeformingObstacle& obstacle : problem.world.deforming) {
     std::vector<Eigen::Vector3d> vertices(static_cast<std::size_t>(obstacle.mesh->vertexCount()));
     obstacle.motion->evaluate(time, vertices);
-    for (Eigen::Vector3d& v : vertices) v = object->X_WO * v;
+    for (Eigen::Vector3d& v : vertices) v = obstacle.object.X_WO * v;
     for (std::size_t l = 0; l < X_WL.size(); ++l) {
-      const bool allowed =
-          std::any_of(problem.allowed.begin(), problem.allowed.end(), [&](const auto& pair) {
-            const std::string& link = problem.model->links[l].name;
-            return (pair.first == link && pair.second == obstacle.object) ||
-                   (pair.second == link && pair.first == obstacle.object);
+      const bool allowed = std::any_of(
+          problem.contacts.allowed.begin(), problem.contacts.allowed.end(), [&](const auto& pair) {
+            const std::string& link = problem.robot.model->links[l].name;
+            return (pair.first == link && pair.second == obstacle.object.name) ||
+                   (pair.second == link && pair.first == obstacle.object.name);
           });
       if (allowed) continue;
-      for (const robots::Geometry& g : problem.model->links[l].geometries) {
+      for (const robots::Geometry& g : problem.robot.model->links[l].geometries) {
         const robots::Pose X_WG = X_WL[l] * g.X_BG;
         const Eigen::Vector3d center = X_WG * g.shape.boundingCenter();
         const double radius = g.shape.boundingRadius();
@@ -70,9 +68,9 @@ inline double bruteClearance(const Problem& problem, std::span<const double> poi
 /// What an executed trajectory keeps from what deforms, looked at every `step` [s].
 inline double denseClearance(const Problem& problem, std::span<const TimedPoint> trajectory,
                              double step, double enough) {
-  const ConfigurationSpace space(problem.model, problem.variables);
+  const ConfigurationSpace space(problem.robot.model, problem.robot.variables);
   double least = enough;
-  std::vector<double> point(problem.variables.size());
+  std::vector<double> point(problem.robot.variables.size());
   for (std::size_t i = 1; i < trajectory.size(); ++i) {
     const TimedPoint &a = trajectory[i - 1], &b = trajectory[i];
     const int parts = std::max(1, static_cast<int>(std::ceil((b.time - a.time) / step)));

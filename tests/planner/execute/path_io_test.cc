@@ -74,8 +74,8 @@ double signedUnit(std::mt19937_64& random) {
 PlanResult resultOf(const Problem& problem, std::vector<std::vector<double>> rows) {
   PlanResult result;
   result.status = PlanStatus::kSolved;
-  for (const int v : problem.variables)
-    result.path.names.push_back(problem.model->variables[static_cast<std::size_t>(v)].name);
+  for (const int v : problem.robot.variables)
+    result.path.names.push_back(problem.robot.model->variables[static_cast<std::size_t>(v)].name);
   result.path.positions = std::move(rows);
   result.certificate.certified = true;
   result.certificate.clearance = {0.0123456789012345678, 0.0234};
@@ -168,7 +168,7 @@ TEST_F(PathIo, NumbersDoNotDependOnTheLocale) {
   }
   std::locale::global(before);
   EXPECT_EQ(contents(file("comma.json")), contents(file("classic.json")));
-  EXPECT_EQ(again.configuration, problem.configuration);
+  EXPECT_EQ(again.start, problem.start);
 }
 
 TEST_F(PathIo, JsonHoldsTrajectoryAndCertificate) {
@@ -224,7 +224,8 @@ TEST_F(PathIo, TrajectoriesHaveRatesAndTheirOwnCertificate) {
   rows[2][1] = 0.25;
   PlanResult result = resultOf(problem, rows);
   result.certificate.clearance = {0.03, 0.031};
-  const auto space = std::make_shared<ConfigurationSpace>(problem.model, problem.variables);
+  const auto space =
+      std::make_shared<ConfigurationSpace>(problem.robot.model, problem.robot.variables);
   const std::vector<Blend> blends = {{1, 0.1}};
   const Trajectory trajectory(space, rows, defaultMotionLimits(*space), blends);
   for (const char* name : {"t.json", "t.yaml"}) {
@@ -255,7 +256,7 @@ TEST_F(PathIo, TrajectoriesHaveRatesAndTheirOwnCertificate) {
   EXPECT_GT(points[0].at("accelerations")[0].get<double>(), 0.1);
   const auto& certificate = json.at("certificate");
   EXPECT_EQ(certificate.at("blended_corners"), nlohmann::json::array({1}));
-  EXPECT_EQ(certificate.at("clearance_lower").get<double>(), problem.margin);
+  EXPECT_EQ(certificate.at("clearance_lower").get<double>(), problem.margins.common);
   EXPECT_EQ(certificate.at("tracking_tolerance").get<double>(), 0);
   EXPECT_FALSE(certificate.contains("segments"));
   // The path's least clearance is no upper bound where the motion does not go.
@@ -295,7 +296,8 @@ TEST_F(PathIo, TrajectoriesHaveRatesAndTheirOwnCertificate) {
 /// What is written for an orientation is the rate of its four numbers.
 TEST_F(PathIo, TrajectoriesOfBodiesHaveTheRatesOfTheirNumbers) {
   const Problem problem = loadProblem(kSource + "/problems/bodies/window.yaml");
-  const auto space = std::make_shared<ConfigurationSpace>(problem.model, problem.variables);
+  const auto space =
+      std::make_shared<ConfigurationSpace>(problem.robot.model, problem.robot.variables);
   const std::vector<std::vector<double>> rows = {{0, 0, 1, 0, 0, 0, 1},
                                                  {0.3, 0, 1, 0.6, 0, 0.48, 0.64}};
   const Trajectory trajectory(space, rows, defaultMotionLimits(*space));
@@ -330,7 +332,8 @@ TEST_F(PathIo, TrajectoriesOfBodiesHaveTheRatesOfTheirNumbers) {
 /// through zero.
 TEST_F(PathIo, TrajectoriesOfBodiesDoNotChangeTheSignOfOrientations) {
   const Problem problem = loadProblem(kSource + "/problems/bodies/window.yaml");
-  const auto space = std::make_shared<ConfigurationSpace>(problem.model, problem.variables);
+  const auto space =
+      std::make_shared<ConfigurationSpace>(problem.robot.model, problem.robot.variables);
   const std::vector<std::vector<double>> rows = {
       {0, 0, 1, 0, 0, 0, 1}, {0.3, 0, 1, -0.6, 0, -0.48, -0.64}, {0.3, 0.2, 1, 0.6, 0, 0.64, 0.48}};
   const Trajectory trajectory(space, rows, defaultMotionLimits(*space));
@@ -352,7 +355,8 @@ TEST_F(PathIo, TimesThatNoFileCanSayAreRefused) {
   std::vector<std::vector<double>> rows(2, std::vector<double>(7));
   rows[1][0] = 1;
   const PlanResult result = resultOf(problem, rows);
-  const auto space = std::make_shared<ConfigurationSpace>(problem.model, problem.variables);
+  const auto space =
+      std::make_shared<ConfigurationSpace>(problem.robot.model, problem.robot.variables);
   const auto message = [&](double period) {
     const Trajectory trajectory(space, rows, motionLimits(problem));
     try {
@@ -395,7 +399,7 @@ TEST_F(PathIo, ContinuousJointsAreWrittenUnwrapped) {
 /// Half a turn exactly goes the way that was certified, whatever turns the rows before have made.
 TEST_F(PathIo, HalfTurnsAreWrittenAsTheyWereCertified) {
   const Problem problem = loadProblem(kSource + "/problems/bodies/piano.yaml");
-  const ConfigurationSpace space(problem.model, problem.variables);
+  const ConfigurationSpace space(problem.robot.model, problem.robot.variables);
   const double pi = 3.14159265358979323846;
   int cut = 0;
   for (const double last : {-3.0 + pi, 0.0, pi - 3.0, -pi / 2})

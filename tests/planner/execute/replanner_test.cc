@@ -11,6 +11,7 @@
 #include "leeway/planner/plan.h"
 #include "leeway/robots/input_error.h"
 #include "planner/base/random.h"
+#include "planner/execute/motion_limits.h"
 #include "planner/execute/timed_path.h"
 #include "tests/build_paths.h"
 #include "tests/planner/base/test_models.h"
@@ -59,16 +60,22 @@ std::shared_ptr<const VertexMotion> moved(
   return VertexMotion::morph(motion);
 }
 
+DeformingObstacle obstacle(const std::string& name, const Sheet& s,
+                           const std::vector<std::pair<double, Eigen::Vector3d>>& keys) {
+  return makeDeformingObstacle(name, DeformableMesh::make(s.vertices, s.triangles), moved(s, keys),
+                               {});
+}
+
 /// A disc goes from left to right where a wall with a gap stands; a sheet closes the gap for a
 /// while.
 Problem gate(const std::vector<std::pair<double, Eigen::Vector3d>>& keys) {
   Problem problem = test::wallProblem();
-  problem.configuration = {-1, 1.2, 0};
+  problem.start = {-1, 1.2, 0};
   problem.goals = {test::pointGoal("goal", {1, 1.2, 0})};
   const Sheet s = sheet(0.95, 1.45, 4);
-  addDeforming(problem, "gate", DeformableMesh::make(s.vertices, s.triangles), moved(s, keys), {});
-  problem.margin = 0.01;
-  problem.iteration_limit = 1000;
+  problem.world.deforming.push_back(obstacle("gate", s, keys));
+  problem.margins.common = 0.01;
+  problem.limits.iterations = 1000;
   problem.execution.duration = 12;
   return problem;
 }
@@ -77,7 +84,7 @@ Problem gate(const std::vector<std::pair<double, Eigen::Vector3d>>& keys) {
 double expectTruth(const Problem& problem, const ReplanResult& result, double step = 0.002) {
   const double kept = test::denseClearance(problem, result.trajectory, step, 1.0);
   if (result.certified) {
-    EXPECT_GT(kept, problem.margin);
+    EXPECT_GT(kept, problem.margins.common);
     EXPECT_GE(kept, result.clearance.lower - 1e-9);
   }
   return kept;
@@ -93,7 +100,7 @@ TEST(Replanner, WithoutAnythingThatDeformsThePathIsFollowed) {
   EXPECT_EQ(result.plans, 1);
   EXPECT_EQ(result.replans, 0);
   EXPECT_EQ(result.waits + result.evasions, 0);
-  EXPECT_EQ(result.trajectory.front().position, problem.configuration);
+  EXPECT_EQ(result.trajectory.front().position, problem.start);
   EXPECT_EQ(result.trajectory.back().position, (std::vector<double>{1, -1, 0}));
   double fastest = 0;
   for (std::size_t i = 1; i < result.trajectory.size(); ++i) {
@@ -118,7 +125,7 @@ TEST(Replanner, WaitsForAGateThatOpens) {
     EXPECT_TRUE(step.certified);
     EXPECT_EQ(step.motion.front().time, step.time);
     EXPECT_LE(step.clearance.lower, step.clearance.upper);
-    EXPECT_GT(step.clearance.lower, problem.margin - 1e-12);
+    EXPECT_GT(step.clearance.lower, problem.margins.common - 1e-12);
   });
   EXPECT_EQ(result.status, ReplanStatus::kReached);
   EXPECT_GT(waits, 30);
@@ -129,7 +136,7 @@ TEST(Replanner, WaitsForAGateThatOpens) {
 TEST(Replanner, PlansAnewWhereTheWayIsClosed) {
   // Open at first; then it closes before the disc is there, for good, and the long way is below.
   Problem problem = gate({{0, {0, 0, 1.5}}, {0.2, {0, 0, 1.5}}, {0.5, {0, 0, 0}}});
-  problem.objects[0] = test::box("lower wall", {0.05, 0.9, 0.5}, 0, 0, 0);  // y -0.9 to 0.9
+  problem.world.objects[0] = test::box("lower wall", {0.05, 0.9, 0.5}, 0, 0, 0);  // y -0.9 to 0.9
   const ReplanResult first = replan(problem, {}, {}, 1);
   const PlanResult plan_alone = plan(problem);
   ASSERT_EQ(plan_alone.status, PlanStatus::kSolved);
@@ -152,8 +159,8 @@ TEST(Replanner, EvadesWhatComesWhereItStands) {
   // A sheet sweeps over the place of the start, where nothing leads to the goal.
   Problem problem = gate({{0, {0, 0, 0}}, {20, {0, 0, 0}}});
   const Sheet s = sheet(0.9, 1.5, 4);
-  addDeforming(problem, "broom", DeformableMesh::make(s.vertices, s.triangles),
-               moved(s, {{0, {-1.9, 0, 0}}, {0.5, {-1.9, 0, 0}}, {3.5, {-0.6, 0, 0}}}), {});
+  problem.world.deforming.push_back(
+      obstacle("broom", s, {{0, {-1.9, 0, 0}}, {0.5, {-1.9, 0, 0}}, {3.5, {-0.6, 0, 0}}}));
   problem.execution.duration = 3;
   int evasions = 0;
   const ReplanResult result = replan(
@@ -169,9 +176,8 @@ TEST(Replanner, SaysWhenNothingIsCertain) {
   Problem problem = gate({{0, {0, 0, 0}}, {20, {0, 0, 0}}});
   const Sheet s = sheet(-2, 2.5, 4);
   for (const double side : {-1.0, 1.0})
-    addDeforming(problem, side < 0 ? "left" : "right",
-                 DeformableMesh::make(s.vertices, s.triangles),
-                 moved(s, {{0, {-1 + side * 0.8, 0, 0}}, {0.3, {-1, 0, 0}}}), {});
+    problem.world.deforming.push_back(obstacle(side < 0 ? "left" : "right", s,
+                                               {{0, {-1 + side * 0.8, 0, 0}}, {0.3, {-1, 0, 0}}}));
   const ReplanResult result = replan(problem);
   EXPECT_EQ(result.status, ReplanStatus::kUnsafe);
   EXPECT_FALSE(result.certified);
@@ -180,13 +186,13 @@ TEST(Replanner, SaysWhenNothingIsCertain) {
   std::vector<TimedPoint> before = result.trajectory;
   while (before.size() > 1 && before.back().time > (result.steps - 1) * 0.05 + 1e-9)
     before.pop_back();
-  EXPECT_GT(test::denseClearance(problem, before, 0.002, 1.0), problem.margin);
+  EXPECT_GT(test::denseClearance(problem, before, 0.002, 1.0), problem.margins.common);
 }
 
 TEST(Replanner, ASpeedBoundAloneIsEnoughForSafety) {
   Problem problem = gate({{0, {0, 0, 0}}, {1, {0, 0, 0}}, {3, {0, 0, 1.2}}});
   problem.execution.foresight = Foresight::kSpeedBound;
-  problem.deforming[0].speed_bound = 1;
+  problem.world.deforming[0].speed_bound = 1;
   const ReplanResult result = replan(problem);
   EXPECT_EQ(result.status, ReplanStatus::kReached);
   EXPECT_GT(result.waits, 10);
@@ -195,14 +201,14 @@ TEST(Replanner, ASpeedBoundAloneIsEnoughForSafety) {
 
 TEST(Replanner, AProgramSaysWhereTheVerticesAre) {
   Problem problem = gate({{0, {0, 0, 0}}, {1, {0, 0, 0}}, {2, {0, 0, 1.5}}});
-  const std::shared_ptr<const VertexMotion> truth = problem.deforming[0].motion;
+  const std::shared_ptr<const VertexMotion> truth = problem.world.deforming[0].motion;
   Problem blind = problem;
-  blind.deforming[0].motion = nullptr;
+  blind.world.deforming[0].motion = nullptr;
   Replanner replanner(blind);
   ReplanResult result;
   result.certified = true;
-  std::vector<Eigen::Vector3d> vertices(blind.deforming[0].mesh->rest().begin(),
-                                        blind.deforming[0].mesh->rest().end());
+  std::vector<Eigen::Vector3d> vertices(blind.world.deforming[0].mesh->rest().begin(),
+                                        blind.world.deforming[0].mesh->rest().end());
   // What is wrong is refused, and what was known stays.
   EXPECT_THROW(replanner.setVertices("door", vertices, 0, 1), std::invalid_argument);
   EXPECT_THROW(replanner.setVertices("gate", std::span(vertices).first(3), 0, 1),
@@ -238,7 +244,7 @@ TEST(Replanner, AProgramSaysWhereTheVerticesAre) {
 
 TEST(Replanner, VerticesWithoutASpeedBoundStopTheRobot) {
   Problem problem = gate({{0, {0, 0, 1.5}}, {1, {0, 0, 1.5}}});
-  problem.deforming[0].motion = nullptr;
+  problem.world.deforming[0].motion = nullptr;
   Replanner replanner(problem);
   const ReplanStep step = replanner.step();
   EXPECT_EQ(step.decision, Decision::kUnsafe);
@@ -303,7 +309,7 @@ TEST(Replanner, RefusesSettingsThatMakeNoSense) {
     }
   }
   EXPECT_NO_THROW(Replanner{problem});
-  problem.deforming.push_back({"nobody", nullptr, nullptr, 1, {}});
+  problem.world.deforming.push_back({{"nobody", {}, {}}, nullptr, nullptr, 1, {}});
   EXPECT_THROW(Replanner{problem}, robots::InputError);
 }
 
@@ -321,7 +327,7 @@ TEST_P(ShippedScene, IsExecutedAndNeedsReplanning) {
   // The first path alone, executed blindly, does not keep the margin.
   const PlanResult alone = plan(problem);
   ASSERT_EQ(alone.status, PlanStatus::kSolved);
-  const ConfigurationSpace space(problem.model, problem.variables);
+  const ConfigurationSpace space(problem.robot.model, problem.robot.variables);
   std::vector<TimedPoint> blind = {{problem.execution.start, alone.path.positions.front()}};
   for (std::size_t i = 1; i < alone.path.positions.size(); ++i)
     blind.push_back(
@@ -340,8 +346,8 @@ TEST(Replanner, RandomSheetsNeverTouchWhatIsCertified) {
   for (int seed = 0; seed < 12; ++seed) {
     Random random(77, static_cast<std::uint64_t>(seed));
     Problem problem = test::problemOf(test::disc(), {-1.5, 0, 0}, {1.5, 0, 0});
-    problem.margin = 0.01;
-    problem.iteration_limit = 300;
+    problem.margins.common = 0.01;
+    problem.limits.iterations = 300;
     problem.execution.step = 0.1;
     problem.execution.duration = 5;
     problem.seed = static_cast<std::uint64_t>(seed);
@@ -351,8 +357,7 @@ TEST(Replanner, RandomSheetsNeverTouchWhatIsCertified) {
       std::vector<std::pair<double, Eigen::Vector3d>> keys;
       for (int key = 0; key < 4; ++key)
         keys.push_back({1.3 * key, {random.uniform(-0.8, 1.2), random.uniform(-1.2, 1.2), 0}});
-      addDeforming(problem, "sheet " + std::to_string(k),
-                   DeformableMesh::make(s.vertices, s.triangles), moved(s, keys), {});
+      problem.world.deforming.push_back(obstacle("sheet " + std::to_string(k), s, keys));
     }
     const ReplanResult result = replan(problem);
     const double certified_end =
@@ -360,8 +365,8 @@ TEST(Replanner, RandomSheetsNeverTouchWhatIsCertified) {
     std::vector<TimedPoint> sure = result.trajectory;
     while (sure.size() > 1 && sure.back().time > certified_end + 1e-9) sure.pop_back();
     const double kept = test::denseClearance(problem, sure, 0.01, 1.0);
-    unsafe_errors += kept > problem.margin ? 0 : 1;
-    EXPECT_GT(kept, problem.margin) << "seed " << seed;
+    unsafe_errors += kept > problem.margins.common ? 0 : 1;
+    EXPECT_GT(kept, problem.margins.common) << "seed " << seed;
     steps += result.steps;
     disturbed += result.waits + result.replans + result.evasions > 0 ? 1 : 0;
     reached += result.status == ReplanStatus::kReached ? 1 : 0;

@@ -87,12 +87,12 @@ class TrajectoryTest : public ::testing::Test {
  protected:
   TrajectoryTest()
       : problem(loadProblem(leeway::sourceFolder() + "/problems/shelf/reach.yaml")),
-        space(std::make_shared<ConfigurationSpace>(problem.model, problem.variables)) {}
+        space(std::make_shared<ConfigurationSpace>(problem.robot.model, problem.robot.variables)) {}
 
   std::vector<double> start() const {
     std::vector<double> q;
-    for (const int v : problem.variables)
-      q.push_back(problem.configuration[static_cast<std::size_t>(v)]);
+    for (const int v : problem.robot.variables)
+      q.push_back(problem.start[static_cast<std::size_t>(v)]);
     return q;
   }
 
@@ -339,7 +339,7 @@ TEST_F(TrajectoryTest, BlendsFarBelowTheVelocityLimitsAreGoneThrough) {
 /// other way round.
 TEST_F(TrajectoryTest, BlendsOfHalfTurnsAreShorter) {
   Problem piano = loadProblem(leeway::sourceFolder() + "/problems/bodies/piano.yaml");
-  piano.objects.clear();
+  piano.world.objects.clear();
   const double pi = 3.14159265358979323846;
   const std::vector<std::vector<double>> rows = {
       {3, 3, 0.3 - pi}, {3, 3.00001, 0.3}, {3, 3.00003, 0.3 + pi}};
@@ -369,7 +369,7 @@ TEST_F(TrajectoryTest, RefusesBlendsThatCannotBe) {
   const std::vector<Blend> blends = {{1, 0.1}};
   EXPECT_THROW(Trajectory(space, path, smooth, blends), std::invalid_argument);
   const Problem body = loadProblem(leeway::sourceFolder() + "/problems/bodies/window.yaml");
-  const auto turning = std::make_shared<ConfigurationSpace>(body.model, body.variables);
+  const auto turning = std::make_shared<ConfigurationSpace>(body.robot.model, body.robot.variables);
   const std::vector<std::vector<double>> poses = {
       {0, 0, 1, 0, 0, 0, 1}, {0.3, 0, 1, 0, 0, 0, 1}, {0.3, 0.3, 1, 0, 0, 0, 1}};
   EXPECT_THROW(Trajectory(turning, poses, defaultMotionLimits(*turning), blends),
@@ -427,10 +427,10 @@ TEST_F(TrajectoryTest, LimitsComeFromTheProblem) {
 
 /// What exporters write where there is no limit: it made an infinite acceleration of it.
 TEST_F(TrajectoryTest, LargestNumberIsNoVelocityLimit) {
-  auto model = std::make_shared<robots::Model>(*problem.model);
-  model->variables[static_cast<std::size_t>(problem.variables[0])].velocity =
+  auto model = std::make_shared<robots::Model>(*problem.robot.model);
+  model->variables[static_cast<std::size_t>(problem.robot.variables[0])].velocity =
       std::numeric_limits<double>::max();
-  problem.model = model;
+  problem.robot.model = model;
   const MotionLimits limits = motionLimits(problem);
   EXPECT_EQ(limits.velocity[0], kDefaultVelocity);
   EXPECT_EQ(limits.acceleration[0], 2 * kDefaultVelocity);

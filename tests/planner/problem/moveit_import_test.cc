@@ -118,7 +118,7 @@ class MoveitImport : public testing::Test {
     return "accepted";
   }
   double start(const Problem& problem, const std::string& variable) const {
-    return problem.configuration[static_cast<std::size_t>(model_->findVariable(variable))];
+    return problem.start[static_cast<std::size_t>(model_->findVariable(variable))];
   }
 
   std::filesystem::path folder_;
@@ -136,8 +136,8 @@ std::string replaced(std::string text, const std::string& what, const std::strin
 
 TEST_F(MoveitImport, ObjectsHaveFullEdgesHeightBeforeRadiusAndBothPoses) {
   const Problem problem = load(kScene, kRequest);
-  ASSERT_EQ(problem.objects.size(), 2U);
-  const Object& can = problem.objects[0];
+  ASSERT_EQ(problem.world.objects.size(), 2U);
+  const Object& can = problem.world.objects[0];
   EXPECT_EQ(can.name, "can");
   EXPECT_EQ(can.geometries[0].shape.type(), collision::ShapeType::kCylinder);
   EXPECT_EQ(can.geometries[0].shape.halfLength(), 0.5);
@@ -145,7 +145,7 @@ TEST_F(MoveitImport, ObjectsHaveFullEdgesHeightBeforeRadiusAndBothPoses) {
   const robots::Pose X_WG = can.X_WO * can.geometries[0].X_BG;
   EXPECT_LT((X_WG.translation - Eigen::Vector3d(10, 0, 5)).norm(), 1e-14);
   EXPECT_LT((X_WG.rotation.col(0) - Eigen::Vector3d::UnitY()).norm(), 1e-15);
-  const Object& box = problem.objects[1];
+  const Object& box = problem.world.objects[1];
   ASSERT_EQ(box.geometries.size(), 3U);
   EXPECT_EQ(box.geometries[0].shape.halfExtents(), Eigen::Vector3d(0.5, 1, 1.5));
   EXPECT_EQ(box.geometries[1].shape.radius(), 4);
@@ -156,14 +156,14 @@ TEST_F(MoveitImport, ObjectsHaveFullEdgesHeightBeforeRadiusAndBothPoses) {
 
 TEST_F(MoveitImport, JointsGoByNameNotByPlace) {
   const Problem problem = load(kScene, kRequest);
-  ASSERT_EQ(problem.variables.size(), 3U);
+  ASSERT_EQ(problem.robot.variables.size(), 3U);
   EXPECT_EQ(start(problem, "left_joint"), 0.25);
   EXPECT_EQ(start(problem, "left_tip_joint"), 7);
   EXPECT_EQ(start(problem, "right_joint"), 0.5);
   ASSERT_EQ(problem.goals.size(), 1U);
   for (std::size_t i = 0; i < 3; ++i) {
     const std::string& name =
-        model_->variables[static_cast<std::size_t>(problem.variables[i])].name;
+        model_->variables[static_cast<std::size_t>(problem.robot.variables[i])].name;
     // Pi, cut to six digits in the robot's limit, is the limit.
     const double expected = name == "left_joint" ? -3.14159 : name == "right_joint" ? 1 : -0.5;
     EXPECT_EQ(problem.goals[0].ranges[i], std::make_pair(expected, expected)) << name;
@@ -182,15 +182,15 @@ TEST_F(MoveitImport, OtherGroupsJointsArePassive) {
       request, "[0.5, 7",
       "[1.5, 7");  // outside its limits, but not planned: as it is, like MoveIt's open fingers
   const Problem problem = load(kScene, request);
-  EXPECT_EQ(problem.variables.size(), 2U);
+  EXPECT_EQ(problem.robot.variables.size(), 2U);
   EXPECT_EQ(start(problem, "right_joint"), 1.5);
 }
 
 TEST_F(MoveitImport, MatrixStandsInForTheSrdfWhereItKnowsTheLinks) {
   const Problem problem = load(kScene, kRequest);
-  EXPECT_TRUE(problem.replace_srdf_pairs);
+  EXPECT_TRUE(problem.contacts.replace_srdf);
   std::set<std::set<std::string>> allowed;
-  for (const auto& [a, b] : problem.allowed) allowed.insert({a, b});
+  for (const auto& [a, b] : problem.contacts.allowed) allowed.insert({a, b});
   EXPECT_EQ(allowed, (std::set<std::set<std::string>>{
                          {"left", "torso"},
                          {"left", "left_tip"},  // said by the matrix
@@ -219,17 +219,18 @@ TEST_F(MoveitImport, FalseInTheMatrixOutweighsTheSrdf) {
       "\nallowed_collision_matrix:\n  entry_names: [left, right]\n  entry_values: [[false, false], "
       "[false, false]]\n";
   const Problem problem = load(matrix + kObjects, kRequest);
-  EXPECT_EQ(problem.allowed, (std::vector<std::pair<std::string, std::string>>{{"knob", "right"}}));
+  EXPECT_EQ(problem.contacts.allowed,
+            (std::vector<std::pair<std::string, std::string>>{{"knob", "right"}}));
   // An entry that is true one way only allows nothing.
   const Problem half =
       load(replaced(matrix, "[[false, false]", "[[false, true]") + kObjects, kRequest);
-  EXPECT_EQ(half.allowed, problem.allowed);
+  EXPECT_EQ(half.contacts.allowed, problem.contacts.allowed);
 }
 
 TEST_F(MoveitImport, WithoutAMatrixTheSrdfHolds) {
   const Problem problem = load(kObjects, kRequest);
-  EXPECT_FALSE(problem.replace_srdf_pairs);
-  EXPECT_TRUE(problem.allowed.empty());
+  EXPECT_FALSE(problem.contacts.replace_srdf);
+  EXPECT_TRUE(problem.contacts.allowed.empty());
 }
 
 TEST_F(MoveitImport, FramesMoveObjects) {
@@ -238,7 +239,7 @@ TEST_F(MoveitImport, FramesMoveObjects) {
       "rotation: [0, 0, 0, 1]}}\n";
   const Problem problem =
       load(transforms + replaced(kObjects, "frame_id: \"\"", "frame_id: cell"), kRequest);
-  EXPECT_EQ(problem.objects[1].X_WO.translation, Eigen::Vector3d(1, 2, 3));
+  EXPECT_EQ(problem.world.objects[1].X_WO.translation, Eigen::Vector3d(1, 2, 3));
   EXPECT_NE(
       messageOf(replaced(kObjects, "frame_id: \"\"", "frame_id: cell"), kRequest)
           .find("unknown frame 'cell' in world.collision_objects[1].header; known: torso, world"),
@@ -350,12 +351,12 @@ TEST(MotionBenchMaker, EveryStartAndGoalIsValid) {
       const Problem problem =
           loadMoveit(model, scene_file, std::string(scene_file).replace(place, 6, "/request"));
       ++problems;
-      for (const Object& object : problem.objects)
+      for (const Object& object : problem.world.objects)
         moved_by_pose += object.X_WO.translation.norm() > 0 ? 1 : 0;
       EdgeCertifier certifier(std::make_shared<const CompiledScene>(problem));
       std::vector<double> start, goal;
-      for (const int v : problem.variables)
-        start.push_back(problem.configuration[static_cast<std::size_t>(v)]);
+      for (const int v : problem.robot.variables)
+        start.push_back(problem.start[static_cast<std::size_t>(v)]);
       for (const auto& range : problem.goals.at(0).ranges) goal.push_back(range.first);
       EXPECT_EQ(certifier.decide(start), collision::Verdict::kFree) << scene_file;
       EXPECT_EQ(certifier.decide(goal), collision::Verdict::kFree) << scene_file;

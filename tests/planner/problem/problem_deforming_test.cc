@@ -58,8 +58,8 @@ class ProblemDeforming : public testing::Test {
 
   static Eigen::Vector3d vertexAt(const Problem& problem, double time, std::size_t v) {
     std::vector<Eigen::Vector3d> vertices(
-        static_cast<std::size_t>(problem.deforming.at(0).mesh->vertexCount()));
-    problem.deforming[0].motion->evaluate(time, vertices);
+        static_cast<std::size_t>(problem.world.deforming.at(0).mesh->vertexCount()));
+    problem.world.deforming[0].motion->evaluate(time, vertices);
     return vertices.at(v);
   }
 
@@ -109,11 +109,11 @@ TEST_F(ProblemDeforming, EverybodySeesTheStart) {
   EXPECT_NEAR(clearanceAt(""), 0.2, 1e-3);  // the gate ends at x = 0.2, the disc begins at 0.4
   EXPECT_GT(clearanceAt("execution: {start: 2}\n"), 3);
   const Problem problem = load(text);
-  ASSERT_EQ(problem.deforming.size(), 1U);
-  EXPECT_EQ(problem.deforming[0].options.strategy, collision::DeformStrategy::kMorph);
-  EXPECT_EQ(problem.deforming[0].options.volume, collision::DeformVolume::kBall);
-  EXPECT_EQ(problem.objects.at(0).name, "gate");
-  EXPECT_EQ(problem.margins.at(0).margin, 0.03);
+  ASSERT_EQ(problem.world.deforming.size(), 1U);
+  EXPECT_EQ(problem.world.deforming[0].options.strategy, collision::DeformStrategy::kMorph);
+  EXPECT_EQ(problem.world.deforming[0].options.volume, collision::DeformVolume::kBall);
+  EXPECT_EQ(problem.world.objects.at(0).name, "gate");
+  EXPECT_EQ(problem.margins.pairs.at(0).margin, 0.03);
   EXPECT_TRUE(problem.warnings.empty());
 }
 
@@ -122,7 +122,7 @@ TEST_F(ProblemDeforming, NothingIsKnownAfterTimesThatNoDoubleHolds) {
   const Problem problem = load("deforming:\n  - name: cloth\n    mesh: {file: square.obj}\n");
   const CompiledScene scene(problem);
   Obstacles obstacles(problem, scene);
-  obstacles.set("cloth", problem.deforming.at(0).mesh->rest(), -1e308, 0);
+  obstacles.set("cloth", problem.world.deforming.at(0).mesh->rest(), -1e308, 0);
   EXPECT_EQ(obstacles.during(-1e308, 0).at(0).growth, 0);
   const auto shapes = obstacles.during(0, 1e308);
   EXPECT_EQ(shapes.at(0).growth, std::numeric_limits<double>::infinity());

@@ -1,5 +1,3 @@
-#include "planner/problem/problem_format.h"
-
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -7,6 +5,7 @@
 #include <set>
 #include <string>
 
+#include "planner/problem/format_keys.h"
 #include "tests/build_paths.h"
 
 namespace leeway::planner {

@@ -225,7 +225,7 @@ TEST(ProblemMessages, NearlyUnitQuaternionsAreMendedWithAWarning) {
             (folder / "problem.yaml") + ":9: ");
   EXPECT_NE(problem.warnings[0].find("objects[0].orientation is a quaternion of length 0.9999"),
             std::string::npos);
-  const Eigen::Matrix3d& rotation = problem.objects[0].X_WO.rotation;
+  const Eigen::Matrix3d& rotation = problem.world.objects[0].X_WO.rotation;
   EXPECT_LT((rotation * rotation.transpose() - Eigen::Matrix3d::Identity()).norm(), 1e-15);
 }
 

@@ -50,11 +50,10 @@ TEST(Problem, TakesStartsInEveryForm) {
   for (const std::string form : {"[0.5, -1.5, 0.25, -1.0, 0.1, -0.2]",
                                  "{pan_joint: +0.5, elbow_joint: .25, lift_joint: -15e-1, "
                                  "wrist1_joint: -1, wrist3_joint: -0.2, wrist2_joint: 0.1}"})
-    EXPECT_EQ(load(robot("arm6", "arm") + "start: " + form + "\ngoal: home\n").configuration,
-              expected)
+    EXPECT_EQ(load(robot("arm6", "arm") + "start: " + form + "\ngoal: home\n").start, expected)
         << form;
   const Problem named = load(robot("arm6", "arm") + kArm6Ends);
-  EXPECT_EQ(named.configuration[1], -1.5708);
+  EXPECT_EQ(named.start[1], -1.5708);
   EXPECT_EQ(named.goals[0].name, "ready");
   EXPECT_EQ(named.goals[0].ranges[2], std::make_pair(1.9, 1.9));
 }
@@ -76,7 +75,7 @@ TEST(Problem, PassiveJointsComeFromTheFile) {
   const std::string ends = "start: [0, 0, 0, 0, 0, 0, 0]\ngoal: ready\n";
   const auto finger = [](const Problem& problem) {
     return problem
-        .configuration[static_cast<std::size_t>(problem.model->findVariable("finger_joint"))];
+        .start[static_cast<std::size_t>(problem.robot.model->findVariable("finger_joint"))];
   };
   EXPECT_EQ(finger(load(robot("arm7", "arm") + ends)), 0);
   EXPECT_EQ(finger(load(robot("arm7", "arm") + ends + "joints: {finger_joint: 0.04}\n")), 0.04);
@@ -101,16 +100,16 @@ TEST(Problem, BodiesStandWhereTheirPosesSay) {
         "[0.1, 0.2, 0.3, 0, 0, 0.70710678118654757, 0.70710678118654757]"}) {
     const Problem problem = load(floating + "start: " + pose + "\ngoal: {position: [0, 0, 0]}\n");
     const std::vector<double> expected = {0.1, 0.2, 0.3, 0, 0, std::sqrt(0.5), std::sqrt(0.5)};
-    ASSERT_EQ(problem.configuration.size(), 7U);
+    ASSERT_EQ(problem.start.size(), 7U);
     for (std::size_t i = 0; i < 7; ++i)
-      EXPECT_NEAR(problem.configuration[i], expected[i], 1e-15) << pose << " " << i;
+      EXPECT_NEAR(problem.start[i], expected[i], 1e-15) << pose << " " << i;
     EXPECT_EQ(problem.goals[0].ranges[6], std::make_pair(1.0, 1.0));
   }
   const Problem planar = load(
       "leeway: 1\nbody: {joint: planar, bounds: {lower: [-1, -1], upper: [1, 1]}, shapes: "
       "[{sphere: {radius: 0.1}}]}\n"
       "start: {position: [0.1, 0.2], angle: 7}\ngoal: {position: [any, [0, 0.5]], angle: any}\n");
-  EXPECT_EQ(planar.configuration, (std::vector<double>{0.1, 0.2, 7}));
+  EXPECT_EQ(planar.start, (std::vector<double>{0.1, 0.2, 7}));
   EXPECT_EQ(planar.goals[0].ranges,
             (std::vector<std::pair<double, double>>{{-1, 1}, {0, 0.5}, {-kPi, kPi}}));
 }
@@ -137,8 +136,8 @@ objects:
       - {name: left, box: {size: [1, 1, 1]}, position: [0, 1, 0]}
       - {sphere: {radius: 1}}
 )");
-  const auto shape = [&](std::size_t i) { return problem.objects[i].geometries[0].shape; };
-  ASSERT_EQ(problem.objects.size(), 11U);
+  const auto shape = [&](std::size_t i) { return problem.world.objects[i].geometries[0].shape; };
+  ASSERT_EQ(problem.world.objects.size(), 11U);
   EXPECT_EQ(shape(0).halfExtents(), Eigen::Vector3d(0.5, 1, 1.5));
   EXPECT_EQ(shape(1).radius(), 0.5);
   for (std::size_t i = 2; i < 5; ++i) {
@@ -154,7 +153,7 @@ objects:
   EXPECT_EQ(shape(8).type(), ShapeType::kMesh);
   EXPECT_NEAR(shape(8).boundingRadius(), 2 * 0.3448, 0.02);
   EXPECT_EQ(shape(9).type(), ShapeType::kConvexHull);
-  const Object& two = problem.objects[10];
+  const Object& two = problem.world.objects[10];
   EXPECT_EQ(two.geometries[0].name, "left");
   EXPECT_EQ(two.geometries[1].name, "two");
   const Eigen::Vector3d middle = two.X_WO * two.geometries[0].X_BG.translation;
@@ -163,13 +162,13 @@ objects:
 
 TEST(Problem, SettingsHaveDefaultsAndAreTaken) {
   const Problem plain = load(robot("arm6", "arm") + kArm6Ends);
-  EXPECT_EQ(plain.planner, "RRTConnect");
-  EXPECT_EQ(plain.objective, "length");
-  EXPECT_TRUE(plain.simplify);
-  EXPECT_EQ(plain.time_limit, 5);
-  EXPECT_EQ(plain.iteration_limit, 0);
+  EXPECT_EQ(plain.planner.name, "RRTConnect");
+  EXPECT_TRUE(std::holds_alternative<MinimumLength>(plain.objective));
+  EXPECT_TRUE(plain.planner.simplify);
+  EXPECT_EQ(plain.limits.time, 5);
+  EXPECT_EQ(plain.limits.iterations, 0);
   EXPECT_EQ(plain.seed, 1U);
-  EXPECT_EQ(plain.margin, 0);
+  EXPECT_EQ(plain.margins.common, 0);
   const Problem all = load(robot("arm6", "arm") + kArm6Ends + R"(
 name: everything
 objects: [{name: o, sphere: {radius: 0.1}}]
@@ -183,38 +182,38 @@ margins: [{between: [o, tool_body], margin: 0.02}]
 allowed: [[o, base]]
 )");
   EXPECT_EQ(all.name, "everything");
-  EXPECT_EQ(all.planner, "BITstar");
-  EXPECT_EQ(all.planner_parameters, (std::map<std::string, std::string>{
+  EXPECT_EQ(all.planner.name, "BITstar");
+  EXPECT_EQ(all.planner.parameters, (std::map<std::string, std::string>{
                                         {"samples_per_batch", "50"}, {"use_k_nearest", "false"}}));
-  EXPECT_EQ(all.objective, "clearance");
-  EXPECT_FALSE(all.simplify);
-  EXPECT_EQ(all.time_limit, 2.5);
-  EXPECT_EQ(all.iteration_limit, 1000);
+  EXPECT_TRUE(std::holds_alternative<MaximumClearance>(all.objective));
+  EXPECT_FALSE(all.planner.simplify);
+  EXPECT_EQ(all.limits.time, 2.5);
+  EXPECT_EQ(all.limits.iterations, 1000);
   EXPECT_EQ(all.seed, 9007199254740993ULL);  // no double holds it
-  EXPECT_EQ(all.margin, -0.001);
-  ASSERT_EQ(all.margins.size(), 1U);
-  EXPECT_EQ(all.margins[0].margin, 0.02);
-  EXPECT_EQ(all.allowed, (std::vector<std::pair<std::string, std::string>>{{"o", "base"}}));
+  EXPECT_EQ(all.margins.common, -0.001);
+  ASSERT_EQ(all.margins.pairs.size(), 1U);
+  EXPECT_EQ(all.margins.pairs[0].margin, 0.02);
+  EXPECT_EQ(all.contacts.allowed,
+            (std::vector<std::pair<std::string, std::string>>{{"o", "base"}}));
 }
 
 TEST(Problem, NumbersAreReadExactly) {
   const Problem problem = load(
       robot("arm6", "arm") +
       "start: [0.1, 1e-300, 0.30000000000000004, 4.9406564584124654e-324, 1, -0.0]\ngoal: home\n");
-  EXPECT_EQ(problem.configuration,
-            (std::vector<double>{0.1, 1e-300, 0.30000000000000004, 5e-324, 1, 0}));
-  EXPECT_TRUE(std::signbit(problem.configuration[5]));
+  EXPECT_EQ(problem.start, (std::vector<double>{0.1, 1e-300, 0.30000000000000004, 5e-324, 1, 0}));
+  EXPECT_TRUE(std::signbit(problem.start[5]));
 }
 
 // ---- Attached objects ----
 
 /// Where an object is in the world while the robot stands at its start.
 robots::Pose worldPose(const Problem& problem, const std::string& name) {
-  for (const Object& object : problem.objects)
+  for (const Object& object : problem.world.objects)
     if (object.name == name) return object.X_WO;
-  std::vector<robots::Pose> X_WL(problem.model->links.size());
-  robots::forwardKinematics(*problem.model, problem.configuration, X_WL);
-  for (const Attachment& attachment : problem.attachments)
+  std::vector<robots::Pose> X_WL(problem.robot.model->links.size());
+  robots::forwardKinematics(*problem.robot.model, problem.start, X_WL);
+  for (const Attachment& attachment : problem.robot.attachments)
     if (attachment.object.name == name)
       return X_WL[static_cast<std::size_t>(attachment.link)] * attachment.X_LO;
   throw std::logic_error("no such object");
@@ -226,10 +225,10 @@ double difference(const robots::Pose& a, const robots::Pose& b) {
 
 TEST(AttachedObjects, AreReadInTheFrameOfTheirLink) {
   const Problem problem = loadProblem(kSource + "/problems/bin/pick.yaml");
-  ASSERT_EQ(problem.attachments.size(), 1U);
-  const Attachment& can = problem.attachments[0];
+  ASSERT_EQ(problem.robot.attachments.size(), 1U);
+  const Attachment& can = problem.robot.attachments[0];
   EXPECT_EQ(can.object.name, "can");
-  EXPECT_EQ(problem.model->links[static_cast<std::size_t>(can.link)].name, "tool");
+  EXPECT_EQ(problem.robot.model->links[static_cast<std::size_t>(can.link)].name, "tool");
   EXPECT_EQ(can.X_LO.translation, Eigen::Vector3d(0, 0, 0.02));
   EXPECT_EQ(can.touch_links.size(), 3U);
 }
@@ -238,23 +237,23 @@ TEST(AttachedObjects, StayWhereTheyAreWhenPutDownAndTakenUp) {
   const Problem held = loadProblem(kSource + "/problems/bin/pick.yaml");
   const robots::Pose before = worldPose(held, "can");
   const Problem down = detachObject(held, "can");
-  EXPECT_TRUE(down.attachments.empty());
-  EXPECT_EQ(down.objects.size(), held.objects.size() + 1);
+  EXPECT_TRUE(down.robot.attachments.empty());
+  EXPECT_EQ(down.world.objects.size(), held.world.objects.size() + 1);
   EXPECT_LT(difference(worldPose(down, "can"), before), 1e-15);
   const Problem again = attachObject(down, "can", "tool", {"hand", "finger_left", "finger_right"});
-  EXPECT_EQ(again.objects.size(), held.objects.size());
-  ASSERT_EQ(again.attachments.size(), 1U);
+  EXPECT_EQ(again.world.objects.size(), held.world.objects.size());
+  ASSERT_EQ(again.robot.attachments.size(), 1U);
   EXPECT_LT(difference(worldPose(again, "can"), before), 1e-14);
-  EXPECT_LT(difference(again.attachments[0].X_LO, held.attachments[0].X_LO), 1e-14);
-  EXPECT_EQ(again.attachments[0].touch_links, held.attachments[0].touch_links);
-  EXPECT_EQ(held.attachments.size(), 1U);  // the argument is as it was
+  EXPECT_LT(difference(again.robot.attachments[0].X_LO, held.robot.attachments[0].X_LO), 1e-14);
+  EXPECT_EQ(again.robot.attachments[0].touch_links, held.robot.attachments[0].touch_links);
+  EXPECT_EQ(held.robot.attachments.size(), 1U);  // the argument is as it was
 }
 
 TEST(AttachedObjects, CanBePutDownElsewhere) {
   const Problem held = loadProblem(kSource + "/problems/bin/pick.yaml");
-  std::vector<double> goal = held.configuration;
-  for (std::size_t i = 0; i < held.variables.size(); ++i)
-    goal[static_cast<std::size_t>(held.variables[i])] = held.goals[0].ranges[i].first;
+  std::vector<double> goal = held.start;
+  for (std::size_t i = 0; i < held.robot.variables.size(); ++i)
+    goal[static_cast<std::size_t>(held.robot.variables[i])] = held.goals[0].ranges[i].first;
   const Problem down = detachObject(held, "can", goal);
   // In the other box, 0.32 m to the left.
   EXPECT_NEAR(worldPose(down, "can").translation.y(), 0.32, 0.01);
@@ -267,17 +266,17 @@ TEST(AttachedObjects, MayTouchOnlyWhatIsNamed) {
   const auto verdict = [](const Problem& problem) {
     EdgeCertifier certifier(std::make_shared<const CompiledScene>(problem));
     std::vector<double> start;
-    for (const int v : problem.variables)
-      start.push_back(problem.configuration[static_cast<std::size_t>(v)]);
+    for (const int v : problem.robot.variables)
+      start.push_back(problem.start[static_cast<std::size_t>(v)]);
     return certifier.decide(start);
   };
   EXPECT_EQ(verdict(held), collision::Verdict::kFree);
   // A pin back along the hand's axis into link6, which joint7 turns against it.
   Problem pin = held;
-  pin.attachments[0].object.geometries[0].shape = collision::Shape::cylinder(0.01, 0.12);
-  pin.attachments[0].X_LO.translation.z() = -0.125;
+  pin.robot.attachments[0].object.geometries[0].shape = collision::Shape::cylinder(0.01, 0.12);
+  pin.robot.attachments[0].X_LO.translation.z() = -0.125;
   EXPECT_EQ(verdict(pin), collision::Verdict::kNotFree);
-  pin.attachments[0].touch_links.push_back(pin.model->findLink("link6"));
+  pin.robot.attachments[0].touch_links.push_back(pin.robot.model->findLink("link6"));
   EXPECT_EQ(verdict(pin), collision::Verdict::kFree);
   // Put down, it is an obstacle to all of them.
   EXPECT_EQ(verdict(detachObject(pin, "can")), collision::Verdict::kNotFree);
@@ -290,7 +289,7 @@ TEST(AttachedObjects, UnknownNamesAreRefused) {
   EXPECT_THROW(attachObject(held, "box_a", "tool", {"hnd"}), std::invalid_argument);
   EXPECT_THROW(detachObject(held, "box_a"), std::invalid_argument);
   EXPECT_THROW(detachObject(held, "can", std::vector<double>{1, 2}), std::invalid_argument);
-  EXPECT_EQ(attachObject(held, "box_a", "tool").attachments.size(), 2U);
+  EXPECT_EQ(attachObject(held, "box_a", "tool").robot.attachments.size(), 2U);
 }
 
 // ---- Without a file ----
@@ -299,10 +298,10 @@ TEST(ProblemFromStates, TakesGroupStates) {
   const auto model =
       robots::loadModel(kSource + "/robots/arm6/arm6.urdf", kSource + "/robots/arm6/arm6.srdf");
   const Problem problem = problemFromStates(model, "arm", "home", "ready");
-  EXPECT_EQ(problem.variables.size(), 6U);
-  EXPECT_EQ(problem.configuration[1], -1.5708);
+  EXPECT_EQ(problem.robot.variables.size(), 6U);
+  EXPECT_EQ(problem.start[1], -1.5708);
   EXPECT_EQ(problem.goals[0].name, "ready");
-  EXPECT_TRUE(problem.objects.empty());
+  EXPECT_TRUE(problem.world.objects.empty());
   const auto message = [&](const char* group, const char* start) -> std::string {
     try {
       problemFromStates(model, group, start, "ready");

@@ -47,8 +47,8 @@ std::string testName(const testing::TestParamInfo<std::string>& file) {
 
 std::vector<double> startPoint(const Problem& problem) {
   std::vector<double> point;
-  for (const int v : problem.variables)
-    point.push_back(problem.configuration[static_cast<std::size_t>(v)]);
+  for (const int v : problem.robot.variables)
+    point.push_back(problem.start[static_cast<std::size_t>(v)]);
   return point;
 }
 
@@ -70,7 +70,7 @@ class ShippedProblem : public testing::TestWithParam<std::string> {
 
 TEST_P(ShippedProblem, LoadsWithoutAWarning) {
   EXPECT_EQ(problem_.warnings, std::vector<std::string>());
-  EXPECT_EQ(problem_.model->warnings, std::vector<std::string>());
+  EXPECT_EQ(problem_.robot.model->warnings, std::vector<std::string>());
 }
 
 TEST_P(ShippedProblem, StartAndGoalsAreValid) {
@@ -80,7 +80,7 @@ TEST_P(ShippedProblem, StartAndGoalsAreValid) {
     EXPECT_TRUE(scene->space().withinLimits(point)) << what;
     const StateCheck check = certifier.clearance(point, 1e-5);
     EXPECT_EQ(check.verdict, collision::Verdict::kFree) << what;
-    EXPECT_GT(check.clearance.lower, problem_.margin) << what;
+    EXPECT_GT(check.clearance.lower, problem_.margins.common) << what;
   };
   expectValid("start", startPoint(problem_));
   for (const Goal& goal : problem_.goals)
@@ -90,9 +90,9 @@ TEST_P(ShippedProblem, StartAndGoalsAreValid) {
 TEST_P(ShippedProblem, IsSolvedUnlessItHasNoSolution) {
   const bool solvable = GetParam().rfind("unsolvable/", 0) != 0;
   // Work is limited, not time: the outcome must not hang on the machine.
-  problem_.time_limit = 300;
-  problem_.iteration_limit = solvable ? 200000 : 2000;
-  problem_.simplify = false;
+  problem_.limits.time = 300;
+  problem_.limits.iterations = solvable ? 200000 : 2000;
+  problem_.planner.simplify = false;
   const PlanResult result = plan(problem_);
   EXPECT_EQ(std::string(toString(result.status)), solvable ? "solved" : "unsolved");
   if (!solvable) return;
@@ -156,7 +156,7 @@ TEST(ShippedProblems, ExamplesOfTheReadmeLoad) {
 /// start.
 TEST(ShippedProblems, ConcaveMeshesMatter) {
   Problem problem = loadProblem(kProblems + "/mesh/tote.yaml");
-  for (Object& object : problem.objects)
+  for (Object& object : problem.world.objects)
     for (collision::Geometry& geometry : object.geometries)
       if (const collision::TriangleMesh* mesh = geometry.shape.mesh(); mesh != nullptr) {
         EXPECT_EQ(mesh->componentCount(), 1);
@@ -179,8 +179,8 @@ TEST(ShippedProblems, ArmsOfTheSwapAreInEachOthersWay) {
                            "left_wrist3", "left_tool_body"})
     for (const char* right : {"right_upper_arm", "right_forearm", "right_wrist1", "right_wrist2",
                               "right_wrist3", "right_tool_body"})
-      problem.allowed.emplace_back(left, right);
-  problem.objects.clear();
+      problem.contacts.allowed.emplace_back(left, right);
+  problem.world.objects.clear();
   EdgeCertifier alone(std::make_shared<const CompiledScene>(problem));
   EXPECT_EQ(alone.certify(startPoint(problem), goalPoints(problem.goals[0])[0]).verdict,
             collision::Verdict::kFree);

@@ -18,7 +18,7 @@ void expectHonest(const Problem& problem, const PlanResult& result) {
   EXPECT_TRUE(result.certificate.certified);
   const auto scene = std::make_shared<const CompiledScene>(problem);
   EdgeCertifier certifier(scene);
-  std::vector<double> q(problem.configuration.size());
+  std::vector<double> q(problem.start.size());
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t i = 1; i < result.path.positions.size(); ++i)
     for (int k = 0; k <= 300; ++k) {
@@ -35,15 +35,15 @@ class WidestPath : public testing::TestWithParam<std::string> {};
 
 TEST_P(WidestPath, BeatsTheShortestInClearance) {
   Problem problem = test::corridorProblem();
-  problem.iteration_limit = 4000;
+  problem.limits.iterations = 4000;
   const PlanResult shortest = plan(problem);
   expectHonest(problem, shortest);
-  problem.planner = GetParam();
-  problem.objective = "clearance";
-  problem.iteration_limit = 800;
-  if (GetParam() == "PRMstar") problem.iteration_limit = 0;  // with threads of its own
-  if (GetParam() == "PRMstar") problem.time_limit = 2;
-  if (GetParam() == "RRTConnect") problem.iteration_limit = 20000;
+  problem.planner.name = GetParam();
+  problem.objective = MaximumClearance{};
+  problem.limits.iterations = 800;
+  if (GetParam() == "PRMstar") problem.limits.iterations = 0;  // with threads of its own
+  if (GetParam() == "PRMstar") problem.limits.time = 2;
+  if (GetParam() == "RRTConnect") problem.limits.iterations = 20000;
   const PlanResult widest = plan(problem);
   expectHonest(problem, widest);
   // The upper passage lets the disc by with at most 0.1, the lower one with 0.6.
@@ -61,12 +61,12 @@ INSTANTIATE_TEST_SUITE_P(Ompl, WidestPath,
 
 TEST(WidestPathAlone, SimplificationKeepsWhatWasReached) {
   Problem problem = test::corridorProblem();
-  problem.objective = "clearance";
-  problem.iteration_limit = 5000;
-  problem.time_limit = 0;
-  problem.simplify = false;
+  problem.objective = MaximumClearance{};
+  problem.limits.iterations = 5000;
+  problem.limits.time = 0;
+  problem.planner.simplify = false;
   const PlanResult raw = plan(problem);
-  problem.simplify = true;
+  problem.planner.simplify = true;
   const PlanResult simplified = plan(problem);
   EXPECT_GE(simplified.certificate.clearance.upper, raw.certificate.clearance.lower - 1e-3);
   EXPECT_LT(simplified.length, raw.length);
@@ -74,10 +74,10 @@ TEST(WidestPathAlone, SimplificationKeepsWhatWasReached) {
 
 TEST(WidestPathAlone, EndsWhenStartOrGoalAllowsNoMore) {
   Problem problem = test::problemOf(test::disc(), {-1, 0, 0}, {1, 0, 0});
-  problem.objects.push_back(test::box("post", {0.1, 0.1, 0.5}, 0, 0.25, 0));
-  problem.objects.push_back(test::box("beside the start", {0.1, 0.1, 0.5}, -1, 0.25, 0));
-  problem.objective = "clearance";
-  problem.time_limit = 0;  // it must end by itself
+  problem.world.objects.push_back(test::box("post", {0.1, 0.1, 0.5}, 0, 0.25, 0));
+  problem.world.objects.push_back(test::box("beside the start", {0.1, 0.1, 0.5}, -1, 0.25, 0));
+  problem.objective = MaximumClearance{};
+  problem.limits.time = 0;  // it must end by itself
   const PlanResult result = plan(problem);
   expectHonest(problem, result);
   EXPECT_NEAR(result.certificate.clearance.lower, 0.05, 2e-3);
@@ -85,7 +85,7 @@ TEST(WidestPathAlone, EndsWhenStartOrGoalAllowsNoMore) {
 
 TEST(WidestPathAlone, NothingToBeNearIsInfinite) {
   Problem problem = test::problemOf(test::disc(), {-1, 0, 0}, {1, 0, 0});
-  problem.objective = "clearance";
+  problem.objective = MaximumClearance{};
   const PlanResult result = plan(problem);
   ASSERT_EQ(result.status, PlanStatus::kSolved);
   EXPECT_EQ(result.certificate.clearance.lower, std::numeric_limits<double>::infinity());

@@ -22,10 +22,10 @@ std::vector<std::string> seededPlanners() {
 
 Problem seededProblem(const PlannerTraits& traits, std::uint64_t seed) {
   Problem problem = test::wallProblem();
-  problem.planner = traits.name;
+  problem.planner.name = traits.name;
   problem.seed = seed;
-  problem.iteration_limit = !traits.exact ? 20000 : traits.optimizing ? 600 : 100000;
-  problem.time_limit = 0;
+  problem.limits.iterations = !traits.exact ? 20000 : traits.optimizing ? 600 : 100000;
+  problem.limits.time = 0;
   return problem;
 }
 
@@ -38,8 +38,9 @@ class Disturbance {
       threads_.emplace_back([this, i] {
         for (std::uint64_t k = 0; !stop_; ++k) {
           Problem problem = test::wallProblem();
-          problem.planner = (k + static_cast<std::uint64_t>(i)) % 2 == 0 ? "RRTConnect" : "BITstar";
-          problem.iteration_limit = 100;
+          problem.planner.name =
+              (k + static_cast<std::uint64_t>(i)) % 2 == 0 ? "RRTConnect" : "BITstar";
+          problem.limits.iterations = 100;
           problem.seed = 1000 + k;
           plan(problem);
           ++plans_;
@@ -110,9 +111,9 @@ TEST(Determinism, ManyPlansAtOnceAreThePlansAlone) {
 
 TEST(Determinism, ClearanceToo) {
   Problem problem = test::corridorProblem();
-  problem.objective = "clearance";
-  problem.iteration_limit = 3000;
-  problem.time_limit = 0;
+  problem.objective = MaximumClearance{};
+  problem.limits.iterations = 3000;
+  problem.limits.time = 0;
   const PlanResult first = plan(problem);
   const Disturbance disturbance;
   expectSame(first, plan(problem));

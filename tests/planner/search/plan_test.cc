@@ -24,7 +24,7 @@ void expectCertified(const Problem& problem, const PlanResult& result) {
   ASSERT_EQ(result.status, PlanStatus::kSolved);
   EXPECT_TRUE(result.certificate.certified);
   ASSERT_GE(result.path.positions.size(), 2u);
-  EXPECT_EQ(result.path.positions.front(), problem.configuration);
+  EXPECT_EQ(result.path.positions.front(), problem.start);
   ASSERT_GE(result.goal, 0);
   const Goal& goal = problem.goals[static_cast<std::size_t>(result.goal)];
   for (std::size_t i = 0; i < goal.ranges.size(); ++i) {
@@ -33,7 +33,7 @@ void expectCertified(const Problem& problem, const PlanResult& result) {
   }
   const auto scene = std::make_shared<const CompiledScene>(problem);
   EdgeCertifier certifier(scene);
-  std::vector<double> q(problem.configuration.size());
+  std::vector<double> q(problem.start.size());
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t i = 1; i < result.path.positions.size(); ++i) {
     double least_here = std::numeric_limits<double>::infinity();
@@ -62,12 +62,12 @@ class EachPlanner : public testing::TestWithParam<std::string> {};
 TEST_P(EachPlanner, SolvesTheWallAndCertifies) {
   const PlannerTraits& traits = *findPlanner(GetParam());
   Problem problem = test::wallProblem();
-  problem.planner = traits.name;
-  problem.iteration_limit = traits.optimizing ? 1500 : 1000000;
-  if (!traits.exact) problem.iteration_limit = 30000;  // random steps need many
+  problem.planner.name = traits.name;
+  problem.limits.iterations = traits.optimizing ? 1500 : 1000000;
+  if (!traits.exact) problem.limits.iterations = 30000;  // random steps need many
   // Planners with threads check their limits any number of times, so they get a time limit.
-  if (!traits.deterministic) problem.iteration_limit = 0;
-  if (!traits.deterministic) problem.time_limit = traits.optimizing ? 0.5 : 20;
+  if (!traits.deterministic) problem.limits.iterations = 0;
+  if (!traits.deterministic) problem.limits.time = traits.optimizing ? 0.5 : 20;
   const PlanResult result = plan(problem);
   EXPECT_EQ(result.planner, traits.name);
   EXPECT_EQ(result.deterministic, traits.deterministic);
@@ -83,11 +83,11 @@ TEST(Plan, FliesThroughAWindow) {
   Problem problem = test::problemOf(test::flyingBox(), {-0.8, 0, 0, 0, 0, 0, 1},
                                     {0.8, 0, 0, 0, 0, std::sqrt(0.5), std::sqrt(0.5)});
   // A window of 0.3 x 0.3 at y = 0.4, z = 0.
-  problem.objects.push_back(test::box("left", {0.02, 0.6, 1.5}, 0, -0.35, 0));
-  problem.objects.push_back(test::box("right", {0.02, 0.5, 1.5}, 0, 1.05, 0));
-  problem.objects.push_back(test::box("below", {0.02, 0.15, 0.7}, 0, 0.4, -0.85));
-  problem.objects.push_back(test::box("above", {0.02, 0.15, 0.7}, 0, 0.4, 0.85));
-  problem.iteration_limit = 200000;
+  problem.world.objects.push_back(test::box("left", {0.02, 0.6, 1.5}, 0, -0.35, 0));
+  problem.world.objects.push_back(test::box("right", {0.02, 0.5, 1.5}, 0, 1.05, 0));
+  problem.world.objects.push_back(test::box("below", {0.02, 0.15, 0.7}, 0, 0.4, -0.85));
+  problem.world.objects.push_back(test::box("above", {0.02, 0.15, 0.7}, 0, 0.4, 0.85));
+  problem.limits.iterations = 200000;
   expectCertified(problem, plan(problem));
 }
 
@@ -102,7 +102,7 @@ TEST(Plan, StraightWayIsTheAnswerWhereItIsFree) {
 
 TEST(Plan, StartInsideItsGoalStays) {
   Problem problem = test::wallProblem();
-  problem.goals[0] = test::pointGoal("here", problem.configuration);
+  problem.goals[0] = test::pointGoal("here", problem.start);
   const PlanResult result = plan(problem);
   expectCertified(problem, result);
   EXPECT_EQ(result.length, 0.0);
@@ -110,7 +110,7 @@ TEST(Plan, StartInsideItsGoalStays) {
 
 TEST(Plan, InvalidStartNamesPairDepthAndPlace) {
   Problem problem = test::wallProblem();
-  problem.configuration = {-0.1, -1, 0};
+  problem.start = {-0.1, -1, 0};
   const PlanResult result = plan(problem);
   EXPECT_EQ(result.status, PlanStatus::kInvalidStart);
   EXPECT_EQ(std::set<std::string>({result.offending_a, result.offending_b}),
@@ -142,8 +142,8 @@ TEST(Plan, InvalidGoalsAmongOthersAreLeftOutWithAWarning) {
 TEST(Plan, GoalRangesAreReachedByEveryKindOfPlanner) {
   for (const char* planner : {"RRTConnect", "RRT", "BITstar", "KPIECE1", "FMT"}) {
     Problem problem = test::wallProblem();
-    problem.planner = planner;
-    problem.iteration_limit = 5000;
+    problem.planner.name = planner;
+    problem.limits.iterations = 5000;
     // A box of goals half inside the wall, at any angle.
     problem.goals[0].ranges = {{0, 1}, {-1.5, -1}, {-3.2, 3.2}};
     const PlanResult result = plan(problem);
@@ -163,10 +163,10 @@ TEST(Plan, AnglesOfARangeCountModuloATurn) {
 TEST(Plan, UnsolvableProblemEndsAtItsIterations) {
   for (const std::string planner : {"RRTConnect", "FMT", "BITstar", "LazyPRM", "SBL", "PDST"}) {
     Problem problem = test::wallProblem();
-    problem.objects[0] = test::box("wall", {0.05, 3, 0.5}, 0, 0, 0);
-    problem.planner = planner;
-    problem.iteration_limit = 500;
-    problem.time_limit = 0;
+    problem.world.objects[0] = test::box("wall", {0.05, 3, 0.5}, 0, 0, 0);
+    problem.planner.name = planner;
+    problem.limits.iterations = 500;
+    problem.limits.time = 0;
     const PlanResult result = plan(problem);
     EXPECT_EQ(result.status, PlanStatus::kUnsolved) << planner;
     EXPECT_EQ(result.iterations, 500u) << planner;
@@ -177,9 +177,9 @@ TEST(Plan, UnsolvableProblemEndsAtItsIterations) {
 TEST(Plan, UnsolvableProblemEndsAtItsTime) {
   for (const std::string planner : {"RRTConnect", "PRM", "CForest"}) {
     Problem problem = test::wallProblem();
-    problem.objects[0] = test::box("wall", {0.05, 3, 0.5}, 0, 0, 0);
-    problem.planner = planner;
-    problem.time_limit = 0.1;
+    problem.world.objects[0] = test::box("wall", {0.05, 3, 0.5}, 0, 0, 0);
+    problem.planner.name = planner;
+    problem.limits.time = 0.1;
     EXPECT_EQ(plan(problem).status, PlanStatus::kUnsolved) << planner;
   }
 }
@@ -187,9 +187,9 @@ TEST(Plan, UnsolvableProblemEndsAtItsTime) {
 TEST(Plan, StopEndsAndProgressIsTold) {
   for (const std::string planner : {"RRTConnect", "RRTstar", "PRM"}) {
     Problem problem = test::wallProblem();
-    problem.objects[0] = test::box("wall", {0.05, 3, 0.5}, 0, 0, 0);
-    problem.planner = planner;
-    problem.time_limit = 0;
+    problem.world.objects[0] = test::box("wall", {0.05, 3, 0.5}, 0, 0, 0);
+    problem.planner.name = planner;
+    problem.limits.time = 0;
     std::atomic<int> asked{0};
     std::vector<std::string> phases;
     PlanOptions options;
@@ -220,22 +220,19 @@ TEST(Plan, RefusesWhatCannotBeMeant) {
       EXPECT_NE(message.find(word), std::string::npos) << message << " lacks " << word;
   };
   Problem problem = test::wallProblem();
-  problem.planner = "RRTConect";
+  problem.planner.name = "RRTConect";
   expectRefusal(problem, {"'RRTConect' is unknown", "'RRTConnect'"});
-  problem.planner = "rrt*";
-  problem.planner_parameters = {{"goal_bia", "0.1"}};
+  problem.planner.name = "rrt*";
+  problem.planner.parameters = {{"goal_bia", "0.1"}};
   expectRefusal(problem, {"'goal_bia' is unknown", "'goal_bias'"});
   for (const char* bad : {"", "fast", "nan", "inf", "-1", "0.5x"}) {
-    problem.planner_parameters = {{"goal_bias", bad}};
+    problem.planner.parameters = {{"goal_bias", bad}};
     expectRefusal(problem, {"'goal_bias' cannot be '" + std::string(bad) + "'", "is expected"});
   }
-  problem.planner_parameters = {{"focus_search", "2"}};
+  problem.planner.parameters = {{"focus_search", "2"}};
   expectRefusal(problem, {"true or false"});
   problem = test::wallProblem();
-  problem.objective = "energy";
-  expectRefusal(problem, {"'energy' is unknown", "length and clearance"});
-  problem = test::wallProblem();
-  problem.configuration[1] = 2.5;
+  problem.start[1] = 2.5;
   expectRefusal(problem, {"start", "'disc/y'", "2.5", "-2", "2"});
   problem = test::wallProblem();
   problem.goals[0].ranges[0] = {5, 6};
@@ -247,9 +244,9 @@ TEST(Plan, RefusesWhatCannotBeMeant) {
 
 TEST(Planners, ParametersAreTakenAndListed) {
   Problem problem = test::wallProblem();
-  problem.planner = "RRT*";
-  problem.planner_parameters = {{"range", "0.5"}, {"focus_search", "true"}, {"goal_bias", "0.1"}};
-  problem.iteration_limit = 1500;
+  problem.planner.name = "RRT*";
+  problem.planner.parameters = {{"range", "0.5"}, {"focus_search", "true"}, {"goal_bias", "0.1"}};
+  problem.limits.iterations = 1500;
   const PlanResult result = plan(problem);
   EXPECT_EQ(result.planner, "RRTstar");
   expectCertified(problem, result);

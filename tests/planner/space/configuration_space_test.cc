@@ -20,30 +20,30 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// One chain with a joint of every kind that can be planned: revolute, continuous, prismatic,
 /// planar, floating.
 std::shared_ptr<const robots::Model> everyKind() {
-  auto model = std::make_shared<robots::Model>();
+  robots::RobotDescription robot;
   auto add = [&](const char* name, JointType type, int count) {
     Joint joint;
     joint.name = name;
     joint.type = type;
-    joint.parent_link = static_cast<int>(model->links.size()) - 1;
-    joint.child_link = static_cast<int>(model->links.size());
-    joint.first_variable = static_cast<int>(model->variables.size());
+    joint.parent_link = static_cast<int>(robot.links.size()) - 1;
+    joint.child_link = static_cast<int>(robot.links.size());
+    joint.first_variable = static_cast<int>(robot.variables.size());
     joint.variable_count = count;
-    const int index = static_cast<int>(model->joints.size());
+    const int index = static_cast<int>(robot.joints.size());
     for (int i = 0; i < count; ++i) {
       const bool bounded = type == JointType::kRevolute || type == JointType::kPrismatic;
-      model->variables.push_back({name + std::to_string(i), index, bounded ? -2 : -kInfinity,
-                                  bounded ? 2 : kInfinity, kInfinity});
+      robot.variables.push_back({name + std::to_string(i), index, bounded ? -2 : -kInfinity,
+                                 bounded ? 2 : kInfinity, kInfinity});
     }
-    model->joints.push_back(joint);
-    model->links.push_back({name, index, {}});
+    robot.joints.push_back(joint);
+    robot.links.push_back({name, index, {}});
   };
   add("floating", JointType::kFloating, 7);
   add("planar", JointType::kPlanar, 3);
   add("revolute", JointType::kRevolute, 1);
   add("continuous", JointType::kContinuous, 1);
   add("prismatic", JointType::kPrismatic, 1);
-  return model;
+  return std::make_shared<robots::Model>(std::move(robot));
 }
 
 ConfigurationSpace everyKindSpace() {

@@ -15,8 +15,8 @@
 #include "leeway/planner/compiled_scene.h"
 #include "leeway/planner/configuration_space.h"
 #include "leeway/robots/kinematics.h"
-#include "planner/verify/verify_kinematics.h"
-#include "planner/verify/verify_pairs.h"
+#include "planner/verify/kinematics.h"
+#include "planner/verify/pairs.h"
 #include "tests/planner/base/random_problem.h"
 
 namespace leeway::planner {
@@ -37,7 +37,7 @@ Pose shifted(double x, double y, double z) {
 
 /// Builds robots link by link.
 struct Builder {
-  Model model;
+  robots::RobotDescription model;
 
   int add(const std::string& name, int parent, JointType type, const Pose& X_PJ,
           const Vector3d& axis, std::vector<robots::Geometry> geometries, double limit = 3) {
@@ -73,16 +73,15 @@ std::shared_ptr<const Model> arm() {
   const robots::Geometry bar{Shape::box({0.5, 0.05, 0.05}), shifted(0.5, 0, 0), "bar"};
   b.add("upper", 0, JointType::kRevolute, {}, Vector3d::UnitZ(), {bar});
   b.add("lower", 1, JointType::kRevolute, shifted(1, 0, 0), Vector3d::UnitZ(), {bar});
-  b.model.finish();
   return std::make_shared<Model>(b.model);
 }
 
 Problem problemFor(std::shared_ptr<const Model> model, const std::vector<double>& goal) {
   Problem problem;
-  problem.model = model;
+  problem.robot.model = model;
   for (std::size_t i = 0; i < model->variables.size(); ++i)
-    problem.variables.push_back(static_cast<int>(i));
-  problem.configuration = model->defaultConfiguration();
+    problem.robot.variables.push_back(static_cast<int>(i));
+  problem.start = model->defaultConfiguration();
   Goal g{"goal", {}};
   for (double x : goal) g.ranges.emplace_back(x, x);
   problem.goals.push_back(g);
@@ -95,15 +94,15 @@ Object box(const std::string& name, const Vector3d& half, double x, double y, do
 
 Path pathOf(const Problem& problem, std::vector<std::vector<double>> rows) {
   Path path;
-  for (int v : problem.variables)
-    path.names.push_back(problem.model->variables[static_cast<std::size_t>(v)].name);
+  for (int v : problem.robot.variables)
+    path.names.push_back(problem.robot.model->variables[static_cast<std::size_t>(v)].name);
   path.positions = std::move(rows);
   return path;
 }
 
 TEST(Verify, FreePathIsCertifiedWithAClearanceThatHolds) {
   Problem problem = problemFor(arm(), {1.5, 0});
-  problem.objects.push_back(box("wall", {0.1, 0.1, 1}, 2.5, 0, 0));
+  problem.world.objects.push_back(box("wall", {0.1, 0.1, 1}, 2.5, 0, 0));
   const Path path = pathOf(problem, {{0, 0}, {0.5, 0.5}, {1.5, 0}});
   const VerifyResult result = verify(problem, path);
   ASSERT_EQ(result.status, VerifyStatus::kCertified) << result.reason;
@@ -114,7 +113,7 @@ TEST(Verify, FreePathIsCertifiedWithAClearanceThatHolds) {
 
 TEST(Verify, ObstacleBetweenWaypointsIsFoundInItsSegment) {
   Problem problem = problemFor(arm(), {1.5, 0});
-  problem.objects.push_back(
+  problem.world.objects.push_back(
       box("post", {0.02, 0.02, 1}, 1.8 * std::cos(1.0), 1.8 * std::sin(1.0), 0));
   const Path path = pathOf(problem, {{0, 0}, {0.5, 0}, {1.5, 0}});
   const VerifyResult result = verify(problem, path);
@@ -134,12 +133,12 @@ TEST(Verify, ThinObstaclesAreNotJumpedOver) {
     Problem problem = problemFor(arm(), {2.5, 0});
     const double angle = std::uniform_real_distribution<double>(0.2, 2.4)(random);
     const double r = std::uniform_real_distribution<double>(0.3, 1.9)(random);
-    problem.objects.push_back({"wire",
-                               {{Shape::cylinder(5e-5, 1), {}, ""}},
-                               shifted(r * std::cos(angle), r * std::sin(angle), 0)});
+    problem.world.objects.push_back({"wire",
+                                     {{Shape::cylinder(5e-5, 1), {}, ""}},
+                                     shifted(r * std::cos(angle), r * std::sin(angle), 0)});
     EXPECT_EQ(verify(problem, pathOf(problem, {{0, 0}, {2.5, 0}})).status, VerifyStatus::kRefuted)
         << angle << ' ' << r;
-    problem.objects[0].geometries[0].shape = Shape::sphere(0);  // a point
+    problem.world.objects[0].geometries[0].shape = Shape::sphere(0);  // a point
     EXPECT_EQ(verify(problem, pathOf(problem, {{0, 0}, {2.5, 0}})).status, VerifyStatus::kRefuted)
         << angle << ' ' << r;
   }
@@ -151,7 +150,7 @@ TEST(Verify, GrazingPassesAreDecidedToTheMicrometre) {
     Problem problem = problemFor(arm(), {1.5, 0});
     // The far corners of the straight arm reach sqrt(2^2 + 0.05^2).
     const double reach = std::sqrt(4 + 0.0025);
-    problem.objects.push_back(
+    problem.world.objects.push_back(
         {"post",
          {{Shape::cylinder(0.1, 1), {}, ""}},
          shifted((reach + 0.1 + gap) * std::cos(0.7), (reach + 0.1 + gap) * std::sin(0.7), 0)});
@@ -167,14 +166,14 @@ TEST(Verify, GrazingPassesAreDecidedToTheMicrometre) {
 
 TEST(Verify, MarginsCount) {
   Problem problem = problemFor(arm(), {1, 0});
-  problem.objects.push_back(box("wall", {0.1, 0.1, 1}, 2.3, 0, 0));  // 0.2 m from the tip
+  problem.world.objects.push_back(box("wall", {0.1, 0.1, 1}, 2.3, 0, 0));  // 0.2 m from the tip
   const Path path = pathOf(problem, {{0, 0}, {1, 0}});
   EXPECT_EQ(verify(problem, path).status, VerifyStatus::kCertified);
-  problem.margin = 0.25;
+  problem.margins.common = 0.25;
   EXPECT_EQ(verify(problem, path).status, VerifyStatus::kRefuted);
-  problem.margins.push_back({"wall", "lower", 0.1});
+  problem.margins.pairs.push_back({"wall", "lower", 0.1});
   EXPECT_EQ(verify(problem, path).status, VerifyStatus::kCertified);
-  problem.margins[0].margin = 0.3;
+  problem.margins.pairs[0].margin = 0.3;
   const VerifyResult refuted = verify(problem, path);
   EXPECT_EQ(refuted.status, VerifyStatus::kRefuted);
   EXPECT_EQ(refuted.a, "lower");
@@ -182,12 +181,13 @@ TEST(Verify, MarginsCount) {
 
 TEST(Verify, AllowedDepthOfConvexShapes) {
   Problem problem = problemFor(arm(), {1, 0});
-  problem.objects.push_back(box("wall", {0.1, 0.1, 1}, 2.05, 0, 0));  // 0.05 m into it at the start
+  problem.world.objects.push_back(
+      box("wall", {0.1, 0.1, 1}, 2.05, 0, 0));  // 0.05 m into it at the start
   const Path path = pathOf(problem, {{0, 0}, {1, 0}});
   EXPECT_EQ(verify(problem, path).status, VerifyStatus::kRefuted);
-  problem.margin = -0.06;
+  problem.margins.common = -0.06;
   EXPECT_EQ(verify(problem, path).status, VerifyStatus::kCertified);
-  problem.margin = -0.04;
+  problem.margins.common = -0.04;
   EXPECT_EQ(verify(problem, path).status, VerifyStatus::kRefuted);
 }
 
@@ -223,13 +223,13 @@ TEST(Verify, WaypointsLimitsStartAndGoal) {
 TEST(Verify, OneWaypointIsAnEdgeThatDoesNotMove) {
   Problem problem = problemFor(arm(), {0, 0});
   EXPECT_EQ(verify(problem, pathOf(problem, {{0, 0}})).status, VerifyStatus::kCertified);
-  problem.objects.push_back(box("wall", {0.1, 0.1, 1}, 2.05, 0, 0));
+  problem.world.objects.push_back(box("wall", {0.1, 0.1, 1}, 2.05, 0, 0));
   EXPECT_EQ(verify(problem, pathOf(problem, {{0, 0}})).status, VerifyStatus::kRefuted);
 }
 
 TEST(Verify, TouchingIsNotCertified) {
   Problem problem = problemFor(arm(), {1, 0});
-  problem.objects.push_back(box("wall", {0.1, 0.1, 1}, 2.1, 0, 0));
+  problem.world.objects.push_back(box("wall", {0.1, 0.1, 1}, 2.1, 0, 0));
   EXPECT_NE(verify(problem, pathOf(problem, {{0, 0}, {1, 0}})).status, VerifyStatus::kCertified);
 }
 
@@ -240,7 +240,6 @@ TEST(Verify, SelfCollisionAdjacencyAndAllowedPairs) {
   const robots::Geometry bar{Shape::box({0.5, 0.05, 0.05}), shifted(0.5, 0, 0), "bar"};
   b.add("upper", 0, JointType::kRevolute, {}, Vector3d::UnitZ(), {bar});
   b.add("lower", 1, JointType::kRevolute, shifted(1, 0, 0), Vector3d::UnitZ(), {bar});
-  b.model.finish();
   Problem problem = problemFor(std::make_shared<Model>(b.model), {0, 2.9});
   const Path path = pathOf(problem, {{0, 0}, {0, 2.9}});  // the lower arm folds back onto the base
   const VerifyResult result = verify(problem, path);
@@ -248,14 +247,14 @@ TEST(Verify, SelfCollisionAdjacencyAndAllowedPairs) {
             VerifyStatus::kRefuted);  // base-upper and upper-lower always overlap: adjacent
   EXPECT_EQ(result.a, "base");
   EXPECT_EQ(result.b, "lower");
-  problem.allowed.emplace_back("lower", "base");
+  problem.contacts.allowed.emplace_back("lower", "base");
   EXPECT_EQ(verify(problem, path).status, VerifyStatus::kCertified);
-  problem.allowed.clear();
+  problem.contacts.allowed.clear();
   b.model.has_srdf = true;
   b.model.disabled_pairs.push_back({0, 2, "Never"});
-  problem.model = std::make_shared<Model>(b.model);
+  problem.robot.model = std::make_shared<Model>(b.model);
   EXPECT_EQ(verify(problem, path).status, VerifyStatus::kCertified);
-  problem.replace_srdf_pairs = true;
+  problem.contacts.replace_srdf = true;
   EXPECT_EQ(verify(problem, path).status, VerifyStatus::kRefuted);
 }
 
@@ -269,13 +268,12 @@ TEST(Verify, PassiveJointsDoNotMoveAndFixedBlocksAreAdjacent) {
   b.add("arm", 0, JointType::kRevolute, {}, Vector3d::UnitZ(), ball(0.1));
   b.add("tool", 2, JointType::kFixed, shifted(0, 0, 0.1), Vector3d::UnitZ(), ball(0.1));
   b.add("finger", 3, JointType::kPrismatic, shifted(0, 0, 0.2), Vector3d::UnitX(), ball(0.02));
-  b.model.finish();
   Problem problem = problemFor(std::make_shared<Model>(b.model), {1});
-  problem.variables = {0};
+  problem.robot.variables = {0};
   EXPECT_EQ(verification::collectPairs(problem, verification::collectBodies(problem)).size(), 2u)
       << "base-finger and cover-finger; the rest is adjacent or rigid";
   b.model.has_srdf = true;
-  problem.model = std::make_shared<Model>(b.model);
+  problem.robot.model = std::make_shared<Model>(b.model);
   // With an SRDF only links that share a joint: base-tool, cover-arm, cover-tool as well;
   // arm-finger and tool-finger do not move.
   EXPECT_EQ(verification::collectPairs(problem, verification::collectBodies(problem)).size(), 5u);
@@ -283,26 +281,26 @@ TEST(Verify, PassiveJointsDoNotMoveAndFixedBlocksAreAdjacent) {
 
 TEST(Verify, AttachedBodiesMoveAndMayTouchWhatTheyMay) {
   Problem problem = problemFor(arm(), {1, 0});
-  problem.objects.push_back(box("wall", {0.1, 0.1, 1}, 2.6, 0, 0));
-  problem.objects.push_back(
+  problem.world.objects.push_back(box("wall", {0.1, 0.1, 1}, 2.6, 0, 0));
+  problem.world.objects.push_back(
       box("shelf", {0.1, 0.1, 0.1}, 2.3 * std::cos(0.5), 2.3 * std::sin(0.5), 0));
   Attachment held;
   held.object = {"stick", {{Shape::capsule(0.02, 0.2), {}, ""}}, {}};
   held.link = 2;
   held.X_LO.translation = {1.2, 0, 0};
   held.X_LO.rotation << 0, 0, 1, 1, 0, 0, 0, 1, 0;  // its axis along the arm
-  problem.attachments.push_back(held);
+  problem.robot.attachments.push_back(held);
   const Path path = pathOf(problem, {{0, 0}, {1, 0}});
   const VerifyResult result = verify(problem, path);
   ASSERT_EQ(result.status, VerifyStatus::kRefuted);
   EXPECT_EQ(result.a, "stick");
   EXPECT_EQ(result.b, "shelf");
   EXPECT_NEAR(result.t0, 0.5, 0.1);
-  problem.allowed.emplace_back("stick", "shelf");
+  problem.contacts.allowed.emplace_back("stick", "shelf");
   EXPECT_EQ(verify(problem, path).status, VerifyStatus::kCertified);
-  problem.attachments[0].X_LO.translation = {-0.5, 0, 0};  // into the upper arm
+  problem.robot.attachments[0].X_LO.translation = {-0.5, 0, 0};  // into the upper arm
   EXPECT_EQ(verify(problem, path).status, VerifyStatus::kRefuted);
-  problem.attachments[0].touch_links = {1};
+  problem.robot.attachments[0].touch_links = {1};
   EXPECT_EQ(verify(problem, path).status, VerifyStatus::kCertified);
 }
 
@@ -313,9 +311,9 @@ TEST(Verify, FreeBodyThroughAWindow) {
     const auto body = robots::freeBody("stick", {{Shape::box({0.5, 0.02, 0.02}), {}, ""}},
                                        JointType::kFloating, {-3, -3, -3}, {3, 3, 3});
     Problem problem = problemFor(body, {0, 2, 0, 0, 0, 1, 0});
-    problem.configuration = {0, -2, 0, 0, 0, 0, 1};
-    problem.objects.push_back(box("left", {0.5, 0.01, 1}, -0.5 - width / 2, 0, 0));
-    problem.objects.push_back(box("right", {0.5, 0.01, 1}, 0.5 + width / 2, 0, 0));
+    problem.start = {0, -2, 0, 0, 0, 0, 1};
+    problem.world.objects.push_back(box("left", {0.5, 0.01, 1}, -0.5 - width / 2, 0, 0));
+    problem.world.objects.push_back(box("right", {0.5, 0.01, 1}, 0.5 + width / 2, 0, 0));
     // Half a turn about z: at y = 0 the stick points along y and fits when the gap is wide enough
     // for its turning.
     const Path path = pathOf(problem, {{0, -2, 0, 0, 0, 0, 1}, {0, 2, 0, 0, 0, 1, 0}});
@@ -351,20 +349,20 @@ TEST(Verify, SolidMeshesHoldWhatIsInsideThem) {
   const auto body = robots::freeBody("fly", {{Shape::sphere(0.1), {}, ""}}, JointType::kFloating,
                                      {-9, -9, -9}, {9, 9, 9});
   Problem problem = problemFor(body, {0.3, 0.2, 0.1, 0, 0, 0, 1});
-  problem.configuration = problem.model->defaultConfiguration();
-  problem.objects.push_back(
+  problem.start = problem.robot.model->defaultConfiguration();
+  problem.world.objects.push_back(
       {"cube", {{Shape::mesh(collision::TriangleMesh::make(corners, faces)), {}, ""}}, {}});
   const Path inside = pathOf(problem, {{0, 0, 0, 0, 0, 0, 1}, {0.3, 0.2, 0.1, 0, 0, 0, 1}});
   EXPECT_EQ(verify(problem, inside).status, VerifyStatus::kRefuted);
   // Nothing is proven below zero of a mesh: that is told of the first look, not after half a
   // million (minutes).
-  problem.margin = -5;
+  problem.margins.common = -5;
   const VerifyResult deep = verify(problem, inside);
   EXPECT_EQ(deep.status, VerifyStatus::kUndecided);
   EXPECT_EQ(deep.t0, 0.5);
   EXPECT_EQ(deep.t1, 0.5);
-  problem.margin = 0;
-  problem.configuration[0] = 3;
+  problem.margins.common = 0;
+  problem.start[0] = 3;
   problem.goals[0].ranges[0] = {3, 3};
   EXPECT_EQ(
       verify(problem, pathOf(problem, {{3, 0, 0, 0, 0, 0, 1}, {3, 0.2, 0.1, 0, 0, 0, 1}})).status,
@@ -375,15 +373,14 @@ TEST(Verify, ContinuousJointsGoTheShorterWayAndJumpingMimicsAreNotCertified) {
   Builder b;
   const robots::Geometry bar{Shape::box({0.5, 0.05, 0.05}), shifted(0.5, 0, 0), "bar"};
   b.add("wheel", -1, JointType::kContinuous, {}, Vector3d::UnitZ(), {bar});
-  b.model.finish();
   Problem problem = problemFor(std::make_shared<Model>(b.model), {-3});
-  problem.configuration[0] = 3;
-  problem.objects.push_back(
+  problem.start[0] = 3;
+  problem.world.objects.push_back(
       box("post", {0.1, 0.1, 0.1}, 0.7, 0, 0));  // at angle 0: the long way round would meet it
   EXPECT_EQ(verify(problem, pathOf(problem, {{3}, {-3}})).status, VerifyStatus::kCertified);
   EXPECT_EQ(verify(problem, pathOf(problem, {{3 - 2 * M_PI}, {-3 + 2 * M_PI}})).status,
             VerifyStatus::kCertified);
-  problem.objects[0].X_WO.translation.x() = -0.7;
+  problem.world.objects[0].X_WO.translation.x() = -0.7;
   EXPECT_EQ(verify(problem, pathOf(problem, {{3}, {-3}})).status, VerifyStatus::kRefuted);
   // A follower at half the angle turns the other way round when its master wraps.
   const int follower =
@@ -394,10 +391,8 @@ TEST(Verify, ContinuousJointsGoTheShorterWayAndJumpingMimicsAreNotCertified) {
   joint.first_variable = -1;
   joint.variable_count = 0;
   joint.multiplier = 0.5;
-  b.model.groups.clear();
-  b.model.finish();
-  problem.model = std::make_shared<Model>(b.model);
-  problem.objects.clear();
+  problem.robot.model = std::make_shared<Model>(b.model);
+  problem.world.objects.clear();
   const VerifyResult result = verify(problem, pathOf(problem, {{3}, {-3}}));
   EXPECT_EQ(result.status, VerifyStatus::kUndecided);
   EXPECT_NE(result.reason.find("follower_joint mimics wheel_joint"), std::string::npos)
@@ -421,7 +416,6 @@ TEST(Verify, FollowersWithoutAFactorStandStill) {
   joint.multiplier = 0;
   joint.offset = 0.2;
   b.model.has_srdf = true;
-  b.model.finish();
   const Problem problem = problemFor(std::make_shared<Model>(b.model), {1});
   EXPECT_TRUE(CompiledScene(problem).scene().pairs().empty());
   EXPECT_EQ(verify(problem, pathOf(problem, {{0}, {1}})).status, VerifyStatus::kCertified);
@@ -430,7 +424,7 @@ TEST(Verify, FollowersWithoutAFactorStandStill) {
 TEST(Verify, StopsWhenToldTo) {
   Problem problem = problemFor(arm(), {1, 0});
   for (int i = 0; i < 200; ++i)
-    problem.objects.push_back(box("far " + std::to_string(i), {0.1, 0.1, 0.1}, 5, 5, i));
+    problem.world.objects.push_back(box("far " + std::to_string(i), {0.1, 0.1, 0.1}, 5, 5, i));
   PlanOptions options;
   options.stop = [] { return true; };
   const VerifyResult result = verify(problem, pathOf(problem, {{0, 0}, {1, 0}}), options);
@@ -444,9 +438,10 @@ TEST(Verify, DeepMeshesEndWithTheirWork) {
   const auto body = robots::freeBody("ring", {{testing::bumpyRing(), {}, "ring"}},
                                      JointType::kPlanar, {-2, -2, 0}, {2, 2, 0});
   Problem problem = problemFor(body, {0.3, 0.1, 0.5});
-  problem.configuration = {-0.3, 0, 0};
-  problem.objects.push_back({"other", {{testing::bumpyRing(), {}, ""}}, shifted(0.2, 0.05, 0.1)});
-  problem.margin = -0.5;
+  problem.start = {-0.3, 0, 0};
+  problem.world.objects.push_back(
+      {"other", {{testing::bumpyRing(), {}, ""}}, shifted(0.2, 0.05, 0.1)});
+  problem.margins.common = -0.5;
   PlanOptions options;
   int asked = 0;  // after every 64 looks
   options.stop = [&asked] { return ++asked > 100; };
@@ -459,9 +454,9 @@ TEST(Verify, DeepMeshesEndWithTheirWork) {
 
 TEST(Verify, HalfSpaces) {
   Problem problem = problemFor(arm(), {1, 0});
-  problem.objects.push_back({"floor", {{Shape::halfSpace(), {}, ""}}, shifted(0, 0, -0.06)});
+  problem.world.objects.push_back({"floor", {{Shape::halfSpace(), {}, ""}}, shifted(0, 0, -0.06)});
   EXPECT_EQ(verify(problem, pathOf(problem, {{0, 0}, {1, 0}})).status, VerifyStatus::kCertified);
-  problem.objects[0].X_WO = shifted(0, 0, -0.04);
+  problem.world.objects[0].X_WO = shifted(0, 0, -0.04);
   EXPECT_EQ(verify(problem, pathOf(problem, {{0, 0}, {1, 0}})).status, VerifyStatus::kRefuted);
 }
 
@@ -470,16 +465,16 @@ TEST(Verify, HalfSpaces) {
 double denseLook(const Problem& problem, const std::vector<double>& a,
                  const std::vector<double>& b) {
   collision::Scratch scratch;
-  std::vector<Pose> X_WL(problem.model->links.size());
+  std::vector<Pose> X_WL(problem.robot.model->links.size());
   double least = kInfinity;
   for (int i = 0; i <= 1000; ++i) {
     const double t = i / 1000.0;
     robots::forwardKinematics(
-        *problem.model, std::vector<double>{a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1])},
-        X_WL);
+        *problem.robot.model,
+        std::vector<double>{a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1])}, X_WL);
     for (std::size_t l = 1; l < 3; ++l)
-      for (const robots::Geometry& bar : problem.model->links[l].geometries)
-        for (const Object& object : problem.objects)
+      for (const robots::Geometry& bar : problem.robot.model->links[l].geometries)
+        for (const Object& object : problem.world.objects)
           least = std::min(
               least, collision::distance(bar.shape, X_WL[l] * bar.X_BG, object.geometries[0].shape,
                                          object.X_WO, {}, scratch)
@@ -498,11 +493,11 @@ TEST(Verify, RandomEdgesAgainstADenseLook) {
     b[0] = std::clamp(b[0], -3.0, 3.0);
     b[1] = std::clamp(b[1], -3.0, 3.0);
     Problem problem = problemFor(arm(), b);
-    problem.configuration = a;
+    problem.start = a;
     for (int k = 0; k < 3; ++k) {
       const Shape shapes[] = {Shape::box({0.1, 0.2, 0.3}), Shape::sphere(0.1),
                               Shape::capsule(0.05, 0.3)};
-      problem.objects.push_back(
+      problem.world.objects.push_back(
           {"o" + std::to_string(k),
            {{shapes[k], {}, ""}},
            shifted(2 * uniform(random), 2 * uniform(random), 0.2 * uniform(random))});
@@ -555,8 +550,7 @@ Model everyJoint(std::mt19937_64& random) {
   b.model.variables.pop_back();
   last.first_variable = -1;
   last.variable_count = 0;
-  b.model.finish();
-  return b.model;
+  return Model(b.model);
 }
 
 TEST(VerifyKinematics, AgreesWithTheOtherKinematics) {

@@ -51,7 +51,7 @@ class Random {
 
 /// A tree of `count` links: joints of all types, mimic joints among them, parents anywhere above.
 inline std::shared_ptr<Model> randomTree(Random& random, int count) {
-  auto model = std::make_shared<Model>();
+  RobotDescription robot;
   static constexpr JointType kTypes[] = {
       JointType::kRevolute, JointType::kRevolute, JointType::kContinuous, JointType::kPrismatic,
       JointType::kFixed,    JointType::kPlanar,   JointType::kFloating};
@@ -59,7 +59,7 @@ inline std::shared_ptr<Model> randomTree(Random& random, int count) {
     Link link;
     link.name = "link" + std::to_string(i);
     link.joint = i;
-    model->links.push_back(link);
+    robot.links.push_back(link);
     Joint joint;
     joint.name = "joint" + std::to_string(i);
     joint.type = i == 0 ? JointType::kFixed : kTypes[random.integer(7)];
@@ -70,19 +70,18 @@ inline std::shared_ptr<Model> randomTree(Random& random, int count) {
     const bool single = joint.type == JointType::kRevolute || joint.type == JointType::kPrismatic;
     if (single && random.integer(4) == 0)
       for (int m = i - 1; m > 0 && joint.mimic < 0; --m)
-        if (model->joints[static_cast<std::size_t>(m)].variable_count == 1) {
+        if (robot.joints[static_cast<std::size_t>(m)].variable_count == 1) {
           joint.mimic = m;
           joint.multiplier = random.uniform(-1.5, 1.5);
           joint.offset = random.uniform(-0.3, 0.3);
         }
-    model->joints.push_back(joint);
+    robot.joints.push_back(joint);
     const Eigen::Vector3d size = joint.type == JointType::kRevolute
                                      ? Eigen::Vector3d::Constant(2.5)
                                      : Eigen::Vector3d::Constant(0.6);
-    appendVariables(*model, i, -size, size);
+    appendVariables(robot, i, -size, size);
   }
-  model->finish();
-  return model;
+  return std::make_shared<Model>(std::move(robot));
 }
 
 /// A configuration within the limits.

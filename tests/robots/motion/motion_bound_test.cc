@@ -139,23 +139,23 @@ TEST(MotionBound, CommonMotionCostsNothing) {
 
 TEST(MotionBound, PassiveJointsOutsideTheirLimitsCount) {
   // A finger that stands 65 mm out although its limit says 40.
-  Model model;
+  RobotDescription robot;
   for (int i = 0; i < 3; ++i) {
     Link link;
     link.name = std::to_string(i);
     link.joint = i;
-    model.links.push_back(link);
+    robot.links.push_back(link);
     Joint joint;
     joint.name = std::to_string(i);
     joint.type = i == 0 ? JointType::kFixed : i == 1 ? JointType::kRevolute : JointType::kPrismatic;
     joint.parent_link = i - 1;
     joint.child_link = i;
     joint.axis = i == 1 ? Eigen::Vector3d::UnitZ() : Eigen::Vector3d::UnitX();
-    model.joints.push_back(joint);
-    appendVariables(model, i, Eigen::Vector3d::Constant(i == 1 ? -2 : 0),
+    robot.joints.push_back(joint);
+    appendVariables(robot, i, Eigen::Vector3d::Constant(i == 1 ? -2 : 0),
                     Eigen::Vector3d::Constant(i == 1 ? 2 : 0.04));
   }
-  model.finish();
+  const Model model(std::move(robot));
   std::vector<VariableRange> ranges = limitRanges(model);
   ranges[1] = {0.065, 0.065};
   const RelativeMotion motion = relativeMotion(model, 2, -1, Eigen::Vector3d::Zero(), 0.01, ranges);
@@ -165,23 +165,23 @@ TEST(MotionBound, PassiveJointsOutsideTheirLimitsCount) {
 }
 
 TEST(MotionBound, UnlimitedPrismaticIsInfiniteAndLocalIsNot) {
-  Model model;
+  RobotDescription robot;
   for (int i = 0; i < 3; ++i) {
     Link link;
     link.name = std::to_string(i);
     link.joint = i;
-    model.links.push_back(link);
+    robot.links.push_back(link);
     Joint joint;
     joint.name = std::to_string(i);
     joint.type = i == 0 ? JointType::kFixed : i == 1 ? JointType::kRevolute : JointType::kPrismatic;
     joint.parent_link = i - 1;
     joint.child_link = i;
     joint.axis = i == 1 ? Eigen::Vector3d::UnitZ() : Eigen::Vector3d::UnitX();
-    model.joints.push_back(joint);
+    robot.joints.push_back(joint);
     const double limit = i == 1 ? 2 : kInfinity;
-    appendVariables(model, i, Eigen::Vector3d::Constant(-limit), Eigen::Vector3d::Constant(limit));
+    appendVariables(robot, i, Eigen::Vector3d::Constant(-limit), Eigen::Vector3d::Constant(limit));
   }
-  model.finish();
+  const Model model(std::move(robot));
   const RelativeMotion motion = relativeMotion(model, 2, -1, Eigen::Vector3d::Zero(), 0.01);
   ASSERT_EQ(motion.terms.size(), 2U);
   EXPECT_TRUE(std::isinf(motion.terms[0].reach));
@@ -201,7 +201,7 @@ TEST(ProvenApart, ProvesWhatCannotMeetAndNothingElse) {
   // Links of 1 m in the plane, each turning by up to 0.5 rad: the first and the third are always
   // apart, with 3 rad they meet.
   for (const double limit : {0.5, 3.0}) {
-    Model model;
+    RobotDescription robot;
     for (int i = 0; i < 4; ++i) {
       Link link;
       link.name = std::to_string(i);
@@ -211,7 +211,7 @@ TEST(ProvenApart, ProvesWhatCannotMeetAndNothingElse) {
           Eigen::AngleAxisd(1.5707963267948966, Eigen::Vector3d::UnitY()).toRotationMatrix();
       g.X_BG.translation = {0.5, 0, 0};
       link.geometries.push_back(g);
-      model.links.push_back(link);
+      robot.links.push_back(link);
       Joint joint;
       joint.name = std::to_string(i);
       joint.type = i == 0 ? JointType::kFixed : JointType::kRevolute;
@@ -219,11 +219,11 @@ TEST(ProvenApart, ProvesWhatCannotMeetAndNothingElse) {
       joint.child_link = i;
       joint.axis = Eigen::Vector3d::UnitZ();
       if (i > 0) joint.X_PJ.translation = {1, 0, 0};
-      model.joints.push_back(joint);
-      appendVariables(model, i, Eigen::Vector3d::Constant(-limit),
+      robot.joints.push_back(joint);
+      appendVariables(robot, i, Eigen::Vector3d::Constant(-limit),
                       Eigen::Vector3d::Constant(limit));
     }
-    model.finish();
+    const Model model(std::move(robot));
     const std::vector<std::pair<int, int>> candidates{{0, 2}, {0, 3}, {1, 3}};
     EXPECT_EQ(provenApart(model, candidates).size(), limit < 1 ? 3U : 0U) << limit;
   }

@@ -70,7 +70,7 @@ planner::Problem load(const Arguments& arguments, const std::shared_ptr<const ro
     problem = planner::loadMoveit(model, item.problem, item.request);
   } else {
     problem = planner::loadProblem(item.problem, {.load = loadOptions(arguments.source)});
-    warnings.print(problem.model->warnings);
+    warnings.print(problem.robot.model->warnings);
   }
   warnings.print(problem.warnings);
   return problem;

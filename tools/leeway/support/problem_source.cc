@@ -140,7 +140,7 @@ planner::Problem loadProblem(const ProblemSource& source) {
     problem = loadFromRobot(source);
   } else {
     problem = planner::loadProblem(source.problem, {.load = loadOptions(source)});
-    printWarnings(problem.model->warnings);
+    printWarnings(problem.robot.model->warnings);
   }
   printWarnings(problem.warnings);
   return problem;
@@ -165,28 +165,30 @@ void apply(const PlanOverrides& overrides, planner::Problem& problem) {
     if (!(*overrides.time_limit > 0) || std::isinf(*overrides.time_limit)) {
       badUsage(fmt::format("--time {} is not a positive number of seconds", *overrides.time_limit));
     }
-    problem.time_limit = *overrides.time_limit;
+    problem.limits.time = *overrides.time_limit;
   }
   if (overrides.iteration_limit) {
     if (*overrides.iteration_limit < 0) {
       badUsage(
           fmt::format("--iterations {} is negative; 0 means no limit", *overrides.iteration_limit));
     }
-    problem.iteration_limit = *overrides.iteration_limit;
+    problem.limits.iterations = *overrides.iteration_limit;
   }
   if (!overrides.planner.empty()) {
     // Parameters belong to the planner that the file names.
-    if (overrides.planner != problem.planner) {
-      problem.planner_parameters.clear();
+    if (overrides.planner != problem.planner.name) {
+      problem.planner.parameters.clear();
     }
-    problem.planner = overrides.planner;
+    problem.planner.name = overrides.planner;
   }
   if (!overrides.objective.empty()) {
-    if (overrides.objective != "length" && overrides.objective != "clearance") {
+    const std::optional<planner::Objective> objective =
+        planner::objectiveOfName(overrides.objective);
+    if (!objective) {
       badUsage(fmt::format("--objective '{}' is unknown; there are length and clearance",
                            overrides.objective));
     }
-    problem.objective = overrides.objective;
+    problem.objective = *objective;
   }
 }
 

@@ -22,8 +22,8 @@ AskedEdges askedEdges(const planner::Problem& problem,
                       unsigned long long iterations) {
   AskedEdges asked;
   std::vector<double> start;
-  for (const int v : problem.variables)
-    start.push_back(problem.configuration[static_cast<std::size_t>(v)]);
+  for (const int v : problem.robot.variables)
+    start.push_back(problem.start[static_cast<std::size_t>(v)]);
   std::vector<double> goal;  // the middle of the first one's range
   for (const auto& [low, high] : problem.goals.front().ranges)
     goal.push_back(low + (high - low) / 2);

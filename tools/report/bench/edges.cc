@@ -198,15 +198,16 @@ Problem bodies(const std::vector<leeway::bench::Soup>& soups, std::uint64_t seed
   Problem problem;
   problem.name = fmt::format("bodies {}", seed);
   problem.seed = seed;
-  problem.model = leeway::robots::freeBody(
+  problem.robot.model = leeway::robots::freeBody(
       "body", {{shapes[seed % shapes.size()], {}, "body"}}, leeway::robots::JointType::kFloating,
       Eigen::Vector3d::Constant(-kRoom), Eigen::Vector3d::Constant(kRoom));
-  for (int v = 0; v < 7; ++v) problem.variables.push_back(v);
+  for (int v = 0; v < 7; ++v) problem.robot.variables.push_back(v);
   for (std::size_t i = 0; i < 12; ++i) {
     const std::string name = fmt::format("obstacle{}", i);
-    problem.objects.push_back({name, {{shapes[i % shapes.size()], {}, name}}, somewhere(random)});
+    problem.world.objects.push_back(
+        {name, {{shapes[i % shapes.size()], {}, name}}, somewhere(random)});
   }
-  problem.configuration = pointAt(somewhere(random));
+  problem.start = pointAt(somewhere(random));
   problem.goals.push_back({"goal", std::vector<std::pair<double, double>>(7, {0, 0})});
   EdgeCertifier certifier(std::make_shared<const CompiledScene>(problem));
   const auto freePoint = [&] {
@@ -215,7 +216,7 @@ Problem bodies(const std::vector<leeway::bench::Soup>& soups, std::uint64_t seed
       if (certifier.decide(point) == Verdict::kFree) return point;
     }
   };
-  problem.configuration = freePoint();
+  problem.start = freePoint();
   const std::vector<double> goal = freePoint();
   for (std::size_t i = 0; i < goal.size(); ++i) problem.goals[0].ranges[i] = {goal[i], goal[i]};
   return problem;

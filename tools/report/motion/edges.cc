@@ -54,8 +54,8 @@ std::vector<Edge> someOf(const bench::AskedEdges& asked, int most) {
 class SingleEdge {
  public:
   explicit SingleEdge(const Problem& problem) : problem_(problem) {
-    for (const int v : problem.variables)
-      path_.names.push_back(problem.model->variables[static_cast<std::size_t>(v)].name);
+    for (const int v : problem.robot.variables)
+      path_.names.push_back(problem.robot.model->variables[static_cast<std::size_t>(v)].name);
     problem_.goals.resize(1);
   }
 
@@ -64,7 +64,7 @@ class SingleEdge {
     auto& ranges = problem_.goals[0].ranges;
     ranges.clear();
     for (std::size_t i = 0; i < a.size(); ++i) {
-      problem_.configuration[static_cast<std::size_t>(problem_.variables[i])] = a[i];
+      problem_.start[static_cast<std::size_t>(problem_.robot.variables[i])] = a[i];
       ranges.push_back({b[i], b[i]});
     }
     return planner::verify(problem_, path_).status;
@@ -116,7 +116,7 @@ void measureProblem(const NamedProblem& named, const EdgeReportOptions& options,
     if (status == VerifyStatus::kUndecided) continue;
     edge.kind = 2;
     if (status == VerifyStatus::kCertified) {
-      const double near = named.problem.margin + kNear;
+      const double near = named.problem.margins.common + kNear;
       edge.kind =
           certifier.edgeClearance(edge.a, edge.b, 1e-3, near).clearance.upper < near ? 1 : 0;
     }

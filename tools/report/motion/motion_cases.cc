@@ -261,8 +261,8 @@ class Chain {
   static constexpr std::size_t kLinks = 7, kBoxes = 5;
 
   Chain() {
-    auto model = std::make_shared<robots::Model>();
-    model->name = "chain";
+    robots::RobotDescription robot;
+    robot.name = "chain";
     for (std::size_t i = 0; i <= kLinks; ++i) {
       robots::Joint joint;
       joint.name = "joint" + std::to_string(i);
@@ -274,17 +274,15 @@ class Chain {
         joint.axis = axis(i - 1);
         joint.first_variable = static_cast<int>(i) - 1;
         joint.variable_count = 1;
-        model->variables.push_back(
-            {joint.name, static_cast<int>(i), -HUGE_VAL, HUGE_VAL, HUGE_VAL});
+        robot.variables.push_back({joint.name, static_cast<int>(i), -HUGE_VAL, HUGE_VAL, HUGE_VAL});
       }
       robots::Link link;
       link.name = "link" + std::to_string(i);
       link.joint = static_cast<int>(i);
-      model->joints.push_back(joint);
-      model->links.push_back(link);
+      robot.joints.push_back(joint);
+      robot.links.push_back(link);
     }
-    model->finish();
-    model_ = model;
+    model_ = std::make_shared<const robots::Model>(std::move(robot));
   }
 
   void add(Maker& make) {

@@ -195,7 +195,7 @@ Place load(const std::shared_ptr<const leeway::robots::Model>& model, const std:
   const std::string request = requestOf(scene);
   place.world = first == nullptr ? std::make_unique<DenseWorld>(model, scene, request)
                                  : std::make_unique<DenseWorld>(*first->world, scene, request);
-  for (const int v : place.problem.variables)
+  for (const int v : place.problem.robot.variables)
     place.names.push_back(model->variables[static_cast<std::size_t>(v)].name);
   return place;
 }

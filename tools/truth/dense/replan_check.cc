@@ -46,25 +46,24 @@ struct Part {
 class World {
  public:
   explicit World(const Problem& problem)
-      : problem_(problem), model_(*problem.model), X_WL_(model_.links.size()) {
+      : problem_(problem), model_(*problem.robot.model), X_WL_(model_.links.size()) {
     for (std::size_t l = 0; l < model_.links.size(); ++l)
       if (moves(static_cast<int>(l)))
         for (const robots::Geometry& g : model_.links[l].geometries)
           add(robot_, model_.links[l].name, static_cast<int>(l), g, Isometry3d::Identity());
-    for (const auto& held : problem.attachments)
+    for (const auto& held : problem.robot.attachments)
       if (moves(held.link))
         for (const robots::Geometry& g : held.object.geometries)
           add(robot_, held.object.name, held.link, g, isometry(held.X_LO));
-    for (const Object& object : problem.objects)
-      if (!deforms(object.name))
-        for (const robots::Geometry& g : object.geometries)
-          add(still_, object.name, -1, g, isometry(object.X_WO));
+    for (const Object& object : problem.world.objects)
+      for (const robots::Geometry& g : object.geometries)
+        add(still_, object.name, -1, g, isometry(object.X_WO));
     for (Part& part : still_) part.X_WG = part.X_LG;
   }
 
   std::size_t triangles() const {
     std::size_t count = 0;
-    for (const DeformingObstacle& o : problem_.deforming) count += o.mesh->triangles().size();
+    for (const DeformingObstacle& o : problem_.world.deforming) count += o.mesh->triangles().size();
     return count;
   }
 
@@ -75,12 +74,12 @@ class World {
       for (const Part& other : still_)
         if (!allowed(part.owner, other.owner) && meets(part, other.geometry, other.X_WG))
           return part.owner + " and " + other.owner;
-    for (const DeformingObstacle& o : problem_.deforming) {
+    for (const DeformingObstacle& o : problem_.world.deforming) {
       const std::vector<Eigen::Vector3d> vertices = verticesOf(o, time);
       const FclGeometry mesh = leeway::dense::fclMesh(vertices, o.mesh->triangles());
       for (const Part& part : robot_)
-        if (!allowed(part.owner, o.object) && meets(part, mesh, Isometry3d::Identity()))
-          return part.owner + " and " + o.object;
+        if (!allowed(part.owner, o.object.name) && meets(part, mesh, Isometry3d::Identity()))
+          return part.owner + " and " + o.object.name;
     }
     return {};
   }
@@ -88,10 +87,10 @@ class World {
   /// The least distance from what deforms, as far as it is below `enough`: all pairs of a triangle
   /// and a shape of the robot, where it was last placed.
   double distance(double time, double enough) {
-    for (const DeformingObstacle& o : problem_.deforming) {
+    for (const DeformingObstacle& o : problem_.world.deforming) {
       const std::vector<Eigen::Vector3d> vertices = verticesOf(o, time);
       for (const Part& part : robot_) {
-        if (allowed(part.owner, o.object)) continue;
+        if (allowed(part.owner, o.object.name)) continue;
         const leeway::collision::Pose X_WG{part.X_WG.linear(), part.X_WG.translation()};
         const Eigen::Vector3d center = X_WG * part.shape.boundingCenter();
         for (const auto& t : o.mesh->triangles()) {
@@ -120,22 +119,18 @@ class World {
                      Isometry3d::Identity()});
   }
 
-  bool deforms(const std::string& name) const {
-    return std::any_of(problem_.deforming.begin(), problem_.deforming.end(),
-                       [&](const DeformingObstacle& o) { return o.object == name; });
-  }
-
   bool allowed(const std::string& a, const std::string& b) const {
-    return std::any_of(problem_.allowed.begin(), problem_.allowed.end(), [&](const auto& pair) {
-      return (pair.first == a && pair.second == b) || (pair.first == b && pair.second == a);
-    });
+    return std::any_of(
+        problem_.contacts.allowed.begin(), problem_.contacts.allowed.end(), [&](const auto& pair) {
+          return (pair.first == a && pair.second == b) || (pair.first == b && pair.second == a);
+        });
   }
 
   bool moves(int link) const {
     for (; link >= 0; link = model_.joints[at(link)].parent_link) {
       const robots::Joint* joint = &model_.joints[at(link)];
       while (joint->mimic >= 0) joint = &model_.joints[at(joint->mimic)];
-      for (const int v : problem_.variables)
+      for (const int v : problem_.robot.variables)
         if (model_.variables[at(v)].joint >= 0 &&
             &model_.joints[at(model_.variables[at(v)].joint)] == joint)
           return true;
@@ -155,16 +150,15 @@ class World {
       o.motion->evaluate(time, vertices);
     else
       vertices.assign(o.mesh->rest().begin(), o.mesh->rest().end());
-    const auto object = std::find_if(problem_.objects.begin(), problem_.objects.end(),
-                                     [&](const Object& x) { return x.name == o.object; });
-    const Isometry3d X = isometry(object->X_WO);
+    const Isometry3d X = isometry(o.object.X_WO);
     for (Eigen::Vector3d& v : vertices) v = X * v;
     return vertices;
   }
 
   void place(const std::vector<double>& positions) {
-    std::vector<double> q = problem_.configuration;
-    for (std::size_t i = 0; i < positions.size(); ++i) q[at(problem_.variables[i])] = positions[i];
+    std::vector<double> q = problem_.start;
+    for (std::size_t i = 0; i < positions.size(); ++i)
+      q[at(problem_.robot.variables[i])] = positions[i];
     for (std::size_t l = 0; l < model_.links.size(); ++l) {
       const robots::Joint& joint = model_.joints[l];
       double value = 0, factor = 1, offset = 0;
@@ -211,7 +205,7 @@ struct Options {
 int run(const Options& options) {
   const Problem problem = leeway::planner::loadProblem(options.problem);
   const leeway::dense::Trajectory rows =
-      leeway::dense::readTrajectory(options.trajectory, problem.variables.size());
+      leeway::dense::readTrajectory(options.trajectory, problem.robot.variables.size());
   World world(problem);
   const double begin = rows.front().time, end = rows.back().time;
   const auto samples = static_cast<long>(std::ceil((end - begin) / options.step));
@@ -219,7 +213,7 @@ int run(const Options& options) {
   long contacts = 0;
   double least = std::numeric_limits<double>::infinity(), where = begin;
   std::size_t row = 1;
-  std::vector<double> positions(problem.variables.size());
+  std::vector<double> positions(problem.robot.variables.size());
   for (long k = 0; k <= samples; ++k) {
     const double time = std::min(end, begin + static_cast<double>(k) * options.step);
     while (row + 1 < rows.size() && rows[row].time < time) ++row;

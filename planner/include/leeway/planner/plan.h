@@ -56,7 +56,7 @@ struct PlanResult {
 };
 
 /// Compiles, plans, simplifies, certifies. Throws robots::InputError only for what a problem file
-/// can get wrong: an unknown planner or objective, a bad parameter, a start outside its limits, a
+/// can get wrong: an unknown planner, a bad parameter, a start outside its limits, a
 /// goal that cannot be met.
 ///
 /// Solved means that every edge of the path as returned is proven to keep its margins. The limits
@@ -67,9 +67,9 @@ struct PlanResult {
 /// the way. Of several goals the invalid ones are left out with a warning. Of a goal range points
 /// are drawn; it counts as invalid when a thousand of them are.
 ///
-/// Objective "length": a free straight edge to the nearest goal is the answer, without a planner.
-/// Planners that optimise run until the limits, others stop at their first path. Objective
-/// "clearance": planners that optimise maximise the least clearance along the path, their edges'
+/// MinimumLength: a free straight edge to the nearest goal is the answer, without a planner.
+/// Planners that optimise run until the limits, others stop at their first path.
+/// MaximumClearance: planners that optimise maximise the least clearance along the path, their edges'
 /// costs being certified bounds; the others, RRTConnect among them, are run again and again with
 /// rising margins, which climbs faster. Both end early when start or goal have no more clearance
 /// than the path. Simplification keeps the clearance that was reached.

@@ -7,7 +7,9 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "leeway/collision/deformable_mesh.h"
@@ -16,15 +18,15 @@
 
 namespace leeway::planner {
 
-/// A thing in the world that does not move, or that is attached to a link.
+/// A named thing with a shape: an obstacle, or what a link holds.
 struct Object {
   std::string name;
   std::vector<robots::Geometry> geometries;
   robots::Pose X_WO;
 };
 
-/// An object held by a link from the start: it moves with the link and may touch only `touch_links`
-/// (and the link itself).
+/// An object held by a link from the start. It moves with the link, and may touch the link and
+/// `touch_links` only.
 struct Attachment {
   Object object;  ///< X_WO is unused
   int link = -1;
@@ -32,99 +34,149 @@ struct Attachment {
   std::vector<int> touch_links;
 };
 
-/// A goal: a range for every planned variable; a single value is a range of no width.
+/// The robot, and what of it is planned.
+struct PlannedRobot {
+  std::shared_ptr<const robots::Model> model;
+  std::vector<int> variables;  ///< planned ones, in group order
+  std::vector<Attachment> attachments;
+};
+
+/// A goal: a range for every planned variable. A single value is a range of no width.
 struct Goal {
   std::string name;                               ///< group state, or "goal", "goal 2", ...
   std::vector<std::pair<double, double>> ranges;  ///< in group order
 };
 
-/// An object of the world whose vertices move. It stands in Problem::objects under its name, with
-/// one geometry: the mesh as it is at Execution::start. That is what planning, checks and proofs
-/// look at; Replanner follows it from there.
+/// An obstacle whose vertices move. Made by makeDeformingObstacle(). Plans, checks and proofs look
+/// at `object`; Replanner follows `motion` from there.
 struct DeformingObstacle {
-  std::string object;
+  /// The obstacle at Execution::start: its geometry is a snapshot of `mesh`.
+  Object object;
   std::shared_ptr<const collision::DeformableMesh> mesh;
   /// Null: the embedding program says where the vertices are.
   std::shared_ptr<const collision::VertexMotion> motion;
-  /// What is known of the vertices' speed when their future is not [m/s]; infinite: the motion's
-  /// own bound, and without a motion nothing.
+  /// Bound on the vertices' speed where their future is unknown [m/s]. Infinite: the motion's own
+  /// bound; without a motion, no bound.
   double speed_bound = std::numeric_limits<double>::infinity();
   collision::DeformOptions options;
 };
 
-/// What is assumed of obstacles that deform beyond the moment at which they were seen.
-enum class Foresight : unsigned char {
-  kMotion,      ///< their motion is known
-  kSpeedBound,  ///< no more than a bound on the speed of their vertices
+/// A deforming obstacle as it is at `time` [s], which must be the problem's Execution::start. Its
+/// frame stands at X_WO. Throws std::invalid_argument for a missing mesh, a strategy that the
+/// motion does not have, a motion with another number of vertices than the mesh, vertices that are
+/// not finite, and options or a speed bound that make no sense. O(triangles) and a tree's build.
+DeformingObstacle makeDeformingObstacle(
+    std::string name, std::shared_ptr<const collision::DeformableMesh> mesh,
+    std::shared_ptr<const collision::VertexMotion> motion, const robots::Pose& X_WO,
+    double time = 0, const collision::DeformOptions& options = {},
+    double speed_bound = std::numeric_limits<double>::infinity());
+
+/// What surrounds the robot. Links, objects, deforming obstacles and attached objects have names of
+/// their own.
+struct World {
+  std::vector<Object> objects;  ///< at rest
+  std::vector<DeformingObstacle> deforming;
 };
 
-/// What a timed path does at the corners of its path.
+/// Pairs that need no check. Names are those of links, objects and attached objects.
+struct Contacts {
+  std::vector<std::pair<std::string, std::string>> allowed;  ///< may touch, besides the SRDF's
+  /// `allowed` replaces the SRDF's pairs: what it does not name is checked even if the SRDF
+  /// disables it. Set by MoveIt's matrix.
+  bool replace_srdf = false;
+};
+
+/// The margin of one pair. Names as in Contacts.
+struct PairMargin {
+  std::string a, b;
+  double margin;  ///< [m]
+};
+
+/// Separation that checked pairs keep: every pair is farther apart than its margin. Below 0, bodies
+/// may overlap by that much.
+struct Margins {
+  double common = 0;              ///< of pairs without one of their own [m]
+  std::vector<PairMargin> pairs;  ///< the last one that names a pair holds
+};
+
+/// The shortest path, in the space's distance.
+struct MinimumLength {};
+/// The path whose least clearance is largest.
+struct MaximumClearance {};
+/// What the planner optimises.
+using Objective = std::variant<MinimumLength, MaximumClearance>;
+
+const char* toString(const Objective& objective);                 ///< "length", "clearance"
+std::optional<Objective> objectiveOfName(std::string_view name);  ///< inverse of toString()
+
+/// Which planner runs, and how.
+struct PlannerChoice {
+  std::string name = "RRTConnect";                ///< see planners.h
+  std::map<std::string, std::string> parameters;  ///< by OMPL's names
+  bool simplify = true;                           ///< the path that it finds
+};
+
+/// When planning and simplification end.
+struct PlanningLimits {
+  double time = 5;              ///< [s]
+  std::int64_t iterations = 0;  ///< of the planner; 0: no limit
+};
+
+/// What Replanner assumes of deforming obstacles after it has last seen them.
+enum class Foresight : unsigned char {
+  kMotion,      ///< their motion is known
+  kSpeedBound,  ///< only a bound on their vertices' speed is known
+};
+
+/// What a timed path does at its corners.
 enum class Corners : unsigned char {
   kStop,   ///< comes to rest
   kBlend,  ///< cuts them where the cut is proven to keep the margins, else comes to rest
 };
 
-/// How a path is executed. A trajectory (see trajectory.h) keeps all limits. Replanner goes step by
-/// step, while the scene changes, at the velocity limits; accelerations, jerks and corners are not
-/// for it.
+/// How a path is executed. A trajectory (trajectory.h) keeps all limits. Replanner moves at the
+/// velocity limits, in steps, while the scene changes; it ignores accelerations, jerks and corners.
 struct Execution {
-  double start = 0;      ///< time of the obstacles' motions at which everything begins [s]
+  double start = 0;      ///< time of the obstacles' motions at which execution begins [s]
   double step = 0.05;    ///< from one look at the world to the next [s]
-  double duration = 30;  ///< what does not reach a goal within this has failed [s]
+  double duration = 30;  ///< a goal not reached within this is a failure [s]
   double speed = 1;      ///< share of the velocity limits that is used, in (0, 1]
-  std::map<std::string, double> velocities;  ///< in place of the URDF's, by variable [rad/s or m/s]
-  /// By variable [rad/s^2 or m/s^2]; elsewhere what reaches the velocity limit in half a second.
+  std::map<std::string, double> velocities;  ///< by variable; default: the URDF's [rad/s or m/s]
+  /// By variable [rad/s^2 or m/s^2]; default: the velocity limit is reached in half a second.
   std::map<std::string, double> accelerations;
-  std::map<std::string, double> jerks;  ///< by variable [rad/s^3 or m/s^3]; elsewhere no limit
+  std::map<std::string, double> jerks;  ///< by variable; default: no limit [rad/s^3 or m/s^3]
   Corners corners = Corners::kStop;
   Foresight foresight = Foresight::kMotion;
-  /// A step is preferred after which so much more time can be certified, going on or standing [s].
+  /// Replanner prefers steps after which this much more motion or rest can be certified [s].
   double look_ahead = 0.2;
-  /// Paths are planned to keep this besides the margin from what deforms, so that they last; where
-  /// there is none, without [m].
+  /// Distance that paths keep from deforming obstacles beyond the margin, so that they last. Where
+  /// no such path is found, one without it is used [m].
   double buffer = 0.02;
-  /// A path that holds but cannot be executed is waited for this long before another is planned
-  /// [s].
+  /// Wait this long for a valid path that cannot be executed now, before planning another [s].
   double patience = 0.5;
 };
 
-/// Velocity limit of a joint that has none, as everywhere in this library [rad/s or m/s].
+/// Velocity limit of a joint for which the URDF has none [rad/s or m/s].
 inline constexpr double kDefaultVelocity = 1;
 
-/// Everything that a planner needs to know, checked and complete. Made by a loader below or by a
-/// program.
+/// All that a planner needs to know. Made by a loader below or filled by a program, in any order:
+/// who uses it checks it.
 struct Problem {
   std::string name;
-  std::shared_ptr<const robots::Model> model;
-  std::vector<int> variables;  ///< planned variables, in group order
-  std::vector<double>
-      configuration;        ///< all variables of the model: the start, passive ones included
-  std::vector<Goal> goals;  ///< at least one
-  std::vector<Object> objects;
-  std::vector<DeformingObstacle> deforming;
-  std::vector<Attachment> attachments;
-  /// Names (links, objects, attached objects) that may touch, beyond what the SRDF disables.
-  std::vector<std::pair<std::string, std::string>> allowed;
-  /// True: `allowed` stands in for the SRDF's pairs; what it leaves out is checked although the
-  /// SRDF disables it (MoveIt's matrix: false).
-  bool replace_srdf_pairs = false;
-  double margin = 0;  ///< [m]
-  struct PairMargin {
-    std::string a, b;
-    double margin;
-  };
-  std::vector<PairMargin> margins;
-
-  std::string planner = "RRTConnect";
-  std::map<std::string, std::string> planner_parameters;  ///< by OMPL's names
-  std::string objective = "length";                       ///< "length" or "clearance"
-  bool simplify = true;
-  double time_limit = 5;             ///< [s]
-  std::int64_t iteration_limit = 0;  ///< 0: none
+  PlannedRobot robot;
+  std::vector<double> start;  ///< all variables of the model, those not planned included
+  std::vector<Goal> goals;    ///< at least one
+  World world;
+  Contacts contacts;
+  Margins margins;
+  Objective objective;
+  PlannerChoice planner;
+  PlanningLimits limits;
   std::uint64_t seed = 1;
   Execution execution;
-  std::vector<std::string> warnings;  ///< of this problem's own files, each with file and line; the
-                                      ///< robot's are in model->warnings
+  /// The loader's, of this problem's own files, each with file and line. The robot's are in
+  /// robot.model->warnings.
+  std::vector<std::string> warnings;
 };
 
 struct ProblemOptions {
@@ -134,36 +186,26 @@ struct ProblemOptions {
 /// The project's own YAML (problems/README.md, problems/schema.json). Throws robots::InputError.
 Problem loadProblem(const std::string& yaml_path, const ProblemOptions& options = {});
 
-/// MoveIt planning scene and motion plan request, as MotionBenchMaker writes them. The model may be
-/// shared between calls.
+/// MoveIt planning scene and motion plan request, as MotionBenchMaker writes them. Calls may share
+/// the model. Throws robots::InputError.
 Problem loadMoveit(std::shared_ptr<const robots::Model> model, const std::string& scene_path,
                    const std::string& request_path);
 
-/// A problem without a YAML file: start and goal are group states. Throws robots::InputError
-/// (without a file) for unknown names.
+/// A problem from group states, without obstacles. Throws robots::InputError (without a file) for
+/// unknown names.
 Problem problemFromStates(std::shared_ptr<const robots::Model> model, const std::string& group,
                           const std::string& start, const std::string& goal);
 
-/// Adds an obstacle that deforms, as it is at problem.execution.start: to problem.objects and
-/// problem.deforming. Throws std::invalid_argument for a strategy that the motion does not have, a
-/// motion with another number of vertices than the mesh, vertices that are not finite, options or a
-/// speed bound that make no sense, or a name that another object or a link has.
-void addDeforming(Problem& problem, const std::string& name,
-                  std::shared_ptr<const collision::DeformableMesh> mesh,
-                  std::shared_ptr<const collision::VertexMotion> motion, const robots::Pose& X_WO,
-                  const collision::DeformOptions& options = {},
-                  double speed_bound = std::numeric_limits<double>::infinity());
-
-/// The problem with `object` (one of problem.objects) held by `link` from now on, where it is while
-/// the robot stands at `configuration` (all variables of the model; empty: the problem's start). It
-/// then moves with the link and may touch it and `touch_links`. Names in `allowed` and `margins` go
-/// on to mean it. Throws std::invalid_argument for unknown names.
+/// The problem with `object` (one of world.objects) held by `link`, grasped where it stands while
+/// the robot is at `configuration` (all variables of the model; empty: the start). It then moves
+/// with the link and may touch it and `touch_links`. Contacts and margins keep naming it. Throws
+/// std::invalid_argument for unknown names.
 Problem attachObject(const Problem& problem, const std::string& object, const std::string& link,
                      const std::vector<std::string>& touch_links = {},
                      std::span<const double> configuration = {});
 
-/// The problem with an attached object put down where it is while the robot stands at
-/// `configuration`: attachObject() undone.
+/// The problem with an attached object put down where it is while the robot is at `configuration`:
+/// the inverse of attachObject().
 Problem detachObject(const Problem& problem, const std::string& object,
                      std::span<const double> configuration = {});
 

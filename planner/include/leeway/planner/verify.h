@@ -9,21 +9,23 @@ namespace leeway::planner {
 
 enum class VerifyStatus : unsigned char { kCertified, kRefuted, kUndecided };
 
-/// What an independent proof says of a path.
+/// The outcome of an independent proof.
 struct VerifyResult {
   VerifyStatus status = VerifyStatus::kUndecided;
-  int segment = -1;       ///< where it fails or cannot be decided
-  double t0 = 0, t1 = 0;  ///< between which fractions of the segment
-  std::string a, b;       ///< between what
-  /// Proven for the whole path when certified [m]; infinite without pairs. Rounding apart, what it
-  /// exceeds the margin by is at least a quarter of what the true clearance does.
+  int segment = -1;       ///< edge that fails or is undecided
+  double t0 = 0, t1 = 0;  ///< part of that edge, in [0, 1]
+  std::string a, b;       ///< bodies that are too near
+  /// Lower bound of a certified path's clearance [m]; infinite without pairs. Rounding apart, it
+  /// exceeds the margin by at least a quarter of what the true clearance does.
   double clearance_lower = 0;
-  std::string reason;  ///< also: a waypoint outside limits, start or goal not the problem's
+  std::string reason;  ///< in words; also a waypoint outside limits, a wrong start or goal
 };
 
-/// Slow, plain, independent of everything that plans: its own kinematics, first-order bounds
-/// (speed, not acceleration), no batches, no coarse bounds, no caches; shares only the shapes'
-/// distance() and the definition of an edge. Proves, never samples.
+/// Proves or refutes that a path keeps all margins; never samples. Slow, plain, and independent of
+/// the planner: its own kinematics, first-order bounds (speed, not acceleration), no batches,
+/// coarse bounds or caches. Shared are collision::distance() and the definition of an edge.
+/// Conservative advancement, see verify.cc. Throws nothing for a bad path: `reason` says what is
+/// wrong.
 VerifyResult verify(const Problem& problem, const Path& path, const PlanOptions& options = {});
 
 }  // namespace leeway::planner

@@ -5,12 +5,11 @@
 
 namespace leeway::robots {
 
-/// Bad input, told once and whole: `FILE:LINE: what is wrong, with the offending value; what would
-/// be accepted`. Thrown by loaders only; nothing is half-loaded. The command turns it into exit
-/// status 2.
+/// Bad input: `FILE:LINE: what is wrong, with the offending value; what would be accepted`. Nothing
+/// is half-loaded. The command exits with status 2.
 class InputError : public std::runtime_error {
  public:
-  /// `line` counts from 1; 0 when no line can be named.
+  /// `line` counts from 1; 0: none. Without a file the message stands alone.
   InputError(std::string file, int line, const std::string& message);
   const std::string& file() const { return file_; }
   int line() const { return line_; }

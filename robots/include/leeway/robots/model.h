@@ -106,8 +106,8 @@ struct LinkGap {
   double over(const Range& angles, const Range& others) const;
 };
 
-/// What forward kinematics reads of joint i, compiled by Model::finish(): X_PC = [fixed + sin *
-/// sine + cos * cosine, translation + ...].
+/// What forward kinematics reads of joint i: X_PC = [fixed + sin * sine + cos * cosine,
+/// translation + ...].
 struct KinematicStep {
   JointType type = JointType::kFixed;
   int parent_link = -1;
@@ -118,34 +118,38 @@ struct KinematicStep {
   Eigen::Vector3d translation, u, v;  ///< u: prismatic axis; planar: directions of x and y, in P
 };
 
-/// A robot: constant after loading. Links stand in tree order, parents before children; link 0 is
-/// the root. Configurations are spans of variables().size() doubles in the order of variables().
-class Model {
- public:
+/// What a robot is made of. Links stand in tree order, parents before children; link 0 is the root.
+struct RobotDescription {
   std::string name;
   std::vector<Link> links;
   std::vector<Joint> joints;  ///< joint i moves link i: joints[i].child_link == i
   std::vector<Variable> variables;
-  std::vector<Group>
-      groups;  ///< from the SRDF; always holds "all" with every variable last unless named so
+  std::vector<Group> groups;  ///< from the SRDF
   std::vector<GroupState> group_states;
   std::vector<DisabledPair> disabled_pairs;
-  /// By loadModel(), for pairs that stay near each other. finish() takes them away: they hold for
-  /// the joints and geometries that they were proven for.
-  std::vector<LinkGap> link_gaps;
   bool has_srdf = false;
-  std::string urdf_file, srdf_file;  ///< as given to loadModel; empty for a free body
-  std::vector<KinematicStep> steps;  ///< one a joint, by finish()
-  std::vector<std::string>
-      warnings;  ///< what the loaders want a user to know, each with file and line
+  std::string urdf_file, srdf_file;   ///< as given to loadModel(); empty for a free body
+  std::vector<std::string> warnings;  ///< of the loaders, each with file and line
 
   int findLink(std::string_view name) const;  ///< -1 when unknown
   int findJoint(std::string_view name) const;
   int findVariable(std::string_view name) const;
   int findGroup(std::string_view name) const;
-  /// Compiles `steps` and adds the group "all". Every loader calls it; who fills a Model by hand
-  /// must, and again after a change to joints.
-  void finish();
+};
+
+/// A robot, constant while it is used. Configurations are spans of variables.size() doubles in the
+/// order of `variables`.
+class Model : public RobotDescription {
+ public:
+  /// Compiles `steps`, and adds the group "all" of every variable and link unless there is one.
+  /// O(joints).
+  explicit Model(RobotDescription description);
+
+  std::vector<KinematicStep> steps;  ///< one a joint
+  /// Proofs for pairs of links that stay near each other, by loadModel(). They hold for these
+  /// joints and geometries.
+  std::vector<LinkGap> link_gaps;
+
   /// All zeros, or the nearest value inside the limits; floating: identity.
   std::vector<double> defaultConfiguration() const;
 };

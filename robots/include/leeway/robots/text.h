@@ -7,16 +7,16 @@
 
 namespace leeway::robots {
 
-/// The number that the whole text is, in decimal notation ("inf" and "nan" are), a plus sign before
-/// it allowed; nothing otherwise. Does not depend on the locale.
+/// The whole text as a decimal number, "inf" and "nan" included; a plus sign may precede it.
+/// Nothing for any other text. Independent of the locale.
 std::optional<double> parseNumber(std::string_view text);
 
-/// The same for finite numbers alone.
+/// parseNumber() for finite numbers only.
 std::optional<double> parseFinite(std::string_view text);
 
-/// Which of the candidates `name` was probably meant to be: fewest insertions, deletions,
-/// substitutions and swaps of neighbours, case ignored (optimal string alignment); null when all
-/// are so far that a hint would mislead. O(candidates x length^2).
+/// The candidate that `name` was probably meant to be: the nearest in optimal string alignment
+/// (insertions, deletions, substitutions, swaps of neighbours), case ignored. Null when none is
+/// near. O(candidates x length^2).
 const std::string* nearestName(std::string_view name, std::span<const std::string> candidates);
 
 }  // namespace leeway::robots

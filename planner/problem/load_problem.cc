@@ -1,5 +1,3 @@
-#include "leeway/planner/problem.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,12 +5,13 @@
 #include <set>
 
 #include "leeway/planner/planners.h"
+#include "leeway/planner/problem.h"
 #include "planner/base/nearest_name.h"
-#include "planner/problem/problem_deforming.h"
-#include "planner/problem/problem_execution.h"
-#include "planner/problem/problem_format.h"
-#include "planner/problem/problem_shapes.h"
-#include "planner/problem/problem_states.h"
+#include "planner/problem/format_keys.h"
+#include "planner/problem/read_deforming.h"
+#include "planner/problem/read_execution.h"
+#include "planner/problem/read_shapes.h"
+#include "planner/problem/read_states.h"
 #include "planner/problem/yaml_reader.h"
 
 namespace leeway::planner {
@@ -97,19 +96,22 @@ std::vector<std::string> linkNames(const Model& model) {
 
 std::vector<std::string> objectNames(const Problem& problem) {
   std::vector<std::string> names;
-  for (const Object& object : problem.objects) names.push_back(object.name);
-  for (const Attachment& attachment : problem.attachments) names.push_back(attachment.object.name);
+  for (const Object& object : problem.world.objects) names.push_back(object.name);
+  for (const DeformingObstacle& obstacle : problem.world.deforming)
+    names.push_back(obstacle.object.name);
+  for (const Attachment& attachment : problem.robot.attachments)
+    names.push_back(attachment.object.name);
   return names;
 }
 
 void takeGroup(const std::string& file, int line, const std::string& name, Problem& problem) {
-  const int group = problem.model->findGroup(name);
+  const int group = problem.robot.model->findGroup(name);
   if (group < 0)
     throw InputError(file, line,
-                     fmt::format("robot '{}' has no group '{}'{}", problem.model->name, name,
-                                 nearestName(name, groupNames(*problem.model))));
-  problem.variables = problem.model->groups[at(group)].variables;
-  if (problem.variables.empty())
+                     fmt::format("robot '{}' has no group '{}'{}", problem.robot.model->name, name,
+                                 nearestName(name, groupNames(*problem.robot.model))));
+  problem.robot.variables = problem.robot.model->groups[at(group)].variables;
+  if (problem.robot.variables.empty())
     throw InputError(
         file, line,
         fmt::format("group '{}' has no joint that can move; another group is expected", name));
@@ -128,7 +130,7 @@ void readObject(const YamlReader& map, Problem& problem) {
   const YamlReader name = map.at("name", "a name of its own");
   const std::vector<std::string> taken = objectNames(problem);
   if (std::find(taken.begin(), taken.end(), name.text()) != taken.end() ||
-      problem.model->findLink(name.text()) >= 0)
+      problem.robot.model->findLink(name.text()) >= 0)
     name.fail(
         fmt::format("{} '{}' is the name of another object or link; a name of its own is expected",
                     name.where(), name.text()));
@@ -136,20 +138,20 @@ void readObject(const YamlReader& map, Problem& problem) {
                 readPose(map, problem.warnings)};
   const auto attach = map.find("attach");
   if (!attach) {
-    problem.objects.push_back(std::move(object));
+    problem.world.objects.push_back(std::move(object));
     return;
   }
   attach->expectKeys(keysOf("attach"));
   Attachment attachment;
   attachment.link =
-      readLink(attach->at("link", "the name of the link that holds it"), *problem.model);
+      readLink(attach->at("link", "the name of the link that holds it"), *problem.robot.model);
   attachment.X_LO = object.X_WO;
   object.X_WO = robots::Pose();
   attachment.object = std::move(object);
   if (const auto touch = attach->find("touch"))
     for (const YamlReader& link : touch->items())
-      attachment.touch_links.push_back(readLink(link, *problem.model));
-  problem.attachments.push_back(std::move(attachment));
+      attachment.touch_links.push_back(readLink(link, *problem.robot.model));
+  problem.robot.attachments.push_back(std::move(attachment));
 }
 
 /// Two different names of links or objects.
@@ -158,7 +160,7 @@ std::pair<std::string, std::string> readNamePair(const YamlReader& pair, const P
   if (items.size() != 2 || items[0].text() == items[1].text())
     pair.fail(fmt::format("{} is no pair; two different names of links or objects are expected",
                           pair.where()));
-  std::vector<std::string> known = linkNames(*problem.model);
+  std::vector<std::string> known = linkNames(*problem.robot.model);
   const std::vector<std::string> objects = objectNames(problem);
   known.insert(known.end(), objects.begin(), objects.end());
   for (const YamlReader& item : items)
@@ -168,8 +170,8 @@ std::pair<std::string, std::string> readNamePair(const YamlReader& pair, const P
   return {items[0].text(), items[1].text()};
 }
 
-/// Margins below zero are meant now and then, for models fatter than the robot, and mistyped more
-/// often: the answers still say solved and certified.
+/// Warns of a negative margin: some are meant, for models fatter than the robot, more are mistyped,
+/// and the answers still say certified.
 double readMargin(const YamlReader& margin, Problem& problem) {
   const double value = margin.number();
   if (value < 0)
@@ -181,14 +183,16 @@ double readMargin(const YamlReader& margin, Problem& problem) {
 void readPairs(const YamlReader& file, Problem& problem) {
   if (const auto allowed = file.find("allowed"))
     for (const YamlReader& pair : allowed->items())
-      problem.allowed.push_back(readNamePair(pair, problem));
-  if (const auto margin = file.find("margin")) problem.margin = readMargin(*margin, problem);
+      problem.contacts.allowed.push_back(readNamePair(pair, problem));
+  if (const auto margin = file.find("margin"))
+    problem.margins.common = readMargin(*margin, problem);
   const auto margins = file.find("margins");
   if (!margins) return;
   for (const YamlReader& entry : margins->items()) {
     entry.expectKeys(keysOf("pair_margin"));
     const auto [a, b] = readNamePair(entry.at("between", "two names"), problem);
-    problem.margins.push_back({a, b, readMargin(entry.at("margin", "a number [m]"), problem)});
+    problem.margins.pairs.push_back(
+        {a, b, readMargin(entry.at("margin", "a number [m]"), problem)});
   }
 }
 
@@ -196,28 +200,29 @@ void readPlanner(const YamlReader& file, Problem& problem) {
   if (const auto planner = file.find("planner")) {
     planner->expectKeys(keysOf("planner"));
     if (const auto name = planner->find("name")) {
-      problem.planner = name->text();
-      if (const auto error = plannerError(problem.planner, {})) name->fail(*error);
+      problem.planner.name = name->text();
+      if (const auto error = plannerError(problem.planner.name, {})) name->fail(*error);
     }
     if (const auto parameters = planner->find("parameters"))
       for (const auto& [name, value] : parameters->entries()) {
-        problem.planner_parameters[name] = value.text();
-        if (const auto error = plannerError(problem.planner, {{name, value.text()}}))
+        problem.planner.parameters[name] = value.text();
+        if (const auto error = plannerError(problem.planner.name, {{name, value.text()}}))
           value.fail(*error);
       }
   }
   if (const auto objective = file.find("objective")) {
-    problem.objective = objective->text();
-    if (problem.objective != "length" && problem.objective != "clearance")
+    const std::optional<Objective> known = objectiveOfName(objective->text());
+    if (!known)
       objective->fail(fmt::format("objective '{}' is not known; length or clearance is expected",
-                                  problem.objective));
+                                  objective->text()));
+    problem.objective = *known;
   }
-  if (const auto simplify = file.find("simplify")) problem.simplify = simplify->boolean();
+  if (const auto simplify = file.find("simplify")) problem.planner.simplify = simplify->boolean();
   if (const auto limits = file.find("limits")) {
     limits->expectKeys(keysOf("limits"));
-    if (const auto time = limits->find("time")) problem.time_limit = time->sizeNumber();
+    if (const auto time = limits->find("time")) problem.limits.time = time->sizeNumber();
     if (const auto iterations = limits->find("iterations"))
-      problem.iteration_limit = iterations->integer(0);
+      problem.limits.iterations = iterations->integer(0);
   }
   if (const auto seed = file.find("seed")) problem.seed = seed->seed();
 }
@@ -239,8 +244,8 @@ void readStartAndGoals(const YamlReader& file, Problem& problem) {
   if (problem.goals.empty()) goals->fail("goals is empty; at least one goal is expected");
 }
 
-/// Robot, start, goals and objects as MoveIt's files say; the problem file may add to them, but not
-/// say them again.
+/// Robot, start, goals and objects from MoveIt's files. The problem file may add objects, but not
+/// repeat the others.
 Problem fromMoveit(const YamlReader& file, const YamlReader& moveit,
                    const ProblemOptions& options) {
   moveit.expectKeys(keysOf("moveit"));
@@ -264,19 +269,29 @@ Problem fromOwnKeys(const YamlReader& file, const ProblemOptions& options) {
   if (robot.has_value() == body.has_value())
     file.fail(fmt::format("the file has {}; one of them is expected",
                           robot ? "both 'robot' and 'body'" : "neither 'robot' nor 'body'"));
-  problem.model = robot ? loadRobot(*robot, options) : loadBody(*body, problem.warnings);
+  problem.robot.model = robot ? loadRobot(*robot, options) : loadBody(*body, problem.warnings);
   const auto group = robot ? robot->find("group") : std::nullopt;
   takeGroup(file.file(),
             group   ? group->line()
             : robot ? robot->line()
                     : body->line(),
             group ? group->text() : "all", problem);
-  problem.configuration = problem.model->defaultConfiguration();
+  problem.start = problem.robot.model->defaultConfiguration();
   readStartAndGoals(file, problem);
   return problem;
 }
 
 }  // namespace
+
+const char* toString(const Objective& objective) {
+  return std::holds_alternative<MinimumLength>(objective) ? "length" : "clearance";
+}
+
+std::optional<Objective> objectiveOfName(std::string_view name) {
+  for (const Objective& objective : {Objective(MinimumLength()), Objective(MaximumClearance())})
+    if (name == toString(objective)) return objective;
+  return std::nullopt;
+}
 
 Problem loadProblem(const std::string& yaml_path, const ProblemOptions& options) {
   const YamlReader file = YamlReader::load(yaml_path);
@@ -301,9 +316,9 @@ Problem problemFromStates(std::shared_ptr<const Model> model, const std::string&
                           const std::string& start, const std::string& goal) {
   Problem problem;
   problem.name = model->name;
-  problem.model = std::move(model);
+  problem.robot.model = std::move(model);
   takeGroup("", 0, group, problem);
-  problem.configuration = problem.model->defaultConfiguration();
+  problem.start = problem.robot.model->defaultConfiguration();
   takeStart("", 0, groupStateRanges("", 0, start, problem), problem);
   problem.goals.push_back(takeGoal("", 0, goal, groupStateRanges("", 0, goal, problem), problem));
   return problem;

@@ -5,7 +5,7 @@
 
 namespace leeway::planner {
 
-/// One entry of `deforming:`; after readExecution().
+/// One entry of `deforming:`. After readExecution().
 void readDeforming(const YamlReader& reader, Problem& problem);
 
 }  // namespace leeway::planner

@@ -1,4 +1,4 @@
-#include "planner/problem/problem_states.h"
+#include "planner/problem/read_states.h"
 
 #include <fmt/format.h>
 
@@ -9,8 +9,8 @@
 
 #include "planner/base/nearest_name.h"
 #include "planner/base/tolerances.h"
-#include "planner/problem/problem_format.h"
-#include "planner/problem/problem_shapes.h"
+#include "planner/problem/format_keys.h"
+#include "planner/problem/read_shapes.h"
 
 namespace leeway::planner {
 namespace {
@@ -23,17 +23,17 @@ using robots::Model;
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 bool planned(const Problem& problem, int variable) {
-  return std::find(problem.variables.begin(), problem.variables.end(), variable) !=
-         problem.variables.end();
+  return std::find(problem.robot.variables.begin(), problem.robot.variables.end(), variable) !=
+         problem.robot.variables.end();
 }
 
-/// A planned body that the short form of a pose may mean: the only planar or floating joint among
-/// the planned ones, -1 otherwise.
+/// The planar or floating joint that a pose without a joint's name means: the only planned one,
+/// else -1.
 int plannedBodyJoint(const Problem& problem) {
   int found = -1;
-  for (const int v : problem.variables) {
-    const int joint = problem.model->variables[at(v)].joint;
-    const JointType type = problem.model->joints[at(joint)].type;
+  for (const int v : problem.robot.variables) {
+    const int joint = problem.robot.model->variables[at(v)].joint;
+    const JointType type = problem.robot.model->joints[at(joint)].type;
     if (type != JointType::kPlanar && type != JointType::kFloating) continue;
     if (found >= 0 && found != joint) return -1;
     found = joint;
@@ -50,17 +50,16 @@ std::vector<std::string> jointNames(const Model& model) {
 
 std::string plannedNames(const Problem& problem) {
   std::string names;
-  for (const int v : problem.variables)
-    names += (names.empty() ? "" : ", ") + problem.model->variables[at(v)].name;
+  for (const int v : problem.robot.variables)
+    names += (names.empty() ? "" : ", ") + problem.robot.model->variables[at(v)].name;
   return names;
 }
 
-/// Reads values of one state into the model's variables; ranges only where the caller may have
-/// them.
+/// Reads one state. Ranges are for goals only.
 class StateReader {
  public:
   StateReader(Problem& problem, bool goal)
-      : problem_(problem), model_(*problem.model), goal_(goal) {
+      : problem_(problem), model_(*problem.robot.model), goal_(goal) {
     ranges_.resize(model_.variables.size());
   }
 
@@ -79,7 +78,7 @@ class StateReader {
     return ranges_;
   }
 
-  /// By joint; a single planned body may have its pose stand there directly.
+  /// By joint; for a single planned body also its pose.
   void readMap(const YamlReader& reader) {
     const int body = plannedBodyJoint(problem_);
     if (body >= 0 && reader.has("position") && model_.findJoint("position") < 0) {
@@ -94,10 +93,11 @@ class StateReader {
  private:
   void readList(const YamlReader& reader) {
     const std::vector<YamlReader> items = reader.items();
-    if (items.size() != problem_.variables.size())
+    if (items.size() != problem_.robot.variables.size())
       reader.fail(fmt::format("{} is a list of {}; {} values are expected: {}", reader.where(),
-                              items.size(), problem_.variables.size(), plannedNames(problem_)));
-    for (std::size_t i = 0; i < items.size(); ++i) readValue(items[i], problem_.variables[i]);
+                              items.size(), problem_.robot.variables.size(),
+                              plannedNames(problem_)));
+    for (std::size_t i = 0; i < items.size(); ++i) readValue(items[i], problem_.robot.variables[i]);
   }
 
   void readEntry(const YamlReader& map, const std::string& name, const YamlReader& value) {
@@ -115,7 +115,7 @@ class StateReader {
       value.fail(fmt::format("joint '{}' in {} {}; a planned joint is expected: {}", name,
                              map.where(), joint.mimic >= 0 ? "follows another joint" : "is fixed",
                              plannedNames(problem_)));
-    // A robot's driver reports such joints too; they have no place in a configuration.
+    // Drivers report such joints, too; a configuration has no value for them.
     problem_.warnings.push_back(fmt::format(
         "{}:{}: {} = {} has no effect: joint '{}' {}", value.file(), value.line(), value.where(),
         number, name, joint.mimic >= 0 ? "follows another joint" : "is fixed"));
@@ -188,31 +188,33 @@ std::string variableText(const Model& model, int variable) {
 
 namespace {
 
-/// Every planned variable is known and inside its limits; `what` is "start" or the goal's name.
+/// Throws unless every planned variable is given and inside its limits. `what` is "start" or the
+/// goal's name.
 void checkPlanned(const std::string& file, int line, const std::string& what,
                   const VariableRanges& given, const Problem& problem) {
-  for (const int v : problem.variables) {
+  for (const int v : problem.robot.variables) {
     const VariableRange& range = given[at(v)];
-    const robots::Variable& variable = problem.model->variables[at(v)];
+    const robots::Variable& variable = problem.robot.model->variables[at(v)];
     if (!range.given)
       throw InputError(
           file, line,
           fmt::format("{} says nothing of {}; a value for every planned joint is expected: {}",
-                      what, variableText(*problem.model, v), plannedNames(problem)));
+                      what, variableText(*problem.robot.model, v), plannedNames(problem)));
     const int at_line = range.line > 0 ? range.line : line;
     // Written so that NaN fails.
     if (!(range.lower >= variable.lower && range.upper <= variable.upper))
       throw InputError(file, at_line,
                        fmt::format("{} has {} at {}, outside its limits; {} to {} is expected",
-                                   what, variableText(*problem.model, v),
+                                   what, variableText(*problem.robot.model, v),
                                    range.lower >= variable.lower ? range.upper : range.lower,
                                    variable.lower, variable.upper));
     if (!(std::abs(range.lower) <= kLargestAngle && std::abs(range.upper) <= kLargestAngle))
       throw InputError(
           file, at_line,
-          fmt::format(
-              "{} has {} at {}; at most {} is expected", what, variableText(*problem.model, v),
-              std::abs(range.lower) <= kLargestAngle ? range.upper : range.lower, kLargestAngle));
+          fmt::format("{} has {} at {}; at most {} is expected", what,
+                      variableText(*problem.robot.model, v),
+                      std::abs(range.lower) <= kLargestAngle ? range.upper : range.lower,
+                      kLargestAngle));
   }
 }
 
@@ -221,7 +223,7 @@ void checkPlanned(const std::string& file, int line, const std::string& what,
 void takeStart(const std::string& file, int line, const VariableRanges& given, Problem& problem) {
   checkPlanned(file, line, "start", given, problem);
   for (std::size_t v = 0; v < given.size(); ++v)
-    if (given[v].given) problem.configuration[v] = given[v].lower;
+    if (given[v].given) problem.start[v] = given[v].lower;
 }
 
 Goal takeGoal(const std::string& file, int line, const std::string& name,
@@ -229,28 +231,29 @@ Goal takeGoal(const std::string& file, int line, const std::string& name,
   checkPlanned(file, line, name, given, problem);
   for (std::size_t v = 0; v < given.size(); ++v)
     if (given[v].given && !planned(problem, static_cast<int>(v)))
-      throw InputError(
-          file, given[v].line > 0 ? given[v].line : line,
-          fmt::format("{} names {}, which is not planned; planned are {}", name,
-                      variableText(*problem.model, static_cast<int>(v)), plannedNames(problem)));
+      throw InputError(file, given[v].line > 0 ? given[v].line : line,
+                       fmt::format("{} names {}, which is not planned; planned are {}", name,
+                                   variableText(*problem.robot.model, static_cast<int>(v)),
+                                   plannedNames(problem)));
   Goal goal;
   goal.name = name;
-  for (const int v : problem.variables)
+  for (const int v : problem.robot.variables)
     goal.ranges.emplace_back(given[at(v)].lower, given[at(v)].upper);
   return goal;
 }
 
 VariableRanges groupStateRanges(const std::string& file, int line, const std::string& name,
                                 const Problem& problem) {
-  const Model& model = *problem.model;
+  const Model& model = *problem.robot.model;
   std::vector<std::string> known;
   for (const robots::GroupState& state : model.group_states) {
     const auto covers = [&](int v) {
       return std::any_of(state.values.begin(), state.values.end(),
                          [&](const auto& value) { return value.first == v; });
     };
-    // A state of another group is as good when it says everything that is planned.
-    if (!std::all_of(problem.variables.begin(), problem.variables.end(), covers)) continue;
+    // A state of another group serves if it has all planned variables.
+    if (!std::all_of(problem.robot.variables.begin(), problem.robot.variables.end(), covers))
+      continue;
     if (state.name != name) {
       known.push_back(state.name);
       continue;
@@ -279,13 +282,13 @@ Goal readGoal(const YamlReader& reader, const std::string& name, Problem& proble
 void readPassiveJoints(const YamlReader& reader, Problem& problem) {
   StateReader states(problem, false);
   for (const auto& [name, value] : reader.entries())
-    if (const int v = problem.model->findVariable(name); v >= 0 && planned(problem, v))
+    if (const int v = problem.robot.model->findVariable(name); v >= 0 && planned(problem, v))
       value.fail(fmt::format("{} is planned; its value belongs under 'start'",
-                             variableText(*problem.model, v)));
+                             variableText(*problem.robot.model, v)));
   states.readMap(reader);
   const VariableRanges& given = states.ranges();
   for (std::size_t v = 0; v < given.size(); ++v)
-    if (given[v].given) problem.configuration[v] = given[v].lower;
+    if (given[v].given) problem.start[v] = given[v].lower;
 }
 
 }  // namespace leeway::planner

@@ -1,4 +1,4 @@
-#include "planner/problem/problem_execution.h"
+#include "planner/problem/read_execution.h"
 
 #include <fmt/format.h>
 
@@ -6,7 +6,7 @@
 
 #include "planner/base/nearest_name.h"
 #include "planner/base/tolerances.h"
-#include "planner/problem/problem_format.h"
+#include "planner/problem/format_keys.h"
 
 namespace leeway::planner {
 namespace {
@@ -24,8 +24,8 @@ void readLimits(const YamlReader& execution, const char* key, const Problem& pro
     return limit;
   };
   std::vector<std::string> known;
-  for (const int v : problem.variables)
-    known.push_back(problem.model->variables[static_cast<std::size_t>(v)].name);
+  for (const int v : problem.robot.variables)
+    known.push_back(problem.robot.model->variables[static_cast<std::size_t>(v)].name);
   if (!given->isMap()) {
     const double limit = limitOf(*given);
     for (const std::string& name : known) limits[name] = limit;

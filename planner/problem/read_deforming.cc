@@ -1,4 +1,4 @@
-#include "planner/problem/problem_deforming.h"
+#include "planner/problem/read_deforming.h"
 
 #include <fmt/format.h>
 
@@ -8,9 +8,9 @@
 #include <stdexcept>
 
 #include "planner/base/nearest_name.h"
-#include "planner/problem/problem_format.h"
-#include "planner/problem/problem_motion.h"
-#include "planner/problem/problem_shapes.h"
+#include "planner/problem/format_keys.h"
+#include "planner/problem/read_motion.h"
+#include "planner/problem/read_shapes.h"
 
 namespace leeway::planner {
 namespace {
@@ -92,9 +92,10 @@ bool isTaken(const std::string& name, const Problem& problem) {
     return std::any_of(list.begin(), list.end(),
                        [&](const auto& entry) { return nameOf(entry) == name; });
   };
-  return taken(problem.objects, [](const Object& o) { return o.name; }) ||
-         taken(problem.attachments, [](const Attachment& a) { return a.object.name; }) ||
-         (problem.model && problem.model->findLink(name) >= 0);
+  return taken(problem.world.objects, [](const Object& o) { return o.name; }) ||
+         taken(problem.world.deforming, [](const DeformingObstacle& o) { return o.object.name; }) ||
+         taken(problem.robot.attachments, [](const Attachment& a) { return a.object.name; }) ||
+         problem.robot.model->findLink(name) >= 0;
 }
 
 void requireFreeName(const YamlReader& name, const Problem& problem) {
@@ -104,7 +105,7 @@ void requireFreeName(const YamlReader& name, const Problem& problem) {
                     name.where(), name.text()));
 }
 
-/// What is said of speed must be true of the motion that is said.
+/// A bound below the motion's own would be untrue: it is refused.
 double readSpeedBound(const YamlReader& bound, const collision::VertexMotion* motion,
                       const Execution& execution) {
   const double value = bound.sizeNumber();
@@ -118,28 +119,23 @@ double readSpeedBound(const YamlReader& bound, const collision::VertexMotion* mo
 
 }  // namespace
 
-void addDeforming(Problem& problem, const std::string& name,
-                  std::shared_ptr<const DeformableMesh> mesh,
-                  std::shared_ptr<const collision::VertexMotion> motion, const robots::Pose& X_WO,
-                  const DeformOptions& options, double speed_bound) {
+DeformingObstacle makeDeformingObstacle(std::string name,
+                                        std::shared_ptr<const DeformableMesh> mesh,
+                                        std::shared_ptr<const collision::VertexMotion> motion,
+                                        const robots::Pose& X_WO, double time,
+                                        const DeformOptions& options, double speed_bound) {
   if (!mesh) throw std::invalid_argument("deforming obstacle '" + name + "': a mesh is expected");
-  if (isTaken(name, problem)) {
-    throw std::invalid_argument("deforming obstacle '" + name +
-                                "': another object or a link has this name");
-  }
   if (!(speed_bound >= 0))
     throw std::invalid_argument(
         fmt::format("deforming obstacle '{}': the speed bound is {}; at least 0 m/s is expected",
                     name, speed_bound));
   Deformable deformable(mesh, motion, options);
-  const auto status = motion ? deformable.update(problem.execution.start)
-                             : deformable.update(mesh->rest(), problem.execution.start);
+  const auto status = motion ? deformable.update(time) : deformable.update(mesh->rest(), time);
   if (status != collision::UpdateStatus::kUpdated)
-    throw std::invalid_argument(fmt::format("deforming obstacle '{}' at {} s: {}", name,
-                                            problem.execution.start, collision::toString(status)));
-  problem.objects.push_back(
-      {name, {{collision::Shape::deformable(deformable.snapshot()), {}, name}}, X_WO});
-  problem.deforming.push_back({name, std::move(mesh), std::move(motion), speed_bound, options});
+    throw std::invalid_argument(fmt::format("deforming obstacle '{}' at {} s: {}", name, time,
+                                            collision::toString(status)));
+  Object object{name, {{collision::Shape::deformable(deformable.snapshot()), {}, name}}, X_WO};
+  return {std::move(object), std::move(mesh), std::move(motion), speed_bound, options};
 }
 
 void readDeforming(const YamlReader& entry, Problem& problem) {
@@ -154,18 +150,19 @@ void readDeforming(const YamlReader& entry, Problem& problem) {
   const double speed_bound = bound ? readSpeedBound(*bound, motion.get(), problem.execution)
                                    : std::numeric_limits<double>::infinity();
   try {
-    addDeforming(problem, name.text(), DeformableMesh::make(rest.vertices, rest.triangles), motion,
-                 readPose(entry, problem.warnings), options, speed_bound);
+    problem.world.deforming.push_back(makeDeformingObstacle(
+        name.text(), DeformableMesh::make(rest.vertices, rest.triangles), motion,
+        readPose(entry, problem.warnings), problem.execution.start, options, speed_bound));
   } catch (const std::invalid_argument& error) {
     const auto strategy = entry.find("strategy");
     (strategy ? *strategy : entry).fail(fmt::format("{}: {}", entry.where(), error.what()));
   }
   if (const auto margin = entry.find("margin")) {
     const double value = margin->sizeNumber();
-    for (const robots::Link& link : problem.model->links)
-      problem.margins.push_back({link.name, name.text(), value});
-    for (const Attachment& held : problem.attachments)
-      problem.margins.push_back({held.object.name, name.text(), value});
+    for (const robots::Link& link : problem.robot.model->links)
+      problem.margins.pairs.push_back({link.name, name.text(), value});
+    for (const Attachment& held : problem.robot.attachments)
+      problem.margins.pairs.push_back({held.object.name, name.text(), value});
   }
 }
 

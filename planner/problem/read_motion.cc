@@ -1,20 +1,12 @@
-#include "planner/problem/problem_motion.h"
+#include "planner/problem/read_motion.h"
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <array>
-#include <cctype>
-#include <cmath>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
-#include <limits>
 
-#include "planner/base/nearest_name.h"
-#include "planner/problem/problem_format.h"
-#include "planner/problem/problem_shapes.h"
-#include "planner/problem/vertex_cache.h"
+#include "planner/problem/format_keys.h"
+#include "planner/problem/read_shapes.h"
 
 namespace leeway::planner {
 namespace {
@@ -23,30 +15,11 @@ using collision::Interpolation;
 using collision::VertexMotion;
 using Vertices = std::vector<Eigen::Vector3d>;
 
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
-/// Of a PC2 whose problem does not say, as in film: Blender's default is 24, 3ds Max's 30.
-constexpr double kFrameRate = 25;
-
-double optionalNumber(const YamlReader& map, std::string_view key, double otherwise) {
-  const auto value = map.find(key);
-  return value ? value->number() : otherwise;
-}
-
-Interpolation readInterpolation(const YamlReader& map) {
-  const auto given = map.find("interpolation");
-  if (!given || given->text() == "linear") return Interpolation::kLinear;
-  if (given->text() != "smooth")
-    given->fail(
-        fmt::format("{} is '{}'; linear or smooth is expected", given->where(), given->text()));
-  return Interpolation::kSmooth;
-}
-
 // ------------------------------------------------------------------------------------------------
 // displaced vertices
 
-/// A soft push: all of `by` at the centre, nothing from the radius on, (1 - (d / radius)^2)^2
-/// between.
+/// Displaces vertices by `by` times (1 - (d / radius)^2)^2, d being their distance from the centre;
+/// not beyond the radius.
 void addBump(const YamlReader& bump, const Vertices& rest, Vertices& displaced) {
   bump.expectKeys(keysOf("bump"));
   const Eigen::Vector3d center = bump.at("center", "three numbers [m]").vector3();
@@ -69,7 +42,7 @@ void addBump(const YamlReader& bump, const Vertices& rest, Vertices& displaced) 
                     bump.where(), radius));
 }
 
-/// Vertices as `file` has them, or the rest with `bumps`; the rest itself for {}.
+/// The vertices of `file`, or the rest displaced by `bumps`, or the rest.
 Vertices readTarget(const YamlReader& target, const Vertices& rest) {
   target.expectKeys(keysOf("target"));
   const auto file = target.find("file"), bumps = target.find("bumps");
@@ -118,7 +91,7 @@ std::shared_ptr<const VertexMotion> readWaves(const YamlReader& list, const Yaml
   return VertexMotion::waves(std::move(result));
 }
 
-/// Control points at rest: evenly in the box, x fastest.
+/// Control points at rest: a regular grid in the box, x fastest.
 Vertices controlPoints(const collision::LatticeMotion& lattice) {
   Vertices points;
   for (int k = 0; k <= lattice.cells[2]; ++k)
@@ -219,193 +192,32 @@ std::shared_ptr<const VertexMotion> readReduced(const YamlReader& reduced, const
   return VertexMotion::reduced(std::move(result));
 }
 
-// ------------------------------------------------------------------------------------------------
-// skinning
-
-class Skinning {
- public:
-  Skinning(const YamlReader& reader, const Vertices& rest, std::vector<std::string>& warnings)
-      : reader_(reader), rest_(rest), warnings_(warnings) {}
-
-  std::shared_ptr<const VertexMotion> run() {
-    reader_.expectKeys(keysOf("skinned"));
-    result_.rest = rest_;
-    for (const YamlReader& bone : reader_.at("bones", "a list of bones").items()) readBone(bone);
-    if (const auto weights = reader_.find("weights")) {
-      for (const YamlReader& weight : weights->items()) readWeight(weight);
-    } else {
-      weighByNearness();
-    }
-    for (const YamlReader& key : reader_.at("keys", "a list of keys").items()) readKey(key);
-    result_.interpolation = readInterpolation(reader_);
-    return VertexMotion::skinned(std::move(result_));
-  }
-
- private:
-  using BonePose = collision::SkinnedMotion::BonePose;
-
-  int boneNumber(const YamlReader& name) const {
-    const auto found = std::find(names_.begin(), names_.end(), name.text());
-    if (found == names_.end())
-      name.fail(fmt::format("unknown bone '{}' in {}{}", name.text(), name.where(),
-                            nearestName(name.text(), names_)));
-    return static_cast<int>(found - names_.begin());
-  }
-
-  BonePose readBonePose(const YamlReader& map, const BonePose& otherwise) {
-    BonePose pose = otherwise;
-    if (const auto position = map.find("position")) pose.translation = position->vector3();
-    if (map.has("orientation") || map.has("rpy")) pose.quaternion = readOrientation(map, warnings_);
-    return pose;
-  }
-
-  void readBone(const YamlReader& entry) {
-    entry.expectKeys(keysOf("bone"));
-    const YamlReader name = entry.at("name", "a name of its own");
-    if (std::find(names_.begin(), names_.end(), name.text()) != names_.end())
-      name.fail(fmt::format("{} '{}' is the name of an earlier bone; a name of its own is expected",
-                            name.where(), name.text()));
-    collision::SkinnedMotion::Bone bone;
-    if (const auto parent = entry.find("parent")) bone.parent = boneNumber(*parent);
-    bone.rest = readBonePose(entry, {});
-    collision::Pose X_PB;
-    X_PB.translation = bone.rest.translation;
-    X_PB.rotation = rotationFromQuaternion(bone.rest.quaternion);
-    const collision::Pose X_MB = bone.parent < 0 ? X_PB : poses_[at(bone.parent)] * X_PB;
-    const auto tip = entry.find("tip");
-    poses_.push_back(X_MB);
-    tips_.push_back(X_MB * (tip ? tip->vector3() : Eigen::Vector3d(Eigen::Vector3d::Zero())));
-    reaches_.push_back(0);
-    if (const auto reach = entry.find("reach")) reaches_.back() = reach->sizeNumber();
-    names_.push_back(name.text());
-    result_.bones.push_back(bone);
-  }
-
-  void readWeight(const YamlReader& entry) {
-    entry.expectKeys(keysOf("bone_weight"));
-    const YamlReader vertex = entry.at("vertex", "a number from 0");
-    const std::int64_t number = vertex.integer(0);
-    if (number >= static_cast<std::int64_t>(rest_.size()))
-      vertex.fail(
-          fmt::format("{} is {}; 0 to {} is expected", vertex.where(), number, rest_.size() - 1));
-    result_.weights.push_back({static_cast<int>(number),
-                               boneNumber(entry.at("bone", "the name of a bone")),
-                               entry.at("weight", "a number").sizeNumber()});
-  }
-
-  /// Distance of a point from a bone, the segment between its origin and its tip [m].
-  double distance(std::size_t bone, const Eigen::Vector3d& p) const {
-    const Eigen::Vector3d a = poses_[bone].translation, d = tips_[bone] - a;
-    const double squared = d.squaredNorm();
-    const double t = squared > 0 ? std::clamp((p - a).dot(d) / squared, 0.0, 1.0) : 0.0;
-    return (p - a - t * d).norm();
-  }
-
-  /// Every vertex follows the nearest bone, and shares with others as far as they reach: a bone at
-  /// distance d > 0 weighs (1 - (d - least) / reach)^2, where that is positive.
-  void weighByNearness() {
-    for (std::size_t v = 0; v < rest_.size(); ++v) {
-      double least = std::numeric_limits<double>::infinity();
-      std::size_t nearest = 0;
-      for (std::size_t b = 0; b < names_.size(); ++b)
-        if (const double d = distance(b, rest_[v]); d < least) {
-          least = d;
-          nearest = b;
-        }
-      for (std::size_t b = 0; b < names_.size(); ++b) {
-        const double further = distance(b, rest_[v]) - least;
-        const double share = b == nearest ? 1 : reaches_[b] > 0 ? 1 - further / reaches_[b] : 0;
-        if (share > 0)
-          result_.weights.push_back({static_cast<int>(v), static_cast<int>(b), share * share});
-      }
-    }
-  }
-
-  void readKey(const YamlReader& entry) {
-    entry.expectKeys(keysOf("skinned_key"));
-    collision::SkinnedMotion::Key key;
-    key.time = entry.at("time", "a number [s]").number();
-    for (const auto& bone : result_.bones) key.poses.push_back(bone.rest);
-    if (const auto poses = entry.find("poses"))
-      for (const auto& [name, pose] : poses->entries()) {
-        const auto found = std::find(names_.begin(), names_.end(), name);
-        if (found == names_.end())
-          pose.fail(fmt::format("unknown bone '{}' in {}{}", name, poses->where(),
-                                nearestName(name, names_)));
-        pose.expectKeys(keysOf("pose"));
-        BonePose& kept = key.poses[static_cast<std::size_t>(found - names_.begin())];
-        kept = readBonePose(pose, kept);
-      }
-    result_.keys.push_back(std::move(key));
-  }
-
-  const YamlReader& reader_;
-  const Vertices& rest_;
-  std::vector<std::string>& warnings_;
-  collision::SkinnedMotion result_;
-  std::vector<std::string> names_;
-  std::vector<collision::Pose> poses_;  // of the bones at rest, in the mesh's frame
-  std::vector<Eigen::Vector3d> tips_;
-  std::vector<double> reaches_;
-};
-
-/// PC2 and MDD by their endings, moved to begin at `start` where that is given.
-std::shared_ptr<const VertexMotion> readCache(const YamlReader& cache, const Vertices& rest) {
-  cache.expectKeys(keysOf("cache"));
-  const YamlReader file = cache.at("file", "a PC2 or MDD file");
-  const std::string path = resolvedPath(file);
-  std::string ending = std::filesystem::path(path).extension().string();
-  for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  if (ending != ".pc2" && ending != ".mdd")
-    file.fail(
-        fmt::format("{} has the ending '{}'; .pc2 or .mdd is expected", file.where(), ending));
-  // (A folder can be opened, and throws when it is read.)
-  std::ifstream stream;
-  if (std::filesystem::is_regular_file(path)) stream.open(path, std::ios::binary);
-  std::vector<char> text;
-  if (stream.is_open()) text.assign(std::istreambuf_iterator<char>(stream), {});
-  if (!stream.is_open() || !stream)
-    file.fail(fmt::format("{} names '{}', which cannot be read; a readable file is expected",
-                          file.where(), path));
-  const std::span<const std::byte> bytes = std::as_bytes(std::span<const char>(text));
-  const double scale = optionalNumber(cache, "scale", 1);
-  const auto rate = cache.find("rate");
-  if (rate && ending == ".mdd")
-    rate->fail(fmt::format("{} goes with PC2 only: an MDD has times", rate->where()));
-  const double frames_per_second = rate ? rate->number() : kFrameRate;
-  // What is wrong in the file is told with its name; the place is that in the problem file.
-  const auto ofFile = [&](const auto& read) {
-    try {
-      return read();
-    } catch (const collision::InvalidMotion& error) {
-      file.fail(fmt::format("{} names '{}': {}", file.where(), path, error.what()));
-    }
-  };
-  collision::CacheMotion motion = ofFile([&] {
-    return ending == ".pc2" ? parsePc2(bytes, frames_per_second, scale) : parseMdd(bytes, scale);
-  });
-  if (motion.vertex_count != static_cast<int>(rest.size()))
-    file.fail(fmt::format("{} has {} vertices; the mesh's {} are expected", file.text(),
-                          motion.vertex_count, rest.size()));
-  if (const auto start = cache.find("start"); start && !motion.times.empty()) {
-    const double shift = start->number() - motion.times.front();
-    for (double& time : motion.times) time += shift;
-  }
-  return ofFile([&] { return VertexMotion::cache(std::move(motion)); });
-}
-
 std::shared_ptr<const VertexMotion> readWord(std::string_view word, const YamlReader& value,
                                              const YamlReader& motion, const Vertices& rest,
                                              std::vector<std::string>& warnings) {
   if (word == "waves") return readWaves(value, motion, rest);
   if (word == "lattice") return readLattice(value, rest);
   if (word == "morph") return readMorph(value, rest);
-  if (word == "skinned") return Skinning(value, rest, warnings).run();
+  if (word == "skinned") return readSkinned(value, rest, warnings);
   if (word == "cache") return readCache(value, rest);
   return readReduced(value, rest);
 }
 
 }  // namespace
+
+double optionalNumber(const YamlReader& map, std::string_view key, double otherwise) {
+  const auto value = map.find(key);
+  return value ? value->number() : otherwise;
+}
+
+Interpolation readInterpolation(const YamlReader& map) {
+  const auto given = map.find("interpolation");
+  if (!given || given->text() == "linear") return Interpolation::kLinear;
+  if (given->text() != "smooth")
+    given->fail(
+        fmt::format("{} is '{}'; linear or smooth is expected", given->where(), given->text()));
+  return Interpolation::kSmooth;
+}
 
 IndexedMesh readVertices(const YamlReader& map) {
   const YamlReader file = map.at("file", "an OBJ file");

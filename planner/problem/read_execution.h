@@ -5,7 +5,7 @@
 
 namespace leeway::planner {
 
-/// `execution:` of a problem file. Before readDeforming(), which looks at the time of the start.
+/// `execution:` of a problem file. Before readDeforming(), which needs its start.
 void readExecution(const YamlReader& reader, Problem& problem);
 
 }  // namespace leeway::planner

@@ -1,4 +1,4 @@
-#include "planner/verify/verify_kinematics.h"
+#include "planner/verify/kinematics.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -24,9 +24,8 @@ using robots::Pose;
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-/// p turned by `angle` about the unit axis: the part along the axis stays, the part across it turns
-/// in its plane. The sine is taken in long double and rounded once, so that C libraries agree on
-/// it.
+/// The rotation by `angle` about a unit axis: the part of a vector along the axis stays, the part
+/// across turns in its plane. The sine is rounded once, from long double: C libraries agree on it.
 Matrix3d rotationAbout(const Vector3d& axis, double angle) {
   const double s = static_cast<double>(std::sin(static_cast<long double>(angle)));
   const double c = static_cast<double>(std::cos(static_cast<long double>(angle)));
@@ -53,17 +52,15 @@ Matrix3d rotationOf(const double* q) {
   return R;
 }
 
-/// Directions of a planar joint's x and y: the unit vectors turned as the z axis is turned onto the
-/// normal the shortest way, that is by the product of two reflections, first in z, then in the
-/// bisector of z and the normal.
+/// Directions of a planar joint's x and y: the unit vectors under the shortest rotation of the z
+/// axis onto the normal. That is two reflections: in z, then in the bisector of z and the normal.
 void planeDirections(const Vector3d& normal, Vector3d& u, Vector3d& v) {
   if (normal.x() * normal.x() + normal.y() * normal.y() <= kVerifyAcross) {
     u = Vector3d::UnitX();
     v = normal.z() < 0 ? Vector3d(-Vector3d::UnitY()) : Vector3d(Vector3d::UnitY());
     return;
   }
-  // The bisector; for a normal almost opposite to z its z component, 1 + normal.z, comes from the
-  // others.
+  // For a normal almost opposite to z, 1 + normal.z cancels: it is computed from the other two.
   const double across = normal.x() * normal.x() + normal.y() * normal.y();
   Vector3d bisector(normal.x(), normal.y(),
                     normal.z() < 0 ? across / (1 - normal.z()) : 1 + normal.z());
@@ -81,7 +78,7 @@ double position(const Model& model, const Joint& joint, std::span<const double> 
   return joint.multiplier * position(model, model.joints[at(joint.mimic)], q) + joint.offset;
 }
 
-/// The same for a change: offsets fall out.
+/// The change of that position under dq: without the offsets.
 double change(const Model& model, const Joint& joint, std::span<const double> dq) {
   if (joint.mimic < 0) return dq[at(joint.first_variable)];
   return joint.multiplier * change(model, model.joints[at(joint.mimic)], dq);
@@ -196,9 +193,8 @@ Motion boundMotion(const Model& model, std::span<const int> joints, std::span<co
     const Joint& joint = model.joints[at(j)];
     const Pose& X_WC = X_WL[at(joint.child_link)];
     const Vector3d arm = center_W - X_WC.translation;
-    // While t changes by `half`, what lies between this joint and the body moves the body by no
-    // more than half * motion.speed, as seen from this joint's child link, in which its axis and
-    // origin stand still.
+    // Seen from this joint's child link, in which the joint's axis is at rest, the joints between
+    // it and the body move the body by at most half * motion.speed.
     const double drift = half * motion.speed;
     motion.slack += kVerifyRounding * (1 + arm.norm() + radius);
     const auto turn = [&](double angle, double distance) {

@@ -1,4 +1,4 @@
-#include "planner/problem/problem_shapes.h"
+#include "planner/problem/read_shapes.h"
 
 #include <fmt/format.h>
 
@@ -12,7 +12,7 @@
 #include "leeway/robots/kinematics.h"
 #include "leeway/robots/model.h"
 #include "planner/base/tolerances.h"
-#include "planner/problem/problem_format.h"
+#include "planner/problem/format_keys.h"
 
 namespace leeway::planner {
 namespace {
@@ -82,7 +82,7 @@ Shape readShape(std::string_view word, const YamlReader& sizes) {
   return Shape::halfSpace();
 }
 
-/// The shape's word in the map; empty when there is none. Fails for two.
+/// The key of the map that is a shape; empty without one. Fails for two.
 std::string_view shapeWord(const YamlReader& map) {
   std::string_view found;
   for (const std::string_view word : shapeWords()) {

@@ -21,8 +21,8 @@ int requireLink(const robots::Model& model, const std::string& name) {
 }
 
 Pose linkPose(const Problem& problem, int link, std::span<const double> configuration) {
-  const robots::Model& model = *problem.model;
-  if (configuration.empty()) configuration = problem.configuration;
+  const robots::Model& model = *problem.robot.model;
+  if (configuration.empty()) configuration = problem.start;
   if (configuration.size() != model.variables.size())
     throw std::invalid_argument("a configuration of " + std::to_string(configuration.size()) +
                                 " numbers; all " + std::to_string(model.variables.size()) +
@@ -38,44 +38,44 @@ Problem attachObject(const Problem& problem, const std::string& object, const st
                      const std::vector<std::string>& touch_links,
                      std::span<const double> configuration) {
   Problem result = problem;
-  const auto found = std::find_if(result.objects.begin(), result.objects.end(),
+  const auto found = std::find_if(result.world.objects.begin(), result.world.objects.end(),
                                   [&](const Object& o) { return o.name == object; });
-  if (found == result.objects.end()) {
+  if (std::any_of(problem.world.deforming.begin(), problem.world.deforming.end(),
+                  [&](const DeformingObstacle& o) { return o.object.name == object; }))
+    throw std::invalid_argument("object '" + object + "' deforms: only rigid ones can be attached");
+  if (found == result.world.objects.end()) {
     std::vector<std::string> known;
-    for (const Object& o : result.objects) known.push_back(o.name);
+    for (const Object& o : result.world.objects) known.push_back(o.name);
     throw std::invalid_argument("no object '" + object + "' to attach" +
                                 nearestName(object, known));
   }
-  if (std::any_of(problem.deforming.begin(), problem.deforming.end(),
-                  [&](const DeformingObstacle& o) { return o.object == object; }))
-    throw std::invalid_argument("object '" + object + "' deforms: only rigid ones can be attached");
   Attachment attachment;
-  attachment.link = requireLink(*problem.model, link);
+  attachment.link = requireLink(*problem.robot.model, link);
   for (const std::string& touch : touch_links)
-    attachment.touch_links.push_back(requireLink(*problem.model, touch));
+    attachment.touch_links.push_back(requireLink(*problem.robot.model, touch));
   attachment.X_LO = linkPose(problem, attachment.link, configuration).inverse() * found->X_WO;
   attachment.object = std::move(*found);
   attachment.object.X_WO = Pose();
-  result.objects.erase(found);
-  result.attachments.push_back(std::move(attachment));
+  result.world.objects.erase(found);
+  result.robot.attachments.push_back(std::move(attachment));
   return result;
 }
 
 Problem detachObject(const Problem& problem, const std::string& object,
                      std::span<const double> configuration) {
   Problem result = problem;
-  const auto found = std::find_if(result.attachments.begin(), result.attachments.end(),
+  const auto found = std::find_if(result.robot.attachments.begin(), result.robot.attachments.end(),
                                   [&](const Attachment& a) { return a.object.name == object; });
-  if (found == result.attachments.end()) {
+  if (found == result.robot.attachments.end()) {
     std::vector<std::string> known;
-    for (const Attachment& a : result.attachments) known.push_back(a.object.name);
+    for (const Attachment& a : result.robot.attachments) known.push_back(a.object.name);
     throw std::invalid_argument("no attached object '" + object + "' to detach" +
                                 nearestName(object, known));
   }
   Object put_down = std::move(found->object);
   put_down.X_WO = linkPose(problem, found->link, configuration) * found->X_LO;
-  result.attachments.erase(found);
-  result.objects.push_back(std::move(put_down));
+  result.robot.attachments.erase(found);
+  result.world.objects.push_back(std::move(put_down));
   return result;
 }
 

@@ -7,12 +7,12 @@
 
 namespace leeway::planner::verification {
 
-/// A thing that the verifier looks at: a link, an attached object or an object of the world.
+/// A link, an attached object or an object of the world.
 struct Body {
   std::string name;
   const std::vector<robots::Geometry>* geometries = nullptr;
-  int link = -1;          ///< that carries it; -1: the world
-  bool attached = false;  ///< carried, and no link itself
+  int link = -1;          ///< carries it, or is it; -1: the world
+  bool attached = false;  ///< an attached object
   robots::Pose X_LB;      ///< in its link, or in the world
 };
 
@@ -20,15 +20,15 @@ struct Body {
 struct BodyPair {
   std::size_t a = 0, b = 0;
   double margin = 0;
-  std::vector<int> joints_a,
-      joints_b;  ///< joints above each that the other does not share, nearest first
+  /// Joints above each that the other does not share, nearest first.
+  std::vector<int> joints_a, joints_b;
 };
 
 std::vector<Body> collectBodies(const Problem& problem);
 
-/// All pairs but those that need not be kept: allowed ones (SRDF, problem, held objects and what
-/// they may touch), adjacent links, and pairs that no planned joint moves against each other. What
-/// others prove never to meet is not believed here: it stays.
+/// All pairs but allowed ones (SRDF, problem, held objects and what they may touch), adjacent
+/// links, and pairs that no planned joint moves against each other. Pairs that the planner drops by
+/// a proof stay: the verifier trusts none. O(bodies^2).
 std::vector<BodyPair> collectPairs(const Problem& problem, const std::vector<Body>& bodies);
 
 }  // namespace leeway::planner::verification

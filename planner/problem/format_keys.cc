@@ -1,4 +1,4 @@
-#include "planner/problem/problem_format.h"
+#include "planner/problem/format_keys.h"
 
 #include <array>
 #include <stdexcept>

@@ -5,9 +5,8 @@
 
 namespace leeway::planner {
 
-/// The keys that one kind of map in a problem file may have. The loader takes its keys from here
-/// and nowhere else, and a test compares them with problems/schema.json, where each kind stands
-/// under the same name (the file itself at the schema's top).
+/// The keys of one kind of map in a problem file: the loader's only list of them. A test compares
+/// it with problems/schema.json, which has each kind under this name (the file itself at its top).
 struct MapFormat {
   std::string_view name;
   std::span<const std::string_view> keys;

@@ -1,0 +1,18 @@
+#pragma once
+
+// Private to planner/: limits on the velocity of planned variables. See also motionLimits() in
+// trajectory.h.
+
+#include <vector>
+
+#include "leeway/planner/problem.h"
+
+namespace leeway::planner {
+
+/// Velocity limits of the planned variables in an execution [rad/s or m/s].
+std::vector<double> velocityLimits(const Problem& problem);
+
+/// A variable's own velocity limit, kDefaultVelocity where it has none [rad/s or m/s].
+double velocityLimit(const robots::Variable& variable);
+
+}  // namespace leeway::planner

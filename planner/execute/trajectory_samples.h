@@ -1,0 +1,30 @@
+#pragma once
+
+// Private to planner/: rows of a trajectory, as files have them.
+
+#include <cstdint>
+#include <vector>
+
+#include "leeway/planner/trajectory.h"
+
+namespace leeway::planner {
+
+/// A trajectory at some times [s], one row each. Velocities and accelerations are the derivatives
+/// of the numbers in `positions`, quaternions included.
+struct Samples {
+  std::vector<double> times;
+  std::vector<std::vector<double>> positions, velocities, accelerations;
+};
+
+/// At the trajectory's knots, and every `period` seconds if that is above 0. Circles are unwrapped,
+/// and successive quaternions are in one half of the sphere. O(rows).
+Samples sample(const Trajectory& trajectory, double period);
+
+/// The rows with whole turns added to circles: see ConfigurationSpace::unwrap().
+std::vector<std::vector<double>> unwrapped(const ConfigurationSpace& space,
+                                           std::vector<std::vector<double>> rows);
+
+/// The resolution of times in files.
+std::int64_t nanoseconds(double seconds);
+
+}  // namespace leeway::planner

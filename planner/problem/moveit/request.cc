@@ -1,0 +1,197 @@
+// Group, start and goals of MoveIt's motion plan request (moveit_msgs/MotionPlanRequest).
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "planner/base/nearest_name.h"
+#include "planner/base/tolerances.h"
+#include "planner/problem/moveit/fields.h"
+#include "planner/problem/read_shapes.h"
+#include "planner/problem/read_states.h"
+
+namespace leeway::planner {
+namespace {
+
+using robots::JointType;
+using robots::Model;
+using robots::Pose;
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+bool isIdentity(const Pose& pose) {
+  return pose.rotation == Eigen::Matrix3d::Identity() &&
+         pose.translation == Eigen::Vector3d::Zero();
+}
+
+/// Moves a value that is just outside a planned joint's limits onto the limit, with a warning.
+void takeOntoLimit(const YamlReader& place, const robots::Variable& variable, double& value,
+                   Problem& problem) {
+  const double nearest = std::clamp(value, variable.lower, variable.upper);
+  if (nearest == value || std::abs(nearest - value) > kLimitSlack) return;
+  problem.warnings.push_back(fmt::format("{}:{}: joint '{}' at {} is moved onto its limit {}",
+                                         place.file(), place.line(), variable.name, value,
+                                         nearest));
+  value = nearest;
+}
+
+bool isPlanned(const Problem& problem, int variable) {
+  return std::find(problem.robot.variables.begin(), problem.robot.variables.end(), variable) !=
+         problem.robot.variables.end();
+}
+
+void takeStartJoint(const YamlReader& place, const std::string& name, double value,
+                    VariableRanges& given, Problem& problem) {
+  const Model& model = *problem.robot.model;
+  const int v = model.findVariable(name);
+  if (v >= 0) {
+    if (given[at(v)].given)
+      place.fail(
+          fmt::format("joint '{}' stands twice in {}; once is expected", name, place.where()));
+    if (isPlanned(problem, v)) takeOntoLimit(place, model.variables[at(v)], value, problem);
+    given[at(v)] = {true, value, value, place.line()};
+    return;
+  }
+  // Fixed and mimic joints may be named. A name without a joint is from another version of the
+  // robot.
+  if (model.findJoint(name) < 0)
+    problem.warnings.push_back(
+        fmt::format("{}:{}: the robot has no joint '{}', its position {} is not used", place.file(),
+                    place.line(), name, value));
+}
+
+/// {joint_names, transforms}: poses of planar and floating joints, above all the virtual joint's.
+void readMultiDof(const YamlReader& state, VariableRanges& given, Problem& problem) {
+  const auto names = state.find("joint_names");
+  if (!hasContent(names)) return;
+  const YamlReader transforms = state.at("transforms", "a transform for each joint name");
+  const std::vector<YamlReader> name_items = names->items(), items = transforms.items();
+  if (name_items.size() != items.size())
+    transforms.fail(fmt::format("{} transforms for {} joint_names; equally many are expected",
+                                items.size(), name_items.size()));
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    const Model& model = *problem.robot.model;
+    const int index = model.findJoint(name_items[i].text());
+    const JointType type = index >= 0 ? model.joints[at(index)].type : JointType::kFixed;
+    if (type == JointType::kFloating) {
+      const int first = model.joints[at(index)].first_variable;
+      Eigen::Vector3d p = Eigen::Vector3d::Zero();
+      Eigen::Vector4d q = Eigen::Vector4d::UnitW();
+      if (const auto translation = items[i].find("translation")) p = translation->vector3();
+      if (const auto rotation = items[i].find("rotation"))
+        q = readQuaternion(*rotation, problem.warnings);
+      for (int k = 0; k < 7; ++k) {
+        const double value = k < 3 ? p[k] : q[k - 3];
+        given[at(first + k)] = {true, value, value, items[i].line()};
+      }
+    } else if (!isIdentity(readMoveitPose(items[i], "translation", "rotation", problem.warnings))) {
+      items[i].fail(
+          fmt::format("joint '{}' is not floating, but placed elsewhere; the identity is expected",
+                      name_items[i].text()));
+    }
+  }
+}
+
+void readStartState(const YamlReader& request, Problem& problem) {
+  const YamlReader state = request.at("start_state", "the robot's start");
+  const YamlReader joints = state.at("joint_state", "name and position");
+  const YamlReader names = joints.at("name", "a list of joint names"),
+                   positions = joints.at("position", "a list of positions");
+  const std::vector<YamlReader> name_items = names.items(), items = positions.items();
+  if (name_items.size() != items.size())
+    positions.fail(fmt::format("{} positions for {} names; equally many are expected", items.size(),
+                               name_items.size()));
+  VariableRanges given(problem.robot.model->variables.size());
+  for (std::size_t i = 0; i < items.size(); ++i)
+    takeStartJoint(items[i], name_items[i].text(), items[i].number(), given, problem);
+  if (const auto multi = state.find("multi_dof_joint_state"); multi && multi->isMap())
+    readMultiDof(*multi, given, problem);
+  refuseContent(state, "attached_collision_objects", "a start without attached objects");
+  takeStart(joints.file(), joints.line(), given, problem);
+}
+
+void readJointConstraint(const YamlReader& constraint, VariableRanges& given, Problem& problem) {
+  const Model& model = *problem.robot.model;
+  const YamlReader name = constraint.at("joint_name", "the name of a joint");
+  const YamlReader position = constraint.at("position", "a number");
+  const int v = model.findVariable(name.text());
+  if (v < 0) {
+    std::vector<std::string> known;
+    for (const int variable : problem.robot.variables)
+      known.push_back(model.variables[at(variable)].name);
+    name.fail(fmt::format("unknown joint '{}' in {}{}", name.text(), constraint.where(),
+                          nearestName(name.text(), known)));
+  }
+  if (given[at(v)].given)
+    name.fail(fmt::format("joint '{}' has two constraints; one is expected", name.text()));
+  double value = position.number();
+  const robots::Variable& variable = model.variables[at(v)];
+  if (isPlanned(problem, v)) takeOntoLimit(position, variable, value, problem);
+  const auto tolerance = [&](const char* key) {
+    const auto found = constraint.find(key);
+    return found ? found->sizeNumber() : 0;
+  };
+  // A tolerance of zero, as MotionBenchMaker writes it, means the position itself.
+  double lower = value - tolerance("tolerance_below"), upper = value + tolerance("tolerance_above");
+  if (value >= variable.lower && value <= variable.upper) {
+    lower = std::max(lower, variable.lower);
+    upper = std::min(upper, variable.upper);
+  }
+  given[at(v)] = {true, lower, upper, position.line()};
+}
+
+Goal readConstraints(const YamlReader& map, const std::string& name, Problem& problem) {
+  for (const char* key :
+       {"position_constraints", "orientation_constraints", "visibility_constraints"})
+    refuseContent(map, key, "a goal of joint_constraints");
+  const YamlReader joints = map.at("joint_constraints", "a list of joint_name and position");
+  VariableRanges given(problem.robot.model->variables.size());
+  for (const YamlReader& constraint : joints.items())
+    readJointConstraint(constraint, given, problem);
+  return takeGoal(joints.file(), joints.line(), name, given, problem);
+}
+
+void readGoalConstraints(const YamlReader& request, Problem& problem) {
+  const YamlReader goals = request.at("goal_constraints", "a list of goals");
+  const std::vector<YamlReader> items = goals.items();
+  if (items.empty()) goals.fail("goal_constraints is empty; at least one goal is expected");
+  for (const YamlReader& item : items)
+    problem.goals.push_back(readConstraints(
+        item, items.size() == 1 ? "goal" : fmt::format("goal {}", problem.goals.size() + 1),
+        problem));
+}
+
+void refusePathConstraints(const YamlReader& request) {
+  const auto constraints = request.find("path_constraints");
+  if (!constraints || !constraints->isMap()) return;
+  for (const char* key : {"joint_constraints", "position_constraints", "orientation_constraints",
+                          "visibility_constraints"})
+    refuseContent(*constraints, key, "a path without constraints");
+}
+
+}  // namespace
+
+void readRequestGroup(const YamlReader& request, Problem& problem) {
+  const YamlReader name = request.at("group_name", "the group that moves");
+  const Model& model = *problem.robot.model;
+  const int group = model.findGroup(name.text());
+  if (group < 0) {
+    std::vector<std::string> known;
+    for (const robots::Group& candidate : model.groups) known.push_back(candidate.name);
+    name.fail(fmt::format("robot '{}' has no group '{}'{}", model.name, name.text(),
+                          nearestName(name.text(), known)));
+  }
+  problem.robot.variables = model.groups[at(group)].variables;
+  if (problem.robot.variables.empty())
+    name.fail(fmt::format("group '{}' has no joint that can move; another group is expected",
+                          name.text()));
+}
+
+void readRequestStates(const YamlReader& request, Problem& problem) {
+  readStartState(request, problem);
+  readGoalConstraints(request, problem);
+  refusePathConstraints(request);
+}
+
+}  // namespace leeway::planner

@@ -1,0 +1,75 @@
+#include <fmt/format.h>
+
+#include <cctype>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <span>
+
+#include "planner/problem/format_keys.h"
+#include "planner/problem/read_motion.h"
+#include "planner/problem/read_shapes.h"
+#include "planner/problem/vertex_cache.h"
+
+namespace leeway::planner {
+namespace {
+
+using collision::VertexMotion;
+using Vertices = std::vector<Eigen::Vector3d>;
+
+/// Frames a second of a PC2 whose problem names none: that of film. (Blender's default is 24, 3ds
+/// Max's 30.)
+constexpr double kFrameRate = 25;
+
+std::vector<char> fileBytes(const YamlReader& file, const std::string& path) {
+  // A folder opens, and throws when it is read.
+  std::ifstream stream;
+  if (std::filesystem::is_regular_file(path)) stream.open(path, std::ios::binary);
+  std::vector<char> text;
+  if (stream.is_open()) text.assign(std::istreambuf_iterator<char>(stream), {});
+  if (!stream.is_open() || !stream)
+    file.fail(fmt::format("{} names '{}', which cannot be read; a readable file is expected",
+                          file.where(), path));
+  return text;
+}
+
+}  // namespace
+
+std::shared_ptr<const VertexMotion> readCache(const YamlReader& cache, const Vertices& rest) {
+  cache.expectKeys(keysOf("cache"));
+  const YamlReader file = cache.at("file", "a PC2 or MDD file");
+  const std::string path = resolvedPath(file);
+  std::string ending = std::filesystem::path(path).extension().string();
+  for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  if (ending != ".pc2" && ending != ".mdd")
+    file.fail(
+        fmt::format("{} has the ending '{}'; .pc2 or .mdd is expected", file.where(), ending));
+  const std::vector<char> text = fileBytes(file, path);
+  const std::span<const std::byte> bytes = std::as_bytes(std::span<const char>(text));
+  const double scale = optionalNumber(cache, "scale", 1);
+  const auto rate = cache.find("rate");
+  if (rate && ending == ".mdd")
+    rate->fail(fmt::format("{} goes with PC2 only: an MDD has times", rate->where()));
+  const double frames_per_second = rate ? rate->number() : kFrameRate;
+  // Errors in the cache name its file, and the place in the problem file that asks for it.
+  const auto namingFile = [&](const auto& read) {
+    try {
+      return read();
+    } catch (const collision::InvalidMotion& error) {
+      file.fail(fmt::format("{} names '{}': {}", file.where(), path, error.what()));
+    }
+  };
+  collision::CacheMotion motion = namingFile([&] {
+    return ending == ".pc2" ? parsePc2(bytes, frames_per_second, scale) : parseMdd(bytes, scale);
+  });
+  if (motion.vertex_count != static_cast<int>(rest.size()))
+    file.fail(fmt::format("{} has {} vertices; the mesh's {} are expected", file.text(),
+                          motion.vertex_count, rest.size()));
+  if (const auto start = cache.find("start"); start && !motion.times.empty()) {
+    const double shift = start->number() - motion.times.front();
+    for (double& time : motion.times) time += shift;
+  }
+  return namingFile([&] { return VertexMotion::cache(std::move(motion)); });
+}
+
+}  // namespace leeway::planner

@@ -1,0 +1,161 @@
+#include "planner/verify/path_check.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+#include <utility>
+
+#include "planner/base/tolerances.h"
+
+namespace leeway::planner::verification {
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+class PathCheck {
+ public:
+  PathCheck(const Problem& problem, const ConfigurationSpace& space, const Path& path)
+      : problem_(problem), space_(space), path_(path) {}
+
+  std::optional<PathFault> run() const {
+    std::size_t waypoint = 0;
+    std::string reason = fault(waypoint);
+    if (reason.empty()) return std::nullopt;
+    return PathFault{waypoint, std::move(reason)};
+  }
+
+ private:
+  /// Empty without a fault. Sets `waypoint`.
+  std::string fault(std::size_t& waypoint) const {
+    if (path_.positions.empty()) return "the path has no waypoints";
+    if (path_.names.size() != problem_.robot.variables.size()) return columns();
+    for (std::size_t i = 0; i < path_.names.size(); ++i)
+      if (path_.names[i] != variable(i).name) return columns();
+    for (; waypoint < path_.positions.size(); ++waypoint)
+      if (const std::string reason = outside(path_.positions[waypoint]); !reason.empty())
+        return reason;
+    waypoint = 0;
+    if (const std::string reason = notStart(path_.positions.front()); !reason.empty())
+      return reason;
+    waypoint = path_.positions.size() - 1;
+    for (const Goal& goal : problem_.goals)
+      if (meets(goal, path_.positions.back())) return {};
+    return "the last waypoint is in none of the problem's goals";
+  }
+
+  const robots::Variable& variable(std::size_t i) const {
+    return problem_.robot.model->variables[at(problem_.robot.variables[i])];
+  }
+
+  std::string columns() const {
+    return "the path's columns are not the problem's planned variables";
+  }
+
+  std::string outside(const std::vector<double>& q) const {
+    if (q.size() != path_.names.size())
+      return "the waypoint has " + std::to_string(q.size()) + " values, " +
+             std::to_string(path_.names.size()) + " are planned";
+    for (std::size_t i = 0; i < q.size(); ++i) {
+      const robots::Variable& v = variable(i);
+      if (!std::isfinite(q[i])) return v.name + " is not finite";
+      if (q[i] < v.lower - kVerifyWaypoint || q[i] > v.upper + kVerifyWaypoint)
+        return v.name + " is " + numberText(q[i]) + ", outside its limits " + numberText(v.lower) +
+               " to " + numberText(v.upper);
+    }
+    for (const ConfigurationSpace::Part& part : space_.parts()) {
+      const double* x = &q[at(part.first)];
+      if (part.kind == ConfigurationSpace::Kind::kRotation) {
+        const double norm = std::sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2] + x[3] * x[3]);
+        if (!(std::abs(norm - 1) <= kUnitQuaternion))
+          return "the quaternion at " + variable(at(part.first)).name + " has length " +
+                 numberText(norm) + ", not 1";
+      }
+    }
+    return {};
+  }
+
+  static double angleBetween(double a, double b) {
+    return std::remainder(a - b, 2 * std::numbers::pi);
+  }
+
+  /// Angle between two orientations [rad], for small angles.
+  static double turnBetween(const double* a, const double* b) {
+    double minus = 0, plus = 0;
+    for (int k = 0; k < 4; ++k) {
+      minus += (a[k] - b[k]) * (a[k] - b[k]);
+      plus += (a[k] + b[k]) * (a[k] + b[k]);
+    }
+    return 2 * std::sqrt(std::min(minus, plus));
+  }
+
+  std::string notStart(const std::vector<double>& q) const {
+    std::vector<double> start;
+    for (const int v : problem_.robot.variables) start.push_back(problem_.start[at(v)]);
+    for (const ConfigurationSpace::Part& part : space_.parts()) {
+      const std::size_t i = at(part.first);
+      const bool angle = part.kind == ConfigurationSpace::Kind::kCircle;
+      const double apart = part.kind == ConfigurationSpace::Kind::kRotation
+                               ? turnBetween(&q[i], &start[i])
+                           : angle ? std::abs(angleBetween(q[i], start[i]))
+                                   : std::abs(q[i] - start[i]);
+      if (!(apart <= kVerifyWaypoint))
+        return "the first waypoint is not the start: " + variable(i).name + " is " +
+               numberText(q[i]) + ", the start's " + numberText(start[i]);
+    }
+    return {};
+  }
+
+  bool meets(const Goal& goal, const std::vector<double>& q) const {
+    if (goal.ranges.size() != q.size()) return false;
+    for (const ConfigurationSpace::Part& part : space_.parts()) {
+      const std::size_t i = at(part.first);
+      if (part.kind == ConfigurationSpace::Kind::kRotation) {
+        if (!orientationMeets(goal, q, i)) return false;
+        continue;
+      }
+      const auto& [low, high] = goal.ranges[i];
+      if (part.kind != ConfigurationSpace::Kind::kCircle) {
+        if (!(q[i] >= low - kVerifyWaypoint && q[i] <= high + kVerifyWaypoint)) return false;
+        continue;
+      }
+      // An angle may be whole turns away from the range as written.
+      const double middle = low / 2 + high / 2, half = high / 2 - low / 2;
+      if (half < std::numbers::pi &&
+          !(std::abs(angleBetween(q[i], middle)) <= half + kVerifyWaypoint))
+        return false;
+    }
+    return true;
+  }
+
+  /// A goal's orientation is one quaternion, or free: four times [-1, 1].
+  static bool orientationMeets(const Goal& goal, const std::vector<double>& q, std::size_t i) {
+    double given[4];
+    bool free = true;
+    for (std::size_t k = 0; k < 4; ++k) {
+      const auto& [low, high] = goal.ranges[i + k];
+      free = free && low <= -1 && high >= 1;
+      given[k] = low;
+    }
+    return free || turnBetween(&q[i], given) <= kVerifyWaypoint;
+  }
+
+  const Problem& problem_;
+  const ConfigurationSpace& space_;
+  const Path& path_;
+};
+
+}  // namespace
+
+std::optional<PathFault> findFault(const Problem& problem, const ConfigurationSpace& space,
+                                   const Path& path) {
+  return PathCheck(problem, space, path).run();
+}
+
+std::string numberText(double x) {
+  char buffer[32];
+  std::snprintf(buffer, sizeof buffer, "%.17g", x);
+  return buffer;
+}
+
+}  // namespace leeway::planner::verification

@@ -1,0 +1,166 @@
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "collision/base/sine_cosine.h"
+#include "leeway/collision/distance.h"
+#include "leeway/robots/kinematics.h"
+#include "leeway/robots/motion_bound.h"
+#include "robots/base/tolerances.h"
+
+namespace leeway::robots {
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+/// The proof for one pair of links: interval subdivision. At the middle of a box of configurations
+/// the links are farther apart than the whole box can move them; else the box is halved.
+class ApartProof {
+ public:
+  ApartProof(const Model& model, int link_a, int link_b)
+      : model_(model),
+        a_(model.links[at(link_a)]),
+        b_(model.links[at(link_b)]),
+        link_a_(link_a),
+        link_b_(link_b) {}
+
+  bool run() {
+    if (!prepare()) return false;
+    std::vector<Box> stack{{center_, half_}};
+    for (int work = 0; !stack.empty(); ++work) {
+      if (work >= kApartBoxes) return false;
+      const Box box = stack.back();
+      stack.pop_back();
+      if (isApart(box)) continue;
+      const std::size_t v = widest(box);
+      if (box.half[v] < kApartSmallest) return false;
+      Box low = box, high = box;
+      low.half[v] = high.half[v] = box.half[v] / 2 * (1 + kBoundRounding);
+      low.center[v] -= box.half[v] / 2;
+      high.center[v] += box.half[v] / 2;
+      stack.push_back(low);
+      stack.push_back(high);
+    }
+    return true;
+  }
+
+ private:
+  struct Box {
+    std::vector<double> center, half;  // one a variable
+  };
+
+  /// False when this proof cannot treat the pair: without shapes, with joints of several variables,
+  /// unlimited, or without any motion between the two.
+  bool prepare() {
+    for (const Geometry& g : a_.geometries) {
+      const Eigen::Vector3d center_L = g.X_BG * g.shape.boundingCenter();
+      motions_.push_back(
+          relativeMotion(model_, link_a_, link_b_, center_L, g.shape.boundingRadius()));
+    }
+    if (motions_.empty() || b_.geometries.empty()) return false;
+    center_ = model_.defaultConfiguration();
+    half_.assign(model_.variables.size(), 0);
+    for (const RelativeMotion::Term& term : motions_.front().terms)
+      if (!addRange(model_.joints[at(term.joint)])) return false;
+    std::sort(moving_.begin(), moving_.end());
+    moving_.erase(std::unique(moving_.begin(), moving_.end()), moving_.end());
+    // The proof takes one turn of a continuous joint; a mimic is not periodic in its master.
+    for (const RelativeMotion::Term& term : motions_.front().terms) {
+      const Joint& j = model_.joints[at(term.joint)];
+      if (j.mimic >= 0 && model_.joints[at(j.mimic)].type == JointType::kContinuous) return false;
+    }
+    poses_.resize(model_.links.size());
+    joint_motion_.resize(model_.joints.size());
+    return !moving_.empty();
+  }
+
+  /// Adds the range of the joint's variable, or its master's, to the box. False when it has none
+  /// that is finite.
+  bool addRange(const Joint& joint) {
+    const Joint* j = &joint;
+    while (j->mimic >= 0) j = &model_.joints[at(j->mimic)];
+    if (j->type == JointType::kFloating || j->type == JointType::kPlanar || j->first_variable < 0)
+      return false;
+    const std::size_t variable = at(j->first_variable);
+    const Variable& v = model_.variables[variable];
+    double middle = 0, half = 3.141592653589794;  // above pi: the whole circle
+    if (j->type != JointType::kContinuous) {
+      if (!std::isfinite(v.lower) || !std::isfinite(v.upper)) return false;
+      middle = v.lower + (v.upper - v.lower) / 2;
+      half = std::max(v.upper - middle, middle - v.lower);
+    }
+    center_[variable] = middle;
+    half_[variable] = half;
+    moving_.push_back(variable);
+    return true;
+  }
+
+  /// Proven over the whole box.
+  bool isApart(const Box& box) {
+    forwardKinematics(model_, box.center, poses_);
+    jointMotion(model_, box.half, joint_motion_);
+    const Pose& X_WA = poses_[at(link_a_)];
+    const Pose& X_WB = poses_[at(link_b_)];
+    for (std::size_t i = 0; i < a_.geometries.size(); ++i) {
+      const Geometry& a = a_.geometries[i];
+      // An edge from the middle to any point of the box moves no joint farther than half_.
+      const double motion =
+          localMotionBound(model_, motions_[i], joint_motion_, poses_, 1).speed + kApartSlack;
+      for (const Geometry& b : b_.geometries) {
+        const Eigen::Vector3d d =
+            X_WA * (a.X_BG * a.shape.boundingCenter()) - X_WB * (b.X_BG * b.shape.boundingCenter());
+        if (d.norm() - a.shape.boundingRadius() - b.shape.boundingRadius() > motion) continue;
+        collision::DistanceRequest request;
+        request.threshold = motion;
+        request.depth = false;
+        const collision::DistanceResult result =
+            collision::distance(a.shape, X_WA * a.X_BG, b.shape, X_WB * b.X_BG, request, scratch_);
+        if (!(result.distance.lower > motion)) return false;
+      }
+    }
+    return true;
+  }
+
+  /// The variable whose half width moves the body most.
+  std::size_t widest(const Box& box) {
+    std::size_t best = moving_.front();
+    double most = -1;
+    std::vector<double> one(box.half.size(), 0);
+    for (const std::size_t v : moving_) {
+      one[v] = box.half[v];
+      jointMotion(model_, one, joint_motion_);
+      one[v] = 0;
+      double speed = 0;
+      for (const RelativeMotion& m : motions_)
+        speed = std::max(speed, localMotionBound(model_, m, joint_motion_, poses_, 1).speed);
+      if (speed > most) {
+        most = speed;
+        best = v;
+      }
+    }
+    return best;
+  }
+
+  const Model& model_;
+  const Link& a_;
+  const Link& b_;
+  int link_a_, link_b_;
+  std::vector<RelativeMotion> motions_;  // one a geometry of a
+  std::vector<double> center_, half_;
+  std::vector<std::size_t> moving_;
+  std::vector<Pose> poses_;
+  std::vector<JointMotion> joint_motion_;
+  collision::Scratch scratch_;
+};
+
+}  // namespace
+
+std::vector<std::pair<int, int>> provenApart(const Model& model,
+                                             std::span<const std::pair<int, int>> candidates) {
+  std::vector<std::pair<int, int>> proven;
+  for (const auto& [a, b] : candidates)
+    if (ApartProof(model, a, b).run()) proven.emplace_back(a, b);
+  return proven;
+}
+
+}  // namespace leeway::robots
