@@ -74,8 +74,8 @@ class Builder {
   /// all.
   bool isDeforming(int body) const {
     const std::string& name = scene_.bodies()[at(body)].name;
-    return std::any_of(problem_.deforming.begin(), problem_.deforming.end(),
-                       [&](const DeformingObstacle& o) { return o.object == name; });
+    return std::any_of(problem_.world.deforming.begin(), problem_.world.deforming.end(),
+                       [&](const DeformingObstacle& o) { return o.object.name == name; });
   }
 
   void addPair(const collision::ScenePair& pair, const robots::LinkGap* gap) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "collision/base/tolerances.h"
+#include "leeway/collision/deformable_mesh.h"
 #include "leeway/robots/input_error.h"
 #include "leeway/robots/kinematics.h"
 
@@ -30,22 +31,22 @@ bool mayTouch(const Attachment& held, int link) {
 }  // namespace
 
 ScenePairs::ScenePairs(const Problem& problem, std::span<const robots::VariableRange> ranges)
-    : problem_(problem), model_(*problem.model), ranges_(ranges), poses_(model_.links.size()) {
-  robots::forwardKinematics(model_, problem.configuration, poses_);
+    : problem_(problem), model_(*problem.robot.model), ranges_(ranges), poses_(model_.links.size()) {
+  robots::forwardKinematics(model_, problem.start, poses_);
   addLinks();
   addAttachments();
   addObjects();
   for (int i = 0; i < count(); ++i)
     for (int j = i + 1; j < count(); ++j) drop(i, j, reason(i, j));
-  if (!model_.has_srdf && !problem_.replace_srdf_pairs) dropProven();
+  if (!model_.has_srdf && !problem_.contacts.replace_srdf) dropProven();
 }
 
 collision::SceneBuilder ScenePairs::builder() const {
   collision::SceneBuilder builder;
   for (const Entry& e : entries_) builder.add(e.body);
   for (const auto& [pair, why] : reasons_) builder.allow(pair.first, pair.second);
-  builder.setDefaultMargin(problem_.margin);
-  for (const Problem::PairMargin& m : problem_.margins)
+  builder.setDefaultMargin(problem_.margins.common);
+  for (const PairMargin& m : problem_.margins.pairs)
     for (int i = 0; i < count(); ++i)
       for (int j = 0; j < count(); ++j)
         if (name(i) == m.a && name(j) == m.b) builder.setMargin(i, j, m.margin);
@@ -80,7 +81,7 @@ void ScenePairs::addLinks() {
 }
 
 void ScenePairs::addAttachments() {
-  for (const Attachment& a : problem_.attachments) {
+  for (const Attachment& a : problem_.robot.attachments) {
     expectPose(a.X_LO, a.object.name);
     Body body{a.object.name, a.object.geometries, moves(a.link), poses_[at(a.link)]};
     for (robots::Geometry& g : body.geometries) g.X_BG = a.X_LO * g.X_BG;
@@ -88,12 +89,38 @@ void ScenePairs::addAttachments() {
   }
 }
 
+void ScenePairs::addObject(const Object& object) {
+  expectPose(object.X_WO, object.name);
+  if (!object.geometries.empty())
+    entries_.push_back({{object.name, object.geometries, false, object.X_WO}, -1, nullptr});
+}
+
 void ScenePairs::addObjects() {
-  for (const Object& o : problem_.objects) {
-    expectPose(o.X_WO, o.name);
-    if (!o.geometries.empty())
-      entries_.push_back({{o.name, o.geometries, false, o.X_WO}, -1, nullptr});
+  for (const Object& o : problem_.world.objects) addObject(o);
+  for (const DeformingObstacle& o : problem_.world.deforming) {
+    expectSnapshot(o);
+    addObject(o.object);
   }
+}
+
+/// Queries find a deforming obstacle by its name, and see it as it is when execution starts.
+void ScenePairs::expectSnapshot(const DeformingObstacle& obstacle) const {
+  const std::string& name = obstacle.object.name;
+  const auto refuse = [&](const std::string& message) {
+    throw robots::InputError(problem_.name, 0,
+                             fmt::format("deforming obstacle '{}' {}", name, message));
+  };
+  const collision::DeformableSnapshot* snapshot =
+      obstacle.mesh && obstacle.object.geometries.size() == 1
+          ? obstacle.object.geometries[0].shape.deformable()
+          : nullptr;
+  if (snapshot == nullptr) refuse("has no snapshot; see makeDeformingObstacle()");
+  if (snapshot->time() != problem_.execution.start)
+    refuse(fmt::format("is as it is at {} s; execution starts at {} s", snapshot->time(),
+                       problem_.execution.start));
+  if (std::any_of(entries_.begin(), entries_.end(),
+                  [&](const Entry& e) { return e.body.name == name; }))
+    refuse("has the name of another object or link; a name of its own is expected");
 }
 
 /// Readers of files see to it; programs may pass anything.
@@ -116,12 +143,12 @@ std::string ScenePairs::reason(int i, int j) const {
   const Entry &a = entries_[at(i)], &b = entries_[at(j)];
   if (a.isLink() && b.isLink()) {
     if (areAdjacent(a.link, b.link)) return "adjacent";
-    if (!problem_.replace_srdf_pairs)
+    if (!problem_.contacts.replace_srdf)
       for (const robots::DisabledPair& d : model_.disabled_pairs)
         if (isPair(d.link_a, d.link_b, a.link, b.link))
           return "disabled by the SRDF" + (d.reason.empty() ? "" : ": " + d.reason);
   }
-  for (const auto& [x, y] : problem_.allowed)
+  for (const auto& [x, y] : problem_.contacts.allowed)
     if (areNamed(i, j, x, y)) return "allowed by the problem";
   if (a.held != nullptr && b.isLink() && mayTouch(*a.held, b.link)) return "attached";
   if (b.held != nullptr && a.isLink() && mayTouch(*b.held, a.link)) return "attached";
@@ -159,8 +186,8 @@ void ScenePairs::dropProven() {
 
 /// The proof is that two links never touch; it says nothing of a margin.
 bool ScenePairs::hasMargin(int i, int j) const {
-  bool positive = problem_.margin > 0;
-  for (const Problem::PairMargin& m : problem_.margins)
+  bool positive = problem_.margins.common > 0;
+  for (const PairMargin& m : problem_.margins.pairs)
     if (areNamed(i, j, m.a, m.b)) positive = m.margin > 0;
   return positive;
 }
@@ -170,7 +197,7 @@ bool ScenePairs::isPassiveWithinLimits() const {
   for (std::size_t v = 0; v < model_.variables.size(); ++v) {
     const robots::Variable& variable = model_.variables[v];
     if (ranges_[v].lower != ranges_[v].upper) continue;
-    if (problem_.configuration[v] < variable.lower || problem_.configuration[v] > variable.upper)
+    if (problem_.start[v] < variable.lower || problem_.start[v] > variable.upper)
       return false;
   }
   return true;
@@ -209,7 +236,7 @@ int ScenePairs::rigidRoot(int link) const {
 /// Parent and child; without an SRDF also what fixed joints join to them.
 bool ScenePairs::areAdjacent(int a, int b) const {
   if (parentOf(a) == b || parentOf(b) == a) return true;
-  if (model_.has_srdf || problem_.replace_srdf_pairs) return false;
+  if (model_.has_srdf || problem_.contacts.replace_srdf) return false;
   const int x = rigidRoot(a), y = rigidRoot(b);
   const int above_x = parentOf(x), above_y = parentOf(y);
   return x == y || (above_x >= 0 && rigidRoot(above_x) == y) ||

@@ -44,7 +44,9 @@ class ScenePairs {
 
   void addLinks();
   void addAttachments();
+  void addObject(const Object& object);
   void addObjects();
+  void expectSnapshot(const DeformingObstacle& obstacle) const;
   void expectPose(const robots::Pose& X, const std::string& name) const;
 
   std::string reason(int i, int j) const;

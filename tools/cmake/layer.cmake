@@ -1,7 +1,7 @@
 # leeway_add_layer(NAME PUBLIC libraries... PRIVATE libraries...): the library leeway::NAME from this folder, its public headers in
 # include/leeway/NAME, its private ones beside their sources.
 function(leeway_add_layer name)
-  cmake_parse_arguments(arg "" "" "PUBLIC;PRIVATE" ${ARGN})
+  cmake_parse_arguments(arg "" "" "PUBLIC;PRIVATE;PRECOMPILE" ${ARGN})
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS *.cc)
   file(GLOB headers CONFIGURE_DEPENDS include/leeway/${name}/*.h)
   add_library(leeway_${name} ${sources})
@@ -10,6 +10,7 @@ function(leeway_add_layer name)
   target_include_directories(leeway_${name} PRIVATE ${PROJECT_SOURCE_DIR})
   target_compile_features(leeway_${name} PUBLIC cxx_std_20)
   target_link_libraries(leeway_${name} PUBLIC ${arg_PUBLIC} PRIVATE ${arg_PRIVATE} $<BUILD_INTERFACE:leeway_options>)
+  leeway_precompile(leeway_${name} ${arg_PRECOMPILE})
   set_target_properties(leeway_${name} PROPERTIES EXPORT_NAME ${name} VERSION ${PROJECT_VERSION}
     SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
 endfunction()

@@ -2,101 +2,45 @@
 // status that scripts can rely on.
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
-#include <exception>
+#include <filesystem>
 #include <string>
+#include <string_view>
+#include <system_error>
 #include <vector>
 
-#include "leeway/robots/input_error.h"
+#include "tools/leeway/support/command_line.h"
 #include "tools/leeway/support/exit_status.h"
 #include "tools/leeway/support/verb.h"
 
 namespace leeway::tools {
 namespace {
 
-constexpr const char* kDescription = R"(Plans motions of robots and proves how much room they leave.
+constexpr const char* kReport = "report";
 
-Exit status: 0 yes (solved, valid, certified), 1 no, 2 bad usage or input, 70 a fault of this program.)";
+std::vector<Verb> addVerbs(CLI::App& app) {
+  std::vector<Verb> verbs = {addPlan(app),   addCheck(app), addVerify(app), addClearance(app),
+                             addReplan(app), addBatch(app), addInfo(app)};
+  app.add_subcommand(kReport, "measurements of the engine");  // for --help: see startReport()
+  return verbs;
+}
 
-int reportUsage(const CLI::App& app, const CLI::ParseError& error) {
-  // Help and version are answers; CLI11 throws them too.
-  if (error.get_exit_code() == 0) {
-    return app.exit(error) == 0 ? kYes : kInternal;
-  }
-  std::string where = "leeway";
-  const auto chosen = app.get_subcommands();
-  if (!chosen.empty()) {
-    where += " " + chosen.front()->get_name();
-  }
-  fmt::print(stderr, "{}: {}; `{} --help` shows what is accepted\n", where, error.what(), where);
+/// Reports are a program of their own, so that the command builds and installs without them and
+/// what they need. Replaces this process by it; returns only where that fails.
+int startReport(char** argv) {
+  std::error_code error;
+  const std::string program =
+      std::filesystem::read_symlink("/proc/self/exe", error).replace_filename("leeway-report");
+  ::execv(program.c_str(), argv);
+  fmt::print(stderr,
+             "leeway report: {}: {}; reports are built by `tools/setup && cmake --preset release "
+             "&& cmake --build build --target reports`\n",
+             program, std::strerror(errno));
   return kBadInput;
-}
-
-/// An empty value, as a script's variable that was never set leaves it, is not an option left out.
-void refuseEmptyValues(CLI::App& app) {
-  for (CLI::Option* option : app.get_options()) {
-    if (option->get_type_size() > 0) {
-      option->check([](const std::string& text) {
-        return text.empty() ? std::string("is empty; a value is expected") : std::string();
-      });
-    }
-  }
-  for (CLI::App* verb : app.get_subcommands({})) {
-    refuseEmptyValues(*verb);
-  }
-}
-
-int run(int argc, char** argv) {
-  CLI::App app(kDescription, "leeway");
-  app.set_version_flag("--version", std::string("leeway ") + LEEWAY_VERSION);
-  app.require_subcommand(1);
-  const std::vector<Verb> verbs = {addPlan(app),   addCheck(app), addVerify(app), addClearance(app),
-                                   addReplan(app), addBatch(app), addInfo(app),   addReport(app)};
-  refuseEmptyValues(app);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return reportUsage(app, error);
-  }
-  for (const Verb& verb : verbs) {
-    if (verb.app->parsed()) {
-      return verb.run();
-    }
-  }
-  return kInternal;
-}
-
-int runGuarded(int argc, char** argv) {
-  try {
-    return run(argc, argv);
-  } catch (const robots::InputError& error) {
-    fmt::print(stderr, "{}\n", error.what());
-    return kBadInput;
-  } catch (const std::exception& error) {
-    if (std::ferror(stdout) != 0) {
-      return kYes;  // fmt throws where stdout takes no more; main() tells it
-    }
-    fmt::print(stderr, "leeway: a fault of this program: {}\n", error.what());
-    return kInternal;
-  } catch (...) {
-    fmt::print(stderr, "leeway: a fault of this program\n");
-    return kInternal;
-  }
-}
-
-/// An answer that could not be written is none, whatever it said. A full disk may show only when
-/// the buffers are emptied.
-bool answerIsWritten() {
-  const bool failed_before = std::ferror(stdout) != 0;
-  if (std::fflush(stdout) == 0 && !failed_before) {
-    return true;
-  }
-  fmt::print(stderr, "standard output: cannot be written: {}; a writable place is expected\n",
-             std::strerror(errno));
-  return false;
 }
 
 }  // namespace
@@ -104,6 +48,6 @@ bool answerIsWritten() {
 
 int main(int argc, char** argv) {
   using namespace leeway::tools;
-  const int status = runGuarded(argc, argv);
-  return answerIsWritten() || status >= kBadInput ? status : kBadInput;
+  if (argc > 1 && std::string_view(argv[1]) == kReport) return startReport(argv);
+  return runCommandLine(argc, argv, addVerbs);
 }

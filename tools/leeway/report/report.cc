@@ -2,7 +2,6 @@
 
 #include <memory>
 
-#include "tools/leeway/support/verb.h"
 #include "tools/report/deform/deform_scenes.h"
 #include "tools/report/motion/motion_cases.h"
 

@@ -4,7 +4,12 @@
 #include <string>
 #include <vector>
 
+#include "tools/leeway/support/verb.h"
+
 namespace leeway::tools {
+
+/// The verb `report` and the reports below it.
+Verb addReport(CLI::App& command);
 
 /// `leeway report cases FILE --raw OUT`: asks the engine for every case of `file` and writes one
 /// line a case, `ID STATUS LOWER UPPER NS` (status as toString(); 17 digits; nanoseconds of the

@@ -19,6 +19,5 @@ Verb addClearance(CLI::App& command);
 Verb addReplan(CLI::App& command);
 Verb addBatch(CLI::App& command);
 Verb addInfo(CLI::App& command);
-Verb addReport(CLI::App& command);
 
 }  // namespace leeway::tools

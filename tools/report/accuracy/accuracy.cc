@@ -34,7 +34,7 @@ Prepared prepare(const PairEngine& engine, const AccuracyFamily& family,
     try {
       query = engine.prepare(c.spec, isWarm(family));
     } catch (const std::exception&) {
-      // A shape that the engine refuses, as a type that it does not have.
+      // A shape that the engine refuses counts as a type that it lacks.
     }
     if (!query) return {&engine, {}, {}};
     result.queries.push_back(std::move(query));
@@ -42,7 +42,7 @@ Prepared prepare(const PairEngine& engine, const AccuracyFamily& family,
   return result;
 }
 
-/// Lets case i begin where its track's previous case ended.
+/// Warm-starts case i from the previous case of its track.
 void beginWarm(const Prepared& p, const AccuracyFamily& family, std::size_t i) {
   if (!isWarm(family)) return;
   const bool follows = i > 0 && family.cases[i].track == family.cases[i - 1].track;
@@ -51,7 +51,7 @@ void beginWarm(const Prepared& p, const AccuracyFamily& family, std::size_t i) {
 
 double absoluteTolerance(double relative, const AccuracyCase& c) { return relative * c.spec.size; }
 
-/// What all cases of one prepared engine at one tolerance gave, in case order.
+/// Answers of one prepared engine at one tolerance, in case order.
 struct Outcome {
   std::vector<PairAnswer> answers;
   std::vector<Fate> fates;
@@ -203,7 +203,7 @@ void timeFamily(const AccuracyFamily& family, int passes, std::vector<Measuremen
   const std::vector<Fate> fate = runGuarded(1, 3600, [&](std::size_t) {
     std::vector<int> repeats;
     for (const Measurement& m : measurements) {
-      // Warms caches and predictors, and tells how long a pass is.
+      // Warms caches and predictors, and measures how long a pass takes.
       const double pass = m.timed.empty()
                               ? 0
                               : timePass(*m.prepared, family, m.row.tolerance, m.timed) *
@@ -217,7 +217,7 @@ void timeFamily(const AccuracyFamily& family, int passes, std::vector<Measuremen
         const Measurement& m = measurements[k];
         if (m.timed.empty()) continue;
         const Prepared& prepared = *m.prepared;
-        // An engine's first row must not pay for fetching what the one before pushed out.
+        // Untimed: the previous engine has evicted this one's code and data.
         if (std::exchange(in_cache, &prepared) != &prepared)
           timePass(prepared, family, m.row.tolerance, m.timed);
         nanoseconds[k * count + pass] = timeRepeatedPass(prepared, m, family, repeats[k]);

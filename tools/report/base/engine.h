@@ -10,38 +10,38 @@
 
 namespace leeway::tools::report {
 
-/// What an engine says of the signed distance [m]. One that returns bare numbers has both ends
-/// equal; NaN where it says that it failed.
+/// An engine's signed distance [m]. Both ends are equal where it returns a bare number, NaN where
+/// it reports failure.
 struct PairAnswer {
   double lower = 0, upper = 0;
 };
 
-/// A convex shape as an engine may want it: the shape itself and, for a hull, the points it was
-/// made from, duplicates included, which is what others are given.
+/// A convex shape and, for a hull, the points it was made from, duplicates included: rivals are
+/// given those.
 struct ReportShape {
   collision::Shape shape;
   std::vector<Eigen::Vector3d> points;
 };
 
-/// A pair of placed shapes and what is known of it.
+/// A pair of placed shapes and its true distance.
 struct PairSpec {
   const ReportShape* a = nullptr;
   const ReportShape* b = nullptr;
   collision::Pose X_WA, X_WB;
   double size = 1;       ///< sum of the bounding radii [m]: what relative tolerances refer to
   double distance = 0;   ///< the true signed distance [m]
-  bool overlap = false;  ///< engines with a query of its own for depth are to use that
+  bool overlap = false;  ///< asks engines with a separate depth query for that
 };
 
-/// One engine's form of one pair, made before the clock runs.
+/// One engine's form of one pair, made off the clock.
 class PairQuery {
  public:
   virtual ~PairQuery() = default;
-  /// `tolerance`: absolute [m]; NaN: what the engine does by default. May throw, abort or loop:
-  /// that is what the report counts.
+  /// `tolerance`: absolute [m]; NaN: the engine's default. May throw, abort or loop: the report
+  /// counts that.
   virtual PairAnswer ask(double tolerance) = 0;
-  /// Takes over what the query of the pair's previous placement left for a warm start; null: begins
-  /// cold. Only called with queries of the same engine and pair.
+  /// Warm start from the query of the pair's previous placement, of the same engine and pair; null:
+  /// cold.
   virtual void follow(const PairQuery* previous) { static_cast<void>(previous); }
 };
 
@@ -49,9 +49,9 @@ class PairEngine {
  public:
   virtual ~PairEngine() = default;
   virtual const char* name() const = 0;
-  /// False: ask() takes no notice of its argument, one row tells all.
+  /// False: ask() ignores its argument, so one row is enough.
   virtual bool hasTolerance() const = 0;
-  /// True: answers are intervals that claim to hold the truth.
+  /// True: answers are intervals that claim to contain the truth.
   virtual bool claimsBounds() const { return false; }
   /// False: answers only say on which side of a threshold the distance lies.
   virtual bool tellsDistance() const { return true; }

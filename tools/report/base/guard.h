@@ -8,7 +8,7 @@
 
 namespace leeway::tools::report {
 
-/// What became of one item of guarded work.
+/// How one item of guarded work ended.
 enum class Fate : unsigned char {
   kDone,
   kThrew,     ///< an exception

@@ -24,14 +24,13 @@ struct DeformingSpec {
   std::shared_ptr<const collision::VertexMotion> motion;  ///< null: vertices are simply given
 };
 
-/// What one engine keeps of a deforming mesh. Everything that is not said to be on the clock may
-/// copy and allocate.
+/// One engine's form of a deforming mesh. Calls off the clock may copy and allocate.
 class MeshFollower {
  public:
   virtual ~MeshFollower() = default;
   /// Hands over the next frame's vertices [m]; off the clock.
   virtual void setVertices(std::span<const Eigen::Vector3d> vertices, double time) = 0;
-  /// Brings the hierarchy up to the vertices: what is timed as an update.
+  /// Brings the hierarchy up to date; on the clock, as the update.
   virtual void update() = 0;
   /// Whether an update depends on how long ago the last one was: frames that are not measured
   /// because the engine is slow are then followed all the same.

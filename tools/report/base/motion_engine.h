@@ -10,7 +10,7 @@
 
 namespace leeway::tools::report {
 
-/// What an engine says of the first time of contact, in [0, 1].
+/// An engine's first time of contact, in [0, 1].
 struct ContactAnswer {
   bool contact = false;
   bool undecided = false;  ///< neither: a limit or rounding left it open
@@ -35,11 +35,11 @@ struct ContactSpec {
   double margin = 0;  ///< so near counts as contact [m]; for engines that can be told
 };
 
-/// One engine's form of one case, made before the clock runs.
+/// One engine's form of one case, made off the clock.
 class ContactQuery {
  public:
   virtual ~ContactQuery() = default;
-  /// May throw, abort or loop: that is what the report counts.
+  /// May throw, abort or loop: the report counts that.
   virtual ContactAnswer ask() = 0;
 };
 

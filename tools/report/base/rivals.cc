@@ -12,17 +12,19 @@ namespace {
 struct Known {
   const char* library;
   const char* file;
+  const char* packages;  ///< of Debian
 };
-constexpr std::array<Known, 3> kModules = {{{"FCL", "leeway_rival_fcl.so"},
-                                            {"Bullet", "leeway_rival_bullet.so"},
-                                            {"Embree", "leeway_rival_embree.so"}}};
+constexpr std::array<Known, 3> kModules = {{{"FCL", "leeway_rival_fcl.so", "libfcl-dev libccd-dev"},
+                                            {"Bullet", "leeway_rival_bullet.so", "libbullet-dev"},
+                                            {"Embree", "leeway_rival_embree.so", "libembree-dev"}}};
 
 RivalModule load(const Known& known, const std::filesystem::path& folder) {
   RivalModule module{known.library, "", nullptr};
   const std::filesystem::path file = folder / known.file;
   std::error_code error;
   if (!std::filesystem::exists(file, error)) {
-    module.problem = "this build has no module for it";
+    module.problem = "no " + file.string() + "; built with the target `reports` where " +
+                     known.packages + " is installed (tools/setup)";
     return module;
   }
   void* const handle = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);

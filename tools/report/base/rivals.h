@@ -17,21 +17,20 @@ struct Rivals {
   std::vector<std::unique_ptr<ContactEngine>> motions;  ///< for `report motion`
 };
 
-/// Rivals live in modules of their own, loaded when a report asks for them: the command neither
-/// links nor needs their libraries. Each module exports one function of this name and type.
+/// Each rival is a module that a report loads at run time, so that nothing else links or needs its
+/// library. A module exports one function of this name and type.
 using MakeRivals = Rivals* (*)();
 inline constexpr const char* kMakeRivals = "leewayMakeRivals3";
 
-/// A module, its library and what became of it.
+/// A module and whether it could be loaded.
 struct RivalModule {
   std::string library;             ///< "FCL", "Bullet", ...
   std::string problem;             ///< why it is not there; empty: it is
   std::unique_ptr<Rivals> rivals;  ///< null when there is a problem
 };
 
-/// Loads all modules that this version knows, from ../lib/leeway beside the folder of the running
-/// program. A module that is not there, or whose library is not installed, is told in `problem`.
-/// What is loaded stays until the process ends.
+/// Loads every known module from ../lib/leeway, seen from the folder of the running program. Sets
+/// `problem` where a module or its library is missing. Modules stay loaded until the process ends.
 std::vector<RivalModule> loadRivals();
 
 }  // namespace leeway::tools::report

@@ -67,7 +67,7 @@ class Random : public leeway::bench::SplitMix {
   }
 };
 
-/// The same body for both.
+/// One body, in our form and in FCL's.
 struct Body {
   Shape ours;
   std::shared_ptr<fcl::CollisionGeometryd> theirs;  ///< null: FCL is not asked

@@ -1,7 +1,7 @@
 #pragma once
 
-// Not part of the product: the plain way to look for collisions, kept apart from all that it is to
-// judge. It shares with Leeway only the reading of URDF and mesh files.
+// Dense collision checks, independent of the engine that they judge: only the reading of URDF and
+// mesh files is Leeway's. Not installed.
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -16,8 +16,8 @@
 
 namespace leeway::dense {
 
-/// The request file beside a MoveIt scene file, sceneNNNN.yaml. Throws std::runtime_error for
-/// another name.
+/// The path of requestNNNN.yaml beside a MoveIt scene file sceneNNNN.yaml. Throws
+/// std::runtime_error for a file of another name.
 std::string requestOf(const std::string& scene);
 
 struct Collision {
@@ -25,40 +25,42 @@ struct Collision {
   std::string a, b;
 };
 
-/// A robot among the boxes and cylinders of a MoveIt scene, in the library FCL: exact meshes, no
-/// hulls, no bounds, no certificates.
+/// A robot among the boxes and cylinders of a MoveIt scene, checked by FCL: exact meshes, no hulls,
+/// no bounds, no certificates.
 class DenseWorld {
  public:
-  /// Throws std::runtime_error for what the files lack; yaml-cpp's exceptions for broken ones.
+  /// Throws std::runtime_error where files lack something, yaml-cpp's exceptions where they are
+  /// broken.
   DenseWorld(std::shared_ptr<const robots::Model> model, const std::string& scene_file,
              const std::string& request_file);
-  /// The same robot in another scene, without building its hierarchies again.
+  /// The robot of `other` in another scene; its hierarchies are not built again.
   DenseWorld(const DenseWorld& other, const std::string& scene_file,
              const std::string& request_file);
   ~DenseWorld();
 
-  /// Positions of the named joints; all others as in the request's start state (absent there: 0).
+  /// The first colliding pair at these positions of the named joints. Other joints stand as in the
+  /// request's start state, at 0 where it does not name them.
   Collision check(const std::vector<std::string>& names, const std::vector<double>& positions);
 
-  /// The same at the places t = i / count of the straight way between two rows, i = 0 .. count: the
-  /// first t at which a pair collides. Two shapes whose hierarchies are so far apart that they
-  /// cannot meet at the next places (the distance of a node from a joint, along the chain, times
-  /// the joint's turn) are left out there: the same answer as check() everywhere, much faster.
+  /// The first t = i / count, i = 0 .. count, at which a pair collides on the straight line from
+  /// one row to another. Answers as check() at every place, much faster: two shapes are skipped for
+  /// as many places as their hierarchies prove that they cannot meet (a node moves at most by its
+  /// distance from a joint, along the chain, times the joint's turn).
   std::optional<double> firstCollision(const std::vector<std::string>& names,
                                        const std::vector<double>& from,
                                        const std::vector<double>& to, int count);
 
-  /// Whether any pair is within `threshold` [m] of touching; a pair that cannot be decided counts.
-  /// By Leeway's distance, one plain query a pair after its bounding spheres: no caches, no
+  /// Whether any pair is within `threshold` [m]; undecided pairs count as near. Asks Leeway's
+  /// distance(), cold, one query a pair whose bounding spheres are near: no caches, no
   /// certificates.
   bool closerThan(const std::vector<std::string>& names, const std::vector<double>& positions,
                   double threshold);
 
-  /// The largest difference of a named joint from the request's start state and from its goal.
+  /// Largest difference of a named joint from the request's start state or goal [rad or m].
   double startError(const std::vector<std::string>& names, const std::vector<double>& row) const;
   double goalError(const std::vector<std::string>& names, const std::vector<double>& row) const;
 
-  /// The goal of the request, in its own order.
+  /// Joint names and values of the request, in its order.
   const std::vector<std::pair<std::string, double>>& goal() const { return goal_; }
   const std::vector<std::pair<std::string, double>>& start() const { return start_; }
 
@@ -66,13 +68,13 @@ class DenseWorld {
   struct Bounds;
   struct Body;
   using NodePair = std::pair<std::size_t, std::size_t>;
-  /// Two shapes of a pair of bodies, and which of their nodes were nearest to one another last.
+  /// Two shapes of a pair of bodies, and the pair of leaves that was nearest last.
   struct ShapePair {
     std::size_t bodies, a, b;
     NodePair nearest{};
   };
-  /// How far a point moves in one place: `turn` times its distance from the origin of its link, and
-  /// `rest` [m].
+  /// From one place to the next a point moves at most turn * (its distance from the origin of its
+  /// link) + rest [m].
   struct Moved {
     double turn = 0, rest = 0;
   };
@@ -104,8 +106,8 @@ class DenseWorld {
   std::vector<std::pair<std::string, std::string>> allowed_;
   std::vector<std::pair<std::string, double>> start_, goal_;
   std::vector<Eigen::Isometry3d> X_WL_;
-  std::vector<int> due_;     // firstCollision(): when a pair is looked at next
-  std::vector<int> placed_;  // and the place that a body's objects were set for
+  std::vector<int> due_;     // firstCollision(): next place at which a pair of shapes is looked at
+  std::vector<int> placed_;  // firstCollision(): place for which a body's objects were moved
   std::vector<ShapePair> shape_pairs_;
   using Timed = std::pair<NodePair, double>;
   std::vector<Timed> nodes_;

@@ -17,11 +17,11 @@ using FclSurface = fcl::BVHModel<fcl::OBBRSSd>;
 
 Eigen::Isometry3d isometry(const collision::Pose& X);
 
-/// The same triangles as a hierarchy of FCL's. O(n log n).
+/// FCL's hierarchy over these triangles. O(n log n).
 std::shared_ptr<FclSurface> fclMesh(std::span<const Eigen::Vector3d> vertices,
                                     std::span<const std::array<std::int32_t, 3>> triangles);
 
-/// The same shape as FCL knows it; hulls and meshes by their triangles.
+/// FCL's form of a shape; hulls and meshes by their triangles.
 FclGeometry toFcl(const collision::Shape& shape);
 
 }  // namespace leeway::dense

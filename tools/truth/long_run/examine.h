@@ -19,9 +19,9 @@ struct Tally {
   void add(const Tally& t);
 };
 
-/// Asks for one case in every way that a caller can and holds the answers against extended
-/// precision, against each other and, on request, against the quadruple-precision oracle. Says so
-/// on stderr when something does not hold, so that it can be replayed.
+/// Asks one case in every way that a caller can. Checks the answers in extended precision, against
+/// each other and, on request, against the quadruple-precision oracle. A failed check prints to
+/// stderr what replays it.
 class Examiner {
  public:
   /// `says`: stands before each message.

@@ -1,12 +1,13 @@
+#include "tools/report/deform/deform.h"
+
 #include <fmt/format.h>
 
 #include <string>
 
 #include "tools/leeway/report/report.h"
-#include "tools/leeway/report/report_common.h"
+#include "tools/leeway/report/rival_report.h"
 #include "tools/leeway/support/terminal.h"
 #include "tools/report/base/machine.h"
-#include "tools/report/deform/deform.h"
 #include "tools/report/deform/deform_scenes.h"
 #include "tools/report/deform/own_mesh_engine.h"
 

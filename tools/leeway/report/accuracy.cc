@@ -1,3 +1,5 @@
+#include "tools/report/accuracy/accuracy.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,10 +9,9 @@
 
 #include "leeway/robots/input_error.h"
 #include "tools/leeway/report/report.h"
-#include "tools/leeway/report/report_common.h"
+#include "tools/leeway/report/rival_report.h"
 #include "tools/leeway/support/case_file.h"
 #include "tools/leeway/support/terminal.h"
-#include "tools/report/accuracy/accuracy.h"
 #include "tools/report/accuracy/own_engine.h"
 #include "tools/report/base/machine.h"
 

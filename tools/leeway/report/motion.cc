@@ -1,3 +1,5 @@
+#include "tools/report/motion/motion.h"
+
 #include <fmt/format.h>
 
 #include <filesystem>
@@ -7,11 +9,10 @@
 #include "leeway/planner/problem.h"
 #include "leeway/robots/input_error.h"
 #include "tools/leeway/report/report.h"
-#include "tools/leeway/report/report_common.h"
+#include "tools/leeway/report/rival_report.h"
 #include "tools/leeway/support/terminal.h"
 #include "tools/report/base/machine.h"
 #include "tools/report/motion/edges.h"
-#include "tools/report/motion/motion.h"
 #include "tools/report/motion/motion_cases.h"
 #include "tools/report/motion/own_motion_engine.h"
 

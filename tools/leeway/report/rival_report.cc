@@ -1,4 +1,4 @@
-#include "tools/leeway/report/report_common.h"
+#include "tools/leeway/report/rival_report.h"
 
 #include <fmt/format.h>
 #include <unistd.h>

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <cstdint>
+
+#include "leeway/planner/compiled_scene.h"
+#include "leeway/planner/problem.h"
+#include "leeway/robots/model.h"
+#include "tools/leeway/support/json_result.h"
+
+// What a robot or problem holds, as JSON. Lengths in metres, times in seconds, angles in radians.
+
+namespace leeway::tools::info {
+
+/// Links, joints by type, variables with limits (null: none), groups and states.
+Json robotJson(const robots::Model& model);
+
+/// What is planned, goals, objects, obstacles that deform, and how the plan is executed.
+Json problemJson(const planner::Problem& problem);
+
+/// One entry for every collision shape of links, objects and attached objects.
+Json geometriesJson(const planner::Problem& problem);
+
+/// Bodies and pairs that are checked, dropped pairs with reasons, and the pairs that touch at none
+/// or at all of `samples` random configurations.
+Json compiledJson(const planner::CompiledScene& scene, int samples, std::uint64_t seed);
+
+}  // namespace leeway::tools::info

@@ -1,0 +1,108 @@
+#include "tools/leeway/info/input.h"
+
+#include <fmt/format.h>
+#include <tinyxml2.h>
+
+#include <cstddef>
+#include <filesystem>
+#include <vector>
+
+#include "leeway/robots/input_error.h"
+
+namespace leeway::tools::info {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The name of an XML file's root element, empty where it cannot be read, and that element's
+/// attribute `name`.
+std::string rootElementName(const std::string& file, std::string& robot_name) {
+  tinyxml2::XMLDocument document;
+  if (document.LoadFile(file.c_str()) != tinyxml2::XML_SUCCESS ||
+      document.RootElement() == nullptr) {
+    return {};
+  }
+  const char* name = document.RootElement()->Attribute("name");
+  robot_name = name == nullptr ? "" : name;
+  return document.RootElement()->Name();
+}
+
+/// An SRDF says little without its URDF: the one with the SRDF's robot name in its folder or the
+/// folder above.
+std::string findUrdfOf(const std::string& srdf) {
+  std::string robot_name;
+  rootElementName(srdf, robot_name);
+  const fs::path folder = fs::absolute(srdf).parent_path();
+  std::vector<std::string> found;
+  for (const fs::path& place : {folder, folder.parent_path()}) {
+    for (const auto& entry : fs::directory_iterator(place)) {
+      std::string name;
+      if (entry.path().extension() == ".urdf" &&
+          rootElementName(entry.path().string(), name) == "robot" && name == robot_name) {
+        found.push_back(entry.path().string());
+      }
+    }
+    if (!found.empty()) {
+      break;
+    }
+  }
+  if (found.size() != 1) {
+    throw robots::InputError(srdf, 0,
+                             fmt::format("an SRDF is read together with its URDF, and {} URDF of a "
+                                         "robot '{}' lies beside it; name it with --robot",
+                                         found.empty() ? "no" : "more than one", robot_name));
+  }
+  return found.front();
+}
+
+/// A robot alone: a problem that plans every variable and has no objects.
+planner::Problem robotProblem(const std::string& urdf, const std::string& srdf,
+                              const ProblemSource& source) {
+  planner::Problem problem;
+  problem.robot.model = robots::loadModel(urdf, srdf, loadOptions(source));
+  printWarnings(problem.robot.model->warnings);
+  problem.name = problem.robot.model->name;
+  problem.start = problem.robot.model->defaultConfiguration();
+  planner::Goal goal{"default", {}};
+  for (std::size_t i = 0; i < problem.robot.model->variables.size(); ++i) {
+    problem.robot.variables.push_back(static_cast<int>(i));
+    goal.ranges.emplace_back(problem.start[i], problem.start[i]);
+  }
+  problem.goals = {goal};
+  return problem;
+}
+
+}  // namespace
+
+FileKind kindOf(const std::string& file) {
+  const std::string ending = fs::path(file).extension().string();
+  if (ending == ".srdf") {
+    return FileKind::kSrdf;
+  }
+  if (ending == ".urdf" || ending == ".xacro") {
+    return FileKind::kUrdf;
+  }
+  if (ending == ".yaml" || ending == ".yml") {
+    return FileKind::kProblem;
+  }
+  throw robots::InputError(
+      file, 0, fmt::format("unknown ending '{}'; .urdf, .srdf and .yaml are accepted", ending));
+}
+
+planner::Problem loadFile(const std::string& file, FileKind kind, ProblemSource source) {
+  if (!fs::exists(file)) {
+    throw robots::InputError(file, 0, "there is no such file");
+  }
+  switch (kind) {
+    case FileKind::kUrdf:
+      return robotProblem(file, source.srdf, source);
+    case FileKind::kSrdf:
+      return robotProblem(source.robot.empty() ? findUrdfOf(file) : source.robot, file, source);
+    case FileKind::kProblem:
+      break;
+  }
+  source.problem = file;
+  return loadProblem(source);
+}
+
+}  // namespace leeway::tools::info

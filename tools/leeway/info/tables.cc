@@ -1,0 +1,163 @@
+#include "tools/leeway/info/tables.h"
+
+#include <fmt/format.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "tools/leeway/support/terminal.h"
+
+namespace leeway::tools::info {
+namespace {
+
+std::string limitText(const Json& value) {
+  return value.is_null() ? "-" : fmt::format("{:.4f}", value.get<double>());
+}
+
+void printDeforming(const Json& problem) {
+  if (problem["deforming"].empty()) {
+    return;
+  }
+  std::vector<std::vector<std::string>> rows;
+  for (const auto& o : problem["deforming"]) {
+    const Json& speed = o["speed_bound"];
+    rows.push_back({o["name"], o["motion"], o["triangles"].dump(),
+                    speed.is_null() ? "-" : formatUpper(speed.get<double>(), 3),
+                    o["strategy"].get<std::string>() + " (" + o["reason"].get<std::string>() + ")",
+                    formatBytes(o["bytes"].get<std::size_t>())});
+  }
+  const Json& e = problem["execution"];
+  fmt::print("{}",
+             formatTable({"deforming", "motion", "triangles", "at most [m/s]", "strategy", "size"},
+                         rows, {1, 4}));
+  fmt::print(
+      "everything but replan sees them as they are at {} s; replan looks every {} s, for {} s at "
+      "most, and knows their {}\n\n",
+      e["start"].get<double>(), e["step"].get<double>(), e["duration"].get<double>(),
+      e["foresight"] == "motion" ? "motion" : "speed bound");
+}
+
+void printPairs(const char* text, const Json& pairs) {
+  if (pairs.empty()) {
+    return;
+  }
+  fmt::print("{}:\n", text);
+  std::map<std::string, std::string> partners;
+  for (const auto& pair : pairs) {
+    partners[pair[0].get<std::string>()] += " " + pair[1].get<std::string>();
+  }
+  for (const auto& [name, others] : partners) {
+    fmt::print("  {} with{}\n", name, others);
+  }
+}
+
+}  // namespace
+
+void printRobot(const Json& robot) {
+  std::string joints;
+  for (const auto& [type, count] : robot["joints"].items()) {
+    joints += fmt::format("{}{} {}", joints.empty() ? "" : ", ", count.get<int>(), type);
+  }
+  fmt::print("robot {}: {} links; joints: {}; {} of them mimic\n\n",
+             robot["name"].get<std::string>(), robot["links"].get<int>(), joints,
+             robot["mimic_joints"].get<int>());
+  std::vector<std::vector<std::string>> rows;
+  for (const auto& variable : robot["variables"]) {
+    rows.push_back({variable["name"], limitText(variable["lower"]), limitText(variable["upper"]),
+                    limitText(variable["velocity"])});
+  }
+  fmt::print("{}\n", formatTable({"variable", "lower", "upper", "velocity"}, rows));
+  for (const auto& group : robot["groups"]) {
+    std::string states;
+    for (const auto& state : robot["group_states"]) {
+      if (state["group"] == group["name"]) {
+        states += (states.empty() ? "; states " : ", ") + state["name"].get<std::string>();
+      }
+    }
+    fmt::print("group {}: {} variables{}\n", group["name"].get<std::string>(),
+               group["variables"].size(), states);
+  }
+  fmt::print("pairs of links that the SRDF lets touch: {}\n", robot["disabled_pairs"].get<int>());
+}
+
+void printProblem(const Json& problem) {
+  fmt::print(
+      "problem {}: {} planned variables, {} goals, {} objects, {} attached, margin {} m, {} for "
+      "{}, {} s, seed {}\n\n",
+      problem["name"].get<std::string>(), problem["planned"].size(), problem["goals"].size(),
+      problem["objects"].size(), problem["attached"].size(), problem["margin"].get<double>(),
+      problem["planner"].get<std::string>(), problem["objective"].get<std::string>(),
+      problem["time_limit"].get<double>(), problem["seed"].get<std::uint64_t>());
+  printDeforming(problem);
+}
+
+void printGeometries(const Json& geometries) {
+  std::vector<std::vector<std::string>> rows;
+  std::string open, pieces;
+  std::size_t bytes = 0;
+  const auto field = [](const Json& json, const char* key) {
+    return json.contains(key) ? json[key].dump() : std::string();
+  };
+  for (const auto& geometry : geometries) {
+    const std::string owner = geometry["of"];
+    const bool mesh = geometry.contains("hull_excess");
+    const std::string excess = mesh && !geometry["hull_excess"].is_null()
+                                   ? formatUpper(geometry["hull_excess"].get<double>() * 1e3, 3)
+                                   : std::string();
+    rows.push_back({owner, geometry["type"], field(geometry, "vertices"),
+                    field(geometry, "triangles"), excess,
+                    mesh ? fmt::format("{} of {}", field(geometry, "closed_components"),
+                                       field(geometry, "components"))
+                         : "",
+                    formatBytes(geometry["bytes"].get<std::size_t>())});
+    bytes += geometry["bytes"].get<std::size_t>();
+    if (!mesh) {
+      continue;
+    }
+    const std::string name =
+        geometry["name"].get<std::string>().empty() ? "mesh" : geometry["name"].get<std::string>();
+    for (const auto& component : geometry["open"]) {
+      open += fmt::format("  {} of {}: component {}, {} triangles\n", name, owner,
+                          component["component"].get<int>(), component["triangles"].get<int>());
+    }
+    const Json& parts = geometry["convex_pieces"];
+    pieces += fmt::format("  {} of {}: ", name, owner);
+    pieces +=
+        parts["used"].get<bool>()
+            ? fmt::format("{} convex pieces and {} triangles, excess {} mm\n",
+                          parts["pieces"].get<int>(), parts["loose_triangles"].get<int>(),
+                          formatUpper(parts["excess"].get<double>() * 1e3, 6))
+            : fmt::format("triangles, no convex pieces ({})\n", parts["reason"].get<std::string>());
+  }
+  fmt::print("\n{}", formatTable({"of", "shape", "vertices", "triangles", "hull excess [mm]",
+                                  "closed", "size"},
+                                 rows, {1}));
+  fmt::print("{} shapes, {}\n", geometries.size(), formatBytes(bytes));
+  if (!pieces.empty()) {
+    fmt::print("\nqueries of meshes use\n{}", pieces);
+  }
+  if (!open.empty()) {
+    fmt::print("\nnot closed, so surfaces without an inside:\n{}", open);
+  }
+}
+
+void printCompiled(const Json& compiled) {
+  fmt::print(
+      "\ncompiled: {} moving and {} static bodies, {} pairs of shapes kept, {} pairs left out\n",
+      compiled["moving_bodies"].get<int>(), compiled["static_bodies"].get<int>(),
+      compiled["pairs_kept"].get<int>(), compiled["pairs_dropped"].get<int>());
+  for (const auto& [reason, count] : compiled["dropped_by_reason"].items()) {
+    fmt::print("  {} left out: {}\n", count.get<int>(), reason);
+  }
+  const std::string samples = compiled["samples"].dump();
+  printPairs(("touching at all of " + samples + " random configurations, still checked").c_str(),
+             compiled["sampled_always_touching"]);
+  printPairs(("touching at none of " + samples + " random configurations, still checked").c_str(),
+             compiled["sampled_never_touching"]);
+}
+
+}  // namespace leeway::tools::info
