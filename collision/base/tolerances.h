@@ -193,7 +193,7 @@ inline constexpr double kCoarseRounding = 2e-14;
 inline constexpr double kInnerBallSlack = 1e-9;
 
 /// Rounding of one comparison of LaneSweep, in single precision, relative to the sizes and
-/// coordinates involved; derived in lane_sweep_simd.cc (half of it is needed). Smaller breaks the
+/// coordinates involved; derived in lane_balls-inl.h (half of it is needed). Smaller breaks the
 /// guarantee.
 inline constexpr double kLaneSweepRounding = 64 * 0x1p-24;
 

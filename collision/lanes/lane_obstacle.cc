@@ -2,7 +2,7 @@
 
 #include <Eigen/Geometry>
 
-#include "collision/base/round_box.h"
+#include "collision/base/rounding.h"
 #include "collision/base/tolerances.h"
 #include "collision/lanes/lane_sweep_impl.h"
 #include "collision/mesh/mesh_tree.h"

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-#include "collision/base/round_box.h"
+#include "collision/base/rounding.h"
 #include "collision/base/tolerances.h"
 #include "collision/convex/convex_distance.h"
 #include "collision/convex/gjk/support.h"

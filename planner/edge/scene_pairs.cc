@@ -31,7 +31,10 @@ bool mayTouch(const Attachment& held, int link) {
 }  // namespace
 
 ScenePairs::ScenePairs(const Problem& problem, std::span<const robots::VariableRange> ranges)
-    : problem_(problem), model_(*problem.robot.model), ranges_(ranges), poses_(model_.links.size()) {
+    : problem_(problem),
+      model_(*problem.robot.model),
+      ranges_(ranges),
+      poses_(model_.links.size()) {
   robots::forwardKinematics(model_, problem.start, poses_);
   addLinks();
   addAttachments();
@@ -197,8 +200,7 @@ bool ScenePairs::isPassiveWithinLimits() const {
   for (std::size_t v = 0; v < model_.variables.size(); ++v) {
     const robots::Variable& variable = model_.variables[v];
     if (ranges_[v].lower != ranges_[v].upper) continue;
-    if (problem_.start[v] < variable.lower || problem_.start[v] > variable.upper)
-      return false;
+    if (problem_.start[v] < variable.lower || problem_.start[v] > variable.upper) return false;
   }
   return true;
 }

@@ -36,7 +36,7 @@ std::string readFile(const std::string& path) {
 std::string elided(std::string text) {
   constexpr std::size_t kLongest = 60;
   std::replace(text.begin(), text.end(), '\n', ' ');
-  if (text.size() > kLongest) text = text.substr(0, kLongest) + "...";
+  if (text.size() > kLongest) text.replace(kLongest, std::string::npos, "...");
   return text;
 }
 

@@ -11,7 +11,7 @@ namespace leeway::robots {
 
 namespace {
 
-/// result = a * b; the loops are written out so that the order of operations is fixed.
+/// result = a * b, in a fixed order of operations.
 inline void multiply(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b, Eigen::Matrix3d& result) {
   for (int column = 0; column < 3; ++column) {
     const double b0 = b(0, column), b1 = b(1, column), b2 = b(2, column);
@@ -34,7 +34,7 @@ inline void turnedRotation(const KinematicStep& step, double angle, Eigen::Matri
         (step.fixed.data()[i] + sine * step.sine.data()[i]) + cosine * step.cosine.data()[i];
 }
 
-/// The rotation of the quaternion xyzw divided by its norm; a zero quaternion turns nothing.
+/// The rotation of a quaternion xyzw of any length; of a zero one the identity.
 Eigen::Matrix3d quaternionRotation(double x, double y, double z, double w) {
   const double squared_norm = ((x * x + y * y) + z * z) + w * w;
   if (squared_norm == 0) return Eigen::Matrix3d::Identity();
@@ -114,16 +114,21 @@ void forwardKinematicsBatch(const Model& model, std::span<const double> q, int c
 }
 
 double kinematicsRounding(const Model& model, double reach) {
-  // Let u = 2^-53. A local rotation is fixed + sin * sine + cos * cosine: its three matrices are
-  // built from numbers within 1.5 u (the angles' sines) or 2.5 u (the unit axis) by at most six
-  // products and sums an entry, which makes less than 160 u in Frobenius norm for the three
-  // together; sine and cosine are within 1.5 u, the two products and sums add 3 u an entry, and the
-  // product with the parent's rotation less than 16 u in norm. Together below 200 u a joint; 256 u
-  // (kJointRounding) leaves room for second-order terms. A translation's components pass one
-  // product, three sums and the parent's rotation: below 256 u of its length as well. So a point at
-  // distance d from a joint's frame is moved by at most 256 u d more by each joint above it, and d
-  // is at most reach plus what the chain's offsets add up to. A revolute joint's angle multiplier *
-  // q + offset is rounded too: |angle| times 2 u, counted for mimic joints up to 100 rad.
+  // clang-format off
+  // With u = 2^-53, in Frobenius norm, a local rotation fixed + sin * sine + cos * cosine has
+  //
+  //   the three matrices   < 160 u   entries of at most six products and sums of numbers within
+  //                                  1.5 u (the angles' sines) or 2.5 u (the unit axis)
+  //   sine and cosine        1.5 u
+  //   products and sums        3 u   an entry
+  //   times the parent's    < 16 u
+  //   together             < 200 u   a joint; 256 u (kJointRounding) covers second-order terms
+  //
+  // A translation passes one product, three sums and the parent's rotation: below 256 u of its
+  // length. So each joint above a point at distance d from the joint's frame moves it by at most
+  // 256 u d, and d is at most `reach` plus the sum of the chain's offsets. The angle multiplier * q
+  // + offset of a revolute joint rounds by 2 u |angle|: counted for mimic joints, up to 100 rad.
+  // clang-format on
   std::vector<double> extent(model.joints.size());
   std::vector<int> depth(model.joints.size());
   double worst = 0;
@@ -133,7 +138,7 @@ double kinematicsRounding(const Model& model, double reach) {
     const auto limitOf = [&](int variable) {
       const Variable& v = model.variables[static_cast<std::size_t>(variable)];
       const double bound = std::max(std::fabs(v.lower), std::fabs(v.upper));
-      return std::isfinite(bound) ? bound : reach;  // farther out no point within reach is left
+      return std::isfinite(bound) ? bound : reach;  // farther out, no point is within reach
     };
     if (joint.type == JointType::kPrismatic) {
       const int master = joint.mimic >= 0

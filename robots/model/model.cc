@@ -61,8 +61,8 @@ KinematicStep compile(const RobotDescription& robot, const Joint& joint) {
 }  // namespace
 
 void planeAxes(const Eigen::Vector3d& normal, Eigen::Vector3d& u, Eigen::Vector3d& v) {
-  // R = 1 + [w] + [w]^2 / (1 + z) with w = z axis x normal. Below the horizon 1 + z cancels; (x^2 +
-  // y^2) / (1 - z) is the same.
+  // R = 1 + [w] + [w]^2 / (1 + z) with w = z axis x normal. For z < 0 the sum 1 + z cancels:
+  // (x^2 + y^2) / (1 - z) equals it.
   const double x = normal.x(), y = normal.y(), z = normal.z(), squared = x * x + y * y;
   if (z < 0 && !(squared > 1e-300)) {  // opposite to the z axis: half a turn about x
     u = Eigen::Vector3d::UnitX();

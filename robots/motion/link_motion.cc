@@ -16,7 +16,7 @@ namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-/// The variable that a joint follows, and how: through its masters.
+/// The variable that a joint follows, directly or through its masters.
 struct Follows {
   int variable = -1;
   double multiplier = 1;
@@ -32,7 +32,7 @@ Follows follows(const Model& model, const Joint& joint) {
   return f;
 }
 
-/// x y z w of p * q.
+/// The quaternion p * q, xyzw.
 Eigen::Vector4d product(const Eigen::Vector4d& p, const Eigen::Vector4d& q) {
   Eigen::Vector4d r;
   r.head<3>() = p.w() * q.head<3>() + q.w() * p.head<3>() +
@@ -41,13 +41,13 @@ Eigen::Vector4d product(const Eigen::Vector4d& p, const Eigen::Vector4d& q) {
   return r;
 }
 
-/// What the edge's variables can be, for tight reaches.
+/// The ranges of the variables along the edge: tighter reaches than the limits'.
 std::vector<VariableRange> edgeRanges(const Model& model, std::span<const double> q0,
                                       std::span<const double> dq) {
   std::vector<VariableRange> ranges;
   for (std::size_t i = 0; i < q0.size(); ++i) {
     const double end = q0[i] + dq[i];
-    // Rounded outwards, but what stands still is constant.
+    // Rounded outwards, except that a variable at rest stays a constant.
     const double slack = dq[i] == 0 ? 0 : kReachRounding * (1 + std::abs(q0[i]) + std::abs(end));
     ranges.push_back({std::min(q0[i], end) - slack, std::max(q0[i], end) + slack});
   }
@@ -95,8 +95,8 @@ LinkMotion::LinkMotion(std::shared_ptr<const Model> model, int link, std::span<c
   base_reach_ = motion.base_reach;
   bound_.speed = speedBound(*model_, motion, joint_motion);
   bound_.acceleration = accelerationBound(*model_, motion, joint_motion);
-  // omega is the sum of the joints' turns about axes that those below turn: its change is at most
-  // the sum of products of two different ones.
+  // omega is the sum of the joints' rates about axes that the joints nearer to the root turn: its
+  // derivative is at most the sum of the products of two different rates.
   for (const int joint : path_) {
     const double angle = joint_motion[at(joint)].angle;
     bound_.angular_acceleration += bound_.angular_speed * angle;
@@ -190,7 +190,7 @@ collision::PointMotion pointMotion(const Model& model, const RelativeMotion& mot
   jointMotion(model, limits.velocity, rates);
   result.speed_cap = speedBound(model, motion, rates);
   result.acceleration = accelerationBound(model, motion, rates);
-  // The joints' own accelerations act on points as their velocities do.
+  // Points accelerate with the joints' accelerations as they move with their velocities.
   jointMotion(model, limits.acceleration, rates);
   result.acceleration += speedBound(model, motion, rates);
   const auto known = [](double x) {

@@ -1,5 +1,4 @@
-// Meshes through Assimp. Its importers make single-precision vertices; everything after that is
-// done in double.
+// Meshes through Assimp. Its importers round vertices to single precision; the rest is in double.
 
 #include <assimp/config.h>
 #include <assimp/postprocess.h>
@@ -33,8 +32,8 @@ Eigen::Matrix4d toEigen(const aiMatrix4x4& m) {
   return result;
 }
 
-/// Appends the mesh at the node's place. A face of one or two corners (a point, a line) becomes a
-/// triangle without area: it can be touched too.
+/// Appends a node's mesh. A face of one or two corners (a point, a line) becomes a triangle without
+/// area: it takes part in collisions.
 void append(const aiMesh& mesh, const Eigen::Matrix4d& transform, const Eigen::Vector3d& scale,
             Soup& soup) {
   const auto first = static_cast<std::int32_t>(soup.vertices.size());
@@ -77,7 +76,7 @@ collision::Shape loadMesh(const std::string& path, const Eigen::Vector3d& scale,
   if (!scale.allFinite() || (scale.array() == 0).any())
     fail("has a scale that is zero or not finite; three other numbers would be accepted");
   Assimp::Importer importer;
-  // RViz and MoveIt leave the file's up axis alone; its unit of length counts.
+  // As RViz and MoveIt do: ignore the file's up axis, apply its unit of length.
   importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
   const aiScene* scene = importer.ReadFile(path, aiProcess_Triangulate);
   if (scene == nullptr)

@@ -1,7 +1,6 @@
-// SRDF with the meaning that MoveIt gives it (moveit_core, RobotModel::addJointModelGroup): a link
-// stands for the joint above it, a chain for the joints between its two ends. One deviation: where
-// a chain goes up and down again, the joint above the turning point moves both ends alike and is
-// left out.
+// SRDF as MoveIt reads it (moveit_core, RobotModel::addJointModelGroup): a link means the joint
+// above it, a chain the joints between its two ends. One deviation: of a chain that goes up and
+// down again, the joint above its highest link is left out, because it moves both ends alike.
 
 #include "robots/urdf/srdf.h"
 
@@ -18,15 +17,6 @@ namespace leeway::robots {
 namespace {
 
 using tinyxml2::XMLElement;
-
-std::string inQuotes(const std::string& text) { return '"' + text + '"'; }
-
-template <typename Visit>
-void eachChild(const XMLElement& parent, const char* name, const Visit& visit) {
-  for (const XMLElement* child = parent.FirstChildElement(name); child != nullptr;
-       child = child->NextSiblingElement(name))
-    visit(*child);
-}
 
 template <typename Item>
 std::vector<std::string> namesOf(const std::vector<Item>& items) {
@@ -91,7 +81,7 @@ class Reader {
     const std::string name = file_.attribute(at, attribute);
     return require(at, "joint", name, model_.joints, model_.findJoint(name));
   }
-  /// Groups may name each other in any order, so all names are known first.
+  /// Groups may name groups further down: readGroups() reads all names first.
   int requireGroup(const XMLElement& at, const char* attribute) {
     const std::string name = file_.attribute(at, attribute);
     return require(at, "group", name, model_.groups, model_.findGroup(name));

@@ -36,13 +36,13 @@ class Meshes {
   Meshes(const std::string& urdf_path, const LoadOptions& options)
       : urdf_path_(urdf_path), options_(options) {}
 
-  /// Loads all meshes of the links, in that order, side by side: each by itself, so that nothing
-  /// depends on how many threads there are. What fails is told when load() comes to it.
+  /// Loads all meshes of the links in parallel. Each is independent of the others, so the number of
+  /// threads changes nothing. load() reports failures, in the order of the links.
   void loadAll(const UrdfDocument& document, const std::vector<std::pair<int, int>>& order) {
     for (const auto& [link, joint] : order)
       for (const UrdfCollision& collision : document.links[index(link)].collisions)
         if (collision.kind == UrdfCollision::Kind::kMesh) addTask(collision);
-    // The largest first, so that no thread is left with it at the end.
+    // Largest first: else one thread may end with it alone.
     std::stable_sort(tasks_.begin(), tasks_.end(),
                      [](const Task& l, const Task& r) { return l.bytes > r.bytes; });
     std::atomic<std::size_t> next = 0;
@@ -55,7 +55,7 @@ class Meshes {
     threads.reserve(most);
     try {
       while (threads.size() + 1 < std::min(most, tasks_.size())) threads.emplace_back(work);
-    } catch (const std::system_error&) {  // no more to be had: fewer do it
+    } catch (const std::system_error&) {  // fewer threads do it
     }
     work();
     for (std::thread& thread : threads) thread.join();
@@ -79,7 +79,7 @@ class Meshes {
     std::uintmax_t bytes;
     Loaded* result;
   };
-  // More would wait for memory, and for the largest mesh.
+  // More threads would wait for memory, or for the largest mesh.
   static constexpr std::size_t kMostThreads = 8;
 
   /// Throws for a file that is not found.
@@ -203,8 +203,7 @@ void appendJoint(const UrdfJoint& source, const std::vector<int>& link_position,
   model.joints.push_back(std::move(joint));
 }
 
-/// Follows a chain of mimics to the joint that has a variable; positions compose: m1 (m2 q + o2) +
-/// o1.
+/// Follows a chain of mimics to the joint with a variable: m1 (m2 q + o2) + o1.
 void resolveMimic(const UrdfDocument& document, const UrdfJoint& source, RobotDescription& model) {
   const auto find = [&](const std::string& name) {
     return &*std::find_if(document.joints.begin(), document.joints.end(),
@@ -222,8 +221,7 @@ void resolveMimic(const UrdfDocument& document, const UrdfJoint& source, RobotDe
   joint.mimic = model.findJoint(master->name);
 }
 
-/// A mimic joint's own velocity limit bounds its master: at a variable's velocity no joint that
-/// follows it is too fast. 0 is no limit.
+/// Lowers the velocity limit of a mimic's master so that the mimic keeps its own. 0 is no limit.
 void limitMaster(const UrdfJoint& source, RobotDescription& model) {
   const Joint& joint = model.joints[index(model.findJoint(source.name))];
   const int variable = model.joints[index(joint.mimic)].first_variable;

@@ -1,4 +1,4 @@
-// The second reader: urdfdom must see the same robot in the same file.
+// urdfdom, as a second reader, must read the same robot from the file.
 
 #include <urdf_model/model.h>
 #include <urdf_parser/urdf_parser.h>
@@ -34,7 +34,7 @@ bool sameVector(const Eigen::Vector3d& a, const urdf::Vector3& b) {
   return a.x() == b.x && a.y() == b.y && a.z() == b.z;
 }
 
-/// urdfdom turns angles into a quaternion by way of the C library: the same up to rounding.
+/// Equal up to rounding: urdfdom makes a quaternion of the angles, with the C library's functions.
 bool samePose(const Pose& a, const urdf::Pose& b) {
   for (int i = 0; i < 3; ++i) {
     const urdf::Vector3 turned = b.rotation * urdf::Vector3(i == 0, i == 1, i == 2);

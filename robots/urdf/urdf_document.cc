@@ -1,6 +1,6 @@
-// urdfdom keeps no line numbers and lets much pass in silence: a link's collisions vanish with one
-// unknown geometry, two parents, cycles apart from the tree, zero axes, swapped limits and unknown
-// mimic masters are accepted. So this pass looks first, and says where.
+// Reads before urdfdom does, which keeps no line numbers and is silent about much: it drops all
+// collisions of a link for one unknown geometry, and accepts two parents, cycles apart from the
+// tree, zero axes, swapped limits and unknown mimic masters.
 
 #include "robots/urdf/urdf_document.h"
 
@@ -19,16 +19,7 @@ namespace {
 
 using tinyxml2::XMLElement;
 
-std::string inQuotes(const std::string& text) { return '"' + text + '"'; }
-
 std::string lineOf(int line) { return "line " + std::to_string(line); }
-
-template <typename Visit>
-void eachChild(const XMLElement& parent, const char* name, const Visit& visit) {
-  for (const XMLElement* child = parent.FirstChildElement(name); child != nullptr;
-       child = child->NextSiblingElement(name))
-    visit(*child);
-}
 
 class Reader {
  public:
@@ -42,9 +33,7 @@ class Reader {
     if (document_.links.empty())
       file_.fail(file_.root(), "the robot has no <link>; at least one is needed");
     eachChild(file_.root(), "joint", [&](const XMLElement& joint) { readJoint(joint); });
-    checkParents();
-    checkTree();
-    checkMimics();
+    checkStructure(document_);
     document_.essence = essence();
     return std::move(document_);
   }
@@ -199,7 +188,6 @@ class Reader {
     readAxis(element, joint);
     readLimit(element, joint);
     readMimic(element, joint);
-    joint_names_.push_back(joint.name);
     document_.joints.push_back(std::move(joint));
   }
 
@@ -216,7 +204,7 @@ class Reader {
     file_.allowAttributes(*axis, {"xyz"});
     file_.attribute(*axis, "xyz");
     joint.axis = *file_.vector(*axis, "xyz");
-    // A norm outside of these bounds would lose digits when squared.
+    // The square of a norm outside these bounds loses digits.
     const double norm = joint.axis.norm();
     if (!(norm > 1e-100 && norm < 1e100))
       file_.fail(*axis, "the axis " + inQuotes(axis->Attribute("xyz")) + " of joint " +
@@ -267,109 +255,14 @@ class Reader {
     joint.mimic_line = mimic->GetLineNum();
     joint.multiplier = file_.number(*mimic, "multiplier").value_or(1);
     joint.offset = file_.number(*mimic, "offset").value_or(0);
-    // A fixed joint stays where it is, whatever it is said to mimic (grippers are often frozen so).
+    // Grippers are often frozen by making a mimic joint fixed.
     joint.has_mimic = joint.type != JointType::kFixed;
     if (!joint.has_mimic)
       document_.warnings.push_back(file_.locate(
           *mimic, "joint " + inQuotes(joint.name) + " is fixed: its <mimic> is left out"));
   }
 
-  [[noreturn]] void failAt(int line, const std::string& message) const {
-    throw InputError(document_.path, line, message);
-  }
-
-  void checkParents() {
-    parent_joint_.assign(document_.links.size(), -1);
-    for (std::size_t i = 0; i < document_.joints.size(); ++i) {
-      const UrdfJoint& joint = document_.joints[i];
-      const std::string& child = document_.links[static_cast<std::size_t>(joint.child)].name;
-      if (joint.parent == joint.child)
-        failAt(joint.line, "joint " + inQuotes(joint.name) + " joins link " + inQuotes(child) +
-                               " to itself; two different links would be accepted");
-      int& parent = parent_joint_[static_cast<std::size_t>(joint.child)];
-      if (parent >= 0) {
-        const UrdfJoint& first = document_.joints[static_cast<std::size_t>(parent)];
-        failAt(joint.line, "link " + inQuotes(child) + " has two parents, through joint " +
-                               inQuotes(first.name) + " (" + lineOf(first.line) + ") and joint " +
-                               inQuotes(joint.name) + "; one would be accepted");
-      }
-      parent = static_cast<int>(i);
-    }
-  }
-
-  void checkTree() {
-    std::vector<std::size_t> roots;
-    for (std::size_t i = 0; i < document_.links.size(); ++i)
-      if (parent_joint_[i] < 0) roots.push_back(i);
-    if (roots.size() > 1) {
-      const UrdfLink& a = document_.links[roots[0]];
-      const UrdfLink& b = document_.links[roots[1]];
-      failAt(b.line,
-             "the robot has " + std::to_string(roots.size()) + " roots, among them link " +
-                 inQuotes(a.name) + " (" + lineOf(a.line) + ") and link " + inQuotes(b.name) +
-                 "; one link without a parent would be accepted, a fixed joint can join them");
-    }
-    // Every link must lead up to the root; one that does not runs into a cycle.
-    for (std::size_t start = 0; start < document_.links.size(); ++start) {
-      std::size_t link = start;
-      for (std::size_t steps = 0; parent_joint_[link] >= 0; ++steps) {
-        if (steps > document_.links.size()) failCycle(link);
-        link = static_cast<std::size_t>(
-            document_.joints[static_cast<std::size_t>(parent_joint_[link])].parent);
-      }
-    }
-  }
-
-  [[noreturn]] void failCycle(std::size_t on_cycle) const {
-    std::string way = inQuotes(document_.links[on_cycle].name);
-    std::size_t link = on_cycle;
-    int line = 0;
-    do {
-      const UrdfJoint& joint = document_.joints[static_cast<std::size_t>(parent_joint_[link])];
-      line = std::max(line, joint.line);
-      link = static_cast<std::size_t>(joint.parent);
-      way += " < " + inQuotes(document_.links[link].name);
-    } while (link != on_cycle);
-    failAt(line,
-           "the links form a cycle: " + way + " (each below the next); a tree would be accepted");
-  }
-
-  void checkMimics() {
-    const auto find = [&](const std::string& name) {
-      const auto found = std::find(joint_names_.begin(), joint_names_.end(), name);
-      return found == joint_names_.end()
-                 ? nullptr
-                 : &document_.joints[static_cast<std::size_t>(found - joint_names_.begin())];
-    };
-    for (const UrdfJoint& joint : document_.joints) {
-      if (!joint.has_mimic) continue;
-      const UrdfJoint* master = &joint;
-      for (std::size_t steps = 0; master->has_mimic; ++steps) {
-        const UrdfJoint* next = find(master->mimic);
-        if (next == nullptr) {
-          const std::string nearest = suggestion(master->mimic, joint_names_);
-          failAt(master->mimic_line,
-                 "joint " + inQuotes(master->name) + " mimics " + inQuotes(master->mimic) +
-                     ", which is not defined; " +
-                     (nearest.empty() ? "the name of another <joint> would be accepted" : nearest));
-        }
-        if (steps > document_.joints.size() || next == &joint)
-          failAt(joint.mimic_line,
-                 "joint " + inQuotes(joint.name) + " mimics itself" +
-                     (steps == 0 ? "" : " by way of others") +
-                     "; a joint that has its own position would be accepted as master");
-        master = next;
-      }
-      if (master->type != JointType::kRevolute && master->type != JointType::kContinuous &&
-          master->type != JointType::kPrismatic)
-        failAt(joint.mimic_line, "joint " + inQuotes(joint.name) + " mimics " +
-                                     inQuotes(master->name) + " (" + lineOf(master->line) +
-                                     "), which has no single position; a revolute, continuous or "
-                                     "prismatic joint would be accepted");
-    }
-  }
-
-  /// Takes from `parent` every child element that is not named; text and comments go with them.
+  /// Removes all children of `parent` but elements of these names.
   static void keepOnly(XMLElement& parent, std::initializer_list<std::string_view> names) {
     for (tinyxml2::XMLNode* child = parent.FirstChild(); child != nullptr;) {
       tinyxml2::XMLNode* next = child->NextSibling();
@@ -401,8 +294,7 @@ class Reader {
   XmlFile file_;
   UrdfDocument document_;
   std::map<std::string, int> link_lines_, joint_lines_, link_index_;
-  std::vector<std::string> link_names_, joint_names_;
-  std::vector<int> parent_joint_;
+  std::vector<std::string> link_names_;
 };
 
 }  // namespace

@@ -44,21 +44,25 @@ struct UrdfJoint {
   double multiplier = 1, offset = 0;
 };
 
-/// What a URDF says, checked: names unique, one root, no cycle, every number finite and sensible.
+/// A URDF, checked: names are unique, there is one root and no cycle, all numbers are finite and
+/// sensible.
 struct UrdfDocument {
   std::string path, name;
   std::vector<UrdfLink> links;    ///< in file order
   std::vector<UrdfJoint> joints;  ///< in file order
   std::vector<std::string> warnings;
-  std::string
-      essence;  ///< the same document as XML, without what does not bear on motion and collision
+  std::string essence;  ///< the XML that bears on motion and collision
 };
 
-/// Reads and validates with TinyXML2, which keeps line numbers. Throws InputError.
+/// Reads and checks a URDF, by TinyXML2, which keeps line numbers. Throws InputError.
 UrdfDocument readUrdf(const std::string& path);
 
-/// Reads the document's essence with urdfdom, the reader that robot software shares, and throws
-/// InputError where it sees another robot.
+/// Throws InputError unless the links form one tree, and every mimic leads to a joint of one
+/// position. Called by readUrdf().
+void checkStructure(const UrdfDocument& document);
+
+/// Reads the document's essence with urdfdom, the reader that robot software shares. Throws
+/// InputError where urdfdom reads another robot.
 void compareWithUrdfdom(const UrdfDocument& document);
 
 /// The rotation of fixed-axis angles roll, pitch, yaw [rad]: Rz(yaw) Ry(pitch) Rx(roll).

@@ -52,9 +52,9 @@ const XMLElement* findXacro(const XMLElement& element) {
   return nullptr;
 }
 
-std::string inQuotes(std::string_view text) { return '"' + std::string(text) + '"'; }
-
 }  // namespace
+
+std::string inQuotes(std::string_view text) { return '"' + std::string(text) + '"'; }
 
 std::string suggestion(std::string_view wanted, std::span<const std::string> candidates) {
   const std::string* nearest = nearestName(wanted, candidates);
@@ -80,7 +80,7 @@ XmlFile::XmlFile(const std::string& path, const std::string& kind) : path_(path)
   if (std::strcmp(root().Name(), "robot") != 0)
     fail(root(), "the root element is <" + std::string(root().Name()) + ">; a " + kind +
                      " file has <robot>");
-  // TinyXML2 reads on behind the root element.
+  // TinyXML2 accepts more elements after the root.
   if (const XMLElement* second = root().NextSiblingElement())
     fail(*second, "a second root element, <" + std::string(second->Name()) + ">; a " + kind +
                       " file has one <robot>");

@@ -14,8 +14,8 @@
 
 namespace leeway::robots {
 
-/// An XML file held in memory, with the readers that robot descriptions need. Every reader throws
-/// InputError with file and line.
+/// An XML file in memory, with readers for robot descriptions. All throw InputError with file and
+/// line.
 class XmlFile {
  public:
   /// Reads and parses; `kind` ("URDF", "SRDF") and the root element's name are for messages.
@@ -30,9 +30,9 @@ class XmlFile {
   /// "FILE:LINE: message", for warnings.
   std::string locate(const tinyxml2::XMLElement& at, const std::string& message) const;
 
-  /// The attribute's text; an error when it is missing or empty.
+  /// The attribute's text; must be there and not empty.
   std::string attribute(const tinyxml2::XMLElement& element, const char* name) const;
-  /// The attribute as one finite number; an error when it is there and is not one.
+  /// The attribute as one finite number; nothing when it is not there.
   std::optional<double> number(const tinyxml2::XMLElement& element, const char* name) const;
   double requiredNumber(const tinyxml2::XMLElement& element, const char* name) const;
   /// The attribute as exactly three finite numbers.
@@ -53,6 +53,17 @@ class XmlFile {
   std::string path_;
   tinyxml2::XMLDocument document_;
 };
+
+/// Calls visit(child) for every child element of that name.
+template <typename Visit>
+void eachChild(const tinyxml2::XMLElement& parent, const char* name, const Visit& visit) {
+  for (const tinyxml2::XMLElement* child = parent.FirstChildElement(name); child != nullptr;
+       child = child->NextSiblingElement(name))
+    visit(*child);
+}
+
+/// "text", quotes included.
+std::string inQuotes(std::string_view text);
 
 /// `Did you mean "..."?` for the candidate nearest to `wanted` in edit distance, or the empty
 /// string when none is near.

@@ -112,7 +112,7 @@ TEST_F(ProblemDeforming, EverybodySeesTheStart) {
   ASSERT_EQ(problem.world.deforming.size(), 1U);
   EXPECT_EQ(problem.world.deforming[0].options.strategy, collision::DeformStrategy::kMorph);
   EXPECT_EQ(problem.world.deforming[0].options.volume, collision::DeformVolume::kBall);
-  EXPECT_EQ(problem.world.objects.at(0).name, "gate");
+  EXPECT_EQ(problem.world.deforming[0].object.name, "gate");
   EXPECT_EQ(problem.margins.pairs.at(0).margin, 0.03);
   EXPECT_TRUE(problem.warnings.empty());
 }

@@ -233,8 +233,9 @@ Json robotJson(const robots::Model& model) {
 Json problemJson(const planner::Problem& problem) {
   Json planned = Json::array();
   for (const int variable : problem.robot.variables) {
-    planned.push_back({{"name", problem.robot.model->variables[static_cast<std::size_t>(variable)].name},
-                       {"start", problem.start[static_cast<std::size_t>(variable)]}});
+    planned.push_back(
+        {{"name", problem.robot.model->variables[static_cast<std::size_t>(variable)].name},
+         {"start", problem.start[static_cast<std::size_t>(variable)]}});
   }
   Json goals = Json::array();
   for (const auto& goal : problem.goals) {
@@ -247,6 +248,9 @@ Json problemJson(const planner::Problem& problem) {
   Json objects = Json::array();
   for (const auto& object : problem.world.objects) {
     objects.push_back(object.name);
+  }
+  for (const auto& obstacle : problem.world.deforming) {
+    objects.push_back(obstacle.object.name);
   }
   Json attached = Json::array();
   for (const auto& attachment : problem.robot.attachments) {
@@ -262,9 +266,9 @@ Json problemJson(const planner::Problem& problem) {
           {"deforming", deformingJson(problem)},
           {"execution", executionJson(problem)},
           {"margin", problem.margins.common},
-          {"planner", problem.planner},
-          {"objective", problem.objective},
-          {"time_limit", problem.time_limit},
+          {"planner", problem.planner.name},
+          {"objective", planner::toString(problem.objective)},
+          {"time_limit", problem.limits.time},
           {"seed", problem.seed}};
 }
 
@@ -281,6 +285,9 @@ Json geometriesJson(const planner::Problem& problem) {
   }
   for (const auto& object : problem.world.objects) {
     append(object.name, object.geometries);
+  }
+  for (const auto& obstacle : problem.world.deforming) {
+    append(obstacle.object.name, obstacle.object.geometries);
   }
   for (const auto& attachment : problem.robot.attachments) {
     append(attachment.object.name, attachment.object.geometries);

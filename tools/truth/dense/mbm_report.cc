@@ -84,7 +84,7 @@ bool collides(DenseWorld& world, const std::string& problem, const std::vector<s
   return false;
 }
 
-/// The same for start and goal alone: what a planner refuses must collide.
+/// Whether the start or the goal collides: one does where a planner rightly refuses.
 bool endsCollide(DenseWorld& world) {
   for (const auto* end : {&world.start(), &world.goal()}) {
     std::vector<std::string> names;

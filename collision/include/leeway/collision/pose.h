@@ -4,9 +4,10 @@
 
 namespace leeway::collision {
 
-/// A rigid placement: X_AB maps the coordinates of a point in frame B to those in frame A. A struct
-/// of two plain Eigen members and not Eigen's Isometry3d, whose alignment depends on the
-/// instruction set that a program is compiled for: this type is part of public interfaces.
+/// A rigid placement: X_AB maps the coordinates of a point in frame B to those in frame A.
+///
+/// Not Eigen::Isometry3d: its alignment depends on the compiler's instruction set (-march), so it
+/// must not stand in the interface of a library that is compiled apart from its caller.
 struct Pose {
   Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
   Eigen::Vector3d translation = Eigen::Vector3d::Zero();  // [m]
@@ -21,8 +22,26 @@ struct Pose {
     return {rotation * X_BC.rotation, rotation * X_BC.translation + translation};
   }
 
-  /// X_BA, by transposition: an inverse only as far as `rotation` is orthogonal.
+  /// X_BA, by transposition: exact only as far as `rotation` is orthogonal.
   Pose inverse() const { return {rotation.transpose(), -(rotation.transpose() * translation)}; }
+
+  /// From Eigen::Isometry3d, copied number by number. Converters are inline, so that the caller's
+  /// alignment holds, and templates, so that this header needs no <Eigen/Geometry>: a caller that
+  /// has an isometry has included it.
+  template <int kOptions>
+  static Pose fromIsometry(const Eigen::Transform<double, 3, Eigen::Isometry, kOptions>& isometry) {
+    return {isometry.linear(), isometry.translation()};
+  }
+
+  /// To Eigen::Isometry3d, copied number by number; include <Eigen/Geometry> before the call.
+  template <int kOptions = Eigen::AutoAlign>
+  Eigen::Transform<double, 3, Eigen::Isometry, kOptions> toIsometry() const {
+    Eigen::Transform<double, 3, Eigen::Isometry, kOptions> isometry;
+    isometry.linear() = rotation;
+    isometry.translation() = translation;
+    isometry.makeAffine();
+    return isometry;
+  }
 };
 
 }  // namespace leeway::collision

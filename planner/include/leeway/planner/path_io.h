@@ -7,33 +7,33 @@
 
 namespace leeway::planner {
 
-/// Reads .json, .yaml, .csv or .path by its ending. Columns are matched to the problem's planned
-/// variables by name (.path: by order); one that is not planned must say what the problem says of
-/// it. JSON and YAML: trajectory_msgs/JointTrajectory, alone or under `joint_trajectory`, or what
-/// `leeway plan --json` prints. Numbers come back to the bit. Throws robots::InputError.
+/// Reads a .json, .yaml, .csv or .path file. Columns are matched to the problem's planned variables
+/// by name (.path: by order); a column of another variable must have the value of the problem's
+/// start. JSON and YAML hold a trajectory_msgs/JointTrajectory, alone or under `joint_trajectory`,
+/// or the output of `leeway plan --json`. Numbers read back to the bit. Throws robots::InputError.
 Path readPath(const std::string& file, const Problem& problem);
 
-/// Writes by ending, whole or not at all (temporary name, then rename). Throws robots::InputError
-/// when it cannot, leaving an existing file as it was. Continuous joints are written unwrapped. A
-/// path has no times of its own: those written are when a trajectory within the problem's limits
-/// that stops at every corner is there (motionLimits()), and mean nothing to the certificate.
+/// Writes the format of the file's ending, whole or not at all (see writeFileWhole()). Continuous
+/// joints are unwrapped. A path has no times: those written are of a trajectory within the
+/// problem's limits (motionLimits()) that stops at every corner; the certificate does not depend on
+/// them. Throws robots::InputError.
 void writePath(const std::string& file, const Problem& problem, const PlanResult& result);
 
-/// Writes a timed motion along the result's path, .json or .yaml shaped like
-/// trajectory_msgs/JointTrajectory, whole or not at all: positions, velocities and accelerations
-/// (from that moment on; all of the numbers themselves, orientations included) at its knots, and
-/// every `period` seconds where that is above 0. The cubic through positions and velocities of
-/// joints is the motion itself between knots on an edge. .csv has times and positions alone. The
-/// certificate beside them is that of the motion: with blended corners its clearance is told to be
-/// at least the least margin, and no upper bound is where a blend cuts off the place that it was
-/// found at. Throws robots::InputError, also for motions of more than 2^31 s and more than a
-/// million periods.
+/// Writes a timed motion along the result's path, whole or not at all. .json and .yaml have the
+/// shape of trajectory_msgs/JointTrajectory: positions, velocities and accelerations (after a jump)
+/// at the motion's knots, and every `period` seconds if that is above 0; for orientations the
+/// derivatives are of the quaternion's numbers. Between knots on an edge, joints move on the cubic
+/// through positions and velocities. .csv has times and positions only.
+///
+/// The certificate in the file is the motion's: with blended corners the lower bound of its
+/// clearance is at most the least margin, and there is no upper one if a blend cuts off the path's
+/// closest place. Throws robots::InputError, also for more than 2^31 s or a million periods.
 void writeTrajectory(const std::string& file, const Problem& problem, const PlanResult& result,
                      const Trajectory& trajectory, double period = 0);
 
-/// The text of a file, whole or not at all: written under a temporary name beside it, then renamed.
-/// Of a symbolic link what it names is replaced; a device or pipe is written to. Throws
-/// robots::InputError.
+/// Replaces a file whole or not at all: writes a temporary file beside it, and renames that.
+/// Follows a symbolic link; writes to a device or pipe directly. Throws robots::InputError, leaving
+/// an existing file as it was.
 void writeFileWhole(const std::string& file, const std::string& text);
 
 }  // namespace leeway::planner

@@ -69,10 +69,10 @@ struct PlanResult {
 ///
 /// MinimumLength: a free straight edge to the nearest goal is the answer, without a planner.
 /// Planners that optimise run until the limits, others stop at their first path.
-/// MaximumClearance: planners that optimise maximise the least clearance along the path, their edges'
-/// costs being certified bounds; the others, RRTConnect among them, are run again and again with
-/// rising margins, which climbs faster. Both end early when start or goal have no more clearance
-/// than the path. Simplification keeps the clearance that was reached.
+/// MaximumClearance: planners that optimise maximise the least clearance along the path, their
+/// edges' costs being certified bounds; the others, RRTConnect among them, are run again and again
+/// with rising margins, which climbs faster. Both end early when start or goal have no more
+/// clearance than the path. Simplification keeps the clearance that was reached.
 ///
 /// The same problem, seed and iteration limit give the same bytes, except for times. This holds for
 /// deterministic planners (see PlannerTraits), and while no other thread makes generators of OMPL

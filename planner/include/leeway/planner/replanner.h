@@ -11,28 +11,28 @@
 
 namespace leeway::planner {
 
-/// What is done in one step.
+/// The decision of one step.
 enum class Decision : unsigned char {
-  kPlan,    ///< a new path is set out on
-  kFollow,  ///< the path holds and is followed
-  kWait,    ///< the robot stands where it is
-  kEvade,   ///< where it is, it cannot stay: it moves off its path to where it can
-  kUnsafe,  ///< nothing can be certified, not even standing: it stands
+  kPlan,    ///< follow a new path
+  kFollow,  ///< follow the path, which holds
+  kWait,    ///< stand
+  kEvade,   ///< leave the path for a place that is certified, because standing is not
+  kUnsafe,  ///< stand: nothing is certified, not even standing
 };
 const char* toString(Decision decision);  ///< "plan", "follow", "wait", "evade", "unsafe"
 
-/// Where the robot is at a time. Between two of them it moves as the space interpolates, at
-/// constant speed.
+/// The robot's place at a time. Between two of them it moves as the space interpolates, at constant
+/// speed.
 struct TimedPoint {
   double time = 0;  ///< [s]
   std::vector<double> position;
 };
 
-/// What following one obstacle cost in a step.
+/// The cost of following one obstacle in a step.
 struct ObstacleUpdate {
-  std::string object, strategy;  ///< strategy: what was done, also where `auto` chose it
+  std::string object, strategy;  ///< strategy: the one that ran, by choice of `auto` or not
   std::string reason;            ///< why `auto` chose it, in a few words; else "asked for"
-  double update_s = 0;           ///< to have its hierarchy at the step's beginning [s]
+  double update_s = 0;           ///< of its hierarchy, to the step's beginning [s]
 };
 
 /// One step: from one look at the world to the next.
@@ -40,24 +40,23 @@ struct ReplanStep {
   int index = 0;
   double time = 0;  ///< of the look at the world [s]
   Decision decision = Decision::kUnsafe;
-  /// The motion is proven to keep all margins at every moment of the step, whatever the obstacles
-  /// do within what is known of them. False only for kUnsafe.
+  /// The motion is proven to keep all margins at every time of the step, whatever the obstacles do
+  /// within their known motions or speed bounds. False only for kUnsafe.
   bool certified = false;
-  /// How long the robot is certified to be able to go on, or to stand, beyond the step [s]; at most
+  /// Time after the step for which going on, or standing, is certified [s]; at most
   /// Execution::look_ahead.
   double look_ahead = 0;
-  /// From the present state to that at the next look, at least two rows; all of them within the
-  /// step.
+  /// From the present state to that of the next look: at least two rows, all within the step.
   std::vector<TimedPoint> motion;
   /// The least separation of checked pairs over the whole step [m]; (inf, inf) without pairs.
   Interval clearance;
   std::string closest_a, closest_b;
-  /// Whether what was left of the path held in the world as it was seen, and what broke it if not.
+  /// The rest of the path is certified in the world as seen; if not, the bodies that broke it.
   bool path_held = false;
   std::string broken_a, broken_b;
   bool reached = false;       ///< the motion ends in a goal
-  double remaining_s = 0;     ///< time that the rest of the path takes [s]; infinite without a path
-  double path_clearance = 0;  ///< certified of a new path as planned [m]; infinite otherwise
+  double remaining_s = 0;     ///< duration of the rest of the path [s]; infinite without a path
+  double path_clearance = 0;  ///< certified for a new path [m]; infinite without one
 
   double update_s = 0, certify_s = 0, plan_s = 0, clearance_s = 0;  ///< of computing [s]
   std::vector<ObstacleUpdate> obstacles;
@@ -68,29 +67,31 @@ struct ReplanStep {
 struct ReplanOptions {
   std::function<bool()> stop;  ///< asked often; true ends planning, and replan()
   std::function<void(const std::string& phase, double elapsed_s)> progress;
-  double clearance_tolerance = 1e-3;  ///< of ReplanStep::clearance, as far as obstacles' motion
-                                      ///< within the step does not widen it [m]
+  /// Width of ReplanStep::clearance [m], to which the obstacles' motion within the step is added.
+  double clearance_tolerance = 1e-3;
 };
 
-/// Executes a problem among obstacles that deform, step by step. At the beginning of every step it
+/// Executes a problem among deforming obstacles, step by step. At the beginning of a step it
 ///
-/// 1. brings the obstacles' hierarchies to the present: from their motions, or from the vertices
-///    that the program has set;
-/// 2. certifies again what is left of the path in the world as it is seen now, edge by edge in the
-///    order of travel, up to the first that fails;
-/// 3. plans anew from the present state when it does not hold;
-/// 4. certifies the motion of the step itself against all that obstacles can do in it: the step is
-///    halved in time until the placement at the middle of each part, grown by the vertices' speed
-///    bound times half its length, leaves the robot's own motion in that part free (certified as
-///    any edge is, without a step size). Where only a speed bound is known, the placement is that
-///    of the last look, grown by the bound times its age;
-/// 5. follows the path if that can be certified, else waits if standing can be, else evades: back
-///    along its trail, or to a random neighbour. What cannot be certified is never called free.
+/// 1. moves the obstacles' hierarchies to the present: by their motions, or to the vertices that
+/// the
+///    program has set;
+/// 2. certifies the rest of the path in the world as seen now, edge by edge in the order of travel,
+///    up to the first that fails;
+/// 3. plans from the present state if one fails;
+/// 4. certifies the motion of the step against all that obstacles can do in it. The step is halved
+/// in
+///    time until the robot's motion in each part is free (certified as an edge, without a step
+///    size) of the obstacles at the part's middle, grown by their speed bound times half its
+///    length. With only a speed bound known, the obstacles are those of the last look, grown by the
+///    bound times its age;
+/// 5. follows the path if that is certified, else waits if standing is, else evades: back along its
+///    trail, or to a random neighbour. What is not certified is never called free.
 ///
-/// Computing is taken to fit into a step: its cost is told, not simulated. Deterministic: the same
-/// problem, seed and iteration limit give the same steps, costs apart, unless the time limit cuts a
-/// search short. Each (re)planning has the problem's limits. One object is for one thread;
-/// scenes that it hands out are constant and may be read by any thread meanwhile.
+/// Computing is assumed to fit into a step: its cost is reported, not simulated. Deterministic: the
+/// same problem, seed and iteration limit give the same steps, costs apart, unless the time limit
+/// cuts a search short. Each planning has the problem's limits. One object is for one thread; its
+/// scenes are constant, for any thread.
 class Replanner {
  public:
   /// Throws robots::InputError for what a problem file can get wrong.
@@ -99,25 +100,25 @@ class Replanner {
   Replanner(Replanner&&) noexcept;
   Replanner& operator=(Replanner&&) noexcept;
 
-  /// Decides the next step, and takes it: afterwards time() is that of the next look and state()
-  /// the end of the motion. Costs as planning does. When it throws (InputError, for what only
-  /// planning finds), time, state and path are what they were.
+  /// Decides and takes the next step: afterwards time() is that of the next look, and state() the
+  /// end of the motion. Costs as much as planning. Throws InputError for what only planning finds;
+  /// time, state and path then are as before.
   ReplanStep step();
 
   double time() const;
   std::span<const double> state() const;
-  /// What is left of the path, from state() on; empty without one.
+  /// The rest of the path, from state() on; empty without one.
   const std::vector<std::vector<double>>& path() const;
   bool reached() const;  ///< state() is in a goal, and the path is used up
   int replans() const;   ///< paths planned besides the first
 
-  /// Where the robot really is now. Throws std::invalid_argument for another size, or what is not
-  /// finite or outside the limits.
+  /// The robot's true state now. Throws std::invalid_argument for another size, and for numbers
+  /// that are not finite or outside the limits.
   void setState(std::span<const double> point);
-  /// Where the vertices of an obstacle were seen at `time` <= time(), in its frame, and how fast
-  /// any of them may move from then on [m/s] (from now on in place of its motion). Throws
-  /// std::invalid_argument for an unknown obstacle, another number of vertices, NaN, a time later
-  /// than time(), or a speed bound that is not >= 0: then all stays as it was.
+  /// The vertices of an obstacle as seen at `time` <= time() [s], in its frame, and a bound on
+  /// their speed from then on [m/s]. Both replace its motion for good. Throws
+  /// std::invalid_argument, and changes nothing, for an unknown obstacle, another number of
+  /// vertices, NaN, a time after time(), or a speed bound that is not >= 0.
   void setVertices(const std::string& object, std::span<const Eigen::Vector3d> vertices,
                    double time, double speed_bound);
 
@@ -150,13 +151,13 @@ struct ReplanResult {
   double compute_s = 0, longest_step_s = 0;  ///< of computing [s]
 };
 
-/// Steps until a goal is reached, a step cannot be certified, or the execution's time is up.
-/// `on_step`, if any, is told of every step; `steps` > 0 limits their number.
+/// Takes steps until a goal is reached, a step is not certified, or the execution's time is up.
+/// Calls `on_step`, unless empty, after every step; `steps` > 0 limits their number.
 ReplanResult replan(const Problem& problem, const ReplanOptions& options = {},
                     const std::function<void(const ReplanStep&)>& on_step = {}, int steps = 0);
 
-/// An executed trajectory as CSV: a header of `time` and the joints' names, 17 digits. Written
-/// whole or not at all; throws robots::InputError.
+/// Writes an executed trajectory as CSV: a header of `time` and the joints' names, 17 digits. Whole
+/// or not at all; throws robots::InputError.
 void writeTrajectory(const std::string& file, const Problem& problem,
                      std::span<const TimedPoint> trajectory);
 

@@ -10,25 +10,25 @@
 
 namespace leeway::planner {
 
-/// What the planned variables' motion must not exceed, one number a variable in group order; of a
-/// floating joint's orientation (four numbers) the first stands for the angle of the rotation.
+/// Limits on the motion of planned variables, one number a variable in group order. Of a floating
+/// joint's orientation (four numbers) the first is that of the angle of rotation.
 struct MotionLimits {
   std::vector<double> velocity;      // [rad/s or m/s], positive and finite
   std::vector<double> acceleration;  // [rad/s^2 or m/s^2], positive and finite
   std::vector<double> jerk;          // [rad/s^3 or m/s^3], positive; infinite or empty: no limit
 };
 
-/// What a problem's execution says: its velocities or else defaultMotionLimits()', each times its
-/// speed; its accelerations and jerks. O(variables).
+/// The limits of a problem's execution: its velocities, by default those of defaultMotionLimits(),
+/// times its speed; its accelerations and jerks. O(variables).
 MotionLimits motionLimits(const Problem& problem);
 
-/// The velocity limits of the URDF (1 rad/s or m/s where a joint has none), and accelerations that
-/// reach them from rest in half a second; no limit on jerk. O(variables).
+/// The velocity limits of the URDF (kDefaultVelocity where a joint has none), and accelerations
+/// that reach them from rest in half a second; no limit on jerk. O(variables).
 MotionLimits defaultMotionLimits(const ConfigurationSpace& space);
 
-/// From rest to rest over a way of 1, as fast as constant limits on speed, acceleration and jerk
-/// allow: three phases, seven with a limit on jerk (double S: L. Biagiotti, C. Melchiorri,
-/// "Trajectory Planning for Automatic Machines and Robots", 2008, section 3.4).
+/// The fastest motion from rest to rest over a way of 1 under constant limits on speed,
+/// acceleration and jerk: three phases, seven with a limit on jerk (double S: L. Biagiotti, C.
+/// Melchiorri, "Trajectory Planning for Automatic Machines and Robots", 2008, section 3.4).
 class RestToRest {
  public:
   /// All positive; acceleration and speed finite.
@@ -38,9 +38,9 @@ class RestToRest {
     double way = 0, speed = 0, acceleration = 0;
   };
   double duration() const { return 2 * rise_ + cruise_; }
-  /// At rest before 0 and from duration() on; where acceleration jumps, as it is afterwards.
+  /// At rest before 0 and from duration() on. Where acceleration jumps: its value after the jump.
   State at(double time) const;
-  /// Where acceleration or its derivative jumps, both ends among them, ascending [s].
+  /// Times at which acceleration or its derivative jumps, both ends included, ascending [s].
   std::vector<double> knots() const;
 
  private:
@@ -50,37 +50,36 @@ class RestToRest {
   double peak_ = 0, peak_acceleration_ = 0, jerk_ = 0;
 };
 
-/// A corner that is cut. The motion leaves the edge before waypoint `corner` at `length` from it
-/// and joins the one after at `length` behind it (Euclidean norm of the numbers of
-/// ConfigurationSpace::difference()). Between, it is the quadratic Bezier curve with those two
-/// places and the corner as its control points, so that direction and speed do not jump.
+/// A cut corner. The motion leaves the edge before waypoint `corner` at a distance of `length` from
+/// it, and joins the next edge at that distance (Euclidean norm of
+/// ConfigurationSpace::difference()). Between, it is the quadratic Bezier curve of these two points
+/// and the corner: direction and speed do not jump.
 struct Blend {
   int corner;
   double length;
 };
 
 /// Blends of a path whose edges are certified: for each corner the longest of several cuts, up to
-/// half of the shorter edge, that is proven to keep all margins, as chords from which the curve
-/// departs by less than is added to the margins. Corners where none is proven have no blend, and so
-/// have all of a space with rotations (floating joints). The waypoints are those of Trajectory.
-/// Deterministic. O(waypoints) edges to certify.
+/// half of the shorter edge, that is proven to keep all margins. The proof certifies chords, with
+/// margins grown by more than the curve departs from them. Corners without a proof, and spaces with
+/// rotations (floating joints), have no blends. Waypoints as for Trajectory. Deterministic.
+/// Certifies O(waypoints) edges.
 std::vector<Blend> certifiedBlends(const std::shared_ptr<const CompiledScene>& scene,
                                    std::span<const std::vector<double>> waypoints);
 
-/// From `start` [s] on, until the next phase starts: s = way + rate dt + acceleration dt^2 / 2, s
-/// being the way along one piece of a curve.
+/// From `start` [s] until the next phase, the way along a piece of a curve is s = way + rate dt +
+/// acceleration dt^2 / 2.
 struct TimedPhase {
   double start;
   int piece;
   double way, rate, acceleration;
 };
 
-/// A path with times. It runs over the very edges that were certified, and comes to rest at each
-/// corner that is not blended, so that every configuration it takes is one of the certificate's or
-/// of a blend; edges in line with each other are run through. From rest to rest without blends
-/// nothing within the limits is faster: the joints move in proportion, and the one that is nearest
-/// to its limit is kept at it. With blends it is as fast as accelerations along the path allow that
-/// are constant on a sixteenth of a blend.
+/// A path with times. It follows the certified edges themselves, and rests at each corner that is
+/// not blended, unless the edges are in line: every configuration is one of the certificate's or of
+/// a blend. Without blends it is the fastest motion within the limits: joints move in proportion,
+/// the one nearest to its limit at that limit. With blends it is the fastest whose acceleration
+/// along the path is constant on each sixteenth of a blend.
 class Trajectory {
  public:
   /// `waypoints` as in Path::positions, joined by space.interpolate(). Throws std::invalid_argument
@@ -97,45 +96,44 @@ class Trajectory {
   std::span<const Blend> blends() const { return blends_; }
   /// When each waypoint is passed, or the middle of its blend [s].
   std::span<const double> times() const { return times_; }
-  /// When acceleration along the path, or its derivative, jumps, and when waypoints are passed:
-  /// ascending, from 0 to duration() [s]. Between two of these an edge is gone along with constant
-  /// jerk, so that the cubic through configurations and velocities there is the motion itself.
+  /// Times at which acceleration along the path, or its derivative, jumps, and those of waypoints:
+  /// ascending, from 0 to duration() [s]. Between two of them motion along an edge has constant
+  /// jerk: it is the cubic through the configurations and velocities at both.
   std::vector<double> knots() const;
 
-  /// Where on the path the robot is: on the edge from waypoint `edge`, at t in [0, 1] of it, or,
-  /// with `blend` >= 0, at the parameter t in [0, 1] of that blend (`edge` being the one before the
-  /// corner); with dt/dtime and its derivative [1/s, 1/s^2].
+  /// A place on the path: t in [0, 1] of the edge from waypoint `edge`; with `blend` >= 0, t in
+  /// [0, 1] of that blend, whose corner ends `edge`. `rate` is dt/dtime [1/s], `acceleration` its
+  /// derivative [1/s^2].
   struct Place {
     int edge = 0;
     int blend = -1;
     double t = 0, rate = 0, acceleration = 0;
   };
   Place place(double time) const;
-  /// When t in [0, 1] of an edge is passed [s]; nothing where a blend cuts it off. O(waypoints).
+  /// The time at t in [0, 1] of an edge [s]; nothing where a blend cuts it off. O(waypoints).
   std::optional<double> passes(int edge, double t) const;
   /// The configuration at `time` [s] (held before 0 and after duration()); O(log waypoints).
   void configuration(double time, std::span<double> q) const;
-  /// Its rate of change, as space.difference() has it (rotations: a rotation vector's rate), and
-  /// second derivative. O(log waypoints).
+  /// The configuration's first and second derivative, in the numbers of space.difference()
+  /// (rotations: of a rotation vector). O(log waypoints).
   void velocity(double time, std::span<double> rate) const;
   void acceleration(double time, std::span<double> second) const;
 
  private:
-  /// Part of a bent stretch: what cuts leave of an edge, or a blend.
+  /// Part of a bent stretch: a blend, or what blends leave of an edge.
   struct Piece {
     int edge, blend;
   };
   struct Stretch {  // from rest to rest
     int first_edge, edges;
     double start;  // [s]
-    /// Over one edge or several in line; nothing: over pieces.
+    /// Of one edge, or several in line. A bent stretch has pieces and phases instead.
     std::optional<RestToRest> profile;
     std::vector<Piece> pieces = {};
     std::vector<TimedPhase> phases = {};
   };
   void check(const MotionLimits& limits) const;
-  /// In line with, or joined by a blend to, the edge before: the stretch that begins at edge
-  /// `first`.
+  /// End of the stretch that begins at edge `first`: its edges are in line, or joined by blends.
   int stretchEnd(int first) const;
   void addStraight(int first, int last, const MotionLimits& limits, double now);
   void addBent(int first, int last, const MotionLimits& limits, double now);
@@ -152,9 +150,9 @@ class Trajectory {
   std::vector<double> times_;
 };
 
-/// The trajectory of a path as the problem's execution has it: its limits, and blends where it asks
-/// for them and limits no jerk; the problem is compiled for these. The path's edges must be
-/// certified for the problem.
+/// The trajectory of a path within the limits of the problem's execution, with blends if it asks
+/// for them and limits no jerk; these compile the problem. The path's edges must be certified for
+/// the problem.
 Trajectory trajectoryOf(const Problem& problem, const Path& path);
 
 }  // namespace leeway::planner

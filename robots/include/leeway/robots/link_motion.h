@@ -10,8 +10,8 @@
 
 namespace leeway::robots {
 
-/// The motion of a link's frame while the robot follows an edge q(t) = q0 + t dq, t in [0, 1]: what
-/// collision::timeOfContact() takes for articulated bodies. Keeps buffers: one thread at a time.
+/// The motion of a link's frame along an edge q(t) = q0 + t dq, t in [0, 1], for
+/// collision::timeOfContact(). Has buffers: one thread at a time.
 class LinkMotion final : public collision::RigidMotion {
  public:
   /// q0 has one number a variable, dq is as for jointMotion(). Throws std::invalid_argument for
@@ -24,8 +24,8 @@ class LinkMotion final : public collision::RigidMotion {
   collision::FrameMotionBound bound(double t0, double t1) const override;
   double rounding(double reach) const override;
 
-  /// The configuration at t, one number a variable; floating joints turn by t times their rotation
-  /// vector from where they are at 0.
+  /// The configuration at t, one number a variable. Floating joints turn from q0 by t times their
+  /// rotation vector.
   void configuration(double t, std::span<double> q) const;
 
  private:
@@ -39,20 +39,20 @@ class LinkMotion final : public collision::RigidMotion {
   double base_reach_ = 0;
   mutable std::vector<double> q_;
   mutable std::vector<Pose> X_WL_;
-  mutable double placed_ = -1;  // the t that they are for
+  mutable double placed_ = -1;  // the t of q_ and X_WL_
 };
 
-/// The most that variables' rates may be, one number a variable; infinite where unknown.
+/// Limits on the variables' rates, one number a variable; infinite where unknown.
 struct RateLimits {
   std::span<const double> velocity;      // [rad/s or m/s]
   std::span<const double> acceleration;  // [rad/s^2 or m/s^2]
 };
 
-/// How fast any point of a body can be, now with the variables at the rates `velocity` (one a
-/// variable, floating: the rotation vector's rate as in jointMotion()) and later within the limits:
-/// what a collision::ImpactSchedule is told. `motion` is relativeMotion(model, link, -1, sphere of
-/// the body). Acceleration holds the centripetal and Coriolis parts at the velocity limits besides
-/// those of the joints' accelerations. Infinite where a limit that matters is. O(terms).
+/// Bounds on the speed of a body's points for collision::ImpactSchedule: now, with the variables at
+/// the rates `velocity` (one a variable; floating: as in jointMotion()), and later, within the
+/// limits. `motion` is relativeMotion(model, link, -1, sphere of the body). Acceleration includes
+/// the centripetal and Coriolis parts at the velocity limits. Infinite where a limit that matters
+/// is. O(terms).
 collision::PointMotion pointMotion(const Model& model, const RelativeMotion& motion,
                                    std::span<const double> velocity, const RateLimits& limits);
 

@@ -45,12 +45,11 @@ struct Joint {
   double offset = 0;
 };
 
-/// The directions in which a planar joint's x and y move: the z axis turned onto `normal` (unit)
-/// the shortest way takes the x and y axes to u and v. For a normal of z they are x and y. O(1).
+/// The directions of a planar joint's x and y: the shortest rotation of the z axis onto `normal`
+/// (unit) takes the x and y axes to u and v. O(1).
 void planeAxes(const Eigen::Vector3d& normal, Eigen::Vector3d& u, Eigen::Vector3d& v);
 
-/// One number of a configuration. Continuous joints and quaternions are unbounded (lower > -inf is
-/// false).
+/// One number of a configuration. Continuous joints and quaternions have infinite limits.
 struct Variable {
   std::string name;  ///< the joint's name; planar and floating: joint name + "/x", "/y", "/theta",
                      ///< "/qx", ...
@@ -61,8 +60,7 @@ struct Variable {
 
 struct Link {
   std::string name;
-  int joint = -1;  ///< the joint that moves it; every link has one (the root's is fixed, planar or
-                   ///< floating to the world)
+  int joint = -1;  ///< that moves it; the root's joins it to the world: fixed, planar or floating
   std::vector<Geometry> geometries;
 };
 
@@ -83,26 +81,26 @@ struct DisabledPair {
   std::string reason;
 };
 
-/// How far two links stay apart, between which just two joints stand, by the angles of both. Arc k
-/// of kArcs is [k, k + 1] * 2 pi / kArcs of a joint's angle, and the same some turns on.
+/// Proven distances of two links between which exactly two joints move, by the angles of both. Arc
+/// k of kArcs holds the angles [k, k + 1] * 2 pi / kArcs, whole turns added.
 struct LinkGap {
   static constexpr int kArcs = 128;
   int link_a = -1, link_b = -1;
   int joint = -1, other = -1;
-  /// Proven: all geometries of both keep more than that over an arc of `joint`, whatever the other
-  /// angle is [m]; 0: not proven.
+  /// For each arc of `joint`: all geometries of both are farther apart, at any angle of `other`
+  /// [m]; 0: not proven.
   std::vector<float> gaps;
-  /// Where gaps[i] is 0: whether arcs i of `joint` and k of `other` keep more than `cell_gap`, at
-  /// i * kArcs + k.
+  /// For arcs i of `joint` with gaps[i] = 0 and k of `other`, at i * kArcs + k: 1 if the links are
+  /// proven farther apart than `cell_gap`.
   std::vector<char> cells;
   float cell_gap = 0;  ///< [m]
 
-  /// Angles between two [rad].
+  /// Angles [rad].
   struct Range {
     double from, to;
   };
-  /// The least over all pairs of angles in two ranges; 0: not proven, they may overlap. O(arcs in
-  /// them).
+  /// The least proven distance over two ranges of angles [m]; 0: not proven, the links may overlap.
+  /// O(arcs of one range times those of the other).
   double over(const Range& angles, const Range& others) const;
 };
 
@@ -161,8 +159,8 @@ struct LoadOptions {
 };
 
 /// Reads a URDF and (unless `srdf_path` is empty) an SRDF, with the meshes that they name. Throws
-/// InputError, naming file and line, for whatever is missing or makes no sense; what can be lived
-/// with is in the model's warnings.
+/// InputError, naming file and line, for what is missing or makes no sense; lesser faults are in
+/// the model's warnings.
 std::shared_ptr<const Model> loadModel(const std::string& urdf_path, const std::string& srdf_path,
                                        const LoadOptions& options = {});
 
@@ -172,8 +170,9 @@ std::shared_ptr<const Model> freeBody(const std::string& name, std::vector<Geome
                                       JointType type, const Eigen::Vector3d& lower,
                                       const Eigen::Vector3d& upper);
 
-/// Reads a mesh file (Assimp): unit and node transforms applied, up axis ignored, `scale` applied
-/// last. Throws InputError naming `referrer`:`line` as the place that asked for it.
+/// Reads a mesh file (Assimp). Applies the file's unit and node transforms, then `scale`; ignores
+/// its up axis, as RViz and MoveIt do. Throws InputError that names `referrer`:`line`, which asked
+/// for it.
 collision::Shape loadMesh(const std::string& path, const Eigen::Vector3d& scale,
                           const std::string& referrer, int line);
 

@@ -8,26 +8,27 @@
 
 namespace leeway::robots {
 
-/// Joints between two links and how far a body's points can be from their axes: what bounds the
-/// motion of the body on `link`, seen from `base` (-1: the world), along an edge q(t) = q0 + t dq,
-/// t in [0, 1]. Reaches and the bound on speed are in the manner of Schwarzer, Saha and Latombe
-/// ("Adaptive dynamic collision checking for single and multiple articulated robots in complex
-/// environments", 2005); the bound on acceleration goes beyond them.
+/// The joints between two links, and the largest distances of a body's points from their axes. They
+/// bound the motion of the body on `link`, seen from `base` (-1: the world), along an edge q(t) =
+/// q0
+/// + t dq, t in [0, 1]. Reaches and the speed bound follow Schwarzer, Saha and Latombe ("Adaptive
+/// dynamic collision checking for single and multiple articulated robots in complex environments",
+/// 2005); the bound on acceleration is ours.
 struct RelativeMotion {
   struct Term {
-    int joint;     ///< a moving joint of the path from `base` to `link`, nearest to `base` first
-    double reach;  ///< rho: no point of the body is ever farther from the joint's axis (floating:
-                   ///< origin), over all configurations within the limits [m]; rounded outwards;
-                   ///< infinite behind an unlimited prismatic joint
-    bool inverted = false;  ///< the body is on the joint's parent side: the joint lies between
-                            ///< `base` and the common ancestor
+    int joint;  ///< a moving joint of the path from `base` to `link`, nearest to `base` first
+    /// rho: bound on the distance of the body's points from the joint's axis (floating: origin)
+    /// over all configurations within the limits, rounded up [m]. Infinite behind an unlimited
+    /// prismatic joint.
+    double reach;
+    bool inverted = false;  ///< the body is on the parent's side: `base` is below the joint
   };
   int link = -1;
   int base = -1;
   std::vector<Term> terms;
   Eigen::Vector3d center_L = Eigen::Vector3d::Zero();  ///< the body's sphere, in link's frame [m]
   double radius = 0;                                   ///< [m]
-  /// No point of the body is ever farther from base's origin [m]; infinite as above.
+  /// Bound on the distance of the body's points from base's origin [m]; infinite as `reach`.
   double base_reach = 0;
 };
 
@@ -36,8 +37,7 @@ struct RelativeMotion {
 RelativeMotion relativeMotion(const Model& model, int link, int base,
                               const Eigen::Vector3d& center_L, double radius);
 
-/// What values a variable may take, when that is less or other than its limits. A range of no width
-/// is a constant.
+/// The values of a variable, in place of its limits. A range of no width is a constant.
 struct VariableRange {
   double lower, upper;  ///< [rad or m]
 };
@@ -50,15 +50,14 @@ RelativeMotion relativeMotion(const Model& model, int link, int base,
                               const Eigen::Vector3d& center_L, double radius,
                               std::span<const VariableRange> ranges);
 
-/// |dq| of every joint for the edge dq (variables' differences; floating and planar joints: see
-/// below): rotation angle and translation length.
+/// |dq| of a joint along an edge.
 struct JointMotion {
   double angle = 0;   ///< [rad]
   double travel = 0;  ///< [m]
 };
-/// joint_motion has one entry a joint, mimic joints with their multiplier. dq as made by the
-/// planner's difference(): continuous joints the shortest; floating: the three translations and, in
-/// the quaternion's first three places, the rotation vector (body frame), 0 in the fourth.
+/// Fills in one entry a joint; a mimic joint has its multiplier. dq is that of the planner's
+/// difference(): of continuous joints the shorter way; of floating ones the translation and, in
+/// place of the quaternion, the rotation vector (body frame) and 0. O(joints).
 void jointMotion(const Model& model, std::span<const double> dq,
                  std::span<JointMotion> joint_motion);
 
@@ -77,17 +76,17 @@ struct MotionBound {
   double acceleration = 0;
 };
 
-/// Both bounds over an interval of the edge, from the distances of the body's sphere to the joints'
-/// axes at the interval's middle (X_WL there, one a link) and from what the joints between can add
-/// within `half_interval` (in t) of it; never more than the static reaches give. These hold
-/// whatever the limits are, when `within_limits` is false. O(terms).
+/// Both bounds over an interval of the edge: from the distances of the body's sphere to the joints'
+/// axes at the interval's middle (X_WL there, one a link), plus what the joints between add within
+/// `half_interval` (in t). At most the bounds by `reach`; with `within_limits` false they do not
+/// use it, and hold outside the limits. O(terms).
 MotionBound localMotionBound(const Model& model, const RelativeMotion& motion,
                              std::span<const JointMotion> joint_motion, std::span<const Pose> X_WL,
                              double half_interval, bool within_limits = true);
 
-/// Pairs of links that can never touch, proven over all configurations within the limits: returns
-/// those of `candidates` that are proven. Interval subdivision over the joints between the two
-/// links with a work limit; what it cannot prove stays checked.
+/// Those of `candidates` that are proven never to touch at any configuration within the limits.
+/// Interval subdivision over the joints between the two links, with a work limit of milliseconds a
+/// pair.
 std::vector<std::pair<int, int>> provenApart(const Model& model,
                                              std::span<const std::pair<int, int>> candidates);
 

@@ -1,0 +1,133 @@
+// Checks on a URDF as a whole: a tree of links, mimics that end at a joint with a position.
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "robots/urdf/urdf_document.h"
+#include "robots/urdf/xml_reader.h"
+
+namespace leeway::robots {
+
+namespace {
+
+std::string lineOf(int line) { return "line " + std::to_string(line); }
+
+class StructureCheck {
+ public:
+  explicit StructureCheck(const UrdfDocument& document) : document_(document) {
+    for (const UrdfJoint& joint : document.joints) joint_names_.push_back(joint.name);
+  }
+
+  void run() {
+    checkParents();
+    checkTree();
+    checkMimics();
+  }
+
+ private:
+  [[noreturn]] void failAt(int line, const std::string& message) const {
+    throw InputError(document_.path, line, message);
+  }
+
+  void checkParents() {
+    parent_joint_.assign(document_.links.size(), -1);
+    for (std::size_t i = 0; i < document_.joints.size(); ++i) {
+      const UrdfJoint& joint = document_.joints[i];
+      const std::string& child = document_.links[static_cast<std::size_t>(joint.child)].name;
+      if (joint.parent == joint.child)
+        failAt(joint.line, "joint " + inQuotes(joint.name) + " joins link " + inQuotes(child) +
+                               " to itself; two different links would be accepted");
+      int& parent = parent_joint_[static_cast<std::size_t>(joint.child)];
+      if (parent >= 0) {
+        const UrdfJoint& first = document_.joints[static_cast<std::size_t>(parent)];
+        failAt(joint.line, "link " + inQuotes(child) + " has two parents, through joint " +
+                               inQuotes(first.name) + " (" + lineOf(first.line) + ") and joint " +
+                               inQuotes(joint.name) + "; one would be accepted");
+      }
+      parent = static_cast<int>(i);
+    }
+  }
+
+  void checkTree() {
+    std::vector<std::size_t> roots;
+    for (std::size_t i = 0; i < document_.links.size(); ++i)
+      if (parent_joint_[i] < 0) roots.push_back(i);
+    if (roots.size() > 1) {
+      const UrdfLink& a = document_.links[roots[0]];
+      const UrdfLink& b = document_.links[roots[1]];
+      failAt(b.line,
+             "the robot has " + std::to_string(roots.size()) + " roots, among them link " +
+                 inQuotes(a.name) + " (" + lineOf(a.line) + ") and link " + inQuotes(b.name) +
+                 "; one link without a parent would be accepted, a fixed joint can join them");
+    }
+    // A link that does not lead up to the root leads into a cycle.
+    for (std::size_t start = 0; start < document_.links.size(); ++start) {
+      std::size_t link = start;
+      for (std::size_t steps = 0; parent_joint_[link] >= 0; ++steps) {
+        if (steps > document_.links.size()) failCycle(link);
+        link = static_cast<std::size_t>(
+            document_.joints[static_cast<std::size_t>(parent_joint_[link])].parent);
+      }
+    }
+  }
+
+  [[noreturn]] void failCycle(std::size_t on_cycle) const {
+    std::string way = inQuotes(document_.links[on_cycle].name);
+    std::size_t link = on_cycle;
+    int line = 0;
+    do {
+      const UrdfJoint& joint = document_.joints[static_cast<std::size_t>(parent_joint_[link])];
+      line = std::max(line, joint.line);
+      link = static_cast<std::size_t>(joint.parent);
+      way += " < " + inQuotes(document_.links[link].name);
+    } while (link != on_cycle);
+    failAt(line,
+           "the links form a cycle: " + way + " (each below the next); a tree would be accepted");
+  }
+
+  void checkMimics() {
+    const auto find = [&](const std::string& name) {
+      const auto found = std::find(joint_names_.begin(), joint_names_.end(), name);
+      return found == joint_names_.end()
+                 ? nullptr
+                 : &document_.joints[static_cast<std::size_t>(found - joint_names_.begin())];
+    };
+    for (const UrdfJoint& joint : document_.joints) {
+      if (!joint.has_mimic) continue;
+      const UrdfJoint* master = &joint;
+      for (std::size_t steps = 0; master->has_mimic; ++steps) {
+        const UrdfJoint* next = find(master->mimic);
+        if (next == nullptr) {
+          const std::string nearest = suggestion(master->mimic, joint_names_);
+          failAt(master->mimic_line,
+                 "joint " + inQuotes(master->name) + " mimics " + inQuotes(master->mimic) +
+                     ", which is not defined; " +
+                     (nearest.empty() ? "the name of another <joint> would be accepted" : nearest));
+        }
+        if (steps > document_.joints.size() || next == &joint)
+          failAt(joint.mimic_line,
+                 "joint " + inQuotes(joint.name) + " mimics itself" +
+                     (steps == 0 ? "" : " by way of others") +
+                     "; a joint that has its own position would be accepted as master");
+        master = next;
+      }
+      if (master->type != JointType::kRevolute && master->type != JointType::kContinuous &&
+          master->type != JointType::kPrismatic)
+        failAt(joint.mimic_line, "joint " + inQuotes(joint.name) + " mimics " +
+                                     inQuotes(master->name) + " (" + lineOf(master->line) +
+                                     "), which has no single position; a revolute, continuous or "
+                                     "prismatic joint would be accepted");
+    }
+  }
+
+  const UrdfDocument& document_;
+  std::vector<std::string> joint_names_;
+  std::vector<int> parent_joint_;  // of each link; -1: the root
+};
+
+}  // namespace
+
+void checkStructure(const UrdfDocument& document) { StructureCheck(document).run(); }
+
+}  // namespace leeway::robots
