@@ -140,7 +140,7 @@ struct Replanner::Impl {
   void considerPath(Decision decision, const Waypoints& along, bool edge_known, ReplanStep& step) {
     Candidate go{decision, {}, {}, {}, true, -kInfinity};
     go.motion = travel(space(), limits, along, now, stepEnd(), &go.rest);
-    // The candidate's proof covers the first edge once the motion has left it.
+    // Only the path's first edge may be uncertified: once it is left, the rest is certified.
     go.first_edge_known = edge_known || go.rest.size() < along.size();
     Candidate stop = go;
     if (looksAhead()) {

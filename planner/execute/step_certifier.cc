@@ -107,7 +107,7 @@ bool StepCertifier::certifyPart(std::span<const TimedPoint> motion, double t0, d
   }
   const double middle = t0 + (t1 - t0) / 2;
   if (depth == 0 || known.growth <= kLeastGrowth || !(middle > t0 && middle < t1)) return false;
-  // A collision at the middle is in one of the halves.
+  // If the middle is not free, neither is the half that holds it.
   moving_.rebind(known.middle);
   if (moving_.decide(partOf(space, motion, t0, middle).back().position) != Verdict::kFree)
     return false;

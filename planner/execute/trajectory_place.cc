@@ -33,8 +33,8 @@ Trajectory::Place Trajectory::placeOn(const Stretch& stretch, double time) const
   Place place;
   if (stretch.profile) {
     double since = time - stretch.start;
-    for (const double knot :
-         stretch.profile->knots())  // rounding must not put a time before its knot
+    // Rounding must not put a time before its knot.
+    for (const double knot : stretch.profile->knots())
       if (stretch.start + knot <= time) since = std::max(since, knot);
     const RestToRest::State state = stretch.profile->at(since);
     const int last = stretch.first_edge + stretch.edges - 1;

@@ -1,7 +1,10 @@
 // Conservative advancement, after Mirtich (1996) and Zhang, Lee and Kim (2006), in its plainest
 // form. For each edge and each pair of shapes a queue holds the open intervals of t. The distance d
-// at an interval's middle, with the pair's speed bound v, proves |t - middle| < (d - margin) / (2
-// v) of it; the remains on both sides go back to the queue.
+// at an interval's middle and the pair's speed bound v prove the part of it where
+//
+//   |t - middle| v < (d - margin) / 2
+//
+// The remains on both sides go back to the queue.
 
 #include "leeway/planner/verify.h"
 
@@ -305,6 +308,7 @@ class Verifier {
              std::deque<Span>& open) {
     double done = 0;
     if (room > 0 && std::isfinite(found.motion)) {
+      // The speed bounds of the whole half hold for any part of it.
       done = half * (room / found.motion) * (1 - kVerifyRounding);
       result_.clearance_lower =
           std::min(result_.clearance_lower, found.distance.lower - found.slack - room);

@@ -72,7 +72,8 @@ class GapProof {
   struct TurningLink {
     Pose X_WF;
     std::vector<Geometry> geometries;
-    double sign, angle;  // X_WF is that at this angle of the joint [rad]; which way it turns
+    double sign;   // -1: it turns backwards as the joint's angle grows
+    double angle;  // of the joint, at which the geometries stand like this [rad]
   };
 
   RelativeMotion motionBetween() const {

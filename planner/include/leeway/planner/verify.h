@@ -24,8 +24,7 @@ struct VerifyResult {
 /// Proves or refutes that a path keeps all margins; never samples. Slow, plain, and independent of
 /// the planner: its own kinematics, first-order bounds (speed, not acceleration), no batches,
 /// coarse bounds or caches. Shared are collision::distance() and the definition of an edge.
-/// Conservative advancement, see verify.cc. Throws nothing for a bad path: `reason` says what is
-/// wrong.
+/// Conservative advancement, see verify.cc. A bad path is refuted, with a reason.
 VerifyResult verify(const Problem& problem, const Path& path, const PlanOptions& options = {});
 
 }  // namespace leeway::planner
