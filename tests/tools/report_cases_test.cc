@@ -73,7 +73,8 @@ TEST_F(ReportCases, AnswersEveryCaseAndHoldsTheReference) {
 
 /// The table is able to fail: a reference that is off by a micrometre is not held.
 TEST_F(ReportCases, CallsAWrongIntervalUnsafe) {
-  write("cases.txt", std::string("shape 0 sphere 1\ncase 0 pair far 0 0") + kPose);
+  const std::string shape = "shape 0 sphere 1\n";
+  write("cases.txt", shape + "case 0 pair far 0 0" + kPose);
   write("right.txt", "0 1 1 0 1 3\n");
   write("wrong.txt", "0 1 1.000001 0 1 3\n");
   EXPECT_EQ(run("report cases cases.txt --reference right.txt").status, 0);
@@ -83,7 +84,8 @@ TEST_F(ReportCases, CallsAWrongIntervalUnsafe) {
 }
 
 TEST_F(ReportCases, WritesTheFileWholeOrNotAtAll) {
-  write("cases.txt", std::string("shape 0 sphere 1\ncase 7 pair far 0 0") + kPose);
+  const std::string shape = "shape 0 sphere 1\n";
+  write("cases.txt", shape + "case 7 pair far 0 0" + kPose);
   EXPECT_EQ(run("report cases cases.txt --raw out.txt").status, 0);
   EXPECT_EQ(read("out.txt").rfind("7 converged ", 0), 0u) << read("out.txt");
   write("bad.txt", "shape 0 sphere x\n");

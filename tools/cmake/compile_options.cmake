@@ -11,11 +11,13 @@ set(CMAKE_CXX_FLAGS_RELEASE "-O2 -DNDEBUG")
 # Not in the cache, where project() has put an empty entry for a build type that CMake does not know.
 set(CMAKE_CXX_FLAGS_RELWITHASSERTS "-O2 -g1")
 
+# g++ 12 finds copies past the end in <string> where there are none, once the header is precompiled: these stay warnings.
 # Nobody reads errno after sqrt: without it there is no branch, and answers are the same.
 add_library(leeway_options INTERFACE)
 target_compile_options(leeway_options INTERFACE -ffp-contract=off -fno-math-errno -Wall -Wextra -Wpedantic -Wshadow
   -Wconversion -Wsign-conversion -Wdouble-promotion -Wold-style-cast -Wnon-virtual-dtor
-  $<$<BOOL:${LEEWAY_WERROR}>:-Werror>)
+  $<$<BOOL:${LEEWAY_WERROR}>:-Werror>
+  $<$<AND:$<BOOL:${LEEWAY_WERROR}>,$<CXX_COMPILER_ID:GNU>>:-Wno-error=array-bounds>)
 
 if(LEEWAY_SANITIZE)
   # -O0 takes the place of the build type's: with a sanitizer's checks in the code -O1 takes half as long again to compile tests, nearly twice as
