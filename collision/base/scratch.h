@@ -5,7 +5,7 @@
 namespace leeway::collision {
 
 struct DeformScratch;      // deform/snapshot.h
-struct PolytopeBuffers;    // convex/epa/epa.h
+struct PolytopeBuffers;    // convex/epa/polytope_surface.h
 struct SweepFrontScratch;  // mesh/descent/sweep_front.h
 struct SweepScratch;       // sweep/mesh_sweep_scratch.h
 struct Work;               // base/work.h

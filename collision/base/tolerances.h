@@ -41,7 +41,7 @@ inline constexpr double kRelativeRounding = 1e-14;
 /// coordinates involved. Smaller breaks the guarantee.
 inline constexpr double kTransferRounding = 1e-14;
 
-// Poses (pose_check.h, convex_distance.cc)
+// Poses (pose_check.h, convex_view.cc)
 
 /// Largest departure ||R^T R - 1|| (Frobenius) of a matrix that is accepted as a rotation; beyond,
 /// a query is kInvalid. The departure itself always widens the interval, to first order: larger
@@ -53,7 +53,7 @@ inline constexpr double kRotationTolerance = 1e-6;
 inline constexpr double kFirstOrderOutwards = 1 + 0x1p-10;
 
 /// Rounding of X_BA computed from two world poses, in units times the sizes; derived in
-/// convex_distance.cc. Smaller breaks the guarantee.
+/// convex_view.cc. Smaller breaks the guarantee.
 inline constexpr double kPoseRounding = 24;
 
 // Ranges in which squares, cubes and products keep their digits

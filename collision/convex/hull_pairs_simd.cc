@@ -18,15 +18,20 @@
 #include "collision/convex/gjk/vertex_search-inl.h"
 #include "collision/convex/pairs/closed_form.h"
 
-// Rounding, in units of u L with u = kUnitRoundoff and L = extent A + extent B + |t|, of the two
-// ends (see gjk.cc). Along the world's axes, with the origin at B's:
-//   the translation 1 |t|; a vertex 3 sqrt(3) of its extent, A's one more of its and of |t|
-//   a choice among placed vertices 6 of extents and |t|; after a direction was turned back 2 * 5.2
-//   of the extent more, and without |t|
-//   b - a 1 L, the dot product 3 L, the direction's length 3 L
-// in sum 30 of an extent and 15 |t|; and a rotation's departure errs by 9, which the caller may
-// have meant to move the body by half of that: less than kSupportRounding + kPoseRounding = 56.
-// Names in values add to that (see PlacedVertices).
+// clang-format off
+// Rounding of the two ends (see gjk.cc), in units of u L with u = kUnitRoundoff and L = extent A + extent B + |t|,
+// in the world's axes with the origin at B's:
+//   the translation                                      1 |t|
+//   a vertex                                             3 sqrt(3) of its extent; of A 1 extent and 1 |t| more
+//   the choice among placed vertices                     6 of extents and |t|
+//     or among others, the direction turned back         2 * 5.2 of the extent more, and without |t|
+//   b - a                                                1 L
+//   the dot product                                      3 L
+//   the direction's length                               3 L
+// In sum 30 of an extent and 15 |t|. A rotation's departure errs by 9 more, and the caller may have meant a rotation
+// that is off by half of it: less than kSupportRounding + kPoseRounding = 56.
+// Indices within values add to that (see PlacedVertices).
+// clang-format on
 
 HWY_BEFORE_NAMESPACE();
 namespace leeway::collision::HWY_NAMESPACE {
@@ -40,14 +45,14 @@ class WorldHull {
 
   HWY_INLINE Triple turnedBack(const Triple& n) const { return rotatedBack(R_, n); }
   HWY_INLINE const HullCell* cellOf(const Triple& d) const { return cellFor(support_, d); }
-  // The vertex that is farthest along d, turned back, whose cell is known.
+  // The vertex farthest along d, in the hull's frame, with d's cell.
   HWY_INLINE Triple farthest(const Triple& d, const HullCell* cell, std::int32_t& name) const {
     const int found = scannedSupport(support_, cell, d, name);
     name = HWY_LIKELY(found >= 0) ? found : climbed(d, name);
     return vertex(name);
   }
   HWY_INLINE Triple vertex(int name) const { return placed(support_.corners()[name]); }
-  // Three of them side by side.
+  // Three vertices side by side.
   HWY_INLINE Points<4> vertices(int i, int j, int k) const {
     const HullCorner* v = support_.corners();
     return rotated(R_, sideBySide(tripleOf(v[i]), tripleOf(v[j]), tripleOf(v[k]))) +
@@ -56,7 +61,7 @@ class WorldHull {
 
  private:
   HWY_INLINE Triple placed(const HullCorner& v) const { return rotated(R_, tripleOf(v)) + t_; }
-  // As farthestPoint().
+  // The hull climb of farthestPoint().
   HWY_NOINLINE std::int32_t climbed(const Triple& d, std::int32_t hint) const {
     const double length = std::sqrt(squared(d));
     return climbFarthest(hull_, support_.points(), static_cast<int>(hull_.vertices().size()),
@@ -73,11 +78,10 @@ class WorldHull {
 
 struct WorldCores {
   using Point = Triple;
-  static constexpr double kTilt = 0;  // (from one direction or from a cache)
+  static constexpr double kTilt = 0;  // (used with a threshold or a cache)
   WorldHull a, b;
   HWY_INLINE Triple support(const Triple& n, VertexNames& names) const {
-    // Both cells first: the reads of either hull's vertices wait for its cell, and are so many that
-    // nothing else finds room beside them.
+    // Both cells first: reads of a hull's vertices wait for its cell, and fill the reorder buffer.
     const Triple d_a = a.turnedBack(n), d_b = b.turnedBack(-n);
     const HullCell *cell_a = a.cellOf(d_a), *cell_b = b.cellOf(d_b);
     return b.farthest(d_b, cell_b, names.b) - a.farthest(d_a, cell_a, names.a);
@@ -90,17 +94,17 @@ struct WorldCores {
   HWY_INLINE VertexNames verticesOf(const VertexNames& names) const { return names; }
 };
 
-// Up to 8 kEights vertices of a hull brought to a pose once, in vector lanes, or those of its
-// mirror image: no direction has to be turned back for them, and no vertex forth.
+// Up to 8 kEights vertices of a hull, or of its mirror image, placed at a pose once in vector
+// lanes: neither directions nor vertices are rotated for each support.
 //
-// The least of their values along a direction tells its vertex by itself: the last bits of a value
-// are replaced by the vertex's place. Of two values that differ in these bits alone the wrong one
-// may be taken: that errs by less than 8 kEights units in the last place.
+// The least value along a direction carries the index of its vertex in its last bits. Of two values
+// that differ in these bits only, the wrong one may win: an error below 8 kEights units in the last
+// place.
 template <int kEights>
 class PlacedVertices {
  public:
   static constexpr int kMost = 8 * kEights;
-  // In units of u times what the values are made of.
+  // In units of u times the size of a value's terms.
   static constexpr double kNameRounding = 2 * kMost;
 
   static HWY_INLINE bool takes(const HullSupport& support) {
@@ -110,7 +114,7 @@ class PlacedVertices {
                             double sign)
       : count_(static_cast<int>(hull.vertices().size())) {
     const HullSupport& support = hull.support();
-    // A shorter hull is padded by copies of its beginning.
+    // A shorter hull is padded with copies of its first eight.
     const int length = support.length();
     HWY_UNROLL(4)
     for (int i = 0; i < kMost; i += kStep) {
@@ -140,8 +144,8 @@ class PlacedVertices {
     return found;
   }
   using Place = hn::Vec<hn::RebindToSigned<Widest>>;
-  // The same for each direction of a ring; `places` has names. A vertex's value is that of the
-  // first direction and what two of its coordinates add.
+  // The vertices with the least v . n of each direction of a ring, and their indices in `places`. A
+  // value is that along the first direction and what two coordinates add.
   HWY_INLINE Points<kFan> farthest(const Ring<kFan>& ring, Place* places) const {
     const Widest d;
     const hn::RebindToSigned<Widest> di;
@@ -155,8 +159,8 @@ class PlacedVertices {
                         *const v =
                             at_[0] + std::ptrdiff_t{kMost} * (ring.axis == 0 ? 2 : ring.axis - 1);
     Lanes<kFan> least = allLanes<kFan>(std::numeric_limits<double>::infinity());
-    // (Each number is read from memory into all lanes: from registers it would take a shuffle.)
-    const int count = kEights == 1 ? kMost : count_;  // (Of eight hardly any is padding.)
+    // (Each number is broadcast from memory: from a register it would take a shuffle.)
+    const int count = kEights == 1 ? kMost : count_;  // (Few of eight are padding.)
     HWY_UNROLL(1)
     for (int i = 0; i < count; ++i) {
       const Lanes<kFan> value =
@@ -189,13 +193,14 @@ class PlacedVertices {
       0,  1,  2,  3,  4,  5,  6,  7,  8,  9,  10, 11, 12, 13, 14, 15,
       16, 17, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27, 28, 29, 30, 31};
 
-  // Values along n of those from place `at` on.
+  // The values along n of the vertices from `at` on.
   HWY_INLINE Same along(const SamePoint& n, std::size_t at) const {
     const Widest d;
     return hn::Add(
         hn::Add(hn::Mul(hn::Load(d, at_[0] + at), n.x), hn::Mul(hn::Load(d, at_[1] + at), n.y)),
         hn::Mul(hn::Load(d, at_[2] + at), n.z));
   }
+  // Replaces the last bits of a value by an index, and reads it back.
   static HWY_INLINE Same named(Same value, Place place) {
     const hn::RebindToSigned<Widest> di;
     return hn::BitCast(Widest(), hn::OrAnd(place, hn::BitCast(di, value), hn::Set(di, -kMost)));
@@ -205,7 +210,7 @@ class PlacedVertices {
     return hn::And(hn::BitCast(di, named), hn::Set(di, kMost - 1));
   }
 #if HWY_CAP_GE512
-  // Lane by lane the coordinate at a place.
+  // A lookup lane by lane, in registers.
   static HWY_INLINE Same inRegisters(const double* coordinates, Place place) {
     const Widest d;
     const hn::RebindToSigned<Widest> di;
@@ -230,13 +235,13 @@ class PlacedVertices {
   alignas(64) double at_[3][std::size_t{kMost}];  // coordinates
 };
 
-// Of A the mirror image, so that the difference is a sum.
+// A is mirrored, so that the difference is a sum.
 template <int kEights>
 struct PlacedCores {
   using Point = SamePoint;
-  static constexpr double kTilt = kEights <= 2 ? 1.1 : 0.72;  // the best of a few
-  static constexpr double kReach = 0.6;                       // likewise
-  static constexpr double kTiltOfFew = 0;
+  static constexpr double kTilt = kEights <= 2 ? 1.1 : 0.72;  // both the best of a few
+  static constexpr double kReach = 0.6;
+  static constexpr double kSmallTilt = 0;
   const ConvexHull &hull_a, &hull_b;
   PlacedVertices<kEights> minus_a, b;
   const double reach;
@@ -264,14 +269,15 @@ struct PlacedCores {
   }
 
  private:
-  // Columns are padded with copies of the first vertex, placed ones with copies of the first eight.
+  // Columns are padded with copies of the first vertex, placed columns with copies of the first
+  // eight.
   static HWY_INLINE std::int32_t vertexOf(const ConvexHull& hull, std::int32_t name) {
     const std::int32_t place = name < hull.support().length() ? name : name % 8;
     return place < static_cast<std::int32_t>(hull.vertices().size()) ? place : 0;
   }
 };
 
-// What is known before the search.
+// The input of a search.
 struct Pair {
   const Shape &a, &b;
   const Pose &X_WA, &X_WB;
@@ -280,7 +286,7 @@ struct Pair {
   Triple t;  // of A, from B's origin
   double size, rounding;
   VertexNames hints;
-  bool needles;  // one of them at least
+  bool needles;  // at least one is a needle
 };
 
 HWY_INLINE Triple betweenMiddles(const Pair& pair) {
@@ -289,8 +295,8 @@ HWY_INLINE Triple betweenMiddles(const Pair& pair) {
          (rotated(pair.X_WA.rotation, tripleOf(a.middle())) + pair.t);
 }
 
-// From one axis to the other where they are nearest: a needle's middle tells little of where it is
-// met. Hulls that are none stand for their middles.
+// From one axis to the other where they are nearest: a needle's nearest point may be far from its
+// middle. A hull that is no needle counts with its middle.
 HWY_INLINE Triple betweenAxes(const Pair& pair) {
   const HullSupport &a = pair.a.hull()->support(), &b = pair.b.hull()->support();
   const Triple axis_a = rotated(pair.X_WA.rotation, tripleOf(a.axis())),
@@ -303,8 +309,8 @@ HWY_INLINE Triple betweenAxes(const Pair& pair) {
   return squared(way) > kSmallestScale * kSmallestScale ? way : Triple{1, 0, 0};
 }
 
-// The cached direction if it is one, else from A's middle to B's; as long as that way, which a
-// fan's reach is measured by.
+// The cached direction if it is one, else from A's middle to B's. Its length is the distance of the
+// middles, which a fan's reach is compared with.
 HWY_INLINE Triple firstDirection(const Pair& pair) {
   if (pair.cache != nullptr) {
     const Triple n = tripleOf(pair.cache->direction_B);
@@ -319,7 +325,7 @@ HWY_INLINE Triple firstDirection(const Pair& pair) {
   return squared(middle) > kSmallestScale * kSmallestScale ? middle : Triple{1, 0, 0};
 }
 
-// Writes down what was found; false when it is not enough.
+// Writes the result; false when the request is not met.
 template <class Cores>
 HWY_INLINE bool answered(const Pair& pair, const Cores& cores, const Search<Cores>& search,
                          const Carriers& found, double lower_offset, double upper_offset,
@@ -327,13 +333,13 @@ HWY_INLINE bool answered(const Pair& pair, const Cores& cores, const Search<Core
   const DistanceRequest& request = pair.request;
   PairCache* const cache = pair.cache;
   if (HWY_UNLIKELY(found.count != 3)) return false;
-  // Which of them have no weight is not foreseen.
+  // Branch-free: which weights are 0 is unpredictable.
   const Triple w =
       found.weight[0] * found.w[0] + found.weight[1] * found.w[1] + found.weight[2] * found.w[2];
   const Triple p = found.weight[0] * cores.pointOfA(found.names[0]) +
                    found.weight[1] * cores.pointOfA(found.names[1]) +
                    found.weight[2] * cores.pointOfA(found.names[2]);
-  // As Progress has it.
+  // As in Progress.
   const Interval separation = {search.best().value() - lower_offset,
                                std::sqrt(squared(w)) - upper_offset};
   const bool enough = (separation.width() <= request.tolerance && isSignKnown(separation)) ||
@@ -369,7 +375,7 @@ HWY_INLINE bool answered(const Pair& pair, const Cores& cores, const Search<Core
   return true;
 }
 
-// Searches; false when what was found is not enough.
+// Searches; false when the request is not met.
 template <class Cores>
 HWY_INLINE bool answer(const Pair& pair, const Cores& cores, double more_rounding,
                        const PairCache* carried, DistanceResult& result, VertexStart& start) {
@@ -396,7 +402,7 @@ HWY_INLINE bool answer(const Pair& pair, const Cores& cores, double more_roundin
   return false;
 }
 
-// Not inlined: all of them in one would leave none the registers it needs.
+// Kept apart, here and below: merged, they spill registers.
 HWY_NOINLINE bool answerInWorld(const Pair& pair, const PairCache* carried, DistanceResult& result,
                                 VertexStart& start) {
   const WorldCores cores = {{pair.a, pair.X_WA.rotation, pair.t},
@@ -415,7 +421,7 @@ HWY_NOINLINE bool answerPlaced(const Pair& pair, DistanceResult& result, VertexS
                 nullptr, result, start);
 }
 
-// Without a table or columns only general code knows the farthest vertex.
+// True for hulls with a table or columns: other supports take general code.
 HWY_INLINE bool isQuick(const HullSupport& support) {
   return support.length() > 0 || support.sides() > 0;
 }

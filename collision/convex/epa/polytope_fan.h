@@ -5,20 +5,21 @@
 
 namespace leeway::collision {
 
-/// An edge around the facets of a polytope that a new vertex sees.
+/// An edge of the horizon: the border of the facets of a polytope that a new vertex sees (Barber,
+/// Dobkin and Huhdanpaa 1996).
 struct HorizonEdge {
-  std::int32_t from, to;     ///< vertices, in the order of the facet that goes
-  std::int32_t facet, edge;  ///< the facet that stays and its edge
+  std::int32_t from, to;     ///< vertices, in the order of the facet that is removed
+  std::int32_t facet, edge;  ///< the facet that stays, and its edge
 };
 
-/// Closes the surface again by a fan over a loop of such edges, in order: `facet(i)` is the facet
-/// of number i, with its neighbours across its three edges; `make(edge)` makes the one over an
-/// edge, whose edge 0 is that one and whose edges 1 and 2 meet the next one's and the last one's,
-/// and returns its number. False, with the surface open, when that is below 0. O(edges).
+/// Closes the surface by a fan over the horizon, whose edges form a loop in order. `facet(i)` is
+/// facet i, with its neighbours across its three edges. `make(edge)` makes the facet over an edge
+/// and returns its index: that edge is its edge 0, and its edges 1 and 2 meet the next facet of the
+/// fan and the one before. False, with the surface open, when an index is below 0. O(edges).
 template <class FacetOf, class Make>
-bool closeByFan(std::span<const HorizonEdge> loop, FacetOf facet, Make make) {
+bool closeByFan(std::span<const HorizonEdge> horizon, FacetOf facet, Make make) {
   std::int32_t first = -1, previous = -1;
-  for (const HorizonEdge& e : loop) {
+  for (const HorizonEdge& e : horizon) {
     const std::int32_t index = make(e);
     if (index < 0) return false;
     auto& f = facet(index);

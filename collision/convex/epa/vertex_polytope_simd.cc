@@ -14,18 +14,18 @@
 #include "collision/base/dispatch.h"
 #include "collision/convex/gjk/vertex_cores-inl.h"
 
-// A polytope as in penetration.h, without its care for all that can happen: what its claims rest on
-// is looked at on the way, and where it is in doubt nothing is claimed.
+// The polytope of epa.h in plain arithmetic: the conditions of its claims are checked on the way,
+// and in doubt nothing is claimed.
 //
-// The surface is closed: it begins as the four triangles of a tetrahedron, and triangles only ever
-// go together, for one over each of their directed edges whose reverse does not go with them. Every
-// directed edge is there at most once. It winds around the origin: all of a triangle is farther out
-// along its normal than rounding takes, and so is the point that it goes for, so that the
-// tetrahedron of both does not hold the origin. Which triangles a point sees may be told wrongly
-// where it is in their planes, to within rounding: that folds the surface, and opens nothing.
+// The surface is closed. It begins as a tetrahedron. A set of triangles is only ever replaced by
+// one triangle over each of their directed edges whose reverse is not removed, and every directed
+// edge exists at most once. It winds around the origin. Every triangle, and the point that replaces
+// it, is farther out along its normal than rounding: their tetrahedron does not hold the origin.
+// Rounding may misjudge which triangles a point sees when it is in their planes: that folds the
+// surface, but opens nothing.
 //
-// A normal's length is 1 to within 4 units of roundoff, and products with it err by 3 units of L
-// (see gjk.cc): with what members of the difference err by, kSupportRounding covers it.
+// Rounding: a normal's length is 1 within 4 units of roundoff, and products with it err by 3 units
+// of L (see gjk.cc). With the error of the members, kSupportRounding covers it.
 
 HWY_BEFORE_NAMESPACE();
 namespace leeway::collision::HWY_NAMESPACE {
@@ -53,7 +53,7 @@ class VertexPolytope {
 
  private:
   static constexpr int kVertices = 32, kFacets = 64, kEight = 8;
-  // (Facets that go for one point; three edges each.)
+  // (Most facets that one point removes, and their edges.)
   static constexpr int kMostSeen = 20, kEdges = 64;
 
   HWY_INLINE Triple vertex(int i) const { return {x_[i], y_[i], z_[i]}; }
@@ -89,27 +89,28 @@ class VertexPolytope {
     store(far, least_ + from);
     store(far, most_ + from);
   }
-  // Room for one more; the slots of a register are there as a whole.
+  // A slot for a new facet; slots are cleared a register at a time.
   HWY_INLINE std::int32_t newSlot() {
     if (facet_count_ % kEight == 0) clearEight(facet_count_);
     return facet_count_++;
   }
-  HWY_INLINE void tell(int facet, double within, VertexPolytopeAnswer& answer) const;
+  HWY_INLINE void report(int facet, double within, VertexPolytopeAnswer& answer) const;
 
   const PlacedCores& cores_;
   const CoreQuery& query_;
   int iterations_;
   const double rounding_;
   int vertex_count_ = 0, facet_count_ = 0;
-  // Of the facets: unit normals outwards, and the least and the most that a corner is out along it.
+  // Of each facet: the outward unit normal, and the least and most that its corners are out along
+  // it.
   alignas(64) double nx_[kFacets], ny_[kFacets], nz_[kFacets], least_[kFacets], most_[kFacets];
   alignas(64) double x_[kVertices], y_[kVertices], z_[kVertices];
   std::uint8_t corner_[kFacets][4];
   VertexNames names_[kVertices];
 };
 
-// Facets with corners a, b, c, counter-clockwise from outside. False when one of them is not
-// farther out than rounding takes, or has no normal (written so that NaN fails).
+// Makes facets with corners a, b, c, counter-clockwise from outside. False when one is not farther
+// out than rounding, or has no normal. (Written so that NaN fails.)
 HWY_INLINE bool VertexPolytope::place(const Points<kEight>& a, const Points<kEight>& b,
                                       const Points<kEight>& c, const std::int64_t* names_a,
                                       const std::int64_t* names_b, const std::int64_t* names_c,
@@ -155,14 +156,14 @@ HWY_INLINE bool VertexPolytope::begin(const Simplex& start) {
     const SupportPoint& s = start.point(i);
     addVertex(tripleOf(s.w), {s.index_a, s.index_b});
   }
-  // Counter-clockwise from outside are a, b, c with the origin behind them, and d.
+  // Orders a, b, c counter-clockwise from outside, with the origin and d behind them.
   const Triple a = vertex(0), b = vertex(1), c = vertex(2);
   const bool outwards = dot(cross(b - a, c - a), a) > 0;
   const std::int64_t j = outwards ? 1 : 2, k = 3 - j;
   alignas(64) const std::int64_t first[kEight] = {0, 0, j, k, 0, 0, 0, 0},
                                  second[kEight] = {j, 3, 3, 3, j, j, j, j},
                                  third[kEight] = {k, j, k, 0, k, k, k, k};
-  // That the origin is inside must not rest on normals, which slivers have none of.
+  // That the origin is inside must not rest on normals: slivers have none.
   for (int i = 0; i < 4; ++i) {
     const Triple p = vertex(static_cast<int>(first[i])), q = vertex(static_cast<int>(second[i])),
                  r = vertex(static_cast<int>(third[i]));
@@ -202,7 +203,7 @@ HWY_INLINE std::uint64_t VertexPolytope::seenFrom(const Triple& p) const {
   return seen;
 }
 
-// Exchanges the facets that the newest vertex sees for others over it.
+// Replaces the facets that the newest vertex sees by a fan over it.
 HWY_INLINE bool VertexPolytope::expand(std::uint64_t seen) {
   const int seen_count = std::popcount(seen);
   if (HWY_UNLIKELY(seen_count > kMostSeen)) return false;
@@ -228,12 +229,12 @@ HWY_INLINE bool VertexPolytope::expand(std::uint64_t seen) {
       const unsigned p = c[k], q = c[k == 2 ? 0 : k + 1];
       from[count] = p;
       to[count] = q;
-      // (Which of the edges are on the rim is not foreseen.)
-      const std::uint32_t on_rim = ~(edges_from[q] >> p) & 1U;
-      once &= (((all_from >> p) | (all_to >> q)) & on_rim) == 0;
-      all_from |= on_rim << p;
-      all_to |= on_rim << q;
-      count += static_cast<int>(on_rim);
+      // (Branch-free: which edges are on the horizon is unpredictable.)
+      const std::uint32_t on_horizon = ~(edges_from[q] >> p) & 1U;
+      once &= (((all_from >> p) | (all_to >> q)) & on_horizon) == 0;
+      all_from |= on_horizon << p;
+      all_to |= on_horizon << q;
+      count += static_cast<int>(on_horizon);
     }
   }
   if (HWY_UNLIKELY(!once || count < 3 || count > kEdges - kEight)) return false;
@@ -241,7 +242,7 @@ HWY_INLINE bool VertexPolytope::expand(std::uint64_t seen) {
     if (HWY_UNLIKELY(facet_count_ == kFacets)) return false;
     slots[slot_count++] = newSlot();
   }
-  // What is left over of the last eight is as the first.
+  // The rest of the last eight repeats the first.
   for (int i = count; i % kEight != 0; ++i) from[i] = from[0], to[i] = to[0];
   for (int i = 0; i < (count + kEight - 1) / kEight * kEight; ++i) apex[i] = newest;
   const Points<kEight> top = allLanes<kEight>(vertex(vertex_count_ - 1));
@@ -258,8 +259,9 @@ HWY_INLINE bool VertexPolytope::expand(std::uint64_t seen) {
   return true;
 }
 
-// The corners of the facets that are about as near as this one, itself the first.
-HWY_INLINE void VertexPolytope::tell(int facet, double within, VertexPolytopeAnswer& answer) const {
+// Reports a facet's depth and its corners, then those of facets about as near.
+HWY_INLINE void VertexPolytope::report(int facet, double within,
+                                       VertexPolytopeAnswer& answer) const {
   const auto add = [&](int i) HWY_ATTR {
     for (int k = 0; k < 3; ++k) {
       const VertexNames& names = names_[corner_[i][k]];
@@ -283,11 +285,11 @@ HWY_INLINE void VertexPolytope::grow(VertexPolytopeAnswer& answer) {
     const double upper = -least_[i] - query_.upper_offset;
     if (upper <= request.threshold || (!request.depth && upper <= 0)) {
       answer.end = End::kDecided;
-      tell(i, 0, answer);
+      report(i, 0, answer);
       return;
     }
     if (iterations_ >= request.iteration_limit || vertex_count_ == kVertices) {
-      tell(i, 0, answer);
+      report(i, 0, answer);
       return;
     }
     ++iterations_;
@@ -297,11 +299,11 @@ HWY_INLINE void VertexPolytope::grow(VertexPolytopeAnswer& answer) {
     const double reach = dot(outward, p);
     const double lower = -reach - query_.lower_offset;
     const bool met = upper - lower <= request.tolerance && upper <= 0;
-    // Where several translations separate equally well, the plane is that of the facet.
+    // Where several translations separate equally well, the plane must be that of the facet.
     if (met || reach < answer.reach) answer.outward = outward, answer.reach = reach;
     if (met || lower > request.threshold) {
       answer.end = lower > request.threshold ? End::kDecided : End::kMet;
-      tell(i, request.tolerance, answer);
+      report(i, request.tolerance, answer);
       return;
     }
     const std::uint64_t seen = seenFrom(p);
@@ -334,14 +336,14 @@ HWY_EXPORT(vertexPolytope);
 bool growVertexPolytope(Difference<false>& difference, const Simplex& start, Progress& progress) {
   using End = VertexPolytopeAnswer::End;
   const CoreQuery& query = progress.query();
-  // Width that rounding or an excess alone keeps is a matter of robust steps.
+  // A tolerance near the width that rounding and excess keep is left to the robust steps.
   const double narrow = query.lower_offset - query.upper_offset + 16 * query.roundoff;
   if (query.request.depth && !(query.request.tolerance > narrow)) return false;
   VertexPolytopeAnswer answer;
   const int before = progress.iterations;
   LEEWAY_DISPATCH(vertexPolytope)(difference, start, progress, answer);
   const Vector outward(answer.outward.x, answer.outward.y, answer.outward.z);
-  // Of several facets in one plane, the one that the plane's normal passes through.
+  // Of several facets in one plane, the one that the normal passes through.
   double least = std::numeric_limits<double>::infinity();
   Vector nearest = Vector::Zero(), a = Vector::Zero();
   for (int i = 0; i < answer.near_count && !(least - answer.depth <= query.roundoff); ++i) {
@@ -362,7 +364,7 @@ bool growVertexPolytope(Difference<false>& difference, const Simplex& start, Pro
   }
   progress.offerLower(-answer.reach, -outward);
   if (answer.near_count > 0) progress.offerWitness(-answer.depth, nearest, a);
-  // The robust steps begin anew, and have all that were allowed.
+  // The robust steps begin anew, with all iterations.
   if (answer.end == End::kOpen && progress.iterations < query.request.iteration_limit) {
     progress.iterations = before;
   }

@@ -1,7 +1,7 @@
 #pragma once
 
-// Private to collision/: a convex shape as the engine sees it, and the pose of one in the frame of
-// another.
+// Private to collision/: a convex shape as a core with a radius, and the pose of one shape in the
+// frame of another.
 
 #include <Eigen/Core>
 
@@ -12,8 +12,7 @@ namespace leeway::collision {
 
 class HullSupport;  // hull_support.h
 
-/// What a support function has to know of a convex shape: a core, grown by `radius`. All cores
-/// stand in the shape's own frame.
+/// The core of a convex shape, in the shape's own frame.
 enum class Core : unsigned char {
   kPoint,      ///< the origin (sphere)
   kSegment,    ///< (0, 0, -size.z) to (0, 0, size.z) (capsule)
@@ -25,33 +24,33 @@ enum class Core : unsigned char {
   kHalfSpace,  ///< z <= 0
 };
 
-/// A convex shape as the engine sees it; borrows points and hull.
+/// A convex shape as a core grown by a radius: all that support functions need. Borrows points and
+/// hull.
 struct ConvexView {
   Core core = Core::kPoint;
   Eigen::Vector3d size = Eigen::Vector3d::Zero();
   const Eigen::Vector3d* points = nullptr;
   int count = 0;
-  const ConvexHull* hull = nullptr;      ///< neighbour lists of `points`; may be null
-  const HullSupport* support = nullptr;  ///< of `points`; may be null
-  Eigen::Vector3d center =
-      Eigen::Vector3d::Zero();  ///< somewhere in the middle: where a search starts
-  double radius = 0;            ///< the shape is the core grown by this
-  double extent =
-      0;  ///< no point of the core is farther from the frame's origin; rounding grows with it
-  double excess = 0;  ///< the true shape may stand out of core + radius by this much
+  const ConvexHull* hull = nullptr;                  ///< neighbour lists of `points`; may be null
+  const HullSupport* support = nullptr;              ///< of `points`; may be null
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();  ///< about its middle: where a search starts
+  double radius = 0;                                 ///< the shape is the core grown by this [m]
+  /// No point of the core is farther from the frame's origin; rounding is proportional to it [m].
+  double extent = 0;
+  double excess = 0;  ///< the true shape may stand out of core + radius by this much [m]
 };
 
 /// The view of a convex shape (not of a mesh). O(1).
 ConvexView viewOf(const Shape& shape);
 
-/// The hull of `count` >= 1 points, grown by radius: triangles, boxes of a hierarchy and the like.
-/// O(count).
+/// The hull of `count` >= 1 points, grown by radius: for triangles, boxes of a hierarchy and the
+/// like. O(count).
 ConvexView viewOfPoints(const Eigen::Vector3d* points, int count, double radius);
 
-/// X_BA of two poses in a common frame, translations subtracted first, and what it is worth.
+/// X_BA of two poses in a common frame and its error. Translations are subtracted first.
 struct RelativePose {
   Pose X_BA;
-  /// Poses are finite and their rotations orthogonal within kRotationTolerance.
+  /// The poses are finite and their rotations orthogonal within kRotationTolerance.
   bool valid = false;
   /// Rounding and departure from orthogonality, as a fraction: true distances differ from those
   /// under X_BA by at most slack * (extent of A + extent of B + |X_BA.translation|).

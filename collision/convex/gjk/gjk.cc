@@ -4,197 +4,216 @@
 #include <limits>
 #include <utility>
 
+#include "collision/convex/gjk/newton_step.h"
+
 namespace leeway::collision {
 
-// Rounding of the two ends, in units of u L with u = kUnitRoundoff and L = extent A + extent B +
-// |t|, X_BA taken as exact.
+// clang-format off
+// Rounding of the two ends, in units of u L with u = kUnitRoundoff and L = extent A + extent B + |t|.
+// X_BA is taken as exact.
 //
 // Lower end, n . w of the support point w = b - (R p + t):
-//   R^T n errs by 3 sqrt(3) u, so that p may be beaten by 2 * 5.2 extent A; the choice of p errs by
-//   6 extent A R p errs by 3 sqrt(3) extent A, adding t by one unit of each the choice of b errs by
-//   6 extent B b - a' errs by 1 L, the dot product by 3 L, n's length by 3 L
-// in sum 29 extent A + 13 extent B + 8 |t|: kSupportRounding = 32 units of L cover it.
+//   R^T n errs by 3 sqrt(3) u: another point may beat p by              2 * 5.2 extent A
+//   the choice of p                                                     6 extent A
+//   R p                                                                 3 sqrt(3) extent A
+//   adding t                                                            1 extent A + 1 |t|
+//   the choice of b                                                     6 extent B
+//   b - a'                                                              1 L
+//   the dot product                                                     3 L
+//   the length of n                                                     3 L
+// In sum 29 extent A + 13 extent B + 8 |t|: kSupportRounding = 32 units of L cover it.
 //
-// Upper end, |v| with v a mean of up to four such w: R p + t 6.2 extent A + |t|, b - a' 1 L,
-// support points may stand out by 3 L, weights whose sum is 1 within 4 units 4 L, the sum 3 L, the
-// norm 3 L: less than 21 L.
+// Upper end, |v| with v a mean of up to four such w:
+//   R p + t                                                             6.2 extent A + |t|
+//   b - a'                                                              1 L
+//   support points stand out of their cores                             3 L
+//   weights, whose sum is 1 within 4 units                              4 L
+//   the sum                                                             3 L
+//   the norm                                                            3 L
+// In sum less than 21 L.
+// clang-format on
 
 namespace {
 
-// For round cores: Newton's step in the place of GJK's. The lower end phi(n) = min over the
-// difference of n . w is concave, and near its maximum over unit vectors it falls like 1/2 d . (K +
-// phi) d for a turn d, with K the curvature of the cores at their support points; each point of the
-// simplex adds a plane above phi. GJK's next direction is the maximum of these planes less 1/2 phi
-// |d|^2: with K left out, it overshoots, and creeps where phi is small beside the radii. With T^T T
-// = phi (K + phi)^-1 across n and 1 along it, the nearest point of T (simplex) gives the maximum
-// with K counted in.
 template <bool kSwept>
-bool newtonScaling(const Difference<kSwept>& difference, const Vector& n, double phi,
-                   Vector rows[3]) {
-  if (!(phi > 0)) return false;
-  Curvature a, b;
-  difference.curvatures(n, a, b);
-  const Vector helper = std::abs(n.x()) < 0.6 ? Vector::UnitX() : Vector::UnitY();
-  Vector u = cross(n, helper);
-  u /= u.norm();
-  const Vector v = cross(n, u);
-  double uu = phi, uv = 0, vv = phi;
-  for (const Curvature* k : {&a, &b}) {
-    for (int i = 0; i < 2; ++i) {
-      const double along_u = k->axis[i].dot(u), along_v = k->axis[i].dot(v);
-      uu += k->strength[i] * along_u * along_u;
-      uv += k->strength[i] * along_u * along_v;
-      vv += k->strength[i] * along_v * along_v;
+class Gjk {
+ public:
+  Gjk(Difference<kSwept>& difference, Progress& progress, Simplex& simplex)
+      : difference_(difference),
+        progress_(progress),
+        query_(progress.query()),
+        simplex_(simplex),
+        round_(difference.isRound()) {}
+
+  GjkEnd run(const Vector& first_direction);
+
+ private:
+  GjkEnd leave(GjkEnd end);
+  double askPlane();
+  Reduction takePoint(double value);
+  bool scale(double value, Vector rows[3]);
+  void offerNearest();
+  bool offerSweptNearest();
+  void stopNewton();
+  void stopIdleNewton();
+  void chooseDirection();
+
+  Difference<kSwept>& difference_;
+  Progress& progress_;
+  const CoreQuery& query_;
+  Simplex& simplex_;
+  const bool round_;
+  Vector n_;
+  double along_nearest_ = std::numeric_limits<double>::infinity();  // n . nearest
+  double norm_ = 0;                                                 // of nearest
+  // Newton's steps are for the last digits: gate_ is the relative width from which they are tried,
+  // and shrinks after each failure. Sweeps do without: the first few steps decide their threshold.
+  bool newton_ = false;
+  double gate_ = kNewtonFrom;
+  int failures_ = 0;
+  int idle_ = 0;  // Newton steps that hardly narrowed the interval
+  double width_ = std::numeric_limits<double>::infinity();
+};
+
+// GJK's steps only come nearer, so that their witness is written once, at the end. Newton's steps
+// write each of theirs.
+template <bool kSwept>
+GjkEnd Gjk<kSwept>::leave(GjkEnd end) {
+  if constexpr (!kSwept) {
+    if (!newton_ && simplex_.count > 0) {
+      progress_.offerWitness(norm_, simplex_.nearest, simplex_.pointOfA());
     }
   }
-  // K + phi = L L^T; T = sqrt(phi) L^-1.
-  const double l00 = std::sqrt(uu), l10 = uv / l00, rest = vv - l10 * l10;
-  if (!(rest > 0)) return false;
-  const double l11 = std::sqrt(rest), root = std::sqrt(phi);
-  rows[0] = (root / l00) * u;
-  rows[1] = (root / l11) * (v - (l10 / l00) * u);
-  rows[2] = n;
-  return true;
+  return end;
 }
 
-// Brings the planes of a Newton step up to date: each point of the simplex moves to where its
-// pieces of the two surfaces are farthest along n. One that then is the newest point is dropped.
-void followPieces(const Difference<false>& difference, const Vector& n, Simplex& simplex) {
-  const int newest = simplex.slot[simplex.count];
-  int kept = 0;
-  for (int i = 0; i < simplex.count; ++i) {
-    SupportPoint& s = simplex.points[simplex.slot[i]];
-    const bool moved = difference.follow(n, s);
-    const SupportPoint& last = simplex.points[newest];
-    if (moved && s.index_a == last.index_a && s.index_b == last.index_b) continue;
-    std::swap(simplex.slot[i], simplex.slot[kept]);
-    ++kept;
-  }
-  for (int i = kept; i < 4; ++i) {
-    if (simplex.slot[i] == newest) std::swap(simplex.slot[i], simplex.slot[kept]);
-  }
-  simplex.count = kept;
-}
-
+// The support point along n, in the simplex's free slot; returns n . w.
 template <bool kSwept>
-GjkEnd run(Difference<kSwept>& difference, const Vector& first_direction, Progress& progress,
-           Simplex& simplex) {
-  const CoreQuery& query = progress.query();
-  const int limit = query.request.iteration_limit;
-  Vector n = first_direction;
-  double along_nearest = std::numeric_limits<double>::infinity();  // n . nearest
-  double norm = 0;
-  // (Sweeps mostly ask for a threshold, which the first few steps decide.)
-  const bool round = !kSwept && difference.isRound();
-  bool newton = false;
-  // The simplex's witness is written down once, at the end, while it only gets nearer; Newton's
-  // steps write down each.
-  const auto leave = [&](GjkEnd end) {
-    if constexpr (!kSwept) {
-      if (!newton && simplex.count > 0) {
-        progress.offerWitness(norm, simplex.nearest, simplex.pointOfA());
-      }
-    }
-    return end;
-  };
-  // Newton's steps are for the end game: relative width from which they are tried, less after each
-  // failure.
-  double gate = kNewtonFrom;
-  int failures = 0;
-  int idle = 0;  // Newton steps that did not narrow the interval by much
-  double width = std::numeric_limits<double>::infinity();
-  // Back to plain steps, which cannot go wrong; what is known of the simplex is found anew in true
-  // coordinates.
-  const auto stopNewton = [&] {
-    newton = false;
-    idle = 0;
-    gate = ++failures < kNewtonFailures ? kNewtonAgain * (progress.upper() - progress.lower()) /
-                                              std::max(norm, query.roundoff)
+double Gjk<kSwept>::askPlane() {
+  ++progress_.iterations;
+  SupportPoint& s = simplex_.free();
+  difference_.support(n_, s);
+  const double value = n_.dot(s.w);
+  progress_.offerLower(value, n_);
+  return value;
+}
+
+// Back to GJK's steps, which always converge: the simplex is reduced anew in true coordinates.
+template <bool kSwept>
+void Gjk<kSwept>::stopNewton() {
+  newton_ = false;
+  idle_ = 0;
+  gate_ = ++failures_ < kNewtonFailures ? kNewtonAgain * (progress_.upper() - progress_.lower()) /
+                                              std::max(norm_, query_.roundoff)
                                         : 0;
-    reduceAll(simplex, simplex.count);
-  };
-  bool ask = simplex.count == 0;  // false: a simplex was handed over and comes first
-  for (;; ask = true) {
+  reduceAll(simplex_, simplex_.count);
+}
+
+template <bool kSwept>
+void Gjk<kSwept>::stopIdleNewton() {
+  const double now = progress_.upper() - progress_.lower();
+  idle_ = now < 0.5 * width_ ? 0 : idle_ + 1;
+  width_ = std::min(width_, now);
+  if (idle_ <= kIdleNewtonSteps) return;
+  stopNewton();
+  norm_ = std::sqrt(simplex_.norm_squared);
+  progress_.offerUpper(norm_);
+}
+
+// Begins, goes on with or gives up Newton's steps; true when the next reduction is to be scaled.
+template <bool kSwept>
+bool Gjk<kSwept>::scale(double value, Vector rows[3]) {
+  if constexpr (!kSwept) {
+    if (round_ && !newton_ && simplex_.count > 0 && norm_ - value < gate_ * norm_) {
+      leave(GjkEnd::kLimit);
+      newton_ = true;
+    }
+    if (!newton_ || simplex_.count == 0) return false;
+    if (newtonScaling(difference_, n_, std::max(value, 0.1 * norm_), rows)) {
+      followPieces(difference_, n_, simplex_);
+      return true;
+    }
+    // The new point waits in the first free slot, which the reduction may move.
+    const int before = simplex_.count;
+    stopNewton();
+    std::swap(simplex_.slot[simplex_.count], simplex_.slot[before]);
+  }
+  return false;
+}
+
+template <bool kSwept>
+Reduction Gjk<kSwept>::takePoint(double value) {
+  Vector rows[3];
+  return scale(value, rows) ? addAndReduceScaled(simplex_, rows) : addAndReduce(simplex_);
+}
+
+template <bool kSwept>
+void Gjk<kSwept>::offerNearest() {
+  if (!newton_) {
+    progress_.offerUpper(norm_);
+  } else if (norm_ - query_.upper_offset < progress_.upper()) {
+    progress_.offerWitness(norm_, simplex_.nearest, simplex_.pointOfA());
+  }
+}
+
+// A point of the swept hull belongs to a placement only when all its parts do. False when the hull
+// is not above the threshold: its lower end cannot rise above that any more.
+template <bool kSwept>
+bool Gjk<kSwept>::offerSweptNearest() {
+  bool one_placement = true;
+  for (int i = 1; i < simplex_.count; ++i) {
+    one_placement &= simplex_.point(i).placement == simplex_.point(0).placement;
+  }
+  if (one_placement) progress_.offerWitness(norm_, simplex_.nearest, simplex_.pointOfA());
+  progress_.offerSweptWitness(norm_);
+  return !(norm_ - query_.lower_offset <= query_.request.threshold);
+}
+
+template <bool kSwept>
+void Gjk<kSwept>::chooseDirection() {
+  if (!simplex_.has_normal) {
+    n_ = simplex_.nearest / norm_;
+  } else {
+    n_ = simplex_.feature_normal / simplex_.feature_normal.norm();
+    if (n_.dot(simplex_.nearest) < 0) n_ = -n_;
+  }
+  along_nearest_ = n_.dot(simplex_.nearest);
+}
+
+template <bool kSwept>
+GjkEnd Gjk<kSwept>::run(const Vector& first_direction) {
+  n_ = first_direction;
+  // A simplex that was handed over comes before the first plane.
+  for (bool ask = simplex_.count == 0;; ask = true) {
     if (ask) {
-      if (progress.iterations >= limit) return leave(GjkEnd::kLimit);
-      ++progress.iterations;
-      SupportPoint& s = simplex.free();
-      difference.support(n, s);
-      const double value = n.dot(s.w);
-      progress.offerLower(value, n);
-      if (progress.enough()) return leave(GjkEnd::kEnough);
-      // Nothing beyond the simplex along n, to within rounding: further steps would chase noise.
-      if (along_nearest - value <= 2 * query.roundoff) {
-        if (!newton) return leave(GjkEnd::kStagnated);
+      if (progress_.iterations >= query_.request.iteration_limit) return leave(GjkEnd::kLimit);
+      const double value = askPlane();
+      if (progress_.enough()) return leave(GjkEnd::kEnough);
+      if (along_nearest_ - value <= 2 * query_.roundoff) {
+        // No point beyond the simplex along n, to within rounding: more steps would chase noise.
+        if (!newton_) return leave(GjkEnd::kStagnated);
         stopNewton();
-        along_nearest = std::numeric_limits<double>::infinity();
-        ask = false;
+        along_nearest_ = std::numeric_limits<double>::infinity();
+      } else {
+        const Reduction reduction = takePoint(value);
+        if (reduction == Reduction::kNoProgress) return leave(GjkEnd::kStagnated);
+        if (reduction == Reduction::kHoldsOrigin) {
+          leave(GjkEnd::kInside);
+          ++simplex_.count;
+          return GjkEnd::kInside;
+        }
       }
     }
-    if (ask) {
-      Vector rows[3];
-      const double value = n.dot(simplex.free().w);
-      if (round && !newton && simplex.count > 0 && norm - value < gate * norm) {
-        leave(GjkEnd::kLimit);
-        newton = true;
-      }
-      const bool scaled = newton && simplex.count > 0 &&
-                          newtonScaling(difference, n, std::max(value, 0.1 * norm), rows);
-      if (newton && !scaled && simplex.count > 0) {
-        // The new point waits in the first free slot, which the others may leave.
-        const int before = simplex.count;
-        stopNewton();
-        std::swap(simplex.slot[simplex.count], simplex.slot[before]);
-      }
-      if constexpr (!kSwept) {
-        if (scaled) followPieces(difference, n, simplex);
-      }
-      const Reduction reduction =
-          scaled ? addAndReduceScaled(simplex, rows) : addAndReduce(simplex);
-      if (reduction == Reduction::kNoProgress) return leave(GjkEnd::kStagnated);
-      if (reduction == Reduction::kHoldsOrigin) {
-        leave(GjkEnd::kInside);
-        ++simplex.count;
-        return GjkEnd::kInside;
-      }
-    }
-    norm = std::sqrt(simplex.norm_squared);
-    if constexpr (!kSwept) {
-      if (!newton) {
-        progress.offerUpper(norm);
-      } else if (norm - query.upper_offset < progress.upper()) {
-        progress.offerWitness(norm, simplex.nearest, simplex.pointOfA());
-      }
+    norm_ = std::sqrt(simplex_.norm_squared);
+    if constexpr (kSwept) {
+      if (!offerSweptNearest()) return GjkEnd::kLimit;
     } else {
-      // A point of the swept hull is a point of a placement only when all its parts are of one.
-      bool one_placement = true;
-      for (int i = 1; i < simplex.count; ++i) {
-        one_placement &= simplex.point(i).placement == simplex.point(0).placement;
-      }
-      if (one_placement) progress.offerWitness(norm, simplex.nearest, simplex.pointOfA());
-      progress.offerSweptWitness(norm);
-      // Nearer than the threshold as a hull: its lower end cannot come above it any more.
-      if (norm - query.lower_offset <= query.request.threshold) return GjkEnd::kLimit;
+      offerNearest();
     }
-    if (progress.enough()) return leave(GjkEnd::kEnough);
-    if (newton) {
-      const double now = progress.upper() - progress.lower();
-      idle = now < 0.5 * width ? 0 : idle + 1;
-      width = std::min(width, now);
-      if (idle > kIdleNewtonSteps) {
-        stopNewton();
-        norm = std::sqrt(simplex.norm_squared);
-        if constexpr (!kSwept) progress.offerUpper(norm);
-      }
-    }
-    if (norm <= 4 * query.roundoff) return leave(GjkEnd::kInside);
-    if (!simplex.has_normal) {
-      n = simplex.nearest / norm;
-    } else {
-      n = simplex.feature_normal / simplex.feature_normal.norm();
-      if (n.dot(simplex.nearest) < 0) n = -n;
-    }
-    along_nearest = n.dot(simplex.nearest);
+    if (progress_.enough()) return leave(GjkEnd::kEnough);
+    if (newton_) stopIdleNewton();
+    if (norm_ <= 4 * query_.roundoff) return leave(GjkEnd::kInside);
+    chooseDirection();
   }
 }
 
@@ -202,12 +221,12 @@ GjkEnd run(Difference<kSwept>& difference, const Vector& first_direction, Progre
 
 GjkEnd runGjk(Difference<false>& difference, const Vector& direction, Progress& progress,
               Simplex& simplex) {
-  return run(difference, direction, progress, simplex);
+  return Gjk(difference, progress, simplex).run(direction);
 }
 
 GjkEnd runGjk(Difference<true>& difference, const Vector& direction, Progress& progress,
               Simplex& simplex) {
-  return run(difference, direction, progress, simplex);
+  return Gjk(difference, progress, simplex).run(direction);
 }
 
 }  // namespace leeway::collision

@@ -8,16 +8,17 @@ namespace leeway::collision {
 enum class GjkEnd : unsigned char {
   kEnough,     ///< the request is met
   kLimit,      ///< out of iterations
-  kStagnated,  ///< rounding: no point of the difference is seen beyond the simplex
+  kStagnated,  ///< rounding hides any point of the difference beyond the simplex
   kInside,     ///< the origin is in the simplex (a tetrahedron), or on it to within rounding
 };
 
 /// Distance of the origin from a difference of two cores, first along `direction` (a unit vector).
-/// Fills `progress` with both ends; `simplex` is what it ended on.
+/// Offers both ends to `progress`; `simplex` is the last one.
 ///
-/// Gilbert, Johnson and Keerthi (1988), with both bounds kept: the nearest point of the simplex is
-/// a point of the difference, so its distance is an upper end; the supporting plane found at each
-/// step is a lower one, whatever direction was asked.
+/// Gilbert, Johnson and Keerthi (1988), with both bounds kept. The nearest point of the simplex
+/// belongs to the difference, so its distance is an upper end; the supporting plane of each step is
+/// a lower end, whatever its direction. On round cores the last steps are Newton's
+/// (newton_step.h).
 GjkEnd runGjk(Difference<false>& difference, const Vector& direction, Progress& progress,
               Simplex& simplex);
 GjkEnd runGjk(Difference<true>& difference, const Vector& direction, Progress& progress,

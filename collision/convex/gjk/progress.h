@@ -1,6 +1,6 @@
 #pragma once
 
-// What a query has proven so far, and whether that is enough.
+// The bounds that a query has proven so far, and whether they meet its request.
 
 #include <algorithm>
 #include <limits>
@@ -10,20 +10,20 @@
 
 namespace leeway::collision {
 
-/// The request in the terms of two cores.
+/// A request in terms of two cores.
 struct CoreQuery {
   DistanceRequest request;
   double radius_a = 0, radius_b = 0;
-  /// A support plane at core distance d proves d - lower_offset; a witness at core distance d
-  /// proves d - upper_offset: radii and every rounding and excess are in there.
+  /// A support plane at core distance d proves d - lower_offset, a witness at core distance d
+  /// proves d - upper_offset [m]: they hold radii, rounding and excess.
   double lower_offset = 0, upper_offset = 0;
-  /// Part of lower_offset: how far a swept body may leave the hull of its placements.
+  /// Part of lower_offset: how far a swept body may leave the hull of its placements [m].
   double growth = 0;
-  /// One rounding of a coordinate at play: kUnitRoundoff * (extents + |translation|) [m].
+  /// Rounding of a coordinate: kUnitRoundoff * (extents + |translation|) [m].
   double roundoff = 0;
 };
 
-/// Best ends found, with what carries them.
+/// The best lower end with its plane and the best upper end with its witness.
 class Progress {
  public:
   explicit Progress(const CoreQuery& query) : query_(query) {}
@@ -37,14 +37,13 @@ class Progress {
     }
   }
 
-  /// Takes this plane in place of one that is better by rounding only: `normal` then belongs to the
-  /// witness.
+  /// Replaces a plane that is better by rounding only: `normal` then belongs to the witness.
   void preferLower(double value, const Vector& n) {
     lower_ = value - query_.lower_offset;
     normal_ = n;
   }
 
-  /// A point of the difference at `distance` from the origin, made from point `a` of A.
+  /// A point w of the difference at `distance` from the origin; `a` is A's part of it.
   void offerWitness(double distance, const Vector& w, const Vector& a) {
     const double upper = distance - query_.upper_offset;
     if (upper <= upper_) {
@@ -54,10 +53,9 @@ class Progress {
     }
   }
 
-  /// A witness and the plane that it lies next to, their values as above. Where the two meet the
-  /// tolerance they are taken together, however little better others are: `normal`, along which
-  /// radii are laid off, then is that of the witness. Where they do not, the plane alone is offered
-  /// and the answer is false.
+  /// A witness and the plane next to it. Where the two meet the tolerance they replace others, even
+  /// slightly better ones: radii are laid off along `normal`, which must be that of the witness.
+  /// Otherwise offers the plane alone and returns false.
   bool offerTogether(double distance, const Vector& w, const Vector& a, double value,
                      const Vector& n) {
     const double upper = distance - query_.upper_offset, lower = value - query_.lower_offset;
@@ -71,17 +69,18 @@ class Progress {
     return true;
   }
 
-  /// As offerWitness(), whose points will be offered later.
+  /// offerWitness() without its points, which must follow.
   void offerUpper(double distance) { upper_ = std::min(upper_, distance - query_.upper_offset); }
 
-  /// A point of a swept hull at `distance`, which no single placement need reach: it only tells how
-  /// good the lower end is.
+  /// A point of a swept hull at `distance`. No single placement need reach it: it is no upper end,
+  /// but bounds what the lower end can gain.
   void offerSweptWitness(double distance) {
     const double upper = distance - query_.upper_offset - query_.growth;
     if (upper < swept_upper_) swept_upper_ = upper;
   }
 
-  /// Written so that a NaN threshold or tolerance decides nothing.
+  // Written so that a NaN threshold or tolerance decides nothing.
+
   bool aboveThreshold() const { return lower_ > query_.request.threshold; }
   bool converged() const {
     return upper_ - lower_ <= query_.request.tolerance ||
@@ -91,8 +90,8 @@ class Progress {
   bool decided() const { return isDecided({lower_, upper_}, query_.request); }
   bool enough() const { return decided() || (converged() && signKnown()); }
 
-  /// Which side of contact the pair is on: work goes on for that even when the interval is narrow
-  /// enough.
+  /// False while the interval holds 0: a query goes on until the sign is known, however narrow the
+  /// interval.
   bool signKnown() const { return isSignKnown({lower_, upper_}); }
 
   DistanceStatus status() const {

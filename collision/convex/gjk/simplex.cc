@@ -7,7 +7,7 @@ namespace leeway::collision {
 
 namespace {
 
-// A face of the simplex with its point nearest to the origin: the best found so far.
+// The best face so far and its point nearest to the origin.
 struct Candidate {
   Vector nearest;
   double norm_squared = std::numeric_limits<double>::infinity();
@@ -29,13 +29,13 @@ inline void offerVertex(const Vector& p, int i, Candidate& best) {
   best.has_normal = false;
 }
 
-// Edge from point i to point j; its ends are covered by clamping.
+// The edge from point i to point j, its ends included.
 inline void offerEdge(const Vector* const w[4], int i, int j, Candidate& best) {
   const Vector& p = *w[i];
   const Vector edge = *w[j] - p;
   const double length_squared = edge.squaredNorm();
   const double along = -p.dot(edge);
-  // Also taken when length_squared is 0.
+  // (Also taken when length_squared is 0.)
   if (!(along > 0)) return offerVertex(p, i, best);
   if (along >= length_squared) return offerVertex(*w[j], j, best);
   const double t = along / length_squared;
@@ -49,21 +49,20 @@ inline void offerEdge(const Vector* const w[4], int i, int j, Candidate& best) {
   best.index[1] = j;
   best.lambda[0] = 1 - t;
   best.lambda[1] = t;
-  // Near contact the nearest point keeps a part along the edge, by cancellation: taken off, in
-  // proportion to what is left.
+  // Near contact cancellation leaves a part along the edge: projected out.
   best.normal = nearest - (nearest.dot(edge) / length_squared) * edge;
   best.has_normal = true;
 }
 
-// Triangle of points i, j, k. Falls back to the edges that the origin's projection is beyond.
+// The triangle of points i, j, k; or the edges that the origin's projection is beyond.
 inline void offerTriangle(const Vector* const w[4], int i, int j, int k, Candidate& best) {
   const Vector& p = *w[k];
   const Vector to_i = *w[i] - p;
   const Vector to_j = *w[j] - p;
   const Vector normal = cross(to_i, to_j);
   const double normal_squared = normal.squaredNorm();
-  // Areas, times |normal|, of the triangles that the origin's projection makes with the edges
-  // opposite to i, j and k: area_i = normal . (to_j x p) and area_j = normal . (p x to_i).
+  // Barycentric weights of the origin's projection, times |normal|^2:
+  // area_i = normal . (to_j x p), area_j = normal . (p x to_i).
   const Vector turned = cross(p, normal);
   const double area_i = to_j.dot(turned);
   const double area_j = -to_i.dot(turned);
@@ -87,15 +86,15 @@ inline void offerTriangle(const Vector* const w[4], int i, int j, int k, Candida
       best.lambda[1] = lambda_j;
       best.lambda[2] = lambda_k;
       best.normal = normal;
-      // Points err by about u * L each: the normal by that over the triangle's height, the nearest
-      // point's direction by that over its length. Keep the normal where it is the better.
+      // Points err by about u L: the normal's direction by that over the triangle's height, that of
+      // the nearest point by that over its length. The better one is kept.
       const double longest_squared = std::max(to_i.squaredNorm(), to_j.squaredNorm());
       best.has_normal = normal_squared > norm_squared * longest_squared;
       return;
     }
-    return offerEdge(w, j, i, best);  // lambda_k was below 0 by rounding only
+    return offerEdge(w, j, i, best);  // lambda_k is below 0 by rounding only
   }
-  // Written so that a degenerate triangle, where all areas are rounding or 0, tries all its edges.
+  // Written so that a degenerate triangle, whose areas are 0 or rounding, tries all its edges.
   if (!(area_j > 0)) offerEdge(w, k, i, best);
   if (!(area_i > 0)) offerEdge(w, k, j, best);
   if (!(area_k > 0)) offerEdge(w, j, i, best);
@@ -105,13 +104,13 @@ inline double sizeOf(const Vector& v) {
   return std::abs(v.x()) + std::abs(v.y()) + std::abs(v.z());
 }
 
-// Offers the faces of the tetrahedron that the origin is beyond, or may be. True when there is
+// Offers the faces of the tetrahedron that the origin is, or may be, beyond. True when there are
 // none.
 bool tetrahedronHoldsOrigin(const Vector* const w[4], Candidate& best) {
   const Vector& d = *w[3];
   const Vector a = *w[0] - d, b = *w[1] - d, c = *w[2] - d;
   const Vector bc = cross(b, c), ad = cross(a, d);
-  // -d in the basis a, b, c, times volume.
+  // The origin's barycentric weights, times volume: -d in the basis a, b, c.
   double volume = a.dot(bc);
   double weight_a = -d.dot(bc), weight_b = -c.dot(ad), weight_c = b.dot(ad);
   double weight_d = volume - weight_a - weight_b - weight_c;
@@ -150,9 +149,9 @@ bool tetrahedronHoldsOrigin(const Vector* const w[4], Candidate& best) {
   return inside;
 }
 
-// Reorders the slots: those of the candidate first, in their old order.
+// Reduces the simplex to the candidate: its slots first, in their old order.
 void keep(Simplex& s, const Candidate& best) {
-  int place[4] = {-1, -1, -1, -1};  // in the candidate
+  int place[4] = {-1, -1, -1, -1};  // in the candidate, by point
   for (int n = 0; n < best.count; ++n) place[best.index[n]] = n;
   int kept = 0;
   int dropped[4], dropped_count = 0;
@@ -172,11 +171,7 @@ void keep(Simplex& s, const Candidate& best) {
   if (best.has_normal) s.feature_normal = best.normal;
 }
 
-}  // namespace
-
-namespace {
-
-// The faces of the first count + 1 points; false when they hold the origin.
+// Offers the faces of the first count + 1 points; false when these hold the origin.
 bool offerFaces(const Vector* const w[4], int count, Candidate& best) {
   switch (count) {
     case 0:
@@ -219,7 +214,7 @@ Reduction addAndReduceScaled(Simplex& s, const Vector rows[3]) {
   Candidate best;
   if (!offerFaces(w, s.count, best)) return Reduction::kHoldsOrigin;
   if (best.count == 0) offerVertex(*w[s.count], s.count, best);
-  if (best.count == 0) return Reduction::kHoldsOrigin;  // not finite: given up elsewhere
+  if (best.count == 0) return Reduction::kHoldsOrigin;  // not finite: GJK ends
   keep(s, best);
   const Vector toward = best.has_normal ? best.normal : best.nearest;
   s.feature_normal = toward.x() * rows[0] + toward.y() * rows[1] + toward.z() * rows[2];

@@ -11,22 +11,19 @@ Curvature curvatureAt(const ConvexView& view, const Vector& direction) {
   Curvature k;
   switch (view.core) {
     case Core::kEllipsoid: {
-      // p = S^2 d / |S d|: dp = (S^2 - p p^T) / |S d|, whose null direction is d. Its two axes
+      // p = S^2 d / |S d|, so that dp = (S^2 - p p^T) / |S d|, with d in its null space: its axes
       // across d are those of a symmetric 2 x 2 matrix.
       const Vector squared = view.size.cwiseProduct(view.size);
       const Vector scaled = view.size.cwiseProduct(direction);
       const double norm = scaled.norm();
       if (!(norm > kAcrossAxisSquared)) return k;
       const Vector p = squared.cwiseProduct(direction) / norm;
-      const Vector helper = std::abs(direction.x()) < 0.6 ? Vector::UnitX() : Vector::UnitY();
-      Vector u = cross(direction, helper);
-      u /= u.norm();
-      const Vector v = cross(direction, u);
+      const auto [u, v] = tangentsAt(direction);
       const double pu = p.dot(u), pv = p.dot(v);
       const double uu = (squared.cwiseProduct(u).dot(u) - pu * pu) / norm;
       const double vv = (squared.cwiseProduct(v).dot(v) - pv * pv) / norm;
       const double uv = (squared.cwiseProduct(u).dot(v) - pu * pv) / norm;
-      // One turn that takes the mixed part away (Jacobi).
+      // One Jacobi rotation makes it diagonal.
       const double half = 0.5 * (uu - vv), root = std::sqrt(half * half + uv * uv);
       const double mean = 0.5 * (uu + vv);
       double c = 1, s = 0;
@@ -99,7 +96,7 @@ bool farthestOfPiece(const ConvexView& view, const Vector& direction, int piece,
         return true;
       }
       const double across_squared = direction.x() * direction.x() + direction.y() * direction.y();
-      // Nearly along the axis all of the rim is as far: its points stay where they were found.
+      // Nearly along the axis all of the rim is equally far: points stay where they were found.
       if (!(across_squared > kFollowRimSquared)) return false;
       const double s = view.size.x() / std::sqrt(across_squared);
       p = Vector(s * direction.x(), s * direction.y(), piece == 1 ? view.size.z() : -view.size.z());

@@ -1,14 +1,14 @@
 #pragma once
 
-// Support mappings: the point of a convex core that lies farthest along a direction, and the same
-// for the difference of two placed cores. Everything is inline and switches once a call; there is
-// no dynamic dispatch.
+// Support mappings: the point of a convex core, or of the difference of two placed cores, that lies
+// farthest along a direction. All inline, with one switch a call and no dynamic dispatch.
 
 #include <cmath>
 
 #include "collision/base/tolerances.h"
 #include "collision/base/vector.h"
 #include "collision/convex/gjk/convex_view.h"
+#include "collision/convex/gjk/tangents.h"
 #include "collision/shapes/hull_climb.h"
 #include "collision/shapes/hull_scan.h"
 #include "collision/shapes/hull_support.h"
@@ -17,16 +17,16 @@
 namespace leeway::collision {
 
 /// farthest() of a cylinder, cone or ellipsoid; `piece` becomes the smooth piece of the surface
-/// that it is on: the rim below (0) or above (1), the apex (1), the ellipsoid (0).
+/// that carries it: the rim below (0) or above (1), the apex (1), the ellipsoid (0).
 Vector farthestOfRound(const ConvexView& view, const Vector& direction, int& piece);
 
-/// The point of a given piece that is farthest along `direction`, as farthestOfRound() would give
-/// it if that piece had it; for cores with vertices the vertex. False when there is none.
+/// The point of a given piece that is farthest along `direction`: what farthestOfRound() returns
+/// where that piece wins; for cores with vertices the vertex. False when there is none.
 bool farthestOfPiece(const ConvexView& view, const Vector& direction, int piece, Vector& p);
 
-/// How farthest() of a round core moves when its direction turns: dp = sum over i of strength[i]
-/// axis[i] (axis[i] . d direction), at a unit direction. Zero for cores and places without
-/// curvature.
+/// How farthest() of a round core moves when its unit direction turns:
+///   dp = sum over i of strength[i] axis[i] (axis[i] . d direction).
+/// Zero for cores and places without curvature.
 struct Curvature {
   Vector axis[2] = {Vector::Zero(), Vector::Zero()};
   double strength[2] = {0, 0};
@@ -42,7 +42,7 @@ inline bool climbs(const ConvexView& view) {
          view.hull->hasNeighbours();
 }
 
-/// Are both hulls that look their farthest vertices up in a table of directions?
+/// True when both are hulls that look up their farthest vertices in a table of directions.
 inline bool haveTables(const ConvexView& a, const ConvexView& b) {
   return a.support != nullptr && b.support != nullptr && a.support->sides() > 0 &&
          b.support->sides() > 0;
@@ -60,11 +60,12 @@ inline int farthestPoint(const ConvexView& view, const Vector& direction, int hi
 }
 
 /// The farthest point of the core along `direction` (a unit vector, or nearly one), in the core's
-/// frame. `hint` is the vertex to start from and becomes the vertex found. Its dot product with
-/// `direction` is within 6 units of roundoff times extent of the maximum, and it lies in the core
-/// grown by 3 such units: points, segment and box give exact members and their dot products err by
-/// 3 units; a rim point r (x, y)/rho has a relative error of 2.5 units, and being second order in
-/// its direction, its value has no more.
+/// frame. `hint` is the vertex to start from and becomes the vertex found.
+///
+/// Rounding, in units of roundoff times extent: the point's value along `direction` is within 6 of
+/// the maximum, and the point lies in the core grown by 3. Points, segment and box give exact
+/// members, whose dot products err by 3. A rim point r (x, y)/rho has a relative error of 2.5; its
+/// value errs by no more, because the error of its direction counts to second order.
 inline Vector farthest(const ConvexView& view, const Vector& direction, int& hint) {
   switch (view.core) {
     case Core::kPoint:
@@ -86,21 +87,21 @@ inline Vector farthest(const ConvexView& view, const Vector& direction, int& hin
   }
 }
 
-/// A point of the difference {b - a} of two placed cores, and what it was made of.
+/// A point of the difference {b - a} of two placed cores, and the two points that make it.
 struct SupportPoint {
-  Vector w;  ///< b - a, in B
-  Vector a;  ///< the point of A, in B
-  int index_a = 0, index_b = 0;
-  int placement = 0;
+  Vector w;                      ///< b - a, in B
+  Vector a;                      ///< the point of A, in B
+  int index_a = 0, index_b = 0;  ///< their vertices, or pieces of round cores
+  int placement = 0;             ///< of a sweep: 0 at its start, 1 at its end
 };
 
-/// True for cores whose extreme points are counted: vertex() names them.
+/// True for cores with finitely many extreme points, which vertex() enumerates.
 inline bool hasVertices(Core core) {
   return core == Core::kPoint || core == Core::kSegment || core == Core::kPoints ||
          core == Core::kBox;
 }
 
-/// How many vertices a core has; 0 where they are not counted.
+/// How many vertices a core has; 0 without hasVertices().
 inline int vertexCount(const ConvexView& view) {
   switch (view.core) {
     case Core::kPoint:
@@ -116,7 +117,8 @@ inline int vertexCount(const ConvexView& view) {
   }
 }
 
-/// The vertex that farthest() would call `index`; false when there is none. Any core, any index.
+/// The vertex for which farthest() sets its hint to `index`; false when there is none. Any core,
+/// any index.
 inline bool vertex(const ConvexView& view, int index, Vector& p) {
   switch (view.core) {
     case Core::kPoint:
@@ -164,7 +166,7 @@ class Difference {
     s.index_b = hint_b_;
   }
 
-  /// The member made of two vertices; false when there are none of these names. One placement only.
+  /// The member made of two vertices; false when an index is out of range. One placement only.
   bool member(int index_a, int index_b, SupportPoint& s) const {
     Vector a, b;
     if (!vertex(a_, index_a, a) || !vertex(b_, index_b, b)) return false;
@@ -175,14 +177,17 @@ class Difference {
     s.placement = 0;
     return true;
   }
-  /// Some part of the surface is curved (radii apart).
+  /// True when some part of the cores' surfaces is curved.
   bool isRound() const { return collision::isRound(a_.core) || collision::isRound(b_.core); }
 
-  /// Curvatures of A (first placement) and B at n, in B's frame.
-  void curvatures(const Vector& n, Curvature& a, Curvature& b) const {
-    a = curvatureAt(a_, rotatedBack(X_BA0_.rotation, n));
-    for (Vector& axis : a.axis) axis = rotated(X_BA0_.rotation, axis);
-    b = curvatureAt(b_, -n);
+  /// The curvature of A (first placement) plus that of B at n, and `more` times the identity.
+  TangentForm curvature(const Vector& n, const Tangents& at, double more) const {
+    TangentForm form = {more, 0, more};
+    const Curvature a = curvatureAt(a_, rotatedBack(X_BA0_.rotation, n));
+    for (int i = 0; i < 2; ++i) form.add(a.strength[i], rotated(X_BA0_.rotation, a.axis[i]), at);
+    const Curvature b = curvatureAt(b_, -n);
+    for (int i = 0; i < 2; ++i) form.add(b.strength[i], b.axis[i], at);
+    return form;
   }
 
   /// Moves a member to where its two pieces are farthest along n. One placement only.
@@ -199,7 +204,7 @@ class Difference {
 
   bool countsVertices() const { return hasVertices(a_.core) && hasVertices(b_.core); }
 
-  /// Any content is taken; what is out of range counts as none.
+  /// Vertices to start from; those out of range are ignored.
   void setHints(int vertex_a, int vertex_b) {
     if (vertex_a > 0 && vertex_a < a_.count) hint_a_[0] = hint_a_[1] = vertex_a;
     if (vertex_b > 0 && vertex_b < b_.count) hint_b_ = vertex_b;

@@ -4,15 +4,16 @@
 
 namespace leeway::collision {
 
-/// Points that move are followed side by side up to so many: what nodes of meshes have [count].
+/// Most moving points that a sweep handles in lanes: those of a node of a mesh [count].
 inline constexpr int kSweptLanes = 32;
 
-/// Whether runSweptVertexGjk() takes a sweep: few points that move, and vertices that stand.
+/// True for the sweeps that runSweptVertexGjk() takes: few moving points, and a resting core with
+/// vertices.
 bool isForSweptLanes(const Difference<true>& difference);
 
-/// runGjk() for such a sweep, first along `direction` (a unit vector), as runVertexGjk() does it.
-/// Offers planes alone: the points of `simplex` say how good they are. Ends with kLimit, kInside
-/// or, where the request is met or robust steps must go on from `simplex`, kStagnated.
+/// runVertexGjk() for such a sweep, first along `direction` (a unit vector). Offers planes only;
+/// the points of `simplex` bound what these can still gain. Ends with kLimit, kInside or, where the
+/// request is met or robust steps must take over from `simplex`, kStagnated.
 GjkEnd runSweptVertexGjk(Difference<true>& difference, const Vector& direction, Progress& progress,
                          Simplex& simplex);
 

@@ -17,7 +17,7 @@ HWY_BEFORE_NAMESPACE();
 namespace leeway::collision::HWY_NAMESPACE {
 namespace {
 
-/// A core's points side by side, filled up to a multiple of eight by copies of the first.
+/// A core's points as columns, padded to a multiple of eight with copies of the first.
 struct PointColumns {
   int length = 0;
   alignas(64) double x[kSweptLanes], y[kSweptLanes], z[kSweptLanes];
@@ -34,12 +34,12 @@ struct PointColumns {
   }
 };
 
-/// The difference of the hull of a core's two placements and another core; A's names go on with the
-/// second placement after columns() of the first.
+/// The difference of the hull of a core's two placements and another core. A's indices: columns()
+/// of the first placement, then those of the second.
 class SweptCores {
  public:
   using Point = Triple;
-  static constexpr double kTilt = 0;  // (sweeps mostly ask for a threshold)
+  static constexpr double kTilt = 0;  // (most sweeps ask for a threshold)
 
   HWY_INLINE explicit SweptCores(const Difference<true>& difference)
       : b_(difference.viewB()), columns_b_(b_) {
@@ -96,13 +96,14 @@ GjkEnd sweptSteps(Difference<true>& difference, const Vector& direction, Progres
                   Simplex& simplex) {
   const CoreQuery& query = progress.query();
   const SweptCores cores(difference);
-  // Nearer than the threshold as a hull, growth and all, a sweep is not followed any further.
+  // Ends where the swept hull, grown, is not above the threshold: its lower end cannot rise above
+  // it.
   Search<SweptCores> search(cores, query.request, query.lower_offset, query.lower_offset,
                             progress.iterations);
   const GjkEnd end =
       search.run(tripleOf(direction), nullptr, {difference.hintA(), difference.hintB()});
   Carriers found;
-  tell(search, end, progress, found);
+  offerPlane(search, end, progress, found);
   const int count = difference.viewA().count;
   for (int i = 0; i < found.count; ++i) {
     const Triple &here_w = found.w[i], here_a = cores.pointOfA(found.names[i]);

@@ -1,5 +1,5 @@
-// The difference of two cores that name their vertices, asked for its farthest ones in vector code.
-// Included once a target (see Highway's foreach_target.h).
+// The difference of two cores that index their vertices, and its support in vector code. Included
+// once a target (see Highway's foreach_target.h).
 
 #if defined(LEEWAY_COLLISION_VERTEX_CORES_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef LEEWAY_COLLISION_VERTEX_CORES_INL_H
@@ -19,12 +19,12 @@
 HWY_BEFORE_NAMESPACE();
 namespace leeway::collision::HWY_NAMESPACE {
 
-/// A kPoints core's point with this name. (Where vertices were looked at just now, they are.)
+/// A point of a kPoints core, from the copy of its vertices that support functions just read.
 HWY_INLINE Triple point(const ConvexView& view, int name) {
   return view.support != nullptr ? tripleOf(view.support->corners()[name])
                                  : tripleOf(view.points[name]);
 }
-/// The vertex of a core with this name, which must be one.
+/// The vertex of a core by its index, which must be valid.
 HWY_INLINE Triple corner(const ConvexView& view, int name) {
   const double x = view.size.x(), y = view.size.y(), z = view.size.z();
   switch (view.core) {
@@ -39,7 +39,7 @@ HWY_INLINE Triple corner(const ConvexView& view, int name) {
   }
 }
 
-/// The farthest vertex of a core along a direction of any length, and its name: as farthest().
+/// farthest() for a direction of any length, of cores with vertices.
 HWY_INLINE Triple farthestCorner(const ConvexView& view, const Triple& d, std::int32_t& name) {
   switch (view.core) {
     case Core::kBox: {
@@ -54,7 +54,7 @@ HWY_INLINE Triple farthestCorner(const ConvexView& view, const Triple& d, std::i
     case Core::kPoints: {
       int found = -1;
       if (view.support != nullptr) found = scannedSupport(*view.support, d, name);
-      // Climbing asks for a unit vector: what it takes for equal depends on the length.
+      // Climbing needs a unit vector: its tolerance for equal values scales with the length.
       name = found >= 0 ? found
                         : farthestPoint(view, Vector(d.x, d.y, d.z) / std::sqrt(squared(d)), name);
       return point(view, name);
@@ -65,11 +65,11 @@ HWY_INLINE Triple farthestCorner(const ConvexView& view, const Triple& d, std::i
   }
 }
 
-/// The vertices of a small hull at a pose, brought there once: no direction has to be turned back
-/// for them, and no vertex forth.
+/// The vertices of a small hull placed at a pose once: neither directions nor vertices are rotated
+/// for each support.
 class PlacedColumns {
  public:
-  /// Nothing is placed where there are too many.
+  /// Places them unless there are too many.
   HWY_INLINE void place(const HullSupport& support, const Eigen::Matrix3d& R, const Triple& t) {
     if (support.length() == 0 || support.length() > kPlacedUpTo) return;
     length_ = support.length();
@@ -89,12 +89,12 @@ class PlacedColumns {
   alignas(64) double x_[kPlacedUpTo], y_[kPlacedUpTo], z_[kPlacedUpTo];
 };
 
-/// The difference of two cores with vertices, A's brought to B's frame where they are few and will
-/// be asked often.
+/// The difference of two cores with vertices; those of A are placed in B's frame where they are few
+/// and the search will be long.
 class PlacedCores {
  public:
   using Point = Triple;
-  static constexpr double kTilt = 0.4, kTiltOfFew = 0.2;  // the best of a few each
+  static constexpr double kTilt = 0.4, kSmallTilt = 0.2;  // the best of a few each
   static constexpr double reach = std::numeric_limits<double>::infinity();
   HWY_INLINE PlacedCores(const Difference<false>& difference, bool place)
       : a_(difference.viewA()),
@@ -130,8 +130,8 @@ class PlacedCores {
     names = load<n>(both);
     return {load<n>(x), load<n>(y), load<n>(z)};
   }
-  HWY_INLINE bool areDear() const { return haveTables(a_, b_); }
-  /// A's point in a member.
+  HWY_INLINE bool supportIsExpensive() const { return haveTables(a_, b_); }
+  /// A's part of a member.
   HWY_INLINE Triple pointOfA(const VertexNames& names) const { return placed(corner(a_, names.a)); }
   HWY_INLINE Points<4> members(const VertexNames (&names)[3]) const {
     const auto member = [&](int i) HWY_ATTR { return corner(b_, names[i].b) - pointOfA(names[i]); };

@@ -4,7 +4,7 @@
 
 namespace leeway::collision {
 
-/// The points that carried a cache's last distance are vertices of bodies with so many.
+/// True when the vertices in a cache exist in bodies with so many vertices.
 inline bool fits(const PairCache& cache, int vertices_a, int vertices_b) {
   if (cache.simplex_count < 1 || cache.simplex_count > 3) return false;
   bool all = true;
@@ -15,12 +15,12 @@ inline bool fits(const PairCache& cache, int vertices_a, int vertices_b) {
   return all;
 }
 
-/// The same for this pair.
+/// True when they exist in this pair.
 bool fits(const Difference<false>& difference, const PairCache& cache);
 
-/// runGjk() for cores with vertices, from the points of `carried` where it is not null (fits() it),
-/// else first along `direction` (a unit vector). Written for speed: steps without branches, in
-/// plain arithmetic. Ends with kEnough, kLimit, kInside or, where robust steps must go on from
+/// runGjk() for cores with vertices, written for speed: branch-free steps in plain arithmetic.
+/// Starts from the points of `carried` where that is not null (and fits()), else along `direction`
+/// (a unit vector). Ends with kEnough, kLimit, kInside or, where robust steps must take over from
 /// `simplex`, kStagnated.
 GjkEnd runVertexGjk(Difference<false>& difference, const Vector& direction,
                     const PairCache* carried, Progress& progress, Simplex& simplex);

@@ -17,11 +17,11 @@ HWY_BEFORE_NAMESPACE();
 namespace leeway::collision::HWY_NAMESPACE {
 namespace {
 
-// Writes down what was found; the simplex is empty when that is nothing.
+// Hands over the end of a search; the simplex is empty without one.
 HWY_INLINE void leave(const Search<PlacedCores>& search, const PlacedCores& cores, GjkEnd end,
                       Progress& progress, Simplex& simplex) {
   Carriers found;
-  tell(search, end, progress, found);
+  offerPlane(search, end, progress, found);
   Triple w = {0, 0, 0}, a = {0, 0, 0};
   for (int i = 0; i < found.count; ++i) {
     const Triple &here_w = found.w[i], here_a = cores.pointOfA(found.names[i]);
@@ -36,7 +36,7 @@ HWY_INLINE void leave(const Search<PlacedCores>& search, const PlacedCores& core
     a = a + found.weight[i] * here_a;
   }
   simplex.count = found.count;
-  if (end == GjkEnd::kInside) {  // (A polytope will find a better end.)
+  if (end == GjkEnd::kInside) {  // (A polytope will find a better witness.)
     const SupportPoint& s = simplex.points[simplex.slot[0]];
     progress.offerWitness(s.w.norm(), s.w, s.a);
   } else if (found.count > 0) {

@@ -1,5 +1,5 @@
-// GJK's steps on the vertices of a difference, in vector lanes, for any two cores that name the
-// farthest of their vertices. Included once a target (see Highway's foreach_target.h).
+// GJK on the vertices of a difference, in vector lanes, for any two cores that index their
+// vertices. Included once a target (see Highway's foreach_target.h).
 
 #if defined(LEEWAY_COLLISION_VERTEX_SEARCH_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef LEEWAY_COLLISION_VERTEX_SEARCH_INL_H
@@ -23,30 +23,29 @@
 #include "collision/convex/gjk/gjk.h"
 #include "collision/shapes/hull_scan-inl.h"
 
-// A step takes a new point p of the difference and three older ones (the same one several times at
-// first). In exact arithmetic the nearest point of their hull is on a triangle that p has with two
-// of the others. So lane k looks at one: p, point k and point k + 1 (modulo three), or, where the
-// origin is not above its inside, at its edge from p to point k. The older point that the best lane
-// does without makes room for p; one without weight may stay, which does no harm.
+// A step has a new point p of the difference and three older ones (at first copies of one). In
+// exact arithmetic the nearest point of their hull lies on a triangle of p and two of the others.
+// Lane k takes one of these: p, point k and point k + 1 (modulo three); or, where the origin does
+// not project into it, its edge from p to point k. p replaces the older point that the best lane
+// leaves out. A point without weight may stay: it does no harm.
 //
 // Nothing here calls code of another target: code without AVX that runs while registers' upper
 // halves are in use costs hundreds of cycles, and compilers forget to clear them.
 //
-// Sizes are below kLargestForLanes. Whatever rounding does here costs steps only: both ends that
-// are offered rest on points and support values alone, as everywhere (gjk.cc says how they are
-// rounded; a direction's length is divided out of its support value, which errs by no more than a
-// unit vector made of it would). What plain arithmetic cannot settle - flat simplices, the origin
-// inside, ends that rounding keeps apart - is left to runGjk().
+// Sizes are below kLargestForLanes. Rounding only costs steps: both ends rest on points and support
+// values, whose rounding gjk.cc derives. (A direction's length is divided out of its support value,
+// which errs by no more than the value along a unit vector.) What plain arithmetic cannot settle -
+// flat simplices, the origin inside, ends that rounding keeps apart - is left to runGjk().
 
 HWY_BEFORE_NAMESPACE();
 namespace leeway::collision::HWY_NAMESPACE {
 
-/// Of the two vertices that a point of the difference is made of.
+/// The indices of the two vertices that make a point of the difference.
 struct VertexNames {
   std::int32_t a, b;
 };
-/// In a lane, which is only ever copied. (Put together in a register: two halves that were written
-/// to memory one by one are not read back in one without a stall.)
+/// Both in a lane, which is only ever copied. (Joined in a register: reading two separately written
+/// halves from memory at once stalls.)
 HWY_INLINE double inLane(const VertexNames& names) {
   return std::bit_cast<double>(static_cast<std::uint64_t>(static_cast<std::uint32_t>(names.b))
                                    << 32U |
@@ -59,46 +58,46 @@ HWY_INLINE VertexNames namesIn(double lane) {
 }
 HWY_INLINE Lanes<4> allLanes(const VertexNames& names) { return allLanes<4>(inLane(names)); }
 
-/// The lane of the point that is not on the triangle of lane k.
+/// The point that the triangle of lane k leaves out.
 constexpr int kLeftOut[3] = {2, 0, 1};
 
-/// scanColumns(), not inlined: a call is little beside it, and all of its cases in every place
-/// would be much code.
+/// scanColumns(), not inlined: its many cases would swell every call site, and a call costs little
+/// beside it.
 inline HWY_NOINLINE int calledColumns(const HullSupport& support, double dx, double dy, double dz) {
   return scanColumns<kScanUpTo>(support.x(), support.y(), support.z(), support.length(), dx, dy,
                                 dz);
 }
-/// As scanSupport().
+/// scanSupport() in this target.
 HWY_INLINE int scannedSupport(const HullSupport& support, const Triple& d, std::int32_t& hint) {
   return support.length() == 0 ? scanTable(support, d.x, d.y, d.z, hint)
                                : calledColumns(support, d.x, d.y, d.z);
 }
-/// The cell that is to be looked at for that; null where there is none.
+/// The cell that it scans; null where there is none.
 HWY_INLINE const HullCell* cellFor(const HullSupport& support, const Triple& d) {
   return support.length() == 0 ? cellOf(support, d.x, d.y, d.z) : nullptr;
 }
-/// The same with that cell known.
+/// scannedSupport() with that cell known.
 HWY_INLINE int scannedSupport(const HullSupport& support, const HullCell* cell, const Triple& d,
                               std::int32_t& hint) {
   return support.length() == 0 ? scanCell(support, cell, d.x, d.y, d.z, hint)
                                : calledColumns(support, d.x, d.y, d.z);
 }
 
-/// What is nearest to the origin on the triangles that a point p has with two neighbours of a ring,
-/// lane by lane.
+/// The points nearest to the origin on the triangles of a point p and two neighbours on a ring, a
+/// lane each.
 template <int n>
 struct Triangles {
-  Points<n> e, f;               ///< from point k to p, and from the next one
+  Points<n> e, f;               ///< from point k to p, and from point k + 1 to p
   Points<n> normal;             ///< e x f
   Lanes<n> height;              ///< p . normal
   Points<n> direction;          ///< of the nearest point, any length
   Lanes<n> direction_squared;   ///< its length squared
   Lanes<n> norm_squared, part;  ///< of the nearest point, times `part`, which is above 0
   Lanes<n> first, second, all;  ///< weights of points k, k + 1 (parts of `all`)
-  Mask<n> on_edge;              ///< it is on the edge from p to point k, at neither end
+  Mask<n> on_edge;              ///< it is inside the edge from p to point k
 };
 
-// Nothing waits for a division.
+// Without divisions: latencies overlap.
 template <int n>
 HWY_INLINE Triangles<n> trianglesOf(const Points<n>& p, const Points<n>& ring) {
   const Lanes<n> zero = allLanes<n>(0.0), one = allLanes<n>(1.0);
@@ -110,16 +109,16 @@ HWY_INLINE Triangles<n> trianglesOf(const Points<n>& p, const Points<n>& ring) {
   t.normal = cross(t.e, t.f);
   t.height = dot(p, t.normal);
   const Lanes<n> nn = dot(t.normal, t.normal);
-  // Weights of the lane's points, times nn.
+  // Barycentric weights of points k and k + 1, times nn.
   const Lanes<n> area_e = ff * pe - ef * pf, area_f = ee * pf - ef * pe;
   const Mask<n> inside = (area_e > zero) & (area_f > zero) & (nn - area_e > area_f);
-  // The edge's nearest point is along / whole of the way from p to the lane's.
+  // The edge's nearest point is at the share along / whole from p to point k.
   const Mask<n> leaves = pe > zero, between = leaves & (ee > pe);
   const Lanes<n> whole = choose(between, ee, one),
                  along = choose(between, pe, choose(leaves, one, zero));
   const Points<n> on_edge = whole * p - along * t.e;
   const Lanes<n> edge_squared = dot(on_edge, on_edge);
-  // A triangle's normal points away from the origin or towards it.
+  // (A triangle's normal may point to either side of the origin.)
   t.direction = choose(inside, withSignOf(t.normal, t.height), on_edge);
   t.direction_squared = choose(inside, nn, edge_squared);
   t.norm_squared = choose(inside, t.height * t.height, edge_squared);
@@ -131,18 +130,18 @@ HWY_INLINE Triangles<n> trianglesOf(const Points<n>& p, const Points<n>& ring) {
   return t;
 }
 
-/// What a step found. Points and directions are told as the cores take them: single, or in all
+/// The result of a step. Points and directions stand in the cores' own form: single, or in all
 /// lanes.
 template <class Point>
 struct Nearest {
   Point direction;               ///< of the nearest point, any length
   double direction_squared = 0;  ///< its length squared
   double norm_squared = 0;       ///< of the nearest point
-  int lane = -1;                 ///< -1: nothing is known yet
+  int lane = -1;                 ///< of Triangles; -1: none yet
   Lanes<4> first, second, all;   ///< as Triangles has them, of that lane
 };
 
-/// What a lane of the triangles of p, the newest point, says of the nearest one.
+/// Reads the nearest point out of the best lane of the newest point's triangles.
 template <int n, class Point>
 HWY_INLINE void take(const Triangles<n>& t, const Pick<n>& best, const Point& newest,
                      Nearest<Point>& nearest) {
@@ -150,9 +149,9 @@ HWY_INLINE void take(const Triangles<n>& t, const Pick<n>& best, const Point& ne
   nearest.direction_squared = best(t.direction_squared);
   nearest.norm_squared = best(t.norm_squared) / best(t.part);
   nearest.lane = best.lane();
-  // Near contact what is left of the edge's point after cancellation is not at a right angle to
-  // the edge any more: once more. (Not at an edge's end. All in one branch: most pairs that are so
-  // near have their nearest points elsewhere.)
+  // Near contact cancellation leaves an edge's point with a part along the edge: projected out.
+  // (Not at an edge's end. One branch for all: most pairs this near have their nearest points
+  // elsewhere.)
   const Lanes<n> least = allLanes<n>(kCancelled * squared(tripleOf(newest)));
   const Mask<n> cancelled = (least * t.part > t.norm_squared) & t.on_edge;
   if (HWY_UNLIKELY((bitsOf(cancelled) >> static_cast<unsigned>(nearest.lane) & 1U) != 0)) {
@@ -167,10 +166,10 @@ HWY_INLINE void take(const Triangles<n>& t, const Pick<n>& best, const Point& ne
 
 enum class Step : unsigned char { kNearer, kHoldsOrigin, kHoldsOriginWell };
 
-/// Where the origin is to the tetrahedron of p and three older points; kNearer when outside.
+/// Whether the tetrahedron of p and three older points holds the origin; kNearer when not.
 HWY_INLINE Step heldBy(const Triangles<4>& t) {
   const Lanes<4> volume = dot(t.normal, nextInRing(t.f)), zero = allLanes<4>(0.0);
-  // The origin's weight of the point that lane k leaves out is height / volume.
+  // The barycentric weight of the point that lane k leaves out is height / volume.
   const Lanes<4> weight = withSignOf(t.height, volume);
   if (HWY_LIKELY((bitsOf(weight > zero) & 7U) != 7U)) return Step::kNearer;
   alignas(32) double weights[4], volumes[4], squares[4];
@@ -188,7 +187,7 @@ HWY_INLINE Step heldBy(const Triangles<4>& t) {
   return well ? Step::kHoldsOriginWell : Step::kHoldsOrigin;
 }
 
-/// Takes the newest point in.
+/// Adds the newest point.
 template <class Point>
 HWY_INLINE Step step(const Point& newest, const Points<4>& old, Nearest<Point>& nearest) {
   const Triangles<4> t = trianglesOf(allLanes<4>(newest), old);
@@ -201,15 +200,15 @@ HWY_INLINE Step step(const Point& newest, const Points<4>& old, Nearest<Point>& 
   return Step::kNearer;
 }
 
-/// The best supporting plane, without a branch: which it will be nobody can foretell.
+/// The best supporting plane. Branch-free: outcomes are unpredictable.
 class BestPlane {
  public:
   HWY_INLINE BestPlane()
       : value_(-std::numeric_limits<double>::infinity()),
         per_(allLanes<4>(1.0)),
         direction_(allLanes<4>(1.0)) {}
+  /// The support value of a direction, and the reciprocal `per` of the direction's length.
   template <class Point>
-  /// A supporting value, of a direction with the reciprocal `per` of its length.
   HWY_INLINE void offer(double value, double per, const Point& direction) {
     const double offered = per * value;
     const Mask<4> better = allLanes<4>(offered) > allLanes<4>(value_);
@@ -218,7 +217,7 @@ class BestPlane {
         sideBySide(allLanes<4>(direction.x), allLanes<4>(direction.y), allLanes<4>(direction.z)),
         direction_);
     per_ = choose(better, allLanes<4>(per), per_);
-    // (Of two single numbers compilers take the larger one by a branch here.)
+    // (Compilers turn a scalar maximum into a branch here.)
     const hn::CappedTag<double, 1> one;
     value_ = hn::GetLane(hn::Max(hn::Set(one, offered), hn::Set(one, value_)));
   }
@@ -235,10 +234,10 @@ class BestPlane {
   Lanes<4> direction_;
 };
 
-/// A cold search asks along its first direction and others around it at once, which make a fan of
-/// triangles: the nearest point of seven saves two steps or three out of six; three do where each
-/// answer is dear and the first direction good. What is added to the two coordinates of the first
-/// direction that follow its largest one, times that and a tilt. The last lane is the first
+/// A cold search asks along its first direction and along others around it at once. Their points
+/// make a fan of triangles, whose nearest point saves two or three steps of six. Seven directions;
+/// three where a support is expensive and the first direction good. The numbers are added to the
+/// two coordinates that follow the largest one, times that and a tilt. The last lane is the first
 /// direction itself.
 constexpr int kFan = 8;
 alignas(64) constexpr double kFanRing[2][kFan] = {
@@ -246,15 +245,15 @@ alignas(64) constexpr double kFanRing[2][kFan] = {
      -0.2225209339563144, 0.62348980185873353, 0},
     {0, 0.78183148246802981, 0.97492791218182361, 0.43388373911755812, -0.43388373911755812,
      -0.97492791218182361, -0.78183148246802981, 0}};
-alignas(32) constexpr double kFewRing[2][4] = {{1, -0.5, -0.5, 0},
-                                               {0, 0.8660254037844386, -0.8660254037844386, 0}};
+alignas(32) constexpr double kSmallRing[2][4] = {{1, -0.5, -0.5, 0},
+                                                 {0, 0.8660254037844386, -0.8660254037844386, 0}};
 
 /// Directions around a first one.
 template <int n>
 struct Ring {
   Triple first;
-  int axis;       ///< its largest coordinate's
-  Lanes<n> u, v;  ///< what is added to the next coordinate and to the one after that, in a circle
+  int axis;       ///< of its largest coordinate
+  Lanes<n> u, v;  ///< added to the next coordinate and to the one after that, cyclically
 };
 
 template <int n>
@@ -277,8 +276,8 @@ HWY_INLINE Points<n> directionsOf(const Ring<n>& ring) {
          Points<n>{across[(3 - ring.axis) % 3], across[(4 - ring.axis) % 3], across[2 - ring.axis]};
 }
 
-/// The points that carry what a search found, with their weights; some may have none. Of the four
-/// around the origin no weight is known.
+/// The points that carry a search's nearest point, with their weights, some of which may be 0. For
+/// four points around the origin the weights are placeholders.
 struct Carriers {
   int count = 0;
   VertexNames names[4];
@@ -297,18 +296,17 @@ struct Carriers {
   }
 };
 
-/// `Cores` has
-///   Point, the kind of point that is quicker: Triple or SamePoint;
+/// A search on a difference of two cores. `Cores` has
+///   Point: the faster kind of point, Triple or SamePoint;
 ///   Point support(const Point& n, VertexNames& names) const: the member of the difference with the
 ///     smallest w . n, for a direction of any length; names come in as hints;
-///   Points<n> fan(const Ring<n>& ring, const VertexNames& hints, Lanes<n>& names) const: the same
-///     for all lanes of a ring, kFan or four of them;
-///   double kTilt, of a fan's ring; 0 where there is no fan to begin with;
-///   double kTiltOfFew, of a ring of three; 0 where there never is one;
-///   double reach, what a ring's radius is at most before it is tilted: bodies that are far from
-///     each other for their size are met near the first direction;
-///   bool areDear() const, where there may be: three are enough, since each answer is dear and the
-///     first direction good;
+///   Points<n> fan(const Ring<n>& ring, const VertexNames& hints, Lanes<n>& names) const: the
+///     members for all lanes of a ring, of kFan or of four;
+///   double kTilt: of a fan's ring; 0: searches begin without a fan;
+///   double kSmallTilt: of a ring of three; 0: never used;
+///   double reach: the largest radius of a ring before its tilt (of bodies that are far from each
+///     other for their size, the nearest points lie near the first direction);
+///   bool supportIsExpensive() const, with a ring of three only: use that;
 ///   Points<4> members(const VertexNames (&names)[3]) const: three members side by side.
 template <class Cores>
 class Search {
@@ -325,20 +323,20 @@ class Search {
 
   /// First along `first`, of any length; or, where `carried` is not null, from its points, which
   /// are vertices of the pair. Ends with kLimit, kInside or, where the request is met or robust
-  /// steps must go on, with kStagnated.
+  /// steps must take over, with kStagnated.
   HWY_INLINE GjkEnd run(const Triple& first, const PairCache* carried, const VertexNames& hints);
 
   HWY_INLINE const BestPlane& best() const { return best_; }
   HWY_INLINE int iterations() const { return iterations_; }
   HWY_INLINE const VertexNames& lastNames() const { return newest_names_; }
-  /// What the end rests on; none where no step was made.
+  /// The points that the end rests on; none before the first step.
   HWY_INLINE void carriers(GjkEnd end, Carriers& found) const;
 
  private:
   HWY_INLINE Step beginCarried(const PairCache& carried);
   HWY_INLINE void beginAlong(const Triple& first);
   HWY_INLINE void beginFan(const Triple& first);
-  HWY_INLINE Step beginFew(const Triple& first);
+  HWY_INLINE Step beginSmallFan(const Triple& first);
   HWY_INLINE Step beginAround(const Triple& first);
   HWY_INLINE void keepNewest() {
     alignas(32) static constexpr double kPlace[3][4] = {{0, 0, 1, 0}, {1, 0, 0, 0}, {0, 1, 0, 0}};
@@ -369,7 +367,7 @@ HWY_INLINE Step Search<Cores>::beginCarried(const PairCache& carried) {
   }
   old_ = cores_.members(names);
   old_names_ = sideBySide(allLanes(names[0]), allLanes(names[1]), allLanes(names[2]));
-  // One of the points as the newest.
+  // One of them counts as the newest.
   pick(old_, Pick<4>(0), newest_);
   newest_names_ = names[0];
   const Step found = step(newest_, old_, nearest_);
@@ -392,10 +390,11 @@ HWY_INLINE void Search<Cores>::beginAlong(const Triple& first) {
 }
 
 template <class Cores>
-HWY_INLINE Step Search<Cores>::beginFew(const Triple& first) {
+HWY_INLINE Step Search<Cores>::beginSmallFan(const Triple& first) {
   ++iterations_;
-  old_ = cores_.fan(ringAround<4>(first, kFewRing[0], kFewRing[1], Cores::kTiltOfFew, cores_.reach),
-                    newest_names_, old_names_);
+  old_ = cores_.fan(
+      ringAround<4>(first, kSmallRing[0], kSmallRing[1], Cores::kSmallTilt, cores_.reach),
+      newest_names_, old_names_);
   const Pick<4> middle(3);
   pick(old_, middle, newest_);
   newest_names_ = namesIn(middle(old_names_));
@@ -420,7 +419,7 @@ HWY_INLINE void Search<Cores>::beginFan(const Triple& first) {
   const Triangles<kFan> t = trianglesOf(allLanes<kFan>(newest_), ring);
   const Pick<kFan> best = leastLaneOf(t.norm_squared / t.part);
   take(t, best, newest_, nearest_);
-  // Points k, k + 1 and the middle are what the next step has.
+  // The next step has points k, k + 1 and the middle.
   const int k = nearest_.lane;
   nearest_.lane = 0;
   nearest_.first = allLanes<4>(best.same(t.first));
@@ -437,8 +436,8 @@ HWY_INLINE void Search<Cores>::beginFan(const Triple& first) {
 
 template <class Cores>
 HWY_INLINE Step Search<Cores>::beginAround(const Triple& first) {
-  if constexpr (Cores::kTiltOfFew > 0) {
-    if (cores_.areDear()) return beginFew(first);
+  if constexpr (Cores::kSmallTilt > 0) {
+    if (cores_.supportIsExpensive()) return beginSmallFan(first);
   }
   beginFan(first);
   return Step::kNearer;
@@ -453,7 +452,7 @@ HWY_INLINE GjkEnd Search<Cores>::run(const Triple& first, const PairCache* carri
     last = beginCarried(*carried);
   } else if constexpr (Cores::kTilt > 0) {
     if (!std::isnan(request_.threshold)) {
-      beginAlong(first);  // (A threshold is most often decided by the first direction alone.)
+      beginAlong(first);  // (The first direction alone decides most thresholds.)
     } else {
       last = beginAround(first);
     }
@@ -461,8 +460,8 @@ HWY_INLINE GjkEnd Search<Cores>::run(const Triple& first, const PairCache* carri
     beginAlong(first);
   }
   while (last == Step::kNearer) {
-    // As Progress::enough(), but with an upper end that is not yet made of points (and may go on
-    // where that is the threshold itself).
+    // Progress::enough() for an upper end without its points. (Goes on where that equals the
+    // threshold.)
     const double upper = std::sqrt(nearest_.norm_squared) - upper_offset_;
     double lower = best_.value() - lower_offset_;
     if (eitherIsGreater(BodyLanes{lower, -upper},
@@ -472,7 +471,7 @@ HWY_INLINE GjkEnd Search<Cores>::run(const Triple& first, const PairCache* carri
       return GjkEnd::kStagnated;
     }
     if (iterations_ >= request_.iteration_limit) return GjkEnd::kLimit;
-    // (Of features that are all but none the square has lost its digits.)
+    // (The square of a tiny feature has lost its digits.)
     if (HWY_UNLIKELY(!(nearest_.direction_squared > kLeastSquare))) return GjkEnd::kStagnated;
     ++iterations_;
     const double per = 1 / std::sqrt(nearest_.direction_squared);
@@ -527,9 +526,10 @@ HWY_INLINE void Search<Cores>::carriers(GjkEnd end, Carriers& found) const {
   keep((k + 1) % 3, weight_second);
 }
 
-/// Tells of a search that has ended its steps and its best plane; `found` is what it ended on.
+/// Offers the best plane of a search that has ended, and its iterations; `found` carries its end.
 template <class Cores>
-HWY_INLINE void tell(const Search<Cores>& search, GjkEnd end, Progress& progress, Carriers& found) {
+HWY_INLINE void offerPlane(const Search<Cores>& search, GjkEnd end, Progress& progress,
+                           Carriers& found) {
   progress.iterations = search.iterations();
   const Triple n = search.best().normal();
   progress.offerLower(search.best().value(), {n.x, n.y, n.z});

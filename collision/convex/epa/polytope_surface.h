@@ -1,0 +1,121 @@
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include "collision/convex/epa/polytope_fan.h"
+#include "collision/convex/gjk/simplex.h"
+
+namespace leeway::collision {
+
+/// A triangle of the polytope's surface: counter-clockwise from outside, edge i from vertex[i] to
+/// vertex[i + 1], neighbour[i] across it.
+struct PolytopeFacet {
+  std::int32_t vertex[3];
+  std::int32_t neighbour[3];
+  Vector normal;              ///< outward, of any length
+  double length_squared = 0;  ///< of `normal`; 0: the triangle has no area to speak of
+  double doubt = 0;           ///< error of normal . d for a vector d, per length of d
+  /// Unit: the direction of `normal`, or for a sliver a better one. Set when `refined`.
+  Vector outward;
+  /// All of the triangle is at least this far out, along normal or outward. Set for facets in the
+  /// queue only.
+  double distance = 0;
+  /// Grows when the slot is used again or its place in the queue changes: marks old queue entries.
+  std::int32_t stamp = 0;
+  std::int32_t mark = 0;
+  bool alive = false;  ///< on the surface
+  bool refined = false;
+};
+
+/// Memory of one penetration query; sized once.
+struct PolytopeBuffers {
+  PolytopeBuffers();
+
+  struct Entry {
+    double key;
+    std::int32_t facet, stamp;
+  };
+  struct Step {
+    std::int32_t facet, edge;  ///< where the walk came in, and the edge to cross next
+    std::int32_t left;         ///< edges still to cross
+  };
+  std::vector<SupportPoint> vertices;
+  std::vector<PolytopeFacet> facets;
+  std::vector<std::int32_t> free_facets;
+  std::vector<Entry> queue;
+  std::vector<std::int32_t> visible;    ///< facets that the newest vertex sees
+  std::vector<HorizonEdge> horizon;     ///< the edges around them, in order
+  std::vector<Step> path;               ///< stack of the walk over them
+  std::vector<std::int32_t> edge_mark;  ///< per vertex: the last walk with a horizon edge from it
+  std::int32_t mark = 0;                ///< number of the last walk, of any query
+};
+
+/// The surface of a polytope whose vertices are members of a difference: closed and oriented by
+/// construction, with a queue of its facets by their distance from the origin.
+class PolytopeSurface {
+ public:
+  /// `reach` [m]: facets farther out stay out of the queue; it may shrink.
+  PolytopeSurface(PolytopeBuffers& buffers, double roundoff, const double& reach);
+
+  /// No room for another vertex and its facets.
+  bool full() const;
+  int vertexCount() const { return vertex_count_; }
+  const SupportPoint& vertex(int i) const { return buffers_.vertices[static_cast<std::size_t>(i)]; }
+  const Vector& w(int i) const { return vertex(i).w; }
+  /// The slot of the next vertex, and the step that makes it one.
+  SupportPoint& nextVertex() { return buffers_.vertices[static_cast<std::size_t>(vertex_count_)]; }
+  void addVertex() { ++vertex_count_; }
+
+  /// Makes the surface of the tetrahedron of the first four vertices; false when they are flat.
+  bool makeTetrahedron();
+  /// Replaces the facets that the newest vertex sees, `first` among them, by a fan over it.
+  void expand(int first);
+
+  /// Slots of facets, alive or not.
+  int facetCount() const { return facet_count_; }
+  PolytopeFacet& facet(int i) { return buffers_.facets[static_cast<std::size_t>(i)]; }
+  const PolytopeFacet& facet(int i) const { return buffers_.facets[static_cast<std::size_t>(i)]; }
+  /// The facet of the queue with the smallest key; -1 when none is left.
+  int pop();
+  void push(int index, double key);
+
+  /// True when p is beyond the facet's plane. Exact, so that the surface is the convex hull of its
+  /// vertices as rounded, and p sees one patch: two contradicting predicates would fold the
+  /// surface.
+  bool sees(const PolytopeFacet& f, const Vector& p) const;
+  double leastAlong(const PolytopeFacet& f, const Vector& n) const;
+  /// The point of a triangle nearest to the origin; `a` becomes A's part of it.
+  Vector nearestOf(const std::int32_t (&vertex)[3], Vector& a) const;
+  /// True when the surface is proven to wind around the origin.
+  bool windsAroundOrigin();
+
+ private:
+  std::size_t room() const;
+  int newFacet(int a, int b, int c);
+  void enqueue(int index, double longest_squared);
+  bool findHorizon(int first, const Vector& p);
+  void takeAlone(int first);
+  bool keepsWinding(const PolytopeFacet& f, const Vector& p) const;
+  bool computeWinding() const;
+  std::optional<int> windingAlong(const Vector& ray) const;
+
+  PolytopeBuffers& buffers_;
+  const double roundoff_;
+  const double& reach_;
+  std::int32_t& mark_;
+  int vertex_count_ = 0;
+  int facet_count_ = 0;  // slots of buffers_.facets in use or free
+  bool winds_ = false;   // proven
+};
+
+/// Sign of the determinant of three vectors, exact.
+int signOfDeterminant(const Vector& a, const Vector& b, const Vector& c);
+
+/// The normal of a triangle, not normalised, from its two shorter edges: rounding of the cross
+/// product is proportional to them.
+Vector triangleNormal(const Vector& a, const Vector& b, const Vector& c, double& longest_squared);
+
+}  // namespace leeway::collision
