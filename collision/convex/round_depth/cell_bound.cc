@@ -4,27 +4,41 @@
 
 namespace leeway::collision {
 
-// With e a unit vector, l_i = e . v_i and r_i across, |v_i| = l_i + r_i^2 / (|v_i| + l_i), and of
-// two functions that are linear, (s_i l_j + s_j l_i) / 2 = (s_i l_i + s_j l_j) / 2 - (s_i - s_j)
-// (l_i - l_j) / 2. So the bound's form has the margins at the corners, and the rest is small.
+// clang-format off
+// The bound on a cell as a quadratic form.
 //
-// What |v| exceeds l by, times the share s, is at least s r^2 / g with g = 2 l + R^2 / (2 min l), R
-// the largest r; g is linear as s is. Over the cell s / g changes by its size: with the least of it
-// the bound errs by the third power. With the ratio c where the form is least, and the linear n = s
-// - c g, which is 0 there, it is c r^2 + n r^2 / g, and |n| r^2 / g is at most (t n^2 + R^2 r^2 /
-// t) / (2 min g) for any t > 0: a quadratic form again. t is as large as the corners' margins let
-// it be, which are of second order, too, where the least is a valley.
+// With e a unit vector, l_i = e . v_i and r_i the part of v_i across e:
 //
-// Rounding, with u = kUnitRoundoff, L the sizes' sum, s the largest r / |v|: corners' v err by 20 u
-// of their size, and so do r; r^2 / (|v| + l) by 40 u s, with the bends' products 68 u s of each of
-// A, B and the depth, whose sizes' sum is less than 2 L; centres err by 8 u L, times the
-// directions' difference 16 u s L. In all less than 160 u s L. What corners that differ add besides
-// is 20 u of the shares' difference times M and 4 u of the centres'.
+//   |v_i| = l_i + r_i^2 / (|v_i| + l_i),
+//
+// and of two functions that are linear,
+//
+//   (s_i l_j + s_j l_i) / 2 = (s_i l_i + s_j l_j) / 2 - (s_i - s_j) (l_i - l_j) / 2.
+//
+// So the form consists of the margins at the corners, and the rest is small.
+//
+// The excess of |v| over l, times the share s, is at least s r^2 / g with g = 2 l + R^2 / (2 min l), R the largest r;
+// g is linear as s is. The least s / g would err by the third power, because s / g changes by the cell's size. With
+// the ratio c where the form is least, and the linear n = s - c g, which is 0 there:
+//
+//   s r^2 / g = c r^2 + n r^2 / g,   |n| r^2 / g <= (t n^2 + R^2 r^2 / t) / (2 min g) for any t > 0,
+//
+// a quadratic form again. t is as large as the corners' margins allow. These are of second order, too, where the least
+// is a valley.
+//
+// Rounding, with u = kUnitRoundoff, L the sum of the sizes, s the largest r / |v|:
+//   corners' v, and so r                                       20 u of their size
+//   r^2 / (|v| + l)                                            40 u s
+//   with the products of the bends, each of A, B and depth,
+//     whose sizes' sum is less than 2 L                        68 u s
+//   centres err by 8 u L; times the directions' difference     16 u s L
+// In all less than 160 u s L. Corners that differ add 20 u of the shares' difference times M, and 4 u of the centres'.
+// clang-format on
 
 namespace {
 
 constexpr int kNext[3] = {1, 2, 0};
-// How much of the corners' margins t n^2 may take, of A and B each.
+// The share of the corners' margins that t n^2 of A and of B may take each.
 constexpr double kShareOfMargin = 0.1;
 
 void addSquares(const Vector (&v)[3], double factor, Form& form) {
@@ -36,7 +50,7 @@ void addSquares(const Vector (&v)[3], double factor, Form& form) {
   form.p12 += factor * v[1].dot(v[2]);
 }
 
-// Where the form is least on a corner or an edge, the weights' sum 1, and what it is there.
+// The least value of the form on corners and edges, and its weights, whose sum is 1.
 double findLeast(const Form& form, double (&mu)[3]) {
   const double corner[3] = {form.p00, form.p11, form.p22};
   const double between[3] = {form.p01, form.p12, form.p02};
@@ -60,7 +74,8 @@ double at(const double (&values)[3], const double (&mu)[3]) {
 
 }  // namespace
 
-// |v| less the part along the middle; false where the direction is lost: v may be off by `doubt`.
+// Splits v into parts along the middle and across, and `beyond` = |v| - along. False where the
+// direction is lost: v may be off by `doubt`.
 bool CellBound::split(const Vector (&v)[3], double doubt, Round& round, double (&beyond)[3]) {
   constexpr double kThird = 1.0 / 3;
   const Vector middle = kThird * (v[0] + v[1] + v[2]);
@@ -79,11 +94,11 @@ bool CellBound::split(const Vector (&v)[3], double doubt, Round& round, double (
     round.r_squared = std::max(round.r_squared, r_squared);
     if (squared > 0) largest = std::max(largest, r_squared / squared);
     shortest = std::min(shortest, squared);
-    // (Opposite to e, |v| and e . v move against each other, however small the angle's sine.)
+    // (Opposite to e, |v| and e . v err in opposite directions, however small the angle's sine.)
     if (!(along > 0)) slack_ += 2 * doubt;
   }
   angle_ = std::max(angle_, std::sqrt(largest));
-  // (Of short ones that angle itself is known badly.)
+  // (The angle of short vectors is itself uncertain.)
   slack_ += 4 * doubt * (shortest > doubt * doubt ? doubt / std::sqrt(shortest) : 1);
   return true;
 }
@@ -114,8 +129,8 @@ bool CellBound::addDepth(double depth) {
   return true;
 }
 
-// What |M x| exceeds r |x| by is x' (M^2 - r^2) x / (|M x| + r |x|), whose denominator is less than
-// the sum of r and the longest axis where |x| is less than it is at the corners: a quadratic form.
+// The excess of |M x| over r |x| is x' (M^2 - r^2) x / (|M x| + r |x|). The denominator is at most
+// the sum of r and the longest axis times the largest |x|: a quadratic form.
 void CellBound::addBall(int k) {
   const NearlyBall& ball = balls_[k];
   double longest = 0;
@@ -147,14 +162,14 @@ void CellBound::addRound(const Vector (&v)[3], const double (&share)[3], double 
   double beyond[3];
   for (int i = 0; i < 3; ++i) round.share[i] = share[i];
   if (!split(v, doubt, round, beyond)) {
-    // (0 is a bound, too.)
+    // (|v| >= 0 is a bound, too.)
     for (int i = 0; i < 3; ++i) at_[i] -= round.share[i] * v[i].norm();
     slack_ += doubt;
     return;
   }
   const double nearest = std::min({round.along[0], round.along[1], round.along[2]}),
                most = std::max({round.along[0], round.along[1], round.along[2]});
-  // (About a cap's middle |M x| is anything.)
+  // (About a cap's middle |M x| is far from linear.)
   const double constant = 2 * nearest > most ? 0 : most + std::sqrt(most * most + round.r_squared);
   for (int i = 0; i < 3; ++i) {
     const int j = kNext[i];
@@ -186,7 +201,7 @@ Form CellBound::middleForm() const {
   return form;
 }
 
-// With the bends at mu; false where there is no room for what they change by.
+// Adds the bends at mu, less what they change by; false where the margins leave no room for that.
 bool CellBound::bendAt(const double (&mu)[3], double most, Form& form) const {
   if (!(most > 0)) return false;
   for (int m = 0; m < rounds_; ++m) {
@@ -218,7 +233,7 @@ bool CellBound::proves(const double (&margins)[3], double depth) {
   for (int i = 0; i < 3; ++i) lengths[i] = corners_[i].x.norm();
   const double least_length = std::min({lengths[0], lengths[1], lengths[2]});
   if (!(least_length > 0)) return false;
-  // Directions of one length: r^2 / (2 l) is taken with one l for all.
+  // Directions of one length, because r^2 / (2 l) has one l for all.
   for (int i = 0; i < 3; ++i) {
     shorter_[i] = least_length / lengths[i];
     at_[i] = shorter_[i] * margins[i];

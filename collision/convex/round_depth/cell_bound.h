@@ -4,35 +4,35 @@
 
 namespace leeway::collision {
 
-/// An ellipsoid that is nearly a ball, M its semi-axes and r the least of them: r |x| of |M x|
-/// belongs to the depth, and what is left is small. Where that ball and the depth are about as
-/// large, bounds of |M x| and of depth |x| by themselves would err by more than their difference.
+/// An ellipsoid that is nearly a ball, with semi-axes M and r the least of them: r |x| of |M x| is
+/// subtracted from the depth, and the rest is small. Where ball and depth are about equal, separate
+/// bounds of |M x| and depth |x| would err by more than their difference.
 struct NearlyBall {
-  double radius = 0;               ///< r; 0: the core is none
+  double radius = 0;               ///< r; 0: no such core
   double sum = 0;                  ///< r and the longest semi-axis
   Vector spread = Vector::Zero();  ///< sqrt(M^2 - r^2) / M
 };
 
-/// What provesCell() says, from what is known of the corners themselves: margins[i] is x . center +
-/// sum share |M x| - depth |x| of corner i, or less. In between the bound departs from that by what
-/// is of second order in the cell's size, and it errs by the fourth power.
+/// provesCell() with a bound that errs by the fourth power of the cell's size: it interpolates the
+/// exact margins of the corners, and only the second-order part in between is bounded. margins[i]
+/// is x . center + sum share |M x| - depth |x| of corner i, or less.
 class CellBound {
  public:
-  /// sizes: the largest M of the cores, or more; roundoff [m]: as CoreQuery. `balls`, of A and
-  /// B: those are taken apart.
+  /// sizes: the largest M of each core, or more [m]; roundoff: as CoreQuery; balls, of A and B:
+  /// cores that are treated as NearlyBall.
   CellBound(const CurvedCorner (&corners)[3], const double (&sizes)[2], double roundoff,
             const NearlyBall* balls = nullptr)
       : corners_(corners), sizes_(sizes), roundoff_(roundoff), balls_(balls) {}
 
-  /// True when the bound is at least 0 in all of the cell. Once. O(1).
+  /// True when the bound is at least 0 in all of the cell. To be called once. O(1).
   bool proves(const double (&margins)[3], double depth);
-  /// After proves(): about where the bound is least, and whether it seems to be below 0 there. A
-  /// direction of any length.
+  /// After proves(): the direction, of any length, in which the bound is about least, and whether
+  /// it seems to be below 0 there.
   bool seemsBelow() const { return below_; }
   const Vector& leastDirection() const { return least_; }
 
  private:
-  /// One v: M x of A or B, times `share`; or x, as often as balls are larger than the depth.
+  /// A term share |v|: v is M x of A or B, or x where balls exceed the depth.
   struct Round {
     double share[3], along[3];
     Vector across[3];
@@ -55,8 +55,8 @@ class CellBound {
   const NearlyBall* const balls_;
   double shorter_[3];
   double at_[3];                   // linear parts at the corners
-  double between_[3] = {0, 0, 0};  // of corners i and i + 1: what products of differences take off
-  Form form_;                      // all but the bends of rounds
+  double between_[3] = {0, 0, 0};  // products of differences, of corners i and i + 1
+  Form form_;                      // without the bends of round_
   Round round_[3];
   int rounds_ = 0;
   bool below_ = false;

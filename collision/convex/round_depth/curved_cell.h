@@ -1,7 +1,7 @@
 #pragma once
 
-// Triangles of directions on which the support function of a difference of two cores is bounded
-// from below: what curved_facet.cc and curved_depth.cc have in common.
+// A lower bound of the support function of a difference on a triangle of directions (a cell):
+// shared by curved_facet.cc and curved_depth.cc.
 
 #include <algorithm>
 #include <cmath>
@@ -12,11 +12,11 @@
 
 namespace leeway::collision {
 
-// A quadratic form on a triangle: the value at mu is sum mu_i mu_j of it.
+/// A quadratic form on a triangle: sum over i, j of mu_i mu_j p_ij at barycentric mu.
 struct Form {
   double p00 = 0, p11 = 0, p22 = 0, p01 = 0, p02 = 0, p12 = 0;
 
-  // The symmetrised product of two functions that are linear in mu.
+  /// Adds the product of two functions that are linear in mu, symmetrised.
   template <class Product>
   void add(const Product& product) {
     p00 += product(0, 0), p11 += product(1, 1), p22 += product(2, 2);
@@ -26,9 +26,9 @@ struct Form {
   }
 };
 
-// Hadeler's criterion. Roots and sums err by a few units of roundoff of their terms, which are
-// taken off. (Written so that NaN fails; entries are brought to about 1, since products of six
-// would leave the range of double.)
+/// True when the form is proven not to be negative: Hadeler's criterion for copositive matrices.
+/// Roots and sums err by a few units of roundoff of their terms, which are subtracted. (Written so
+/// that NaN fails. Entries are scaled to about 1: products of six would leave the range of double.)
 inline bool copositive(Form f) {
   double* const entries[] = {&f.p00, &f.p11, &f.p22, &f.p01, &f.p02, &f.p12};
   double largest = 0;
@@ -53,9 +53,9 @@ inline bool copositive(Form f) {
          all + a + b + c + last;
 }
 
-/// A corner of a triangle of directions, and of either core a convex combination of its pieces: a
-/// point, and a share `share` of the ellipsoid with semi-axes M around it. All of it is linear
-/// between the corners.
+/// A corner of a triangle of directions, with a convex combination of pieces of each core: a point
+/// and a share of the ellipsoid with semi-axes M around it. All of it is linear between the
+/// corners.
 struct CurvedCorner {
   Vector x;          ///< direction
   Vector center;     ///< B's centre less A's
@@ -63,18 +63,19 @@ struct CurvedCorner {
   double share[2];   ///< of A and B
 };
 
-/// True when x . center + sum over A and B of share |M x| is at least depth |x| for all x between
-/// three corners, all of it linear between them and the weights' sum 1; `slack` [m^2, or m where x
-/// has no unit] is what rounding may take off x . center and the like, sizes the cores' extents.
-/// O(1).
+/// True when
+///   x . center + sum over A and B of share |M x| >= depth |x|
+/// for all x between three corners. `slack` [m^2, or m where x has no unit] bounds the rounding of
+/// x . center and the like; sizes are the cores' extents. O(1).
 ///
-/// A quadratic form below the bound on all of a cell. With e a unit vector, l = e . v and r what v
-/// has across e: |v| = sqrt(l^2 + r^2) = l + r^2 / (sqrt(l^2 + r^2) + l), whose denominator is
-/// largest at corners; and |v| <= (l^2 + r^2) / (2 k l) + k l / 2 for l > 0 and any k > 0, which is
-/// best in the middle between e and the corners with k^2 = 1 + r^2 / (2 l^2) of theirs.
+/// A quadratic form bounds the difference of both sides from below. With e a unit vector, l = e . v
+/// and r the part of v across e:
+///   |v| = l + r^2 / (sqrt(l^2 + r^2) + l), whose denominator is largest at a corner;
+///   |v| <= (l^2 + r^2) / (2 k l) + k l / 2 for l > 0 and any k > 0, best in the middle between e
+///   and the corners: k^2 = 1 + r^2 / (2 l^2) with their r and l.
 inline bool provesCell(const CurvedCorner (&corners)[3], const double (&sizes)[2], double depth,
                        double slack) {
-  // Directions of one length, the least of the three: r^2 / (2 l) is taken with one l for all.
+  // Directions of one length, the least of the three, because r^2 / (2 l) has one l for all.
   CurvedCorner c[3] = {corners[0], corners[1], corners[2]};
   double lengths[3];
   for (int i = 0; i < 3; ++i) lengths[i] = c[i].x.norm();
@@ -104,7 +105,7 @@ inline bool provesCell(const CurvedCorner (&corners)[3], const double (&sizes)[2
   for (int k = 0; k < 2; ++k) {
     const double least_share = std::min({c[0].share[k], c[1].share[k], c[2].share[k]});
     const double most_share = std::max({c[0].share[k], c[1].share[k], c[2].share[k]});
-    // (Where the direction is lost, 0 is a bound, too.)
+    // (Where the direction is lost, |v| >= 0 is the bound.)
     if (!(most_share > 0) ||
         !split(c[0].scaled[k], c[1].scaled[k], c[2].scaled[k], kLostShare * sizes[k])) {
       continue;

@@ -1,20 +1,20 @@
 #pragma once
 
-// Members of the difference of two cores where it is farthest out along a direction, taken apart
-// into what is round and what is straight: what curved_depth.cc chooses from.
+// The members of a difference of two cores that are farthest out along a direction, split into
+// round and straight parts, and blends of them.
 
 #include "collision/convex/gjk/support.h"
 
 namespace leeway::collision {
 
-/// A box has three parameters, a cone one.
+/// Three of a box and one of a cone.
 inline constexpr int kMostCurvedParameters = 4;
-/// Vertices of a hull that stand for it in one direction [count].
+/// Most vertices of a hull that are blended in one direction [count].
 inline constexpr int kMostMixed = 4;
 
-/// How much of each piece stands for the cores: parameters of segments, boxes and cylinders are
-/// from -1 to 1, those of cones from 0 (apex) to 1 (rim). A hull's weights are multiples of 2^-52,
-/// so that their sum is 1 exactly.
+/// The weight of each piece of the cores. Parameters of segments, boxes and cylinders are from -1
+/// to 1, those of cones from 0 (apex) to 1 (rim). A hull's weights are multiples of 2^-52, so that
+/// their sum is exactly 1.
 struct CurvedChoice {
   double parameter[kMostCurvedParameters];
   int mixed = 0;
@@ -22,52 +22,52 @@ struct CurvedChoice {
   double weight[kMostMixed];
 };
 
-/// The members of the face in a direction, and what is beside it: base + sum parameter[k] way[k],
-/// and what a hull adds.
+/// The pieces next to the face in a direction. Their members are base + sum parameter[k] way[k],
+/// plus a point of the hull.
 struct CurvedFace {
   Vector e;  ///< the direction, of length 1
   Vector base;
   Vector way[kMostCurvedParameters];
-  Vector arm[2];              ///< of the round parts, of a share of 1
+  Vector arm[2];              ///< of the round parts, for a share of 1
   double length[2] = {0, 0};  ///< |M e|, M the semi-axes
 };
 
-/// A straight way along an edge between two pieces: of a parameter, or between vertices of a hull.
+/// A straight edge of the difference between two pieces: of a parameter, or between two vertices of
+/// a hull.
 struct CurvedEdge {
   int parameter = -1;
   int from = 0, to = 0;
 };
 
-/// The cores of a difference B - A, of which one is round, and their pieces. In B's frame.
+/// The pieces of the cores of a difference B - A, one of which is round, in B's frame.
 class CurvedFaces {
  public:
-  /// Where pieces are parallel the same member is made in many ways: departing from parameters that
-  /// are kept, at first the middles, costs the share `evenly` of what being beside the direction
-  /// does, so that directions next to each other do not choose different ones. More costs width.
+  /// Parallel pieces give a member in many ways. So that neighbouring directions choose alike,
+  /// departing from the parameters kept, at first the middles, is penalised: by the share `evenly`
+  /// of the penalty for lying beside the direction. A larger share costs width.
   CurvedFaces(const Difference<false>& difference, double evenly);
   /// Parameters to stay near.
   void keepNear(const CurvedChoice& choice);
 
   CurvedFace along(const Vector& direction) const;
-  /// How far the difference reaches along face.e, and the pieces that do.
+  /// How far the difference reaches along face.e, and the pieces that reach it.
   double support(const CurvedFace& face, CurvedChoice& choice) const;
-  /// The member y with the largest e . y - |y - (e . y) e|^2 / (2 stiffness), all pieces together;
-  /// with the round parts' bend the stiffness is that of what pieces do alone, and of both it is so
-  /// many times as much. For choosing it round parts may be taken in part, which reach to all sides
-  /// about the pole of a cap and would have the other pieces lean away from them; the choice has
-  /// all of them, which is farther out.
+  /// The member y, over all pieces, with the largest e . y - |y - (e . y) e|^2 / (2 s). Across the
+  /// direction s counts the bend of the round parts besides `stiffness`, the sum `times` as much.
+  /// While choosing, round parts may count in part: about the pole of a cap their arms reach to all
+  /// sides, and other pieces would be chosen to balance them. The choice has all of them, which is
+  /// farther out.
   Vector blend(const CurvedFace& face, double stiffness, double times, CurvedChoice& choice) const;
-  /// How much the round parts' farthest points move along v when the direction moves along w.
+  /// How far the round parts' farthest points move along v when the direction moves along w.
   double bend(const CurvedFace& face, const CurvedChoice& choice, const Vector& v,
               const Vector& w) const;
-  /// Edges that the direction belongs to: what may still be moved between two pieces, two at most.
+  /// The edges that a choice lies on, two at most: pieces between which weight can be moved.
   int edges(const CurvedChoice& choice, CurvedEdge edge[2]) const;
   Vector wayOf(const CurvedFace& face, const CurvedEdge& edge) const;
 
-  /// The centre of what is chosen of a core, in the core's frame, within 8 units of roundoff of the
-  /// core's extent.
+  /// The centre of a core's choice, in the core's frame, within 8 units of roundoff of its extent.
   Vector center(int part, const CurvedChoice& choice) const;
-  /// How much of the core's ellipsoid or rim.
+  /// The share of the core's ellipsoid or rim.
   double share(int part, const CurvedChoice& choice) const;
   const Vector& semiAxes(int part) const { return part_[part].semi_axes; }
   const ConvexView& view(int part) const { return *part_[part].view; }
@@ -76,12 +76,12 @@ class CurvedFaces {
   Vector axis(int part) const { return turned(part, Vector::UnitZ()); }
 
  private:
-  /// One core; A is turned about.
+  /// One core; that of A is mirrored.
   struct Part {
     const ConvexView* view = nullptr;
     Vector semi_axes = Vector::Zero();
     int first = 0, count = 0;  // parameters
-    int axis = 2;              // of a single one
+    int axis = 2;              // of a single parameter
   };
   double low(int k) const { return k == cone_[0] || k == cone_[1] ? 0 : -1; }
   Vector turned(int part, const Vector& v) const {
@@ -90,20 +90,19 @@ class CurvedFaces {
   Vector turnedBack(int part, const Vector& v) const {
     return part == 0 ? rotatedBack(pose_.rotation, v) : v;
   }
-  /// A vertex of the hull, or a way between two of them, as the difference has it.
+  /// A vertex of the hull, or a vector between two, as it stands in the difference.
   Vector ofHull(const Vector& v) const { return hull_ == 0 ? Vector(-turned(0, v)) : v; }
   const Vector& vertex(int i) const { return part_[hull_].view->points[i]; }
   int farthestOfHull(const Vector& direction, int hint) const;
   double bend(const CurvedFace& face, const double (&shares)[2], const Vector& v,
               const Vector& w) const;
-  void mix(const CurvedFace& face, double stiffness, double times, double (&round)[2],
-           CurvedChoice& choice) const;
+  class Blend;  // curved_blend.cc
 
   const Pose& pose_;
   const double evenly_;
   Part part_[2];
   int cone_[2] = {-1, -1};  // the parameter that is a cone's
-  int hull_ = -1;           // the part that is one
+  int hull_ = -1;           // the part that is a hull
   int parameters_ = 0;
   double kept_[kMostCurvedParameters];
 };

@@ -10,21 +10,32 @@ namespace leeway::collision {
 
 namespace {
 
-// Halvings of a cell [count]: rounding is counted for as many.
+// Most halvings of a cell [count]: the slack covers the rounding of as many.
 constexpr int kMostHalvings = 24;
-// Cells of one facet [count]; more cover larger facets, and cost more where none do.
+// Cells of one facet [count]; more cover larger facets, and cost more where they fail.
 constexpr int kMostCells = 256;
-// Cells of one query [count]: some two milliseconds.
+// Cells of one query [count]: about two milliseconds.
 constexpr int kMostCellsOfAll = 16'384;
 
 }  // namespace
 
-// Rounding, in units of u L^2 with u = kUnitRoundoff and L = extent A + extent B + |t|, all of x,
-// C and M within L: a vertex's x errs by 3 u L as a member (see support.h), its centres by 8, M x
-// by 10; each of at most kMostHalvings means of two adds half a unit of each, 12 in all. A product
-// of two of them then errs by less than 48, of which there are four in a bound (x . C; A; B; the
-// depth, which is less than L); their own roundings are less than 8 of each. In all less than 224,
-// and less than 16 more for what cells do to corners' lengths.
+// clang-format off
+// Rounding, with u = kUnitRoundoff and L = extent A + extent B + |t|; x, C and M are within L.
+//
+// In units of u L:
+//   a vertex's x, as a member (see support.h)                      3
+//   its centres                                                    8
+//   M x                                                            10
+//   at most kMostHalvings means of two, half a unit each           12
+//
+// In units of u L^2:
+//   a product of two of these                                      < 48
+//   four such products: x . C; A; B; depth, which is less than L   < 192
+//   their own roundings, 8 of each                                 < 32
+//   scaling the corners' lengths                                   < 16
+//
+// In all less than 240, which kFacetRounding covers.
+// clang-format on
 CurvedFacets::CurvedFacets(const Difference<false>& difference, double roundoff)
     : difference_(difference) {
   const ConvexView* views[2] = {&difference.viewA(), &difference.viewB()};
@@ -43,7 +54,6 @@ CurvedFacets::CurvedFacets(const Difference<false>& difference, double roundoff)
   slack_ = kFacetRounding * roundoff * (roundoff / kUnitRoundoff);
 }
 
-// The centre of what a point of a round core is on, in the core's frame.
 bool CurvedFacets::centerOf(int part, int piece, Vector& center) const {
   const ConvexView& view = *part_[part].view;
   if (!part_[part].curved) return false;
@@ -77,7 +87,7 @@ CurvedCorner CurvedFacets::cornerOf(const SupportPoint& s) const {
   return c;
 }
 
-// The bound itself in one direction.
+// Evaluates the bound in one direction.
 bool CurvedFacets::holdsAt(const CurvedCorner& c, double depth) {
   const double length = c.x.norm();
   if (!(length > 0)) return false;
@@ -111,7 +121,7 @@ bool CurvedFacets::covers(const SupportPoint& w0, const SupportPoint& w1, const 
     if (cells >= kMostCells || cells_left_ <= 0 || cell.depth == kMostHalvings) {
       return false;
     }
-    // Halved across its longest edge: from corner i to corner j.
+    // Halves it across its longest edge, from corner i to corner j.
     int i = 0, j = 1;
     double longest = -1;
     for (int m = 0; m < 3; ++m) {
@@ -148,7 +158,7 @@ void CurvedFacets::member(const SupportPoint* const w[3], const double weights[3
       share[k] += weights[i] * c.share[k];
     }
   }
-  // The farthest point of an ellipsoid along x, from its centre, is M M x / |M x|.
+  // From its centre, an ellipsoid's farthest point along x is M M x / |M x|.
   Vector arm[2];
   for (int k = 0; k < 2; ++k) {
     const double length = scaled[k].norm();

@@ -5,39 +5,42 @@
 
 namespace leeway::collision {
 
-/// What the curved parts of two cores add to a facet of a polytope in their difference. A triangle
-/// of three members lies inside of a curved surface by its chords, so that a polytope needs a facet
-/// for every width of the tolerance wherever the surface is about as curved as a ball around the
-/// origin; but the members between the three are known as well. Each vertex w_i is taken apart into
-/// the centre C_i of the ellipsoid (of cylinders and cones: the rim's disc) that its points lie on,
-/// and what they add. In all directions x = sum mu_i w_i of the triangle's cone, mu_i >= 0 with the
-/// sum 1, the support function h of the difference is at least that of a convex combination of its
-/// members:
+/// Proves that the curved surface of a difference over a facet of a polytope is farther out than
+/// the facet. A triangle of three members lies inside a curved surface: where the surface is about
+/// as curved as a ball around the origin, a polytope needs a facet for every width of the
+/// tolerance. But the members between the three are known as well.
+///
+/// Each vertex w_i is split into the centre C_i of the ellipsoid that it lies on (of cylinders and
+/// cones: of the rim's disc), and the rest. In all directions x = sum mu_i w_i of the triangle's
+/// cone, mu_i >= 0 with the sum 1, the support function h of the difference is at least that of a
+/// convex combination of its members:
 ///
 ///   h(x) >= x . sum mu_i C_i + sum over A and B of (sum mu_i s_i) |M x|
 ///
 /// with M the semi-axes in their directions, and s_i 1 where a vertex lies on such an ellipsoid, 0
 /// where it is a point of its own (a cone's apex, a box's corner). Where the right side is at least
 /// `depth` |x| in the cones of all facets that are nearer than `depth`, the difference holds a ball
-/// of that radius around the origin: a ray from the origin meets a facet, and that is farther out
-/// or one of these. Branch and bound over directions; each cell of them is judged by a quadratic
-/// form below the right side, which is not negative if the form's matrix is copositive (K. P.
-/// Hadeler, "On copositive matrices", 1983).
+/// of that radius around the origin: a ray from the origin meets a facet, which is farther out or
+/// one of these.
+///
+/// Branch and bound over directions. A cell is proven by a quadratic form below the right side,
+/// which is not negative if its matrix is copositive (K. P. Hadeler, "On copositive matrices",
+/// 1983).
 class CurvedFacets {
  public:
   /// roundoff: as CoreQuery.
   CurvedFacets(const Difference<false>& difference, double roundoff);
 
-  /// Some part of the difference is curved: else nothing is ever gained.
+  /// Some part of the difference is curved; without, no facet is ever covered.
   bool any() const { return curved_; }
 
-  /// True when the support of the difference is proven to be at least `depth` > 0 in all directions
-  /// of the cone of the three points, which must be members of the difference by their indices.
-  /// Rounding is counted. O(1): some hundred cells at the most, and
-  /// some ten thousand for all facets together.
+  /// True when the support of the difference is proven, rounding included, to be at least `depth` >
+  /// 0 in all directions of the cone of the three points, which must be members of the difference
+  /// by their indices. O(1): a few hundred cells at most, and some ten thousand for all facets
+  /// together.
   bool covers(const SupportPoint& w0, const SupportPoint& w1, const SupportPoint& w2, double depth);
 
-  /// After covers(): the direction, of any length, with the least bound that was met.
+  /// After covers(): the direction, of any length, with the least bound evaluated.
   const Vector& leastDirection() const { return least_direction_; }
 
   /// The member that carries the bound in the direction sum weights[i] w_i, the weights' sum 1: a
@@ -56,7 +59,8 @@ class CurvedFacets {
     CurvedCorner corner[3];
     int depth;  ///< halvings
   };
-  /// The centre of what a point of a core is on, in the core's frame; false when it is a vertex.
+  /// The centre of the ellipsoid or rim that a point of a core lies on, in the core's frame; false
+  /// for a vertex.
   bool centerOf(int part, int piece, Vector& center) const;
   Vector centerOfA(const SupportPoint& s) const;
   CurvedCorner cornerOf(const SupportPoint& s) const;
@@ -67,7 +71,7 @@ class CurvedFacets {
   Part part_[2];
   bool curved_ = false;
   int cells_left_ = 0;
-  double slack_ = 0;  // rounding of one bound [m^2]
+  double slack_ = 0;  // rounding of a bound [m^2]
   Vector least_direction_ = Vector::UnitX();
   double least_value_ = 0;
 };

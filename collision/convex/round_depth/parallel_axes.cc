@@ -17,8 +17,8 @@ struct Point {
 };
 double dot(const Point& p, const Point& q) { return p.across * q.across + p.along * q.along; }
 
-// A body of revolution, cut through its axis: a convex polygon and the outward normals of its sides
-// to one side of the axis.
+// A body of revolution, cut through its axis: a convex polygon, and the outward normals of the
+// sides on one side of the axis.
 struct Section {
   Point corner[4];
   int corners = 0;
@@ -41,7 +41,7 @@ Section sectionOf(const ConvexView& view) {
   }
 }
 
-// Upside down.
+// The section upside down.
 Section turnedOver(Section s) {
   for (Point& p : s.corner) p.along = -p.along;
   for (Point& n : s.normal) n.along = -n.along;
@@ -54,7 +54,7 @@ double support(const Section& s, const Point& n) {
   return most;
 }
 
-// Least and largest coordinate along `tangent` of what is farthest along n, and where that is along
+// The side of a section that is farthest along n: its range along `tangent`, and its height along
 // n.
 struct Side {
   double least = std::numeric_limits<double>::infinity();
@@ -82,19 +82,20 @@ bool haveAxes(const ConvexView& a, const ConvexView& b) {
   return has(a) && has(b);
 }
 
-// With A' the body next to A whose axis is parallel to B's: the signed separation changes by at
-// most the distance of corresponding points, because of two convex bodies each lies in the other
-// grown by as much. Of A' and A that is the turn, whose sine is the part of A's axis across z and
-// which is less than 1.01 times that, and the departure from a rotation, times extent A. The closed
-// form itself errs by: the normal 3 units, the supports 6 of their extents, t's length and dot
-// product 6 of |t|; in all less than 16 of L.
+// Let A' be A turned so that its axis is parallel to B's. Each of A and A' lies in the other grown
+// by the largest distance of corresponding points, so that the signed separation changes by no
+// more: extent A times the angle between the axes (less than 1.01 times its sine, the part of A's
+// axis across z) plus the departure from a rotation.
+//
+// Rounding of the closed form: the normal 3 units, the supports 6 of their extents, t's length and
+// dot product 6 of |t|; in all less than 16 of L.
 bool offerParallelAxes(const ConvexView& a, const Pose& X_BA, const ConvexView& b,
                        Difference<false>& difference, Progress& progress) {
   const Vector axis = X_BA.rotation.col(2);
   const double sine = std::sqrt(axis.x() * axis.x() + axis.y() * axis.y());
   if (!(sine <= kNearlyParallelAxes)) return false;
   const Section of_b = sectionOf(b);
-  // What A takes off: its points, negated.
+  // A's part of the difference: its points, negated.
   const Section of_a = axis.z() > 0 ? turnedOver(sectionOf(a)) : sectionOf(a);
   const Vector& t = X_BA.translation;
   const double across = std::sqrt(t.x() * t.x() + t.y() * t.y());
@@ -115,7 +116,7 @@ bool offerParallelAxes(const ConvexView& a, const Pose& X_BA, const ConvexView& 
   const double plane = -outward.dot(lowest.w);
   const double moved = (1.01 * sine + departureOf(X_BA.rotation)) * a.extent;
   if (!(depth > moved)) return false;
-  // The point of the difference's surface next to the origin, as a sum of one point of each.
+  // The point of the difference's surface nearest to the origin, as a sum of a point of each.
   const Point tangent{-out.along, out.across};
   const Side side_a = farthestSide(of_a, out, tangent, a.extent);
   const Side side_b = farthestSide(of_b, out, tangent, b.extent);
@@ -127,14 +128,14 @@ bool offerParallelAxes(const ConvexView& a, const Pose& X_BA, const ConvexView& 
     return Vector((side.height * out.across + s * tangent.across) * beside +
                   (side.height * out.along + s * tangent.along) * upright);
   };
-  // Of A itself, not of A'.
+  // The point of A itself, not of A'.
   const Vector upright = axis.z() > 0 ? axis : -axis;
   const Vector beside = (radial - radial.dot(upright) * upright).normalized();
   const Vector point_a = t - point(side_a, along_a, beside, upright);
   const Vector w = point(side_b, along_b, radial, Vector::UnitZ()) - point_a;
   const double upper = -(depth - moved);
   if (progress.offerTogether(upper, w, point_a, plane, -outward)) return true;
-  // Not narrow enough to say how deep, but enough to say that they overlap.
+  // Too wide for the depth, but narrow enough to prove the overlap.
   const CoreQuery& query = progress.query();
   if (!isDecided({plane - query.lower_offset, upper - query.upper_offset}, query.request))
     return false;
