@@ -46,12 +46,12 @@ class WorldHull {
   HWY_INLINE Triple turnedBack(const Triple& n) const { return rotatedBack(R_, n); }
   HWY_INLINE const HullCell* cellOf(const Triple& d) const { return cellFor(support_, d); }
   // The vertex farthest along d, in the hull's frame, with d's cell.
-  HWY_INLINE Triple farthest(const Triple& d, const HullCell* cell, std::int32_t& name) const {
-    const int found = scannedSupport(support_, cell, d, name);
-    name = HWY_LIKELY(found >= 0) ? found : climbed(d, name);
-    return vertex(name);
+  HWY_INLINE Triple farthest(const Triple& d, const HullCell* cell, std::int32_t& index) const {
+    const int found = scannedSupport(support_, cell, d, index);
+    index = HWY_LIKELY(found >= 0) ? found : climbed(d, index);
+    return vertex(index);
   }
-  HWY_INLINE Triple vertex(int name) const { return placed(support_.corners()[name]); }
+  HWY_INLINE Triple vertex(int index) const { return placed(support_.corners()[index]); }
   // Three vertices side by side.
   HWY_INLINE Points<4> vertices(int i, int j, int k) const {
     const HullCorner* v = support_.corners();
@@ -80,18 +80,18 @@ struct WorldCores {
   using Point = Triple;
   static constexpr double kTilt = 0;  // (used with a threshold or a cache)
   WorldHull a, b;
-  HWY_INLINE Triple support(const Triple& n, VertexNames& names) const {
+  HWY_INLINE Triple support(const Triple& n, VertexIndices& indices) const {
     // Both cells first: reads of a hull's vertices wait for its cell, and fill the reorder buffer.
     const Triple d_a = a.turnedBack(n), d_b = b.turnedBack(-n);
     const HullCell *cell_a = a.cellOf(d_a), *cell_b = b.cellOf(d_b);
-    return b.farthest(d_b, cell_b, names.b) - a.farthest(d_a, cell_a, names.a);
+    return b.farthest(d_b, cell_b, indices.b) - a.farthest(d_a, cell_a, indices.a);
   }
-  HWY_INLINE Points<4> members(const VertexNames (&names)[3]) const {
-    return b.vertices(names[0].b, names[1].b, names[2].b) -
-           a.vertices(names[0].a, names[1].a, names[2].a);
+  HWY_INLINE Points<4> members(const VertexIndices (&indices)[3]) const {
+    return b.vertices(indices[0].b, indices[1].b, indices[2].b) -
+           a.vertices(indices[0].a, indices[1].a, indices[2].a);
   }
-  HWY_INLINE Triple pointOfA(const VertexNames& names) const { return a.vertex(names.a); }
-  HWY_INLINE VertexNames verticesOf(const VertexNames& names) const { return names; }
+  HWY_INLINE Triple pointOfA(const VertexIndices& indices) const { return a.vertex(indices.a); }
+  HWY_INLINE VertexIndices verticesOf(const VertexIndices& indices) const { return indices; }
 };
 
 // Up to 8 kEights vertices of a hull, or of its mirror image, placed at a pose once in vector
@@ -105,7 +105,7 @@ class PlacedVertices {
  public:
   static constexpr int kMost = 8 * kEights;
   // In units of u times the size of a value's terms.
-  static constexpr double kNameRounding = 2 * kMost;
+  static constexpr double kIndexRounding = 2 * kMost;
 
   static HWY_INLINE bool takes(const HullSupport& support) {
     return support.length() > 0 && support.length() <= kMost;
@@ -123,24 +123,26 @@ class PlacedVertices {
     }
   }
 
-  HWY_INLINE Triple vertex(int name) const { return {at_[0][name], at_[1][name], at_[2][name]}; }
+  HWY_INLINE Triple vertex(int index) const {
+    return {at_[0][index], at_[1][index], at_[2][index]};
+  }
   // The vertex with the least v . n.
-  HWY_INLINE SamePoint farthest(const SamePoint& n, std::int32_t& name) const {
+  HWY_INLINE SamePoint farthest(const SamePoint& n, std::int32_t& index) const {
     const Widest d;
     const Same least =
         leastLane(leastOf<0, static_cast<std::size_t>(kMost / kStep)>([&](std::size_t i) HWY_ATTR {
           const std::size_t at = i * hn::MaxLanes(d);
-          return named(along(n, at), hn::Load(hn::RebindToSigned<Widest>(), kPlaces + at));
+          return tagged(along(n, at), hn::Load(hn::RebindToSigned<Widest>(), kPlaces + at));
         }));
     const auto place = placeOf(least);
-    name = static_cast<std::int32_t>(hn::GetLane(place));
+    index = static_cast<std::int32_t>(hn::GetLane(place));
 #if HWY_CAP_GE512
     if constexpr (kEights <= 2) {
       return {inRegisters(at_[0], place), inRegisters(at_[1], place), inRegisters(at_[2], place)};
     }
 #endif
     SamePoint found;
-    set(found, vertex(name));
+    set(found, vertex(index));
     return found;
   }
   using Place = hn::Vec<hn::RebindToSigned<Widest>>;
@@ -166,7 +168,7 @@ class PlacedVertices {
       const Lanes<kFan> value =
           allLanes<kFan>(u[i]) * ring.u + allLanes<kFan>(first[i]) + allLanes<kFan>(v[i]) * ring.v;
       least = eachLane<kFan>(
-          [&](int k) HWY_ATTR { return hn::Min(least.v[k], named(value.v[k], hn::Set(di, i))); });
+          [&](int k) HWY_ATTR { return hn::Min(least.v[k], tagged(value.v[k], hn::Set(di, i))); });
     }
     Points<kFan> found;
     for (int i = 0; i < kRegisters<kFan>; ++i) {
@@ -201,13 +203,13 @@ class PlacedVertices {
         hn::Mul(hn::Load(d, at_[2] + at), n.z));
   }
   // Replaces the last bits of a value by an index, and reads it back.
-  static HWY_INLINE Same named(Same value, Place place) {
+  static HWY_INLINE Same tagged(Same value, Place place) {
     const hn::RebindToSigned<Widest> di;
     return hn::BitCast(Widest(), hn::OrAnd(place, hn::BitCast(di, value), hn::Set(di, -kMost)));
   }
-  static HWY_INLINE Place placeOf(Same named) {
+  static HWY_INLINE Place placeOf(Same tagged) {
     const hn::RebindToSigned<Widest> di;
-    return hn::And(hn::BitCast(di, named), hn::Set(di, kMost - 1));
+    return hn::And(hn::BitCast(di, tagged), hn::Set(di, kMost - 1));
   }
 #if HWY_CAP_GE512
   // A lookup lane by lane, in registers.
@@ -245,34 +247,37 @@ struct PlacedCores {
   const ConvexHull &hull_a, &hull_b;
   PlacedVertices<kEights> minus_a, b;
   const double reach;
-  HWY_INLINE SamePoint support(const SamePoint& n, VertexNames& names) const {
-    const SamePoint p = minus_a.farthest(n, names.a), q = b.farthest(n, names.b);
+  HWY_INLINE SamePoint support(const SamePoint& n, VertexIndices& indices) const {
+    const SamePoint p = minus_a.farthest(n, indices.a), q = b.farthest(n, indices.b);
     return {hn::Add(p.x, q.x), hn::Add(p.y, q.y), hn::Add(p.z, q.z)};
   }
-  HWY_INLINE Points<kFan> fan(const Ring<kFan>& ring, const VertexNames& /*hints*/,
-                              Lanes<kFan>& names) const {
+  HWY_INLINE Points<kFan> fan(const Ring<kFan>& ring, const VertexIndices& /*hints*/,
+                              Lanes<kFan>& indices) const {
     typename PlacedVertices<kEights>::Place places_a[kRegisters<kFan>], places_b[kRegisters<kFan>];
     const Points<kFan> all = minus_a.farthest(ring, places_a) + b.farthest(ring, places_b);
-    names = eachLane<kFan>([&](int i) HWY_ATTR {
+    indices = eachLane<kFan>([&](int i) HWY_ATTR {
       return hn::BitCast(Widest(), hn::Or(places_a[i], hn::ShiftLeft<32>(places_b[i])));
     });
     return all;
   }
-  HWY_INLINE Points<4> members(const VertexNames (&names)[3]) const {
-    const auto member = [&](int i)
-                            HWY_ATTR { return minus_a.vertex(names[i].a) + b.vertex(names[i].b); };
+  HWY_INLINE Points<4> members(const VertexIndices (&indices)[3]) const {
+    const auto member = [&](int i) HWY_ATTR {
+      return minus_a.vertex(indices[i].a) + b.vertex(indices[i].b);
+    };
     return sideBySide(member(0), member(1), member(2));
   }
-  HWY_INLINE Triple pointOfA(const VertexNames& names) const { return -minus_a.vertex(names.a); }
-  HWY_INLINE VertexNames verticesOf(const VertexNames& names) const {
-    return {vertexOf(hull_a, names.a), vertexOf(hull_b, names.b)};
+  HWY_INLINE Triple pointOfA(const VertexIndices& indices) const {
+    return -minus_a.vertex(indices.a);
+  }
+  HWY_INLINE VertexIndices verticesOf(const VertexIndices& indices) const {
+    return {vertexOf(hull_a, indices.a), vertexOf(hull_b, indices.b)};
   }
 
  private:
   // Columns are padded with copies of the first vertex, placed columns with copies of the first
   // eight.
-  static HWY_INLINE std::int32_t vertexOf(const ConvexHull& hull, std::int32_t name) {
-    const std::int32_t place = name < hull.support().length() ? name : name % 8;
+  static HWY_INLINE std::int32_t vertexOf(const ConvexHull& hull, std::int32_t index) {
+    const std::int32_t place = index < hull.support().length() ? index : index % 8;
     return place < static_cast<std::int32_t>(hull.vertices().size()) ? place : 0;
   }
 };
@@ -285,7 +290,7 @@ struct Pair {
   PairCache* cache;
   Triple t;  // of A, from B's origin
   double size, rounding;
-  VertexNames hints;
+  VertexIndices hints;
   bool needles;  // at least one is a needle
 };
 
@@ -336,9 +341,9 @@ HWY_INLINE bool answered(const Pair& pair, const Cores& cores, const Search<Core
   // Branch-free: which weights are 0 is unpredictable.
   const Triple w =
       found.weight[0] * found.w[0] + found.weight[1] * found.w[1] + found.weight[2] * found.w[2];
-  const Triple p = found.weight[0] * cores.pointOfA(found.names[0]) +
-                   found.weight[1] * cores.pointOfA(found.names[1]) +
-                   found.weight[2] * cores.pointOfA(found.names[2]);
+  const Triple p = found.weight[0] * cores.pointOfA(found.indices[0]) +
+                   found.weight[1] * cores.pointOfA(found.indices[1]) +
+                   found.weight[2] * cores.pointOfA(found.indices[2]);
   // As in Progress.
   const Interval separation = {search.best().value() - lower_offset,
                                std::sqrt(squared(w)) - upper_offset};
@@ -357,12 +362,12 @@ HWY_INLINE bool answered(const Pair& pair, const Cores& cores, const Search<Core
   write(n, result.normal);
   if (cache != nullptr) {
     write(rotatedBack(pair.X_WB.rotation, n), cache->direction_B);
-    const VertexNames last = cores.verticesOf(search.lastNames());
+    const VertexIndices last = cores.verticesOf(search.lastIndices());
     cache->vertex_a = last.a;
     cache->vertex_b = last.b;
     int kept = 0;
     const auto keep = [&](int i) HWY_ATTR {
-      const VertexNames vertices = cores.verticesOf(found.names[i]);
+      const VertexIndices vertices = cores.verticesOf(found.indices[i]);
       cache->simplex_a[kept] = vertices.a;
       cache->simplex_b[kept] = vertices.b;
       kept += static_cast<int>(found.weight[i] > 0);
@@ -393,7 +398,7 @@ HWY_INLINE bool answer(const Pair& pair, const Cores& cores, double more_roundin
   found.dropWeightless();
   start.count = end == GjkEnd::kLimit ? 0 : found.count;
   for (int i = 0; i < start.count; ++i) {
-    const VertexNames vertices = cores.verticesOf(found.names[i]);
+    const VertexIndices vertices = cores.verticesOf(found.indices[i]);
     start.vertex_a[i] = vertices.a;
     start.vertex_b[i] = vertices.b;
   }
@@ -417,7 +422,7 @@ HWY_NOINLINE bool answerPlaced(const Pair& pair, DistanceResult& result, VertexS
       {*pair.a.hull(), pair.X_WA.rotation, pair.t, -1},
       {*pair.b.hull(), pair.X_WB.rotation, {0, 0, 0}, 1},
       PlacedCores<kEights>::kReach * (pair.a.boundingRadius() + pair.b.boundingRadius())};
-  return answer(pair, cores, PlacedVertices<kEights>::kNameRounding * kUnitRoundoff * pair.size,
+  return answer(pair, cores, PlacedVertices<kEights>::kIndexRounding * kUnitRoundoff * pair.size,
                 nullptr, result, start);
 }
 
@@ -434,7 +439,7 @@ bool hullSteps(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_W
   const HullSupport &support_a = a.hull()->support(), &support_b = b.hull()->support();
   if (!(isQuick(support_a) && isQuick(support_b))) return false;
   bool carried = false;
-  VertexNames hints = {0, 0};
+  VertexIndices hints = {0, 0};
   if (cache != nullptr) {
     const int count_a = static_cast<int>(a.hull()->vertices().size());
     const int count_b = static_cast<int>(b.hull()->vertices().size());

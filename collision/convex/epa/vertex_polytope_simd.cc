@@ -49,7 +49,7 @@ class VertexPolytope {
   HWY_INLINE bool begin(const Simplex& start);
   HWY_INLINE void grow(VertexPolytopeAnswer& answer);
   HWY_INLINE int iterations() const { return iterations_; }
-  HWY_INLINE const VertexNames& lastNames() const { return names_[vertex_count_ - 1]; }
+  HWY_INLINE const VertexIndices& lastIndices() const { return indices_[vertex_count_ - 1]; }
 
  private:
   static constexpr int kVertices = 32, kFacets = 64, kEight = 8;
@@ -57,11 +57,11 @@ class VertexPolytope {
   static constexpr int kMostSeen = 20, kEdges = 64;
 
   HWY_INLINE Triple vertex(int i) const { return {x_[i], y_[i], z_[i]}; }
-  HWY_INLINE void addVertex(const Triple& p, const VertexNames& names) {
+  HWY_INLINE void addVertex(const Triple& p, const VertexIndices& indices) {
     x_[vertex_count_] = p.x;
     y_[vertex_count_] = p.y;
     z_[vertex_count_] = p.z;
-    names_[vertex_count_++] = names;
+    indices_[vertex_count_++] = indices;
   }
   HWY_INLINE Points<kEight> verticesAt(const std::int64_t* places) const {
     const Widest d;
@@ -75,8 +75,8 @@ class VertexPolytope {
     return {gather(x_), gather(y_), gather(z_)};
   }
   HWY_INLINE bool place(const Points<kEight>& a, const Points<kEight>& b, const Points<kEight>& c,
-                        const std::int64_t* names_a, const std::int64_t* names_b,
-                        const std::int64_t* names_c, const std::int32_t* slots, int count);
+                        const std::int64_t* indices_a, const std::int64_t* indices_b,
+                        const std::int64_t* indices_c, const std::int32_t* slots, int count);
   HWY_INLINE int nearest() const;
   HWY_INLINE std::uint64_t seenFrom(const Triple& p) const;
   HWY_INLINE bool expand(std::uint64_t seen);
@@ -106,14 +106,14 @@ class VertexPolytope {
   alignas(64) double nx_[kFacets], ny_[kFacets], nz_[kFacets], least_[kFacets], most_[kFacets];
   alignas(64) double x_[kVertices], y_[kVertices], z_[kVertices];
   std::uint8_t corner_[kFacets][4];
-  VertexNames names_[kVertices];
+  VertexIndices indices_[kVertices];
 };
 
 // Makes facets with corners a, b, c, counter-clockwise from outside. False when one is not farther
 // out than rounding, or has no normal. (Written so that NaN fails.)
 HWY_INLINE bool VertexPolytope::place(const Points<kEight>& a, const Points<kEight>& b,
-                                      const Points<kEight>& c, const std::int64_t* names_a,
-                                      const std::int64_t* names_b, const std::int64_t* names_c,
+                                      const Points<kEight>& c, const std::int64_t* indices_a,
+                                      const std::int64_t* indices_b, const std::int64_t* indices_c,
                                       const std::int32_t* slots, int count) {
   // The cross product of the two shorter edges has the least rounding.
   const Points<kEight> u = a - c, v = b - c, w = b - a;
@@ -144,9 +144,9 @@ HWY_INLINE bool VertexPolytope::place(const Points<kEight>& a, const Points<kEig
     nz_[slot] = nz[i];
     least_[slot] = low[i];
     most_[slot] = high[i];
-    corner_[slot][0] = static_cast<std::uint8_t>(names_a[i]);
-    corner_[slot][1] = static_cast<std::uint8_t>(names_b[i]);
-    corner_[slot][2] = static_cast<std::uint8_t>(names_c[i]);
+    corner_[slot][0] = static_cast<std::uint8_t>(indices_a[i]);
+    corner_[slot][1] = static_cast<std::uint8_t>(indices_b[i]);
+    corner_[slot][2] = static_cast<std::uint8_t>(indices_c[i]);
   }
   return true;
 }
@@ -264,9 +264,9 @@ HWY_INLINE void VertexPolytope::report(int facet, double within,
                                        VertexPolytopeAnswer& answer) const {
   const auto add = [&](int i) HWY_ATTR {
     for (int k = 0; k < 3; ++k) {
-      const VertexNames& names = names_[corner_[i][k]];
-      answer.near_a[answer.near_count][k] = names.a;
-      answer.near_b[answer.near_count][k] = names.b;
+      const VertexIndices& indices = indices_[corner_[i][k]];
+      answer.near_a[answer.near_count][k] = indices.a;
+      answer.near_b[answer.near_count][k] = indices.b;
     }
     ++answer.near_count;
   };
@@ -294,8 +294,8 @@ HWY_INLINE void VertexPolytope::grow(VertexPolytopeAnswer& answer) {
     }
     ++iterations_;
     const Triple outward = {nx_[i], ny_[i], nz_[i]};
-    VertexNames names = names_[corner_[i][0]];
-    const Triple p = cores_.support(-outward, names);
+    VertexIndices indices = indices_[corner_[i][0]];
+    const Triple p = cores_.support(-outward, indices);
     const double reach = dot(outward, p);
     const double lower = -reach - query_.lower_offset;
     const bool met = upper - lower <= request.tolerance && upper <= 0;
@@ -308,7 +308,7 @@ HWY_INLINE void VertexPolytope::grow(VertexPolytopeAnswer& answer) {
     }
     const std::uint64_t seen = seenFrom(p);
     if (HWY_UNLIKELY(((seen >> static_cast<unsigned>(i)) & 1U) == 0)) return;
-    addVertex(p, names);
+    addVertex(p, indices);
     if (HWY_UNLIKELY(!expand(seen))) return;
   }
 }
@@ -322,7 +322,7 @@ void vertexPolytope(Difference<false>& difference, const Simplex& start, Progres
   if (!polytope.begin(start)) return;
   polytope.grow(answer);
   progress.iterations = polytope.iterations();
-  difference.setHints(polytope.lastNames().a, polytope.lastNames().b);
+  difference.setHints(polytope.lastIndices().a, polytope.lastIndices().b);
 }
 
 }  // namespace leeway::collision::HWY_NAMESPACE

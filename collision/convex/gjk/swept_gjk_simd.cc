@@ -49,19 +49,20 @@ class SweptCores {
     place(a, difference.endPose(), length_);
   }
 
-  HWY_INLINE Triple support(const Triple& n, VertexNames& names) const {
-    names.a = scanColumns<2 * kSweptLanes>(x_, y_, z_, 2 * length_, n.x, n.y, n.z);
-    if (columns_b_.length == 0) return farthestCorner(b_, -n, names.b) - pointOfA(names);
-    names.b = scanColumns<kSweptLanes>(columns_b_.x, columns_b_.y, columns_b_.z, columns_b_.length,
-                                       -n.x, -n.y, -n.z);
-    return Triple{columns_b_.x[names.b], columns_b_.y[names.b], columns_b_.z[names.b]} -
-           pointOfA(names);
+  HWY_INLINE Triple support(const Triple& n, VertexIndices& indices) const {
+    indices.a = scanColumns<2 * kSweptLanes>(x_, y_, z_, 2 * length_, n.x, n.y, n.z);
+    if (columns_b_.length == 0) return farthestCorner(b_, -n, indices.b) - pointOfA(indices);
+    indices.b = scanColumns<kSweptLanes>(columns_b_.x, columns_b_.y, columns_b_.z,
+                                         columns_b_.length, -n.x, -n.y, -n.z);
+    return Triple{columns_b_.x[indices.b], columns_b_.y[indices.b], columns_b_.z[indices.b]} -
+           pointOfA(indices);
   }
-  HWY_INLINE Triple pointOfA(const VertexNames& names) const {
-    return {x_[names.a], y_[names.a], z_[names.a]};
+  HWY_INLINE Triple pointOfA(const VertexIndices& indices) const {
+    return {x_[indices.a], y_[indices.a], z_[indices.a]};
   }
-  HWY_INLINE Points<4> members(const VertexNames (&names)[3]) const {
-    const auto member = [&](int i) HWY_ATTR { return corner(b_, names[i].b) - pointOfA(names[i]); };
+  HWY_INLINE Points<4> members(const VertexIndices (&indices)[3]) const {
+    const auto member = [&](int i)
+                            HWY_ATTR { return corner(b_, indices[i].b) - pointOfA(indices[i]); };
     return sideBySide(member(0), member(1), member(2));
   }
   HWY_INLINE int columns() const { return length_; }
@@ -106,14 +107,14 @@ GjkEnd sweptSteps(Difference<true>& difference, const Vector& direction, Progres
   offerPlane(search, end, progress, found);
   const int count = difference.viewA().count;
   for (int i = 0; i < found.count; ++i) {
-    const Triple &here_w = found.w[i], here_a = cores.pointOfA(found.names[i]);
+    const Triple &here_w = found.w[i], here_a = cores.pointOfA(found.indices[i]);
     SupportPoint& s = simplex.points[simplex.slot[i]];
     s.w = Vector(here_w.x, here_w.y, here_w.z);
     s.a = Vector(here_a.x, here_a.y, here_a.z);
-    s.placement = found.names[i].a >= cores.columns() ? 1 : 0;
-    const int name = found.names[i].a - s.placement * cores.columns();
-    s.index_a = name < count ? name : 0;
-    s.index_b = found.names[i].b;
+    s.placement = found.indices[i].a >= cores.columns() ? 1 : 0;
+    const int index = found.indices[i].a - s.placement * cores.columns();
+    s.index_a = index < count ? index : 0;
+    s.index_b = found.indices[i].b;
   }
   simplex.count = found.count;
   if (found.count > 0) difference.setHints(simplex.point(0).index_a, simplex.point(0).index_b);

@@ -20,47 +20,48 @@ HWY_BEFORE_NAMESPACE();
 namespace leeway::collision::HWY_NAMESPACE {
 
 /// A point of a kPoints core, from the copy of its vertices that support functions just read.
-HWY_INLINE Triple point(const ConvexView& view, int name) {
-  return view.support != nullptr ? tripleOf(view.support->corners()[name])
-                                 : tripleOf(view.points[name]);
+HWY_INLINE Triple point(const ConvexView& view, int index) {
+  return view.support != nullptr ? tripleOf(view.support->corners()[index])
+                                 : tripleOf(view.points[index]);
 }
 /// The vertex of a core by its index, which must be valid.
-HWY_INLINE Triple corner(const ConvexView& view, int name) {
+HWY_INLINE Triple corner(const ConvexView& view, int index) {
   const double x = view.size.x(), y = view.size.y(), z = view.size.z();
   switch (view.core) {
     case Core::kBox:
-      return {(name & 1) != 0 ? x : -x, (name & 2) != 0 ? y : -y, (name & 4) != 0 ? z : -z};
+      return {(index & 1) != 0 ? x : -x, (index & 2) != 0 ? y : -y, (index & 4) != 0 ? z : -z};
     case Core::kSegment:
-      return {0, 0, name == 1 ? z : -z};
+      return {0, 0, index == 1 ? z : -z};
     case Core::kPoints:
-      return point(view, name);
+      return point(view, index);
     default:
       return {0, 0, 0};
   }
 }
 
 /// farthest() for a direction of any length, of cores with vertices.
-HWY_INLINE Triple farthestCorner(const ConvexView& view, const Triple& d, std::int32_t& name) {
+HWY_INLINE Triple farthestCorner(const ConvexView& view, const Triple& d, std::int32_t& index) {
   switch (view.core) {
     case Core::kBox: {
-      name =
+      index =
           (std::signbit(d.x) ? 0 : 1) | (std::signbit(d.y) ? 0 : 2) | (std::signbit(d.z) ? 0 : 4);
       return {std::copysign(view.size.x(), d.x), std::copysign(view.size.y(), d.y),
               std::copysign(view.size.z(), d.z)};
     }
     case Core::kSegment:
-      name = d.z >= 0 ? 1 : 0;
+      index = d.z >= 0 ? 1 : 0;
       return {0, 0, d.z >= 0 ? view.size.z() : -view.size.z()};
     case Core::kPoints: {
       int found = -1;
-      if (view.support != nullptr) found = scannedSupport(*view.support, d, name);
+      if (view.support != nullptr) found = scannedSupport(*view.support, d, index);
       // Climbing needs a unit vector: its tolerance for equal values scales with the length.
-      name = found >= 0 ? found
-                        : farthestPoint(view, Vector(d.x, d.y, d.z) / std::sqrt(squared(d)), name);
-      return point(view, name);
+      index = found >= 0
+                  ? found
+                  : farthestPoint(view, Vector(d.x, d.y, d.z) / std::sqrt(squared(d)), index);
+      return point(view, index);
     }
     default:
-      name = 0;
+      index = 0;
       return {0, 0, 0};
   }
 }
@@ -78,9 +79,9 @@ class PlacedColumns {
     }
   }
   HWY_INLINE bool empty() const { return length_ == 0; }
-  HWY_INLINE Triple farthest(const Triple& n, std::int32_t& name) const {
-    name = scanColumns<kPlacedUpTo>(x_, y_, z_, length_, n.x, n.y, n.z);
-    return {x_[name], y_[name], z_[name]};
+  HWY_INLINE Triple farthest(const Triple& n, std::int32_t& index) const {
+    index = scanColumns<kPlacedUpTo>(x_, y_, z_, length_, n.x, n.y, n.z);
+    return {x_[index], y_[index], z_[index]};
   }
 
  private:
@@ -106,13 +107,14 @@ class PlacedCores {
     }
   }
 
-  HWY_INLINE Triple support(const Triple& n, VertexNames& names) const {
-    const Triple b = farthestCorner(b_, -n, names.b);
-    if (!vertices_a_.empty()) return b - vertices_a_.farthest(n, names.a);
-    return b - placed(farthestCorner(a_, rotatedBack(R_, n), names.a));
+  HWY_INLINE Triple support(const Triple& n, VertexIndices& indices) const {
+    const Triple b = farthestCorner(b_, -n, indices.b);
+    if (!vertices_a_.empty()) return b - vertices_a_.farthest(n, indices.a);
+    return b - placed(farthestCorner(a_, rotatedBack(R_, n), indices.a));
   }
   template <int n>
-  HWY_INLINE Points<n> fan(const Ring<n>& ring, const VertexNames& hints, Lanes<n>& names) const {
+  HWY_INLINE Points<n> fan(const Ring<n>& ring, const VertexIndices& hints,
+                           Lanes<n>& indices) const {
     const Points<n> directions = directionsOf(ring);
     alignas(64) double x[std::size_t{n}], y[std::size_t{n}], z[std::size_t{n}],
         both[std::size_t{n}];
@@ -120,21 +122,24 @@ class PlacedCores {
     store(directions.y, y);
     store(directions.z, z);
     for (int i = 0; i < n; ++i) {
-      VertexNames found = hints;
+      VertexIndices found = hints;
       const Triple w = support({x[i], y[i], z[i]}, found);
       x[i] = w.x;
       y[i] = w.y;
       z[i] = w.z;
       both[i] = inLane(found);
     }
-    names = load<n>(both);
+    indices = load<n>(both);
     return {load<n>(x), load<n>(y), load<n>(z)};
   }
   HWY_INLINE bool supportIsExpensive() const { return haveTables(a_, b_); }
   /// A's part of a member.
-  HWY_INLINE Triple pointOfA(const VertexNames& names) const { return placed(corner(a_, names.a)); }
-  HWY_INLINE Points<4> members(const VertexNames (&names)[3]) const {
-    const auto member = [&](int i) HWY_ATTR { return corner(b_, names[i].b) - pointOfA(names[i]); };
+  HWY_INLINE Triple pointOfA(const VertexIndices& indices) const {
+    return placed(corner(a_, indices.a));
+  }
+  HWY_INLINE Points<4> members(const VertexIndices (&indices)[3]) const {
+    const auto member = [&](int i)
+                            HWY_ATTR { return corner(b_, indices[i].b) - pointOfA(indices[i]); };
     return sideBySide(member(0), member(1), member(2));
   }
 

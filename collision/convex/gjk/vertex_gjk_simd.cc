@@ -24,12 +24,12 @@ HWY_INLINE void leave(const Search<PlacedCores>& search, const PlacedCores& core
   offerPlane(search, end, progress, found);
   Triple w = {0, 0, 0}, a = {0, 0, 0};
   for (int i = 0; i < found.count; ++i) {
-    const Triple &here_w = found.w[i], here_a = cores.pointOfA(found.names[i]);
+    const Triple &here_w = found.w[i], here_a = cores.pointOfA(found.indices[i]);
     SupportPoint& s = simplex.points[simplex.slot[i]];
     s.w = Vector(here_w.x, here_w.y, here_w.z);
     s.a = Vector(here_a.x, here_a.y, here_a.z);
-    s.index_a = found.names[i].a;
-    s.index_b = found.names[i].b;
+    s.index_a = found.indices[i].a;
+    s.index_b = found.indices[i].b;
     s.placement = 0;
     simplex.lambda[i] = found.weight[i];
     w = w + found.weight[i] * here_w;
@@ -56,7 +56,7 @@ GjkEnd vertexSteps(Difference<false>& difference, const Vector& direction, Progr
                              progress.iterations);
   const GjkEnd end =
       search.run(tripleOf(direction), carried, {difference.hintA(), difference.hintB()});
-  difference.setHints(search.lastNames().a, search.lastNames().b);
+  difference.setHints(search.lastIndices().a, search.lastIndices().b);
   leave(search, cores, end, progress, simplex);
   if (end == GjkEnd::kInside) return end;
   return simplex.count > 0 && progress.enough() ? GjkEnd::kEnough : end;

@@ -41,22 +41,22 @@ HWY_BEFORE_NAMESPACE();
 namespace leeway::collision::HWY_NAMESPACE {
 
 /// The indices of the two vertices that make a point of the difference.
-struct VertexNames {
+struct VertexIndices {
   std::int32_t a, b;
 };
 /// Both in a lane, which is only ever copied. (Joined in a register: reading two separately written
 /// halves from memory at once stalls.)
-HWY_INLINE double inLane(const VertexNames& names) {
-  return std::bit_cast<double>(static_cast<std::uint64_t>(static_cast<std::uint32_t>(names.b))
+HWY_INLINE double inLane(const VertexIndices& indices) {
+  return std::bit_cast<double>(static_cast<std::uint64_t>(static_cast<std::uint32_t>(indices.b))
                                    << 32U |
-                               static_cast<std::uint32_t>(names.a));
+                               static_cast<std::uint32_t>(indices.a));
 }
-HWY_INLINE VertexNames namesIn(double lane) {
+HWY_INLINE VertexIndices indicesIn(double lane) {
   const std::uint64_t both = std::bit_cast<std::uint64_t>(lane);
   return {static_cast<std::int32_t>(static_cast<std::uint32_t>(both)),
           static_cast<std::int32_t>(both >> 32U)};
 }
-HWY_INLINE Lanes<4> allLanes(const VertexNames& names) { return allLanes<4>(inLane(names)); }
+HWY_INLINE Lanes<4> allLanes(const VertexIndices& indices) { return allLanes<4>(inLane(indices)); }
 
 /// The point that the triangle of lane k leaves out.
 constexpr int kLeftOut[3] = {2, 0, 1};
@@ -280,14 +280,14 @@ HWY_INLINE Points<n> directionsOf(const Ring<n>& ring) {
 /// four points around the origin the weights are placeholders.
 struct Carriers {
   int count = 0;
-  VertexNames names[4];
+  VertexIndices indices[4];
   Triple w[4];
   double weight[4];
 
   HWY_INLINE void dropWeightless() {
     int kept = 0;
     for (int i = 0; i < count; ++i) {
-      names[kept] = names[i];
+      indices[kept] = indices[i];
       w[kept] = w[i];
       weight[kept] = weight[i];
       kept += static_cast<int>(weight[i] > 0);
@@ -298,16 +298,17 @@ struct Carriers {
 
 /// A search on a difference of two cores. `Cores` has
 ///   Point: the faster kind of point, Triple or SamePoint;
-///   Point support(const Point& n, VertexNames& names) const: the member of the difference with the
-///     smallest w . n, for a direction of any length; names come in as hints;
-///   Points<n> fan(const Ring<n>& ring, const VertexNames& hints, Lanes<n>& names) const: the
+///   Point support(const Point& n, VertexIndices& indices) const: the member with the smallest w .
+///   n,
+///     for a direction of any length; indices come in as hints;
+///   Points<n> fan(const Ring<n>& ring, const VertexIndices& hints, Lanes<n>& indices) const: the
 ///     members for all lanes of a ring, of kFan or of four;
 ///   double kTilt: of a fan's ring; 0: searches begin without a fan;
 ///   double kSmallTilt: of a ring of three; 0: never used;
 ///   double reach: the largest radius of a ring before its tilt (of bodies that are far from each
 ///     other for their size, the nearest points lie near the first direction);
 ///   bool supportIsExpensive() const, with a ring of three only: use that;
-///   Points<4> members(const VertexNames (&names)[3]) const: three members side by side.
+///   Points<4> members(const VertexIndices (&indices)[3]) const: three members side by side.
 template <class Cores>
 class Search {
  public:
@@ -324,11 +325,11 @@ class Search {
   /// First along `first`, of any length; or, where `carried` is not null, from its points, which
   /// are vertices of the pair. Ends with kLimit, kInside or, where the request is met or robust
   /// steps must take over, with kStagnated.
-  HWY_INLINE GjkEnd run(const Triple& first, const PairCache* carried, const VertexNames& hints);
+  HWY_INLINE GjkEnd run(const Triple& first, const PairCache* carried, const VertexIndices& hints);
 
   HWY_INLINE const BestPlane& best() const { return best_; }
   HWY_INLINE int iterations() const { return iterations_; }
-  HWY_INLINE const VertexNames& lastNames() const { return newest_names_; }
+  HWY_INLINE const VertexIndices& lastIndices() const { return newest_indices_; }
   /// The points that the end rests on; none before the first step.
   HWY_INLINE void carriers(GjkEnd end, Carriers& found) const;
 
@@ -342,7 +343,7 @@ class Search {
     alignas(32) static constexpr double kPlace[3][4] = {{0, 0, 1, 0}, {1, 0, 0, 0}, {0, 1, 0, 0}};
     const Mask<4> place = load<4>(kPlace[nearest_.lane]) > allLanes<4>(0.0);
     old_ = choose(place, allLanes<4>(newest_), old_);
-    old_names_ = choose(place, allLanes(newest_names_), old_names_);
+    old_indices_ = choose(place, allLanes(newest_indices_), old_indices_);
   }
 
   const Cores& cores_;
@@ -350,26 +351,26 @@ class Search {
   const double lower_offset_, upper_offset_;
   int iterations_;
   Points<4> old_;
-  Lanes<4> old_names_;
+  Lanes<4> old_indices_;
   Point newest_;
-  VertexNames newest_names_;
+  VertexIndices newest_indices_;
   Nearest<Point> nearest_;
   BestPlane best_;
 };
 
 template <class Cores>
 HWY_INLINE Step Search<Cores>::beginCarried(const PairCache& carried) {
-  VertexNames names[3];
+  VertexIndices indices[3];
   HWY_UNROLL(3)
   for (int i = 0; i < 3; ++i) {
     const int k = i < carried.simplex_count ? i : 0;
-    names[i] = {carried.simplex_a[k], carried.simplex_b[k]};
+    indices[i] = {carried.simplex_a[k], carried.simplex_b[k]};
   }
-  old_ = cores_.members(names);
-  old_names_ = sideBySide(allLanes(names[0]), allLanes(names[1]), allLanes(names[2]));
+  old_ = cores_.members(indices);
+  old_indices_ = sideBySide(allLanes(indices[0]), allLanes(indices[1]), allLanes(indices[2]));
   // One of them counts as the newest.
   pick(old_, Pick<4>(0), newest_);
-  newest_names_ = names[0];
+  newest_indices_ = indices[0];
   const Step found = step(newest_, old_, nearest_);
   if (found == Step::kNearer) keepNewest();
   return found;
@@ -379,14 +380,14 @@ template <class Cores>
 HWY_INLINE void Search<Cores>::beginAlong(const Triple& first) {
   ++iterations_;
   set(nearest_.direction, first);
-  newest_ = cores_.support(nearest_.direction, newest_names_);
+  newest_ = cores_.support(nearest_.direction, newest_indices_);
   const Triple p = tripleOf(newest_);
   best_.offer(dot(first, p), 1 / std::sqrt(squared(first)), first);
   const double length_squared = squared(p);
   nearest_ = {newest_,          length_squared,   length_squared,  0,
               allLanes<4>(0.0), allLanes<4>(0.0), allLanes<4>(1.0)};
   old_ = allLanes<4>(newest_);
-  old_names_ = allLanes(newest_names_);
+  old_indices_ = allLanes(newest_indices_);
 }
 
 template <class Cores>
@@ -394,10 +395,10 @@ HWY_INLINE Step Search<Cores>::beginSmallFan(const Triple& first) {
   ++iterations_;
   old_ = cores_.fan(
       ringAround<4>(first, kSmallRing[0], kSmallRing[1], Cores::kSmallTilt, cores_.reach),
-      newest_names_, old_names_);
+      newest_indices_, old_indices_);
   const Pick<4> middle(3);
   pick(old_, middle, newest_);
-  newest_names_ = namesIn(middle(old_names_));
+  newest_indices_ = indicesIn(middle(old_indices_));
   best_.offer(dot(first, tripleOf(newest_)), 1 / std::sqrt(squared(first)), first);
   const Step found = step(newest_, old_, nearest_);
   if (found == Step::kNearer) keepNewest();
@@ -407,13 +408,13 @@ HWY_INLINE Step Search<Cores>::beginSmallFan(const Triple& first) {
 template <class Cores>
 HWY_INLINE void Search<Cores>::beginFan(const Triple& first) {
   ++iterations_;
-  Lanes<kFan> names;
+  Lanes<kFan> indices;
   const Points<kFan> ring =
       cores_.fan(ringAround<kFan>(first, kFanRing[0], kFanRing[1], Cores::kTilt, cores_.reach),
-                 newest_names_, names);
+                 newest_indices_, indices);
   const Pick<kFan> middle(kFan - 1);
   pick(ring, middle, newest_);
-  newest_names_ = namesIn(middle(names));
+  newest_indices_ = indicesIn(middle(indices));
   best_.offer(dot(first, tripleOf(newest_)), 1 / std::sqrt(squared(first)), first);
 
   const Triangles<kFan> t = trianglesOf(allLanes<kFan>(newest_), ring);
@@ -431,7 +432,7 @@ HWY_INLINE void Search<Cores>::beginFan(const Triple& first) {
       {6, 0, 7, 7, 7, 7, 7, 7}, {7, 7, 7, 7, 7, 7, 7, 7}};
   const std::int64_t(&places)[kFan] = kTriangle[k];
   old_ = {fourOf(ring.x, places), fourOf(ring.y, places), fourOf(ring.z, places)};
-  old_names_ = fourOf(names, places);
+  old_indices_ = fourOf(indices, places);
 }
 
 template <class Cores>
@@ -445,8 +446,8 @@ HWY_INLINE Step Search<Cores>::beginAround(const Triple& first) {
 
 template <class Cores>
 HWY_INLINE GjkEnd Search<Cores>::run(const Triple& first, const PairCache* carried,
-                                     const VertexNames& hints) {
-  newest_names_ = hints;
+                                     const VertexIndices& hints) {
+  newest_indices_ = hints;
   Step last = Step::kNearer;
   if (carried != nullptr) {
     last = beginCarried(*carried);
@@ -475,7 +476,7 @@ HWY_INLINE GjkEnd Search<Cores>::run(const Triple& first, const PairCache* carri
     if (HWY_UNLIKELY(!(nearest_.direction_squared > kLeastSquare))) return GjkEnd::kStagnated;
     ++iterations_;
     const double per = 1 / std::sqrt(nearest_.direction_squared);
-    newest_ = cores_.support(nearest_.direction, newest_names_);
+    newest_ = cores_.support(nearest_.direction, newest_indices_);
     const Triple direction = tripleOf(nearest_.direction);
     best_.offer(dot(direction, tripleOf(newest_)), per, nearest_.direction);
     lower = best_.value() - lower_offset_;
@@ -499,19 +500,19 @@ HWY_INLINE void Search<Cores>::carriers(GjkEnd end, Carriers& found) const {
   const int k = nearest_.lane;
   found.count = 0;
   if (!inside && k < 0) return;
-  alignas(32) double x[4], y[4], z[4], names[4], first[4], second[4], all[4];
+  alignas(32) double x[4], y[4], z[4], indices[4], first[4], second[4], all[4];
   store(old_.x, x);
   store(old_.y, y);
   store(old_.z, z);
-  store(old_names_, names);
+  store(old_indices_, indices);
   const auto keep = [&](int place, double weight) HWY_ATTR {
-    found.names[found.count] = namesIn(names[place]);
+    found.indices[found.count] = indicesIn(indices[place]);
     found.w[found.count] = {x[place], y[place], z[place]};
     found.weight[found.count++] = std::max(weight, 0.0);
   };
   if (inside) {
     for (int i = 0; i < 3; ++i) keep(i, 0.25);
-    found.names[3] = newest_names_;
+    found.indices[3] = newest_indices_;
     found.w[3] = tripleOf(newest_);
     found.weight[3] = 0.25;
     found.count = 4;

@@ -129,7 +129,7 @@ int cut(const Feature& f, int i, double sign, Vector polygon[12], int count) {
   return kept;
 }
 
-// A point of f in the middle of what f shares with `of`, which touches it or misses it by rounding.
+// The middle of the intersection of f with `of`, which touches it or misses it by rounding; on f.
 Vector shared(const Feature& f, const Feature& of) {
   Vector polygon[12];
   int count = 0;

@@ -7,7 +7,8 @@
 
 namespace leeway::collision::testing {
 
-/// Within `reach` [m] of the origin, halves of up to `size` [m]; flat, thin and pointed ones, too.
+/// A box within `reach` [m] of the origin, with half extents of up to `size` [m]; some flat or
+/// thin.
 inline OrientedBox randomBox(Random& random, double reach, double size) {
   const Pose pose = random.pose(reach);
   OrientedBox box{};

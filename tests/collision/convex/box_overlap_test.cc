@@ -1,5 +1,5 @@
-// Overlapping boxes have a closed form; the expanding polytope on the hulls of their corners is its
-// slow twin.
+// The closed form of overlapping boxes; its slow twin is the expanding polytope on the hulls of
+// their corners.
 
 #include <gtest/gtest.h>
 
@@ -49,7 +49,7 @@ TEST(BoxOverlap, AgreesWithThePolytopeOfTheCorners) {
     }
     const Pose X_WA{random.rotation(), random.direction()};
     Pose X_WB{random.rotation(), X_WA.translation + random.uniform(0, 1.5) * random.direction()};
-    // Nearly parallel edges, from all of them exactly to one of them by a hair.
+    // Edges from exactly to nearly parallel.
     if (random.chance(0.6)) {
       ++parallel;
       const Vector3d axis = random.chance(0.5) ? Vector3d(Vector3d::Unit(random.below(3)))
@@ -70,11 +70,11 @@ TEST(BoxOverlap, AgreesWithThePolytopeOfTheCorners) {
     EXPECT_GE(r.distance.upper, s.distance.lower) << replay;
     if (!(r.distance.upper < 0)) continue;
     ++overlapping;
-    // The deepest points are the bodies' own, as far apart as the boxes are deep, along the normal.
+    // The witnesses belong to the bodies and are one depth apart along the normal.
     EXPECT_LT(outside(half_a, X_WA, r.point_a), 1e-12) << replay;
     EXPECT_LT(outside(half_b, X_WB, r.point_b), 1e-12) << replay;
     EXPECT_LT((r.point_b - r.point_a - r.distance.upper * r.normal).norm(), 1e-12) << replay;
-    // And moving B by the depth separates them.
+    // Moving B by the depth separates the boxes.
     Pose moved = X_WB;
     moved.translation += (1e-12 - r.distance.lower) * r.normal;
     EXPECT_GT(distance(a, X_WA, b, moved, {}, scratch).distance.upper, 0) << replay;

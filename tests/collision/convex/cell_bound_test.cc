@@ -32,7 +32,7 @@ CurvedCorner cornerAt(const CurvedFaces& faces, const Pose& X_BA, const Vector3d
   return c;
 }
 
-// Eleven bits more than double.
+// Extended precision: eleven bits more than double.
 using Wide = Eigen::Matrix<long double, 3, 1>;
 
 Wide inA(const Pose& X_BA, const Wide& x) {
@@ -97,15 +97,15 @@ NearlyBall partOf(const Shape& shape) {
   return ball;
 }
 
-// What it says of a cell, and the support function itself in many of its directions, in
-// extended precision; cells lie in valleys, and depths are about what is there.
+// The bound of a cell against the support function in many of its directions, in extended
+// precision. Cells lie in valleys, and depths are about those there.
 TEST(CellBound, WhatIsProvenHoldsInEveryDirection) {
   Random random(171);
   int proven = 0, refused = 0, gained = 0, hulls = 0, balls_proven = 0;
   for (int i = 0; i < casesToAsk(4000); ++i) {
     Shape a = oracle::randomShape(random, kRound[random.below(3)], Flavour::kPlain);
     Shape b = oracle::randomShape(random, kAny[random.below(6)], Flavour::kPlain);
-    // Nearly balls, taken apart in every second case.
+    // Nearly balls; every second case treats them as NearlyBall.
     const bool nearly = random.chance(0.3);
     if (nearly) a = nearlyBall(random);
     if (nearly && random.chance(0.5)) b = nearlyBall(random);
@@ -174,8 +174,8 @@ TEST(CellBound, WhatIsProvenHoldsInEveryDirection) {
   EXPECT_GT(balls_proven, casesToAsk(50));
 }
 
-// A cell across the pole of a cap, whose corners lie on either side of it: what M x is off by moves
-// |M x| and the part along the middle against each other, where the angle's sine is all but none.
+// A cell across the pole of a cap, with corners on either side: an error of M x moves |M x| and the
+// part along the middle in opposite directions, although the angle's sine is nearly 0.
 TEST(CellBound, CellsAcrossThePoleOfACapHoldWhatCornersAreOffBy) {
   struct Case {
     double off, wide, shift;
@@ -187,7 +187,7 @@ TEST(CellBound, CellsAcrossThePoleOfACapHoldWhatCornersAreOffBy) {
                            {0.9 * c.wide, 0.9 * 1e-5 * c.wide, 0.9}};
     const double shift = c.shift * c.off;
     const Vector3d center(-(1 - c.off / c.wide + 0.2 * shift / c.wide), 0, depth + shift);
-    // What M x is, and what it is said to be.
+    // M x, and M x with an error.
     const auto truly = [&](const Vector3d& d) {
       return d.dot(center) + std::hypot(d.x() - c.off * d.z(), d.y()) - depth * d.norm();
     };
@@ -202,7 +202,7 @@ TEST(CellBound, CellsAcrossThePoleOfACapHoldWhatCornersAreOffBy) {
       corners[i].share[1] = 0;
       margins[i] = truly(x[i]);
     }
-    // In the cell, and below 0.
+    // A direction in the cell, where the bound is below 0.
     const double mu = 0.5 * (1 + c.off / c.wide);
     const Vector3d pole = (1 - mu) * x[0] + 0.5 * mu * (x[1] + x[2]);
     EXPECT_LT(truly(pole), 0) << c.off;

@@ -60,8 +60,8 @@ double apartAlong(const Pair& pair, const Vector3d& n) {
          most(pair.b, pair.X_WB, -n);
 }
 
-// Round bodies whose axes z (nearly) fall together, of nearly round sections: depths that are about
-// the same all around.
+// Round bodies whose z axes (nearly) coincide, with nearly round sections: the depth is about the
+// same all around.
 Pair aroundOneAxis(Random& random) {
   const auto nearlyRound = [&](ShapeType type) {
     if (type != ShapeType::kEllipsoid || random.chance(0.3)) {
@@ -100,43 +100,41 @@ void expectDeepAndNarrow(std::span<const Known> all,
   }
 }
 
-// Long runs left these open, at widths of up to 2e-4 m.
+// Once left open by long runs, up to 2e-4 m wide.
 TEST(CurvedDepth, PairsThatWereLeftOpenAreAsNarrowAsAsked) {
   expectDeepAndNarrow(knownDepths("pairs-that-were-left-open"));
 }
 
-// The same of hulls beside round bodies: no vertex of theirs was known to cells of directions.
+// Hulls beside round bodies, once left open: cells did not know the hulls' vertices.
 TEST(CurvedDepth, HullsInRoundBodiesAreAsNarrowAsAsked) {
   expectDeepAndNarrow(knownDepths("hulls-in-round-bodies"));
 }
 
-// Valleys all around an axis took more cells than there are in a query where bends changed over a
-// cell, ...
+// Valleys all around an axis, where the bend changes within a cell: once more cells than a query
+// has.
 TEST(CurvedDepth, ValleyAroundAnAxisIsAsNarrowAsAsked) {
   expectDeepAndNarrow(knownDepths("valley-around-an-axis"));
 }
 
-// ... or where parallel lines of two cones made the same member in many ways.
+// Parallel lines of two cones give a member in many ways: once more cells than a query has.
 TEST(CurvedDepth, TwinsAreAsNarrowAsAsked) { expectDeepAndNarrow(knownDepths("twins")); }
 
-// Nodes that had been chosen beside an edge for a depth that was no bound kept their cells from
-// being proven; descents rested where the nearest plane was not found yet, or ended where a plane
-// was not the nearest; and directions were too far out in double by less than a unit.
+// Once left open: nodes were chosen for an earlier, larger depth; descents backed off, or ended,
+// before the nearest plane was found; directions were out of place by less than a unit in double.
 TEST(CurvedDepth, EdgesAreProvenWhereTheirNearestPlaneWasFoundLate) {
   expectDeepAndNarrow(knownDepths("edges-are-proven-where-their-nearest-plane-was-found-late"));
 }
 
-// Sides that are parallel to within 1e-13 were held evenly, which took 4e-14 off.
+// Sides parallel within 1e-13: the penalty that selects a member once cost 4e-14.
 TEST(CurvedDepth, EdgesThatAreAllButParallelAreAsNarrowAsAsked) {
   expectDeepAndNarrow(knownDepths("edges-that-are-all-but-parallel"));
 }
 
-// A needle of a millionth of its length needs cells that are narrower, and one without a width is a
-// segment.
+// A needle with a width of a millionth of its length needs cells narrower still; one of width 0 is
+// a segment.
 TEST(CurvedDepth, NeedlesAreAsNarrowAsAsked) { expectDeepAndNarrow(knownDepths("needles")); }
 
-// Points of two needles, known to 1e-10 along these alone, were told 1.7e-14 farther apart than
-// they are.
+// Witnesses of two needles, known to 1e-10 along them, were once reported 1.7e-14 too far apart.
 TEST(CurvedDepth, PointsOfNeedlesAreAsFarApartAsTold) {
   const Known one =
       known(Shape::ellipsoid({0.56981488366792843, 5.9850671180047097e-07, 5.6920720047663588e-07}),
@@ -154,8 +152,8 @@ TEST(CurvedDepth, PointsOfNeedlesAreAsFarApartAsTold) {
   EXPECT_NEAR((r.point_b - r.point_a).norm(), r.distance.upper, r.distance.width() + 3e-15);
 }
 
-// A thin cylinder beside an edge of a flat triangle: of pieces held so loosely as bodies that all
-// but touch do, the triangle's far corner was blended in.
+// A thin cylinder nearly touching an edge of a flat triangle: too little stiffness once blended in
+// the triangle's far corner.
 TEST(CurvedDepth, NeedleBesideATriangleIsAsNarrowAsAsked) {
   const Known one =
       known(hull({{0.077463448117133044, -0.94199100734402441, -1.8575296913736039e-09},
@@ -175,20 +173,20 @@ TEST(CurvedDepth, NeedleBesideATriangleIsAsNarrowAsAsked) {
   EXPECT_GT(r.distance.lower, 8e-10);
 }
 
-// A hull of seven vertices nearly in a line: which two of them a direction's edge is of had not
-// been found in any number of directions.
+// A hull of seven nearly collinear vertices: no number of directions once found the two vertices of
+// the nearest edge.
 TEST(CurvedDepth, HullsLikeNeedlesAreAsNarrowAsAsked) {
   expectDeepAndNarrow(knownDepths("hulls-like-needles"));
 }
 
-// Rounding of a ball's radius beside a depth was left out.
+// The rounding of a ball's radius beside a depth was once left out.
 TEST(CurvedDepth, BallsInEllipsoidsAreAsNarrowAsAsked) {
   const std::vector<Known> all = knownDepths("balls-in-ellipsoids");
   Scratch scratch;
   for (const Known& one : all) testing::expectNarrow(one, scratch);
 }
 
-// A needle over a disc's cap, whose points GJK did not find.
+// A needle over a disc's cap, whose nearest points GJK does not find.
 TEST(CurvedDepth, NeedleOverADiscIsAsNarrowAsAsked) {
   const Known one =
       known(Shape::box({5.5715712679717971e-07, 0.38540117644874594, 4.8038930328817018e-07}),
@@ -206,7 +204,7 @@ TEST(CurvedDepth, NeedleOverADiscIsAsNarrowAsAsked) {
   EXPECT_GT(r.distance.lower, 1e-9);
 }
 
-// A ball's middle in a box: both ends took closed forms' rounding.
+// A ball's middle in a box: both ends include the rounding of closed forms.
 TEST(CurvedDepth, BallInABoxIsAsNarrowAsAsked) {
   const std::vector<Known> all = knownDepths("ball-in-a-box");
   Scratch scratch;
@@ -216,14 +214,13 @@ TEST(CurvedDepth, BallInABoxIsAsNarrowAsAsked) {
 // Two flat cones that touch with their apexes: a valley of a millionth's depth, all around.
 TEST(CurvedDepth, ApexesAreAsNarrowAsAsked) { expectDeepAndNarrow(knownDepths("apexes")); }
 
-// A cylinder without a radius was taken to err as one that has: rounding of its rim was more than
-// what was asked for.
+// A cylinder of radius 0 was once given the rounding of a rim, more than the tolerance.
 TEST(CurvedDepth, CylindersWithoutRadiusAreAsNarrowAsAsked) {
   expectDeepAndNarrow(knownDepths("cylinders-without-radius"));
 }
 
-// The corner of a hull at the middle of a cone, and beside it: a cone's face and an edge of the
-// hull are chosen together, all around the axis. These stayed up to 7e-7 m wide.
+// The corner of a hull at and beside the middle of a cone: a face of the cone and an edge of the
+// hull are chosen together, all around the axis. Once up to 7e-7 m wide.
 TEST(CurvedDepth, CornersInTheMiddleOfAConeAreAsNarrowAsAsked) {
   constexpr double kCos = 0.76484218728448842, kSin = 0.64421768723769102;  // of 0.7
   const Shape corner = hull({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}});
@@ -239,15 +236,14 @@ TEST(CurvedDepth, CornersInTheMiddleOfAConeAreAsNarrowAsAsked) {
   }
 }
 
-// Places of all kinds in the middles of round bodies: caps as near as rims, whose poles no piece is
-// to lean away from; cells that became flat instead of small; parameters of pieces that are nearly
-// parallel. These stayed up to 5e-6 of their sizes wide.
+// The middles of round bodies. Caps as near as rims, whose arms must not shift other pieces; cells
+// that became flat instead of small; nearly parallel pieces. Once up to 5e-6 of their sizes wide.
 TEST(CurvedDepth, PlacesInTheMiddleOfRoundBodiesAreAsNarrowAsAsked) {
   expectDeepAndNarrow(knownDepths("places-in-the-middle-of-round-bodies"));
 }
 
-// The middle of a ball at a cone's apex, to within rounding: the normal was any direction across
-// the axis, along which the cone is farther out than its apex.
+// The middle of a ball at a cone's apex, to within rounding. The normal was once a direction across
+// the axis, along which the cone reaches beyond its apex.
 TEST(CurvedDepth, NormalOfABallAtAnApexProvesTheLowerEnd) {
   const std::vector<Known> all = knownDepths("normal-of-a-ball-at-an-apex-proves-the-lower-end");
   expectDeepAndNarrow(all);
@@ -262,13 +258,13 @@ TEST(CurvedDepth, NormalOfABallAtAnApexProvesTheLowerEnd) {
   }
 }
 
-// A step along a way of next to no length, whose direction was lost, was taken for a plane through
-// the origin: the lower end stood above the upper one.
+// A step along a tiny way without a direction once gave a plane through the origin: the lower end
+// was above the upper one.
 TEST(CurvedDepth, DirectionThatIsLostIsNoPlane) {
   expectDeepAndNarrow(knownDepths("direction-that-is-lost-is-no-plane"));
 }
 
-// By itself, against many planes, most of them where the nearest one is.
+// offerCurvedDepth() alone against many planes, most of them near the nearest one.
 TEST(CurvedDepth, NoPlaneSeparatesByLess) {
   Random random(91);
   Scratch scratch;
@@ -317,7 +313,7 @@ TEST(CurvedDepth, NoPlaneSeparatesByLess) {
   EXPECT_GT(100 * answered, 85 * asked);
 }
 
-// Pairs with nothing round are others' work, and triangles.
+// Pairs without a round body, and triangles, are refused.
 TEST(CurvedDepth, SpeaksOfRoundBodiesOnly) {
   const Shape cone = Shape::cone(0.2, 0.3), box = Shape::box({0.1, 0.2, 0.3});
   const Shape capsule = Shape::capsule(0.1, 0.2);
@@ -332,7 +328,7 @@ TEST(CurvedDepth, SpeaksOfRoundBodiesOnly) {
   EXPECT_FALSE(haveCurvedDepth(viewOf(cone), viewOf(Shape::halfSpace())));
 }
 
-// Steps are counted: any limit leaves the truth, and says so where it is why.
+// Any limit of steps leaves a true interval, and kLimit where it is the reason for the width.
 TEST(CurvedDepth, LimitOfIterationsIsKept) {
   const Pair pair{
       Shape::cylinder(0.18164841456287673, 0.23501608476186989),
@@ -381,13 +377,13 @@ TEST(CurvedDepth, SwappedIsTheSame) {
   }
 }
 
-// What needles of a thousandth of their length take: the default limit leaves some of them a
+// Enough for needles with a width of a thousandth of their length: the default limit leaves some a
 // millionth of their sizes wide.
 constexpr int kNeedleLimit = 1024;
 
-// Needles about the axis or the middle of another body: their support turns in a strip of
-// directions as narrow as they are thin, which cells have to follow all around. And ellipsoids that
-// are balls, exactly or nearly: as far in all directions.
+// Needles about the axis or the middle of another body: their support turns within a strip of
+// directions as narrow as they are thin, which cells must follow all around. Ellipsoids that are
+// balls, exactly or nearly: equally far out in all directions.
 Pair revolvedPair(Random& random) {
   const auto body = [&]() -> Shape {
     const double r = random.chance(0.3) ? 1e-3 : random.uniform(0.05, 1);
@@ -433,7 +429,7 @@ TEST(CurvedDepth, BodiesOfRevolutionAboutOneAxis) {
     if (!(r.distance.upper < 0)) continue;
     ++round;
     EXPECT_NEAR(apartAlong(pair, r.normal), r.distance.lower, 1e-9 * size) << pair.replay();
-    // No plane is nearer than the upper end says.
+    // No plane is nearer than the upper end.
     const Vector3d axis = pair.X_WA.rotation.col(2), beside = pair.X_WA.rotation.col(0);
     for (int k = 0; k < 400; ++k) {
       const double slope = k < 200 ? random.uniform(-3, 3) : random.logUniform(1e-6, 1);
@@ -444,9 +440,9 @@ TEST(CurvedDepth, BodiesOfRevolutionAboutOneAxis) {
   EXPECT_GT(2 * round, casesToAsk(100));
 }
 
-// The first six were left wider than a millionth of their sizes, or nearly, at the default
-// tolerance; the sides of the last one are as near as its ends. Of
-// the sixth the nearest plane is where the cone's rim begins to be chosen alone, all around.
+// The first six were once left about a millionth of their sizes wide at the default tolerance. The
+// nearest plane of the sixth is where the cone's rim begins to be chosen alone, all around; the
+// sides of the last one are as near as its ends.
 TEST(CurvedDepth, NeedlesBallsAndSquareCylindersAboutOneAxis) {
   const Pose X = pose({-0.31507064602784673, -0.60686138720999172, 0.72969154080690823,
                        -0.015086613236279689, 0.77195585439248471, 0.635497091236638,
@@ -490,7 +486,7 @@ TEST(CurvedDepth, NeedlesBallsAndSquareCylindersAboutOneAxis) {
   expectDeepAndNarrow(all, kNeedleLimit);
 }
 
-// An ellipsoid that is a ball, but for a hair or not even that, has a ball's distances.
+// An ellipsoid that is exactly, or nearly, a ball has a ball's distances.
 TEST(CurvedDepth, EllipsoidsThatAreBalls) {
   Random random(94);
   Scratch scratch;
@@ -505,7 +501,7 @@ TEST(CurvedDepth, EllipsoidsThatAreBalls) {
     DistanceRequest request;
     request.tolerance = (i % 2 == 0 ? 1e-9 : 1e-12) * size;
     const DistanceResult d = distance(a, X, b, Y, request, scratch, nullptr);
-    // (The longer axis shortens what is apart by no more than it is longer.)
+    // (A longer axis shortens the distance by no more than its excess.)
     EXPECT_LE(d.distance.lower, apart - r - s + 1e-15 * size) << i;
     EXPECT_GE(d.distance.upper, apart - r * (1 + more) - s - 1e-15 * size) << i;
     if (more < 1e-17 + 0.1 * request.tolerance || apart > r + s + 1e-3) {
@@ -514,8 +510,7 @@ TEST(CurvedDepth, EllipsoidsThatAreBalls) {
   }
 }
 
-// One that is no number, as none was told then, was none to the depth that is to be proven either:
-// it stayed infinite, and the upper end became that.
+// A NaN tolerance once left the depth to be proven infinite, and the upper end with it.
 TEST(CurvedDepth, ToleranceThatNothingMeetsLeavesTheTruth) {
   const Pair pair{
       Shape::ellipsoid({0.06142399395368027, 0.060938735178177071, 0.32684320026309294}),

@@ -20,7 +20,7 @@ constexpr ShapeType kAny[] = {ShapeType::kSphere,    ShapeType::kCapsule,  Shape
                               ShapeType::kCone,      ShapeType::kCylinder, ShapeType::kEllipsoid,
                               ShapeType::kConvexHull};
 
-// What it says of a cone of directions, and the support function itself in many of them.
+// A cover against the support function in many directions of the cone.
 TEST(CurvedFacets, WhatIsCoveredIsFarEnoughOutInEveryDirection) {
   Random random(71);
   int covered = 0, refused = 0, gained = 0;
@@ -46,7 +46,7 @@ TEST(CurvedFacets, WhatIsCoveredIsFarEnoughOutInEveryDirection) {
     }
     const Vector3d normal = cross(w[1].w - w[0].w, w[2].w - w[0].w).normalized();
     const double flat = std::abs(normal.dot(w[0].w));
-    // Between what the triangle alone would say and more than can be true.
+    // From the triangle's own depth to more than can be true.
     const double depth = flat + random.uniform(-0.1, 1.1) * (nearest - flat);
     if (!(depth > 0)) continue;
     if (!curved.covers(w[0], w[1], w[2], depth)) {
@@ -69,8 +69,8 @@ TEST(CurvedFacets, WhatIsCoveredIsFarEnoughOutInEveryDirection) {
   EXPECT_GT(refused, 300);
 }
 
-// Bodies nearly around one another's middle: all around the origin the surface of their difference
-// is about as far out. These ended at the limit with relative widths of 1e-6 to 1e-4.
+// Bodies about each other's middle: the surface of their difference is about equally far out all
+// around the origin. Once ended at the limit with relative widths of 1e-6 to 1e-4.
 TEST(RoundDepth, ConvergesWhereTheDifferenceIsNearlyABall) {
   Random random(72);
   Scratch scratch;
@@ -104,7 +104,7 @@ TEST(RoundDepth, ConvergesWhereTheDifferenceIsNearlyABall) {
           n.dot(X_WB.translation - X_WA.translation) - most(a, X_WA) - most(b, X_WB);
       EXPECT_LE(apart, r.distance.upper + 1e-15) << replay;
     }
-    // The points are of the two bodies, and as far apart.
+    // The witnesses belong to the bodies and are one depth apart.
     const auto outside = [](const Shape& s, const Pose& X, const Vector3d& p) {
       const Vector3d local = X.rotation.transpose() * (p - X.translation);
       return s.type() == ShapeType::kSphere ? local.norm() / s.radius() - 1
@@ -145,7 +145,7 @@ TEST(RoundDepth, IsTheSameAtAnyScale) {
   EXPECT_EQ(overlapping, 150);
 }
 
-/// These were left with widths of 2.4e-5 and 8.2e-5.
+/// Once left with widths of 2.4e-5 and 8.2e-5.
 TEST(RoundDepth, AnEllipsoidInASphereAndInItself) {
   const Shape ellipsoid =
       Shape::ellipsoid({0.37465775030863552, 0.7106268018102665, 0.37810982192072623});

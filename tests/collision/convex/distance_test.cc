@@ -11,8 +11,8 @@
 #include "tests/sanitized.h"
 #include "tools/truth/oracle/generate.h"
 
-// Answers known beforehand, and what every pair owes whatever its answer is. (oracle_test.cc
-// compares all pairs with quadruple precision.)
+// Known answers, and properties that every answer has. (oracle_test.cc compares all pairs with
+// quadruple precision.)
 
 namespace leeway::collision {
 namespace {
@@ -137,12 +137,12 @@ TEST(Distance, KnownAnswersBothWaysRound) {
       const DistanceResult r = swapped ? distance(k.b, k.X_WB, k.a, k.X_WA, {}, scratch)
                                        : distance(k.a, k.X_WA, k.b, k.X_WB, {}, scratch);
       EXPECT_EQ(r.status, DistanceStatus::kConverged) << k.name << (swapped ? ", swapped" : "");
-      // The expected number itself is a rounded one.
+      // (The expected number is itself rounded.)
       EXPECT_LE(r.distance.lower, k.distance + 1e-15) << k.name << (swapped ? ", swapped" : "");
       EXPECT_GE(r.distance.upper, k.distance - 1e-15) << k.name << (swapped ? ", swapped" : "");
       EXPECT_LE(r.distance.width(), 1e-9) << k.name;
       EXPECT_NEAR(r.normal.norm(), 1, 1e-14) << k.name;
-      // Along the normal the witness points are as far apart as the separation says, sign included.
+      // Along the normal the witnesses are one signed separation apart.
       EXPECT_NEAR((r.point_b - r.point_a).dot(r.normal), k.distance, 2e-9) << k.name;
     }
   }
@@ -203,11 +203,11 @@ TEST(Distance, PosesThatAreNoneAreRefused) {
   EXPECT_GE(r.distance.upper, 2);
 }
 
-// Numbers whose squares are the smallest that there are. Truth by the oracle.
+// Numbers whose squares are the smallest doubles. Truth by the oracle.
 TEST(Distance, NumbersWhoseSquaresVanish) {
   Scratch scratch;
   Pose X_WA, X_WB;
-  // The common perpendicular of these two was longer than 1, and the lower end 0.02758.
+  // The common perpendicular of these two was once longer than 1, and the lower end 0.02758.
   X_WA.rotation << 0.81665118714799267, 0.17042211198766891, 0.55139563135323866,
       -0.055319088620273758, 0.97412279154383496, -0.21914512412798201, -0.5744742265445828,
       0.14846242198114909, 0.80494613005808946;
@@ -221,7 +221,7 @@ TEST(Distance, NumbersWhoseSquaresVanish) {
           .distance;
   EXPECT_LE(thin.lower, 0.026260024567584146);
   EXPECT_GE(thin.upper, 0.026260024567584143);
-  // Matrices depart from rotations by 1e-7, which was not counted.
+  // Matrices depart from rotations by 1e-7, once not counted.
   X_WA.rotation << 0.096889880715726684, 0.73779114274847191, -0.66803935564964745,
       0.86307292937712388, -0.39656557261089231, -0.3127952448426688, -0.49569897073857472,
       -0.54625998965849487, -0.67519075386665262;
@@ -377,7 +377,7 @@ TEST(Distance, TheSameTwiceIsTheSameBitForBit) {
     pairs.next();
     again.next();
     const DistanceResult r = distance(pairs.a, pairs.X_WA, pairs.b, pairs.X_WB, {}, scratch);
-    // A scratch that has seen something else in between changes nothing.
+    // The use of a scratch by another query in between changes nothing.
     distance(again.b, again.X_WB, again.b, again.X_WB, {}, other);
     const DistanceResult s = distance(again.a, again.X_WA, again.b, again.X_WB, {}, other);
     EXPECT_EQ(r.distance.lower, s.distance.lower);
@@ -396,8 +396,8 @@ TEST(Distance, FarFromTheOriginOnlyTheRoundingOfTheInputIsLost) {
       const Vector3d offset = far * random.direction();
       Pose X_WA{random.rotation(), offset}, X_WB{random.rotation(), offset};
       X_WB.translation += 4 * random.direction();
-      // What the subtraction of these translations leaves is exact, so the pair near the origin is
-      // the same one.
+      // Subtracting these translations is exact, so that the pair near the origin has the same
+      // answer.
       Pose X_BA = X_WA;
       X_BA.translation = X_WA.translation - X_WB.translation;
       const Pose origin{X_WB.rotation, Vector3d::Zero()};
@@ -409,7 +409,7 @@ TEST(Distance, FarFromTheOriginOnlyTheRoundingOfTheInputIsLost) {
   }
 }
 
-// A shape of sizes of about `scale`.
+// A shape of size about `scale`.
 Shape shapeOfScale(ShapeType type, double scale, Random& random) {
   const auto size = [&] { return scale * random.uniform(0.2, 1); };
   switch (type) {
@@ -435,8 +435,8 @@ Shape shapeOfScale(ShapeType type, double scale, Random& random) {
   }
 }
 
-// By default intervals are as narrow as 1e-9 of the larger body, be it of micrometres: 1e-9 m was
-// a thousandth of it then. (At 1 km they are 1e-9 m wide, as they always were.)
+// Default intervals are as narrow as 1e-9 of the larger body, even of micrometres, of which 1e-9 m
+// is a thousandth. (At 1 km they are 1e-9 m wide.)
 TEST(Distance, DefaultToleranceIsOfTheSizes) {
   using enum ShapeType;
   constexpr ShapeType kTypes[] = {kSphere, kCapsule,   kBox,        kCylinder,
@@ -467,7 +467,7 @@ TEST(Distance, DefaultToleranceIsOfTheSizes) {
           EXPECT_LE(r.distance.width(), asked);
           overlapping += r.distance.upper < 0;
           apart += r.distance.lower > 0;
-          // As if it had been named.
+          // As if the tolerance had been given.
           DistanceRequest named;
           named.tolerance = asked;
           const DistanceResult again = distance(a, X_WA, b, X_WB, named, scratch);
@@ -478,7 +478,7 @@ TEST(Distance, DefaultToleranceIsOfTheSizes) {
   EXPECT_GT(apart, casesToAsk(500));
 }
 
-// Where offsets overflow there is none: an infinite one would be met by any interval.
+// Where offsets overflow there is no tolerance: any interval would meet an infinite one.
 TEST(Distance, DefaultToleranceIsFinite) {
   Scratch scratch;
   const Shape ball = Shape::sphere(1), box = Shape::box({1, 1, 1});

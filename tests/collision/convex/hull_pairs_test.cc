@@ -1,5 +1,5 @@
-// Pairs of hulls straight from world poses against their slow twin, the general way, and the
-// quadruple-precision oracle.
+// Pairs of hulls from world poses against their slow twin, generalDistance(), and the oracle in
+// quadruple precision.
 
 #include "collision/convex/hull_pairs.h"
 
@@ -46,7 +46,7 @@ Shape anyHull(Random& random) {
   return Shape::convexHull(points);
 }
 
-// Apart by 1e-12 to 10 m, mostly; some parallel.
+// Mostly 1e-12 to 10 m apart; some parallel.
 Pair hullPair(Random& random, Scratch& scratch) {
   Pair pair{anyHull(random), anyHull(random), {}, {}};
   const Vector3d middle =
@@ -59,7 +59,7 @@ Pair hullPair(Random& random, Scratch& scratch) {
   return pair;
 }
 
-// The same pair of hulls in another unit of length: exact where the scale is a power of two.
+// A pair of hulls in another unit of length: exact where the scale is a power of two.
 Pair scaled(const Pair& pair, double scale) {
   const auto hull = [&](const Shape& shape) {
     std::vector<Vector3d> points(shape.hull()->vertices().begin(), shape.hull()->vertices().end());
@@ -100,7 +100,7 @@ TEST(HullPairs, AgreeWithTheGeneralWay) {
     const Pair p = hullPair(random, scratch);
     const DistanceResult slow =
         generalDistance(p.a, p.X_WA, p.b, p.X_WB, testing::nanometre(), scratch, nullptr);
-    // (Large ones without a cache are left to B's frame.)
+    // (Large hulls without a cache are left to generalDistance().)
     const bool counts = slow.distance.lower > 1e-9 && p.a.hull()->vertices().size() <= 32 &&
                         p.b.hull()->vertices().size() <= 32;
     apart += counts;
@@ -115,7 +115,7 @@ TEST(HullPairs, AgreeWithTheGeneralWay) {
       EXPECT_LT((p.X_WB.rotation * cache.direction_B - r.normal).norm(), 1e-12) << p.replay();
       continue;
     }
-    // Going on from there ends where a search of its own does.
+    // Continuing from there ends where an independent search does.
     handed_over += start.count > 0;
     const DistanceResult on =
         generalDistance(p.a, p.X_WA, p.b, p.X_WB, testing::nanometre(), scratch, nullptr, &start);
@@ -128,8 +128,8 @@ TEST(HullPairs, AgreeWithTheGeneralWay) {
   EXPECT_GT(handed_over, casesToAsk(50));
 }
 
-// Directions have up to the cube of a length: where its square is out of range, a plane that proved
-// nothing would be told.
+// Directions are up to the cube of a length: where its square is out of range, no plane may be
+// reported.
 TEST(HullPairs, SizesAtTheEndsOfTheScale) {
   Random random(135);
   Scratch scratch;
@@ -153,8 +153,8 @@ TEST(HullPairs, SizesAtTheEndsOfTheScale) {
   EXPECT_GT(converged, asked * 95 / 100);
 }
 
-// A direction from a cache has length 1 whatever the sizes are: taken as it is, directions around
-// it were next to it where bodies are small, and steps were half as many again.
+// A cached direction has length 1 whatever the sizes. Used as it is, it narrowed the fan of small
+// bodies, which took half as many steps again.
 TEST(HullPairs, StepsFromADirectionDoNotDependOnTheScale) {
   Random random(136);
   Scratch scratch;
@@ -270,7 +270,7 @@ TEST(HullPairs, AnyCacheAgrees) {
   EXPECT_GT(answered, 1200);
 }
 
-// Matrices next to rotations are taken, and what they may mean is in the width.
+// Matrices near rotations are accepted, and their departure widens the interval.
 TEST(HullPairs, DeparturesFromRotationsAreInTheWidth) {
   Random random(135);
   Scratch scratch;
@@ -298,7 +298,7 @@ TEST(HullPairs, DeparturesFromRotationsAreInTheWidth) {
   EXPECT_GT(answered, casesToAsk(500));
 }
 
-// What is no pose, beyond the scale or without an iteration is left to the general way.
+// Invalid poses, sizes out of range and a limit of 0 are left to generalDistance().
 TEST(HullPairs, LeaveTheRestAlone) {
   Random random(136);
   Scratch scratch;
@@ -321,7 +321,7 @@ TEST(HullPairs, LeaveTheRestAlone) {
   }
 }
 
-/// Of two bodies turned anyhow, about `gap` apart.
+/// Poses of two bodies at random orientations, about `gap` apart.
 DistanceResult asked(const Shape& a, const Shape& b, double gap, Random& random, Scratch& scratch) {
   Pair pair{a, b, {random.rotation(), random.direction()}, {}};
   pair.X_WB = {random.rotation(), pair.X_WA.translation + 2.2 * random.direction()};
@@ -331,8 +331,8 @@ DistanceResult asked(const Shape& a, const Shape& b, double gap, Random& random,
   return r;
 }
 
-// Large hulls are first asked along the normal of two ellipsoids that are about as they are: from
-// the direction of their middles these take 9.6 steps each, from there 5.6.
+// Large hulls start along the normal of two ellipsoids that approximate them: 5.6 steps each,
+// against 9.6 from the direction of their middles.
 TEST(HullPairs, LargeOnesBeginNearTheirNormal) {
   Random random(137);
   Scratch scratch;
@@ -354,8 +354,8 @@ TEST(HullPairs, LargeOnesBeginNearTheirNormal) {
   EXPECT_LT(steps, 7 * cases);
 }
 
-// Needles are first asked between their axes: from the direction of their middles these take 4.0
-// steps each, from there 3.0.
+// Needles start between their axes: 3.0 steps each, against 4.0 from the direction of their
+// middles.
 TEST(HullPairs, NeedlesBeginBetweenTheirAxes) {
   Random random(138);
   Scratch scratch;
@@ -375,8 +375,7 @@ TEST(HullPairs, NeedlesBeginBetweenTheirAxes) {
   EXPECT_LT(2 * steps, 7 * cases);
 }
 
-// Axes that cross, lie in one line, beside each other or of the same needle tell no direction: any
-// is right.
+// Axes that cross, are collinear, parallel or equal give no direction: any is valid.
 TEST(HullPairs, AxesThatMeetCostStepsOnly) {
   Random random(139);
   Scratch scratch;
@@ -401,8 +400,8 @@ TEST(HullPairs, AxesThatMeetCostStepsOnly) {
   }
 }
 
-// A threshold that the first point meets leaves the plane of a stale cache for a normal: the radius
-// was put on along that, and the witnesses were 1.412 m apart with an upper end of 0.815 m.
+// A threshold that the first point meets leaves the normal of a stale cache. The radius was once
+// laid off along it: witnesses 1.412 m apart with an upper end of 0.815 m.
 TEST(RoundedHulls, WitnessesAreAsFarApartAsTheUpperEndWithAStaleCache) {
   std::vector<Vector3d> corners;
   for (int i = 0; i < 8; ++i)

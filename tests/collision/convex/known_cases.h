@@ -1,6 +1,6 @@
 #pragma once
 
-// Pairs with exact numbers that long runs left open once.
+// Pairs, with exact numbers, whose intervals long runs found too wide.
 
 #include <gtest/gtest.h>
 
@@ -48,8 +48,8 @@ inline Pose pose(const double (&R)[9], const Eigen::Vector3d& t) {
 
 inline Shape hull(const std::vector<Eigen::Vector3d>& points) { return Shape::convexHull(points); }
 
-/// As narrow as asked, around the truth, in either order, with `iteration_limit` steps. Returns the
-/// first order's answer.
+/// Expects an interval as narrow as asked that holds the truth, in either order, within
+/// `iteration_limit` steps. Returns the first order's answer.
 inline DistanceResult expectNarrow(const Known& known, Scratch& scratch,
                                    int iteration_limit = DistanceRequest{}.iteration_limit) {
   const Pair& pair = known.pair;

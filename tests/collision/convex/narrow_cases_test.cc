@@ -66,9 +66,8 @@ TEST(NarrowCases, EveryIntervalHoldsTheReference) {
       };
       const auto check = [&](const DistanceResult& r, const char* how) {
         if (holds(r.distance, reference)) return;
-        // A few references with nearly duplicated vertices are themselves wrong in the twelfth
-        // digit: those the slow oracle refutes are counted, and the oracle's own answer must be
-        // held.
+        // A few references, with nearly duplicated vertices, are wrong in the twelfth digit. Those
+        // that the slow oracle refutes are counted, and the interval must hold the oracle's answer.
         const oracle::Truth truth = oracle::signedSeparation(a, c.X_WA, b, c.X_WB);
         if (truth.has_value && std::abs(reference.distance - truth.upper) < 1e-11 &&
             r.distance.lower <= truth.upper && r.distance.upper >= truth.lower) {

@@ -1,5 +1,5 @@
-// Every pair is as narrow as a request that names no tolerance asks, the truth within; and shapes
-// whose depth has no unique direction.
+// Every interval is as narrow as the default tolerance and holds the truth; shapes whose depth has
+// no unique direction.
 
 #include <gtest/gtest.h>
 
@@ -66,7 +66,7 @@ TEST(NarrowWidth, DefaultToleranceIsMetAndTheTruthWithin) {
   EXPECT_GT(held, 300);
 }
 
-/// Bodies that only just overlap, curved parts, and straight bodies about nearly one axis.
+/// Bodies that barely overlap, curved parts, and straight bodies about nearly one axis.
 TEST(NarrowWidth, AsNarrowForTwinsForNearContactAndAboutOneAxis) {
   Random random(66);
   Scratch scratch;
@@ -116,7 +116,7 @@ TEST(NarrowWidth, AsNarrowForTwinsForNearContactAndAboutOneAxis) {
   EXPECT_EQ(held, 3 * casesToAsk(50));
 }
 
-// R (1 + E), E symmetric and of that size: what is still taken for a rotation.
+// R (1 + E), E symmetric and of that size: still accepted as a rotation.
 Eigen::Matrix3d departing(Random& random, double size) {
   Eigen::Matrix3d E;
   for (int i = 0; i < 3; ++i) {
@@ -126,8 +126,8 @@ Eigen::Matrix3d departing(Random& random, double size) {
   return R + R * E;
 }
 
-/// What departures move was once counted for one of the two frames only: intervals missed the truth
-/// by up to 9400 units of rounding, and a pair in contact was free.
+/// Departures from rotations were once counted for one of the two frames only: intervals missed the
+/// truth by up to 9400 units of rounding, and a pair in contact was free.
 TEST(NarrowWidth, TheTruthIsWithinWhereMatricesDepartFromRotations) {
   Random random(67);
   Scratch scratch;
@@ -183,7 +183,7 @@ TEST(NarrowWidth, ABoxThatIsNotQuiteTurnedIsNotFreeOfALargeBall) {
     EXPECT_LE(r.distance.lower, 0.4999999999895);
     EXPECT_GE(r.distance.upper, 0.4999999999894);
   }
-  // Two blocks in each other, the smaller one's matrix a little too long.
+  // Two overlapping blocks, the smaller one's matrix slightly too long.
   const auto block = [](double x, double y, double z) {
     std::vector<Vector3d> corners;
     for (int k = 0; k < 8; ++k)
@@ -225,8 +225,8 @@ TEST(NarrowWidth, BodiesOfAHundredKilometresAgainstOneOfAMetreConverge) {
   }
 }
 
-/// The facet that proved the depth need not be the one that the plane's normal passes through: the
-/// points were up to 0.4 m off.
+/// The facet that proves the depth need not be the one that the plane's normal passes through:
+/// witnesses were once up to 0.4 m off.
 TEST(NarrowWidth, WitnessesOfOverlappingPrismsAreAsDeepAsTheUpperEnd) {
   Random random(64);
   Scratch scratch;
@@ -282,13 +282,13 @@ TEST(ParallelAxes, DepthIsThatOfAPointInAPolygon) {
     EXPECT_EQ(r.status, DistanceStatus::kConverged) << replay(a, X_WA, b, X_WB);
     if (!(r.distance.upper < 0)) continue;
     ++overlapping;
-    // Moved apart by the depth they touch, and not by less.
+    // Moved apart by the depth they touch; by less they overlap.
     Pose moved = X_WB;
     moved.translation += -r.distance.lower * r.normal;
     EXPECT_GT(distance(a, X_WA, b, moved, {}, scratch).distance.upper, -1e-9)
         << replay(a, X_WA, b, X_WB);
-    // (Where the cores of two capsules touch, witness and normal may be different ones of a
-    // circle.)
+    // (Where the cores of two capsules touch, witness and normal may be any of a circle, and
+    // differ.)
     if (a.type() != ShapeType::kCapsule || b.type() != ShapeType::kCapsule) {
       EXPECT_LT((r.point_b - r.point_a - r.distance.upper * r.normal).norm(), 1e-5)
           << replay(a, X_WA, b, X_WB);
@@ -301,7 +301,7 @@ TEST(ParallelAxes, DepthIsThatOfAPointInAPolygon) {
   EXPECT_GT(overlapping, 200);
 }
 
-/// 3e-12 m from a cone's slope the direction was once taken from the difference of two points:
+/// 3e-12 m from a cone's slant the direction was once that of the difference of two points, and
 /// wrong by 1e-6.
 TEST(PointAndCone, TheSlopeGivesTheDirectionNearContact) {
   Pose X_WA, X_WB;

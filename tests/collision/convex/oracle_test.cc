@@ -1,4 +1,4 @@
-// The engine held against the oracle: every pair of shapes, ordinary and hard.
+// The engine against the oracle: every pair of shapes, ordinary and hard.
 
 #include "tools/truth/oracle/oracle.h"
 
@@ -34,8 +34,8 @@ struct Counts {
   int cases = 0, unsafe = 0, overlapping = 0, near = 0, unconverged = 0;
 };
 
-/// Asks in every way a caller can; what does not hold the truth is counted as unsafe and printed so
-/// that it can be replayed.
+/// Asks in every way a caller can. Intervals that miss the truth count as unsafe and are printed
+/// for a replay.
 class Examiner {
  public:
   explicit Examiner(const std::string& label) : label_(label) {}
@@ -48,7 +48,7 @@ class Examiner {
     if (std::abs(truth.upper) < 0.05 * size) ++counts.near;
 
     const DistanceResult plain = ask(a, b, truth, {}, nullptr, "plain");
-    // Overlaps of meshes are only enclosed, and where one touches it may look like one.
+    // (Overlaps of meshes are only enclosed; touching may look like overlap.)
     const bool exact = a.shape.isConvex() && b.shape.isConvex();
     if (plain.status == DistanceStatus::kLimit && (exact || truth.lower > 1e-9))
       ++counts.unconverged;
@@ -65,7 +65,7 @@ class Examiner {
     for (const double offset : {-1e-3, -1e-7, 0.0, 1e-7, 1e-3})
       threshold(a, b, truth, truth.upper + offset * size);
     threshold(a, b, truth, 0);
-    // A cache that fits, one that is another pair's, and one that is nonsense.
+    // A valid cache, one of another pair, and nonsense.
     PairCache cache;
     ask(a, b, truth, {}, &cache, "cold cache");
     ask(a, b, truth, {}, &cache, "warm cache");
@@ -127,8 +127,7 @@ class Examiner {
     ask(a, b, truth, request, nullptr, "threshold");
   }
 
-  /// The witness points' distance is within the width of the interval; where the pair overlaps, so
-  /// is the depth.
+  /// The distance of the witnesses, or the depth, is within the interval's width.
   void witnesses(const Placed& a, const Placed& b, const DistanceResult& r) {
     if (r.status != DistanceStatus::kConverged || r.distance.lower <= 0) return;
     const double length = (r.point_b - r.point_a).norm();
@@ -215,7 +214,7 @@ TEST(Oracle, HoldsForEveryPairOfPlainShapes) {
       near += examiner.counts.near;
     }
   }
-  // The cases bite: many overlap, many nearly touch.
+  // The cases are hard: many overlap, many nearly touch.
   EXPECT_GT(5 * overlapping, cases);
   EXPECT_GT(5 * near, cases);
 }
@@ -298,7 +297,7 @@ TEST(Oracle, HoldsForAlignedPlacements) {
   EXPECT_GT(overlapping, 100 / step);
 }
 
-/// Where the answer can be written down, the oracle says it; it is the judge of all else.
+/// The oracle gives the known answers: all other tests rely on it.
 TEST(Oracle, AgreesWithClosedForms) {
   const Pose origin;
   const auto at = [](double x, double y, double z) {
@@ -335,7 +334,7 @@ TEST(Oracle, AgreesWithClosedForms) {
             -0.5);  // inside
 }
 
-/// Two needles whose tips touch: all facets near the origin were slivers, the surface left the
+/// Two needles whose tips touch: all facets near the origin are slivers. The surface once left the
 /// origin outside, and a depth of 1.17e-13 was claimed where a plane leaves 1.05e-14.
 TEST(Oracle, NeedlesWhoseTipsTouch) {
   const Shape needle =
@@ -374,8 +373,8 @@ TEST(Oracle, KnowsHowDeepASpeckLies) {
                                                   Shape::cylinder(0.431, 0.480), X_WC);
   EXPECT_NEAR(cylinder.lower, -0.3326730072917743, 1e-12);
   EXPECT_NEAR(cylinder.upper, -0.3326730072917743, 1e-12);
-  // Specks of 1e-12 to 1e-6 all over a cylinder and a cone: the depth of their first point, to
-  // within their size.
+  // Specks of 1e-12 to 1e-6 all over a cylinder and a cone: the depth of their first point, within
+  // their size.
   Random random(51);
   for (int i = 0; i < 60; ++i) {
     const double size = random.logUniform(1e-12, 1e-6);
@@ -395,7 +394,7 @@ TEST(Oracle, KnowsHowDeepASpeckLies) {
   }
 }
 
-/// Sizes that are 1e13 and more apart: the oracle may know little, but what it says holds together.
+/// Sizes with a ratio of 1e13 and more: the oracle's answer may be wide, but must agree.
 TEST(Oracle, SaysNothingContradictoryOfSizesFarApart) {
   const Shape cone = Shape::cone(1.014892578125, 1.0000000000000002);
   Pose X_WA, X_WB;
@@ -412,7 +411,7 @@ TEST(Oracle, SaysNothingContradictoryOfSizesFarApart) {
   EXPECT_LE(deep.lower, deep.upper);
   EXPECT_LE(deep.lower, -0.58);
 
-  // A flat first tetrahedron, whose facets once were turned one by one and tore the surface.
+  // A flat first tetrahedron: turning its facets one by one once tore the surface.
   const std::vector<Eigen::Vector3d> vertices = {
       {1.5645751953125, 6.0446290980731459e+23, -0.8695068359375},
       {1.65399169921875, 0.6583251953125, -1.12591552734375},

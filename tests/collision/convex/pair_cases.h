@@ -1,6 +1,6 @@
 #pragma once
 
-// What tests of fast ways for pairs of shapes share; the slow twin is generalDistance().
+// Shared by tests of fast paths for pairs of shapes, whose slow twin is generalDistance().
 
 #include <string>
 
@@ -10,7 +10,7 @@
 
 namespace leeway::collision::testing {
 
-/// A request for the parts of distance(), which want a tolerance told.
+/// A request for the parts of distance(), which need an explicit tolerance.
 inline DistanceRequest nanometre() {
   DistanceRequest request;
   request.tolerance = 1e-9;
@@ -35,7 +35,7 @@ inline void moveApart(Pair& pair, double gap, Scratch& scratch) {
   pair.X_WB.translation += (gap - r.distance.upper) * r.normal;
 }
 
-/// By how much p stands out of a shape [m]: the shape with the point as a sphere of no radius.
+/// How far p is outside a shape [m]: its distance from a sphere of radius 0.
 inline double outside(const Shape& shape, const Pose& X_WS, const Eigen::Vector3d& p_W,
                       Scratch& scratch) {
   return generalDistance(Shape::sphere(0), {Eigen::Matrix3d::Identity(), p_W}, shape, X_WS,

@@ -1,4 +1,4 @@
-// Closed forms of simple pairs against their slow twin, the general way through GJK.
+// Closed forms of simple pairs against their slow twin, generalDistance() by GJK.
 
 #include <gtest/gtest.h>
 
@@ -47,7 +47,7 @@ Eigen::Matrix3d turned(const Vector3d& axis, double angle) {
   return Eigen::Matrix3d::Identity() + std::sin(angle) * K + (1 - std::cos(angle)) * K * K;
 }
 
-// Apart by 1e-9 to 10 m, mostly; a third of them with axes that are parallel, or nearly.
+// Mostly 1e-9 to 10 m apart; a third of them with (nearly) parallel axes.
 Pair simplePair(Random& random, ShapeType type_a, ShapeType type_b, Scratch& scratch) {
   Pair pair{simpleShape(random, type_a), simpleShape(random, type_b), {}, {}};
   const Vector3d middle =
@@ -117,7 +117,7 @@ TEST(SimplePairs, AgreeWithTheGeneralWay) {
         EXPECT_LT((p.X_WB.rotation * cache.direction_B - r.normal).norm(), 1e-12) << p.replay();
       }
       EXPECT_GT(apart, casesToAsk(1000)) << toString(type_a) << " and " << toString(type_b);
-      // (Rims that nearly touch along a line, or two at once, are left to the general way.)
+      // (Rims that nearly touch along a line, or two at once, are left to generalDistance().)
       EXPECT_GT(closed, apart * 90 / 100) << toString(type_a) << " and " << toString(type_b);
     }
   }
@@ -152,8 +152,8 @@ TEST(SimplePairs, ThresholdsAreDecidedAsTheGeneralWayDoes) {
   EXPECT_GT(early, casesToAsk(500));
 }
 
-// Next to the distance, at places that no distance has, and with all kinds of boxes: no verdict may
-// contradict the general way's, and where that can tell, so must the closed forms.
+// Thresholds near the distance and at impossible distances, with all kinds of boxes: no verdict may
+// contradict generalDistance(), and where that decides, the closed forms must, too.
 TEST(SimplePairs, ThresholdsOfBoxesNextToTheDistance) {
   Random random(75);
   Scratch scratch;
@@ -199,7 +199,7 @@ TEST(SimplePairs, ThresholdsOfBoxesNextToTheDistance) {
   EXPECT_GT(below, casesToAsk(5000));
 }
 
-// No path is too quick to look at the poses.
+// Every path checks the poses.
 TEST(SimplePairs, PosesThatAreNoneAreRefused) {
   Random random(76);
   Scratch scratch;
@@ -258,7 +258,7 @@ TEST(SimplePairs, AnyCacheAgrees) {
   EXPECT_GT(closed, apart * 95 / 100);
 }
 
-// How far a shape reaches along n, from its centre.
+// The reach of a shape along n from its centre.
 double reachOf(const Shape& shape, const Pose& X_WS, const Vector3d& n) {
   const Vector3d d = (X_WS.rotation.transpose() * n).cwiseAbs();
   switch (shape.type()) {
@@ -273,8 +273,8 @@ double reachOf(const Shape& shape, const Pose& X_WS, const Vector3d& n) {
   }
 }
 
-// Of thin segments and cylinders next to a point the normal was once not at a right angle to the
-// axis, and the plane up to 1e-4 below the lower end: motions were certified with it.
+// Thin segments and cylinders next to a point: the normal was once not perpendicular to the axis,
+// and the plane, by which motions are certified, up to 1e-4 below the lower end.
 TEST(SimplePairs, LowerEndsAreThoseOfThePlaneAcrossTheNormal) {
   Random random(74);
   Scratch scratch;
@@ -305,8 +305,8 @@ TEST(SimplePairs, LowerEndsAreThoseOfThePlaneAcrossTheNormal) {
   EXPECT_GT(closed, casesToAsk(10000));
 }
 
-// Edges that are parallel but for an entry whose square is the smallest of numbers: their normal
-// was once 1.2 long, and the lower end above the distance, which is 1.
+// Edges that are parallel but for an entry whose square is the smallest double: their normal was
+// once 1.2 long, and the lower end above the distance, which is 1.
 TEST(SimplePairs, EdgesThatAreParallelButForTheSmallestNumbers) {
   Scratch scratch;
   const Shape box = Shape::box({1, 1, 1});
@@ -325,8 +325,8 @@ TEST(SimplePairs, EdgesThatAreParallelButForTheSmallestNumbers) {
   }
 }
 
-// Matrices next to rotations are taken, and what they may mean is in the width: the axis of a
-// cylinder that was not of unit length once put a witness a radius beside it.
+// Matrices near rotations are accepted, and their departure widens the interval. A cylinder's axis
+// that was not of unit length once put a witness a radius off.
 TEST(SimplePairs, DeparturesFromRotationsAreInTheWidth) {
   Random random(99);
   Scratch scratch;

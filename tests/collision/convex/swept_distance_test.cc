@@ -30,7 +30,7 @@ TEST(SweptDistance, AMovingPointIsASegment) {
   EXPECT_NEAR(r.distance.lower, 3 - 0.25 - 0.5 - 0.125, 2e-9);
 }
 
-/// Points of A at both placements and at all times between lie farther off than the claim.
+/// Points of A at both placements and at all times between are at least as far away as claimed.
 TEST(SweptDistance, ClaimsNoMoreThanAnyPlacementOnTheWayHas) {
   Scratch scratch;
   Random random(3);
@@ -128,7 +128,7 @@ TEST(SweptDistance, ThresholdsAndLimitsAreHonest) {
   EXPECT_GT(open, casesToAsk(500));
 }
 
-// Up to 32 points are followed in lanes; more, copies of one of them here, step by step.
+// Up to 32 points run in lanes; more (here copies of one of them) in scalar steps.
 TEST(SweptDistance, LanesFindWhatPlainStepsFind) {
   Scratch scratch;
   Random random(11);

@@ -23,7 +23,7 @@ namespace {
 using Eigen::Vector3d;
 using oracle::Random;
 
-// Round, flat-sided, thin; a box for a third of them, whose faces meet many to a plane.
+// Round, flat-sided or thin; a third are boxes, with many facets in a plane.
 Shape anyBody(Random& random) {
   const Vector3d half(random.uniform(0.1, 1), random.uniform(0.1, 1),
                       random.chance(0.2) ? random.logUniform(1e-6, 0.1) : random.uniform(0.1, 1));
@@ -39,7 +39,7 @@ Shape anyBody(Random& random) {
   return Shape::convexHull(points);
 }
 
-// A pair that overlaps, as convexDistance() comes to its polytope.
+// An overlapping pair as convexDistance() hands it to the polytope.
 struct Overlap {
   Overlap(const testing::Pair& pair, const DistanceRequest& request)
       : a(viewOf(pair.a)),
@@ -51,7 +51,7 @@ struct Overlap {
     query.lower_offset = kSupportRounding * query.roundoff;
     query.upper_offset = -kSupportRounding * query.roundoff;
   }
-  // False when its middle is not found to be held by four points.
+  // False when GJK finds no four points that hold the origin.
   bool begin(Progress& progress) {
     const Vector3d towards = -relative.X_BA.translation.normalized();
     return runVertexGjk(difference, towards, nullptr, progress, simplex) == GjkEnd::kInside &&
@@ -65,7 +65,7 @@ struct Overlap {
   Simplex simplex;
 };
 
-// Some of them in parallel, and some hardly in contact.
+// Some parallel, some barely in contact.
 testing::Pair anyPair(Random& random, Scratch& scratch) {
   testing::Pair pair{anyBody(random), anyBody(random), {}, {}};
   pair.X_WA = {random.rotation(), random.direction()};
@@ -96,7 +96,7 @@ TEST(VertexPolytope, AgreesWithItsSlowTwin) {
     EXPECT_EQ(enough, progress.enough()) << pair.replay();
     if (!enough) continue;
     ++found;
-    // The plane supports the difference, and the witness lies as near to it as was asked.
+    // The plane supports the difference, and the witness is within the tolerance of it.
     const Vector3d& n = progress.normal();
     SupportPoint s;
     overlap.difference.support(n, s);
@@ -139,7 +139,7 @@ TEST(VertexPolytope, ThresholdsLimitsAndYesOrNo) {
     if (kind == 2) {
       EXPECT_LE(progress.iterations, request.iteration_limit) << pair.replay();
       open += !enough;
-      // What the surface says at the limit is not thrown away.
+      // The result of the surface at the limit is kept.
       told += !enough && progress.upper() < begun.upper();
       continue;
     }
@@ -158,7 +158,7 @@ TEST(VertexPolytope, ThresholdsLimitsAndYesOrNo) {
 TEST(VertexPolytope, LeavesToItsTwinWhatIsInDoubt) {
   const Shape box = Shape::box({1, 1, 1});
   const Pose identity;
-  // Four points that do not hold the origin, or with it on their surface.
+  // Four points that do not hold the origin, or hold it on their surface.
   for (const double height : {0.0, 1e-17, 0.5}) {
     DistanceRequest request = testing::nanometre();
     Overlap overlap({box, box, identity, identity}, request);
@@ -172,7 +172,7 @@ TEST(VertexPolytope, LeavesToItsTwinWhatIsInDoubt) {
     EXPECT_FALSE(growVertexPolytope(overlap.difference, overlap.simplex, progress));
     EXPECT_EQ(progress.upper(), std::numeric_limits<double>::infinity());
   }
-  // Less than rounding leaves.
+  // A tolerance below rounding.
   DistanceRequest request = testing::nanometre();
   request.tolerance = 1e-16;
   Overlap overlap({box, box, identity, Pose{Eigen::Matrix3d::Identity(), {0.5, 0.2, 0.1}}},
