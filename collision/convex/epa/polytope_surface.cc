@@ -38,15 +38,6 @@ PolytopeBuffers::PolytopeBuffers() {
   edge_mark.resize(kVertexCapacity);
 }
 
-Vector triangleNormal(const Vector& a, const Vector& b, const Vector& c, double& longest_squared) {
-  const Vector ab = b - a, bc = c - b, ca = a - c;
-  const double ab2 = ab.squaredNorm(), bc2 = bc.squaredNorm(), ca2 = ca.squaredNorm();
-  longest_squared = std::max({ab2, bc2, ca2});
-  if (longest_squared == ab2) return cross(bc, ca);
-  if (longest_squared == bc2) return cross(ca, ab);
-  return cross(ab, bc);
-}
-
 int signOfDeterminant(const Vector& a, const Vector& b, const Vector& c) {
   const double value = a.dot(cross(b, c));
   const double error =
@@ -98,10 +89,6 @@ bool PolytopeSurface::makeTetrahedron() {
   return true;
 }
 
-double PolytopeSurface::leastAlong(const PolytopeFacet& f, const Vector& n) const {
-  return std::min({n.dot(w(f.vertex[0])), n.dot(w(f.vertex[1])), n.dot(w(f.vertex[2]))});
-}
-
 Vector PolytopeSurface::nearestOf(const std::int32_t (&corner)[3], Vector& a) const {
   double weights[3];
   const Vector nearest = nearestOnTriangle(w(corner[0]), w(corner[1]), w(corner[2]), weights);
@@ -110,6 +97,22 @@ Vector PolytopeSurface::nearestOf(const std::int32_t (&corner)[3], Vector& a) co
     a += weights[i] * vertex(corner[i]).a;
   }
   return nearest;
+}
+
+inline void PolytopeSurface::insert(int index, double key) {
+  std::vector<PolytopeBuffers::Entry>& queue = buffers_.queue;
+  if (static_cast<int>(queue.size()) >= kQueueCapacity) {
+    // Drops the entries of facets that are gone; fewer than kFacetCapacity remain.
+    std::size_t kept = 0;
+    for (const PolytopeBuffers::Entry& e : queue) {
+      const PolytopeFacet& f = facet(e.facet);
+      if (f.alive && f.stamp == e.stamp) queue[kept++] = e;
+    }
+    queue.resize(kept);
+    std::make_heap(queue.begin(), queue.end(), Later());
+  }
+  queue.push_back({key, index, facet(index).stamp});
+  std::push_heap(queue.begin(), queue.end(), Later());
 }
 
 // Facets farther out than a supporting plane cannot be the nearest, and stay out of the queue: most
@@ -127,8 +130,8 @@ inline void PolytopeSurface::enqueue(int index, double longest_squared) {
   Vector a;
   // Facets that see the origin come first, the nearest of them foremost: all of the difference is
   // within 4 L.
-  push(index, f.distance > 0 ? f.distance
-                             : nearestOf(f.vertex, a).norm() - 4 * (roundoff_ / kUnitRoundoff));
+  insert(index, f.distance > 0 ? f.distance
+                               : nearestOf(f.vertex, a).norm() - 4 * (roundoff_ / kUnitRoundoff));
 }
 
 inline int PolytopeSurface::newFacet(int a, int b, int c) {
@@ -157,21 +160,7 @@ inline int PolytopeSurface::newFacet(int a, int b, int c) {
   return index;
 }
 
-void PolytopeSurface::push(int index, double key) {
-  std::vector<PolytopeBuffers::Entry>& queue = buffers_.queue;
-  if (static_cast<int>(queue.size()) >= kQueueCapacity) {
-    // Drops the entries of facets that are gone; fewer than kFacetCapacity remain.
-    std::size_t kept = 0;
-    for (const PolytopeBuffers::Entry& e : queue) {
-      const PolytopeFacet& f = facet(e.facet);
-      if (f.alive && f.stamp == e.stamp) queue[kept++] = e;
-    }
-    queue.resize(kept);
-    std::make_heap(queue.begin(), queue.end(), Later());
-  }
-  queue.push_back({key, index, facet(index).stamp});
-  std::push_heap(queue.begin(), queue.end(), Later());
-}
+void PolytopeSurface::push(int index, double key) { insert(index, key); }
 
 int PolytopeSurface::pop() {
   std::vector<PolytopeBuffers::Entry>& queue = buffers_.queue;
@@ -183,13 +172,6 @@ int PolytopeSurface::pop() {
     if (f.alive && f.stamp == entry.stamp) return entry.facet;
   }
   return -1;
-}
-
-bool PolytopeSurface::sees(const PolytopeFacet& f, const Vector& p) const {
-  const Vector d = p - w(f.vertex[0]);
-  const double height = f.normal.dot(d);
-  if (height * height > f.doubt * f.doubt * d.squaredNorm()) return height > 0;
-  return orientation(w(f.vertex[0]), w(f.vertex[1]), w(f.vertex[2]), p) > 0;
 }
 
 // The facets seen from p that are connected with `first`, and their horizon in the order of a loop.

@@ -1,10 +1,11 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
-#include <limits>
 #include <optional>
 #include <vector>
 
+#include "collision/base/exact_predicates.h"
 #include "collision/convex/epa/polytope_fan.h"
 #include "collision/convex/gjk/simplex.h"
 
@@ -95,6 +96,7 @@ class PolytopeSurface {
  private:
   std::size_t room() const;
   int newFacet(int a, int b, int c);
+  void insert(int index, double key);
   void enqueue(int index, double longest_squared);
   bool findHorizon(int first, const Vector& p);
   void takeAlone(int first);
@@ -111,11 +113,30 @@ class PolytopeSurface {
   bool winds_ = false;   // proven
 };
 
+inline double PolytopeSurface::leastAlong(const PolytopeFacet& f, const Vector& n) const {
+  return std::min({n.dot(w(f.vertex[0])), n.dot(w(f.vertex[1])), n.dot(w(f.vertex[2]))});
+}
+
+inline bool PolytopeSurface::sees(const PolytopeFacet& f, const Vector& p) const {
+  const Vector d = p - w(f.vertex[0]);
+  const double height = f.normal.dot(d);
+  if (height * height > f.doubt * f.doubt * d.squaredNorm()) return height > 0;
+  return orientation(w(f.vertex[0]), w(f.vertex[1]), w(f.vertex[2]), p) > 0;
+}
+
 /// Sign of the determinant of three vectors, exact.
 int signOfDeterminant(const Vector& a, const Vector& b, const Vector& c);
 
 /// The normal of a triangle, not normalised, from its two shorter edges: rounding of the cross
 /// product is proportional to them.
-Vector triangleNormal(const Vector& a, const Vector& b, const Vector& c, double& longest_squared);
+inline Vector triangleNormal(const Vector& a, const Vector& b, const Vector& c,
+                             double& longest_squared) {
+  const Vector ab = b - a, bc = c - b, ca = a - c;
+  const double ab2 = ab.squaredNorm(), bc2 = bc.squaredNorm(), ca2 = ca.squaredNorm();
+  longest_squared = std::max({ab2, bc2, ca2});
+  if (longest_squared == ab2) return cross(bc, ca);
+  if (longest_squared == bc2) return cross(ca, ab);
+  return cross(ab, bc);
+}
 
 }  // namespace leeway::collision
