@@ -142,6 +142,13 @@ inline constexpr double kCornerRounding = 8;
 inline constexpr double kLostBelow = 16;
 inline constexpr double kLostShare = 1e-12;
 
+/// A vector across the axis of two bodies that is shorter than so many units times the sizes is
+/// rounding.
+inline constexpr double kAcrossRounding = 16;
+/// Rounding of directions in a half plane through an axis, in units times the sizes: the axis and
+/// `across` err by 6, a corner's halving by half a unit, 48 times. Smaller breaks the guarantee.
+inline constexpr double kHalfPlaneRounding = 64;
+
 /// Rounding of roots and sums in Hadeler's criterion, as a share of their terms, of which there are
 /// a few. Smaller breaks the guarantee.
 inline constexpr double kRootRounding = 16 * kUnitRoundoff;
@@ -380,8 +387,9 @@ inline constexpr double kNearlyParallelAxes = 1e-2;
 
 // Depths of round shapes (curved_depth.cc, curved_face.cc)
 
-/// A depth is first searched to this share of the sizes: a proof at this width stays valid.
-inline constexpr double kRoughDepth = 1e-6;
+/// A depth is first searched to these shares of the sizes: a proof at such a width stays valid
+/// where the next comes to no end.
+inline constexpr double kRoughDepths[] = {1e-4, 1e-6};
 
 /// Ellipsoids whose axes differ by no more than this share are tried as balls first.
 inline constexpr double kSlightlyLonger = 1e-2;

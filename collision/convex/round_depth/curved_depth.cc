@@ -6,27 +6,30 @@
 #include <limits>
 
 #include "collision/base/tolerances.h"
+#include "collision/convex/pairs/closed_form.h"
 #include "collision/convex/round_depth/cell_bound.h"
+#include "collision/convex/round_depth/common_axis.h"
 #include "collision/convex/round_depth/curved_planes.h"
 
 namespace leeway::collision {
 
 namespace {
 
-// Cells, directions and planes that one step of the caller's limit buys [count]: about 0.3 us each.
-// With a twentieth of it, one of a hundred needles of the long run stays wider than asked.
-constexpr std::int64_t kWorkPerStep = 320;
 // The work of a direction where a hull's vertices are blended [count].
-constexpr std::int64_t kHullWork = 8;
+constexpr std::int64_t kHullWork = 4;
 // Back-off: after descents that found nothing, up to this many are skipped [count].
 constexpr int kLongestRest = 63;
 // Halvings of a face of the octahedron [count]: most corners' coordinates stay exact, so that cells
 // that share an edge leave no gap. (A search ends at the first inexact one.)
 constexpr int kMostHalvings = 96;
+// Those of a half plane [count].
+constexpr int kMostPlaneHalvings = 48;
 // The back-off ends at every cell whose halvings are a multiple of this [count].
 constexpr int kHalvingsPerLook = 8;
 // Stiffnesses tried for a choice [count].
 constexpr int kStiffnesses = 16;
+// Share of the width that axes which are not quite parallel may take.
+constexpr double kShareOfAxis = 0.2;
 
 // Factor to the next stiffness: small steps at first, at last to the farthest piece alone.
 double stifferBy(int i) { return i < kStiffnesses / 2 ? 4 : 64; }
@@ -77,13 +80,21 @@ class CurvedDepth {
   void look(const Vector& e);
   void lookBelow(const Vector& e);
   void setDepth();
+  bool startSearch();
   bool search();
+  bool provesAtPoint() const;
   bool proves(const Cell& cell);
   double bentAlong(const Cell& cell, int i, int j, bool edges) const;
   bool renew(Cell& cell);
   bool halve(Cell& cell, bool edges, Cell& other);
+  template <class Halve>
+  bool provesCells(Cell* stack, int count, int most_halvings, std::int64_t spare,
+                   const Halve& halve);
   bool provesAll(bool edges, std::int64_t spare);
-  void claim();
+  bool provesHalfPlane(const CommonAxis& axis);
+  bool provesAroundAxis(double wanted);
+  bool provesByStages(double wanted, double offsets);
+  void claim(double less);
 
   Progress& progress_;
   const double roundoff_;
@@ -109,7 +120,7 @@ CurvedDepth::CurvedDepth(Difference<false>& difference, Progress& progress)
       faces_(planes_.faces()),
       sizes_{faces_.semiAxes(0).maxCoeff(), faces_.semiAxes(1).maxCoeff()},
       node_work_(faces_.hasHull() ? kHullWork : 1),
-      work_limit_(kWorkPerStep * progress.query().request.iteration_limit) {
+      work_limit_(kCellsPerStep * progress.query().request.iteration_limit) {
   for (int k = 0; k < 2; ++k) {
     if (faces_.view(k).core == Core::kEllipsoid) balls_[k] = nearlyBall(faces_.semiAxes(k));
     has_balls_ |= balls_[k].radius > 0;
@@ -223,8 +234,9 @@ bool CurvedDepth::proves(const Cell& cell) {
   return false;
 }
 
-// The depth proven, with the member that lies along the nearest plane's normal.
-void CurvedDepth::claim() {
+// The depth proven, `less` what the proof left open, with the member that lies along the nearest
+// plane's normal.
+void CurvedDepth::claim(double less) {
   const CurvedFace face = faces_.along(-progress_.normal());
   const double reach = planes_.reach(), wide = std::max(reach - depth_, 0.0);
   CurvedChoice choice;
@@ -234,7 +246,22 @@ void CurvedDepth::claim() {
   faces_.support(face, choice);
   const Vector other = planes_.memberOf(face, choice, wide, other_a);
   if ((other - reach * face.e).norm() < (w - reach * face.e).norm()) w = other, a = other_a;
-  progress_.offerWitness(-depth_, w, a);
+  progress_.offerWitness(less - depth_, w, a);
+}
+
+// Rough depths first: they stay proven where the search for the last digits does not end.
+bool CurvedDepth::provesByStages(double wanted, double offsets) {
+  for (const double share : {kRoughDepths[0], kRoughDepths[1], 0.0}) {
+    gap_ = 0.75 * share * (roundoff_ / kUnitRoundoff);
+    if (!(gap_ > 4 * wanted)) gap_ = wanted;
+    const bool last = gap_ == wanted;
+    if (!last && progress_.upper() - progress_.lower() <= 2 * gap_ + offsets) continue;
+    if (!search()) return false;
+    claim(0);
+    if (last) return true;
+    if (progress_.enough()) break;
+  }
+  return false;
 }
 
 bool CurvedDepth::run() {
@@ -245,18 +272,9 @@ bool CurvedDepth::run() {
   const double wanted =
       std::max(4 * kCellRounding * roundoff_, 0.75 * (query.request.tolerance - offsets));
   if (progress_.upper() - progress_.lower() <= wanted + offsets) return false;
-  // A rough depth first: it stays proven where the search for the last digits does not end.
-  bool proven = false;
-  for (const double share : {kRoughDepth, 0.0}) {
-    gap_ = 0.75 * share * (roundoff_ / kUnitRoundoff);
-    if (!(gap_ > 4 * wanted)) gap_ = wanted;
-    const bool found = search();
-    if (found) claim();
-    proven = found && gap_ == wanted;
-    if (!found || proven || progress_.enough()) break;
-  }
+  const bool proven = provesAroundAxis(wanted) || provesByStages(wanted, offsets);
   // (No more than the limit, but for the last descent.)
-  progress_.iterations += static_cast<int>(planes_.work() / kWorkPerStep);
+  progress_.iterations += static_cast<int>(planes_.work() / kCellsPerStep);
   return proven;
 }
 
@@ -287,15 +305,40 @@ double CurvedDepth::bentAlong(const Cell& cell, int i, int j, bool edges) const 
   return sum;
 }
 
-bool CurvedDepth::search() {
+// The nearest plane, and with it the depth to be proven; false when there is none.
+bool CurvedDepth::startSearch() {
   if (!(-(progress_.lower() + progress_.query().lower_offset) > 0)) return false;
   planes_.forgetReach();
   depth_ = std::numeric_limits<double>::infinity();
   look(-progress_.normal());
-  // (Infinity: there is no plane, and nothing to be proven.)
-  if (!(depth_ > 0 && std::isfinite(depth_)) || progress_.decided()) return false;
+  return depth_ > 0 && std::isfinite(depth_) && !progress_.decided();
+}
+
+bool CurvedDepth::search() {
+  if (!startSearch()) return false;
+  if (provesAtPoint()) return true;
   // (Cells on which one way of halving spends its work are most often easy for the other.)
-  return provesAll(false, workLeft() / 2) || provesAll(true, 0);
+  return provesAll(false, workLeft() / 4) || provesAll(true, 0);
+}
+
+// The depth of two bodies is no less than that of any point of one in the other, which has a closed
+// form. Where a corner or an edge lies in the middle of a round body, it is no more, either, and
+// the difference is as far out in many directions: cells would have to prove them one by one.
+bool CurvedDepth::provesAtPoint() const {
+  const CurvedFace face = faces_.along(-progress_.normal());
+  CurvedChoice choice;
+  faces_.blend(face, planes_.reach(), 1, choice);
+  Vector a;
+  const double wide = std::max(planes_.reach() - depth_, 0.0);
+  const Vector b = planes_.memberOf(face, choice, wide, a) + a;
+  // (Members err by less than kSupportRounding units, point distances by kClosedFormRounding.)
+  const auto isDeep = [&](int part, const Vector& point) {
+    const ConvexView& view = faces_.view(part);
+    return hasPointDistance(view.core) &&
+           -pointDistance(view, point).distance - kCellRounding * roundoff_ >= depth_;
+  };
+  const Pose& X_BA = planes_.pose();
+  return isDeep(1, a) || isDeep(0, rotatedBack(X_BA.rotation, b - X_BA.translation));
 }
 
 // Evaluates anew the corners that were chosen for a larger depth: what is best beside an edge
@@ -331,17 +374,11 @@ bool CurvedDepth::halve(Cell& cell, bool edges, Cell& other) {
   return true;
 }
 
-// True when the depth is proven in all directions; ends when less work than `spare` is left.
-bool CurvedDepth::provesAll(bool edges, std::int64_t spare) {
-  Cell stack[8 + kMostHalvings];
-  int count = 0;
-  for (int octant = 0; octant < 8; ++octant) {
-    Cell& cell = stack[count++];
-    cell.halvings = 0;
-    for (int i = 0; i < 3; ++i) {
-      cell.node[i] = nodeAt((octant >> i & 1) != 0 ? Vector(-Vector::Unit(i)) : Vector::Unit(i));
-    }
-  }
+// True when the depth is proven in all cells of the stack, which halve() halves; ends when less
+// work than `spare` is left.
+template <class Halve>
+bool CurvedDepth::provesCells(Cell* stack, int count, int most_halvings, std::int64_t spare,
+                              const Halve& halve) {
   while (count > 0) {
     if (progress_.decided() || !(depth_ > 0)) return false;
     Cell& cell = stack[count - 1];
@@ -352,10 +389,54 @@ bool CurvedDepth::provesAll(bool edges, std::int64_t spare) {
     if (workLeft() <= spare) return false;
     if (cell.halvings % kHalvingsPerLook == 0) rest_ = 0;
     if (renew(cell)) continue;
-    if (cell.halvings == kMostHalvings || !halve(cell, edges, stack[count])) return false;
+    if (cell.halvings == most_halvings || !halve(cell, stack[count])) return false;
     ++count;
   }
   return true;
+}
+
+bool CurvedDepth::provesAll(bool edges, std::int64_t spare) {
+  Cell stack[8 + kMostHalvings];
+  for (int octant = 0; octant < 8; ++octant) {
+    Cell& cell = stack[octant];
+    cell.halvings = 0;
+    for (int i = 0; i < 3; ++i) {
+      cell.node[i] = nodeAt((octant >> i & 1) != 0 ? Vector(-Vector::Unit(i)) : Vector::Unit(i));
+    }
+  }
+  return provesCells(stack, 8, kMostHalvings, spare,
+                     [&](Cell& cell, Cell& other) { return halve(cell, edges, other); });
+}
+
+// Cells of a half plane are angles: the second and third corner are one.
+bool CurvedDepth::provesHalfPlane(const CommonAxis& axis) {
+  Cell stack[2 + kMostPlaneHalvings];
+  for (int i = 0; i < 2; ++i) {
+    Cell& cell = stack[i];
+    cell.halvings = 0;
+    cell.node[0] = nodeAt(i == 0 ? Vector(-axis.along) : axis.along);
+    cell.node[1] = cell.node[2] = nodeAt(axis.across);
+  }
+  return provesCells(stack, 2, kMostPlaneHalvings, 0, [&](Cell& cell, Cell& other) {
+    const Node middle = nodeAt(0.5 * (cell.node[0].x + cell.node[1].x));
+    ++cell.halvings;
+    other = cell;
+    cell.node[1] = cell.node[2] = middle;
+    other.node[0] = middle;
+    return true;
+  });
+}
+
+// For bodies of revolution about axes that are nearly parallel. What is proven is a rough depth
+// where the axes' excess is more than the width asked allows.
+bool CurvedDepth::provesAroundAxis(double wanted) {
+  const CommonAxis axis = commonAxis(faces_.view(0), planes_.pose(), faces_.view(1), roundoff_,
+                                     0.25 * kShareOfAxis * wanted);
+  if (!(axis.excess <= kRoughDepths[0] * (roundoff_ / kUnitRoundoff))) return false;
+  gap_ = std::max(wanted - axis.excess, axis.excess);
+  if (!startSearch() || !provesHalfPlane(axis)) return false;
+  claim(axis.excess);
+  return axis.excess <= kShareOfAxis * wanted;
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "collision/base/work.h"
 #include "leeway/collision/convex_hull.h"
 #include "leeway/collision/distance.h"
 #include "tests/collision/convex/known_cases.h"
@@ -90,7 +91,7 @@ Pair aroundOneAxis(Random& random) {
 }
 
 void expectDeepAndNarrow(std::span<const Known> all,
-                         int iteration_limit = DistanceRequest{}.iteration_limit) {
+                         int iteration_limit = testing::kThoroughLimit) {
   Scratch scratch;
   for (const Known& one : all) {
     const DistanceResult r = testing::expectNarrow(one, scratch, iteration_limit);
@@ -276,6 +277,7 @@ TEST(CurvedDepth, NoPlaneSeparatesByLess) {
     const ConvexView a = viewOf(pair.a), b = viewOf(pair.b);
     ASSERT_TRUE(haveCurvedDepth(a, b));
     CoreQuery query;
+    query.request.iteration_limit = testing::kThoroughLimit;
     const double size = a.extent + b.extent + relative.X_BA.translation.norm();
     query.roundoff = kUnitRoundoff * size;
     query.upper_offset = -kSupportRounding * query.roundoff;
@@ -328,6 +330,33 @@ TEST(CurvedDepth, SpeaksOfRoundBodiesOnly) {
   EXPECT_FALSE(haveCurvedDepth(viewOf(cone), viewOf(Shape::halfSpace())));
 }
 
+// A default query ends within a millisecond, counted as Work, and holds the truth where that leaves
+// it wide: pairs that were once left open, and bodies about one axis.
+TEST(CurvedDepth, DefaultQueryEndsWithinAMillisecond) {
+  constexpr std::int64_t kMillisecond = 1'000'000;
+  Scratch scratch;
+  int wide = 0;
+  const auto ask = [&](const Pair& pair) {
+    Work work;
+    countInto(scratch, work);
+    const DistanceResult d = distance(pair.a, pair.X_WA, pair.b, pair.X_WB, {}, scratch);
+    EXPECT_LE(work.done, kMillisecond) << pair.replay();
+    if (d.status == DistanceStatus::kConverged) return;
+    ++wide;
+    const oracle::Truth truth = oracle::signedSeparation(pair.a, pair.X_WA, pair.b, pair.X_WB);
+    EXPECT_EQ(d.status, DistanceStatus::kLimit) << pair.replay();
+    EXPECT_LE(d.distance.lower, truth.upper) << pair.replay();
+    EXPECT_GE(d.distance.upper, truth.lower) << pair.replay();
+    EXPECT_LE(d.distance.width(), 1e-3) << pair.replay();
+  };
+  for (const char* family : {"pairs-that-were-left-open", "places-in-the-middle-of-round-bodies",
+                             "direction-that-is-lost-is-no-plane"})
+    for (const Known& known : knownDepths(family)) ask(known.pair);
+  EXPECT_GT(wide, 0);
+  Random random(93);
+  for (int i = 0; i < casesToAsk(300); ++i) ask(aroundOneAxis(random));
+}
+
 // Any limit of steps leaves a true interval, and kLimit where it is the reason for the width.
 TEST(CurvedDepth, LimitOfIterationsIsKept) {
   const Pair pair{
@@ -366,10 +395,12 @@ TEST(CurvedDepth, LimitOfIterationsIsKept) {
 TEST(CurvedDepth, SwappedIsTheSame) {
   Random random(92);
   Scratch scratch;
+  DistanceRequest request;
+  request.iteration_limit = testing::kThoroughLimit;
   for (int i = 0; i < casesToAsk(300); ++i) {
     const Pair pair = aroundOneAxis(random);
-    const Interval d = distance(pair.a, pair.X_WA, pair.b, pair.X_WB, {}, scratch).distance;
-    const Interval e = distance(pair.b, pair.X_WB, pair.a, pair.X_WA, {}, scratch).distance;
+    const Interval d = distance(pair.a, pair.X_WA, pair.b, pair.X_WB, request, scratch).distance;
+    const Interval e = distance(pair.b, pair.X_WB, pair.a, pair.X_WA, request, scratch).distance;
     EXPECT_LE(d.width(), 1e-9) << pair.replay();
     EXPECT_LE(e.width(), 1e-9) << pair.replay();
     EXPECT_LE(d.lower, e.upper) << pair.replay();
@@ -379,7 +410,7 @@ TEST(CurvedDepth, SwappedIsTheSame) {
 
 // Enough for needles with a width of a thousandth of their length: the default limit leaves some a
 // millionth of their sizes wide.
-constexpr int kNeedleLimit = 1024;
+constexpr int kNeedleLimit = 4 * testing::kThoroughLimit;
 
 // Needles about the axis or the middle of another body: their support turns within a strip of
 // directions as narrow as they are thin, which cells must follow all around. Ellipsoids that are
@@ -528,6 +559,7 @@ TEST(CurvedDepth, ToleranceThatNothingMeetsLeavesTheTruth) {
   for (const double tolerance : {-infinity, -1.0, 0.0}) {
     DistanceRequest request;
     request.tolerance = tolerance;
+    request.iteration_limit = testing::kThoroughLimit;
     const DistanceResult d =
         distance(pair.a, pair.X_WA, pair.b, pair.X_WB, request, scratch, nullptr);
     EXPECT_EQ(d.status, DistanceStatus::kLimit);

@@ -48,6 +48,10 @@ inline Pose pose(const double (&R)[9], const Eigen::Vector3d& t) {
 
 inline Shape hull(const std::vector<Eigen::Vector3d>& points) { return Shape::convexHull(points); }
 
+/// Steps that leave no pair of these families wider than asked: the default ends within a
+/// millisecond, which some need more than.
+inline constexpr int kThoroughLimit = 36 * DistanceRequest{}.iteration_limit;
+
 /// Expects an interval as narrow as asked that holds the truth, in either order, within
 /// `iteration_limit` steps. Returns the first order's answer.
 inline DistanceResult expectNarrow(const Known& known, Scratch& scratch,
