@@ -14,7 +14,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// One engine's queries of a family; empty when it has no such pair.
+/// One engine's queries of a family; empty: it lacks the pair of types.
 struct Prepared {
   const PairEngine* engine = nullptr;
   std::vector<std::unique_ptr<PairQuery>> queries;
@@ -34,7 +34,7 @@ Prepared prepare(const PairEngine& engine, const AccuracyFamily& family,
     try {
       query = engine.prepare(c.spec, isWarm(family));
     } catch (const std::exception&) {
-      // A shape that the engine refuses counts as a type that it lacks.
+      // A shape that the engine refuses counts as a missing type.
     }
     if (!query) return {&engine, {}, {}};
     result.queries.push_back(std::move(query));
@@ -42,7 +42,7 @@ Prepared prepare(const PairEngine& engine, const AccuracyFamily& family,
   return result;
 }
 
-/// Warm-starts case i from the previous case of its track.
+/// Warm-starts case i from its predecessor in the track.
 void beginWarm(const Prepared& p, const AccuracyFamily& family, std::size_t i) {
   if (!isWarm(family)) return;
   const bool follows = i > 0 && family.cases[i].track == family.cases[i - 1].track;
@@ -57,7 +57,7 @@ struct Outcome {
   std::vector<Fate> fates;
 };
 
-/// One outcome a tolerance.
+/// One outcome for each tolerance.
 std::vector<Outcome> askAll(const Prepared& p, const AccuracyFamily& family, double seconds) {
   const std::size_t cases = family.cases.size(), count = cases * p.tolerances.size();
   const SharedArray<PairAnswer> answers(count);
@@ -79,7 +79,7 @@ bool isAnswer(const Outcome& o, std::size_t i) {
          !std::isnan(o.answers[i].upper);
 }
 
-/// Distance of the farther end from the truth, as far as the truth is known.
+/// Distance of the farther end from the truth's interval.
 double errorOf(const PairAnswer& answer, const AccuracyCase& c) {
   const double off =
       std::max(std::abs(answer.lower - c.spec.distance), std::abs(answer.upper - c.spec.distance));
@@ -133,7 +133,7 @@ AccuracyRow judge(const Prepared& p, const AccuracyFamily& family, double tolera
   return row;
 }
 
-/// The cases of a row that may be timed: those that were answered.
+/// The answered cases of a row: only those are timed.
 std::vector<std::size_t> timedCases(const Outcome& outcome) {
   std::vector<std::size_t> cases;
   for (std::size_t i = 0; i < outcome.answers.size(); ++i)
@@ -143,8 +143,8 @@ std::vector<std::size_t> timedCases(const Outcome& outcome) {
 
 volatile double sink;  // keeps answers from being optimised away
 
-/// Mean nanoseconds of a query over `cases`, asked once each, in order. Warm families: the first
-/// of each track is asked off the clock.
+/// Mean time of a query [ns], each case asked once, in order. Warm families: the first of each
+/// track is off the clock.
 double timePass(const Prepared& p, const AccuracyFamily& family, double tolerance,
                 const std::vector<std::size_t>& cases) {
   double sum = 0;
@@ -178,14 +178,14 @@ double timePass(const Prepared& p, const AccuracyFamily& family, double toleranc
                     : nanoseconds / static_cast<double>(asked);
 }
 
-/// A row on its way: what it is measured with.
+/// A row in the making, with its queries.
 struct Measurement {
   const Prepared* prepared;
   AccuracyRow row;
   std::vector<std::size_t> timed;
 };
 
-/// Short passes are repeated until they take this long, so that the clock's own steps do not show.
+/// Shorter passes are repeated up to this length: hides the clock's resolution.
 constexpr double kShortestPass = 10e3;  // [ns]
 constexpr double kMostRepeats = 50;
 
@@ -196,14 +196,14 @@ double timeRepeatedPass(const Prepared& prepared, const Measurement& m,
   return sum / repeats;
 }
 
-/// Times all rows of a family, interleaved, in a child process of its own.
+/// Times all rows of a family, interleaved, in one child process.
 void timeFamily(const AccuracyFamily& family, int passes, std::vector<Measurement>& measurements) {
   const auto count = static_cast<std::size_t>(passes);
   const SharedArray<double> nanoseconds(measurements.size() * count);
   const std::vector<Fate> fate = runGuarded(1, 3600, [&](std::size_t) {
     std::vector<int> repeats;
     for (const Measurement& m : measurements) {
-      // Warms caches and predictors, and measures how long a pass takes.
+      // Warms caches and branch predictors, and gives a pass's length.
       const double pass = m.timed.empty()
                               ? 0
                               : timePass(*m.prepared, family, m.row.tolerance, m.timed) *
@@ -217,7 +217,7 @@ void timeFamily(const AccuracyFamily& family, int passes, std::vector<Measuremen
         const Measurement& m = measurements[k];
         if (m.timed.empty()) continue;
         const Prepared& prepared = *m.prepared;
-        // Untimed: the previous engine has evicted this one's code and data.
+        // Untimed: the previous engine evicted this one's code and data.
         if (std::exchange(in_cache, &prepared) != &prepared)
           timePass(prepared, family, m.row.tolerance, m.timed);
         nanoseconds[k * count + pass] = timeRepeatedPass(prepared, m, family, repeats[k]);

@@ -27,7 +27,7 @@ ReportShape hullOf(std::vector<Vector3d> points) {
   return {std::move(shape), std::move(points)};
 }
 
-// Sizes from 0.2 to 1 m throughout, where a family does not say otherwise.
+// Sizes are 0.2 to 1 m unless a family says otherwise.
 double length(Random& random) { return random.uniform(0.2, 1); }
 Vector3d lengths(Random& random) { return {length(random), length(random), length(random)}; }
 
@@ -48,7 +48,7 @@ ReportShape cone(Random& r) {
 ReportShape ellipsoid(Random& r) { return plain(Shape::ellipsoid(lengths(r))); }
 ReportShape halfSpace(Random&) { return plain(Shape::halfSpace()); }
 
-/// All of them extreme: on an ellipsoid.
+/// All points on an ellipsoid, hence all vertices.
 template <int kVertices>
 ReportShape hull(Random& r) {
   const Vector3d axes = lengths(r);
@@ -64,7 +64,7 @@ struct Pairing {
   MakeShape a, b;
 };
 
-/// Every pair of convex types; the first twelve are those that others publish.
+/// Every pair of convex types; the first twelve are the ones published elsewhere.
 constexpr std::array<Pairing, 38> kPairings = {{
     {"box-box", box, box},
     {"box-sphere", box, sphere},
@@ -106,7 +106,7 @@ constexpr std::array<Pairing, 38> kPairings = {{
     {"half-space-hull", halfSpace, hull<32>},
 }};
 
-/// Types with closed forms are much alike in contact; these cover every kind of core.
+/// Closed-form pairs behave alike in contact; these cover every kind of core.
 constexpr std::array<Pairing, 13> kOverlaps = {{
     {"overlap box-box", box, box},
     {"overlap box-sphere", box, sphere},
@@ -132,7 +132,7 @@ double radiusOf(const Shape& shape) {
   return std::isfinite(shape.boundingRadius()) ? shape.boundingRadius() : 1;
 }
 
-/// Random orientations, somewhere near one another.
+/// Random orientations, centres 1.1 to 2 bounding radii apart.
 Placed placeAnyhow(Random& r, ReportShape a, ReportShape b) {
   Placed p{std::move(a), std::move(b), {}, {}};
   p.X_WA = {r.rotation(), r.uniform(-1, 1) * r.direction()};
@@ -141,8 +141,8 @@ Placed placeAnyhow(Random& r, ReportShape a, ReportShape b) {
   return p;
 }
 
-/// Moves B along the direction that separates it from A until about `gap` is left. This only makes
-/// the case what its name says; what is true of it the oracle tells.
+/// Moves B along the separating direction until about `gap` remains. Approximate: the oracle
+/// supplies the truth.
 void setGap(Placed& p, double gap) {
   collision::Scratch scratch;
   for (int i = 0; i < 2; ++i) {
@@ -158,7 +158,7 @@ Placed placeApart(Random& r, ReportShape a, ReportShape b) {
   return p;
 }
 
-/// To contact first, then in by a share of the smaller body; by less where that is thinner.
+/// Moves B into contact, then deeper by a share of the smaller body, less where that is thinner.
 Placed placeOverlapping(Random& r, ReportShape a, ReportShape b, double least, double most) {
   Placed p = placeAnyhow(r, std::move(a), std::move(b));
   collision::Scratch scratch;
@@ -181,8 +181,8 @@ Matrix3d aboutAxis(const Vector3d& axis, double angle) {
   return Eigen::AngleAxisd(angle, axis).toRotationMatrix();
 }
 
-/// Faces (angle 0 about z) or edges (45 degrees about y for both, sharing that direction) that are
-/// parallel exactly, or nearly: tilted by 1e-16 to 1e-6.
+/// Faces (angle 0 about z) or edges (45 degrees about y) of both bodies parallel, exactly or tilted
+/// by 1e-16 to 1e-6.
 Placed parallel(Random& r, bool edges) {
   const auto solid = [&]() {
     switch (edges ? 0 : r.below(3)) {
@@ -210,7 +210,7 @@ Placed parallel(Random& r, bool edges) {
                                 : aboutAxis(Vector3d::UnitZ(), r.uniform(0, 3));
   p.X_WA = {edges ? Matrix3d(R * corner) : R, Vector3d::Zero()};
   p.X_WB.rotation = R * aboutAxis(Vector3d::UnitX(), tilt) * corner;
-  // One above the other, shifted sideways so that faces or edges overlap in part.
+  // B above A, shifted sideways so that faces or edges overlap in part.
   const Vector3d aside(edges ? 0 : r.uniform(-0.2, 0.2), r.uniform(-0.2, 0.2), 4);
   p.X_WB.translation = R * aside;
   const double gap = r.logUniform(1e-4, 1);
@@ -222,7 +222,7 @@ Placed parallel(Random& r, bool edges) {
 Placed parallelFaces(Random& r) { return parallel(r, false); }
 Placed parallelEdges(Random& r) { return parallel(r, true); }
 
-/// Types that every rival has, so that all face the same cases.
+/// Types that every rival has: all face the same cases.
 ReportShape anySolid(Random& r) {
   constexpr std::array<MakeShape, 5> kAny = {box, cylinder, cone, hull<8>, hull<32>};
   return kAny[static_cast<std::size_t>(r.below(5))](r);
@@ -252,7 +252,7 @@ Placed slivers(Random& r) {
   return placeApart(r, std::move(a), r.chance(0.5) ? sliver(r) : box(r));
 }
 
-/// Regular polygons without any thickness, at times parallel, against one another and solids.
+/// Flat regular polygons, at times parallel, against one another and solids.
 ReportShape polygon(Random& r) {
   const int corners = 3 + r.below(10);
   const double radius = length(r);
@@ -291,7 +291,7 @@ ReportShape scaled(ReportShape s, double factor) {
   }
 }
 
-/// One body 1e3 to 1e6 times smaller than the other, apart by up to the smaller's or larger's size.
+/// One body 1e3 to 1e6 times smaller; gaps from the smaller's size to the larger's.
 Placed sizeRatio(Random& r) {
   const double ratio = r.logUniform(1e3, 1e6);
   ReportShape large = anySolid(r);
@@ -301,7 +301,7 @@ Placed sizeRatio(Random& r) {
   return p;
 }
 
-/// The pair itself is ordinary; the world's origin is 1e3 to 1e6 m away.
+/// An ordinary pair 1e3 to 1e6 m from the world's origin.
 Placed farFromOrigin(Random& r) {
   ReportShape a = anySolid(r);
   Placed p = placeApart(r, std::move(a), anySolid(r));
@@ -333,7 +333,7 @@ Placed nearlyCoplanar(Random& r) {
   return p;
 }
 
-/// Hulls whose points come twice, exactly or up to 1e-7 aside.
+/// Hulls of duplicated points, exact or up to 1e-7 apart.
 ReportShape duplicated(Random& r) {
   const Vector3d axes = lengths(r);
   std::vector<Vector3d> points;
@@ -382,7 +382,7 @@ constexpr std::array<Pairing, 4> kCoherent = {{
     {"coherent hull 128", hull<128>, hull<128>},
     {"coherent hull 512", hull<512>, hull<512>},
 }};
-/// A step of coherent motion: about a robot's link at 1 m/s and 1 rad/s, 200 steps a second.
+/// A frame of coherent motion: a robot's link at 1 m/s and 1 rad/s, 200 frames/s.
 constexpr double kStep = 0.005;  // [m] and [rad]
 
 class SetBuilder {
@@ -397,7 +397,7 @@ class SetBuilder {
     for (int i = 0; i < per_family_; ++i) add(make(random), 0);
   }
 
-  /// Tracks of at most 16 cases, each with a pair and a motion of its own.
+  /// Tracks of at most 16 cases, each with its own pair and motion.
   void coherent(const Pairing& pairing) {
     constexpr int kTrack = 16;
     Random random = begin(pairing.name, FamilyKind::kCoherent);
@@ -419,7 +419,7 @@ class SetBuilder {
   AccuracySet take() { return std::move(set_); }
 
  private:
-  /// A family has numbers of its own, so that its cases do not depend on the other families.
+  /// Seeds by family, so that a family's cases do not depend on the others.
   Random begin(const char* name, FamilyKind kind) {
     if (progress_) progress_(name);
     set_.families.push_back({name, kind, {}});

@@ -9,7 +9,7 @@
 namespace leeway::tools::report {
 namespace {
 
-/// Empty where there is nothing.
+/// Empty for NaN.
 std::string cell(double value) {
   return std::isnan(value) ? std::string() : fmt::format("{:.4g}", value);
 }
@@ -20,7 +20,7 @@ std::string countIf(bool applies, int count) {
   return applies ? std::to_string(count) : std::string();
 }
 
-/// What a hard row says, by engine or summed.
+/// Failures of one engine, of one row or summed.
 struct Tally {
   bool tells_distance = true, claims_bounds = false;
   int cases = 0, wrong = 0, threw = 0, died = 0, endless = 0, not_a_number = 0, verdict = 0,
@@ -40,7 +40,7 @@ std::vector<std::string> enginesOf(const std::vector<AccuracyRow>& rows) {
   return names;
 }
 
-/// The row of a family and engine at default tolerance; null: that engine has no such pair.
+/// A family's row of an engine at default tolerance; null: it lacks the pair of types.
 const AccuracyRow* defaultRow(const std::vector<AccuracyRow>& rows, const std::string& family,
                               const std::string& engine) {
   for (const AccuracyRow& r : rows)
@@ -89,8 +89,8 @@ void appendTally(std::string& text, const std::string& name, const Tally& t) {
                       t.verdict, number(t.claims_bounds, t.unsafe));
 }
 
-/// Sums by engine over the families of `kinds`; `tightest`: at 1e-15 (or whatever is the last
-/// tolerance) instead of by default.
+/// Sums by engine over the families of `kinds`; `tightest`: at the last tolerance instead of the
+/// default.
 std::string wrongTable(const std::vector<AccuracyRow>& rows,
                        const std::vector<std::string>& engines, const char* title,
                        const std::vector<FamilyKind>& kinds) {
@@ -127,7 +127,7 @@ std::string hardCasesCsv(const std::vector<AccuracyRow>& rows) {
   std::string text =
       "family,kind,engine,tolerance,cases,wrong,exceptions,aborts,endless,nan,wrong_verdict,"
       "unsafe\n";
-  // The last tolerance of those with several is the tightest.
+  // The last of several tolerances is the tightest.
   std::map<std::pair<std::string, std::string>, const AccuracyRow*> last;
   for (const AccuracyRow& r : rows) last[{r.family, r.engine}] = &r;
   for (const AccuracyRow& r : rows) {
@@ -167,7 +167,7 @@ Figure accuracyFigure(const std::vector<AccuracyRow>& rows, const std::vector<Fa
       const auto belongs = [&](const AccuracyRow& r) {
         return r.family == family->family && r.engine == engine && r.tells_distance;
       };
-      // Engines without tolerances have one point, by default; the others a point a decade.
+      // Engines without tolerances have one point, the others a point a decade.
       const bool decades = std::any_of(rows.begin(), rows.end(), [&](const AccuracyRow& r) {
         return belongs(r) && !std::isnan(r.tolerance);
       });
@@ -176,7 +176,7 @@ Figure accuracyFigure(const std::vector<AccuracyRow>& rows, const std::vector<Fa
           series.points.push_back({r.error_max, r.ns, r.ns_low, r.ns_high});
       if (!series.points.empty()) panel.series.push_back(std::move(series));
     }
-    // One engine alone is nothing to compare; its figures are in the table.
+    // A lone engine has no comparison to show; the table has its figures.
     if (panel.series.size() > 1 || alone) figure.panels.push_back(std::move(panel));
   }
   return figure;

@@ -7,8 +7,8 @@
 
 namespace leeway::tools::report {
 
-/// Our engine behind the rivals' interface: `leeway`, distances (with depth where shapes overlap),
-/// and `leeway d > t?`, thresholds of half and of one and a half times the true distance in turn.
+/// Our engine behind the rivals' interface: `leeway` answers distances (with depth in overlap);
+/// `leeway d > t?` answers thresholds of half and 1.5 times the true distance by turns.
 std::vector<std::unique_ptr<PairEngine>> makeOwnEngines();
 
 }  // namespace leeway::tools::report

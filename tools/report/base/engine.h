@@ -10,14 +10,13 @@
 
 namespace leeway::tools::report {
 
-/// An engine's signed distance [m]. Both ends are equal where it returns a bare number, NaN where
-/// it reports failure.
+/// An engine's signed distance [m]. An engine that returns a bare number sets both ends to it; NaN:
+/// it reported failure.
 struct PairAnswer {
   double lower = 0, upper = 0;
 };
 
-/// A convex shape and, for a hull, the points it was made from, duplicates included: rivals are
-/// given those.
+/// A convex shape. A hull keeps the points it was made from, duplicates included: rivals get those.
 struct ReportShape {
   collision::Shape shape;
   std::vector<Eigen::Vector3d> points;
@@ -28,19 +27,19 @@ struct PairSpec {
   const ReportShape* a = nullptr;
   const ReportShape* b = nullptr;
   collision::Pose X_WA, X_WB;
-  double size = 1;       ///< sum of the bounding radii [m]: what relative tolerances refer to
+  double size = 1;       ///< sum of the bounding radii [m]; tolerances are relative to it
   double distance = 0;   ///< the true signed distance [m]
-  bool overlap = false;  ///< asks engines with a separate depth query for that
+  bool overlap = false;  ///< true: engines with a separate depth query use it
 };
 
-/// One engine's form of one pair, made off the clock.
+/// One engine's form of one pair, prepared off the clock.
 class PairQuery {
  public:
   virtual ~PairQuery() = default;
   /// `tolerance`: absolute [m]; NaN: the engine's default. May throw, abort or loop: the report
   /// counts that.
   virtual PairAnswer ask(double tolerance) = 0;
-  /// Warm start from the query of the pair's previous placement, of the same engine and pair; null:
+  /// Warm-starts from `previous`, this engine's query of the same pair one placement earlier; null:
   /// cold.
   virtual void follow(const PairQuery* previous) { static_cast<void>(previous); }
 };
@@ -49,13 +48,13 @@ class PairEngine {
  public:
   virtual ~PairEngine() = default;
   virtual const char* name() const = 0;
-  /// False: ask() ignores its argument, so one row is enough.
+  /// False: ask() ignores its argument, so one row suffices.
   virtual bool hasTolerance() const = 0;
-  /// True: answers are intervals that claim to contain the truth.
+  /// True: answers are intervals that claim to hold the truth.
   virtual bool claimsBounds() const { return false; }
-  /// False: answers only say on which side of a threshold the distance lies.
+  /// False: answers only place the distance on one side of a threshold.
   virtual bool tellsDistance() const { return true; }
-  /// Null: the engine has no such pair of types. `warm`: follow() will be called.
+  /// Null: the engine lacks this pair of types. `warm`: follow() will be called.
   virtual std::unique_ptr<PairQuery> prepare(const PairSpec& spec, bool warm) const = 0;
 };
 

@@ -19,7 +19,7 @@ namespace {
   throw std::system_error(errno, std::generic_category(), what);
 }
 
-/// Processor time, not time of day: a busy machine makes nobody look endless.
+/// Processor time: load on the machine must not look like an endless loop.
 void setTimer(double seconds) {
   itimerval timer{};
   timer.it_value.tv_sec = static_cast<time_t>(std::floor(seconds));
@@ -32,7 +32,7 @@ struct Progress {
   std::size_t current;
 };
 
-/// The life of a child: items from `first` on, until the end or until one kills it.
+/// A child's work: items from `first` on, until the end or until one kills it.
 [[noreturn]] void liveAsChild(std::size_t first, std::size_t count, double seconds,
                               const std::function<void(std::size_t)>& work, Progress& progress,
                               std::span<Fate> fates) {
@@ -80,7 +80,7 @@ std::vector<Fate> runGuarded(std::size_t count, double seconds,
       if (errno != EINTR) fail("waitpid");
     const std::size_t reached = progress[0].current;
     if (reached >= count) break;
-    // An item that calls exit() has failed, too.
+    // Calling exit() counts as dying.
     fates[reached] =
         WIFSIGNALED(status) && WTERMSIG(status) == SIGPROF ? Fate::kTimedOut : Fate::kDied;
     next = reached + 1;

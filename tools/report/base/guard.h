@@ -12,11 +12,11 @@ namespace leeway::tools::report {
 enum class Fate : unsigned char {
   kDone,
   kThrew,     ///< an exception
-  kDied,      ///< the process ended: abort, segmentation fault, ...
+  kDied,      ///< the process ended: abort, segmentation fault, exit()
   kTimedOut,  ///< more processor time than allowed
 };
 
-/// An anonymous mapping that child processes write and their parent reads. T must be trivial.
+/// Anonymous memory that child processes write and their parent reads. T must be trivial.
 class SharedMemory {
  public:
   explicit SharedMemory(std::size_t bytes);  ///< zeros; throws std::bad_alloc
@@ -44,11 +44,11 @@ class SharedArray {
   std::size_t count_;
 };
 
-/// Calls work(0) ... work(count - 1) in child processes of this one, so that nothing an item does
-/// can end this process: a new child goes on after an item that kills its own. What the items find
-/// out they must write into shared memory. `seconds`: processor time that one item may take, from
-/// 1e-5. Children write nothing to stderr. Returns each item's fate. Throws std::system_error when
-/// no child can be made. Meant for one thread.
+/// Calls work(0) ... work(count - 1) in child processes, so that no item can end this one: after an
+/// item that kills its child, a new child goes on with the next. Items return results through
+/// shared memory. `seconds`: processor time allowed for one item, at least 1e-5. Children's stderr
+/// is discarded. Returns each item's fate. Throws std::system_error when no child can be made. Not
+/// thread-safe.
 std::vector<Fate> runGuarded(std::size_t count, double seconds,
                              const std::function<void(std::size_t)>& work);
 

@@ -4,11 +4,11 @@
 
 namespace leeway::tools::report {
 
-/// The processor's name as the system tells it, "unknown processor" where it does not.
+/// The processor's name from /proc/cpuinfo; "unknown processor" where that has none.
 std::string machineName();
 
-/// Keeps this process and its children on the processor that it runs on; returns that, or -1 where
-/// the system refuses.
+/// Pins this process and its future children to the current processor; returns its number, -1 on
+/// failure.
 int pinToOneProcessor();
 
 }  // namespace leeway::tools::report

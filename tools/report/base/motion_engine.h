@@ -13,8 +13,8 @@ namespace leeway::tools::report {
 /// An engine's first time of contact, in [0, 1].
 struct ContactAnswer {
   bool contact = false;
-  bool undecided = false;  ///< neither: a limit or rounding left it open
-  /// Of a contact; engines that return bare numbers have both ends equal.
+  bool undecided = false;  ///< a limit or rounding left it open
+  /// Time of contact; engines that return bare numbers set both ends to it.
   double lower = std::numeric_limits<double>::quiet_NaN(), upper = lower;
 };
 
@@ -22,20 +22,20 @@ struct ContactAnswer {
 struct MovingBody {
   const ReportShape* shape = nullptr;
   std::shared_ptr<const collision::RigidMotion> motion;
-  /// A StraightMotion between its two ends. Engines that know only such follow others in pieces.
+  /// A StraightMotion between its ends. Engines limited to such motions follow others in pieces.
   bool straight = true;
 };
 
-/// Bodies of which the first contact of any listed pair is asked, or two triangles whose corners
-/// move.
+/// Asks for the first contact of any listed pair of bodies, or of two triangles with moving
+/// corners.
 struct ContactSpec {
   std::vector<MovingBody> bodies;
   std::vector<std::array<std::size_t, 2>> pairs;
-  std::vector<collision::MovingTriangle> triangles;  ///< two, where there are no bodies
-  double margin = 0;  ///< so near counts as contact [m]; for engines that can be told
+  std::vector<collision::MovingTriangle> triangles;  ///< two if `bodies` is empty
+  double margin = 0;  ///< contact begins at this distance [m], for engines with a margin
 };
 
-/// One engine's form of one case, made off the clock.
+/// One engine's form of one case, prepared off the clock.
 class ContactQuery {
  public:
   virtual ~ContactQuery() = default;
@@ -49,16 +49,16 @@ class ContactEngine {
   virtual const char* name() const = 0;
   /// True: the interval of the time claims to hold the truth.
   virtual bool claimsBounds() const { return false; }
-  /// Null: the engine has no such shapes or motions.
+  /// Null: the engine lacks such shapes or motions.
   virtual std::unique_ptr<ContactQuery> prepare(const ContactSpec& spec) const = 0;
 };
 
-/// Pieces in which engines that know only straight motions follow others [count].
+/// Number of straight pieces for engines limited to straight motions.
 inline constexpr int kMotionPieces = 32;
 
-/// First contact by an engine that knows pairs and straight motions only: every pair in turn, each
-/// motion in as many pieces as it needs. `follow(pair, X_WA0, X_WA1, X_WB0, X_WB1)` returns the
-/// fraction of the piece at which contact is, negative where there is none.
+/// First contact by an engine limited to single pairs and straight motions: every pair in turn,
+/// each motion in kMotionPieces pieces unless it is straight. `follow(pair, X_WA0, X_WA1, X_WB0,
+/// X_WB1)` returns the fraction of the piece at which contact begins, negative for none.
 template <typename Follow>
 ContactAnswer firstOfPieces(const ContactSpec& spec, const Follow& follow) {
   ContactAnswer first;

@@ -11,19 +11,19 @@
 namespace leeway::tools::report {
 namespace {
 
-// All lengths in px. Gaps leave room for tick labels and the axes' names.
+// Lengths in px. Gaps leave room for tick labels and axis names.
 constexpr double kLeft = 64, kBottom = 52, kTop = 28, kRight = 18, kMargin = 14;
 constexpr double kTickLabel = 11, kLabel = 12, kTitle = 13, kFigureTitle = 17, kNote = 11.5;
 constexpr double kLegendRow = 20, kLegendText = 12.5, kLegendKey = 30, kLegendGap = 22;
-/// Mean width of a character as a share of the font size, a little generous.
+/// Mean width of a character relative to the font size, slightly generous.
 constexpr double kCharacter = 0.58;
 
-/// Eight colours of middle lightness (readable on white and on near-black), in an order in which
-/// neighbours differ for colour-blind readers; markers tell them apart as well.
+/// Eight colours of medium lightness, legible on white and near-black. Neighbours differ for
+/// colour-blind readers; markers differ as well.
 constexpr std::array<const char*, 8> kColours = {"#1f78d1", "#e07b00", "#139a6b", "#c04f9c",
                                                  "#d6403f", "#17a0b8", "#9a8400", "#7c7c86"};
 
-/// Of limits and models.
+/// For limits and models.
 constexpr const char* kNeutral = "#7c7c86";
 
 constexpr const char* kStyle = R"(<style>
@@ -60,7 +60,7 @@ std::string escaped(const std::string& text) {
   return result;
 }
 
-/// Characters, not bytes: continuation bytes of UTF-8 do not count.
+/// Counts characters: continuation bytes of UTF-8 are skipped.
 double textWidth(const std::string& text, double size) {
   const auto letters = std::count_if(text.begin(), text.end(), [](char c) {
     return (static_cast<unsigned char>(c) & 0xC0) != 0x80;
@@ -91,7 +91,7 @@ std::string superscript(int exponent) {
   return result;
 }
 
-/// 0.01 to 10000 as they are, the rest as powers of ten.
+/// 0.01 to 10000 in plain digits, the rest as powers of ten.
 std::string tickLabel(double value, AxisScale scale) {
   if (value == 0) return "0";
   const double exponent = std::floor(std::log10(std::abs(value)) + 1e-9);
@@ -102,7 +102,7 @@ std::string tickLabel(double value, AxisScale scale) {
   return std::abs(factor - 1) < 1e-6 ? power : fmt::format("{:g}·{}", std::round(factor), power);
 }
 
-/// An axis with its ends settled: where a value lies as a share of the length.
+/// An axis with final ends: maps a value to a share of its length.
 class Ruler {
  public:
   Ruler(const PlotAxis& axis, double data_lower, double data_upper) : scale_(axis.scale) {
@@ -110,7 +110,7 @@ class Ruler {
     lower_ = std::isnan(axis.lower) ? data_lower : axis.lower;
     upper_ = std::isnan(axis.upper) ? data_upper : axis.upper;
     if (!(lower_ < upper_)) {
-      // Nothing, or a single value: room around it.
+      // No or a single value: adds room around it.
       const double middle = lower_ == upper_ ? lower_ : 1;
       lower_ = logarithmic ? middle / 2 : middle - 1;
       upper_ = logarithmic ? middle * 2 : middle + 1;
@@ -135,7 +135,7 @@ class Ruler {
   AxisScale scale() const { return scale_; }
 
  private:
-  /// Some air, so that no marker sits on the border by chance.
+  /// Adds space, so that no marker lies on the border by chance.
   double widened(double value, int side) const {
     if (scale_ == AxisScale::kLogarithmic) return side < 0 ? value / 1.25 : value * 1.25;
     if (side < 0 && value >= 0 && value < 0.3 * upper_) return 0;
@@ -168,7 +168,7 @@ Ruler rulerFor(const PlotPanel& panel, bool vertical) {
   return {axis, lower, upper};
 }
 
-/// One of six outlines around (x, y); hollow ones stand for values beyond the border.
+/// One of six outlines around (x, y); hollow: a value beyond the border.
 std::string markerElement(std::size_t style, double x, double y, bool hollow) {
   const char* colour = kColours[style % kColours.size()];
   const std::string paint =
@@ -207,7 +207,7 @@ std::string markerElement(std::size_t style, double x, double y, bool hollow) {
   }
 }
 
-/// Once the colours are used up, broken lines tell the next ones apart.
+/// When the colours run out, dashes distinguish the next ones.
 std::string strokeAttributes(std::size_t style, bool dashed) {
   static constexpr std::array<const char*, 3> kBreaks = {"", "8 3", "2 3"};
   const std::string breaks = dashed ? "5 4" : kBreaks[style / kColours.size() % kBreaks.size()];
@@ -216,7 +216,7 @@ std::string strokeAttributes(std::size_t style, bool dashed) {
                      breaks.empty() ? "" : " stroke-dasharray=\"" + breaks + "\"");
 }
 
-/// The names of all series, in order of first appearance; a name's place is its style.
+/// All series by name, in order of first appearance; the index is the style.
 std::vector<const PlotSeries*> legendOf(const Figure& figure) {
   std::vector<const PlotSeries*> legend;
   for (const PlotPanel& panel : figure.panels)
@@ -250,7 +250,7 @@ class PanelDrawing {
     svg += textElement(0, 0, "middle", kLabel, "soft", panel_.y.label,
                        fmt::format(" transform=\"translate({:.1f} {:.1f}) rotate(-90)\"",
                                    left_ - 48, top_ + height_ / 2));
-    // The first series is drawn last: it is the one that the report is about.
+    // Backwards: the first series, the report's subject, is drawn on top.
     for (std::size_t i = panel_.series.size(); i-- > 0;) {
       const PlotSeries& series = panel_.series[i];
       const auto same = std::find_if(legend.begin(), legend.end(),
@@ -272,7 +272,7 @@ class PanelDrawing {
       svg += lineElement(toX(v), top_, toX(v), bottom, "minor");
     for (const double v : up.unlabelled)
       svg += lineElement(left_, toY(v), left_ + width_, toY(v), "minor");
-    // Labels that would run into the one before are left out; their lines stay.
+    // Labels that would overlap their predecessor are left out; their grid lines stay.
     double free_from = -HUGE_VAL;
     for (const double v : across.labelled) {
       svg += lineElement(toX(v), top_, toX(v), bottom, "grid");
@@ -324,7 +324,7 @@ class PanelDrawing {
   Ruler x_, y_;
 };
 
-/// The legend in as many rows as it needs; returns its height.
+/// Draws the legend in as many rows as it needs; returns its height.
 double drawLegend(const std::vector<const PlotSeries*>& legend, double width, double top,
                   std::string& svg) {
   double x = kMargin, y = top + kLegendRow - 6;
@@ -347,7 +347,7 @@ double drawLegend(const std::vector<const PlotSeries*>& legend, double width, do
 PlotTicks logarithmicTicks(double lower, double upper) {
   PlotTicks ticks;
   if (!(lower > 0) || !(upper > lower) || !std::isfinite(upper)) return ticks;
-  // Room for rounding, so that an end that is a power of ten has its tick.
+  // The slack absorbs rounding, so that an end at a power of ten gets its tick.
   const int first = static_cast<int>(std::floor(std::log10(lower) + 1e-9));
   const int last = static_cast<int>(std::ceil(std::log10(upper) - 1e-9));
   const auto within = [&](double v) { return v >= lower * (1 - 1e-9) && v <= upper * (1 + 1e-9); };
@@ -355,7 +355,7 @@ PlotTicks logarithmicTicks(double lower, double upper) {
   const int step = decades > 24 ? 4 : decades > 9 ? 2 : 1;
   for (int k = first; k <= last; ++k) {
     const double power = std::pow(10.0, k);
-    // Whole multiples of the step carry labels, whatever the first decade is.
+    // Whole multiples of the step carry labels, independent of the first decade.
     if (within(power)) (k % step == 0 ? ticks.labelled : ticks.unlabelled).push_back(power);
     if (decades > 6) continue;
     for (int m = 2; m <= 9; ++m)
@@ -364,7 +364,7 @@ PlotTicks logarithmicTicks(double lower, double upper) {
             .push_back(m * power);
   }
   if (ticks.labelled.size() < 2) {
-    // Less than a decade: all of them, or the ends themselves.
+    // Less than a decade: label all of them, or the ends.
     ticks.labelled.insert(ticks.labelled.end(), ticks.unlabelled.begin(), ticks.unlabelled.end());
     ticks.unlabelled.clear();
     if (ticks.labelled.size() < 2) ticks.labelled = {lower, upper};

@@ -12,7 +12,7 @@ namespace {
 struct Known {
   const char* library;
   const char* file;
-  const char* packages;  ///< of Debian
+  const char* packages;  ///< Debian's
 };
 constexpr std::array<Known, 3> kModules = {{{"FCL", "leeway_rival_fcl.so", "libfcl-dev libccd-dev"},
                                             {"Bullet", "leeway_rival_bullet.so", "libbullet-dev"},

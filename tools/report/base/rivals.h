@@ -10,26 +10,26 @@
 
 namespace leeway::tools::report {
 
-/// What the module of one library brings to the reports.
+/// The engines that one library's module provides.
 struct Rivals {
   std::vector<std::unique_ptr<PairEngine>> pairs;       ///< for `report accuracy`
   std::vector<std::unique_ptr<MeshEngine>> meshes;      ///< for `report deform`
   std::vector<std::unique_ptr<ContactEngine>> motions;  ///< for `report motion`
 };
 
-/// Each rival is a module that a report loads at run time, so that nothing else links or needs its
-/// library. A module exports one function of this name and type.
+/// Each rival is a module loaded at run time, so that nothing else links its library. A module
+/// exports one function of this name and type.
 using MakeRivals = Rivals* (*)();
 inline constexpr const char* kMakeRivals = "leewayMakeRivals3";
 
-/// A module and whether it could be loaded.
+/// A module, and why it is missing if it is.
 struct RivalModule {
   std::string library;             ///< "FCL", "Bullet", ...
-  std::string problem;             ///< why it is not there; empty: it is
+  std::string problem;             ///< why it could not be loaded; empty: loaded
   std::unique_ptr<Rivals> rivals;  ///< null when there is a problem
 };
 
-/// Loads every known module from ../lib/leeway, seen from the folder of the running program. Sets
+/// Loads all known modules from ../lib/leeway relative to the running program's folder. Sets
 /// `problem` where a module or its library is missing. Modules stay loaded until the process ends.
 std::vector<RivalModule> loadRivals();
 

@@ -7,8 +7,8 @@
 
 namespace leeway::tools::report {
 
-/// The value below which the given share of all lie, one of them, never interpolated; NaN when
-/// there is none. 0.5: the median (the upper one of two). O(n log n).
+/// The smallest element that at least the given share of all elements do not exceed, never
+/// interpolated; NaN when there is none. 0.5: the upper median. O(n log n).
 inline double quantile(std::vector<double> values, double share) {
   if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
   std::sort(values.begin(), values.end());

@@ -24,7 +24,7 @@ AskedEdges askedEdges(const planner::Problem& problem,
   std::vector<double> start;
   for (const int v : problem.robot.variables)
     start.push_back(problem.start[static_cast<std::size_t>(v)]);
-  std::vector<double> goal;  // the middle of the first one's range
+  std::vector<double> goal;  // middle of the first goal's range
   for (const auto& [low, high] : problem.goals.front().ranges)
     goal.push_back(low + (high - low) / 2);
   const auto pool = std::make_shared<CertifierPool>(scene);

@@ -1,7 +1,7 @@
 #pragma once
 
-// Not part of the product: the edges that planning and simplifying ask for, to be measured and
-// checked.
+// Edges that planning and simplifying ask for, replayed by measurements and checks. Not part of the
+// product.
 
 #include <memory>
 #include <vector>
@@ -10,14 +10,14 @@
 
 namespace leeway::bench {
 
-/// Ends of edges, two rows each, in the order in which they were asked for.
+/// Ends of edges, two rows each, in order of request.
 struct AskedEdges {
   std::vector<std::vector<double>> planning, simplifying;
 };
 
-/// What a seeded RRTConnect of at most `iterations` looks and the shortening of its path ask of the
-/// certifier, on the way from the problem's start to the middle of its first goal. Empty where one
-/// of the two is not valid.
+/// The edges that a seeded RRTConnect of at most `iterations` iterations and simplify() on its path
+/// ask of the certifier, from the problem's start to the middle of its first goal. Empty if either
+/// end is invalid.
 AskedEdges askedEdges(const planner::Problem& problem,
                       const std::shared_ptr<const planner::CompiledScene>& scene,
                       unsigned long long iterations);

@@ -1,6 +1,6 @@
 #pragma once
 
-// Triangle bodies that measurements make for themselves.
+// Triangle meshes generated for measurements.
 
 #include <Eigen/Core>
 #include <algorithm>
@@ -18,8 +18,8 @@ struct Soup {
   std::vector<collision::TriangleMesh::Triangle> triangles;
 };
 
-/// A grid of `along` rings of `around` points, closed around; its ends are closed by a point each,
-/// or the last ring is joined to the first.
+/// A grid of `along` rings of `around` points. Each end is closed by a point, or the last ring is
+/// joined to the first.
 inline Soup rings(int along, int around, bool joined,
                   const std::function<Eigen::Vector3d(double, double)>& at) {
   Soup soup;
@@ -47,7 +47,7 @@ inline Soup rings(int along, int around, bool joined,
   return soup;
 }
 
-/// An arm's link: two thick joints and a bent, thinner tube between them. Closed and concave.
+/// A robot arm's link: two thick joints, a bent, thinner tube between them. Closed, concave.
 inline Soup link(int along, int around) {
   return rings(along, around, false, [](double u, double v) -> Eigen::Vector3d {
     const double bend = 1.2 * (u - 0.5);

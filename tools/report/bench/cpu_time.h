@@ -4,7 +4,7 @@
 
 namespace leeway::bench {
 
-/// CPU time of this thread [ns]: other work on the machine does not count.
+/// CPU time of this thread [ns], independent of other load.
 inline double cpuNanoseconds() {
   timespec t{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);

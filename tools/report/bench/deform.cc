@@ -1,8 +1,7 @@
-// What a frame of a deforming mesh costs by every strategy: the update of the hierarchy alone (the
-// vertices stand ready), 12 tolerance tests and 12 minimum distances of an arm's links; then 100
-// frames of a mesh whose vertices fly apart. "hybrid moved" is told how far vertices can have moved
-// since the frame before.
-//   bench_deform [cells a side ...]      default: 32 100 316, that is 2k, 20k and 200k triangles
+// Cost of a frame of a deforming mesh by strategy: the update of the hierarchy alone (vertices are
+// ready), 12 tolerance tests and 12 minimum distances of an arm's links; then 100 frames of a mesh
+// whose vertices fly apart. "hybrid moved" knows a bound on the vertices' motion between frames.
+//   bench_deform [cells a side ...]      default: 32 100 316 (2k, 20k and 200k triangles)
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -43,7 +42,7 @@ struct Cloth {
   std::vector<DeformableMesh::Triangle> triangles;
 };
 
-// n x n cells on z = 0, side 2.
+// n x n cells on z = 0, side 2 m.
 Cloth cloth(int n) {
   Cloth c;
   const auto at = [&](int i, int j) { return i * (n + 1) + j; };
@@ -66,13 +65,13 @@ void wave(std::vector<Vector3d>& vertices, double phase) {
   }
 }
 
-// No vertex of wave() goes farther while the phase grows by that much [m].
+// Bound on a vertex's way while wave()'s phase grows by `phase` [m].
 double waveReach(double phase) { return std::hypot(0.2 * 1.7 * phase, 0.05 * phase) * (1 + 1e-9); }
 
 constexpr double kStep = 0.02;  // [m]
 constexpr double kReach = kStep * 1.7320508076 + 1e-9;
 
-// Every vertex at its own constant velocity, up to 2 cm a frame and axis.
+// Each vertex at its own constant velocity, up to 2 cm a frame and axis.
 void explode(std::vector<Vector3d>& vertices, int frame) {
   std::uint64_t state = 88172645463325252ULL;
   const auto uniform = [&] {
@@ -96,7 +95,7 @@ struct Costs {
   }
 };
 
-// One frame; the links answer into the caches.
+// Times frames; the links' answers are collected by query.
 struct Run {
   Deformable deformable;
   Scratch scratch;
@@ -163,7 +162,7 @@ void bench(int n) {
           Row{DeformStrategy::kHybrid, true}, Row{DeformStrategy::kLazy},
           Row{DeformStrategy::kRestructure}, Row{DeformStrategy::kOctree},
           Row{DeformStrategy::kAuto}}) {
-      // Minutes for nothing new.
+      // Takes minutes and shows nothing new.
       if (strategy == DeformStrategy::kOctree && n > 100) continue;
       DeformOptions options;
       options.strategy = strategy;

@@ -1,6 +1,6 @@
 #pragma once
 
-// Not part of the product: edges looked at in steps, to be measured against certified ones.
+// Edge checks by discrete steps, measured against certified ones. Not part of the product.
 
 #include <algorithm>
 #include <cmath>
@@ -14,14 +14,14 @@
 
 namespace leeway::bench {
 
-/// States along an edge, at most `step` apart in the space's distance: not the edge. They are
-/// spread over it sixteen at a time in the certifier's lanes, with its balls and bounds.
+/// Checks states along an edge, at most `step` apart in the space's distance, and nothing between
+/// them. Sixteen states at a time share the certifier's lanes, with its balls and bounds.
 class Stepper {
  public:
   Stepper(const std::shared_ptr<const planner::CompiledScene>& scene, double step)
       : step_(step), frames_(scene, kLanes), lanes_(frames_), workspace_(scene->scene()) {}
 
-  /// No state met anything; `a` is not looked at. Allocates nothing.
+  /// True if no state collides; `a` is not checked. Allocates nothing.
   bool isFree(const std::vector<double>& a, const std::vector<double>& b) {
     const double length = frames_.scene().space().distance(a, b);
     const int states = std::max(1, static_cast<int>(std::ceil(length / step_)));

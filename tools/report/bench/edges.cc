@@ -1,19 +1,18 @@
-// bench_edges: certified edges against stepping, on the edges that planning and simplifying ask
-// for.
+// bench_edges: certified edges against stepping, on the edges that planning and simplifying
+// request.
 //   bench_edges PROBLEM.yaml...                                     problems of this project
 //   bench_edges --robot R.urdf --srdf R.srdf SCENE.yaml...          MoveIt scenes with requests
 //   bench_edges --bodies                                            a body among bodies
 // --bodies: a free body of 2k triangles among twelve of 2k triangles, closed ones and sheets.
-// A seeded RRTConnect plans each problem and simplify() shortens its path; the edges that both ask
-// of the certifier are kept and replayed; told are those of either, and the mix of both as it was
-// asked. Stepping looks at states at most 1/32 (rad or m, in the
-// space's distance) apart, spread over the edge sixteen at a time in the same lanes with the same
-// balls and bounds, and asks distance() with its warm caches for what they leave open; it says
-// nothing of what is between. Both have seen all edges once, in the order asked, before each kind
-// of edge is timed as a whole, both checkers in turn, five times: medians of microseconds of this
-// thread's CPU time an edge. Ratios are what counts. What half of the edges, all but one in a
-// hundred and all but one in a thousand take at most, the largest time of one edge, and the share
-// of edges above 100 us are of the median of three looks at each.
+// Edges: a seeded RRTConnect plans each problem and simplify() shortens its path; the edges that
+// both request are replayed. Results cover either source and the mix as requested.
+// Stepping checks states at most 1/32 (rad or m, in the space's distance) apart and nothing between
+// them. Sixteen states share the certifier's lanes, with its balls and bounds; distance() with warm
+// caches settles the rest.
+// Times: CPU time of this thread. Both checkers see all edges once, in the order requested. Then
+// each kind of edge is timed as a whole, checkers by turns, five times: medians [us an edge]. Only
+// ratios compare between machines. Per-edge figures (median, 99 %, 99.9 %, maximum, share above 100
+// us) are of the median of three runs of each edge.
 
 #include <fmt/format.h>
 #include <ompl/util/Console.h>
@@ -41,7 +40,7 @@ using namespace leeway::planner;
 
 constexpr double kStep = 1.0 / 32;
 
-/// What no edge is to take [us].
+/// Target: no edge takes longer [us].
 constexpr double kSlowMicroseconds = 100;
 
 double cpuMicroseconds() { return 1e-3 * leeway::bench::cpuNanoseconds(); }
@@ -54,7 +53,7 @@ double quantile(std::vector<double> x, double share) {
 }
 double median(std::vector<double> x) { return quantile(std::move(x), 0.5); }
 
-/// Sums over problems, one kind of edge.
+/// One kind of edge, summed over problems.
 struct Kind {
   std::string name;
   long long edges = 0;
@@ -76,7 +75,7 @@ void measure(const std::shared_ptr<const CompiledScene>& scene,
   for (std::size_t i = 0; i + 1 < ends.size(); i += 2) {
     const auto before = certifier.statistics.distance_queries;
     const Verdict verdict = certifier.certify(ends[i], ends[i + 1]).verdict;
-    stepper.isFree(ends[i], ends[i + 1]);  // what it remembers comes from the same edges
+    stepper.isFree(ends[i], ends[i + 1]);  // what it caches comes from this edge
     const auto asked = static_cast<long long>(certifier.statistics.distance_queries - before);
     const std::size_t k = verdict == Verdict::kFree      ? (asked == 0 ? 0 : 1)
                           : verdict == Verdict::kNotFree ? 2
@@ -147,7 +146,7 @@ void print(const std::string& title, std::vector<Kind> rows) {
   }
 }
 
-/// Of the edges that planning and simplifying ask for.
+/// Edges that planning and simplifying request, mixed.
 struct Mix {
   std::vector<Kind> planning = kinds(), simplifying = kinds();
 
@@ -186,7 +185,7 @@ std::vector<double> pointAt(const leeway::collision::Pose& X) {
   return {p.x(), p.y(), p.z(), q.x(), q.y(), q.z(), q.w()};
 }
 
-/// A free body of about 2k triangles among twelve of as many, from one free place to another.
+/// A free body of about 2k triangles among twelve such, from one free pose to another.
 Problem bodies(const std::vector<leeway::bench::Soup>& soups, std::uint64_t seed) {
   using leeway::collision::Shape;
   leeway::bench::SplitMix random(seed);

@@ -1,19 +1,18 @@
-// Times pairs of triangle meshes against FCL's hierarchies of OBBs and RSSs, in the same run: links
-// of 1k triangles against 20k and of 2k against 2k, far, near and touching; minimum distance,
-// tolerance (d > t?) and collision, ours cold and warm. The meshes are made here; mesh files given
-// as arguments are taken in order, two by two, as further pairs. Pairs of solids with convex pieces
-// come last, and are timed without them (as triangles), too.
+// Times pairs of triangle meshes against FCL's hierarchies of OBBs and RSSs in the same run: links
+// of 1k triangles against 20k and of 2k against 2k, far, near and touching. Queries: minimum
+// distance, tolerance (d > t?) and collision, ours cold and warm. Meshes are generated; mesh files
+// given as arguments are taken two by two as further pairs. Pairs of solids with convex pieces come
+// last, timed both with the pieces and as plain triangles.
 //
-// For every pair and class there are a few placements; each is a track of slightly different poses,
-// so that a warm start has something to start from. Blocks of ours and FCL's over the track
-// alternate, and the median block counts, for each placement; the table shows the median placement
-// and the median ratio. FCL has no tolerance query: its distance stands there. Every answer is
-// compared with FCL's; `differ` counts those that FCL puts outside our interval (its own errors are
-// near 1e-7), or a verdict on collision that is not ours.
+// Each pair and class has a few placements. A placement is a track of slightly different poses, so
+// that warm starts have a predecessor. Blocks of ours and FCL's over the track alternate; a
+// placement counts its median block, the table the median placement and median ratio. FCL has no
+// tolerance query: its distance stands there. `differ` counts answers of FCL's outside our interval
+// (its own errors are near 1e-7), or verdicts on collision that differ.
 //
 //   bench_meshes [--placements N] [--seed S] [--pieces] [MESH MESH]...
 //
-// --pieces leaves out the pairs made here that have none.
+// --pieces leaves out the generated pairs that have none.
 
 #include <fcl/fcl.h>
 
@@ -55,7 +54,7 @@ using leeway::collision::TriangleMesh;
 using FclModel = fcl::BVHModel<fcl::OBBRSSd>;
 
 constexpr int kTrack = 8;   // poses of a placement
-constexpr int kBlocks = 7;  // timed blocks of each kind; odd, so that there is a median
+constexpr int kBlocks = 7;  // timed blocks of each kind; odd, so that a median exists
 
 class Random : public leeway::bench::SplitMix {
  public:
@@ -138,7 +137,7 @@ Pose place(const Mesh& a, const Mesh& b, Class kind, Random& random, Scratch& sc
     const Vector3d direction = random.rotation().col(0);
     X.translation = a.shape.boundingCenter() - X.rotation * b.shape.boundingCenter() +
                     1.2 * (a.shape.boundingRadius() + b.shape.boundingRadius()) * direction;
-    // Brought near along the witnesses, a few times, so that hollows are met, too.
+    // Approaches along the witnesses a few times, which also reaches into hollows.
     const double gap = kind == Class::kFar    ? size * random.uniform(1, 4)
                        : kind == Class::kNear ? size * random.uniform(0.005, 0.05)
                                               : -size * random.uniform(0.001, 0.01);
@@ -173,7 +172,7 @@ class Bench {
     Track track;
     const Vector3d turn = random.rotation().col(0), shift = random.rotation().col(0);
     for (int i = 0; i < kTrack; ++i) {
-      // There and back again, so that the track has no jump.
+      // Back and forth: the track closes without a jump.
       const double s = 1e-3 * (i < kTrack / 2 ? i : kTrack - i);
       track.X_WB[i].rotation = Eigen::AngleAxisd(s, turn) * start.rotation;
       track.X_WB[i].translation = start.translation + s * size * shift;
@@ -211,7 +210,7 @@ class Bench {
     return (cpuNanoseconds() - begin) / (repeats * kTrack);
   }
 
-  // Blocks of about 0.2 ms, so that the clock is fine enough.
+  // Blocks of about 0.2 ms hide the clock's resolution.
   int repeatsFor(const Track& track, Query query) {
     const double once = timed(1, [&](int i) { theirs(track, i, query); });
     return std::clamp(static_cast<int>(2e5 / (once * kTrack)), 1, 100);
@@ -262,7 +261,7 @@ class Bench {
     const double fcl = theirs(track, i, query);
     for (PairCache* cache : {static_cast<PairCache*>(nullptr), &cache_}) {
       const DistanceResult d = ours(track, i, query, cache);
-      // FCL's collision knows no inside, nor is any placement here wholly inside.
+      // FCL's collision ignores the inside; no placement here is wholly inside.
       const double eps = 1e-6;
       bool agreed = true;
       if (query == Query::kCollision) {
@@ -335,7 +334,7 @@ int run(int argc, char** argv) {
   std::printf("%-38s %-9s %-10s %10s %10s %10s %10s %7s %7s %7s %7s\n", "pair (triangles)", "class",
               "query", "cold ns", "warm ns", "soup ns", "FCL ns", "cold/F", "warm/F", "cold/s",
               "differ");
-  // Of pairs of triangles, and of pairs with convex pieces.
+  // Pairs of triangles, and pairs with convex pieces.
   std::vector<double> all[2][3][3], against_triangles[3][3];
   for (const auto& [a, b] : pairs) {
     Bench bench(a, b);

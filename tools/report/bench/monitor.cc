@@ -1,6 +1,6 @@
-// A monitor over an arm of many bodies and fifty obstacles that move: how many exact distance
-// queries a schedule of impacts asks, against looking at every pair at every step, and whether it
-// misses anything (held against just that, and between the steps).
+// A monitor over an arm of many bodies and fifty moving obstacles: how many exact distance queries
+// a schedule of impacts needs compared with checking every pair at every step, and whether it
+// misses anything (judged by that check, also between the steps).
 //
 //   bench_monitor [ROBOT.urdf ROBOT.srdf] [--obstacles N] [--seconds S] [--step S] [--seed N]
 
@@ -50,9 +50,9 @@ struct Obstacle {
 struct World {
   std::shared_ptr<const robots::Model> model;
   collision::Scene scene;
-  std::vector<int> links;                        // body b of the arm is this link
-  std::vector<robots::RelativeMotion> relative;  // of those
-  std::vector<Obstacle> obstacles;               // after them
+  std::vector<int> links;                        // the arm's body b is this link
+  std::vector<robots::RelativeMotion> relative;  // of those links
+  std::vector<Obstacle> obstacles;               // bodies numbered after the links
   std::vector<double> velocity_limits, acceleration_limits, frequency, phase;
 
   std::vector<double> rates(double t) const {
@@ -108,7 +108,7 @@ World makeWorld(std::shared_ptr<const robots::Model> model, int obstacles, std::
         robots::relativeMotion(*world.model, static_cast<int>(l), -1, center, radius));
     reach = std::max(reach, world.relative.back().base_reach);
   }
-  // Links among themselves are the planner's business.
+  // Only pairs with obstacles: self-collision is the planner's task.
   for (std::size_t i = 0; i < world.links.size(); ++i)
     for (std::size_t j = i + 1; j < world.links.size(); ++j)
       builder.allow(static_cast<int>(i), static_cast<int>(j));
@@ -143,7 +143,7 @@ World makeWorld(std::shared_ptr<const robots::Model> model, int obstacles, std::
   for (const robots::Variable& v : world.model->variables) {
     world.velocity_limits.push_back(std::isfinite(v.velocity) ? v.velocity : 1);
     world.acceleration_limits.push_back(4);
-    // Swings that stay within limits on position, velocity and acceleration.
+    // A swing within the limits of position, velocity and acceleration.
     const double span = std::isfinite(v.lower) ? std::min(-v.lower, v.upper) : 3;
     const double slowest = 0.9 * world.velocity_limits.back() / std::max(span, 1e-3);
     world.frequency.push_back(std::max(slowest, random.uniform(0.2, 1)));

@@ -2,15 +2,18 @@
 //
 //   bench_pairs [--rounds N] [--seed N] [--family WORD]
 //
-// Pairs are drawn from a seed: sizes of 0.1 to 1 m, any rotation, gaps spread evenly over their
-// logarithm from 1e-7 to 10 m where a family does not say otherwise. Blocks of eight pairs are
-// timed, ours and FCL's by turns; a block's time is its median over the rounds, a family's the
-// median over its blocks. Warm families ask ours with the cache of the frame before. `off` counts
-// answers of FCL that are farther from our interval than its own tolerance explains, `verdict`
-// pairs that only one of the two calls apart, `failed` its exceptions. (Whose fault it is, the
-// tests with the quadruple-precision oracle say.) For `d > t` the yardstick is our own distance
-// query, and `verdict` counts answers that contradict it. `open` counts our answers that are wider
-// than asked. Depths of a mesh have no yardstick: FCL gives none.
+// Pairs come from a seed: sizes of 0.1 to 1 m, any rotation, gaps log-uniform from 1e-7 to 10 m
+// unless a family says otherwise. Blocks of eight pairs are timed, ours and FCL's by turns; a block
+// counts its median over the rounds, a family its median over the blocks. Warm families give ours
+// the cache of the frame before. Columns:
+//
+//   off      answers of FCL farther from our interval than its tolerance explains
+//   verdict  pairs that only one of the two calls apart; of `d > t`: contradicts our distance query
+//   failed   FCL's exceptions
+//   open     our answers wider than asked
+//
+// The tests with the quadruple-precision oracle say who is right. The yardstick of `d > t` is our
+// own distance query. Depths of a mesh have none: FCL lacks them.
 
 #include <fcl/narrowphase/distance.h>
 
@@ -112,7 +115,7 @@ Body roundHull(Random& random, int count) {
   return hull(points);
 }
 
-/// Long, thin and flat: two sizes out of three below a thousandth to a hundredth of the first.
+/// Long, thin and flat: two of three sizes below a thousandth to a hundredth of the first.
 Body sliver(Random& random) {
   const Vector3d scale(1, random.logUniform(1e-5, 1e-2), random.logUniform(1e-6, 1));
   std::vector<Vector3d> points;
@@ -135,7 +138,7 @@ Body anyCone(Random& random) { return cone(random.uniform(0.1, 0.6), random.unif
 Body anyEllipsoid(Random& random) {
   return ellipsoid({random.uniform(0.2, 1), random.uniform(0.2, 1), random.uniform(0.2, 1)});
 }
-/// A robot's link, closed, of 768 triangles.
+/// A robot's closed link of 768 triangles.
 Body link(Random&) {
   const leeway::bench::Soup soup = leeway::bench::link(24, 16);
   return {Shape::mesh(leeway::collision::TriangleMesh::make(soup.vertices, soup.triangles)), {}};
@@ -145,8 +148,8 @@ struct Pair {
   Body a, b;
   Pose X_WA, X_WB;
   fcl::Transform3d F_WA, F_WB;
-  double gap = 0;        // [m], that the pair was made with
-  double threshold = 0;  // [m], of the tolerance verification
+  double gap = 0;        // [m], by construction
+  double threshold = 0;  // [m], of the tolerance test
   int track = 0;
 };
 
@@ -157,7 +160,7 @@ fcl::Transform3d transform(const Pose& X) {
   return F;
 }
 
-/// Moves B along the normal until the pair is `gap` apart (below zero: that deep).
+/// Moves B along the normal until the pair is `gap` apart (negative: that deep).
 bool settle(double gap, Scratch& scratch, Pair& pair) {
   for (int i = 0; i < 40; ++i) {
     const DistanceResult r = distance(pair.a.ours, pair.X_WA, pair.b.ours, pair.X_WB, {}, scratch);
@@ -171,7 +174,7 @@ bool settle(double gap, Scratch& scratch, Pair& pair) {
   return std::abs(r.distance.upper - gap) <= 1e-3 * std::abs(gap) + 1e-9;
 }
 
-/// Any poses at that gap.
+/// Random poses at that gap.
 bool place(Random& random, double gap, Scratch& scratch, Pair& pair) {
   const double reach = pair.a.ours.boundingRadius() + pair.b.ours.boundingRadius();
   pair.X_WA = {random.rotation(), {random.uniform(), random.uniform(), random.uniform()}};
@@ -199,7 +202,7 @@ std::vector<Pair> scattered(Random& random, int count, const Make& a, const Make
   return pairs;
 }
 
-/// Bodies of revolution that overlap side by side, their axes at an angle that `tilt` draws.
+/// Bodies of revolution that overlap side by side, with an angle from `tilt` between their axes.
 std::vector<Pair> sideBySide(Random& random, int count, const Make& make,
                              const std::function<double(Random&)>& tilt) {
   Scratch scratch;
@@ -222,7 +225,7 @@ std::vector<Pair> sideBySide(Random& random, int count, const Make& make,
   return pairs;
 }
 
-/// Pairs that overlap, somehow: of meshes no depth can be chosen.
+/// Overlapping pairs of uncontrolled depth: the depth of meshes cannot be set.
 std::vector<Pair> overlapping(Random& random, int count, const Make& a, const Make& b) {
   Scratch scratch;
   const Body body_a = a(random);
@@ -239,7 +242,7 @@ std::vector<Pair> overlapping(Random& random, int count, const Make& a, const Ma
   return pairs;
 }
 
-/// Tracks of frames: B passes A at some 2 to 30 cm, 1 to 6 mm and 0.01 rad a frame.
+/// Tracks of frames: B passes A at 2 to 30 cm, moving 1 to 6 mm and 0.01 rad a frame.
 std::vector<Pair> coherent(Random& random, int tracks, int frames, const Make& make) {
   Scratch scratch;
   std::vector<Pair> pairs;
@@ -248,7 +251,7 @@ std::vector<Pair> coherent(Random& random, int tracks, int frames, const Make& m
     Pair pair{make(random), make(random), {}, {}, {}, {}, 0, 0, 0};
     if (!place(random, random.uniform(0.05, 0.5), scratch, pair)) continue;
     const DistanceResult r = distance(pair.a.ours, pair.X_WA, pair.b.ours, pair.X_WB, {}, scratch);
-    // Mostly past it.
+    // Mostly tangential.
     Vector3d v = random.direction();
     v = (v - 0.9 * v.dot(r.normal) * r.normal).normalized() * random.uniform(0.001, 0.006);
     const Eigen::Matrix3d turn = Eigen::AngleAxisd(0.01, random.direction()).toRotationMatrix();
@@ -259,7 +262,7 @@ std::vector<Pair> coherent(Random& random, int tracks, int frames, const Make& m
       pair.gap = std::numeric_limits<double>::quiet_NaN();
       pairs.push_back(pair);
       pair.X_WB.translation += v;
-      // (Orthogonal to within rounding for some hundred frames.)
+      // Stays orthogonal to within rounding for some hundred frames.
       pair.X_WB.rotation = turn * pair.X_WB.rotation;
     }
   }
@@ -270,7 +273,7 @@ enum class Query { kCold, kWarm, kDepth, kVerify };
 
 struct Family {
   const char* name;
-  double target;  // ratio asked for; of kVerify: to our own distance query
+  double target;  // target ratio; kVerify: to our own distance query
   Query query;
   std::vector<Pair> pairs;
 };
@@ -293,7 +296,7 @@ std::vector<Pair> verifications(Random& random, int count, const Make& make) {
 std::vector<Family> families(std::uint64_t seed, const std::string& only) {
   constexpr int kCount = 256, kTracks = 10, kFrames = 48;
   std::vector<Family> all;
-  // Its own seed for each, so that a family alone is the same family.
+  // A seed by family, so that a single family is reproduced alone.
   const auto add = [&](const char* name, double target, Query query,
                        const std::function<std::vector<Pair>(Random&)>& make) {
     if (!only.empty() && std::string(name).find(only) == std::string::npos) return;
@@ -399,7 +402,7 @@ double clockCost() {
   return median(costs);
 }
 
-/// What the timed calls return goes here, so that none is left out.
+/// Consumes results, so that timed calls are not optimised away.
 volatile double sink = 0;
 
 struct Disagreement {
@@ -407,7 +410,7 @@ struct Disagreement {
 };
 
 void compare(const DistanceResult& ours, double theirs, bool depth, Disagreement& d) {
-  // [m], ten times the distance tolerance that FCL works to.
+  // Ten times FCL's distance tolerance [m].
   constexpr double kOff = 1e-5;
   if (!std::isfinite(theirs)) {
     ++d.failed;
@@ -459,7 +462,7 @@ void run(const Family& family, int rounds, double clock_cost) {
       }
       const double our_time = now() - begin;
       begin = now();
-      if (verify) {  // the yardstick is our own distance query
+      if (verify) {  // yardstick: our own distance query
         for (int i = 0; i < kBlock; ++i) {
           const DistanceResult r =
               distance(pairs[i].a.ours, pairs[i].X_WA, pairs[i].b.ours, pairs[i].X_WB, {}, scratch);

@@ -20,9 +20,9 @@ using Clock = std::chrono::steady_clock;
 using Eigen::Vector3d;
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kThreshold = 0.05;  // [m]
-/// However slow an engine is, that many frames are measured (or all, where there are fewer).
+/// Measured for every engine however slow (or all frames, if fewer).
 constexpr int kLeastFrames = 3;
-/// Whose distances the others' are held against.
+/// The engine whose distances are the reference.
 constexpr const char* kReference = "leeway rebuild";
 
 double nanoseconds(Clock::time_point begin) {
@@ -31,14 +31,14 @@ double nanoseconds(Clock::time_point begin) {
 
 volatile double sink;
 
-/// What an update can at best be: the memory that it has to look at, streamed once.
+/// Lower limit of an update: streaming the memory that it must touch.
 struct Limits {
-  double all = 0;       ///< vertices and corners of all triangles read, boxes written [ns]
+  double all = 0;       ///< vertices and triangle corners read, boxes written [ns]
   double vertices = 0;  ///< vertices read [ns]
 };
 
-/// Takes its turn among the engines, so that it finds the caches as their updates do: the vertices
-/// just copied, everything else last seen a frame ago.
+/// Takes turns with the engines, to meet the caches as their updates do: vertices just copied, all
+/// else last touched a frame ago.
 class MemoryStream {
  public:
   MemoryStream(std::size_t vertices, std::size_t triangles)
@@ -65,7 +65,7 @@ class MemoryStream {
     std::copy(vertices.begin(), vertices.end(), positions_.begin());
   }
 
-  // The C library copies as fast as this machine reads; what it writes stays near.
+  // memcpy reads at the machine's full rate; the copy stays in cache.
   void read(const void* data, std::size_t bytes) {
     const char* from = static_cast<const char*>(data);
     for (std::size_t i = 0; i < bytes; i += near_.size()) {
@@ -80,14 +80,14 @@ class MemoryStream {
   std::array<char, 4096> near_;
 };
 
-/// What a child hands back of one engine; numbers only, because it lives in shared memory.
+/// A child's results for one engine: numbers only, because it lives in shared memory.
 struct Shared {
   bool supported = false, failed = false;
   int compared = 0, wrong = 0;
   double error = 0, nodes = 0, vertices = 0;
 };
 
-/// An engine at work on one mesh, in the child.
+/// One engine on one mesh, in the child.
 class Runner {
  public:
   Runner(const MeshEngine& engine, const DeformingSpec& spec, const DeformBodies& bodies,
@@ -101,14 +101,14 @@ class Runner {
 
   bool isSupported() const { return follower_ != nullptr; }
 
-  /// A frame that is not measured.
+  /// Handles a frame that is not measured.
   void passOver(std::span<const Vector3d> vertices, double time) {
     if (!follower_->followsEveryFrame()) return;
     follower_->setVertices(vertices, time);
     follower_->update();
   }
 
-  /// All of one frame.
+  /// Measures one frame.
   DeformFrame frame(std::span<const Vector3d> vertices, double time, Shared& shared) {
     DeformFrame result;
     follower_->setVertices(vertices, time);
@@ -116,7 +116,7 @@ class Runner {
     follower_->update();
     result.update = nanoseconds(begin);
     distances.clear();
-    // Where the bodies are is no part of a query.
+    // Poses are computed off the clock.
     std::array<collision::Pose, 12> links;
     for (int i = 0; i < 12; ++i) links[static_cast<std::size_t>(i)] = bodies_.linkPose(i, time);
     result.spheres = askAll(spheres_, links);
@@ -146,23 +146,23 @@ class Runner {
     return result;
   }
 
-  /// Against the reference's distances of the same frame.
+  /// Compares with the reference's distances of the frame.
   void compare(const std::vector<double>& truth, Shared& shared) const {
     for (std::size_t i = 0; i < truth.size() && i < distances.size(); ++i) {
       if (std::isnan(distances[i]) || std::isnan(truth[i])) continue;
       ++shared.compared;
-      // In contact all that everybody says is that it is not positive.
+      // In contact, engines agree only that the distance is not positive.
       const double error = std::abs(std::max(0.0, distances[i]) - std::max(0.0, truth[i]));
       shared.error = std::max(shared.error, error);
       shared.wrong += error > engine_.tolerance();
     }
   }
 
-  std::vector<double> distances;  ///< of the last frame: spheres, capsules, mesh; NaN: not had
+  std::vector<double> distances;  ///< of the last frame: spheres, capsules, mesh; NaN: missing
   int farther = 0;
 
  private:
-  /// The number of the first; the others follow it.
+  /// Index of the first; the others follow.
   std::optional<int> addAll(const std::vector<collision::Shape>& shapes) {
     for (const collision::Shape& shape : shapes)
       if (!follower_->addBody(shape)) return std::nullopt;
@@ -234,7 +234,7 @@ class MeshMeasurement {
         runners_[e].passOver(vertices, time);
         return;
       }
-      // The first one warms caches and makes what is made lazily.
+      // The first frame is discarded: it warms caches and makes lazy allocations.
       if (f == 0) runners_[e].frame(vertices, time, shared_[e]);
       const auto second = f == 0 ? Clock::now() : begin;
       frames_[e * static_cast<std::size_t>(options_.frames) + f] =
@@ -269,7 +269,7 @@ double medianOf(const std::vector<DeformFrame>& frames, double DeformFrame::*mem
   return quantile(values, share);
 }
 
-/// Cost of queries late over early.
+/// Query time late relative to early.
 double slowdown(const std::vector<DeformFrame>& frames) {
   const std::size_t tenth = std::max<std::size_t>(1, frames.size() / 10);
   const std::vector<DeformFrame> early(frames.begin(), frames.begin() + static_cast<long>(tenth));
@@ -336,7 +336,7 @@ void measureMesh(const std::vector<const MeshEngine*>& engines, const DeformScen
                                                                                     : limit;
     if (rows.back().engine == kReference) fresh = rows.back().decay;
   }
-  // A mesh that is dearer to ask about in its last frames is no fault of its hierarchy.
+  // Normalised by the rebuilt hierarchy: late frames may be inherently harder.
   for (std::size_t i = first; i < rows.size() && fresh; ++i) rows[i].decay /= *fresh;
 }
 

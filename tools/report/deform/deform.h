@@ -15,22 +15,22 @@ struct DeformReportOptions {
   std::vector<std::string> motions;  ///< of deformMotions()
   std::vector<int> triangles = {2000, 20000, 200000};
   int frames = 100;
-  /// Engines that would take longer for a mesh measure every second, third, ... frame only [s].
+  /// Engines slower than this on a mesh [s] are measured at every second, third, ... frame only.
   double engine_seconds = 0.25;
   std::uint64_t seed = 1;
-  /// Above this many triangles only updates are measured [count].
+  /// Above this many triangles only updates are measured.
   int queries_up_to = 200000;
   std::function<void(const std::string&)> progress;
 };
 
-/// Nanoseconds of one frame of one engine; NaN: not measured, or a query that it does not have.
+/// Times of one frame of one engine [ns]; NaN: not measured, or the engine lacks the query.
 struct DeformFrame {
   double update = std::numeric_limits<double>::quiet_NaN();
   double spheres = update;    ///< 12 least distances, of spheres
   double capsules = update;   ///< 12 least distances, of capsules
-  double tolerance = update;  ///< 12 times "farther than 5 cm?", of the capsules
-  /// 1 least distance, of a mesh of about 1000 triangles: far, near, touching (one through the
-  /// other, or nearly); each from where it was a frame before.
+  double tolerance = update;  ///< 12 tests "farther than 5 cm?", of the capsules
+  /// 1 minimum distance, of a mesh of about 1000 triangles: far, near, and touching (penetrating,
+  /// or nearly). Each placement continues that of the previous frame.
   double far = update, near = update, touching = update;
 };
 
@@ -39,46 +39,46 @@ struct DeformRow {
   std::string motion;
   int triangles = 0;
   std::string engine;
-  bool done = true;  ///< false: it ended its process or threw; nothing else is then said
-  int frames = 0;    ///< measured
+  bool done = true;  ///< false: it threw or ended its process, and all else is unset
+  int frames = 0;    ///< measured frames
   DeformFrame median;
   double update_low = std::numeric_limits<double>::quiet_NaN();  ///< quartiles [ns]
   double update_high = update_low;
-  /// Distances compared with those of our own rebuilt hierarchy, and how many were off by more than
-  /// the engine's tolerance.
+  /// Distances compared with those of our rebuilt hierarchy, and how many exceeded the engine's
+  /// tolerance.
   int compared = 0, wrong = 0;
   double error = 0;  ///< largest [m]
-  /// Median of queries (capsules, else spheres) over the last tenth of the frames to that over the
-  /// first tenth, against the same for our rebuilt hierarchy: 1 where the hierarchy is as good as
-  /// new. NaN: no queries.
+  /// Hierarchy quality at the end: median query time (capsules, else spheres) over the last tenth
+  /// of the frames relative to the first tenth, divided by the same ratio of our rebuilt hierarchy.
+  /// 1: as good as new. NaN: no queries.
   double decay = update_low;
-  double nodes = update_low, vertices = update_low;  ///< touched by an update; NaN: not told
-  /// Time that this machine needs, in the same frames, to stream what a full update must: vertices
-  /// and corners of all triangles read, boxes of a binary hierarchy written, 4 triangles a leaf
-  /// [ns]; of the vertices alone where that is all that the strategy looks at (hybrid, lazy,
-  /// octree); NaN where it looks at none (bounds from the motion).
+  double nodes = update_low, vertices = update_low;  ///< touched by an update; NaN: unknown
+  /// Lower limit of an update's time [ns]: this machine streams, in the same frames, the memory
+  /// that the update must touch. Full updates: vertices and triangle corners read, boxes of a
+  /// binary hierarchy with 4 triangles a leaf written. hybrid, lazy and octree: vertices alone.
+  /// NaN: bounds come from the motion.
   double bandwidth_limit = update_low;
   std::vector<DeformFrame> by_frame;
 };
 
-/// Every engine over every motion and size, in a child process each mesh, engines interleaved frame
+/// Runs every engine on every motion and size: one child process a mesh, engines interleaved frame
 /// by frame. Pin the process first.
 std::vector<DeformRow> measureDeform(const std::vector<const MeshEngine*>& engines,
                                      const DeformReportOptions& options);
 
 std::string deformCsv(const std::vector<DeformRow>& rows);
-/// One line a measured frame.
+/// CSV, one line a measured frame.
 std::string deformFramesCsv(const std::vector<DeformRow>& rows);
-/// For people: by motion and size, times and ratios to FCL's AABB refit.
+/// Text table by motion and size: times, and ratios to FCL's AABB refit.
 std::string deformTable(const std::vector<DeformRow>& rows);
-/// In words, a motion and size a line: whether hybrid updates are four to five times cheaper than
-/// full refits, as the textbooks have it since Larsson and Akenine-Moller 2001, what they are where
-/// it is known how far vertices move, and how `auto` does beside the best single strategy.
+/// Verdicts in words, one line for each motion and size: whether hybrid updates are four to five
+/// times cheaper than full refits (Larsson and Akenine-Moller 2001), their ratio when bounds on the
+/// vertices' motion are known, and `auto` beside the best single strategy.
 std::string deformWords(const std::vector<DeformRow>& rows);
-/// Updates over the number of triangles, a panel a motion.
+/// Update time over the number of triangles, a panel a motion.
 Figure deformUpdateFigure(const std::vector<DeformRow>& rows, const std::string& note);
-/// Update and queries of each frame over time at the largest size that has queries, running medians
-/// of five frames.
+/// Update and query times over the frames at the largest size with queries, running medians of five
+/// frames.
 Figure deformDecayFigure(const std::vector<DeformRow>& rows, const std::string& note);
 
 }  // namespace leeway::tools::report

@@ -14,7 +14,7 @@ std::string cell(double value) {
   return std::isnan(value) ? std::string() : fmt::format("{:.4g}", value);
 }
 
-/// Microseconds for people.
+/// Nanoseconds as text in microseconds.
 std::string micro(double nanoseconds) {
   if (std::isnan(nanoseconds)) return "-";
   const double us = nanoseconds / 1000;
@@ -34,8 +34,7 @@ constexpr const char* kYardstick = "FCL AABB refit";
 
 bool isOurs(const DeformRow& row) { return row.engine.rfind("leeway", 0) == 0; }
 
-/// Medians of five measured frames around each: a frame in which the system did something else
-/// must not hide the others.
+/// Running medians of five measured frames: an interrupted frame must not hide its neighbours.
 void smooth(std::vector<PlotPoint>& points) {
   const std::vector<PlotPoint> raw = points;
   for (std::size_t i = 0; i < raw.size(); ++i) {
@@ -46,7 +45,7 @@ void smooth(std::vector<PlotPoint>& points) {
   }
 }
 
-/// One thing that all engines do over time.
+/// One quantity of all engines over time.
 PlotPanel framePanel(const std::vector<DeformRow>& rows, const std::string& motion, int triangles,
                      const std::string& title, const std::function<double(const DeformFrame&)>& y) {
   PlotPanel panel;
@@ -161,7 +160,7 @@ std::string deformWords(const std::vector<DeformRow>& rows) {
       if (!std::isnan(with)) text += fmt::format(", {:.1f} with 12 tests", with);
       text += ".";
     }
-    // Of all that were asked about distances, the cheapest frame.
+    // The engine with the cheapest frame among those with distance queries.
     const DeformRow *best = nullptr, *chosen = find(rows, hybrid, "leeway auto");
     const auto frame = [](const DeformRow& row) { return row.median.update + row.median.spheres; };
     for (const DeformRow& other : rows) {
@@ -225,7 +224,8 @@ Figure deformDecayFigure(const std::vector<DeformRow>& rows, const std::string& 
       motions.push_back(r.motion);
     if (!std::isnan(r.median.spheres)) largest = std::max(largest, r.triangles);
   }
-  // Sizes differ a little by motion: the largest of each within a quarter of the largest of all.
+  // Sizes vary slightly by motion: takes each motion's largest within a quarter of the overall
+  // largest.
   for (const std::string& motion : motions) {
     int triangles = 0;
     for (const DeformRow& r : rows)

@@ -28,7 +28,7 @@ struct Grid {
   std::vector<Triangle> triangles;
 };
 
-/// A sheet of columns x rows quads, each cut in two; `place` maps [0, 1]^2 into space.
+/// A sheet of columns x rows quads, each split in two; `place` maps [0, 1]^2 into space.
 Grid makeGrid(int columns, int rows, const std::function<Vector3d(double, double)>& place) {
   Grid grid;
   for (int i = 0; i <= rows; ++i)
@@ -94,7 +94,7 @@ DeformScene lattice(int triangles, Random& random) {
   return withMotion("lattice", std::move(cloth), VertexMotion::lattice(std::move(motion)));
 }
 
-/// Ends turn against one another, up to 270 degrees.
+/// The ends turn against one another, up to 270 degrees.
 DeformScene twist(int triangles, Random& random) {
   Grid cloth = makeCloth(triangles);
   DeformScene scene;
@@ -174,7 +174,7 @@ DeformScene reduced(int triangles, Random& random) {
   return withMotion("reduced", std::move(cloth), VertexMotion::reduced(std::move(motion)));
 }
 
-/// The wave, recorded at 25 frames a second as animation tools write it and played back.
+/// The wave recorded at 25 frames/s, as animation tools export it, and played back.
 DeformScene cache(int triangles, Random& random) {
   constexpr int kFramesPerSecond = 25;
   DeformScene recorded = wave(triangles, random);
@@ -191,7 +191,7 @@ DeformScene cache(int triangles, Random& random) {
                     VertexMotion::cache(std::move(motion)));
 }
 
-/// A ball whose triangles share no vertices, each on its own way out, up to three radii.
+/// A ball of unconnected triangles, each flying outwards up to three radii.
 DeformScene explode(int triangles, Random& random) {
   const int n = std::max(2, static_cast<int>(std::lround(std::sqrt(triangles / 4.0))));
   const Grid ball = makeGrid(2 * n, n, [](double u, double v) {
@@ -259,7 +259,7 @@ DeformBodies makeDeformBodies() {
 }
 
 Pose DeformBodies::linkPose(int i, double time) const {
-  // An arm from the side of the mesh, over it and down towards it.
+  // An arm from the mesh's side, over it and down towards it.
   const double s = i / 11.0;
   const double sway = 0.15 * std::sin(2 * kPi * time + 3 * s);
   Pose X;

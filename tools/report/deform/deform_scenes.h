@@ -16,30 +16,30 @@ namespace leeway::tools::report {
 struct DeformScene {
   std::string motion;  ///< "wave", "twist", ...
   DeformingSpec spec;
-  /// Fills the vertices [m] for a time from 0 to 1; as many as spec.rest.
+  /// Writes the vertices [m] at a time in [0, 1]; as many as spec.rest.
   std::function<void(double time, std::span<Eigen::Vector3d> vertices)> vertices;
 };
 
 /// "wave": travelling waves over a cloth. "lattice": a cloth in a free-form lattice. "twist": a
-/// cloth wrung about its middle, vertices given by the caller. "morph": a cloth between three
-/// shapes. "skinned": a tube on eight bones that curls. "reduced": a cloth in six modes. "cache":
-/// the wave as a vertex cache of 25 frames a second, linear between them. "explode": the triangles
-/// of a ball fly apart, caller's vertices again.
+/// cloth wrung about its middle, vertices from the caller. "morph": a cloth between three shapes.
+/// "skinned": a tube that curls on eight bones. "reduced": a cloth in six modes. "cache": the wave
+/// as a vertex cache at 25 frames/s, linear in between. "explode": the triangles of a ball fly
+/// apart, vertices from the caller.
 const std::vector<std::string>& deformMotions();
 
-/// The scene with about that many triangles; the seed moves phases and directions. `motion` is one
-/// of deformMotions(). O(triangles).
+/// A scene of about that many triangles; the seed varies phases and directions. `motion` is one of
+/// deformMotions(). O(triangles).
 DeformScene makeDeformScene(const std::string& motion, int triangles, std::uint64_t seed);
 
-/// The bodies that are asked about: the twelve links of an arm above the mesh, as capsules and as
-/// the spheres around their middles, and one link of about a thousand triangles.
+/// The query bodies: the twelve links of an arm above the mesh, as capsules and as spheres around
+/// their middles, and one link of about a thousand triangles.
 struct DeformBodies {
   std::vector<collision::Shape> spheres, capsules;
   collision::Shape mesh = collision::Shape::sphere(0);
-  /// X_WL of link i of twelve at a time from 0 to 1: a slow sway, near and far from the mesh.
+  /// X_WL of link i of twelve at a time in [0, 1]: a slow sway, near and far from the mesh.
   collision::Pose linkPose(int i, double time) const;
-  /// Of the link of triangles: 0 far from the mesh (a metre and more, as a rule), 1 near (a few
-  /// decimetres), 2 through it.
+  /// Pose of the triangle link. place 0: far from the mesh (mostly a metre and more), 1: near (a
+  /// few decimetres), 2: penetrating.
   collision::Pose meshPose(int place, double time) const;
 };
 DeformBodies makeDeformBodies();

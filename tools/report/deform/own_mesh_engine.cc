@@ -21,7 +21,7 @@ using collision::Shape;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// What an engine knows of the motion, if there is one, beyond each frame's vertices.
+/// What an engine knows of the motion beyond each frame's vertices.
 enum class Knows { kNothing, kMotion };
 
 class OwnFollower : public MeshFollower {
@@ -35,7 +35,7 @@ class OwnFollower : public MeshFollower {
 
   void setVertices(std::span<const Eigen::Vector3d> vertices, double time) override {
     time_ = time;
-    // Only these look at the motion; the others are spared computing the vertices once more.
+    // Only these use the motion; the others skip a second evaluation of the vertices.
     if (knows_ == Knows::kMotion) {
       deformable_.evaluate(time);
       return;
@@ -51,7 +51,7 @@ class OwnFollower : public MeshFollower {
     takeSnapshot();
   }
 
-  // How far vertices have moved is known from one update to the next.
+  // Bounds on the motion hold from one update to the next.
   bool followsEveryFrame() const override {
     return knows_ == Knows::kMotion && deformable_.options().strategy == DeformStrategy::kHybrid;
   }
@@ -101,7 +101,7 @@ class OwnFollower : public MeshFollower {
 
   collision::DistanceResult ask(Body& body, const collision::Pose& X_WB, DistanceRequest request,
                                 collision::PairCache& cache) {
-    request.depth = false;  // rivals tell none
+    request.depth = false;  // rivals have none
     return collision::distance(shape_, {}, body.shape, X_WB, request, scratch_, &cache);
   }
 
@@ -130,7 +130,7 @@ class OwnMeshEngine : public MeshEngine {
     try {
       return std::make_unique<OwnFollower>(spec, strategy_, volume_, knows_);
     } catch (const std::invalid_argument&) {
-      return nullptr;  // not a strategy for this kind of motion
+      return nullptr;  // strategy does not apply to this kind of motion
     }
   }
 

@@ -7,9 +7,8 @@
 
 namespace leeway::tools::report {
 
-/// Our deforming meshes behind the rivals' interface, one engine a strategy: "leeway refit", ...;
-/// "leeway hybrid moved" knows the motion that its vertices come from, and so how far they can have
-/// come since the frame before.
+/// Our deforming meshes behind the rivals' interface, one engine a strategy: "leeway refit", ...
+/// "leeway hybrid moved" knows the motion, hence bounds how far vertices move between frames.
 std::vector<std::unique_ptr<MeshEngine>> makeOwnMeshEngines();
 
 }  // namespace leeway::tools::report

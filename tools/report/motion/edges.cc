@@ -37,7 +37,7 @@ struct Edge {
   std::size_t kind = 0;
 };
 
-/// Up to `most` of both lists, evenly.
+/// Up to `most` edges of both lists, evenly spaced.
 std::vector<Edge> someOf(const bench::AskedEdges& asked, int most) {
   std::vector<Edge> all;
   for (const auto* ends : {&asked.planning, &asked.simplifying})
@@ -50,7 +50,7 @@ std::vector<Edge> someOf(const bench::AskedEdges& asked, int most) {
   return some;
 }
 
-/// verify() of one edge by itself, as a problem of its own.
+/// verify() on a single edge, as a problem of its own.
 class SingleEdge {
  public:
   explicit SingleEdge(const Problem& problem) : problem_(problem) {
@@ -75,7 +75,7 @@ class SingleEdge {
   planner::Path path_;
 };
 
-/// Says of an edge what it is: 1 free, 0 not free, -1 undecided.
+/// Judges an edge: 1 free, 0 not free, -1 undecided.
 using Method = std::function<int(const Edge&)>;
 
 EdgeRow measure(const std::string& problem, std::size_t kind, std::size_t method,
@@ -109,7 +109,7 @@ void measureProblem(const NamedProblem& named, const EdgeReportOptions& options,
       someOf(bench::askedEdges(named.problem, scene, options.iterations), options.edges);
   EdgeCertifier certifier(scene);
   SingleEdge single(named.problem);
-  // What verify() leaves open is no truth.
+  // Edges that verify() leaves open have no known truth.
   std::vector<Edge> known;
   for (Edge& edge : edges) {
     const VerifyStatus status = single.verify(edge.a, edge.b);
@@ -139,7 +139,7 @@ void measureProblem(const NamedProblem& named, const EdgeReportOptions& options,
         return status == VerifyStatus::kCertified ? 1 : status == VerifyStatus::kRefuted ? 0 : -1;
       },
       stepping(1.0 / 32), stepping(0.005 * extent), stepping(0.01 * extent)};
-  // An edge of no length: what verify() needs to set itself up, and one state.
+  // An edge of zero length costs verify()'s setup and one state.
   double setup = 0;
   if (!known.empty()) {
     const double begin = cpuMicroseconds();

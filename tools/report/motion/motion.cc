@@ -16,19 +16,18 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Cases that are made, asked and forgotten together: memory for a hundred thousand is not needed.
+/// Cases are made, asked and released in chunks: bounds memory for large counts.
 constexpr int kChunk = 2000;
-/// Short queries are repeated until a pass takes this long, so that the clock's own steps do not
-/// show.
+/// Shorter passes are repeated up to this length: hides the clock's resolution.
 constexpr double kShortestPass = 5e3;  // [ns]
 
-/// What one engine gave for one case, in memory that children share.
+/// One engine's answer to one case, in shared memory.
 struct Asked {
   ContactAnswer answer;
   double nanoseconds = std::numeric_limits<double>::quiet_NaN();
 };
 
-/// One engine's queries of some cases; empty when it has no such.
+/// One engine's queries of a chunk; null entries: unsupported.
 using Queries = std::vector<std::unique_ptr<ContactQuery>>;
 
 Queries prepare(const ContactEngine& engine, const ContactFamily& family) {
@@ -52,7 +51,7 @@ double timeOnce(ContactQuery& query, int repeats) {
   return std::chrono::duration<double, std::nano>(end - begin).count() / repeats;
 }
 
-/// A row on its way, over all chunks.
+/// A row in the making, summed over chunks.
 struct Tally {
   MotionRow row;
   std::vector<double> errors, nanoseconds;
@@ -84,7 +83,7 @@ void judge(const ContactCase& c, Fate fate, const Asked& asked, Tally& tally) {
       std::max({0.0, std::abs(answer.lower - c.upper), std::abs(answer.upper - c.lower)}));
 }
 
-/// Asks all, guarded, then times what was answered, guarded as a whole.
+/// Asks all cases guarded, then times the answered ones in one guarded item.
 void measureChunk(const ContactFamily& family, const std::vector<const ContactEngine*>& engines,
                   const MotionReportOptions& options, std::vector<Tally>& tallies) {
   const std::size_t cases = family.cases.size();
@@ -105,7 +104,7 @@ void measureChunk(const ContactFamily& family, const std::vector<const ContactEn
         for (std::size_t e = 0; e < engines.size(); ++e) {
           if (queries[e].empty() || fates[e][i] != Fate::kDone) continue;
           if (pass < 0) {
-            // Warms caches and predictors, and tells how long a query is.
+            // Warms caches and branch predictors, and gives a query's length.
             repeats[e] = static_cast<int>(std::ceil(
                 kShortestPass / std::max(kShortestPass / 50, timeOnce(*queries[e][i], 1))));
             passes[e].clear();

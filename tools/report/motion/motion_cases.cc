@@ -23,16 +23,16 @@ using Eigen::Vector3d;
 using oracle::Random;
 
 constexpr double kPi = 3.14159265358979323846;
-/// What grazing motions miss each other by, or reach into each other [m].
+/// Clearance or depth of grazing motions [m].
 constexpr double kGrazing = 1e-4;
 
-/// A shape in both forms.
+/// A shape in the engine's and the truth's form.
 struct Body {
   const ReportShape* shape = nullptr;
   const SlowPolytope* slow = nullptr;
 };
 
-/// From `start`, the origin travels straight while the body turns about an axis of the world.
+/// From `start`, the origin moves straight while the body turns about a fixed world axis.
 struct Move {
   Pose start;
   Vector3d travel = Vector3d::Zero(), axis = Vector3d::UnitZ();  // [m], unit
@@ -43,13 +43,13 @@ struct Move {
   }
 };
 
-/// Three numbers, one after the other.
+/// Three uniform numbers, drawn in order.
 Vector3d sizes(Random& random, double least, double most) {
   const double x = random.uniform(least, most), y = random.uniform(least, most);
   return {x, y, random.uniform(least, most)};
 }
 
-/// Of random direction and length.
+/// Random direction and length.
 Vector3d vector(Random& random, double least, double most) {
   const double length = random.uniform(least, most);
   return length * random.direction();
@@ -57,7 +57,7 @@ Vector3d vector(Random& random, double least, double most) {
 
 Pose placed(const Vector3d& p, const Matrix3d& R = Matrix3d::Identity()) { return {R, p}; }
 
-/// A family in the making.
+/// Builds one family.
 class Maker {
  public:
   Maker(const std::string& name, std::uint64_t seed) : random(seed) { family.name = name; }
@@ -69,7 +69,7 @@ class Maker {
   Body boxMesh(const Vector3d& half) {
     return add({Shape::mesh(oracle::boxMesh(half)), {}}, slowBox(half));
   }
-  /// Of eight points on an ellipsoid.
+  /// Eight points on an ellipsoid.
   Body hull() {
     std::vector<Vector3d> points(8);
     const Vector3d size = sizes(random, 0.1, 0.5);
@@ -78,11 +78,11 @@ class Maker {
   }
   Body box(double least, double most) { return box(sizes(random, least, most)); }
 
-  /// What is known of a pair beforehand.
+  /// What the construction already guarantees.
   enum class Known { kNothing, kApartAtStart, kFree };
 
-  /// Keeps the pair where its truth is clear, and it is apart at the start if it must be. Both are
-  /// seen from another frame, so that nothing stays parallel to axes.
+  /// Adds the pair if its truth is clear and, where required, it starts apart. A random change of
+  /// frame breaks alignment with the axes.
   void keep(const Body& a, Move move_a, const Body& b, Move move_b, Known known = Known::kNothing) {
     Pose X_WF = placed(sizes(random, -1, 1));
     X_WF.rotation = random.rotation();
@@ -117,7 +117,7 @@ class Maker {
     family.cases.push_back(std::move(c));
   }
 
-  /// For families whose shapes are dear to make: one of those made so far, or another.
+  /// Reuses one of up to 64 bodies: for shapes that are expensive to make.
   Body pooled(const std::function<Body(Maker&)>& make) {
     if (pool_.size() < 64) {
       pool_.push_back(make(*this));
@@ -137,7 +137,7 @@ class Maker {
   std::vector<Body> pool_;
 };
 
-/// Two bodies that pass each other at some distance, or do not.
+/// Two bodies that pass each other, or collide.
 void passing(Maker& make, const Body& a, const Body& b, double most_turn) {
   Random& r = make.random;
   const auto move = [&](const Vector3d& meeting) {
@@ -154,8 +154,8 @@ void passing(Maker& make, const Body& a, const Body& b, double most_turn) {
   make.keep(a, move_a, b, move(aside), Maker::Known::kApartAtStart);
 }
 
-/// A box that passes over another and reaches into it by `depth`, turning about the vertical: free
-/// for a depth below 0, whatever it does.
+/// A box passes over another and penetrates it by `depth`, turning about the vertical. depth < 0:
+/// free by construction.
 void grazing(Maker& make, double depth) {
   Random& r = make.random;
   const Vector3d low = sizes(r, 0.1, 0.4), high = sizes(r, 0.1, 0.4);
@@ -172,7 +172,7 @@ void grazing(Maker& make, double depth) {
   make.keep(a, over, b, {}, depth < 0 ? Maker::Known::kFree : Maker::Known::kNothing);
 }
 
-/// Plates that nearly face each other slide along and come a little nearer.
+/// Nearly parallel plates slide along each other and approach slightly.
 void nearParallel(Maker& make) {
   Random& r = make.random;
   Vector3d low = sizes(r, 0.5, 1), high = sizes(r, 0.1, 0.4);
@@ -207,7 +207,7 @@ void fastTurn(Maker& make) {
   make.keep(a, turn, b, other);
 }
 
-/// Small bodies through, or past, large plates with next to no thickness, far in one step.
+/// Small bodies shot through, or past, large plates of almost no thickness.
 void thinPlate(Maker& make) {
   Random& r = make.random;
   Move shot;
@@ -222,7 +222,7 @@ void thinPlate(Maker& make) {
   make.keep(a, shot, b, {});
 }
 
-/// In contact at 0, then away.
+/// In contact at 0, then separating.
 void starting(Maker& make) {
   Random& r = make.random;
   const Vector3d low = sizes(r, 0.1, 0.4), high = sizes(r, 0.1, 0.4);
@@ -237,7 +237,7 @@ void starting(Maker& make) {
   make.keep(a, away, b, {});
 }
 
-/// A corner on a circle that just reaches a wall, or just does not.
+/// A corner on a circle that just reaches a wall, or just misses it.
 void tangentialTurn(Maker& make) {
   Random& r = make.random;
   const Vector3d half = sizes(r, 0.1, 0.4);
@@ -245,7 +245,7 @@ void tangentialTurn(Maker& make) {
   const double corner = std::atan2(half.y(), half.x());
   Move turn;
   turn.angle = r.uniform(1, 3);
-  // At some time on the way the corner points at the wall.
+  // The corner points at the wall at some time on the way.
   turn.start =
       placed({0, 0, 0}, slowTurn(Vector3d::UnitZ(), -corner - turn.angle * r.uniform(0.2, 0.8)));
   Move wall;
@@ -314,7 +314,7 @@ class Chain {
       for (std::size_t k = 0; k < kLinks; ++k) c.spec.pairs.push_back({k, kLinks + i});
     }
     const TimeTruth truth = slowFirstContact(slow, c.spec.pairs, 0);
-    // Starts in contact have a family of their own.
+    // Contact at the start has a family of its own.
     if (truth.contact && truth.upper == 0) return;
     make.keep(std::move(c), truth);
   }
@@ -326,7 +326,7 @@ class Chain {
     return joint % 2 == 0 ? Vector3d::UnitZ() : Vector3d::UnitY();
   }
 
-  /// The middle of a link's box; by itself, for the truth.
+  /// Middle of a link's box, computed here: independent of robots::.
   static Pose pose(const std::vector<double>& q, const std::vector<double>& dq, std::size_t link,
                    double t) {
     Pose X;
@@ -335,7 +335,7 @@ class Chain {
     return X * placed({0, 0, kLength / 2});
   }
 
-  /// The box's own frame on a link.
+  /// The box's frame on a link.
   class Mounted final : public collision::RigidMotion {
    public:
     explicit Mounted(std::shared_ptr<const RigidMotion> link)
@@ -364,7 +364,7 @@ void keepTriangles(Maker& make, const MovingTriangle& a, const MovingTriangle& b
   make.keep(std::move(c), slowFirstContact(a, b, margin));
 }
 
-/// Corners on straight lines of their own.
+/// Each corner moves on its own straight line.
 void triangles(Maker& make) {
   Random& r = make.random;
   const auto around = [&](const Vector3d& p) {
@@ -378,8 +378,8 @@ void triangles(Maker& make) {
   keepTriangles(make, a, b, 0);
 }
 
-/// In one plane, all the time: nothing but edges and corners that slide along it. They touch in
-/// points, which no rounding proves: contact is 1e-9 m.
+/// Coplanar throughout: only edges and corners sliding along it meet. Point contacts cannot be
+/// proven under rounding, so contact is 1e-9 m.
 void coplanar(Maker& make) {
   Random& r = make.random;
   const double height = r.below(9) / 4.0 - 1;

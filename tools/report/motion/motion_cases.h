@@ -9,14 +9,14 @@
 
 namespace leeway::tools::report {
 
-/// A motion with its truth: the first time of contact lies in [lower, upper], or there is none.
+/// A motion with its truth: the first contact lies in [lower, upper], or there is none.
 struct ContactCase {
   ContactSpec spec;
   bool contact = false;
   double lower = 1, upper = 1;
 };
 
-/// Cases of one kind and the shapes they point to.
+/// Cases of one kind, and the shapes that they point to.
 struct ContactFamily {
   std::string name;
   std::vector<std::unique_ptr<ReportShape>> shapes;
@@ -26,9 +26,9 @@ struct ContactFamily {
 /// Names of all families, in the order of the report.
 const std::vector<std::string>& contactFamilies();
 
-/// `count` cases; same name, count and seed, same cases. Truth comes from how a case is made or
-/// from a slow search (motion_truth.h); cases that touch, or just do not, to within what that can
-/// tell are not kept. Up to some milliseconds a case.
+/// `count` cases; equal arguments give equal cases. Truth follows from the construction or from a
+/// slow search (motion_truth.h), which drops cases too close to touching to be decided. Up to some
+/// milliseconds a case.
 ContactFamily makeContactFamily(const std::string& name, int count, std::uint64_t seed);
 
 }  // namespace leeway::tools::report

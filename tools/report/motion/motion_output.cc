@@ -12,12 +12,12 @@ std::string cell(double value) {
   return std::isnan(value) ? std::string() : fmt::format("{:.4g}", value);
 }
 
-/// For people: three digits, "-" where there is nothing to tell.
+/// Three digits; "-" for NaN.
 std::string told(double value) {
   return std::isnan(value) ? std::string("-") : fmt::format("{:.3g}", value);
 }
 
-/// One series an engine; x is the family's place in the order of the rows, from 1.
+/// One series an engine; x is the family's place in the rows' order, from 1.
 template <typename Point>
 PlotPanel byFamily(const std::vector<MotionRow>& rows, const std::string& title, const PlotAxis& y,
                    const Point& point) {

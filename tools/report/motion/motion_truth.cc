@@ -12,14 +12,14 @@ using collision::Pose;
 using Eigen::Vector3d;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-/// Intervals of time this long are not halved.
+/// Shortest interval of time that is still halved.
 constexpr double kSmallest = 1e-11;
-/// A time of contact is clear when it is known to within this.
+/// A time of contact is clear if known to within this.
 constexpr double kClear = 1e-8;
-/// Looks at one pair, after which it is called unclear.
+/// Evaluations of one pair before it is declared unclear.
 constexpr int kMostLooks = 2'000'000;
 
-/// How far apart two sets of points are along a unit direction, whichever way round.
+/// Gap of two point sets along a unit direction, of either sign.
 double gapAlong(const Vector3d& n, std::span<const Vector3d> a, std::span<const Vector3d> b) {
   double low_a = kInfinity, high_a = -kInfinity, low_b = kInfinity, high_b = -kInfinity;
   for (const Vector3d& p : a) {
@@ -33,12 +33,11 @@ double gapAlong(const Vector3d& n, std::span<const Vector3d> a, std::span<const 
   return std::max(low_b - high_a, low_a - high_b);
 }
 
-/// What both sets are projected on, one direction after another; the one that was best last time
-/// comes first.
+/// Directions to project on; the best one of the last call comes first (temporal coherence).
 class Axes {
  public:
-  /// The largest gap found; stops at the first above `enough`. `offer(f)` calls f(direction) for
-  /// each direction, any length, until it returns false.
+  /// The largest gap; stops at the first above `enough`. `offer(f)` calls f(direction), of any
+  /// length, for each direction until it returns false.
   template <typename Offer>
   double largestGap(std::span<const Vector3d> a, std::span<const Vector3d> b, double enough,
                     const Offer& offer) {
@@ -61,8 +60,8 @@ class Axes {
   Vector3d last_ = Vector3d::Zero();
 };
 
-/// The first t in [0, end] at which gap(t) <= 0, of a function that changes by at most `speed` a
-/// unit of t: halves what the middle does not clear, the earlier half first. `gap(t, enough)` may
+/// The first t in [0, end] with gap(t) <= 0, for a function that changes by at most `speed` per
+/// unit of t: bisects what the middle does not clear, the earlier half first. `gap(t, enough)` may
 /// return any lower bound above `enough`.
 template <typename Gap>
 TimeTruth firstTouch(const Gap& gap, double speed, double end) {
@@ -99,7 +98,7 @@ TimeTruth firstTouch(const Gap& gap, double speed, double end) {
     if (there > 0) open.push_back({middle, s.end});
     open.push_back({s.begin, middle});
   }
-  // Every interval was cleared before a touch at its end.
+  // Every interval before a touch at its end was cleared.
   truth.lower = truth.contact ? std::max(0.0, truth.upper - kSmallest) : end;
   return truth;
 }
@@ -195,7 +194,7 @@ TimeTruth slowFirstContact(const collision::MovingTriangle& a, const collision::
     return axes.largestGap(p, q, enough + margin, [&](const auto& look) {
       if (!look(m) || !look(n)) return;
       for (std::size_t i = 0; i < 3; ++i) {
-        // Those in the planes decide where both lie in one.
+        // Edge normals within the planes decide coplanar pairs.
         if (!look(m.cross(e[i])) || !look(n.cross(f[i]))) return;
         for (std::size_t j = 0; j < 3; ++j)
           if (!look(e[i].cross(f[j]))) return;

@@ -11,21 +11,21 @@
 
 namespace leeway::tools::report {
 
-/// The truth of `report motion`: separating axes of polytopes, looked at wherever a bound on speed
-/// does not exclude contact. Slow, obvious, and without any code of the engine.
+/// The truth of `report motion`: separating axes of polytopes, searched wherever a bound on speed
+/// does not exclude contact. Slow, obvious, shares no code with the engine.
 
-/// A convex polytope by its own frame's vertices and the directions that separation has to look at.
+/// A convex polytope: vertices in its own frame, and the directions a separating-axis test needs.
 struct SlowPolytope {
   std::vector<Eigen::Vector3d> vertices;
   std::vector<Eigen::Vector3d> normals, edges;  // unit
-  double reach = 0;                             ///< of the vertices, from the origin [m]
+  double reach = 0;                             ///< largest vertex distance from the origin [m]
 };
 
 SlowPolytope slowBox(const Eigen::Vector3d& half_extents);
-/// Of points in general position; O(n^4).
+/// Hull of points in general position; O(n^4).
 SlowPolytope slowHull(std::span<const Eigen::Vector3d> points);
 
-/// A polytope that moves: its pose at t, and what no point of it is faster than.
+/// A moving polytope: its pose at t, and a bound on the speed of its points.
 struct SlowBody {
   const SlowPolytope* shape = nullptr;
   std::function<collision::Pose(double)> pose;
@@ -38,11 +38,11 @@ Eigen::Matrix3d slowTurn(const Eigen::Vector3d& axis, double angle);
 struct TimeTruth {
   bool contact = false;
   double lower = 0, upper = 0;  ///< holds the first time of contact
-  bool clear = true;            ///< false: too near to touching, or not touching, for this to tell
+  bool clear = true;            ///< false: too close to touching to be decided
 };
 
-/// The first t in [0, 1] at which a pair's separation is `margin` or less (to within the
-/// separation of vertices by planes of faces and edges: exact for margin 0).
+/// The first t in [0, 1] at which a pair's separation is at most `margin`. Separation is measured
+/// along the planes of faces and edges only: exact for margin 0.
 TimeTruth slowFirstContact(std::span<const SlowBody> bodies,
                            std::span<const std::array<std::size_t, 2>> pairs, double margin);
 TimeTruth slowFirstContact(const collision::MovingTriangle& a, const collision::MovingTriangle& b,

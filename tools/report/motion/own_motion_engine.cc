@@ -19,7 +19,7 @@ Scratch& scratch() {
 }
 
 ContactAnswer answerOf(const ContactResult& result) {
-  // What is refused is not free.
+  // A refused input is not free.
   if (result.status == ContactStatus::kInvalid) return {false, true, 0, kInfinity};
   return {result.status == ContactStatus::kContact, result.status == ContactStatus::kUndecided,
           result.time.lower, result.time.upper};
@@ -32,8 +32,8 @@ class OwnQuery : public ContactQuery {
   ContactAnswer ask() override {
     if (!spec_.triangles.empty())
       return answerOf(timeOfContact(spec_.triangles[0], spec_.triangles[1], request_, scratch()));
-    // Later pairs are followed only to the first contact found; of contacts at nearly the same time
-    // it is not known which is the first.
+    // Later pairs are followed up to the first contact found; of nearly simultaneous contacts
+    // either may be first.
     ContactRequest request = request_;
     ContactAnswer first, open;
     for (const auto& pair : spec_.pairs) {

@@ -7,7 +7,7 @@
 
 namespace leeway::tools::report {
 
-/// Ours: timeOfContact() to within 1e-6 of the motion, with default limits.
+/// Our timeOfContact(), to within 1e-6 of the motion, default limits.
 std::vector<std::unique_ptr<ContactEngine>> makeOwnMotionEngines();
 
 }  // namespace leeway::tools::report

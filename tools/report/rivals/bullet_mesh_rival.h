@@ -7,7 +7,7 @@
 
 namespace leeway::tools::report {
 
-/// Quantised hierarchies, refitted and rebuilt. They answer no distances.
+/// Quantised hierarchies, refitted and rebuilt; no distance queries.
 std::vector<std::unique_ptr<MeshEngine>> makeBulletMeshEngines();
 
 }  // namespace leeway::tools::report

@@ -7,7 +7,7 @@
 
 namespace leeway::tools::report {
 
-/// Continuous convex collision (conservative advancement), and the cast by GJK, which knows no
+/// Continuous convex collision (conservative advancement), and the GJK cast, which ignores
 /// rotation.
 std::vector<std::unique_ptr<ContactEngine>> makeBulletMotionEngines();
 

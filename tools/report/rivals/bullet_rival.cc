@@ -1,5 +1,5 @@
-// Bullet 3 in double precision, as Debian builds it. Margins are set to 0; what spheres and
-// capsules call their margin is their radius.
+// Bullet 3 in double precision, as Debian builds it. Margins are 0, except for spheres and
+// capsules, whose margin is their radius.
 
 #include <BulletCollision/NarrowPhaseCollision/btGjkEpa2.h>
 #include <BulletCollision/NarrowPhaseCollision/btGjkEpaPenetrationDepthSolver.h>
@@ -23,13 +23,13 @@ using BulletShape = std::unique_ptr<btConvexShape>;
 
 constexpr double kFailed = std::numeric_limits<double>::quiet_NaN();
 
-/// What the cores' distance is to be made smaller by.
+/// Radius around the shape's core.
 double roundness(const Shape& shape) {
   return shape.type() == ShapeType::kSphere || shape.type() == ShapeType::kCapsule ? shape.radius()
                                                                                    : 0;
 }
 
-/// btGjkEpaSolver2: GJK between cores, an expanding polytope where they overlap.
+/// btGjkEpaSolver2: GJK between cores, EPA where they overlap.
 class Epa2Query : public PairQuery {
  public:
   Epa2Query(BulletShape a, BulletShape b, const PairSpec& spec)
@@ -55,7 +55,7 @@ class Epa2Query : public PairQuery {
   double radii_;
 };
 
-/// btGjkPairDetector with the same polytope behind it, as Bullet's own narrow phase uses it.
+/// btGjkPairDetector over that EPA: the combination in Bullet's own narrow phase.
 class DetectorQuery : public PairQuery {
  public:
   DetectorQuery(BulletShape a, BulletShape b, const PairSpec& spec)

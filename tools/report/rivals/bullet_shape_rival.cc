@@ -51,7 +51,7 @@ BulletShape makeBulletShape(const ReportShape& s) {
       hull->recalcLocalAabb();
       return withoutMargin(std::move(hull));
     }
-    case ShapeType::kEllipsoid:  // Bullet has none
+    case ShapeType::kEllipsoid:  // unsupported by Bullet
     default:                     // half-spaces (nor convex half-spaces) and meshes
       break;
   }

@@ -1,4 +1,4 @@
-// Embree 3: dynamic scenes in single precision, refitted or built anew, and point queries.
+// Embree 3: dynamic scenes in single precision, refitted or rebuilt, with point queries.
 
 #include <embree3/rtcore.h>
 
@@ -18,7 +18,7 @@ Point operator+(const Point& a, const Point& b) { return {a.x + b.x, a.y + b.y, 
 Point operator*(float s, const Point& a) { return {s * a.x, s * a.y, s * a.z}; }
 float dot(const Point& a, const Point& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 
-/// Squared distance from p to the triangle, by the region of its plane that p lies over (Ericson,
+/// Squared distance from p to the triangle, by the Voronoi region that p lies in (Ericson,
 /// Real-Time Collision Detection, section 5.1.5).
 float squaredDistance(const Point& p, const Point& a, const Point& b, const Point& c) {
   const auto to = [&](const Point& q) { return dot(p - q, p - q); };
@@ -42,7 +42,7 @@ float squaredDistance(const Point& p, const Point& a, const Point& b, const Poin
   return to(a + (vb * scale) * ab + (vc * scale) * ac);
 }
 
-/// One thread, one device for all.
+/// One single-threaded device for all.
 RTCDevice device() {
   static const RTCDevice instance = rtcNewDevice("threads=1,set_affinity=0");
   return instance;
@@ -53,8 +53,8 @@ class EmbreeFollower final : public MeshFollower {
   EmbreeFollower(const DeformingSpec& spec, RTCBuildQuality quality)
       : scene_(rtcNewScene(device())) {
     rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_DYNAMIC);
-    // Only a scene of low quality keeps a hierarchy for each geometry, which is what a refit needs;
-    // the geometry itself is built first, and well.
+    // Only a low-quality scene keeps a hierarchy for each geometry, which a refit needs. The
+    // geometry is first built at full quality.
     const bool refit = quality == RTC_BUILD_QUALITY_REFIT;
     rtcSetSceneBuildQuality(scene_, refit ? RTC_BUILD_QUALITY_LOW : quality);
     geometry_ = rtcNewGeometry(device(), RTC_GEOMETRY_TYPE_TRIANGLE);
@@ -92,7 +92,7 @@ class EmbreeFollower final : public MeshFollower {
     rtcCommitScene(scene_);
   }
 
-  /// Point queries are what it has: spheres.
+  /// Only point queries exist: spheres.
   bool addBody(const collision::Shape& shape) override {
     if (shape.type() != collision::ShapeType::kSphere) return false;
     radii_.push_back(shape.radius());

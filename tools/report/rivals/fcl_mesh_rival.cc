@@ -1,5 +1,5 @@
-// FCL's bounding volume hierarchies over moving vertices: axis-aligned boxes, and oriented boxes
-// with swept spheres, refitted or built anew.
+// FCL's bounding volume hierarchies over moving vertices: AABBs, and OBBs with swept spheres,
+// refitted or rebuilt.
 
 #include "tools/report/rivals/fcl_mesh_rival.h"
 
@@ -32,7 +32,7 @@ class FclFollower : public MeshFollower {
   void update() override { model_->endReplaceModel(refit_, true); }
 
   bool addBody(const Shape& shape) override {
-    // Its distance queries need swept spheres; those of plain boxes are not worth showing.
+    // FCL's distance queries need swept spheres; over plain boxes they are too slow to show.
     if constexpr (!std::is_same_v<Volume, fcl::OBBRSSd>) return false;
     switch (shape.type()) {
       case ShapeType::kSphere:
@@ -70,7 +70,7 @@ class FclMeshEngine : public MeshEngine {
   FclMeshEngine(const char* name, bool refit) : name_(name), refit_(refit) {}
   const char* name() const override { return name_; }
   std::unique_ptr<MeshFollower> follow(const DeformingSpec& spec) const override {
-    // Half a kilobyte a node, and seconds a frame: nothing to wait for.
+    // A node takes half a kilobyte, a frame seconds: too slow to show.
     constexpr std::size_t kMostOriented = 500'000;
     if (std::is_same_v<Volume, fcl::OBBRSSd> && spec.triangles.size() > kMostOriented)
       return nullptr;

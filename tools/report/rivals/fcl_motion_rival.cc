@@ -15,13 +15,13 @@ using collision::MovingTriangle;
 using Motion = fcl::InterpMotion<double>;
 using Geometry = std::shared_ptr<fcl::CollisionGeometryd>;
 
-/// Null for what FCL has no motions of.
+/// Null: FCL has no motion of this shape.
 Geometry geometryOf(const ReportShape& s) {
   if (s.shape.type() != collision::ShapeType::kMesh) return makeFclShape(s);
   return makeFclModel<fcl::OBBRSSd>(s.shape.mesh()->vertices(), s.shape.mesh()->triangles());
 }
 
-/// With the point that travels straight given: FCL's own choice of it is memory that nobody wrote.
+/// Sets the point that travels straight: FCL's default reads uninitialised memory.
 Motion motionOf(const collision::Pose& X0, const collision::Pose& X1) {
   return Motion(X0.rotation, X0.translation, X1.rotation, X1.translation, fcl::Vector3d::Zero());
 }
@@ -31,7 +31,7 @@ class FclContactQuery : public ContactQuery {
   FclContactQuery(const ContactSpec& spec, std::vector<Geometry> geometries,
                   const fcl::ContinuousCollisionRequestd& request)
       : spec_(spec), geometries_(std::move(geometries)), request_(request) {
-    // The steps are those of the whole motion.
+    // The step count covers the whole motion, so curved motions are unsupported.
     if (std::any_of(spec.bodies.begin(), spec.bodies.end(),
                     [](const MovingBody& body) { return !body.straight; }))
       request_.num_max_iterations /= kMotionPieces;
@@ -75,7 +75,7 @@ class FclEngine : public ContactEngine {
   fcl::ContinuousCollisionRequestd request_;
 };
 
-/// All corners against the other triangle, all edges against all edges.
+/// All corners against the other triangle, all pairs of edges.
 class PolynomialQuery : public ContactQuery {
  public:
   explicit PolynomialQuery(const ContactSpec& spec)

@@ -7,8 +7,8 @@
 
 namespace leeway::tools::report {
 
-/// Conservative advancement of shapes and of meshes; a thousand steps, which is what FCL does by
-/// default (with ten); its cubic polynomials for triangles.
+/// Conservative advancement of shapes and meshes; a thousand discrete steps (FCL's default method,
+/// which uses ten); cubic polynomials for triangles.
 std::vector<std::unique_ptr<ContactEngine>> makeFclMotionEngines();
 
 }  // namespace leeway::tools::report

@@ -16,7 +16,7 @@ namespace {
 
 using Geometry = std::shared_ptr<fcl::CollisionGeometryd>;
 
-/// Signed where the case overlaps. FCL's distance queries take no warm start.
+/// Signed distance in overlap. FCL's distance queries have no warm start.
 class FclQuery : public PairQuery {
  public:
   FclQuery(Geometry a, Geometry b, const PairSpec& spec, fcl::GJKSolverType solver)
@@ -32,7 +32,7 @@ class FclQuery : public PairQuery {
     fcl::DistanceResultd result;
     fcl::distance(a_.get(), X_WA_, b_.get(), X_WB_, request_, result);
     const double d = result.min_distance;
-    // What it returns where it has no such function at all.
+    // FCL's value for a missing function.
     if (d == std::numeric_limits<double>::max())
       return {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::quiet_NaN()};
     return {d, d};
@@ -45,8 +45,8 @@ class FclQuery : public PairQuery {
   double default_tolerance_ = 0;
 };
 
-/// The depth of a contact: what the independent solver has for overlaps instead of a signed
-/// distance, and what libccd answers by portal refinement when asked for contacts.
+/// Depth of a contact: the independent solver's only answer in overlap, and libccd's portal
+/// refinement (MPR).
 class FclContactQuery : public PairQuery {
  public:
   FclContactQuery(Geometry a, Geometry b, const PairSpec& spec, fcl::GJKSolverType solver)
@@ -63,7 +63,7 @@ class FclContactQuery : public PairQuery {
     request_.gjk_tolerance = std::isnan(tolerance) ? default_tolerance_ : tolerance;
     fcl::CollisionResultd result;
     fcl::collide(a_.get(), X_WA_, b_.get(), X_WB_, request_, result);
-    // Without a contact it says that they are apart, not how far.
+    // No contact: apart by an unknown distance.
     if (result.numContacts() == 0)
       return {std::numeric_limits<double>::min(), std::numeric_limits<double>::min()};
     const double depth = std::abs(result.getContact(0).penetration_depth);

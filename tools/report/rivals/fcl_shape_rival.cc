@@ -21,8 +21,8 @@ using Geometry = std::shared_ptr<fcl::CollisionGeometryd>;
 
 namespace {
 
-/// The points as given; facets by the first point that equals each vertex. A set without facets is
-/// one polygon: FCL looks at faces only above 32 vertices.
+/// The points as given; facets refer to the first point equal to each vertex. A set without facets
+/// becomes one polygon: FCL reads faces only above 32 vertices.
 Geometry makeConvex(const ReportShape& s) {
   const auto vertices = std::make_shared<std::vector<fcl::Vector3d>>(s.points);
   const auto faces = std::make_shared<std::vector<int>>();
@@ -66,7 +66,7 @@ Geometry makeFclShape(const ReportShape& s) {
       return std::make_shared<fcl::Ellipsoidd>(fcl::Vector3d(shape.halfExtents()));
     case ShapeType::kConvexHull:
       return makeConvex(s);
-    default:  // half-spaces (FCL has no distances from half-spaces, only contacts) and meshes
+    default:  // half-spaces (contacts only, no distances) and meshes
       break;
   }
   return nullptr;

@@ -13,13 +13,13 @@
 
 namespace leeway::tools::report {
 
-/// FCL's form of a convex shape; null for half-spaces (FCL has no distances from them, only
-/// contacts) and meshes.
+/// FCL's form of a convex shape. Null for meshes and half-spaces (FCL answers contacts with those,
+/// no distances).
 std::shared_ptr<fcl::CollisionGeometryd> makeFclShape(const ReportShape& shape);
 fcl::Transform3d toFcl(const collision::Pose& pose);
 std::vector<fcl::Triangle> toFcl(std::span<const std::array<std::int32_t, 3>> triangles);
 
-/// A hierarchy over triangles.
+/// A bounding volume hierarchy over triangles.
 template <typename Volume>
 std::shared_ptr<fcl::BVHModel<Volume>> makeFclModel(
     std::span<const Eigen::Vector3d> vertices,

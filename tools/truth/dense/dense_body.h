@@ -17,10 +17,10 @@
 
 namespace leeway::dense {
 
-/// Bounding volumes of one shape: FCL's hierarchy over a mesh, one box around any other shape.
+/// Bounding volumes of a shape: FCL's hierarchy over a mesh, one box around anything else.
 struct DenseWorld::Bounds {
-  /// A box in the shape's frame and, for a part of a mesh, FCL's rounded rectangle (rss). `reach`:
-  /// largest distance from the origin of the link [m]. Children stand side by side; -1: none.
+  /// A box in the shape's frame and, for part of a mesh, FCL's rectangle swept sphere (rss).
+  /// `reach`: largest distance from the link's origin [m]. Children are adjacent; -1: none.
   struct Node {
     Eigen::Vector3d center, half_extents;
     Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
@@ -63,15 +63,15 @@ struct DenseWorld::Bounds {
     const fcl::Triangle& t = mesh->tri_indices[leaf.triangle];
     return {mesh->vertices[t[0]], mesh->vertices[t[1]], mesh->vertices[t[2]]};
   }
-  /// Lower bound of the distance between the contents of two nodes [m]; useless below 0.
+  /// Lower bound of the distance between two nodes' contents [m]; void below 0.
   static double gap(const Node& a, const Node& b, const Eigen::Isometry3d& X_AB) {
     const Eigen::Vector3d to_b = X_AB * b.center - a.center;
     const double balls = to_b.norm() - a.radius - b.radius;
-    if (balls > a.radius + b.radius) return balls;  // so far apart that spheres do
+    if (balls > a.radius + b.radius) return balls;  // bounding spheres suffice
     if (a.rss != nullptr && b.rss != nullptr)
       return std::max(balls, fcl::distance(fcl::Matrix3d(X_AB.linear()),
                                            fcl::Vector3d(X_AB.translation()), *a.rss, *b.rss));
-    // A box around b whose faces are parallel to those of a.
+    // Half extents of an axis-parallel (in A) box around b.
     const Eigen::Vector3d around =
         (a.axes.transpose() * (X_AB.linear() * b.axes)).cwiseAbs() * b.half_extents;
     const Eigen::Vector3d apart = (a.axes.transpose() * to_b).cwiseAbs() - a.half_extents - around;

@@ -1,5 +1,4 @@
-// First collision along an edge: every place is looked at, except where bounds prove that two
-// shapes cannot meet before a later one.
+// First collision along an edge: checks every place, except where bounds prove two shapes apart.
 
 #include <fcl/fcl.h>
 
@@ -15,15 +14,15 @@ namespace {
 
 using Eigen::Isometry3d;
 
-/// More than the rounding of FCL's bounds [m].
+/// Exceeds the rounding of FCL's bounds [m].
 constexpr double kGapSlack = 1e-6;
-/// A proof for this share of the places for which the nearest known parts stay apart is good
-/// enough: a longer one takes more time to find than it saves.
+/// A proof for this share of the places cleared by the nearest known parts is accepted: a longer
+/// one costs more than it saves.
 constexpr double kShareOfHop = 0.25;
 
 }  // namespace
 
-/// Distance between two leaves [m]; a lower bound where one is a box.
+/// Distance between two leaves [m]; a lower bound if one is a box.
 double DenseWorld::leafGap(const Bounds& a, const Bounds& b, const NodePair& pair,
                            const Isometry3d& X_AB) {
   const Bounds::Node &u = a.nodes[pair.first], &v = b.nodes[pair.second];
@@ -33,8 +32,8 @@ double DenseWorld::leafGap(const Bounds& a, const Bounds& b, const NodePair& pai
   return fcl::detail::TriangleDistance<double>::triDistance(s.data(), t.data(), X_AB, on_s, on_t);
 }
 
-/// For how many places to come, at most `most`, two shapes are proven apart. Node by node, because
-/// those near a joint move less from place to place than those at the end of the chain.
+/// Number of coming places, at most `most`, at which two shapes are proven apart. Decided node by
+/// node: near a joint, nodes move less than at the chain's end.
 double DenseWorld::placesApart(ShapePair& shapes, const Approach& approach, double most) {
   const Body &x = *bodies_[pairs_[shapes.bodies].first],
              &y = *bodies_[pairs_[shapes.bodies].second];
@@ -50,7 +49,7 @@ double DenseWorld::placesApart(ShapePair& shapes, const Approach& approach, doub
     const Bounds::Node &u = a.nodes[pair.first], &v = b.nodes[pair.second];
     return (leafGap(a, b, pair, X_AB) - kGapSlack) / approach.step(u.reach, v.reach);
   };
-  // The nearest pair of leaves rarely changes: begin with it and skip what is much farther.
+  // The nearest pair of leaves rarely changes: start with it, prune what is much farther.
   const double whole = places({0, 0});
   if (whole >= most) return whole;
   const bool known = a.nodes[nearest.first].child < 0 && b.nodes[nearest.second].child < 0;
@@ -89,9 +88,9 @@ double DenseWorld::placesApart(ShapePair& shapes, const Approach& approach, doub
   return apart;
 }
 
-/// For each pair, how far its bodies can approach each other from one place to the next. A joint
-/// that carries both moves neither against the other. Any other revolute joint moves a point by its
-/// turn times the length of the chain between them, a prismatic one by its slide.
+/// For each pair, a bound on the approach of its bodies between places. A joint that carries both
+/// moves neither against the other. Another revolute joint moves a point by its turn times the
+/// chain's length in between, a prismatic one by its slide.
 std::vector<DenseWorld::Approach> DenseWorld::largestSteps(const std::vector<std::string>& names,
                                                            const std::vector<double>& from,
                                                            const std::vector<double>& to,
@@ -116,7 +115,7 @@ std::vector<DenseWorld::Approach> DenseWorld::largestSteps(const std::vector<std
     return other >= 0;
   };
   const auto moved = [&](const Body& body, int other) {
-    double length = 0;  // from the joint to the origin of the body's link
+    double length = 0;  // joint to the origin of the body's link
     Moved sum;
     for (int link = body.link; link >= 0; link = parentOf(link)) {
       const robots::Joint& joint = model_->joints[static_cast<std::size_t>(link)];
@@ -127,7 +126,7 @@ std::vector<DenseWorld::Approach> DenseWorld::largestSteps(const std::vector<std
       sum.rest += slides ? turn : turn * length;
       length += joint.X_PJ.translation.norm();
       if (!slides) continue;
-      // A slide adds as much length as its limits allow.
+      // A slide adds the length that its limits allow.
       const robots::Joint& master =
           joint.mimic < 0 ? joint : model_->joints[static_cast<std::size_t>(joint.mimic)];
       const robots::Variable& v =

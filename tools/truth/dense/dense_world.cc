@@ -140,7 +140,8 @@ bool DenseWorld::mayTouch(const std::string& a, const std::string& b) const {
 }
 
 void DenseWorld::listPairs() {
-  // The link that carries each link rigidly: bodies of one carrier never move against one another.
+  // The link that rigidly carries each link: bodies of one carrier never move relative to one
+  // another.
   std::vector<int> carrier(model_->links.size());
   std::vector<bool> planned(model_->links.size(), false);
   for (std::size_t i = 0; i < model_->links.size(); ++i) {
@@ -198,7 +199,7 @@ void DenseWorld::placeLinks(const std::vector<std::string>& names,
         break;
       case robots::JointType::kPlanar:
       case robots::JointType::kFloating:
-        // A base that the SRDF lets float stands at the origin in all of MotionBenchMaker.
+        // MotionBenchMaker: a base that the SRDF lets float stands at the origin.
         if (joint.parent_link >= 0)
           throw std::runtime_error("joint '" + joint.name +
                                    "': this checker knows joints of one degree of freedom");
@@ -225,7 +226,7 @@ void DenseWorld::place(const std::vector<std::string>& names,
   for (const auto& body : bodies_) placeObjects(*body);
 }
 
-/// Whether two shapes meet where they are.
+/// Whether two shapes collide at their current poses.
 bool DenseWorld::collide(const ShapePair& pair) const {
   const auto& [i, j] = pairs_[pair.bodies];
   const fcl::CollisionObjectd &a = *bodies_[i]->objects[pair.a], &b = *bodies_[j]->objects[pair.b];

@@ -1,7 +1,7 @@
 #pragma once
 
-// Dense collision checks, independent of the engine that they judge: only the reading of URDF and
-// mesh files is Leeway's. Not installed.
+// Dense collision checks, independent of the engine they judge: only the readers of URDF and mesh
+// files are Leeway's. Not installed.
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -26,33 +26,31 @@ struct Collision {
 };
 
 /// A robot among the boxes and cylinders of a MoveIt scene, checked by FCL: exact meshes, no hulls,
-/// no bounds, no certificates.
+/// bounds or certificates.
 class DenseWorld {
  public:
-  /// Throws std::runtime_error where files lack something, yaml-cpp's exceptions where they are
-  /// broken.
+  /// Throws std::runtime_error for missing content, yaml-cpp's exceptions for malformed files.
   DenseWorld(std::shared_ptr<const robots::Model> model, const std::string& scene_file,
              const std::string& request_file);
-  /// The robot of `other` in another scene; its hierarchies are not built again.
+  /// The robot of `other` in another scene; shares its hierarchies.
   DenseWorld(const DenseWorld& other, const std::string& scene_file,
              const std::string& request_file);
   ~DenseWorld();
 
-  /// The first colliding pair at these positions of the named joints. Other joints stand as in the
-  /// request's start state, at 0 where it does not name them.
+  /// The first colliding pair at these positions of the named joints. Other joints take the
+  /// request's start state, 0 if it does not name them.
   Collision check(const std::vector<std::string>& names, const std::vector<double>& positions);
 
-  /// The first t = i / count, i = 0 .. count, at which a pair collides on the straight line from
-  /// one row to another. Answers as check() at every place, much faster: two shapes are skipped for
-  /// as many places as their hierarchies prove that they cannot meet (a node moves at most by its
-  /// distance from a joint, along the chain, times the joint's turn).
+  /// The first t = i / count, i = 0 .. count, at which a pair collides on the straight line between
+  /// two rows. Equals check() at every place, but much faster: a pair of shapes skips the places at
+  /// which its hierarchies prove it apart (a node moves at most by its distance from a joint, along
+  /// the chain, times the joint's turn).
   std::optional<double> firstCollision(const std::vector<std::string>& names,
                                        const std::vector<double>& from,
                                        const std::vector<double>& to, int count);
 
-  /// Whether any pair is within `threshold` [m]; undecided pairs count as near. Asks Leeway's
-  /// distance(), cold, one query a pair whose bounding spheres are near: no caches, no
-  /// certificates.
+  /// Whether any pair is within `threshold` [m]; undecided counts as near. Asks Leeway's distance()
+  /// for each pair with nearby bounding spheres, cold: no caches, no certificates.
   bool closerThan(const std::vector<std::string>& names, const std::vector<double>& positions,
                   double threshold);
 
@@ -60,7 +58,7 @@ class DenseWorld {
   double startError(const std::vector<std::string>& names, const std::vector<double>& row) const;
   double goalError(const std::vector<std::string>& names, const std::vector<double>& row) const;
 
-  /// Joint names and values of the request, in its order.
+  /// The request's joint names and values, in its order.
   const std::vector<std::pair<std::string, double>>& goal() const { return goal_; }
   const std::vector<std::pair<std::string, double>>& start() const { return start_; }
 
@@ -68,13 +66,13 @@ class DenseWorld {
   struct Bounds;
   struct Body;
   using NodePair = std::pair<std::size_t, std::size_t>;
-  /// Two shapes of a pair of bodies, and the pair of leaves that was nearest last.
+  /// Two shapes of a pair of bodies, and their last nearest pair of leaves.
   struct ShapePair {
     std::size_t bodies, a, b;
     NodePair nearest{};
   };
-  /// From one place to the next a point moves at most turn * (its distance from the origin of its
-  /// link) + rest [m].
+  /// From one place to the next a point moves at most turn * (distance from its link's origin) +
+  /// rest [m].
   struct Moved {
     double turn = 0, rest = 0;
   };
@@ -106,8 +104,8 @@ class DenseWorld {
   std::vector<std::pair<std::string, std::string>> allowed_;
   std::vector<std::pair<std::string, double>> start_, goal_;
   std::vector<Eigen::Isometry3d> X_WL_;
-  std::vector<int> due_;     // firstCollision(): next place at which a pair of shapes is looked at
-  std::vector<int> placed_;  // firstCollision(): place for which a body's objects were moved
+  std::vector<int> due_;  // firstCollision(): next place at which a pair of shapes must be checked
+  std::vector<int> placed_;  // firstCollision(): place to which a body's objects were moved
   std::vector<ShapePair> shape_pairs_;
   using Timed = std::pair<NodePair, double>;
   std::vector<Timed> nodes_;

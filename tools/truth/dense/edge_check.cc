@@ -39,12 +39,12 @@ using leeway::planner::EdgeCertifier;
 using leeway::planner::EdgeCheck;
 using leeway::planner::Verdict;
 
-/// Clearance that a rejected edge must exceed everywhere to count as cautious [m].
+/// A rejected edge counts as cautious if its clearance exceeds this everywhere [m].
 constexpr double kCautiousClearance = 1e-4;
-/// Share of cautious edges that is allowed.
+/// Allowed share of cautious edges.
 constexpr double kCautiousShare = 0.001;
 
-/// Of the planner, a problem and seed.
+/// Planner iterations for one problem and seed.
 constexpr unsigned long long kPlannerLooks = 2000;
 
 struct Options {
@@ -67,8 +67,8 @@ struct Counts {
   double certify_free_s = 0, certify_rejected_s = 0, sampling_s = 0;
 };
 
-/// Half of the edges begin anywhere, half at a valid state (as a tree's do); lengths 0.1 to 3 rad,
-/// evenly in the logarithm.
+/// Half of the edges begin anywhere, half at a valid state, as a tree's do. Lengths 0.1 to 3 rad,
+/// log-uniform.
 Edge randomEdge(Random& random, EdgeCertifier& certifier) {
   const auto& space = certifier.scene().space();
   const std::size_t n = static_cast<std::size_t>(space.size());
@@ -86,7 +86,7 @@ Edge randomEdge(Random& random, EdgeCertifier& certifier) {
   if (random.chance(0.5))
     for (int i = 0; i < 100 && certifier.decide(edge.from) != Verdict::kFree; ++i)
       edge.from = anywhere();
-  // A direction from the ball, then cut to the limits: what steps of a planner look like.
+  // A uniform direction, then cut to the limits, as planners extend.
   std::vector<double> d(n);
   double squared;
   do {
@@ -119,7 +119,7 @@ void tell(const char* what, long long index, const Edge& edge, double t) {
              fmt::join(edge.from, " "), fmt::join(edge.to, " "));
 }
 
-/// The twin of DenseWorld::firstCollision(): every pair in every place.
+/// Slow twin of DenseWorld::firstCollision(): every pair in every place.
 std::optional<double> firstOfAll(DenseWorld& world, const std::vector<std::string>& names,
                                  const Edge& edge, int count) {
   for (int i = 0; i <= count; ++i) {
@@ -161,7 +161,7 @@ void check(long long index, const Edge& edge, EdgeCertifier& certifier, DenseWor
     const auto close = [&](const auto& q) {
       return world.closerThan(names, q, kCautiousClearance);
     };
-    // The certifier's own place first, which nearly always settles it.
+    // The certifier's own place first: nearly always decisive.
     bool found = close(between(edge, verdict.t));
     const int count = samples(edge, step);
     for (int i = 0; i <= count && !found; ++i, ++counts.states)
@@ -176,7 +176,7 @@ void check(long long index, const Edge& edge, EdgeCertifier& certifier, DenseWor
   counts.sampling_s += std::chrono::duration<double>(Clock::now() - end).count();
 }
 
-/// One scene with all that looks at it.
+/// One scene with its checkers.
 struct Place {
   leeway::planner::Problem problem;
   std::shared_ptr<const leeway::planner::CompiledScene> scene;
@@ -185,7 +185,7 @@ struct Place {
   std::vector<std::string> names;
 };
 
-/// `first`: a place of the same robot, or null.
+/// `first`: an existing place of the same robot, or null.
 Place load(const std::shared_ptr<const leeway::robots::Model>& model, const std::string& scene,
            const Place* first) {
   Place place;
@@ -200,7 +200,7 @@ Place load(const std::shared_ptr<const leeway::robots::Model>& model, const std:
   return place;
 }
 
-/// Of the first `count` edges that planning and simplifying ask for, those of a shard.
+/// A shard of the first `count` edges that planning and simplifying request.
 void checkAsked(const Options& options, int shard, int shards, std::vector<Place>& places,
                 Counts& counts) {
   long long index = 0;

@@ -21,7 +21,7 @@ Eigen::Isometry3d isometry(const collision::Pose& X);
 std::shared_ptr<FclSurface> fclMesh(std::span<const Eigen::Vector3d> vertices,
                                     std::span<const std::array<std::int32_t, 3>> triangles);
 
-/// FCL's form of a shape; hulls and meshes by their triangles.
+/// FCL's form of a shape; hulls and meshes as triangles.
 FclGeometry toFcl(const collision::Shape& shape);
 
 }  // namespace leeway::dense

@@ -1,8 +1,8 @@
-// mbm_report: reads the lines of `leeway batch` on MoveIt problems, checks every path
-// densely with FCL, and prints a table by set.
+// mbm_report: reads the lines of `leeway batch` on MoveIt problems, checks every path densely with
+// FCL, and prints a table by set.
 //   mbm_report --robot R.urdf [--srdf R.srdf] [--step 0.002] LINES.jsonl
-// The scene's own path stands in each line as `problem`; its request beside it as requestNNNN.yaml.
-// Exit status 1 when any problem is unsolved, uncertified, unverified or collides.
+// A line's `problem` is the scene's path; the request is requestNNNN.yaml beside it. Exit status 1
+// when any problem is unsolved, uncertified, unverified or collides.
 
 #include <fmt/format.h>
 
@@ -26,7 +26,7 @@ using leeway::dense::DenseWorld;
 using leeway::dense::requestOf;
 using Json = nlohmann::json;
 
-/// Differences of a path's ends from the request that are still the same configuration [rad].
+/// Ends of a path within this of the request count as equal [rad].
 constexpr double kSameConfiguration = 1e-9;
 
 struct Row {
@@ -59,8 +59,7 @@ double quantile(std::vector<double> values, double fraction) {
   return values[below] + (at - static_cast<double>(below)) * (values[above] - values[below]);
 }
 
-/// Looks at every state of the path, no two neighbours farther apart than `step` [rad]; tells of
-/// the first that collides.
+/// Checks the path's states, spaced at most `step` [rad] apart; prints the first that collides.
 bool collides(DenseWorld& world, const std::string& problem, const std::vector<std::string>& names,
               const std::vector<std::vector<double>>& rows, double step, long long& states) {
   for (std::size_t i = 0; i < rows.size(); ++i) {
@@ -84,7 +83,7 @@ bool collides(DenseWorld& world, const std::string& problem, const std::vector<s
   return false;
 }
 
-/// Whether the start or the goal collides: one does where a planner rightly refuses.
+/// Whether start or goal collides: a refusal is then correct.
 bool endsCollide(DenseWorld& world) {
   for (const auto* end : {&world.start(), &world.goal()}) {
     std::vector<std::string> names;

@@ -1,6 +1,5 @@
-// An executed trajectory against the truth: at many instants, with kinematics of its own, the exact
-// vertices of everything that deforms, FCL for contact, and every triangle against every link for
-// the distance.
+// Checks an executed trajectory at many instants: own kinematics, exact vertices of everything that
+// deforms, FCL for contact, every triangle against every link for the distance.
 
 #include <fcl/fcl.h>
 #include <fmt/format.h>
@@ -33,7 +32,7 @@ namespace robots = leeway::robots;
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-/// One shape of a thing, where it is now.
+/// A placed shape.
 struct Part {
   std::string owner;
   int link = -1;  // -1: the world
@@ -67,7 +66,7 @@ class World {
     return count;
   }
 
-  /// Contact of the robot with anything; empty when free.
+  /// First contact of the robot with anything, as text; empty when free.
   std::string contact(const std::vector<double>& positions, double time) {
     place(positions);
     for (const Part& part : robot_)
@@ -84,8 +83,8 @@ class World {
     return {};
   }
 
-  /// The least distance from what deforms, as far as it is below `enough`: all pairs of a triangle
-  /// and a shape of the robot, where it was last placed.
+  /// Minimum distance from what deforms, if below `enough`: all pairs of a triangle and a robot
+  /// shape, at the poses of the last contact().
   double distance(double time, double enough) {
     for (const DeformingObstacle& o : problem_.world.deforming) {
       const std::vector<Eigen::Vector3d> vertices = verticesOf(o, time);

@@ -14,7 +14,7 @@ struct TrajectoryRow {
 };
 using Trajectory = std::vector<TrajectoryRow>;
 
-/// A CSV with a header, the time first. Throws std::runtime_error.
+/// Reads a CSV with a header, time in the first column. Throws std::runtime_error.
 inline Trajectory readTrajectory(const std::string& file, std::size_t variables) {
   std::ifstream stream(file);
   std::string line;

@@ -30,7 +30,7 @@ Eigen::Matrix3d turned(const Vector3d& axis, double angle) {
   return Eigen::Matrix3d::Identity() + std::sin(angle) * K + (1 - std::cos(angle)) * K * K;
 }
 
-/// An exact turn by a multiple of a right angle.
+/// An exact rotation by a multiple of a right angle.
 Eigen::Matrix3d quarterTurn(Random& random) {
   Eigen::Matrix3d R = Eigen::Matrix3d::Zero();
   const int first = random.below(3);
@@ -57,7 +57,7 @@ std::vector<Shape> degenerateShapes(ShapeType type) {
   const std::array<Vector3d, 2> segment = {Vector3d(-0.5, 0, 0), Vector3d(0.5, 0.25, 0)};
   const std::array<Vector3d, 3> triangle = {Vector3d(0, 0, 0), Vector3d(1, 0, 0),
                                             Vector3d(0, 1, 0)};
-  // Much smaller than anything that it is met with, and nowhere near thick.
+  // Tiny, and flat or nearly so.
   const std::array<Vector3d, 3> speck = {Vector3d(0, 0, 0), Vector3d(1e-6, 0, 0),
                                          Vector3d(0, 1e-6, 1e-6)};
   switch (type) {
@@ -90,8 +90,8 @@ Shape largeHull(Random& random, int count) {
   return Shape::convexHull(std::span<const Vector3d>(points));
 }
 
-// One of revolution: about z, ellipsoids about any axis of theirs; needles, plates, and one in six
-// as long as wide, exactly or nearly, which makes balls of ellipsoids.
+// A body of revolution about z (ellipsoids: any axis of theirs): needles, plates, and one in six as
+// long as wide, exactly or nearly (ellipsoids: balls).
 Shape revolvedShape(Random& random) {
   const auto size = [&] { return random.chance(0.15) ? 1e-3 : random.uniform(0.05, 1); };
   const double r = size(), h = random.chance(0.17) ? r * (1 + hair(random)) : size();
@@ -110,7 +110,7 @@ Shape revolvedShape(Random& random) {
   }
 }
 
-// Rims, apexes and ellipsoids, some as long as wide.
+// Shapes with rims and apexes, and ellipsoids, some as long as wide.
 Shape roundShape(Random& random) {
   const double r = random.logUniform(0.02, 1);
   const double h = random.chance(0.15) ? r : random.logUniform(0.02, 1);
@@ -130,7 +130,7 @@ Shape roundShape(Random& random) {
   }
 }
 
-// Hulls of few, of right or of any angles, and boxes.
+// Boxes, and hulls of few vertices, right-angled or not.
 Shape corneredShape(Random& random) {
   const double size = random.logUniform(0.05, 2);
   std::vector<Vector3d> points = {{0, 0, 0}, {size, 0, 0}, {0, size, 0}, {0, 0, size}};
@@ -155,8 +155,8 @@ Shape corneredShape(Random& random) {
   return Shape::convexHull(std::span<const Vector3d>(points));
 }
 
-// A corner, or a place on an edge or a face; of round bodies on the axis, a rim or a cap, too. In
-// the shape's frame.
+// A corner, or a point on an edge or face; of round bodies also on the axis, a rim or a cap. In the
+// shape's frame.
 Vector3d markedPoint(Random& random, const Shape& shape) {
   const double r = shape.radius(), h = shape.halfLength();
   switch (shape.type()) {
@@ -185,7 +185,7 @@ Vector3d markedPoint(Random& random, const Shape& shape) {
   }
 }
 
-// The middle, or another place on the axis.
+// The centre, or another point on the axis.
 Vector3d middlePoint(Random& random, const Shape& shape) {
   const double h =
       shape.type() == ShapeType::kEllipsoid ? shape.halfExtents().z() : shape.halfLength();
@@ -298,7 +298,7 @@ void Pool::place(Random& random, Case& c) const {
   }
 }
 
-// A place of B's that is marked in the middle of A.
+// Puts a marked point of B at A's centre.
 Case Pool::drawMiddle(Random& random) const {
   Case c;
   c.family = Family::kMiddle;

@@ -9,23 +9,23 @@
 
 namespace leeway::accuracy {
 
-/// What kind of trouble a case is made for.
+/// The difficulty that a case is made for.
 enum class Family {
   kPlain,
   kNear,        ///< gaps and depths of 1e-16 to 1e-4 of the sizes
-  kParallel,    ///< axes parallel, exactly or but for 1e-17 to 1e-3 rad; faces in one plane
-  kCoaxial,     ///< axes z on one line, or nearly
+  kParallel,    ///< axes parallel, exactly or to within 1e-17 to 1e-3 rad; coplanar faces
+  kCoaxial,     ///< z axes on one line, or nearly
   kSliver,      ///< one size of 1e-6
   kFlat,        ///< one size of 0; flat hulls
   kRatio,       ///< sizes 1e3 to 1e6 apart
   kFar,         ///< 1e3 to 1e9 m from the origin
-  kDuplicates,  ///< hulls with vertices that are equal or nearly so
+  kDuplicates,  ///< hulls with equal or nearly equal vertices
   kDegenerate,  ///< points, segments, discs
-  kDeep,        ///< centres near each other or the same
-  kTwin,        ///< a shape with itself: the same pose, or turned, or moved along an axis
+  kDeep,        ///< centres near each other or equal
+  kTwin,        ///< a shape with itself: same pose, or turned, or moved along an axis
   kLarge,       ///< hulls of 64 to 512 vertices
-  kRevolved,    ///< bodies of revolution about one axis or one middle, exactly or nearly
-  kMiddle,      ///< a corner, edge or face in the middle of a round body, exactly or nearly
+  kRevolved,    ///< bodies of revolution with common axis or centre, exactly or nearly
+  kMiddle,      ///< a corner, edge or face at the centre of a round body, exactly or nearly
 };
 constexpr std::array<const char*, 15> kFamilyNames = {
     "plain",      "near",       "parallel", "coaxial", "sliver", "flat",     "ratio", "far",
@@ -38,12 +38,12 @@ struct Case {
   Family family = Family::kPlain;
 };
 
-/// Shapes of one block of cases: making them costs more than asking.
+/// Shapes shared by a block of cases: making one costs more than a query.
 class Pool {
  public:
   explicit Pool(oracle::Random& random);
-  /// A case of the given family, every pair of convex types alike (half-space with half-space
-  /// apart).
+  /// A case of the given family; all pairs of convex types are equally likely, except half-space
+  /// with half-space.
   Case draw(oracle::Random& random, Family family, collision::Scratch& scratch) const;
 
  private:

@@ -19,7 +19,7 @@ using Eigen::Vector3d;
 namespace {
 
 constexpr double kUnit = 0x1p-53;
-/// Rounding of a normal or point on its way into the world frame, and of the second opinion.
+/// Rounding of transforming normals and points into the world frame, and of the second opinion.
 constexpr double kAllowed = 16 * kUnit;
 constexpr int kMostSaid = 40;
 
@@ -78,7 +78,7 @@ DistanceResult Examiner::ask(const Ask& ask) {
   return r;
 }
 
-// What the plane across n proves: no point of B is nearer to A than this along n.
+// The separation that n proves: no point of B is nearer to A than this along n.
 Real Examiner::provenAlong(const Vector3d& n) const {
   const Vector3d& origin = case_->X_WA.translation;
   const Real apart = -farthestAlong(*case_->b, case_->X_WB, -n, origin) -
@@ -109,7 +109,7 @@ void Examiner::judgePlane(const Ask& ask, const DistanceResult& r) {
   if (static_cast<Real>(r.distance.upper) < proven - allowed) {
     say("a plane proves more than the upper end", ask, r, proven, tally_->unsafe);
   }
-  // The distance of a point is known better than its direction is, by its closed form.
+  // Point against shape: the closed form's distance is more precise than its direction.
   const bool point =
       case_->a->type() == ShapeType::kSphere || case_->b->type() == ShapeType::kSphere;
   const auto rounded = [](const Shape& s) {
@@ -136,9 +136,9 @@ void Examiner::judgeHalfSpace(const Ask& ask, const DistanceResult& r) {
   }
 }
 
-// Points of the bodies bound their distance from above.
+// Witness points bound the distance from above.
 void Examiner::judgeWitness(const Ask& ask, const DistanceResult& r) {
-  // (Infinite: decided by a plane before there were any.)
+  // Infinite: a separating plane decided before any witnesses existed.
   if (!(r.distance.lower > 0) || !std::isfinite(r.distance.upper)) return;
   const Real apart = static_cast<Real>((r.point_b - r.point_a).norm());
   const Real out_a = outsideBy(*case_->a, case_->X_WA, r.point_a),
@@ -156,7 +156,7 @@ void Examiner::judgeWitness(const Ask& ask, const DistanceResult& r) {
   }
 }
 
-// Planes that a wrong depth would have missed: no direction may prove more than the upper end.
+// Tries directions that a wrong depth would have missed: none may prove more than the upper end.
 void Examiner::tryPlanes(const Ask& ask, const DistanceResult& r, oracle::Random& random) {
   if (half_space_) return;
   const Pose& pose = random.chance(0.5) ? case_->X_WA : case_->X_WB;
@@ -172,7 +172,7 @@ void Examiner::tryPlanes(const Ask& ask, const DistanceResult& r, oracle::Random
   }
 }
 
-// Two intervals that both hold the truth have a point in common.
+// Two intervals that hold the truth intersect.
 void Examiner::meet(const Ask& ask, const DistanceResult& r) {
   if (r.distance.lower > exact_.distance.upper || r.distance.upper < exact_.distance.lower) {
     say("does not meet the plain answer", ask, r,
@@ -249,7 +249,7 @@ void Examiner::examine(const Case& c, oracle::Random& random, bool with_oracle,
   swapped.how = "swapped";
   meet(swapped, ask(swapped));
   threshold(random);
-  // The cache of the case before is a foreign one; asked again it is warm.
+  // The previous case's cache is foreign; the second query finds it warm.
   Ask warm;
   warm.cache = &cache_;
   warm.how = "foreign cache";

@@ -11,20 +11,20 @@ namespace leeway::accuracy {
 struct Tally {
   std::int64_t cases = 0;
   std::int64_t overlapping = 0;  // the truth is below 0
-  std::int64_t unsafe = 0;       // an interval that does not hold the truth
-  std::int64_t failures = 0;     // every other broken promise of distance.h
-  std::int64_t open = 0;         // the default tolerance was not reached
-  std::int64_t oracle = 0;       // held against quadruple precision
+  std::int64_t unsafe = 0;       // intervals that exclude the truth
+  std::int64_t failures = 0;     // any other broken promise of distance.h
+  std::int64_t open = 0;         // default tolerance not reached
+  std::int64_t oracle = 0;       // compared with quadruple precision
 
   void add(const Tally& t);
 };
 
-/// Asks one case in every way that a caller can. Checks the answers in extended precision, against
-/// each other and, on request, against the quadruple-precision oracle. A failed check prints to
-/// stderr what replays it.
+/// Asks one case in every way a caller can. Checks the answers in extended precision, against each
+/// other and, on request, against the quadruple-precision oracle. A failed check prints its
+/// reproduction to stderr.
 class Examiner {
  public:
-  /// `says`: stands before each message.
+  /// `says` prefixes each message.
   void examine(const Case& c, oracle::Random& random, bool with_oracle, const std::string& says,
                Tally& tally);
   /// Also reports cases that stay open.
@@ -53,7 +53,7 @@ class Examiner {
   const Case* case_ = nullptr;
   const std::string* says_ = nullptr;
   Tally* tally_ = nullptr;
-  double size_ = 0;  // the sizes involved: extents and the way between the frames [m]
+  double size_ = 0;  // sizes involved: extents and distance of the frames' origins [m]
   double default_tolerance_ = 0;
   double coordinate_ = 0;  // largest coordinate in the world [m]
   bool half_space_ = false;

@@ -43,7 +43,7 @@ Real outsideOfHull(const collision::ConvexHull& hull, const Point& p) {
     };
     const Point a = corner(0), n = cross(corner(1) - a, corner(2) - a);
     const Real length = norm(n);
-    // A sliver's normal is not to be trusted far from it.
+    // A sliver's normal is unreliable far from it.
     const Real longest = std::max({norm(corner(1) - a), norm(corner(2) - a)});
     if (length > static_cast<Real>(1e-6) * longest * longest) {
       most = std::max(most, dot(n, p - a) / length);

@@ -5,19 +5,18 @@
 
 namespace leeway::accuracy {
 
-/// Extended precision (64 bits of mantissa where the machine has them): a second opinion that
-/// shares no code with the engine. Where it has no more bits than double, judgements are only as
-/// sharp as their tolerances.
+/// Extended precision (64-bit significand where available): a second opinion that shares no code
+/// with the engine. Where long double equals double, its rounding consumes the tolerances.
 using Real = long double;
 
-/// The largest n . (x - origin) over all points x of a placed convex shape but a half-space; n of
-/// any length. A radius is not deformed by a rotation that is not quite one, all else is, as
-/// the engine has it. O(vertices).
+/// Support value: max n . (x - origin) over a placed convex shape other than a half-space; n of any
+/// length. A matrix that is not quite a rotation deforms the shape but not its radius, as in the
+/// engine. O(vertices).
 Real farthestAlong(const collision::Shape& shape, const collision::Pose& X_WS,
                    const Eigen::Vector3d& n, const Eigen::Vector3d& origin);
 
-/// At most how far p is outside a placed convex shape, up to a factor; <= 0 inside, and for hulls
-/// without facets. O(facets).
+/// Upper bound, up to a factor, of p's distance outside a placed convex shape; <= 0 inside, and for
+/// hulls without facets. O(facets).
 Real outsideBy(const collision::Shape& shape, const collision::Pose& X_WS,
                const Eigen::Vector3d& p_W);
 

@@ -1,14 +1,14 @@
-// A long run of random and hard pairs of convex shapes through the distance engine.
+// Runs random and hard pairs of convex shapes through the distance engine, for as long as wanted.
 //
 //   long_run [--cases N] [--seed N] [--family WORD] [--oracle-every N] [--state FILE]
 //            [--block N] [--verbose]
 //
-// Each case is asked plainly, swapped, with a threshold, with a foreign and a warm cache, at
-// times with few iterations; extended precision proves both ends again from the
-// normal and the witness points, and on every N-th case the quadruple-precision oracle judges (0:
-// never). Cases come in blocks, each with its own random numbers, so that --block repeats one; with
-// --state FILE totals are kept after every block, and a run that was stopped goes on from there.
-// Exit status: 0, 1 where something did not hold, 2 for bad usage.
+// Each case is asked plainly, swapped, with a threshold, with a foreign and a warm cache, at times
+// with few iterations. Extended precision proves both ends from the normal and the witness points;
+// every N-th case is judged by the quadruple-precision oracle (0: never). Each block of cases has
+// its own random numbers, so that --block repeats one. --state FILE stores totals after every
+// block; an interrupted run resumes from it. Exit status: 0; 1 where a check failed; 2 for bad
+// usage.
 
 #include <array>
 #include <cstdint>
@@ -55,7 +55,7 @@ bool number(const char* text, std::int64_t& value) {
   return *text != '\0' && *end == '\0' && value >= 0;
 }
 
-// The argument that is not understood; null when all are.
+// The first unknown argument; null when all are understood.
 const char* parse(int argc, char** argv, Options& o) {
   for (int i = 1; i < argc; ++i) {
     const std::string option = argv[i];
@@ -90,7 +90,7 @@ std::string heading(const Options& o) {
   return text.str();
 }
 
-// False when the file is of another run.
+// False if the file belongs to another run.
 bool readState(const Options& o, State& state) {
   std::ifstream file(o.state);
   std::string line;

@@ -47,7 +47,7 @@ ConvexBody::ConvexBody(const Shape& shape, const collision::Pose& X_WS, const Ve
     case ShapeType::kHalfSpace:
     case ShapeType::kMesh:
     case ShapeType::kDeformable:
-      break;  // the caller's part
+      break;  // handled by the caller
   }
   core_radius_ = r;
   half_length_ = h;
@@ -70,7 +70,7 @@ Vector ConvexBody::support(const Vector& d) const {
     }
     return points_[best];
   }
-  // The support of an affine image: R s(R^T d) + T, exact for any matrix R.
+  // Support of an affine image: R s(R^T d) + T, exact for any matrix R.
   const Vector l{dot(column_[0], d), dot(column_[1], d), dot(column_[2], d)};
   if (core_ == Core::kEllipsoid) {
     const Vector scaled{axes_.x * l.x, axes_.y * l.y, axes_.z * l.z};

@@ -9,22 +9,22 @@
 namespace leeway::oracle {
 
 /// A placed convex body in quadruple precision: a core (points, or a smooth body under an affine
-/// map) and a radius around it. A point x of the shape lies at R x + T with R and T as given,
+/// map) and a radius around it. A point x of the shape is at R x + T; R is taken as given,
 /// orthogonal or not.
 class ConvexBody {
  public:
-  /// Any convex shape but a half-space. `origin` is subtracted from the translation before all
-  /// else.
+  /// Any convex shape except a half-space. `origin` is subtracted from the translation before
+  /// anything else.
   ConvexBody(const collision::Shape& shape, const collision::Pose& X_WS, const Vector& origin);
-  /// The hull of points that are already placed.
+  /// The hull of points in the world frame.
   explicit ConvexBody(std::vector<Vector> points_W);
 
-  /// The point of the core that is extreme along d (d need not be a unit vector).
+  /// The core's support point along d, of any length.
   Vector support(const Vector& d) const;
   Quad radius() const { return radius_; }
-  /// How far the true shape may stand out from this one (hulls: ConvexHull::excess).
+  /// How far the true shape may extend beyond this one (hulls: ConvexHull::excess).
   Quad excess() const { return excess_; }
-  /// A length that no coordinate of the core exceeds.
+  /// Bound on the core's coordinates.
   Quad extent() const;
 
  private:
@@ -44,8 +44,8 @@ struct Bounds {
   Quad lower, upper;
 };
 
-/// Signed separation of two convex bodies: GJK with both bounds when apart, an expanding polytope
-/// with both bounds when not. Rounding of the computation is in the bounds.
+/// Signed separation of two convex bodies: GJK when apart, EPA when not, each with both bounds. The
+/// bounds include the computation's rounding.
 Bounds separation(const ConvexBody& a, const ConvexBody& b);
 
 }  // namespace leeway::oracle

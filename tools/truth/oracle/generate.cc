@@ -52,7 +52,7 @@ namespace {
 
 using Triangle = TriangleMesh::Triangle;
 
-/// The eight corners of a box; corner i has the upper end of axis k where bit k of i is set.
+/// The eight corners of a box; bit k of i: corner i has the upper end of axis k.
 void appendBox(const Vector3d& lower, const Vector3d& upper, std::vector<Vector3d>& vertices,
                std::vector<Triangle>& triangles) {
   const std::int32_t first = static_cast<std::int32_t>(vertices.size());
@@ -108,7 +108,7 @@ std::shared_ptr<const TriangleMesh> boxMesh(const Vector3d& half_extents) {
 }
 
 std::shared_ptr<const TriangleMesh> ellMesh(double size) {
-  // The L's outline, counter-clockwise from above, prismatic along z.
+  // The L's outline, counter-clockwise from above, extruded along z.
   const double s = size, t = size / 3;
   const double outline[6][2] = {{0, 0}, {s, 0}, {s, t}, {t, t}, {t, s}, {0, s}};
   std::vector<Vector3d> vertices;

@@ -12,7 +12,7 @@
 
 namespace leeway::oracle {
 
-/// SplitMix64: the same numbers everywhere, for every seed.
+/// SplitMix64: equal numbers on all machines for equal seeds.
 class Random {
  public:
   explicit Random(std::uint64_t seed) : state_(seed) {}
@@ -20,7 +20,7 @@ class Random {
   /// Uniform in [0, 1).
   double unit() { return static_cast<double>(bits() >> 11) * 0x1p-53; }
   double uniform(double lower, double upper) { return lower + (upper - lower) * unit(); }
-  /// Uniform in the logarithm; both positive.
+  /// Log-uniform; both ends positive.
   double logUniform(double lower, double upper);
   /// Uniform in 0 .. n - 1.
   int below(int n) { return static_cast<int>(bits() % static_cast<std::uint64_t>(n)); }
@@ -32,16 +32,16 @@ class Random {
   std::uint64_t state_;
 };
 
-/// What kind of trouble a shape is made for.
+/// The difficulty that a shape is made for.
 enum class Flavour { kPlain, kThin, kZero, kTiny, kHuge, kDuplicates };
 constexpr std::array<Flavour, 6> kFlavours = {Flavour::kPlain, Flavour::kThin,
                                               Flavour::kZero,  Flavour::kTiny,
                                               Flavour::kHuge,  Flavour::kDuplicates};
 
-/// A random shape of the given type, about 0.05 to 1 m where the flavour does not say otherwise:
-/// thin: one size of 1e-6; zero: one size of 0 (hulls: flat); tiny, huge: 1e-3 to 1e-6 and 1e3;
-/// duplicates: hulls with points that are equal or nearly so. Meshes: closed tetrahedra, boxes, an
-/// L-shaped solid, open sheets.
+/// A random shape of the given type, about 0.05 to 1 m unless the flavour says otherwise. Thin: one
+/// size of 1e-6; zero: one size of 0 (hulls: flat); tiny: 1e-3 to 1e-6; huge: 1e3; duplicates:
+/// hulls with equal or nearly equal points. Meshes: closed tetrahedra, boxes, an L-shaped solid,
+/// open sheets.
 collision::Shape randomShape(Random& random, collision::ShapeType type, Flavour flavour);
 
 /// Closed solids and open surfaces with known insides.
@@ -51,10 +51,10 @@ std::shared_ptr<const collision::TriangleMesh> ellMesh(
 std::shared_ptr<const collision::TriangleMesh> sheetMesh(Random& random, double size,
                                                          int cells);  ///< open, wavy
 
-/// A length to measure a shape by: its bounding radius, 1 for a half-space.
+/// A shape's size: its bounding radius, 1 for a half-space.
 double sizeOf(const collision::Shape& shape);
 
-/// C++ that makes the shape again, and a pose's numbers, at 17 digits: what a failed test prints.
+/// C++ that recreates the shape, and a pose's numbers, at 17 digits: printed by failed tests.
 std::string replay(const collision::Shape& shape);
 std::string replay(const collision::Pose& pose);
 

@@ -17,7 +17,7 @@ using collision::Shape;
 using collision::ShapeType;
 using collision::TriangleMesh;
 
-/// A placed triangle with a sphere around it.
+/// A placed triangle and its bounding sphere.
 struct Triangle {
   std::array<Vector, 3> p;
   Vector center;
@@ -62,8 +62,7 @@ ConvexBody body(const Triangle& t) {
   return ConvexBody(std::vector<Vector>(t.p.begin(), t.p.end()));
 }
 
-/// +1 where the ray from p along d crosses the triangle, 0 where it clearly misses, -1 where
-/// rounding decides.
+/// +1: the ray from p along d crosses the triangle; 0: it clearly misses; -1: rounding decides.
 int crosses(const Triangle& t, const Vector& p, const Vector& d) {
   const Vector a = t.p[0] - p, b = t.p[1] - p, c = t.p[2] - p;
   const Quad size = norm(a) + norm(b) + norm(c);
@@ -80,7 +79,7 @@ enum class Inside { kNo, kYes, kUnknown };
 
 bool same(const Vector& a, const Vector& b) { return a.x == b.x && a.y == b.y && a.z == b.z; }
 
-/// Whether p lies in the solid of some closed component: parity of a ray that no edge is near to.
+/// Whether p is inside a closed component: crossing parity of a ray that stays clear of edges.
 Inside inside(const PlacedMesh& mesh, const Vector& p) {
   Inside result = Inside::kNo;
   for (std::size_t component = 0; component < mesh.closed.size(); ++component) {
@@ -94,7 +93,7 @@ Inside inside(const PlacedMesh& mesh, const Vector& p) {
       bool clear = true;
       for (const Triangle& t : mesh.triangles) {
         if (t.component != static_cast<int>(component)) continue;
-        // A triangle that is a segment or a point bounds nothing.
+        // A triangle that degenerates to a segment or point bounds nothing.
         if (same(t.p[0], t.p[1]) || same(t.p[1], t.p[2]) || same(t.p[2], t.p[0])) continue;
         const int hit = crosses(t, p, d);
         if (hit < 0) clear = false;
@@ -126,9 +125,9 @@ Bounds meet(const Bounds& a, const Bounds& b) {
 }
 
 struct Whole {
-  Bounds hull;                  // separation of the convex hulls: below it nothing can be
+  Bounds hull;                  // separation of the convex hulls: a lower bound
   Bounds pieces;                // minimum over the pieces' separations
-  Quad contained = infinity();  // <= 0: minus a depth that containment proves
+  Quad contained = infinity();  // <= 0: minus a depth proven by containment
   bool contained_unknown = false;
 };
 
@@ -148,8 +147,7 @@ Truth meshAgainstConvex(const PlacedMesh& mesh, const ConvexBody& convex) {
   const Vector other = convex.support({-1, 0, 0});
   const Vector middle = wide(0.5) * (any + other);
   for (const Triangle& t : mesh.triangles) {
-    // A plane between: the triangle's distance from the convex body is at least what its sphere's
-    // is.
+    // Prunes: the triangle's separation from the convex body is at least its bounding sphere's.
     const Bounds coarse = w.pieces.upper < infinity() ? separation(ConvexBody({t.center}), convex)
                                                       : Bounds{-infinity(), infinity()};
     if (coarse.lower - t.radius > w.pieces.upper) continue;
@@ -181,7 +179,7 @@ Truth meshAgainstMesh(const PlacedMesh& a, const PlacedMesh& b) {
   return judge(w);
 }
 
-/// The half-space of pose X as a unit normal and an offset, by its plane's two directions.
+/// The half-space of pose X as unit normal and offset, from its plane's two directions.
 struct Plane {
   Vector normal, point;
 };

@@ -5,16 +5,16 @@
 
 namespace leeway::oracle {
 
-/// Where the truth lies: lower <= signed separation <= upper.
+/// lower <= signed separation <= upper.
 struct Truth {
   double lower, upper;  // [m]
-  /// The two bounds are meant to meet (within rounding, or what a curve of closest points leaves).
-  /// False for an overlap with a mesh, where they only enclose the smallest separating translation.
+  /// True: the bounds meet (within rounding, or what a curve of closest points leaves). False for
+  /// overlaps with a mesh: they only enclose the smallest separating translation.
   bool has_value;
 };
 
-/// The signed separation of any two shapes, in quadruple precision and without any code of the
-/// engine. Slow: up to seconds. Half-space with half-space: (-inf, inf), no value.
+/// The signed separation of any two shapes, in quadruple precision and without the engine's code.
+/// Slow: up to seconds. Half-space with half-space: (-inf, inf), no value.
 Truth signedSeparation(const collision::Shape& a, const collision::Pose& X_WA,
                        const collision::Shape& b, const collision::Pose& X_WB);
 

@@ -8,7 +8,7 @@ namespace leeway::oracle {
 /// Quadruple precision (113 bits). Compiler builtin, not a language extension switch.
 __extension__ typedef __float128 Quad;  // NOLINT(modernize-use-using): no __extension__ there
 
-/// The widening of a double, spelled out because some compilers warn of the silent one.
+/// Widens a double explicitly: some compilers warn of the implicit conversion.
 inline Quad wide(double x) { return static_cast<Quad>(x); }
 inline Quad infinity() { return wide(HUGE_VAL); }
 
@@ -30,10 +30,10 @@ inline double roundUp(Quad x) {
   return wide(d) >= x ? d : std::nextafter(d, HUGE_VAL);
 }
 
-/// Square root by Newton from the double root, within 2 units in the last place; 0 for x <= 0.
+/// Square root by Newton's method from the double root, within 2 ulp; 0 for x <= 0.
 inline Quad squareRoot(Quad x) {
   if (!(x > 0)) return 0;
-  // Brought into the range of double first: squares of tiny lengths leave it.
+  // Scaled into the range of double first: squares of tiny lengths leave it.
   Quad scale = 1;
   while (x < wide(1e-200)) {
     x *= wide(0x1p400);

@@ -1,9 +1,10 @@
 // Signed separation of two convex bodies, slowly. The Minkowski difference C = A - B is known by
-// its support only. Apart: Gilbert, Johnson, Keerthi 1988, where every step yields the distance to
-// a point of C (upper) and a supporting plane (lower). Overlapping: a polytope inside C is refined
-// where it comes nearest to the origin (van den Bergen 2001); its nearest facet bounds the depth
-// from below and C's support along that facet's normal from above. Facets are found by exhaustive
-// search, subsimplices by enumeration: nothing here is clever.
+// its support only.
+// Apart: Gilbert, Johnson, Keerthi 1988; every step yields the distance to a point of C (upper
+// bound) and a supporting plane (lower bound).
+// Overlapping: a polytope inside C is refined where it is nearest to the origin (van den Bergen
+// 2001); its nearest facet bounds the depth from below, C's support along that facet's normal from
+// above. Facets are found by exhaustive search, subsimplices by enumeration: no cleverness.
 
 #include <algorithm>
 #include <array>
@@ -18,14 +19,14 @@
 namespace leeway::oracle {
 namespace {
 
-// Steps before a query settles for the width reached; smooth bodies with a whole curve of closest
-// points need it.
+// Steps before a query settles for the width reached; smooth bodies with a curve of closest points
+// need it.
 constexpr int kGjkSteps = 600;
 constexpr int kPolytopeSteps = 500;
-// A convex polytope grows by two facets a step; more than this is rounding gone wild on sizes that
-// are 1e30 and more apart.
+// A convex polytope grows by two facets a step; more indicates rounding at size ratios of 1e30 and
+// more.
 constexpr std::size_t kMostFacets = 1100;
-// Widths [relative to the extent] below which nothing more is asked; far under double rounding.
+// Widths below which the search stops [relative to the extent]; far below double rounding.
 const Quad kGjkWidth = wide(1e-24);
 const Quad kPolytopeWidth = wide(1e-20);
 
@@ -36,10 +37,10 @@ struct Difference {
 };
 
 struct LeastPoint {
-  Vector point;  // a convex combination of the vertices: a point of C whatever rounding did to the
-                 // weights
-  Vector direction;  // the same by the plane's normal, which keeps the digits that the combination
-                     // cancels
+  /// A convex combination of the vertices: a point of C, however the weights are rounded.
+  Vector point;
+  /// Its direction by the plane's normal: keeps the digits that the combination cancels.
+  Vector direction;
 };
 
 struct Nearest {
@@ -48,7 +49,7 @@ struct Nearest {
   std::vector<Vector> simplex;
 };
 
-/// The least point of the affine hull of `p` if it lies within their convex hull.
+/// The least point of the affine hull of `p`, if it lies within their convex hull.
 std::optional<LeastPoint> innerLeastPoint(const std::vector<Vector>& p) {
   const std::size_t m = p.size() - 1;
   if (m == 0) return LeastPoint{p[0], p[0]};
@@ -63,7 +64,7 @@ std::optional<LeastPoint> innerLeastPoint(const std::vector<Vector>& p) {
     if (!(g[0][0] > 0)) return std::nullopt;
     lambda[0] = rhs[0] / g[0][0];
   } else if (m == 2) {
-    // Determinant by the cross product: without the cancellation of the Gram matrix.
+    // Determinant by the cross product: avoids the Gram matrix's cancellation.
     const Vector n = cross(e[0], e[1]);
     const Quad det = squaredNorm(n);
     if (!(det > 0)) return std::nullopt;
@@ -130,10 +131,10 @@ Bounds distanceBounds(const Difference& c, Quad scale) {
     });
     if (known) break;
     points.push_back(w);
-    if (points.size() > 4) break;  // the origin was inside already
+    if (points.size() > 4) break;  // already contains the origin
     Nearest next = nearestOfSimplex(points);
     const Quad next_length = norm(next.least.point);
-    // Quadruple rounding, not geometry, decides once the length stops falling.
+    // Once the length stops falling, quadruple rounding decides, not geometry.
     idle = next_length < length ? 0 : idle + 1;
     upper = std::min(upper, next_length);
     nearest = std::move(next);
@@ -146,13 +147,13 @@ struct Facet {
   std::array<int, 3> v;
   Vector plane_normal;  // outward; 0 for a triangle without area
   Quad plane_offset;    // signed distance of its plane from the origin along it
-  Vector normal;        // the same, or for a sliver the direction of its nearest point
-  Quad offset;          // all of the triangle is at least that far out along `normal` ...
-  Quad rounding;        // ... but for this
+  Vector normal;        // plane_normal; of a sliver the direction of its nearest point
+  Quad offset;          // the triangle is at least this far out along `normal` ...
+  Quad rounding;        // ... up to this rounding
   bool alive = true;
 };
 
-/// A polytope with points of C as vertices, refined towards the origin.
+/// A polytope with vertices on C, refined towards the origin.
 class Polytope {
  public:
   Polytope(const Difference& c, Quad scale) : c_(c), scale_(scale) {}
@@ -173,15 +174,15 @@ class Polytope {
     for (const Facet& f : facets_) {
       if (f.alive) inner = std::min(inner, f.offset - f.rounding);
     }
-    // A support value is right in any case. Where facets claim more, rounding has torn them (sizes
-    // 1e13 and more apart), and nothing is known from inside.
+    // Support values always hold. Facets that claim more are torn by rounding (size ratios of 1e13
+    // and more): the inner bound is then 0.
     if (!(inner <= best_support_)) inner = 0;
     if (inner > 0 && !windsAroundOrigin()) inner = 0;
     return {inner, best_support_};
   }
 
  private:
-  /// C's extreme point; every unit direction asked bounds the depth from above.
+  /// C's support point along a unit direction; every one asked bounds the depth from above.
   Vector query(const Vector& unit) {
     const Vector w = c_.support(unit);
     best_support_ = std::min(best_support_, dot(unit, w));
@@ -190,7 +191,7 @@ class Polytope {
 
   Vector unit(const Vector& v) const { return (1 / norm(v)) * v; }
 
-  /// Of C's extreme points along +-d the one farther from `from`; sets its distance along d.
+  /// Of C's support points along +-d the one farther from `from`; sets its distance along d.
   Vector extreme(const Vector& d, const Vector& from, Quad& distance) {
     const Vector p = query(d), q = query(-d);
     const Quad dp = absolute(dot(p - from, d)), dq = absolute(dot(q - from, d));
@@ -198,7 +199,7 @@ class Polytope {
     return dp >= dq ? p : q;
   }
 
-  /// Four points with volume; false where C has none (to within quadruple rounding).
+  /// Four points with volume; false where C is flat to within quadruple rounding.
   bool start() {
     const Quad tiny = wide(1e-27) * scale_;
     const Vector axes[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
@@ -225,7 +226,7 @@ class Polytope {
     const Vector p3 = extreme(unit(cross(u, p2 - vertices_[0])), vertices_[0], height);
     if (height <= tiny) return false;
     vertices_.insert(vertices_.end(), {p1, p2, p3});
-    // All turned by one sign: facets of a flat tetrahedron, asked one by one, may disagree.
+    // One sign for all: facets of a flat tetrahedron, judged one by one, may disagree.
     const bool positive = dot(cross(p1 - vertices_[0], p2 - vertices_[0]), p3 - vertices_[0]) > 0;
     for (const std::array<int, 3>& v : {std::array{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}})
       addFacet(positive ? v : std::array{v[0], v[2], v[1]});
@@ -244,17 +245,17 @@ class Polytope {
     if (area > 0) {
       facet.plane_normal = facet.normal = (1 / area) * n;
       facet.plane_offset = facet.offset = dot(facet.normal, a);
-      // Vertices are known to a few roundoffs of scale; over the triangle's height they tilt its
-      // plane.
+      // Vertices are known to a few roundoffs of scale; divided by the triangle's height, that
+      // tilts its plane.
       facet.rounding = 64 * quadRoundoff() * scale_ * (1 + scale_ * longest / area);
     }
     if (facet.rounding > kPolytopeWidth * scale_) takeNearest(facet);
     return facet;
   }
 
-  /// A sliver's own plane says nothing. Any plane between the origin and the triangle does: the
-  /// polytope's surface then is still known to stay out of a ball, and around it the facets that
-  /// are no slivers wind, because slivers fill next to no solid angle.
+  /// A sliver's own plane is unreliable; any plane between the origin and the triangle serves: it
+  /// keeps the surface out of a ball. The winding around that ball is counted over the other
+  /// facets, because slivers subtend next to no solid angle.
   void takeNearest(Facet& facet) const {
     std::vector<Vector> corners;
     for (const int i : facet.v) corners.push_back(vertices_[static_cast<std::size_t>(i)]);
@@ -272,10 +273,10 @@ class Polytope {
     facets_.push_back(makeFacet(v));
   }
 
-  /// A closed surface that stays out of a ball around the origin proves the ball inside where it
-  /// winds around it once: slivers, asked one by one, cannot tell on which side of them the origin
-  /// is. By solid angles (A. van Oosterom and J. Strackee, "The solid angle of a plane triangle",
-  /// 1983); their sum is a whole number of turns, so that double precision is enough for it.
+  /// A closed surface that stays out of a ball around the origin encloses the ball if it winds
+  /// around it once; slivers cannot say individually on which side the origin is. By solid angles
+  /// (A. van Oosterom and J. Strackee, "The solid angle of a plane triangle", 1983): their sum is a
+  /// whole number of turns, so double precision suffices.
   bool windsAroundOrigin() const {
     double sum = 0;
     for (const Facet& f : facets_) {
@@ -295,9 +296,9 @@ class Polytope {
     return std::abs(sum / (4 * std::numbers::pi) - 1) < 0.01;
   }
 
-  /// Replaces the facets that see w and hang together with `first` by the cone from their rim;
-  /// false where rounding leaves nothing to do. (One patch at a time: facets that only rounding
-  /// takes for visible elsewhere would tear the surface.)
+  /// Replaces the facets that see w and connect to `first` by the cone from their rim; false where
+  /// rounding leaves nothing to do. One patch at a time: elsewhere only rounding makes facets
+  /// visible, and they would tear the surface.
   bool add(const Vector& w, std::size_t first) {
     const Quad tiny = wide(1e-29) * scale_;
     const auto sees = [&](const Facet& f) {
@@ -325,7 +326,7 @@ class Polytope {
         if (in_patch.count(at_edge_.at({b, a})) == 0) rim.emplace_back(a, b);
       }
     }
-    // Each vertex of the rim is left once, or the cone would have edges with more than two facets.
+    // Each rim vertex is left once; otherwise cone edges would have more than two facets.
     std::set<int> left;
     for (const auto& [a, b] : rim) {
       if (!left.insert(a).second) return false;
@@ -344,7 +345,7 @@ class Polytope {
   std::vector<Vector> vertices_;
   std::vector<Facet> facets_;
   std::size_t alive_ = 0;
-  std::map<std::pair<int, int>, std::size_t> at_edge_;  // the facet on the left of an edge
+  std::map<std::pair<int, int>, std::size_t> at_edge_;  // facet on the left of an edge
 };
 
 }  // namespace
