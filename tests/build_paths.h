@@ -4,10 +4,10 @@
 
 namespace leeway {
 
-/// Where this build comes from and what it made. Behind functions, so that only one small file
-/// depends on the folder and a compiler cache serves all the others.
+/// The source tree's root. A function in its own file: only that file depends on the checkout's
+/// path, so a compiler cache serves all others.
 std::string sourceFolder();
-/// The leeway command of this build; empty when it is not built.
+/// This build's leeway command; empty if it is not built.
 std::string commandFile();
 
 }  // namespace leeway

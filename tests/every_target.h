@@ -10,15 +10,14 @@
 
 namespace leeway {
 
-/// Calls run(name) with each instruction set in turn that this machine has and this compiler made
-/// code for (a call of another would go nowhere): all that dispatches at run time takes it. Returns
-/// how many there are, at least 1. Not for threads side by side.
+/// Calls run(name) once for each instruction set that this machine has and this compiler supports,
+/// with run-time dispatch forced to it. Returns their number, at least 1. Not thread-safe.
 template <class Run>
 int onEveryTarget(const Run& run) {
   int count = 0;
   for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
     hwy::SetSupportedTargetsForTest(target);
-    hwy::GetChosenTarget().DeInit();  // chosen once otherwise
+    hwy::GetChosenTarget().DeInit();  // dispatch is otherwise chosen once
     run(hwy::TargetName(target));
     hwy::SetSupportedTargetsForTest(0);
     ++count;
@@ -27,7 +26,7 @@ int onEveryTarget(const Run& run) {
   return count;
 }
 
-/// Expects what run() returns, a vector of numbers, to be the same bytes with each of them.
+/// Expects run(), which returns a vector of numbers, to give equal bytes with each of them.
 template <class Run>
 void expectTheSameBytesOnEveryTarget(const Run& run) {
   const auto best = run();

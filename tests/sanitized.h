@@ -2,10 +2,9 @@
 
 namespace leeway {
 
-/// True in a build with AddressSanitizer or ThreadSanitizer. Sanitizers look for what code does to
-/// memory, which is alike in all cases of a kind, and make each ten times as dear or more: tests
-/// that compare thousands of random answers ask fewer of each kind there, but none of no kind. The
-/// release build asks all.
+/// True under AddressSanitizer or ThreadSanitizer. Sanitizers check memory accesses, which all
+/// cases of a kind share, at ten times the cost or more: tests of thousands of random answers run
+/// fewer cases of every kind there. The release build runs all.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 inline constexpr bool kSanitized = true;
 #elif defined(__has_feature)
@@ -18,8 +17,7 @@ inline constexpr bool kSanitized = false;
 inline constexpr bool kSanitized = false;
 #endif
 
-/// How many of `count` random cases of a kind are asked: all, or a tenth in a sanitized build, but
-/// one at least.
+/// Number of random cases to run of `count`: all, or a tenth under sanitizers, but at least one.
 constexpr int casesToAsk(int count) {
   return !kSanitized || count <= 1 ? count : count / 10 + (count % 10 != 0 ? 1 : 0);
 }

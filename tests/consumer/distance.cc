@@ -13,7 +13,7 @@ int main() {
 
   const DistanceResult once = distance(box, X_WA, sphere, X_WB);  // allocates
 
-  Scratch scratch;  // for many queries: they allocate nothing
+  Scratch scratch;  // reuse: queries then allocate nothing
   const DistanceResult result = distance(box, X_WA, sphere, X_WB, {}, scratch);
   std::printf("%.17g %.17g\n", result.distance.lower, result.distance.upper);
   return result.distance.lower <= 1.25 && result.distance.upper >= 1.25 &&

@@ -12,7 +12,7 @@
 
 namespace leeway::fuzz {
 
-/// Turns raw bytes into numbers that geometry finds hard. Zeros once the bytes have run out.
+/// Turns raw bytes into numbers that are hard for geometry. Zeros once the bytes are used up.
 class ByteReader {
  public:
   explicit ByteReader(std::span<const std::uint8_t> bytes) : bytes_(bytes) {}
@@ -23,7 +23,7 @@ class ByteReader {
 
   int below(int n) { return byte() % n; }
 
-  /// Mostly of the size of things; sometimes zero, tiny, huge, denormal, NaN, infinite, or any bit
+  /// Mostly of ordinary size; sometimes zero, tiny, huge, subnormal, NaN, infinite, or any bit
   /// pattern.
   double number() {
     const int kind = byte();
@@ -68,7 +68,7 @@ class ByteReader {
     return value;
   }
 
-  /// A size: mostly not negative.
+  /// A size, mostly non-negative.
   double size() { return below(16) == 0 ? number() : std::abs(number()); }
 
   Eigen::Vector3d vector() {
@@ -76,8 +76,8 @@ class ByteReader {
     return {x, y, z};
   }
 
-  /// Mostly a rotation up to rounding: identity, quarter turns, from a quaternion; sometimes any
-  /// nine numbers.
+  /// Mostly a rotation up to rounding (identity, quarter turns, from a quaternion); sometimes nine
+  /// arbitrary numbers.
   Eigen::Matrix3d rotation() {
     Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
     switch (below(8)) {

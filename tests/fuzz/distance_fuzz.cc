@@ -1,5 +1,5 @@
-// Any two shapes at any two poses: the interval is ordered and holds what the oracle finds, swapped
-// arguments agree, and what is refused is refused for a reason.
+// Any two shapes at any poses: the interval is ordered and agrees with the oracle, swapped
+// arguments agree, and refusals have a reason.
 
 #include <cmath>
 
@@ -19,8 +19,7 @@ using collision::Pose;
 using collision::Shape;
 using collision::ShapeType;
 
-/// Far more lenient than the engine: a pose that fails this must be refused, one well within must
-/// not.
+/// More lenient than the engine: it must refuse poses that fail this, and accept those well within.
 double departure(const Pose& X) {
   if (!X.rotation.allFinite() || !X.translation.allFinite()) return HUGE_VAL;
   const double value =
@@ -85,7 +84,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const double off = std::max(departure(X_WA), departure(X_WB));
   for (const DistanceResult& each : {r, swapped, cached}) {
     bool wrong = false;
-    // Refused without a reason, or taken for good although it is not a rotation.
+    // Refused without reason, or accepted without being a rotation.
     if (each.status == DistanceStatus::kInvalid && !halves && off < 1e-12 &&
         (X_WA.translation - X_WB.translation).allFinite())
       wrong = true;
@@ -102,7 +101,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   for (const DistanceResult& each : {r, swapped, cached}) {
     if (each.distance.lower <= truth.upper && each.distance.upper >= truth.lower) continue;
     if (!std::isfinite(truth.lower) || !std::isfinite(truth.upper))
-      continue;  // beyond double: nothing to hold
+      continue;  // beyond double: nothing to check
     describe(*a, X_WA, *b, X_WB);
     fuzz::fail("truth [%.17g, %.17g] is outside [%.17g, %.17g]", truth.lower, truth.upper,
                each.distance.lower, each.distance.upper);

@@ -1,6 +1,5 @@
 // Runs a fuzz target without libFuzzer: TARGET [--seconds N] [--count N] [--seed S] [--only INDEX].
-// Input number i depends on the seed and i alone, so that --only i makes it again, whatever the
-// time allowed before.
+// Input i depends on seed and i alone: --only i reproduces it.
 
 #include <unistd.h>
 
@@ -20,15 +19,15 @@ namespace {
 
 using leeway::oracle::Random;
 
-// No input takes longer than this when all loops are bounded [s]; with sanitizers and the oracle on
-// a busy machine, milliseconds.
+// A longer input has an unbounded loop [s]; bounded ones take milliseconds even with sanitizers,
+// oracle and a busy machine.
 constexpr unsigned kLongestInput = 60;
 
 char replay_line[200] = "";
 
 void sayReplay(int signal) {
   const char* what = signal == SIGALRM ? "does not end: " : "stopped at: ";
-  // Only calls that are allowed in a signal handler.
+  // Uses async-signal-safe calls only.
   if (write(STDERR_FILENO, what, std::strlen(what)) < 0 ||
       write(STDERR_FILENO, replay_line, std::strlen(replay_line)) < 0)
     _exit(1);
@@ -42,8 +41,8 @@ std::string randomBytes(Random& random) {
   return input;
 }
 
-/// One alteration of a text: bytes changed, pieces dropped, doubled or moved, words put in, a line
-/// taken out.
+/// One mutation of a text: bytes changed, pieces removed, duplicated or moved, words inserted, a
+/// line removed.
 void alter(std::string& text, const std::vector<std::string>& words, Random& random) {
   const auto place = [&] { return static_cast<std::size_t>(random.bits() % (text.size() + 1)); };
   const auto piece = [&](std::size_t at) {
@@ -62,7 +61,7 @@ void alter(std::string& text, const std::vector<std::string>& words, Random& ran
       text.insert(place(), text.substr(at, piece(at)));
       break;
     case 3: {
-      // A number becomes another.
+      // Replaces a number.
       const std::size_t digit = text.find_first_of("0123456789", at);
       static const char* const kNumbers[] = {
           "nan", "inf", "-1", "0", "1e999", "1e-320", "99999999999999999999", "0x10", "1,5", ""};
@@ -105,7 +104,7 @@ struct Arguments {
   long long count = std::numeric_limits<long long>::max();
   unsigned long long seed = 1;
   long long only = -1;
-  bool show = false;  // with --only: the input to stdout
+  bool show = false;  // with --only: prints the input
 };
 
 bool parse(int argc, char** argv, Arguments& arguments) {
@@ -156,7 +155,7 @@ int main(int argc, char** argv) {
       input = randomBytes(random);
     } else {
       input = seeds[static_cast<std::size_t>(random.below(static_cast<int>(seeds.size())))];
-      // The first inputs are the seeds as they are.
+      // The first inputs are the unmodified seeds.
       if (i < static_cast<long long>(seeds.size())) {
         input = seeds[static_cast<std::size_t>(i)];
       } else {

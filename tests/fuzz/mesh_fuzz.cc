@@ -1,5 +1,5 @@
-// Any points and triangles: hulls hold their points, meshes are built or refused, and answer like
-// their triangles.
+// Any points and triangles: hulls hold their points, meshes are built or refused, and answer as
+// their triangles do.
 
 #include <cmath>
 
@@ -21,7 +21,8 @@ void checkHull(const std::vector<Vector3d>& points) {
     hull = collision::ConvexHull::compute(points);
   } catch (const collision::InvalidShape&) {
     for (const Vector3d& p : points)
-      if (!(p.cwiseAbs().array() <= 1e50).all()) return;  // not finite, or more than is accepted
+      if (!(p.cwiseAbs().array() <= 1e50).all())
+        return;  // not finite, or beyond the accepted range
     if (points.empty()) return;
     fuzz::fail("%zu finite points refused", points.size());
   }
@@ -32,7 +33,7 @@ void checkHull(const std::vector<Vector3d>& points) {
   for (const Vector3d& p : points) {
     const oracle::Truth truth = oracle::signedSeparation(shape, {}, collision::Shape::sphere(0),
                                                          {Eigen::Matrix3d::Identity(), p});
-    // truth.lower counts the excess already: the point must be within it.
+    // truth.lower includes the excess: the point must be within it.
     if (truth.lower <= 1e-18 * largest || !std::isfinite(truth.lower)) continue;
     std::fprintf(stderr, "hull %s of %zu points\n", oracle::replay(shape).c_str(), points.size());
     fuzz::fail("the point %.17g %.17g %.17g lies %.17g outside, excess %.17g", p.x(), p.y(), p.z(),

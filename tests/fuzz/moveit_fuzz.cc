@@ -1,4 +1,4 @@
-// Any bytes as a MoveIt scene and request (a line of ==== between them): a problem or an
+// Any bytes as a MoveIt scene and request (separated by a line of ====): a problem or an
 // InputError.
 
 #include <string_view>

@@ -1,5 +1,4 @@
-// Any bytes as a problem file beside the shipped robots: a problem or an InputError; a problem is
-// whole.
+// Any bytes as a problem file beside the shipped robots: a complete problem or an InputError.
 
 #include <filesystem>
 
@@ -34,8 +33,8 @@ std::vector<std::string> dictionary() {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace leeway;
-  // Robots and meshes of the repository are found from problems/<any folder>/: the same shape of
-  // tree here.
+  // Problems refer to the repository's robots and meshes from problems/<folder>/: mirrors that
+  // tree.
   static const bool linked = [] {
     namespace fs = std::filesystem;
     const fs::path root = fuzz::scratchFolder();

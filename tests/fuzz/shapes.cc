@@ -33,11 +33,11 @@ std::shared_ptr<const TriangleMesh> readMesh(ByteReader& bytes) {
   std::vector<Vector3d> vertices = readPoints(bytes, 10);
   std::vector<TriangleMesh::Triangle> triangles;
   if (bytes.below(2) == 0 && vertices.size() >= 4) {
-    triangles = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}};  // closed, whatever its shape
+    triangles = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}};  // closed, whatever its form
   }
   const int more = bytes.below(8);
-  const int range = static_cast<int>(vertices.size()) +
-                    (bytes.below(16) == 0 ? 1 : 0);  // now and then out of range
+  const int range =
+      static_cast<int>(vertices.size()) + (bytes.below(16) == 0 ? 1 : 0);  // sometimes out of range
   for (int i = 0; i < more && range > 0; ++i)
     triangles.push_back({bytes.below(range), bytes.below(range), bytes.below(range)});
   try {

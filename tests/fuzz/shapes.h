@@ -12,13 +12,13 @@ namespace leeway::fuzz {
 /// Up to `most` points.
 std::vector<Eigen::Vector3d> readPoints(ByteReader& bytes, int most);
 
-/// A mesh of few triangles, or nothing where TriangleMesh refuses it.
+/// A mesh of few triangles; nothing if TriangleMesh refuses it.
 std::shared_ptr<const collision::TriangleMesh> readMesh(ByteReader& bytes);
 
-/// Any shape, or nothing where its factory refuses the sizes (which is an answer, not an error).
+/// Any shape; nothing if its factory refuses the sizes, which is a valid outcome.
 std::optional<collision::Shape> readShape(ByteReader& bytes);
 
-/// Ends the process with a message; the driver adds what replays it.
+/// Ends the process with a message; the driver adds how to reproduce it.
 [[noreturn]] void fail(const char* format, ...) __attribute__((format(printf, 1, 2)));
 
 }  // namespace leeway::fuzz

@@ -1,5 +1,5 @@
-// Any bytes as the SRDF of a small robot: a model or an InputError; what it holds names what
-// exists.
+// Any bytes as the SRDF of a small robot: a model, referring to existing things only, or an
+// InputError.
 
 #include "leeway/robots/input_error.h"
 #include "leeway/robots/model.h"

@@ -1,5 +1,5 @@
-// Any sweep: at every instant in between, with the body's matrix and translation blended - a
-// placement inside the hull of the two - the body is no nearer than the proven lower bound.
+// Any sweep: at every intermediate time, with matrix and translation blended (a placement inside
+// the hull of both ends), the body is no nearer than the proven lower bound.
 
 #include <cmath>
 
@@ -40,7 +40,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
                .maxCoeff() < 1e-12;
   };
   if (!rotationLike(X_BA0) || !rotationLike(X_BA1)) return 0;
-  // A half-space that turns sweeps everything; its blends are no half-spaces.
+  // A rotating half-space sweeps everything, and its blends are not half-spaces.
   if (a->type() == ShapeType::kHalfSpace) return 0;
 
   const auto describe = [&] {
@@ -50,12 +50,12 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   };
   double best_end = HUGE_VAL;
   for (const double t : {0.0, 0.25, 0.5, 1.0}) {
-    // Powers of two: the blend is exact up to a rounding of its entries.
+    // Powers of two: the blend is exact up to rounding of its entries.
     const Pose X{(1 - t) * X_BA0.rotation + t * X_BA1.rotation,
                  (1 - t) * X_BA0.translation + t * X_BA1.translation};
     const oracle::Truth truth = oracle::signedSeparation(*a, X, *b, Pose{});
     if (t == 0 || t == 1) best_end = std::min(best_end, truth.lower);
-    // Surfaces are swept: an inside says nothing here.
+    // Surfaces are swept: containment is out of scope.
     if (!a->isConvex() && truth.upper < 0) continue;
     if (!b->isConvex() && truth.upper < 0) continue;
     const double rounding = 1e-15 * (oracle::sizeOf(*a) + X.translation.norm());

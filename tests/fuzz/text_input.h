@@ -15,20 +15,20 @@ inline constexpr const char* kArmUrdf = R"(<robot name="r">
 </robot>
 )";
 
-/// A folder of this process alone, gone when it ends well.
+/// A folder private to this process, removed when it ends normally.
 const std::string& scratchFolder();
 
 /// Writes the bytes to `name` in the scratch folder and returns its path.
 std::string writeInput(const std::string& name, std::span<const std::uint8_t> bytes);
 
-/// The whole file; empty when it cannot be read.
+/// The whole file; empty if unreadable.
 std::string readText(const std::string& path);
 
-/// The texts of files of this repository, `paths` from its root, those that are there.
+/// Contents of the existing files among `paths`, relative to the repository's root.
 std::vector<std::string> sourceTexts(const std::vector<std::string>& paths);
 
-/// The texts of all files under `folder` (from the repository's root) with the given ending, in the
-/// order of their names.
+/// Contents of all files below `folder` (relative to the repository's root) with the given ending,
+/// sorted by name.
 std::vector<std::string> sourceTextsUnder(const std::string& folder, const std::string& ending);
 
 }  // namespace leeway::fuzz

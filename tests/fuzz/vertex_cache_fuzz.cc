@@ -1,5 +1,5 @@
-// Any bytes as a vertex cache of each format: a motion or an InvalidMotion; a motion has as many
-// positions as it says, and those that it is made from are where it is at its key times.
+// Any bytes as a vertex cache of each format: a motion or an InvalidMotion; a motion has the
+// positions that it states, and meets its samples at its key times.
 
 #include <cmath>
 #include <cstring>

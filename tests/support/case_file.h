@@ -1,6 +1,6 @@
 #pragma once
 
-// Reads pairs of convex shapes from text files: see tests/data/README.md for the format.
+// Reads pairs of convex shapes from text files (format: tests/data/README.md).
 
 #include <gtest/gtest.h>
 
@@ -51,7 +51,7 @@ inline Shape readShape(std::istream& in) {
   return Shape::cylinder(radius, half_length);
 }
 
-/// Empty when the file cannot be read; a line that is broken fails the test.
+/// Empty if the file is unreadable; a malformed line fails the test.
 inline CaseFile readCases(const std::string& path) {
   CaseFile file;
   std::ifstream lines(path);

@@ -1,5 +1,5 @@
-// What a user gets to see for every kind of bad file: one line that says file and line, what is
-// wrong and what would be accepted; status 2.
+// Output for every kind of bad file: one line with file and line, what is wrong and what would be
+// accepted; status 2.
 
 #include "tests/tools/command.h"
 
@@ -8,7 +8,7 @@ namespace {
 
 class BadInput : public CommandTest {
  protected:
-  /// reach.yaml with one piece of its text replaced, planned.
+  /// Plans reach.yaml with one piece of text replaced.
   void expectProblemRefused(const std::string& from, const std::string& to,
                             const std::vector<std::string>& words) const {
     write("bad.yaml", replaced(kReach, from, to));
@@ -57,7 +57,7 @@ TEST_F(BadInput, ProblemFiles) {
   expectProblemRefused("[0.85, 0, 0]", "[1e300, 0, 0]", {"bad.yaml:7:", "1e+300", "1e+60"});
 }
 
-/// TinyXML2 reads on behind a root element, and what stood there was lost in silence.
+/// Regression: TinyXML2 reads past a root element, and a second one was silently dropped.
 TEST_F(BadInput, ASecondRobotInAFileIsRefused) {
   expectUrdfRefused("</robot>\n", "</robot>\n<robot name=\"other\"/>\n",
                     {"arm.urdf:18:", "second root element", "<robot>"});
@@ -88,7 +88,7 @@ TEST_F(BadInput, MarginBelowZeroIsAWarning) {
       << answer.err;
 }
 
-/// Bytes that are no UTF-8 have no place in JSON, but such files are about.
+/// JSON cannot hold invalid UTF-8, but files contain it.
 TEST_F(BadInput, NamesThatAreNotUtf8AreShownSomehow) {
   write("latin.yaml", replaced(kReach, "post", "p\xF6st"));
   for (const char* verb : {"plan", "check", "batch", "info"}) {

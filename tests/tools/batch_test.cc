@@ -28,7 +28,7 @@ std::vector<std::string> problemsOf(const std::vector<json>& lines) {
   return names;
 }
 
-/// What a line says, times apart.
+/// A line without its times.
 json withoutTimes(json line) {
   line.erase("time_s");
   if (line.contains("verify") && line["verify"].is_object()) {
@@ -49,7 +49,7 @@ TEST_F(Batch, PairsByNumberAndWalksIntoFolders) {
     EXPECT_TRUE(line.contains("certificate") && line.contains("time_s") && line.contains("seed"));
     EXPECT_FALSE(line.contains("verify"));
   }
-  // `problem` stands first in the text of the line.
+  // `problem` comes first in the line.
   EXPECT_TRUE(answer.out.starts_with(R"({"problem":"set/a/scene0001.yaml","status":"solved")"))
       << answer.out.substr(0, 80);
   EXPECT_NE(answer.err.find("3 solved"), std::string::npos);
@@ -95,7 +95,7 @@ TEST_F(Batch, GoesOnAfterBadInput) {
   EXPECT_EQ(lines[0]["status"], "error");
   EXPECT_NE(lines[0]["error"].get<std::string>().find("nowhere.urdf"), std::string::npos);
   EXPECT_NE(answer.err.find("nowhere.urdf"), std::string::npos);
-  EXPECT_EQ(lines[1]["status"], "error");  // its SRDF is not beside it
+  EXPECT_EQ(lines[1]["status"], "error");  // its SRDF is missing
   EXPECT_EQ(lines[2]["status"], "solved");
   EXPECT_NE(answer.err.find("2 with bad input"), std::string::npos) << answer.err;
 }
@@ -109,7 +109,7 @@ TEST_F(Batch, FoldersMayHoldOtherYaml) {
   EXPECT_EQ(answer.status, 0) << answer.err;
   EXPECT_EQ(problemsOf(answer.lines()), std::vector<std::string>{"mixed/reach.yaml"});
   EXPECT_NE(answer.err.find("mixed/notes.yaml"), std::string::npos);
-  // Asked for by name, it is an error.
+  // Requested by name, it is an error.
   EXPECT_EQ(run("batch mixed/notes.yaml").status, 2);
 }
 
@@ -127,7 +127,7 @@ TEST_F(Batch, SceneWithoutRequestIsReported) {
   EXPECT_EQ(lines[3]["status"], "error");
 }
 
-/// How often `text` stands in `all`.
+/// Number of occurrences of `text`.
 std::size_t countOf(const std::string& all, const std::string& text) {
   std::size_t count = 0;
   for (std::size_t at = all.find(text); at != std::string::npos; at = all.find(text, at + 1)) {
@@ -198,8 +198,7 @@ TEST_F(Batch, ResumesAnInterruptedRun) {
   const std::string whole = read("lines.json");
   const std::size_t first = whole.find('\n') + 1;
   const std::size_t second = whole.find('\n', first) + 1;
-  // Cut off in the middle of the third line; the first is marked, so that it shows whether it was
-  // kept.
+  // Truncated within the third line; the first is marked to show whether it is kept.
   std::string partial = whole.substr(0, second) + whole.substr(second, 20);
   partial.replace(partial.find("solved"), 6, "SOLVED");
   fs::remove(path("lines.json"));
@@ -240,7 +239,7 @@ TEST_F(Batch, ResumeRefusesAnotherRunsFile) {
 }
 
 TEST_F(Batch, InterruptLeavesWhatIsDone) {
-  // Caged: it would go on for 20 s.
+  // Caged: it would otherwise run for 20 s.
   std::string text = kReach;
   text.replace(text.find("  - {name: post"), text.find("limits") - text.find("  - {name: post"),
                "  - {name: wall, position: [0.3, 0, 0], box: {size: [0.2, 0.02, 1]}}\n");

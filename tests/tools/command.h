@@ -1,7 +1,6 @@
 #pragma once
 
-// Runs the built command as a user would, in a folder of its own that holds a small robot and
-// problems for it.
+// Runs the built command as a user would, in a folder with a small robot and problems for it.
 
 #include <gtest/gtest.h>
 #include <sys/wait.h>
@@ -26,7 +25,7 @@ struct Answer {
   int status = -1;
   std::string out, err;
 
-  /// The one document on stdout; an empty one, with a test failure, when there is none.
+  /// The JSON document on stdout; empty, with a test failure, if there is none.
   json document() const {
     const json parsed = json::parse(out, nullptr, false);
     EXPECT_TRUE(parsed.is_object()) << out << err;
@@ -53,8 +52,8 @@ inline void writeText(const fs::path& file, const std::string& text) {
   std::ofstream(file, std::ios::binary) << text;
 }
 
-/// Two links of 0.5 m in the plane, turning about z; only the second link and the world's objects
-/// can meet, and the links themselves when folded.
+/// Two 0.5 m links in the plane, turning about z. The second link can collide with the world, and
+/// with the first when folded.
 inline const char* const kUrdf = R"(<robot name="twolink">
   <link name="base"/>
   <link name="upper">
@@ -82,7 +81,7 @@ inline const char* const kSrdf = R"(<robot name="twolink">
 </robot>
 )";
 
-/// A post in front of the arm: it must fold, or swing short, to pass.
+/// A post in front of the arm: it must fold or take a short arc to pass.
 inline const char* const kReach = R"(leeway: 1
 name: around the post
 robot: {urdf: arm.urdf, srdf: arm.srdf, group: arm}
@@ -94,14 +93,14 @@ limits: {time: 20}
 seed: 7
 )";
 
-/// Nothing to be near.
+/// No obstacles.
 inline const char* const kEmpty = R"(leeway: 1
 robot: {urdf: arm.urdf, srdf: arm.srdf, group: arm}
 start: right
 goal: left
 )";
 
-/// The start touches the post.
+/// The start is in contact with the post.
 inline const char* const kInvalidStart = R"(leeway: 1
 robot: {urdf: arm.urdf, srdf: arm.srdf, group: arm}
 start: {shoulder: 0, elbow: 0}
@@ -110,7 +109,7 @@ objects:
   - {name: post, position: [0.85, 0, 0], cylinder: {radius: 0.05, length: 1}}
 )";
 
-/// MoveIt's form of the same scene and request.
+/// The same scene and request in MoveIt's format.
 inline const char* const kScene = R"(name: post
 robot_model_name: twolink
 world:
@@ -156,7 +155,7 @@ class CommandTest : public ::testing::Test {
   }
   std::string read(const std::string& name) const { return readText(path(name)); }
 
-  /// `leeway ARGUMENTS` through the shell, in the test's folder.
+  /// Runs `leeway ARGUMENTS` in a shell in the test's folder.
   Answer run(const std::string& arguments) const {
     return shell("'" + leeway::commandFile() + "' " + arguments);
   }
@@ -170,7 +169,7 @@ class CommandTest : public ::testing::Test {
     return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, readText(out), readText(err)};
   }
 
-  /// Bad input: status 2, nothing on stdout, one line on stderr that holds all of `words`.
+  /// Expects bad input: status 2, empty stdout, one line on stderr with all of `words`.
   void expectRefused(const std::string& arguments, const std::vector<std::string>& words) const {
     const Answer answer = run(arguments);
     EXPECT_EQ(answer.status, 2) << arguments << "\n" << answer.out << answer.err;

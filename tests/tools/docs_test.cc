@@ -1,5 +1,4 @@
-// tools/scripts/check_docs passes on this tree (a test of its own) and bites on pages that are
-// wrong.
+// tools/scripts/check_docs detects wrong pages. (A test of its own runs it on this tree.)
 
 #include "tests/build_paths.h"
 #include "tests/tools/command.h"
@@ -12,7 +11,7 @@ class Docs : public CommandTest {
   Answer check() const {
     return shell("'" + leeway::sourceFolder() + "/tools/scripts/check_docs' tree");
   }
-  /// A tree with one good page, and `line` as the fifth of README.md.
+  /// A tree with one good page, and `line` as the fifth line of README.md.
   Answer checkWith(const std::string& line) const {
     fs::remove_all(path("tree"));
     write("tree/tools/CMakeLists.txt", "add_executable(bench_pairs pairs.cc)\n");

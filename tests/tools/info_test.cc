@@ -5,7 +5,7 @@ namespace {
 
 class Info : public CommandTest {};
 
-/// A tetrahedron, whole or with one side missing.
+/// A tetrahedron, complete or without one side.
 std::string tetrahedron(bool closed) {
   return std::string("v 0 0 0\nv 0.1 0 0\nv 0 0.1 0\nv 0 0 0.1\nf 1 3 2\nf 1 2 4\nf 1 4 3\n") +
          (closed ? "f 2 3 4\n" : "");
@@ -79,8 +79,8 @@ TEST_F(Info, NamesComponentsThatAreNotClosed) {
 }
 
 TEST_F(Info, SamplesSuggestAndDropNothing) {
-  // Without an SRDF and with the elbow's boxes set back, upper and lower never meet within the
-  // limits; they are adjacent all the same.
+  // Without an SRDF and with the elbow's boxes set back, upper and lower never collide within the
+  // limits, yet are adjacent.
   const json document = run("info arm.urdf --json --samples 100 --seed 4").document();
   EXPECT_EQ(document["compiled"]["samples"], 100);
   EXPECT_EQ(document["compiled"]["seed"], 4);

@@ -1,5 +1,5 @@
-// tools/scripts/check_layers passes on this tree (a test of its own) and bites on trees that break
-// the rules.
+// tools/scripts/check_layers detects trees that break the rules. (A test of its own runs it on this
+// tree.)
 
 #include "tests/build_paths.h"
 #include "tests/tools/command.h"

@@ -24,7 +24,7 @@ TEST_F(Check, StartAndGoalByDefault) {
 }
 
 TEST_F(Check, ClearanceIsTheDistance) {
-  // The lower link on the line y = 0.5 along x: its edge is 0.48 from the post's axis.
+  // The lower link lies on y = 0.5 along x: its edge is 0.48 from the post's axis.
   const Answer answer =
       run("check reach.yaml --state 1.5707963267948966,-1.5707963267948966 --json");
   EXPECT_EQ(answer.status, 0) << answer.err;
@@ -55,7 +55,7 @@ TEST_F(Check, PenetrationWithDepthAndWitnesses) {
 }
 
 TEST_F(Check, MarginsOfPairsNameThePair) {
-  // The post is nearer than the wall, but only the wall asks for room.
+  // The post is nearer than the wall, but only the wall has a margin.
   std::string text = kReach;
   text.insert(text.find("limits"),
               "  - {name: wall, position: [0, -2, 0], box: {size: [4, 0.2, 1]}}\n"
@@ -154,7 +154,7 @@ TEST_F(Clearance, AgreesWithTheCertificate) {
   EXPECT_EQ(answer.status, 0) << answer.err;
   const json document = answer.document();
   EXPECT_EQ(document["status"], "certified");
-  // Two intervals that hold the same number overlap.
+  // Two intervals that hold one number overlap.
   EXPECT_LE(document["clearance_lower"], certificate["clearance_upper"]);
   EXPECT_LE(certificate["clearance_lower"], document["clearance_upper"]);
   EXPECT_EQ(document["segments"].size(), certificate["segments"].size());

@@ -45,7 +45,7 @@ TEST_F(Plan, SolvesAndCertifies) {
   EXPECT_EQ(certificate["closest"]["b"], "post");
   EXPECT_TRUE(certificate["closest"].contains("a") && certificate["closest"].contains("segment") &&
               certificate["closest"].contains("t"));
-  // Where: the two points are as far apart as the certificate says, and when: within the motion.
+  // Where: the points' distance is the certificate's. When: within the motion.
   const json &a = certificate["closest"]["point_a"], &b = certificate["closest"]["point_b"];
   double squared = 0;
   for (std::size_t i = 0; i < 3; ++i) {
@@ -71,7 +71,7 @@ TEST_F(Plan, WritesTrajectories) {
   EXPECT_NEAR(last["sec"].get<double>() + last["nanosec"].get<double>() * 1e-9,
               blending["duration"].get<double>(), 1e-9);
   EXPECT_EQ(points[0]["velocities"].size(), 2U);
-  // Its rows are a path that the verifier proves.
+  // Its rows form a path that the verifier proves.
   EXPECT_EQ(run("verify blend.yaml blend.json").status, 0);
   EXPECT_NE(run("plan blend.yaml").out.find("corners blended"), std::string::npos);
   for (const char* wrong : {"plan reach.yaml --trajectory x.path", "plan reach.yaml --period 0.1",
@@ -101,7 +101,7 @@ TEST_F(Plan, SameSeedSamePath) {
 TEST_F(Plan, TextHasPathCertificateAndTimes) {
   const Answer answer = run("plan reach.yaml");
   EXPECT_EQ(answer.status, 0);
-  EXPECT_EQ(answer.err, "");  // no progress when stderr is no terminal
+  EXPECT_EQ(answer.err, "");  // no progress when stderr is not a terminal
   for (const char* word : {"around the post", "solved", "seed 7", "shoulder", "elbow",
                            ">= ", "Certified", "post", "Time [ms]", "distance queries"}) {
     EXPECT_NE(answer.out.find(word), std::string::npos) << word << "\n" << answer.out;
@@ -141,8 +141,7 @@ TEST_F(Plan, InvalidStartNamesPairDepthAndPlace) {
   const json& offending = document["offending"];
   EXPECT_EQ(offending["a"], "lower");
   EXPECT_EQ(offending["b"], "post");
-  // The box ends at x = 0.95, the post's nearer side is at x = 0.8, and half their widths add up to
-  // 0.07.
+  // The box ends at x = 0.95, the post's near side is at x = 0.8, their half widths sum to 0.07.
   EXPECT_NEAR(offending["depth"], 0.07, 1e-6);
   EXPECT_EQ(offending["point_a"].size(), 3u);
   const std::string text = run("plan bad.yaml").out;
@@ -163,7 +162,7 @@ TEST_F(Plan, InvalidGoalIsStatus1) {
 }
 
 TEST_F(Plan, NoPathWithinTheLimitsIsStatus1) {
-  // A wall that no way around exists: the arm is caged between two planes.
+  // A wall without a way around: the arm is caged between two planes.
   std::string text = kReach;
   text.replace(text.find("  - {name: post"), text.find("limits") - text.find("  - {name: post"),
                "  - {name: wall, position: [0.3, 0, 0], box: {size: [0.2, 0.02, 1]}}\n");

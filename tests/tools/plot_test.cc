@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-/// Elements of one name anywhere below.
+/// Elements of one name at any depth.
 int count(const tinyxml2::XMLElement* element, const std::string& name) {
   int found = 0;
   for (const auto* e = element->FirstChildElement(); e != nullptr; e = e->NextSiblingElement())
@@ -48,7 +48,7 @@ TEST(Plot, IsWellFormedAndHoldsEveryPoint) {
   ASSERT_EQ(document.Parse(svg.c_str()), tinyxml2::XML_SUCCESS) << document.ErrorStr();
   const auto* root = document.RootElement();
   EXPECT_STREQ(root->Name(), "svg");
-  // Style 0 has circles, style 1 squares (polygons); one more of each in the legend.
+  // Style 0 has circles, style 1 squares (polygons); the legend adds one of each.
   EXPECT_EQ(count(root, "circle"), 3 + 1);
   EXPECT_EQ(count(root, "polygon"), 2 + 2 + 1);
   // Four series in panels, three names in the legend.
@@ -62,7 +62,7 @@ TEST(Plot, IsWellFormedAndHoldsEveryPoint) {
 TEST(Plot, SameNameSameColourInEveryPanel) {
   Figure figure = twoPanels();
   const std::string both = toSvg(figure);
-  // Series `two` is second in the legend although first in its panel.
+  // Series `two` is second in the legend, though first in its panel.
   const std::string colour = "fill=\"#e07b00\"";
   EXPECT_EQ(occurrences(both, colour), 2 + 2 + 1);
 }
@@ -73,7 +73,7 @@ TEST(Plot, PointsBeyondTheBorderAreHollowAndNanIsLeftOut) {
   panel.x.lower = 0.1, panel.x.upper = 5;
   figure.panels.push_back(panel);
   const std::string svg = toSvg(figure);
-  // 0 has no place on a logarithmic axis and 9 is beyond its end; the legend has one, too.
+  // A logarithmic axis has no 0, and 9 is beyond its end; the legend adds one.
   EXPECT_EQ(occurrences(svg, "<circle"), 3 + 1) << svg;
   EXPECT_EQ(occurrences(svg, "class=\"hollow\""), 2) << svg;
   EXPECT_EQ(svg.find("nan"), std::string::npos);

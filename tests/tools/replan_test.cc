@@ -6,7 +6,7 @@
 namespace leeway::tools::testing {
 namespace {
 
-/// A sheet stands in the arm's way for a second, then rises.
+/// A sheet blocks the arm for a second, then rises.
 const char* const kGate = R"(leeway: 1
 name: gate
 robot: {urdf: arm.urdf, srdf: arm.srdf, group: arm}
@@ -69,7 +69,7 @@ TEST_F(Replan, TellsEveryStepAndTheEnd) {
   EXPECT_EQ(csv.substr(csv.find('\n') + 1, 6), "0,-1,0");
 }
 
-/// Keys of a document and of what it holds, "obstacles[]" and the like included.
+/// Keys of a document and its nested values, including "obstacles[]".
 void collectKeys(const json& value, std::set<std::string>& keys) {
   if (value.is_array())
     for (const json& entry : value) collectKeys(entry, keys);
@@ -147,7 +147,7 @@ TEST_F(Replan, BadInputIsStatus2) {
   expectRefused("plan broken.yaml", {"broken.yaml:14", "motion.morph"});
 }
 
-/// The other verbs see the sheet as it is at the start.
+/// The other verbs see the sheet at the start.
 TEST_F(Replan, OtherVerbsLookAtTheStart) {
   EXPECT_EQ(run("plan gate.yaml --json").document()["status"], "unsolved");
   std::string later = kGate;

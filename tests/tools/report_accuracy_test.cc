@@ -1,4 +1,4 @@
-// `leeway report accuracy`: small runs, never times.
+// `leeway report accuracy`: small runs; times are not tested.
 
 #include <gtest/gtest.h>
 #include <tinyxml2.h>
@@ -58,7 +58,7 @@ TEST(ReportGuard, OutlivesEverythingThatItemsDo) {
   EXPECT_EQ(results[6], 16);
 }
 
-/// Knows the truth and does with it what the case's number says.
+/// Knows the truth and distorts it by the case's number.
 class Clown : public PairEngine {
  public:
   class Query : public PairQuery {
@@ -164,7 +164,7 @@ class ReportAccuracyVerb : public CommandTest {
   }
 };
 
-/// Every family, engine and tolerance, with whatever rivals this build has.
+/// Every family, engine and tolerance, with the rivals of this build.
 TEST_F(ReportAccuracyVerb, WritesEveryRow) {
   const Answer answer = run("report accuracy --per-family 1 --passes 1 --output out --json");
   ASSERT_EQ(answer.status, 0) << answer.out << answer.err;
@@ -203,7 +203,7 @@ TEST_F(ReportAccuracyVerb, WritesEveryRow) {
   EXPECT_EQ(readCsv(read("out/hard_cases.csv"))[0].size(), 12u);
 }
 
-/// Our own rows do not depend on rivals, and all but times repeat.
+/// Our rows are independent of rivals, and everything but times is reproducible.
 TEST_F(ReportAccuracyVerb, SameSeedSameErrors) {
   const std::string small = "report accuracy --per-family 2 --passes 1 --no-rivals --family sphere";
   const auto withoutTimes = [&](const std::string& seed, const std::string& folder) {

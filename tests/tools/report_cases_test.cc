@@ -31,8 +31,8 @@ std::map<long, Known> readReference(const std::string& file) {
   return result;
 }
 
-/// Every line of the raw output against the reference; `too_deep` are cases whose reference is
-/// proven to exceed the depth, and by how much at most [m].
+/// Checks each line of the raw output against the reference; `too_deep`: cases whose reference
+/// provably exceeds the depth, and by how much at most [m].
 void expectHolds(const std::string& raw, const std::map<long, Known>& reference,
                  const std::set<long>& too_deep, double too_deep_by) {
   std::istringstream in(raw);
@@ -71,7 +71,7 @@ TEST_F(ReportCases, AnswersEveryCaseAndHoldsTheReference) {
   EXPECT_NE(table.out.find("seq-hull               10      0"), std::string::npos) << table.out;
 }
 
-/// The table is able to fail: a reference that is off by a micrometre is not held.
+/// Guards the table: a reference off by a micrometre is detected.
 TEST_F(ReportCases, CallsAWrongIntervalUnsafe) {
   const std::string shape = "shape 0 sphere 1\n";
   write("cases.txt", shape + "case 0 pair far 0 0" + kPose);
@@ -129,9 +129,9 @@ TEST_F(ReportCases, HoldsTheReferenceOfTheSharedData) {
   if (!fs::exists(data + "cases.txt")) GTEST_SKIP() << data << "cases.txt is not there";
   const Answer answer = run("report cases '" + data + "cases.txt' --raw -");
   EXPECT_EQ(answer.status, 0) << answer.err;
-  // Hulls with nearly equal vertices: a plane with a smaller width than the reference's depth
-  // exists, in exact rational arithmetic (case 4195: width 1.6701170850515196e-7
-  // against 1.6701926140484714e-7), so that the reference is not the depth.
+  // Hulls with nearly equal vertices: exact rational arithmetic finds a direction of smaller width
+  // than the reference's depth (case 4195: 1.6701170850515196e-7 against 1.6701926140484714e-7), so
+  // the reference is not the depth.
   expectHolds(answer.out, readReference(data + "reference.txt"),
               {4135, 4155, 4175, 4195, 4215, 4235, 4245}, 1e-11);
 }

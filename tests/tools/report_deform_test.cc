@@ -1,4 +1,4 @@
-// `leeway report deform`: small runs, never times.
+// `leeway report deform`: small runs; times are not tested.
 
 #include <gtest/gtest.h>
 #include <tinyxml2.h>
@@ -44,7 +44,7 @@ TEST(ReportDeform, ScenesHaveTheirSizesAndMove) {
   }
 }
 
-/// Says that everything is a metre farther than a real engine says.
+/// Reports every distance a metre too large.
 class Liar : public MeshEngine {
  public:
   class Follower : public MeshFollower {
@@ -134,7 +134,7 @@ TEST(ReportDeform, JudgesTheTextbookByTheTests) {
 
 class ReportDeformVerb : public CommandTest {};
 
-/// Every motion with every strategy that it has, and whatever rivals this build has.
+/// Every motion with every applicable strategy, and the rivals of this build.
 TEST_F(ReportDeformVerb, WritesEveryRow) {
   const Answer answer =
       run("report deform --triangles 200 --frames 3 --seconds 0.001 --output out --json");
@@ -161,7 +161,7 @@ TEST_F(ReportDeformVerb, WritesEveryRow) {
     for (const char* strategy : {"rebuild", "refit", "hybrid", "lazy", "auto"})
       EXPECT_TRUE(names.count(std::string("leeway ") + strategy)) << motion << " " << strategy;
     EXPECT_EQ(names.count("leeway morph"), motion == "morph") << motion;
-    // Of the others no more is known than each frame's vertices.
+    // Of the others only each frame's vertices are known.
     EXPECT_EQ(names.count("leeway hybrid moved"), motion != "twist" && motion != "explode")
         << motion;
   }
@@ -177,7 +177,7 @@ TEST_F(ReportDeformVerb, RefusesWhatItCannotUse) {
   expectRefused("report deform --triangles 0", {"triangles"});
   expectRefused("report deform --frames 0", {"frames"});
   expectRefused("report deform --seconds -1", {"seconds"});
-  // Before the measuring, which would take minutes.
+  // Fails before measuring, which would take minutes.
   write("file", "");
   expectRefused("report deform --full --output file", {"file", "Not a directory", "folder"});
   expectRefused("report deform --full --output file/below/it",

@@ -1,4 +1,4 @@
-// `leeway report motion`: small runs, never times.
+// `leeway report motion`: small runs; times are not tested.
 
 #include <gtest/gtest.h>
 #include <tinyxml2.h>
@@ -47,7 +47,7 @@ TEST(ReportMotion, TheSlowSearchFindsWhatCanBeWorkedOut) {
     const TimeTruth free = first(*a, 0.6001);
     EXPECT_TRUE(free.clear && !free.contact);
   }
-  // A corner on a circle that reaches a wall: at the angle whose cosine is the wall's distance.
+  // A corner on a circle reaches a wall at the angle whose cosine is the wall's distance.
   const double reach = std::hypot(0.1, 0.2), start = std::atan2(0.2, 0.1);
   for (const double gap : {-1e-4, 1e-4}) {
     const SlowBody bodies[] = {
@@ -64,7 +64,7 @@ TEST(ReportMotion, TheSlowSearchFindsWhatCanBeWorkedOut) {
       EXPECT_NEAR(truth.upper, (start - std::acos(1 + gap / reach)) / 3, 1e-9);
     }
   }
-  // In one plane.
+  // Coplanar.
   const collision::MovingTriangle still{{Vector3d(0, -1, 2), Vector3d(1, 0, 2), Vector3d(0, 1, 2)},
                                         {Vector3d(0, -1, 2), Vector3d(1, 0, 2), Vector3d(0, 1, 2)}};
   collision::MovingTriangle sliding = still;
@@ -77,7 +77,7 @@ TEST(ReportMotion, TheSlowSearchFindsWhatCanBeWorkedOut) {
   EXPECT_FALSE(slowFirstContact(sliding, still, 0).contact);
 }
 
-/// Poses of a case, to be compared.
+/// Poses of a case, for comparison.
 std::vector<double> numbersOf(const ContactCase& c) {
   std::vector<double> numbers = {c.lower, c.upper};
   for (const MovingBody& body : c.spec.bodies)
@@ -138,7 +138,7 @@ TEST(ReportMotion, OursIsNeverWrong) {
   }
 }
 
-/// What the engine refuses was once counted like a motion without contact.
+/// Regression: refused input counted as a motion without contact.
 TEST(ReportMotion, RefusedMotionsAreNotFree) {
   const double nan = std::nan("");
   ContactSpec triangles;
@@ -150,7 +150,7 @@ TEST(ReportMotion, RefusedMotionsAreNotFree) {
   triangles.triangles[0].from[1].z() = nan;
   const ReportShape box{collision::Shape::box({1, 1, 1}), {}};
   const auto still = [](const Pose& X) { return std::make_shared<collision::Still>(X); };
-  ContactSpec bodies;  // two that are apart, and a third that is nowhere
+  ContactSpec bodies;  // two that are apart, and one at NaN
   bodies.bodies = {{&box, still(shifted(0, 0, 0))},
                    {&box, still(shifted(9, 0, 0))},
                    {&box, still(shifted(nan, 0, 0))}};
@@ -166,7 +166,7 @@ TEST(ReportMotion, RefusedMotionsAreNotFree) {
   }
 }
 
-/// Says always the same, or worse.
+/// Always gives one answer, or throws.
 class Fake : public ContactEngine {
  public:
   enum class Kind { kFree, kAtStart, kThrows, kAborts, kLoops };
@@ -223,7 +223,7 @@ TEST(ReportMotion, CountsWhatGoesWrong) {
 
 class ReportMotionVerb : public CommandTest {};
 
-/// Every family, with whatever rivals this build has.
+/// Every family, with the rivals of this build.
 TEST_F(ReportMotionVerb, WritesEveryRow) {
   const Answer answer = run("report motion --cases 5 --passes 1 --output out --json");
   ASSERT_EQ(answer.status, 0) << answer.out << answer.err;
@@ -248,7 +248,7 @@ TEST_F(ReportMotionVerb, WritesEveryRow) {
   EXPECT_EQ(document.Parse(read("out/motion.svg").c_str()), tinyxml2::XML_SUCCESS);
 }
 
-/// Certified edges never miss what the verifier refutes; rows of one problem and kind speak of the
+/// Certified edges never miss what the verifier refutes; rows of one problem and kind cover the
 /// same edges.
 TEST_F(ReportMotionVerb, EdgesOfAProblem) {
   const Answer answer =

@@ -55,7 +55,7 @@ TEST_F(Usage, WrongUseIsStatus2) {
   expectRefused("report", {"--help"});
 }
 
-/// A script must not take an answer that never arrived for one that did.
+/// A script must notice when its answer could not be written.
 TEST_F(Usage, AnswerThatCannotBeWrittenIsStatus2) {
   if (!fs::exists("/dev/full")) {
     GTEST_SKIP() << "there is no /dev/full";
@@ -72,7 +72,7 @@ TEST_F(Usage, AnswerThatCannotBeWrittenIsStatus2) {
   }
 }
 
-/// The lines under "Example" that begin with the command.
+/// Lines under "Example" that begin with the command.
 std::vector<std::string> examplesOf(const std::string& help) {
   std::vector<std::string> examples;
   std::istringstream in(help.substr(std::min(help.find("Example"), help.size())));
@@ -84,7 +84,7 @@ std::vector<std::string> examplesOf(const std::string& help) {
   return examples;
 }
 
-/// Each runs as it stands, from the top of the source tree; what it writes goes elsewhere.
+/// Each runs as written, from the source tree's top; output goes elsewhere.
 class Examples : public CommandTest, public ::testing::WithParamInterface<const char*> {};
 
 TEST_P(Examples, Run) {
@@ -104,7 +104,7 @@ TEST_P(Examples, Run) {
   }
 }
 
-// gtest puts the suffix into the test's folder name, without the '/'.
+// gtest names the test's folder by the suffix, without the '/'.
 INSTANTIATE_TEST_SUITE_P(Verbs, Examples, ::testing::ValuesIn(kVerbs),
                          [](const auto& verb) { return std::string(verb.param); });
 

@@ -1,4 +1,4 @@
-// The same bytes from every instruction set that this machine has: targets forced one by one.
+// Every instruction set of this machine, forced in turn, returns equal bytes.
 
 #include <gtest/gtest.h>
 
@@ -26,7 +26,7 @@ Shape roundHull(Random& random, int count) {
   return Shape::convexHull(points);
 }
 
-/// The numbers of many queries, cold and with a cache, of all types and sizes of hulls.
+/// Answers of many queries, cold and cached, over all shape types and hull sizes.
 std::vector<double> answers() {
   constexpr ShapeType kTypes[] = {ShapeType::kBox, ShapeType::kCapsule, ShapeType::kCylinder,
                                   ShapeType::kEllipsoid, ShapeType::kConvexHull};
@@ -64,13 +64,13 @@ std::vector<double> answers() {
 
 TEST(InstructionSets, DistancesAreTheSameBytes) { expectTheSameBytesOnEveryTarget(answers); }
 
-/// Points whose hull has many vertices in some directions and few in others.
+/// Points whose hull has its vertices spread evenly or in clusters.
 std::vector<Vector3d> pointsOfHull(Random& random, int kind) {
   std::vector<Vector3d> points;
   const int count = 1 + random.below(kind == 0 ? 700 : 90);
   const bool grid = random.chance(0.3);
   for (int k = 0; k < count; ++k) {
-    if (kind == 2) {  // two rims, coplanar exactly: more vertices than a cell of the table lists
+    if (kind == 2) {  // two exactly coplanar rims: more vertices than a table cell lists
       const double angle = 2 * M_PI * k / count;
       for (const double z : {-1.0, 1.0}) points.emplace_back(std::cos(angle), std::sin(angle), z);
     } else {
@@ -81,8 +81,8 @@ std::vector<Vector3d> pointsOfHull(Random& random, int kind) {
   return points;
 }
 
-/// Vector scans, tables and climbs against the plain scan: the same vertex, or one within rounding;
-/// of equal ones the first where all are looked at.
+/// Vector scans, tables and climbs against the plain scan: same vertex, or one within rounding.
+/// Full scans return the first of equal vertices.
 TEST(HullSupport, FindsTheFarthestVertex) {
   Random random(62);
   int scanned = 0, looked_up = 0, climbed = 0, tied = 0;
@@ -95,7 +95,7 @@ TEST(HullSupport, FindsTheFarthestVertex) {
     for (int k = 0; k < 400; ++k) {
       Vector3d d = random.direction();
       if (random.chance(0.3)) d = Vector3d::Unit(random.below(3)) * (random.chance(0.5) ? 1 : -1);
-      // On the rims of cells, and a little beside the axes.
+      // On cell boundaries, and slightly off the axes.
       if (random.chance(0.3)) d = Vector3d(random.below(9) - 4, random.below(9) - 4, 4) / 8;
       if (random.chance(0.3)) d += std::pow(10, random.uniform(-16, 0)) * random.direction();
       if (random.chance(0.1)) d *= std::pow(10, random.uniform(-200, 200));

@@ -13,13 +13,13 @@
 namespace leeway::collision {
 namespace {
 
-// What stands on large pages, each array filled with a byte of its own.
+// Arrays in large pages, each filled with its own byte.
 class Arrays {
  public:
   explicit Arrays(std::uint32_t seed) : random_(seed) {}
 
   void add() {
-    // Small ones, several of a page, and some that have no place on one.
+    // Small ones, several to a page, and some too large for one.
     const std::size_t most = std::size_t{1} << (6 + random_() % 16);
     Array array;
     array.bytes = 1 + random_() % most;
@@ -30,7 +30,7 @@ class Arrays {
     arrays_.push_back(array);
   }
 
-  // Any one of them, which still has to be what it was filled with.
+  // Frees a random array after checking that its fill is intact.
   bool takeOne() {
     std::swap(arrays_[random_() % arrays_.size()], arrays_.back());
     const Array array = arrays_.back();
@@ -46,7 +46,7 @@ class Arrays {
     int bad = 0;
     for (int i = 0; i < steps; ++i) {
       add();
-      // Down to none now and then, so that pages are given back and used again.
+      // Occasionally frees all, so that pages are returned and reused.
       if (random_() % 64 == 0)
         while (!arrays_.empty()) bad += takeOne() ? 0 : 1;
       if (arrays_.size() > 32) bad += takeOne() ? 0 : 1;

@@ -9,7 +9,7 @@
 namespace leeway::collision {
 namespace {
 
-/// Units in the last place of the exact value between `value` and it.
+/// Error of `value` in units in the last place of `exact`.
 double ulps(double value, long double exact) {
   int exponent;
   std::frexp(exact, &exponent);

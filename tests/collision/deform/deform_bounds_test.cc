@@ -26,8 +26,8 @@ struct Fit {
   double area = 0, exact = 0;  // sums over the children of all nodes
 };
 
-/// Every vertex below every child of every node is in the child's box; what the boxes' areas are.
-/// `bounds` are NodeBounds or CachedBounds.
+/// Checks that each child's box holds every vertex below it, and sums box areas. `bounds`:
+/// NodeBounds or CachedBounds.
 template <class BoundsOf>
 void check(const VertexMotion& motion, const BoundsOf& bounds, const DeformTree& tree,
            std::span<const double> parameters, const std::string& what, Fit& fit) {
@@ -76,7 +76,7 @@ void checkDisplacement(const VertexMotion& motion, const NodeBounds& bounds, con
       for (const std::int32_t v : tree.vertices(node, lane)) {
         const auto i = static_cast<std::size_t>(v);
         for (int k = 0; k < 3; ++k) {
-          // The box that held the vertex, moved and grown by so much, has to hold it.
+          // The old box, moved and grown by the displacement, holds the vertex.
           ASSERT_LE(before[i][k] + double(box.low[k][lane]), after[i][k])
               << what << " node " << node << " lane " << lane << " vertex " << v;
           ASSERT_GE(before[i][k] + double(box.high[k][lane]), after[i][k])
@@ -87,8 +87,7 @@ void checkDisplacement(const VertexMotion& motion, const NodeBounds& bounds, con
   }
 }
 
-// How much more area the boxes have than the exact ones, and a limit that tells when a bound has
-// become idle.
+// Box area relative to exact boxes; the limit detects bounds that became useless.
 TEST(DeformBounds, HoldTheVerticesOfEveryNode) {
   int kinds = 0;
   for (const motion_cases::MotionCase& c : motion_cases::allMotions(24, 9)) {
@@ -104,7 +103,7 @@ TEST(DeformBounds, HoldTheVerticesOfEveryNode) {
       const double time = i == 0 ? 0.0 : random.uniform(-1, 4);
       c.motion->parameters(time, parameters);
       check(*c.motion, *bounds, *tree, parameters, c.name + " at " + std::to_string(time), fit);
-      // Far apart, and near each other.
+      // Distant pairs and close ones.
       checkDisplacement(*c.motion, *bounds, *tree, before, parameters, c.name);
       before = parameters;
       c.motion->parameters(time + 0.01, parameters);
@@ -164,7 +163,7 @@ TEST(DeformBounds, OfCachesHoldTheVertices) {
   EXPECT_LT(fit.area, 1.2 * fit.exact);
 }
 
-// Numbers that a file could have: huge and tiny weights, coordinates far from the origin.
+// Numbers that a file may contain: huge and tiny weights, coordinates far from the origin.
 TEST(DeformBounds, HoldForHardNumbers) {
   Random random(22);
   for (int i = 0; i < 60; ++i) {
@@ -242,7 +241,7 @@ TEST(DeformBounds, SameBytesOnEveryInstructionSet) {
         c.motion->parameters(0.3 * i, from);
         c.motion->parameters(0.3 * i + 0.02, to);
         for (std::int32_t node = 0; node < tree->nodeCount(); ++node) {
-          // Lanes without a child stay as they are.
+          // Empty lanes stay unchanged.
           bounds->bound(node, to, boxes.emplace_back());
           boxes.push_back(boxes.back());
           bounds->displacement(node, from, to, bounds->displacementRounding(from, to),
@@ -259,7 +258,7 @@ TEST(DeformBounds, SameBytesOnEveryInstructionSet) {
   }
 }
 
-/// A box with its own axes, somewhere; far off, nearly touching, or around some of the vertices.
+/// A randomly oriented box: far away, nearly touching, or around some of the vertices.
 struct Body {
   Vector3d low, high;
   double radius;
@@ -278,8 +277,8 @@ Body randomBody(Random& random, std::span<const Vector3d> positions) {
   return body;
 }
 
-/// Distance of a vertex from the body; less than nothing within it: no translation of that length
-/// or less need bring it out.
+/// Signed distance of a vertex from the body; inside: minus the depth below which no translation
+/// separates.
 double separation(const Body& body, const Vector3d& vertex) {
   const Vector3d p = body.X_BA.rotation.transpose() * (vertex - body.X_BA.translation);
   const Vector3d outside = (body.low - p).cwiseMax(p - body.high);
@@ -287,8 +286,8 @@ double separation(const Body& body, const Vector3d& vertex) {
   return (deepest > 0 ? outside.cwiseMax(0.0).norm() : deepest) - body.radius;
 }
 
-// 18-DOPs and balls: what they prove holds for every vertex below, for motions with any weights,
-// and is more than boxes prove where it should be.
+// What 18-DOPs and balls prove holds for every vertex below, for any weights, and exceeds what
+// boxes prove where it should.
 TEST(DeformBounds, VolumesProveWhatHoldsForTheVerticesOfEveryNode) {
   for (const DeformVolume volume : {DeformVolume::kDop, DeformVolume::kBall}) {
     int kinds = 0;

@@ -1,5 +1,5 @@
-// The inner loops of deforming meshes: the same bytes from every instruction set that this machine
-// has, targets forced one by one; and bounds that hold, against plain code.
+// Kernels of deforming meshes: equal bytes from every instruction set, forced in turn, and valid
+// bounds against plain code.
 
 #include <gtest/gtest.h>
 
@@ -27,7 +27,7 @@ using oracle::Random;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// A mesh with its hierarchy, and one more vertex, as snapshots have it.
+/// A mesh, its hierarchy, and one extra vertex, as in snapshots.
 struct Mesh {
   std::vector<Vector3d> vertices;
   std::shared_ptr<const DeformTree> tree;
@@ -41,7 +41,7 @@ Mesh makeMesh(Random& random, int kind) {
                          : kind == 2 ? testing::cloth(21, &random)
                                      : testing::globe(9);
   sheet.vertices = testing::waved(sheet.vertices, 0.3, random.uniform(0, 6));
-  if (kind == 4) {  // no vertex is of two triangles
+  if (kind == 4) {  // vertices are not shared
     const testing::Sheet whole = testing::cloth(21);
     sheet = {};
     for (const DeformTree::Triangle& t : whole.triangles) {
@@ -60,7 +60,7 @@ Mesh makeMesh(Random& random, int kind) {
   return mesh;
 }
 
-/// A ball, a box or a half-space near the mesh, at rest or moving; and what it is without bounds.
+/// A ball, box or half-space near the mesh, at rest or moving, with its exact form.
 struct Body {
   Shape shape = Shape::sphere(0.1);
   Pose X;
@@ -128,7 +128,7 @@ std::vector<float> results() {
                 kernels.allBranches(tree, mesh.vertices.data(), room.data(), in_order.data()));
       Vector3d low, high;
       all.push_back(kernels.bound(mesh.vertices.data(), mesh.count(), 1e15, low, high) ? 1 : 0);
-      // Beyond this a refused update looks at nothing.
+      // A refused update leaves the rest undefined.
       if (spoilt != 0) continue;
       for (int k = 0; k < 3; ++k) {
         all.push_back(static_cast<float>(low[k]));
@@ -175,7 +175,7 @@ std::vector<float> results() {
             all.push_back(of_nodes[n].closed);
           }
         }
-        // Of any number of vertices.
+        // Any number of vertices.
         const std::span<const std::int32_t> some = tree.leafVertices().subspan(
             static_cast<std::size_t>(leaf.vertex_begin),
             1 + static_cast<std::size_t>(random.below(leaf.vertex_end - leaf.vertex_begin)));
@@ -206,7 +206,7 @@ TEST(DeformKernels, AreTheSameBytes) {
               const std::vector<float> other = results();
               ASSERT_EQ(best.size(), other.size());
               for (std::size_t i = 0; i < best.size(); ++i) {
-                // 0 and -0 are the same box, but not the same bytes.
+                // 0 and -0 give equal boxes but different bytes.
                 ASSERT_TRUE(best[i] == other[i] && std::signbit(best[i]) == std::signbit(other[i]))
                     << target << ", number " << i << ": " << other[i] << " for " << best[i];
               }
@@ -214,11 +214,12 @@ TEST(DeformKernels, AreTheSameBytes) {
             1);
 }
 
-/// Boxes hold their vertices, by plain comparison, and hold them tightly.
+/// Boxes are the tight bounds of their vertices, by plain comparison.
 TEST(DeformKernels, BoxesAreTheVertices) {
   const DeformKernels& kernels = deformKernels();
   Random random(82);
-  int mixed = 0, full = 0;  // nodes with leaves and nodes; with as many vertices as can be
+  int mixed = 0,
+      full = 0;  // nodes with both leaves and inner children; nodes with the maximum of vertices
   for (int kind = 0; kind < 5; ++kind) {
     Mesh mesh = makeMesh(random, kind);
     const DeformTree& tree = *mesh.tree;
@@ -268,7 +269,7 @@ TEST(DeformKernels, BoxesAreTheVertices) {
       mixed += leaves > 0 && nodes > 0;
       full += vertices == 3 * DeformTree::kLeafTriangles * kWidth;
     }
-    // A vertex that is not finite is found wherever it is.
+    // A non-finite vertex is found at any place.
     for (int i = 0; i < 20; ++i) {
       const int last = static_cast<int>(mesh.count()) - 1;
       const int which = i == 0 ? 0 : i == 1 ? last : random.below(last);
@@ -283,8 +284,8 @@ TEST(DeformKernels, BoxesAreTheVertices) {
   EXPECT_GT(full, 0);
 }
 
-/// No triangle below a child is nearer than its bound, none of a leaf than its own; and children
-/// above the bar are closed, the others open.
+/// No triangle below a child is nearer than the child's bound, none of a leaf nearer than its own;
+/// children above the bar are closed, all others open.
 TEST(DeformKernels, BoundsHold) {
   const DeformKernels& kernels = deformKernels();
   Random random(83);
@@ -311,7 +312,7 @@ TEST(DeformKernels, BoundsHold) {
     const WideBox* const boxes_of = &box;
     probeKernels().childBounds(body.probe, tree, mesh.vertices.data(), {&node, 1}, &boxes_of, bar,
                                &bounds);
-    // Among others, the same.
+    // A batch gives the single results.
     const std::array<std::int32_t, 3> several = {random.below(tree.nodeCount()), node,
                                                  random.below(tree.nodeCount())};
     std::array<const WideBox*, 3> boxes_of_several;
@@ -340,7 +341,7 @@ TEST(DeformKernels, BoundsHold) {
       const auto lower = static_cast<double>(bounds.lower[lane]);
       EXPECT_GE(lower, by_box - static_cast<double>(body.probe.slack));
       if (!DeformTree::isLeaf(child)) {
-        // Nothing but the box tells of it.
+        // Only the box bound applies.
         EXPECT_LE(lower, by_box + static_cast<double>(body.probe.slack));
         continue;
       }

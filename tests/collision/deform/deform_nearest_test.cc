@@ -21,7 +21,7 @@ using testing::Sheet;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// The core's distance from every triangle by itself.
+// Distance from the core to every triangle, one by one.
 Interval bruteForce(const DeformableSnapshot& snapshot, const Vector3d& middle,
                     const Vector3d& half) {
   Scratch scratch;
@@ -47,7 +47,7 @@ struct Case {
   Interval truth;
 };
 
-// A mesh in some state, by some strategy, and searches.
+// A mesh in some state under some strategy, with random searches.
 struct Cases {
   Cases(const Sheet& sheet, std::vector<Vector3d> vertices, DeformStrategy strategy, bool prepared,
         Random& random, int count, bool with_truth)
@@ -86,7 +86,7 @@ struct Cases {
 std::vector<Cases> allCases(bool with_truth) {
   Random random(21), numbers(22);
   std::vector<Cases> all;
-  // The last one has needles and triangles without area.
+  // The last kind has needles and zero-area triangles.
   for (const int kind : {0, 1, 2, 3}) {
     const Sheet sheet = kind == 1   ? testing::cloth(9, &numbers)
                         : kind == 2 ? testing::globe(6)
@@ -115,7 +115,7 @@ TEST(DeformNearest, IsBruteForces) {
       ASSERT_GE(found.slot, 0);
       ASSERT_LE(lower, std::max(c.truth.upper, 0.0));
       ASSERT_GE(found.upper, c.truth.lower);
-      // A segment that crosses a triangle has its ends and the edges at some distance.
+      // Skips contact: a segment that pierces a triangle is at positive distance from its edges.
       if (!(c.truth.lower > 1e-9)) {
         ++crossing;
         continue;
@@ -123,7 +123,7 @@ TEST(DeformNearest, IsBruteForces) {
       ++apart;
       ASSERT_LE(found.upper - lower, 1.001e-9) << toString(cases.snapshot->strategy());
       ASSERT_NEAR(found.way.norm(), found.upper, 1e-12);
-      // Found again from anywhere, and not looked for where it is out of reach.
+      // Found again from any start; not searched for out of reach.
       NearestSearch again = c.search;
       again.first = found.slot;
       ASSERT_NEAR(cases.find(again).upper, found.upper, 1e-9);
@@ -133,7 +133,7 @@ TEST(DeformNearest, IsBruteForces) {
       again.reach = 0.99 * c.truth.lower;
       const NearestFound none = cases.find(again);
       ASSERT_GT(std::min(none.lower, none.slot >= 0 ? none.own_lower : kInfinity), again.reach);
-      // A limit leaves a bound, an early end none.
+      // A limit leaves a bound, an early exit none.
       again = c.search;
       again.limit = 3;
       const NearestFound limited = cases.find(again);
@@ -151,9 +151,9 @@ TEST(DeformNearest, IsBruteForces) {
   EXPECT_GT(crossing, 0);
 }
 
-// Triangles that share the nearest vertex or edge are as near but for rounding. Which of them is
-// told depends neither on what the thread has read before, and so closes sooner, nor on where the
-// search begins: threads with different pasts say the same.
+// Triangles that share the nearest vertex or edge are equally near but for rounding. The chosen one
+// must depend neither on nodes that the thread already filled, and so closes earlier, nor on the
+// start: threads with different pasts agree.
 TEST(DeformNearest, UpperEndsDoNotDependOnThePast) {
   int searches = 0;
   for (Cases& cases : allCases(false)) {
@@ -170,8 +170,8 @@ TEST(DeformNearest, UpperEndsDoNotDependOnThePast) {
   EXPECT_GT(searches, 100);
 }
 
-// Nor do other ends, where the search ends early, and what it comes by: nodes that a thread has
-// filled are looked at as those that it has not.
+// With an early exit, other results must not depend on the past either: filled nodes are handled
+// like unfilled ones.
 TEST(DeformNearest, NodesThatAreFilledDoNotShow) {
   const auto numbersOf = [](const NearestFound& f) {
     return std::vector<double>{static_cast<double>(f.slot), f.upper, f.own_lower, f.lower,
@@ -193,7 +193,7 @@ TEST(DeformNearest, NodesThatAreFilledDoNotShow) {
       prepare(cases.scratch, *cases.snapshot);
       fresh.push_back(numbersOf(cases.find(search)));
     }
-    // Twice, so that each comes after all others.
+    // Twice, so that each runs after all others.
     for (int round = 0; round < 2; ++round)
       for (const NearestSearch& search : searches) cases.find(search);
     for (std::size_t i = 0; i < searches.size(); ++i) {
@@ -205,8 +205,8 @@ TEST(DeformNearest, NodesThatAreFilledDoNotShow) {
   EXPECT_GT(filled, 100);
 }
 
-// How deep bodies are is searched from the triangle that was found: one that is near enough ends
-// the search, and which one came first hung on what had been filled in 1 or 2 of 5,000 overlaps.
+// The depth search starts from the triangle found. Regression: a near-enough triangle ends the
+// search, and which one came first depended on filled nodes in 1 or 2 of 5,000 overlaps.
 TEST(DeformNearest, DepthsDoNotDependOnThePast) {
   Random random(24);
   const Sheet sheet = testing::globe(12);
@@ -240,11 +240,11 @@ TEST(DeformNearest, DepthsDoNotDependOnThePast) {
   }
 }
 
-// Balls that a first search leaves open are searched for again, and a limit holds for both: every
-// node of a lazy hierarchy that is looked at is filled.
+// Balls that a first search leaves open are searched again under the same limit: every node of a
+// lazy hierarchy that is visited is filled.
 TEST(DeformNearest, LimitsHoldForBothSearches) {
   Random random(26);
-  const Sheet sheet = testing::cloth(40);  // without an inside, which would be asked for, too
+  const Sheet sheet = testing::cloth(40);  // open: an inside would be queried as well
   Deformable deformable(DeformableMesh::make(sheet.vertices, sheet.triangles), nullptr,
                         testing::optionsOf(DeformStrategy::kLazy));
   ASSERT_EQ(deformable.update(testing::waved(sheet.vertices, 0.3, 1), 1), UpdateStatus::kUpdated);
@@ -263,8 +263,7 @@ TEST(DeformNearest, LimitsHoldForBothSearches) {
     const DistanceResult limited = distance(ball, X_WS, mesh, {}, request, scratch);
     ASSERT_LE(limited.distance.lower, whole.distance.upper) << oracle::replay(X_WS);
     ASSERT_GE(limited.distance.upper, whole.distance.lower) << oracle::replay(X_WS);
-    if (request.depth)
-      continue;  // translations that may part them are tried with limits of their own
+    if (request.depth) continue;  // separating translations have limits of their own
     int filled = 0;
     for (const std::uint64_t id : scratch.impl().deform.find(snapshot->impl().owner)->stamp)
       filled += id == snapshot->id() ? 1 : 0;
@@ -276,8 +275,8 @@ TEST(DeformNearest, LimitsHoldForBothSearches) {
   EXPECT_GT(overlaps, kSanitized ? 1 : 40);
 }
 
-// A hierarchy that is built anew may stand where another one stood: a place in that one is none in
-// this one, and a depth would begin with whatever triangle is there.
+// A rebuilt hierarchy may reuse the memory of another. Cached places in the old one are void; a
+// depth search would begin at an arbitrary triangle.
 TEST(DeformNearest, PlacesAreOfOneHierarchy) {
   Random random(25);
   const Sheet sheet = testing::globe(12);
@@ -329,8 +328,7 @@ TEST(DeformNearest, SameBytesOnEveryTarget) {
   });
 }
 
-// A capsule without length goes the general way, which knows no such search. Bodies may come in
-// either order.
+// A zero-length capsule takes the general path, without this search. Arguments in either order.
 TEST(DeformNearest, BallsAreCapsulesWithoutLength) {
   Random random(23);
   const Sheet sheet = testing::cloth(12);
@@ -351,7 +349,7 @@ TEST(DeformNearest, BallsAreCapsulesWithoutLength) {
         DistanceRequest request;
         request.depth = random.chance(0.3);
         if (random.chance(0.5)) request.threshold = random.uniform(-0.1, 0.5);
-        // Where the nearest triangle stood last time may be anything.
+        // The cached start may be arbitrary.
         if (random.chance(0.3)) {
           cache.hierarchy = deformable.snapshot()->impl().tree->id();
           cache.place = random.below(2 * static_cast<int>(sheet.triangles.size())) - 10;
@@ -374,7 +372,7 @@ TEST(DeformNearest, BallsAreCapsulesWithoutLength) {
         ASSERT_EQ(turned.distance.upper, ball.distance.upper) << told();
         ASSERT_EQ(turned.point_b, ball.point_a) << told();
         ASSERT_EQ(turned.normal, -ball.normal) << told();
-        // (How narrowly a depth is enclosed depends on where the search has begun.)
+        // The width of a depth depends on the start.
         if (!request.depth || ball.distance.upper > 0) {
           ASSERT_EQ(ball.status == DistanceStatus::kLimit, twin.status == DistanceStatus::kLimit)
               << told();

@@ -1,5 +1,5 @@
-// Pairs of boxes by the implicit octree, against all pairs one by one: each that is within reach
-// is visited, and once.
+// Box pairs from the implicit octree against all pairs: every pair within reach is visited exactly
+// once.
 
 #include <gtest/gtest.h>
 
@@ -26,7 +26,7 @@ constexpr float kInfinity = std::numeric_limits<float>::infinity();
 using Boxes = std::vector<FloatBox>;
 using Pairs = std::vector<std::pair<int, int>>;
 
-/// Of the triangles, moved.
+/// Boxes of the moved triangles.
 Boxes boxesOf(std::span<const Vector3d> vertices,
               std::span<const DeformableMesh::Triangle> triangles, const Vector3d& moved) {
   Boxes boxes;
@@ -44,7 +44,7 @@ Boxes boxesOf(std::span<const Vector3d> vertices,
   return boxes;
 }
 
-/// As the octree has it: a grown by the reach.
+/// The octree's criterion: a grown by the reach.
 bool meet(const FloatBox& a, const FloatBox& b, float reach) {
   for (int k = 0; k < 3; ++k) {
     if (!(a.low[k] - reach <= b.high[k] && b.low[k] <= a.high[k] + reach)) return false;
@@ -63,7 +63,7 @@ Pairs bruteForce(const Boxes& a, const Boxes& b, float reach) {
 }
 
 struct Found {
-  Pairs pairs;  // sorted; one that was visited twice is there twice
+  Pairs pairs;  // sorted; a pair visited twice appears twice
   std::size_t cells = 0, compared = 0;
 };
 
@@ -85,7 +85,7 @@ Found byOctree(const Boxes& a, const Boxes& b, float reach, std::size_t room) {
 /// Returns the number of pairs.
 std::size_t expectEachOnce(const Boxes& a, const Boxes& b, float reach, const std::string& what) {
   const Pairs truth = bruteForce(a, b, reach);
-  // Room for every level, for some of them, and for the first list only.
+  // Memory for all levels, for some, and for the first list only.
   for (const std::size_t room : {std::size_t{1} << 16, 4 * (a.size() + b.size()), std::size_t{0}}) {
     const Found found = byOctree(a, b, reach, room);
     EXPECT_EQ(found.pairs, truth) << what << ", room " << room;
@@ -114,8 +114,7 @@ TEST(OctreePairs, AreThoseOfBruteForceEachOnce) {
   EXPECT_GT(none, 2u);
 }
 
-// Boxes without a thickness, corners on the planes between cells, and all of one size: what belongs
-// to two cells is to be found in one.
+// Flat boxes, corners on cell boundaries, and equal sizes: a pair in two cells is reported by one.
 TEST(OctreePairs, OnTheBordersOfCellsComeOnce) {
   Random random(82);
   std::size_t count = 0;
@@ -140,8 +139,8 @@ TEST(OctreePairs, OnTheBordersOfCellsComeOnce) {
   EXPECT_GT(count, 5000u);
 }
 
-// Boxes of one set in a plane leave cells without a thickness, whose halves along it are the same:
-// each pair of 200 flat boxes was visited twice to four times, of 5000 up to sixteen times.
+// Coplanar boxes give flat cells with identical halves. Regression: each pair of 200 flat boxes was
+// visited two to four times, of 5000 up to sixteen times.
 TEST(OctreePairs, OfFlatBoxesComeOnce) {
   Random random(83);
   const auto sheet = [&](int axis, bool flat) {
@@ -164,7 +163,7 @@ TEST(OctreePairs, OfFlatBoxesComeOnce) {
   }
 }
 
-// Ropes side by side: split across them, each half has as many pairs; along them a half.
+// Parallel ropes: a split across them leaves each half as many pairs, one along them half.
 TEST(OctreePairs, OfRopesAreFew) {
   Random random(84);
   const auto rope = [&](float x) {
@@ -187,7 +186,7 @@ TEST(OctreePairs, OfRopesAreFew) {
   }
 }
 
-// All in one place: splitting never parts them, and has to end.
+// Coincident boxes: splitting never separates them, and must stop.
 TEST(OctreePairs, ThatCannotBePartedEndAtOnce) {
   const Boxes points(50, FloatBox{{1, 2, 3}, {1, 2, 3}});
   EXPECT_EQ(expectEachOnce(points, points, 0, "points"), 2500u);
@@ -195,7 +194,7 @@ TEST(OctreePairs, ThatCannotBePartedEndAtOnce) {
   EXPECT_LT(byOctree(points, points, 0.5F, 1 << 16).cells, 20u);
 }
 
-/// A cube of six faces, `cells` squares along each edge, half a side `half`.
+/// A cube's six faces, `cells` squares along each edge, half side `half`.
 testing::Sheet cube(double half, int cells) {
   testing::Sheet sheet;
   const auto vertex = [&](const Vector3d& p) {
@@ -226,8 +225,8 @@ testing::Sheet cube(double half, int cells) {
   return sheet;
 }
 
-// Flat boxes in one plane are longer than a cell along two axes and never along the third: they
-// were split down to the last depth, by four at every level, and this query took 17 s.
+// Coplanar flat boxes exceed a cell along two axes, never along the third. Regression: they were
+// split to the maximum depth, fourfold at each level, and this query took 17 s.
 TEST(OctreePairs, OfCubesWhoseFacesShareAPlaneAreFew) {
   const testing::Sheet sheet = cube(0.3, 4);
   const Vector3d moved(0.1, 0.01, 0.02);

@@ -1,6 +1,6 @@
 #pragma once
 
-// Deforming meshes for tests, all from a seed.
+// Seeded deforming meshes for tests.
 
 #include <Eigen/Core>
 #include <array>
@@ -17,7 +17,8 @@
 
 namespace leeway::collision::testing {
 
-/// Brute force is dear under sanitizers: of six frames they see the even ones, some of each kind.
+/// Brute force is slow under sanitizers: of six frames they run the even ones, which cover every
+/// kind.
 inline constexpr int kFrameStep = kSanitized ? 2 : 1;
 
 struct Sheet {
@@ -25,8 +26,8 @@ struct Sheet {
   std::vector<std::array<std::int32_t, 3>> triangles;
 };
 
-/// A square cloth of n x n cells on z = 0, side 2, around the origin; with `numbered`, its vertices
-/// in a random order.
+/// A square cloth of n x n cells on z = 0, side 2, centred at the origin; `numbered` shuffles its
+/// vertices.
 inline Sheet cloth(int n, oracle::Random* numbered = nullptr) {
   Sheet sheet;
   const auto count = static_cast<std::size_t>(n + 1) * static_cast<std::size_t>(n + 1);
@@ -76,7 +77,7 @@ inline Sheet globe(int n) {
   return sheet;
 }
 
-/// Waves of the given height, another shape for every phase.
+/// Waves of the given height; the phase changes their form.
 inline std::vector<Eigen::Vector3d> waved(std::span<const Eigen::Vector3d> rest, double height,
                                           double phase) {
   std::vector<Eigen::Vector3d> moved(rest.begin(), rest.end());
@@ -88,7 +89,7 @@ inline std::vector<Eigen::Vector3d> waved(std::span<const Eigen::Vector3d> rest,
   return moved;
 }
 
-/// Every vertex on its own way, `far` away in the mean.
+/// Each vertex displaced in its own direction, `far` on average.
 inline std::vector<Eigen::Vector3d> exploded(std::span<const Eigen::Vector3d> rest, double far,
                                              std::uint64_t seed) {
   oracle::Random random(seed);
@@ -105,7 +106,7 @@ inline const std::vector<DeformStrategy>& strategiesWithoutMotion() {
   return all;
 }
 
-/// Options of a strategy, with hybrid trees whose lower levels small meshes have, too.
+/// Options of a strategy; hybrid trees get lower levels even for small meshes.
 inline DeformOptions optionsOf(DeformStrategy strategy) {
   DeformOptions options;
   options.strategy = strategy;

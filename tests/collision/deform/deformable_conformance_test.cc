@@ -1,7 +1,7 @@
-// All strategies, all motions, all queries, against brute force over triangles: every frame updates
-// one deformable a strategy, every query is asked of each of them, and every answer's interval must
-// meet brute force's. LEEWAY_CONFORMANCE_QUERIES sets how many queries each strategy and motion
-// gets (a default that is quick), LEEWAY_CONFORMANCE_SEED other frames and queries.
+// All strategies, motions and queries against brute force over triangles. Every frame updates one
+// deformable for each strategy; each answers every query, and its interval must intersect brute
+// force's. LEEWAY_CONFORMANCE_QUERIES: number of queries for each strategy and motion (the default
+// is quick); LEEWAY_CONFORMANCE_SEED: other frames and queries.
 
 #include <gtest/gtest.h>
 
@@ -63,7 +63,7 @@ constexpr Choice kChoices[] = {
 
 // --- The slow twin ----------------------------------------------------------------------------
 
-/// A body as convex pieces: its triangles, or itself. Triangles become shapes when they are asked.
+/// A body as convex pieces: its triangles, or itself. Triangle shapes are made on demand.
 class Pieces {
  public:
   explicit Pieces(const Shape& shape) : shape_(shape) {
@@ -111,7 +111,7 @@ class Pieces {
   std::vector<std::optional<Shape>> pieces_;
 };
 
-/// Every piece against every piece, as far as balls around them leave it open.
+/// Every piece against every piece, pruned by bounding balls.
 Interval bruteSurfaces(Pieces& a, const Pose& X_WA, Pieces& b, const Pose& X_WB, Scratch& scratch) {
   const Pose X_AB = X_WA.inverse() * X_WB;
   std::vector<Vector3d> centers;
@@ -125,7 +125,7 @@ Interval bruteSurfaces(Pieces& a, const Pose& X_WA, Pieces& b, const Pose& X_WB,
     all.lower = std::min(all.lower, d.lower);
     all.upper = std::min(all.upper, d.upper);
   };
-  // The pair that looks nearest first, so that most others need not be looked at.
+  // Starts with the pair of nearest balls, which prunes most others.
   std::size_t near_i = 0, near_j = 0;
   double nearest = kInfinity;
   for (std::size_t i = 0; i < a.count(); ++i) {
@@ -154,8 +154,7 @@ double solidAngles(const Vector3d& p, const std::array<Vector3d, 3>& t) {
                         la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
 }
 
-/// Whether a point is within a closed component, by the sum of the triangles' solid angles. The
-/// point is not on the surface.
+/// Whether a point off the surface is inside a closed component, by the triangles' solid angles.
 bool inside(const Pieces& outer, const Vector3d& p) {
   const auto componentOf = [&](std::size_t i) {
     return outer.shape().type() == ShapeType::kMesh
@@ -177,19 +176,19 @@ bool inside(const Pieces& outer, const Vector3d& p) {
   return std::any_of(turns.begin(), turns.end(), [](double sum) { return std::abs(sum) > 6.28; });
 }
 
-/// Whether some component of `inner` is within a closed one of `outer`; their surfaces do not meet.
+/// Whether a component of `inner` is inside a closed one of `outer`; the surfaces are disjoint.
 bool bruteHolds(const Pieces& outer, const Pose& X_WO, const Pieces& inner, const Pose& X_WI) {
   const ShapeType type = outer.shape().type();
   if (type != ShapeType::kMesh && type != ShapeType::kDeformable) return false;
   if (inner.shape().type() == ShapeType::kHalfSpace) return false;
   const Pose X_OI = X_WO.inverse() * X_WI;
   if (inner.shape().isConvex()) {
-    // The centre of a ball around a hull need not be in the hull.
+    // A hull's bounding centre may be outside the hull.
     const ConvexHull* hull = inner.shape().hull();
     return inside(outer,
                   X_OI * (hull != nullptr ? hull->vertices()[0] : inner.shape().boundingCenter()));
   }
-  std::vector<int> seen;  // one point a component
+  std::vector<int> seen;  // one point for each component
   for (std::size_t i = 0; i < inner.count(); ++i) {
     const int component = inner.shape().type() == ShapeType::kMesh
                               ? inner.shape().mesh()->component(static_cast<int>(i))
@@ -203,7 +202,7 @@ bool bruteHolds(const Pieces& outer, const Pose& X_WO, const Pieces& inner, cons
 
 struct Truth {
   Interval separation;   ///< when apart
-  bool overlap = false;  ///< proven; the separation is at most `separation.upper`, <= 0
+  bool overlap = false;  ///< proven; the separation is at most `separation.upper` <= 0
   bool apart = false;    ///< proven
 };
 
@@ -225,13 +224,13 @@ Truth truthOf(Pieces& a, const Pose& X_WA, Pieces& b, const Pose& X_WB, Scratch&
 
 struct Tally {
   std::int64_t answers = 0, overlaps = 0, apart = 0, near = 0;
-  std::int64_t unsafe = 0;     ///< said to be farther than it is
-  std::int64_t cautious = 0;   ///< said to be nearer than it is
-  std::int64_t undecided = 0;  ///< a limit left a question open that was not within 1e-9
-  std::int64_t wide = 0;       ///< apart, not far beyond the tolerance, and wider than asked
+  std::int64_t unsafe = 0;     ///< reported farther than the truth
+  std::int64_t cautious = 0;   ///< reported nearer than the truth
+  std::int64_t undecided = 0;  ///< a limit left an answer open that was not within 1e-9
+  std::int64_t wide = 0;       ///< apart, not far beyond the tolerance, wider than asked
 };
 
-/// The reason why the answer is wrong; empty when it is right.
+/// Why the answer is wrong; empty when it is right.
 std::string fault(const Truth& truth, const DistanceRequest& request, const DistanceResult& r,
                   Tally& tally) {
   ++tally.answers;
@@ -248,7 +247,7 @@ std::string fault(const Truth& truth, const DistanceRequest& request, const Dist
     ++tally.cautious;
     return "nearer than brute force";
   }
-  // (What a NaN stands for is no more.)
+  // Copies the engine's NaN default.
   const double tolerance = std::isnan(request.tolerance) ? 1e-9 : request.tolerance;
   const double t = request.threshold;
   if (!std::isnan(t)) {
@@ -260,7 +259,7 @@ std::string fault(const Truth& truth, const DistanceRequest& request, const Dist
       return "undecided";
     }
   } else if (truth.apart && r.distance.width() > std::max(tolerance, 1e-12)) {
-    // Closer than the tolerance, closed bodies are enclosed as if they could overlap.
+    // Below the tolerance, closed bodies are bounded as if they might overlap.
     ++tally.wide;
     if (truth.separation.lower > tolerance) return "wider than asked";
     if (r.status != DistanceStatus::kLimit) return "status";
@@ -279,7 +278,7 @@ std::string fault(const Truth& truth, const DistanceRequest& request, const Dist
 struct Subject {
   Choice choice;
   Deformable deformable;
-  PairCache cache;  // kept over frames
+  PairCache cache;  // kept across frames
   Scratch scratch;
 };
 
@@ -291,11 +290,11 @@ std::vector<Subject> subjectsOf(const MotionCase& c,
     DeformOptions options;
     options.strategy = strategy;
     options.volume = choice.volume;
-    options.hybrid_split = 32;  // small meshes, too, are to have nodes for queries
+    options.hybrid_split = 32;  // small meshes get query nodes too
     try {
       subjects.push_back({choice, Deformable(mesh, c.motion, options), {}, {}});
     } catch (const std::invalid_argument&) {
-      // Three strategies belong to one kind of motion each; all others take any.
+      // Three strategies are specific to one kind of motion; the others take any.
       EXPECT_TRUE(strategy == DeformStrategy::kMorph || strategy == DeformStrategy::kSkinned ||
                   strategy == DeformStrategy::kReduced)
           << toString(strategy) << " refuses " << c.name;
@@ -352,13 +351,13 @@ DistanceRequest randomRequest(Random& random, const Truth& truth) {
   return request;
 }
 
-/// Moves B so that the bodies are about `gap` apart, when they are apart now.
+/// Moves B to about `gap` from A, if they are apart.
 void graze(const Truth& truth, const DistanceResult& r, double gap, Pose& X_WB) {
   if (truth.apart) X_WB.translation -= (truth.separation.upper - gap) * r.normal;
 }
 
-// The ends of a depth: the translation that lower and normal name separates; no random one that is
-// shorter than what `upper` says does.
+// Checks a depth's ends: the translation by lower along the normal separates; no random one shorter
+// than upper claims does.
 std::string depthFault(Pieces& a, const Pose& X_WA, Pieces& b, const Pose& X_WB,
                        const DistanceResult& r, Random& random, Scratch& scratch) {
   const auto separated = [&](const Vector3d& translation) {
@@ -388,7 +387,7 @@ class Conformance : public ::testing::TestWithParam<int> {
     queries_ = fromEnvironment("LEEWAY_CONFORMANCE_QUERIES", kDefaultQueries);
   }
 
-  // What makes one frame again: everything random hangs on the seed, the motion and the frame.
+  // Frames are reproducible alone: randomness depends on seed, motion and frame only.
   Random randomOf(std::uint64_t frame) const {
     return Random(Random(seed_ * 1000003 + static_cast<std::uint64_t>(GetParam())).bits() ^
                   frame * 0xd1342543de82ef95u);
@@ -398,7 +397,7 @@ class Conformance : public ::testing::TestWithParam<int> {
   int faults_ = 0;
 };
 
-/// A time within and around the keys; sometimes a key itself.
+/// A time within and around the keys; sometimes exactly a key.
 double randomTime(Random& random) {
   if (random.chance(0.1))
     return motion_cases::keyTimes()[static_cast<std::size_t>(random.below(4))];
@@ -407,7 +406,7 @@ double randomTime(Random& random) {
 
 TEST_P(Conformance, AnswersAreBruteForces) {
   const std::uint64_t frames = std::max<std::uint64_t>(queries_ / kQueriesAFrame, 1);
-  // A new mesh and new motions now and then; the same ones for neighbouring frames.
+  // Neighbouring frames share mesh and motions; new ones every kFramesAMesh frames.
   constexpr std::uint64_t kFramesAMesh = 16;
   Tally tally;
   std::optional<MotionCase> c;
@@ -431,7 +430,7 @@ TEST_P(Conformance, AnswersAreBruteForces) {
       }
     }
     Random random = randomOf(frame);
-    // Now and then a small step: hybrid updates do less then.
+    // Sometimes a small step: hybrid updates then do less.
     const double drawn = randomTime(random);
     time = frame % 4 == 2 ? time + 0.004 : drawn;
     for (Subject& s : subjects) {
@@ -441,7 +440,7 @@ TEST_P(Conformance, AnswersAreBruteForces) {
     for (Deformable& other : moving)
       ASSERT_EQ(other.update(randomTime(random)), UpdateStatus::kUpdated);
 
-    // All strategies have the motion's vertices, to the last bit.
+    // All strategies hold the motion's vertices bit for bit.
     std::vector<Vector3d> positions(mesh->rest().size());
     c->motion->evaluate(time, positions);
     for (const Subject& s : subjects) {
@@ -503,7 +502,7 @@ TEST_P(Conformance, AnswersAreBruteForces) {
   }
   if (faults_ > 0 || !c) return;
   EXPECT_EQ(tally.unsafe, 0);
-  // The comparison bites: there are overlaps, and pairs apart.
+  // Guards the comparison: overlaps and separations both occur.
   EXPECT_GT(tally.overlaps * 20, tally.answers) << c->name;
   EXPECT_GT(tally.apart * 5, tally.answers) << c->name;
   EXPECT_GT(tally.near * 10, tally.answers / static_cast<std::int64_t>(subjects.size()));
@@ -520,7 +519,7 @@ bool shareVertex(const motion_cases::Triangle& a, const motion_cases::Triangle& 
 Interval bruteSelf(Pieces& pieces, std::span<const motion_cases::Triangle> triangles,
                    Scratch& scratch) {
   Interval all{kInfinity, kInfinity};
-  for (const bool exact : {false, true}) {  // first the pairs of which balls say much
+  for (const bool exact : {false, true}) {  // first the pairs that balls decide well
     for (std::size_t i = 0; i < pieces.count(); ++i) {
       for (std::size_t j = i + 1; j < pieces.count(); ++j) {
         const double centers = (pieces.center(i) - pieces.center(j)).norm();
@@ -528,7 +527,7 @@ Interval bruteSelf(Pieces& pieces, std::span<const motion_cases::Triangle> trian
         if (centers - reach - 1e-9 > all.upper) continue;
         if (shareVertex(triangles[i], triangles[j])) continue;
         if (!exact) {
-          all.upper = std::min(all.upper, centers);  // the centres are points of the triangles
+          all.upper = std::min(all.upper, centers);  // centres are points of the triangles
           continue;
         }
         const Interval d = distance(pieces.piece(i), {}, pieces.piece(j), {}, {}, scratch).distance;
@@ -541,7 +540,7 @@ Interval bruteSelf(Pieces& pieces, std::span<const motion_cases::Triangle> trian
 }
 
 TEST_P(Conformance, SelfDistanceIsBruteForces) {
-  // Brute force is all pairs here: fewer, but as many as fit in the same time.
+  // Brute force over all pairs is slower: fewer frames.
   const std::uint64_t frames = std::max<std::uint64_t>(queries_ / 24, 2);
   Tally tally;
   for (std::uint64_t frame = 0; frame < frames && faults_ < 5; ++frame) {
@@ -567,7 +566,7 @@ TEST_P(Conformance, SelfDistanceIsBruteForces) {
         const DistanceResult r =
             selfDistance(*s.deformable.snapshot(), request, s.scratch, &s.cache);
         Truth truth{brute, brute.upper <= 0, brute.lower > 0};
-        // Triangles that cross have no depth: any lower end at or below 0 is right.
+        // Intersecting triangles have no depth: any lower end <= 0 is right.
         if (truth.overlap) truth.separation = {-kInfinity, 0};
         const std::string what = fault(truth, request, r, tally);
         if (what.empty()) continue;

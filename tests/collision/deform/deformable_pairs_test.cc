@@ -120,13 +120,14 @@ TEST(DeformablePairs, OverlapsAreEnclosed) {
       const Shape ball = Shape::sphere(random.uniform(0.05, 0.4));
       const Pose X{random.rotation(), random.uniform(0, 1.3) * random.direction()};
       const DistanceResult r = distance(ball, X, solid, Pose{}, {}, scratch);
-      // The globe stands between the spheres of radius 1 and of its cells' middles.
+      // The globe's surface lies between the sphere of radius 1 and the one through its cells'
+      // centres.
       const double outer = X.translation.norm() - 1 - ball.radius(), inner = outer + 0.09;
       ASSERT_LE(r.distance.lower, inner);
       ASSERT_GE(r.distance.upper, outer);
       if (r.distance.upper < 0) {
         ++deep;
-        // What the lower end promises: moved by that much along the normal, they are apart.
+        // The lower end's promise: moved by that much along the normal, they are apart.
         if (!(r.distance.lower > -kInfinity)) continue;
         Pose moved;
         moved.translation = (-r.distance.lower + 1e-6) * r.normal;
@@ -193,7 +194,7 @@ TEST(DeformablePairs, SweepsClaimNoMoreThanAnyPlacementOnTheWayHas) {
         ASSERT_LE(r.distance.lower, at.distance.upper - growth + 1e-9)
             << toString(strategy) << i << toString(body.type());
       }
-      // Without a threshold the claim is as good as the placements allow.
+      // Without a threshold the claim is as tight as the placements allow.
       if (request.threshold != request.threshold && r.distance.lower > 0)
         tight += r.distance.lower > least - growth - 0.05;
     }
@@ -202,8 +203,8 @@ TEST(DeformablePairs, SweepsClaimNoMoreThanAnyPlacementOnTheWayHas) {
   EXPECT_GT(tight, 30);
 }
 
-// A rigid mesh's own hierarchy is gone into for one triangle after the other: all of them share the
-// limit, so that what is done, counted, stays near what that many pairs take.
+// Each triangle descends the rigid mesh's own hierarchy. All share one limit: the work counted
+// stays near that of as many pairs.
 TEST(DeformablePairs, NodesOfRigidMeshesCountTowardsTheLimit) {
   Random random(27);
   const Sheet sheet = testing::cloth(16);
@@ -276,9 +277,8 @@ TEST(DeformablePairs, SelfDistanceAsByBruteForce) {
   EXPECT_GT(crossing, 10 / testing::kFrameStep);
 }
 
-// In the notch of an L, whose hull is 0.47 away from it there: the points that the hull and the
-// triangle have nearest, 0.019 apart, were told where a loose tolerance was met before any triangle
-// of the L was looked at.
+// In the notch of an L its hull is 0.47 away. Regression: with a loose tolerance, met before any
+// triangle of the L was visited, the hull's witness points, 0.019 apart, were returned.
 TEST(DeformablePairs, WitnessesAreOfTheMeshAndNotOfItsHull) {
   const Shape ell = Shape::mesh(oracle::ellMesh(1));
   const Vector3d vertices[] = {{0.68, 0.68, 0}, {0.69, 0.68, 0.01}, {0.68, 0.69, -0.01}};

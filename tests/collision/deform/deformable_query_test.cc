@@ -27,7 +27,7 @@ constexpr ShapeType kTypes[] = {ShapeType::kSphere,    ShapeType::kCapsule,   Sh
                                 ShapeType::kCylinder,  ShapeType::kCone,      ShapeType::kEllipsoid,
                                 ShapeType::kHalfSpace, ShapeType::kConvexHull};
 
-// Every triangle by itself: surfaces only.
+// Triangle by triangle, surfaces only.
 Interval bruteForce(const DeformableSnapshot& snapshot, const Pose& X_WM, const Shape& shape,
                     const Pose& X_WS, Scratch& scratch) {
   Interval least{kInfinity, kInfinity};
@@ -42,7 +42,7 @@ Interval bruteForce(const DeformableSnapshot& snapshot, const Pose& X_WM, const 
   return least;
 }
 
-// Solid angles of all triangles over the sphere's (van Oosterom and Strackee 1983).
+// Sum of the triangles' solid angles in full turns (van Oosterom and Strackee 1983).
 int windingAround(const DeformableSnapshot& snapshot, const Vector3d& p) {
   double sum = 0;
   for (const auto& t : snapshot.mesh().triangles()) {
@@ -127,7 +127,7 @@ TEST(DeformableQuery, RigidShapesAgainstEveryStrategyAsByBruteForce) {
         const auto vertices = frame < 4 ? testing::waved(sheet.vertices, 0.3, frame)
                                         : testing::exploded(sheet.vertices, 0.5 * frame, 5);
         ASSERT_EQ(deformable.update(vertices, frame), UpdateStatus::kUpdated);
-        if (frame == 2) scratch = Scratch();  // not prepared: other ways, the same answers
+        if (frame == 2) scratch = Scratch();  // not prepared: other code paths, equal answers
         const auto snapshot = deformable.snapshot();
         const Shape shape = Shape::deformable(snapshot);
         for (const ShapeType type : kTypes) {
@@ -149,8 +149,9 @@ TEST(DeformableQuery, RigidShapesAgainstEveryStrategyAsByBruteForce) {
   EXPECT_GT(inside, 10 / testing::kFrameStep);
 }
 
-// Boxes are singles, whose squares leave their range at 1.8e19 and lose digits below 1e-19: lower
-// ends were above 1.9e19 (infinite), and 1.2 times 2.9e-23.
+// Boxes are in single precision: squares overflow at 1.8e19 and lose digits below 1e-19.
+// Regression: lower ends exceeded the truth, by infinity at 1.9e19 and by a factor of 1.2 at
+// 2.9e-23.
 TEST(DeformableQuery, DistancesWhoseSquaresLeaveTheRangeOfSingles) {
   const Sheet sheet = testing::cloth(4);
   Random random(13);
@@ -189,8 +190,8 @@ TEST(DeformableQuery, DistancesWhoseSquaresLeaveTheRangeOfSingles) {
   }
 }
 
-// A segment whose ends leave the range of singles: empty lanes of a node seemed to be near, and
-// what is in none was read (a capsule of half length 1e40 m ended the process).
+// Segment ends beyond single precision. Regression: a node's empty lanes seemed near, and reading
+// their contents ended the process (capsule of half length 1e40 m).
 TEST(DeformableQuery, CapsulesLongerThanSinglesReach) {
   const Sheet sheet = testing::cloth(7);
   const auto mesh = DeformableMesh::make(sheet.vertices, sheet.triangles);
@@ -216,9 +217,9 @@ TEST(DeformableQuery, CapsulesLongerThanSinglesReach) {
   }
 }
 
-// The caller has vouched for what is none: wherever its triangles are looked at, nothing is told to
-// be free. Boxes of triangles leave out what is no number, and the box of all vertices is that of
-// the frame before; either of them was believed.
+// The caller vouched for a non-finite corner. Wherever its triangles are visited, nothing may be
+// reported free: triangle boxes omit NaN, and the box of all vertices is the previous frame's.
+// Regression: both were trusted.
 TEST(DeformableQuery, ACornerThatIsNotFiniteIsNearerThanAll) {
   Sheet sheet = testing::cloth(40);
   Random random(14);
@@ -226,7 +227,7 @@ TEST(DeformableQuery, ACornerThatIsNotFiniteIsNearerThanAll) {
   for (int run = 0; run < 30; ++run) {
     const auto vertices = testing::waved(sheet.vertices, run % 2 == 0 ? 0 : 0.3, run);
     const auto broken = static_cast<std::size_t>(random.below(static_cast<int>(vertices.size())));
-    for (auto& t : sheet.triangles) {  // it is the first of its triangles' corners
+    for (auto& t : sheet.triangles) {  // make it the first corner of its triangles
       const auto corner = std::find(t.begin(), t.end(), static_cast<std::int32_t>(broken));
       if (corner != t.end()) std::rotate(t.begin(), corner, t.end());
     }
@@ -245,7 +246,7 @@ TEST(DeformableQuery, ACornerThatIsNotFiniteIsNearerThanAll) {
     else
       next[broken].setConstant(wrong);
     const UpdateStatus status = deformable.commit(2, 1, Deformable::Vertices::kFinite, 1e-9);
-    if (status != UpdateStatus::kUpdated) continue;  // it had been read
+    if (status != UpdateStatus::kUpdated) continue;  // it was read
     ++looks;
     const Shape shape = Shape::deformable(deformable.snapshot());
     Scratch scratch;
@@ -264,8 +265,8 @@ TEST(DeformableQuery, ACornerThatIsNotFiniteIsNearerThanAll) {
   EXPECT_GT(looks, 10);
 }
 
-// Whichever of the corners it is, and on every instruction set: minima left it out, or what came
-// before it.
+// Whichever corner is NaN, on every instruction set. Regression: minima dropped it, or all before
+// it.
 TEST(DeformableQuery, BoundsOfATriangleWithoutACornerSayNothing) {
   const std::vector<std::array<std::int32_t, 3>> triangles = {{0, 1, 2}};
   const std::vector<Vector3d> rest = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
@@ -274,7 +275,7 @@ TEST(DeformableQuery, BoundsOfATriangleWithoutACornerSayNothing) {
     for (const double wrong : {std::numeric_limits<double>::quiet_NaN(), kInfinity, -kInfinity}) {
       for (int axis = 0; axis <= 3; ++axis) {
         std::vector<Vector3d> vertices = rest;
-        vertices.emplace_back(0, 0, 0);  // read, not used: kernels load four doubles a vertex
+        vertices.emplace_back(0, 0, 0);  // read but unused: kernels load four doubles a vertex
         if (axis < 3)
           vertices[broken][axis] = wrong;
         else

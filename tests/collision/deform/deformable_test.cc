@@ -23,7 +23,7 @@ using Eigen::Vector3d;
 using oracle::Random;
 using testing::Sheet;
 
-// One wave of this height [m] that runs along x.
+// One wave of this height [m] along x.
 std::shared_ptr<const VertexMotion> oneWave(const Sheet& sheet, double height) {
   WavesMotion motion;
   motion.rest = sheet.vertices;
@@ -38,7 +38,7 @@ TEST(DeformableMesh, ComponentsAreClosedByIndexAlone) {
   const Sheet globe = testing::globe(5), cloth = testing::cloth(4);
   EXPECT_EQ(DeformableMesh::make(globe.vertices, globe.triangles)->closedComponentCount(), 1);
   EXPECT_EQ(DeformableMesh::make(cloth.vertices, cloth.triangles)->closedComponentCount(), 0);
-  // Every triangle with corners of its own: nothing is welded.
+  // Each triangle with its own corners: nothing is welded.
   Sheet loose;
   for (const auto& t : globe.triangles) {
     const auto n = static_cast<std::int32_t>(loose.vertices.size());
@@ -206,7 +206,7 @@ TEST(Deformable, UpdatesAndQueriesAllocateNothingInSteadyState) {
 }
 
 TEST(Deformable, TakesNothingFromTheDefaultResource) {
-  // An embedding program's own, which need not stand several threads.
+  // An embedding program's resource, which need not be thread-safe.
   std::pmr::memory_resource* const before =
       std::pmr::set_default_resource(std::pmr::null_memory_resource());
   const Sheet sheet = testing::cloth(24);
@@ -226,8 +226,8 @@ TEST(Deformable, TakesNothingFromTheDefaultResource) {
   std::pmr::set_default_resource(before);
 }
 
-// Some strategies look whether vertices are numbers while they read them for boxes, which those of
-// no triangle are not.
+// Some strategies validate vertices while reading them for boxes, which skips vertices without
+// triangles.
 TEST(Deformable, ChecksVerticesThatNoTriangleHas) {
   Sheet sheet = testing::cloth(20);
   sheet.vertices.push_back({0, 0, 0});
@@ -244,7 +244,7 @@ TEST(Deformable, ChecksVerticesThatNoTriangleHas) {
   }
 }
 
-// At the very limit boxes are rounded beyond it.
+// Boxes are rounded outwards, beyond the limit.
 TEST(Deformable, TakesVerticesUpToTheLimitAndNoneBeyond) {
   const Sheet sheet = testing::cloth(20);
   const auto mesh = DeformableMesh::make(sheet.vertices, sheet.triangles);
@@ -278,8 +278,8 @@ TEST(Deformable, SnapshotsOutliveTheirOwner) {
             2);
 }
 
-// Readers ask whatever snapshot is the newest, again and again; the same bytes come whenever they
-// ask. Run under ThreadSanitizer, too.
+// Readers repeatedly query the newest snapshot; its answers have the same bytes at any time. Also
+// run under ThreadSanitizer.
 TEST(Deformable, ThreadsReadSnapshotsWhileTheNextIsMade) {
   const Sheet sheet = testing::cloth(16);
   const auto mesh = DeformableMesh::make(sheet.vertices, sheet.triangles);
@@ -346,13 +346,13 @@ TEST(Deformable, AMotionIsFollowedByItsOwnBounds) {
   EXPECT_EQ(deformable.statistics().strategy, DeformStrategy::kMorph);
   EXPECT_GT(deformable.snapshot()->speedBound(), 0);
   EXPECT_LT(deformable.snapshot()->speedBound(), 1);
-  // Vertices of the caller's are not the motion's.
+  // The caller's vertices differ from the motion's.
   ASSERT_EQ(deformable.update(testing::waved(sheet.vertices, 3, 2), 1), UpdateStatus::kUpdated);
   EXPECT_NE(deformable.statistics().strategy, DeformStrategy::kMorph);
   EXPECT_GT(deformable.snapshot()->high().z(), 1);
 }
 
-// Bounds from a motion are memory, too: 64 bytes and more a node for each morph target's axis.
+// Motion bounds are memory too: 64 bytes and more a node for each axis of a morph target.
 TEST(Deformable, BytesCountBoundsFromTheMotion) {
   const Sheet sheet = testing::cloth(10);
   const auto mesh = DeformableMesh::make(sheet.vertices, sheet.triangles);
@@ -371,8 +371,8 @@ TEST(Deformable, BytesCountBoundsFromTheMotion) {
   EXPECT_GT(four, two + 1000);
 }
 
-// Boxes of modes, waves' too, and of bones are looser than those of vertices, and cost no look at
-// these: the more queries, the less that pays. Those of morph targets are not.
+// Boxes from modes (waves included) and bones are looser than boxes of vertices but need no vertex:
+// they pay while queries are few. Boxes from morph targets are tight.
 TEST(Deformable, LooserBoxesOfAMotionAreTakenWhereQueriesAreFew) {
   int kinds = 0;
   for (const motion_cases::MotionCase& c : motion_cases::allMotions(10, 9)) {
@@ -398,8 +398,7 @@ TEST(Deformable, LooserBoxesOfAMotionAreTakenWhereQueriesAreFew) {
   EXPECT_GE(kinds, 4);
 }
 
-// A rebuild has to earn what it costs and what later updates cost more: without many queries it
-// does not.
+// A rebuild must earn its cost and that of later updates: without many queries it does not.
 TEST(Deformable, ADecayedHierarchyIsBuiltAnewForMany) {
   const Sheet sheet = testing::cloth(24);
   const auto mesh = DeformableMesh::make(sheet.vertices, sheet.triangles);
@@ -410,7 +409,7 @@ TEST(Deformable, ADecayedHierarchyIsBuiltAnewForMany) {
     Deformable deformable(mesh, nullptr, options);
     int rebuilt = 0;
     for (int frame = 0; frame < 20; ++frame) {
-      // Halves turn against one another: neighbours along the middle part.
+      // The halves turn against one another: neighbours along the middle separate.
       std::vector<Vector3d> vertices(sheet.vertices);
       for (Vector3d& v : vertices) v.z() = 0.1 * frame * (v.x() > 0 ? v.y() : -v.y());
       ASSERT_EQ(deformable.update(vertices, frame), UpdateStatus::kUpdated);
@@ -449,9 +448,8 @@ UpdateStatus commitMoved(Deformable& deformable, const std::vector<Vector3d>& ve
   return deformable.commit(0, 1, Deformable::Vertices::kFinite, moved);
 }
 
-// A sheet that was folded when its hierarchy was built, and is flat now: the frame in which auto
-// builds it anew when it does not know in every `period`-th frame how far vertices moved; -1: not
-// in 2000.
+// A sheet folded when its hierarchy was built, now flat. Returns the frame in which `auto` rebuilds
+// if bounds on vertex motion are missing in every `period`-th frame; -1: not within 2000.
 int frameBuiltAnew(int split, int queries, int period) {
   std::vector<Vector3d> flat;
   const Sheet sheet = foldedSheet(flat);
@@ -467,7 +465,8 @@ int frameBuiltAnew(int split, int queries, int period) {
   return -1;
 }
 
-// Frames count though the turn in which branches are read is cut short again and again.
+// Frames count towards a rebuild even if the rotation through the branches is repeatedly
+// interrupted.
 TEST(Deformable, FramesOfTurnsCutShortCountForARebuild) {
   const int known_never = frameBuiltAnew(40, 20, 1);
   EXPECT_GT(known_never, 8);
@@ -478,7 +477,7 @@ TEST(Deformable, FramesOfTurnsCutShortCountForARebuild) {
   }
 }
 
-// A mesh that hardly moves needs few branches read, but is not left decayed until they all were.
+// A mesh nearly at rest reads few branches, but must not wait for all of them before a rebuild.
 TEST(Deformable, ADecayedHierarchyAtRestIsBuiltAnewSoon) {
   for (const int split : {0, 20, 40}) {
     const int frame = frameBuiltAnew(split, 200, 1 << 30);
@@ -487,7 +486,7 @@ TEST(Deformable, ADecayedHierarchyAtRestIsBuiltAnewSoon) {
   }
 }
 
-// Where all nodes count as upper ones, decay is seen as well.
+// Decay is also detected when all nodes count as upper ones.
 TEST(Deformable, ADecayedHierarchyWithoutBranchesIsBuiltAnew) {
   for (const int split : {1, 8}) {
     const int frame = frameBuiltAnew(split, 200, 1);
@@ -497,9 +496,8 @@ TEST(Deformable, ADecayedHierarchyWithoutBranchesIsBuiltAnew) {
   }
 }
 
-// When auto decides to build the hierarchy anew, most branches have not been read in that frame:
-// what is no number there, against the caller's word, must not reach the builder, either, and the
-// hierarchy stays.
+// When `auto` decides to rebuild, most branches were not read in that frame. A non-finite vertex
+// there, against the caller's word, must not reach the builder; the hierarchy is kept.
 TEST(Deformable, ARebuildOfWhatWasNotReadLooksAtItFirst) {
   const int frame = frameBuiltAnew(40, 20, 1 << 30);
   ASSERT_GT(frame, 1);
@@ -527,7 +525,7 @@ TEST(Deformable, ARebuildOfWhatWasNotReadLooksAtItFirst) {
   }
 }
 
-// The boxes of upper nodes hold all vertices below them.
+// Upper nodes' boxes hold all vertices below them.
 void expectHeld(const DeformableSnapshot& snapshot) {
   const DeformableSnapshotImpl& s = snapshot.impl();
   for (std::int32_t node = 0; node < s.tree->upperCount(); ++node) {
@@ -544,7 +542,7 @@ void expectHeld(const DeformableSnapshot& snapshot) {
   }
 }
 
-// Where it is known how far vertices move, hybrid updates read the branches in turns.
+// With known bounds on vertex motion, hybrid updates read the branches in rotation.
 TEST(Deformable, BranchesThatAreReadInTurnsHoldTheirVertices) {
   const Sheet sheet = testing::cloth(24);
   const auto mesh = DeformableMesh::make(sheet.vertices, sheet.triangles);
@@ -552,7 +550,7 @@ TEST(Deformable, BranchesThatAreReadInTurnsHoldTheirVertices) {
   std::vector<Vector3d> before(sheet.vertices);
   int few = 0;
   for (int frame = 0; frame < 200; ++frame) {
-    // Fast, slow, at rest, and as far as the mesh is large.
+    // Fast, slow, at rest, and by as much as the mesh's size.
     const double phase = frame < 60 ? 0.02 * frame : frame < 120 ? 1.2 + 1e-3 * frame : 1.32;
     const auto vertices = testing::waved(sheet.vertices, 0.3,
                                          frame == 150   ? 7
@@ -569,7 +567,7 @@ TEST(Deformable, BranchesThatAreReadInTurnsHoldTheirVertices) {
     expectHeld(*deformable.snapshot());
     if (HasFatalFailure()) return;
     few += 2 * deformable.statistics().vertices_touched < mesh->vertexCount() ? 1 : 0;
-    // The boxes stay close, too.
+    // Boxes stay tight.
     ASSERT_LT(deformable.snapshot()->high().z(), 0.3 + 0.1) << frame;
   }
   EXPECT_GT(few, 120);
@@ -577,7 +575,7 @@ TEST(Deformable, BranchesThatAreReadInTurnsHoldTheirVertices) {
   EXPECT_EQ(deformable.commit(200, 1, Deformable::Vertices::kFinite, kNaN), UpdateStatus::kBadTime);
 }
 
-// Of a motion it is known, whichever way time goes.
+// A motion's bounds hold in both directions of time.
 TEST(Deformable, AMotionsBranchesAreReadInTurns) {
   const Sheet sheet = testing::cloth(24);
   const auto waves = oneWave(sheet, 0.1);
@@ -592,7 +590,7 @@ TEST(Deformable, AMotionsBranchesAreReadInTurns) {
     if (HasFatalFailure()) return;
     few += 2 * deformable.statistics().vertices_touched < mesh->vertexCount() ? 1 : 0;
     if (frame != 150) continue;
-    // Vertices that are not the motion's in between.
+    // Interleaved vertices that are not the motion's.
     ASSERT_EQ(deformable.update(testing::waved(sheet.vertices, 3, 2), time),
               UpdateStatus::kUpdated);
     expectHeld(*deformable.snapshot());
@@ -601,7 +599,7 @@ TEST(Deformable, AMotionsBranchesAreReadInTurns) {
   EXPECT_GT(few, 120);
 }
 
-// Branches of every kind of motion, moved by what it says of each and read in turns.
+// Branches under every kind of motion: displaced by its bounds and read in rotation.
 TEST(Deformable, BranchesFollowEveryMotion) {
   for (const motion_cases::MotionCase& c : motion_cases::allMotions(24, 31)) {
     const auto mesh = DeformableMesh::make(c.mesh.vertices, c.mesh.triangles);
@@ -613,13 +611,13 @@ TEST(Deformable, BranchesFollowEveryMotion) {
     int few = 0;
     double time = 0;
     for (int frame = 0; frame < 150; ++frame) {
-      // There and back, over keys, now and then far.
+      // Back and forth, across keys, occasionally far.
       time += random.chance(0.05) ? random.uniform(-0.5, 0.6) : random.uniform(-4e-4, 8e-4);
       ASSERT_EQ(deformable.update(time), UpdateStatus::kUpdated) << c.name;
       expectHeld(*deformable.snapshot());
       if (HasFatalFailure()) FAIL() << c.name << ", frame " << frame;
       few += 2 * deformable.statistics().vertices_touched < mesh->vertexCount() ? 1 : 0;
-      // Between stored frames boxes are blended.
+      // Between stored frames boxes are interpolated.
       if (c.motion->kind() == MotionKind::kCache) {
         EXPECT_EQ(deformable.statistics().vertices_touched, 0);
       }
@@ -628,8 +626,8 @@ TEST(Deformable, BranchesFollowEveryMotion) {
   }
 }
 
-// A bound of 0 m/s times a duration that no double holds, or an amplitude of 0 times such an
-// argument, is no number, and says nothing of how far vertices have come.
+// 0 m/s times an infinite duration, or amplitude 0 times an infinite argument, is NaN: no bound on
+// the vertices' motion.
 TEST(Deformable, BranchesAreReadAfterTimesThatNoDoubleHolds) {
   const motion_cases::RestMesh cloth = motion_cases::cloth(40);
   const auto mesh = DeformableMesh::make(cloth.vertices, cloth.triangles);
@@ -665,7 +663,7 @@ TEST(Deformable, BranchesAreReadAfterTimesThatNoDoubleHolds) {
       }
     }
   }
-  // An argument that overflows makes vertices NaN, though the amplitude is 0.
+  // An overflowing argument makes vertices NaN even at amplitude 0.
   off.harmonics = {{0, 1e15, 0}, {1, 0, 0}};
   for (const DeformStrategy strategy : {DeformStrategy::kHybrid, DeformStrategy::kReduced}) {
     DeformOptions options;
@@ -678,7 +676,7 @@ TEST(Deformable, BranchesAreReadAfterTimesThatNoDoubleHolds) {
   }
 }
 
-// Boxes that were moved and grown may be beyond what is accepted of vertices.
+// Displaced and grown boxes may exceed the limit for vertices.
 TEST(Deformable, GrownBoxesBeyondTheLimitAreReadAgain) {
   motion_cases::RestMesh cloth = motion_cases::cloth(40);
   for (Vector3d& v : cloth.vertices) v = 2 * 9.9e14 * (v - Vector3d(0.5, 0, 0.5));
@@ -692,13 +690,13 @@ TEST(Deformable, GrownBoxesBeyondTheLimitAreReadAgain) {
     expectHeld(*deformable.snapshot());
     EXPECT_LT(deformable.snapshot()->high().x(), 1.01e15);
   }
-  // What is beyond it itself is still refused.
+  // Vertices beyond the limit are still refused.
   std::vector<Vector3d> beyond(cloth.vertices);
   for (Vector3d& v : beyond) v *= 1.03;
   EXPECT_EQ(commitMoved(deformable, beyond, kInfinity), UpdateStatus::kNotFinite);
 }
 
-// What stands in memory that is used again is an older state, however far from the current one.
+// Reused memory holds an older state, arbitrarily far from the current one.
 TEST(Deformable, ACommitOfNothingNewReadsAll) {
   const Sheet sheet = testing::cloth(24);
   const auto mesh = DeformableMesh::make(sheet.vertices, sheet.triangles);
@@ -706,8 +704,8 @@ TEST(Deformable, ACommitOfNothingNewReadsAll) {
     Deformable deformable(mesh, oneWave(sheet, 0.5), testing::optionsOf(strategy));
     for (const double time : {0.1, 0.2, 0.3, 0.7})
       ASSERT_EQ(deformable.update(time), UpdateStatus::kUpdated);
-    // Twice; after an evaluation that is refused; after a commit that is; and with a word on what
-    // was not prepared.
+    // Twice in a row; after a refused evaluation; after a refused commit; and with a motion bound
+    // for data that was not prepared.
     ASSERT_EQ(deformable.commit(0.8), UpdateStatus::kUpdated);
     expectHeld(*deformable.snapshot());
     ASSERT_EQ(deformable.evaluate(0.71), UpdateStatus::kUpdated);
@@ -725,8 +723,8 @@ TEST(Deformable, ACommitOfNothingNewReadsAll) {
   }
 }
 
-// A span of the next vertices is valid until the commit: what an evaluation has put there is not
-// certainly the motion's any more.
+// A span of the next vertices is writable until the commit, so evaluated vertices may no longer be
+// the motion's.
 TEST(Deformable, AnEvaluationsVerticesCanBeChanged) {
   const Sheet sheet = testing::cloth(24);
   const auto mesh = DeformableMesh::make(sheet.vertices, sheet.triangles);
@@ -748,13 +746,13 @@ TEST(Deformable, AnEvaluationsVerticesCanBeChanged) {
                 UpdateStatus::kUpdated);
       expectHeld(*deformable.snapshot());
       EXPECT_GT(deformable.snapshot()->high().z(), 1);
-      // The commit has ended the span: what is evaluated now is the motion's, and few are read.
+      // The commit ended the span: vertices evaluated now are the motion's, and few are read.
       ASSERT_EQ(deformable.update(0.10002), UpdateStatus::kUpdated);
       ASSERT_EQ(deformable.evaluate(0.10003), UpdateStatus::kUpdated);
       ASSERT_EQ(deformable.commit(0.10003), UpdateStatus::kUpdated);
       expectHeld(*deformable.snapshot());
       EXPECT_LT(2 * deformable.statistics().vertices_touched, mesh->vertexCount());
-      // And what is no number is found, wherever it is.
+      // A non-finite vertex is found at any place.
       const auto before = deformable.snapshot();
       for (std::size_t i = 0; i < sheet.vertices.size(); ++i) {
         next = deformable.nextVertices();
@@ -768,7 +766,7 @@ TEST(Deformable, AnEvaluationsVerticesCanBeChanged) {
   }
 }
 
-// An embedding program's own motion: finite bounds, and one vertex that is no number after a while.
+// An embedding program's motion: finite bounds, but one vertex turns NaN after a while.
 class Spoilt : public VertexMotion {
  public:
   explicit Spoilt(const Sheet& sheet)

@@ -16,7 +16,7 @@ namespace {
 
 using Eigen::Vector3d;
 using oracle::Random;
-using Exact = long double;  // 11 bits more than double: enough to see its roundings
+using Exact = long double;  // 11 bits more than double resolve its rounding
 using ExactVector = Eigen::Matrix<Exact, 3, 1>;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -29,8 +29,8 @@ std::vector<Vector3d> at(const VertexMotion& motion, double time) {
   return positions;
 }
 
-/// How far the motion is from `exact` at random times in [t0, t1] at most, as a share of what
-/// rounding() allows; more than 1 is wrong.
+/// Largest deviation from `exact` at random times in [t0, t1], relative to rounding(); above 1 is a
+/// failure.
 double worstRounding(const VertexMotion& motion, double t0, double t1, Random& random,
                      const std::function<ExactVector(Exact, std::size_t)>& exact) {
   double worst = 0;
@@ -311,8 +311,7 @@ TEST(VertexMotion, CachesPassThroughTheirFrames) {
   EXPECT_EQ(motion->keyTimes().size(), 3u);
 }
 
-// Differences of evaluated places against the bounds, for every motion; and the bounds are not
-// idle.
+// Finite differences of every motion against its bounds, and the bounds are not useless.
 TEST(VertexMotion, SpeedAndAccelerationAreBounded) {
   int checked = 0;
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
@@ -366,8 +365,8 @@ TEST(VertexMotion, LinearKeysHaveNoAccelerationBoundAcrossThem) {
   EXPECT_LT(smooth->accelerationBound(-1, 5), kInfinity);
 }
 
-// Half a turn between keys so close that rates, or their squares, leave the range of double: a
-// bone's origin that stays put times that is no number.
+// Half a turn between keys so close that rates or their squares overflow: infinity times a bone's
+// fixed origin is NaN.
 TEST(VertexMotion, KeysAsCloseAsCanBeHaveNoBounds) {
   SkinnedMotion skin;
   skin.rest = motion_cases::cloth(4).vertices;
@@ -381,7 +380,7 @@ TEST(VertexMotion, KeysAsCloseAsCanBeHaveNoBounds) {
     skin.keys[1].time = gap;
     skin.interpolation = Interpolation::kLinear;
     const auto linear = VertexMotion::skinned(skin);
-    // From z = 1 to z = -1 in that time.
+    // From z = 1 to z = -1 in `gap` seconds.
     EXPECT_GE(linear->speedBound(-1, 1), 2 / gap) << gap;
     EXPECT_EQ(linear->accelerationBound(-1, gap), kInfinity) << gap;
     skin.interpolation = Interpolation::kSmooth;
@@ -391,7 +390,7 @@ TEST(VertexMotion, KeysAsCloseAsCanBeHaveNoBounds) {
   }
 }
 
-// Also where an amplitude of 0 meets an argument beyond the range of double.
+// Also for amplitude 0 with an overflowing argument.
 TEST(VertexMotion, RoundingIsANumber) {
   ReducedMotion reduced;
   reduced.rest = motion_cases::cloth(4).vertices;
@@ -416,7 +415,7 @@ TEST(VertexMotion, OneVertexHasTheBytesItHasAmongAll) {
   }
 }
 
-// The same numbers on every machine: a hash of every motion's places.
+// Equal bytes on every machine: hashes of every motion's positions.
 TEST(VertexMotion, BytesArePinned) {
   std::uint64_t hash = 14695981039346656037u;
   for (const motion_cases::MotionCase& c : motion_cases::allMotions(6, 7)) {

@@ -24,7 +24,7 @@ struct Case {
   std::vector<PlacedShape> body, obstacles;
 };
 
-// The least upper and lower ends over all pairs at a translation.
+// Minimum upper and lower ends over all pairs at a translation.
 Interval apart(const Case& c, const Vector3d& t, Scratch& scratch) {
   Interval all{kInfinity, kInfinity};
   DistanceRequest request;
@@ -41,7 +41,7 @@ Interval apart(const Case& c, const Vector3d& t, Scratch& scratch) {
   return all;
 }
 
-// The slow twin: directions all around, each marched out in small steps and then halved back.
+// Slow twin: directions all around, each marched outwards in small steps and then bisected.
 double brute(const Case& c, double clearance, double far, int directions, int steps,
              Scratch& scratch) {
   double best = far;
@@ -73,7 +73,7 @@ std::string show(const SeparationResult& r) {
   return out.str();
 }
 
-// What every answer must keep, whatever the case.
+// Invariants of every answer.
 void expectSound(const Case& c, const SeparationRequest& request, const SeparationResult& r,
                  Scratch& scratch, const std::string& what) {
   const std::string text = what + ": " + show(r);
@@ -195,7 +195,7 @@ TEST(Separation, OfSymmetricAndNestedBodies) {
   EXPECT_NEAR(r.least, 0.6, 1e-9) << show(r);
   r = separation(Shape::sphere(0.3), {}, Shape::sphere(0.2), {}, request, scratch);
   EXPECT_NEAR(r.translation.norm(), 0.5, 2e-6) << show(r);
-  // A box inside a closed mesh, in the middle of it and its surface far from its own.
+  // A box at the centre of a closed mesh, far from the mesh's surface.
   const Shape mesh = Shape::mesh(named("box", boxSoup({0.5, 0.5, 0.5})).mesh);
   r = separation(mesh, {}, small, {}, request, scratch);
   EXPECT_EQ(r.status, SeparationStatus::kSeparated);
@@ -211,20 +211,19 @@ TEST(Separation, BetweenWalls) {
   left.translation.x() = -0.19;
   right.translation.x() = 0.19;
   c.obstacles = {{&wall, left}, {&wall, right}};
-  // The gap is too narrow: out beside the walls, which is nearest across their ends in z, or over a
-  // wall in x.
+  // The gap is too narrow: exits beside the walls, past their ends in z, or over a wall in x.
   SeparationRequest request;
   SeparationResult r = separation(c.body, c.obstacles, request, scratch);
   expectSound(c, request, r, scratch, "two walls");
   EXPECT_EQ(r.status, SeparationStatus::kSeparated);
   EXPECT_NEAR(r.translation.norm(), 0.39, 1e-5) << show(r);
   EXPECT_NEAR(r.least, 0.01, 1e-9) << show(r);
-  // No way that is short enough.
+  // No way is short enough.
   request.longest = 0.3;
   r = separation(c.body, c.obstacles, request, scratch);
   EXPECT_EQ(r.status, SeparationStatus::kNotFound) << show(r);
   EXPECT_TRUE(r.translation.isZero(0));
-  // Thick walls: out by their ends.
+  // Thick walls: exits past their ends.
   const Shape thick = Shape::box({3, 2, 1});
   left.translation.x() = -3.09;
   right.translation.x() = 3.09;
@@ -232,7 +231,7 @@ TEST(Separation, BetweenWalls) {
   request.longest = kInfinity;
   r = separation(c.body, c.obstacles, request, scratch);
   EXPECT_NEAR(r.translation.norm(), 1.1, 1e-5) << show(r);
-  // Two half-spaces, face to face: there is no way at all.
+  // Opposed half-spaces: no exit.
   const Shape ground = Shape::halfSpace();
   Pose below, above;
   below.translation.z() = -0.05;
@@ -250,7 +249,7 @@ TEST(Separation, BetweenWalls) {
   EXPECT_NEAR(r.translation.norm(), 0.1 * std::sqrt(3.0), 1e-5) << show(r);
 }
 
-// A rod through a ring that touches it inside: back to the middle, not out of the ring.
+// A rod touches a ring from inside: it returns to the middle instead of leaving the ring.
 TEST(Separation, BackIntoTheHollow) {
   Random random(64);
   Scratch scratch;

@@ -80,7 +80,7 @@ TEST(BoxGaps, AreBelowTheDistanceAndNearItWhenFar) {
   EXPECT_GT(share, 0.9 * apart);
 }
 
-// Against sums in the same order, one point after the other.
+// Against sums in the same order, point by point.
 TEST(BoxRanges, AreThoseOfThePointsOnEveryInstructionSet) {
   Random random(53);
   for (const std::size_t count : {1U, 2U, 7U, 40U}) {
@@ -146,7 +146,7 @@ TEST(BoxTree, EveryBoxHoldsItsTriangles) {
       continue;
     }
     std::set<int> met;
-    // Slots below a box, every corner of which is in it.
+    // Slots below a box; every corner must be inside it.
     const std::function<std::vector<int>(int, int)> check = [&](int id, int lane) {
       const BoxNode& node = boxes.node(id);
       std::vector<int> slots;
@@ -188,8 +188,8 @@ TEST(BoxTree, EveryBoxHoldsItsTriangles) {
   EXPECT_GE(pieces_met, 12);
 }
 
-// Triangles along a line, beside it by so little that the squares of that are no normal doubles:
-// axes were 0.85 to 1.09 long, and a gap along a long one is more than the boxes' distance.
+// Triangles so close to a line that the squared offset is subnormal. Regression: axes were 0.85 to
+// 1.09 long; along a long axis the gap exceeds the boxes' distance.
 TEST(BoxTree, AxesHaveLengthOneHoweverThinAMeshIs) {
   int axes = 0;
   for (const double beside : {1e-9, 1e-10, 3e-11, 1e-11, 3e-12, 1e-12}) {
@@ -222,7 +222,7 @@ TEST(BoxTree, AxesHaveLengthOneHoweverThinAMeshIs) {
   EXPECT_GT(axes, 100);
 }
 
-// Such a mesh was said to be farther than 1.490015 m, at 1.490383 m at the least.
+// Regression: such a mesh was reported farther than 1.490015 m, at most 1.490383 m away.
 TEST(BoxTree, AThinMeshIsNoFartherThanItIs) {
   std::vector<Vector3d> line;
   const double along[] = {0.671875, 0.0625, 0.296875, 0.8125}, beside[] = {6, 6, 5, 3};
@@ -257,7 +257,7 @@ TEST(TrianglePair, HoldsTheDistance) {
       p[k] = size * random.vector();
       q[k] = size * (random.vector() + (random.below(2) == 0 ? 1.0 : 3.0) * offset);
     }
-    // Degenerate, parallel and with a common edge.
+    // Degenerate, parallel, and sharing an edge.
     const int kind = random.below(12);
     if (kind == 0) p[2] = p[1];
     if (kind == 1) q[2] = 0.5 * (q[0] + q[1]);
@@ -291,8 +291,8 @@ TEST(TrianglePair, HoldsTheDistance) {
   EXPECT_GT(exact, 0.99 * apart);
 }
 
-// The foot of a corner stood beside a sliver by what rounding had turned its normal: upper ends
-// were below the distance, of one pair in five like these, and below their lower ends of one in a
+// Regression: rounding turned a sliver's normal, so a corner's foot fell beside the sliver. Upper
+// ends were below the distance for one such pair in five, and below their lower ends for one in a
 // hundred.
 TEST(TrianglePair, SliversEndWhereTheyAre) {
   Random random(55);

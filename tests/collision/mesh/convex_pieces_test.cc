@@ -1,5 +1,5 @@
-// Convex pieces of closed meshes: what they claim of the solid, and queries that use them against
-// the same meshes without any.
+// Convex pieces of closed meshes: what they claim of the solid, and queries with them against the
+// same meshes without.
 
 #include "collision/mesh/convex_pieces.h"
 
@@ -30,7 +30,7 @@ using namespace testing;
 
 constexpr double kPi = 3.14159265358979323846;
 
-// A polygon in the plane, counter-clockwise, as triangles by ear clipping.
+// Triangulates a plane counter-clockwise polygon by ear clipping.
 std::vector<std::array<int, 3>> triangulated(const std::vector<Eigen::Vector2d>& outline) {
   std::vector<int> left(outline.size());
   std::iota(left.begin(), left.end(), 0);
@@ -61,7 +61,7 @@ std::vector<std::array<int, 3>> triangulated(const std::vector<Eigen::Vector2d>&
   return triangles;
 }
 
-// The prism over it, its sides cut into `layers`.
+// The polygon's prism, sides cut into `layers`.
 TriangleSoup prism(const std::vector<Eigen::Vector2d>& outline, double height, int layers) {
   TriangleSoup soup;
   const int n = static_cast<int>(outline.size());
@@ -136,7 +136,7 @@ TriangleSoup gear(int teeth, int layers) {
   return prism(outline, 0.2, layers);
 }
 
-// As float files have it.
+// Coordinates rounded to floats, as in files.
 TriangleSoup rounded(TriangleSoup soup, const Pose& X) {
   for (auto& v : soup.vertices) {
     v = X * v;
@@ -157,7 +157,7 @@ std::vector<Case> concaveSolids(std::uint64_t seed) {
                                           {0.2, 0.2}, {0.2, 0.9}, {0, 0.9}},
                                      u = {{0, 0},     {0.9, 0},   {0.9, 0.8}, {0.7, 0.8},
                                           {0.7, 0.2}, {0.2, 0.2}, {0.2, 0.7}, {0, 0.7}};
-  // Decomposing is two hundred times dearer under sanitizers: smaller solids of all kinds there.
+  // Decomposing is two hundred times slower under sanitizers: smaller solids of every kind.
   const auto count = [](int plain, int sanitized) { return kSanitized ? sanitized : plain; };
   const TriangleSoup bar = dumbbell(count(24, 14), count(14, 8)), wheel = gear(9, count(6, 4));
   std::vector<Case> cases;
@@ -165,7 +165,7 @@ std::vector<Case> concaveSolids(std::uint64_t seed) {
   cases.push_back({"U", prism(u, 0.3, count(16, 8)), true});
   cases.push_back(
       {"turned L in single precision", rounded(prism(l, 0.3, 12), random.pose(1)), true});
-  // (Its walls are cut into needles, which rounding bends.)
+  // Its walls are needles, bent by rounding.
   cases.push_back(
       {"turned U in single precision", rounded(prism(u, 0.3, 16), random.pose(1)), false});
   cases.push_back({"gear", wheel, true});
@@ -177,7 +177,7 @@ std::vector<Case> concaveSolids(std::uint64_t seed) {
   cases.push_back({"torus", torusSoup(count(16, 10), count(24, 20), 0.6, 0.2, 0, random), true});
   cases.push_back({"bumpy torus", torusSoup(count(14, 10), 10, 0.6, 0.2, 0.2, random), false});
   cases.push_back({"bumpy ball", ballSoup(count(12, 8), count(16, 10), 0.5, 0.3, random), false});
-  // Two solids that meet, a hollow between them.
+  // Two touching solids with a hollow between them.
   TriangleSoup two = dumbbell(count(20, 14), count(10, 8));
   append(two, prism(l, 0.3, 4), random.pose(0.2));
   cases.push_back({"two solids", two, true});
@@ -200,7 +200,7 @@ bool isInside(const TriangleMesh& mesh, const Vector3d& p) {
   return false;
 }
 
-// Patches lie in their hulls, hulls in the solid but for the excess.
+// Patches lie in their hulls, hulls in the solid up to the excess.
 void expectHeld(const std::string& name, const TriangleMesh& mesh, Random& random,
                 int points_a_piece) {
   const ConvexPieces pieces = convexPieces(mesh);
@@ -217,7 +217,7 @@ void expectHeld(const std::string& name, const TriangleMesh& mesh, Random& rando
     }
     EXPECT_LE(piece.excess, pieces.summary.excess);
     for (int i = 0; i < points_a_piece; ++i) {
-      // Of the hull: corners, edges, facets and the inside.
+      // Hull corners, edges, facets and interior.
       Vector3d p = Vector3d::Zero();
       double sum = 0;
       const int corners = 1 + random.below(5);
@@ -229,7 +229,7 @@ void expectHeld(const std::string& name, const TriangleMesh& mesh, Random& rando
       }
       p /= sum;
       if (isInside(mesh, p)) continue;
-      // (The point and its distance are rounded.)
+      // Point and distance are rounded.
       EXPECT_LE(distanceFromSurface(mesh, p),
                 piece.excess + kRelativeRounding * mesh.tree().extent())
           << name;
@@ -254,7 +254,7 @@ TEST(ConvexPieces, LieInTheSolidAndHoldTheirTriangles) {
     EXPECT_LT(kPieceTriangles * (summary.pieces + summary.loose_triangles),
               static_cast<double>(m.mesh->triangles().size()) + 1e-9)
         << c.name;
-    // Solids whose corners are not rounded have exact pieces, but for the rounding of planes.
+    // Solids with unrounded corners have exact pieces, up to the planes' rounding.
     const bool single = c.name.find("single") != std::string::npos;
     EXPECT_LE(summary.excess, single ? 1e-5 : 1e-11) << c.name;
     expectHeld(c.name, *m.mesh, random, casesToAsk(60));
@@ -279,7 +279,7 @@ TEST(ConvexPieces, SayWhyNot) {
   EXPECT_EQ(use(large), Use::kExtreme);
 }
 
-// Triangles that name a vertex twice hang on solids without opening them, and stay loose.
+// Triangles that repeat a vertex attach to solids without opening them, and stay loose.
 TEST(ConvexPieces, WithTrianglesThatAreNone) {
   Random random(89);
   TriangleSoup soup = dumbbell(14, 8);
@@ -306,7 +306,7 @@ TEST(ConvexPieces, OneForABall) {
   EXPECT_LE(mesh->pieces().excess, 1e-13);
 }
 
-// A solid and its twin without pieces.
+// A solid with and without pieces.
 struct Twins {
   std::string name;
   Shape pieces, soup;
@@ -321,7 +321,7 @@ struct Tally {
   int asked = 0, unsafe = 0, apart = 0, overlap = 0, shallower = 0;
 };
 
-// Both verdicts are among the answers, and deeper parts are met than with triangles, as a rule.
+// Both verdicts occur, and pieces usually reach greater depths than triangles.
 void expectManyOfBoth(const Tally& tally) {
   EXPECT_EQ(tally.unsafe, 0);
   EXPECT_GT(tally.apart, 0.35 * tally.asked);
@@ -329,7 +329,7 @@ void expectManyOfBoth(const Tally& tally) {
   EXPECT_LE(tally.shallower, 1 + tally.overlap / 10);
 }
 
-// Both answers hold the truth: so neither denies the other, and both decide where they are apart.
+// Both answers hold the truth: they agree, and both decide pairs that are apart.
 void compare(const Twins& a, const Pose& X_WA, const Twins& b, const Pose& X_WB, Scratch& scratch,
              Random& random, PairCache* cache, Tally& tally) {
   std::ostringstream text;
@@ -375,7 +375,7 @@ void compare(const Twins& a, const Pose& X_WA, const Twins& b, const Pose& X_WB,
     request.depth = random.below(2) != 0;
     const DistanceResult t = distance(a.pieces, X_WA, b.pieces, X_WB, request, scratch, cache);
     unsafe(t, "threshold");
-    // (Of those that all but touch, a negative threshold asks for a depth.)
+    // Near contact, a negative threshold asks for a depth.
     const bool told = request.depth || threshold >= 0 || soup.distance.lower > 1e-8;
     if (apart && told && std::abs(threshold - soup.distance.upper) > 1.5e-9) {
       EXPECT_EQ(t.status, threshold < soup.distance.upper ? DistanceStatus::kAboveThreshold
@@ -436,8 +436,8 @@ TEST(ConvexPieces, AnswerAsTheTrianglesDo) {
   Tally tally;
   std::vector<Twins> solids;
   for (const Case& c : concaveSolids(84)) solids.push_back(twins(c.name, c.soup));
-  // Every solid with every one in each kind of placement; where that is dear, with two of them, the
-  // kinds in turn.
+  // Every solid with every other in each kind of placement; where expensive, with two of them,
+  // kinds by turns.
   const std::size_t n = solids.size(), partners = kSanitized ? 2 : n;
   int kind = 0;
   for (std::size_t i = 0; i < n; ++i) {
@@ -481,7 +481,7 @@ TEST(ConvexPieces, AnswerAsTheTrianglesDoToConvexShapes) {
   expectManyOfBoth(tally);
 }
 
-// Small and large, far from the origin and nearly of one plane.
+// Small, large, far from the origin, and nearly flat.
 TEST(ConvexPieces, OfAnySizeAndPlace) {
   Random random(86);
   const auto cases = concaveSolids(86);
@@ -568,7 +568,7 @@ TEST(ConvexPieces, AllocateNothingInQueriesAndTakeAnyCache) {
   EXPECT_EQ(allocated, 0U);
 }
 
-/// Every number of decompositions and of queries with them.
+/// Every number from decompositions and queries with them.
 std::vector<double> answersWithPieces() {
   Random random(90);
   Scratch scratch;
@@ -610,7 +610,7 @@ TEST(ConvexPieces, TheSameBytesOnEveryInstructionSet) {
   expectTheSameBytesOnEveryTarget(answersWithPieces);
 }
 
-// The same pieces every time.
+// Equal pieces every time.
 TEST(ConvexPieces, AreDeterministic) {
   const TriangleSoup soup = gear(9, 6);
   const auto mesh = TriangleMesh::make(soup.vertices, soup.triangles);

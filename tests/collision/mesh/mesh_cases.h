@@ -1,6 +1,6 @@
 #pragma once
 
-// Bodies and poses for the tests of hulls and meshes, all from a seed.
+// Seeded bodies and poses for the tests of hulls and meshes.
 
 #include <Eigen/Geometry>
 #include <array>
@@ -22,7 +22,7 @@ namespace leeway::collision::testing {
 class Random {
  public:
   explicit Random(std::uint64_t seed) : engine_(seed) {}
-  /// In [low, high), the same on every platform.
+  /// In [low, high), equal on every platform.
   double uniform(double low = -1, double high = 1) {
     return low + (high - low) * static_cast<double>(engine_() >> 11) * 0x1p-53;
   }
@@ -74,7 +74,7 @@ inline TriangleSoup boxSoup(const Eigen::Vector3d& half,
   return soup;
 }
 
-/// A grid over two angles, closed in both: a torus, knobbly when `bumps` is not 0. Concave.
+/// A grid over two angles, closed in both: a torus, bumpy unless `bumps` is 0. Concave.
 inline TriangleSoup torusSoup(int around, int across, double big, double small, double bumps,
                               Random& random) {
   TriangleSoup soup;
@@ -96,7 +96,7 @@ inline TriangleSoup torusSoup(int around, int across, double big, double small, 
   return soup;
 }
 
-/// A ball of rings with a radius that varies by `bumps`; convex when that is 0.
+/// A sphere of rings whose radius varies by `bumps`; convex when that is 0.
 inline TriangleSoup ballSoup(int rings, int sectors, double radius, double bumps, Random& random) {
   TriangleSoup soup;
   soup.vertices.emplace_back(0, 0, radius);
@@ -122,7 +122,7 @@ inline TriangleSoup ballSoup(int rings, int sectors, double radius, double bumps
   return soup;
 }
 
-/// Every triangle with corners of its own, as STL has it.
+/// Each triangle with its own corners, as in STL.
 inline TriangleSoup unwelded(const TriangleSoup& soup) {
   TriangleSoup result;
   for (const auto& t : soup.triangles) {
@@ -143,8 +143,8 @@ inline NamedMesh named(const std::string& name, const TriangleSoup& soup) {
   return {name, TriangleMesh::make(soup.vertices, soup.triangles)};
 }
 
-/// Bodies of about 1 m: convex and concave, closed and open, one and several components,
-/// degenerate; of fewer triangles where a sanitizer makes each ten times as dear.
+/// Bodies of about 1 m: convex and concave, closed and open, single and multiple components,
+/// degenerate. Coarser under sanitizers, which are ten times slower.
 inline std::vector<NamedMesh> sampleMeshes(std::uint64_t seed) {
   Random random(seed);
   std::vector<NamedMesh> meshes;
@@ -197,8 +197,7 @@ inline std::vector<std::pair<std::string, Shape>> sampleConvexShapes(Random& ran
           {"half-space", Shape::halfSpace()}};
 }
 
-/// The winding number of a component around p by solid angles: a twin of crossings counted with
-/// exact signs.
+/// Winding number of a component around p by solid angles: slow twin of exact crossing counts.
 inline double windingAround(const TriangleMesh& mesh, int component, const Eigen::Vector3d& p) {
   double sum = 0;
   for (std::size_t i = 0; i < mesh.triangles().size(); ++i) {

@@ -1,5 +1,5 @@
-// Depth of concave bodies: neither end of the interval is beyond what a search in all directions
-// finds, and both are near it.
+// Depth of concave bodies: neither end exceeds what a search over all directions finds, and both
+// are near it.
 
 #include <gtest/gtest.h>
 
@@ -19,7 +19,7 @@ namespace {
 using Eigen::Vector3d;
 using namespace testing;
 
-// The length of the shortest translation of B that separates, of many directions and steps.
+// Length of B's shortest separating translation among many directions and steps.
 double shortest(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB, double far,
                 double step, Scratch& scratch) {
   DistanceRequest request;
@@ -75,7 +75,7 @@ TEST(MeshDepth, IsEnclosedByASearchInAllDirections) {
   EXPECT_GT(upper, 0.65 * count);
 }
 
-/// Of the same vertices and triangles, at rest, as a solid that may deform.
+/// A deformable of these triangles at rest.
 Deformable deformableOf(const TriangleMesh& mesh, DeformStrategy strategy) {
   DeformOptions options;
   options.strategy = strategy;
@@ -85,9 +85,9 @@ Deformable deformableOf(const TriangleMesh& mesh, DeformStrategy strategy) {
   return deformable;
 }
 
-// The twin looks at rigid meshes of the same triangles.
+// The twin uses rigid meshes of the same triangles.
 TEST(MeshDepth, OfDeformingSolidsIsEnclosedByTheSameSearch) {
-  // Without a hierarchy fewer points are looked at.
+  // Without a hierarchy fewer points are examined.
   constexpr DeformStrategy kStrategies[] = {DeformStrategy::kOctree, DeformStrategy::kRefit,
                                             DeformStrategy::kHybrid, DeformStrategy::kLazy};
   Random random(72);
@@ -118,7 +118,7 @@ TEST(MeshDepth, OfDeformingSolidsIsEnclosedByTheSameSearch) {
       EXPECT_LT(-r.distance.lower, 2 * twin) << names;
       lower += -r.distance.lower / twin;
       upper += -r.distance.upper / twin;
-      // The lower end's translation separates them.
+      // The translation by the lower end separates them.
       Pose moved = X_WB;
       moved.translation += (1e-9 - r.distance.lower) * r.normal;
       EXPECT_GT(distance(rigid_a, X_WA, rigid_b, moved, {}, scratch).distance.lower, 0) << names;
@@ -136,8 +136,8 @@ TEST(MeshDepth, OfDeformingSolidsIsEnclosedByTheSameSearch) {
   EXPECT_GT(upper, 0.65 * count);
 }
 
-// Cubes of 0.6 m about one another's middle were said to be between 0.01 and 0.58 m deep: the
-// deepest pair of triangles was all that was known.
+// Concentric cubes of 0.6 m. Regression: only the deepest pair of triangles was known, so the depth
+// was bounded by 0.01 and 0.58 m.
 TEST(MeshDepth, OfConcentricDeformingCubesIsTheDistanceToTheirFaces) {
   const TriangleSoup soup = boxSoup({0.3, 0.3, 0.3});
   const NamedMesh cube = named("cube", soup);
@@ -168,9 +168,9 @@ TEST(MeshDepth, OfConcentricDeformingCubesIsTheDistanceToTheirFaces) {
   }
 }
 
-// What is asked on the way follows the sizes, too: with 1e-9 m as for bodies of a metre, of bodies
-// of half a micrometre the intervals were wider by up to 3 % of them, of such of half a nanometre
-// by up to half.
+// Intermediate tolerances scale with the sizes. Regression: a fixed 1e-9 m, suited to bodies of a
+// metre, widened intervals by up to 3 % for bodies of half a micrometre and up to half for half a
+// nanometre.
 TEST(MeshDepth, OfSmallBodiesIsThatOfLargeOnes) {
   Random random(72);
   const TriangleSoup ring = torusSoup(9, 5, 0.3, 0.1, 0, random);
@@ -212,7 +212,7 @@ TEST(MeshDepth, OfSmallBodiesIsThatOfLargeOnes) {
   EXPECT_GT(overlaps, casesToAsk(20) / 2);
 }
 
-// Of convex solids the deepest balls touch where the shapes part: the depth itself.
+// Of convex solids the deepest balls touch where the shapes separate: they yield the exact depth.
 TEST(MeshDepth, ByConcentricBallsIsExactForBoxes) {
   Scratch scratch;
   const Shape a = Shape::mesh(named("box", boxSoup({0.5, 0.4, 0.3})).mesh),

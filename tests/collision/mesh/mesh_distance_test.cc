@@ -21,7 +21,7 @@ using namespace testing;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// The convex pieces of a shape: its triangles, or itself.
+// Convex pieces of a shape: its triangles, or itself.
 std::vector<Shape> piecesOf(const Shape& shape) {
   if (shape.type() != ShapeType::kMesh) return {shape};
   std::vector<Shape> pieces;
@@ -40,7 +40,7 @@ struct Bodies {
   std::vector<Shape> pieces;
 };
 
-// The slow twin: every piece against every piece.
+// Slow twin: every piece against every piece.
 Interval bruteSurfaces(const Bodies& a, const Pose& X_WA, const Bodies& b, const Pose& X_WB,
                        Scratch& scratch) {
   Interval all{kInfinity, kInfinity};
@@ -102,7 +102,7 @@ struct Tally {
   int unsafe = 0, cautious = 0, apart = 0, contained = 0, crossing = 0;
 };
 
-// Every answer against the slow twin, at poses far, near, touching, crossing and inside.
+// Every answer against the slow twin at poses far, near, touching, crossing and inside.
 void compare(const Bodies& a, const Pose& X_WA, const Bodies& b, const Pose& X_WB,
              const std::string& what, Scratch& scratch, Random& random, PairCache* cache,
              Tally& tally) {
@@ -110,7 +110,7 @@ void compare(const Bodies& a, const Pose& X_WA, const Bodies& b, const Pose& X_W
   const bool contained = surfaces.lower > 1e-9 && (bruteHolds(a.shape, X_WA, b.shape, X_WB) ||
                                                    bruteHolds(b.shape, X_WB, a.shape, X_WA));
   const bool apart = surfaces.lower > 1e-9 && !contained;
-  // What is known of the truth.
+  // Upper bound on the truth.
   const double highest = apart ? surfaces.upper : contained ? -surfaces.lower : surfaces.upper;
   tally.apart += apart ? 1 : 0;
   tally.contained += contained ? 1 : 0;
@@ -185,7 +185,7 @@ void compare(const Bodies& a, const Pose& X_WA, const Bodies& b, const Pose& X_W
   }
 }
 
-// Brings b to about `gap` from a along the witness direction, when they are apart.
+// Moves b to about `gap` from a along the witness direction, if they are apart.
 Pose near(const Bodies& a, const Pose& X_WA, const Bodies& b, const Pose& X_WB, double gap,
           Scratch& scratch) {
   const DistanceResult r = distance(a.shape, X_WA, b.shape, X_WB, {}, scratch);
@@ -232,7 +232,7 @@ TEST(MeshDistance, BetweenMeshes) {
   Tally tally;
   Random random(22);
   const auto meshes = sampleMeshes(22);
-  const int step = kSanitized ? 3 : 1;  // one kind of placement a pair, in turns
+  const int step = kSanitized ? 3 : 1;  // one kind of placement for each pair, by turns
   int kind = 0;
   for (const NamedMesh& m : meshes) {
     for (const NamedMesh& n : meshes) {
@@ -254,7 +254,7 @@ TEST(MeshDistance, BetweenMeshes) {
   EXPECT_GT(tally.crossing, 50 / step);
 }
 
-// The same for the meshes of real robots, which are concave, open and of many components.
+// Meshes of real robots: concave, open, many components.
 TEST(MeshDistance, LinksOfRobots) {
   const auto files = meshFiles();
   if (files.empty()) GTEST_SKIP() << "no test data";
@@ -284,7 +284,7 @@ TEST(MeshDistance, LinksOfRobots) {
   EXPECT_GT(tally.crossing, 20);
 }
 
-// A closed convex mesh is its hull: both ends of the depth can be checked.
+// A closed convex mesh equals its hull: both ends of the depth are checked.
 TEST(MeshDistance, DepthOfConvexMeshesHoldsThatOfTheirHulls) {
   Scratch scratch;
   Random random(23);
@@ -320,8 +320,7 @@ TEST(MeshDistance, DepthOfConvexMeshesHoldsThatOfTheirHulls) {
   EXPECT_GT(overlapping, casesToAsk(200));
 }
 
-// The lower end of an overlap is the length of a translation that separates: so it does, says the
-// slow twin.
+// The lower end of an overlap is the length of a separating translation; verified by the slow twin.
 TEST(MeshDistance, DepthSeparates) {
   Scratch scratch;
   Random random(28);
@@ -375,8 +374,8 @@ TEST(MeshDistance, StaleAndForeignCachesCostTimeOnly) {
   }
 }
 
-// Sheets whose spheres meet are most often apart along an axis of one of their boxes: that decides
-// a threshold without a look at the triangles, and holds for matrices that are nearly rotations.
+// Sheets with intersecting spheres are mostly separated by an axis of one of their boxes. That
+// decides a threshold without triangles, also for matrices that are only nearly rotations.
 TEST(MeshDistance, BoxesOfSheetsDecideAtOnce) {
   Scratch scratch;
   Random random(30);
@@ -399,7 +398,7 @@ TEST(MeshDistance, BoxesOfSheetsDecideAtOnce) {
       EXPECT_GT(r.distance.lower, threshold) << i;
       if (threshold > 0) continue;
       ++apart;
-      // No witness, and an axis whose plane is between them: nothing but the boxes was looked at.
+      // No witness, and the normal is a box axis: only boxes were examined.
       const double along_a = (X_WA.rotation.transpose() * r.normal).cwiseAbs().maxCoeff(),
                    along_b = (X_WB.rotation.transpose() * r.normal).cwiseAbs().maxCoeff();
       double highest = -kInfinity, lowest = kInfinity;
@@ -415,7 +414,7 @@ TEST(MeshDistance, BoxesOfSheetsDecideAtOnce) {
   EXPECT_GT(10 * at_once, 7 * apart);
 }
 
-// Where steps are too few for a pair of triangles, the closed form's points are the witnesses.
+// With too few steps for a pair of triangles, the closed form provides the witnesses.
 TEST(MeshDistance, WitnessesCarryTheUpperEndWithoutSteps) {
   Scratch scratch;
   const TriangleSoup box = boxSoup({0.5, 0.5, 0.5});
@@ -432,8 +431,8 @@ TEST(MeshDistance, WitnessesCarryTheUpperEndWithoutSteps) {
   }
 }
 
-// Squares of such distances are 0: what matrices depart from rotations by was counted for none of
-// it, and the lower end was 2.5000005e-186 for a translation of 2.5e-186 m.
+// Regression: squares of such distances underflow to 0, so a matrix's departure from a rotation
+// went uncounted; the lower end was 2.5000005e-186 for a translation of 2.5e-186 m.
 TEST(MeshDistance, DeparturesFromRotationsCountNextToTheSmallestNumbers) {
   Scratch scratch;
   const std::vector<Vector3d> origin(3, Vector3d::Zero());
@@ -445,7 +444,7 @@ TEST(MeshDistance, DeparturesFromRotationsCountNextToTheSmallestNumbers) {
       Pose X_WP, X_WG;
       X_WG.rotation *= 1 + departure;
       X_WP.translation = {0, 0, far};
-      // Twice the plane's normal's own length: the ground's matrix may stand for either.
+      // Twice the error of the plane's normal: the ground's matrix may serve either way.
       for (const DistanceResult& r : {distance(point, X_WP, ground, X_WG, {}, scratch),
                                       distance(ground, X_WG, point, X_WP, {}, scratch)}) {
         EXPECT_LE(r.distance.lower, far) << departure;
@@ -470,8 +469,8 @@ TEST(MeshDistance, PosesThatAreNoneAreInvalid) {
   EXPECT_EQ(contains(b, {}, a, bad, scratch), Containment::kUndecided);
 }
 
-// A sweep holds every chord: triangles whose corners are anywhere between their two placements are
-// no nearer.
+// A sweep covers every chord: triangles with corners anywhere between their two placements are no
+// nearer.
 TEST(MeshSweptDistance, HoldsTheChords) {
   Scratch scratch;
   Random random(26);
@@ -518,7 +517,7 @@ TEST(MeshSweptDistance, HoldsTheChords) {
       } else {
         ++touched;
       }
-      // The upper end is that of a placement.
+      // The upper end is reached by a placement.
       const double best = std::min(bruteSurfaces(body_a, X_BA0, body_b, {}, scratch).lower,
                                    bruteSurfaces(body_a, X_BA1, body_b, {}, scratch).lower);
       EXPECT_GE(r.distance.upper, best - 1e-12) << text;

@@ -1,7 +1,7 @@
 #pragma once
 
-// The robots' meshes as plain triangles, read without any library: STL (binary) and OBJ, enough for
-// the test data.
+// Meshes of robots as plain triangles, read without a library: binary STL and OBJ, as far as the
+// test data needs.
 
 #include <cstdint>
 #include <cstdlib>
@@ -23,14 +23,13 @@ struct TriangleSoup {
   std::vector<TriangleMesh::Triangle> triangles;
 };
 
-/// The folder of the test data; it may be absent.
+/// Folder of the test data; may be absent.
 inline std::filesystem::path dataFolder() {
   if (const char* path = std::getenv("LEEWAY_DATA")) return path;
   return std::filesystem::path(leeway::sourceFolder()) / ".." / "shared" / "data";
 }
 
-/// All collision meshes of the robots in the test data, in a fixed order; empty when the data is
-/// absent.
+/// All collision meshes of the test data's robots, in a fixed order; empty if the data is absent.
 inline std::vector<std::filesystem::path> meshFiles() {
   std::vector<std::filesystem::path> files;
   std::error_code error;

@@ -23,21 +23,21 @@ using namespace testing;
 constexpr double kThreshold = 1e-9;
 constexpr int kParts = 16;
 
-/// Of A in motion past B, asked part by part.
+/// A passes B, swept part by part.
 struct Passing {
   Shape a, b;
   Pose X0, X1;
   std::string what;
   PairCache cache{}, cache_without{};
-  bool ended = false;  // some part was not proven free: one may be inside the other from there on
+  bool ended = false;  // a part was not proven free: one body may be inside the other from there on
 };
 
 struct Counts {
   int free = 0, not_free = 0, unsafe = 0, gained = 0, lost = 0;
 };
 
-/// The sweep of one part with `scratch`, whose fronts are kept, and by a scratch that keeps none;
-/// where the first says free, against distances on the way.
+/// Sweeps one part with kept fronts and with a scratch without; a free verdict is checked against
+/// distances on the way.
 void checkPart(Passing& p, int part, Scratch& scratch, Scratch& without, Counts& counts) {
   const ScrewMotion motion(p.X0, p.X1);
   const FrameMotionBound bound = motion.bound(0, 1);
@@ -76,7 +76,7 @@ std::vector<Passing> passings(std::uint64_t seed) {
   std::vector<Passing> result;
   Scratch scratch;
   const auto add = [&](const Shape& a, const Shape& b, const std::string& what) {
-    // Begins apart, and ends beside where it began or goes for the middle of the other.
+    // Starts apart; ends near the start or heads for the other's centre.
     const Pose X0{random.pose(1).rotation, random.uniform(1, 2.5) * random.direction()};
     if (!(distance(a, X0, b, {}, {}, scratch).distance.lower > 0)) return;
     const Eigen::Vector3d towards =
@@ -97,7 +97,7 @@ std::vector<Passing> passings(std::uint64_t seed) {
   return result;
 }
 
-/// With fronts, sweeps prove the same for less, pair by pair and with several pairs in turn.
+/// Fronts prove equal results with less work, for one pair and for several by turns.
 TEST(SweepFronts, ProveTheSameForLess) {
   Counts counts;
   Scratch scratch, without;
@@ -125,8 +125,7 @@ TEST(SweepFronts, ProveTheSameForLess) {
   EXPECT_LT(work.done, work_without.done);
 }
 
-/// What is kept ends with its SweepFronts: another mesh may come to stand in the place of one that
-/// is gone.
+/// Fronts end with their SweepFronts: another mesh may reuse a freed one's address.
 TEST(SweepFronts, AreForgotten) {
   Random random(5);
   const Shape a = Shape::mesh(named("ball", ballSoup(12, 18, 1, 0.2, random)).mesh),
@@ -153,8 +152,8 @@ TEST(SweepFronts, AreForgotten) {
   EXPECT_EQ(cost(), without);
 }
 
-/// Below zero the hulls answer, and no front knows them: sweeps were not proven to keep a negative
-/// threshold any more once the bodies had been swept apart.
+/// Hulls decide negative thresholds and have no fronts. Regression: after a sweep apart, a negative
+/// threshold was no longer proven.
 TEST(SweepFronts, LeaveNegativeThresholdsToTheHulls) {
   Scratch scratch, without;
   int proven = 0, twin_proven = 0, pairs = 0;
@@ -178,14 +177,14 @@ TEST(SweepFronts, LeaveNegativeThresholdsToTheHulls) {
       }
     }
   }
-  // Where bodies overlap a search ends at one of many planes, which its cache chooses. (143 of 157
-  // were, with fronts.)
+  // In overlap a search ends at one of many planes, chosen by its cache. (143 of 157 were proven
+  // with fronts.)
   std::printf("proven %d of %d\n", proven, twin_proven);
   EXPECT_GT(twin_proven, kSanitized ? 3 : 50);
   EXPECT_GE(proven, twin_proven * (kSanitized ? 14 : 19) / 20);
 }
 
-/// A query that ends because its work is spent tells less, and nothing that is not so.
+/// A query that exhausts its work returns less, but nothing untrue.
 TEST(Work, EndsQueriesWithoutChangingTheTruth) {
   int wider = 0, asked = 0;
   std::int64_t total = 0, ended = 0;

@@ -62,8 +62,8 @@ TEST(TriangleMesh, WhatIsNotClosedIsASurface) {
   twice.triangles.push_back(twice.triangles[0]);
   EXPECT_EQ(TriangleMesh::make(twice.vertices, twice.triangles)->closedComponentCount(), 0);
 
-  // A Moebius strip has a border; a Klein bottle, glued from a grid with one turn, has none but no
-  // orientation either.
+  // A Moebius strip has a border. A Klein bottle, glued from a grid with one twist, has none, but
+  // no orientation either.
   TriangleSoup klein;
   constexpr int n = 8;
   for (int i = 0; i < n * n; ++i) klein.vertices.emplace_back(i % n, i / n, 0.1 * (i * i % 7));
@@ -115,9 +115,8 @@ TEST(TriangleMesh, RejectsWhatIsNoMesh) {
   }
 }
 
-// Every node holds its triangles: sphere, box, core grown by the excess. The distance of a vertex
-// from a core's hull is bounded here by the distance from the core's own exact hull, facet by
-// facet.
+// Each node's sphere, box and core grown by the excess hold its triangles. A vertex's distance from
+// the core's hull is bounded facet by facet of the core's exact hull.
 void expectTreeHolds(const TriangleMesh& mesh) {
   const MeshTree& tree = mesh.tree();
   std::vector<int> seen(mesh.triangles().size(), 0);
@@ -165,7 +164,7 @@ TEST(MeshTree, NodesHoldTheirTrianglesInTheRobots) {
   if (files.empty()) GTEST_SKIP() << "no test data";
   for (const auto& file : files) {
     const TriangleSoup soup = readMesh(file);
-    if (soup.triangles.size() > 3000) continue;  // the large ones take seconds here
+    if (soup.triangles.size() > 3000) continue;  // large ones take seconds here
     SCOPED_TRACE(file.filename().string());
     expectTreeHolds(*TriangleMesh::make(soup.vertices, soup.triangles));
   }
@@ -202,7 +201,7 @@ TEST(TriangleMesh, HullExcessIsAnUpperBound) {
   }
 }
 
-// It was found to within 1e-7 m, more than a tenth of a mesh of half a micrometre.
+// Regression: found to within 1e-7 m, over a tenth of a mesh of half a micrometre.
 TEST(TriangleMesh, HullExcessFollowsTheSize) {
   Random random(5);
   for (const TriangleSoup& soup : {ballSoup(6, 8, 0.4, 0, random), ballSoup(6, 8, 0.4, 0.1, random),

@@ -11,7 +11,7 @@
 #include "leeway/collision/vertex_motion.h"
 #include "tools/truth/oracle/generate.h"
 
-// Meshes at rest and motions of every kind for them. Same bytes on every machine.
+// Rest meshes with motions of every kind. Equal bytes on every machine.
 
 namespace leeway::collision::motion_cases {
 
@@ -30,7 +30,7 @@ inline double sine(double x) {
 }
 inline double cosine(double x) { return sine(x + 1.5707963267948966); }
 
-/// columns x rows vertices over `u` and `v`, wrapped around where asked; two triangles a cell.
+/// columns x rows vertices over `u` and `v`, periodic if `around`; two triangles a cell.
 inline std::vector<Triangle> gridTriangles(int columns, int rows, bool around) {
   std::vector<Triangle> result;
   const int last_column = around ? columns : columns - 1;
@@ -113,7 +113,7 @@ inline std::shared_ptr<const VertexMotion> wavesOf(const RestMesh& mesh, oracle:
   return VertexMotion::waves(std::move(motion));
 }
 
-/// Four keys from 0 s to 3 s, not evenly spread.
+/// Four keys from 0 s to 3 s, unevenly spaced.
 inline const std::array<double, 4>& keyTimes() {
   static const std::array<double, 4> times = {0, 0.7, 1.9, 3};
   return times;
@@ -147,7 +147,7 @@ inline std::shared_ptr<const VertexMotion> latticeOf(const RestMesh& mesh, oracl
   return VertexMotion::lattice(std::move(motion));
 }
 
-/// Smooth bumps, one for every `number`.
+/// Smooth bumps, a different pattern for each `number`.
 inline std::vector<Vector3d> bumped(const RestMesh& mesh, int number, double height) {
   std::vector<Vector3d> result;
   for (const Vector3d& v : mesh.vertices) {
@@ -174,7 +174,7 @@ inline std::shared_ptr<const VertexMotion> morphOf(const RestMesh& mesh, oracle:
   return VertexMotion::morph(std::move(motion));
 }
 
-/// A chain of bones along z; every vertex follows the two that are nearest.
+/// A chain of bones along z; each vertex follows the nearest two.
 inline std::shared_ptr<const VertexMotion> skinnedOf(const RestMesh& mesh, oracle::Random& random,
                                                      Interpolation interpolation) {
   constexpr int kBones = 4;
@@ -244,8 +244,8 @@ inline std::shared_ptr<const VertexMotion> cacheOf(const RestMesh& mesh, oracle:
   return VertexMotion::cache(std::move(motion));
 }
 
-/// Every triangle flies off along a direction of its own: a program's own motion. Its mesh shares
-/// no vertices.
+/// Each triangle flies off in its own direction: a user-defined motion over a mesh without shared
+/// vertices.
 class Explosion final : public VertexMotion {
  public:
   Explosion(std::vector<Vector3d> rest, double speed, std::uint64_t seed)
@@ -277,7 +277,7 @@ class Explosion final : public VertexMotion {
   double speed_;
 };
 
-/// The same triangles, none sharing a vertex.
+/// The triangles of `mesh` with unshared vertices.
 inline RestMesh soup(const RestMesh& mesh) {
   RestMesh result;
   for (const Triangle& t : mesh.triangles) {
@@ -295,8 +295,7 @@ struct MotionCase {
   std::shared_ptr<const VertexMotion> motion;
 };
 
-/// Every kind of motion over a mesh that suits it; `size` sets the number of triangles (about 2 to
-/// 4 times its square).
+/// Every kind of motion over a suitable mesh; about 2 to 4 size^2 triangles.
 inline std::vector<MotionCase> allMotions(int size, std::uint64_t seed) {
   oracle::Random random(seed);
   std::vector<MotionCase> cases;

@@ -130,7 +130,7 @@ TEST(Scene, AgreesWithEveryPairByItself) {
   EXPECT_GT(not_free, runs * 5 / 2);
 }
 
-// A point's bounds from the stand-in hold the distance of a ball of no size.
+// Bounds for a point against the coarse shape hold the distance of a ball of radius 0.
 TEST(Scene, CoarseShapesBoundPoints) {
   Draw draw(2);
   Scratch scratch;
@@ -202,7 +202,7 @@ TEST(Scene, HalfSpacesAreRefusedByName) {
     message = error.what();
   }
   EXPECT_NE(message.find("'held' with half-space of 'floor'"), std::string::npos) << message;
-  // Pairs that may touch, and those that do not move, are not asked.
+  // Pairs that may touch, or are both at rest, are skipped.
   builder.allow(held, floor);
   builder.allow(held, 2);
   EXPECT_TRUE(builder.build().pairs().empty());
@@ -240,7 +240,8 @@ TEST(Scene, APoseThatIsNoNumberLeavesNothingKnown) {
     workspace.setPose(1, Pose{Eigen::Matrix3d::Identity(), {5, 5, bad}});
     const SceneResult result = clearance(scene, workspace, 1e-6);
     EXPECT_EQ(result.verdict, Verdict::kUndecided);
-    EXPECT_EQ(result.clearance.lower, -kInfinity);  // NaN was lost here, and 0.9 m told
+    EXPECT_EQ(result.clearance.lower,
+              -kInfinity);  // regression: NaN was dropped and 0.9 m returned
     EXPECT_LE(result.clearance.upper, 0.9 + 1e-6);
     for (int p = 0; p < static_cast<int>(scene.pairs().size()); ++p) {
       const ScenePair& pair = scene.pairs()[static_cast<std::size_t>(p)];

@@ -1,5 +1,5 @@
-// The first contact of a whole deforming mesh, against every triangle by itself and against
-// distances at many moments.
+// First contact of a whole deforming mesh, against every triangle alone and against distances at
+// many instants.
 
 #include <gtest/gtest.h>
 
@@ -45,7 +45,7 @@ Pose randomPose(Random& random, double low, double high) {
   return X;
 }
 
-/// Every triangle by itself, to the end.
+/// Every triangle alone, up to the end.
 ContactResult bruteForce(const Snapshot& from, const Snapshot& to, const Shape& b,
                          const RigidMotion& motion, const ContactRequest& request,
                          Scratch& scratch) {
@@ -85,7 +85,7 @@ TEST(TimeOfContactDeforming, AsEveryTriangleByItself) {
                                        DeformStrategy::kHybrid,  DeformStrategy::kLazy,
                                        DeformStrategy::kOctree,  DeformStrategy::kRestructure};
   int contacts = 0, frees = 0, plane_contacts = 0;
-  // Every strategy against every shape, once where that is dear.
+  // Every strategy against every shape, once where slow.
   const int cases = kSanitized ? 36 : 120;
   for (int i = 0; i < cases; ++i) {
     DeformOptions options;
@@ -101,7 +101,7 @@ TEST(TimeOfContactDeforming, AsEveryTriangleByItself) {
     const Shape& b = shapes[static_cast<std::size_t>(i / 6) % shapes.size()];
     Pose X0 = randomPose(random, 0.5, 1), X1 = randomPose(random, -0.6, 0.9);
     if (b.type() == ShapeType::kHalfSpace) {
-      // A wall that comes nearer, without turning in half of the cases.
+      // An approaching wall, half of the cases without turning.
       X0.rotation = Eigen::AngleAxisd(M_PI - 0.2, Vector3d::UnitX()).toRotationMatrix();
       X1.rotation =
           i % 12 < 6 ? X0.rotation : Eigen::AngleAxisd(M_PI, Vector3d::UnitX()).toRotationMatrix();
@@ -124,7 +124,7 @@ TEST(TimeOfContactDeforming, AsEveryTriangleByItself) {
     EXPECT_LE(result.time.lower, truth.time.upper) << i;
     EXPECT_LE(truth.time.lower, result.time.upper) << i;
     EXPECT_GE(result.distance.triangle_a, 0);
-    // Somewhere on the sheet at that moment.
+    // Somewhere on the sheet at that time.
     std::vector<Vector3d> then(from->vertices().begin(), from->vertices().end());
     for (std::size_t v = 0; v < then.size(); ++v)
       then[v] += result.time.upper * (to->vertices()[v] - then[v]);

@@ -28,10 +28,10 @@ Pose turnedAbout(const Eigen::Vector3d& axis, double angle, const Eigen::Vector3
   return {Eigen::AngleAxisd(angle, axis).toRotationMatrix(), p};
 }
 
-/// The slow twin: the distance at many moments, each to full accuracy.
+/// Slow twin: the distance at many instants, at full accuracy.
 struct Sampled {
-  double first_touch = std::numeric_limits<double>::infinity();  // a moment of proven contact
-  double least = std::numeric_limits<double>::infinity();        // smallest upper end met
+  double first_touch = std::numeric_limits<double>::infinity();  // time of a proven contact
+  double least = std::numeric_limits<double>::infinity();        // smallest upper end found
 };
 Sampled sampled(const Shape& a, const RigidMotion& ma, const Shape& b, const RigidMotion& mb,
                 double margin, int count) {
@@ -49,7 +49,7 @@ Sampled sampled(const Shape& a, const RigidMotion& ma, const Shape& b, const Rig
   return s;
 }
 
-/// Holds the answer against the samples; returns whether it was a contact.
+/// Checks the answer against the samples; returns whether it was a contact.
 bool expectTrue(const ContactResult& result, const Shape& a, const RigidMotion& ma, const Shape& b,
                 const RigidMotion& mb, double margin, const std::string& where) {
   const Sampled s = sampled(a, ma, b, mb, margin, 400);
@@ -103,7 +103,7 @@ TEST(RigidMotion, EndsWhereItShouldAndMovesAsItSays) {
 }
 
 TEST(RigidMotion, AScrewKeepsItsAxis) {
-  // A quarter turn about the line x = 1, y = 0 with a rise of 2.
+  // A quarter turn about the line x = 1, y = 0, rising by 2.
   const ScrewMotion screw(shifted(0, 0, 0),
                           turnedAbout(Eigen::Vector3d::UnitZ(), M_PI / 2, {1, -1, 2}));
   const Pose half = screw.pose(0.5);
@@ -121,7 +121,7 @@ TEST(TimeOfContact, RandomMotionsOfAllShapes) {
   const ShapeType types[] = {ShapeType::kSphere,    ShapeType::kCapsule,    ShapeType::kBox,
                              ShapeType::kCylinder,  ShapeType::kCone,       ShapeType::kEllipsoid,
                              ShapeType::kHalfSpace, ShapeType::kConvexHull, ShapeType::kMesh};
-  // All pairs of types once at least.
+  // All pairs of types at least once.
   const int cases = kSanitized ? 2 * 81 : 600;
   for (int i = 0; i < cases; ++i) {
     const Shape a = oracle::randomShape(random, types[i % 9], oracle::Flavour::kPlain);
@@ -159,7 +159,7 @@ TEST(TimeOfContact, GrazingHitsAndFrees) {
   const Shape box = Shape::box({0.2, 0.3, 0.1});
   for (const double clearance : {1e-4, 1e-6, -1e-6, -1e-4})
     for (const double spin : {0.0, 3.0}) {
-      // The lower box stands; the upper one passes over it, turning about the vertical.
+      // The lower box is fixed; the upper one passes over it, turning about the vertical.
       const StraightMotion moving(
           shifted(-2, 0.05, 0.2 + clearance),
           turnedAbout(Eigen::Vector3d::UnitZ(), spin, {2, 0.05, 0.2 + clearance}));
@@ -191,13 +191,13 @@ TEST(TimeOfContact, StartsThinPlatesAndFastTurns) {
   EXPECT_EQ(inside.status, ContactStatus::kContact);
   EXPECT_EQ(inside.time.lower, 0);
   EXPECT_EQ(inside.time.upper, 0);
-  // Through a sheet without thickness, in one step.
+  // Through an infinitely thin sheet in one step.
   const Shape sheet = Shape::box({1, 1, 0});
   const StraightMotion through(shifted(0, 0, -5), shifted(0.1, 0, 5));
   const ContactResult hit = timeOfContact(Shape::sphere(1e-3), through, sheet, still, {}, scratch);
   EXPECT_EQ(hit.status, ContactStatus::kContact);
   EXPECT_NEAR(hit.time.lower, 0.4999, 2e-6);
-  // A rod that turns nearly by half hits what neither end of the motion comes near to.
+  // A rod turning by almost half a turn hits what neither end pose approaches.
   const Shape rod = Shape::capsule(0.01, 1);
   const StraightMotion turning(shifted(0, 0, 0),
                                turnedAbout(Eigen::Vector3d::UnitY(), 3, {0, 0, 0}));
@@ -208,8 +208,8 @@ TEST(TimeOfContact, StartsThinPlatesAndFastTurns) {
 }
 
 TEST(TimeOfContact, FewLooksSufficeAndNoneIsTakenTwice) {
-  // Contact expected behind a certified moment by just the tolerance was looked for again and again
-  // once: t + tolerance - t is not the tolerance.
+  // Regression: contact expected exactly one tolerance behind a certified time was searched for
+  // repeatedly, because t + tolerance - t is not the tolerance.
   Random random(5);
   Scratch scratch;
   const Shape box = Shape::box({0.2, 0.3, 0.1});
@@ -292,7 +292,7 @@ TEST(TimeOfContact, SenselessRequestsAndPosesAreInvalid) {
   EXPECT_EQ(nothing.time.lower, 0);
 }
 
-/// Down to the origin at t = 0.5 and up again, of which it promises nothing.
+/// Down to the origin at t = 0.5 and up again, without any promised bound.
 class Unpromised final : public RigidMotion {
  public:
   Pose pose(double t) const override { return shifted(0, 0, 4 * (t - 0.5) * (t - 0.5)); }
@@ -304,7 +304,7 @@ class Unpromised final : public RigidMotion {
   double rounding(double reach) const override { return 1e-14 * (1 + reach); }
 };
 
-// An acceleration without a bound was once none: the motion was called free.
+// Regression: an unbounded acceleration counted as none, and the motion as free.
 TEST(TimeOfContact, NothingIsCertifiedWithoutABound) {
   Scratch scratch;
   ContactRequest request;

@@ -15,7 +15,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 long double extended(double x) { return static_cast<long double>(x); }
 
-/// How far the fastest motion allowed gets within t: the twin, in extended precision.
+/// Slow twin in extended precision: how far the fastest allowed motion gets within t.
 long double reach(const PointMotion& m, long double t) {
   const long double cap = extended(m.speed_cap), a = extended(m.acceleration),
                     v = std::min(extended(m.speed), cap);
@@ -61,7 +61,7 @@ TEST(TimeToImpact, EdgesOfTheDomain) {
   EXPECT_GT(timeToImpact(1e300, {1e-300, 0}), 1e300);
 }
 
-/// A body that swings and turns with bounds that are known exactly enough.
+/// A body that swings and turns, with bounds in closed form.
 struct Swing {
   Eigen::Vector3d center, amplitude, axis;
   double frequency, spin, radius;
@@ -128,7 +128,7 @@ TEST(ImpactSchedule, NothingTouchesBeforeItSays) {
     EXPECT_EQ(report.safe_until, schedule.safeUntil());
     std::vector<char> imminent(static_cast<std::size_t>(pairs), 0);
     for (const std::int32_t p : schedule.imminent()) imminent[static_cast<std::size_t>(p)] = 1;
-    // Brute force: every pair, at moments within the step.
+    // Brute force: every pair at times within the step.
     for (int s = 0; s < 4; ++s) {
       const double now = t + dt * s / 4;
       crowd.place(now, truth);
@@ -146,7 +146,7 @@ TEST(ImpactSchedule, NothingTouchesBeforeItSays) {
   for (const char b : below) met += b;
   EXPECT_EQ(unsafe, 0);
   EXPECT_EQ(missed, 0);
-  EXPECT_GT(met, 10);     // pairs that did come together
+  EXPECT_GT(met, 10);     // pairs that meet
   EXPECT_LT(met, pairs);  // and not all
   EXPECT_LT(schedule.statistics.exact * 4, 800u * static_cast<unsigned>(pairs));
 }
@@ -165,12 +165,12 @@ TEST(ImpactSchedule, FasterThanSaidIsLookedAtAgain) {
   workspace.setPose(1, {Eigen::Matrix3d::Identity(), {1.2, 0, 0}});
   ImpactSchedule schedule(scene);
   EXPECT_EQ(schedule.safeUntil(), -kInfinity);
-  EXPECT_LT(schedule.advance(0, 1, workspace).safe_until, 0.01);  // motions are unknown
+  EXPECT_LT(schedule.advance(0, 1, workspace).safe_until, 0.01);  // unknown motions
   schedule.setMotion(0, {0.5, 0, 1}, 0);
   schedule.setMotion(1, {0, 0, 0}, 0);
   EXPECT_NEAR(schedule.advance(0, 1, workspace).safe_until, 2, 1e-3);
   EXPECT_EQ(schedule.statistics.looks, 2u);
-  schedule.setMotion(0, {0.4, 0, 1}, 0.5);  // slower: nothing to do
+  schedule.setMotion(0, {0.4, 0, 1}, 0.5);  // slower: no change
   EXPECT_NEAR(schedule.safeUntil(), 2, 1e-3);
   schedule.setMotion(0, {0.8, 0, 1}, 0.5);
   EXPECT_LE(schedule.safeUntil(), 0.5);

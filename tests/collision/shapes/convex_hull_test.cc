@@ -20,7 +20,7 @@ namespace {
 using Eigen::Vector3d;
 using testing::Random;
 
-// Convex, closed and holding every point, all by exact signs: nothing is left to tolerances.
+// Checks by exact signs, without tolerances: convex, closed, holds every point.
 void expectExactHull(const ConvexHull& hull, const std::vector<Vector3d>& points,
                      const std::string& what) {
   SCOPED_TRACE(what);
@@ -40,7 +40,8 @@ void expectExactHull(const ConvexHull& hull, const std::vector<Vector3d>& points
   EXPECT_EQ(outside, 0);
 }
 
-// The support of the vertices is that of all points: the twin of every hull, flat ones included.
+// Support over the vertices equals support over all points: slow twin of every hull, flat ones
+// included.
 void expectSameSupport(const ConvexHull& hull, const std::vector<Vector3d>& points,
                        const std::string& what) {
   SCOPED_TRACE(what);
@@ -56,7 +57,7 @@ void expectSameSupport(const ConvexHull& hull, const std::vector<Vector3d>& poin
 
 TEST(ConvexHull, HoldsEveryPointExactly) {
   Random random(1);
-  const int most = kSanitized ? 150 : 400;  // exact arithmetic, and as many facets as points
+  const int most = kSanitized ? 150 : 400;  // exact arithmetic, as many facets as points
   for (const double size : {1e-6, 1.0, 1e3}) {
     for (int n = 4; n < most; n = n * 3 / 2) {
       std::vector<Vector3d> ball, cube, grid, line, plane, sphere;
@@ -86,8 +87,7 @@ TEST(ConvexHull, HoldsEveryPointExactly) {
 TEST(ConvexHull, FlatSetsHaveNoFacets) {
   std::vector<Vector3d> points;
   for (int i = 0; i < 5; ++i) {
-    for (int j = 0; j < 5; ++j)
-      points.emplace_back(i, j, i + 2 * j);  // exactly flat, not along an axis
+    for (int j = 0; j < 5; ++j) points.emplace_back(i, j, i + 2 * j);  // exactly flat, oblique
   }
   points.insert(points.end(), points.begin(), points.end());
   const auto square = ConvexHull::compute(points);
@@ -107,7 +107,7 @@ TEST(ConvexHull, FlatSetsHaveNoFacets) {
       1U);
 }
 
-// Of flat hulls only the first 64 vertices were once looked at: this disc was cut off at 154
+// Regression: of flat hulls only the first 64 vertices were used; this disc was cut off at 154
 // degrees.
 TEST(ConvexHull, FlatHullsOfManyVerticesReachAsFarAsTheirVertices) {
   constexpr int kCount = 150;
@@ -149,7 +149,7 @@ TEST(ConvexHull, NeighboursAreTheEdges) {
   for (int i = 0; i < 300; ++i) points.push_back(random.direction());
   const auto hull = ConvexHull::compute(points);
   ASSERT_TRUE(hull->hasNeighbours());
-  // Climbing from any vertex ends at the farthest one.
+  // Climbing from any vertex reaches the farthest one.
   for (int i = 0; i < 300; ++i) {
     const Vector3d d = random.direction();
     const auto value = [&](std::int32_t v) {
@@ -195,8 +195,8 @@ TEST(ConvexHull, RejectsWhatHasNoHull) {
   }
 }
 
-// Of a hull that was stopped, what it holds and what it does not are told apart by exact signs, and
-// the largest distance from it is that of all points, one by one.
+// For an interrupted hull, exact signs separate inside from outside, and the largest outside
+// distance equals that over all points.
 TEST(HullBuilder, StoppedHullsTellWhatIsOutside) {
   Random random(31);
   int outside = 0;
@@ -239,7 +239,7 @@ TEST(HullBuilder, StoppedHullsTellWhatIsOutside) {
   EXPECT_GT(outside, 200);
 }
 
-// The exact signs against integers, where they can be computed without rounding.
+// Exact signs against integer arithmetic without rounding.
 TEST(Exact, OrientationOfSmallIntegers) {
   Random random(5);
   int zeros = 0;
@@ -263,8 +263,7 @@ TEST(Exact, OrientationOfSmallIntegers) {
   EXPECT_GT(zeros, 200);
 }
 
-// A point moved by one unit in the last place off a plane: the filter cannot tell, the expansion
-// must.
+// A point one ulp off a plane: the filter is inconclusive, the expansion must decide.
 TEST(Exact, OrientationOfOneUlp) {
   const Vector3d a(0.1, 0.1, 0.1), b(12.3, 12.3, 12.3), c(0.7, 0.7, 24.5);
   for (const double x : {0.3, 1.7, 9.1}) {

@@ -53,7 +53,7 @@ TEST(BallCover, HoldsTheShapeAndIsHeldByIt) {
         if (!inside(cover.outer, p, 0.8)) ++lost;
       }
     }
-    // Surfaces: what is nearest to points outside.
+    // Surface points: nearest to points outside.
     for (int i = 0; i < 30; ++i) {
       const Eigen::Vector3d p = shape.boundingCenter() + random.direction() * size * 1.5;
       Pose X_GP;
@@ -73,12 +73,12 @@ TEST(BallCover, HoldsTheShapeAndIsHeldByIt) {
       }
   }
   EXPECT_GT(points, casesToAsk(3000));
-  EXPECT_GT(lost, casesToAsk(300));  // balls that are a fifth too small are found out
+  EXPECT_GT(lost, casesToAsk(300));  // detects balls a fifth too small
   EXPECT_GT(inner_points, casesToAsk(2000));
   EXPECT_GT(left, casesToAsk(100));
 }
 
-/// A small thing in a large hollow between the surfaces of a closed mesh is inside its balls.
+/// A small body in a large hollow of a closed mesh is inside its balls.
 TEST(BallCover, HoldsWhatIsInsideAClosedMesh) {
   Random random(22);
   const Shape box = Shape::mesh(oracle::boxMesh({1, 0.7, 0.4}));
@@ -91,7 +91,7 @@ TEST(BallCover, HoldsWhatIsInsideAClosedMesh) {
   EXPECT_EQ(coverOf(box).get(), coverOf(box).get());  // made once
 }
 
-/// How far a point is outside of the hull of a part's points, and of its finer ones.
+/// Distance of a point outside the hull of a part's coarse points, and of its fine points.
 std::pair<double, double> outside(const CoverPart& part, const Eigen::Vector3d& p,
                                   Scratch& scratch) {
   const auto from = [&](const std::vector<Eigen::Vector3d>& points) {
@@ -102,13 +102,13 @@ std::pair<double, double> outside(const CoverPart& part, const Eigen::Vector3d& 
           points.fine.empty() ? 0 : from(points.fine) - points.fine_radius};
 }
 
-/// A mesh in parts: whatever is on its surface or inside is in some part's ball and hulls.
+/// A mesh in parts: every point on or in it is in some part's ball and hulls.
 TEST(BallCover, PartsHoldTheMeshAndWhatIsInside) {
   Random random(23);
   Scratch scratch;
   int points = 0, lost = 0, covers = 0, empty = 0;
   for (int round = 0; round < casesToAsk(24); ++round) {
-    // Two bars and a corner block, turned at random; every fourth one has big faces only.
+    // Two bars and a corner block, randomly turned; every fourth has large faces only.
     const double x = random.uniform(0.2, 1), y = random.uniform(0.2, 1), w = 0.1;
     std::vector<Eigen::Vector3d> vertices;
     std::vector<TriangleMesh::Triangle> triangles;
@@ -152,7 +152,7 @@ TEST(BallCover, PartsHoldTheMeshAndWhatIsInside) {
         ++points;
         EXPECT_TRUE(isHeld(p)) << p.transpose();
       } else if (at(hull, p, scratch).upper < 0 && !isHeld(p)) {
-        ++lost;  // in the hull, and in no part
+        ++lost;  // in the hull, but in no part
       }
     }
   }

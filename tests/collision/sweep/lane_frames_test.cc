@@ -45,7 +45,7 @@ Chain randomChain(Random& random) {
   return chain;
 }
 
-/// The slow twin: place of a point of the last frame at t, in double precision.
+/// Slow twin: position of a point of the last frame at t, in double precision.
 Eigen::Vector3d placeAt(const Chain& chain, const Eigen::Vector3d& r, double t) {
   Eigen::Vector3d p = r;
   for (std::size_t i = chain.steps.size(); i-- > 0;) {
@@ -65,7 +65,7 @@ Eigen::Vector3d laneOf(const LaneValues* v, int lane) {
   return Eigen::Vector3f(v[0].at[lane], v[1].at[lane], v[2].at[lane]).cast<double>();
 }
 
-/// Frames in the middle of the intervals begin + [k, k + 1] width / kLanes, and their motions.
+/// Frames at the middles of the intervals begin + [k, k + 1] width / kLanes, and their motions.
 void placeAndMove(const std::vector<FrameStep>& steps, std::vector<LaneFrame>& frames,
                   double begin = 0, double width = 1) {
   LaneValues middles;
@@ -105,7 +105,7 @@ TEST(LaneFrames, AreWithinTheirBoundOfDoublePrecision) {
       const double error = (laneOf(f.origin, lane) + arm - placeAt(chain, r, t)).norm();
       ASSERT_LE(error, bound) << "round " << round << " lane " << lane;
       worst = std::max(worst, error / bound);
-      // Half an interval's way, from a difference of fourth order.
+      // Half an interval's displacement, from a fourth-order difference.
       constexpr double e = 1e-3;
       const Eigen::Vector3d way = (8 * (placeAt(chain, r, t + e) - placeAt(chain, r, t - e)) -
                                    (placeAt(chain, r, t + 2 * e) - placeAt(chain, r, t - 2 * e))) /
@@ -116,7 +116,7 @@ TEST(LaneFrames, AreWithinTheirBoundOfDoublePrecision) {
       worst_way = std::max(worst_way, way_error / (way_bound + 1e-7));
     }
   }
-  // The bounds are near enough to the truth for an error of a few units to be seen.
+  // Bounds are tight enough to reveal an error of a few units.
   EXPECT_GT(worst, 0.01);
   EXPECT_GT(worst_way, 0.001);
 }

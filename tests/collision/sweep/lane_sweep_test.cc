@@ -22,7 +22,7 @@ namespace {
 using Eigen::Vector3d;
 using oracle::Random;
 
-// Three side by side, of which a compiler makes vectors.
+// Three adjacent operations, which a compiler vectorises.
 void round(Vector3d& v) {
   for (int k = 0; k < 3; ++k) v[k] = roundedToSingle(v[k]);
 }
@@ -35,15 +35,14 @@ TEST(LaneSweep, NumbersAreRoundedToSingles) {
     Vector3d rounded = given;
     round(rounded);
     for (int k = 0; k < 3; ++k) {
-      volatile float nearest = static_cast<float>(given[k]);  // of which no vector is made
+      volatile float nearest = static_cast<float>(given[k]);  // not vectorised
       ASSERT_EQ(rounded[k], static_cast<double>(nearest));
     }
   }
 }
 
-// A plane's normal is one of singles, and its offset that of the normal as it is rounded. In code
-// of g++ 12, which took two of three numbers as they were, vertices were up to 3e-8 of their size
-// beyond.
+// A plane's normal is in single precision; its offset belongs to the normal as rounded. Regression:
+// g++ 12 used two of three components unrounded, and vertices lay up to 3e-8 of their size beyond.
 TEST(LaneSweep, NothingIsBeyondAPlane) {
   Random random(4);
   int planes = 0;
@@ -79,7 +78,7 @@ TEST(LaneSweep, NothingIsBeyondAPlane) {
   EXPECT_GT(planes, 900);
 }
 
-/// A hull that turns past a box, its points in clusters or not.
+/// A hull turns past a box, points clustered or not.
 struct Passing {
   LaneSweep sweep;
   std::unique_ptr<LaneSweep::Scratch> scratch;
@@ -95,7 +94,7 @@ struct Passing {
     scratch = std::make_unique<LaneSweep::Scratch>(sweep);
   }
 
-  /// Lanes that are open after a run and a search for planes, and whether the hulls are apart.
+  /// Lanes still open after a run and a plane search, and whether the hulls are apart.
   std::pair<std::uint32_t, bool> open(const std::vector<LaneFrame>& frames, float growth) {
     const float values[kLanes] = {growth};
     if (sweep.run(frames, values, 1e-6F, *scratch).id >= 0 ||
@@ -126,7 +125,7 @@ TEST(LaneSweep, ClustersLeaveOutNothingThatCounts) {
     points.clusters.clear();
     points.nearest.clear();
     Passing all(points, box, X_WB);
-    // Several edges: planes and directions are remembered.
+    // Several edges in a row: planes and directions are cached.
     for (int edge = 0; edge < 4; ++edge) {
       FrameStep step;
       const Eigen::Matrix3d R =
@@ -152,8 +151,8 @@ TEST(LaneSweep, ClustersLeaveOutNothingThatCounts) {
   EXPECT_GT(some, runs / 5);
 }
 
-// Frames that are nowhere are nowhere apart from anything, whatever an instruction set makes of the
-// lesser of NaN and a number. What is remembered of runs before does not change that.
+// A NaN frame is apart from nothing, whatever an instruction set makes of min(NaN, x), and
+// regardless of cached runs.
 TEST(LaneSweep, LanesThatAreNoNumbersStayOpen) {
   Random random(6);
   std::vector<Vector3d> vertices;
@@ -170,7 +169,7 @@ TEST(LaneSweep, LanesThatAreNoNumbersStayOpen) {
   placeFrames({&step, 1}, middles, frames);
   moveFrames({&step, 1}, middles, 1.0F / kLanes, frames);
   const auto looked = [&] {
-    // Near by and far away; with clusters of points and without.
+    // Near and far; clustered points or not.
     for (const double distance : {0.65, 0.8, 5.0}) {
       for (const bool clusters : {true, false}) {
         PointCover given = points;
@@ -183,8 +182,8 @@ TEST(LaneSweep, LanesThatAreNoNumbersStayOpen) {
         X_WB.translation = distance * Vector3d::UnitZ();
         Passing passing(given, Shape::box({0.2, 0.1, 0.3}), X_WB);
         ASSERT_EQ(passing.open(frames, 0.001F), std::pair(std::uint32_t{0}, true)) << distance;
-        // One number at a time, and then rotation, origin, turn or slide. What is far is apart
-        // along one axis alone.
+        // One number at a time, then all of rotation, origin, turn or slide. Far away only one axis
+        // separates.
         for (std::size_t which = distance < 1 ? 0 : 18; which < 22; ++which) {
           std::vector<LaneFrame> others = frames;
           const auto lane = static_cast<std::size_t>(random.below(kLanes));

@@ -25,7 +25,7 @@ namespace {
 using Eigen::Vector3d;
 using namespace testing;
 
-/// Of A seen from B, both of which may turn; and how often it was asked.
+/// Poses of A in B, both turning; counts calls.
 class Seen final : public Placements {
  public:
   Seen(const RigidMotion& motion) : motion_(motion) {}
@@ -40,7 +40,7 @@ class Seen final : public Placements {
   const RigidMotion& motion_;
 };
 
-/// A bound for `bend`: |p''| <= angular_speed^2 |p - axis|, and the origin's own.
+/// Bound for `bend`: |p''| <= angular_speed^2 |p - axis|, plus the origin's own.
 double bendOf(const RigidMotion& motion, const Shape& a) {
   const FrameMotionBound bound = motion.bound(0, 1);
   return (bound.acceleration + bound.angular_speed * bound.angular_speed * a.extent()) / 8 *
@@ -59,9 +59,8 @@ struct Counts {
   int unsafe = 0, wrong = 0, free = 0, contact = 0, undecided = 0;
 };
 
-/// Against placements that are looked at one by one: nothing that is called free comes to the
-/// threshold anywhere, what is called a contact is one at that time, and what stays clear of the
-/// threshold by far is called free.
+/// Against placements one by one: a free verdict never comes to the threshold, a contact is one at
+/// its time, and motions that stay far from the threshold are free.
 void check(const Shape& a, const Shape& b, const RigidMotion& motion, double threshold,
            const std::string& what, Counts& counts) {
   Scratch scratch;
@@ -72,7 +71,7 @@ void check(const Shape& a, const Shape& b, const RigidMotion& motion, double thr
   const MeshSweepResult result = sweepMesh(a, seen, b, request, scratch);
   double nearest = std::numeric_limits<double>::infinity();
   PairCache cache;
-  // Surfaces alone: one inside the other is not the sweep's affair.
+  // Surfaces only: containment is outside a sweep's scope.
   const auto surfaces = [&](double t) {
     DistanceRequest exact;
     exact.tolerance = 1e-6;
@@ -138,7 +137,7 @@ TEST(MeshSweep, HoldsAgainstPlacementsOnTheWay) {
   EXPECT_LT(counts.undecided, (counts.free + counts.contact) / 20);
 }
 
-/// A part of a motion is asked as a motion of its own would be.
+/// A part of a motion is queried like a whole motion.
 TEST(MeshSweep, PartsOfAMotion) {
   Random random(62);
   TriangleSoup soup = ballSoup(9, 12, 0.3, 0.05, random);
@@ -170,7 +169,7 @@ TEST(MeshSweep, PartsOfAMotion) {
   EXPECT_GT(mixed, casesToAsk(30));
 }
 
-/// What has come apart is not halved on: nodes do not grow with the way over the size.
+/// Separated parts are not subdivided: nodes do not grow with way over size.
 TEST(MeshSweep, SmallBodiesOnALongWay) {
   Scratch scratch;
   const auto cube = [](double half) {
@@ -194,7 +193,7 @@ TEST(MeshSweep, SmallBodiesOnALongWay) {
         EXPECT_EQ(past.status, MeshSweepStatus::kFree) << half << ' ' << way;
         EXPECT_LT(past.nodes, 1500) << half << ' ' << way;
         const MeshSweepResult hit = asked(a, still, {-way, 0.03, 0.01}, {way, 0.01, 0.02});
-        // (2^-30 of the longest is more than the smallest.)
+        // 2^-30 of the longest exceeds the smallest.
         if (way < 1e6) {
           EXPECT_EQ(hit.status, MeshSweepStatus::kContact) << half << ' ' << way;
         }

@@ -14,8 +14,8 @@ namespace {
 
 using oracle::Random;
 
-// The farthest that the shape and the points reach along random directions: the shape no farther
-// than points and radius, points that would be a tenth of it too near are found out.
+// Support along random directions: the shape's never exceeds that of points and radius; detects
+// points a tenth too near.
 TEST(PointCover, HoldsTheShape) {
   Random random(41);
   Scratch scratch;
@@ -36,7 +36,7 @@ TEST(PointCover, HoldsTheShape) {
       double reach = -std::numeric_limits<double>::infinity(), fine_reach = reach;
       for (const Eigen::Vector3d& p : cover.points) reach = std::max(reach, n.dot(p));
       for (const Eigen::Vector3d& p : cover.fine) fine_reach = std::max(fine_reach, n.dot(p));
-      // The shape's own reach: its distance from a far plane.
+      // The shape's support: its distance from a far plane.
       Pose X_GP;
       X_GP.rotation =
           Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), -n).toRotationMatrix();

@@ -58,7 +58,7 @@ inline void appendBox(const Eigen::Vector3d& center, const Eigen::Vector3d& half
   for (const auto& f : kFaces) triangles.push_back({first + f[0], first + f[1], first + f[2]});
 }
 
-/// A closed ring, 0.3 m around and some 0.24 m thick, with bumps: a mesh whose depths take long.
+/// A closed bumpy ring, 0.3 m radius, some 0.24 m thick: a mesh whose depths are expensive.
 inline collision::Shape bumpyRing() {
   constexpr int kAround = 40, kAcross = 20;
   constexpr double kPi = 3.14159265358979323846;
@@ -78,7 +78,7 @@ inline collision::Shape bumpyRing() {
   return collision::Shape::mesh(collision::TriangleMesh::make(vertices, triangles));
 }
 
-/// Three boxes in one mesh: closed, concave, often in each other or one within another.
+/// Three boxes in one mesh: closed, concave, often intersecting or nested.
 inline collision::Shape randomMesh(Random& random, double size) {
   std::vector<Eigen::Vector3d> vertices;
   std::vector<collision::TriangleMesh::Triangle> triangles;
@@ -91,7 +91,7 @@ inline collision::Shape randomMesh(Random& random, double size) {
   return collision::Shape::mesh(collision::TriangleMesh::make(vertices, triangles));
 }
 
-/// Seven joints, links of 0.25 m; the fourth continuous, the last with a mimic finger.
+/// Seven joints, links of 0.25 m; the fourth is continuous, the last carries a mimic finger.
 inline std::shared_ptr<const robots::Model> randomArm(Random& random) {
   robots::RobotDescription robot;
   for (int i = 0; i < 9; ++i) {
@@ -146,7 +146,7 @@ inline std::shared_ptr<const robots::Model> randomTreeWithShapes(Random& random)
   return model;
 }
 
-/// The model among `obstacles` random shapes within `room` metres, all variables planned.
+/// The model among `obstacles` random shapes within `room` metres; all variables are planned.
 inline Problem randomProblem(Random& random, std::shared_ptr<const robots::Model> model,
                              int obstacles, double room) {
   Problem problem;

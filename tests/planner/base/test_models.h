@@ -9,7 +9,7 @@
 #include "leeway/planner/problem.h"
 #include "leeway/robots/model.h"
 
-/// Small models and problems that the planner's tests share, made without files.
+/// Small models and problems for the planner's tests, made without files.
 namespace leeway::planner::test {
 
 inline collision::Pose at(double x, double y, double z) {
@@ -43,13 +43,14 @@ inline Problem problemOf(std::shared_ptr<const robots::Model> model, std::vector
   return problem;
 }
 
-/// A disc of radius 0.1 that slides and turns in [-2, 2]^2: x, y, theta.
+/// A disc of radius 0.1 that translates in [-2, 2]^2 and rotates: x, y, theta.
 inline std::shared_ptr<const robots::Model> disc() {
   return robots::freeBody("disc", {{collision::Shape::cylinder(0.1, 0.1), {}, "disc"}},
                           robots::JointType::kPlanar, {-2, -2, 0}, {2, 2, 0});
 }
 
-/// From left to right of a wall at x = 0 whose only gap is 0.6 wide, at y = 1.2: no straight path.
+/// From left to right of a wall at x = 0 whose only gap is 0.6 wide, at y = 1.2: the straight path
+/// is blocked.
 inline Problem wallProblem() {
   Problem problem = problemOf(disc(), {-1, -1, 0}, {1, -1, 0});
   problem.world.objects.push_back(
@@ -58,8 +59,8 @@ inline Problem wallProblem() {
   return problem;
 }
 
-/// From left to right past a block at the origin: a passage above it is 0.4 wide, the one
-/// below 1.4; the start is nearer to the narrow one, so that the shortest path squeezes through.
+/// From left to right past a block at the origin: the passage above it is 0.4 wide, the one below
+/// 1.4. The start is nearer to the narrow one, so the shortest path takes it.
 inline Problem corridorProblem() {
   Problem problem = problemOf(disc(), {-1.2, 0.7, 0}, {1.2, 0.7, 0});
   problem.world.objects.push_back(box("block", {0.2, 0.8, 0.5}, 0, 0.2, 0));    // y -0.6 to 1.0

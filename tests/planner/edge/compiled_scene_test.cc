@@ -17,7 +17,7 @@
 namespace leeway::planner {
 namespace {
 
-/// A column of links of 0.2 m with balls far smaller than the gaps, on revolute joints; those in
+/// A column of 0.2 m links with balls far smaller than the gaps, on revolute joints; those in
 /// `fixed` are fixed.
 std::shared_ptr<robots::Model> column(int links, const std::vector<int>& fixed = {}) {
   robots::RobotDescription robot;
@@ -96,7 +96,7 @@ TEST(CompiledScene, PassiveJointsFoldIntoTheWorld) {
   auto model = column(5);
   model->has_srdf = true;
   Problem problem = problemWith(model);
-  problem.start[0] = 0.5;  // joint1 stands, joints 2 to 4 are planned
+  problem.start[0] = 0.5;  // joint1 is fixed, joints 2 to 4 are planned
   problem.robot.variables = {1, 2, 3};
   const CompiledScene compiled(problem);
   const int link1 = compiled.scene().find("link1"), link2 = compiled.scene().find("link2");
@@ -113,14 +113,14 @@ TEST(CompiledScene, PassiveJointsFoldIntoTheWorld) {
 }
 
 TEST(CompiledScene, WithoutAnSrdfFixedJointsAreSeenThroughAndProofsCount) {
-  auto model = column(6, {3});  // link2 and link3 are one piece
+  auto model = column(6, {3});  // link2 and link3 are rigidly joined
   model->has_srdf = false;
   Problem problem = problemWith(model);
   const CompiledScene compiled(problem);
   EXPECT_EQ(reason(compiled, "link2", "link3"), "adjacent");
   EXPECT_EQ(reason(compiled, "link1", "link3"), "adjacent");
   EXPECT_EQ(reason(compiled, "link2", "link4"), "adjacent");
-  // Two joints apart the balls can meet, so these pairs stay.
+  // Two joints apart the balls can meet: these pairs stay.
   EXPECT_TRUE(kept(compiled, "link3", "link5"));
   auto stiff = column(4);
   for (robots::Variable& v : stiff->variables) v.lower = -0.3, v.upper = 0.3;
@@ -130,7 +130,7 @@ TEST(CompiledScene, WithoutAnSrdfFixedJointsAreSeenThroughAndProofsCount) {
   auto margin = column(4);
   for (robots::Variable& v : margin->variables) v.lower = -0.3, v.upper = 0.3;
   Problem kept_apart = problemWith(margin);
-  kept_apart.margins.common = 0.01;  // the proof is of not touching only
+  kept_apart.margins.common = 0.01;  // the proof covers contact only, not margins
   EXPECT_TRUE(kept(CompiledScene(kept_apart), "link0", "link2"));
 }
 
@@ -157,7 +157,7 @@ TEST(CompiledScene, AttachedThingsMoveWithTheirLink) {
 }
 
 TEST(CompiledScene, ObjectsWithoutAPlaceAreRefused) {
-  // In lanes a box at (5, 5, NaN) was far from everything, and every edge was free of it.
+  // Regression: in lanes a box at (5, 5, NaN) was far from everything, and every edge free of it.
   const double nan = std::numeric_limits<double>::quiet_NaN();
   std::vector<collision::Pose> bad(4);
   bad[0].translation = {5, 5, nan};
@@ -209,8 +209,8 @@ TEST(CompiledScene, MarginsByName) {
   EXPECT_EQ(wide, 1);
 }
 
-/// A pair that is kept keeps its own motion, even where keep() answers differently the second time.
-/// Pairs that got the motions of others were certified to be farther apart than they are.
+/// A kept pair keeps its own motion, even if keep() answers differently the second time.
+/// Regression: pairs took other pairs' motions and were certified farther apart than they are.
 TEST(CompiledScene, PairsThatAreKeptKeepTheirMotions) {
   auto model = column(7);
   model->has_srdf = true;

@@ -25,7 +25,7 @@ using testing::Random;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// The slow twin: distance() of every pair at single configurations.
+/// Slow twin: distance() of every pair at single configurations.
 class DenseTwin {
  public:
   explicit DenseTwin(const CompiledScene& compiled)
@@ -33,7 +33,7 @@ class DenseTwin {
         poses_(compiled.model().links.size()),
         q_(compiled.model().variables.size()) {}
 
-  /// Least separation less margin at a point; `signed_distance`: least separation, with depth.
+  /// Minimum separation minus margin at a point; `signed_distance`: minimum separation, with depth.
   double at(std::span<const double> point, bool signed_distance = false) {
     compiled_.expand(point, q_);
     robots::forwardKinematics(compiled_.model(), q_, poses_);
@@ -51,7 +51,7 @@ class DenseTwin {
                                    pose(pair.body_b) * h.X_BG, request, scratch_)
             .distance;
       };
-      const double enough = least + (signed_distance ? 0 : pair.margin);  // farther does not matter
+      const double enough = least + (signed_distance ? 0 : pair.margin);  // farther is irrelevant
       if (std::isfinite(enough) && ask(enough).lower > enough) continue;
       const collision::Interval d = ask(std::nan(""));
       least = std::min(least, d.upper - (signed_distance ? 0 : pair.margin));
@@ -77,7 +77,7 @@ class DenseTwin {
            pair.margin;
   }
 
-  /// The least over an edge: at `samples` places, then more finely around the least of them.
+  /// Minimum over an edge: `samples` positions, refined around the least.
   double along(std::span<const double> a, std::span<const double> b, int samples,
                bool signed_distance = false, double to = 1) {
     double best = kInfinity, best_t = 0;
@@ -124,7 +124,7 @@ Problem problemOf(Random& random, Kind kind) {
     case Kind::kPlanar:
       return testing::randomProblem(
           random, testing::randomFreeBody(random, robots::JointType::kPlanar), 12, 1.0);
-    case Kind::kMeshes: {  // a free body of triangles among its like
+    case Kind::kMeshes: {  // a free mesh among meshes
       Problem problem = testing::randomProblem(
           random,
           robots::freeBody("body", {{testing::randomMesh(random, 0.4), random.pose(0.25), "part"}},
@@ -172,12 +172,12 @@ void checkRandomEdges(Kind kind, int problems, int edges, std::uint64_t seed, Ta
     DenseTwin twin(*compiled);
     std::vector<double> a_before, goal_before;
     for (int e = 0; e < edges; ++e) {
-      // From a free state where one is found soon, as the edges of a search are.
+      // Starts free where possible, like a search's edges.
       std::vector<double> a = randomPoint(random, *compiled), b(a.size());
       for (int k = 0; k < 30 && certifier.decide(a) != Verdict::kFree; ++k)
         a = randomPoint(random, *compiled);
       std::vector<double> goal = randomPoint(random, *compiled);
-      // Every other edge is near the one before it, so that memory of the last contact is used.
+      // Every other edge is near its predecessor, to exercise the cached contact.
       if (e % 2 == 1 && !a_before.empty()) {
         const std::vector<double> from = a, to = goal;
         compiled->space().interpolate(a_before, from, 0.02, a);
@@ -206,13 +206,13 @@ void checkRandomEdges(Kind kind, int problems, int edges, std::uint64_t seed, Ta
       }
       if (check.verdict != Verdict::kFree && dense > 1e-4) {
         ++tally.cautious;
-        // "Not free" is a proof; only "undecided" may be cautious.
+        // "Not free" is proven; only "undecided" may be cautious.
         EXPECT_EQ(check.verdict, Verdict::kUndecided)
             << "seed " << seed << " problem " << p << " edge " << e << "\n"
             << replay(a, b);
       }
       if (check.verdict == Verdict::kNotFree && check.pair >= 0) {
-        // There it is in contact, to within the rounding that margins are charged with.
+        // In contact at that place, to within the rounding charged to margins.
         ++tally.places;
         EXPECT_GE(check.t, 0);
         EXPECT_LE(check.t, 1);
@@ -249,7 +249,7 @@ TEST_P(RandomEdges, AgreeWithDenseSampling) {
   EXPECT_EQ(tally.unsafe, 0);
   EXPECT_EQ(tally.wrong_prefix, 0);
   EXPECT_LE(tally.cautious, tally.edges / 200);
-  // The test bites only where both answers and prefixes occur often.
+  // Guards the test: answers of both kinds and prefixes occur often.
   EXPECT_GT(tally.free, tally.edges / 10);
   EXPECT_GT(tally.not_free, tally.edges / 10);
   EXPECT_GT(tally.prefixes, tally.edges / 20);
@@ -259,7 +259,7 @@ INSTANTIATE_TEST_SUITE_P(Kinds, RandomEdges,
                          ::testing::Values(Kind::kArm, Kind::kFree, Kind::kPlanar, Kind::kTree,
                                            Kind::kMeshes));
 
-// A wire thinner than any step: the disc passes it between all samples of a stepping check.
+// A wire thinner than any step, missed by all samples of a stepping check.
 TEST(EdgeCertifier, NeverMissesAThinWire) {
   Random random(7);
   for (int run = 0; run < 200; ++run) {
@@ -270,7 +270,7 @@ TEST(EdgeCertifier, NeverMissesAThinWire) {
     wire.geometries.push_back({collision::Shape::capsule(radius, 0.5), {}, "wire"});
     wire.X_WO.translation = {random.uniform(-0.7, 0.7), random.uniform(-0.09, 0.09), 0};
     problem.world.objects.push_back(wire);
-    // A needle instead of a disc, 1e-6 long in x, its way.
+    // A needle, 1e-6 long in x, its direction of travel.
     auto model =
         robots::freeBody("needle", {{collision::Shape::box({1e-7, 0.1, 0.1}), {}, "needle"}},
                          robots::JointType::kPlanar, {-2, -2, 0}, {2, 2, 0});
@@ -282,7 +282,7 @@ TEST(EdgeCertifier, NeverMissesAThinWire) {
   }
 }
 
-/// A square wall of four metres at z = 0 with a window of one metre in its middle.
+/// A square wall of 4 m at z = 0 with a central window of 1 m.
 Object wallWithWindow() {
   std::vector<Eigen::Vector3d> corners;
   std::vector<collision::TriangleMesh::Triangle> triangles;
@@ -302,7 +302,7 @@ Object wallWithWindow() {
   return wall;
 }
 
-// The way is ten thousand times as long as the body is large. Also any limit on work holds.
+// The way is ten thousand times the body's length; every work limit holds.
 TEST(EdgeCertifier, ASmallMeshFliesThroughAWindow) {
   for (const double half : {0.1, 0.01, 0.001, 1e-4, 1e-5}) {
     std::vector<Eigen::Vector3d> corners;
@@ -330,7 +330,7 @@ TEST(EdgeCertifier, ASmallMeshFliesThroughAWindow) {
   }
 }
 
-/// A closed mesh of cubes of two metres around these centres.
+/// A closed mesh of 2 m cubes at these centres.
 Object solidCubes(const std::vector<Eigen::Vector3d>& centers) {
   std::vector<Eigen::Vector3d> vertices;
   std::vector<collision::TriangleMesh::Triangle> triangles;
@@ -360,7 +360,7 @@ TEST(EdgeCertifier, ABodyInsideASolidIsNotFree) {
             0);
 }
 
-// A body may sink into this solid a little, and does not meet its surface between the two places.
+// A body may enter this solid slightly; between both places it does not meet the surface.
 TEST(EdgeCertifier, AllowedDepthIsNotExceededInsideASolid) {
   Problem problem =
       test::problemOf(robots::freeBody("ball", {{collision::Shape::sphere(0.01), {}, "ball"}},
@@ -381,8 +381,8 @@ TEST(EdgeCertifier, AllowedDepthIsNotExceededInsideASolid) {
   EXPECT_LT(certifier.certify(shallow, middle, request).last_valid, 0.1);
 }
 
-// Tables of link gaps prove how far links are apart, never how deep they may overlap. Pairs without
-// a proof were free at any angle where the margin is below 0.
+// Link-gap tables prove distances, never depths. Regression: with a negative margin, pairs without
+// a proof were free at any angle.
 TEST(EdgeCertifier, AllowedDepthIsThatOfLinksWithTables) {
   Random random(8);
   int free = 0, deep = 0, tables = 0;
@@ -423,8 +423,8 @@ TEST(EdgeCertifier, AllowedDepthIsThatOfLinksWithTables) {
   EXPECT_GT(deep, 100);
 }
 
-// A depth query that stops at a threshold may know less of the depth than a full one: states were
-// undecided that a full query proves to be free.
+// A depth query that stops at a threshold may know less than a full one. Regression: states stayed
+// undecided that a full query proves free.
 TEST(EdgeCertifier, AllowedDepthIsDecidedWhereItIsKnown) {
   Random random(21);
   int free = 0;
@@ -448,8 +448,7 @@ TEST(EdgeCertifier, AllowedDepthIsDecidedWhereItIsKnown) {
   EXPECT_GT(free, 100);
 }
 
-// Each ball of a cover may have its own way out, so that their depths one by one say nothing of the
-// body's.
+// Each ball of a cover may have its own way out: single depths say nothing of the body's.
 TEST(EdgeCertifier, AllowedDepthIsThatOfTheWholeBody) {
   const auto of = [](const collision::Shape& body, const Object& obstacle, double margin) {
     Problem problem =
@@ -464,7 +463,7 @@ TEST(EdgeCertifier, AllowedDepthIsThatOfTheWholeBody) {
   ball.name = "ball";
   ball.geometries.push_back({collision::Shape::sphere(0.05), {}, "ball"});
   const collision::Shape box = collision::Shape::box({0.5, 0.5, 0.5});
-  // The edge begins 0.367 deep.
+  // The edge starts at depth 0.367.
   EXPECT_NE(
       EdgeCertifier(of(box, ball, -0.3))
           .certify(
@@ -501,8 +500,8 @@ TEST(EdgeCertifier, AllowedDepthIsThatOfTheWholeBody) {
   EXPECT_GT(deep, 100);
 }
 
-// A ball's centre, outside the body, within 1e-23 of an obstacle's centre: in single precision the
-// square of such a way is 0.
+// A ball's centre, outside the body, within 1e-23 of an obstacle's: the square of that offset
+// underflows in single precision.
 TEST(EdgeCertifier, AWayThatIsNoDirectionPartsNothing) {
   const std::vector<Eigen::Vector3d> corners = {
       {-0.5, -0.5, -0.5}, {0.5, -0.5, -0.5}, {-0.5, 0.5, -0.5}, {-0.5, -0.5, 0.5}};
@@ -524,11 +523,11 @@ TEST(EdgeCertifier, AWayThatIsNoDirectionPartsNothing) {
     for (const double radius : {0.289, 0.2895, 0.292, 0.3, 0.35}) {
       EdgeCertifier certifier(of(radius, 0));
       const Verdict verdict = certifier.certify(place, place).verdict;
-      // The way to the facet is 0.5 / 3^(1/2).
+      // The facet is at 0.5 / 3^(1/2).
       EXPECT_EQ(verdict == Verdict::kFree, radius < 0.5 / std::sqrt(3) - off)
           << off << ' ' << radius;
     }
-    // It is not remembered as a plane that parts them either.
+    // It must not be cached as a separating plane either.
     EdgeCertifier certifier(of(0.26, 0.05));
     certifier.certify(place, place);
     EXPECT_NE(certifier
@@ -540,7 +539,7 @@ TEST(EdgeCertifier, AWayThatIsNoDirectionPartsNothing) {
   }
 }
 
-// A plate that turns in a slot touches both walls at once, and then no short way parts them.
+// A plate turning in a slot touches both walls at once: no short translation separates them.
 TEST(EdgeCertifier, ATurnLocksAPlateInASlot) {
   Problem problem = test::problemOf(
       robots::freeBody("plate", {{collision::Shape::box({0.5, 0.02, 0.1}), {}, "plate"}},
@@ -561,8 +560,8 @@ TEST(EdgeCertifier, ATurnLocksAPlateInASlot) {
   EXPECT_LT(before.upper - before.lower, 1.001e-3);
 }
 
-// Depths of meshes take long: 1,572 of them took 2 s and ended without a lower end. Their cost is
-// counted, and beyond the limit the interval stays as wide as it is.
+// Depths of meshes are slow; their work is counted, and beyond the limit the interval stays as wide
+// as it is. Regression: 1,572 of them took 2 s and ended without a lower end.
 TEST(EdgeCertifier, ClearanceOfMeshesDeepInEachOtherEndsWithItsWork) {
   Problem problem =
       test::problemOf(robots::freeBody("ring", {{testing::bumpyRing(), {}, "ring"}},
@@ -614,7 +613,7 @@ TEST(EdgeCertifier, ClearanceHoldsTheDenseMinimum) {
         (dense > 0 ? apart : overlapping) += 1;
         EXPECT_LE(result.clearance.lower, dense + 1e-9) << "problem " << p << " edge " << e << "\n"
                                                         << replay(a, b);
-        // Samples can only be above the minimum.
+        // Samples cannot be below the minimum.
         EXPECT_LE(result.clearance.upper, dense + tolerance + 1e-9)
             << "problem " << p << " edge " << e << "\n"
             << replay(a, b);
@@ -647,7 +646,7 @@ TEST(EdgeCertifier, ClearanceThatLanesBeganIsThatOfIntervalsAlone) {
             {problem.world.objects[0].name, problem.robot.model->links.back().name, 0.1});
       const auto compiled = std::make_shared<const CompiledScene>(problem);
       EdgeCertifier certifier(compiled), twin(compiled);
-      twin.rebind(compiled->withShapes({}));  // whose lanes are those of another scene
+      twin.rebind(compiled->withShapes({}));  // its lanes belong to another scene
       for (int e = 0; e < 10; ++e) {
         const std::vector<double> a = randomPoint(random, *compiled);
         std::vector<double> b(a.size());
@@ -722,7 +721,7 @@ TEST(EdgeCertifier, SameCallsSameAnswers) {
   EXPECT_EQ(run(), run());
 }
 
-// A limit on work may leave edges undecided, but changes no answer; a persistent request decides
+// A work limit may leave edges undecided but never changes an answer; a persistent request decides
 // them.
 TEST(EdgeCertifier, WorkThatIsSpentIsUndecidedAndNoOtherAnswer) {
   Random random(31);
@@ -758,8 +757,8 @@ TEST(EdgeCertifier, WorkThatIsSpentIsUndecidedAndNoOtherAnswer) {
   EXPECT_GT(decided, casesToAsk(300));
 }
 
-// A virtual joint that is not planned places a robot in the world and lets nothing fly. Its links
-// against its base were swept by surfaces, as free bodies are, and at their work limit.
+// An unplanned virtual joint places a robot; its links do not fly. Regression: they were swept by
+// surfaces against their base, like free bodies, and exhausted the work limit.
 TEST(EdgeCertifier, WhatAVirtualJointPlacesDoesNotFly) {
   Random random(33);
   const collision::Shape mesh = testing::randomMesh(random, 0.1);
@@ -810,7 +809,7 @@ TEST(EdgeCertifier, WhatIsNoNumberIsUndecided) {
   EXPECT_EQ(certifier.certify(good, good).verdict, Verdict::kFree);
 }
 
-// A quaternion without length is no rotation, and a joint without room has one place only.
+// A zero quaternion is no rotation; a joint without range has a single position.
 TEST(EdgeCertifier, WhatCannotBeIsUndecided) {
   Problem flyer = test::problemOf(test::flyingBox(), {0, 0, 0, 0, 0, 0, 1}, {0, 0, 0, 0, 0, 0, 1});
   flyer.world.objects.push_back(test::box("far", {0.1, 0.1, 0.1}, 5, 5, 5));
@@ -845,7 +844,7 @@ TEST(EdgeCertifier, WhatCannotBeIsUndecided) {
   EXPECT_EQ(sliding.certify(home, wall).verdict, Verdict::kUndecided);
 }
 
-// A continuous joint that wraps would make a mimic of half its angle jump.
+// When a continuous joint wraps, a mimic of half its angle would jump.
 TEST(EdgeCertifier, AMimicThatWouldJumpIsUndecided) {
   robots::RobotDescription robot;
   for (int i = 0; i < 3; ++i) {
@@ -880,7 +879,7 @@ TEST(EdgeCertifier, AMimicThatWouldJumpIsUndecided) {
             Verdict::kFree);
   EXPECT_EQ(certifier.certify(std::vector<double>{3.0}, std::vector<double>{-3.0}).verdict,
             Verdict::kUndecided);
-  // Outside [-pi, pi), to which circles are wrapped inside an edge.
+  // Outside [-pi, pi), the range that edges wrap circles to.
   EXPECT_EQ(certifier.certify(std::vector<double>{3.5}, std::vector<double>{3.6}).verdict,
             Verdict::kUndecided);
 }
@@ -905,7 +904,7 @@ TEST(EdgeCertifier, QueriesAllocateNothing) {
   }
 }
 
-// A pair dropped by a proof within the limits may touch outside them.
+// A pair excluded by a proof within the limits may collide outside them.
 TEST(EdgeCertifier, OutsideLimitsThatAProofNeededIsUndecided) {
   robots::RobotDescription robot;
   for (int i = 0; i < 3; ++i) {

@@ -30,7 +30,7 @@ std::vector<double> randomPoint(Random& random, const CompiledScene& scene) {
   return point;
 }
 
-/// findContact() for a pair, over a random range of lanes.
+/// findContact() for a pair over a random range of lanes.
 template <typename DistanceOf>
 void checkMeet(Random& random, const EdgeFrames& frames, EdgeLanes& lanes, int id,
                const DistanceOf& distanceOf, Count& count) {
@@ -45,7 +45,7 @@ void checkMeet(Random& random, const EdgeFrames& frames, EdgeLanes& lanes, int i
   EXPECT_LE(distanceOf(p, *t).lower, frames.pairs()[p].threshold);
 }
 
-/// sweepParts() for open pairs, over parts of where they are open, each pair in half of the lanes.
+/// sweepParts() for open pairs over part of their open range, each pair in half of the lanes.
 template <typename DistanceOf>
 void checkParts(Random& random, const EdgeFrames& frames, EdgeLanes& lanes,
                 std::vector<LaneSweep::Open> pairs, const DistanceOf& distanceOf, Count& count) {
@@ -86,7 +86,7 @@ void checkParts(Random& random, const EdgeFrames& frames, EdgeLanes& lanes,
   }
 }
 
-/// Edges of a problem: pairs that lanes certify are apart at every sample, and a contact is one.
+/// Edges of a problem: pairs certified by lanes are apart at every sample, and a contact is one.
 void check(Random& random, const Problem& problem, int edges, Count& count) {
   const auto scene = std::make_shared<const CompiledScene>(problem);
   EdgeFrames frames(scene, 256);
@@ -170,7 +170,7 @@ TEST(EdgeLanes, CertifyOnlyWhatIsApart) {
         {"rock", {{testing::randomMesh(random, 0.3), {}, "rock"}}, random.pose(1.0)});
     check(random, problem, 25, count);
   }
-  // The test bites only with near misses among what is certified, and with every outcome.
+  // Guards the test: near misses among certified pairs, and every outcome.
   EXPECT_GT(count.edges, 500);
   EXPECT_GT(count.contacts, 50);
   EXPECT_GT(count.certified, 20000);
@@ -182,7 +182,7 @@ TEST(EdgeLanes, CertifyOnlyWhatIsApart) {
   EXPECT_GT(count.part_near, 20);
 }
 
-/// Arms of concave links, whose hulls nearly always meet: near them only parts certify.
+/// Arms of concave links, whose hulls nearly always intersect: only parts certify them.
 TEST(EdgeLanes, PartsCertifyOnlyWhatIsApart) {
   Random random(33);
   Count count;
@@ -225,7 +225,7 @@ TEST(EdgeLanes, GiveTheSameAnswersOnEveryInstructionSet) {
       if (contact.id < 0) contact = lanes.searchPlanes();
       result.push_back(static_cast<std::uint32_t>(contact.id));
       result.push_back(static_cast<std::uint32_t>(contact.lane));
-      result.push_back(static_cast<std::uint32_t>(work.done));  // edges end where it is spent
+      result.push_back(static_cast<std::uint32_t>(work.done));  // edges end when it is exhausted
       if (contact.id >= 0) continue;
       for (const LaneSweep::Open& o : lanes.open()) {
         result.push_back(static_cast<std::uint32_t>(o.id));
@@ -237,9 +237,9 @@ TEST(EdgeLanes, GiveTheSameAnswersOnEveryInstructionSet) {
   for (const auto& result : results) EXPECT_EQ(result, results[0]);
 }
 
-// Whole edges in a row, of all kinds of robots: remembered planes decide where the next edges are
-// looked at. When planes depended on the width of registers, one problem in a hundred reported
-// another place, here problem 31.
+// Consecutive whole edges of all kinds of robots: cached planes choose where the next edge is
+// checked first. Regression: planes depended on the register width, and one problem in a hundred
+// (here 31) reported another place.
 TEST(EdgeLanes, EdgesAreToldTheSameOnEveryInstructionSet) {
   Random random(77);
   for (int p = 0; p < 40; ++p) {

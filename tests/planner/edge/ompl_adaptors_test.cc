@@ -22,7 +22,7 @@ namespace {
 
 namespace ob = ompl::base;
 
-/// An OMPL program of a user's own, with our adaptors.
+/// A user's OMPL program with our adaptors.
 class OmplAdaptors : public testing::Test {
  protected:
   OmplAdaptors()
@@ -107,7 +107,7 @@ TEST_F(OmplAdaptors, LastValidEndsACertifiedEdge) {
     EXPECT_LT(last_valid.second, 1);
     EXPECT_TRUE(information_->isValid(last.get()));
     EXPECT_TRUE(information_->checkMotion(a.get(), last.get()));
-    // The wall begins 0.15 before its middle, and the last valid state is near it.
+    // Contact begins 0.15 before the wall's middle; the last valid state is near it.
     if (last_valid.second > 0) {
       EXPECT_LT(last->values[0], -0.14);
     }
@@ -169,7 +169,7 @@ TEST_F(OmplAdaptors, ClearanceObjectiveServesAUsersPlanner) {
   planner.solve(ob::PlannerTerminationCondition([&] { return ++turns > 500; }));
   ASSERT_TRUE(problem->hasExactSolution());
   const double cost = problem->getSolutionPath()->cost(objective).value();
-  // The gap is 0.6 wide, the disc 0.2: no path has more than 0.2, and the shortest nearly none.
+  // Gap 0.6, disc 0.2: clearance is at most 0.2, and nearly 0 on the shortest path.
   EXPECT_GT(cost, 0.05);
   EXPECT_LE(cost, 0.2);
 }

@@ -1,4 +1,4 @@
-// A certifier that is bound to another instant answers as one made for it.
+// A certifier rebound to another instant answers like a new one.
 #include <gtest/gtest.h>
 
 #include <limits>
@@ -18,7 +18,7 @@ using collision::Deformable;
 using collision::DeformableMesh;
 using collision::Shape;
 
-/// A disc, a post, and a square that is pulled about.
+/// A disc, a post, and a deforming square.
 struct DiscWorld {
   DiscWorld() : problem(test::problemOf(test::disc(), {-1.5, 0, 0}, {1.5, 0, 0})) {
     const std::vector<Eigen::Vector3d> rest = {

@@ -14,12 +14,12 @@
 #include "leeway/planner/replanner.h"
 #include "leeway/robots/kinematics.h"
 
-/// The truth about an executed trajectory, without hierarchies, sweeps or bounds: every triangle,
-/// as a convex hull of its three corners, against every shape of the robot, at many instants.
+/// Truth of an executed trajectory without hierarchies, sweeps or bounds: every triangle, as the
+/// hull of its corners, against every shape of the robot, at many instants.
 namespace leeway::planner::test {
 
-/// The least distance between the robot at `point` and what deforms at `time` [m], as far as it is
-/// below `enough`. Pairs in Contacts::allowed are left out.
+/// Minimum distance between the robot at `point` and what deforms, at `time` [m], if below
+/// `enough`. Skips pairs in Contacts::allowed.
 inline double bruteClearance(const Problem& problem, std::span<const double> point, double time,
                              double enough) {
   std::vector<double> q = problem.start;
@@ -65,7 +65,7 @@ inline double bruteClearance(const Problem& problem, std::span<const double> poi
   return least;
 }
 
-/// What an executed trajectory keeps from what deforms, looked at every `step` [s].
+/// Clearance of an executed trajectory from what deforms, sampled every `step` [s].
 inline double denseClearance(const Problem& problem, std::span<const TimedPoint> trajectory,
                              double step, double enough) {
   const ConfigurationSpace space(problem.robot.model, problem.robot.variables);

@@ -50,7 +50,7 @@ class PathIo : public testing::Test {
     text << stream.rdbuf();
     return text.str();
   }
-  /// What stands in the folder: a failed write must not leave its temporary file.
+  /// Number of files: a failed write must not leave its temporary file.
   std::size_t fileCount() const {
     const std::filesystem::directory_iterator first(folder_), last;
     return static_cast<std::size_t>(std::distance(first, last));
@@ -140,7 +140,7 @@ TEST_F(PathIo, BodiesComeBackToTheBit) {
     EXPECT_TRUE(sameBits(readPath(file(std::string("body") + ending), problem).positions, rows))
         << ending;
   }
-  // x y z qx qy qz qw and nothing else in a row, as OMPL prints them.
+  // Rows are x y z qx qy qz qw, as OMPL prints them.
   std::istringstream first(contents(file("body.path")));
   for (const double expected : rows[0]) {
     double x = 0;
@@ -186,11 +186,11 @@ TEST_F(PathIo, JsonHoldsTrajectoryAndCertificate) {
   EXPECT_EQ(certificate.at("clearance_lower").get<double>(), result.certificate.clearance.lower);
   EXPECT_EQ(certificate.at("closest").at("a"), "a \"quoted\" name");
   EXPECT_EQ(certificate.at("segments").size(), 19U);
-  // Margin 0.01 of the problem: half of what is above it.
+  // Half of the clearance above the problem's margin 0.01.
   EXPECT_NEAR(certificate.at("tracking_tolerance").get<double>(),
               (0.0123456789012345678 - 0.01) / 2, 1e-15);
 
-  result.certificate.clearance = {kInfinity, kInfinity};  // nothing to be near
+  result.certificate.clearance = {kInfinity, kInfinity};  // no obstacles
   result.certificate.closest_segment = -1;
   writePath(file("arm.json"), problem, result);
   const auto far = nlohmann::json::parse(contents(file("arm.json")));
@@ -211,7 +211,7 @@ TEST_F(PathIo, TimesKeepTheVelocityLimits) {
   std::getline(lines, second);
   EXPECT_EQ(header, "time,joint1,joint2,joint3,joint4,joint5,joint6,joint7");
   EXPECT_EQ(first.substr(0, 2), "0,");
-  // And half a second is taken for reaching that speed and for leaving it, half of it lost.
+  // Plus half a second to reach and leave that speed, half of it lost.
   EXPECT_NEAR(std::stod(second), 1 / (75 * 3.141592653589793 / 180) + 0.5, 1e-4);
 }
 
@@ -230,7 +230,7 @@ TEST_F(PathIo, TrajectoriesHaveRatesAndTheirOwnCertificate) {
   const Trajectory trajectory(space, rows, defaultMotionLimits(*space), blends);
   for (const char* name : {"t.json", "t.yaml"}) {
     writeTrajectory(file(name), problem, result, trajectory, 0.05);
-    const auto read = readPath(file(name), problem);  // the rows are a path again
+    const auto read = readPath(file(name), problem);  // its rows form a path again
     EXPECT_TRUE(sameBits({read.positions.front(), read.positions.back()}, {rows[0], rows[2]}));
   }
   const auto json = nlohmann::json::parse(contents(file("t.json")));
@@ -259,7 +259,7 @@ TEST_F(PathIo, TrajectoriesHaveRatesAndTheirOwnCertificate) {
   EXPECT_EQ(certificate.at("clearance_lower").get<double>(), problem.margins.common);
   EXPECT_EQ(certificate.at("tracking_tolerance").get<double>(), 0);
   EXPECT_FALSE(certificate.contains("segments"));
-  // The path's least clearance is no upper bound where the motion does not go.
+  // Away from the path, its least clearance is no upper bound.
   EXPECT_EQ(certificate.at("clearance_upper").get<double>(), 0.031);
   for (const double t : {0.7, 0.9}) {
     result.certificate.closest_segment = 0;
@@ -277,7 +277,7 @@ TEST_F(PathIo, TrajectoriesHaveRatesAndTheirOwnCertificate) {
   const auto stop = nlohmann::json::parse(contents(file("stop.json")));
   EXPECT_EQ(stop.at("certificate").at("clearance_lower").get<double>(), 0.03);
   EXPECT_EQ(stop.at("points").size(), stopping.knots().size());
-  for (std::size_t i = 0; i + 1 < stop.at("points").size(); ++i) {  // as it is from then on
+  for (std::size_t i = 0; i + 1 < stop.at("points").size(); ++i) {  // later ones
     std::vector<double> second(7);
     stopping.acceleration((stopping.knots()[i] + stopping.knots()[i + 1]) / 2, second);
     EXPECT_NEAR(stop.at("points")[i].at("accelerations")[0].get<double>(), second[0], 1e-9) << i;
@@ -293,7 +293,7 @@ TEST_F(PathIo, TrajectoriesHaveRatesAndTheirOwnCertificate) {
   }
 }
 
-/// What is written for an orientation is the rate of its four numbers.
+/// Orientations are written with the rate of their four numbers.
 TEST_F(PathIo, TrajectoriesOfBodiesHaveTheRatesOfTheirNumbers) {
   const Problem problem = loadProblem(kSource + "/problems/bodies/window.yaml");
   const auto space =
@@ -315,7 +315,7 @@ TEST_F(PathIo, TrajectoriesOfBodiesHaveTheRatesOfTheirNumbers) {
     trajectory.configuration(time, middle);
     trajectory.configuration(time + h, after);
     const bool smooth = std::abs(std::remainder(time, trajectory.duration() / 17)) <
-                        1e-6;  // else a jump within 2 h
+                        1e-6;  // otherwise a jump within 2 h
     for (std::size_t i = 0; i < 7; ++i) {
       EXPECT_NEAR(point.at("velocities")[i].get<double>(), (after[i] - before[i]) / (2 * h), 1e-4);
       if (smooth) {
@@ -328,8 +328,7 @@ TEST_F(PathIo, TrajectoriesOfBodiesHaveTheRatesOfTheirNumbers) {
   EXPECT_GT(moving, 3);
 }
 
-/// A waypoint that names its orientation by the opposite numbers: between two rows they would turn
-/// through zero.
+/// A waypoint with the negated quaternion: interpolation between the rows would pass through zero.
 TEST_F(PathIo, TrajectoriesOfBodiesDoNotChangeTheSignOfOrientations) {
   const Problem problem = loadProblem(kSource + "/problems/bodies/window.yaml");
   const auto space =
@@ -377,7 +376,7 @@ TEST_F(PathIo, TimesThatNoFileCanSayAreRefused) {
   EXPECT_NO_THROW(writePath(file("p.path"), problem, result));
 }
 
-/// A controller that knows nothing of circles must go the way that was certified.
+/// A controller unaware of wrapping must follow the certified way.
 TEST_F(PathIo, ContinuousJointsAreWrittenUnwrapped) {
   const Problem problem = loadProblem(kSource + "/problems/bodies/piano.yaml");
   const double pi = 3.14159265358979323846;
@@ -392,11 +391,11 @@ TEST_F(PathIo, ContinuousJointsAreWrittenUnwrapped) {
   for (std::size_t i = 1; i < 4; ++i)
     EXPECT_LE(std::abs(path.positions[i][2] - path.positions[i - 1][2]), pi + 1e-12);
   writePath(file("again.csv"), problem,
-            resultOf(problem, path.positions));  // what is unwrapped stays to the bit
+            resultOf(problem, path.positions));  // unwrapped values stay bit for bit
   EXPECT_TRUE(sameBits(readPath(file("again.csv"), problem).positions, path.positions));
 }
 
-/// Half a turn exactly goes the way that was certified, whatever turns the rows before have made.
+/// An exact half turn follows the certified direction, whatever turns precede it.
 TEST_F(PathIo, HalfTurnsAreWrittenAsTheyWereCertified) {
   const Problem problem = loadProblem(kSource + "/problems/bodies/piano.yaml");
   const ConfigurationSpace space(problem.robot.model, problem.robot.variables);
@@ -524,7 +523,7 @@ TEST_F(PathIo, UnwritableOutputIsAnInputErrorAndLeavesNothing) {
   EXPECT_EQ(fileCount(), 1U);
 }
 
-/// Neither a row that makes no sense nor a full disk touches the file that was there.
+/// Neither an invalid row nor a full disk changes the existing file.
 TEST_F(PathIo, AnExistingFileSurvivesAFailedWrite) {
   const Problem problem = armProblem();
   write("path.json", "precious");
@@ -532,7 +531,7 @@ TEST_F(PathIo, AnExistingFileSurvivesAFailedWrite) {
   result.path.positions[1].pop_back();
   EXPECT_THROW(writePath(file("path.json"), problem, result), std::invalid_argument);
   EXPECT_EQ(contents(file("path.json")), "precious");
-  // A disk that is full after 16 bytes.
+  // The disk is full after 16 bytes.
   result = resultOf(problem, armRows());
   struct rlimit before {};
   ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);

@@ -43,7 +43,7 @@ Sheet sheet(double y0, double y1, int cells) {
   return s;
 }
 
-/// The vertices go through these displacements.
+/// Vertices pass through these displacements.
 std::shared_ptr<const VertexMotion> moved(
     const Sheet& s, const std::vector<std::pair<double, Eigen::Vector3d>>& keys) {
   collision::MorphMotion motion;
@@ -66,8 +66,7 @@ DeformingObstacle obstacle(const std::string& name, const Sheet& s,
                                {});
 }
 
-/// A disc goes from left to right where a wall with a gap stands; a sheet closes the gap for a
-/// while.
+/// A disc crosses a wall with a gap from left to right; a sheet temporarily closes the gap.
 Problem gate(const std::vector<std::pair<double, Eigen::Vector3d>>& keys) {
   Problem problem = test::wallProblem();
   problem.start = {-1, 1.2, 0};
@@ -80,7 +79,7 @@ Problem gate(const std::vector<std::pair<double, Eigen::Vector3d>>& keys) {
   return problem;
 }
 
-/// Certified steps must be free; returns what was kept.
+/// Checks that certified steps are free; returns the clearance kept.
 double expectTruth(const Problem& problem, const ReplanResult& result, double step = 0.002) {
   const double kept = test::denseClearance(problem, result.trajectory, step, 1.0);
   if (result.certified) {
@@ -116,7 +115,7 @@ TEST(Replanner, WithoutAnythingThatDeformsThePathIsFollowed) {
 }
 
 TEST(Replanner, WaitsForAGateThatOpens) {
-  // Closed from the start to 2 s: no path, so it stands; then the gate moves up and away.
+  // Closed from the start to 2 s: no path, so it waits; then the gate moves up and away.
   const Problem problem = gate({{0, {0, 0, 0}}, {2, {0, 0, 0}}, {3, {0, 0, 1.2}}});
   int waits = 0, broken = 0;
   const ReplanResult result = replan(problem, {}, [&](const ReplanStep& step) {
@@ -134,7 +133,7 @@ TEST(Replanner, WaitsForAGateThatOpens) {
 }
 
 TEST(Replanner, PlansAnewWhereTheWayIsClosed) {
-  // Open at first; then it closes before the disc is there, for good, and the long way is below.
+  // Open at first; it closes for good before the disc arrives; the long way is below.
   Problem problem = gate({{0, {0, 0, 1.5}}, {0.2, {0, 0, 1.5}}, {0.5, {0, 0, 0}}});
   problem.world.objects[0] = test::box("lower wall", {0.05, 0.9, 0.5}, 0, 0, 0);  // y -0.9 to 0.9
   const ReplanResult first = replan(problem, {}, {}, 1);
@@ -144,7 +143,7 @@ TEST(Replanner, PlansAnewWhereTheWayIsClosed) {
   EXPECT_EQ(result.status, ReplanStatus::kReached);
   EXPECT_GE(result.replans, 1);
   expectTruth(problem, result);
-  // It bites: the first path, executed blindly at the same speed, runs into the gate.
+  // Guards the test: the first path, executed blindly at the same speed, hits the gate.
   std::vector<TimedPoint> blind = {{0, plan_alone.path.positions.front()}};
   for (std::size_t i = 1; i < plan_alone.path.positions.size(); ++i) {
     const auto &a = plan_alone.path.positions[i - 1], &b = plan_alone.path.positions[i];
@@ -156,7 +155,7 @@ TEST(Replanner, PlansAnewWhereTheWayIsClosed) {
 }
 
 TEST(Replanner, EvadesWhatComesWhereItStands) {
-  // A sheet sweeps over the place of the start, where nothing leads to the goal.
+  // A sheet sweeps over the start, and no path leads to the goal.
   Problem problem = gate({{0, {0, 0, 0}}, {20, {0, 0, 0}}});
   const Sheet s = sheet(0.9, 1.5, 4);
   problem.world.deforming.push_back(
@@ -172,7 +171,7 @@ TEST(Replanner, EvadesWhatComesWhereItStands) {
 }
 
 TEST(Replanner, SaysWhenNothingIsCertain) {
-  // Two sheets close in on the disc from both sides faster than it can leave.
+  // Two sheets close in on the disc from both sides, faster than it can leave.
   Problem problem = gate({{0, {0, 0, 0}}, {20, {0, 0, 0}}});
   const Sheet s = sheet(-2, 2.5, 4);
   for (const double side : {-1.0, 1.0})
@@ -182,7 +181,7 @@ TEST(Replanner, SaysWhenNothingIsCertain) {
   EXPECT_EQ(result.status, ReplanStatus::kUnsafe);
   EXPECT_FALSE(result.certified);
   EXPECT_LT(result.steps, 8);
-  // All steps but the last were free.
+  // All steps but the last are free.
   std::vector<TimedPoint> before = result.trajectory;
   while (before.size() > 1 && before.back().time > (result.steps - 1) * 0.05 + 1e-9)
     before.pop_back();
@@ -209,7 +208,7 @@ TEST(Replanner, AProgramSaysWhereTheVerticesAre) {
   result.certified = true;
   std::vector<Eigen::Vector3d> vertices(blind.world.deforming[0].mesh->rest().begin(),
                                         blind.world.deforming[0].mesh->rest().end());
-  // What is wrong is refused, and what was known stays.
+  // Invalid input is refused without changing the state.
   EXPECT_THROW(replanner.setVertices("door", vertices, 0, 1), std::invalid_argument);
   EXPECT_THROW(replanner.setVertices("gate", std::span(vertices).first(3), 0, 1),
                std::invalid_argument);
@@ -226,7 +225,7 @@ TEST(Replanner, AProgramSaysWhereTheVerticesAre) {
     ASSERT_TRUE(step.certified) << step.time;
     result.clearance.lower = std::min(result.clearance.lower, step.clearance.lower);
     result.trajectory.insert(result.trajectory.end(), step.motion.begin(), step.motion.end());
-    // The robot is where it was told to be, give or take what an encoder tells.
+    // The robot is at the commanded place, up to encoder errors.
     if (step.index == 3) {
       std::vector<double> measured(replanner.state().begin(), replanner.state().end());
       measured[1] += 1e-4;
@@ -313,7 +312,7 @@ TEST(Replanner, RefusesSettingsThatMakeNoSense) {
   EXPECT_THROW(Replanner{problem}, robots::InputError);
 }
 
-/// The shipped scenes: reached, every step certified and free, and not by the first path alone.
+/// Shipped scenes: reached, every step certified and free, and the first path alone would fail.
 class ShippedScene : public testing::TestWithParam<const char*> {};
 
 TEST_P(ShippedScene, IsExecutedAndNeedsReplanning) {
@@ -324,7 +323,7 @@ TEST_P(ShippedScene, IsExecutedAndNeedsReplanning) {
   EXPECT_EQ(result.status, ReplanStatus::kReached);
   EXPECT_GT(result.replans + result.waits + result.evasions, 0);
   expectTruth(problem, result, 0.02);
-  // The first path alone, executed blindly, does not keep the margin.
+  // The first path alone, executed blindly, violates the margin.
   const PlanResult alone = plan(problem);
   ASSERT_EQ(alone.status, PlanStatus::kSolved);
   const ConfigurationSpace space(problem.robot.model, problem.robot.variables);
@@ -340,7 +339,7 @@ TEST_P(ShippedScene, IsExecutedAndNeedsReplanning) {
 INSTANTIATE_TEST_SUITE_P(Files, ShippedScene, testing::Values("curtain", "heap", "figure"),
                          [](const auto& scene) { return std::string(scene.param); });
 
-/// Random sheets fly through the room; whatever is certified must be free.
+/// Random sheets fly through the room; whatever is certified is free.
 TEST(Replanner, RandomSheetsNeverTouchWhatIsCertified) {
   int steps = 0, unsafe_errors = 0, disturbed = 0, reached = 0;
   for (int seed = 0; seed < 12; ++seed) {

@@ -46,10 +46,10 @@ TEST(RestToRest, KeepsItsLimitsAndIsTheirOwnIntegral) {
       acceleration = std::max(acceleration, now.acceleration);
       before = now;
     }
-    EXPECT_NEAR(way, 1, 1e-5 + h * peak);  // kinks within a step
+    EXPECT_NEAR(way, 1, 1e-5 + h * peak);  // corners within a step
     EXPECT_NEAR(profile.at(end * (1 - 1e-12)).way, 1, 1e-9);
     EXPECT_EQ(profile.at(end).way, 1);
-    // Something is at its limit at any time: else it could be faster.
+    // Some limit is active at any time; otherwise a faster motion exists.
     EXPECT_TRUE(peak > v * 0.999 || acceleration > a * 0.998 || j < kInfinity);
     cruising += peak > v * 0.999;
     short_ways += peak < v * 0.9;
@@ -58,21 +58,21 @@ TEST(RestToRest, KeepsItsLimitsAndIsTheirOwnIntegral) {
   EXPECT_GT(cruising, 30);
   EXPECT_GT(short_ways, 30);
   EXPECT_GT(ramped, 10);
-  // The textbook's numbers.
+  // Textbook values.
   EXPECT_NEAR(RestToRest(1, 1, kInfinity).duration(), 2, 1e-12);
   EXPECT_NEAR(RestToRest(0.5, 1, kInfinity).duration(), 2.5, 1e-12);
   EXPECT_NEAR(RestToRest(1e9, 1e9, 32).duration(), 4 * std::cbrt(1.0 / 64), 1e-12);
-  // The square of a / j is none: it moved for 4e100 s, far beyond the end.
+  // Regression: the square of a / j overflows; it moved for 4e100 s, far beyond the end.
   EXPECT_NEAR(RestToRest(1, 1, 1e-200).duration() / (4 * std::cbrt(0.5e200)), 1, 1e-12);
 }
 
 TEST(RestToRest, WhereAccelerationJumpsItIsAsAfterwards) {
   EXPECT_EQ(RestToRest(1, 1, kInfinity).at(0).acceleration, 1);
-  EXPECT_EQ(RestToRest(1, 1, kInfinity).at(1).acceleration, -1);  // was 0
+  EXPECT_EQ(RestToRest(1, 1, kInfinity).at(1).acceleration, -1);  // regression: 0
   EXPECT_EQ(RestToRest(0.5, 1, kInfinity).at(0.5).acceleration, 0);
-  EXPECT_EQ(RestToRest(0.5, 1, kInfinity).at(2).acceleration, -1);  // was 0
+  EXPECT_EQ(RestToRest(0.5, 1, kInfinity).at(2).acceleration, -1);  // regression: 0
   EXPECT_EQ(RestToRest(0.5, 1, kInfinity).at(2.5).acceleration, 0);
-  // Whose last phase begins where rounding has it a little farther from the end than it is long.
+  // Rounding may put the start of the last phase farther from the end than its length.
   std::uint64_t state = 7;
   for (int i = 0; i < 200; ++i) {
     state = state * 6364136223846793005U + 1442695040888963407U;
@@ -108,13 +108,13 @@ TEST_F(TrajectoryTest, StaysOnThePathWithinTheLimitsAndRestsAtCorners) {
     for (std::size_t k = 0; k < n; ++k)
       path.back()[k] += 0.2 * std::sin(1.7 * i + 2.3 * static_cast<double>(k));
   }
-  // An edge cut in its middle is run through; one of no length takes no time.
+  // An edge cut in its middle is passed without stopping; a zero-length one takes no time.
   std::vector<double> middle(n);
   space->interpolate(path[2], path[3], 0.5, middle);
   path.insert(path.begin() + 3, middle);
   path.insert(path.begin() + 1, path.front());
   path.push_back(path.back());
-  path.push_back(start());  // turns round after an edge of no length
+  path.push_back(start());  // reverses after a zero-length edge
   for (const bool jerk : {false, true}) {
     MotionLimits limits = defaultMotionLimits(*space);
     if (jerk) limits.jerk.assign(n, 20);
@@ -134,7 +134,7 @@ TEST_F(TrajectoryTest, StaysOnThePathWithinTheLimitsAndRestsAtCorners) {
       const Trajectory::Place p = trajectory.place(t);
       space->interpolate(path[static_cast<std::size_t>(p.edge)],
                          path[static_cast<std::size_t>(p.edge) + 1], p.t, on_path);
-      EXPECT_EQ(q, on_path);  // the certified edge itself
+      EXPECT_EQ(q, on_path);  // exactly the certified edge
       for (std::size_t i = 0; i < n; ++i) {
         EXPECT_LE(std::abs(rate[i]), limits.velocity[i] * (1 + 1e-9));
         EXPECT_LE(std::abs(second[i]), limits.acceleration[i] * (1 + 1e-9));
@@ -144,7 +144,7 @@ TEST_F(TrajectoryTest, StaysOnThePathWithinTheLimitsAndRestsAtCorners) {
       before = q;
     }
     EXPECT_TRUE(saturated || jerk);
-    // At a knot acceleration is what it is from then on.
+    // At a knot the acceleration is the later one.
     const std::vector<double> knots = trajectory.knots();
     for (std::size_t k = 1; k < knots.size() && !jerk; ++k) {
       if (knots[k] - knots[k - 1] < 1e-9) continue;
@@ -156,18 +156,18 @@ TEST_F(TrajectoryTest, StaysOnThePathWithinTheLimitsAndRestsAtCorners) {
     EXPECT_EQ(q, path.back());
     for (const std::size_t corner : {2U, 3U, 5U, 7U, 8U}) {
       trajectory.velocity(trajectory.times()[corner], rate);
-      for (const double r : rate) EXPECT_NEAR(r, 0, 1e-7);  // the root of a rounding
+      for (const double r : rate) EXPECT_NEAR(r, 0, 1e-7);  // square root of a rounding error
     }
     EXPECT_NEAR(*trajectory.passes(3, 1), trajectory.times()[4], 1e-9);
     EXPECT_NEAR(*trajectory.passes(0, 0.5), 0, 1e-9);
-    trajectory.velocity(trajectory.times()[4], rate);  // the cut edge's middle
+    trajectory.velocity(trajectory.times()[4], rate);  // middle of the cut edge
     double fastest = 0;
     for (const double r : rate) fastest = std::max(fastest, std::abs(r));
     EXPECT_GT(fastest, 0.05);
   }
 }
 
-/// Blended at will: what the curve is, and that the limits hold at every moment.
+/// Arbitrary blends: the curve's shape, and limits at every time.
 TEST_F(TrajectoryTest, BlendsKeepTheLimitsAndDoNotJump) {
   const std::size_t n = static_cast<std::size_t>(space->size());
   std::vector<std::vector<double>> path{start()};
@@ -177,7 +177,7 @@ TEST_F(TrajectoryTest, BlendsKeepTheLimitsAndDoNotJump) {
       path.back()[k] += 0.25 * std::sin(2.9 * i + 1.3 * static_cast<double>(k) * i);
   }
   std::vector<double> middle(n), dq(n);
-  space->interpolate(path[5], path[6], 0.5, middle);  // run through
+  space->interpolate(path[5], path[6], 0.5, middle);  // passed without stopping
   path.insert(path.begin() + 6, middle);
   const auto length = [&](int edge) {
     space->difference(path[static_cast<std::size_t>(edge)],
@@ -189,7 +189,7 @@ TEST_F(TrajectoryTest, BlendsKeepTheLimitsAndDoNotJump) {
   MotionLimits limits = defaultMotionLimits(*space);
   limits.velocity[2] = 0.3;
   limits.acceleration[4] = 0.2;
-  // Whole edges used up, a corner that is stopped at (4), one that is cut a little.
+  // Edges fully used, one corner without blend (4), one with a small one.
   std::vector<Blend> blends;
   for (const int corner : {1, 2, 3, 5, 7})
     blends.push_back(
@@ -243,7 +243,7 @@ TEST_F(TrajectoryTest, BlendsKeepTheLimitsAndDoNotJump) {
     std::swap(before_rate, rate);
   }
   EXPECT_GT(on_blends, steps / 10);
-  EXPECT_GT(at_a_limit, steps * 9 / 10);  // nearly always: time-optimal but for the cells
+  EXPECT_GT(at_a_limit, steps * 9 / 10);  // nearly always: time-optimal up to the cells
   trajectory.velocity(trajectory.times()[4], rate);
   for (const double r : rate) EXPECT_NEAR(r, 0, 1e-7);
   trajectory.configuration(trajectory.times()[6], q);
@@ -263,9 +263,9 @@ TEST_F(TrajectoryTest, BlendsKeepTheLimitsAndDoNotJump) {
       for (std::size_t i = 0; i < n; ++i) ASSERT_NEAR(q[i], expected[i], 1e-7) << edge << " " << t;
     }
   EXPECT_GT(passed, 10);
-  EXPECT_FALSE(trajectory.passes(1, 0.1).has_value());  // cut off
+  EXPECT_FALSE(trajectory.passes(1, 0.1).has_value());  // the corner is cut
 
-  // Between knots on an edge the cubic through both ends is the motion itself.
+  // Between knots on an edge, the cubic through both ends equals the motion.
   const std::vector<double> knots = trajectory.knots();
   EXPECT_EQ(knots.front(), 0);
   EXPECT_EQ(knots.back(), trajectory.duration());
@@ -287,8 +287,8 @@ TEST_F(TrajectoryTest, BlendsKeepTheLimitsAndDoNotJump) {
   EXPECT_GT(edges, 5);
 }
 
-/// Accelerations were twice their limits where blends and edges are of picometres behind a long
-/// edge, and their ways were summed up with its.
+/// Regression: accelerations reached twice their limits for blends and edges of picometres after a
+/// long edge, because their lengths were summed with its.
 TEST_F(TrajectoryTest, TinyBlendsKeepTheLimits) {
   std::vector<std::vector<double>> path(4, std::vector<double>(7));
   path[1][0] = -0.36361073573801637;
@@ -318,7 +318,7 @@ TEST_F(TrajectoryTest, TinyBlendsKeepTheLimits) {
     }
 }
 
-/// Limits that are many powers of ten apart: the speed through the blend was taken for none, and
+/// Limits many powers of ten apart. Regression: the speed through the blend was taken for 0, and
 /// the motion jumped over it.
 TEST_F(TrajectoryTest, BlendsFarBelowTheVelocityLimitsAreGoneThrough) {
   std::vector<std::vector<double>> path(3, std::vector<double>(7));
@@ -335,8 +335,8 @@ TEST_F(TrajectoryTest, BlendsFarBelowTheVelocityLimitsAreGoneThrough) {
   EXPECT_NEAR(Trajectory(space, path, limits, blends).duration(), slow, 1e-9 * slow);
 }
 
-/// Each edge turns the piano by half a turn: the chord of a blend over half of both might go the
-/// other way round.
+/// Each edge turns the piano by half a turn: the chord of a blend over half of both could take the
+/// opposite direction.
 TEST_F(TrajectoryTest, BlendsOfHalfTurnsAreShorter) {
   Problem piano = loadProblem(leeway::sourceFolder() + "/problems/bodies/piano.yaml");
   piano.world.objects.clear();
@@ -376,7 +376,7 @@ TEST_F(TrajectoryTest, RefusesBlendsThatCannotBe) {
                std::invalid_argument);
 }
 
-/// Dense truth: nothing of a blended trajectory is nearer than the margins.
+/// Dense truth: a blended trajectory keeps the margins.
 TEST_F(TrajectoryTest, CertifiedBlendsKeepTheMargins) {
   int blended = 0, shortened = 0;
   for (const char* name : {"shelf/reach", "table/posts", "snake/clutter", "bodies/piano"}) {
@@ -407,7 +407,7 @@ TEST_F(TrajectoryTest, CertifiedBlendsKeepTheMargins) {
     }
   }
   EXPECT_GT(blended, 8);
-  EXPECT_GT(shortened, 0);  // where the whole cut would have been too near
+  EXPECT_GT(shortened, 0);  // the full cut would be too near
 }
 
 TEST_F(TrajectoryTest, LimitsComeFromTheProblem) {
@@ -425,7 +425,7 @@ TEST_F(TrajectoryTest, LimitsComeFromTheProblem) {
   EXPECT_EQ(limits.jerk[0], kInfinity);
 }
 
-/// What exporters write where there is no limit: it made an infinite acceleration of it.
+/// Exporters' value for "no limit". Regression: it gave an infinite acceleration.
 TEST_F(TrajectoryTest, LargestNumberIsNoVelocityLimit) {
   auto model = std::make_shared<robots::Model>(*problem.robot.model);
   model->variables[static_cast<std::size_t>(problem.robot.variables[0])].velocity =

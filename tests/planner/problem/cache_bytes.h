@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <string>
 
-// Bytes of vertex caches, written as the formats' descriptions have them.
+// Bytes of vertex caches according to the formats' specifications.
 
 namespace leeway::cache_bytes {
 

@@ -24,9 +24,9 @@ std::string dataFolder() {
   return folder != nullptr ? folder : kSource + "/../shared/data";
 }
 
-/// A robot of two arms, in the manner of those whose descriptions split one link's geometry over
-/// several: torso_2 is fixed to torso, and no matrix knows it. `knob` is fixed to the torso too,
-/// but is a thing of its own.
+/// A robot of two arms whose description splits one link's geometry, as some real ones do: torso_2
+/// is fixed to torso and unknown to every matrix. `knob` is fixed to the torso as well, but is
+/// separate.
 constexpr const char* kUrdf = R"(<robot name="twins">
   <link name="torso"><collision><geometry><sphere radius="0.1"/></geometry></collision></link>
   <link name="torso_2"><collision><geometry><sphere radius="0.1"/></geometry></collision></link>
@@ -164,7 +164,7 @@ TEST_F(MoveitImport, JointsGoByNameNotByPlace) {
   for (std::size_t i = 0; i < 3; ++i) {
     const std::string& name =
         model_->variables[static_cast<std::size_t>(problem.robot.variables[i])].name;
-    // Pi, cut to six digits in the robot's limit, is the limit.
+    // Pi, truncated to six digits in the robot's limit, maps to the limit.
     const double expected = name == "left_joint" ? -3.14159 : name == "right_joint" ? 1 : -0.5;
     EXPECT_EQ(problem.goals[0].ranges[i], std::make_pair(expected, expected)) << name;
   }
@@ -178,9 +178,9 @@ TEST_F(MoveitImport, OtherGroupsJointsArePassive) {
             std::string::npos)
       << messageOf(kScene, request);
   request = replaced(request, "      - {joint_name: right_joint, position: 1}\n", "");
-  request = replaced(
-      request, "[0.5, 7",
-      "[1.5, 7");  // outside its limits, but not planned: as it is, like MoveIt's open fingers
+  request =
+      replaced(request, "[0.5, 7",
+               "[1.5, 7");  // outside its limits, but unplanned: kept, like MoveIt's open fingers
   const Problem problem = load(kScene, request);
   EXPECT_EQ(problem.robot.variables.size(), 2U);
   EXPECT_EQ(start(problem, "right_joint"), 1.5);
@@ -193,10 +193,10 @@ TEST_F(MoveitImport, MatrixStandsInForTheSrdfWhereItKnowsTheLinks) {
   for (const auto& [a, b] : problem.contacts.allowed) allowed.insert({a, b});
   EXPECT_EQ(allowed, (std::set<std::set<std::string>>{
                          {"left", "torso"},
-                         {"left", "left_tip"},  // said by the matrix
-                         {"left", "torso_2"},   // a part of the torso that the matrix does not know
+                         {"left", "left_tip"},  // from the matrix
+                         {"left", "torso_2"},   // a part of the torso, unknown to the matrix
                          {"knob", "right"},
-                         {"left", "right"},       // the matrix does not know right: the SRDF speaks
+                         {"left", "right"},       // the matrix lacks right: the SRDF decides
                          {"can", "left_tip"}}));  // an object
   std::string all;
   for (const std::string& warning : problem.warnings) all += warning + "\n";
@@ -221,7 +221,7 @@ TEST_F(MoveitImport, FalseInTheMatrixOutweighsTheSrdf) {
   const Problem problem = load(matrix + kObjects, kRequest);
   EXPECT_EQ(problem.contacts.allowed,
             (std::vector<std::pair<std::string, std::string>>{{"knob", "right"}}));
-  // An entry that is true one way only allows nothing.
+  // An asymmetric entry allows nothing.
   const Problem half =
       load(replaced(matrix, "[[false, false]", "[[false, true]") + kObjects, kRequest);
   EXPECT_EQ(half.contacts.allowed, problem.contacts.allowed);
@@ -334,8 +334,8 @@ TEST_F(MoveitImport, AFloatingBaseStandsWhereTheRequestSays) {
   EXPECT_EQ(start(problem, "base_joint/qz"), 1);
 }
 
-/// Every problem of the public set that is beside the project: loads, and start and goal are valid,
-/// as its authors found them.
+/// Every problem of the public set, where present: it loads, and start and goal are valid, as
+/// published.
 TEST(MotionBenchMaker, EveryStartAndGoalIsValid) {
   const std::string data = dataFolder();
   if (!std::filesystem::exists(data + "/mbm"))
@@ -363,7 +363,7 @@ TEST(MotionBenchMaker, EveryStartAndGoalIsValid) {
     }
   }
   EXPECT_GE(problems, 20);
-  EXPECT_GT(moved_by_pose, 0);  // ur5/table_pick, where overlooking `pose` moves the whole table
+  EXPECT_GT(moved_by_pose, 0);  // ur5/table_pick: without `pose` the whole table is displaced
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// `deforming` and `execution` of problem files: what they mean, and every message.
+// `deforming` and `execution` in problem files: meaning, and every message.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -38,7 +38,7 @@ class ProblemDeforming : public testing::Test {
     return (folder_ / name).string();
   }
 
-  /// Lines 1 to 9 of a problem file; `more` from line 10 on.
+  /// Lines 1 to 9 of a problem file; `more` starts in line 10.
   std::string file(const std::string& more) const {
     return write(
         "problem.yaml",
@@ -50,7 +50,7 @@ class ProblemDeforming : public testing::Test {
 
   Problem load(const std::string& more) const { return loadProblem(file(more)); }
 
-  /// A square with that motion, which begins in line 13.
+  /// A square with that motion, which starts in line 13.
   Problem square(const std::string& motion) const {
     return load("deforming:\n  - name: cloth\n    mesh: {file: square.obj}\n    motion:\n" +
                 motion);
@@ -106,7 +106,7 @@ TEST_F(ProblemDeforming, EverybodySeesTheStart) {
     EdgeCertifier certifier(std::make_shared<const CompiledScene>(problem));
     return certifier.clearance(std::vector<double>{0.5, 0, 0}, 1e-4).clearance.lower;
   };
-  EXPECT_NEAR(clearanceAt(""), 0.2, 1e-3);  // the gate ends at x = 0.2, the disc begins at 0.4
+  EXPECT_NEAR(clearanceAt(""), 0.2, 1e-3);  // the gate ends at x = 0.2, the disc starts at 0.4
   EXPECT_GT(clearanceAt("execution: {start: 2}\n"), 3);
   const Problem problem = load(text);
   ASSERT_EQ(problem.world.deforming.size(), 1U);
@@ -117,7 +117,7 @@ TEST_F(ProblemDeforming, EverybodySeesTheStart) {
   EXPECT_TRUE(problem.warnings.empty());
 }
 
-// Longer than a double holds: 0 m/s times that is no number, and no growth to add to a shape.
+// The time overflows: 0 m/s times infinity is NaN, no growth to add to a shape.
 TEST_F(ProblemDeforming, NothingIsKnownAfterTimesThatNoDoubleHolds) {
   const Problem problem = load("deforming:\n  - name: cloth\n    mesh: {file: square.obj}\n");
   const CompiledScene scene(problem);
@@ -167,7 +167,7 @@ TEST_F(ProblemDeforming, Motions) {
 }
 
 TEST_F(ProblemDeforming, CachesOfAnimationTools) {
-  // MDD, big endian: 2 frames at 0 and 0.5 s of 4 vertices; the third one rises.
+  // MDD, big endian: 2 frames at 0 and 0.5 s of 4 vertices; the third rises.
   std::string mdd;
   const auto put = [&mdd](std::uint32_t bits) {
     for (int shift = 24; shift >= 0; shift -= 8) mdd += static_cast<char>((bits >> shift) & 255U);
@@ -197,7 +197,7 @@ TEST_F(ProblemDeforming, CachesOfAnimationTools) {
       "deforming:\n  - name: cloth\n    mesh: {file: square.obj}\n    motion:\n";
   expectRefused(head + "      cache: {file: short.mdd}\n", 14, "deforming[0].motion.cache");
   expectRefused(head + "      cache: {file: short.mdd}\n", 14, "short.mdd': MDD cache: ");
-  // Right in form, but a number in it is none, or the times do not increase.
+  // Well-formed, but with a NaN, or without increasing times.
   std::string broken = mdd;
   broken.replace(16, 4, std::string("\x7f\xc0\0\0", 4));
   write("broken.mdd", broken);

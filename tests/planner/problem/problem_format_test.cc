@@ -22,8 +22,7 @@ const json& definition(const json& schema, const std::string& name) {
   return name == "problem" ? schema : schema.at("$defs").at(name);
 }
 
-/// Editors and the loader must agree: every key that the loader knows stands in the schema, and the
-/// reverse.
+/// Editors and loader must agree: schema and loader know exactly the same keys.
 TEST(ProblemSchema, KnowsTheLoadersKeysAndNoOthers) {
   const json all = schema();
   for (const MapFormat& format : mapFormats()) {
@@ -38,15 +37,14 @@ TEST(ProblemSchema, KnowsTheLoadersKeysAndNoOthers) {
 }
 
 TEST(ProblemSchema, HasNoKindThatTheLoaderLacks) {
-  std::set<std::string> known = {"state", "value",
-                                 "joint_limits"};  // no maps of their own: a choice of forms
+  std::set<std::string> known = {"state", "value", "joint_limits"};  // not maps: alternative forms
   for (const MapFormat& format : mapFormats()) known.insert(std::string(format.name));
   const json all = schema();
   for (const auto& entry : all.at("$defs").items())
     EXPECT_EQ(known.count(entry.key()), 1U) << entry.key();
 }
 
-/// Every reference of the schema leads somewhere.
+/// Every reference in the schema resolves.
 TEST(ProblemSchema, ReferencesResolve) {
   const json all = schema();
   int count = 0;

@@ -1,5 +1,5 @@
-// Every message that a bad problem file can earn: file, line, what is wrong with the offending
-// value, what would be accepted.
+// Every message for a bad problem file: file, line, what is wrong with the value, what would be
+// accepted.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -17,7 +17,7 @@ namespace {
 
 const std::string kSource = leeway::sourceFolder();
 
-/// A folder of its own that goes with the test.
+/// A folder for one test, removed afterwards.
 class Folder {
  public:
   Folder() {
@@ -39,8 +39,8 @@ class Folder {
   std::filesystem::path path_;
 };
 
-/// Lines 1 to 7: a whole problem but for what the case adds. The robot's joints are pan, lift,
-/// elbow, wrist1, wrist2, wrist3 (with _joint).
+/// Lines 1 to 7: a complete problem apart from the case's addition. Joints: pan, lift, elbow,
+/// wrist1, wrist2, wrist3 (with _joint).
 std::string withRobot(const std::string& more,
                       const std::string& start = "[0, -1.5, 0, -1.5, 0, 0]",
                       const std::string& goal = "[1, -1.5, 0, -1.5, 0, 0]") {
@@ -48,7 +48,7 @@ std::string withRobot(const std::string& more,
          "/robots/arm6/arm6.srdf\n  group: arm\nstart: " + start + "\ngoal: " + goal + "\n" + more;
 }
 
-/// Lines 1 to 7 too, with a planar body.
+/// Lines 1 to 7, with a planar body.
 std::string withBody(const std::string& more,
                      const std::string& start = "{position: [0, 0], angle: 0}") {
   return "leeway: 1\nbody:\n  joint: planar\n  bounds: {lower: [-1, -1], upper: [1, 1]}\n"
@@ -59,7 +59,7 @@ std::string withBody(const std::string& more,
 struct Case {
   std::string text;
   int line;
-  std::string message;  ///< what follows FILE:LINE:
+  std::string message;  ///< text after FILE:LINE:
 };
 
 void expectMessages(const std::vector<Case>& cases) {
@@ -117,7 +117,7 @@ TEST(ProblemMessages, Syntax) {
       {"leeway: 1\n  name: x\n", 2, "YAML syntax error: "},
       {"", 0, "holds 0 YAML documents; exactly one is expected"},
       {"leeway: 1\n---\nleeway: 1\n", 0, "holds 2 YAML documents or more"},
-      // Where yaml-cpp's own reading of all documents never ends.
+      // yaml-cpp's own loop over all documents never ends here.
       {"[1], x\n", 0, "exactly one is expected"},
       {"[1, 2]\n", 1, "is no map; a problem file (leeway: 1, ...) is expected"},
   });

@@ -1,4 +1,4 @@
-// What a good problem file means.
+// Meaning of valid problem files.
 #include "leeway/planner/problem.h"
 
 #include <gtest/gtest.h>
@@ -79,8 +79,7 @@ TEST(Problem, PassiveJointsComeFromTheFile) {
   };
   EXPECT_EQ(finger(load(robot("arm7", "arm") + ends)), 0);
   EXPECT_EQ(finger(load(robot("arm7", "arm") + ends + "joints: {finger_joint: 0.04}\n")), 0.04);
-  // What follows another joint or does not move may be named, as drivers do, but has no place: said
-  // in a warning.
+  // Mimic and fixed joints may be named, as drivers do, but have no coordinate: a warning says so.
   const Problem follower =
       load(robot("arm7", "arm") + ends + "joints: {finger_right_joint: 0.04}\n");
   ASSERT_EQ(follower.warnings.size(), 1U);
@@ -189,7 +188,7 @@ allowed: [[o, base]]
   EXPECT_FALSE(all.planner.simplify);
   EXPECT_EQ(all.limits.time, 2.5);
   EXPECT_EQ(all.limits.iterations, 1000);
-  EXPECT_EQ(all.seed, 9007199254740993ULL);  // no double holds it
+  EXPECT_EQ(all.seed, 9007199254740993ULL);  // beyond double's integers
   EXPECT_EQ(all.margins.common, -0.001);
   ASSERT_EQ(all.margins.pairs.size(), 1U);
   EXPECT_EQ(all.margins.pairs[0].margin, 0.02);
@@ -207,7 +206,7 @@ TEST(Problem, NumbersAreReadExactly) {
 
 // ---- Attached objects ----
 
-/// Where an object is in the world while the robot stands at its start.
+/// Pose of an object in the world at the robot's start.
 robots::Pose worldPose(const Problem& problem, const std::string& name) {
   for (const Object& object : problem.world.objects)
     if (object.name == name) return object.X_WO;
@@ -246,7 +245,7 @@ TEST(AttachedObjects, StayWhereTheyAreWhenPutDownAndTakenUp) {
   EXPECT_LT(difference(worldPose(again, "can"), before), 1e-14);
   EXPECT_LT(difference(again.robot.attachments[0].X_LO, held.robot.attachments[0].X_LO), 1e-14);
   EXPECT_EQ(again.robot.attachments[0].touch_links, held.robot.attachments[0].touch_links);
-  EXPECT_EQ(held.robot.attachments.size(), 1U);  // the argument is as it was
+  EXPECT_EQ(held.robot.attachments.size(), 1U);  // the argument is unchanged
 }
 
 TEST(AttachedObjects, CanBePutDownElsewhere) {
@@ -260,7 +259,7 @@ TEST(AttachedObjects, CanBePutDownElsewhere) {
   EXPECT_NEAR(worldPose(down, "can").translation.x(), 0.52, 0.01);
 }
 
-/// What is held may touch the links named for it, and it is in the way of everything else.
+/// A held object may touch the links named for it, and collides with all else.
 TEST(AttachedObjects, MayTouchOnlyWhatIsNamed) {
   const Problem held = loadProblem(kSource + "/problems/bin/pick.yaml");
   const auto verdict = [](const Problem& problem) {
@@ -271,20 +270,20 @@ TEST(AttachedObjects, MayTouchOnlyWhatIsNamed) {
     return certifier.decide(start);
   };
   EXPECT_EQ(verdict(held), collision::Verdict::kFree);
-  // A pin back along the hand's axis into link6, which joint7 turns against it.
+  // A pin along the hand's axis into link6; joint7 turns it there.
   Problem pin = held;
   pin.robot.attachments[0].object.geometries[0].shape = collision::Shape::cylinder(0.01, 0.12);
   pin.robot.attachments[0].X_LO.translation.z() = -0.125;
   EXPECT_EQ(verdict(pin), collision::Verdict::kNotFree);
   pin.robot.attachments[0].touch_links.push_back(pin.robot.model->findLink("link6"));
   EXPECT_EQ(verdict(pin), collision::Verdict::kFree);
-  // Put down, it is an obstacle to all of them.
+  // Detached, it is an obstacle to all of them.
   EXPECT_EQ(verdict(detachObject(pin, "can")), collision::Verdict::kNotFree);
 }
 
 TEST(AttachedObjects, UnknownNamesAreRefused) {
   const Problem held = loadProblem(kSource + "/problems/bin/pick.yaml");
-  EXPECT_THROW(attachObject(held, "can", "tool"), std::invalid_argument);  // it is held already
+  EXPECT_THROW(attachObject(held, "can", "tool"), std::invalid_argument);  // already held
   EXPECT_THROW(attachObject(held, "box_a", "tol"), std::invalid_argument);
   EXPECT_THROW(attachObject(held, "box_a", "tool", {"hnd"}), std::invalid_argument);
   EXPECT_THROW(detachObject(held, "box_a"), std::invalid_argument);
@@ -317,7 +316,7 @@ TEST(ProblemFromStates, TakesGroupStates) {
 
 // ---- The robots ----
 
-/// Our descriptions switch no pair off but neighbours, and the two fingers of one hand.
+/// Our descriptions disable only neighbouring pairs, and the two fingers of one hand.
 TEST(ShippedRobots, DisableOnlyNeighbours) {
   for (const std::string name : {"arm6", "arm7", "dual_arm", "snake10"}) {
     const std::string path = kSource + "/robots/" + name + "/" + name;

@@ -1,5 +1,5 @@
-// Every problem file of the repository loads, starts and goals are valid, and what it is there for
-// is so.
+// Every problem file of the repository loads, its starts and goals are valid, and it shows what it
+// is meant to show.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -89,7 +89,7 @@ TEST_P(ShippedProblem, StartAndGoalsAreValid) {
 
 TEST_P(ShippedProblem, IsSolvedUnlessItHasNoSolution) {
   const bool solvable = GetParam().rfind("unsolvable/", 0) != 0;
-  // Work is limited, not time: the outcome must not hang on the machine.
+  // Limits work instead of time: the outcome must not depend on the machine.
   problem_.limits.time = 300;
   problem_.limits.iterations = solvable ? 200000 : 2000;
   problem_.planner.simplify = false;
@@ -113,7 +113,7 @@ TEST(ShippedProblems, CoverWhatTheReadmePromises) {
     EXPECT_EQ(std::count(files.begin(), files.end(), file), 1) << file;
 }
 
-/// The examples of problems/README.md, in order: a whole file, a body, what deforms, MoveIt's
+/// Examples of problems/README.md, in order: a whole file, a body, a deforming obstacle, MoveIt's
 /// files.
 std::vector<std::string> readmeExamples() {
   std::ifstream stream(kProblems + "/README.md");
@@ -152,8 +152,7 @@ TEST(ShippedProblems, ExamplesOfTheReadmeLoad) {
   std::filesystem::remove_all(folder);
 }
 
-/// The meshes are there because they are concave: taken for its hull, the tote would hold the
-/// start.
+/// Concavity matters: the tote's hull would contain the start.
 TEST(ShippedProblems, ConcaveMeshesMatter) {
   Problem problem = loadProblem(kProblems + "/mesh/tote.yaml");
   for (Object& object : problem.world.objects)
@@ -168,8 +167,7 @@ TEST(ShippedProblems, ConcaveMeshesMatter) {
   EXPECT_EQ(certifier.decide(goalPoints(problem.goals[0])[0]), collision::Verdict::kNotFree);
 }
 
-/// The arms of the swap would meet if each went its own way: the straight edge is not free, and it
-/// is an arm that is in an arm's way.
+/// The arms of the swap conflict: the straight edge is not free, and the contact is between arms.
 TEST(ShippedProblems, ArmsOfTheSwapAreInEachOthersWay) {
   Problem problem = loadProblem(kProblems + "/dual_arm/swap.yaml");
   EdgeCertifier certifier(std::make_shared<const CompiledScene>(problem));

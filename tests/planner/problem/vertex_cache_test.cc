@@ -89,7 +89,7 @@ TEST(VertexCache, RefusesBrokenPc2) {
             "PC2 cache: 0 frames per second; a finite number above 0 is accepted");
 }
 
-// Counts whose product leaves 64 bits, and what a program would have to allocate for them.
+// Counts whose product overflows 64 bits, and huge allocations.
 TEST(VertexCache, RefusesAbsurdCounts) {
   constexpr std::int32_t kMost = std::numeric_limits<std::int32_t>::max();
   EXPECT_EQ(pc2Refusal(withWord(withWord(pc2(2, 3), 16, kMost, false), 28, kMost, false)),
@@ -108,7 +108,7 @@ TEST(VertexCache, RefusesBrokenMdd) {
   EXPECT_EQ(mddRefusal(withWord(good, 4, 4, true)),
             "MDD cache: 80 bytes after the header, too few for 2 frames of 4 vertices, which take "
             "52 each");
-  // A little-endian file is one of absurd counts.
+  // Read as little-endian, the counts are absurd.
   EXPECT_NE(mddRefusal(withWord(good, 0, 2, false)), "accepted");
   EXPECT_EQ(refusal([&] { parseMdd(bytesOf(good), 0); }),
             "MDD cache: scale 0; a finite number that is not 0 is accepted");

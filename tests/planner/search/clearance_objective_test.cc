@@ -12,7 +12,7 @@
 namespace leeway::planner {
 namespace {
 
-/// Expects reported bounds to hold what dense sampling sees.
+/// Checks that the reported bounds hold for dense samples.
 void expectHonest(const Problem& problem, const PlanResult& result) {
   ASSERT_EQ(result.status, PlanStatus::kSolved);
   EXPECT_TRUE(result.certificate.certified);
@@ -41,12 +41,12 @@ TEST_P(WidestPath, BeatsTheShortestInClearance) {
   problem.planner.name = GetParam();
   problem.objective = MaximumClearance{};
   problem.limits.iterations = 800;
-  if (GetParam() == "PRMstar") problem.limits.iterations = 0;  // with threads of its own
+  if (GetParam() == "PRMstar") problem.limits.iterations = 0;  // uses its own threads
   if (GetParam() == "PRMstar") problem.limits.time = 2;
   if (GetParam() == "RRTConnect") problem.limits.iterations = 20000;
   const PlanResult widest = plan(problem);
   expectHonest(problem, widest);
-  // The upper passage lets the disc by with at most 0.1, the lower one with 0.6.
+  // The upper passage leaves at most 0.1 beside the disc, the lower one 0.6.
   EXPECT_GT(widest.certificate.clearance.lower, shortest.certificate.clearance.upper + 0.02);
   EXPECT_LE(widest.certificate.clearance.lower, 0.6);
   if (GetParam() == "RRTConnect") {
@@ -77,7 +77,7 @@ TEST(WidestPathAlone, EndsWhenStartOrGoalAllowsNoMore) {
   problem.world.objects.push_back(test::box("post", {0.1, 0.1, 0.5}, 0, 0.25, 0));
   problem.world.objects.push_back(test::box("beside the start", {0.1, 0.1, 0.5}, -1, 0.25, 0));
   problem.objective = MaximumClearance{};
-  problem.limits.time = 0;  // it must end by itself
+  problem.limits.time = 0;  // must end by itself
   const PlanResult result = plan(problem);
   expectHonest(problem, result);
   EXPECT_NEAR(result.certificate.clearance.lower, 0.05, 2e-3);

@@ -29,8 +29,7 @@ Problem seededProblem(const PlannerTraits& traits, std::uint64_t seed) {
   return problem;
 }
 
-/// Keeps planning in threads of its own, so that OMPL's generator of seeds and the heap keep
-/// changing.
+/// Plans continuously in other threads, which perturbs OMPL's seed generator and the heap.
 class Disturbance {
  public:
   Disturbance() {
@@ -77,7 +76,7 @@ TEST_P(SeededPlanner, SameSeedSamePathWhateverElseIsPlanned) {
   EXPECT_EQ(first.status, PlanStatus::kSolved);
   const Disturbance disturbance;
   for (int i = 0; i < 2; ++i) {
-    // Another layout of the heap shows what depends on addresses.
+    // Another heap layout reveals dependence on addresses.
     std::vector<std::unique_ptr<char[]>> blocks;
     for (std::size_t k = 1; k < 200; ++k)
       if (k % 3 != 0) blocks.push_back(std::make_unique<char[]>(k * 13));

@@ -18,8 +18,8 @@
 namespace leeway::planner {
 namespace {
 
-/// Expects every edge to be proven, the ends to be start and goal, and the certificate's interval
-/// to hold what dense sampling sees.
+/// Checks that every edge is proven, the ends are start and goal, and the certificate's interval
+/// holds for dense samples.
 void expectCertified(const Problem& problem, const PlanResult& result) {
   ASSERT_EQ(result.status, PlanStatus::kSolved);
   EXPECT_TRUE(result.certificate.certified);
@@ -65,7 +65,7 @@ TEST_P(EachPlanner, SolvesTheWallAndCertifies) {
   problem.planner.name = traits.name;
   problem.limits.iterations = traits.optimizing ? 1500 : 1000000;
   if (!traits.exact) problem.limits.iterations = 30000;  // random steps need many
-  // Planners with threads check their limits any number of times, so they get a time limit.
+  // Multithreaded planners check their limits a varying number of times: limited by time.
   if (!traits.deterministic) problem.limits.iterations = 0;
   if (!traits.deterministic) problem.limits.time = traits.optimizing ? 0.5 : 20;
   const PlanResult result = plan(problem);
@@ -144,7 +144,7 @@ TEST(Plan, GoalRangesAreReachedByEveryKindOfPlanner) {
     Problem problem = test::wallProblem();
     problem.planner.name = planner;
     problem.limits.iterations = 5000;
-    // A box of goals half inside the wall, at any angle.
+    // A box of goals, half of it inside the wall, at any angle.
     problem.goals[0].ranges = {{0, 1}, {-1.5, -1}, {-3.2, 3.2}};
     const PlanResult result = plan(problem);
     SCOPED_TRACE(planner);

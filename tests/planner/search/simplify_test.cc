@@ -16,7 +16,7 @@ namespace {
 
 using Path_ = std::vector<std::vector<double>>;
 
-/// Zigzag through the gap of the wall, every edge certified.
+/// Zigzag through the wall's gap, every edge certified.
 Path_ zigzag(EdgeCertifier& certifier, std::uint64_t seed) {
   Random random(seed);
   Path_ path = {{-1, -1, 0}};
@@ -60,7 +60,7 @@ TEST_F(Simplify, ShortensKeepsEndsAndProof) {
     EXPECT_EQ(after.front(), before.front());
     EXPECT_EQ(after.back(), before.back());
     EXPECT_LT(length(after), 0.9 * length(before));
-    // Around the wall's edges by way of its gap no path is shorter than 4.5.
+    // No path around the wall's edges through its gap is shorter than 4.5.
     EXPECT_GT(length(after), 4.5);
     EXPECT_LT(length(after), 6.0);
     EXPECT_GT(result.shortcuts, 0);

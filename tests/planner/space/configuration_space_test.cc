@@ -17,8 +17,8 @@ using robots::JointType;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// One chain with a joint of every kind that can be planned: revolute, continuous, prismatic,
-/// planar, floating.
+/// A chain with every kind of joint that can be planned: revolute, continuous, prismatic, planar,
+/// floating.
 std::shared_ptr<const robots::Model> everyKind() {
   robots::RobotDescription robot;
   auto add = [&](const char* name, JointType type, int count) {
@@ -52,7 +52,7 @@ ConfigurationSpace everyKindSpace() {
   return {everyKind(), variables};
 }
 
-/// Uniform in [-1, 1), the same on every C++ library.
+/// Uniform in [-1, 1), equal with every C++ library.
 double signedUnit(std::mt19937_64& random) {
   return static_cast<double>(random() >> 11) * 0x1p-52 - 1;
 }
@@ -136,8 +136,8 @@ TEST(ConfigurationSpace, EndPointsToTheBit) {
   }
 }
 
-/// Turns from 1e-14 rad to just below pi, about any axis: difference, distance and every
-/// intermediate orientation against long double.
+/// Turns from 1e-14 rad to just below pi about any axis: difference, distance and interpolated
+/// orientations against long double.
 TEST(ConfigurationSpace, RotationsAgreeWithLongDoubleAtEveryAngle) {
   const ConfigurationSpace space = everyKindSpace();
   std::mt19937_64 random(3);
@@ -151,12 +151,12 @@ TEST(ConfigurationSpace, RotationsAgreeWithLongDoubleAtEveryAngle) {
     if (angle < 9e-5) ++tiny;
     const LongQuaternion qa = {wide(a[3]), wide(a[4]), wide(a[5]), wide(a[6])};
     const LongQuaternion qb = product(qa, turn(axis, wide(angle)));
-    const double sign = random() % 2 ? 1 : -1;  // both signs are the same orientation
+    const double sign = random() % 2 ? 1 : -1;  // both signs are one orientation
     for (std::size_t k = 0; k < 4; ++k) b[3 + k] = sign * static_cast<double>(qb[k]);
 
     std::vector<double> dq(13), middle(13), again(13);
     space.difference(a, b, dq);
-    // Rounding b to doubles moves the orientation by up to 4e-16 rad, which limits the comparison.
+    // Rounding b to doubles moves the orientation by up to 4e-16 rad, the comparison's limit.
     EXPECT_NEAR(space.distance(a, b), angle, 1e-15 + 1e-15 * angle)
         << "angle " << angle << " case " << i;
     EXPECT_EQ(dq[6], 0);
@@ -172,7 +172,7 @@ TEST(ConfigurationSpace, RotationsAgreeWithLongDoubleAtEveryAngle) {
           << "angle " << angle << " t " << t << " case " << i;
     EXPECT_EQ(space.distance(a, b), space.distance(b, a));
   }
-  EXPECT_GT(tiny, 5000);  // the range that OMPL treats as no turn at all is really visited
+  EXPECT_GT(tiny, 5000);  // guards: the range that OMPL treats as no turn is covered
 }
 
 TEST(ConfigurationSpace, TinyTurnsDoNotJump) {
@@ -194,7 +194,7 @@ TEST(ConfigurationSpace, HalfTurnIsDefinedAndStaysUnit) {
   const ConfigurationSpace space = everyKindSpace();
   std::vector<double> a(13), b(13), q(13);
   a[6] = 1;
-  b[4] = 1;  // half a turn about y: scalar product exactly zero
+  b[4] = 1;  // half a turn about y: dot product exactly zero
   EXPECT_NEAR(space.distance(a, b), 3.14159265358979323846, 1e-15);
   space.interpolate(a, b, 0.5, q);
   EXPECT_NEAR(q[4], std::sqrt(0.5), 1e-15);

@@ -60,11 +60,11 @@ TEST(OmplStateSpace, DimensionExtentAndMeasureFollowTheMetric) {
 }
 
 TEST(OmplStateSpace, MeasureOfRotationsIsWhatDistancesSay) {
-  // The share of random rotations within an angle of one of them is the ball's volume over the
-  // measure.
+  // The share of random rotations within an angle of a given one is the ball's volume over the
+  // total measure.
   Random random(7);
   const double angle = 0.8;
-  // Volume in the metric of the angle: integral of 4 pi (2 sin(r / 2))^2 dr.
+  // Volume in the angle metric: integral of 4 pi (2 sin(r / 2))^2 dr.
   const double ball = 8 * kPi * (angle - std::sin(angle));
   int hits = 0;
   const int count = 200000;

@@ -106,7 +106,7 @@ TEST(Verify, FreePathIsCertifiedWithAClearanceThatHolds) {
   const Path path = pathOf(problem, {{0, 0}, {0.5, 0.5}, {1.5, 0}});
   const VerifyResult result = verify(problem, path);
   ASSERT_EQ(result.status, VerifyStatus::kCertified) << result.reason;
-  // At the start the tip, at 2 m, is 0.4 m from the wall; that is the least.
+  // Minimum at the start: the tip, at 2 m, is 0.4 m from the wall.
   EXPECT_LE(result.clearance_lower, 0.4);
   EXPECT_GE(result.clearance_lower, 0.1);
 }
@@ -126,7 +126,7 @@ TEST(Verify, ObstacleBetweenWaypointsIsFoundInItsSegment) {
   EXPECT_NE(result.reason.find("apart"), std::string::npos);
 }
 
-/// A wire of a tenth of a millimetre: no sampling with a step that a planner would use sees it.
+/// A wire of 0.1 mm: stepping checks with practical steps miss it.
 TEST(Verify, ThinObstaclesAreNotJumpedOver) {
   std::mt19937_64 random(4);
   for (int i = 0; i < 40; ++i) {
@@ -144,11 +144,11 @@ TEST(Verify, ThinObstaclesAreNotJumpedOver) {
   }
 }
 
-/// The tip passes a post at a distance that is chosen: certified exactly when there is room.
+/// The tip passes a post at a given distance: certified if and only if there is clearance.
 TEST(Verify, GrazingPassesAreDecidedToTheMicrometre) {
   for (double gap : {1e-2, 1e-4, 1e-6, -1e-6, -1e-4}) {
     Problem problem = problemFor(arm(), {1.5, 0});
-    // The far corners of the straight arm reach sqrt(2^2 + 0.05^2).
+    // The straight arm's far corners reach sqrt(2^2 + 0.05^2).
     const double reach = std::sqrt(4 + 0.0025);
     problem.world.objects.push_back(
         {"post",
@@ -159,7 +159,7 @@ TEST(Verify, GrazingPassesAreDecidedToTheMicrometre) {
         << gap << ' ' << result.reason;
     if (gap > 0) {
       EXPECT_LE(result.clearance_lower, gap);
-      EXPECT_GE(result.clearance_lower, gap / 5);  // what is promised: verify.h
+      EXPECT_GE(result.clearance_lower, gap / 5);  // promised in verify.h
     }
   }
 }
@@ -182,7 +182,7 @@ TEST(Verify, MarginsCount) {
 TEST(Verify, AllowedDepthOfConvexShapes) {
   Problem problem = problemFor(arm(), {1, 0});
   problem.world.objects.push_back(
-      box("wall", {0.1, 0.1, 1}, 2.05, 0, 0));  // 0.05 m into it at the start
+      box("wall", {0.1, 0.1, 1}, 2.05, 0, 0));  // 0.05 m deep at the start
   const Path path = pathOf(problem, {{0, 0}, {1, 0}});
   EXPECT_EQ(verify(problem, path).status, VerifyStatus::kRefuted);
   problem.margins.common = -0.06;
@@ -274,7 +274,7 @@ TEST(Verify, PassiveJointsDoNotMoveAndFixedBlocksAreAdjacent) {
       << "base-finger and cover-finger; the rest is adjacent or rigid";
   b.model.has_srdf = true;
   problem.robot.model = std::make_shared<Model>(b.model);
-  // With an SRDF only links that share a joint: base-tool, cover-arm, cover-tool as well;
+  // With an SRDF only links that share a joint are adjacent: adds base-tool, cover-arm, cover-tool;
   // arm-finger and tool-finger do not move.
   EXPECT_EQ(verification::collectPairs(problem, verification::collectBodies(problem)).size(), 5u);
 }
@@ -306,19 +306,19 @@ TEST(Verify, AttachedBodiesMoveAndMayTouchWhatTheyMay) {
 
 TEST(Verify, FreeBodyThroughAWindow) {
   for (double width : {0.3, 0.38, 0.42}) {
-    // A stick of 1 m turns by half a turn while it flies through a gap along x that is `width` less
-    // than its length.
+    // A 1 m stick makes half a turn while flying through a gap along x, `width` less than its
+    // length.
     const auto body = robots::freeBody("stick", {{Shape::box({0.5, 0.02, 0.02}), {}, ""}},
                                        JointType::kFloating, {-3, -3, -3}, {3, 3, 3});
     Problem problem = problemFor(body, {0, 2, 0, 0, 0, 1, 0});
     problem.start = {0, -2, 0, 0, 0, 0, 1};
     problem.world.objects.push_back(box("left", {0.5, 0.01, 1}, -0.5 - width / 2, 0, 0));
     problem.world.objects.push_back(box("right", {0.5, 0.01, 1}, 0.5 + width / 2, 0, 0));
-    // Half a turn about z: at y = 0 the stick points along y and fits when the gap is wide enough
-    // for its turning.
+    // Half a turn about z: at y = 0 the stick points along y and fits if the gap allows for its
+    // turning.
     const Path path = pathOf(problem, {{0, -2, 0, 0, 0, 0, 1}, {0, 2, 0, 0, 0, 1, 0}});
     const VerifyResult result = verify(problem, path);
-    // Dense look: the least distance between the stick and the walls' edges.
+    // Dense sampling: minimum distance between the stick and the walls' edges.
     double least = 1;
     for (int i = 0; i <= 4000; ++i) {
       const double t = i / 4000.0, angle = M_PI * t, y = -2 + 4 * t;
@@ -338,8 +338,7 @@ TEST(Verify, FreeBodyThroughAWindow) {
 }
 
 TEST(Verify, SolidMeshesHoldWhatIsInsideThem) {
-  // A cube of 2 m as a mesh: the arm's tip ends up wholly inside, without touching the surface at
-  // the end.
+  // A 2 m cube as a mesh: the arm's tip ends wholly inside, not touching the surface at the end.
   std::vector<Vector3d> corners;
   for (int i = 0; i < 8; ++i)
     corners.emplace_back((i & 1) != 0 ? 1 : -1, (i & 2) != 0 ? 1 : -1, (i & 4) != 0 ? 1 : -1);
@@ -354,7 +353,7 @@ TEST(Verify, SolidMeshesHoldWhatIsInsideThem) {
       {"cube", {{Shape::mesh(collision::TriangleMesh::make(corners, faces)), {}, ""}}, {}});
   const Path inside = pathOf(problem, {{0, 0, 0, 0, 0, 0, 1}, {0.3, 0.2, 0.1, 0, 0, 0, 1}});
   EXPECT_EQ(verify(problem, inside).status, VerifyStatus::kRefuted);
-  // Nothing is proven below zero of a mesh: that is told of the first look, not after half a
+  // Depths of meshes below zero are unprovable: reported at the first check, not after half a
   // million (minutes).
   problem.margins.common = -5;
   const VerifyResult deep = verify(problem, inside);
@@ -376,13 +375,13 @@ TEST(Verify, ContinuousJointsGoTheShorterWayAndJumpingMimicsAreNotCertified) {
   Problem problem = problemFor(std::make_shared<Model>(b.model), {-3});
   problem.start[0] = 3;
   problem.world.objects.push_back(
-      box("post", {0.1, 0.1, 0.1}, 0.7, 0, 0));  // at angle 0: the long way round would meet it
+      box("post", {0.1, 0.1, 0.1}, 0.7, 0, 0));  // at angle 0: the long way round would hit it
   EXPECT_EQ(verify(problem, pathOf(problem, {{3}, {-3}})).status, VerifyStatus::kCertified);
   EXPECT_EQ(verify(problem, pathOf(problem, {{3 - 2 * M_PI}, {-3 + 2 * M_PI}})).status,
             VerifyStatus::kCertified);
   problem.world.objects[0].X_WO.translation.x() = -0.7;
   EXPECT_EQ(verify(problem, pathOf(problem, {{3}, {-3}})).status, VerifyStatus::kRefuted);
-  // A follower at half the angle turns the other way round when its master wraps.
+  // A mimic at half the angle turns the opposite way when its master wraps.
   const int follower =
       b.add("follower", -1, JointType::kContinuous, shifted(0, 0, 5), Vector3d::UnitZ(), {bar});
   Joint& joint = b.model.joints[static_cast<std::size_t>(follower)];
@@ -401,7 +400,7 @@ TEST(Verify, ContinuousJointsGoTheShorterWayAndJumpingMimicsAreNotCertified) {
   EXPECT_EQ(verify(problem, pathOf(problem, {{3}, {1}})).status, VerifyStatus::kCertified);
 }
 
-// The planner leaves out what does not move against each other, and was refuted for it.
+// The planner omits pairs without relative motion. Regression: it was refuted for that.
 TEST(Verify, FollowersWithoutAFactorStandStill) {
   Builder b;
   const robots::Geometry bar{Shape::box({0.5, 0.05, 0.05}), shifted(0.5, 0, 0), "bar"};
@@ -432,8 +431,8 @@ TEST(Verify, StopsWhenToldTo) {
   EXPECT_NE(result.reason.find("stopped"), std::string::npos);
 }
 
-// Looks at meshes deep in each other take milliseconds: 20,000 of them took 25 s, for nothing but a
-// refutation of what was undecided already. What they may cost is counted, too.
+// Checks of deeply overlapping meshes take milliseconds; their cost is counted. Regression: 20,000
+// of them took 25 s merely to refute what was already undecided.
 TEST(Verify, DeepMeshesEndWithTheirWork) {
   const auto body = robots::freeBody("ring", {{testing::bumpyRing(), {}, "ring"}},
                                      JointType::kPlanar, {-2, -2, 0}, {2, 2, 0});
@@ -443,7 +442,7 @@ TEST(Verify, DeepMeshesEndWithTheirWork) {
       {"other", {{testing::bumpyRing(), {}, ""}}, shifted(0.2, 0.05, 0.1)});
   problem.margins.common = -0.5;
   PlanOptions options;
-  int asked = 0;  // after every 64 looks
+  int asked = 0;  // every 64 checks
   options.stop = [&asked] { return ++asked > 100; };
   const VerifyResult result =
       verify(problem, pathOf(problem, {{-0.3, 0, 0}, {0.3, 0.1, 0.5}}), options);
@@ -460,7 +459,7 @@ TEST(Verify, HalfSpaces) {
   EXPECT_EQ(verify(problem, pathOf(problem, {{0, 0}, {1, 0}})).status, VerifyStatus::kRefuted);
 }
 
-/// Least distance of the arm's bars to the objects over 1000 looks along an edge, by the planner's
+/// Minimum distance of the arm's bars to the objects over 1000 samples of an edge, by the planner's
 /// kinematics.
 double denseLook(const Problem& problem, const std::vector<double>& a,
                  const std::vector<double>& b) {
@@ -512,7 +511,7 @@ TEST(Verify, RandomEdgesAgainstADenseLook) {
         result.status == VerifyStatus::kCertified && result.clearance_lower > least + 1e-9 ? 1 : 0;
     missed += result.status != VerifyStatus::kCertified && least > 0.01
                   ? 1
-                  : 0;  // 1000 looks miss less than that
+                  : 0;  // resolution of 1000 samples
   }
   EXPECT_EQ(unsafe, 0);
   EXPECT_EQ(boast, 0);
@@ -570,7 +569,7 @@ TEST(VerifyKinematics, AgreesWithTheOtherKinematics) {
   }
 }
 
-/// No point of a body may move farther than the bound says, and some must come near to it.
+/// No point of a body moves farther than the bound, and some come near it.
 TEST(VerifyKinematics, MotionBoundsHoldAndBite) {
   std::mt19937_64 random(12);
   std::uniform_real_distribution<double> uniform(-1, 1);

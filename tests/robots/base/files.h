@@ -15,7 +15,7 @@
 
 namespace leeway::robots::test {
 
-/// A folder of its own for every test, removed afterwards.
+/// A folder for one test, removed afterwards.
 class Folder {
  public:
   Folder() {
@@ -43,7 +43,7 @@ class Folder {
   std::filesystem::path path_;
 };
 
-/// The message must begin with FILE:LINE: (FILE: for line 0) and hold every one of the words.
+/// Expects a message that begins with FILE:LINE: (FILE: for line 0) and contains all of the words.
 template <typename Call>
 void expectInputError(const Call& call, const std::string& file, int line,
                       std::initializer_list<std::string> words) {
@@ -63,7 +63,7 @@ void expectInputError(const Call& call, const std::string& file, int line,
          << '"';
 }
 
-/// The folder of real robots and problems beside the project; LEEWAY_DATA overrides.
+/// Folder of real robots and problems beside the project; LEEWAY_DATA overrides.
 inline std::string dataFolder() {
   const char* chosen = std::getenv("LEEWAY_DATA");
   return chosen != nullptr ? chosen : leeway::sourceFolder() + "/../shared/data";

@@ -1,6 +1,6 @@
 #pragma once
 
-// Random kinematic trees, and their edges, for tests.
+// Random kinematic trees and edges for tests.
 
 #include <Eigen/Geometry>
 #include <cmath>
@@ -14,7 +14,7 @@
 
 namespace leeway::robots::testing {
 
-/// splitmix64: the same numbers everywhere.
+/// splitmix64: equal numbers everywhere.
 class Random {
  public:
   explicit Random(std::uint64_t seed) : state_(seed) {}
@@ -49,7 +49,7 @@ class Random {
   std::uint64_t state_;
 };
 
-/// A tree of `count` links: joints of all types, mimic joints among them, parents anywhere above.
+/// A tree of `count` links: all joint types, mimic joints included, random parents.
 inline std::shared_ptr<Model> randomTree(Random& random, int count) {
   RobotDescription robot;
   static constexpr JointType kTypes[] = {
@@ -101,7 +101,7 @@ inline std::vector<double> randomConfiguration(Random& random, const Model& mode
   return q;
 }
 
-/// A difference that stays within the limits from q, as the planner's difference() makes it.
+/// A difference that stays within the limits from q, as the planner's difference() gives.
 inline std::vector<double> randomDifference(Random& random, const Model& model,
                                             const std::vector<double>& q) {
   const std::vector<double> to = randomConfiguration(random, model);

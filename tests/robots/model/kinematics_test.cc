@@ -15,8 +15,8 @@ namespace {
 
 using Real = long double;
 
-/// The slow twin: homogeneous matrices in long double, the C library's sines, straight from the
-/// Joint structs.
+/// Slow twin: homogeneous matrices in long double, the C library's sine and cosine, directly from
+/// the Joint structs.
 struct Frame {
   std::array<std::array<Real, 4>, 4> m{};
   static Frame identity() {
@@ -42,7 +42,7 @@ Frame translation(Real x, Real y, Real z) {
   return f;
 }
 
-/// By the quaternion (sin(angle/2) axis, cos(angle/2)): another formula than the product's.
+/// From the quaternion (sin(angle/2) axis, cos(angle/2)): independent of the product's formula.
 Frame fromQuaternion(Real x, Real y, Real z, Real w) {
   const Real n = std::sqrt(x * x + y * y + z * z + w * w);
   x /= n, y /= n, z /= n, w /= n;
@@ -135,8 +135,8 @@ double compare(const Model& model, int count, double reach) {
     forwardKinematics(model, q, X_WL);
     const std::vector<Frame> exact = slowKinematics(model, q);
     for (std::size_t l = 0; l < X_WL.size(); ++l) {
-      // The corners of a cube about the world's origin, as points of the link: X_WL^-1 w has the
-      // same place in both.
+      // Corners of a cube about the world's origin as points of the link: X_WL^-1 w has the same
+      // position in both.
       for (int corner = 0; corner < 8; ++corner) {
         const double d = reach / std::sqrt(3.0);
         const Eigen::Vector3d w((corner & 1) != 0 ? d : -d, (corner & 2) != 0 ? d : -d,

@@ -26,8 +26,8 @@ double angleOf(const Model& model, int joint, const std::vector<double>& q) {
   return step.multiplier * q[at(step.variable)] + step.offset;
 }
 
-/// The slow twin: distances of two links at random angles, one and several turns on, are never
-/// less than what is told of these angles, and of ranges around them. Counts what is told.
+/// Slow twin: distances of two links at random angles, also full turns away, are never below the
+/// gap claimed for these angles and for ranges around them. Counts the claims.
 void expectKept(const Model& model, const LinkGap& gap, Random& random, int count, int& told,
                 int& near) {
   std::vector<Pose> X_WL(model.links.size());
@@ -59,7 +59,7 @@ void expectKept(const Model& model, const LinkGap& gap, Random& random, int coun
   }
 }
 
-// Chains and branches, mimic joints among them, of hulls that are near one another.
+// Chains and branches of neighbouring hulls, mimic joints included.
 TEST(LinkGaps, AreKeptOnRandomTrees) {
   Random random(1);
   int pairs = 0, told = 0, near = 0;
@@ -81,7 +81,7 @@ TEST(LinkGaps, AreKeptOnRandomTrees) {
   EXPECT_GT(near, 100);
 }
 
-// Upper arms over their bases and wrists beside their forearms: what the tables are for.
+// Upper arms over bases, wrists beside forearms: the tables' purpose.
 TEST(LinkGaps, AreKeptByArms) {
   for (const std::string arm : {"panda", "ur5"}) {
     LEEWAY_NEEDS_DATA("robots/" + arm);

@@ -48,7 +48,7 @@ TEST(LinkMotion, MovesAsKinematicsAndWithinItsBounds) {
         tightest_acceleration = std::max(tightest_acceleration, second / bound.acceleration);
     }
   }
-  EXPECT_GT(tightest_speed, 0.8);  // the bounds are no mere infinity
+  EXPECT_GT(tightest_speed, 0.8);  // the bounds are not useless
   EXPECT_GT(tightest_acceleration, 0.5);
 }
 
@@ -61,7 +61,8 @@ TEST(LinkMotion, RefusesWhatIsNotThere) {
   EXPECT_THROW(LinkMotion(model, 0, q, wrong), std::invalid_argument);
 }
 
-/// Sampled twin: rates that change within their limits never move a point faster than said.
+/// Slow twin by sampling: rates that change within their limits never move a point faster than
+/// claimed.
 TEST(PointMotion, BoundsSpeedsAndTheirChange) {
   Random random(9);
   double tightest = 0;

@@ -42,7 +42,7 @@ class Track {
   std::vector<Pose> poses_;
 };
 
-// Second and first differences over any step are at most the bounds: no derivative is approximated.
+// First and second differences over any step obey the bounds: no derivative is approximated.
 TEST(MotionBound, HoldsOnRandomTrees) {
   Random random(1);
   int checked = 0, biting = 0, biting_local = 0;
@@ -87,7 +87,7 @@ TEST(MotionBound, HoldsOnRandomTrees) {
     }
   }
   EXPECT_GT(checked, 10000);
-  EXPECT_GT(biting, checked / 50);  // bounds that nothing comes near would prove nothing
+  EXPECT_GT(biting, checked / 50);  // guards against useless bounds
   EXPECT_GT(biting_local, checked / 10);
   EXPECT_GT(tightest, 0.9);
 }
@@ -138,7 +138,7 @@ TEST(MotionBound, CommonMotionCostsNothing) {
 }
 
 TEST(MotionBound, PassiveJointsOutsideTheirLimitsCount) {
-  // A finger that stands 65 mm out although its limit says 40.
+  // A finger at 65 mm, beyond its limit of 40 mm.
   RobotDescription robot;
   for (int i = 0; i < 3; ++i) {
     Link link;
@@ -187,7 +187,7 @@ TEST(MotionBound, UnlimitedPrismaticIsInfiniteAndLocalIsNot) {
   EXPECT_TRUE(std::isinf(motion.terms[0].reach));
   std::vector<JointMotion> joint_motion(3);
   jointMotion(model, std::vector<double>{0.0, 0.5}, joint_motion);
-  EXPECT_EQ(accelerationBound(model, motion, joint_motion), 0);  // 0 * infinity must not be NaN
+  EXPECT_EQ(accelerationBound(model, motion, joint_motion), 0);  // 0 * infinity must not give NaN
   jointMotion(model, std::vector<double>{1.0, 0.5}, joint_motion);
   std::vector<Pose> poses(3);
   forwardKinematics(model, std::vector<double>{0.0, 0.3}, poses);
@@ -198,8 +198,8 @@ TEST(MotionBound, UnlimitedPrismaticIsInfiniteAndLocalIsNot) {
 }
 
 TEST(ProvenApart, ProvesWhatCannotMeetAndNothingElse) {
-  // Links of 1 m in the plane, each turning by up to 0.5 rad: the first and the third are always
-  // apart, with 3 rad they meet.
+  // Links of 1 m in the plane. With turns of up to 0.5 rad the first and third stay apart; with 3
+  // rad they meet.
   for (const double limit : {0.5, 3.0}) {
     RobotDescription robot;
     for (int i = 0; i < 4; ++i) {

@@ -51,7 +51,7 @@ std::string collada(const std::string& unit, const std::string& up, const std::s
 
 constexpr const char* kIdentity = "1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1";
 
-/// The box of the mesh's vertices.
+/// Bounding box of the mesh's vertices.
 std::pair<Eigen::Vector3d, Eigen::Vector3d> extent(const collision::Shape& shape) {
   Eigen::Vector3d low = shape.mesh()->vertices()[0], high = low;
   for (const Eigen::Vector3d& v : shape.mesh()->vertices()) {
@@ -154,7 +154,7 @@ TEST(MeshImport, Messages) {
 
 class MeshPath : public testing::Test {
  protected:
-  /// Writes a URDF whose one link has the mesh, and loads it.
+  /// Loads a URDF whose single link has the mesh.
   std::shared_ptr<const Model> load(const std::string& uri, const LoadOptions& options = {}) {
     urdf_ = folder_.write(
         "ws/arm/urdf/arm.urdf",

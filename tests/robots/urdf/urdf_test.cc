@@ -14,7 +14,7 @@ namespace {
 
 using test::expectInputError;
 
-/// A robot of one link "a" (line 2); `rest` begins in line 3.
+/// A robot with link "a" (line 2); `rest` starts in line 3.
 std::string robot(const std::string& rest) {
   return "<robot name=\"r\">\n<link name=\"a\"/>\n" + rest + "\n</robot>\n";
 }
@@ -337,7 +337,7 @@ TEST(Urdf, ShapesPosesLimitsAndWarnings) {
       << model->warnings[2];
 }
 
-// The master of joints that follow it is no faster than the slowest of them allows.
+// A master joint is limited by the slowest of its followers.
 TEST(Urdf, VelocityLimitsOfMimicJointsBoundTheirMaster) {
   const test::Folder folder;
   const auto limit = [](const char* velocity) {
@@ -360,7 +360,7 @@ TEST(Urdf, VelocityLimitsOfMimicJointsBoundTheirMaster) {
   EXPECT_EQ(velocity("3", limit("5") + half, limit("100") + chained), 2.5);
   EXPECT_EQ(velocity("3", limit("5") + half, limit("10") + chained), 1.25);  // -8 times the master
   EXPECT_EQ(velocity("1", limit("5") + half, limit("100") + chained), 1);
-  // No limit of the master's, of the follower's, or of what does not move.
+  // No limit on the master, on the follower, or on what does not move.
   EXPECT_EQ(velocity("0", limit("5") + half, limit("100") + chained), 2.5);
   EXPECT_EQ(velocity("3", limit("0") + half, limit("0") + chained), 3);
   EXPECT_EQ(velocity("3", limit("5") + "<mimic joint=\"m\" multiplier=\"0\"/>",
@@ -407,7 +407,7 @@ TEST(Urdf, TheFirstMeshThatFailsIsTold) {
   std::string text;
   for (int i = 0; i < 6; ++i) {
     const std::string name = "m" + std::to_string(i);
-    // The files that fail are not the largest: those are read first.
+    // Broken files are not the largest, which are read first.
     folder.write(name + ".obj",
                  i % 2 == 0 ? std::string(1000, '#') + "\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
                             : "v 0 0 0 but no face");
@@ -427,7 +427,7 @@ TEST(Urdf, TheFirstMeshThatFailsIsTold) {
   }
 }
 
-// Meshes are built side by side where there are cores: with one, the same bytes.
+// Meshes are built in parallel; a single core gives equal bytes.
 TEST(Urdf, OneCoreLoadsTheSame) {
   LEEWAY_NEEDS_DATA("robots/panda");
   const std::string folder = test::dataFolder() + "/robots/";
@@ -484,8 +484,8 @@ TEST(Urdf, RealRobots) {
   };
   EXPECT_EQ(finger("panda_leftfinger"), finger("panda_rightfinger"))
       << "the same file was loaded twice";
-  // Its published forward kinematics: the flange (link 8) at the ready posture is 0.088 from the
-  // wrist's axis and so on; here at zero.
+  // Published forward kinematics at zero: the flange (link 8) is 0.088 from the wrist's axis, and
+  // so on.
   std::vector<Pose> X_WL(panda->links.size());
   forwardKinematics(*panda, panda->defaultConfiguration(), X_WL);
   const Pose& flange = X_WL[static_cast<std::size_t>(panda->findLink("panda_link8"))];
