@@ -4,10 +4,10 @@
 
 #include "leeway/planner/problem.h"
 #include "leeway/robots/input_error.h"
-#include "tests/build_paths.h"
 #include "tests/fuzz/shapes.h"
 #include "tests/fuzz/target.h"
 #include "tests/fuzz/text_input.h"
+#include "tests/support/build_paths.h"
 
 namespace leeway::fuzz {
 

@@ -1,35 +1,18 @@
 #include "tests/fuzz/text_input.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 
-#include "tests/build_paths.h"
+#include "tests/support/build_paths.h"
+#include "tests/support/folder.h"
 
 namespace leeway::fuzz {
-namespace {
-
-struct Folder {
-  std::string path;
-  Folder() {
-    path = (std::filesystem::temp_directory_path() / ("leeway_fuzz_" + std::to_string(getpid())))
-               .string();
-    std::filesystem::create_directories(path);
-  }
-  ~Folder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path, ignored);
-  }
-};
-
-}  // namespace
 
 const std::string& scratchFolder() {
   static const Folder folder;
-  return folder.path;
+  static const std::string path = folder.path();
+  return path;
 }
 
 std::string writeInput(const std::string& name, std::span<const std::uint8_t> bytes) {
@@ -38,11 +21,6 @@ std::string writeInput(const std::string& name, std::span<const std::uint8_t> by
   stream.write(reinterpret_cast<const char*>(bytes.data()),
                static_cast<std::streamsize>(bytes.size()));
   return path;
-}
-
-std::string readText(const std::string& path) {
-  std::ifstream stream(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
 }
 
 std::vector<std::string> sourceTexts(const std::vector<std::string>& paths) {

@@ -21,9 +21,6 @@ const std::string& scratchFolder();
 /// Writes the bytes to `name` in the scratch folder and returns its path.
 std::string writeInput(const std::string& name, std::span<const std::uint8_t> bytes);
 
-/// The whole file; empty if unreadable.
-std::string readText(const std::string& path);
-
 /// Contents of the existing files among `paths`, relative to the repository's root.
 std::vector<std::string> sourceTexts(const std::vector<std::string>& paths);
 

@@ -8,7 +8,7 @@
 #include "planner/problem/vertex_cache.h"
 #include "tests/fuzz/shapes.h"
 #include "tests/fuzz/target.h"
-#include "tests/planner/problem/cache_bytes.h"
+#include "tests/support/cache_bytes.h"
 
 namespace {
 

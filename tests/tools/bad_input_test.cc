@@ -1,7 +1,7 @@
 // Output for every kind of bad file: one line with file and line, what is wrong and what would be
 // accepted; status 2.
 
-#include "tests/tools/command.h"
+#include "tests/support/command.h"
 
 namespace leeway::tools::testing {
 namespace {

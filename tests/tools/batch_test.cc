@@ -1,7 +1,7 @@
 #include <set>
 
-#include "tests/build_paths.h"
-#include "tests/tools/command.h"
+#include "tests/support/build_paths.h"
+#include "tests/support/command.h"
 
 namespace leeway::tools::testing {
 namespace {

@@ -1,7 +1,7 @@
 // tools/scripts/check_docs detects wrong pages. (A test of its own runs it on this tree.)
 
-#include "tests/build_paths.h"
-#include "tests/tools/command.h"
+#include "tests/support/build_paths.h"
+#include "tests/support/command.h"
 
 namespace leeway::tools::testing {
 namespace {

@@ -1,8 +1,8 @@
 // tools/scripts/check_layers detects trees that break the rules. (A test of its own runs it on this
 // tree.)
 
-#include "tests/build_paths.h"
-#include "tests/tools/command.h"
+#include "tests/support/build_paths.h"
+#include "tests/support/command.h"
 
 namespace leeway::tools::testing {
 namespace {
@@ -33,7 +33,7 @@ TEST_F(Layers, EveryRuleBites) {
   expectBites("robots/model/a.cc", "\"leeway/planner/plan.h\"");
   expectBites("planner/edge/a.cc", "\"planner/search/goals.h\"");
   expectBites("planner/edge/a.cc", "\"tools/leeway/support/verb.h\"");
-  expectBites("tools/leeway/a.cc", "\"tests/tools/command.h\"");
+  expectBites("tools/leeway/a.cc", "\"tests/support/command.h\"");
   expectBites("tools/truth/oracle/a.cc", "\"collision/convex/gjk/gjk.h\"");
   expectBites("tools/truth/oracle/a.cc", "\"leeway/robots/model.h\"");
   expectBites("collision/time/a.cc", "\"tools/truth/oracle/quad.h\"");

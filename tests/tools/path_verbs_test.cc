@@ -1,6 +1,6 @@
 // check, verify and clearance.
 
-#include "tests/tools/command.h"
+#include "tests/support/command.h"
 
 namespace leeway::tools::testing {
 namespace {

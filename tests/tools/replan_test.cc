@@ -1,7 +1,7 @@
 #include <regex>
 #include <set>
 
-#include "tests/tools/command.h"
+#include "tests/support/command.h"
 
 namespace leeway::tools::testing {
 namespace {

@@ -9,8 +9,8 @@
 #include <map>
 #include <stdexcept>
 
-#include "tests/tools/command.h"
-#include "tools/report/accuracy/accuracy.h"
+#include "tests/support/command.h"
+#include "tools/report/accuracy/accuracy_report.h"
 #include "tools/report/accuracy/own_engine.h"
 #include "tools/report/base/guard.h"
 #include "tools/truth/oracle/oracle.h"

@@ -3,8 +3,8 @@
 #include <map>
 #include <set>
 
-#include "tests/build_paths.h"
-#include "tests/tools/command.h"
+#include "tests/support/build_paths.h"
+#include "tests/support/command.h"
 
 namespace leeway::tools::testing {
 namespace {
@@ -122,11 +122,8 @@ TEST_F(ReportCases, NamesFileLineAndValueOfBadInput) {
 
 /// 6,185 cases, ordinary and hard, with references of quadruple precision.
 TEST_F(ReportCases, HoldsTheReferenceOfTheSharedData) {
-  const char* root = std::getenv("LEEWAY_DATA");
-  const std::string data =
-      (root != nullptr ? std::string(root) : (leeway::sourceFolder() + "/../shared/data")) +
-      "/narrow/";
-  if (!fs::exists(data + "cases.txt")) GTEST_SKIP() << data << "cases.txt is not there";
+  LEEWAY_NEEDS_DATA("narrow/cases.txt");
+  const std::string data = leeway::dataFolder() + "/narrow/";
   const Answer answer = run("report cases '" + data + "cases.txt' --raw -");
   EXPECT_EQ(answer.status, 0) << answer.err;
   // Hulls with nearly equal vertices: exact rational arithmetic finds a direction of smaller width

@@ -8,8 +8,8 @@
 #include <map>
 #include <set>
 
-#include "tests/tools/command.h"
-#include "tools/report/deform/deform.h"
+#include "tests/support/command.h"
+#include "tools/report/deform/deform_report.h"
 #include "tools/report/deform/deform_scenes.h"
 #include "tools/report/deform/own_mesh_engine.h"
 

@@ -10,9 +10,9 @@
 #include <set>
 #include <stdexcept>
 
-#include "tests/tools/command.h"
-#include "tools/report/motion/motion.h"
+#include "tests/support/command.h"
 #include "tools/report/motion/motion_cases.h"
+#include "tools/report/motion/motion_report.h"
 #include "tools/report/motion/motion_truth.h"
 #include "tools/report/motion/own_motion_engine.h"
 

@@ -1,5 +1,5 @@
-#include "tests/build_paths.h"
-#include "tests/tools/command.h"
+#include "tests/support/build_paths.h"
+#include "tests/support/command.h"
 
 namespace leeway::tools::testing {
 namespace {

@@ -21,7 +21,7 @@ target_compile_options(leeway_options INTERFACE -ffp-contract=off -fno-math-errn
 
 if(LEEWAY_SANITIZE)
   # -O0 takes the place of the build type's: with a sanitizer's checks in the code -O1 takes half as long again to compile tests, nearly twice as
-  # long the library and eight times as long code for every instruction set. Tests that are dear then ask fewer cases (tests/sanitized.h).
+  # long the library and eight times as long code for every instruction set. Tests that are dear then ask fewer cases (tests/support/sanitized.h).
   add_compile_options(-O0 -fsanitize=${LEEWAY_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
   add_link_options(-fsanitize=${LEEWAY_SANITIZE})
 endif()

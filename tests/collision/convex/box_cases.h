@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "collision/mesh/box_tree.h"
-#include "tests/collision/mesh/mesh_cases.h"
+#include "tests/support/mesh_cases.h"
 
 namespace leeway::collision::testing {
 

@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "leeway/collision/distance.h"
-#include "tests/sanitized.h"
+#include "tests/support/sanitized.h"
 #include "tools/truth/oracle/generate.h"
 
 namespace leeway::collision {

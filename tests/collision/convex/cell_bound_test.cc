@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "collision/convex/round_depth/curved_face.h"
-#include "tests/sanitized.h"
+#include "tests/support/sanitized.h"
 #include "tools/truth/oracle/generate.h"
 
 namespace leeway::collision {

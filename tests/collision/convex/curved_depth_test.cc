@@ -12,7 +12,7 @@
 #include "leeway/collision/convex_hull.h"
 #include "leeway/collision/distance.h"
 #include "tests/collision/convex/known_cases.h"
-#include "tests/sanitized.h"
+#include "tests/support/sanitized.h"
 #include "tools/truth/oracle/oracle.h"
 
 namespace leeway::collision {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "collision/base/tolerances.h"
-#include "tests/sanitized.h"
+#include "tests/support/sanitized.h"
 #include "tools/truth/oracle/generate.h"
 
 // Known answers, and properties that every answer has. (oracle_test.cc compares all pairs with

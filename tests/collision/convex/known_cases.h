@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "leeway/collision/distance.h"
-#include "tests/build_paths.h"
 #include "tests/collision/convex/pair_cases.h"
+#include "tests/support/build_paths.h"
 #include "tests/support/case_file.h"
 #include "tools/truth/oracle/oracle.h"
 

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "leeway/collision/distance.h"
-#include "tests/build_paths.h"
+#include "tests/support/build_paths.h"
 #include "tests/support/case_file.h"
 #include "tools/truth/oracle/oracle.h"
 

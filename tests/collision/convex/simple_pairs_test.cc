@@ -10,7 +10,7 @@
 #include "collision/convex/pairs/simple_answer.h"
 #include "leeway/collision/distance.h"
 #include "tests/collision/convex/pair_cases.h"
-#include "tests/sanitized.h"
+#include "tests/support/sanitized.h"
 #include "tools/truth/oracle/generate.h"
 
 namespace leeway::collision {

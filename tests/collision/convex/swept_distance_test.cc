@@ -6,7 +6,7 @@
 
 #include "collision/convex/convex_distance.h"
 #include "leeway/collision/distance.h"
-#include "tests/sanitized.h"
+#include "tests/support/sanitized.h"
 #include "tools/truth/oracle/generate.h"
 
 namespace leeway::collision {

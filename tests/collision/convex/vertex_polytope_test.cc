@@ -13,8 +13,8 @@
 #include "collision/convex/epa/epa.h"
 #include "collision/convex/gjk/vertex_gjk.h"
 #include "tests/collision/convex/pair_cases.h"
-#include "tests/every_target.h"
-#include "tests/sanitized.h"
+#include "tests/support/every_target.h"
+#include "tests/support/sanitized.h"
 #include "tools/truth/oracle/generate.h"
 
 namespace leeway::collision {

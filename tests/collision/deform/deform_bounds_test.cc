@@ -9,8 +9,8 @@
 #include "collision/deform/bounds/probe_bounds.h"
 #include "collision/deform/query/probe.h"
 #include "collision/deform/tree/tree_builder.h"
-#include "tests/collision/scene/motion_cases.h"
-#include "tests/every_target.h"
+#include "tests/support/every_target.h"
+#include "tests/support/motion_cases.h"
 
 namespace leeway::collision {
 namespace {

@@ -16,8 +16,8 @@
 #include "collision/deform/query/probe.h"
 #include "collision/deform/tree/refit.h"
 #include "collision/deform/tree/tree_builder.h"
-#include "tests/collision/deform/deformable_cases.h"
-#include "tests/every_target.h"
+#include "tests/support/deformable_cases.h"
+#include "tests/support/every_target.h"
 
 namespace leeway::collision {
 namespace {

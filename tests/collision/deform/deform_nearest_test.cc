@@ -9,8 +9,8 @@
 #include "collision/base/scratch.h"
 #include "collision/deform/query/nearest_triangle.h"
 #include "leeway/collision/distance.h"
-#include "tests/collision/deform/deformable_cases.h"
-#include "tests/every_target.h"
+#include "tests/support/deformable_cases.h"
+#include "tests/support/every_target.h"
 
 namespace leeway::collision {
 namespace {

@@ -13,7 +13,7 @@
 #include "collision/base/rounding.h"
 #include "collision/deform/query/overlap_octree.h"
 #include "leeway/collision/distance.h"
-#include "tests/collision/deform/deformable_cases.h"
+#include "tests/support/deformable_cases.h"
 
 namespace leeway::collision {
 namespace {

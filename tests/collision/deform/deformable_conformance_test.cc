@@ -17,7 +17,7 @@
 #include "leeway/collision/convex_hull.h"
 #include "leeway/collision/deformable_mesh.h"
 #include "leeway/collision/distance.h"
-#include "tests/collision/scene/motion_cases.h"
+#include "tests/support/motion_cases.h"
 
 namespace leeway::collision {
 namespace {

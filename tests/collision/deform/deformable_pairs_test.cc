@@ -8,8 +8,8 @@
 #include "collision/base/work.h"
 #include "leeway/collision/distance.h"
 #include "leeway/collision/triangle_mesh.h"
-#include "tests/collision/deform/deformable_cases.h"
-#include "tests/sanitized.h"
+#include "tests/support/deformable_cases.h"
+#include "tests/support/sanitized.h"
 
 namespace leeway::collision {
 namespace {

@@ -11,8 +11,8 @@
 #include "collision/deform/tree/tree_builder.h"
 #include "leeway/collision/convex_hull.h"
 #include "leeway/collision/distance.h"
-#include "tests/collision/deform/deformable_cases.h"
-#include "tests/every_target.h"
+#include "tests/support/deformable_cases.h"
+#include "tests/support/every_target.h"
 
 namespace leeway::collision {
 namespace {

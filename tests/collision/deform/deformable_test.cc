@@ -12,9 +12,9 @@
 #include "leeway/collision/distance.h"
 #include "leeway/collision/scene.h"
 #include "leeway/collision/vertex_motion.h"
-#include "tests/collision/deform/deformable_cases.h"
-#include "tests/collision/distance/allocations.h"
-#include "tests/collision/scene/motion_cases.h"
+#include "tests/support/allocations.h"
+#include "tests/support/deformable_cases.h"
+#include "tests/support/motion_cases.h"
 
 namespace leeway::collision {
 namespace {

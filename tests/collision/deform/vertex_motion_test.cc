@@ -9,7 +9,7 @@
 #include <functional>
 #include <limits>
 
-#include "tests/collision/scene/motion_cases.h"
+#include "tests/support/motion_cases.h"
 
 namespace leeway::collision {
 namespace {

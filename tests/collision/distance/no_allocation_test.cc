@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "leeway/collision/distance.h"
-#include "tests/collision/distance/allocations.h"
+#include "tests/support/allocations.h"
 #include "tools/truth/oracle/generate.h"
 
 namespace leeway::collision {

@@ -7,9 +7,9 @@
 
 #include "collision/distance/nearest_in_half_spaces.h"
 #include "leeway/collision/distance.h"
-#include "tests/collision/distance/allocations.h"
-#include "tests/collision/mesh/mesh_cases.h"
-#include "tests/sanitized.h"
+#include "tests/support/allocations.h"
+#include "tests/support/mesh_cases.h"
+#include "tests/support/sanitized.h"
 
 namespace leeway::collision {
 namespace {

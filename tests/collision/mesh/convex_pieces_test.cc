@@ -17,10 +17,10 @@
 #include "collision/shapes/hull_distance.h"
 #include "collision/shapes/point_triangle.h"
 #include "leeway/collision/distance.h"
-#include "tests/collision/distance/allocations.h"
-#include "tests/collision/mesh/mesh_cases.h"
-#include "tests/every_target.h"
-#include "tests/sanitized.h"
+#include "tests/support/allocations.h"
+#include "tests/support/every_target.h"
+#include "tests/support/mesh_cases.h"
+#include "tests/support/sanitized.h"
 
 namespace leeway::collision {
 namespace {

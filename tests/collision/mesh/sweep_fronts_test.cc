@@ -12,8 +12,8 @@
 #include "leeway/collision/distance.h"
 #include "leeway/collision/time_of_contact.h"
 #include "leeway/collision/triangle_mesh.h"
-#include "tests/collision/mesh/mesh_cases.h"
-#include "tests/sanitized.h"
+#include "tests/support/mesh_cases.h"
+#include "tests/support/sanitized.h"
 
 namespace leeway::collision {
 namespace {

@@ -11,8 +11,8 @@
 #include "collision/cover/coarse_shape.h"
 #include "leeway/collision/distance.h"
 #include "leeway/collision/triangle_mesh.h"
-#include "tests/collision/distance/allocations.h"
-#include "tests/sanitized.h"
+#include "tests/support/allocations.h"
+#include "tests/support/sanitized.h"
 
 namespace leeway::collision {
 namespace {

@@ -7,12 +7,10 @@
 #include <limits>
 
 #include "collision/base/exact_predicates.h"
-#include "collision/shapes/hull_builder.h"
-#include "collision/shapes/hull_distance.h"
 #include "leeway/collision/distance.h"
 #include "leeway/collision/shape.h"
-#include "tests/collision/mesh/mesh_cases.h"
-#include "tests/sanitized.h"
+#include "tests/support/mesh_cases.h"
+#include "tests/support/sanitized.h"
 
 namespace leeway::collision {
 namespace {
@@ -192,86 +190,6 @@ TEST(ConvexHull, RejectsWhatHasNoHull) {
   for (const double bad :
        {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(), -1e61}) {
     EXPECT_THROW(ConvexHull::compute(std::vector<Vector3d>{{0, bad, 0}}), InvalidShape);
-  }
-}
-
-// For an interrupted hull, exact signs separate inside from outside, and the largest outside
-// distance equals that over all points.
-TEST(HullBuilder, StoppedHullsTellWhatIsOutside) {
-  Random random(31);
-  int outside = 0;
-  for (int round = 0; round < (kSanitized ? 12 : 60); ++round) {
-    const double size = std::array{1e-6, 1.0, 1e3}[static_cast<std::size_t>(round % 3)];
-    const Pose X = random.pose(10 * size);
-    std::vector<Vector3d> points;
-    for (int i = 0; i < 150; ++i) {
-      const double angle = 0.1 * random.below(60);
-      const std::array<Vector3d, 4> kinds = {
-          random.vector(), random.direction(), Vector3d(random.below(4), random.below(4), 0.1),
-          Vector3d(std::cos(angle), std::sin(angle), random.below(3))};
-      points.push_back(X * (size * kinds[static_cast<std::size_t>(round / 3 % 4)]));
-    }
-    const HullBuilder hull(points, 4 + random.below(40));
-    if (hull.dimension() < 3) continue;
-    ASSERT_EQ(hull.outsideOf().size(), hull.outside().size());
-    const auto side = [&](std::int32_t facet, std::int32_t p) {
-      const auto& f = hull.facets()[static_cast<std::size_t>(facet)];
-      const auto at = [&](std::int32_t i) { return points[static_cast<std::size_t>(i)]; };
-      return orientation(at(f[0]), at(f[1]), at(f[2]), at(p));
-    };
-    std::vector<bool> is_outside(points.size(), false);
-    double largest = 0;
-    for (std::size_t i = 0; i < hull.outside().size(); ++i) {
-      const std::int32_t p = hull.outside()[i];
-      is_outside[static_cast<std::size_t>(p)] = true;
-      EXPECT_EQ(side(hull.outsideOf()[i], p), 1);
-      largest =
-          std::max(largest, distanceFromHull(points[static_cast<std::size_t>(p)], points, hull));
-      ++outside;
-    }
-    for (std::size_t p = 0; p < points.size(); ++p) {
-      for (std::size_t f = 0; f < hull.facets().size() && !is_outside[p]; ++f) {
-        EXPECT_LE(side(static_cast<std::int32_t>(f), static_cast<std::int32_t>(p)), 0);
-      }
-    }
-    EXPECT_EQ(largestDistanceFromHull(points, hull), largest);
-  }
-  EXPECT_GT(outside, 200);
-}
-
-// Exact signs against integer arithmetic without rounding.
-TEST(Exact, OrientationOfSmallIntegers) {
-  Random random(5);
-  int zeros = 0;
-  for (int i = 0; i < 20000; ++i) {
-    std::array<std::array<std::int64_t, 3>, 4> p;
-    std::array<Vector3d, 4> v;
-    const double scale = std::ldexp(1.0, random.below(40) - 20);
-    for (std::size_t k = 0; k < 4; ++k) {
-      for (std::size_t c = 0; c < 3; ++c) {
-        p[k][c] = random.below(5) + (random.below(2) != 0 ? 0 : (std::int64_t{1} << 20));
-        v[k][static_cast<int>(c)] = scale * static_cast<double>(p[k][c]);
-      }
-    }
-    const auto d = [&](std::size_t k, std::size_t c) { return p[k][c] - p[0][c]; };
-    const std::int64_t det = d(3, 0) * (d(1, 1) * d(2, 2) - d(1, 2) * d(2, 1)) +
-                             d(3, 1) * (d(1, 2) * d(2, 0) - d(1, 0) * d(2, 2)) +
-                             d(3, 2) * (d(1, 0) * d(2, 1) - d(1, 1) * d(2, 0));
-    EXPECT_EQ(orientation(v[0], v[1], v[2], v[3]), (det > 0) - (det < 0));
-    zeros += det == 0 ? 1 : 0;
-  }
-  EXPECT_GT(zeros, 200);
-}
-
-// A point one ulp off a plane: the filter is inconclusive, the expansion must decide.
-TEST(Exact, OrientationOfOneUlp) {
-  const Vector3d a(0.1, 0.1, 0.1), b(12.3, 12.3, 12.3), c(0.7, 0.7, 24.5);
-  for (const double x : {0.3, 1.7, 9.1}) {
-    const Vector3d on(x, x, 0.2);
-    EXPECT_EQ(orientation(a, b, c, on), 0);
-    const Vector3d up(std::nextafter(x, 100), x, 0.2), down(std::nextafter(x, -100), x, 0.2);
-    EXPECT_EQ(orientation(a, b, c, up), -orientation(a, b, c, down));
-    EXPECT_NE(orientation(a, b, c, up), 0);
   }
 }
 

@@ -14,10 +14,10 @@
 #include "leeway/collision/time_of_contact.h"
 #include "leeway/collision/triangle_mesh.h"
 #include "tests/collision/convex/box_cases.h"
-#include "tests/collision/distance/allocations.h"
-#include "tests/collision/mesh/mesh_cases.h"
-#include "tests/every_target.h"
-#include "tests/sanitized.h"
+#include "tests/support/allocations.h"
+#include "tests/support/every_target.h"
+#include "tests/support/mesh_cases.h"
+#include "tests/support/sanitized.h"
 
 namespace leeway::collision {
 namespace {

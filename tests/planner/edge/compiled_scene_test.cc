@@ -12,7 +12,7 @@
 #include "leeway/robots/input_error.h"
 #include "planner/edge/edge_model.h"
 #include "robots/model/model_builder.h"
-#include "tests/planner/base/test_models.h"
+#include "tests/support/small_problems.h"
 
 namespace leeway::planner {
 namespace {

@@ -13,10 +13,10 @@
 #include "planner/edge/edge_frames.h"
 #include "planner/edge/edge_model.h"
 #include "robots/motion/link_gaps.h"
-#include "tests/collision/distance/allocations.h"
-#include "tests/planner/base/random_problem.h"
-#include "tests/planner/base/test_models.h"
-#include "tests/sanitized.h"
+#include "tests/support/allocations.h"
+#include "tests/support/random_problem.h"
+#include "tests/support/sanitized.h"
+#include "tests/support/small_problems.h"
 
 namespace leeway::planner {
 namespace {

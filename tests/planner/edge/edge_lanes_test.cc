@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "leeway/planner/edge_certifier.h"
-#include "tests/every_target.h"
-#include "tests/planner/base/random_problem.h"
+#include "tests/support/every_target.h"
+#include "tests/support/random_problem.h"
 
 namespace leeway::planner {
 namespace {

@@ -15,7 +15,7 @@
 #include "leeway/planner/ompl_motion_validator.h"
 #include "leeway/planner/ompl_objectives.h"
 #include "planner/base/random.h"
-#include "tests/planner/base/test_models.h"
+#include "tests/support/small_problems.h"
 
 namespace leeway::planner {
 namespace {

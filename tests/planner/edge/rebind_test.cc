@@ -9,7 +9,7 @@
 #include "leeway/planner/edge_certifier.h"
 #include "leeway/robots/input_error.h"
 #include "planner/base/random.h"
-#include "tests/planner/base/test_models.h"
+#include "tests/support/small_problems.h"
 
 namespace leeway::planner {
 namespace {

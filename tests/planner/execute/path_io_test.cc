@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
 #include <cmath>
 #include <csignal>
@@ -20,7 +19,8 @@
 #include "leeway/planner/trajectory.h"
 #include "leeway/robots/input_error.h"
 #include "planner/search/half_turns.h"
-#include "tests/build_paths.h"
+#include "tests/support/build_paths.h"
+#include "tests/support/folder.h"
 
 namespace leeway::planner {
 namespace {
@@ -30,29 +30,13 @@ const std::string kSource = leeway::sourceFolder();
 
 class PathIo : public testing::Test {
  protected:
-  PathIo() {
-    folder_ = std::filesystem::path(testing::TempDir()) /
-              ("leeway_path_io_" + std::to_string(::getpid()));
-    std::filesystem::create_directories(folder_);
-  }
-  ~PathIo() override {
-    std::error_code ignored;
-    std::filesystem::remove_all(folder_, ignored);
-  }
-  std::string file(const std::string& name) const { return (folder_ / name).string(); }
+  std::string file(const std::string& name) const { return folder_.path(name); }
   std::string write(const std::string& name, const std::string& text) const {
-    std::ofstream(file(name), std::ios::binary) << text;
-    return file(name);
-  }
-  static std::string contents(const std::string& path) {
-    std::ifstream stream(path, std::ios::binary);
-    std::ostringstream text;
-    text << stream.rdbuf();
-    return text.str();
+    return folder_.write(name, text);
   }
   /// Number of files: a failed write must not leave its temporary file.
   std::size_t fileCount() const {
-    const std::filesystem::directory_iterator first(folder_), last;
+    const std::filesystem::directory_iterator first(folder_.path()), last;
     return static_cast<std::size_t>(std::distance(first, last));
   }
   std::string messageOf(const std::string& path, const Problem& problem) const {
@@ -64,7 +48,7 @@ class PathIo : public testing::Test {
     return "accepted";
   }
 
-  std::filesystem::path folder_;
+  Folder folder_;
 };
 
 double signedUnit(std::mt19937_64& random) {
@@ -141,7 +125,7 @@ TEST_F(PathIo, BodiesComeBackToTheBit) {
         << ending;
   }
   // Rows are x y z qx qy qz qw, as OMPL prints them.
-  std::istringstream first(contents(file("body.path")));
+  std::istringstream first(readText(file("body.path")));
   for (const double expected : rows[0]) {
     double x = 0;
     first >> x;
@@ -167,7 +151,7 @@ TEST_F(PathIo, NumbersDoNotDependOnTheLocale) {
         << ending;
   }
   std::locale::global(before);
-  EXPECT_EQ(contents(file("comma.json")), contents(file("classic.json")));
+  EXPECT_EQ(readText(file("comma.json")), readText(file("classic.json")));
   EXPECT_EQ(again.start, problem.start);
 }
 
@@ -175,7 +159,7 @@ TEST_F(PathIo, JsonHoldsTrajectoryAndCertificate) {
   const Problem problem = armProblem();
   PlanResult result = resultOf(problem, armRows());
   writePath(file("arm.json"), problem, result);
-  const auto json = nlohmann::json::parse(contents(file("arm.json")));
+  const auto json = nlohmann::json::parse(readText(file("arm.json")));
   EXPECT_EQ(json.at("header").at("frame_id"), "base");
   EXPECT_EQ(json.at("joint_names").size(), 7U);
   ASSERT_EQ(json.at("points").size(), 20U);
@@ -193,7 +177,7 @@ TEST_F(PathIo, JsonHoldsTrajectoryAndCertificate) {
   result.certificate.clearance = {kInfinity, kInfinity};  // no obstacles
   result.certificate.closest_segment = -1;
   writePath(file("arm.json"), problem, result);
-  const auto far = nlohmann::json::parse(contents(file("arm.json")));
+  const auto far = nlohmann::json::parse(readText(file("arm.json")));
   EXPECT_TRUE(far.at("certificate").at("clearance_lower").is_null());
   EXPECT_TRUE(far.at("certificate").at("closest").is_null());
 }
@@ -204,7 +188,7 @@ TEST_F(PathIo, TimesKeepTheVelocityLimits) {
   rows[1][3] = 1.0;  // joint4, at most 75 degrees a second
   rows[1][0] = 0.5;  // joint1, 85
   writePath(file("arm.csv"), problem, resultOf(problem, rows));
-  std::istringstream lines(contents(file("arm.csv")));
+  std::istringstream lines(readText(file("arm.csv")));
   std::string header, first, second;
   std::getline(lines, header);
   std::getline(lines, first);
@@ -233,7 +217,7 @@ TEST_F(PathIo, TrajectoriesHaveRatesAndTheirOwnCertificate) {
     const auto read = readPath(file(name), problem);  // its rows form a path again
     EXPECT_TRUE(sameBits({read.positions.front(), read.positions.back()}, {rows[0], rows[2]}));
   }
-  const auto json = nlohmann::json::parse(contents(file("t.json")));
+  const auto json = nlohmann::json::parse(readText(file("t.json")));
   const auto& points = json.at("points");
   double before = -1;
   int sampled = 0;
@@ -265,7 +249,7 @@ TEST_F(PathIo, TrajectoriesHaveRatesAndTheirOwnCertificate) {
     result.certificate.closest_segment = 0;
     result.certificate.closest_t = t;
     writeTrajectory(file("cut.json"), problem, result, trajectory);
-    EXPECT_EQ(nlohmann::json::parse(contents(file("cut.json")))
+    EXPECT_EQ(nlohmann::json::parse(readText(file("cut.json")))
                   .at("certificate")
                   .at("clearance_upper")
                   .is_null(),
@@ -274,7 +258,7 @@ TEST_F(PathIo, TrajectoriesHaveRatesAndTheirOwnCertificate) {
 
   const Trajectory stopping(space, rows, defaultMotionLimits(*space));
   writeTrajectory(file("stop.json"), problem, result, stopping);
-  const auto stop = nlohmann::json::parse(contents(file("stop.json")));
+  const auto stop = nlohmann::json::parse(readText(file("stop.json")));
   EXPECT_EQ(stop.at("certificate").at("clearance_lower").get<double>(), 0.03);
   EXPECT_EQ(stop.at("points").size(), stopping.knots().size());
   for (std::size_t i = 0; i + 1 < stop.at("points").size(); ++i) {  // later ones
@@ -283,7 +267,7 @@ TEST_F(PathIo, TrajectoriesHaveRatesAndTheirOwnCertificate) {
     EXPECT_NEAR(stop.at("points")[i].at("accelerations")[0].get<double>(), second[0], 1e-9) << i;
   }
   writeTrajectory(file("stop.csv"), problem, result, stopping);
-  EXPECT_EQ(contents(file("stop.csv")).substr(0, 12), "time,joint1,");
+  EXPECT_EQ(readText(file("stop.csv")).substr(0, 12), "time,joint1,");
   try {
     writeTrajectory(file("stop.path"), problem, result, stopping);
     ADD_FAILURE();
@@ -306,7 +290,7 @@ TEST_F(PathIo, TrajectoriesOfBodiesHaveTheRatesOfTheirNumbers) {
   const double h = 1e-5;
   std::vector<double> before(7), middle(7), after(7);
   int moving = 0;
-  const auto json = nlohmann::json::parse(contents(file("body.json")));
+  const auto json = nlohmann::json::parse(readText(file("body.json")));
   for (const auto& point : json.at("points")) {
     const double time = point.at("time_from_start").at("sec").get<double>() +
                         point.at("time_from_start").at("nanosec").get<double>() * 1e-9;
@@ -337,7 +321,7 @@ TEST_F(PathIo, TrajectoriesOfBodiesDoNotChangeTheSignOfOrientations) {
       {0, 0, 1, 0, 0, 0, 1}, {0.3, 0, 1, -0.6, 0, -0.48, -0.64}, {0.3, 0.2, 1, 0.6, 0, 0.64, 0.48}};
   const Trajectory trajectory(space, rows, defaultMotionLimits(*space));
   writeTrajectory(file("signs.json"), problem, resultOf(problem, rows), trajectory, 0.1);
-  const auto json = nlohmann::json::parse(contents(file("signs.json")));
+  const auto json = nlohmann::json::parse(readText(file("signs.json")));
   const auto& points = json.at("points");
   ASSERT_GT(points.size(), 10U);
   for (std::size_t k = 1; k < points.size(); ++k) {
@@ -530,7 +514,7 @@ TEST_F(PathIo, AnExistingFileSurvivesAFailedWrite) {
   PlanResult result = resultOf(problem, armRows());
   result.path.positions[1].pop_back();
   EXPECT_THROW(writePath(file("path.json"), problem, result), std::invalid_argument);
-  EXPECT_EQ(contents(file("path.json")), "precious");
+  EXPECT_EQ(readText(file("path.json")), "precious");
   // The disk is full after 16 bytes.
   result = resultOf(problem, armRows());
   struct rlimit before {};
@@ -542,7 +526,7 @@ TEST_F(PathIo, AnExistingFileSurvivesAFailedWrite) {
   EXPECT_THROW(writePath(file("path.json"), problem, result), robots::InputError);
   ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &before), 0);
   std::signal(SIGXFSZ, handler);
-  EXPECT_EQ(contents(file("path.json")), "precious");
+  EXPECT_EQ(readText(file("path.json")), "precious");
   EXPECT_EQ(fileCount(), 1U);
 }
 
@@ -554,8 +538,8 @@ TEST_F(PathIo, ALinkStaysAndItsFileIsReplaced) {
   writeFileWhole(file("dangling.txt"), "first");
   EXPECT_TRUE(std::filesystem::is_symlink(file("link.txt")));
   EXPECT_TRUE(std::filesystem::is_symlink(file("dangling.txt")));
-  EXPECT_EQ(contents(file("old.txt")), "new");
-  EXPECT_EQ(contents(file("fresh.txt")), "first");
+  EXPECT_EQ(readText(file("old.txt")), "new");
+  EXPECT_EQ(readText(file("fresh.txt")), "first");
 }
 
 TEST_F(PathIo, APipeIsWrittenToAndStays) {
@@ -575,7 +559,7 @@ TEST_F(PathIo, AReplacedFileKeepsItsModeAndANewOneTheUsers) {
   std::filesystem::permissions(
       path, std::filesystem::perms::owner_read | std::filesystem::perms::owner_write);
   writeFileWhole(path, "new");
-  EXPECT_EQ(contents(path), "new");
+  EXPECT_EQ(readText(path), "new");
   EXPECT_EQ(std::filesystem::status(path).permissions(),
             std::filesystem::perms::owner_read | std::filesystem::perms::owner_write);
   write("plain.txt", "");

@@ -13,9 +13,9 @@
 #include "planner/base/random.h"
 #include "planner/execute/motion_limits.h"
 #include "planner/execute/timed_path.h"
-#include "tests/build_paths.h"
-#include "tests/planner/base/test_models.h"
-#include "tests/planner/execute/dense_truth.h"
+#include "tests/support/build_paths.h"
+#include "tests/support/dense_truth.h"
+#include "tests/support/small_problems.h"
 
 namespace leeway::planner {
 namespace {

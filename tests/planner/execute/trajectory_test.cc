@@ -9,7 +9,7 @@
 
 #include "leeway/planner/edge_certifier.h"
 #include "leeway/planner/problem.h"
-#include "tests/build_paths.h"
+#include "tests/support/build_paths.h"
 
 namespace leeway::planner {
 namespace {

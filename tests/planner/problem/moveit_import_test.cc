@@ -1,10 +1,7 @@
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <set>
 
@@ -12,17 +9,13 @@
 #include "leeway/planner/edge_certifier.h"
 #include "leeway/planner/problem.h"
 #include "leeway/robots/input_error.h"
-#include "tests/build_paths.h"
+#include "tests/support/build_paths.h"
+#include "tests/support/folder.h"
 
 namespace leeway::planner {
 namespace {
 
 const std::string kSource = leeway::sourceFolder();
-
-std::string dataFolder() {
-  const char* folder = std::getenv("LEEWAY_DATA");
-  return folder != nullptr ? folder : kSource + "/../shared/data";
-}
 
 /// A robot of two arms whose description splits one link's geometry, as some real ones do: torso_2
 /// is fixed to torso and unknown to every matrix. `knob` is fixed to the torso as well, but is
@@ -92,28 +85,19 @@ goal_constraints:
 class MoveitImport : public testing::Test {
  protected:
   MoveitImport() {
-    folder_ =
-        std::filesystem::path(testing::TempDir()) / ("leeway_moveit_" + std::to_string(::getpid()));
-    std::filesystem::create_directories(folder_);
-    model_ = robots::loadModel(write("twins.urdf", kUrdf), write("twins.srdf", kSrdf));
-  }
-  ~MoveitImport() override {
-    std::error_code ignored;
-    std::filesystem::remove_all(folder_, ignored);
-  }
-  std::string write(const std::string& name, const std::string& text) const {
-    std::ofstream(folder_ / name) << text;
-    return (folder_ / name).string();
+    model_ =
+        robots::loadModel(folder_.write("twins.urdf", kUrdf), folder_.write("twins.srdf", kSrdf));
   }
   Problem load(const std::string& scene, const std::string& request) const {
-    return loadMoveit(model_, write("scene.yaml", scene), write("request.yaml", request));
+    return loadMoveit(model_, folder_.write("scene.yaml", scene),
+                      folder_.write("request.yaml", request));
   }
   /// The message without the folder.
   std::string messageOf(const std::string& scene, const std::string& request) const {
     try {
       load(scene, request);
     } catch (const robots::InputError& error) {
-      return std::string(error.what()).substr(folder_.string().size() + 1);
+      return std::string(error.what()).substr(folder_.path().size() + 1);
     }
     return "accepted";
   }
@@ -121,7 +105,7 @@ class MoveitImport : public testing::Test {
     return problem.start[static_cast<std::size_t>(model_->findVariable(variable))];
   }
 
-  std::filesystem::path folder_;
+  Folder folder_;
   std::shared_ptr<const robots::Model> model_;
 };
 
@@ -338,8 +322,7 @@ TEST_F(MoveitImport, AFloatingBaseStandsWhereTheRequestSays) {
 /// published.
 TEST(MotionBenchMaker, EveryStartAndGoalIsValid) {
   const std::string data = dataFolder();
-  if (!std::filesystem::exists(data + "/mbm"))
-    GTEST_SKIP() << "no " << data << "/mbm (set LEEWAY_DATA)";
+  LEEWAY_NEEDS_DATA("mbm");
   int problems = 0, moved_by_pose = 0;
   for (const std::string name : {"panda", "ur5"}) {
     const std::string robot = data + "/robots/" + name + "/" + name;

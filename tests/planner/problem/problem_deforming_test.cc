@@ -1,6 +1,5 @@
 // `deforming` and `execution` in problem files: meaning, and every message.
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cstring>
 #include <filesystem>
@@ -15,6 +14,7 @@
 #include "leeway/robots/input_error.h"
 #include "planner/execute/obstacles.h"
 #include "planner/problem/indexed_mesh.h"
+#include "tests/support/folder.h"
 
 namespace leeway::planner {
 namespace {
@@ -24,18 +24,13 @@ namespace fs = std::filesystem;
 class ProblemDeforming : public testing::Test {
  protected:
   void SetUp() override {
-    folder_ = fs::path(testing::TempDir()) / ("leeway_deforming_" + std::to_string(::getpid()));
-    fs::create_directories(folder_);
     write("square.obj",
           "# a square\nv 0 0 0\nv 1 0 0 0.5 0.5 0.5\nv 1 1 0\nv 0 1 0\nf 1/1/1 2 3 -1\n");
     write("bent.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0.5\nv 0 1 0\nf 1 2 3\nf 1 3 4\n");
     write("three.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0.5\nf 1 2 3\n");
   }
-  void TearDown() override { fs::remove_all(folder_); }
-
   std::string write(const std::string& name, const std::string& text) const {
-    std::ofstream(folder_ / name, std::ios::binary) << text;
-    return (folder_ / name).string();
+    return folder_.write(name, text);
   }
 
   /// Lines 1 to 9 of a problem file; `more` starts in line 10.
@@ -77,11 +72,11 @@ class ProblemDeforming : public testing::Test {
     }
   }
 
-  fs::path folder_;
+  Folder folder_;
 };
 
 TEST_F(ProblemDeforming, AFileKeepsItsVerticesNumbers) {
-  const IndexedMesh mesh = readObj((folder_ / "square.obj").string());
+  const IndexedMesh mesh = readObj(folder_.path("square.obj"));
   ASSERT_EQ(mesh.vertices.size(), 4U);
   EXPECT_EQ(mesh.vertices[2], Eigen::Vector3d(1, 1, 0));
   ASSERT_EQ(mesh.triangles.size(), 2U);
@@ -210,7 +205,7 @@ TEST_F(ProblemDeforming, CachesOfAnimationTools) {
                 "broken.mdd': cache: key 1: time 0");
   expectRefused(head + "      cache: {file: nowhere.pc2}\n", 14, "cannot be read");
   expectRefused(head + "      cache: {file: cloth.abc}\n", 14, ".pc2 or .mdd is expected");
-  fs::create_directories(folder_ / "folder.pc2");
+  fs::create_directories(folder_.path("folder.pc2"));
   expectRefused(head + "      cache: {file: folder.pc2}\n", 14, "cannot be read");
   expectRefused(
       "deforming:\n  - name: cloth\n    mesh: {file: three.obj}\n    motion:\n      cache: {file: "

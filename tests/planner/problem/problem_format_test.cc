@@ -6,7 +6,7 @@
 #include <string>
 
 #include "planner/problem/format_keys.h"
-#include "tests/build_paths.h"
+#include "tests/support/build_paths.h"
 
 namespace leeway::planner {
 namespace {

@@ -1,7 +1,6 @@
 // Every message for a bad problem file: file, line, what is wrong with the value, what would be
 // accepted.
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
@@ -10,34 +9,13 @@
 
 #include "leeway/planner/problem.h"
 #include "leeway/robots/input_error.h"
-#include "tests/build_paths.h"
+#include "tests/support/build_paths.h"
+#include "tests/support/folder.h"
 
 namespace leeway::planner {
 namespace {
 
 const std::string kSource = leeway::sourceFolder();
-
-/// A folder for one test, removed afterwards.
-class Folder {
- public:
-  Folder() {
-    path_ = std::filesystem::path(testing::TempDir()) /
-            ("leeway_problem_" + std::to_string(::getpid()));
-    std::filesystem::create_directories(path_);
-  }
-  ~Folder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  std::string write(const std::string& name, const std::string& text) const {
-    std::ofstream(path_ / name, std::ios::binary) << text;
-    return (path_ / name).string();
-  }
-  std::string operator/(const std::string& name) const { return (path_ / name).string(); }
-
- private:
-  std::filesystem::path path_;
-};
 
 /// Lines 1 to 7: a complete problem apart from the case's addition. Joints: pan, lift, elbow,
 /// wrist1, wrist2, wrist3 (with _joint).
@@ -92,15 +70,15 @@ TEST(ProblemMessages, WhatTheCasesChangeIsAGoodProblem) {
 TEST(ProblemMessages, Files) {
   const Folder folder;
   try {
-    loadProblem(folder / "absent.yaml");
+    loadProblem(folder.path("absent.yaml"));
     FAIL();
   } catch (const robots::InputError& error) {
     EXPECT_EQ(std::string(error.what()),
-              (folder / "absent.yaml") +
+              (folder.path("absent.yaml")) +
                   ": cannot be read: No such file or directory; a readable file is expected");
   }
   try {
-    loadProblem(folder / "");
+    loadProblem(folder.path() + "/");
     FAIL();
   } catch (const robots::InputError& error) {
     EXPECT_NE(std::string(error.what())
@@ -221,8 +199,8 @@ TEST(ProblemMessages, NearlyUnitQuaternionsAreMendedWithAWarning) {
       "0.7071, 0.7071]}\n");
   const Problem problem = loadProblem(folder.write("problem.yaml", text));
   ASSERT_EQ(problem.warnings.size(), 1U);
-  EXPECT_EQ(problem.warnings[0].substr(0, (folder / "problem.yaml").size() + 4),
-            (folder / "problem.yaml") + ":9: ");
+  EXPECT_EQ(problem.warnings[0].substr(0, (folder.path("problem.yaml")).size() + 4),
+            (folder.path("problem.yaml")) + ":9: ");
   EXPECT_NE(problem.warnings[0].find("objects[0].orientation is a quaternion of length 0.9999"),
             std::string::npos);
   const Eigen::Matrix3d& rotation = problem.world.objects[0].X_WO.rotation;

@@ -2,7 +2,6 @@
 #include "leeway/planner/problem.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -16,7 +15,8 @@
 #include "leeway/robots/input_error.h"
 #include "leeway/robots/kinematics.h"
 #include "planner/base/nearest_name.h"
-#include "tests/build_paths.h"
+#include "tests/support/build_paths.h"
+#include "tests/support/folder.h"
 
 namespace leeway::planner {
 namespace {
@@ -26,16 +26,7 @@ using collision::ShapeType;
 const std::string kSource = leeway::sourceFolder();
 constexpr double kPi = 3.14159265358979323846;
 
-Problem load(const std::string& text) {
-  const auto file = std::filesystem::path(testing::TempDir()) /
-                    ("leeway_problem_test_" + std::to_string(::getpid()) + ".yaml");
-  std::ofstream(file) << text;
-  struct Remove {
-    std::filesystem::path path;
-    ~Remove() { std::filesystem::remove(path); }
-  } remove{file};
-  return loadProblem(file.string());
-}
+Problem load(const std::string& text) { return loadProblem(Folder().write("problem.yaml", text)); }
 
 std::string robot(const std::string& name, const std::string& group) {
   const std::string path = kSource + "/robots/" + name + "/" + name;

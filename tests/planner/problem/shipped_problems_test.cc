@@ -1,7 +1,6 @@
 // Every problem file of the repository loads, its starts and goals are valid, and it shows what it
 // is meant to show.
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -15,7 +14,8 @@
 #include "leeway/planner/edge_certifier.h"
 #include "leeway/planner/plan.h"
 #include "leeway/planner/problem.h"
-#include "tests/build_paths.h"
+#include "tests/support/build_paths.h"
+#include "tests/support/folder.h"
 
 namespace leeway::planner {
 namespace {
@@ -133,8 +133,8 @@ std::vector<std::string> readmeExamples() {
 }
 
 TEST(ShippedProblems, ExamplesOfTheReadmeLoad) {
-  const auto folder =
-      std::filesystem::path(testing::TempDir()) / ("leeway_readme_" + std::to_string(::getpid()));
+  const Folder own;
+  const std::filesystem::path folder = own.path();
   std::filesystem::create_directories(folder / "problems" / "example");
   std::filesystem::create_directories(folder / "problems" / "my_robot");
   std::filesystem::create_directory_symlink(leeway::sourceFolder() + "/robots", folder / "robots");

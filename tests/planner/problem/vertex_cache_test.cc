@@ -4,7 +4,7 @@
 
 #include <limits>
 
-#include "tests/planner/problem/cache_bytes.h"
+#include "tests/support/cache_bytes.h"
 
 namespace leeway::planner {
 namespace {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "leeway/planner/plan.h"
-#include "tests/planner/base/test_models.h"
+#include "tests/support/small_problems.h"
 
 namespace leeway::planner {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "leeway/planner/plan.h"
 #include "leeway/planner/planners.h"
-#include "tests/planner/base/test_models.h"
+#include "tests/support/small_problems.h"
 
 namespace leeway::planner {
 namespace {

@@ -13,7 +13,7 @@
 
 #include "leeway/planner/planners.h"
 #include "leeway/robots/input_error.h"
-#include "tests/planner/base/test_models.h"
+#include "tests/support/small_problems.h"
 
 namespace leeway::planner {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "leeway/planner/plan.h"
 #include "planner/base/random.h"
-#include "tests/planner/base/test_models.h"
+#include "tests/support/small_problems.h"
 
 namespace leeway::planner {
 namespace {

@@ -10,7 +10,7 @@
 
 #include "leeway/planner/ompl_state_space.h"
 #include "planner/base/random.h"
-#include "tests/planner/base/test_models.h"
+#include "tests/support/small_problems.h"
 
 namespace leeway::planner {
 namespace {

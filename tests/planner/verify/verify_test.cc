@@ -17,7 +17,7 @@
 #include "leeway/robots/kinematics.h"
 #include "planner/verify/kinematics.h"
 #include "planner/verify/pairs.h"
-#include "tests/planner/base/random_problem.h"
+#include "tests/support/random_problem.h"
 
 namespace leeway::planner {
 namespace {

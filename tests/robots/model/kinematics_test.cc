@@ -8,7 +8,8 @@
 #include <cstring>
 #include <random>
 
-#include "tests/robots/base/files.h"
+#include "tests/support/build_paths.h"
+#include "tests/support/folder.h"
 
 namespace leeway::robots {
 namespace {
@@ -178,13 +179,13 @@ constexpr const char* kAllJoints = R"(<robot name="all_joints">
 </robot>)";
 
 TEST(Kinematics, EveryJointTypeAgainstTheSlowTwin) {
-  const test::Folder folder;
+  const Folder folder;
   const auto model = loadModel(folder.write("robot.urdf", kAllJoints), "");
   compare(*model, 2000, 1.0);
 }
 
 TEST(Kinematics, MimicChainsAreResolvedToTheJointThatMoves) {
-  const test::Folder folder;
+  const Folder folder;
   const auto model = loadModel(folder.write("robot.urdf", kAllJoints), "");
   const Joint& follow = model->joints[static_cast<std::size_t>(model->findJoint("follow"))];
   const Joint& chained = model->joints[static_cast<std::size_t>(model->findJoint("follow_slide"))];
@@ -218,7 +219,7 @@ TEST(Kinematics, PlaneAxesAreRightHandedForEveryNormal) {
 }
 
 TEST(Kinematics, BatchIsTheSameToTheBit) {
-  const test::Folder folder;
+  const Folder folder;
   const auto model = loadModel(folder.write("robot.urdf", kAllJoints), "");
   std::mt19937_64 random(8);
   const std::size_t links = model->links.size();
@@ -266,7 +267,7 @@ TEST(Kinematics, FreeBodyHoldsBoundsAndMoves) {
 TEST(Kinematics, RealArmsAgainstTheSlowTwin) {
   for (const std::string arm : {"panda", "ur5"}) {
     LEEWAY_NEEDS_DATA("robots/" + arm);
-    const std::string file = test::dataFolder() + "/robots/" + arm + "/" + arm;
+    const std::string file = dataFolder() + "/robots/" + arm + "/" + arm;
     const auto model = loadModel(file + ".urdf", file + ".srdf");
     compare(*model, 500, 2.0);
     EXPECT_LT(kinematicsRounding(*model, 2.0), 1e-11) << arm;

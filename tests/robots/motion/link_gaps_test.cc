@@ -10,8 +10,8 @@
 
 #include "leeway/collision/distance.h"
 #include "leeway/robots/kinematics.h"
-#include "tests/robots/base/files.h"
-#include "tests/robots/base/random_model.h"
+#include "tests/support/build_paths.h"
+#include "tests/support/random_model.h"
 
 namespace leeway::robots {
 namespace {
@@ -85,7 +85,7 @@ TEST(LinkGaps, AreKeptOnRandomTrees) {
 TEST(LinkGaps, AreKeptByArms) {
   for (const std::string arm : {"panda", "ur5"}) {
     LEEWAY_NEEDS_DATA("robots/" + arm);
-    const std::string file = test::dataFolder() + "/robots/" + arm + "/" + arm;
+    const std::string file = dataFolder() + "/robots/" + arm + "/" + arm;
     const auto model = loadModel(file + ".urdf", file + ".srdf");
     Random random(2);
     int told = 0, near = 0;

@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "leeway/robots/kinematics.h"
-#include "tests/robots/base/random_model.h"
+#include "tests/support/random_model.h"
 
 namespace leeway::robots {
 namespace {

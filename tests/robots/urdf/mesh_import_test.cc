@@ -3,12 +3,12 @@
 #include <cstring>
 
 #include "leeway/collision/triangle_mesh.h"
-#include "tests/robots/base/files.h"
+#include "leeway/robots/model.h"
+#include "tests/support/folder.h"
+#include "tests/support/input_errors.h"
 
 namespace leeway::robots {
 namespace {
-
-using test::expectInputError;
 
 const Eigen::Vector3d kOne = Eigen::Vector3d::Ones();
 
@@ -62,7 +62,7 @@ std::pair<Eigen::Vector3d, Eigen::Vector3d> extent(const collision::Shape& shape
 }
 
 TEST(MeshImport, BinaryStlIsWeldedIntoASolid) {
-  const test::Folder folder;
+  const Folder folder;
   const auto shape = loadMesh(folder.write("t.stl", tetrahedronStl()), kOne, "r.urdf", 1);
   ASSERT_NE(shape.mesh(), nullptr);
   EXPECT_EQ(shape.mesh()->vertices().size(), 4u);
@@ -72,7 +72,7 @@ TEST(MeshImport, BinaryStlIsWeldedIntoASolid) {
 }
 
 TEST(MeshImport, ScaleMirrorsAndStretches) {
-  const test::Folder folder;
+  const Folder folder;
   const auto shape =
       loadMesh(folder.write("t.stl", tetrahedronStl()), {-1, 0.5, 0.001}, "r.urdf", 1);
   EXPECT_EQ(extent(shape).first, Eigen::Vector3d(-1, 0, 0));
@@ -81,7 +81,7 @@ TEST(MeshImport, ScaleMirrorsAndStretches) {
 }
 
 TEST(MeshImport, AsciiStlAndObjPolygons) {
-  const test::Folder folder;
+  const Folder folder;
   const auto stl =
       loadMesh(folder.write("t.stl",
                             "solid t\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 "
@@ -96,7 +96,7 @@ TEST(MeshImport, AsciiStlAndObjPolygons) {
 }
 
 TEST(MeshImport, LinesAndPointsCanBeTouched) {
-  const test::Folder folder;
+  const Folder folder;
   const auto shape = loadMesh(
       folder.write("l.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 5 0 0\nv 6 0 0\nf 1 2 3\nl 4 5\n"), kOne,
       "r.urdf", 1);
@@ -105,7 +105,7 @@ TEST(MeshImport, LinesAndPointsCanBeTouched) {
 }
 
 TEST(MeshImport, ColladaUnitsAndNodesCountTheUpAxisDoesNot) {
-  const test::Folder folder;
+  const Folder folder;
   const std::string centimetres = "<unit name=\"centimeter\" meter=\"0.01\"/>",
                     metres = "<unit name=\"meter\" meter=\"1\"/>";
   const std::string turned_and_moved = "0 -1 0 10 1 0 0 20 0 0 1 30 0 0 0 1";
@@ -129,7 +129,7 @@ TEST(MeshImport, ColladaUnitsAndNodesCountTheUpAxisDoesNot) {
 }
 
 TEST(MeshImport, Messages) {
-  const test::Folder folder;
+  const Folder folder;
   const auto expect = [&](const std::string& file, std::initializer_list<std::string> words) {
     expectInputError([&] { loadMesh(file, kOne, "r.urdf", 7); }, "r.urdf", 7, words);
   };
@@ -162,7 +162,7 @@ class MeshPath : public testing::Test {
             "\"/></geometry></collision></link></robot>");
     return loadModel(urdf_, "", options);
   }
-  test::Folder folder_;
+  Folder folder_;
   std::string urdf_;
 };
 

@@ -1,11 +1,12 @@
 #include <gtest/gtest.h>
 
-#include "tests/robots/base/files.h"
+#include "leeway/robots/model.h"
+#include "tests/support/build_paths.h"
+#include "tests/support/folder.h"
+#include "tests/support/input_errors.h"
 
 namespace leeway::robots {
 namespace {
-
-using test::expectInputError;
 
 /// base - j1 - l1 - j2 - l2 - tool_joint (fixed) - tool, and base - k1 - m1 - k2 (mimics k1) - m2.
 constexpr const char* kUrdf = R"(<robot name="two_arms">
@@ -35,7 +36,7 @@ class Srdf : public testing::Test {
   void expectError(const std::string& rest, int line, std::initializer_list<std::string> words) {
     expectInputError([&] { load(rest); }, folder_.path("r.srdf"), line, words);
   }
-  test::Folder folder_;
+  Folder folder_;
 };
 
 using Names = std::vector<std::string>;
@@ -206,7 +207,7 @@ TEST_F(Srdf, Messages) {
 
 TEST_F(Srdf, RealRobots) {
   LEEWAY_NEEDS_DATA("robots/panda");
-  const std::string folder = test::dataFolder() + "/robots/";
+  const std::string folder = dataFolder() + "/robots/";
   const auto panda = loadModel(folder + "panda/panda.urdf", folder + "panda/panda.srdf");
   EXPECT_EQ(variables(*panda, "panda_arm"),
             (Names{"panda_joint1", "panda_joint2", "panda_joint3", "panda_joint4", "panda_joint5",

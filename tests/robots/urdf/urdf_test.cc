@@ -7,12 +7,12 @@
 
 #include "leeway/collision/triangle_mesh.h"
 #include "leeway/robots/kinematics.h"
-#include "tests/robots/base/files.h"
+#include "tests/support/build_paths.h"
+#include "tests/support/folder.h"
+#include "tests/support/input_errors.h"
 
 namespace leeway::robots {
 namespace {
-
-using test::expectInputError;
 
 /// A robot with link "a" (line 2); `rest` starts in line 3.
 std::string robot(const std::string& rest) {
@@ -39,7 +39,7 @@ void PrintTo(const BadUrdf& bad, std::ostream* stream) { *stream << bad.text; }
 class UrdfMessage : public testing::TestWithParam<BadUrdf> {};
 
 TEST_P(UrdfMessage, SaysWhereWhatAndWhatInstead) {
-  const test::Folder folder;
+  const Folder folder;
   const std::string file = folder.write("bad.urdf", GetParam().text);
   expectInputError([&] { loadModel(file, ""); }, file, GetParam().line, GetParam().words);
 }
@@ -269,7 +269,7 @@ INSTANTIATE_TEST_SUITE_P(Urdf, UrdfMessage, testing::ValuesIn(kBad),
                          [](const auto& test) { return std::string(test.param.name); });
 
 TEST(Urdf, MissingFileAndFolder) {
-  const test::Folder folder;
+  const Folder folder;
   expectInputError([&] { loadModel(folder.path("none.urdf"), ""); }, folder.path("none.urdf"), 0,
                    {"no such file", "URDF"});
   expectInputError([&] { loadModel(folder.path(""), ""); }, folder.path(""), 0,
@@ -277,14 +277,14 @@ TEST(Urdf, MissingFileAndFolder) {
 }
 
 TEST(Urdf, XacroFileNamesTheCommandThatExpandsIt) {
-  const test::Folder folder;
+  const Folder folder;
   const std::string file = folder.write("arm.urdf.xacro", "<robot name=\"r\"/>");
   expectInputError([&] { loadModel(file, ""); }, file, 0,
                    {"xacro file", "xacro " + file + " > " + folder.path("arm.urdf")});
 }
 
 TEST(Urdf, ShapesPosesLimitsAndWarnings) {
-  const test::Folder folder;
+  const Folder folder;
   const auto model = loadModel(folder.write("good.urdf", R"(<?xml version="1.0"?>
 <robot name="good">
   <material name="red"/>
@@ -339,7 +339,7 @@ TEST(Urdf, ShapesPosesLimitsAndWarnings) {
 
 // A master joint is limited by the slowest of its followers.
 TEST(Urdf, VelocityLimitsOfMimicJointsBoundTheirMaster) {
-  const test::Folder folder;
+  const Folder folder;
   const auto limit = [](const char* velocity) {
     return std::string("<limit lower=\"-1\" upper=\"1\" effort=\"1\" velocity=\"") + velocity +
            "\"/>";
@@ -369,7 +369,7 @@ TEST(Urdf, VelocityLimitsOfMimicJointsBoundTheirMaster) {
 }
 
 TEST(Urdf, RollPitchYawTurnsAboutFixedAxes) {
-  const test::Folder folder;
+  const Folder folder;
   const auto model = loadModel(
       folder.write("r.urdf",
                    robot("<link name=\"b\"/>" +
@@ -388,7 +388,7 @@ TEST(Urdf, RollPitchYawTurnsAboutFixedAxes) {
 }
 
 TEST(Urdf, DeepChainsAndWideTreesKeepTreeOrder) {
-  const test::Folder folder;
+  const Folder folder;
   std::string text;
   for (int i = 0; i < 3000; ++i) text += "<link name=\"l" + std::to_string(i) + "\"/>";
   for (int i = 0; i < 3000; ++i)
@@ -403,7 +403,7 @@ TEST(Urdf, DeepChainsAndWideTreesKeepTreeOrder) {
 }
 
 TEST(Urdf, TheFirstMeshThatFailsIsTold) {
-  const test::Folder folder;
+  const Folder folder;
   std::string text;
   for (int i = 0; i < 6; ++i) {
     const std::string name = "m" + std::to_string(i);
@@ -430,7 +430,7 @@ TEST(Urdf, TheFirstMeshThatFailsIsTold) {
 // Meshes are built in parallel; a single core gives equal bytes.
 TEST(Urdf, OneCoreLoadsTheSame) {
   LEEWAY_NEEDS_DATA("robots/panda");
-  const std::string folder = test::dataFolder() + "/robots/";
+  const std::string folder = dataFolder() + "/robots/";
   const auto load = [&] {
     return loadModel(folder + "panda/panda.urdf", folder + "panda/panda.srdf");
   };
@@ -473,7 +473,7 @@ TEST(Urdf, OneCoreLoadsTheSame) {
 
 TEST(Urdf, RealRobots) {
   LEEWAY_NEEDS_DATA("robots/panda");
-  const std::string folder = test::dataFolder() + "/robots/";
+  const std::string folder = dataFolder() + "/robots/";
   const auto panda = loadModel(folder + "panda/panda.urdf", folder + "panda/panda.srdf");
   EXPECT_EQ(panda->links.size(), 13u);
   EXPECT_EQ(panda->links[1].geometries.at(0).shape.type(), collision::ShapeType::kMesh);

@@ -1,5 +1,3 @@
-#include "tools/report/accuracy/accuracy.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -12,7 +10,9 @@
 #include "tools/leeway/report/rival_report.h"
 #include "tools/leeway/support/case_file.h"
 #include "tools/leeway/support/terminal.h"
+#include "tools/report/accuracy/accuracy_report.h"
 #include "tools/report/accuracy/own_engine.h"
+#include "tools/report/accuracy/random_pairs.h"
 #include "tools/report/base/machine.h"
 
 namespace leeway::tools {

@@ -1,5 +1,3 @@
-#include "tools/report/deform/deform.h"
-
 #include <fmt/format.h>
 
 #include <string>
@@ -8,6 +6,7 @@
 #include "tools/leeway/report/rival_report.h"
 #include "tools/leeway/support/terminal.h"
 #include "tools/report/base/machine.h"
+#include "tools/report/deform/deform_report.h"
 #include "tools/report/deform/deform_scenes.h"
 #include "tools/report/deform/own_mesh_engine.h"
 

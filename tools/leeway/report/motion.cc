@@ -1,5 +1,3 @@
-#include "tools/report/motion/motion.h"
-
 #include <fmt/format.h>
 
 #include <filesystem>
@@ -12,8 +10,9 @@
 #include "tools/leeway/report/rival_report.h"
 #include "tools/leeway/support/terminal.h"
 #include "tools/report/base/machine.h"
-#include "tools/report/motion/edges.h"
+#include "tools/report/motion/edge_report.h"
 #include "tools/report/motion/motion_cases.h"
+#include "tools/report/motion/motion_report.h"
 #include "tools/report/motion/own_motion_engine.h"
 
 namespace leeway::tools {

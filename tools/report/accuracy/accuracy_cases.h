@@ -45,7 +45,4 @@ struct AccuracySet {
 AccuracySet makeAccuracySet(int per_family, std::uint64_t seed,
                             const std::function<void(const std::string&)>& progress = {});
 
-/// Sum of the finite bounding radii [m]; 1 where that is 0.
-double sizeOfPair(const collision::Shape& a, const collision::Shape& b);
-
 }  // namespace leeway::tools::report

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <map>
 
-#include "tools/report/accuracy/accuracy.h"
+#include "tools/report/accuracy/accuracy_report.h"
 
 namespace leeway::tools::report {
 namespace {

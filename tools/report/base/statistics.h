@@ -3,17 +3,21 @@
 #include <algorithm>
 #include <cstddef>
 #include <limits>
+#include <utility>
 #include <vector>
 
 namespace leeway::tools::report {
 
-/// The smallest element that at least the given share of all elements do not exceed, never
-/// interpolated; NaN when there is none. 0.5: the upper median. O(n log n).
+/// The element at index share * n of the n sorted values, at most the last, never interpolated; NaN
+/// when there is none. O(n log n).
 inline double quantile(std::vector<double> values, double share) {
   if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
   std::sort(values.begin(), values.end());
   const auto index = static_cast<std::size_t>(share * static_cast<double>(values.size()));
   return values[std::min(values.size() - 1, index)];
 }
+
+/// The upper one of two.
+inline double median(std::vector<double> values) { return quantile(std::move(values), 0.5); }
 
 }  // namespace leeway::tools::report

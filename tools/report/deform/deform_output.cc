@@ -5,7 +5,7 @@
 #include <functional>
 
 #include "tools/report/base/statistics.h"
-#include "tools/report/deform/deform.h"
+#include "tools/report/deform/deform_report.h"
 
 namespace leeway::tools::report {
 namespace {

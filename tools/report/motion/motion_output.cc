@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tools/report/motion/motion.h"
+#include "tools/report/motion/motion_report.h"
 
 namespace leeway::tools::report {
 namespace {
@@ -13,7 +13,7 @@ std::string cell(double value) {
 }
 
 /// Three digits; "-" for NaN.
-std::string told(double value) {
+std::string digits(double value) {
   return std::isnan(value) ? std::string("-") : fmt::format("{:.3g}", value);
 }
 
@@ -65,11 +65,12 @@ std::string motionTable(const std::vector<MotionRow>& rows) {
           fmt::format("{}, {} hits", r.family, r.hits), "cases", "misses", "false", "start",
           "unsafe", "open", "failed", "error 50%", "max", "us 50%", "95%");
     previous = &r;
-    text += fmt::format(
-        "{:<24} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>9} {:>9} {:>9} {:>9}\n", r.engine,
-        r.cases, r.misses, r.false_hits, r.wrong_starts,
-        r.claims_bounds ? std::to_string(r.unsafe) : "-", r.undecided, r.failures(),
-        told(r.error_median), told(r.error_max), told(r.ns_median / 1000), told(r.ns_95 / 1000));
+    text +=
+        fmt::format("{:<24} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>9} {:>9} {:>9} {:>9}\n",
+                    r.engine, r.cases, r.misses, r.false_hits, r.wrong_starts,
+                    r.claims_bounds ? std::to_string(r.unsafe) : "-", r.undecided, r.failures(),
+                    digits(r.error_median), digits(r.error_max), digits(r.ns_median / 1000),
+                    digits(r.ns_95 / 1000));
   }
   return text;
 }

@@ -1,4 +1,4 @@
-#include "tools/report/deform/deform.h"
+#include "tools/report/deform/deform_report.h"
 
 #include <algorithm>
 #include <array>

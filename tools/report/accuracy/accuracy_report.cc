@@ -1,4 +1,4 @@
-#include "tools/report/accuracy/accuracy.h"
+#include "tools/report/accuracy/accuracy_report.h"
 
 #include <algorithm>
 #include <chrono>

@@ -12,7 +12,7 @@
 #include "leeway/collision/deformable_mesh.h"
 #include "leeway/collision/shape.h"
 #include "leeway/collision/triangle_mesh.h"
-#include "tests/sanitized.h"
+#include "tests/support/sanitized.h"
 #include "tools/truth/oracle/generate.h"
 
 namespace leeway::collision::testing {

@@ -29,6 +29,7 @@
 #include "leeway/collision/distance.h"
 #include "leeway/collision/triangle_mesh.h"
 #include "leeway/robots/model.h"
+#include "tools/report/base/statistics.h"
 #include "tools/report/bench/bodies.h"
 #include "tools/report/bench/cpu_time.h"
 #include "tools/report/bench/splitmix.h"
@@ -52,6 +53,7 @@ using leeway::collision::Scratch;
 using leeway::collision::Shape;
 using leeway::collision::TriangleMesh;
 using FclModel = fcl::BVHModel<fcl::OBBRSSd>;
+using leeway::tools::report::median;
 
 constexpr int kTrack = 8;   // poses of a placement
 constexpr int kBlocks = 7;  // timed blocks of each kind; odd, so that a median exists
@@ -103,11 +105,6 @@ Mesh readMesh(const std::string& path) {
   return {slash == std::string::npos ? path : path.substr(slash + 1),
           {{mesh.vertices().begin(), mesh.vertices().end()},
            {mesh.triangles().begin(), mesh.triangles().end()}}};
-}
-
-double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  return values[values.size() / 2];
 }
 
 Eigen::Isometry3d isometry(const Pose& X) {

@@ -4,7 +4,6 @@
 // test data needs.
 
 #include <cstdint>
-#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -14,7 +13,7 @@
 #include <vector>
 
 #include "leeway/collision/triangle_mesh.h"
-#include "tests/build_paths.h"
+#include "tests/support/build_paths.h"
 
 namespace leeway::collision::testing {
 
@@ -23,18 +22,13 @@ struct TriangleSoup {
   std::vector<TriangleMesh::Triangle> triangles;
 };
 
-/// Folder of the test data; may be absent.
-inline std::filesystem::path dataFolder() {
-  if (const char* path = std::getenv("LEEWAY_DATA")) return path;
-  return std::filesystem::path(leeway::sourceFolder()) / ".." / "shared" / "data";
-}
-
 /// All collision meshes of the test data's robots, in a fixed order; empty if the data is absent.
 inline std::vector<std::filesystem::path> meshFiles() {
   std::vector<std::filesystem::path> files;
   std::error_code error;
   for (const char* folder : {"robots/panda/meshes/collision", "robots/ur5/meshes"}) {
-    std::filesystem::recursive_directory_iterator it(dataFolder() / folder, error), end;
+    std::filesystem::recursive_directory_iterator it(leeway::dataFolder() + "/" + folder, error),
+        end;
     for (; !error && it != end; it.increment(error)) {
       const std::string extension = it->path().extension().string();
       if (extension == ".obj" || extension == ".stl" || extension == ".STL")

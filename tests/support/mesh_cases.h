@@ -14,8 +14,8 @@
 #include "leeway/collision/pose.h"
 #include "leeway/collision/shape.h"
 #include "leeway/collision/triangle_mesh.h"
-#include "tests/collision/mesh/mesh_files.h"
-#include "tests/sanitized.h"
+#include "tests/support/mesh_files.h"
+#include "tests/support/sanitized.h"
 
 namespace leeway::collision::testing {
 

@@ -11,9 +11,9 @@
 #include "leeway/collision/deformable_mesh.h"
 #include "leeway/collision/distance.h"
 #include "leeway/collision/time_of_contact.h"
-#include "tests/collision/deform/deformable_cases.h"
-#include "tests/collision/distance/allocations.h"
-#include "tests/sanitized.h"
+#include "tests/support/allocations.h"
+#include "tests/support/deformable_cases.h"
+#include "tests/support/sanitized.h"
 #include "tools/truth/oracle/generate.h"
 
 namespace leeway::collision {

@@ -8,7 +8,7 @@
 #include <cstring>
 #include <vector>
 
-#include "tests/every_target.h"
+#include "tests/support/every_target.h"
 #include "tools/truth/oracle/generate.h"
 
 namespace leeway::collision {

@@ -1,4 +1,4 @@
-#include "tools/report/motion/edges.h"
+#include "tools/report/motion/edge_report.h"
 
 #include <fmt/format.h>
 #include <ompl/util/Console.h>

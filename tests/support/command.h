@@ -8,13 +8,13 @@
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
 #include <vector>
 
-#include "tests/build_paths.h"
+#include "tests/support/build_paths.h"
+#include "tests/support/folder.h"
 
 namespace leeway::tools::testing {
 
@@ -41,16 +41,6 @@ struct Answer {
     return all;
   }
 };
-
-inline std::string readText(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
-inline void writeText(const fs::path& file, const std::string& text) {
-  fs::create_directories(file.parent_path());
-  std::ofstream(file, std::ios::binary) << text;
-}
 
 /// Two 0.5 m links in the plane, turning about z. The second link can collide with the world, and
 /// with the first when folded.

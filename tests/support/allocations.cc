@@ -1,4 +1,4 @@
-#include "tests/collision/distance/allocations.h"
+#include "tests/support/allocations.h"
 
 #include <gtest/gtest.h>
 

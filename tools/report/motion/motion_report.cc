@@ -1,4 +1,4 @@
-#include "tools/report/motion/motion.h"
+#include "tools/report/motion/motion_report.h"
 
 #include <algorithm>
 #include <chrono>

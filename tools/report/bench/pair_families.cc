@@ -1,56 +1,23 @@
-// Times distance queries of convex pairs against Debian's FCL (libccd), in one run on one core.
-//
-//   bench_pairs [--rounds N] [--seed N] [--family WORD]
-//
-// Pairs come from a seed: sizes of 0.1 to 1 m, any rotation, gaps log-uniform from 1e-7 to 10 m
-// unless a family says otherwise. Blocks of eight pairs are timed, ours and FCL's by turns; a block
-// counts its median over the rounds, a family its median over the blocks. Warm families give ours
-// the cache of the frame before. Columns:
-//
-//   off      answers of FCL farther from our interval than its tolerance explains
-//   verdict  pairs that only one of the two calls apart; of `d > t`: contradicts our distance query
-//   failed   FCL's exceptions
-//   open     our answers wider than asked
-//
-// The tests with the quadruple-precision oracle say who is right. The yardstick of `d > t` is our
-// own distance query. Depths of a mesh have none: FCL lacks them.
-
-#include <fcl/narrowphase/distance.h>
+#include "tools/report/bench/pair_families.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
-#include <cstdint>
-#include <cstdio>
-#include <cstdlib>
-#include <cstring>
-#include <exception>
 #include <functional>
 #include <limits>
-#include <memory>
-#include <string>
-#include <vector>
 
 #include "leeway/collision/convex_hull.h"
-#include "leeway/collision/distance.h"
 #include "leeway/collision/triangle_mesh.h"
 #include "tools/report/bench/bodies.h"
 #include "tools/report/bench/splitmix.h"
 
+namespace leeway::bench {
 namespace {
 
+using collision::DistanceResult;
+using collision::Scratch;
 using Eigen::Vector3d;
-using leeway::collision::DistanceRequest;
-using leeway::collision::DistanceResult;
-using leeway::collision::DistanceStatus;
-using leeway::collision::PairCache;
-using leeway::collision::Pose;
-using leeway::collision::Scratch;
-using leeway::collision::Shape;
 
-constexpr int kBlock = 8;
-
-class Random : public leeway::bench::SplitMix {
+class Random : public SplitMix {
  public:
   using SplitMix::SplitMix;
   double logUniform(double low, double high) {
@@ -69,13 +36,6 @@ class Random : public leeway::bench::SplitMix {
     return Eigen::AngleAxisd(uniform(0, 6.283185307179586), axis).toRotationMatrix();
   }
 };
-
-/// One body, in our form and in FCL's.
-struct Body {
-  Shape ours;
-  std::shared_ptr<fcl::CollisionGeometryd> theirs;  ///< null: FCL is not asked
-};
-
 Body box(const Vector3d& half) {
   return {Shape::box(half), std::make_shared<fcl::Boxd>(Vector3d(2 * half))};
 }
@@ -97,7 +57,7 @@ Body ellipsoid(const Vector3d& axes) {
 }
 
 Body hull(const std::vector<Vector3d>& points) {
-  const auto own = leeway::collision::ConvexHull::compute(points);
+  const auto own = collision::ConvexHull::compute(points);
   auto vertices =
       std::make_shared<std::vector<Vector3d>>(own->vertices().begin(), own->vertices().end());
   auto faces = std::make_shared<std::vector<int>>();
@@ -139,20 +99,10 @@ Body anyEllipsoid(Random& random) {
   return ellipsoid({random.uniform(0.2, 1), random.uniform(0.2, 1), random.uniform(0.2, 1)});
 }
 /// A robot's closed link of 768 triangles.
-Body link(Random&) {
-  const leeway::bench::Soup soup = leeway::bench::link(24, 16);
-  return {Shape::mesh(leeway::collision::TriangleMesh::make(soup.vertices, soup.triangles)), {}};
+Body linkMesh(Random&) {
+  const Soup soup = bench::link(24, 16);
+  return {Shape::mesh(collision::TriangleMesh::make(soup.vertices, soup.triangles)), {}};
 }
-
-struct Pair {
-  Body a, b;
-  Pose X_WA, X_WB;
-  fcl::Transform3d F_WA, F_WB;
-  double gap = 0;        // [m], by construction
-  double threshold = 0;  // [m], of the tolerance test
-  int track = 0;
-};
-
 fcl::Transform3d transform(const Pose& X) {
   fcl::Transform3d F = fcl::Transform3d::Identity();
   F.linear() = X.rotation;
@@ -268,16 +218,6 @@ std::vector<Pair> coherent(Random& random, int tracks, int frames, const Make& m
   }
   return pairs;
 }
-
-enum class Query { kCold, kWarm, kDepth, kVerify };
-
-struct Family {
-  const char* name;
-  double target;  // target ratio; kVerify: to our own distance query
-  Query query;
-  std::vector<Pair> pairs;
-};
-
 double gapOf(Random& random) { return random.logUniform(1e-7, 10); }
 double nearGap(Random& random) { return random.logUniform(1e-12, 1e-6); }
 double depthOf(Random& random) { return -random.logUniform(1e-3, 0.3); }
@@ -293,10 +233,11 @@ std::vector<Pair> verifications(Random& random, int count, const Make& make) {
   return pairs;
 }
 
-std::vector<Family> families(std::uint64_t seed, const std::string& only) {
+}  // namespace
+
+std::vector<PairFamily> pairFamilies(std::uint64_t seed, const std::string& only) {
   constexpr int kCount = 256, kTracks = 10, kFrames = 48;
-  std::vector<Family> all;
-  // A seed by family, so that a single family is reproduced alone.
+  std::vector<PairFamily> all;
   const auto add = [&](const char* name, double target, Query query,
                        const std::function<std::vector<Pair>(Random&)>& make) {
     if (!only.empty() && std::string(name).find(only) == std::string::npos) return;
@@ -351,7 +292,7 @@ std::vector<Family> families(std::uint64_t seed, const std::string& only) {
   depth("depth, cone-ell.", .30, anyCone, anyEllipsoid);
   depth("depth, hull-cyl.", .35, hullOf(32), anyCylinder);
   add("depth, mesh-cyl.", 0, Query::kDepth,
-      [&](Random& random) { return overlapping(random, kCount / 2, link, anyCylinder); });
+      [&](Random& random) { return overlapping(random, kCount / 2, linkMesh, anyCylinder); });
   const auto warm = [&](const char* name, double target, const Make& make) {
     add(name, target, Query::kWarm,
         [&](Random& random) { return coherent(random, kTracks, kFrames, make); });
@@ -371,169 +312,4 @@ std::vector<Family> families(std::uint64_t seed, const std::string& only) {
   return all;
 }
 
-double theirDistance(const Pair& pair, const fcl::DistanceRequestd& request) {
-  fcl::DistanceResultd result;
-  try {
-    fcl::distance(pair.a.theirs.get(), pair.F_WA, pair.b.theirs.get(), pair.F_WB, request, result);
-  } catch (const std::exception&) {
-    return std::numeric_limits<double>::quiet_NaN();
-  }
-  return result.min_distance;
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
-double now() {
-  return std::chrono::duration<double, std::nano>(
-             std::chrono::steady_clock::now().time_since_epoch())
-      .count();
-}
-
-double clockCost() {
-  std::vector<double> costs;
-  for (int i = 0; i < 1001; ++i) {
-    const double begin = now();
-    costs.push_back(now() - begin);
-  }
-  return median(costs);
-}
-
-/// Consumes results, so that timed calls are not optimised away.
-volatile double sink = 0;
-
-struct Disagreement {
-  int off = 0, verdict = 0, failed = 0;
-};
-
-void compare(const DistanceResult& ours, double theirs, bool depth, Disagreement& d) {
-  // Ten times FCL's distance tolerance [m].
-  constexpr double kOff = 1e-5;
-  if (!std::isfinite(theirs)) {
-    ++d.failed;
-    return;
-  }
-  const bool apart = ours.distance.lower > 0, they_apart = theirs > 0;
-  if (apart != they_apart) {
-    d.verdict += std::abs(ours.distance.upper) > kOff ? 1 : 0;
-  } else if ((apart || depth) &&
-             (theirs < ours.distance.lower - kOff || theirs > ours.distance.upper + kOff)) {
-    ++d.off;
-  }
-}
-
-void run(const Family& family, int rounds, double clock_cost) {
-  const std::size_t blocks = family.pairs.size() / kBlock;
-  std::vector<std::vector<double>> ours(blocks), theirs(blocks);
-  Scratch scratch;
-  fcl::DistanceRequestd fcl_request;
-  fcl_request.gjk_solver_type = fcl::GST_LIBCCD;
-  fcl_request.enable_nearest_points = true;
-  fcl_request.enable_signed_distance = family.query == Query::kDepth;
-  const bool verify = family.query == Query::kVerify;
-  const bool rival = family.pairs.front().a.theirs != nullptr;
-  Disagreement disagreement;
-  int open = 0;
-  double result_sum = 0;
-  for (int round = -1; round < rounds; ++round) {
-    PairCache cache;
-    for (std::size_t block = 0; block < blocks; ++block) {
-      const Pair* pairs = &family.pairs[block * kBlock];
-      DistanceResult results[kBlock];
-      double their_results[kBlock];
-      const bool warm = family.query == Query::kWarm;
-      if (block > 0 && pairs[0].track != pairs[-1].track) cache = {};
-      double begin = now();
-      if (verify) {
-        for (int i = 0; i < kBlock; ++i) {
-          DistanceRequest request;
-          request.threshold = pairs[i].threshold;
-          results[i] = distance(pairs[i].a.ours, pairs[i].X_WA, pairs[i].b.ours, pairs[i].X_WB,
-                                request, scratch);
-        }
-      } else {
-        for (int i = 0; i < kBlock; ++i) {
-          results[i] = distance(pairs[i].a.ours, pairs[i].X_WA, pairs[i].b.ours, pairs[i].X_WB, {},
-                                scratch, warm ? &cache : nullptr);
-        }
-      }
-      const double our_time = now() - begin;
-      begin = now();
-      if (verify) {  // yardstick: our own distance query
-        for (int i = 0; i < kBlock; ++i) {
-          const DistanceResult r =
-              distance(pairs[i].a.ours, pairs[i].X_WA, pairs[i].b.ours, pairs[i].X_WB, {}, scratch);
-          their_results[i] = r.distance.upper;
-        }
-      } else {
-        for (int i = 0; i < kBlock; ++i) {
-          their_results[i] = rival ? theirDistance(pairs[i], fcl_request) : 0;
-        }
-      }
-      const double their_time = now() - begin;
-      for (int i = 0; i < kBlock; ++i) result_sum += results[i].distance.upper + their_results[i];
-      if (round >= 0) {
-        ours[block].push_back((our_time - clock_cost) / kBlock);
-        theirs[block].push_back((their_time - clock_cost) / kBlock);
-        continue;
-      }
-      for (int i = 0; i < kBlock; ++i) {
-        open += results[i].status == DistanceStatus::kLimit ? 1 : 0;
-        if (!rival) continue;
-        if (!verify) {
-          compare(results[i], their_results[i], family.query == Query::kDepth, disagreement);
-        } else if (results[i].distance.lower > pairs[i].threshold
-                       ? pairs[i].gap <= pairs[i].threshold
-                       : pairs[i].gap > pairs[i].threshold) {
-          ++disagreement.verdict;
-        }
-      }
-    }
-  }
-  sink = result_sum;
-  std::vector<double> block_ours, block_theirs;
-  for (std::size_t i = 0; i < blocks; ++i) {
-    block_ours.push_back(median(ours[i]));
-    block_theirs.push_back(median(theirs[i]));
-  }
-  const double our_median = median(block_ours), their_median = median(block_theirs);
-  if (rival) {
-    std::printf("%-18s %8.1f %8.1f   %5.3f   %4.2f %s", family.name, our_median, their_median,
-                our_median / their_median, family.target,
-                our_median <= family.target * their_median ? "ok  " : "MISS");
-  } else {
-    std::printf("%-18s %8.1f %8s   %5s   %4s     ", family.name, our_median, "-", "-", "-");
-  }
-  std::printf("   %3zu  %3d  %3d  %3d  %3d\n", family.pairs.size(), disagreement.off,
-              disagreement.verdict, disagreement.failed, open);
-}
-
-}  // namespace
-
-int main(int argc, char** argv) {
-  int rounds = 31;
-  std::uint64_t seed = 1;
-  std::string only;
-  for (int i = 1; i < argc; i += 2) {
-    const bool value = i + 1 < argc;
-    if (value && std::strcmp(argv[i], "--rounds") == 0) {
-      rounds = std::max(1, std::atoi(argv[i + 1]));
-    } else if (value && std::strcmp(argv[i], "--seed") == 0) {
-      seed = std::strtoull(argv[i + 1], nullptr, 10);
-    } else if (value && std::strcmp(argv[i], "--family") == 0) {
-      only = argv[i + 1];
-    } else {
-      std::fprintf(stderr, "usage: bench_pairs [--rounds N] [--seed N] [--family WORD]\n");
-      return 2;
-    }
-  }
-  std::printf("median ns a query; FCL with libccd (d > t: our own distance query)\n");
-  std::printf("%-18s %8s %8s   %5s   target      pairs  off verdict failed open\n", "family",
-              "ours", "FCL", "ratio");
-  const double clock_cost = clockCost();
-  for (const Family& family : families(seed, only)) run(family, rounds, clock_cost);
-  return 0;
-}
+}  // namespace leeway::bench

@@ -11,7 +11,7 @@
 
 #include "leeway/collision/triangle_mesh.h"
 #include "leeway/planner/problem.h"
-#include "tests/robots/base/random_model.h"
+#include "tests/support/random_model.h"
 
 namespace leeway::planner::testing {
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "leeway/collision/distance.h"
-#include "tests/sanitized.h"
+#include "tests/support/sanitized.h"
 #include "tools/truth/oracle/generate.h"
 
 namespace leeway::collision {

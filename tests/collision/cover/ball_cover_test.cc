@@ -10,7 +10,7 @@
 #include "leeway/collision/convex_hull.h"
 #include "leeway/collision/distance.h"
 #include "leeway/collision/triangle_mesh.h"
-#include "tests/sanitized.h"
+#include "tests/support/sanitized.h"
 #include "tools/truth/oracle/generate.h"
 
 namespace leeway::collision {

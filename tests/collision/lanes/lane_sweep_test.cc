@@ -12,8 +12,8 @@
 #include "collision/base/rounding.h"
 #include "collision/lanes/lane_sweep_impl.h"
 #include "leeway/collision/convex_hull.h"
-#include "tests/every_target.h"
-#include "tests/sanitized.h"
+#include "tests/support/every_target.h"
+#include "tests/support/sanitized.h"
 #include "tools/truth/oracle/generate.h"
 
 namespace leeway::collision {
