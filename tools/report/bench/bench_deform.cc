@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "leeway/collision/deformable_mesh.h"
+#include "leeway/collision/distance.h"
 
 namespace {
 
