@@ -56,32 +56,34 @@ inline constexpr double kFirstOrderOutwards = 1 + 0x1p-10;
 /// convex_view.cc. Smaller breaks the guarantee.
 inline constexpr double kPoseRounding = 24;
 
-// Ranges in which squares, cubes and products keep their digits
+// Range of sizes and places
 
-/// Sums of sizes and distances outside [kSmallestScale, kLargestScale] [m] are answered from
-/// bounding spheres: products of four lengths would leave the range of double.
-inline constexpr double kLargestScale = 1e60;
-inline constexpr double kSmallestScale = 1e-40;
-/// GJK's steps in vector lanes square directions that are products of three lengths: larger sizes
-/// [m] are left to the scalar search.
-inline constexpr double kLargestForLanes = 1e50;
+/// Shapes are refused whose largest size [m] is beyond these: no robot has them, and products of
+/// six lengths and quotients of two keep their digits in between. Sizes of 0 are accepted. Larger
+/// ranges lose that, and single precision, which holds squares of lengths up to 1e19.
+inline constexpr double kSmallestSize = 1e-9;
+inline constexpr double kLargestSize = 1e9;
 
-/// Largest size or coordinate that shapes accept [m]: the exact predicates of hulls and meshes
-/// multiply three, the engine four.
-inline constexpr double kLargestCoordinate = 1e60;
+/// Frames farther apart (sum of the coordinates' magnitudes) [m] make a query kInvalid. Bodies at
+/// coordinates up to kLargestSize are nearer.
+inline constexpr double kFarthest = 1e10;
+
+/// Added to sums of sizes [m]: two points may be as near as they like, and what squares of the
+/// smallest numbers lose is then covered by the sum's rounding, 1e-56. Smaller than 1e-130 breaks
+/// the guarantee.
+inline constexpr double kLeastSum = 1e-40;
 
 /// Smallest magnitude of a non-zero coordinate [m] with which the exact predicates are exact:
-/// products of three smaller ones leave the range of normal doubles. Hulls take smaller coordinates
-/// for 0 and count the change as excess.
+/// products of three smaller ones leave the range of normal doubles. Hulls and meshes take smaller
+/// coordinates for 0, far below the rounding of kLeastSum.
 inline constexpr double kSmallestExact = 1e-70;
 
 /// Squares (of lengths [m^2], or of products of two lengths) below this may be denormal, or nearly,
 /// and have lost digits: no direction is made from them.
 inline constexpr double kLeastSquare = 1e-290;
 
-/// Lengths [m, or m^2 of a normal] between which squares are normal doubles, with room.
+/// Lengths [m, or m^2 of a normal] above which squares are normal doubles, with room.
 inline constexpr double kLeastToSquare = 1e-140;
-inline constexpr double kMostToSquare = 1e140;
 
 /// Squared length of the part of a unit direction across the axis below which a round cap answers
 /// with its centre: the support value moves by less than 1e-140 of the radius, and the square root
@@ -122,10 +124,9 @@ inline constexpr double kHeldWell = 1e-6;
 /// farthest vertices.
 inline constexpr double kCellRim = 1e-9;
 
-/// Range of a direction's largest coordinate within which its cell is looked up: outside, quotients
-/// would leave the range of double, and all vertices are scanned.
+/// Largest coordinate of a direction from which on its cell is looked up: below, quotients would
+/// leave the range of double, and all vertices are scanned.
 inline constexpr double kSmallestDirection = 1e-290;
-inline constexpr double kLargestDirection = 1e290;
 
 // Depths of round shapes (curved_depth.cc, cell_bound.cc, curved_cell.h, curved_facet.cc)
 
@@ -164,11 +165,6 @@ inline constexpr double kFacetRounding = 256;
 /// and of the query's centre. Smaller breaks the guarantee; larger visits more nodes.
 inline constexpr float kBoxRounding = 64 * 0x1p-24F;
 inline constexpr float kBoxCenterRounding = 4 * 0x1p-24F;
-
-/// Sizes and distances [m] between which single precision may filter: beyond, squares would leave
-/// its range.
-inline constexpr double kSmallestBoxScale = 1e-12;
-inline constexpr double kLargestBoxScale = 1e12;
 
 /// Rounding of a box's displacement over a part of a motion, and of the numbers that it is computed
 /// from, as a share of them (box_gaps_simd.cc needs less than 32 units of 2^-24). Smaller breaks
@@ -233,10 +229,6 @@ inline constexpr float kLaneInsteadOfZero = 1e-30F;
 // Deforming meshes in single precision (refit_simd.cc, deform_descent.cc, probe.cc,
 // nearest_triangle_simd.cc, overlap_octree.h, round_body.cc)
 
-/// Largest coordinate of a deforming mesh's vertices [m]: areas of their boxes stay within single
-/// precision.
-inline constexpr double kLargestDeformed = 1e15;
-
 /// Rounding of a box's distance in single precision, as a share of the coordinates involved: some
 /// thirty operations of 2^-24 each. Smaller breaks the guarantee.
 inline constexpr double kSingleRounding = 0x1p-19;
@@ -259,11 +251,9 @@ inline constexpr double kNearestBoxRounding = 0x1p-20;
 /// segment's own point. Smaller breaks the guarantee.
 inline constexpr double kNearestTriangleRounding = 32 * kUnitRoundoff;
 
-/// Range of that search [m]: half lengths of segments above the first, distances of a core from the
-/// mesh's origin below the second. In single precision shorter segments have no direction, and
-/// squares of larger distances overflow.
+/// Half length [m] above which that search takes segments: in single precision shorter ones have no
+/// direction.
 inline constexpr double kNearestLeastHalf = 1e-12;
-inline constexpr double kNearestFarthest = 1e18;
 
 /// Largest change of a bone's weight over a node's box that a gradient may stand for: the bound of
 /// rounding in skinned_bounds.cc counts on it.
@@ -343,10 +333,6 @@ inline constexpr double kFollowRimSquared = 1e-6;
 /// Squared share of a point's length below which an edge's nearest point has lost too many digits
 /// to cancellation and is computed again: ten are left.
 inline constexpr double kCancelled = 1e-6;
-
-/// A normal whose square is farther than this from 1 was lost at the ends of double's range; any
-/// other takes its place.
-inline constexpr double kUnitNormal = 1e-6;
 
 /// A ray passes through a facet that it misses by less than this share of it: between two facets
 /// rounding may leave it beside both. It only selects the facet that carries a depth.

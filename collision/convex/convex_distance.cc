@@ -44,40 +44,13 @@ DistanceResult resultOf(const Progress& progress) {
   return result;
 }
 
-// Sizes whose rounding is bounded; beyond, spheres around the frames' origins answer.
-bool withinScale(double size) { return size >= kSmallestScale && size <= kLargestScale; }
-
-// From spheres around the frames' origins: |t| - extents to |t| + extents.
-DistanceResult coarseDistance(const ConvexView& a, const Vector& t, const ConvexView& b,
-                              const DistanceRequest& request, double slack) {
-  const double apart = std::hypot(t.x(), t.y(), t.z());
-  const double size = a.extent + b.extent;
-  const double radii = a.radius + b.radius;
-  const double rounding = 16 * kUnitRoundoff * (apart + size + radii + a.excess + b.excess) + slack;
-  DistanceResult result;
-  result.distance.lower = apart - size - radii - a.excess - b.excess - rounding;
-  result.distance.upper = apart + size - radii + rounding;
-  if (std::isnan(result.distance.lower) || result.distance.lower > 1e308) {
-    result.distance.lower = -std::numeric_limits<double>::infinity();
-  }
-  if (std::isnan(result.distance.upper)) {
-    result.distance.upper = std::numeric_limits<double>::infinity();
-  }
-  result.normal = apart > 0 && apart <= 1e308 ? Vector(-t / apart) : Vector::UnitX();
-  if (!(std::abs(result.normal.squaredNorm() - 1) < kUnitNormal)) result.normal = Vector::UnitX();
-  result.point_a = apart <= 1e308 ? t : Vector::Zero();
-  result.point_b = Vector::Zero();
-  result.status = statusOf(result.distance, request);
-  return result;
-}
-
 CoreQuery coreQuery(const ConvexView& a, const ConvexView& b, double translation,
                     const DistanceRequest& request, double slack, double rounding_units) {
   CoreQuery query;
   query.request = request;
   query.radius_a = a.radius;
   query.radius_b = b.radius;
-  query.roundoff = kUnitRoundoff * (a.extent + b.extent + translation);
+  query.roundoff = kUnitRoundoff * (a.extent + b.extent + translation + kLeastSum);
   // Sums of radii and their subtraction: a few roundings of each.
   const double radii = a.radius + b.radius;
   const double rounding = rounding_units * query.roundoff + 4 * kUnitRoundoff * radii + slack;
@@ -352,9 +325,6 @@ DistanceResult convexDistance(const ConvexView& a, const Pose& X_BA, const Conve
   }
   if (b.core == Core::kHalfSpace) return fromHalfSpace(a, X_BA, request, slack);
   const double translation = X_BA.translation.norm();
-  if (!withinScale(a.extent + b.extent + translation + a.radius + b.radius)) {
-    return coarseDistance(a, X_BA.translation, b, request, slack);
-  }
   if (a.core == Core::kPoint && hasPointDistance(b.core)) {
     return fromPoint(a, X_BA.translation, b, request, slack);
   }
@@ -391,17 +361,6 @@ DistanceResult convexSweptDistance(const ConvexView& a, const Pose& X_BA0, const
     return sweptHalfSpace(a, X_BA0, X_BA1, growth, b, swept_request, scratch, slack);
   }
   const double translation = std::max(X_BA0.translation.norm(), X_BA1.translation.norm());
-  if (!withinScale(a.extent + b.extent + translation + a.radius + b.radius)) {
-    // From the middle of the chord, with half its length as a radius.
-    ConvexView grown = a;
-    const Vector half = 0.5 * X_BA1.translation - 0.5 * X_BA0.translation;
-    grown.radius += growth + std::hypot(half.x(), half.y(), half.z()) * kOutwards;
-    DistanceResult result = coarseDistance(grown, 0.5 * X_BA0.translation + 0.5 * X_BA1.translation,
-                                           b, swept_request, slack);
-    result.distance.upper = std::numeric_limits<double>::infinity();
-    if (!(result.distance.lower > request.threshold)) result.status = DistanceStatus::kLimit;
-    return result;
-  }
   CoreQuery query = coreQuery(a, b, translation, swept_request, slack, kSupportRounding);
   query.growth = growth;
   query.lower_offset += growth * kOutwards;

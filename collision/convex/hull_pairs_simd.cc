@@ -311,7 +311,7 @@ HWY_INLINE Triple betweenAxes(const Pair& pair) {
   nearestOnAxes(dot(axis_a, axis_b), -dot(axis_a, middle), -dot(axis_b, middle), a.halfLength(),
                 b.halfLength(), s_a, s_b);
   const Triple way = middle + (s_b * axis_b - s_a * axis_a);
-  return squared(way) > kSmallestScale * kSmallestScale ? way : Triple{1, 0, 0};
+  return squared(way) > kLeastSum * kLeastSum ? way : Triple{1, 0, 0};
 }
 
 // The cached direction if it is one, else from A's middle to B's. Its length is the distance of the
@@ -322,12 +322,12 @@ HWY_INLINE Triple firstDirection(const Pair& pair) {
     const double length_squared = squared(n);
     if (length_squared > 0.25 && length_squared < 4) {  // NaN fails
       const double apart = std::sqrt(squared(betweenMiddles(pair)));
-      return std::max(apart, kSmallestScale) * rotated(pair.X_WB.rotation, n);
+      return std::max(apart, kLeastSum) * rotated(pair.X_WB.rotation, n);
     }
   }
   if (pair.needles) return betweenAxes(pair);
   const Triple middle = betweenMiddles(pair);
-  return squared(middle) > kSmallestScale * kSmallestScale ? middle : Triple{1, 0, 0};
+  return squared(middle) > kLeastSum * kLeastSum ? middle : Triple{1, 0, 0};
 }
 
 // Writes the result; false when the request is not met.
@@ -351,9 +351,7 @@ HWY_INLINE bool answered(const Pair& pair, const Cores& cores, const Search<Core
                       isDecided(separation, request);
   const Triple point_a = tripleOf(pair.X_WB.translation) + p, point_b = point_a + w;
   const Triple n = search.best().normal();
-  // Coordinates beyond 1e308 overflow.
-  const double sum = std::abs(point_a.x + point_a.y + point_a.z) + std::abs(n.x + n.y + n.z);
-  if (HWY_UNLIKELY(!enough || !(sum <= 1e300))) return false;
+  if (HWY_UNLIKELY(!enough)) return false;
   result.distance = separation;
   result.status = statusOf(separation, request);
   result.iterations = search.iterations();
@@ -385,8 +383,7 @@ template <class Cores>
 HWY_INLINE bool answer(const Pair& pair, const Cores& cores, double more_rounding,
                        const PairCache* carried, DistanceResult& result, VertexStart& start) {
   const double upper_offset = -pair.rounding;
-  const double lower_offset =
-      pair.a.hull()->excess() + pair.b.hull()->excess() + pair.rounding + more_rounding;
+  const double lower_offset = pair.rounding + more_rounding;
   Search<Cores> search(cores, pair.request, lower_offset, upper_offset, 0);
   const Triple first = carried != nullptr ? Triple{1, 0, 0} : firstDirection(pair);
   const GjkEnd end = search.run(first, carried, pair.hints);
@@ -452,12 +449,9 @@ bool hullSteps(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_W
     return false;
   const PoseCheck check = checkRotations(X_WA.rotation, X_WB.rotation);
   const Triple t = tripleOf(X_WA.translation) - tripleOf(X_WB.translation);
-  const double size = a.extent() + b.extent() + std::sqrt(squared(t));
+  const double size = a.extent() + b.extent() + std::sqrt(squared(t)) + kLeastSum;
   // Written so that NaN fails.
-  if (!(check.rotations && size >= kSmallestScale && size <= kLargestForLanes) ||
-      request.iteration_limit <= 0) {
-    return false;
-  }
+  if (!(check.rotations && size <= kFarthest) || request.iteration_limit <= 0) return false;
   const double rounding =
       (kSupportRounding + kPoseRounding) * kUnitRoundoff * size + check.departure * size;
   const Pair pair = {a,

@@ -137,7 +137,6 @@ BallCover coverWithBalls(const Shape& shape, int count) {
       shape.boundingCenter(),
       shape.boundingRadius() +
           kTransferRounding * (shape.boundingCenter().lpNorm<1>() + shape.boundingRadius())};
-  const double excess = shape.type() == ShapeType::kConvexHull ? shape.hull()->excess() : 0;
   std::vector<Part> parts(1);
   parts[0].faces = facesOf(shape);
   if (shape.type() == ShapeType::kSphere || !(whole.radius > 0) || parts[0].faces.empty()) {
@@ -161,8 +160,7 @@ BallCover coverWithBalls(const Shape& shape, int count) {
       *largest = std::move(halves.first);
       parts.push_back(std::move(halves.second));
     }
-    for (const Part& part : parts)
-      cover.outer.push_back({part.ball.center, part.ball.radius + excess});
+    for (const Part& part : parts) cover.outer.push_back(part.ball);
   }
   if (shape.type() == ShapeType::kDeformable) return cover;
   Scratch scratch;

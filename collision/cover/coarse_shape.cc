@@ -43,7 +43,6 @@ AxisBox boxOf(const Shape& shape) {
   AxisBox box;
   box.center = low + (high - low) / 2;
   box.half = (high - box.center).cwiseMax(box.center - low);
-  if (shape.type() == ShapeType::kConvexHull) box.half.array() += shape.hull()->excess();
   return box;
 }
 
@@ -192,8 +191,8 @@ void addHullMiddle(std::vector<Ball>& balls, const ConvexHull& hull) {
     if (!(norm > 0)) continue;  // a sliver: its neighbours bound the ball there
     radius = std::min(radius, n.dot(p - middle) / norm);
   }
-  // Facets may miss the hull of the vertices by its excess and by the slivers' rounding.
-  radius -= hull.excess() + kInnerBallSlack * (1 + middle.lpNorm<1>());
+  // Facets may miss the hull of the vertices by the slivers' rounding.
+  radius -= kInnerBallSlack * (1 + middle.lpNorm<1>());
   if (radius > 0 && std::isfinite(radius)) balls.push_back({middle, radius});
 }
 

@@ -156,7 +156,7 @@ std::pair<Part, Part> divide(const Part& part, const Cut& cut) {
 CoverPart coverOfPart(const Part& part, double extent) {
   CoverPart cover;
   cover.ball = ballAround(part.faces.corners());
-  const std::shared_ptr<const ConvexHull> hull = ConvexHull::compute(part.faces.corners());
+  const std::shared_ptr<const ConvexHull> hull = hullOfPart(part.faces.corners());
   const std::span<const Vector3d> vertices = hull->vertices();
   PointCover& points = cover.points;
   points.own = false;
@@ -167,7 +167,7 @@ CoverPart coverOfPart(const Part& part, double extent) {
   if (vertices.size() <= kMostHullPoints && vertices.size() > points.points.size())
     points.fine.assign(vertices.begin(), vertices.end());
   // Corners that clipping made are rounded.
-  const double rounding = hull->excess() + kTransferRounding * extent;
+  const double rounding = kTransferRounding * extent;
   points.radius += rounding;
   points.fine_radius = rounding;
   clusterFine(points);

@@ -175,8 +175,7 @@ PointCover coverWithPoints(const Shape& shape, int count) {
       break;
     case ShapeType::kConvexHull:
       cover = VertexChoice(shape.hull()->vertices(), static_cast<std::size_t>(count)).run();
-      cover.radius += shape.hull()->excess();
-      addFine(shape.hull()->vertices(), shape.hull()->excess(), cover);
+      addFine(shape.hull()->vertices(), 0, cover);
       break;
     case ShapeType::kMesh: {
       const MeshTree& tree = shape.mesh()->tree();

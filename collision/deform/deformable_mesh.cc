@@ -4,9 +4,9 @@
 #include <cmath>
 #include <string>
 
-#include "collision/base/tolerances.h"
 #include "collision/deform/snapshot.h"
 #include "collision/mesh/components.h"
+#include "collision/shapes/size_limits.h"
 
 namespace leeway::collision {
 
@@ -65,7 +65,7 @@ const char* toString(UpdateStatus status) {
     case UpdateStatus::kWrongVertexCount:
       return "another number of vertices than the mesh has";
     case UpdateStatus::kNotFinite:
-      return "a vertex is not finite, or beyond 1e15 m";
+      return "a vertex is not finite, or beyond 1e9 m";
     case UpdateStatus::kBadTime:
       return "the time, the speed bound or the distance moved is not a usable number";
     case UpdateStatus::kNoMotion:
@@ -77,13 +77,7 @@ const char* toString(UpdateStatus status) {
 std::shared_ptr<const DeformableMesh> DeformableMesh::make(std::span<const Vector3d> rest,
                                                            std::span<const Triangle> triangles) {
   if (triangles.empty()) throw InvalidShape("deformable mesh: no triangles; at least 1 is needed");
-  for (std::size_t i = 0; i < rest.size(); ++i) {
-    for (int k = 0; k < 3; ++k) {
-      if (std::abs(rest[i][k]) <= kLargestDeformed) continue;
-      throw InvalidShape("deformable mesh: vertex " + std::to_string(i) + " has the coordinate " +
-                         std::to_string(rest[i][k]) + "; finite numbers up to 1e15 are accepted");
-    }
-  }
+  requireSizes(rest, "deformable mesh", "vertex");
   for (std::size_t i = 0; i < triangles.size(); ++i) {
     for (const std::int32_t v : triangles[i]) {
       if (v >= 0 && static_cast<std::size_t>(v) < rest.size()) continue;

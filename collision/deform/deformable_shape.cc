@@ -12,7 +12,7 @@ Shape Shape::deformable(std::shared_ptr<const DeformableSnapshot> snapshot) {
   if (!snapshot) throw InvalidShape("deformable: there is no snapshot");
   const Eigen::Vector3d corners[2] = {snapshot->low(), snapshot->high()};
   const Eigen::Vector3d farthest = corners[0].cwiseAbs().cwiseMax(corners[1].cwiseAbs());
-  const BoundingSphere sphere = sphereAround(corners, 0);
+  const BoundingSphere sphere = sphereAround(corners);
   Shape shape;
   shape.type_ = ShapeType::kDeformable;
   shape.bounding_center_ = sphere.center;

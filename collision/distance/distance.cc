@@ -39,12 +39,6 @@ ConvexView ballOr(ConvexView view, const DistanceRequest& request) {
   return view;
 }
 
-void forgetPoints(DistanceResult& result) {
-  result.point_a.setZero();
-  result.point_b.setZero();
-  if (!result.normal.allFinite()) result.normal = Eigen::Vector3d::UnitX();
-}
-
 // Spheres and capsules. One function for each pair: merged, each would save the registers that only
 // the others use, and answers would go through memory.
 template <bool kSegmentA, bool kSegmentB>
@@ -134,19 +128,13 @@ DistanceResult generalDistance(const Shape& a, const Pose& X_WA, const Shape& b,
   const RelativePose relative = relativePose(X_WA, X_WB);
   if (!relative.valid) return {};
   const ConvexView view_a = ballOr(viewOf(a), request), view_b = ballOr(viewOf(b), request);
-  const Vector& t = relative.X_BA.translation;
-  // Squares of the smallest numbers underflow to 0.
-  double translation = t.norm();
-  if (!(translation > kSmallestScale)) translation = std::hypot(t.x(), t.y(), t.z());
-  const double slack = relative.slack * (finiteExtent(view_a) + finiteExtent(view_b) + translation);
+  const double slack = relative.slack * (finiteExtent(view_a) + finiteExtent(view_b) +
+                                         relative.X_BA.translation.norm());
   DistanceResult result =
       convexDistance(view_a, relative.X_BA, view_b, request, scratch, cache, slack, start);
   result.point_a = placed(X_WB, result.point_a);
   result.point_b = placed(X_WB, result.point_b);
   result.normal = rotated(X_WB.rotation, result.normal);
-  // Coordinates beyond 1e308 overflow: no witness points then.
-  const double sum = result.point_a.sum() + result.point_b.sum() + result.normal.sum();
-  if (!std::isfinite(sum)) forgetPoints(result);
   return result;
 }
 

@@ -81,13 +81,13 @@ bool boundsDecide(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& 
   const Triple t = tripleOf(X_WB.translation) - tripleOf(X_WA.translation);
   const Triple gap = t + (rotated(X_WB.rotation, tripleOf(b.boundingCenter())) -
                           rotated(X_WA.rotation, tripleOf(a.boundingCenter())));
-  const double norm = std::sqrt(squared(gap)), least = std::max(request.threshold, kSmallestScale);
-  // kSmallestScale: squares of smaller lengths lose digits. The factor 2: a box is transformed by a
+  const double norm = std::sqrt(squared(gap)), least = std::max(request.threshold, 0.0);
+  // The factor 2: a box is transformed by a
   // transpose in place of an inverse, which doubles the departure from orthogonality. That holds
   // along axes of either matrix, too, which need not be unit vectors: a box's reach is computed
   // from the same matrix.
-  const double rounding =
-      2 * (check.departure + kRelativeRounding) * (a.extent() + b.extent() + std::sqrt(squared(t)));
+  const double rounding = 2 * (check.departure + kRelativeRounding) *
+                          (a.extent() + b.extent() + std::sqrt(squared(t)) + kLeastSum);
   const double radius_a = a.boundingRadius(), radius_b = b.boundingRadius();
   // Written so that a NaN, which infinite sizes give, decides nothing.
   const auto decides = [&](double lower, const Triple& normal) {

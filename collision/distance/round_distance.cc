@@ -50,10 +50,10 @@ bool roundDistance(const Shape& a, const Pose& X_WA, const Shape& b, const Pose&
   const RelativePose relative = relativePose(X_WA, X_WB);
   const bool is_segment = a.type() == ShapeType::kCapsule;
   const double half_length = is_segment ? a.halfLength() : 0;
-  if (!relative.valid || !hasNearest(is_segment, half_length, relative.X_BA, mesh)) return false;
+  if (!relative.valid || !hasNearest(is_segment, half_length, mesh)) return false;
   const RoundBody body = roundBody(a.radius(), half_length, relative.X_BA);
-  const double slack =
-      relative.slack * (half_length + body.radius + b.extent() + relative.X_BA.translation.norm());
+  const double slack = relative.slack * (half_length + body.radius + b.extent() +
+                                         relative.X_BA.translation.norm() + kLeastSum);
   NearestSearch search = nearestSearch(body, mesh, slack, request);
   const double root = boxLower(body, mesh, search);
   // Written so that a NaN, no threshold, decides nothing.

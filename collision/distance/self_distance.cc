@@ -93,11 +93,7 @@ class SelfDescent {
   }
 
  private:
-  // Infinite where squares could overflow or underflow: no closed form is accepted then.
-  static double roundingOf(double extent) {
-    return extent >= kSmallestScale && extent <= kLargestScale ? 2 * kRelativeRounding * extent
-                                                               : kInfinity;
-  }
+  static double roundingOf(double extent) { return 2 * kRelativeRounding * (extent + kLeastSum); }
   double bar() const {
     const double bar =
         request_.threshold == request_.threshold ? std::max(request_.threshold, 0.0) : kInfinity;

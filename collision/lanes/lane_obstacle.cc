@@ -84,10 +84,9 @@ LaneSweep::Impl::Obstacle LaneSweep::Impl::obstacleOf(const Shape& shape, const 
 LaneSweep::Impl::Obstacle LaneSweep::Impl::partOf(const CoverPart& part, const Pose& X_WG) {
   const bool fine = !part.points.fine.empty();
   const std::shared_ptr<const ConvexHull> hull =
-      ConvexHull::compute(fine ? part.points.fine : part.points.points);
+      hullOfPart(fine ? part.points.fine : part.points.points);
   const double radius =
-      (fine ? part.points.fine_radius : part.points.radius) * (1 + kRelativeRounding) +
-      hull->excess();
+      (fine ? part.points.fine_radius : part.points.radius) * (1 + kRelativeRounding);
   Obstacle o = obstacleOf(Shape::convexHull(hull), X_WG);
   for (float& half : o.half) half = floatAbove(static_cast<double>(half) + radius);
   o.view.excess += radius;

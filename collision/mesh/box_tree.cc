@@ -115,7 +115,7 @@ BoxTree::BoxTree(std::span<const Vector3d> vertices, std::span<const Triangle> t
                  std::span<const std::int32_t> piece_of, int pieces)
     : piece_node_(static_cast<std::size_t>(pieces), -1),
       first_piece_(static_cast<std::int32_t>(triangles.size())) {
-  if (!(extent >= kSmallestBoxScale && extent <= kLargestBoxScale)) return;
+  if (!(extent > 0)) return;  // of one point
   Input input{vertices, triangles, slot_of, extent, {}, {}, {}, {}};
   input.centroid.reserve(triangles.size());
   input.unit.reserve(triangles.size());

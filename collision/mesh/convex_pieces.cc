@@ -238,7 +238,7 @@ class Decomposition {
       filtered = true;
     }
     if (patch_.size() < kLeastPatch) return;
-    piece.hull = ConvexHull::compute(proof_.hull().corners());
+    piece.hull = hullOfPart(proof_.hull().corners());
     piece.excess = proof_.excess();
     piece.triangles = patch_.triangles();
     std::sort(piece.triangles.begin(), piece.triangles.end());
@@ -303,11 +303,6 @@ ConvexPieces convexPieces(const TriangleMesh& mesh) {
   ConvexPieces none;
   if (mesh.closedComponentCount() == 0) {
     none.summary.use = PieceSummary::Use::kOpen;
-    return none;
-  }
-  const double extent = mesh.tree().extent();
-  if (!(extent >= kSmallestBoxScale && extent <= kLargestBoxScale)) {
-    none.summary.use = PieceSummary::Use::kExtreme;
     return none;
   }
   if (mesh.triangles().size() < kLeastDecomposed) return none;

@@ -12,7 +12,7 @@ Shape Shape::mesh(std::shared_ptr<const TriangleMesh> mesh) {
   if (!mesh || mesh->vertices().empty()) {
     throw InvalidShape("mesh: it has no triangles; at least one is needed");
   }
-  const BoundingSphere sphere = sphereAround(mesh->vertices(), 0);
+  const BoundingSphere sphere = sphereAround(mesh->vertices());
   Shape shape;
   shape.type_ = ShapeType::kMesh;
   shape.bounding_center_ = sphere.center;

@@ -101,7 +101,7 @@ MeshTree::MeshTree(std::span<const Vector3d> vertices, std::span<const Triangle>
     components_[c].high = components_[c].high.cwiseMax(input.high[i]);
     components_[c].point = vertices[index(triangles[i][0])];
   }
-  hull_ = ConvexHull::compute(vertices);
+  hull_ = hullOfPart(vertices);
   nodes_.shrink_to_fit();
   core_.shrink_to_fit();
 }

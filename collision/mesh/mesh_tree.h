@@ -85,7 +85,6 @@ class MeshTree {
     view.support = &hull_->support();
     view.center = nodes_[0].center;
     view.extent = extent_;
-    view.excess = hull_->excess();
     return view;
   }
   /// The triangles and convex pieces under oriented boxes, for pairs of meshes. Only after

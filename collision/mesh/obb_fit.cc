@@ -1,6 +1,7 @@
 #include "collision/mesh/obb_fit.h"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -15,24 +16,15 @@ using Eigen::Vector3d;
 
 namespace {
 
-// Scales a vector whose squares leave the range of normal doubles to a length near 1, by a power of
-// two: divided by its length as computed, it would not be of length 1.
-Vector3d withinRange(const Vector3d& v) {
-  const double largest = v.cwiseAbs().maxCoeff();
-  if (!(largest > 0 && largest <= std::numeric_limits<double>::max())) return v;
-  if (largest >= kLeastToSquare && largest <= kMostToSquare) return v;
-  const int exponent = std::ilogb(largest);
-  return v.unaryExpr([&](double x) { return std::ldexp(x, -exponent); });
-}
-
-// A right-handed frame with its first axis along `along_first` and its second near `near_second`.
-Matrix3d frame(const Vector3d& along_first, const Vector3d& near_second) {
-  const Vector3d first = withinRange(along_first), second = withinRange(near_second);
+// A right-handed frame with its first axis along `first` and its second near `second`. A vector
+// whose square has lost digits names no axis: divided by its length, it would not be of length 1.
+Matrix3d frame(const Vector3d& first, const Vector3d& second) {
   Matrix3d axes = Matrix3d::Identity();
-  if (!(first.norm() > 0)) return axes;
+  if (!(first.norm() > kLeastToSquare)) return axes;
   axes.col(0) = first.normalized();
   Vector3d across = second - axes.col(0).dot(second) * axes.col(0);
-  if (!(across.norm() > 1e-6 * second.norm())) across = axes.col(0).unitOrthogonal();
+  if (!(across.norm() > std::max(1e-6 * second.norm(), kLeastToSquare)))
+    across = axes.col(0).unitOrthogonal();
   axes.col(1) = across.normalized();
   axes.col(2) = axes.col(0).cross(axes.col(1));
   return axes;

@@ -11,6 +11,7 @@
 #include "collision/mesh/convex_pieces.h"
 #include "collision/mesh/hull_excess.h"
 #include "collision/mesh/mesh_tree.h"
+#include "collision/shapes/size_limits.h"
 #include "leeway/collision/shape.h"
 
 namespace leeway::collision {
@@ -23,14 +24,7 @@ std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 void requireUsable(std::span<const Vector3d> vertices, std::span<const Triangle> triangles) {
   if (triangles.empty()) throw InvalidShape("mesh: no triangles; at least 1 is needed");
-  for (std::size_t i = 0; i < vertices.size(); ++i) {
-    for (int k = 0; k < 3; ++k) {
-      if (std::abs(vertices[i][k]) <= kLargestCoordinate) continue;
-      throw InvalidShape("mesh: vertex " + std::to_string(i) + " has the coordinate " +
-                         std::to_string(vertices[i][k]) +
-                         "; finite numbers up to 1e60 are accepted");
-    }
-  }
+  requireSizes(vertices, "mesh", "vertex");
   for (std::size_t i = 0; i < triangles.size(); ++i) {
     for (const std::int32_t v : triangles[i]) {
       if (v >= 0 && index(v) < vertices.size()) continue;

@@ -11,7 +11,7 @@
 
 namespace leeway::collision {
 
-/// The norm, rounded outwards. hypot() overflows only where the norm does.
+/// The norm, rounded outwards.
 inline double outwardNorm(double x, double y, double z) { return std::hypot(x, y, z) * kOutwards; }
 
 /// A sphere around points, rounded outwards.
@@ -21,7 +21,7 @@ struct BoundingSphere {
   double extent;  // no point is farther from the origin [m]
 };
 
-inline BoundingSphere sphereAround(std::span<const Eigen::Vector3d> points, double excess) {
+inline BoundingSphere sphereAround(std::span<const Eigen::Vector3d> points) {
   Eigen::Vector3d lowest = points[0], highest = points[0];
   for (const Eigen::Vector3d& p : points) {
     lowest = lowest.cwiseMin(p);
@@ -34,8 +34,8 @@ inline BoundingSphere sphereAround(std::span<const Eigen::Vector3d> points, doub
     sphere.extent = std::max(sphere.extent, std::hypot(p.x(), p.y(), p.z()));
   }
   // The differences' rounding is proportional to the coordinates, not to the radius.
-  sphere.radius = (sphere.radius + excess) * kOutwards + sphere.extent * 0x1p-51;
-  sphere.extent = (sphere.extent + excess) * kOutwards;
+  sphere.radius = sphere.radius * kOutwards + sphere.extent * 0x1p-51;
+  sphere.extent = sphere.extent * kOutwards;
   return sphere;
 }
 

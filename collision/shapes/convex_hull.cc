@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string>
 
 #include "collision/base/exact_predicates.h"
 #include "collision/base/tolerances.h"
 #include "collision/shapes/hull_builder.h"
 #include "collision/shapes/hull_support.h"
+#include "collision/shapes/size_limits.h"
 #include "leeway/collision/shape.h"
 
 namespace leeway::collision {
@@ -17,17 +17,6 @@ using Eigen::Vector3d;
 using Triangle = std::array<std::int32_t, 3>;
 
 std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
-
-void requireUsable(std::span<const Vector3d> points) {
-  if (points.empty()) throw InvalidShape("convex hull: no points; at least 1 is needed");
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    for (int k = 0; k < 3; ++k) {
-      if (std::abs(points[i][k]) <= kLargestCoordinate) continue;
-      throw InvalidShape("convex hull: point " + std::to_string(i) + " has the coordinate " +
-                         std::to_string(points[i][k]) + "; finite numbers up to 1e60 are accepted");
-    }
-  }
-}
 
 // Edges between facets that are not coplanar: those of the true polytope. Exact.
 std::vector<std::array<std::int32_t, 2>> properEdges(std::span<const Vector3d> points,
@@ -74,16 +63,17 @@ std::vector<std::int32_t> corners(std::size_t count,
 ConvexHull::ConvexHull() = default;
 ConvexHull::~ConvexHull() = default;
 
-std::shared_ptr<const ConvexHull> ConvexHull::compute(std::span<const Vector3d> given) {
-  requireUsable(given);
-  // Coordinates too small for the exact predicates become 0; the excess covers the change.
+std::shared_ptr<const ConvexHull> ConvexHull::compute(std::span<const Vector3d> points) {
+  if (points.empty()) throw InvalidShape("convex hull: no points; at least 1 is needed");
+  requireSizes(points, "convex hull", "point");
+  return hullOfPart(points);
+}
+
+std::shared_ptr<const ConvexHull> hullOfPart(std::span<const Vector3d> given) {
   std::vector<Vector3d> points(given.begin(), given.end());
-  double moved = 0;
   for (Vector3d& p : points) {
     for (int k = 0; k < 3; ++k) {
-      if (p[k] == 0 || std::abs(p[k]) >= kSmallestExact) continue;
-      p[k] = 0;
-      moved = 4 * kSmallestExact;
+      if (std::abs(p[k]) < kSmallestExact) p[k] = 0;
     }
   }
   HullBuilder hull(points);
@@ -103,8 +93,7 @@ std::shared_ptr<const ConvexHull> ConvexHull::compute(std::span<const Vector3d> 
   result->facets_ = hull.facets();
   if (hull.dimension() == 3) result->makeNeighbours(properEdges(vertices, hull), vertices.size());
   result->vertices_.reserve(kept.size());
-  for (const std::int32_t i : kept) result->vertices_.push_back(given[index(i)]);
-  result->excess_ = moved;
+  for (const std::int32_t i : kept) result->vertices_.push_back(points[index(i)]);
   result->support_ = std::make_unique<const HullSupport>(*result);
   return result;
 }

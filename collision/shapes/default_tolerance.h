@@ -27,7 +27,7 @@ inline double toleranceOf(double bounding_radius, double extent) {
 
 /// defaultTolerance() of two shapes whose frames are `offset` apart [m].
 inline double toleranceOf(const Shape& a, const Shape& b, const Eigen::Vector3d& offset) {
-  const double least = (kDefaultLeastShare * offset).lpNorm<1>(),
+  const double least = (kDefaultLeastShare * offset).lpNorm<1>() + kLeastSum,
                tolerance = std::max(std::max(a.defaultTolerance(), b.defaultTolerance()), least);
   // 0 for NaN and infinity: any interval would meet an infinite tolerance.
   return least < std::numeric_limits<double>::infinity() ? tolerance : 0;

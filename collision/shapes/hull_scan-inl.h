@@ -201,9 +201,7 @@ HWY_INLINE const HullCell* cellOf(const HullSupport& support, double dx, double 
   const Mask<2> z_most = z_z > xy_most;
   const Lanes<2> size = choose(z_most, z_z, xy_most);
   const double largest_size = firstOf(size), sides = support.sides();
-  if (HWY_UNLIKELY(
-          !(largest_size > kSmallestDirection && largest_size < kLargestDirection && sides > 0)))
-    return nullptr;
+  if (HWY_UNLIKELY(!(largest_size > kSmallestDirection && sides > 0))) return nullptr;
   const Lanes<2> along =
       choose(z_most, allLanes<2>(dz), choose(y_most, allLanes<2>(dy), allLanes<2>(dx)));
   // The coordinates after and before it, cyclically.

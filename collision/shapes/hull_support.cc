@@ -127,7 +127,7 @@ void HullSupport::fillAxis(const ConvexHull& hull) {
   const Vector end = farthestFrom(vertices[0]), half = 0.5 * (farthestFrom(end) - end);
   for (const Vector& p : vertices) middle_ += p / static_cast<double>(vertices.size());
   const double length = half.norm();
-  if (!(length > kSmallestScale && length < kLargestScale)) return;
+  if (!(length > 0)) return;
   const Vector axis = half / length;
   middle_ += axis.dot(end + half - middle_) * axis;
   for (const Vector& p : vertices) {

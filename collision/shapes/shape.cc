@@ -4,10 +4,12 @@
 #include <cmath>
 #include <limits>
 #include <sstream>
+#include <string>
 
 #include "collision/base/tolerances.h"
 #include "collision/shapes/bounding_sphere.h"
 #include "collision/shapes/default_tolerance.h"
+#include "collision/shapes/size_limits.h"
 #include "leeway/collision/convex_hull.h"
 
 namespace leeway::collision {
@@ -15,18 +17,37 @@ namespace leeway::collision {
 namespace {
 
 void requireSize(double value, const char* shape, const char* name) {
-  // False for NaN, too. Squares and cubes of larger sizes overflow: fuzzing found an ellipsoid of
-  // 1e308 m that falsely touched a half-space.
-  if (value >= 0 && value <= kLargestCoordinate) return;
+  // False for NaN, too.
+  if (value >= 0 && value <= kLargestSize) return;
   std::ostringstream message;
   message.precision(17);
   message << shape << ": " << name << " is " << value
-          << ", but must be a number that is not negative and at most 1e60 [m]";
+          << ", but must be a number that is not negative and at most ";
+  message.precision(6);
+  message << kLargestSize << " [m]";
   throw InvalidShape(message.str());
+}
+
+void requireExtent(double largest, const char* shape, const char* name) {
+  collision::requireExtent(largest, (std::string(shape) + ": " + name).c_str());
 }
 
 void requireSizes(const Eigen::Vector3d& value, const char* shape, const char* const names[3]) {
   for (int i = 0; i < 3; ++i) requireSize(value[i], shape, names[i]);
+  Eigen::Index largest = 0;
+  const double size = value.maxCoeff(&largest);
+  requireExtent(size, shape, names[largest]);
+}
+
+// Shapes with a radius and a half length.
+void requireSizes(double radius, double half_length, const char* shape) {
+  requireSize(radius, shape, "radius");
+  requireSize(half_length, shape, "half length");
+  if (radius > half_length) {
+    requireExtent(radius, shape, "radius");
+  } else {
+    requireExtent(half_length, shape, "half length");
+  }
 }
 
 }  // namespace
@@ -65,6 +86,7 @@ void Shape::setReach(double bounding_radius, double extent) {
 
 Shape Shape::sphere(double radius) {
   requireSize(radius, "sphere", "radius");
+  requireExtent(radius, "sphere", "radius");
   Shape shape;
   shape.type_ = ShapeType::kSphere;
   shape.radius_ = radius;
@@ -73,8 +95,7 @@ Shape Shape::sphere(double radius) {
 }
 
 Shape Shape::capsule(double radius, double half_length) {
-  requireSize(radius, "capsule", "radius");
-  requireSize(half_length, "capsule", "half length");
+  requireSizes(radius, half_length, "capsule");
   Shape shape;
   shape.type_ = ShapeType::kCapsule;
   shape.radius_ = radius;
@@ -96,8 +117,7 @@ Shape Shape::box(const Eigen::Vector3d& half_extents) {
 }
 
 Shape Shape::cylinder(double radius, double half_length) {
-  requireSize(radius, "cylinder", "radius");
-  requireSize(half_length, "cylinder", "half length");
+  requireSizes(radius, half_length, "cylinder");
   Shape shape;
   shape.type_ = ShapeType::kCylinder;
   shape.radius_ = radius;
@@ -108,8 +128,7 @@ Shape Shape::cylinder(double radius, double half_length) {
 }
 
 Shape Shape::cone(double radius, double half_length) {
-  requireSize(radius, "cone", "radius");
-  requireSize(half_length, "cone", "half length");
+  requireSizes(radius, half_length, "cone");
   Shape shape;
   shape.type_ = ShapeType::kCone;
   shape.radius_ = radius;
@@ -146,7 +165,7 @@ Shape Shape::convexHull(std::shared_ptr<const ConvexHull> hull) {
   if (!hull || hull->vertices().empty()) {
     throw InvalidShape("hull: it has no points; at least one is needed");
   }
-  const BoundingSphere sphere = sphereAround(hull->vertices(), hull->excess());
+  const BoundingSphere sphere = sphereAround(hull->vertices());
   Shape shape;
   shape.type_ = ShapeType::kConvexHull;
   shape.bounding_center_ = sphere.center;

@@ -119,7 +119,7 @@ class MeshSweep {
     s.X_MB = s.X_BM.inverse();
     setBoxSweep(s);
     // Written so that a NaN fails, as of rotations half a turn apart, which have no mean.
-    return s.turn < 4 && s.growth < kLargestBoxScale;
+    return s.turn < 4 && s.growth < kFarthest;
   }
 
   // The motion of A's boxes in M, in single precision.

@@ -130,13 +130,16 @@ void ScenePairs::expectSnapshot(const DeformingObstacle& obstacle) const {
 void ScenePairs::expectPose(const robots::Pose& X, const std::string& name) const {
   const double departure =
       (X.rotation.transpose() * X.rotation - Eigen::Matrix3d::Identity()).norm();
-  if (X.translation.allFinite() && departure <= collision::kRotationTolerance) return;
+  if ((X.translation.array().abs() <= collision::kLargestSize).all() &&
+      departure <= collision::kRotationTolerance)
+    return;
   const Eigen::Vector3d& p = X.translation;
   throw robots::InputError(
       problem_.name, 0,
-      fmt::format("the pose of '{}' is at ({}, {}, {}), its rotation {} from orthogonal; finite "
-                  "numbers and a rotation within {} are expected",
-                  name, p.x(), p.y(), p.z(), departure, collision::kRotationTolerance));
+      fmt::format("the pose of '{}' is at ({}, {}, {}), its rotation {} from orthogonal; numbers "
+                  "up to {} and a rotation within {} are expected",
+                  name, p.x(), p.y(), p.z(), departure, collision::kLargestSize,
+                  collision::kRotationTolerance));
 }
 
 // Reasons to drop a pair.

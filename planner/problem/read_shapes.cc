@@ -161,9 +161,9 @@ Pose readPose(const YamlReader& map, std::vector<std::string>& warnings) {
   if (const auto position = map.find("position")) {
     pose.translation = position->vector3();
     if (const double farthest = pose.translation.cwiseAbs().maxCoeff();
-        farthest > collision::kLargestCoordinate)
+        farthest > collision::kLargestSize)
       position->fail(fmt::format("{} holds {}; coordinates up to {} m are expected",
-                                 position->where(), farthest, collision::kLargestCoordinate));
+                                 position->where(), farthest, collision::kLargestSize));
   }
   pose.rotation = rotationFromQuaternion(readOrientation(map, warnings));
   return pose;

@@ -163,7 +163,6 @@ Sphere enclosingSphere(const Shape& shape) {
       break;
     case ShapeType::kConvexHull:
       sphere = enclosingPoints(shape.hull()->vertices());
-      sphere.radius += shape.hull()->excess();
       break;
     case ShapeType::kMesh:
       sphere = enclosingPoints(shape.mesh()->vertices());

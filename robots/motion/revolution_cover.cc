@@ -111,6 +111,11 @@ std::optional<std::vector<Geometry>> revolutionCover(std::span<const Geometry> g
   for (const Geometry& g : geometries) {
     const std::vector<Vector3d> corners = triangleCorners(g);
     if (corners.empty()) return std::nullopt;
+    // Cylinders are no larger than other shapes.
+    if (std::any_of(corners.begin(), corners.end(), [](const Vector3d& p) {
+          return p.lpNorm<1>() > 0.5 * collision::kLargestSize;
+        }))
+      return std::nullopt;
     appendCylinders(sliced(corners), cylinders);
   }
   return cylinders;

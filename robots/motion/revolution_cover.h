@@ -15,7 +15,7 @@ bool areTriangles(std::span<const Geometry> geometries);
 
 /// Cylinders about the z axis that together hold everything that the geometries' triangles pass
 /// through in a whole turn about it, and everything that they enclose. Nothing when one has no
-/// triangles. O(triangles).
+/// triangles or is farther off than shapes are large. O(triangles).
 std::optional<std::vector<Geometry>> revolutionCover(std::span<const Geometry> geometries);
 
 /// Bound on the distance of a geometry's points from the z axis [m].

@@ -118,16 +118,20 @@ class Meshes {
   std::vector<Task> tasks_;
 };
 
-Shape makeShape(const UrdfCollision& collision, Meshes& meshes) {
-  switch (collision.kind) {
-    case UrdfCollision::Kind::kBox:
-      return Shape::box(collision.size / 2);
-    case UrdfCollision::Kind::kSphere:
-      return Shape::sphere(collision.radius);
-    case UrdfCollision::Kind::kCylinder:
-      return Shape::cylinder(collision.radius, collision.length / 2);
-    case UrdfCollision::Kind::kMesh:
-      break;
+Shape makeShape(const UrdfCollision& collision, Meshes& meshes, const std::string& urdf_path) {
+  try {
+    switch (collision.kind) {
+      case UrdfCollision::Kind::kBox:
+        return Shape::box(collision.size / 2);
+      case UrdfCollision::Kind::kSphere:
+        return Shape::sphere(collision.radius);
+      case UrdfCollision::Kind::kCylinder:
+        return Shape::cylinder(collision.radius, collision.length / 2);
+      case UrdfCollision::Kind::kMesh:
+        break;
+    }
+  } catch (const collision::InvalidShape& invalid) {
+    throw InputError(urdf_path, collision.line, invalid.what());
   }
   return meshes.load(collision);
 }
@@ -182,12 +186,14 @@ Joint rootJoint(const UrdfDocument& document, const std::string& root_link,
   return joint;
 }
 
-void appendLink(const UrdfLink& source, int joint, Meshes& meshes, RobotDescription& model) {
+void appendLink(const UrdfLink& source, int joint, Meshes& meshes, const std::string& urdf_path,
+                RobotDescription& model) {
   Link link;
   link.name = source.name;
   link.joint = joint;
   for (const UrdfCollision& collision : source.collisions)
-    link.geometries.push_back({makeShape(collision, meshes), collision.X_LG, collision.name});
+    link.geometries.push_back(
+        {makeShape(collision, meshes, urdf_path), collision.X_LG, collision.name});
   model.links.push_back(std::move(link));
 }
 
@@ -252,7 +258,8 @@ std::shared_ptr<const Model> loadModel(const std::string& urdf_path, const std::
   Meshes meshes(urdf_path, options);
   meshes.loadAll(document, order);
   for (const auto& [link, joint] : order) {
-    appendLink(document.links[index(link)], static_cast<int>(robot.joints.size()), meshes, robot);
+    appendLink(document.links[index(link)], static_cast<int>(robot.joints.size()), meshes,
+               urdf_path, robot);
     if (joint < 0)
       robot.joints.push_back(
           rootJoint(document, document.links[index(link)].name, virtual_joint, srdf_path));

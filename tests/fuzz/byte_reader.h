@@ -23,8 +23,8 @@ class ByteReader {
 
   int below(int n) { return byte() % n; }
 
-  /// Mostly of ordinary size; sometimes zero, tiny, huge, subnormal, NaN, infinite, or any bit
-  /// pattern.
+  /// Mostly of ordinary size; sometimes zero, about the smallest and largest sizes of shapes,
+  /// subnormal, NaN, infinite, or any bit pattern.
   double number() {
     const int kind = byte();
     if (kind < 200)
@@ -51,9 +51,9 @@ class ByteReader {
       case 9:
         return 1 + 0x1p-52;
       case 10:
-        return std::ldexp(1.0, byte() - 128);
+        return std::ldexp(1.0, below(64) - 32);
       case 11:
-        return -std::ldexp(1.0, byte() - 128);
+        return -std::ldexp(1.0, below(64) - 32);
       case 12:
         return byte();
       case 13:

@@ -30,7 +30,7 @@ struct SupportPlanes {
   }
 
   /// Sets coordinates too small for exact arithmetic to 0: the change is far below the rounding of
-  /// vertices (see kSmallestScale).
+  /// vertices (see kLeastSum).
   static void clean(Vector& w) {
     for (int i = 0; i < 3; ++i) {
       if (std::abs(w[i]) < kSmallestExact) w[i] = 0;

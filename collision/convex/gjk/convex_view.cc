@@ -48,7 +48,6 @@ ConvexView viewOf(const Shape& shape) {
       view.count = static_cast<int>(shape.hull()->vertices().size());
       view.hull = shape.hull();
       view.support = &shape.hull()->support();
-      view.excess = shape.hull()->excess();
       view.center = shape.boundingCenter();
       break;
     case ShapeType::kMesh:
@@ -71,8 +70,7 @@ ConvexView viewOfPoints(const Vector* points, int count, double radius) {
     lowest = lowest.cwiseMin(points[i]);
     highest = highest.cwiseMax(points[i]);
   }
-  // (Squares that underflow lose far less than kSmallestScale.)
-  view.extent = std::sqrt(extent_squared + 0x1p-1000) * kOutwards;
+  view.extent = std::sqrt(extent_squared) * kOutwards;
   view.center = 0.5 * (lowest + highest);
   return view;
 }
@@ -93,10 +91,10 @@ RelativePose relativePose(const Pose& X_WA, const Pose& X_WB) {
   RelativePose result;
   const PoseCheck check = checkRotations(X_WA.rotation, X_WB.rotation);
   const Vector &a = X_WA.translation, &b = X_WB.translation;
-  // (x - x is 0 for finite x only.)
-  const double zero = (a.x() - a.x()) + (a.y() - a.y()) + (a.z() - a.z()) + (b.x() - b.x()) +
-                      (b.y() - b.y()) + (b.z() - b.z());
-  if (!(check.rotations && zero == 0)) return result;
+  const Vector way = a - b;
+  // (Written so that NaN fails.)
+  if (!(check.rotations && std::abs(way.x()) + std::abs(way.y()) + std::abs(way.z()) <= kFarthest))
+    return result;
   result.valid = true;
   result.slack = check.departure + kPoseRounding * kUnitRoundoff;
   // Rows 0 and 1 of a column side by side, row 2 alone.
@@ -110,7 +108,7 @@ RelativePose relativePose(const Pose& X_WA, const Pose& X_WB) {
     result.X_BA.rotation(1, j) = above[1];
     result.X_BA.rotation(2, j) = B(0, 2) * p + B(1, 2) * q + B(2, 2) * r;
   }
-  result.X_BA.translation = rotatedBack(B, a - b);
+  result.X_BA.translation = rotatedBack(B, way);
   return result;
 }
 

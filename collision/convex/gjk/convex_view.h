@@ -50,7 +50,7 @@ ConvexView viewOfPoints(const Eigen::Vector3d* points, int count, double radius)
 /// X_BA of two poses in a common frame and its error. Translations are subtracted first.
 struct RelativePose {
   Pose X_BA;
-  /// The poses are finite and their rotations orthogonal within kRotationTolerance.
+  /// Frames are within kFarthest of each other, rotations orthogonal within kRotationTolerance.
   bool valid = false;
   /// Rounding and departure from orthogonality, as a fraction: true distances differ from those
   /// under X_BA by at most slack * (extent of A + extent of B + |X_BA.translation|).

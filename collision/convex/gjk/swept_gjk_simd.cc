@@ -137,7 +137,6 @@ bool isForSweptLanes(const Difference<true>& difference) {
 GjkEnd runSweptVertexGjk(Difference<true>& difference, const Vector& direction, Progress& progress,
                          Simplex& simplex) {
   if (progress.iterations >= progress.query().request.iteration_limit) return GjkEnd::kLimit;
-  if (progress.query().roundoff > kUnitRoundoff * kLargestForLanes) return GjkEnd::kStagnated;
   const GjkEnd end = LEEWAY_DISPATCH(sweptSteps)(difference, direction, progress, simplex);
   if (end != GjkEnd::kInside && simplex.count > 0) reduceAll(simplex, simplex.count);
   return end;

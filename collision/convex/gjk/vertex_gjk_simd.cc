@@ -77,7 +77,6 @@ bool fits(const Difference<false>& difference, const PairCache& cache) {
 GjkEnd runVertexGjk(Difference<false>& difference, const Vector& direction,
                     const PairCache* carried, Progress& progress, Simplex& simplex) {
   if (progress.iterations >= progress.query().request.iteration_limit) return GjkEnd::kLimit;
-  if (progress.query().roundoff > kUnitRoundoff * kLargestForLanes) return GjkEnd::kStagnated;
   const GjkEnd end =
       LEEWAY_DISPATCH(vertexSteps)(difference, direction, progress, carried, simplex);
   if (end == GjkEnd::kStagnated && simplex.count > 0) reduceAll(simplex, simplex.count);

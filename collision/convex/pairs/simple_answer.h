@@ -61,12 +61,12 @@ inline __attribute__((always_inline)) bool answer(const PairFrame& frame, const 
   // |t| <= apart + both extents. (Written so that little has to wait for the root in `apart`.)
   const double share = check.departure + (kClosedFormRounding + kPoseRounding) * kUnitRoundoff;
   const double extents = 2 * (frame.extent_a + frame.extent_b);
-  const double size = nearest.apart + extents;
-  const double rounding = share * nearest.apart + (share * extents + 4 * kUnitRoundoff * radii);
+  const double size = nearest.apart + (extents + kLeastSum);
+  const double rounding =
+      share * nearest.apart + (share * (extents + kLeastSum) + 4 * kUnitRoundoff * radii);
   const Interval found = {(nearest.plane - radii) - rounding, (nearest.apart - radii) + rounding};
   // False for NaN; a translation that is not finite gives no finite size.
-  if (!(check.rotations && nearest.apart > 64 * kUnitRoundoff * size &&
-        size + radii >= kSmallestScale && size + radii <= kLargestScale)) {
+  if (!(check.rotations && nearest.apart > 64 * kUnitRoundoff * size && size <= kFarthest)) {
     return false;
   }
   answer.status = DistanceStatus::kConverged;

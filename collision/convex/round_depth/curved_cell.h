@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "collision/base/tolerances.h"
 #include "collision/base/vector.h"
@@ -28,17 +27,8 @@ struct Form {
 
 /// True when the form is proven not to be negative: Hadeler's criterion for copositive matrices.
 /// Roots and sums err by a few units of roundoff of their terms, which are subtracted. (Written so
-/// that NaN fails. Entries are scaled to about 1: products of six would leave the range of double.)
-inline bool copositive(Form f) {
-  double* const entries[] = {&f.p00, &f.p11, &f.p22, &f.p01, &f.p02, &f.p12};
-  double largest = 0;
-  for (const double* p : entries) {
-    if (!(std::abs(*p) <= std::numeric_limits<double>::max())) return false;
-    largest = std::max(largest, std::abs(*p));
-  }
-  if (!(largest > 0)) return true;
-  const double scale = std::ldexp(1.0, -std::ilogb(largest));
-  for (double* p : entries) *p *= scale;
+/// that NaN fails.)
+inline bool copositive(const Form& f) {
   if (!(0 <= f.p00 && 0 <= f.p11 && 0 <= f.p22)) return false;
   if (0 <= f.p01 && 0 <= f.p02 && 0 <= f.p12) return true;
   const double r0 = std::sqrt(f.p00), r1 = std::sqrt(f.p11), r2 = std::sqrt(f.p22);

@@ -143,8 +143,8 @@ DeformSide deformSide(const Shape& shape) {
       low = low.cwiseMin(v);
       high = high.cwiseMax(v);
     }
-    side.low = low.array() - shape.hull()->excess();
-    side.high = high.array() + shape.hull()->excess();
+    side.low = low;
+    side.high = high;
   }
   return side;
 }

@@ -17,11 +17,9 @@ RoundBody roundBody(double radius, double half_length, const Pose& X_BA) {
       radius};
 }
 
-bool hasNearest(bool is_segment, double half_length, const Pose& X_BA,
-                const DeformableSnapshotImpl& mesh) {
+bool hasNearest(bool is_segment, double half_length, const DeformableSnapshotImpl& mesh) {
   return (!is_segment || half_length > kNearestLeastHalf) && mesh.demand != Demand::kNoTree &&
-         !(mesh.bounds != nullptr && mesh.bounds->hasVolumes()) && half_length < kNearestFarthest &&
-         X_BA.translation.lpNorm<Eigen::Infinity>() < kNearestFarthest;
+         !(mesh.bounds != nullptr && mesh.bounds->hasVolumes());
 }
 
 NearestSearch nearestSearch(const RoundBody& body, const DeformableSnapshotImpl& mesh, double slack,

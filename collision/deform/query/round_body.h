@@ -22,10 +22,9 @@ struct RoundBody {
 RoundBody roundBody(double radius, double half_length, const Pose& X_BA);
 
 /// Whether findNearest() can take such a body. False for a segment so short that its direction
-/// would not survive single precision, and so far away that squares would overflow it; and for
-/// meshes without nodes or with volumes other than boxes.
-bool hasNearest(bool is_segment, double half_length, const Pose& X_BA,
-                const DeformableSnapshotImpl& mesh);
+/// would not survive single precision, and for meshes without nodes or with volumes other than
+/// boxes.
+bool hasNearest(bool is_segment, double half_length, const DeformableSnapshotImpl& mesh);
 
 /// The search for a request, without its limit and first triangle. `slack` as in convexDistance().
 NearestSearch nearestSearch(const RoundBody& body, const DeformableSnapshotImpl& mesh, double slack,

@@ -10,7 +10,7 @@ bool isRound(const DescentState& state) {
   const ConvexView& view = state.a.rigid.view;
   const bool is_segment = view.core == Core::kSegment;
   return (is_segment || view.core == Core::kPoint) &&
-         hasNearest(is_segment, view.size.z(), state.placement.X_BA0, *state.b.snapshot);
+         hasNearest(is_segment, view.size.z(), *state.b.snapshot);
 }
 
 bool descendRound(DescentState& state) {

@@ -32,7 +32,7 @@ struct DraftBox {
   }
   /// Twice the centre.
   float middle(int axis) const { return low[axis] + high[axis]; }
-  /// Half the surface area; products of coordinates up to 1e15 stay within single precision.
+  /// Half the surface area; products of coordinates stay within single precision.
   float area() const {
     const float x = high[0] - low[0], y = high[1] - low[1], z = high[2] - low[2];
     return x * y + y * z + z * x;

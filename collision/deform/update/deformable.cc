@@ -134,7 +134,7 @@ void Deformable::Impl::findBadVertex(const DeformableSnapshotImpl& s) {
   for (int i = 0; i < state.mesh->vertexCount(); ++i) {
     const Vector3d& v = s.vertices[static_cast<std::size_t>(i)];
     // Written so that a NaN fails.
-    if (v.cwiseAbs().maxCoeff() <= kLargestDeformed && v.sum() == v.sum()) continue;
+    if (v.cwiseAbs().maxCoeff() <= kLargestSize && v.sum() == v.sum()) continue;
     bad_vertex = i;
     return;
   }
@@ -155,14 +155,14 @@ double Deformable::Impl::movedByMotion() const {
 // Whether vertices that have moved by at most so much are finite and within the limit.
 bool Deformable::Impl::staysWithinLimits(double moved) const {
   const DeformableSnapshotImpl& last = state.current->impl();
-  return last.low.minCoeff() - moved >= -kLargestDeformed &&
-         last.high.maxCoeff() + moved <= kLargestDeformed;
+  return last.low.minCoeff() - moved >= -kLargestSize &&
+         last.high.maxCoeff() + moved <= kLargestSize;
 }
 
 // Finds the box of all vertices; false when one is not finite or beyond the limit.
 bool Deformable::Impl::boundVertices(DeformableSnapshotImpl& s) const {
-  return deformKernels().bound(s.vertices.data(), state.mesh->rest().size(), kLargestDeformed,
-                               s.low, s.high);
+  return deformKernels().bound(s.vertices.data(), state.mesh->rest().size(), kLargestSize, s.low,
+                               s.high);
 }
 
 // Brings the hierarchy in line with the vertices, and checks these unless they are known to be
@@ -177,7 +177,7 @@ bool Deformable::Impl::followVertices(DeformableSnapshotImpl& s, StrategyChoice&
   if (bounded && !boundVertices(s)) return false;
   if (!follow(state, choice, s, {bounded, by_motion, moved})) return false;
   // Boxes are rounded outwards: only one beyond the limit calls for a closer look.
-  return checked || bounded || isWithin(s, kLargestDeformed) || boundVertices(s);
+  return checked || bounded || isWithin(s, kLargestSize) || boundVertices(s);
 }
 
 UpdateStatus Deformable::Impl::take(double time, double speed_bound, bool checked, double moved) {

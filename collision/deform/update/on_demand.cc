@@ -10,7 +10,7 @@ bool followOnDemand(UpdateState& state, DeformableSnapshotImpl& next, Demand dem
   next.demand = demand;
   state.statistics.vertices_touched = state.mesh->vertexCount();
   return bounded || deformKernels().bound(next.vertices.data(), state.mesh->rest().size(),
-                                          kLargestDeformed, next.low, next.high);
+                                          kLargestSize, next.low, next.high);
 }
 
 }  // namespace leeway::collision

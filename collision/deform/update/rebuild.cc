@@ -8,7 +8,7 @@ bool followByRebuild(UpdateState& state, DeformableSnapshotImpl& next, DeformMet
                      bool bounded) {
   // The builder needs finite numbers.
   if (!bounded && !deformKernels().bound(next.vertices.data(), state.mesh->rest().size(),
-                                         kLargestDeformed, next.low, next.high))
+                                         kLargestSize, next.low, next.high))
     return false;
   state.tree = buildDeformTree(state.vertices(next), state.mesh->triangles(), method, state.split);
   state.statistics.triangles_rebuilt = state.mesh->triangleCount();

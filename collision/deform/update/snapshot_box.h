@@ -32,7 +32,7 @@ inline bool isWithin(const DeformableSnapshotImpl& snapshot, double limit) {
 
 /// Whether all vertices may be within the limit: boxes are rounded outwards, hence a little more.
 inline bool isWithinLimits(const DeformableSnapshotImpl& snapshot) {
-  return isWithin(snapshot, 1.01 * kLargestDeformed);
+  return isWithin(snapshot, 1.01 * kLargestSize);
 }
 
 /// Half the surface area of a box with these sides.

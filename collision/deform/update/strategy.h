@@ -102,7 +102,7 @@ StrategyChoice chooseStrategy(const UpdateState& state, bool by_motion);
 
 /// Brings the next snapshot's tree, bounds, low and high in line with its vertices. `choice` tells
 /// what was done in the end: kAuto may rebuild on top. False when a vertex is not finite, or one is
-/// clearly beyond kLargestDeformed.
+/// clearly beyond kLargestSize.
 bool follow(UpdateState& state, StrategyChoice& choice, DeformableSnapshotImpl& next,
             const KnownVertices& known);
 

@@ -20,11 +20,7 @@ template <class Side>
 double slackOf(const RelativePose& relative, const Side& a, const Side& b) {
   const double extent_a = std::isfinite(a.extent) ? a.extent : 0,
                extent_b = std::isfinite(b.extent) ? b.extent : 0;
-  const Vector& t = relative.X_BA.translation;
-  // (Squares of tiny numbers underflow.)
-  double translation = t.norm();
-  if (!(translation > kSmallestScale)) translation = std::hypot(t.x(), t.y(), t.z());
-  return relative.slack * (extent_a + extent_b + translation);
+  return relative.slack * (extent_a + extent_b + relative.X_BA.translation.norm() + kLeastSum);
 }
 
 /// The placement of A for a query at rest.

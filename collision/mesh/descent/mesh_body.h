@@ -144,10 +144,9 @@ inline OrientedBox placedBox(const OrientedBox& box, const Pose& X) {
   return result;
 }
 
-/// Whether a body's box is finite and within the range of single precision.
+/// Whether a body has a box: no half-space, and no point.
 inline bool isBounded(const DescentSide& side) {
-  return side.tree != nullptr || (side.extent <= kLargestBoxScale && side.low.allFinite() &&
-                                  side.high.allFinite() && side.extent >= kSmallestBoxScale);
+  return side.tree != nullptr || (side.extent > 0 && std::isfinite(side.extent));
 }
 
 /// Whether it is a mesh with convex pieces.

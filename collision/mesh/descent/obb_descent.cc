@@ -330,7 +330,7 @@ class PairDescent {
 }  // namespace
 
 bool takesPair(const DescentSide& a, const DescentSide& b, const DescentPlacement& placement) {
-  if (placement.swept || !(placement.X_BA0.translation.norm() <= kLargestBoxScale)) return false;
+  if (placement.swept) return false;
   if (a.tree != nullptr && b.tree != nullptr) {
     return a.tree->boxes().usable() && b.tree->boxes().usable();
   }

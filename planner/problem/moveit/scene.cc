@@ -73,10 +73,14 @@ Shape readPrimitive(const YamlReader& primitive) {
                            count == 3   ? "the three edges are"
                            : count == 1 ? "the radius is"
                                         : "height and radius are"));
-  if (count == 3) return Shape::box(Eigen::Vector3d(d[0], d[1], d[2]) / 2);
-  if (count == 1) return Shape::sphere(d[0]);
-  // MoveIt's cone has its apex at +z and its origin at half the height, as ours.
-  return word == "cylinder" ? Shape::cylinder(d[1], d[0] / 2) : Shape::cone(d[1], d[0] / 2);
+  try {
+    if (count == 3) return Shape::box(Eigen::Vector3d(d[0], d[1], d[2]) / 2);
+    if (count == 1) return Shape::sphere(d[0]);
+    // MoveIt's cone has its apex at +z and its origin at half the height, as ours.
+    return word == "cylinder" ? Shape::cylinder(d[1], d[0] / 2) : Shape::cone(d[1], d[0] / 2);
+  } catch (const collision::InvalidShape& error) {
+    sizes.fail(fmt::format("{}: {}", sizes.where(), error.what()));
+  }
 }
 
 Object readCollisionObject(const YamlReader& map, std::vector<std::string>& warnings) {

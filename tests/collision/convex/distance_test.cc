@@ -229,23 +229,26 @@ TEST(Distance, NumbersWhoseSquaresVanish) {
       -0.91568502665297635, 0.29992471060393799, -0.26751855444132, -0.36455159677712956,
       -0.90006244130769064, 0.23872539050586258;
   X_WB.translation = {-1.3447714173951063e-170, 7.2568424102612709e-170, -3.6541324836274395e-171};
-  const Shape a = Shape::capsule(5.3509238135679993e-170, 0), b = Shape::sphere(0);
+  const Shape a = Shape::capsule(0, 0), b = Shape::sphere(0);
   for (const Interval& tiny : {distance(a, X_WA, b, X_WB, {}, scratch).distance,
                                distance(b, X_WB, a, X_WA, {}, scratch).distance}) {
-    EXPECT_LE(tiny.lower, 2.0385077460642076e-170);
-    EXPECT_GE(tiny.upper, 2.0385077460642073e-170);
+    EXPECT_LE(tiny.lower, 7.3894315596e-170);
+    EXPECT_GE(tiny.upper, 7.3894315597e-170);
   }
 }
 
-TEST(Distance, FiniteNumbersOfAnySizeGiveNoNan) {
+bool isHalfSpace(const Shape& a, const Shape& b) {
+  return a.type() == ShapeType::kHalfSpace && b.type() == ShapeType::kHalfSpace;
+}
+
+TEST(Distance, PlacesAnywhereGiveNoNan) {
   Scratch scratch;
   Random random(11);
-  const double scales[] = {0, 1e-320, 1e-300, 1e-200, 1e-100, 1e-50,
-                           1, 1e50,   1e100,  1e200,  1e300,  1.7e308};
-  int cases = 0, decided = 0;
-  for (const double size : scales) {
-    if (size > kLargestCoordinate) continue;  // refused by the factories
-    for (const double far : scales) {
+  const double places[] = {0,    1e-320, 1e-300, 1e-200, 1e-160, 1e-100, 1e-50,  1e-9,
+                           1e-3, 1,      1e3,    1e9,    1e12,   1e160,  1.7e308};
+  int cases = 0, decided = 0, refused = 0;
+  for (const double size : {0.0, kSmallestSize, 1.0, kLargestSize}) {
+    for (const double far : places) {
       const Shape shapes[] = {Shape::sphere(size),
                               Shape::capsule(size, 0.5 * size),
                               Shape::box({size, 0.5 * size, 0}),
@@ -264,11 +267,65 @@ TEST(Distance, FiniteNumbersOfAnySizeGiveNoNan) {
               << far;
           ++cases;
           decided += r.distance.lower > 0 || r.distance.upper < 0;
+          const bool is_answered = r.status != DistanceStatus::kInvalid;
+          refused += !is_answered;
+          if (far <= kLargestSize && !isHalfSpace(a, b)) {
+            EXPECT_TRUE(is_answered) << far;
+          }
         }
       }
     }
   }
   EXPECT_GT(decided, cases / 3);
+  EXPECT_GT(refused, cases / 10);
+}
+
+// Points may be as near as they like: what their squares lose is in the width.
+TEST(Distance, OfPointsThatAreAsNearAsNumbersAllow) {
+  Scratch scratch;
+  Random random(12);
+  const std::vector<Vector3d> origin = {{0, 0, 0}};
+  const Shape points[] = {Shape::sphere(0),         Shape::capsule(0, 0),
+                          Shape::box({0, 0, 0}),    Shape::cylinder(0, 0),
+                          Shape::cone(0, 0),        Shape::ellipsoid({0, 0, 0}),
+                          Shape::convexHull(origin)};
+  for (int i = 0; i < casesToAsk(20000); ++i) {
+    const Shape &a = points[random.below(7)], &b = points[random.below(7)];
+    const Pose X_WA{random.rotation(), Vector3d::Zero()};
+    const Pose X_WB{random.rotation(), std::pow(10, random.uniform(-320, -3)) * random.direction()};
+    const Vector3d& t = X_WB.translation;
+    const double truth = std::hypot(t.x(), t.y(), t.z());
+    DistanceRequest request;
+    if (random.chance(0.5)) request.threshold = truth * random.uniform(0.5, 1.5);
+    const Interval d = distance(a, X_WA, b, X_WB, request, scratch).distance;
+    EXPECT_LE(d.lower, truth * (1 + 1e-15)) << toString(a.type()) << " " << toString(b.type());
+    EXPECT_GE(d.upper, truth * (1 - 1e-15)) << toString(a.type()) << " " << toString(b.type());
+    if (std::isnan(request.threshold)) {
+      EXPECT_LE(d.width(), 1e-39 + 1e-12 * truth);
+    }
+  }
+}
+
+// Beyond kFarthest a pair is no pair, whatever its world poses are; within it, all are answered.
+TEST(Distance, FramesTooFarApartAreRefused) {
+  Scratch scratch;
+  const std::vector<Vector3d> corners = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  const Shape shapes[] = {
+      Shape::sphere(1),      Shape::capsule(1, 1),       Shape::box({1, 1, 1}),
+      Shape::cylinder(1, 1), Shape::cone(1, 1),          Shape::ellipsoid({1, 2, 3}),
+      Shape::halfSpace(),    Shape::convexHull(corners), Shape::mesh(oracle::ellMesh(1))};
+  for (const Shape& a : shapes) {
+    for (const Shape& b : shapes) {
+      if (isHalfSpace(a, b)) continue;
+      const auto status = [&](double x) {
+        return distance(a, at(0, 0, 5), b, at(x, 0, 5), {}, scratch).status;
+      };
+      EXPECT_EQ(status(kFarthest * 1.001), DistanceStatus::kInvalid)
+          << toString(a.type()) << " " << toString(b.type());
+      EXPECT_NE(status(kFarthest * 0.999), DistanceStatus::kInvalid)
+          << toString(a.type()) << " " << toString(b.type());
+    }
+  }
 }
 
 /// Truth for random pairs without an oracle: two queries of the same pair must agree, and so must

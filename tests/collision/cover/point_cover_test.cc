@@ -44,12 +44,12 @@ TEST(PointCover, HoldsTheShape) {
       const Interval gap = distance(shape, Pose{}, Shape::halfSpace(), X_GP, {}, scratch).distance;
       const double own = n.dot(X_GP.translation) - gap.lower;
       ++directions;
-      EXPECT_LE(own, reach + cover.radius + 1e-9 * size + 1e-12 * shape.extent())
+      EXPECT_LE(own, reach + cover.radius + 1e-9 * size + 1e-12 * shape.extent() + 1e-50)
           << oracle::replay(shape);
       tight += own > reach - 0.1 * size;
       if (cover.fine.empty()) continue;
       ++fine;
-      EXPECT_LE(own, fine_reach + cover.fine_radius + 1e-9 * size + 1e-12 * shape.extent())
+      EXPECT_LE(own, fine_reach + cover.fine_radius + 1e-9 * size + 1e-12 * shape.extent() + 1e-50)
           << oracle::replay(shape);
     }
     if (!cover.own) continue;

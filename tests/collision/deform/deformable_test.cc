@@ -139,7 +139,7 @@ TEST(Deformable, BrokenInputLeavesTheLastGoodState) {
     EXPECT_EQ(before->time(), 1);
     EXPECT_EQ(before->speedBound(), 3);
     const UpdateStatistics told = deformable.statistics();
-    for (const double bad : {kNaN, kInfinity, -kInfinity, 1e16}) {
+    for (const double bad : {kNaN, kInfinity, -kInfinity, 1e10}) {
       for (const std::size_t v : {std::size_t{0}, std::size_t{217}, good.size() - 1}) {
         for (int k = 0; k < 3; ++k) {
           std::vector<Vector3d> broken = good;
@@ -236,7 +236,7 @@ TEST(Deformable, ChecksVerticesThatNoTriangleHas) {
     Deformable deformable(mesh, nullptr, testing::optionsOf(strategy));
     std::vector<Vector3d> vertices = testing::waved(sheet.vertices, 0.2, 1);
     ASSERT_EQ(deformable.update(vertices, 1), UpdateStatus::kUpdated) << toString(strategy);
-    for (const double bad : {kNaN, kInfinity, 1.0001e15}) {
+    for (const double bad : {kNaN, kInfinity, 1.0001e9}) {
       vertices.back().z() = bad;
       EXPECT_EQ(deformable.update(vertices, 2), UpdateStatus::kNotFinite) << toString(strategy);
       EXPECT_EQ(deformable.badVertex(), static_cast<int>(vertices.size()) - 1);
@@ -252,9 +252,9 @@ TEST(Deformable, TakesVerticesUpToTheLimitAndNoneBeyond) {
     Deformable deformable(mesh, nullptr, testing::optionsOf(strategy));
     for (std::size_t v = 0; v < sheet.vertices.size(); v += 17) {
       std::vector<Vector3d> vertices = sheet.vertices;
-      vertices[v].y() = -1e15;
+      vertices[v].y() = -1e9;
       EXPECT_EQ(deformable.update(vertices, 1), UpdateStatus::kUpdated) << toString(strategy);
-      vertices[v].y() = std::nextafter(-1e15, -kInfinity);
+      vertices[v].y() = std::nextafter(-1e9, -kInfinity);
       EXPECT_EQ(deformable.update(vertices, 2), UpdateStatus::kNotFinite) << toString(strategy);
       EXPECT_EQ(deformable.badVertex(), static_cast<int>(v)) << toString(strategy);
       EXPECT_EQ(deformable.snapshot()->time(), 1) << toString(strategy);
@@ -679,16 +679,16 @@ TEST(Deformable, BranchesAreReadAfterTimesThatNoDoubleHolds) {
 // Displaced and grown boxes may exceed the limit for vertices.
 TEST(Deformable, GrownBoxesBeyondTheLimitAreReadAgain) {
   motion_cases::RestMesh cloth = motion_cases::cloth(40);
-  for (Vector3d& v : cloth.vertices) v = 2 * 9.9e14 * (v - Vector3d(0.5, 0, 0.5));
+  for (Vector3d& v : cloth.vertices) v = 2 * 9.9e8 * (v - Vector3d(0.5, 0, 0.5));
   const auto mesh = DeformableMesh::make(cloth.vertices, cloth.triangles);
   DeformOptions options;
   options.strategy = DeformStrategy::kHybrid;
   options.hybrid_split = 100;
   Deformable deformable(mesh, nullptr, options);
   for (int frame = 0; frame < 12; ++frame) {
-    ASSERT_EQ(commitMoved(deformable, cloth.vertices, 2e13), UpdateStatus::kUpdated) << frame;
+    ASSERT_EQ(commitMoved(deformable, cloth.vertices, 2e7), UpdateStatus::kUpdated) << frame;
     expectHeld(*deformable.snapshot());
-    EXPECT_LT(deformable.snapshot()->high().x(), 1.01e15);
+    EXPECT_LT(deformable.snapshot()->high().x(), 1.01e9);
   }
   // Vertices beyond the limit are still refused.
   std::vector<Vector3d> beyond(cloth.vertices);

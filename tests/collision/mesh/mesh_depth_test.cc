@@ -174,7 +174,7 @@ TEST(MeshDepth, OfConcentricDeformingCubesIsTheDistanceToTheirFaces) {
 TEST(MeshDepth, OfSmallBodiesIsThatOfLargeOnes) {
   Random random(72);
   const TriangleSoup ring = torusSoup(9, 5, 0.3, 0.1, 0, random);
-  const double scales[] = {1, std::ldexp(1, -21), std::ldexp(1, -31)};
+  const double scales[] = {1, std::ldexp(1, -21), std::ldexp(1, -25)};
   Scratch scratch;
   std::vector<Shape> rigid, deforming;
   for (const double scale : scales) {

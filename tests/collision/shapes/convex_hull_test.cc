@@ -24,7 +24,6 @@ void expectExactHull(const ConvexHull& hull, const std::vector<Vector3d>& points
   SCOPED_TRACE(what);
   const auto at = [&](std::int32_t i) { return hull.vertices()[static_cast<std::size_t>(i)]; };
   ASSERT_FALSE(hull.vertices().empty());
-  EXPECT_EQ(hull.excess(), 0);
   for (const Vector3d& v : hull.vertices())
     EXPECT_TRUE(std::find(points.begin(), points.end(), v) != points.end());
   if (hull.facets().empty()) return;
@@ -177,18 +176,19 @@ TEST(ConvexHull, ManyPointsOnASphere) {
   EXPECT_GT(hull->vertices().size(), points.size() * 98 / 100);
 }
 
-TEST(ConvexHull, CoordinatesTooSmallForExactnessAreCounted) {
+TEST(ConvexHull, CoordinatesTooSmallForExactnessAreZero) {
   const std::vector<Vector3d> points = {
       {0, 0, 0}, {1, 0, 1e-200}, {0, 1, 0}, {1, 1, -1e-200}, {0.5, 0.5, 1}};
   const auto hull = ConvexHull::compute(points);
-  EXPECT_GE(hull->excess(), 1e-200);
-  EXPECT_LE(hull->excess(), 1e-60);
+  for (const Vector3d& v : hull->vertices()) {
+    EXPECT_TRUE(v.z() == 0 || v.z() == 1);
+  }
 }
 
 TEST(ConvexHull, RejectsWhatHasNoHull) {
   EXPECT_THROW(ConvexHull::compute({}), InvalidShape);
-  for (const double bad :
-       {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(), -1e61}) {
+  for (const double bad : {std::numeric_limits<double>::quiet_NaN(),
+                           std::numeric_limits<double>::infinity(), -std::nextafter(1e9, 2e9)}) {
     EXPECT_THROW(ConvexHull::compute(std::vector<Vector3d>{{0, bad, 0}}), InvalidShape);
   }
 }

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -9,6 +10,8 @@
 #include <vector>
 
 #include "leeway/collision/convex_hull.h"
+#include "leeway/collision/deformable_mesh.h"
+#include "leeway/collision/triangle_mesh.h"
 
 namespace leeway::collision {
 namespace {
@@ -41,6 +44,62 @@ TEST(Shape, RefusesSizesThatAreNoSizes) {
       EXPECT_THROW(Shape::ellipsoid(sizes), InvalidShape) << bad << " in " << i;
     }
   }
+}
+
+// Makes every kind that has sizes with this largest one, the others thin or 0.
+std::vector<std::function<void()>> shapesOf(double size) {
+  const double thin = std::min(size, 1e-200);
+  const std::vector<Eigen::Vector3d> corners = {{0, 0, 0}, {size, 0, 0}, {0, size, 0}};
+  const std::vector<TriangleMesh::Triangle> triangle = {{0, 1, 2}};
+  return {[=] { Shape::sphere(size); },
+          [=] { Shape::capsule(size, 0); },
+          [=] { Shape::capsule(thin, size); },
+          [=] {
+            Shape::box({0, size, thin});
+          },
+          [=] { Shape::cylinder(size, 0); },
+          [=] { Shape::cylinder(0, size); },
+          [=] { Shape::cone(size, thin); },
+          [=] { Shape::cone(0, size); },
+          [=] {
+            Shape::ellipsoid({thin, 0, size});
+          },
+          [=] { Shape::convexHull(corners); },
+          [=] { ConvexHull::compute(corners); },
+          [=] { TriangleMesh::make(corners, triangle); },
+          [=] { DeformableMesh::make(corners, triangle); }};
+}
+
+TEST(Shape, TakesSizesFromTheSmallestToTheLargest) {
+  for (const double size : {0.0, 1e-9, 1e9}) {
+    for (const auto& make : shapesOf(size)) EXPECT_NO_THROW(make()) << size;
+  }
+  for (const double size :
+       {5e-324, 1e-300, std::nextafter(1e-9, 0), std::nextafter(1e9, 2e9), 1e154}) {
+    for (const auto& make : shapesOf(size)) EXPECT_THROW(make(), InvalidShape) << size;
+  }
+}
+
+TEST(Shape, SaysWhatSizesAreAccepted) {
+  EXPECT_EQ(messageOf([] { Shape::sphere(1e-12); }),
+            "sphere: radius is 9.9999999999999998e-13; the largest size must be 0 or from 1e-09 to "
+            "1e+09 [m]");
+  EXPECT_EQ(messageOf([] {
+              Shape::ellipsoid({0, 2e-10, 1e-10});
+            }),
+            "ellipsoid: semi-axis in y is 2.0000000000000001e-10; the largest size must be 0 or "
+            "from 1e-09 to 1e+09 [m]");
+  EXPECT_EQ(messageOf([] { Shape::cylinder(1, 2e9); }),
+            "cylinder: half length is 2000000000, but must be a number that is not negative and at "
+            "most 1e+09 [m]");
+  const std::vector<Eigen::Vector3d> far = {{0, 0, 0}, {0, -1e18, 0}},
+                                     near = {{0, 0, 0}, {0, 0, 1e-18}};
+  EXPECT_EQ(messageOf([&] { Shape::convexHull(far); }),
+            "convex hull: point 1 has the coordinate -1e+18; finite numbers up to 1e+09 are "
+            "accepted [m]");
+  EXPECT_EQ(messageOf([&] { Shape::convexHull(near); }),
+            "convex hull: the longest side of its box is 1.0000000000000001e-18; the largest size "
+            "must be 0 or from 1e-09 to 1e+09 [m]");
 }
 
 TEST(Shape, SaysWhichSizeAndWhatWouldBeAccepted) {

@@ -262,6 +262,9 @@ TEST_F(MoveitImport, WhatWouldChangeTheProblemIsNeverSkipped) {
   expect(replaced(kScene, "dimensions: [4]", "dimensions: [-4]"), request,
          "scene.yaml:21: world.collision_objects[1].primitives[1].dimensions[0] is -4; zero or "
          "more is expected");
+  expect(replaced(kScene, "dimensions: [4]", "dimensions: [4e9]"), request,
+         "scene.yaml:21: world.collision_objects[1].primitives[1].dimensions: sphere: radius is "
+         "4000000000, but must be a number that is not negative and at most 1e+09 [m]");
   expect(replaced(kScene, ", {}]", "]"), request,
          "scene.yaml:22: object 'box' has 3 primitives and 2 primitive_poses; equally many, at "
          "least one, are expected");

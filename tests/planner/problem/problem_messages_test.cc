@@ -168,6 +168,16 @@ TEST(ProblemMessages, NumbersThatAreNone) {
       {withRobot("limits: {time: -1}\n"), 8, "limits.time is -1; zero or more is expected"},
       {withRobot("objects:\n  - name: a\n    sphere: {radius: -0.1}\n"), 10,
        "objects[0].sphere.radius is -0.1; zero or more is expected"},
+      {withRobot("objects:\n  - name: a\n    sphere: {radius: 1e10}\n"), 10,
+       "objects[0].sphere: sphere: radius is 10000000000, but must be a number that is not "
+       "negative and at most 1e+09 [m]"},
+      {withRobot("objects:\n  - name: a\n    cylinder: {radius: 0, length: 1e-9}\n"), 10,
+       "objects[0].cylinder: cylinder: half length is 5.0000000000000003e-10; the largest size "
+       "must be 0 or from 1e-09 to 1e+09 [m]"},
+      {withRobot("objects:\n  - name: a\n    convex_hull: {points: [[0, 0, 0], [0, 2e9, 0]]}\n"),
+       10,
+       "objects[0].convex_hull: convex hull: point 1 has the coordinate 2000000000; finite numbers "
+       "up to 1e+09 are accepted [m]"},
       {withRobot("objects:\n  - name: a\n    mesh: {file: m.obj, scale: [1, 0, 1]}\n"), 10,
        "objects[0].mesh.scale holds a zero; other factors are expected"},
   });

@@ -231,6 +231,18 @@ const BadUrdf kBad[] = {
            "radius=\"-0.5\"/></geometry></collision></link>"),
      4,
      {"radius of <sphere> is \"-0.5\"", "zero or more"}},
+    {"LargeRadius",
+     robot("<link name=\"b\"><collision><geometry>\n<sphere "
+           "radius=\"1e18\"/></geometry></collision></link>\n" +
+           jointLine("j", "fixed", "a", "b")),
+     4,
+     {"sphere: radius is 1e+18", "at most 1e+09 [m]"}},
+    {"SmallBox",
+     robot("<link name=\"b\"><collision><geometry>\n<box size=\"0 1e-12 "
+           "0\"/></geometry></collision></link>\n" +
+           jointLine("j", "fixed", "a", "b")),
+     4,
+     {"box: half extent in y is 4.9999999999999999e-13", "from 1e-09 to 1e+09 [m]"}},
     {"InfiniteLength",
      robot("<link name=\"b\"><collision><geometry>\n<cylinder radius=\"1\" "
            "length=\"inf\"/></geometry></collision></link>"),

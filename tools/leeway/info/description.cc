@@ -75,8 +75,6 @@ const char* reason(collision::PieceSummary::Use use) {
       return "too many for its triangles";
     case Use::kLaborious:
       return "too long to find";
-    case Use::kExtreme:
-      return "extreme size";
     case Use::kNotAsked:
       return "not asked for";
   }

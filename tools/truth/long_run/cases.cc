@@ -62,7 +62,7 @@ std::vector<Shape> degenerateShapes(ShapeType type) {
                                          Vector3d(0, 1e-6, 1e-6)};
   switch (type) {
     case ShapeType::kSphere:
-      return {Shape::sphere(0), Shape::sphere(1e-12)};
+      return {Shape::sphere(0), Shape::sphere(1e-9)};
     case ShapeType::kCapsule:
       return {Shape::capsule(0, 0.5), Shape::capsule(0.5, 0), Shape::capsule(0, 0)};
     case ShapeType::kBox:

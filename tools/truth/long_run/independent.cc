@@ -78,7 +78,7 @@ Real farthestAlong(const Shape& shape, const Pose& X_WS, const Eigen::Vector3d& 
   }
   Real most = -HUGE_VALL;
   for (const Eigen::Vector3d& v : shape.hull()->vertices()) most = std::max(most, dot(d, wide(v)));
-  return at + most + static_cast<Real>(shape.hull()->excess());
+  return at + most;
 }
 
 Real outsideBy(const Shape& shape, const Pose& X_WS, const Eigen::Vector3d& p_W) {

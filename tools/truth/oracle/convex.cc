@@ -32,7 +32,6 @@ ConvexBody::ConvexBody(const Shape& shape, const collision::Pose& X_WS, const Ve
     case ShapeType::kConvexHull:
       for (const Eigen::Vector3d& p : shape.hull()->vertices())
         points_.push_back(place(toVector(p)));
-      excess_ = wide(shape.hull()->excess());
       break;
     case ShapeType::kCylinder:
       core_ = Core::kCylinder;

@@ -22,8 +22,6 @@ class ConvexBody {
   /// The core's support point along d, of any length.
   Vector support(const Vector& d) const;
   Quad radius() const { return radius_; }
-  /// How far the true shape may extend beyond this one (hulls: ConvexHull::excess).
-  Quad excess() const { return excess_; }
   /// Bound on the core's coordinates.
   Quad extent() const;
 
@@ -35,7 +33,7 @@ class ConvexBody {
   std::vector<Vector> points_;
   Vector column_[3];
   Vector translation_;
-  Quad radius_ = 0, core_radius_ = 0, half_length_ = 0, excess_ = 0;
+  Quad radius_ = 0, core_radius_ = 0, half_length_ = 0;
   Vector axes_;
 };
 

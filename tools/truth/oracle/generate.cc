@@ -76,7 +76,9 @@ std::vector<Vector3d> randomPoints(Random& random, Flavour flavour, double size)
   if (flavour != Flavour::kDuplicates) return points;
   const std::size_t given = points.size();
   for (std::size_t i = 0; i < given; ++i) {
-    const double off = random.chance(0.5) ? 0 : random.logUniform(1e-17, 1e-7);
+    const double apart = random.chance(0.5) ? 0 : random.logUniform(1e-17, 1e-7);
+    // Two points and no others would be smaller than shapes are.
+    const double off = given > 1 ? apart : 0;
     points.push_back(points[i] + off * random.direction());
   }
   return points;

@@ -192,7 +192,7 @@ Plane plane(const Pose& X, const Vector& origin) {
 Truth halfSpaceAgainst(const Pose& X_WH, const Shape& b, const Pose& X_WB) {
   const Vector origin = toVector(X_WB.translation);
   const Plane h = plane(X_WH, origin);
-  Quad lowest = infinity(), radius = 0, excess = 0;
+  Quad lowest = infinity(), radius = 0;
   Quad scale = norm(h.point);
   if (b.type() == ShapeType::kMesh) {
     for (const Vector& v : place(*b.mesh(), X_WB, origin).vertices) {
@@ -203,11 +203,10 @@ Truth halfSpaceAgainst(const Pose& X_WH, const Shape& b, const Pose& X_WB) {
     const ConvexBody convex(b, X_WB, origin);
     lowest = dot(h.normal, convex.support(-h.normal) - h.point);
     radius = convex.radius();
-    excess = convex.excess();
     scale += convex.extent();
   }
   const Quad slack = 64 * quadRoundoff() * scale;
-  return {roundDown(lowest - radius - excess - slack), roundUp(lowest - radius + slack), true};
+  return {roundDown(lowest - radius - slack), roundUp(lowest - radius + slack), true};
 }
 
 }  // namespace

@@ -361,7 +361,7 @@ Bounds separation(const ConvexBody& a, const ConvexBody& b) {
   }
   const Quad slack = 256 * quadRoundoff() * scale;
   const Quad radii = a.radius() + b.radius();
-  return {core.lower - radii - slack - a.excess() - b.excess(), core.upper - radii + slack};
+  return {core.lower - radii - slack, core.upper - radii + slack};
 }
 
 }  // namespace leeway::oracle

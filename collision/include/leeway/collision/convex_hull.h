@@ -17,9 +17,10 @@ class ConvexHull {
  public:
   ~ConvexHull();
   /// The hull of the given points [m], by Quickhull (Barber, Dobkin, Huhdanpaa 1996) with exact
-  /// predicates: facets() are exactly convex, and every given point lies in the hull of vertices()
-  /// grown by excess(). O(n log n) as a rule. Throws InvalidShape for no points or a coordinate
-  /// that is not finite or exceeds 1e60 in magnitude.
+  /// predicates: facets() are exactly convex, and every given point lies in the hull of vertices().
+  /// Coordinates below 1e-70 in magnitude count as 0. O(n log n) as a rule. Throws InvalidShape for
+  /// no points, for a coordinate that is not finite or exceeds 1e9 in magnitude, and for points
+  /// that differ, but by less than 1e-9 in all coordinates.
   static std::shared_ptr<const ConvexHull> compute(std::span<const Eigen::Vector3d> points);
 
   std::span<const Eigen::Vector3d> vertices() const { return vertices_; }
@@ -35,22 +36,22 @@ class ConvexHull {
   }
   /// True for solids with many vertices; for few a scan is cheaper than a climb.
   bool hasNeighbours() const { return !neighbour_begin_.empty(); }
-  /// How far a given point may lie outside of the hull of vertices() [m]: 0 unless a non-zero
-  /// coordinate is below 1e-70 in magnitude.
-  double excess() const { return excess_; }
   /// For the engine's own use.
   const HullSupport& support() const { return *support_; }
 
  private:
   ConvexHull();
+  friend std::shared_ptr<const ConvexHull> hullOfPart(std::span<const Eigen::Vector3d> points);
   void makeNeighbours(const std::vector<std::array<std::int32_t, 2>>& edges, std::size_t count);
 
   std::vector<Eigen::Vector3d> vertices_;
   std::vector<std::array<std::int32_t, 3>> facets_;
   std::vector<std::int32_t> neighbour_begin_;  // vertices + 1 entries into neighbours_
   std::vector<std::int32_t> neighbours_;
-  double excess_ = 0;
   std::unique_ptr<const HullSupport> support_;
 };
+
+/// For the engine's own use: the hull of a part of a shape, which may be as small as it likes.
+std::shared_ptr<const ConvexHull> hullOfPart(std::span<const Eigen::Vector3d> points);
 
 }  // namespace leeway::collision

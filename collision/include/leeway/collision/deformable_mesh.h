@@ -68,8 +68,9 @@ class DeformableMesh {
   using Triangle = std::array<std::int32_t, 3>;
 
   /// `rest` [m]: positions for which the first hierarchy is built. Throws InvalidShape for no
-  /// triangles, an index out of range, or a coordinate that is not finite or exceeds 1e15 m in
-  /// magnitude. O(n log n).
+  /// triangles, an index out of range, a coordinate that is not finite or exceeds 1e9 m in
+  /// magnitude, or vertices that differ, but by less than 1e-9 m in all coordinates. They may come
+  /// nearer to each other later. O(n log n).
   static std::shared_ptr<const DeformableMesh> make(std::span<const Eigen::Vector3d> rest,
                                                     std::span<const Triangle> triangles);
 
@@ -103,7 +104,7 @@ class DeformableMesh {
 enum class UpdateStatus : unsigned char {
   kUpdated,
   kWrongVertexCount,  ///< another number of vertices than the mesh has
-  kNotFinite,         ///< a vertex is NaN, infinite or beyond 1e15 m; see badVertex()
+  kNotFinite,         ///< a vertex is NaN, infinite or beyond 1e9 m; see badVertex()
   kBadTime,   ///< the time is NaN or infinite, or `speed_bound` or `moved` is NaN or negative
   kNoMotion,  ///< update(time) or evaluate(time) without a motion
 };
@@ -197,7 +198,7 @@ class Deformable {
   enum class Vertices : unsigned char {
     kUnchecked,  ///< nothing: all are checked, by the update itself where it reads all of them
                  ///< (kRefit; kHybrid without `moved`), else in a pass of its own
-    kFinite,     ///< coordinates are finite and up to 1e15 m. Where that is wrong the update is
+    kFinite,     ///< coordinates are finite and up to 1e9 m. Where that is wrong the update is
                  ///< refused, or queries near those vertices return a lower bound of -infinity:
                  ///< nothing is called free that is not
   };

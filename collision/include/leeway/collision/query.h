@@ -33,7 +33,8 @@ enum class DistanceStatus : unsigned char {
   kNotAboveThreshold,  ///< upper <= threshold
   kOverlap,            ///< upper <= 0 and no depth was asked
   kLimit,    ///< stopped by a limit or by rounding: the interval holds, but is wider than asked
-  kInvalid,  ///< a pose is not finite or no rotation, or both are half-spaces: (-inf, inf)
+  kInvalid,  ///< a pose is not finite or no rotation, the frames are more than 1e10 m apart (sum of
+             ///< the coordinates' differences), or both are half-spaces: (-inf, inf)
 };
 
 /// The signed separation of A and B: their distance when apart, minus the length of the shortest

@@ -30,16 +30,16 @@ enum class ShapeType : unsigned char {
 const char* toString(ShapeType type);
 
 /// Thrown by the factories of Shape, ConvexHull and TriangleMesh, never by a query: a size is
-/// negative, not finite or too large, or a hull or mesh has no points. The message names the size,
-/// its value and the values that are accepted.
+/// negative or not finite, the largest one beyond 1e-9 or 1e9 m, or a hull or mesh has no points.
+/// The message names the size, its value and the values that are accepted.
 class InvalidShape : public std::invalid_argument {
  public:
   using std::invalid_argument::invalid_argument;
 };
 
 /// A body in its own frame G: immutable, cheap to copy (vertices are shared). Sizes may be 0: a
-/// sphere of radius 0 is a point, a box with one half extent of 0 a rectangle. The factories throw
-/// InvalidShape.
+/// sphere of radius 0 is a point, a box with one half extent of 0 a rectangle. The largest one is 0
+/// or from 1e-9 to 1e9 m, as the factories take it; else they throw InvalidShape.
 class Shape {
  public:
   /// Centre at the origin. radius >= 0 [m].

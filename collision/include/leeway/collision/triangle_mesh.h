@@ -24,7 +24,6 @@ struct PieceSummary {
     kSmall,      ///< so few triangles that pieces would not be faster
     kConcave,    ///< too many pieces for the number of triangles: they would not be faster
     kLaborious,  ///< finding them takes more work than allowed
-    kExtreme,    ///< of a size beyond hierarchies in single precision
     kNotAsked    ///< TriangleMesh::make() was told not to decompose
   };
   Use use = Use::kSmall;
@@ -41,8 +40,9 @@ class TriangleMesh {
  public:
   using Triangle = std::array<std::int32_t, 3>;
 
-  /// `vertices` [m]. Throws InvalidShape for no triangles, an index out of range, or a coordinate
-  /// that is not finite or exceeds 1e60 in magnitude. Triangles without area are kept: they are
+  /// `vertices` [m]. Throws InvalidShape for no triangles, an index out of range, a coordinate that
+  /// is not finite or exceeds 1e9 in magnitude, or vertices that differ, but by less than 1e-9 in
+  /// all coordinates. Triangles without area are kept: they are
   /// segments or points that can be touched. O(n log n), and up to about 0.1 s for hullExcess().
   /// `decompose` also finds convex pieces, see pieces(), which about doubles the time and makes
   /// many queries faster; the guarantees do not depend on it.

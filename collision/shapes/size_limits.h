@@ -1,0 +1,19 @@
+#pragma once
+
+// Private to collision/: which sizes shapes may have.
+
+#include <Eigen/Core>
+#include <span>
+
+namespace leeway::collision {
+
+/// Throws InvalidShape where the largest of a shape's sizes [m], 0 or more, is beyond kSmallestSize
+/// and kLargestSize. 0 is accepted: a point. `what` begins the message: "sphere: radius".
+void requireExtent(double largest, const char* what);
+
+/// Throws InvalidShape where a coordinate [m] is not finite or exceeds kLargestSize in magnitude,
+/// and where the longest side of the box around all points is neither 0 nor at least kSmallestSize.
+/// `shape` and `point` name them: "mesh", "vertex". O(n).
+void requireSizes(std::span<const Eigen::Vector3d> points, const char* shape, const char* point);
+
+}  // namespace leeway::collision
