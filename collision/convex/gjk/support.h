@@ -1,7 +1,8 @@
 #pragma once
 
 // Support mappings: the point of a convex core, or of the difference of two placed cores, that lies
-// farthest along a direction. All inline, with one switch a call and no dynamic dispatch.
+// farthest along a direction. All inline, with one switch a call and no dynamic dispatch. The
+// switches have no default: the compiler names what a new core has to decide.
 
 #include <cmath>
 
@@ -34,7 +35,19 @@ struct Curvature {
 Curvature curvatureAt(const ConvexView& view, const Vector& direction);
 
 inline bool isRound(Core core) {
-  return core == Core::kCylinder || core == Core::kCone || core == Core::kEllipsoid;
+  switch (core) {
+    case Core::kCylinder:
+    case Core::kCone:
+    case Core::kEllipsoid:
+      return true;
+    case Core::kPoint:
+    case Core::kSegment:
+    case Core::kPoints:
+    case Core::kBox:
+    case Core::kHalfSpace:
+      break;
+  }
+  return false;
 }
 
 inline bool climbs(const ConvexView& view) {
@@ -82,9 +95,13 @@ inline Vector farthest(const ConvexView& view, const Vector& direction, int& hin
       return {std::copysign(view.size.x(), direction.x()),
               std::copysign(view.size.y(), direction.y()),
               std::copysign(view.size.z(), direction.z())};
-    default:
-      return farthestOfRound(view, direction, hint);
+    case Core::kCylinder:
+    case Core::kCone:
+    case Core::kEllipsoid:
+    case Core::kHalfSpace:  // has none: queries treat it by itself
+      break;
   }
+  return farthestOfRound(view, direction, hint);
 }
 
 /// A point of the difference {b - a} of two placed cores, and the two points that make it.
@@ -97,8 +114,19 @@ struct SupportPoint {
 
 /// True for cores with finitely many extreme points, which vertex() enumerates.
 inline bool hasVertices(Core core) {
-  return core == Core::kPoint || core == Core::kSegment || core == Core::kPoints ||
-         core == Core::kBox;
+  switch (core) {
+    case Core::kPoint:
+    case Core::kSegment:
+    case Core::kPoints:
+    case Core::kBox:
+      return true;
+    case Core::kCylinder:
+    case Core::kCone:
+    case Core::kEllipsoid:
+    case Core::kHalfSpace:
+      break;
+  }
+  return false;
 }
 
 /// How many vertices a core has; 0 without hasVertices().
@@ -112,9 +140,13 @@ inline int vertexCount(const ConvexView& view) {
       return view.count;
     case Core::kBox:
       return 8;
-    default:
-      return 0;
+    case Core::kCylinder:
+    case Core::kCone:
+    case Core::kEllipsoid:
+    case Core::kHalfSpace:
+      break;
   }
+  return 0;
 }
 
 /// The vertex for which farthest() sets its hint to `index`; false when there is none. Any core,
@@ -136,9 +168,13 @@ inline bool vertex(const ConvexView& view, int index, Vector& p) {
                  (index & 2) != 0 ? view.size.y() : -view.size.y(),
                  (index & 4) != 0 ? view.size.z() : -view.size.z());
       return index >= 0 && index < 8;
-    default:
-      return false;
+    case Core::kCylinder:
+    case Core::kCone:
+    case Core::kEllipsoid:
+    case Core::kHalfSpace:
+      break;
   }
+  return false;
 }
 
 /// The set {b - a : a in A, b in B} of two cores in B's frame; when kSwept, A is the hull of two

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <limits>
 
 #include "collision/base/pose_check.h"
 
@@ -167,10 +168,27 @@ double breakpointsNearestToBox(const Triple& c, const Triple& h, const Triple& h
 
 }  // namespace
 
-bool hasPointDistance(Core core) { return core != Core::kPoints && core != Core::kEllipsoid; }
+// No default: the compiler names what a new core has to decide.
+bool hasPointDistance(Core core) {
+  switch (core) {
+    case Core::kPoint:
+    case Core::kSegment:
+    case Core::kBox:
+    case Core::kCylinder:
+    case Core::kCone:
+    case Core::kHalfSpace:
+      return true;
+    case Core::kPoints:
+    case Core::kEllipsoid:
+      break;
+  }
+  return false;
+}
 
 PointDistance pointDistance(const ConvexView& view, const Vector& p) {
   switch (view.core) {
+    case Core::kPoint:
+      return fromPoint(p, Vector::Zero());
     case Core::kSegment:
       return fromSegment(view.size.z(), p);
     case Core::kBox:
@@ -181,9 +199,11 @@ PointDistance pointDistance(const ConvexView& view, const Vector& p) {
       return fromCone(view.size.x(), view.size.z(), p);
     case Core::kHalfSpace:
       return {p.z(), Vector(p.x(), p.y(), 0), Vector::UnitZ()};
-    default:
-      return fromPoint(p, Vector::Zero());
+    case Core::kPoints:
+    case Core::kEllipsoid:
+      break;
   }
+  return {std::numeric_limits<double>::quiet_NaN(), Vector::Zero(), Vector::Zero()};
 }
 
 double nearestToBox(const Triple& c, const Triple& h, const Triple& half) {

@@ -13,7 +13,8 @@ struct PointDistance {
   Vector normal;        ///< unit, from the core towards the point; outwards when inside
 };
 
-/// True for the cores whose point distance has a closed form: all but kPoints and kEllipsoid.
+/// True for the cores whose point distance has a closed form: all but kPoints and kEllipsoid, of
+/// which pointDistance() gives NaN, which no bound accepts.
 bool hasPointDistance(Core core);
 
 /// Signed distance of p (in the core's frame) from the core, within kClosedFormRounding units of

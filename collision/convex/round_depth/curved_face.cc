@@ -46,7 +46,8 @@ CurvedFaces::CurvedFaces(const Difference<false>& difference, double evenly)
       case Core::kPoints:
         hull_ = k;
         break;
-      default:
+      case Core::kPoint:
+      case Core::kHalfSpace:  // is not searched
         break;
     }
     parameters_ += part.count;
