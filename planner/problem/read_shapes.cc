@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <filesystem>
+#include <stdexcept>
 
 #include "collision/base/sine_cosine.h"
 #include "collision/base/tolerances.h"
@@ -63,8 +64,8 @@ Shape readConvexHull(const YamlReader& hull) {
 }
 
 Shape readShape(std::string_view word, const YamlReader& sizes) {
-  if (word == "half_space" && sizes.isNull()) return Shape::halfSpace();
-  sizes.expectKeys(keysOf(word));
+  if (word != "half_space" || !sizes.isNull()) sizes.expectKeys(keysOf(word));
+  if (word == "half_space") return Shape::halfSpace();
   const auto radius = [&] { return sizes.at("radius", "a number [m]").sizeNumber(); };
   if (word == "box")
     return Shape::box(sizes.at("size", "the three edges [x, y, z] in m").sizeVector3() / 2);
@@ -79,7 +80,7 @@ Shape readShape(std::string_view word, const YamlReader& sizes) {
     return Shape::ellipsoid(sizes.at("semi_axes", "three numbers [m]").sizeVector3());
   if (word == "mesh") return readMesh(sizes);
   if (word == "convex_hull") return readConvexHull(sizes);
-  return Shape::halfSpace();
+  throw std::logic_error("no reader for the shape: " + std::string(word));
 }
 
 /// The key of the map that is a shape; empty without one. Fails for two.

@@ -5,6 +5,7 @@
 #include <set>
 #include <string>
 
+#include "leeway/collision/deformable_mesh.h"
 #include "planner/problem/format_keys.h"
 #include "tests/support/build_paths.h"
 
@@ -42,6 +43,19 @@ TEST(ProblemSchema, HasNoKindThatTheLoaderLacks) {
   const json all = schema();
   for (const auto& entry : all.at("$defs").items())
     EXPECT_EQ(known.count(entry.key()), 1U) << entry.key();
+}
+
+/// Editors offer the strategies that there are.
+TEST(ProblemSchema, ListsEveryStrategy) {
+  const json all = schema();
+  const json& words = definition(all, "deforming").at("properties").at("strategy").at("enum");
+  const std::set<std::string> in_schema = words;
+  std::set<std::string> known;
+  for (int i = 0; i < 256; ++i) {
+    const std::string word = collision::toString(static_cast<collision::DeformStrategy>(i));
+    if (collision::deformStrategy(word)) known.insert(word);
+  }
+  EXPECT_EQ(in_schema, known);
 }
 
 /// Every reference in the schema resolves.

@@ -7,7 +7,9 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <set>
+#include <string_view>
 
 #include "leeway/collision/convex_hull.h"
 #include "leeway/planner/compiled_scene.h"
@@ -15,6 +17,7 @@
 #include "leeway/robots/input_error.h"
 #include "leeway/robots/kinematics.h"
 #include "planner/base/nearest_name.h"
+#include "planner/problem/format_keys.h"
 #include "tests/support/build_paths.h"
 #include "tests/support/folder.h"
 
@@ -102,6 +105,28 @@ TEST(Problem, BodiesStandWhereTheirPosesSay) {
   EXPECT_EQ(planar.start, (std::vector<double>{0.1, 0.2, 7}));
   EXPECT_EQ(planar.goals[0].ranges,
             (std::vector<std::pair<double, double>>{{-1, 1}, {0, 0.5}, {-kPi, kPi}}));
+}
+
+TEST(Problem, EveryWordForAShapeHasAReader) {
+  const std::map<std::string_view, std::pair<ShapeType, std::string>> shapes = {
+      {"box", {ShapeType::kBox, "{size: [1, 1, 1]}"}},
+      {"sphere", {ShapeType::kSphere, "{radius: 1}"}},
+      {"cylinder", {ShapeType::kCylinder, "{radius: 1, length: 1}"}},
+      {"capsule", {ShapeType::kCapsule, "{radius: 1, length: 1}"}},
+      {"cone", {ShapeType::kCone, "{radius: 1, height: 1}"}},
+      {"ellipsoid", {ShapeType::kEllipsoid, "{semi_axes: [1, 1, 1]}"}},
+      {"half_space", {ShapeType::kHalfSpace, "{}"}},
+      {"mesh", {ShapeType::kMesh, "{file: " + kSource + "/problems/mesh/meshes/tote.obj}"}},
+      {"convex_hull",
+       {ShapeType::kConvexHull, "{points: [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]}"}},
+  };
+  for (const std::string_view word : shapeWords()) {
+    ASSERT_TRUE(shapes.contains(word)) << word;
+    const auto& [type, sizes] = shapes.at(word);
+    const Problem problem = load(robot("arm6", "arm") + kArm6Ends + "objects: [{name: it, " +
+                                 std::string(word) + ": " + sizes + "}]\n");
+    EXPECT_EQ(problem.world.objects[0].geometries[0].shape.type(), type) << word;
+  }
 }
 
 TEST(Problem, ShapesHaveTheSizesTheyName) {
