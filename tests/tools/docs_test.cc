@@ -15,6 +15,8 @@ class Docs : public CommandTest {
   Answer checkWith(const std::string& line) const {
     fs::remove_all(path("tree"));
     write("tree/tools/CMakeLists.txt", "add_executable(bench_pairs pairs.cc)\n");
+    write("tree/planner/problem.h",
+          "struct Problem {\n  World world;\n};\nstruct World { int objects; };\n");
     write("tree/docs/page.md", "# A page: `words` & more\n");
     write("tree/README.md", "# Title\n\n[page](docs/page.md#a-page-words--more)\n\n" + line + "\n");
     return check();
@@ -30,6 +32,7 @@ TEST_F(Docs, GoodPagesPass) {
   for (const char* line :
        {"", "`tools/CMakeLists.txt`", "`tools/*.txt`", "[here](#title)", "`tools/<name>.cc`",
         "[web](https://nowhere.example/x.md)", "`build/tools/bench_pairs --rounds 5`",
+        "`Problem::world.objects`", "`fcl::Nothing::member`",
         "```text\ntools/nothing [x](nowhere.md)\n```", "`[x](nowhere.md)`"}) {
     const Answer answer = checkWith(line);
     EXPECT_EQ(answer.status, 0) << line << answer.out << answer.err;
@@ -44,6 +47,8 @@ TEST_F(Docs, EveryRuleBites) {
   expectBites("see `tools/nothing.cc`");
   expectBites("see `leeway/collision/nothing.h`");
   expectBites("see `build/tools/bench_nothing`");
+  expectBites("see `Problem::planner_parameters`");
+  expectBites("see `planner::Problem::world.nothing`");
   expectBites("```sh\ntools/nothing\n```");
   expectBites(std::string(146, '\n'));
   ASSERT_EQ(checkWith("").status, 0);
