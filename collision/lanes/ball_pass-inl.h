@@ -167,25 +167,35 @@ class BallPass {
   }
 
   HWY_INLINE void cull() {
+    const auto levels = s_.boxes.levels();
+    for (std::size_t p = 0; p < s_.wholes && !levels.empty(); ++p)
+      if (s_.pieces[p].row >= 0) cullBoxes(p, levels.size() - 1, 0, levels.back().size());
+    for (const std::int32_t pair : s_.piece_pairs) considerPieces(pair);
+  }
+
+  /// Boxes [begin, end) of a level against that around a piece's sweep.
+  void cullBoxes(std::size_t p, std::size_t level, std::size_t begin, std::size_t end) {
     const D d;
-    const std::size_t padded = s_.paddedObstacles();
-    for (std::size_t p = 0; p < s_.wholes; ++p) {
-      if (!s_.pieces[p].has_obstacles) continue;
-      const float* low = &scratch_.low[3 * p];
-      const float* high = &scratch_.high[3 * p];
-      for (std::size_t i = 0; i < padded; i += hn::Lanes(d)) {
-        M apart = hn::Lt(hn::Set(d, high[0]), hn::LoadU(d, s_.low[0].data() + i));
-        for (int k = 0; k < 3; ++k) {
-          if (k > 0)
-            apart = hn::Or(apart, hn::Lt(hn::Set(d, high[k]), hn::LoadU(d, s_.low[k].data() + i)));
-          apart = hn::Or(apart, hn::Gt(hn::Set(d, low[k]), hn::LoadU(d, s_.high[k].data() + i)));
-        }
-        std::uint32_t near = bitsOf(d, hn::Not(apart));
-        for (std::size_t j = i; near != 0; near >>= 1U, ++j)
-          if ((near & 1U) != 0) considerObstacle(p, s_.pair_of[p * padded + j]);
+    const ObstacleBoxes::Level& boxes = s_.boxes.levels()[level];
+    const float* low = &scratch_.low[3 * p];
+    const float* high = &scratch_.high[3 * p];
+    end = std::min(end, boxes.size());  // NaN meets nodes that are padding, too
+    for (std::size_t i = begin; i < end; i += hn::Lanes(d)) {
+      M apart = hn::Lt(hn::Set(d, high[0]), hn::LoadU(d, boxes.low[0].data() + i));
+      for (int k = 0; k < 3; ++k) {
+        if (k > 0)
+          apart = hn::Or(apart, hn::Lt(hn::Set(d, high[k]), hn::LoadU(d, boxes.low[k].data() + i)));
+        apart = hn::Or(apart, hn::Gt(hn::Set(d, low[k]), hn::LoadU(d, boxes.high[k].data() + i)));
+      }
+      std::uint32_t near = bitsOf(d, hn::Not(apart));
+      for (std::size_t j = i; near != 0; near >>= 1U, ++j) {
+        if ((near & 1U) == 0) continue;
+        if (level > 0)
+          cullBoxes(p, level - 1, ObstacleBoxes::kWidth * j, ObstacleBoxes::kWidth * (j + 1));
+        else
+          considerObstacle(p, s_.pairOf(s_.pieces[p], j));
       }
     }
-    for (const std::int32_t pair : s_.piece_pairs) considerPieces(pair);
   }
 
   HWY_INLINE void considerObstacle(std::size_t p, std::int32_t number) {

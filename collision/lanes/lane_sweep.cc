@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <limits>
 #include <memory>
 #include <utility>
 
@@ -240,26 +241,51 @@ void LaneSweep::Impl::finish() {
     piece.view = view(piece.points);
     piece.fine_view = view(piece.fine);
   }
-  const std::size_t padded = paddedObstacles();
-  pair_of.assign(wholes * padded, -1);
+  findObstacles();
+}
+
+// Boxes are rounded outwards; comparing them rounds by less than the pair's own rounding, which
+// free_above has.
+void LaneSweep::Impl::findObstacles() {
+  std::int32_t rows = 0;
   std::vector<double> grown(whole_obstacles, 0.0);
+  for (const Pair& pair : pairs) {
+    if (pair.pieces || at(pair.a) >= wholes || at(pair.b) >= whole_obstacles) continue;
+    if (pieces[at(pair.a)].row < 0) pieces[at(pair.a)].row = rows++;
+    // A threshold of NaN is never kept: such an obstacle is near everything.
+    double& g = grown[at(pair.b)];
+    g = std::isnan(pair.free_above) ? std::numeric_limits<double>::infinity()
+                                    : std::max(g, static_cast<double>(pair.free_above));
+  }
+  std::vector<ObstacleBoxes::Box> grown_boxes(whole_obstacles);
+  for (std::size_t i = 0; i < whole_obstacles; ++i)
+    for (int k = 0; k < 3; ++k) {
+      grown_boxes[i].low[k] = floatBelow(obstacles[i].low[k] - grown[i]);
+      grown_boxes[i].high[k] = floatAbove(obstacles[i].high[k] + grown[i]);
+    }
+  boxes = ObstacleBoxes(grown_boxes);
+  std::vector<std::size_t> slot_of(whole_obstacles);
+  for (std::size_t slot = 0; slot < boxes.slots(); ++slot)
+    if (boxes.obstacle(slot) >= 0) slot_of[at(boxes.obstacle(slot))] = slot;
+  pair_of.assign(at(rows) * boxes.slots(), -1);
   for (std::size_t p = 0; p < pairs.size(); ++p) {
     const Pair& pair = pairs[p];
     if (pair.pieces || at(pair.a) >= wholes || at(pair.b) >= whole_obstacles) continue;
-    pieces[at(pair.a)].has_obstacles = true;
-    pair_of[at(pair.a) * padded + at(pair.b)] = static_cast<std::int32_t>(p);
-    double& g = grown[at(pair.b)];
-    g = std::max(g, static_cast<double>(pair.free_above));
+    pair_of[at(pieces[at(pair.a)].row) * boxes.slots() + slot_of[at(pair.b)]] =
+        static_cast<std::int32_t>(p);
   }
-  for (int k = 0; k < 3; ++k) {
-    low[k].assign(padded, kFar);
-    high[k].assign(padded, -kFar);
-    for (std::size_t i = 0; i < whole_obstacles; ++i) {
-      // Rounded outwards; the comparison rounds by less than the pair's rounding in `grown`.
-      low[k][i] = floatBelow(obstacles[i].low[k] - grown[i]);
-      high[k][i] = floatAbove(obstacles[i].high[k] + grown[i]);
-    }
-  }
+}
+
+void LaneSweep::nearPairs(int piece, const Eigen::Vector3d& low, const Eigen::Vector3d& high,
+                          std::vector<int>& ids) const {
+  const Impl::LanePiece& of = impl_->pieces[at(piece)];
+  if (of.row < 0) return;
+  ObstacleBoxes::Box box;
+  for (int k = 0; k < 3; ++k) box.low[k] = floatBelow(low[k]), box.high[k] = floatAbove(high[k]);
+  impl_->boxes.forEachNear(box, [&](std::size_t slot) {
+    const std::int32_t pair = impl_->pairOf(of, slot);
+    if (pair >= 0) ids.push_back(impl_->pairs[at(pair)].id);
+  });
 }
 
 std::size_t LaneSweep::bytes() const {
@@ -268,7 +294,7 @@ std::size_t LaneSweep::bytes() const {
          impl_->points.size() *
              (sizeof(Eigen::Vector3d) + 3 * sizeof(float) + sizeof(std::int32_t)) +
          impl_->clusters.size() * sizeof(Impl::Cluster) +
-         impl_->obstacles.size() * (sizeof(Impl::Obstacle) + 6 * sizeof(float)) +
+         impl_->obstacles.size() * sizeof(Impl::Obstacle) + impl_->boxes.bytes() +
          impl_->pairs.size() * sizeof(Impl::Pair) + impl_->pair_of.size() * sizeof(std::int32_t);
 }
 

@@ -56,6 +56,11 @@ class LaneSweep {
   /// After all additions, before any Scratch.
   void finish();
   std::size_t bytes() const;
+  /// Appends the ids of the pairs of a piece with obstacles that may not keep their thresholds,
+  /// where all of the piece is between `low` and `high` in the world [m]. Allocates only where
+  /// `ids` has no room.
+  void nearPairs(int piece, const Eigen::Vector3d& low, const Eigen::Vector3d& high,
+                 std::vector<int>& ids) const;
 
   /// A pair and the lanes in which it is not certified.
   struct Open {

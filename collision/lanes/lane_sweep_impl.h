@@ -9,6 +9,7 @@
 #include "collision/base/work.h"
 #include "collision/convex/gjk/convex_view.h"
 #include "collision/lanes/lane_sweep.h"
+#include "collision/lanes/obstacle_boxes.h"
 #include "leeway/collision/pose.h"
 #include "leeway/collision/query.h"
 #include "leeway/collision/shape.h"
@@ -48,7 +49,7 @@ struct LaneSweep::Impl {
     LaneBall outer;
     int cover, inner, end;  // balls [cover, inner) and [inner, end)
     double reach;
-    bool has_obstacles = false;
+    std::int32_t row = -1;  // of pair_of; -1: it meets no obstacle
     float inner_reach = 0;  // inner balls are within this of outer's centre [m]
     // Points whose hull, grown by a radius, holds the piece: `points` a few, `fine` more, with a
     // smaller radius. Both may be the same.
@@ -105,15 +106,17 @@ struct LaneSweep::Impl {
   std::vector<Obstacle> obstacle_parts;
   std::vector<Pair> pairs;                // of wholes, then of parts
   std::vector<std::int32_t> piece_pairs;  // indices into pairs
-  // Boxes of obstacles in the world, grown by the largest threshold of any of their pairs; padded
-  // to a multiple of kLanes with boxes that nothing meets.
-  std::vector<float> low[3], high[3];
-  std::vector<std::int32_t> pair_of;  // piece by piece, paddedObstacles() each; -1: no pair
-  std::size_t paddedObstacles() const { return (whole_obstacles + kLanes - 1) / kLanes * kLanes; }
+  ObstacleBoxes boxes;  // grown by the largest threshold of any pair of the obstacle
+  // The pair of a piece with the obstacle in a slot of `boxes`; -1: none.
+  std::vector<std::int32_t> pair_of;
+  std::int32_t pairOf(const LanePiece& piece, std::size_t slot) const {
+    return pair_of[static_cast<std::size_t>(piece.row) * boxes.slots() + slot];
+  }
   static Obstacle obstacleOf(const Shape& shape, const Pose& X_WG);
   static Obstacle partOf(const CoverPart& part, const Pose& X_WG);
   void finish();
   void addParts();
+  void findObstacles();
   /// Adds all points of a cover to the points of `piece`.
   void addPoints(const PointCover& cover, LanePiece& piece);
   void addCluster(int begin, int end);

@@ -3,6 +3,7 @@
 // Every tolerance of planner/: unit, reason, and what goes wrong when it is changed. What stands
 // here and what beside its algorithm is decided as in collision/base/tolerances.h.
 
+#include <cstddef>
 #include <cstdint>
 
 namespace leeway::planner {
@@ -190,6 +191,12 @@ constexpr std::int64_t kClearanceWork = 100'000'000;
 /// looked at after each [count]. Measured.
 constexpr int kClearancePasses = 3;
 constexpr int kClearanceLooks = 2;
+
+/// With more pairs [count] those within a reach are looked at first: this [m], and so many times as
+/// much as long as nothing is found within it.
+constexpr std::size_t kManyPairs = 512;
+constexpr double kFirstReach = 0.1;
+constexpr double kReachGrowth = 4;
 
 // Goals
 

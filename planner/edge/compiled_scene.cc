@@ -44,7 +44,7 @@ CompiledScene::CompiledScene(const Problem& problem)
   std::vector<const robots::LinkGap*> gaps;
   for (const collision::ScenePair& pair : scene_.pairs())
     gaps.push_back(pairs.linkGap(pair.body_a, pair.body_b));
-  edge_model_ = makeEdgeModel(*this, problem, ranges, gaps, pairs.hasProven());
+  edge_model_ = makeEdgeModel(*this, ranges, gaps, pairs.hasProven());
 }
 
 std::shared_ptr<const CompiledScene> CompiledScene::withShapes(

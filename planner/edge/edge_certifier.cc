@@ -30,6 +30,8 @@ EdgeCertifier::Impl::Impl(std::shared_ptr<const CompiledScene> compiled)
     list->reserve(kEdgeIntervals);
   spans.reserve(kEdgeSpans);
   edge_parts.reserve(kEdgeParts);
+  near_pairs.reserve(pairs);
+  asked_pairs.reserve(pairs);
   pass_pairs.reserve(pairs);
   never_parted.reserve(pairs);
   order.reserve(pairs);
@@ -39,6 +41,16 @@ EdgeCertifier::Impl::Impl(std::shared_ptr<const CompiledScene> compiled)
   end_checked.resize(pairs);
   contact_score.assign(pairs, 0);
   lane_contact_score.assign(pairs, 0);
+  boundPairs();
+}
+
+void EdgeCertifier::Impl::boundPairs() {
+  most_rounding = 0;
+  least_margin = kInfinity;
+  for (const EdgePair& pair : frames.pairs()) {
+    most_rounding = std::max(most_rounding, pair.rounding);
+    least_margin = std::min(least_margin, pair.threshold - pair.rounding);
+  }
 }
 
 EdgeCertifier::EdgeCertifier(std::shared_ptr<const CompiledScene> scene)
@@ -59,6 +71,7 @@ EdgeCertifier::Statistics& EdgeCertifier::Statistics::operator+=(const Statistic
 
 void EdgeCertifier::rebind(std::shared_ptr<const CompiledScene> scene) {
   impl_->frames.rebind(scene);
+  impl_->boundPairs();
   impl_->lanes_fit = false;
   impl_->scene = std::move(scene);
   impl_->workspace.prepare(impl_->scene->scene());

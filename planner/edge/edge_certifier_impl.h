@@ -79,9 +79,15 @@ struct EdgeCertifier::Impl {
     return makeCheck(Verdict::kNotFree, contact.id, parts.from[contact.lane] + parts.width / 2);
   }
 
+  /// Sets most_rounding and least_margin.
+  void boundPairs();
+
   // One configuration (edge_state.cc).
 
   enum class PairState : unsigned char { kFree, kNotFree, kOpen };
+  /// In near_pairs, in their order: the pairs that may not keep their thresholds, or not be farther
+  /// apart than `reach` >= 0 [m].
+  void listNearPairs(int slot, double reach);
   /// All pairs at t, placed in `slot`. `offender`: the pair that is not free or undecided.
   Verdict checkState(int slot, double t, int& offender);
   /// By balls and coarse shapes.
@@ -223,6 +229,7 @@ struct EdgeCertifier::Impl {
   struct ClearanceSearch;
   Interval refineState(int slot, double t, const EdgePair& pair, ClearanceSearch& search);
   void searchState(int slot, double t, ClearanceSearch& search);
+  void searchPairs(int slot, double t, ClearanceSearch& search);
   void settlePairs(EdgeInterval& interval, ClearanceSearch& search);
   void settleFromMiddle(EdgeInterval& interval, int slot, bool last, ClearanceSearch& search);
   bool listNearLanes(ClearanceSearch& search);
@@ -234,6 +241,7 @@ struct EdgeCertifier::Impl {
   std::shared_ptr<const CompiledScene> scene;
   EdgeFrames frames;
   EdgeLanes lanes;
+  double most_rounding = 0, least_margin = 0;  ///< of all pairs [m]
   bool lanes_fit = true;  ///< false after rebind(): lanes hold the shapes of the scene before
   collision::Workspace workspace;
   struct SharedSlot {
@@ -275,6 +283,7 @@ struct EdgeCertifier::Impl {
   std::vector<EdgePart> edge_parts;
   std::vector<int> part_pairs;
   std::vector<collision::LaneSweep::Open> pass_pairs;
+  std::vector<int> near_pairs, asked_pairs;   ///< of listNearPairs(), and of the one before
   std::vector<int> never_parted;              ///< pairs for checkContainment()
   std::vector<std::pair<double, int>> order;  ///< pairs by coarse distance
   /// What searchLikelyContacts() has asked of this edge in vain.

@@ -52,16 +52,35 @@ Interval EdgeCertifier::Impl::refineState(int slot, double t, const EdgePair& pa
   return result.distance;
 }
 
-/// All pairs at one configuration, in the order of their coarse bounds.
+/// All pairs at one configuration, in the order of their coarse bounds. Of many those within a
+/// reach come first, which grows until it is beyond the least distance known.
 void EdgeCertifier::Impl::searchState(int slot, double t, ClearanceSearch& search) {
+  const bool are_many = frames.pairs().size() > kManyPairs;
+  asked_pairs.clear();
+  for (double reach = kFirstReach;; reach *= kReachGrowth) {
+    const double known = search.best.clearance.upper;
+    if (std::isfinite(known)) reach = std::max(known, 0.0) + most_rounding;
+    listNearPairs(slot, are_many ? reach : kInfinity);
+    searchPairs(slot, t, search);
+    const bool is_all = near_pairs.size() == frames.pairs().size();
+    if (is_all || search.best.clearance.upper + most_rounding <= reach || search.isCutOff() ||
+        work.isSpent())
+      return;
+    asked_pairs = near_pairs;
+  }
+}
+
+/// The listed pairs, but for those that have been asked.
+void EdgeCertifier::Impl::searchPairs(int slot, double t, ClearanceSearch& search) {
   const std::span<const EdgePair> pairs = frames.pairs();
   order.clear();
-  for (std::size_t p = 0; p < pairs.size(); ++p) {
-    const EdgePair& pair = pairs[p];
+  for (const int p : near_pairs) {
+    if (std::binary_search(asked_pairs.begin(), asked_pairs.end(), p)) continue;
+    const EdgePair& pair = pairs[at(p)];
     const Eigen::Vector3d center = frames.inFrameOf(slot, pair.b, frames.center(slot, pair.a));
     const double lower = frames.pieces()[at(pair.b)].bounds->coarse.lower(center) -
                          frames.pieces()[at(pair.a)].bounds->outer.radius - pair.rounding;
-    order.emplace_back(std::isnan(lower) ? -kInfinity : lower, static_cast<int>(p));
+    order.emplace_back(std::isnan(lower) ? -kInfinity : lower, p);
   }
   std::sort(order.begin(), order.end());
   for (const auto& [lower, p] : order) {
@@ -160,9 +179,7 @@ bool EdgeCertifier::Impl::listNearLanes(ClearanceSearch& search) {
   // Lanes bound no depths.
   if (search.isCutOff() || !(search.enough() > 0) || !std::isfinite(search.enough())) return false;
   if (!lanes_fit || !lanes.begin(frames)) return false;
-  double least = kInfinity;
-  for (const EdgePair& pair : frames.pairs())
-    least = std::min(least, pair.threshold - pair.rounding);
+  const double least = least_margin;
   const EdgeLanes::Parts whole = EdgeLanes::wholeEdge();
   double beyond = 0;
   for (int pass = 0;; ++pass) {

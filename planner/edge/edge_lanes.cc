@@ -225,6 +225,17 @@ std::optional<double> EdgeLanes::findContact(int pair, double from, double width
   return 0.5 + static_cast<double>(places.at[contact.lane]);
 }
 
+void EdgeLanes::nearPairs(const EdgeFrames& frames, int slot, double reach,
+                          std::vector<int>& pairs) const {
+  pairs.insert(pairs.end(), moving_pairs_.begin(), moving_pairs_.end());
+  for (const MovingPiece& moving : moving_) {
+    const Eigen::Vector3d& center = frames.center(slot, moving.piece);
+    const double radius = frames.pieces()[at(moving.piece)].bounds->outer.radius + reach;
+    // (Rounding of the sums is far below that of single precision, which is outwards.)
+    sweep_.nearPairs(moving.lane_piece, center.array() - radius, center.array() + radius, pairs);
+  }
+}
+
 LaneSweep::Contact EdgeLanes::checkStates(const collision::LaneValues& places) {
   placeFrames(places, lane_frames_);
   const LaneSweep::Contact again = sweep_.meetAgain(lane_frames_, slack_, *scratch_);

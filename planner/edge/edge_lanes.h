@@ -61,6 +61,13 @@ class EdgeLanes {
   /// Single configurations, at t = 1/2 + places.
   collision::LaneSweep::Contact checkStates(const collision::LaneValues& places);
 
+  /// Whether nearPairs() knows all pairs with obstacles.
+  bool isUsable() const { return usable_; }
+  /// Appends, in no order, the pairs that may not keep their thresholds at a slot's configuration,
+  /// or not be farther apart than `reach` >= 0 [m]: those of two moving pieces, and those with
+  /// things that are near. Never allocates where `pairs` has room for all.
+  void nearPairs(const EdgeFrames& frames, int slot, double reach, std::vector<int>& pairs) const;
+
   /// Counts what passes cost into `work` from now on, see LaneSweep::Scratch::countInto().
   void countInto(collision::Work& work);
 
@@ -92,6 +99,12 @@ class EdgeLanes {
   int deepest_ = 0;     ///< steps of the deepest chain
   collision::LaneGrowth growth_;
   collision::LaneSweep sweep_;
+  /// A piece that moves, in EdgeFrames and in the sweep.
+  struct MovingPiece {
+    int piece, lane_piece;
+  };
+  std::vector<MovingPiece> moving_;
+  std::vector<int> moving_pairs_;  ///< pairs of two moving pieces
 
   // Of the present edge.
   std::unique_ptr<collision::LaneSweep::Scratch> scratch_;

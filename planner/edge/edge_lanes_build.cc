@@ -259,6 +259,7 @@ class EdgeLanes::Builder {
     }
     lanes_.longest_ = std::max(lanes_.longest_, lane.reach);
     lane_piece_[i] = lanes_.sweep_.addPiece(lane);
+    if (piece.link >= 0) lanes_.moving_.push_back({static_cast<int>(i), lane_piece_[i]});
   }
 
   /// Balls and points of a geometry, in frame F.
@@ -283,6 +284,7 @@ class EdgeLanes::Builder {
       const auto id = static_cast<int>(p);
       const bool world_a = pieces[at(pair.a)].link < 0, world_b = pieces[at(pair.b)].link < 0;
       if (!world_a && !world_b) {
+        lanes_.moving_pairs_.push_back(id);
         lanes_.sweep_.addPiecePair(id, lane_piece_[at(pair.a)], lane_piece_[at(pair.b)],
                                    pair.motion, pair.threshold, !pair.by_surfaces);
         continue;

@@ -47,13 +47,8 @@ std::vector<int> jumpingCircles(const ConfigurationSpace& space) {
 
 class Builder {
  public:
-  Builder(const CompiledScene& compiled, const Problem& problem,
-          std::span<const VariableRange> ranges)
-      : compiled_(compiled),
-        scene_(compiled.scene()),
-        model_(compiled.model()),
-        problem_(problem),
-        ranges_(ranges) {}
+  Builder(const CompiledScene& compiled, std::span<const VariableRange> ranges)
+      : compiled_(compiled), scene_(compiled.scene()), model_(compiled.model()), ranges_(ranges) {}
 
   std::shared_ptr<const EdgeModel> build(std::span<const robots::LinkGap* const> gaps,
                                          bool needs_limits) {
@@ -70,20 +65,14 @@ class Builder {
     return collision::SceneAccess::bounds(scene_, geometry).outer;
   }
 
-  /// A deforming body has no place for good: its motion seen from a link cannot be bounded once for
-  /// all.
-  bool isDeforming(int body) const {
-    const std::string& name = scene_.bodies()[at(body)].name;
-    return std::any_of(problem_.world.deforming.begin(), problem_.world.deforming.end(),
-                       [&](const DeformingObstacle& o) { return o.object.name == name; });
-  }
-
   void addPair(const collision::ScenePair& pair, const robots::LinkGap* gap) {
     const int a = collision::SceneAccess::geometryIndex(scene_, pair.body_a, pair.geometry_a);
     const int b = collision::SceneAccess::geometryIndex(scene_, pair.body_b, pair.geometry_b);
     const int link_a = compiled_.bodyLink(pair.body_a), link_b = compiled_.bodyLink(pair.body_b);
     EdgeModel::Pair result{motionOf(a, link_a, link_b), false, gap};
-    if (std::isfinite(ballOf(b).radius) && !isDeforming(pair.body_b)) {
+    // What stands still is never the one that is swept: a motion for each of many things would be
+    // bounded on every edge, and a deforming thing has no place for good.
+    if (link_b >= 0 && std::isfinite(ballOf(b).radius)) {
       const int other = motionOf(b, link_b, link_a);
       result.is_reversed = accelerationOf(other) < accelerationOf(result.motion);
       if (result.is_reversed) result.motion = other;
@@ -149,7 +138,6 @@ class Builder {
   const CompiledScene& compiled_;
   const collision::Scene& scene_;
   const Model& model_;
-  const Problem& problem_;
   std::span<const VariableRange> ranges_;
   const std::vector<robots::JointMotion> unit_{model_.joints.size(), {1, 1}};
   std::map<std::pair<int, int>, int> known_;  // geometry and base: index into motions
@@ -158,11 +146,11 @@ class Builder {
 
 }  // namespace
 
-std::shared_ptr<const EdgeModel> makeEdgeModel(const CompiledScene& scene, const Problem& problem,
+std::shared_ptr<const EdgeModel> makeEdgeModel(const CompiledScene& scene,
                                                std::span<const VariableRange> ranges,
                                                std::span<const robots::LinkGap* const> gaps,
                                                bool needs_limits) {
-  return Builder(scene, problem, ranges).build(gaps, needs_limits);
+  return Builder(scene, ranges).build(gaps, needs_limits);
 }
 
 bool EdgeModel::isSmooth(std::span<const double> a, std::span<const double> b,

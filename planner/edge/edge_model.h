@@ -17,8 +17,8 @@ struct EdgeModel {
   /// One of collision::Scene::pairs().
   struct Pair {
     int motion;  ///< index into `motions`: how body a moves seen from body b, static: the world
-    bool is_reversed;  ///< `motion` is that of b seen from a: the body near the joints between the
-                       ///< two moves less
+    bool is_reversed;  ///< `motion` is that of b seen from a: of two moving bodies the one near the
+                       ///< joints between them moves less
     const robots::LinkGap* gap;  ///< proven of the two links by two joints' angles; null: nothing
   };
   std::vector<Pair> pairs;
@@ -43,7 +43,7 @@ struct EdgeModel {
 };
 
 /// `gaps`: one a pair of the scene. O(pairs * joints^2).
-std::shared_ptr<const EdgeModel> makeEdgeModel(const CompiledScene& scene, const Problem& problem,
+std::shared_ptr<const EdgeModel> makeEdgeModel(const CompiledScene& scene,
                                                std::span<const robots::VariableRange> ranges,
                                                std::span<const robots::LinkGap* const> gaps,
                                                bool needs_limits);

@@ -38,9 +38,16 @@ ScenePairs::ScenePairs(const Problem& problem, std::span<const robots::VariableR
   robots::forwardKinematics(model_, problem.start, poses_);
   addLinks();
   addAttachments();
+  carried_ = count();
   addObjects();
-  for (int i = 0; i < count(); ++i)
-    for (int j = i + 1; j < count(); ++j) drop(i, j, reason(i, j));
+  findAllowed();
+  // Of the world, what the problem allows: that it stands still needs no reason, and there may be
+  // many of it.
+  for (int i = 0; i < carried_; ++i) {
+    for (int j = i + 1; j < carried_; ++j) drop(i, j, reason(i, j));
+    for (auto p = allowed_.lower_bound({i, carried_}); p != allowed_.end() && p->first == i; ++p)
+      drop(i, p->second, reason(i, p->second));
+  }
   if (!model_.has_srdf && !problem_.contacts.replace_srdf) dropProven();
 }
 
@@ -50,9 +57,8 @@ collision::SceneBuilder ScenePairs::builder() const {
   for (const auto& [pair, why] : reasons_) builder.allow(pair.first, pair.second);
   builder.setDefaultMargin(problem_.margins.common);
   for (const PairMargin& m : problem_.margins.pairs)
-    for (int i = 0; i < count(); ++i)
-      for (int j = 0; j < count(); ++j)
-        if (name(i) == m.a && name(j) == m.b) builder.setMargin(i, j, m.margin);
+    for (const int i : named(m.a))
+      for (const int j : named(m.b)) builder.setMargin(i, j, m.margin);
   return builder;
 }
 
@@ -73,13 +79,18 @@ const LinkGap* ScenePairs::linkGap(int i, int j) const {
 
 // Bodies.
 
+void ScenePairs::add(Entry entry) {
+  named_[entry.body.name].push_back(count());
+  entries_.push_back(std::move(entry));
+}
+
 void ScenePairs::addLinks() {
   for (std::size_t l = 0; l < model_.links.size(); ++l) {
     const robots::Link& link = model_.links[l];
     if (link.geometries.empty()) continue;
-    entries_.push_back({{link.name, link.geometries, moves(static_cast<int>(l)), poses_[l]},
-                        static_cast<int>(l),
-                        nullptr});
+    add({{link.name, link.geometries, moves(static_cast<int>(l)), poses_[l]},
+         static_cast<int>(l),
+         nullptr});
   }
 }
 
@@ -88,14 +99,14 @@ void ScenePairs::addAttachments() {
     expectPose(a.X_LO, a.object.name);
     Body body{a.object.name, a.object.geometries, moves(a.link), poses_[at(a.link)]};
     for (robots::Geometry& g : body.geometries) g.X_BG = a.X_LO * g.X_BG;
-    if (!body.geometries.empty()) entries_.push_back({std::move(body), a.link, &a});
+    if (!body.geometries.empty()) add({std::move(body), a.link, &a});
   }
 }
 
 void ScenePairs::addObject(const Object& object) {
   expectPose(object.X_WO, object.name);
   if (!object.geometries.empty())
-    entries_.push_back({{object.name, object.geometries, false, object.X_WO}, -1, nullptr});
+    add({{object.name, object.geometries, false, object.X_WO}, -1, nullptr});
 }
 
 void ScenePairs::addObjects() {
@@ -121,8 +132,7 @@ void ScenePairs::expectSnapshot(const DeformingObstacle& obstacle) const {
   if (snapshot->time() != problem_.execution.start)
     refuse(fmt::format("is as it is at {} s; execution starts at {} s", snapshot->time(),
                        problem_.execution.start));
-  if (std::any_of(entries_.begin(), entries_.end(),
-                  [&](const Entry& e) { return e.body.name == name; }))
+  if (!named(name).empty())
     refuse("has the name of another object or link; a name of its own is expected");
 }
 
@@ -144,6 +154,13 @@ void ScenePairs::expectPose(const robots::Pose& X, const std::string& name) cons
 
 // Reasons to drop a pair.
 
+void ScenePairs::findAllowed() {
+  for (const auto& [x, y] : problem_.contacts.allowed)
+    for (const int i : named(x))
+      for (const int j : named(y))
+        if (i != j) allowed_.emplace(std::min(i, j), std::max(i, j));
+}
+
 /// Empty: the pair is checked.
 std::string ScenePairs::reason(int i, int j) const {
   const Entry &a = entries_[at(i)], &b = entries_[at(j)];
@@ -154,8 +171,7 @@ std::string ScenePairs::reason(int i, int j) const {
         if (isPair(d.link_a, d.link_b, a.link, b.link))
           return "disabled by the SRDF" + (d.reason.empty() ? "" : ": " + d.reason);
   }
-  for (const auto& [x, y] : problem_.contacts.allowed)
-    if (areNamed(i, j, x, y)) return "allowed by the problem";
+  if (allowed_.count({i, j}) != 0) return "allowed by the problem";
   if (a.held != nullptr && b.isLink() && mayTouch(*a.held, b.link)) return "attached";
   if (b.held != nullptr && a.isLink() && mayTouch(*b.held, a.link)) return "attached";
   if (!a.body.moving && !b.body.moving) return "neither moves";
@@ -209,6 +225,11 @@ bool ScenePairs::isPassiveWithinLimits() const {
 }
 
 const std::string& ScenePairs::name(int i) const { return entries_[at(i)].body.name; }
+
+std::span<const int> ScenePairs::named(const std::string& name) const {
+  const auto found = named_.find(name);
+  return found == named_.end() ? std::span<const int>() : found->second;
+}
 
 bool ScenePairs::areNamed(int i, int j, const std::string& a, const std::string& b) const {
   return isPair(a, b, name(i), name(j));

@@ -3,8 +3,10 @@
 // Private to planner/: the bodies of a problem, and which of their pairs are checked.
 
 #include <map>
+#include <set>
 #include <span>
 #include <string>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -42,6 +44,7 @@ class ScenePairs {
     bool isLink() const { return link >= 0 && held == nullptr; }
   };
 
+  void add(Entry entry);
   void addLinks();
   void addAttachments();
   void addObject(const Object& object);
@@ -49,12 +52,14 @@ class ScenePairs {
   void expectSnapshot(const DeformingObstacle& obstacle) const;
   void expectPose(const robots::Pose& X, const std::string& name) const;
 
+  void findAllowed();
   std::string reason(int i, int j) const;
   void drop(int i, int j, const std::string& why);
   void dropProven();
 
   int count() const { return static_cast<int>(entries_.size()); }
   const std::string& name(int i) const;
+  std::span<const int> named(const std::string& name) const;
   bool areNamed(int i, int j, const std::string& a, const std::string& b) const;
   bool moves(int link) const;
   int parentOf(int link) const;
@@ -69,6 +74,9 @@ class ScenePairs {
   std::span<const robots::VariableRange> ranges_;
   std::vector<robots::Pose> poses_;
   std::vector<Entry> entries_;
+  int carried_ = 0;  // entries of the robot, which come first
+  std::unordered_map<std::string, std::vector<int>> named_;  // entries by name
+  std::set<std::pair<int, int>> allowed_;                    // by the problem; the lower first
   std::map<std::pair<int, int>, std::string> reasons_;
   std::vector<CompiledScene::Dropped> dropped_;
   bool has_proven_ = false;

@@ -104,6 +104,14 @@ TEST(Rebind, GrowthIsKeptBesidesTheMargin) {
   EXPECT_EQ(verdict(0.091), Verdict::kNotFree);
   EXPECT_NE(verdict(std::numeric_limits<double>::infinity()), Verdict::kFree);
   EXPECT_NE(verdict(std::numeric_limits<double>::quiet_NaN()), Verdict::kFree);
+  // Far away, too, and along an edge.
+  const std::vector<CompiledScene::Replacement> shapes = {
+      {world.body, 0, Shape::deformable(deformable.snapshot()),
+       std::numeric_limits<double>::quiet_NaN()}};
+  EdgeCertifier certifier(world.scene->withShapes(shapes));
+  const std::vector<double> far = {1.8, -1.8, 0};
+  EXPECT_NE(certifier.decide(far), Verdict::kFree);
+  EXPECT_NE(certifier.certify(far, far).verdict, Verdict::kFree);
 }
 
 TEST(Rebind, PairsCanBeAskedApart) {

@@ -1,0 +1,133 @@
+#include "collision/lanes/obstacle_boxes.h"
+
+#include <algorithm>
+#include <limits>
+#include <numeric>
+
+#include "collision/lanes/lane_sweep_impl.h"
+
+namespace leeway::collision {
+namespace {
+
+using Box = ObstacleBoxes::Box;
+using Level = ObstacleBoxes::Level;
+
+constexpr std::size_t kWidth = ObstacleBoxes::kWidth;
+// Boxes that are longer than this share of the world would stretch the nodes of all others: they
+// stand together.
+constexpr float kLargeShare = 0.25F;
+
+float middle(const Box& box, int k) { return 0.5F * box.low[k] + 0.5F * box.high[k]; }
+
+// How far apart the middles are, axis by axis.
+struct Spread {
+  float low[3], high[3];
+  float length(int k) const { return high[k] - low[k]; }
+  int longest() const {
+    int axis = 0;
+    for (int k = 1; k < 3; ++k)
+      if (length(k) > length(axis)) axis = k;
+    return axis;
+  }
+};
+
+Spread spreadOf(std::span<const Box> boxes, std::span<const std::int32_t> order) {
+  Spread spread;
+  std::fill_n(spread.low, 3, kFar);
+  std::fill_n(spread.high, 3, -kFar);
+  for (const std::int32_t i : order)
+    for (int k = 0; k < 3; ++k) {
+      const float m = middle(boxes[static_cast<std::size_t>(i)], k);
+      spread.low[k] = std::min(spread.low[k], m);
+      spread.high[k] = std::max(spread.high[k], m);
+    }
+  return spread;
+}
+
+// The largest power of kWidth below n: the boxes of a node that is full.
+std::size_t fullNode(std::size_t n) {
+  std::size_t full = kWidth;
+  while (full * kWidth < n) full *= kWidth;
+  return full;
+}
+
+// Halves along the longest axis, at a multiple of a full node, until kWidth are left.
+void sortBoxes(std::span<const Box> boxes, std::span<std::int32_t> order) {
+  while (order.size() > kWidth) {
+    const std::size_t full = fullNode(order.size());
+    const std::size_t half = (order.size() / 2 + full - 1) / full * full;
+    const int axis = spreadOf(boxes, order).longest();
+    const auto before = [&](std::int32_t x, std::int32_t y) {
+      const float a = middle(boxes[static_cast<std::size_t>(x)], axis),
+                  b = middle(boxes[static_cast<std::size_t>(y)], axis);
+      return a < b || (a == b && x < y);
+    };
+    std::nth_element(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(half), order.end(),
+                     before);
+    sortBoxes(boxes, order.first(half));
+    order = order.subspan(half);
+  }
+  std::sort(order.begin(), order.end());
+}
+
+Level emptyLevel(std::size_t count) {
+  const std::size_t padded = (count + kWidth - 1) / kWidth * kWidth;
+  Level level;
+  for (int k = 0; k < 3; ++k) {
+    level.low[k].assign(padded, kFar);
+    level.high[k].assign(padded, -kFar);
+  }
+  return level;
+}
+
+Level levelAbove(const Level& below) {
+  Level level = emptyLevel(below.size() / kWidth);
+  for (int k = 0; k < 3; ++k)
+    for (std::size_t i = 0; i < below.size(); ++i) {
+      level.low[k][i / kWidth] = std::min(level.low[k][i / kWidth], below.low[k][i]);
+      level.high[k][i / kWidth] = std::max(level.high[k][i / kWidth], below.high[k][i]);
+    }
+  return level;
+}
+
+}  // namespace
+
+ObstacleBoxes::ObstacleBoxes(std::span<const Box> boxes) {
+  if (boxes.empty()) return;
+  std::vector<std::int32_t> order(boxes.size());
+  std::iota(order.begin(), order.end(), 0);
+  if (boxes.size() > kMostInList) {
+    const Spread world = spreadOf(boxes, order);
+    const float longest = kLargeShare * world.length(world.longest());
+    const auto isLarge = [&](std::int32_t i) {
+      const Box& box = boxes[static_cast<std::size_t>(i)];
+      for (int k = 0; k < 3; ++k)
+        if (box.high[k] - box.low[k] > longest) return true;
+      return false;
+    };
+    const auto rest = std::stable_partition(order.begin(), order.end(), isLarge);
+    // Full nodes of large boxes, so that none is shared; the last may be, with a few others.
+    sortBoxes(boxes, {order.begin(), rest});
+    sortBoxes(boxes, {rest, order.end()});
+  }
+  levels_.push_back(emptyLevel(boxes.size()));
+  Level& slots = levels_.front();
+  obstacle_.assign(slots.size(), -1);
+  for (std::size_t slot = 0; slot < order.size(); ++slot) {
+    obstacle_[slot] = order[slot];
+    const Box& box = boxes[static_cast<std::size_t>(order[slot])];
+    for (int k = 0; k < 3; ++k) {
+      slots.low[k][slot] = box.low[k];
+      slots.high[k][slot] = box.high[k];
+    }
+  }
+  while (levels_.back().size() > kMostInList) levels_.push_back(levelAbove(levels_.back()));
+}
+
+std::size_t ObstacleBoxes::bytes() const {
+  std::size_t boxes = 0;
+  for (const Level& level : levels_) boxes += level.size();
+  return boxes * sizeof(Box) + obstacle_.size() * sizeof(std::int32_t);
+}
+
+}  // namespace leeway::collision

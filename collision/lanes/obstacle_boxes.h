@@ -1,0 +1,67 @@
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace leeway::collision {
+
+/// Axis-aligned boxes of obstacles in the world, in single precision: a tree whose nodes have
+/// kWidth children side by side, as vectors compare them. Few boxes are one list.
+class ObstacleBoxes {
+ public:
+  static constexpr std::size_t kWidth = 16;
+  /// Up to so many boxes are compared one after the other [count].
+  static constexpr std::size_t kMostInList = 4 * kWidth;
+
+  struct Box {
+    float low[3], high[3];
+  };
+  /// The boxes of one level, padded to a multiple of kWidth with boxes that nothing meets. Those of
+  /// a node are its children's [kWidth i, kWidth (i + 1)) in the level below.
+  struct Level {
+    std::vector<float> low[3], high[3];
+    std::size_t size() const { return low[0].size(); }
+  };
+
+  ObstacleBoxes() = default;
+  /// O(n log n).
+  explicit ObstacleBoxes(std::span<const Box> boxes);
+
+  /// Level 0 has the boxes themselves, in an order in which neighbours are near each other.
+  std::span<const Level> levels() const { return levels_; }
+  std::size_t slots() const { return obstacle_.size(); }
+  /// The number of the box in a slot of level 0; -1: padding.
+  std::int32_t obstacle(std::size_t slot) const { return obstacle_[slot]; }
+  std::size_t bytes() const;
+
+  /// Calls visit(slot) for the boxes that [low, high] meets. NaN meets everything.
+  template <class Visit>
+  void forEachNear(const Box& box, const Visit& visit) const {
+    if (!levels_.empty()) visitNear(levels_.size() - 1, 0, levels_.back().size(), box, visit);
+  }
+
+ private:
+  template <class Visit>
+  void visitNear(std::size_t level, std::size_t begin, std::size_t end, const Box& box,
+                 const Visit& visit) const {
+    const Level& of = levels_[level];
+    end = std::min(end, of.size());  // NaN meets nodes that are padding, too
+    for (std::size_t i = begin; i < end; ++i) {
+      bool apart = false;
+      for (int k = 0; k < 3; ++k) apart |= box.high[k] < of.low[k][i] || box.low[k] > of.high[k][i];
+      if (apart) continue;
+      if (level == 0)
+        visit(i);
+      else
+        visitNear(level - 1, kWidth * i, kWidth * (i + 1), box, visit);
+    }
+  }
+
+  std::vector<Level> levels_;
+  std::vector<std::int32_t> obstacle_;
+};
+
+}  // namespace leeway::collision

@@ -1,0 +1,92 @@
+#include "collision/lanes/obstacle_boxes.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <limits>
+#include <vector>
+
+#include "tools/truth/oracle/generate.h"
+
+namespace leeway::collision {
+namespace {
+
+using Box = ObstacleBoxes::Box;
+using oracle::Random;
+
+Box randomBox(Random& random, double world, double size) {
+  Box box;
+  for (int k = 0; k < 3; ++k) {
+    const double middle = random.uniform(-world, world), half = size * random.uniform(0, 1);
+    box.low[k] = static_cast<float>(middle - half);
+    box.high[k] = static_cast<float>(middle + half);
+  }
+  return box;
+}
+
+bool meet(const Box& a, const Box& b) {
+  for (int k = 0; k < 3; ++k)
+    if (a.high[k] < b.low[k] || a.low[k] > b.high[k]) return false;
+  return true;
+}
+
+std::vector<std::int32_t> near(const ObstacleBoxes& boxes, const Box& box) {
+  std::vector<std::int32_t> found;
+  boxes.forEachNear(box, [&](std::size_t slot) {
+    if (boxes.obstacle(slot) >= 0) found.push_back(boxes.obstacle(slot));
+  });
+  std::sort(found.begin(), found.end());
+  return found;
+}
+
+// The tree against a list, for counts about the widths of its nodes; some boxes are large,
+// unbounded or all in one place.
+TEST(ObstacleBoxes, FindsWhatAListFinds) {
+  Random random(7);
+  for (const int count : {0, 1, 15, 16, 17, 64, 65, 256, 257, 1000, 1025, 5000}) {
+    for (const double size : {0.0, 0.1, 1.0}) {
+      std::vector<Box> all;
+      for (int i = 0; i < count; ++i) {
+        all.push_back(randomBox(random, 10, random.chance(0.02) ? 20 : size));
+        if (random.chance(0.01)) all.back().high[random.below(3)] = 1e30F;
+        if (i > 0 && random.chance(0.3)) all.back() = all[static_cast<std::size_t>(i - 1)];
+      }
+      const ObstacleBoxes boxes(all);
+      ASSERT_EQ(boxes.slots() % ObstacleBoxes::kWidth, 0U);
+      for (int k = 0; k < 20; ++k) {
+        const Box box = randomBox(random, 12, random.chance(0.2) ? 10 : 1);
+        std::vector<std::int32_t> expected;
+        for (int i = 0; i < count; ++i)
+          if (meet(box, all[static_cast<std::size_t>(i)])) expected.push_back(i);
+        EXPECT_EQ(near(boxes, box), expected) << count << " " << size;
+      }
+    }
+  }
+}
+
+TEST(ObstacleBoxes, NanMeetsEverything) {
+  Random random(8);
+  std::vector<Box> all;
+  for (int i = 0; i < 300; ++i) all.push_back(randomBox(random, 10, 0.1));
+  Box nan;
+  std::fill_n(nan.low, 3, std::numeric_limits<float>::quiet_NaN());
+  std::fill_n(nan.high, 3, std::numeric_limits<float>::quiet_NaN());
+  EXPECT_EQ(near(ObstacleBoxes(all), nan).size(), all.size());
+}
+
+// Few boxes are one list, and a level has a sixteenth of the one below.
+TEST(ObstacleBoxes, LevelsAreAsFewAsCanBe) {
+  Random random(9);
+  const auto levels = [&](int count) {
+    std::vector<Box> all;
+    for (int i = 0; i < count; ++i) all.push_back(randomBox(random, 10, 0.1));
+    return ObstacleBoxes(all).levels().size();
+  };
+  EXPECT_EQ(levels(64), 1U);
+  EXPECT_EQ(levels(65), 2U);
+  EXPECT_EQ(levels(1024), 2U);
+  EXPECT_EQ(levels(1025), 3U);
+}
+
+}  // namespace
+}  // namespace leeway::collision
