@@ -6,6 +6,7 @@
 #include <cmath>
 #include <span>
 #include <stdexcept>
+#include <unordered_map>
 #include <utility>
 
 #include "collision/base/pose_check.h"
@@ -28,8 +29,6 @@ GeometryBounds boundsOf(const Geometry& geometry, const Pose& X_FB) {
   bounds.inner = innerBalls(geometry.shape, X_FG);
   return bounds;
 }
-
-bool samePair(int a, int b, int c, int d) { return (a == c && b == d) || (a == d && b == c); }
 
 }  // namespace
 
@@ -109,6 +108,45 @@ void addPairs(std::span<const Body> bodies, int a, int b, double margin,
   }
 }
 
+/// What is said of a pair of bodies.
+struct Exception {
+  bool allowed = false, has_margin = false;
+  double margin = 0;
+};
+
+/// The pairs of bodies of which something is said.
+class Exceptions {
+ public:
+  template <class Margins>
+  Exceptions(std::size_t bodies, std::span<const std::pair<int, int>> allowed,
+             const Margins& margins)
+      : is_named_(bodies, 0) {
+    for (const auto& [a, b] : allowed) of(a, b).allowed = true;
+    for (const auto& m : margins) {  // the last one counts
+      Exception& exception = of(m.a, m.b);
+      exception.has_margin = true;
+      exception.margin = m.margin;
+    }
+  }
+  const Exception* find(int a, int b) const {
+    if (is_named_[at(a)] == 0 || is_named_[at(b)] == 0) return nullptr;
+    const auto found = of_pair_.find(key(a, b));
+    return found == of_pair_.end() ? nullptr : &found->second;
+  }
+
+ private:
+  static std::uint64_t key(int a, int b) {
+    return static_cast<std::uint64_t>(std::min(a, b)) << 32U |
+           static_cast<std::uint64_t>(std::max(a, b));
+  }
+  Exception& of(int a, int b) {
+    is_named_[at(a)] = is_named_[at(b)] = 1;
+    return of_pair_[key(a, b)];
+  }
+  std::vector<char> is_named_;  // one a body
+  std::unordered_map<std::uint64_t, Exception> of_pair_;
+};
+
 }  // namespace
 
 Scene SceneBuilder::build() const {
@@ -126,21 +164,24 @@ Scene SceneBuilder::build() const {
     for (const Geometry& g : body.geometries)
       scene.bounds_.push_back(boundsOf(g, body.moving ? Pose{} : body.X_WB));
   }
+  const Exceptions exceptions(bodies_.size(), allowed_, margins_);
+  std::vector<int> moving;
   const int count = static_cast<int>(bodies_.size());
-  std::vector<char> allowed(at(count), 0);
+  for (int i = 0; i < count; ++i)
+    if (bodies_[at(i)].moving) moving.push_back(i);
+  const auto add = [&](int i, int j) {
+    const Exception* exception = exceptions.find(i, j);
+    if (exception != nullptr && exception->allowed) return;
+    const bool has_margin = exception != nullptr && exception->has_margin;
+    const int a = bodies_[at(i)].moving ? i : j, b = a == i ? j : i;
+    addPairs(bodies_, a, b, has_margin ? exception->margin : default_margin_, scene.pairs_);
+  };
   for (int i = 0; i < count; ++i) {
-    std::fill(allowed.begin(), allowed.end(), 0);
-    for (const auto& [x, y] : allowed_) {
-      if (x == i) allowed[at(y)] = 1;
-      if (y == i) allowed[at(x)] = 1;
-    }
-    for (int j = i + 1; j < count; ++j) {
-      if (allowed[at(j)] || !(bodies_[at(i)].moving || bodies_[at(j)].moving)) continue;
-      double margin = default_margin_;
-      for (const PairMargin& m : margins_)  // the last one counts
-        if (samePair(m.a, m.b, i, j)) margin = m.margin;
-      const int a = bodies_[at(i)].moving ? i : j, b = a == i ? j : i;
-      addPairs(bodies_, a, b, margin, scene.pairs_);
+    if (bodies_[at(i)].moving) {
+      for (int j = i + 1; j < count; ++j) add(i, j);
+    } else {
+      for (auto j = std::upper_bound(moving.begin(), moving.end(), i); j != moving.end(); ++j)
+        add(i, *j);
     }
   }
   return scene;

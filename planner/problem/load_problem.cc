@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <filesystem>
 #include <set>
+#include <string>
+#include <unordered_set>
+#include <vector>
 
 #include "leeway/planner/planners.h"
 #include "leeway/planner/problem.h"
@@ -125,12 +128,10 @@ int readLink(const YamlReader& reader, const Model& model) {
   return link;
 }
 
-void readObject(const YamlReader& map, Problem& problem) {
+void readObject(const YamlReader& map, std::unordered_set<std::string>& taken, Problem& problem) {
   map.expectKeys(keysOf("object"));
   const YamlReader name = map.at("name", "a name of its own");
-  const std::vector<std::string> taken = objectNames(problem);
-  if (std::find(taken.begin(), taken.end(), name.text()) != taken.end() ||
-      problem.robot.model->findLink(name.text()) >= 0)
+  if (!taken.insert(name.text()).second || problem.robot.model->findLink(name.text()) >= 0)
     name.fail(
         fmt::format("{} '{}' is the name of another object or link; a name of its own is expected",
                     name.where(), name.text()));
@@ -155,19 +156,32 @@ void readObject(const YamlReader& map, Problem& problem) {
 }
 
 /// Two different names of links or objects.
-std::pair<std::string, std::string> readNamePair(const YamlReader& pair, const Problem& problem) {
+/// The names of all links and objects.
+struct KnownNames {
+  explicit KnownNames(const Problem& problem) : all(linkNames(*problem.robot.model)) {
+    for (std::string& name : objectNames(problem)) all.push_back(std::move(name));
+    set.insert(all.begin(), all.end());
+  }
+  std::vector<std::string> all;
+  std::unordered_set<std::string> set;
+};
+
+std::pair<std::string, std::string> readNamePair(const YamlReader& pair, const KnownNames& known) {
   const std::vector<YamlReader> items = pair.items();
   if (items.size() != 2 || items[0].text() == items[1].text())
     pair.fail(fmt::format("{} is no pair; two different names of links or objects are expected",
                           pair.where()));
-  std::vector<std::string> known = linkNames(*problem.robot.model);
-  const std::vector<std::string> objects = objectNames(problem);
-  known.insert(known.end(), objects.begin(), objects.end());
   for (const YamlReader& item : items)
-    if (std::find(known.begin(), known.end(), item.text()) == known.end())
+    if (known.set.count(item.text()) == 0)
       item.fail(fmt::format("unknown link or object '{}' in {}{}", item.text(), pair.where(),
-                            nearestName(item.text(), known)));
+                            nearestName(item.text(), known.all)));
   return {items[0].text(), items[1].text()};
+}
+
+void readObjects(const YamlReader& objects, Problem& problem) {
+  std::unordered_set<std::string> taken;
+  for (std::string& name : objectNames(problem)) taken.insert(std::move(name));
+  for (const YamlReader& object : objects.items()) readObject(object, taken, problem);
 }
 
 /// Warns of a negative margin: some are meant, for models fatter than the robot, more are mistyped,
@@ -181,16 +195,17 @@ double readMargin(const YamlReader& margin, Problem& problem) {
 }
 
 void readPairs(const YamlReader& file, Problem& problem) {
+  const KnownNames known(problem);
   if (const auto allowed = file.find("allowed"))
     for (const YamlReader& pair : allowed->items())
-      problem.contacts.allowed.push_back(readNamePair(pair, problem));
+      problem.contacts.allowed.push_back(readNamePair(pair, known));
   if (const auto margin = file.find("margin"))
     problem.margins.common = readMargin(*margin, problem);
   const auto margins = file.find("margins");
   if (!margins) return;
   for (const YamlReader& entry : margins->items()) {
     entry.expectKeys(keysOf("pair_margin"));
-    const auto [a, b] = readNamePair(entry.at("between", "two names"), problem);
+    const auto [a, b] = readNamePair(entry.at("between", "two names"), known);
     problem.margins.pairs.push_back(
         {a, b, readMargin(entry.at("margin", "a number [m]"), problem)});
   }
@@ -302,8 +317,7 @@ Problem loadProblem(const std::string& yaml_path, const ProblemOptions& options)
   Problem problem = moveit ? fromMoveit(file, *moveit, options) : fromOwnKeys(file, options);
   const auto name = file.find("name");
   problem.name = name ? name->text() : std::filesystem::path(yaml_path).stem().string();
-  if (const auto objects = file.find("objects"))
-    for (const YamlReader& object : objects->items()) readObject(object, problem);
+  if (const auto objects = file.find("objects")) readObjects(*objects, problem);
   if (const auto execution = file.find("execution")) readExecution(*execution, problem);
   if (const auto deforming = file.find("deforming"))
     for (const YamlReader& entry : deforming->items()) readDeforming(entry, problem);

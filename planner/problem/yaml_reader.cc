@@ -59,6 +59,13 @@ class IgnoreEvents : public YAML::EventHandler {
   void OnMapEnd() override {}
 };
 
+/// True where all text is one document for sure: a map without braces goes on to the next document,
+/// whose beginning has a marker.
+bool isOneDocument(const std::string& text, const YAML::Node& document) {
+  return document.IsMap() && document.Style() == YAML::EmitterStyle::Block &&
+         text.find("\n---") == std::string::npos && text.find("\n...") == std::string::npos;
+}
+
 /// 0, 1, or 2 for more. Not by YAML::LoadAll: after a stray comma behind a document, that of
 /// yaml-cpp 0.7 returns empty documents without end.
 int countDocuments(const std::string& text) {
@@ -84,11 +91,11 @@ YamlReader YamlReader::load(const std::string& path) {
   const std::string text = readFile(path);
   YAML::Node document;
   try {
-    if (countDocuments(text) > 1)
+    document = YAML::Load(text);
+    if (!isOneDocument(text, document) && countDocuments(text) > 1)
       throw InputError(path, 0,
                        "holds 2 YAML documents or more, or text that belongs to none; exactly one "
                        "is expected");
-    document = YAML::Load(text);
   } catch (const YAML::Exception& error) {
     throw InputError(path, error.mark.is_null() ? 0 : error.mark.line + 1,
                      fmt::format("YAML syntax error: {}; well-formed YAML is expected", error.msg));
@@ -110,31 +117,41 @@ std::string YamlReader::shown() const {
                        : fmt::format("'{}'", elided(node_.Scalar()));
 }
 
-std::vector<std::pair<std::string, YamlReader>> YamlReader::entries() const {
+/// Fails unless this is a map with keys of plain text, each once.
+void YamlReader::expectMap() const {
   if (!isMap()) fail(fmt::format("{} is {}; a map (key: value) is expected", where_, shown()));
+  for (auto entry = node_.begin(); entry != node_.end(); ++entry) {
+    const int line = entry->first.Mark().line + 1;
+    if (!entry->first.IsScalar())
+      throw InputError(
+          *file_, line,
+          fmt::format("a key of {} is no plain text; 'key: value' is expected", where_));
+    const std::string& key = entry->first.Scalar();
+    for (auto other = node_.begin(); other != entry; ++other)
+      if (other->first.Scalar() == key)
+        throw InputError(
+            *file_, line,
+            fmt::format("key '{}' stands twice in {}, first for line {}; once is expected", key,
+                        where_, valueOf(*other).line()));
+  }
+}
+
+YamlReader YamlReader::valueOf(const YAML::detail::iterator_value& entry) const {
+  const std::string& key = entry.first.Scalar();
+  return {file_, entry.second, where_ == "the file" ? key : where_ + "." + key,
+          entry.first.Mark().line + 1};
+}
+
+std::vector<std::pair<std::string, YamlReader>> YamlReader::entries() const {
+  expectMap();
   std::vector<std::pair<std::string, YamlReader>> result;
   result.reserve(node_.size());
-  for (const auto& entry : node_) {
-    const int key_line = entry.first.Mark().line + 1;
-    if (!entry.first.IsScalar())
-      throw InputError(
-          *file_, key_line,
-          fmt::format("a key of {} is no plain text; 'key: value' is expected", where_));
-    const std::string& key = entry.first.Scalar();
-    for (const auto& [other, reader] : result)
-      if (other == key)
-        throw InputError(
-            *file_, key_line,
-            fmt::format("key '{}' stands twice in {}, first for line {}; once is expected", key,
-                        where_, reader.line()));
-    result.emplace_back(key, YamlReader(file_, entry.second,
-                                        where_ == "the file" ? key : where_ + "." + key, key_line));
-  }
+  for (const auto& entry : node_) result.emplace_back(entry.first.Scalar(), valueOf(entry));
   return result;
 }
 
 void YamlReader::expectKeys(std::span<const std::string_view> known) const {
-  entries();  // a map, nothing twice
+  expectMap();
   for (const auto& entry : node_) {
     const std::string& key = entry.first.Scalar();
     if (std::find(known.begin(), known.end(), key) == known.end())
@@ -148,10 +165,7 @@ void YamlReader::expectKeys(std::span<const std::string_view> known) const {
 std::optional<YamlReader> YamlReader::find(std::string_view key) const {
   if (!isMap()) fail(fmt::format("{} is {}; a map (key: value) is expected", where_, shown()));
   for (const auto& entry : node_)
-    if (entry.first.IsScalar() && entry.first.Scalar() == key)
-      return YamlReader(file_, entry.second,
-                        where_ == "the file" ? std::string(key) : fmt::format("{}.{}", where_, key),
-                        entry.first.Mark().line + 1);
+    if (entry.first.IsScalar() && entry.first.Scalar() == key) return valueOf(entry);
   return std::nullopt;
 }
 

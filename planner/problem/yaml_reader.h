@@ -68,6 +68,8 @@ class YamlReader {
  private:
   YamlReader(std::shared_ptr<const std::string> file, const YAML::Node& node, std::string where,
              int parent_line);
+  void expectMap() const;
+  YamlReader valueOf(const YAML::detail::iterator_value& entry) const;
   std::string shown() const;  ///< the offending value, short enough for a message
 
   std::shared_ptr<const std::string> file_;

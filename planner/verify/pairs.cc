@@ -119,7 +119,8 @@ std::vector<Body> collectBodies(const Problem& problem) {
 std::vector<BodyPair> collectPairs(const Problem& problem, const std::vector<Body>& bodies) {
   const Rules rules(problem);
   std::vector<BodyPair> pairs;
-  for (std::size_t a = 0; a < bodies.size(); ++a)
+  // Bodies of the world come last; one of a pair is the robot's.
+  for (std::size_t a = 0; a < bodies.size() && bodies[a].link >= 0; ++a)
     for (std::size_t b = a + 1; b < bodies.size(); ++b) {
       if (rules.mayTouch(bodies[a], bodies[b])) continue;
       BodyPair pair{a, b, rules.margin(bodies[a], bodies[b]),

@@ -33,8 +33,8 @@
 // halves are in use costs hundreds of cycles, and compilers forget to clear them.
 //
 // Rounding only costs steps: both ends rest on points and support values, whose rounding gjk.cc
-// derives. (A direction's length is divided out of its support value, which errs by no more than the
-// value along a unit vector.) What plain arithmetic cannot settle - flat simplices, the origin
+// derives. (A direction's length is divided out of its support value, which errs by no more than
+// the value along a unit vector.) What plain arithmetic cannot settle - flat simplices, the origin
 // inside, ends that rounding keeps apart - is left to runGjk().
 
 HWY_BEFORE_NAMESPACE();

@@ -87,7 +87,7 @@ class SceneBuilder {
   /// All pairs with a moving body that are not allowed, each with its margin. Throws
   /// std::invalid_argument for a margin or a pose that is not finite, for a rotation that is not
   /// orthogonal within kRotationTolerance, and for two half-spaces, naming their bodies.
-  /// O(bodies (bodies + allowed) + pairs margins).
+  /// O(bodies + pairs + allowed + margins).
   Scene build() const;
 
  private:
