@@ -20,10 +20,11 @@ target_compile_options(leeway_options INTERFACE -ffp-contract=off -fno-math-errn
   $<$<AND:$<BOOL:${LEEWAY_WERROR}>,$<CXX_COMPILER_ID:GNU>>:-Wno-error=array-bounds>)
 
 if(LEEWAY_SANITIZE)
-  # -O0 takes the place of the build type's: with a sanitizer's checks in the code -O1 takes half as long again to compile tests, nearly twice as
-  # long the library and eight times as long code for every instruction set. Tests that are dear then ask fewer cases (tests/support/sanitized.h).
+  # -O0 takes the place of the build type's: with a sanitizer's checks in the code -O1 takes half as long again to compile tests, and eight times as
+  # long code for every instruction set. (What tests ask of libraries is worth it.) Tests that are dear then ask fewer cases (tests/support/sanitized.h).
   add_compile_options(-O0 -fsanitize=${LEEWAY_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
   add_link_options(-fsanitize=${LEEWAY_SANITIZE})
+  set(leeway_library_options -O1)
 endif()
 
 option(LEEWAY_USE_CCACHE "Compile through ccache where there is one" ${PROJECT_IS_TOP_LEVEL})

@@ -10,6 +10,7 @@ function(leeway_add_layer name)
   target_include_directories(leeway_${name} PRIVATE ${PROJECT_SOURCE_DIR})
   target_compile_features(leeway_${name} PUBLIC cxx_std_20)
   target_link_libraries(leeway_${name} PUBLIC ${arg_PUBLIC} PRIVATE ${arg_PRIVATE} $<BUILD_INTERFACE:leeway_options>)
+  target_compile_options(leeway_${name} PRIVATE ${leeway_library_options})
   leeway_precompile(leeway_${name} ${arg_PRECOMPILE})
   set_target_properties(leeway_${name} PROPERTIES EXPORT_NAME ${name} VERSION ${PROJECT_VERSION}
     SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})

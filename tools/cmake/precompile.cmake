@@ -16,6 +16,7 @@ function(leeway_precompile target)
     add_library(leeway_common_headers OBJECT ${PROJECT_BINARY_DIR}/common_headers.cc)
     target_link_libraries(leeway_common_headers PRIVATE Eigen3::Eigen leeway_options)
     target_compile_features(leeway_common_headers PUBLIC cxx_std_20)
+    target_compile_options(leeway_common_headers PRIVATE ${leeway_library_options})  # as libraries
     target_precompile_headers(leeway_common_headers PRIVATE ${leeway_common_headers})
   endif()
   target_precompile_headers(${target} REUSE_FROM leeway_common_headers)
