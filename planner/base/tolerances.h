@@ -192,9 +192,10 @@ constexpr std::int64_t kClearanceWork = 100'000'000;
 constexpr int kClearancePasses = 3;
 constexpr int kClearanceLooks = 2;
 
-/// With more pairs [count] those within a reach are looked at first: this [m], and so many times as
-/// much as long as nothing is found within it.
+/// With more pairs [count] a state looks only at those that are near; with fewer, at all. Measured.
 constexpr std::size_t kManyPairs = 512;
+/// What counts as near for a clearance at first [m], and the factor by which that grows as long as
+/// nothing is found.
 constexpr double kFirstReach = 0.1;
 constexpr double kReachGrowth = 4;
 

@@ -1,6 +1,7 @@
 #include "leeway/planner/edge_certifier.h"
 
 #include <algorithm>
+#include <numeric>
 #include <utility>
 
 #include "collision/mesh/descent/sweep_fronts.h"
@@ -30,6 +31,8 @@ EdgeCertifier::Impl::Impl(std::shared_ptr<const CompiledScene> compiled)
     list->reserve(kEdgeIntervals);
   spans.reserve(kEdgeSpans);
   edge_parts.reserve(kEdgeParts);
+  all_pairs.resize(pairs);
+  std::iota(all_pairs.begin(), all_pairs.end(), 0);
   near_pairs.reserve(pairs);
   asked_pairs.reserve(pairs);
   pass_pairs.reserve(pairs);

@@ -85,9 +85,9 @@ struct EdgeCertifier::Impl {
   // One configuration (edge_state.cc).
 
   enum class PairState : unsigned char { kFree, kNotFree, kOpen };
-  /// In near_pairs, in their order: the pairs that may not keep their thresholds, or not be farther
-  /// apart than `reach` >= 0 [m].
-  void listNearPairs(int slot, double reach);
+  /// The pairs, in their order, that may not keep their thresholds, or not be farther apart than
+  /// `reach` >= 0 [m]; until the next call.
+  std::span<const int> nearPairs(int slot, double reach);
   /// All pairs at t, placed in `slot`. `offender`: the pair that is not free or undecided.
   Verdict checkState(int slot, double t, int& offender);
   /// By balls and coarse shapes.
@@ -229,7 +229,7 @@ struct EdgeCertifier::Impl {
   struct ClearanceSearch;
   Interval refineState(int slot, double t, const EdgePair& pair, ClearanceSearch& search);
   void searchState(int slot, double t, ClearanceSearch& search);
-  void searchPairs(int slot, double t, ClearanceSearch& search);
+  void searchPairs(int slot, double t, std::span<const int> near, ClearanceSearch& search);
   void settlePairs(EdgeInterval& interval, ClearanceSearch& search);
   void settleFromMiddle(EdgeInterval& interval, int slot, bool last, ClearanceSearch& search);
   bool listNearLanes(ClearanceSearch& search);
@@ -283,7 +283,8 @@ struct EdgeCertifier::Impl {
   std::vector<EdgePart> edge_parts;
   std::vector<int> part_pairs;
   std::vector<collision::LaneSweep::Open> pass_pairs;
-  std::vector<int> near_pairs, asked_pairs;   ///< of listNearPairs(), and of the one before
+  std::vector<int> all_pairs;                 ///< 0, 1, 2 ...
+  std::vector<int> near_pairs, asked_pairs;   ///< of nearPairs(), and of the call before
   std::vector<int> never_parted;              ///< pairs for checkContainment()
   std::vector<std::pair<double, int>> order;  ///< pairs by coarse distance
   /// What searchLikelyContacts() has asked of this edge in vain.

@@ -55,26 +55,25 @@ Interval EdgeCertifier::Impl::refineState(int slot, double t, const EdgePair& pa
 /// All pairs at one configuration, in the order of their coarse bounds. Of many those within a
 /// reach come first, which grows until it is beyond the least distance known.
 void EdgeCertifier::Impl::searchState(int slot, double t, ClearanceSearch& search) {
-  const bool are_many = frames.pairs().size() > kManyPairs;
   asked_pairs.clear();
   for (double reach = kFirstReach;; reach *= kReachGrowth) {
     const double known = search.best.clearance.upper;
     if (std::isfinite(known)) reach = std::max(known, 0.0) + most_rounding;
-    listNearPairs(slot, are_many ? reach : kInfinity);
-    searchPairs(slot, t, search);
-    const bool is_all = near_pairs.size() == frames.pairs().size();
-    if (is_all || search.best.clearance.upper + most_rounding <= reach || search.isCutOff() ||
-        work.isSpent())
+    const std::span<const int> near = nearPairs(slot, reach);
+    searchPairs(slot, t, near, search);
+    if (near.size() == frames.pairs().size() ||
+        search.best.clearance.upper + most_rounding <= reach || search.isCutOff() || work.isSpent())
       return;
     asked_pairs = near_pairs;
   }
 }
 
-/// The listed pairs, but for those that have been asked.
-void EdgeCertifier::Impl::searchPairs(int slot, double t, ClearanceSearch& search) {
+/// Of some pairs those that have not been asked.
+void EdgeCertifier::Impl::searchPairs(int slot, double t, std::span<const int> near,
+                                      ClearanceSearch& search) {
   const std::span<const EdgePair> pairs = frames.pairs();
   order.clear();
-  for (const int p : near_pairs) {
+  for (const int p : near) {
     if (std::binary_search(asked_pairs.begin(), asked_pairs.end(), p)) continue;
     const EdgePair& pair = pairs[at(p)];
     const Eigen::Vector3d center = frames.inFrameOf(slot, pair.b, frames.center(slot, pair.a));

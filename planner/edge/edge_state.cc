@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <limits>
-#include <numeric>
 #include <utility>
 
 #include "collision/scene/scene_access.h"
+#include "planner/base/tolerances.h"
 #include "planner/edge/edge_certifier_impl.h"
 #include "planner/edge/edge_model.h"
 
@@ -63,34 +63,34 @@ EdgeCertifier::Impl::PairState EdgeCertifier::Impl::exactState(int slot, const E
   return distance.upper <= pair.threshold ? PairState::kNotFree : PairState::kOpen;
 }
 
-/// Lanes know where things are; without them, it is all pairs.
-void EdgeCertifier::Impl::listNearPairs(int slot, double reach) {
+/// Lanes know where things are; without them, or where pairs are few, it is all pairs.
+std::span<const int> EdgeCertifier::Impl::nearPairs(int slot, double reach) {
+  if (frames.pairs().size() <= kManyPairs || !lanes_fit || !lanes.isUsable()) return all_pairs;
   near_pairs.clear();
-  if (lanes_fit && lanes.isUsable()) {
-    lanes.nearPairs(frames, slot, reach, near_pairs);
-    std::sort(near_pairs.begin(), near_pairs.end());
-    return;
-  }
-  near_pairs.resize(frames.pairs().size());
-  std::iota(near_pairs.begin(), near_pairs.end(), 0);
+  lanes.nearPairs(frames, slot, reach, near_pairs);
+  std::sort(near_pairs.begin(), near_pairs.end());
+  return near_pairs;
 }
 
 Verdict EdgeCertifier::Impl::checkState(int slot, double t, int& offender) {
+  if (frames.pairs().empty()) return Verdict::kFree;
   // Balls first, for all pairs: most collisions are deep. The last contact is likely to be the
   // next.
-  open_pairs.clear();
-  if (frames.pairs().empty()) return Verdict::kFree;
-  const auto look = [&](int p) {
-    const PairState coarse = coarseState(slot, frames.pairs()[at(p)]);
-    if (coarse == PairState::kOpen) open_pairs.push_back(p);
-    if (coarse == PairState::kNotFree) offender = last_contact = p;
-    return coarse != PairState::kNotFree;
-  };
+  const std::span<const int> near = nearPairs(slot, 0);
+  const auto count = static_cast<int>(near.size());
   const int first = last_contact;
-  if (!look(first)) return Verdict::kNotFree;
-  listNearPairs(slot, 0);
-  for (const int p : near_pairs)
-    if (p != first && !look(p)) return Verdict::kNotFree;
+  open_pairs.clear();
+  for (int i = -1; i < count; ++i) {
+    const int p = i < 0 ? first : near[at(i)];
+    if (i >= 0 && p == first) continue;
+    const PairState coarse = coarseState(slot, frames.pairs()[at(p)]);
+    if (coarse == PairState::kFree) continue;
+    if (coarse == PairState::kNotFree) {
+      offender = last_contact = p;
+      return Verdict::kNotFree;
+    }
+    open_pairs.push_back(p);
+  }
   Verdict verdict = Verdict::kFree;
   for (const int p : open_pairs) {
     if (frames.keepsGap(frames.pairs()[at(p)], t, t)) continue;
