@@ -68,6 +68,7 @@ EdgeCertifier::Statistics& EdgeCertifier::Statistics::operator+=(const Statistic
   states += more.states;
   edges += more.edges;
   distance_queries += more.distance_queries;
+  undecided_edges += more.undecided_edges;
   intervals += more.intervals;
   return *this;
 }
@@ -136,10 +137,14 @@ EdgeCheck EdgeCertifier::certify(std::span<const double> a, std::span<const doub
   impl.startWork(impl.work_limit);
   impl.smallest = request.smallest_interval;
   EdgeCheck check;
-  if (!impl.frames.begin(a, b)) return check;
+  if (!impl.frames.begin(a, b)) {
+    ++statistics.undecided_edges;
+    return check;
+  }
   const collision::SweepFronts fronts(collision::SceneAccess::scratch(impl.workspace));
   const bool by_lanes = impl.lanes_fit && impl.lanes.begin(impl.frames);
   check = by_lanes ? impl.certifyByLanes() : impl.certifyByBisection();
+  if (check.verdict == Verdict::kUndecided) ++statistics.undecided_edges;
   if (check.verdict == Verdict::kFree)
     check.last_valid = 1;
   else if (request.last_valid)

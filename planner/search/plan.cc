@@ -45,6 +45,7 @@ class Plan {
     result_.states = work_.states;
     result_.edges = work_.edges;
     result_.distance_queries = work_.distance_queries;
+    result_.undecided_edges = work_.undecided_edges;
     return std::move(result_);
   }
 

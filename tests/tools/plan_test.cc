@@ -13,7 +13,7 @@ void expectPlanFields(const json& document) {
   for (const char* key : {"load", "compile", "plan", "simplify", "certify"}) {
     EXPECT_TRUE(document["time_s"].contains(key) && document["time_s"][key].is_number()) << key;
   }
-  for (const char* key : {"iterations", "states", "edges", "distance_queries"}) {
+  for (const char* key : {"iterations", "states", "edges", "distance_queries", "undecided_edges"}) {
     EXPECT_TRUE(document["counts"].contains(key) && document["counts"][key].is_number_unsigned())
         << key;
   }

@@ -115,10 +115,10 @@ std::string offendingText(const planner::PlanResult& result) {
 std::string timeText(const planner::PlanResult& result, double load_s) {
   return fmt::format(
       "Time [ms]: load {:.2f}, compile {:.2f}, plan {:.2f}, simplify {:.2f}, certify {:.2f}.\n"
-      "Counts: {} iterations, {} states, {} edges, {} distance queries.\n",
+      "Counts: {} iterations, {} states, {} edges ({} undecided), {} distance queries.\n",
       load_s * 1e3, result.compile_s * 1e3, result.plan_s * 1e3, result.simplify_s * 1e3,
       result.certify_s * 1e3, result.iterations, result.states, result.edges,
-      result.distance_queries);
+      result.undecided_edges, result.distance_queries);
 }
 
 std::string durationText(const planner::Trajectory& trajectory) {
@@ -151,6 +151,11 @@ void printText(const planner::Problem& problem, const planner::PlanResult& resul
                  problem.limits.iterations > 0
                      ? fmt::format(" and {} iterations", problem.limits.iterations)
                      : "");
+      if (result.undecided_edges > 0)
+        fmt::print(
+            "{} of {} edges were left undecided within their work limit; the search went without "
+            "them.\n",
+            result.undecided_edges, result.edges);
       break;
     case planner::PlanStatus::kInvalidStart:
     case planner::PlanStatus::kInvalidGoal:

@@ -85,7 +85,8 @@ Json toJson(const planner::Problem& problem, const planner::PlanResult& result,
                     {{"iterations", result.iterations},
                      {"states", result.states},
                      {"edges", result.edges},
-                     {"distance_queries", result.distance_queries}}}};
+                     {"distance_queries", result.distance_queries},
+                     {"undecided_edges", result.undecided_edges}}}};
   document["warnings"] = result.warnings;
   document["goal"] =
       result.goal >= 0 ? Json(problem.goals[static_cast<std::size_t>(result.goal)].name) : Json();

@@ -86,6 +86,7 @@ class EdgeCertifier {
 
   struct Statistics {
     std::uint64_t states = 0, edges = 0, distance_queries = 0, intervals = 0;
+    std::uint64_t undecided_edges = 0;  ///< of certify(), mostly by its work limit
     Statistics& operator+=(const Statistics& more);
   };
   Statistics statistics;
