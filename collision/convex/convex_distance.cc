@@ -18,6 +18,7 @@
 #include "collision/convex/pairs/closed_form.h"
 #include "collision/convex/pairs/segment_pairs.h"
 #include "collision/convex/round_depth/curved_depth.h"
+#include "collision/convex/round_depth/curved_facet.h"
 #include "collision/convex/round_depth/parallel_axes.h"
 
 namespace leeway::collision {
@@ -346,7 +347,7 @@ DistanceResult convexDistance(const ConvexView& a, const Pose& X_BA, const Conve
   search(a, X_BA, b, start, cache, difference, scratch.impl(), progress, simplex);
   remember(progress, simplex, difference.countsVertices(), difference.hintA(), difference.hintB(),
            cache);
-  scratch.impl().work->add(progress.iterations * kStepWork);
+  scratch.impl().work->add(progress.iterations * kStepWork + progress.facet_cells * kFacetCellWork);
   return resultOf(progress);
 }
 

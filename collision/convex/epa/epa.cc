@@ -22,6 +22,7 @@ class Epa {
         surface_(buffers, roundoff_, planes_.reach),
         cover_(planes_) {}
 
+  int facetCells() const { return cover_.facets().cells(); }
   // False when the difference is flat: the lower ends found on the way are all there is.
   bool begin(const Simplex& start);
   void search();
@@ -291,6 +292,7 @@ void growPolytope(Difference<false>& difference, const Simplex& start, PolytopeB
   Epa epa(difference, buffers, progress);
   if (!epa.begin(start)) return;
   epa.search();
+  progress.facet_cells += epa.facetCells();
   epa.offerWitness();
 }
 

@@ -22,7 +22,7 @@ constexpr int kLongestRest = 63;
 FacetCover::FacetCover(SupportPlanes& planes)
     : planes_(planes),
       roundoff_(planes.progress.query().roundoff),
-      curved_(planes.difference, roundoff_) {}
+      curved_(planes.difference, roundoff_, planes.progress.query().request.iteration_limit) {}
 
 // The part of the width asked for that rounding leaves to the search.
 double FacetCover::tolerance() const {

@@ -105,6 +105,7 @@ class Progress {
   const Vector& witnessW() const { return witness_w_; }
   const Vector& witnessA() const { return witness_a_; }
   int iterations = 0;
+  int facet_cells = 0;  ///< of CurvedFacets; they count as work besides the iterations
 
  private:
   const CoreQuery& query_;

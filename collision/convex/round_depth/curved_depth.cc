@@ -18,14 +18,14 @@ namespace {
 // The work of a direction where a hull's vertices are blended [count].
 constexpr std::int64_t kHullWork = 4;
 // Back-off: after descents that found nothing, up to this many are skipped [count].
-constexpr int kLongestRest = 63;
+constexpr int kLongestRest = 255;
 // Halvings of a face of the octahedron [count]: most corners' coordinates stay exact, so that cells
 // that share an edge leave no gap. (A search ends at the first inexact one.)
 constexpr int kMostHalvings = 96;
 // Those of a half plane [count].
 constexpr int kMostPlaneHalvings = 48;
 // The back-off ends at every cell whose halvings are a multiple of this [count].
-constexpr int kHalvingsPerLook = 8;
+constexpr int kHalvingsPerLook = 32;
 // Stiffnesses tried for a choice [count].
 constexpr int kStiffnesses = 16;
 // Share of the width that axes which are not quite parallel may take.
@@ -396,13 +396,15 @@ bool CurvedDepth::provesCells(Cell* stack, int count, int most_halvings, std::in
 }
 
 bool CurvedDepth::provesAll(bool edges, std::int64_t spare) {
+  Node ends[2][3];
+  for (int i = 0; i < 3; ++i) {
+    ends[0][i] = nodeAt(Vector::Unit(i));
+    ends[1][i] = nodeAt(-Vector::Unit(i));
+  }
   Cell stack[8 + kMostHalvings];
   for (int octant = 0; octant < 8; ++octant) {
-    Cell& cell = stack[octant];
-    cell.halvings = 0;
-    for (int i = 0; i < 3; ++i) {
-      cell.node[i] = nodeAt((octant >> i & 1) != 0 ? Vector(-Vector::Unit(i)) : Vector::Unit(i));
-    }
+    stack[octant].halvings = 0;
+    for (int i = 0; i < 3; ++i) stack[octant].node[i] = ends[octant >> i & 1][i];
   }
   return provesCells(stack, 8, kMostHalvings, spare,
                      [&](Cell& cell, Cell& other) { return halve(cell, edges, other); });

@@ -10,14 +10,14 @@ namespace leeway::collision {
 /// want little work [count].
 inline constexpr int kLeastIterations = 64;
 
-/// Cells, directions and planes that one of its iterations buys [count]. Each takes about 0.4 us,
-/// so that the default limit of 256 iterations is less than a millisecond. One in three hundred
-/// pairs of the long run is left wider than asked: nearly coaxial ones, and corners next to a round
-/// body's middle. With 36 times as much none is.
-inline constexpr std::int64_t kCellsPerStep = 9;
+/// Cells, directions and planes that one of its iterations buys [count]. Each takes about 0.37 us,
+/// so that the default limit of 256 iterations is less than a millisecond. A few of a thousand
+/// pairs of the long run are left wider than asked: nearly coaxial ones, and corners next to a
+/// round body's middle. With 36 times as much none is.
+inline constexpr std::int64_t kCellsPerStep = 8;
 
 /// The cost of one of its iterations beyond that of any other [units of Work].
-inline constexpr std::int64_t kCurvedStepWork = 400 * kCellsPerStep;
+inline constexpr std::int64_t kCurvedStepWork = 370 * kCellsPerStep;
 
 /// True for the pairs of offerCurvedDepth(): one core at least is a cylinder, cone or ellipsoid;
 /// the other is such a core, a point, segment or box, or the vertices of a ConvexHull.

@@ -14,8 +14,6 @@ namespace {
 constexpr int kMostHalvings = 24;
 // Cells of one facet [count]; more cover larger facets, and cost more where they fail.
 constexpr int kMostCells = 256;
-// Cells of one query [count]: about two milliseconds.
-constexpr int kMostCellsOfAll = 16'384;
 
 }  // namespace
 
@@ -36,8 +34,9 @@ constexpr int kMostCellsOfAll = 16'384;
 //
 // In all less than 240, which kFacetRounding covers.
 // clang-format on
-CurvedFacets::CurvedFacets(const Difference<false>& difference, double roundoff)
-    : difference_(difference) {
+CurvedFacets::CurvedFacets(const Difference<false>& difference, double roundoff,
+                           int iteration_limit)
+    : difference_(difference), most_cells_(kFacetCellsPerStep * iteration_limit) {
   const ConvexView* views[2] = {&difference.viewA(), &difference.viewB()};
   for (int k = 0; k < 2; ++k) {
     const ConvexView& view = *views[k];
@@ -50,7 +49,7 @@ CurvedFacets::CurvedFacets(const Difference<false>& difference, double roundoff)
     }
     curved_ |= part_[k].curved;
   }
-  cells_left_ = kMostCellsOfAll;
+  cells_left_ = most_cells_;
   slack_ = kFacetRounding * roundoff * (roundoff / kUnitRoundoff);
 }
 

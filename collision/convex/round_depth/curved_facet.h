@@ -1,9 +1,16 @@
 #pragma once
 
+#include <cstdint>
+
 #include "collision/convex/gjk/support.h"
 #include "collision/convex/round_depth/curved_cell.h"
 
 namespace leeway::collision {
+
+/// Cells that a query looks at for each step of its limit, and what one costs [count, units of
+/// Work].
+inline constexpr int kFacetCellsPerStep = 3;
+inline constexpr std::int64_t kFacetCellWork = 120;
 
 /// Proves that the curved surface of a difference over a facet of a polytope is farther out than
 /// the facet. A triangle of three members lies inside a curved surface: where the surface is about
@@ -29,16 +36,20 @@ namespace leeway::collision {
 class CurvedFacets {
  public:
   /// roundoff: as CoreQuery.
-  CurvedFacets(const Difference<false>& difference, double roundoff);
+  CurvedFacets(const Difference<false>& difference, double roundoff, int iteration_limit);
 
   /// Some part of the difference is curved; without, no facet is ever covered.
   bool any() const { return curved_; }
 
   /// True when the support of the difference is proven, rounding included, to be at least `depth` >
   /// 0 in all directions of the cone of the three points, which must be members of the difference
-  /// by their indices. O(1): a few hundred cells at most, and some ten thousand for all facets
+  /// by their indices. O(1): a few hundred cells at most, and kFacetCellsPerStep for each step of
+  /// the limit for all facets
   /// together.
   bool covers(const SupportPoint& w0, const SupportPoint& w1, const SupportPoint& w2, double depth);
+
+  /// Cells that covers() has looked at.
+  int cells() const { return most_cells_ - cells_left_; }
 
   /// After covers(): the direction, of any length, with the least bound evaluated.
   const Vector& leastDirection() const { return least_direction_; }
@@ -70,6 +81,7 @@ class CurvedFacets {
   const Difference<false>& difference_;
   Part part_[2];
   bool curved_ = false;
+  const int most_cells_;
   int cells_left_ = 0;
   double slack_ = 0;  // rounding of a bound [m^2]
   Vector least_direction_ = Vector::UnitX();

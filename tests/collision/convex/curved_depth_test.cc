@@ -377,7 +377,7 @@ TEST(CurvedDepth, LimitOfIterationsIsKept) {
   const oracle::Truth truth = oracle::signedSeparation(pair.a, pair.X_WA, pair.b, pair.X_WB);
   Scratch scratch;
   int stopped = 0, converged = 0;
-  for (const int limit : {1, 8, 63, 64, 70, 100, 256, 1000}) {
+  for (const int limit : {1, 8, 63, 64, 70, 100, 256, 1000, 10000}) {
     DistanceRequest request;
     request.iteration_limit = limit;
     for (const double tolerance : {1e-9, 1e-12, 1.1e-14}) {
@@ -385,7 +385,7 @@ TEST(CurvedDepth, LimitOfIterationsIsKept) {
       const DistanceResult r = distance(pair.a, pair.X_WA, pair.b, pair.X_WB, request, scratch);
       EXPECT_LE(r.distance.lower, truth.upper) << limit;
       EXPECT_GE(r.distance.upper, truth.lower) << limit;
-      EXPECT_LE(r.iterations, 2 * limit) << tolerance;
+      EXPECT_LE(r.iterations, 2 * limit + 8) << tolerance;  // and the last descent
       const bool narrow = r.distance.width() <= tolerance;
       EXPECT_EQ(r.status, narrow ? DistanceStatus::kConverged : DistanceStatus::kLimit);
       narrow ? ++converged : ++stopped;

@@ -34,7 +34,7 @@ TEST(CurvedFacets, WhatIsCoveredIsFarEnoughOutInEveryDirection) {
     Difference<false> difference = turned_about ? Difference<false>(view_b, view_a, X_AB, X_AB)
                                                 : Difference<false>(view_a, view_b, X_BA, X_BA);
     const double size = view_a.extent + view_b.extent + X_BA.translation.norm();
-    CurvedFacets curved(difference, kUnitRoundoff * size);
+    CurvedFacets curved(difference, kUnitRoundoff * size, 10000);
     ASSERT_TRUE(curved.any());
     const Vector3d middle = random.direction();
     const double width = random.logUniform(1e-3, 1);

@@ -70,6 +70,8 @@ TEST(NarrowWidth, DefaultToleranceIsMetAndTheTruthWithin) {
 TEST(NarrowWidth, AsNarrowForTwinsForNearContactAndAboutOneAxis) {
   Random random(66);
   Scratch scratch;
+  DistanceRequest request;
+  request.iteration_limit *= 36;  // a default query ends within a millisecond
   int open[3] = {0, 0, 0}, overlapping[3] = {0, 0, 0}, held = 0;
   constexpr int kCases = casesToAsk(500);
   for (int i = 0; i < 3 * kCases; ++i) {
@@ -90,7 +92,7 @@ TEST(NarrowWidth, AsNarrowForTwinsForNearContactAndAboutOneAxis) {
     } else if (family == 1) {
       X_WB.rotation = random.rotation();
       X_WB.translation += size * random.direction();
-      const DistanceResult r = distance(a, X_WA, b, X_WB, {}, scratch);
+      const DistanceResult r = distance(a, X_WA, b, X_WB, request, scratch);
       X_WB.translation -= (r.distance.upper + random.logUniform(1e-16, 1e-12) * size) * r.normal;
     } else {
       const double angle = random.uniform(0, 6);
@@ -100,7 +102,7 @@ TEST(NarrowWidth, AsNarrowForTwinsForNearContactAndAboutOneAxis) {
       X_WB.translation += 0.1 * size * random.uniform(-1, 1) * X_WA.rotation.col(2) +
                           random.logUniform(1e-12, 1e-3) * size * X_WA.rotation.col(0);
     }
-    const DistanceResult r = distance(a, X_WA, b, X_WB, {}, scratch);
+    const DistanceResult r = distance(a, X_WA, b, X_WB, request, scratch);
     open[family] += r.status != DistanceStatus::kConverged;
     overlapping[family] += r.distance.lower < 0;
     if (i % 30 > 2) continue;
