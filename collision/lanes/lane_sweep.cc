@@ -260,8 +260,8 @@ void LaneSweep::Impl::findObstacles() {
   std::vector<ObstacleBoxes::Box> grown_boxes(whole_obstacles);
   for (std::size_t i = 0; i < whole_obstacles; ++i)
     for (int k = 0; k < 3; ++k) {
-      grown_boxes[i].low[k] = floatBelow(obstacles[i].low[k] - grown[i]);
-      grown_boxes[i].high[k] = floatAbove(obstacles[i].high[k] + grown[i]);
+      grown_boxes[i].low[k] = std::max(floatBelow(obstacles[i].low[k] - grown[i]), -kFar);
+      grown_boxes[i].high[k] = std::min(floatAbove(obstacles[i].high[k] + grown[i]), kFar);
     }
   boxes = ObstacleBoxes(grown_boxes);
   std::vector<std::size_t> slot_of(whole_obstacles);

@@ -105,10 +105,11 @@ ObstacleBoxes::ObstacleBoxes(std::span<const Box> boxes) {
         if (box.high[k] - box.low[k] > longest) return true;
       return false;
     };
-    const auto rest = std::stable_partition(order.begin(), order.end(), isLarge);
-    // Full nodes of large boxes, so that none is shared; the last may be, with a few others.
-    sortBoxes(boxes, {order.begin(), rest});
-    sortBoxes(boxes, {rest, order.end()});
+    // Last, so that the nodes of the others stay full.
+    const auto large = std::stable_partition(order.begin(), order.end(),
+                                             [&](std::int32_t i) { return !isLarge(i); });
+    sortBoxes(boxes, {order.begin(), large});
+    sortBoxes(boxes, {large, order.end()});
   }
   levels_.push_back(emptyLevel(boxes.size()));
   Level& slots = levels_.front();

@@ -214,7 +214,7 @@ class EdgeLanes::Builder {
     const Ball& ball = piece.bounds->outer;
     for (std::size_t i = 0; i < motions.size(); ++i)
       if (motions[i].link == piece.link && motions[i].base < 0 &&
-          motions[i].center_L == ball.center)
+          motions[i].center_L == ball.center && motions[i].radius == ball.radius)
         return static_cast<int>(i);
     // It meets nothing of the world, but its box is asked for.
     return addMotion(robots::relativeMotion(model_, piece.link, -1, ball.center, ball.radius));

@@ -155,7 +155,6 @@ void readObject(const YamlReader& map, std::unordered_set<std::string>& taken, P
   problem.robot.attachments.push_back(std::move(attachment));
 }
 
-/// Two different names of links or objects.
 /// The names of all links and objects.
 struct KnownNames {
   explicit KnownNames(const Problem& problem) : all(linkNames(*problem.robot.model)) {
@@ -166,6 +165,7 @@ struct KnownNames {
   std::unordered_set<std::string> set;
 };
 
+/// Two different names of links or objects.
 std::pair<std::string, std::string> readNamePair(const YamlReader& pair, const KnownNames& known) {
   const std::vector<YamlReader> items = pair.items();
   if (items.size() != 2 || items[0].text() == items[1].text())

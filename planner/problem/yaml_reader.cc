@@ -59,13 +59,6 @@ class IgnoreEvents : public YAML::EventHandler {
   void OnMapEnd() override {}
 };
 
-/// True where all text is one document for sure: a map without braces goes on to the next document,
-/// whose beginning has a marker.
-bool isOneDocument(const std::string& text, const YAML::Node& document) {
-  return document.IsMap() && document.Style() == YAML::EmitterStyle::Block &&
-         text.find("\n---") == std::string::npos && text.find("\n...") == std::string::npos;
-}
-
 /// 0, 1, or 2 for more. Not by YAML::LoadAll: after a stray comma behind a document, that of
 /// yaml-cpp 0.7 returns empty documents without end.
 int countDocuments(const std::string& text) {
@@ -91,11 +84,11 @@ YamlReader YamlReader::load(const std::string& path) {
   const std::string text = readFile(path);
   YAML::Node document;
   try {
-    document = YAML::Load(text);
-    if (!isOneDocument(text, document) && countDocuments(text) > 1)
+    if (countDocuments(text) > 1)
       throw InputError(path, 0,
                        "holds 2 YAML documents or more, or text that belongs to none; exactly one "
                        "is expected");
+    document = YAML::Load(text);
   } catch (const YAML::Exception& error) {
     throw InputError(path, error.mark.is_null() ? 0 : error.mark.line + 1,
                      fmt::format("YAML syntax error: {}; well-formed YAML is expected", error.msg));

@@ -44,9 +44,10 @@ Revolution revolutionOf(const ConvexView& view, double wide) {
 
 }  // namespace
 
-// Let A' be the body next to A whose axis is parallel to B's: a support of A' is within the
-// distance of corresponding points of that of A. These are the turn, less than 1.01 times its sine,
-// and the departure from a rotation, times extent A. Uneven semi-axes count once each. A direction
+// Let A' be the body next to A whose axis is parallel to B's. The frame's origin lies in every
+// core, so that supports are at least 0, and those of A and A' differ by no more than the turn's
+// sine times extent A, here with a little room, and the departure from a rotation times extent A.
+// (That would not hold for a core beside its origin.) Uneven semi-axes count once each. A direction
 // is moved to the half plane with A' in the place of A, so that all of this counts twice. Axis and
 // halved corners of the half plane err by some 20 units of roundoff of the sizes.
 CommonAxis commonAxis(const ConvexView& a, const Pose& X_BA, const ConvexView& b, double roundoff,

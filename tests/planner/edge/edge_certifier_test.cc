@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <limits>
@@ -931,6 +932,51 @@ TEST(EdgeCertifier, OutsideLimitsThatAProofNeededIsUndecided) {
   EXPECT_EQ(certifier.decide(std::vector<double>{-0.9, 0}), Verdict::kUndecided);
   EXPECT_EQ(certifier.certify(std::vector<double>{0, 0}, std::vector<double>{-0.9, 0}).verdict,
             Verdict::kUndecided);
+}
+
+// Regression: a geometry with the centre of a smaller one on the same link took its motion, whose
+// growth was a thousandth of its own, so that a cube swept over a pin was certified free.
+TEST(EdgeCertifier, GeometriesOfOneCentreHaveMotionsOfTheirOwn) {
+  std::vector<Eigen::Vector3d> vertices;
+  std::vector<collision::TriangleMesh::Triangle> triangles;
+  constexpr double kHalf = 1e-3;
+  const double centers[6][2] = {{1, 0}, {-1, 0}, {2, 2}, {2, -2}, {-2, 2}, {-2, -2}};
+  for (const auto& c : centers) {
+    const auto first = static_cast<std::int32_t>(vertices.size());
+    for (int i = 0; i < 8; ++i)
+      vertices.emplace_back(c[0] + ((i & 1) != 0 ? kHalf : -kHalf),
+                            c[1] + ((i & 2) != 0 ? kHalf : -kHalf), (i & 4) != 0 ? kHalf : -kHalf);
+    for (const auto& f : {std::array{0, 2, 1},
+                          {1, 2, 3},
+                          {4, 5, 6},
+                          {5, 7, 6},
+                          {0, 1, 4},
+                          {1, 5, 4},
+                          {2, 6, 3},
+                          {3, 6, 7},
+                          {0, 4, 2},
+                          {2, 4, 6},
+                          {1, 3, 5},
+                          {3, 7, 5}})
+      triangles.push_back({first + f[0], first + f[1], first + f[2]});
+  }
+  const collision::Shape cubes =
+      collision::Shape::mesh(collision::TriangleMesh::make(vertices, triangles));
+  const auto rod =
+      robots::freeBody("rod", {{collision::Shape::sphere(1e-3), {}, "ball"}, {cubes, {}, "cubes"}},
+                       robots::JointType::kFloating, {-1, -1, -1}, {1, 1, 1});
+  constexpr double kTurn = 3.1;
+  const std::vector<double> a = {0, 0, 0, 0, 0, 0, 1};
+  const std::vector<double> b = {0, 0, 0, 0, 0, std::sin(kTurn / 2), std::cos(kTurn / 2)};
+  for (int s = 0; s < 15; ++s) {
+    const double angle = kTurn * (s + 0.98) / 16;
+    Problem problem = test::problemOf(rod, a, a);
+    problem.world.objects.push_back({"pin",
+                                     {{collision::Shape::sphere(1e-5), {}, "pin"}},
+                                     test::at(std::cos(angle), std::sin(angle), 0)});
+    EdgeCertifier certifier(std::make_shared<const CompiledScene>(problem));
+    EXPECT_EQ(certifier.certify(a, b).verdict, Verdict::kNotFree) << s;
+  }
 }
 
 }  // namespace
