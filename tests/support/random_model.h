@@ -49,6 +49,29 @@ class Random {
   std::uint64_t state_;
 };
 
+/// A chain of `count` links: link i, "link<i>", is the child of joint i, "joint<i>", and the parent
+/// of the next joint. Joint 0 is fixed, the others are of `type`. edit(i, link, joint) may change
+/// both before they are appended. Returns with variables from -limit to limit.
+template <class Edit>
+RobotDescription chain(int count, JointType type, double limit, const Edit& edit) {
+  RobotDescription robot;
+  for (int i = 0; i < count; ++i) {
+    Link link;
+    link.name = "link" + std::to_string(i);
+    link.joint = i;
+    Joint joint;
+    joint.name = "joint" + std::to_string(i);
+    joint.type = i == 0 ? JointType::kFixed : type;
+    joint.parent_link = i - 1;
+    joint.child_link = i;
+    edit(i, link, joint);
+    robot.links.push_back(link);
+    robot.joints.push_back(joint);
+    appendVariables(robot, i, Eigen::Vector3d::Constant(-limit), Eigen::Vector3d::Constant(limit));
+  }
+  return robot;
+}
+
 /// A tree of `count` links: all joint types, mimic joints included, random parents.
 inline std::shared_ptr<Model> randomTree(Random& random, int count) {
   RobotDescription robot;

@@ -93,33 +93,20 @@ inline collision::Shape randomMesh(Random& random, double size) {
 
 /// Seven joints, links of 0.25 m; the fourth is continuous, the last carries a mimic finger.
 inline std::shared_ptr<const robots::Model> randomArm(Random& random) {
-  robots::RobotDescription robot;
-  for (int i = 0; i < 9; ++i) {
-    robots::Link link;
-    link.name = "link" + std::to_string(i);
-    link.joint = i;
-    collision::Pose X_LG = random.pose(0.03);
-    X_LG.translation.z() += 0.12;
-    link.geometries.push_back({randomShape(random, 0.08), X_LG, link.name});
-    robot.links.push_back(link);
-    robots::Joint joint;
-    joint.name = "joint" + std::to_string(i);
-    joint.type = i == 0   ? robots::JointType::kFixed
-                 : i == 4 ? robots::JointType::kContinuous
-                          : robots::JointType::kRevolute;
-    joint.parent_link = i - 1;
-    joint.child_link = i;
-    joint.axis = i % 2 == 1 ? Eigen::Vector3d::UnitZ() : Eigen::Vector3d::UnitY();
-    if (i > 0) joint.X_PJ.translation = {0, 0, 0.25};
-    if (i == 8) {
-      joint.mimic = 7;
-      joint.multiplier = -0.5;
-      joint.offset = 0.2;
-    }
-    robot.joints.push_back(joint);
-    robots::appendVariables(robot, i, Eigen::Vector3d::Constant(-2.6),
-                            Eigen::Vector3d::Constant(2.6));
-  }
+  auto robot = robots::testing::chain(
+      9, robots::JointType::kRevolute, 2.6, [&](int i, robots::Link& link, robots::Joint& joint) {
+        collision::Pose X_LG = random.pose(0.03);
+        X_LG.translation.z() += 0.12;
+        link.geometries.push_back({randomShape(random, 0.08), X_LG, link.name});
+        if (i == 4) joint.type = robots::JointType::kContinuous;
+        joint.axis = i % 2 == 1 ? Eigen::Vector3d::UnitZ() : Eigen::Vector3d::UnitY();
+        if (i > 0) joint.X_PJ.translation = {0, 0, 0.25};
+        if (i == 8) {
+          joint.mimic = 7;
+          joint.multiplier = -0.5;
+          joint.offset = 0.2;
+        }
+      });
   for (int i = 0; i + 2 < 9; ++i) robot.disabled_pairs.push_back({i, i + 2, "near"});
   robot.has_srdf = true;
   return std::make_shared<robots::Model>(std::move(robot));

@@ -12,6 +12,7 @@
 #include "leeway/robots/input_error.h"
 #include "planner/edge/edge_model.h"
 #include "robots/model/model_builder.h"
+#include "tests/support/random_model.h"
 #include "tests/support/small_problems.h"
 
 namespace leeway::planner {
@@ -20,24 +21,14 @@ namespace {
 /// A column of 0.2 m links with balls far smaller than the gaps, on revolute joints; those in
 /// `fixed` are fixed.
 std::shared_ptr<robots::Model> column(int links, const std::vector<int>& fixed = {}) {
-  robots::RobotDescription robot;
-  for (int i = 0; i < links; ++i) {
-    robots::Link link;
-    link.name = "link" + std::to_string(i);
-    link.joint = i;
-    link.geometries.push_back({collision::Shape::sphere(0.05), test::at(0, 0, 0.1), link.name});
-    robot.links.push_back(link);
-    robots::Joint joint;
-    joint.name = "joint" + std::to_string(i);
-    const bool turns = i > 0 && std::find(fixed.begin(), fixed.end(), i) == fixed.end();
-    joint.type = turns ? robots::JointType::kRevolute : robots::JointType::kFixed;
-    joint.parent_link = i - 1;
-    joint.child_link = i;
-    joint.axis = Eigen::Vector3d::UnitY();
-    if (i > 0) joint.X_PJ = test::at(0, 0, 0.2);
-    robot.joints.push_back(joint);
-    robots::appendVariables(robot, i, Eigen::Vector3d::Constant(-3), Eigen::Vector3d::Constant(3));
-  }
+  auto robot = robots::testing::chain(
+      links, robots::JointType::kRevolute, 3, [&](int i, robots::Link& link, robots::Joint& joint) {
+        link.geometries.push_back({collision::Shape::sphere(0.05), test::at(0, 0, 0.1), link.name});
+        if (std::find(fixed.begin(), fixed.end(), i) != fixed.end())
+          joint.type = robots::JointType::kFixed;
+        joint.axis = Eigen::Vector3d::UnitY();
+        if (i > 0) joint.X_PJ = test::at(0, 0, 0.2);
+      });
   return std::make_shared<robots::Model>(std::move(robot));
 }
 

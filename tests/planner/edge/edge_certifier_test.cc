@@ -820,21 +820,10 @@ TEST(EdgeCertifier, WhatCannotBeIsUndecided) {
   EXPECT_EQ(flying.certify(turned, zero).verdict, Verdict::kUndecided);
   EXPECT_EQ(flying.certify(turned, turned).verdict, Verdict::kFree);
 
-  robots::RobotDescription robot;
-  for (int i = 0; i < 2; ++i) {
-    robots::Link link;
-    link.name = "link" + std::to_string(i);
-    link.joint = i;
-    if (i == 1) link.geometries.push_back({collision::Shape::sphere(0.1), {}, link.name});
-    robot.links.push_back(link);
-    robots::Joint joint;
-    joint.name = "joint" + std::to_string(i);
-    joint.type = i == 0 ? robots::JointType::kFixed : robots::JointType::kPrismatic;
-    joint.parent_link = i - 1;
-    joint.child_link = i;
-    robot.joints.push_back(joint);
-    robots::appendVariables(robot, i, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero());
-  }
+  auto robot = robots::testing::chain(
+      2, robots::JointType::kPrismatic, 0, [](int i, robots::Link& link, robots::Joint&) {
+        if (i == 1) link.geometries.push_back({collision::Shape::sphere(0.1), {}, link.name});
+      });
   const auto model = std::make_shared<robots::Model>(std::move(robot));
   Problem stuck = test::problemOf(model, {0}, {0});
   stuck.world.objects.push_back(test::box("wall", {0.05, 2, 2}, 1, 0, 0));
@@ -847,29 +836,17 @@ TEST(EdgeCertifier, WhatCannotBeIsUndecided) {
 
 // When a continuous joint wraps, a mimic of half its angle would jump.
 TEST(EdgeCertifier, AMimicThatWouldJumpIsUndecided) {
-  robots::RobotDescription robot;
-  for (int i = 0; i < 3; ++i) {
-    robots::Link link;
-    link.name = "link" + std::to_string(i);
-    link.joint = i;
-    link.geometries.push_back({collision::Shape::sphere(0.1), {}, link.name});
-    robot.links.push_back(link);
-    robots::Joint joint;
-    joint.name = "joint" + std::to_string(i);
-    joint.type = i == 0   ? robots::JointType::kFixed
-                 : i == 1 ? robots::JointType::kContinuous
-                          : robots::JointType::kRevolute;
-    joint.parent_link = i - 1;
-    joint.child_link = i;
-    joint.axis = Eigen::Vector3d::UnitZ();
-    if (i > 0) joint.X_PJ.translation = {0.5, 0, 0};
-    if (i == 2) {
-      joint.mimic = 1;
-      joint.multiplier = 0.5;
-    }
-    robot.joints.push_back(joint);
-    robots::appendVariables(robot, i, Eigen::Vector3d::Constant(-1), Eigen::Vector3d::Constant(1));
-  }
+  auto robot = robots::testing::chain(
+      3, robots::JointType::kRevolute, 1, [](int i, robots::Link& link, robots::Joint& joint) {
+        link.geometries.push_back({collision::Shape::sphere(0.1), {}, link.name});
+        if (i == 1) joint.type = robots::JointType::kContinuous;
+        joint.axis = Eigen::Vector3d::UnitZ();
+        if (i > 0) joint.X_PJ.translation = {0.5, 0, 0};
+        if (i == 2) {
+          joint.mimic = 1;
+          joint.multiplier = 0.5;
+        }
+      });
   robot.disabled_pairs.push_back({0, 2, "drawn so"});
   robot.has_srdf = true;
   const auto model = std::make_shared<robots::Model>(std::move(robot));
@@ -907,23 +884,11 @@ TEST(EdgeCertifier, QueriesAllocateNothing) {
 
 // A pair excluded by a proof within the limits may collide outside them.
 TEST(EdgeCertifier, OutsideLimitsThatAProofNeededIsUndecided) {
-  robots::RobotDescription robot;
-  for (int i = 0; i < 3; ++i) {
-    robots::Link link;
-    link.name = "link" + std::to_string(i);
-    link.joint = i;
-    link.geometries.push_back({collision::Shape::sphere(0.1), {}, link.name});
-    robot.links.push_back(link);
-    robots::Joint joint;
-    joint.name = "joint" + std::to_string(i);
-    joint.type = i == 0 ? robots::JointType::kFixed : robots::JointType::kPrismatic;
-    joint.parent_link = i - 1;
-    joint.child_link = i;
-    if (i > 0) joint.X_PJ.translation = {0.5, 0, 0};
-    robot.joints.push_back(joint);
-    robots::appendVariables(robot, i, Eigen::Vector3d::Constant(-0.1),
-                            Eigen::Vector3d::Constant(0.1));
-  }
+  auto robot = robots::testing::chain(
+      3, robots::JointType::kPrismatic, 0.1, [](int i, robots::Link& link, robots::Joint& joint) {
+        link.geometries.push_back({collision::Shape::sphere(0.1), {}, link.name});
+        if (i > 0) joint.X_PJ.translation = {0.5, 0, 0};
+      });
   const auto model = std::make_shared<robots::Model>(std::move(robot));
   Problem problem = test::problemOf(model, {0, 0}, {0, 0});
   EdgeCertifier certifier(std::make_shared<const CompiledScene>(problem));

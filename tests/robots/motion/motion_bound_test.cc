@@ -137,24 +137,17 @@ TEST(MotionBound, CommonMotionCostsNothing) {
   }
 }
 
+// A finger that slides along x on a link that turns about z.
+void slidingFinger(int i, Link& /*link*/, Joint& joint) {
+  if (i == 2) joint.type = JointType::kPrismatic;
+  joint.axis = i == 1 ? Eigen::Vector3d::UnitZ() : Eigen::Vector3d::UnitX();
+}
+
 TEST(MotionBound, PassiveJointsOutsideTheirLimitsCount) {
   // A finger at 65 mm, beyond its limit of 40 mm.
-  RobotDescription robot;
-  for (int i = 0; i < 3; ++i) {
-    Link link;
-    link.name = std::to_string(i);
-    link.joint = i;
-    robot.links.push_back(link);
-    Joint joint;
-    joint.name = std::to_string(i);
-    joint.type = i == 0 ? JointType::kFixed : i == 1 ? JointType::kRevolute : JointType::kPrismatic;
-    joint.parent_link = i - 1;
-    joint.child_link = i;
-    joint.axis = i == 1 ? Eigen::Vector3d::UnitZ() : Eigen::Vector3d::UnitX();
-    robot.joints.push_back(joint);
-    appendVariables(robot, i, Eigen::Vector3d::Constant(i == 1 ? -2 : 0),
-                    Eigen::Vector3d::Constant(i == 1 ? 2 : 0.04));
-  }
+  RobotDescription robot = testing::chain(3, JointType::kRevolute, 2, slidingFinger);
+  robot.variables[1].lower = 0;
+  robot.variables[1].upper = 0.04;
   const Model model(std::move(robot));
   std::vector<VariableRange> ranges = limitRanges(model);
   ranges[1] = {0.065, 0.065};
@@ -165,22 +158,9 @@ TEST(MotionBound, PassiveJointsOutsideTheirLimitsCount) {
 }
 
 TEST(MotionBound, UnlimitedPrismaticIsInfiniteAndLocalIsNot) {
-  RobotDescription robot;
-  for (int i = 0; i < 3; ++i) {
-    Link link;
-    link.name = std::to_string(i);
-    link.joint = i;
-    robot.links.push_back(link);
-    Joint joint;
-    joint.name = std::to_string(i);
-    joint.type = i == 0 ? JointType::kFixed : i == 1 ? JointType::kRevolute : JointType::kPrismatic;
-    joint.parent_link = i - 1;
-    joint.child_link = i;
-    joint.axis = i == 1 ? Eigen::Vector3d::UnitZ() : Eigen::Vector3d::UnitX();
-    robot.joints.push_back(joint);
-    const double limit = i == 1 ? 2 : kInfinity;
-    appendVariables(robot, i, Eigen::Vector3d::Constant(-limit), Eigen::Vector3d::Constant(limit));
-  }
+  RobotDescription robot = testing::chain(3, JointType::kRevolute, 2, slidingFinger);
+  robot.variables[1].lower = -kInfinity;
+  robot.variables[1].upper = kInfinity;
   const Model model(std::move(robot));
   const RelativeMotion motion = relativeMotion(model, 2, -1, Eigen::Vector3d::Zero(), 0.01);
   ASSERT_EQ(motion.terms.size(), 2U);
@@ -201,28 +181,16 @@ TEST(ProvenApart, ProvesWhatCannotMeetAndNothingElse) {
   // Links of 1 m in the plane. With turns of up to 0.5 rad the first and third stay apart; with 3
   // rad they meet.
   for (const double limit : {0.5, 3.0}) {
-    RobotDescription robot;
-    for (int i = 0; i < 4; ++i) {
-      Link link;
-      link.name = std::to_string(i);
-      link.joint = i;
+    const auto arm = [](int i, Link& link, Joint& joint) {
       Geometry g{collision::Shape::capsule(0.05, 0.4), {}, ""};
       g.X_BG.rotation =
           Eigen::AngleAxisd(1.5707963267948966, Eigen::Vector3d::UnitY()).toRotationMatrix();
       g.X_BG.translation = {0.5, 0, 0};
       link.geometries.push_back(g);
-      robot.links.push_back(link);
-      Joint joint;
-      joint.name = std::to_string(i);
-      joint.type = i == 0 ? JointType::kFixed : JointType::kRevolute;
-      joint.parent_link = i - 1;
-      joint.child_link = i;
       joint.axis = Eigen::Vector3d::UnitZ();
       if (i > 0) joint.X_PJ.translation = {1, 0, 0};
-      robot.joints.push_back(joint);
-      appendVariables(robot, i, Eigen::Vector3d::Constant(-limit),
-                      Eigen::Vector3d::Constant(limit));
-    }
+    };
+    RobotDescription robot = testing::chain(4, JointType::kRevolute, limit, arm);
     const Model model(std::move(robot));
     const std::vector<std::pair<int, int>> candidates{{0, 2}, {0, 3}, {1, 3}};
     EXPECT_EQ(provenApart(model, candidates).size(), limit < 1 ? 3U : 0U) << limit;
