@@ -14,6 +14,7 @@
 #include "collision/cover/face_parts.h"
 #include "collision/shapes/hull_builder.h"
 #include "collision/shapes/hull_distance.h"
+#include "collision/shapes/hull_of_part.h"
 #include "leeway/collision/convex_hull.h"
 #include "leeway/collision/triangle_mesh.h"
 

@@ -6,6 +6,7 @@
 #include "collision/base/tolerances.h"
 #include "collision/lanes/lane_sweep_impl.h"
 #include "collision/mesh/mesh_tree.h"
+#include "collision/shapes/hull_of_part.h"
 #include "leeway/collision/convex_hull.h"
 #include "leeway/collision/triangle_mesh.h"
 

@@ -58,7 +58,7 @@ class LaneSweep {
   std::size_t bytes() const;
   /// Appends the ids of the pairs of a piece with obstacles that may not keep their thresholds,
   /// where all of the piece is between `low` and `high` in the world [m]. Allocates only where
-  /// `ids` has no room.
+  /// `ids` has no room. A descent of the obstacles' boxes: O(obstacles) at worst.
   void nearPairs(int piece, const Eigen::Vector3d& low, const Eigen::Vector3d& high,
                  std::vector<int>& ids) const;
 
@@ -104,7 +104,8 @@ class LaneSweep {
   /// One pass over frames that are placed and moved: by balls, by the last plane of each pair, by
   /// points. growth: h^2 A / 8 of each motion [m]; slack: how far the frames' rounding moves any
   /// capsule [m]. Which contacts are found and what planes leave open depends on the runs before;
-  /// every answer is proven regardless. O(pieces + pairs); never throws or allocates.
+  /// every answer is proven regardless. O(pieces + pairs) at worst, and a descent a piece among
+  /// more than ObstacleBoxes::kMostInList things; never throws or allocates.
   Contact run(std::span<const LaneFrame> frames, std::span<const float> growth, float slack,
               Scratch& scratch) const;
   /// After a run() that found no contact, with the same frames, growth and slack: searches planes

@@ -16,8 +16,6 @@
 
 namespace leeway::collision {
 
-inline constexpr float kFar = 1e30f;  // beyond all coordinates [m]
-
 inline void setSingle(const Eigen::Vector3d& p, float* single) {
   for (int k = 0; k < 3; ++k) single[k] = static_cast<float>(p[k]);
 }

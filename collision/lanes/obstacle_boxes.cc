@@ -4,8 +4,6 @@
 #include <limits>
 #include <numeric>
 
-#include "collision/lanes/lane_sweep_impl.h"
-
 namespace leeway::collision {
 namespace {
 

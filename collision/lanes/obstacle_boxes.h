@@ -8,6 +8,8 @@
 
 namespace leeway::collision {
 
+inline constexpr float kFar = 1e30F;  ///< beyond all coordinates [m]
+
 /// Axis-aligned boxes of obstacles in the world, in single precision: a tree whose nodes have
 /// kWidth children side by side, as vectors compare them. Few boxes are one list.
 class ObstacleBoxes {
@@ -37,7 +39,8 @@ class ObstacleBoxes {
   std::int32_t obstacle(std::size_t slot) const { return obstacle_[slot]; }
   std::size_t bytes() const;
 
-  /// Calls visit(slot) for the boxes that [low, high] meets. NaN meets everything.
+  /// Calls visit(slot) for the boxes that `box` meets. NaN meets everything. O(boxes) at worst. The
+  /// ball pass of LaneSweep has a twin of it in vectors.
   template <class Visit>
   void forEachNear(const Box& box, const Visit& visit) const {
     if (!levels_.empty()) visitNear(levels_.size() - 1, 0, levels_.back().size(), box, visit);

@@ -11,6 +11,7 @@
 #include "collision/mesh/hull_proof.h"
 #include "collision/mesh/mesh_tree.h"
 #include "collision/mesh/surface_patch.h"
+#include "collision/shapes/hull_of_part.h"
 
 namespace leeway::collision {
 namespace {

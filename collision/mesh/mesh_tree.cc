@@ -8,6 +8,7 @@
 #include "collision/mesh/convex_pieces.h"
 #include "collision/shapes/hull_builder.h"
 #include "collision/shapes/hull_distance.h"
+#include "collision/shapes/hull_of_part.h"
 #include "leeway/collision/shape.h"
 
 namespace leeway::collision {

@@ -6,6 +6,7 @@
 #include "collision/base/exact_predicates.h"
 #include "collision/base/tolerances.h"
 #include "collision/shapes/hull_builder.h"
+#include "collision/shapes/hull_of_part.h"
 #include "collision/shapes/hull_support.h"
 #include "collision/shapes/size_limits.h"
 #include "leeway/collision/shape.h"

@@ -25,7 +25,7 @@ class EdgeLanes {
   bool begin(const EdgeFrames& frames);
 
   /// All intervals [k, k + 1] / kLanes, by balls, and by the planes and points that decided a pair
-  /// last. O(pieces + pairs).
+  /// last. See LaneSweep::run().
   collision::LaneSweep::Contact sweep();
   /// After a sweep() without contact: closes the lanes in which EdgeFrames::keepsGap() holds.
   void closeGaps(const EdgeFrames& frames);
@@ -65,7 +65,8 @@ class EdgeLanes {
   bool isUsable() const { return usable_; }
   /// Appends, in no order, the pairs that may not keep their thresholds at a slot's configuration,
   /// or not be farther apart than `reach` >= 0 [m]: those of two moving pieces, and those with
-  /// things that are near. Never allocates where `pairs` has room for all.
+  /// things that are near. Never allocates where `pairs` has room for all. O(moving pairs), and a
+  /// descent a piece.
   void nearPairs(const EdgeFrames& frames, int slot, double reach, std::vector<int>& pairs) const;
 
   /// Counts what passes cost into `work` from now on, see LaneSweep::Scratch::countInto().

@@ -34,21 +34,24 @@ struct Curvature {
 };
 Curvature curvatureAt(const ConvexView& view, const Vector& direction);
 
-inline bool isRound(Core core) {
+/// True for cores with finitely many extreme points, which vertex() enumerates.
+inline bool hasVertices(Core core) {
   switch (core) {
-    case Core::kCylinder:
-    case Core::kCone:
-    case Core::kEllipsoid:
-      return true;
     case Core::kPoint:
     case Core::kSegment:
     case Core::kPoints:
     case Core::kBox:
+      return true;
+    case Core::kCylinder:
+    case Core::kCone:
+    case Core::kEllipsoid:
     case Core::kHalfSpace:
       break;
   }
   return false;
 }
+
+inline bool isRound(Core core) { return !hasVertices(core) && core != Core::kHalfSpace; }
 
 inline bool climbs(const ConvexView& view) {
   return view.core == Core::kPoints && view.hull != nullptr && view.count >= kClimbFrom &&
@@ -111,23 +114,6 @@ struct SupportPoint {
   int index_a = 0, index_b = 0;  ///< their vertices, or pieces of round cores
   int placement = 0;             ///< of a sweep: 0 at its start, 1 at its end
 };
-
-/// True for cores with finitely many extreme points, which vertex() enumerates.
-inline bool hasVertices(Core core) {
-  switch (core) {
-    case Core::kPoint:
-    case Core::kSegment:
-    case Core::kPoints:
-    case Core::kBox:
-      return true;
-    case Core::kCylinder:
-    case Core::kCone:
-    case Core::kEllipsoid:
-    case Core::kHalfSpace:
-      break;
-  }
-  return false;
-}
 
 /// How many vertices a core has; 0 without hasVertices().
 inline int vertexCount(const ConvexView& view) {

@@ -11,9 +11,9 @@ namespace leeway::collision {
 inline constexpr int kLeastIterations = 64;
 
 /// Cells, directions and planes that one of its iterations buys [count]. Each takes about 0.37 us,
-/// so that the default limit of 256 iterations is less than a millisecond. A few of a thousand
+/// so that the default limit of 256 iterations is less than a millisecond. About five of a thousand
 /// pairs of the long run are left wider than asked: nearly coaxial ones, and corners next to a
-/// round body's middle. With 36 times as much none is.
+/// round body's middle.
 inline constexpr std::int64_t kCellsPerStep = 8;
 
 /// The cost of one of its iterations beyond that of any other [units of Work].

@@ -9,6 +9,7 @@
 #include "collision/deform/query/probe.h"
 #include "collision/deform/tree/refit.h"
 #include "collision/deform/tree/tree_builder.h"
+#include "collision/shapes/hull_of_part.h"
 #include "leeway/collision/convex_hull.h"
 #include "leeway/collision/distance.h"
 #include "tests/support/deformable_cases.h"

@@ -51,7 +51,4 @@ class ConvexHull {
   std::unique_ptr<const HullSupport> support_;
 };
 
-/// For the engine's own use: the hull of a part of a shape, which may be as small as it likes.
-std::shared_ptr<const ConvexHull> hullOfPart(std::span<const Eigen::Vector3d> points);
-
 }  // namespace leeway::collision

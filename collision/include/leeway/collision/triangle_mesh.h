@@ -42,10 +42,10 @@ class TriangleMesh {
 
   /// `vertices` [m]. Throws InvalidShape for no triangles, an index out of range, a coordinate that
   /// is not finite or exceeds 1e9 in magnitude, or vertices that differ, but by less than 1e-9 in
-  /// all coordinates. Triangles without area are kept: they are
-  /// segments or points that can be touched. O(n log n), and up to about 0.1 s for hullExcess().
-  /// `decompose` also finds convex pieces, see pieces(), which about doubles the time and makes
-  /// many queries faster; the guarantees do not depend on it.
+  /// all coordinates. Triangles without area are kept: they are segments or points that can be
+  /// touched. O(n log n), and up to about 0.1 s for hullExcess(). `decompose` also finds convex
+  /// pieces, see pieces(), which about doubles the time and makes many queries faster; the
+  /// guarantees do not depend on it.
   static std::shared_ptr<const TriangleMesh> make(std::span<const Eigen::Vector3d> vertices,
                                                   std::span<const Triangle> triangles,
                                                   bool decompose = true);
