@@ -152,10 +152,8 @@ void printText(const planner::Problem& problem, const planner::PlanResult& resul
                      ? fmt::format(" and {} iterations", problem.limits.iterations)
                      : "");
       if (result.undecided_edges > 0)
-        fmt::print(
-            "{} of {} edges were left undecided within their work limit; the search went without "
-            "them.\n",
-            result.undecided_edges, result.edges);
+        fmt::print("{} of {} edges were left undecided; the search went without them.\n",
+                   result.undecided_edges, result.edges);
       break;
     case planner::PlanStatus::kInvalidStart:
     case planner::PlanStatus::kInvalidGoal:

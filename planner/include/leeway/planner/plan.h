@@ -46,8 +46,8 @@ struct PlanResult {
   /// `iterations`: calls of the planner's termination condition, one a turn of its main loop; an
   /// iteration limit counts these.
   std::uint64_t iterations = 0, states = 0, edges = 0, distance_queries = 0;
-  /// Edges that were neither proven free nor in contact within their work limit; the search goes
-  /// without them.
+  /// Edges that were neither proven free nor in contact, mostly for their work limit; the search
+  /// goes without them.
   std::uint64_t undecided_edges = 0;
   Path path;          ///< empty unless solved
   int goal = -1;      ///< index of the goal reached
