@@ -71,18 +71,20 @@ class BallPass {
   HWY_INLINE void nearParts(std::int32_t number, std::uint32_t lanes, std::uint32_t* near) {
     const Sweep::Pair& whole = s_.pairs[size(number)];
     const float fixed = requiredGap(whole, whole.cover_above);
-    for (std::int32_t p = whole.parts_begin; p < whole.parts_end; ++p, ++near) {
-      const Sweep::Pair& pair = s_.pairs[size(p)];
-      const float above = fixed + s_.pieces[size(pair.a)].outer.radius;
-      scratch_.work->add(2 * kLaneBallWork);
-      placePart(size(pair.a));
-      if (pair.pieces) {
-        placePart(size(pair.b));
-        *near = openToBall<kStill>(scratch_.outer[size(pair.a)], scratch_.outer[size(pair.b)],
-                                   above + s_.pieces[size(pair.b)].outer.radius, lanes);
-      } else {
-        *near = openToObstacle<kStill>(s_.obstacles[size(pair.b)], scratch_.outer[size(pair.a)],
-                                       above, lanes);
+    const Sweep::Range of_a = s_.partsOfA(whole), of_b = s_.partsOfB(whole);
+    for (int a = of_a.begin; a < of_a.end; ++a) {
+      const float above = fixed + s_.pieces[size(a)].outer.radius;
+      placePart(size(a));
+      for (int b = of_b.begin; b < of_b.end; ++b, ++near) {
+        scratch_.work->add(2 * kLaneBallWork);
+        if (whole.pieces) {
+          placePart(size(b));
+          *near = openToBall<kStill>(scratch_.outer[size(a)], scratch_.outer[size(b)],
+                                     above + s_.pieces[size(b)].outer.radius, lanes);
+        } else {
+          *near =
+              openToObstacle<kStill>(s_.obstacles[size(b)], scratch_.outer[size(a)], above, lanes);
+        }
       }
     }
   }

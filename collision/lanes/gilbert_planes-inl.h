@@ -152,9 +152,8 @@ class GilbertPlanes {
 
   HWY_INLINE V3 lowestPoint() const {
     const D d;
-    return {hn::GatherIndex(d, s_.point[0].data(), lowest_),
-            hn::GatherIndex(d, s_.point[1].data(), lowest_),
-            hn::GatherIndex(d, s_.point[2].data(), lowest_)};
+    return {hn::GatherIndex(d, s_.point[0], lowest_), hn::GatherIndex(d, s_.point[1], lowest_),
+            hn::GatherIndex(d, s_.point[2], lowest_)};
   }
 
   /// The least value of the points; lowest_ becomes the point that has it.
@@ -176,7 +175,7 @@ class GilbertPlanes {
     }
     // The last lowest point, or the one next to it, is nearly the lowest again: most clusters are
     // above it. To skip those changes no answer, so a lane does not depend on other lanes.
-    lowest_ = hn::GatherIndex(di, s_.nearest_fine.data(), lowest_);
+    lowest_ = hn::GatherIndex(di, s_.nearest_fine, lowest_);
     low = valueOf(swept, lowestPoint());
     const ClusterBounds<kStill> clusters(d, swept);
     std::uint64_t wanted = 0;

@@ -84,14 +84,13 @@ void LaneSweepKernel::placePlane(const Sweep::Obstacle& o, Scratch::Plane& plane
                             (o.view.radius + o.view.excess) * kLanePlaneOutwards);
 }
 
-void LaneSweepKernel::remember(std::int32_t number, const OwnPlanes& planes, int lane) const {
-  const Sweep::Obstacle& o = sweep.obstacles[at(sweep.pairs[at(number)].b)];
+void LaneSweepKernel::remember(const Sweep::Pair& pair, const OwnPlanes& planes, int lane,
+                               Scratch::Plane& plane) const {
+  const Sweep::Obstacle& o = sweep.obstacles[at(pair.b)];
   if (!o.has_view) return;
-  Scratch::Plane plane;
   for (int k = 0; k < 3; ++k) plane.normal[k] = planes.normal[k].at[lane];
   placePlane(o, plane);
   plane.known = std::isfinite(plane.offset);
-  scratch.planes[at(number)] = plane;
 }
 
 }  // namespace leeway::collision

@@ -38,8 +38,20 @@ LaneSweep::LaneSweep() : impl_(std::make_unique<Impl>()) {}
 LaneSweep::~LaneSweep() = default;
 LaneSweep::LaneSweep(LaneSweep&&) noexcept = default;
 LaneSweep& LaneSweep::operator=(LaneSweep&&) noexcept = default;
+LaneSweep::LaneSweep(const LaneSweep& begun) : impl_(std::make_unique<Impl>(*begun.impl_)) {}
+
+LaneSweep::Impl::Stock& LaneSweep::Impl::ownStock() {
+  if (stock.use_count() > 1) {
+    stock = std::make_shared<Stock>(*stock);
+    // Views borrow from the stock that was shared.
+    for (std::vector<LanePiece>* of : {&pieces, &parts})
+      for (LanePiece& piece : *of) piece.view = piece.fine_view = {};
+  }
+  return *stock;
+}
 
 int LaneSweep::addPiece(const Piece& piece) {
+  Impl::Stock& stock = impl_->ownStock();
   Impl::LanePiece lane{};
   lane.frame = piece.frame;
   lane.motion = piece.motion;
@@ -51,16 +63,16 @@ int LaneSweep::addPiece(const Piece& piece) {
     return result;
   };
   lane.outer = grown(piece.outer);
-  lane.cover = static_cast<int>(impl_->balls.size());
-  for (const Ball& ball : piece.cover) impl_->balls.push_back(grown(ball));
-  lane.inner = static_cast<int>(impl_->balls.size());
+  lane.cover = static_cast<int>(stock.balls.size());
+  for (const Ball& ball : piece.cover) stock.balls.push_back(grown(ball));
+  lane.inner = static_cast<int>(stock.balls.size());
   for (const Ball& ball : piece.inner) {
     Impl::LaneBall result{};
     setSingle(ball.center, result.center);
     result.radius = floatBelow(ball.radius - centerRounding(ball));
-    impl_->balls.push_back(result);
+    stock.balls.push_back(result);
   }
-  lane.end = static_cast<int>(impl_->balls.size());
+  lane.end = static_cast<int>(stock.balls.size());
   for (const Ball& ball : piece.inner)
     lane.inner_reach = std::max(
         lane.inner_reach, floatAbove((ball.center - piece.outer.center).norm() + ball.radius));
@@ -123,6 +135,8 @@ void LaneSweep::addPiecePair(int id, int a, int b, int motion, double threshold,
        planes ? planeAbove(threshold, rounding) : -1.0F, -1.0F, by_parts && planes});
 }
 
+void LaneSweep::reservePairs(std::size_t count) { impl_->pairs.reserve(count); }
+
 bool LaneSweep::canMeet(int pair) const {
   const Impl::Pair& p = impl_->pairs[static_cast<std::size_t>(pair)];
   const auto piece = [&](int i) -> const Impl::LanePiece& {
@@ -134,26 +148,32 @@ bool LaneSweep::canMeet(int pair) const {
   return (a.inner < a.end && by_balls) || (exact && a.frame >= 0 && a.own >= 0);
 }
 
+void LaneSweep::finishPieces() {
+  impl_->makeViews(impl_->pieces);
+  impl_->makeViews(impl_->parts);
+}
+
 void LaneSweep::finish() { impl_->finish(); }
 
 void LaneSweep::Impl::addPoints(const PointCover& cover, LanePiece& piece) {
+  Stock& own = ownStock();
   double rounding = cover.fine_radius;
   const auto add = [&](const std::vector<Eigen::Vector3d>& added, double radius) {
     LanePiece::Points result;
-    result.begin = static_cast<int>(points.size());
+    result.begin = static_cast<int>(own.points.size());
     for (const Eigen::Vector3d& p : added) {
-      points.push_back(p);
-      for (int k = 0; k < 3; ++k) point[k].push_back(static_cast<float>(p[k]));
+      own.points.push_back(p);
+      for (int k = 0; k < 3; ++k) own.point[k].push_back(static_cast<float>(p[k]));
       rounding = std::max(rounding, cover.fine_radius + centerRounding({p, 0}));
     }
-    result.end = static_cast<int>(points.size());
+    result.end = static_cast<int>(own.points.size());
     result.radius = floatAbove(radius);
     return result;
   };
   piece.points = piece.fine = add(cover.points, cover.radius);
   if (!cover.fine.empty()) piece.fine = add(cover.fine, cover.fine_radius);
   if (cover.own) piece.own = floatAbove(rounding);
-  piece.fine.clusters_begin = static_cast<int>(clusters.size());
+  piece.fine.clusters_begin = static_cast<int>(own.clusters.size());
   // Only clusters as clusterFine() makes them; any others are left out.
   const std::vector<int>& ends = cover.clusters;
   const bool whole = ends.size() <= kMostClusters && !ends.empty() && ends.front() > 0 &&
@@ -161,21 +181,22 @@ void LaneSweep::Impl::addPoints(const PointCover& cover, LanePiece& piece) {
                      ends.back() == static_cast<int>(cover.fine.size());
   int begin = 0;
   for (const int end : whole ? ends : std::vector<int>()) {
-    addCluster(piece.fine.begin + begin, piece.fine.begin + end);
+    addCluster(own, piece.fine.begin + begin, piece.fine.begin + end);
     begin = end;
   }
-  piece.fine.clusters_end = static_cast<int>(clusters.size());
+  piece.fine.clusters_end = static_cast<int>(own.clusters.size());
   if (cover.nearest.size() == cover.points.size()) {
-    for (const int i : cover.nearest) nearest_fine.push_back(piece.fine.begin + i);
+    for (const int i : cover.nearest) own.nearest_fine.push_back(piece.fine.begin + i);
   }
-  for (auto i = static_cast<int>(nearest_fine.size()); i < static_cast<int>(points.size()); ++i)
-    nearest_fine.push_back(i);
+  for (auto i = static_cast<int>(own.nearest_fine.size()); i < static_cast<int>(own.points.size());
+       ++i)
+    own.nearest_fine.push_back(i);
 }
 
-void LaneSweep::Impl::addCluster(int begin, int end) {
+void LaneSweep::Impl::addCluster(Stock& stock, int begin, int end) {
   Cluster cluster{{}, 0, begin, end};
   Eigen::AlignedBox3d box;
-  for (int i = begin; i < end; ++i) box.extend(points[at(i)]);
+  for (int i = begin; i < end; ++i) box.extend(stock.points[at(i)]);
   setSingle(box.center(), cluster.center);
   const auto place = [](const float* p) {
     return Eigen::Vector3d(static_cast<double>(p[0]), static_cast<double>(p[1]),
@@ -184,12 +205,12 @@ void LaneSweep::Impl::addCluster(int begin, int end) {
   const Eigen::Vector3d center = place(cluster.center);
   double radius = 0;
   for (int i = begin; i < end; ++i) {
-    const float p[3] = {point[0][at(i)], point[1][at(i)], point[2][at(i)]};
+    const float p[3] = {stock.point[0][at(i)], stock.point[1][at(i)], stock.point[2][at(i)]};
     radius = std::max(radius, (place(p) - center).norm());
   }
   // Derived in lane_planes-inl.h.
   cluster.radius = floatAbove((radius + 0x1p-20 * (center.norm() + radius)) * (1 + 0x1p-20));
-  clusters.push_back(cluster);
+  stock.clusters.push_back(cluster);
 }
 
 void LaneSweep::Impl::addParts() {
@@ -209,38 +230,36 @@ void LaneSweep::Impl::addParts() {
   }
   std::move(obstacle_parts.begin(), obstacle_parts.end(), std::back_inserter(obstacles));
   obstacle_parts.clear();
-  struct Range {
-    int begin, end;
-  };
-  const auto partsOf = [](const auto& things, int i) {
-    const auto& thing = things[at(i)];
-    return thing.parts_begin < thing.parts_end ? Range{thing.parts_begin, thing.parts_end}
-                                               : Range{i, i + 1};
-  };
-  const std::size_t whole_pairs = pairs.size();
-  for (std::size_t p = 0; p < whole_pairs; ++p) {
-    Pair pair = pairs[p];
-    const Range a = partsOf(pieces, pair.a),
-                b = pair.pieces ? partsOf(pieces, pair.b) : partsOf(obstacles, pair.b);
-    const int count = (a.end - a.begin) * (b.end - b.begin);
-    if (!pair.by_parts || count == 1 || count > kMostPartPairs) continue;
-    pairs[p].parts_begin = static_cast<int>(pairs.size());
-    pairs[p].parts_end = pairs[p].parts_begin + count;
-    for (pair.a = a.begin; pair.a < a.end; ++pair.a)
-      for (pair.b = b.begin; pair.b < b.end; ++pair.b) pairs.push_back(pair);
+  int count = 0;
+  for (Pair& pair : pairs) {
+    if (!pair.by_parts) continue;
+    const int of_pair = partsOfA(pair).size() * partsOfB(pair).size();
+    if (of_pair == 1 || of_pair > kMostPartPairs) continue;
+    pair.parts_begin = count;
+    pair.parts_end = count += of_pair;
+  }
+  part_pairs = at(count);
+}
+
+void LaneSweep::Impl::makeViews(std::vector<LanePiece>& of) const {
+  for (LanePiece& piece : of) {
+    if (piece.points.begin == piece.points.end || piece.view.count > 0) continue;
+    const auto view = [&](const LanePiece::Points& p) {
+      return viewOfPoints(&stock->points[at(p.begin)], p.end - p.begin, 0);
+    };
+    piece.view = view(piece.points);
+    piece.fine_view = view(piece.fine);
   }
 }
 
 void LaneSweep::Impl::finish() {
   addParts();
-  for (LanePiece& piece : pieces) {
-    if (piece.points.begin == piece.points.end) continue;
-    const auto view = [&](const LanePiece::Points& p) {
-      return viewOfPoints(&points[at(p.begin)], p.end - p.begin, 0);
-    };
-    piece.view = view(piece.points);
-    piece.fine_view = view(piece.fine);
-  }
+  makeViews(pieces);
+  balls = stock->balls.data();
+  points = stock->points.data();
+  for (int k = 0; k < 3; ++k) point[k] = stock->point[k].data();
+  nearest_fine = stock->nearest_fine.data();
+  clusters = stock->clusters.data();
   findObstacles();
 }
 
@@ -250,7 +269,7 @@ void LaneSweep::Impl::findObstacles() {
   std::int32_t rows = 0;
   std::vector<double> grown(whole_obstacles, 0.0);
   for (const Pair& pair : pairs) {
-    if (pair.pieces || at(pair.a) >= wholes || at(pair.b) >= whole_obstacles) continue;
+    if (pair.pieces) continue;
     if (pieces[at(pair.a)].row < 0) pieces[at(pair.a)].row = rows++;
     // A threshold of NaN is never kept: such an obstacle is near everything.
     double& g = grown[at(pair.b)];
@@ -270,7 +289,7 @@ void LaneSweep::Impl::findObstacles() {
   pair_of.assign(at(rows) * boxes.slots(), -1);
   for (std::size_t p = 0; p < pairs.size(); ++p) {
     const Pair& pair = pairs[p];
-    if (pair.pieces || at(pair.a) >= wholes || at(pair.b) >= whole_obstacles) continue;
+    if (pair.pieces) continue;
     pair_of[at(pieces[at(pair.a)].row) * boxes.slots() + slot_of[at(pair.b)]] =
         static_cast<std::int32_t>(p);
   }
@@ -290,10 +309,10 @@ void LaneSweep::nearPairs(int piece, const Eigen::Vector3d& low, const Eigen::Ve
 
 std::size_t LaneSweep::bytes() const {
   return impl_->pieces.size() * sizeof(Impl::LanePiece) +
-         impl_->balls.size() * sizeof(Impl::LaneBall) +
-         impl_->points.size() *
+         impl_->stock->balls.size() * sizeof(Impl::LaneBall) +
+         impl_->stock->points.size() *
              (sizeof(Eigen::Vector3d) + 3 * sizeof(float) + sizeof(std::int32_t)) +
-         impl_->clusters.size() * sizeof(Impl::Cluster) +
+         impl_->stock->clusters.size() * sizeof(Impl::Cluster) +
          impl_->obstacles.size() * sizeof(Impl::Obstacle) + impl_->boxes.bytes() +
          impl_->pairs.size() * sizeof(Impl::Pair) + impl_->pair_of.size() * sizeof(std::int32_t);
 }

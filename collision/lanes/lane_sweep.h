@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -42,6 +43,10 @@ class LaneSweep {
   ~LaneSweep();
   LaneSweep(LaneSweep&&) noexcept;
   LaneSweep& operator=(LaneSweep&&) noexcept;
+  /// All that was added so far, before finish(), to add more: balls and points are shared until
+  /// pieces are added. May be copied by many threads at once. O(pieces + obstacles + pairs).
+  LaneSweep(const LaneSweep& begun);
+  LaneSweep& operator=(const LaneSweep&) = delete;
 
   int addPiece(const Piece& piece);
   /// A shape that stands still: spheres, capsules, boxes, cylinders and half-spaces as they are, a
@@ -51,8 +56,12 @@ class LaneSweep {
   /// `id`. `balls`: a piece of the world whose balls hold the obstacle, too, or -1; they may settle
   /// lanes that the obstacle's box leaves open. `by_parts`: convex parts may settle them, too.
   void addPair(int id, int piece, int obstacle, int balls, double threshold, bool by_parts = true);
+  void reservePairs(std::size_t count);
   /// addPair() of two pieces; `motion` is that of A's points, seen from B's frame.
   void addPiecePair(int id, int a, int b, int motion, double threshold, bool by_parts = true);
+  /// Before a sweep is copied: what finish() makes of its pieces alone is made once, here.
+  /// O(points).
+  void finishPieces();
   /// After all additions, before any Scratch.
   void finish();
   std::size_t bytes() const;

@@ -4,6 +4,8 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
+#include <type_traits>
 #include <vector>
 
 #include "collision/base/work.h"
@@ -58,7 +60,7 @@ struct LaneSweep::Impl {
     };
     Points points, fine;
     float own = -1;   // points are of the piece, within this [m]; below 0: not all are
-    ConvexView view;  // of `points`; borrows from Impl::points
+    ConvexView view;  // of `points`; borrows from Impl::points; no points: not made yet
     ConvexView fine_view;
     int parts_begin = 0, parts_end = 0;  // indices into pieces
   };
@@ -77,32 +79,62 @@ struct LaneSweep::Impl {
     float plane_above, own_plane_above;
     bool by_parts = false;
     // Pairs of its convex parts (or of one side's parts with the other as a whole), tried where the
-    // hulls of wholes are not apart; those of b's parts side by side. Indices into pairs.
+    // hulls of wholes are not apart; those of b's parts side by side. They are not listed: these
+    // are numbers of what a Scratch remembers of each.
     int parts_begin = 0, parts_end = 0;
   };
   /// A pair with more pairs of parts is not tried by parts [count].
   static constexpr int kMostPartPairs = kCoverParts * kCoverParts;
+  struct Range {
+    int begin, end;
+    int size() const { return end - begin; }
+  };
+  /// The parts of a piece or an obstacle, or itself where it has none.
+  template <class Thing>
+  static Range partsOf(const std::vector<Thing>& things, int i) {
+    const Thing& thing = things[static_cast<std::size_t>(i)];
+    return thing.parts_begin < thing.parts_end ? Range{thing.parts_begin, thing.parts_end}
+                                               : Range{i, i + 1};
+  }
+  Range partsOfA(const Pair& pair) const { return partsOf(pieces, pair.a); }
+  Range partsOfB(const Pair& pair) const {
+    return pair.pieces ? partsOf(pieces, pair.b) : partsOf(obstacles, pair.b);
+  }
 
-  std::vector<LanePiece> pieces;  // wholes, then parts
-  std::size_t wholes = 0;
-  std::vector<LanePiece> parts;  // until finish()
-  std::vector<LaneBall> balls;
-  std::vector<Eigen::Vector3d> points;
-  std::vector<float> point[3];  // `points`, coordinate by coordinate
-  // Of each point: itself, or the fine point of its piece that is nearest to it. A search by fine
-  // points starts there.
-  std::vector<std::int32_t> nearest_fine;
   /// Neighbouring points and a ball around them, grown by the rounding of both: points of most
   /// clusters are skipped.
   struct Cluster {
     float center[3], radius;
     int begin, end;
   };
-  std::vector<Cluster> clusters;
+  /// Balls and points of all pieces. Shared by sweeps that are copies of one, until one adds more.
+  struct Stock {
+    std::vector<LaneBall> balls;
+    std::vector<Eigen::Vector3d> points;
+    std::vector<float> point[3];  // `points`, coordinate by coordinate
+    // Of each point: itself, or the fine point of its piece that is nearest to it. A search by fine
+    // points starts there.
+    std::vector<std::int32_t> nearest_fine;
+    std::vector<Cluster> clusters;
+  };
+  std::shared_ptr<Stock> stock = std::make_shared<Stock>();
+  /// The stock, to add to: its own from now on.
+  Stock& ownStock();
+  // Of the stock, from finish() on.
+  const LaneBall* balls = nullptr;
+  const Eigen::Vector3d* points = nullptr;
+  const float* point[3] = {nullptr, nullptr, nullptr};
+  const std::int32_t* nearest_fine = nullptr;
+  const Cluster* clusters = nullptr;
+
+  std::vector<LanePiece> pieces;  // wholes, then parts
+  std::size_t wholes = 0;
+  std::vector<LanePiece> parts;     // until finish()
   std::vector<Obstacle> obstacles;  // wholes, then parts
   std::size_t whole_obstacles = 0;
   std::vector<Obstacle> obstacle_parts;
-  std::vector<Pair> pairs;                // of wholes, then of parts
+  std::vector<Pair> pairs;                // of wholes
+  std::size_t part_pairs = 0;             // what Pair::parts_end goes up to
   std::vector<std::int32_t> piece_pairs;  // indices into pairs
   ObstacleBoxes boxes;  // grown by the largest threshold of any pair of the obstacle
   // The pair of a piece with the obstacle in a slot of `boxes`; -1: none.
@@ -114,10 +146,11 @@ struct LaneSweep::Impl {
   static Obstacle partOf(const CoverPart& part, const Pose& X_WG);
   void finish();
   void addParts();
+  void makeViews(std::vector<LanePiece>& of) const;
   void findObstacles();
   /// Adds all points of a cover to the points of `piece`.
   void addPoints(const PointCover& cover, LanePiece& piece);
-  void addCluster(int begin, int end);
+  static void addCluster(Stock& stock, int begin, int end);
 };
 
 struct LaneSweep::Scratch::Impl {
@@ -130,7 +163,7 @@ struct LaneSweep::Scratch::Impl {
     std::int32_t pair;
     std::uint32_t lanes;
   };
-  std::vector<Placed> outer, balls;
+  std::unique_ptr<Placed[]> outer, balls;  // one a piece, one a ball
   // The run in which the balls of a piece's cover, its inner balls, and a part's ball were placed.
   std::vector<std::uint64_t> cover_stamp, inner_stamp, part_stamp;
   std::vector<float> low, high;  // boxes around pieces' sweeps, three numbers each
@@ -144,13 +177,32 @@ struct LaneSweep::Scratch::Impl {
   };
   std::vector<Plane> planes;        // of each pair: the plane that separated it last
   std::vector<PairCache> searches;  // of each pair: of the last query for a plane
+  /// What is remembered of a pair, or of one of parts.
+  struct Memory {
+    Plane* plane;
+    PairCache* search;
+  };
+  Memory memoryOf(std::int32_t pair) {
+    return {&planes[static_cast<std::size_t>(pair)], &searches[static_cast<std::size_t>(pair)]};
+  }
   /// For a pair that has parts: whether its parts were apart last where the hulls of its wholes
   /// were not, and the pair of parts that was open last.
   struct PartHint {
     bool by_parts = false;
+    bool begun = false;  // its pairs of parts have their PartMemory
     std::int32_t blocking = 0;
   };
   std::vector<PartHint> part_hints;  // one a pair
+  struct PartMemory {
+    Plane plane;
+    PairCache search;
+  };
+  static_assert(std::is_trivially_destructible_v<PartMemory>);
+  // Room for one PartMemory each; begun where a pair is first tried by parts. There may be
+  // thousands, and few are ever tried.
+  std::unique_ptr<std::byte[]> part_memory;
+  /// The memory of the pairs of parts of a pair.
+  PartMemory* partsOf(std::int32_t number, const LaneSweep::Impl::Pair& pair);
   collision::Scratch distance;
   Work own;
   Work* work = &own;  // counts passes and the queries of `distance`
@@ -194,19 +246,27 @@ struct LaneSweepKernel {
     std::uint32_t open;
     bool apart, touching;
   };
+  // Of a pair of wholes or of parts, with what is remembered of it.
+
   /// By a plane for each lane.
-  Separation separateByOwnPlanes(std::int32_t pair, std::uint32_t lanes) const;
+  Separation separateByOwnPlanes(const Sweep::Pair& pair, Scratch::Memory memory,
+                                 std::uint32_t lanes) const;
   /// By planes between the hulls, found by distance queries, each for all of the lanes: removes the
   /// lanes that these separate. Returns whether the hulls are apart in the median of the others.
-  bool separateByQueries(std::int32_t pair, bool closely, std::uint32_t& lanes) const;
+  bool separateByQueries(const Sweep::Pair& pair, Scratch::Memory memory, bool closely,
+                         std::uint32_t& lanes) const;
   /// By both.
-  Separation separatePair(std::int32_t pair, std::uint32_t lanes, bool closely) const;
+  Separation separatePair(const Sweep::Pair& pair, Scratch::Memory memory, std::uint32_t lanes,
+                          bool closely) const;
   /// A pair of parts: first by the plane that separated it last.
-  Separation separateParts(std::int32_t pair, std::uint32_t lanes, bool closely) const;
+  Separation separateParts(const Sweep::Pair& pair, Scratch::PartMemory& memory,
+                           std::uint32_t lanes, bool closely) const;
+  /// Keeps a lane's plane as the one that separated the pair last.
+  void remember(const Sweep::Pair& pair, const OwnPlanes& planes, int lane,
+                Scratch::Plane& plane) const;
+
   /// By the pairs of its parts; apart where all open ones are.
   Separation separateByParts(std::int32_t pair, std::uint32_t lanes, bool closely) const;
-  /// Keeps a lane's plane as the one that separated the pair last.
-  void remember(std::int32_t pair, const OwnPlanes& planes, int lane) const;
   /// Sets the plane's offset: the obstacle's support along its normal.
   void placePlane(const Sweep::Obstacle& obstacle, Scratch::Plane& plane) const;
   /// Looks for a few points of each open pair in its obstacle.

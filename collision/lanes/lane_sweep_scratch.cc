@@ -1,3 +1,7 @@
+#include <cstddef>
+#include <memory>
+#include <new>
+
 #include "collision/lanes/lane_sweep.h"
 #include "collision/lanes/lane_sweep_impl.h"
 
@@ -11,8 +15,9 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 LaneSweep::Scratch::Scratch(const LaneSweep& sweep) : impl_(std::make_unique<Impl>()) {
   const LaneSweep::Impl& s = *sweep.impl_;
   countInto(impl_->own);
-  impl_->outer.resize(s.pieces.size());
-  impl_->balls.resize(s.balls.size());
+  // Not set: what moves is placed before it is read.
+  impl_->outer = std::make_unique_for_overwrite<Impl::Placed[]>(s.pieces.size());
+  impl_->balls = std::make_unique_for_overwrite<Impl::Placed[]>(s.stock->balls.size());
   impl_->cover_stamp.resize(s.pieces.size());
   impl_->inner_stamp.resize(s.pieces.size());
   impl_->part_stamp.resize(s.pieces.size());
@@ -24,6 +29,8 @@ LaneSweep::Scratch::Scratch(const LaneSweep& sweep) : impl_(std::make_unique<Imp
   impl_->planes.resize(s.pairs.size());
   impl_->searches.resize(s.pairs.size());
   impl_->part_hints.resize(s.pairs.size());
+  impl_->part_memory =
+      std::make_unique_for_overwrite<std::byte[]>(s.part_pairs * sizeof(Impl::PartMemory));
   // Balls that stand in the world are placed once, here.
   const auto still = [](const LaneSweep::Impl::LaneBall& ball, Impl::Placed& placed) {
     for (int k = 0; k < 3; ++k)
@@ -44,6 +51,19 @@ LaneSweep::Scratch::Scratch(const LaneSweep& sweep) : impl_(std::make_unique<Imp
   }
 }
 LaneSweep::Scratch::~Scratch() = default;
+
+LaneSweep::Scratch::Impl::PartMemory* LaneSweep::Scratch::Impl::partsOf(
+    std::int32_t number, const LaneSweep::Impl::Pair& pair) {
+  std::byte* const room = part_memory.get() + at(pair.parts_begin) * sizeof(PartMemory);
+  bool& begun = part_hints[at(number)].begun;
+  if (!begun) {
+    for (int k = 0; k < pair.parts_end - pair.parts_begin; ++k)
+      ::new (room + at(k) * sizeof(PartMemory)) PartMemory;
+    begun = true;
+  }
+  return std::launder(reinterpret_cast<PartMemory*>(room));
+}
+
 std::span<const LaneSweep::Open> LaneSweep::Scratch::open() const { return impl_->open; }
 
 void LaneSweep::Scratch::countInto(Work& work) {

@@ -99,15 +99,15 @@ HWY_EXPORT(SweepNearParts);
 HWY_EXPORT(StillNearParts);
 HWY_EXPORT(StillOwnPlanes);
 
-LaneSweepKernel::Separation LaneSweepKernel::separateByOwnPlanes(std::int32_t number,
+LaneSweepKernel::Separation LaneSweepKernel::separateByOwnPlanes(const Sweep::Pair& pair,
+                                                                 Scratch::Memory memory,
                                                                  std::uint32_t lanes) const {
-  const Sweep::Pair& pair = sweep.pairs[static_cast<std::size_t>(number)];
   OwnPlanes planes;
   if (growth == nullptr)
     HWY_DYNAMIC_DISPATCH(StillOwnPlanes)(*this, pair, lanes, planes);
   else
     HWY_DYNAMIC_DISPATCH(SweepOwnPlanes)(*this, pair, lanes, planes);
-  if (planes.open != lanes) remember(number, planes, middleOf(lanes & ~planes.open));
+  if (planes.open != lanes) remember(pair, planes, middleOf(lanes & ~planes.open), *memory.plane);
   Separation found{planes.open, false, false};
   if (planes.open == 0) return found;
   if (growth != nullptr) HWY_DYNAMIC_DISPATCH(StillOwnPlanes)(*this, pair, found.open, planes);
@@ -116,55 +116,56 @@ LaneSweepKernel::Separation LaneSweepKernel::separateByOwnPlanes(std::int32_t nu
   return found;
 }
 
-bool LaneSweepKernel::separateByQueries(std::int32_t number, bool closely,
-                                        std::uint32_t& lanes) const {
-  const Sweep::Pair& pair = sweep.pairs[static_cast<std::size_t>(number)];
+bool LaneSweepKernel::separateByQueries(const Sweep::Pair& pair, Scratch::Memory memory,
+                                        bool closely, std::uint32_t& lanes) const {
   bool apart = false;
   for (int look = 0; look < kPlaneTries && lanes != 0; ++look) {
     Scratch::Plane plane{};
-    apart = findPlane(pair, middleOf(lanes), closely, plane,
-                      &scratch.searches[static_cast<std::size_t>(number)]);
+    apart = findPlane(pair, middleOf(lanes), closely, plane, memory.search);
     if (!apart) break;
     const std::uint32_t left = growth == nullptr
                                    ? HWY_DYNAMIC_DISPATCH(StillPlane)(*this, pair, plane, lanes)
                                    : HWY_DYNAMIC_DISPATCH(SweepPlane)(*this, pair, plane, lanes);
     if (left == lanes && closely) break;
     closely = closely || left == lanes;
-    if (left != lanes) scratch.planes[static_cast<std::size_t>(number)] = plane;
+    if (left != lanes) *memory.plane = plane;
     lanes = left;
   }
   return apart;
 }
 
-LaneSweepKernel::Separation LaneSweepKernel::separatePair(std::int32_t number, std::uint32_t lanes,
-                                                          bool closely) const {
-  const Sweep::Pair& pair = sweep.pairs[static_cast<std::size_t>(number)];
+LaneSweepKernel::Separation LaneSweepKernel::separatePair(const Sweep::Pair& pair,
+                                                          Scratch::Memory memory,
+                                                          std::uint32_t lanes, bool closely) const {
   Separation found{lanes, false, false};
-  if (pair.own_plane_above >= 0) found = separateByOwnPlanes(number, lanes);
+  if (pair.own_plane_above >= 0) found = separateByOwnPlanes(pair, memory, lanes);
   // At the box around a hull, a piece may still be apart from the hull itself.
   const bool touching =
       found.touching && (!pair.by_parts || sweep.obstacles[static_cast<std::size_t>(pair.b)].exact);
   if (pair.plane_above >= 0 && !found.apart && !touching)
-    found.apart = separateByQueries(number, closely, found.open);
+    found.apart = separateByQueries(pair, memory, closely, found.open);
   return found;
 }
 
-LaneSweepKernel::Separation LaneSweepKernel::separateParts(std::int32_t number, std::uint32_t lanes,
+LaneSweepKernel::Separation LaneSweepKernel::separateParts(const Sweep::Pair& pair,
+                                                           Scratch::PartMemory& memory,
+                                                           std::uint32_t lanes,
                                                            bool closely) const {
-  const Scratch::Plane& plane = scratch.planes[static_cast<std::size_t>(number)];
-  if (plane.known) {
-    const Sweep::Pair& pair = sweep.pairs[static_cast<std::size_t>(number)];
-    lanes = growth == nullptr ? HWY_DYNAMIC_DISPATCH(StillPlane)(*this, pair, plane, lanes)
-                              : HWY_DYNAMIC_DISPATCH(SweepPlane)(*this, pair, plane, lanes);
+  if (memory.plane.known) {
+    lanes = growth == nullptr ? HWY_DYNAMIC_DISPATCH(StillPlane)(*this, pair, memory.plane, lanes)
+                              : HWY_DYNAMIC_DISPATCH(SweepPlane)(*this, pair, memory.plane, lanes);
     if (lanes == 0) return {0, true, false};
   }
-  return separatePair(number, lanes, closely);
+  return separatePair(pair, {&memory.plane, &memory.search}, lanes, closely);
 }
 
 LaneSweepKernel::Separation LaneSweepKernel::separateByParts(std::int32_t number,
                                                              std::uint32_t lanes,
                                                              bool closely) const {
   const Sweep::Pair& pair = sweep.pairs[static_cast<std::size_t>(number)];
+  const Sweep::Range a = sweep.partsOfA(pair), b = sweep.partsOfB(pair);
+  Scratch::PartMemory* const memory = scratch.partsOf(number, pair);
+  Sweep::Pair of_parts = pair;
   std::uint32_t near[Sweep::kMostPartPairs];
   if (growth == nullptr)
     HWY_DYNAMIC_DISPATCH(StillNearParts)(*this, number, lanes, near);
@@ -180,7 +181,9 @@ LaneSweepKernel::Separation LaneSweepKernel::separateByParts(std::int32_t number
     const std::int32_t part = k == 0 ? first : k <= first ? k - 1 : k;
     const std::uint32_t left = near[part] & ~all.open;
     if (left == 0) continue;
-    const Separation one = separateParts(pair.parts_begin + part, left, closely);
+    of_parts.a = a.begin + part / b.size();
+    of_parts.b = b.begin + part % b.size();
+    const Separation one = separateParts(of_parts, memory[part], left, closely);
     if (one.open == 0) continue;
     all.open |= one.open;
     all.apart = all.apart && one.apart;
@@ -216,7 +219,7 @@ LaneSweep::Contact LaneSweepKernel::separateOpen(bool closely) const {
     }
     Separation found{lanes, false, false};
     Scratch::PartHint& hint = scratch.part_hints[static_cast<std::size_t>(number)];
-    if (!hint.by_parts) found = separatePair(number, lanes, closely);
+    if (!hint.by_parts) found = separatePair(pair, scratch.memoryOf(number), lanes, closely);
     if (found.open != 0 && !found.apart && pair.parts_begin < pair.parts_end) {
       const std::uint32_t before = found.open;
       found = separateByParts(number, before, closely);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <span>
 #include <stdexcept>
 #include <unordered_map>
@@ -64,7 +65,7 @@ void Scene::growMargins(int body, int geometry, double growth) {
 
 int SceneBuilder::add(Body body) {
   bodies_.push_back(std::move(body));
-  return static_cast<int>(bodies_.size()) - 1;
+  return static_cast<int>(base_.bodies().size() + bodies_.size()) - 1;
 }
 
 void SceneBuilder::allow(int body_a, int body_b) { allowed_.emplace_back(body_a, body_b); }
@@ -147,9 +148,24 @@ class Exceptions {
   std::unordered_map<std::uint64_t, Exception> of_pair_;
 };
 
+/// Pairs of geometries of which at least one moves and one is of a body from `added` on, at most.
+std::size_t mostPairs(const Scene& scene, int added, std::span<const int> moving) {
+  std::size_t all = 0, all_moving = 0, base = 0, base_moving = 0;
+  const std::span<const Body> bodies = scene.bodies();
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    all += bodies[i].geometries.size();
+    if (i < at(added)) base += bodies[i].geometries.size();
+  }
+  for (const int i : moving) {
+    all_moving += bodies[at(i)].geometries.size();
+    if (i < added) base_moving += bodies[at(i)].geometries.size();
+  }
+  return base_moving * (all - base) + (all_moving - base_moving) * all;
+}
+
 }  // namespace
 
-Scene SceneBuilder::build() const {
+Scene SceneBuilder::build() && {
   requireFinite(default_margin_);
   for (const PairMargin& m : margins_) requireFinite(m.margin);
   for (const Body& body : bodies_) {
@@ -157,30 +173,50 @@ Scene SceneBuilder::build() const {
     for (const Geometry& g : body.geometries) requirePose(g.X_BG, body.name);
   }
 
-  Scene scene;
-  scene.bodies_ = bodies_;
-  for (const Body& body : bodies_) {
+  Scene scene = std::move(base_);
+  const std::vector<ScenePair> base_pairs = std::move(scene.pairs_);
+  scene.pairs_.clear();
+  const auto added = static_cast<int>(scene.bodies_.size());
+  scene.bodies_.reserve(scene.bodies_.size() + bodies_.size());
+  scene.first_geometry_.reserve(scene.bodies_.capacity());
+  for (Body& body : bodies_) {
     scene.first_geometry_.push_back(static_cast<int>(scene.bounds_.size()));
     for (const Geometry& g : body.geometries)
       scene.bounds_.push_back(boundsOf(g, body.moving ? Pose{} : body.X_WB));
+    scene.bodies_.push_back(std::move(body));
   }
-  const Exceptions exceptions(bodies_.size(), allowed_, margins_);
+  const std::span<const Body> bodies = scene.bodies_;
+  const Exceptions exceptions(bodies.size(), allowed_, margins_);
+  const auto count = static_cast<int>(bodies.size());
   std::vector<int> moving;
-  const int count = static_cast<int>(bodies_.size());
   for (int i = 0; i < count; ++i)
-    if (bodies_[at(i)].moving) moving.push_back(i);
-  const auto add = [&](int i, int j) {
+    if (bodies[at(i)].moving) moving.push_back(i);
+  // The margin of two bodies; none: they may touch.
+  const auto marginOf = [&](int i, int j) -> std::optional<double> {
     const Exception* exception = exceptions.find(i, j);
-    if (exception != nullptr && exception->allowed) return;
-    const bool has_margin = exception != nullptr && exception->has_margin;
-    const int a = bodies_[at(i)].moving ? i : j, b = a == i ? j : i;
-    addPairs(bodies_, a, b, has_margin ? exception->margin : default_margin_, scene.pairs_);
+    if (exception == nullptr) return default_margin_;
+    if (exception->allowed) return std::nullopt;
+    return exception->has_margin ? exception->margin : default_margin_;
   };
+  const auto add = [&](int i, int j) {
+    const int a = bodies[at(i)].moving ? i : j, b = a == i ? j : i;
+    if (const std::optional<double> margin = marginOf(i, j))
+      addPairs(bodies, a, b, *margin, scene.pairs_);
+  };
+  scene.pairs_.reserve(mostPairs(scene, added, moving) + base_pairs.size());
+  // Pairs stand in the order of the first of their bodies, then of the second.
+  auto known = base_pairs.begin();
   for (int i = 0; i < count; ++i) {
-    if (bodies_[at(i)].moving) {
-      for (int j = i + 1; j < count; ++j) add(i, j);
+    for (; known != base_pairs.end() && std::min(known->body_a, known->body_b) == i; ++known)
+      if (const std::optional<double> margin = marginOf(known->body_a, known->body_b)) {
+        scene.pairs_.push_back(*known);
+        scene.pairs_.back().margin = *margin;
+      }
+    const int first = std::max(i + 1, added);
+    if (bodies[at(i)].moving) {
+      for (int j = first; j < count; ++j) add(i, j);
     } else {
-      for (auto j = std::upper_bound(moving.begin(), moving.end(), i); j != moving.end(); ++j)
+      for (auto j = std::lower_bound(moving.begin(), moving.end(), first); j != moving.end(); ++j)
         add(i, *j);
     }
   }

@@ -18,6 +18,10 @@ struct SceneAccess {
   static const GeometryBounds& bounds(const Scene& scene, int geometry_index) {
     return scene.bounds_[static_cast<std::size_t>(geometry_index)];
   }
+  /// Where a moving body stands until a workspace moves it.
+  static void place(Scene& scene, int body, const Pose& X_WB) {
+    scene.bodies_[static_cast<std::size_t>(body)].X_WB = X_WB;
+  }
   /// Removes all pairs but those of which keep(pair) is true; asks each once, in their order.
   static void keepPairs(Scene& scene, const std::function<bool(const ScenePair&)>& keep) {
     std::erase_if(scene.pairs_, [&](const ScenePair& pair) { return !keep(pair); });

@@ -1,29 +1,162 @@
 #include "leeway/planner/compiled_scene.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <set>
 #include <stdexcept>
+#include <string>
+#include <unordered_map>
 #include <utility>
 
 #include "collision/scene/scene_access.h"
+#include "leeway/collision/deformable_mesh.h"
 #include "leeway/robots/input_error.h"
+#include "leeway/robots/kinematics.h"
 #include "planner/edge/edge_model.h"
-#include "planner/edge/scene_pairs.h"
+#include "planner/edge/prepared_robot.h"
+#include "planner/edge/robot_pairs.h"
 
 namespace leeway::planner {
 namespace {
 
-using robots::VariableRange;
-
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-/// Limits for what is planned, the start's value for what is not.
-std::vector<VariableRange> plannedRanges(const Problem& problem) {
-  std::vector<VariableRange> ranges = robots::limitRanges(*problem.robot.model);
-  std::vector<char> planned(ranges.size(), 0);
-  for (const int v : problem.robot.variables) planned[at(v)] = 1;
-  for (std::size_t v = 0; v < ranges.size(); ++v)
-    if (!planned[v]) ranges[v] = {problem.start[v], problem.start[v]};
-  return ranges;
+/// What a problem adds to its robot: objects of the world, and what is said of pairs by name.
+class Surroundings {
+ public:
+  Surroundings(const Problem& problem, const PreparedRobot& robot)
+      : problem_(problem), robot_(robot), builder_(robot.scene()) {
+    names_matter_ = !problem.margins.pairs.empty() || !problem.world.deforming.empty();
+    addObjects();
+    if (names_matter_) listNames();
+    for (const DeformingObstacle& o : problem.world.deforming) expectSnapshot(o);
+    allow();
+    builder_.setDefaultMargin(problem.margins.common);
+    for (const PairMargin& m : problem.margins.pairs)
+      for (const int i : named(m.a))
+        for (const int j : named(m.b)) builder_.setMargin(i, j, m.margin);
+  }
+
+  collision::Scene build() && {
+    try {
+      return std::move(builder_).build();
+    } catch (const std::invalid_argument& error) {
+      throw robots::InputError(problem_.name, 0, error.what());
+    }
+  }
+
+  /// Pairs of the robot, and those that the problem allows with the world.
+  std::shared_ptr<const std::vector<CompiledScene::Dropped>> dropped() const {
+    return dropped_ ? dropped_ : robot_.dropped();
+  }
+
+ private:
+  int carried() const { return static_cast<int>(robot_.scene().bodies().size()); }
+
+  void addObjects() {
+    for (const Object& o : problem_.world.objects) add(o);
+    for (const DeformingObstacle& o : problem_.world.deforming) add(o.object);
+  }
+
+  void add(const Object& object) {
+    expectPose(problem_, object.X_WO, object.name);
+    if (object.geometries.empty()) return;
+    objects_.push_back(&object);
+    names_matter_ = names_matter_ || robot_.isAllowedName(object.name);
+    builder_.add({object.name, object.geometries, false, object.X_WO});
+  }
+
+  void listNames() {
+    const auto bodies = robot_.scene().bodies();
+    for (std::size_t i = 0; i < bodies.size(); ++i)
+      named_[bodies[i].name].push_back(static_cast<int>(i));
+    for (std::size_t i = 0; i < objects_.size(); ++i)
+      named_[objects_[i]->name].push_back(carried() + static_cast<int>(i));
+  }
+  std::span<const int> named(const std::string& name) const {
+    const auto found = named_.find(name);
+    return found == named_.end() ? std::span<const int>() : found->second;
+  }
+
+  /// Queries find a deforming obstacle by its name, and see it as it is when execution starts.
+  void expectSnapshot(const DeformingObstacle& obstacle) const {
+    const std::string& name = obstacle.object.name;
+    const auto refuse = [&](const std::string& message) {
+      throw robots::InputError(problem_.name, 0,
+                               fmt::format("deforming obstacle '{}' {}", name, message));
+    };
+    const collision::DeformableSnapshot* snapshot =
+        obstacle.mesh && obstacle.object.geometries.size() == 1
+            ? obstacle.object.geometries[0].shape.deformable()
+            : nullptr;
+    if (snapshot == nullptr) refuse("has no snapshot; see makeDeformingObstacle()");
+    if (snapshot->time() != problem_.execution.start)
+      refuse(fmt::format("is as it is at {} s; execution starts at {} s", snapshot->time(),
+                         problem_.execution.start));
+    if (named(name).size() != 1)
+      refuse("has the name of another object or link; a name of its own is expected");
+  }
+
+  /// Contacts of the robot with the world that the problem allows. That things of the world stand
+  /// beside each other needs no reason, and there may be many of them.
+  void allow() {
+    if (!names_matter_) return;
+    std::set<std::pair<int, int>> allowed;  // of the robot, of the world
+    for (const auto& [x, y] : problem_.contacts.allowed)
+      for (const int i : named(x))
+        for (const int j : named(y))
+          if ((i < carried()) != (j < carried())) allowed.emplace(std::min(i, j), std::max(i, j));
+    if (allowed.empty()) return;
+    const std::vector<CompiledScene::Dropped>& of_robot = *robot_.dropped();
+    std::vector<CompiledScene::Dropped> dropped;
+    auto next = allowed.begin();
+    std::size_t d = 0;
+    for (int i = 0; i < carried(); ++i) {
+      for (; d < robot_.droppedEnd(i); ++d) dropped.push_back(of_robot[d]);
+      for (; next != allowed.end() && next->first == i; ++next) {
+        builder_.allow(i, next->second);
+        dropped.push_back({robot_.scene().bodies()[at(i)].name,
+                           objects_[at(next->second - carried())]->name, "allowed by the problem"});
+      }
+    }
+    dropped.insert(dropped.end(), of_robot.begin() + static_cast<std::ptrdiff_t>(d),
+                   of_robot.end());
+    dropped_ = std::make_shared<const std::vector<CompiledScene::Dropped>>(std::move(dropped));
+  }
+
+  const Problem& problem_;
+  const PreparedRobot& robot_;
+  collision::SceneBuilder builder_;
+  std::vector<const Object*> objects_;  // that have geometries
+  bool names_matter_;                   // listed only where they do: there may be many
+  std::unordered_map<std::string, std::vector<int>> named_;  // bodies by name
+  std::shared_ptr<const std::vector<CompiledScene::Dropped>> dropped_;
+};
+
+/// `scene`: bodies and pairs of the robot, in their order, among those of a world.
+std::shared_ptr<const EdgeModel> makeEdgeModel(std::shared_ptr<const PreparedRobot> robot,
+                                               const collision::Scene& scene) {
+  auto model = std::make_shared<EdgeModel>();
+  const RobotMotions& motions = robot->motions();
+  const auto carried = static_cast<std::int32_t>(robot->scene().bodies().size());
+  model->pairs.reserve(scene.pairs().size());
+  auto next = motions.pairs.begin();
+  for (const collision::ScenePair& pair : scene.pairs()) {
+    if (pair.body_a < carried && pair.body_b < carried) {
+      model->pairs.push_back(*next++);
+    } else {
+      const int a = collision::SceneAccess::geometryIndex(scene, pair.body_a, pair.geometry_a);
+      model->pairs.push_back({motions.of_world[at(a)], false, nullptr});
+    }
+  }
+  model->motions = motions.motions;
+  model->rounding = motions.rounding;
+  model->reach = motions.reach;
+  model->needs_limits = robot->hasProven();
+  model->jumping_circles = motions.jumping_circles;
+  model->robot = std::move(robot);
+  return model;
 }
 
 }  // namespace
@@ -32,19 +165,20 @@ CompiledScene::CompiledScene(const Problem& problem)
     : model_(problem.robot.model),
       space_(std::make_shared<ConfigurationSpace>(problem.robot.model, problem.robot.variables)),
       base_configuration_(problem.start) {
-  const std::vector<VariableRange> ranges = plannedRanges(problem);
-  ScenePairs pairs(problem, ranges);
-  try {
-    scene_ = pairs.builder().build();
-  } catch (const std::invalid_argument& error) {
-    throw robots::InputError(problem.name, 0, error.what());
+  const std::shared_ptr<const PreparedRobot> robot = PreparedRobot::of(problem, *space_);
+  Surroundings world(problem, *robot);
+  dropped_ = world.dropped();
+  scene_ = std::move(world).build();
+  edge_model_ = makeEdgeModel(robot, scene_);
+  // What moves stands as the start has it.
+  std::vector<robots::Pose> X_WL(model_->links.size());
+  robots::forwardKinematics(*model_, problem.start, X_WL);
+  body_link_.assign(scene_.bodies().size(), -1);
+  for (std::size_t b = 0; b < robot->carriers().size(); ++b) {
+    if (!scene_.bodies()[b].moving) continue;
+    body_link_[b] = robot->carriers()[b];
+    collision::SceneAccess::place(scene_, static_cast<int>(b), X_WL[at(body_link_[b])]);
   }
-  dropped_ = pairs.takeDropped();
-  body_link_ = pairs.bodyLinks();
-  std::vector<const robots::LinkGap*> gaps;
-  for (const collision::ScenePair& pair : scene_.pairs())
-    gaps.push_back(pairs.linkGap(pair.body_a, pair.body_b));
-  edge_model_ = makeEdgeModel(*this, ranges, gaps, pairs.hasProven());
 }
 
 std::shared_ptr<const CompiledScene> CompiledScene::withShapes(

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 #include "collision/base/sine_cosine.h"
@@ -23,8 +24,8 @@ EdgeFrames::EdgeFrames(std::shared_ptr<const CompiledScene> scene, int capacity)
   q_.resize(scene_->model().variables.size());
   dq_.resize(q_.size());
   joint_motion_.resize(scene_->model().joints.size());
-  poses_.resize(at(capacity) * links_);
-  centers_.resize(at(capacity) * pieces_.size());
+  poses_.reserve(at(capacity) * links_);
+  centers_.reserve(at(capacity) * pieces_.size());
 }
 
 void EdgeFrames::rebind(std::shared_ptr<const CompiledScene> scene) {
@@ -51,10 +52,14 @@ void EdgeFrames::addPieces() {
       piece.geometry = &g;
       piece.bounds = &collision::SceneAccess::bounds(scene, static_cast<int>(pieces_.size()));
       piece.at_origin = g.X_BG.rotation.isIdentity(0) && g.X_BG.translation.isZero(0);
-      if (piece.link < 0)
+      if (piece.link < 0) {
         piece.X_GW = (body.X_WB * g.X_BG).inverse();
-      else
+        piece.scale = piece.X_GW.translation.lpNorm<1>() + piece.bounds->outer.center.lpNorm<1>();
+      } else {
+        piece.is_free_mesh =
+            g.shape.type() == collision::ShapeType::kMesh && isCarriedFreely(piece.link);
         moving_.push_back(static_cast<int>(pieces_.size()));
+      }
       pieces_.push_back(piece);
     }
   }
@@ -92,18 +97,17 @@ bool EdgeFrames::isCarriedFreely(int link) const {
 /// convex pieces do.
 bool EdgeFrames::sweepsSurfaces(const EdgePair& pair, double margin) const {
   const Piece &a = pieces_[at(pair.a)], &b = pieces_[at(pair.b)];
-  const collision::Shape &shape_a = a.geometry->shape, &shape_b = b.geometry->shape;
-  const auto isMesh = [](const collision::Shape& shape) {
-    return shape.type() == collision::ShapeType::kMesh;
-  };
-  return margin >= 0 && isMesh(shape_a) && isMesh(shape_b) &&
-         ((a.link < 0 && isCarriedFreely(b.link)) || (b.link < 0 && isCarriedFreely(a.link))) &&
-         collision::sweepsMesh(shape_a, shape_b);
+  if (!(margin >= 0) || a.is_free_mesh == b.is_free_mesh) return false;
+  const Piece& still = a.is_free_mesh ? b : a;
+  return still.link < 0 && still.geometry->shape.type() == collision::ShapeType::kMesh &&
+         collision::sweepsMesh(a.geometry->shape, b.geometry->shape);
 }
 
 void EdgeFrames::addPairs() {
   const collision::Scene& scene = scene_->scene();
   const EdgeModel& model = scene_->edgeModel();
+  std::vector<EdgePair> pairs;
+  pairs.reserve(scene.pairs().size());
   for (std::size_t p = 0; p < scene.pairs().size(); ++p) {
     const collision::ScenePair& pair = scene.pairs()[p];
     EdgePair e;
@@ -114,30 +118,31 @@ void EdgeFrames::addPairs() {
     e.rounding = (pieces_[at(e.b)].link >= 0 ? 2 : 1) * model.rounding;
     if (model.pairs[p].is_reversed) std::swap(e.a, e.b);
     // All coordinates that a relative pose is made from are within this of their frame's origin.
-    double scale = 2 * model.reach;
-    for (const int piece : {e.a, e.b})
-      if (pieces_[at(piece)].link < 0)
-        scale += pieces_[at(piece)].X_GW.translation.lpNorm<1>() +
-                 pieces_[at(piece)].bounds->outer.center.lpNorm<1>();
+    const double scale = 2 * model.reach + pieces_[at(e.a)].scale + pieces_[at(e.b)].scale;
     e.rounding += collision::kTransferRounding * scale;
     e.threshold = pair.margin + e.rounding;
     e.by_surfaces = sweepsSurfaces(e, pair.margin);
     has_surface_pairs_ = has_surface_pairs_ || e.by_surfaces;
     addGap(e);
-    pairs_.push_back(e);
+    pairs.push_back(e);
   }
-  std::stable_sort(pairs_.begin(), pairs_.end(),
-                   [](const EdgePair& x, const EdgePair& y) { return x.a < y.a; });
+  sortPairs(pairs);
+}
+
+/// Stable, by counting.
+void EdgeFrames::sortPairs(std::span<const EdgePair> pairs) {
+  std::vector<std::size_t> places(pieces_.size() + 1, 0);
+  for (const EdgePair& e : pairs) ++places[at(e.a) + 1];
+  std::partial_sum(places.begin(), places.end(), places.begin());
+  pairs_.resize(pairs.size());
+  for (const EdgePair& e : pairs) pairs_[places[at(e.a)]++] = e;
 }
 
 void EdgeFrames::addGap(EdgePair& pair) {
-  const robots::LinkGap* table = scene_->edgeModel().pairs[at(pair.scene_pair)].gap;
-  const auto enough = [&](float gap) { return static_cast<double>(gap) > pair.threshold; };
-  if (table == nullptr ||
-      (!enough(table->cell_gap) && std::none_of(table->gaps.begin(), table->gaps.end(), enough)))
-    return;
+  const EdgeModel::Pair& known = scene_->edgeModel().pairs[at(pair.scene_pair)];
+  if (known.gap == nullptr || !(static_cast<double>(known.most_gap) > pair.threshold)) return;
   pair.gap = static_cast<int>(gaps_.size());
-  gaps_.push_back({table, {}, {}});
+  gaps_.push_back({known.gap, {}, {}});
 }
 
 /// Needs q_ at the edge's start.
@@ -211,9 +216,13 @@ int EdgeFrames::place(double t) {
     scene_->space().advance(a_, difference_, t, point_);
     scene_->expand(point_, q_);
   }
-  const std::span<Pose> X_WL{&poses_[at(slot) * links_], links_};
+  if (at(slot + 1) * links_ > poses_.size()) {
+    poses_.resize(at(slot + 1) * links_);
+    centers_.resize(at(slot + 1) * pieces_.size());
+  }
+  const std::span<Pose> X_WL{poses_.data() + at(slot) * links_, links_};
   robots::forwardKinematics(scene_->model(), q_, X_WL);
-  Eigen::Vector3d* centers = &centers_[at(slot) * pieces_.size()];
+  Eigen::Vector3d* centers = centers_.data() + at(slot) * pieces_.size();
   for (const int i : moving_) {
     const Piece& piece = pieces_[at(i)];
     centers[i] = X_WL[at(piece.link)] * piece.bounds->outer.center;

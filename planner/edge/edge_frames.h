@@ -24,7 +24,10 @@ struct Piece {
   const collision::Geometry* geometry = nullptr;
   const collision::GeometryBounds* bounds = nullptr;  ///< in the link's frame, or the world's
   bool at_origin = false;                             ///< X_BG is the identity
-  Pose X_GW;                                          ///< only of pieces of the world
+  bool is_free_mesh = false;  ///< a mesh that a planned floating or planar joint carries
+  // Only of pieces of the world:
+  Pose X_GW;
+  double scale = 0;  ///< coordinates of the pose and of the ball's centre, added up [m]
 };
 
 /// One pair of the scene. Piece a is swept, seen from piece b.
@@ -106,6 +109,7 @@ class EdgeFrames {
   void addPieces();
   void addPairs();
   void addGap(EdgePair& pair);
+  void sortPairs(std::span<const EdgePair> pairs);
   bool isCarriedFreely(int link) const;
   bool sweepsSurfaces(const EdgePair& pair, double margin) const;
   bool hasExactAngles(std::span<const double> point) const;
@@ -113,8 +117,8 @@ class EdgeFrames {
 
   std::shared_ptr<const CompiledScene> scene_;
   std::vector<Piece> pieces_;
-  std::vector<EdgePair> pairs_;
-  std::vector<int> moving_;  // pieces
+  std::vector<EdgePair> pairs_;  // by their first piece, then as in the scene
+  std::vector<int> moving_;      // pieces
   /// A joint's angle at the edge's start, and how far it turns [rad].
   struct Turn {
     double angle = 0, turn = 0;
@@ -138,8 +142,9 @@ class EdgeFrames {
   bool within_limits_ = true, watch_reach_ = false;
   std::vector<double> a_, b_, difference_, point_, q_, dq_;
   std::vector<robots::JointMotion> joint_motion_;
-  std::vector<Pose> poses_;               // slot by slot, one a link
-  std::vector<Eigen::Vector3d> centers_;  // slot by slot, one a piece
+  // Slot by slot. Room is reserved for all, and begun slot by slot: few edges use many.
+  std::vector<Pose> poses_;               // one a link
+  std::vector<Eigen::Vector3d> centers_;  // one a piece
 };
 
 }  // namespace leeway::planner

@@ -9,7 +9,8 @@
 #include "collision/base/tolerances.h"
 #include "leeway/robots/kinematics.h"
 #include "planner/base/tolerances.h"
-#include "planner/edge/edge_lanes_steps.h"
+#include "planner/edge/edge_model.h"
+#include "planner/edge/prepared_robot.h"
 
 namespace leeway::planner {
 namespace {
@@ -44,10 +45,78 @@ void setTurn(double angle, double turn, collision::FrameStep& out) {
 
 }  // namespace
 
+EdgeLanes::EdgeLanes(const EdgeFrames& frames)
+    : scene_(frames.sharedScene()),
+      robot_(scene_->edgeModel().robot->lanes(scene_->model())),
+      sweep_(robot_.sweep),
+      frame_steps_(robot_.frame_steps) {
+  const robots::Model& model = scene_->model();
+  middle_.resize(at(scene_->space().size()));
+  q_.resize(model.variables.size());
+  joint_motion_.assign(2 * model.joints.size(), 0.0F);
+  const std::vector<RobotLanes::Piece> pieces = addPieces(frames);
+  if (usable_) addPairs(frames, pieces);
+  sweep_.finish();
+  scratch_ = std::make_unique<LaneSweep::Scratch>(sweep_);
+  lane_frames_.resize(robot_.steps.size());
+  contact_frames_.resize(robot_.steps.size());
+  growth_values_.resize(robot_.growth.paddedSize());
+  pass_growth_.resize(growth_values_.size());
+  closed_.reserve(frames.pairs().size());
+}
+
+std::vector<RobotLanes::Piece> EdgeLanes::addPieces(const EdgeFrames& frames) {
+  const std::span<const Piece> pieces = frames.pieces();
+  const RobotMotions& motions = scene_->edgeModel().robot->motions();
+  std::vector<char> used(pieces.size(), 0);
+  bool is_bounded = true;
+  for (const EdgePair& pair : frames.pairs()) {
+    used[at(pair.a)] = used[at(pair.b)] = 1;
+    is_bounded = is_bounded && robot_.is_bounded[at(pair.motion)] != 0;
+  }
+  std::vector<RobotLanes::Piece> lane_pieces = robot_.pieces;
+  lane_pieces.resize(pieces.size());
+  const collision::Scene& scene = scene_->scene();
+  for (std::size_t i = 0; i < pieces.size(); ++i) {
+    if (used[i] == 0) continue;
+    const Piece& piece = pieces[i];
+    if (i >= robot_.pieces.size())
+      lane_pieces[i] = addStill(*piece.geometry, scene.bodies()[at(piece.body)].X_WB,
+                                piece.bounds->outer, sweep_);
+    longest_ = std::max(longest_, lane_pieces[i].reach);
+    if (piece.link < 0) continue;
+    is_bounded = is_bounded && robot_.is_bounded[at(motions.of_world[i])] != 0;
+    moving_.push_back({static_cast<int>(i), lane_pieces[i].piece});
+  }
+  usable_ = is_bounded && longest_ < kLargestReach;
+  return lane_pieces;
+}
+
+void EdgeLanes::addPairs(const EdgeFrames& frames, std::span<const RobotLanes::Piece> lane_pieces) {
+  const std::span<const Piece> pieces = frames.pieces();
+  const std::span<const EdgePair> pairs = frames.pairs();
+  sweep_.reservePairs(pairs.size());
+  for (std::size_t p = 0; p < pairs.size(); ++p) {
+    const EdgePair& pair = pairs[p];
+    const auto id = static_cast<int>(p);
+    const bool world_a = pieces[at(pair.a)].link < 0, world_b = pieces[at(pair.b)].link < 0;
+    if (!world_a && !world_b) {
+      moving_pairs_.push_back(id);
+      sweep_.addPiecePair(id, lane_pieces[at(pair.a)].piece, lane_pieces[at(pair.b)].piece,
+                          pair.motion, pair.threshold, !pair.by_surfaces);
+      continue;
+    }
+    const RobotLanes::Piece& moving = lane_pieces[at(world_a ? pair.b : pair.a)];
+    const RobotLanes::Piece& still = lane_pieces[at(world_a ? pair.a : pair.b)];
+    sweep_.addPair(id, moving.piece, still.obstacle, still.piece, pair.threshold,
+                   !pair.by_surfaces);
+  }
+}
+
 /// What the present edge makes of a joint's step. q_ is the configuration in the edge's middle, but
 /// for quaternions, which are those of its start.
 void EdgeLanes::setStep(const EdgeFrames& frames, std::size_t i) {
-  const Step& step = steps_[i];
+  const Step& step = robot_.steps[i];
   const Joint& joint = scene_->model().joints[at(step.joint)];
   collision::FrameStep& out = frame_steps_[i];
   const Eigen::Matrix3d& R_PJ = step.X_PJ.rotation;
@@ -113,8 +182,8 @@ bool EdgeLanes::begin(const EdgeFrames& frames) {
   }
   scene_->expand(middle_, q_);
   double turns = 0, slides = 0;  // of all steps over half an interval [rad, m]
-  for (std::size_t i = 0; i < steps_.size(); ++i) {
-    const robots::JointMotion& motion = frames.jointMotion()[at(steps_[i].joint)];
+  for (std::size_t i = 0; i < robot_.steps.size(); ++i) {
+    const robots::JointMotion& motion = frames.jointMotion()[at(robot_.steps[i].joint)];
     if (!(motion.angle <= static_cast<double>(collision::kLargestLaneTurn))) return false;
     turns += motion.angle;
     slides += motion.travel;
@@ -129,8 +198,9 @@ bool EdgeLanes::begin(const EdgeFrames& frames) {
   }
   // Over every chain, the lengths from each of its steps on sum up to at most (steps + 1) times the
   // longest chain.
-  const double rounding = collision::kLaneRounding * (deepest_ + 1) * longest_;
-  slack_ = roundedUp(rounding * (1 + 4 * turns) + 2 * deepest_ * collision::kLaneRounding * slides);
+  const double rounding = collision::kLaneRounding * (robot_.deepest + 1) * longest_;
+  slack_ = roundedUp(rounding * (1 + 4 * turns) +
+                     2 * robot_.deepest * collision::kLaneRounding * slides);
   return true;
 }
 
@@ -151,7 +221,7 @@ LaneSweep::Contact EdgeLanes::sweep() {
   const LaneSweep::Contact again = sweep_.meetAgain(lane_frames_, slack_, *scratch_);
   if (again.id >= 0) return again;
   collision::moveFrames(frame_steps_, middles, kWidth, lane_frames_);
-  growth_.run(joint_motion_, growth_values_);
+  robot_.growth.run(joint_motion_, growth_values_);
   pass_growth_ = growth_values_;
   return sweep_.run(lane_frames_, pass_growth_, slack_, *scratch_);
 }
@@ -160,7 +230,7 @@ LaneSweep::Contact EdgeLanes::sweepBeyond(double beyond) {
   const collision::LaneValues middles = middlesOfEdge();
   placeFrames(middles, lane_frames_);
   collision::moveFrames(frame_steps_, middles, kWidth, lane_frames_);
-  growth_.run(joint_motion_, growth_values_);
+  robot_.growth.run(joint_motion_, growth_values_);
   // Growth is a distance that must be kept besides the threshold; so is `beyond`.
   const float wider = roundedUp(beyond);
   for (std::size_t i = 0; i < growth_values_.size(); ++i)

@@ -9,6 +9,7 @@
 
 #include "collision/lanes/lane_sweep.h"
 #include "planner/edge/edge_frames.h"
+#include "planner/edge/robot_lanes.h"
 
 namespace leeway::planner {
 
@@ -75,17 +76,12 @@ class EdgeLanes {
   std::size_t bytes() const { return sweep_.bytes(); }
 
  private:
-  class Builder;  // edge_lanes_build.cc
+  using Step = RobotLanes::Step;
 
-  /// A joint that turns or slides: a step between two frames, the upper one with its z axis along
-  /// the joint's. A floating joint has two; the second turns its frame back to the link's axes.
-  struct Step {
-    int joint;
-    Pose X_PJ;                 ///< from the frame below it to the joint, joint at rest
-    bool restores = false;     ///< the second of a floating joint
-    std::size_t variable = 0;  ///< its own or its master's, by which it turns or slides
-    double multiplier = 1, offset = 0;
-  };
+  /// Adds the pieces of the world that pairs use, and sets usable_ and what depends on all pieces
+  /// in use. Returns one for each of EdgeFrames::pieces().
+  std::vector<RobotLanes::Piece> addPieces(const EdgeFrames& frames);
+  void addPairs(const EdgeFrames& frames, std::span<const RobotLanes::Piece> lane_pieces);
 
   void placeFrames(const collision::LaneValues& places, std::vector<collision::LaneFrame>& frames);
   void setStep(const EdgeFrames& frames, std::size_t i);
@@ -94,11 +90,9 @@ class EdgeLanes {
 
   // Constant.
   std::shared_ptr<const CompiledScene> scene_;
+  const RobotLanes& robot_;  // the scene's
   bool usable_ = true;
-  std::vector<Step> steps_;
   double longest_ = 0;  ///< reach of the chain with the farthest ball [m]
-  int deepest_ = 0;     ///< steps of the deepest chain
-  collision::LaneGrowth growth_;
   collision::LaneSweep sweep_;
   /// A piece that moves, in EdgeFrames and in the sweep.
   struct MovingPiece {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <numeric>
 #include <utility>
 
 #include "collision/scene/scene_access.h"
@@ -47,29 +48,36 @@ std::vector<int> jumpingCircles(const ConfigurationSpace& space) {
 
 class Builder {
  public:
-  Builder(const CompiledScene& compiled, std::span<const VariableRange> ranges)
-      : compiled_(compiled), scene_(compiled.scene()), model_(compiled.model()), ranges_(ranges) {}
+  Builder(const ConfigurationSpace& space, const collision::Scene& scene,
+          std::span<const int> carriers, std::span<const VariableRange> ranges)
+      : scene_(scene), carriers_(carriers), model_(space.model()), ranges_(ranges) {
+    result_.jumping_circles = jumpingCircles(space);
+  }
 
-  std::shared_ptr<const EdgeModel> build(std::span<const robots::LinkGap* const> gaps,
-                                         bool needs_limits) {
-    result_->needs_limits = needs_limits;
-    result_->jumping_circles = jumpingCircles(compiled_.space());
+  RobotMotions build(std::span<const robots::LinkGap* const> gaps) {
     for (std::size_t p = 0; p < scene_.pairs().size(); ++p) addPair(scene_.pairs()[p], gaps[p]);
-    dropUnusedMotions();
+    addWorldMotions();
+    keepUsedMotions();
     setRounding();
-    return result_;
+    return std::move(result_);
   }
 
  private:
   const collision::Ball& ballOf(int geometry) const {
     return collision::SceneAccess::bounds(scene_, geometry).outer;
   }
+  bool moves(int body) const { return scene_.bodies()[at(body)].moving; }
+  /// That carries a body; -1: it stands still.
+  int linkOf(int body) const { return moves(body) ? carriers_[at(body)] : -1; }
+  int geometryOf(int body, int geometry) const {
+    return collision::SceneAccess::geometryIndex(scene_, body, geometry);
+  }
 
   void addPair(const collision::ScenePair& pair, const robots::LinkGap* gap) {
-    const int a = collision::SceneAccess::geometryIndex(scene_, pair.body_a, pair.geometry_a);
-    const int b = collision::SceneAccess::geometryIndex(scene_, pair.body_b, pair.geometry_b);
-    const int link_a = compiled_.bodyLink(pair.body_a), link_b = compiled_.bodyLink(pair.body_b);
-    EdgeModel::Pair result{motionOf(a, link_a, link_b), false, gap};
+    const int a = geometryOf(pair.body_a, pair.geometry_a),
+              b = geometryOf(pair.body_b, pair.geometry_b);
+    const int link_a = linkOf(pair.body_a), link_b = linkOf(pair.body_b);
+    EdgeModel::Pair result{motionOf(a, link_a, link_b), false, gap, mostOf(gap)};
     // What stands still is never the one that is swept: a motion for each of many things would be
     // bounded on every edge, and a deforming thing has no place for good.
     if (link_b >= 0 && std::isfinite(ballOf(b).radius)) {
@@ -77,80 +85,106 @@ class Builder {
       result.is_reversed = accelerationOf(other) < accelerationOf(result.motion);
       if (result.is_reversed) result.motion = other;
     }
-    result_->pairs.push_back(result);
+    result_.pairs.push_back(result);
+  }
+
+  static float mostOf(const robots::LinkGap* gap) {
+    if (gap == nullptr) return 0;
+    return std::accumulate(gap->gaps.begin(), gap->gaps.end(), gap->cell_gap,
+                           [](float x, float y) { return std::max(x, y); });
+  }
+
+  void addWorldMotions() {
+    result_.of_world.assign(geometryCount(), -1);
+    for (std::size_t b = 0; b < scene_.bodies().size(); ++b) {
+      const auto body = static_cast<int>(b);
+      if (!moves(body)) continue;
+      for (std::size_t g = 0; g < scene_.bodies()[b].geometries.size(); ++g) {
+        const int geometry = geometryOf(body, static_cast<int>(g));
+        result_.of_world[at(geometry)] = motionOf(geometry, linkOf(body), -1);
+      }
+    }
+  }
+  std::size_t geometryCount() const {
+    std::size_t count = 0;
+    for (const collision::Body& body : scene_.bodies()) count += body.geometries.size();
+    return count;
   }
 
   /// Index of the motion of a geometry on `link` seen from `base`.
   int motionOf(int geometry, int link, int base) {
-    std::vector<robots::RelativeMotion>& motions = result_->motions;
+    std::vector<robots::RelativeMotion>& motions = result_.motions;
     const auto [entry, is_new] =
         known_.emplace(std::pair(geometry, base), static_cast<int>(motions.size()));
-    if (is_new) motions.push_back(relativeMotion(geometry, link, base));
+    if (is_new) {
+      const collision::Ball& ball = ballOf(geometry);
+      motions.push_back(
+          robots::relativeMotion(model_, link, base, ball.center, ball.radius, ranges_));
+    }
     return entry->second;
-  }
-
-  robots::RelativeMotion relativeMotion(int geometry, int link, int base) const {
-    const collision::Ball& ball = ballOf(geometry);
-    return robots::relativeMotion(model_, link, base, ball.center, ball.radius, ranges_);
   }
 
   /// With all joints at unit rate.
   double accelerationOf(int motion) const {
-    return robots::accelerationBound(model_, result_->motions[at(motion)], unit_);
+    return robots::accelerationBound(model_, result_.motions[at(motion)], unit_);
   }
 
-  /// Most pairs use the motion of one of their bodies only.
-  void dropUnusedMotions() {
-    std::vector<int> number(result_->motions.size(), -1);
+  /// Most pairs use the motion of one of their bodies only. In the order of the first bodies of
+  /// pairs, each body's with the world after those with other bodies.
+  void keepUsedMotions() {
+    std::vector<int> number(result_.motions.size(), -1);
     std::vector<robots::RelativeMotion> used;
-    for (EdgeModel::Pair& pair : result_->pairs) {
-      int& kept = number[at(pair.motion)];
+    const auto keep = [&](int& motion) {
+      int& kept = number[at(motion)];
       if (kept < 0) {
         kept = static_cast<int>(used.size());
-        used.push_back(std::move(result_->motions[at(pair.motion)]));
+        used.push_back(std::move(result_.motions[at(motion)]));
       }
-      pair.motion = kept;
+      motion = kept;
+    };
+    std::size_t p = 0;
+    for (std::size_t b = 0; b < scene_.bodies().size(); ++b) {
+      const auto body = static_cast<int>(b);
+      for (; p < result_.pairs.size() &&
+             std::min(scene_.pairs()[p].body_a, scene_.pairs()[p].body_b) == body;
+           ++p)
+        keep(result_.pairs[p].motion);
+      if (!moves(body)) continue;
+      for (std::size_t g = 0; g < scene_.bodies()[b].geometries.size(); ++g)
+        keep(result_.of_world[at(geometryOf(body, static_cast<int>(g)))]);
     }
-    result_->motions = std::move(used);
+    result_.motions = std::move(used);
   }
 
   void setRounding() {
     double farthest = 0;
     std::size_t longest = 0;
-    for (std::size_t b = 0; b < scene_.bodies().size(); ++b) {
-      const auto body = static_cast<int>(b);
-      if (compiled_.bodyLink(body) < 0) continue;
-      for (std::size_t g = 0; g < scene_.bodies()[b].geometries.size(); ++g) {
-        const int geometry =
-            collision::SceneAccess::geometryIndex(scene_, body, static_cast<int>(g));
-        const robots::RelativeMotion motion =
-            relativeMotion(geometry, compiled_.bodyLink(body), -1);
-        farthest = std::max(farthest, motion.base_reach);
-        longest = std::max(longest, motion.terms.size());
-      }
+    for (const int motion : result_.of_world) {
+      if (motion < 0) continue;
+      farthest = std::max(farthest, result_.motions[at(motion)].base_reach);
+      longest = std::max(longest, result_.motions[at(motion)].terms.size());
     }
     const double reach = farthest <= kLargestReach / 2 ? 2 * farthest : kLargestReach;
-    result_->reach = reach;
-    result_->rounding = robots::kinematicsRounding(model_, reach) +
-                        static_cast<double>(longest) * reach * kInterpolationRounding;
+    result_.reach = reach;
+    result_.rounding = robots::kinematicsRounding(model_, reach) +
+                       static_cast<double>(longest) * reach * kInterpolationRounding;
   }
 
-  const CompiledScene& compiled_;
   const collision::Scene& scene_;
+  std::span<const int> carriers_;
   const Model& model_;
   std::span<const VariableRange> ranges_;
   const std::vector<robots::JointMotion> unit_{model_.joints.size(), {1, 1}};
   std::map<std::pair<int, int>, int> known_;  // geometry and base: index into motions
-  std::shared_ptr<EdgeModel> result_ = std::make_shared<EdgeModel>();
+  RobotMotions result_;
 };
 
 }  // namespace
 
-std::shared_ptr<const EdgeModel> makeEdgeModel(const CompiledScene& scene,
-                                               std::span<const VariableRange> ranges,
-                                               std::span<const robots::LinkGap* const> gaps,
-                                               bool needs_limits) {
-  return Builder(scene, ranges).build(gaps, needs_limits);
+RobotMotions makeRobotMotions(const ConfigurationSpace& space, const collision::Scene& robot,
+                              std::span<const int> carriers, std::span<const VariableRange> ranges,
+                              std::span<const robots::LinkGap* const> gaps) {
+  return Builder(space, robot, carriers, ranges).build(gaps);
 }
 
 bool EdgeModel::isSmooth(std::span<const double> a, std::span<const double> b,

@@ -12,6 +12,8 @@
 
 namespace leeway::planner {
 
+class PreparedRobot;  // prepared_robot.h
+
 /// How the bodies of a scene's pairs move along any edge, and how exact their poses are. Constant.
 struct EdgeModel {
   /// One of collision::Scene::pairs().
@@ -20,9 +22,12 @@ struct EdgeModel {
     bool is_reversed;  ///< `motion` is that of b seen from a: of two moving bodies the one near the
                        ///< joints between them moves less
     const robots::LinkGap* gap;  ///< proven of the two links by two joints' angles; null: nothing
+    float most_gap = 0;          ///< that `gap` proves at any angles [m]
   };
   std::vector<Pair> pairs;
-  std::vector<robots::RelativeMotion> motions;  ///< pairs share them
+  /// Pairs share them; the robot's, of which pairs need not use all.
+  std::span<const robots::RelativeMotion> motions;
+  std::shared_ptr<const PreparedRobot> robot;
 
   /// How far any point of a moving body may be from where the exact kinematics of the exact point
   /// of the edge have it [m]; added to every bound.
@@ -42,11 +47,23 @@ struct EdgeModel {
                 std::span<const double> difference) const;
 };
 
-/// `gaps`: one a pair of the scene. O(pairs * joints^2).
-std::shared_ptr<const EdgeModel> makeEdgeModel(const CompiledScene& scene,
-                                               std::span<const robots::VariableRange> ranges,
-                                               std::span<const robots::LinkGap* const> gaps,
-                                               bool needs_limits);
+/// The robot's part of an EdgeModel. Constant.
+struct RobotMotions {
+  std::vector<EdgeModel::Pair> pairs;  ///< one a pair of the robot's scene
+  std::vector<robots::RelativeMotion> motions;
+  /// Of each geometry of a moving body, seen from the world: index into `motions`; -1: stands
+  /// still.
+  std::vector<int> of_world;
+  double rounding = 0, reach = 0;  ///< as EdgeModel's
+  std::vector<int> jumping_circles;
+};
+
+/// `robot`: bodies of the robot alone, with their pairs; `carriers`: the link of each body, and
+/// `gaps`: one a pair. O(pairs * joints^2).
+RobotMotions makeRobotMotions(const ConfigurationSpace& space, const collision::Scene& robot,
+                              std::span<const int> carriers,
+                              std::span<const robots::VariableRange> ranges,
+                              std::span<const robots::LinkGap* const> gaps);
 
 /// A difference of points as one of configurations: 0 for variables that are not planned.
 void expandDifference(const ConfigurationSpace& space, std::span<const double> difference,

@@ -83,13 +83,29 @@ struct Passing {
   LaneSweep sweep;
   std::unique_ptr<LaneSweep::Scratch> scratch;
 
-  Passing(const PointCover& points, const Shape& box, const Pose& X_WB) {
+  Passing(const PointCover& points, const Shape& box, const Pose& X_WB)
+      : Passing(LaneSweep(), pieceOf(points), box, X_WB) {}
+  /// From a sweep that may have had pieces and obstacles before.
+  Passing(LaneSweep begun, const LaneSweep::Piece& piece, const Shape& box, const Pose& X_WB)
+      : sweep(std::move(begun)) {
+    const int added = sweep.addPiece(piece);
+    finish(added, box, X_WB);
+  }
+  /// Of a copy of a sweep that has the piece.
+  Passing(const LaneSweep& begun, int piece, const Shape& box, const Pose& X_WB) : sweep(begun) {
+    finish(piece, box, X_WB);
+  }
+
+  static LaneSweep::Piece pieceOf(const PointCover& points) {
     LaneSweep::Piece piece;
     piece.frame = piece.motion = 0;
     piece.outer = piece.cover.emplace_back(Ball{Vector3d::Zero(), 1.1});
     piece.points = points;
     piece.reach = 3;
-    sweep.addPair(0, sweep.addPiece(piece), sweep.addObstacle(box, X_WB), -1, 0.0);
+    return piece;
+  }
+  void finish(int piece, const Shape& box, const Pose& X_WB) {
+    sweep.addPair(0, piece, sweep.addObstacle(box, X_WB), -1, 0.0);
     sweep.finish();
     scratch = std::make_unique<LaneSweep::Scratch>(sweep);
   }
@@ -122,6 +138,12 @@ TEST(LaneSweep, ClustersLeaveOutNothingThatCounts) {
     X_WB.translation = random.uniform(0.3, 1.3) * random.direction();
     const Shape box = Shape::box({0.2, 0.1, 0.3});
     Passing clusters(points, box, X_WB);
+    // A copy of a sweep that has the piece, and one to which it is added after another.
+    LaneSweep begun;
+    const int piece = begun.addPiece(Passing::pieceOf(points));
+    begun.finishPieces();
+    Passing copied(begun, piece, box, X_WB);
+    Passing second(LaneSweep(begun), Passing::pieceOf(points), box, X_WB);
     points.clusters.clear();
     points.nearest.clear();
     Passing all(points, box, X_WB);
@@ -142,6 +164,8 @@ TEST(LaneSweep, ClustersLeaveOutNothingThatCounts) {
       moveFrames({&step, 1}, middles, 1.0F / kLanes, frames);
       const auto found = clusters.open(frames, 0.02F);
       ASSERT_EQ(found, all.open(frames, 0.02F)) << "run " << run << ", edge " << edge;
+      ASSERT_EQ(found, copied.open(frames, 0.02F)) << "run " << run << ", edge " << edge;
+      ASSERT_EQ(found, second.open(frames, 0.02F)) << "run " << run << ", edge " << edge;
       parted += found.first == 0 && found.second;
       some += found.first != 0;
     }

@@ -190,6 +190,65 @@ TEST(Scene, PairsAreThoseThatCanMeet) {
   EXPECT_THROW(builder.build(), std::invalid_argument);
 }
 
+/// Pairs stand in the order of their bodies, whatever of them a scene begins with.
+TEST(Scene, BegunWithAnotherSceneIsThatOfAllItsBodies) {
+  Draw draw(12);
+  const auto below = [&](int n) { return static_cast<int>(draw.uniform(0, n)); };
+  int kept = 0, allowed = 0;
+  for (int run = 0; run < 60; ++run) {
+    std::vector<Body> bodies;
+    for (int b = 0; b < 9; ++b) {
+      Body body{"body " + std::to_string(b), {}, draw.uniform(0, 1) < 0.4, draw.pose(2)};
+      for (int g = below(3); g >= 0; --g)
+        body.geometries.push_back({Shape::sphere(0.1 * (g + 1)), draw.pose(0.1), ""});
+      bodies.push_back(body);
+    }
+    const int base = below(10);
+    SceneBuilder whole, begun;
+    for (int b = 0; b < base; ++b) begun.add(bodies[static_cast<std::size_t>(b)]);
+    std::vector<std::pair<int, int>> touching;
+    for (int k = 0; k < 6; ++k) touching.emplace_back(below(9), below(9));
+    for (const auto& [a, b] : touching)
+      if (a < base && b < base) begun.allow(a, b);
+    SceneBuilder more(begun.build());
+    for (std::size_t b = 0; b < bodies.size(); ++b) {
+      whole.add(bodies[b]);
+      if (static_cast<int>(b) >= base) {
+        EXPECT_EQ(more.add(bodies[b]), static_cast<int>(b));
+      }
+    }
+    for (SceneBuilder* builder : {&whole, &more}) {
+      builder->setDefaultMargin(0.01);
+      builder->setMargin(2, 5, 0.03);
+      for (const auto& [a, b] : touching) builder->allow(a, b);
+    }
+    const Scene expected = whole.build(), scene = std::move(more).build();
+    ASSERT_EQ(scene.bodies().size(), expected.bodies().size());
+    ASSERT_EQ(scene.pairs().size(), expected.pairs().size()) << "run " << run;
+    for (std::size_t p = 0; p < scene.pairs().size(); ++p) {
+      const ScenePair &x = scene.pairs()[p], &y = expected.pairs()[p];
+      EXPECT_EQ(x.body_a, y.body_a);
+      EXPECT_EQ(x.geometry_a, y.geometry_a);
+      EXPECT_EQ(x.body_b, y.body_b);
+      EXPECT_EQ(x.geometry_b, y.geometry_b);
+      EXPECT_EQ(x.margin, y.margin);
+      kept += x.body_a < base && x.body_b < base;
+    }
+    allowed += static_cast<int>(touching.size());
+    Workspace one(scene), other(expected);
+    for (int b = 0; b < 9; ++b) {
+      if (!bodies[static_cast<std::size_t>(b)].moving) continue;
+      const Pose X = draw.pose(1);
+      one.setPose(b, X);
+      other.setPose(b, X);
+    }
+    EXPECT_EQ(clearance(scene, one, 1e-6).clearance.lower,
+              clearance(expected, other, 1e-6).clearance.lower);
+  }
+  EXPECT_GT(kept, 500);
+  EXPECT_GT(allowed, 100);
+}
+
 TEST(Scene, HalfSpacesAreRefusedByName) {
   SceneBuilder builder;
   const int held = builder.add({"held", {{Shape::halfSpace(), {}, ""}}, true, {}});

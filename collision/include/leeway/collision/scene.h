@@ -80,7 +80,14 @@ class Scene {
 /// Collects bodies, allowed pairs and margins; build() makes the pairs.
 class SceneBuilder {
  public:
-  int add(Body body);                    ///< the new body's index
+  SceneBuilder() = default;
+  /// Begins with the bodies of `base` and, among them, with its pairs, but for their margins: a
+  /// robot is prepared once, and worlds are added. What is known of its geometries is not computed
+  /// again. O(bodies + pairs of base).
+  explicit SceneBuilder(const Scene& base) : base_(base) {}
+
+  /// The new body's index.
+  int add(Body body);
   void allow(int body_a, int body_b);    ///< the two may touch: no pair of theirs is kept
   void setDefaultMargin(double margin);  ///< [m]; default 0; may be negative (allowed depth)
   void setMargin(int body_a, int body_b, double margin);  ///< [m]; the last call for a pair counts
@@ -88,10 +95,12 @@ class SceneBuilder {
   /// std::invalid_argument for a margin or a pose that is not finite, for a rotation that is not
   /// orthogonal within kRotationTolerance, and for two half-spaces, naming their bodies.
   /// O(bodies + pairs + allowed + margins).
-  Scene build() const;
+  Scene build() const& { return SceneBuilder(*this).build(); }
+  Scene build() &&;
 
  private:
-  std::vector<Body> bodies_;
+  Scene base_;                // what build() begins with
+  std::vector<Body> bodies_;  // added to those
   std::vector<std::pair<int, int>> allowed_;
   struct PairMargin {
     int a, b;

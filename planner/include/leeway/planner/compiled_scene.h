@@ -21,8 +21,11 @@ class CompiledScene {
  public:
   /// Throws robots::InputError for an object whose pose is not finite or no rotation, for margins
   /// that are not finite and for two half-spaces that may not touch; std::invalid_argument for
-  /// variables that do not exist or hold part of an orientation. O(pairs of geometries), plus
-  /// milliseconds a pair of links for proofs where the robot has no SRDF.
+  /// variables that do not exist or hold part of an orientation. O(pairs of geometries). What
+  /// concerns the robot alone is made once for its model and kept with it, for problems that plan
+  /// the same variables, from the same values of the others, with the same held objects and allowed
+  /// contacts: O(pairs of links * joints), plus milliseconds a pair of links for proofs where the
+  /// robot has no SRDF.
   explicit CompiledScene(const Problem& problem);
 
   const collision::Scene& scene() const { return scene_; }
@@ -37,7 +40,7 @@ class CompiledScene {
   struct Dropped {
     std::string a, b, reason;
   };
-  const std::vector<Dropped>& dropped() const { return dropped_; }
+  const std::vector<Dropped>& dropped() const { return *dropped_; }
 
   // Variants. Bodies and their order stay, bounds and meshes are shared: far cheaper than compiling
   // again.
@@ -74,7 +77,7 @@ class CompiledScene {
   std::vector<double> base_configuration_;
   collision::Scene scene_;
   std::vector<int> body_link_;
-  std::vector<Dropped> dropped_;
+  std::shared_ptr<const std::vector<Dropped>> dropped_;
   std::shared_ptr<const EdgeModel> edge_model_;
 };
 

@@ -11,6 +11,7 @@
 #include "leeway/collision/pose.h"
 #include "leeway/collision/scene.h"
 #include "leeway/collision/shape.h"
+#include "leeway/robots/prepared_store.h"
 
 namespace leeway::robots {
 
@@ -135,7 +136,8 @@ struct RobotDescription {
   int findGroup(std::string_view name) const;
 };
 
-/// A robot, constant while it is used. Configurations are spans of variables.size() doubles in the
+/// A robot, constant from its first use on: what is prepared of it is kept with it. A copy may be
+/// changed before it is used. Configurations are spans of variables.size() doubles in the
 /// order of `variables`.
 class Model : public RobotDescription {
  public:
@@ -147,6 +149,9 @@ class Model : public RobotDescription {
   /// Proofs for pairs of links that stay near each other, by loadModel(). They hold for these
   /// joints and geometries.
   std::vector<LinkGap> link_gaps;
+
+  /// What planning has prepared of this robot.
+  PreparedStore prepared;
 
   /// All zeros, or the nearest value inside the limits; floating: identity.
   std::vector<double> defaultConfiguration() const;

@@ -1,11 +1,10 @@
-#include "planner/edge/scene_pairs.h"
+#include "planner/edge/robot_pairs.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 
 #include "collision/base/tolerances.h"
-#include "leeway/collision/deformable_mesh.h"
 #include "leeway/robots/input_error.h"
 #include "leeway/robots/kinematics.h"
 
@@ -30,7 +29,22 @@ bool mayTouch(const Attachment& held, int link) {
 
 }  // namespace
 
-ScenePairs::ScenePairs(const Problem& problem, std::span<const robots::VariableRange> ranges)
+void expectPose(const Problem& problem, const robots::Pose& X, const std::string& name) {
+  const double departure =
+      (X.rotation.transpose() * X.rotation - Eigen::Matrix3d::Identity()).norm();
+  if ((X.translation.array().abs() <= collision::kLargestSize).all() &&
+      departure <= collision::kRotationTolerance)
+    return;
+  const Eigen::Vector3d& p = X.translation;
+  throw robots::InputError(
+      problem.name, 0,
+      fmt::format("the pose of '{}' is at ({}, {}, {}), its rotation {} from orthogonal; numbers "
+                  "up to {} and a rotation within {} are expected",
+                  name, p.x(), p.y(), p.z(), departure, collision::kLargestSize,
+                  collision::kRotationTolerance));
+}
+
+RobotPairs::RobotPairs(const Problem& problem, std::span<const robots::VariableRange> ranges)
     : problem_(problem),
       model_(*problem.robot.model),
       ranges_(ranges),
@@ -38,37 +52,28 @@ ScenePairs::ScenePairs(const Problem& problem, std::span<const robots::VariableR
   robots::forwardKinematics(model_, problem.start, poses_);
   addLinks();
   addAttachments();
-  carried_ = count();
-  addObjects();
   findAllowed();
-  // Of the world, what the problem allows: that it stands still needs no reason, and there may be
-  // many of it.
-  for (int i = 0; i < carried_; ++i) {
-    for (int j = i + 1; j < carried_; ++j) drop(i, j, reason(i, j));
-    for (auto p = allowed_.lower_bound({i, carried_}); p != allowed_.end() && p->first == i; ++p)
-      drop(i, p->second, reason(i, p->second));
+  for (int i = 0; i < count(); ++i) {
+    for (int j = i + 1; j < count(); ++j) drop(i, j, reason(i, j));
+    dropped_ends_.push_back(dropped_.size());
   }
   if (!model_.has_srdf && !problem_.contacts.replace_srdf) dropProven();
 }
 
-collision::SceneBuilder ScenePairs::builder() const {
+collision::SceneBuilder RobotPairs::builder() const {
   collision::SceneBuilder builder;
   for (const Entry& e : entries_) builder.add(e.body);
   for (const auto& [pair, why] : reasons_) builder.allow(pair.first, pair.second);
-  builder.setDefaultMargin(problem_.margins.common);
-  for (const PairMargin& m : problem_.margins.pairs)
-    for (const int i : named(m.a))
-      for (const int j : named(m.b)) builder.setMargin(i, j, m.margin);
   return builder;
 }
 
-std::vector<int> ScenePairs::bodyLinks() const {
+std::vector<int> RobotPairs::carriers() const {
   std::vector<int> links;
-  for (const Entry& e : entries_) links.push_back(e.body.moving ? e.link : -1);
+  for (const Entry& e : entries_) links.push_back(e.link);
   return links;
 }
 
-const LinkGap* ScenePairs::linkGap(int i, int j) const {
+const LinkGap* RobotPairs::linkGap(int i, int j) const {
   const Entry &a = entries_[at(i)], &b = entries_[at(j)];
   if (!a.isLink() || !b.isLink()) return nullptr;
   const auto gap =
@@ -79,12 +84,12 @@ const LinkGap* ScenePairs::linkGap(int i, int j) const {
 
 // Bodies.
 
-void ScenePairs::add(Entry entry) {
+void RobotPairs::add(Entry entry) {
   named_[entry.body.name].push_back(count());
   entries_.push_back(std::move(entry));
 }
 
-void ScenePairs::addLinks() {
+void RobotPairs::addLinks() {
   for (std::size_t l = 0; l < model_.links.size(); ++l) {
     const robots::Link& link = model_.links[l];
     if (link.geometries.empty()) continue;
@@ -94,67 +99,18 @@ void ScenePairs::addLinks() {
   }
 }
 
-void ScenePairs::addAttachments() {
+void RobotPairs::addAttachments() {
   for (const Attachment& a : problem_.robot.attachments) {
-    expectPose(a.X_LO, a.object.name);
+    expectPose(problem_, a.X_LO, a.object.name);
     Body body{a.object.name, a.object.geometries, moves(a.link), poses_[at(a.link)]};
     for (robots::Geometry& g : body.geometries) g.X_BG = a.X_LO * g.X_BG;
     if (!body.geometries.empty()) add({std::move(body), a.link, &a});
   }
 }
 
-void ScenePairs::addObject(const Object& object) {
-  expectPose(object.X_WO, object.name);
-  if (!object.geometries.empty())
-    add({{object.name, object.geometries, false, object.X_WO}, -1, nullptr});
-}
-
-void ScenePairs::addObjects() {
-  for (const Object& o : problem_.world.objects) addObject(o);
-  for (const DeformingObstacle& o : problem_.world.deforming) {
-    expectSnapshot(o);
-    addObject(o.object);
-  }
-}
-
-/// Queries find a deforming obstacle by its name, and see it as it is when execution starts.
-void ScenePairs::expectSnapshot(const DeformingObstacle& obstacle) const {
-  const std::string& name = obstacle.object.name;
-  const auto refuse = [&](const std::string& message) {
-    throw robots::InputError(problem_.name, 0,
-                             fmt::format("deforming obstacle '{}' {}", name, message));
-  };
-  const collision::DeformableSnapshot* snapshot =
-      obstacle.mesh && obstacle.object.geometries.size() == 1
-          ? obstacle.object.geometries[0].shape.deformable()
-          : nullptr;
-  if (snapshot == nullptr) refuse("has no snapshot; see makeDeformingObstacle()");
-  if (snapshot->time() != problem_.execution.start)
-    refuse(fmt::format("is as it is at {} s; execution starts at {} s", snapshot->time(),
-                       problem_.execution.start));
-  if (!named(name).empty())
-    refuse("has the name of another object or link; a name of its own is expected");
-}
-
-/// Readers of files see to it; programs may pass anything.
-void ScenePairs::expectPose(const robots::Pose& X, const std::string& name) const {
-  const double departure =
-      (X.rotation.transpose() * X.rotation - Eigen::Matrix3d::Identity()).norm();
-  if ((X.translation.array().abs() <= collision::kLargestSize).all() &&
-      departure <= collision::kRotationTolerance)
-    return;
-  const Eigen::Vector3d& p = X.translation;
-  throw robots::InputError(
-      problem_.name, 0,
-      fmt::format("the pose of '{}' is at ({}, {}, {}), its rotation {} from orthogonal; numbers "
-                  "up to {} and a rotation within {} are expected",
-                  name, p.x(), p.y(), p.z(), departure, collision::kLargestSize,
-                  collision::kRotationTolerance));
-}
-
 // Reasons to drop a pair.
 
-void ScenePairs::findAllowed() {
+void RobotPairs::findAllowed() {
   for (const auto& [x, y] : problem_.contacts.allowed)
     for (const int i : named(x))
       for (const int j : named(y))
@@ -162,7 +118,7 @@ void ScenePairs::findAllowed() {
 }
 
 /// Empty: the pair is checked.
-std::string ScenePairs::reason(int i, int j) const {
+std::string RobotPairs::reason(int i, int j) const {
   const Entry &a = entries_[at(i)], &b = entries_[at(j)];
   if (a.isLink() && b.isLink()) {
     if (areAdjacent(a.link, b.link)) return "adjacent";
@@ -175,20 +131,17 @@ std::string ScenePairs::reason(int i, int j) const {
   if (a.held != nullptr && b.isLink() && mayTouch(*a.held, b.link)) return "attached";
   if (b.held != nullptr && a.isLink() && mayTouch(*b.held, a.link)) return "attached";
   if (!a.body.moving && !b.body.moving) return "neither moves";
-  if (a.link >= 0 && b.link >= 0 && areRigid(a, b)) return "rigidly attached to each other";
+  if (areRigid(a, b)) return "rigidly attached to each other";
   return {};
 }
 
-void ScenePairs::drop(int i, int j, const std::string& why) {
+void RobotPairs::drop(int i, int j, const std::string& why) {
   if (why.empty()) return;
   reasons_[{i, j}] = why;
-  const bool carried_i = entries_[at(i)].link >= 0, carried_j = entries_[at(j)].link >= 0;
-  // That things of the world stand beside each other, or beside a robot's base, is no news.
-  if ((carried_i && carried_j) || ((carried_i || carried_j) && why != "neither moves"))
-    dropped_.push_back({name(i), name(j), why});
+  dropped_.push_back({name(i), name(j), why});
 }
 
-void ScenePairs::dropProven() {
+void RobotPairs::dropProven() {
   if (!isPassiveWithinLimits()) return;
   std::vector<std::pair<int, int>> candidates, bodies;
   for (int i = 0; i < count(); ++i)
@@ -207,7 +160,7 @@ void ScenePairs::dropProven() {
 }
 
 /// The proof is that two links never touch; it says nothing of a margin.
-bool ScenePairs::hasMargin(int i, int j) const {
+bool RobotPairs::hasMargin(int i, int j) const {
   bool positive = problem_.margins.common > 0;
   for (const PairMargin& m : problem_.margins.pairs)
     if (areNamed(i, j, m.a, m.b)) positive = m.margin > 0;
@@ -215,7 +168,7 @@ bool ScenePairs::hasMargin(int i, int j) const {
 }
 
 /// The proof holds within the limits, and a joint that is not planned may stand outside them.
-bool ScenePairs::isPassiveWithinLimits() const {
+bool RobotPairs::isPassiveWithinLimits() const {
   for (std::size_t v = 0; v < model_.variables.size(); ++v) {
     const robots::Variable& variable = model_.variables[v];
     if (ranges_[v].lower != ranges_[v].upper) continue;
@@ -224,33 +177,33 @@ bool ScenePairs::isPassiveWithinLimits() const {
   return true;
 }
 
-const std::string& ScenePairs::name(int i) const { return entries_[at(i)].body.name; }
+const std::string& RobotPairs::name(int i) const { return entries_[at(i)].body.name; }
 
-std::span<const int> ScenePairs::named(const std::string& name) const {
+std::span<const int> RobotPairs::named(const std::string& name) const {
   const auto found = named_.find(name);
   return found == named_.end() ? std::span<const int>() : found->second;
 }
 
-bool ScenePairs::areNamed(int i, int j, const std::string& a, const std::string& b) const {
+bool RobotPairs::areNamed(int i, int j, const std::string& a, const std::string& b) const {
   return isPair(a, b, name(i), name(j));
 }
 
-bool ScenePairs::moves(int link) const {
+bool RobotPairs::moves(int link) const {
   return !robots::relativeMotion(model_, link, -1, Eigen::Vector3d::Zero(), 0, ranges_)
               .terms.empty();
 }
 
-bool ScenePairs::areRigid(const Entry& a, const Entry& b) const {
+bool RobotPairs::areRigid(const Entry& a, const Entry& b) const {
   return robots::relativeMotion(model_, a.link, b.link, Eigen::Vector3d::Zero(), 0, ranges_)
       .terms.empty();
 }
 
-int ScenePairs::parentOf(int link) const {
+int RobotPairs::parentOf(int link) const {
   return model_.joints[at(model_.links[at(link)].joint)].parent_link;
 }
 
 /// The first link of the rigid group that `link` belongs to: up from it through fixed joints.
-int ScenePairs::rigidRoot(int link) const {
+int RobotPairs::rigidRoot(int link) const {
   while (model_.joints[at(model_.links[at(link)].joint)].type == robots::JointType::kFixed) {
     const int parent = parentOf(link);
     if (parent < 0) break;
@@ -260,7 +213,7 @@ int ScenePairs::rigidRoot(int link) const {
 }
 
 /// Parent and child; without an SRDF also what fixed joints join to them.
-bool ScenePairs::areAdjacent(int a, int b) const {
+bool RobotPairs::areAdjacent(int a, int b) const {
   if (parentOf(a) == b || parentOf(b) == a) return true;
   if (model_.has_srdf || problem_.contacts.replace_srdf) return false;
   const int x = rigidRoot(a), y = rigidRoot(b);

@@ -1,6 +1,6 @@
 #pragma once
 
-// Private to planner/: the bodies of a problem, and which of their pairs are checked.
+// Private to planner/: the bodies of a robot, and which of their pairs are checked.
 
 #include <map>
 #include <set>
@@ -17,40 +17,42 @@
 
 namespace leeway::planner {
 
-/// Bodies: links with geometry, held objects, objects of the world, in this order. A pair is
-/// checked unless there is a reason to drop it; the first reason found stands.
-class ScenePairs {
+/// Throws robots::InputError for a pose that is not finite or no rotation. Readers of files see to
+/// it; programs may pass anything.
+void expectPose(const Problem& problem, const robots::Pose& X, const std::string& name);
+
+/// Bodies: links with geometry, then held objects. A pair is checked unless there is a reason to
+/// drop it; the first reason found stands.
+class RobotPairs {
  public:
   /// `ranges`: of the model's variables, in this problem. Throws robots::InputError for an object
   /// whose pose is not finite or no rotation.
-  ScenePairs(const Problem& problem, std::span<const robots::VariableRange> ranges);
+  RobotPairs(const Problem& problem, std::span<const robots::VariableRange> ranges);
 
   collision::SceneBuilder builder() const;
-  /// The link that carries each body; -1 for a body that does not move.
-  std::vector<int> bodyLinks() const;
+  /// The link that carries each body.
+  std::vector<int> carriers() const;
   /// What the model knows of the links of two bodies by joint angles; null: nothing.
   const robots::LinkGap* linkGap(int i, int j) const;
 
   /// True when a pair was dropped by a proof that holds within the joints' limits only.
   bool hasProven() const { return has_proven_; }
-  /// Dropped pairs, but for those of the world with itself.
+  /// Dropped pairs; those of body i with later ones end at droppedEnds()[i]. Last those proven
+  /// apart.
   std::vector<CompiledScene::Dropped> takeDropped() { return std::move(dropped_); }
+  std::vector<std::size_t> takeDroppedEnds() { return std::move(dropped_ends_); }
 
  private:
   struct Entry {
     collision::Body body;
-    int link;                // that carries it; -1: the world
-    const Attachment* held;  // null for links and objects
-    bool isLink() const { return link >= 0 && held == nullptr; }
+    int link;                // that carries it
+    const Attachment* held;  // null for links
+    bool isLink() const { return held == nullptr; }
   };
 
   void add(Entry entry);
   void addLinks();
   void addAttachments();
-  void addObject(const Object& object);
-  void addObjects();
-  void expectSnapshot(const DeformingObstacle& obstacle) const;
-  void expectPose(const robots::Pose& X, const std::string& name) const;
 
   void findAllowed();
   std::string reason(int i, int j) const;
@@ -74,11 +76,11 @@ class ScenePairs {
   std::span<const robots::VariableRange> ranges_;
   std::vector<robots::Pose> poses_;
   std::vector<Entry> entries_;
-  int carried_ = 0;  // entries of the robot, which come first
   std::unordered_map<std::string, std::vector<int>> named_;  // entries by name
   std::set<std::pair<int, int>> allowed_;                    // by the problem; the lower first
   std::map<std::pair<int, int>, std::string> reasons_;
   std::vector<CompiledScene::Dropped> dropped_;
+  std::vector<std::size_t> dropped_ends_;
   bool has_proven_ = false;
 };
 

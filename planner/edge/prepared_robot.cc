@@ -1,0 +1,139 @@
+#include "planner/edge/prepared_robot.h"
+
+#include <algorithm>
+#include <stdexcept>
+#include <utility>
+
+#include "leeway/robots/input_error.h"
+#include "planner/edge/robot_pairs.h"
+
+namespace leeway::planner {
+namespace {
+
+using robots::VariableRange;
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+/// Limits for what is planned, the start's value for what is not.
+std::vector<VariableRange> plannedRanges(const Problem& problem) {
+  std::vector<VariableRange> ranges = robots::limitRanges(*problem.robot.model);
+  std::vector<char> planned(ranges.size(), 0);
+  for (const int v : problem.robot.variables) planned[at(v)] = 1;
+  for (std::size_t v = 0; v < ranges.size(); ++v)
+    if (!planned[v]) ranges[v] = {problem.start[v], problem.start[v]};
+  return ranges;
+}
+
+// What is compared is what preparing reads. Shapes that share no vertices count as different.
+
+bool isSame(const robots::Pose& x, const robots::Pose& y) {
+  return x.rotation == y.rotation && x.translation == y.translation;
+}
+
+bool isSame(const collision::Shape& x, const collision::Shape& y) {
+  return x.type() == y.type() && x.radius() == y.radius() && x.halfLength() == y.halfLength() &&
+         x.halfExtents() == y.halfExtents() && x.hull() == y.hull() && x.mesh() == y.mesh() &&
+         x.deformable() == y.deformable();
+}
+
+bool isSame(const robots::Geometry& x, const robots::Geometry& y) {
+  return x.name == y.name && isSame(x.shape, y.shape) && isSame(x.X_BG, y.X_BG);
+}
+
+bool isSame(const Attachment& x, const Attachment& y) {
+  const auto &of_x = x.object.geometries, &of_y = y.object.geometries;
+  return x.object.name == y.object.name && x.link == y.link && x.touch_links == y.touch_links &&
+         isSame(x.X_LO, y.X_LO) &&
+         std::equal(of_x.begin(), of_x.end(), of_y.begin(), of_y.end(),
+                    [](const auto& g, const auto& h) { return isSame(g, h); });
+}
+
+/// All that proofs ask of margins is which are positive.
+bool isSamePositive(const Margins& x, const Margins& y) {
+  return (x.common > 0) == (y.common > 0) &&
+         std::equal(x.pairs.begin(), x.pairs.end(), y.pairs.begin(), y.pairs.end(),
+                    [](const PairMargin& m, const PairMargin& n) {
+                      return m.a == n.a && m.b == n.b && (m.margin > 0) == (n.margin > 0);
+                    });
+}
+
+std::vector<std::string> namesOf(const Contacts& contacts) {
+  std::vector<std::string> names;
+  for (const auto& [a, b] : contacts.allowed) {
+    names.push_back(a);
+    names.push_back(b);
+  }
+  std::sort(names.begin(), names.end());
+  names.erase(std::unique(names.begin(), names.end()), names.end());
+  return names;
+}
+
+}  // namespace
+
+PreparedRobot::PreparedRobot(const Problem& problem, std::vector<VariableRange> ranges,
+                             const ConfigurationSpace& space)
+    : variables_(problem.robot.variables),
+      ranges_(std::move(ranges)),
+      attachments_(problem.robot.attachments),
+      contacts_(problem.contacts),
+      margins_(problem.margins),
+      has_srdf_(problem.robot.model->has_srdf),
+      allowed_names_(namesOf(problem.contacts)) {
+  RobotPairs pairs(problem, ranges_);
+  try {
+    scene_ = pairs.builder().build();
+  } catch (const std::invalid_argument& error) {
+    throw robots::InputError(problem.name, 0, error.what());
+  }
+  carriers_ = pairs.carriers();
+  has_proven_ = pairs.hasProven();
+  dropped_ends_ = pairs.takeDroppedEnds();
+  dropped_ = std::make_shared<const std::vector<CompiledScene::Dropped>>(pairs.takeDropped());
+  std::vector<const robots::LinkGap*> gaps;
+  for (const collision::ScenePair& pair : scene_.pairs())
+    gaps.push_back(pairs.linkGap(pair.body_a, pair.body_b));
+  motions_ = makeRobotMotions(space, scene_, carriers_, ranges_, gaps);
+}
+
+bool PreparedRobot::fits(const Problem& problem, std::span<const VariableRange> ranges) const {
+  const robots::Model& model = *problem.robot.model;
+  const auto isSameRange = [](const VariableRange& x, const VariableRange& y) {
+    return x.lower == y.lower && x.upper == y.upper;
+  };
+  const auto &of_mine = attachments_, &of_other = problem.robot.attachments;
+  return has_srdf_ == model.has_srdf && variables_ == problem.robot.variables &&
+         std::equal(ranges_.begin(), ranges_.end(), ranges.begin(), ranges.end(), isSameRange) &&
+         std::equal(of_mine.begin(), of_mine.end(), of_other.begin(), of_other.end(),
+                    [](const auto& x, const auto& y) { return isSame(x, y); }) &&
+         contacts_.replace_srdf == problem.contacts.replace_srdf &&
+         contacts_.allowed == problem.contacts.allowed &&
+         (has_srdf_ || contacts_.replace_srdf || isSamePositive(margins_, problem.margins));
+}
+
+std::shared_ptr<const PreparedRobot> PreparedRobot::of(const Problem& problem,
+                                                       const ConfigurationSpace& space) {
+  std::vector<VariableRange> ranges = plannedRanges(problem);
+  const auto fits = [&](const robots::PreparedStore::Entry& entry) {
+    const auto* robot = dynamic_cast<const PreparedRobot*>(&entry);
+    return robot != nullptr && robot->fits(problem, ranges);
+  };
+  const robots::PreparedStore& store = problem.robot.model->prepared;
+  std::shared_ptr<const robots::PreparedStore::Entry> entry = store.find(fits);
+  if (!entry) {
+    // (The constructor is private.)
+    std::shared_ptr<const PreparedRobot> robot(new PreparedRobot(problem, ranges, space));
+    entry = store.keep(std::move(robot), fits);
+  }
+  return std::static_pointer_cast<const PreparedRobot>(entry);
+}
+
+bool PreparedRobot::isAllowedName(const std::string& name) const {
+  return std::binary_search(allowed_names_.begin(), allowed_names_.end(), name);
+}
+
+const RobotLanes& PreparedRobot::lanes(const robots::Model& model) const {
+  std::call_once(lanes_once_, [&] { lanes_ = std::make_unique<const RobotLanes>(model, *this); });
+  return *lanes_;
+}
+
+}  // namespace leeway::planner

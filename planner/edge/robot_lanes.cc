@@ -1,0 +1,297 @@
+#include "planner/edge/robot_lanes.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "collision/base/tolerances.h"
+#include "collision/cover/ball_cover.h"
+#include "collision/scene/scene_access.h"
+#include "leeway/robots/kinematics.h"
+#include "planner/edge/edge_model.h"
+#include "planner/edge/prepared_robot.h"
+
+namespace leeway::planner {
+namespace {
+
+using collision::Ball;
+using collision::LaneGrowth;
+using collision::LaneSweep;
+using collision::Pose;
+using robots::Joint;
+using robots::JointType;
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+const Joint& masterOf(const robots::Model& model, int joint) {
+  const Joint* j = &model.joints[at(joint)];
+  while (j->mimic >= 0) j = &model.joints[at(j->mimic)];
+  return *j;
+}
+
+/// A ball in another frame, larger by what rounding moves its centre.
+Ball placed(const Pose& X, const Ball& ball) {
+  Ball moved{X * ball.center, ball.radius};
+  moved.radius += collision::kTransferRounding * (moved.center.lpNorm<1>() + ball.radius);
+  return moved;
+}
+
+/// Appends points in another frame; returns how far rounding moves them, added to `radius`.
+double placePoints(const Pose& X, const std::vector<Eigen::Vector3d>& points, double radius,
+                   std::vector<Eigen::Vector3d>& out) {
+  double rounding = 0;
+  for (const Eigen::Vector3d& p : points) {
+    const Ball moved = placed(X, Ball{p, 0});
+    out.push_back(moved.center);
+    rounding = std::max(rounding, moved.radius);
+  }
+  return radius + rounding;
+}
+
+collision::PointCover placedPoints(const Pose& X, const collision::PointCover& points) {
+  collision::PointCover moved;
+  moved.own = points.own;
+  moved.clusters = points.clusters;
+  moved.nearest = points.nearest;
+  moved.radius = placePoints(X, points.points, points.radius, moved.points);
+  moved.fine_radius = std::max(placePoints(X, points.fine, points.fine_radius, moved.fine),
+                               moved.radius - points.radius);
+  return moved;
+}
+
+/// The farthest that a ball's centre is from the frame's origin [m].
+double reachOf(const LaneSweep::Piece& piece) {
+  double reach = piece.outer.center.norm();
+  for (const Ball& ball : piece.cover) reach = std::max(reach, ball.center.norm());
+  for (const collision::CoverPart& part : piece.parts)
+    reach = std::max(reach, part.ball.center.norm());
+  return reach;
+}
+
+/// Balls and points of a geometry, in frame F.
+void addCover(const collision::BallCover& cover, const Pose& X_FG, LaneSweep::Piece& lane) {
+  for (const Ball& ball : cover.outer) lane.cover.push_back(placed(X_FG, ball));
+  for (const Ball& ball : cover.inner) {
+    Ball moved = placed(X_FG, ball);
+    moved.radius = ball.radius - (moved.radius - ball.radius);  // rounded inwards
+    if (moved.radius > 0) lane.inner.push_back(moved);
+  }
+  lane.points = placedPoints(X_FG, cover.points);
+}
+
+class Builder {
+ public:
+  Builder(const robots::Model& model, const PreparedRobot& robot, RobotLanes& lanes)
+      : model_(model), robot_(robot), lanes_(lanes) {}
+
+  void build() {
+    addSteps();
+    for (const robots::RelativeMotion& motion : robot_.motions().motions) addMotion(motion);
+    addPieces();
+    lanes_.sweep.finishPieces();
+  }
+
+ private:
+  /// Where a link is in the last frame below it; frame -1: the world.
+  struct LinkPlace {
+    int frame = -1;
+    Pose X_FL;
+  };
+
+  // Joints that the planned variables move become steps; what is fixed between them is folded.
+
+  void addSteps() {
+    std::vector<char> planned(model_.variables.size(), 0);
+    for (const int v : robot_.variables()) planned[at(v)] = 1;
+    std::vector<double> base(model_.variables.size(), 0.0);
+    for (std::size_t v = 0; v < base.size(); ++v)
+      if (!planned[v]) base[v] = robot_.ranges()[v].lower;  // stands as it does
+    std::vector<Pose> X_WL(model_.links.size());
+    robots::forwardKinematics(model_, base, X_WL);
+
+    places_.resize(model_.links.size());
+    for (std::size_t l = 0; l < model_.joints.size(); ++l) {
+      const Joint& joint = model_.joints[l];
+      const LinkPlace parent = joint.parent_link < 0 ? LinkPlace{} : places_[at(joint.parent_link)];
+      if (isMoved(static_cast<int>(l), planned)) {
+        addStep(static_cast<int>(l), parent);
+        continue;
+      }
+      const Pose X_PL =
+          joint.parent_link < 0 ? X_WL[l] : X_WL[at(joint.parent_link)].inverse() * X_WL[l];
+      places_[l] = {parent.frame, parent.X_FL * X_PL};
+    }
+  }
+
+  bool isMoved(int joint, const std::vector<char>& planned) const {
+    if (model_.joints[at(joint)].type == JointType::kFixed) return false;
+    const Joint& master = masterOf(model_, joint);
+    const auto first = planned.begin() + master.first_variable;
+    return std::any_of(first, first + master.variable_count, [](char p) { return p != 0; });
+  }
+
+  void addStep(int l, const LinkPlace& parent) {
+    const Joint& joint = model_.joints[at(l)];
+    const robots::KinematicStep& kinematics = model_.steps[at(l)];
+    const bool floating = joint.type == JointType::kFloating;
+    RobotLanes::Step step;
+    step.joint = l;
+    step.X_PJ = parent.X_FL * joint.X_PJ;
+    step.variable = at(kinematics.variable);
+    step.multiplier = kinematics.multiplier;
+    step.offset = kinematics.offset;
+    const int frame = append(step, parent.frame, lengthOf(step));
+    places_[at(l)].frame = frame;
+    const Eigen::Matrix3d align = floating ? Eigen::Matrix3d::Identity() : turningZ(joint.axis);
+    copyMatrix(step.X_PJ.rotation * align, lanes_.frame_steps[at(frame)].rotation);
+    copyVector(step.X_PJ.translation, lanes_.frame_steps[at(frame)].translation);
+    if (!floating) {
+      places_[at(l)].X_FL.rotation = align.transpose();
+      return;
+    }
+    // Each edge turns a free body about another axis.
+    step.restores = true;
+    places_[at(l)].frame = append(step, frame, 0);
+  }
+
+  /// `length`: of translation and slide together, at most [m].
+  int append(const RobotLanes::Step& step, int parent, double length) {
+    reach_.push_back(length + (parent < 0 ? 0 : reach_[at(parent)]));
+    depth_.push_back(1 + (parent < 0 ? 0 : depth_[at(parent)]));
+    lanes_.deepest = std::max(lanes_.deepest, depth_.back());
+    lanes_.steps.push_back(step);
+    lanes_.frame_steps.emplace_back();
+    lanes_.frame_steps.back().parent = parent;
+    return static_cast<int>(lanes_.steps.size()) - 1;
+  }
+
+  /// Of a step's translation and slide together, within the joint's limits, at most [m].
+  double lengthOf(const RobotLanes::Step& step) const {
+    double length = step.X_PJ.translation.norm();
+    const JointType type = model_.joints[at(step.joint)].type;
+    const Joint& master = masterOf(model_, step.joint);
+    const auto most = [&](int k) {
+      const robots::Variable& v = model_.variables[at(master.first_variable + k)];
+      return std::max(std::abs(v.lower), std::abs(v.upper));
+    };
+    if (type == JointType::kPrismatic) {
+      const double factor = std::abs(step.multiplier), offset = std::abs(step.offset);
+      length += factor == 0 ? offset : factor * most(0) + offset;  // 0 times no limit is NaN
+    }
+    const int slides = type == JointType::kPlanar ? 2 : type == JointType::kFloating ? 3 : 0;
+    for (int k = 0; k < slides; ++k) length += most(k);
+    return length;
+  }
+
+  // Bounds on accelerations.
+
+  void addMotion(const robots::RelativeMotion& motion) {
+    std::vector<LaneGrowth::Term> terms = termsOf(motion);
+    const bool is_bounded =
+        terms.size() <= LaneGrowth::kMostTerms &&
+        std::all_of(terms.begin(), terms.end(),
+                    [](const LaneGrowth::Term& term) { return std::isfinite(term.reach); });
+    if (!is_bounded) terms.clear();  // keeps its number
+    lanes_.is_bounded.push_back(is_bounded ? 1 : 0);
+    lanes_.growth.add(terms);
+  }
+
+  /// The terms of a motion, from the body to the base, as robots::accelerationBound() sums them.
+  std::vector<LaneGrowth::Term> termsOf(const robots::RelativeMotion& motion) const {
+    const auto joints = static_cast<int>(model_.joints.size());
+    std::vector<LaneGrowth::Term> terms;
+    for (std::size_t i = motion.terms.size(); i-- > 0;) {
+      const robots::RelativeMotion::Term& term = motion.terms[i];
+      const JointType type = model_.joints[at(term.joint)].type;
+      const LaneGrowth::Term slide{joints + term.joint, 1, false};
+      const LaneGrowth::Term turn{term.joint, term.reach, true};
+      const bool slides = type == JointType::kPlanar || type == JointType::kFloating;
+      if (type == JointType::kPrismatic) {
+        terms.push_back(slide);
+        continue;
+      }
+      if (slides && term.inverted) terms.push_back(slide);
+      terms.push_back(turn);
+      if (slides && !term.inverted) terms.push_back(slide);
+    }
+    return terms;
+  }
+
+  // Geometries.
+
+  /// Those that move, and of those that stand still the ones that some link must not touch.
+  void addPieces() {
+    const collision::Scene& scene = robot_.scene();
+    std::vector<char> used;
+    for (std::size_t b = 0; b < scene.bodies().size(); ++b)
+      used.insert(used.end(), scene.bodies()[b].geometries.size(), scene.bodies()[b].moving);
+    for (const collision::ScenePair& pair : scene.pairs())
+      used[at(indexOf(pair.body_b, pair.geometry_b))] = 1;
+    lanes_.pieces.resize(used.size());
+    for (std::size_t b = 0; b < scene.bodies().size(); ++b)
+      for (std::size_t g = 0; g < scene.bodies()[b].geometries.size(); ++g)
+        if (used[at(indexOf(static_cast<int>(b), static_cast<int>(g)))] != 0)
+          addPiece(static_cast<int>(b), static_cast<int>(g));
+  }
+
+  int indexOf(int body, int geometry) const {
+    return collision::SceneAccess::geometryIndex(robot_.scene(), body, geometry);
+  }
+
+  void addPiece(int body, int geometry) {
+    const int index = indexOf(body, geometry);
+    const collision::Body& b = robot_.scene().bodies()[at(body)];
+    const collision::Geometry& g = b.geometries[at(geometry)];
+    const Ball& outer = collision::SceneAccess::bounds(robot_.scene(), index).outer;
+    RobotLanes::Piece& result = lanes_.pieces[at(index)];
+    if (!b.moving) {
+      result = addStill(g, b.X_WB, outer, lanes_.sweep);
+      return;
+    }
+    const LinkPlace& place = places_[at(robot_.carriers()[at(body)])];
+    const Pose X_FG = place.X_FL * g.X_BG;
+    LaneSweep::Piece lane;
+    lane.frame = place.frame;
+    lane.motion = robot_.motions().of_world[at(index)];
+    lane.outer = placed(place.X_FL, outer);
+    const std::shared_ptr<const collision::BallCover> cover = collision::coverOf(g.shape);
+    addCover(*cover, X_FG, lane);
+    for (const collision::CoverPart& part : cover->parts)
+      lane.parts.push_back({placed(X_FG, part.ball), placedPoints(X_FG, part.points)});
+    lane.reach = reachOf(lane) + (place.frame < 0 ? 0 : reach_[at(place.frame)]);
+    result.reach = lane.reach;
+    result.piece = lanes_.sweep.addPiece(lane);
+  }
+
+  const robots::Model& model_;
+  const PreparedRobot& robot_;
+  RobotLanes& lanes_;
+  std::vector<LinkPlace> places_;  // one a link
+  std::vector<double> reach_;      // lengths up to a frame [m]
+  std::vector<int> depth_;         // steps up to a frame
+};
+
+}  // namespace
+
+RobotLanes::RobotLanes(const robots::Model& model, const PreparedRobot& robot) {
+  Builder(model, robot, *this).build();
+}
+
+RobotLanes::Piece addStill(const collision::Geometry& geometry, const Pose& X_WB, const Ball& outer,
+                           LaneSweep& sweep) {
+  const collision::Shape& shape = geometry.shape;
+  const Pose X_WG = X_WB * geometry.X_BG;
+  RobotLanes::Piece result;
+  result.obstacle = sweep.addObstacle(shape, X_WG);
+  // Of these two an obstacle is only their box: balls say more.
+  if (shape.type() != collision::ShapeType::kMesh &&
+      shape.type() != collision::ShapeType::kConvexHull)
+    return result;
+  LaneSweep::Piece lane;
+  lane.outer = placed(Pose{}, outer);
+  addCover(*collision::coverOf(shape), X_WG, lane);
+  result.reach = lane.reach = reachOf(lane);
+  result.piece = sweep.addPiece(lane);
+  return result;
+}
+
+}  // namespace leeway::planner

@@ -1,0 +1,75 @@
+#pragma once
+
+// Private to planner/: what EdgeLanes makes of a robot alone, for every world.
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <vector>
+
+#include "collision/lanes/lane_frames.h"
+#include "collision/lanes/lane_sweep.h"
+#include "leeway/collision/scene.h"
+#include "leeway/robots/kinematics.h"
+#include "leeway/robots/model.h"
+
+namespace leeway::planner {
+
+class PreparedRobot;  // prepared_robot.h
+
+/// Frames of the joints that move, bounds on accelerations, and the geometries as pieces and
+/// obstacles of a collision::LaneSweep. Constant.
+struct RobotLanes {
+  /// O(vertices) for a first robot of these meshes, later O(points of their covers).
+  RobotLanes(const robots::Model& model, const PreparedRobot& robot);
+
+  /// A joint that turns or slides: a step between two frames, the upper one with its z axis along
+  /// the joint's. A floating joint has two; the second turns its frame back to the link's axes.
+  struct Step {
+    int joint;
+    collision::Pose X_PJ;      ///< from the frame below it to the joint, joint at rest
+    bool restores = false;     ///< the second of a floating joint
+    std::size_t variable = 0;  ///< its own or its master's, by which it turns or slides
+    double multiplier = 1, offset = 0;
+  };
+  std::vector<Step> steps;
+  std::vector<collision::FrameStep> frame_steps;  ///< what all edges share of them
+  int deepest = 0;                                ///< steps of the deepest chain
+
+  /// Of RobotMotions::motions, with the same numbers.
+  collision::LaneGrowth growth;
+  std::vector<char> is_bounded;  ///< the motions that `growth` can bound
+
+  /// A geometry in `sweep`.
+  struct Piece {
+    int piece = -1;     ///< -1: not one
+    int obstacle = -1;  ///< of what stands still; -1: not one
+    double reach = 0;   ///< the piece's [m]
+  };
+  std::vector<Piece> pieces;   ///< one a geometry of PreparedRobot::scene()
+  collision::LaneSweep sweep;  ///< with these pieces and obstacles; to be copied
+};
+
+/// Adds a geometry of the world to a sweep as an obstacle and, where balls say more than its box,
+/// as a piece. `outer`: its ball, in the world.
+RobotLanes::Piece addStill(const collision::Geometry& geometry, const collision::Pose& X_WB,
+                           const collision::Ball& outer, collision::LaneSweep& sweep);
+
+/// A rotation that turns z onto the unit vector `axis`, orthogonal to rounding.
+inline Eigen::Matrix3d turningZ(const Eigen::Vector3d& axis) {
+  Eigen::Matrix3d rotation;
+  Eigen::Vector3d u, v;
+  robots::planeAxes(axis, u, v);
+  rotation << u, v, axis;
+  return rotation;
+}
+
+/// Column by column.
+inline void copyMatrix(const Eigen::Matrix3d& m, float* out) {
+  for (int i = 0; i < 9; ++i) out[i] = static_cast<float>(m.data()[i]);
+}
+
+inline void copyVector(const Eigen::Vector3d& v, float* out) {
+  for (int i = 0; i < 3; ++i) out[i] = static_cast<float>(v[i]);
+}
+
+}  // namespace leeway::planner

@@ -1,0 +1,110 @@
+// bench_compile: what it takes from a loaded problem to the first edge.
+//   bench_compile --robot R.urdf --srdf R.srdf SCENE.yaml...     MoveIt scenes with requests
+//   bench_compile PROBLEM.yaml...                                problems of this project
+// Compiles each problem and makes its first EdgeCertifier, with a model of which nothing is
+// prepared (cold: a copy of it; what meshes keep is warm) and with one that is (prepared: the same
+// model as before). CPU time of this thread: medians of --rounds a problem, then over the problems
+// [us].
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "leeway/planner/compiled_scene.h"
+#include "leeway/planner/edge_certifier.h"
+#include "leeway/planner/problem.h"
+#include "tools/report/bench/cpu_time.h"
+
+namespace {
+
+using namespace leeway::planner;
+
+double microseconds() { return 1e-3 * leeway::bench::cpuNanoseconds(); }
+
+double median(std::vector<double> x) {
+  std::nth_element(x.begin(), x.begin() + static_cast<std::ptrdiff_t>(x.size() / 2), x.end());
+  return x[x.size() / 2];
+}
+
+/// Of some problems or rounds.
+struct Times {
+  std::vector<double> compile, certifier, second;
+
+  void add(const Problem& problem) {
+    const double begin = microseconds();
+    const auto scene = std::make_shared<const CompiledScene>(problem);
+    const double compiled = microseconds();
+    const auto first = std::make_unique<EdgeCertifier>(scene);
+    const double made = microseconds();
+    const auto another = std::make_unique<EdgeCertifier>(scene);
+    const double end = microseconds();
+    compile.push_back(compiled - begin);
+    certifier.push_back(made - compiled);
+    second.push_back(end - made);
+  }
+  void addMedians(const Times& rounds) {
+    compile.push_back(median(rounds.compile));
+    certifier.push_back(median(rounds.certifier));
+    second.push_back(median(rounds.second));
+  }
+  void print(const char* name) const {
+    fmt::print("{:<10} {:>10.1f} {:>12.1f} {:>12.1f}\n", name, median(compile), median(certifier),
+               median(second));
+  }
+};
+
+std::string requestOf(std::string scene) {
+  const std::size_t at = scene.rfind("scene");
+  if (at == std::string::npos)
+    throw std::runtime_error(scene + ": a file named sceneNNNN.yaml is expected");
+  return scene.replace(at, 5, "request");
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("From a loaded problem to the first edge.");
+  std::string robot, srdf;
+  std::vector<std::string> files;
+  int rounds = 21;
+  app.add_option("--robot", robot, "URDF, for MoveIt scenes");
+  app.add_option("--srdf", srdf, "SRDF");
+  app.add_option("--rounds", rounds, "a problem");
+  app.add_option("files", files, "problems, or MoveIt scenes with requests beside them")
+      ->required();
+  CLI11_PARSE(app, argc, argv);
+  try {
+    std::shared_ptr<const leeway::robots::Model> model;
+    if (!robot.empty()) model = leeway::robots::loadModel(robot, srdf);
+    Times cold, prepared;
+    std::size_t pairs = 0;
+    for (const std::string& file : files) {
+      Problem problem = model ? loadMoveit(model, file, requestOf(file)) : loadProblem(file);
+      const std::shared_ptr<const leeway::robots::Model> loaded = problem.robot.model;
+      pairs += CompiledScene(problem).scene().pairs().size();
+      EdgeCertifier(std::make_shared<const CompiledScene>(problem));  // covers the meshes
+      Times of_cold, of_prepared;
+      for (int round = 0; round < rounds; ++round) {
+        problem.robot.model = std::make_shared<const leeway::robots::Model>(*loaded);
+        of_cold.add(problem);
+        problem.robot.model = loaded;
+        of_prepared.add(problem);
+      }
+      cold.addMedians(of_cold);
+      prepared.addMedians(of_prepared);
+    }
+    fmt::print("{} problems, {} pairs each\n", files.size(), pairs / files.size());
+    fmt::print("{:<10} {:>10} {:>12} {:>12}\n", "us", "compile", "certifier", "and another");
+    cold.print("cold");
+    prepared.print("prepared");
+    return 0;
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "bench_compile: {}\n", error.what());
+    return 2;
+  }
+}
