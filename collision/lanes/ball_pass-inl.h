@@ -114,8 +114,9 @@ class BallPass {
       const Sweep::Pair& pair = s_.pairs[size(c.pair)];
       std::uint32_t open = c.lanes;
       // The plane that separated the pair last, in an earlier run, often does again.
-      const Scratch::Plane& plane = scratch_.planes[size(c.pair)];
-      if (plane.known) open = notSeparated<kStill>(kernel_, pair, plane, open);
+      const Scratch::Plane* plane = scratch_.planes.find(c.pair);
+      if (plane != nullptr && plane->known)
+        open = notSeparated<kStill>(kernel_, pair, *plane, open);
       if (open == 0) continue;
       open = uncovered(pair, open);
       if (open == 0) continue;

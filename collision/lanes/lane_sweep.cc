@@ -38,11 +38,14 @@ LaneSweep::LaneSweep() : impl_(std::make_unique<Impl>()) {}
 LaneSweep::~LaneSweep() = default;
 LaneSweep::LaneSweep(LaneSweep&&) noexcept = default;
 LaneSweep& LaneSweep::operator=(LaneSweep&&) noexcept = default;
-LaneSweep::LaneSweep(const LaneSweep& begun) : impl_(std::make_unique<Impl>(*begun.impl_)) {}
+LaneSweep::LaneSweep(const LaneSweep& begun) : impl_(std::make_unique<Impl>(*begun.impl_)) {
+  impl_->owns_stock = false;
+}
 
 LaneSweep::Impl::Stock& LaneSweep::Impl::ownStock() {
-  if (stock.use_count() > 1) {
+  if (!owns_stock || stock.use_count() > 1) {
     stock = std::make_shared<Stock>(*stock);
+    owns_stock = true;
     // Views borrow from the stock that was shared.
     for (std::vector<LanePiece>* of : {&pieces, &parts})
       for (LanePiece& piece : *of) piece.view = piece.fine_view = {};
@@ -230,15 +233,14 @@ void LaneSweep::Impl::addParts() {
   }
   std::move(obstacle_parts.begin(), obstacle_parts.end(), std::back_inserter(obstacles));
   obstacle_parts.clear();
-  int count = 0;
   for (Pair& pair : pairs) {
     if (!pair.by_parts) continue;
-    const int of_pair = partsOfA(pair).size() * partsOfB(pair).size();
-    if (of_pair == 1 || of_pair > kMostPartPairs) continue;
-    pair.parts_begin = count;
-    pair.parts_end = count += of_pair;
+    const int count = partsOfA(pair).size() * partsOfB(pair).size();
+    if (count == 1 || count > kMostPartPairs) continue;
+    pair.parts = count;
+    pair.number_with_parts = static_cast<int>(pairs_with_parts++);
+    most_parts = std::max(most_parts, at(count));
   }
-  part_pairs = at(count);
 }
 
 void LaneSweep::Impl::makeViews(std::vector<LanePiece>& of) const {

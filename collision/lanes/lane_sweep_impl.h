@@ -8,6 +8,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "collision/base/pair_table.h"
 #include "collision/base/work.h"
 #include "collision/convex/gjk/convex_view.h"
 #include "collision/lanes/lane_sweep.h"
@@ -78,10 +79,10 @@ struct LaneSweep::Impl {
     // points' radius; below 0: no such planes.
     float plane_above, own_plane_above;
     bool by_parts = false;
-    // Pairs of its convex parts (or of one side's parts with the other as a whole), tried where the
-    // hulls of wholes are not apart; those of b's parts side by side. They are not listed: these
-    // are numbers of what a Scratch remembers of each.
-    int parts_begin = 0, parts_end = 0;
+    // How many pairs its convex parts make (or one side's parts with the other as a whole), tried
+    // where the hulls of wholes are not apart; those of b's parts side by side. Not listed; 0: it
+    // is not tried by parts. And its number among pairs that have them.
+    int parts = 0, number_with_parts = -1;
   };
   /// A pair with more pairs of parts is not tried by parts [count].
   static constexpr int kMostPartPairs = kCoverParts * kCoverParts;
@@ -118,6 +119,7 @@ struct LaneSweep::Impl {
     std::vector<Cluster> clusters;
   };
   std::shared_ptr<Stock> stock = std::make_shared<Stock>();
+  bool owns_stock = true;  // false for copies, which may stand in other threads
   /// The stock, to add to: its own from now on.
   Stock& ownStock();
   // Of the stock, from finish() on.
@@ -133,9 +135,9 @@ struct LaneSweep::Impl {
   std::vector<Obstacle> obstacles;  // wholes, then parts
   std::size_t whole_obstacles = 0;
   std::vector<Obstacle> obstacle_parts;
-  std::vector<Pair> pairs;                // of wholes
-  std::size_t part_pairs = 0;             // what Pair::parts_end goes up to
-  std::vector<std::int32_t> piece_pairs;  // indices into pairs
+  std::vector<Pair> pairs;                           // of wholes
+  std::size_t pairs_with_parts = 0, most_parts = 0;  // how many, and the largest Pair::parts
+  std::vector<std::int32_t> piece_pairs;             // indices into pairs
   ObstacleBoxes boxes;  // grown by the largest threshold of any pair of the obstacle
   // The pair of a piece with the obstacle in a slot of `boxes`; -1: none.
   std::vector<std::int32_t> pair_of;
@@ -175,34 +177,33 @@ struct LaneSweep::Scratch::Impl {
     float normal[3], offset;
     bool known = false;
   };
-  std::vector<Plane> planes;        // of each pair: the plane that separated it last
-  std::vector<PairCache> searches;  // of each pair: of the last query for a plane
+  PairTable<Plane> planes;        // the plane that separated a pair last
+  PairTable<PairCache> searches;  // of the last query for a plane
   /// What is remembered of a pair, or of one of parts.
   struct Memory {
     Plane* plane;
     PairCache* search;
   };
-  Memory memoryOf(std::int32_t pair) {
-    return {&planes[static_cast<std::size_t>(pair)], &searches[static_cast<std::size_t>(pair)]};
-  }
+  Memory memoryOf(std::int32_t pair) { return {&planes.of(pair), &searches.of(pair)}; }
   /// For a pair that has parts: whether its parts were apart last where the hulls of its wholes
   /// were not, and the pair of parts that was open last.
   struct PartHint {
     bool by_parts = false;
-    bool begun = false;  // its pairs of parts have their PartMemory
     std::int32_t blocking = 0;
   };
-  std::vector<PartHint> part_hints;  // one a pair
+  PairTable<PartHint> part_hints;
   struct PartMemory {
     Plane plane;
     PairCache search;
   };
   static_assert(std::is_trivially_destructible_v<PartMemory>);
-  // Room for one PartMemory each; begun where a pair is first tried by parts. There may be
-  // thousands, and few are ever tried.
+  // Blocks of as many as a pair has at most, as in a PairTable. Begun where a pair is first tried
+  // by parts: few ever are.
+  static constexpr std::size_t kPartBlocks = 1U << 10U;
   std::unique_ptr<std::byte[]> part_memory;
+  std::vector<std::int32_t> part_owners;  // the pair that has a block; -1: none
   /// The memory of the pairs of parts of a pair.
-  PartMemory* partsOf(std::int32_t number, const LaneSweep::Impl::Pair& pair);
+  PartMemory* partsOf(const LaneSweep::Impl::Pair& pair, std::size_t most_parts);
   collision::Scratch distance;
   Work own;
   Work* work = &own;  // counts passes and the queries of `distance`

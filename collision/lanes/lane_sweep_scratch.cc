@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cstddef>
 #include <memory>
 #include <new>
@@ -29,8 +30,9 @@ LaneSweep::Scratch::Scratch(const LaneSweep& sweep) : impl_(std::make_unique<Imp
   impl_->planes.resize(s.pairs.size());
   impl_->searches.resize(s.pairs.size());
   impl_->part_hints.resize(s.pairs.size());
-  impl_->part_memory =
-      std::make_unique_for_overwrite<std::byte[]>(s.part_pairs * sizeof(Impl::PartMemory));
+  impl_->part_owners.assign(std::min(s.pairs_with_parts, Impl::kPartBlocks), -1);
+  impl_->part_memory = std::make_unique_for_overwrite<std::byte[]>(
+      impl_->part_owners.size() * s.most_parts * sizeof(Impl::PartMemory));
   // Balls that stand in the world are placed once, here.
   const auto still = [](const LaneSweep::Impl::LaneBall& ball, Impl::Placed& placed) {
     for (int k = 0; k < 3; ++k)
@@ -53,13 +55,12 @@ LaneSweep::Scratch::Scratch(const LaneSweep& sweep) : impl_(std::make_unique<Imp
 LaneSweep::Scratch::~Scratch() = default;
 
 LaneSweep::Scratch::Impl::PartMemory* LaneSweep::Scratch::Impl::partsOf(
-    std::int32_t number, const LaneSweep::Impl::Pair& pair) {
-  std::byte* const room = part_memory.get() + at(pair.parts_begin) * sizeof(PartMemory);
-  bool& begun = part_hints[at(number)].begun;
-  if (!begun) {
-    for (int k = 0; k < pair.parts_end - pair.parts_begin; ++k)
-      ::new (room + at(k) * sizeof(PartMemory)) PartMemory;
-    begun = true;
+    const LaneSweep::Impl::Pair& pair, std::size_t most_parts) {
+  const std::size_t block = at(pair.number_with_parts) % part_owners.size();
+  std::byte* const room = part_memory.get() + block * most_parts * sizeof(PartMemory);
+  if (part_owners[block] != pair.number_with_parts) {
+    for (int k = 0; k < pair.parts; ++k) ::new (room + at(k) * sizeof(PartMemory)) PartMemory;
+    part_owners[block] = pair.number_with_parts;
   }
   return std::launder(reinterpret_cast<PartMemory*>(room));
 }

@@ -164,7 +164,7 @@ LaneSweepKernel::Separation LaneSweepKernel::separateByParts(std::int32_t number
                                                              bool closely) const {
   const Sweep::Pair& pair = sweep.pairs[static_cast<std::size_t>(number)];
   const Sweep::Range a = sweep.partsOfA(pair), b = sweep.partsOfB(pair);
-  Scratch::PartMemory* const memory = scratch.partsOf(number, pair);
+  Scratch::PartMemory* const memory = scratch.partsOf(pair, sweep.most_parts);
   Sweep::Pair of_parts = pair;
   std::uint32_t near[Sweep::kMostPartPairs];
   if (growth == nullptr)
@@ -172,8 +172,8 @@ LaneSweepKernel::Separation LaneSweepKernel::separateByParts(std::int32_t number
   else
     HWY_DYNAMIC_DISPATCH(SweepNearParts)(*this, number, lanes, near);
   Separation all{0, true, false};
-  const std::int32_t count = pair.parts_end - pair.parts_begin;
-  std::int32_t& blocking = scratch.part_hints[static_cast<std::size_t>(number)].blocking;
+  const std::int32_t count = pair.parts;
+  std::int32_t& blocking = scratch.part_hints.of(number).blocking;
   // The pair of parts that was open last goes first: if it is open again, the others do not matter.
   const std::int32_t first = blocking;
   for (std::int32_t k = 0; k < count && all.open != lanes; ++k) {
@@ -218,9 +218,9 @@ LaneSweep::Contact LaneSweepKernel::separateOpen(bool closely) const {
       continue;
     }
     Separation found{lanes, false, false};
-    Scratch::PartHint& hint = scratch.part_hints[static_cast<std::size_t>(number)];
+    Scratch::PartHint& hint = scratch.part_hints.of(number);
     if (!hint.by_parts) found = separatePair(pair, scratch.memoryOf(number), lanes, closely);
-    if (found.open != 0 && !found.apart && pair.parts_begin < pair.parts_end) {
+    if (found.open != 0 && !found.apart && pair.parts > 0) {
       const std::uint32_t before = found.open;
       found = separateByParts(number, before, closely);
       hint.by_parts = before == lanes && found.open != lanes;
@@ -277,9 +277,10 @@ LaneSweep::Contact LaneSweep::runPairs(std::span<const Open> pairs,
   scratch.impl_->open_pairs.clear();
   for (const auto& [number, lanes, apart] : pairs) {
     const Impl::Pair& pair = impl_->pairs[static_cast<std::size_t>(number)];
-    const Scratch::Impl::Plane& plane = scratch.impl_->planes[static_cast<std::size_t>(number)];
-    const std::uint32_t open =
-        plane.known ? HWY_DYNAMIC_DISPATCH(SweepPlane)(kernel, pair, plane, lanes) : lanes;
+    const Scratch::Impl::Plane* plane = scratch.impl_->planes.find(number);
+    const std::uint32_t open = plane != nullptr && plane->known
+                                   ? HWY_DYNAMIC_DISPATCH(SweepPlane)(kernel, pair, *plane, lanes)
+                                   : lanes;
     if (open == 0) continue;
     scratch.impl_->open.push_back({pair.id, open});
     scratch.impl_->open_pairs.push_back(number);

@@ -5,6 +5,7 @@
 #include <limits>
 #include <span>
 
+#include "collision/base/pair_table.h"
 #include "collision/base/tolerances.h"
 #include "collision/scene/scene_access.h"
 #include "leeway/collision/deformable_mesh.h"
@@ -19,8 +20,8 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 }  // namespace
 
 struct Workspace::Impl {
-  std::vector<Pose> poses;        // one a body
-  std::vector<PairCache> caches;  // one a pair
+  std::vector<Pose> poses;  // one a body
+  PairTable<PairCache> caches;
   Scratch scratch;
   int blocking = -1;          // the pair that was not free last; -1: none
   std::vector<double> lower;  // clearance(): coarse lower bound of each pair [m]
@@ -53,7 +54,7 @@ const Pose& Workspace::pose(int body) const { return impl_->poses[at(body)]; }
 
 Scratch& SceneAccess::scratch(Workspace& workspace) { return workspace.impl_->scratch; }
 PairCache& SceneAccess::cache(Workspace& workspace, int pair) {
-  return workspace.impl_->caches[at(pair)];
+  return workspace.impl_->caches.of(pair);
 }
 
 namespace {

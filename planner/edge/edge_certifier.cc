@@ -39,11 +39,7 @@ EdgeCertifier::Impl::Impl(std::shared_ptr<const CompiledScene> compiled)
   never_parted.reserve(pairs);
   order.reserve(pairs);
   likely_looks.reserve(kContactLooks);
-  growth_limit.assign(pairs, kSweepGrowth);
-  sweep_failed.resize(pairs);
-  end_checked.resize(pairs);
-  contact_score.assign(pairs, 0);
-  lane_contact_score.assign(pairs, 0);
+  memory.resize(pairs);
   boundPairs();
 }
 
@@ -159,8 +155,9 @@ EdgeCheck EdgeCertifier::Impl::makeCheck(Verdict verdict, int p, double t) {
   check.t = t;
   if (verdict == Verdict::kNotFree && p >= 0) {
     last_contact = p;
-    contact_score[at(p)] = std::max(contact_score[at(p)], 1);
-    lane_contact_score[at(p)] = 1;
+    PairMemory& known = memory.of(p);
+    known.contact_score = std::max(known.contact_score, 1);
+    known.lane_contact_score = 1;
   }
   return check;
 }

@@ -27,9 +27,11 @@
 #include <utility>
 #include <vector>
 
+#include "collision/base/pair_table.h"
 #include "collision/base/work.h"
 #include "collision/sweep/mesh_sweep.h"
 #include "leeway/planner/edge_certifier.h"
+#include "planner/base/tolerances.h"
 #include "planner/edge/edge_frames.h"
 #include "planner/edge/edge_lanes.h"
 
@@ -295,16 +297,19 @@ struct EdgeCertifier::Impl {
   };
   std::vector<ContactLook> likely_looks;
 
-  // Memory of edges before, one a pair. It steers which queries are tried, never what they prove.
+  // Memory of edges before. It steers which queries are tried, never what they prove.
 
   int last_contact = 0;  ///< the pair that was last not free
-  /// Growth up to which a sweep is tried [m]: falls where it fails, rises where it succeeds.
-  std::vector<double> growth_limit;
-  std::vector<std::uint64_t> sweep_failed;  ///< interval_stamp of the last failure
-  std::vector<std::uint64_t> end_checked;   ///< the edge at whose end it was last asked
-  /// Looks for a contact, by distance() and by lanes: up by a contact, down by a look in vain;
-  /// below 0 no look is taken.
-  std::vector<int> contact_score, lane_contact_score;
+  struct PairMemory {
+    /// Growth up to which a sweep is tried [m]: falls where it fails, rises where it succeeds.
+    double growth_limit = kSweepGrowth;
+    std::uint64_t sweep_failed = 0;  ///< interval_stamp of the last failure
+    std::uint64_t end_checked = 0;   ///< the edge at whose end it was last asked
+    /// Looks for a contact, by distance() and by lanes: up by a contact, down by a look in vain;
+    /// below 0 no look is taken.
+    int contact_score = 0, lane_contact_score = 0;
+  };
+  collision::PairTable<PairMemory> memory;
 
   Statistics* statistics = nullptr;
 };

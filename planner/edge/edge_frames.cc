@@ -25,7 +25,7 @@ EdgeFrames::EdgeFrames(std::shared_ptr<const CompiledScene> scene, int capacity)
   dq_.resize(q_.size());
   joint_motion_.resize(scene_->model().joints.size());
   poses_.reserve(at(capacity) * links_);
-  centers_.reserve(at(capacity) * pieces_.size());
+  centers_.reserve(at(capacity) * moving_.size());
 }
 
 void EdgeFrames::rebind(std::shared_ptr<const CompiledScene> scene) {
@@ -58,6 +58,7 @@ void EdgeFrames::addPieces() {
       } else {
         piece.is_free_mesh =
             g.shape.type() == collision::ShapeType::kMesh && isCarriedFreely(piece.link);
+        piece.moving = static_cast<int>(moving_.size());
         moving_.push_back(static_cast<int>(pieces_.size()));
       }
       pieces_.push_back(piece);
@@ -218,13 +219,13 @@ int EdgeFrames::place(double t) {
   }
   if (at(slot + 1) * links_ > poses_.size()) {
     poses_.resize(at(slot + 1) * links_);
-    centers_.resize(at(slot + 1) * pieces_.size());
+    centers_.resize(at(slot + 1) * moving_.size());
   }
   const std::span<Pose> X_WL{poses_.data() + at(slot) * links_, links_};
   robots::forwardKinematics(scene_->model(), q_, X_WL);
-  Eigen::Vector3d* centers = centers_.data() + at(slot) * pieces_.size();
-  for (const int i : moving_) {
-    const Piece& piece = pieces_[at(i)];
+  Eigen::Vector3d* centers = centers_.data() + at(slot) * moving_.size();
+  for (std::size_t i = 0; i < moving_.size(); ++i) {
+    const Piece& piece = pieces_[at(moving_[i])];
     centers[i] = X_WL[at(piece.link)] * piece.bounds->outer.center;
     // Beyond the reach the bound on rounding does not hold. Limits keep bodies within it.
     if (watch_reach_ &&

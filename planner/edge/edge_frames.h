@@ -20,7 +20,8 @@ using collision::Pose;
 /// One geometry of the scene, ready to be placed.
 struct Piece {
   int body = -1;
-  int link = -1;  ///< that carries it; -1: the world
+  int link = -1;    ///< that carries it; -1: the world
+  int moving = -1;  ///< its number among those that move
   const collision::Geometry* geometry = nullptr;
   const collision::GeometryBounds* bounds = nullptr;  ///< in the link's frame, or the world's
   bool at_origin = false;                             ///< X_BG is the identity
@@ -87,7 +88,7 @@ class EdgeFrames {
   /// Centre of a piece's ball, in the world.
   const Eigen::Vector3d& center(int slot, int piece) const {
     const Piece& p = pieces_[at(piece)];
-    return p.link < 0 ? p.bounds->outer.center : centers_[at(slot) * pieces_.size() + at(piece)];
+    return p.link < 0 ? p.bounds->outer.center : centers_[at(slot) * moving_.size() + at(p.moving)];
   }
   /// Both shapes are convex: then a sweep sees containment, too.
   bool isConvex(const EdgePair& pair) const {
@@ -144,7 +145,7 @@ class EdgeFrames {
   std::vector<robots::JointMotion> joint_motion_;
   // Slot by slot. Room is reserved for all, and begun slot by slot: few edges use many.
   std::vector<Pose> poses_;               // one a link
-  std::vector<Eigen::Vector3d> centers_;  // one a piece
+  std::vector<Eigen::Vector3d> centers_;  // one a moving piece
 };
 
 }  // namespace leeway::planner

@@ -4,12 +4,15 @@
 // Compiles each problem and makes its first EdgeCertifier, with a model of which nothing is
 // prepared (cold: a copy of it; what meshes keep is warm) and with one that is (prepared: the same
 // model as before). CPU time of this thread: medians of --rounds a problem, then over the problems
-// [us].
+// [us]. --boxes N: with so many boxes more, out of a small arm's reach, and the memory that the
+// last problem, its scene and its certifier take.
 
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cmath>
+#include <fstream>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -58,6 +61,26 @@ struct Times {
   }
 };
 
+/// On a grid of 0.5 m, from 3 m off.
+void addBoxes(Problem& problem, int count) {
+  const int side = std::max(1, static_cast<int>(std::ceil(std::sqrt(count / 20.0))));
+  for (int k = 0; k < count; ++k) {
+    Object box;
+    box.name = fmt::format("box {}", k);
+    box.geometries.push_back(
+        {leeway::collision::Shape::box({0.1, 0.05 + 0.01 * (k % 7), 0.05}), {}, box.name});
+    box.X_WO.translation = {3 + 0.5 * (k / 20 % side), 3 + 0.5 * (k / 20 / side), 0.5 * (k % 20)};
+    problem.world.objects.push_back(std::move(box));
+  }
+}
+
+/// Resident memory of this process [MB]; 0 where the system does not say.
+double megabytes() {
+  double size = 0, resident = 0;
+  std::ifstream("/proc/self/statm") >> size >> resident;
+  return resident * 4096 / 1e6;
+}
+
 std::string requestOf(std::string scene) {
   const std::size_t at = scene.rfind("scene");
   if (at == std::string::npos)
@@ -71,10 +94,11 @@ int main(int argc, char** argv) {
   CLI::App app("From a loaded problem to the first edge.");
   std::string robot, srdf;
   std::vector<std::string> files;
-  int rounds = 21;
+  int rounds = 21, boxes = 0;
   app.add_option("--robot", robot, "URDF, for MoveIt scenes");
   app.add_option("--srdf", srdf, "SRDF");
   app.add_option("--rounds", rounds, "a problem");
+  app.add_option("--boxes", boxes, "more, in each world");
   app.add_option("files", files, "problems, or MoveIt scenes with requests beside them")
       ->required();
   CLI11_PARSE(app, argc, argv);
@@ -85,9 +109,19 @@ int main(int argc, char** argv) {
     std::size_t pairs = 0;
     for (const std::string& file : files) {
       Problem problem = model ? loadMoveit(model, file, requestOf(file)) : loadProblem(file);
+      const double before = megabytes();
+      addBoxes(problem, boxes);
       const std::shared_ptr<const leeway::robots::Model> loaded = problem.robot.model;
+      {
+        const double with_boxes = megabytes();
+        const auto scene = std::make_shared<const CompiledScene>(problem);
+        const double compiled = megabytes();
+        const EdgeCertifier certifier(scene);  // covers the meshes
+        if (boxes > 0 && &file == &files.back())
+          fmt::print("MB: problem {:.1f}, scene {:.1f}, certifier {:.1f}\n", with_boxes - before,
+                     compiled - with_boxes, megabytes() - compiled);
+      }
       pairs += CompiledScene(problem).scene().pairs().size();
-      EdgeCertifier(std::make_shared<const CompiledScene>(problem));  // covers the meshes
       Times of_cold, of_prepared;
       for (int round = 0; round < rounds; ++round) {
         problem.robot.model = std::make_shared<const leeway::robots::Model>(*loaded);
