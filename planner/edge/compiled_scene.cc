@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <mutex>
 #include <set>
 #include <stdexcept>
 #include <string>
@@ -13,6 +14,8 @@
 #include "leeway/collision/deformable_mesh.h"
 #include "leeway/robots/input_error.h"
 #include "leeway/robots/kinematics.h"
+#include "planner/edge/edge_frames.h"
+#include "planner/edge/edge_lanes.h"
 #include "planner/edge/edge_model.h"
 #include "planner/edge/prepared_robot.h"
 #include "planner/edge/robot_pairs.h"
@@ -179,6 +182,33 @@ CompiledScene::CompiledScene(const Problem& problem)
     body_link_[b] = robot->carriers()[b];
     collision::SceneAccess::place(scene_, static_cast<int>(b), X_WL[at(body_link_[b])]);
   }
+}
+
+struct CompiledScene::Shared {
+  std::once_flag edges_once, lanes_once;
+  std::unique_ptr<const EdgeScene> edges;
+  std::unique_ptr<const SceneLanes> lanes;
+};
+
+CompiledScene::OwnShared::OwnShared() : made(std::make_shared<Shared>()) {}
+
+CompiledScene::OwnShared& CompiledScene::OwnShared::operator=(const OwnShared& other) {
+  if (this != &other) made = std::make_shared<Shared>();
+  return *this;
+}
+
+const EdgeScene& CompiledScene::edges() const {
+  Shared& shared = *shared_.made;
+  std::call_once(shared.edges_once,
+                 [&] { shared.edges = std::make_unique<const EdgeScene>(*this); });
+  return *shared.edges;
+}
+
+const SceneLanes& CompiledScene::lanes() const {
+  Shared& shared = *shared_.made;
+  std::call_once(shared.lanes_once,
+                 [&] { shared.lanes = std::make_unique<const SceneLanes>(*this, edges()); });
+  return *shared.lanes;
 }
 
 std::shared_ptr<const CompiledScene> CompiledScene::withShapes(

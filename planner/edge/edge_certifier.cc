@@ -39,7 +39,7 @@ EdgeCertifier::Impl::Impl(std::shared_ptr<const CompiledScene> compiled)
   never_parted.reserve(pairs);
   order.reserve(pairs);
   likely_looks.reserve(kContactLooks);
-  memory.resize(pairs);
+  pair_memory.resize(pairs);
   boundPairs();
 }
 
@@ -155,7 +155,7 @@ EdgeCheck EdgeCertifier::Impl::makeCheck(Verdict verdict, int p, double t) {
   check.t = t;
   if (verdict == Verdict::kNotFree && p >= 0) {
     last_contact = p;
-    PairMemory& known = memory.of(p);
+    PairMemory& known = pair_memory.of(p);
     known.contact_score = std::max(known.contact_score, 1);
     known.lane_contact_score = 1;
   }

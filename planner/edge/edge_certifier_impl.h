@@ -309,7 +309,7 @@ struct EdgeCertifier::Impl {
     /// below 0 no look is taken.
     int contact_score = 0, lane_contact_score = 0;
   };
-  collision::PairTable<PairMemory> memory;
+  collision::PairTable<PairMemory> pair_memory;
 
   Statistics* statistics = nullptr;
 };

@@ -31,23 +31,23 @@ std::optional<EdgeCheck> EdgeCertifier::Impl::checkContactAt(int p, double t) {
   const int slot = frames.place(t);
   if (slot < 0) return makeCheck(Verdict::kUndecided, p, t);
   if (exactState(slot, frames.pairs()[at(p)]) == PairState::kNotFree) {
-    memory.of(p).contact_score = kScoreOfExactContact;
+    pair_memory.of(p).contact_score = kScoreOfExactContact;
     return makeCheck(Verdict::kNotFree, p, t);
   }
-  --memory.of(p).contact_score;
+  --pair_memory.of(p).contact_score;
   return std::nullopt;
 }
 
 std::optional<EdgeCheck> EdgeCertifier::Impl::searchLikelyContacts(const EdgeLanes::Parts& parts) {
   likely_looks.clear();
   for (const collision::LaneSweep::Open& pair : lanes.open()) {
-    if (memory.of(pair.id).lane_contact_score < 0) continue;
+    if (pair_memory.of(pair.id).lane_contact_score < 0) continue;
     if (likely_looks.size() == kContactLooks || work.isSpent()) break;
     const auto [from, width] = rangeOf(parts, pair.lanes);
     if (const std::optional<double> t = lanes.findContact(pair.id, from, width))
       return makeCheck(Verdict::kNotFree, pair.id, *t);
-    --memory.of(pair.id).lane_contact_score;
-    const bool exact = memory.of(pair.id).contact_score >= kScoreOfExactContact;
+    --pair_memory.of(pair.id).lane_contact_score;
+    const bool exact = pair_memory.of(pair.id).contact_score >= kScoreOfExactContact;
     likely_looks.push_back({pair.id, from, width, exact});
     if (!exact) continue;
     if (const auto check = checkContactAt(pair.id, from + width / 2)) return check;
@@ -58,7 +58,7 @@ std::optional<EdgeCheck> EdgeCertifier::Impl::searchLikelyContacts(const EdgeLan
 std::optional<EdgeCheck> EdgeCertifier::Impl::searchContacts(const EdgeLanes::Parts& parts) {
   for (const collision::LaneSweep::Open& pair : lanes.open()) {
     // Pairs that are always near and hardly ever collide have a score below 0.
-    if (pair.apart || memory.of(pair.id).contact_score < 0) continue;
+    if (pair.apart || pair_memory.of(pair.id).contact_score < 0) continue;
     if (contact_looks >= kContactLooks || work.isSpent()) break;
     const auto [from, width] = rangeOf(parts, pair.lanes);
     // Over an unchanged range the looks of searchLikelyContacts() would find nothing again.
@@ -98,8 +98,9 @@ std::optional<EdgeCheck> EdgeCertifier::Impl::checkEnd(const EdgeInterval& inter
   if (interval.t0 + interval.h < 1) return std::nullopt;
   for (int i = interval.begin; i < interval.end; ++i) {
     const int p = open_pairs[at(i)];
-    if (memory.of(p).sweep_failed != interval_stamp || memory.of(p).end_checked == edge) continue;
-    memory.of(p).end_checked = edge;
+    if (pair_memory.of(p).sweep_failed != interval_stamp || pair_memory.of(p).end_checked == edge)
+      continue;
+    pair_memory.of(p).end_checked = edge;
     const PairState state = exactState(interval.slot1, frames.pairs()[at(p)]);
     if (state == PairState::kNotFree) return makeCheck(Verdict::kNotFree, p, 1);
     if (state == PairState::kOpen) return makeCheck(Verdict::kUndecided, p, 1);
@@ -114,7 +115,8 @@ std::optional<EdgeCheck> EdgeCertifier::Impl::checkMiddle(const EdgeInterval& in
     PairState state = coarseState(slot, pair);
     // Where a sweep has just failed the pair is near enough to be asked exactly. A contact is found
     // within few nodes; that there is none, the halves have to prove anyway.
-    if (state == PairState::kOpen && memory.of(p).sweep_failed == interval_stamp && !work.isSpent())
+    if (state == PairState::kOpen && pair_memory.of(p).sweep_failed == interval_stamp &&
+        !work.isSpent())
       state = exactState(slot, pair, kContactNodes);
     if (state == PairState::kNotFree)
       return makeCheck(Verdict::kNotFree, p, interval.t0 + interval.h / 2);

@@ -2,13 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <utility>
 
 #include "collision/base/sine_cosine.h"
 #include "collision/base/tolerances.h"
-#include "collision/scene/scene_access.h"
-#include "collision/sweep/mesh_sweep.h"
 #include "leeway/robots/kinematics.h"
 #include "planner/base/tolerances.h"
 #include "planner/edge/edge_model.h"
@@ -17,8 +14,7 @@ namespace leeway::planner {
 
 EdgeFrames::EdgeFrames(std::shared_ptr<const CompiledScene> scene, int capacity)
     : scene_(std::move(scene)), links_(scene_->model().links.size()), capacity_(capacity) {
-  addPieces();
-  addPairs();
+  take(scene_->edges());
   const auto size = static_cast<std::size_t>(scene_->space().size());
   for (std::vector<double>* v : {&a_, &b_, &difference_, &point_}) v->resize(size);
   q_.resize(scene_->model().variables.size());
@@ -30,40 +26,17 @@ EdgeFrames::EdgeFrames(std::shared_ptr<const CompiledScene> scene, int capacity)
 
 void EdgeFrames::rebind(std::shared_ptr<const CompiledScene> scene) {
   scene_ = std::move(scene);
-  pieces_.clear();
-  moving_.clear();
-  pairs_.clear();
-  has_surface_pairs_ = false;
-  gaps_.clear();
-  gaps_.reserve(scene_->scene().pairs().size());  // margins decide how many: see addGap()
-  addPieces();
-  addPairs();
+  take(scene_->edges());
   release(0);
 }
 
-void EdgeFrames::addPieces() {
-  const collision::Scene& scene = scene_->scene();
-  for (std::size_t b = 0; b < scene.bodies().size(); ++b) {
-    const collision::Body& body = scene.bodies()[b];
-    for (const collision::Geometry& g : body.geometries) {
-      Piece piece;
-      piece.body = static_cast<int>(b);
-      piece.link = scene_->bodyLink(piece.body);
-      piece.geometry = &g;
-      piece.bounds = &collision::SceneAccess::bounds(scene, static_cast<int>(pieces_.size()));
-      piece.at_origin = g.X_BG.rotation.isIdentity(0) && g.X_BG.translation.isZero(0);
-      if (piece.link < 0) {
-        piece.X_GW = (body.X_WB * g.X_BG).inverse();
-        piece.scale = piece.X_GW.translation.lpNorm<1>() + piece.bounds->outer.center.lpNorm<1>();
-      } else {
-        piece.is_free_mesh =
-            g.shape.type() == collision::ShapeType::kMesh && isCarriedFreely(piece.link);
-        piece.moving = static_cast<int>(moving_.size());
-        moving_.push_back(static_cast<int>(pieces_.size()));
-      }
-      pieces_.push_back(piece);
-    }
-  }
+void EdgeFrames::take(const EdgeScene& edges) {
+  edges_ = &edges;
+  pieces_ = edges.pieces;
+  pairs_ = edges.pairs;
+  moving_ = edges.moving;
+  gaps_.clear();
+  for (const robots::LinkGap* table : edges.gaps) gaps_.push_back({table, {}, {}});
 }
 
 namespace {
@@ -76,75 +49,6 @@ std::int64_t arcsIn(const robots::LinkGap::Range& range) {
 }
 
 }  // namespace
-
-/// Whether a planned floating or planar joint carries a link. One that only places an arm in its
-/// world is not planned.
-bool EdgeFrames::isCarriedFreely(int link) const {
-  const std::span<const int> planned = scene_->space().variables();
-  for (int l = link; l >= 0; l = scene_->model().joints[at(l)].parent_link) {
-    const robots::Joint& joint = scene_->model().joints[at(l)];
-    const auto moves = [&joint](int v) {
-      return v >= joint.first_variable && v < joint.first_variable + joint.variable_count;
-    };
-    if ((joint.type == robots::JointType::kFloating || joint.type == robots::JointType::kPlanar) &&
-        std::any_of(planned.begin(), planned.end(), moves))
-      return true;
-  }
-  return false;
-}
-
-/// Two meshes, one of which flies freely. Links of an arm stay near each other and near its base
-/// and move little there, so that sweeps of their hulls answer; against a convex obstacle sweeps of
-/// convex pieces do.
-bool EdgeFrames::sweepsSurfaces(const EdgePair& pair, double margin) const {
-  const Piece &a = pieces_[at(pair.a)], &b = pieces_[at(pair.b)];
-  if (!(margin >= 0) || a.is_free_mesh == b.is_free_mesh) return false;
-  const Piece& still = a.is_free_mesh ? b : a;
-  return still.link < 0 && still.geometry->shape.type() == collision::ShapeType::kMesh &&
-         collision::sweepsMesh(a.geometry->shape, b.geometry->shape);
-}
-
-void EdgeFrames::addPairs() {
-  const collision::Scene& scene = scene_->scene();
-  const EdgeModel& model = scene_->edgeModel();
-  std::vector<EdgePair> pairs;
-  pairs.reserve(scene.pairs().size());
-  for (std::size_t p = 0; p < scene.pairs().size(); ++p) {
-    const collision::ScenePair& pair = scene.pairs()[p];
-    EdgePair e;
-    e.scene_pair = static_cast<int>(p);
-    e.a = collision::SceneAccess::geometryIndex(scene, pair.body_a, pair.geometry_a);
-    e.b = collision::SceneAccess::geometryIndex(scene, pair.body_b, pair.geometry_b);
-    e.motion = model.pairs[p].motion;
-    e.rounding = (pieces_[at(e.b)].link >= 0 ? 2 : 1) * model.rounding;
-    if (model.pairs[p].is_reversed) std::swap(e.a, e.b);
-    // All coordinates that a relative pose is made from are within this of their frame's origin.
-    const double scale = 2 * model.reach + pieces_[at(e.a)].scale + pieces_[at(e.b)].scale;
-    e.rounding += collision::kTransferRounding * scale;
-    e.threshold = pair.margin + e.rounding;
-    e.by_surfaces = sweepsSurfaces(e, pair.margin);
-    has_surface_pairs_ = has_surface_pairs_ || e.by_surfaces;
-    addGap(e);
-    pairs.push_back(e);
-  }
-  sortPairs(pairs);
-}
-
-/// Stable, by counting.
-void EdgeFrames::sortPairs(std::span<const EdgePair> pairs) {
-  std::vector<std::size_t> places(pieces_.size() + 1, 0);
-  for (const EdgePair& e : pairs) ++places[at(e.a) + 1];
-  std::partial_sum(places.begin(), places.end(), places.begin());
-  pairs_.resize(pairs.size());
-  for (const EdgePair& e : pairs) pairs_[places[at(e.a)]++] = e;
-}
-
-void EdgeFrames::addGap(EdgePair& pair) {
-  const EdgeModel::Pair& known = scene_->edgeModel().pairs[at(pair.scene_pair)];
-  if (known.gap == nullptr || !(static_cast<double>(known.most_gap) > pair.threshold)) return;
-  pair.gap = static_cast<int>(gaps_.size());
-  gaps_.push_back({known.gap, {}, {}});
-}
 
 /// Needs q_ at the edge's start.
 EdgeFrames::Turn EdgeFrames::turnOf(int joint) const {

@@ -1,7 +1,7 @@
 #pragma once
 
-// Private to planner/: the configurations of one edge, each placed once, and the pairs that are
-// checked along it.
+// Private to planner/: the pairs that are checked along an edge, and its configurations, each
+// placed once.
 
 #include <cstdint>
 #include <memory>
@@ -42,12 +42,24 @@ struct EdgePair {
   int gap = -1;      ///< index of the table of its links' gap by joint angles; -1: none
 };
 
+/// What all edges of a compiled scene ask of it. Constant; shared by its certifiers.
+struct EdgeScene {
+  /// Borrows from the scene. O(pairs).
+  explicit EdgeScene(const CompiledScene& scene);
+
+  std::vector<Piece> pieces;    ///< one a geometry
+  std::vector<int> moving;      ///< the pieces that move
+  std::vector<EdgePair> pairs;  ///< by their first piece, then as in the scene
+  std::vector<const robots::LinkGap*> gaps;
+  bool has_surface_pairs = false;  ///< some pair is by_surfaces
+};
+
 /// Places configurations a + t dq of one edge in numbered slots. Allocates in the constructor only.
 class EdgeFrames {
  public:
   EdgeFrames(std::shared_ptr<const CompiledScene> scene, int capacity);
 
-  /// Takes a withShapes() of the same scene; no slot is in use afterwards.
+  /// Takes a variant of the same scene with as many pairs; no slot is in use afterwards.
   void rebind(std::shared_ptr<const CompiledScene> scene);
 
   /// Starts an edge: no slot is in use afterwards. False when it cannot be certified at all:
@@ -79,7 +91,7 @@ class EdgeFrames {
   /// Counts what placing and tables cost into `work` from now on.
   void countInto(collision::Work& work) { work_ = &work; }
   /// Whether some pair is by_surfaces.
-  bool hasSurfacePairs() const { return has_surface_pairs_; }
+  bool hasSurfacePairs() const { return edges_->has_surface_pairs; }
   bool isWithinLimits() const { return within_limits_; }
   std::span<const Piece> pieces() const { return pieces_; }
   std::span<const EdgePair> pairs() const { return pairs_; }
@@ -107,19 +119,15 @@ class EdgeFrames {
 
  private:
   static std::size_t at(int i) { return static_cast<std::size_t>(i); }
-  void addPieces();
-  void addPairs();
-  void addGap(EdgePair& pair);
-  void sortPairs(std::span<const EdgePair> pairs);
-  bool isCarriedFreely(int link) const;
-  bool sweepsSurfaces(const EdgePair& pair, double margin) const;
+  void take(const EdgeScene& edges);
   bool hasExactAngles(std::span<const double> point) const;
   bool isWellFormed(std::span<const double> point) const;
 
   std::shared_ptr<const CompiledScene> scene_;
-  std::vector<Piece> pieces_;
-  std::vector<EdgePair> pairs_;  // by their first piece, then as in the scene
-  std::vector<int> moving_;      // pieces
+  const EdgeScene* edges_ = nullptr;  // the scene's
+  std::span<const Piece> pieces_;
+  std::span<const EdgePair> pairs_;
+  std::span<const int> moving_;
   /// A joint's angle at the edge's start, and how far it turns [rad].
   struct Turn {
     double angle = 0, turn = 0;
@@ -136,7 +144,6 @@ class EdgeFrames {
   std::vector<Gap> gaps_;
   std::size_t links_;
   collision::Work* work_ = nullptr;
-  bool has_surface_pairs_ = false;
   int capacity_;
   int used_ = 0;
   std::uint64_t generation_ = 0;

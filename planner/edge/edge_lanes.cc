@@ -45,72 +45,73 @@ void setTurn(double angle, double turn, collision::FrameStep& out) {
 
 }  // namespace
 
+SceneLanes::SceneLanes(const CompiledScene& scene, const EdgeScene& edges)
+    : robot(scene.edgeModel().robot->lanes(scene.model())), sweep(robot.sweep) {
+  const std::vector<RobotLanes::Piece> pieces = addPieces(scene, edges);
+  if (usable) addPairs(edges, pieces);
+  sweep.finish();
+}
+
+std::vector<RobotLanes::Piece> SceneLanes::addPieces(const CompiledScene& scene,
+                                                     const EdgeScene& edges) {
+  std::vector<char> used(edges.pieces.size(), 0);
+  bool is_bounded = true;
+  for (const EdgePair& pair : edges.pairs) {
+    used[at(pair.a)] = used[at(pair.b)] = 1;
+    is_bounded = is_bounded && robot.is_bounded[at(pair.motion)] != 0;
+  }
+  const std::vector<int>& of_world = scene.edgeModel().robot->motions().of_world;
+  std::vector<RobotLanes::Piece> lane_pieces = robot.pieces;
+  lane_pieces.resize(edges.pieces.size());
+  for (std::size_t i = 0; i < edges.pieces.size(); ++i) {
+    if (used[i] == 0) continue;
+    const Piece& piece = edges.pieces[i];
+    if (i >= robot.pieces.size())
+      lane_pieces[i] = addStill(*piece.geometry, scene.scene().bodies()[at(piece.body)].X_WB,
+                                piece.bounds->outer, sweep);
+    longest = std::max(longest, lane_pieces[i].reach);
+    if (piece.link < 0) continue;
+    is_bounded = is_bounded && robot.is_bounded[at(of_world[i])] != 0;
+    moving.push_back({static_cast<int>(i), lane_pieces[i].piece});
+  }
+  usable = is_bounded && longest < kLargestReach;
+  return lane_pieces;
+}
+
+void SceneLanes::addPairs(const EdgeScene& edges, std::span<const RobotLanes::Piece> lane_pieces) {
+  sweep.reservePairs(edges.pairs.size());
+  for (std::size_t p = 0; p < edges.pairs.size(); ++p) {
+    const EdgePair& pair = edges.pairs[p];
+    const auto id = static_cast<int>(p);
+    const bool world_a = edges.pieces[at(pair.a)].link < 0,
+               world_b = edges.pieces[at(pair.b)].link < 0;
+    if (!world_a && !world_b) {
+      moving_pairs.push_back(id);
+      sweep.addPiecePair(id, lane_pieces[at(pair.a)].piece, lane_pieces[at(pair.b)].piece,
+                         pair.motion, pair.threshold, !pair.by_surfaces);
+      continue;
+    }
+    const RobotLanes::Piece& mover = lane_pieces[at(world_a ? pair.b : pair.a)];
+    const RobotLanes::Piece& still = lane_pieces[at(world_a ? pair.a : pair.b)];
+    sweep.addPair(id, mover.piece, still.obstacle, still.piece, pair.threshold, !pair.by_surfaces);
+  }
+}
+
 EdgeLanes::EdgeLanes(const EdgeFrames& frames)
     : scene_(frames.sharedScene()),
-      robot_(scene_->edgeModel().robot->lanes(scene_->model())),
-      sweep_(robot_.sweep),
+      lanes_(scene_->lanes()),
+      robot_(lanes_.robot),
+      scratch_(std::make_unique<LaneSweep::Scratch>(lanes_.sweep)),
       frame_steps_(robot_.frame_steps) {
   const robots::Model& model = scene_->model();
   middle_.resize(at(scene_->space().size()));
   q_.resize(model.variables.size());
   joint_motion_.assign(2 * model.joints.size(), 0.0F);
-  const std::vector<RobotLanes::Piece> pieces = addPieces(frames);
-  if (usable_) addPairs(frames, pieces);
-  sweep_.finish();
-  scratch_ = std::make_unique<LaneSweep::Scratch>(sweep_);
   lane_frames_.resize(robot_.steps.size());
   contact_frames_.resize(robot_.steps.size());
   growth_values_.resize(robot_.growth.paddedSize());
   pass_growth_.resize(growth_values_.size());
   closed_.reserve(frames.pairs().size());
-}
-
-std::vector<RobotLanes::Piece> EdgeLanes::addPieces(const EdgeFrames& frames) {
-  const std::span<const Piece> pieces = frames.pieces();
-  const RobotMotions& motions = scene_->edgeModel().robot->motions();
-  std::vector<char> used(pieces.size(), 0);
-  bool is_bounded = true;
-  for (const EdgePair& pair : frames.pairs()) {
-    used[at(pair.a)] = used[at(pair.b)] = 1;
-    is_bounded = is_bounded && robot_.is_bounded[at(pair.motion)] != 0;
-  }
-  std::vector<RobotLanes::Piece> lane_pieces = robot_.pieces;
-  lane_pieces.resize(pieces.size());
-  const collision::Scene& scene = scene_->scene();
-  for (std::size_t i = 0; i < pieces.size(); ++i) {
-    if (used[i] == 0) continue;
-    const Piece& piece = pieces[i];
-    if (i >= robot_.pieces.size())
-      lane_pieces[i] = addStill(*piece.geometry, scene.bodies()[at(piece.body)].X_WB,
-                                piece.bounds->outer, sweep_);
-    longest_ = std::max(longest_, lane_pieces[i].reach);
-    if (piece.link < 0) continue;
-    is_bounded = is_bounded && robot_.is_bounded[at(motions.of_world[i])] != 0;
-    moving_.push_back({static_cast<int>(i), lane_pieces[i].piece});
-  }
-  usable_ = is_bounded && longest_ < kLargestReach;
-  return lane_pieces;
-}
-
-void EdgeLanes::addPairs(const EdgeFrames& frames, std::span<const RobotLanes::Piece> lane_pieces) {
-  const std::span<const Piece> pieces = frames.pieces();
-  const std::span<const EdgePair> pairs = frames.pairs();
-  sweep_.reservePairs(pairs.size());
-  for (std::size_t p = 0; p < pairs.size(); ++p) {
-    const EdgePair& pair = pairs[p];
-    const auto id = static_cast<int>(p);
-    const bool world_a = pieces[at(pair.a)].link < 0, world_b = pieces[at(pair.b)].link < 0;
-    if (!world_a && !world_b) {
-      moving_pairs_.push_back(id);
-      sweep_.addPiecePair(id, lane_pieces[at(pair.a)].piece, lane_pieces[at(pair.b)].piece,
-                          pair.motion, pair.threshold, !pair.by_surfaces);
-      continue;
-    }
-    const RobotLanes::Piece& moving = lane_pieces[at(world_a ? pair.b : pair.a)];
-    const RobotLanes::Piece& still = lane_pieces[at(world_a ? pair.a : pair.b)];
-    sweep_.addPair(id, moving.piece, still.obstacle, still.piece, pair.threshold,
-                   !pair.by_surfaces);
-  }
 }
 
 /// What the present edge makes of a joint's step. q_ is the configuration in the edge's middle, but
@@ -171,7 +172,7 @@ void EdgeLanes::setFloatingStep(const Step& step, const double* q, const double*
 }
 
 bool EdgeLanes::begin(const EdgeFrames& frames) {
-  if (!usable_ || !frames.isWithinLimits()) return false;
+  if (!lanes_.usable || !frames.isWithinLimits()) return false;
   const std::span<const double> a = frames.start(), difference = frames.difference();
   for (const ConfigurationSpace::Part& part : scene_->space().parts()) {
     const std::size_t i = at(part.first);
@@ -198,7 +199,7 @@ bool EdgeLanes::begin(const EdgeFrames& frames) {
   }
   // Over every chain, the lengths from each of its steps on sum up to at most (steps + 1) times the
   // longest chain.
-  const double rounding = collision::kLaneRounding * (robot_.deepest + 1) * longest_;
+  const double rounding = collision::kLaneRounding * (robot_.deepest + 1) * lanes_.longest;
   slack_ = roundedUp(rounding * (1 + 4 * turns) +
                      2 * robot_.deepest * collision::kLaneRounding * slides);
   return true;
@@ -218,12 +219,12 @@ void EdgeLanes::placeFrames(const collision::LaneValues& places,
 LaneSweep::Contact EdgeLanes::sweep() {
   const collision::LaneValues middles = middlesOfEdge();
   placeFrames(middles, lane_frames_);
-  const LaneSweep::Contact again = sweep_.meetAgain(lane_frames_, slack_, *scratch_);
+  const LaneSweep::Contact again = lanes_.sweep.meetAgain(lane_frames_, slack_, *scratch_);
   if (again.id >= 0) return again;
   collision::moveFrames(frame_steps_, middles, kWidth, lane_frames_);
   robot_.growth.run(joint_motion_, growth_values_);
   pass_growth_ = growth_values_;
-  return sweep_.run(lane_frames_, pass_growth_, slack_, *scratch_);
+  return lanes_.sweep.run(lane_frames_, pass_growth_, slack_, *scratch_);
 }
 
 LaneSweep::Contact EdgeLanes::sweepBeyond(double beyond) {
@@ -235,7 +236,8 @@ LaneSweep::Contact EdgeLanes::sweepBeyond(double beyond) {
   const float wider = roundedUp(beyond);
   for (std::size_t i = 0; i < growth_values_.size(); ++i)
     pass_growth_[i] = (growth_values_[i] + wider) * (1 + 0x1p-22F);  // rounded up
-  const LaneSweep::Contact contact = sweep_.run(lane_frames_, pass_growth_, slack_, *scratch_);
+  const LaneSweep::Contact contact =
+      lanes_.sweep.run(lane_frames_, pass_growth_, slack_, *scratch_);
   return contact.id >= 0 ? contact : searchPlanes();
 }
 
@@ -257,7 +259,7 @@ void EdgeLanes::closeGaps(const EdgeFrames& frames) {
 }
 
 LaneSweep::Contact EdgeLanes::searchPlanes() {
-  return sweep_.separate(lane_frames_, pass_growth_, slack_, *scratch_);
+  return lanes_.sweep.separate(lane_frames_, pass_growth_, slack_, *scratch_);
 }
 
 EdgeLanes::Parts EdgeLanes::wholeEdge() {
@@ -278,11 +280,11 @@ LaneSweep::Contact EdgeLanes::sweepParts(const Parts& parts,
   const float share_squared = width * collision::kLanes * (width * collision::kLanes);
   for (std::size_t i = 0; i < growth_values_.size(); ++i)
     pass_growth_[i] = share_squared * growth_values_[i];
-  return sweep_.runPairs(pairs, lane_frames_, pass_growth_, slack_, *scratch_);
+  return lanes_.sweep.runPairs(pairs, lane_frames_, pass_growth_, slack_, *scratch_);
 }
 
 std::optional<double> EdgeLanes::findContact(int pair, double from, double width) {
-  if (!sweep_.canMeet(pair)) return std::nullopt;
+  if (!lanes_.sweep.canMeet(pair)) return std::nullopt;
   // In the middle of each lane's share. Over the whole edge these are the middles of sweep(), so
   // the ends of the shares are looked at instead.
   const double share = width / collision::kLanes, first = width < 1 ? share / 2 : share;
@@ -290,26 +292,27 @@ std::optional<double> EdgeLanes::findContact(int pair, double from, double width
   for (int i = 0; i < collision::kLanes; ++i)
     places.at[i] = static_cast<float>(from - 0.5 + (first + i * share));
   placeFrames(places, contact_frames_);
-  const LaneSweep::Contact contact = sweep_.meet(pair, contact_frames_, slack_, *scratch_);
+  const LaneSweep::Contact contact = lanes_.sweep.meet(pair, contact_frames_, slack_, *scratch_);
   if (contact.id < 0) return std::nullopt;
   return 0.5 + static_cast<double>(places.at[contact.lane]);
 }
 
 void EdgeLanes::nearPairs(const EdgeFrames& frames, int slot, double reach,
                           std::vector<int>& pairs) const {
-  pairs.insert(pairs.end(), moving_pairs_.begin(), moving_pairs_.end());
-  for (const MovingPiece& moving : moving_) {
+  pairs.insert(pairs.end(), lanes_.moving_pairs.begin(), lanes_.moving_pairs.end());
+  for (const SceneLanes::MovingPiece& moving : lanes_.moving) {
     const Eigen::Vector3d& center = frames.center(slot, moving.piece);
     const double radius = frames.pieces()[at(moving.piece)].bounds->outer.radius + reach;
     // (Rounding of the sums is far below that of single precision, which is outwards.)
-    sweep_.nearPairs(moving.lane_piece, center.array() - radius, center.array() + radius, pairs);
+    lanes_.sweep.nearPairs(moving.lane_piece, center.array() - radius, center.array() + radius,
+                           pairs);
   }
 }
 
 LaneSweep::Contact EdgeLanes::checkStates(const collision::LaneValues& places) {
   placeFrames(places, lane_frames_);
-  const LaneSweep::Contact again = sweep_.meetAgain(lane_frames_, slack_, *scratch_);
-  return again.id >= 0 ? again : sweep_.runStill(lane_frames_, slack_, *scratch_);
+  const LaneSweep::Contact again = lanes_.sweep.meetAgain(lane_frames_, slack_, *scratch_);
+  return again.id >= 0 ? again : lanes_.sweep.runStill(lane_frames_, slack_, *scratch_);
 }
 
 }  // namespace leeway::planner

@@ -13,6 +13,28 @@
 
 namespace leeway::planner {
 
+/// The lanes of a compiled scene: its robot's, and its world's. Constant; shared by certifiers.
+struct SceneLanes {
+  SceneLanes(const CompiledScene& scene, const EdgeScene& edges);
+
+  const RobotLanes& robot;
+  bool usable = true;  ///< false: lanes cannot be trusted with this scene
+  double longest = 0;  ///< reach of the chain with the farthest ball [m]
+  collision::LaneSweep sweep;
+  /// A piece that moves, in EdgeScene and in the sweep.
+  struct MovingPiece {
+    int piece, lane_piece;
+  };
+  std::vector<MovingPiece> moving;
+  std::vector<int> moving_pairs;  ///< pairs of two moving pieces
+
+ private:
+  /// Adds the pieces of the world that pairs use, and sets what depends on all pieces in use.
+  /// Returns one for each of EdgeScene::pieces.
+  std::vector<RobotLanes::Piece> addPieces(const CompiledScene& scene, const EdgeScene& edges);
+  void addPairs(const EdgeScene& edges, std::span<const RobotLanes::Piece> lane_pieces);
+};
+
 /// The intervals of one edge, a lane each, against all pairs, by balls, planes and points: see
 /// collision::LaneSweep. Ids in its answers are indices into EdgeFrames::pairs(). Allocates in the
 /// constructor only.
@@ -63,7 +85,7 @@ class EdgeLanes {
   collision::LaneSweep::Contact checkStates(const collision::LaneValues& places);
 
   /// Whether nearPairs() knows all pairs with obstacles.
-  bool isUsable() const { return usable_; }
+  bool isUsable() const { return lanes_.usable; }
   /// Appends, in no order, the pairs that may not keep their thresholds at a slot's configuration,
   /// or not be farther apart than `reach` >= 0 [m]: those of two moving pieces, and those with
   /// things that are near. Never allocates where `pairs` has room for all. O(moving pairs), and a
@@ -73,15 +95,10 @@ class EdgeLanes {
   /// Counts what passes cost into `work` from now on, see LaneSweep::Scratch::countInto().
   void countInto(collision::Work& work);
 
-  std::size_t bytes() const { return sweep_.bytes(); }
+  std::size_t bytes() const { return lanes_.sweep.bytes(); }
 
  private:
   using Step = RobotLanes::Step;
-
-  /// Adds the pieces of the world that pairs use, and sets usable_ and what depends on all pieces
-  /// in use. Returns one for each of EdgeFrames::pieces().
-  std::vector<RobotLanes::Piece> addPieces(const EdgeFrames& frames);
-  void addPairs(const EdgeFrames& frames, std::span<const RobotLanes::Piece> lane_pieces);
 
   void placeFrames(const collision::LaneValues& places, std::vector<collision::LaneFrame>& frames);
   void setStep(const EdgeFrames& frames, std::size_t i);
@@ -90,16 +107,8 @@ class EdgeLanes {
 
   // Constant.
   std::shared_ptr<const CompiledScene> scene_;
-  const RobotLanes& robot_;  // the scene's
-  bool usable_ = true;
-  double longest_ = 0;  ///< reach of the chain with the farthest ball [m]
-  collision::LaneSweep sweep_;
-  /// A piece that moves, in EdgeFrames and in the sweep.
-  struct MovingPiece {
-    int piece, lane_piece;
-  };
-  std::vector<MovingPiece> moving_;
-  std::vector<int> moving_pairs_;  ///< pairs of two moving pieces
+  const SceneLanes& lanes_;  // the scene's
+  const RobotLanes& robot_;  // theirs
 
   // Of the present edge.
   std::unique_ptr<collision::LaneSweep::Scratch> scratch_;

@@ -39,8 +39,8 @@ EdgeCertifier::Impl::PairState EdgeCertifier::Impl::sweepPair(const EdgeInterval
       frames.keepsGap(pair, interval.t0, interval.t0 + interval.h))
     return PairState::kFree;
   if (!pair.by_surfaces)
-    return growth <= memory.of(p).growth_limit ? sweepExactly(interval, p, growth, t)
-                                               : PairState::kOpen;
+    return growth <= pair_memory.of(p).growth_limit ? sweepExactly(interval, p, growth, t)
+                                                    : PairState::kOpen;
   const collision::MeshSweepResult result = sweepSurfaces(interval, pair);
   t = result.t;
   switch (result.status) {
@@ -57,7 +57,7 @@ EdgeCertifier::Impl::PairState EdgeCertifier::Impl::sweepPair(const EdgeInterval
 EdgeCertifier::Impl::PairState EdgeCertifier::Impl::sweepExactly(const EdgeInterval& interval,
                                                                  int p, double growth, double& t) {
   const EdgePair& pair = frames.pairs()[at(p)];
-  double& limit = memory.of(p).growth_limit;
+  double& limit = pair_memory.of(p).growth_limit;
   const Interval distance =
       sweep(interval, pair, growth, pair.threshold, growth > kDeepSweepGrowth ? kShallowNodes : 0);
   if (distance.lower > pair.threshold) {
@@ -66,7 +66,7 @@ EdgeCertifier::Impl::PairState EdgeCertifier::Impl::sweepExactly(const EdgeInter
   }
   // A sweep that ran out of work says nothing of its growth.
   if (!work.isSpent()) limit = std::max({growth * kGrowthLimitFall, limit / 2, kLeastGrowthLimit});
-  memory.of(p).sweep_failed = interval_stamp;
+  pair_memory.of(p).sweep_failed = interval_stamp;
   if (!(distance.upper <= pair.threshold)) return PairState::kOpen;
   // The proof is of one end or the other.
   const bool at_begin = exactState(interval.slot0, pair) == PairState::kNotFree;

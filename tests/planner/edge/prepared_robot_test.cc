@@ -137,21 +137,49 @@ TEST(PreparedRobot, ChangesNoAnswer) {
   EXPECT_GT(not_free, 100);
 }
 
+/// Threads compile the same problem, or make certifiers of one scene.
 TEST(PreparedRobot, ThreadsPrepareAndShareIt) {
   Random random(22);
   const Problem problem = randomWorld(random, 0);
   std::vector<std::vector<double>> points;
   for (int i = 0; i < 20; ++i) points.push_back(randomPoint(random, problem));
+  const auto shared = std::make_shared<const CompiledScene>(problem);
   std::vector<std::vector<Verdict>> verdicts(4);
   std::vector<std::thread> threads;
-  for (auto& of_thread : verdicts)
-    threads.emplace_back([&] {
-      EdgeCertifier certifier(std::make_shared<const CompiledScene>(problem));
+  for (std::size_t t = 0; t < verdicts.size(); ++t)
+    threads.emplace_back([&, t] {
+      EdgeCertifier certifier(t < 2 ? shared : std::make_shared<const CompiledScene>(problem));
       for (std::size_t i = 1; i < points.size(); ++i)
-        of_thread.push_back(certifier.certify(points[i - 1], points[i]).verdict);
+        verdicts[t].push_back(certifier.certify(points[i - 1], points[i]).verdict);
     });
   for (std::thread& thread : threads) thread.join();
   for (const auto& of_thread : verdicts) EXPECT_EQ(of_thread, verdicts[0]);
+}
+
+/// What certifiers of a scene share borrows from it: a copy has its own, a scene that moves takes
+/// it along.
+TEST(PreparedRobot, CopiesOfAScenePassForItAndOutliveIt) {
+  Random random(23);
+  const Problem problem = randomWorld(random, 2);
+  std::vector<std::vector<double>> points;
+  for (int i = 0; i < 20; ++i) points.push_back(randomPoint(random, problem));
+  const auto verdictsOf = [&](const std::shared_ptr<const CompiledScene>& scene) {
+    EdgeCertifier certifier(scene);
+    std::vector<Verdict> verdicts;
+    for (std::size_t i = 1; i < points.size(); ++i)
+      verdicts.push_back(certifier.certify(points[i - 1], points[i]).verdict);
+    return verdicts;
+  };
+  auto scene = std::make_shared<CompiledScene>(problem);
+  const std::vector<Verdict> verdicts = verdictsOf(scene);
+  const auto copy = std::make_shared<const CompiledScene>(*scene);
+  EXPECT_NE(&copy->edges(), &scene->edges());
+  const EdgeScene* const edges = &scene->edges();
+  const auto moved = std::make_shared<const CompiledScene>(std::move(*scene));
+  EXPECT_EQ(&moved->edges(), edges);
+  scene.reset();
+  EXPECT_EQ(verdictsOf(copy), verdicts);
+  EXPECT_EQ(verdictsOf(moved), verdicts);
 }
 
 }  // namespace

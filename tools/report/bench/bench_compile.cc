@@ -117,9 +117,12 @@ int main(int argc, char** argv) {
         const auto scene = std::make_shared<const CompiledScene>(problem);
         const double compiled = megabytes();
         const EdgeCertifier certifier(scene);  // covers the meshes
+        const double made = megabytes();
+        const EdgeCertifier another(scene);
         if (boxes > 0 && &file == &files.back())
-          fmt::print("MB: problem {:.1f}, scene {:.1f}, certifier {:.1f}\n", with_boxes - before,
-                     compiled - with_boxes, megabytes() - compiled);
+          fmt::print("MB: problem {:.1f}, scene {:.1f}, certifier {:.1f}, another {:.1f}\n",
+                     with_boxes - before, compiled - with_boxes, made - compiled,
+                     megabytes() - made);
       }
       pairs += CompiledScene(problem).scene().pairs().size();
       Times of_cold, of_prepared;

@@ -13,6 +13,8 @@
 namespace leeway::planner {
 
 struct EdgeModel;
+struct EdgeScene;
+struct SceneLanes;
 
 /// A problem reduced to what its queries can need. Only links that the planned variables move are
 /// moving bodies, the rest is folded into the world; pairs that are allowed, rigidly attached or
@@ -70,8 +72,24 @@ class CompiledScene {
 
   /// What certification knows of every edge; private to planner/ (planner/edge/edge_model.h).
   const EdgeModel& edgeModel() const { return *edge_model_; }
+  /// What its certifiers share, made by the first that asks; private to planner/
+  /// (planner/edge/edge_frames.h and edge_lanes.h). They borrow from this scene. Thread-safe.
+  const EdgeScene& edges() const;
+  const SceneLanes& lanes() const;
 
  private:
+  struct Shared;
+  /// A copy of a scene has its own: it may become another scene.
+  struct OwnShared {
+    OwnShared();
+    OwnShared(const OwnShared&) : OwnShared() {}
+    OwnShared(OwnShared&&) noexcept = default;
+    OwnShared& operator=(const OwnShared& other);
+    OwnShared& operator=(OwnShared&&) noexcept = default;
+    ~OwnShared() = default;
+    std::shared_ptr<Shared> made;
+  };
+
   std::shared_ptr<const robots::Model> model_;
   std::shared_ptr<const ConfigurationSpace> space_;
   std::vector<double> base_configuration_;
@@ -79,6 +97,7 @@ class CompiledScene {
   std::vector<int> body_link_;
   std::shared_ptr<const std::vector<Dropped>> dropped_;
   std::shared_ptr<const EdgeModel> edge_model_;
+  OwnShared shared_;
 };
 
 }  // namespace leeway::planner
