@@ -162,17 +162,26 @@ void addRow(std::vector<Ball>& balls, const Eigen::Vector3d& axis, double reach,
 /// farthest from those chosen.
 void addVertices(std::vector<Ball>& balls, const Shape& shape) {
   const std::span<const Eigen::Vector3d> vertices = cornersOf(shape);
-  std::vector<double> squared(vertices.size());
-  for (std::size_t i = 0; i < vertices.size(); ++i)
-    squared[i] = (vertices[i] - shape.boundingCenter()).squaredNorm();
+  std::vector<double> squared(vertices.size(), kInfinity);
+  // The first of the farthest from `p` and from those before, in one pass.
+  const auto farthestFrom = [&](const Eigen::Vector3d& p) {
+    std::size_t farthest = 0;
+    double most = -1;
+    for (std::size_t i = 0; i < vertices.size(); ++i) {
+      squared[i] = std::min(squared[i], (vertices[i] - p).squaredNorm());
+      if (!(squared[i] > most)) continue;
+      most = squared[i];
+      farthest = i;
+    }
+    return farthest;
+  };
+  std::size_t next = farthestFrom(shape.boundingCenter());
+  std::fill(squared.begin(), squared.end(), kInfinity);  // the centre is not one of those chosen
   for (int k = 0; k < kVertexProbes; ++k) {
-    const std::size_t next = static_cast<std::size_t>(
-        std::max_element(squared.begin(), squared.end()) - squared.begin());
-    if (k > 0 && squared[next] == 0) break;
     balls.push_back({vertices[next], 0});
-    for (std::size_t i = 0; i < vertices.size(); ++i)
-      squared[i] = k == 0 ? (vertices[i] - vertices[next]).squaredNorm()
-                          : std::min(squared[i], (vertices[i] - vertices[next]).squaredNorm());
+    if (k + 1 == kVertexProbes) break;
+    next = farthestFrom(vertices[next]);
+    if (squared[next] == 0) break;
   }
 }
 
