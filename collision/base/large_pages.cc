@@ -91,9 +91,39 @@ std::pmr::memory_resource* largePages() {
   return pages;
 }
 
+namespace {
+
+class LargeArrays final : public std::pmr::memory_resource {
+  static constexpr std::size_t kLeastArray = 2 * kPage;
+
+  void* do_allocate(std::size_t bytes, std::size_t alignment) override {
+    void* const result = std::pmr::new_delete_resource()->allocate(bytes, alignment);
+    if (bytes >= kLeastArray) {
+      // The whole pages within; only a hint.
+      const std::uintptr_t begin = reinterpret_cast<std::uintptr_t>(result);
+      const std::uintptr_t first = (begin + kPage - 1) / kPage * kPage,
+                           last = (begin + bytes) / kPage * kPage;
+      static_cast<void>(madvise(reinterpret_cast<void*>(first), last - first, MADV_HUGEPAGE));
+    }
+    return result;
+  }
+  void do_deallocate(void* p, std::size_t bytes, std::size_t alignment) override {
+    std::pmr::new_delete_resource()->deallocate(p, bytes, alignment);
+  }
+  bool do_is_equal(const memory_resource& other) const noexcept override { return this == &other; }
+};
+
+}  // namespace
+
+std::pmr::memory_resource* largeArrays() {
+  static LargeArrays* const arrays = new LargeArrays;
+  return arrays;
+}
+
 #else
 
 std::pmr::memory_resource* largePages() { return std::pmr::new_delete_resource(); }
+std::pmr::memory_resource* largeArrays() { return std::pmr::new_delete_resource(); }
 
 #endif
 

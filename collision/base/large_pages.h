@@ -2,7 +2,9 @@
 
 // Private to collision/: memory for the arrays that queries read at scattered places.
 
+#include <cstddef>
 #include <memory_resource>
+#include <utility>
 
 namespace leeway::collision {
 
@@ -12,5 +14,37 @@ namespace leeway::collision {
 /// memory. For arrays that keep their size: freed memory is used again only once all arrays of the
 /// same 2 MB are freed. Any thread; O(1); throws std::bad_alloc, as new does.
 std::pmr::memory_resource* largePages();
+
+/// For arrays of megabytes that are filled as a whole, as those of a large mesh are: on large pages
+/// of their own they are filled in half the time, which goes into the system's handing out of small
+/// pages. Any thread; throws std::bad_alloc.
+std::pmr::memory_resource* largeArrays();
+
+/// Bytes of largeArrays() that are not set to zero first: files of hundreds of megabytes are read
+/// into them. Aligned to 16.
+class LargeBuffer {
+ public:
+  LargeBuffer() = default;
+  explicit LargeBuffer(std::size_t size)
+      : data_(static_cast<std::byte*>(largeArrays()->allocate(size, kAlignment))), size_(size) {}
+  LargeBuffer(LargeBuffer&& other) noexcept { *this = std::move(other); }
+  LargeBuffer& operator=(LargeBuffer&& other) noexcept {
+    std::swap(data_, other.data_);
+    std::swap(size_, other.size_);
+    return *this;
+  }
+  ~LargeBuffer() {
+    if (data_ != nullptr) largeArrays()->deallocate(data_, size_, kAlignment);
+  }
+
+  std::byte* data() { return data_; }
+  const std::byte* data() const { return data_; }
+  std::size_t size() const { return size_; }
+
+ private:
+  static constexpr std::size_t kAlignment = 16;
+  std::byte* data_ = nullptr;
+  std::size_t size_ = 0;
+};
 
 }  // namespace leeway::collision

@@ -128,11 +128,9 @@ double roomAt(const Shape& shape, const Vector3d& center, Scratch& scratch) {
   return -r.distance.upper;
 }
 
-}  // namespace
-
-BallCover coverWithBalls(const Shape& shape, int count) {
-  BallCover cover;
-  if (shape.type() == ShapeType::kHalfSpace || count < 1) return cover;
+std::vector<Ball> outerBalls(const Shape& shape, int count) {
+  std::vector<Ball> outer;
+  if (shape.type() == ShapeType::kHalfSpace || count < 1) return outer;
   const Ball whole{
       shape.boundingCenter(),
       shape.boundingRadius() +
@@ -140,7 +138,7 @@ BallCover coverWithBalls(const Shape& shape, int count) {
   std::vector<Part> parts(1);
   parts[0].faces = facesOf(shape);
   if (shape.type() == ShapeType::kSphere || !(whole.radius > 0) || parts[0].faces.empty()) {
-    cover.outer.push_back(whole);
+    outer.push_back(whole);
   } else {
     parts[0].ball = ballAround(parts[0].faces.corners());
     Vector3d low = Vector3d::Constant(kInfinity), high = -low;
@@ -160,9 +158,15 @@ BallCover coverWithBalls(const Shape& shape, int count) {
       *largest = std::move(halves.first);
       parts.push_back(std::move(halves.second));
     }
-    for (const Part& part : parts) cover.outer.push_back(part.ball);
+    for (const Part& part : parts) outer.push_back(part.ball);
   }
-  if (shape.type() == ShapeType::kDeformable) return cover;
+  return outer;
+}
+
+}  // namespace
+
+void addInnerBalls(const Shape& shape, BallCover& cover) {
+  if (shape.type() == ShapeType::kDeformable) return;
   Scratch scratch;
   for (const Ball& ball : cover.outer) {
     const double room = roomAt(shape, ball.center, scratch) * (1 - kInnerBallSlack);
@@ -171,14 +175,27 @@ BallCover coverWithBalls(const Shape& shape, int count) {
   // Largest first: it proves most contacts.
   std::stable_sort(cover.inner.begin(), cover.inner.end(),
                    [](const Ball& x, const Ball& y) { return x.radius > y.radius; });
+}
+
+BallCover coverWithBalls(const Shape& shape, int count) {
+  BallCover cover;
+  cover.outer = outerBalls(shape, count);
+  addInnerBalls(shape, cover);
+  return cover;
+}
+
+BallCover coverWithoutInnerBalls(const Shape& shape) {
+  BallCover cover;
+  cover.outer = outerBalls(shape, kCoverBalls);
+  cover.points = coverWithPoints(shape, kCoverPoints);
+  cover.parts = coverWithParts(shape, kCoverParts);
   return cover;
 }
 
 std::shared_ptr<const BallCover> coverOf(const Shape& shape) {
   const auto make = [&] {
-    BallCover cover = coverWithBalls(shape, kCoverBalls);
-    cover.points = coverWithPoints(shape, kCoverPoints);
-    cover.parts = coverWithParts(shape, kCoverParts);
+    BallCover cover = coverWithoutInnerBalls(shape);
+    addInnerBalls(shape, cover);
     return std::make_shared<const BallCover>(std::move(cover));
   };
   if (shape.type() != ShapeType::kMesh) return make();

@@ -51,6 +51,11 @@ inline constexpr int kCoverBalls = 8;
 inline constexpr int kCoverPoints = 32;
 inline constexpr int kCoverParts = 8;
 
+/// coverOf() in two steps, where the shape is a mesh in the making: the first needs its triangles,
+/// hierarchy and hullExcess(), the second asks queries.
+BallCover coverWithoutInnerBalls(const Shape& shape);
+void addInnerBalls(const Shape& shape, BallCover& cover);
+
 /// coverWithBalls(), coverWithPoints() and coverWithParts() with these counts. A mesh computes it
 /// once and keeps it. Thread-safe.
 std::shared_ptr<const BallCover> coverOf(const Shape& shape);

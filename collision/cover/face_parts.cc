@@ -15,6 +15,25 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 }  // namespace
 
+namespace {
+
+// A point of these that is farthest from the centre; null for no points.
+const Vector3d* farthestFrom(const Vector3d& center, std::span<const Vector3d> points,
+                             std::size_t stride, double& squared) {
+  const Vector3d* farthest = nullptr;
+  squared = -1;
+  for (std::size_t i = 0; i < points.size(); i += stride) {
+    const double s = (points[i] - center).squaredNorm();
+    if (s > squared) {
+      squared = s;
+      farthest = &points[i];
+    }
+  }
+  return farthest;
+}
+
+}  // namespace
+
 Ball ballAround(std::span<const Vector3d> points) {
   Vector3d low = Vector3d::Constant(kInfinity), high = -low;
   for (const Vector3d& p : points) {
@@ -22,22 +41,25 @@ Ball ballAround(std::span<const Vector3d> points) {
     high = high.cwiseMax(p);
   }
   Ball best{Vector3d::Zero(), kInfinity};
+  const auto radiusOf = [](const Vector3d& center, double squared) {
+    return std::sqrt(squared) * (1 + kRelativeRounding) + kRelativeRounding * center.lpNorm<1>();
+  };
   Vector3d center = low + (high - low) / 2;
-  // Fewer steps for large sets: any centre gives a valid ball.
+  // Fewer steps for large sets, and for very large ones by some of the points: any centre gives a
+  // valid ball, once all points are in it.
   const int steps = points.size() > 5000 ? 8 : 24;
+  const std::size_t stride = points.size() > 50000 ? points.size() / 10000 : 1;
   for (int step = 1; step <= steps; ++step) {
-    const Vector3d* farthest = nullptr;
-    double squared = -1;
-    for (const Vector3d& p : points)
-      if ((p - center).squaredNorm() > squared) {
-        squared = (p - center).squaredNorm();
-        farthest = &p;
-      }
+    double squared = 0;
+    const Vector3d* const farthest = farthestFrom(center, points, stride, squared);
     if (farthest == nullptr) break;  // no points
-    const double radius =
-        std::sqrt(squared) * (1 + kRelativeRounding) + kRelativeRounding * center.lpNorm<1>();
-    if (radius < best.radius) best = {center, radius};
+    if (radiusOf(center, squared) < best.radius) best = {center, radiusOf(center, squared)};
     center += (*farthest - center) / (step + 2);
+  }
+  if (stride > 1) {
+    double squared = 0;
+    farthestFrom(best.center, points, 1, squared);
+    best.radius = radiusOf(best.center, squared);
   }
   return best;
 }

@@ -4,9 +4,11 @@
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <memory_resource>
 #include <span>
 #include <vector>
 
+#include "collision/base/large_pages.h"
 #include "collision/cover/coarse_shape.h"
 #include "leeway/collision/triangle_mesh.h"
 
@@ -39,8 +41,8 @@ class Polygons {
                   double side);
 
  private:
-  std::vector<Eigen::Vector3d> corners_;
-  std::vector<std::size_t> ends_;
+  std::pmr::vector<Eigen::Vector3d> corners_{largeArrays()};
+  std::pmr::vector<std::size_t> ends_{largeArrays()};
 };
 
 /// All polygons, each as by addClipped(). O(corners).

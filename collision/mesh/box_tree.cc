@@ -1,11 +1,13 @@
 #include "collision/mesh/box_tree.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 #include <utility>
 #include <vector>
 
+#include "collision/base/parallel.h"
 #include "collision/base/rounding.h"
 #include "collision/base/tolerances.h"
 #include "collision/base/vector.h"
@@ -39,13 +41,15 @@ struct BoxTree::Input {
   std::span<const Triangle> triangles;
   std::span<const std::int32_t> slot_of;
   double extent = 0;
-  std::vector<Vector3d> centroid;  // of the triangle, or of its unit's triangles
+  std::pmr::vector<Vector3d> centroid{
+      largeArrays()};  // of the triangle, or of its unit's triangles
   std::vector<std::int32_t> order;
   // Per triangle: its unit, which is not split and stands together in `order`. Above the convex
   // pieces each of them is one unit.
   std::vector<std::int32_t> unit;
-  ObbFit obb;
+  std::int32_t pieces = 0;
 
+  std::int32_t firstPiece() const { return static_cast<std::int32_t>(triangles.size()); }
   std::int32_t unitAt(std::int32_t at) const { return unit[index(order[index(at)])]; }
   bool isOneUnit(const Cluster& cluster) const {
     return unitAt(cluster.begin) == unitAt(cluster.end - 1);
@@ -66,11 +70,22 @@ struct BoxTree::Input {
   const Vector3d& corner(std::int32_t at, std::size_t k) const {
     return vertices[index(triangles[index(order[index(at)])][k])];
   }
+};
+
+// Builds a part of a tree: nodes in preorder, numbered from 0.
+struct BoxTree::Builder {
+  // With room for the nodes of so many triangles; most nodes have three or four.
+  Builder(Input& given, std::size_t triangles) : input(given) { nodes.reserve(2 + triangles / 3); }
+
+  Input& input;
+  std::pmr::vector<BoxNode> nodes{largeArrays()};
+  std::vector<std::array<std::int32_t, 2>> piece_nodes;  // piece, its node
+  ObbFit obb;
 
   void fit(Cluster& cluster) {
     obb.start(index(cluster.end - cluster.begin));
     for (std::int32_t at = cluster.begin; at < cluster.end; ++at) {
-      for (std::size_t k = 0; k < 3; ++k) obb.add(corner(at, k));
+      for (std::size_t k = 0; k < 3; ++k) obb.add(input.corner(at, k));
     }
     cluster.box = obb.fit();
   }
@@ -80,33 +95,127 @@ struct BoxTree::Input {
     int axis = 0;
     cluster.box.half.maxCoeff(&axis);
     const Vector3d along = cluster.box.axes.col(axis);
-    const auto first = order.begin() + cluster.begin, last = order.begin() + cluster.end;
+    const auto first = input.order.begin() + cluster.begin,
+               last = input.order.begin() + cluster.end;
     auto middle = first;
     if (!by_count) {
       double mean = 0;
-      for (auto at = first; at != last; ++at) mean += along.dot(centroid[index(*at)]);
+      for (auto at = first; at != last; ++at) mean += along.dot(input.centroid[index(*at)]);
       mean /= static_cast<double>(cluster.end - cluster.begin);
       // Stable, so that the order depends on the mesh alone.
       middle = std::stable_partition(
-          first, last, [&](std::int32_t t) { return along.dot(centroid[index(t)]) < mean; });
+          first, last, [&](std::int32_t t) { return along.dot(input.centroid[index(t)]) < mean; });
     }
     if (middle == first || middle == last) {
       std::sort(first, last, [&](std::int32_t l, std::int32_t r) {
-        const double cl = along.dot(centroid[index(l)]), cr = along.dot(centroid[index(r)]);
+        const double cl = along.dot(input.centroid[index(l)]),
+                     cr = along.dot(input.centroid[index(r)]);
         if (cl != cr) return cl < cr;
-        return std::pair(unit[index(l)], l) < std::pair(unit[index(r)], r);
+        return std::pair(input.unit[index(l)], l) < std::pair(input.unit[index(r)], r);
       });
       middle = first;
-      for (std::int32_t left_units = unitsIn(cluster) / 2; left_units > 0; --left_units) {
-        const std::int32_t one = unit[index(*middle)];
-        while (unit[index(*middle)] == one) ++middle;
+      for (std::int32_t left_units = input.unitsIn(cluster) / 2; left_units > 0; --left_units) {
+        const std::int32_t one = input.unit[index(*middle)];
+        while (input.unit[index(*middle)] == one) ++middle;
       }
     }
     left.begin = cluster.begin;
-    left.end = right.begin = static_cast<std::int32_t>(middle - order.begin());
+    left.end = right.begin = static_cast<std::int32_t>(middle - input.order.begin());
     right.end = cluster.end;
     fit(left);
     fit(right);
+  }
+
+  // The `child` of the cluster's box: a leaf, or a node that is built.
+  std::int32_t childFor(const Cluster& cluster, int depth, bool in_piece) {
+    if (cluster.end - cluster.begin == 1)
+      return ~input.slot_of[index(input.order[index(cluster.begin)])];
+    if (in_piece || !input.isOneUnit(cluster)) return build(cluster, depth, in_piece);
+    const std::int32_t number = input.unitAt(cluster.begin);
+    // Below it each triangle is a unit.
+    for (std::int32_t at = cluster.begin; at < cluster.end; ++at) {
+      const std::int32_t t = input.order[index(at)];
+      input.unit[index(t)] = input.pieces + t;
+      input.centroid[index(t)] = input.middleOf(t);
+    }
+    const std::int32_t node = build(cluster, depth, true);
+    piece_nodes.push_back({number, node});
+    return ~(input.firstPiece() + number);
+  }
+
+  std::int32_t build(const Cluster& whole, int depth, bool in_piece) {
+    const auto id = static_cast<std::int32_t>(nodes.size());
+    nodes.emplace_back();
+    const bool by_count = depth >= (in_piece || input.pieces == 0 ? kFreeDepth : kFreePieceDepth);
+    std::vector<Cluster> clusters = parts(whole, by_count);
+    for (std::size_t i = 0; i < clusters.size(); ++i) {
+      setLane(nodes[index(id)], static_cast<int>(i), clusters[i], input);
+    }
+    nodes[index(id)].count = static_cast<std::int32_t>(clusters.size());
+    const auto children = [&](Builder& builder, std::size_t from, std::size_t to) {
+      std::vector<std::int32_t> result;
+      for (std::size_t i = from; i < to; ++i)
+        result.push_back(builder.childFor(clusters[i], depth + 1, in_piece));
+      return result;
+    };
+    // Large parts are built in threads of their own and put in their places.
+    const auto count = index(whole.end - whole.begin);
+    std::size_t middle = clusters.size();
+    if (count >= std::max(kWorthAThread, input.triangles.size() / 8)) {
+      middle = 0;
+      while (index(clusters[middle].begin - whole.begin) < count / 2 &&
+             middle + 1 < clusters.size())
+        ++middle;
+    }
+    Builder other(input, middle < clusters.size() ? index(whole.end - clusters[middle].begin) : 0);
+    std::vector<std::int32_t> first, second;
+    inParallel(
+        middle < clusters.size(), [&] { first = children(*this, 0, middle); },
+        [&] { second = children(other, middle, clusters.size()); });
+    std::copy(first.begin(), first.end(), nodes[index(id)].child);
+    std::transform(second.begin(), second.end(), nodes[index(id)].child + middle,
+                   [&](std::int32_t child) { return shifted(child); });
+    append(other);
+    return id;
+  }
+
+  // Halves the largest part, again and again.
+  std::vector<Cluster> parts(const Cluster& whole, bool by_count) {
+    std::vector<Cluster> clusters{whole};
+    while (clusters.size() < BoxNode::kWidth) {
+      std::size_t largest = clusters.size();
+      double most = -1;
+      for (std::size_t i = 0; i < clusters.size(); ++i) {
+        const double size =
+            by_count ? static_cast<double>(input.unitsIn(clusters[i])) : clusters[i].box.halfArea();
+        if (input.isOneUnit(clusters[i]) || !(size > most)) continue;
+        most = size;
+        largest = i;
+      }
+      if (largest == clusters.size()) break;
+      Cluster left, right;
+      split(clusters[largest], by_count, left, right);
+      clusters[largest] = left;
+      clusters.insert(clusters.begin() + static_cast<std::ptrdiff_t>(largest) + 1, right);
+    }
+    return clusters;
+  }
+
+  // A child of a part that is to be put behind these nodes.
+  std::int32_t shifted(std::int32_t child) const {
+    return child >= 0 ? child + static_cast<std::int32_t>(nodes.size()) : child;
+  }
+  void append(const Builder& part) {
+    for (const auto& [piece, node] : part.piece_nodes)
+      piece_nodes.push_back({piece, shifted(node)});
+    const std::size_t before = nodes.size();
+    const auto offset = shifted(0);
+    nodes.insert(nodes.end(), part.nodes.begin(), part.nodes.end());
+    for (std::size_t id = before; id < nodes.size(); ++id) {
+      for (std::int32_t lane = 0; lane < nodes[id].count; ++lane) {
+        if (nodes[id].child[lane] >= 0) nodes[id].child[lane] += offset;
+      }
+    }
   }
 };
 
@@ -116,7 +225,8 @@ BoxTree::BoxTree(std::span<const Vector3d> vertices, std::span<const Triangle> t
     : piece_node_(static_cast<std::size_t>(pieces), -1),
       first_piece_(static_cast<std::int32_t>(triangles.size())) {
   if (!(extent > 0)) return;  // of one point
-  Input input{vertices, triangles, slot_of, extent, {}, {}, {}, {}};
+  Input input{vertices, triangles, slot_of, extent, std::pmr::vector<Vector3d>(largeArrays()),
+              {},       {},        pieces};
   input.centroid.reserve(triangles.size());
   input.unit.reserve(triangles.size());
   std::vector<Vector3d> sum(index(pieces), Vector3d::Zero());
@@ -137,69 +247,22 @@ BoxTree::BoxTree(std::span<const Vector3d> vertices, std::span<const Triangle> t
   std::stable_sort(input.order.begin(), input.order.end(), [&](std::int32_t l, std::int32_t r) {
     return input.unit[index(l)] < input.unit[index(r)];
   });
-  nodes_.reserve(2 + triangles.size() / 6);
-  nodes_.emplace_back();
+  Builder builder(input, triangles.size());
+  builder.nodes.emplace_back();
   Cluster whole;
   whole.end = static_cast<std::int32_t>(triangles.size());
-  input.fit(whole);
-  setLane(0, 0, whole, input);
-  const std::int32_t child = childFor(input, whole, 0, false);
-  nodes_[0].child[0] = child;
-  nodes_[0].count = 1;
-  nodes_.shrink_to_fit();
-}
-
-// The `child` of the cluster's box: a leaf, or a node that is built.
-std::int32_t BoxTree::childFor(Input& input, const Cluster& cluster, int depth, bool in_piece) {
-  if (cluster.end - cluster.begin == 1)
-    return ~input.slot_of[index(input.order[index(cluster.begin)])];
-  if (in_piece || !input.isOneUnit(cluster)) return build(input, cluster, depth, in_piece);
-  const std::int32_t number = input.unitAt(cluster.begin);
-  // Below it each triangle is a unit.
-  for (std::int32_t at = cluster.begin; at < cluster.end; ++at) {
-    const std::int32_t t = input.order[index(at)];
-    input.unit[index(t)] = static_cast<std::int32_t>(piece_node_.size()) + t;
-    input.centroid[index(t)] = input.middleOf(t);
-  }
-  const std::int32_t node = build(input, cluster, depth, true);
-  piece_node_[index(number)] = node;
-  return ~(first_piece_ + number);
-}
-
-std::int32_t BoxTree::build(Input& input, const Cluster& whole, int depth, bool in_piece) {
-  const auto id = static_cast<std::int32_t>(nodes_.size());
-  nodes_.emplace_back();
-  const bool by_count = depth >= (in_piece || piece_node_.empty() ? kFreeDepth : kFreePieceDepth);
-  std::vector<Cluster> clusters{whole};
-  while (clusters.size() < BoxNode::kWidth) {
-    std::size_t largest = clusters.size();
-    double most = -1;
-    for (std::size_t i = 0; i < clusters.size(); ++i) {
-      const double size =
-          by_count ? static_cast<double>(input.unitsIn(clusters[i])) : clusters[i].box.halfArea();
-      if (input.isOneUnit(clusters[i]) || !(size > most)) continue;
-      most = size;
-      largest = i;
-    }
-    if (largest == clusters.size()) break;
-    Cluster left, right;
-    input.split(clusters[largest], by_count, left, right);
-    clusters[largest] = left;
-    clusters.insert(clusters.begin() + static_cast<std::ptrdiff_t>(largest) + 1, right);
-  }
-  for (std::size_t i = 0; i < clusters.size(); ++i) {
-    setLane(id, static_cast<int>(i), clusters[i], input);
-    const std::int32_t child = childFor(input, clusters[i], depth + 1, in_piece);
-    nodes_[index(id)].child[i] = child;
-  }
-  nodes_[index(id)].count = static_cast<std::int32_t>(clusters.size());
-  return id;
+  builder.fit(whole);
+  setLane(builder.nodes[0], 0, whole, input);
+  const std::int32_t child = builder.childFor(whole, 0, false);
+  builder.nodes[0].child[0] = child;
+  builder.nodes[0].count = 1;
+  nodes_ = std::move(builder.nodes);
+  for (const auto& [piece, node] : builder.piece_nodes) piece_node_[index(piece)] = node;
 }
 
 // The box in single precision: along the rounded axes, around the rounded centre, and as large as
 // every corner needs.
-void BoxTree::setLane(std::int32_t id, int lane, const Cluster& cluster, const Input& input) {
-  BoxNode& node = nodes_[index(id)];
+void BoxTree::setLane(BoxNode& node, int lane, const Cluster& cluster, const Input& input) {
   Vector3d center, half = Vector3d::Zero();
   Matrix3d axes;
   for (int k = 0; k < 3; ++k) {
@@ -222,6 +285,67 @@ void BoxTree::setLane(std::int32_t id, int lane, const Cluster& cluster, const I
     squared += half[k] * half[k];
   }
   node.radius[lane] = static_cast<float>(std::sqrt(squared));
+}
+
+// Follows the nodes of a file, in preorder.
+struct BoxTree::Check {
+  BoxTree& tree;
+  std::vector<std::uint8_t> met;  // triangles
+  std::size_t next = 0;           // the node that comes next
+
+  bool node(int depth, bool in_piece) {
+    if (depth > kMaxDepth || next >= tree.nodes_.size()) return false;
+    const BoxNode& here = tree.nodes_[next++];
+    if (here.count < 1 || here.count > BoxNode::kWidth || !isFinite(here)) return false;
+    for (std::int32_t lane = 0; lane < here.count; ++lane) {
+      if (!child(here.child[lane], depth, in_piece)) return false;
+    }
+    return true;
+  }
+
+  bool child(std::int32_t child, int depth, bool in_piece) {
+    if (child >= 0) return index(child) == next && node(depth + 1, in_piece);
+    const std::size_t slot = index(~child);
+    if (slot < met.size()) {
+      if (met[slot] != 0) return false;
+      met[slot] = 1;
+      return true;
+    }
+    const std::size_t piece = slot - met.size();
+    if (in_piece || piece >= tree.piece_node_.size() || tree.piece_node_[piece] >= 0) return false;
+    tree.piece_node_[piece] = static_cast<std::int32_t>(next);
+    return node(depth + 1, true);
+  }
+
+  static bool isFinite(const BoxNode& node) {
+    // A sum of products with 0 is 0, or NaN where one of them is not finite.
+    float sum = 0;
+    for (int lane = 0; lane < BoxNode::kWidth; ++lane) {
+      for (int k = 0; k < 3; ++k) {
+        sum += 0 * node.center[k][lane] + 0 * node.half[k][lane];
+        for (int i = 0; i < 3; ++i) sum += 0 * node.axis[k][i][lane];
+      }
+      sum += 0 * node.radius[lane];
+    }
+    return sum == 0;
+  }
+};
+
+std::unique_ptr<const BoxTree> BoxTree::fromNodes(std::pmr::vector<BoxNode> nodes,
+                                                  std::size_t triangles, int pieces) {
+  std::unique_ptr<BoxTree> tree(new BoxTree);
+  tree->nodes_ = std::move(nodes);
+  tree->piece_node_.assign(index(pieces), -1);
+  tree->first_piece_ = static_cast<std::int32_t>(triangles);
+  if (tree->nodes_.empty()) return tree;
+  Check check{*tree, std::vector<std::uint8_t>(triangles, 0)};
+  if (tree->nodes_[0].count != 1 || !check.node(0, false) || check.next != tree->nodes_.size())
+    return nullptr;
+  const auto is = [](auto value) { return [value](auto v) { return v == value; }; };
+  if (std::any_of(check.met.begin(), check.met.end(), is(0))) return nullptr;
+  const std::vector<std::int32_t>& of_pieces = tree->piece_node_;
+  if (std::any_of(of_pieces.begin(), of_pieces.end(), is(-1))) return nullptr;
+  return tree;
 }
 
 OrientedBox BoxNode::box(int lane) const {

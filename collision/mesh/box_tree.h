@@ -4,8 +4,12 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
+#include <memory_resource>
 #include <span>
 #include <vector>
+
+#include "collision/base/large_pages.h"
 
 namespace leeway::collision {
 
@@ -51,6 +55,14 @@ class BoxTree {
           std::span<const std::int32_t> slot_of, double extent,
           std::span<const std::int32_t> piece_of, int pieces);
 
+  /// The tree of nodes that a file kept, as nodes() gave them. Null where they are none over
+  /// `triangles` triangles and `pieces` pieces: each must be there once, nodes stand in preorder,
+  /// depth is limited and boxes are finite. That the boxes hold what is below them is not looked
+  /// at. O(n).
+  static std::unique_ptr<const BoxTree> fromNodes(std::pmr::vector<BoxNode> nodes,
+                                                  std::size_t triangles, int pieces);
+
+  std::span<const BoxNode> nodes() const { return nodes_; }
   /// False when coordinates are out of the range of single precision: there are no nodes then.
   bool usable() const { return !nodes_.empty(); }
   /// Node 0 has one box, that of the whole mesh.
@@ -66,11 +78,12 @@ class BoxTree {
  private:
   struct Input;
   struct Cluster;
-  std::int32_t build(Input& input, const Cluster& whole, int depth, bool in_piece);
-  std::int32_t childFor(Input& input, const Cluster& cluster, int depth, bool in_piece);
-  void setLane(std::int32_t node, int lane, const Cluster& cluster, const Input& input);
+  struct Builder;
+  struct Check;
+  BoxTree() = default;
+  static void setLane(BoxNode& node, int lane, const Cluster& cluster, const Input& input);
 
-  std::vector<BoxNode> nodes_;
+  std::pmr::vector<BoxNode> nodes_{largeArrays()};
   std::vector<std::int32_t> piece_node_;
   std::int32_t first_piece_ = 0;
 };

@@ -24,6 +24,9 @@ constexpr std::size_t kLeastDecomposed = 24;
 constexpr int kMostFailures = 32;
 // Work of a whole decomposition [units of about 0.2 us].
 constexpr double kMostWork = 5e6;
+// A large mesh's is given up once this share of the work is done and so little of the mesh that
+// all of it would take kHopeless times the work allowed. (The most promising seeds come first.)
+constexpr double kFirstLook = 1.0 / 32, kHopeless = 2;
 // A decomposition is given up once it has so many more pieces and loose triangles than pay for the
 // triangles done so far. (The most promising seeds come first.)
 constexpr double kHeadStart = 64;
@@ -138,7 +141,7 @@ class Decomposition {
     double units = count - closed, done = units, held = 0;
     for (const std::int32_t seed : order) {
       if (taken_[index(seed)] != 0) continue;
-      if (work_left_ < 0) return unused(PieceSummary::Use::kLaborious);
+      if (work_left_ < 0 || isHopeless(done / count)) return unused(PieceSummary::Use::kLaborious);
       ConvexPiece piece;
       grow(seed, piece);
       const auto size = static_cast<double>(patch_.size());
@@ -163,6 +166,14 @@ class Decomposition {
     ConvexPieces none;
     none.summary.use = why;
     return none;
+  }
+
+  // Of the share of the mesh that is done. A mesh that may spend kPieceWork is let spend it.
+  bool isHopeless(double share) const {
+    const double count = surface_.triangleCount();
+    if (kPieceWork * count <= kMostWork) return false;
+    const double spent = kMostWork - work_left_;
+    return spent > kFirstLook * kMostWork && spent > kHopeless * kMostWork * share;
   }
 
   // How far the highest corner of `other` stands above the plane of `t`.

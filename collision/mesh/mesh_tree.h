@@ -31,6 +31,39 @@ struct MeshNode {
   bool isLeaf() const { return right < 0; }
 };
 
+/// What finding a MeshTree takes time for; all else follows from it and the mesh. What a mesh file
+/// (mesh_file.h) keeps of the tree.
+struct MeshTreePlan {
+  struct Node {
+    double radius = 0;        ///< as MeshNode's
+    double excess = 0;        ///< as MeshNode's
+    std::int32_t split = -1;  ///< the first slot of the right child; -1: a leaf
+    std::int32_t core_count = 0;
+  };
+  std::vector<std::int32_t> order;  ///< the triangle in each slot
+  std::vector<Node> nodes;          ///< in preorder; node 0 has all slots
+  std::vector<std::int32_t> core;   ///< vertices of the nodes' cores, node by node
+};
+
+/// A plan that stands elsewhere, in a file for one.
+struct MeshTreePlanView {
+  std::span<const std::int32_t> order;
+  std::span<const MeshTreePlan::Node> nodes;
+  std::span<const std::int32_t> core;
+
+  MeshTreePlanView() = default;
+  MeshTreePlanView(const MeshTreePlan& plan)  // NOLINT(google-explicit-constructor)
+      : order(plan.order), nodes(plan.nodes), core(plan.core) {}
+};
+
+/// O(n log n). Arguments as TriangleMesh holds them.
+MeshTreePlan planTree(std::span<const Eigen::Vector3d> vertices,
+                      std::span<const std::array<std::int32_t, 3>> triangles);
+
+/// Whether a plan from a file is one of a mesh of so many vertices and triangles: a tree of limited
+/// depth over all slots, numbers that exist, finite sizes. O(n).
+bool isPlan(const MeshTreePlanView& plan, std::size_t vertices, std::size_t triangles);
+
 /// A binary hierarchy over the triangles of a mesh. A node is bounded by the hull of a few of the
 /// mesh's own vertices, its core, grown by a proven excess: one convex query bounds the distance of
 /// a whole nearly convex part, and queries that allow the excess need not descend further. Compare
@@ -44,10 +77,16 @@ class MeshTree {
 
   /// No path from the root to a leaf is longer; traversals size their stacks by it.
   static constexpr int kMaxDepth = 80;
+  /// Queries test a leaf's triangles one by one.
+  static constexpr std::int32_t kLeafTriangles = 2;
+  /// Most points of a core: a support function over so many costs about as much as the rest of a
+  /// GJK step.
+  static constexpr int kCoreVertices = 32;
 
-  /// O(n log n). Arguments as TriangleMesh holds them.
+  /// Arguments as TriangleMesh holds them; a plan that isPlan(); the hull of all vertices. O(n).
   MeshTree(std::span<const Eigen::Vector3d> vertices, std::span<const Triangle> triangles,
-           std::span<const std::int32_t> triangle_component);
+           std::span<const std::int32_t> triangle_component, const MeshTreePlanView& plan,
+           std::shared_ptr<const ConvexHull> hull);
 
   std::span<const MeshNode> nodes() const { return nodes_; }
   const MeshNode& node(int i) const { return nodes_[static_cast<std::size_t>(i)]; }
@@ -93,10 +132,19 @@ class MeshTree {
   /// Makes boxes() and takes over the pieces. Call once, before the first query. O(n log n).
   void makeBoxes(std::span<const Eigen::Vector3d> vertices, std::span<const Triangle> triangles,
                  std::span<const ConvexPiece> pieces);
+  /// For a mesh from a file: a piece each, then the boxes (null: they are none of this mesh), in
+  /// place of makeBoxes(). False where these are not usable.
+  void addPiece(std::shared_ptr<const ConvexHull> hull, double excess);
+  bool takeBoxes(std::unique_ptr<const BoxTree> boxes);
+  /// The hull of hullView().
+  const ConvexHull& hull() const { return *hull_; }
   /// Convex pieces (convex_pieces.h); none where they do not pay.
   int pieceCount() const { return static_cast<int>(pieces_.size()); }
   const ConvexView& pieceView(int piece) const {
     return pieces_[static_cast<std::size_t>(piece)].view;
+  }
+  const ConvexHull& pieceHull(int piece) const {
+    return *pieces_[static_cast<std::size_t>(piece)].hull;
   }
   double pieceExcess(int piece) const { return pieces_[static_cast<std::size_t>(piece)].excess; }
   struct Component {
@@ -112,10 +160,12 @@ class MeshTree {
   std::size_t bytes() const;
 
  private:
-  struct Input;
-  std::int32_t build(Input& input, std::int32_t begin, std::int32_t end, int depth);
-  void bound(Input& input, MeshNode& node);
-  void makeCore(Input& input, MeshNode& node);
+  void placeTriangles(std::span<const Eigen::Vector3d> vertices,
+                      std::span<const Triangle> triangles,
+                      std::span<const std::int32_t> triangle_component);
+  void makeNodes(const MeshTreePlanView& plan, std::span<const std::int32_t> triangle_component);
+  std::vector<double> fillCores(const MeshTreePlanView& plan,
+                                std::span<const Eigen::Vector3d> vertices);
 
   struct Piece {
     std::shared_ptr<const ConvexHull> hull;
@@ -123,10 +173,10 @@ class MeshTree {
     double excess;
   };
 
-  std::vector<MeshNode> nodes_;
+  std::pmr::vector<MeshNode> nodes_{largeArrays()};
   std::vector<Piece> pieces_;
-  std::vector<Eigen::Vector3d> core_;
-  std::vector<Eigen::Vector3d> corners_;
+  std::pmr::vector<Eigen::Vector3d> core_{largeArrays()};
+  std::pmr::vector<Eigen::Vector3d> corners_{largeArrays()};
   std::vector<std::int32_t> triangle_of_, slot_of_;
   std::vector<Component> components_;
   std::shared_ptr<const ConvexHull> hull_;

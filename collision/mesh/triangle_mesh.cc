@@ -5,12 +5,17 @@
 #include <bit>
 #include <cmath>
 #include <string>
+#include <utility>
 
+#include "collision/base/large_pages.h"
+#include "collision/base/parallel.h"
 #include "collision/base/tolerances.h"
 #include "collision/mesh/components.h"
 #include "collision/mesh/convex_pieces.h"
 #include "collision/mesh/hull_excess.h"
+#include "collision/mesh/mesh_file.h"
 #include "collision/mesh/mesh_tree.h"
+#include "collision/shapes/bounding_sphere.h"
 #include "collision/shapes/size_limits.h"
 #include "leeway/collision/shape.h"
 
@@ -39,7 +44,7 @@ void requireUsable(std::span<const Vector3d> vertices, std::span<const Triangle>
 // open addressing, at most half full. The result does not depend on the table's order.
 std::vector<std::int32_t> firstEqual(std::span<const Vector3d> given) {
   std::vector<std::int32_t> first(given.size());
-  std::vector<std::int32_t> table(std::bit_ceil(2 * given.size() + 1), -1);
+  std::pmr::vector<std::int32_t> table(std::bit_ceil(2 * given.size() + 1), -1, largeArrays());
   const std::size_t mask = table.size() - 1;
   for (std::size_t i = 0; i < given.size(); ++i) {
     std::uint64_t hash = 0;
@@ -81,11 +86,16 @@ void weld(std::span<const Vector3d> given, std::span<const Triangle> given_trian
 std::shared_ptr<const TriangleMesh> TriangleMesh::make(std::span<const Vector3d> vertices,
                                                        std::span<const Triangle> triangles,
                                                        bool decompose) {
+  return MeshFile::build(vertices, triangles, decompose).mesh;
+}
+
+BuiltMesh MeshFile::build(std::span<const Vector3d> vertices, std::span<const Triangle> triangles,
+                          bool decompose, const Meanwhile& meanwhile) {
   requireUsable(vertices, triangles);
   std::shared_ptr<TriangleMesh> mesh(new TriangleMesh);
   // Coordinates too small for the exact predicates become 0: 1e-70 m is far below the rounding of
   // any query.
-  std::vector<Vector3d> clean(vertices.begin(), vertices.end());
+  std::pmr::vector<Vector3d> clean(vertices.begin(), vertices.end(), largeArrays());
   for (Vector3d& v : clean) {
     for (int k = 0; k < 3; ++k) {
       if (std::abs(v[k]) < kSmallestExact) v[k] = 0;
@@ -95,17 +105,30 @@ std::shared_ptr<const TriangleMesh> TriangleMesh::make(std::span<const Vector3d>
   MeshComponents components = findComponents(mesh->vertices_, mesh->triangles_);
   mesh->triangle_component_ = std::move(components.component);
   mesh->component_closed_ = std::move(components.closed);
-  auto tree =
-      std::make_unique<MeshTree>(mesh->vertices_, mesh->triangles_, mesh->triangle_component_);
+  const bool is_large = mesh->triangles_.size() >= kWorthAThread;
+  MeshTreePlan plan;
+  std::shared_ptr<const ConvexHull> hull;
+  inParallel(
+      is_large, [&] { plan = planTree(mesh->vertices_, mesh->triangles_); },
+      [&] { hull = hullOfPart(mesh->vertices_); });
+  auto tree = std::make_unique<MeshTree>(mesh->vertices_, mesh->triangles_,
+                                         mesh->triangle_component_, plan, std::move(hull));
   MeshTree& made = *tree;
   mesh->tree_ = std::move(tree);
-  mesh->hull_excess_ = collision::hullExcess(mesh->vertices_, made);
-  ConvexPieces pieces;
-  pieces.summary.use = PieceSummary::Use::kNotAsked;
-  if (decompose) pieces = convexPieces(*mesh);
-  mesh->pieces_ = pieces.summary;
-  made.makeBoxes(mesh->vertices_, mesh->triangles_, pieces.pieces);
-  return mesh;
+  inParallel(
+      is_large,
+      [&] {
+        ConvexPieces pieces;
+        pieces.summary.use = PieceSummary::Use::kNotAsked;
+        if (decompose) pieces = convexPieces(*mesh);
+        mesh->pieces_ = pieces.summary;
+        made.makeBoxes(mesh->vertices_, mesh->triangles_, pieces.pieces);
+      },
+      [&] {
+        mesh->hull_excess_ = hullExcess(mesh->vertices_, made);
+        if (meanwhile) meanwhile(mesh);
+      });
+  return {std::move(mesh), std::move(plan)};
 }
 
 TriangleMesh::~TriangleMesh() = default;
@@ -119,6 +142,20 @@ std::size_t TriangleMesh::bytes() const {
          triangles_.capacity() * sizeof(Triangle) +
          triangle_component_.capacity() * sizeof(std::int32_t) + component_closed_.capacity() +
          tree_->bytes();
+}
+
+// Here because shapes/ does not know meshes.
+Shape Shape::mesh(std::shared_ptr<const TriangleMesh> mesh) {
+  if (!mesh || mesh->vertices().empty()) {
+    throw InvalidShape("mesh: it has no triangles; at least one is needed");
+  }
+  const BoundingSphere sphere = sphereAround(mesh->vertices());
+  Shape shape;
+  shape.type_ = ShapeType::kMesh;
+  shape.bounding_center_ = sphere.center;
+  shape.setReach(sphere.radius, sphere.extent);
+  shape.mesh_ = std::move(mesh);
+  return shape;
 }
 
 }  // namespace leeway::collision

@@ -28,10 +28,14 @@ inline BoundingSphere sphereAround(std::span<const Eigen::Vector3d> points) {
     highest = highest.cwiseMax(p);
   }
   BoundingSphere sphere{0.5 * lowest + 0.5 * highest, 0, 0};
+  // std::hypot takes as long as all else: asked only where the square may be the largest.
+  const auto enlarge = [](double& largest, const Eigen::Vector3d& v) {
+    if (v.squaredNorm() * (1 + 0x1p-48) >= largest * largest)
+      largest = std::max(largest, std::hypot(v.x(), v.y(), v.z()));
+  };
   for (const Eigen::Vector3d& p : points) {
-    const Eigen::Vector3d d = p - sphere.center;
-    sphere.radius = std::max(sphere.radius, std::hypot(d.x(), d.y(), d.z()));
-    sphere.extent = std::max(sphere.extent, std::hypot(p.x(), p.y(), p.z()));
+    enlarge(sphere.radius, p - sphere.center);
+    enlarge(sphere.extent, p);
   }
   // The differences' rounding is proportional to the coordinates, not to the radius.
   sphere.radius = sphere.radius * kOutwards + sphere.extent * 0x1p-51;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <span>
+#include <utility>
 
 #include "collision/base/tolerances.h"
 #include "collision/shapes/hull_climb.h"
@@ -19,18 +20,60 @@ constexpr int kFewestSides = 8, kMostSides = 32;
 // A hull is a needle where no vertex is farther from its axis than this share of its half length.
 constexpr double kNeedle = 0.25;
 
+std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
+
 }  // namespace
 
-HullSupport::HullSupport(const ConvexHull& hull) : points_(hull.vertices().data()) {
+bool HullSupport::hasTable(const ConvexHull& hull) {
+  const auto count = static_cast<std::int32_t>(hull.vertices().size());
+  // (Large flat hulls have neither columns nor neighbour lists: they get a scalar scan.)
+  return count > kScanUpTo && hull.hasNeighbours() && count < HullCell::kMany;
+}
+
+std::int32_t HullSupport::sidesFor(std::size_t vertices) {
+  return std::clamp(static_cast<int>(std::sqrt(static_cast<double>(vertices) / 2)), kFewestSides,
+                    kMostSides);
+}
+
+HullSupport::HullSupport(const ConvexHull& hull) {
+  fill(hull);
+  if (hasTable(hull)) fillCells(hull);
+}
+
+HullSupport::HullSupport(const ConvexHull& hull, HullTable table)
+    : cells_(std::move(table.cells)), more_(std::move(table.more)) {
+  fill(hull);
+}
+
+bool HullSupport::isTable(const HullTable& table, const ConvexHull& hull) {
+  if (!hasTable(hull)) return table.cells.empty() && table.more.empty();
+  const std::size_t count = hull.vertices().size(), sides = index(sidesFor(count));
+  if (table.cells.size() != 6 * sides * sides) return false;
+  const auto namesVertices = [&](const HullCell& cell) {
+    return std::all_of(std::begin(cell.vertex), std::end(cell.vertex),
+                       [&](std::uint16_t v) { return v < count; });
+  };
+  const auto isCell = [&](const HullCell& cell) {
+    if (cell.vertex[0] != HullCell::kMany) return namesVertices(cell);
+    const std::size_t first = cell.vertex[2] + (std::size_t{cell.vertex[3]} << 16U),
+                      listed = cell.vertex[1];
+    return cell.vertex[4] < count && listed % 8 == 0 && listed <= kMostOfCell &&
+           first <= table.more.size() && listed / 8 <= table.more.size() - first;
+  };
+  return std::all_of(table.cells.begin(), table.cells.end(), isCell) &&
+         std::all_of(table.more.begin(), table.more.end(), namesVertices);
+}
+
+void HullSupport::fill(const ConvexHull& hull) {
+  points_ = hull.vertices().data();
   const auto count = static_cast<std::int32_t>(hull.vertices().size());
   corners_.reserve(hull.vertices().size());
   for (const Vector& p : hull.vertices()) corners_.push_back({p.x(), p.y(), p.z(), 0});
-  // (Large flat hulls have neither columns nor neighbour lists: they get a scalar scan.)
   if (count <= kScanUpTo) {
     fillColumns(count);
     fillAxis(hull);
-  } else if (hull.hasNeighbours() && count < HullCell::kMany) {
-    fillCells(hull);
+  } else if (hasTable(hull)) {
+    sides_ = sidesFor(hull.vertices().size());
     fillEllipsoid(hull);
   }
 }
@@ -57,8 +100,6 @@ void HullSupport::fillCells(const ConvexHull& hull) {
   double extent = 0;
   for (const Vector& p : vertices) extent = std::max(extent, p.norm());
   const double margin = 2 * kRelativeRounding * extent;
-  sides_ = std::clamp(static_cast<int>(std::sqrt(static_cast<double>(vertices.size()) / 2)),
-                      kFewestSides, kMostSides);
   cells_.reserve(std::size_t{6} * static_cast<std::size_t>(sides_) *
                  static_cast<std::size_t>(sides_));
   std::vector<std::int32_t> seen(vertices.size(), -1);

@@ -21,6 +21,11 @@ struct alignas(16) HullCell {
   std::uint16_t vertex[8];
 };
 
+/// The cells of a table of directions, and the vertices that its kMany cells name.
+struct HullTable {
+  std::vector<HullCell> cells, more;
+};
+
 /// A vertex, padded with a 0 to half a cache line: one load reads it.
 struct alignas(32) HullCorner {
   double x, y, z, zero;
@@ -33,6 +38,10 @@ class HullSupport {
   /// move. O(vertices): some hundred nanoseconds for each of the table's cells, of which there are
   /// about three a vertex.
   explicit HullSupport(const ConvexHull& hull);
+  /// The same with a table from a file, one that isTable(). O(vertices).
+  HullSupport(const ConvexHull& hull, HullTable table);
+  /// Whether a table from a file has the size that this hull's has, and names its vertices only.
+  static bool isTable(const HullTable& table, const ConvexHull& hull);
   HullSupport(const HullSupport&) = delete;  // it points into itself
   HullSupport& operator=(const HullSupport&) = delete;
 
@@ -79,13 +88,17 @@ class HullSupport {
   struct alignas(64) Eight {
     double value[8];
   };
+  friend struct HullFile;
+  static bool hasTable(const ConvexHull& hull);
+  static std::int32_t sidesFor(std::size_t vertices);
+  void fill(const ConvexHull& hull);
   void fillColumns(std::int32_t count);
   void fillCells(const ConvexHull& hull);
   void store(std::vector<std::uint16_t>& candidates);
   void fillEllipsoid(const ConvexHull& hull);
   void fillAxis(const ConvexHull& hull);
 
-  const Vector* points_;
+  const Vector* points_ = nullptr;
   std::vector<HullCorner> corners_;
   std::vector<Eight> columns_;
   const double* x_ = nullptr;

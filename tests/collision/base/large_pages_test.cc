@@ -76,5 +76,16 @@ TEST(LargePages, ThreadsShareThem) {
   EXPECT_EQ(bad[1], 0);
 }
 
+TEST(LargeBuffer, IsMovedAndHeldOnce) {
+  LargeBuffer small(3), large(std::size_t{9} << 20);
+  large.data()[large.size() - 1] = std::byte{5};
+  small = std::move(large);
+  ASSERT_EQ(small.size(), std::size_t{9} << 20);
+  EXPECT_EQ(small.data()[small.size() - 1], std::byte{5});
+  const LargeBuffer last(std::move(small));
+  EXPECT_EQ(last.data()[last.size() - 1], std::byte{5});
+  EXPECT_EQ(reinterpret_cast<std::uintptr_t>(last.data()) % 16, 0U);
+}
+
 }  // namespace
 }  // namespace leeway::collision

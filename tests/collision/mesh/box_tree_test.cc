@@ -163,7 +163,8 @@ TEST(BoxTree, AxesHaveLengthOneHoweverThinAMeshIs) {
       vertices.emplace_back(along, along, 1e-70 * (1 + beside * (i * 5 % 11)));
       if (i >= 2) triangles.push_back({i - 2, i - 1, i});
     }
-    MeshTree tree(vertices, triangles, std::vector<std::int32_t>(triangles.size(), 0));
+    MeshTree tree(vertices, triangles, std::vector<std::int32_t>(triangles.size(), 0),
+                  planTree(vertices, triangles), hullOfPart(vertices));
     tree.makeBoxes(vertices, triangles, {});
     const std::function<void(int)> check = [&](int id) {
       const BoxNode& node = tree.boxes().node(id);

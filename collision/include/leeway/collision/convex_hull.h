@@ -41,6 +41,7 @@ class ConvexHull {
 
  private:
   ConvexHull();
+  friend struct HullFile;  // private to the library
   friend std::shared_ptr<const ConvexHull> hullOfPart(std::span<const Eigen::Vector3d> points);
   void makeNeighbours(const std::vector<std::array<std::int32_t, 2>>& edges, std::size_t count);
 

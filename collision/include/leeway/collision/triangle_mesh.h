@@ -73,6 +73,7 @@ class TriangleMesh {
 
  private:
   friend std::shared_ptr<const BallCover> coverOf(const Shape&);
+  friend struct MeshFile;  // private to the library
   TriangleMesh() = default;
   std::vector<Eigen::Vector3d> vertices_;
   std::vector<Triangle> triangles_;
