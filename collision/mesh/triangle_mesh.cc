@@ -16,6 +16,7 @@
 #include "collision/mesh/mesh_file.h"
 #include "collision/mesh/mesh_tree.h"
 #include "collision/shapes/bounding_sphere.h"
+#include "collision/shapes/hull_of_part.h"
 #include "collision/shapes/size_limits.h"
 #include "leeway/collision/shape.h"
 

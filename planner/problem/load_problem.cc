@@ -57,7 +57,8 @@ std::shared_ptr<const Model> loadRobot(const YamlReader& robot, const ProblemOpt
   return robots::loadModel(urdf, srdf ? existing(*srdf) : std::string(), load);
 }
 
-std::shared_ptr<const Model> loadBody(const YamlReader& body, std::vector<std::string>& warnings) {
+std::shared_ptr<const Model> loadBody(const YamlReader& body, std::vector<std::string>& warnings,
+                                      const std::string& cache) {
   body.expectKeys(keysOf("body"));
   const YamlReader joint = body.at("joint", "planar or floating");
   const bool planar = joint.text() == "planar";
@@ -80,7 +81,7 @@ std::shared_ptr<const Model> loadBody(const YamlReader& body, std::vector<std::s
   const auto name = body.find("name");
   const std::string body_name = name ? name->text() : "body";
   body.at("shapes", "a list of shapes");
-  return robots::freeBody(body_name, readGeometries(body, body_name, warnings),
+  return robots::freeBody(body_name, readGeometries(body, body_name, warnings, cache),
                           planar ? robots::JointType::kPlanar : robots::JointType::kFloating, lower,
                           upper);
 }
@@ -128,14 +129,15 @@ int readLink(const YamlReader& reader, const Model& model) {
   return link;
 }
 
-void readObject(const YamlReader& map, std::unordered_set<std::string>& taken, Problem& problem) {
+void readObject(const YamlReader& map, std::unordered_set<std::string>& taken,
+                const std::string& cache, Problem& problem) {
   map.expectKeys(keysOf("object"));
   const YamlReader name = map.at("name", "a name of its own");
   if (!taken.insert(name.text()).second || problem.robot.model->findLink(name.text()) >= 0)
     name.fail(
         fmt::format("{} '{}' is the name of another object or link; a name of its own is expected",
                     name.where(), name.text()));
-  Object object{name.text(), readGeometries(map, name.text(), problem.warnings),
+  Object object{name.text(), readGeometries(map, name.text(), problem.warnings, cache),
                 readPose(map, problem.warnings)};
   const auto attach = map.find("attach");
   if (!attach) {
@@ -178,10 +180,10 @@ std::pair<std::string, std::string> readNamePair(const YamlReader& pair, const K
   return {items[0].text(), items[1].text()};
 }
 
-void readObjects(const YamlReader& objects, Problem& problem) {
+void readObjects(const YamlReader& objects, const std::string& cache, Problem& problem) {
   std::unordered_set<std::string> taken;
   for (std::string& name : objectNames(problem)) taken.insert(std::move(name));
-  for (const YamlReader& object : objects.items()) readObject(object, taken, problem);
+  for (const YamlReader& object : objects.items()) readObject(object, taken, cache, problem);
 }
 
 /// Warns of a negative margin: some are meant, for models fatter than the robot, more are mistyped,
@@ -284,7 +286,8 @@ Problem fromOwnKeys(const YamlReader& file, const ProblemOptions& options) {
   if (robot.has_value() == body.has_value())
     file.fail(fmt::format("the file has {}; one of them is expected",
                           robot ? "both 'robot' and 'body'" : "neither 'robot' nor 'body'"));
-  problem.robot.model = robot ? loadRobot(*robot, options) : loadBody(*body, problem.warnings);
+  problem.robot.model =
+      robot ? loadRobot(*robot, options) : loadBody(*body, problem.warnings, options.load.cache);
   const auto group = robot ? robot->find("group") : std::nullopt;
   takeGroup(file.file(),
             group   ? group->line()
@@ -317,7 +320,7 @@ Problem loadProblem(const std::string& yaml_path, const ProblemOptions& options)
   Problem problem = moveit ? fromMoveit(file, *moveit, options) : fromOwnKeys(file, options);
   const auto name = file.find("name");
   problem.name = name ? name->text() : std::filesystem::path(yaml_path).stem().string();
-  if (const auto objects = file.find("objects")) readObjects(*objects, problem);
+  if (const auto objects = file.find("objects")) readObjects(*objects, options.load.cache, problem);
   if (const auto execution = file.find("execution")) readExecution(*execution, problem);
   if (const auto deforming = file.find("deforming"))
     for (const YamlReader& entry : deforming->items()) readDeforming(entry, problem);

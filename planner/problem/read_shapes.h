@@ -25,14 +25,16 @@ Eigen::Vector4d readOrientation(const YamlReader& map, std::vector<std::string>&
 /// `position`, and `orientation` or `rpy`, of a map. Absent ones are the identity's.
 collision::Pose readPose(const YamlReader& map, std::vector<std::string>& warnings);
 
-/// The one shape of a map, with its pose. `name` is the geometry's unless the map has one.
+/// The one shape of a map, with its pose. `name` is the geometry's unless the map has one. `cache`:
+/// as in robots::LoadOptions.
 collision::Geometry readGeometry(const YamlReader& map, const std::string& name,
-                                 std::vector<std::string>& warnings);
+                                 std::vector<std::string>& warnings, const std::string& cache);
 
 /// `shapes:`, a list of at least one shape, or the single shape in the map itself, in the map's own
 /// frame. `owner` names geometries without a name.
 std::vector<collision::Geometry> readGeometries(const YamlReader& map, const std::string& owner,
-                                                std::vector<std::string>& warnings);
+                                                std::vector<std::string>& warnings,
+                                                const std::string& cache);
 
 /// A path named in a YAML file: absolute, or relative to that file's folder.
 std::string resolvedPath(const YamlReader& reader);

@@ -1,17 +1,29 @@
 // Meshes through Assimp. Its importers round vertices to single precision; the rest is in double.
 
+#include "robots/urdf/mesh_import.h"
+
+#include <assimp/DefaultIOSystem.h>
+#include <assimp/MemoryIOWrapper.h>
 #include <assimp/config.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 
 #include <assimp/Importer.hpp>
+#include <cctype>
 #include <filesystem>
+#include <fstream>
+#include <optional>
+#include <span>
+#include <string_view>
 #include <utility>
 #include <vector>
 
+#include "collision/cover/mesh_bytes.h"
 #include "leeway/collision/triangle_mesh.h"
 #include "leeway/robots/input_error.h"
 #include "leeway/robots/model.h"
+#include "robots/cache/content_key.h"
+#include "robots/cache/disk_cache.h"
 
 namespace leeway::robots {
 
@@ -19,9 +31,12 @@ namespace {
 
 using collision::TriangleMesh;
 
+// Smaller files are imported about as fast as a file from the cache is read [B].
+constexpr std::size_t kLeastKept = 4096;
+
 struct Soup {
-  std::vector<Eigen::Vector3d> vertices;
-  std::vector<TriangleMesh::Triangle> triangles;
+  std::pmr::vector<Eigen::Vector3d> vertices{collision::largeArrays()};
+  std::pmr::vector<TriangleMesh::Triangle> triangles{collision::largeArrays()};
 };
 
 Eigen::Matrix4d toEigen(const aiMatrix4x4& m) {
@@ -37,6 +52,10 @@ Eigen::Matrix4d toEigen(const aiMatrix4x4& m) {
 void append(const aiMesh& mesh, const Eigen::Matrix4d& transform, const Eigen::Vector3d& scale,
             Soup& soup) {
   const auto first = static_cast<std::int32_t>(soup.vertices.size());
+  if (first == 0) {
+    soup.vertices.reserve(mesh.mNumVertices);
+    soup.triangles.reserve(mesh.mNumFaces);
+  }
   for (unsigned i = 0; i < mesh.mNumVertices; ++i) {
     const aiVector3D& v = mesh.mVertices[i];
     const Eigen::Vector4d p =
@@ -63,19 +82,69 @@ void append(const aiScene& scene, const aiNode& node, const Eigen::Matrix4d& par
     append(scene, *node.mChildren[i], transform, scale, soup);
 }
 
-}  // namespace
+/// What is after the last dot, in lower case: importers are chosen by it.
+std::string endingOf(const std::string& path) {
+  std::string ending = std::filesystem::path(path).extension().string();
+  for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return ending;
+}
 
-collision::Shape loadMesh(const std::string& path, const Eigen::Vector3d& scale,
-                          const std::string& referrer, int line) {
-  const auto fail = [&](const std::string& message) {
-    throw InputError(referrer, line, "mesh " + path + ' ' + message);
-  };
+std::optional<collision::LargeBuffer> contentsOf(const std::string& path) {
+  std::ifstream stream(path, std::ios::binary);
   std::error_code error;
-  if (!std::filesystem::is_regular_file(path, error))
-    fail("is not there; the path of a mesh file (STL, OBJ, DAE) would be accepted");
-  if (!scale.allFinite() || (scale.array() == 0).any())
-    fail("has a scale that is zero or not finite; three other numbers would be accepted");
+  const std::uintmax_t size = std::filesystem::file_size(path, error);
+  if (error) return std::nullopt;
+  collision::LargeBuffer bytes(static_cast<std::size_t>(size));
+  if (!stream.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size)))
+    return std::nullopt;
+  return bytes;
+}
+
+/// Gives importers a file from memory, and other files from the disk: but for materials, which say
+/// nothing of shapes. Tells whether others were read: then the file's bytes are not all that the
+/// mesh depends on.
+class Files final : public Assimp::IOSystem {
+ public:
+  Files(std::string path, std::span<const std::byte> bytes, bool& reads_others)
+      : path_(std::move(path)), bytes_(bytes), reads_others_(reads_others) {}
+
+  bool Exists(const char* file) const override {
+    return file == path_ || (endingOf(file) != ".mtl" && disk_.Exists(file));
+  }
+  char getOsSeparator() const override { return disk_.getOsSeparator(); }
+  Assimp::IOStream* Open(const char* file, const char* mode) override {
+    if (file == path_)
+      return new Assimp::MemoryIOStream(reinterpret_cast<const std::uint8_t*>(bytes_.data()),
+                                        bytes_.size());
+    if (endingOf(file) == ".mtl") return nullptr;
+    reads_others_ = true;
+    return disk_.Open(file, mode);
+  }
+  void Close(Assimp::IOStream* stream) override { delete stream; }
+
+ private:
+  std::string path_;
+  std::span<const std::byte> bytes_;
+  bool& reads_others_;
+  Assimp::DefaultIOSystem disk_;
+};
+
+/// The key of a mesh that depends on no file but this one.
+std::string keyOf(const std::string& path, const Eigen::Vector3d& scale,
+                  std::span<const std::byte> bytes) {
+  ContentKey key("mesh");
+  key.add(std::string_view(endingOf(path)));
+  for (const double factor : scale) key.add(factor);
+  key.add(bytes);
+  return key.finish();
+}
+
+/// Reads a file's bytes through Assimp. `fail` takes a message and throws.
+template <class Fail>
+Soup readSoup(const std::string& path, const Eigen::Vector3d& scale,
+              std::span<const std::byte> bytes, bool& reads_others, const Fail& fail) {
   Assimp::Importer importer;
+  importer.SetIOHandler(new Files(path, bytes, reads_others));  // the importer's from here on
   // As RViz and MoveIt do: ignore the file's up axis, apply its unit of length.
   importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
   const aiScene* scene = importer.ReadFile(path, aiProcess_Triangulate);
@@ -89,12 +158,51 @@ collision::Shape loadMesh(const std::string& path, const Eigen::Vector3d& scale,
   for (const Eigen::Vector3d& v : soup.vertices)
     if (!v.allFinite())
       fail("has a vertex that is not finite; finite coordinates would be accepted");
+  return soup;
+}
+
+}  // namespace
+
+ImportedMesh importMesh(const std::string& path, const Eigen::Vector3d& scale,
+                        const std::string& referrer, int line, const DiskCache& cache) {
+  const auto fail = [&](const std::string& message) {
+    throw InputError(referrer, line, "mesh " + path + ' ' + message);
+  };
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error))
+    fail("is not there; the path of a mesh file (STL, OBJ, DAE) would be accepted");
+  if (!scale.allFinite() || (scale.array() == 0).any())
+    fail("has a scale that is zero or not finite; three other numbers would be accepted");
+  const std::optional<collision::LargeBuffer> contents = contentsOf(path);
+  if (!contents) fail("cannot be read; an intact STL, OBJ or DAE file would be accepted");
+  const std::span<const std::byte> bytes(contents->data(), contents->size());
+  std::string key;
+  const bool is_kept = bytes.size() >= kLeastKept;
+  if (cache.isOn()) {
+    key = keyOf(path, scale, bytes);
+    if (const auto kept = is_kept ? cache.read(key) : std::nullopt)
+      if (auto mesh = collision::meshFromBytes({kept->data(), kept->size()}))
+        return {collision::Shape::mesh(std::move(mesh)), std::move(key)};
+  }
+  bool reads_others = false;
+  const Soup soup = readSoup(path, scale, bytes, reads_others, fail);
+  if (reads_others) key.clear();
   try {
-    return collision::Shape::mesh(TriangleMesh::make(soup.vertices, soup.triangles));
+    if (key.empty() || !is_kept)
+      return {collision::Shape::mesh(TriangleMesh::make(soup.vertices, soup.triangles)),
+              std::move(key)};
+    collision::MeshAndBytes made = collision::makeMeshAndBytes(soup.vertices, soup.triangles);
+    cache.write(key, made.bytes);
+    return {collision::Shape::mesh(std::move(made.mesh)), std::move(key)};
   } catch (const collision::InvalidShape& invalid) {
     fail("cannot be used: " + std::string(invalid.what()));
   }
   throw InputError(referrer, line, path);  // not reached: fail() throws
+}
+
+collision::Shape loadMesh(const std::string& path, const Eigen::Vector3d& scale,
+                          const std::string& referrer, int line, const std::string& cache) {
+  return importMesh(path, scale, referrer, line, DiskCache(cache)).shape;
 }
 
 }  // namespace leeway::robots

@@ -16,8 +16,12 @@
 
 #include "leeway/collision/shape.h"
 #include "leeway/robots/input_error.h"
+#include "robots/cache/content_key.h"
+#include "robots/cache/disk_cache.h"
 #include "robots/model/model_builder.h"
+#include "robots/motion/gap_file.h"
 #include "robots/motion/link_gaps.h"
+#include "robots/urdf/mesh_import.h"
 #include "robots/urdf/mesh_path.h"
 #include "robots/urdf/srdf.h"
 #include "robots/urdf/urdf_document.h"
@@ -34,7 +38,7 @@ std::size_t index(int i) { return static_cast<std::size_t>(i); }
 class Meshes {
  public:
   Meshes(const std::string& urdf_path, const LoadOptions& options)
-      : urdf_path_(urdf_path), options_(options) {}
+      : urdf_path_(urdf_path), options_(options), cache_(options.cache) {}
 
   /// Loads all meshes of the links in parallel. Each is independent of the others, so the number of
   /// threads changes nothing. load() reports failures, in the order of the links.
@@ -64,13 +68,18 @@ class Meshes {
   Shape load(const UrdfCollision& collision) {
     const Loaded& loaded = loaded_.at(keyOf(collision));
     if (loaded.error) std::rethrow_exception(loaded.error);
-    return *loaded.shape;
+    keys_.push_back(loaded.mesh->key);
+    return loaded.mesh->shape;
   }
+
+  const DiskCache& cache() const { return cache_; }
+  /// ImportedMesh::key of each call of load().
+  const std::vector<std::string>& keys() const { return keys_; }
 
  private:
   using Key = std::tuple<std::string, double, double, double>;
   struct Loaded {
-    std::optional<Shape> shape;
+    std::optional<ImportedMesh> mesh;
     std::exception_ptr error;
   };
   struct Task {
@@ -105,8 +114,8 @@ class Meshes {
 
   void run(const Task& task) const {
     try {
-      task.result->shape = loadMesh(std::get<0>(task.key), task.collision->mesh_scale, urdf_path_,
-                                    task.collision->line);
+      task.result->mesh = importMesh(std::get<0>(task.key), task.collision->mesh_scale, urdf_path_,
+                                     task.collision->line, cache_);
     } catch (...) {
       task.result->error = std::current_exception();
     }
@@ -114,6 +123,8 @@ class Meshes {
 
   std::string urdf_path_;
   const LoadOptions& options_;
+  const DiskCache cache_;
+  std::vector<std::string> keys_;
   std::map<Key, Loaded> loaded_;
   std::vector<Task> tasks_;
 };
@@ -237,6 +248,69 @@ void limitMaster(const UrdfJoint& source, RobotDescription& model) {
   velocity = velocity > 0 ? std::min(velocity, limit) : limit;
 }
 
+void addPose(const Pose& pose, ContentKey& key) {
+  for (const double number : pose.rotation.reshaped()) key.add(number);
+  for (const double number : pose.translation) key.add(number);
+}
+
+/// The key of all that provenGaps() reads of a model, with the keys of its meshes in the order of
+/// the links. Empty where one of these is.
+std::string keyOfGaps(const Model& model, const std::vector<std::string>& meshes) {
+  ContentKey key("gaps");
+  for (const Joint& joint : model.joints) {
+    key.add(std::string_view("joint"));
+    addPose(joint.X_PJ, key);
+    for (const double number : joint.axis) key.add(number);
+    for (const double number :
+         {static_cast<double>(joint.type), static_cast<double>(joint.parent_link),
+          static_cast<double>(joint.child_link), static_cast<double>(joint.first_variable),
+          static_cast<double>(joint.variable_count), static_cast<double>(joint.mimic),
+          joint.multiplier, joint.offset})
+      key.add(number);
+  }
+  for (const Variable& variable : model.variables) {
+    key.add(std::string_view("variable"));
+    for (const double number :
+         {static_cast<double>(variable.joint), variable.lower, variable.upper})
+      key.add(number);
+  }
+  auto mesh = meshes.begin();
+  for (const Link& link : model.links) {
+    key.add(std::string_view("link"));
+    for (const Geometry& geometry : link.geometries) {
+      const Shape& shape = geometry.shape;
+      key.add(std::string_view("geometry"));
+      addPose(geometry.X_BG, key);
+      key.add(static_cast<double>(shape.type()));
+      if (shape.type() == collision::ShapeType::kMesh) {
+        if (mesh == meshes.end() || mesh->empty()) return {};
+        key.add(std::string_view(*mesh++));
+        continue;
+      }
+      for (const double number : {shape.radius(), shape.halfLength()}) key.add(number);
+      for (const double number : shape.halfExtents()) key.add(number);
+    }
+  }
+  for (const DisabledPair& pair : model.disabled_pairs) {
+    key.add(std::string_view("disabled"));
+    key.add(static_cast<double>(pair.link_a));
+    key.add(static_cast<double>(pair.link_b));
+  }
+  return key.finish();
+}
+
+/// provenGaps(), kept on disk.
+std::vector<LinkGap> gapsOf(const Model& model, const Meshes& meshes) {
+  // (Without meshes nothing is proven.)
+  if (!meshes.cache().isOn() || meshes.keys().empty()) return provenGaps(model);
+  const std::string key = keyOfGaps(model, meshes.keys());
+  if (const auto kept = meshes.cache().read(key))
+    if (auto gaps = gapsFromBytes({kept->data(), kept->size()}, model)) return std::move(*gaps);
+  std::vector<LinkGap> gaps = provenGaps(model);
+  meshes.cache().write(key, bytesOf(gaps));
+  return gaps;
+}
+
 }  // namespace
 
 std::shared_ptr<const Model> loadModel(const std::string& urdf_path, const std::string& srdf_path,
@@ -283,7 +357,7 @@ std::shared_ptr<const Model> loadModel(const std::string& urdf_path, const std::
     if (joint.has_mimic) limitMaster(joint, robot);
   if (!srdf_path.empty()) readSrdf(srdf_path, robot);
   auto model = std::make_shared<Model>(std::move(robot));
-  model->link_gaps = provenGaps(*model);
+  model->link_gaps = gapsOf(*model, meshes);
   return model;
 }
 

@@ -7,7 +7,7 @@ if(LEEWAY_BUILD_PLANNER)
   list(APPEND layers robots planner)
 endif()
 set(requires_collision "eigen3 libhwy")
-set(requires_robots "leeway-collision = ${PROJECT_VERSION} urdfdom assimp tinyxml2")
+set(requires_robots "leeway-collision = ${PROJECT_VERSION} urdfdom assimp tinyxml2 libcrypto")
 set(requires_planner "leeway-robots = ${PROJECT_VERSION} yaml-cpp fmt")
 # Not ompl.pc: Debian's sets -std=c++14 and links Boost development files that are not installed with it.
 if(TARGET leeway::ompl)

@@ -1,7 +1,11 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstring>
+#include <filesystem>
+#include <limits>
 
+#include "leeway/collision/distance.h"
 #include "leeway/collision/triangle_mesh.h"
 #include "leeway/robots/model.h"
 #include "tests/support/folder.h"
@@ -150,6 +154,149 @@ TEST(MeshImport, Messages) {
   expect(folder.write("what.xyz", "1 2 3"), {"what.xyz", "cannot be read", "STL, OBJ or DAE"});
   const std::string good = folder.write("t.stl", tetrahedronStl());
   expectInputError([&] { loadMesh(good, {1, 0, 1}, "r.urdf", 7); }, "r.urdf", 7, {"scale", "zero"});
+}
+
+/// A bumpy ball of some hundred triangles.
+std::string ballStl(double radius) {
+  constexpr int kRings = 12, kSectors = 20;
+  std::vector<Eigen::Vector3f> corners;
+  const auto at = [&](int i, int j) {
+    const double a = 3.14159265358979 * i / kRings,
+                 b = 2 * 3.14159265358979 * (j % kSectors) / kSectors;
+    const double r =
+        radius * (1 + 0.1 * ((i * 7 + j % kSectors * 3) % 5)) * (i % kRings == 0 ? 0.0 : 1.0);
+    return Eigen::Vector3f(Eigen::Vector3d(r * std::sin(a) * std::cos(b),
+                                           r * std::sin(a) * std::sin(b), radius * std::cos(a))
+                               .cast<float>());
+  };
+  for (int i = 0; i < kRings; ++i)
+    for (int j = 0; j < kSectors; ++j) {
+      for (const auto& [di, dj] : {std::pair(0, 0), {1, 0}, {1, 1}, {0, 0}, {1, 1}, {0, 1}})
+        corners.push_back(at(i + di, j + dj));
+    }
+  std::string text(80, ' ');
+  const auto append = [&](const void* data, std::size_t bytes) {
+    text.append(static_cast<const char*>(data), bytes);
+  };
+  const auto count = static_cast<std::uint32_t>(corners.size() / 3);
+  append(&count, 4);
+  for (std::size_t t = 0; t < corners.size(); t += 3) {
+    const float normal[3] = {0, 0, 0};
+    append(normal, 12);
+    for (std::size_t k = 0; k < 3; ++k) append(corners[t + k].data(), 12);
+    append("\0\0", 2);
+  }
+  return text;
+}
+
+std::vector<std::filesystem::path> filesIn(const std::string& folder) {
+  std::vector<std::filesystem::path> files;
+  if (std::filesystem::exists(folder))
+    for (const auto& entry : std::filesystem::directory_iterator(folder))
+      files.push_back(entry.path());
+  return files;
+}
+
+void expectSame(const collision::Shape& a, const collision::Shape& b) {
+  const collision::TriangleMesh &s = *a.mesh(), &t = *b.mesh();
+  ASSERT_TRUE(std::equal(s.vertices().begin(), s.vertices().end(), t.vertices().begin(),
+                         t.vertices().end()));
+  ASSERT_TRUE(std::equal(s.triangles().begin(), s.triangles().end(), t.triangles().begin(),
+                         t.triangles().end()));
+  EXPECT_EQ(s.hullExcess(), t.hullExcess());
+  for (int i = 0; i < 20; ++i) {
+    collision::Pose X;
+    X.translation = Eigen::Vector3d(0.1 * i, 0.7 - 0.05 * i, 0.03 * i);
+    const auto of = [&](const collision::Shape& shape) {
+      return collision::distance(shape, {}, collision::Shape::box({0.1, 0.2, 0.3}), X);
+    };
+    const collision::DistanceResult p = of(a), q = of(b);
+    EXPECT_EQ(p.distance.lower, q.distance.lower);
+    EXPECT_EQ(p.distance.upper, q.distance.upper);
+    EXPECT_EQ(p.point_a, q.point_a);
+  }
+}
+
+TEST(MeshImport, KeepsMeshesOnDisk) {
+  const Folder folder;
+  const std::string cache = folder.path("cache");
+  const std::string file = folder.write("ball.stl", ballStl(0.5));
+  const auto none = loadMesh(file, kOne, "r.urdf", 1);
+  EXPECT_TRUE(filesIn(cache).empty());
+  const auto cold = loadMesh(file, kOne, "r.urdf", 1, cache);
+  EXPECT_EQ(filesIn(cache).size(), 1U);
+  const auto warm = loadMesh(file, kOne, "r.urdf", 1, cache);
+  expectSame(none, cold);
+  expectSame(none, warm);
+  // Of the same content under another name.
+  std::filesystem::rename(file, folder.path("moved.stl"));
+  expectSame(none, loadMesh(folder.path("moved.stl"), kOne, "r.urdf", 1, cache));
+  EXPECT_EQ(filesIn(cache).size(), 1U);
+  // Other scales and contents.
+  EXPECT_EQ(extent(loadMesh(folder.path("moved.stl"), {2, 1, 1}, "r.urdf", 1, cache)).second.x(),
+            2 * extent(none).second.x());
+  EXPECT_EQ(filesIn(cache).size(), 2U);
+  const std::string changed = folder.write("ball.stl", ballStl(0.25));
+  EXPECT_EQ(extent(loadMesh(changed, kOne, "r.urdf", 1, cache)).second.z(), 0.25);
+  EXPECT_EQ(filesIn(cache).size(), 3U);
+}
+
+TEST(MeshImport, NeverBelievesADamagedFile) {
+  const Folder folder;
+  const std::string cache = folder.path("cache");
+  const std::string file = folder.write("ball.stl", ballStl(0.5));
+  const auto truth = loadMesh(file, kOne, "r.urdf", 1, cache);
+  ASSERT_EQ(filesIn(cache).size(), 1U);
+  const std::string kept = filesIn(cache)[0].string();
+  const std::string whole = readText(kept);
+  for (std::size_t i = 0; i < 60; ++i) {
+    std::string damaged = whole;
+    const std::size_t place = i * whole.size() / 60 + i;
+    if (i % 3 == 0) {
+      damaged.resize(place);
+    } else {
+      damaged[place] = static_cast<char>(damaged[place] ^ (1 << (i % 8)));
+    }
+    writeText(kept, damaged);
+    expectSame(truth, loadMesh(file, kOne, "r.urdf", 1, cache));
+    EXPECT_EQ(readText(kept), whole) << "not mended, place " << place;
+  }
+}
+
+TEST(MeshImport, KeepsOnlyWhatDependsOnOneFile) {
+  const Folder folder;
+  const std::string cache = folder.path("cache");
+  std::string vertices, faces;
+  for (int i = 0; i < 400; ++i) {
+    vertices += "v " + std::to_string(i % 20) + ' ' + std::to_string(i / 20) + " 0\n";
+    if (i % 20 < 19 && i / 20 < 19)
+      faces += (i % 2 == 0 ? "usemtl red\nf " : "usemtl blue\nf ") + std::to_string(i + 1) + ' ' +
+               std::to_string(i + 2) + ' ' + std::to_string(i + 21) + '\n';
+  }
+  // Materials are not asked for: the same with and without them.
+  const std::string plain = folder.write("plain.obj", vertices + faces),
+                    painted = folder.write("painted.obj", "mtllib paint.mtl\n" + vertices + faces);
+  folder.write("paint.mtl", "newmtl blue\nKd 0 0 1\nnewmtl red\nKd 1 0 0\n");
+  expectSame(loadMesh(plain, kOne, "r.urdf", 1, cache),
+             loadMesh(painted, kOne, "r.urdf", 1, cache));
+  EXPECT_EQ(filesIn(cache).size(), 2U);
+  // glTF has its numbers in a second file.
+  std::string numbers(3 * 12, '\0');
+  const float corner[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+  std::memcpy(numbers.data(), corner, sizeof(corner));
+  folder.write("numbers.bin", numbers);
+  const std::string gltf = folder.write(
+      "t.gltf", R"({"asset": {"version": "2.0", "copyright": ")" + std::string(5000, ' ') +
+                    R"("}, "buffers": [{"uri": "numbers.bin", "byteLength": 36}],
+"bufferViews": [{"buffer": 0, "byteLength": 36}],
+"accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}],
+"meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+"nodes": [{"mesh": 0}], "scenes": [{"nodes": [0]}], "scene": 0})");
+  EXPECT_EQ(loadMesh(gltf, kOne, "r.urdf", 1, cache).mesh()->triangles().size(), 1U);
+  EXPECT_EQ(filesIn(cache).size(), 2U);
+  // Small files are imported as fast as they would be read.
+  loadMesh(folder.write("t.stl", tetrahedronStl()), kOne, "r.urdf", 1, cache);
+  EXPECT_EQ(filesIn(cache).size(), 2U);
 }
 
 class MeshPath : public testing::Test {

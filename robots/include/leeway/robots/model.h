@@ -161,6 +161,10 @@ class Model : public RobotDescription {
 struct LoadOptions {
   std::vector<std::pair<std::string, std::string>>
       packages;  ///< NAME, DIR; searched before ROS_PACKAGE_PATH and the URDF's own folders
+  /// The folder that keeps what takes time to make of mesh files and robots, for the next process;
+  /// empty: nothing is kept. The answers are the same, byte for byte. cacheFolder()
+  /// (cache_folder.h) is the usual one.
+  std::string cache = {};
 };
 
 /// Reads a URDF and (unless `srdf_path` is empty) an SRDF, with the meshes that they name. Throws
@@ -177,8 +181,8 @@ std::shared_ptr<const Model> freeBody(const std::string& name, std::vector<Geome
 
 /// Reads a mesh file (Assimp). Applies the file's unit and node transforms, then `scale`; ignores
 /// its up axis, as RViz and MoveIt do. Throws InputError that names `referrer`:`line`, which asked
-/// for it.
+/// for it. `cache`: as in LoadOptions.
 collision::Shape loadMesh(const std::string& path, const Eigen::Vector3d& scale,
-                          const std::string& referrer, int line);
+                          const std::string& referrer, int line, const std::string& cache = {});
 
 }  // namespace leeway::robots

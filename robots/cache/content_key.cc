@@ -1,0 +1,57 @@
+#include "robots/cache/content_key.h"
+
+#include <assimp/version.h>
+#include <openssl/evp.h>
+
+#include <array>
+#include <cstdint>
+
+#include "robots/cache/fingerprint.h"
+
+namespace leeway::robots {
+
+struct ContentKey::Digest {
+  EVP_MD_CTX* context = EVP_MD_CTX_new();
+  bool ok = context != nullptr && EVP_DigestInit_ex(context, EVP_sha256(), nullptr) == 1;
+
+  Digest() = default;
+  Digest(const Digest&) = delete;
+  Digest& operator=(const Digest&) = delete;
+  ~Digest() { EVP_MD_CTX_free(context); }
+  void add(const void* data, std::size_t size) {
+    ok = ok && EVP_DigestUpdate(context, data, size) == 1;
+  }
+};
+
+ContentKey::ContentKey(std::string_view kind) : digest_(std::make_unique<Digest>()) {
+  add(std::string_view(kFingerprint));
+  const std::array<std::uint32_t, 5> platform = {aiGetVersionMajor(), aiGetVersionMinor(),
+                                                 aiGetVersionPatch(), 0x01020304,
+                                                 static_cast<std::uint32_t>(sizeof(void*))};
+  add(std::as_bytes(std::span(platform)));
+  add(kind);
+}
+
+ContentKey::~ContentKey() = default;
+
+void ContentKey::add(std::span<const std::byte> bytes) {
+  const auto size = static_cast<std::uint64_t>(bytes.size());
+  digest_->add(&size, sizeof(size));
+  digest_->add(bytes.data(), bytes.size());
+}
+
+std::string ContentKey::finish() {
+  std::array<unsigned char, EVP_MAX_MD_SIZE> result{};
+  unsigned size = 0;
+  if (!digest_->ok || EVP_DigestFinal_ex(digest_->context, result.data(), &size) != 1) return {};
+  digest_->ok = false;
+  constexpr std::string_view kDigits = "0123456789abcdef";
+  std::string text;
+  for (unsigned i = 0; i < size; ++i) {
+    text += kDigits[result[i] >> 4U];
+    text += kDigits[result[i] & 15U];
+  }
+  return text;
+}
+
+}  // namespace leeway::robots

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+
+#include "leeway/collision/shape.h"
+#include "robots/cache/disk_cache.h"
+
+namespace leeway::robots {
+
+struct ImportedMesh {
+  collision::Shape shape;
+  /// The ContentKey of all that it depends on; empty where that is not known, or nothing is kept.
+  std::string key;
+};
+
+/// loadMesh(), with a cache for what it makes.
+ImportedMesh importMesh(const std::string& path, const Eigen::Vector3d& scale,
+                        const std::string& referrer, int line, const DiskCache& cache);
+
+}  // namespace leeway::robots
