@@ -153,8 +153,9 @@ class CommandTest : public ::testing::Test {
   Answer shell(const std::string& line) const {
     const std::string out = path("stdout.txt").string();
     const std::string err = path("stderr.txt").string();
-    const std::string command = "cd '" + folder_.string() + "' && { " + line + "; } >'" + out +
-                                "' 2>'" + err + "' </dev/null";
+    // Nothing is kept from one test for another, unless the line itself says where.
+    const std::string command = "export LEEWAY_CACHE_DIR=; cd '" + folder_.string() + "' && { " +
+                                line + "; } >'" + out + "' 2>'" + err + "' </dev/null";
     const int status = std::system(command.c_str());
     return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, readText(out), readText(err)};
   }

@@ -48,6 +48,8 @@ std::string resultText(const planner::Path& path, const planner::VerifyResult& r
 
 int run(Arguments& arguments) {
   const std::string path_file = takePathFile(arguments.source, arguments.files);
+  // A proof takes nothing over that an earlier run made.
+  arguments.source.no_cache = true;
   planner::Problem problem = loadProblem(arguments.source);
   apply(arguments.limits, problem);
   const planner::Path path = planner::readPath(path_file, problem);

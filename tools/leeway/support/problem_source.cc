@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <set>
 
+#include "leeway/robots/cache_folder.h"
 #include "leeway/robots/input_error.h"
 
 namespace leeway::tools {
@@ -50,6 +51,8 @@ void addRobotArguments(CLI::App& app, ProblemSource& source) {
       ->type_name("SRDF");
   app.add_option("--package", source.packages, "where package://NAME/ lies; may be repeated")
       ->type_name("NAME=DIR");
+  app.add_flag("--no-cache", source.no_cache,
+               "neither take meshes from the cache folder ($LEEWAY_CACHE_DIR) nor keep them there");
 }
 
 namespace {
@@ -108,6 +111,7 @@ void addPlanOverrides(CLI::App& app, PlanOverrides& overrides) {
 
 robots::LoadOptions loadOptions(const ProblemSource& source) {
   robots::LoadOptions options;
+  if (!source.no_cache) options.cache = robots::cacheFolder();
   for (const std::string& package : source.packages) {
     const std::size_t equals = package.find('=');
     if (equals == std::string::npos || equals == 0 || equals + 1 == package.size()) {

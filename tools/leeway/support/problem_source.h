@@ -18,6 +18,7 @@ struct ProblemSource {
   std::string group, start, goal;
   std::string scene, request;
   std::vector<std::string> packages;  ///< NAME=DIR
+  bool no_cache = false;
 };
 
 /// What the command line says over what the problem says.
