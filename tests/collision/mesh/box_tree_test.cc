@@ -11,6 +11,7 @@
 
 #include "collision/mesh/descent/box_gaps.h"
 #include "collision/mesh/mesh_tree.h"
+#include "collision/shapes/hull_of_part.h"
 #include "leeway/collision/distance.h"
 #include "tests/collision/convex/box_cases.h"
 #include "tests/support/every_target.h"
