@@ -131,6 +131,10 @@ constexpr std::int64_t kFlightWork = 500'000;
 /// kEdgeWork where no other edge can take this one's place: certificates of paths and of steps.
 constexpr std::int64_t kPersistentWork = 10'000'000;
 
+/// Undecided edges of a search after which its edges may cost twice as much: before its first
+/// doubling it has lost 6 ms to them, a third of a second before kPersistentWork.
+constexpr std::uint64_t kEscalation = 64;
+
 /// The last valid place of an edge is found to 2^-12 of it: planners go back there and need no
 /// more.
 constexpr int kLastValidLevel = 12;
@@ -220,6 +224,26 @@ constexpr double kReportTolerance = 1e-6;
 /// on arms of six and seven joints.
 constexpr double kConnectRange = 0.08;
 
+/// Iterations of Connect's shortest runs, before it starts again with another seed, and between two
+/// looks at the clock.
+constexpr std::uint64_t kConnectRun = 20000;
+constexpr std::uint64_t kConnectTurn = 16;
+
+/// Connect's range when a problem names none: this share of the space's extent over the squared
+/// degrees of freedom, and at most the second. Measured on arms: 0.12 to 0.16 of the extent suit
+/// six and seven joints, 0.04 suits fourteen.
+constexpr double kRangeShare = 7;
+constexpr double kLongestRange = 0.14;
+
+/// The dynamic domain of Connect: a node's radius after its first failure and the least one, in
+/// ranges, and the share by which it shrinks and grows (4, 1 and 1e-4 as in VAMP's).
+constexpr float kDomainRadius = 4;
+constexpr float kLeastDomain = 1;
+constexpr float kDomainRate = 1e-4F;
+
+/// Goals from which Connect's second tree grows when OMPL samples them.
+constexpr int kConnectGoals = 16;
+
 /// SST's step and radii when a problem names none, as fractions of the space's extent: its steps go
 /// anywhere, and long ones end in obstacles.
 constexpr double kStepRange = 0.1;
@@ -240,6 +264,17 @@ constexpr double kClearanceTolerance = 1e-3;
 /// How near the two ends of a search for clearance are known [m]: what its path has, and what any
 /// path can have. Together less than kClearanceTolerance, or it would not see that it has arrived.
 constexpr double kBoundTolerance = 2.5e-4;
+
+/// How closely each edge of a path is first looked at for the path's least clearance [m]: only the
+/// nearest ones are then refined.
+constexpr double kRoughClearance = 1e-3;
+
+/// What that look may cost an edge, and what each refinement of the nearest edge may [units of
+/// Work, about a thousand a microsecond], and how many of these there are at most. A path that hugs
+/// an obstacle takes tens of milliseconds to know to 0.1 mm.
+constexpr std::int64_t kRoughWork = 20'000;
+constexpr std::int64_t kLeastWork = 100'000;
+constexpr int kLeastRefinements = 2;
 
 /// Iterations of the first search with raised margins: a fraction of a second, and doubled when it
 /// proves too few.

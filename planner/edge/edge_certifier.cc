@@ -118,6 +118,18 @@ EdgeRequest EdgeRequest::persistent() {
   return request;
 }
 
+std::int64_t EdgeCertifier::Impl::defaultWork() const {
+  return frames.hasSurfacePairs() ? kFlightWork : kEdgeWork;
+}
+
+EdgeRequest EdgeCertifier::searching() const {
+  EdgeRequest request;
+  const std::uint64_t doublings =
+      std::min<std::uint64_t>(statistics.undecided_edges / kEscalation, 20);
+  request.work_limit = std::min(impl_->defaultWork() << doublings, kPersistentWork);
+  return request;
+}
+
 EdgeCheck EdgeCertifier::certify(std::span<const double> a, std::span<const double> b,
                                  const EdgeRequest& request) {
   ++statistics.edges;
@@ -127,9 +139,7 @@ EdgeCheck EdgeCertifier::certify(std::span<const double> a, std::span<const doub
   }
   Impl& impl = *impl_;
   ++impl.edge;
-  impl.work_limit = request.work_limit > 0          ? request.work_limit
-                    : impl.frames.hasSurfacePairs() ? kFlightWork
-                                                    : kEdgeWork;
+  impl.work_limit = request.work_limit > 0 ? request.work_limit : impl.defaultWork();
   impl.startWork(impl.work_limit);
   impl.smallest = request.smallest_interval;
   EdgeCheck check;

@@ -69,6 +69,9 @@ struct EdgeCertifier::Impl {
     work = {0, limit};
   }
 
+  /// What an edge may cost that names no limit.
+  std::int64_t defaultWork() const;
+
   // The order of the stages (edge_certifier.cc). Functions that return an optional check return it
   // where they decide the edge.
 

@@ -14,15 +14,15 @@ namespace leeway::planner {
 
 /// The state of one search.
 struct EdgeCertifier::Impl::ClearanceSearch {
-  double tolerance, cutoff;
+  double tolerance, cutoff, wanted;
   double lower = kInfinity;  ///< of everything that is settled
   bool sweeps = true;        ///< sweeps may be asked
   bool swept = false;        ///< some pairs are settled by sweeps that miss containment
   EdgeClearance best{{kInfinity, kInfinity}, 0, -1, {}};
 
   /// A part of the edge with this lower bound cannot improve the minimum by more than the
-  /// tolerance.
-  double enough() const { return best.clearance.upper - tolerance; }
+  /// tolerance, or is far enough for the caller.
+  double enough() const { return std::min(best.clearance.upper - tolerance, wanted); }
   bool isCutOff() const { return best.clearance.upper < cutoff; }
   void settle(double bound) { lower = std::min(lower, bound); }
 };
@@ -139,12 +139,13 @@ void EdgeCertifier::Impl::settleFromMiddle(EdgeInterval& interval, int slot, boo
 }
 
 EdgeClearance EdgeCertifier::edgeClearance(std::span<const double> a, std::span<const double> b,
-                                           double tolerance, double cutoff) {
+                                           const ClearanceRequest& request) {
   ++statistics.edges;
   Impl& impl = *impl_;
-  Impl::ClearanceSearch search{tolerance, cutoff};
+  Impl::ClearanceSearch search{request.tolerance, request.cutoff, request.wanted};
   if (impl.frames.pairs().empty()) return search.best;
-  impl.startWork(kClearanceWork);
+  const std::int64_t work_limit = request.work_limit > 0 ? request.work_limit : kClearanceWork;
+  impl.startWork(work_limit);
   impl.queries = 0;
   const int start = impl.frames.begin(a, b) ? impl.frames.place(0) : -1;
   const int end = start < 0 ? -1 : impl.frames.place(1);
@@ -152,10 +153,14 @@ EdgeClearance EdgeCertifier::edgeClearance(std::span<const double> a, std::span<
     search.best.clearance.lower = -kInfinity;
     return search.best;
   }
-  impl.searchState(end, 1, search);
-  impl.searchState(start, 0, search);
-  if (!impl.listNearLanes(search)) impl.listWholeEdge(start, end);
-  impl.searchIntervals(search);
+  // What is wanted may be known without a single distance.
+  const bool listed = std::isfinite(request.wanted) && impl.listNearLanes(search);
+  if (!listed || !impl.intervals.empty()) {
+    impl.searchState(end, 1, search);
+    impl.searchState(start, 0, search);
+    if (!listed && !impl.listNearLanes(search)) impl.listWholeEdge(start, end);
+    impl.searchIntervals(search);
+  }
   // Containment is decided at the ends, and changes where surfaces meet. So where they may have,
   // the search starts again without sweeps.
   if (search.swept && std::min(search.lower, search.best.clearance.upper) <= 0 &&
@@ -163,7 +168,7 @@ EdgeClearance EdgeCertifier::edgeClearance(std::span<const double> a, std::span<
     search.sweeps = false;
     impl.frames.release(end + 1);
     search.lower = kInfinity;
-    impl.startWork(kClearanceWork);
+    impl.startWork(work_limit);
     impl.listWholeEdge(start, end);
     impl.searchIntervals(search);
   }

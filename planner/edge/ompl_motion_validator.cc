@@ -24,7 +24,9 @@ bool OmplMotionValidator::count(bool valid) const {
 
 bool OmplMotionValidator::checkMotion(const ob::State* s1, const ob::State* s2) const {
   const CompiledScene& scene = pool_->scene();
-  const EdgeCheck check = pool_->local().certifier.certify(pointOf(s1, scene), pointOf(s2, scene));
+  EdgeCertifier& certifier = pool_->local().certifier;
+  const EdgeCheck check =
+      certifier.certify(pointOf(s1, scene), pointOf(s2, scene), certifier.searching());
   return count(check.verdict == Verdict::kFree);
 }
 
@@ -33,7 +35,7 @@ bool OmplMotionValidator::checkMotion(const ob::State* s1, const ob::State* s2,
   const CompiledScene& scene = pool_->scene();
   CertifierPool::Slot& slot = pool_->local();
   const std::span<const double> a = pointOf(s1, scene), b = pointOf(s2, scene);
-  EdgeRequest request;
+  EdgeRequest request = slot.certifier.searching();
   request.last_valid = true;
   const EdgeCheck check = slot.certifier.certify(a, b, request);
   if (check.verdict == Verdict::kFree) return count(true);

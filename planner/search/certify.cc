@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "leeway/planner/plan.h"
+#include "planner/base/tolerances.h"
 #include "planner/search/search.h"
 
 namespace leeway::planner {
@@ -17,6 +18,63 @@ void name(const collision::Scene& scene, int pair, std::string& a, std::string& 
   b = scene.bodies()[static_cast<std::size_t>(p.body_b)].name;
 }
 
+/// Refines what is known of the clearances of a path's edges.
+class PathClearance {
+ public:
+  PathClearance(EdgeCertifier& certifier, const Waypoints& path, double tolerance)
+      : certifier_(certifier), path_(path), tolerance_(tolerance), edges_(path.size() - 1) {}
+
+  /// Each edge to within the tolerance.
+  void refineAll() {
+    for (std::size_t i = 0; i < edges_.size(); ++i) refine(i, {.tolerance = tolerance_});
+  }
+
+  /// The path's least clearance, best first and as far as a little work goes: an edge that is known
+  /// to stay above it is not looked at closer. O(edges^2), which is nothing beside the queries.
+  void refineLeast() {
+    for (std::size_t i = 0; i < edges_.size(); ++i)
+      refine(i, {.tolerance = std::max(tolerance_, kRoughClearance),
+                 .wanted = least_ - tolerance_,
+                 .work_limit = kRoughWork});
+    for (int k = 0; k < kLeastRefinements; ++k) {
+      const auto lowest = std::min_element(edges_.begin(), edges_.end(),
+                                           [](const EdgeClearance& a, const EdgeClearance& b) {
+                                             return a.clearance.lower < b.clearance.lower;
+                                           });
+      const double lower = lowest->clearance.lower;
+      if (!(lower < least_ - tolerance_)) return;
+      refine(static_cast<std::size_t>(lowest - edges_.begin()),
+             {.tolerance = tolerance_, .wanted = least_ - tolerance_, .work_limit = kLeastWork});
+      if (!(lowest->clearance.lower > lower)) return;
+    }
+  }
+
+  const std::vector<EdgeClearance>& edges() const { return edges_; }
+  /// A proof that edge i is farther than `lower`, from elsewhere.
+  void raise(std::size_t i, double lower) {
+    Interval& known = edges_[i].clearance;
+    known.lower = std::max(known.lower, lower);
+  }
+
+ private:
+  void refine(std::size_t i, const ClearanceRequest& request) {
+    EdgeClearance found = certifier_.edgeClearance(path_[i], path_[i + 1], request);
+    EdgeClearance& known = edges_[i];
+    found.clearance.lower = std::max(found.clearance.lower, known.clearance.lower);
+    if (found.clearance.upper < known.clearance.upper)
+      known = found;
+    else
+      known.clearance.lower = found.clearance.lower;
+    least_ = std::min(least_, known.clearance.upper);
+  }
+
+  EdgeCertifier& certifier_;
+  const Waypoints& path_;
+  double tolerance_;
+  double least_ = kInfinity;  ///< no more than that is the path's clearance
+  std::vector<EdgeClearance> edges_;
+};
+
 }  // namespace
 
 double leastMargin(const collision::Scene& scene) {
@@ -25,7 +83,8 @@ double leastMargin(const collision::Scene& scene) {
   return least;
 }
 
-Certificate certify(EdgeCertifier& certifier, const Path& path, double tolerance) {
+Certificate certify(EdgeCertifier& certifier, const Path& path, double tolerance,
+                    CertificateDetail detail) {
   const collision::Scene& scene = certifier.scene().scene();
   const ConfigurationSpace& space = certifier.scene().space();
   Certificate certificate;
@@ -44,19 +103,31 @@ Certificate certify(EdgeCertifier& certifier, const Path& path, double tolerance
     certificate.closest_point_a = check.closest.point_a;
     certificate.closest_point_b = check.closest.point_b;
   }
+  if (path.positions.size() < 2) return certificate;
+
+  PathClearance clearance(certifier, path.positions, tolerance);
+  // A free edge is proven to keep its margins, which may say more than the interval.
   const double least_margin = leastMargin(scene);
-  for (std::size_t i = 1; i < path.positions.size(); ++i) {
-    const std::vector<double>&a = path.positions[i - 1], &b = path.positions[i];
-    const bool free = certifier.certify(a, b, EdgeRequest::persistent()).verdict == Verdict::kFree;
-    if (!free) certificate.certified = false;
-    EdgeClearance edge = certifier.edgeClearance(a, b, tolerance, -kInfinity);
-    // A free edge is proven to keep its margins, which may say more than the interval.
-    if (free) edge.clearance.lower = std::max(edge.clearance.lower, least_margin);
+  for (std::size_t i = 0; i + 1 < path.positions.size(); ++i) {
+    const EdgeCheck check =
+        certifier.certify(path.positions[i], path.positions[i + 1], EdgeRequest::persistent());
+    if (check.verdict == Verdict::kFree)
+      clearance.raise(i, least_margin);
+    else
+      certificate.certified = false;
+  }
+  if (detail == CertificateDetail::kEveryEdge)
+    clearance.refineAll();
+  else
+    clearance.refineLeast();
+
+  for (std::size_t i = 0; i < clearance.edges().size(); ++i) {
+    const EdgeClearance& edge = clearance.edges()[i];
     certificate.segments.push_back(edge.clearance);
     certificate.clearance.lower = std::min(certificate.clearance.lower, edge.clearance.lower);
     if (edge.clearance.upper < certificate.clearance.upper) {
       certificate.clearance.upper = edge.clearance.upper;
-      certificate.closest_segment = static_cast<int>(i) - 1;
+      certificate.closest_segment = static_cast<int>(i);
       certificate.closest_t = edge.t;
       certificate.closest_point_a = edge.closest.point_a;
       certificate.closest_point_b = edge.closest.point_b;

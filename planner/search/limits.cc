@@ -25,9 +25,9 @@ bool Limits::pastCount() const { return iterations() >= limit_; }
 
 void Limits::reserve(double fraction) { search_seconds_ = seconds_ * (1 - fraction); }
 
-bool Limits::iterate() {
+bool Limits::iterate(std::uint64_t count) {
   if (pastCount()) return true;
-  iterations_.fetch_add(1, std::memory_order_relaxed);
+  iterations_.fetch_add(count, std::memory_order_relaxed);
   return over() || elapsed() > search_seconds_;
 }
 

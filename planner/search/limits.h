@@ -19,8 +19,10 @@ class Limits {
   /// `seconds` from now; infinite when not positive or not finite. `iterations` 0: none.
   Limits(double seconds, std::int64_t iterations, std::function<bool()> stop, Progress progress);
 
-  /// Counts one iteration; true when the search must end. Once true it stays so.
-  bool iterate();
+  /// Counts iterations; true when the search must end. Once true it stays so.
+  bool iterate(std::uint64_t count = 1);
+  /// Iterations that are left.
+  std::uint64_t left() const { return pastCount() ? 0 : limit_ - iterations(); }
   /// True when the search must end; counts nothing.
   bool searchOver();
   /// True when everything must end: by the deadline or the caller, not by the count.

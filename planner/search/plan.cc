@@ -189,7 +189,8 @@ class Plan {
   bool certifyPath(Waypoints path) {
     splitHalfTurns(scene_->space(), path);
     result_.path.positions = std::move(path);
-    result_.certificate = planner::certify(certifier(), result_.path, options_.clearance_tolerance);
+    result_.certificate =
+        planner::certify(certifier(), result_.path, options_.clearance_tolerance, options_.detail);
     return result_.certificate.certified;
   }
 

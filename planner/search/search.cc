@@ -6,10 +6,11 @@
 #include <ompl/util/Exception.h>
 
 #include <algorithm>
+#include <bit>
 #include <charconv>
 #include <cmath>
+#include <functional>
 #include <limits>
-#include <numbers>
 
 #include "planner/base/random.h"
 #include "planner/base/tolerances.h"
@@ -28,37 +29,19 @@ std::uint64_t runSeed(std::uint64_t seed, std::uint64_t run) {
   return Random(seed, kRunStream + run).next();
 }
 
+/// The n-th term of 1, 1, 2, 1, 1, 2, 4, 1, 1, 2, ..., n >= 1.
+std::uint64_t luby(std::uint64_t n) {
+  for (;;) {
+    const auto whole = std::bit_ceil(n + 1);
+    if (whole == n + 1) return whole / 2;
+    n -= whole / 2 - 1;
+  }
+}
+
 /// A parameter's text. Not std::to_string, which follows the program's locale.
 std::string digits(double x) {
   char buffer[32];
   return {buffer, std::to_chars(buffer, buffer + sizeof buffer, x).ptr};
-}
-
-/// Whether a number of a point is an angle.
-bool isAngle(const ConfigurationSpace& space, int i) {
-  const robots::Model& model = space.model();
-  const int v = space.variables()[static_cast<std::size_t>(i)];
-  const robots::Joint& joint =
-      model.joints[static_cast<std::size_t>(model.variables[static_cast<std::size_t>(v)].joint)];
-  const bool planar_angle =
-      joint.type == robots::JointType::kPlanar && v == joint.first_variable + 2;
-  return joint.type == robots::JointType::kRevolute ||
-         joint.type == robots::JointType::kContinuous || planar_angle;
-}
-
-/// The space's extent with each joint's turn counted up to half a turn: beyond, a turn comes round
-/// again, and steps should not grow with it.
-double usefulExtent(const ConfigurationSpace& space) {
-  double squared = 0;
-  for (const ConfigurationSpace::Part& part : space.parts()) {
-    double range = std::numbers::pi;
-    if (part.kind == ConfigurationSpace::Kind::kLine) {
-      range = space.upper(part.first) - space.lower(part.first);
-      if (isAngle(space, part.first)) range = std::min(range, std::numbers::pi);
-    }
-    squared += part.weight * range * part.weight * range;
-  }
-  return std::sqrt(squared);
 }
 
 }  // namespace
@@ -69,8 +52,10 @@ Search::Search(std::shared_ptr<const CompiledScene> scene, std::shared_ptr<Certi
       pool_(std::move(pool)),
       task_(task),
       parameters_(task.problem.planner.parameters),
-      space_information_(makeSpaceInformation(scene_, task.problem.seed, pool_)),
-      traits_(findPlanner(task.problem.planner.name)) {
+      traits_(findPlanner(task.problem.planner.name)),
+      own_(traits_->name == kOwnPlanner) {
+  if (own_) return;
+  space_information_ = makeSpaceInformation(scene_, task.problem.seed, pool_);
   const double extent = space_information_->getMaximumExtent();
   if (traits_->name == "RRTConnect")
     parameters_.emplace("range", digits(kConnectRange * usefulExtent(scene_->space())));
@@ -90,6 +75,7 @@ std::optional<Waypoints> Search::any(std::uint64_t seed, std::uint64_t budget) {
 }
 
 std::optional<Waypoints> Search::search(std::uint64_t seed, std::uint64_t budget, bool first) {
+  if (own_) return connect(seed, budget);
   auto objective = std::make_shared<OmplLengthObjective>(space_information_);
   // Some planners that do not optimise still ask whether their first path will do: it does.
   objective->setCostThreshold(ob::Cost(first ? kInfinity : 0));
@@ -115,6 +101,63 @@ std::optional<Waypoints> Search::run(const ob::OptimizationObjectivePtr& objecti
     // A planner that gives up without an iteration would give up for ever.
     idle = limits.iterations() == before ? idle + 1 : 0;
     if (idle == kIdleRuns) break;
+  }
+  return std::nullopt;
+}
+
+ConnectSettings Search::connectSettings() const {
+  const auto number = [&](const char* key, double otherwise) {
+    const auto found = parameters_.find(key);
+    return found == parameters_.end() ? otherwise
+                                      : parameterNumber(found->second).value_or(otherwise);
+  };
+  ConnectSettings settings;
+  settings.range = number("range", 0);
+  if (!(settings.range > 0)) settings.range = defaultRange(scene_->space());
+  settings.balance = number("balance", 1) != 0;
+  settings.dynamic_domain = number("dynamic_domain", 1) != 0;
+  return settings;
+}
+
+/// Runs of our own planner with rising budgets: most problems are solved soon or by luck, so a run
+/// that is late is started again (Luby, Sinclair, Zuckerman, "Optimal speedup of Las Vegas
+/// algorithms", 1993).
+std::optional<Waypoints> Search::connect(std::uint64_t seed, std::uint64_t budget) {
+  Limits& limits = task_.limits;
+  std::vector<std::vector<double>> goals;
+  for (const std::vector<double>& goal : task_.goals.points)
+    if (certifier().decide(goal) == Verdict::kFree) goals.push_back(goal);
+  // A scene with raised margins may leave no room at the ends.
+  if (goals.empty() || certifier().decide(task_.start) != Verdict::kFree) return std::nullopt;
+  const std::function<bool(std::span<const double>, std::span<const double>)> is_free =
+      [&own = certifier()](std::span<const double> a, std::span<const double> b) {
+        return own.certify(a, b, own.searching()).verdict == Verdict::kFree;
+      };
+  const ConnectTask task{scene_->space(), task_.start, goals, is_free};
+  const ConnectSettings settings = connectSettings();
+  const std::uint64_t last =
+      budget > 0 ? limits.iterations() + budget : std::numeric_limits<std::uint64_t>::max();
+  for (std::uint64_t round = 0; !limits.searchOver() && limits.iterations() < last; ++round) {
+    ConnectTrees trees(task, settings, runSeed(seed, round));
+    std::uint64_t left = kConnectRun * luby(round + 1);
+    while (left > 0) {
+      const std::uint64_t count =
+          std::min({kConnectTurn, left, limits.left(), last - limits.iterations()});
+      bool met = false;
+      std::uint64_t done = 0;
+      while (!met && done < count) {
+        met = trees.iterate();
+        ++done;
+      }
+      const bool over = limits.iterate(done);
+      if (met) {
+        Waypoints path = trees.path();
+        if (endInGoal(path) && isCertified(path)) return path;
+        break;
+      }
+      if (over || count == 0) return std::nullopt;
+      left -= done;
+    }
   }
   return std::nullopt;
 }

@@ -14,6 +14,7 @@
 #include "leeway/planner/planners.h"
 #include "planner/search/goals.h"
 #include "planner/search/limits.h"
+#include "planner/space/connect_trees.h"
 
 namespace leeway::planner {
 
@@ -27,8 +28,8 @@ struct SearchTask {
   Limits& limits;
 };
 
-/// Searches in one scene by the problem's OMPL planner. A planner that gives up before the limits
-/// is started again with another seed. Every edge of a path that is returned is certified as it
+/// Searches in one scene by the problem's planner. A planner that gives up before the limits is
+/// started again with another seed. Every edge of a path that is returned is certified as it
 /// stands; nothing is returned when none is found.
 class Search {
  public:
@@ -46,6 +47,8 @@ class Search {
   std::optional<Waypoints> widest(std::uint64_t seed, double enough);
 
  private:
+  ConnectSettings connectSettings() const;
+  std::optional<Waypoints> connect(std::uint64_t seed, std::uint64_t budget);
   bool isCertified(const Waypoints& path);
   std::optional<Waypoints> search(std::uint64_t seed, std::uint64_t budget, bool first);
   std::optional<Waypoints> run(const ompl::base::OptimizationObjectivePtr& objective,
@@ -60,8 +63,9 @@ class Search {
   std::shared_ptr<CertifierPool> pool_;
   SearchTask task_;
   std::map<std::string, std::string> parameters_;
-  ompl::base::SpaceInformationPtr space_information_;
+  ompl::base::SpaceInformationPtr space_information_;  ///< null for our own planner
   const PlannerTraits* traits_;
+  bool own_;  ///< Connect: no part of OMPL is made
 };
 
 struct ClearancePath {

@@ -51,6 +51,7 @@
 #include "leeway/robots/text.h"
 #include "planner/base/nearest_name.h"
 #include "planner/base/tolerances.h"
+#include "planner/space/ompl_connect.h"
 #include "planner/space/ompl_lock.h"
 
 namespace leeway::planner {
@@ -83,8 +84,10 @@ Entry entry(const char* name, bool deterministic, bool optimizing, bool projecti
 
 const std::vector<Entry>& entries() {
   static const std::vector<Entry> list = {
+      entry<OmplConnect>(kOwnPlanner, kSeeded, kFirst, kNoCells,
+                         "RRTConnect, balanced and with a dynamic domain, not OMPL's (default)"),
       entry<og::RRTConnect>("RRTConnect", kSeeded, kFirst, kNoCells,
-                            "two trees that grow towards each other (default)"),
+                            "two trees that grow towards each other"),
       entry<og::RRT>("RRT", kSeeded, kFirst, kNoCells, "one rapidly exploring random tree"),
       entry<og::LazyRRT>("LazyRRT", kSeeded, kFirst, kNoCells,
                          "a tree whose edges are checked once it reaches a goal"),
@@ -173,12 +176,6 @@ ob::SpaceInformationPtr smallSpace() {
   return std::make_shared<ob::SpaceInformation>(space);
 }
 
-std::optional<double> number(std::string_view text) {
-  if (text == "true" || text == "True" || text == "TRUE") return 1;
-  if (text == "false" || text == "False" || text == "FALSE") return 0;
-  return robots::parseFinite(text);
-}
-
 std::string accepted(const ob::GenericParam& parameter) {
   const std::string& suggestion = parameter.getRangeSuggestion();
   if (suggestion.empty()) return "a number is expected, e.g. " + parameter.getValue();
@@ -204,7 +201,7 @@ std::optional<std::string> setParameter(ob::Planner& planner, const std::string&
     if (!parameter.setValue(value)) return wrong + "planner names with commas between are expected";
     return std::nullopt;
   }
-  const std::optional<double> meant = number(value);
+  const std::optional<double> meant = parameterNumber(value);
   const std::string& suggestion = parameter.getRangeSuggestion();
   const bool flag = suggestion == "0,1";
   if (!meant || (flag && *meant != 0 && *meant != 1)) return wrong + accepted(parameter);
@@ -215,7 +212,7 @@ std::optional<std::string> setParameter(ob::Planner& planner, const std::string&
   } catch (const std::exception&) {
     return wrong + accepted(parameter);
   }
-  const std::optional<double> kept = number(parameter.getValue());
+  const std::optional<double> kept = parameterNumber(parameter.getValue());
   if (kept && std::abs(*kept - *meant) > kParameterDigits * std::abs(*meant))
     return wrong + accepted(parameter);
   return std::nullopt;
@@ -228,6 +225,12 @@ std::string unknownPlanner(const std::string& name) {
 }
 
 }  // namespace
+
+std::optional<double> parameterNumber(std::string_view text) {
+  if (text == "true" || text == "True" || text == "TRUE") return 1;
+  if (text == "false" || text == "False" || text == "FALSE") return 0;
+  return robots::parseFinite(text);
+}
 
 const std::vector<PlannerTraits>& plannerNames() {
   static const std::vector<PlannerTraits> names = [] {

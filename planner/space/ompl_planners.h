@@ -4,11 +4,19 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
+#include <string_view>
 
 #include "leeway/planner/planners.h"
 
 namespace leeway::planner {
+
+/// Our own planner's name: ConnectTrees, without OMPL in plan().
+inline constexpr const char* kOwnPlanner = "Connect";
+
+/// A planner's parameter as a number, true and false as 1 and 0.
+std::optional<double> parameterNumber(std::string_view text);
 
 /// A planner by name. Call under omplSeedLock(), after seedOmpl(). Throws std::invalid_argument
 /// with plannerError()'s message.

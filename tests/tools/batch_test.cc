@@ -74,6 +74,13 @@ TEST_F(Batch, LineIsWhatPlanPrints) {
   EXPECT_EQ(same, plan);
 }
 
+TEST_F(Batch, RepeatedPlansGiveTheSameLine) {
+  const json once = run("batch " + robot_ + "set/b --seed 5").lines().at(0);
+  const json often = run("batch " + robot_ + "set/b --seed 5 --repeat 3").lines().at(0);
+  EXPECT_EQ(withoutTimes(often), withoutTimes(once));
+  EXPECT_EQ(run("batch reach.yaml --repeat 0").status, 2);
+}
+
 TEST_F(Batch, ProblemFilesAndVerify) {
   const Answer answer = run("batch reach.yaml empty.yaml --verify");
   EXPECT_EQ(answer.status, 0) << answer.err;

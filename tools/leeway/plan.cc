@@ -200,7 +200,7 @@ int run(const Arguments& arguments) {
   const double load_s =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 
-  const planner::PlanResult result = planner::plan(problem, interactivePlanOptions());
+  const planner::PlanResult result = planner::plan(problem, planOptions(arguments.overrides));
   endProgress();
   printWarnings(result.warnings);
   const bool solved = result.status == planner::PlanStatus::kSolved;

@@ -11,6 +11,7 @@
 
 #include "leeway/collision/triangle_mesh.h"
 #include "leeway/robots/kinematics.h"
+#include "planner/base/tolerances.h"
 #include "planner/edge/edge_frames.h"
 #include "planner/edge/edge_model.h"
 #include "robots/motion/link_gaps.h"
@@ -857,6 +858,15 @@ TEST(EdgeCertifier, AMimicThatWouldJumpIsUndecided) {
             Verdict::kFree);
   EXPECT_EQ(certifier.certify(std::vector<double>{3.0}, std::vector<double>{-3.0}).verdict,
             Verdict::kUndecided);
+  // Each kEscalation edges that stay undecided let a search's edges cost twice as much.
+  const std::int64_t first = certifier.searching().work_limit;
+  EXPECT_LT(first, EdgeRequest::persistent().work_limit);
+  while (certifier.statistics.undecided_edges < kEscalation)
+    certifier.certify(std::vector<double>{3.0}, std::vector<double>{-3.0});
+  EXPECT_EQ(certifier.searching().work_limit, 2 * first);
+  while (certifier.statistics.undecided_edges < 10 * kEscalation)
+    certifier.certify(std::vector<double>{3.0}, std::vector<double>{-3.0});
+  EXPECT_EQ(certifier.searching().work_limit, EdgeRequest::persistent().work_limit);
   // Outside [-pi, pi), the range that edges wrap circles to.
   EXPECT_EQ(certifier.certify(std::vector<double>{3.5}, std::vector<double>{3.6}).verdict,
             Verdict::kUndecided);

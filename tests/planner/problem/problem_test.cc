@@ -177,7 +177,7 @@ objects:
 
 TEST(Problem, SettingsHaveDefaultsAndAreTaken) {
   const Problem plain = load(robot("arm6", "arm") + kArm6Ends);
-  EXPECT_EQ(plain.planner.name, "RRTConnect");
+  EXPECT_EQ(plain.planner.name, "Connect");
   EXPECT_TRUE(std::holds_alternative<MinimumLength>(plain.objective));
   EXPECT_TRUE(plain.planner.simplify);
   EXPECT_EQ(plain.limits.time, 5);

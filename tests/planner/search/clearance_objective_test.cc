@@ -43,20 +43,20 @@ TEST_P(WidestPath, BeatsTheShortestInClearance) {
   problem.limits.iterations = 800;
   if (GetParam() == "PRMstar") problem.limits.iterations = 0;  // uses its own threads
   if (GetParam() == "PRMstar") problem.limits.time = 2;
-  if (GetParam() == "RRTConnect") problem.limits.iterations = 20000;
+  if (GetParam() == "Connect" || GetParam() == "RRTConnect") problem.limits.iterations = 20000;
   const PlanResult widest = plan(problem);
   expectHonest(problem, widest);
   // The upper passage leaves at most 0.1 beside the disc, the lower one 0.6.
   EXPECT_GT(widest.certificate.clearance.lower, shortest.certificate.clearance.upper + 0.02);
   EXPECT_LE(widest.certificate.clearance.lower, 0.6);
-  if (GetParam() == "RRTConnect") {
+  if (GetParam() == "Connect" || GetParam() == "RRTConnect") {
     EXPECT_GT(widest.certificate.clearance.lower, 0.5);
   }
 }
 
 INSTANTIATE_TEST_SUITE_P(Ompl, WidestPath,
-                         testing::Values("RRTConnect", "BITstar", "AITstar", "RRTstar", "PRMstar",
-                                         "LazyPRMstar"),
+                         testing::Values("Connect", "RRTConnect", "BITstar", "AITstar", "RRTstar",
+                                         "PRMstar", "LazyPRMstar"),
                          [](const auto& each) { return each.param; });
 
 TEST(WidestPathAlone, SimplificationKeepsWhatWasReached) {

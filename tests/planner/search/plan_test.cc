@@ -140,7 +140,7 @@ TEST(Plan, InvalidGoalsAmongOthersAreLeftOutWithAWarning) {
 }
 
 TEST(Plan, GoalRangesAreReachedByEveryKindOfPlanner) {
-  for (const char* planner : {"RRTConnect", "RRT", "BITstar", "KPIECE1", "FMT"}) {
+  for (const char* planner : {"Connect", "RRTConnect", "RRT", "BITstar", "KPIECE1", "FMT"}) {
     Problem problem = test::wallProblem();
     problem.planner.name = planner;
     problem.limits.iterations = 5000;
@@ -161,7 +161,8 @@ TEST(Plan, AnglesOfARangeCountModuloATurn) {
 }
 
 TEST(Plan, UnsolvableProblemEndsAtItsIterations) {
-  for (const std::string planner : {"RRTConnect", "FMT", "BITstar", "LazyPRM", "SBL", "PDST"}) {
+  for (const std::string planner :
+       {"Connect", "RRTConnect", "FMT", "BITstar", "LazyPRM", "SBL", "PDST"}) {
     Problem problem = test::wallProblem();
     problem.world.objects[0] = test::box("wall", {0.05, 3, 0.5}, 0, 0, 0);
     problem.planner.name = planner;
@@ -175,7 +176,7 @@ TEST(Plan, UnsolvableProblemEndsAtItsIterations) {
 }
 
 TEST(Plan, UnsolvableProblemEndsAtItsTime) {
-  for (const std::string planner : {"RRTConnect", "PRM", "CForest"}) {
+  for (const std::string planner : {"Connect", "RRTConnect", "PRM", "CForest"}) {
     Problem problem = test::wallProblem();
     problem.world.objects[0] = test::box("wall", {0.05, 3, 0.5}, 0, 0, 0);
     problem.planner.name = planner;
@@ -185,7 +186,7 @@ TEST(Plan, UnsolvableProblemEndsAtItsTime) {
 }
 
 TEST(Plan, StopEndsAndProgressIsTold) {
-  for (const std::string planner : {"RRTConnect", "RRTstar", "PRM"}) {
+  for (const std::string planner : {"Connect", "RRTConnect", "RRTstar", "PRM"}) {
     Problem problem = test::wallProblem();
     problem.world.objects[0] = test::box("wall", {0.05, 3, 0.5}, 0, 0, 0);
     problem.planner.name = planner;

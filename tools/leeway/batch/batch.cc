@@ -5,8 +5,11 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <stdexcept>
+#include <variant>
 
 #include "leeway/planner/plan.h"
+#include "leeway/planner/planners.h"
 #include "leeway/planner/verify.h"
 #include "leeway/robots/input_error.h"
 #include "tools/leeway/batch/batch_list.h"
@@ -29,6 +32,7 @@ struct Arguments {
   std::vector<std::string> inputs;
   std::string shard, output;
   bool resume = false, verify = false;
+  int repeat = 1;
 };
 
 double secondsSince(Clock::time_point start) {
@@ -95,13 +99,48 @@ void count(const planner::PlanResult& result, Tally& tally) {
   }
 }
 
+/// Whether the clock decides what comes out: a planner improves its path as long as it may, or a
+/// plan took most of its time.
+bool isTimed(const planner::Problem& problem, const planner::PlanResult& result) {
+  const planner::PlannerTraits* traits = planner::findPlanner(problem.planner.name);
+  return !result.deterministic || traits == nullptr || traits->optimizing ||
+         !std::holds_alternative<planner::MinimumLength>(problem.objective) ||
+         result.plan_s + result.simplify_s + result.certify_s > 0.5 * problem.limits.time;
+}
+
+/// Plans a problem some times: its times are the medians. What the clock does not decide must come
+/// out the same each time.
+planner::PlanResult planRepeatedly(const planner::Problem& problem,
+                                   const planner::PlanOptions& options, int repeat) {
+  planner::PlanResult result = planner::plan(problem, options);
+  std::vector<double> compile_s{result.compile_s}, plan_s{result.plan_s},
+      simplify_s{result.simplify_s}, certify_s{result.certify_s};
+  for (int i = 1; i < repeat && !interrupted(); ++i) {
+    const planner::PlanResult again = planner::plan(problem, options);
+    if (!isTimed(problem, result) && !isTimed(problem, again) &&
+        again.path.positions != result.path.positions) {
+      throw std::logic_error(problem.name + ": planned twice, with two paths");
+    }
+    compile_s.push_back(again.compile_s);
+    plan_s.push_back(again.plan_s);
+    simplify_s.push_back(again.simplify_s);
+    certify_s.push_back(again.certify_s);
+  }
+  result.compile_s = median(compile_s);
+  result.plan_s = median(plan_s);
+  result.simplify_s = median(simplify_s);
+  result.certify_s = median(certify_s);
+  return result;
+}
+
 Json solve(const Arguments& arguments, const std::shared_ptr<const robots::Model>& model,
            const BatchItem& item, Tally& tally, WarningLog& warnings) {
   const auto start = Clock::now();
   planner::Problem problem = load(arguments, model, item, warnings);
   apply(arguments.overrides, problem);
   const double load_s = secondsSince(start);
-  const planner::PlanResult result = planner::plan(problem, interactivePlanOptions());
+  const planner::PlanResult result =
+      planRepeatedly(problem, planOptions(arguments.overrides), arguments.repeat);
   warnings.print(result.warnings);
   std::optional<planner::Trajectory> trajectory;
   if (result.status == planner::PlanStatus::kSolved) {
@@ -257,6 +296,10 @@ Verb addBatch(CLI::App& command) {
          "problem files or folders of them; with --robot folders of MoveIt scenes and requests")
       ->type_name("FILE|FOLDER")
       ->required();
+  app->add_option("--repeat", arguments->repeat,
+                  "plan each problem N times: times are medians, answers must be the same")
+      ->type_name("N")
+      ->check(CLI::Range(1, 1000000));
   addRobotArguments(*app, arguments->source);
   addPlanOverrides(*app, arguments->overrides);
   app->add_option("--shard", arguments->shard, "only every N-th problem from the i-th")

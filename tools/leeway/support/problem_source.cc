@@ -9,6 +9,7 @@
 
 #include "leeway/robots/cache_folder.h"
 #include "leeway/robots/input_error.h"
+#include "tools/leeway/support/terminal.h"
 
 namespace leeway::tools {
 namespace {
@@ -107,6 +108,17 @@ void addPlanOverrides(CLI::App& app, PlanOverrides& overrides) {
                  "planner by name; `leeway plan --planners` lists them")
       ->type_name("NAME");
   app.add_option("--objective", overrides.objective, "length or clearance")->type_name("NAME");
+  app.add_option("--certificate", overrides.certificate,
+                 "path: the path's least clearance to 0.1 mm, or as near as 0.3 ms of work allow; "
+                 "full: that of each edge, whatever it takes")
+      ->type_name("path|full")
+      ->check(CLI::IsMember({"path", "full"}));
+}
+
+planner::PlanOptions planOptions(const PlanOverrides& overrides) {
+  planner::PlanOptions options = interactivePlanOptions();
+  if (overrides.certificate == "full") options.detail = planner::CertificateDetail::kEveryEdge;
+  return options;
 }
 
 robots::LoadOptions loadOptions(const ProblemSource& source) {

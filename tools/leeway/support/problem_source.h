@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "leeway/planner/plan.h"
 #include "leeway/planner/problem.h"
 
 namespace leeway::tools {
@@ -27,7 +28,10 @@ struct PlanOverrides {
   std::optional<double> time_limit;  ///< [s]
   std::optional<std::int64_t> iteration_limit;
   std::string planner, objective;
+  std::string certificate = "path";
 };
+/// interactivePlanOptions() with the certificate that is asked for.
+planner::PlanOptions planOptions(const PlanOverrides& overrides);
 
 void addRobotArguments(CLI::App& app, ProblemSource& source);
 void addProblemArguments(CLI::App& app, ProblemSource& source);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <span>
 #include <vector>
@@ -37,6 +38,17 @@ struct EdgeCheck {
   double last_valid = 0;  ///< the edge is certified on [0, last_valid]; 1 when free
   double t = 0;           ///< not free or undecided: where
   int pair = -1;          ///< and which pair; -1: none in particular
+};
+
+/// What is asked of an edge's clearance.
+struct ClearanceRequest {
+  double tolerance = 1e-4;  ///< width of an interval that is good enough [m]
+  /// Stops as soon as the minimum is known to be below it (upper < cutoff) [m].
+  double cutoff = -std::numeric_limits<double>::infinity();
+  /// Stops as soon as the minimum is known to be at least that [m]; the upper end is infinity where
+  /// no distance was needed to know.
+  double wanted = std::numeric_limits<double>::infinity();
+  std::int64_t work_limit = 0;  ///< as EdgeRequest's; 0: about 0.1 s
 };
 
 /// Where along an edge the least clearance is, as a certified interval.
@@ -79,10 +91,17 @@ class EdgeCertifier {
   /// Certifies the edge from a to b as the space interpolates it.
   EdgeCheck certify(std::span<const double> a, std::span<const double> b,
                     const EdgeRequest& request = {});
-  /// The minimum clearance along the edge to within tolerance [m], or as near as its work limit
-  /// allows. `cutoff`: stops as soon as the minimum is known to be below it (upper < cutoff).
+  /// For searches: the default work, doubled for every kEscalation edges that it has left
+  /// undecided, up to persistent(). So an edge that a planner cannot do without is decided in the
+  /// end, and few wait for it.
+  EdgeRequest searching() const;
+  /// The minimum clearance along the edge, as near as the request's work limit allows.
   EdgeClearance edgeClearance(std::span<const double> a, std::span<const double> b,
-                              double tolerance, double cutoff);
+                              const ClearanceRequest& request);
+  EdgeClearance edgeClearance(std::span<const double> a, std::span<const double> b,
+                              double tolerance, double cutoff) {
+    return edgeClearance(a, b, {.tolerance = tolerance, .cutoff = cutoff});
+  }
 
   struct Statistics {
     std::uint64_t states = 0, edges = 0, distance_queries = 0, intervals = 0;

@@ -27,14 +27,20 @@ struct Certificate {
   double closest_t = 0;
   Eigen::Vector3d closest_point_a = Eigen::Vector3d::Zero();  ///< on closest_a, world [m]
   Eigen::Vector3d closest_point_b = Eigen::Vector3d::Zero();
-  std::vector<Interval> segments;  ///< one an edge [m]
-  bool certified = false;          ///< every edge proven to keep its margins
+  /// One an edge [m]. Under CertificateDetail::kPath an upper end may be infinity: not looked for.
+  std::vector<Interval> segments;
+  bool certified = false;  ///< every edge proven to keep its margins
 };
+
+/// kPath: the path's clearance, best first, to within the tolerance or as near as about 0.3 ms of
+/// counted work allow. kEveryEdge: each edge's to within the tolerance, whatever it takes.
+enum class CertificateDetail : unsigned char { kPath, kEveryEdge };
 
 struct PlanOptions {
   std::function<bool()> stop;  ///< called often; true ends the run
   std::function<void(const std::string& phase, double elapsed_s)> progress;
   double clearance_tolerance = 1e-4;  ///< of the certificate [m]
+  CertificateDetail detail = CertificateDetail::kPath;
 };
 
 struct PlanResult {
@@ -73,7 +79,7 @@ struct PlanResult {
 /// MinimumLength: a free straight edge to the nearest goal is the answer, without a planner.
 /// Planners that optimise run until the limits, others stop at their first path.
 /// MaximumClearance: planners that optimise maximise the least clearance along the path, their
-/// edges' costs being certified bounds; the others, RRTConnect among them, are run again and again
+/// edges' costs being certified bounds; the others, Connect among them, are run again and again
 /// with rising margins, which climbs faster. Both end early when start or goal have no more
 /// clearance than the path. Simplification keeps the clearance that was reached.
 ///
@@ -85,7 +91,8 @@ PlanResult plan(const Problem& problem, const PlanOptions& options = {});
 PlanResult plan(std::shared_ptr<const CompiledScene> scene, const Problem& problem,
                 const PlanOptions& options = {});
 
-/// The certificate of any path, each edge's minimum clearance to within tolerance [m].
-Certificate certify(EdgeCertifier& certifier, const Path& path, double tolerance);
+/// The certificate of any path, its clearances to within tolerance [m].
+Certificate certify(EdgeCertifier& certifier, const Path& path, double tolerance,
+                    CertificateDetail detail = CertificateDetail::kEveryEdge);
 
 }  // namespace leeway::planner

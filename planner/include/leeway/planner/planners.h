@@ -28,9 +28,9 @@ struct PlannerParameter {
   std::string suggestion;  ///< OMPL's notation: "first:step:last" or "0,1"; may be empty
 };
 
-/// The geometric planners of OMPL 1.5.2, RRTConnect first. Left out, as they need more than a space
-/// and a projection: TSRRT (a task space), VFRRT (a vector field), XXL (a decomposition), QRRT (a
-/// sequence of spaces), LightningRetrieveRepair and ThunderRetrieveRepair (a database of
+/// Connect, our own, and the geometric planners of OMPL 1.5.2. Left out, as they need more than a
+/// space and a projection: TSRRT (a task space), VFRRT (a vector field), XXL (a decomposition),
+/// QRRT (a sequence of spaces), LightningRetrieveRepair and ThunderRetrieveRepair (a database of
 /// experience). Left out, as it aborts the program: LazyLBTRRT (LPAstarOnGraph::removeEdge asserts
 /// that no edge leads to the root, which its own roadmap has).
 const std::vector<PlannerTraits>& plannerNames();

@@ -111,7 +111,7 @@ std::optional<Objective> objectiveOfName(std::string_view name);  ///< inverse o
 
 /// Which planner runs, and how.
 struct PlannerChoice {
-  std::string name = "RRTConnect";                ///< see planners.h
+  std::string name = "Connect";                   ///< see planners.h
   std::map<std::string, std::string> parameters;  ///< by OMPL's names
   bool simplify = true;                           ///< the path that it finds
 };

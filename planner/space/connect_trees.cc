@@ -1,0 +1,156 @@
+#include "planner/space/connect_trees.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "planner/base/tolerances.h"
+
+namespace leeway::planner {
+namespace {
+
+constexpr float kUnlimited = std::numeric_limits<float>::infinity();
+
+/// Whether a number of a point is an angle.
+bool isAngle(const ConfigurationSpace& space, int i) {
+  const robots::Model& model = space.model();
+  const int v = space.variables()[static_cast<std::size_t>(i)];
+  const robots::Joint& joint =
+      model.joints[static_cast<std::size_t>(model.variables[static_cast<std::size_t>(v)].joint)];
+  const bool planar_angle =
+      joint.type == robots::JointType::kPlanar && v == joint.first_variable + 2;
+  return joint.type == robots::JointType::kRevolute ||
+         joint.type == robots::JointType::kContinuous || planar_angle;
+}
+
+}  // namespace
+
+double usefulExtent(const ConfigurationSpace& space) {
+  double squared = 0;
+  for (const ConfigurationSpace::Part& part : space.parts()) {
+    double range = std::numbers::pi;
+    if (part.kind == ConfigurationSpace::Kind::kLine) {
+      range = space.upper(part.first) - space.lower(part.first);
+      if (isAngle(space, part.first)) range = std::min(range, std::numbers::pi);
+    }
+    squared += part.weight * range * part.weight * range;
+  }
+  return std::sqrt(squared);
+}
+
+double defaultRange(const ConfigurationSpace& space) {
+  double dimension = 0;
+  for (const ConfigurationSpace::Part& part : space.parts())
+    dimension += part.kind == ConfigurationSpace::Kind::kRotation ? 3 : 1;
+  return usefulExtent(space) * std::min(kLongestRange, kRangeShare / (dimension * dimension));
+}
+
+ConnectTrees::ConnectTrees(const ConnectTask& task, const ConnectSettings& settings,
+                           std::uint64_t seed)
+    : task_(task),
+      settings_(settings),
+      random_(seed),
+      size_(static_cast<std::size_t>(task.space.size())),
+      trees_{Tree(task.space), Tree(task.space)},
+      sample_(size_),
+      next_(size_) {
+  add(trees_[0], task.start, 0);
+  for (const std::vector<double>& goal : task.goals)
+    add(trees_[1], goal, static_cast<std::uint32_t>(trees_[1].nearest.size()));
+}
+
+std::span<const double> ConnectTrees::pointOf(const Tree& tree, std::uint32_t node) const {
+  return std::span<const double>(tree.points).subspan(node * size_, size_);
+}
+
+std::uint32_t ConnectTrees::add(Tree& tree, std::span<const double> point, std::uint32_t parent) {
+  const auto node = static_cast<std::uint32_t>(tree.nearest.size());
+  tree.nearest.add(point);
+  tree.points.insert(tree.points.end(), point.begin(), point.end());
+  tree.parent.push_back(parent);
+  tree.radius.push_back(kUnlimited);
+  return node;
+}
+
+void ConnectTrees::sample() {
+  for (const ConfigurationSpace::Part& part : task_.space.parts()) {
+    double& x = sample_[static_cast<std::size_t>(part.first)];
+    switch (part.kind) {
+      case ConfigurationSpace::Kind::kLine:
+        x = random_.uniform(task_.space.lower(part.first), task_.space.upper(part.first));
+        break;
+      case ConfigurationSpace::Kind::kCircle:
+        x = -std::numbers::pi + 2 * std::numbers::pi * random_.uniform();
+        break;
+      case ConfigurationSpace::Kind::kRotation:
+        random_.quaternion(&x);
+        break;
+    }
+  }
+}
+
+bool ConnectTrees::stepTowards(const Tree& tree, std::uint32_t node, std::span<const double> target,
+                               double distance) {
+  const std::span<const double> from = pointOf(tree, node);
+  task_.space.interpolate(from, target, std::min(1.0, settings_.range / distance), next_);
+  return task_.isFree(from, next_);
+}
+
+bool ConnectTrees::iterate() {
+  const std::size_t sizes[2] = {trees_[0].nearest.size(), trees_[1].nearest.size()};
+  growing_ =
+      settings_.balance && sizes[0] != sizes[1] ? (sizes[0] < sizes[1] ? 0 : 1) : 1 - growing_;
+  Tree& tree = trees_[growing_];
+  Tree& other = trees_[1 - growing_];
+  sample();
+  const NearestNodes::Nearest near = tree.nearest.nearest(sample_);
+  float& radius = tree.radius[near.node];
+  if (near.distance > radius) return false;
+  const double distance = task_.space.distance(pointOf(tree, near.node), sample_);
+  if (!(distance > 0)) return false;
+  if (!stepTowards(tree, near.node, sample_, distance)) {
+    if (settings_.dynamic_domain) {
+      const auto range = static_cast<float>(settings_.range);
+      radius = radius == kUnlimited ? kDomainRadius * range
+                                    : std::max(radius * (1 - kDomainRate), kLeastDomain * range);
+    }
+    return false;
+  }
+  radius *= 1 + kDomainRate;
+  std::uint32_t node = add(tree, next_, near.node);
+  // Steps of equal length to the nearest node of the other tree, as far as they are free.
+  const std::uint32_t goal = other.nearest.nearest(next_).node;
+  from_ = next_;
+  const std::span<const double> to = pointOf(other, goal);
+  const double steps = std::ceil(task_.space.distance(from_, to) / settings_.range);
+  for (double i = 1; i <= steps; ++i) {
+    if (i == steps)
+      std::copy(to.begin(), to.end(), next_.begin());
+    else
+      task_.space.interpolate(from_, to, i / steps, next_);
+    if (!task_.isFree(pointOf(tree, node), next_)) return false;
+    if (i < steps) node = add(tree, next_, node);
+  }
+  met_[growing_] = node;
+  met_[1 - growing_] = goal;
+  return true;
+}
+
+std::vector<std::vector<double>> ConnectTrees::path() const {
+  std::vector<std::vector<double>> path;
+  const auto append = [&](const Tree& tree, std::uint32_t node) {
+    for (;; node = tree.parent[node]) {
+      const std::span<const double> point = pointOf(tree, node);
+      if (path.empty() || !std::equal(point.begin(), point.end(), path.back().begin()))
+        path.emplace_back(point.begin(), point.end());
+      if (tree.parent[node] == node) return;
+    }
+  };
+  append(trees_[0], met_[0]);
+  std::reverse(path.begin(), path.end());
+  append(trees_[1], met_[1]);
+  return path;
+}
+
+}  // namespace leeway::planner

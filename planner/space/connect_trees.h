@@ -1,0 +1,86 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "leeway/planner/configuration_space.h"
+#include "planner/base/random.h"
+#include "planner/space/nearest_nodes.h"
+
+namespace leeway::planner {
+
+/// What ConnectTrees searches. All must outlive it.
+struct ConnectTask {
+  const ConfigurationSpace& space;
+  std::span<const double> start;
+  const std::vector<std::vector<double>>& goals;  ///< at least one; any of them will do
+  /// Whether the edge between two points is free.
+  const std::function<bool(std::span<const double>, std::span<const double>)>& isFree;
+};
+
+/// The space's extent with each joint's turn counted up to half a turn: beyond, a turn comes round
+/// again, and steps should not grow with it. O(parts).
+double usefulExtent(const ConfigurationSpace& space);
+
+/// A range for spaces that nothing else is known of: shorter with more joints, as fewer of the long
+/// edges are free. O(parts).
+double defaultRange(const ConfigurationSpace& space);
+
+struct ConnectSettings {
+  /// The longest edge, in the space's distance; positive.
+  double range = 1;
+  /// Both trees grow to about the same size; otherwise they take turns.
+  bool balance = true;
+  /// A node whose edge has failed is extended only towards samples within its radius, which shrinks
+  /// with each failure and grows with each success: Yershova, Jaillet, Simeon, LaValle,
+  /// "Dynamic-domain RRTs", 2005; the adaptive radius is that of Jaillet et al. 2005.
+  bool dynamic_domain = true;
+};
+
+/// RRT-Connect (Kuffner, LaValle, "RRT-Connect: an efficient approach to single-query path
+/// planning", 2000): a tree from the start and one from the goals, which grow towards each other.
+/// Points are stored flat; the search allocates only as its trees grow. It can be left and gone on
+/// with: the same calls find the same path, whatever happens in between.
+class ConnectTrees {
+ public:
+  /// `task`'s start and goals are valid. O(goals).
+  ConnectTrees(const ConnectTask& task, const ConnectSettings& settings, std::uint64_t seed);
+
+  /// One sample, and what follows from it: an edge towards it and the connection to the other tree.
+  /// True when the trees have met; then it must not be called again. O(nodes), and its edges.
+  bool iterate();
+  /// After iterate() was true: from the start to a goal, every edge as isFree() was asked about it,
+  /// some from their ends.
+  std::vector<std::vector<double>> path() const;
+  std::size_t nodes() const { return trees_[0].nearest.size() + trees_[1].nearest.size(); }
+
+ private:
+  struct Tree {
+    explicit Tree(const ConfigurationSpace& space) : nearest(space) {}
+    NearestNodes nearest;
+    std::vector<double> points;         ///< node by node
+    std::vector<std::uint32_t> parent;  ///< of a root itself
+    std::vector<float> radius;          ///< of the dynamic domain
+  };
+  std::span<const double> pointOf(const Tree& tree, std::uint32_t node) const;
+  std::uint32_t add(Tree& tree, std::span<const double> point, std::uint32_t parent);
+  void sample();
+  /// From a node towards `target`, to the point at most `range` away; false when the edge is not
+  /// free. `next_` is where it ends.
+  bool stepTowards(const Tree& tree, std::uint32_t node, std::span<const double> target,
+                   double distance);
+
+  ConnectTask task_;
+  ConnectSettings settings_;
+  Random random_;
+  std::size_t size_;
+  Tree trees_[2];  ///< of the start, of the goals
+  int growing_ = 1;
+  std::vector<double> sample_, next_, from_;
+  std::uint32_t met_[2] = {0, 0};  ///< nodes of both trees with the same point
+};
+
+}  // namespace leeway::planner

@@ -1,0 +1,116 @@
+#include "planner/space/connect_trees.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <memory>
+#include <numbers>
+#include <span>
+#include <vector>
+
+#include "tests/support/mixed_space.h"
+
+namespace leeway::planner {
+namespace {
+
+using Point = std::span<const double>;
+using Edge = std::function<bool(Point, Point)>;
+
+/// A point in the square from -2 to 2.
+ConfigurationSpace square() {
+  robots::RobotDescription robot = robots::testing::chain(
+      3, robots::JointType::kPrismatic, 2, [](int, robots::Link&, robots::Joint&) {});
+  return {std::make_shared<robots::Model>(std::move(robot)), {0, 1}};
+}
+
+/// A wall at x = 0 with a gap of that width about y = 1.
+Edge wallWithGap(double gap) {
+  return [gap](Point a, Point b) {
+    if ((a[0] < 0) == (b[0] < 0)) return true;
+    const double y = a[1] + (b[1] - a[1]) * a[0] / (a[0] - b[0]);
+    return std::abs(y - 1) < gap / 2;
+  };
+}
+
+struct Found {
+  std::vector<std::vector<double>> path;
+  int iterations = 0;
+};
+
+Found search(const ConfigurationSpace& space, const std::vector<double>& start,
+             const std::vector<std::vector<double>>& goals, const Edge& edge,
+             ConnectSettings settings, std::uint64_t seed, int limit = 100000) {
+  ConnectTrees trees({space, start, goals, edge}, settings, seed);
+  Found found;
+  while (++found.iterations < limit)
+    if (trees.iterate()) {
+      found.path = trees.path();
+      break;
+    }
+  return found;
+}
+
+TEST(ConnectTrees, FindsTheGapWithAnySettings) {
+  const ConfigurationSpace space = square();
+  const std::vector<double> start{-1, -1};
+  const std::vector<std::vector<double>> goals{{1, -1}};
+  const Edge edge = wallWithGap(0.1);
+  for (const bool balance : {false, true})
+    for (const bool dynamic : {false, true})
+      for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+        const ConnectSettings settings{0.3, balance, dynamic};
+        const Found found = search(space, start, goals, edge, settings, seed);
+        ASSERT_GE(found.path.size(), 2U) << seed;
+        EXPECT_EQ(found.path.front(), start);
+        EXPECT_EQ(found.path.back(), goals[0]);
+        for (std::size_t i = 1; i < found.path.size(); ++i) {
+          EXPECT_TRUE(edge(found.path[i - 1], found.path[i]));
+          EXPECT_LE(space.distance(found.path[i - 1], found.path[i]), 0.3 * (1 + 1e-12));
+        }
+      }
+}
+
+TEST(ConnectTrees, OneSeedIsOnePath) {
+  const ConfigurationSpace space = testing::mixedSpace(false);
+  Random random(3);
+  const std::vector<double> start = testing::randomPoint(random, space);
+  const std::vector<std::vector<double>> goals{testing::randomPoint(random, space),
+                                               testing::randomPoint(random, space)};
+  const Edge edge = [](Point a, Point b) { return std::sin(5 * a[0]) + std::sin(7 * b[1]) < 1; };
+  const Found first = search(space, start, goals, edge, {1, true, true}, 4);
+  const Found again = search(space, start, goals, edge, {1, true, true}, 4);
+  ASSERT_FALSE(first.path.empty());
+  EXPECT_EQ(first.path, again.path);
+  EXPECT_NE(first.path, search(space, start, goals, edge, {1, true, true}, 5).path);
+}
+
+TEST(ConnectTrees, ReachesOneOfSeveralGoals) {
+  const ConfigurationSpace space = square();
+  // The second goal cannot be reached.
+  const std::vector<std::vector<double>> goals{{1, 1}, {1.5, -1.5}};
+  const Edge edge = [](Point a, Point b) {
+    return !(b[0] > 1.4 && b[1] < -1.4) && !(a[0] > 1.4 && a[1] < -1.4);
+  };
+  const Found found = search(space, {-1, 0}, goals, edge, {0.5, true, true}, 1);
+  ASSERT_FALSE(found.path.empty());
+  EXPECT_EQ(found.path.back(), goals[0]);
+}
+
+TEST(ConnectTrees, NothingIsFoundWhereNothingIsFree) {
+  const ConfigurationSpace space = square();
+  const Edge edge = [](Point, Point) { return false; };
+  EXPECT_TRUE(search(space, {-1, 0}, {{1, 0}}, edge, {0.5, true, true}, 1, 1000).path.empty());
+}
+
+TEST(ConnectTrees, ExtentCountsTurnsUpToHalfOnes) {
+  // Two numbers from -2 to 2, and one of them a slide.
+  EXPECT_NEAR(usefulExtent(square()), std::sqrt(32.0), 1e-12);
+  robots::RobotDescription robot = robots::testing::chain(
+      3, robots::JointType::kRevolute, 2, [](int, robots::Link&, robots::Joint&) {});
+  const ConfigurationSpace turning{std::make_shared<robots::Model>(std::move(robot)), {0, 1}};
+  EXPECT_NEAR(usefulExtent(turning), std::sqrt(2 * std::numbers::pi * std::numbers::pi), 1e-12);
+}
+
+}  // namespace
+}  // namespace leeway::planner
