@@ -234,6 +234,7 @@ constexpr std::uint64_t kConnectTurn = 16;
 /// six and seven joints, 0.04 suits fourteen.
 constexpr double kRangeShare = 7;
 constexpr double kLongestRange = 0.14;
+constexpr double kShortestRange = 1e-4;
 
 /// The dynamic domain of Connect: a node's radius after its first failure and the least one, in
 /// ranges, and the share by which it shrinks and grows (4, 1 and 1e-4 as in VAMP's).
@@ -265,16 +266,20 @@ constexpr double kClearanceTolerance = 1e-3;
 /// path can have. Together less than kClearanceTolerance, or it would not see that it has arrived.
 constexpr double kBoundTolerance = 2.5e-4;
 
-/// How closely each edge of a path is first looked at for the path's least clearance [m]: only the
-/// nearest ones are then refined.
-constexpr double kRoughClearance = 1e-3;
+/// A first look at an edge's clearance: how wide the distances may be, what is far enough for any
+/// robot [m], the passes of lanes, each at half the clearance of the one before, and what it may
+/// cost [units of Work, about a thousand a microsecond].
+constexpr double kRoughClearance = 1e-4;
+constexpr double kRoughMost = 0.1;
+constexpr int kRoughPasses = 6;
+constexpr std::int64_t kRoughWork = 30'000;
 
-/// What that look may cost an edge, and what each refinement of the nearest edge may [units of
-/// Work, about a thousand a microsecond], and how many of these there are at most. A path that hugs
-/// an obstacle takes tens of milliseconds to know to 0.1 mm.
-constexpr std::int64_t kRoughWork = 20'000;
-constexpr std::int64_t kLeastWork = 100'000;
-constexpr int kLeastRefinements = 2;
+/// How closely a certificate then knows a path's least clearance, as a share of it; how often the
+/// nearest edge is looked at for that, and what each look may cost. To know a path that hugs an
+/// obstacle to 0.1 mm takes tens of milliseconds.
+constexpr double kLeastShare = 0.1;
+constexpr int kLeastRefinements = 4;
+constexpr std::int64_t kLeastWork = 400'000;
 
 /// Iterations of the first search with raised margins: a fraction of a second, and doubled when it
 /// proves too few.

@@ -215,6 +215,10 @@ std::shared_ptr<const CompiledScene> CompiledScene::withShapes(
     std::span<const Replacement> shapes) const {
   auto changed = std::make_shared<CompiledScene>(*this);
   for (const Replacement& r : shapes) {
+    // The robot's lanes are made once.
+    if (at(r.body) < edgeModel().robot->scene().bodies().size())
+      throw std::invalid_argument("CompiledScene::withShapes(): body " + std::to_string(r.body) +
+                                  " is the robot's; a deforming obstacle is expected");
     changed->scene_.setShape(r.body, r.geometry, r.shape);
     changed->scene_.growMargins(r.body, r.geometry, r.growth);
   }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <stdexcept>
 #include <utility>
 
 #include "collision/mesh/descent/sweep_fronts.h"
@@ -14,6 +15,7 @@ namespace leeway::planner {
 
 EdgeCertifier::Impl::Impl(std::shared_ptr<const CompiledScene> compiled)
     : scene(std::move(compiled)),
+      most_pairs(scene->scene().pairs().size()),
       frames(scene, kEdgeSlots),
       lanes(frames),
       workspace(scene->scene()) {
@@ -70,6 +72,8 @@ EdgeCertifier::Statistics& EdgeCertifier::Statistics::operator+=(const Statistic
 }
 
 void EdgeCertifier::rebind(std::shared_ptr<const CompiledScene> scene) {
+  if (scene->scene().pairs().size() > impl_->most_pairs)
+    throw std::invalid_argument("EdgeCertifier::rebind(): the scene has more pairs than the first");
   impl_->frames.rebind(scene);
   impl_->boundPairs();
   impl_->lanes_fit = false;

@@ -15,6 +15,7 @@ namespace leeway::planner {
 /// The state of one search.
 struct EdgeCertifier::Impl::ClearanceSearch {
   double tolerance, cutoff, wanted;
+  bool is_limited = false;   ///< by the caller: where its work ends, so does the search
   double lower = kInfinity;  ///< of everything that is settled
   bool sweeps = true;        ///< sweeps may be asked
   bool swept = false;        ///< some pairs are settled by sweeps that miss containment
@@ -142,7 +143,8 @@ EdgeClearance EdgeCertifier::edgeClearance(std::span<const double> a, std::span<
                                            const ClearanceRequest& request) {
   ++statistics.edges;
   Impl& impl = *impl_;
-  Impl::ClearanceSearch search{request.tolerance, request.cutoff, request.wanted};
+  Impl::ClearanceSearch search{request.tolerance, request.cutoff, request.wanted,
+                               request.work_limit > 0};
   if (impl.frames.pairs().empty()) return search.best;
   const std::int64_t work_limit = request.work_limit > 0 ? request.work_limit : kClearanceWork;
   impl.startWork(work_limit);
@@ -175,6 +177,31 @@ EdgeClearance EdgeCertifier::edgeClearance(std::span<const double> a, std::span<
   search.best.clearance.lower =
       search.isCutOff() ? -kInfinity : std::min(search.lower, search.best.clearance.upper);
   return search.best;
+}
+
+EdgeClearance EdgeCertifier::roughClearance(std::span<const double> a, std::span<const double> b,
+                                            double most) {
+  ++statistics.edges;
+  Impl& impl = *impl_;
+  Impl::ClearanceSearch search{kRoughClearance, -kInfinity, kInfinity};
+  if (impl.frames.pairs().empty()) return search.best;
+  impl.startWork(kRoughWork);
+  impl.queries = 0;
+  EdgeClearance& best = search.best;
+  best.clearance.lower = -kInfinity;
+  if (!impl.frames.begin(a, b) || !impl.lanes_fit || !impl.lanes.begin(impl.frames)) return best;
+  const double least = impl.least_margin;
+  double beyond = std::max(0.0, most - least);
+  for (int pass = 0; pass < kRoughPasses && !impl.work.isSpent(); ++pass) {
+    if (impl.lanes.sweepBeyond(beyond).id >= 0) break;
+    if (impl.lanes.open().empty()) {
+      best.clearance.lower = std::min(least + beyond, best.clearance.upper);
+      break;
+    }
+    impl.searchOpenLanes(EdgeLanes::wholeEdge(), 1, search);
+    beyond = std::min(beyond, std::max(0.0, best.clearance.upper - least)) / 2;
+  }
+  return best;
 }
 
 /// Lists the lanes that are not proven to be far enough, and settles the rest. False, with nothing
@@ -221,6 +248,10 @@ void EdgeCertifier::Impl::searchOpenLanes(const EdgeLanes::Parts& parts, int cou
 /// Settles the listed intervals, and the halves of what stays open, level by level.
 void EdgeCertifier::Impl::searchIntervals(ClearanceSearch& search) {
   while (!intervals.empty() && !search.isCutOff()) {
+    if (search.is_limited && work.isSpent()) {
+      search.settle(-kInfinity);  // what is left would cost a distance each
+      return;
+    }
     next_intervals.clear();
     next_open_pairs.clear();
     for (EdgeInterval& interval : intervals) {

@@ -49,7 +49,13 @@ RobotPairs::RobotPairs(const Problem& problem, std::span<const robots::VariableR
       model_(*problem.robot.model),
       ranges_(ranges),
       poses_(model_.links.size()) {
-  robots::forwardKinematics(model_, problem.start, poses_);
+  // Links that nothing moves stand where the ranges say, which are what a prepared robot is known
+  // by. A planned joint may be locked by its limits, and a start that is refused later lie outside
+  // them.
+  std::vector<double> fixed = problem.start;
+  for (std::size_t v = 0; v < ranges.size(); ++v)
+    if (ranges[v].lower == ranges[v].upper) fixed[v] = ranges[v].lower;
+  robots::forwardKinematics(model_, fixed, poses_);
   addLinks();
   addAttachments();
   findAllowed();
@@ -172,7 +178,7 @@ bool RobotPairs::isPassiveWithinLimits() const {
   for (std::size_t v = 0; v < model_.variables.size(); ++v) {
     const robots::Variable& variable = model_.variables[v];
     if (ranges_[v].lower != ranges_[v].upper) continue;
-    if (problem_.start[v] < variable.lower || problem_.start[v] > variable.upper) return false;
+    if (ranges_[v].lower < variable.lower || ranges_[v].lower > variable.upper) return false;
   }
   return true;
 }

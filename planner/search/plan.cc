@@ -189,8 +189,11 @@ class Plan {
   bool certifyPath(Waypoints path) {
     splitHalfTurns(scene_->space(), path);
     result_.path.positions = std::move(path);
+    // Who asks for clearance wants to know how much there is.
+    const CertificateDetail detail =
+        wantsLength() ? options_.detail : CertificateDetail::kEveryEdge;
     result_.certificate =
-        planner::certify(certifier(), result_.path, options_.clearance_tolerance, options_.detail);
+        planner::certify(certifier(), result_.path, options_.clearance_tolerance, detail);
     return result_.certificate.certified;
   }
 

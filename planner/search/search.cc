@@ -130,8 +130,11 @@ std::optional<Waypoints> Search::connect(std::uint64_t seed, std::uint64_t budge
   // A scene with raised margins may leave no room at the ends.
   if (goals.empty() || certifier().decide(task_.start) != Verdict::kFree) return std::nullopt;
   const std::function<bool(std::span<const double>, std::span<const double>)> is_free =
-      [&own = certifier()](std::span<const double> a, std::span<const double> b) {
-        return own.certify(a, b, own.searching()).verdict == Verdict::kFree;
+      [&own = certifier(), &limits, asked = 0U, over = false](std::span<const double> a,
+                                                              std::span<const double> b) mutable {
+        // One iteration may ask many edges.
+        if (++asked % kConnectTurn == 0) over = over || limits.over();
+        return !over && own.certify(a, b, own.searching()).verdict == Verdict::kFree;
       };
   const ConnectTask task{scene_->space(), task_.start, goals, is_free};
   const ConnectSettings settings = connectSettings();

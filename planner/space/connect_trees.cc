@@ -55,6 +55,10 @@ ConnectTrees::ConnectTrees(const ConnectTask& task, const ConnectSettings& setti
       trees_{Tree(task.space), Tree(task.space)},
       sample_(size_),
       next_(size_) {
+  // A range that is no length, or so short that a connection would never end, is none of anybody's.
+  const double extent = usefulExtent(task.space);
+  if (!(settings_.range >= kShortestRange * extent)) settings_.range = kShortestRange * extent;
+  if (!(settings_.range > 0)) settings_.range = 1;  // all is locked, or two points are one
   add(trees_[0], task.start, 0);
   for (const std::vector<double>& goal : task.goals)
     add(trees_[1], goal, static_cast<std::uint32_t>(trees_[1].nearest.size()));
@@ -123,7 +127,7 @@ bool ConnectTrees::iterate() {
   const std::uint32_t goal = other.nearest.nearest(next_).node;
   from_ = next_;
   const std::span<const double> to = pointOf(other, goal);
-  const double steps = std::ceil(task_.space.distance(from_, to) / settings_.range);
+  const double steps = std::max(1.0, std::ceil(task_.space.distance(from_, to) / settings_.range));
   for (double i = 1; i <= steps; ++i) {
     if (i == steps)
       std::copy(to.begin(), to.end(), next_.begin());

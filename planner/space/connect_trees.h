@@ -30,7 +30,7 @@ double usefulExtent(const ConfigurationSpace& space);
 double defaultRange(const ConfigurationSpace& space);
 
 struct ConnectSettings {
-  /// The longest edge, in the space's distance; positive.
+  /// The longest edge, in the space's distance; at least kShortestRange of its extent.
   double range = 1;
   /// Both trees grow to about the same size; otherwise they take turns.
   bool balance = true;

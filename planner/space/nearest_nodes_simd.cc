@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "planner/space/nearest_nodes.h"
 
@@ -35,7 +36,8 @@ HWY_INLINE V squaredDistances(const NearestNodes::Layout& layout, const float* b
   }
   for (std::size_t i = 0; i < layout.circles; ++i, ++row) {
     const V x = hn::Abs(hn::Sub(hn::LoadU(d, block + row * kStride), hn::Set(d, query[row])));
-    const V shorter = hn::Min(x, hn::Abs(hn::Sub(hn::Set(d, turn[row]), x)));
+    const V other = hn::Abs(hn::Sub(hn::Set(d, turn[row]), x));
+    const V shorter = hn::IfThenElse(hn::Lt(other, x), other, x);
     sum = hn::Add(sum, hn::Mul(shorter, shorter));
   }
   // |p - q|^2 = 2 - 2 p.q, of p and -p the nearer one.
@@ -43,7 +45,9 @@ HWY_INLINE V squaredDistances(const NearestNodes::Layout& layout, const float* b
     V dot = hn::Zero(d);
     for (std::size_t k = row; k < row + 4; ++k)
       dot = hn::Add(dot, hn::Mul(hn::LoadU(d, block + k * kStride), hn::Set(d, query[k])));
-    const V chord = hn::Sub(hn::Set(d, 1.0F), hn::Min(hn::Abs(dot), hn::Set(d, 1.0F)));
+    // Not Min(), which would make a number of padding's NaN.
+    const V one = hn::Set(d, 1.0F), cosine = hn::Abs(dot);
+    const V chord = hn::IfThenZeroElse(hn::Ge(cosine, one), hn::Sub(one, cosine));
     sum = hn::Add(sum, hn::Mul(hn::Set(d, turn[row]), chord));
   }
   return sum;
@@ -119,8 +123,13 @@ void NearestNodes::clear() {
 }
 
 void NearestNodes::write(std::span<const double> point, float* first, std::size_t stride) const {
-  for (std::size_t row = 0; row < order_.size(); ++row)
-    first[row * stride] = weight_[row] * static_cast<float>(point[order_[row]]);
+  for (std::size_t row = 0; row < order_.size(); ++row) {
+    double x = point[order_[row]];
+    // Paths may wind round a circle more than once: lanes take off one turn at most.
+    if (row >= layout_.lines && row < layout_.lines + layout_.circles)
+      x = std::remainder(x, 2 * std::numbers::pi);
+    first[row * stride] = weight_[row] * static_cast<float>(x);
+  }
 }
 
 void NearestNodes::add(std::span<const double> point) {

@@ -40,6 +40,42 @@ std::vector<double> randomPoint(Random& random, const Problem& problem) {
   return robots::testing::randomConfiguration(random, *problem.robot.model);
 }
 
+// Regression: a planned joint that its limits lock was placed by the start of the problem that came
+// first, though that start was refused later, for all problems after it.
+TEST(PreparedRobot, ALockedJointStandsAtItsLimits) {
+  const auto makeArm = [] {
+    auto robot = robots::testing::chain(
+        4, robots::JointType::kRevolute, 2, [](int i, robots::Link& link, robots::Joint& joint) {
+          link.geometries.push_back({collision::Shape::sphere(0.1), {}, link.name});
+          joint.axis = Eigen::Vector3d::UnitZ();
+          if (i > 0) joint.X_PJ.translation = {0.5, 0, 0};
+        });
+    robot.variables[0].lower = robot.variables[0].upper = 0;
+    robot.has_srdf = true;
+    return std::make_shared<robots::Model>(std::move(robot));
+  };
+  const auto problemOf = [](const std::shared_ptr<const robots::Model>& model) {
+    Problem problem = test::problemOf(model, {0, 0, 0}, {0, 1, 1});
+    problem.world.objects.push_back(test::box("wall", {0.2, 0.2, 0.2}, 1, 0, 0));
+    return problem;
+  };
+  const auto warm = makeArm(), cold = makeArm();
+  Problem outside = problemOf(warm);
+  outside.start[0] = 1.57;
+  CompiledScene before(outside);
+  EdgeCertifier after(std::make_shared<const CompiledScene>(problemOf(warm)));
+  EdgeCertifier alone(std::make_shared<const CompiledScene>(problemOf(cold)));
+  int hits = 0;
+  for (double x = -2; x <= 2; x += 0.25)
+    for (double y = -2; y <= 2; y += 0.25) {
+      const std::vector<double> q{0, x, y};
+      const Verdict verdict = alone.decide(q);
+      EXPECT_EQ(after.decide(q), verdict) << x << " " << y;
+      hits += verdict == Verdict::kNotFree ? 1 : 0;
+    }
+  EXPECT_GT(hits, 10);
+}
+
 TEST(PreparedRobot, IsSharedByAllThatDoesNotConcernIt) {
   const auto model = test::disc();
   Problem problem = test::problemOf(model, {-1, -1, 0}, {1, -1, 0});

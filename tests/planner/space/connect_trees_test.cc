@@ -103,6 +103,16 @@ TEST(ConnectTrees, NothingIsFoundWhereNothingIsFree) {
   EXPECT_TRUE(search(space, {-1, 0}, {{1, 0}}, edge, {0.5, true, true}, 1, 1000).path.empty());
 }
 
+TEST(ConnectTrees, RangesThatAreNoLengthsEndAllTheSame) {
+  const ConfigurationSpace space = square();
+  const Edge edge = [](Point, Point) { return true; };
+  for (const double range : {0.0, 1e-300, -1.0, std::nan(""), HUGE_VAL}) {
+    const Found found = search(space, {-1, 0}, {{1, 0}}, edge, {range, true, true}, 1);
+    ASSERT_GE(found.path.size(), 2U) << range;
+    EXPECT_EQ(found.path.back(), (std::vector<double>{1, 0}));
+  }
+}
+
 TEST(ConnectTrees, ExtentCountsTurnsUpToHalfOnes) {
   // Two numbers from -2 to 2, and one of them a slide.
   EXPECT_NEAR(usefulExtent(square()), std::sqrt(32.0), 1e-12);

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <memory>
+#include <numbers>
 #include <vector>
 
 #include "planner/base/random.h"
@@ -58,6 +60,45 @@ TEST(NearestNodes, IsExactWithoutRotations) {
     EXPECT_NEAR(space.distance(points[found.node], query), least, 1e-5);
     EXPECT_NEAR(found.distance, least, 1e-5);
   }
+}
+
+// Regression: padding was nearer than any node where all parts are rotations.
+TEST(NearestNodes, RotationsAloneAreNotMistakenForPadding) {
+  Random random(9);
+  const ConfigurationSpace mixed = testing::mixedSpace();
+  std::vector<int> variables;
+  for (const ConfigurationSpace::Part& part : mixed.parts())
+    if (part.kind == ConfigurationSpace::Kind::kRotation)
+      for (int k = 0; k < 4; ++k) variables.push_back(part.first + k);
+  const ConfigurationSpace space(
+      std::shared_ptr<const robots::Model>(std::shared_ptr<const robots::Model>(), &mixed.model()),
+      variables);
+  EXPECT_GE(onEveryTarget([&](const char* target) {
+              for (const std::uint32_t count : {1U, 15U, 16U, 17U}) {
+                NearestNodes nodes(space);
+                for (std::uint32_t i = 0; i < count; ++i)
+                  nodes.add(testing::randomPoint(random, space));
+                for (int i = 0; i < 20; ++i)
+                  EXPECT_LT(nodes.nearest(testing::randomPoint(random, space)).node, count)
+                      << target;
+              }
+            }),
+            1);
+}
+
+// Regression: a start that had wound round a circle three times was far from everything.
+TEST(NearestNodes, CirclesCountModuloWholeTurns) {
+  Random random(10);
+  const ConfigurationSpace space = testing::mixedSpace(false);
+  NearestNodes nodes(space);
+  std::vector<double> wound = testing::randomPoint(random, space);
+  const std::vector<double> point = wound;
+  for (const ConfigurationSpace::Part& part : space.parts())
+    if (part.kind == ConfigurationSpace::Kind::kCircle)
+      wound[static_cast<std::size_t>(part.first)] += 6 * std::numbers::pi;
+  nodes.add(wound);
+  EXPECT_NEAR(nodes.nearest(point).distance, 0, 1e-5);
+  EXPECT_NEAR(nodes.nearest(wound).distance, 0, 1e-5);
 }
 
 TEST(NearestNodes, TheFirstOfEqualNodes) {

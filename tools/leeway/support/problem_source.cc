@@ -109,8 +109,8 @@ void addPlanOverrides(CLI::App& app, PlanOverrides& overrides) {
       ->type_name("NAME");
   app.add_option("--objective", overrides.objective, "length or clearance")->type_name("NAME");
   app.add_option("--certificate", overrides.certificate,
-                 "path: the path's least clearance to 0.1 mm, or as near as 0.3 ms of work allow; "
-                 "full: that of each edge, whatever it takes")
+                 "path: the path's least clearance to a tenth of itself, as far as a little work "
+                 "goes; full: that of each edge to 0.1 mm, whatever it takes")
       ->type_name("path|full")
       ->check(CLI::IsMember({"path", "full"}));
 }

@@ -63,7 +63,7 @@ class CompiledScene {
     double growth = 0;  ///< of the margins of its pairs [m]
   };
   /// Deforming obstacles take the shapes of another instant. Only geometries of Problem::deforming
-  /// may be named. Pairs keep their numbers.
+  /// may be named. Pairs keep their numbers. Throws std::invalid_argument for a body of the robot.
   std::shared_ptr<const CompiledScene> withShapes(std::span<const Replacement> shapes) const;
 
   /// Only the pairs for which keep(pair) is true are checked.

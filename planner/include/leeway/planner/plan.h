@@ -32,8 +32,9 @@ struct Certificate {
   bool certified = false;  ///< every edge proven to keep its margins
 };
 
-/// kPath: the path's clearance, best first, to within the tolerance or as near as about 0.3 ms of
-/// counted work allow. kEveryEdge: each edge's to within the tolerance, whatever it takes.
+/// kPath: the path's clearance to a tenth of itself, or as near as a few tenths of a millisecond of
+/// counted work allow. kEveryEdge: each edge's to within the tolerance, whatever it takes; always
+/// so where clearance is the objective.
 enum class CertificateDetail : unsigned char { kPath, kEveryEdge };
 
 struct PlanOptions {
