@@ -198,14 +198,14 @@ void MeshTree::addPiece(std::shared_ptr<const ConvexHull> hull, double excess) {
 }
 
 std::size_t MeshTree::bytes() const {
-  std::size_t pieces = pieces_.capacity() * sizeof(Piece);
+  std::size_t pieces = pieces_.size() * sizeof(Piece);
   for (const Piece& piece : pieces_) {
     pieces += piece.hull->vertices().size_bytes() + piece.hull->facets().size_bytes();
   }
-  return pieces + sizeof(*this) + nodes_.capacity() * sizeof(MeshNode) +
-         (core_.capacity() + corners_.capacity()) * sizeof(Vector3d) +
-         (triangle_of_.capacity() + slot_of_.capacity()) * sizeof(std::int32_t) +
-         components_.capacity() * sizeof(Component) + boxes_->bytes() +
+  return pieces + sizeof(*this) + nodes_.size() * sizeof(MeshNode) +
+         (core_.size() + corners_.size()) * sizeof(Vector3d) +
+         (triangle_of_.size() + slot_of_.size()) * sizeof(std::int32_t) +
+         components_.size() * sizeof(Component) + boxes_->bytes() +
          hull_->vertices().size() * sizeof(Vector3d) + hull_->facets().size() * sizeof(Triangle);
 }
 

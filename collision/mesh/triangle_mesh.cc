@@ -139,10 +139,9 @@ int TriangleMesh::closedComponentCount() const {
 }
 
 std::size_t TriangleMesh::bytes() const {
-  return sizeof(*this) + vertices_.capacity() * sizeof(Vector3d) +
-         triangles_.capacity() * sizeof(Triangle) +
-         triangle_component_.capacity() * sizeof(std::int32_t) + component_closed_.capacity() +
-         tree_->bytes();
+  return sizeof(*this) + vertices_.size() * sizeof(Vector3d) +
+         triangles_.size() * sizeof(Triangle) + triangle_component_.size() * sizeof(std::int32_t) +
+         component_closed_.size() + tree_->bytes();
 }
 
 // Here because shapes/ does not know meshes.

@@ -3,16 +3,32 @@
 #include <assimp/version.h>
 #include <openssl/evp.h>
 
+#include <Eigen/Core>
 #include <array>
+#include <cfenv>
 #include <cstdint>
+#include <limits>
 
 #include "robots/cache/fingerprint.h"
 
 namespace leeway::robots {
 
+namespace {
+
+/// Whether numbers round to the nearest and small ones are kept. What is built in any other mode
+/// differs, and bounds may rest on it: it is neither kept nor taken.
+bool isUsualArithmetic() {
+  volatile double least = std::numeric_limits<double>::min();
+  volatile double half = least / 2, whole = half + half;
+  return std::fegetround() == FE_TONEAREST && half > 0 && whole == least;
+}
+
+}  // namespace
+
 struct ContentKey::Digest {
   EVP_MD_CTX* context = EVP_MD_CTX_new();
-  bool ok = context != nullptr && EVP_DigestInit_ex(context, EVP_sha256(), nullptr) == 1;
+  bool ok = context != nullptr && isUsualArithmetic() &&
+            EVP_DigestInit_ex(context, EVP_sha256(), nullptr) == 1;
 
   Digest() = default;
   Digest(const Digest&) = delete;
@@ -25,10 +41,26 @@ struct ContentKey::Digest {
 
 ContentKey::ContentKey(std::string_view kind) : digest_(std::make_unique<Digest>()) {
   add(std::string_view(kFingerprint));
-  const std::array<std::uint32_t, 5> platform = {aiGetVersionMajor(), aiGetVersionMinor(),
-                                                 aiGetVersionPatch(), 0x01020304,
-                                                 static_cast<std::uint32_t>(sizeof(void*))};
+#if defined(__OPTIMIZE__) && defined(NDEBUG)
+  constexpr std::uint32_t kBuild = 3;
+#elif defined(__OPTIMIZE__)
+  constexpr std::uint32_t kBuild = 1;
+#else
+  constexpr std::uint32_t kBuild = 0;
+#endif
+  const std::array<std::uint32_t, 11> platform = {aiGetVersionMajor(),
+                                                  aiGetVersionMinor(),
+                                                  aiGetVersionPatch(),
+                                                  aiGetVersionRevision(),
+                                                  aiGetCompileFlags(),
+                                                  EIGEN_WORLD_VERSION,
+                                                  EIGEN_MAJOR_VERSION,
+                                                  EIGEN_MINOR_VERSION,
+                                                  kBuild,
+                                                  0x01020304,
+                                                  static_cast<std::uint32_t>(sizeof(void*))};
   add(std::as_bytes(std::span(platform)));
+  add(std::string_view(__VERSION__));
   add(kind);
 }
 

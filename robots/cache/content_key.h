@@ -15,8 +15,8 @@ namespace leeway::robots {
 /// can make two mesh files of one digest.
 class ContentKey {
  public:
-  /// Begins with what all keys depend on: this build of the library, the mesh importer, the layout
-  /// of numbers in memory. `kind`: what is kept.
+  /// Begins with what all keys depend on: this build of the library, its compiler, the mesh
+  /// importer, the layout of numbers in memory. `kind`: what is kept.
   explicit ContentKey(std::string_view kind);
   ~ContentKey();
 
@@ -26,7 +26,7 @@ class ContentKey {
   void add(double number) { add(std::as_bytes(std::span(&number, 1))); }
 
   /// The digest in 64 hexadecimal digits; nothing can be added to it then. Empty where the machine
-  /// has no SHA-256.
+  /// has no SHA-256, or the program rounds in another way than to the nearest.
   std::string finish();
 
  private:

@@ -1,6 +1,7 @@
 #include "robots/cache/disk_cache.h"
 
 #include <fcntl.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -112,9 +113,32 @@ Header headerOf(const std::string& key, std::span<const std::byte> bytes) {
 
 bool isOurs(const std::string& name) {
   const auto isDigit = [](char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f'); };
-  return name.size() >= kKeyLength + kEnding.size() &&
-         std::all_of(name.begin(), name.begin() + kKeyLength, isDigit) &&
-         std::string_view(name).substr(kKeyLength).starts_with(kEnding);
+  if (name.size() < kKeyLength + kEnding.size() ||
+      !std::all_of(name.begin(), name.begin() + kKeyLength, isDigit) ||
+      !std::string_view(name).substr(kKeyLength).starts_with(kEnding))
+    return false;
+  std::string_view rest = std::string_view(name).substr(kKeyLength + kEnding.size());
+  if (rest.empty()) return true;
+  // An unfinished one: .process.attempt.tmp
+  if (!rest.ends_with(kUnfinished)) return false;
+  rest.remove_suffix(kUnfinished.size());
+  return std::count(rest.begin(), rest.end(), '.') == 2 && rest.front() == '.' &&
+         std::all_of(rest.begin(), rest.end(),
+                     [](char c) { return c == '.' || (c >= '0' && c <= '9'); });
+}
+
+/// Whether nobody but this user, or root, can have written a file: checksums tell damage, not
+/// malice.
+bool isTrusted(const struct stat& status) {
+  return (status.st_uid == ::geteuid() || status.st_uid == 0) &&
+         (status.st_mode & (S_IWGRP | S_IWOTH)) == 0;
+}
+
+/// Whether this process may write a file of that size: beyond, a signal would end it.
+bool maySize(std::size_t bytes) {
+  struct rlimit limit {};
+  return ::getrlimit(RLIMIT_FSIZE, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY ||
+         bytes <= limit.rlim_cur;
 }
 
 }  // namespace
@@ -129,7 +153,7 @@ std::optional<collision::LargeBuffer> DiskCache::read(const std::string& key) co
   const Descriptor file(::open(fileOf(key).c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
   struct stat status {};
   if (file.number() < 0 || ::fstat(file.number(), &status) != 0 || !S_ISREG(status.st_mode) ||
-      status.st_size < static_cast<off_t>(sizeof(Header)))
+      !isTrusted(status) || status.st_size < static_cast<off_t>(sizeof(Header)))
     return std::nullopt;
   Header header{};
   if (!readAll(file.number(), &header, sizeof(header))) return std::nullopt;
@@ -146,9 +170,11 @@ std::optional<collision::LargeBuffer> DiskCache::read(const std::string& key) co
 }
 
 void DiskCache::write(const std::string& key, std::span<const std::byte> bytes) const {
-  if (!isOn() || key.size() != kKeyLength || bytes.size() > most_bytes_) return;
+  const std::size_t size = sizeof(Header) + bytes.size();
+  if (!isOn() || key.size() != kKeyLength || size > most_bytes_ || !maySize(size)) return;
   std::error_code error;
-  fs::create_directories(folder_, error);
+  if (fs::create_directories(folder_, error))
+    fs::permissions(folder_, fs::perms::owner_all, error);  // as the XDG specification asks
   const std::string file = fileOf(key).string();
   std::string unfinished;
   int number = -1;
@@ -156,7 +182,7 @@ void DiskCache::write(const std::string& key, std::span<const std::byte> bytes) 
   for (int attempt = 0; number < 0 && attempt < 100; ++attempt) {
     unfinished = file + '.' + std::to_string(::getpid()) + '.' + std::to_string(attempt) +
                  std::string(kUnfinished);
-    number = ::open(unfinished.c_str(), O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, 0666);
+    number = ::open(unfinished.c_str(), O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, 0600);
     if (number < 0 && errno != EEXIST) return;
   }
   Descriptor descriptor(number);
@@ -185,7 +211,7 @@ void DiskCache::removeOldest() const {
        entry.increment(error)) {
     const std::string name = entry->path().filename().string();
     std::error_code gone;  // another process may have removed it
-    if (!isOurs(name) || !entry->is_regular_file(gone)) continue;
+    if (!isOurs(name) || entry->is_symlink(gone) || !entry->is_regular_file(gone)) continue;
     const fs::file_time_type used = entry->last_write_time(gone);
     const std::uintmax_t bytes = gone ? 0 : entry->file_size(gone);
     if (gone) continue;

@@ -8,10 +8,12 @@
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 
+#include <algorithm>
 #include <assimp/Importer.hpp>
 #include <cctype>
 #include <filesystem>
 #include <fstream>
+#include <new>
 #include <optional>
 #include <span>
 #include <string_view>
@@ -133,7 +135,9 @@ class Files final : public Assimp::IOSystem {
 std::string keyOf(const std::string& path, const Eigen::Vector3d& scale,
                   std::span<const std::byte> bytes) {
   ContentKey key("mesh");
-  key.add(std::string_view(endingOf(path)));
+  // Importers are chosen by what follows a dot, be it the first or the last.
+  const std::string name = std::filesystem::path(path).filename().string();
+  key.add(std::string_view(name).substr(std::min(name.find('.'), name.size())));
   for (const double factor : scale) key.add(factor);
   key.add(bytes);
   return key.finish();
@@ -191,9 +195,14 @@ ImportedMesh importMesh(const std::string& path, const Eigen::Vector3d& scale,
     if (key.empty() || !is_kept)
       return {collision::Shape::mesh(TriangleMesh::make(soup.vertices, soup.triangles)),
               std::move(key)};
-    collision::MeshAndBytes made = collision::makeMeshAndBytes(soup.vertices, soup.triangles);
-    cache.write(key, made.bytes);
-    return {collision::Shape::mesh(std::move(made.mesh)), std::move(key)};
+    try {
+      collision::MeshAndBytes made = collision::makeMeshAndBytes(soup.vertices, soup.triangles);
+      cache.write(key, made.bytes);
+      return {collision::Shape::mesh(std::move(made.mesh)), std::move(key)};
+    } catch (const std::bad_alloc&) {  // keeping takes more memory than the mesh itself
+      return {collision::Shape::mesh(TriangleMesh::make(soup.vertices, soup.triangles)),
+              std::move(key)};
+    }
   } catch (const collision::InvalidShape& invalid) {
     fail("cannot be used: " + std::string(invalid.what()));
   }

@@ -1,5 +1,6 @@
 # cmake -DROOT=... -DVERSION=... -DOUTPUT=... -P fingerprint.cmake: defines kFingerprint of robots/cache/fingerprint.h.
-file(GLOB_RECURSE sources RELATIVE ${ROOT} ${ROOT}/collision/*.h ${ROOT}/collision/*.cc ${ROOT}/robots/*.h ${ROOT}/robots/*.cc)
+file(GLOB_RECURSE sources RELATIVE ${ROOT} ${ROOT}/collision/*.h ${ROOT}/collision/*.cc ${ROOT}/robots/*.h ${ROOT}/robots/*.cc
+  ${ROOT}/tools/cmake/compile_options.cmake)
 list(SORT sources)
 set(digests ${VERSION})
 foreach(source ${sources})

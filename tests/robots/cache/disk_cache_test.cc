@@ -4,6 +4,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <cfenv>
 #include <chrono>
 #include <cstdlib>
 #include <optional>
@@ -51,6 +52,33 @@ TEST(ContentKey, TellsContentsApart) {
   other.add("a");
   EXPECT_NE(first.finish(), second.finish());
   EXPECT_NE(other.finish(), keyOf("a"));
+}
+
+// What is built with other rounding differs, and bounds rest on it.
+TEST(ContentKey, IsEmptyUnderOtherRounding) {
+  ASSERT_EQ(std::fesetround(FE_UPWARD), 0);
+  const std::string key = keyOf("a");
+  ASSERT_EQ(std::fesetround(FE_TONEAREST), 0);
+  EXPECT_EQ(key, "");
+  EXPECT_NE(keyOf("a"), "");
+}
+
+// Checksums tell damage, not malice.
+TEST(DiskCache, BelievesNoFileThatOthersMayWrite) {
+  const Folder folder;
+  const DiskCache cache(folder.path("new"));
+  const std::string key = keyOf("mesh");
+  cache.write(key, bytesOf("0123456789"));
+  const fs::path file = folder.path("new") + "/" + key + ".leeway";
+  EXPECT_EQ(fs::status(file).permissions(), fs::perms::owner_read | fs::perms::owner_write);
+  EXPECT_EQ(fs::status(folder.path("new")).permissions(), fs::perms::owner_all);
+  EXPECT_EQ(textOf(cache.read(key)), "0123456789");
+  for (const fs::perms others : {fs::perms::group_write, fs::perms::others_write}) {
+    fs::permissions(file, fs::perms::owner_read | fs::perms::owner_write | others);
+    EXPECT_FALSE(cache.read(key));
+  }
+  fs::permissions(file, fs::perms::owner_read | fs::perms::owner_write | fs::perms::others_read);
+  EXPECT_EQ(textOf(cache.read(key)), "0123456789");
 }
 
 TEST(DiskCache, ReturnsWhatWasWritten) {

@@ -232,6 +232,12 @@ TEST(MeshImport, KeepsMeshesOnDisk) {
   std::filesystem::rename(file, folder.path("moved.stl"));
   expectSame(none, loadMesh(folder.path("moved.stl"), kOne, "r.urdf", 1, cache));
   EXPECT_EQ(filesIn(cache).size(), 1U);
+  // A name that is nothing but its ending chooses another importer.
+  const std::string hidden = folder.write(".stl", ballStl(0.5));
+  expectSame(none, loadMesh(hidden, kOne, "r.urdf", 1, cache));
+  EXPECT_EQ(filesIn(cache).size(), 1U);
+  const std::string other = folder.write(".obj", ballStl(0.5));
+  EXPECT_THROW(loadMesh(other, kOne, "r.urdf", 1, cache), InputError);
   // Other scales and contents.
   EXPECT_EQ(extent(loadMesh(folder.path("moved.stl"), {2, 1, 1}, "r.urdf", 1, cache)).second.x(),
             2 * extent(none).second.x());
