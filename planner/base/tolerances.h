@@ -132,7 +132,7 @@ constexpr std::int64_t kFlightWork = 500'000;
 constexpr std::int64_t kPersistentWork = 10'000'000;
 
 /// Undecided edges of a search after which its edges may cost twice as much: before its first
-/// doubling it has lost 6 ms to them, a third of a second before kPersistentWork.
+/// doubling it has lost 6 ms to them, by kPersistentWork 0.8 s.
 constexpr std::uint64_t kEscalation = 64;
 
 /// The last valid place of an edge is found to 2^-12 of it: planners go back there and need no
@@ -224,8 +224,8 @@ constexpr double kReportTolerance = 1e-6;
 /// on arms of six and seven joints.
 constexpr double kConnectRange = 0.08;
 
-/// Iterations of Connect's shortest runs, before it starts again with another seed, and between two
-/// looks at the clock.
+/// Connect starts again with another seed after this many iterations, times a term of Luby's
+/// series; and looks at the clock after so many iterations, or edges.
 constexpr std::uint64_t kConnectRun = 20000;
 constexpr std::uint64_t kConnectTurn = 16;
 

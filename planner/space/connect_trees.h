@@ -25,8 +25,8 @@ struct ConnectTask {
 /// again, and steps should not grow with it. O(parts).
 double usefulExtent(const ConfigurationSpace& space);
 
-/// A range for spaces that nothing else is known of: shorter with more joints, as fewer of the long
-/// edges are free. O(parts).
+/// A range where none is given, in the space's distance: shorter with more joints, because fewer of
+/// the long edges are free then. O(parts).
 double defaultRange(const ConfigurationSpace& space);
 
 struct ConnectSettings {
@@ -55,7 +55,6 @@ class ConnectTrees {
   /// After iterate() was true: from the start to a goal, every edge as isFree() was asked about it,
   /// some from their ends.
   std::vector<std::vector<double>> path() const;
-  std::size_t nodes() const { return trees_[0].nearest.size() + trees_[1].nearest.size(); }
 
  private:
   struct Tree {

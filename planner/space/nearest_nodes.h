@@ -22,7 +22,6 @@ class NearestNodes {
   /// Points get the numbers 0, 1, 2 ... O(size of a point), amortised.
   void add(std::span<const double> point);
   std::size_t size() const { return size_; }
-  void clear();
 
   struct Nearest {
     std::uint32_t node = 0;

@@ -117,11 +117,6 @@ NearestNodes::NearestNodes(const ConfigurationSpace& space) {
   query_.resize(order_.size());
 }
 
-void NearestNodes::clear() {
-  size_ = 0;
-  rows_.clear();
-}
-
 void NearestNodes::write(std::span<const double> point, float* first, std::size_t stride) const {
   for (std::size_t row = 0; row < order_.size(); ++row) {
     double x = point[order_[row]];

@@ -1,4 +1,4 @@
-#include "planner/space/ompl_connect.h"
+#include "leeway/planner/ompl_connect.h"
 
 #include <ompl/base/goals/GoalSampleableRegion.h>
 #include <ompl/geometric/PathGeometric.h>
@@ -11,6 +11,7 @@
 #include "leeway/planner/ompl_state_space.h"
 #include "planner/base/random.h"
 #include "planner/base/tolerances.h"
+#include "planner/space/connect_trees.h"
 
 namespace leeway::planner {
 
@@ -64,8 +65,8 @@ ob::PlannerStatus OmplConnect::solve(const ob::PlannerTerminationCondition& stop
         return si_->checkMotion(a, b);
       };
   const std::span<const double> start_point = space.point(start);
-  ConnectSettings settings = settings_;
-  settings.range = range_ > 0 ? range_ : defaultRange(space.space());
+  const ConnectSettings settings{range_ > 0 ? range_ : defaultRange(space.space()), balance_,
+                                 dynamic_domain_};
   ConnectTrees trees({space.space(), start_point, goals, is_free}, settings,
                      Random(seed_, runs_++).next());
   bool met = false;

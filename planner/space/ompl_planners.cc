@@ -48,10 +48,10 @@
 #include <memory>
 #include <stdexcept>
 
+#include "leeway/planner/ompl_connect.h"
 #include "leeway/robots/text.h"
 #include "planner/base/nearest_name.h"
 #include "planner/base/tolerances.h"
-#include "planner/space/ompl_connect.h"
 #include "planner/space/ompl_lock.h"
 
 namespace leeway::planner {
@@ -85,7 +85,7 @@ Entry entry(const char* name, bool deterministic, bool optimizing, bool projecti
 const std::vector<Entry>& entries() {
   static const std::vector<Entry> list = {
       entry<OmplConnect>(kOwnPlanner, kSeeded, kFirst, kNoCells,
-                         "RRTConnect, balanced and with a dynamic domain, not OMPL's (default)"),
+                         "two balanced trees with dynamic domains, our own (default)"),
       entry<og::RRTConnect>("RRTConnect", kSeeded, kFirst, kNoCells,
                             "two trees that grow towards each other"),
       entry<og::RRT>("RRT", kSeeded, kFirst, kNoCells, "one rapidly exploring random tree"),

@@ -22,6 +22,7 @@
 #include "leeway/planner/edge_certifier.h"
 #include "leeway/planner/problem.h"
 #include "tools/report/bench/cpu_time.h"
+#include "tools/report/bench/scene_request.h"
 
 namespace {
 
@@ -81,13 +82,6 @@ double megabytes() {
   return resident * 4096 / 1e6;
 }
 
-std::string requestOf(std::string scene) {
-  const std::size_t at = scene.rfind("scene");
-  if (at == std::string::npos)
-    throw std::runtime_error(scene + ": a file named sceneNNNN.yaml is expected");
-  return scene.replace(at, 5, "request");
-}
-
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -108,7 +102,8 @@ int main(int argc, char** argv) {
     Times cold, prepared;
     std::size_t pairs = 0;
     for (const std::string& file : files) {
-      Problem problem = model ? loadMoveit(model, file, requestOf(file)) : loadProblem(file);
+      Problem problem =
+          model ? loadMoveit(model, file, leeway::bench::requestOf(file)) : loadProblem(file);
       const double before = megabytes();
       addBoxes(problem, boxes);
       const std::shared_ptr<const leeway::robots::Model> loaded = problem.robot.model;

@@ -32,6 +32,7 @@
 #include "tools/report/bench/bodies.h"
 #include "tools/report/bench/cpu_time.h"
 #include "tools/report/bench/edge_stepper.h"
+#include "tools/report/bench/scene_request.h"
 #include "tools/report/bench/splitmix.h"
 
 namespace {
@@ -233,13 +234,6 @@ void measureBodies(std::uint64_t seed, unsigned long long iterations) {
   sheets.print("sheets, ");
 }
 
-std::string requestOf(std::string scene) {
-  const std::size_t at = scene.rfind("scene");
-  if (at == std::string::npos)
-    throw std::runtime_error(scene + ": a file named sceneNNNN.yaml is expected");
-  return scene.replace(at, 5, "request");
-}
-
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -265,7 +259,8 @@ int main(int argc, char** argv) {
     if (files.empty()) return 0;
     Mix mix;
     for (const std::string& file : files) {
-      Problem problem = model ? loadMoveit(model, file, requestOf(file)) : loadProblem(file);
+      Problem problem =
+          model ? loadMoveit(model, file, leeway::bench::requestOf(file)) : loadProblem(file);
       problem.seed = seed;
       mix.add(problem, iterations);
     }

@@ -104,8 +104,8 @@ class EdgeCertifier {
   }
 
   /// Bounds on that minimum from a few passes of lanes and distances: some 10 us. The lower end is
-  /// at least `most` [m], or mostly above a quarter of the upper one; (-inf, inf) where lanes do
-  /// not hold. The upper end is infinity where nothing nearer than `most` was met.
+  /// at least `most` [m], or mostly above a quarter of the upper one; -infinity where the passes
+  /// prove nothing. The upper end is infinity where nothing nearer than `most` was met.
   EdgeClearance roughClearance(std::span<const double> a, std::span<const double> b, double most);
 
   struct Statistics {

@@ -32,8 +32,8 @@ struct Certificate {
   bool certified = false;  ///< every edge proven to keep its margins
 };
 
-/// kPath: the path's clearance to a tenth of itself, or as near as a few tenths of a millisecond of
-/// counted work allow. kEveryEdge: each edge's to within the tolerance, whatever it takes; always
+/// kPath: the path's clearance to a tenth of itself, or as near as two milliseconds of counted work
+/// allow. kEveryEdge: each edge's to within the tolerance, whatever it takes; always
 /// so where clearance is the objective.
 enum class CertificateDetail : unsigned char { kPath, kEveryEdge };
 

@@ -10,7 +10,7 @@ namespace leeway::planner {
 
 /// What a planner is, for those who choose one.
 struct PlannerTraits {
-  std::string name;           ///< as in a problem file: OMPL's class name
+  std::string name;           ///< as in a problem file: Connect, or OMPL's class name
   bool deterministic = true;  ///< a seed fixes its result; false: it keeps threads of its own, or
                               ///< (LBTRRT) reads memory that OMPL never set
   bool optimizing = false;    ///< improves its path until the limits are reached

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <stdexcept>
+#include <string>
+
+namespace leeway::bench {
+
+/// The MoveIt request beside a scene: of .../sceneNNNN.yaml .../requestNNNN.yaml. Throws
+/// std::runtime_error for other names.
+inline std::string requestOf(std::string scene) {
+  const std::size_t at = scene.rfind("scene");
+  if (at == std::string::npos)
+    throw std::runtime_error(scene + ": a file named sceneNNNN.yaml is expected");
+  return scene.replace(at, 5, "request");
+}
+
+}  // namespace leeway::bench
