@@ -1,5 +1,7 @@
 // check, verify and clearance.
 
+#include <tinyxml2.h>
+
 #include "tests/support/command.h"
 
 namespace leeway::tools::testing {
@@ -159,6 +161,23 @@ TEST_F(Clearance, AgreesWithTheCertificate) {
   EXPECT_LE(certificate["clearance_lower"], document["clearance_upper"]);
   EXPECT_EQ(document["segments"].size(), certificate["segments"].size());
   EXPECT_EQ(document["closest"]["b"], "post");
+}
+
+TEST_F(Clearance, DrawsTheProfile) {
+  std::string text = kReach;
+  text.replace(text.find("around the post"), 15, "\"<script>alert(1)</script>&\\u2028\"");
+  write("hostile.yaml", text);
+  write("swing.csv", "time,shoulder,elbow\n0,0.2,1.5\n1,1.2,1.5\n");
+  EXPECT_EQ(run("clearance hostile.yaml swing.csv --parts 4 --svg profile.svg").status, 0);
+  tinyxml2::XMLDocument picture;
+  ASSERT_EQ(picture.LoadFile(path("profile.svg").c_str()), tinyxml2::XML_SUCCESS);
+  EXPECT_STREQ(picture.RootElement()->Name(), "svg");
+  const std::string drawn = read("profile.svg");
+  EXPECT_EQ(drawn.find("<script"), std::string::npos);
+  for (const char* word : {"&lt;script&gt;", "clearance [mm]", "margin", "proven"}) {
+    EXPECT_NE(drawn.find(word), std::string::npos) << word;
+  }
+  expectRefused("clearance hostile.yaml swing.csv --svg profile.png", {"profile.png", ".svg"});
 }
 
 TEST_F(Clearance, PartsRefineTheProfile) {

@@ -11,15 +11,18 @@
 #include "leeway/robots/input_error.h"
 #include "tools/leeway/support/exit_status.h"
 #include "tools/leeway/support/json_result.h"
+#include "tools/leeway/support/output_file.h"
 #include "tools/leeway/support/problem_source.h"
 #include "tools/leeway/support/scene_names.h"
 #include "tools/leeway/support/terminal.h"
 #include "tools/leeway/support/verb.h"
+#include "tools/leeway/view/profile_svg.h"
 
 namespace leeway::tools {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr std::string_view kPictureEndings[] = {".svg"};
 
 struct Arguments {
   ProblemSource source;
@@ -27,6 +30,7 @@ struct Arguments {
   std::vector<std::string> files;
   double tolerance = 1e-4;
   int parts = 1;
+  std::string svg;
   bool json = false;
 };
 
@@ -147,6 +151,18 @@ Json profileJson(const planner::Problem& problem, const Profile& profile) {
           {"segments", stretches}};
 }
 
+void writeSvg(const std::string& file, const planner::Problem& problem, const Profile& profile,
+              double margin) {
+  std::vector<ProfileStretch> stretches;
+  for (const Stretch& stretch : profile.stretches) {
+    stretches.push_back({stretch.segment + stretch.t0, stretch.segment + stretch.t1,
+                         stretch.found.clearance.lower, stretch.found.clearance.upper});
+  }
+  const std::string note = profile.certified ? "every edge is certified to keep its margins"
+                                             : "not every edge is certified";
+  planner::writeFileWhole(file, profileSvg(problem.name, note, "edge", stretches, margin));
+}
+
 void printText(const Profile& profile) {
   std::vector<std::vector<std::string>> rows;
   for (const Stretch& stretch : profile.stretches) {
@@ -176,6 +192,9 @@ int run(Arguments& arguments) {
     throw robots::InputError("command line", 0,
                              "--tolerance must be positive and --parts between 1 and 100000");
   }
+  if (!arguments.svg.empty()) {
+    checkOutputFile(arguments.svg, kPictureEndings);
+  }
   planner::Problem problem = loadProblem(arguments.source);
   apply(arguments.limits, problem);
   const planner::Path path = planner::readPath(path_file, problem);
@@ -187,6 +206,9 @@ int run(Arguments& arguments) {
   const Profile profile =
       measure(certifier, path, arguments, interactivePlanOptions(arguments.limits.time_limit));
   endProgress();
+  if (!arguments.svg.empty()) {
+    writeSvg(arguments.svg, problem, profile, leastMargin(certifier.scene()));
+  }
   if (arguments.json) {
     printJson(profileJson(problem, profile));
   } else {
@@ -209,6 +231,7 @@ Verb addClearance(CLI::App& command) {
   app->add_option("--parts", arguments->parts, "stretches that every edge is cut into")
       ->type_name("N")
       ->capture_default_str();
+  app->add_option("--svg", arguments->svg, "also draw it")->type_name("FILE.svg");
   app->add_flag("--json", arguments->json, "print one JSON document");
   app->footer(
       "Example:\n"

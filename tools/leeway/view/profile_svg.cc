@@ -1,0 +1,52 @@
+#include "tools/leeway/view/profile_svg.h"
+
+#include <cmath>
+#include <limits>
+
+#include "tools/report/base/plot.h"
+
+namespace leeway::tools {
+namespace {
+
+constexpr double kMillimetres = 1e3;
+constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
+
+/// A step from `begin` to `end`; NaN, which breaks the line, where there is no number to draw.
+void addStep(report::PlotSeries& series, const ProfileStretch& stretch, double value) {
+  const double y = std::isfinite(value) ? value * kMillimetres : kNothing;
+  series.points.push_back({stretch.begin, y});
+  series.points.push_back({stretch.end, y});
+}
+
+}  // namespace
+
+std::string profileSvg(const std::string& title, const std::string& note, const std::string& axis,
+                       const std::vector<ProfileStretch>& stretches, double margin) {
+  report::PlotSeries lower{.name = "proven on the whole stretch", .points = {}, .marker = false};
+  report::PlotSeries upper{.name = "met on the stretch", .points = {}, .marker = false};
+  report::PlotSeries margins{.name = "margin", .points = {}, .marker = false, .dashed = true};
+  double lowest = 0;  // the axis holds 0, so that no small change looks like a large one
+  for (const ProfileStretch& stretch : stretches) {
+    addStep(lower, stretch, stretch.lower);
+    addStep(upper, stretch, stretch.upper);
+    if (std::isfinite(stretch.lower)) lowest = std::min(lowest, stretch.lower * kMillimetres);
+  }
+  if (!stretches.empty() && std::isfinite(margin)) {
+    const ProfileStretch whole{stretches.front().begin, stretches.back().end, margin, margin};
+    addStep(margins, whole, margin);
+    lowest = std::min(lowest, margin * kMillimetres);
+  }
+  report::Figure figure;
+  figure.title = title;
+  figure.note = note;
+  figure.columns = 1;
+  figure.panel_width = 680;
+  figure.panels.push_back(
+      {.title = "",
+       .x = {.label = axis, .scale = report::AxisScale::kLinear},
+       .y = {.label = "clearance [mm]", .scale = report::AxisScale::kLinear, .lower = lowest},
+       .series = {lower, upper, margins}});
+  return toSvg(figure);
+}
+
+}  // namespace leeway::tools
