@@ -1,0 +1,320 @@
+#include "leeway/robots/inverse_kinematics.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "collision/base/pose_check.h"
+#include "collision/base/sine_cosine.h"
+#include "leeway/robots/kinematics.h"
+#include "robots/inverse/search.h"
+
+namespace leeway::robots {
+
+namespace {
+
+using collision::kTwoPi;
+
+/// Solutions whose variables all differ by less are one [rad or m]: at a singular pose an error of
+/// 1e-13 leaves them apart by its root.
+constexpr double kSameSolution = 1e-5;
+
+/// sample(): searches for one draw.
+constexpr int kStartsOfSample = 3;
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+std::uint64_t mixed(std::uint64_t x) {  // splitmix64
+  x += 0x9e3779b97f4a7c15U;
+  x = (x ^ (x >> 30U)) * 0xbf58476d1ce4e5b9U;
+  x = (x ^ (x >> 27U)) * 0x94d049bb133111ebU;
+  return x ^ (x >> 31U);
+}
+
+/// The additive recurrence with the powers of the root of x^(d + 1) = x + 1 (Roberts 2018), a low
+/// discrepancy sequence in d dimensions, shifted by the seed. In integers: exact for any index.
+class Sequence {
+ public:
+  Sequence(std::size_t dimensions, std::uint64_t seed) {
+    double root = 1.5;
+    for (int i = 0; i < 60; ++i) {
+      double power = 1;
+      for (std::size_t k = 0; k < dimensions; ++k) power *= root;
+      const double count = static_cast<double>(dimensions + 1);
+      root -= (power * root - root - 1) / (count * power - 1);
+    }
+    double step = 1;
+    for (std::size_t k = 0; k < dimensions; ++k) {
+      step /= root;
+      steps_.push_back(static_cast<std::uint64_t>(step * 0x1p53) << 11U);
+      shifts_.push_back(mixed(seed ^ mixed(k)));
+    }
+  }
+  /// In [0, 1).
+  double at(std::uint64_t index, std::size_t dimension) const {
+    return static_cast<double>((shifts_[dimension] + index * steps_[dimension]) >> 11U) * 0x1p-53;
+  }
+
+ private:
+  std::vector<std::uint64_t> steps_, shifts_;
+};
+
+bool isRange(const std::pair<double, double>& range) {
+  return std::isfinite(range.first) && std::isfinite(range.second) && range.first <= range.second;
+}
+
+void check(const Model& model, std::span<const PoseRegion> regions,
+           std::span<const double> configuration) {
+  const auto demand = [](bool holds, const std::string& what) {
+    if (!holds) throw std::invalid_argument("InverseKinematics: " + what);
+  };
+  demand(configuration.size() == model.variables.size(),
+         std::to_string(configuration.size()) + " numbers for a model of " +
+             std::to_string(model.variables.size()) + " variables");
+  demand(std::all_of(configuration.begin(), configuration.end(),
+                     [](double x) { return std::isfinite(x); }),
+         "the configuration has a number that is not finite");
+  demand(!regions.empty(), "no region is given");
+  for (const PoseRegion& region : regions) {
+    demand(region.link >= 0 && region.link < static_cast<int>(model.links.size()),
+           "the model has no link " + std::to_string(region.link));
+    demand(collision::isPose(region.X_LF) && collision::isPose(region.X_WR),
+           "a frame has a matrix that is no rotation, or a number that is not finite");
+    for (const auto& range : region.position)
+      demand(isRange(range), "a range of positions is not finite, or its ends are exchanged");
+    for (const auto& range : region.rpy)
+      demand(isRange(range), "a range of angles is not finite, or its ends are exchanged");
+    demand(region.position_tolerance >= kLeastPoseTolerance &&
+               region.angle_tolerance >= kLeastPoseTolerance,
+           "a tolerance is below 1e-12");
+  }
+}
+
+/// One call's data: what InverseKinematics shares between starts.
+class Task {
+ public:
+  Task(const Model& model, const std::vector<int>& variables, const std::vector<char>& periodic,
+       std::span<const PoseRegion> regions, std::span<const double> configuration,
+       std::uint64_t seed)
+      : model_(model),
+        variables_(variables),
+        periodic_(periodic),
+        regions_(regions),
+        configuration_(configuration.begin(), configuration.end()),
+        sequence_(variables.size(), seed),
+        X_WL_(model.links.size()),
+        search_(makeSearch()) {}
+
+  /// The configuration's own start, within the limits, or number `index` of the sequence.
+  std::vector<double> start(std::uint64_t index) const {
+    std::vector<double> q = configuration_;
+    for (std::size_t c = 0; c < variables_.size(); ++c) {
+      double& value = q[at(variables_[c])];
+      if (index > 0) value = low_[c] + (high_[c] - low_[c]) * sequence_.at(index, c);
+      value = std::clamp(value, lower_[c], upper_[c]);
+    }
+    return q;
+  }
+
+  /// Searches from q and checks what it finds by forwardKinematics(). True: `solution` is one.
+  bool solveFrom(std::vector<double> q, IkSolution& solution) {
+    search_.descend(q);
+    return finish(q, solution);
+  }
+
+  bool finish(std::vector<double>& q, IkSolution& solution) {
+    normalize(q);
+    solution.values.clear();
+    for (const int v : variables_) solution.values.push_back(q[at(v)]);
+    forwardKinematics(model_, q, X_WL_);
+    solution.error = {};
+    bool good = true;
+    for (const PoseRegion& region : regions_) {
+      const PoseError error = poseError(region, X_WL_[at(region.link)]);
+      good = good && error.position <= region.position_tolerance &&
+             error.angle <= region.angle_tolerance;
+      solution.error.position = std::max(solution.error.position, error.position);
+      solution.error.angle = std::max(solution.error.angle, error.angle);
+    }
+    return good;
+  }
+
+  bool same(const IkSolution& a, const IkSolution& b) const {
+    for (std::size_t c = 0; c < variables_.size(); ++c) {
+      double difference = std::fabs(a.values[c] - b.values[c]);
+      if (periodic_[c]) difference -= kTwoPi * std::floor(difference / kTwoPi + 0.5);
+      if (!(std::fabs(difference) < kSameSolution)) return false;
+    }
+    return true;
+  }
+
+  double squaredDistance(const IkSolution& solution) const {
+    double sum = 0;
+    for (std::size_t c = 0; c < variables_.size(); ++c) {
+      const double d = solution.values[c] - configuration_[at(variables_[c])];
+      sum += d * d;
+    }
+    return sum;
+  }
+
+  std::int64_t iterations() const { return search_.iterations(); }
+
+ private:
+  Search makeSearch() {
+    std::vector<int> column(model_.variables.size(), -1);
+    for (std::size_t c = 0; c < variables_.size(); ++c)
+      column[at(variables_[c])] = static_cast<int>(c);
+    forwardKinematics(model_, configuration_, X_WL_);
+    std::vector<Chain> chains;
+    std::vector<PreparedRegion> prepared;
+    double away = 0;  // of any frame from its region, and reach
+    for (const PoseRegion& region : regions_) {
+      chains.push_back(makeChain(model_, region, X_WL_, column));
+      prepared.emplace_back(region);
+      away =
+          std::max(away, poseError(region, X_WL_[at(region.link)]).position + chains.back().reach);
+    }
+    for (std::size_t c = 0; c < variables_.size(); ++c) {
+      const Variable& variable = model_.variables[at(variables_[c])];
+      lower_.push_back(variable.lower);
+      upper_.push_back(variable.upper);
+      // Unlimited ones start within half a turn, within the distance to go, or as a quaternion.
+      const double now = configuration_[at(variables_[c])];
+      const Joint& joint = model_.joints[at(variable.joint)];
+      const int k = variables_[c] - joint.first_variable;
+      const bool quaternion = joint.type == JointType::kFloating && k >= 3;
+      const bool angle =
+          joint.type == JointType::kContinuous || (joint.type == JointType::kPlanar && k == 2);
+      const double width = angle ? kTwoPi / 2 : away;
+      low_.push_back(quaternion                      ? -1
+                     : std::isfinite(variable.lower) ? variable.lower
+                                                     : now - width);
+      high_.push_back(quaternion                      ? 1
+                      : std::isfinite(variable.upper) ? variable.upper
+                                                      : now + width);
+    }
+    return {std::move(chains), std::move(prepared), variables_, lower_, upper_};
+  }
+
+  /// Angles take off whole turns towards the configuration; quaternions become unit.
+  void normalize(std::vector<double>& q) const {
+    for (std::size_t c = 0; c < variables_.size(); ++c) {
+      if (!periodic_[c]) continue;
+      double& value = q[at(variables_[c])];
+      const double now = configuration_[at(variables_[c])];
+      double turns = std::floor((now - value) / kTwoPi + 0.5);
+      while (turns != 0) {
+        const double turned = value + turns * kTwoPi;
+        if (turned >= lower_[c] && turned <= upper_[c]) {
+          value = turned;
+          break;
+        }
+        turns -= turns > 0 ? 1 : -1;
+      }
+    }
+    for (const Joint& joint : model_.joints) {
+      if (joint.type != JointType::kFloating || joint.first_variable < 0) continue;
+      const std::size_t first = at(joint.first_variable) + 3;
+      int solved = 0;
+      for (const int v : variables_) solved += at(v) >= first && at(v) < first + 4 ? 1 : 0;
+      double squared = 0;
+      for (std::size_t k = first; k < first + 4; ++k) squared += q[k] * q[k];
+      if (solved == 4 && squared > 0)
+        for (std::size_t k = first; k < first + 4; ++k) q[k] /= std::sqrt(squared);
+    }
+  }
+
+  const Model& model_;
+  const std::vector<int>& variables_;
+  const std::vector<char>& periodic_;
+  std::span<const PoseRegion> regions_;
+  std::vector<double> configuration_;
+  Sequence sequence_;
+  std::vector<Pose> X_WL_;
+  std::vector<double> lower_, upper_;  // limits
+  std::vector<double> low_, high_;     // of starts
+  Search search_;
+};
+
+}  // namespace
+
+InverseKinematics::InverseKinematics(std::shared_ptr<const Model> model, std::vector<int> variables)
+    : model_(std::move(model)), variables_(std::move(variables)) {
+  std::vector<char> seen(model_->variables.size(), 0);
+  for (const int v : variables_) {
+    if (v < 0 || v >= static_cast<int>(seen.size()))
+      throw std::invalid_argument("InverseKinematics: the model has no variable " +
+                                  std::to_string(v));
+    if (seen[at(v)])
+      throw std::invalid_argument("InverseKinematics: variable " + std::to_string(v) +
+                                  " is listed twice");
+    seen[at(v)] = 1;
+    const int index = model_->variables[at(v)].joint;
+    const Joint& joint = model_->joints[at(index)];
+    const bool angle = joint.type == JointType::kRevolute || joint.type == JointType::kContinuous ||
+                       (joint.type == JointType::kPlanar && v - joint.first_variable == 2);
+    const bool followed = std::any_of(model_->joints.begin(), model_->joints.end(),
+                                      [&](const Joint& j) { return j.mimic == index; });
+    periodic_.push_back(angle && !followed);
+  }
+}
+
+IkResult InverseKinematics::solve(std::span<const PoseRegion> regions,
+                                  std::span<const double> configuration,
+                                  const IkOptions& options) const {
+  check(*model_, regions, configuration);
+  Task task(*model_, variables_, periodic_, regions, configuration, options.seed);
+  IkResult result;
+  double least = std::numeric_limits<double>::infinity();
+  IkSolution solution;
+  while (result.starts < options.starts &&
+         static_cast<int>(result.solutions.size()) < options.max_solutions) {
+    if (options.stop && options.stop()) break;
+    const bool found =
+        task.solveFrom(task.start(static_cast<std::uint64_t>(result.starts++)), solution);
+    if (found) {
+      if (std::none_of(result.solutions.begin(), result.solutions.end(),
+                       [&](const IkSolution& other) { return task.same(solution, other); }))
+        result.solutions.push_back(solution);
+    } else if (const double error = solution.error.position + solution.error.angle; error < least) {
+      least = error;
+      result.nearest = solution;
+    }
+  }
+  result.iterations = task.iterations();
+  if (result.solutions.empty()) return result;
+  result.status = IkStatus::kFound;
+  std::stable_sort(result.solutions.begin(), result.solutions.end(),
+                   [&](const IkSolution& a, const IkSolution& b) {
+                     return task.squaredDistance(a) < task.squaredDistance(b);
+                   });
+  result.nearest = result.solutions.front();
+  return result;
+}
+
+std::optional<IkSolution> InverseKinematics::sample(std::span<const PoseRegion> regions,
+                                                    std::span<const double> configuration,
+                                                    std::uint64_t index, std::uint64_t seed) const {
+  check(*model_, regions, configuration);
+  const Sequence sequence(6 * regions.size(), mixed(seed));
+  std::vector<PoseRegion> drawn(regions.begin(), regions.end());
+  std::size_t dimension = 0;
+  for (PoseRegion& region : drawn)
+    for (auto* ranges : {&region.position, &region.rpy})
+      for (auto& range : *ranges) {
+        const double width = range.second - range.first;
+        const double value =
+            std::min(range.first + width * sequence.at(index, dimension++), range.second);
+        range = {value, value};
+      }
+  Task task(*model_, variables_, periodic_, drawn, configuration, seed);
+  IkSolution solution;
+  for (std::uint64_t k = 0; k < kStartsOfSample; ++k)
+    if (task.solveFrom(task.start(1 + index * kStartsOfSample + k), solution)) return solution;
+  return std::nullopt;
+}
+
+}  // namespace leeway::robots

@@ -1,0 +1,185 @@
+#include "robots/inverse/search.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace leeway::robots {
+
+namespace {
+
+/// Steps of one search. Most that succeed need fewer than 20.
+constexpr int kSteps = 60;
+
+/// A search ends after so many steps that each leave more than this share of the error.
+constexpr int kSlowSteps = 6;
+constexpr double kSlowShare = 0.8;
+
+/// Below this squared error a search is near its solution, and only rounding ends it.
+constexpr double kNearSquared = 1e-10;
+
+/// Squared error that rounding of coordinates below one reach leaves.
+constexpr double kRoundedSquared = 1e-29;
+
+/// Damping as a share of the squared error: at first, and the least. Rejected steps raise it.
+constexpr double kFirstDamping = 0.1, kLeastDamping = 1e-4;
+/// Added damping: far below the squared singular values of anything but a singular pose.
+constexpr double kAddedDamping = 1e-15;
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+/// Solves the symmetric positive definite system in place (Cholesky); a: n by n, its lower half.
+void solvePositive(std::vector<double>& a, std::vector<double>& b, std::size_t n) {
+  for (std::size_t j = 0; j < n; ++j) {
+    double diagonal = a[j * n + j];
+    for (std::size_t k = 0; k < j; ++k) diagonal -= a[j * n + k] * a[j * n + k];
+    diagonal = std::sqrt(std::max(diagonal, 1e-300));
+    a[j * n + j] = diagonal;
+    for (std::size_t i = j + 1; i < n; ++i) {
+      double sum = a[i * n + j];
+      for (std::size_t k = 0; k < j; ++k) sum -= a[i * n + k] * a[j * n + k];
+      a[i * n + j] = sum / diagonal;
+    }
+    double sum = b[j];
+    for (std::size_t k = 0; k < j; ++k) sum -= a[j * n + k] * b[k];
+    b[j] = sum / diagonal;
+  }
+  for (std::size_t j = n; j-- > 0;) {
+    double sum = b[j];
+    for (std::size_t k = j + 1; k < n; ++k) sum -= a[k * n + j] * b[k];
+    b[j] = sum / a[j * n + j];
+  }
+}
+
+}  // namespace
+
+Search::Search(std::vector<Chain> chains, std::vector<PreparedRegion> regions,
+               std::vector<int> variables, std::vector<double> lower, std::vector<double> upper)
+    : chains_(std::move(chains)),
+      regions_(std::move(regions)),
+      variables_(std::move(variables)),
+      lower_(std::move(lower)),
+      upper_(std::move(upper)),
+      rows_(6 * chains_.size()),
+      columns_(variables_.size()) {
+  for (const Chain& chain : chains_) weights_.push_back(chain.reach > 0 ? 1 / chain.reach : 1);
+  const std::size_t smaller = std::min(rows_, columns_);
+  error_.resize(rows_);
+  kept_error_.resize(rows_);
+  jacobian_.resize(rows_ * columns_);
+  gram_.resize(smaller * smaller);
+  solution_.resize(smaller);
+  step_.resize(columns_);
+  held_.resize(columns_);
+}
+
+double Search::evaluate(const double* q, bool jacobian) {
+  if (jacobian) std::fill(jacobian_.begin(), jacobian_.end(), 0);
+  double squared = 0;
+  for (std::size_t r = 0; r < chains_.size(); ++r) {
+    const RegionError e =
+        regionError(regions_[r], place(chains_[r], q, jacobian ? &twists_ : nullptr));
+    const double w = weights_[r];
+    double* rows = error_.data() + 6 * r;
+    for (int k = 0; k < 3; ++k) {
+      rows[k] = w * e.position(k);
+      rows[3 + k] = e.turn(k);
+    }
+    for (int k = 0; k < 6; ++k) squared += rows[k] * rows[k];
+    if (!jacobian) continue;
+    for (const Twist& twist : twists_) {
+      double* column = jacobian_.data() + at(twist.column) * rows_ + 6 * r;
+      Eigen::Vector3d angular = twist.angular;
+      for (int i = 0; i < e.free_turns; ++i) {
+        const Eigen::Vector3d& axis = e.free_axis[at(i)];
+        angular -= axis.dot(angular) * axis;
+      }
+      for (int k = 0; k < 3; ++k) {
+        if (!e.free_position[at(k)]) column[k] += w * twist.linear(k);
+        column[3 + k] += angular(k);
+      }
+    }
+  }
+  return squared;
+}
+
+/// step_ of the solved variables; those at a limit that it would leave are held.
+void Search::step(double damping, double squared_error, const double* q) {
+  const double lambda = damping * squared_error + kAddedDamping;
+  for (std::size_t c = 0; c < columns_; ++c) {
+    const double* column = jacobian_.data() + c * rows_;
+    double gradient = 0;
+    for (std::size_t i = 0; i < rows_; ++i) gradient += column[i] * error_[i];
+    const double value = q[variables_[c]];
+    held_[c] = (value <= lower_[c] && gradient > 0) || (value >= upper_[c] && gradient < 0);
+    step_[c] = gradient;
+  }
+  std::fill(gram_.begin(), gram_.end(), 0);
+  if (rows_ <= columns_) {  // step = -J^T (J J^T + lambda)^-1 e
+    for (std::size_t c = 0; c < columns_; ++c) {
+      if (held_[c]) continue;
+      const double* column = jacobian_.data() + c * rows_;
+      for (std::size_t i = 0; i < rows_; ++i)
+        for (std::size_t j = 0; j <= i; ++j) gram_[i * rows_ + j] += column[i] * column[j];
+    }
+    for (std::size_t i = 0; i < rows_; ++i) gram_[i * rows_ + i] += lambda;
+    solution_ = error_;
+    solvePositive(gram_, solution_, rows_);
+    for (std::size_t c = 0; c < columns_; ++c) {
+      const double* column = jacobian_.data() + c * rows_;
+      double sum = 0;
+      if (!held_[c])
+        for (std::size_t i = 0; i < rows_; ++i) sum += column[i] * solution_[i];
+      step_[c] = -sum;
+    }
+    return;
+  }
+  for (std::size_t c = 0; c < columns_; ++c) {  // (J^T J + lambda) step = -J^T e
+    if (held_[c]) step_[c] = 0;
+    for (std::size_t d = 0; d <= c && !held_[c]; ++d) {
+      if (held_[d]) continue;
+      double sum = 0;
+      for (std::size_t i = 0; i < rows_; ++i)
+        sum += jacobian_[c * rows_ + i] * jacobian_[d * rows_ + i];
+      gram_[c * columns_ + d] = sum;
+    }
+    gram_[c * columns_ + c] += held_[c] ? 1 : lambda;
+  }
+  solution_ = step_;
+  solvePositive(gram_, solution_, columns_);
+  for (std::size_t c = 0; c < columns_; ++c) step_[c] = -solution_[c];
+}
+
+double Search::descend(std::span<double> q) { return polish(q, kSteps); }
+
+double Search::polish(std::span<double> q, int iterations) {
+  trial_.assign(q.begin(), q.end());
+  double squared = evaluate(q.data(), true);
+  double damping = kFirstDamping;
+  int slow = 0;
+  for (int i = 0; i < iterations && squared > kRoundedSquared; ++i) {
+    ++iterations_;
+    step(damping, squared, q.data());
+    for (std::size_t c = 0; c < columns_; ++c) {
+      const std::size_t v = at(variables_[c]);
+      trial_[v] = std::clamp(q[v] + step_[c], lower_[c], upper_[c]);
+    }
+    kept_error_ = error_;
+    const double tried = evaluate(trial_.data(), false);
+    if (!(tried < squared)) {
+      error_ = kept_error_;
+      if (squared < kNearSquared && ++slow > 2) break;  // rounding, or a singular pose
+      damping *= 16;
+      if (++slow >= kSlowSteps) break;
+      continue;
+    }
+    slow = tried > kSlowShare * squared ? slow + 1 : 0;
+    for (std::size_t c = 0; c < columns_; ++c) q[at(variables_[c])] = trial_[at(variables_[c])];
+    damping = std::max(damping / 4, kLeastDamping);
+    squared = evaluate(q.data(), true);
+    if (slow >= kSlowSteps) break;
+  }
+  return squared;
+}
+
+}  // namespace leeway::robots

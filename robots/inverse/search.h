@@ -1,0 +1,45 @@
+#pragma once
+
+// Damped least squares for one set of regions. A search has buffers: one thread at a time.
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "robots/inverse/chain.h"
+#include "robots/inverse/region.h"
+
+namespace leeway::robots {
+
+class Search {
+ public:
+  Search(std::vector<Chain> chains, std::vector<PreparedRegion> regions, std::vector<int> variables,
+         std::vector<double> lower, std::vector<double> upper);
+
+  /// Moves the solved variables of q (one number a variable of the model, solved ones within their
+  /// limits) until the frames are in their regions as nearly as rounding allows, or until the steps
+  /// gain too little. Returns the sum of squared errors, positions in units of the chain's reach.
+  double descend(std::span<double> q);
+
+  /// The same for at most `iterations` steps from near a solution.
+  double polish(std::span<double> q, int iterations);
+
+  std::int64_t iterations() const { return iterations_; }
+
+ private:
+  double evaluate(const double* q, bool jacobian);
+  void step(double damping, double squared_error, const double* q);
+
+  std::vector<Chain> chains_;
+  std::vector<PreparedRegion> regions_;
+  std::vector<int> variables_;
+  std::vector<double> lower_, upper_;
+  std::vector<double> weights_;  // of positions, one a region
+  std::size_t rows_, columns_;
+  std::vector<Twist> twists_;
+  std::vector<double> error_, jacobian_, gram_, solution_, step_, trial_, kept_error_;
+  std::vector<char> held_;
+  std::int64_t iterations_ = 0;
+};
+
+}  // namespace leeway::robots
