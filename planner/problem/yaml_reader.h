@@ -1,7 +1,5 @@
 #pragma once
 
-#include <yaml-cpp/yaml.h>
-
 #include <Eigen/Core>
 #include <cstdint>
 #include <memory>
@@ -13,32 +11,30 @@
 #include <vector>
 
 #include "leeway/robots/input_error.h"
+#include "planner/problem/yaml_document.h"
 
 namespace leeway::planner {
 
 /// A place in a YAML file, read strictly: a wrong type, a missing or unknown key and a number that
-/// is not finite throw InputError with file and line (from 1; yaml-cpp counts from 0). JSON is
-/// YAML, too. Cheap to copy.
+/// is not finite throw InputError with file and line. JSON is YAML, too. Cheap to copy.
 class YamlReader {
  public:
   /// The only document of a file. Throws for an unreadable file, bad syntax, no or several
   /// documents.
   static YamlReader load(const std::string& path);
 
-  const std::string& file() const { return *file_; }
+  const std::string& file() const { return document_->file(); }
   int line() const { return line_; }
   /// How messages call this place: "objects[2].box.size"; "the file" at the top.
-  const std::string& where() const { return where_; }
+  std::string where() const { return document_->where(place_); }
   [[noreturn]] void fail(const std::string& message) const;
 
-  bool isMap() const { return node_.IsMap(); }
-  bool isList() const { return node_.IsSequence(); }
-  bool isScalar() const { return node_.IsScalar(); }
-  bool isNull() const { return node_.IsNull(); }
+  bool isMap() const { return node().kind == YamlNode::Kind::kMap; }
+  bool isList() const { return node().kind == YamlNode::Kind::kList; }
+  bool isScalar() const { return node().kind == YamlNode::Kind::kScalar; }
+  bool isNull() const { return node().kind == YamlNode::Kind::kNull; }
   /// Nothing, or a text, list or map without content.
-  bool isEmpty() const {
-    return isNull() || (isScalar() ? node_.Scalar().empty() : node_.size() == 0);
-  }
+  bool isEmpty() const { return isNull() || (isScalar() ? node().text_size == 0 : size() == 0); }
 
   // Maps.
   /// Fails unless this is a map whose keys are all in `known`, each once.
@@ -51,7 +47,10 @@ class YamlReader {
   YamlReader at(std::string_view key, std::string_view accepted) const;
 
   // Lists.
-  std::size_t size() const { return node_.size(); }
+  /// Entries of a list or a map.
+  std::size_t size() const {
+    return static_cast<std::size_t>(isMap() ? node().count / 2 : node().count);
+  }
   std::vector<YamlReader> items() const;  ///< fails unless a list
 
   // Values.
@@ -66,15 +65,20 @@ class YamlReader {
   Eigen::Vector3d sizeVector3() const;  ///< no negative entry
 
  private:
-  YamlReader(std::shared_ptr<const std::string> file, const YAML::Node& node, std::string where,
-             int parent_line);
+  YamlReader(std::shared_ptr<const YamlDocument> document, YamlIndex place, int parent_line);
+  const YamlNode& node() const { return document_->node(document_->resolved(place_)); }
+  std::string_view scalar() const { return document_->text(node()); }
   void expectMap() const;
-  YamlReader valueOf(const YAML::detail::iterator_value& entry) const;
+  /// Calls visit(key) for every key of a map, until it returns false.
+  template <class Visit>
+  void forEachKey(const Visit& visit) const;
+  const YamlNode& keyNode(YamlIndex key) const { return document_->node(document_->resolved(key)); }
+  int keyLine(YamlIndex key) const { return document_->node(key).line; }
+  YamlReader valueOf(YamlIndex key) const;
   std::string shown() const;  ///< the offending value, short enough for a message
 
-  std::shared_ptr<const std::string> file_;
-  YAML::Node node_;
-  std::string where_;
+  std::shared_ptr<const YamlDocument> document_;
+  YamlIndex place_;  // an alias is not resolved here
   int line_;
 };
 

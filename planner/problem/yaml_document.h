@@ -1,0 +1,58 @@
+#pragma once
+
+// Private to planner/: a YAML document as a flat tree. yaml-cpp parses; its own nodes, an
+// allocation or more each, would take most of the time and memory of a world of many objects.
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace leeway::planner {
+
+/// A node by its number; those of a document begin with its root, 0.
+using YamlIndex = std::int32_t;
+
+struct YamlNode {
+  enum class Kind : unsigned char { kNull, kScalar, kList, kMap, kAlias };
+  Kind kind = Kind::kNull;
+  bool is_quoted = false;  ///< a scalar in quotes: a text, whatever it looks like
+  std::int32_t line = 0;   ///< from 1; of an empty value that of what follows it
+  YamlIndex parent = -1;   ///< -1: the root
+  std::int32_t place = 0;  ///< among its parent's entries, from 0
+  YamlIndex next = -1;     ///< the following entry; -1: the last
+  YamlIndex first = -1;    ///< first entry of a list or map; an alias: what it stands for
+  std::int32_t count = 0;  ///< entries of a list or map
+  std::int64_t text = 0;   ///< where a scalar's text begins
+  std::int64_t text_size = 0;
+};
+
+/// The one document of a file. In a map a key and its value are entries one after the other.
+class YamlDocument {
+ public:
+  /// Parses `text`, the content of `file`. Throws robots::InputError for bad syntax and for several
+  /// documents. Without a document the root is null. O(text).
+  YamlDocument(std::string file, const std::string& text);
+
+  const std::string& file() const { return file_; }
+  const YamlNode& node(YamlIndex i) const { return nodes_[static_cast<std::size_t>(i)]; }
+  /// An alias' target; any other node itself.
+  YamlIndex resolved(YamlIndex i) const { return isAlias(i) ? node(i).first : i; }
+  std::string_view text(const YamlNode& scalar) const {
+    return std::string_view(texts_).substr(static_cast<std::size_t>(scalar.text),
+                                           static_cast<std::size_t>(scalar.text_size));
+  }
+  /// How messages call a value: "objects[2].box.size"; "the file" at the top. O(depth * entries).
+  std::string where(YamlIndex i) const;
+
+ private:
+  class Builder;
+  YamlDocument() = default;
+  bool isAlias(YamlIndex i) const { return node(i).kind == YamlNode::Kind::kAlias; }
+
+  std::string file_;
+  std::vector<YamlNode> nodes_;
+  std::string texts_;  // of all scalars
+};
+
+}  // namespace leeway::planner
