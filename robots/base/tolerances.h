@@ -34,6 +34,10 @@ inline constexpr double kGapLevel = 1e-6;
 /// Share of a proven gap that is stored: rounded to single precision, it stays below the gap.
 inline constexpr double kGapInwards = 1 - 1e-6;
 
+/// Rounding in a proof that a pose is out of reach: relative to the sizes in it, and in metres and
+/// radians. Kinematics of a chain round by 1e-14 of its sizes.
+inline constexpr double kProofSlack = 1e-11;
+
 // ------------------------------------------------------------------------------------------------
 // Tuning: any positive value is safe.
 

@@ -99,11 +99,11 @@ Chain makeChain(const Model& model, const PoseRegion& region, std::span<const Po
   return chain;
 }
 
-Pose place(const Chain& chain, const double* q, std::vector<Twist>* twists) {
-  // Twists hold the axis and, in place of the linear part, a point on it, until F is known.
-  if (twists != nullptr) twists->clear();
-  Pose X{};  // X_RC
-  for (const ChainJoint& joint : chain.joints) {
+Pose place(const Chain& chain, const double* q, std::vector<Pose>& X_RC) {
+  X_RC.resize(chain.joints.size());
+  Pose X{};
+  for (std::size_t i = 0; i < chain.joints.size(); ++i) {
+    const ChainJoint& joint = chain.joints[i];
     const double* value = q + joint.variable;
     Eigen::Matrix3d R_PC;
     Eigen::Vector3d p_PC = joint.translation;
@@ -124,22 +124,32 @@ Pose place(const Chain& chain, const double* q, std::vector<Twist>* twists) {
         R_PC = joint.fixed * quaternionRotation(value + 3);
         p_PC += joint.fixed * Eigen::Vector3d(value[0], value[1], value[2]);
     }
-    const Eigen::Matrix3d R_RP = X.rotation;
-    X.translation += R_RP * p_PC;
-    X.rotation = R_RP * R_PC;
-    if (twists == nullptr) continue;
+    X.translation += X.rotation * p_PC;
+    X.rotation = (X.rotation * R_PC).eval();
+    X_RC[i] = X;
+  }
+  return X * chain.X_PF;
+}
+
+void findTwists(const Chain& chain, const double* q, const std::vector<Pose>& X_RC,
+                const Pose& X_RF, std::vector<Twist>& twists) {
+  twists.clear();
+  for (std::size_t i = 0; i < chain.joints.size(); ++i) {
+    const ChainJoint& joint = chain.joints[i];
+    const Eigen::Matrix3d R_RP = i == 0 ? Eigen::Matrix3d::Identity() : X_RC[i - 1].rotation;
     const auto slide = [&](int k, const Eigen::Vector3d& direction_P) {
       if (joint.column[at(k)] >= 0)
-        twists->push_back({joint.column[at(k)], R_RP * direction_P, Eigen::Vector3d::Zero()});
+        twists.push_back({joint.column[at(k)], R_RP * direction_P, Eigen::Vector3d::Zero()});
     };
+    const Eigen::Vector3d arm = X_RF.translation - X_RC[i].translation;
     const auto turn = [&](int k, const Eigen::Vector3d& axis_R) {
-      if (joint.column[at(k)] >= 0 && axis_R.squaredNorm() > 0)
-        twists->push_back({joint.column[at(k)], X.translation, axis_R});
+      if (joint.column[at(k)] >= 0)
+        twists.push_back({joint.column[at(k)], axis_R.cross(arm), axis_R});
     };
     switch (joint.type) {
       case JointType::kRevolute:
       case JointType::kContinuous:
-        turn(0, joint.multiplier * (X.rotation * joint.axis));
+        turn(0, joint.multiplier * (X_RC[i].rotation * joint.axis));
         break;
       case JointType::kPrismatic:
         slide(0, joint.multiplier * joint.u);
@@ -147,20 +157,14 @@ Pose place(const Chain& chain, const double* q, std::vector<Twist>* twists) {
       case JointType::kPlanar:
         slide(0, joint.u);
         slide(1, joint.v);
-        turn(2, X.rotation * joint.axis);
+        turn(2, X_RC[i].rotation * joint.axis);
         break;
       default:
         for (int k = 0; k < 3; ++k) slide(k, joint.fixed.col(k));
         for (int k = 0; k < 4; ++k)
-          turn(3 + k, R_RP * (joint.fixed * quaternionTurn(value + 3, k)));
+          turn(3 + k, R_RP * (joint.fixed * quaternionTurn(q + joint.variable + 3, k)));
     }
   }
-  const Pose X_RF = X * chain.X_PF;
-  if (twists != nullptr)
-    for (Twist& twist : *twists)
-      if (twist.angular.squaredNorm() > 0)
-        twist.linear = twist.angular.cross(Eigen::Vector3d(X_RF.translation - twist.linear));
-  return X_RF;
 }
 
 }  // namespace leeway::robots

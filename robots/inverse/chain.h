@@ -42,8 +42,12 @@ struct Twist {
   Eigen::Vector3d linear, angular;
 };
 
-/// X_RF at the model's variables `q`, and one twist for each joint and solved variable of it
-/// (unless `twists` is null); a variable that drives several joints has several. O(joints).
-Pose place(const Chain& chain, const double* q, std::vector<Twist>* twists);
+/// X_RF at the model's variables `q`. X_RC takes the frame of each joint's child. O(joints).
+Pose place(const Chain& chain, const double* q, std::vector<Pose>& X_RC);
+
+/// One twist for each joint and solved variable of it, from what place() gave at q; a variable that
+/// drives several joints has several. O(joints).
+void findTwists(const Chain& chain, const double* q, const std::vector<Pose>& X_RC,
+                const Pose& X_RF, std::vector<Twist>& twists);
 
 }  // namespace leeway::robots

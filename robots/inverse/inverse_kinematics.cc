@@ -10,6 +10,7 @@
 #include "collision/base/pose_check.h"
 #include "collision/base/sine_cosine.h"
 #include "leeway/robots/kinematics.h"
+#include "robots/inverse/reach_proof.h"
 #include "robots/inverse/search.h"
 
 namespace leeway::robots {
@@ -21,6 +22,9 @@ using collision::kTwoPi;
 /// Solutions whose variables all differ by less are one [rad or m]: at a singular pose an error of
 /// 1e-13 leaves them apart by its root.
 constexpr double kSameSolution = 1e-5;
+
+/// Searches that find nothing before the proof that there is nothing is tried.
+constexpr int kStartsBeforeProof = 20;
 
 /// sample(): searches for one draw.
 constexpr int kStartsOfSample = 3;
@@ -160,6 +164,17 @@ class Task {
     return sum;
   }
 
+  /// Whether one of the frames is proven not to come into its region. Adds to `boxes`.
+  bool provenUnreachable(std::int64_t limit, std::int64_t& boxes) const {
+    for (std::size_t r = 0; r < regions_.size(); ++r) {
+      const ReachProof proof =
+          proveUnreachable(search_.chains()[r], regions_[r], configuration_, lower_, upper_, limit);
+      boxes += proof.boxes;
+      if (proof.proven) return true;
+    }
+    return false;
+  }
+
   std::int64_t iterations() const { return search_.iterations(); }
 
  private:
@@ -273,6 +288,12 @@ IkResult InverseKinematics::solve(std::span<const PoseRegion> regions,
   while (result.starts < options.starts &&
          static_cast<int>(result.solutions.size()) < options.max_solutions) {
     if (options.stop && options.stop()) break;
+    if (options.prove && result.solutions.empty() && options.proof_boxes > 0 &&
+        (result.starts == 1 || result.starts == kStartsBeforeProof) &&
+        task.provenUnreachable(result.starts == 1 ? 1 : options.proof_boxes, result.proof_boxes)) {
+      result.status = IkStatus::kUnreachable;
+      break;
+    }
     const bool found =
         task.solveFrom(task.start(static_cast<std::uint64_t>(result.starts++)), solution);
     if (found) {

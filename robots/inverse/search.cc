@@ -77,8 +77,8 @@ double Search::evaluate(const double* q, bool jacobian) {
   if (jacobian) std::fill(jacobian_.begin(), jacobian_.end(), 0);
   double squared = 0;
   for (std::size_t r = 0; r < chains_.size(); ++r) {
-    const RegionError e =
-        regionError(regions_[r], place(chains_[r], q, jacobian ? &twists_ : nullptr));
+    const Pose X_RF = place(chains_[r], q, X_RC_);
+    const RegionError e = regionError(regions_[r], X_RF);
     const double w = weights_[r];
     double* rows = error_.data() + 6 * r;
     for (int k = 0; k < 3; ++k) {
@@ -87,6 +87,7 @@ double Search::evaluate(const double* q, bool jacobian) {
     }
     for (int k = 0; k < 6; ++k) squared += rows[k] * rows[k];
     if (!jacobian) continue;
+    findTwists(chains_[r], q, X_RC_, X_RF, twists_);
     for (const Twist& twist : twists_) {
       double* column = jacobian_.data() + at(twist.column) * rows_ + 6 * r;
       Eigen::Vector3d angular = twist.angular;
@@ -150,14 +151,12 @@ void Search::step(double damping, double squared_error, const double* q) {
   for (std::size_t c = 0; c < columns_; ++c) step_[c] = -solution_[c];
 }
 
-double Search::descend(std::span<double> q) { return polish(q, kSteps); }
-
-double Search::polish(std::span<double> q, int iterations) {
+double Search::descend(std::span<double> q) {
   trial_.assign(q.begin(), q.end());
   double squared = evaluate(q.data(), true);
   double damping = kFirstDamping;
   int slow = 0;
-  for (int i = 0; i < iterations && squared > kRoundedSquared; ++i) {
+  for (int i = 0; i < kSteps && squared > kRoundedSquared; ++i) {
     ++iterations_;
     step(damping, squared, q.data());
     for (std::size_t c = 0; c < columns_; ++c) {

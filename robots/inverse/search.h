@@ -21,9 +21,7 @@ class Search {
   /// gain too little. Returns the sum of squared errors, positions in units of the chain's reach.
   double descend(std::span<double> q);
 
-  /// The same for at most `iterations` steps from near a solution.
-  double polish(std::span<double> q, int iterations);
-
+  const std::vector<Chain>& chains() const { return chains_; }
   std::int64_t iterations() const { return iterations_; }
 
  private:
@@ -36,6 +34,7 @@ class Search {
   std::vector<double> lower_, upper_;
   std::vector<double> weights_;  // of positions, one a region
   std::size_t rows_, columns_;
+  std::vector<Pose> X_RC_;
   std::vector<Twist> twists_;
   std::vector<double> error_, jacobian_, gram_, solution_, step_, trial_, kept_error_;
   std::vector<char> held_;

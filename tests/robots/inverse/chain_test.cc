@@ -43,7 +43,9 @@ TEST(Chain, PosesAndTwistsOfRandomTrees) {
       return region.X_WR.inverse() * (X_WL[static_cast<std::size_t>(region.link)] * region.X_LF);
     };
     std::vector<Twist> twists;
-    const Pose X_RF = place(chain, q.data(), &twists), expected = slow(q);
+    std::vector<Pose> X_RC;
+    const Pose X_RF = place(chain, q.data(), X_RC), expected = slow(q);
+    findTwists(chain, q.data(), X_RC, X_RF, twists);
     EXPECT_LT((X_RF.rotation - expected.rotation).norm(), 1e-13);
     EXPECT_LT((X_RF.translation - expected.translation).norm(), 1e-13);
     for (std::size_t v = 0; v < q.size(); ++v) {

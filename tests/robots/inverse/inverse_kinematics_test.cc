@@ -222,7 +222,7 @@ TEST(InverseKinematics, OutOfReachHasNoSolution) {
   const std::vector<PoseRegion> regions = {
       PoseRegion::exact(model->findLink("tool"), {}, {}, {Eigen::Matrix3d::Identity(), {3, 0, 0}})};
   const IkResult result = ik.solve(regions, model->defaultConfiguration());
-  EXPECT_NE(result.status, IkStatus::kFound);
+  EXPECT_EQ(result.status, IkStatus::kUnreachable);
   EXPECT_TRUE(result.solutions.empty());
   EXPECT_EQ(result.nearest.values.size(), 6u);
   EXPECT_GT(result.nearest.error.position, 1);

@@ -55,7 +55,7 @@ struct IkOptions {
   int starts = 200;            ///< searches from different configurations, the given one first
   int max_solutions = 1;       ///< the search ends with as many; those listed are nearest
   bool prove = true;           ///< without a solution, try to prove that there is none
-  int proof_boxes = 20'000;    ///< boxes of configurations examined by that proof
+  int proof_boxes = 100'000;   ///< boxes of configurations examined by that proof
   std::function<bool()> stop;  ///< ends the search early when true; may be empty
 };
 
