@@ -11,8 +11,8 @@ namespace leeway::planner {
 
 struct SimplifyOptions {
   std::uint64_t seed = 1;
-  int attempts = 100;  ///< random shortcuts tried at most
-  int failures = 30;   ///< ends after so many in a row
+  int attempts = 60;  ///< random shortcuts tried at most
+  int failures = 30;  ///< ends after so many in a row
   /// Least clearance of a new edge [m], besides the margins: a path found for its clearance keeps
   /// it.
   double clearance_floor = -std::numeric_limits<double>::infinity();
