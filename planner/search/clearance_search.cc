@@ -38,6 +38,7 @@ std::optional<ClearancePath> searchClearance(const std::shared_ptr<const Compile
     Search wider(raised, pool, task);
     auto path = wider.any(task.problem.seed + ++run, budget);
     best.work += pool->statistics();
+    best.work += wider.work();
     if (path) {
       best.path = std::move(*path);
       best.clearance = std::max(demand, measured(best.path));

@@ -128,7 +128,9 @@ class Plan {
     if (traits_->optimizing) limits_.reserve(kSimplifyShare);
     if (wantsLength()) {
       Search search(scene_, pool_, task);
-      return search.shortest(problem_.seed).value_or(Waypoints{});
+      auto path = search.shortest(problem_.seed);
+      work_ += search.work();
+      return std::move(path).value_or(Waypoints{});
     }
     limits_.reserve(kSimplifyShare);
     const double bound = clearanceBound();
@@ -136,6 +138,7 @@ class Plan {
     if (traits_->optimizing && traits_->any_cost)
       return search.widest(problem_.seed, bound - kClearanceTolerance).value_or(Waypoints{});
     auto widest = searchClearance(scene_, search, task, bound);
+    work_ += search.work();
     if (!widest) return {};
     work_ += widest->work;
     return std::move(widest->path);

@@ -6,15 +6,13 @@
 #include <ompl/util/Exception.h>
 
 #include <algorithm>
-#include <bit>
 #include <charconv>
 #include <cmath>
-#include <functional>
 #include <limits>
 
-#include "planner/base/random.h"
 #include "planner/base/tolerances.h"
 #include "planner/edge/ompl_point.h"
+#include "planner/search/run_seed.h"
 #include "planner/space/ompl_lock.h"
 #include "planner/space/ompl_planners.h"
 
@@ -23,20 +21,6 @@ namespace {
 
 namespace ob = ompl::base;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-/// Seed of the k-th run of a planner within one plan.
-std::uint64_t runSeed(std::uint64_t seed, std::uint64_t run) {
-  return Random(seed, kRunStream + run).next();
-}
-
-/// The n-th term of 1, 1, 2, 1, 1, 2, 4, 1, 1, 2, ..., n >= 1.
-std::uint64_t luby(std::uint64_t n) {
-  for (;;) {
-    const auto whole = std::bit_ceil(n + 1);
-    if (whole == n + 1) return whole / 2;
-    n -= whole / 2 - 1;
-  }
-}
 
 /// A parameter's text. Not std::to_string, which follows the program's locale.
 std::string digits(double x) {
@@ -105,64 +89,27 @@ std::optional<Waypoints> Search::run(const ob::OptimizationObjectivePtr& objecti
   return std::nullopt;
 }
 
-ConnectSettings Search::connectSettings() const {
-  const auto number = [&](const char* key, double otherwise) {
-    const auto found = parameters_.find(key);
-    return found == parameters_.end() ? otherwise
-                                      : parameterNumber(found->second).value_or(otherwise);
-  };
-  ConnectSettings settings;
-  settings.range = number("range", 0);
-  if (!(settings.range > 0)) settings.range = defaultRange(scene_->space());
-  settings.balance = number("balance", 1) != 0;
-  settings.dynamic_domain = number("dynamic_domain", 1) != 0;
-  return settings;
-}
-
-/// Runs of our own planner with rising budgets: most problems are solved soon or by luck, so a run
-/// that is late is started again (Luby, Sinclair, Zuckerman, "Optimal speedup of Las Vegas
-/// algorithms", 1993).
 std::optional<Waypoints> Search::connect(std::uint64_t seed, std::uint64_t budget) {
-  Limits& limits = task_.limits;
-  std::vector<std::vector<double>> goals;
+  Waypoints goals;
   for (const std::vector<double>& goal : task_.goals.points)
     if (certifier().decide(goal) == Verdict::kFree) goals.push_back(goal);
   // A scene with raised margins may leave no room at the ends.
   if (goals.empty() || certifier().decide(task_.start) != Verdict::kFree) return std::nullopt;
-  const std::function<bool(std::span<const double>, std::span<const double>)> is_free =
-      [&own = certifier(), &limits, asked = 0U, over = false](std::span<const double> a,
-                                                              std::span<const double> b) mutable {
-        // One iteration may ask many edges.
-        if (++asked % kConnectTurn == 0) over = over || limits.over();
-        return !over && own.certify(a, b, own.searching()).verdict == Verdict::kFree;
-      };
-  const ConnectTask task{scene_->space(), task_.start, goals, is_free};
-  const ConnectSettings settings = connectSettings();
-  const std::uint64_t last =
-      budget > 0 ? limits.iterations() + budget : std::numeric_limits<std::uint64_t>::max();
-  for (std::uint64_t round = 0; !limits.searchOver() && limits.iterations() < last; ++round) {
-    ConnectTrees trees(task, settings, runSeed(seed, round));
-    std::uint64_t left = kConnectRun * luby(round + 1);
-    while (left > 0) {
-      const std::uint64_t count =
-          std::min({kConnectTurn, left, limits.left(), last - limits.iterations()});
-      bool met = false;
-      std::uint64_t done = 0;
-      while (!met && done < count) {
-        met = trees.iterate();
-        ++done;
-      }
-      const bool over = limits.iterate(done);
-      if (met) {
-        Waypoints path = trees.path();
-        if (endInGoal(path) && isCertified(path)) return path;
-        break;
-      }
-      if (over || count == 0) return std::nullopt;
-      left -= done;
-    }
-  }
-  return std::nullopt;
+  const std::function<bool(Waypoints&, EdgeCertifier&)> accept = [this](Waypoints& path,
+                                                                        EdgeCertifier& own) {
+    return endInGoal(path) && isCertified(own, path);
+  };
+  const ConnectQuery query{scene_,
+                           task_.start,
+                           goals,
+                           seed,
+                           accept,
+                           task_.limits,
+                           budget > 0 ? budget : std::numeric_limits<std::uint64_t>::max()};
+  ConnectResult result =
+      searchConnect(query, connectChoice(parameters_, scene_->space()), certifier());
+  work_ += result.work;
+  return std::move(result.path);
 }
 
 std::optional<Waypoints> Search::runOnce(const ob::OptimizationObjectivePtr& objective,
@@ -203,7 +150,7 @@ std::optional<Waypoints> Search::runOnce(const ob::OptimizationObjectivePtr& obj
     path.emplace_back(q.begin(), q.end());
   }
   if (path.empty() || path.front() != task_.start) return std::nullopt;
-  if (!endInGoal(path) || !isCertified(path)) return std::nullopt;
+  if (!endInGoal(path) || !isCertified(certifier(), path)) return std::nullopt;
   return path;
 }
 
@@ -250,9 +197,9 @@ bool Search::endInGoal(Waypoints& path) {
   return true;
 }
 
-bool Search::isCertified(const Waypoints& path) {
+bool Search::isCertified(EdgeCertifier& certifier, const Waypoints& path) {
   for (std::size_t i = 1; i < path.size(); ++i)
-    if (certifier().certify(path[i - 1], path[i], EdgeRequest::persistent()).verdict !=
+    if (certifier.certify(path[i - 1], path[i], EdgeRequest::persistent()).verdict !=
         Verdict::kFree)
       return false;
   return true;

@@ -12,13 +12,11 @@
 #include "leeway/planner/ompl_motion_validator.h"
 #include "leeway/planner/ompl_objectives.h"
 #include "leeway/planner/planners.h"
+#include "planner/search/connect_search.h"
 #include "planner/search/goals.h"
 #include "planner/search/limits.h"
-#include "planner/space/connect_trees.h"
 
 namespace leeway::planner {
-
-using Waypoints = std::vector<std::vector<double>>;
 
 /// What is searched, in whatever scene.
 struct SearchTask {
@@ -45,11 +43,12 @@ class Search {
   /// The path of greatest clearance; ends early at `enough` [m]. For planners that optimise any
   /// cost.
   std::optional<Waypoints> widest(std::uint64_t seed, double enough);
+  /// Of certifiers beside the pool's.
+  const EdgeCertifier::Statistics& work() const { return work_; }
 
  private:
-  ConnectSettings connectSettings() const;
   std::optional<Waypoints> connect(std::uint64_t seed, std::uint64_t budget);
-  bool isCertified(const Waypoints& path);
+  static bool isCertified(EdgeCertifier& certifier, const Waypoints& path);
   std::optional<Waypoints> search(std::uint64_t seed, std::uint64_t budget, bool first);
   std::optional<Waypoints> run(const ompl::base::OptimizationObjectivePtr& objective,
                                std::uint64_t seed, std::uint64_t budget);
@@ -66,6 +65,7 @@ class Search {
   ompl::base::SpaceInformationPtr space_information_;  ///< null for our own planner
   const PlannerTraits* traits_;
   bool own_;  ///< Connect: no part of OMPL is made
+  EdgeCertifier::Statistics work_;
 };
 
 struct ClearancePath {

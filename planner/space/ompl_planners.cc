@@ -43,6 +43,7 @@
 #include <ompl/util/Exception.h>
 #include <ompl/util/RandomNumbers.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <memory>
@@ -69,6 +70,10 @@ struct Entry {
 
 constexpr bool kSeeded = true, kUnseeded = false;
 constexpr bool kOptimizing = true, kFirst = false;
+/// Workers, and threads, that a problem may ask for [count]: each worker has a certifier of its
+/// own.
+constexpr int kMostWorkers = 64;
+
 constexpr bool kCells = true, kNoCells = false;
 
 template <typename Planner>
@@ -218,6 +223,29 @@ std::optional<std::string> setParameter(ob::Planner& planner, const std::string&
   return std::nullopt;
 }
 
+/// Parameters of our own planner that plan() knows, and OMPL's frame does not.
+const std::vector<PlannerParameter>& ownParameters(const Entry& e) {
+  static const std::vector<PlannerParameter> none,
+      own = {{"threads", "0", "0:1:64"}, {"workers", "1", "1:1:64"}};
+  return e.traits.name == kOwnPlanner ? own : none;
+}
+
+/// Whether `key` is one of these; `error` says what is wrong with its value.
+bool isOwnParameter(const Entry& e, const std::string& key, const std::string& value,
+                    std::optional<std::string>& error) {
+  for (const PlannerParameter& parameter : ownParameters(e)) {
+    if (parameter.name != key) continue;
+    const double least = parameter.name == "workers" ? 1 : 0;
+    const std::optional<double> meant = parameterNumber(value);
+    if (!meant || !(*meant >= least && *meant <= kMostWorkers) || *meant != std::floor(*meant))
+      error = "planner parameter '" + key + "' cannot be '" + value + "'; a whole number from " +
+              std::to_string(static_cast<int>(least)) + " to " + std::to_string(kMostWorkers) +
+              " is expected";
+    return true;
+  }
+  return false;
+}
+
 std::string unknownPlanner(const std::string& name) {
   std::vector<std::string> names;
   for (const PlannerTraits& traits : plannerNames()) names.push_back(traits.name);
@@ -255,6 +283,9 @@ std::vector<PlannerParameter> plannerParameters(std::string_view name) {
   const ob::PlannerPtr planner = e->make(smallSpace());
   for (const auto& [key, parameter] : planner->params().getParams())
     result.push_back({key, parameter->getValue(), parameter->getRangeSuggestion()});
+  for (const PlannerParameter& own : ownParameters(*e)) result.push_back(own);
+  std::sort(result.begin(), result.end(),
+            [](const auto& a, const auto& b) { return a.name < b.name; });
   return result;
 }
 
@@ -266,8 +297,11 @@ std::optional<std::string> plannerError(const std::string& name,
   const QuietOmpl quiet;
   const std::lock_guard<std::recursive_mutex> lock(omplSeedLock());
   const ob::PlannerPtr planner = e->make(smallSpace());
-  for (const auto& [key, value] : parameters)
-    if (const auto error = setParameter(*planner, key, value)) return error;
+  for (const auto& [key, value] : parameters) {
+    std::optional<std::string> error;
+    if (!isOwnParameter(*e, key, value, error)) error = setParameter(*planner, key, value);
+    if (error) return error;
+  }
   return std::nullopt;
 }
 
@@ -277,8 +311,11 @@ ob::PlannerPtr makePlanner(const std::string& name,
   const Entry* e = find(name);
   if (e == nullptr) throw std::invalid_argument(unknownPlanner(name));
   ob::PlannerPtr planner = e->make(space_information);
-  for (const auto& [key, value] : parameters)
-    if (const auto error = setParameter(*planner, key, value)) throw std::invalid_argument(*error);
+  for (const auto& [key, value] : parameters) {
+    std::optional<std::string> error;
+    if (!isOwnParameter(*e, key, value, error)) error = setParameter(*planner, key, value);
+    if (error) throw std::invalid_argument(*error);
+  }
   return planner;
 }
 

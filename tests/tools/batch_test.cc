@@ -81,6 +81,24 @@ TEST_F(Batch, RepeatedPlansGiveTheSameLine) {
   EXPECT_EQ(run("batch reach.yaml --repeat 0").status, 2);
 }
 
+TEST_F(Batch, JobsGiveTheLinesOfOne) {
+  write("set/a/scene0003.yaml", "no: scene\n");
+  write("set/a/request0003.yaml", kRequest);
+  const std::string batch = "batch " + robot_ + "set --seed 5 --jobs ";
+  const Answer one = run(batch + "1");
+  for (const char* jobs : {"2", "8"}) {
+    const Answer more = run(batch + jobs);
+    EXPECT_EQ(more.status, one.status);
+    ASSERT_EQ(more.lines().size(), 4u);
+    for (std::size_t i = 0; i < 4; ++i) {
+      EXPECT_EQ(withoutTimes(more.lines()[i]).dump(), withoutTimes(one.lines()[i]).dump());
+    }
+    // All but the times that the last line tells.
+    EXPECT_EQ(more.err.substr(0, more.err.find("; median")),
+              one.err.substr(0, one.err.find("; median")));
+  }
+}
+
 TEST_F(Batch, ProblemFilesAndVerify) {
   const Answer answer = run("batch reach.yaml empty.yaml --verify");
   EXPECT_EQ(answer.status, 0) << answer.err;

@@ -1,11 +1,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
+#include <condition_variable>
 #include <memory>
+#include <mutex>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <set>
 #include <stdexcept>
+#include <thread>
 #include <variant>
 
 #include "leeway/planner/plan.h"
@@ -32,7 +37,7 @@ struct Arguments {
   std::vector<std::string> inputs;
   std::string shard, output;
   bool resume = false, verify = false;
-  int repeat = 1;
+  int repeat = 1, jobs = 1;
 };
 
 double secondsSince(Clock::time_point start) {
@@ -53,6 +58,26 @@ struct Tally {
     }
     return unsolved + invalid + not_verified > 0 ? kNo : kYes;
   }
+
+  void add(const Tally& more) {
+    solved += more.solved;
+    unsolved += more.unsolved;
+    invalid += more.invalid;
+    not_verified += more.not_verified;
+    bad_input += more.bad_input;
+    faults += more.faults;
+    plan_s.insert(plan_s.end(), more.plan_s.begin(), more.plan_s.end());
+    total_s.insert(total_s.end(), more.total_s.begin(), more.total_s.end());
+  }
+};
+
+/// What became of one problem: kept apart until its turn, whoever solved it.
+struct Outcome {
+  Json line;
+  std::vector<std::string> warnings;
+  std::string error;  ///< for stderr; empty: none
+  Tally tally;
+  bool cut = false;  ///< short, by an interrupt: no part of the answer
 };
 
 double median(std::vector<double> values) {
@@ -65,7 +90,10 @@ double median(std::vector<double> values) {
 }
 
 planner::Problem load(const Arguments& arguments, const std::shared_ptr<const robots::Model>& model,
-                      const BatchItem& item, WarningLog& warnings) {
+                      const BatchItem& item, std::vector<std::string>& warnings) {
+  const auto add = [&warnings](const std::vector<std::string>& more) {
+    warnings.insert(warnings.end(), more.begin(), more.end());
+  };
   if (!item.error.empty()) {
     throw robots::InputError(item.problem, 0, item.error);
   }
@@ -74,9 +102,9 @@ planner::Problem load(const Arguments& arguments, const std::shared_ptr<const ro
     problem = planner::loadMoveit(model, item.problem, item.request);
   } else {
     problem = planner::loadProblem(item.problem, {.load = loadOptions(arguments.source)});
-    warnings.print(problem.robot.model->warnings);
+    add(problem.robot.model->warnings);
   }
-  warnings.print(problem.warnings);
+  add(problem.warnings);
   return problem;
 }
 
@@ -134,14 +162,16 @@ planner::PlanResult planRepeatedly(const planner::Problem& problem,
 }
 
 Json solve(const Arguments& arguments, const std::shared_ptr<const robots::Model>& model,
-           const BatchItem& item, Tally& tally, WarningLog& warnings) {
+           const BatchItem& item, Outcome& outcome) {
   const auto start = Clock::now();
-  planner::Problem problem = load(arguments, model, item, warnings);
+  planner::Problem problem = load(arguments, model, item, outcome.warnings);
   apply(arguments.overrides, problem);
   const double load_s = secondsSince(start);
-  const planner::PlanResult result =
-      planRepeatedly(problem, planOptions(arguments.overrides), arguments.repeat);
-  warnings.print(result.warnings);
+  planner::PlanOptions options = planOptions(arguments.overrides);
+  // Of several problems at once only how many are done is shown.
+  if (arguments.jobs > 1) options.progress = nullptr;
+  const planner::PlanResult result = planRepeatedly(problem, options, arguments.repeat);
+  outcome.warnings.insert(outcome.warnings.end(), result.warnings.begin(), result.warnings.end());
   std::optional<planner::Trajectory> trajectory;
   if (result.status == planner::PlanStatus::kSolved) {
     trajectory = planner::trajectoryOf(problem, result.path);
@@ -150,18 +180,17 @@ Json solve(const Arguments& arguments, const std::shared_ptr<const robots::Model
   Json verification;
   if (arguments.verify && result.status == planner::PlanStatus::kSolved) {
     const auto verify_start = Clock::now();
-    const planner::VerifyResult verified =
-        planner::verify(problem, result.path, interactivePlanOptions());
+    const planner::VerifyResult verified = planner::verify(problem, result.path, options);
     verification = toJson(verified);
     verification["time_s"] = secondsSince(verify_start);
     if (verified.status != planner::VerifyStatus::kCertified) {
-      ++tally.not_verified;
+      ++outcome.tally.not_verified;
     }
   }
   if (arguments.verify) {
     document["verify"] = verification;
   }
-  count(result, tally);
+  count(result, outcome.tally);
   return document;
 }
 
@@ -186,27 +215,79 @@ void countKept(const std::string& line, Tally& tally) {
 
 /// One line, whatever happens: bad input and faults of our own are told in it and on stderr, and
 /// the batch goes on.
-Json solveOrReport(const Arguments& arguments, const std::shared_ptr<const robots::Model>& model,
-                   const BatchItem& item, Tally& tally, WarningLog& warnings) {
-  Json line = {{"problem", item.problem}};
+Outcome solveOrReport(const Arguments& arguments, const std::shared_ptr<const robots::Model>& model,
+                      const BatchItem& item) {
+  Outcome outcome;
+  outcome.line = {{"problem", item.problem}};
   Json answer;
   try {
-    answer = solve(arguments, model, item, tally, warnings);
+    answer = solve(arguments, model, item, outcome);
   } catch (const robots::InputError& error) {
-    ++tally.bad_input;
+    ++outcome.tally.bad_input;
     answer = {{"status", "error"}, {"error", error.what()}};
   } catch (const std::exception& error) {
-    ++tally.faults;
+    ++outcome.tally.faults;
     answer = {{"status", "internal_error"}, {"error", error.what()}};
   }
-  if (answer.contains("error")) {
-    endProgress();
-    const std::string message = answer["error"];
-    fmt::print(stderr, "{}\n", message);
-  }
-  line.update(answer);
-  return line;
+  if (answer.contains("error")) outcome.error = answer["error"];
+  outcome.line.update(answer);
+  outcome.cut = interrupted();
+  return outcome;
 }
+
+/// Solves problems in as many threads as there are jobs, and hands them out in their order.
+class Jobs {
+ public:
+  Jobs(const Arguments& arguments, std::shared_ptr<const robots::Model> model,
+       std::vector<const BatchItem*> items)
+      : arguments_(arguments),
+        model_(std::move(model)),
+        items_(std::move(items)),
+        outcomes_(items_.size()) {
+    if (arguments_.jobs == 1) return;
+    const std::size_t threads = std::min(static_cast<std::size_t>(arguments_.jobs), items_.size());
+    for (std::size_t i = 0; i < threads; ++i) threads_.emplace_back([this] { run(); });
+  }
+  ~Jobs() {
+    next_ = items_.size();
+    for (std::thread& thread : threads_) thread.join();
+  }
+  Jobs(const Jobs&) = delete;
+  Jobs& operator=(const Jobs&) = delete;
+
+  /// The next problem's outcome. Waits for it; one job solves it here.
+  Outcome take() {
+    const std::size_t i = taken_++;
+    if (threads_.empty()) return solveOrReport(arguments_, model_, *items_[i]);
+    std::unique_lock<std::mutex> lock(mutex_);
+    solved_.wait(lock, [&] { return outcomes_[i].has_value(); });
+    Outcome outcome = std::move(*outcomes_[i]);
+    outcomes_[i].reset();
+    return outcome;
+  }
+
+ private:
+  void run() {
+    for (std::size_t i = next_++; i < items_.size(); i = next_++) {
+      Outcome outcome;
+      outcome.cut = true;
+      if (!interrupted()) outcome = solveOrReport(arguments_, model_, *items_[i]);
+      const std::lock_guard<std::mutex> lock(mutex_);
+      outcomes_[i] = std::move(outcome);
+      solved_.notify_one();
+    }
+  }
+
+  const Arguments& arguments_;
+  std::shared_ptr<const robots::Model> model_;
+  std::vector<const BatchItem*> items_;
+  std::vector<std::optional<Outcome>> outcomes_;
+  std::size_t taken_ = 0;
+  std::atomic<std::size_t> next_{0};
+  std::mutex mutex_;
+  std::condition_variable solved_;
+  std::vector<std::thread> threads_;
+};
 
 void printSummary(const Tally& tally, std::size_t count, std::size_t kept, bool verified) {
   std::string text = fmt::format(
@@ -256,6 +337,11 @@ int run(const Arguments& arguments) {
     warnings.print(model->warnings);
   }
   BatchOutput output(arguments.output, items, arguments.resume, arguments.overrides.seed);
+  std::vector<const BatchItem*> open;
+  for (const BatchItem& item : items) {
+    if (!output.has(item.problem)) open.push_back(&item);
+  }
+  Jobs jobs(arguments, model, std::move(open));
   Tally tally;
   std::size_t done = 0;
   for (const BatchItem& item : items) {
@@ -265,8 +351,13 @@ int run(const Arguments& arguments) {
       continue;
     }
     showProgress(fmt::format("{} of {}: {}", done, items.size(), item.problem));
-    const Json line = solveOrReport(arguments, model, item, tally, warnings);
-    if (interrupted()) {
+    const Outcome outcome = jobs.take();
+    warnings.print(outcome.warnings);
+    if (!outcome.error.empty()) {
+      endProgress();
+      fmt::print(stderr, "{}\n", outcome.error);
+    }
+    if (outcome.cut) {
       // This problem was cut short: it is not part of the answer.
       endProgress();
       warnings.printCounts();
@@ -276,7 +367,8 @@ int run(const Arguments& arguments) {
                      : fmt::format("; {} holds them for --resume", output.partialPath()));
       return kNo;
     }
-    output.add(item.problem, jsonText(line));
+    tally.add(outcome.tally);
+    output.add(item.problem, jsonText(outcome.line));
   }
   endProgress();
   output.finish();
@@ -300,6 +392,10 @@ Verb addBatch(CLI::App& command) {
                   "plan each problem N times: times are medians, answers must be the same")
       ->type_name("N")
       ->check(CLI::Range(1, 1000000));
+  app->add_option("--jobs", arguments->jobs,
+                  "solve N problems at a time; the output is that of one job, but for times")
+      ->type_name("N")
+      ->check(CLI::Range(1, 1024));
   addRobotArguments(*app, arguments->source);
   addPlanOverrides(*app, arguments->overrides);
   app->add_option("--shard", arguments->shard, "only every N-th problem from the i-th")
@@ -315,7 +411,8 @@ Verb addBatch(CLI::App& command) {
       "is a line too, and the rest goes on.\n\n"
       "Examples:\n"
       "  leeway batch problems/shelf --time 1 --verify --output lines.json\n"
-      "  leeway batch problems/shelf --time 1 --shard 1/2");
+      "  leeway batch problems/shelf --time 1 --shard 1/2\n"
+      "  leeway batch problems/shelf --jobs 2");
   return {app, [arguments] { return run(*arguments); }};
 }
 

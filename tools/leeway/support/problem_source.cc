@@ -107,6 +107,10 @@ void addPlanOverrides(CLI::App& app, PlanOverrides& overrides) {
   app.add_option("--planner", overrides.planner,
                  "planner by name; `leeway plan --planners` lists them")
       ->type_name("NAME");
+  app.add_option("--workers", overrides.workers,
+                 "searches of Connect side by side, 1 by default: they fix the answer, threads do "
+                 "not")
+      ->type_name("N");
   app.add_option("--objective", overrides.objective, "length or clearance")->type_name("NAME");
   app.add_option("--certificate", overrides.certificate,
                  "path: the path's least clearance to a tenth of itself, as far as a little work "
@@ -196,6 +200,9 @@ void apply(const PlanOverrides& overrides, planner::Problem& problem) {
       problem.planner.parameters.clear();
     }
     problem.planner.name = overrides.planner;
+  }
+  if (!overrides.workers.empty()) {
+    problem.planner.parameters["workers"] = overrides.workers;
   }
   if (!overrides.objective.empty()) {
     const std::optional<planner::Objective> objective =

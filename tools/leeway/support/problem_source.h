@@ -27,7 +27,7 @@ struct PlanOverrides {
   std::optional<std::uint64_t> seed;
   std::optional<double> time_limit;  ///< [s]
   std::optional<std::int64_t> iteration_limit;
-  std::string planner, objective;
+  std::string planner, objective, workers;
   std::string certificate = "path";
 };
 /// interactivePlanOptions() with the certificate that is asked for.

@@ -1,0 +1,242 @@
+#include "planner/search/connect_search.h"
+
+#include <algorithm>
+#include <atomic>
+#include <bit>
+#include <exception>
+#include <limits>
+#include <mutex>
+#include <thread>
+
+#include "planner/base/random.h"
+#include "planner/base/tolerances.h"
+#include "planner/search/run_seed.h"
+#include "planner/space/ompl_planners.h"
+
+namespace leeway::planner {
+namespace {
+
+/// Between the first runs of two workers, in runs: more than any of them makes.
+constexpr std::uint64_t kRunsApart = 1ULL << 32;
+
+/// The n-th term of 1, 1, 2, 1, 1, 2, 4, 1, 1, 2, ..., n >= 1.
+std::uint64_t luby(std::uint64_t n) {
+  for (;;) {
+    const auto whole = std::bit_ceil(n + 1);
+    if (whole == n + 1) return whole / 2;
+    n -= whole / 2 - 1;
+  }
+}
+
+/// The settings of a worker. What a problem needs is not known beforehand: shorter edges suit
+/// narrow places, longer ones wide ones, and where the nearest node is always the wrong one a
+/// dynamic domain hinders.
+ConnectSettings settingsOf(const ConnectChoice& choice, std::uint64_t worker) {
+  constexpr double kRangeShares[] = {1, 0.6, 1.5, 1};
+  ConnectSettings settings = choice.settings;
+  if (choice.own_range) settings.range *= kRangeShares[worker % 4];
+  if (choice.own_domain && worker % 4 == 3) settings.dynamic_domain = false;
+  if (choice.own_balance && worker % 8 == 7) settings.balance = false;
+  return settings;
+}
+
+/// One search, a few iterations at a time.
+class Worker {
+ public:
+  Worker(const ConnectQuery& query, const ConnectSettings& settings, std::uint64_t index,
+         EdgeCertifier& certifier)
+      : query_(query),
+        settings_(settings),
+        index_(index),
+        certifier_(certifier),
+        is_free_([this](std::span<const double> a, std::span<const double> b) {
+          // One iteration may ask many edges.
+          if (++asked_ % kConnectTurn == 0) over_ = over_ || query_.limits.over();
+          return !over_ &&
+                 certifier_.certify(a, b, certifier_.searching()).verdict == Verdict::kFree;
+        }) {}
+  Worker(const Worker&) = delete;
+  Worker& operator=(const Worker&) = delete;
+
+  /// Up to `count` iterations; fewer, and true, once a path is found.
+  bool advance(std::uint64_t count) {
+    for (; count > 0; --count) {
+      if (!trees_) {
+        trees_.emplace(ConnectTask{query_.scene->space(), query_.start, query_.goals, is_free_},
+                       settings_, runSeed(query_.seed, index_ * kRunsApart + runs_));
+        left_ = kConnectRun * luby(++runs_);
+      }
+      ++iterations_;
+      const bool met = trees_->iterate();
+      if (met) path_ = trees_->path();
+      if (met || --left_ == 0) trees_.reset();
+      if (met && query_.accept(path_, certifier_)) return true;
+    }
+    return false;
+  }
+
+  std::uint64_t iterations() const { return iterations_; }
+  Waypoints takePath() { return std::move(path_); }
+  const EdgeCertifier::Statistics& work() const { return certifier_.statistics; }
+
+ private:
+  const ConnectQuery& query_;
+  ConnectSettings settings_;
+  std::uint64_t index_;
+  EdgeCertifier& certifier_;
+  std::function<bool(std::span<const double>, std::span<const double>)> is_free_;
+  std::optional<ConnectTrees> trees_;
+  std::uint64_t runs_ = 0, left_ = 0, iterations_ = 0;
+  unsigned asked_ = 0;
+  bool over_ = false;
+  Waypoints path_;
+};
+
+ConnectResult searchAlone(const ConnectQuery& query, const ConnectSettings& settings,
+                          EdgeCertifier& certifier) {
+  Limits& limits = query.limits;
+  Worker worker(query, settings, 0, certifier);
+  while (!limits.searchOver() && worker.iterations() < query.most) {
+    const std::uint64_t before = worker.iterations();
+    const bool found = worker.advance(std::min({kConnectTurn, limits.left(), query.most - before}));
+    const bool over = limits.iterate(worker.iterations() - before);
+    if (found) return {worker.takePath(), {}};
+    if (over) break;
+  }
+  return {};
+}
+
+/// Workers side by side, each in turns of kConnectTurn iterations. All of them make all turns up to
+/// that in which the winner ends, whatever threads there are: so an earlier path is never missed.
+class Portfolio {
+ public:
+  Portfolio(const ConnectQuery& query, const ConnectChoice& choice)
+      : query_(query),
+        choice_(choice),
+        most_(std::min(query.most, query.limits.left())),
+        members_(static_cast<std::size_t>(choice.workers)) {}
+
+  ConnectResult search() {
+    const int threads = std::clamp(choice_.threads, 1, choice_.workers);
+    std::vector<std::thread> others;
+    // However starting them goes: those that run are waited for.
+    try {
+      for (int t = 1; t < threads; ++t)
+        others.emplace_back([this, t, threads] { runOrFail(t, threads); });
+    } catch (...) {
+      fail();
+    }
+    runOrFail(0, threads);
+    for (std::thread& thread : others) thread.join();
+    if (failure_) std::rethrow_exception(failure_);
+    return result();
+  }
+
+ private:
+  struct Member {
+    std::unique_ptr<EdgeCertifier> certifier;
+    std::unique_ptr<Worker> worker;
+    std::vector<EdgeCertifier::Statistics> work;  ///< after each turn
+    bool found = false;
+  };
+
+  void fail() {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    failure_ = std::current_exception();
+    last_turn_ = 0;
+  }
+
+  void runOrFail(int first, int step) {
+    try {
+      run(first, step);
+    } catch (...) {
+      fail();
+    }
+  }
+
+  /// The turns of every step-th member.
+  void run(int first, int step) {
+    for (std::uint64_t turn = 0; turn <= last_turn_ && turn * kConnectTurn < most_; ++turn) {
+      const std::uint64_t count = std::min(kConnectTurn, most_ - turn * kConnectTurn);
+      for (int i = first; i < choice_.workers; i += step) {
+        Member& member = members_[static_cast<std::size_t>(i)];
+        if (member.found || turn > last_turn_) continue;
+        if (query_.limits.searchOver()) return;
+        if (!member.worker) {
+          const auto index = static_cast<std::uint64_t>(i);
+          member.certifier = std::make_unique<EdgeCertifier>(query_.scene);
+          member.worker = std::make_unique<Worker>(query_, settingsOf(choice_, index), index,
+                                                   *member.certifier);
+        }
+        member.found = member.worker->advance(count);
+        member.work.push_back(member.worker->work());
+        if (!member.found) continue;
+        std::uint64_t last = last_turn_;
+        while (turn < last && !last_turn_.compare_exchange_weak(last, turn)) {
+        }
+      }
+    }
+  }
+
+  ConnectResult result() {
+    ConnectResult result;
+    Member* winner = nullptr;
+    std::uint64_t iterations = 0;
+    for (Member& member : members_) {
+      if (!member.worker) continue;
+      if (member.found &&
+          (winner == nullptr || member.worker->iterations() < winner->worker->iterations()))
+        winner = &member;
+      iterations = std::max(iterations, member.worker->iterations());
+      if (!member.work.empty())
+        result.work += member.work[std::min<std::uint64_t>(last_turn_, member.work.size() - 1)];
+    }
+    if (winner != nullptr) {
+      iterations = winner->worker->iterations();
+      result.path = winner->worker->takePath();
+    }
+    query_.limits.iterate(iterations);
+    return result;
+  }
+
+  const ConnectQuery& query_;
+  const ConnectChoice& choice_;
+  std::uint64_t most_;  ///< iterations of each
+  std::vector<Member> members_;
+  /// That in which the earliest path so far was found.
+  std::atomic<std::uint64_t> last_turn_{std::numeric_limits<std::uint64_t>::max()};
+  std::mutex mutex_;
+  std::exception_ptr failure_;
+};
+
+}  // namespace
+
+ConnectChoice connectChoice(const std::map<std::string, std::string>& parameters,
+                            const ConfigurationSpace& space) {
+  const auto number = [&](const char* key, double otherwise) {
+    const auto found = parameters.find(key);
+    return found == parameters.end() ? otherwise
+                                     : parameterNumber(found->second).value_or(otherwise);
+  };
+  ConnectChoice choice;
+  choice.settings.range = number("range", 0);
+  choice.own_range = !(choice.settings.range > 0);
+  if (choice.own_range) choice.settings.range = defaultRange(space);
+  choice.settings.balance = number("balance", 1) != 0;
+  choice.own_balance = parameters.count("balance") == 0;
+  choice.settings.dynamic_domain = number("dynamic_domain", 1) != 0;
+  choice.own_domain = parameters.count("dynamic_domain") == 0;
+  choice.workers = static_cast<int>(number("workers", 1));
+  choice.threads = static_cast<int>(number("threads", 0));
+  if (choice.threads == 0)
+    choice.threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+  return choice;
+}
+
+ConnectResult searchConnect(const ConnectQuery& query, const ConnectChoice& choice,
+                            EdgeCertifier& certifier) {
+  if (choice.workers <= 1) return searchAlone(query, choice.settings, certifier);
+  return Portfolio(query, choice).search();
+}
+
+}  // namespace leeway::planner

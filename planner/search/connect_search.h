@@ -1,0 +1,57 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "leeway/planner/edge_certifier.h"
+#include "planner/search/limits.h"
+#include "planner/space/connect_trees.h"
+
+namespace leeway::planner {
+
+using Waypoints = std::vector<std::vector<double>>;
+
+/// How Connect searches: the settings of its trees, and how many searches run side by side.
+struct ConnectChoice {
+  ConnectSettings settings;
+  bool own_range = true, own_balance = true, own_domain = true;  ///< not asked for: may vary
+  int workers = 1, threads = 1;
+};
+/// From parameters that plannerError() accepts.
+ConnectChoice connectChoice(const std::map<std::string, std::string>& parameters,
+                            const ConfigurationSpace& space);
+
+/// What Connect searches. All must outlive the search.
+struct ConnectQuery {
+  std::shared_ptr<const CompiledScene> scene;
+  const std::vector<double>& start;
+  const Waypoints& goals;  ///< valid ones, at least one
+  std::uint64_t seed;
+  /// Whether a path that was found will do; may change it. Called by several threads.
+  const std::function<bool(Waypoints&, EdgeCertifier&)>& accept;
+  Limits& limits;
+  std::uint64_t most;  ///< iterations of this search, beside the limits
+};
+
+struct ConnectResult {
+  std::optional<Waypoints> path;
+  EdgeCertifier::Statistics work;  ///< of the workers' own certifiers
+};
+
+/// Runs with rising budgets: most problems are solved soon or by luck, so a run that is late is
+/// started again with another seed (Luby, Sinclair, Zuckerman, "Optimal speedup of Las Vegas
+/// algorithms", 1993). One worker searches with `certifier`.
+///
+/// Several have certifiers, seeds and, where the choice leaves them open, settings of their own;
+/// the first is what one worker would be. The path that took its worker the fewest iterations
+/// wins, of equals that of the lowest worker: neither the path nor what is counted depends on the
+/// number of threads. Iterations are the winner's.
+ConnectResult searchConnect(const ConnectQuery& query, const ConnectChoice& choice,
+                            EdgeCertifier& certifier);
+
+}  // namespace leeway::planner
