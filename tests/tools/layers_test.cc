@@ -46,6 +46,8 @@ TEST_F(Layers, EveryRuleBites) {
   expectBites("planner/edge/a.cc", "<CLI/CLI.hpp>");
   expectBites("planner/include/leeway/planner/plan.h", "\"planner/search/limits.h\"");
   expectBites("robots/include/leeway/robots/model.h", "<tinyxml2.h>");
+  expectBites("python/bindings/a.cc", "\"robots/model/fingerprint.h\"");
+  expectBites("planner/edge/a.cc", "\"python/base/arrays.h\"");
 }
 
 TEST_F(Layers, UnlistedAndFullFoldersAreNamed) {

@@ -1,0 +1,77 @@
+#pragma once
+
+// Between numpy and the library. Everything that comes in is checked, and copied before the
+// interpreter's lock is released: another thread may change or resize an array meanwhile.
+
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+
+#include <Eigen/Core>
+#include <array>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "leeway/collision/pose.h"
+
+namespace leeway::python {
+
+namespace py = pybind11;
+
+/// Rows of numbers, and the shape that the caller gave without its last axis.
+struct Rows {
+  std::vector<double> values;
+  std::vector<py::ssize_t> shape;
+  std::size_t columns = 0;
+
+  std::size_t count() const;
+  std::span<const double> row(std::size_t i) const { return {&values[i * columns], columns}; }
+};
+
+/// `value` as finite float64 numbers, `columns` in the last axis; other axes are free, or at most
+/// `axes` - 1 of them. Throws ValueError or TypeError of one line, which begin with `name`.
+Rows rows(py::handle value, const char* name, std::size_t columns, int axes = -1);
+/// One row.
+std::vector<double> numbers(py::handle value, const char* name, std::size_t columns);
+/// Numbers of any shape: `columns` is 1, `shape` is that of `value`.
+Rows scalars(py::handle value, const char* name);
+Eigen::Vector3d vector3(py::handle value, const char* name);
+std::vector<Eigen::Vector3d> points(py::handle value, const char* name);  ///< of shape (n, 3)
+std::vector<std::array<std::int32_t, 3>> triangles(py::handle value, const char* name);
+/// A finite number.
+double number(py::handle value, const char* name);
+
+/// None, a position (3), a position and a quaternion x y z qx qy qz qw (7), or a matrix (4, 4).
+collision::Pose pose(py::handle value, const char* name);
+/// As in problem files: a position, and a quaternion x y z w or angles roll, pitch, yaw, or
+/// neither.
+collision::Pose pose(py::handle position, py::handle orientation, py::handle rpy);
+
+/// An array of float64 that owns `values`, without a copy.
+py::array_t<double> array(std::vector<double> values, std::vector<py::ssize_t> shape);
+py::array_t<double> array(const Eigen::Vector3d& vector);
+py::array_t<double> array(std::span<const double> values);
+/// Rows of equal length; `columns` where there are none.
+py::array_t<double> array(const std::vector<std::vector<double>>& rows, std::size_t columns);
+/// A read-only view of (n, 3) numbers that `owner` keeps alive.
+py::array view(std::span<const Eigen::Vector3d> points, py::handle owner);
+py::array view(std::span<const std::array<std::int32_t, 3>> triangles, py::handle owner);
+/// Writes a matrix (4, 4), row by row.
+void writeMatrix(const collision::Pose& pose, double* out);
+py::array_t<double> matrix(const collision::Pose& pose);
+
+/// A list of strings.
+py::list listOf(const std::vector<std::string>& names);
+/// A str or os.PathLike.
+std::string fileName(py::handle value, const char* name);
+
+/// A number as short as it reads back, for texts: "0.1", "inf".
+std::string text(double value);
+/// A table in HTML for notebooks. Cells are escaped.
+std::string htmlTable(const std::string& caption, const std::vector<std::string>& heading,
+                      const std::vector<std::vector<std::string>>& rows);
+/// The value of a word, or a ValueError that lists those which are accepted.
+[[noreturn]] void unknownWord(const char* name, std::string_view word, std::string_view accepted);
+
+}  // namespace leeway::python

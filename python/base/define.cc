@@ -1,0 +1,66 @@
+#include "python/base/define.h"
+
+#include <unordered_map>
+
+namespace leeway::python {
+namespace {
+
+/// pybind11's own entry, which all functions share.
+PyCFunctionWithKeywords dispatcher = nullptr;
+
+/// What errors show of a function, by what CPython hands to its entry. Never freed: functions
+/// outlive static objects.
+std::unordered_map<const PyObject*, std::string>& signatures() {
+  static auto* const map = new std::unordered_map<const PyObject*, std::string>;
+  return *map;
+}
+
+/// "int, time=str": what was given.
+std::string given(PyObject* args, PyObject* kwargs) {
+  std::string text;
+  const auto add = [&](const std::string& name, PyObject* value) {
+    text += (text.empty() ? "" : ", ") + name + Py_TYPE(value)->tp_name;
+  };
+  for (Py_ssize_t i = 0; i < PyTuple_GET_SIZE(args); ++i) add("", PyTuple_GET_ITEM(args, i));
+  PyObject *key = nullptr, *value = nullptr;
+  for (Py_ssize_t at = 0; kwargs != nullptr && PyDict_Next(kwargs, &at, &key, &value) != 0;)
+    add(py::str(key).cast<std::string>() + "=", value);
+  return text;
+}
+
+PyObject* dispatch(PyObject* self, PyObject* args, PyObject* kwargs) {
+  PyObject* const result = dispatcher(self, args, kwargs);
+  if (result != nullptr || PyErr_ExceptionMatches(PyExc_TypeError) == 0) return result;
+  PyObject *type = nullptr, *value = nullptr, *trace = nullptr;
+  PyErr_Fetch(&type, &value, &trace);
+  const std::string text = value != nullptr ? py::str(value).cast<std::string>() : "";
+  if (text.find("incompatible function arguments") == std::string::npos &&
+      text.find("incompatible constructor arguments") == std::string::npos) {
+    PyErr_Restore(type, value, trace);
+    return nullptr;
+  }
+  Py_XDECREF(type);
+  Py_XDECREF(value);
+  Py_XDECREF(trace);
+  const auto found = signatures().find(self);
+  PyErr_Format(PyExc_TypeError, "%s is expected; given: %s",
+               found != signatures().end() ? found->second.c_str() : "another call",
+               given(args, kwargs).c_str());
+  return nullptr;
+}
+
+}  // namespace
+
+void shortenErrors(py::handle function, const std::string& signature) {
+  PyObject* const plain = PyInstanceMethod_Check(function.ptr())
+                              ? reinterpret_cast<PyInstanceMethodObject*>(function.ptr())->func
+                              : function.ptr();
+  auto* const entry = reinterpret_cast<PyCFunctionObject*>(plain);
+  signatures()[entry->m_self] = signature;
+  void* const current = reinterpret_cast<void*>(entry->m_ml->ml_meth);
+  if (current == reinterpret_cast<void*>(&dispatch)) return;
+  dispatcher = reinterpret_cast<PyCFunctionWithKeywords>(current);
+  entry->m_ml->ml_meth = reinterpret_cast<PyCFunction>(reinterpret_cast<void*>(&dispatch));
+}
+
+}  // namespace leeway::python

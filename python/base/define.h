@@ -1,0 +1,64 @@
+#pragma once
+
+// How functions, methods and properties are defined: with signatures that Python reads, and with
+// errors of one line.
+
+#include <pybind11/pybind11.h>
+
+#include <string>
+#include <utility>
+
+namespace leeway::python {
+
+namespace py = pybind11;
+
+/// Calls of `function` whose arguments fit nothing raise a TypeError of one line in place of
+/// pybind11's, which lists C++ types over several. `signature` is what the line shows.
+void shortenErrors(py::handle function, const std::string& signature);
+
+/// The docstring that CPython splits into a signature for inspect.signature() and a text.
+inline std::string withSignature(const std::string& name, const std::string& signature,
+                                 const std::string& doc) {
+  return name + signature + "\n--\n\n" + doc;
+}
+
+/// scope.def() of a function or method. `signature` in Python's notation, "(self, q)".
+template <typename Scope, typename Function, typename... Extra>
+void define(Scope& scope, const char* name, const std::string& signature, const std::string& doc,
+            Function&& function, const Extra&... extra) {
+  const std::string text = withSignature(name, signature, doc);
+  scope.def(name, std::forward<Function>(function), extra..., text.c_str());
+  shortenErrors(scope.attr(name), name + signature);
+}
+
+/// A constructor. `signature` is that of the class, without self; the class's docstring explains
+/// it.
+template <typename Class, typename Factory, typename... Extra>
+void defineInit(Class& scope, const std::string& signature, Factory factory,
+                const Extra&... extra) {
+  const std::string own = signature == "()" ? "(self)" : "(self, " + signature.substr(1);
+  const std::string text = withSignature("__init__", own, "See the class.");
+  scope.def(py::init(std::move(factory)), extra..., text.c_str());
+  const auto name = scope.attr("__name__").template cast<std::string>();
+  shortenErrors(scope.attr("__init__"), name + signature);
+}
+
+template <typename Class, typename Function, typename... Extra>
+void defineStatic(Class& scope, const char* name, const std::string& signature,
+                  const std::string& doc, Function&& function, const Extra&... extra) {
+  const std::string text = withSignature(name, signature, doc);
+  scope.def_static(name, std::forward<Function>(function), extra..., text.c_str());
+  shortenErrors(scope.attr(name), name + signature);
+}
+
+/// A property that can be set.
+template <typename Class, typename Getter, typename Setter>
+void defineProperty(Class& scope, const char* name, const char* doc, Getter&& getter,
+                    Setter&& setter) {
+  const py::cpp_function set(std::forward<Setter>(setter), py::is_method(scope));
+  shortenErrors(set, name);
+  scope.def_property(name, py::cpp_function(std::forward<Getter>(getter), py::is_method(scope)),
+                     set, doc);
+}
+
+}  // namespace leeway::python

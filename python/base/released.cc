@@ -1,0 +1,79 @@
+#include "python/base/released.h"
+
+#include <stdexcept>
+#include <thread>
+#include <utility>
+
+namespace leeway::python {
+namespace {
+
+// Changed with the interpreter's lock held only. Calls that run without it; whether the interpreter
+// is about to end; whether this process is a child of fork() that has locks which nobody releases.
+int running = 0;
+std::atomic<bool> ending = false;
+bool orphaned = false;
+
+void check() {
+  if (orphaned)
+    throw std::runtime_error(
+        "leeway: the process was forked while a thread was planning; plan there before or after, "
+        "or start processes with 'spawn'");
+  if (ending) throw std::runtime_error("leeway: the interpreter is about to end");
+}
+
+/// A thread that asks for the lock of an interpreter that ends is unwound by CPython through C++
+/// code that must not throw, which aborts the process. So the end waits for such calls.
+void finish() {
+  ending = true;
+  while (running > 0) {
+    const py::gil_scoped_release unlocked;
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+}
+
+}  // namespace
+
+Released::Released() {
+  check();
+  ++running;
+  state_ = PyEval_SaveThread();
+}
+
+Released::~Released() {
+  PyEval_RestoreThread(state_);
+  --running;
+}
+
+Interrupt::Interrupt(py::object stop) : stop_(std::move(stop)) {
+  if (!stop_.is_none() && PyCallable_Check(stop_.ptr()) == 0)
+    throw py::type_error(
+        "stop is no function; one without arguments that returns a bool is "
+        "expected");
+  const py::module_ threading = py::module_::import("threading");
+  sees_signals_ = threading.attr("current_thread")().is(threading.attr("main_thread")());
+}
+
+bool Interrupt::operator()() {
+  if (ended_) return true;
+  if (ending) return ended_ = true;
+  if (!sees_signals_ && stop_.is_none()) return false;
+  const auto now = std::chrono::steady_clock::now();
+  if (now < next_.load()) return false;
+  next_ = now + std::chrono::milliseconds(20);
+  const py::gil_scoped_acquire locked;
+  try {
+    if (sees_signals_ && PyErr_CheckSignals() != 0) throw py::error_already_set();
+    if (!stop_.is_none() && py::bool_(stop_())) ended_ = true;
+  } catch (...) {
+    fail();
+  }
+  return ended_;
+}
+
+void defineLifetime(py::module_&) {
+  py::module_::import("atexit").attr("register")(py::cpp_function(finish));
+  py::module_::import("os").attr("register_at_fork")(
+      py::arg("after_in_child") = py::cpp_function([] { orphaned = orphaned || running > 0; }));
+}
+
+}  // namespace leeway::python

@@ -1,0 +1,225 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "leeway/collision/time_to_impact.h"
+#include "leeway/robots/kinematics.h"
+#include "leeway/robots/link_motion.h"
+#include "python/base/define.h"
+#include "python/base/released.h"
+#include "python/bindings/scene.h"
+
+namespace leeway::python {
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+/// A body of the scene that a link carries, and what bounds its motion.
+struct Mover {
+  int body, link;
+  robots::RelativeMotion motion;
+};
+
+/// Time to impact of a robot in a scene. One thread at a time: `busy` is read and written with the
+/// interpreter's lock held.
+struct Monitor {
+  Scene scene;
+  collision::Workspace workspace;
+  collision::ImpactSchedule schedule;
+  std::vector<Mover> movers;
+  std::vector<double> velocity_limits, acceleration_limits;  // one a variable of the model
+  std::vector<double> q;                                     // the whole configuration
+  bool busy = false;
+
+  Monitor(Scene of, std::vector<double> velocities, std::vector<double> accelerations);
+  const robots::Model& model() const { return scene.compiled->model(); }
+};
+
+struct Report {
+  double safe_until;
+  std::pair<std::string, std::string> next;
+  std::vector<std::pair<std::string, std::string>> imminent;
+  int violated;
+};
+
+/// A ball around all shapes of a body, in its frame.
+void boundingBall(const collision::Body& body, Eigen::Vector3d& center, double& radius) {
+  center.setZero();
+  for (const collision::Geometry& geometry : body.geometries)
+    center += geometry.X_BG * geometry.shape.boundingCenter() /
+              static_cast<double>(body.geometries.size());
+  radius = 0;
+  for (const collision::Geometry& geometry : body.geometries)
+    radius = std::max(radius, (geometry.X_BG * geometry.shape.boundingCenter() - center).norm() +
+                                  geometry.shape.boundingRadius());
+  radius *= 1 + 1e-12;  // outwards, above the rounding of these lines
+}
+
+Monitor::Monitor(Scene of, std::vector<double> velocities, std::vector<double> accelerations)
+    : scene(std::move(of)),
+      workspace(scene.compiled->scene()),
+      schedule(scene.compiled->scene()),
+      velocity_limits(std::move(velocities)),
+      acceleration_limits(std::move(accelerations)),
+      q(scene.problem.value->start) {
+  const auto bodies = scene.compiled->scene().bodies();
+  for (int body = 0; body < static_cast<int>(bodies.size()); ++body) {
+    const int link = scene.compiled->bodyLink(body);
+    if (link < 0) continue;
+    Eigen::Vector3d center;
+    double radius = 0;
+    boundingBall(bodies[at(body)], center, radius);
+    movers.push_back({body, link, robots::relativeMotion(model(), link, -1, center, radius)});
+  }
+}
+
+class Busy {
+ public:
+  explicit Busy(Monitor& monitor) : monitor_(monitor) {
+    if (monitor.busy) throw std::runtime_error("another thread is using this Monitor");
+    monitor.busy = true;
+  }
+  ~Busy() { monitor_.busy = false; }
+  Busy(const Busy&) = delete;
+  Busy& operator=(const Busy&) = delete;
+
+ private:
+  Monitor& monitor_;
+};
+
+/// One number a planned joint, spread over the model's variables; 0 for those that stand.
+std::vector<double> spread(const Scene& scene, const std::vector<double>& planned) {
+  std::vector<double> all(scene.compiled->model().variables.size(), 0);
+  scene.problem.robot().expand(planned, all);
+  return all;
+}
+
+std::unique_ptr<Monitor> makeMonitor(const Scene& scene, const py::object& accelerations,
+                                     const py::object& velocities) {
+  const Robot robot = scene.problem.robot();
+  std::vector<double> velocity;
+  if (velocities.is_none())
+    for (const int variable : robot.space->variables())
+      velocity.push_back(robot.model->variables[at(variable)].velocity);
+  else
+    velocity = numbers(velocities, "velocities", robot.size());
+  const std::vector<double> acceleration = numbers(accelerations, "accelerations", robot.size());
+  for (const double limit : acceleration)
+    if (limit < 0) throw py::value_error("accelerations are below 0; limits are expected");
+  for (const double limit : velocity)
+    if (limit < 0) throw py::value_error("velocities are below 0; limits are expected");
+  return std::make_unique<Monitor>(scene, spread(scene, velocity), spread(scene, acceleration));
+}
+
+/// Where all bodies are, and how fast they may be from now on.
+void placeAll(Monitor& self, double time, std::span<const double> rates) {
+  const robots::Model& model = self.model();
+  std::vector<robots::Pose> X_WL(model.links.size());
+  robots::forwardKinematics(model, self.q, X_WL);
+  double reach = 0;
+  for (const Mover& mover : self.movers) {
+    self.workspace.setPose(mover.body, X_WL[at(mover.link)]);
+    reach = std::max(reach, X_WL[at(mover.link)].translation.norm() + mover.motion.center_L.norm() +
+                                mover.motion.radius);
+    self.schedule.setMotion(mover.body,
+                            robots::pointMotion(model, mover.motion, rates,
+                                                {self.velocity_limits, self.acceleration_limits}),
+                            time);
+  }
+  self.workspace.pose_error = robots::kinematicsRounding(model, reach * (1 + 1e-9));
+}
+
+Report look(Monitor& self, double time, const py::object& state, const py::object& rates,
+            double horizon) {
+  const Busy busy(self);
+  const std::vector<double> point = numbers(state, "q", self.scene.size());
+  const std::vector<double> speeds = spread(self.scene, numbers(rates, "rates", self.scene.size()));
+  if (!std::isfinite(time) || !(horizon >= 0) || std::isinf(horizon))
+    throw py::value_error("time must be finite and horizon at least 0 and finite");
+  self.scene.problem.robot().expand(point, self.q);
+  Report report{};
+  released([&] {
+    placeAll(self, time, speeds);
+    const collision::ImpactReport found = self.schedule.advance(time, horizon, self.workspace);
+    report.safe_until = found.safe_until;
+    report.violated = found.violated;
+    report.next = pairNames(*self.scene.compiled, found.next_pair);
+    for (const std::int32_t pair : self.schedule.imminent()) {
+      auto names = pairNames(*self.scene.compiled, pair);
+      // Bodies of several shapes have several pairs.
+      if (std::find(report.imminent.begin(), report.imminent.end(), names) == report.imminent.end())
+        report.imminent.push_back(std::move(names));
+    }
+  });
+  return report;
+}
+
+}  // namespace
+
+void defineMonitor(py::module_& module) {
+  py::class_<Report> report(module, "Impact", "What a Monitor says of one look.");
+  report.def_readonly("safe_until", &Report::safe_until,
+                      "No pair can come down to its margin before this time [s].");
+  report.def_property_readonly(
+      "next", [](const Report& self) { return pairObject(self.next.first, self.next.second); },
+      "The pair that is due next, or None.");
+  report.def_property_readonly(
+      "imminent",
+      [](const Report& self) {
+        py::list list;
+        for (const auto& [a, b] : self.imminent) list.append(py::make_tuple(a, b));
+        return list;
+      },
+      "Pairs of bodies that are not proven to keep their margin until time + horizon.");
+  report.def_readonly("violated", &Report::violated,
+                      "How many pairs of their shapes are proven to be at or below it now.");
+  report.def("__repr__", [](const Report& self) {
+    return "<leeway.Impact: safe until " + text(self.safe_until) + " s, " +
+           std::to_string(self.imminent.size()) + " imminent>";
+  });
+  const std::string init = "(scene, *, accelerations, velocities=None)";
+  py::class_<Monitor> monitor(
+      module, "Monitor",
+      withSignature(
+          "Monitor", init,
+          "How long nothing can touch: looks at a robot in a Scene again and again, and "
+          "at those pairs only that are due. For one thread at a time.\n\n"
+          "`accelerations` and `velocities` (joints,) are the joints' limits [rad/s^2 or "
+          "m/s^2, rad/s or m/s]; velocities by default those of the URDF. Joints that are "
+          "not planned stand.")
+          .c_str());
+  defineInit(monitor, init, makeMonitor, py::arg("scene"), py::kw_only(), py::arg("accelerations"),
+             py::arg("velocities") = py::none());
+  define(monitor, "look", "(self, time, q, rates, horizon=0.1)",
+         "Where the robot is at `time` [s], q (joints,), how fast its joints are, rates (joints,) "
+         "[rad/s or m/s], and what could come to its margin within `horizon` [s]: an Impact. Times "
+         "must not run backwards.",
+         look, py::arg("time"), py::arg("q"), py::arg("rates"), py::arg("horizon") = 0.1);
+  monitor.def_property_readonly(
+      "counts",
+      [](const Monitor& self) {
+        py::dict counts;
+        counts["looks"] = self.schedule.statistics.advances;
+        counts["pairs"] = self.schedule.statistics.looks;
+        counts["exact"] = self.schedule.statistics.exact;
+        return counts;
+      },
+      "{looks, pairs (looked at), exact (queries)} so far.");
+  monitor.def("__repr__", [](const Monitor& self) {
+    return "<leeway.Monitor of " + std::to_string(self.movers.size()) + " moving bodies>";
+  });
+  define(
+      module, "time_to_impact", "(gap, speed, acceleration=0.0, speed_cap=None)",
+      "The earliest time [s] at which a gap [m] can be used up by two bodies that close at "
+      "`speed` [m/s], accelerate by at most `acceleration` [m/s^2] and never close faster than "
+      "`speed_cap`, rounded down; inf when nothing moves.",
+      [](double gap, double speed, double acceleration, const py::object& cap) {
+        const double most =
+            cap.is_none() ? std::numeric_limits<double>::infinity() : number(cap, "speed_cap");
+        return collision::timeToImpact(gap, {speed, acceleration, most});
+      },
+      py::arg("gap"), py::arg("speed"), py::arg("acceleration") = 0.0,
+      py::arg("speed_cap") = py::none());
+}
+
+}  // namespace leeway::python

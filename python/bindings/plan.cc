@@ -1,0 +1,320 @@
+#include "python/bindings/plan.h"
+
+#include <algorithm>
+#include <cmath>
+#include <condition_variable>
+#include <mutex>
+#include <thread>
+
+#include "leeway/planner/path_io.h"
+#include "leeway/planner/verify.h"
+#include "python/base/define.h"
+#include "python/base/released.h"
+#include "python/bindings/scene.h"
+#include "python/bindings/settings.h"
+
+namespace leeway::python {
+namespace {
+
+py::object take(py::dict& keywords, const char* name) {
+  if (!keywords.contains(name)) return py::none();
+  return keywords.attr("pop")(name);
+}
+
+/// What plan() takes besides the problem.
+struct CallOptions {
+  planner::PlanOptions plan;
+  py::object stop, progress;
+
+  explicit CallOptions(py::dict& keywords)
+      : stop(take(keywords, "stop")), progress(take(keywords, "progress")) {
+    const py::object certificate = take(keywords, "certificate");
+    if (!certificate.is_none()) {
+      const std::string word = py::str(certificate);
+      if (word != "path" && word != "full") unknownWord("certificate", word, "'path' or 'full'");
+      if (word == "full") plan.detail = planner::CertificateDetail::kEveryEdge;
+    }
+    const py::object tolerance = take(keywords, "tolerance");
+    if (!tolerance.is_none()) plan.clearance_tolerance = number(tolerance, "tolerance");
+    if (!(plan.clearance_tolerance > 0)) throw py::value_error("tolerance is not positive");
+    if (!progress.is_none() && PyCallable_Check(progress.ptr()) == 0)
+      throw py::type_error("progress is no function; one of (phase, seconds) is expected");
+  }
+  /// Stops where `interrupt` does, and tells the caller's function how far it is.
+  planner::PlanOptions with(Interrupt& interrupt) const {
+    planner::PlanOptions options = plan;
+    options.stop = interrupt.callback();
+    if (!progress.is_none())
+      options.progress = [this, &interrupt](const std::string& phase, double seconds) {
+        const py::gil_scoped_acquire locked;
+        try {
+          progress(phase, seconds);
+        } catch (...) {
+          interrupt.fail();
+        }
+      };
+    return options;
+  }
+};
+
+void requireGoal(const Problem& problem) {
+  if (problem.value->goals.empty())
+    throw py::value_error(
+        "no goal is given; a group state, numbers or a dict by joint is "
+        "expected");
+}
+
+Result planOne(const py::args& args, const py::kwargs& kwargs) {
+  py::dict keywords = kwargs.attr("copy")();
+  const CallOptions options(keywords);
+  const Problem problem = problemOf("plan", args, keywords);
+  noMore("plan", keywords);
+  requireGoal(problem);
+  Interrupt interrupt(options.stop);
+  const planner::PlanOptions run = options.with(interrupt);
+  const std::shared_ptr<const planner::Problem> value = problem.value;
+  Result result{value, released([&] { return planner::plan(*value, run); })};
+  interrupt.rethrow();
+  return result;
+}
+
+/// Problems planned by several threads, each by one: the same results whatever their number.
+class Crew {
+ public:
+  Crew(std::span<const Problem> problems, const planner::PlanOptions& options, int threads)
+      : problems_(problems), options_(options), results_(problems.size()) {
+    options_.stop = [this] { return stop_.load(); };
+    for (int i = 0; i < threads; ++i) threads_.emplace_back([this] { work(); });
+  }
+  ~Crew() { join(); }
+  Crew(const Crew&) = delete;
+  Crew& operator=(const Crew&) = delete;
+
+  /// Waits for all; asks `interrupt` meanwhile.
+  void wait(Interrupt& interrupt) {
+    std::unique_lock lock(mutex_);
+    while (idle_ < threads_.size()) {
+      done_.wait_for(lock, std::chrono::milliseconds(20));
+      if (stop_) continue;
+      lock.unlock();
+      if (interrupt()) stop_ = true;
+      lock.lock();
+    }
+  }
+  /// After wait(): throws what the first failing problem threw.
+  std::vector<planner::PlanResult> take() {
+    join();
+    if (error_) std::rethrow_exception(error_);
+    return std::move(results_);
+  }
+
+ private:
+  void join() {
+    for (std::thread& thread : threads_)
+      if (thread.joinable()) thread.join();
+  }
+  void work() {
+    for (std::size_t i = next_++; i < problems_.size() && !stop_; i = next_++) {
+      try {
+        results_[i] = planner::plan(*problems_[i].value, options_);
+      } catch (...) {
+        const std::lock_guard lock(mutex_);
+        if (!error_ || i < first_error_) {
+          error_ = std::current_exception();
+          first_error_ = i;
+        }
+      }
+    }
+    const std::lock_guard lock(mutex_);
+    ++idle_;
+    done_.notify_all();
+  }
+
+  std::span<const Problem> problems_;
+  planner::PlanOptions options_;
+  std::vector<planner::PlanResult> results_;
+  std::atomic<std::size_t> next_ = 0;
+  std::atomic<bool> stop_ = false;
+  std::mutex mutex_;
+  std::condition_variable done_;
+  std::size_t idle_ = 0, first_error_ = 0;
+  std::exception_ptr error_;
+  std::vector<std::thread> threads_;
+};
+
+py::list planMany(const py::object& given, const py::kwargs& kwargs) {
+  py::dict keywords = kwargs.attr("copy")();
+  const py::object wanted = take(keywords, "threads");
+  const CallOptions options(keywords);
+  if (!options.progress.is_none()) throw py::type_error("plan_many(): progress is of plan() alone");
+  std::vector<Problem> problems;
+  for (const py::handle item : given) {
+    if (!py::isinstance<Problem>(item))
+      throw py::type_error(std::string("plan_many(): problems hold a ") +
+                           Py_TYPE(item.ptr())->tp_name + "; a Problem is expected");
+    problems.push_back(item.cast<const Problem&>());
+    requireGoal(problems.back());
+  }
+  py::dict settings;
+  for (const auto& [key, value] : keywords)
+    if (isSetting(py::str(key))) settings[key] = value;
+  for (const auto& [key, value] : settings) keywords.attr("pop")(key);
+  noMore("plan_many", keywords);
+  if (!settings.empty())
+    for (Problem& problem : problems) applySettings(problem.change(), settings);
+  int threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+  if (!wanted.is_none()) {
+    threads = wanted.cast<int>();
+    if (threads < 1) throw py::value_error("threads are below 1; at least one is expected");
+  }
+  threads = std::min(threads, static_cast<int>(std::max<std::size_t>(1, problems.size())));
+  Interrupt interrupt(options.stop);
+  std::vector<planner::PlanResult> results = released([&] {
+    Crew crew(problems, options.plan, threads);
+    crew.wait(interrupt);
+    return crew.take();
+  });
+  interrupt.rethrow();
+  py::list list;
+  for (std::size_t i = 0; i < problems.size(); ++i)
+    list.append(Result{problems[i].value, std::move(results[i])});
+  return list;
+}
+
+planner::VerifyResult verify(const Problem& problem, const py::object& path,
+                             const py::object& stop) {
+  const planner::Path given = pathOf(problem, path);
+  requireGoal(problem);
+  Interrupt interrupt(stop);
+  const std::shared_ptr<const planner::Problem> value = problem.value;
+  planner::PlanOptions options;
+  options.stop = interrupt.callback();
+  planner::VerifyResult result = released([&] { return planner::verify(*value, given, options); });
+  interrupt.rethrow();
+  return result;
+}
+
+/// The path with `parts` edges in place of each.
+planner::Path parted(const planner::ConfigurationSpace& space, const planner::Path& path,
+                     int parts) {
+  planner::Path result;
+  result.names = path.names;
+  for (std::size_t i = 0; i + 1 < path.positions.size(); ++i)
+    for (int k = 0; k < parts; ++k) {
+      std::vector<double> point(path.positions[i].size());
+      space.interpolate(path.positions[i], path.positions[i + 1], static_cast<double>(k) / parts,
+                        point);
+      result.positions.push_back(std::move(point));
+    }
+  result.positions.push_back(path.positions.back());
+  return result;
+}
+
+planner::Certificate clearance(const Problem& problem, const py::object& path, double tolerance,
+                               int parts) {
+  const planner::Path given = pathOf(problem, path);
+  if (given.positions.size() < 2)
+    throw py::value_error("path has fewer than two waypoints: there is no edge to measure");
+  if (!(tolerance > 0) || parts < 1 || parts > 100000)
+    throw py::value_error("tolerance must be positive and parts between 1 and 100000");
+  const std::shared_ptr<const planner::Problem> value = problem.value;
+  return released([&] {
+    const auto scene = std::make_shared<const planner::CompiledScene>(*value);
+    planner::EdgeCertifier certifier(scene);
+    const planner::Path in_parts = parts == 1 ? given : parted(scene->space(), given, parts);
+    return planner::certify(certifier, in_parts, tolerance);
+  });
+}
+
+const char* statusName(planner::VerifyStatus status) {
+  return status == planner::VerifyStatus::kCertified ? "certified"
+         : status == planner::VerifyStatus::kRefuted ? "refuted"
+                                                     : "undecided";
+}
+
+void defineVerification(py::module_& module) {
+  using planner::VerifyResult;
+  py::class_<VerifyResult> result(module, "Verification",
+                                  "The outcome of an independent proof. True if certified.");
+  result.def_property_readonly(
+      "status", [](const VerifyResult& self) { return statusName(self.status); },
+      "'certified', 'refuted' or 'undecided'.");
+  result.def_readonly("lower", &VerifyResult::clearance_lower,
+                      "Every point of a certified path keeps at least this [m].");
+  result.def_readonly("edge", &VerifyResult::segment,
+                      "The edge that fails or is undecided; -1: none.");
+  result.def_property_readonly(
+      "t", [](const VerifyResult& self) { return py::make_tuple(self.t0, self.t1); },
+      "The part of that edge, in [0, 1].");
+  result.def_property_readonly(
+      "pair", [](const VerifyResult& self) { return pairObject(self.a, self.b); },
+      "What is too near there, or None.");
+  result.def_readonly("reason", &VerifyResult::reason, "In words.");
+  result.def("__bool__", [](const VerifyResult& self) {
+    return self.status == planner::VerifyStatus::kCertified;
+  });
+  result.def("__repr__", [](const VerifyResult& self) {
+    std::string what = std::string("<leeway.Verification: ") + statusName(self.status);
+    if (self.status == planner::VerifyStatus::kCertified)
+      return what + ", at least " + text(self.clearance_lower) + " m>";
+    return what + (self.reason.empty() ? "" : ": " + self.reason) + ">";
+  });
+}
+
+}  // namespace
+
+planner::Path pathOf(const Problem& problem, const py::object& path) {
+  if (py::isinstance<Result>(path)) {
+    const Result& result = path.cast<const Result&>();
+    const Robot robot = problem.robot();
+    if (result.value.path.names.size() != robot.size())
+      throw py::value_error("path is a result of " +
+                            std::to_string(result.value.path.names.size()) + " joints; " +
+                            std::to_string(robot.size()) + " are expected");
+    return result.value.path;
+  }
+  if (py::isinstance<py::str>(path) || py::hasattr(path, "__fspath__")) {
+    const std::string file = fileName(path, "path");
+    const std::shared_ptr<const planner::Problem> value = problem.value;
+    return released([&] { return planner::readPath(file, *value); });
+  }
+  const Rows given = rows(path, "path", problem.size(), 2);
+  if (given.shape.size() != 1)
+    throw py::value_error("path is a single state; (n, joints) is expected");
+  planner::Path result;
+  const Robot robot = problem.robot();
+  for (std::size_t i = 0; i < robot.size(); ++i) result.names.push_back(robot.variableName(i));
+  for (std::size_t i = 0; i < given.count(); ++i)
+    result.positions.emplace_back(given.row(i).begin(), given.row(i).end());
+  return result;
+}
+
+void definePlan(py::module_& module) {
+  define(module, "plan",
+         "(robot, world=None, start=None, goal=None, *, stop=None, progress=None, "
+         "certificate='path', tolerance=0.0001, **settings)",
+         "Plans a path, and proves the clearance of every edge. Also plan(problem, **settings).\n\n"
+         "Settings are those of Problem: margin=0.01, time=1, seed=2, planner='RRTstar', ... "
+         "`stop()` is asked some fifty times a second and ends the run with True; "
+         "progress(phase, seconds) is told how far it is; a signal (Ctrl-C) ends it in the main "
+         "thread. certificate='full' bounds every edge's clearance to within `tolerance` [m]. Runs "
+         "without the interpreter's lock.\n"
+         "Raises InputError for what a problem can get wrong.",
+         planOne);
+  define(module, "plan_many", "(problems, *, threads=None, stop=None, **settings)",
+         "Plans a list of problems on several threads (default: all cores). The results, in the "
+         "same order, have the same bytes for any number of threads.",
+         planMany, py::arg("problems"));
+  define(module, "verify", "(problem, path, *, stop=None)",
+         "Proves or refutes that a path keeps all margins, independently of what planned it. "
+         "`path`: a Result, an array (n, joints) or a file.",
+         verify, py::arg("problem"), py::arg("path"), py::kw_only(), py::arg("stop") = py::none());
+  define(module, "clearance", "(problem, path, *, tolerance=0.0001, parts=1)",
+         "The clearance along a path, each edge cut into `parts`, to within `tolerance` [m]: a "
+         "Certificate.",
+         clearance, py::arg("problem"), py::arg("path"), py::kw_only(), py::arg("tolerance") = 1e-4,
+         py::arg("parts") = 1);
+  defineVerification(module);
+}
+
+}  // namespace leeway::python

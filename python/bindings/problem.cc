@@ -1,0 +1,279 @@
+#include "python/bindings/problem.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "leeway/planner/planners.h"
+#include "leeway/robots/cache_folder.h"
+#include "leeway/robots/input_error.h"
+#include "leeway/robots/text.h"
+#include "python/base/define.h"
+#include "python/base/released.h"
+#include "python/bindings/settings.h"
+
+namespace leeway::python {
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+Problem makeProblem(const Robot& robot, const World* world, const py::object& start,
+                    const py::object& goal) {
+  planner::Problem problem;
+  problem.name = robot.model->name;
+  problem.robot.model = robot.model;
+  problem.robot.variables.assign(robot.space->variables().begin(), robot.space->variables().end());
+  problem.start = robot.model->defaultConfiguration();
+  if (world != nullptr) problem.world = world->value;
+  setStart(problem, start);
+  setGoals(problem, goal, false);
+  return {std::make_shared<const planner::Problem>(std::move(problem))};
+}
+
+/// What args or keywords give for parameter `i`, taken out of the keywords; None where nothing
+/// does.
+py::object takeArgument(const char* call, const py::args& args, py::dict& keywords, std::size_t i,
+                        const char* name) {
+  if (i < args.size()) {
+    if (keywords.contains(name))
+      throw py::type_error(std::string(call) + "(): " + name + " is given twice");
+    return args[i];
+  }
+  if (!keywords.contains(name)) return py::none();
+  py::object value = keywords[name];
+  keywords.attr("pop")(name);
+  return value;
+}
+
+py::object load(const py::object& file, const py::object& packages, bool cache) {
+  planner::ProblemOptions options;
+  const std::string path = fileName(file, "file");
+  if (!packages.is_none())
+    for (const auto& [name, folder] : py::dict(packages))
+      options.load.packages.emplace_back(py::str(name), py::str(folder));
+  if (cache) options.load.cache = robots::cacheFolder();
+  return py::cast(released([&] {
+    return Problem{std::make_shared<const planner::Problem>(planner::loadProblem(path, options))};
+  }));
+}
+
+Problem loadMoveit(const Robot& robot, const py::object& scene, const py::object& request) {
+  const std::string scene_file = fileName(scene, "scene"),
+                    request_file = fileName(request, "request");
+  const auto model = robot.model;
+  return released([&] {
+    return Problem{std::make_shared<const planner::Problem>(
+        planner::loadMoveit(model, scene_file, request_file))};
+  });
+}
+
+std::vector<double> configurationFor(const Problem& self, const py::object& state) {
+  std::vector<double> q = self.value->start;
+  if (!state.is_none()) self.robot().expand(statePoint(self, state), q);
+  return q;
+}
+
+Problem attach(const Problem& self, const std::string& object, const std::string& link,
+               const std::vector<std::string>& touch, const py::object& state) {
+  return {std::make_shared<const planner::Problem>(
+      planner::attachObject(*self.value, object, link, touch, configurationFor(self, state)))};
+}
+
+Problem detach(const Problem& self, const std::string& object, const py::object& state) {
+  return {std::make_shared<const planner::Problem>(
+      planner::detachObject(*self.value, object, configurationFor(self, state)))};
+}
+
+std::string html(const Problem& problem) {
+  const planner::Problem& p = *problem.value;
+  std::vector<std::vector<std::string>> table;
+  const std::vector<double> start = startPoint(p);
+  const Robot robot = problem.robot();
+  std::vector<std::string> heading = {"joint", "start"};
+  for (const planner::Goal& goal : p.goals) heading.push_back(goal.name);
+  for (std::size_t i = 0; i < start.size(); ++i) {
+    std::vector<std::string> row = {robot.variableName(i), text(start[i])};
+    for (const planner::Goal& goal : p.goals) {
+      if (i >= goal.ranges.size()) continue;
+      const auto [lower, upper] = goal.ranges[i];
+      row.push_back(lower == upper ? text(lower) : text(lower) + " to " + text(upper));
+    }
+    table.push_back(row);
+  }
+  return htmlTable(p.name + ", margin " + text(p.margins.common) + " m, among " +
+                       std::to_string(p.world.objects.size() + p.world.deforming.size()) +
+                       " objects",
+                   heading, table);
+}
+
+}  // namespace
+
+planner::Problem& Problem::change() {
+  if (value.use_count() > 1) value = std::make_shared<const planner::Problem>(*value);
+  return const_cast<planner::Problem&>(*value);  // made non-const, and nobody else holds it
+}
+
+Problem problemOf(const char* call, const py::args& args, py::dict& keywords) {
+  static constexpr std::array kNames = {"robot", "world", "start", "goal"};
+  Problem problem;
+  if ((!args.empty() && py::isinstance<Problem>(args[0])) || keywords.contains("problem")) {
+    const py::object first = takeArgument(call, args, keywords, 0, "problem");
+    if (args.size() > 1 || !py::isinstance<Problem>(first))
+      throw py::type_error(std::string(call) + "(): a Problem stands alone, before keywords");
+    problem = first.cast<const Problem&>();
+  } else {
+    if (args.size() > kNames.size())
+      throw py::type_error(std::string(call) + "(): " + std::to_string(args.size()) +
+                           " positional arguments; a Problem, or robot, world, start and goal are "
+                           "expected");
+    std::array<py::object, 4> given;
+    for (std::size_t i = 0; i < kNames.size(); ++i)
+      given[i] = takeArgument(call, args, keywords, i, kNames[i]);
+    if (!py::isinstance<Robot>(given[0]))
+      throw py::type_error(std::string(call) + "(): the first argument is of type " +
+                           Py_TYPE(given[0].ptr())->tp_name +
+                           "; a Problem, or a Robot and world, start and goal are expected");
+    if (!given[1].is_none() && !py::isinstance<World>(given[1]))
+      throw py::type_error(std::string(call) + "(): world is of type " +
+                           Py_TYPE(given[1].ptr())->tp_name + "; a World or None is expected");
+    problem = makeProblem(given[0].cast<const Robot&>(),
+                          given[1].is_none() ? nullptr : &given[1].cast<const World&>(), given[2],
+                          given[3]);
+  }
+  py::dict settings;
+  for (const auto& [key, value] : py::dict(keywords.attr("copy")()))
+    if (isSetting(py::str(key))) {
+      settings[key] = value;
+      keywords.attr("pop")(key);
+    }
+  if (!settings.empty()) applySettings(problem.change(), settings);
+  return problem;
+}
+
+std::vector<double> startPoint(const planner::Problem& problem) {
+  std::vector<double> point;
+  for (const int variable : problem.robot.variables) point.push_back(problem.start[at(variable)]);
+  return point;
+}
+
+namespace {
+
+/// The middle of the goal's ranges; where a range has none, its finite end, else the start's value.
+std::vector<double> goalPoint(const planner::Problem& problem, const planner::Goal& goal) {
+  std::vector<double> point = startPoint(problem);
+  for (std::size_t i = 0; i < goal.ranges.size(); ++i) {
+    const auto [lower, upper] = goal.ranges[i];
+    if (std::isfinite(lower) && std::isfinite(upper))
+      point[i] = lower == upper ? lower : 0.5 * lower + 0.5 * upper;
+    else if (std::isfinite(lower) || std::isfinite(upper))
+      point[i] = std::isfinite(lower) ? lower : upper;
+  }
+  return point;
+}
+
+}  // namespace
+
+std::vector<double> statePoint(const Problem& problem, const py::object& state) {
+  if (py::isinstance<py::str>(state)) {
+    const auto name = state.cast<std::string>();
+    if (name == "start") return startPoint(*problem.value);
+    if (name == "goal" && !problem.value->goals.empty())
+      return goalPoint(*problem.value, problem.value->goals.front());
+  }
+  planner::Problem at_state = *problem.value;
+  setStart(at_state, state);
+  return startPoint(at_state);
+}
+
+void defineProblem(py::module_& module) {
+  const std::string init = "(robot, world=None, start=None, goal=None, **settings)";
+  py::class_<Problem> problem(
+      module, "Problem",
+      withSignature(
+          "Problem", init,
+          "All that a planner needs to know. plan(robot, world, start, goal, ...) makes one for "
+          "itself; the keywords are the same.\n\n"
+          "start: a group state's name, numbers (joints,) or a dict by joint; default: all at "
+          "zero.\n"
+          "goal: the same; in place of a number a pair (from, to) or 'any'. `goals`: a list of "
+          "goals, any of which will do.\n"
+          "margin: all pairs stay farther apart than this [m]. margins: {(a, b): m}. allowed: "
+          "pairs (a, b) that may touch.\n"
+          "objective: 'length' or 'clearance'. planner: see planners(); parameters: by its names.\n"
+          "time [s], iterations (0: no limit): when planning ends. seed: same seed, same bytes.\n"
+          "others: {joint: value} of joints that are not planned.\n"
+          "Settings of execution: speed, velocities, accelerations, jerks, corners, start_time, "
+          "step, duration, foresight, look_ahead, buffer, patience; see problems/README.md.")
+          .c_str());
+  defineInit(problem, init, [](const py::args& args, const py::kwargs& kwargs) {
+    py::dict keywords = kwargs.attr("copy")();
+    Problem made = problemOf("Problem", args, keywords);
+    noMore("Problem", keywords);
+    return made;
+  });
+  defineStatic(problem, "load", "(file, *, packages=None, cache=True)",
+               "Reads a problem file (YAML). Raises InputError with file and line.", load,
+               py::arg("file"), py::kw_only(), py::arg("packages") = py::none(),
+               py::arg("cache") = true);
+  defineStatic(problem, "load_moveit", "(robot, scene, request)",
+               "Reads a MoveIt planning scene and a motion plan request (YAML), as "
+               "MotionBenchMaker writes them.",
+               loadMoveit, py::arg("robot"), py::arg("scene"), py::arg("request"));
+  define(problem, "attach", "(self, object, link, touch_links=[], *, state=None)",
+         "The problem with an object of the world held by a link, grasped where it stands while "
+         "the robot is at `state` (default: the start). It may touch the link and `touch_links`.",
+         attach, py::arg("object"), py::arg("link"),
+         py::arg("touch_links") = std::vector<std::string>(), py::kw_only(),
+         py::arg("state") = py::none());
+  define(problem, "detach", "(self, object, *, state=None)",
+         "The problem with a held object put down where it is while the robot is at `state`.",
+         detach, py::arg("object"), py::kw_only(), py::arg("state") = py::none());
+  define(problem, "copy", "(self)", "Another problem with the same content.",
+         [](const Problem& self) { return self; });
+  defineSettings(problem);
+  problem.def_property_readonly(
+      "robot", [](const Problem& self) { return self.robot(); },
+      "The robot and its planned group.");
+  problem.def_property_readonly(
+      "warnings", [](const Problem& self) { return listOf(self.value->warnings); },
+      "What the loader found odd, each with file and line.");
+  problem.def("__repr__", [](const Problem& self) {
+    return "<leeway.Problem '" + self.value->name + "': " + std::to_string(self.size()) +
+           " planned joints among " +
+           std::to_string(self.value->world.objects.size() + self.value->world.deforming.size()) +
+           " objects, margin " + text(self.value->margins.common) + " m>";
+  });
+  problem.def("_repr_html_", html);
+  define(module, "load", "(file, *, packages=None, cache=True)",
+         "Reads a problem file (YAML): Problem.load().", load, py::arg("file"), py::kw_only(),
+         py::arg("packages") = py::none(), py::arg("cache") = true);
+  define(module, "planners", "()",
+         "The planners that a problem may name: dicts of name, deterministic, optimizing, summary.",
+         [] {
+           py::list list;
+           for (const planner::PlannerTraits& traits : planner::plannerNames()) {
+             py::dict entry;
+             entry["name"] = traits.name;
+             entry["deterministic"] = traits.deterministic;
+             entry["optimizing"] = traits.optimizing;
+             entry["summary"] = traits.summary;
+             list.append(entry);
+           }
+           return list;
+         });
+  define(
+      module, "planner_parameters", "(planner)",
+      "The parameters of a planner: {name: default}, as text.",
+      [](const std::string& name) {
+        if (planner::findPlanner(name) == nullptr)
+          throw py::value_error(*planner::plannerError(name, {}));
+        py::dict parameters;
+        for (const planner::PlannerParameter& parameter : planner::plannerParameters(name))
+          parameters[py::str(parameter.name)] = parameter.value;
+        return parameters;
+      },
+      py::arg("planner"));
+}
+
+}  // namespace leeway::python

@@ -1,0 +1,293 @@
+#include "leeway/planner/replanner.h"
+
+#include <cmath>
+
+#include "python/base/define.h"
+#include "python/base/released.h"
+#include "python/bindings/deforming.h"
+#include "python/bindings/plan.h"
+#include "python/bindings/scene.h"
+#include "python/bindings/settings.h"
+
+namespace leeway::python {
+namespace {
+
+using planner::ReplanResult;
+using planner::ReplanStep;
+
+/// A Replanner of one thread at a time: `busy` is read and written with the interpreter's lock
+/// held.
+struct Execution {
+  Problem problem;
+  py::object stop = py::none();
+  Interrupt* interrupt = nullptr;  ///< of the step that runs
+  std::unique_ptr<planner::Replanner> replanner;
+  bool busy = false;
+
+  std::size_t size() const { return problem.size(); }
+};
+
+class Busy {
+ public:
+  explicit Busy(Execution& execution) : execution_(execution) {
+    if (execution.busy) throw std::runtime_error("another call is using this Replanner");
+    execution.busy = true;
+  }
+  ~Busy() { execution_.busy = false; }
+  Busy(const Busy&) = delete;
+  Busy& operator=(const Busy&) = delete;
+
+ private:
+  Execution& execution_;
+};
+
+py::array_t<double> timedPoints(std::span<const planner::TimedPoint> points, std::size_t columns) {
+  std::vector<double> values;
+  for (const planner::TimedPoint& point : points) {
+    values.push_back(point.time);
+    values.insert(values.end(), point.position.begin(), point.position.end());
+  }
+  return array(std::move(values),
+               {static_cast<py::ssize_t>(points.size()), static_cast<py::ssize_t>(columns + 1)});
+}
+
+std::unique_ptr<Execution> makeExecution(const py::args& args, const py::kwargs& kwargs) {
+  py::dict keywords = kwargs.attr("copy")();
+  auto made = std::make_unique<Execution>();
+  if (keywords.contains("stop")) made->stop = keywords.attr("pop")("stop");
+  made->problem = problemOf("Replanner", args, keywords);
+  noMore("Replanner", keywords);
+  if (made->problem.value->goals.empty()) throw py::value_error("no goal is given");
+  const std::shared_ptr<const planner::Problem> value = made->problem.value;
+  planner::ReplanOptions options;
+  options.stop = [self = made.get()] { return self->interrupt != nullptr && (*self->interrupt)(); };
+  made->replanner = released([&] { return std::make_unique<planner::Replanner>(*value, options); });
+  return made;
+}
+
+/// A step and the names of what it says.
+struct Step {
+  ReplanStep value;
+  std::size_t columns;
+};
+
+Step step(Execution& self) {
+  const Busy busy(self);
+  Interrupt interrupt(self.stop);
+  self.interrupt = &interrupt;
+  struct Reset {
+    Execution& of;
+    ~Reset() { of.interrupt = nullptr; }
+  } const reset{self};
+  Step result{released([&] { return self.replanner->step(); }), self.size()};
+  interrupt.rethrow();
+  return result;
+}
+
+void setVertices(Execution& self, const std::string& object, const py::object& vertices,
+                 const py::object& time, const py::object& bound) {
+  const Busy busy(self);
+  const std::vector<Eigen::Vector3d> given = points(vertices, "vertices");
+  const double speed_bound = speedBoundOf(bound);
+  const double when = time.is_none() ? self.replanner->time() : number(time, "time");
+  released([&] { self.replanner->setVertices(object, given, when, speed_bound); });
+}
+
+void setState(Execution& self, const py::object& state) {
+  const Busy busy(self);
+  self.replanner->setState(numbers(state, "state", self.size()));
+}
+
+/// A property that reads the replanner: not while another thread is in a step.
+template <typename Read>
+auto reading(Read read) {
+  return [read](Execution& self) {
+    const Busy busy(self);
+    return read(self);
+  };
+}
+
+ReplanResult replan(const py::args& args, const py::kwargs& kwargs) {
+  py::dict keywords = kwargs.attr("copy")();
+  const auto take = [&](const char* name) -> py::object {
+    if (!keywords.contains(name)) return py::none();
+    return keywords.attr("pop")(name);
+  };
+  const py::object on_step = take("on_step"), stop = take("stop"), most = take("steps");
+  const int steps = most.is_none() ? 0 : most.cast<int>();
+  const Problem problem = problemOf("replan", args, keywords);
+  noMore("replan", keywords);
+  if (problem.value->goals.empty()) throw py::value_error("no goal is given");
+  if (!on_step.is_none() && PyCallable_Check(on_step.ptr()) == 0)
+    throw py::type_error("on_step is no function; one of (step) is expected");
+  Interrupt interrupt(stop);
+  planner::ReplanOptions options;
+  options.stop = interrupt.callback();
+  std::function<void(const ReplanStep&)> told;
+  const std::size_t columns = problem.size();
+  if (!on_step.is_none())
+    told = [&](const ReplanStep& taken) {
+      const py::gil_scoped_acquire locked;
+      try {
+        on_step(Step{taken, columns});
+      } catch (...) {
+        interrupt.fail();
+      }
+    };
+  const std::shared_ptr<const planner::Problem> value = problem.value;
+  ReplanResult result = released([&] { return planner::replan(*value, options, told, steps); });
+  interrupt.rethrow();
+  return result;
+}
+
+void defineStep(py::module_& module) {
+  py::class_<Step> step_class(module, "Step",
+                              "One step of an execution: from one look at the world to the next.");
+  const auto property = [&](const char* name, auto get, const char* doc) {
+    step_class.def_property_readonly(
+        name, [get](const Step& self) { return get(self.value); }, doc);
+  };
+  property(
+      "index", [](const ReplanStep& s) { return s.index; }, "Counts from 0.");
+  property(
+      "time", [](const ReplanStep& s) { return s.time; }, "Of the look at the world [s].");
+  property(
+      "decision", [](const ReplanStep& s) { return toString(s.decision); },
+      "'plan' (a new path), 'follow', 'wait', 'evade' or 'unsafe' (stand: nothing is "
+      "certified).");
+  property(
+      "certified", [](const ReplanStep& s) { return s.certified; },
+      "The motion is proven to keep all margins at every time of the step.");
+  property(
+      "look_ahead", [](const ReplanStep& s) { return s.look_ahead; },
+      "For so long after the step going on, or standing, is certified [s].");
+  property(
+      "lower", [](const ReplanStep& s) { return s.clearance.lower; },
+      "The clearance over the whole step is at least this [m].");
+  property(
+      "upper", [](const ReplanStep& s) { return s.clearance.upper; },
+      "The least clearance is at most this [m].");
+  property(
+      "closest", [](const ReplanStep& s) { return pairObject(s.closest_a, s.closest_b); },
+      "Names of the closest pair, or None.");
+  property(
+      "path_held", [](const ReplanStep& s) { return s.path_held; },
+      "The rest of the path is certified in the world as seen.");
+  property(
+      "broken", [](const ReplanStep& s) { return pairObject(s.broken_a, s.broken_b); },
+      "If not, the pair that broke it, or None.");
+  property(
+      "reached", [](const ReplanStep& s) { return s.reached; }, "The motion ends in a goal.");
+  property(
+      "remaining", [](const ReplanStep& s) { return s.remaining_s; },
+      "Duration of the rest of the path [s]; inf without a path.");
+  property(
+      "times",
+      [](const ReplanStep& s) {
+        py::dict times;
+        times["update"] = s.update_s;
+        times["certify"] = s.certify_s;
+        times["plan"] = s.plan_s;
+        times["clearance"] = s.clearance_s;
+        return times;
+      },
+      "What it took [s]: {update, certify, plan, clearance}.");
+  step_class.def_property_readonly(
+      "motion", [](const Step& self) { return timedPoints(self.value.motion, self.columns); },
+      "Where to be when: (n, 1 + joints), the time [s] and the joints' values; between two rows at "
+      "constant speed.");
+  step_class.def("__repr__", [](const Step& self) {
+    return "<leeway.Step " + std::to_string(self.value.index) + " at " + text(self.value.time) +
+           " s: " + toString(self.value.decision) +
+           (self.value.certified ? ", certified>" : ", not certified>");
+  });
+}
+
+void defineExecuted(py::module_& module) {
+  py::class_<ReplanResult> result(module, "Executed",
+                                  "A whole execution. True if the goal is reached, every step "
+                                  "certified.");
+  result.def_property_readonly(
+      "status", [](const ReplanResult& self) { return toString(self.status); },
+      "'reached', 'unsafe', 'timeout' or 'stopped'.");
+  result.def_property_readonly(
+      "trajectory",
+      [](const ReplanResult& self) { return timedPoints(self.trajectory, self.names.size()); },
+      "What was executed: (n, 1 + joints), the time [s] and the joints' values.");
+  result.def_property_readonly(
+      "joint_names", [](const ReplanResult& self) { return listOf(self.names); },
+      "Names of the trajectory's columns after the first.");
+  result.def_readonly("steps", &ReplanResult::steps, "Steps taken.");
+  result.def_readonly("replans", &ReplanResult::replans, "Paths planned besides the first.");
+  result.def_readonly("certified", &ReplanResult::certified, "Every step was.");
+  result.def_property_readonly(
+      "lower", [](const ReplanResult& self) { return self.clearance.lower; },
+      "The clearance of all steps is at least this [m].");
+  result.def_property_readonly(
+      "upper", [](const ReplanResult& self) { return self.clearance.upper; },
+      "The least clearance is at most this [m].");
+  result.def("__bool__", [](const ReplanResult& self) {
+    return self.status == planner::ReplanStatus::kReached;
+  });
+  result.def("__repr__", [](const ReplanResult& self) {
+    return std::string("<leeway.Executed: ") + toString(self.status) + ", " +
+           std::to_string(self.steps) + " steps, " + std::to_string(self.replans) + " replans>";
+  });
+}
+
+}  // namespace
+
+void defineReplanner(py::module_& module) {
+  defineStep(module);
+  defineExecuted(module);
+  const std::string init = "(robot, world=None, start=None, goal=None, *, stop=None, **settings)";
+  py::class_<Execution> execution(
+      module, "Replanner",
+      withSignature("Replanner", init,
+                    "Executes a problem among deforming obstacles, step by step; also "
+                    "Replanner(problem, **settings). Each step is proven against all that the "
+                    "obstacles can do in it. For one thread at a time.")
+          .c_str());
+  defineInit(execution, init, makeExecution);
+  define(execution, "step", "(self)",
+         "Decides and takes the next step. Costs as much as planning; a signal or `stop` ends "
+         "planning.",
+         step);
+  define(execution, "set_vertices", "(self, name, vertices, time=None, speed_bound=None)",
+         "The vertices of an obstacle (n, 3) [m] as seen at `time` (default: now) [s]; none is "
+         "faster than `speed_bound` [m/s] from then on. Replaces its motion for good.",
+         setVertices, py::arg("name"), py::arg("vertices"), py::arg("time") = py::none(),
+         py::arg("speed_bound") = py::none());
+  defineProperty(execution, "state",
+                 "The robot's state now: (joints,); set it to where the robot truly is.",
+                 reading([](Execution& self) { return array(self.replanner->state()); }), setState);
+  execution.def_property_readonly("time",
+                                  reading([](Execution& self) { return self.replanner->time(); }),
+                                  "Of the next look at the world [s].");
+  execution.def_property_readonly(
+      "path", reading([](Execution& self) { return array(self.replanner->path(), self.size()); }),
+      "The rest of the path: (n, joints); (0, joints) without one.");
+  execution.def_property_readonly(
+      "reached", reading([](Execution& self) { return self.replanner->reached(); }),
+      "The state is in a goal, and the path is used up.");
+  execution.def_property_readonly(
+      "replans", reading([](Execution& self) { return self.replanner->replans(); }),
+      "Paths planned besides the first.");
+  execution.def_property_readonly("scene", reading([](Execution& self) {
+                                    return Scene(self.problem, self.replanner->scene());
+                                  }),
+                                  "The Scene of the last look: constant, for any thread.");
+  execution.def("__repr__", [](Execution& self) {
+    return self.busy ? std::string("<leeway.Replanner, in a step>")
+                     : "<leeway.Replanner at " + text(self.replanner->time()) + " s>";
+  });
+  define(module, "replan",
+         "(robot, world=None, start=None, goal=None, *, on_step=None, steps=None, stop=None, "
+         "**settings)",
+         "Executes a problem until a goal is reached, a step is not certified, or its duration is "
+         "over; also replan(problem, **settings). Calls on_step(step) after each; `steps` limits "
+         "their number.",
+         replan);
+}
+
+}  // namespace leeway::python

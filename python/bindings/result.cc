@@ -1,0 +1,208 @@
+#include <cmath>
+#include <cstdio>
+
+#include "leeway/planner/path_io.h"
+#include "python/base/define.h"
+#include "python/base/released.h"
+#include "python/bindings/plan.h"
+#include "python/bindings/scene.h"
+
+namespace leeway::python {
+namespace {
+
+using planner::Certificate;
+
+std::string millimetres(double metres) {
+  if (std::isinf(metres)) return metres > 0 ? "nothing near" : "not proven";
+  // Rounded down: a bound stays a bound.
+  char buffer[32];
+  std::snprintf(buffer, sizeof buffer, "%.3f", std::floor(metres * 1e6) / 1e3);
+  return buffer;
+}
+
+std::string certificateText(const Certificate& c) {
+  std::string text_of = c.certified ? "certified" : "not certified";
+  if (c.closest_segment >= 0)
+    text_of += ", clearance " + text(c.clearance.lower) + " to " + text(c.clearance.upper) +
+               " m between " + c.closest_a + " and " + c.closest_b;
+  return text_of;
+}
+
+void defineCertificate(py::module_& module) {
+  py::class_<Certificate> certificate(
+      module, "Certificate",
+      "The proof that comes with a path: bounds on the clearance of every point of every edge, "
+      "over the pairs that are checked.");
+  certificate.def_property_readonly(
+      "lower", [](const Certificate& self) { return self.clearance.lower; },
+      "Every point of every edge keeps at least this [m]; inf where nothing is near.");
+  certificate.def_property_readonly(
+      "upper", [](const Certificate& self) { return self.clearance.upper; },
+      "The least clearance is at most this [m].");
+  certificate.def_readonly("certified", &Certificate::certified,
+                           "Every edge is proven to keep its margins.");
+  certificate.def_property_readonly(
+      "closest", [](const Certificate& self) { return pairObject(self.closest_a, self.closest_b); },
+      "Names of the pair that is nearest, or None.");
+  certificate.def_readonly("closest_edge", &Certificate::closest_segment,
+                           "The edge where that is; -1: none.");
+  certificate.def_readonly("closest_t", &Certificate::closest_t, "And where on it, in [0, 1].");
+  certificate.def_property_readonly(
+      "point_a", [](const Certificate& self) { return array(self.closest_point_a); },
+      "On the first of `closest`: (3,), world [m].");
+  certificate.def_property_readonly(
+      "point_b", [](const Certificate& self) { return array(self.closest_point_b); },
+      "On the second: (3,), world [m].");
+  certificate.def_property_readonly(
+      "edges",
+      [](const Certificate& self) {
+        std::vector<double> values;
+        for (const planner::Interval& edge : self.segments)
+          values.insert(values.end(), {edge.lower, edge.upper});
+        return array(std::move(values), {static_cast<py::ssize_t>(self.segments.size()), 2});
+      },
+      "Bounds on the clearance of each edge: (edges, 2) [m]; an upper end may be inf: not looked "
+      "for.");
+  certificate.def("__bool__", [](const Certificate& self) { return self.certified; });
+  certificate.def("__repr__", [](const Certificate& self) {
+    return "<leeway.Certificate: " + certificateText(self) + ">";
+  });
+}
+
+std::string repr(const Result& self) {
+  const planner::PlanResult& r = self.value;
+  std::string result = std::string("<leeway.Result: ") + toString(r.status) + " with " + r.planner +
+                       ", seed " + std::to_string(r.seed);
+  if (r.status == planner::PlanStatus::kSolved)
+    result += ", " + std::to_string(r.path.positions.size()) + " waypoints, " +
+              certificateText(r.certificate);
+  else if (!r.offending_a.empty())
+    result += ", " + r.offending_a + " and " + r.offending_b;
+  return result + ">";
+}
+
+std::string html(const Result& self) {
+  const planner::PlanResult& r = self.value;
+  std::vector<std::string> heading = {""};
+  heading.insert(heading.end(), r.path.names.begin(), r.path.names.end());
+  heading.emplace_back("clearance to next [mm]");
+  std::vector<std::vector<std::string>> table;
+  for (std::size_t i = 0; i < r.path.positions.size(); ++i) {
+    std::vector<std::string> row = {std::to_string(i)};
+    for (const double value : r.path.positions[i]) {
+      char buffer[32];
+      std::snprintf(buffer, sizeof buffer, "%.4f", value);
+      row.emplace_back(buffer);
+    }
+    row.push_back(i < r.certificate.segments.size()
+                      ? "at least " + millimetres(r.certificate.segments[i].lower)
+                      : "");
+    table.push_back(row);
+  }
+  return htmlTable(self.problem->name + ": " + toString(r.status) + " with " + r.planner +
+                       ", seed " + std::to_string(r.seed),
+                   heading, table);
+}
+
+py::dict times(const Result& self) {
+  py::dict result;
+  result["compile"] = self.value.compile_s;
+  result["plan"] = self.value.plan_s;
+  result["simplify"] = self.value.simplify_s;
+  result["certify"] = self.value.certify_s;
+  return result;
+}
+
+py::dict counts(const Result& self) {
+  py::dict result;
+  result["iterations"] = self.value.iterations;
+  result["states"] = self.value.states;
+  result["edges"] = self.value.edges;
+  result["undecided_edges"] = self.value.undecided_edges;
+  result["distance_queries"] = self.value.distance_queries;
+  return result;
+}
+
+void requireSolved(const Result& self, const char* what) {
+  if (self.value.status != planner::PlanStatus::kSolved)
+    throw py::value_error(std::string("no path to ") + what + ": the status is '" +
+                          toString(self.value.status) + "'");
+}
+
+}  // namespace
+
+void defineResult(py::module_& module) {
+  defineCertificate(module);
+  py::class_<Result> result(module, "Result",
+                            "What plan() found. True if it is solved: then every edge of `path` is "
+                            "proven to keep its margins.");
+  result.def_property_readonly(
+      "status", [](const Result& self) { return toString(self.value.status); },
+      "'solved', 'unsolved', 'invalid_start' or 'invalid_goal'.");
+  result.def_property_readonly(
+      "path",
+      [](const Result& self) {
+        return array(self.value.path.positions, self.problem->robot.variables.size());
+      },
+      "The waypoints: (n, joints) [rad or m]; (0, joints) unless solved.");
+  result.def_property_readonly(
+      "joint_names", [](const Result& self) { return listOf(self.value.path.names); },
+      "Names of the path's columns.");
+  result.def_property_readonly(
+      "certificate", [](const Result& self) { return self.value.certificate; },
+      "The proof of the path.");
+  result.def_property_readonly(
+      "length", [](const Result& self) { return self.value.length; },
+      "Length of the path, see Robot.distance().");
+  result.def_property_readonly(
+      "goal", [](const Result& self) { return self.value.goal; },
+      "Index of the goal that is reached; -1: none.");
+  result.def_property_readonly(
+      "planner", [](const Result& self) { return self.value.planner; }, "The planner's name.");
+  result.def_property_readonly(
+      "seed", [](const Result& self) { return self.value.seed; }, "The seed.");
+  result.def_property_readonly(
+      "deterministic", [](const Result& self) { return self.value.deterministic; },
+      "False for planners with threads or clocks of their own.");
+  result.def_property_readonly("times", times,
+                               "What it took [s]: {compile, plan, simplify, certify}.");
+  result.def_property_readonly("counts", counts,
+                               "{iterations, states, edges, undecided_edges, distance_queries}.");
+  result.def_property_readonly(
+      "warnings", [](const Result& self) { return listOf(self.value.warnings); },
+      "Goals that were left out.");
+  result.def_property_readonly(
+      "offending",
+      [](const Result& self) { return pairObject(self.value.offending_a, self.value.offending_b); },
+      "Of an invalid start or goal: the pair that is too near, or None.");
+  result.def_property_readonly(
+      "problem", [](const Result& self) { return Problem{self.problem}; },
+      "The problem that it answers.");
+  define(
+      result, "trajectory", "(self, period=0.01)",
+      "The path with times, within the limits of the problem's execution: along the certified "
+      "edges, at rest at corners or through proven blends. `period` [s] is that of its arrays.",
+      [](const Result& self, double period) {
+        requireSolved(self, "time");
+        return trajectoryObject(self, period);
+      },
+      py::arg("period") = 0.01);
+  define(
+      result, "save", "(self, file)",
+      "Writes path and certificate; the file's ending chooses: .json, .yaml, .csv, .path. Whole "
+      "or not at all.",
+      [](const Result& self, const py::object& file) {
+        requireSolved(self, "save");
+        const std::string path = fileName(file, "file");
+        const Result held = self;
+        released([&] { planner::writePath(path, *held.problem, held.value); });
+      },
+      py::arg("file"));
+  result.def("__bool__", [](const Result& self) {
+    return self.value.status == planner::PlanStatus::kSolved && self.value.certificate.certified;
+  });
+  result.def("__repr__", repr);
+  result.def("_repr_html_", html);
+}
+
+}  // namespace leeway::python

@@ -1,0 +1,269 @@
+#include "python/bindings/robot.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "leeway/planner/problem.h"
+#include "leeway/robots/cache_folder.h"
+#include "leeway/robots/input_error.h"
+#include "leeway/robots/kinematics.h"
+#include "leeway/robots/text.h"
+#include "python/base/define.h"
+#include "python/base/released.h"
+#include "python/bindings/shapes.h"
+
+namespace leeway::python {
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+template <typename Things>
+std::vector<std::string> namesOf(const Things& things) {
+  std::vector<std::string> names;
+  for (const auto& thing : things) names.push_back(thing.name);
+  return names;
+}
+
+[[noreturn]] void unknown(const char* what, const std::string& name,
+                          const std::vector<std::string>& known) {
+  const std::string* const near = robots::nearestName(name, known);
+  std::string message = std::string("no ") + what + " '" + name + "'";
+  if (near != nullptr) message += "; did you mean '" + *near + "'?";
+  throw py::value_error(message);
+}
+
+int groupOf(const robots::Model& model, const std::string& name) {
+  const int group = model.findGroup(name);
+  if (group < 0) unknown("group", name, namesOf(model.groups));
+  if (model.groups[at(group)].variables.empty())
+    throw py::value_error("group '" + name + "' has no joint that can move");
+  return group;
+}
+
+robots::LoadOptions loadOptions(const py::object& packages, bool cache) {
+  robots::LoadOptions options;
+  if (!packages.is_none())
+    for (const auto& [name, folder] : py::dict(packages))
+      options.packages.emplace_back(py::str(name), py::str(folder));
+  if (cache) options.cache = robots::cacheFolder();
+  return options;
+}
+
+Robot load(const py::object& urdf, const py::object& srdf, const std::string& group,
+           const py::object& packages, bool cache) {
+  const robots::LoadOptions options = loadOptions(packages, cache);
+  const std::string urdf_file = fileName(urdf, "urdf");
+  const std::string srdf_file = srdf.is_none() ? "" : fileName(srdf, "srdf");
+  const auto model = released([&] { return robots::loadModel(urdf_file, srdf_file, options); });
+  return {model, group};
+}
+
+Robot freeBody(const std::string& name, const py::list& shapes, const std::string& joint,
+               const py::object& lower, const py::object& upper) {
+  if (joint != "planar" && joint != "floating")
+    unknownWord("joint", joint, "'planar' or 'floating'");
+  std::vector<robots::Geometry> geometries = geometriesOf(shapes, name);
+  const bool planar = joint == "planar";
+  const auto bounds = [&](const py::object& value, const char* what) {
+    std::vector<double> numbers_given = numbers(value, what, planar ? 2 : 3);
+    numbers_given.resize(3, 0);
+    return Eigen::Vector3d(numbers_given[0], numbers_given[1], numbers_given[2]);
+  };
+  return {robots::freeBody(name, std::move(geometries),
+                           planar ? robots::JointType::kPlanar : robots::JointType::kFloating,
+                           bounds(lower, "lower"), bounds(upper, "upper")),
+          "all"};
+}
+
+std::vector<double> namedState(const Robot& robot, const std::string& name) {
+  std::vector<std::string> known;
+  for (const robots::GroupState& state : robot.model->group_states) {
+    std::vector<double> point;
+    for (const int variable : robot.space->variables())
+      for (const auto& [given, value] : state.values)
+        if (given == variable) point.push_back(value);
+    if (point.size() != robot.size()) continue;  // of another group, without all of our joints
+    if (state.name == name) return point;
+    known.push_back(state.name);
+  }
+  unknown("group state", name, known);
+}
+
+/// Poses of all links, row by row.
+std::vector<double> linkMatrices(const Robot& robot, const Rows& points, int only) {
+  const std::size_t links = robot.model->links.size();
+  std::vector<double> q = robot.model->defaultConfiguration();
+  std::vector<robots::Pose> X_WL(links);
+  const std::size_t kept = only < 0 ? links : 1;
+  std::vector<double> matrices(points.count() * kept * 16);
+  for (std::size_t i = 0; i < points.count(); ++i) {
+    robot.expand(points.row(i), q);
+    robots::forwardKinematics(*robot.model, q, X_WL);
+    for (std::size_t k = 0; k < kept; ++k)
+      writeMatrix(X_WL[only < 0 ? k : at(only)], &matrices[(i * kept + k) * 16]);
+  }
+  return matrices;
+}
+
+py::array_t<double> poses(const Robot& robot, const py::object& q) {
+  Rows points = rows(q, "q", robot.size());
+  std::vector<double> matrices = released([&] { return linkMatrices(robot, points, -1); });
+  points.shape.insert(points.shape.end(),
+                      {static_cast<py::ssize_t>(robot.model->links.size()), 4, 4});
+  return array(std::move(matrices), points.shape);
+}
+
+py::array_t<double> linkPose(const Robot& robot, const std::string& link, const py::object& q) {
+  const int index = robot.model->findLink(link);
+  if (index < 0) unknown("link", link, namesOf(robot.model->links));
+  Rows points = rows(q, "q", robot.size());
+  std::vector<double> matrices = released([&] { return linkMatrices(robot, points, index); });
+  points.shape.insert(points.shape.end(), {4, 4});
+  return array(std::move(matrices), points.shape);
+}
+
+py::array_t<double> limits(const Robot& robot, bool upper) {
+  std::vector<double> values;
+  for (int i = 0; i < robot.space->size(); ++i)
+    values.push_back(upper ? robot.space->upper(i) : robot.space->lower(i));
+  return array(std::span<const double>(values));
+}
+
+std::vector<std::string> variableNames(const Robot& robot) {
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < robot.size(); ++i) names.push_back(robot.variableName(i));
+  return names;
+}
+
+std::string html(const Robot& robot) {
+  std::vector<std::vector<std::string>> table;
+  for (std::size_t i = 0; i < robot.size(); ++i) {
+    const auto& variable = robot.model->variables[at(robot.space->variables()[i])];
+    table.push_back(
+        {variable.name, text(variable.lower), text(variable.upper), text(variable.velocity)});
+  }
+  return htmlTable(robot.model->name + ", group " + robot.group,
+                   {"planned joint", "lower", "upper", "velocity"}, table);
+}
+
+}  // namespace
+
+Robot::Robot(std::shared_ptr<const robots::Model> of, const std::string& group_name)
+    : model(std::move(of)),
+      group(group_name),
+      space(std::make_shared<const planner::ConfigurationSpace>(
+          model, model->groups[at(groupOf(*model, group_name))].variables)) {}
+
+Robot::Robot(std::shared_ptr<const robots::Model> of, std::vector<int> variables)
+    : model(std::move(of)),
+      space(std::make_shared<const planner::ConfigurationSpace>(model, variables)) {
+  for (const robots::Group& known : model->groups)
+    if (known.variables == variables) group = known.name;
+}
+
+const std::string& Robot::variableName(std::size_t i) const {
+  return model->variables[at(space->variables()[i])].name;
+}
+
+void Robot::expand(std::span<const double> point, std::span<double> base) const {
+  for (std::size_t i = 0; i < size(); ++i) base[at(space->variables()[i])] = point[i];
+}
+
+void defineRobot(py::module_& module) {
+  const std::string init = "(urdf, srdf=None, *, group='all', packages=None, cache=True)";
+  py::class_<Robot> robot(
+      module, "Robot",
+      withSignature("Robot", init,
+                    "A robot from a URDF and an SRDF, and the group of its joints that is planned. "
+                    "Constant: threads may share it.\n\n"
+                    "`group` is one of the SRDF's, or 'all'. `packages` maps names of package:// "
+                    "to folders. `cache` keeps built meshes and proofs about the robot in "
+                    "$LEEWAY_CACHE_DIR or ~/.cache/leeway; answers are the same.\n"
+                    "Raises InputError, with file and line.")
+          .c_str());
+  defineInit(robot, init, load, py::arg("urdf"), py::arg("srdf") = py::none(), py::kw_only(),
+             py::arg("group") = "all", py::arg("packages") = py::none(), py::arg("cache") = true);
+  defineStatic(robot, "free_body", "(name, shapes, *, joint='floating', lower, upper)",
+               "One rigid body that moves in space (its point is x y z qx qy qz qw) or, with "
+               "joint='planar', in the plane (x y angle). `shapes` is a list of shapes or of pairs "
+               "(shape, pose). `lower` and `upper` bound its origin [m]: 3 numbers, planar 2.",
+               freeBody, py::arg("name"), py::arg("shapes"), py::kw_only(),
+               py::arg("joint") = "floating", py::arg("lower"), py::arg("upper"));
+  define(
+      robot, "with_group", "(self, group)", "The same robot, planned by another group.",
+      [](const Robot& self, const std::string& group) { return Robot(self.model, group); },
+      py::arg("group"));
+  define(
+      robot, "state", "(self, name)",
+      "The planned joints' values in a group state of the SRDF: (joints,) [rad or m].",
+      [](const Robot& self, const std::string& name) {
+        const std::vector<double> point = namedState(self, name);
+        return array(std::span<const double>(point));
+      },
+      py::arg("name"));
+  define(robot, "poses", "(self, q)",
+         "Poses of all links in the world, in the order of `links`: (..., links, 4, 4) for q of "
+         "shape (..., joints) [rad or m; m]. Joints that are not planned are at zero, or at the "
+         "nearest limit.",
+         poses, py::arg("q"));
+  define(robot, "pose", "(self, link, q)",
+         "The pose of one link in the world: (..., 4, 4) for q of shape (..., joints).", linkPose,
+         py::arg("link"), py::arg("q"));
+  define(
+      robot, "interpolate", "(self, a, b, t)",
+      "The points at t in [0, 1] of the edge from a to b, as paths and certificates mean it "
+      "(continuous joints go the shorter way): (joints,) for a number, (n, joints) for (n,).",
+      [](const Robot& self, const py::object& a, const py::object& b, const py::object& t) {
+        const std::vector<double> from = numbers(a, "a", self.size());
+        const std::vector<double> to = numbers(b, "b", self.size());
+        Rows times = scalars(t, "t");
+        std::vector<double> result(times.values.size() * self.size());
+        for (std::size_t i = 0; i < times.values.size(); ++i)
+          self.space->interpolate(from, to, times.values[i],
+                                  {&result[i * self.size()], self.size()});
+        times.shape.push_back(static_cast<py::ssize_t>(self.size()));
+        return array(std::move(result), times.shape);
+      },
+      py::arg("a"), py::arg("b"), py::arg("t"));
+  define(
+      robot, "distance", "(self, a, b)",
+      "Length of the edge from a to b, the measure of paths: Euclidean over the joints [rad and "
+      "m].",
+      [](const Robot& self, const py::object& a, const py::object& b) {
+        return self.space->distance(numbers(a, "a", self.size()), numbers(b, "b", self.size()));
+      },
+      py::arg("a"), py::arg("b"));
+  robot.def_property_readonly(
+      "name", [](const Robot& self) { return self.model->name; }, "The robot's name.");
+  robot.def_property_readonly(
+      "group", [](const Robot& self) { return self.group; }, "The planned group's name.");
+  robot.def_property_readonly(
+      "joint_names", [](const Robot& self) { return listOf(variableNames(self)); },
+      "Names of the planned variables, in the order of points.");
+  robot.def_property_readonly(
+      "lower", [](const Robot& self) { return limits(self, false); },
+      "Lower limits of the planned joints: (joints,) [rad or m]; -inf where there are none.");
+  robot.def_property_readonly(
+      "upper", [](const Robot& self) { return limits(self, true); },
+      "Upper limits of the planned joints: (joints,) [rad or m]; inf where there are none.");
+  robot.def_property_readonly(
+      "links", [](const Robot& self) { return listOf(namesOf(self.model->links)); },
+      "Names of all links, parents before children.");
+  robot.def_property_readonly(
+      "groups", [](const Robot& self) { return listOf(namesOf(self.model->groups)); },
+      "Names of the groups that may be planned.");
+  robot.def_property_readonly(
+      "states", [](const Robot& self) { return listOf(namesOf(self.model->group_states)); },
+      "Names of the SRDF's group states.");
+  robot.def_property_readonly(
+      "warnings", [](const Robot& self) { return listOf(self.model->warnings); },
+      "What the loader found odd, each with file and line.");
+  robot.def("__repr__", [](const Robot& self) {
+    return "<leeway.Robot '" + self.model->name + "', group '" + self.group +
+           "': " + std::to_string(self.size()) + " planned joints, " +
+           std::to_string(self.model->links.size()) + " links>";
+  });
+  robot.def("_repr_html_", html);
+}
+
+}  // namespace leeway::python

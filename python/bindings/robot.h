@@ -1,0 +1,33 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "leeway/planner/configuration_space.h"
+#include "leeway/robots/model.h"
+#include "python/base/arrays.h"
+
+namespace leeway::python {
+
+/// A robot and what of it is planned: constant.
+struct Robot {
+  std::shared_ptr<const robots::Model> model;
+  std::string group;
+  std::shared_ptr<const planner::ConfigurationSpace> space;
+
+  /// Throws robots::InputError for an unknown group and for one without joints.
+  Robot(std::shared_ptr<const robots::Model> of, const std::string& group_name);
+  /// For one whose planned variables are of no group, `group` is empty.
+  Robot(std::shared_ptr<const robots::Model> of, std::vector<int> variables);
+
+  std::size_t size() const { return static_cast<std::size_t>(space->size()); }
+  const std::string& variableName(std::size_t i) const;
+  /// One configuration of the whole model for a point of the group; the other variables as in
+  /// `base`.
+  void expand(std::span<const double> point, std::span<double> base) const;
+};
+
+void defineRobot(py::module_& module);
+
+}  // namespace leeway::python

@@ -1,0 +1,369 @@
+#include "python/bindings/scene.h"
+
+#include <cmath>
+
+#include "python/base/define.h"
+#include "python/base/released.h"
+#include "python/bindings/settings.h"
+
+namespace leeway::python {
+namespace {
+
+using planner::EdgeCertifier;
+using planner::Verdict;
+
+/// A certifier for the time of a call.
+class Lent {
+ public:
+  explicit Lent(Certifiers& from) : from_(from), certifier_(from.take()) {}
+  ~Lent() { from_.giveBack(std::move(certifier_)); }
+  Lent(const Lent&) = delete;
+  Lent& operator=(const Lent&) = delete;
+  EdgeCertifier* operator->() const { return certifier_.get(); }
+  EdgeCertifier& operator*() const { return *certifier_; }
+
+ private:
+  Certifiers& from_;
+  std::unique_ptr<EdgeCertifier> certifier_;
+};
+
+/// Calls ask(certifier, i) for i below `count`, without the interpreter's lock.
+template <typename Ask>
+void forEach(const Scene& scene, std::size_t count, Ask&& ask) {
+  Interrupt interrupt;
+  const std::shared_ptr<Certifiers> certifiers = scene.certifiers;
+  released([&] {
+    const Lent certifier(*certifiers);
+    for (std::size_t i = 0; i < count && !interrupt(); ++i) ask(*certifier, i);
+  });
+  interrupt.rethrow();
+}
+
+py::object bools(const std::vector<char>& values, const std::vector<py::ssize_t>& shape) {
+  if (shape.empty()) return py::bool_(values.front() != 0);
+  py::array_t<bool> result(shape);
+  std::copy(values.begin(), values.end(), result.mutable_data());
+  return result;
+}
+
+py::object valid(const Scene& self, const py::object& states) {
+  const Rows points = rows(states, "states", self.size());
+  std::vector<char> answers(points.count());
+  const planner::ConfigurationSpace& space = self.compiled->space();
+  forEach(self, points.count(), [&](EdgeCertifier& certifier, std::size_t i) {
+    answers[i] =
+        space.withinLimits(points.row(i)) && certifier.decide(points.row(i)) == Verdict::kFree;
+  });
+  return bools(answers, points.shape);
+}
+
+double positiveTolerance(double tolerance) {
+  if (!(tolerance > 0) || std::isinf(tolerance))
+    throw py::value_error("tolerance is " + text(tolerance) + "; a positive length is expected");
+  return tolerance;
+}
+
+py::array_t<double> clearances(const Scene& self, const py::object& states, double tolerance) {
+  Rows points = rows(states, "states", self.size());
+  positiveTolerance(tolerance);
+  std::vector<double> intervals(2 * points.count());
+  forEach(self, points.count(), [&](EdgeCertifier& certifier, std::size_t i) {
+    const planner::Interval found = certifier.clearance(points.row(i), tolerance).clearance;
+    intervals[2 * i] = found.lower;
+    intervals[2 * i + 1] = found.upper;
+  });
+  points.shape.push_back(2);
+  return array(std::move(intervals), points.shape);
+}
+
+/// Both ends of edges, of equal shape.
+std::pair<Rows, Rows> edges(const Scene& self, const py::object& a, const py::object& b) {
+  std::pair<Rows, Rows> ends = {rows(a, "a", self.size()), rows(b, "b", self.size())};
+  if (ends.first.shape != ends.second.shape)
+    throw py::value_error("a holds " + std::to_string(ends.first.count()) + " states, b " +
+                          std::to_string(ends.second.count()) + "; equal shapes are expected");
+  return ends;
+}
+
+py::object validEdges(const Scene& self, const py::object& a, const py::object& b,
+                      bool persistent) {
+  const auto [from, to] = edges(self, a, b);
+  const planner::EdgeRequest request =
+      persistent ? planner::EdgeRequest::persistent() : planner::EdgeRequest{};
+  std::vector<char> answers(from.count());
+  const planner::ConfigurationSpace& space = self.compiled->space();
+  forEach(self, from.count(), [&](EdgeCertifier& certifier, std::size_t i) {
+    answers[i] = space.withinLimits(from.row(i)) && space.withinLimits(to.row(i)) &&
+                 certifier.certify(from.row(i), to.row(i), request).verdict == Verdict::kFree;
+  });
+  return bools(answers, from.shape);
+}
+
+py::array_t<double> edgeClearances(const Scene& self, const py::object& a, const py::object& b,
+                                   double tolerance) {
+  auto [from, to] = edges(self, a, b);
+  positiveTolerance(tolerance);
+  std::vector<double> intervals(2 * from.count());
+  forEach(
+      self, from.count(), [&, &start = from, &end = to](EdgeCertifier& certifier, std::size_t i) {
+        const planner::Interval found =
+            certifier.edgeClearance(start.row(i), end.row(i), {.tolerance = tolerance}).clearance;
+        intervals[2 * i] = found.lower;
+        intervals[2 * i + 1] = found.upper;
+      });
+  from.shape.push_back(2);
+  return array(std::move(intervals), from.shape);
+}
+
+/// How far an edge is certified.
+struct Edge {
+  planner::EdgeCheck check;
+  std::string a, b;
+};
+
+Edge certify(const Scene& self, const py::object& a, const py::object& b) {
+  const auto [from, to] = edges(self, a, b);
+  if (!from.shape.empty())
+    throw py::value_error("a is more than one state; valid_edges() takes many");
+  planner::EdgeRequest request = planner::EdgeRequest::persistent();
+  request.last_valid = true;
+  Edge edge;
+  forEach(self, 1, [&, &start = from, &end = to](EdgeCertifier& certifier, std::size_t) {
+    edge.check = certifier.certify(start.values, end.values, request);
+    std::tie(edge.a, edge.b) = pairNames(certifier.scene(), edge.check.pair);
+  });
+  return edge;
+}
+
+std::string brokenLimit(const planner::ConfigurationSpace& space, std::span<const double> point) {
+  for (int i = 0; i < space.size(); ++i) {
+    const double value = point[static_cast<std::size_t>(i)];
+    const auto variable = static_cast<std::size_t>(space.variables()[static_cast<std::size_t>(i)]);
+    if (value < space.lower(i) || value > space.upper(i))
+      return space.model().variables[variable].name + " = " + text(value) + " is outside " +
+             text(space.lower(i)) + " to " + text(space.upper(i));
+  }
+  return {};
+}
+
+State check(const Scene& self, const py::object& state, double tolerance) {
+  State result;
+  result.point = statePoint(self.problem, state);
+  positiveTolerance(tolerance);
+  const planner::CompiledScene& scene = *self.compiled;
+  result.limit = brokenLimit(scene.space(), result.point);
+  forEach(self, 1, [&](EdgeCertifier& certifier, std::size_t) {
+    result.check = certifier.clearance(result.point, tolerance);
+    std::tie(result.a, result.b) = pairNames(scene, result.check.pair);
+    if (result.check.verdict == Verdict::kNotFree) {
+      const double margin =
+          scene.scene().pairs()[static_cast<std::size_t>(result.check.pair)].margin;
+      const int near = result.check.clearance.upper <= margin
+                           ? result.check.pair
+                           : certifier.certify(result.point, result.point).pair;
+      std::tie(result.near_a, result.near_b) = pairNames(scene, near);
+    }
+  });
+  return result;
+}
+
+bool isValid(const State& state) {
+  return state.limit.empty() && state.check.verdict == Verdict::kFree;
+}
+
+std::string stateText(const State& state) {
+  std::string result = std::string("<leeway.State: ") + (isValid(state) ? "valid" : "not valid");
+  if (!state.limit.empty()) result += " (" + state.limit + ")";
+  if (!state.a.empty())
+    result += ", clearance " + text(state.check.clearance.lower) + " to " +
+              text(state.check.clearance.upper) + " m between " + state.a + " and " + state.b;
+  return result + ">";
+}
+
+Scene makeScene(const py::args& args, const py::kwargs& kwargs) {
+  py::dict keywords = kwargs.attr("copy")();
+  Problem problem = problemOf("Scene", args, keywords);
+  noMore("Scene", keywords);
+  const std::shared_ptr<const planner::Problem> value = problem.value;
+  auto compiled = released([&] { return std::make_shared<const planner::CompiledScene>(*value); });
+  return Scene(problem, std::move(compiled));
+}
+
+State checkProblem(const py::args& args, const py::kwargs& kwargs) {
+  py::dict keywords = kwargs.attr("copy")();
+  py::object state = py::str("start");
+  double tolerance = 1e-6;
+  if (keywords.contains("state")) state = keywords.attr("pop")("state");
+  if (keywords.contains("tolerance"))
+    tolerance = number(keywords.attr("pop")("tolerance"), "tolerance");
+  Problem problem = problemOf("check", args, keywords);
+  noMore("check", keywords);
+  const std::shared_ptr<const planner::Problem> value = problem.value;
+  auto compiled = released([&] { return std::make_shared<const planner::CompiledScene>(*value); });
+  return check(Scene(problem, std::move(compiled)), state, tolerance);
+}
+
+void defineState(py::module_& module) {
+  py::class_<State> state(module, "State", "One state against the margins.");
+  state.def_property_readonly(
+      "valid", isValid,
+      "Within the limits, and proven to keep all margins: undecided is not valid.");
+  state.def_property_readonly(
+      "verdict", [](const State& self) { return verdictName(self.check.verdict); },
+      "'free', 'not_free' or 'undecided', of the margins alone.");
+  state.def_property_readonly(
+      "lower", [](const State& self) { return self.check.clearance.lower; },
+      "The clearance is at least this [m]; below 0 it is a depth; inf where nothing is near.");
+  state.def_property_readonly(
+      "upper", [](const State& self) { return self.check.clearance.upper; },
+      "The clearance is at most this [m].");
+  state.def_property_readonly(
+      "closest", [](const State& self) { return pairObject(self.a, self.b); },
+      "Names of the closest pair, or None.");
+  state.def_property_readonly(
+      "too_near", [](const State& self) { return pairObject(self.near_a, self.near_b); },
+      "Names of a pair that does not keep its margin, or None.");
+  state.def_property_readonly(
+      "point_a", [](const State& self) { return array(self.check.closest.point_a); },
+      "Nearest point on the first of `closest`: (3,), world [m].");
+  state.def_property_readonly(
+      "point_b", [](const State& self) { return array(self.check.closest.point_b); },
+      "Nearest point on the second: (3,), world [m].");
+  state.def_property_readonly(
+      "normal", [](const State& self) { return array(self.check.closest.normal); },
+      "Unit vector from the first to the second: (3,).");
+  state.def_property_readonly(
+      "limit",
+      [](const State& self) {
+        return self.limit.empty() ? py::object(py::none()) : py::object(py::str(self.limit));
+      },
+      "The first joint limit that is broken, in words, or None.");
+  state.def_property_readonly(
+      "positions", [](const State& self) { return array(std::span<const double>(self.point)); },
+      "The state: (joints,) [rad or m].");
+  state.def("__bool__", isValid);
+  state.def("__repr__", stateText);
+
+  py::class_<Edge> edge(module, "Edge", "How far an edge is certified.");
+  edge.def_property_readonly(
+      "verdict", [](const Edge& self) { return verdictName(self.check.verdict); },
+      "'free': every point of it is proven to keep all margins; 'not_free' or 'undecided'.");
+  edge.def_property_readonly(
+      "last_valid", [](const Edge& self) { return self.check.last_valid; },
+      "Certified from 0 to this t; 1 when free.");
+  edge.def_property_readonly(
+      "t", [](const Edge& self) { return self.check.t; }, "Where it is not free or undecided.");
+  edge.def_property_readonly(
+      "pair", [](const Edge& self) { return pairObject(self.a, self.b); },
+      "And between what, or None.");
+  edge.def("__bool__", [](const Edge& self) { return self.check.verdict == Verdict::kFree; });
+  edge.def("__repr__", [](const Edge& self) {
+    return std::string("<leeway.Edge: ") + verdictName(self.check.verdict) +
+           ", certified to t = " + text(self.check.last_valid) + ">";
+  });
+}
+
+}  // namespace
+
+std::unique_ptr<EdgeCertifier> Certifiers::take() {
+  {
+    const std::lock_guard lock(mutex_);
+    if (!idle_.empty()) {
+      auto certifier = std::move(idle_.back());
+      idle_.pop_back();
+      return certifier;
+    }
+  }
+  return std::make_unique<EdgeCertifier>(scene_);
+}
+
+void Certifiers::giveBack(std::unique_ptr<EdgeCertifier> certifier) {
+  const std::lock_guard lock(mutex_);
+  idle_.push_back(std::move(certifier));
+}
+
+Scene::Scene(Problem of, std::shared_ptr<const planner::CompiledScene> scene)
+    : problem(std::move(of)),
+      compiled(std::move(scene)),
+      certifiers(std::make_shared<Certifiers>(compiled)) {}
+
+const char* verdictName(Verdict verdict) {
+  return verdict == Verdict::kFree      ? "free"
+         : verdict == Verdict::kNotFree ? "not_free"
+                                        : "undecided";
+}
+
+std::pair<std::string, std::string> pairNames(const planner::CompiledScene& scene, int pair) {
+  if (pair < 0) return {};
+  const auto& entry = scene.scene().pairs()[static_cast<std::size_t>(pair)];
+  const auto bodies = scene.scene().bodies();
+  return {bodies[static_cast<std::size_t>(entry.body_a)].name,
+          bodies[static_cast<std::size_t>(entry.body_b)].name};
+}
+
+py::object pairObject(const std::string& a, const std::string& b) {
+  if (a.empty() && b.empty()) return py::none();
+  return py::make_tuple(a, b);
+}
+
+void defineScene(py::module_& module) {
+  defineState(module);
+  py::class_<Scene> scene(
+      module, "Scene",
+      withSignature("Scene", "(robot, world=None, start=None, goal=None, **settings)",
+                    "A problem compiled for questions about many states and edges; also "
+                    "Scene(problem, **settings). Constant: threads may share it, each call runs "
+                    "without the interpreter's lock.")
+          .c_str());
+  defineInit(scene, "(robot, world=None, start=None, goal=None, **settings)", makeScene);
+  define(scene, "valid", "(self, states)",
+         "Which states are within the limits and proven to keep all margins: a bool for (joints,), "
+         "bools (...,) for (..., joints). Undecided is not valid.",
+         valid, py::arg("states"));
+  define(scene, "clearances", "(self, states, *, tolerance=1e-06)",
+         "The least distance of checked pairs as proven intervals: (..., 2), lower and upper ends "
+         "[m].",
+         clearances, py::arg("states"), py::kw_only(), py::arg("tolerance") = 1e-6);
+  define(scene, "check", "(self, state, *, tolerance=1e-06)",
+         "All about one state: (joints,), a group state's name, 'start', 'goal' or a dict by "
+         "joint.",
+         check, py::arg("state"), py::kw_only(), py::arg("tolerance") = 1e-6);
+  define(scene, "valid_edges", "(self, a, b, *, persistent=False)",
+         "Which edges from a to b, both (..., joints), are certified: every point of the edge is "
+         "proven to keep all margins. `persistent` spends a hundred times the work before it "
+         "leaves an edge undecided, which counts as not valid.",
+         validEdges, py::arg("a"), py::arg("b"), py::kw_only(), py::arg("persistent") = false);
+  define(scene, "edge_clearances", "(self, a, b, *, tolerance=0.0001)",
+         "The least clearance along each edge as proven intervals: (..., 2) [m].", edgeClearances,
+         py::arg("a"), py::arg("b"), py::kw_only(), py::arg("tolerance") = 1e-4);
+  define(scene, "certify", "(self, a, b)",
+         "How far the edge from a to b is certified, and what is in the way.", certify,
+         py::arg("a"), py::arg("b"));
+  scene.def_property_readonly(
+      "problem", [](const Scene& self) { return self.problem; }, "The problem that was compiled.");
+  scene.def_property_readonly(
+      "robot", [](const Scene& self) { return self.problem.robot(); }, "Its robot.");
+  scene.def_property_readonly(
+      "pairs", [](const Scene& self) { return self.compiled->scene().pairs().size(); },
+      "How many pairs of shapes are checked.");
+  scene.def_property_readonly(
+      "dropped",
+      [](const Scene& self) {
+        py::list list;
+        for (const auto& dropped : self.compiled->dropped())
+          list.append(py::make_tuple(dropped.a, dropped.b, dropped.reason));
+        return list;
+      },
+      "Pairs of bodies that are not checked, and why: (a, b, reason).");
+  scene.def("__repr__", [](const Scene& self) {
+    return "<leeway.Scene of '" + self.problem.value->name +
+           "': " + std::to_string(self.compiled->scene().pairs().size()) + " pairs>";
+  });
+  define(
+      module, "check",
+      "(robot, world=None, start=None, goal=None, *, state='start', tolerance=1e-06, **settings)",
+      "Validity and clearance of one state: Scene.check(). Also check(problem, state='goal').",
+      checkProblem);
+}
+
+}  // namespace leeway::python

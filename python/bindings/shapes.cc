@@ -1,0 +1,164 @@
+#include "python/bindings/shapes.h"
+
+#include "leeway/collision/convex_hull.h"
+#include "leeway/collision/triangle_mesh.h"
+#include "leeway/robots/model.h"
+#include "python/base/define.h"
+#include "python/base/released.h"
+
+namespace leeway::python {
+namespace {
+
+using collision::Shape;
+
+std::string description(const Shape& shape) {
+  const std::string name = collision::toString(shape.type());
+  const Eigen::Vector3d& h = shape.halfExtents();
+  switch (shape.type()) {
+    case collision::ShapeType::kSphere:
+      return name + " of radius " + text(shape.radius());
+    case collision::ShapeType::kCapsule:
+    case collision::ShapeType::kCylinder:
+    case collision::ShapeType::kCone:
+      return name + " of radius " + text(shape.radius()) + ", length " +
+             text(2 * shape.halfLength());
+    case collision::ShapeType::kBox:
+      return name + " of size " + text(2 * h.x()) + " x " + text(2 * h.y()) + " x " +
+             text(2 * h.z());
+    case collision::ShapeType::kEllipsoid:
+      return name + " of semi-axes " + text(h.x()) + ", " + text(h.y()) + ", " + text(h.z());
+    case collision::ShapeType::kConvexHull:
+      return name + " of " + std::to_string(shape.hull()->vertices().size()) + " vertices";
+    case collision::ShapeType::kMesh:
+      return name + " of " + std::to_string(shape.mesh()->triangles().size()) + " triangles";
+    case collision::ShapeType::kHalfSpace:
+    case collision::ShapeType::kDeformable:
+      break;
+  }
+  return name;
+}
+
+/// What a list of shapes holds at one place.
+collision::Geometry geometryOf(py::handle item, const std::string& name) {
+  if (py::isinstance<Shape>(item)) return {item.cast<Shape>(), {}, name};
+  if (py::isinstance<py::tuple>(item) && py::len(item) == 2) {
+    const auto pair = py::reinterpret_borrow<py::tuple>(item);
+    if (py::isinstance<Shape>(pair[0]))
+      return {pair[0].cast<Shape>(), pose(pair[1], "the shape's pose"), name};
+  }
+  throw py::type_error(std::string("shapes hold a ") + Py_TYPE(item.ptr())->tp_name +
+                       "; a Shape or a pair (Shape, pose) is expected");
+}
+
+}  // namespace
+
+Shape box(const py::object& size) { return Shape::box(0.5 * vector3(size, "size")); }
+Shape sphere(const py::object& radius) { return Shape::sphere(number(radius, "radius")); }
+Shape cylinder(const py::object& radius, const py::object& length) {
+  return Shape::cylinder(number(radius, "radius"), 0.5 * number(length, "length"));
+}
+Shape capsule(const py::object& radius, const py::object& length) {
+  return Shape::capsule(number(radius, "radius"), 0.5 * number(length, "length"));
+}
+Shape cone(const py::object& radius, const py::object& height) {
+  return Shape::cone(number(radius, "radius"), 0.5 * number(height, "height"));
+}
+Shape ellipsoid(const py::object& semi_axes) {
+  return Shape::ellipsoid(vector3(semi_axes, "semi_axes"));
+}
+Shape convexHull(const py::object& given) {
+  const std::vector<Eigen::Vector3d> vertices = points(given, "points");
+  return released([&] { return Shape::convexHull(vertices); });
+}
+
+Shape mesh(const py::object& file, const py::object& vertices, const py::object& faces,
+           const py::object& scale) {
+  if (file.is_none() == (vertices.is_none() || faces.is_none()) ||
+      vertices.is_none() != faces.is_none())
+    throw py::type_error("a mesh has either a file, or vertices and triangles");
+  const Rows given = scalars(scale, "scale");
+  if (given.values.size() != 1 && given.values.size() != 3)
+    throw py::value_error("scale holds " + std::to_string(given.values.size()) +
+                          " numbers; one or three are expected");
+  const Eigen::Vector3d factors(given.values.front(), given.values[given.values.size() / 2],
+                                given.values.back());
+  if (!file.is_none()) {
+    const std::string path = fileName(file, "file");
+    return released([&] { return robots::loadMesh(path, factors, "mesh", 0); });
+  }
+  std::vector<Eigen::Vector3d> scaled = points(vertices, "vertices");
+  for (Eigen::Vector3d& vertex : scaled) vertex = vertex.cwiseProduct(factors);
+  const auto indices = triangles(faces, "triangles");
+  return released([&] { return Shape::mesh(collision::TriangleMesh::make(scaled, indices)); });
+}
+
+std::vector<collision::Geometry> geometriesOf(const py::object& shapes, const std::string& name) {
+  std::vector<collision::Geometry> geometries;
+  if (py::isinstance<Shape>(shapes)) {
+    geometries.push_back(geometryOf(shapes, name));
+    return geometries;
+  }
+  if (!py::isinstance<py::list>(shapes) && !py::isinstance<py::tuple>(shapes))
+    throw py::type_error(std::string("shapes are of type ") + Py_TYPE(shapes.ptr())->tp_name +
+                         "; a Shape or a list of them is expected");
+  for (const py::handle item : shapes) geometries.push_back(geometryOf(item, name));
+  if (geometries.empty()) throw py::value_error("shapes are empty; at least one is expected");
+  return geometries;
+}
+
+void defineShapes(py::module_& module) {
+  py::class_<Shape> shape(module, "Shape",
+                          "A body in its own frame: immutable, shared by threads, cheap to copy. "
+                          "Made by its static methods; sizes in metres, as in problem files.");
+  defineStatic(shape, "box", "(size)", "A box of whole edges (x, y, z) [m], middle at the origin.",
+               box, py::arg("size"));
+  defineStatic(shape, "sphere", "(radius)", "A sphere [m]; of radius 0 it is a point.", sphere,
+               py::arg("radius"));
+  defineStatic(shape, "cylinder", "(radius, length)",
+               "A cylinder along z, middle at the origin [m].", cylinder, py::arg("radius"),
+               py::arg("length"));
+  defineStatic(shape, "capsule", "(radius, length)",
+               "All within `radius` of a segment of `length` along z, middle at the origin [m].",
+               capsule, py::arg("radius"), py::arg("length"));
+  defineStatic(shape, "cone", "(radius, height)",
+               "A cone along z: base at -height/2, apex at height/2 [m].", cone, py::arg("radius"),
+               py::arg("height"));
+  defineStatic(shape, "ellipsoid", "(semi_axes)", "An ellipsoid of semi-axes (x, y, z) [m].",
+               ellipsoid, py::arg("semi_axes"));
+  defineStatic(shape, "half_space", "()", "All below z = 0 of its frame.", Shape::halfSpace);
+  defineStatic(shape, "convex_hull", "(points)", "The convex hull of points (n, 3) [m].",
+               convexHull, py::arg("points"));
+  defineStatic(shape, "mesh", "(file=None, *, vertices=None, triangles=None, scale=1.0)",
+               "A triangle mesh: a file (STL, OBJ, DAE), or vertices (n, 3) [m] and triangles "
+               "(m, 3) of indices. `scale` is one number or three. Closed parts are solid.",
+               mesh, py::arg("file") = py::none(), py::kw_only(), py::arg("vertices") = py::none(),
+               py::arg("triangles") = py::none(), py::arg("scale") = 1.0);
+  shape.def_property_readonly(
+      "type", [](const Shape& self) { return collision::toString(self.type()); },
+      "'sphere', 'capsule', 'box', 'cylinder', 'cone', 'ellipsoid', 'half_space', 'convex_hull', "
+      "'mesh' or 'deformable'.");
+  shape.def_property_readonly("bounding_radius", &Shape::boundingRadius,
+                              "Radius of a ball that holds the shape [m].");
+  shape.def_property_readonly(
+      "vertices",
+      [](const py::object& self) -> py::object {
+        const auto& of = self.cast<const Shape&>();
+        if (of.mesh() != nullptr) return view(of.mesh()->vertices(), self);
+        if (of.hull() != nullptr) return view(of.hull()->vertices(), self);
+        return py::none();
+      },
+      "Vertices of a mesh or hull, without a copy: (n, 3), read-only [m]; else None.");
+  shape.def_property_readonly(
+      "triangles",
+      [](const py::object& self) -> py::object {
+        const auto& of = self.cast<const Shape&>();
+        if (of.mesh() != nullptr) return view(of.mesh()->triangles(), self);
+        if (of.hull() != nullptr) return view(of.hull()->facets(), self);
+        return py::none();
+      },
+      "Triangles of a mesh, facets of a hull: (m, 3), read-only; else None.");
+  shape.def("__repr__",
+            [](const Shape& self) { return "<leeway.Shape: " + description(self) + ">"; });
+}
+
+}  // namespace leeway::python

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "leeway/collision/distance.h"
+#include "leeway/collision/scene.h"
+#include "leeway/collision/shape.h"
+#include "python/base/arrays.h"
+
+namespace leeway::python {
+
+// Sizes as in problem files. Throw collision::InvalidShape, robots::InputError or ValueError.
+collision::Shape box(const py::object& size);
+collision::Shape sphere(const py::object& radius);
+collision::Shape cylinder(const py::object& radius, const py::object& length);
+collision::Shape capsule(const py::object& radius, const py::object& length);
+collision::Shape cone(const py::object& radius, const py::object& height);
+collision::Shape ellipsoid(const py::object& semi_axes);
+collision::Shape convexHull(const py::object& points);
+/// From a file, or from vertices and triangles.
+collision::Shape mesh(const py::object& file, const py::object& vertices,
+                      const py::object& triangles, const py::object& scale);
+
+/// A shape, or a list of shapes or pairs (shape, pose). `name` is that of the geometries.
+std::vector<collision::Geometry> geometriesOf(const py::object& shapes, const std::string& name);
+
+/// The result of a distance query.
+py::object distanceObject(const collision::DistanceResult& result);
+
+void defineShapes(py::module_& module);
+void defineDistances(py::module_& module);
+
+/// The calling thread's buffers for queries.
+collision::Scratch& threadScratch();
+
+}  // namespace leeway::python

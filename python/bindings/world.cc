@@ -1,0 +1,231 @@
+#include "python/bindings/world.h"
+
+#include <algorithm>
+
+#include "python/base/define.h"
+#include "python/base/released.h"
+#include "python/bindings/deforming.h"
+#include "python/bindings/shapes.h"
+
+namespace leeway::python {
+namespace {
+
+using planner::DeformingObstacle;
+using planner::Object;
+using WorldClass = py::class_<World>;
+
+/// Every adder ends with these.
+const std::string kPlace = ", position=(0, 0, 0), orientation=None, rpy=None)";
+const char* const kPlaceDoc =
+    " Placed at `position` [m], turned by `orientation` (x y z w) or `rpy` (roll, pitch, yaw) "
+    "[rad].";
+
+void requireNew(const World& world, const std::string& name) {
+  if (name.empty()) throw py::value_error("name is empty; a name of its own is expected");
+  if (world.has(name))
+    throw py::value_error("'" + name +
+                          "' is the name of another object; a name of its own is "
+                          "expected");
+}
+
+void add(World& world, const std::string& name, std::vector<collision::Geometry> geometries,
+         const py::object& position, const py::object& orientation, const py::object& rpy) {
+  requireNew(world, name);
+  const collision::Pose X_WO = pose(position, orientation, rpy);
+  world.value.objects.push_back({name, std::move(geometries), X_WO});
+}
+
+/// A method that adds one shape. `Sizes` are the factory's arguments, all Python objects.
+template <typename... Sizes, typename... Names>
+void defineAdder(WorldClass& world, const char* name, const std::string& sizes, const char* doc,
+                 collision::Shape (*factory)(const Sizes&...), const Names&... names) {
+  define(
+      world, name, "(self, name" + sizes + kPlace, std::string(doc) + kPlaceDoc,
+      [factory](World& self, const std::string& object, const Sizes&... values,
+                const py::object& position, const py::object& orientation, const py::object& rpy) {
+        add(self, object, {{factory(values...), {}, object}}, position, orientation, rpy);
+      },
+      py::arg("name"), names..., py::arg("position") = py::make_tuple(0, 0, 0),
+      py::arg("orientation") = py::none(), py::arg("rpy") = py::none());
+}
+
+[[noreturn]] void unknown(const std::string& name) {
+  throw py::key_error("no object '" + name + "'");
+}
+
+void remove(World& world, const std::string& name) {
+  const auto named = [&](const Object& object) { return object.name == name; };
+  const std::size_t erased = std::erase_if(world.value.objects, named) +
+                             std::erase_if(world.value.deforming, [&](const DeformingObstacle& o) {
+                               return named(o.object);
+                             });
+  if (erased == 0) unknown(name);
+}
+
+void move(World& world, const std::string& name, const py::object& position,
+          const py::object& orientation, const py::object& rpy) {
+  const collision::Pose X_WO = pose(position, orientation, rpy);
+  for (Object& object : world.value.objects)
+    if (object.name == name) return void(object.X_WO = X_WO);
+  for (DeformingObstacle& obstacle : world.value.deforming)
+    if (obstacle.object.name == name) return void(obstacle.object.X_WO = X_WO);
+  unknown(name);
+}
+
+collision::Pose poseOf(const World& world, const std::string& name) {
+  for (const Object& object : world.value.objects)
+    if (object.name == name) return object.X_WO;
+  for (const DeformingObstacle& obstacle : world.value.deforming)
+    if (obstacle.object.name == name) return obstacle.object.X_WO;
+  unknown(name);
+}
+
+std::vector<std::string> names(const World& world) {
+  std::vector<std::string> all;
+  for (const Object& object : world.value.objects) all.push_back(object.name);
+  for (const DeformingObstacle& obstacle : world.value.deforming)
+    all.push_back(obstacle.object.name);
+  return all;
+}
+
+std::string html(const World& world) {
+  std::vector<std::vector<std::string>> table;
+  const auto addRow = [&](const Object& object) {
+    std::string shapes;
+    for (const collision::Geometry& geometry : object.geometries)
+      shapes += (shapes.empty() ? "" : ", ") + std::string(toString(geometry.shape.type()));
+    const Eigen::Vector3d& p = object.X_WO.translation;
+    table.push_back({object.name, shapes, text(p.x()) + ", " + text(p.y()) + ", " + text(p.z())});
+  };
+  for (const Object& object : world.value.objects) addRow(object);
+  for (const DeformingObstacle& obstacle : world.value.deforming) addRow(obstacle.object);
+  return htmlTable("World", {"object", "shapes", "position [m]"}, table);
+}
+
+void addDeforming(World& world, const std::string& name, const py::object& vertices,
+                  const py::object& faces, const py::object& motion, const py::object& bound,
+                  const py::object& strategy, const py::object& position,
+                  const py::object& orientation, const py::object& rpy) {
+  requireNew(world, name);
+  const collision::Pose X_WO = pose(position, orientation, rpy);
+  const auto mesh = deformableMesh(vertices, faces);
+  const auto moves = motionOf(motion);
+  const double speed_bound = speedBoundOf(bound);
+  collision::DeformOptions options;
+  options.strategy = strategyOf(strategy);
+  DeformingObstacle made = released([&] {
+    return planner::makeDeformingObstacle(name, mesh, moves, X_WO, 0, options, speed_bound);
+  });
+  requireNew(world, name);  // another thread may have added one meanwhile
+  world.value.deforming.push_back(std::move(made));
+}
+
+void defineAdders(WorldClass& world) {
+  defineAdder(world, "add_box", ", size", "Adds a box of whole edges (x, y, z) [m].", box,
+              py::arg("size"));
+  defineAdder(world, "add_sphere", ", radius", "Adds a sphere [m].", sphere, py::arg("radius"));
+  defineAdder(world, "add_cylinder", ", radius, length", "Adds a cylinder along its z [m].",
+              cylinder, py::arg("radius"), py::arg("length"));
+  defineAdder(world, "add_capsule", ", radius, length",
+              "Adds a capsule along its z, `length` being the straight part's [m].", capsule,
+              py::arg("radius"), py::arg("length"));
+  defineAdder(world, "add_cone", ", radius, height", "Adds a cone along its z [m].", cone,
+              py::arg("radius"), py::arg("height"));
+  defineAdder(world, "add_ellipsoid", ", semi_axes", "Adds an ellipsoid of semi-axes (3,) [m].",
+              ellipsoid, py::arg("semi_axes"));
+  defineAdder(world, "add_convex_hull", ", points", "Adds the hull of points (n, 3) [m].",
+              convexHull, py::arg("points"));
+  define(
+      world, "add_half_space", "(self, name" + kPlace,
+      std::string("Adds all below z = 0 of its frame: a floor.") + kPlaceDoc,
+      [](World& self, const std::string& name, const py::object& position,
+         const py::object& orientation, const py::object& rpy) {
+        add(self, name, {{collision::Shape::halfSpace(), {}, name}}, position, orientation, rpy);
+      },
+      py::arg("name"), py::arg("position") = py::make_tuple(0, 0, 0),
+      py::arg("orientation") = py::none(), py::arg("rpy") = py::none());
+  define(
+      world, "add_mesh",
+      "(self, name, file=None, *, vertices=None, triangles=None, scale=1.0" + kPlace,
+      std::string("Adds a mesh: a file (STL, OBJ, DAE), or vertices (n, 3) [m] and triangles "
+                  "(m, 3).") +
+          kPlaceDoc,
+      [](World& self, const std::string& name, const py::object& file, const py::object& vertices,
+         const py::object& faces, const py::object& scale, const py::object& position,
+         const py::object& orientation, const py::object& rpy) {
+        add(self, name, {{mesh(file, vertices, faces, scale), {}, name}}, position, orientation,
+            rpy);
+      },
+      py::arg("name"), py::arg("file") = py::none(), py::kw_only(),
+      py::arg("vertices") = py::none(), py::arg("triangles") = py::none(), py::arg("scale") = 1.0,
+      py::arg("position") = py::make_tuple(0, 0, 0), py::arg("orientation") = py::none(),
+      py::arg("rpy") = py::none());
+  define(
+      world, "add", "(self, name, shapes" + kPlace,
+      std::string("Adds one rigid object: a Shape, or a list of shapes or pairs (shape, pose in "
+                  "the object's frame).") +
+          kPlaceDoc,
+      [](World& self, const std::string& name, const py::object& shapes, const py::object& position,
+         const py::object& orientation, const py::object& rpy) {
+        add(self, name, geometriesOf(shapes, name), position, orientation, rpy);
+      },
+      py::arg("name"), py::arg("shapes"), py::arg("position") = py::make_tuple(0, 0, 0),
+      py::arg("orientation") = py::none(), py::arg("rpy") = py::none());
+  define(world, "add_deforming",
+         "(self, name, vertices, triangles, *, motion=None, speed_bound=None, strategy='auto'" +
+             kPlace,
+         std::string("Adds a mesh whose vertices (n, 3) [m] move: as `motion` says, or as a "
+                     "Replanner is told. Plans see it as it is at time 0. `speed_bound` [m/s] "
+                     "bounds its vertices where their future is unknown.") +
+             kPlaceDoc,
+         addDeforming, py::arg("name"), py::arg("vertices"), py::arg("triangles"), py::kw_only(),
+         py::arg("motion") = py::none(), py::arg("speed_bound") = py::none(),
+         py::arg("strategy") = "auto", py::arg("position") = py::make_tuple(0, 0, 0),
+         py::arg("orientation") = py::none(), py::arg("rpy") = py::none());
+}
+
+}  // namespace
+
+bool World::has(const std::string& name) const {
+  const auto named = [&](const Object& object) { return object.name == name; };
+  return std::any_of(value.objects.begin(), value.objects.end(), named) ||
+         std::any_of(value.deforming.begin(), value.deforming.end(),
+                     [&](const DeformingObstacle& o) { return named(o.object); });
+}
+
+void defineWorld(py::module_& module) {
+  WorldClass world(module, "World",
+                   withSignature("World", "()",
+                                 "What surrounds the robot: named objects at rest, and meshes that "
+                                 "deform. Threads may share it.")
+                       .c_str());
+  defineInit(world, "()", [] { return World{}; });
+  defineAdders(world);
+  define(world, "move", "(self, name" + kPlace, std::string("Places an object anew.") + kPlaceDoc,
+         move, py::arg("name"), py::arg("position") = py::make_tuple(0, 0, 0),
+         py::arg("orientation") = py::none(), py::arg("rpy") = py::none());
+  define(world, "remove", "(self, name)", "Removes an object. KeyError where there is none.",
+         remove, py::arg("name"));
+  define(
+      world, "pose", "(self, name)", "Where an object is: (4, 4).",
+      [](const World& self, const std::string& name) { return matrix(poseOf(self, name)); },
+      py::arg("name"));
+  define(world, "copy", "(self)", "Another world with the same objects; shapes are shared.",
+         [](const World& self) { return self; });
+  world.def_property_readonly(
+      "names", [](const World& self) { return listOf(names(self)); }, "Names of all objects.");
+  world.def("__len__", [](const World& self) {
+    return self.value.objects.size() + self.value.deforming.size();
+  });
+  world.def("__contains__", [](const World& self, const py::object& name) {
+    return py::isinstance<py::str>(name) && self.has(name.cast<std::string>());
+  });
+  world.def("__iter__", [](const World& self) { return py::iter(listOf(names(self))); });
+  world.def("__repr__", [](const World& self) {
+    return "<leeway.World of " +
+           std::to_string(self.value.objects.size() + self.value.deforming.size()) + " objects>";
+  });
+  world.def("_repr_html_", html);
+}
+
+}  // namespace leeway::python

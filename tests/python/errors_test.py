@@ -1,0 +1,202 @@
+"""Wrong input is an exception of one line, never a crash, and nothing is half-changed."""
+
+import threading
+
+import numpy as np
+import pytest
+
+import leeway
+
+NAN, INF = float("nan"), float("inf")
+
+
+class Hostile:
+    """Fails at whatever is asked of it."""
+
+    def __array__(self, *args, **kwargs):
+        raise RuntimeError("no array")
+
+    def __float__(self):
+        raise RuntimeError("no number")
+
+    def __len__(self):
+        raise RuntimeError("no length")
+
+    def __getitem__(self, index):
+        raise RuntimeError("no items")
+
+
+WRONG = [None, True, 3, -1, 1.5, NAN, INF, "", "ready", "x" * 1000, b"bytes", [], [1, 2], [[1, 2], [3]], ["a"] * 7, [NAN] * 7, [INF] * 7,
+         [None] * 7, (), {}, {"joint1": 1}, {1: 2}, {"joint1": NAN}, set(), object(), Hostile(), int, len, 1j, [1j] * 7, 10**400,
+         np.zeros(0), np.zeros(6), np.zeros(7, complex), np.zeros(7, object), np.array(["1"] * 7), np.zeros((7, 7, 0)), np.zeros((2, 3, 7)),
+         np.full(7, NAN), np.zeros(7, dtype="M8[s]"), np.zeros((4, 4)), np.full((4, 4), NAN), np.zeros((3, 3), int), np.zeros((0, 3)),
+         np.array([[0, 1, 2**40]]), np.array([[-1, 0, 1]]), np.zeros(()), memoryview(b"1234567"), leeway.World(), leeway.Shape.sphere(1),
+         np.broadcast_to(1e300, (7,)), np.zeros(14)[::2], np.zeros(7, ">f8"), np.zeros(7, np.float16)]
+
+
+def one_line(call):
+    """Calls; what goes wrong must be an ordinary exception of one line."""
+    try:
+        call()
+    except (TypeError, ValueError, KeyError, OverflowError, RuntimeError, AttributeError) as error:
+        assert "\n" not in str(error), error
+        return error
+    return None
+
+
+def calls(robot, world, problem, scene):
+    """Calls with places for a wrong value, by name."""
+    body = leeway.Deformable(np.eye(3), np.array([[0, 1, 2]]))
+    monitor = leeway.Monitor(scene, accelerations=[1] * 7)
+    replanner = leeway.Replanner(problem)
+    result = leeway.plan(problem, iterations=1)
+    ball = leeway.Shape.sphere(1)
+    q = robot.state("ready")
+    yield from {
+        "Robot": lambda v: leeway.Robot(v),
+        "Robot srdf": lambda v: leeway.Robot("robots/arm7/arm7.urdf", v),
+        "Robot group": lambda v: leeway.Robot("robots/arm7/arm7.urdf", group=v),
+        "Robot packages": lambda v: leeway.Robot("robots/arm7/arm7.urdf", packages=v),
+        "free_body": lambda v: leeway.Robot.free_body("b", v, lower=(0, 0, 0), upper=(1, 1, 1)),
+        "free_body lower": lambda v: leeway.Robot.free_body("b", [ball], lower=v, upper=(1, 1, 1)),
+        "state": robot.state, "poses": robot.poses, "pose": lambda v: robot.pose("hand", v), "link": lambda v: robot.pose(v, q),
+        "with_group": robot.with_group, "interpolate": lambda v: robot.interpolate(q, v, 0.5), "t": lambda v: robot.interpolate(q, q, v),
+        "distance of states": lambda v: robot.distance(v, q),
+        "sphere": leeway.Shape.sphere, "box": leeway.Shape.box, "capsule": lambda v: leeway.Shape.capsule(1, v),
+        "ellipsoid": leeway.Shape.ellipsoid, "hull": leeway.Shape.convex_hull, "mesh": leeway.Shape.mesh,
+        "mesh vertices": lambda v: leeway.Shape.mesh(vertices=v, triangles=[[0, 1, 2]]),
+        "mesh triangles": lambda v: leeway.Shape.mesh(vertices=np.eye(3), triangles=v),
+        "mesh scale": lambda v: leeway.Shape.mesh("problems/mesh/meshes/tote.obj", scale=v),
+        "add": lambda v: world.copy().add("new", v), "add name": lambda v: world.copy().add_sphere(v, 1),
+        "position": lambda v: world.copy().add_sphere("new", 1, position=v),
+        "orientation": lambda v: world.copy().add_sphere("new", 1, orientation=v),
+        "rpy": lambda v: world.copy().add_sphere("new", 1, rpy=v),
+        "remove": lambda v: world.copy().remove(v), "contains": lambda v: v in world,
+        "deforming": lambda v: world.copy().add_deforming("new", v, [[0, 1, 2]]),
+        "deforming triangles": lambda v: world.copy().add_deforming("new", np.eye(3), v),
+        "deforming motion": lambda v: world.copy().add_deforming("new", np.eye(3), [[0, 1, 2]], motion=v),
+        "deforming bound": lambda v: world.copy().add_deforming("new", np.eye(3), [[0, 1, 2]], speed_bound=v),
+        "distance": lambda v: leeway.distance(v, None, ball, None), "X_WA": lambda v: leeway.distance(ball, v, ball, None),
+        "tolerance": lambda v: leeway.distance(ball, None, ball, None, tolerance=v),
+        "threshold": lambda v: leeway.distance(ball, None, ball, None, threshold=v),
+        "distances": lambda v: leeway.distances(ball, v, ball, v),
+        "separation": lambda v: leeway.separation(ball, v, ball, None),
+        "separation clearance": lambda v: leeway.separation(ball, None, ball, None, clearance=v),
+        "plan": leeway.plan, "plan world": lambda v: leeway.plan(robot, v, q, q),
+        "plan start": lambda v: leeway.plan(robot, world, v, q, iterations=1, time=0.1),
+        "plan goal": lambda v: leeway.plan(robot, world, q, v, iterations=1, time=0.1),
+        "plan goals": lambda v: leeway.plan(robot, world, q, goals=v, iterations=1, time=0.1),
+        "plan stop": lambda v: leeway.plan(problem, stop=v, iterations=1), "plan progress": lambda v: leeway.plan(problem, progress=v, iterations=1),
+        "certificate": lambda v: leeway.plan(problem, certificate=v, iterations=1),
+        "plan_many": lambda v: leeway.plan_many(v, iterations=1), "threads": lambda v: leeway.plan_many([], threads=v),
+        "load": leeway.load, "load_moveit": lambda v: leeway.Problem.load_moveit(robot, v, v),
+        "verify": lambda v: leeway.verify(problem, v), "verify problem": lambda v: leeway.verify(v, result),
+        "clearance": lambda v: leeway.clearance(problem, v), "parts": lambda v: leeway.clearance(problem, [q, q], parts=v),
+        "Scene": leeway.Scene, "valid": scene.valid, "clearances": scene.clearances, "check": scene.check,
+        "valid_edges": lambda v: scene.valid_edges(v, v), "edge_clearances": lambda v: scene.edge_clearances(q, v),
+        "certify": lambda v: scene.certify(v, q), "scene tolerance": lambda v: scene.clearances(q, tolerance=v),
+        "update": body.update, "follow": body.follow, "update time": lambda v: body.update(np.eye(3), v),
+        "Deformable strategy": lambda v: leeway.Deformable(np.eye(3), [[0, 1, 2]], strategy=v),
+        "cache": lambda v: leeway.Motion.cache(v, v), "morph": lambda v: leeway.Motion.morph(v, [0], v),
+        "wave": lambda v: leeway.Motion.wave(v, (1, 0, 0), (0, 0, 1), 1, 1),
+        "monitor q": lambda v: monitor.look(0, v, [0] * 7), "monitor time": lambda v: monitor.look(v, q, [0] * 7),
+        "monitor limits": lambda v: leeway.Monitor(scene, accelerations=v), "Monitor": lambda v: leeway.Monitor(v, accelerations=[1] * 7),
+        "Replanner": leeway.Replanner, "set_vertices": lambda v: replanner.set_vertices("x", v),
+        "set_state": lambda v: setattr(replanner, "state", v), "replan": lambda v: leeway.replan(problem, on_step=v, steps=1, iterations=1),
+        "save": result.save, "trajectory": lambda v: leeway.plan(robot, None, q, q + 0.1).trajectory(v),
+        "planner_parameters": leeway.planner_parameters,
+        "self": lambda v: leeway.World.add_sphere(v, "new", 1), "unbound": lambda v: leeway.Scene.valid(v, q),
+        "result": lambda v: leeway.Result.save(v, "x"),
+    }.items()
+    for name in ("margin", "margins", "allowed", "objective", "planner", "parameters", "time", "iterations", "seed", "start", "goal",
+                 "goals", "others", "world", "velocities", "corners", "speed", "step", "name", "simplify"):
+        yield "set " + name, lambda v, name=name: setattr(problem.copy(), name, v)
+        yield "with " + name, lambda v, name=name: leeway.Problem(robot, world, q, q, **{name: v})
+
+
+def test_wrong_values_are_errors_of_one_line(robot, world):
+    problem = leeway.Problem(robot, world, [-0.8, 0.4, 0, -1.6, 0, 1.1416, 0], "tucked", time=1)
+    scene = leeway.Scene(problem)
+    robot_before, world_before = repr(robot), world.names
+    refused = asked = 0
+    for name, call in calls(robot, world, problem, scene):
+        for value in WRONG:
+            asked += 1
+            refused += one_line(lambda: call(value)) is not None
+    assert refused > 0.8 * asked, (refused, asked)
+    assert repr(robot) == robot_before and world.names == world_before
+    assert scene.valid(robot.state("ready")) in (True, False)
+
+
+@pytest.mark.parametrize("bad, message", [
+    (lambda r: leeway.plan(r, None, [0] * 6, "ready"), "start has shape (6,); (7,) is expected"),
+    (lambda r: leeway.plan(r, None, [0] * 6 + [NAN], "ready"), "start[6] is nan; a finite number is expected"),
+    (lambda r: leeway.plan(r, None, "redy", "ready"), "no group state 'redy'; did you mean 'ready'?"),
+    (lambda r: leeway.plan(r, None, {"joint8": 0}, "ready"), "no joint 'joint8'; did you mean 'joint1'?"),
+    (lambda r: leeway.plan(r, None, "ready", "tucked", marginn=1), "plan(): unknown keyword 'marginn'; did you mean 'margin'?"),
+    (lambda r: leeway.plan(r, None, "ready"), "no goal is given; a group state, numbers or a dict by joint is expected"),
+    (lambda r: leeway.Robot("robots/arm7/arm7.urdf", group="amr"), "no group 'amr'"),
+    (lambda r: leeway.Shape.sphere(-1), "radius"),
+    (lambda r: leeway.World().add_sphere("a", "b"), "radius is of type str; a number is expected"),
+    (lambda r: r.state(3), "state(self, name) is expected; given: leeway.Robot, int"),
+    (lambda r: leeway.Scene(r).valid(np.zeros((2, 6))), "states has shape (2, 6); (..., 7) is expected"),
+])
+def test_messages_say_what_is_expected(robot, bad, message):
+    error = one_line(lambda: bad(robot))
+    assert error is not None and message in str(error), error
+
+
+def test_files_are_named_with_their_line(tmp_path):
+    file = tmp_path / "bad.yaml"
+    file.write_text("leeway: 1\nrobot: {urdf: x.urdf}\nstart: [0]\ngoal: [0]\nmargn: 0.01\n")
+    with pytest.raises(leeway.InputError) as caught:
+        leeway.load(file)
+    assert caught.value.file == str(file) and caught.value.line == 5
+    assert str(caught.value).startswith(f"{file}:5: ") and "margin" in str(caught.value)
+    with pytest.raises(leeway.InputError, match="nowhere.urdf"):
+        leeway.Robot("nowhere.urdf")
+    assert issubclass(leeway.InputError, ValueError)
+
+
+def test_arrays_may_change_while_a_call_runs(robot, shelf):
+    """Another thread writes to the array and resizes it: answers are those of the array as it was."""
+    scene = leeway.Scene(shelf)
+    rng = np.random.default_rng(3)
+    points = rng.uniform(robot.lower, robot.upper, (5000, 7))
+    expected = scene.valid(points)
+    working = points.copy()
+    done = threading.Event()
+
+    def disturb():
+        while not done.is_set():
+            working.resize((10, 7), refcheck=False)
+            working.resize((5000, 7), refcheck=False)
+
+    answers = []
+    thread = threading.Thread(target=lambda: answers.append(scene.valid(points)))
+    thread.start()
+    disturber = threading.Thread(target=disturb)
+    disturber.start()
+    for _ in range(8):
+        one_line(lambda: scene.valid(working))
+        one_line(lambda: leeway.verify(shelf, working[:2]))
+    done.set()
+    thread.join()
+    disturber.join()
+    assert np.array_equal(answers[0], expected)
+
+
+def test_one_user_at_a_time_where_that_is_said(shelf):
+    replanner = leeway.Replanner(shelf)
+    errors = []
+    looked = leeway.Replanner(shelf, stop=lambda: errors.append(one_line(lambda: looked.step())))
+    looked.step()
+    assert all(isinstance(error, RuntimeError) for error in errors)
+    assert replanner.step().certified
+
+
+def test_a_result_keeps_what_it_needs(robot):
+    path = leeway.plan(robot, leeway.World(), "ready", "tucked").path
+    certificate = leeway.plan(robot, leeway.World(), "ready", "tucked").certificate
+    path[:] = 0  # ours
+    assert certificate.edges.shape[1] == 2

@@ -1,0 +1,249 @@
+"""Plans, proofs, files and times, as a user of the command has them."""
+
+import json
+import os
+import subprocess
+import sys
+import threading
+
+import numpy as np
+import pytest
+
+import leeway
+
+
+def turned(robot, angle):
+    q = robot.state("ready")
+    q[0] = angle
+    return q
+
+
+def same(a, b):
+    return a.path.tobytes() == b.path.tobytes() and a.certificate.edges.tobytes() == b.certificate.edges.tobytes()
+
+
+def test_plan_is_certified_and_verified(robot, world):
+    result = leeway.plan(robot, world, turned(robot, -0.8), turned(robot, 0.8), margin=0.01)
+    assert result and result.status == "solved"
+    assert result.certificate.lower >= 0.01
+    assert result.certificate.certified
+    assert np.array_equal(result.path[0], turned(robot, -0.8)) and np.array_equal(result.path[-1], turned(robot, 0.8))
+    assert result.certificate.edges.shape == (len(result.path) - 1, 2)
+    assert result.length == pytest.approx(sum(robot.distance(a, b) for a, b in zip(result.path, result.path[1:])))
+    verified = leeway.verify(result.problem, result)
+    assert verified.status == "certified" and 0.01 <= verified.lower <= result.certificate.upper
+    straight = np.array([result.path[0], result.path[-1]])
+    assert leeway.verify(result.problem, straight).status == "refuted"
+    measured = leeway.clearance(result.problem, result, parts=2)
+    assert len(measured.edges) == 2 * (len(result.path) - 1)
+    assert measured.lower <= result.certificate.upper and result.certificate.lower <= measured.upper
+
+
+def test_the_same_bytes_as_the_cpp_twin(robot, world):
+    """README's C++ program and the same in Python."""
+    twin = os.environ["LEEWAY_PYTHON_TWIN"]
+    printed = subprocess.run([twin], capture_output=True, text=True, check=True).stdout.splitlines()
+    result = leeway.plan(robot, world, turned(robot, -0.8), turned(robot, 0.8), margin=0.01)
+    numbers = [*result.path.ravel(), *result.certificate.edges.ravel(), result.length]
+    assert numbers == [float(line) for line in printed]
+
+
+def test_command_and_module_write_the_same_file(tmp_path):
+    command = os.environ["LEEWAY_COMMAND"]
+    problem = leeway.load("problems/table/posts.yaml")
+    leeway.plan(problem, seed=3).save(tmp_path / "ours.json")
+    subprocess.run([command, "plan", "problems/table/posts.yaml", "--seed", "3", "--output", tmp_path / "its.json"], check=True,
+                   capture_output=True)
+    assert (tmp_path / "ours.json").read_bytes() == (tmp_path / "its.json").read_bytes()
+    assert leeway.verify(problem, tmp_path / "its.json")
+
+
+def test_settings_of_a_call_do_not_change_the_problem(shelf):
+    before = shelf.seed, shelf.margin
+    result = leeway.plan(shelf, seed=7, margin=0.005)
+    assert result.seed == 7 and result.problem.margin == 0.005
+    assert (shelf.seed, shelf.margin) == before
+
+
+def test_problems_are_values(robot, world):
+    problem = leeway.Problem(robot, world, "ready", "tucked", margin=0.01)
+    other = problem.copy()
+    other.margin = 0.02
+    other.goal = {name: 0 for name in robot.joint_names} | {"joint1": (-1, 1), "joint2": "any"}
+    assert problem.margin == 0.01 and other.margin == 0.02
+    assert other.goal.shape == (7, 2) and list(other.goal[0]) == [-1, 1]
+    world.add_sphere("ball", 0.1)
+    assert problem.world.names == ["post"]
+    result = leeway.plan(problem, iterations=1)
+    problem.seed = 9
+    assert result.problem.seed == 1
+
+
+def test_every_setting_reads_back(robot, world):
+    settings = dict(name="n", margin=0.01, margins={("post", "hand"): 0.02}, allowed=[("post", "base")], objective="clearance",
+                    planner="RRTConnect", parameters={"range": "0.5"}, simplify=False, time=0.5, iterations=10, seed=4, start_time=1.0,
+                    step=0.1, duration=3.0, speed=0.5, velocities={"joint1": 1.0}, accelerations={"joint2": 2.0}, jerks={},
+                    corners="blend", foresight="speed_bound", look_ahead=0.3, buffer=0.0, patience=0.0)
+    problem = leeway.Problem(robot, world, "ready", "tucked", **settings)
+    for name, value in settings.items():
+        assert getattr(problem, name) == value, name
+        setattr(problem, name, value)
+    assert problem.others["finger_joint"] == 0
+    problem.others = {"finger_joint": 0.03}
+    assert problem.others["finger_joint"] == 0.03
+
+
+def test_many_problems_give_the_same_bytes_for_any_number_of_threads(shelf):
+    problems = [shelf.copy() for _ in range(6)]
+    for seed, problem in enumerate(problems):
+        problem.seed = seed + 1
+    one = leeway.plan_many(problems, threads=1)
+    three = leeway.plan_many(problems, threads=3)
+    assert all(same(a, b) and a.seed == i + 1 for i, (a, b) in enumerate(zip(one, three)))
+    assert all(same(leeway.plan(problem), result) for problem, result in zip(problems[:2], one))
+
+
+def test_threads_share_robots_and_worlds(robot, world):
+    results = [None] * 4
+
+    def work(i):
+        results[i] = leeway.plan(robot, world, turned(robot, -0.8), turned(robot, 0.8), margin=0.01)
+
+    threads = [threading.Thread(target=work, args=(i,)) for i in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert all(same(results[0], result) for result in results)
+
+
+def test_invalid_start_says_what_is_in_the_way(robot, world):
+    result = leeway.plan(robot, world, "ready", turned(robot, 0.8), margin=0.01)
+    assert not result and result.status == "invalid_start" and "post" in result.offending
+    assert result.path.shape == (0, 7)
+    with pytest.raises(ValueError, match="invalid_start"):
+        result.save("nowhere.json")
+    with pytest.raises(ValueError, match="invalid_start"):
+        result.trajectory()
+
+
+def test_stop_progress_and_failing_callbacks():
+    sealed = leeway.load("problems/unsolvable/sealed.yaml")
+    result = leeway.plan(sealed, time=60, iterations=0, stop=lambda: True)
+    assert result.status == "unsolved"
+    phases = []
+    leeway.plan(sealed, iterations=200, progress=lambda phase, seconds: phases.append((phase, seconds)))
+    assert phases and all(seconds >= 0 for _, seconds in phases)
+    with pytest.raises(ZeroDivisionError):
+        leeway.plan(sealed, time=60, iterations=0, stop=lambda: 1 / 0)
+    with pytest.raises(ZeroDivisionError):
+        leeway.plan(sealed, time=60, iterations=0, progress=lambda phase, seconds: 1 / 0)
+    with pytest.raises(KeyError):
+        leeway.plan_many([sealed, sealed], time=60, iterations=0, threads=2, stop=lambda: {}["no"])
+
+
+def test_trajectory_keeps_the_limits_and_the_path(shelf, tmp_path):
+    result = leeway.plan(shelf, accelerations=5)
+    trajectory = result.trajectory(period=0.02)
+    assert trajectory.times[0] == 0 and trajectory.times[-1] == trajectory.duration
+    assert np.array_equal(trajectory.positions[0], result.path[0])
+    assert np.array_equal(trajectory.positions[-1], result.path[-1])
+    assert trajectory.positions.shape == trajectory.velocities.shape == (len(trajectory.times), 7)
+    assert np.all(np.abs(trajectory.accelerations) <= 5 * (1 + 1e-9))
+    assert np.array_equal(trajectory.position(trajectory.times), trajectory.positions)
+    assert trajectory.position(-1.0).shape == (7,)
+    trajectory.save(tmp_path / "timed.json")
+    saved = json.loads((tmp_path / "timed.json").read_text())
+    assert len(saved["points"]) >= len(trajectory.times)
+
+
+def test_attach_and_detach(robot):
+    world = leeway.World()
+    world.add_box("part", (0.02, 0.02, 0.02), position=robot.pose("hand", robot.state("ready"))[:3, 3] + (0, 0, 0.3))
+    problem = leeway.Problem(robot, world, "ready", "tucked")
+    held = problem.attach("part", "hand", ["finger_left"])
+    assert len(held.world) == 0 and len(problem.world) == 1
+    back = held.detach("part")
+    assert np.allclose(back.world.pose("part"), world.pose("part"), atol=1e-12)
+
+
+def test_moveit_and_free_bodies(tmp_path):
+    robot = leeway.Robot("robots/arm7/arm7.urdf", "robots/arm7/arm7.srdf")
+    problem = leeway.Problem.load_moveit(robot, "problems/moveit/scene0001.yaml", "problems/moveit/request0001.yaml")
+    assert leeway.plan(problem)
+    body = leeway.Robot.free_body("brick", [leeway.Shape.box((0.2, 0.1, 0.1))], lower=(-2, -2, -2), upper=(2, 2, 2))
+    wall = leeway.World()
+    wall.add("wall", [(leeway.Shape.box((0.05, 4, 1.5)), (0, 0, 1.25)), (leeway.Shape.box((0.05, 4, 1.5)), (0, 0, -1.25))])
+    at = [-1, 0, 0, 0, 0, 0, 1], [1, 0, 0.3, 0, 0, 0, 1]
+    result = leeway.plan(body, wall, *at, margin=0.01)
+    assert result and leeway.verify(result.problem, result)
+
+
+def test_replanning_among_obstacles_that_deform():
+    problem = leeway.load("problems/deforming/curtain.yaml")
+    steps = []
+    executed = leeway.replan(problem, on_step=steps.append, steps=5)
+    assert executed.status in ("stopped", "reached") and executed.certified
+    assert [step.index for step in steps] == list(range(len(steps)))
+    assert all(step.certified and step.lower > 0 for step in steps)
+    replanner = leeway.Replanner(problem)
+    for other in steps[:2]:
+        step = replanner.step()
+        assert step.motion.tobytes() == other.motion.tobytes()
+    assert replanner.time == steps[1].motion[-1, 0] and np.array_equal(replanner.state, steps[1].motion[-1, 1:])
+    assert replanner.scene.check(replanner.state)
+
+
+def test_replanner_follows_vertices_from_numpy(robot):
+    x, y = np.meshgrid(np.linspace(-0.2, 0.2, 5), np.linspace(-0.2, 0.2, 5))
+    sheet = np.column_stack([x.ravel(), y.ravel(), np.zeros(25)])
+    corner = np.array([i * 5 + j for i in range(4) for j in range(4)])
+    triangles = np.concatenate([np.column_stack([corner, corner + 1, corner + 6]), np.column_stack([corner, corner + 6, corner + 5])])
+    world = leeway.World()
+    world.add_deforming("sheet", sheet, triangles, speed_bound=0.1, position=(0.6, 0, 0.1))
+    replanner = leeway.Replanner(robot, world, "ready", turned(robot, 0.8), margin=0.01)
+    while not replanner.reached:
+        replanner.set_vertices("sheet", sheet, speed_bound=0.1)
+        sheet[:, 2] += 0.002
+        assert replanner.step().certified
+    with pytest.raises(ValueError):
+        replanner.set_vertices("sheet", sheet[:-1])
+
+
+def test_a_monitor_is_safe_and_looks_at_little(robot, world):
+    scene = leeway.Scene(robot, world, margin=0.01)
+    monitor = leeway.Monitor(scene, accelerations=[10] * 7)
+    q = turned(robot, -0.8)
+    first = monitor.look(0.0, q, [0] * 7, horizon=0.001)
+    assert first.safe_until > 0 and not first.imminent
+    assert first.next is not None
+    for i in range(1, 20):
+        report = monitor.look(0.001 * i, q, [0] * 7, horizon=0.001)
+        assert not report.imminent
+    assert monitor.counts["pairs"] < 20 * scene.pairs
+    near = monitor.look(100.0, robot.state("ready"), [0.5] * 7)
+    assert near.violated > 0 and any("post" in pair for pair in near.imminent)
+    assert leeway.time_to_impact(1.0, 2.0) == pytest.approx(0.5) and leeway.time_to_impact(1.0, float("nan")) == 0
+
+
+def test_a_condition_in_python_restricts_the_search(robot, world):
+    """Over the post, not beside it: the first joint keeps away from the middle while the hand is low."""
+    problem = leeway.Problem(robot, world, turned(robot, -0.8), turned(robot, 0.8), margin=0.01, time=60)
+    asked = []
+
+    def accept(states):
+        asked.append(len(states))
+        return states[:, 1] < 0.5
+
+    result = leeway.plan_where(problem, accept)
+    again = leeway.plan_where(problem, accept)
+    assert result and same(result, again) and leeway.verify(problem, result)
+    for a, b in zip(result.path, result.path[1:]):
+        assert np.all(robot.interpolate(a, b, np.linspace(0, 1, 2 + int(robot.distance(a, b) / 0.05)))[:, 1] < 0.5)
+    assert max(asked) > 2
+    assert leeway.plan_where(problem, lambda states: np.zeros(len(states), bool)).status == "invalid_start"
+    with pytest.raises(ZeroDivisionError):
+        leeway.plan_where(problem, lambda states: 1 / 0)
+    for wrong in (lambda states: True, lambda states: [True], lambda states: "x", lambda states: None):
+        with pytest.raises(TypeError, match="bools"):
+            leeway.plan_where(problem, wrong)
