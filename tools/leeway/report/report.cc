@@ -130,6 +130,30 @@ CLI::App* addMotion(CLI::App* app, const std::shared_ptr<ReportMotionArguments>&
   return motion;
 }
 
+CLI::App* addIkReport(CLI::App* app, const std::shared_ptr<ReportIkArguments>& arguments) {
+  CLI::App* ik = app->add_subcommand(
+      "ik", "inverse kinematics: success, time, error, proofs of none, with KDL");
+  ik->add_option("robots", arguments->robots, "a robot's file and the link that is placed")
+      ->type_name("URDF:LINK")
+      ->capture_default_str();
+  ik->add_option("--output", arguments->output, "folder for CSV")
+      ->type_name("DIR")
+      ->capture_default_str();
+  ik->add_option("--seed", arguments->seed, "of the poses")->capture_default_str();
+  ik->add_option("--poses", arguments->poses, "of random configurations of each robot")
+      ->check(CLI::Range(1, 10'000'000))
+      ->capture_default_str();
+  ik->add_option("--beyond", arguments->beyond,
+                 "poses beyond reach of each robot; proofs are tried for ten times as many "
+                 "reachable ones")
+      ->check(CLI::Range(0, 1'000'000))
+      ->capture_default_str();
+  ik->add_flag("--no-rivals", arguments->no_rivals, "ours alone");
+  ik->add_flag("--json", arguments->json, "one JSON document");
+  ik->footer("Example:\n  leeway report ik --poses 200 --output /tmp/report");
+  return ik;
+}
+
 }  // namespace
 
 Verb addReport(CLI::App& command) {
@@ -141,6 +165,8 @@ Verb addReport(CLI::App& command) {
   CLI::App* deform = addDeform(app, deform_arguments);
   auto motion_arguments = std::make_shared<ReportMotionArguments>();
   CLI::App* motion = addMotion(app, motion_arguments);
+  auto ik_arguments = std::make_shared<ReportIkArguments>();
+  CLI::App* ik = addIkReport(app, ik_arguments);
   CLI::App* cases = app->add_subcommand("cases", "answers every pair of shapes of a case file");
   cases->add_option("file", arguments->file, "case file (tests/data/README.md)")
       ->type_name("FILE")
@@ -162,6 +188,7 @@ Verb addReport(CLI::App& command) {
             if (accuracy->parsed()) return runReportAccuracy(*accuracy_arguments);
             if (deform->parsed()) return runReportDeform(*deform_arguments);
             if (motion->parsed()) return runReportMotion(*motion_arguments);
+            if (ik->parsed()) return runReportIk(*ik_arguments);
             return arguments->reference.empty()
                        ? runReportCases(arguments->file, arguments->raw)
                        : runReportCasesAgainst(arguments->file, arguments->reference);

@@ -76,4 +76,20 @@ struct ReportMotionArguments {
 /// ours is wrong or left open, else 1; throws robots::InputError.
 int runReportMotion(const ReportMotionArguments& arguments);
 
+struct ReportIkArguments {
+  std::string output = "report";
+  std::uint64_t seed = 1;
+  int poses = 1000, beyond = 200;  ///< a robot
+  std::vector<std::string> robots = {"robots/arm6/arm6.urdf:tool",
+                                     "robots/arm7/arm7.urdf:hand"};  ///< URDF:LINK
+  bool no_rivals = false;
+  bool json = false;
+};
+
+/// `leeway report ik`: success, time and error of inverse kinematics on the poses of random
+/// configurations, with the rivals that are there; proofs that poses are out of reach. Writes
+/// ik.csv into `output`. Returns 0 when no answer of ours is wrong, else 1; throws
+/// robots::InputError.
+int runReportIk(const ReportIkArguments& arguments);
+
 }  // namespace leeway::tools

@@ -19,5 +19,7 @@ Verb addClearance(CLI::App& command);
 Verb addReplan(CLI::App& command);
 Verb addBatch(CLI::App& command);
 Verb addInfo(CLI::App& command);
+Verb addIk(CLI::App& command);
+Verb addFk(CLI::App& command);
 
 }  // namespace leeway::tools

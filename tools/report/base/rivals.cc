@@ -13,10 +13,22 @@ struct Known {
   const char* library;
   const char* file;
   const char* packages;  ///< Debian's
+  /// Its library's own symbols go first: Debian's KDL and OMPL were built with Eigens whose
+  /// JacobiSVD differs, and share its name.
+  bool own_symbols_first = false;
 };
-constexpr std::array<Known, 3> kModules = {{{"FCL", "leeway_rival_fcl.so", "libfcl-dev libccd-dev"},
-                                            {"Bullet", "leeway_rival_bullet.so", "libbullet-dev"},
-                                            {"Embree", "leeway_rival_embree.so", "libembree-dev"}}};
+
+#if defined(__SANITIZE_ADDRESS__)
+constexpr bool kCanPreferOwnSymbols = false;  // the sanitizer refuses such modules
+#else
+constexpr bool kCanPreferOwnSymbols = true;
+#endif
+
+constexpr std::array<Known, 4> kModules = {
+    {{"FCL", "leeway_rival_fcl.so", "libfcl-dev libccd-dev"},
+     {"Bullet", "leeway_rival_bullet.so", "libbullet-dev"},
+     {"Embree", "leeway_rival_embree.so", "libembree-dev"},
+     {"KDL", "leeway_rival_kdl.so", "liborocos-kdl-dev", true}}};
 
 RivalModule load(const Known& known, const std::filesystem::path& folder) {
   RivalModule module{known.library, "", nullptr};
@@ -27,7 +39,12 @@ RivalModule load(const Known& known, const std::filesystem::path& folder) {
                      known.packages + " is installed (tools/setup)";
     return module;
   }
-  void* const handle = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
+  if (known.own_symbols_first && !kCanPreferOwnSymbols) {
+    module.problem = "left out under AddressSanitizer";
+    return module;
+  }
+  void* const handle =
+      dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL | (known.own_symbols_first ? RTLD_DEEPBIND : 0));
   if (handle == nullptr) {
     const char* const reason = dlerror();
     module.problem = reason != nullptr ? reason : "cannot be loaded";

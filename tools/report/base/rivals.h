@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "tools/report/base/engine.h"
+#include "tools/report/base/ik_engine.h"
 #include "tools/report/base/mesh_engine.h"
 #include "tools/report/base/motion_engine.h"
 
@@ -15,12 +16,13 @@ struct Rivals {
   std::vector<std::unique_ptr<PairEngine>> pairs;       ///< for `report accuracy`
   std::vector<std::unique_ptr<MeshEngine>> meshes;      ///< for `report deform`
   std::vector<std::unique_ptr<ContactEngine>> motions;  ///< for `report motion`
+  std::vector<std::unique_ptr<IkEngine>> kinematics;    ///< for `report ik`
 };
 
 /// Each rival is a module loaded at run time, so that nothing else links its library. A module
 /// exports one function of this name and type.
 using MakeRivals = Rivals* (*)();
-inline constexpr const char* kMakeRivals = "leewayMakeRivals3";
+inline constexpr const char* kMakeRivals = "leewayMakeRivals4";
 
 /// A module, and why it is missing if it is.
 struct RivalModule {

@@ -102,7 +102,7 @@ class FclEngine : public PairEngine {
 }  // namespace
 }  // namespace leeway::tools::report
 
-extern "C" leeway::tools::report::Rivals* leewayMakeRivals3() {
+extern "C" leeway::tools::report::Rivals* leewayMakeRivals4() {
   using namespace leeway::tools::report;
   auto rivals = std::make_unique<Rivals>();
   const auto add = [&](const char* name, fcl::GJKSolverType solver, FclEngine::Use use) {

@@ -1,0 +1,304 @@
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <numbers>
+
+#include "leeway/planner/edge_certifier.h"
+#include "leeway/robots/input_error.h"
+#include "leeway/robots/inverse_kinematics.h"
+#include "tools/leeway/info/input.h"
+#include "tools/leeway/support/exit_status.h"
+#include "tools/leeway/support/json_result.h"
+#include "tools/leeway/support/robot_state.h"
+#include "tools/leeway/support/scene_names.h"
+#include "tools/leeway/support/terminal.h"
+#include "tools/leeway/support/verb.h"
+
+namespace leeway::tools {
+namespace {
+
+struct Arguments {
+  ProblemSource source;
+  std::string file, link, group;
+  std::vector<std::string> position, rpy, quaternion;
+  std::string state = "start";
+  std::string order = "nearest";
+  int solutions = 16, starts = 500;
+  std::uint64_t seed = 1;
+  bool json = false;
+};
+
+[[noreturn]] void badUsage(const std::string& message) {
+  throw robots::InputError("command line", 0, message);
+}
+
+/// "0.4" or "0.4:0.5"; for angles also "any".
+std::pair<double, double> parseRange(const std::string& option, const std::string& text,
+                                     bool angle) {
+  if (angle && text == "any") return {-std::numbers::pi, std::numbers::pi};
+  const std::vector<std::string> parts = splitAt(':', text);
+  if (parts.size() > 2)
+    badUsage(fmt::format("{}: '{}' is not a number or LEAST:MOST", option, text));
+  const double first = parseNumber(option, parts[0]);
+  const double second = parts.size() == 2 ? parseNumber(option, parts[1]) : first;
+  if (first > second) badUsage(fmt::format("{}: '{}' has its greater end first", option, text));
+  return {first, second};
+}
+
+robots::PoseRegion parseRegion(const Arguments& arguments, int link) {
+  robots::PoseRegion region;
+  region.link = link;
+  for (std::size_t k = 0; k < 3; ++k)
+    region.position[k] = parseRange("--position", arguments.position[k], false);
+  if (!arguments.rpy.empty() && !arguments.quaternion.empty())
+    badUsage("--rpy and --quaternion say the same; leave one out");
+  if (!arguments.quaternion.empty()) {
+    double q[4];
+    for (std::size_t k = 0; k < 4; ++k) q[k] = parseNumber("--quaternion", arguments.quaternion[k]);
+    const double norm = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+    if (!(std::fabs(norm - 1) <= 1e-3))
+      badUsage(fmt::format("--quaternion: its length is {}; a rotation's is 1", norm));
+    const Eigen::Matrix3d R =
+        Eigen::Quaterniond(q[3] / norm, q[0] / norm, q[1] / norm, q[2] / norm).toRotationMatrix();
+    const Eigen::Vector3d angles = robots::rollPitchYaw(R);
+    for (int k = 0; k < 3; ++k) region.rpy[static_cast<std::size_t>(k)] = {angles(k), angles(k)};
+    return region;
+  }
+  for (std::size_t k = 0; k < 3; ++k)
+    region.rpy[k] = parseRange("--rpy", arguments.rpy.empty() ? "any" : arguments.rpy[k], true);
+  return region;
+}
+
+/// Planned variables that move the link.
+std::vector<int> variablesOf(const robots::Model& model, const std::vector<int>& planned,
+                             int link) {
+  std::vector<char> moves(model.variables.size(), 0);
+  for (int l = link; l >= 0; l = model.joints[static_cast<std::size_t>(l)].parent_link) {
+    const robots::Joint* joint = &model.joints[static_cast<std::size_t>(l)];
+    if (joint->mimic >= 0) joint = &model.joints[static_cast<std::size_t>(joint->mimic)];
+    for (int k = 0; k < joint->variable_count; ++k)
+      moves[static_cast<std::size_t>(joint->first_variable + k)] = 1;
+  }
+  std::vector<int> variables;
+  for (const int v : planned)
+    if (moves[static_cast<std::size_t>(v)]) variables.push_back(v);
+  return variables;
+}
+
+struct CheckedSolution {
+  robots::IkSolution solution;
+  planner::StateCheck check;
+  PairNames names;
+
+  bool free() const { return check.verdict == planner::Verdict::kFree; }
+};
+
+/// With the clearance of the problem's scene, free ones first.
+std::vector<CheckedSolution> checkAll(const planner::Problem& problem, const std::vector<double>& q,
+                                      const std::vector<int>& variables,
+                                      const robots::IkResult& result, bool by_clearance) {
+  std::vector<CheckedSolution> list;
+  if (result.solutions.empty()) return list;
+  planner::EdgeCertifier certifier(std::make_shared<const planner::CompiledScene>(problem));
+  for (const robots::IkSolution& solution : result.solutions) {
+    std::vector<double> all = q, point;
+    for (std::size_t c = 0; c < variables.size(); ++c)
+      all[static_cast<std::size_t>(variables[c])] = solution.values[c];
+    for (const int v : problem.robot.variables) point.push_back(all[static_cast<std::size_t>(v)]);
+    CheckedSolution checked{solution, certifier.clearance(point, 1e-6), {}};
+    checked.names = pairNames(certifier.scene(), checked.check.pair);
+    list.push_back(checked);
+  }
+  std::stable_sort(list.begin(), list.end(),
+                   [&](const CheckedSolution& a, const CheckedSolution& b) {
+                     if (a.free() != b.free()) return a.free();
+                     return by_clearance && a.check.clearance.lower > b.check.clearance.lower;
+                   });
+  return list;
+}
+
+const char* statusOf(const robots::IkResult& result, const std::vector<CheckedSolution>& list) {
+  if (result.status == robots::IkStatus::kUnreachable) return "unreachable";
+  if (list.empty()) return "none";
+  return list.front().free() ? "found" : "colliding";
+}
+
+Json solutionJson(const CheckedSolution& checked) {
+  Json closest;
+  if (checked.check.pair >= 0) closest = {{"a", checked.names.a}, {"b", checked.names.b}};
+  return {{"positions", checked.solution.values},
+          {"free", checked.free()},
+          {"clearance_lower", jsonNumber(checked.check.clearance.lower)},
+          {"clearance_upper", jsonNumber(checked.check.clearance.upper)},
+          {"closest", closest},
+          {"position_error", checked.solution.error.position},
+          {"angle_error", checked.solution.error.angle}};
+}
+
+std::string table(const robots::Model& model, const std::vector<int>& variables,
+                  const std::vector<CheckedSolution>& list) {
+  std::vector<std::string> heading = {"#"};
+  for (const int v : variables)
+    heading.push_back(model.variables[static_cast<std::size_t>(v)].name);
+  heading.insert(heading.end(), {"clearance [mm]", "state", "closest"});
+  std::vector<std::vector<std::string>> rows;
+  for (const CheckedSolution& checked : list) {
+    std::vector<std::string> row = {fmt::format("{}", rows.size() + 1)};
+    for (const double value : checked.solution.values) row.push_back(fmt::format("{:.6f}", value));
+    row.push_back(formatLower(checked.check.clearance.lower * 1e3, 3));
+    row.push_back(checked.free()                                          ? "free"
+                  : checked.check.verdict == planner::Verdict::kUndecided ? "undecided"
+                  : checked.check.clearance.upper <= 0                    ? "collision"
+                                                                          : "too near");
+    row.push_back(checked.check.pair < 0 ? "-" : checked.names.a + ", " + checked.names.b);
+    rows.push_back(row);
+  }
+  const std::size_t words = heading.size() - 2;
+  return formatTable(heading, rows, {words, words + 1});
+}
+
+int run(const Arguments& arguments) {
+  if (arguments.solutions < 1)
+    badUsage(fmt::format("--solutions {} is below 1", arguments.solutions));
+  if (arguments.starts < 1) badUsage(fmt::format("--starts {} is below 1", arguments.starts));
+  planner::Problem problem =
+      info::loadFile(arguments.file, info::kindOf(arguments.file), arguments.source);
+  const robots::Model& model = *problem.robot.model;
+  const int link = parseLink(model, arguments.link);
+  std::vector<int> planned = problem.robot.variables;
+  if (!arguments.group.empty()) {
+    const int group = model.findGroup(arguments.group);
+    if (group < 0)
+      badUsage(fmt::format("--group '{}': the robot has no such group", arguments.group));
+    planned = model.groups[static_cast<std::size_t>(group)].variables;
+  }
+  const std::vector<int> variables = variablesOf(model, planned, link);
+  if (variables.empty())
+    badUsage(fmt::format("--link {}: no planned joint moves it", arguments.link));
+  const std::vector<double> q = parseConfiguration(problem, arguments.state);
+  // Clearance is asked of the variables that are solved; the others stay.
+  problem.start = q;
+  problem.robot.variables = variables;
+  problem.goals.clear();
+
+  const robots::InverseKinematics solver(problem.robot.model, variables);
+  robots::IkOptions options;
+  options.seed = arguments.seed;
+  options.starts = arguments.starts;
+  options.max_solutions = arguments.solutions;
+  options.stop = [] { return interrupted(); };
+  const std::vector<robots::PoseRegion> regions = {parseRegion(arguments, link)};
+  const robots::IkResult result = solver.solve(regions, q, options);
+  const std::vector<CheckedSolution> list =
+      checkAll(problem, q, variables, result, arguments.order == "clearance");
+  const char* status = statusOf(result, list);
+  const bool yes = !list.empty() && list.front().free();
+  const auto& nearest = result.nearest;
+
+  if (arguments.json) {
+    Json names = Json::array(), solutions = Json::array(), near;
+    for (const int v : variables)
+      names.push_back(model.variables[static_cast<std::size_t>(v)].name);
+    for (const CheckedSolution& checked : list) solutions.push_back(solutionJson(checked));
+    if (list.empty() && !nearest.values.empty())
+      near = {{"positions", nearest.values},
+              {"position_error", nearest.error.position},
+              {"angle_error", nearest.error.angle}};
+    printJson({{"status", status},
+               {"proven", result.status == robots::IkStatus::kUnreachable},
+               {"seed", arguments.seed},
+               {"link", arguments.link},
+               {"joint_names", names},
+               {"solutions", solutions},
+               {"nearest", near},
+               {"counts",
+                {{"starts", result.starts},
+                 {"iterations", result.iterations},
+                 {"proof_boxes", result.proof_boxes}}}});
+    return yes ? kYes : kNo;
+  }
+  if (list.empty()) {
+    fmt::print(
+        "{}: {}\n", arguments.link,
+        result.status == robots::IkStatus::kUnreachable
+            ? fmt::format("unreachable: proven, with {} boxes of configurations",
+                          result.proof_boxes)
+            : fmt::format("no solution found from {} starts; there may be one", result.starts));
+    if (!nearest.values.empty())
+      fmt::print("nearest found: {:.3f} mm and {:.6f} rad away, at {:.6f}\n",
+                 nearest.error.position * 1e3, nearest.error.angle,
+                 fmt::join(nearest.values, ", "));
+    return kNo;
+  }
+  const auto free =
+      std::count_if(list.begin(), list.end(), [](const CheckedSolution& c) { return c.free(); });
+  fmt::print("{}: {} solution{}, {} free; {} first\n{}", arguments.link, list.size(),
+             list.size() == 1 ? "" : "s", free,
+             arguments.order == "clearance" ? "most clearance" : "nearest to the state",
+             table(model, variables, list));
+  return yes ? kYes : kNo;
+}
+
+}  // namespace
+
+Verb addIk(CLI::App& command) {
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* app = command.add_subcommand(
+      "ik", "joint values that bring a link to a pose, with their clearance, or a proof of none");
+  app->add_option("file", arguments->file, "URDF, SRDF or problem file")
+      ->type_name("FILE")
+      ->required();
+  addRobotArguments(*app, arguments->source);
+  app->add_option("--link", arguments->link, "the link whose frame is placed")
+      ->type_name("NAME")
+      ->required();
+  app->add_option("--position", arguments->position,
+                  "x y z in the world [m], each a number or a range LEAST:MOST")
+      ->type_name("X Y Z")
+      ->expected(3)
+      ->required();
+  app->add_option("--rpy", arguments->rpy,
+                  "roll, pitch, yaw [rad], each a number, a range LEAST:MOST, or any; default: any "
+                  "rotation")
+      ->type_name("R P Y")
+      ->expected(3);
+  app->add_option("--quaternion", arguments->quaternion, "the rotation as x y z w")
+      ->type_name("X Y Z W")
+      ->expected(4);
+  app->add_option("--group", arguments->group,
+                  "joints that may move; default: the problem's, of a robot alone all")
+      ->type_name("NAME");
+  app->add_option("--state", arguments->state,
+                  "where the search begins and all other joints are: start, a group state, all "
+                  "planned values (1,0,2) or some joints' (elbow=1,wrist=2)")
+      ->type_name("STATE")
+      ->capture_default_str();
+  app->add_option("--order", arguments->order,
+                  "nearest to the state, or most clearance; free solutions stand first")
+      ->type_name("nearest|clearance")
+      ->check(CLI::IsMember({"nearest", "clearance"}))
+      ->capture_default_str();
+  app->add_option("--solutions", arguments->solutions, "stop after so many")
+      ->type_name("N")
+      ->capture_default_str();
+  app->add_option("--starts", arguments->starts, "stop after so many starts")
+      ->type_name("N")
+      ->capture_default_str();
+  app->add_option("--seed", arguments->seed, "seed of the starts")
+      ->check(seedError)
+      ->type_name("N")
+      ->capture_default_str();
+  app->add_flag("--json", arguments->json, "print one JSON document");
+  app->footer(
+      "Examples:\n"
+      "  leeway ik robots/arm6/arm6.urdf --link tool --position 0.4 0.2 0.5 --rpy 0 0 1\n"
+      "  leeway ik problems/shelf/reach.yaml --link hand --position 0.55 0.25 0.45:0.5 --rpy any "
+      "any any --json");
+  return {app, [arguments] { return run(*arguments); }};
+}
+
+}  // namespace leeway::tools

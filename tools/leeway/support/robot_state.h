@@ -1,0 +1,23 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "leeway/planner/problem.h"
+
+namespace leeway::tools {
+
+/// A configuration of the whole robot, one number a variable, from `--state TEXT`: "start", a group
+/// state, all planned values (1,0,2) or some variables' (elbow=1,wrist=2). What it does not name is
+/// as at the problem's start. Throws robots::InputError.
+std::vector<double> parseConfiguration(const planner::Problem& problem, const std::string& text);
+
+/// The link of that name. Throws robots::InputError, which names those that there are.
+int parseLink(const robots::Model& model, const std::string& name);
+
+/// Like std::stod() of a whole text, and finite. Throws robots::InputError that names `option`.
+double parseNumber(const std::string& option, const std::string& text);
+
+std::vector<std::string> splitAt(char separator, const std::string& text);
+
+}  // namespace leeway::tools

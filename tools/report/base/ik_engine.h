@@ -1,0 +1,43 @@
+#pragma once
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "leeway/collision/pose.h"
+
+namespace leeway::tools::report {
+
+/// A serial chain of single joints, as solvers of others take it.
+struct IkChain {
+  struct Joint {
+    collision::Pose X_PJ;  ///< in the frame of the joint before it, turned or moved
+    Eigen::Vector3d axis;
+    bool slides = false;
+    double lower, upper;  ///< finite
+  };
+  std::vector<Joint> joints;
+  collision::Pose X_JF;  ///< the tip in the last joint's frame
+};
+
+/// One engine's form of one chain, prepared off the clock.
+class IkSolver {
+ public:
+  virtual ~IkSolver() = default;
+  /// Values that place the tip at X_WF, within the limits, from `start` and then from starts of its
+  /// own. False: none was found. May throw, abort or loop.
+  virtual bool solve(const collision::Pose& X_WF, std::span<const double> start,
+                     std::span<double> values) = 0;
+};
+
+class IkEngine {
+ public:
+  virtual ~IkEngine() = default;
+  virtual const char* name() const = 0;
+  virtual std::unique_ptr<IkSolver> prepare(const IkChain& chain) const = 0;
+};
+
+/// Starts that an engine may search from.
+inline constexpr int kIkStarts = 200;
+
+}  // namespace leeway::tools::report

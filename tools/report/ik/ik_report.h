@@ -1,0 +1,60 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "leeway/robots/model.h"
+#include "tools/report/base/ik_engine.h"
+
+namespace leeway::tools::report {
+
+/// A robot whose link is placed by all variables that move it.
+struct IkRobot {
+  std::string name;
+  std::shared_ptr<const robots::Model> model;
+  int link = -1;
+};
+
+struct IkReportOptions {
+  int poses = 1000;  ///< of random configurations, each engine and robot
+  int beyond = 200;  ///< poses beyond reach; and as many tenfold reachable ones asked for a proof
+  std::uint64_t seed = 1;
+  std::function<void(const std::string&)> progress;
+};
+
+/// One engine on the poses of random configurations of one robot, from another random one.
+struct IkRow {
+  std::string robot, engine;
+  int poses = 0;
+  int solved = 0;  ///< within the limits, to 1e-9 m and rad by our forward kinematics
+  int coarse = 0;  ///< to 1e-5 only: KDL takes angles below 1e-6 for none
+  int wrong = 0;   ///< answers that are neither
+  double median_us = 0, most_us = 0;  ///< processor time to the first solution; 95 %
+  double worst_error = 0;             ///< of answers that are not wrong [m or rad]
+  double all_us = 0, branches = 0;    ///< ours: median time to all solutions, their mean number
+};
+
+/// Poses that cannot be reached, and proofs for poses that can.
+struct IkProofRow {
+  std::string robot;
+  int beyond = 0, proven = 0, found = 0;  ///< the rest is open
+  double median_ms = 0, most_ms = 0;      ///< 95 %
+  int reachable = 0, wrong = 0;           ///< wrong: proven to be out of reach
+};
+
+/// Engines behind ours. A robot with joints that are not single ones, or with mimic joints on the
+/// way, is ours alone.
+std::vector<IkRow> measureIk(const std::vector<IkRobot>& robots,
+                             const std::vector<const IkEngine*>& rivals,
+                             const IkReportOptions& options);
+std::vector<IkProofRow> measureIkProofs(const std::vector<IkRobot>& robots,
+                                        const IkReportOptions& options);
+
+std::string ikCsv(const std::vector<IkRow>& rows);
+std::string ikTable(const std::vector<IkRow>& rows);
+std::string ikProofTable(const std::vector<IkProofRow>& rows);
+
+}  // namespace leeway::tools::report
