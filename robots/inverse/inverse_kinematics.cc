@@ -23,8 +23,14 @@ using collision::kTwoPi;
 /// 1e-13 leaves them apart by its root.
 constexpr double kSameSolution = 1e-5;
 
-/// Searches that find nothing before the proof that there is nothing is tried.
+/// Limits that leave out less than this of a turn are those of a whole one, written in few digits
+/// [rad].
+constexpr double kWholeTurnGap = 1e-4;
+
+/// The proof that there is no solution is tried for one box after the first search, for some after
+/// as many, and with all its boxes after the last one.
 constexpr int kStartsBeforeProof = 20;
+constexpr int kEarlyProofBoxes = 2000;
 
 /// sample(): searches for one draw.
 constexpr int kStartsOfSample = 3;
@@ -211,7 +217,14 @@ class Task {
                       : std::isfinite(variable.upper) ? variable.upper
                                                       : now + width);
     }
-    return {std::move(chains), std::move(prepared), variables_, lower_, upper_};
+    // A joint that makes a whole turn has no limits while searched: normalize() brings it back.
+    std::vector<double> lower = lower_, upper = upper_;
+    for (std::size_t c = 0; c < variables_.size(); ++c)
+      if (periodic_[c] && upper[c] - lower[c] >= kTwoPi - kWholeTurnGap) {
+        lower[c] = -std::numeric_limits<double>::infinity();
+        upper[c] = -lower[c];
+      }
+    return {std::move(chains), std::move(prepared), variables_, std::move(lower), std::move(upper)};
   }
 
   /// Angles take off whole turns towards the configuration; quaternions become unit.
@@ -220,15 +233,11 @@ class Task {
       if (!periodic_[c]) continue;
       double& value = q[at(variables_[c])];
       const double now = configuration_[at(variables_[c])];
-      double turns = std::floor((now - value) / kTwoPi + 0.5);
-      while (turns != 0) {
-        const double turned = value + turns * kTwoPi;
-        if (turned >= lower_[c] && turned <= upper_[c]) {
-          value = turned;
-          break;
-        }
-        turns -= turns > 0 ? 1 : -1;
-      }
+      // The nearest equal angle, or the next one within the limits.
+      double turned = value + kTwoPi * std::floor((now - value) / kTwoPi + 0.5);
+      if (turned < lower_[c]) turned += kTwoPi * std::ceil((lower_[c] - turned) / kTwoPi);
+      if (turned > upper_[c]) turned -= kTwoPi * std::ceil((turned - upper_[c]) / kTwoPi);
+      value = std::clamp(turned, lower_[c], upper_[c]);
     }
     for (const Joint& joint : model_.joints) {
       if (joint.type != JointType::kFloating || joint.first_variable < 0) continue;
@@ -285,15 +294,21 @@ IkResult InverseKinematics::solve(std::span<const PoseRegion> regions,
   IkResult result;
   double least = std::numeric_limits<double>::infinity();
   IkSolution solution;
+  bool stopped = false;
+  const auto prove = [&](int boxes) {
+    if (options.prove && boxes > 0 && result.solutions.empty() &&
+        task.provenUnreachable(boxes, result.proof_boxes))
+      result.status = IkStatus::kUnreachable;
+    return result.status == IkStatus::kUnreachable;
+  };
   while (result.starts < options.starts &&
          static_cast<int>(result.solutions.size()) < options.max_solutions) {
-    if (options.stop && options.stop()) break;
-    if (options.prove && result.solutions.empty() && options.proof_boxes > 0 &&
-        (result.starts == 1 || result.starts == kStartsBeforeProof) &&
-        task.provenUnreachable(result.starts == 1 ? 1 : options.proof_boxes, result.proof_boxes)) {
-      result.status = IkStatus::kUnreachable;
-      break;
-    }
+    stopped = options.stop && options.stop();
+    if (stopped) break;
+    const int early = result.starts == 1                    ? 1
+                      : result.starts == kStartsBeforeProof ? kEarlyProofBoxes
+                                                            : 0;
+    if (early > 0 && prove(std::min(early, options.proof_boxes))) break;
     const bool found =
         task.solveFrom(task.start(static_cast<std::uint64_t>(result.starts++)), solution);
     if (found) {
@@ -305,6 +320,7 @@ IkResult InverseKinematics::solve(std::span<const PoseRegion> regions,
       result.nearest = solution;
     }
   }
+  if (!stopped && result.status != IkStatus::kUnreachable) prove(options.proof_boxes);
   result.iterations = task.iterations();
   if (result.solutions.empty()) return result;
   result.status = IkStatus::kFound;

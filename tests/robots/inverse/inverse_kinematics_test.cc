@@ -216,6 +216,29 @@ TEST(InverseKinematics, TwoArmsAtOnce) {
   }
 }
 
+// Slow twin: ten times as many starts of another sequence find no more.
+TEST(InverseKinematics, AllBranchesOfSixJoints) {
+  const auto model = shipped("arm6");
+  const InverseKinematics ik(model, all(*model));
+  const int link = model->findLink("tool");
+  Random random(14);
+  std::size_t eights = 0;
+  for (int i = 0; i < 20; ++i) {
+    const auto q = testing::randomConfiguration(random, *model);
+    const std::vector<PoseRegion> regions = {
+        PoseRegion::exact(link, {}, {}, placed(*model, q, link))};
+    IkOptions options;
+    options.max_solutions = 100;
+    const IkResult result = ik.solve(regions, q, options);
+    for (const IkSolution& solution : result.solutions) expectSolves(ik, regions, q, solution);
+    options.starts *= 10;
+    options.seed = 77;
+    EXPECT_EQ(ik.solve(regions, q, options).solutions.size(), result.solutions.size()) << i;
+    eights += result.solutions.size() == 8 ? 1 : 0;
+  }
+  EXPECT_GT(eights, 10u);
+}
+
 TEST(InverseKinematics, OutOfReachHasNoSolution) {
   const auto model = shipped("arm6");
   const InverseKinematics ik(model, all(*model));
