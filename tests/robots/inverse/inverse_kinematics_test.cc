@@ -234,7 +234,7 @@ TEST(InverseKinematics, AllBranchesOfSixJoints) {
     options.starts *= 10;
     options.seed = 77;
     EXPECT_EQ(ik.solve(regions, q, options).solutions.size(), result.solutions.size()) << i;
-    eights += result.solutions.size() == 8 ? 1 : 0;
+    if (result.solutions.size() == 8) ++eights;
   }
   EXPECT_GT(eights, 10u);
 }
