@@ -52,8 +52,10 @@ class Worker {
         is_free_([this](std::span<const double> a, std::span<const double> b) {
           // One iteration may ask many edges.
           if (++asked_ % kConnectTurn == 0) over_ = over_ || query_.limits.over();
-          return !over_ &&
-                 certifier_.certify(a, b, certifier_.searching()).verdict == Verdict::kFree;
+          const bool free =
+              !over_ && certifier_.certify(a, b, certifier_.searching()).verdict == Verdict::kFree;
+          if (free && index_ == 0 && query_.on_edge) query_.on_edge(a, b);
+          return free;
         }) {}
   Worker(const Worker&) = delete;
   Worker& operator=(const Worker&) = delete;

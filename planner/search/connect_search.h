@@ -5,6 +5,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -36,6 +37,8 @@ struct ConnectQuery {
   const std::function<bool(Waypoints&, EdgeCertifier&)>& accept;
   Limits& limits;
   std::uint64_t most;  ///< iterations of this search, beside the limits
+  /// Told of the free edges of the first worker, from one thread at a time; may be empty.
+  const std::function<void(std::span<const double>, std::span<const double>)>& on_edge;
 };
 
 struct ConnectResult {

@@ -124,7 +124,7 @@ class Plan {
   Waypoints search() {
     if (Waypoints path = direct(); !path.empty()) return path;
     const QuietOmpl quiet;
-    const SearchTask task{problem_, start_, goals_, limits_};
+    const SearchTask task{problem_, start_, goals_, limits_, options_.on_edge};
     if (traits_->optimizing) limits_.reserve(kSimplifyShare);
     if (wantsLength()) {
       Search search(scene_, pool_, task);

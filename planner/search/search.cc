@@ -1,5 +1,6 @@
 #include "planner/search/search.h"
 
+#include <ompl/base/PlannerData.h>
 #include <ompl/base/ProblemDefinition.h>
 #include <ompl/base/goals/GoalState.h>
 #include <ompl/geometric/PathGeometric.h>
@@ -105,7 +106,8 @@ std::optional<Waypoints> Search::connect(std::uint64_t seed, std::uint64_t budge
                            seed,
                            accept,
                            task_.limits,
-                           budget > 0 ? budget : std::numeric_limits<std::uint64_t>::max()};
+                           budget > 0 ? budget : std::numeric_limits<std::uint64_t>::max(),
+                           task_.on_edge};
   ConnectResult result =
       searchConnect(query, connectChoice(parameters_, scene_->space()), certifier());
   work_ += result.work;
@@ -139,6 +141,7 @@ std::optional<Waypoints> Search::runOnce(const ob::OptimizationObjectivePtr& obj
   } catch (const ompl::Exception&) {
     return std::nullopt;  // an inner error of OMPL; the next run may find a path
   }
+  if (task_.on_edge) reportGraph(*planner);
   if (!definition->hasExactSolution()) return std::nullopt;
 
   const auto solution =
@@ -168,6 +171,18 @@ ob::GoalPtr Search::goalFor(const ob::Planner& planner, std::uint64_t round) {
                                             task_.goals);
   if (!traits_->exact) goal->setThreshold(kNearGoal * space_information_->getMaximumExtent());
   return goal;
+}
+
+void Search::reportGraph(const ob::Planner& planner) const {
+  ob::PlannerData graph(space_information_);
+  planner.getPlannerData(graph);
+  std::vector<unsigned int> ends;
+  for (unsigned int v = 0; v < graph.numVertices(); ++v) {
+    graph.getEdges(v, ends);
+    for (const unsigned int end : ends)
+      task_.on_edge(pointOf(graph.getVertex(v).getState(), *scene_),
+                    pointOf(graph.getVertex(end).getState(), *scene_));
+  }
 }
 
 /// Makes the path end in a goal, as the goal is written. Where the planner only came near, by a

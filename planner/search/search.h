@@ -4,8 +4,10 @@
 #include <ompl/base/Planner.h>
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -24,6 +26,7 @@ struct SearchTask {
   const std::vector<double>& start;
   const GoalPoints& goals;
   Limits& limits;
+  const std::function<void(std::span<const double>, std::span<const double>)>& on_edge;
 };
 
 /// Searches in one scene by the problem's planner. A planner that gives up before the limits is
@@ -57,6 +60,7 @@ class Search {
                                    std::uint64_t round);
   ompl::base::GoalPtr goalFor(const ompl::base::Planner& planner, std::uint64_t round);
   bool endInGoal(Waypoints& path);
+  void reportGraph(const ompl::base::Planner& planner) const;
 
   std::shared_ptr<const CompiledScene> scene_;
   std::shared_ptr<CertifierPool> pool_;

@@ -16,6 +16,7 @@
 #include "tools/leeway/support/scene_names.h"
 #include "tools/leeway/support/terminal.h"
 #include "tools/leeway/support/verb.h"
+#include "tools/leeway/view/page.h"
 #include "tools/leeway/view/profile_svg.h"
 
 namespace leeway::tools {
@@ -31,6 +32,7 @@ struct Arguments {
   double tolerance = 1e-4;
   int parts = 1;
   std::string svg;
+  view::PageChoice view;
   bool json = false;
 };
 
@@ -195,6 +197,7 @@ int run(Arguments& arguments) {
   if (!arguments.svg.empty()) {
     checkOutputFile(arguments.svg, kPictureEndings);
   }
+  view::expectPage(arguments.view);
   planner::Problem problem = loadProblem(arguments.source);
   apply(arguments.limits, problem);
   const planner::Path path = planner::readPath(path_file, problem);
@@ -206,6 +209,9 @@ int run(Arguments& arguments) {
   const Profile profile =
       measure(certifier, path, arguments, interactivePlanOptions(arguments.limits.time_limit));
   endProgress();
+  if (!arguments.view.file.empty()) {
+    view::writePage(arguments.view, view::subjectOfPath(problem, arguments.source.problem, path));
+  }
   if (!arguments.svg.empty()) {
     writeSvg(arguments.svg, problem, profile, leastMargin(certifier.scene()));
   }
@@ -231,6 +237,7 @@ Verb addClearance(CLI::App& command) {
   app->add_option("--parts", arguments->parts, "stretches that every edge is cut into")
       ->type_name("N")
       ->capture_default_str();
+  view::addPageOptions(*app, arguments->view);
   app->add_option("--svg", arguments->svg, "also draw it")->type_name("FILE.svg");
   app->add_flag("--json", arguments->json, "print one JSON document");
   app->footer(

@@ -23,9 +23,9 @@ namespace {
 constexpr const char* kReport = "report";
 
 std::vector<Verb> addVerbs(CLI::App& app) {
-  std::vector<Verb> verbs = {addPlan(app),      addCheck(app),  addVerify(app),
-                             addClearance(app), addReplan(app), addBatch(app),
-                             addInfo(app),      addIk(app),     addFk(app)};
+  std::vector<Verb> verbs = {addPlan(app),   addCheck(app), addVerify(app), addClearance(app),
+                             addReplan(app), addBatch(app), addInfo(app),   addIk(app),
+                             addFk(app),     addView(app)};
   app.add_subcommand(kReport, "measurements of the engine");  // for --help: see startReport()
   return verbs;
 }

@@ -20,6 +20,7 @@
 #include "tools/leeway/support/problem_source.h"
 #include "tools/leeway/support/terminal.h"
 #include "tools/leeway/support/verb.h"
+#include "tools/leeway/view/page.h"
 
 namespace leeway::tools {
 namespace {
@@ -30,6 +31,7 @@ struct Arguments {
   std::string output;
   std::string trajectory;
   double period = 0;
+  view::PageChoice view;
   bool json = false;
   bool list_planners = false;
 };
@@ -194,13 +196,17 @@ int run(const Arguments& arguments) {
   if (!arguments.trajectory.empty()) {
     checkOutputFile(arguments.trajectory, kTrajectoryEndings);
   }
+  view::expectPage(arguments.view);
   const auto start = std::chrono::steady_clock::now();
   planner::Problem problem = loadProblem(arguments.source);
   apply(arguments.overrides, problem);
   const double load_s =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 
-  const planner::PlanResult result = planner::plan(problem, planOptions(arguments.overrides));
+  planner::PlanOptions options = planOptions(arguments.overrides);
+  view::SearchEdges searched;
+  if (!arguments.view.file.empty()) view::recordSearch(options, searched);
+  const planner::PlanResult result = planner::plan(problem, options);
   endProgress();
   printWarnings(result.warnings);
   const bool solved = result.status == planner::PlanStatus::kSolved;
@@ -214,6 +220,10 @@ int run(const Arguments& arguments) {
       planner::writeTrajectory(arguments.trajectory, problem, result, *trajectory,
                                arguments.period);
     }
+  }
+  if (!arguments.view.file.empty()) {
+    view::writePage(arguments.view, view::subjectOfPlan(problem, arguments.source.problem, result,
+                                                        std::move(searched)));
   }
   if (arguments.json) {
     printJson(toJson(problem, result, trajectory, load_s));
@@ -244,6 +254,7 @@ Verb addPlan(CLI::App& command) {
       ->type_name("S")
       ->check(CLI::Range(1e-6, 1e6))
       ->needs("--trajectory");
+  view::addPageOptions(*app, arguments->view);
   app->add_flag("--json", arguments->json, "print one JSON document");
   app->add_flag("--planners", arguments->list_planners, "list the planners and end");
   app->footer(

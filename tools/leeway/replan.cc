@@ -15,6 +15,7 @@
 #include "tools/leeway/support/problem_source.h"
 #include "tools/leeway/support/terminal.h"
 #include "tools/leeway/support/verb.h"
+#include "tools/leeway/view/page.h"
 
 namespace leeway::tools {
 namespace {
@@ -61,6 +62,7 @@ struct Arguments {
   PlanOverrides overrides;
   std::string output;
   int steps = 0;
+  view::PageChoice view;
   bool json = false, text = false;
 };
 
@@ -202,6 +204,7 @@ int run(const Arguments& arguments) {
   if (!arguments.output.empty()) {
     checkOutputFile(arguments.output, kRowsEndings);
   }
+  view::expectPage(arguments.view);
   const auto start = std::chrono::steady_clock::now();
   planner::Problem problem = loadProblem(arguments.source);
   apply(arguments.overrides, problem);
@@ -226,9 +229,11 @@ int run(const Arguments& arguments) {
   planner::ReplanOptions options;
   options.stop = interactive.stop;
   Rows rows;
+  std::vector<planner::ReplanStep> shown;
   const planner::ReplanResult result = planner::replan(
       problem, options,
       [&](const planner::ReplanStep& step) {
+        if (!arguments.view.file.empty()) shown.push_back(step);
         if (json) {
           fmt::print("{}\n", jsonText(stepJson(step)));
           std::fflush(stdout);
@@ -241,6 +246,10 @@ int run(const Arguments& arguments) {
   endProgress();
   if (!arguments.output.empty()) {
     planner::writeTrajectory(arguments.output, problem, result.trajectory);
+  }
+  if (!arguments.view.file.empty()) {
+    view::writePage(arguments.view, view::subjectOfExecution(problem, arguments.source.problem,
+                                                             shown, result.status));
   }
   if (json) {
     fmt::print("{}\n", jsonText(summaryJson(problem, result, load_s)));
@@ -263,6 +272,7 @@ Verb addReplan(CLI::App& command) {
       ->type_name("N");
   app->add_option("--output", arguments->output, "write what was executed: time and joints")
       ->type_name("FILE.csv");
+  view::addPageOptions(*app, arguments->view);
   app->add_flag("--json", arguments->json,
                 "print one JSON document a step and one at the end; so it is where stdout is no "
                 "terminal");

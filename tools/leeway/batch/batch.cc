@@ -25,6 +25,8 @@
 #include "tools/leeway/support/terminal.h"
 #include "tools/leeway/support/verb.h"
 #include "tools/leeway/support/warning_log.h"
+#include "tools/leeway/view/page.h"
+#include "tools/leeway/view/page_folder.h"
 
 namespace leeway::tools {
 namespace {
@@ -35,7 +37,7 @@ struct Arguments {
   ProblemSource source;  ///< robot, srdf and packages only
   PlanOverrides overrides;
   std::vector<std::string> inputs;
-  std::string shard, output;
+  std::string shard, output, view;
   bool resume = false, verify = false;
   int repeat = 1, jobs = 1;
 };
@@ -78,6 +80,7 @@ struct Outcome {
   std::string error;  ///< for stderr; empty: none
   Tally tally;
   bool cut = false;  ///< short, by an interrupt: no part of the answer
+  view::FolderPage page;
 };
 
 double median(std::vector<double> values) {
@@ -191,6 +194,9 @@ Json solve(const Arguments& arguments, const std::shared_ptr<const robots::Model
     document["verify"] = verification;
   }
   count(result, outcome.tally);
+  if (!arguments.view.empty()) {
+    outcome.page = view::folderPage(view::subjectOfPlan(problem, item.problem, result, {}));
+  }
   return document;
 }
 
@@ -329,6 +335,7 @@ int run(const Arguments& arguments) {
     throw robots::InputError("command line", 0, "--resume continues a file: name it with --output");
   }
   const std::vector<BatchItem> items = listItems(arguments);
+  view::PageFolder pages(arguments.view);
   WarningLog warnings;
   std::shared_ptr<const robots::Model> model;
   if (!arguments.source.robot.empty()) {
@@ -368,10 +375,12 @@ int run(const Arguments& arguments) {
       return kNo;
     }
     tally.add(outcome.tally);
+    pages.add(outcome.page);
     output.add(item.problem, jsonText(outcome.line));
   }
   endProgress();
   output.finish();
+  pages.finish();
   warnings.printCounts();
   printSummary(tally, items.size(), output.keptCount(), arguments.verify);
   return tally.status();
@@ -403,6 +412,9 @@ Verb addBatch(CLI::App& command) {
   app->add_option("--output", arguments->output,
                   "write the lines to FILE; FILE.partial grows until all are done")
       ->type_name("FILE");
+  app->add_option("--view", arguments->view,
+                  "a page of each problem, and DIR/index.html with their pictures")
+      ->type_name("DIR");
   app->add_flag("--resume", arguments->resume, "continue an interrupted --output FILE");
   app->add_flag("--verify", arguments->verify,
                 "add the independent verifier's answer to each line");

@@ -21,5 +21,6 @@ Verb addBatch(CLI::App& command);
 Verb addInfo(CLI::App& command);
 Verb addIk(CLI::App& command);
 Verb addFk(CLI::App& command);
+Verb addView(CLI::App& command);
 
 }  // namespace leeway::tools

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -42,6 +43,10 @@ struct PlanOptions {
   std::function<void(const std::string& phase, double elapsed_s)> progress;
   double clearance_tolerance = 1e-4;  ///< of the certificate [m]
   CertificateDetail detail = CertificateDetail::kPath;
+  /// Called with both ends of every edge that Connect finds free while it searches (of several
+  /// searches side by side: the first), or that is in the graph of an OMPL planner when a run of it
+  /// ends. From one thread at a time.
+  std::function<void(std::span<const double>, std::span<const double>)> on_edge;
 };
 
 struct PlanResult {

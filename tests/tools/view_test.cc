@@ -1,0 +1,183 @@
+// Pages and pictures, as far as no browser is needed. tests/view/browse opens pages.
+
+#include <gtest/gtest.h>
+#include <tinyxml2.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "tests/support/command.h"
+#include "tools/leeway/view/display_mesh.h"
+
+namespace leeway::tools::testing {
+namespace {
+
+/// A sphere of 1 m with bumps of 5 cm.
+view::DisplayMesh bumpySphere(int rings) {
+  view::DisplayMesh mesh;
+  for (int i = 0; i <= rings; ++i) {
+    for (int k = 0; k < rings; ++k) {
+      const double a = M_PI * i / rings, b = 2 * M_PI * k / rings;
+      const double r = 1 + 0.05 * std::sin(9 * a) * std::cos(7 * b);
+      mesh.vertices.emplace_back(r * std::sin(a) * std::cos(b), r * std::sin(a) * std::sin(b),
+                                 r * std::cos(a));
+      if (i == rings) continue;
+      const int at = i * rings + k, next = i * rings + (k + 1) % rings;
+      mesh.triangles.push_back({at, next, next + rings});
+      mesh.triangles.push_back({at, next + rings, at + rings});
+    }
+  }
+  return mesh;
+}
+
+TEST(DisplayMesh, IsWithinItsError) {
+  const view::DisplayMesh fine = bumpySphere(120);
+  for (const std::size_t most : {20'000U, 4'000U, 300U}) {
+    const view::DisplayMesh coarse = view::decimated(fine.vertices, fine.triangles, most);
+    EXPECT_LE(coarse.triangles.size(), most);
+    EXPECT_GT(coarse.triangles.size(), most / 8);
+    EXPECT_LT(coarse.error, 0.5);
+    for (const Eigen::Vector3d& v : fine.vertices) {
+      double nearest = 1e9;
+      for (const Eigen::Vector3d& w : coarse.vertices) nearest = std::min(nearest, (v - w).norm());
+      ASSERT_LE(nearest, coarse.error);
+    }
+    const auto count = static_cast<std::int32_t>(coarse.vertices.size());
+    for (const view::Triangle& t : coarse.triangles)
+      for (const std::int32_t i : t) ASSERT_TRUE(i >= 0 && i < count);
+  }
+  // What is small enough stays as it is.
+  const view::DisplayMesh same = view::decimated(fine.vertices, fine.triangles, 1'000'000);
+  EXPECT_EQ(same.triangles, fine.triangles);
+  EXPECT_EQ(same.error, 0);
+}
+
+TEST(DisplayMesh, QuantisedIsWithinItsError) {
+  std::mt19937 random(1);
+  for (const double extent : {1e-3, 0.3, 40.0, 1e5}) {
+    std::uniform_real_distribution<double> uniform(-extent, extent);
+    std::vector<Eigen::Vector3d> points(500);
+    for (Eigen::Vector3d& p : points) p = {uniform(random), uniform(random), uniform(random)};
+    const view::Quantised q = view::quantised(points);
+    double largest = 0;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const Eigen::Vector3d shown =
+          q.low +
+          q.step * Eigen::Vector3d(q.numbers[3 * i], q.numbers[3 * i + 1], q.numbers[3 * i + 2]);
+      largest = std::max(largest, (shown - points[i]).norm());
+    }
+    EXPECT_LE(largest, view::quantisationError(q) * (1 + 1e-9));
+    EXPECT_GT(largest, 0.3 * view::quantisationError(q));
+    EXPECT_LE(view::quantisationError(q), 2e-3 * extent);
+  }
+}
+
+TEST(DisplayMesh, SameMeshIsStoredOnce) {
+  view::Pack pack;
+  view::MeshStore store(pack, 100'000);
+  const view::DisplayMesh mesh = bumpySphere(10);
+  EXPECT_EQ(store.add(mesh, 200), 0);
+  EXPECT_EQ(store.add(bumpySphere(12), 288), 1);
+  EXPECT_EQ(store.add(mesh, 200), 0);
+  EXPECT_EQ(store.document().size(), 2u);
+}
+
+class View : public CommandTest {
+ protected:
+  /// Problem names that would be markup.
+  void writeHostile() const {
+    std::string text = kReach;
+    text.replace(text.find("around the post"), 15,
+                 "\"</script><script>alert(1)</script><svg onload=alert(1)>&\\u2028\"");
+    text.replace(text.find("name: post"), 10, "name: \"<img src=x>\"");
+    write("hostile.yaml", text);
+  }
+};
+
+TEST_F(View, DrawsThreeViews) {
+  writeHostile();
+  const Answer answer = run("view hostile.yaml --svg picture.svg");
+  EXPECT_EQ(answer.status, 0) << answer.err;
+  EXPECT_NE(answer.out.find("certified"), std::string::npos) << answer.out;
+  tinyxml2::XMLDocument picture;
+  ASSERT_EQ(picture.LoadFile(path("picture.svg").c_str()), tinyxml2::XML_SUCCESS);
+  int views = 0;
+  for (const auto* view = picture.RootElement()->FirstChildElement("svg"); view != nullptr;
+       view = view->NextSiblingElement("svg")) {
+    ++views;
+    EXPECT_NE(view->FirstChildElement("polyline"), nullptr);  // the trail
+    EXPECT_NE(view->FirstChildElement("line"), nullptr);      // the nearest pair
+    int robots = 0;                                           // five on the way, start, goal
+    for (const auto* g = view->FirstChildElement("g"); g != nullptr; g = g->NextSiblingElement("g"))
+      ++robots;
+    EXPECT_EQ(robots, 7);
+  }
+  EXPECT_EQ(views, 3);
+  EXPECT_EQ(read("picture.svg").find("<script"), std::string::npos);
+  EXPECT_EQ(run("view hostile.yaml --svg again.svg").status, 0);
+  EXPECT_EQ(read("again.svg"), read("picture.svg"));
+}
+
+TEST_F(View, DrawsAFailure) {
+  write("inside.yaml", kInvalidStart);
+  const Answer answer = run("view inside.yaml --svg inside.svg");
+  EXPECT_EQ(answer.status, 1) << answer.err;
+  for (const char* word : {"start not valid", "lower and post", "70.00 mm deep", "way out"})
+    EXPECT_NE(answer.out.find(word), std::string::npos) << word << "\n" << answer.out;
+  EXPECT_NE(read("inside.svg").find("start not valid"), std::string::npos);
+}
+
+TEST_F(View, RefusesWhatItCannotWrite) {
+  expectRefused("view reach.yaml --svg picture.png", {"picture.png", ".svg"});
+  expectRefused("view reach.yaml --svg missing/picture.svg", {"missing"});
+  expectRefused("view reach.yaml --output page.txt", {"page.txt", ".html"});
+  expectRefused("plan reach.yaml --view page.txt", {"page.txt", ".html"});
+  expectRefused("view missing.yaml --svg picture.svg", {"missing.yaml"});
+}
+
+/// Where the command has the page. What a user names is in base64, so that no byte of it is markup.
+TEST_F(View, PageHoldsNothingOfTheUser) {
+  writeHostile();
+  const Answer answer = run("view hostile.yaml --output page.html");
+  if (answer.err.find("without node") != std::string::npos) {
+    EXPECT_EQ(answer.status, 2);
+    EXPECT_NE(answer.err.find("tools/setup --view"), std::string::npos);
+    GTEST_SKIP() << "the command was built without node";
+  }
+  ASSERT_EQ(answer.status, 0) << answer.err;
+  ASSERT_EQ(run("view empty.yaml --output empty.html").status, 0);
+  const auto split = [](const std::string& page) {
+    const std::string mark = "application/octet-stream\">";
+    const std::size_t begin = page.find(mark) + mark.size();
+    const std::size_t end = page.find('<', begin);
+    return std::pair(page.substr(begin, end - begin), page.substr(0, begin) + page.substr(end));
+  };
+  const auto [data, frame] = split(read("page.html"));
+  const auto [other, same] = split(read("empty.html"));
+  EXPECT_EQ(frame, same);
+  EXPECT_NE(data, other);
+  EXPECT_EQ(data.find_first_not_of("ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz"
+                                   "0123456789+/="),
+            std::string::npos);
+  EXPECT_NE(frame.find("Content-Security-Policy"), std::string::npos);
+  EXPECT_NE(frame.find("Permission is hereby granted"), std::string::npos);  // three.js's licence
+  // The same command line, the same bytes.
+  ASSERT_EQ(run("view hostile.yaml --output again.html").status, 0);
+  EXPECT_EQ(read("again.html"), read("page.html"));
+}
+
+TEST_F(View, OtherVerbsWritePages) {
+  if (run("view reach.yaml --output page.html").status == 2) GTEST_SKIP() << "built without node";
+  EXPECT_EQ(run("plan reach.yaml --output path.json --view plan.html --json").status, 0);
+  EXPECT_EQ(run("clearance reach.yaml path.json --view clearance.html").status, 0);
+  EXPECT_EQ(run("batch reach.yaml empty.yaml --view pages").status, 0);
+  for (const char* page : {"plan.html", "clearance.html", "pages/0001.html", "pages/0002.html"})
+    EXPECT_GT(read(page).size(), 100'000u) << page;
+  const std::string index = read("pages/index.html");
+  EXPECT_NE(index.find("around the post"), std::string::npos);
+  EXPECT_NE(index.find("href=\"0002.html\""), std::string::npos);
+}
+
+}  // namespace
+}  // namespace leeway::tools::testing

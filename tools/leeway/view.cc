@@ -1,0 +1,104 @@
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "leeway/planner/path_io.h"
+#include "leeway/planner/plan.h"
+#include "leeway/planner/replanner.h"
+#include "leeway/robots/input_error.h"
+#include "tools/leeway/support/exit_status.h"
+#include "tools/leeway/support/output_file.h"
+#include "tools/leeway/support/problem_source.h"
+#include "tools/leeway/support/terminal.h"
+#include "tools/leeway/support/verb.h"
+#include "tools/leeway/view/page.h"
+
+namespace leeway::tools {
+namespace {
+
+struct Arguments {
+  ProblemSource source;
+  PlanOverrides overrides;
+  std::vector<std::string> files;
+  view::PageChoice page{.file = "view.html"};
+  std::string svg;
+};
+
+/// What to show without a path: a plan, or where obstacles move an execution.
+view::Subject solve(const planner::Problem& problem, const Arguments& arguments) {
+  const std::string& name = arguments.source.problem;
+  for (const planner::DeformingObstacle& obstacle : problem.world.deforming) {
+    if (!obstacle.motion) continue;
+    std::vector<planner::ReplanStep> steps;
+    planner::ReplanOptions options;
+    options.stop = interactivePlanOptions().stop;
+    const planner::ReplanResult result = planner::replan(
+        problem, options, [&](const planner::ReplanStep& step) { steps.push_back(step); });
+    return view::subjectOfExecution(problem, name, steps, result.status);
+  }
+  view::SearchEdges searched;
+  planner::PlanOptions options = planOptions(arguments.overrides);
+  view::recordSearch(options, searched);
+  const planner::PlanResult result = planner::plan(problem, options);
+  printWarnings(result.warnings);
+  return view::subjectOfPlan(problem, name, result, std::move(searched));
+}
+
+int run(Arguments& arguments) {
+  std::string path_file;
+  if (arguments.files.size() == 2 ||
+      (arguments.files.size() == 1 && !arguments.source.robot.empty()))
+    path_file = takePathFile(arguments.source, arguments.files);
+  else if (!arguments.files.empty())
+    arguments.source.problem = arguments.files.front();
+  const bool only_picture = !arguments.svg.empty() && arguments.page.file.empty();
+  if (!arguments.svg.empty()) view::expectPicture(arguments.svg);
+  if (!only_picture) view::expectPage(arguments.page);
+  planner::Problem problem = loadProblem(arguments.source);
+  apply(arguments.overrides, problem);
+  const view::Subject subject = path_file.empty()
+                                    ? solve(problem, arguments)
+                                    : view::subjectOfPath(problem, arguments.source.problem,
+                                                          planner::readPath(path_file, problem));
+  endProgress();
+  if (!arguments.svg.empty()) planner::writeFileWhole(arguments.svg, view::pictureSvg(subject));
+  if (!only_picture) view::writePage(arguments.page, subject);
+  fmt::print("{}: {}\n", problem.name, subject.verdict);
+  for (const std::string& note : subject.notes) fmt::print("{}\n", note);
+  if (!arguments.svg.empty()) fmt::print("{}\n", arguments.svg);
+  if (!only_picture) fmt::print("{}\n", arguments.page.file);
+  return subject.good ? kYes : kNo;
+}
+
+}  // namespace
+
+Verb addView(CLI::App& command) {
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* app = command.add_subcommand(
+      "view", "one HTML page: the plan, the room that it leaves, or why there is none");
+  addProblemAndPathArguments(*app, arguments->source, arguments->files);
+  app->get_option("files")->expected(0, 2)->description(
+      "problem file (not with --robot) and path file; without a path the problem is planned, or "
+      "executed where its obstacles move");
+  addPlanOverrides(*app, arguments->overrides);
+  CLI::Option* output = app->add_option("--output", arguments->page.file, "the page")
+                            ->type_name("FILE.html")
+                            ->capture_default_str();
+  app->add_option(
+         "--svg", arguments->svg,
+         "a picture instead of the page (both with --output): three views with start, goal "
+         "and what lies between")
+      ->type_name("FILE.svg");
+  app->add_flag("--open", arguments->page.open, "show the page in the browser");
+  app->footer(
+      "The page needs no network and no server. docs/view.md explains it.\n"
+      "Examples:\n"
+      "  leeway view problems/shelf/reach.yaml --output shelf.html\n"
+      "  leeway view problems/shelf/reach.yaml --svg shelf.svg");
+  return {app, [arguments, output] {
+            if (!arguments->svg.empty() && output->count() == 0) arguments->page.file.clear();
+            return run(*arguments);
+          }};
+}
+
+}  // namespace leeway::tools

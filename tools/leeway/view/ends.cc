@@ -1,0 +1,111 @@
+#include "tools/leeway/view/ends.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "leeway/collision/separation.h"
+#include "leeway/robots/kinematics.h"
+
+namespace leeway::tools::view {
+namespace {
+
+using planner::CompiledScene;
+
+constexpr double kEndTolerance = 1e-6;  // [m]
+constexpr double kOutTolerance = 1e-4;  // [m]
+constexpr int kOutQueries = 5000;       // some milliseconds
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+/// A valid number of a range; where a side is open, that nearest to 0.
+double middle(double lower, double upper) {
+  if (std::isfinite(lower) && std::isfinite(upper)) return 0.5 * (lower + upper);
+  return std::clamp(0.0, lower, upper);
+}
+
+class WayOut {
+ public:
+  WayOut(const CompiledScene& scene, const std::vector<double>& position) : scene_(scene) {
+    std::vector<double> q(scene.model().variables.size());
+    X_WL_.resize(scene.model().links.size());
+    scene.expand(position, q);
+    robots::forwardKinematics(scene.model(), q, X_WL_);
+  }
+
+  /// Of the body alone, from all that it is checked against.
+  Eigen::Vector3d of(int body) const {
+    const collision::Scene& scene = scene_.scene();
+    const std::vector<collision::PlacedShape> shapes = placed(body);
+    double extent = 0;
+    for (const collision::PlacedShape& s : shapes)
+      extent = std::max(extent, s.shape->boundingRadius());
+    collision::SeparationRequest request;
+    request.tolerance = kOutTolerance;
+    request.query_limit = kOutQueries;
+    // Farther than twice its size no body is deep in another of its kind.
+    request.longest = 4 * extent;
+    std::vector<char> met(scene.bodies().size(), 0);
+    double margin = 0;
+    for (const collision::ScenePair& pair : scene.pairs()) {
+      if (pair.body_a != body && pair.body_b != body) continue;
+      met[at(pair.body_a == body ? pair.body_b : pair.body_a)] = 1;
+      margin = std::max(margin, pair.margin);
+    }
+    request.clearance = margin;
+    std::vector<collision::PlacedShape> obstacles;
+    for (std::size_t b = 0; b < met.size(); ++b) {
+      if (met[b] == 0) continue;
+      for (const collision::PlacedShape& s : placed(static_cast<int>(b)))
+        if (isNear(shapes, s, request.longest + margin)) obstacles.push_back(s);
+    }
+    collision::Scratch scratch;
+    const collision::SeparationResult result = separation(shapes, obstacles, request, scratch);
+    return result.status == collision::SeparationStatus::kSeparated ? result.translation
+                                                                    : Eigen::Vector3d::Zero();
+  }
+
+ private:
+  std::vector<collision::PlacedShape> placed(int body) const {
+    const collision::Body& b = scene_.scene().bodies()[at(body)];
+    const collision::Pose& X_WB = b.moving ? X_WL_[at(scene_.bodyLink(body))] : b.X_WB;
+    std::vector<collision::PlacedShape> shapes;
+    for (const collision::Geometry& g : b.geometries) shapes.push_back({&g.shape, X_WB * g.X_BG});
+    return shapes;
+  }
+
+  static bool isNear(const std::vector<collision::PlacedShape>& shapes,
+                     const collision::PlacedShape& obstacle, double reach) {
+    const Eigen::Vector3d center = obstacle.X_WS * obstacle.shape->boundingCenter();
+    return std::any_of(shapes.begin(), shapes.end(), [&](const collision::PlacedShape& s) {
+      const double apart = (s.X_WS * s.shape->boundingCenter() - center).norm();
+      return !(apart > s.shape->boundingRadius() + obstacle.shape->boundingRadius() + reach);
+    });
+  }
+
+  const CompiledScene& scene_;
+  std::vector<collision::Pose> X_WL_;
+};
+
+}  // namespace
+
+std::vector<End> endsOf(const planner::Problem& problem,
+                        const std::shared_ptr<const CompiledScene>& scene) {
+  std::vector<End> ends(1);
+  ends[0].name = "start";
+  for (const int v : problem.robot.variables) ends[0].position.push_back(problem.start[at(v)]);
+  for (const planner::Goal& goal : problem.goals) {
+    End end{goal.name, {}, {}};
+    for (const auto& [lower, upper] : goal.ranges) end.position.push_back(middle(lower, upper));
+    ends.push_back(std::move(end));
+  }
+  planner::EdgeCertifier certifier(scene);
+  for (End& end : ends) {
+    end.check = certifier.clearance(end.position, kEndTolerance);
+    if (end.check.verdict == planner::Verdict::kFree || end.check.pair < 0) continue;
+    const collision::ScenePair& pair = scene->scene().pairs()[at(end.check.pair)];
+    end.way_out = WayOut(*scene, end.position).of(pair.body_a);
+  }
+  return ends;
+}
+
+}  // namespace leeway::tools::view

@@ -1,0 +1,431 @@
+#include "tools/leeway/view/page.h"
+
+#include <fmt/format.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <limits>
+
+#include "collision/mesh/mesh_tree.h"
+#include "leeway/collision/triangle_mesh.h"
+#include "leeway/planner/path_io.h"
+#include "leeway/robots/input_error.h"
+#include "leeway/robots/kinematics.h"
+#include "tools/leeway/support/json_result.h"
+#include "tools/leeway/support/output_file.h"
+#include "tools/leeway/view/display_mesh.h"
+#include "tools/leeway/view/page_source.h"
+
+namespace leeway::tools::view {
+namespace {
+
+using collision::Pose;
+using collision::ShapeType;
+using Eigen::Vector3d;
+
+constexpr std::size_t kTriangles = 200'000;  // of all meshes of a page
+constexpr std::size_t kShownPairs = 400;     // pairs left out that are listed by name
+constexpr std::size_t kShownEdges = 6000;    // of a search
+constexpr std::string_view kEndings[] = {".html"};
+constexpr std::string_view kPictureEndings[] = {".svg"};
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+float small(double x) { return static_cast<float>(x); }
+
+/// x y z w, with w >= 0.
+Eigen::Vector4d quaternionOf(const Eigen::Matrix3d& rotation) {
+  Eigen::Quaterniond q(rotation);
+  q.normalize();
+  return q.w() < 0 ? Eigen::Vector4d(-q.coeffs()) : Eigen::Vector4d(q.coeffs());
+}
+
+/// Poses as columns of numbers: seven planes of `count` numbers, x y z qx qy qz qw.
+class PoseColumns {
+ public:
+  void add(const Pose& X) {
+    const Eigen::Vector4d q = quaternionOf(X.rotation);
+    for (int k = 0; k < 3; ++k) columns_[at(k)].push_back(small(X.translation[k]));
+    for (int k = 0; k < 4; ++k) columns_[at(3 + k)].push_back(small(q[k]));
+  }
+  Json pack(Pack& pack) const {
+    std::vector<float> all;
+    for (const std::vector<float>& column : columns_)
+      all.insert(all.end(), column.begin(), column.end());
+    return pack.add(all);
+  }
+
+ private:
+  std::vector<float> columns_[7];
+};
+
+/// The three numbers that a page draws a shape by: half extents, or radius and half length.
+Vector3d sizesOf(const collision::Shape& shape) {
+  switch (shape.type()) {
+    case ShapeType::kBox:
+    case ShapeType::kEllipsoid:
+      return shape.halfExtents();
+    case ShapeType::kSphere:
+    case ShapeType::kCapsule:
+    case ShapeType::kCylinder:
+    case ShapeType::kCone:
+      return {shape.radius(), shape.halfLength(), 0};
+    default:
+      return Vector3d::Zero();
+  }
+}
+
+/// Makes the document and its arrays. tools/view/ reads what is written here.
+class Document {
+ public:
+  explicit Document(const Subject& subject)
+      : subject_(subject),
+        scene_(subject.scene->scene()),
+        model_(subject.scene->model()),
+        meshes_(pack_, kTriangles),
+        q_(model_.variables.size()),
+        X_WL_(model_.links.size()) {
+    for (std::size_t b = 0; b < scene_.bodies().size(); ++b)
+      if (scene_.bodies()[b].moving) moving_.push_back(static_cast<int>(b));
+  }
+
+  std::string text() {
+    Json document = {{"format", 1},
+                     {"name", subject_.problem.name},
+                     {"source", subject_.source},
+                     {"robot", model_.name},
+                     {"verdict", subject_.verdict},
+                     {"good", subject_.good},
+                     {"notes", subject_.notes}};
+    addBodies(document);
+    addParts(document);
+    addMotion(document);
+    addClearance(document);
+    addJoints(document);
+    addEnds(document);
+    addFrames(document);
+    addSearch(document);
+    addDropped(document);
+    document["meshes"] = meshes_.document();
+    document["triangles"] = meshes_.triangles();
+    document["mesh_error"] = meshes_.largestError();
+    return pack_.text(document);
+  }
+
+ private:
+  void addBodies(Json& document) const {
+    Json names = Json::array();
+    for (const collision::Body& body : scene_.bodies()) names.push_back(body.name);
+    document["bodies"] = names;
+    document["moving"] = moving_;
+    // The body that the others carry, for trails: the last in tree order.
+    document["tip"] = tip();
+    Json held = Json::array();
+    for (const planner::Attachment& a : subject_.problem.robot.attachments)
+      if (const int body = scene_.find(a.object.name); body >= 0) held.push_back(body);
+    document["held"] = held;
+    Json links = Json::array();
+    for (std::size_t b = 0; b < scene_.bodies().size(); ++b)
+      if (model_.findLink(scene_.bodies()[b].name) >= 0) links.push_back(b);
+    document["links"] = links;
+  }
+
+  int tip() const {
+    int best = moving_.empty() ? -1 : moving_.front();
+    for (const int b : moving_)
+      if (subject_.scene->bodyLink(b) >= subject_.scene->bodyLink(best)) best = b;
+    return best;
+  }
+
+  void addParts(Json& document) {
+    std::vector<std::uint32_t> body, mesh;
+    std::vector<std::uint8_t> kind;
+    std::vector<float> size[3], ball[4];
+    PoseColumns poses;
+    Json names = Json::array(), pieces = Json::array();
+    for (std::size_t b = 0; b < scene_.bodies().size(); ++b) {
+      const collision::Body& of = scene_.bodies()[b];
+      for (const collision::Geometry& g : of.geometries) {
+        const auto part = static_cast<int>(body.size());
+        body.push_back(static_cast<std::uint32_t>(b));
+        kind.push_back(static_cast<std::uint8_t>(g.shape.type()));
+        const bool has_mesh = g.shape.type() >= ShapeType::kConvexHull && !hasFrames(of);
+        mesh.push_back(has_mesh ? static_cast<std::uint32_t>(meshes_.add(g.shape)) : 0U);
+        const Vector3d sizes = sizesOf(g.shape);
+        for (int k = 0; k < 3; ++k) size[k].push_back(small(sizes[k]));
+        for (int k = 0; k < 3; ++k) ball[k].push_back(small(g.shape.boundingCenter()[k]));
+        ball[3].push_back(std::isfinite(g.shape.boundingRadius()) ? small(g.shape.boundingRadius())
+                                                                  : -1.0F);
+        // What moves is placed in its body's frame, what stands in the world.
+        poses.add(of.moving ? g.X_BG : of.X_WB * g.X_BG);
+        if (!g.name.empty() && g.name != of.name) names.push_back({part, g.name});
+        addPieces(g.shape, part, pieces);
+      }
+    }
+    const std::size_t by_one[] = {1};
+    const auto joined = [](const auto& columns) {
+      std::vector<float> all;
+      for (const auto& column : columns) all.insert(all.end(), column.begin(), column.end());
+      return all;
+    };
+    document["parts"] = {{"count", body.size()},
+                         {"body", pack_.add(body, by_one)},
+                         {"mesh", pack_.add(mesh, by_one)},
+                         {"kind", pack_.add(kind)},
+                         {"size", pack_.add(joined(size))},
+                         {"ball", pack_.add(joined(ball))},
+                         {"pose", poses.pack(pack_)},
+                         {"names", names},
+                         {"pieces", pieces}};
+    document["kinds"] = Json::array();
+    for (int k = 0; k <= static_cast<int>(ShapeType::kDeformable); ++k)
+      document["kinds"].push_back(toString(static_cast<ShapeType>(k)));
+  }
+
+  /// The convex pieces that queries look at first.
+  void addPieces(const collision::Shape& shape, int part, Json& pieces) {
+    if (shape.mesh() == nullptr) return;
+    const collision::MeshTree& tree = shape.mesh()->tree();
+    for (int i = 0; i < tree.pieceCount(); ++i) {
+      const collision::ConvexHull& hull = tree.pieceHull(i);
+      constexpr std::size_t kOfPiece = 1000;
+      pieces.push_back({part, meshes_.add(decimated(hull.vertices(), hull.facets(), kOfPiece),
+                                          hull.facets().size())});
+    }
+  }
+
+  bool hasFrames(const collision::Body& body) const {
+    const auto& frames = subject_.timeline.frames;
+    return std::any_of(frames.begin(), frames.end(),
+                       [&](const Frames& f) { return &scene_.bodies()[at(f.body)] == &body; });
+  }
+
+  void place(const std::vector<double>& position) {
+    subject_.scene->expand(position, q_);
+    robots::forwardKinematics(model_, q_, X_WL_);
+  }
+  const Pose& poseOf(int body) const {
+    const collision::Body& b = scene_.bodies()[at(body)];
+    return b.moving ? X_WL_[at(subject_.scene->bodyLink(body))] : b.X_WB;
+  }
+
+  void addMotion(Json& document) {
+    Json times = Json::array();
+    PoseColumns poses;  // moment by moment, then body by body
+    for (const Moment& moment : subject_.timeline.moments) {
+      times.push_back(moment.time);
+      place(moment.position);
+      for (const int body : moving_) poses.add(poseOf(body));
+    }
+    document["times"] = times;
+    document["poses"] = poses.pack(pack_);
+    document["waypoints"] = subject_.timeline.waypoint_times;
+    Json decisions = Json::array();
+    for (const auto& [time, decision] : subject_.decisions) decisions.push_back({time, decision});
+    document["decisions"] = decisions;
+  }
+
+  /// Names, points and both ends of the interval; points of what moves in its frame, others in the
+  /// world's.
+  Json closest(const planner::StateCheck& check, const std::vector<double>& position) {
+    if (check.pair < 0) return {};
+    place(position);
+    const collision::ScenePair& pair = scene_.pairs()[at(check.pair)];
+    const auto local = [&](int body, const Vector3d& p_W) {
+      return jsonVector(scene_.bodies()[at(body)].moving ? poseOf(body).inverse() * p_W : p_W);
+    };
+    return {{"a", pair.body_a},
+            {"b", pair.body_b},
+            {"lower", jsonNumber(check.clearance.lower)},
+            {"upper", jsonNumber(check.clearance.upper)},
+            {"point_a", local(pair.body_a, check.closest.point_a)},
+            {"point_b", local(pair.body_b, check.closest.point_b)},
+            {"margin", pair.margin}};
+  }
+
+  void addClearance(Json& document) {
+    const Timeline& timeline = subject_.timeline;
+    Json moments = Json::array();
+    for (const Moment& moment : timeline.moments)
+      moments.push_back(closest(moment.check, moment.position));
+    document["closest"] = moments;
+    Json proven = Json::array();
+    for (const planner::Interval& stretch : timeline.stretches)
+      proven.push_back(jsonNumber(stretch.lower));
+    document["proven"] = proven;
+    double margin = std::numeric_limits<double>::infinity();
+    for (const collision::ScenePair& pair : scene_.pairs()) margin = std::min(margin, pair.margin);
+    document["margin"] = jsonNumber(margin);
+    document["pairs"] = scene_.pairs().size();
+    std::vector<float> bodies;  // moment by moment, moving bodies alone
+    for (const std::vector<double>& clearance : timeline.body_clearance)
+      for (const int body : moving_) bodies.push_back(small(clearance[at(body)]));
+    document["body_clearance"] = pack_.add(bodies);
+    std::vector<float> least;
+    for (const double x : timeline.least_clearance) least.push_back(small(x));
+    std::vector<std::uint32_t> when;
+    for (const int m : timeline.least_moment) when.push_back(static_cast<std::uint32_t>(m + 1));
+    document["least_clearance"] = pack_.add(least);
+    document["least_moment"] = pack_.add(when);
+  }
+
+  void addJoints(Json& document) {
+    const planner::ConfigurationSpace& space = subject_.scene->space();
+    Json joints = Json::array();
+    for (int i = 0; i < space.size(); ++i) {
+      const robots::Variable& v = model_.variables[at(space.variables()[at(i)])];
+      const robots::JointType type = model_.joints[at(v.joint)].type;
+      const bool turns = type == robots::JointType::kRevolute ||
+                         type == robots::JointType::kContinuous || v.name.ends_with("/theta");
+      const bool pure =
+          v.name.find("/q") != std::string::npos && type == robots::JointType::kFloating;
+      joints.push_back({{"name", v.name},
+                        {"unit", pure    ? ""
+                                 : turns ? "rad"
+                                         : "m"},
+                        {"lower", jsonNumber(space.lower(i))},
+                        {"upper", jsonNumber(space.upper(i))}});
+    }
+    document["joints"] = joints;
+    std::vector<double> values;  // moment by moment, to the bit
+    for (const Moment& moment : subject_.timeline.moments)
+      values.insert(values.end(), moment.position.begin(), moment.position.end());
+    document["positions"] = pack_.add(values);
+  }
+
+  void addEnds(Json& document) {
+    Json ends = Json::array();
+    for (const End& end : subject_.ends) {
+      PoseColumns poses;
+      place(end.position);
+      for (const int body : moving_) poses.add(poseOf(body));
+      ends.push_back({{"name", end.name},
+                      {"valid", end.check.verdict == planner::Verdict::kFree},
+                      {"closest", closest(end.check, end.position)},
+                      {"way_out", jsonVector(end.way_out)},
+                      {"poses", poses.pack(pack_)}});
+    }
+    document["ends"] = ends;
+  }
+
+  void addFrames(Json& document) {
+    Json all = Json::array();
+    for (const Frames& frames : subject_.timeline.frames) {
+      std::vector<Vector3d> points;
+      for (const std::vector<Vector3d>& frame : frames.positions)
+        points.insert(points.end(), frame.begin(), frame.end());
+      const Quantised q = quantised(points);
+      const std::size_t frame = 3 * frames.positions.front().size();
+      // Twice over time: vertices mostly keep their velocity from frame to frame.
+      const std::size_t strides[] = {frame, frame};
+      std::vector<std::uint32_t> indices;
+      for (const Triangle& t : scene_.bodies()[at(frames.body)]
+                                   .geometries.front()
+                                   .shape.deformable()
+                                   ->mesh()
+                                   .triangles())
+        for (const std::int32_t i : t) indices.push_back(static_cast<std::uint32_t>(i));
+      const std::size_t by_one[] = {1};
+      PoseColumns pose;
+      const collision::Body& body = scene_.bodies()[at(frames.body)];
+      pose.add(body.X_WB * body.geometries.front().X_BG);
+      all.push_back({{"body", frames.body},
+                     {"pose", pose.pack(pack_)},
+                     {"times", frames.times},
+                     {"low", jsonVector(q.low)},
+                     {"step", q.step},
+                     {"error", quantisationError(q)},
+                     {"positions", pack_.add(q.numbers, strides)},
+                     {"triangles", pack_.add(indices, by_one)}});
+    }
+    document["frames"] = all;
+  }
+
+  /// Where the tip is at both ends of each edge.
+  void addSearch(Json& document) {
+    std::vector<float> points;
+    const int body = tip();
+    const std::size_t every = subject_.searched.size() / kShownEdges + 1;
+    for (std::size_t i = 0; body >= 0 && i < subject_.searched.size(); i += every) {
+      for (const std::vector<double>* q :
+           {&subject_.searched[i].first, &subject_.searched[i].second}) {
+        place(*q);
+        const collision::Geometry& g = scene_.bodies()[at(body)].geometries.front();
+        const Vector3d p_W = poseOf(body) * (g.X_BG * g.shape.boundingCenter());
+        for (int k = 0; k < 3; ++k) points.push_back(small(p_W[k]));
+      }
+    }
+    document["search"] = pack_.add(points);
+    document["searched"] = subject_.searched.size();
+  }
+
+  void addDropped(Json& document) const {
+    const auto& dropped = subject_.scene->dropped();
+    Json list = Json::array();
+    for (std::size_t i = 0; i < std::min(dropped.size(), kShownPairs); ++i)
+      list.push_back({dropped[i].a, dropped[i].b, dropped[i].reason});
+    document["dropped"] = list;
+    document["dropped_count"] = dropped.size();
+  }
+
+  const Subject& subject_;
+  const collision::Scene& scene_;
+  const robots::Model& model_;
+  Pack pack_;
+  MeshStore meshes_;
+  std::vector<int> moving_;
+  std::vector<double> q_;
+  std::vector<Pose> X_WL_;
+};
+
+/// Shows a file in the desktop's browser. Not through a shell: the name may hold anything.
+void openFile(const std::string& file) {
+  std::string program = "xdg-open", name = std::filesystem::absolute(file).string();
+  char* arguments[] = {program.data(), name.data(), nullptr};
+  pid_t child = 0;
+  int status = 0;
+  const bool started =
+      ::posix_spawnp(&child, program.c_str(), nullptr, nullptr, arguments, environ) == 0;
+  if (!started || ::waitpid(child, &status, 0) < 0 || status != 0)
+    fmt::print(stderr, "{}: could not be opened with xdg-open; open it in a browser\n", file);
+}
+
+}  // namespace
+
+std::string page(const Subject& subject) {
+  const std::string_view source = pageSource();
+  const std::size_t place = source.find(kDataPlace);
+  std::string html(source.substr(0, place));
+  html += Document(subject).text();
+  html += source.substr(place + kDataPlace.size());
+  return html;
+}
+
+void expectPage(const std::string& file) {
+  checkOutputFile(file, kEndings);
+  if (pageSource().empty())
+    throw robots::InputError(
+        file, 0,
+        "cannot be written: this command was built without node and npm, which make the page; run "
+        "`tools/setup --view`, configure and build again");
+}
+
+void expectPicture(const std::string& file) { checkOutputFile(file, kPictureEndings); }
+
+void addPageOptions(CLI::App& app, PageChoice& choice) {
+  CLI::Option* view =
+      app.add_option("--view", choice.file, "also write a page to look at")->type_name("FILE.html");
+  app.add_flag("--open", choice.open, "show the page in the browser")->needs(view);
+}
+
+void writePage(const PageChoice& choice, const Subject& subject) {
+  planner::writeFileWhole(choice.file, page(subject));
+  if (choice.open) openFile(choice.file);
+}
+
+}  // namespace leeway::tools::view

@@ -1,0 +1,75 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "leeway/planner/plan.h"
+#include "leeway/planner/replanner.h"
+#include "tools/leeway/view/ends.h"
+#include "tools/leeway/view/timeline.h"
+
+namespace leeway::tools::view {
+
+/// Edges of a search, as points of the space.
+using SearchEdges = std::vector<std::pair<std::vector<double>, std::vector<double>>>;
+
+/// Has a plan's search tell its edges. `edges` must outlive the plan.
+void recordSearch(planner::PlanOptions& options, SearchEdges& edges);
+
+/// What a page or a picture is about.
+struct Subject {
+  const planner::Problem& problem;
+  std::string source;  ///< the problem's file, as the user named it
+  std::shared_ptr<const planner::CompiledScene> scene;
+  std::vector<End> ends;
+  Timeline timeline;
+  std::string verdict;             ///< one word: "certified", "unsolved", ...
+  bool good = false;               ///< whether that is what the user hoped for
+  std::vector<std::string> notes;  ///< sentences for people
+  SearchEdges searched;
+  std::vector<std::pair<double, std::string>> decisions;  ///< of an execution, by time [s]
+};
+
+/// The subject of a plan, of a path from a file, of an execution. Each compiles the problem and
+/// measures, which takes a second or so.
+Subject subjectOfPlan(const planner::Problem& problem, const std::string& source,
+                      const planner::PlanResult& result, SearchEdges searched);
+Subject subjectOfPath(const planner::Problem& problem, const std::string& source,
+                      const planner::Path& path);
+Subject subjectOfExecution(const planner::Problem& problem, const std::string& source,
+                           const std::vector<planner::ReplanStep>& steps,
+                           planner::ReplanStatus status);
+
+/// One HTML document that needs nothing besides. Throws robots::InputError where the command was
+/// built without the page (see expectPage()).
+std::string page(const Subject& subject);
+
+/// The options --view and --open of a verb.
+struct PageChoice {
+  std::string file;  ///< empty: no page
+  bool open = false;
+};
+void addPageOptions(CLI::App& app, PageChoice& choice);
+
+/// Refuses, before work is done, what cannot be written: another ending than .html, a missing
+/// folder, a command that was built without node. Throws robots::InputError.
+void expectPage(const std::string& file);
+void expectPicture(const std::string& file);  ///< the same for .svg, which needs no node
+inline void expectPage(const PageChoice& choice) {
+  if (!choice.file.empty()) expectPage(choice.file);
+}
+/// Writes it whole; `open`: also shows it in the user's browser.
+void writePage(const PageChoice& choice, const Subject& subject);
+
+/// Three views of start, goal and what lies between, as an SVG document. Without a browser, for
+/// papers and logs. `only_picture`: without title and texts, for an index.
+std::string pictureSvg(const Subject& subject, bool only_picture = false);
+
+/// A user's text as text of an XML or HTML document.
+std::string escaped(const std::string& text);
+
+}  // namespace leeway::tools::view

@@ -1,0 +1,152 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <span>
+
+#include "tools/leeway/support/scene_names.h"
+#include "tools/leeway/support/terminal.h"
+#include "tools/leeway/view/page.h"
+
+namespace leeway::tools::view {
+namespace {
+
+Subject begin(const planner::Problem& problem, const std::string& source) {
+  Subject subject{problem, source, std::make_shared<const planner::CompiledScene>(problem),
+                  {},      {},     {},
+                  false,   {},     {},
+                  {}};
+  subject.ends = endsOf(problem, subject.scene);
+  return subject;
+}
+
+std::string millimetresDown(double metres) { return formatLower(metres * 1e3, 2); }
+
+std::string endNote(const Subject& subject, const End& end) {
+  const PairNames names = pairNames(*subject.scene, end.check.pair);
+  const planner::Interval& clearance = end.check.clearance;
+  std::string text = clearance.upper <= 0
+                         ? fmt::format("{} is in collision: {} and {}, {} mm deep.", end.name,
+                                       names.a, names.b, millimetresDown(-clearance.upper))
+                         : fmt::format("{} is too near: {} and {}, {} mm apart.", end.name, names.a,
+                                       names.b, formatUpper(clearance.upper * 1e3, 2));
+  if (end.way_out.norm() > 0)
+    text += fmt::format(" The arrow shows a way out for {} alone: {} mm.", names.a,
+                        formatUpper(end.way_out.norm() * 1e3, 1));
+  return text;
+}
+
+void noteEnds(Subject& subject) {
+  for (const End& end : subject.ends)
+    if (end.check.verdict != planner::Verdict::kFree && end.check.pair >= 0)
+      subject.notes.push_back(endNote(subject, end));
+}
+
+/// Whether every stretch is proven above every margin, and the least bound of all.
+std::pair<bool, double> least(const Subject& subject) {
+  double margin = -std::numeric_limits<double>::infinity();
+  for (const collision::ScenePair& pair : subject.scene->scene().pairs())
+    margin = std::max(margin, pair.margin);
+  double lower = std::numeric_limits<double>::infinity();
+  for (const planner::Interval& stretch : subject.timeline.stretches)
+    lower = std::min(lower, stretch.lower);
+  return {lower >= margin, lower};
+}
+
+}  // namespace
+
+void recordSearch(planner::PlanOptions& options, SearchEdges& edges) {
+  options.on_edge = [&edges](std::span<const double> a, std::span<const double> b) {
+    constexpr std::size_t kMost = 200'000;  // enough to see how far the search came
+    if (edges.size() < kMost)
+      edges.emplace_back(std::vector<double>(a.begin(), a.end()),
+                         std::vector<double>(b.begin(), b.end()));
+  };
+}
+
+Subject subjectOfPath(const planner::Problem& problem, const std::string& source,
+                      const planner::Path& path) {
+  Subject subject = begin(problem, source);
+  subject.timeline = timelineOfPath(problem, subject.scene, path);
+  planner::EdgeCertifier certifier(subject.scene);
+  subject.good = true;
+  for (std::size_t i = 1; i < path.positions.size(); ++i) {
+    const planner::EdgeCheck check = certifier.certify(path.positions[i - 1], path.positions[i],
+                                                       planner::EdgeRequest::persistent());
+    if (check.verdict == planner::Verdict::kFree) continue;
+    subject.good = false;
+    const PairNames names = pairNames(*subject.scene, check.pair);
+    const char* what =
+        check.verdict == planner::Verdict::kNotFree ? "does not keep its margin" : "is undecided";
+    subject.notes.push_back(names.a.empty()
+                                ? fmt::format("Edge {} {} at t = {:.3f}.", i - 1, what, check.t)
+                                : fmt::format("Edge {} {} at t = {:.3f}: {} and {}.", i - 1, what,
+                                              check.t, names.a, names.b));
+  }
+  subject.verdict = subject.good ? "certified" : "not certified";
+  const double lower = least(subject).second;
+  if (subject.good)
+    subject.notes.push_back(
+        std::isfinite(lower)
+            ? fmt::format("Every point of every edge is proven to keep at least {} mm.",
+                          millimetresDown(lower))
+            : "There is nothing that could be touched.");
+  noteEnds(subject);
+  return subject;
+}
+
+Subject subjectOfPlan(const planner::Problem& problem, const std::string& source,
+                      const planner::PlanResult& result, SearchEdges searched) {
+  if (result.status == planner::PlanStatus::kSolved) {
+    Subject subject = subjectOfPath(problem, source, result.path);
+    subject.searched = std::move(searched);
+    subject.notes.push_back(fmt::format("{} with {}, seed {}: {} edges, length {:.3f}.",
+                                        toString(result.status), result.planner, result.seed,
+                                        result.certificate.segments.size(), result.length));
+    return subject;
+  }
+  Subject subject = begin(problem, source);
+  subject.searched = std::move(searched);
+  subject.timeline = timelineOfState(subject.scene, subject.ends.front().position);
+  switch (result.status) {
+    case planner::PlanStatus::kInvalidStart:
+      subject.verdict = "start not valid";
+      break;
+    case planner::PlanStatus::kInvalidGoal:
+      subject.verdict = "goal not valid";
+      break;
+    default:
+      subject.verdict = "no path found";
+      subject.notes.push_back(fmt::format(
+          "{} stopped at its limit after {:.2f} s, {} iterations and {} edges, {} of them "
+          "undecided. "
+          "That no path was found does not prove that there is none.",
+          result.planner, result.plan_s, result.iterations, result.edges, result.undecided_edges));
+  }
+  noteEnds(subject);
+  return subject;
+}
+
+Subject subjectOfExecution(const planner::Problem& problem, const std::string& source,
+                           const std::vector<planner::ReplanStep>& steps,
+                           planner::ReplanStatus status) {
+  Subject subject = begin(problem, source);
+  subject.timeline = steps.empty() ? timelineOfState(subject.scene, subject.ends.front().position)
+                                   : timelineOfSteps(problem, subject.scene, steps);
+  for (const planner::ReplanStep& step : steps)
+    subject.decisions.emplace_back(step.time, toString(step.decision));
+  const bool certified = std::all_of(steps.begin(), steps.end(),
+                                     [](const planner::ReplanStep& s) { return s.certified; });
+  subject.good = status == planner::ReplanStatus::kReached && certified;
+  subject.verdict = fmt::format("{}{}", toString(status), subject.good ? ", certified" : "");
+  const double lower = least(subject).second;
+  if (certified && std::isfinite(lower))
+    subject.notes.push_back(
+        fmt::format("Every step is proven to keep at least {} mm while the obstacles move.",
+                    millimetresDown(lower)));
+  noteEnds(subject);
+  return subject;
+}
+
+}  // namespace leeway::tools::view

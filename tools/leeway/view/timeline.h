@@ -1,0 +1,61 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "leeway/planner/edge_certifier.h"
+#include "leeway/planner/plan.h"
+#include "leeway/planner/replanner.h"
+
+namespace leeway::tools::view {
+
+/// What is known at one instant.
+struct Moment {
+  double time = 0;               ///< [s]
+  std::vector<double> position;  ///< of the planned variables
+  planner::StateCheck check;     ///< closest pair of the scene, clearance to kMomentTolerance
+};
+
+/// A deforming obstacle's vertices at some instants, in its frame.
+struct Frames {
+  int body = -1;
+  std::vector<double> times;                            // [s]
+  std::vector<std::vector<Eigen::Vector3d>> positions;  // [m]
+};
+
+/// A motion and the room that it leaves.
+struct Timeline {
+  std::vector<Moment> moments;  ///< at least one
+  /// Proven on the whole stretch from a moment to the next [m]; one fewer than moments.
+  std::vector<planner::Interval> stretches;
+  /// Clearance of each moving body at each moment, [moment][body of the scene], and the least of
+  /// every body over all moments. Upper ends [m]; infinity: nothing that it is checked against, or
+  /// not asked because there is too much.
+  std::vector<std::vector<double>> body_clearance;
+  std::vector<double> least_clearance;
+  std::vector<int> least_moment;
+  std::vector<Frames> frames;
+  std::vector<double> waypoint_times;  // [s]
+};
+
+/// Width of the intervals of moments [m].
+inline constexpr double kMomentTolerance = 1e-6;
+
+/// The path at the velocities of the problem's execution, at rest in each waypoint, among the
+/// obstacles as they stand at the start of the execution. About 250 moments and one for each
+/// waypoint; fewer where a scene has very many pairs.
+Timeline timelineOfPath(const planner::Problem& problem,
+                        const std::shared_ptr<const planner::CompiledScene>& scene,
+                        const planner::Path& path);
+
+/// What was executed, a moment a step, with the obstacles as they moved.
+Timeline timelineOfSteps(const planner::Problem& problem,
+                         const std::shared_ptr<const planner::CompiledScene>& scene,
+                         const std::vector<planner::ReplanStep>& steps);
+
+/// A single moment at the given point of the space.
+Timeline timelineOfState(const std::shared_ptr<const planner::CompiledScene>& scene,
+                         const std::vector<double>& position);
+
+}  // namespace leeway::tools::view

@@ -1,0 +1,53 @@
+// Play, pause, scrub, speed, and the keyboard.
+import { Vector3 } from 'three';
+import { element } from './words.js';
+
+const kSpeeds = [0.1, 0.25, 0.5, 1, 2, 4];
+
+export class Controls {
+  constructor(app) {
+    this.app = app;
+    const { motion } = app;
+    this.play = element('button', { id: 'play', text: 'Play', onclick: () => app.toggle() });
+    this.scrub = element('input', { id: 'scrub', type: 'range', min: motion.begin, max: motion.begin + motion.duration, step: 'any', value: motion.begin, 'aria-label': 'time', oninput: () => { app.pause(); app.seek(+this.scrub.value); } });
+    this.clock = element('output', { id: 'clock' });
+    this.speed = element('select', { id: 'speed', 'aria-label': 'speed', onchange: () => { app.speed = +this.speed.value; } }, ...kSpeeds.map((s) => element('option', { value: s, text: `${s}\u00d7`, selected: s === 1 })));
+    this.root = element('div', { id: 'controls' }, this.play, this.scrub, this.clock, this.speed);
+    const still = motion.duration === 0;
+    this.root.hidden = still;
+    window.addEventListener('keydown', (event) => this.key(event));
+  }
+  update() {
+    const { app } = this;
+    this.play.textContent = app.playing ? 'Pause' : 'Play';
+    this.scrub.value = app.time;
+    this.clock.textContent = `${app.time.toFixed(2)} / ${(app.motion.begin + app.motion.duration).toFixed(2)} s`;
+  }
+  faster(by) {
+    const i = Math.min(Math.max(kSpeeds.indexOf(this.app.speed) + by, 0), kSpeeds.length - 1);
+    this.app.speed = kSpeeds[i];
+    this.speed.value = kSpeeds[i];
+  }
+  key(event) {
+    if (event.ctrlKey || event.metaKey || event.altKey || event.target.matches?.('select, input[type=checkbox]')) return;
+    const { app } = this;
+    const step = (by) => { app.pause(); app.seek(app.motion.times[Math.min(Math.max(app.moment + by, 0), app.motion.times.length - 1)]); };
+    const from = (x, y, z) => app.stage?.frame(app.box, new Vector3(x, y, z));
+    const actions = {
+      ' ': () => app.toggle(),
+      ArrowLeft: () => step(-1),
+      ArrowRight: () => step(1),
+      Home: () => step(-Infinity),
+      End: () => step(Infinity),
+      '+': () => this.faster(1), '=': () => this.faster(1), '-': () => this.faster(-1),
+      m: () => app.seekLeast(),
+      f: () => app.stage?.frame(app.box),
+      1: () => from(0, -1, 0.05), 2: () => from(1, 0, 0.05), 3: () => from(0, -0.01, 1),
+      Escape: () => app.select(-1),
+    };
+    const action = actions[event.key.length === 1 ? event.key.toLowerCase() : event.key];
+    if (!action || (event.key === ' ' && event.target.matches?.('button, summary'))) return;
+    event.preventDefault();
+    action();
+  }
+}

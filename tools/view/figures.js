@@ -1,0 +1,91 @@
+// What is drawn over the bodies: the nearest pair, trails, the way out of a collision, the search, coarse bounds.
+import { ArrowHelper, BufferAttribute, BufferGeometry, Group, InstancedMesh, Line, LineBasicMaterial, LineSegments, Matrix4, Mesh, MeshBasicMaterial, SphereGeometry, Vector3, CylinderGeometry } from 'three';
+import { colours } from './theme.js';
+
+// A line with a thickness in the world that is the same on the screen, and a ball at each end; drawn over everything.
+export class NearestLine {
+  constructor(stage) {
+    this.stage = stage;
+    const material = new MeshBasicMaterial({ color: colours().nearest, depthTest: false, transparent: true });
+    this.material = material;
+    this.tube = new Mesh(new CylinderGeometry(1, 1, 1, 12), material);
+    this.ends = [0, 1].map(() => new Mesh(new SphereGeometry(1, 16, 12), material));
+    this.group = new Group();
+    this.group.add(this.tube, ...this.ends);
+    this.group.renderOrder = 10;
+    [this.tube, ...this.ends].forEach((m) => { m.renderOrder = 10; m.frustumCulled = false; });
+    this.points = null;
+    this.tube.onBeforeRender = () => {};
+  }
+  set(a, b) {
+    this.points = a ? [a, b] : null;
+    this.group.visible = a !== null;
+    this.update();
+  }
+  // Also when the camera has moved.
+  update() {
+    if (!this.points) return;
+    const [a, b] = this.points;
+    this.material.color.set(colours().nearest);
+    const size = this.stage.camera.position.distanceTo(a) * 0.0022;
+    this.tube.position.addVectors(a, b).multiplyScalar(0.5);
+    const along = b.clone().sub(a);
+    const length = along.length();
+    this.tube.quaternion.setFromUnitVectors(new Vector3(0, 1, 0), length > 0 ? along.divideScalar(length) : new Vector3(0, 1, 0));
+    this.tube.scale.set(size, length, size);
+    [a, b].forEach((p, i) => { this.ends[i].position.copy(p); this.ends[i].scale.setScalar(2.6 * size); });
+  }
+}
+
+export class Trail {
+  constructor() {
+    this.line = new Line(new BufferGeometry(), new LineBasicMaterial({ color: colours().trail, depthTest: false, transparent: true }));
+    this.line.renderOrder = 9;
+    this.line.frustumCulled = false;
+  }
+  // The centre of a body's first part through all moments.
+  set(motion, parts, body) {
+    const part = parts.body.indexOf(body);
+    if (part < 0 || !motion.matrices.has(body)) return;
+    const centre = new Vector3(...parts.ballOf(part)).applyMatrix4(parts.matrixOf(part));
+    const points = motion.times.map((_, moment) => centre.clone().applyMatrix4(motion.matricesAt(moment).get(body)));
+    this.line.geometry.dispose();
+    this.line.geometry = new BufferGeometry().setFromPoints(points);
+  }
+}
+
+export function searchLines(points) {
+  const geometry = new BufferGeometry();
+  geometry.setAttribute('position', new BufferAttribute(points, 3));
+  return new LineSegments(geometry, new LineBasicMaterial({ color: colours().search, transparent: true, opacity: 0.55 }));
+}
+
+// Which way is out: from the deepest point along the translation that frees the body.
+export function wayOut(from, translation) {
+  const way = new Vector3(...translation);
+  const length = way.length();
+  const shown = Math.max(length, 0.08);
+  const arrow = new ArrowHelper(way.normalize(), from, shown, colours().trail, 0.35 * shown, 0.2 * shown);
+  arrow.traverse((o) => { if (o.material) { o.material.depthTest = false; o.material.transparent = true; o.renderOrder = 11; } });
+  return arrow;
+}
+
+// The balls that queries look at first.
+export class Balls {
+  constructor(parts, list) {
+    this.parts = parts;
+    this.list = list;
+    this.mesh = new InstancedMesh(new SphereGeometry(1, 18, 10), new MeshBasicMaterial({ color: colours().proven, wireframe: true, transparent: true, opacity: 0.25 }), list.length);
+    this.mesh.frustumCulled = false;
+  }
+  place(matrices) {
+    const ball = new Matrix4();
+    this.list.forEach((part, i) => {
+      const [x, y, z, r] = this.parts.ballOf(part);
+      const matrix = this.parts.matrixOf(part).multiply(ball.makeScale(r, r, r).setPosition(x, y, z));
+      const body = matrices.get(this.parts.body[part]);
+      this.mesh.setMatrixAt(i, body ? matrix.premultiply(body) : matrix);
+    });
+    this.mesh.instanceMatrix.needsUpdate = true;
+  }
+}

@@ -1,0 +1,340 @@
+// The page: reads its data, makes the scene and the texts, and keeps both at one time.
+import { Matrix4, Vector3 } from 'three';
+import { Controls } from './controls.js';
+import { Deforming } from './deforming.js';
+import { Balls, NearestLine, Trail, searchLines, wayOut } from './figures.js';
+import { Motion, Poses } from './motion.js';
+import { Panel } from './panel.js';
+import { picks } from './picking.js';
+import { ClearancePlot, JointPlot, decisionColour } from './plot.js';
+import { Parts } from './shapes.js';
+import { Stage, boxOfBalls, kMany } from './stage.js';
+import { colours, onThemeChange } from './theme.js';
+import { unpack } from './unpack.js';
+import { distanceText, element, millimetres } from './words.js';
+
+const kGhosts = 7; // copies of the robot along the path
+const kNear = 1.5; // things that lie within so many times the robot's reach are in the first view
+
+class App {
+  constructor(page) {
+    this.data = page.document;
+    this.page = page;
+    this.parts = new Parts(page);
+    this.motion = new Motion(page);
+    this.positions = page.array(this.data.positions);
+    this.bodyClearance = page.array(this.data.body_clearance);
+    this.leastClearance = page.array(this.data.least_clearance);
+    this.leastMoment = page.array(this.data.least_moment);
+    this.time = this.motion.begin;
+    this.moment = 0;
+    this.speed = 1;
+    this.playing = false;
+    this.selected = -1;
+    this.layers = [];
+    this.moving = new Set(this.data.moving);
+    this.held = new Set(this.data.held);
+    this.links = new Set(this.data.links);
+    this.deforming = [];
+    this.groups = { robot: [], world: [] };
+    this.build();
+  }
+
+  build() {
+    document.title = `${this.data.name} \u2013 Leeway`;
+    this.view = element('div', { id: 'view' });
+    this.nearestText = element('div', { id: 'nearest', role: 'status' });
+    this.view.append(this.nearestText);
+    try {
+      this.stage = new Stage(this.view, this.parts.count > kMany);
+      this.buildScene();
+    } catch (error) {
+      console.warn(error);
+      this.stage = null;
+      this.view.append(element('p', { id: 'no-webgl', text: 'The scene needs WebGL 2, which this browser does not offer. The plots and the numbers are here all the same.' }));
+    }
+    this.controls = new Controls(this);
+    this.panel = new Panel(this);
+    const still = this.motion.duration === 0;
+    const plots = [element('canvas', { className: 'plot', id: 'clearance-plot' }), element('canvas', { className: 'plot', id: 'joint-plot' })];
+    const verdict = element('span', { id: 'verdict', className: this.data.good ? 'good' : 'bad', text: this.data.verdict });
+    document.body.append(
+      element('header', {}, element('h1', { text: this.data.name }), verdict),
+      this.view,
+      element('footer', { hidden: still }, this.controls.root, element('div', { id: 'plots' }, ...plots)),
+      this.panel.root);
+    document.body.classList.toggle('still', still);
+    this.plots = still ? [] : [new ClearancePlot(plots[0], this), new JointPlot(plots[1], this)];
+    this.stage?.resize();
+    if (this.stage) this.stage.frame(this.box, this.viewpoint);
+    onThemeChange(() => this.paint());
+    this.seek(this.time);
+  }
+
+  partsOf(body) {
+    const list = [];
+    for (let i = 0; i < this.parts.count; ++i) if (this.parts.body[i] === body) list.push(i);
+    return list;
+  }
+
+  colourOf(part) {
+    const c = colours();
+    const body = this.parts.body[part];
+    if (this.held.has(body)) return c.held;
+    if (this.moving.has(body)) return c.robot;
+    if (this.links.has(body)) return c.base;
+    if (this.parts.kind[part] === 'deformable') return c.deforming;
+    return c.world;
+  }
+
+  buildScene() {
+    const { parts, stage, data, page } = this;
+    const all = [...Array(parts.count).keys()];
+    const framed = new Set(data.frames.map((f) => f.body));
+    const robot = all.filter((i) => this.moving.has(parts.body[i]));
+    const links = all.filter((i) => !this.moving.has(parts.body[i]) && this.links.has(parts.body[i]));
+    const world = all.filter((i) => !this.moving.has(parts.body[i]) && !this.links.has(parts.body[i]) && !framed.has(parts.body[i]));
+    const colourOf = (part) => this.colourOf(part);
+    this.box = this.findBox(robot, world);
+    const centre = this.box.getCenter(new Vector3());
+    const away = world.map((part) => parts.poses.position(part, new Vector3()).distanceTo(centre));
+    const nearestFirst = world.map((_, i) => i).sort((i, k) => away[i] - away[k]).map((i) => world[i]);
+    this.groups.robot = parts.instances(robot, colourOf);
+    this.groups.base = parts.instances(links, colourOf);
+    this.groups.world = parts.instances(nearestFirst, colourOf);
+    this.groups.world.forEach((i) => stage.addLarge(i));
+    for (const group of Object.values(this.groups)) for (const i of group) stage.scene.add(i.mesh);
+    this.deforming = data.frames.map((f) => new Deforming(page, f));
+    this.deforming.forEach((d) => { d.mesh.material.color.set(colours().deforming); stage.scene.add(d.mesh); });
+    this.planes = world.filter((i) => parts.kind[i] === 'half-space').map((i) => stage.addPlane(parts.matrixOf(i), 1.2 * this.box.getSize(new Vector3()).length()));
+    this.addGhosts(robot);
+    this.addFigures(robot);
+    const show = (things) => (on) => things.forEach((t) => { t.visible = on; });
+    const layer = (name, shown, set) => { this.layers.push({ name, shown, set }); set(shown); };
+    const meshes = (group) => group.map((i) => i.mesh);
+    layer('robot', true, show([...meshes(this.groups.robot), ...meshes(this.groups.base)]));
+    if (world.length + framed.size > 0) {
+      layer('world', true, show([...meshes(this.groups.world), ...this.deforming.map((d) => d.mesh), ...this.planes]));
+      layer('see through the world', false, (on) => {
+        for (const m of [...meshes(this.groups.world), ...this.deforming.map((d) => d.mesh)]) Object.assign(m.material, { transparent: on, opacity: on ? 0.3 : 1, depthWrite: !on, needsUpdate: true });
+      });
+    }
+    layer('nearest pair', true, (on) => { this.showNearest = on; });
+    layer('start and goal', true, (on) => { this.showEnds = on; });
+    if (this.motion.duration > 0) {
+      layer('robot along the path', false, show(this.pathGhosts));
+      layer('trail of a link', true, show([this.trail.line]));
+    }
+    if (data.searched > 0) layer(`what the search found free (${data.searched} edges)`, !data.good, show([this.search]));
+    layer('balls that queries ask first', false, (on) => { this.balls.mesh.visible = on; });
+    if (data.parts.pieces.length > 0) layer(`convex pieces of meshes (${data.parts.pieces.length})`, false, (on) => this.showPieces(on));
+    stage.controls.addEventListener('change', () => this.nearest.update());
+    picks(stage, () => [...Object.values(this.groups).flatMap(meshes), ...this.deforming.map((d) => d.mesh)], (body) => this.select(body));
+  }
+
+  // All of the robot's motion, and what is near it.
+  findBox(robot, world) {
+    const balls = [];
+    const add = (part, matrix) => {
+      const [x, y, z, radius] = this.parts.ballOf(part);
+      if (radius >= 0) balls.push({ center: new Vector3(x, y, z).applyMatrix4(matrix), radius });
+    };
+    const moments = this.motion.times.length;
+    for (const share of [0, 0.25, 0.5, 0.75, 1]) {
+      const matrices = this.motion.matricesAt(Math.round(share * (moments - 1)));
+      for (const part of robot) add(part, matrices.get(this.parts.body[part]).clone().multiply(this.parts.matrixOf(part)));
+    }
+    this.data.ends.forEach((end) => this.endMatrices(end).forEach((matrix, body) => this.partsOf(body).forEach((part) => add(part, matrix.clone().multiply(this.parts.matrixOf(part))))));
+    const box = boxOfBalls(balls);
+    this.viewpoint = new Vector3(0.75, -1, 0.55);
+    if (box.isEmpty()) {
+      world.forEach((part) => add(part, this.parts.matrixOf(part)));
+      return boxOfBalls(balls);
+    }
+    const centre = box.getCenter(new Vector3());
+    const reach = 0.5 * box.getSize(new Vector3()).length();
+    const aside = new Vector3();
+    for (const part of world) {
+      const [x, y, z, radius] = this.parts.ballOf(part);
+      if (radius < 0) continue;
+      const place = new Vector3(x, y, z).applyMatrix4(this.parts.matrixOf(part));
+      if (place.distanceTo(centre) + radius > kNear * reach) continue;
+      balls.push({ center: place, radius });
+      aside.addScaledVector(place.sub(centre), radius / reach);
+    }
+    // From beside, so that neither robot nor world hides the other.
+    aside.z = 0;
+    if (aside.length() > 0.1 * reach) {
+      aside.normalize();
+      const side = aside.x >= 0 ? 1 : -1;
+      this.viewpoint.set(side * aside.y - 0.35 * aside.x, -side * aside.x - 0.35 * aside.y, 0.5);
+    }
+    return boxOfBalls(balls);
+  }
+
+  endMatrices(end) {
+    const poses = new Poses(this.page.array(end.poses));
+    return new Map(this.data.moving.map((body, k) => [body, poses.matrix(k, new Matrix4())]));
+  }
+
+  addGhosts(robot) {
+    const ghost = (matrices, colour, opacity) => this.parts.instances(robot, () => colour, { opacity }).map((i) => {
+      i.place(matrices);
+      this.stage.scene.add(i.mesh);
+      return i.mesh;
+    });
+    this.endGhosts = this.data.ends.map((end, e) => ghost(this.endMatrices(end), e === 0 ? colours().start : colours().goal, end.valid ? 0.22 : 0.5));
+    this.pathGhosts = [];
+    const last = this.motion.times.length - 1;
+    for (let g = 1; g <= kGhosts && this.motion.duration > 0; ++g) {
+      const moment = this.motion.momentNear(this.motion.begin + (g / (kGhosts + 1)) * this.motion.duration);
+      if (moment > 0 && moment < last) this.pathGhosts.push(...ghost(this.motion.matricesAt(moment), colours().robot, 0.16));
+    }
+  }
+
+  addFigures(robot) {
+    const { stage, data } = this;
+    this.nearest = new NearestLine(stage);
+    this.trail = new Trail();
+    this.trail.set(this.motion, this.parts, data.tip);
+    this.balls = new Balls(this.parts, robot);
+    stage.scene.add(this.nearest.group, this.trail.line, this.balls.mesh);
+    const search = this.page.array(data.search);
+    if (search.length > 0) stage.scene.add((this.search = searchLines(search)));
+    for (const end of data.ends) {
+      if (end.valid || !end.closest) continue;
+      const matrices = this.endMatrices(end);
+      const at = this.motion.toWorld(end.closest.a, end.closest.point_a, matrices);
+      if (Math.hypot(...end.way_out) > 0) stage.scene.add(wayOut(at, end.way_out));
+    }
+  }
+
+  showPieces(on) {
+    const { parts, data } = this;
+    if (on && !this.pieces) {
+      const hues = ['#0072b2', '#e69f00', '#009e73', '#cc79a7', '#56b4e9', '#d55e00', '#b39200'];
+      this.pieces = data.parts.pieces.map(([part, mesh], i) => {
+        const [instances] = parts.instances([part], () => hues[i % hues.length], {});
+        instances.mesh.geometry = parts.geometry(mesh);
+        this.stage.scene.add(instances.mesh);
+        return instances;
+      });
+    }
+    (this.pieces ?? []).forEach((i) => { i.mesh.visible = on; });
+    const cut = new Set(data.parts.pieces.map(([part]) => part));
+    for (const i of [...this.groups.robot, ...(this.groups.base ?? []), ...this.groups.world]) if (i.entries.every(({ part }) => cut.has(part))) i.mesh.visible = !on;
+  }
+
+  showTrail(body) {
+    this.trail.set(this.motion, this.parts, body);
+    this.stage?.draw();
+  }
+
+  select(body) {
+    this.selected = body;
+    this.panel.select(body);
+    this.paint();
+  }
+
+  // Colours anew.
+  paint() {
+    if (!this.stage) return;
+    for (const group of Object.values(this.groups)) for (const i of group) i.paint(this.selected, colours().selected);
+    for (const d of this.deforming) d.mesh.material.color.set(d.body === this.selected ? colours().selected : colours().deforming);
+    this.trail.line.material.color.set(colours().trail);
+    this.refresh();
+  }
+
+  toggle() {
+    if (this.playing) this.pause();
+    else this.start();
+  }
+  start() {
+    if (this.motion.duration === 0) return;
+    const end = this.motion.begin + this.motion.duration;
+    if (this.time >= end) this.seek(this.motion.begin);
+    this.playing = true;
+    let last = null;
+    const step = (now) => {
+      if (!this.playing) return;
+      // A browser that was away does not leap.
+      const passed = last === null ? 0 : Math.min((now - last) / 1e3, 0.25);
+      last = now;
+      this.time = Math.min(this.time + this.speed * passed, end);
+      if (this.time >= end) this.playing = false;
+      this.refresh();
+      requestAnimationFrame(step);
+    };
+    requestAnimationFrame(step);
+  }
+  // Standing, the page shows a moment at which everything was measured.
+  pause() {
+    this.playing = false;
+    this.seek(this.time);
+  }
+  seek(time) {
+    this.time = this.motion.times[this.motion.momentNear(time)];
+    this.refresh();
+  }
+  seekLeast() {
+    const { closest } = this.data;
+    let least = -1;
+    closest.forEach((c, i) => { if (c && (least < 0 || c.lower < closest[least].lower)) least = i; });
+    if (least < 0) return;
+    this.pause();
+    this.seek(this.motion.times[least]);
+  }
+
+  refresh() {
+    this.moment = this.motion.momentNear(this.time);
+    this.motion.setTime(this.time);
+    if (this.stage) this.placeScene();
+    this.showDistance();
+    this.controls.update();
+    this.panel.update();
+    this.plots.forEach((plot) => plot.paint());
+  }
+  placeScene() {
+    const { matrices } = this.motion;
+    this.groups.robot.forEach((i) => i.place(matrices));
+    if (this.balls.mesh.visible) this.balls.place(matrices);
+    // Not where the robot itself stands.
+    const stands = (e) => this.data.ends[e].valid && (e === 0 ? this.time === this.motion.begin : this.time === this.motion.begin + this.motion.duration) && this.motion.duration > 0;
+    this.endGhosts.forEach((ghost, e) => ghost.forEach((mesh) => { mesh.visible = this.showEnds && !stands(e); }));
+    (this.pieces ?? []).forEach((i) => i.mesh.visible && i.place(matrices));
+    this.deforming.forEach((d) => d.setTime(this.time));
+    const closest = this.data.closest[this.moment];
+    if (closest && this.showNearest) this.nearest.set(this.motion.toWorld(closest.a, closest.point_a), this.motion.toWorld(closest.b, closest.point_b));
+    else this.nearest.set(null, null);
+    this.stage.draw();
+  }
+  showDistance() {
+    const { data } = this;
+    const closest = data.closest[this.moment];
+    const stretch = Math.min(this.motion.momentBefore(this.time), data.proven.length - 1);
+    const proven = stretch >= 0 ? data.proven[stretch] : null;
+    const decision = data.decisions.length > 0 ? data.decisions[Math.min(this.motion.momentBefore(this.time), data.decisions.length - 1)][1] : null;
+    const lines = [element('strong', { id: 'distance', text: distanceText(closest) })];
+    if (closest) lines.push(element('span', { id: 'pair', text: `${data.bodies[closest.a]} \u2013 ${data.bodies[closest.b]}` }));
+    if (data.proven.length > 0) lines.push(element('span', { className: 'soft', text: proven === null ? 'not proven here' : `proven here: ${millimetres(proven)} mm` }));
+    if (decision) {
+      const word = element('span', { text: decision });
+      word.style.color = decisionColour(decision) ?? '';
+      lines.push(word);
+    }
+    this.nearestText.replaceChildren(...lines);
+    this.nearestText.classList.toggle('bad', Boolean(closest) && closest.lower <= closest.margin);
+  }
+}
+
+async function main() {
+  try {
+    const page = await unpack(document.getElementById('leeway-data').textContent.trim());
+    window.leeway = new App(page);
+  } catch (error) {
+    console.error(error);
+    document.body.append(element('p', { id: 'failed', text: `The page cannot be shown: ${error.message}. A browser of 2023 or later is needed.` }));
+  }
+}
+
+main();

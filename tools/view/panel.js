@@ -1,0 +1,100 @@
+// The texts beside the scene: what came out, what is selected, layers, joints, pairs left out.
+import { distanceText, element, millimetres, shapeText } from './words.js';
+import { joints as jointColours } from './theme.js';
+
+export class Panel {
+  constructor(app) {
+    this.app = app;
+    const { data } = app;
+    this.selection = element('div', { id: 'selection' });
+    this.jointValues = data.joints.map(() => element('td', { className: 'number' }));
+    this.root = element('aside', { id: 'panel' },
+      this.section('Result', true, ...this.result()),
+      this.section('Selected', true, this.selection),
+      this.section('Layers', true, ...this.layers()),
+      this.section(`Joints (${data.joints.length})`, false, this.joints()),
+      this.section(`Pairs left out (${data.dropped_count})`, false, ...this.dropped()),
+      this.section('Keys', false, ...keys()));
+    this.select(-1);
+  }
+  section(title, open, ...children) {
+    return element('details', { open }, element('summary', { text: title }), ...children);
+  }
+
+  result() {
+    const { data } = this.app;
+    const notes = data.notes.map((note) => element('p', { text: note }));
+    const count = `${data.bodies.length} bodies in ${data.parts.count} parts, ${data.pairs} pairs checked`;
+    const error = data.triangles > 0 ? `; meshes are shown to within ${(data.mesh_error * 1e3).toPrecision(2)} mm` : '';
+    return [...notes, element('p', { className: 'soft', text: `${data.source}: ${count}${error}.` })];
+  }
+
+  layers() {
+    return this.app.layers.map(({ name, shown, set }) => {
+      const box = element('input', { type: 'checkbox', checked: shown, onchange: () => { set(box.checked); this.app.refresh(); } });
+      return element('label', { className: 'layer' }, box, name);
+    });
+  }
+
+  joints() {
+    const rows = this.app.data.joints.map((joint, j) => {
+      const mark = element('span', { className: 'mark' });
+      mark.style.background = jointColours[j % jointColours.length];
+      return element('tr', {}, element('td', {}, mark), element('td', { text: joint.name }), this.jointValues[j]);
+    });
+    return element('table', {}, element('tbody', {}, ...rows));
+  }
+
+  dropped() {
+    const { data } = this.app;
+    const rows = data.dropped.map(([a, b, reason]) => element('li', {}, `${a} \u2013 ${b}`, element('span', { className: 'soft', text: ` ${reason}` })));
+    const more = data.dropped_count - data.dropped.length;
+    return [element('ul', {}, ...rows), ...(more > 0 ? [element('p', { className: 'soft', text: `and ${more} more: see leeway info` })] : [])];
+  }
+
+  select(body) {
+    const { app } = this;
+    this.body = body;
+    if (body < 0) {
+      this.selection.replaceChildren(element('p', { className: 'soft', text: 'Click or tap a link or an object.' }));
+      return;
+    }
+    const { data, parts } = app;
+    const rows = [element('h3', { id: 'selected-name', text: data.bodies[body] })];
+    const kinds = app.partsOf(body).slice(0, 6);
+    for (const part of kinds) {
+      const name = parts.names.get(part);
+      rows.push(element('p', { text: `${name ? `${name}: ` : ''}${shapeText(parts.kind[part], parts.sizeOf(part))}` }));
+    }
+    this.clearanceNow = element('p', { id: 'selected-clearance' });
+    rows.push(this.clearanceNow);
+    const moment = app.leastMoment[body] - 1;
+    if (moment >= 0) {
+      const time = app.motion.times[moment];
+      rows.push(element('button', { className: 'link', text: `least ${millimetres(app.leastClearance[body])} mm at ${time.toFixed(2)} s`, onclick: () => { app.pause(); app.seek(time); } }));
+    }
+    if (app.motion.matrices.has(body)) rows.push(element('button', { className: 'link', text: 'show its trail', onclick: () => app.showTrail(body) }));
+    this.selection.replaceChildren(...rows);
+    this.update();
+  }
+
+  update() {
+    const { app } = this;
+    app.data.joints.forEach((joint, j) => {
+      const value = app.positions[app.moment * app.data.joints.length + j];
+      this.jointValues[j].textContent = `${value.toFixed(3)} ${joint.unit}`;
+    });
+    if (this.body < 0) return;
+    const k = app.motion.bodies.indexOf(this.body);
+    const closest = app.data.closest[app.moment];
+    const mine = k >= 0 ? app.bodyClearance[app.moment * app.motion.bodies.length + k] : null;
+    if (mine !== null) this.clearanceNow.textContent = Number.isFinite(mine) ? `clearance now ${mine > 0 ? `${millimetres(mine)} mm` : `${millimetres(-mine)} mm deep`}` : 'checked against nothing near';
+    else if (closest && (closest.a === this.body || closest.b === this.body)) this.clearanceNow.textContent = `nearest now, ${distanceText(closest)}`;
+    else this.clearanceNow.textContent = '';
+  }
+}
+
+function keys() {
+  const all = [['Space', 'play or pause'], ['\u2190 \u2192', 'one moment back, on'], ['Home End', 'start, end'], ['\u2212 +', 'slower, faster'], ['M', 'where the room is least'], ['F', 'see all of it'], ['1 2 3', 'from the front, the side, above'], ['Esc', 'select nothing']];
+  return [element('dl', {}, ...all.flatMap(([key, what]) => [element('dt', { text: key }), element('dd', { text: what })]))];
+}
