@@ -1,10 +1,10 @@
 # leeway_bundle_page(TARGET SOURCE): makes the page of `leeway view` (tools/view/) and has SOURCE take it into TARGET. Needs node 18 and npm, which
 # fetches what tools/view/package-lock.json names, at configuration, once. Without them, and where that fails, all else is built, and the command says
-# what is missing. LEEWAY_VIEW=OFF leaves the page out.
+# what is missing. LEEWAY_VIEW=OFF leaves the page out, as sanitizers do.
 option(LEEWAY_VIEW "Build the page of leeway view where node and npm are there" ON)
 
 function(leeway_bundle_page target source)
-  if(NOT LEEWAY_VIEW)
+  if(NOT LEEWAY_VIEW OR LEEWAY_SANITIZE)
     return()
   endif()
   set(missing "tools/setup --view installs node and npm: the page of leeway view is not built")

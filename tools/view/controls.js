@@ -9,7 +9,7 @@ export class Controls {
     this.app = app;
     const { motion } = app;
     this.play = element('button', { id: 'play', text: 'Play', onclick: () => app.toggle() });
-    this.scrub = element('input', { id: 'scrub', type: 'range', min: motion.begin, max: motion.begin + motion.duration, step: 'any', value: motion.begin, 'aria-label': 'time', oninput: () => { app.pause(); app.seek(+this.scrub.value); } });
+    this.scrub = element('input', { id: 'scrub', type: 'range', min: motion.begin, max: motion.begin + motion.duration, step: 'any', value: motion.begin, 'aria-label': 'time', oninput: () => { const wanted = +this.scrub.value; app.pause(); app.seek(wanted); } });
     this.clock = element('output', { id: 'clock' });
     this.speed = element('select', { id: 'speed', 'aria-label': 'speed', onchange: () => { app.speed = +this.speed.value; } }, ...kSpeeds.map((s) => element('option', { value: s, text: `${s}\u00d7`, selected: s === 1 })));
     this.root = element('div', { id: 'controls' }, this.play, this.scrub, this.clock, this.speed);

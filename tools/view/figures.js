@@ -1,5 +1,5 @@
 // What is drawn over the bodies: the nearest pair, trails, the way out of a collision, the search, coarse bounds.
-import { ArrowHelper, BufferAttribute, BufferGeometry, Group, InstancedMesh, Line, LineBasicMaterial, LineSegments, Matrix4, Mesh, MeshBasicMaterial, SphereGeometry, Vector3, CylinderGeometry } from 'three';
+import { BufferAttribute, BufferGeometry, ConeGeometry, CylinderGeometry, Group, InstancedMesh, Line, LineBasicMaterial, LineSegments, Matrix4, Mesh, MeshBasicMaterial, SphereGeometry, Vector3 } from 'three';
 import { colours } from './theme.js';
 
 // A line with a thickness in the world that is the same on the screen, and a ball at each end; drawn over everything.
@@ -15,7 +15,6 @@ export class NearestLine {
     this.group.renderOrder = 10;
     [this.tube, ...this.ends].forEach((m) => { m.renderOrder = 10; m.frustumCulled = false; });
     this.points = null;
-    this.tube.onBeforeRender = () => {};
   }
   set(a, b) {
     this.points = a ? [a, b] : null;
@@ -60,13 +59,21 @@ export function searchLines(points) {
   return new LineSegments(geometry, new LineBasicMaterial({ color: colours().search, transparent: true, opacity: 0.55 }));
 }
 
-// Which way is out: from the deepest point along the translation that frees the body.
+// Which way is out: an arrow from the body's middle along the translation that frees it.
 export function wayOut(from, translation) {
   const way = new Vector3(...translation);
-  const length = way.length();
-  const shown = Math.max(length, 0.08);
-  const arrow = new ArrowHelper(way.normalize(), from, shown, colours().trail, 0.35 * shown, 0.2 * shown);
-  arrow.traverse((o) => { if (o.material) { o.material.depthTest = false; o.material.transparent = true; o.renderOrder = 11; } });
+  const length = Math.max(way.length(), 0.06);
+  const thick = 0.05 * length;
+  const material = new MeshBasicMaterial({ color: colours().trail, depthTest: false, transparent: true });
+  const shaft = new Mesh(new CylinderGeometry(thick, thick, 0.7 * length, 12), material);
+  shaft.position.y = 0.35 * length;
+  const head = new Mesh(new ConeGeometry(3 * thick, 0.3 * length, 20), material);
+  head.position.y = 0.85 * length;
+  const arrow = new Group();
+  arrow.add(shaft, head);
+  [shaft, head].forEach((m) => { m.renderOrder = 11; });
+  arrow.position.copy(from);
+  arrow.quaternion.setFromUnitVectors(new Vector3(0, 1, 0), way.normalize());
   return arrow;
 }
 

@@ -14,7 +14,7 @@ import { unpack } from './unpack.js';
 import { distanceText, element, millimetres } from './words.js';
 
 const kGhosts = 7; // copies of the robot along the path
-const kNear = 1.5; // things that lie within so many times the robot's reach are in the first view
+const kNear = 2; // things that lie within so many times the robot's reach are in the first view
 
 class App {
   constructor(page) {
@@ -95,7 +95,7 @@ class App {
     const links = all.filter((i) => !this.moving.has(parts.body[i]) && this.links.has(parts.body[i]));
     const world = all.filter((i) => !this.moving.has(parts.body[i]) && !this.links.has(parts.body[i]) && !framed.has(parts.body[i]));
     const colourOf = (part) => this.colourOf(part);
-    this.box = this.findBox(robot, world);
+    this.box = this.findBox(robot, all.filter((i) => !this.moving.has(parts.body[i]) && !this.links.has(parts.body[i])));
     const centre = this.box.getCenter(new Vector3());
     const away = world.map((part) => parts.poses.position(part, new Vector3()).distanceTo(centre));
     const nearestFirst = world.map((_, i) => i).sort((i, k) => away[i] - away[k]).map((i) => world[i]);
@@ -137,7 +137,11 @@ class App {
     const balls = [];
     const add = (part, matrix) => {
       const [x, y, z, radius] = this.parts.ballOf(part);
-      if (radius >= 0) balls.push({ center: new Vector3(x, y, z).applyMatrix4(matrix), radius });
+      if (this.parts.kind[part] === 'box') {
+        // Its corners: a ball around a board is much larger than the board.
+        const [a, b, c] = this.parts.sizeOf(part);
+        for (let i = 0; i < 8; ++i) balls.push({ center: new Vector3(i & 1 ? a : -a, i & 2 ? b : -b, i & 4 ? c : -c).applyMatrix4(matrix), radius: 0 });
+      } else if (radius >= 0) balls.push({ center: new Vector3(x, y, z).applyMatrix4(matrix), radius });
     };
     const moments = this.motion.times.length;
     for (const share of [0, 0.25, 0.5, 0.75, 1]) {
@@ -158,8 +162,9 @@ class App {
       const [x, y, z, radius] = this.parts.ballOf(part);
       if (radius < 0) continue;
       const place = new Vector3(x, y, z).applyMatrix4(this.parts.matrixOf(part));
-      if (place.distanceTo(centre) + radius > kNear * reach) continue;
-      balls.push({ center: place, radius });
+      const away = place.distanceTo(centre);
+      if (away + radius > kNear * reach && (away - radius > 0.5 * reach || radius > 3 * reach)) continue;
+      add(part, this.parts.matrixOf(part));
       aside.addScaledVector(place.sub(centre), radius / reach);
     }
     // From beside, so that neither robot nor world hides the other.
@@ -204,8 +209,10 @@ class App {
     for (const end of data.ends) {
       if (end.valid || !end.closest) continue;
       const matrices = this.endMatrices(end);
-      const at = this.motion.toWorld(end.closest.a, end.closest.point_a, matrices);
-      if (Math.hypot(...end.way_out) > 0) stage.scene.add(wayOut(at, end.way_out));
+      const [part] = this.partsOf(end.closest.a);
+      const [x, y, z] = this.parts.ballOf(part);
+      const centre = this.motion.toWorld(end.closest.a, new Vector3(x, y, z).applyMatrix4(this.parts.matrixOf(part)).toArray(), matrices);
+      if (Math.hypot(...end.way_out) > 0) stage.scene.add(wayOut(centre, end.way_out));
     }
   }
 

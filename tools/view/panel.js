@@ -10,8 +10,8 @@ export class Panel {
     this.jointValues = data.joints.map(() => element('td', { className: 'number' }));
     this.root = element('aside', { id: 'panel' },
       this.section('Result', true, ...this.result()),
-      this.section('Selected', true, this.selection),
-      this.section('Layers', true, ...this.layers()),
+      ...(app.stage ? [this.section('Selected', true, this.selection)] : []),
+      ...(app.stage ? [this.section('Layers', true, ...this.layers())] : []),
       this.section(`Joints (${data.joints.length})`, false, this.joints()),
       this.section(`Pairs left out (${data.dropped_count})`, false, ...this.dropped()),
       this.section('Keys', false, ...keys()));

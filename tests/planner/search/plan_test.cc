@@ -7,6 +7,7 @@
 #include <cmath>
 #include <memory>
 #include <set>
+#include <span>
 #include <string>
 #include <thread>
 #include <vector>
@@ -55,6 +56,28 @@ std::vector<std::string> allPlanners() {
   std::vector<std::string> names;
   for (const PlannerTraits& traits : plannerNames()) names.push_back(traits.name);
   return names;
+}
+
+TEST(Plan, TellsTheEdgesThatItFindsFree) {
+  for (const char* planner : {"Connect", "RRTConnect"}) {
+    Problem problem = test::wallProblem();
+    problem.planner.name = planner;
+    EdgeCertifier certifier(std::make_shared<const CompiledScene>(problem));
+    std::size_t edges = 0;
+    std::set<double> heights;
+    PlanOptions options;
+    options.on_edge = [&](std::span<const double> a, std::span<const double> b) {
+      ++edges;
+      heights.insert(a[1]);
+      EXPECT_EQ(certifier.certify(a, b, EdgeRequest::persistent()).verdict, Verdict::kFree);
+    };
+    const PlanResult told = plan(problem, options);
+    EXPECT_EQ(told.status, PlanStatus::kSolved) << planner;
+    EXPECT_GT(edges, 2u) << planner;
+    EXPECT_GT(heights.size(), 2u) << planner;
+    // Listening changes nothing.
+    EXPECT_EQ(told.path.positions, plan(problem).path.positions) << planner;
+  }
 }
 
 class EachPlanner : public testing::TestWithParam<std::string> {};
