@@ -4,8 +4,8 @@
 namespace leeway::tools::testing {
 namespace {
 
-const char* const kVerbs[] = {"plan",  "check", "verify", "clearance", "replan",
-                              "batch", "info",  "ik",     "fk",        "report"};
+const char* const kVerbs[] = {"plan", "check", "verify", "clearance", "replan", "batch",
+                              "info", "ik",    "fk",     "view",      "report"};
 
 class Usage : public CommandTest {};
 
