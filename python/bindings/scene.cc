@@ -1,6 +1,8 @@
 #include "python/bindings/scene.h"
 
+#include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "python/base/define.h"
 #include "python/base/released.h"
@@ -87,7 +89,8 @@ std::pair<Rows, Rows> edges(const Scene& self, const py::object& a, const py::ob
 
 py::object validEdges(const Scene& self, const py::object& a, const py::object& b,
                       bool persistent) {
-  const auto [from, to] = edges(self, a, b);
+  const std::pair<Rows, Rows> ends = edges(self, a, b);
+  const Rows &from = ends.first, &to = ends.second;
   const planner::EdgeRequest request =
       persistent ? planner::EdgeRequest::persistent() : planner::EdgeRequest{};
   std::vector<char> answers(from.count());
