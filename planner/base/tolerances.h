@@ -87,6 +87,14 @@ constexpr double kLimitSlack = 1e-5;
 /// have six digits.
 constexpr double kPassiveJointSlack = 1e-5;
 
+/// What `any` means of a pose's position [m]: no robot reaches as far.
+constexpr double kAnyPosition = 1e6;
+
+/// Goals that MoveIt's constraints allow are taken smaller by this [m, rad]: solutions are within
+/// 1e-9 of them, and angles may be that far from their turns about the axes. Smaller ones are
+/// refused.
+constexpr double kConstraintSlack = 2e-8;
+
 /// How near a verified path's ends must be to start and goal, and how far outside its limits a
 /// waypoint may be [rad or m]: rounding of files and of whole turns, nothing that a robot could
 /// feel.
@@ -210,6 +218,26 @@ constexpr double kReachGrowth = 4;
 constexpr int kGoalSamples = 16;
 constexpr int kGoalAttempts = 1000;
 
+/// Inverse kinematics for a goal of poses [count]: starts and solutions of a first search, which
+/// most goals need no more than, and of a second one, with a proof, for the others.
+constexpr int kFirstPoseStarts = 24;
+constexpr int kFirstPoseSolutions = 8;
+constexpr int kPoseStarts = 200;
+constexpr int kPoseSolutions = 64;
+
+/// More solutions are drawn so many at a time [count]; after so many draws without a new one there
+/// seem to be no others (six joints have 16 at most); and so many are kept.
+constexpr int kPoseDraws = 4;
+constexpr int kIdleDraws = 32;
+constexpr std::size_t kMostPoseSolutions = 256;
+
+/// Positions of a pose are drawn evenly from ranges up to this width [m]: of wider ones most are
+/// out of any robot's reach.
+constexpr double kWidestDraw = 10;
+
+/// Solutions that differ by less in every joint are one [rad or m].
+constexpr double kSameSolution = 1e-4;
+
 /// Points of an invalid goal range that are compared for the least deep one, which is reported.
 constexpr int kGoalReports = 16;
 
@@ -315,6 +343,30 @@ constexpr unsigned long long kRunStream = 1ULL << 41;       ///< seeds of a plan
 constexpr unsigned long long kSimplifyStream = 1ULL << 42;  ///< simplification
 constexpr unsigned long long kReplanStream = 1ULL << 43;    ///< seeds of replanning
 constexpr unsigned long long kEvasionStream = 1ULL << 44;   ///< evasions
+constexpr unsigned long long kTaskStream = 1ULL << 45;      ///< steps of a task, one each
+
+// Tasks
+
+/// Configurations that a step to poses tries, and all such steps of a task together [count]: each
+/// costs a search for a path at most.
+constexpr std::size_t kStepSolutions = 32;
+constexpr int kTaskTries = 500;
+
+/// Iterations of a step's search where the problem has no limit [count]: half a second, and then
+/// another configuration is more promising.
+constexpr int kStepIterations = 20'000;
+
+/// The first piece of a line that is tried, and the shortest, as shares of the line: the joints
+/// would have to move faster there than any does.
+constexpr double kFirstLinePiece = 0.25;
+constexpr double kShortestLinePiece = 1.0 / 4096;
+
+/// The least tolerance of a line [m, rad]: its pieces are as short as kShortestLinePiece at most.
+constexpr double kLeastLineTolerance = 1e-7;
+
+/// Rounding of a line's departure: of poses and bounds, each a few dozen operations [relative to a
+/// robot's reach and to one radian].
+constexpr double kLineRounding = 1e-13;
 
 // Replanning
 
@@ -361,6 +413,10 @@ constexpr int kBlendTries = 7;
 constexpr double kMostRows = 1e6;
 
 // Verification
+
+/// How far beyond its tolerance a verified pose may be [m, rad]: rounding of the verifier's own
+/// kinematics, and of angles that are whole turns away in a file.
+constexpr double kVerifyPose = 1e-12;
 
 /// Where a distance alone decides, it is asked for to this [m].
 constexpr double kVerifyTolerance = 1e-9;

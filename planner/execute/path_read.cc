@@ -10,7 +10,7 @@
 #include "leeway/robots/text.h"
 #include "planner/base/nearest_name.h"
 #include "planner/base/tolerances.h"
-#include "planner/problem/yaml_reader.h"
+#include "planner/yaml/yaml_reader.h"
 
 namespace leeway::planner {
 namespace {
@@ -28,6 +28,7 @@ struct Table {
     int line;
   };
   std::vector<Row> rows;
+  std::vector<PathStep> steps;
 };
 
 std::vector<std::string> plannedNames(const Problem& problem) {
@@ -38,6 +39,14 @@ std::vector<std::string> plannedNames(const Problem& problem) {
 }
 
 // ---- JSON and YAML ----
+
+int readWaypoint(const YamlReader& reader, std::size_t count) {
+  const std::int64_t number = reader.integer(0);
+  if (number >= static_cast<std::int64_t>(count))
+    reader.fail(fmt::format("{} is {}; a waypoint, 0 to {}, is expected", reader.where(), number,
+                            static_cast<std::int64_t>(count) - 1));
+  return static_cast<int>(number);
+}
 
 Table readTrajectory(const YamlReader& file) {
   if (!file.isMap())
@@ -55,6 +64,14 @@ Table readTrajectory(const YamlReader& file) {
     const YamlReader row = plain ? item : item.at("positions", "a list of numbers");
     table.rows.push_back({row.numbers(), row.line()});
   }
+  if (const auto steps = source.find("steps"))
+    for (const YamlReader& step : steps->items()) {
+      PathStep read;
+      read.name = step.at("name", "the step's name").text();
+      read.first = readWaypoint(step.at("first", "a waypoint"), table.rows.size());
+      read.last = readWaypoint(step.at("last", "a waypoint"), table.rows.size());
+      table.steps.push_back(std::move(read));
+    }
   return table;
 }
 
@@ -208,6 +225,7 @@ Path matched(const std::string& file, const Table& table, const Problem& problem
       table.names.empty() ? problem.robot.variables : columnVariables(file, table, problem);
   Path path;
   path.names = plannedNames(problem);
+  path.steps = table.steps;
   if (table.rows.empty()) throw InputError(file, 0, "holds no waypoint; at least one is expected");
   for (const Table::Row& row : table.rows) {
     if (row.values.size() != columns.size())

@@ -89,6 +89,17 @@ double trackingTolerance(const Problem& problem, const Certificate& certificate)
   return certificate.certified ? std::max(0.0, (certificate.clearance.lower - margin) / 2) : 0;
 }
 
+/// The steps of a task's path, as JSON.
+std::string stepsText(const std::vector<PathStep>& steps) {
+  std::string text = "[";
+  for (const PathStep& step : steps)
+    text += fmt::format(
+        "{}{{\"name\": {}, \"first\": {}, \"last\": {}, \"deviation\": {}, \"turn\": {}}}",
+        text.size() > 1 ? ", " : "", quotedText(step.name), step.first, step.last,
+        numberText(step.deviation), numberText(step.turn));
+  return text + "]";
+}
+
 /// Keys and values of a certificate in the order in which they are written; values are JSON.
 std::vector<std::pair<std::string, std::string>> certificateEntries(
     const Problem& problem, const ConfigurationSpace& space, const Certificate& certificate) {
@@ -123,16 +134,19 @@ std::string yamlHead(const Problem& problem, const std::vector<std::string>& nam
 
 using Entries = std::vector<std::pair<std::string, std::string>>;
 
-std::string jsonTail(const Entries& certificate) {
-  std::string text = "  ],\n  \"certificate\": {\n";
+std::string jsonTail(const Entries& certificate, const std::vector<PathStep>& steps = {}) {
+  std::string text = "  ],\n";
+  if (!steps.empty()) text += fmt::format("  \"steps\": {},\n", stepsText(steps));
+  text += "  \"certificate\": {\n";
   for (std::size_t i = 0; i < certificate.size(); ++i)
     text += fmt::format("    \"{}\": {}{}\n", certificate[i].first, certificate[i].second,
                         i + 1 < certificate.size() ? "," : "");
   return text + "  }\n}\n";
 }
 
-std::string yamlTail(const Entries& certificate) {
-  std::string text = "certificate:\n";
+std::string yamlTail(const Entries& certificate, const std::vector<PathStep>& steps = {}) {
+  std::string text = steps.empty() ? "" : fmt::format("steps: {}\n", stepsText(steps));
+  text += "certificate:\n";
   for (const auto& [key, value] : certificate) text += fmt::format("  {}: {}\n", key, value);
   return text;
 }
@@ -145,7 +159,7 @@ std::string jsonText(const std::string& file, const Problem& problem,
   for (std::size_t i = 0; i < rows.size(); ++i)
     text += fmt::format("    {{\"positions\": {}, \"time_from_start\": {}}}{}\n", rowText(rows[i]),
                         timeText(times[i]), i + 1 < rows.size() ? "," : "");
-  return text + jsonTail(certificateEntries(problem, space, result.certificate));
+  return text + jsonTail(certificateEntries(problem, space, result.certificate), result.path.steps);
 }
 
 std::string yamlText(const std::string& file, const Problem& problem,
@@ -156,7 +170,7 @@ std::string yamlText(const std::string& file, const Problem& problem,
   for (std::size_t i = 0; i < rows.size(); ++i)
     text += fmt::format("  - positions: {}\n    time_from_start: {}\n", rowText(rows[i]),
                         timeText(times[i]));
-  return text + yamlTail(certificateEntries(problem, space, result.certificate));
+  return text + yamlTail(certificateEntries(problem, space, result.certificate), result.path.steps);
 }
 
 /// The certificate of the timed motion. Blends are proven to keep the margins, no more, so these

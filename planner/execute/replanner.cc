@@ -119,7 +119,7 @@ struct Replanner::Impl {
 
   bool inGoal(const std::vector<double>& point) const {
     return std::any_of(problem.goals.begin(), problem.goals.end(),
-                       [&](const Goal& goal) { return goalHolds(space(), goal, point); });
+                       [&](const Goal& goal) { return goalHolds(*scene, goal, point); });
   }
 
   // ---------------------------------------------------------------------------------------------

@@ -209,7 +209,8 @@ Trajectory trajectoryOf(const Problem& problem, const Path& path) {
   std::vector<Blend> blends;
   const bool smooth = std::any_of(limits.jerk.begin(), limits.jerk.end(),
                                   [](double jerk) { return jerk < kInfinity; });
-  if (problem.execution.corners == Corners::kBlend && !smooth)
+  // The corners of a task lie in different worlds.
+  if (problem.execution.corners == Corners::kBlend && !smooth && path.steps.empty())
     blends = certifiedBlends(std::make_shared<const CompiledScene>(problem), path.positions);
   return {space, path.positions, limits, blends};
 }

@@ -8,10 +8,10 @@ namespace {
 
 using Keys = std::string_view;
 
-constexpr Keys kProblem[] = {"leeway", "name",    "robot",   "body",      "joints",
-                             "start",  "goal",    "goals",   "objects",   "allowed",
-                             "margin", "margins", "planner", "objective", "simplify",
-                             "limits", "seed",    "moveit",  "deforming", "execution"};
+constexpr Keys kProblem[] = {"leeway",    "name",      "robot",    "body",    "joints", "start",
+                             "goal",      "goals",     "objects",  "allowed", "margin", "margins",
+                             "planner",   "objective", "simplify", "limits",  "seed",   "moveit",
+                             "deforming", "execution", "frames",   "steps"};
 constexpr Keys kRobot[] = {"urdf", "srdf", "packages", "group"};
 constexpr Keys kBody[] = {"name", "joint", "bounds", "shapes"};
 constexpr Keys kBounds[] = {"lower", "upper"};
@@ -62,6 +62,13 @@ constexpr Keys kExecution[] = {"start",      "step",          "duration", "speed
                                "velocities", "accelerations", "jerks",    "corners",
                                "foresight",  "look_ahead",    "buffer",   "patience"};
 constexpr Keys kPose[] = {"position", "orientation", "rpy"};
+constexpr Keys kFrame[] = {"link", "position", "orientation", "rpy"};
+constexpr Keys kPoses[] = {"pose", "poses"};
+constexpr Keys kFramePose[] = {"frame",       "relative_to",        "position",       "rpy",
+                               "orientation", "position_tolerance", "angle_tolerance"};
+constexpr Keys kStep[] = {"name", "move", "line", "attach", "detach", "allowed"};
+constexpr Keys kLine[] = {"frame", "by", "relative_to", "position_tolerance", "angle_tolerance"};
+constexpr Keys kAttachStep[] = {"object", "link", "touch"};
 constexpr Keys kPlanarPose[] = {"position", "angle"};
 
 const std::array kFormats = {MapFormat{"problem", kProblem},
@@ -107,7 +114,13 @@ const std::array kFormats = {MapFormat{"problem", kProblem},
                              MapFormat{"cache", kCache},
                              MapFormat{"execution", kExecution},
                              MapFormat{"pose", kPose},
-                             MapFormat{"planar_pose", kPlanarPose}};
+                             MapFormat{"planar_pose", kPlanarPose},
+                             MapFormat{"frame", kFrame},
+                             MapFormat{"poses", kPoses},
+                             MapFormat{"frame_pose", kFramePose},
+                             MapFormat{"step", kStep},
+                             MapFormat{"line", kLine},
+                             MapFormat{"attach_step", kAttachStep}};
 
 }  // namespace
 

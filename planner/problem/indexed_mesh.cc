@@ -9,7 +9,7 @@
 
 #include "leeway/robots/input_error.h"
 #include "leeway/robots/text.h"
-#include "planner/problem/yaml_reader.h"
+#include "planner/yaml/yaml_reader.h"
 
 namespace leeway::planner {
 namespace {

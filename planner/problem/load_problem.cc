@@ -13,9 +13,11 @@
 #include "planner/problem/format_keys.h"
 #include "planner/problem/read_deforming.h"
 #include "planner/problem/read_execution.h"
+#include "planner/problem/read_poses.h"
 #include "planner/problem/read_shapes.h"
 #include "planner/problem/read_states.h"
-#include "planner/problem/yaml_reader.h"
+#include "planner/problem/read_steps.h"
+#include "planner/yaml/yaml_reader.h"
 
 namespace leeway::planner {
 namespace {
@@ -248,6 +250,12 @@ void readStartAndGoals(const YamlReader& file, Problem& problem) {
   if (const auto joints = file.find("joints")) readPassiveJoints(*joints, problem);
   readStart(file.at("start", "a group state, a list of values or a map by joint"), problem);
   const auto goal = file.find("goal"), goals = file.find("goals");
+  if (const auto steps = file.find("steps")) {
+    if (goal || goals)
+      steps->fail(fmt::format("key 'steps' stands beside '{}'; one of them is expected",
+                              goal ? "goal" : "goals"));
+    return readSteps(*steps, problem);
+  }
   if (goal.has_value() == goals.has_value())
     file.fail(fmt::format("the file has {}; one of them is expected",
                           goal ? "both 'goal' and 'goals'" : "neither 'goal' nor 'goals'"));
@@ -266,7 +274,7 @@ void readStartAndGoals(const YamlReader& file, Problem& problem) {
 Problem fromMoveit(const YamlReader& file, const YamlReader& moveit,
                    const ProblemOptions& options) {
   moveit.expectKeys(keysOf("moveit"));
-  for (const char* key : {"body", "joints", "start", "goal", "goals"})
+  for (const char* key : {"body", "joints", "start", "goal", "goals", "steps"})
     if (const auto other = file.find(key))
       other->fail(fmt::format(
           "key '{}' stands beside 'moveit', whose request says it; one of them is expected", key));
@@ -295,7 +303,6 @@ Problem fromOwnKeys(const YamlReader& file, const ProblemOptions& options) {
                     : body->line(),
             group ? group->text() : "all", problem);
   problem.start = problem.robot.model->defaultConfiguration();
-  readStartAndGoals(file, problem);
   return problem;
 }
 
@@ -321,9 +328,12 @@ Problem loadProblem(const std::string& yaml_path, const ProblemOptions& options)
   const auto name = file.find("name");
   problem.name = name ? name->text() : std::filesystem::path(yaml_path).stem().string();
   if (const auto objects = file.find("objects")) readObjects(*objects, options.load.cache, problem);
+  if (const auto frames = file.find("frames")) readFrames(*frames, problem);
   if (const auto execution = file.find("execution")) readExecution(*execution, problem);
   if (const auto deforming = file.find("deforming"))
     for (const YamlReader& entry : deforming->items()) readDeforming(entry, problem);
+  // Poses may be relative to anything above.
+  if (!moveit) readStartAndGoals(file, problem);
   readPairs(file, problem);
   readPlanner(file, problem);
   return problem;

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "leeway/planner/problem.h"
-#include "planner/problem/yaml_reader.h"
+#include "planner/yaml/yaml_reader.h"
 
 namespace leeway::planner {
 

@@ -7,7 +7,7 @@
 
 #include "leeway/collision/vertex_motion.h"
 #include "planner/problem/indexed_mesh.h"
-#include "planner/problem/yaml_reader.h"
+#include "planner/yaml/yaml_reader.h"
 
 namespace leeway::planner {
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "leeway/collision/scene.h"
-#include "planner/problem/yaml_reader.h"
+#include "planner/yaml/yaml_reader.h"
 
 namespace leeway::planner {
 

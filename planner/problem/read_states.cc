@@ -10,6 +10,7 @@
 #include "planner/base/nearest_name.h"
 #include "planner/base/tolerances.h"
 #include "planner/problem/format_keys.h"
+#include "planner/problem/read_poses.h"
 #include "planner/problem/read_shapes.h"
 
 namespace leeway::planner {
@@ -269,11 +270,16 @@ VariableRanges groupStateRanges(const std::string& file, int line, const std::st
 }
 
 void readStart(const YamlReader& reader, Problem& problem) {
+  if (givesPoses(reader, *problem.robot.model)) {
+    problem.start_poses = readPoseRegions(reader, problem);
+    return;
+  }
   const VariableRanges given = StateReader(problem, false).read(reader);
   takeStart(reader.file(), reader.line(), given, problem);
 }
 
 Goal readGoal(const YamlReader& reader, const std::string& name, Problem& problem) {
+  if (givesPoses(reader, *problem.robot.model)) return {name, {}, readPoseRegions(reader, problem)};
   const VariableRanges given = StateReader(problem, true).read(reader);
   return takeGoal(reader.file(), reader.line(), reader.isScalar() ? reader.text() : name, given,
                   problem);

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "leeway/planner/problem.h"
-#include "planner/problem/yaml_reader.h"
+#include "planner/yaml/yaml_reader.h"
 
 namespace leeway::planner {
 
@@ -33,11 +33,11 @@ Goal takeGoal(const std::string& file, int line, const std::string& name,
 VariableRanges groupStateRanges(const std::string& file, int line, const std::string& name,
                                 const Problem& problem);
 
-/// `start:` of a problem file: a group state, a list in group order, or a map by joint.
+/// `start:` of a problem file: a group state, a list in group order, a map by joint, or poses.
 void readStart(const YamlReader& reader, Problem& problem);
 
-/// One goal, in the forms of readStart(). A pair [from, to] or `any` in place of a number is a
-/// range.
+/// One goal, in the forms of readStart(); after objects and frames. A pair [from, to] or `any` in
+/// place of a number is a range.
 Goal readGoal(const YamlReader& reader, const std::string& name, Problem& problem);
 
 /// `joints:`, values of joints that are not planned.

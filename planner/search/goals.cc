@@ -7,7 +7,7 @@
 
 #include "collision/base/sine_cosine.h"
 #include "leeway/robots/input_error.h"
-#include "planner/base/random.h"
+#include "leeway/robots/kinematics.h"
 #include "planner/base/tolerances.h"
 
 namespace leeway::planner {
@@ -20,11 +20,6 @@ using Range = std::pair<double, double>;
 using collision::kTwoPi;
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
-bool isPoint(const Goal& goal) {
-  return std::all_of(goal.ranges.begin(), goal.ranges.end(),
-                     [](const Range& r) { return r.first == r.second; });
-}
 
 bool orientationIsGiven(const Goal& goal, const Part& part) {
   for (std::size_t k = 0; k < 4; ++k)
@@ -62,9 +57,31 @@ std::string text(double x) {
   throw robots::InputError(problem.name, 0, message);
 }
 
-/// Refuses a goal that nothing can reach: it needs as many ranges as variables, each with its lower
-/// end first and partly within the limits.
+bool posesHold(const CompiledScene& scene, const Goal& goal, std::span<const double> q) {
+  const robots::Model& model = scene.model();
+  std::vector<double> configuration(model.variables.size());
+  std::vector<robots::Pose> X_WL(model.links.size());
+  scene.expand(q, configuration);
+  robots::forwardKinematics(model, configuration, X_WL);
+  return std::all_of(goal.poses.begin(), goal.poses.end(), [&](const robots::PoseRegion& region) {
+    const robots::PoseError error = robots::poseError(region, X_WL[at(region.link)]);
+    return error.position <= region.position_tolerance && error.angle <= region.angle_tolerance;
+  });
+}
+
+}  // namespace
+
+bool isPoint(const Goal& goal) {
+  return goal.poses.empty() && std::all_of(goal.ranges.begin(), goal.ranges.end(),
+                                           [](const Range& r) { return r.first == r.second; });
+}
+
 void checkGoal(const Problem& problem, const ConfigurationSpace& space, const Goal& goal) {
+  if (!goal.poses.empty()) {
+    if (!goal.ranges.empty())
+      refuse(problem, "goal '" + goal.name + "' has both ranges and poses; one is expected");
+    return;
+  }
   if (goal.ranges.size() != at(space.size()))
     refuse(problem, "goal '" + goal.name + "' has " + std::to_string(goal.ranges.size()) +
                         " values; the group has " + std::to_string(space.size()));
@@ -95,7 +112,6 @@ void checkGoal(const Problem& problem, const ConfigurationSpace& space, const Go
   }
 }
 
-/// A point of the goal within the limits, drawn uniformly.
 void drawPoint(const ConfigurationSpace& space, const Goal& goal, Random& random,
                std::span<double> q) {
   for (const Part& part : space.parts()) {
@@ -115,13 +131,6 @@ void drawPoint(const ConfigurationSpace& space, const Goal& goal, Random& random
   }
 }
 
-/// Keeps the check with the greatest clearance: of invalid configurations the least deep.
-void keepBetter(StateCheck& best, const StateCheck& check) {
-  if (best.pair < 0 || check.clearance.upper > best.clearance.upper) best = check;
-}
-
-}  // namespace
-
 void nearestInGoal(const ConfigurationSpace& space, const Goal& goal, std::span<const double> q,
                    std::span<double> nearest) {
   for (const Part& part : space.parts()) {
@@ -135,13 +144,16 @@ void nearestInGoal(const ConfigurationSpace& space, const Goal& goal, std::span<
   }
 }
 
-bool goalHolds(const ConfigurationSpace& space, const Goal& goal, std::span<const double> q) {
+bool goalHolds(const CompiledScene& scene, const Goal& goal, std::span<const double> q) {
+  const ConfigurationSpace& space = scene.space();
+  if (!goal.poses.empty()) return posesHold(scene, goal, q);
   std::vector<double> nearest(q.size());
   nearestInGoal(space, goal, q, nearest);
   return space.distance(q, nearest) == 0;
 }
 
 void writeAsInGoal(const ConfigurationSpace& space, const Goal& goal, std::span<double> q) {
+  if (!goal.poses.empty()) return;
   for (const Part& part : space.parts()) {
     const std::size_t i = at(part.first);
     const Range& range = goal.ranges[i];
@@ -152,42 +164,6 @@ void writeAsInGoal(const ConfigurationSpace& space, const Goal& goal, std::span<
     if (above < 0) above += kTwoPi;
     q[i] = std::clamp(range.first + above, range.first, range.second);
   }
-}
-
-GoalPoints validGoalPoints(EdgeCertifier& certifier, const Problem& problem, std::uint64_t seed,
-                           const std::function<bool()>& stop) {
-  const ConfigurationSpace& space = certifier.scene().space();
-  GoalPoints result;
-  std::vector<double> q(at(space.size()));
-  for (std::size_t g = 0; g < problem.goals.size(); ++g) {
-    const Goal& goal = problem.goals[g];
-    checkGoal(problem, space, goal);
-    Random random(seed, kGoalStream + g);
-    const bool point = isPoint(goal);
-    const std::size_t wanted = result.points.size() + (point ? 1 : kGoalSamples);
-    bool found = false;
-    for (int i = 0; i < (point ? 1 : kGoalAttempts) && result.points.size() < wanted; ++i) {
-      if (i > 0 && stop()) {
-        result.stopped = true;
-        break;
-      }
-      drawPoint(space, goal, random, q);
-      if (certifier.decide(q) == Verdict::kFree) {
-        result.points.push_back(q);
-        found = true;
-      } else if (result.points.empty() && i < kGoalReports) {
-        keepBetter(result.closest, certifier.clearance(q, kReportTolerance));
-      }
-    }
-    if (!found)
-      result.warnings.push_back(
-          "goal '" + goal.name + "' is left out: " +
-          (point ? "it is in collision"
-           : result.stopped
-               ? "no valid point of it was found within the limits"
-               : "none of " + std::to_string(kGoalAttempts) + " points of it was valid"));
-  }
-  return result;
 }
 
 GoalRegions::GoalRegions(const ompl::base::SpaceInformationPtr& space_information,
@@ -201,7 +177,8 @@ GoalRegions::GoalRegions(const ompl::base::SpaceInformationPtr& space_informatio
     std::copy(point.begin(), point.end(), state->as<OmplStateSpace::StateType>()->values);
     states_.push_back(state);
   }
-  for (const planner::Goal& goal : problem.goals) has_ranges_ = has_ranges_ || !isPoint(goal);
+  for (const planner::Goal& goal : problem.goals)
+    has_ranges_ = has_ranges_ || (goal.poses.empty() && !isPoint(goal));
 }
 
 double GoalRegions::distanceGoal(const ompl::base::State* state) const {
@@ -210,8 +187,9 @@ double GoalRegions::distanceGoal(const ompl::base::State* state) const {
                                   at(space_.size()));
   thread_local std::vector<double> nearest;  // goals are asked by all of a planner's threads
   nearest.resize(q.size());
-  double distance = std::numeric_limits<double>::infinity();
+  double distance = GoalStates::distanceGoal(state);
   for (const planner::Goal& goal : problem_.goals) {
+    if (!goal.poses.empty()) continue;  // of poses the points count
     nearestInGoal(space_, goal, q, nearest);
     distance = std::min(distance, space_.distance(q, nearest));
   }

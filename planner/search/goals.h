@@ -7,10 +7,23 @@
 #include <string>
 #include <vector>
 
+#include "leeway/planner/compiled_scene.h"
 #include "leeway/planner/ompl_state_space.h"
 #include "leeway/planner/plan.h"
+#include "planner/base/random.h"
 
 namespace leeway::planner {
+
+/// Refuses (robots::InputError) a goal that nothing can reach: it needs poses, or as many ranges as
+/// variables, each with its lower end first and partly within the limits.
+void checkGoal(const Problem& problem, const ConfigurationSpace& space, const Goal& goal);
+
+/// Whether all ranges of a goal without poses are of no width.
+bool isPoint(const Goal& goal);
+
+/// A point of a goal's ranges within the limits, drawn uniformly.
+void drawPoint(const ConfigurationSpace& space, const Goal& goal, Random& random,
+               std::span<double> q);
 
 /// Writes the point of a goal's ranges that is nearest to q in the space's distance; q itself when
 /// it is in the goal. Angles count modulo 2 pi; an orientation is given whole (a quaternion without
@@ -18,23 +31,24 @@ namespace leeway::planner {
 void nearestInGoal(const ConfigurationSpace& space, const Goal& goal, std::span<const double> q,
                    std::span<double> nearest);
 
-/// True when q is a point of the goal to the bit, angles modulo 2 pi.
-bool goalHolds(const ConfigurationSpace& space, const Goal& goal, std::span<const double> q);
+/// True when q is a point of the goal: to the bit, angles modulo 2 pi; of poses to within their
+/// tolerances.
+bool goalHolds(const CompiledScene& scene, const Goal& goal, std::span<const double> q);
 
-/// Moves the angles of a point in the goal by whole turns into the goal's ranges.
+/// Moves the angles of a point in the goal by whole turns into the goal's ranges, if it has any.
 void writeAsInGoal(const ConfigurationSpace& space, const Goal& goal, std::span<double> q);
 
+/// Valid points of the goals, by GoalSampler.
 struct GoalPoints {
   std::vector<std::vector<double>> points;
   std::vector<std::string> warnings;  ///< goals left out, and why
   bool stopped = false;               ///< by `stop`, with points left to try
   StateCheck closest;                 ///< without a point: the one tried with the most clearance
+  /// Without a point: why the first goal of poses that nothing meets has none; empty where
+  /// `closest` says it.
+  std::string reason;
+  bool unreachable = false;  ///< that is proven
 };
-
-/// Valid points of the goals: of a goal of one point that point; of a range up to kGoalSamples,
-/// drawn from `seed`. Throws robots::InputError for a goal that no configuration can meet.
-GoalPoints validGoalPoints(EdgeCertifier& certifier, const Problem& problem, std::uint64_t seed,
-                           const std::function<bool()>& stop);
 
 /// The goals for OMPL: sampled from their valid points, reached at any point of their ranges.
 class GoalRegions : public ompl::base::GoalStates {
@@ -46,7 +60,7 @@ class GoalRegions : public ompl::base::GoalStates {
  private:
   const ConfigurationSpace& space_;
   const Problem& problem_;
-  bool has_ranges_ = false;
+  bool has_ranges_ = false;  ///< of joints
 };
 
 }  // namespace leeway::planner

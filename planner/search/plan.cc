@@ -4,12 +4,14 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <memory>
 
 #include "leeway/planner/planners.h"
 #include "leeway/planner/simplify.h"
 #include "leeway/robots/input_error.h"
 #include "planner/base/random.h"
 #include "planner/base/tolerances.h"
+#include "planner/search/goal_sampler.h"
 #include "planner/search/half_turns.h"
 #include "planner/search/search.h"
 #include "planner/space/ompl_lock.h"
@@ -65,6 +67,8 @@ class Plan {
     result_.deterministic = traits_->deterministic;
     result_.seed = problem_.seed;
     if (problem_.goals.empty()) refuse("there is no goal; at least one is expected");
+    if (!problem_.start_poses.empty())
+      refuse("the start is given by poses; placeStart() is expected to find its joint values");
     const ConfigurationSpace& space = scene_->space();
     for (const ConfigurationSpace::Part& part : space.parts())
       if (part.kind == ConfigurationSpace::Kind::kLine &&
@@ -101,10 +105,12 @@ class Plan {
       offend(PlanStatus::kInvalidStart, certifier().clearance(start_, kReportTolerance));
       return false;
     }
-    goals_ =
-        validGoalPoints(certifier(), problem_, problem_.seed, [this] { return limits_.over(); });
+    sampler_ = std::make_unique<GoalSampler>(certifier(), problem_, problem_.seed);
+    goals_ = sampler_->first([this] { return limits_.over(); });
     result_.warnings = goals_.warnings;
     if (!goals_.points.empty()) return true;
+    result_.reason = goals_.reason;
+    result_.unreachable = goals_.unreachable;
     // A goal range that the limits left unexplored is not known to be invalid.
     if (!goals_.stopped) offend(PlanStatus::kInvalidGoal, goals_.closest);
     return false;
@@ -123,6 +129,9 @@ class Plan {
   /// A path with every edge certified; empty when none is found within the limits.
   Waypoints search() {
     if (Waypoints path = direct(); !path.empty()) return path;
+    while (goals_.points.size() < static_cast<std::size_t>(kGoalSamples) && !limits_.searchOver() &&
+           sampler_->more(goals_)) {
+    }
     const QuietOmpl quiet;
     const SearchTask task{problem_, start_, goals_, limits_, options_.on_edge};
     if (traits_->optimizing) limits_.reserve(kSimplifyShare);
@@ -149,7 +158,7 @@ class Plan {
   Waypoints direct() {
     const ConfigurationSpace& space = scene_->space();
     for (const Goal& goal : problem_.goals)
-      if (goalHolds(space, goal, start_)) return {start_, start_};
+      if (goalHolds(*scene_, goal, start_)) return {start_, start_};
     if (!wantsLength() || limits_.searchOver()) return {};
     const auto nearest = std::min_element(
         goals_.points.begin(), goals_.points.end(), [&](const auto& a, const auto& b) {
@@ -203,7 +212,7 @@ class Plan {
   void report() {
     result_.length = pathLength(scene_->space(), result_.path.positions);
     for (std::size_t g = 0; g < problem_.goals.size() && result_.goal < 0; ++g)
-      if (goalHolds(scene_->space(), problem_.goals[g], result_.path.positions.back()))
+      if (goalHolds(*scene_, problem_.goals[g], result_.path.positions.back()))
         result_.goal = static_cast<int>(g);
     result_.status = PlanStatus::kSolved;
   }
@@ -226,6 +235,7 @@ class Plan {
   const PlannerTraits* traits_ = nullptr;
   std::shared_ptr<CertifierPool> pool_;
   std::vector<double> start_;
+  std::unique_ptr<GoalSampler> sampler_;
   GoalPoints goals_;
   EdgeCertifier::Statistics work_;
   PlanResult result_;

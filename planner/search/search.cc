@@ -205,7 +205,7 @@ bool Search::endInGoal(Waypoints& path) {
   if (path.size() == 1) path.push_back(path.front());
   const auto& goals = task_.problem.goals;
   const auto goal = std::find_if(goals.begin(), goals.end(), [&](const planner::Goal& g) {
-    return goalHolds(space, g, path.back());
+    return goalHolds(*scene_, g, path.back());
   });
   if (goal == goals.end()) return false;
   writeAsInGoal(space, *goal, path.back());

@@ -7,6 +7,8 @@
 #include <utility>
 
 #include "planner/base/tolerances.h"
+#include "planner/verify/kinematics.h"
+#include "planner/verify/pose_check.h"
 
 namespace leeway::planner::verification {
 namespace {
@@ -107,6 +109,15 @@ class PathCheck {
   }
 
   bool meets(const Goal& goal, const std::vector<double>& q) const {
+    if (!goal.poses.empty()) {
+      std::vector<double> configuration = problem_.start;
+      for (std::size_t i = 0; i < q.size(); ++i)
+        configuration[at(problem_.robot.variables[i])] = q[i];
+      const std::vector<robots::Pose> X_WL = placeLinks(*problem_.robot.model, configuration);
+      return std::all_of(
+          goal.poses.begin(), goal.poses.end(),
+          [&](const robots::PoseRegion& region) { return isInRegion(region, X_WL); });
+    }
     if (goal.ranges.size() != q.size()) return false;
     for (const ConfigurationSpace::Part& part : space_.parts()) {
       const std::size_t i = at(part.first);

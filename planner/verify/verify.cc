@@ -21,6 +21,7 @@
 #include "planner/verify/kinematics.h"
 #include "planner/verify/pairs.h"
 #include "planner/verify/path_check.h"
+#include "planner/verify/task_check.h"
 
 namespace leeway::planner {
 namespace {
@@ -336,6 +337,7 @@ class Verifier {
 }  // namespace
 
 VerifyResult verify(const Problem& problem, const Path& path, const PlanOptions& options) {
+  if (!problem.steps.empty()) return verifyTask(problem, path, options);
   return Verifier(problem, path, options).run();
 }
 

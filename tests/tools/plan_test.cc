@@ -19,6 +19,29 @@ void expectPlanFields(const json& document) {
   }
 }
 
+TEST_F(Plan, ReachesAPose) {
+  const std::string pose =
+      "lower 0.27015115293406988 0.42073549240394825"
+      " 0 0 0 0.58509727294046221 0.81096311950521793";
+  const Answer answer = run("plan reach.yaml --json --goal-pose " + pose);
+  EXPECT_EQ(answer.status, 0) << answer.err;
+  const json document = answer.document();
+  EXPECT_EQ(document["goal"], "--goal-pose");
+  EXPECT_NEAR(document["path"]["positions"].back()[0], 1, 1e-8);
+  EXPECT_NEAR(document["path"]["positions"].back()[1], 0.25, 1e-8);
+
+  const Answer beyond = run("plan reach.yaml --json --goal-pose lower 3 0 0 0 0 0 1");
+  EXPECT_EQ(beyond.status, 1) << beyond.err;
+  EXPECT_EQ(beyond.document()["status"], "invalid_goal");
+  EXPECT_EQ(beyond.document()["unreachable"], true);
+
+  EXPECT_EQ(run("check reach.yaml --goal-pose " + pose).status, 0);
+  EXPECT_EQ(run("check reach.yaml --goal-pose lower 3 0 0 0 0 0 1").status, 1);
+  for (const char* bad : {"lowr 0 0 0 0 0 0 1", "lower 0 0 0 0 0 0 2", "lower 0 0 x 0 0 0 1",
+                          "lower 0 0 0 0 0 0", "base 0 0 0 0 0 0 1"})
+    EXPECT_EQ(run(std::string("plan reach.yaml --goal-pose ") + bad).status, 2) << bad;
+}
+
 TEST_F(Plan, SolvesAndCertifies) {
   const Answer answer = run("plan reach.yaml --json");
   EXPECT_EQ(answer.status, 0) << answer.err;

@@ -29,6 +29,7 @@ struct Arguments {
 struct NamedState {
   std::string name;
   std::vector<double> point;
+  std::string fault = {};  ///< why there is none, in words
 };
 
 struct CheckedState {
@@ -67,6 +68,18 @@ std::vector<double> goalPoint(const planner::Problem& problem, const planner::Go
     }
   }
   return point;
+}
+
+/// Of a goal of poses: the configuration that planning would try first.
+NamedState solvedGoal(const planner::Problem& problem, const planner::Goal& goal) {
+  planner::Problem at_goal = problem;
+  at_goal.start_poses = goal.poses;
+  try {
+    at_goal = planner::placeStart(at_goal);
+  } catch (const robots::InputError& error) {
+    return {goal.name, startPoint(problem), error.what()};
+  }
+  return {goal.name, startPoint(at_goal)};
 }
 
 double parseNumber(const std::string& state, std::string_view text) {
@@ -162,7 +175,8 @@ std::vector<double> groupStatePoint(const planner::Problem& problem,
 
 void appendGoals(const planner::Problem& problem, std::vector<NamedState>& states) {
   for (const auto& goal : problem.goals) {
-    states.push_back({goal.name, goalPoint(problem, goal)});
+    states.push_back(goal.poses.empty() ? NamedState{goal.name, goalPoint(problem, goal)}
+                                        : solvedGoal(problem, goal));
   }
 }
 
@@ -205,6 +219,10 @@ CheckedState checkState(planner::EdgeCertifier& certifier, const NamedState& sta
                         double tolerance) {
   CheckedState checked;
   checked.state = state;
+  if (!state.fault.empty()) {
+    checked.limit = state.fault;
+    return checked;
+  }
   checked.limit = brokenLimit(certifier.scene().space(), state.point);
   checked.check = certifier.clearance(state.point, tolerance);
   checked.names = pairNames(certifier.scene(), checked.check.pair);
@@ -250,7 +268,7 @@ Json stateJson(const CheckedState& checked) {
                    {"depth_upper", jsonNumber(-check.clearance.lower)}};
   }
   return {{"name", checked.state.name},
-          {"positions", checked.state.point},
+          {"positions", checked.state.fault.empty() ? Json(checked.state.point) : Json()},
           {"valid", checked.valid()},
           {"verdict", verdictName(check.verdict)},
           {"limit", checked.limit.empty() ? Json() : Json(checked.limit)},
@@ -272,6 +290,9 @@ std::string stateText(const CheckedState& checked) {
       fmt::format("{}: {}", checked.state.name, checked.valid() ? "valid" : "not valid");
   if (!checked.limit.empty()) {
     text += fmt::format(" ({})", checked.limit);
+  }
+  if (!checked.state.fault.empty()) {
+    return text + "\n";
   }
   if (check.pair < 0) {
     return text + (checked.check.verdict == planner::Verdict::kFree && checked.limit.empty()
@@ -344,7 +365,8 @@ Verb addCheck(CLI::App& command) {
   app->add_option("--state", arguments->states,
                   "start, goal, a group state, all planned values (1,0,2) or some "
                   "(elbow=1,wrist=2); may be repeated; "
-                  "default: start and goals, a goal's range by its middle")
+                  "default: start and goals, a goal's range by its middle, poses by their valid "
+                  "solution nearest to the start")
       ->type_name("STATE")
       ->delimiter('\n');
   app->add_option("--tolerance", arguments->tolerance, "width of the clearance's interval [m]")

@@ -199,6 +199,7 @@ int run(Arguments& arguments) {
   }
   view::expectPage(arguments.view);
   planner::Problem problem = loadProblem(arguments.source);
+  refuseSteps(problem, "clearance");
   apply(arguments.limits, problem);
   const planner::Path path = planner::readPath(path_file, problem);
   if (path.positions.size() < 2) {

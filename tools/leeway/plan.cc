@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -12,6 +13,7 @@
 
 #include "leeway/planner/path_io.h"
 #include "leeway/planner/planners.h"
+#include "leeway/planner/task.h"
 #include "leeway/planner/trajectory.h"
 #include "leeway/robots/input_error.h"
 #include "tools/leeway/support/exit_status.h"
@@ -76,6 +78,30 @@ std::string pathTable(const planner::PlanResult& result) {
   return text + formatTable(heading, rows);
 }
 
+/// Of a task: what each step does, and what of it is proven.
+std::string stepTable(const planner::Problem& problem, const planner::PlanResult& result) {
+  std::vector<std::vector<std::string>> rows;
+  for (std::size_t i = 0; i < result.path.steps.size(); ++i) {
+    const planner::PathStep& step = result.path.steps[i];
+    std::string clearance, departure;
+    double least = std::numeric_limits<double>::infinity();
+    for (int edge = step.first; edge < step.last; ++edge)
+      least = std::min(least, result.certificate.segments[static_cast<std::size_t>(edge)].lower);
+    if (step.first < step.last)
+      clearance =
+          std::isfinite(least) ? ">= " + formatLower(millimetres(least), 2) : "nothing near";
+    if (std::holds_alternative<planner::LineStep>(problem.steps[i].action))
+      departure = fmt::format("<= {} mm, {} mrad", formatUpper(millimetres(step.deviation), 3),
+                              formatUpper(step.turn * 1e3, 3));
+    rows.push_back({fmt::format("{}", i + 1), step.name,
+                    step.first < step.last ? fmt::format("{} to {}", step.first, step.last)
+                                           : fmt::format("{}", step.first),
+                    clearance, departure});
+  }
+  return formatTable({"step", "name", "waypoints", "clearance [mm]", "off its line"}, rows,
+                     {1, 2, 3, 4});
+}
+
 std::string certificateText(const planner::Certificate& certificate) {
   if (!std::isfinite(certificate.clearance.lower)) {
     return certificate.certified ? "Certified: there is nothing that could be touched.\n"
@@ -94,6 +120,9 @@ std::string certificateText(const planner::Certificate& certificate) {
 
 std::string offendingText(const planner::PlanResult& result) {
   const auto& check = result.offending;
+  if (!result.reason.empty()) {
+    return fmt::format("No configuration: {}.\n", result.reason);
+  }
   const char* state = result.status == planner::PlanStatus::kInvalidStart ? "start" : "goal";
   if (result.offending_a.empty()) {
     return fmt::format(
@@ -144,11 +173,17 @@ void printText(const planner::Problem& problem, const planner::PlanResult& resul
                  : " (this planner keeps clocks or threads of its own: not deterministic)");
   switch (result.status) {
     case planner::PlanStatus::kSolved:
-      fmt::print("\n{}\n{}", pathTable(result), certificateText(result.certificate));
+      fmt::print("\n{}\n", pathTable(result));
+      if (!result.path.steps.empty()) fmt::print("{}\n", stepTable(problem, result));
+      fmt::print("{}", certificateText(result.certificate));
       fmt::print("Length {:.4f}, {} edges.\n", result.length, result.certificate.segments.size());
       fmt::print("{}", durationText(*trajectory));
       break;
     case planner::PlanStatus::kUnsolved:
+      if (!result.reason.empty()) {
+        fmt::print("No further than {}.\n", result.reason);
+        break;
+      }
       fmt::print("No path within {} s{}.\n", problem.limits.time,
                  problem.limits.iterations > 0
                      ? fmt::format(" and {} iterations", problem.limits.iterations)
@@ -206,7 +241,7 @@ int run(const Arguments& arguments) {
   planner::PlanOptions options = planOptions(arguments.overrides);
   view::SearchEdges searched;
   if (!arguments.view.file.empty()) view::recordSearch(options, searched);
-  const planner::PlanResult result = planner::plan(problem, options);
+  const planner::PlanResult result = planner::solve(problem, options);
   endProgress();
   printWarnings(result.warnings);
   const bool solved = result.status == planner::PlanStatus::kSolved;
@@ -261,7 +296,9 @@ Verb addPlan(CLI::App& command) {
       "Examples:\n"
       "  leeway plan problems/shelf/reach.yaml\n"
       "  leeway plan problems/shelf/reach.yaml --planner BITstar --objective clearance --time 1 "
-      "--json");
+      "--json\n"
+      "  leeway plan problems/pick_place/can.yaml --output path.json\n"
+      "  leeway plan problems/shelf/reach.yaml --goal-pose tool 0.6 0 0.5 0 0.7071068 0 0.7071068");
   return {app, [arguments] { return run(*arguments); }};
 }
 

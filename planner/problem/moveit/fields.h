@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "leeway/planner/problem.h"
-#include "planner/problem/yaml_reader.h"
+#include "planner/yaml/yaml_reader.h"
 
 namespace leeway::planner {
 
@@ -28,6 +28,11 @@ void readSceneObjects(const YamlReader& scene, Problem& problem);
 
 /// Its allowed_collision_matrix, into problem.contacts; after the objects.
 void readAllowedCollisions(const YamlReader& scene, Problem& problem);
+
+/// One entry of position_constraints: the point of a link in a box within its primitive. And one of
+/// orientation_constraints. Neither allows more than MoveIt does (constraints.cc).
+robots::PoseRegion readPositionConstraint(const YamlReader& constraint, Problem& problem);
+robots::PoseRegion readOrientationConstraint(const YamlReader& constraint, Problem& problem);
 
 /// Group, start and goals of a moveit_msgs/MotionPlanRequest.
 void readRequestGroup(const YamlReader& request, Problem& problem);

@@ -142,9 +142,18 @@ void readJointConstraint(const YamlReader& constraint, VariableRanges& given, Pr
 }
 
 Goal readConstraints(const YamlReader& map, const std::string& name, Problem& problem) {
-  for (const char* key :
-       {"position_constraints", "orientation_constraints", "visibility_constraints"})
-    refuseContent(map, key, "a goal of joint_constraints");
+  refuseContent(map, "visibility_constraints", "a goal of joints or poses");
+  Goal goal{name, {}, {}};
+  if (const auto positions = map.find("position_constraints"); hasContent(positions))
+    for (const YamlReader& constraint : positions->items())
+      goal.poses.push_back(readPositionConstraint(constraint, problem));
+  if (const auto orientations = map.find("orientation_constraints"); hasContent(orientations))
+    for (const YamlReader& constraint : orientations->items())
+      goal.poses.push_back(readOrientationConstraint(constraint, problem));
+  if (!goal.poses.empty()) {
+    refuseContent(map, "joint_constraints", "a goal of either joints or poses");
+    return goal;
+  }
   const YamlReader joints = map.at("joint_constraints", "a list of joint_name and position");
   VariableRanges given(problem.robot.model->variables.size());
   for (const YamlReader& constraint : joints.items())

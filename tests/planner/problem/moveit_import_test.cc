@@ -1,6 +1,8 @@
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <memory>
 #include <set>
@@ -302,8 +304,22 @@ TEST_F(MoveitImport, WhatWouldChangeTheProblemIsNeverSkipped) {
   expect(kScene, replaced(request, "joint_name: right_joint", "joint_name: left_joint"),
          "request.yaml:11: joint 'left_joint' has two constraints; one is expected");
   expect(kScene, request + "    position_constraints: [{link_name: left}]\n",
-         "request.yaml:13: goal_constraints[0].position_constraints is not supported; a goal of "
-         "joint_constraints is expected");
+         "request.yaml:13: key 'constraint_region' is missing in "
+         "goal_constraints[0].position_constraints[0]");
+  const auto withPosition = [&](const std::string& primitive) {
+    return request +
+           "    position_constraints: [{link_name: left, constraint_region: {primitives: [" +
+           primitive + "], primitive_poses: [{}]}}]\n";
+  };
+  expect(kScene, withPosition("{type: cone, dimensions: [1, 1]}"),
+         "request.yaml:13: goal_constraints[0].position_constraints[0].constraint_region.primitives"
+         "[0].type is 'cone'; box, sphere or cylinder is expected");
+  expect(kScene, withPosition("{type: sphere, dimensions: [0]}"),
+         "request.yaml:13: goal_constraints[0].position_constraints[0].constraint_region.primitives"
+         "[0].dimensions leave no room");
+  expect(kScene, withPosition("{type: sphere, dimensions: [1]}"),
+         "request.yaml:9: goal_constraints[0].joint_constraints is not supported; a goal of either "
+         "joints or poses is expected");
   expect(kScene, request + "path_constraints: {orientation_constraints: [{link_name: left}]}\n",
          "request.yaml:13: path_constraints.orientation_constraints is not supported");
   expect(kScene,
@@ -311,6 +327,53 @@ TEST_F(MoveitImport, WhatWouldChangeTheProblemIsNeverSkipped) {
                   "joint_names: [left_joint], transforms: [{rotation: [0, 0, 1, 0]"),
          "request.yaml:7: joint 'left_joint' is not floating, but placed elsewhere; the identity "
          "is expected");
+}
+
+/// Points of the regions are where MoveIt's own formulas allow them, whatever is drawn.
+TEST_F(MoveitImport, ConstraintsOfPosesAllowNoMoreThanMoveitDoes) {
+  const std::string head = kRequest;
+  const std::string goal =
+      "goal_constraints:\n"
+      "  - position_constraints: [{link_name: left, target_point_offset: [0.1, 0, 0], header: "
+      "{frame_id: can}, constraint_region: {primitives: [{type: sphere, dimensions: [0.01]}], "
+      "primitive_poses: [{position: [1, 2, 3], orientation: [0, 0, 0.6, 0.8]}]}}]\n"
+      "    orientation_constraints: [{link_name: left, orientation: [0.5, 0.5, 0.5, 0.5], "
+      "absolute_x_axis_tolerance: 0.1, absolute_y_axis_tolerance: 0.2, absolute_z_axis_tolerance: "
+      "3.2}]\n";
+  const Problem problem = load(kScene, head.substr(0, head.find("goal_constraints")) + goal);
+  ASSERT_EQ(problem.goals.size(), 1U);
+  ASSERT_EQ(problem.goals[0].poses.size(), 2U);
+  const robots::PoseRegion& place = problem.goals[0].poses[0];
+  EXPECT_EQ(place.X_LF.translation, Eigen::Vector3d(0.1, 0, 0));
+  for (const auto& [from, to] : place.position) {
+    EXPECT_EQ(from, -to);
+    EXPECT_GT(to, 0.0057);
+    EXPECT_LT(3 * to * to, 0.01 * 0.01);
+  }
+  // X_WC [1, 2, 3]: the sphere stands relative to the can.
+  const auto can = std::find_if(problem.world.objects.begin(), problem.world.objects.end(),
+                                [](const Object& object) { return object.name == "can"; });
+  ASSERT_NE(can, problem.world.objects.end());
+  EXPECT_LT((place.X_WR.translation - can->X_WO * Eigen::Vector3d(1, 2, 3)).norm(), 1e-12);
+
+  const robots::PoseRegion& turn = problem.goals[0].poses[1];
+  const Eigen::Matrix3d wanted =
+      Eigen::Quaterniond(0.5, 0.5, 0.5, 0.5).toRotationMatrix();  // w x y z
+  for (int i = 0; i <= 4; ++i)
+    for (int j = 0; j <= 4; ++j)
+      for (int k = 0; k <= 4; ++k) {
+        const auto at = [](const std::pair<double, double>& range, int step) {
+          return range.first + (range.second - range.first) * step / 4;
+        };
+        const Eigen::Matrix3d R_RF =
+            robots::rotationOf({at(turn.rpy[0], i), at(turn.rpy[1], j), at(turn.rpy[2], k)});
+        const Eigen::Matrix3d R_WL = turn.X_WR.rotation * R_RF * turn.X_LF.rotation.transpose();
+        // moveit_core: the x, y, z angles of the rotation from the wanted one.
+        const Eigen::Matrix3d D = wanted.transpose() * R_WL;
+        EXPECT_LE(std::abs(std::atan2(-D(1, 2), D(2, 2))), 0.1);
+        EXPECT_LE(std::abs(std::asin(D(0, 2))), 0.2);
+      }
+  EXPECT_GT(turn.rpy[2].second, 0.0999);
 }
 
 TEST_F(MoveitImport, AFloatingBaseStandsWhereTheRequestSays) {

@@ -374,6 +374,38 @@ TEST(ProblemMessages, Goals) {
   });
 }
 
+TEST(ProblemMessages, Poses) {
+  const std::string start = "[0, 0, 0, 0, 0, 0]";
+  const auto withGoal = [&](const std::string& pose, const std::string& more = "") {
+    return withRobot(more, start, "{pose: " + pose + "}");
+  };
+  expectMessages({
+      {withGoal("{frame: tol, position: [1, 0, 0]}"), 7,
+       "goal.pose: no frame, link or attached object 'tol'; did you mean 'tool'?"},
+      {withGoal("{frame: base, position: [1, 0, 0]}"), 7,
+       "'base' is not moved by the planned joints; a frame that they move is expected"},
+      {withGoal("{frame: tool}"), 7, "goal.pose says nothing of where"},
+      {withGoal("{frame: tool, position: [1, 0]}"), 7, "goal.pose.position is a list of 2; three"},
+      {withGoal("{frame: tool, position: [1, 0, [1, 0]]}"), 7, "goal.pose.position[2] is no range"},
+      {withGoal("{frame: tool, relative_to: can, position: [1, 0, 0]}"), 7,
+       "no object, link or frame 'can' to be relative to"},
+      {withGoal("{frame: tool, relative_to: forearm, position: [1, 0, 0]}"), 7,
+       "'forearm' moves with the planned joints; something at rest"},
+      {withGoal("{frame: tool, orientation: [1, 0, 0, 1]}"), 7,
+       "goal.pose.orientation is a quaternion of length 1.414"},
+      {withGoal("{frame: tool, rpy: [0, 0, 0], orientation: [0, 0, 0, 1]}"), 7,
+       "goal.pose has both 'orientation' and 'rpy'; one is expected"},
+      {withGoal("{frame: tool, position: [1, 0, 0], position_tolerance: 1e-13}"), 7,
+       "goal.pose.position_tolerance is 1e-13; at least 1e-12, which rounding comes near"},
+      {withRobot("", start, "{poses: []}"), 7, "goal.poses is empty; a pose is expected"},
+      {withRobot("frames: {tip: {link: tol}}\n"), 8, "unknown link 'tol' in frames.tip"},
+      {withRobot("frames: {base: {link: tool}}\n"), 8,
+       "frame 'base' has the name of a link or object; a name of its own is expected"},
+      {withRobot("frames:\n  tip:\n    link: tool\n    orientation: [0, 0, 0, 2]\n"), 11,
+       "is a quaternion of length 2"},
+  });
+}
+
 TEST(ProblemMessages, Moveit) {
   const std::string robot = "leeway: 1\nrobot: {urdf: " + kSource +
                             "/robots/arm7/arm7.urdf, srdf: " + kSource +

@@ -15,8 +15,10 @@
 
 #include "leeway/planner/plan.h"
 #include "leeway/planner/planners.h"
+#include "leeway/planner/task.h"
 #include "leeway/planner/verify.h"
 #include "leeway/robots/input_error.h"
+#include "leeway/robots/kinematics.h"
 #include "tools/leeway/batch/batch_list.h"
 #include "tools/leeway/batch/batch_output.h"
 #include "tools/leeway/support/exit_status.h"
@@ -38,7 +40,7 @@ struct Arguments {
   PlanOverrides overrides;
   std::vector<std::string> inputs;
   std::string shard, output, view;
-  bool resume = false, verify = false;
+  bool resume = false, verify = false, pose_goals = false;
   int repeat = 1, jobs = 1;
 };
 
@@ -92,6 +94,27 @@ double median(std::vector<double> values) {
   return values.size() % 2 == 1 ? values[middle] : 0.5 * (values[middle - 1] + values[middle]);
 }
 
+/// Of goals that are single configurations the poses that the last moved link has there: the same
+/// tasks for inverse kinematics.
+void posesForGoals(planner::Problem& problem) {
+  const robots::Model& model = *problem.robot.model;
+  const auto at = [](int i) { return static_cast<std::size_t>(i); };
+  const int link =
+      model.joints[at(model.variables[at(problem.robot.variables.back())].joint)].child_link;
+  std::vector<robots::Pose> X_WL(model.links.size());
+  for (planner::Goal& goal : problem.goals) {
+    std::vector<double> q = problem.start;
+    bool single = !goal.ranges.empty();
+    for (std::size_t i = 0; i < goal.ranges.size(); ++i) {
+      single = single && goal.ranges[i].first == goal.ranges[i].second;
+      q[at(problem.robot.variables[i])] = goal.ranges[i].first;
+    }
+    if (!single) continue;
+    robots::forwardKinematics(model, q, X_WL);
+    goal = {goal.name, {}, {robots::PoseRegion::exact(link, {}, {}, X_WL[at(link)])}};
+  }
+}
+
 planner::Problem load(const Arguments& arguments, const std::shared_ptr<const robots::Model>& model,
                       const BatchItem& item, std::vector<std::string>& warnings) {
   const auto add = [&warnings](const std::vector<std::string>& more) {
@@ -108,7 +131,8 @@ planner::Problem load(const Arguments& arguments, const std::shared_ptr<const ro
     add(problem.robot.model->warnings);
   }
   add(problem.warnings);
-  return problem;
+  if (arguments.pose_goals) posesForGoals(problem);
+  return planner::placeStart(problem);
 }
 
 void count(const planner::PlanResult& result, Tally& tally) {
@@ -143,11 +167,11 @@ bool isTimed(const planner::Problem& problem, const planner::PlanResult& result)
 /// out the same each time.
 planner::PlanResult planRepeatedly(const planner::Problem& problem,
                                    const planner::PlanOptions& options, int repeat) {
-  planner::PlanResult result = planner::plan(problem, options);
+  planner::PlanResult result = planner::solve(problem, options);
   std::vector<double> compile_s{result.compile_s}, plan_s{result.plan_s},
       simplify_s{result.simplify_s}, certify_s{result.certify_s};
   for (int i = 1; i < repeat && !interrupted(); ++i) {
-    const planner::PlanResult again = planner::plan(problem, options);
+    const planner::PlanResult again = planner::solve(problem, options);
     if (!isTimed(problem, result) && !isTimed(problem, again) &&
         again.path.positions != result.path.positions) {
       throw std::logic_error(problem.name + ": planned twice, with two paths");
@@ -416,6 +440,9 @@ Verb addBatch(CLI::App& command) {
                   "a page of each problem, and DIR/index.html with their pictures")
       ->type_name("DIR");
   app->add_flag("--resume", arguments->resume, "continue an interrupted --output FILE");
+  app->add_flag("--pose-goals", arguments->pose_goals,
+                "in place of goals that are single configurations, the pose that the last moved "
+                "link has there");
   app->add_flag("--verify", arguments->verify,
                 "add the independent verifier's answer to each line");
   app->footer(

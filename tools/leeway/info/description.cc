@@ -241,7 +241,18 @@ Json problemJson(const planner::Problem& problem) {
     for (const auto& [lower, upper] : goal.ranges) {
       ranges.push_back({jsonNumber(lower), jsonNumber(upper)});
     }
-    goals.push_back({{"name", goal.name}, {"ranges", ranges}});
+    Json poses = Json::array();
+    for (const auto& region : goal.poses) {
+      poses.push_back(
+          {{"link", problem.robot.model->links[static_cast<std::size_t>(region.link)].name},
+           {"position", region.position},
+           {"rpy", region.rpy}});
+    }
+    goals.push_back({{"name", goal.name}, {"ranges", ranges}, {"poses", poses}});
+  }
+  Json steps = Json::array();
+  for (const auto& step : problem.steps) {
+    steps.push_back(step.name);
   }
   Json objects = Json::array();
   for (const auto& object : problem.world.objects) {
@@ -259,6 +270,7 @@ Json problemJson(const planner::Problem& problem) {
   return {{"name", problem.name},
           {"planned", planned},
           {"goals", goals},
+          {"steps", steps},
           {"objects", objects},
           {"attached", attached},
           {"deforming", deformingJson(problem)},

@@ -96,13 +96,21 @@ Json toJson(const planner::Problem& problem, const planner::PlanResult& result,
   document["trajectory"] = Json();
   if (solved) {
     document["path"] = {{"joint_names", result.path.names}, {"positions", result.path.positions}};
+    for (const planner::PathStep& step : result.path.steps)
+      document["path"]["steps"].push_back({{"name", step.name},
+                                           {"first", step.first},
+                                           {"last", step.last},
+                                           {"deviation", step.deviation},
+                                           {"turn", step.turn}});
     document["length"] = jsonNumber(result.length);
     document["certificate"] = certificateJson(result.certificate, trajectory);
     if (trajectory) document["trajectory"] = trajectoryJson(*trajectory);
   }
   if (invalid) {
-    document["offending"] = offendingJson(result);
+    document["offending"] = result.reason.empty() ? offendingJson(result) : Json();
+    document["unreachable"] = result.unreachable;
   }
+  if (!solved) document["reason"] = result.reason.empty() ? Json() : Json(result.reason);
   return document;
 }
 

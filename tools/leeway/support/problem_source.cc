@@ -2,13 +2,18 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
 #include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <set>
+#include <span>
+#include <stdexcept>
 
 #include "leeway/robots/cache_folder.h"
 #include "leeway/robots/input_error.h"
+#include "leeway/robots/text.h"
+#include "planner/base/tolerances.h"
 #include "tools/leeway/support/terminal.h"
 
 namespace leeway::tools {
@@ -27,6 +32,9 @@ std::shared_ptr<const robots::Model> loadRobot(const ProblemSource& source) {
 planner::Problem loadFromRobot(const ProblemSource& source) {
   const bool moveit = !source.scene.empty() || !source.request.empty();
   const bool states = !source.group.empty() || !source.start.empty() || !source.goal.empty();
+  const bool pose = !source.goal_pose.empty();
+  if (pose && !source.goal.empty())
+    badUsage("--goal and --goal-pose both say the goal; one is expected");
   if (moveit && states) {
     badUsage(
         "--scene and --request name start and goal already; leave --group, --start and --goal out");
@@ -37,11 +45,50 @@ planner::Problem loadFromRobot(const ProblemSource& source) {
     }
     return planner::loadMoveit(loadRobot(source), source.scene, source.request);
   }
-  if (source.group.empty() || source.start.empty() || source.goal.empty()) {
+  if (source.group.empty() || source.start.empty() || (source.goal.empty() && !pose)) {
     badUsage(
-        "beside --robot either --group, --start and --goal are needed, or --scene and --request");
+        "beside --robot either --group, --start and --goal (or --goal-pose) are needed, or --scene "
+        "and --request");
   }
-  return planner::problemFromStates(loadRobot(source), source.group, source.start, source.goal);
+  return planner::problemFromStates(loadRobot(source), source.group, source.start,
+                                    pose ? source.start : source.goal);
+}
+
+/// FRAME x y z qx qy qz qw: one pose of --goal-pose.
+planner::FramePose parseFramePose(std::span<const std::string> words) {
+  planner::FramePose pose;
+  pose.frame = words[0];
+  double numbers[7];
+  for (std::size_t i = 0; i < 7; ++i) {
+    const std::optional<double> number = robots::parseFinite(words[i + 1]);
+    if (!number)
+      badUsage(fmt::format("--goal-pose {}: '{}' is no finite number", pose.frame, words[i + 1]));
+    numbers[i] = *number;
+  }
+  for (std::size_t i = 0; i < 3; ++i) pose.position[i] = {numbers[i], numbers[i]};
+  pose.rpy.fill({0, 0});
+  Eigen::Quaterniond q(numbers[6], numbers[3], numbers[4], numbers[5]);
+  if (!(std::abs(q.norm() - 1) <= planner::kMendableQuaternion))
+    badUsage(
+        fmt::format("--goal-pose {}: a quaternion of length {}; unit length (within {}) is "
+                    "expected",
+                    pose.frame, q.norm(), planner::kMendableQuaternion));
+  pose.rotation = q.normalized().toRotationMatrix();
+  return pose;
+}
+
+/// Puts the goal of --goal-pose in place of the problem's.
+void takeGoalPose(const ProblemSource& source, planner::Problem& problem) {
+  constexpr std::size_t kWords = 8;
+  if (!problem.steps.empty()) badUsage("--goal-pose: the problem has steps, no goal");
+  planner::Goal goal{"--goal-pose", {}, {}};
+  const std::span<const std::string> words = source.goal_pose;
+  for (std::size_t i = 0; i + kWords <= words.size(); i += kWords) try {
+      goal.poses.push_back(planner::poseRegion(problem, parseFramePose(words.subspan(i, kWords))));
+    } catch (const std::invalid_argument& error) {
+      badUsage(fmt::format("--goal-pose {}: {}", words[i], error.what()));
+    }
+  problem.goals = {goal};
 }
 
 }  // namespace
@@ -63,6 +110,14 @@ void addStatesAndMoveitArguments(CLI::App& app, ProblemSource& source) {
   app.add_option("--group", source.group, "planned group of the SRDF")->type_name("NAME");
   app.add_option("--start", source.start, "group state to start from")->type_name("NAME");
   app.add_option("--goal", source.goal, "group state to reach")->type_name("NAME");
+  app.add_option(
+         "--goal-pose", source.goal_pose,
+         "pose to reach, in place of the goal: position [m] and quaternion of a frame, link "
+         "or attached object in the world; again for another one to hold at once")
+      ->type_name("FRAME X Y Z QX QY QZ QW")
+      ->type_size(8)
+      ->expected(1)
+      ->take_all();
   app.add_option("--scene", source.scene, "MoveIt planning scene")->type_name("YAML");
   app.add_option("--request", source.request, "MoveIt motion plan request")->type_name("YAML");
 }
@@ -163,7 +218,14 @@ planner::Problem loadProblem(const ProblemSource& source) {
     printWarnings(problem.robot.model->warnings);
   }
   printWarnings(problem.warnings);
-  return problem;
+  if (!source.goal_pose.empty()) takeGoalPose(source, problem);
+  return planner::placeStart(problem);
+}
+
+void refuseSteps(const planner::Problem& problem, const char* verb) {
+  if (!problem.steps.empty())
+    badUsage(fmt::format("{} looks at one world, and {} has steps; plan and verify take them", verb,
+                         problem.name));
 }
 
 std::string takePathFile(ProblemSource& source, const std::vector<std::string>& files) {

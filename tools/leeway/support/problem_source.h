@@ -18,7 +18,8 @@ struct ProblemSource {
   std::string robot, srdf;
   std::string group, start, goal;
   std::string scene, request;
-  std::vector<std::string> packages;  ///< NAME=DIR
+  std::vector<std::string> goal_pose;  ///< FRAME x y z qx qy qz qw; several: at once
+  std::vector<std::string> packages;   ///< NAME=DIR
   bool no_cache = false;
 };
 
@@ -47,6 +48,8 @@ void addPlanOverrides(CLI::App& app, PlanOverrides& overrides);
 
 /// Throws robots::InputError; prints the loader's warnings to stderr.
 planner::Problem loadProblem(const ProblemSource& source);
+/// For verbs that look at one world: throws robots::InputError for a problem with steps.
+void refuseSteps(const planner::Problem& problem, const char* verb);
 robots::LoadOptions loadOptions(const ProblemSource& source);
 /// Moves the problem's file from `files` to `source` and returns the path's.
 std::string takePathFile(ProblemSource& source, const std::vector<std::string>& files);

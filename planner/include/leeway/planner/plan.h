@@ -13,10 +13,20 @@ namespace leeway::planner {
 enum class PlanStatus : unsigned char { kSolved, kUnsolved, kInvalidStart, kInvalidGoal };
 const char* toString(PlanStatus status);  ///< "solved", "unsolved", "invalid_start", "invalid_goal"
 
+/// The stretch of a task's path that is one of Problem::steps.
+struct PathStep {
+  std::string name;
+  int first = 0, last = 0;  ///< waypoints; the same where nothing moves
+  /// Of a line: proven bounds on how far the frame's origin is from it [m], and the frame turned
+  /// [rad], anywhere.
+  double deviation = 0, turn = 0;
+};
+
 /// A path in the space of a group: rows of planned variables.
 struct Path {
   std::vector<std::string> names;              ///< variable names, in group order
   std::vector<std::vector<double>> positions;  ///< one row a waypoint
+  std::vector<PathStep> steps = {};            ///< of a task, in their order; else empty
 };
 
 /// The proof that comes with a path: an interval of the clearance for every edge. Clearances are
@@ -67,6 +77,10 @@ struct PlanResult {
   Certificate certificate;
   StateCheck offending;  ///< for an invalid start or goal: pair, depth, place
   std::string offending_a, offending_b;
+  /// For an invalid goal of poses that no configuration was found for, and a task that failed: so
+  /// in words. `offending` then says nothing.
+  std::string reason;
+  bool unreachable = false;           ///< that there is none is proven
   std::vector<std::string> warnings;  ///< goals left out
 };
 
@@ -80,7 +94,9 @@ struct PlanResult {
 ///
 /// A start that is not proven valid, or no valid goal, ends the call; the result says what is in
 /// the way. Of several goals the invalid ones are left out with a warning. Of a goal range points
-/// are drawn; it counts as invalid when a thousand of them are.
+/// are drawn; it counts as invalid when a thousand of them are. Of a goal of poses configurations
+/// are drawn, nearest to the start first; where no straight edge leads to the first valid ones,
+/// more are drawn, and the search goes to any of them.
 ///
 /// MinimumLength: a free straight edge to the nearest goal is the answer, without a planner.
 /// Planners that optimise run until the limits, others stop at their first path.
@@ -96,6 +112,12 @@ PlanResult plan(const Problem& problem, const PlanOptions& options = {});
 /// plan() in a scene that is already compiled from `problem`.
 PlanResult plan(std::shared_ptr<const CompiledScene> scene, const Problem& problem,
                 const PlanOptions& options = {});
+
+/// The problem with a start for its start_poses: of the configurations that inverse kinematics
+/// finds for them the valid one nearest to `start` in the space's distance; without a valid one the
+/// nearest, and without any the problem is refused (robots::InputError). Deterministic. The problem
+/// itself without start_poses. Compiles the problem.
+Problem placeStart(const Problem& problem);
 
 /// The certificate of any path, its clearances to within tolerance [m].
 Certificate certify(EdgeCertifier& certifier, const Path& path, double tolerance,

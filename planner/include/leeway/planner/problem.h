@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <limits>
 #include <map>
@@ -15,6 +16,7 @@
 #include "leeway/collision/deformable_mesh.h"
 #include "leeway/collision/vertex_motion.h"
 #include "leeway/robots/model.h"
+#include "leeway/robots/pose_region.h"
 
 namespace leeway::planner {
 
@@ -34,17 +36,73 @@ struct Attachment {
   std::vector<int> touch_links;
 };
 
+/// A named frame fixed to a link, for poses: a tool's tip.
+struct Frame {
+  std::string name;
+  int link = -1;
+  robots::Pose X_LF;
+};
+
 /// The robot, and what of it is planned.
 struct PlannedRobot {
   std::shared_ptr<const robots::Model> model;
   std::vector<int> variables;  ///< planned ones, in group order
   std::vector<Attachment> attachments;
+  std::vector<Frame> frames;
 };
 
-/// A goal: a range for every planned variable. A single value is a range of no width.
+/// Where a frame F may be in a reference frame R, by names; poseRegion() looks up where they stand.
+struct FramePose {
+  std::string frame;        ///< a frame, a link or an attached object
+  std::string relative_to;  ///< an object, or a frame or link at rest; empty: the world
+  std::array<std::pair<double, double>, 3> position;  ///< of F's origin in R [m]
+  /// R_RF = Rz(yaw) Ry(pitch) Rx(roll) rotation [rad]. 2 pi wide or more: any angle.
+  std::array<std::pair<double, double>, 3> rpy;
+  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
+  double position_tolerance = 1e-9;  ///< how far outside a solution may be [m]
+  double angle_tolerance = 1e-9;     ///< [rad]
+};
+
+/// A goal: either a range for every planned variable (a single value is a range of no width), or
+/// poses of frames, which hold all at once at any value of the variables within the limits.
 struct Goal {
   std::string name;                               ///< group state, or "goal", "goal 2", ...
-  std::vector<std::pair<double, double>> ranges;  ///< in group order
+  std::vector<std::pair<double, double>> ranges;  ///< in group order; empty beside poses
+  std::vector<robots::PoseRegion> poses = {};
+};
+
+/// To a configuration, by whatever path is found.
+struct MoveStep {
+  Goal goal;                     ///< of joints, or named by:
+  std::vector<FramePose> poses;  ///< looked up when the step begins; empty: `goal` holds
+};
+
+/// A frame's origin moves along a straight line, and the frame does not turn.
+struct LineStep {
+  std::string frame;                             ///< a frame, a link or an attached object
+  Eigen::Vector3d by = Eigen::Vector3d::Zero();  ///< from where it is [m], in the axes of
+  std::string relative_to;           ///< as in FramePose; "world"; empty: the frame's own
+  double position_tolerance = 1e-3;  ///< every point of the motion is as near to the line [m],
+  double angle_tolerance = 1e-2;     ///< and turned by no more [rad]: proven
+};
+
+/// A link takes hold of an object where it stands; see attachObject().
+struct AttachStep {
+  std::string object, link;
+  std::vector<std::string> touch;  ///< links that may touch it, besides
+};
+
+/// The object is let go of, and stays where it is; see detachObject().
+struct DetachStep {
+  std::string object;
+};
+
+/// A part of a task (task.h).
+struct Step {
+  std::string name;  ///< "move", "line 2", ...
+  std::variant<MoveStep, LineStep, AttachStep, DetachStep> action;
+  /// Pairs that may touch during this step, besides those of the problem.
+  std::vector<std::pair<std::string, std::string>> allowed;
 };
 
 /// An obstacle whose vertices move. Made by makeDeformingObstacle(). Plans, checks and proofs look
@@ -165,7 +223,11 @@ struct Problem {
   std::string name;
   PlannedRobot robot;
   std::vector<double> start;  ///< all variables of the model, those not planned included
-  std::vector<Goal> goals;    ///< at least one
+  /// Where the start is given by poses: placeStart() finds planned variables for them. Empty:
+  /// `start` holds as it is.
+  std::vector<robots::PoseRegion> start_poses;
+  std::vector<Goal> goals;  ///< at least one, or
+  std::vector<Step> steps;  ///< a task: planTask() (task.h) instead of plan()
   World world;
   Contacts contacts;
   Margins margins;
@@ -208,5 +270,11 @@ Problem attachObject(const Problem& problem, const std::string& object, const st
 /// the inverse of attachObject().
 Problem detachObject(const Problem& problem, const std::string& object,
                      std::span<const double> configuration = {});
+
+/// The region of a pose where the names of `problem` stand: links as at its start. Throws
+/// std::invalid_argument for names that do not exist, a link or attached object as reference that
+/// planned variables move, ranges that are not finite or have their upper end first, a `rotation`
+/// that is none, and tolerances below robots::kLeastPoseTolerance. O(links).
+robots::PoseRegion poseRegion(const Problem& problem, const FramePose& pose);
 
 }  // namespace leeway::planner

@@ -151,8 +151,8 @@ class Trajectory {
 };
 
 /// The trajectory of a path within the limits of the problem's execution, with blends if it asks
-/// for them and limits no jerk; these compile the problem. The path's edges must be certified for
-/// the problem.
+/// for them, limits no jerk, and the path is not a task's; these compile the problem. The path's
+/// edges must be certified for the problem.
 Trajectory trajectoryOf(const Problem& problem, const Path& path);
 
 }  // namespace leeway::planner

@@ -24,7 +24,9 @@ struct VerifyResult {
 /// Proves or refutes that a path keeps all margins; never samples. Slow, plain, and independent of
 /// the planner: its own kinematics, first-order bounds (speed, not acceleration), no batches,
 /// coarse bounds or caches. Shared are collision::distance() and the definition of an edge.
-/// Conservative advancement, see verify.cc. A bad path is refuted, with a reason.
+/// Conservative advancement, see verify.cc. A bad path is refuted, with a reason. Of a problem with
+/// steps each one's stretch is verified in the world as the steps before have left it, and lines
+/// are proven to be straight; the path must have its steps (Path::steps).
 VerifyResult verify(const Problem& problem, const Path& path, const PlanOptions& options = {});
 
 }  // namespace leeway::planner

@@ -1,4 +1,4 @@
-#include "planner/problem/yaml_reader.h"
+#include "planner/yaml/yaml_reader.h"
 
 #include <fmt/format.h>
 

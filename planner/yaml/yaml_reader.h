@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "leeway/robots/input_error.h"
-#include "planner/problem/yaml_document.h"
+#include "planner/yaml/yaml_document.h"
 
 namespace leeway::planner {
 

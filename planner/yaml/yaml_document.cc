@@ -1,4 +1,4 @@
-#include "planner/problem/yaml_document.h"
+#include "planner/yaml/yaml_document.h"
 
 #include <fmt/format.h>
 #include <yaml-cpp/eventhandler.h>

@@ -1,6 +1,6 @@
 // The flat tree, compared with yaml-cpp's own nodes.
 
-#include "planner/problem/yaml_document.h"
+#include "planner/yaml/yaml_document.h"
 
 #include <gtest/gtest.h>
 #include <yaml-cpp/yaml.h>

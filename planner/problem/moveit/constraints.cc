@@ -1,0 +1,139 @@
+// Position and orientation constraints of a MoveIt goal (moveit_msgs/PositionConstraint,
+// OrientationConstraint) as regions of poses, never larger than what they allow.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+
+#include "planner/base/nearest_name.h"
+#include "planner/base/tolerances.h"
+#include "planner/problem/moveit/fields.h"
+#include "planner/problem/read_shapes.h"
+
+namespace leeway::planner {
+namespace {
+
+using robots::Pose;
+using robots::PoseRegion;
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+/// The pose of the frame that a header names, in the world; without a name, the planning frame.
+Pose headerPose(const YamlReader& constraint, const Problem& problem) {
+  const auto header = constraint.find("header");
+  const auto id = header && header->isMap() ? header->find("frame_id") : std::nullopt;
+  if (!hasContent(id)) return Pose();
+  const std::string name = id->text();
+  if (name == "world" || name == problem.robot.model->links[0].name) return Pose();
+  FramePose pose;  // of any frame: only what it is relative to matters
+  pose.frame = constraint.at("link_name", "the name of a link").text();
+  pose.relative_to = name;
+  pose.position.fill({0, 0});
+  pose.rpy.fill({0, 0});
+  try {
+    return poseRegion(problem, pose).X_WR;
+  } catch (const std::invalid_argument& error) {
+    id->fail(fmt::format("{}: {}", id->where(), error.what()));
+  }
+}
+
+int constrainedLink(const YamlReader& constraint, const Problem& problem) {
+  const YamlReader name = constraint.at("link_name", "the name of a link");
+  const int link = problem.robot.model->findLink(name.text());
+  if (link >= 0) return link;
+  std::vector<std::string> known;
+  for (const robots::Link& candidate : problem.robot.model->links) known.push_back(candidate.name);
+  name.fail(fmt::format("unknown link '{}' in {}{}", name.text(), constraint.where(),
+                        nearestName(name.text(), known)));
+}
+
+/// Half the edges of a box within the primitive.
+Eigen::Vector3d boxWithin(const YamlReader& primitive) {
+  const YamlReader type = primitive.at("type", "box, sphere or cylinder");
+  const YamlReader sizes = primitive.at("dimensions", "a list of numbers");
+  const std::string word = type.text();  // by name, or by the number of shape_msgs
+  const bool box = word == "box" || word == "1", sphere = word == "sphere" || word == "2",
+             cylinder = word == "cylinder" || word == "3";
+  if (!box && !sphere && !cylinder)
+    type.fail(fmt::format("{} is '{}'; box, sphere or cylinder is expected", type.where(), word));
+  std::vector<double> d;
+  for (const YamlReader& size : sizes.items()) d.push_back(size.sizeNumber());
+  if (d.size() != (box ? 3U : sphere ? 1U : 2U))
+    sizes.fail(fmt::format("{} is a list of {} for a {}", sizes.where(), d.size(), word));
+  Eigen::Vector3d half;
+  if (box) half = Eigen::Vector3d(d[0], d[1], d[2]) / 2;
+  if (sphere) half.setConstant(d[0] / std::sqrt(3.0));
+  if (cylinder) half = {d[1] / std::sqrt(2.0), d[1] / std::sqrt(2.0), d[0] / 2};
+  half.array() -= kConstraintSlack;
+  if (!(half.minCoeff() >= 0))
+    sizes.fail(fmt::format("{} leave no room; at least {} m each way is expected", sizes.where(),
+                           kConstraintSlack));
+  return half;
+}
+
+PoseRegion anywhere(int link) {
+  PoseRegion region;
+  region.link = link;
+  region.position.fill({-kAnyPosition, kAnyPosition});
+  region.rpy.fill({-std::numbers::pi, std::numbers::pi});
+  return region;
+}
+
+}  // namespace
+
+PoseRegion readPositionConstraint(const YamlReader& constraint, Problem& problem) {
+  PoseRegion region = anywhere(constrainedLink(constraint, problem));
+  if (const auto offset = constraint.find("target_point_offset"); hasContent(offset))
+    region.X_LF.translation = offset->vector3();
+  const YamlReader allowed = constraint.at("constraint_region", "primitives and primitive_poses");
+  refuseContent(allowed, "meshes", "a primitive");
+  const YamlReader primitives = allowed.at("primitives", "a list of one primitive");
+  const YamlReader poses = allowed.at("primitive_poses", "a list of one pose");
+  if (primitives.items().size() != 1 || poses.items().size() != 1)
+    primitives.fail(fmt::format("{} has {} primitives and {} poses; one of each is expected",
+                                allowed.where(), primitives.items().size(), poses.items().size()));
+  const Eigen::Vector3d half = boxWithin(primitives.items()[0]);
+  for (int i = 0; i < 3; ++i) region.position[at(i)] = {-half[i], half[i]};
+  region.X_WR = headerPose(constraint, problem) *
+                readMoveitPose(poses.items()[0], "position", "orientation", problem.warnings);
+  return region;
+}
+
+/// MoveIt allows R = R_wanted D with D = Rx(a) Ry(b) Rz(c), |a|, |b|, |c| at most the tolerances.
+/// With Q = Ry(90 degrees), which turns z to x and x to -z, Q^T D Q = Rz(a) Ry(b) Rx(-c): roll,
+/// pitch and yaw of F Q in R_wanted Q.
+PoseRegion readOrientationConstraint(const YamlReader& constraint, Problem& problem) {
+  PoseRegion region = anywhere(constrainedLink(constraint, problem));
+  const Eigen::Matrix3d wanted = rotationFromQuaternion(
+      readQuaternion(constraint.at("orientation", "a quaternion [x, y, z, w]"), problem.warnings));
+  Eigen::Matrix3d Q;
+  Q << 0, 0, 1, 0, 1, 0, -1, 0, 0;
+  region.X_LF.rotation = Q;
+  region.X_WR = headerPose(constraint, problem) * Pose{wanted * Q, Eigen::Vector3d::Zero()};
+  const char* keys[] = {"absolute_z_axis_tolerance", "absolute_y_axis_tolerance",
+                        "absolute_x_axis_tolerance"};  // roll, pitch, yaw
+  double tolerance[3];
+  for (std::size_t i = 0; i < 3; ++i) {
+    const YamlReader value = constraint.at(keys[i], "an angle [rad]");
+    tolerance[i] = value.sizeNumber() - kConstraintSlack;
+    if (!(tolerance[i] >= 0))
+      value.fail(fmt::format("{} is {}; at least {} rad is expected", value.where(),
+                             value.sizeNumber(), kConstraintSlack));
+  }
+  // The other form bounds the rotation vector's components: three turns of a third of the least
+  // are no longer together.
+  const auto form = constraint.find("parameterization");
+  if (form && form->isScalar() && form->text() != "0") {
+    const double least = *std::min_element(tolerance, tolerance + 3) / 3;
+    std::fill(tolerance, tolerance + 3, least);
+  }
+  // Near a pitch of 90 degrees a solution's error would change the other two more than the slack.
+  tolerance[1] = std::min(tolerance[1], 1.5);
+  for (std::size_t i = 0; i < 3; ++i) region.rpy[i] = {-tolerance[i], tolerance[i]};
+  return region;
+}
+
+}  // namespace leeway::planner

@@ -1,0 +1,128 @@
+#include <fmt/format.h>
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "collision/base/pose_check.h"
+#include "leeway/planner/problem.h"
+#include "leeway/robots/kinematics.h"
+#include "planner/base/nearest_name.h"
+
+namespace leeway::planner {
+namespace {
+
+using robots::Model;
+using robots::Pose;
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+[[noreturn]] void refuse(const std::string& message) { throw std::invalid_argument(message); }
+
+/// A frame on a link; link -1: in the world.
+struct Place {
+  int link = -1;
+  Pose X_LF;
+};
+
+/// Whether a planned variable moves the link: one of a joint above it, or of such a joint's master.
+bool moves(const Problem& problem, int link) {
+  const Model& model = *problem.robot.model;
+  for (int l = link; l >= 0; l = model.joints[at(model.links[at(l)].joint)].parent_link) {
+    int j = model.links[at(l)].joint;
+    while (model.joints[at(j)].mimic >= 0) j = model.joints[at(j)].mimic;
+    const robots::Joint& joint = model.joints[at(j)];
+    for (const int v : problem.robot.variables)
+      if (joint.variable_count > 0 && v >= joint.first_variable &&
+          v < joint.first_variable + joint.variable_count)
+        return true;
+  }
+  return false;
+}
+
+/// The frame of that name on the robot: a frame, a link or an attached object.
+bool findOnRobot(const Problem& problem, const std::string& name, Place& place) {
+  for (const Frame& frame : problem.robot.frames)
+    if (frame.name == name) return place = {frame.link, frame.X_LF}, true;
+  if (const int link = problem.robot.model->findLink(name); link >= 0)
+    return place = {link, Pose()}, true;
+  for (const Attachment& attachment : problem.robot.attachments)
+    if (attachment.object.name == name) return place = {attachment.link, attachment.X_LO}, true;
+  return false;
+}
+
+std::vector<std::string> namesOnRobot(const Problem& problem) {
+  std::vector<std::string> names;
+  for (const Frame& frame : problem.robot.frames) names.push_back(frame.name);
+  for (const robots::Link& link : problem.robot.model->links) names.push_back(link.name);
+  for (const Attachment& attachment : problem.robot.attachments)
+    names.push_back(attachment.object.name);
+  return names;
+}
+
+Pose referencePose(const Problem& problem, const std::string& name) {
+  if (name.empty()) return Pose();
+  for (const Object& object : problem.world.objects)
+    if (object.name == name) return object.X_WO;
+  for (const DeformingObstacle& obstacle : problem.world.deforming)
+    if (obstacle.object.name == name) return obstacle.object.X_WO;
+  Place place;
+  if (!findOnRobot(problem, name, place)) {
+    std::vector<std::string> known = namesOnRobot(problem);
+    for (const Object& object : problem.world.objects) known.push_back(object.name);
+    refuse(fmt::format("no object, link or frame '{}' to be relative to{}", name,
+                       nearestName(name, known)));
+  }
+  if (moves(problem, place.link))
+    refuse(fmt::format(
+        "'{}' moves with the planned joints; something at rest to be relative to is expected",
+        name));
+  std::vector<Pose> X_WL(problem.robot.model->links.size());
+  robots::forwardKinematics(*problem.robot.model, problem.start, X_WL);
+  return X_WL[at(place.link)] * place.X_LF;
+}
+
+void checkRange(const std::pair<double, double>& range, const char* what) {
+  if (!(range.first <= range.second) || !std::isfinite(range.first) || !std::isfinite(range.second))
+    refuse(fmt::format("{} from {} to {}; a finite range, lower end first, is expected", what,
+                       range.first, range.second));
+}
+
+void checkTolerance(double tolerance, const char* what) {
+  if (!(tolerance >= robots::kLeastPoseTolerance) || !std::isfinite(tolerance))
+    refuse(fmt::format("{} is {}; at least {}, which rounding comes near, is expected", what,
+                       tolerance, robots::kLeastPoseTolerance));
+}
+
+}  // namespace
+
+robots::PoseRegion poseRegion(const Problem& problem, const FramePose& pose) {
+  for (const auto& range : pose.position) checkRange(range, "position");
+  for (const auto& range : pose.rpy) checkRange(range, "rpy");
+  checkTolerance(pose.position_tolerance, "position_tolerance");
+  checkTolerance(pose.angle_tolerance, "angle_tolerance");
+  if (!collision::isPose({pose.rotation, Eigen::Vector3d::Zero()}) ||
+      !(pose.rotation.determinant() > 0))
+    refuse("the rotation of a pose is none; an orthonormal, right-handed matrix is expected");
+  Place place;
+  if (!findOnRobot(problem, pose.frame, place))
+    refuse(fmt::format("no frame, link or attached object '{}'{}", pose.frame,
+                       nearestName(pose.frame, namesOnRobot(problem))));
+  if (!moves(problem, place.link))
+    refuse(fmt::format(
+        "'{}' is not moved by the planned joints; a frame that they move is expected", pose.frame));
+  robots::PoseRegion region;
+  region.link = place.link;
+  // With R_RF = turn * rotation, F turned back by `rotation` has the orientation `turn` in R, and
+  // the same origin.
+  region.X_LF = place.X_LF * Pose{pose.rotation.transpose(), Eigen::Vector3d::Zero()};
+  region.X_WR = referencePose(problem, pose.relative_to);
+  region.position = pose.position;
+  region.rpy = pose.rpy;
+  region.position_tolerance = pose.position_tolerance;
+  region.angle_tolerance = pose.angle_tolerance;
+  return region;
+}
+
+}  // namespace leeway::planner

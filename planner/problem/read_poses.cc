@@ -1,0 +1,159 @@
+#include "planner/problem/read_poses.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+
+#include "planner/base/nearest_name.h"
+#include "planner/base/tolerances.h"
+#include "planner/problem/format_keys.h"
+#include "planner/problem/read_shapes.h"
+
+namespace leeway::planner {
+namespace {
+
+using Range = std::pair<double, double>;
+
+/// A number, a pair [from, to], or `any`: from -most to most.
+Range readRange(const YamlReader& reader, double any, double most) {
+  if (reader.isScalar() && reader.text() == "any") return {-any, any};
+  Range range;
+  if (reader.isList()) {
+    const std::vector<double> numbers = reader.numbers();
+    if (numbers.size() != 2 || !(numbers[0] <= numbers[1]))
+      reader.fail(
+          fmt::format("{} is no range; a number, [from, to] with from <= to, or any is "
+                      "expected",
+                      reader.where()));
+    range = {numbers[0], numbers[1]};
+  } else {
+    range.first = range.second = reader.number();
+  }
+  if (const double farthest = std::max(std::abs(range.first), std::abs(range.second));
+      farthest > most)
+    reader.fail(fmt::format("{} is {}; at most {} is expected", reader.where(), farthest, most));
+  return range;
+}
+
+void readRanges(const YamlReader& reader, double any, double most, std::array<Range, 3>& ranges) {
+  const std::vector<YamlReader> items = reader.items();
+  if (items.size() != 3)
+    reader.fail(
+        fmt::format("{} is a list of {}; three numbers, pairs [from, to] or any are "
+                    "expected",
+                    reader.where(), items.size()));
+  for (std::size_t i = 0; i < 3; ++i) ranges[i] = readRange(items[i], any, most);
+}
+
+/// Turns about x and y that are single values move from the ranges into the rotation, in their
+/// order, and so do all three: a pose that is exact then has no angle near a pitch of 90 degrees,
+/// where roll and yaw are one.
+void takeExactTurns(FramePose& pose) {
+  Eigen::Vector3d turn = Eigen::Vector3d::Zero();
+  for (std::size_t i = 0; i < 3 && pose.rpy[i].first == pose.rpy[i].second; ++i) {
+    turn[static_cast<Eigen::Index>(i)] = pose.rpy[i].first;
+    pose.rpy[i] = {0, 0};
+  }
+  pose.rotation = rotationFromQuaternion(quaternionFromRpy(turn));
+}
+
+double readTolerance(const YamlReader& map, const char* key, double otherwise) {
+  const auto tolerance = map.find(key);
+  if (!tolerance) return otherwise;
+  const double value = tolerance->number();
+  if (!(value >= robots::kLeastPoseTolerance))
+    tolerance->fail(fmt::format("{} is {}; at least {}, which rounding comes near, is expected",
+                                tolerance->where(), value, robots::kLeastPoseTolerance));
+  return value;
+}
+
+FramePose readFramePose(const YamlReader& map, std::vector<std::string>& warnings) {
+  map.expectKeys(keysOf("frame_pose"));
+  FramePose pose;
+  pose.frame = map.at("frame", "the name of a frame, link or attached object").text();
+  if (const auto reference = map.find("relative_to")) pose.relative_to = reference->text();
+  const auto position = map.find("position"), rpy = map.find("rpy"),
+             orientation = map.find("orientation");
+  if (!position && !rpy && !orientation)
+    map.fail(fmt::format("{} says nothing of where; position, and rpy or orientation are expected",
+                         map.where()));
+  if (rpy && orientation)
+    rpy->fail(fmt::format("{} has both 'orientation' and 'rpy'; one is expected", map.where()));
+  pose.position.fill({-kAnyPosition, kAnyPosition});
+  if (position) readRanges(*position, kAnyPosition, kAnyPosition, pose.position);
+  if (orientation) {
+    pose.rotation = rotationFromQuaternion(readQuaternion(*orientation, warnings));
+    pose.rpy.fill({0, 0});
+  } else {
+    pose.rpy.fill({-std::numbers::pi, std::numbers::pi});
+    if (rpy) readRanges(*rpy, std::numbers::pi, kLargestAngle, pose.rpy);
+    takeExactTurns(pose);
+  }
+  pose.position_tolerance = readTolerance(map, "position_tolerance", pose.position_tolerance);
+  pose.angle_tolerance = readTolerance(map, "angle_tolerance", pose.angle_tolerance);
+  return pose;
+}
+
+}  // namespace
+
+void readFrames(const YamlReader& reader, Problem& problem) {
+  const robots::Model& model = *problem.robot.model;
+  for (const auto& [name, map] : reader.entries()) {
+    map.expectKeys(keysOf("frame"));
+    const auto taken = [&, &name = name](const auto& named) { return named.name == name; };
+    bool known = model.findLink(name) >= 0;
+    for (const Object& object : problem.world.objects) known = known || taken(object);
+    for (const Attachment& held : problem.robot.attachments) known = known || taken(held.object);
+    if (known)
+      map.fail(
+          fmt::format("frame '{}' has the name of a link or object; a name of its own is "
+                      "expected",
+                      name));
+    const YamlReader link_name = map.at("link", "the name of a link");
+    const int link = model.findLink(link_name.text());
+    if (link < 0) {
+      std::vector<std::string> names;
+      for (const robots::Link& candidate : model.links) names.push_back(candidate.name);
+      link_name.fail(fmt::format("unknown link '{}' in {}{}", link_name.text(), map.where(),
+                                 nearestName(link_name.text(), names)));
+    }
+    problem.robot.frames.push_back({name, link, readPose(map, problem.warnings)});
+  }
+}
+
+bool givesPoses(const YamlReader& map, const robots::Model& model) {
+  if (!map.isMap()) return false;
+  for (const char* key : {"pose", "poses"})
+    if (map.has(key) && model.findJoint(key) < 0) return true;
+  return false;
+}
+
+std::vector<FramePose> readFramePoses(const YamlReader& map, std::vector<std::string>& warnings) {
+  map.expectKeys(keysOf("poses"));
+  const auto pose = map.find("pose"), poses = map.find("poses");
+  if (pose && poses)
+    poses->fail(fmt::format("{} has both 'pose' and 'poses'; one is expected", map.where()));
+  if (pose) return {readFramePose(*pose, warnings)};
+  std::vector<FramePose> read;
+  for (const YamlReader& item : poses->items()) read.push_back(readFramePose(item, warnings));
+  if (read.empty()) poses->fail(fmt::format("{} is empty; a pose is expected", poses->where()));
+  return read;
+}
+
+std::vector<robots::PoseRegion> readPoseRegions(const YamlReader& map, Problem& problem) {
+  const auto poses = map.find("poses");
+  const std::vector<YamlReader> places =
+      poses ? poses->items() : std::vector<YamlReader>{map.at("pose", "a pose")};
+  std::vector<robots::PoseRegion> regions;
+  const std::vector<FramePose> read = readFramePoses(map, problem.warnings);
+  for (std::size_t i = 0; i < read.size(); ++i) try {
+      regions.push_back(poseRegion(problem, read[i]));
+    } catch (const std::invalid_argument& error) {
+      places[i].fail(fmt::format("{}: {}", places[i].where(), error.what()));
+    }
+  return regions;
+}
+
+}  // namespace leeway::planner

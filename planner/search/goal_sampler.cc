@@ -1,0 +1,212 @@
+#include "planner/search/goal_sampler.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "planner/base/random.h"
+#include "planner/base/tolerances.h"
+
+namespace leeway::planner {
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+/// Keeps the check with the greatest clearance: of invalid configurations the least deep.
+void keepBetter(StateCheck& best, const StateCheck& check) {
+  if (best.pair < 0 || check.clearance.upper > best.clearance.upper) best = check;
+}
+
+/// Whether places drawn evenly from each region alone can be met: not where a position is `any`,
+/// nor where two regions are of one link.
+bool canDrawEvenly(const Goal& goal) {
+  for (std::size_t i = 0; i < goal.poses.size(); ++i) {
+    for (const auto& [from, to] : goal.poses[i].position)
+      if (to - from > kWidestDraw) return false;
+    for (std::size_t k = 0; k < i; ++k)
+      if (goal.poses[k].link == goal.poses[i].link) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+GoalSampler::GoalSampler(EdgeCertifier& certifier, const Problem& problem, std::uint64_t seed)
+    : certifier_(certifier), problem_(problem), seed_(seed) {
+  const ConfigurationSpace& space = certifier.scene().space();
+  for (std::size_t g = 0; g < problem.goals.size(); ++g) {
+    checkGoal(problem, space, problem.goals[g]);
+    if (!problem.goals[g].poses.empty())
+      pose_goals_.push_back({g, canDrawEvenly(problem.goals[g])});
+  }
+  difference_.resize(at(space.size()));
+  if (!pose_goals_.empty())
+    kinematics_ =
+        std::make_unique<robots::InverseKinematics>(problem.robot.model, problem.robot.variables);
+}
+
+GoalPoints GoalSampler::first(const std::function<bool()>& stop) {
+  GoalPoints result;
+  auto drawn = pose_goals_.begin();
+  for (std::size_t g = 0; g < problem_.goals.size(); ++g) {
+    if (problem_.goals[g].poses.empty())
+      drawJoints(g, result, stop);
+    else
+      drawPoses(*drawn++, result, stop);
+  }
+  return result;
+}
+
+void GoalSampler::drawJoints(std::size_t g, GoalPoints& result, const std::function<bool()>& stop) {
+  const ConfigurationSpace& space = certifier_.scene().space();
+  const Goal& goal = problem_.goals[g];
+  std::vector<double> q(at(space.size()));
+  Random random(seed_, kGoalStream + g);
+  const bool point = isPoint(goal);
+  const std::size_t wanted = result.points.size() + (point ? 1 : kGoalSamples);
+  bool found = false, stopped = false;
+  for (int i = 0; i < (point ? 1 : kGoalAttempts) && result.points.size() < wanted; ++i) {
+    if (i > 0 && stop()) {
+      stopped = true;
+      break;
+    }
+    drawPoint(space, goal, random, q);
+    if (certifier_.decide(q) == Verdict::kFree) {
+      result.points.push_back(q);
+      found = true;
+    } else if (result.points.empty() && i < kGoalReports) {
+      keepBetter(result.closest, certifier_.clearance(q, kReportTolerance));
+    }
+  }
+  result.stopped = result.stopped || stopped;
+  if (!found)
+    result.warnings.push_back(
+        "goal '" + goal.name + "' is left out: " +
+        (point     ? "it is in collision"
+         : stopped ? "no valid point of it was found within the limits"
+                   : "none of " + std::to_string(kGoalAttempts) + " points of it was valid"));
+}
+
+void GoalSampler::drawPoses(PoseGoal& drawn, GoalPoints& result,
+                            const std::function<bool()>& stop) {
+  const Goal& goal = problem_.goals[drawn.goal];
+  const std::size_t before = result.points.size();
+  const auto found = [&] { return result.points.size() > before; };
+  robots::IkOptions options;
+  options.seed = seed_;
+  options.stop = stop;
+  // Most goals are met by the first few starts; the others are worth more of them, and a proof.
+  options.starts = kFirstPoseStarts;
+  options.max_solutions = kFirstPoseSolutions;
+  options.prove = false;
+  robots::IkResult solved = kinematics_->solve(goal.poses, problem_.start, options);
+  take(drawn, solved.solutions, result);
+  int starts = solved.starts;
+  if (!found() && !stop()) {
+    options.starts = kPoseStarts;
+    options.max_solutions = kPoseSolutions;
+    options.prove = drawn.found.empty();
+    solved = kinematics_->solve(goal.poses, problem_.start, options);
+    take(drawn, solved.solutions, result);
+    starts += solved.starts;
+  }
+  const bool unreachable = solved.status == robots::IkStatus::kUnreachable;
+  while (!found() && !unreachable && !drawn.found.empty() && !isExhausted(drawn) && !stop())
+    drawBatch(drawn, result);
+  if (found()) return;
+  const bool stopped = !unreachable && stop();
+  result.stopped = result.stopped || stopped;
+  std::string reason;
+  if (unreachable)
+    reason = "out of reach: proven";
+  else if (drawn.found.empty())
+    reason = fmt::format(
+        "no joint values were found for it from {} starts; the nearest are {:.3g} mm and {:.3g} "
+        "degrees off",
+        starts, solved.nearest.error.position * 1e3,
+        solved.nearest.error.angle * 180 / std::numbers::pi);
+  if (!reason.empty() && result.reason.empty() && !stopped) {
+    result.reason = "goal '" + goal.name + "': " + reason;
+    result.unreachable = unreachable;
+  }
+  if (reason.empty())
+    reason = fmt::format("none of {} sets of joint values that were found for it is valid",
+                         drawn.found.size());
+  result.warnings.push_back("goal '" + goal.name + "' is left out: " + reason);
+}
+
+bool GoalSampler::more(GoalPoints& points) {
+  for (std::size_t i = 0; i < pose_goals_.size(); ++i) {
+    PoseGoal& drawn = pose_goals_[turn_++ % pose_goals_.size()];
+    if (drawn.found.empty() || isExhausted(drawn)) continue;
+    drawBatch(drawn, points);
+    return true;
+  }
+  return false;
+}
+
+bool GoalSampler::isExhausted(const PoseGoal& drawn) {
+  return drawn.idle >= kIdleDraws || drawn.found.size() >= kMostPoseSolutions;
+}
+
+void GoalSampler::drawBatch(PoseGoal& drawn, GoalPoints& points) {
+  const std::vector<robots::PoseRegion>& poses = problem_.goals[drawn.goal].poses;
+  for (int i = 0; i < kPoseDraws; ++i) {
+    ++drawn.idle;
+    if (drawn.evenly) {
+      const auto solution = kinematics_->sample(poses, problem_.start, drawn.draws++, seed_);
+      if (solution) take(drawn, {&*solution, 1}, points);
+      continue;
+    }
+    robots::IkOptions options;
+    options.starts = 1;
+    options.prove = false;
+    take(drawn, kinematics_->solve(poses, anyConfiguration(drawn), options).solutions, points);
+  }
+}
+
+std::vector<double> GoalSampler::anyConfiguration(PoseGoal& drawn) const {
+  const ConfigurationSpace& space = certifier_.scene().space();
+  Goal all;
+  for (int i = 0; i < space.size(); ++i) all.ranges.emplace_back(space.lower(i), space.upper(i));
+  for (const ConfigurationSpace::Part& part : space.parts()) {
+    if (part.kind == ConfigurationSpace::Kind::kCircle)
+      all.ranges[at(part.first)] = {-std::numbers::pi, std::numbers::pi};
+    if (part.kind == ConfigurationSpace::Kind::kRotation)
+      for (int k = 0; k < 4; ++k) all.ranges[at(part.first + k)] = {-1, 1};
+  }
+  std::vector<double> point(at(space.size())), configuration(problem_.start.size());
+  Random random(Random(seed_, kGoalStream + drawn.goal).next(), drawn.draws++);
+  drawPoint(space, all, random, point);
+  certifier_.scene().expand(point, configuration);
+  return configuration;
+}
+
+void GoalSampler::take(PoseGoal& drawn, std::span<const robots::IkSolution> solutions,
+                       GoalPoints& points) {
+  for (const robots::IkSolution& solution : solutions) {
+    const std::vector<double>& q = solution.values;
+    if (isKnown(drawn, q) || !certifier_.scene().space().withinLimits(q) ||
+        !goalHolds(certifier_.scene(), problem_.goals[drawn.goal], q))
+      continue;
+    drawn.idle = 0;
+    drawn.found.push_back(q);
+    if (certifier_.decide(q) == Verdict::kFree)
+      points.points.push_back(q);
+    else if (points.points.empty() && drawn.found.size() <= at(kGoalReports))
+      keepBetter(points.closest, certifier_.clearance(q, kReportTolerance));
+  }
+}
+
+bool GoalSampler::isKnown(const PoseGoal& drawn, const std::vector<double>& point) const {
+  const ConfigurationSpace& space = certifier_.scene().space();
+  return std::any_of(drawn.found.begin(), drawn.found.end(), [&](const std::vector<double>& q) {
+    space.difference(q, point, difference_);
+    return std::all_of(difference_.begin(), difference_.end(),
+                       [](double x) { return std::abs(x) < kSameSolution; });
+  });
+}
+
+}  // namespace leeway::planner

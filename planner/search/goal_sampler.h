@@ -1,0 +1,60 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "leeway/robots/inverse_kinematics.h"
+#include "planner/search/goals.h"
+
+namespace leeway::planner {
+
+/// Draws points of the goals, batch by batch: the same calls give the same points, however long
+/// they take. Has buffers: one thread at a time.
+class GoalSampler {
+ public:
+  /// All must outlive it. Throws robots::InputError for a goal that no configuration can meet as it
+  /// is written.
+  GoalSampler(EdgeCertifier& certifier, const Problem& problem, std::uint64_t seed);
+
+  /// Valid points of the goals: of a goal of one point that point; of a range up to kGoalSamples;
+  /// of poses the valid ones among the first few solutions, nearest to the start first. `stop`
+  /// ends the search for a goal's first point.
+  GoalPoints first(const std::function<bool()>& stop);
+  /// Adds valid points of one of the goals that are poses, in turn. False when none can be
+  /// expected any more.
+  bool more(GoalPoints& points);
+  /// What was drawn of the k-th goal of poses, valid or not.
+  const std::vector<std::vector<double>>& found(std::size_t k) const {
+    return pose_goals_[k].found;
+  }
+
+ private:
+  struct PoseGoal {
+    std::size_t goal;
+    bool evenly;  ///< drawn from the regions; else by their solutions nearest to any configuration
+    std::uint64_t draws = 0;
+    int idle = 0;                                 ///< draws since the last new solution
+    std::vector<std::vector<double>> found = {};  ///< valid or not
+  };
+  void drawJoints(std::size_t g, GoalPoints& result, const std::function<bool()>& stop);
+  void drawPoses(PoseGoal& drawn, GoalPoints& result, const std::function<bool()>& stop);
+  void drawBatch(PoseGoal& drawn, GoalPoints& points);
+  /// Adds those of the solutions that are new, and the valid ones to the points.
+  void take(PoseGoal& drawn, std::span<const robots::IkSolution> solutions, GoalPoints& points);
+  std::vector<double> anyConfiguration(PoseGoal& drawn) const;
+  static bool isExhausted(const PoseGoal& drawn);
+  bool isKnown(const PoseGoal& drawn, const std::vector<double>& point) const;
+
+  EdgeCertifier& certifier_;
+  const Problem& problem_;
+  std::uint64_t seed_;
+  std::unique_ptr<robots::InverseKinematics> kinematics_;  ///< null without poses
+  std::vector<PoseGoal> pose_goals_;
+  std::size_t turn_ = 0;
+  mutable std::vector<double> difference_;
+};
+
+}  // namespace leeway::planner

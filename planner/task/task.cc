@@ -1,0 +1,313 @@
+#include "leeway/planner/task.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+
+#include "leeway/planner/simplify.h"
+#include "leeway/robots/input_error.h"
+#include "planner/base/random.h"
+#include "planner/base/tolerances.h"
+#include "planner/search/goal_sampler.h"
+#include "planner/task/line_motion.h"
+#include "planner/task/stages.h"
+
+namespace leeway::planner {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using Waypoints = std::vector<std::vector<double>>;
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+double secondsSince(Clock::time_point begin) {
+  return std::chrono::duration<double>(Clock::now() - begin).count();
+}
+
+/// One call of planTask(). Depth first: a step that has succeeded calls the next one.
+class TaskPlan {
+ public:
+  TaskPlan(const Problem& problem, const PlanOptions& options)
+      : problem_(problem),
+        options_(options),
+        kinematics_(problem.robot.model, problem.robot.variables) {}
+
+  PlanResult run() {
+    if (!problem_.goals.empty())
+      refuse("there are goals beside the steps; one of them is expected");
+    if (!problem_.start_poses.empty())
+      refuse("the start is given by poses; placeStart() is expected to find its joint values");
+    result_.seed = problem_.seed;
+    result_.planner = problem_.planner.name;
+    for (const int v : problem_.robot.variables) {
+      start_.push_back(problem_.start.at(at(v)));
+      result_.path.names.push_back(problem_.robot.model->variables[at(v)].name);
+    }
+    stretches_.resize(problem_.steps.size());
+    if (solveFrom(0, firstWorld(problem_), start_)) {
+      result_.plan_s = secondsSince(begin_);
+      finish();
+    } else {
+      result_.plan_s = secondsSince(begin_);
+      if (result_.status != PlanStatus::kInvalidStart) result_.reason = fault_;
+    }
+    return std::move(result_);
+  }
+
+ private:
+  [[noreturn]] void refuse(const std::string& message) const {
+    throw robots::InputError(problem_.name, 0, message);
+  }
+
+  /// What is known of a step that has succeeded.
+  struct Stretch {
+    Problem stage;  ///< with the names and the configuration that it began with
+    Waypoints points;
+    LineDeparture departure;
+  };
+
+  bool isOver() const {
+    return secondsSince(begin_) > problem_.limits.time || (options_.stop && options_.stop());
+  }
+
+  /// Remembers why the farthest step failed.
+  void fail(std::size_t step, const std::string& why) {
+    if (!fault_.empty() && step < fault_step_) return;
+    fault_step_ = step;
+    fault_ = stepText(problem_, step) + ": " + why;
+  }
+
+  bool solveFrom(std::size_t step, const Problem& world, const std::vector<double>& point) {
+    if (step == problem_.steps.size()) return true;
+    const Step& now = problem_.steps[step];
+    Stretch& stretch = stretches_[step];
+    try {
+      stretch.stage = stageOf(world, now);
+    } catch (const std::invalid_argument& error) {
+      refuse(stepText(problem_, step) + ": " + error.what());
+    }
+    if (std::holds_alternative<MoveStep>(now.action)) return move(step, world, point);
+    if (const auto* line = std::get_if<LineStep>(&now.action)) {
+      EdgeCertifier certifier(std::make_shared<const CompiledScene>(stretch.stage));
+      LineMotion motion = followLine(certifier, kinematics_, world, *line, point);
+      count(certifier);
+      if (motion.points.empty()) return fail(step, motion.fault), false;
+      stretch.points = std::move(motion.points);
+      stretch.departure = motion.departure;
+      return after(step, world);
+    }
+    stretch.points = {point};
+    return after(step, world);
+  }
+
+  /// Goes on with the next step from the end of this one.
+  bool after(std::size_t step, const Problem& world) {
+    const std::vector<double> end = stretches_[step].points.back();
+    std::vector<double> configuration = world.start;
+    for (std::size_t i = 0; i < end.size(); ++i)
+      configuration[at(world.robot.variables[i])] = end[i];
+    std::optional<Problem> next;
+    try {
+      next = worldAfter(world, problem_.steps[step], configuration);
+    } catch (const std::invalid_argument& error) {
+      refuse(stepText(problem_, step) + ": " + error.what());
+    }
+    return solveFrom(step + 1, *next, end);
+  }
+
+  bool move(std::size_t step, const Problem& world, const std::vector<double>& point) {
+    const Problem stage = stretches_[step].stage;  // the recursion overwrites stretches
+    const auto scene = std::make_shared<const CompiledScene>(stage);
+    if (stage.goals[0].poses.empty()) return moveTo(step, world, stage, scene, point);
+    EdgeCertifier certifier(scene);
+    GoalSampler sampler(certifier, stage, stage.seed);
+    GoalPoints points = sampler.first([this] { return isOver(); });
+    if (points.points.empty()) {
+      std::string why = points.reason;
+      if (why.empty() && points.closest.pair >= 0)
+        why = "its goal is in collision: " + pairText(*scene, points.closest.pair);
+      fail(step, why.empty() ? "no valid joint values were found for its goal" : why);
+      count(certifier);
+      return false;
+    }
+    for (std::size_t i = 0; i < kStepSolutions; ++i) {
+      while (i >= points.points.size() && sampler.more(points) && !isOver()) {
+      }
+      if (i >= points.points.size() || tries_ >= kTaskTries || isOver()) break;
+      ++tries_;
+      const std::vector<double>& goal = points.points[i];
+      if (!linesWork(step, world, goal)) continue;
+      Problem to = stage;
+      to.goals = {{problem_.steps[step].name, {}, {}}};
+      for (const double x : goal) to.goals[0].ranges.emplace_back(x, x);
+      if (moveTo(step, world, to, scene, point)) {
+        count(certifier);
+        return true;
+      }
+      if (result_.status == PlanStatus::kInvalidStart) break;
+    }
+    count(certifier);
+    if (isOver()) fail(step, "the time limit was reached");
+    return false;
+  }
+
+  static std::string pairText(const CompiledScene& scene, int pair_index) {
+    const collision::ScenePair& pair = scene.scene().pairs()[at(pair_index)];
+    return scene.scene().bodies()[at(pair.body_a)].name + " and " +
+           scene.scene().bodies()[at(pair.body_b)].name;
+  }
+
+  /// Whether the lines up to the next move succeed from `point`: much sooner known than a path.
+  bool linesWork(std::size_t step, const Problem& world, std::vector<double> point) {
+    Problem now = world;
+    for (std::size_t next = step + 1;; ++next) {
+      std::vector<double> configuration = now.start;
+      for (std::size_t i = 0; i < point.size(); ++i)
+        configuration[at(now.robot.variables[i])] = point[i];
+      try {
+        now = worldAfter(now, problem_.steps[next - 1], configuration);
+        if (next == problem_.steps.size() ||
+            std::holds_alternative<MoveStep>(problem_.steps[next].action))
+          return true;
+        const auto* line = std::get_if<LineStep>(&problem_.steps[next].action);
+        if (line == nullptr) continue;
+        EdgeCertifier certifier(
+            std::make_shared<const CompiledScene>(stageOf(now, problem_.steps[next])));
+        LineMotion motion = followLine(certifier, kinematics_, now, *line, point);
+        count(certifier);
+        if (motion.points.empty()) return fail(next, motion.fault), false;
+        point = motion.points.back();
+      } catch (const std::invalid_argument& error) {
+        refuse(stepText(problem_, next) + ": " + error.what());
+      }
+    }
+  }
+
+  /// Plans to the goal of `stage` and goes on.
+  bool moveTo(std::size_t step, const Problem& world, Problem stage,
+              const std::shared_ptr<const CompiledScene>& scene, const std::vector<double>& point) {
+    // Objectives that use all of their time leave the later moves theirs.
+    const auto moves = std::count_if(
+        problem_.steps.begin() + static_cast<std::ptrdiff_t>(step), problem_.steps.end(),
+        [](const Step& s) { return std::holds_alternative<MoveStep>(s.action); });
+    stage.limits.time = (problem_.limits.time - secondsSince(begin_)) / static_cast<double>(moves);
+    if (!(stage.limits.time > 0)) return fail(step, "the time limit was reached"), false;
+    if (stage.limits.iterations == 0) stage.limits.iterations = kStepIterations;
+    stage.seed = Random(problem_.seed, kTaskStream + step).next() + at(static_cast<int>(tries_));
+    for (std::size_t i = 0; i < point.size(); ++i)
+      stage.start[at(stage.robot.variables[i])] = point[i];
+    PlanOptions options;
+    options.stop = options_.stop;
+    options.progress = options_.progress;
+    options.detail = CertificateDetail::kPath;
+    PlanResult planned = plan(scene, stage, options);
+    result_.iterations += planned.iterations;
+    result_.states += planned.states;
+    result_.edges += planned.edges;
+    result_.distance_queries += planned.distance_queries;
+    result_.undecided_edges += planned.undecided_edges;
+    result_.deterministic = planned.deterministic;
+    if (planned.status != PlanStatus::kSolved) {
+      if (planned.status == PlanStatus::kInvalidStart && step == 0) {
+        result_.status = planned.status;
+        result_.offending = planned.offending;
+        result_.offending_a = planned.offending_a;
+        result_.offending_b = planned.offending_b;
+      }
+      std::string why = planned.reason;
+      if (why.empty()) {
+        why = planned.status == PlanStatus::kInvalidStart  ? "its start is not valid"
+              : planned.status == PlanStatus::kInvalidGoal ? "its goal is not valid"
+                                                           : "no path was found to its goal";
+        if (!planned.offending_a.empty())
+          why += ": " + planned.offending_a + " and " + planned.offending_b;
+      }
+      fail(step, why);
+      return false;
+    }
+    stretches_[step].stage = std::move(stage);
+    stretches_[step].points = std::move(planned.path.positions);
+    stretches_[step].departure = {};
+    return after(step, world);
+  }
+
+  void count(EdgeCertifier& certifier) {
+    const EdgeCertifier::Statistics work = certifier.statistics;
+    result_.states += work.states;
+    result_.edges += work.edges;
+    result_.distance_queries += work.distance_queries;
+    result_.undecided_edges += work.undecided_edges;
+  }
+
+  /// The stretches as one path, with one certificate.
+  void finish() {
+    const Clock::time_point begin = Clock::now();
+    Certificate& whole = result_.certificate;
+    constexpr double kInfinity = std::numeric_limits<double>::infinity();
+    whole.clearance = {kInfinity, kInfinity};
+    whole.certified = true;
+    Path& path = result_.path;
+    path.positions = {start_};
+    for (std::size_t s = 0; s < stretches_.size(); ++s) {
+      const Stretch& stretch = stretches_[s];
+      const int first = static_cast<int>(path.positions.size()) - 1;
+      path.positions.insert(path.positions.end(), stretch.points.begin() + 1, stretch.points.end());
+      path.steps.push_back({problem_.steps[s].name, first,
+                            static_cast<int>(path.positions.size()) - 1,
+                            stretch.departure.deviation, stretch.departure.turn});
+      if (stretch.points.size() < 2) continue;
+      EdgeCertifier certifier(std::make_shared<const CompiledScene>(stretch.stage));
+      const Certificate part = certify(certifier, {path.names, stretch.points, {}},
+                                       options_.clearance_tolerance, options_.detail);
+      whole.certified = whole.certified && part.certified;
+      whole.segments.insert(whole.segments.end(), part.segments.begin(), part.segments.end());
+      whole.clearance.lower = std::min(whole.clearance.lower, part.clearance.lower);
+      if (!(part.clearance.upper < whole.clearance.upper)) continue;
+      whole.clearance.upper = part.clearance.upper;
+      whole.closest_a = part.closest_a;
+      whole.closest_b = part.closest_b;
+      whole.closest_segment = first + part.closest_segment;
+      whole.closest_t = part.closest_t;
+      whole.closest_point_a = part.closest_point_a;
+      whole.closest_point_b = part.closest_point_b;
+    }
+    result_.certify_s = secondsSince(begin);
+    if (!whole.certified) {
+      result_.reason = "a path was found whose certificate could not be repeated";
+      path.positions.clear();
+      path.steps.clear();
+      whole = {};
+      return;
+    }
+    const ConfigurationSpace space(problem_.robot.model, problem_.robot.variables);
+    result_.length = pathLength(space, path.positions);
+    result_.status = PlanStatus::kSolved;
+  }
+
+  const Problem& problem_;
+  const PlanOptions& options_;
+  robots::InverseKinematics kinematics_;
+  Clock::time_point begin_ = Clock::now();
+  std::vector<double> start_;
+  std::vector<Stretch> stretches_;
+  int tries_ = 0;
+  std::size_t fault_step_ = 0;
+  std::string fault_;
+  PlanResult result_;
+};
+
+}  // namespace
+
+PlanResult planTask(const Problem& problem, const PlanOptions& options) {
+  return TaskPlan(problem, options).run();
+}
+
+PlanResult solve(const Problem& problem, const PlanOptions& options) {
+  return problem.steps.empty() ? plan(problem, options) : planTask(problem, options);
+}
+
+}  // namespace leeway::planner

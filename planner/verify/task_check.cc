@@ -1,0 +1,200 @@
+#include "planner/verify/task_check.h"
+
+#include <algorithm>
+#include <cmath>
+#include <deque>
+#include <stdexcept>
+
+#include "planner/base/tolerances.h"
+#include "planner/task/stages.h"
+#include "planner/verify/kinematics.h"
+#include "planner/verify/path_check.h"
+
+namespace leeway::planner::verification {
+namespace {
+
+using robots::Pose;
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+/// Empty when the path's steps are the problem's, one behind the other from its first to its last
+/// waypoint.
+std::string wrongSteps(const Problem& problem, const Path& path) {
+  if (path.steps.size() != problem.steps.size())
+    return "the path has " + std::to_string(path.steps.size()) + " steps, the problem " +
+           std::to_string(problem.steps.size()) + " (only .json and .yaml files keep them)";
+  int now = 0;
+  for (std::size_t s = 0; s < path.steps.size(); ++s) {
+    const PathStep& step = path.steps[s];
+    const bool moves = std::holds_alternative<MoveStep>(problem.steps[s].action) ||
+                       std::holds_alternative<LineStep>(problem.steps[s].action);
+    if (step.first != now || step.last < step.first || (!moves && step.last != step.first))
+      return stepText(problem, s) + " has waypoints " + std::to_string(step.first) + " to " +
+             std::to_string(step.last) + "; they do not follow those before";
+    now = step.last;
+  }
+  if (now + 1 != static_cast<int>(path.positions.size()))
+    return "the path has waypoints behind its last step";
+  return {};
+}
+
+/// The straightness of one edge.
+class LineCheck {
+ public:
+  LineCheck(const Problem& stage, const LineStep& line, const LinePlace& place)
+      : model_(*stage.robot.model),
+        variables_(stage.robot.variables),
+        space_(stage.robot.model, stage.robot.variables),
+        line_(line),
+        place_(place),
+        q_(stage.start),
+        joints_(jointsAbove(model_, place.link)) {}
+
+  VerifyStatus check(const std::vector<double>& a, const std::vector<double>& b, double& t) {
+    std::vector<double> difference(a.size()), point(a.size()), dq(model_.variables.size(), 0.0);
+    space_.difference(a, b, difference);
+    for (std::size_t i = 0; i < a.size(); ++i) dq[at(variables_[i])] = difference[i];
+    std::deque<std::pair<double, double>> open{{0, 1}};
+    VerifyStatus status = VerifyStatus::kCertified;
+    while (!open.empty()) {
+      const auto [begin, end] = open.front();
+      open.pop_front();
+      t = begin / 2 + end / 2;
+      const double half = end / 2 - begin / 2;
+      space_.interpolate(a, b, t, point);
+      for (std::size_t i = 0; i < point.size(); ++i) q_[at(variables_[i])] = point[i];
+      const std::vector<Pose> X_WL = placeLinks(model_, q_);
+      const Pose X_WF = X_WL[at(place_.link)] * place_.X_LF;
+      const Eigen::Vector3d from = X_WF.translation - place_.X_WF.translation;
+      const double length = place_.along_W.norm();
+      const double way = std::clamp(from.dot(place_.along_W) / length, 0.0, length) / length;
+      const double off = (from - way * place_.along_W).norm();
+      // The longest chord between ends of a unit vector turned by either rotation.
+      const double chord = (X_WF.rotation - place_.X_WF.rotation).norm() / std::sqrt(2.0);
+      const double most = 2 * std::sin(std::min(line_.angle_tolerance, 3.0) / 2);
+      const Motion origin = boundMotion(model_, joints_, X_WL, dq, X_WF.translation, 0, half);
+      const Motion tips = boundMotion(model_, joints_, X_WL, dq, X_WF.translation, 1, half);
+      if (off - origin.slack > line_.position_tolerance || chord - tips.slack > most)
+        return VerifyStatus::kRefuted;
+      if (off + origin.slack + origin.speed * half <= line_.position_tolerance &&
+          chord + 2 * tips.slack + (origin.speed + tips.speed) * half <= most)
+        continue;
+      if (half < kShortestLinePiece * kShortestLinePiece) {
+        status = VerifyStatus::kUndecided;
+        return status;
+      }
+      open.emplace_back(begin, t);
+      open.emplace_back(t, end);
+    }
+    return status;
+  }
+
+ private:
+  const robots::Model& model_;
+  std::vector<int> variables_;
+  ConfigurationSpace space_;
+  const LineStep& line_;
+  const LinePlace& place_;
+  std::vector<double> q_;
+  std::vector<int> joints_;
+};
+
+class TaskCheck {
+ public:
+  TaskCheck(const Problem& problem, const Path& path, const PlanOptions& options)
+      : problem_(problem), path_(path), options_(options) {}
+
+  VerifyResult run() {
+    result_.clearance_lower = std::numeric_limits<double>::infinity();
+    if (std::string reason = wrongSteps(problem_, path_); !reason.empty())
+      return refuted(0, std::move(reason));
+    Problem world = firstWorld(problem_);
+    for (std::size_t s = 0; s < problem_.steps.size(); ++s) try {
+        const int last = path_.steps[s].last;
+        if (const auto fault = checkStep(s, stageOf(world, problem_.steps[s]))) return *fault;
+        std::vector<double> configuration = world.start;
+        const std::vector<double>& end = path_.positions[at(last)];
+        if (end.size() != problem_.robot.variables.size())
+          return refuted(last, "a waypoint has not one value for each planned variable");
+        for (std::size_t i = 0; i < end.size(); ++i)
+          configuration[at(problem_.robot.variables[i])] = end[i];
+        world = worldAfter(world, problem_.steps[s], configuration);
+      } catch (const std::invalid_argument& error) {
+        return refuted(path_.steps[s].first, stepText(problem_, s) + ": " + error.what());
+      }
+    result_.status = VerifyStatus::kCertified;
+    return result_;
+  }
+
+ private:
+  VerifyResult refuted(int waypoint, std::string reason) const {
+    VerifyResult result;
+    result.status = VerifyStatus::kRefuted;
+    result.segment = std::min(waypoint, std::max(0, static_cast<int>(path_.positions.size()) - 2));
+    result.reason = std::move(reason);
+    return result;
+  }
+
+  /// What is wrong with a step; nothing when it is certified.
+  std::optional<VerifyResult> checkStep(std::size_t s, Problem stage) {
+    const PathStep& step = path_.steps[s];
+    const Step& asked = problem_.steps[s];
+    if (std::holds_alternative<AttachStep>(asked.action) ||
+        std::holds_alternative<DetachStep>(asked.action))
+      return std::nullopt;
+    Path stretch{path_.names, {}, {}};
+    stretch.positions.assign(path_.positions.begin() + step.first,
+                             path_.positions.begin() + step.last + 1);
+    if (const auto* line = std::get_if<LineStep>(&asked.action)) {
+      const LinePlace place = linePlace(stage, *line, stage.start);
+      Pose end = place.X_WF;
+      end.translation += place.along_W;
+      robots::PoseRegion goal = robots::PoseRegion::exact(place.link, place.X_LF, end, Pose());
+      goal.position_tolerance = line->position_tolerance;
+      goal.angle_tolerance = line->angle_tolerance;
+      stage.goals = {{asked.name, {}, {goal}}};
+      if (auto fault = checkStretch(s, stage, stretch)) return fault;
+      LineCheck check(stage, *line, place);
+      for (std::size_t i = 0; i + 1 < stretch.positions.size(); ++i) {
+        double t = 0;
+        const VerifyStatus status = check.check(stretch.positions[i], stretch.positions[i + 1], t);
+        if (status == VerifyStatus::kCertified) continue;
+        VerifyResult result;
+        result.status = status;
+        result.segment = step.first + static_cast<int>(i);
+        result.t0 = result.t1 = t;
+        result.reason = stepText(problem_, s) + (status == VerifyStatus::kRefuted
+                                                     ? " departs too far from its line"
+                                                     : " is not proven to follow its line");
+        return result;
+      }
+      return std::nullopt;
+    }
+    return checkStretch(s, stage, stretch);
+  }
+
+  std::optional<VerifyResult> checkStretch(std::size_t s, const Problem& stage,
+                                           const Path& stretch) {
+    VerifyResult result = verify(stage, stretch, options_);
+    if (result.status == VerifyStatus::kCertified) {
+      result_.clearance_lower = std::min(result_.clearance_lower, result.clearance_lower);
+      return std::nullopt;
+    }
+    if (result.segment >= 0) result.segment += path_.steps[s].first;
+    result.reason = stepText(problem_, s) + ": " + result.reason;
+    return result;
+  }
+
+  const Problem& problem_;
+  const Path& path_;
+  const PlanOptions& options_;
+  VerifyResult result_;
+};
+
+}  // namespace
+
+VerifyResult verifyTask(const Problem& problem, const Path& path, const PlanOptions& options) {
+  return TaskCheck(problem, path, options).run();
+}
+
+}  // namespace leeway::planner::verification

@@ -1,0 +1,153 @@
+// Goals that are poses: loaded, planned to, refused, and verified by other kinematics.
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "leeway/planner/plan.h"
+#include "leeway/planner/verify.h"
+#include "leeway/robots/input_error.h"
+#include "leeway/robots/kinematics.h"
+#include "tests/support/build_paths.h"
+#include "tests/support/folder.h"
+
+namespace leeway::planner {
+namespace {
+
+using robots::Pose;
+
+std::string arm6(const std::string& goal, const std::string& more = "",
+                 const std::string& start = "ready") {
+  const std::string folder = leeway::sourceFolder() + "/robots/arm6/arm6.";
+  return "leeway: 1\nrobot: {urdf: " + folder + "urdf, srdf: " + folder +
+         "srdf, group: arm}\nframes: {tip: {link: tool, position: [0, 0, 0.02]}}\nstart: " + start +
+         "\ngoal: " + goal + "\n" + more;
+}
+
+Problem load(const std::string& text) {
+  const Folder folder;
+  return loadProblem(folder.write("problem.yaml", text));
+}
+
+/// The pose of a link at a configuration of the planned variables.
+Pose linkAt(const Problem& problem, const std::string& link, const std::vector<double>& q) {
+  std::vector<double> all = problem.start;
+  for (std::size_t i = 0; i < q.size(); ++i)
+    all[static_cast<std::size_t>(problem.robot.variables[i])] = q[i];
+  std::vector<Pose> X_WL(problem.robot.model->links.size());
+  robots::forwardKinematics(*problem.robot.model, all, X_WL);
+  return X_WL[static_cast<std::size_t>(problem.robot.model->findLink(link))];
+}
+
+TEST(PoseGoal, ExactPoseIsReachedAndVerified) {
+  const Problem problem =
+      load(arm6("{pose: {frame: tip, position: [0.3, 0.4, 0.3], rpy: [3.1416, 0, 0.5]}}"));
+  const PlanResult result = plan(problem);
+  ASSERT_EQ(result.status, PlanStatus::kSolved) << result.reason;
+  EXPECT_EQ(result.goal, 0);
+  const Pose X_WT = linkAt(problem, "tool", result.path.positions.back()) *
+                    Pose{Eigen::Matrix3d::Identity(), {0, 0, 0.02}};
+  EXPECT_LT((X_WT.translation - Eigen::Vector3d(0.3, 0.4, 0.3)).norm(), 1.1e-9);
+  const Eigen::Matrix3d wanted = (Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitZ()) *
+                                  Eigen::AngleAxisd(3.1416, Eigen::Vector3d::UnitX()))
+                                     .toRotationMatrix();
+  EXPECT_LT((X_WT.rotation - wanted).norm(), 3e-9);
+  EXPECT_EQ(verify(problem, result.path).status, VerifyStatus::kCertified);
+
+  Path off = result.path;
+  off.positions.back()[0] += 1e-6;
+  const VerifyResult refuted = verify(problem, off);
+  EXPECT_EQ(refuted.status, VerifyStatus::kRefuted);
+  EXPECT_NE(refuted.reason.find("none of the problem's goals"), std::string::npos);
+}
+
+TEST(PoseGoal, RelativeToAnObjectAnyTurnAboutItsAxis) {
+  const std::string goal =
+      "{pose: {frame: tip, relative_to: can, position: [0, 0, [0.10, 0.12]], rpy: [3.1416, 0, "
+      "any]}}";
+  const Problem problem =
+      load(arm6(goal,
+                "objects:\n  - {name: can, position: [0.4, -0.3, 0.1], rpy: [0, "
+                "0, 1], cylinder: {radius: 0.03, length: 0.12}}\n"));
+  const PlanResult result = plan(problem);
+  ASSERT_EQ(result.status, PlanStatus::kSolved) << result.reason;
+  const Pose X_WT = linkAt(problem, "tool", result.path.positions.back());
+  EXPECT_NEAR(X_WT.translation.x(), 0.4, 1e-5);
+  EXPECT_NEAR(X_WT.translation.y(), -0.3, 1e-5);
+  EXPECT_GE(X_WT.translation.z(), 0.1 + 0.10 + 0.02 - 1e-8);
+  EXPECT_LE(X_WT.translation.z(), 0.1 + 0.12 + 0.02 + 1e-8);
+  EXPECT_NEAR(X_WT.rotation(2, 2), -1, 1e-9);
+  EXPECT_EQ(verify(problem, result.path).status, VerifyStatus::kCertified);
+  EXPECT_EQ(plan(problem).path.positions, result.path.positions);
+}
+
+TEST(PoseGoal, OutOfReachIsProven) {
+  const Problem problem = load(arm6("{pose: {frame: tip, position: [3, 0, 0.3]}}"));
+  const PlanResult result = plan(problem);
+  EXPECT_EQ(result.status, PlanStatus::kInvalidGoal);
+  EXPECT_TRUE(result.unreachable);
+  EXPECT_NE(result.reason.find("out of reach: proven"), std::string::npos) << result.reason;
+}
+
+TEST(PoseGoal, FoundOnesThatCollideNameWhatIsInTheWay) {
+  const Problem problem = load(
+      arm6("{pose: {frame: tip, position: [0.4, 0, 0.3], rpy: [3.1416, 0, 0]}}",
+           "objects: [{name: block, position: [0.4, 0, 0.3], box: {size: [0.2, 0.2, 0.2]}}]\n"));
+  const PlanResult result = plan(problem);
+  EXPECT_EQ(result.status, PlanStatus::kInvalidGoal);
+  EXPECT_FALSE(result.unreachable);
+  EXPECT_TRUE(result.reason.empty());
+  EXPECT_TRUE(result.offending_a == "block" || result.offending_b == "block");
+}
+
+TEST(PoseGoal, EveryPlannerTakesThem) {
+  Problem problem = load(
+      arm6("{pose: {frame: tip, position: [0.3, 0.4, 0.3], rpy: [3.1416, 0, any]}}",
+           "objects: [{name: post, position: [0.45, 0.2, 0.5], box: {size: [0.05, 0.05, 1]}}]\n"));
+  for (const char* planner : {"RRTConnect", "KPIECE1", "PRM"}) {
+    problem.planner.name = planner;
+    const PlanResult result = plan(problem);
+    ASSERT_EQ(result.status, PlanStatus::kSolved) << planner;
+    EXPECT_EQ(verify(problem, result.path).status, VerifyStatus::kCertified) << planner;
+  }
+}
+
+TEST(PoseGoal, AStartIsAPoseToo) {
+  Problem problem = load(arm6("ready", "",
+                              "{pose: {frame: tool, position: [0.3, 0.3, 0.4], rpy: "
+                              "[3.1416, 0, any]}}"));
+  EXPECT_THROW(plan(problem), robots::InputError);
+  problem = placeStart(problem);
+  std::vector<double> start;
+  for (const int v : problem.robot.variables)
+    start.push_back(problem.start[static_cast<std::size_t>(v)]);
+  EXPECT_LT((linkAt(problem, "tool", start).translation - Eigen::Vector3d(0.3, 0.3, 0.4)).norm(),
+            1.1e-9);
+  EXPECT_EQ(plan(problem).status, PlanStatus::kSolved);
+}
+
+TEST(PoseGoal, TwoArmsAtOnce) {
+  const std::string folder = leeway::sourceFolder() + "/robots/dual_arm/dual_arm.";
+  const std::string head = "leeway: 1\nrobot: {urdf: " + folder + "urdf, srdf: " + folder +
+                           "srdf, group: both}\nstart: up\n";
+  Problem problem = load(head + "goal: up\n");
+  std::vector<double> q;
+  for (const auto& range : problem.goals[0].ranges) q.push_back(range.first);
+  for (std::size_t i = 0; i < q.size(); ++i) q[i] += 0.2;
+  Goal goal{"both", {}, {}};
+  for (const char* link : {"left_tool", "right_tool"}) {
+    const int index = problem.robot.model->findLink(link);
+    ASSERT_GE(index, 0) << link;
+    goal.poses.push_back(
+        robots::PoseRegion::exact(index, Pose(), Pose(), linkAt(problem, link, q)));
+  }
+  problem.goals = {goal};
+  const PlanResult result = plan(problem);
+  ASSERT_EQ(result.status, PlanStatus::kSolved) << result.reason;
+  EXPECT_EQ(verify(problem, result.path).status, VerifyStatus::kCertified);
+}
+
+}  // namespace
+}  // namespace leeway::planner

@@ -1,0 +1,191 @@
+// Tasks of several steps: planned, proven, verified by other means, and refused.
+#include "leeway/planner/task.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+
+#include "leeway/planner/path_io.h"
+#include "leeway/planner/verify.h"
+#include "leeway/robots/input_error.h"
+#include "leeway/robots/kinematics.h"
+#include "tests/support/build_paths.h"
+#include "tests/support/folder.h"
+
+namespace leeway::planner {
+namespace {
+
+using robots::Pose;
+
+std::string shipped(const char* name) {
+  return leeway::sourceFolder() + "/problems/pick_place/" + name;
+}
+
+Pose frameAt(const Problem& problem, const std::string& name, const std::vector<double>& q) {
+  std::vector<double> all = problem.start;
+  for (std::size_t i = 0; i < q.size(); ++i)
+    all[static_cast<std::size_t>(problem.robot.variables[i])] = q[i];
+  std::vector<Pose> X_WL(problem.robot.model->links.size());
+  robots::forwardKinematics(*problem.robot.model, all, X_WL);
+  for (const Frame& frame : problem.robot.frames)
+    if (frame.name == name) return X_WL[static_cast<std::size_t>(frame.link)] * frame.X_LF;
+  ADD_FAILURE() << name;
+  return {};
+}
+
+/// Ten thousand points of each line: as near to it, and as little turned, as the step asks and the
+/// result says.
+void expectStraight(const Problem& problem, const Path& path) {
+  const ConfigurationSpace space(problem.robot.model, problem.robot.variables);
+  std::vector<double> q(static_cast<std::size_t>(space.size()));
+  int lines = 0;
+  for (std::size_t s = 0; s < problem.steps.size(); ++s) {
+    const auto* line = std::get_if<LineStep>(&problem.steps[s].action);
+    // Of a held object's frame the pose comes from where it was taken: not known here.
+    if (line == nullptr || line->frame == "can" || line->frame == "carton") continue;
+    ++lines;
+    const PathStep& step = path.steps[s];
+    const auto row = [&](int i) { return path.positions[static_cast<std::size_t>(i)]; };
+    const Pose first = frameAt(problem, line->frame, row(step.first));
+    const Eigen::Vector3d along =
+        line->relative_to.empty() ? Eigen::Vector3d(first.rotation * line->by) : line->by;
+    double off = 0, turn = 0;
+    for (int k = 0; k <= 10000; ++k) {
+      const double place = k / 10000.0 * (step.last - step.first);
+      const int edge = std::min(static_cast<int>(place), step.last - step.first - 1);
+      space.interpolate(row(step.first + edge), row(step.first + edge + 1), place - edge, q);
+      const Pose X_WF = frameAt(problem, line->frame, q);
+      const Eigen::Vector3d from = X_WF.translation - first.translation;
+      off = std::max(off, (from - from.dot(along) / along.squaredNorm() * along).norm());
+      turn = std::max(turn, 2 * std::asin((X_WF.rotation - first.rotation).norm() / std::sqrt(8)));
+    }
+    EXPECT_LE(off, step.deviation) << step.name;
+    EXPECT_LE(turn, step.turn) << step.name;
+    EXPECT_LE(step.deviation, line->position_tolerance) << step.name;
+    EXPECT_LE(step.turn, line->angle_tolerance) << step.name;
+    EXPECT_LT(
+        (frameAt(problem, line->frame, row(step.last)).translation - first.translation - along)
+            .norm(),
+        1e-7)
+        << step.name;
+  }
+  EXPECT_GE(lines, 2);
+}
+
+class Shipped : public testing::TestWithParam<const char*> {};
+
+TEST_P(Shipped, IsSolvedCertifiedStraightAndVerified) {
+  const Problem problem = loadProblem(shipped(GetParam()));
+  const PlanResult result = planTask(problem);
+  ASSERT_EQ(result.status, PlanStatus::kSolved) << result.reason;
+  EXPECT_TRUE(result.certificate.certified);
+  ASSERT_EQ(result.path.steps.size(), problem.steps.size());
+  EXPECT_EQ(result.certificate.segments.size() + 1, result.path.positions.size());
+  expectStraight(problem, result.path);
+  EXPECT_EQ(planTask(problem).path.positions, result.path.positions);
+
+  const Folder folder;
+  for (const char* ending : {"path.json", "path.yaml"}) {
+    const std::string file = folder.write(ending, "");
+    writePath(file, problem, result);
+    const Path read = readPath(file, problem);
+    const VerifyResult verified = verify(problem, read);
+    EXPECT_EQ(verified.status, VerifyStatus::kCertified) << verified.reason;
+  }
+
+  // A path without its steps, and one that leaves a line, are refuted.
+  Path bare = result.path;
+  bare.steps.clear();
+  EXPECT_EQ(verify(problem, bare).status, VerifyStatus::kRefuted);
+  Path bent = result.path;
+  const PathStep& line = bent.steps[1];
+  bent.positions.erase(bent.positions.begin() + line.first + 1, bent.positions.begin() + line.last);
+  const int gone = line.last - line.first - 1;
+  for (std::size_t s = 1; s < bent.steps.size(); ++s) {
+    bent.steps[s].last -= gone;
+    if (s > 1) bent.steps[s].first -= gone;
+  }
+  if (gone > 0) EXPECT_NE(verify(problem, bent).status, VerifyStatus::kCertified);
+}
+
+INSTANTIATE_TEST_SUITE_P(PickPlace, Shipped, testing::Values("can.yaml", "carton.yaml"),
+                         [](const auto& name) {
+                           const std::string file = name.param;
+                           return file.substr(0, file.find('.'));
+                         });
+
+std::string withSteps(const std::string& steps) {
+  const std::string robot = leeway::sourceFolder() + "/robots/arm6/arm6.";
+  return "leeway: 1\nrobot: {urdf: " + robot + "urdf, srdf: " + robot +
+         "srdf, group: arm}\nobjects: [{name: can, position: [0.4, 0, 0.2], cylinder: {radius: "
+         "0.03, length: 0.1}}]\nstart: ready\nsteps:\n" +
+         steps;
+}
+
+/// Later steps fail with the first solutions of an earlier one: others are tried.
+TEST(Task, EarlierStepsTryOtherSolutions) {
+  const Folder folder;
+  // The flange may stand at any turn, but the line goes along its own x axis into a wall for most.
+  const Problem problem = loadProblem(folder.write(
+      "task.yaml",
+      withSteps(
+          "  - move: {pose: {frame: tool, position: [0.35, -0.25, 0.4], rpy: [1.570796326794897, "
+          "0, any]}}\n"
+          "  - line: {frame: tool, by: [0.12, 0, 0]}\n"
+          "  - move: {pose: {frame: tool, position: [[0.30, 0.40], [-0.14, -0.10], 0.4], rpy: "
+          "[1.570796326794897, 0, any]}}\n")));
+  const PlanResult result = planTask(problem);
+  EXPECT_EQ(result.status, PlanStatus::kSolved) << result.reason;
+}
+
+TEST(Task, SaysWhichStepGotNoFurther) {
+  const Folder folder;
+  const Problem problem = loadProblem(folder.write(
+      "task.yaml",
+      withSteps("  - move: home\n  - {name: far, line: {frame: tool, by: [3, 0, 0]}}\n")));
+  const PlanResult result = planTask(problem);
+  EXPECT_EQ(result.status, PlanStatus::kUnsolved);
+  EXPECT_NE(result.reason.find("step 2 (far): "), std::string::npos) << result.reason;
+}
+
+TEST(Task, BadStepsAreRefusedWithTheirLine) {
+  const Folder folder;
+  const struct {
+    const char* steps;
+    int line;
+    const char* message;
+  } cases[] = {
+      {"  - {move: home, detach: can}\n", 6, "has both 'move' and 'detach'; one is expected"},
+      {"  - {name: idle}\n", 6, "does nothing; move, line, attach or detach is expected"},
+      {"  - detach: can\n", 6, "no attached object 'can' to detach"},
+      {"  - attach: {object: cn, link: tool}\n", 6,
+       "no object 'cn' to attach; did you mean 'can'?"},
+      {"  - attach: {object: can, link: tol}\n", 6, "unknown link 'tol'; did you mean 'tool'?"},
+      {"  - attach: {object: can, link: tool}\n  - attach: {object: can, link: tool}\n", 7,
+       "object 'can' is held already"},
+      {"  - attach: {object: can, link: tool}\n  - move: {pose: {frame: tool, relative_to: can, "
+       "position: [0, 0, 0.1]}}\n",
+       7, "'can' moves with the planned joints"},
+      {"  - move: {pose: {frame: can, position: [0, 0, 0.1]}}\n", 6,
+       "no frame, link or attached object 'can'"},
+      {"  - line: {frame: tool, by: [0, 0, 0]}\n", 6, "is of no length"},
+      {"  - line: {frame: tol, by: [0, 0, 1]}\n", 6, "did you mean 'tool'?"},
+      {"  - line: {frame: tool, by: [0, 0, 1], position_tolerance: 1e-9}\n", 6,
+       "position_tolerance is 1e-09; at least 1e-07 is expected"},
+      {"  - {attach: {object: can, link: tool}, allowed: [[can, tool]]}\n", 6,
+       "nothing moves in this step"},
+      {"  - {move: home, allowed: [[can, cup]]}\n", 6, "unknown link or object 'cup'"},
+      {"  - {move: hom}\n", 6, "no group state 'hom'"},
+  };
+  for (const auto& c : cases) try {
+      loadProblem(folder.write("task.yaml", withSteps(c.steps)));
+      ADD_FAILURE() << "accepted: " << c.steps;
+    } catch (const robots::InputError& error) {
+      EXPECT_EQ(error.line(), c.line) << error.what();
+      EXPECT_NE(std::string(error.what()).find(c.message), std::string::npos) << error.what();
+    }
+}
+
+}  // namespace
+}  // namespace leeway::planner
