@@ -21,5 +21,7 @@ Verb addBatch(CLI::App& command);
 Verb addInfo(CLI::App& command);
 Verb addIk(CLI::App& command);
 Verb addFk(CLI::App& command);
+Verb addLint(CLI::App& command);
+Verb addManual(CLI::App& command);
 
 }  // namespace leeway::tools
