@@ -19,6 +19,17 @@ void keepBetter(StateCheck& best, const StateCheck& check) {
   if (best.pair < 0 || check.clearance.upper > best.clearance.upper) best = check;
 }
 
+/// Why a configuration is not valid: its closest pair.
+std::string contactText(const EdgeCertifier& certifier, const StateCheck& check) {
+  if (check.pair < 0) return "its clearance could not be decided";
+  const collision::Scene& scene = certifier.scene().scene();
+  const collision::ScenePair& pair = scene.pairs()[at(check.pair)];
+  const bool deep = check.clearance.upper <= 0;
+  return fmt::format("{} and {} {} there, {:.3f} mm {}", scene.bodies()[at(pair.body_a)].name,
+                     scene.bodies()[at(pair.body_b)].name, deep ? "collide" : "are too near",
+                     std::abs(check.clearance.upper) * 1e3, deep ? "deep" : "apart");
+}
+
 /// Whether places drawn evenly from each region alone can be met: not where a position is `any`,
 /// nor where two regions are of one link.
 bool canDrawEvenly(const Goal& goal) {
@@ -84,7 +95,7 @@ void GoalSampler::drawJoints(std::size_t g, GoalPoints& result, const std::funct
   if (!found)
     result.warnings.push_back(
         "goal '" + goal.name + "' is left out: " +
-        (point     ? "it is in collision"
+        (point     ? contactText(certifier_, certifier_.clearance(q, kReportTolerance))
          : stopped ? "no valid point of it was found within the limits"
                    : "none of " + std::to_string(kGoalAttempts) + " points of it was valid"));
 }
