@@ -55,6 +55,7 @@ int run(Arguments& arguments) {
   if (!arguments.svg.empty()) view::expectPicture(arguments.svg);
   if (!only_picture) view::expectPage(arguments.page);
   planner::Problem problem = loadProblem(arguments.source);
+  refuseSteps(problem, "view");
   apply(arguments.overrides, problem);
   const view::Subject subject = path_file.empty()
                                     ? solve(problem, arguments)
