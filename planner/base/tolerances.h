@@ -196,6 +196,12 @@ constexpr std::int64_t kClearanceWork = 100'000'000;
 constexpr int kClearancePasses = 3;
 constexpr int kClearanceLooks = 2;
 
+/// Downhill along an edge from a place that is too near: first and last step, in t, and what it may
+/// cost [units of Work].
+constexpr double kDescentStep = 1.0 / 16;
+constexpr double kLeastDescentStep = 1.0 / 512;
+constexpr std::int64_t kDescentWork = 50'000;
+
 /// With more pairs [count] a state looks only at those that are near; with fewer, at all. Measured.
 constexpr std::size_t kManyPairs = 512;
 /// What counts as near for a clearance at first [m], and the factor by which that grows as long as
@@ -274,12 +280,15 @@ constexpr double kRoughMost = 0.1;
 constexpr int kRoughPasses = 6;
 constexpr std::int64_t kRoughWork = 30'000;
 
-/// How closely a certificate then knows a path's least clearance, as a share of it; how often the
-/// nearest edge is looked at for that, and what each look may cost. To know a path that hugs an
-/// obstacle to 0.1 mm takes tens of milliseconds.
+/// How closely a certificate then knows a path's least clearance, as a share of it. Where a proof
+/// fails, less is tried, so often [count], each time so much of it. What a proof may cost, and all
+/// of a path's [units of Work]: to know a path that hugs an obstacle to 0.1 mm takes tens of
+/// milliseconds.
 constexpr double kLeastShare = 0.1;
-constexpr int kLeastRefinements = 4;
-constexpr std::int64_t kLeastWork = 400'000;
+constexpr int kProofTries = 4;
+constexpr double kProofFall = 0.5;
+constexpr std::int64_t kProofWork = 100'000;
+constexpr std::int64_t kAllProofsWork = 600'000;
 
 /// Iterations of the first search with raised margins: a fraction of a second, and doubled when it
 /// proves too few.
