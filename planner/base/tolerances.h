@@ -294,6 +294,10 @@ constexpr std::int64_t kAllProofsWork = 600'000;
 /// proves too few.
 constexpr unsigned long long kFirstBudget = 1000;
 
+/// Pushes towards the bound after each search [count], and what one may cost [units of Work].
+constexpr int kClearancePushes = 6;
+constexpr std::int64_t kClearancePushWork = 2'000'000;
+
 /// What an optimising planner leaves of the time limit to simplification, as a fraction.
 constexpr double kSimplifyShare = 0.05;
 
@@ -316,6 +320,33 @@ constexpr int kPartEvery = 3;
 /// Sweeps of pulled waypoints, and the fraction of the length that one must gain for another.
 constexpr int kPullSweeps = 4;
 constexpr double kPullGain = 1e-2;
+
+// Pushing a path off what it hugs
+
+/// Clearance that a plain plan is pushed to, and the least that is worth a push [m]; how much
+/// longer the path may get; what it may cost, and each of its proofs [units of Work]: a quarter of a
+/// millisecond. Of panda's MotionBenchMaker problems more than half keep 7 mm by it, by 0.1 ms one
+/// in four. 10 mm would cost twice as much.
+constexpr double kPushClearance = 0.008;
+constexpr double kPushLeast = 1e-3;
+constexpr double kPushLonger = 0.03;
+constexpr std::int64_t kPushWork = 250'000;
+constexpr std::int64_t kPushProofWork = 40'000;
+
+/// Moves of waypoints [count]; how far beyond the target they aim, as a factor, because gradients
+/// turn; the share of an edge up to which its end is moved in place of a new waypoint; the share of
+/// an end's clearance that is aimed at where that limits; the longest move.
+constexpr int kMostPushes = 24;
+constexpr double kPushBeyond = 1.3;
+constexpr double kPushSnap = 0.75;
+constexpr double kPushEnds = 0.95;
+constexpr double kLongestPush = 0.2;
+
+/// Witness points nearer than this [m] give no direction; squared gradients [m^2] below which
+/// nothing is moved; step of the differences [rad or m].
+constexpr double kPushGap = 1e-7;
+constexpr double kLeastPushGradient = 1e-8;
+constexpr double kPushDifference = 1e-6;
 
 // Streams of random numbers, far from each other and beyond any number of samplers
 

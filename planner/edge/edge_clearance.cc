@@ -217,6 +217,7 @@ EdgeClearance EdgeCertifier::proveClearance(std::span<const double> a, std::span
   if (impl.leastMargin() == kInfinity) return best;  // there are no such pairs
   best.clearance.lower = -kInfinity;
   impl.work_limit = request.work_limit > 0 ? request.work_limit : impl.defaultWork();
+  impl.smallest = 0;
   const EdgeCheck check = impl.decideEdge(a, b);
   if (check.verdict == Verdict::kFree) {
     best.clearance.lower = std::max(request.wanted, impl.leastMargin());

@@ -20,8 +20,7 @@ class Clearances {
         path_(path),
         tolerance_(tolerance),
         pairs_(pairs),
-        edges_(path.size() - 1),
-        tries_(path.size() - 1, 0) {}
+        edges_(path.size() - 1) {}
 
   /// Each edge to within the tolerance.
   void refineAll() {
@@ -36,11 +35,10 @@ class Clearances {
     for (std::size_t i = 0; i < edges_.size(); ++i)
       keep(i,
            certifier_.roughClearance(path_[i], path_[i + 1], std::min(least_, kRoughMost), pairs_));
-    std::int64_t work = 0;
-    while (work < kAllProofsWork) {
+    const std::int64_t before = certifier_.statistics.work;
+    while (certifier_.statistics.work - before < kAllProofsWork) {
       const int i = lowestUnproven();
       if (i < 0) return;
-      work += kProofWork;
       prove(i);
     }
   }
@@ -79,23 +77,20 @@ class Clearances {
     whole.closest_b = scene.bodies()[static_cast<std::size_t>(p.body_b)].name;
   }
 
-  /// What edge i is to keep: nearly as much as the path, or less where that proof has failed.
-  double wanted(std::size_t i) const {
+  /// What each edge is to keep: nearly as much as the path. Where a proof has failed for one, less
+  /// is enough for all.
+  double wanted() const {
     if (!std::isfinite(least_)) return kRoughMost;
-    const double share = std::pow(kProofFall, tries_[i]);
-    if (!(least_ > 0)) return least_ - std::max(tolerance_, kLeastShare * std::abs(least_)) / share;
-    return std::max((1 - kLeastShare) * share * least_,
-                    least_ - std::max(tolerance_, kLeastShare * least_));
+    if (!(least_ > 0)) return least_ - std::max(tolerance_, -kLeastShare * least_);
+    return (1 - kLeastShare) * std::pow(kProofFall, tries_) * least_;
   }
 
   int lowestUnproven() const {
-    int lowest = -1;
-    for (std::size_t i = 0; i < edges_.size(); ++i)
-      if (tries_[i] < kProofTries && edges_[i].clearance.lower < wanted(i) &&
-          (lowest < 0 ||
-           edges_[i].clearance.lower < edges_[static_cast<std::size_t>(lowest)].clearance.lower))
-        lowest = static_cast<int>(i);
-    return lowest;
+    const auto lowest = std::min_element(
+        edges_.begin(), edges_.end(),
+        [](const auto& a, const auto& b) { return a.clearance.lower < b.clearance.lower; });
+    const bool is_enough = tries_ >= kProofTries || lowest->clearance.lower >= wanted();
+    return is_enough ? -1 : static_cast<int>(lowest - edges_.begin());
   }
 
   void prove(int edge) {
@@ -103,10 +98,10 @@ class Clearances {
     const double before = least_, lower = edges_[i].clearance.lower;
     keep(i, certifier_.proveClearance(path_[i], path_[i + 1],
                                       {.tolerance = tolerance_,
-                                       .wanted = wanted(i),
+                                       .wanted = wanted(),
                                        .work_limit = kProofWork,
                                        .pairs = pairs_}));
-    if (!(least_ < before) && !(edges_[i].clearance.lower > lower)) ++tries_[i];
+    if (!(least_ < before) && !(edges_[i].clearance.lower > lower)) ++tries_;
   }
 
   void keep(std::size_t i, EdgeClearance found) {
@@ -125,7 +120,7 @@ class Clearances {
   Pairs pairs_;
   double least_ = kInfinity;  ///< no more than that is the path's clearance
   std::vector<EdgeClearance> edges_;
-  std::vector<int> tries_;  ///< proofs of each edge that have failed
+  int tries_ = 0;  ///< proofs that have failed
 };
 
 /// The smallest margin of the pairs [m]; infinity without such pairs.
