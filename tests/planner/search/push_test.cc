@@ -60,13 +60,13 @@ TEST(Push, KeepsToTheLengthThatItMayHave) {
   EdgeCertifier certifier(std::make_shared<const CompiledScene>(problem));
   const auto before = result.path.positions;
   PushOptions options;
-  options.target = options.least = 0.05;
+  options.target = options.least = 0.02;
   options.longest = result.length;  // none to spare
   options.work = 10'000'000;
   EXPECT_EQ(push(certifier, result.path.positions, options), 0);
   EXPECT_EQ(result.path.positions, before);
   options.longest = 2 * result.length;
-  EXPECT_EQ(push(certifier, result.path.positions, options), 0.05);
+  EXPECT_EQ(push(certifier, result.path.positions, options), 0.02);
   EXPECT_NE(result.path.positions, before);
 }
 
