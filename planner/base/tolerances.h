@@ -325,8 +325,7 @@ constexpr double kPullGain = 1e-2;
 
 /// Clearance that a plain plan is pushed to, and the least that is worth a push [m]; how much
 /// longer the path may get; what it may cost, and each of its proofs [units of Work]: a quarter of
-/// a millisecond. Of panda's MotionBenchMaker problems more than half keep 7 mm by it, by 0.1 ms
-/// one in four. 10 mm would cost twice as much.
+/// a millisecond.
 constexpr double kPushClearance = 0.008;
 constexpr double kPushLeast = 1e-3;
 constexpr double kPushLonger = 0.03;
