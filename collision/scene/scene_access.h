@@ -22,6 +22,12 @@ struct SceneAccess {
   static void place(Scene& scene, int body, const Pose& X_WB) {
     scene.bodies_[static_cast<std::size_t>(body)].X_WB = X_WB;
   }
+  /// Scene::raiseMargins() for some pairs.
+  static void raiseMargins(Scene& scene, double margin,
+                           const std::function<bool(const ScenePair&)>& raises) {
+    for (ScenePair& pair : scene.pairs_)
+      if (raises(pair) && pair.margin < margin) pair.margin = margin;
+  }
   /// Removes all pairs but those of which keep(pair) is true; asks each once, in their order.
   static void keepPairs(Scene& scene, const std::function<bool(const ScenePair&)>& keep) {
     std::erase_if(scene.pairs_, [&](const ScenePair& pair) { return !keep(pair); });

@@ -204,6 +204,12 @@ constexpr std::int64_t kClearanceWork = 100'000'000;
 constexpr int kClearancePasses = 3;
 constexpr int kClearanceLooks = 2;
 
+/// Downhill along an edge from a place that is too near: first and last step, in t, and what it may
+/// cost [units of Work].
+constexpr double kDescentStep = 1.0 / 16;
+constexpr double kLeastDescentStep = 1.0 / 512;
+constexpr std::int64_t kDescentWork = 50'000;
+
 /// With more pairs [count] a state looks only at those that are near; with fewer, at all. Measured.
 constexpr std::size_t kManyPairs = 512;
 /// What counts as near for a clearance at first [m], and the factor by which that grows as long as
@@ -302,16 +308,23 @@ constexpr double kRoughMost = 0.1;
 constexpr int kRoughPasses = 6;
 constexpr std::int64_t kRoughWork = 30'000;
 
-/// How closely a certificate then knows a path's least clearance, as a share of it; how often the
-/// nearest edge is looked at for that, and what each look may cost. To know a path that hugs an
-/// obstacle to 0.1 mm takes tens of milliseconds.
+/// How closely a certificate then knows a path's least clearance, as a share of it. Where a proof
+/// fails, less is tried, so often [count], each time so much of it. What a proof may cost, and all
+/// of a path's [units of Work]: to know a path that hugs an obstacle to 0.1 mm takes tens of
+/// milliseconds.
 constexpr double kLeastShare = 0.1;
-constexpr int kLeastRefinements = 4;
-constexpr std::int64_t kLeastWork = 400'000;
+constexpr int kProofTries = 4;
+constexpr double kProofFall = 0.5;
+constexpr std::int64_t kProofWork = 100'000;
+constexpr std::int64_t kAllProofsWork = 600'000;
 
 /// Iterations of the first search with raised margins: a fraction of a second, and doubled when it
 /// proves too few.
 constexpr unsigned long long kFirstBudget = 1000;
+
+/// Pushes towards the bound after each search [count], and what one may cost [units of Work].
+constexpr int kClearancePushes = 6;
+constexpr std::int64_t kClearancePushWork = 2'000'000;
 
 /// What an optimising planner leaves of the time limit to simplification, as a fraction.
 constexpr double kSimplifyShare = 0.05;
@@ -335,6 +348,32 @@ constexpr int kPartEvery = 3;
 /// Sweeps of pulled waypoints, and the fraction of the length that one must gain for another.
 constexpr int kPullSweeps = 4;
 constexpr double kPullGain = 1e-2;
+
+// Pushing a path off what it hugs
+
+/// Clearance that a plain plan is pushed to, and the least that is worth a push [m]; how much
+/// longer the path may get; what it may cost, and each of its proofs [units of Work]: a quarter of
+/// a millisecond.
+constexpr double kPushClearance = 0.008;
+constexpr double kPushLeast = 1e-3;
+constexpr double kPushLonger = 0.03;
+constexpr std::int64_t kPushWork = 250'000;
+constexpr std::int64_t kPushProofWork = 40'000;
+
+/// Moves of waypoints [count]; how far beyond the target they aim, as a factor, because gradients
+/// turn; the share of an edge up to which its end is moved in place of a new waypoint; the share of
+/// an end's clearance that is aimed at where that limits; the longest move.
+constexpr int kMostPushes = 24;
+constexpr double kPushBeyond = 1.3;
+constexpr double kPushSnap = 0.75;
+constexpr double kPushEnds = 0.95;
+constexpr double kLongestPush = 0.2;
+
+/// Witness points nearer than this [m] give no direction; squared gradients [m^2] below which
+/// nothing is moved; step of the differences [rad or m].
+constexpr double kPushGap = 1e-7;
+constexpr double kLeastPushGradient = 1e-8;
+constexpr double kPushDifference = 1e-6;
 
 // Streams of random numbers, far from each other and beyond any number of samplers
 

@@ -231,6 +231,18 @@ std::shared_ptr<const CompiledScene> CompiledScene::withMarginAtLeast(double mar
   return raised;
 }
 
+bool CompiledScene::isOfRobot(int body) const {
+  return at(body) < edgeModel().robot->scene().bodies().size();
+}
+
+std::shared_ptr<const CompiledScene> CompiledScene::withWorldMarginAtLeast(double margin) const {
+  auto raised = std::make_shared<CompiledScene>(*this);
+  collision::SceneAccess::raiseMargins(
+      raised->scene_, margin,
+      [this](const collision::ScenePair& pair) { return !isOfRobot(pair); });
+  return raised;
+}
+
 std::shared_ptr<const CompiledScene> CompiledScene::withMarginsGrown(double growth) const {
   auto grown = std::make_shared<CompiledScene>(*this);
   for (std::size_t body = 0; body < scene_.bodies().size(); ++body)

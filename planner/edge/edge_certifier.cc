@@ -47,10 +47,14 @@ EdgeCertifier::Impl::Impl(std::shared_ptr<const CompiledScene> compiled)
 
 void EdgeCertifier::Impl::boundPairs() {
   most_rounding = 0;
-  least_margin = kInfinity;
+  least_margin.fill(kInfinity);
+  const std::span<const collision::ScenePair> pairs = scene->scene().pairs();
   for (const EdgePair& pair : frames.pairs()) {
     most_rounding = std::max(most_rounding, pair.rounding);
-    least_margin = std::min(least_margin, pair.threshold - pair.rounding);
+    for (const Pairs kind : {Pairs::kAll, pair.is_self ? Pairs::kSelf : Pairs::kWorld}) {
+      double& least = least_margin[static_cast<std::size_t>(kind)];
+      least = std::min(least, pairs[at(pair.scene_pair)].margin);
+    }
   }
 }
 
@@ -68,6 +72,7 @@ EdgeCertifier::Statistics& EdgeCertifier::Statistics::operator+=(const Statistic
   distance_queries += more.distance_queries;
   undecided_edges += more.undecided_edges;
   intervals += more.intervals;
+  work += more.work;
   return *this;
 }
 
@@ -75,9 +80,9 @@ void EdgeCertifier::rebind(std::shared_ptr<const CompiledScene> scene) {
   if (scene->scene().pairs().size() > impl_->most_pairs)
     throw std::invalid_argument("EdgeCertifier::rebind(): the scene has more pairs than the first");
   impl_->frames.rebind(scene);
-  impl_->boundPairs();
   impl_->lanes_fit = false;
   impl_->scene = std::move(scene);
+  impl_->boundPairs();
   impl_->workspace.prepare(impl_->scene->scene());
   impl_->startInterval();
 }
@@ -142,23 +147,26 @@ EdgeCheck EdgeCertifier::certify(std::span<const double> a, std::span<const doub
     trace->emplace_back(b.begin(), b.end());
   }
   Impl& impl = *impl_;
-  ++impl.edge;
   impl.work_limit = request.work_limit > 0 ? request.work_limit : impl.defaultWork();
-  impl.startWork(impl.work_limit);
   impl.smallest = request.smallest_interval;
-  EdgeCheck check;
-  if (!impl.frames.begin(a, b)) {
-    ++statistics.undecided_edges;
-    return check;
-  }
-  const collision::SweepFronts fronts(collision::SceneAccess::scratch(impl.workspace));
-  const bool by_lanes = impl.lanes_fit && impl.lanes.begin(impl.frames);
-  check = by_lanes ? impl.certifyByLanes() : impl.certifyByBisection();
+  EdgeCheck check = impl.decideEdge(a, b);
   if (check.verdict == Verdict::kUndecided) ++statistics.undecided_edges;
   if (check.verdict == Verdict::kFree)
     check.last_valid = 1;
-  else if (request.last_valid)
+  else if (request.last_valid && impl.has_begun)
     impl.findLastValid(check);
+  return check;
+}
+
+EdgeCheck EdgeCertifier::Impl::decideEdge(std::span<const double> a, std::span<const double> b) {
+  ++edge;
+  startWork(work_limit);
+  has_begun = frames.begin(a, b);
+  if (!has_begun) return {};
+  const collision::SweepFronts fronts(collision::SceneAccess::scratch(workspace));
+  const bool by_lanes = lanes_fit && lanes.begin(frames);
+  const EdgeCheck check = by_lanes ? certifyByLanes() : certifyByBisection();
+  statistics->work += work.done;
   return check;
 }
 
@@ -167,6 +175,7 @@ EdgeCheck EdgeCertifier::Impl::makeCheck(Verdict verdict, int p, double t) {
   check.verdict = verdict;
   check.pair = p < 0 ? -1 : frames.pairs()[at(p)].scene_pair;
   check.t = t;
+  last_named = p;
   if (verdict == Verdict::kNotFree && p >= 0) {
     last_contact = p;
     PairMemory& known = pair_memory.of(p);
@@ -184,8 +193,9 @@ EdgeCheck EdgeCertifier::Impl::certifyByLanes() {
 
   // 1. Balls swept to capsules; planes and points that decided a pair before.
   if (const auto contact = lanes.sweep(); contact.id >= 0) return makeCheck(whole, contact);
+  if (asked != Pairs::kAll) lanes.closeOthers(frames, asked == Pairs::kSelf);
   // 2. Gaps between two links that the angles of two joints prove.
-  lanes.closeGaps(frames);
+  lanes.closeGaps(frames, demanded);
   if (lanes.open().empty()) return makeCheck(Verdict::kFree);
   // 3. Contacts, of pairs that are likely to have one.
   if (const auto check = searchLikelyContacts(whole)) return *check;

@@ -18,8 +18,11 @@
 //                  lists of intervals               listOpenLanes and below     edge_intervals.cc
 //                  one configuration                checkState                  edge_state.cc
 //   the least clearance in place of a verdict       ClearanceSearch             edge_clearance.cc
+//   a proof of more than the margins                Asking                      edge_clearance.cc
 // clang-format on
 
+#include <algorithm>
+#include <array>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -75,6 +78,8 @@ struct EdgeCertifier::Impl {
   // The order of the stages (edge_certifier.cc). Functions that return an optional check return it
   // where they decide the edge.
 
+  /// An edge within work_limit; undecided, too, where it cannot be begun.
+  EdgeCheck decideEdge(std::span<const double> a, std::span<const double> b);
   EdgeCheck certifyByLanes();
   /// Without lanes: exact sweeps alone, from the whole edge down.
   EdgeCheck certifyByBisection();
@@ -86,6 +91,21 @@ struct EdgeCertifier::Impl {
 
   /// Sets most_rounding and least_margin.
   void boundPairs();
+
+  // What is asked: by certify() that all pairs keep their margins.
+
+  /// While it lives, some pairs alone are looked at, and have to keep `demanded` where their margin
+  /// is less [m].
+  class Asking;
+  bool isAsked(const EdgePair& pair) const {
+    return asked == Pairs::kAll || pair.is_self == (asked == Pairs::kSelf);
+  }
+  double thresholdOf(const EdgePair& pair) const {
+    return std::max(pair.threshold, demanded + pair.rounding);
+  }
+  double leastMargin() const { return least_margin[static_cast<std::size_t>(asked)]; }
+  /// How far what is demanded is above the least margin [m].
+  double beyondMargins() const { return std::max(0.0, demanded - leastMargin()); }
 
   // One configuration (edge_state.cc).
 
@@ -238,6 +258,10 @@ struct EdgeCertifier::Impl {
   void settlePairs(EdgeInterval& interval, ClearanceSearch& search);
   void settleFromMiddle(EdgeInterval& interval, int slot, bool last, ClearanceSearch& search);
   bool listNearLanes(ClearanceSearch& search);
+  /// EdgeLanes::sweepBeyond() for the pairs that are asked, and planes where that leaves some open.
+  collision::LaneSweep::Contact sweepAskedBeyond(double beyond);
+  /// The distance of pair p near t, downhill.
+  void descend(int p, double t, ClearanceSearch& search);
   void searchOpenLanes(const EdgeLanes::Parts& parts, int count, ClearanceSearch& search);
   void searchIntervals(ClearanceSearch& search);
 
@@ -247,7 +271,10 @@ struct EdgeCertifier::Impl {
   std::size_t most_pairs;  ///< that a scene may have: lists have room for them
   EdgeFrames frames;
   EdgeLanes lanes;
-  double most_rounding = 0, least_margin = 0;  ///< of all pairs [m]
+  double most_rounding = 0;              ///< of all pairs [m]
+  std::array<double, 3> least_margin{};  ///< of each kind of Pairs [m]
+  Pairs asked = Pairs::kAll;
+  double demanded = -kInfinity;  ///< [m]
   bool lanes_fit = true;  ///< false after rebind(): lanes hold the shapes of the scene before
   collision::Workspace workspace;
   struct SharedSlot {
@@ -261,9 +288,10 @@ struct EdgeCertifier::Impl {
   std::uint64_t edge = 0;  ///< its number
   collision::Work work;    ///< spent on it, or on a state
   std::int64_t work_limit = 0;
-  double smallest = 0;    ///< EdgeRequest::smallest_interval
-  int queries = 0;        ///< exact ones; for edgeClearance()
-  int contact_looks = 0;  ///< of searchContacts()
+  double smallest = 0;     ///< EdgeRequest::smallest_interval
+  bool has_begun = false;  ///< the edge: it can be certified at all
+  int queries = 0;         ///< exact ones; for edgeClearance()
+  int contact_looks = 0;   ///< of searchContacts()
 
   // The present interval.
 
@@ -304,6 +332,7 @@ struct EdgeCertifier::Impl {
   // Memory of edges before. It steers which queries are tried, never what they prove.
 
   int last_contact = 0;  ///< the pair that was last not free
+  int last_named = -1;   ///< the pair that the last verdict named
   struct PairMemory {
     /// Growth up to which a sweep is tried [m]: falls where it fails, rises where it succeeds.
     double growth_limit = kSweepGrowth;
@@ -316,6 +345,25 @@ struct EdgeCertifier::Impl {
   collision::PairTable<PairMemory> pair_memory;
 
   Statistics* statistics = nullptr;
+};
+
+class EdgeCertifier::Impl::Asking {
+ public:
+  Asking(Impl& impl, Pairs pairs, double demanded) : impl_(impl) {
+    impl.asked = pairs;
+    impl.demanded = demanded;
+    impl.lanes.demandBeyond(impl.beyondMargins());
+  }
+  Asking(const Asking&) = delete;
+  Asking& operator=(const Asking&) = delete;
+  ~Asking() {
+    impl_.asked = Pairs::kAll;
+    impl_.demanded = -kInfinity;
+    impl_.lanes.demandBeyond(0);
+  }
+
+ private:
+  Impl& impl_;
 };
 
 }  // namespace leeway::planner

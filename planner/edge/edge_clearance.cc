@@ -77,6 +77,7 @@ void EdgeCertifier::Impl::searchPairs(int slot, double t, std::span<const int> n
   for (const int p : near) {
     if (std::binary_search(asked_pairs.begin(), asked_pairs.end(), p)) continue;
     const EdgePair& pair = pairs[at(p)];
+    if (!isAsked(pair)) continue;
     const Eigen::Vector3d center = frames.inFrameOf(slot, pair.b, frames.center(slot, pair.a));
     const double lower = frames.pieces()[at(pair.b)].bounds->coarse.lower(center) -
                          frames.pieces()[at(pair.a)].bounds->outer.radius - pair.rounding;
@@ -145,7 +146,8 @@ EdgeClearance EdgeCertifier::edgeClearance(std::span<const double> a, std::span<
   Impl& impl = *impl_;
   Impl::ClearanceSearch search{request.tolerance, request.cutoff, request.wanted,
                                request.work_limit > 0};
-  if (impl.frames.pairs().empty()) return search.best;
+  const Impl::Asking asking(impl, request.pairs, -kInfinity);
+  if (impl.leastMargin() == kInfinity) return search.best;  // there are no such pairs
   const std::int64_t work_limit = request.work_limit > 0 ? request.work_limit : kClearanceWork;
   impl.startWork(work_limit);
   impl.queries = 0;
@@ -180,20 +182,21 @@ EdgeClearance EdgeCertifier::edgeClearance(std::span<const double> a, std::span<
 }
 
 EdgeClearance EdgeCertifier::roughClearance(std::span<const double> a, std::span<const double> b,
-                                            double most) {
+                                            double most, Pairs pairs) {
   ++statistics.edges;
   Impl& impl = *impl_;
   Impl::ClearanceSearch search{kRoughClearance, -kInfinity, kInfinity};
-  if (impl.frames.pairs().empty()) return search.best;
+  const Impl::Asking asking(impl, pairs, -kInfinity);
+  if (impl.leastMargin() == kInfinity) return search.best;  // there are no such pairs
   impl.startWork(kRoughWork);
   impl.queries = 0;
   EdgeClearance& best = search.best;
   best.clearance.lower = -kInfinity;
   if (!impl.frames.begin(a, b) || !impl.lanes_fit || !impl.lanes.begin(impl.frames)) return best;
-  const double least = impl.least_margin;
+  const double least = impl.leastMargin();
   double beyond = std::max(0.0, most - least);
   for (int pass = 0; pass < kRoughPasses && !impl.work.isSpent(); ++pass) {
-    if (impl.lanes.sweepBeyond(beyond).id >= 0) break;
+    if (impl.sweepAskedBeyond(beyond).id >= 0) break;
     if (impl.lanes.open().empty()) {
       best.clearance.lower = std::min(least + beyond, best.clearance.upper);
       break;
@@ -204,18 +207,69 @@ EdgeClearance EdgeCertifier::roughClearance(std::span<const double> a, std::span
   return best;
 }
 
+EdgeClearance EdgeCertifier::proveClearance(std::span<const double> a, std::span<const double> b,
+                                            const ClearanceRequest& request) {
+  ++statistics.edges;
+  Impl& impl = *impl_;
+  Impl::ClearanceSearch search{request.tolerance, -kInfinity, request.wanted};
+  EdgeClearance& best = search.best;
+  const Impl::Asking asking(impl, request.pairs, request.wanted);
+  if (impl.leastMargin() == kInfinity) return best;  // there are no such pairs
+  best.clearance.lower = -kInfinity;
+  impl.work_limit = request.work_limit > 0 ? request.work_limit : impl.defaultWork();
+  impl.smallest = 0;
+  const EdgeCheck check = impl.decideEdge(a, b);
+  if (check.verdict == Verdict::kFree) {
+    best.clearance.lower = std::max(request.wanted, impl.leastMargin());
+    return best;
+  }
+  const int p = check.pair < 0 ? -1 : impl.last_named;
+  if (p >= 0 && impl.isAsked(impl.frames.pairs()[at(p)])) {
+    impl.frames.release(0);
+    impl.startWork(kDescentWork);
+    impl.descend(p, check.t, search);
+    statistics.work += impl.work.done;
+  }
+  return best;
+}
+
+void EdgeCertifier::Impl::descend(int p, double t, ClearanceSearch& search) {
+  const EdgePair& pair = frames.pairs()[at(p)];
+  const auto look = [&](double at_t) {
+    const double known = search.best.clearance.upper;
+    const int slot = work.isSpent() ? -1 : frames.place(at_t);
+    if (slot >= 0) refineState(slot, at_t, pair, search);
+    return search.best.clearance.upper < known;
+  };
+  look(t);
+  for (double step = kDescentStep; step >= kLeastDescentStep; step /= 2) {
+    for (const double next : {t - step, t + step}) {
+      if (!(next >= 0 && next <= 1) || !look(next)) continue;
+      t = next;
+      break;
+    }
+  }
+}
+
+collision::LaneSweep::Contact EdgeCertifier::Impl::sweepAskedBeyond(double beyond) {
+  const collision::LaneSweep::Contact contact = lanes.sweepBeyond(beyond);
+  if (contact.id >= 0) return contact;
+  if (asked != Pairs::kAll) lanes.closeOthers(frames, asked == Pairs::kSelf);
+  return lanes.searchPlanes();
+}
+
 /// Lists the lanes that are not proven to be far enough, and settles the rest. False, with nothing
 /// settled, where lanes say nothing.
 bool EdgeCertifier::Impl::listNearLanes(ClearanceSearch& search) {
   // Lanes bound no depths.
   if (search.isCutOff() || !(search.enough() > 0) || !std::isfinite(search.enough())) return false;
   if (!lanes_fit || !lanes.begin(frames)) return false;
-  const double least = least_margin;
+  const double least = leastMargin();
   const EdgeLanes::Parts whole = EdgeLanes::wholeEdge();
   double beyond = 0;
   for (int pass = 0;; ++pass) {
     beyond = std::max(0.0, search.enough() - least);
-    if (lanes.sweepBeyond(beyond).id >= 0) return false;
+    if (sweepAskedBeyond(beyond).id >= 0) return false;
     // A lower upper end leaves less open, and a pass costs less than intervals.
     const double known = search.best.clearance.upper;
     if (lanes.open().empty() || pass == kClearancePasses) break;

@@ -57,14 +57,14 @@ EdgeFrames::Turn EdgeFrames::turnOf(int joint) const {
           step.multiplier * dq_[at(step.variable)]};
 }
 
-bool EdgeFrames::keepsGap(const EdgePair& pair, double t0, double t1) const {
+bool EdgeFrames::keepsGap(const EdgePair& pair, double threshold, double t0, double t1) const {
   if (pair.gap < 0) return false;
   const Gap& gap = gaps_[at(pair.gap)];
   const robots::LinkGap::Range angles = gap.turn.over(t0, t1), others = gap.other.over(t0, t1);
   if (work_ != nullptr) work_->add(arcsIn(angles) * arcsIn(others) * collision::kCellWork);
   const double kept = gap.table->over(angles, others);
   // 0 means that nothing is proven, even where the margin lets bodies overlap.
-  return kept > 0 && kept > pair.threshold;
+  return kept > 0 && kept > threshold;
 }
 
 bool EdgeFrames::hasExactAngles(std::span<const double> point) const {

@@ -38,6 +38,7 @@ struct EdgePair {
   int motion;        ///< of a seen from b's link, index into EdgeModel::motions
   double threshold;  ///< that separation must exceed: margin + rounding [m]
   double rounding;   ///< of the poses that a separation is computed from [m]
+  bool is_self;      ///< of two parts of the robot
   bool by_surfaces;  ///< swept by collision::sweepMesh(); its margin is not negative
   int gap = -1;      ///< index of the table of its links' gap by joint angles; -1: none
 };
@@ -85,9 +86,9 @@ class EdgeFrames {
   std::span<const double> difference() const { return difference_; }
   std::span<const double> configurationDifference() const { return dq_; }
   std::span<const robots::JointMotion> jointMotion() const { return joint_motion_; }
-  /// True when the angles of two joints between a pair's links prove that it keeps more than its
-  /// threshold from t0 to t1 (robots::LinkGap). O(cells of the table that the angles cross).
-  bool keepsGap(const EdgePair& pair, double t0, double t1) const;
+  /// True when the angles of two joints between a pair's links prove that it keeps more than
+  /// `threshold` [m] from t0 to t1 (robots::LinkGap). O(cells of the table that the angles cross).
+  bool keepsGap(const EdgePair& pair, double threshold, double t0, double t1) const;
   /// Counts what placing and tables cost into `work` from now on.
   void countInto(collision::Work& work) { work_ = &work; }
   /// Whether some pair is by_surfaces.

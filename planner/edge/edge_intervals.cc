@@ -10,7 +10,8 @@ namespace leeway::planner {
 
 void EdgeCertifier::Impl::listWholeEdge(int start, int end) {
   open_pairs.clear();
-  for (std::size_t p = 0; p < frames.pairs().size(); ++p) open_pairs.push_back(static_cast<int>(p));
+  for (std::size_t p = 0; p < frames.pairs().size(); ++p)
+    if (isAsked(frames.pairs()[p])) open_pairs.push_back(static_cast<int>(p));
   intervals.clear();
   intervals.push_back({start, end, 0, 1, 0, static_cast<int>(open_pairs.size()), 0});
 }
@@ -36,12 +37,12 @@ int EdgeCertifier::Impl::lanesPerSweep(const collision::LaneSweep::Open& pair) c
 bool EdgeCertifier::Impl::isSweptOver(const collision::LaneSweep::Open& pair, int lane,
                                       int width) const {
   const auto block = [](int first, int count) { return ((1U << count) - 1) << first; };
-  const std::uint32_t asked = block(lane, width);
+  const std::uint32_t wanted = block(lane, width);
   if (!frames.pairs()[at(pair.id)].by_surfaces)
-    return (pair.lanes & asked) != 0 && lanesPerSweep(pair) == width;
+    return (pair.lanes & wanted) != 0 && lanesPerSweep(pair) == width;
   // The sweep of surfaces halves long parts itself where that pays, so it gets the widest blocks
   // that are open.
-  if ((pair.lanes & asked) != asked) return false;
+  if ((pair.lanes & wanted) != wanted) return false;
   if (width == collision::kLanes) return true;
   const std::uint32_t wider = block(lane & ~(2 * width - 1), 2 * width);
   return (pair.lanes & wider) != wider;

@@ -224,7 +224,15 @@ LaneSweep::Contact EdgeLanes::sweep() {
   collision::moveFrames(frame_steps_, middles, kWidth, lane_frames_);
   robot_.growth.run(joint_motion_, growth_values_);
   pass_growth_ = growth_values_;
+  demandInPass(beyond_);
   return lanes_.sweep.run(lane_frames_, pass_growth_, slack_, *scratch_);
+}
+
+/// Growth is a distance that must be kept besides the threshold; so is `beyond`.
+void EdgeLanes::demandInPass(double beyond) {
+  if (!(beyond > 0)) return;
+  const float wider = roundedUp(beyond);
+  for (float& growth : pass_growth_) growth = (growth + wider) * (1 + 0x1p-22F);  // rounded up
 }
 
 LaneSweep::Contact EdgeLanes::sweepBeyond(double beyond) {
@@ -232,16 +240,19 @@ LaneSweep::Contact EdgeLanes::sweepBeyond(double beyond) {
   placeFrames(middles, lane_frames_);
   collision::moveFrames(frame_steps_, middles, kWidth, lane_frames_);
   robot_.growth.run(joint_motion_, growth_values_);
-  // Growth is a distance that must be kept besides the threshold; so is `beyond`.
-  const float wider = roundedUp(beyond);
-  for (std::size_t i = 0; i < growth_values_.size(); ++i)
-    pass_growth_[i] = (growth_values_[i] + wider) * (1 + 0x1p-22F);  // rounded up
-  const LaneSweep::Contact contact =
-      lanes_.sweep.run(lane_frames_, pass_growth_, slack_, *scratch_);
-  return contact.id >= 0 ? contact : searchPlanes();
+  pass_growth_ = growth_values_;
+  demandInPass(beyond);
+  return lanes_.sweep.run(lane_frames_, pass_growth_, slack_, *scratch_);
 }
 
-void EdgeLanes::closeGaps(const EdgeFrames& frames) {
+void EdgeLanes::closeOthers(const EdgeFrames& frames, bool keep_self) {
+  closed_.clear();
+  for (const LaneSweep::Open& open : scratch_->open())
+    closed_.push_back(frames.pairs()[at(open.id)].is_self == keep_self ? 0 : ~0U);
+  scratch_->close(closed_);
+}
+
+void EdgeLanes::closeGaps(const EdgeFrames& frames, double demanded) {
   constexpr double kShare = 1.0 / collision::kLanes;
   bool closes = false;
   closed_.clear();
@@ -251,7 +262,8 @@ void EdgeLanes::closeGaps(const EdgeFrames& frames) {
     if (pair.gap < 0) continue;
     for (int lane = 0; lane < collision::kLanes; ++lane)
       if ((open.lanes >> lane & 1U) != 0 &&
-          frames.keepsGap(pair, lane * kShare, (lane + 1) * kShare))
+          frames.keepsGap(pair, std::max(pair.threshold, demanded + pair.rounding), lane * kShare,
+                          (lane + 1) * kShare))
         closed_.back() |= 1U << lane;
     closes = closes || closed_.back() != 0;
   }
@@ -280,6 +292,7 @@ LaneSweep::Contact EdgeLanes::sweepParts(const Parts& parts,
   const float share_squared = width * collision::kLanes * (width * collision::kLanes);
   for (std::size_t i = 0; i < growth_values_.size(); ++i)
     pass_growth_[i] = share_squared * growth_values_[i];
+  demandInPass(beyond_);
   return lanes_.sweep.runPairs(pairs, lane_frames_, pass_growth_, slack_, *scratch_);
 }
 

@@ -46,15 +46,21 @@ class EdgeLanes {
   /// bound, configurations outside the limits, or turns beyond what single precision is trusted
   /// with. The passes below come after it. O(joints).
   bool begin(const EdgeFrames& frames);
+  /// The passes that decide whether an edge is free ask from now on for separations above each
+  /// pair's threshold plus `beyond` >= 0 [m].
+  void demandBeyond(double beyond) { beyond_ = beyond; }
 
   /// All intervals [k, k + 1] / kLanes, by balls, and by the planes and points that decided a pair
   /// last. See LaneSweep::run().
   collision::LaneSweep::Contact sweep();
-  /// After a sweep() without contact: closes the lanes in which EdgeFrames::keepsGap() holds.
-  void closeGaps(const EdgeFrames& frames);
+  /// After a sweep() without contact: closes the lanes in which EdgeFrames::keepsGap() holds for
+  /// thresholds of at least `demanded` plus rounding [m].
+  void closeGaps(const EdgeFrames& frames, double demanded);
+  /// After a pass without contact: closes all pairs but those with the world, or of the robot.
+  void closeOthers(const EdgeFrames& frames, bool keep_self);
   /// After a sweep() without contact: searches planes between what it left open.
   collision::LaneSweep::Contact searchPlanes();
-  /// sweep() and searchPlanes() for separations above each pair's threshold plus `beyond` >= 0 [m].
+  /// As sweep(), for separations above each pair's threshold plus `beyond` >= 0 [m].
   collision::LaneSweep::Contact sweepBeyond(double beyond);
 
   /// Parts of the edge, one a lane: from + [0, width]. Each `from` is a multiple of `width`, which
@@ -100,6 +106,8 @@ class EdgeLanes {
  private:
   using Step = RobotLanes::Step;
 
+  void demandInPass(double beyond);
+
   void placeFrames(const collision::LaneValues& places, std::vector<collision::LaneFrame>& frames);
   void setStep(const EdgeFrames& frames, std::size_t i);
   void setFloatingStep(const Step& step, const double* q, const double* dq,
@@ -115,10 +123,11 @@ class EdgeLanes {
   std::vector<collision::FrameStep> frame_steps_;
   std::vector<collision::LaneFrame> lane_frames_, contact_frames_;
   std::vector<float> joint_motion_, growth_values_;
-  std::vector<float> pass_growth_;     ///< of the last pass, with sweepBeyond()'s `beyond`
+  std::vector<float> pass_growth_;     ///< of the last pass, with what is demanded beyond
   std::vector<double> middle_, q_;     ///< the edge's middle, as a point and as a configuration
   std::vector<std::uint32_t> closed_;  ///< lanes, one an open pair
   float slack_ = 0;                    ///< rounding of frames [m]
+  double beyond_ = 0;                  ///< of demandBeyond() [m]
   collision::Work* work_ = nullptr;
 };
 

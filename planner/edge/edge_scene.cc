@@ -86,6 +86,7 @@ class Builder {
     const EdgeModel::Pair& known = model_.pairs[at(p)];
     EdgePair e;
     e.scene_pair = p;
+    e.is_self = compiled_.isOfRobot(pair);
     e.a = collision::SceneAccess::geometryIndex(scene_, pair.body_a, pair.geometry_a);
     e.b = collision::SceneAccess::geometryIndex(scene_, pair.body_b, pair.geometry_b);
     e.motion = known.motion;

@@ -16,13 +16,14 @@ EdgeCertifier::Impl::PairState EdgeCertifier::Impl::coarseState(int slot,
   const collision::GeometryBounds& a = *frames.pieces()[at(pair.a)].bounds;
   const collision::GeometryBounds& b = *frames.pieces()[at(pair.b)].bounds;
   const double lower = b.coarse.lower(frames.inFrameOf(slot, pair.b, frames.center(slot, pair.a)));
-  if (lower - a.outer.radius > pair.threshold) return PairState::kFree;
+  const double threshold = thresholdOf(pair);
+  if (lower - a.outer.radius > threshold) return PairState::kFree;
   const int link = frames.pieces()[at(pair.a)].link;
   for (const collision::Ball& ball : a.inner) {
     const Eigen::Vector3d center_W =
         link < 0 ? ball.center : frames.links(slot)[at(link)] * ball.center;
     const double upper = b.coarse.upper(frames.inFrameOf(slot, pair.b, center_W));
-    if (upper - ball.radius <= pair.threshold) return PairState::kNotFree;
+    if (upper - ball.radius <= threshold) return PairState::kNotFree;
   }
   return PairState::kOpen;
 }
@@ -46,21 +47,22 @@ collision::DistanceResult EdgeCertifier::Impl::stateDistance(
 
 EdgeCertifier::Impl::PairState EdgeCertifier::Impl::exactState(int slot, const EdgePair& pair,
                                                                int nodes) {
+  const double threshold = thresholdOf(pair);
   collision::DistanceRequest request;
   if (nodes > 0) request.node_limit = nodes;
-  request.threshold = pair.threshold;
-  request.depth = pair.threshold < 0;
+  request.threshold = threshold;
+  request.depth = threshold < 0;
   Interval distance = stateDistance(slot, pair, request).distance;
   const auto isOpen = [&] {
-    return !(distance.lower > pair.threshold) && !(distance.upper <= pair.threshold);
+    return !(distance.lower > threshold) && !(distance.upper <= threshold);
   };
   if (request.depth && isOpen()) {
     // A full depth query of meshes may find a shorter way out than one that stops at the threshold.
     request.threshold = std::numeric_limits<double>::quiet_NaN();
     distance = stateDistance(slot, pair, request).distance;
   }
-  if (distance.lower > pair.threshold) return PairState::kFree;
-  return distance.upper <= pair.threshold ? PairState::kNotFree : PairState::kOpen;
+  if (distance.lower > threshold) return PairState::kFree;
+  return distance.upper <= threshold ? PairState::kNotFree : PairState::kOpen;
 }
 
 /// Lanes know where things are; without them, or where pairs are few, it is all pairs.
@@ -76,13 +78,14 @@ Verdict EdgeCertifier::Impl::checkState(int slot, double t, int& offender) {
   if (frames.pairs().empty()) return Verdict::kFree;
   // Balls first, for all pairs: most collisions are deep. The last contact is likely to be the
   // next.
-  const std::span<const int> near = nearPairs(slot, 0);
+  const std::span<const int> near = nearPairs(slot, beyondMargins());
   const auto count = static_cast<int>(near.size());
   const int first = last_contact;
   open_pairs.clear();
   for (int i = -1; i < count; ++i) {
     const int p = i < 0 ? first : near[at(i)];
     if (i >= 0 && p == first) continue;
+    if (!isAsked(frames.pairs()[at(p)])) continue;
     const PairState coarse = coarseState(slot, frames.pairs()[at(p)]);
     if (coarse == PairState::kFree) continue;
     if (coarse == PairState::kNotFree) {
@@ -93,8 +96,9 @@ Verdict EdgeCertifier::Impl::checkState(int slot, double t, int& offender) {
   }
   Verdict verdict = Verdict::kFree;
   for (const int p : open_pairs) {
-    if (frames.keepsGap(frames.pairs()[at(p)], t, t)) continue;
-    const PairState exact = exactState(slot, frames.pairs()[at(p)]);
+    const EdgePair& pair = frames.pairs()[at(p)];
+    if (frames.keepsGap(pair, thresholdOf(pair), t, t)) continue;
+    const PairState exact = exactState(slot, pair);
     if (exact == PairState::kFree) continue;
     offender = p;
     if (exact == PairState::kNotFree) {

@@ -35,8 +35,9 @@ EdgeCertifier::Impl::PairState EdgeCertifier::Impl::sweepPair(const EdgeInterval
   if (work.isSpent()) return PairState::kOpen;
   const EdgePair& pair = frames.pairs()[at(p)];
   double growth = 0;
-  if (coarseSweep(interval, pair, growth) > pair.threshold ||
-      frames.keepsGap(pair, interval.t0, interval.t0 + interval.h))
+  const double threshold = thresholdOf(pair);
+  if (coarseSweep(interval, pair, growth) > threshold ||
+      frames.keepsGap(pair, threshold, interval.t0, interval.t0 + interval.h))
     return PairState::kFree;
   if (!pair.by_surfaces)
     return growth <= pair_memory.of(p).growth_limit ? sweepExactly(interval, p, growth, t)
@@ -57,17 +58,18 @@ EdgeCertifier::Impl::PairState EdgeCertifier::Impl::sweepPair(const EdgeInterval
 EdgeCertifier::Impl::PairState EdgeCertifier::Impl::sweepExactly(const EdgeInterval& interval,
                                                                  int p, double growth, double& t) {
   const EdgePair& pair = frames.pairs()[at(p)];
+  const double threshold = thresholdOf(pair);
   double& limit = pair_memory.of(p).growth_limit;
   const Interval distance =
-      sweep(interval, pair, growth, pair.threshold, growth > kDeepSweepGrowth ? kShallowNodes : 0);
-  if (distance.lower > pair.threshold) {
+      sweep(interval, pair, growth, threshold, growth > kDeepSweepGrowth ? kShallowNodes : 0);
+  if (distance.lower > threshold) {
     limit = std::min(std::max(limit, growth) * kGrowthLimitRise, kSweepGrowth);
     return PairState::kFree;
   }
   // A sweep that ran out of work says nothing of its growth.
   if (!work.isSpent()) limit = std::max({growth * kGrowthLimitFall, limit / 2, kLeastGrowthLimit});
   pair_memory.of(p).sweep_failed = interval_stamp;
-  if (!(distance.upper <= pair.threshold)) return PairState::kOpen;
+  if (!(distance.upper <= threshold)) return PairState::kOpen;
   // The proof is of one end or the other.
   const bool at_begin = exactState(interval.slot0, pair) == PairState::kNotFree;
   t = at_begin ? interval.t0 : interval.t0 + interval.h;
@@ -188,7 +190,7 @@ collision::MeshSweepResult EdgeCertifier::Impl::sweepSurfaces(const EdgeInterval
   request.t0 = interval.t0;
   request.h = interval.h;
   request.bend = motionOf(interval, pair.motion).acceleration / 8;
-  request.threshold = pair.threshold;
+  request.threshold = thresholdOf(pair);
   request.least_motion = kSmallestMotion;
   request.least_time = smallest;
   const int mark = frames.used();

@@ -229,6 +229,7 @@ struct Replanner::Impl {
     for (std::size_t i = 0; i < state.size(); ++i)
       from_here.start[static_cast<std::size_t>(problem.robot.variables[i])] = state[i];
     from_here.seed = Random(problem.seed, stream(kReplanStream, searches++)).next();
+    from_here.planner.push = false;  // the buffer is for that
     PlanOptions plan_options;
     plan_options.stop = options.stop;
     plan_options.progress = options.progress;

@@ -11,7 +11,7 @@ using Keys = std::string_view;
 constexpr Keys kProblem[] = {"leeway",    "name",      "robot",    "body",    "joints", "start",
                              "goal",      "goals",     "objects",  "allowed", "margin", "margins",
                              "planner",   "objective", "simplify", "limits",  "seed",   "moveit",
-                             "deforming", "execution", "frames",   "steps"};
+                             "deforming", "execution", "frames",   "steps",   "groups", "push"};
 constexpr Keys kRobot[] = {"urdf", "srdf", "packages", "group"};
 constexpr Keys kBody[] = {"name", "joint", "bounds", "shapes"};
 constexpr Keys kBounds[] = {"lower", "upper"};
@@ -32,6 +32,9 @@ constexpr Keys kMesh[] = {"file", "scale"};
 constexpr Keys kConvexHull[] = {"points", "file", "scale"};
 constexpr Keys kAttach[] = {"link", "touch"};
 constexpr Keys kPairMargin[] = {"between", "margin"};
+constexpr Keys kObjective[] = {"length", "clearance"};
+constexpr Keys kLengthObjective[] = {"clearance"};
+constexpr Keys kClearanceObjective[] = {"of"};
 constexpr Keys kPlanner[] = {"name", "parameters"};
 constexpr Keys kLimits[] = {"time", "iterations"};
 constexpr Keys kMoveit[] = {"scene", "request"};
@@ -88,6 +91,9 @@ const std::array kFormats = {MapFormat{"problem", kProblem},
                              MapFormat{"convex_hull", kConvexHull},
                              MapFormat{"attach", kAttach},
                              MapFormat{"pair_margin", kPairMargin},
+                             MapFormat{"objective", kObjective},
+                             MapFormat{"length_objective", kLengthObjective},
+                             MapFormat{"clearance_objective", kClearanceObjective},
                              MapFormat{"planner", kPlanner},
                              MapFormat{"limits", kLimits},
                              MapFormat{"moveit", kMoveit},

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <map>
 #include <set>
 #include <string>
 #include <unordered_set>
@@ -159,27 +160,68 @@ void readObject(const YamlReader& map, std::unordered_set<std::string>& taken,
   problem.robot.attachments.push_back(std::move(attachment));
 }
 
-/// The names of all links and objects.
+/// The names of all links and objects, and of groups of them.
 struct KnownNames {
   explicit KnownNames(const Problem& problem) : all(linkNames(*problem.robot.model)) {
+    std::vector<std::string>& robot = groups["robot"];
+    robot = all;
+    for (const Attachment& held : problem.robot.attachments) robot.push_back(held.object.name);
     for (std::string& name : objectNames(problem)) all.push_back(std::move(name));
     set.insert(all.begin(), all.end());
+    if (set.count("robot") != 0) groups.clear();  // the problem means its own
   }
   std::vector<std::string> all;
   std::unordered_set<std::string> set;
+  std::map<std::string, std::vector<std::string>> groups;
 };
 
-/// Two different names of links or objects.
-std::pair<std::string, std::string> readNamePair(const YamlReader& pair, const KnownNames& known) {
+void expectKnown(const YamlReader& item, const YamlReader& list, const KnownNames& known) {
+  if (known.set.count(item.text()) != 0) return;
+  std::vector<std::string> names = known.all;
+  for (const auto& [name, members] : known.groups) names.push_back(name);
+  item.fail(fmt::format("unknown link or object '{}' in {}{}", item.text(), list.where(),
+                        nearestName(item.text(), names)));
+}
+
+/// Groups of links and objects, which stand for all of their members.
+void readGroups(const YamlReader& groups, KnownNames& known) {
+  for (const auto& [name, list] : groups.entries()) {
+    if (known.set.count(name) != 0 || name == "robot")
+      list.fail(fmt::format("group '{}' has the name of {}; a name of its own is expected", name,
+                            name == "robot" ? "the whole robot" : "a link or object"));
+    std::vector<std::string> members;
+    for (const YamlReader& item : list.items()) {
+      expectKnown(item, list, known);
+      members.push_back(item.text());
+    }
+    if (members.empty())
+      list.fail(fmt::format("group '{}' is empty; names of links or objects are expected", name));
+    known.groups[name] = std::move(members);
+  }
+}
+
+/// The pairs that two different names of links, objects or groups stand for.
+std::vector<std::pair<std::string, std::string>> readNamePairs(const YamlReader& pair,
+                                                               const KnownNames& known) {
   const std::vector<YamlReader> items = pair.items();
   if (items.size() != 2 || items[0].text() == items[1].text())
     pair.fail(fmt::format("{} is no pair; two different names of links or objects are expected",
                           pair.where()));
-  for (const YamlReader& item : items)
-    if (known.set.count(item.text()) == 0)
-      item.fail(fmt::format("unknown link or object '{}' in {}{}", item.text(), pair.where(),
-                            nearestName(item.text(), known.all)));
-  return {items[0].text(), items[1].text()};
+  std::vector<std::string> sides[2];
+  for (std::size_t i = 0; i < 2; ++i) {
+    const auto group = known.groups.find(items[i].text());
+    if (group != known.groups.end()) {
+      sides[i] = group->second;
+      continue;
+    }
+    expectKnown(items[i], pair, known);
+    sides[i] = {items[i].text()};
+  }
+  std::vector<std::pair<std::string, std::string>> pairs;
+  for (const std::string& a : sides[0])
+    for (const std::string& b : sides[1])
+      if (a != b) pairs.emplace_back(a, b);
+  return pairs;
 }
 
 void readObjects(const YamlReader& objects, const std::string& cache, Problem& problem) {
@@ -199,20 +241,53 @@ double readMargin(const YamlReader& margin, Problem& problem) {
 }
 
 void readPairs(const YamlReader& file, Problem& problem) {
-  const KnownNames known(problem);
+  KnownNames known(problem);
+  if (const auto groups = file.find("groups")) readGroups(*groups, known);
   if (const auto allowed = file.find("allowed"))
     for (const YamlReader& pair : allowed->items())
-      problem.contacts.allowed.push_back(readNamePair(pair, known));
+      for (auto& names : readNamePairs(pair, known))
+        problem.contacts.allowed.push_back(std::move(names));
   if (const auto margin = file.find("margin"))
     problem.margins.common = readMargin(*margin, problem);
   const auto margins = file.find("margins");
   if (!margins) return;
   for (const YamlReader& entry : margins->items()) {
     entry.expectKeys(keysOf("pair_margin"));
-    const auto [a, b] = readNamePair(entry.at("between", "two names"), known);
-    problem.margins.pairs.push_back(
-        {a, b, readMargin(entry.at("margin", "a number [m]"), problem)});
+    const auto pairs = readNamePairs(entry.at("between", "two names"), known);
+    const double margin = readMargin(entry.at("margin", "a number [m]"), problem);
+    for (const auto& [a, b] : pairs) problem.margins.pairs.push_back({a, b, margin});
   }
+}
+
+/// A word, or a map of one word with what is asked besides.
+Objective readObjective(const YamlReader& objective) {
+  if (!objective.isMap()) {
+    const std::optional<Objective> known = objectiveOfName(objective.text());
+    if (!known)
+      objective.fail(fmt::format("objective '{}' is not known; length or clearance is expected",
+                                 objective.text()));
+    return *known;
+  }
+  objective.expectKeys(keysOf("objective"));
+  const auto length = objective.find("length"), clearance = objective.find("clearance");
+  if (length.has_value() == clearance.has_value())
+    objective.fail(fmt::format("{} has {}; one of length and clearance is expected",
+                               objective.where(), length ? "both" : "neither"));
+  if (length) {
+    length->expectKeys(keysOf("length_objective"));
+    MinimumLength minimum;
+    if (const auto floor = length->find("clearance")) minimum.clearance = floor->sizeNumber();
+    return minimum;
+  }
+  clearance->expectKeys(keysOf("clearance_objective"));
+  MaximumClearance maximum;
+  if (const auto of = clearance->find("of")) {
+    if (of->text() != "world" && of->text() != "all")
+      of->fail(
+          fmt::format("{} '{}' is not known; world or all is expected", of->where(), of->text()));
+    maximum.of = of->text() == "all" ? Pairs::kAll : Pairs::kWorld;
+  }
+  return maximum;
 }
 
 void readPlanner(const YamlReader& file, Problem& problem) {
@@ -229,14 +304,9 @@ void readPlanner(const YamlReader& file, Problem& problem) {
           value.fail(*error);
       }
   }
-  if (const auto objective = file.find("objective")) {
-    const std::optional<Objective> known = objectiveOfName(objective->text());
-    if (!known)
-      objective->fail(fmt::format("objective '{}' is not known; length or clearance is expected",
-                                  objective->text()));
-    problem.objective = *known;
-  }
+  if (const auto objective = file.find("objective")) problem.objective = readObjective(*objective);
   if (const auto simplify = file.find("simplify")) problem.planner.simplify = simplify->boolean();
+  if (const auto push = file.find("push")) problem.planner.push = push->boolean();
   if (const auto limits = file.find("limits")) {
     limits->expectKeys(keysOf("limits"));
     if (const auto time = limits->find("time")) problem.limits.time = time->sizeNumber();

@@ -11,42 +11,35 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-void name(const collision::Scene& scene, int pair, std::string& a, std::string& b) {
-  if (pair < 0) return;
-  const collision::ScenePair& p = scene.pairs()[static_cast<std::size_t>(pair)];
-  a = scene.bodies()[static_cast<std::size_t>(p.body_a)].name;
-  b = scene.bodies()[static_cast<std::size_t>(p.body_b)].name;
-}
-
-/// Refines what is known of the clearances of a path's edges.
-class PathClearance {
+/// Refines what is known of the clearances of a path's edges from the world, or of the robot to
+/// itself.
+class Clearances {
  public:
-  PathClearance(EdgeCertifier& certifier, const Waypoints& path, double tolerance)
-      : certifier_(certifier), path_(path), tolerance_(tolerance), edges_(path.size() - 1) {}
+  Clearances(EdgeCertifier& certifier, const Waypoints& path, double tolerance, Pairs pairs)
+      : certifier_(certifier),
+        path_(path),
+        tolerance_(tolerance),
+        pairs_(pairs),
+        edges_(path.size() - 1) {}
 
   /// Each edge to within the tolerance.
   void refineAll() {
-    for (std::size_t i = 0; i < edges_.size(); ++i) refine(i, {.tolerance = tolerance_});
+    for (std::size_t i = 0; i < edges_.size(); ++i)
+      keep(i, certifier_.edgeClearance(path_[i], path_[i + 1],
+                                       {.tolerance = tolerance_, .pairs = pairs_}));
   }
 
   /// The path's least clearance, to a tenth of itself as far as a little work goes. An edge that is
   /// known to stay above it is not looked at closer. O(edges), beside the queries.
   void refineLeast() {
     for (std::size_t i = 0; i < edges_.size(); ++i)
-      keep(i, certifier_.roughClearance(path_[i], path_[i + 1], std::min(least_, kRoughMost)));
-    for (int k = 0; k < kLeastRefinements; ++k) {
-      const auto lowest = std::min_element(edges_.begin(), edges_.end(),
-                                           [](const EdgeClearance& a, const EdgeClearance& b) {
-                                             return a.clearance.lower < b.clearance.lower;
-                                           });
-      const double lower = lowest->clearance.lower;
-      // Without an upper end any will do.
-      const double enough =
-          std::isfinite(least_) ? std::max(tolerance_, kLeastShare * least_) : kRoughMost;
-      if (!(lower < least_ - enough)) return;
-      refine(static_cast<std::size_t>(lowest - edges_.begin()),
-             {.tolerance = enough, .wanted = least_ - enough, .work_limit = kLeastWork});
-      if (!(lowest->clearance.lower > lower)) return;
+      keep(i,
+           certifier_.roughClearance(path_[i], path_[i + 1], std::min(least_, kRoughMost), pairs_));
+    const std::int64_t before = certifier_.statistics.work;
+    while (certifier_.statistics.work - before < kAllProofsWork) {
+      const int i = lowestUnproven();
+      if (i < 0) return;
+      prove(i);
     }
   }
 
@@ -57,9 +50,58 @@ class PathClearance {
     known.lower = std::max(known.lower, lower);
   }
 
+  /// Of the whole path.
+  planner::PathClearance whole() const {
+    planner::PathClearance whole;
+    whole.clearance = {kInfinity, kInfinity};
+    for (std::size_t i = 0; i < edges_.size(); ++i) {
+      const EdgeClearance& edge = edges_[i];
+      whole.clearance.lower = std::min(whole.clearance.lower, edge.clearance.lower);
+      if (!(edge.clearance.upper < whole.clearance.upper)) continue;
+      whole.clearance.upper = edge.clearance.upper;
+      whole.closest_segment = static_cast<int>(i);
+      whole.closest_t = edge.t;
+      whole.closest_point_a = edge.closest.point_a;
+      whole.closest_point_b = edge.closest.point_b;
+      nameClosest(edge.pair, whole);
+    }
+    return whole;
+  }
+
  private:
-  void refine(std::size_t i, const ClearanceRequest& request) {
-    keep(i, certifier_.edgeClearance(path_[i], path_[i + 1], request));
+  void nameClosest(int pair, planner::PathClearance& whole) const {
+    if (pair < 0) return;
+    const collision::Scene& scene = certifier_.scene().scene();
+    const collision::ScenePair& p = scene.pairs()[static_cast<std::size_t>(pair)];
+    whole.closest_a = scene.bodies()[static_cast<std::size_t>(p.body_a)].name;
+    whole.closest_b = scene.bodies()[static_cast<std::size_t>(p.body_b)].name;
+  }
+
+  /// What each edge is to keep: nearly as much as the path. Where a proof has failed for one, less
+  /// is enough for all.
+  double wanted() const {
+    if (!std::isfinite(least_)) return kRoughMost;
+    if (!(least_ > 0)) return least_ - std::max(tolerance_, -kLeastShare * least_);
+    return (1 - kLeastShare) * std::pow(kProofFall, tries_) * least_;
+  }
+
+  int lowestUnproven() const {
+    const auto lowest = std::min_element(
+        edges_.begin(), edges_.end(),
+        [](const auto& a, const auto& b) { return a.clearance.lower < b.clearance.lower; });
+    const bool is_enough = tries_ >= kProofTries || lowest->clearance.lower >= wanted();
+    return is_enough ? -1 : static_cast<int>(lowest - edges_.begin());
+  }
+
+  void prove(int edge) {
+    const auto i = static_cast<std::size_t>(edge);
+    const double before = least_, lower = edges_[i].clearance.lower;
+    keep(i, certifier_.proveClearance(path_[i], path_[i + 1],
+                                      {.tolerance = tolerance_,
+                                       .wanted = wanted(),
+                                       .work_limit = kProofWork,
+                                       .pairs = pairs_}));
+    if (!(least_ < before) && !(edges_[i].clearance.lower > lower)) ++tries_;
   }
 
   void keep(std::size_t i, EdgeClearance found) {
@@ -75,9 +117,19 @@ class PathClearance {
   EdgeCertifier& certifier_;
   const Waypoints& path_;
   double tolerance_;
+  Pairs pairs_;
   double least_ = kInfinity;  ///< no more than that is the path's clearance
   std::vector<EdgeClearance> edges_;
+  int tries_ = 0;  ///< proofs that have failed
 };
+
+/// The smallest margin of the pairs [m]; infinity without such pairs.
+double leastMarginOf(const CompiledScene& compiled, Pairs pairs) {
+  double least = kInfinity;
+  for (const collision::ScenePair& pair : compiled.scene().pairs())
+    if (compiled.isOfRobot(pair) == (pairs == Pairs::kSelf)) least = std::min(least, pair.margin);
+  return least;
+}
 
 }  // namespace
 
@@ -89,53 +141,48 @@ double leastMargin(const collision::Scene& scene) {
 
 Certificate certify(EdgeCertifier& certifier, const Path& path, double tolerance,
                     CertificateDetail detail) {
-  const collision::Scene& scene = certifier.scene().scene();
   const ConfigurationSpace& space = certifier.scene().space();
   Certificate certificate;
-  certificate.clearance = {kInfinity, kInfinity};
+  certificate.clearance = certificate.world.clearance =
+      certificate.self.clearance = {kInfinity, kInfinity};
   certificate.certified = !path.positions.empty();
   for (const std::vector<double>& position : path.positions)
     if (position.size() != static_cast<std::size_t>(space.size()) || !space.withinLimits(position))
       certificate.certified = false;
+  if (path.positions.empty()) return certificate;
 
-  if (path.positions.size() == 1) {
-    const StateCheck check = certifier.clearance(path.positions[0], tolerance);
-    certificate.clearance = check.clearance;
-    certificate.certified = certificate.certified && check.verdict == Verdict::kFree;
-    name(scene, check.pair, certificate.closest_a, certificate.closest_b);
-    certificate.closest_segment = check.pair < 0 ? -1 : 0;
-    certificate.closest_point_a = check.closest.point_a;
-    certificate.closest_point_b = check.closest.point_b;
-  }
-  if (path.positions.size() < 2) return certificate;
-
-  PathClearance clearance(certifier, path.positions, tolerance);
-  // A free edge is proven to keep its margins, which may say more than the interval.
-  const double least_margin = leastMargin(scene);
-  for (std::size_t i = 0; i + 1 < path.positions.size(); ++i) {
+  // A place is an edge without length.
+  const bool stays = path.positions.size() == 1;
+  Waypoints positions = path.positions;
+  if (stays) positions.push_back(positions[0]);
+  std::vector<char> free;
+  for (std::size_t i = 0; i + 1 < positions.size(); ++i) {
     const EdgeCheck check =
-        certifier.certify(path.positions[i], path.positions[i + 1], EdgeRequest::persistent());
-    if (check.verdict == Verdict::kFree)
-      clearance.raise(i, least_margin);
-    else
-      certificate.certified = false;
+        certifier.certify(positions[i], positions[i + 1], EdgeRequest::persistent());
+    free.push_back(check.verdict == Verdict::kFree ? 1 : 0);
+    certificate.certified = certificate.certified && check.verdict == Verdict::kFree;
   }
-  if (detail == CertificateDetail::kEveryEdge)
-    clearance.refineAll();
-  else
-    clearance.refineLeast();
-
-  for (std::size_t i = 0; i < clearance.edges().size(); ++i) {
-    const EdgeClearance& edge = clearance.edges()[i];
-    certificate.segments.push_back(edge.clearance);
-    certificate.clearance.lower = std::min(certificate.clearance.lower, edge.clearance.lower);
-    if (edge.clearance.upper < certificate.clearance.upper) {
-      certificate.clearance.upper = edge.clearance.upper;
-      certificate.closest_segment = static_cast<int>(i);
-      certificate.closest_t = edge.t;
-      certificate.closest_point_a = edge.closest.point_a;
-      certificate.closest_point_b = edge.closest.point_b;
-      name(scene, edge.pair, certificate.closest_a, certificate.closest_b);
+  certificate.segments.assign(stays ? 0 : free.size(), {kInfinity, kInfinity});
+  for (const Pairs pairs : {Pairs::kWorld, Pairs::kSelf}) {
+    Clearances clearances(certifier, positions, tolerance, pairs);
+    // A free edge is proven to keep its margins, which may say more than the interval.
+    const double least_margin = leastMarginOf(certifier.scene(), pairs);
+    for (std::size_t i = 0; i < free.size(); ++i)
+      if (free[i] != 0) clearances.raise(i, least_margin);
+    if (detail == CertificateDetail::kEveryEdge || stays)
+      clearances.refineAll();
+    else
+      clearances.refineLeast();
+    PathClearance& part = pairs == Pairs::kWorld ? certificate.world : certificate.self;
+    part = clearances.whole();
+    const double least = std::min(certificate.clearance.lower, part.clearance.lower);
+    if (part.clearance.upper < certificate.clearance.upper)
+      static_cast<PathClearance&>(certificate) = part;
+    certificate.clearance.lower = least;
+    for (std::size_t i = 0; i < certificate.segments.size(); ++i) {
+      Interval& segment = certificate.segments[i];
+      const Interval& found = clearances.edges()[i].clearance;
+      segment = {std::min(segment.lower, found.lower), std::min(segment.upper, found.upper)};
     }
   }
   return certificate;

@@ -34,11 +34,12 @@ ob::InformedSamplerPtr OmplLengthObjective::allocInformedStateSampler(
 
 OmplClearanceObjective::OmplClearanceObjective(const ob::SpaceInformationPtr& space_information,
                                                std::shared_ptr<CertifierPool> pool,
-                                               double tolerance)
+                                               double tolerance, Pairs pairs)
     : OptimizationObjective(space_information),
       pool_(std::move(pool)),
       tolerance_(tolerance),
-      cutoff_(leastMargin(pool_->scene().scene())) {
+      cutoff_(leastMargin(pool_->scene().scene())),
+      pairs_(pairs) {
   description_ = "Least clearance, certified";
   threshold_ = ob::Cost(kInfinity);
 }
@@ -52,16 +53,14 @@ bool OmplClearanceObjective::isCostBetterThan(ob::Cost a, ob::Cost b) const {
 }
 
 ob::Cost OmplClearanceObjective::stateCost(const ob::State* state) const {
-  return ob::Cost(pool_->local()
-                      .certifier.clearance(pointOf(state, pool_->scene()), tolerance_)
-                      .clearance.lower);
+  return motionCost(state, state);
 }
 
 ob::Cost OmplClearanceObjective::motionCost(const ob::State* s1, const ob::State* s2) const {
   return ob::Cost(pool_->local()
                       .certifier
                       .edgeClearance(pointOf(s1, pool_->scene()), pointOf(s2, pool_->scene()),
-                                     tolerance_, cutoff_)
+                                     {.tolerance = tolerance_, .cutoff = cutoff_, .pairs = pairs_})
                       .clearance.lower);
 }
 

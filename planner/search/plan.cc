@@ -13,6 +13,7 @@
 #include "planner/base/tolerances.h"
 #include "planner/search/goal_sampler.h"
 #include "planner/search/half_turns.h"
+#include "planner/search/push.h"
 #include "planner/search/search.h"
 #include "planner/space/ompl_lock.h"
 
@@ -57,6 +58,10 @@ class Plan {
 
  private:
   bool wantsLength() const { return std::holds_alternative<MinimumLength>(problem_.objective); }
+  Pairs clearanceOf() const {
+    const auto* wanted = std::get_if<MaximumClearance>(&problem_.objective);
+    return wanted != nullptr ? wanted->of : Pairs::kAll;
+  }
   EdgeCertifier& certifier() { return pool_->local().certifier; }
 
   [[noreturn]] void refuse(const std::string& message) const {
@@ -147,6 +152,7 @@ class Plan {
     }
     limits_.reserve(kSimplifyShare);
     const double bound = clearanceBound();
+    result_.clearance_bound = bound;
     Search search(scene_, pool_, task);
     if (traits_->optimizing && traits_->any_cost)
       return search.widest(problem_.seed, bound - kClearanceTolerance).value_or(Waypoints{});
@@ -175,10 +181,14 @@ class Plan {
 
   /// The most clearance that a path can have: that of its start, or of the best goal point [m].
   double clearanceBound() {
+    const auto most = [&](const std::vector<double>& point) {
+      return certifier()
+          .edgeClearance(point, point, {.tolerance = kBoundTolerance, .pairs = clearanceOf()})
+          .clearance.upper;
+    };
     double goal = -kInfinity;
-    for (const std::vector<double>& point : goals_.points)
-      goal = std::max(goal, certifier().clearance(point, kBoundTolerance).clearance.upper);
-    return std::min(goal, certifier().clearance(start_, kBoundTolerance).clearance.upper);
+    for (const std::vector<double>& point : goals_.points) goal = std::max(goal, most(point));
+    return std::min(goal, most(start_));
   }
 
   void finish(Waypoints path) {
@@ -189,6 +199,11 @@ class Plan {
       simplifyPath(path);
     }
     result_.simplify_s = limits_.elapsed() - planned;
+    if (wantsLength() && problem_.planner.simplify && problem_.planner.push) {
+      limits_.enter("push");
+      pushPath(path);
+    }
+    result_.push_s = limits_.elapsed() - planned - result_.simplify_s;
     limits_.enter("certify");
     for (int i = 0; i < scene_->space().size(); ++i) result_.path.names.push_back(variableName(i));
     // Every edge was certified before, but only what is certified now, as it stands, is reported.
@@ -199,7 +214,7 @@ class Plan {
     } else {
       report();
     }
-    result_.certify_s = limits_.elapsed() - planned - result_.simplify_s;
+    result_.certify_s = limits_.elapsed() - planned - result_.simplify_s - result_.push_s;
   }
 
   bool certifyPath(Waypoints path) {
@@ -232,11 +247,26 @@ class Plan {
       const double end = limits_.elapsed() + kLastSimplification;
       options.stop = [this, end] { return limits_.elapsed() > std::min(end, timeLimit()); };
     }
-    if (!wantsLength()) {
-      options.clearance_floor = pathClearance(certifier(), path, kClearanceTolerance, -kInfinity);
-      options.clearance_tolerance = kClearanceTolerance;
+    if (wantsLength()) {
+      simplify(certifier(), path, options);
+      return;
     }
-    simplify(certifier(), path, options);
+    // What was won is a margin from here on.
+    const Pairs of = clearanceOf();
+    const double kept = pathClearance(certifier(), path, kBoundTolerance, -kInfinity, of);
+    EdgeCertifier wide(raised(*scene_, of, kept - kBoundTolerance));
+    simplify(wide, path, options);
+    work_ += wide.statistics;
+  }
+
+  void pushPath(Waypoints& path) {
+    PushOptions options;
+    options.target = kPushClearance;
+    options.least = kPushLeast;
+    options.longest = (1 + kPushLonger) * pathLength(scene_->space(), path);
+    options.work = kPushWork;
+    options.stop = [this] { return limits_.over(); };
+    push(certifier(), path, options);
   }
 
   std::shared_ptr<const CompiledScene> scene_;
@@ -281,6 +311,9 @@ PlanResult plan(const Problem& problem, const PlanOptions& options) {
 
 PlanResult plan(std::shared_ptr<const CompiledScene> scene, const Problem& problem,
                 const PlanOptions& options) {
+  const auto* length = std::get_if<MinimumLength>(&problem.objective);
+  if (length != nullptr && std::isfinite(length->clearance))
+    scene = scene->withWorldMarginAtLeast(length->clearance);
   return Plan(std::move(scene), problem, options).run();
 }
 

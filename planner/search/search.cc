@@ -68,8 +68,9 @@ std::optional<Waypoints> Search::search(std::uint64_t seed, std::uint64_t budget
 }
 
 std::optional<Waypoints> Search::widest(std::uint64_t seed, double enough) {
-  auto objective =
-      std::make_shared<OmplClearanceObjective>(space_information_, pool_, kClearanceTolerance);
+  const auto* wanted = std::get_if<MaximumClearance>(&task_.problem.objective);
+  auto objective = std::make_shared<OmplClearanceObjective>(
+      space_information_, pool_, kClearanceTolerance, wanted != nullptr ? wanted->of : Pairs::kAll);
   objective->setCostThreshold(ob::Cost(enough));
   return run(objective, seed, 0);
 }
@@ -221,12 +222,14 @@ bool Search::isCertified(EdgeCertifier& certifier, const Waypoints& path) {
 }
 
 double pathClearance(EdgeCertifier& certifier, const Waypoints& path, double tolerance,
-                     double cutoff) {
+                     double cutoff, Pairs pairs) {
   double clearance = kInfinity;
   for (std::size_t i = 1; i < path.size() && clearance >= cutoff; ++i)
-    clearance =
-        std::min(clearance,
-                 certifier.edgeClearance(path[i - 1], path[i], tolerance, cutoff).clearance.lower);
+    clearance = std::min(
+        clearance, certifier
+                       .edgeClearance(path[i - 1], path[i],
+                                      {.tolerance = tolerance, .cutoff = cutoff, .pairs = pairs})
+                       .clearance.lower);
   return clearance;
 }
 

@@ -77,9 +77,9 @@ struct ClearancePath {
   double clearance;                ///< certified lower bound [m]
   EdgeCertifier::Statistics work;  ///< of the searches with raised margins
 };
-/// A path whose least clearance is as great as the limits allow, by a planner that knows nothing of
-/// clearance: searches with rising margins, see clearance_search.cc. `bound`: no path can have more
-/// [m].
+/// For MaximumClearance: a path whose least clearance is as great as the limits allow, by a planner
+/// that knows nothing of clearance: pushes, and searches with rising margins, see
+/// clearance_search.cc. `bound`: no path can have more [m].
 std::optional<ClearancePath> searchClearance(const std::shared_ptr<const CompiledScene>& scene,
                                              Search& search, const SearchTask& task, double bound);
 
@@ -89,6 +89,9 @@ double leastMargin(const collision::Scene& scene);
 /// Certified lower bound of a path's clearance, to within tolerance [m]; stops once it is below
 /// `cutoff`.
 double pathClearance(EdgeCertifier& certifier, const Waypoints& path, double tolerance,
-                     double cutoff);
+                     double cutoff, Pairs pairs = Pairs::kAll);
+
+/// The scene with all margins of these pairs at least `margin` [m].
+std::shared_ptr<const CompiledScene> raised(const CompiledScene& scene, Pairs of, double margin);
 
 }  // namespace leeway::planner

@@ -1,3 +1,5 @@
+#include <limits>
+
 #include "tests/support/command.h"
 
 namespace leeway::tools::testing {
@@ -10,7 +12,7 @@ void expectPlanFields(const json& document) {
                           "counts", "goal", "path", "length", "certificate"}) {
     EXPECT_TRUE(document.contains(key)) << key;
   }
-  for (const char* key : {"load", "compile", "plan", "simplify", "certify"}) {
+  for (const char* key : {"load", "compile", "plan", "simplify", "push", "certify"}) {
     EXPECT_TRUE(document["time_s"].contains(key) && document["time_s"][key].is_number()) << key;
   }
   for (const char* key : {"iterations", "states", "edges", "distance_queries", "undecided_edges"}) {
@@ -67,6 +69,12 @@ TEST_F(Plan, SolvesAndCertifies) {
                 segment["clearance_upper"] >= segment["clearance_lower"]);
   }
   EXPECT_EQ(certificate["clearance_lower"], least);
+  double parts = std::numeric_limits<double>::infinity();
+  for (const char* part : {"world", "self"})
+    if (!certificate[part]["clearance_lower"].is_null())
+      parts = std::min(parts, certificate[part]["clearance_lower"].get<double>());
+  EXPECT_EQ(certificate["clearance_lower"], parts);
+  EXPECT_EQ(certificate["world"]["closest"]["b"], "post");
   EXPECT_EQ(certificate["closest"]["b"], "post");
   EXPECT_TRUE(certificate["closest"].contains("a") && certificate["closest"].contains("segment") &&
               certificate["closest"].contains("t"));
@@ -94,6 +102,19 @@ TEST_F(Plan, AFullCertificateHasEachEdge) {
   EXPECT_LE(path["certificate"]["clearance_lower"], full["certificate"]["clearance_upper"]);
   EXPECT_GE(path["certificate"]["clearance_upper"], full["certificate"]["clearance_lower"]);
   EXPECT_EQ(run("plan reach.yaml --certificate some").status, 2);
+}
+
+TEST_F(Plan, PushesUnlessToldNotToAndKeepsAFloor) {
+  const json pushed = run("plan reach.yaml --json").document();
+  const json plain = run("plan reach.yaml --json --no-push").document();
+  EXPECT_EQ(plain["time_s"]["push"].get<double>() < 1e-4, true);
+  EXPECT_LE(pushed["length"].get<double>(), 1.0301 * plain["length"].get<double>());
+  EXPECT_GT(pushed["certificate"]["world"]["clearance_lower"],
+            plain["certificate"]["world"]["clearance_lower"]);
+  const json kept = run("plan reach.yaml --json --keep 0.03").document();
+  EXPECT_GE(kept["certificate"]["world"]["clearance_lower"], 0.03);
+  EXPECT_EQ(run("plan reach.yaml --keep -1").status, 2);
+  EXPECT_EQ(run("plan reach.yaml --keep 0.03 --objective clearance").status, 2);
 }
 
 TEST_F(Plan, WritesTrajectories) {

@@ -37,6 +37,8 @@ struct CheckedState {
   std::string limit;  ///< the first limit that it breaks, in words; empty: none
   planner::StateCheck check;
   PairNames names;
+  planner::EdgeClearance world, self;
+  PairNames world_names, self_names;
   double margin = 0;
   PairNames too_near;  ///< not free: a pair that does not keep its margin; the closest one may
 
@@ -229,6 +231,14 @@ CheckedState checkState(planner::EdgeCertifier& certifier, const NamedState& sta
   checked.limit = brokenLimit(certifier.scene().space(), state.point);
   checked.check = certifier.clearance(state.point, tolerance);
   checked.names = pairNames(certifier.scene(), checked.check.pair);
+  const auto partOf = [&](planner::Pairs pairs) {  // a state is an edge without length
+    return certifier.edgeClearance(state.point, state.point,
+                                   {.tolerance = tolerance, .pairs = pairs});
+  };
+  checked.world = partOf(planner::Pairs::kWorld);
+  checked.self = partOf(planner::Pairs::kSelf);
+  checked.world_names = pairNames(certifier.scene(), checked.world.pair);
+  checked.self_names = pairNames(certifier.scene(), checked.self.pair);
   if (checked.check.pair >= 0) {
     checked.margin =
         certifier.scene().scene().pairs()[static_cast<std::size_t>(checked.check.pair)].margin;
@@ -252,6 +262,12 @@ const char* verdictName(planner::Verdict verdict) {
       break;
   }
   return "undecided";
+}
+
+Json partJson(const planner::EdgeClearance& part, const PairNames& names) {
+  return {{"clearance_lower", jsonNumber(part.clearance.lower)},
+          {"clearance_upper", jsonNumber(part.clearance.upper)},
+          {"closest", part.pair < 0 ? Json() : Json({{"a", names.a}, {"b", names.b}})}};
 }
 
 Json stateJson(const CheckedState& checked) {
@@ -278,6 +294,8 @@ Json stateJson(const CheckedState& checked) {
           {"clearance_lower", jsonNumber(check.clearance.lower)},
           {"clearance_upper", jsonNumber(check.clearance.upper)},
           {"closest", closest},
+          {"world", partJson(checked.world, checked.world_names)},
+          {"self", partJson(checked.self, checked.self_names)},
           {"penetration", penetration},
           {"too_near",
            checked.too_near.a.empty() ? Json() : Json({checked.too_near.a, checked.too_near.b})}};

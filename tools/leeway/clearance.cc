@@ -24,6 +24,7 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr std::string_view kPictureEndings[] = {".svg"};
+constexpr std::string_view kTableEndings[] = {".csv"};
 
 struct Arguments {
   ProblemSource source;
@@ -31,27 +32,54 @@ struct Arguments {
   std::vector<std::string> files;
   double tolerance = 1e-4;
   int parts = 1;
-  std::string svg;
+  std::string svg, csv;
   view::PageChoice view;
   bool json = false;
 };
 
-/// The certified clearance of a stretch of the path.
+/// The certified clearance of a stretch from something.
+struct Near {
+  planner::Interval clearance;
+  double t = 0;  ///< of the segment, where the upper end was found
+  collision::DistanceResult closest;
+  PairNames names;  ///< empty: nothing is near
+};
+
+/// A stretch of the path: all of an edge, or a part.
 struct Stretch {
   int segment = 0;
   double t0 = 0, t1 = 1;  ///< of the segment
-  planner::EdgeClearance found;
-  double t = 0;  ///< of the segment, where the upper end was found
-  PairNames names;
+  Near world, self;
+  Near all;  ///< the nearer of the two, with the lesser lower end
   bool keeps_margins = false;
+};
+
+/// The clearance of a path from something.
+struct Whole {
+  planner::Interval clearance{kInfinity, kInfinity};
+  int closest = -1;  ///< index of the stretch with the least upper end; -1: nothing is near
+
+  void add(const Near& near, int stretch) {
+    clearance.lower = std::min(clearance.lower, near.clearance.lower);
+    if (!(near.clearance.upper < clearance.upper)) return;
+    clearance.upper = near.clearance.upper;
+    closest = stretch;
+  }
 };
 
 struct Profile {
   std::vector<Stretch> stretches;
-  planner::Interval clearance{kInfinity, kInfinity};
-  int closest = -1;  ///< index of the stretch with the least upper end; -1: nothing is near
+  Whole all, world, self;
   bool certified = true;
 };
+
+/// RFC 4180: a field with a comma, a quote or a line end stands in quotes, quotes doubled.
+std::string csvField(const std::string& name) {
+  if (name.find_first_of(",\"\r\n") == std::string::npos) return name;
+  std::string text = "\"";
+  for (const char c : name) text += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return text + "\"";
+}
 
 double leastMargin(const planner::CompiledScene& scene) {
   double least = kInfinity;
@@ -74,17 +102,26 @@ Stretch measure(planner::EdgeCertifier& certifier, const planner::Path& path, in
   std::vector<double> to(a.size());
   space.interpolate(a, b, stretch.t0, from);
   space.interpolate(a, b, stretch.t1, to);
-  stretch.found = certifier.edgeClearance(from, to, arguments.tolerance, -kInfinity);
-  stretch.t = stretch.t0 + stretch.found.t * (stretch.t1 - stretch.t0);
-  stretch.names = pairNames(certifier.scene(), stretch.found.pair);
   stretch.keeps_margins = certifier.certify(from, to, planner::EdgeRequest::persistent()).verdict ==
                           planner::Verdict::kFree;
-  if (stretch.keeps_margins) {
-    // Every pair is proven to keep its margin, which may say more than an interval of that
-    // tolerance.
-    stretch.found.clearance.lower =
-        std::max(stretch.found.clearance.lower, leastMargin(certifier.scene()));
-  }
+  const auto measured = [&](planner::Pairs pairs) {
+    const planner::EdgeClearance found =
+        certifier.edgeClearance(from, to, {.tolerance = arguments.tolerance, .pairs = pairs});
+    Near near{found.clearance, stretch.t0 + found.t * (stretch.t1 - stretch.t0), found.closest,
+              pairNames(certifier.scene(), found.pair)};
+    if (stretch.keeps_margins) {
+      // Every pair is proven to keep its margin, which may say more than an interval of that
+      // tolerance.
+      near.clearance.lower = std::max(near.clearance.lower, leastMargin(certifier.scene()));
+    }
+    return near;
+  };
+  stretch.world = measured(planner::Pairs::kWorld);
+  stretch.self = measured(planner::Pairs::kSelf);
+  stretch.all =
+      stretch.self.clearance.upper < stretch.world.clearance.upper ? stretch.self : stretch.world;
+  stretch.all.clearance.lower =
+      std::min(stretch.world.clearance.lower, stretch.self.clearance.lower);
   return stretch;
 }
 
@@ -96,17 +133,18 @@ Profile measure(planner::EdgeCertifier& certifier, const planner::Path& path,
     for (int part = 0; part < arguments.parts; ++part) {
       if (options.stop()) {
         // What was not looked at may be anything.
-        profile.clearance.lower = -kInfinity;
+        for (Whole* whole : {&profile.all, &profile.world, &profile.self}) {
+          whole->clearance.lower = -kInfinity;
+        }
         profile.certified = false;
         return profile;
       }
       showProgress(fmt::format("edge {} of {}", segment + 1, segments));
       const Stretch stretch = measure(certifier, path, segment, part, arguments);
-      profile.clearance.lower = std::min(profile.clearance.lower, stretch.found.clearance.lower);
-      if (stretch.found.clearance.upper < profile.clearance.upper) {
-        profile.clearance.upper = stretch.found.clearance.upper;
-        profile.closest = static_cast<int>(profile.stretches.size());
-      }
+      const auto index = static_cast<int>(profile.stretches.size());
+      profile.all.add(stretch.all, index);
+      profile.world.add(stretch.world, index);
+      profile.self.add(stretch.self, index);
       profile.certified = profile.certified && stretch.keeps_margins;
       profile.stretches.push_back(stretch);
     }
@@ -114,21 +152,42 @@ Profile measure(planner::EdgeCertifier& certifier, const planner::Path& path,
   return profile;
 }
 
-Json stretchJson(const Stretch& stretch) {
+Json nearJson(const Near& near) {
   Json closest;
-  if (stretch.found.pair >= 0) {
-    closest = {{"a", stretch.names.a},
-               {"b", stretch.names.b},
-               {"t", stretch.t},
-               {"point_a", jsonVector(stretch.found.closest.point_a)},
-               {"point_b", jsonVector(stretch.found.closest.point_b)}};
+  if (!near.names.a.empty()) {
+    closest = {{"a", near.names.a},
+               {"b", near.names.b},
+               {"t", near.t},
+               {"point_a", jsonVector(near.closest.point_a)},
+               {"point_b", jsonVector(near.closest.point_b)}};
   }
-  return {{"segment", stretch.segment},
-          {"t0", stretch.t0},
-          {"t1", stretch.t1},
-          {"clearance_lower", jsonNumber(stretch.found.clearance.lower)},
-          {"clearance_upper", jsonNumber(stretch.found.clearance.upper)},
-          {"certified", stretch.keeps_margins},
+  return {{"clearance_lower", jsonNumber(near.clearance.lower)},
+          {"clearance_upper", jsonNumber(near.clearance.upper)},
+          {"closest", closest}};
+}
+
+Json stretchJson(const Stretch& stretch) {
+  Json document = nearJson(stretch.all);
+  document["segment"] = stretch.segment;
+  document["t0"] = stretch.t0;
+  document["t1"] = stretch.t1;
+  document["certified"] = stretch.keeps_margins;
+  document["world"] = nearJson(stretch.world);
+  document["self"] = nearJson(stretch.self);
+  return document;
+}
+
+Json wholeJson(const Profile& profile, const Whole& whole, Near Stretch::*near) {
+  Json closest;
+  if (whole.closest >= 0) {
+    const Stretch& stretch = profile.stretches[static_cast<std::size_t>(whole.closest)];
+    closest = {{"a", (stretch.*near).names.a},
+               {"b", (stretch.*near).names.b},
+               {"segment", stretch.segment},
+               {"t", (stretch.*near).t}};
+  }
+  return {{"clearance_lower", jsonNumber(whole.clearance.lower)},
+          {"clearance_upper", jsonNumber(whole.clearance.upper)},
           {"closest", closest}};
 }
 
@@ -137,20 +196,38 @@ Json profileJson(const planner::Problem& problem, const Profile& profile) {
   for (const Stretch& stretch : profile.stretches) {
     stretches.push_back(stretchJson(stretch));
   }
-  Json closest;
-  if (profile.closest >= 0) {
-    const Stretch& stretch = profile.stretches[static_cast<std::size_t>(profile.closest)];
-    closest = {{"a", stretch.names.a},
-               {"b", stretch.names.b},
-               {"segment", stretch.segment},
-               {"t", stretch.t}};
+  Json document = wholeJson(profile, profile.all, &Stretch::all);
+  document["status"] = profile.certified ? "certified" : "not_certified";
+  document["seed"] = problem.seed;
+  document["world"] = wholeJson(profile, profile.world, &Stretch::world);
+  document["self"] = wholeJson(profile, profile.self, &Stretch::self);
+  document["segments"] = stretches;
+  return document;
+}
+
+/// One row a stretch; a field is empty where there is nothing to be near.
+void writeCsv(const std::string& file, const Profile& profile) {
+  std::string text = "segment,t0,t1";
+  for (const char* part : {"world", "self"}) {
+    for (const char* column : {"lower", "upper", "t", "a", "b"}) {
+      text += fmt::format(",{}_{}", part, column);
+    }
   }
-  return {{"status", profile.certified ? "certified" : "not_certified"},
-          {"seed", problem.seed},
-          {"clearance_lower", jsonNumber(profile.clearance.lower)},
-          {"clearance_upper", jsonNumber(profile.clearance.upper)},
-          {"closest", closest},
-          {"segments", stretches}};
+  text += ",certified\n";
+  const auto number = [](double x) {
+    return std::isfinite(x) ? fmt::format("{:.17g}", x) : std::string();
+  };
+  for (const Stretch& stretch : profile.stretches) {
+    text += fmt::format("{},{},{}", stretch.segment, number(stretch.t0), number(stretch.t1));
+    for (const Near* near : {&stretch.world, &stretch.self}) {
+      text += fmt::format(",{},{},{}", number(near->clearance.lower), number(near->clearance.upper),
+                          near->names.a.empty() ? "" : number(near->t));
+      for (const std::string* name : {&near->names.a, &near->names.b})
+        text += "," + csvField(*name);
+    }
+    text += stretch.keeps_margins ? ",yes\n" : ",no\n";
+  }
+  planner::writeFileWhole(file, text);
 }
 
 void writeSvg(const std::string& file, const planner::Problem& problem, const Profile& profile,
@@ -158,7 +235,7 @@ void writeSvg(const std::string& file, const planner::Problem& problem, const Pr
   std::vector<ProfileStretch> stretches;
   for (const Stretch& stretch : profile.stretches) {
     stretches.push_back({stretch.segment + stretch.t0, stretch.segment + stretch.t1,
-                         stretch.found.clearance.lower, stretch.found.clearance.upper});
+                         stretch.all.clearance.lower, stretch.all.clearance.upper});
   }
   const std::string note = profile.certified ? "every edge is certified to keep its margins"
                                              : "not every edge is certified";
@@ -168,21 +245,28 @@ void writeSvg(const std::string& file, const planner::Problem& problem, const Pr
 void printText(const Profile& profile) {
   std::vector<std::vector<std::string>> rows;
   for (const Stretch& stretch : profile.stretches) {
-    rows.push_back(
-        {fmt::format("{}", stretch.segment), fmt::format("{:.4f}", stretch.t0),
-         fmt::format("{:.4f}", stretch.t1), formatLower(stretch.found.clearance.lower * 1e3, 3),
-         formatUpper(stretch.found.clearance.upper * 1e3, 3), fmt::format("{:.4f}", stretch.t),
-         stretch.found.pair >= 0 ? fmt::format("{} - {}", stretch.names.a, stretch.names.b)
-                                 : "nothing near",
-         stretch.keeps_margins ? "yes" : "no"});
+    for (const Near* near : {&stretch.world, &stretch.self}) {
+      if (near->names.a.empty()) continue;
+      rows.push_back({fmt::format("{}", stretch.segment), fmt::format("{:.4f}", stretch.t0),
+                      fmt::format("{:.4f}", stretch.t1), near == &stretch.world ? "world" : "self",
+                      formatLower(near->clearance.lower * 1e3, 3),
+                      formatUpper(near->clearance.upper * 1e3, 3), fmt::format("{:.4f}", near->t),
+                      fmt::format("{} - {}", near->names.a, near->names.b),
+                      stretch.keeps_margins ? "yes" : "no"});
+    }
   }
-  fmt::print("{}", formatTable({"edge", "from t", "to t", "at least [mm]", "at most [mm]", "at t",
-                                "between", "certified"},
-                               rows));
-  if (profile.closest >= 0) {
-    fmt::print("The path's least clearance is between {} and {} mm.\n",
-               formatLower(profile.clearance.lower * 1e3, 3),
-               formatUpper(profile.clearance.upper * 1e3, 3));
+  fmt::print("{}", formatTable({"edge", "from t", "to t", "from", "at least [mm]", "at most [mm]",
+                                "at t", "between", "certified"},
+                               rows, {3, 7}));
+  for (const auto& [name, whole] :
+       {std::pair("the world", &profile.world), std::pair("the robot itself", &profile.self)}) {
+    if (whole->closest < 0) {
+      fmt::print("Nothing of {} is near.\n", name);
+    } else {
+      fmt::print("The path's least clearance from {} is between {} and {} mm.\n", name,
+                 formatLower(whole->clearance.lower * 1e3, 3),
+                 formatUpper(whole->clearance.upper * 1e3, 3));
+    }
   }
   fmt::print("{}\n", profile.certified ? "Every edge is certified to keep its margins."
                                        : "Not every edge is certified to keep its margins.");
@@ -194,6 +278,9 @@ int run(Arguments& arguments) {
     checkOutputFile(arguments.svg, kPictureEndings);
   }
   view::expectPage(arguments.view);
+  if (!arguments.csv.empty()) {
+    checkOutputFile(arguments.csv, kTableEndings);
+  }
   planner::Problem problem = loadProblem(arguments.source);
   refuseSteps(problem, "clearance");
   apply(arguments.limits, problem);
@@ -211,6 +298,9 @@ int run(Arguments& arguments) {
   }
   if (!arguments.svg.empty()) {
     writeSvg(arguments.svg, problem, profile, leastMargin(certifier.scene()));
+  }
+  if (!arguments.csv.empty()) {
+    writeCsv(arguments.csv, profile);
   }
   if (arguments.json) {
     printJson(profileJson(problem, profile));
@@ -237,6 +327,7 @@ Verb addClearance(CLI::App& command) {
       ->check(countFrom(1, 100000))
       ->capture_default_str();
   view::addPageOptions(*app, arguments->view);
+  app->add_option("--csv", arguments->csv, "also write it as a table")->type_name("FILE.csv");
   app->add_option("--svg", arguments->svg, "also draw it")->type_name("FILE.svg");
   app->add_flag("--json", arguments->json, "print one JSON document");
   app->footer(

@@ -212,6 +212,44 @@ allowed: [[o, base]]
             (std::vector<std::pair<std::string, std::string>>{{"o", "base"}}));
 }
 
+TEST(Problem, GroupsStandForTheirMembersAndObjectivesSayMore) {
+  const std::string base = robot("arm6", "arm") + kArm6Ends + R"(
+objects: [{name: o, sphere: {radius: 0.1}}, {name: p, sphere: {radius: 0.1}}]
+groups: {things: [o, p]}
+)";
+  const Problem problem = load(base + R"(
+margins: [{between: [robot, things], margin: 0.02}, {between: [tool_body, p], margin: 0.01}]
+allowed: [[things, base]]
+objective: {length: {clearance: 0.03}}
+push: false
+)");
+  const std::size_t links = problem.robot.model->links.size();
+  ASSERT_EQ(problem.margins.pairs.size(), 2 * links + 1);
+  for (std::size_t i = 0; i < 2 * links; ++i) EXPECT_EQ(problem.margins.pairs[i].margin, 0.02);
+  EXPECT_EQ(problem.margins.pairs.back().b, "p");
+  EXPECT_EQ(problem.contacts.allowed,
+            (std::vector<std::pair<std::string, std::string>>{{"o", "base"}, {"p", "base"}}));
+  ASSERT_TRUE(std::holds_alternative<MinimumLength>(problem.objective));
+  EXPECT_EQ(std::get<MinimumLength>(problem.objective).clearance, 0.03);
+  EXPECT_FALSE(problem.planner.push);
+  const Problem wide = load(base + "objective: {clearance: {of: all}}\n");
+  ASSERT_TRUE(std::holds_alternative<MaximumClearance>(wide.objective));
+  EXPECT_EQ(std::get<MaximumClearance>(wide.objective).of, Pairs::kAll);
+  for (const char* wrong :
+       {"objective: {length: {clearance: -1}}\n", "objective: {clearance: {of: me}}\n",
+        "objective: {}\n", "objective: {length: {}, clearance: {}}\n",
+        "margins: [{between: [robot, thing], margin: 0}]\n"})
+    EXPECT_THROW(load(base + wrong), robots::InputError) << wrong;
+  for (const char* wrong :
+       {"groups: {o: [p]}\n", "groups: {robot: [p]}\n", "groups: {a: []}\n", "groups: {a: [q]}\n"})
+    EXPECT_THROW(load(robot("arm6", "arm") + kArm6Ends +
+                      "objects: [{name: o, sphere: {radius: 0.1}}, {name: p, sphere: {radius: "
+                      "0.1}}]\n" +
+                      wrong),
+                 robots::InputError)
+        << wrong;
+}
+
 TEST(Problem, NumbersAreReadExactly) {
   const Problem problem = load(
       robot("arm6", "arm") +

@@ -36,7 +36,9 @@ class WidestPath : public testing::TestWithParam<std::string> {};
 TEST_P(WidestPath, BeatsTheShortestInClearance) {
   Problem problem = test::corridorProblem();
   problem.limits.iterations = 4000;
-  const PlanResult shortest = plan(problem);
+  PlanOptions every_edge;
+  every_edge.detail = CertificateDetail::kEveryEdge;
+  const PlanResult shortest = plan(problem, every_edge);
   expectHonest(problem, shortest);
   problem.planner.name = GetParam();
   problem.objective = MaximumClearance{};

@@ -12,6 +12,29 @@
 namespace leeway::tools {
 namespace {
 
+Json closestJson(const planner::PathClearance& clearance,
+                 const std::optional<planner::Trajectory>& trajectory) {
+  if (clearance.closest_segment < 0) return {};  // nothing is near
+  Json closest = {{"a", clearance.closest_a},
+                  {"b", clearance.closest_b},
+                  {"segment", clearance.closest_segment},
+                  {"t", jsonNumber(clearance.closest_t)},
+                  {"point_a", jsonVector(clearance.closest_point_a)},
+                  {"point_b", jsonVector(clearance.closest_point_b)}};
+  if (trajectory) {
+    const auto time = trajectory->passes(clearance.closest_segment, clearance.closest_t);
+    closest["time"] = time ? jsonNumber(*time) : Json();  // null: cut off by a blend
+  }
+  return closest;
+}
+
+Json clearanceJson(const planner::PathClearance& clearance,
+                   const std::optional<planner::Trajectory>& trajectory) {
+  return {{"clearance_lower", jsonNumber(clearance.clearance.lower)},
+          {"clearance_upper", jsonNumber(clearance.clearance.upper)},
+          {"closest", closestJson(clearance, trajectory)}};
+}
+
 Json certificateJson(const planner::Certificate& certificate,
                      const std::optional<planner::Trajectory>& trajectory) {
   Json segments = Json::array();
@@ -19,24 +42,12 @@ Json certificateJson(const planner::Certificate& certificate,
     segments.push_back({{"clearance_lower", jsonNumber(segment.lower)},
                         {"clearance_upper", jsonNumber(segment.upper)}});
   }
-  Json closest;  // null: nothing is near
-  if (certificate.closest_segment >= 0) {
-    closest = {{"a", certificate.closest_a},
-               {"b", certificate.closest_b},
-               {"segment", certificate.closest_segment},
-               {"t", jsonNumber(certificate.closest_t)},
-               {"point_a", jsonVector(certificate.closest_point_a)},
-               {"point_b", jsonVector(certificate.closest_point_b)}};
-    if (trajectory) {
-      const auto time = trajectory->passes(certificate.closest_segment, certificate.closest_t);
-      closest["time"] = time ? jsonNumber(*time) : Json();  // null: cut off by a blend
-    }
-  }
-  return {{"certified", certificate.certified},
-          {"clearance_lower", jsonNumber(certificate.clearance.lower)},
-          {"clearance_upper", jsonNumber(certificate.clearance.upper)},
-          {"closest", closest},
-          {"segments", segments}};
+  Json document = clearanceJson(certificate, trajectory);
+  document["certified"] = certificate.certified;
+  document["world"] = clearanceJson(certificate.world, trajectory);
+  document["self"] = clearanceJson(certificate.self, trajectory);
+  document["segments"] = segments;
+  return document;
 }
 
 Json offendingJson(const planner::PlanResult& result) {
@@ -81,6 +92,7 @@ Json toJson(const planner::Problem& problem, const planner::PlanResult& result,
                      {"compile", result.compile_s},
                      {"plan", result.plan_s},
                      {"simplify", result.simplify_s},
+                     {"push", result.push_s},
                      {"certify", result.certify_s}}},
                    {"counts",
                     {{"iterations", result.iterations},
@@ -94,6 +106,7 @@ Json toJson(const planner::Problem& problem, const planner::PlanResult& result,
       result.goal >= 0 ? Json(problem.goals[static_cast<std::size_t>(result.goal)].name) : Json();
   document["path"] = Json();
   document["length"] = Json();
+  document["clearance_bound"] = jsonNumber(result.clearance_bound);
   document["certificate"] = Json();
   document["trajectory"] = Json();
   if (solved) {

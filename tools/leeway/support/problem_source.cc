@@ -198,6 +198,10 @@ void addPlanOverrides(CLI::App& app, PlanOverrides& overrides) {
       ->type_name("N");
   app.add_option("--objective", overrides.objective, "what is best")
       ->check(CLI::IsMember({"length", "clearance"}));
+  app.add_option("--keep", overrides.keep,
+                 "the shortest path that keeps this clearance from the world [m]")
+      ->type_name("METRES");
+  app.add_flag("--no-push", overrides.no_push, "leave a simplified path where it hugs obstacles");
   app.add_option("--certificate", overrides.certificate,
                  "path: the path's least clearance to a tenth of itself, as far as a little work "
                  "goes; full: that of each edge to 0.1 mm, whatever it takes")
@@ -317,6 +321,17 @@ void apply(const PlanOverrides& overrides, planner::Problem& problem) {
   if (!overrides.objective.empty()) {
     problem.objective = planner::objectiveOfName(overrides.objective).value();
   }
+  if (overrides.keep) {
+    auto* length = std::get_if<planner::MinimumLength>(&problem.objective);
+    if (length == nullptr || !(*overrides.keep >= 0) || std::isinf(*overrides.keep)) {
+      badUsage(
+          fmt::format("--keep {}: a length of at least 0 is expected, beside the objective "
+                      "length alone",
+                      *overrides.keep));
+    }
+    length->clearance = *overrides.keep;
+  }
+  if (overrides.no_push) problem.planner.push = false;
 }
 
 void printWarnings(const std::vector<std::string>& warnings) {

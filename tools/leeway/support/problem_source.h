@@ -30,6 +30,8 @@ struct PlanOverrides {
   std::optional<double> time_limit;  ///< [s]
   std::optional<std::int64_t> iteration_limit;
   std::string planner, objective, workers;
+  std::optional<double> keep;  ///< clearance from the world [m]
+  bool no_push = false;
   std::string certificate = "path";
 };
 /// interactivePlanOptions() with the certificate that is asked for.

@@ -35,6 +35,11 @@ class CompiledScene {
   const robots::Model& model() const { return *model_; }
   /// The link that carries a body of the scene; -1 for a static body.
   int bodyLink(int body) const { return body_link_[static_cast<std::size_t>(body)]; }
+  /// Whether a body is a link or something that the robot holds; all else is the world.
+  bool isOfRobot(int body) const;
+  bool isOfRobot(const collision::ScenePair& pair) const {
+    return isOfRobot(pair.body_a) && isOfRobot(pair.body_b);
+  }
   /// Writes the configuration of the whole model (one number a variable) for a point of the space.
   void expand(std::span<const double> point, std::span<double> q) const;
 
@@ -49,6 +54,8 @@ class CompiledScene {
 
   /// Every pair's margin is at least `margin` [m].
   std::shared_ptr<const CompiledScene> withMarginAtLeast(double margin) const;
+  /// Only of pairs with the world.
+  std::shared_ptr<const CompiledScene> withWorldMarginAtLeast(double margin) const;
 
   /// Every pair's margin is greater by `growth` >= 0 [m], and not below it (see
   /// collision::Scene::growMargins()): what is certified here keeps its margins for every motion

@@ -49,11 +49,12 @@ struct ClearanceRequest {
   /// no distance was needed to know.
   double wanted = std::numeric_limits<double>::infinity();
   std::int64_t work_limit = 0;  ///< as EdgeRequest's; 0: about 0.1 s
+  Pairs pairs = Pairs::kAll;    ///< all others are left out
 };
 
 /// Where along an edge the least clearance is, as a certified interval.
 struct EdgeClearance {
-  Interval clearance;  ///< of the minimum over the edge, all pairs [m]; (inf, inf) without pairs
+  Interval clearance;  ///< of the minimum over edge and pairs [m]; (inf, inf) without pairs
   double t = 0;        ///< where the upper end was found
   int pair = -1;
   collision::DistanceResult closest;
@@ -106,10 +107,20 @@ class EdgeCertifier {
   /// Bounds on that minimum from a few passes of lanes and distances: some 10 us. The lower end is
   /// at least `most` [m], or mostly above a quarter of the upper one; -infinity where the passes
   /// prove nothing. The upper end is infinity where nothing nearer than `most` was met.
-  EdgeClearance roughClearance(std::span<const double> a, std::span<const double> b, double most);
+  EdgeClearance roughClearance(std::span<const double> a, std::span<const double> b, double most,
+                               Pairs pairs = Pairs::kAll);
+
+  /// Proves that the edge keeps more than `request.wanted` [m], as certify() proves margins: that
+  /// is the lower end then, otherwise -infinity. Where a place is found that does not keep it, the
+  /// upper end is the least distance near that place; otherwise infinity. The proof costs little
+  /// more than that of the margins, far less than edgeClearance(). Ignores `cutoff`; a work limit
+  /// of 0 is that of certify().
+  EdgeClearance proveClearance(std::span<const double> a, std::span<const double> b,
+                               const ClearanceRequest& request);
 
   struct Statistics {
     std::uint64_t states = 0, edges = 0, distance_queries = 0, intervals = 0;
+    std::int64_t work = 0;  ///< of certify() and proveClearance() [units of collision::Work]
     std::uint64_t undecided_edges = 0;  ///< of certify(), mostly by its work limit
     Statistics& operator+=(const Statistics& more);
   };

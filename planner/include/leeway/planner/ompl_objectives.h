@@ -19,14 +19,15 @@ class OmplLengthObjective : public ompl::base::PathLengthOptimizationObjective {
       const ompl::base::ProblemDefinitionPtr& problem, unsigned int attempts) const override;
 };
 
-/// The least clearance along a path [m]; larger is better. Costs combine by minimum. An edge's cost
-/// is a certified lower bound over the whole edge: at most `tolerance` below the truth where the
-/// edge keeps the margins, otherwise anything up to the smallest margin. Satisfied at
-/// getCostThreshold(), infinity unless set.
+/// The least clearance along a path, of all pairs or some [m]; larger is better. Costs combine by
+/// minimum. An edge's cost is a certified lower bound over the whole edge: at most `tolerance`
+/// below the truth where the edge keeps the margins, otherwise anything up to the smallest margin.
+/// Satisfied at getCostThreshold(), infinity unless set.
 class OmplClearanceObjective : public ompl::base::OptimizationObjective {
  public:
   OmplClearanceObjective(const ompl::base::SpaceInformationPtr& space_information,
-                         std::shared_ptr<CertifierPool> pool, double tolerance = 1e-3);
+                         std::shared_ptr<CertifierPool> pool, double tolerance = 1e-3,
+                         Pairs pairs = Pairs::kAll);
 
   bool isSatisfied(ompl::base::Cost cost) const override;
   bool isCostBetterThan(ompl::base::Cost a, ompl::base::Cost b) const override;
@@ -45,6 +46,7 @@ class OmplClearanceObjective : public ompl::base::OptimizationObjective {
   std::shared_ptr<CertifierPool> pool_;
   double tolerance_;
   double cutoff_;  ///< smallest margin of the scene [m]
+  Pairs pairs_;
 };
 
 }  // namespace leeway::planner

@@ -29,15 +29,21 @@ struct Path {
   std::vector<PathStep> steps = {};            ///< of a task, in their order; else empty
 };
 
-/// The proof that comes with a path: an interval of the clearance for every edge. Clearances are
-/// over the pairs that are checked, see CompiledScene.
-struct Certificate {
-  Interval clearance;  ///< of the whole path [m]; (inf, inf) where there is nothing to be near
+/// The clearance of a whole path from something, and where it is least.
+struct PathClearance {
+  Interval clearance;  ///< [m]; (inf, inf) where there is nothing to be near
   std::string closest_a, closest_b;
-  int closest_segment = -1;
+  int closest_segment = -1;  ///< -1: nothing is near
   double closest_t = 0;
   Eigen::Vector3d closest_point_a = Eigen::Vector3d::Zero();  ///< on closest_a, world [m]
   Eigen::Vector3d closest_point_b = Eigen::Vector3d::Zero();
+};
+
+/// The proof that comes with a path: an interval of the clearance for every edge. Clearances are
+/// over the pairs that are checked, see CompiledScene: of all pairs, of those with the world, and
+/// of those of the robot with itself and what it holds.
+struct Certificate : PathClearance {
+  PathClearance world, self;
   /// One an edge [m]. Under CertificateDetail::kPath an upper end may be infinity: not looked for.
   std::vector<Interval> segments;
   bool certified = false;  ///< every edge proven to keep its margins
@@ -64,7 +70,7 @@ struct PlanResult {
   std::uint64_t seed = 0;
   std::string planner;
   bool deterministic = true;  ///< false for planners with threads or clocks of their own
-  double compile_s = 0, plan_s = 0, simplify_s = 0, certify_s = 0;
+  double compile_s = 0, plan_s = 0, simplify_s = 0, push_s = 0, certify_s = 0;
   /// `iterations`: calls of the planner's termination condition, one a turn of its main loop; an
   /// iteration limit counts these.
   std::uint64_t iterations = 0, states = 0, edges = 0, distance_queries = 0;
@@ -74,6 +80,8 @@ struct PlanResult {
   Path path;          ///< empty unless solved
   int goal = -1;      ///< index of the goal reached
   double length = 0;  ///< in the space's distance
+  /// MaximumClearance: no path has more than that, because its start or its goals have not [m].
+  double clearance_bound = std::numeric_limits<double>::infinity();
   Certificate certificate;
   StateCheck offending;  ///< for an invalid start or goal: pair, depth, place
   std::string offending_a, offending_b;

@@ -157,10 +157,23 @@ struct Margins {
   std::vector<PairMargin> pairs;  ///< the last one that names a pair holds
 };
 
+/// Pairs by what the robot is apart from. What it holds belongs to it, and so do its links that
+/// stand still.
+enum class Pairs : unsigned char {
+  kAll,
+  kWorld,  ///< of the robot and something else
+  kSelf,   ///< of two parts of the robot
+};
+
 /// The shortest path, in the space's distance.
-struct MinimumLength {};
+struct MinimumLength {
+  /// Pairs with the world keep at least that, besides their margins [m].
+  double clearance = -std::numeric_limits<double>::infinity();
+};
 /// The path whose least clearance is largest.
-struct MaximumClearance {};
+struct MaximumClearance {
+  Pairs of = Pairs::kWorld;  ///< the others keep their margins
+};
 /// What the planner optimises.
 using Objective = std::variant<MinimumLength, MaximumClearance>;
 
@@ -172,6 +185,9 @@ struct PlannerChoice {
   std::string name = "Connect";                   ///< see planners.h
   std::map<std::string, std::string> parameters;  ///< by OMPL's names
   bool simplify = true;                           ///< the path that it finds
+  /// Where length is the objective: a simplified path is pushed off what it hugs, by up to
+  /// 8 mm, and gets no more than 3 % longer. About 0.25 ms.
+  bool push = true;
 };
 
 /// When planning and simplification end.

@@ -1,0 +1,84 @@
+#include "planner/search/push.h"
+
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <vector>
+
+#include "leeway/planner/plan.h"
+#include "leeway/planner/simplify.h"
+#include "planner/base/tolerances.h"
+#include "tests/support/small_problems.h"
+
+namespace leeway::planner {
+namespace {
+
+TEST(Push, MovesAPathOffWhatItHugsAndProvesIt) {
+  Problem problem = test::wallProblem();
+  problem.limits.iterations = 1'000'000;
+  int pushed = 0;
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    problem.seed = seed;
+    problem.planner.push = false;
+    const PlanResult plain = plan(problem);
+    problem.planner.push = true;
+    const PlanResult result = plan(problem), again = plan(problem);
+    ASSERT_EQ(result.status, PlanStatus::kSolved);
+    EXPECT_TRUE(result.certificate.certified);
+    EXPECT_EQ(result.path.positions, again.path.positions);
+    EXPECT_EQ(result.path.positions.front(), plain.path.positions.front());
+    EXPECT_EQ(result.path.positions.back(), plain.path.positions.back());
+    EXPECT_LE(result.length, (1 + kPushLonger) * plain.length);
+    EXPECT_GE(result.certificate.world.clearance.upper, plain.certificate.world.clearance.lower);
+    pushed += result.certificate.world.clearance.lower > 0.8 * kPushClearance ? 1 : 0;
+  }
+  EXPECT_GE(pushed, 8);
+}
+
+TEST(Push, LeavesAPathThatCannotKeepMore) {
+  Problem problem = test::problemOf(test::disc(), {-1, 0, 0}, {1, 0, 0});
+  problem.world.objects.push_back(test::box("beside the start", {0.1, 0.1, 0.5}, -1, 0.2001, 0));
+  const auto scene = std::make_shared<const CompiledScene>(problem);
+  EdgeCertifier certifier(scene);
+  std::vector<std::vector<double>> path = {{-1, 0, 0}, {0, -0.2, 0}, {1, 0, 0}};
+  const auto before = path;
+  PushOptions options;
+  options.target = 0.05;
+  options.least = 0.01;
+  options.longest = 10;
+  options.work = 10'000'000;
+  EXPECT_EQ(push(certifier, path, options), 0);
+  EXPECT_EQ(path, before);
+}
+
+TEST(Push, KeepsToTheLengthThatItMayHave) {
+  Problem problem = test::wallProblem();
+  problem.planner.push = false;
+  problem.limits.iterations = 1'000'000;
+  PlanResult result = plan(problem);
+  ASSERT_EQ(result.status, PlanStatus::kSolved);
+  EdgeCertifier certifier(std::make_shared<const CompiledScene>(problem));
+  const auto before = result.path.positions;
+  PushOptions options;
+  options.target = options.least = 0.02;
+  options.longest = result.length;  // none to spare
+  options.work = 10'000'000;
+  EXPECT_EQ(push(certifier, result.path.positions, options), 0);
+  EXPECT_EQ(result.path.positions, before);
+  options.longest = 2 * result.length;
+  EXPECT_EQ(push(certifier, result.path.positions, options), 0.02);
+  EXPECT_NE(result.path.positions, before);
+}
+
+TEST(Objective, LengthKeepsItsFloorOfClearance) {
+  Problem problem = test::wallProblem();
+  problem.limits.iterations = 1'000'000;
+  problem.objective = MinimumLength{0.04};
+  const PlanResult result = plan(problem);
+  ASSERT_EQ(result.status, PlanStatus::kSolved);
+  EXPECT_TRUE(result.certificate.certified);
+  EXPECT_GE(result.certificate.world.clearance.lower, 0.04);
+}
+
+}  // namespace
+}  // namespace leeway::planner
