@@ -51,7 +51,7 @@ class Stepper {
       for (int lane = 0; lane < kLanes; ++lane) {
         if ((open.lanes >> lane & 1U) == 0) continue;
         if (lane > 0 && t[lane] == t[lane - 1]) continue;  // past the last state
-        if (frames_.keepsGap(pair, t[lane], t[lane])) continue;
+        if (frames_.keepsGap(pair, pair.threshold, t[lane], t[lane])) continue;
         if (slots[lane] < 0) slots[lane] = frames_.place(t[lane]);
         if (slots[lane] < 0) return false;
         const planner::Piece& a = frames_.pieces()[static_cast<std::size_t>(pair.a)];
