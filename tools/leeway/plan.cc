@@ -305,8 +305,7 @@ Verb addPlan(CLI::App& command) {
       "  leeway plan problems/shelf/reach.yaml\n"
       "  leeway plan problems/shelf/reach.yaml --planner BITstar --objective clearance --time 1 "
       "--json\n"
-      "  leeway plan problems/pick_place/can.yaml --output path.json\n"
-      "  leeway plan problems/shelf/reach.yaml --goal-pose tool 0.6 0 0.5 0 0.7071068 0 0.7071068");
+      "  leeway plan problems/pick_place/can.yaml --output path.json");
   return {app, [arguments] { return run(*arguments); }};
 }
 

@@ -14,6 +14,7 @@
 #include "leeway/planner/edge_certifier.h"
 #include "leeway/planner/plan.h"
 #include "leeway/planner/problem.h"
+#include "leeway/planner/task.h"
 #include "tests/support/build_paths.h"
 #include "tests/support/folder.h"
 
@@ -93,7 +94,7 @@ TEST_P(ShippedProblem, IsSolvedUnlessItHasNoSolution) {
   problem_.limits.time = 300;
   problem_.limits.iterations = solvable ? 200000 : 2000;
   problem_.planner.simplify = false;
-  const PlanResult result = plan(problem_);
+  const PlanResult result = solve(problem_);
   EXPECT_EQ(std::string(toString(result.status)), solvable ? "solved" : "unsolved");
   if (!solvable) return;
   EXPECT_TRUE(result.certificate.certified);
@@ -109,12 +110,13 @@ TEST(ShippedProblems, CoverWhatTheReadmePromises) {
        {"shelf/reach.yaml", "table/posts.yaml", "bin/pick.yaml", "dual_arm/swap.yaml",
         "snake/clutter.yaml", "bodies/window.yaml", "bodies/piano.yaml", "mesh/tote.yaml",
         "unsolvable/sealed.yaml", "moveit/table.yaml", "deforming/curtain.yaml",
-        "deforming/heap.yaml", "deforming/figure.yaml"})
+        "pick_place/can.yaml", "pick_place/carton.yaml", "deforming/heap.yaml",
+        "deforming/figure.yaml"})
     EXPECT_EQ(std::count(files.begin(), files.end(), file), 1) << file;
 }
 
-/// Examples of problems/README.md, in order: a whole file, a body, a deforming obstacle, MoveIt's
-/// files.
+/// Examples of problems/README.md, in order: a whole file, a goal of poses, a body, a deforming
+/// obstacle, MoveIt's files.
 std::vector<std::string> readmeExamples() {
   std::ifstream stream(kProblems + "/README.md");
   std::vector<std::string> examples;
@@ -142,7 +144,7 @@ TEST(ShippedProblems, ExamplesOfTheReadmeLoad) {
     std::filesystem::copy_file(kProblems + "/moveit/" + name,
                                folder / "problems" / "example" / name);
   const std::vector<std::string> examples = readmeExamples();
-  EXPECT_EQ(examples.size(), 5U);
+  EXPECT_EQ(examples.size(), 6U);
   for (std::string example : examples) {
     if (example.rfind("leeway:", 0) != 0) example = "leeway: 1\n" + example;
     const std::string file = (folder / "problems" / "example" / "problem.yaml").string();
