@@ -10,6 +10,7 @@
 #include "leeway/robots/text.h"
 #include "planner/base/nearest_name.h"
 #include "planner/base/tolerances.h"
+#include "planner/execute/trajectory_samples.h"
 #include "planner/problem/yaml_reader.h"
 
 namespace leeway::planner {
@@ -120,11 +121,19 @@ std::vector<std::pair<int, std::string>> readLines(const std::string& file) {
   return lines;
 }
 
+/// Whether a row has numbers alone: a header has none.
+bool areNumbers(const std::vector<std::string>& fields) {
+  return std::all_of(fields.begin(), fields.end(), [](const std::string& field) {
+    return robots::parseNumber(trimmed(field)).has_value();
+  });
+}
+
+/// With a header of names, or rows alone in the group's order.
 Table readCsv(const std::string& file) {
   Table table;
   for (const auto& [number, line] : readLines(file)) {
     const std::vector<std::string> fields = csvFields(file, number, line);
-    if (table.names.empty()) {
+    if (table.names.empty() && table.rows.empty() && !areNumbers(fields)) {
       for (const std::string& field : fields) table.names.push_back(trimmed(field));
       table.names_line = number;
       continue;
@@ -133,16 +142,18 @@ Table readCsv(const std::string& file) {
     for (const std::string& field : fields) row.values.push_back(readField(file, number, field));
     table.rows.push_back(std::move(row));
   }
-  if (table.names.empty())
+  if (table.names.empty() && table.rows.empty())
     throw InputError(file, 0, "is empty; a header of 'time' and joint names is expected");
   return table;
 }
 
+/// Rows of numbers in the group's order, with blanks or commas between them.
 Table readMatrix(const std::string& file) {
   Table table;
   for (const auto& [number, line] : readLines(file)) {
     Table::Row row{{}, number};
-    for (const std::string& field : blankFields(line))
+    const bool commas = line.find(',') != std::string::npos;
+    for (const std::string& field : commas ? csvFields(file, number, line) : blankFields(line))
       row.values.push_back(readField(file, number, field));
     table.rows.push_back(std::move(row));
   }
@@ -153,6 +164,15 @@ Table readMatrix(const std::string& file) {
 
 constexpr int kIgnored = -1;  // the column of times
 
+/// A column of writeTrajectory()'s CSV that a path has no use for.
+bool isDerivative(const std::string& name, const Problem& problem) {
+  for (const std::string_view ending : {kVelocityEnding, kAccelerationEnding})
+    if (name.ends_with(ending) &&
+        problem.robot.model->findVariable(name.substr(0, name.size() - ending.size())) >= 0)
+      return true;
+  return false;
+}
+
 /// The model's variable of each column.
 std::vector<int> columnVariables(const std::string& file, const Table& table,
                                  const Problem& problem) {
@@ -160,7 +180,7 @@ std::vector<int> columnVariables(const std::string& file, const Table& table,
   for (std::size_t i = 0; i < table.names.size(); ++i) {
     const std::string& name = table.names[i];
     const int v = problem.robot.model->findVariable(name);
-    if (v < 0 && name != "time")
+    if (v < 0 && name != "time" && !isDerivative(name, problem))
       throw InputError(
           file, table.names_line,
           fmt::format("unknown joint '{}'{}", name, nearestName(name, plannedNames(problem))));
@@ -237,10 +257,10 @@ Path readPath(const std::string& file, const Problem& problem) {
   if (ending == ".json" || ending == ".yaml" || ending == ".yml")
     return matched(file, readTrajectory(YamlReader::load(file)), problem);
   if (ending == ".csv") return matched(file, readCsv(file), problem);
-  if (ending == ".path") return matched(file, readMatrix(file), problem);
+  if (ending == ".path" || ending == ".txt") return matched(file, readMatrix(file), problem);
   throw InputError(
       file, 0,
-      fmt::format("the ending '{}' names no format; .json, .yaml, .csv or .path is expected",
+      fmt::format("the ending '{}' names no format; .json, .yaml, .csv, .path or .txt is expected",
                   ending));
 }
 

@@ -202,6 +202,19 @@ std::string csvText(const std::vector<std::string>& names, const std::vector<dou
   return text;
 }
 
+/// Columns: time, positions, velocities, accelerations.
+std::string trajectoryCsv(const std::vector<std::string>& names, const Samples& samples) {
+  std::vector<std::string> columns = names;
+  for (const std::string_view ending : {kVelocityEnding, kAccelerationEnding})
+    for (const std::string& name : names) columns.push_back(name + std::string(ending));
+  std::vector<std::vector<double>> rows = samples.positions;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    rows[i].insert(rows[i].end(), samples.velocities[i].begin(), samples.velocities[i].end());
+    rows[i].insert(rows[i].end(), samples.accelerations[i].begin(), samples.accelerations[i].end());
+  }
+  return csvText(columns, samples.times, rows);
+}
+
 std::string matrixText(const ConfigurationSpace& space, const PlanResult& result) {
   std::string text;
   for (const std::vector<double>& row : unwrapped(space, result.path.positions)) {
@@ -247,8 +260,7 @@ void writeTrajectory(const std::string& file, const Problem& problem, const Plan
   checkTimes(file, trajectory.duration(), period);
   const Samples samples = sample(trajectory, period);
   const std::vector<std::string>& names = result.path.names;
-  if (ending == ".csv")
-    return writeFileWhole(file, csvText(names, samples.times, samples.positions));
+  if (ending == ".csv") return writeFileWhole(file, trajectoryCsv(names, samples));
   std::string text = json ? jsonHead(problem, names) : yamlHead(problem, names);
   for (std::size_t i = 0; i < samples.times.size(); ++i) {
     const std::string positions = rowText(samples.positions[i]),

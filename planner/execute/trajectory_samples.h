@@ -3,11 +3,16 @@
 // Private to planner/: rows of a trajectory, as files have them.
 
 #include <cstdint>
+#include <string_view>
 #include <vector>
 
 #include "leeway/planner/trajectory.h"
 
 namespace leeway::planner {
+
+/// What follows a joint's name in the head of a CSV's column.
+constexpr std::string_view kVelocityEnding = ".velocity";
+constexpr std::string_view kAccelerationEnding = ".acceleration";
 
 /// A trajectory at some times [s], one row each. Velocities and accelerations are the derivatives
 /// of the numbers in `positions`, quaternions included.

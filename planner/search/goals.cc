@@ -115,6 +115,19 @@ void drawPoint(const ConfigurationSpace& space, const Goal& goal, Random& random
   }
 }
 
+/// Why a configuration is not valid: its closest pair.
+std::string contactText(const EdgeCertifier& certifier, const StateCheck& check) {
+  if (check.pair < 0) return "its clearance could not be decided";
+  const collision::Scene& scene = certifier.scene().scene();
+  const collision::ScenePair& pair = scene.pairs()[at(check.pair)];
+  char distance[48];
+  const bool deep = check.clearance.upper <= 0;
+  std::snprintf(distance, sizeof distance, deep ? ", %.3f mm deep" : ", %.3f mm apart",
+                std::abs(check.clearance.upper) * 1e3);
+  return scene.bodies()[at(pair.body_a)].name + " and " + scene.bodies()[at(pair.body_b)].name +
+         (deep ? " collide there" : " are too near there") + distance;
+}
+
 /// Keeps the check with the greatest clearance: of invalid configurations the least deep.
 void keepBetter(StateCheck& best, const StateCheck& check) {
   if (best.pair < 0 || check.clearance.upper > best.clearance.upper) best = check;
@@ -182,7 +195,7 @@ GoalPoints validGoalPoints(EdgeCertifier& certifier, const Problem& problem, std
     if (!found)
       result.warnings.push_back(
           "goal '" + goal.name + "' is left out: " +
-          (point ? "it is in collision"
+          (point ? contactText(certifier, certifier.clearance(q, kReportTolerance))
            : result.stopped
                ? "no valid point of it was found within the limits"
                : "none of " + std::to_string(kGoalAttempts) + " points of it was valid"));

@@ -19,6 +19,10 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
+/// How long the best path so far is simplified once the caller has ended a run [s]: who waits for
+/// the end does not notice.
+constexpr double kLastSimplification = 0.2;
+
 /// One call of plan(), its stages in their order.
 class Plan {
  public:
@@ -208,10 +212,17 @@ class Plan {
     result_.status = PlanStatus::kSolved;
   }
 
+  double timeLimit() const { return problem_.limits.time > 0 ? problem_.limits.time : kInfinity; }
+
   void simplifyPath(Waypoints& path) {
     SimplifyOptions options;
     options.seed = Random(problem_.seed, kSimplifyStream).next();
     options.stop = [this] { return limits_.over(); };
+    if (options_.stop && options_.stop()) {
+      // A path that was cut short is still made shorter for a moment.
+      const double end = limits_.elapsed() + kLastSimplification;
+      options.stop = [this, end] { return limits_.elapsed() > std::min(end, timeLimit()); };
+    }
     if (!wantsLength()) {
       options.clearance_floor = pathClearance(certifier(), path, kClearanceTolerance, -kInfinity);
       options.clearance_tolerance = kClearanceTolerance;

@@ -24,6 +24,13 @@ inline constexpr double kBoundRounding = 1e-12;
 /// of kinematics for robots of up to 1e5 m.
 inline constexpr double kApartSlack = 1e-9;
 
+/// What a URDF may say: origins up to this [m], as positions in problem files; bounds keep digits
+/// below a nanometre far within it.
+inline constexpr double kFarthestOrigin = 1e9;
+/// And limits of joints [rad or m]. Files that mean none write up to 1e16; more makes the range
+/// infinite.
+inline constexpr double kGreatestLimit = 1e16;
+
 /// Rounding of coordinates and angles in provenGaps(): relative, and in metres and radians.
 inline constexpr double kGapSlack = 1e-9;
 

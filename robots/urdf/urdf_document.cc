@@ -6,11 +6,13 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <map>
 #include <string_view>
 
 #include "collision/base/sine_cosine.h"
 #include "leeway/robots/kinematics.h"
+#include "robots/base/tolerances.h"
 #include "robots/urdf/xml_reader.h"
 
 namespace leeway::robots {
@@ -62,7 +64,12 @@ class Reader {
     Pose pose;
     if (const XMLElement* origin = file_.onlyChild(parent, "origin")) {
       file_.allowAttributes(*origin, {"xyz", "rpy"});
-      if (const auto position = file_.vector(*origin, "xyz")) pose.translation = *position;
+      if (const auto position = file_.vector(*origin, "xyz")) {
+        if (!(position->cwiseAbs().maxCoeff() <= kFarthestOrigin))
+          file_.fail(*origin, "xyz of <origin> is " + inQuotes(origin->Attribute("xyz")) +
+                                  "; numbers from -1e9 to 1e9 [m] would be accepted");
+        pose.translation = *position;
+      }
       if (const auto angles = file_.vector(*origin, "rpy")) pose.rotation = rollPitchYaw(*angles);
     }
     if (xyz != nullptr) *xyz = pose.translation;
@@ -232,6 +239,12 @@ class Reader {
     joint.upper = file_.number(*limit, "upper").value_or(0);
     file_.requiredNumber(*limit, "effort");
     joint.velocity = file_.requiredNumber(*limit, "velocity");
+    for (const char* name : {"lower", "upper"})
+      if (bounded && !(std::abs(file_.number(*limit, name).value_or(0)) <= kGreatestLimit))
+        file_.fail(*limit, std::string("the ") + name + " limit " +
+                               inQuotes(limit->Attribute(name)) + " of joint " +
+                               inQuotes(joint.name) +
+                               " is too large; numbers from -1e16 to 1e16 would be accepted");
     if (bounded && joint.lower > joint.upper)
       file_.fail(*limit, "the lower limit " +
                              inQuotes(limit->Attribute("lower") ? limit->Attribute("lower") : "0") +
@@ -242,6 +255,11 @@ class Reader {
       file_.fail(*limit, "the velocity limit " + inQuotes(limit->Attribute("velocity")) +
                              " of joint " + inQuotes(joint.name) +
                              " is negative; zero or more would be accepted");
+    if (joint.velocity == 0 && joint.type != JointType::kFixed &&
+        element.FirstChildElement("mimic") == nullptr)
+      document_.warnings.push_back(file_.locate(
+          *limit, "the velocity limit of joint " + inQuotes(joint.name) +
+                      " is 0, which is taken for none: it may move at 1 rad/s or 1 m/s"));
   }
 
   void readMimic(const XMLElement& element, UrdfJoint& joint) {

@@ -160,11 +160,17 @@ class CommandTest : public ::testing::Test {
     return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, readText(out), readText(err)};
   }
 
-  /// Expects bad input: status 2, empty stdout, one line on stderr with all of `words`.
+  /// Expects bad input: status 2, one line on stderr with all of `words`, and on stdout nothing, or
+  /// with --json a document that holds that line.
   void expectRefused(const std::string& arguments, const std::vector<std::string>& words) const {
     const Answer answer = run(arguments);
     EXPECT_EQ(answer.status, 2) << arguments << "\n" << answer.out << answer.err;
-    EXPECT_EQ(answer.out, "") << arguments;
+    if (arguments.find("--json") == std::string::npos) {
+      EXPECT_EQ(answer.out, "") << arguments;
+    } else {
+      EXPECT_EQ(answer.document()["status"], "error") << arguments;
+      EXPECT_EQ(answer.document()["error"].get<std::string>() + "\n", answer.err) << arguments;
+    }
     EXPECT_EQ(std::count(answer.err.begin(), answer.err.end(), '\n'), 1) << answer.err;
     for (const std::string& word : words) {
       EXPECT_NE(answer.err.find(word), std::string::npos)

@@ -50,9 +50,12 @@ TEST_F(Batch, PairsByNumberAndWalksIntoFolders) {
     EXPECT_FALSE(line.contains("verify"));
   }
   // `problem` comes first in the line.
-  EXPECT_TRUE(answer.out.starts_with(R"({"problem":"set/a/scene0001.yaml","status":"solved")"))
+  EXPECT_TRUE(
+      answer.out.starts_with(R"({"problem":"set/a/scene0001.yaml","version":1,"options":{)"))
       << answer.out.substr(0, 80);
   EXPECT_NE(answer.err.find("3 solved"), std::string::npos);
+  for (const char* row : {"\nset/a          2       2", "\nset/b          1       1"})
+    EXPECT_NE(("\n" + answer.err).find(row), std::string::npos) << answer.err;
 }
 
 TEST_F(Batch, AProblemGivenTwiceIsSolvedOnce) {
@@ -259,6 +262,9 @@ TEST_F(Batch, ResumeRefusesAnotherRunsFile) {
   ASSERT_EQ(run("batch reach.yaml --output lines.json --seed 1").status, 0);
   const std::string before = read("lines.json");
   expectRefused("batch reach.yaml --output lines.json --resume --seed 2", {"lines.json:1", "seed"});
+  for (const char* options : {"", "--seed 1 --time 3", "--seed 1 --planner RRTConnect"})
+    expectRefused(std::string("batch reach.yaml --output lines.json --resume ") + options,
+                  {"lines.json:1", R"({"seed":1})"});
   expectRefused("batch empty.yaml --output lines.json --resume", {"lines.json:1", "reach.yaml"});
   EXPECT_EQ(read("lines.json"), before);
 }

@@ -9,6 +9,22 @@ namespace {
 
 class Check : public CommandTest {};
 
+/// A robot alone has states to be checked.
+TEST_F(Check, ARobotNeedsNoStartAndGoal) {
+  const std::string robot = "check --robot arm.urdf --srdf arm.srdf ";
+  const Answer answer = run(robot + "--state left --state 0,2.4 --state elbow=1 --json");
+  EXPECT_EQ(answer.status, 0) << answer.err;
+  const json states = answer.document()["states"];
+  ASSERT_EQ(states.size(), 3u);
+  EXPECT_EQ(states[0]["positions"], json({1, 0.25}));
+  EXPECT_EQ(states[1]["positions"], json({0, 2.4}));
+  EXPECT_EQ(states[2]["positions"], json({0, 1}));
+  EXPECT_EQ(run("check --robot arm.urdf --state shoulder=9").status, 1);
+  expectRefused(robot + "--state left --group leg", {"leg", "arm"});
+  expectRefused(robot + "--state start", {"'start'", "--start"});
+  expectRefused(robot, {"--start"});
+}
+
 TEST_F(Check, StartAndGoalByDefault) {
   const Answer answer = run("check reach.yaml --json");
   EXPECT_EQ(answer.status, 0) << answer.err;
@@ -207,6 +223,23 @@ TEST_F(Clearance, CollidingPathIsStatus1) {
   EXPECT_LE(document["clearance_upper"], 0);
   EXPECT_EQ(document["closest"]["a"], "lower");
   EXPECT_NE(run("clearance reach.yaml line.csv").out.find("Not every edge"), std::string::npos);
+}
+
+/// Paths in single precision miss start and goal by some 1e-8.
+TEST_F(Verify, EndsOfSinglePrecisionAreTakenWithAWarning) {
+  write("short.csv", "-1.00000002,1e-8\n1,1.25\n");
+  write("short.yaml", std::string(kEmpty).replace(std::string(kEmpty).find("goal: left"), 10,
+                                                  "goal: [1, 1.2500005]"));
+  const Answer answer = run("verify short.yaml short.csv --json");
+  EXPECT_EQ(answer.status, 0) << answer.out << answer.err;
+  EXPECT_EQ(answer.document()["warnings"].size(), 2u);
+  EXPECT_NE(answer.err.find("short.csv: the path begins 2.2e-08 off the start"), std::string::npos)
+      << answer.err;
+  const Answer exact = run("verify short.yaml short.csv --ends exact");
+  EXPECT_EQ(exact.status, 1);
+  EXPECT_NE(exact.out.find("not the start"), std::string::npos) << exact.out;
+  write("far.csv", "-1.000002,0\n1,1.25\n");
+  EXPECT_EQ(run("verify short.yaml far.csv").status, 1);
 }
 
 }  // namespace

@@ -231,7 +231,9 @@ TEST_F(Plan, AGoalLeftOutIsToldOf) {
   write("goals.yaml", text);
   const Answer answer = run("plan goals.yaml --json");
   EXPECT_EQ(answer.status, 0) << answer.err;
-  EXPECT_NE(answer.err.find("warning: goal 'goal 2' is left out"), std::string::npos) << answer.err;
+  EXPECT_NE(answer.err.find("warning: goal 'goal 2' is left out: lower and post collide there"),
+            std::string::npos)
+      << answer.err;
   EXPECT_EQ(answer.document()["warnings"].size(), 1U);
 }
 
@@ -242,9 +244,40 @@ TEST_F(Plan, ListsPlanners) {
        {"RRTConnect", "PRMstar", "BITstar", "KPIECE1", "AnytimePathShortening"}) {
     EXPECT_NE(answer.out.find(name), std::string::npos) << name;
   }
-  const json list = json::parse(run("plan --planners --json").out);
+  const json list = run("plan --planners --json").document()["planners"];
   EXPECT_GT(list.size(), 30u);
   expectRefused("plan reach.yaml --planner RRTConect", {"RRTConect", "RRTConnect"});
+}
+
+/// SIGTERM is what timeout(1) sends.
+TEST_F(Plan, AnInterruptLeavesTheBestPathSoFar) {
+  for (const char* signal : {"INT", "TERM"}) {
+    const Answer answer =
+        shell(std::string("timeout -s ") + signal + " 1 '" + leeway::commandFile() +
+              "' plan reach.yaml --planner RRTstar --json --output out.json");
+    const json document = answer.document();
+    EXPECT_EQ(document["status"], "solved") << signal << answer.err;
+    EXPECT_EQ(document["interrupted"], true);
+    EXPECT_EQ(document["certificate"]["certified"], true);
+    EXPECT_GT(document["time_s"]["simplify"], 0);
+    EXPECT_LT(document["time_s"]["plan"], 10);
+    EXPECT_EQ(run("verify reach.yaml out.json").status, 0);
+    fs::remove(path("out.json"));
+  }
+}
+
+TEST_F(Plan, NoPathTellsTheTimeThatPassed) {
+  std::string text = kReach;
+  text.replace(text.find("  - {name: post"), text.find("limits") - text.find("  - {name: post"),
+               "  - {name: wall, position: [0.3, 0, 0], box: {size: [0.2, 0.02, 1]}}\n");
+  write("wall.yaml", text);
+  const Answer stopped = shell("timeout -s INT 0.5 '" + leeway::commandFile() + "' plan wall.yaml");
+  EXPECT_NE(stopped.out.find("interrupted"), std::string::npos) << stopped.out;
+  EXPECT_EQ(stopped.out.find("20 s"), std::string::npos) << stopped.out;
+  const Answer answer = run("plan wall.yaml --iterations 10");
+  EXPECT_EQ(answer.status, 1);
+  EXPECT_NE(answer.out.find("10 iterations (limits: 20 s, 10 iterations)"), std::string::npos)
+      << answer.out;
 }
 
 }  // namespace

@@ -4,8 +4,8 @@
 namespace leeway::tools::testing {
 namespace {
 
-const char* const kVerbs[] = {"plan", "check", "verify", "clearance", "replan", "batch",
-                              "info", "ik",    "fk",     "view",      "report"};
+const char* const kVerbs[] = {"plan", "check", "verify", "clearance", "replan", "batch",  "info",
+                              "lint", "ik",    "fk",     "view",      "manual", "report", "help"};
 
 class Usage : public CommandTest {};
 
@@ -26,7 +26,15 @@ TEST_F(Usage, VersionIsTheProjects) {
 
 TEST_F(Usage, WrongUseIsStatus2) {
   expectRefused("", {"--help"});
-  expectRefused("dance", {"--help"});
+  expectRefused("dance", {"--help", "'dance'"});
+  expectRefused("help dance", {"--help", "'dance'"});
+  expectRefused("paln reach.yaml", {"'paln'", "did you mean plan?"});
+  expectRefused("plan reach.yaml --sed 3", {"did you mean --seed?"});
+  expectRefused("plan reach.yaml --output=", {"--output"});
+  expectRefused("plan reach.yaml --iterations 99999999999999999999", {"--iterations"});
+  expectRefused("plan reach.yaml --trajectory t.csv --period nan", {"--period: nan", "1e-06"});
+  expectRefused("clearance reach.yaml path.json --parts 0", {"--parts: 0", "1 to 100000"});
+  expectRefused("clearance reach.yaml path.json --tolerance nan", {"--tolerance: nan"});
   expectRefused("plan reach.yaml --fast", {"leeway plan", "--fast"});
   expectRefused("plan reach.yaml --seed many", {"--seed"});
   expectRefused("plan reach.yaml --seed -1", {"--seed", "'-1'"});
@@ -35,11 +43,11 @@ TEST_F(Usage, WrongUseIsStatus2) {
   expectRefused("plan reach.yaml --output ''", {"--output", "empty"});
   expectRefused("plan reach.yaml --planner ''", {"--planner", "empty"});
   expectRefused("plan ''", {"problem", "empty"});
-  expectRefused("check reach.yaml --tolerance inf", {"--tolerance inf"});
+  expectRefused("check reach.yaml --tolerance inf", {"--tolerance: inf"});
   expectRefused("plan", {"problem file", "--robot"});
-  expectRefused("plan reach.yaml --time 0", {"--time 0"});
-  expectRefused("plan reach.yaml --time nan", {"--time nan"});
-  expectRefused("plan reach.yaml --iterations -3", {"--iterations -3"});
+  expectRefused("plan reach.yaml --time 0", {"--time: 0"});
+  expectRefused("plan reach.yaml --time nan", {"--time: nan"});
+  expectRefused("plan reach.yaml --iterations -3", {"--iterations: -3"});
   expectRefused("plan reach.yaml --objective beauty", {"beauty", "length", "clearance"});
   expectRefused("plan reach.yaml --group arm", {"reach.yaml"});
   expectRefused("plan --robot arm.urdf --srdf arm.srdf --group arm", {"--goal"});
@@ -51,8 +59,67 @@ TEST_F(Usage, WrongUseIsStatus2) {
   expectRefused("batch reach.yaml --shard 5/4", {"5/4"});
   expectRefused("batch reach.yaml --shard x", {"'x'"});
   expectRefused("batch nowhere", {"nowhere"});
-  expectRefused("check reach.yaml --tolerance 0", {"--tolerance 0"});
+  expectRefused("check reach.yaml --tolerance 0", {"--tolerance: 0"});
   expectRefused("report", {"--help"});
+}
+
+TEST_F(Usage, HelpOfAVerbIsItsHelpOption) {
+  EXPECT_EQ(run("help").out, run("--help").out);
+  for (const char* verb : kVerbs) {
+    const Answer answer = run(std::string("help ") + verb);
+    EXPECT_EQ(answer.status, 0) << verb << answer.err;
+    EXPECT_EQ(answer.out, run(std::string(verb) + " --help").out) << verb;
+  }
+  EXPECT_EQ(run("help report motion").out, run("report motion --help").out);
+}
+
+TEST_F(Usage, QuietLeavesErrorsAlone) {
+  write("warn.yaml", std::string(kReach) + "margin: -0.01\n");
+  EXPECT_NE(run("check warn.yaml").err, "");
+  EXPECT_EQ(run("check warn.yaml --quiet").err, "");
+  EXPECT_EQ(run("check warn.yaml --quiet").out, run("check warn.yaml").out);
+  EXPECT_EQ(run("batch warn.yaml --quiet").err, "");
+  expectRefused("check nowhere.yaml --quiet", {"nowhere.yaml"});
+}
+
+/// What completes words is made from the options, so each of them must be in it, and the script
+/// must work in its shell.
+TEST_F(Usage, CompletionsKnowVerbsOptionsAndChoices) {
+  const std::string complete =
+      "leeway() { '" + leeway::commandFile() +
+      "' \"$@\"; }; . <(leeway manual bash); "
+      "ask() { COMP_WORDS=(leeway \"$@\"); COMP_CWORD=$#; _leeway; echo \"${COMPREPLY[@]}\"; }; ";
+  const auto ask = [&](const std::string& words) {
+    write("ask.sh", complete + "ask " + words);
+    return shell("bash ask.sh").out;
+  };
+  EXPECT_EQ(ask("cle"), "clearance\n");
+  EXPECT_EQ(ask("help cle"), "clearance\n");
+  EXPECT_EQ(ask("plan --obj"), "--objective\n");
+  EXPECT_EQ(ask("plan --objective cl"), "clearance\n");
+  EXPECT_EQ(ask("plan --planner BITs"), "BITstar\n");
+  EXPECT_EQ(ask("plan --quiet arm.u"), "arm.urdf\n");
+  EXPECT_EQ(ask("plan --robot arm.u"), "arm.urdf\n");
+  EXPECT_EQ(ask("manual zs"), "zsh\n");
+  for (const char* name : {"zsh", "fish"}) {
+    const Answer answer = run(std::string("manual ") + name + " >script");
+    EXPECT_EQ(answer.status, 0);
+    for (const char* word : {"clearance", "--objective", "-l objective", "length clearance"})
+      if (*word != '-' || (word[1] == 'l') == (*name == 'f'))
+        EXPECT_NE(read("script").find(word), std::string::npos) << name << word;
+    if (shell(std::string("command -v ") + name).status != 0) continue;  // the shell is not here
+    EXPECT_EQ(shell(std::string(name) + " -n script").status, 0) << name;
+  }
+}
+
+TEST_F(Usage, ManPageHasEveryVerbAndNoFaults) {
+  if (shell("command -v groff").status != 0) GTEST_SKIP() << "groff is not installed";
+  const Answer answer =
+      shell("'" + leeway::commandFile() + "' manual man | groff -man -ww -Tascii -P-cbou");
+  EXPECT_EQ(answer.err, "");
+  for (const char* verb : kVerbs)
+    EXPECT_NE(answer.out.find(std::string("leeway ") + verb), std::string::npos) << verb;
+  EXPECT_NE(answer.out.find("--objective length|clearance"), std::string::npos);
 }
 
 /// A script must notice when its answer could not be written.

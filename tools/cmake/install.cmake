@@ -1,5 +1,7 @@
 # What `cmake --install` puts where: libraries, public headers, the command, a CMake package with one component a layer, pkg-config files.
 include(CMakePackageConfigHelpers)
+# Of install() without COMPONENT; what belongs to the command says so. Each is a Debian package (package.cmake).
+set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME libleeway-dev)
 set(package_directory ${CMAKE_INSTALL_LIBDIR}/cmake/leeway)
 
 set(layers collision)
@@ -30,7 +32,14 @@ foreach(layer ${layers})
   install(FILES ${PROJECT_BINARY_DIR}/leeway-${layer}.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
 endforeach()
 if(TARGET leeway)
-  install(TARGETS leeway)
+  install(TARGETS leeway COMPONENT leeway)
+endif()
+if(TARGET leeway AND NOT CMAKE_CROSSCOMPILING)
+  set(manual ${PROJECT_BINARY_DIR}/tools/manual)
+  install(FILES ${manual}/leeway.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT leeway)
+  install(FILES ${manual}/leeway DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions COMPONENT leeway)
+  install(FILES ${manual}/_leeway DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/site-functions COMPONENT leeway)
+  install(FILES ${manual}/leeway.fish DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d COMPONENT leeway)
 endif()
 
 configure_package_config_file(tools/cmake/leewayConfig.cmake.in leewayConfig.cmake INSTALL_DESTINATION ${package_directory})
@@ -38,4 +47,10 @@ configure_package_config_file(tools/cmake/leewayConfig.cmake.in leewayConfig.cma
 write_basic_package_version_file(leewayConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/leewayConfig.cmake ${PROJECT_BINARY_DIR}/leewayConfigVersion.cmake
   tools/cmake/dependencies.cmake DESTINATION ${package_directory})
-install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
+install(FILES LICENSE README.md CHANGELOG.md DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT leeway)
+install(DIRECTORY docs DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT leeway)
+# The schema, the problems, and the robots that they name by paths between the two.
+install(DIRECTORY problems DESTINATION ${CMAKE_INSTALL_DATADIR}/leeway COMPONENT leeway)
+install(DIRECTORY robots/arm6 robots/arm7 robots/dual_arm robots/snake10 DESTINATION ${CMAKE_INSTALL_DATADIR}/leeway/robots COMPONENT leeway)
+
+include(tools/cmake/package.cmake)

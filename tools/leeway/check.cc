@@ -170,6 +170,9 @@ std::vector<NamedState> collectStates(const planner::Problem& problem,
                                       const std::vector<std::string>& wanted) {
   std::vector<NamedState> states;
   for (const std::string& text : wanted) {
+    if (problem.goals.empty() && (text == "start" || text == "goal")) {
+      badState(text, fmt::format("is given by --{0} or a problem file; or name a state", text));
+    }
     if (text == "start") {
       states.push_back({"start", startPoint(problem)});
     } else if (text == "goal") {
@@ -306,12 +309,8 @@ std::string stateText(const CheckedState& checked) {
 }
 
 int run(const Arguments& arguments) {
-  if (!(arguments.tolerance > 0) || std::isinf(arguments.tolerance)) {
-    throw robots::InputError(
-        "command line", 0,
-        fmt::format("--tolerance {} is not a positive length", arguments.tolerance));
-  }
-  planner::Problem problem = loadProblem(arguments.source);
+  planner::Problem problem = arguments.states.empty() ? loadProblem(arguments.source)
+                                                      : loadProblemOrRobot(arguments.source);
   apply(arguments.limits, problem);
   const std::vector<NamedState> states = collectStates(problem, arguments.states);
   planner::EdgeCertifier certifier(std::make_shared<const planner::CompiledScene>(problem));
@@ -349,12 +348,14 @@ Verb addCheck(CLI::App& command) {
       ->delimiter('\n');
   app->add_option("--tolerance", arguments->tolerance, "width of the clearance's interval [m]")
       ->type_name("METRES")
+      ->check(numberFrom(1e-12, 1e9))
       ->capture_default_str();
   app->add_flag("--json", arguments->json, "print one JSON document");
   app->footer(
       "Examples:\n"
       "  leeway check problems/shelf/reach.yaml\n"
-      "  leeway check problems/shelf/reach.yaml --state start --json");
+      "  leeway check problems/shelf/reach.yaml --state start --json\n"
+      "  leeway check --robot robots/arm7/arm7.urdf --srdf robots/arm7/arm7.srdf --state ready");
   return {app, [arguments] { return run(*arguments); }};
 }
 

@@ -190,10 +190,6 @@ void printText(const Profile& profile) {
 
 int run(Arguments& arguments) {
   const std::string path_file = takePathFile(arguments.source, arguments.files);
-  if (!(arguments.tolerance > 0) || arguments.parts < 1 || arguments.parts > 100000) {
-    throw robots::InputError("command line", 0,
-                             "--tolerance must be positive and --parts between 1 and 100000");
-  }
   if (!arguments.svg.empty()) {
     checkOutputFile(arguments.svg, kPictureEndings);
   }
@@ -233,9 +229,11 @@ Verb addClearance(CLI::App& command) {
   addRunLimits(*app, arguments->limits);
   app->add_option("--tolerance", arguments->tolerance, "width of the intervals [m]")
       ->type_name("METRES")
+      ->check(numberFrom(1e-12, 1e9))
       ->capture_default_str();
   app->add_option("--parts", arguments->parts, "stretches that every edge is cut into")
       ->type_name("N")
+      ->check(countFrom(1, 100000))
       ->capture_default_str();
   view::addPageOptions(*app, arguments->view);
   app->add_option("--svg", arguments->svg, "also draw it")->type_name("FILE.svg");

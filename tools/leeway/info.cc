@@ -27,10 +27,6 @@ struct Arguments {
 };
 
 int run(const Arguments& arguments) {
-  if (arguments.samples < 0) {
-    throw robots::InputError("command line", 0,
-                             fmt::format("--samples {} is negative", arguments.samples));
-  }
   const info::FileKind kind = info::kindOf(arguments.file);
   const planner::Problem problem = info::loadFile(arguments.file, kind, arguments.source);
   const planner::CompiledScene scene(problem);
@@ -66,6 +62,7 @@ Verb addInfo(CLI::App& command) {
   app->add_option("--samples", arguments->samples,
                   "random configurations that look which links meet; 0: none")
       ->type_name("N")
+      ->check(countFrom(0, 1'000'000'000))
       ->capture_default_str();
   app->add_option("--seed", arguments->seed, "seed of the samples")
       ->check(seedError)

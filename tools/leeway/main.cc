@@ -24,8 +24,8 @@ constexpr const char* kReport = "report";
 
 std::vector<Verb> addVerbs(CLI::App& app) {
   std::vector<Verb> verbs = {addPlan(app),   addCheck(app), addVerify(app), addClearance(app),
-                             addReplan(app), addBatch(app), addInfo(app),   addIk(app),
-                             addFk(app),     addView(app)};
+                             addReplan(app), addBatch(app), addInfo(app),   addLint(app),
+                             addIk(app),     addFk(app),    addView(app),   addManual(app)};
   app.add_subcommand(kReport, "measurements of the engine");  // for --help: see startReport()
   return verbs;
 }
@@ -50,5 +50,10 @@ int startReport(char** argv) {
 int main(int argc, char** argv) {
   using namespace leeway::tools;
   if (argc > 1 && std::string_view(argv[1]) == kReport) return startReport(argv);
+  if (argc > 2 && std::string_view(argv[1]) == kHelp && std::string_view(argv[2]) == kReport) {
+    std::string words[] = {argv[0], kReport, "--help"};
+    char* report[] = {words[0].data(), words[1].data(), words[2].data(), nullptr};
+    return startReport(report);
+  }
   return runCommandLine(argc, argv, addVerbs);
 }

@@ -135,10 +135,16 @@ std::string durationText(const planner::Trajectory& trajectory) {
                      at_corners);
 }
 
+std::string limitsText(const planner::PlanningLimits& limits) {
+  return limits.iterations > 0
+             ? fmt::format("limits: {} s, {} iterations", limits.time, limits.iterations)
+             : fmt::format("limit: {} s", limits.time);
+}
+
 void printText(const planner::Problem& problem, const planner::PlanResult& result,
                const std::optional<planner::Trajectory>& trajectory, double load_s) {
-  fmt::print("{}: {} with {}, seed {}{}\n", problem.name, planner::toString(result.status),
-             result.planner, result.seed,
+  fmt::print("{}: {} with {}, seed {}{}{}\n", problem.name, planner::toString(result.status),
+             result.planner, result.seed, interrupted() ? ", interrupted" : "",
              result.deterministic
                  ? ""
                  : " (this planner keeps clocks or threads of its own: not deterministic)");
@@ -149,10 +155,8 @@ void printText(const planner::Problem& problem, const planner::PlanResult& resul
       fmt::print("{}", durationText(*trajectory));
       break;
     case planner::PlanStatus::kUnsolved:
-      fmt::print("No path within {} s{}.\n", problem.limits.time,
-                 problem.limits.iterations > 0
-                     ? fmt::format(" and {} iterations", problem.limits.iterations)
-                     : "");
+      fmt::print("No path after {:.2f} s of planning and {} iterations ({}).\n", result.plan_s,
+                 result.iterations, interrupted() ? "interrupted" : limitsText(problem.limits));
       if (result.undecided_edges > 0)
         fmt::print("{} of {} edges were left undecided; the search went without them.\n",
                    result.undecided_edges, result.edges);
@@ -178,7 +182,7 @@ int listPlanners(bool json) {
                     planner.deterministic ? "yes" : "no", planner.summary});
   }
   if (json) {
-    printJson(list);
+    printJson({{"planners", list}});
   } else {
     fmt::print("{}",
                formatTable({"planner", "optimises", "deterministic", "how"}, rows, {1, 2, 3}));
@@ -252,7 +256,7 @@ Verb addPlan(CLI::App& command) {
                   "rows of the trajectory every so many seconds besides those where its "
                   "acceleration changes")
       ->type_name("S")
-      ->check(CLI::Range(1e-6, 1e6))
+      ->check(numberFrom(1e-6, 1e6))
       ->needs("--trajectory");
   view::addPageOptions(*app, arguments->view);
   app->add_flag("--json", arguments->json, "print one JSON document");

@@ -194,10 +194,6 @@ void printSummary(const planner::Problem& problem, const planner::ReplanResult& 
 }
 
 int run(const Arguments& arguments) {
-  if (arguments.steps < 0) {
-    throw robots::InputError("command line", 0,
-                             fmt::format("--steps {} is negative", arguments.steps));
-  }
   if (arguments.json && arguments.text) {
     throw robots::InputError("command line", 0, "--json and --text exclude each other");
   }
@@ -235,7 +231,7 @@ int run(const Arguments& arguments) {
       [&](const planner::ReplanStep& step) {
         if (!arguments.view.file.empty()) shown.push_back(step);
         if (json) {
-          fmt::print("{}\n", jsonText(stepJson(step)));
+          fmt::print("{}\n", jsonText(versioned(stepJson(step))));
           std::fflush(stdout);
         } else {
           rows.add(step);
@@ -252,7 +248,7 @@ int run(const Arguments& arguments) {
                                                              shown, result.status));
   }
   if (json) {
-    fmt::print("{}\n", jsonText(summaryJson(problem, result, load_s)));
+    fmt::print("{}\n", jsonText(versioned(summaryJson(problem, result, load_s))));
   } else {
     fmt::print("{}", rows.text());
     printSummary(problem, result);
@@ -269,7 +265,8 @@ Verb addReplan(CLI::App& command) {
   addProblemArguments(*app, arguments->source);
   addPlanOverrides(*app, arguments->overrides);
   app->add_option("--steps", arguments->steps, "at most so many steps; 0: until it ends")
-      ->type_name("N");
+      ->type_name("N")
+      ->check(countFrom(0, 1'000'000'000));
   app->add_option("--output", arguments->output, "write what was executed: time and joints")
       ->type_name("FILE.csv");
   view::addPageOptions(*app, arguments->view);

@@ -9,6 +9,7 @@
 #include "leeway/planner/path_io.h"
 #include "tools/leeway/support/exit_status.h"
 #include "tools/leeway/support/json_result.h"
+#include "tools/leeway/support/path_ends.h"
 #include "tools/leeway/support/problem_source.h"
 #include "tools/leeway/support/terminal.h"
 #include "tools/leeway/support/verb.h"
@@ -20,6 +21,7 @@ struct Arguments {
   ProblemSource source;
   std::vector<std::string> files;
   PlanOverrides limits;
+  std::string ends = "near";
   bool json = false;
 };
 
@@ -53,12 +55,19 @@ int run(Arguments& arguments) {
   planner::Problem problem = loadProblem(arguments.source);
   apply(arguments.limits, problem);
   const planner::Path path = planner::readPath(path_file, problem);
+  std::vector<std::string> warnings;
+  if (arguments.ends == "near") {
+    warnings = takeNearEnds(path, problem);
+    for (std::string& warning : warnings) warning = path_file + ": " + warning;
+    printWarnings(warnings);
+  }
   const planner::VerifyResult result =
       planner::verify(problem, path, interactivePlanOptions(arguments.limits.time_limit));
   endProgress();
   if (arguments.json) {
     Json document = toJson(result);
     document["seed"] = problem.seed;
+    document["warnings"] = warnings;
     printJson(document);
   } else {
     fmt::print("{}", resultText(path, result));
@@ -74,6 +83,11 @@ Verb addVerify(CLI::App& command) {
       command.add_subcommand("verify", "prove or refute a path, independently of what planned it");
   addProblemAndPathArguments(*app, arguments->source, arguments->files);
   addRunLimits(*app, arguments->limits);
+  app->add_option("--ends", arguments->ends,
+                  "near: ends within 1e-6 of start and goal are theirs, with a warning; exact: "
+                  "within 1e-9, as rounding leaves them")
+      ->check(CLI::IsMember({"near", "exact"}))
+      ->capture_default_str();
   app->add_flag("--json", arguments->json, "print one JSON document");
   app->footer(
       "Example:\n"

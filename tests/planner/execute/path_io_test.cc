@@ -267,7 +267,12 @@ TEST_F(PathIo, TrajectoriesHaveRatesAndTheirOwnCertificate) {
     EXPECT_NEAR(stop.at("points")[i].at("accelerations")[0].get<double>(), second[0], 1e-9) << i;
   }
   writeTrajectory(file("stop.csv"), problem, result, stopping);
-  EXPECT_EQ(readText(file("stop.csv")).substr(0, 12), "time,joint1,");
+  const std::string csv = readText(file("stop.csv"));
+  EXPECT_EQ(csv.substr(0, 12), "time,joint1,");
+  const std::string head = csv.substr(0, csv.find('\n'));
+  EXPECT_TRUE(head.ends_with(",joint7.acceleration")) << head;
+  EXPECT_EQ(std::count(head.begin(), head.end(), ','), 21);
+  EXPECT_EQ(readPath(file("stop.csv"), problem).positions.size(), stopping.knots().size());
   try {
     writeTrajectory(file("stop.path"), problem, result, stopping);
     ADD_FAILURE();
@@ -418,6 +423,18 @@ TEST_F(PathIo, ColumnsAreMatchedByName) {
   EXPECT_EQ(path.positions[1], (std::vector<double>{0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7}));
 }
 
+/// As other planners write them: in the group's order, with commas or blanks.
+TEST_F(PathIo, BareRowsAreRead) {
+  const Problem problem = armProblem();
+  const std::vector<double> row = {1, 2, 3, 4, 5, 6, 7};
+  for (const auto& [name, text] : {std::pair{"a.csv", "1,2,3,4,5,6,7\n1, 2, 3, 4, 5, 6, 7\n"},
+                                   std::pair{"a.path", "1,2,3,4,5,6,7\n1 2 3\t4 5 6 7\n"},
+                                   std::pair{"a.txt", "1 2 3 4 5 6 7\n1,2,3,4,5,6,7\n"}}) {
+    const Path path = readPath(write(name, text), problem);
+    EXPECT_EQ(path.positions, (std::vector<std::vector<double>>{row, row})) << name;
+  }
+}
+
 TEST_F(PathIo, OtherShapesOfTrajectoryAreRead) {
   const Problem problem = armProblem();
   const std::string names =
@@ -451,8 +468,8 @@ TEST_F(PathIo, MessagesOfBadFiles) {
   expect(file("absent.csv"), ": cannot be read; a readable file is expected");
   expect(file("absent.json"),
          ": cannot be read: No such file or directory; a readable file is expected");
-  expect(write("a.txt", ""),
-         ": the ending '.txt' names no format; .json, .yaml, .csv or .path is expected");
+  expect(write("a.doc", ""),
+         ": the ending '.doc' names no format; .json, .yaml, .csv, .path or .txt is expected");
   expect(write("a.csv", ""), ": is empty; a header of 'time' and joint names is expected");
   expect(write("b.csv", header), ": holds no waypoint; at least one is expected");
   expect(write("c.csv", header + "0,1,2,3,4,5,6\n"), ":2: a row of 7 numbers; 8 are expected");

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <cmath>
 #include <condition_variable>
+#include <filesystem>
 #include <memory>
 #include <mutex>
 #include <nlohmann/json.hpp>
@@ -46,7 +48,7 @@ double secondsSince(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-/// What became of the problems, for the last line on stderr and for the exit status.
+/// What became of the problems, for the end of stderr and for the exit status.
 struct Tally {
   int solved = 0, unsolved = 0, invalid = 0, not_verified = 0, bad_input = 0, faults = 0;
   std::vector<double> plan_s, total_s;
@@ -60,17 +62,6 @@ struct Tally {
     }
     return unsolved + invalid + not_verified > 0 ? kNo : kYes;
   }
-
-  void add(const Tally& more) {
-    solved += more.solved;
-    unsolved += more.unsolved;
-    invalid += more.invalid;
-    not_verified += more.not_verified;
-    bad_input += more.bad_input;
-    faults += more.faults;
-    plan_s.insert(plan_s.end(), more.plan_s.begin(), more.plan_s.end());
-    total_s.insert(total_s.end(), more.total_s.begin(), more.total_s.end());
-  }
 };
 
 /// What became of one problem: kept apart until its turn, whoever solved it.
@@ -78,10 +69,17 @@ struct Outcome {
   Json line;
   std::vector<std::string> warnings;
   std::string error;  ///< for stderr; empty: none
-  Tally tally;
-  bool cut = false;  ///< short, by an interrupt: no part of the answer
+  bool cut = false;   ///< short, by an interrupt: no part of the answer
   view::FolderPage page;
 };
+
+/// The least value that a share of them does not exceed.
+double quantile(std::vector<double> values, double share) {
+  if (values.empty()) return 0;
+  std::sort(values.begin(), values.end());
+  const double rank = std::ceil(share * static_cast<double>(values.size()));
+  return values[static_cast<std::size_t>(std::max(rank, 1.0)) - 1];
+}
 
 double median(std::vector<double> values) {
   if (values.empty()) {
@@ -109,25 +107,6 @@ planner::Problem load(const Arguments& arguments, const std::shared_ptr<const ro
   }
   add(problem.warnings);
   return problem;
-}
-
-void count(const planner::PlanResult& result, Tally& tally) {
-  switch (result.status) {
-    case planner::PlanStatus::kSolved:
-      // A path without its proof is not an answer.
-      result.certificate.certified ? ++tally.solved : ++tally.unsolved;
-      tally.plan_s.push_back(result.plan_s);
-      tally.total_s.push_back(result.compile_s + result.plan_s + result.simplify_s +
-                              result.certify_s);
-      break;
-    case planner::PlanStatus::kUnsolved:
-      ++tally.unsolved;
-      break;
-    case planner::PlanStatus::kInvalidStart:
-    case planner::PlanStatus::kInvalidGoal:
-      ++tally.invalid;
-      break;
-  }
 }
 
 /// Whether the clock decides what comes out: a planner improves its path as long as it may, or a
@@ -186,32 +165,38 @@ Json solve(const Arguments& arguments, const std::shared_ptr<const robots::Model
     const planner::VerifyResult verified = planner::verify(problem, result.path, options);
     verification = toJson(verified);
     verification["time_s"] = secondsSince(verify_start);
-    if (verified.status != planner::VerifyStatus::kCertified) {
-      ++outcome.tally.not_verified;
-    }
   }
   if (arguments.verify) {
     document["verify"] = verification;
   }
-  count(result, outcome.tally);
   if (!arguments.view.empty()) {
     outcome.page = view::folderPage(view::subjectOfPlan(problem, item.problem, result, {}));
   }
   return document;
 }
 
-/// A line of the run before counts as it counted then.
-void countKept(const std::string& line, Tally& tally) {
-  const auto document = nlohmann::json::parse(line);
+/// A line counts by what it says, whether this run made it or the one before.
+void countLine(const Json& document, Tally& tally) {
   const std::string status = document["status"];
-  const auto flag = [](const nlohmann::json& object, const char* key) {
+  const auto flag = [](const Json& object, const char* key) {
     return object.is_object() && object.value(key, false);
   };
-  if (status == "solved" && document.contains("certificate") &&
-      flag(document["certificate"], "certified")) {
+  if (status == "error") {
+    ++tally.bad_input;
+  } else if (status == "internal_error") {
+    ++tally.faults;
+  } else if (status == "solved" && document.contains("certificate") &&
+             flag(document["certificate"], "certified")) {
+    // A path without its proof is not an answer.
     ++tally.solved;
   } else {
     status == "solved" || status == "unsolved" ? ++tally.unsolved : ++tally.invalid;
+  }
+  if (status == "solved" && document.contains("time_s") && document["time_s"].is_object()) {
+    const Json& time = document["time_s"];
+    tally.plan_s.push_back(time.value("plan", 0.0));
+    tally.total_s.push_back(time.value("compile", 0.0) + time.value("plan", 0.0) +
+                            time.value("simplify", 0.0) + time.value("certify", 0.0));
   }
   if (document.contains("verify") && document["verify"].is_object() &&
       document["verify"]["status"] != "certified") {
@@ -224,15 +209,12 @@ void countKept(const std::string& line, Tally& tally) {
 Outcome solveOrReport(const Arguments& arguments, const std::shared_ptr<const robots::Model>& model,
                       const BatchItem& item) {
   Outcome outcome;
-  outcome.line = {{"problem", item.problem}};
   Json answer;
   try {
     answer = solve(arguments, model, item, outcome);
   } catch (const robots::InputError& error) {
-    ++outcome.tally.bad_input;
     answer = {{"status", "error"}, {"error", error.what()}};
   } catch (const std::exception& error) {
-    ++outcome.tally.faults;
     answer = {{"status", "internal_error"}, {"error", error.what()}};
   }
   if (answer.contains("error")) outcome.error = answer["error"];
@@ -316,6 +298,45 @@ void printSummary(const Tally& tally, std::size_t count, std::size_t kept, bool 
   fmt::print(stderr, "{}\n", text);
 }
 
+/// By folder, in the order of their first problems.
+void printTable(const std::vector<std::pair<std::string, Tally>>& folders) {
+  std::vector<std::vector<std::string>> rows;
+  for (const auto& [folder, tally] : folders) {
+    const int other = tally.invalid + tally.bad_input + tally.faults;
+    const auto ms = [](double seconds) { return fmt::format("{:.2f}", seconds * 1e3); };
+    rows.push_back({folder, fmt::format("{}", tally.solved + tally.unsolved + other),
+                    fmt::format("{}", tally.solved), fmt::format("{}", tally.unsolved),
+                    fmt::format("{}", other), ms(median(tally.plan_s)), ms(median(tally.total_s)),
+                    ms(quantile(tally.total_s, 0.95))});
+  }
+  fmt::print(stderr, "{}",
+             formatTable({"folder", "problems", "solved", "unsolved", "invalid", "plan [ms]",
+                          "whole [ms]", "95 % [ms]"},
+                         rows));
+}
+
+/// What the command line says of how problems are answered, as it is kept in each line: lines that
+/// were made otherwise are not mixed.
+Json optionsJson(const Arguments& arguments) {
+  Json options = Json::object();
+  const PlanOverrides& overrides = arguments.overrides;
+  const auto add = [&](const char* key, const std::string& text) {
+    if (!text.empty()) options[key] = text;
+  };
+  add("robot", arguments.source.robot);
+  add("srdf", arguments.source.srdf);
+  if (overrides.seed) options["seed"] = *overrides.seed;
+  if (overrides.time_limit) options["time"] = *overrides.time_limit;
+  if (overrides.iteration_limit) options["iterations"] = *overrides.iteration_limit;
+  add("planner", overrides.planner);
+  add("workers", overrides.workers);
+  add("objective", overrides.objective);
+  if (overrides.certificate != "path") options["certificate"] = overrides.certificate;
+  if (arguments.repeat != 1) options["repeat"] = arguments.repeat;
+  if (arguments.verify) options["verify"] = true;
+  return options;
+}
+
 std::vector<BatchItem> listItems(const Arguments& arguments) {
   std::vector<BatchItem> items = arguments.source.robot.empty()
                                      ? listProblems(arguments.inputs)
@@ -328,6 +349,13 @@ std::vector<BatchItem> listItems(const Arguments& arguments) {
     }
   }
   return arguments.shard.empty() ? unique : selectShard(unique, arguments.shard);
+}
+
+/// For the progress line: at the pace so far.
+std::string timeLeft(double elapsed_s, std::size_t done, std::size_t left) {
+  if (done == 0) return {};
+  return fmt::format(", about {:.0f} s left",
+                     elapsed_s / static_cast<double>(done) * static_cast<double>(left));
 }
 
 int run(const Arguments& arguments) {
@@ -343,21 +371,36 @@ int run(const Arguments& arguments) {
                               loadOptions(arguments.source));
     warnings.print(model->warnings);
   }
-  BatchOutput output(arguments.output, items, arguments.resume, arguments.overrides.seed);
+  const Json options = optionsJson(arguments);
+  BatchOutput output(arguments.output, items, arguments.resume, options);
   std::vector<const BatchItem*> open;
   for (const BatchItem& item : items) {
     if (!output.has(item.problem)) open.push_back(&item);
   }
   Jobs jobs(arguments, model, std::move(open));
   Tally tally;
+  std::vector<std::pair<std::string, Tally>> folders;
+  const auto count = [&](const std::string& problem, const Json& line) {
+    const std::string folder = std::filesystem::path(problem).parent_path().string();
+    auto entry = std::find_if(folders.begin(), folders.end(),
+                              [&](const auto& other) { return other.first == folder; });
+    if (entry == folders.end()) entry = folders.insert(entry, {folder, {}});
+    countLine(line, tally);
+    countLine(line, entry->second);
+  };
   std::size_t done = 0;
+  std::size_t planned = 0;  // by this run
+  const Clock::time_point begin = Clock::now();
   for (const BatchItem& item : items) {
     ++done;
     if (output.has(item.problem)) {
-      countKept(output.line(item.problem), tally);
+      count(item.problem, Json::parse(output.line(item.problem)));
       continue;
     }
-    showProgress(fmt::format("{} of {}: {}", done, items.size(), item.problem));
+    showProgress(fmt::format("{} of {}{}: {}", done, items.size(),
+                             timeLeft(secondsSince(begin), planned, items.size() + 1 - done),
+                             item.problem));
+    ++planned;
     const Outcome outcome = jobs.take();
     warnings.print(outcome.warnings);
     if (!outcome.error.empty()) {
@@ -374,15 +417,20 @@ int run(const Arguments& arguments) {
                      : fmt::format("; {} holds them for --resume", output.partialPath()));
       return kNo;
     }
-    tally.add(outcome.tally);
     pages.add(outcome.page);
-    output.add(item.problem, jsonText(outcome.line));
+    Json line = {{"problem", item.problem}, {"version", kJsonVersion}, {"options", options}};
+    line.update(outcome.line);
+    output.add(item.problem, jsonText(line));
+    count(item.problem, line);
   }
   endProgress();
   output.finish();
   pages.finish();
   warnings.printCounts();
-  printSummary(tally, items.size(), output.keptCount(), arguments.verify);
+  if (!isQuiet()) {
+    if (items.size() > 1) printTable(folders);
+    printSummary(tally, items.size(), output.keptCount(), arguments.verify);
+  }
   return tally.status();
 }
 
@@ -400,11 +448,11 @@ Verb addBatch(CLI::App& command) {
   app->add_option("--repeat", arguments->repeat,
                   "plan each problem N times: times are medians, answers must be the same")
       ->type_name("N")
-      ->check(CLI::Range(1, 1000000));
+      ->check(countFrom(1, 1000000));
   app->add_option("--jobs", arguments->jobs,
                   "solve N problems at a time; the output is that of one job, but for times")
       ->type_name("N")
-      ->check(CLI::Range(1, 1024));
+      ->check(countFrom(1, 1024));
   addRobotArguments(*app, arguments->source);
   addPlanOverrides(*app, arguments->overrides);
   app->add_option("--shard", arguments->shard, "only every N-th problem from the i-th")

@@ -15,7 +15,7 @@
 namespace leeway::tools {
 
 BatchOutput::BatchOutput(std::string path, const std::vector<BatchItem>& items, bool resume,
-                         std::optional<std::uint64_t> seed)
+                         const Json& options)
     : path_(std::move(path)) {
   for (const BatchItem& item : items) {
     order_.push_back(item.problem);
@@ -25,9 +25,9 @@ BatchOutput::BatchOutput(std::string path, const std::vector<BatchItem>& items, 
   }
   if (resume) {
     if (std::filesystem::exists(partialPath())) {
-      keepLinesOf(partialPath(), seed);
+      keepLinesOf(partialPath(), options);
     } else if (std::filesystem::exists(path_)) {
-      keepLinesOf(path_, seed);
+      keepLinesOf(path_, options);
     }
     kept_ = lines_.size();
   }
@@ -45,14 +45,14 @@ BatchOutput::~BatchOutput() {
   }
 }
 
-void BatchOutput::keepLinesOf(const std::string& file, std::optional<std::uint64_t> seed) {
+void BatchOutput::keepLinesOf(const std::string& file, const Json& options) {
   std::ifstream in(file, std::ios::binary);
   std::string line;
   for (int number = 1; std::getline(in, line); ++number) {
     if (in.eof()) {
       return;  // no line break: the run was cut off while it wrote this line
     }
-    const auto document = nlohmann::json::parse(line, nullptr, false);
+    const Json document = Json::parse(line, nullptr, false);
     if (!document.is_object() || !document.contains("problem") ||
         !document["problem"].is_string() || !document.contains("status")) {
       throw robots::InputError(
@@ -66,11 +66,12 @@ void BatchOutput::keepLinesOf(const std::string& file, std::optional<std::uint64
               "'{}' is not a problem of this batch; resume with the arguments of the first run",
               problem));
     }
-    if (seed && document.contains("seed") && document["seed"] != *seed) {
+    const Json made_with = document.value("options", Json::object());
+    if (made_with != options) {
       throw robots::InputError(
           file, number,
-          fmt::format("has seed {}, not {}; resume with the arguments of the first run",
-                      document["seed"].dump(), *seed));
+          fmt::format("was made with the options {}, not {}; resume with those of the first run",
+                      jsonText(made_with), jsonText(options)));
     }
     if (document["status"] != "error" && document["status"] != "internal_error") {
       lines_[problem] = line;

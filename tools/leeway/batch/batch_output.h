@@ -1,13 +1,12 @@
 #pragma once
 
-#include <cstdint>
 #include <cstdio>
 #include <map>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "tools/leeway/batch/batch_list.h"
+#include "tools/leeway/support/json_result.h"
 
 namespace leeway::tools {
 
@@ -18,9 +17,10 @@ class BatchOutput {
  public:
   /// `path` empty: stdout. With `resume`, lines of an interrupted (or finished) run are kept; lines
   /// that report bad input are not, so that these problems are tried again. Throws
-  /// robots::InputError when a kept line is no line of this batch or has another seed than `seed`.
+  /// robots::InputError when a kept line is no line of this batch or was made with other `options`
+  /// than this run's, which its key `options` tells.
   BatchOutput(std::string path, const std::vector<BatchItem>& items, bool resume,
-              std::optional<std::uint64_t> seed);
+              const Json& options);
   ~BatchOutput();
   BatchOutput(const BatchOutput&) = delete;
   BatchOutput& operator=(const BatchOutput&) = delete;
@@ -36,7 +36,7 @@ class BatchOutput {
   std::string partialPath() const { return path_ + ".partial"; }
 
  private:
-  void keepLinesOf(const std::string& file, std::optional<std::uint64_t> seed);
+  void keepLinesOf(const std::string& file, const Json& options);
   std::string linesInOrder() const;
 
   std::string path_;

@@ -1,34 +1,84 @@
 #include "tools/leeway/support/command_line.h"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
+#include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <exception>
+#include <new>
+#include <nlohmann/json.hpp>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "leeway/robots/input_error.h"
+#include "leeway/robots/text.h"
 #include "tools/leeway/support/exit_status.h"
+#include "tools/leeway/support/json_result.h"
+#include "tools/leeway/support/terminal.h"
 
 namespace leeway::tools {
 namespace {
 
 constexpr const char* kDescription = R"(Plans motions of robots and proves how much room they leave.
 
+  leeway plan problems/shelf/reach.yaml --output path.json
+  leeway verify problems/shelf/reach.yaml path.json
+
 Exit status: 0 yes (solved, valid, certified), 1 no, 2 bad usage or input, 70 a fault of this program.)";
 
-int reportUsage(const CLI::App& app, const CLI::ParseError& error) {
+/// What was meant by a word that nothing expects: the nearest verb or option, as a clause; empty:
+/// none is near.
+std::string suggestion(const CLI::App& app, const std::string& word) {
+  std::vector<std::string> known;
+  for (const CLI::App* verb : app.get_subcommands({})) known.push_back(verb->get_name());
+  for (const CLI::Option* option : app.get_options()) {
+    for (const std::string& name : option->get_lnames()) known.push_back("--" + name);
+  }
+  const std::string* nearest = robots::nearestName(word.substr(0, word.find('=')), known);
+  return nearest == nullptr ? "" : fmt::format(" (did you mean {}?)", *nearest);
+}
+
+/// The first word that is given and that nothing expects: no verb where one must stand, or an
+/// option that the verb does not have. Empty: none of these.
+std::string unexpectedWord(const CLI::App* verb, const std::vector<std::string>& words) {
+  if (verb == nullptr) return words.empty() ? "" : words.front();
+  for (const std::string& word : words) {
+    if (word.starts_with("--") &&
+        verb->get_option_no_throw(word.substr(0, word.find('='))) == nullptr)
+      return word;
+  }
+  return {};
+}
+
+/// One line on stderr; with --json the answer, too, is a document that says it.
+void reportError(const std::string& message, bool json) {
+  fmt::print(stderr, "{}\n", message);
+  if (json) printJson({{"status", "error"}, {"error", message}});
+}
+
+int reportUsage(const CLI::App& app, const CLI::ParseError& error,
+                const std::vector<std::string>& words, bool json) {
   // Help and version are answers; CLI11 throws them too.
   if (error.get_exit_code() == 0) {
     return app.exit(error) == 0 ? kYes : kInternal;
   }
-  std::string where = "leeway";
   const auto chosen = app.get_subcommands();
-  if (!chosen.empty()) {
-    where += " " + chosen.front()->get_name();
+  const CLI::App* verb = chosen.empty() ? nullptr : chosen.front();
+  const std::string where = verb == nullptr ? "leeway" : "leeway " + verb->get_name();
+  std::string what = error.what();
+  const std::string word = unexpectedWord(verb, words);
+  if (words.empty()) what = "a verb is needed, as plan or check";
+  if (!word.empty()) {
+    if (verb == nullptr) what = fmt::format("there is no verb '{}'", word);
+    what += suggestion(verb == nullptr ? app : *verb, word);
   }
-  fmt::print(stderr, "{}: {}; `{} --help` shows what is accepted\n", where, error.what(), where);
+  reportError(fmt::format("{}: {}; `{} --help` shows what is accepted", where, what, where), json);
   return kBadInput;
 }
 
@@ -46,18 +96,51 @@ void refuseEmptyValues(CLI::App& app) {
   }
 }
 
+bool hasVerb(const CLI::App& app, const std::string& name) {
+  const auto verbs = app.get_subcommands({});
+  return std::any_of(verbs.begin(), verbs.end(),
+                     [&](const CLI::App* verb) { return verb->get_name() == name; });
+}
+
+/// For every verb alike.
+void addQuiet(CLI::App& app) {
+  for (CLI::App* verb : app.get_subcommands({})) {
+    verb->add_flag_callback("--quiet", setQuiet, "errors alone on stderr: no warnings or progress");
+    addQuiet(*verb);
+  }
+}
+
+/// `help`, `help VERB` and `help report VERB`: what is meant by them, `VERB --help`.
+std::vector<std::string> wordsOf(int argc, char** argv) {
+  std::vector<std::string> words(argv + std::min(argc, 1), argv + argc);
+  if (!words.empty() && words.front() == kHelp) {
+    std::rotate(words.begin(), words.begin() + 1, words.end());
+    words.back() = "--help";
+  }
+  return words;
+}
+
 using AddVerbs = std::function<std::vector<Verb>(CLI::App&)>;
 
-int run(int argc, char** argv, const AddVerbs& add_verbs) {
+int run(std::vector<std::string> words, bool json, const AddVerbs& add_verbs) {
   CLI::App app(kDescription, "leeway");
   app.set_version_flag("--version", std::string("leeway ") + LEEWAY_VERSION);
   app.require_subcommand(1);
   const std::vector<Verb> verbs = add_verbs(app);
+  CLI::App* help = app.add_subcommand(kHelp, "what a verb accepts, as `leeway VERB --help`");
+  help->add_option("verb", "whose help")->type_name("VERB");
+  help->footer("Example:\n  leeway help plan");
   refuseEmptyValues(app);
+  addQuiet(app);
   try {
-    app.parse(argc, argv);
+    // CLI11 would show the command's own help.
+    if (words.size() > 1 && words.back() == "--help" && !words.front().starts_with("-") &&
+        !hasVerb(app, words.front()))
+      throw CLI::ExtrasError({words.front()});
+    // CLI11 takes them from the end.
+    app.parse(std::vector<std::string>(words.rbegin(), words.rend()));
   } catch (const CLI::ParseError& error) {
-    return reportUsage(app, error);
+    return reportUsage(app, error, words, json);
   }
   for (const Verb& verb : verbs) {
     if (verb.app->parsed()) {
@@ -67,21 +150,38 @@ int run(int argc, char** argv, const AddVerbs& add_verbs) {
   return kInternal;
 }
 
+/// Where no handler is left, in a destructor or a thread of a library: a message and a status all
+/// the same. Neither allocates.
+[[noreturn]] void onTerminate() {
+  constexpr std::string_view kMessage =
+      "leeway: a fault of this program, for which memory may lack\n";
+  static_cast<void>(!::write(STDERR_FILENO, kMessage.data(), kMessage.size()));
+  std::_Exit(kInternal);
+}
+
 int runGuarded(int argc, char** argv, const AddVerbs& add_verbs) {
-  try {
-    return run(argc, argv, add_verbs);
-  } catch (const robots::InputError& error) {
-    fmt::print(stderr, "{}\n", error.what());
-    return kBadInput;
-  } catch (const std::exception& error) {
+  const std::vector<std::string> words = wordsOf(argc, argv);
+  const bool json = std::find(words.begin(), words.end(), "--json") != words.end();
+  const auto fault = [json](const std::string& message) {
     if (std::ferror(stdout) != 0) {
       return kYes;  // fmt throws where stdout takes no more; answerIsWritten() reports it
     }
-    fmt::print(stderr, "leeway: a fault of this program: {}\n", error.what());
+    reportError("leeway: a fault of this program" + message, json);
     return kInternal;
+  };
+  try {
+    return run(words, json, add_verbs);
+  } catch (const robots::InputError& error) {
+    reportError(error.what(), json);
+    return kBadInput;
+  } catch (const std::bad_alloc&) {
+    // Words made from more memory would fail again.
+    std::fputs("leeway: out of memory\n", stderr);
+    return kInternal;
+  } catch (const std::exception& error) {
+    return fault(std::string(": ") + error.what());
   } catch (...) {
-    fmt::print(stderr, "leeway: a fault of this program\n");
-    return kInternal;
+    return fault("");
   }
 }
 
@@ -100,6 +200,8 @@ bool answerIsWritten() {
 }  // namespace
 
 int runCommandLine(int argc, char** argv, const AddVerbs& add_verbs) {
+  std::set_terminate(onTerminate);
+  std::signal(SIGXFSZ, SIG_IGN);  // a file at its size limit is one that cannot be written
   const int status = runGuarded(argc, argv, add_verbs);
   return answerIsWritten() || status >= kBadInput ? status : kBadInput;
 }

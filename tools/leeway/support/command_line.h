@@ -7,6 +7,8 @@
 
 namespace leeway::tools {
 
+constexpr const char* kHelp = "help";  ///< `leeway help VERB` is `leeway VERB --help`
+
 /// Parses the command line against the verbs that `add_verbs` declares and runs the one that it
 /// names. Faults go to stderr. Returns the ExitStatus; kBadInput, too, where stdout takes no more.
 int runCommandLine(int argc, char** argv,

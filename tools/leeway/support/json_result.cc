@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "leeway/robots/input_error.h"
+#include "tools/leeway/support/terminal.h"
 
 namespace leeway::tools {
 namespace {
@@ -87,6 +88,7 @@ Json toJson(const planner::Problem& problem, const planner::PlanResult& result,
                      {"edges", result.edges},
                      {"distance_queries", result.distance_queries},
                      {"undecided_edges", result.undecided_edges}}}};
+  document["interrupted"] = interrupted();
   document["warnings"] = result.warnings;
   document["goal"] =
       result.goal >= 0 ? Json(problem.goals[static_cast<std::size_t>(result.goal)].name) : Json();
@@ -137,9 +139,15 @@ std::string jsonText(const Json& document, int indent) {
   return document.dump(indent, ' ', false, Json::error_handler_t::replace);
 }
 
+Json versioned(const Json& document) {
+  Json answer = {{"version", kJsonVersion}};
+  answer.update(document);
+  return answer;
+}
+
 void printJson(const Json& document) {
   const bool terminal = isatty(STDOUT_FILENO) == 1;
-  fmt::print("{}\n", jsonText(document, terminal ? 2 : -1));
+  fmt::print("{}\n", jsonText(versioned(document), terminal ? 2 : -1));
 }
 
 }  // namespace leeway::tools

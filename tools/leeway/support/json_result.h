@@ -28,8 +28,14 @@ const char* toString(planner::VerifyStatus status);  ///< "certified", "refuted"
 /// replacement character, as JSON has no other way.
 std::string jsonText(const Json& document, int indent = -1);
 
-/// One line with a line break, to stdout, or an indented document for people's eyes when stdout is
-/// a terminal.
+/// Of all documents that the command prints (docs/json.md); rises when a key goes or changes its
+/// meaning, not when one is added.
+constexpr int kJsonVersion = 1;
+/// The object with `version` before its keys.
+Json versioned(const Json& document);
+
+/// versioned(), one line with a line break, to stdout, or an indented document for people's eyes
+/// when stdout is a terminal.
 void printJson(const Json& document);
 
 }  // namespace leeway::tools

@@ -1,18 +1,24 @@
 #include "tools/leeway/support/problem_source.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <charconv>
-#include <cmath>
 #include <filesystem>
+#include <optional>
 #include <set>
 
 #include "leeway/robots/cache_folder.h"
 #include "leeway/robots/input_error.h"
+#include "leeway/robots/text.h"
 #include "tools/leeway/support/terminal.h"
 
 namespace leeway::tools {
 namespace {
+
+// Of --time [s]: a clock tick, and thirty years.
+constexpr double kLeastTime = 1e-6;
+constexpr double kMostTime = 1e9;
 
 [[noreturn]] void badUsage(const std::string& message) {
   throw robots::InputError("command line", 0, message);
@@ -92,30 +98,55 @@ std::string seedError(const std::string& text) {
              : fmt::format("'{}' is not a whole number from 0 to 18446744073709551615", text);
 }
 
+CLI::Validator numberFrom(double lower, double upper) {
+  return {[lower, upper](const std::string& text) {
+            const std::optional<double> value = robots::parseFinite(text);
+            return value && *value >= lower && *value <= upper
+                       ? std::string()
+                       : fmt::format("{} is not a number from {} to {}", text, lower, upper);
+          },
+          ""};
+}
+
+CLI::Validator countFrom(std::int64_t lower, std::int64_t upper) {
+  return {[lower, upper](const std::string& text) {
+            std::int64_t value = 0;
+            const char* end = text.data() + text.size();
+            const auto read = std::from_chars(text.data(), end, value);
+            return read.ec == std::errc() && read.ptr == end && value >= lower && value <= upper
+                       ? std::string()
+                       : fmt::format("{} is not a whole number from {} to {}", text, lower, upper);
+          },
+          ""};
+}
+
 void addRunLimits(CLI::App& app, PlanOverrides& overrides) {
   app.add_option("--seed", overrides.seed, "seed of the run; same seed, same answer")
       ->type_name("N")
       ->check(seedError);
-  app.add_option("--time", overrides.time_limit, "limit of the run [s]")->type_name("SECONDS");
+  app.add_option("--time", overrides.time_limit, "limit of the run [s]")
+      ->type_name("SECONDS")
+      ->check(numberFrom(kLeastTime, kMostTime));
 }
 
 void addPlanOverrides(CLI::App& app, PlanOverrides& overrides) {
   addRunLimits(app, overrides);
   app.add_option("--iterations", overrides.iteration_limit,
                  "limit of planner iterations, 0 for none")
-      ->type_name("N");
+      ->type_name("N")
+      ->check(countFrom(0));
   app.add_option("--planner", overrides.planner,
                  "planner by name; `leeway plan --planners` lists them")
-      ->type_name("NAME");
+      ->type_name("PLANNER");
   app.add_option("--workers", overrides.workers,
                  "searches of Connect side by side, 1 by default: they fix the answer, threads do "
                  "not")
       ->type_name("N");
-  app.add_option("--objective", overrides.objective, "length or clearance")->type_name("NAME");
+  app.add_option("--objective", overrides.objective, "what is best")
+      ->check(CLI::IsMember({"length", "clearance"}));
   app.add_option("--certificate", overrides.certificate,
                  "path: the path's least clearance to a tenth of itself, as far as a little work "
                  "goes; full: that of each edge to 0.1 mm, whatever it takes")
-      ->type_name("path|full")
       ->check(CLI::IsMember({"path", "full"}));
 }
 
@@ -166,6 +197,32 @@ planner::Problem loadProblem(const ProblemSource& source) {
   return problem;
 }
 
+planner::Problem loadProblemOrRobot(const ProblemSource& source) {
+  if (source.robot.empty() ||
+      !(source.problem + source.start + source.goal + source.scene + source.request).empty()) {
+    return loadProblem(source);
+  }
+  planner::Problem problem;
+  problem.robot.model = loadRobot(source);
+  const robots::Model& model = *problem.robot.model;
+  problem.name = model.name;
+  problem.start = model.defaultConfiguration();
+  std::vector<std::string> names;
+  for (const robots::Group& group : model.groups) {
+    names.push_back(group.name);
+    if (group.name == source.group) problem.robot.variables = group.variables;
+  }
+  if (source.group.empty()) {
+    for (int v = 0; v < static_cast<int>(model.variables.size()); ++v)
+      problem.robot.variables.push_back(v);
+  } else if (problem.robot.variables.empty()) {
+    badUsage(fmt::format("--group '{}' is no group of {} with joints that move; there {} {}",
+                         source.group, source.robot, names.size() == 1 ? "is" : "are",
+                         names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "))));
+  }
+  return problem;
+}
+
 std::string takePathFile(ProblemSource& source, const std::vector<std::string>& files) {
   if (files.empty() || (files.size() == 1 && source.robot.empty())) {
     badUsage("a problem file and a path file are needed, or --robot and a path file");
@@ -181,17 +238,9 @@ void apply(const PlanOverrides& overrides, planner::Problem& problem) {
     problem.seed = *overrides.seed;
   }
   if (overrides.time_limit) {
-    // The negated comparison refuses NaN too.
-    if (!(*overrides.time_limit > 0) || std::isinf(*overrides.time_limit)) {
-      badUsage(fmt::format("--time {} is not a positive number of seconds", *overrides.time_limit));
-    }
     problem.limits.time = *overrides.time_limit;
   }
   if (overrides.iteration_limit) {
-    if (*overrides.iteration_limit < 0) {
-      badUsage(
-          fmt::format("--iterations {} is negative; 0 means no limit", *overrides.iteration_limit));
-    }
     problem.limits.iterations = *overrides.iteration_limit;
   }
   if (!overrides.planner.empty()) {
@@ -205,20 +254,14 @@ void apply(const PlanOverrides& overrides, planner::Problem& problem) {
     problem.planner.parameters["workers"] = overrides.workers;
   }
   if (!overrides.objective.empty()) {
-    const std::optional<planner::Objective> objective =
-        planner::objectiveOfName(overrides.objective);
-    if (!objective) {
-      badUsage(fmt::format("--objective '{}' is unknown; there are length and clearance",
-                           overrides.objective));
-    }
-    problem.objective = *objective;
+    problem.objective = planner::objectiveOfName(overrides.objective).value();
   }
 }
 
 void printWarnings(const std::vector<std::string>& warnings) {
   static std::set<std::string> printed;
   for (const std::string& warning : warnings) {
-    if (printed.insert(warning).second) {
+    if (printed.insert(warning).second && !isQuiet()) {
       fmt::print(stderr, "warning: {}\n", warning);
     }
   }

@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -40,6 +41,11 @@ void addProblemAndPathArguments(CLI::App& app, ProblemSource& source,
                                 std::vector<std::string>& files);
 /// What is wrong with the text of a seed; empty: nothing. CLI11 alone takes -1 for the largest.
 std::string seedError(const std::string& text);
+/// Validators of option values, as CLI::Range but for NaN, which that takes, and counts too large
+/// for their type.
+CLI::Validator numberFrom(double lower, double upper);
+CLI::Validator countFrom(std::int64_t lower,
+                         std::int64_t upper = std::numeric_limits<std::int64_t>::max());
 /// --seed and --time: for verbs that answer questions about what is given.
 void addRunLimits(CLI::App& app, PlanOverrides& overrides);
 /// Those and --iterations, --planner, --objective: for verbs that plan.
@@ -47,12 +53,16 @@ void addPlanOverrides(CLI::App& app, PlanOverrides& overrides);
 
 /// Throws robots::InputError; prints the loader's warnings to stderr.
 planner::Problem loadProblem(const ProblemSource& source);
+/// A problem without start, goal and world, when the source is a robot without them: the variables
+/// of --group, or all; the others, and where nothing is said these too, at their defaults.
+/// Otherwise as loadProblem().
+planner::Problem loadProblemOrRobot(const ProblemSource& source);
 robots::LoadOptions loadOptions(const ProblemSource& source);
 /// Moves the problem's file from `files` to `source` and returns the path's.
 std::string takePathFile(ProblemSource& source, const std::vector<std::string>& files);
 void apply(const PlanOverrides& overrides, planner::Problem& problem);
 
-/// Each warning once in the life of the process, to stderr.
+/// Each warning once in the life of the process, to stderr, unless isQuiet().
 void printWarnings(const std::vector<std::string>& warnings);
 
 }  // namespace leeway::tools

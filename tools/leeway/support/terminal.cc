@@ -13,6 +13,7 @@ namespace {
 
 volatile std::sig_atomic_t interrupt_count = 0;
 bool progress_shown = false;
+bool quiet = false;
 
 void onInterrupt(int signal) {
   interrupt_count = interrupt_count + 1;
@@ -22,9 +23,9 @@ void onInterrupt(int signal) {
   }
 }
 
-bool stderrIsTerminal() {
+bool showsProgress() {
   static const bool is_terminal = isatty(STDERR_FILENO) == 1;
-  return is_terminal;
+  return is_terminal && !quiet;
 }
 
 std::string formatRounded(double value, int digits, double (*round)(double)) {
@@ -41,6 +42,7 @@ std::string formatRounded(double value, int digits, double (*round)(double)) {
 planner::PlanOptions interactivePlanOptions(std::optional<double> time_limit) {
   using Clock = std::chrono::steady_clock;
   std::signal(SIGINT, onInterrupt);
+  std::signal(SIGTERM, onInterrupt);
   planner::PlanOptions options;
   options.stop = [] { return interrupted(); };
   if (time_limit) {
@@ -48,7 +50,7 @@ planner::PlanOptions interactivePlanOptions(std::optional<double> time_limit) {
       return interrupted() || Clock::now() - start > limit;
     };
   }
-  if (stderrIsTerminal()) {
+  if (showsProgress()) {
     options.progress = [](const std::string& phase, double elapsed) {
       showProgress(fmt::format("{} {:.1f} s", phase, elapsed));
     };
@@ -58,8 +60,11 @@ planner::PlanOptions interactivePlanOptions(std::optional<double> time_limit) {
 
 bool interrupted() { return interrupt_count > 0; }
 
+void setQuiet() { quiet = true; }
+bool isQuiet() { return quiet; }
+
 void showProgress(const std::string& text) {
-  if (stderrIsTerminal()) {
+  if (showsProgress()) {
     fmt::print(stderr, "\r\x1b[K{}", text);
     progress_shown = true;
   }

@@ -8,11 +8,14 @@
 
 namespace leeway::tools {
 
-/// Stop and progress for long work: an interrupt (Ctrl-C) ends the run within its next step, a
-/// second one ends the program; progress is one line on stderr, rewritten, and only when stderr is
-/// a terminal. `time_limit` [s], from this call on, ends the run too.
+/// Stop and progress for long work: an interrupt (Ctrl-C, SIGTERM) ends the run within its next
+/// step, a second one ends the program; progress is one line on stderr, rewritten, and only when
+/// stderr is a terminal. `time_limit` [s], from this call on, ends the run too.
 planner::PlanOptions interactivePlanOptions(std::optional<double> time_limit = {});
 bool interrupted();
+/// --quiet: stderr gets errors alone, no warnings, progress or counts.
+void setQuiet();
+bool isQuiet();
 /// Wipes the progress line, if there is one.
 void endProgress();
 /// Shows `text` as the progress line, when stderr is a terminal.

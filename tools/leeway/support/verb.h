@@ -22,5 +22,7 @@ Verb addInfo(CLI::App& command);
 Verb addIk(CLI::App& command);
 Verb addFk(CLI::App& command);
 Verb addView(CLI::App& command);
+Verb addLint(CLI::App& command);
+Verb addManual(CLI::App& command);
 
 }  // namespace leeway::tools

@@ -4,6 +4,8 @@
 
 #include <cstdio>
 
+#include "tools/leeway/support/terminal.h"
+
 namespace leeway::tools {
 namespace {
 
@@ -30,14 +32,14 @@ void WarningLog::print(const std::vector<std::string>& warnings) {
     const std::string place = placed ? warning.substr(0, end) : std::string();
     const auto [entry, first] = texts_.try_emplace(placed ? warning.substr(end + 2) : warning);
     if (entry->second.places.insert(place).second) entry->second.last = place;
-    if (first) fmt::print(stderr, "warning: {}\n", warning);
+    if (first && !isQuiet()) fmt::print(stderr, "warning: {}\n", warning);
   }
 }
 
 void WarningLog::printCounts() const {
   for (const auto& [text, followers] : texts_) {
     const std::size_t more = followers.places.size() - 1;
-    if (more > 0) {
+    if (more > 0 && !isQuiet()) {
       fmt::print(stderr, "warning: in {} more {}, last {}: {}\n", more,
                  more == 1 ? "place" : "places", followers.last, text);
     }

@@ -117,10 +117,21 @@ void DenseWorld::readScene(const std::string& file) {
     bodies_.push_back(std::move(body));
   }
   const YAML::Node matrix = scene["allowed_collision_matrix"];
-  const auto names = matrix["entry_names"].as<std::vector<std::string>>();
+  const auto names = matrix && matrix["entry_names"]
+                         ? matrix["entry_names"].as<std::vector<std::string>>()
+                         : std::vector<std::string>();
   for (std::size_t i = 0; i < names.size(); ++i)
     for (std::size_t j = 0; j < i; ++j)
       if (matrix["entry_values"][i][j].as<bool>()) allowed_.emplace_back(names[i], names[j]);
+  // Pairs of links that the matrix does not hold are the SRDF's.
+  const auto has = [&](const std::string& name) {
+    return std::find(names.begin(), names.end(), name) != names.end();
+  };
+  for (const robots::DisabledPair& pair : model_->disabled_pairs) {
+    const std::string& a = model_->links[static_cast<std::size_t>(pair.link_a)].name;
+    const std::string& b = model_->links[static_cast<std::size_t>(pair.link_b)].name;
+    if (!has(a) || !has(b)) allowed_.emplace_back(a, b);
+  }
 }
 
 void DenseWorld::readRequest(const std::string& file) {

@@ -1,0 +1,75 @@
+#include "tests/support/command.h"
+
+namespace leeway::tools::testing {
+namespace {
+
+class Lint : public CommandTest {
+ protected:
+  void SetUp() override {
+    CommandTest::SetUp();
+    write("odd.yaml", std::string(kReach) + "margin: -0.01\n");
+    std::string wrong = kReach;
+    write("wrong.yaml", wrong.replace(wrong.find("goal"), 4, "gaol"));
+    write("contact.yaml", kInvalidStart);
+  }
+};
+
+TEST_F(Lint, NothingOddIsStatus0) {
+  const Answer answer = run("lint reach.yaml arm.urdf arm.srdf");
+  EXPECT_EQ(answer.status, 0) << answer.out;
+  EXPECT_EQ(answer.out, "3 files, 0 findings\n");
+  EXPECT_EQ(answer.err, "");
+}
+
+TEST_F(Lint, FindingsHaveFileLineAndLevel) {
+  const Answer answer = run("lint odd.yaml wrong.yaml contact.yaml nowhere.urdf notes.doc");
+  EXPECT_EQ(answer.status, 1);
+  EXPECT_EQ(answer.err, "");
+  for (const char* line : {"odd.yaml:10: warning: margin is -0.01", "wrong.yaml:5: error: ",
+                           "'gaol'", "contact.yaml: warning: start: lower and post collide\n",
+                           "nowhere.urdf: error: ", "notes.doc: error: ", "5 files, 5 findings\n"})
+    EXPECT_NE(answer.out.find(line), std::string::npos) << line << "\n" << answer.out;
+  const json document = run("lint odd.yaml --json").document();
+  EXPECT_EQ(document["status"], "findings");
+  EXPECT_EQ(document["findings"][0]["file"], "odd.yaml");
+  EXPECT_EQ(document["findings"][0]["line"], 10);
+}
+
+/// What a robot is warned of is found once.
+TEST_F(Lint, FilesThatShareARobotFindItsOdditiesOnce) {
+  std::string urdf = kUrdf;
+  write("arm.urdf", urdf.replace(urdf.find("velocity=\"1\""), 12, "velocity=\"0\""));
+  const Answer answer = run("lint reach.yaml empty.yaml");
+  EXPECT_EQ(answer.status, 1);
+  EXPECT_NE(answer.out.find("arm.urdf:11: warning: the velocity limit"), std::string::npos)
+      << answer.out;
+  EXPECT_NE(answer.out.find("2 files, 1 finding\n"), std::string::npos) << answer.out;
+}
+
+TEST_F(Lint, ScenesAreReadWithTheirRequests) {
+  write("scene0001.yaml", kScene);
+  write("request0001.yaml", kRequest);
+  const std::string robot = "lint --robot arm.urdf --srdf arm.srdf ";
+  EXPECT_EQ(run(robot + "scene0001.yaml").status, 0) << run(robot + "scene0001.yaml").out;
+  std::string scene = kScene;
+  write("scene0001.yaml", scene.replace(scene.find("cylinder"), 8, "teapot"));
+  const Answer answer = run(robot + "scene0001.yaml");
+  EXPECT_EQ(answer.status, 1);
+  EXPECT_NE(answer.out.find("scene0001.yaml:7: error: "), std::string::npos) << answer.out;
+}
+
+TEST_F(Lint, SarifNamesEveryPlace) {
+  write("with space.yaml", read("odd.yaml"));
+  const json document = run("lint 'with space.yaml' wrong.yaml --format sarif").document();
+  EXPECT_EQ(document["version"], "2.1.0");
+  const json results = document["runs"][0]["results"];
+  ASSERT_EQ(results.size(), 2u);
+  const json place = results[0]["locations"][0]["physicalLocation"];
+  EXPECT_EQ(place["artifactLocation"]["uri"], "with%20space.yaml");
+  EXPECT_EQ(place["region"]["startLine"], 10);
+  EXPECT_EQ(results[0]["level"], "warning");
+  EXPECT_EQ(results[1]["level"], "error");
+}
+
+}  // namespace
+}  // namespace leeway::tools::testing

@@ -1,0 +1,16 @@
+# Debian packages: `cpack --config build/CPackConfig.cmake` makes leeway (the command) and libleeway-dev (libraries, headers).
+set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGE_CONTACT "The authors of Leeway")
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "motion planning with proven clearance")
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+set(CPACK_COMPONENTS_ALL leeway libleeway-dev)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_LEEWAY_PACKAGE_NAME leeway)
+set(CPACK_DEBIAN_LEEWAY_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_LEEWAY_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_LIBLEEWAY-DEV_PACKAGE_NAME libleeway-dev)
+set(CPACK_DEBIAN_LIBLEEWAY-DEV_PACKAGE_SECTION libdevel)
+set(CPACK_DEBIAN_LIBLEEWAY-DEV_PACKAGE_DEPENDS "libeigen3-dev, libhwy-dev, liburdfdom-dev, liburdfdom-headers-dev, libtinyxml2-dev, \
+libassimp-dev, libssl-dev, libompl-dev, libyaml-cpp-dev, libfmt-dev")
+include(CPack)

@@ -1,0 +1,218 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "leeway/planner/edge_certifier.h"
+#include "leeway/robots/input_error.h"
+#include "tools/leeway/info/input.h"
+#include "tools/leeway/support/exit_status.h"
+#include "tools/leeway/support/json_result.h"
+#include "tools/leeway/support/problem_source.h"
+#include "tools/leeway/support/scene_names.h"
+#include "tools/leeway/support/terminal.h"
+#include "tools/leeway/support/verb.h"
+
+namespace leeway::tools {
+namespace {
+
+struct Arguments {
+  ProblemSource source;  ///< robot, srdf and packages only
+  std::vector<std::string> files;
+  std::string format = "text";
+  bool json = false;
+};
+
+struct Finding {
+  std::string file;
+  int line = 0;  ///< 0: none
+  bool error = false;
+  std::string message;
+
+  bool operator==(const Finding&) const = default;
+};
+
+/// A warning is "FILE:LINE: text". Without a place it concerns `file` as a whole.
+Finding findingOf(const std::string& warning, const std::string& file) {
+  for (std::size_t end = warning.find(": "); end != std::string::npos;
+       end = warning.find(": ", end + 1)) {
+    std::size_t digits = end;
+    while (digits > 0 && std::isdigit(static_cast<unsigned char>(warning[digits - 1])) != 0)
+      --digits;
+    // Nine digits fit an int.
+    if (digits == end || end - digits > 9 || digits == 0 || warning[digits - 1] != ':') continue;
+    return {warning.substr(0, digits - 1), std::stoi(warning.substr(digits, end - digits)), false,
+            warning.substr(end + 2)};
+  }
+  return {file, 0, false, warning};
+}
+
+class Findings {
+ public:
+  /// Files that share a robot find the same of it.
+  void add(const Finding& finding) {
+    if (std::find(list_.begin(), list_.end(), finding) == list_.end()) list_.push_back(finding);
+  }
+  void addWarnings(const std::vector<std::string>& warnings, const std::string& file) {
+    for (const std::string& warning : warnings) add(findingOf(warning, file));
+  }
+  const std::vector<Finding>& list() const { return list_; }
+
+ private:
+  std::vector<Finding> list_;
+};
+
+/// What only the compiled scene shows: a start or goal that keeps no margins.
+void lintStates(const planner::Problem& problem, const std::string& file, Findings& findings) {
+  planner::EdgeCertifier certifier(std::make_shared<const planner::CompiledScene>(problem));
+  const auto look = [&](const std::string& name, const std::vector<double>& point) {
+    constexpr double kTolerance = 1e-6;
+    const planner::StateCheck check = certifier.clearance(point, kTolerance);
+    if (check.verdict == planner::Verdict::kFree) return;
+    const PairNames pair = pairNames(certifier.scene(), check.pair);
+    findings.add({file, 0, false,
+                  check.pair < 0
+                      ? fmt::format("{}: its clearance cannot be decided", name)
+                      : fmt::format("{}: {} and {} {}", name, pair.a, pair.b,
+                                    check.clearance.upper <= 0 ? "collide" : "are too near")});
+  };
+  std::vector<double> start;
+  for (const int v : problem.robot.variables)
+    start.push_back(problem.start.at(static_cast<std::size_t>(v)));
+  look("start", start);
+  for (const planner::Goal& goal : problem.goals) {
+    std::vector<double> point;
+    for (const auto& [low, high] : goal.ranges)
+      if (low == high) point.push_back(low);
+    // Of a range no single point stands for all.
+    if (point.size() == start.size()) look(goal.name, point);
+  }
+}
+
+/// requestNNNN.yaml beside sceneNNNN.yaml.
+std::string requestOf(const std::string& scene) {
+  const std::filesystem::path path(scene);
+  std::string name = path.filename().string();
+  const std::size_t at = name.find("scene");
+  if (at == std::string::npos)
+    throw robots::InputError(scene, 0,
+                             "with --robot, MoveIt scenes named sceneNNNN.yaml are expected, with "
+                             "requestNNNN.yaml beside them");
+  return (path.parent_path() / name.replace(at, 5, "request")).string();
+}
+
+void lint(const std::string& file, const ProblemSource& source, Findings& findings) {
+  try {
+    const info::FileKind kind = info::kindOf(file);
+    planner::Problem problem;
+    if (kind == info::FileKind::kProblem && !source.robot.empty()) {
+      const auto model = robots::loadModel(source.robot, source.srdf, loadOptions(source));
+      findings.addWarnings(model->warnings, source.robot);
+      problem = planner::loadMoveit(model, file, requestOf(file));
+    } else {
+      problem = info::loadFile(file, kind, source);
+      findings.addWarnings(problem.robot.model->warnings, file);
+    }
+    findings.addWarnings(problem.warnings, file);
+    if (kind == info::FileKind::kProblem) lintStates(problem, file, findings);
+  } catch (const robots::InputError& error) {
+    const std::string place =
+        error.line() > 0 ? fmt::format("{}:{}: ", error.file(), error.line()) : error.file() + ": ";
+    const std::string what = error.what();
+    findings.add({error.file().empty() ? file : error.file(), error.line(), true,
+                  what.starts_with(place) ? what.substr(place.size()) : what});
+  }
+}
+
+/// RFC 3986: what is no letter, digit or one of "-._~/" is written by its bytes.
+std::string uriOf(const std::string& file) {
+  std::string uri;
+  for (const char c : file) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (std::isalnum(byte) != 0 || std::string_view("-._~/").find(c) != std::string_view::npos)
+      uri += c;
+    else
+      uri += fmt::format("%{:02X}", byte);
+  }
+  return uri;
+}
+
+Json documentOf(const std::vector<Finding>& findings) {
+  Json list = Json::array();
+  for (const Finding& finding : findings)
+    list.push_back({{"file", finding.file},
+                    {"line", finding.line > 0 ? Json(finding.line) : Json()},
+                    {"level", finding.error ? "error" : "warning"},
+                    {"message", finding.message}});
+  return {{"status", findings.empty() ? "clean" : "findings"}, {"findings", list}};
+}
+
+/// Static Analysis Results Interchange Format 2.1.0, which editors and forges read.
+Json sarifOf(const std::vector<Finding>& findings) {
+  Json results = Json::array();
+  for (const Finding& finding : findings) {
+    Json place = {{"artifactLocation", {{"uri", uriOf(finding.file)}}}};
+    if (finding.line > 0) place["region"] = {{"startLine", finding.line}};
+    Json location = {{"physicalLocation", place}};
+    results.push_back({{"ruleId", finding.error ? "wrong" : "odd"},
+                       {"level", finding.error ? "error" : "warning"},
+                       {"message", {{"text", finding.message}}},
+                       {"locations", Json::array({location})}});
+  }
+  Json rules = Json::array();
+  rules.push_back({{"id", "wrong"}, {"shortDescription", {{"text", "the file is refused"}}}});
+  rules.push_back({{"id", "odd"}, {"shortDescription", {{"text", "read, with a warning"}}}});
+  Json run = {{"tool", {{"driver", {{"name", "leeway lint"}, {"rules", rules}}}}},
+              {"results", results}};
+  return {{"$schema", "https://json.schemastore.org/sarif-2.1.0.json"},
+          {"version", "2.1.0"},
+          {"runs", Json::array({run})}};
+}
+
+int run(const Arguments& arguments) {
+  setQuiet();  // the warnings are the answer
+  Findings findings;
+  for (const std::string& file : arguments.files) lint(file, arguments.source, findings);
+  const std::vector<Finding>& list = findings.list();
+  if (arguments.format == "sarif") {
+    fmt::print("{}\n", jsonText(sarifOf(list), 2));
+  } else if (arguments.json || arguments.format == "json") {
+    printJson(documentOf(list));
+  } else {
+    for (const Finding& finding : list)
+      fmt::print("{}{}: {}: {}\n", finding.file,
+                 finding.line > 0 ? fmt::format(":{}", finding.line) : "",
+                 finding.error ? "error" : "warning", finding.message);
+    fmt::print("{} file{}, {} finding{}\n", arguments.files.size(),
+               arguments.files.size() == 1 ? "" : "s", list.size(), list.size() == 1 ? "" : "s");
+  }
+  return list.empty() ? kYes : kNo;
+}
+
+}  // namespace
+
+Verb addLint(CLI::App& command) {
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* app = command.add_subcommand("lint", "what is wrong or odd in files, by file and line");
+  app->add_option("files", arguments->files,
+                  "URDF, SRDF and problem files; with --robot MoveIt scenes sceneNNNN.yaml, with "
+                  "requestNNNN.yaml beside them")
+      ->type_name("FILE")
+      ->required();
+  addRobotArguments(*app, arguments->source);
+  auto* format = app->add_option("--format", arguments->format, "of the answer")
+                     ->check(CLI::IsMember({"text", "json", "sarif"}))
+                     ->capture_default_str();
+  app->add_flag("--json", arguments->json, "as --format json")->excludes(format);
+  app->footer(
+      "Of what makes a file refused the first is found. Exit status 0: nothing found, 1: "
+      "something.\n\n"
+      "Example:\n"
+      "  leeway lint robots/arm7/arm7.urdf problems/shelf/reach.yaml");
+  return {app, [arguments] { return run(*arguments); }};
+}
+
+}  // namespace leeway::tools

@@ -1,0 +1,84 @@
+#include "tools/leeway/support/path_ends.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "leeway/planner/configuration_space.h"
+
+namespace leeway::tools {
+namespace {
+
+/// Half a unit in the last place of a joint value of 8 rad in single precision is 2.4e-7; no robot
+/// could tell.
+constexpr double kNearEnd = 1e-6;
+/// The verifier itself takes what is nearer than this.
+constexpr double kExactEnd = 1e-9;
+
+using Kind = planner::ConfigurationSpace::Kind;
+
+/// The point of the goal that is nearest to q, up to whole turns of angles.
+std::vector<double> nearestInGoal(const planner::ConfigurationSpace& space,
+                                  const planner::Goal& goal, std::vector<double> q) {
+  for (const planner::ConfigurationSpace::Part& part : space.parts()) {
+    const auto i = static_cast<std::size_t>(part.first);
+    const auto [low, high] = goal.ranges[i];
+    if (part.kind == Kind::kRotation) {
+      // A quaternion is given whole, or free.
+      if (low != high) continue;
+      for (std::size_t k = i; k < i + 4; ++k) q[k] = goal.ranges[k].first;
+      continue;
+    }
+    if (!(low <= high)) continue;
+    if (part.kind == Kind::kCircle) {
+      if (high - low >= 2 * std::numbers::pi) continue;
+      const double middle = low / 2 + high / 2;
+      q[i] = middle + std::remainder(q[i] - middle, 2 * std::numbers::pi);
+    }
+    q[i] = std::clamp(q[i], low, high);
+  }
+  return q;
+}
+
+}  // namespace
+
+std::vector<std::string> takeNearEnds(const planner::Path& path, planner::Problem& problem) {
+  const planner::ConfigurationSpace space(problem.robot.model, problem.robot.variables);
+  const auto size = static_cast<std::size_t>(space.size());
+  std::vector<std::string> warnings;
+  if (path.positions.empty() || path.positions.front().size() != size ||
+      path.positions.back().size() != size)
+    return warnings;
+  std::vector<double> start;
+  for (const int v : problem.robot.variables)
+    start.push_back(problem.start.at(static_cast<std::size_t>(v)));
+  const std::vector<double>& first = path.positions.front();
+  if (const double off = space.distance(start, first); off > kExactEnd && off <= kNearEnd) {
+    warnings.push_back(
+        fmt::format("the path begins {:.2g} off the start, and is taken from there", off));
+    for (std::size_t i = 0; i < size; ++i)
+      problem.start[static_cast<std::size_t>(problem.robot.variables[i])] = first[i];
+  }
+  const std::vector<double>& last = path.positions.back();
+  double least = kNearEnd;
+  const planner::Goal* nearest = nullptr;
+  for (const planner::Goal& goal : problem.goals) {
+    if (goal.ranges.size() != size) continue;
+    const double off = space.distance(nearestInGoal(space, goal, last), last);
+    if (!(off <= least)) continue;
+    least = off;
+    nearest = &goal;
+  }
+  if (nearest != nullptr && least > kExactEnd) {
+    warnings.push_back(
+        fmt::format("the path ends {:.2g} off {}, and is taken to there", least, nearest->name));
+    planner::Goal moved{nearest->name, {}};
+    for (const double x : last) moved.ranges.emplace_back(x, x);
+    problem.goals.push_back(std::move(moved));
+  }
+  return warnings;
+}
+
+}  // namespace leeway::tools
