@@ -130,7 +130,7 @@ TEST_F(BadInput, Robots) {
   expectUrdfRefused("</robot>", "", {"arm.urdf"});
   expectUrdfRefused("xyz=\"0.5 0 0\"", "xyz=\"1e200 0 0\"", {"arm.urdf:14:", "1e200", "1e9"});
   expectUrdfRefused("upper=\"2.5\"", "upper=\"1e308\"",
-                    {"arm.urdf:15:", "upper", "1e308", "'elbow'", "1e16"});
+                    {"arm.urdf:15:", "upper", "1e308", "\"elbow\"", "1e16"});
   expectSrdfRefused("<joint name=\"elbow\"/></group>", "<link name=\"knee\"/></group>",
                     {"arm.srdf:2:", "knee"});
   expectSrdfRefused("<joint name=\"elbow\"/></group>", "<group name=\"knees\"/></group>",
@@ -142,7 +142,7 @@ TEST_F(BadInput, VelocityZeroIsAWarning) {
         replaced(kUrdf, "upper=\"2.5\" velocity=\"1\"", "upper=\"2.5\" velocity=\"0\""));
   const Answer answer = run("check reach.yaml");
   EXPECT_EQ(answer.status, 0);
-  EXPECT_NE(answer.err.find("warning: arm.urdf:15: the velocity limit of joint 'elbow' is 0"),
+  EXPECT_NE(answer.err.find("warning: arm.urdf:15: the velocity limit of joint \"elbow\" is 0"),
             std::string::npos)
       << answer.err;
 }

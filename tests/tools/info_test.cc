@@ -84,7 +84,7 @@ TEST_F(Info, SamplesSuggestAndDropNothing) {
   const json document = run("info arm.urdf --json --samples 100 --seed 4").document();
   EXPECT_EQ(document["compiled"]["samples"], 100);
   EXPECT_EQ(document["compiled"]["seed"], 4);
-  expectRefused("info arm.urdf --samples -1", {"--samples -1"});
+  expectRefused("info arm.urdf --samples -1", {"--samples: -1"});
 }
 
 TEST_F(Info, FilesThatItCannotRead) {

@@ -151,8 +151,8 @@ TEST_F(Verify, AnotherStartIsRefuted) {
 
 TEST_F(Verify, PathsThatCannotBeRead) {
   expectRefused("verify reach.yaml missing.csv", {"missing.csv"});
-  write("path.txt", "0 0\n");
-  expectRefused("verify reach.yaml path.txt", {"path.txt"});
+  write("path.txt", "0 zero\n");
+  expectRefused("verify reach.yaml path.txt", {"path.txt:1", "zero"});
   write("path.csv", "time,shoulder,knee\n0,0,0\n");
   expectRefused("verify reach.yaml path.csv", {"path.csv", "knee"});
   write("short.csv", "time,shoulder,elbow\n0,0\n");

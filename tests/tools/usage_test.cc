@@ -4,8 +4,8 @@
 namespace leeway::tools::testing {
 namespace {
 
-const char* const kVerbs[] = {"plan", "check", "verify", "clearance", "replan", "batch",  "info",
-                              "lint", "ik",    "fk",     "view",      "manual", "report", "help"};
+const char* const kVerbs[] = {"plan", "check", "verify", "clearance", "replan", "batch", "info",
+                              "lint", "ik",    "fk",     "view",      "manual", "report"};
 
 class Usage : public CommandTest {};
 
@@ -16,6 +16,7 @@ TEST_F(Usage, HelpNamesEveryVerb) {
   for (const char* verb : kVerbs) {
     EXPECT_NE(answer.out.find(std::string("  ") + verb), std::string::npos) << verb;
   }
+  EXPECT_NE(answer.out.find("\n  help "), std::string::npos);
 }
 
 TEST_F(Usage, VersionIsTheProjects) {
@@ -104,9 +105,11 @@ TEST_F(Usage, CompletionsKnowVerbsOptionsAndChoices) {
   for (const char* name : {"zsh", "fish"}) {
     const Answer answer = run(std::string("manual ") + name + " >script");
     EXPECT_EQ(answer.status, 0);
-    for (const char* word : {"clearance", "--objective", "-l objective", "length clearance"})
-      if (*word != '-' || (word[1] == 'l') == (*name == 'f'))
+    for (const char* word : {"clearance", "--objective", "-l objective", "length clearance"}) {
+      if (*word != '-' || (word[1] == 'l') == (*name == 'f')) {
         EXPECT_NE(read("script").find(word), std::string::npos) << name << word;
+      }
+    }
     if (shell(std::string("command -v ") + name).status != 0) continue;  // the shell is not here
     EXPECT_EQ(shell(std::string(name) + " -n script").status, 0) << name;
   }

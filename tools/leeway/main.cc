@@ -51,9 +51,12 @@ int main(int argc, char** argv) {
   using namespace leeway::tools;
   if (argc > 1 && std::string_view(argv[1]) == kReport) return startReport(argv);
   if (argc > 2 && std::string_view(argv[1]) == kHelp && std::string_view(argv[2]) == kReport) {
-    std::string words[] = {argv[0], kReport, "--help"};
-    char* report[] = {words[0].data(), words[1].data(), words[2].data(), nullptr};
-    return startReport(report);
+    // `help report motion` is `report motion --help`.
+    std::string help = "--help";
+    std::vector<char*> report = {argv[0]};
+    report.insert(report.end(), argv + 2, argv + argc);
+    report.insert(report.end(), {help.data(), nullptr});
+    return startReport(report.data());
   }
   return runCommandLine(argc, argv, addVerbs);
 }

@@ -25,6 +25,7 @@ constexpr std::string_view kRowsEndings[] = {".csv"};
 // What the JSON documents hold, for --help; a test looks that no key is missing.
 constexpr const char* kKeys =
     R"(JSON, a document a step (metres, radians, seconds; null: nothing, or nothing known):
+  version                 of these documents (docs/json.md)
   step                    from 0
   time                    of the look at the obstacles
   decision                plan: sets out on a new path; follow: the path holds; wait: stands; evade:
@@ -44,7 +45,7 @@ constexpr const char* kKeys =
   time_s                  of computing: update of all obstacles, certify, plan, clearance
   counts                  looks: instants at which obstacles were placed; edges and distance_queries
                           asked for; iterations of planners
-and at the end:
+and at the end, with version:
   status                  reached, unsafe, timeout (execution: duration), stopped (--steps)
   problem, seed           what was executed
   certified               every step was
