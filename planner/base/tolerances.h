@@ -310,13 +310,13 @@ constexpr std::int64_t kRoughWork = 30'000;
 
 /// How closely a certificate then knows a path's least clearance, as a share of it. Where a proof
 /// fails, less is tried, so often [count], each time so much of it. What a proof may cost, and all
-/// of a path's [units of Work]: to know a path that hugs an obstacle to 0.1 mm takes tens of
-/// milliseconds.
-constexpr double kLeastShare = 0.1;
+/// of a path's with the world or with itself [units of Work]: to know a path that hugs an obstacle
+/// to 0.1 mm takes tens of milliseconds.
+constexpr double kLeastShare = 0.3;
 constexpr int kProofTries = 4;
 constexpr double kProofFall = 0.5;
 constexpr std::int64_t kProofWork = 100'000;
-constexpr std::int64_t kAllProofsWork = 600'000;
+constexpr std::int64_t kAllProofsWork = 400'000;
 
 /// Iterations of the first search with raised margins: a fraction of a second, and doubled when it
 /// proves too few.

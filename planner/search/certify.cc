@@ -15,11 +15,13 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// itself.
 class Clearances {
  public:
-  Clearances(EdgeCertifier& certifier, const Waypoints& path, double tolerance, Pairs pairs)
+  Clearances(EdgeCertifier& certifier, const Waypoints& path, double tolerance, Pairs pairs,
+             double guess)
       : certifier_(certifier),
         path_(path),
         tolerance_(tolerance),
         pairs_(pairs),
+        guess_(guess),
         edges_(path.size() - 1) {}
 
   /// Each edge to within the tolerance.
@@ -29,7 +31,7 @@ class Clearances {
                                        {.tolerance = tolerance_, .pairs = pairs_}));
   }
 
-  /// The path's least clearance, to a tenth of itself as far as a little work goes. An edge that is
+  /// The path's least clearance, to a share of itself as far as a little work goes. An edge that is
   /// known to stay above it is not looked at closer. O(edges), beside the queries.
   void refineLeast() {
     for (std::size_t i = 0; i < edges_.size(); ++i)
@@ -77,12 +79,14 @@ class Clearances {
     whole.closest_b = scene.bodies()[static_cast<std::size_t>(p.body_b)].name;
   }
 
-  /// What each edge is to keep: nearly as much as the path. Where a proof has failed for one, less
+  /// What each edge is to keep: much of what the path does. Where a proof has failed for one, less
   /// is enough for all.
   double wanted() const {
     if (!std::isfinite(least_)) return kRoughMost;
     if (!(least_ > 0)) return least_ - std::max(tolerance_, -kLeastShare * least_);
-    return (1 - kLeastShare) * std::pow(kProofFall, tries_) * least_;
+    const double wanted = (1 - kLeastShare) * least_;
+    if (tries_ == 0 && wanted < guess_ && guess_ < least_) return guess_;
+    return std::pow(kProofFall, tries_) * wanted;
   }
 
   int lowestUnproven() const {
@@ -118,6 +122,7 @@ class Clearances {
   const Waypoints& path_;
   double tolerance_;
   Pairs pairs_;
+  double guess_;
   double least_ = kInfinity;  ///< no more than that is the path's clearance
   std::vector<EdgeClearance> edges_;
   int tries_ = 0;  ///< proofs that have failed
@@ -140,7 +145,7 @@ double leastMargin(const collision::Scene& scene) {
 }
 
 Certificate certify(EdgeCertifier& certifier, const Path& path, double tolerance,
-                    CertificateDetail detail) {
+                    CertificateDetail detail, double world_guess) {
   const ConfigurationSpace& space = certifier.scene().space();
   Certificate certificate;
   certificate.clearance = certificate.world.clearance =
@@ -164,7 +169,8 @@ Certificate certify(EdgeCertifier& certifier, const Path& path, double tolerance
   }
   certificate.segments.assign(stays ? 0 : free.size(), {kInfinity, kInfinity});
   for (const Pairs pairs : {Pairs::kWorld, Pairs::kSelf}) {
-    Clearances clearances(certifier, positions, tolerance, pairs);
+    Clearances clearances(certifier, positions, tolerance, pairs,
+                          pairs == Pairs::kWorld ? world_guess : 0);
     // A free edge is proven to keep its margins, which may say more than the interval.
     const double least_margin = leastMarginOf(certifier.scene(), pairs);
     for (std::size_t i = 0; i < free.size(); ++i)

@@ -224,7 +224,7 @@ class Plan {
     const CertificateDetail detail =
         wantsLength() ? options_.detail : CertificateDetail::kEveryEdge;
     result_.certificate =
-        planner::certify(certifier(), result_.path, options_.clearance_tolerance, detail);
+        planner::certify(certifier(), result_.path, options_.clearance_tolerance, detail, pushed_);
     return result_.certificate.certified;
   }
 
@@ -266,7 +266,7 @@ class Plan {
     options.longest = (1 + kPushLonger) * pathLength(scene_->space(), path);
     options.work = kPushWork;
     options.stop = [this] { return limits_.over(); };
-    push(certifier(), path, options);
+    pushed_ = push(certifier(), path, options);
   }
 
   std::shared_ptr<const CompiledScene> scene_;
@@ -279,6 +279,7 @@ class Plan {
   std::unique_ptr<GoalSampler> sampler_;
   GoalPoints goals_;
   EdgeCertifier::Statistics work_;
+  double pushed_ = 0;  ///< clearance from the world that the path was pushed to [m]
   PlanResult result_;
 };
 

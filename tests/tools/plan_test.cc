@@ -105,8 +105,9 @@ TEST_F(Plan, AFullCertificateHasEachEdge) {
 }
 
 TEST_F(Plan, PushesUnlessToldNotToAndKeepsAFloor) {
-  const json pushed = run("plan reach.yaml --json").document();
-  const json plain = run("plan reach.yaml --json --no-push").document();
+  const std::string pick = "plan '" + leeway::sourceFolder() + "/problems/bin/pick.yaml' --json ";
+  const json pushed = run(pick).document();
+  const json plain = run(pick + "--no-push").document();
   EXPECT_EQ(plain["time_s"]["push"].get<double>() < 1e-4, true);
   EXPECT_LE(pushed["length"].get<double>(), 1.0301 * plain["length"].get<double>());
   EXPECT_GT(pushed["certificate"]["world"]["clearance_lower"],

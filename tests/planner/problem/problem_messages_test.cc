@@ -374,7 +374,7 @@ TEST(ProblemMessages, Goals) {
   });
 }
 
-TEST(ProblemMessages, Poses) {
+TEST(ProblemMessages, GoalPoses) {
   const std::string start = "[0, 0, 0, 0, 0, 0]";
   const auto withGoal = [&](const std::string& pose, const std::string& more = "") {
     return withRobot(more, start, "{pose: " + pose + "}");

@@ -106,7 +106,9 @@ TEST_P(Shipped, IsSolvedCertifiedStraightAndVerified) {
     bent.steps[s].last -= gone;
     if (s > 1) bent.steps[s].first -= gone;
   }
-  if (gone > 0) EXPECT_NE(verify(problem, bent).status, VerifyStatus::kCertified);
+  if (gone > 0) {
+    EXPECT_NE(verify(problem, bent).status, VerifyStatus::kCertified);
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(PickPlace, Shipped, testing::Values("can.yaml", "carton.yaml"),

@@ -127,8 +127,10 @@ PlanResult plan(std::shared_ptr<const CompiledScene> scene, const Problem& probl
 /// itself without start_poses. Compiles the problem.
 Problem placeStart(const Problem& problem);
 
-/// The certificate of any path, its clearances to within tolerance [m].
+/// The certificate of any path, its clearances to within tolerance [m]. `world_guess`: a clearance
+/// from the world that the path is likely to keep [m]; asked for first, believed only when proven.
 Certificate certify(EdgeCertifier& certifier, const Path& path, double tolerance,
-                    CertificateDetail detail = CertificateDetail::kEveryEdge);
+                    CertificateDetail detail = CertificateDetail::kEveryEdge,
+                    double world_guess = 0);
 
 }  // namespace leeway::planner
