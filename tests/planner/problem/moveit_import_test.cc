@@ -317,9 +317,10 @@ TEST_F(MoveitImport, WhatWouldChangeTheProblemIsNeverSkipped) {
   expect(kScene, withPosition("{type: sphere, dimensions: [0]}"),
          "request.yaml:13: goal_constraints[0].position_constraints[0].constraint_region.primitives"
          "[0].dimensions leave no room");
-  expect(kScene, withPosition("{type: sphere, dimensions: [1]}"),
-         "request.yaml:10: goal_constraints[0].joint_constraints is not supported; a goal of either "
-         "joints or poses is expected");
+  expect(
+      kScene, withPosition("{type: sphere, dimensions: [1]}"),
+      "request.yaml:10: goal_constraints[0].joint_constraints is not supported; a goal of either "
+      "joints or poses is expected");
   expect(kScene, request + "path_constraints: {orientation_constraints: [{link_name: left}]}\n",
          "request.yaml:13: path_constraints.orientation_constraints is not supported");
   expect(kScene,
