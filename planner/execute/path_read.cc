@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <sstream>
 
 #include "leeway/planner/path_io.h"
@@ -12,6 +11,7 @@
 #include "planner/base/tolerances.h"
 #include "planner/execute/trajectory_samples.h"
 #include "planner/yaml/yaml_reader.h"
+#include "robots/base/read_file.h"
 
 namespace leeway::planner {
 namespace {
@@ -122,19 +122,17 @@ double readField(const std::string& file, int line, const std::string& field) {
 
 /// Lines that are not blank, with their numbers.
 std::vector<std::pair<int, std::string>> readLines(const std::string& file) {
-  std::ifstream stream(file, std::ios::binary);
+  const std::string text = robots::readTextFile(file, "a path file");
   std::vector<std::pair<int, std::string>> lines;
-  if (!stream || std::filesystem::is_directory(file))
-    throw InputError(file, 0, "cannot be read; a readable file is expected");
   int number = 0;
-  for (std::string line; std::getline(stream, line);) {
+  for (std::size_t begin = 0; begin < text.size();) {
+    const std::size_t end = std::min(text.find('\n', begin), text.size());
+    std::string line = text.substr(begin, end - begin);
+    begin = end + 1;
     ++number;
-    if (number == 1 && line.starts_with("\xEF\xBB\xBF")) line.erase(0, 3);  // byte order mark
     if (!line.empty() && line.back() == '\r') line.pop_back();
-    if (!trimmed(line).empty()) lines.emplace_back(number, line);
+    if (!trimmed(line).empty()) lines.emplace_back(number, std::move(line));
   }
-  if (stream.bad())
-    throw InputError(file, number, "cannot be read to its end; a readable file is expected");
   return lines;
 }
 

@@ -12,6 +12,7 @@
 #include "leeway/planner/problem.h"
 #include "planner/base/nearest_name.h"
 #include "planner/problem/format_keys.h"
+#include "planner/problem/link_padding.h"
 #include "planner/problem/read_deforming.h"
 #include "planner/problem/read_execution.h"
 #include "planner/problem/read_poses.h"
@@ -240,7 +241,7 @@ double readMargin(const YamlReader& margin, Problem& problem) {
   return value;
 }
 
-void readPairs(const YamlReader& file, Problem& problem) {
+void readPairs(const YamlReader& file, const LinkPadding& padding, Problem& problem) {
   KnownNames known(problem);
   if (const auto groups = file.find("groups")) readGroups(*groups, known);
   if (const auto allowed = file.find("allowed"))
@@ -249,6 +250,7 @@ void readPairs(const YamlReader& file, Problem& problem) {
         problem.contacts.allowed.push_back(std::move(names));
   if (const auto margin = file.find("margin"))
     problem.margins.common = readMargin(*margin, problem);
+  applyLinkPadding(padding, problem);
   const auto margins = file.find("margins");
   if (!margins) return;
   for (const YamlReader& entry : margins->items()) {
@@ -341,8 +343,8 @@ void readStartAndGoals(const YamlReader& file, Problem& problem) {
 
 /// Robot, start, goals and objects from MoveIt's files. The problem file may add objects, but not
 /// repeat the others.
-Problem fromMoveit(const YamlReader& file, const YamlReader& moveit,
-                   const ProblemOptions& options) {
+Problem fromMoveit(const YamlReader& file, const YamlReader& moveit, const ProblemOptions& options,
+                   LinkPadding& padding) {
   moveit.expectKeys(keysOf("moveit"));
   for (const char* key : {"body", "joints", "start", "goal", "goals", "steps"})
     if (const auto other = file.find(key))
@@ -354,8 +356,9 @@ Problem fromMoveit(const YamlReader& file, const YamlReader& moveit,
         "key 'group' stands beside 'moveit', whose request names the group; one of them is "
         "expected");
   const auto model = loadRobot(robot, options);
-  return loadMoveit(model, resolvedPath(moveit.at("scene", "the path of a planning scene")),
-                    resolvedPath(moveit.at("request", "the path of a motion plan request")));
+  return loadMoveitUnpadded(model, resolvedPath(moveit.at("scene", "the path of a planning scene")),
+                            resolvedPath(moveit.at("request", "the path of a motion plan request")),
+                            padding);
 }
 
 Problem fromOwnKeys(const YamlReader& file, const ProblemOptions& options) {
@@ -394,7 +397,9 @@ Problem loadProblem(const std::string& yaml_path, const ProblemOptions& options)
   requireVersion(file);
   file.expectKeys(keysOf("problem"));
   const auto moveit = file.find("moveit");
-  Problem problem = moveit ? fromMoveit(file, *moveit, options) : fromOwnKeys(file, options);
+  LinkPadding padding;
+  Problem problem =
+      moveit ? fromMoveit(file, *moveit, options, padding) : fromOwnKeys(file, options);
   const auto name = file.find("name");
   problem.name = name ? name->text() : std::filesystem::path(yaml_path).stem().string();
   if (const auto objects = file.find("objects")) readObjects(*objects, options.load.cache, problem);
@@ -404,7 +409,7 @@ Problem loadProblem(const std::string& yaml_path, const ProblemOptions& options)
     for (const YamlReader& entry : deforming->items()) readDeforming(entry, problem);
   // Poses may be relative to anything above.
   if (!moveit) readStartAndGoals(file, problem);
-  readPairs(file, problem);
+  readPairs(file, padding, problem);
   readPlanner(file, problem);
   return problem;
 }

@@ -128,7 +128,11 @@ Eigen::Vector4d quaternionFromRpy(const Eigen::Vector3d& rpy) {
 }
 
 Eigen::Vector4d readQuaternion(const YamlReader& reader, std::vector<std::string>& warnings) {
-  const std::vector<double> v = reader.numbers();
+  return unitQuaternion(reader, reader.numbers(), warnings);
+}
+
+Eigen::Vector4d unitQuaternion(const YamlReader& reader, const std::vector<double>& v,
+                               std::vector<std::string>& warnings) {
   if (v.size() != 4)
     reader.fail(fmt::format("{} is a list of {}; a quaternion [x, y, z, w] is expected",
                             reader.where(), v.size()));

@@ -18,6 +18,10 @@ Eigen::Vector4d quaternionFromRpy(const Eigen::Vector3d& rpy);
 /// above kSilentQuaternion; any other is an error.
 Eigen::Vector4d readQuaternion(const YamlReader& reader, std::vector<std::string>& warnings);
 
+/// The same of the numbers x y z w that stand at `reader`.
+Eigen::Vector4d unitQuaternion(const YamlReader& reader, const std::vector<double>& xyzw,
+                               std::vector<std::string>& warnings);
+
 /// `orientation` (quaternion) or `rpy` of a map, as a quaternion xyzw. Neither: the identity. Both:
 /// an error.
 Eigen::Vector4d readOrientation(const YamlReader& map, std::vector<std::string>& warnings);

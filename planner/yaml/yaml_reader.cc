@@ -3,35 +3,19 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <charconv>
 #include <cmath>
-#include <cstring>
-#include <fstream>
 #include <limits>
-#include <sstream>
 #include <unordered_map>
 
 #include "leeway/robots/text.h"
 #include "planner/base/nearest_name.h"
+#include "robots/base/read_file.h"
 
 namespace leeway::planner {
 namespace {
 
 using robots::InputError;
-
-std::string readFile(const std::string& path) {
-  errno = 0;
-  std::ifstream stream(path, std::ios::binary);
-  std::ostringstream text;
-  if (stream) text << stream.rdbuf();
-  // A directory opens, but cannot be read.
-  if (!stream || stream.bad() || errno == EISDIR)
-    throw InputError(path, 0,
-                     fmt::format("cannot be read: {}; a readable file is expected",
-                                 errno != 0 ? std::strerror(errno) : "input error"));
-  return text.str();
-}
 
 std::string elided(std::string text) {
   constexpr std::size_t kLongest = 60;
@@ -50,7 +34,8 @@ YamlReader::YamlReader(std::shared_ptr<const YamlDocument> document, YamlIndex p
 }
 
 YamlReader YamlReader::load(const std::string& path) {
-  YamlReader root(std::make_shared<const YamlDocument>(path, readFile(path)), 0, 1);
+  std::string text = robots::readTextFile(path, "a YAML or JSON file");
+  YamlReader root(std::make_shared<const YamlDocument>(path, std::move(text)), 0, 1);
   if (root.isNull()) throw InputError(path, 0, "holds 0 YAML documents; exactly one is expected");
   return root;
 }

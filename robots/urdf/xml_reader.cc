@@ -4,10 +4,9 @@
 #include <cmath>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 
 #include "leeway/robots/text.h"
+#include "robots/base/read_file.h"
 
 namespace leeway::robots {
 
@@ -16,23 +15,6 @@ namespace {
 using tinyxml2::XMLElement;
 
 constexpr std::string_view kSpace = " \t\r\n";
-
-std::string readText(const std::string& path, const std::string& kind) {
-  std::error_code error;
-  if (!std::filesystem::exists(path, error))
-    throw InputError(path, 0,
-                     "there is no such file; the path of a " + kind + " file would be accepted");
-  if (std::filesystem::is_directory(path, error))
-    throw InputError(path, 0, "is a folder; the path of a " + kind + " file would be accepted");
-  std::ifstream stream(path, std::ios::binary);
-  std::ostringstream text;
-  if (stream.peek() != std::ifstream::traits_type::eof()) text << stream.rdbuf();
-  if (stream.bad() || !stream.is_open())
-    throw InputError(path, 0, "cannot be read; a " + kind + " file would be accepted");
-  if (text.str().empty())
-    throw InputError(path, 0, "is empty; a " + kind + " file would be accepted");
-  return text.str();
-}
 
 std::string expandCommand(const std::string& path, const std::string& kind) {
   const std::filesystem::path source(path);
@@ -69,7 +51,8 @@ XmlFile::XmlFile(const std::string& path, const std::string& kind) : path_(path)
           path, 0,
           "is a xacro file, which holds macros and no " + kind + "; " + expandCommand(path, kind));
   }
-  const std::string text = readText(path, kind);
+  const std::string text = readTextFile(path, "a " + kind + " file");
+  if (text.empty()) throw InputError(path, 0, "is empty; a " + kind + " file would be accepted");
   if (document_.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS) {
     const std::string name = tinyxml2::XMLDocument::ErrorIDToName(document_.ErrorID());
     throw InputError(path, document_.ErrorLineNum(),

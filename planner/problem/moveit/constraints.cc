@@ -87,7 +87,7 @@ PoseRegion anywhere(int link) {
 PoseRegion readPositionConstraint(const YamlReader& constraint, Problem& problem) {
   PoseRegion region = anywhere(constrainedLink(constraint, problem));
   if (const auto offset = constraint.find("target_point_offset"); hasContent(offset))
-    region.X_LF.translation = offset->vector3();
+    region.X_LF.translation = readMoveitVector(*offset);
   const YamlReader allowed = constraint.at("constraint_region", "primitives and primitive_poses");
   refuseContent(allowed, "meshes", "a primitive");
   const YamlReader primitives = allowed.at("primitives", "a list of one primitive");
@@ -107,8 +107,8 @@ PoseRegion readPositionConstraint(const YamlReader& constraint, Problem& problem
 /// pitch and yaw of F Q in R_wanted Q.
 PoseRegion readOrientationConstraint(const YamlReader& constraint, Problem& problem) {
   PoseRegion region = anywhere(constrainedLink(constraint, problem));
-  const Eigen::Matrix3d wanted = rotationFromQuaternion(
-      readQuaternion(constraint.at("orientation", "a quaternion [x, y, z, w]"), problem.warnings));
+  const Eigen::Matrix3d wanted = rotationFromQuaternion(readMoveitQuaternion(
+      constraint.at("orientation", "a quaternion [x, y, z, w]"), problem.warnings));
   Eigen::Matrix3d Q;
   Q << 0, 0, 1, 0, 1, 0, -1, 0, 0;
   region.X_LF.rotation = Q;

@@ -6,9 +6,11 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <unordered_set>
 #include <vector>
 
 #include "leeway/planner/problem.h"
+#include "planner/problem/link_padding.h"
 #include "planner/yaml/yaml_reader.h"
 
 namespace leeway::planner {
@@ -19,14 +21,49 @@ bool hasContent(const std::optional<YamlReader>& value);
 /// Fails if the key has content. `accepted` names what is expected in its place.
 void refuseContent(const YamlReader& map, std::string_view key, std::string_view accepted);
 
+/// A point: a list of three numbers, or x, y, z.
+Eigen::Vector3d readMoveitVector(const YamlReader& reader);
+
+/// A unit quaternion: a list x y z w, or a map. All zeros are the identity, with a warning.
+Eigen::Vector4d readMoveitQuaternion(const YamlReader& reader, std::vector<std::string>& warnings);
+
 /// {position, orientation} or {translation, rotation}.
 robots::Pose readMoveitPose(const YamlReader& map, const char* translation, const char* rotation,
                             std::vector<std::string>& warnings);
 
+/// The pose of a half-space (z <= 0 of its frame) whose surface is the plane normal . p + offset =
+/// 0, and which fills the side against the normal. Empty for a normal of no length.
+std::optional<robots::Pose> halfSpacePose(const Eigen::Vector3d& normal, double offset);
+
+/// A moveit_msgs/CollisionObject, in the frame of its header: primitives, meshes and planes. No
+/// shape at all is the caller's to judge.
+Object readCollisionObject(const YamlReader& map, std::vector<std::string>& warnings);
+
+/// Adds objects to problem.world, each with a shape and a name of its own.
+class SceneObjects {
+ public:
+  explicit SceneObjects(Problem& problem);
+  void add(const std::string& file, int line, Object object);
+
+ private:
+  Problem& problem_;
+  std::unordered_set<std::string> names_;
+};
+
 /// Objects of a moveit_msgs/PlanningScene, into problem.world.
 void readSceneObjects(const YamlReader& scene, Problem& problem);
 
-/// Its allowed_collision_matrix, into problem.contacts; after the objects.
+/// Objects of MoveIt's text format (.scene), into problem.world.
+void readTextScene(const std::string& path, Problem& problem);
+
+/// What the robot holds at the problem's start, by the request's start_state and the scene's
+/// robot_state (null: none), into problem.robot.attachments; after start and objects.
+void readAttachedObjects(const YamlReader* scene, const YamlReader& request, Problem& problem);
+
+/// `link_padding` of a scene, and refuses a `link_scale` other than 1.
+LinkPadding readLinkPadding(const YamlReader& scene, const robots::Model& model);
+
+/// The allowed_collision_matrix, into problem.contacts; after the objects, those held too.
 void readAllowedCollisions(const YamlReader& scene, Problem& problem);
 
 /// One entry of position_constraints: the point of a link in a box within its primitive. And one of
@@ -34,8 +71,9 @@ void readAllowedCollisions(const YamlReader& scene, Problem& problem);
 robots::PoseRegion readPositionConstraint(const YamlReader& constraint, Problem& problem);
 robots::PoseRegion readOrientationConstraint(const YamlReader& constraint, Problem& problem);
 
-/// Group, start and goals of a moveit_msgs/MotionPlanRequest.
+/// Group, start and goals of a moveit_msgs/MotionPlanRequest. Goals may be relative to all else.
 void readRequestGroup(const YamlReader& request, Problem& problem);
-void readRequestStates(const YamlReader& request, Problem& problem);
+void readRequestStart(const YamlReader& request, Problem& problem);
+void readRequestGoals(const YamlReader& request, Problem& problem);
 
 }  // namespace leeway::planner

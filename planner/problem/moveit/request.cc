@@ -78,9 +78,9 @@ void readMultiDof(const YamlReader& state, VariableRanges& given, Problem& probl
       const int first = model.joints[at(index)].first_variable;
       Eigen::Vector3d p = Eigen::Vector3d::Zero();
       Eigen::Vector4d q = Eigen::Vector4d::UnitW();
-      if (const auto translation = items[i].find("translation")) p = translation->vector3();
+      if (const auto translation = items[i].find("translation")) p = readMoveitVector(*translation);
       if (const auto rotation = items[i].find("rotation"))
-        q = readQuaternion(*rotation, problem.warnings);
+        q = readMoveitQuaternion(*rotation, problem.warnings);
       for (int k = 0; k < 7; ++k) {
         const double value = k < 3 ? p[k] : q[k - 3];
         given[at(first + k)] = {true, value, value, items[i].line()};
@@ -93,7 +93,9 @@ void readMultiDof(const YamlReader& state, VariableRanges& given, Problem& probl
   }
 }
 
-void readStartState(const YamlReader& request, Problem& problem) {
+}  // namespace
+
+void readRequestStart(const YamlReader& request, Problem& problem) {
   const YamlReader state = request.at("start_state", "the robot's start");
   const YamlReader joints = state.at("joint_state", "name and position");
   const YamlReader names = joints.at("name", "a list of joint names"),
@@ -107,9 +109,10 @@ void readStartState(const YamlReader& request, Problem& problem) {
     takeStartJoint(items[i], name_items[i].text(), items[i].number(), given, problem);
   if (const auto multi = state.find("multi_dof_joint_state"); multi && multi->isMap())
     readMultiDof(*multi, given, problem);
-  refuseContent(state, "attached_collision_objects", "a start without attached objects");
   takeStart(joints.file(), joints.line(), given, problem);
 }
+
+namespace {
 
 void readJointConstraint(const YamlReader& constraint, VariableRanges& given, Problem& problem) {
   const Model& model = *problem.robot.model;
@@ -197,8 +200,7 @@ void readRequestGroup(const YamlReader& request, Problem& problem) {
                           name.text()));
 }
 
-void readRequestStates(const YamlReader& request, Problem& problem) {
-  readStartState(request, problem);
+void readRequestGoals(const YamlReader& request, Problem& problem) {
   readGoalConstraints(request, problem);
   refusePathConstraints(request);
 }

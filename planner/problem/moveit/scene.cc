@@ -2,9 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <map>
 #include <set>
 
+#include "leeway/robots/kinematics.h"
 #include "planner/base/nearest_name.h"
 #include "planner/problem/moveit/fields.h"
 #include "planner/problem/read_shapes.h"
@@ -14,7 +16,6 @@ namespace {
 
 using robots::Model;
 using robots::Pose;
-using Shape = collision::Shape;
 
 /// MoveIt writes an empty text where it has nothing to say.
 std::string optionalText(const YamlReader& map, std::string_view key) {
@@ -52,61 +53,6 @@ Pose framePose(const YamlReader& object, const Frames& frames) {
   return found->second;
 }
 
-/// `type` and `dimensions`: full edges for a box; height and radius, in this order, for cylinder
-/// and cone.
-Shape readPrimitive(const YamlReader& primitive) {
-  const YamlReader type = primitive.at("type", "box, sphere, cylinder or cone");
-  const YamlReader sizes = primitive.at("dimensions", "a list of numbers");
-  const std::string word = type.text();
-  const std::size_t count = word == "box"                          ? 3
-                            : word == "sphere"                     ? 1
-                            : word == "cylinder" || word == "cone" ? 2
-                                                                   : 0;
-  if (count == 0)
-    type.fail(
-        fmt::format("{} is '{}'; box, sphere, cylinder or cone is expected", type.where(), word));
-  std::vector<double> d;
-  for (const YamlReader& size : sizes.items()) d.push_back(size.sizeNumber());
-  if (d.size() != count)
-    sizes.fail(fmt::format("{} is a list of {} for a {}; {} expected", sizes.where(), d.size(),
-                           word,
-                           count == 3   ? "the three edges are"
-                           : count == 1 ? "the radius is"
-                                        : "height and radius are"));
-  try {
-    if (count == 3) return Shape::box(Eigen::Vector3d(d[0], d[1], d[2]) / 2);
-    if (count == 1) return Shape::sphere(d[0]);
-    // MoveIt's cone has its apex at +z and its origin at half the height, as ours.
-    return word == "cylinder" ? Shape::cylinder(d[1], d[0] / 2) : Shape::cone(d[1], d[0] / 2);
-  } catch (const collision::InvalidShape& error) {
-    sizes.fail(fmt::format("{}: {}", sizes.where(), error.what()));
-  }
-}
-
-Object readCollisionObject(const YamlReader& map, std::vector<std::string>& warnings) {
-  const YamlReader id = map.at("id", "the object's name");
-  refuseContent(map, "meshes", "a primitive");
-  refuseContent(map, "planes", "a primitive");
-  refuseContent(map, "subframe_names", "nothing");
-  Object object;
-  object.name = id.text();
-  if (const auto pose = map.find("pose"))
-    object.X_WO = readMoveitPose(*pose, "position", "orientation", warnings);
-  const YamlReader primitives = map.at("primitives", "a list of primitives");
-  const YamlReader poses = map.at("primitive_poses", "a list of poses");
-  const std::vector<YamlReader> shapes = primitives.items(), places = poses.items();
-  if (shapes.empty() || shapes.size() != places.size())
-    poses.fail(
-        fmt::format("object '{}' has {} primitives and {} primitive_poses; equally many, at least "
-                    "one, are expected",
-                    object.name, shapes.size(), places.size()));
-  for (std::size_t i = 0; i < shapes.size(); ++i)
-    object.geometries.push_back({readPrimitive(shapes[i]),
-                                 readMoveitPose(places[i], "position", "orientation", warnings),
-                                 object.name});
-  return object;
-}
-
 }  // namespace
 
 bool hasContent(const std::optional<YamlReader>& value) { return value && !value->isEmpty(); }
@@ -116,13 +62,53 @@ void refuseContent(const YamlReader& map, std::string_view key, std::string_view
     value->fail(fmt::format("{} is not supported; {} is expected", value->where(), accepted));
 }
 
+Eigen::Vector3d readMoveitVector(const YamlReader& vector) {
+  if (!vector.isMap()) return vector.vector3();
+  return {vector.at("x", "a number").number(), vector.at("y", "a number").number(),
+          vector.at("z", "a number").number()};
+}
+
+Eigen::Vector4d readMoveitQuaternion(const YamlReader& reader, std::vector<std::string>& warnings) {
+  std::vector<double> q;
+  if (reader.isMap())
+    for (const char* key : {"x", "y", "z", "w"}) q.push_back(reader.at(key, "a number").number());
+  else
+    q = reader.numbers();
+  // A message that nobody filled in: MoveIt takes it so, too.
+  if (q == std::vector<double>(4, 0.0)) {
+    warnings.push_back(fmt::format("{}:{}: {} is all 0, taken as no rotation", reader.file(),
+                                   reader.line(), reader.where()));
+    return Eigen::Vector4d::UnitW();
+  }
+  return unitQuaternion(reader, q, warnings);
+}
+
 Pose readMoveitPose(const YamlReader& map, const char* translation, const char* rotation,
                     std::vector<std::string>& warnings) {
   Pose pose;
-  if (const auto p = map.find(translation)) pose.translation = p->vector3();
+  if (const auto p = map.find(translation)) pose.translation = readMoveitVector(*p);
   if (const auto q = map.find(rotation))
-    pose.rotation = rotationFromQuaternion(readQuaternion(*q, warnings));
+    pose.rotation = rotationFromQuaternion(readMoveitQuaternion(*q, warnings));
   return pose;
+}
+
+SceneObjects::SceneObjects(Problem& problem) : problem_(problem) {
+  for (const robots::Link& link : problem.robot.model->links) names_.insert(link.name);
+}
+
+void SceneObjects::add(const std::string& file, int line, Object object) {
+  if (object.geometries.empty())
+    throw robots::InputError(
+        file, line,
+        fmt::format("object '{}' has no shape; primitives, meshes or planes are expected",
+                    object.name));
+  if (!names_.insert(object.name).second)
+    throw robots::InputError(
+        file, line,
+        fmt::format(
+            "object '{}' has the name of another object or link; a name of its own is expected",
+            object.name));
+  problem_.world.objects.push_back(std::move(object));
 }
 
 void readSceneObjects(const YamlReader& scene, Problem& problem) {
@@ -131,20 +117,133 @@ void readSceneObjects(const YamlReader& scene, Problem& problem) {
   if (const auto octomap = world->find("octomap"); octomap && octomap->isMap())
     if (const auto inner = octomap->find("octomap"); inner && inner->isMap())
       refuseContent(*inner, "data", "an empty octomap");
-  const auto objects = world->find("collision_objects");
-  if (!hasContent(objects)) return;
+  const auto list = world->find("collision_objects");
+  if (!hasContent(list)) return;
   const Frames frames = readFrames(scene, *problem.robot.model, problem.warnings);
-  std::set<std::string> names;
-  for (const robots::Link& link : problem.robot.model->links) names.insert(link.name);
-  for (const YamlReader& entry : objects->items()) {
+  SceneObjects objects(problem);
+  for (const YamlReader& entry : list->items()) {
     Object object = readCollisionObject(entry, problem.warnings);
     object.X_WO = framePose(entry, frames) * object.X_WO;
-    if (!names.insert(object.name).second)
-      entry.fail(fmt::format(
-          "object '{}' has the name of another object or link; a name of its own is expected",
-          object.name));
-    problem.world.objects.push_back(std::move(object));
+    objects.add(entry.file(), entry.line(), std::move(object));
   }
+}
+
+namespace {
+
+int readLink(const YamlReader& name, const Model& model) {
+  const int link = model.findLink(name.text());
+  if (link >= 0) return link;
+  std::vector<std::string> known;
+  for (const robots::Link& candidate : model.links) known.push_back(candidate.name);
+  name.fail(fmt::format("unknown link '{}' in {}{}", name.text(), name.where(),
+                        nearestName(name.text(), known)));
+}
+
+/// One moveit_msgs/AttachedCollisionObject, held while the robot stands at the problem's start. An
+/// object without shapes is the world's of that name.
+void readAttached(const YamlReader& map, const Frames& scene_frames, Problem& problem) {
+  const Model& model = *problem.robot.model;
+  const YamlReader link_name = map.at("link_name", "the link that holds it");
+  const YamlReader of = map.at("object", "the object that is held");
+  Attachment held;
+  held.link = readLink(link_name, model);
+  if (const auto touch = map.find("touch_links"); hasContent(touch))
+    for (const YamlReader& link : touch->items()) held.touch_links.push_back(readLink(link, model));
+  refuseContent(of, "planes", "a held object of primitives or meshes");
+  held.object = readCollisionObject(of, problem.warnings);
+
+  std::vector<Pose> X_WL(model.links.size());
+  robots::forwardKinematics(model, problem.start, X_WL);
+  const std::size_t link = static_cast<std::size_t>(held.link);
+  auto& world = problem.world.objects;
+  const auto in_world = std::find_if(world.begin(), world.end(), [&](const Object& object) {
+    return object.name == held.object.name;
+  });
+  if (held.object.geometries.empty()) {
+    if (in_world == world.end())
+      of.fail(fmt::format(
+          "object '{}' has no shape, and the world no object of that name; shapes are expected",
+          held.object.name));
+    held.object = std::move(*in_world);
+    world.erase(in_world);
+    held.X_LO = X_WL[link].inverse() * held.object.X_WO;
+  } else {
+    if (in_world != world.end() || model.findLink(held.object.name) >= 0)
+      of.fail(fmt::format(
+          "object '{}' has the name of another object or link; a name of its own is expected",
+          held.object.name));
+    // In the frame of a link, mostly its own, or of the scene.
+    Frames frames = scene_frames;
+    for (std::size_t i = 0; i < X_WL.size(); ++i) frames[model.links[i].name] = X_WL[i];
+    for (auto& [name, pose] : frames) pose = X_WL[link].inverse() * pose;
+    frames[model.links[link].name] = Pose();  // to the bit
+    held.X_LO = framePose(of, frames) * held.object.X_WO;
+  }
+  held.object.X_WO = Pose();
+  problem.robot.attachments.push_back(std::move(held));
+}
+
+}  // namespace
+
+void readAttachedObjects(const YamlReader* scene, const YamlReader& request, Problem& problem) {
+  const auto heldIn = [](const std::optional<YamlReader>& state) {
+    const auto held = state && state->isMap() ? state->find("attached_collision_objects")
+                                              : std::optional<YamlReader>();
+    return hasContent(held) ? held->items() : std::vector<YamlReader>();
+  };
+  Frames frames = {{"", Pose()}, {"world", Pose()}};
+  if (scene != nullptr) frames = readFrames(*scene, *problem.robot.model, problem.warnings);
+  std::set<std::string> names;
+  const auto read = [&](const YamlReader& map) {
+    readAttached(map, frames, problem);
+    if (!names.insert(problem.robot.attachments.back().object.name).second)
+      map.fail("the object is held twice; once is expected");
+  };
+  for (const YamlReader& map : heldIn(request.find("start_state"))) read(map);
+  if (scene == nullptr) return;
+  // The start is the request's: what it holds, it may hold elsewhere than the scene says.
+  const std::set<std::string> requested = names;
+  for (const YamlReader& map : heldIn(scene->find("robot_state"))) {
+    const auto object = map.find("object");
+    const auto id = object && object->isMap() ? object->find("id") : std::nullopt;
+    if (!id || !id->isScalar() || requested.count(std::string(id->text())) == 0) read(map);
+  }
+}
+
+LinkPadding readLinkPadding(const YamlReader& scene, const Model& model) {
+  LinkPadding padding;
+  if (const auto list = scene.find("link_padding"); hasContent(list))
+    for (const YamlReader& entry : list->items()) {
+      const YamlReader name = entry.at("link_name", "the name of a link");
+      const double value = entry.at("padding", "a distance [m]").sizeNumber();
+      if (value > 0)
+        padding[model.links[static_cast<std::size_t>(readLink(name, model))].name] = value;
+    }
+  if (const auto list = scene.find("link_scale"); hasContent(list))
+    for (const YamlReader& entry : list->items())
+      if (const YamlReader scale = entry.at("scale", "1"); scale.number() != 1)
+        scale.fail(fmt::format("{} is {}; 1 is expected: link_padding keeps a distance",
+                               scale.where(), scale.number()));
+  return padding;
+}
+
+void applyLinkPadding(const LinkPadding& padding, Problem& problem) {
+  if (padding.empty()) return;
+  std::vector<std::string> world;
+  for (const Object& object : problem.world.objects) world.push_back(object.name);
+  for (const DeformingObstacle& obstacle : problem.world.deforming)
+    world.push_back(obstacle.object.name);
+  const auto keep = [&](const std::string& name, double distance) {
+    if (distance > problem.margins.common)
+      for (const std::string& object : world)
+        problem.margins.pairs.push_back({name, object, distance});
+  };
+  for (const auto& [name, distance] : padding) keep(name, distance);
+  for (const Attachment& held : problem.robot.attachments)
+    if (const auto of =
+            padding.find(problem.robot.model->links[static_cast<std::size_t>(held.link)].name);
+        of != padding.end())
+      keep(held.object.name, of->second);
 }
 
 }  // namespace leeway::planner

@@ -465,9 +465,8 @@ TEST_F(PathIo, MessagesOfBadFiles) {
     const std::string message = messageOf(path, problem);
     EXPECT_EQ(message.substr(0, path.size() + expected.size()), path + expected);
   };
-  expect(file("absent.csv"), ": cannot be read; a readable file is expected");
-  expect(file("absent.json"),
-         ": cannot be read: No such file or directory; a readable file is expected");
+  expect(file("absent.csv"), ": there is no such file; a path file is expected");
+  expect(file("absent.json"), ": there is no such file; a YAML or JSON file is expected");
   expect(write("a.doc", ""),
          ": the ending '.doc' names no format; .json, .yaml, .csv, .path or .txt is expected");
   expect(write("a.csv", ""), ": is empty; a header of 'time' and joint names is expected");

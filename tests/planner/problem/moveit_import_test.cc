@@ -7,6 +7,7 @@
 #include <memory>
 #include <set>
 
+#include "leeway/collision/triangle_mesh.h"
 #include "leeway/planner/compiled_scene.h"
 #include "leeway/planner/edge_certifier.h"
 #include "leeway/planner/problem.h"
@@ -252,9 +253,6 @@ TEST_F(MoveitImport, WhatWouldChangeTheProblemIsNeverSkipped) {
     EXPECT_EQ(message.substr(0, expected.size()), expected) << message;
   };
   const std::string request = kRequest;
-  expect(
-      replaced(kScene, "id: box\n", "id: box\n      meshes: [{triangles: []}]\n"), request,
-      "scene.yaml:20: world.collision_objects[1].meshes is not supported; a primitive is expected");
   expect(replaced(kScene, "type: sphere", "type: prism"), request,
          "scene.yaml:21: world.collision_objects[1].primitives[1].type is 'prism'; box, sphere, "
          "cylinder or cone is expected");
@@ -268,8 +266,8 @@ TEST_F(MoveitImport, WhatWouldChangeTheProblemIsNeverSkipped) {
          "scene.yaml:21: world.collision_objects[1].primitives[1].dimensions: sphere: radius is "
          "4000000000, but must be a number that is not negative and at most 1e+09 [m]");
   expect(replaced(kScene, ", {}]", "]"), request,
-         "scene.yaml:22: object 'box' has 3 primitives and 2 primitive_poses; equally many, at "
-         "least one, are expected");
+         "scene.yaml:22: object 'box' has 3 primitives and 2 primitive_poses; equally many are "
+         "expected");
   expect(replaced(kScene, "id: box", "id: can"), request,
          "scene.yaml:19: object 'can' has the name of another object or link; a name of its own is "
          "expected");
@@ -279,8 +277,63 @@ TEST_F(MoveitImport, WhatWouldChangeTheProblemIsNeverSkipped) {
   expect(replaced(kScene, "[true, false, false, false, false]", "[true, false]"), request,
          "scene.yaml:8: allowed_collision_matrix.entry_values[1] has 2 entries for 5 names; "
          "equally many are expected");
-  expect(kScene + "robot_state: {attached_collision_objects: [{link_name: left}]}\n", request,
-         "scene.yaml:23: robot_state.attached_collision_objects is not supported");
+  const auto withMesh = [&](const std::string& mesh) {
+    return replaced(kScene, "id: box\n",
+                    "id: box\n      mesh_poses: [{}]\n      meshes: [" + mesh + "]\n");
+  };
+  expect(withMesh("{triangles: []}"), request,
+         "scene.yaml:21: key 'vertices' is missing in "
+         "world.collision_objects[1].meshes[0]");
+  expect(withMesh("{triangles: [], vertices: []}"), request,
+         "scene.yaml:21: world.collision_objects[1].meshes[0]: mesh: ");
+  expect(
+      withMesh("{triangles: [[0, 1, 2]], vertices: [[0, 0, 0], [1, 0, 0]]}"), request,
+      "scene.yaml:21: world.collision_objects[1].meshes[0].triangles[0][2] is 2; a vertex from 0 "
+      "to 1 is expected");
+  expect(withMesh("{triangles: [[0, 1]], vertices: [[0, 0, 0], [1, 0, 0]]}"), request,
+         "scene.yaml:21: world.collision_objects[1].meshes[0].triangles[0] is a list of 2; three "
+         "numbers of vertices are expected");
+  expect(replaced(kScene, "id: box\n", "id: box\n      meshes: [{}]\n"), request,
+         "scene.yaml:19: object 'box' has 1 meshes and 0 mesh_poses; equally many are expected");
+  const auto withPlane = [&](const std::string& coef) {
+    return replaced(kScene, "id: box\n",
+                    "id: box\n      planes: [{coef: " + coef + "}]\n      plane_poses: [{}]\n");
+  };
+  expect(
+      withPlane("[0, 0, 1]"), request,
+      "scene.yaml:20: world.collision_objects[1].planes[0].coef is a list of 3; four numbers are "
+      "expected");
+  expect(withPlane("[0, 0, 0, 1]"), request,
+         "scene.yaml:20: world.collision_objects[1].planes[0].coef has no usable normal");
+  expect(replaced(kScene, "id: box\n", "id: box\n      operation: 1\n"), request,
+         "scene.yaml:20: world.collision_objects[1].operation is '1'; only objects that are added "
+         "(0) are expected");
+  expect("world: {collision_objects: [{id: nothing}]}", request,
+         "scene.yaml:1: object 'nothing' has no shape; primitives, meshes or planes are expected");
+  expect("link_scale: [{link_name: left, scale: 1.1}]", request,
+         "scene.yaml:1: link_scale[0].scale is 1.1; 1 is expected");
+  expect("link_padding: [{link_name: lft, padding: 0.1}]", request,
+         "scene.yaml:1: unknown link 'lft' in link_padding[0].link_name; did you mean 'left'?");
+  expect("link_padding: [{link_name: left, padding: -0.1}]", request,
+         "scene.yaml:1: link_padding[0].padding is -0.1; zero or more is expected");
+  const auto holding = [&](const std::string& held) {
+    return kScene + "robot_state: {attached_collision_objects: [" + held + "]}\n";
+  };
+  const std::string ball = "primitives: [{type: sphere, dimensions: [0.1]}], primitive_poses: [{}]";
+  expect(holding("{link_name: left}"), request,
+         "scene.yaml:23: key 'object' is missing in robot_state.attached_collision_objects[0]");
+  expect(holding("{link_name: lft, object: {id: a}}"), request,
+         "scene.yaml:23: unknown link 'lft' in "
+         "robot_state.attached_collision_objects[0].link_name; did you mean 'left'?");
+  expect(holding("{link_name: left, object: {id: a}}"), request,
+         "scene.yaml:23: object 'a' has no shape, and the world no object of that name");
+  expect(holding("{link_name: left, object: {id: can, " + ball + "}}"), request,
+         "scene.yaml:23: object 'can' has the name of another object or link");
+  expect(holding("{link_name: left, object: {id: a, planes: [{coef: [0, 0, 1, 0]}]}}"), request,
+         "scene.yaml:23: robot_state.attached_collision_objects[0].object.planes is not supported");
+  expect(holding("{link_name: left, object: {id: a, " + ball +
+                 "}}, {link_name: left, object: {id: a, " + ball + "}}"),
+         request, "scene.yaml:23: the object is held twice; once is expected");
   expect(kScene, replaced(request, "group_name: both", "group_name: bth"),
          "request.yaml:2: robot 'twins' has no group 'bth'; did you mean 'both'?");
   expect(kScene, replaced(request, "position: [0.5, 7, 0.25, 9]", "position: [0.5, 7, 0.25]"),
@@ -328,6 +381,187 @@ TEST_F(MoveitImport, WhatWouldChangeTheProblemIsNeverSkipped) {
                   "joint_names: [left_joint], transforms: [{rotation: [0, 0, 1, 0]"),
          "request.yaml:7: joint 'left_joint' is not floating, but placed elsewhere; the identity "
          "is expected");
+}
+
+TEST_F(MoveitImport, MeshesAndPlanesStandWhereTheirPosesSay) {
+  const Problem problem = load(R"(
+world:
+  collision_objects:
+    - id: tent
+      pose: {position: {x: 1, y: 2, z: 3}, orientation: {x: 0, y: 0, z: 0, w: 1}}
+      meshes:
+        - triangles: [{vertex_indices: [0, 1, 2]}, [0, 2, 3], [0, 3, 1], [1, 3, 2]]
+          vertices: [{x: 0, y: 0, z: 1}, [1, 0, 0], [0, 1, 0], [-1, -1, 0]]
+      mesh_poses: [{position: [0, 0, 10], orientation: [0, 0, 0, 0]}]
+      primitives: [{type: 2, dimensions: [0.5]}]
+      primitive_poses: [{position: {x: 0, y: 0, z: -4}}]
+    - id: slope
+      planes: [{coef: [0, 3, 4, -10]}]
+      plane_poses: [{position: [0, 0, 1]}]
+)",
+                               kRequest);
+  ASSERT_EQ(problem.world.objects.size(), 2U);
+  const Object& tent = problem.world.objects[0];
+  ASSERT_EQ(tent.geometries.size(), 2U);
+  EXPECT_EQ(tent.geometries[0].shape.radius(), 0.5);
+  EXPECT_EQ((tent.X_WO * tent.geometries[0].X_BG).translation, Eigen::Vector3d(1, 2, -1));
+  const collision::TriangleMesh* mesh = tent.geometries[1].shape.mesh();
+  ASSERT_NE(mesh, nullptr);
+  EXPECT_EQ(mesh->triangles().size(), 4U);
+  EXPECT_EQ(mesh->closedComponentCount(), 1);
+  EXPECT_EQ((tent.X_WO * tent.geometries[1].X_BG).translation, Eigen::Vector3d(1, 2, 13));
+  // 3 y + 4 z = 10, one up: free above, with distances in metres.
+  const Object& slope = problem.world.objects[1];
+  ASSERT_EQ(slope.geometries.size(), 1U);
+  EXPECT_EQ(slope.geometries[0].shape.type(), collision::ShapeType::kHalfSpace);
+  const robots::Pose X_WH = slope.X_WO * slope.geometries[0].X_BG;
+  const auto height = [&](const Eigen::Vector3d& point) { return (X_WH.inverse() * point).z(); };
+  EXPECT_NEAR(height({7, 2, 2}), 0, 1e-14);
+  EXPECT_NEAR(height({-7, 2 + 0.6, 2 + 0.8}), 1, 1e-14);
+  EXPECT_NEAR(height({0, 0, 0}), -2.8, 1e-14);
+  EXPECT_NEAR(X_WH.rotation.determinant(), 1, 1e-14);
+  EXPECT_EQ(std::count_if(problem.warnings.begin(), problem.warnings.end(),
+                          [](const std::string& warning) {
+                            return warning.find("taken as no rotation") != std::string::npos;
+                          }),
+            1);
+}
+
+TEST_F(MoveitImport, WhatIsHeldMovesWithItsLink) {
+  const std::string ball =
+      "primitives: [{type: sphere, dimensions: [0.125]}], primitive_poses: [{position: [0, 0, 1]}]";
+  // left turns by 0.25 rad about z through (0, 1, 0) at the request's start.
+  const std::string request = replaced(
+      kRequest, "start_state:\n",
+      "start_state:\n  attached_collision_objects:\n    - {link_name: left, touch_links: "
+      "[left_tip], object: {id: cup, header: {frame_id: left}, pose: {position: [0.5, 0, 0]}, " +
+          ball + "}}\n");
+  const std::string scene = kScene +
+                            "robot_state:\n  attached_collision_objects:\n"
+                            "    - {link_name: left, object: {id: cup, " +
+                            ball +
+                            "}}\n"
+                            "    - {link_name: left, object: {id: lid, header: {frame_id: world}, "
+                            "pose: {position: [0, 2, 0]}, " +
+                            ball +
+                            "}}\n"
+                            "    - {link_name: right, object: {id: can}}\n";
+  const Problem problem = load(scene, request);
+  ASSERT_EQ(problem.robot.attachments.size(), 3U);
+  const Attachment& cup = problem.robot.attachments[0];
+  EXPECT_EQ(cup.object.name, "cup") << "as the request says, not the scene";
+  EXPECT_EQ(cup.link, model_->findLink("left"));
+  EXPECT_EQ(cup.touch_links, std::vector<int>{model_->findLink("left_tip")});
+  EXPECT_EQ(cup.X_LO.translation, Eigen::Vector3d(0.5, 0, 0));
+  const Attachment& lid = problem.robot.attachments[1];
+  EXPECT_NEAR(lid.X_LO.translation.x(), std::sin(0.25), 1e-15);
+  EXPECT_NEAR(lid.X_LO.translation.y(), std::cos(0.25), 1e-15);
+  EXPECT_NEAR(lid.X_LO.rotation(0, 1), std::sin(0.25), 1e-15);
+  const Attachment& can = problem.robot.attachments[2];
+  EXPECT_EQ(can.object.name, "can");
+  EXPECT_EQ(can.X_LO.translation, Eigen::Vector3d(10, 1, -0.5));
+  ASSERT_EQ(problem.world.objects.size(), 1U) << "the can is no longer in the world";
+  // The matrix speaks of what is held as of anything else.
+  EXPECT_NE(std::find(problem.contacts.allowed.begin(), problem.contacts.allowed.end(),
+                      std::make_pair(std::string("can"), std::string("left_tip"))),
+            problem.contacts.allowed.end());
+}
+
+TEST_F(MoveitImport, PaddingIsAMarginOfTheWorldsPairs) {
+  const std::string padded =
+      kScene +
+      "link_padding: [{link_name: left, padding: 0.02}, {link_name: right, padding: 0}]\n"
+      "link_scale: [{link_name: left, scale: 1}]\n"
+      "robot_state: {attached_collision_objects: [{link_name: left, object: {id: cup, primitives: "
+      "[{type: sphere, dimensions: [0.1]}], primitive_poses: [{}]}}]}\n";
+  const Problem problem = load(padded, kRequest);
+  std::vector<std::string> pairs;
+  for (const PairMargin& pair : problem.margins.pairs) {
+    EXPECT_EQ(pair.margin, 0.02);
+    pairs.push_back(pair.a + " " + pair.b);
+  }
+  EXPECT_EQ(pairs, (std::vector<std::string>{"left can", "left box", "cup can", "cup box"}));
+
+  // A problem file may ask for more, for less where it names a pair, and bring more objects.
+  folder_.write("scene.yaml", padded);
+  folder_.write("request.yaml", kRequest);
+  const auto marginOf = [&](const std::string& more, const std::string& object) {
+    const Problem loaded = loadProblem(folder_.write(
+        "padded.yaml",
+        "leeway: 1\nrobot: {urdf: twins.urdf, srdf: twins.srdf}\nmoveit: {scene: scene.yaml, "
+        "request: request.yaml}\nobjects: [{name: more, sphere: {radius: 1}, position: [0, 0, "
+        "40]}]\n" +
+            more));
+    double margin = loaded.margins.common;
+    for (const PairMargin& pair : loaded.margins.pairs)
+      if (pair.a == "left" && pair.b == object) margin = pair.margin;
+    return margin;
+  };
+  EXPECT_EQ(marginOf("", "can"), 0.02);
+  EXPECT_EQ(marginOf("", "more"), 0.02);
+  EXPECT_EQ(marginOf("margin: 0.01\n", "can"), 0.02);
+  EXPECT_EQ(marginOf("margin: 0.03\n", "can"), 0.03);
+  EXPECT_EQ(marginOf("margins: [{between: [left, can], margin: 0.001}]\n", "can"), 0.001);
+}
+
+/// The two forms that MoveIt has written, with all its shapes.
+TEST_F(MoveitImport, ScenesSavedAsTextAreTaken) {
+  const std::string colour = "0.1 0.2 0.3 1\n", none = "0 0 0\n0 0 0 1\n";
+  const auto shapes = [&](const std::string& place) {
+    return "5\nbox\n1 2 3\n" + place + "0 0 0 1\n" + colour +  //
+           "sphere\n0.5\n" + none + colour +                   //
+           "cylinder\n0.25 2\n" + none + colour +              //
+           "cone\n0.25 2\n" + none + colour +                  //
+           "mesh\n3 1\n0 0 0\n1 0 0\n0 1 0\n0 1 2\n" + none + colour;
+  };
+  const auto loaded = [&](const std::string& text) {
+    return loadMoveit(model_, folder_.write("room.scene", text),
+                      folder_.write("request.yaml", kRequest));
+  };
+  const std::string floor = "1\nplane\n0 0 2 1\n" + none + colour;
+  const Problem old =
+      loaded("(noname)+\n* a  box \n" + shapes("1 2 13\n") + "* floor\n" + floor + ".\n");
+  const Problem recent = loaded("(noname)+\r\n* a  box\n1 2 3\n0 0 0 1\n" + shapes("0 0 10\n") +
+                                "1\ncorner\n" + none + "* floor\n" + none + floor + "0\n.\n");
+  EXPECT_EQ(old.name, "room");
+  for (const Problem* problem : {&old, &recent}) {
+    ASSERT_EQ(problem->world.objects.size(), 2U);
+    const Object& box = problem->world.objects[0];
+    EXPECT_EQ(box.name, "a  box");
+    ASSERT_EQ(box.geometries.size(), 5U);
+    EXPECT_EQ(box.geometries[0].shape.halfExtents(), Eigen::Vector3d(0.5, 1, 1.5));
+    EXPECT_EQ((box.X_WO * box.geometries[0].X_BG).translation, Eigen::Vector3d(1, 2, 13));
+    EXPECT_EQ(box.geometries[1].shape.radius(), 0.5);
+    EXPECT_EQ(box.geometries[2].shape.type(), collision::ShapeType::kCylinder);
+    EXPECT_EQ(box.geometries[2].shape.radius(), 0.25);
+    EXPECT_EQ(box.geometries[2].shape.halfLength(), 1);
+    EXPECT_EQ(box.geometries[3].shape.type(), collision::ShapeType::kCone);
+    EXPECT_EQ(box.geometries[4].shape.mesh()->triangles().size(), 1U);
+    EXPECT_EQ(problem->world.objects[1].geometries[0].X_BG.translation,
+              Eigen::Vector3d(0, 0, -0.5));
+  }
+  const auto expect = [&](const std::string& text, const std::string& expected) {
+    try {
+      loaded(text);
+      ADD_FAILURE() << text;
+    } catch (const robots::InputError& error) {
+      const std::string message = std::string(error.what()).substr(folder_.path().size() + 1);
+      EXPECT_EQ(message.substr(0, expected.size()), expected) << message;
+    }
+  };
+  expect("", "room.scene:1: ends early; '*' and an object, or '.' at the end is expected");
+  expect("name\n* a\n1\nbox\n1 2", "room.scene:5: ends early; a size [m] is expected");
+  expect("name\n* a\n1\nbox\n1 2 x", "room.scene:5: 'x' stands where a size [m] is expected");
+  expect("name\n* a\n1\nbox\n1 2 -3\n", "room.scene:5: a size of -3; zero or more is expected");
+  expect("name\n* a\n1\ntorus\n1 2", "room.scene:4: 'torus' is no shape that is known; box, ");
+  expect("name\n* a\n1e9\n", "room.scene:3: 1000000000 stands where a number of shapes");
+  expect("name\n* a\n0\n.\n", "room.scene:2: object 'a' has no shape");
+  expect("name\n* left\n" + floor + ".\n",
+         "room.scene:2: object 'left' has the name of another object or link");
+  expect("name\n* a\n1\nmesh\n3 1\n0 0 0 1 0 0 0 1 0\n0 1 3\n",
+         "room.scene:7: triangle 0 names vertex 3; 0 to 2 is expected");
+  expect("world: {}\n", "room.scene:2: ends early");
+  expect("leeway: 1\nworld: {}\n", "room.scene:2: 'world:' stands where '*' and an object's name");
 }
 
 /// Points of the regions are where MoveIt's own formulas allow them, whatever is drawn.

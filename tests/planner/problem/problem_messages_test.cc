@@ -73,16 +73,15 @@ TEST(ProblemMessages, Files) {
     loadProblem(folder.path("absent.yaml"));
     FAIL();
   } catch (const robots::InputError& error) {
-    EXPECT_EQ(std::string(error.what()),
-              (folder.path("absent.yaml")) +
-                  ": cannot be read: No such file or directory; a readable file is expected");
+    EXPECT_EQ(
+        std::string(error.what()),
+        (folder.path("absent.yaml")) + ": there is no such file; a YAML or JSON file is expected");
   }
   try {
     loadProblem(folder.path() + "/");
     FAIL();
   } catch (const robots::InputError& error) {
-    EXPECT_NE(std::string(error.what())
-                  .find("cannot be read: Is a directory; a readable file is expected"),
+    EXPECT_NE(std::string(error.what()).find("is a folder; a YAML or JSON file is expected"),
               std::string::npos)
         << error.what();
   }

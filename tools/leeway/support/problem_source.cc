@@ -123,7 +123,8 @@ void addStatesAndMoveitArguments(CLI::App& app, ProblemSource& source) {
       ->type_size(8)
       ->expected(1)
       ->take_all();
-  app.add_option("--scene", source.scene, "MoveIt planning scene")->type_name("YAML");
+  app.add_option("--scene", source.scene, "MoveIt planning scene, YAML or .scene")
+      ->type_name("FILE");
   app.add_option("--request", source.request, "MoveIt motion plan request")->type_name("YAML");
 }
 

@@ -1,0 +1,86 @@
+#include "robots/base/read_file.h"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <cstring>
+
+#include "leeway/robots/input_error.h"
+
+namespace leeway::robots {
+namespace {
+
+constexpr int kPatience = 10000;  // with a pipe that is silent [ms]
+
+class File {
+ public:
+  // A pipe without a writer must not block the opening.
+  explicit File(const std::string& path)
+      : handle_(::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC)) {}
+  ~File() {
+    if (handle_ >= 0) ::close(handle_);
+  }
+  File(const File&) = delete;
+  File& operator=(const File&) = delete;
+  int handle() const { return handle_; }
+
+ private:
+  int handle_;
+};
+
+std::size_t sizeInMegabytes(std::size_t bytes) { return bytes >> 20; }
+
+}  // namespace
+
+std::string readTextFile(const std::string& path, std::string_view kind, std::size_t limit) {
+  const auto fail = [&](const std::string& what, int line = 0) {
+    throw InputError(path, line, what + "; " + std::string(kind) + " is expected");
+  };
+  const auto failAs = [&](int error) {
+    fail(error == ENOENT || error == ENOTDIR ? "there is no such file"
+                                             : "cannot be read: " + std::string(strerror(error)));
+  };
+  const auto failAsTooLong = [&] {
+    fail("holds more than " + std::to_string(sizeInMegabytes(limit)) +
+         " MiB, the most that is read");
+  };
+  const File file(path);
+  struct stat status {};
+  if (file.handle() < 0 || ::fstat(file.handle(), &status) != 0) failAs(errno);
+  const bool is_pipe = S_ISFIFO(status.st_mode);
+  if (S_ISDIR(status.st_mode)) fail("is a folder");
+  if (!is_pipe && !S_ISREG(status.st_mode)) fail("is a device");
+  if (!is_pipe && static_cast<std::size_t>(status.st_size) > limit) failAsTooLong();
+
+  std::string text;
+  text.reserve(is_pipe ? 0 : static_cast<std::size_t>(status.st_size) + 1);
+  char block[1 << 16];
+  while (true) {
+    if (is_pipe) {
+      pollfd waited{file.handle(), POLLIN, 0};
+      const int ready = ::poll(&waited, 1, kPatience);
+      if (ready == 0) fail("is a pipe to which nothing was written for 10 s");
+      if (ready < 0 && errno != EINTR) failAs(errno);
+      if (ready < 0) continue;
+    }
+    const ssize_t count = ::read(file.handle(), block, sizeof block);
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) failAs(errno);
+    if (count == 0) break;
+    text.append(block, static_cast<std::size_t>(count));
+    if (text.size() > limit) failAsTooLong();
+  }
+  if (text.starts_with("\xEF\xBB\xBF")) text.erase(0, 3);
+  if (const std::size_t zero = text.find('\0'); zero != std::string::npos)
+    fail("holds a byte of value 0, as no text does: it is binary, or UTF-16",
+         1 + static_cast<int>(
+                 std::count(text.begin(), text.begin() + static_cast<long>(zero), '\n')));
+  return text;
+}
+
+}  // namespace leeway::robots
