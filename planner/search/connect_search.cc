@@ -64,9 +64,10 @@ class Worker {
   bool advance(std::uint64_t count) {
     for (; count > 0; --count) {
       if (!trees_) {
-        trees_.emplace(ConnectTask{query_.scene->space(), query_.start, query_.goals, is_free_},
-                       settings_, runSeed(query_.seed, index_ * kRunsApart + runs_));
-        left_ = kConnectRun * luby(++runs_);
+        trees_.emplace(
+            ConnectTask{query_.scene->space(), query_.start, query_.goals, is_free_, query_.bound},
+            settings_, runSeed(query_.seed, index_ * kRunsApart + runs_));
+        left_ = query_.run * luby(++runs_);
       }
       ++iterations_;
       const bool met = trees_->iterate();
@@ -232,6 +233,7 @@ ConnectChoice connectChoice(const std::map<std::string, std::string>& parameters
   choice.threads = static_cast<int>(number("threads", 0));
   if (choice.threads == 0)
     choice.threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+  choice.improve = number("improve", 0);
   return choice;
 }
 

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <map>
 #include <memory>
 #include <optional>
@@ -10,6 +11,7 @@
 #include <vector>
 
 #include "leeway/planner/edge_certifier.h"
+#include "planner/base/tolerances.h"
 #include "planner/search/limits.h"
 #include "planner/space/connect_trees.h"
 
@@ -22,6 +24,7 @@ struct ConnectChoice {
   ConnectSettings settings;
   bool own_range = true, own_balance = true, own_domain = true;  ///< not asked for: may vary
   int workers = 1, threads = 1;
+  double improve = 0;  ///< how long shorter paths are searched once there is one [s]
 };
 /// From parameters that plannerError() accepts.
 ConnectChoice connectChoice(const std::map<std::string, std::string>& parameters,
@@ -39,6 +42,8 @@ struct ConnectQuery {
   std::uint64_t most;  ///< iterations of this search, beside the limits
   /// Told of the free edges of the first worker, from one thread at a time; may be empty.
   const std::function<void(std::span<const double>, std::span<const double>)>& on_edge;
+  double bound = std::numeric_limits<double>::infinity();  ///< of the path's length
+  std::uint64_t run = kConnectRun;                         ///< iterations of a first run
 };
 
 struct ConnectResult {

@@ -14,6 +14,7 @@
 #include "planner/search/goal_sampler.h"
 #include "planner/search/half_turns.h"
 #include "planner/search/push.h"
+#include "planner/search/run_seed.h"
 #include "planner/search/search.h"
 #include "planner/space/ompl_lock.h"
 
@@ -25,6 +26,11 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// How long the best path so far is simplified once the caller has ended a run [s]: who waits for
 /// the end does not notice.
 constexpr double kLastSimplification = 0.2;
+/// What a search for a shorter path must gain at least, as a share of the length.
+constexpr double kImprovement = 1e-3;
+
+/// Between the seeds of two searches for shorter paths, in runs.
+constexpr std::uint64_t kImproveRuns = 1ULL << 20;
 
 /// One call of plan(), its stages in their order.
 class Plan {
@@ -196,8 +202,9 @@ class Plan {
     const Waypoints unsimplified = path;
     if (problem_.planner.simplify) {
       limits_.enter("simplify");
-      simplifyPath(path);
+      simplifyPath(path, 0);
     }
+    if (wantsLength()) improve(path);
     result_.simplify_s = limits_.elapsed() - planned;
     if (wantsLength() && problem_.planner.simplify && problem_.planner.push) {
       limits_.enter("push");
@@ -238,9 +245,39 @@ class Plan {
 
   double timeLimit() const { return problem_.limits.time > 0 ? problem_.limits.time : kInfinity; }
 
-  void simplifyPath(Waypoints& path) {
+  /// Looks for shorter paths as long as it is asked to. Each search has the best length as its
+  /// bound; one in vain leaves the best path to other random cuts.
+  void improve(Waypoints& path) {
+    // Of Connect alone, and no work where nobody asks for it.
+    if (problem_.planner.parameters.count("improve") == 0) return;
+    const SearchTask task{problem_, start_, goals_, limits_, options_.on_edge};
+    Search search(scene_, pool_, task);
+    const double seconds = search.improves();
+    if (!(seconds > 0)) return;
+    limits_.enter("improve");
+    const double begin = limits_.elapsed();
+    double straight = kInfinity, length = pathLength(scene_->space(), path);
+    for (const std::vector<double>& goal : goals_.points)
+      straight = std::min(straight, scene_->space().distance(start_, goal));
+    for (std::uint64_t round = 1;; ++round) {
+      const double bound = (1 - kImprovement) * length;
+      const std::uint64_t before = limits_.iterations();
+      if (!(straight < bound) || limits_.searchOver() || limits_.elapsed() - begin > seconds) break;
+      Waypoints next =
+          search.shorter(runSeed(problem_.seed, kImproveRuns * round), bound).value_or(path);
+      if (limits_.iterations() == before) break;  // it would give up for ever
+      if (problem_.planner.simplify) simplifyPath(next, round);
+      const double now = pathLength(scene_->space(), next);
+      if (!(now < length)) continue;
+      path = std::move(next);
+      length = now;
+    }
+    work_ += search.work();
+  }
+
+  void simplifyPath(Waypoints& path, std::uint64_t round) {
     SimplifyOptions options;
-    options.seed = Random(problem_.seed, kSimplifyStream).next();
+    options.seed = Random(problem_.seed, kSimplifyStream + round).next();
     options.stop = [this] { return limits_.over(); };
     if (options_.stop && options_.stop()) {
       // A path that was cut short is still made shorter for a moment.

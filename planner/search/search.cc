@@ -23,6 +23,11 @@ namespace {
 namespace ob = ompl::base;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
+/// A search for a shorter path: iterations of its first run, which terms of Luby's series multiply,
+/// and of all together, before the best path is simplified anew instead.
+constexpr std::uint64_t kImproveRun = 500;
+constexpr std::uint64_t kImproveBudget = 2000;
+
 /// A parameter's text. Not std::to_string, which follows the program's locale.
 std::string digits(double x) {
   char buffer[32];
@@ -60,7 +65,7 @@ std::optional<Waypoints> Search::any(std::uint64_t seed, std::uint64_t budget) {
 }
 
 std::optional<Waypoints> Search::search(std::uint64_t seed, std::uint64_t budget, bool first) {
-  if (own_) return connect(seed, budget);
+  if (own_) return connect(seed, budget, kInfinity);
   auto objective = std::make_shared<OmplLengthObjective>(space_information_);
   // Some planners that do not optimise still ask whether their first path will do: it does.
   objective->setCostThreshold(ob::Cost(first ? kInfinity : 0));
@@ -91,7 +96,15 @@ std::optional<Waypoints> Search::run(const ob::OptimizationObjectivePtr& objecti
   return std::nullopt;
 }
 
-std::optional<Waypoints> Search::connect(std::uint64_t seed, std::uint64_t budget) {
+std::optional<Waypoints> Search::shorter(std::uint64_t seed, double bound) {
+  return connect(seed, kImproveBudget, bound);
+}
+
+double Search::improves() const {
+  return own_ ? connectChoice(parameters_, scene_->space()).improve : 0;
+}
+
+std::optional<Waypoints> Search::connect(std::uint64_t seed, std::uint64_t budget, double bound) {
   Waypoints goals;
   for (const std::vector<double>& goal : task_.goals.points)
     if (certifier().decide(goal) == Verdict::kFree) goals.push_back(goal);
@@ -108,7 +121,9 @@ std::optional<Waypoints> Search::connect(std::uint64_t seed, std::uint64_t budge
                            accept,
                            task_.limits,
                            budget > 0 ? budget : std::numeric_limits<std::uint64_t>::max(),
-                           task_.on_edge};
+                           task_.on_edge,
+                           bound,
+                           bound < kInfinity ? kImproveRun : kConnectRun};
   ConnectResult result =
       searchConnect(query, connectChoice(parameters_, scene_->space()), certifier());
   work_ += result.work;

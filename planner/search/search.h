@@ -46,11 +46,15 @@ class Search {
   /// The path of greatest clearance; ends early at `enough` [m]. For planners that optimise any
   /// cost.
   std::optional<Waypoints> widest(std::uint64_t seed, double enough);
+  /// Connect alone: a path shorter than `bound`, in the space's distance.
+  std::optional<Waypoints> shorter(std::uint64_t seed, double bound);
+  /// For how long shorter paths are wanted [s]; 0 for other planners than Connect.
+  double improves() const;
   /// Of certifiers beside the pool's.
   const EdgeCertifier::Statistics& work() const { return work_; }
 
  private:
-  std::optional<Waypoints> connect(std::uint64_t seed, std::uint64_t budget);
+  std::optional<Waypoints> connect(std::uint64_t seed, std::uint64_t budget, double bound);
   static bool isCertified(EdgeCertifier& certifier, const Waypoints& path);
   std::optional<Waypoints> search(std::uint64_t seed, std::uint64_t budget, bool first);
   std::optional<Waypoints> run(const ompl::base::OptimizationObjectivePtr& objective,

@@ -12,6 +12,9 @@ namespace {
 
 constexpr float kUnlimited = std::numeric_limits<float>::infinity();
 
+/// Halvings of a sample's way into the ellipsoid of shorter paths.
+constexpr int kInformedHalvings = 10;
+
 /// Whether a number of a point is an angle.
 bool isAngle(const ConfigurationSpace& space, int i) {
   const robots::Model& model = space.model();
@@ -54,26 +57,30 @@ ConnectTrees::ConnectTrees(const ConnectTask& task, const ConnectSettings& setti
       size_(static_cast<std::size_t>(task.space.size())),
       trees_{Tree(task.space), Tree(task.space)},
       sample_(size_),
-      next_(size_) {
+      next_(size_),
+      focus_(size_),
+      drawn_(size_) {
   // A range that is no length, or so short that a connection would never end, is none of anybody's.
   const double extent = usefulExtent(task.space);
   if (!(settings_.range >= kShortestRange * extent)) settings_.range = kShortestRange * extent;
   if (!(settings_.range > 0)) settings_.range = 1;  // all is locked, or two points are one
-  add(trees_[0], task.start, 0);
+  add(trees_[0], task.start, 0, 0);
   for (const std::vector<double>& goal : task.goals)
-    add(trees_[1], goal, static_cast<std::uint32_t>(trees_[1].nearest.size()));
+    add(trees_[1], goal, static_cast<std::uint32_t>(trees_[1].nearest.size()), 0);
 }
 
 std::span<const double> ConnectTrees::pointOf(const Tree& tree, std::uint32_t node) const {
   return std::span<const double>(tree.points).subspan(node * size_, size_);
 }
 
-std::uint32_t ConnectTrees::add(Tree& tree, std::span<const double> point, std::uint32_t parent) {
+std::uint32_t ConnectTrees::add(Tree& tree, std::span<const double> point, std::uint32_t parent,
+                                double step) {
   const auto node = static_cast<std::uint32_t>(tree.nearest.size());
   tree.nearest.add(point);
   tree.points.insert(tree.points.end(), point.begin(), point.end());
   tree.parent.push_back(parent);
   tree.radius.push_back(kUnlimited);
+  tree.cost.push_back(node == parent ? 0 : tree.cost[parent] + step);
   return node;
 }
 
@@ -92,6 +99,31 @@ void ConnectTrees::sample() {
         break;
     }
   }
+  if (isBounded()) pullSample();
+}
+
+double ConnectTrees::toRoot(int tree, std::span<const double> point) const {
+  if (tree == 0) return task_.space.distance(task_.start, point);
+  double least = std::numeric_limits<double>::infinity();
+  for (const std::vector<double>& goal : task_.goals)
+    least = std::min(least, task_.space.distance(point, goal));
+  return least;
+}
+
+void ConnectTrees::pullSample() {
+  const auto mayHelp = [&] { return toRoot(0, sample_) + toRoot(1, sample_) < task_.bound; };
+  if (mayHelp()) return;
+  drawn_ = sample_;
+  const int goal = random_.index(static_cast<int>(task_.goals.size()));
+  task_.space.interpolate(task_.start, task_.goals[static_cast<std::size_t>(goal)],
+                          random_.uniform(), focus_);
+  double in = 0, out = 1;
+  for (int i = 0; i < kInformedHalvings; ++i) {
+    const double middle = (in + out) / 2;
+    task_.space.interpolate(focus_, drawn_, middle, sample_);
+    (mayHelp() ? in : out) = middle;
+  }
+  task_.space.interpolate(focus_, drawn_, in * random_.uniform(), sample_);
 }
 
 bool ConnectTrees::stepTowards(const Tree& tree, std::uint32_t node, std::span<const double> target,
@@ -113,6 +145,11 @@ bool ConnectTrees::iterate() {
   if (near.distance > radius) return false;
   const double distance = task_.space.distance(pointOf(tree, near.node), sample_);
   if (!(distance > 0)) return false;
+  const double step = std::min(settings_.range, distance);
+  if (isBounded()) {
+    task_.space.interpolate(pointOf(tree, near.node), sample_, step / distance, next_);
+    if (!(tree.cost[near.node] + step + toRoot(1 - growing_, next_) < task_.bound)) return false;
+  }
   if (!stepTowards(tree, near.node, sample_, distance)) {
     if (settings_.dynamic_domain) {
       const auto range = static_cast<float>(settings_.range);
@@ -122,19 +159,21 @@ bool ConnectTrees::iterate() {
     return false;
   }
   radius *= 1 + kDomainRate;
-  std::uint32_t node = add(tree, next_, near.node);
+  std::uint32_t node = add(tree, next_, near.node, step);
   // Steps of equal length to the nearest node of the other tree, as far as they are free.
   const std::uint32_t goal = other.nearest.nearest(next_).node;
   from_ = next_;
   const std::span<const double> to = pointOf(other, goal);
-  const double steps = std::max(1.0, std::ceil(task_.space.distance(from_, to) / settings_.range));
+  const double gap = task_.space.distance(from_, to);
+  if (!(tree.cost[node] + gap + other.cost[goal] < task_.bound)) return false;
+  const double steps = std::max(1.0, std::ceil(gap / settings_.range));
   for (double i = 1; i <= steps; ++i) {
     if (i == steps)
       std::copy(to.begin(), to.end(), next_.begin());
     else
       task_.space.interpolate(from_, to, i / steps, next_);
     if (!task_.isFree(pointOf(tree, node), next_)) return false;
-    if (i < steps) node = add(tree, next_, node);
+    if (i < steps) node = add(tree, next_, node, gap / steps);
   }
   met_[growing_] = node;
   met_[1 - growing_] = goal;

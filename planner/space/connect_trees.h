@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <span>
 #include <vector>
@@ -19,6 +20,8 @@ struct ConnectTask {
   const std::vector<std::vector<double>>& goals;  ///< at least one; any of them will do
   /// Whether the edge between two points is free.
   const std::function<bool(std::span<const double>, std::span<const double>)>& isFree;
+  /// Only paths shorter than that are searched, in the space's distance.
+  double bound = std::numeric_limits<double>::infinity();
 };
 
 /// The space's extent with each joint's turn counted up to half a turn: beyond, a turn comes round
@@ -44,6 +47,10 @@ struct ConnectSettings {
 /// planning", 2000): a tree from the start and one from the goals, which grow towards each other.
 /// Points are stored flat; the search allocates only as its trees grow. It can be left and gone on
 /// with: the same calls find the same path, whatever happens in between.
+///
+/// With a bound it is the search of AO-RRT-Connect (Wilson, Thomason, Kingston, Kavraki, Gammell,
+/// "AORRTC: almost-surely asymptotically optimal planning with RRT-Connect", 2025): nodes know what
+/// it takes to reach them, samples and nodes that no shorter path can visit are left out.
 class ConnectTrees {
  public:
   /// `task`'s start and goals are valid. O(goals).
@@ -63,10 +70,17 @@ class ConnectTrees {
     std::vector<double> points;         ///< node by node
     std::vector<std::uint32_t> parent;  ///< of a root itself
     std::vector<float> radius;          ///< of the dynamic domain
+    std::vector<double> cost;           ///< length of the way from the root
   };
   std::span<const double> pointOf(const Tree& tree, std::uint32_t node) const;
-  std::uint32_t add(Tree& tree, std::span<const double> point, std::uint32_t parent);
+  std::uint32_t add(Tree& tree, std::span<const double> point, std::uint32_t parent, double step);
   void sample();
+  bool isBounded() const { return task_.bound < std::numeric_limits<double>::infinity(); }
+  /// No path from the root of a tree to a point is shorter.
+  double toRoot(int tree, std::span<const double> point) const;
+  /// Moves a sample that no path below the bound visits to where one may: towards a point of the
+  /// straight way from the start to a goal.
+  void pullSample();
   /// From a node towards `target`, to the point at most `range` away; false when the edge is not
   /// free. `next_` is where it ends.
   bool stepTowards(const Tree& tree, std::uint32_t node, std::span<const double> target,
@@ -78,7 +92,7 @@ class ConnectTrees {
   std::size_t size_;
   Tree trees_[2];  ///< of the start, of the goals
   int growing_ = 1;
-  std::vector<double> sample_, next_, from_;
+  std::vector<double> sample_, next_, from_, focus_, drawn_;
   std::uint32_t met_[2] = {0, 0};  ///< nodes of both trees with the same point
 };
 

@@ -226,7 +226,7 @@ std::optional<std::string> setParameter(ob::Planner& planner, const std::string&
 /// Parameters of our own planner that plan() knows, and OMPL's frame does not.
 const std::vector<PlannerParameter>& ownParameters(const Entry& e) {
   static const std::vector<PlannerParameter> none,
-      own = {{"threads", "0", "0:1:64"}, {"workers", "1", "1:1:64"}};
+      own = {{"improve", "0", "0.:1.:60."}, {"threads", "0", "0:1:64"}, {"workers", "1", "1:1:64"}};
   return e.traits.name == kOwnPlanner ? own : none;
 }
 
@@ -237,6 +237,12 @@ bool isOwnParameter(const Entry& e, const std::string& key, const std::string& v
     if (parameter.name != key) continue;
     const double least = parameter.name == "workers" ? 1 : 0;
     const std::optional<double> meant = parameterNumber(value);
+    if (parameter.name == "improve") {
+      if (!meant || !(*meant >= 0))
+        error = "planner parameter 'improve' cannot be '" + value +
+                "'; seconds, 0 or more, are expected";
+      return true;
+    }
     if (!meant || !(*meant >= least && *meant <= kMostWorkers) || *meant != std::floor(*meant))
       error = "planner parameter '" + key + "' cannot be '" + value + "'; a whole number from " +
               std::to_string(static_cast<int>(least)) + " to " + std::to_string(kMostWorkers) +

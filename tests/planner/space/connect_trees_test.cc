@@ -51,6 +51,39 @@ Found search(const ConfigurationSpace& space, const std::vector<double>& start,
   return found;
 }
 
+double lengthOf(const ConfigurationSpace& space, const std::vector<std::vector<double>>& path) {
+  double length = 0;
+  for (std::size_t i = 1; i < path.size(); ++i) length += space.distance(path[i - 1], path[i]);
+  return length;
+}
+
+TEST(ConnectTrees, FindsPathsBelowABoundOnly) {
+  const ConfigurationSpace space = square();
+  const std::vector<double> start{-1, -1};
+  const std::vector<std::vector<double>> goals{{1, -1}, {1, -1.5}};
+  const Edge edge = wallWithGap(0.4);
+  // By the gap's lower end.
+  const std::vector<double> corner{0, 0.8};
+  const double least = space.distance(start, corner) + space.distance(corner, goals[0]);
+  for (const double share : {0.999, 1.5}) {
+    int found = 0;
+    for (std::uint64_t seed = 1; seed <= 50; ++seed) {
+      ConnectTrees trees({space, start, goals, edge, share * least}, {0.3, true, true}, seed);
+      bool met = false;
+      for (int i = 0; i < 500 && !met; ++i) met = trees.iterate();
+      found += met;
+      if (met) {
+        EXPECT_LT(lengthOf(space, trees.path()), share * least * (1 + 1e-12));
+      }
+    }
+    if (share < 1) {
+      EXPECT_EQ(found, 0);
+    } else {
+      EXPECT_GE(found, 10);
+    }
+  }
+}
+
 TEST(ConnectTrees, FindsTheGapWithAnySettings) {
   const ConfigurationSpace space = square();
   const std::vector<double> start{-1, -1};

@@ -139,6 +139,7 @@ bool isTimed(const planner::Problem& problem, const planner::PlanResult& result)
   const planner::PlannerTraits* traits = planner::findPlanner(problem.planner.name);
   return !result.deterministic || traits == nullptr || traits->optimizing ||
          !std::holds_alternative<planner::MinimumLength>(problem.objective) ||
+         problem.planner.parameters.count("improve") != 0 ||
          result.plan_s + result.simplify_s + result.push_s + result.certify_s >
              0.5 * problem.limits.time;
 }
