@@ -198,30 +198,28 @@ class Plan {
   }
 
   void finish(Waypoints path) {
-    const double planned = limits_.elapsed();
     const Waypoints unsimplified = path;
-    if (problem_.planner.simplify) {
-      limits_.enter("simplify");
-      simplifyPath(path, 0);
-    }
-    if (wantsLength()) improve(path);
-    result_.simplify_s = limits_.elapsed() - planned;
-    if (wantsLength() && problem_.planner.simplify && problem_.planner.push) {
-      limits_.enter("push");
-      pushPath(path);
-    }
-    result_.push_s = limits_.elapsed() - planned - result_.simplify_s;
-    limits_.enter("certify");
+    if (problem_.planner.simplify)
+      timed("simplify", result_.simplify_s, [&] { simplifyPath(path, 0); });
+    if (wantsLength()) timed("improve", result_.improve_s, [&] { improve(path); });
+    if (wantsLength() && problem_.planner.simplify && problem_.planner.push)
+      timed("push", result_.push_s, [&] { pushPath(path); });
     for (int i = 0; i < scene_->space().size(); ++i) result_.path.names.push_back(variableName(i));
-    // Every edge was certified before, but only what is certified now, as it stands, is reported.
-    if (!certifyPath(std::move(path)) && !certifyPath(unsimplified)) {
+    timed("certify", result_.certify_s, [&] {
+      // Every edge was certified before, but only what is certified now, as it stands, is reported.
+      if (certifyPath(std::move(path)) || certifyPath(unsimplified)) return report();
       result_.warnings.push_back("a path was found whose certificate could not be repeated");
       result_.path = {};
       result_.certificate = {};
-    } else {
-      report();
-    }
-    result_.certify_s = limits_.elapsed() - planned - result_.simplify_s - result_.push_s;
+    });
+  }
+
+  template <typename Stage>
+  void timed(const char* name, double& seconds, const Stage& stage) {
+    limits_.enter(name);
+    const double begin = limits_.elapsed();
+    stage();
+    seconds = limits_.elapsed() - begin;
   }
 
   bool certifyPath(Waypoints path) {
@@ -254,11 +252,11 @@ class Plan {
     Search search(scene_, pool_, task);
     const double seconds = search.improves();
     if (!(seconds > 0)) return;
-    limits_.enter("improve");
     const double begin = limits_.elapsed();
     double straight = kInfinity, length = pathLength(scene_->space(), path);
     for (const std::vector<double>& goal : goals_.points)
       straight = std::min(straight, scene_->space().distance(start_, goal));
+    if (options_.on_path) options_.on_path(path, length);
     for (std::uint64_t round = 1;; ++round) {
       const double bound = (1 - kImprovement) * length;
       const std::uint64_t before = limits_.iterations();
@@ -271,6 +269,7 @@ class Plan {
       if (!(now < length)) continue;
       path = std::move(next);
       length = now;
+      if (options_.on_path) options_.on_path(path, length);
     }
     work_ += search.work();
   }

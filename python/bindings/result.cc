@@ -109,6 +109,8 @@ py::dict times(const Result& self) {
   result["compile"] = self.value.compile_s;
   result["plan"] = self.value.plan_s;
   result["simplify"] = self.value.simplify_s;
+  result["improve"] = self.value.improve_s;
+  result["push"] = self.value.push_s;
   result["certify"] = self.value.certify_s;
   return result;
 }
@@ -164,8 +166,8 @@ void defineResult(py::module_& module) {
   result.def_property_readonly(
       "deterministic", [](const Result& self) { return self.value.deterministic; },
       "False for planners with threads or clocks of their own.");
-  result.def_property_readonly("times", times,
-                               "What it took [s]: {compile, plan, simplify, certify}.");
+  result.def_property_readonly(
+      "times", times, "What it took [s]: {compile, plan, simplify, improve, push, certify}.");
   result.def_property_readonly("counts", counts,
                                "{iterations, states, edges, undecided_edges, distance_queries}.");
   result.def_property_readonly(

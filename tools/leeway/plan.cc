@@ -144,11 +144,13 @@ std::string offendingText(const planner::PlanResult& result) {
 }
 
 std::string timeText(const planner::PlanResult& result, double load_s) {
+  const std::string improve =
+      result.improve_s < 1e-5 ? "" : fmt::format("improve {:.2f}, ", result.improve_s * 1e3);
   return fmt::format(
-      "Time [ms]: load {:.2f}, compile {:.2f}, plan {:.2f}, simplify {:.2f}, push {:.2f}, certify "
-      "{:.2f}.\n"
+      "Time [ms]: load {:.2f}, compile {:.2f}, plan {:.2f}, simplify {:.2f}, {}push {:.2f}, "
+      "certify {:.2f}.\n"
       "Counts: {} iterations, {} states, {} edges ({} undecided), {} distance queries.\n",
-      load_s * 1e3, result.compile_s * 1e3, result.plan_s * 1e3, result.simplify_s * 1e3,
+      load_s * 1e3, result.compile_s * 1e3, result.plan_s * 1e3, result.simplify_s * 1e3, improve,
       result.push_s * 1e3, result.certify_s * 1e3, result.iterations, result.states, result.edges,
       result.undecided_edges, result.distance_queries);
 }

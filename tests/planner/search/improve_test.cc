@@ -41,6 +41,23 @@ TEST(Improve, FindsTheShorterWay) {
   EXPECT_LT(longest, 1.01 * shortest);
 }
 
+TEST(Improve, TellsOfEachBetterPath) {
+  Problem problem = test::corridorProblem();
+  problem.planner.parameters = {{"improve", "1000"}};
+  problem.planner.push = false;
+  problem.limits.time = 0;
+  problem.limits.iterations = 20000;
+  std::vector<double> lengths;
+  PlanOptions options;
+  options.on_path = [&](const std::vector<std::vector<double>>&, double length) {
+    lengths.push_back(length);
+  };
+  const PlanResult result = plan(problem, options);
+  ASSERT_GE(lengths.size(), 2U);
+  EXPECT_TRUE(std::is_sorted(lengths.rbegin(), lengths.rend()));
+  EXPECT_DOUBLE_EQ(lengths.back(), result.length);
+}
+
 TEST(Improve, IsTheSameForAnyNumberOfThreads) {
   const PlanResult one = planCorridor(3, {{"improve", "1000"}, {"workers", "3"}, {"threads", "1"}});
   const PlanResult four =
@@ -55,11 +72,11 @@ TEST(Improve, EndsInTime) {
   problem.planner.parameters = {{"improve", "0.2"}};
   const PlanResult result = plan(problem);
   EXPECT_EQ(result.status, PlanStatus::kSolved);
-  EXPECT_GE(result.simplify_s, 0.2);
-  EXPECT_LT(result.simplify_s, 2.0);
+  EXPECT_GE(result.improve_s, 0.2);
+  EXPECT_LT(result.improve_s, 2.0);
   problem.limits.time = 0.1;
   problem.planner.parameters = {{"improve", "1000"}};
-  EXPECT_LT(plan(problem).simplify_s, 1.0);
+  EXPECT_LT(plan(problem).improve_s, 1.0);
 }
 
 TEST(Improve, RefusesWhatIsNoTime) {

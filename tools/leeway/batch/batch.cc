@@ -140,7 +140,7 @@ bool isTimed(const planner::Problem& problem, const planner::PlanResult& result)
   return !result.deterministic || traits == nullptr || traits->optimizing ||
          !std::holds_alternative<planner::MinimumLength>(problem.objective) ||
          problem.planner.parameters.count("improve") != 0 ||
-         result.plan_s + result.simplify_s + result.push_s + result.certify_s >
+         result.plan_s + result.simplify_s + result.improve_s + result.push_s + result.certify_s >
              0.5 * problem.limits.time;
 }
 
@@ -150,7 +150,8 @@ planner::PlanResult planRepeatedly(const planner::Problem& problem,
                                    const planner::PlanOptions& options, int repeat) {
   planner::PlanResult result = planner::solve(problem, options);
   std::vector<double> compile_s{result.compile_s}, plan_s{result.plan_s},
-      simplify_s{result.simplify_s}, push_s{result.push_s}, certify_s{result.certify_s};
+      simplify_s{result.simplify_s}, improve_s{result.improve_s}, push_s{result.push_s},
+      certify_s{result.certify_s};
   for (int i = 1; i < repeat && !interrupted(); ++i) {
     const planner::PlanResult again = planner::solve(problem, options);
     if (!isTimed(problem, result) && !isTimed(problem, again) &&
@@ -160,12 +161,14 @@ planner::PlanResult planRepeatedly(const planner::Problem& problem,
     compile_s.push_back(again.compile_s);
     plan_s.push_back(again.plan_s);
     simplify_s.push_back(again.simplify_s);
+    improve_s.push_back(again.improve_s);
     push_s.push_back(again.push_s);
     certify_s.push_back(again.certify_s);
   }
   result.compile_s = median(compile_s);
   result.plan_s = median(plan_s);
   result.simplify_s = median(simplify_s);
+  result.improve_s = median(improve_s);
   result.push_s = median(push_s);
   result.certify_s = median(certify_s);
   return result;
@@ -359,6 +362,9 @@ Json optionsJson(const Arguments& arguments) {
   if (overrides.iteration_limit) options["iterations"] = *overrides.iteration_limit;
   add("planner", overrides.planner);
   add("workers", overrides.workers);
+  add("improve", overrides.improve);
+  if (overrides.keep) options["keep"] = *overrides.keep;
+  if (overrides.no_push) options["push"] = false;
   add("objective", overrides.objective);
   if (overrides.certificate != "path") options["certificate"] = overrides.certificate;
   if (arguments.repeat != 1) options["repeat"] = arguments.repeat;

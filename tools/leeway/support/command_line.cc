@@ -1,5 +1,6 @@
 #include "tools/leeway/support/command_line.h"
 
+#include <execinfo.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -200,6 +201,10 @@ bool answerIsWritten() {
 }  // namespace
 
 int runCommandLine(int argc, char** argv, const AddVerbs& add_verbs) {
+  // glibc looks for its unwinder when an exception first leaves a frame of its own, as those of
+  // std::call_once, and ends the process where memory has run out by then. So it looks now.
+  void* frame = nullptr;
+  static_cast<void>(::backtrace(&frame, 1));
   std::set_terminate(onTerminate);
   std::signal(SIGXFSZ, SIG_IGN);  // a file at its size limit is one that cannot be written
   const int status = runGuarded(argc, argv, add_verbs);

@@ -197,6 +197,9 @@ void addPlanOverrides(CLI::App& app, PlanOverrides& overrides) {
                  "searches of Connect side by side, 1 by default: they fix the answer, threads do "
                  "not")
       ->type_name("N");
+  app.add_option("--improve", overrides.improve,
+                 "how long Connect looks for shorter paths once it has one, within --time [s]")
+      ->type_name("SECONDS");
   app.add_option("--objective", overrides.objective, "what is best")
       ->check(CLI::IsMember({"length", "clearance"}));
   app.add_option("--keep", overrides.keep,
@@ -204,7 +207,7 @@ void addPlanOverrides(CLI::App& app, PlanOverrides& overrides) {
       ->type_name("METRES");
   app.add_flag("--no-push", overrides.no_push, "leave a simplified path where it hugs obstacles");
   app.add_option("--certificate", overrides.certificate,
-                 "path: the path's least clearance to a tenth of itself, as far as a little work "
+                 "path: the path's least clearance to three tenths, as far as a little work "
                  "goes; full: that of each edge to 0.1 mm, whatever it takes")
       ->check(CLI::IsMember({"path", "full"}));
 }
@@ -318,6 +321,9 @@ void apply(const PlanOverrides& overrides, planner::Problem& problem) {
   }
   if (!overrides.workers.empty()) {
     problem.planner.parameters["workers"] = overrides.workers;
+  }
+  if (!overrides.improve.empty()) {
+    problem.planner.parameters["improve"] = overrides.improve;
   }
   if (!overrides.objective.empty()) {
     problem.objective = planner::objectiveOfName(overrides.objective).value();

@@ -29,7 +29,7 @@ struct PlanOverrides {
   std::optional<std::uint64_t> seed;
   std::optional<double> time_limit;  ///< [s]
   std::optional<std::int64_t> iteration_limit;
-  std::string planner, objective, workers;
+  std::string planner, objective, workers, improve;
   std::optional<double> keep;  ///< clearance from the world [m]
   bool no_push = false;
   std::string certificate = "path";

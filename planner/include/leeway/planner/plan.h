@@ -49,9 +49,9 @@ struct Certificate : PathClearance {
   bool certified = false;  ///< every edge proven to keep its margins
 };
 
-/// kPath: the path's clearance to a tenth of itself, or as near as two milliseconds of counted work
-/// allow. kEveryEdge: each edge's to within the tolerance, whatever it takes; always
-/// so where clearance is the objective.
+/// kPath: the path's clearance to three tenths of itself, or as near as a millisecond of counted
+/// work allows. kEveryEdge: each edge's to within the tolerance, whatever it takes; always so where
+/// clearance is the objective.
 enum class CertificateDetail : unsigned char { kPath, kEveryEdge };
 
 struct PlanOptions {
@@ -63,6 +63,9 @@ struct PlanOptions {
   /// searches side by side: the first), or that is in the graph of an OMPL planner when a run of it
   /// ends. From one thread at a time.
   std::function<void(std::span<const double>, std::span<const double>)> on_edge;
+  /// Called with the waypoints and the length of each better path while Connect improves one, the
+  /// first included. Its edges are certified; it is not pushed yet, and has no certificate.
+  std::function<void(const std::vector<std::vector<double>>&, double)> on_path;
 };
 
 struct PlanResult {
@@ -70,7 +73,7 @@ struct PlanResult {
   std::uint64_t seed = 0;
   std::string planner;
   bool deterministic = true;  ///< false for planners with threads or clocks of their own
-  double compile_s = 0, plan_s = 0, simplify_s = 0, push_s = 0, certify_s = 0;
+  double compile_s = 0, plan_s = 0, simplify_s = 0, improve_s = 0, push_s = 0, certify_s = 0;
   /// `iterations`: calls of the planner's termination condition, one a turn of its main loop; an
   /// iteration limit counts these.
   std::uint64_t iterations = 0, states = 0, edges = 0, distance_queries = 0;
