@@ -112,11 +112,17 @@ std::string trimmed(const std::string& text) {
   return first == std::string::npos ? std::string() : text.substr(first, last - first + 1);
 }
 
+/// Short enough for a message.
+std::string elided(const std::string& text) {
+  constexpr std::size_t kLongest = 60;
+  return text.size() > kLongest ? text.substr(0, kLongest) + "..." : text;
+}
+
 double readField(const std::string& file, int line, const std::string& field) {
   const std::optional<double> value = robots::parseNumber(trimmed(field));
   if (!value || !std::isfinite(*value))
     throw InputError(file, line,
-                     fmt::format("'{}' stands where a finite number is expected", field));
+                     fmt::format("'{}' stands where a finite number is expected", elided(field)));
   return *value;
 }
 
@@ -196,9 +202,9 @@ std::vector<int> columnVariables(const std::string& file, const Table& table,
     const std::string& name = table.names[i];
     const int v = problem.robot.model->findVariable(name);
     if (v < 0 && name != "time" && !isDerivative(name, problem))
-      throw InputError(
-          file, table.names_line,
-          fmt::format("unknown joint '{}'{}", name, nearestName(name, plannedNames(problem))));
+      throw InputError(file, table.names_line,
+                       fmt::format("unknown joint '{}'{}", elided(name),
+                                   nearestName(elided(name), plannedNames(problem))));
     if (v >= 0 && std::find(columns.begin(), columns.end(), v) != columns.end())
       throw InputError(file, table.names_line,
                        fmt::format("joint '{}' stands twice; once is expected", name));

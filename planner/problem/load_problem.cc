@@ -38,6 +38,22 @@ void requireVersion(const YamlReader& file) {
                               version->isScalar() ? version->text() : "?"));
 }
 
+/// Calls load(path) with the path at `place`; what is wrong with that file as a whole also names
+/// `place`.
+template <class Load>
+auto loadNamedAt(const YamlReader& place, const Load& load) {
+  const std::string path = resolvedPath(place);
+  try {
+    return load(path);
+  } catch (const InputError& error) {
+    const std::string head = path + ": ", what = error.what();
+    if (error.line() > 0 || error.file() != path || !what.starts_with(head)) throw;
+    throw InputError(
+        path, 0,
+        fmt::format("{} ({}:{} names it)", what.substr(head.size()), place.file(), place.line()));
+  }
+}
+
 std::shared_ptr<const Model> loadRobot(const YamlReader& robot, const ProblemOptions& options) {
   robot.expectKeys(keysOf("robot"));
   robots::LoadOptions load = options.load;
@@ -49,16 +65,23 @@ std::shared_ptr<const Model> loadRobot(const YamlReader& robot, const ProblemOpt
                                 name, path));
       load.packages.emplace_back(name, path);
     }
-  const auto existing = [](const YamlReader& file) {
-    std::string path = resolvedPath(file);
-    if (!std::filesystem::exists(path))
+  const auto expectFile = [](const YamlReader& file) {
+    const std::string path = resolvedPath(file);
+    std::error_code error;
+    if (!std::filesystem::exists(path, error) && !error)
       file.fail(fmt::format("{} names '{}', which does not exist; an existing file is expected",
                             file.where(), path));
-    return path;
   };
-  const std::string urdf = existing(robot.at("urdf", "the path of a URDF"));
+  const YamlReader urdf = robot.at("urdf", "the path of a URDF");
   const auto srdf = robot.find("srdf");
-  return robots::loadModel(urdf, srdf ? existing(*srdf) : std::string(), load);
+  expectFile(urdf);
+  if (srdf) expectFile(*srdf);
+  const auto loaded = [&](const std::string& srdf_path) {
+    return loadNamedAt(urdf, [&](const std::string& urdf_path) {
+      return robots::loadModel(urdf_path, srdf_path, load);
+    });
+  };
+  return srdf ? loadNamedAt(*srdf, loaded) : loaded("");
 }
 
 std::shared_ptr<const Model> loadBody(const YamlReader& body, std::vector<std::string>& warnings,
@@ -356,9 +379,13 @@ Problem fromMoveit(const YamlReader& file, const YamlReader& moveit, const Probl
         "key 'group' stands beside 'moveit', whose request names the group; one of them is "
         "expected");
   const auto model = loadRobot(robot, options);
-  return loadMoveitUnpadded(model, resolvedPath(moveit.at("scene", "the path of a planning scene")),
-                            resolvedPath(moveit.at("request", "the path of a motion plan request")),
-                            padding);
+  const YamlReader scene = moveit.at("scene", "the path of a planning scene");
+  const YamlReader request = moveit.at("request", "the path of a motion plan request");
+  return loadNamedAt(scene, [&](const std::string& scene_path) {
+    return loadNamedAt(request, [&](const std::string& request_path) {
+      return loadMoveitUnpadded(model, scene_path, request_path, padding);
+    });
+  });
 }
 
 Problem fromOwnKeys(const YamlReader& file, const ProblemOptions& options) {

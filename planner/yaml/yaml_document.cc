@@ -7,27 +7,26 @@
 #include <sstream>
 #include <utility>
 
-#include "leeway/robots/input_error.h"
+#include "planner/yaml/document_builder.h"
 
 namespace leeway::planner {
 
-/// Appends nodes as yaml-cpp meets them, parents first.
-class YamlDocument::Builder : public YAML::EventHandler {
+/// What yaml-cpp meets. Its marks count lines from 0.
+class YamlDocument::YamlEvents : public Builder, public YAML::EventHandler {
  public:
-  explicit Builder(YamlDocument& document) : document_(document) {}
+  using Builder::Builder;
 
   void OnDocumentStart(const YAML::Mark&) override {}
   void OnDocumentEnd() override {}
   void OnNull(const YAML::Mark& mark, YAML::anchor_t anchor) override {
-    add(YamlNode::Kind::kNull, mark, anchor);
+    addAnchored(YamlNode::Kind::kNull, mark, anchor);
   }
   void OnAlias(const YAML::Mark& mark, YAML::anchor_t anchor) override {
-    const YamlIndex target = anchors_[anchor];
-    document_.nodes_[add(YamlNode::Kind::kAlias, mark, 0)].first = target;
+    add(YamlNode::Kind::kAlias, mark.line + 1).first = anchors_[anchor];
   }
   void OnScalar(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
                 const std::string& value) override {
-    YamlNode& scalar = document_.nodes_[add(YamlNode::Kind::kScalar, mark, anchor)];
+    YamlNode& scalar = addAnchored(YamlNode::Kind::kScalar, mark, anchor);
     scalar.is_quoted = tag == "!";
     scalar.text = static_cast<std::int64_t>(document_.texts_.size());
     scalar.text_size = static_cast<std::int64_t>(value.size());
@@ -35,62 +34,57 @@ class YamlDocument::Builder : public YAML::EventHandler {
   }
   void OnSequenceStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t anchor,
                        YAML::EmitterStyle::value) override {
-    open(add(YamlNode::Kind::kList, mark, anchor));
+    addAnchored(YamlNode::Kind::kList, mark, anchor);
+    open();
   }
-  void OnSequenceEnd() override { open_.pop_back(); }
+  void OnSequenceEnd() override { close(); }
   void OnMapStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t anchor,
                   YAML::EmitterStyle::value) override {
-    open(add(YamlNode::Kind::kMap, mark, anchor));
+    addAnchored(YamlNode::Kind::kMap, mark, anchor);
+    open();
   }
-  void OnMapEnd() override { open_.pop_back(); }
+  void OnMapEnd() override { close(); }
 
  private:
-  struct Open {
-    YamlIndex node, last;  // last: its last entry so far; -1: none
-  };
-
-  std::size_t add(YamlNode::Kind kind, const YAML::Mark& mark, YAML::anchor_t anchor) {
-    std::vector<YamlNode>& nodes = document_.nodes_;
-    const auto index = static_cast<YamlIndex>(nodes.size());
-    YamlNode node;
-    node.kind = kind;
-    node.line = mark.line + 1;  // yaml-cpp counts from 0
-    if (!open_.empty()) {
-      Open& parent = open_.back();
-      YamlNode& of = nodes[static_cast<std::size_t>(parent.node)];
-      node.parent = parent.node;
-      node.place = of.count++;
-      if (parent.last < 0)
-        of.first = index;
-      else
-        nodes[static_cast<std::size_t>(parent.last)].next = index;
-      parent.last = index;
-    }
-    nodes.push_back(node);
+  YamlNode& addAnchored(YamlNode::Kind kind, const YAML::Mark& mark, YAML::anchor_t anchor) {
+    YamlNode& node = add(kind, mark.line + 1);
     if (anchor != 0) {  // yaml-cpp numbers them from 1
       if (anchors_.size() <= anchor) anchors_.resize(anchor + 1, -1);
-      anchors_[anchor] = index;
+      anchors_[anchor] = last();
     }
-    return nodes.size() - 1;
+    return node;
   }
-  void open(std::size_t node) { open_.push_back({static_cast<YamlIndex>(node), -1}); }
 
-  YamlDocument& document_;
-  std::vector<Open> open_;
   std::vector<YamlIndex> anchors_;
 };
 
-YamlDocument::YamlDocument(std::string file, const std::string& text) : file_(std::move(file)) {
+YamlDocument::YamlDocument(std::string file, std::string text) : file_(std::move(file)) {
+  const std::size_t first = text.find_first_not_of(" \t\r\n");
+  const bool may_be_json = first != std::string::npos && (text[first] == '{' || text[first] == '[');
+  int error_line = 0;
+  if (may_be_json && parseJson(text, error_line)) return;
+  if (text.size() > kLongestYaml)
+    throw robots::InputError(
+        file_, error_line,
+        may_be_json ? fmt::format("is no JSON from here on; beyond {} MiB only JSON is expected",
+                                  kLongestYaml >> 20)
+                    : fmt::format("holds {} MiB of YAML; at most {} is expected, or JSON",
+                                  text.size() >> 20, kLongestYaml >> 20));
+  parseYaml(text);
+  if (nodes_.empty()) nodes_.emplace_back();
+}
+
+void YamlDocument::parseYaml(const std::string& text) {
   std::istringstream stream(text);
   try {
     YAML::Parser parser(stream);
-    Builder builder(*this);
-    if (parser.HandleNextDocument(builder)) {
+    YamlEvents events(*this);
+    if (parser.HandleNextDocument(events)) {
       // Not by YAML::LoadAll: after a stray comma behind a document, that of yaml-cpp 0.7 returns
       // empty documents without end.
       YamlDocument other;
-      Builder other_builder(other);
-      if (parser.HandleNextDocument(other_builder))
+      YamlEvents other_events(other);
+      if (parser.HandleNextDocument(other_events))
         throw robots::InputError(
             file_, 0,
             "holds 2 YAML documents or more, or text that belongs to none; exactly one is "
@@ -101,7 +95,6 @@ YamlDocument::YamlDocument(std::string file, const std::string& text) : file_(st
         file_, error.mark.is_null() ? 0 : error.mark.line + 1,
         fmt::format("YAML syntax error: {}; well-formed YAML is expected", error.msg));
   }
-  if (nodes_.empty()) nodes_.emplace_back();
 }
 
 std::string YamlDocument::where(YamlIndex i) const {

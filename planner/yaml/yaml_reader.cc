@@ -35,6 +35,11 @@ YamlReader::YamlReader(std::shared_ptr<const YamlDocument> document, YamlIndex p
 
 YamlReader YamlReader::load(const std::string& path) {
   std::string text = robots::readTextFile(path, "a YAML or JSON file");
+  const std::size_t first = text.find_first_not_of(" \t\r\n");
+  if (first == std::string::npos)
+    throw InputError(path, 0, "is empty; a YAML or JSON file is expected");
+  if (text[first] == '<')
+    throw InputError(path, 0, "is XML, as it begins with '<'; a YAML or JSON file is expected");
   YamlReader root(std::make_shared<const YamlDocument>(path, std::move(text)), 0, 1);
   if (root.isNull()) throw InputError(path, 0, "holds 0 YAML documents; exactly one is expected");
   return root;

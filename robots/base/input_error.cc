@@ -1,15 +1,35 @@
 #include "leeway/robots/input_error.h"
 
+#include <algorithm>
+#include <string_view>
 #include <utility>
 
 namespace leeway::robots {
 
 namespace {
 
+constexpr std::size_t kLongest = 500;  // a message that a person still reads
+constexpr std::size_t kHead = 300;     // of it, where its middle is left out
+
+bool continuesCharacter(char c) { return (static_cast<unsigned char>(c) & 0xC0) == 0x80; }
+
+/// One line, whatever the file's names hold.
+std::string readable(std::string text) {
+  std::replace_if(
+      text.begin(), text.end(),
+      [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7F; }, ' ');
+  if (text.size() <= kLongest) return text;
+  constexpr std::string_view kGap = " ... ";
+  std::size_t head = kHead, tail = text.size() - (kLongest - kHead - kGap.size());
+  while (head > 0 && continuesCharacter(text[head])) --head;
+  while (tail < text.size() && continuesCharacter(text[tail])) ++tail;
+  return text.substr(0, head) + std::string(kGap) + text.substr(tail);
+}
+
 std::string compose(const std::string& file, int line, const std::string& message) {
-  if (file.empty()) return message;
-  if (line <= 0) return file + ": " + message;
-  return file + ":" + std::to_string(line) + ": " + message;
+  if (file.empty()) return readable(message);
+  return readable(line <= 0 ? file + ": " + message
+                            : file + ":" + std::to_string(line) + ": " + message);
 }
 
 }  // namespace

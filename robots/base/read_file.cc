@@ -38,8 +38,8 @@ std::size_t sizeInMegabytes(std::size_t bytes) { return bytes >> 20; }
 }  // namespace
 
 std::string readTextFile(const std::string& path, std::string_view kind, std::size_t limit) {
-  const auto fail = [&](const std::string& what, int line = 0) {
-    throw InputError(path, line, what + "; " + std::string(kind) + " is expected");
+  const auto fail = [&](const std::string& what) {
+    throw InputError(path, 0, what + "; " + std::string(kind) + " is expected");
   };
   const auto failAs = [&](int error) {
     fail(error == ENOENT || error == ENOTDIR ? "there is no such file"
@@ -77,9 +77,10 @@ std::string readTextFile(const std::string& path, std::string_view kind, std::si
   }
   if (text.starts_with("\xEF\xBB\xBF")) text.erase(0, 3);
   if (const std::size_t zero = text.find('\0'); zero != std::string::npos)
-    fail("holds a byte of value 0, as no text does: it is binary, or UTF-16",
-         1 + static_cast<int>(
-                 std::count(text.begin(), text.begin() + static_cast<long>(zero), '\n')));
+    fail(
+        "is binary, or UTF-16: line " +
+        std::to_string(1 + std::count(text.begin(), text.begin() + static_cast<long>(zero), '\n')) +
+        " holds a byte of value 0");
   return text;
 }
 

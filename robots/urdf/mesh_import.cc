@@ -174,7 +174,9 @@ ImportedMesh importMesh(const std::string& path, const Eigen::Vector3d& scale,
   };
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error))
-    fail("is not there; the path of a mesh file (STL, OBJ, DAE) would be accepted");
+    fail(std::string(std::filesystem::exists(path, error) ? "is a folder or a device"
+                                                          : "is not there") +
+         "; the path of a mesh file (STL, OBJ, DAE) would be accepted");
   if (!scale.allFinite() || (scale.array() == 0).any())
     fail("has a scale that is zero or not finite; three other numbers would be accepted");
   const std::optional<collision::LargeBuffer> contents = contentsOf(path);

@@ -32,6 +32,8 @@ class Reader {
 
   void read() {
     model_.has_srdf = true;
+    if (const XMLElement* link = file_.root().FirstChildElement("link"))
+      file_.fail(*link, "<link> is no part of an SRDF: the file is a URDF; an SRDF is expected");
     const char* name = file_.root().Attribute("name");
     if (name != nullptr && name != model_.name)
       warn(file_.root(), "the SRDF is for the robot " + inQuotes(name) + ", the URDF's is " +

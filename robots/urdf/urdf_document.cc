@@ -33,7 +33,10 @@ class Reader {
                               "ros2_control", "plugin"});
     eachChild(file_.root(), "link", [&](const XMLElement& link) { readLink(link); });
     if (document_.links.empty())
-      file_.fail(file_.root(), "the robot has no <link>; at least one is needed");
+      file_.fail(file_.root(), file_.root().FirstChildElement("group") != nullptr
+                                   ? "the robot has no <link>, but a <group>: it is an SRDF; a "
+                                     "URDF is expected"
+                                   : "the robot has no <link>; at least one is needed");
     eachChild(file_.root(), "joint", [&](const XMLElement& joint) { readJoint(joint); });
     checkStructure(document_);
     document_.essence = essence();

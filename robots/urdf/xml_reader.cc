@@ -53,6 +53,11 @@ XmlFile::XmlFile(const std::string& path, const std::string& kind) : path_(path)
   }
   const std::string text = readTextFile(path, "a " + kind + " file");
   if (text.empty()) throw InputError(path, 0, "is empty; a " + kind + " file would be accepted");
+  const std::size_t first = text.find_first_not_of(kSpace);
+  if (first == std::string::npos || text[first] != '<')
+    throw InputError(
+        path, 0,
+        "is no XML, as it does not begin with \"<\"; a " + kind + " file would be accepted");
   if (document_.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS) {
     const std::string name = tinyxml2::XMLDocument::ErrorIDToName(document_.ErrorID());
     throw InputError(path, document_.ErrorLineNum(),

@@ -92,7 +92,7 @@ TEST(ProblemMessages, Syntax) {
       {"leeway: 1\nobjects: [1, 2\n", 3, "YAML syntax error: "},
       {"leeway: 1\nname: @x\n", 2, "YAML syntax error: "},
       {"leeway: 1\n  name: x\n", 2, "YAML syntax error: "},
-      {"", 0, "holds 0 YAML documents; exactly one is expected"},
+      {"", 0, "is empty; a YAML or JSON file is expected"},
       {"  leeway: 1\nobjects:\n  - name: wall\n", 0, "holds 2 YAML documents or more"},
       {"leeway: 1\n---\nleeway: 1\n", 0, "holds 2 YAML documents or more"},
       // yaml-cpp's own loop over all documents never ends here.

@@ -111,6 +111,80 @@ TEST(YamlDocument, AgreesWithYamlCppOnRandomOnes) {
   EXPECT_GT(nodes, 5000);
 }
 
+/// Random JSON: lists, maps and scalars over several lines.
+std::string randomJson(std::mt19937_64& random, int depth) {
+  static const std::vector<std::string> kScalars = {"0",
+                                                    "-0",
+                                                    "-2.5e+3",
+                                                    "1E5",
+                                                    "12345678901234567890123",
+                                                    "true",
+                                                    "false",
+                                                    "null",
+                                                    "\"a\"",
+                                                    "\"\"",
+                                                    "\"-1\"",
+                                                    "\"a \\\"b\\\" \\n\"",
+                                                    "\"\\u00e9, [{\"",
+                                                    "\"\xC3\xA9:\""};
+  const auto below = [&](std::size_t n) { return static_cast<std::size_t>(random() % n); };
+  const auto space = [&] { return std::string(below(3) == 0 ? "\n" : below(2) == 0 ? " " : ""); };
+  if (depth == 0 || (depth < 5 && below(3) == 0)) return kScalars[below(kScalars.size())];
+  const bool is_map = below(2) == 0;
+  std::string text(1, is_map ? '{' : '[');
+  for (std::size_t i = 0, count = below(5); i < count; ++i) {
+    if (i > 0) text += "," + space();
+    if (is_map) text += "\"k" + std::to_string(below(4)) + "\": ";
+    text += randomJson(random, depth - 1) + space();
+  }
+  return text + space() + (is_map ? '}' : ']');
+}
+
+/// By another parser than YAML, but the same nodes. yaml-cpp places what is empty by what follows.
+TEST(YamlDocument, JsonAgreesWithYamlCpp) {
+  std::mt19937_64 random(1);
+  int nodes = 0;
+  for (int i = 0; i < 500; ++i)
+    nodes +=
+        expectSame((i % 3 == 0 ? "\n\n " : "") + randomJson(random, 5) + (i % 2 == 0 ? "\n" : ""));
+  EXPECT_GT(nodes, 5000);
+}
+
+TEST(YamlDocument, ReadsLargeJsonAndRefusesLargeYaml) {
+  std::string text = "[";
+  while (text.size() <= kLongestYaml) text += "[0.1234567890123456, -0.1234567890123456],\n";
+  const std::string unfinished = text + "[1, 2}\n";
+  text += "3]\n";
+  const YamlDocument document("file.json", text);
+  EXPECT_EQ(document.node(0).count, std::count(text.begin(), text.end(), '\n'));
+  const auto messageOf = [](const std::string& content) -> std::string {
+    try {
+      const YamlDocument refused("file.json", content);
+    } catch (const robots::InputError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  const auto lines = std::count(unfinished.begin(), unfinished.end(), '\n');
+  EXPECT_EQ(messageOf(unfinished),
+            "file.json:" + std::to_string(lines) +
+                ": is no JSON from here on; beyond 32 MiB only JSON is expected");
+  text[0] = '-';
+  EXPECT_EQ(messageOf(text), "file.json: holds 32 MiB of YAML; at most 32 is expected, or JSON");
+}
+
+TEST(YamlDocument, RefusesWhatIsNestedTooDeep) {
+  for (const std::size_t levels : {kDeepestYaml, kDeepestYaml + 1, std::size_t{100000}})
+    for (const bool is_json : {true, false}) {
+      const std::string text =
+          std::string(levels, '[') + (is_json ? "" : "a") + std::string(levels, ']');
+      if (levels == kDeepestYaml)
+        EXPECT_NO_THROW(YamlDocument("file.yaml", text));
+      else
+        EXPECT_THROW(YamlDocument("file.yaml", text), robots::InputError) << levels;
+    }
+}
+
 TEST(YamlDocument, NamesPlacesAsTheyAreWritten) {
   const YamlDocument document("file.yaml",
                               "objects:\n- {box: {size: [1, 2]}}\n- &x [a: 1]\nb: *x\n");

@@ -90,7 +90,8 @@ FileKind kindOf(const std::string& file) {
 }
 
 planner::Problem loadFile(const std::string& file, FileKind kind, ProblemSource source) {
-  if (!fs::exists(file)) {
+  std::error_code error;
+  if (!fs::exists(file, error)) {
     throw robots::InputError(file, 0, "there is no such file");
   }
   switch (kind) {

@@ -175,6 +175,11 @@ int runGuarded(int argc, char** argv, const AddVerbs& add_verbs) {
   } catch (const robots::InputError& error) {
     reportError(error.what(), json);
     return kBadInput;
+  } catch (const std::filesystem::filesystem_error& error) {
+    reportError(fmt::format("{}: cannot be read: {}; a path that can be followed is expected",
+                            error.path1().string(), error.code().message()),
+                json);
+    return kBadInput;
   } catch (const std::bad_alloc&) {
     // Words made from more memory would fail again.
     std::fputs("leeway: out of memory\n", stderr);
