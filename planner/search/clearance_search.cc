@@ -1,6 +1,9 @@
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
+#include "leeway/planner/simplify.h"
+#include "planner/base/random.h"
 #include "planner/base/tolerances.h"
 #include "planner/search/push.h"
 #include "planner/search/search.h"
@@ -18,26 +21,182 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// Raises the clearance by moving waypoints alone: first to the bound, then by halves of what is
-/// left.
-void pushTowards(double bound, Search& search, const SearchTask& task, Pairs of,
-                 ClearancePath& best) {
-  double most = bound;
-  for (int k = 0; k < kClearancePushes && !task.limits.searchOver(); ++k) {
-    const double target = k == 0 ? bound - kClearanceTolerance : (best.clearance + most) / 2;
-    if (!(target > best.clearance + kClearanceTolerance / 2)) return;
-    PushOptions options;
-    options.target = options.least = target;
-    options.longest = kInfinity;
-    options.pairs = of;
-    options.work = kClearancePushWork;
-    options.stop = [&task] { return task.limits.searchOver(); };
-    if (push(search.certifier(), best.path, options) > 0)
-      best.clearance = target;
-    else
-      most = target;
+/// A search for clearance ends this share of the bound below it, at most kClearanceTolerance and
+/// not nearer than the second [m]: where ends leave 7 mm, 1 mm is much.
+constexpr double kNearBound = 0.02;
+constexpr double kNearestBound = 5e-5;
+
+/// The share of the limits after which the rest is left to shorter paths of the same clearance;
+/// what one of these must gain, as a share of the length, and how many in a row may fail to
+/// [count].
+constexpr double kClimbShare = 0.85;
+constexpr double kShorterGain = 2e-3;
+constexpr int kShorterFailures = 12;
+
+class ClearanceSearch {
+ public:
+  ClearanceSearch(const std::shared_ptr<const CompiledScene>& scene, Search& search,
+                  const SearchTask& task, double bound)
+      : scene_(scene),
+        search_(search),
+        task_(task),
+        objective_(std::get<MaximumClearance>(task.problem.objective)),
+        bound_(bound),
+        near_(std::clamp(kNearBound * bound, kNearestBound, kClearanceTolerance)) {}
+
+  std::optional<ClearancePath> run() {
+    if (!findFirst()) return std::nullopt;
+    pushTowardsBound();
+    climb();
+    if (task_.problem.planner.simplify) shorten();
+    return std::move(best_);
   }
-}
+
+ private:
+  /// A scene with raised margins, and what searches it.
+  struct Raised {
+    Raised(const CompiledScene& base, Pairs of, double margin, const SearchTask& task)
+        : Raised(raised(base, of, margin), task) {}
+    Raised(const std::shared_ptr<const CompiledScene>& scene, const SearchTask& task)
+        : pool(std::make_shared<CertifierPool>(scene)), search(scene, pool, task) {}
+    std::shared_ptr<CertifierPool> pool;
+    Search search;
+  };
+
+  bool isOver() { return task_.limits.searchOver(); }
+  bool isClimbOver() { return isOver() || task_.limits.isPast(kClimbShare); }
+  double length(const Waypoints& path) const { return pathLength(scene_->space(), path); }
+  double halfway() const { return best_.clearance + (bound_ - best_.clearance) / 2; }
+
+  std::optional<Waypoints> find(Search& search, std::uint64_t budget) {
+    return search.any(task_.problem.seed + runs_++, budget);
+  }
+
+  void shortenPath(EdgeCertifier& certifier, Waypoints& path) {
+    if (!task_.problem.planner.simplify) return;
+    SimplifyOptions options;
+    options.seed = Random(task_.problem.seed + runs_, kSimplifyStream).next();
+    options.stop = [this] { return isOver(); };
+    simplify(certifier, path, options);
+  }
+
+  bool findFirst() {
+    auto path = find(search_, 0);
+    if (!path) return false;
+    shortenPath(search_.certifier(), *path);
+    best_.path = std::move(*path);
+    best_.clearance = measured(best_.path);
+    pushAsPlain();
+    return true;
+  }
+
+  double measured(const Waypoints& path) {
+    return pathClearance(search_.certifier(), path, kBoundTolerance, -kInfinity, objective_.of);
+  }
+
+  PushOptions pushOptions() {
+    PushOptions options;
+    options.pairs = objective_.of;
+    options.longest = kInfinity;
+    options.stop = [this] { return isOver(); };
+    return options;
+  }
+
+  /// No less than where length is the objective.
+  void pushAsPlain() {
+    PushOptions options = pushOptions();
+    options.target = std::min(kPushClearance, bound_ - near_);
+    options.least = std::max(kPushLeast, best_.clearance);
+    options.work = kPushWork;
+    const double reached = push(search_.certifier(), best_.path, options);
+    best_.clearance = std::max(best_.clearance, reached);
+  }
+
+  /// Raises the clearance by moving waypoints alone: first to the bound, then by halves of what is
+  /// left.
+  void pushTowardsBound() {
+    double most = bound_;
+    for (int k = 0; k < kClearancePushes && !isClimbOver(); ++k) {
+      const double target = k == 0 ? bound_ - near_ : (best_.clearance + most) / 2;
+      if (!(target > best_.clearance + near_ / 2)) return;
+      PushOptions options = pushOptions();
+      options.target = options.least = target;
+      options.work = kClearancePushWork;
+      if (push(search_.certifier(), best_.path, options) > 0)
+        best_.clearance = target;
+      else
+        most = target;
+    }
+  }
+
+  void climb() {
+    Limits& limits = task_.limits;
+    std::uint64_t budget = kFirstBudget, iterations = limits.iterations();
+    double demand = halfway();
+    while (bound_ - best_.clearance > near_ && !isClimbOver()) {
+      if (reach(demand, budget)) {
+        pushTowardsBound();
+        demand = halfway();
+        continue;
+      }
+      demand = best_.clearance + (demand - best_.clearance) / 2;
+      if (demand - best_.clearance > near_) continue;
+      // A search without an iteration (no start or no goal has so much room) will not do better
+      // later.
+      if (limits.iterations() == iterations) break;
+      iterations = limits.iterations();
+      budget *= 2;
+      demand = halfway();
+    }
+  }
+
+  /// Whether a path is found that keeps as much.
+  bool reach(double demand, std::uint64_t budget) {
+    Raised wider(*scene_, objective_.of, demand, task_);
+    auto path = find(wider.search, budget);
+    count(wider);
+    if (!path) return false;
+    best_.path = std::move(*path);
+    best_.clearance = std::max(demand, measured(best_.path));
+    return true;
+  }
+
+  /// What is left of the limits goes to shorter paths that keep as much.
+  void shorten() {
+    const double kept = best_.clearance - near_ / 4;
+    Raised wider(*scene_, objective_.of, kept, task_);
+    EdgeCertifier& certifier = wider.pool->local().certifier;
+    shortenPath(certifier, best_.path);
+    best_.simplified = !isOver();
+    best_.clearance = kept;
+    double shortest = length(best_.path);
+    for (int failures = 0; failures < kShorterFailures && !isOver(); ++failures) {
+      auto path = find(wider.search, kFirstBudget);
+      if (!path) continue;
+      shortenPath(certifier, *path);
+      const double its = length(*path);
+      if (!(its < (1 - kShorterGain) * shortest)) continue;
+      shortest = its;
+      best_.path = std::move(*path);
+      failures = -1;
+    }
+    count(wider);
+  }
+
+  void count(const Raised& wider) {
+    best_.work += wider.pool->statistics();
+    best_.work += wider.search.work();
+  }
+
+  const std::shared_ptr<const CompiledScene>& scene_;
+  Search& search_;
+  const SearchTask& task_;
+  const MaximumClearance& objective_;
+  double bound_;  ///< no path keeps more [m]
+  double near_;   ///< the search ends so much below it [m]
+  std::uint64_t runs_ = 0;
+  ClearancePath best_;
+};
 
 }  // namespace
 
@@ -47,43 +206,7 @@ std::shared_ptr<const CompiledScene> raised(const CompiledScene& scene, Pairs of
 
 std::optional<ClearancePath> searchClearance(const std::shared_ptr<const CompiledScene>& scene,
                                              Search& search, const SearchTask& task, double bound) {
-  const Pairs of = std::get<MaximumClearance>(task.problem.objective).of;
-  std::uint64_t run = 0;
-  auto first = search.any(task.problem.seed);
-  if (!first) return std::nullopt;
-  const auto measured = [&](const Waypoints& path) {
-    return pathClearance(search.certifier(), path, kBoundTolerance, -kInfinity, of);
-  };
-  ClearancePath best{std::move(*first), 0, {}};
-  best.clearance = measured(best.path);
-  pushTowards(bound, search, task, of, best);
-
-  std::uint64_t budget = kFirstBudget, iterations = task.limits.iterations();
-  double demand = best.clearance + (bound - best.clearance) / 2;
-  while (bound - best.clearance > kClearanceTolerance && !task.limits.searchOver()) {
-    const auto narrower = raised(*scene, of, demand);
-    const auto pool = std::make_shared<CertifierPool>(narrower);
-    Search wider(narrower, pool, task);
-    auto path = wider.any(task.problem.seed + ++run, budget);
-    best.work += pool->statistics();
-    best.work += wider.work();
-    if (path) {
-      best.path = std::move(*path);
-      best.clearance = std::max(demand, measured(best.path));
-      pushTowards(bound, search, task, of, best);
-      demand = best.clearance + (bound - best.clearance) / 2;
-      continue;
-    }
-    demand = best.clearance + (demand - best.clearance) / 2;
-    if (demand - best.clearance > kClearanceTolerance) continue;
-    // A search without an iteration (no start or no goal has so much room) will not do better
-    // later.
-    if (task.limits.iterations() == iterations) break;
-    iterations = task.limits.iterations();
-    budget *= 2;
-    demand = best.clearance + (bound - best.clearance) / 2;
-  }
-  return best;
+  return ClearanceSearch(scene, search, task, bound).run();
 }
 
 }  // namespace leeway::planner

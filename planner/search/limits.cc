@@ -23,6 +23,11 @@ double Limits::elapsed() const {
 
 bool Limits::pastCount() const { return iterations() >= limit_; }
 
+bool Limits::isPast(double fraction) const {
+  return elapsed() > fraction * seconds_ ||
+         static_cast<double>(iterations()) > fraction * static_cast<double>(limit_);
+}
+
 void Limits::reserve(double fraction) { search_seconds_ = seconds_ * (1 - fraction); }
 
 bool Limits::iterate(std::uint64_t count) {

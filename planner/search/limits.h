@@ -27,6 +27,8 @@ class Limits {
   bool searchOver();
   /// True when everything must end: by the deadline or the caller, not by the count.
   bool over();
+  /// True when more than that fraction of the time or of the iterations is used.
+  bool isPast(double fraction) const;
   /// Lets the search end that fraction of the time limit before the deadline.
   void reserve(double fraction);
   /// Names what is done from now on; reported to the caller at once, and then every

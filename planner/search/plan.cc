@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <optional>
 
 #include "leeway/planner/planners.h"
 #include "leeway/planner/simplify.h"
@@ -14,6 +15,7 @@
 #include "planner/search/goal_sampler.h"
 #include "planner/search/half_turns.h"
 #include "planner/search/push.h"
+#include "planner/search/push_elsewhere.h"
 #include "planner/search/run_seed.h"
 #include "planner/search/search.h"
 #include "planner/space/ompl_lock.h"
@@ -26,6 +28,11 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// How long the best path so far is simplified once the caller has ended a run [s]: who waits for
 /// the end does not notice.
 constexpr double kLastSimplification = 0.2;
+
+/// How near the most that start and goals leave is known [m], and how much longer a path for
+/// clearance may get by pushes where it is not limited.
+constexpr double kEndTolerance = 1e-5;
+constexpr double kElsewhereLonger = 0.1;
 /// What a search for a shorter path must gain at least, as a share of the length.
 constexpr double kImprovement = 1e-3;
 
@@ -166,6 +173,8 @@ class Plan {
     work_ += search.work();
     if (!widest) return {};
     work_ += widest->work;
+    kept_ = widest->clearance;
+    simplified_ = widest->simplified;
     return std::move(widest->path);
   }
 
@@ -189,7 +198,7 @@ class Plan {
   double clearanceBound() {
     const auto most = [&](const std::vector<double>& point) {
       return certifier()
-          .edgeClearance(point, point, {.tolerance = kBoundTolerance, .pairs = clearanceOf()})
+          .edgeClearance(point, point, {.tolerance = kEndTolerance, .pairs = clearanceOf()})
           .clearance.upper;
     };
     double goal = -kInfinity;
@@ -199,11 +208,11 @@ class Plan {
 
   void finish(Waypoints path) {
     const Waypoints unsimplified = path;
-    if (problem_.planner.simplify)
+    if (problem_.planner.simplify && !simplified_)
       timed("simplify", result_.simplify_s, [&] { simplifyPath(path, 0); });
     if (wantsLength()) timed("improve", result_.improve_s, [&] { improve(path); });
-    if (wantsLength() && problem_.planner.simplify && problem_.planner.push)
-      timed("push", result_.push_s, [&] { pushPath(path); });
+    if (problem_.planner.simplify && problem_.planner.push)
+      timed("push", result_.push_s, [&] { wantsLength() ? pushPath(path) : pushElsewhere(path); });
     for (int i = 0; i < scene_->space().size(); ++i) result_.path.names.push_back(variableName(i));
     timed("certify", result_.certify_s, [&] {
       // Every edge was certified before, but only what is certified now, as it stands, is reported.
@@ -289,8 +298,9 @@ class Plan {
     }
     // What was won is a margin from here on.
     const Pairs of = clearanceOf();
-    const double kept = pathClearance(certifier(), path, kBoundTolerance, -kInfinity, of);
-    EdgeCertifier wide(raised(*scene_, of, kept - kBoundTolerance));
+    if (!kept_)
+      kept_ = pathClearance(certifier(), path, kBoundTolerance, -kInfinity, of) - kBoundTolerance;
+    EdgeCertifier wide(raised(*scene_, of, *kept_));
     simplify(wide, path, options);
     work_ += wide.statistics;
   }
@@ -305,6 +315,17 @@ class Plan {
     pushed_ = push(certifier(), path, options);
   }
 
+  /// What does not limit the least clearance is pushed, too.
+  void pushElsewhere(Waypoints& path) {
+    if (!kept_ || !std::isfinite(*kept_) || limits_.over()) return;
+    PushElsewhereOptions options;
+    options.kept = *kept_;
+    options.longest = (1 + kElsewhereLonger) * pathLength(scene_->space(), path);
+    options.pairs = clearanceOf();
+    options.stop = [this] { return limits_.over(); };
+    work_ += planner::pushElsewhere(scene_, certifier(), path, options);
+  }
+
   std::shared_ptr<const CompiledScene> scene_;
   const Problem& problem_;
   const PlanOptions& options_;
@@ -315,7 +336,9 @@ class Plan {
   std::unique_ptr<GoalSampler> sampler_;
   GoalPoints goals_;
   EdgeCertifier::Statistics work_;
-  double pushed_ = 0;  ///< clearance from the world that the path was pushed to [m]
+  double pushed_ = 0;           ///< clearance from the world that the path was pushed to [m]
+  std::optional<double> kept_;  ///< clearance that a search for clearance has won [m]
+  bool simplified_ = false;     ///< its path is
   PlanResult result_;
 };
 

@@ -34,9 +34,15 @@ class Pusher {
         options_(options),
         first_work_(certifier.statistics.work),
         gradient_(path[0].size()),
+        direction_(path[0].size()),
+        near_(path[0].size()),
         q_(scene_.model().variables.size()),
         X_WL_(scene_.model().links.size()),
-        moved_(scene_.model().links.size()) {}
+        moved_(scene_.model().links.size()) {
+    for (const ConfigurationSpace::Part& part : space_.parts())
+      for (std::size_t k = 0; k < (part.kind == ConfigurationSpace::Kind::kRotation ? 3 : 1); ++k)
+        directions_.push_back(index(part) + k);
+  }
 
   /// The clearance that is proven for path(); 0: none.
   double run() {
@@ -121,17 +127,23 @@ class Pusher {
     const double step = std::min((kPushBeyond * target - found.clearance.upper) / share / squared,
                                  kLongestPush / std::sqrt(squared));
     Point& moved = path_[waypoint];
-    for (std::size_t k = 0; k < moved.size(); ++k) {
-      const auto variable = static_cast<int>(k);
-      moved[k] = std::clamp(moved[k] + step * gradient_[k], space_.lower(variable),
-                            space_.upper(variable));
-    }
+    space_.advance(moved, gradient_, step, place);
+    for (const ConfigurationSpace::Part& part : space_.parts())
+      if (part.kind == ConfigurationSpace::Kind::kLine)
+        place[index(part)] =
+            std::clamp(place[index(part)], space_.lower(part.first), space_.upper(part.first));
+    moved = place;
     proven_[waypoint - 1] = proven_[waypoint] = false;
     changed_[waypoint - 1] = changed_[waypoint] = true;
     return space_.withinLimits(moved);
   }
 
-  /// How the distance of the closest pair changes with each planned variable, by differences.
+  static std::size_t index(const ConfigurationSpace::Part& part) {
+    return static_cast<std::size_t>(part.first);
+  }
+
+  /// How the distance of the closest pair changes along each direction of the space, by
+  /// differences.
   bool findGradient(const Point& place, const EdgeClearance& found) {
     const collision::ScenePair& pair = scene_.scene().pairs()[static_cast<std::size_t>(found.pair)];
     const Eigen::Vector3d a = found.closest.point_a, b = found.closest.point_b;
@@ -143,12 +155,13 @@ class Pusher {
         static_cast<std::int64_t>((place.size() + 1) * X_WL_.size()) * collision::kPlacingWork;
     scene_.expand(place, q_);
     robots::forwardKinematics(scene_.model(), q_, X_WL_);
-    for (std::size_t k = 0; k < place.size(); ++k) {
-      const auto variable = static_cast<std::size_t>(space_.variables()[k]);
-      const double before = q_[variable];
-      q_[variable] += kPushDifference;
+    std::fill(gradient_.begin(), gradient_.end(), 0.0);
+    for (const std::size_t k : directions_) {
+      direction_[k] = 1;
+      space_.advance(place, direction_, kPushDifference, near_);
+      direction_[k] = 0;
+      scene_.expand(near_, q_);
       robots::forwardKinematics(scene_.model(), q_, moved_);
-      q_[variable] = before;
       const auto way = [&](int link, const Eigen::Vector3d& p_W) -> Eigen::Vector3d {
         if (link < 0) return Eigen::Vector3d::Zero();
         const auto l = static_cast<std::size_t>(link);
@@ -169,7 +182,8 @@ class Pusher {
   std::vector<char> proven_;   ///< edges, to keep the present target
   std::vector<char> changed_;  ///< edges that are not the original's
   double room_ = kInfinity;    ///< of an end of the path that is too near [m]
-  Point gradient_, q_;
+  Point gradient_, direction_, near_, q_;
+  std::vector<std::size_t> directions_;  ///< an orientation has three
   std::vector<robots::Pose> X_WL_, moved_;
 };
 
@@ -177,9 +191,6 @@ class Pusher {
 
 double push(EdgeCertifier& certifier, std::vector<std::vector<double>>& path,
             const PushOptions& options) {
-  const ConfigurationSpace& space = certifier.scene().space();
-  for (const ConfigurationSpace::Part& part : space.parts())
-    if (part.kind == ConfigurationSpace::Kind::kRotation) return 0;
   if (path.size() < 2 || !(options.least > 0)) return 0;
   Pusher pusher(certifier, path, options);
   const double clearance = pusher.run();

@@ -20,8 +20,7 @@ struct PushOptions {
 /// Moves waypoints of a path along the gradients of what is too near, and adds some, until every
 /// edge is proven to keep the target, or a part of it. Only a whole path that is proven is taken;
 /// its ends never change. Returns what `pairs` are proven to keep [m]; 0, with the path as it was,
-/// where no target is reached. Leaves paths of bodies that turn freely as they are. Deterministic
-/// unless stopped.
+/// where no target is reached. Deterministic unless stopped.
 double push(EdgeCertifier& certifier, std::vector<std::vector<double>>& path,
             const PushOptions& options);
 

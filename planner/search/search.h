@@ -78,12 +78,13 @@ class Search {
 
 struct ClearancePath {
   Waypoints path;
-  double clearance;                ///< certified lower bound [m]
-  EdgeCertifier::Statistics work;  ///< of the searches with raised margins
+  double clearance = 0;  ///< certified lower bound [m]
+  bool simplified = false;
+  EdgeCertifier::Statistics work = {};  ///< of the searches with raised margins
 };
 /// For MaximumClearance: a path whose least clearance is as great as the limits allow, by a planner
-/// that knows nothing of clearance: pushes, and searches with rising margins, see
-/// clearance_search.cc. `bound`: no path can have more [m].
+/// that knows nothing of clearance: pushes, and searches with rising margins; then shorter ones
+/// with no less, see clearance_search.cc. `bound`: no path can have more [m].
 std::optional<ClearancePath> searchClearance(const std::shared_ptr<const CompiledScene>& scene,
                                              Search& search, const SearchTask& task, double bound);
 

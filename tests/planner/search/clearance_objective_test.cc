@@ -1,12 +1,15 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "leeway/planner/plan.h"
+#include "leeway/planner/simplify.h"
+#include "planner/search/push_elsewhere.h"
 #include "tests/support/small_problems.h"
 
 namespace leeway::planner {
@@ -83,6 +86,58 @@ TEST(WidestPathAlone, EndsWhenStartOrGoalAllowsNoMore) {
   const PlanResult result = plan(problem);
   expectHonest(problem, result);
   EXPECT_NEAR(result.certificate.clearance.lower, 0.05, 2e-3);
+}
+
+TEST(WidestPathAlone, BudgetThatIsLeftMakesItShorter) {
+  Problem problem = test::problemOf(test::disc(), {-1, 0, 0}, {1, 0, 0});
+  problem.world.objects.push_back(test::box("post", {0.1, 0.1, 0.5}, 0, 0.25, 0));
+  problem.world.objects.push_back(test::box("beside the start", {0.1, 0.1, 0.5}, -1, 0.25, 0));
+  problem.objective = MaximumClearance{};
+  problem.limits.time = 0;
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    problem.seed = seed;
+    const PlanResult result = plan(problem);
+    ASSERT_EQ(result.status, PlanStatus::kSolved);
+    EXPECT_LT(result.length, 1.1 * 2.0) << "the straight edge has 2 and keeps as much";
+  }
+}
+
+/// The least clearance of a path where -x_most <= x <= x_most.
+double leastBetween(EdgeCertifier& certifier, const std::vector<std::vector<double>>& path,
+                    double x_most) {
+  double least = std::numeric_limits<double>::infinity();
+  std::vector<double> q(path[0].size());
+  for (std::size_t i = 1; i < path.size(); ++i)
+    for (int k = 0; k <= 200; ++k) {
+      certifier.scene().space().interpolate(path[i - 1], path[i], k / 200.0, q);
+      if (std::abs(q[0]) <= x_most)
+        least = std::min(least, certifier.clearance(q, 1e-6).clearance.lower);
+    }
+  return least;
+}
+
+TEST(PushElsewhere, RaisesTheNextWorstPlace) {
+  // The start has 0.05 and a gate on the way 0.1; the wall along the way is nearer than it need be.
+  Problem problem = test::problemOf(test::disc(), {-1.5, 0, 0}, {1.5, 0, 0});
+  problem.world.objects.push_back(test::box("beside the start", {0.05, 0.1, 0.5}, -1.5, 0.25, 0));
+  problem.world.objects.push_back(test::box("wall", {1.2, 0.1, 0.5}, 0, 0.27, 0));
+  problem.world.objects.push_back(test::box("gate", {0.02, 0.4, 0.5}, 0, -0.63, 0));
+  const auto scene = std::make_shared<const CompiledScene>(problem);
+  EdgeCertifier certifier(scene);
+  std::vector<std::vector<double>> path = {{-1.5, 0, 0}, {0, -0.03, 0}, {1.5, 0, 0}};
+  EXPECT_LT(leastBetween(certifier, path, 1.25), 0.077);
+  PushElsewhereOptions options;
+  options.kept = leastBetween(certifier, path, 2) - 1e-4;
+  options.longest = 1.2 * pathLength(scene->space(), path);
+  const auto before = path;
+  pushElsewhere(scene, certifier, path, options);
+  EXPECT_GT(leastBetween(certifier, path, 1.25), 0.09);
+  EXPECT_GE(leastBetween(certifier, path, 2), options.kept);
+  EXPECT_LE(pathLength(scene->space(), path), options.longest);
+  EXPECT_EQ(path.front(), before.front());
+  EXPECT_EQ(path.back(), before.back());
+  for (std::size_t i = 1; i < path.size(); ++i)
+    EXPECT_EQ(certifier.certify(path[i - 1], path[i]).verdict, Verdict::kFree);
 }
 
 TEST(WidestPathAlone, NothingToBeNearIsInfinite) {
