@@ -7,6 +7,7 @@
 
 #include "leeway/robots/text.h"
 #include "robots/base/read_file.h"
+#include "robots/urdf/xacro.h"
 
 namespace leeway::robots {
 
@@ -44,14 +45,15 @@ std::string suggestion(std::string_view wanted, std::span<const std::string> can
 }
 
 XmlFile::XmlFile(const std::string& path, const std::string& kind) : path_(path) {
+  std::string text = readTextFile(path, "a " + kind + " file");
   if (std::filesystem::path(path).extension() == ".xacro") {
-    std::error_code error;
-    if (std::filesystem::exists(path, error))
-      throw InputError(
-          path, 0,
-          "is a xacro file, which holds macros and no " + kind + "; " + expandCommand(path, kind));
+    std::optional<std::string> expanded = expandXacro(path);
+    if (!expanded)
+      throw InputError(path, 0,
+                       "is a xacro file, which holds macros and no " + kind +
+                           ", and no xacro is installed; " + expandCommand(path, kind));
+    text = std::move(*expanded);
   }
-  const std::string text = readTextFile(path, "a " + kind + " file");
   if (text.empty()) throw InputError(path, 0, "is empty; a " + kind + " file would be accepted");
   const std::size_t first = text.find_first_not_of(kSpace);
   if (first == std::string::npos || text[first] != '<')

@@ -19,7 +19,8 @@ namespace leeway::robots {
 class XmlFile {
  public:
   /// Reads and parses; `kind` ("URDF", "SRDF") and the root element's name are for messages.
-  /// Refuses xacro with the command that expands it.
+  /// What ends in .xacro is expanded by `xacro`, and lines are those of its output; without that
+  /// program, and for macros in other files, it is refused with the command that expands it.
   XmlFile(const std::string& path, const std::string& kind);
 
   const std::string& path() const { return path_; }

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <filesystem>
 #include <string>
 
 #include "leeway/collision/triangle_mesh.h"
@@ -288,8 +290,45 @@ TEST(Urdf, MissingFileAndFolder) {
                    {"is a folder", "URDF"});
 }
 
+/// Puts a program named `xacro` first where programs are looked for.
+class WithXacro {
+ public:
+  explicit WithXacro(const Folder& folder, const std::string& script) : path_(::getenv("PATH")) {
+    const std::filesystem::path bin = folder.path("bin");
+    std::filesystem::create_directory(bin);
+    if (!script.empty()) {
+      writeText(bin / "xacro", "#!/bin/sh\n" + script);
+      std::filesystem::permissions(bin / "xacro", std::filesystem::perms::owner_all);
+    }
+    ::setenv("PATH", script.empty() ? bin.c_str() : (bin.string() + ":" + path_).c_str(), 1);
+  }
+  ~WithXacro() { ::setenv("PATH", path_.c_str(), 1); }
+
+ private:
+  std::string path_;
+};
+
+TEST(Urdf, XacroIsExpandedByItsOwnCommand) {
+  const Folder folder;
+  const std::string file = folder.write("arm $(x).urdf.xacro", "<robot name=\"r\"/>");
+  {
+    const WithXacro xacro(folder,
+                          "echo warned >&2; echo '<robot name=\"made\"><link name=\"a\"/>'\n"
+                          "[ $# = 1 ] && [ -f \"$1\" ] && echo '</robot>'\n");
+    EXPECT_EQ(loadModel(file, "")->name, "made");
+  }
+  {
+    const WithXacro xacro(folder, "yes line | head -c 300000 >&2; echo undefined: x >&2; exit 2\n");
+    expectInputError([&] { loadModel(file, ""); }, file, 0,
+                     {"xacro cannot expand it: undefined: x;"});
+  }
+  const WithXacro xacro(folder, "kill -9 $$\n");
+  expectInputError([&] { loadModel(file, ""); }, file, 0, {"it fails without a word"});
+}
+
 TEST(Urdf, XacroFileNamesTheCommandThatExpandsIt) {
   const Folder folder;
+  const WithXacro none(folder, "");
   const std::string file = folder.write("arm.urdf.xacro", "<robot name=\"r\"/>");
   expectInputError([&] { loadModel(file, ""); }, file, 0,
                    {"xacro file", "xacro " + file + " > " + folder.path("arm.urdf")});
