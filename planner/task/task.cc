@@ -243,12 +243,22 @@ class TaskPlan {
     result_.undecided_edges += work.undecided_edges;
   }
 
+  /// The least of a path and of a part of it that begins with edge `first`.
+  static void takeLeast(PathClearance& whole, const PathClearance& part, int first) {
+    const double lower = std::min(whole.clearance.lower, part.clearance.lower);
+    if (part.clearance.upper < whole.clearance.upper) {
+      whole = part;
+      whole.closest_segment += first;
+    }
+    whole.clearance.lower = lower;
+  }
+
   /// The stretches as one path, with one certificate.
   void finish() {
     const Clock::time_point begin = Clock::now();
     Certificate& whole = result_.certificate;
     constexpr double kInfinity = std::numeric_limits<double>::infinity();
-    whole.clearance = {kInfinity, kInfinity};
+    whole.clearance = whole.world.clearance = whole.self.clearance = {kInfinity, kInfinity};
     whole.certified = true;
     Path& path = result_.path;
     path.positions = {start_};
@@ -265,15 +275,9 @@ class TaskPlan {
                                        options_.clearance_tolerance, options_.detail);
       whole.certified = whole.certified && part.certified;
       whole.segments.insert(whole.segments.end(), part.segments.begin(), part.segments.end());
-      whole.clearance.lower = std::min(whole.clearance.lower, part.clearance.lower);
-      if (!(part.clearance.upper < whole.clearance.upper)) continue;
-      whole.clearance.upper = part.clearance.upper;
-      whole.closest_a = part.closest_a;
-      whole.closest_b = part.closest_b;
-      whole.closest_segment = first + part.closest_segment;
-      whole.closest_t = part.closest_t;
-      whole.closest_point_a = part.closest_point_a;
-      whole.closest_point_b = part.closest_point_b;
+      takeLeast(whole, part, first);
+      takeLeast(whole.world, part.world, first);
+      takeLeast(whole.self, part.self, first);
     }
     result_.certify_s = secondsSince(begin);
     if (!whole.certified) {

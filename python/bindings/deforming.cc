@@ -1,5 +1,6 @@
 #include "python/bindings/deforming.h"
 
+#include <cmath>
 #include <limits>
 
 #include "leeway/collision/shape.h"
@@ -93,6 +94,30 @@ std::vector<double> increasingTimes(const py::object& value) {
   return times.values;
 }
 
+/// As many numbers as `count`; without a value so many times `otherwise`.
+std::vector<double> row(const py::object& value, const char* name, std::size_t count,
+                        double otherwise) {
+  if (value.is_none()) return std::vector<double>(count, otherwise);
+  return numbers(value, name, count);
+}
+
+/// Points of shape (count, n, 3), as `count` lists.
+std::vector<std::vector<Eigen::Vector3d>> pointLists(const py::object& value, const char* name,
+                                                     const char* shape) {
+  const Rows given = rows(value, name, 3, 3);
+  if (given.shape.size() != 2)
+    throw py::value_error(std::string(name) + " do not have shape " + shape);
+  std::vector<std::vector<Eigen::Vector3d>> lists(static_cast<std::size_t>(given.shape[0]));
+  const auto length = static_cast<std::size_t>(given.shape[1]);
+  for (std::size_t i = 0; i < given.count(); ++i)
+    lists[i / length].push_back(Eigen::Vector3d::Map(given.row(i).data()));
+  return lists;
+}
+
+collision::Interpolation interpolation(bool smooth) {
+  return smooth ? collision::Interpolation::kSmooth : collision::Interpolation::kLinear;
+}
+
 Motion cache(const py::object& times, const py::object& positions) {
   collision::CacheMotion motion;
   motion.times = increasingTimes(times);
@@ -109,21 +134,15 @@ Motion cache(const py::object& times, const py::object& positions) {
 Motion morph(const py::object& references, const py::object& times, const py::object& weights,
              bool smooth) {
   collision::MorphMotion motion;
-  const Rows given = rows(references, "references", 3, 3);
-  if (given.shape.size() != 2)
-    throw py::value_error("references do not have shape (references, vertices, 3)");
-  const auto count = static_cast<std::size_t>(given.shape[0]);
-  const auto vertices = static_cast<std::size_t>(given.shape[1]);
-  motion.references.resize(count);
-  for (std::size_t i = 0; i < given.count(); ++i)
-    motion.references[i / vertices].push_back(Eigen::Vector3d::Map(given.row(i).data()));
+  motion.references = pointLists(references, "references", "(references, vertices, 3)");
+  motion.interpolation = interpolation(smooth);
+  const std::size_t count = motion.references.size();
   const std::vector<double> keys = increasingTimes(times);
   const Rows shares = rows(weights, "weights", count, 2);
   if (shares.shape.size() != 1 || shares.count() != keys.size())
     throw py::value_error("weights do not have shape (times, references)");
   for (std::size_t i = 0; i < keys.size(); ++i)
     motion.keys.push_back({keys[i], {shares.row(i).begin(), shares.row(i).end()}});
-  if (smooth) motion.interpolation = collision::Interpolation::kSmooth;
   return {VertexMotion::morph(std::move(motion))};
 }
 
@@ -134,6 +153,130 @@ Motion wave(const py::object& rest, const py::object& direction, const py::objec
   motion.waves.push_back({vector3(direction, "direction"), vector3(amplitude, "amplitude"),
                           wavelength, frequency, phase});
   return {VertexMotion::waves(std::move(motion))};
+}
+
+Motion waves(const py::object& rest, const py::object& directions, const py::object& amplitudes,
+             const py::object& wavelengths, const py::object& frequencies, const py::object& phases,
+             const py::object& pinned) {
+  collision::WavesMotion motion;
+  motion.rest = points(rest, "rest");
+  const std::vector<Eigen::Vector3d> travel = points(directions, "directions");
+  const std::vector<Eigen::Vector3d> height = points(amplitudes, "amplitudes");
+  if (travel.size() != height.size())
+    throw py::value_error("amplitudes are " + std::to_string(height.size()) + "; one of each of " +
+                          std::to_string(travel.size()) + " directions is expected");
+  const std::vector<double> lengths = row(wavelengths, "wavelengths", travel.size(), 0);
+  const std::vector<double> rates = row(frequencies, "frequencies", travel.size(), 0);
+  const std::vector<double> shifts = row(phases, "phases", travel.size(), 0);
+  for (std::size_t i = 0; i < travel.size(); ++i)
+    motion.waves.push_back({travel[i], height[i], lengths[i], rates[i], shifts[i]});
+  if (!pinned.is_none()) {
+    const auto edge = py::list(pinned);
+    if (edge.size() != 3)
+      throw py::value_error("pinned holds " + std::to_string(edge.size()) +
+                            " values; (point, direction, length) is expected");
+    motion.pinned = {vector3(edge[0], "pinned point"), vector3(edge[1], "pinned direction"),
+                     number(edge[2], "pinned length")};
+  }
+  return {VertexMotion::waves(std::move(motion))};
+}
+
+Motion lattice(const py::object& rest, const py::object& lower, const py::object& upper,
+               const py::object& times, const py::object& control_points, bool smooth) {
+  collision::LatticeMotion motion;
+  motion.rest = points(rest, "rest");
+  motion.box_lower = vector3(lower, "lower");
+  motion.box_upper = vector3(upper, "upper");
+  motion.interpolation = interpolation(smooth);
+  const std::vector<double> keys = increasingTimes(times);
+  const Rows grid = rows(control_points, "control_points", 3, 5);
+  if (grid.shape.size() != 4 || grid.shape[0] != static_cast<py::ssize_t>(keys.size()))
+    throw py::value_error("control_points do not have shape (times, x, y, z, 3) with " +
+                          std::to_string(keys.size()) + " times");
+  std::size_t along[3];
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    along[axis] = static_cast<std::size_t>(grid.shape[axis + 1]);
+    if (along[axis] < 2 || along[axis] > 17)
+      throw py::value_error("control_points have " + std::to_string(along[axis]) + " along axis " +
+                            std::to_string(axis) + "; 2 to 17 are expected");
+    motion.cells[axis] = static_cast<int>(along[axis]) - 1;
+  }
+  for (std::size_t t = 0; t < keys.size(); ++t) {
+    motion.keys.push_back({keys[t], {}});
+    for (std::size_t z = 0; z < along[2]; ++z)
+      for (std::size_t y = 0; y < along[1]; ++y)
+        for (std::size_t x = 0; x < along[0]; ++x)
+          motion.keys[t].control_points.push_back(Eigen::Vector3d::Map(
+              grid.row(((t * along[0] + x) * along[1] + y) * along[2] + z).data()));
+  }
+  return {VertexMotion::lattice(std::move(motion))};
+}
+
+collision::SkinnedMotion::BonePose bonePose(std::span<const double> values) {
+  return {{values[0], values[1], values[2]}, {values[3], values[4], values[5], values[6]}};
+}
+
+Motion skinned(const py::object& rest, const py::object& parents, const py::object& rest_poses,
+               const py::object& weights, const py::object& times, const py::object& poses,
+               bool smooth) {
+  collision::SkinnedMotion motion;
+  motion.rest = points(rest, "rest");
+  motion.interpolation = interpolation(smooth);
+  const Rows stands = rows(rest_poses, "rest_poses", 7, 2);
+  if (stands.shape.size() != 1) throw py::value_error("rest_poses do not have shape (bones, 7)");
+  const std::size_t bones = stands.count();
+  const std::vector<double> above = numbers(parents, "parents", bones);
+  for (std::size_t b = 0; b < bones; ++b) {
+    if (above[b] != std::floor(above[b]) || above[b] < -1 || above[b] >= static_cast<double>(b))
+      throw py::value_error("parents[" + std::to_string(b) + "] is " + text(above[b]) +
+                            "; an earlier bone or -1 is expected");
+    motion.bones.push_back({static_cast<int>(above[b]), bonePose(stands.row(b))});
+  }
+  const Rows shares = rows(weights, "weights", bones, 2);
+  if (shares.shape.size() != 1 || shares.count() != motion.rest.size())
+    throw py::value_error("weights do not have shape (vertices, bones)");
+  for (std::size_t v = 0; v < shares.count(); ++v)
+    for (std::size_t b = 0; b < bones; ++b)
+      if (const double weight = shares.row(v)[b]; weight != 0)
+        motion.weights.push_back({static_cast<int>(v), static_cast<int>(b), weight});
+  const std::vector<double> keys = increasingTimes(times);
+  const Rows placed = rows(poses, "poses", 7, 3);
+  if (placed.shape.size() != 2 || placed.shape[0] != static_cast<py::ssize_t>(keys.size()) ||
+      placed.shape[1] != static_cast<py::ssize_t>(bones))
+    throw py::value_error("poses do not have shape (times, bones, 7)");
+  for (std::size_t t = 0; t < keys.size(); ++t) {
+    motion.keys.push_back({keys[t], {}});
+    for (std::size_t b = 0; b < bones; ++b)
+      motion.keys[t].poses.push_back(bonePose(placed.row(t * bones + b)));
+  }
+  return {VertexMotion::skinned(std::move(motion))};
+}
+
+Motion reduced(const py::object& rest, const py::object& modes, const py::object& amplitudes,
+               const py::object& frequencies, const py::object& phases, const py::object& times,
+               const py::object& coordinates, bool smooth) {
+  collision::ReducedMotion motion;
+  motion.rest = points(rest, "rest");
+  motion.modes = pointLists(modes, "modes", "(modes, vertices, 3)");
+  motion.interpolation = interpolation(smooth);
+  const std::size_t count = motion.modes.size();
+  if (frequencies.is_none() == coordinates.is_none())
+    throw py::value_error("either frequencies, or times and coordinates are expected");
+  if (!frequencies.is_none()) {
+    const std::vector<double> rates = numbers(frequencies, "frequencies", count);
+    const std::vector<double> sizes = row(amplitudes, "amplitudes", count, 1);
+    const std::vector<double> shifts = row(phases, "phases", count, 0);
+    for (std::size_t i = 0; i < count; ++i)
+      motion.harmonics.push_back({sizes[i], rates[i], shifts[i]});
+    return {VertexMotion::reduced(std::move(motion))};
+  }
+  const std::vector<double> keys = increasingTimes(times);
+  const Rows given = rows(coordinates, "coordinates", count, 2);
+  if (given.shape.size() != 1 || given.count() != keys.size())
+    throw py::value_error("coordinates do not have shape (times, modes)");
+  for (std::size_t i = 0; i < keys.size(); ++i)
+    motion.keys.push_back({keys[i], {given.row(i).begin(), given.row(i).end()}});
+  return {VertexMotion::reduced(std::move(motion))};
 }
 
 void defineMotion(py::module_& module) {
@@ -154,6 +297,38 @@ void defineMotion(py::module_& module) {
                "amplitude (3,) [m], wavelength [m], frequency [Hz], phase [rad].",
                wave, py::arg("rest"), py::arg("direction"), py::arg("amplitude"),
                py::arg("wavelength"), py::arg("frequency"), py::arg("phase") = 0.0);
+  defineStatic(motion, "waves",
+               "(rest, directions, amplitudes, wavelengths, frequencies, phases=None, *, "
+               "pinned=None)",
+               "Several waves at once: directions (n, 3), amplitudes (n, 3) [m], wavelengths (n,) "
+               "[m], frequencies (n,) [Hz], phases (n,) [rad]. pinned=(point, direction, length) "
+               "holds an edge still: waves grow from it along `direction` over `length` [m].",
+               waves, py::arg("rest"), py::arg("directions"), py::arg("amplitudes"),
+               py::arg("wavelengths"), py::arg("frequencies"), py::arg("phases") = py::none(),
+               py::kw_only(), py::arg("pinned") = py::none());
+  defineStatic(motion, "lattice", "(rest, lower, upper, times, control_points, *, smooth=False)",
+               "Free-form deformation: the box from `lower` to `upper` (3,) [m], which holds all "
+               "rest positions, has control points (times, x, y, z, 3) [m], 2 to 17 along each "
+               "axis, at `times` [s]. At their grid places they leave the mesh undeformed.",
+               lattice, py::arg("rest"), py::arg("lower"), py::arg("upper"), py::arg("times"),
+               py::arg("control_points"), py::kw_only(), py::arg("smooth") = false);
+  defineStatic(
+      motion, "skinned", "(rest, parents, rest_poses, weights, times, poses, *, smooth=False)",
+      "Linear blend skinning: bones with `parents` (bones,), an earlier bone or -1, rest "
+      "poses (bones, 7) and poses (times, bones, 7), each x y z qx qy qz qw in the "
+      "parent's frame; weights (vertices, bones), of which zeros count nothing.",
+      skinned, py::arg("rest"), py::arg("parents"), py::arg("rest_poses"), py::arg("weights"),
+      py::arg("times"), py::arg("poses"), py::kw_only(), py::arg("smooth") = false);
+  defineStatic(motion, "reduced",
+               "(rest, modes, *, amplitudes=None, frequencies=None, phases=None, times=None, "
+               "coordinates=None, smooth=False)",
+               "Rest positions plus modes (modes, vertices, 3) [m], each times its coordinate: "
+               "amplitude sin(2 pi frequency t + phase), or coordinates (times, modes) at `times` "
+               "[s].",
+               reduced, py::arg("rest"), py::arg("modes"), py::kw_only(),
+               py::arg("amplitudes") = py::none(), py::arg("frequencies") = py::none(),
+               py::arg("phases") = py::none(), py::arg("times") = py::none(),
+               py::arg("coordinates") = py::none(), py::arg("smooth") = false);
   define(
       motion, "at", "(self, time)", "The vertices at a time [s]: (vertices, 3) [m].",
       [](const Motion& self, const py::object& time) {

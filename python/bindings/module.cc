@@ -4,6 +4,7 @@
 #include "python/base/define.h"
 #include "python/base/released.h"
 #include "python/bindings/deforming.h"
+#include "python/bindings/goals.h"
 #include "python/bindings/plan.h"
 #include "python/bindings/problem.h"
 #include "python/bindings/robot.h"
@@ -57,6 +58,8 @@ PYBIND11_MODULE(_leeway, module) {
   defineRobot(module);
   defineInverse(module);
   defineWorld(module);
+  defineGoals(module);
+  defineTasks(module);
   defineProblem(module);
   defineResult(module);
   defineTrajectory(module);

@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "leeway/planner/path_io.h"
+#include "leeway/planner/task.h"
 #include "leeway/planner/verify.h"
 #include "python/base/define.h"
 #include "python/base/released.h"
@@ -57,13 +58,6 @@ struct CallOptions {
   }
 };
 
-void requireGoal(const Problem& problem) {
-  if (problem.value->goals.empty())
-    throw py::value_error(
-        "no goal is given; a group state, numbers or a dict by joint is "
-        "expected");
-}
-
 Result planOne(const py::args& args, const py::kwargs& kwargs) {
   py::dict keywords = kwargs.attr("copy")();
   const CallOptions options(keywords);
@@ -73,7 +67,7 @@ Result planOne(const py::args& args, const py::kwargs& kwargs) {
   Interrupt interrupt(options.stop);
   const planner::PlanOptions run = options.with(interrupt);
   const std::shared_ptr<const planner::Problem> value = problem.value;
-  Result result{value, released([&] { return planner::plan(*value, run); })};
+  Result result{value, released([&] { return planner::solve(*value, run); })};
   interrupt.rethrow();
   return result;
 }
@@ -116,7 +110,7 @@ class Crew {
   void work() {
     for (std::size_t i = next_++; i < problems_.size() && !stop_; i = next_++) {
       try {
-        results_[i] = planner::plan(*problems_[i].value, options_);
+        results_[i] = planner::solve(*problems_[i].value, options_);
       } catch (...) {
         const std::lock_guard lock(mutex_);
         if (!error_ || i < first_error_) {
@@ -293,7 +287,8 @@ void definePlan(py::module_& module) {
   define(module, "plan",
          "(robot, world=None, start=None, goal=None, *, stop=None, progress=None, "
          "certificate='path', tolerance=0.0001, **settings)",
-         "Plans a path, and proves the clearance of every edge. Also plan(problem, **settings).\n\n"
+         "Plans a path, or a task's steps, and proves the clearance of every edge. Also "
+         "plan(problem, **settings).\n\n"
          "Settings are those of Problem: margin=0.01, time=1, seed=2, planner='RRTstar', ... "
          "`stop()` is asked some fifty times a second and ends the run with True; "
          "progress(phase, seconds) is told how far it is; a signal (Ctrl-C) ends it in the main "

@@ -5,12 +5,14 @@
 #include <cmath>
 #include <numbers>
 
+#include "leeway/planner/plan.h"
 #include "leeway/planner/planners.h"
 #include "leeway/robots/cache_folder.h"
 #include "leeway/robots/input_error.h"
 #include "leeway/robots/text.h"
 #include "python/base/define.h"
 #include "python/base/released.h"
+#include "python/bindings/goals.h"
 #include "python/bindings/settings.h"
 
 namespace leeway::python {
@@ -18,16 +20,13 @@ namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-Problem makeProblem(const Robot& robot, const World* world, const py::object& start,
-                    const py::object& goal) {
+Problem makeProblem(const Robot& robot, const World* world) {
   planner::Problem problem;
   problem.name = robot.model->name;
   problem.robot.model = robot.model;
   problem.robot.variables.assign(robot.space->variables().begin(), robot.space->variables().end());
   problem.start = robot.model->defaultConfiguration();
   if (world != nullptr) problem.world = world->value;
-  setStart(problem, start);
-  setGoals(problem, goal, false);
   return {std::make_shared<const planner::Problem>(std::move(problem))};
 }
 
@@ -54,7 +53,8 @@ py::object load(const py::object& file, const py::object& packages, bool cache) 
       options.load.packages.emplace_back(py::str(name), py::str(folder));
   if (cache) options.load.cache = robots::cacheFolder();
   return py::cast(released([&] {
-    return Problem{std::make_shared<const planner::Problem>(planner::loadProblem(path, options))};
+    return Problem{std::make_shared<const planner::Problem>(
+        planner::placeStart(planner::loadProblem(path, options)))};
   }));
 }
 
@@ -91,7 +91,8 @@ std::string html(const Problem& problem) {
   const std::vector<double> start = startPoint(p);
   const Robot robot = problem.robot();
   std::vector<std::string> heading = {"joint", "start"};
-  for (const planner::Goal& goal : p.goals) heading.push_back(goal.name);
+  for (const planner::Goal& goal : p.goals)
+    if (goal.poses.empty()) heading.push_back(goal.name);
   for (std::size_t i = 0; i < start.size(); ++i) {
     std::vector<std::string> row = {robot.variableName(i), text(start[i])};
     for (const planner::Goal& goal : p.goals) {
@@ -103,7 +104,8 @@ std::string html(const Problem& problem) {
   }
   return htmlTable(p.name + ", margin " + text(p.margins.common) + " m, among " +
                        std::to_string(p.world.objects.size() + p.world.deforming.size()) +
-                       " objects",
+                       " objects" +
+                       (p.steps.empty() ? "" : ", " + std::to_string(p.steps.size()) + " steps"),
                    heading, table);
 }
 
@@ -117,6 +119,7 @@ planner::Problem& Problem::change() {
 Problem problemOf(const char* call, const py::args& args, py::dict& keywords) {
   static constexpr std::array kNames = {"robot", "world", "start", "goal"};
   Problem problem;
+  py::dict settings;
   if ((!args.empty() && py::isinstance<Problem>(args[0])) || keywords.contains("problem")) {
     const py::object first = takeArgument(call, args, keywords, 0, "problem");
     if (args.size() > 1 || !py::isinstance<Problem>(first))
@@ -138,10 +141,11 @@ Problem problemOf(const char* call, const py::args& args, py::dict& keywords) {
       throw py::type_error(std::string(call) + "(): world is of type " +
                            Py_TYPE(given[1].ptr())->tp_name + "; a World or None is expected");
     problem = makeProblem(given[0].cast<const Robot&>(),
-                          given[1].is_none() ? nullptr : &given[1].cast<const World&>(), given[2],
-                          given[3]);
+                          given[1].is_none() ? nullptr : &given[1].cast<const World&>());
+    // With the settings, in whose order poses find the frames that they name.
+    if (!given[2].is_none()) settings["start"] = given[2];
+    if (!given[3].is_none()) settings["goal"] = given[3];
   }
-  py::dict settings;
   for (const auto& [key, value] : py::dict(keywords.attr("copy")()))
     if (isSetting(py::str(key))) {
       settings[key] = value;
@@ -149,6 +153,13 @@ Problem problemOf(const char* call, const py::args& args, py::dict& keywords) {
     }
   if (!settings.empty()) applySettings(problem.change(), settings);
   return problem;
+}
+
+void requireGoal(const Problem& problem) {
+  if (problem.value->goals.empty() && problem.value->steps.empty())
+    throw py::value_error(
+        "no goal is given; a group state, numbers, a dict by joint, a FramePose or steps are "
+        "expected");
 }
 
 std::vector<double> startPoint(const planner::Problem& problem) {
@@ -160,7 +171,13 @@ std::vector<double> startPoint(const planner::Problem& problem) {
 namespace {
 
 /// The middle of the goal's ranges; where a range has none, its finite end, else the start's value.
+/// Of poses the valid configuration nearest to the start.
 std::vector<double> goalPoint(const planner::Problem& problem, const planner::Goal& goal) {
+  if (!goal.poses.empty()) {
+    planner::Problem at_goal = problem;
+    at_goal.start_poses = goal.poses;
+    return startPoint(released([&] { return planner::placeStart(at_goal); }));
+  }
   std::vector<double> point = startPoint(problem);
   for (std::size_t i = 0; i < goal.ranges.size(); ++i) {
     const auto [lower, upper] = goal.ranges[i];
@@ -183,7 +200,8 @@ std::vector<double> statePoint(const Problem& problem, const py::object& state) 
   }
   planner::Problem at_state = *problem.value;
   setStart(at_state, state);
-  return startPoint(at_state);
+  if (at_state.start_poses.empty()) return startPoint(at_state);
+  return startPoint(released([&] { return planner::placeStart(at_state); }));
 }
 
 void defineProblem(py::module_& module) {
@@ -197,10 +215,14 @@ void defineProblem(py::module_& module) {
           "start: a group state's name, numbers (joints,) or a dict by joint; default: all at "
           "zero.\n"
           "goal: the same; in place of a number a pair (from, to) or 'any'. `goals`: a list of "
-          "goals, any of which will do.\n"
+          "goals, any of which will do. Start and goals may be FramePoses; frames: {name: (link, "
+          "pose)}.\n"
+          "steps: in place of a goal a task, see TaskStep.\n"
           "margin: all pairs stay farther apart than this [m]. margins: {(a, b): m}. allowed: "
-          "pairs (a, b) that may touch.\n"
-          "objective: 'length' or 'clearance'. planner: see planners(); parameters: by its names.\n"
+          "pairs (a, b) that may touch. a and b: a name, a tuple of names, or 'robot'.\n"
+          "objective: 'length', with `keep` [m] from the world, or 'clearance', with clearance_of "
+          "'world' or 'all'. simplify, push: what is done with a path that is found.\n"
+          "planner: see planners(); parameters: by its names.\n"
           "time [s], iterations (0: no limit): when planning ends. seed: same seed, same bytes.\n"
           "others: {joint: value} of joints that are not planned.\n"
           "Settings of execution: speed, velocities, accelerations, jerks, corners, start_time, "

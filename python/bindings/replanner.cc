@@ -57,7 +57,7 @@ std::unique_ptr<Execution> makeExecution(const py::args& args, const py::kwargs&
   if (keywords.contains("stop")) made->stop = keywords.attr("pop")("stop");
   made->problem = problemOf("Replanner", args, keywords);
   noMore("Replanner", keywords);
-  if (made->problem.value->goals.empty()) throw py::value_error("no goal is given");
+  requireGoal(made->problem);
   const std::shared_ptr<const planner::Problem> value = made->problem.value;
   planner::ReplanOptions options;
   options.stop = [self = made.get()] { return self->interrupt != nullptr && (*self->interrupt)(); };
@@ -117,7 +117,7 @@ ReplanResult replan(const py::args& args, const py::kwargs& kwargs) {
   const int steps = most.is_none() ? 0 : most.cast<int>();
   const Problem problem = problemOf("replan", args, keywords);
   noMore("replan", keywords);
-  if (problem.value->goals.empty()) throw py::value_error("no goal is given");
+  requireGoal(problem);
   if (!on_step.is_none() && PyCallable_Check(on_step.ptr()) == 0)
     throw py::type_error("on_step is no function; one of (step) is expected");
   Interrupt interrupt(stop);

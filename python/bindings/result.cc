@@ -11,6 +11,7 @@ namespace leeway::python {
 namespace {
 
 using planner::Certificate;
+using planner::PathClearance;
 
 std::string millimetres(double metres) {
   if (std::isinf(metres)) return metres > 0 ? "nothing near" : "not proven";
@@ -20,39 +21,58 @@ std::string millimetres(double metres) {
   return buffer;
 }
 
+std::string clearanceText(const PathClearance& c) {
+  if (c.closest_segment < 0) return "nothing near";
+  return "clearance " + text(c.clearance.lower) + " to " + text(c.clearance.upper) + " m between " +
+         c.closest_a + " and " + c.closest_b;
+}
+
 std::string certificateText(const Certificate& c) {
-  std::string text_of = c.certified ? "certified" : "not certified";
-  if (c.closest_segment >= 0)
-    text_of += ", clearance " + text(c.clearance.lower) + " to " + text(c.clearance.upper) +
-               " m between " + c.closest_a + " and " + c.closest_b;
-  return text_of;
+  const std::string verdict = c.certified ? "certified" : "not certified";
+  return c.closest_segment < 0 ? verdict : verdict + ", " + clearanceText(c);
+}
+
+void defineClearance(py::module_& module) {
+  py::class_<PathClearance> clearance(module, "PathClearance",
+                                      "Bounds on the least clearance along a path, and where it "
+                                      "is.");
+  clearance.def_property_readonly(
+      "lower", [](const PathClearance& self) { return self.clearance.lower; },
+      "Every point of every edge keeps at least this [m]; inf where nothing is near.");
+  clearance.def_property_readonly(
+      "upper", [](const PathClearance& self) { return self.clearance.upper; },
+      "The least clearance is at most this [m].");
+  clearance.def_property_readonly(
+      "closest",
+      [](const PathClearance& self) { return pairObject(self.closest_a, self.closest_b); },
+      "Names of the pair that is nearest, or None.");
+  clearance.def_readonly("closest_edge", &PathClearance::closest_segment,
+                         "The edge where that is; -1: none.");
+  clearance.def_readonly("closest_t", &PathClearance::closest_t, "And where on it, in [0, 1].");
+  clearance.def_property_readonly(
+      "point_a", [](const PathClearance& self) { return array(self.closest_point_a); },
+      "On the first of `closest`: (3,), world [m].");
+  clearance.def_property_readonly(
+      "point_b", [](const PathClearance& self) { return array(self.closest_point_b); },
+      "On the second: (3,), world [m].");
+  clearance.def("__repr__", [](const PathClearance& self) {
+    return "<leeway.PathClearance: " + clearanceText(self) + ">";
+  });
 }
 
 void defineCertificate(py::module_& module) {
-  py::class_<Certificate> certificate(
+  py::class_<Certificate, PathClearance> certificate(
       module, "Certificate",
       "The proof that comes with a path: bounds on the clearance of every point of every edge, "
       "over the pairs that are checked.");
-  certificate.def_property_readonly(
-      "lower", [](const Certificate& self) { return self.clearance.lower; },
-      "Every point of every edge keeps at least this [m]; inf where nothing is near.");
-  certificate.def_property_readonly(
-      "upper", [](const Certificate& self) { return self.clearance.upper; },
-      "The least clearance is at most this [m].");
   certificate.def_readonly("certified", &Certificate::certified,
                            "Every edge is proven to keep its margins.");
   certificate.def_property_readonly(
-      "closest", [](const Certificate& self) { return pairObject(self.closest_a, self.closest_b); },
-      "Names of the pair that is nearest, or None.");
-  certificate.def_readonly("closest_edge", &Certificate::closest_segment,
-                           "The edge where that is; -1: none.");
-  certificate.def_readonly("closest_t", &Certificate::closest_t, "And where on it, in [0, 1].");
+      "world", [](const Certificate& self) { return self.world; },
+      "The clearance from the world alone: a PathClearance.");
   certificate.def_property_readonly(
-      "point_a", [](const Certificate& self) { return array(self.closest_point_a); },
-      "On the first of `closest`: (3,), world [m].");
-  certificate.def_property_readonly(
-      "point_b", [](const Certificate& self) { return array(self.closest_point_b); },
-      "On the second: (3,), world [m].");
+      "self", [](const Certificate& self) { return self.self; },
+      "The clearance among the robot's own links and what it holds: a PathClearance.");
   certificate.def_property_readonly(
       "edges",
       [](const Certificate& self) {
@@ -76,6 +96,8 @@ std::string repr(const Result& self) {
   if (r.status == planner::PlanStatus::kSolved)
     result += ", " + std::to_string(r.path.positions.size()) + " waypoints, " +
               certificateText(r.certificate);
+  else if (!r.reason.empty())
+    result += ", " + r.reason;
   else if (!r.offending_a.empty())
     result += ", " + r.offending_a + " and " + r.offending_b;
   return result + ">";
@@ -134,6 +156,7 @@ void requireSolved(const Result& self, const char* what) {
 }  // namespace
 
 void defineResult(py::module_& module) {
+  defineClearance(module);
   defineCertificate(module);
   py::class_<Result> result(module, "Result",
                             "What plan() found. True if it is solved: then every edge of `path` is "
@@ -159,6 +182,24 @@ void defineResult(py::module_& module) {
   result.def_property_readonly(
       "goal", [](const Result& self) { return self.value.goal; },
       "Index of the goal that is reached; -1: none.");
+  result.def_property_readonly(
+      "steps",
+      [](const Result& self) {
+        py::list steps;
+        for (const planner::PathStep& step : self.value.path.steps) steps.append(step);
+        return steps;
+      },
+      "Of a task: its steps as stretches of the path, PathSteps; else empty.");
+  result.def_property_readonly(
+      "reason", [](const Result& self) { return self.value.reason; },
+      "Why a task failed, or a goal of poses has no configuration, in words; else ''.");
+  result.def_property_readonly(
+      "unreachable", [](const Result& self) { return self.value.unreachable; },
+      "Whether it is proven that a goal of poses has no configuration.");
+  result.def_property_readonly(
+      "clearance_bound", [](const Result& self) { return self.value.clearance_bound; },
+      "With the objective 'clearance': no path has more than this, because its start or its goals "
+      "have not [m].");
   result.def_property_readonly(
       "planner", [](const Result& self) { return self.value.planner; }, "The planner's name.");
   result.def_property_readonly(

@@ -2,24 +2,18 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
-#include <unordered_map>
 
+#include "leeway/planner/plan.h"
 #include "leeway/planner/planners.h"
 #include "leeway/robots/text.h"
 #include "python/base/define.h"
+#include "python/base/released.h"
+#include "python/bindings/goals.h"
 
 namespace leeway::python {
 namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
-/// A wrong value, in one line.
-std::string shown(py::handle value) {
-  std::string text_of = std::string(py::repr(value)).substr(0, 100);
-  std::replace(text_of.begin(), text_of.end(), '\n', ' ');
-  return text_of;
-}
 
 std::string word(const py::object& value, const char* name) {
   if (!py::isinstance<py::str>(value))
@@ -54,113 +48,12 @@ double positive(const py::object& value, const char* name) {
   return given;
 }
 
-/// Pairs of names: a list of (a, b).
-std::pair<std::string, std::string> namePair(const py::handle item, const char* name) {
-  if (py::isinstance<py::tuple>(item) || py::isinstance<py::list>(item)) {
-    const auto pair = py::reinterpret_borrow<py::sequence>(item);
-    if (py::len(pair) == 2 && py::isinstance<py::str>(pair[0]) && py::isinstance<py::str>(pair[1]))
-      return {pair[0].cast<std::string>(), pair[1].cast<std::string>()};
-  }
-  throw py::type_error(std::string(name) + " holds " + shown(item) +
-                       "; pairs (a, b) of names are expected");
-}
-
 py::dict dictOf(const py::object& value, const char* name) {
   if (value.is_none()) return {};
   if (!py::isinstance<py::dict>(value))
     throw py::type_error(std::string(name) + " is of type " + Py_TYPE(value.ptr())->tp_name +
                          "; a dict is expected");
   return py::reinterpret_borrow<py::dict>(value);
-}
-
-int variableOf(const planner::Problem& problem, const std::string& name) {
-  const int variable = problem.robot.model->findVariable(name);
-  if (variable >= 0) return variable;
-  std::vector<std::string> known;
-  for (const robots::Variable& v : problem.robot.model->variables) known.push_back(v.name);
-  const std::string* const near = robots::nearestName(name, known);
-  throw py::value_error("no joint '" + name + "'" +
-                        (near != nullptr ? "; did you mean '" + *near + "'?" : ""));
-}
-
-std::size_t count(const planner::Problem& problem) { return problem.robot.variables.size(); }
-
-// ---- Goals.
-
-using Range = std::pair<double, double>;
-
-Range rangeOf(const planner::Problem& problem, int variable, const py::handle& value) {
-  const robots::Variable& v = problem.robot.model->variables[at(variable)];
-  if (py::isinstance<py::str>(value)) {
-    if (value.cast<std::string>() != "any")
-      unknownWord("goal", value.cast<std::string>(), "a number, (from, to) or 'any'");
-    if (std::isfinite(v.lower) && std::isfinite(v.upper)) return {v.lower, v.upper};
-    const robots::Joint& joint = problem.robot.model->joints[at(v.joint)];
-    const bool turns =
-        joint.type == robots::JointType::kContinuous ||
-        (joint.type == robots::JointType::kPlanar && variable == joint.first_variable + 2);
-    if (turns) return {-std::numbers::pi, std::numbers::pi};
-    throw py::value_error("goal: joint '" + v.name + "' is 'any', but has no limits");
-  }
-  if (py::isinstance<py::tuple>(value) || py::isinstance<py::list>(value)) {
-    const std::vector<double> range = numbers(value, ("goal of " + v.name).c_str(), 2);
-    if (range[0] > range[1])
-      throw py::value_error("goal of " + v.name + " is from " + text(range[0]) + " to " +
-                            text(range[1]) + "; from <= to is expected");
-    return {range[0], range[1]};
-  }
-  const double given = number(value, ("goal of " + v.name).c_str());
-  return {given, given};
-}
-
-planner::Goal goalOf(const planner::Problem& problem, const py::object& goal) {
-  planner::Goal result;
-  result.name = "goal";
-  if (py::isinstance<py::str>(goal)) {
-    result.name = goal.cast<std::string>();
-    const Robot robot(problem.robot.model, problem.robot.variables);
-    const auto point = py::cast(robot).attr("state")(goal).cast<std::vector<double>>();
-    for (const double value : point) result.ranges.emplace_back(value, value);
-    return result;
-  }
-  if (py::isinstance<py::dict>(goal)) {
-    std::unordered_map<int, Range> given;
-    for (const auto& [name, value] : py::reinterpret_borrow<py::dict>(goal)) {
-      const int variable = variableOf(problem, py::str(name));
-      given[variable] = rangeOf(problem, variable, value);
-    }
-    for (const int variable : problem.robot.variables) {
-      const auto found = given.find(variable);
-      if (found == given.end())
-        throw py::value_error("goal says nothing of joint '" +
-                              problem.robot.model->variables[at(variable)].name + "'");
-      result.ranges.push_back(found->second);
-    }
-    return result;
-  }
-  // A list of numbers, ranges and words; else an array.
-  if (py::isinstance<py::list>(goal) || py::isinstance<py::tuple>(goal)) {
-    const auto list = py::reinterpret_borrow<py::sequence>(goal);
-    if (py::len(list) != count(problem))
-      throw py::value_error("goal holds " + std::to_string(py::len(list)) + " values; " +
-                            std::to_string(count(problem)) + " are expected");
-    for (std::size_t i = 0; i < count(problem); ++i)
-      result.ranges.push_back(rangeOf(problem, problem.robot.variables[i], list[i]));
-    return result;
-  }
-  for (const double value : numbers(goal, "goal", count(problem)))
-    result.ranges.emplace_back(value, value);
-  return result;
-}
-
-py::object getGoals(const planner::Problem& problem) {
-  py::list goals;
-  for (const planner::Goal& goal : problem.goals) {
-    std::vector<double> values;
-    for (const auto& [lower, upper] : goal.ranges) values.insert(values.end(), {lower, upper});
-    goals.append(array(std::move(values), {static_cast<py::ssize_t>(goal.ranges.size()), 2}));
-  }
-  return goals;
 }
 
 // ---- Maps by joint.
@@ -185,6 +78,28 @@ std::map<std::string, double> byJoint(const planner::Problem& problem, const py:
   return result;
 }
 
+void setFrames(planner::Problem& problem, const py::object& value) {
+  std::vector<planner::Frame> frames;
+  for (const auto& [key, entry] : dictOf(value, "frames")) {
+    const std::string name = py::str(key);
+    const auto named = [&](const auto& thing) { return thing.name == name; };
+    const auto& held = problem.robot.attachments;
+    if (problem.robot.model->findLink(name) >= 0 || hasObject(problem.world, name) ||
+        std::any_of(held.begin(), held.end(), [&](const auto& a) { return named(a.object); }))
+      throw py::value_error("frame '" + name +
+                            "' has the name of a link or object; a name of its own is expected");
+    if (!py::isinstance<py::tuple>(entry) || py::len(entry) != 2)
+      throw py::type_error("frame '" + name + "' is " + shown(entry) +
+                           "; (link, pose) is expected");
+    const auto pair = py::reinterpret_borrow<py::tuple>(entry);
+    const std::string link_name = py::str(pair[0]);
+    const int link = problem.robot.model->findLink(link_name);
+    if (link < 0) throw py::value_error("frame '" + name + "': no link '" + link_name + "'");
+    frames.push_back({name, link, pose(pair[1], "a frame's pose")});
+  }
+  problem.robot.frames = std::move(frames);
+}
+
 // ---- The table.
 
 struct Setting {
@@ -201,12 +116,21 @@ const Setting kSettings[] = {
     {"name", "The problem's name, for messages.",
      [](const P& p) { return py::object(py::str(p.name)); },
      [](P& p, V v) { p.name = word(v, "name"); }},
-    {"start", "The planned joints' values at the start: (joints,) [rad or m].",
+    {"world", "The world, as a copy: set it to change it.",
+     [](const P& p) { return py::cast(World{p.world}); },
+     [](P& p, V v) {
+       if (!py::isinstance<World>(v)) throw py::type_error("world is no World");
+       p.world = v.cast<const World&>().value;
+     }},
+    {"frames", "Frames fixed to links, for poses: {name: (link, pose)}, see FramePose.",
      [](const P& p) {
-       const std::vector<double> point = startPoint(p);
-       return py::object(array(std::span<const double>(point)));
+       py::dict frames;
+       for (const planner::Frame& f : p.robot.frames)
+         frames[py::str(f.name)] =
+             py::make_tuple(p.robot.model->links[at(f.link)].name, matrix(f.X_LF));
+       return py::object(frames);
      },
-     setStart},
+     setFrames},
     {"others", "Values of all joints at the start, those not planned included: {joint: value}.",
      [](const P& p) {
        py::dict values;
@@ -215,23 +139,35 @@ const Setting kSettings[] = {
        return py::object(values);
      },
      [](P& p, V v) { setStart(p, dictOf(v, "others")); }},
-    {"goal", "The first goal: ranges (joints, 2). Setting it replaces all goals.",
+    {"start",
+     "The planned joints' values at the start: (joints,) [rad or m]. Poses become such values: the "
+     "valid ones that are nearest to what the start was.",
      [](const P& p) {
-       return p.goals.empty() ? py::object(py::none()) : py::object(py::list(getGoals(p))[0]);
+       const std::vector<double> point = startPoint(p);
+       return py::object(array(std::span<const double>(point)));
+     },
+     setStart},
+    {"goal",
+     "The first goal: ranges (joints, 2), or a list of FramePoses. Setting it replaces all goals.",
+     [](const P& p) {
+       return p.goals.empty() ? py::object(py::none()) : goalObject(p, p.goals.front());
      },
      [](P& p, V v) { setGoals(p, v, false); }},
-    {"goals", "The goals, each as ranges (joints, 2); reaching any one of them will do.", getGoals,
+    {"goals", "The goals, each as ranges (joints, 2) or FramePoses; reaching any one will do.",
+     [](const P& p) {
+       py::list goals;
+       for (const planner::Goal& goal : p.goals) goals.append(goalObject(p, goal));
+       return py::object(goals);
+     },
      [](P& p, V v) { setGoals(p, v, true); }},
-    {"world", "The world, as a copy: set it to change it.",
-     [](const P& p) { return py::cast(World{p.world}); },
-     [](P& p, V v) {
-       if (!py::isinstance<World>(v)) throw py::type_error("world is no World");
-       p.world = v.cast<const World&>().value;
-     }},
+    {"steps", "A task in place of goals: TaskSteps, one after the other.", stepList, setSteps},
     {"margin", "All pairs stay farther apart than this [m].",
      [](const P& p) { return py::object(py::float_(p.margins.common)); },
      [](P& p, V v) { p.margins.common = number(v, "margin"); }},
-    {"margins", "Pairs with a margin of their own: {(a, b): margin} [m].",
+    {"margins",
+     "Pairs with a margin of their own: {(a, b): margin} [m]; a and b are names, tuples of names, "
+     "or "
+     "'robot'. Of entries that name the same pair the last holds.",
      [](const P& p) {
        py::dict margins;
        for (const planner::PairMargin& m : p.margins.pairs)
@@ -241,12 +177,12 @@ const Setting kSettings[] = {
      [](P& p, V v) {
        std::vector<planner::PairMargin> pairs;
        for (const auto& [key, value] : dictOf(v, "margins")) {
-         const auto [a, b] = namePair(key, "margins");
-         pairs.push_back({a, b, number(value, "margins")});
+         const double margin = number(value, "margins");
+         for (const auto& [a, b] : namePairs(p, key, "margins")) pairs.push_back({a, b, margin});
        }
        p.margins.pairs = std::move(pairs);
      }},
-    {"allowed", "Pairs (a, b) that may touch, besides those of the SRDF.",
+    {"allowed", "Pairs (a, b) that may touch, besides those of the SRDF; as in `margins`.",
      [](const P& p) {
        py::list pairs;
        for (const auto& [a, b] : p.contacts.allowed) pairs.append(py::make_tuple(a, b));
@@ -255,7 +191,8 @@ const Setting kSettings[] = {
      [](P& p, V v) {
        std::vector<std::pair<std::string, std::string>> pairs;
        if (!v.is_none())
-         for (const py::handle item : py::list(v)) pairs.push_back(namePair(item, "allowed"));
+         for (const py::handle item : py::list(v))
+           for (auto& names : namePairs(p, item, "allowed")) pairs.push_back(std::move(names));
        p.contacts.allowed = std::move(pairs);
      }},
     {"objective", "'length', or 'clearance': the least clearance as large as possible.",
@@ -263,7 +200,45 @@ const Setting kSettings[] = {
      [](P& p, V v) {
        const auto objective = planner::objectiveOfName(word(v, "objective"));
        if (!objective) unknownWord("objective", word(v, "objective"), "'length' or 'clearance'");
-       p.objective = *objective;
+       // What is asked besides stays where the objective does.
+       if (objective->index() != p.objective.index()) p.objective = *objective;
+     }},
+    {"keep",
+     "With the objective 'length': pairs with the world keep this, besides the margins [m].",
+     [](const P& p) {
+       const auto* length = std::get_if<planner::MinimumLength>(&p.objective);
+       return length == nullptr || std::isinf(length->clearance)
+                  ? py::object(py::none())
+                  : py::object(py::float_(length->clearance));
+     },
+     [](P& p, V v) {
+       planner::MinimumLength minimum;
+       if (!v.is_none()) {
+         minimum.clearance = notNegative(v, "keep");
+         if (!std::holds_alternative<planner::MinimumLength>(p.objective))
+           throw py::value_error(
+               "keep stands beside the objective 'clearance'; 'length' is expected");
+       }
+       if (std::holds_alternative<planner::MinimumLength>(p.objective)) p.objective = minimum;
+     }},
+    {"clearance_of",
+     "With the objective 'clearance': of 'world', the others keep their margins, or "
+     "'all'.",
+     [](const P& p) {
+       const auto* clearance = std::get_if<planner::MaximumClearance>(&p.objective);
+       return clearance == nullptr
+                  ? py::object(py::none())
+                  : py::object(py::str(clearance->of == planner::Pairs::kAll ? "all" : "world"));
+     },
+     [](P& p, V v) {
+       if (v.is_none()) return;
+       const std::string of = word(v, "clearance_of");
+       if (of != "world" && of != "all") unknownWord("clearance_of", of, "'world' or 'all'");
+       auto* clearance = std::get_if<planner::MaximumClearance>(&p.objective);
+       if (clearance == nullptr)
+         throw py::value_error(
+             "clearance_of stands beside the objective 'length'; 'clearance' is expected");
+       clearance->of = of == "all" ? planner::Pairs::kAll : planner::Pairs::kWorld;
      }},
     {"planner", "Name of the planner, see planners().",
      [](const P& p) { return py::object(py::str(p.planner.name)); },
@@ -285,6 +260,9 @@ const Setting kSettings[] = {
     {"simplify", "Whether the path that is found is shortened.",
      [](const P& p) { return py::object(py::bool_(p.planner.simplify)); },
      [](P& p, V v) { p.planner.simplify = py::bool_(v); }},
+    {"push", "Whether a simplified path is pushed off what it hugs, for 3 % of its length at most.",
+     [](const P& p) { return py::object(py::bool_(p.planner.push)); },
+     [](P& p, V v) { p.planner.push = py::bool_(v); }},
     {"time", "Planning and simplification end after this [s].",
      [](const P& p) { return py::object(py::float_(p.limits.time)); },
      [](P& p, V v) { p.limits.time = positive(v, "time"); }},
@@ -359,48 +337,36 @@ const Setting* findSetting(const std::string& name) {
 
 }  // namespace
 
-void setStart(planner::Problem& problem, const py::object& start) {
-  if (start.is_none()) return;
-  std::vector<double> q = problem.start;
-  if (py::isinstance<py::dict>(start)) {
-    for (const auto& [name, value] : py::reinterpret_borrow<py::dict>(start)) {
-      const std::string joint = py::str(name);
-      q[at(variableOf(problem, joint))] = number(value, ("start of " + joint).c_str());
-    }
-  } else {
-    const Robot robot(problem.robot.model, problem.robot.variables);
-    const std::vector<double> point =
-        py::isinstance<py::str>(start)
-            ? py::cast(robot).attr("state")(start).cast<std::vector<double>>()
-            : numbers(start, "start", count(problem));
-    robot.expand(point, q);
-  }
-  problem.start = std::move(q);
-}
-
-void setGoals(planner::Problem& problem, const py::object& goal, bool several) {
-  std::vector<planner::Goal> goals;
-  if (goal.is_none()) {
-    // None yet: plan() will ask for one.
-  } else if (several) {
-    for (const py::handle item : py::list(goal))
-      goals.push_back(goalOf(problem, py::reinterpret_borrow<py::object>(item)));
-    if (goals.empty()) throw py::value_error("goals are empty; at least one is expected");
-    for (std::size_t i = 1; i < goals.size(); ++i)
-      if (goals[i].name == "goal") goals[i].name += " " + std::to_string(i + 1);
-  } else {
-    goals.push_back(goalOf(problem, goal));
-  }
-  problem.goals = std::move(goals);
-}
-
 bool isSetting(const std::string& name) { return findSetting(name) != nullptr; }
 
+namespace {
+
+/// A start that is given by poses becomes joint values. Where none are valid, the nearest are
+/// taken, and who plans is told what is in the way.
+void placeStart(planner::Problem& problem) {
+  if (problem.start_poses.empty()) return;
+  problem = released([&] { return planner::placeStart(problem); });
+}
+
+}  // namespace
+
 void applySettings(planner::Problem& problem, const py::dict& settings) {
-  // In the table's order: a planner before its parameters.
+  const auto given = [&](const char* name) {
+    return settings.contains(name) && !py::object(settings[name]).is_none();
+  };
+  if (given("steps") && (given("goal") || given("goals")))
+    throw py::value_error("steps are given beside a goal; one of them is expected");
+  // In the table's order: a planner before its parameters, frames before poses.
   for (const Setting& setting : kSettings)
     if (settings.contains(setting.name))
       setting.set(problem, py::reinterpret_borrow<py::object>(settings[setting.name]));
+  placeStart(problem);
+}
+
+std::string shown(py::handle value) {
+  std::string text_of = std::string(py::repr(value)).substr(0, 100);
+  std::replace(text_of.begin(), text_of.end(), '\n', ' ');
+  return text_of;
 }
 
 void defineSettings(py::class_<Problem>& problem) {
@@ -411,6 +377,7 @@ void defineSettings(py::class_<Problem>& problem) {
         [&setting](Problem& self, const py::object& value) {
           planner::Problem changed = *self.value;
           setting.set(changed, value);
+          placeStart(changed);
           self.change() = std::move(changed);
         });
 }

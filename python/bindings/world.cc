@@ -80,14 +80,6 @@ collision::Pose poseOf(const World& world, const std::string& name) {
   unknown(name);
 }
 
-std::vector<std::string> names(const World& world) {
-  std::vector<std::string> all;
-  for (const Object& object : world.value.objects) all.push_back(object.name);
-  for (const DeformingObstacle& obstacle : world.value.deforming)
-    all.push_back(obstacle.object.name);
-  return all;
-}
-
 std::string html(const World& world) {
   std::vector<std::vector<std::string>> table;
   const auto addRow = [&](const Object& object) {
@@ -186,12 +178,21 @@ void defineAdders(WorldClass& world) {
 
 }  // namespace
 
-bool World::has(const std::string& name) const {
+bool hasObject(const planner::World& world, const std::string& name) {
   const auto named = [&](const Object& object) { return object.name == name; };
-  return std::any_of(value.objects.begin(), value.objects.end(), named) ||
-         std::any_of(value.deforming.begin(), value.deforming.end(),
+  return std::any_of(world.objects.begin(), world.objects.end(), named) ||
+         std::any_of(world.deforming.begin(), world.deforming.end(),
                      [&](const DeformingObstacle& o) { return named(o.object); });
 }
+
+std::vector<std::string> objectNames(const planner::World& world) {
+  std::vector<std::string> all;
+  for (const Object& object : world.objects) all.push_back(object.name);
+  for (const DeformingObstacle& obstacle : world.deforming) all.push_back(obstacle.object.name);
+  return all;
+}
+
+bool World::has(const std::string& name) const { return hasObject(value, name); }
 
 void defineWorld(py::module_& module) {
   WorldClass world(module, "World",
@@ -213,14 +214,16 @@ void defineWorld(py::module_& module) {
   define(world, "copy", "(self)", "Another world with the same objects; shapes are shared.",
          [](const World& self) { return self; });
   world.def_property_readonly(
-      "names", [](const World& self) { return listOf(names(self)); }, "Names of all objects.");
+      "names", [](const World& self) { return listOf(objectNames(self.value)); },
+      "Names of all objects.");
   world.def("__len__", [](const World& self) {
     return self.value.objects.size() + self.value.deforming.size();
   });
   world.def("__contains__", [](const World& self, const py::object& name) {
     return py::isinstance<py::str>(name) && self.has(name.cast<std::string>());
   });
-  world.def("__iter__", [](const World& self) { return py::iter(listOf(names(self))); });
+  world.def("__iter__",
+            [](const World& self) { return py::iter(listOf(objectNames(self.value))); });
   world.def("__repr__", [](const World& self) {
     return "<leeway.World of " +
            std::to_string(self.value.objects.size() + self.value.deforming.size()) + " objects>";

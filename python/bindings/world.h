@@ -13,6 +13,9 @@ struct World {
   bool has(const std::string& name) const;
 };
 
+bool hasObject(const planner::World& world, const std::string& name);
+std::vector<std::string> objectNames(const planner::World& world);
+
 void defineWorld(py::module_& module);
 
 }  // namespace leeway::python

@@ -98,6 +98,19 @@ def calls(robot, world, problem, scene):
         "update": body.update, "follow": body.follow, "update time": lambda v: body.update(np.eye(3), v),
         "Deformable strategy": lambda v: leeway.Deformable(np.eye(3), [[0, 1, 2]], strategy=v),
         "cache": lambda v: leeway.Motion.cache(v, v), "morph": lambda v: leeway.Motion.morph(v, [0], v),
+        "lattice": lambda v: leeway.Motion.lattice(np.eye(3), (0, 0, 0), (1, 1, 1), [0], v),
+        "waves": lambda v: leeway.Motion.waves(np.eye(3), v, v, [1], [1]), "pinned": lambda v: leeway.Motion.waves(np.eye(3), [(1, 0, 0)], [(0, 0, 1)], [1], [1], pinned=v),
+        "skinned": lambda v: leeway.Motion.skinned(np.eye(3), [-1], [[0] * 6 + [1]], np.ones((3, 1)), [0], v),
+        "parents": lambda v: leeway.Motion.skinned(np.eye(3), v, [[0] * 6 + [1]], np.ones((3, 1)), [0], [[[0] * 6 + [1]]]),
+        "skin weights": lambda v: leeway.Motion.skinned(np.eye(3), [-1], [[0] * 6 + [1]], v, [0], [[[0] * 6 + [1]]]),
+        "modes": lambda v: leeway.Motion.reduced(np.eye(3), v, frequencies=[1]), "coordinates": lambda v: leeway.Motion.reduced(np.eye(3), [np.eye(3)], times=[0], coordinates=v),
+        "FramePose": leeway.FramePose, "FramePose position": lambda v: leeway.FramePose("hand", v), "FramePose rpy": lambda v: leeway.FramePose("hand", rpy=v),
+        "FramePose turn": lambda v: leeway.FramePose("hand", orientation=v), "relative_to": lambda v: leeway.FramePose("hand", (0, 0, 0), relative_to=v),
+        "pose tolerance": lambda v: leeway.FramePose("hand", (0, 0, 0), position_tolerance=v),
+        "move": lambda v: leeway.Problem(robot, world, q, steps=[leeway.TaskStep.move(v)]),
+        "move name": lambda v: leeway.TaskStep.move("ready", name=v), "move allowed": lambda v: leeway.Problem(robot, world, q, steps=[leeway.TaskStep.move(q, allowed=v)]),
+        "line": lambda v: leeway.TaskStep.line("hand", v), "line frame": lambda v: leeway.TaskStep.line(v, (0, 0, 1)),
+        "attach": lambda v: leeway.TaskStep.attach("post", v, v), "detach": leeway.TaskStep.detach,
         "wave": lambda v: leeway.Motion.wave(v, (1, 0, 0), (0, 0, 1), 1, 1),
         "monitor q": lambda v: monitor.look(0, v, [0] * 7), "monitor time": lambda v: monitor.look(v, q, [0] * 7),
         "monitor limits": lambda v: leeway.Monitor(scene, accelerations=v), "Monitor": lambda v: leeway.Monitor(v, accelerations=[1] * 7),
@@ -109,7 +122,7 @@ def calls(robot, world, problem, scene):
         "result": lambda v: leeway.Result.save(v, "x"),
     }.items()
     for name in ("margin", "margins", "allowed", "objective", "planner", "parameters", "time", "iterations", "seed", "start", "goal",
-                 "goals", "others", "world", "velocities", "corners", "speed", "step", "name", "simplify"):
+                 "goals", "others", "world", "velocities", "corners", "speed", "step", "name", "simplify", "push", "keep", "clearance_of", "frames", "steps"):
         yield "set " + name, lambda v, name=name: setattr(problem.copy(), name, v)
         yield "with " + name, lambda v, name=name: leeway.Problem(robot, world, q, q, **{name: v})
 
@@ -134,7 +147,7 @@ def test_wrong_values_are_errors_of_one_line(robot, world):
     (lambda r: leeway.plan(r, None, "redy", "ready"), "no group state 'redy'; did you mean 'ready'?"),
     (lambda r: leeway.plan(r, None, {"joint8": 0}, "ready"), "no joint 'joint8'; did you mean 'joint1'?"),
     (lambda r: leeway.plan(r, None, "ready", "tucked", marginn=1), "plan(): unknown keyword 'marginn'; did you mean 'margin'?"),
-    (lambda r: leeway.plan(r, None, "ready"), "no goal is given; a group state, numbers or a dict by joint is expected"),
+    (lambda r: leeway.plan(r, None, "ready"), "no goal is given; a group state, numbers, a dict by joint, a FramePose or steps are expected"),
     (lambda r: leeway.Robot("robots/arm7/arm7.urdf", group="amr"), "no group 'amr'"),
     (lambda r: leeway.Shape.sphere(-1), "radius"),
     (lambda r: leeway.World().add_sphere("a", "b"), "radius is of type str; a number is expected"),

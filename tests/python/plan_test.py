@@ -81,16 +81,34 @@ def test_problems_are_values(robot, world):
 
 def test_every_setting_reads_back(robot, world):
     settings = dict(name="n", margin=0.01, margins={("post", "hand"): 0.02}, allowed=[("post", "base")], objective="clearance",
-                    planner="RRTConnect", parameters={"range": "0.5"}, simplify=False, time=0.5, iterations=10, seed=4, start_time=1.0,
+                    clearance_of="all", push=False, planner="RRTConnect", parameters={"range": "0.5"}, simplify=False, time=0.5, iterations=10, seed=4, start_time=1.0,
                     step=0.1, duration=3.0, speed=0.5, velocities={"joint1": 1.0}, accelerations={"joint2": 2.0}, jerks={},
                     corners="blend", foresight="speed_bound", look_ahead=0.3, buffer=0.0, patience=0.0)
     problem = leeway.Problem(robot, world, "ready", "tucked", **settings)
     for name, value in settings.items():
         assert getattr(problem, name) == value, name
         setattr(problem, name, value)
+    problem.objective = "length"
+    problem.keep = 0.02
+    assert problem.keep == 0.02 and problem.clearance_of is None
+    problem.keep = None
+    assert problem.keep is None
     assert problem.others["finger_joint"] == 0
     problem.others = {"finger_joint": 0.03}
     assert problem.others["finger_joint"] == 0.03
+
+
+def test_world_and_self_are_told_apart_and_a_clearance_is_kept(robot, world):
+    problem = leeway.Problem(robot, world, turned(robot, -0.8), turned(robot, 0.8), margin=0.005)
+    plain, wide = leeway.plan(problem), leeway.plan(problem, keep=0.04)
+    for result in (plain, wide):
+        proof = result.certificate
+        assert "post" in proof.world.closest and "post" not in proof.self.closest
+        assert proof.lower == min(proof.world.lower, proof.self.lower)
+        assert 0 <= proof.self.closest_edge < len(proof.edges) and proof.world.point_a.shape == (3,)
+        assert leeway.verify(result.problem, result)
+    assert plain.certificate.world.upper < 0.04 <= wide.certificate.world.lower
+    assert leeway.plan(problem, push=False).times["push"] < 1e-5
 
 
 def test_many_problems_give_the_same_bytes_for_any_number_of_threads(shelf):

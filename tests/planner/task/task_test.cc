@@ -82,6 +82,15 @@ TEST_P(Shipped, IsSolvedCertifiedStraightAndVerified) {
   EXPECT_TRUE(result.certificate.certified);
   ASSERT_EQ(result.path.steps.size(), problem.steps.size());
   EXPECT_EQ(result.certificate.segments.size() + 1, result.path.positions.size());
+  const Certificate& proof = result.certificate;
+  for (const PathClearance* part : {&proof.world, &proof.self}) {
+    EXPECT_GE(part->clearance.lower, proof.clearance.lower);
+    EXPECT_LE(part->clearance.lower, part->clearance.upper);
+    ASSERT_GE(part->closest_segment, 0);
+    EXPECT_LT(part->closest_segment, static_cast<int>(proof.segments.size()));
+  }
+  EXPECT_EQ(proof.clearance.upper,
+            std::min(proof.world.clearance.upper, proof.self.clearance.upper));
   expectStraight(problem, result.path);
   EXPECT_EQ(planTask(problem).path.positions, result.path.positions);
 

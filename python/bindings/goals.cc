@@ -1,0 +1,366 @@
+#include "python/bindings/goals.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <unordered_map>
+
+#include "leeway/robots/text.h"
+#include "python/base/define.h"
+
+namespace leeway::python {
+namespace {
+
+using Range = std::pair<double, double>;
+
+/// What 'any' means of a position [m], as in problem files: no robot reaches as far.
+constexpr double kAnyPosition = 1e6;
+constexpr double kLargestAngle = 1e3;  ///< as in problem files [rad]
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+std::size_t count(const planner::Problem& problem) { return problem.robot.variables.size(); }
+
+// ---- Ranges.
+
+bool isRange(const py::handle& value) {
+  return py::isinstance<py::tuple>(value) || py::isinstance<py::list>(value) ||
+         (py::isinstance<py::array>(value) && py::reinterpret_borrow<py::array>(value).ndim() == 1);
+}
+
+Range rangeOf(const py::handle& value, const std::string& name) {
+  const std::vector<double> range = numbers(value, name.c_str(), 2);
+  if (range[0] > range[1])
+    throw py::value_error(name + " is from " + text(range[0]) + " to " + text(range[1]) +
+                          "; from <= to is expected");
+  return {range[0], range[1]};
+}
+
+Range rangeOf(const planner::Problem& problem, int variable, const py::handle& value) {
+  const robots::Variable& v = problem.robot.model->variables[at(variable)];
+  if (py::isinstance<py::str>(value)) {
+    if (value.cast<std::string>() != "any")
+      unknownWord("goal", value.cast<std::string>(), "a number, (from, to) or 'any'");
+    if (std::isfinite(v.lower) && std::isfinite(v.upper)) return {v.lower, v.upper};
+    const robots::Joint& joint = problem.robot.model->joints[at(v.joint)];
+    const bool turns =
+        joint.type == robots::JointType::kContinuous ||
+        (joint.type == robots::JointType::kPlanar && variable == joint.first_variable + 2);
+    if (turns) return {-std::numbers::pi, std::numbers::pi};
+    throw py::value_error("goal: joint '" + v.name + "' is 'any', but has no limits");
+  }
+  if (isRange(value)) return rangeOf(value, "goal of " + v.name);
+  const double given = number(value, ("goal of " + v.name).c_str());
+  return {given, given};
+}
+
+// ---- Poses.
+
+/// Three numbers, pairs (from, to) or 'any'.
+std::array<Range, 3> rangesOf(const py::object& value, const char* name, double any, double most) {
+  std::array<Range, 3> ranges;
+  const auto three = py::list(value);
+  if (three.size() != 3)
+    throw py::value_error(std::string(name) + " holds " + std::to_string(three.size()) +
+                          " values; 3 are expected");
+  for (std::size_t i = 0; i < 3; ++i) {
+    const py::handle item = three[i];
+    if (py::isinstance<py::str>(item)) {
+      const std::string word = py::str(item);
+      if (word != "any") unknownWord(name, word, "a number, (from, to) or 'any'");
+      ranges[i] = {-any, any};
+    } else if (isRange(item)) {
+      ranges[i] = rangeOf(item, name);
+    } else {
+      ranges[i].first = ranges[i].second = number(item, name);
+    }
+    const double farthest = std::max(std::abs(ranges[i].first), std::abs(ranges[i].second));
+    if (farthest > most)
+      throw py::value_error(std::string(name) + " holds " + text(farthest) + "; at most " +
+                            text(most) + " is expected");
+  }
+  return ranges;
+}
+
+/// Single turns about x, about x and y, or about all move from the ranges into the rotation, as
+/// problem files do: an exact pose then has no angle near a pitch of 90 degrees.
+void takeExactTurns(planner::FramePose& pose) {
+  Eigen::Vector3d turn = Eigen::Vector3d::Zero();
+  for (std::size_t i = 0; i < 3 && pose.rpy[i].first == pose.rpy[i].second; ++i) {
+    turn[static_cast<Eigen::Index>(i)] = pose.rpy[i].first;
+    pose.rpy[i] = {0, 0};
+  }
+  pose.rotation = robots::rotationOf(turn);
+}
+
+double toleranceOf(double value, const char* name) {
+  if (!(value >= robots::kLeastPoseTolerance) || std::isinf(value))
+    throw py::value_error(std::string(name) + " is " + text(value) + "; at least " +
+                          text(robots::kLeastPoseTolerance) + " is expected");
+  return value;
+}
+
+FramePose makePose(const std::string& frame, const py::object& position,
+                   const py::object& orientation, const py::object& rpy,
+                   const py::object& relative_to, double position_tolerance,
+                   double angle_tolerance) {
+  if (position.is_none() && orientation.is_none() && rpy.is_none())
+    throw py::value_error("nothing says where; position, and rpy or orientation are expected");
+  if (!orientation.is_none() && !rpy.is_none())
+    throw py::value_error("orientation and rpy are both given; one is expected");
+  planner::FramePose made;
+  made.frame = frame;
+  if (!relative_to.is_none()) made.relative_to = relative_to.cast<std::string>();
+  made.position.fill({-kAnyPosition, kAnyPosition});
+  if (!position.is_none())
+    made.position = rangesOf(position, "position", kAnyPosition, kAnyPosition);
+  if (!orientation.is_none()) {
+    made.rpy.fill({0, 0});
+    made.rotation = pose(py::none(), orientation, py::none()).rotation;
+  } else {
+    made.rpy.fill({-std::numbers::pi, std::numbers::pi});
+    if (!rpy.is_none()) made.rpy = rangesOf(rpy, "rpy", std::numbers::pi, kLargestAngle);
+    takeExactTurns(made);
+  }
+  made.position_tolerance = toleranceOf(position_tolerance, "position_tolerance");
+  made.angle_tolerance = toleranceOf(angle_tolerance, "angle_tolerance");
+  return {made};
+}
+
+py::array_t<double> rangeArray(const std::array<Range, 3>& ranges) {
+  std::vector<double> values;
+  for (const auto& [lower, upper] : ranges) values.insert(values.end(), {lower, upper});
+  return array(std::move(values), {3, 2});
+}
+
+}  // namespace
+
+int variableOf(const planner::Problem& problem, const std::string& name) {
+  const int variable = problem.robot.model->findVariable(name);
+  if (variable >= 0) return variable;
+  std::vector<std::string> known;
+  for (const robots::Variable& v : problem.robot.model->variables) known.push_back(v.name);
+  const std::string* const near = robots::nearestName(name, known);
+  throw py::value_error("no joint '" + name + "'" +
+                        (near != nullptr ? "; did you mean '" + *near + "'?" : ""));
+}
+
+planner::Goal goalOf(const planner::Problem& problem, const py::object& goal) {
+  planner::Goal result;
+  result.name = "goal";
+  if (const std::vector<FramePose> poses = framePoses(goal); !poses.empty()) {
+    result.poses = regionsOf(problem, poses);
+    return result;
+  }
+  if (py::isinstance<py::str>(goal)) {
+    result.name = goal.cast<std::string>();
+    const Robot robot(problem.robot.model, problem.robot.variables);
+    const auto point = py::cast(robot).attr("state")(goal).cast<std::vector<double>>();
+    for (const double value : point) result.ranges.emplace_back(value, value);
+    return result;
+  }
+  if (py::isinstance<py::dict>(goal)) {
+    std::unordered_map<int, Range> given;
+    for (const auto& [name, value] : py::reinterpret_borrow<py::dict>(goal)) {
+      const int variable = variableOf(problem, py::str(name));
+      given[variable] = rangeOf(problem, variable, value);
+    }
+    for (const int variable : problem.robot.variables) {
+      const auto found = given.find(variable);
+      if (found == given.end())
+        throw py::value_error("goal says nothing of joint '" +
+                              problem.robot.model->variables[at(variable)].name + "'");
+      result.ranges.push_back(found->second);
+    }
+    return result;
+  }
+  // A list of numbers, ranges and words; else an array.
+  if (py::isinstance<py::list>(goal) || py::isinstance<py::tuple>(goal)) {
+    const auto list = py::reinterpret_borrow<py::sequence>(goal);
+    if (py::len(list) != count(problem))
+      throw py::value_error("goal holds " + std::to_string(py::len(list)) + " values; " +
+                            std::to_string(count(problem)) + " are expected");
+    for (std::size_t i = 0; i < count(problem); ++i)
+      result.ranges.push_back(rangeOf(problem, problem.robot.variables[i], list[i]));
+    return result;
+  }
+  if (py::isinstance<py::array>(goal) && goal.cast<py::array>().ndim() == 2)
+    return goalOf(problem, goal.attr("tolist")());  // ranges, as goalObject() gives them
+  for (const double value : numbers(goal, "goal", count(problem)))
+    result.ranges.emplace_back(value, value);
+  return result;
+}
+
+void setStart(planner::Problem& problem, const py::object& start) {
+  if (start.is_none()) return;
+  if (const std::vector<FramePose> poses = framePoses(start); !poses.empty()) {
+    problem.start_poses = regionsOf(problem, poses);
+    return;
+  }
+  std::vector<double> q = problem.start;
+  if (py::isinstance<py::dict>(start)) {
+    for (const auto& [name, value] : py::reinterpret_borrow<py::dict>(start)) {
+      const std::string joint = py::str(name);
+      q[at(variableOf(problem, joint))] = number(value, ("start of " + joint).c_str());
+    }
+  } else {
+    const Robot robot(problem.robot.model, problem.robot.variables);
+    const std::vector<double> point =
+        py::isinstance<py::str>(start)
+            ? py::cast(robot).attr("state")(start).cast<std::vector<double>>()
+            : numbers(start, "start", count(problem));
+    robot.expand(point, q);
+  }
+  problem.start = std::move(q);
+  problem.start_poses.clear();
+}
+
+void setGoals(planner::Problem& problem, const py::object& goal, bool several) {
+  std::vector<planner::Goal> goals;
+  if (goal.is_none()) {
+    // None yet: plan() will ask for one.
+  } else if (several) {
+    for (const py::handle item : py::list(goal))
+      goals.push_back(goalOf(problem, py::reinterpret_borrow<py::object>(item)));
+    if (goals.empty()) throw py::value_error("goals are empty; at least one is expected");
+    for (std::size_t i = 1; i < goals.size(); ++i)
+      if (goals[i].name == "goal") goals[i].name += " " + std::to_string(i + 1);
+  } else {
+    goals.push_back(goalOf(problem, goal));
+  }
+  if (!goals.empty()) problem.steps.clear();
+  problem.goals = std::move(goals);
+}
+
+py::object goalObject(const planner::Problem& problem, const planner::Goal& goal) {
+  if (!goal.poses.empty()) return framePoseList(problem, goal.poses);
+  std::vector<double> values;
+  for (const auto& [lower, upper] : goal.ranges) values.insert(values.end(), {lower, upper});
+  return array(std::move(values), {static_cast<py::ssize_t>(goal.ranges.size()), 2});
+}
+
+std::vector<FramePose> framePoses(const py::object& value) {
+  if (py::isinstance<FramePose>(value)) return {value.cast<const FramePose&>()};
+  std::vector<FramePose> poses;
+  if (!py::isinstance<py::list>(value) && !py::isinstance<py::tuple>(value)) return poses;
+  const auto list = py::reinterpret_borrow<py::sequence>(value);
+  for (const py::handle item : list)
+    if (py::isinstance<FramePose>(item)) poses.push_back(item.cast<const FramePose&>());
+  if (!poses.empty() && poses.size() != list.size())
+    throw py::type_error("a list holds poses and something else; poses alone are expected");
+  return poses;
+}
+
+std::vector<robots::PoseRegion> regionsOf(const planner::Problem& problem,
+                                          const std::vector<FramePose>& poses) {
+  std::vector<robots::PoseRegion> regions;
+  for (const FramePose& pose : poses) {
+    // One that a problem held says where it is; its link is looked up all the same.
+    planner::FramePose named = pose.given;
+    if (pose.found) named.relative_to.clear();
+    regions.push_back(planner::poseRegion(problem, named));
+    if (!pose.found) continue;
+    regions.back().X_LF = pose.found->X_LF;
+    regions.back().X_WR = pose.found->X_WR;
+  }
+  return regions;
+}
+
+py::list framePoseList(const planner::Problem& problem,
+                       const std::vector<robots::PoseRegion>& regions) {
+  py::list poses;
+  for (const robots::PoseRegion& region : regions) {
+    FramePose pose{{}, FramePose::Found{region.X_LF, region.X_WR}};
+    pose.given.frame = problem.robot.model->links[at(region.link)].name;
+    pose.given.position = region.position;
+    pose.given.rpy = region.rpy;
+    pose.given.position_tolerance = region.position_tolerance;
+    pose.given.angle_tolerance = region.angle_tolerance;
+    poses.append(pose);
+  }
+  return poses;
+}
+
+std::vector<std::pair<std::string, std::string>> namePairs(const planner::Problem& problem,
+                                                           py::handle item, const char* name) {
+  const auto isTuple = [](py::handle value) {
+    return py::isinstance<py::tuple>(value) || py::isinstance<py::list>(value);
+  };
+  const auto fail = [&] {
+    throw py::type_error(std::string(name) + " holds " + shown(item) +
+                         "; pairs (a, b) of different names, or of tuples of names, are expected");
+  };
+  if (!isTuple(item) || py::len(item) != 2) fail();
+  std::vector<std::string> sides[2];
+  std::vector<std::string> robot;
+  for (const robots::Link& link : problem.robot.model->links) robot.push_back(link.name);
+  for (const planner::Attachment& held : problem.robot.attachments)
+    robot.push_back(held.object.name);
+  const planner::World& world = problem.world;
+  const auto add = [&](py::handle member, std::vector<std::string>& side) {
+    if (!py::isinstance<py::str>(member)) fail();
+    const std::string given = py::str(member);
+    if (hasObject(world, given) || std::find(robot.begin(), robot.end(), given) != robot.end())
+      return side.push_back(given);
+    if (given == "robot") return void(side.insert(side.end(), robot.begin(), robot.end()));
+    std::vector<std::string> known = robot;
+    for (const std::string& object : objectNames(world)) known.push_back(object);
+    const std::string* const near = robots::nearestName(given, known);
+    throw py::value_error(std::string(name) + ": no link or object '" + given + "'" +
+                          (near != nullptr ? "; did you mean '" + *near + "'?" : ""));
+  };
+  const auto pair = py::reinterpret_borrow<py::sequence>(item);
+  for (std::size_t i = 0; i < 2; ++i) {
+    const py::object side = pair[i];
+    if (isTuple(side))
+      for (const py::handle member : side) add(member, sides[i]);
+    else
+      add(side, sides[i]);
+  }
+  if (sides[0] == sides[1] && sides[0].size() == 1) fail();
+  std::vector<std::pair<std::string, std::string>> pairs;
+  for (const std::string& a : sides[0])
+    for (const std::string& b : sides[1])
+      if (a != b) pairs.emplace_back(a, b);
+  return pairs;
+}
+
+void defineGoals(py::module_& module) {
+  const std::string init =
+      "(frame, position=None, orientation=None, rpy=None, *, relative_to=None, "
+      "position_tolerance=1e-09, angle_tolerance=1e-09)";
+  py::class_<FramePose> pose(
+      module, "FramePose",
+      withSignature(
+          "FramePose", init,
+          "Where a frame (a frame of the problem, a link or a held object) may be, as a goal or a "
+          "start: goal=FramePose('hand', ...); a list of them holds all at once.\n\n"
+          "position: (x, y, z) [m]; rpy: (roll, pitch, yaw) [rad]; in place of a number a pair "
+          "(from, to) or 'any'. orientation: x y z w. Without them: any. relative_to: an object, "
+          "or "
+          "a frame or link at rest; None: the world. A solution is at most the tolerances outside. "
+          "Names are looked up when a problem takes it.")
+          .c_str());
+  defineInit(pose, init, makePose, py::arg("frame"), py::arg("position") = py::none(),
+             py::arg("orientation") = py::none(), py::arg("rpy") = py::none(), py::kw_only(),
+             py::arg("relative_to") = py::none(), py::arg("position_tolerance") = 1e-9,
+             py::arg("angle_tolerance") = 1e-9);
+  pose.def_property_readonly(
+      "frame", [](const FramePose& self) { return self.given.frame; },
+      "The frame's name; of one that a problem has looked up, its link's.");
+  pose.def_property_readonly(
+      "position", [](const FramePose& self) { return rangeArray(self.given.position); },
+      "Ranges of its origin: (3, 2) [m].");
+  pose.def_property_readonly(
+      "rpy", [](const FramePose& self) { return rangeArray(self.given.rpy); },
+      "Ranges of roll, pitch and yaw besides what is exact: (3, 2) [rad].");
+  pose.def("__repr__", [](const FramePose& self) {
+    return "<leeway.FramePose of '" + self.given.frame + "'" +
+           (self.found                       ? " as a problem holds it"
+            : self.given.relative_to.empty() ? " in the world"
+                                             : " relative to '" + self.given.relative_to + "'") +
+           ">";
+  });
+}
+
+}  // namespace leeway::python

@@ -1,0 +1,117 @@
+"""Goals and starts as poses, groups of names, and tasks."""
+
+import os
+import subprocess
+
+import numpy as np
+import pytest
+
+import leeway
+from leeway import FramePose, TaskStep
+
+
+@pytest.fixture
+def tray(world):
+    world.add_box("tray", (0.2, 0.2, 0.02), position=(0.3, 0.4, 0.2))
+    return world
+
+
+def test_a_pose_as_goal_is_reached_and_reads_back(robot, tray):
+    start = robot.state("ready")
+    start[0] = -0.8
+    above = FramePose("grip", (0, 0, (0.2, 0.25)), rpy=(np.pi, 0, "any"), relative_to="tray")
+    assert above.position.tolist() == [[0, 0], [0, 0], [0.2, 0.25]] and above.rpy[2].tolist() == [-np.pi, np.pi]
+    problem = leeway.Problem(robot, tray, start, above, frames={"grip": ("hand", (0, 0, 0.09))}, margin=0.01)
+    link, X_LF = problem.frames["grip"]
+    result = leeway.plan(problem)
+    assert result and link == "hand" and leeway.verify(problem, result)
+    X_WF = robot.pose("hand", result.path[-1]) @ X_LF
+    assert np.allclose(X_WF[:2, 3], (0.3, 0.4), atol=1e-8) and 0.4 - 1e-8 <= X_WF[2, 3] <= 0.45 + 1e-8
+    assert np.allclose(X_WF[:3, 2], (0, 0, -1), atol=1e-8)
+    assert leeway.Scene(problem).check("goal").valid
+    # What a problem holds is a goal again: of another problem, without the names.
+    again = leeway.Problem(robot, tray, start, problem.goal, margin=0.01)
+    assert [pose.frame for pose in again.goal] == ["hand"]
+    assert leeway.plan(again).path.tobytes() == result.path.tobytes()
+    either = leeway.plan(problem, goals=[FramePose("hand", (3, 0, 0)), problem.goal])
+    assert either and either.goal == 1 and len(either.problem.goals) == 2
+
+
+def test_a_pose_as_start_becomes_joint_values(robot, world):
+    X = robot.pose("hand", robot.state("ready"))
+    X[:3, 3] += (0, -0.3, 0)
+    start = FramePose("hand", X[:3, 3], rpy=(np.pi, 0, "any"))
+    problem = leeway.Problem(robot, world, start, "tucked", margin=0.01)
+    assert np.allclose(robot.pose("hand", problem.start)[:3, 3], X[:3, 3], atol=1e-8)
+    assert leeway.check(problem).valid and leeway.plan(problem)
+    problem.start = robot.state("ready")
+    problem.start = start
+    assert np.allclose(robot.pose("hand", problem.start)[:3, 3], X[:3, 3], atol=1e-8)
+    with pytest.raises(leeway.InputError, match="out of reach"):
+        leeway.Problem(robot, world, FramePose("hand", (3, 0, 0)), "tucked")
+
+
+def test_an_unreachable_pose_is_proven_so(robot, world):
+    result = leeway.plan(robot, world, "tucked", FramePose("hand", (3, 0, 0)))
+    assert not result and result.status == "invalid_goal" and result.unreachable and "out of reach" in result.reason
+    for wrong, message in ((FramePose("hnd", (0, 0, 0)), "did you mean 'hand'"), (FramePose("hand", (0, 0, 0), relative_to="pst"), "'pst'"),
+                           ([FramePose("hand", (0, 0, 0)), 1], "poses alone")):
+        with pytest.raises((ValueError, TypeError), match=message):
+            leeway.plan(robot, world, "tucked", wrong)
+
+
+def test_margins_of_groups(robot, tray):
+    problem = leeway.Problem(robot, tray, "tucked", "ready", margins={("robot", ("post", "tray")): 0.02, ("hand", "tray"): 0.03})
+    assert len(problem.margins) == 2 * len(robot.links) and problem.margins[("hand", "tray")] == 0.03
+    assert problem.margins[("link3", "post")] == 0.02
+    problem.allowed = [(("hand", "tool"), "post")]
+    assert problem.allowed == [("hand", "post"), ("tool", "post")]
+    for wrong in ({("hand", "pst"): 1}, {("hand", "hand"): 1}, {("hand",): 1}, {("hand", (1, 2)): 1}):
+        with pytest.raises((ValueError, TypeError), match="margins"):
+            problem.margins = wrong
+
+
+def test_the_shipped_task_and_its_twin_in_python(tmp_path):
+    command = os.environ["LEEWAY_COMMAND"]
+    shipped = leeway.load("problems/pick_place/can.yaml")
+    result = leeway.plan(shipped)
+    assert result and [step.name for step in result.steps] == [step.name for step in shipped.steps]
+    assert result.steps[0].first == 0 and result.steps[-1].last == len(result.path) - 1
+    assert all(step.deviation <= 1e-3 for step in result.steps) and result.certificate.world.closest
+    assert leeway.verify(shipped, result) and leeway.verify(shipped, result.path).status == "refuted"
+    result.save(tmp_path / "ours.json")
+    subprocess.run([command, "plan", "problems/pick_place/can.yaml", "--output", tmp_path / "its.json"], check=True, capture_output=True)
+    assert (tmp_path / "ours.json").read_bytes() == (tmp_path / "its.json").read_bytes()
+
+    down, up = (np.pi, 0, "any"), dict(relative_to="world")
+    robot = shipped.robot
+    made = leeway.Problem(
+        robot, shipped.world, "ready", others={"finger_joint": 0.034}, frames=shipped.frames, margin=0.005, time=20,
+        margins={("can", ("finger_left", "finger_right", "hand")): 0, ("can", "bin"): 0.001},
+        steps=[TaskStep.move(FramePose("grip", (0, 0, 0.12), rpy=down, relative_to="can"), name="above"),
+               TaskStep.line("grip", (0, 0, 0.1), name="approach"),
+               TaskStep.attach("can", "hand", ["finger_left", "finger_right"]),
+               TaskStep.line("grip", (0, 0, 0.08), **up, allowed=[("can", "table")]),
+               TaskStep.move(FramePose("can", ((-0.08, 0.08), (-0.08, 0.08), 0.2), rpy=(0, 0, "any"), relative_to="bin")),
+               TaskStep.line("can", (0, 0, -0.128), **up), TaskStep.detach("can"),
+               TaskStep.line("grip", (0, 0, -0.12)), TaskStep.move("ready")])
+    twin = leeway.plan(made)
+    assert [step.name for step in twin.steps] == ["above", "approach", "attach", "line", "move", "line 2", "detach", "line 3", "move 2"]
+    assert twin.path.tobytes() == result.path.tobytes()
+    assert [s.kind for s in made.steps] == ["move", "line", "attach", "line", "move", "line", "detach", "line", "move"]
+    made.steps = made.steps  # as they read back
+    assert leeway.plan_many([made])[0].path.tobytes() == result.path.tobytes()
+
+
+def test_a_task_that_fails_says_where(robot, world):
+    start = robot.state("ready")
+    start[0] = -0.8
+    stuck = leeway.plan(robot, world, start, steps=[TaskStep.move(start), TaskStep.move("ready", name="into the post")], margin=0.01)
+    assert not stuck and "step 2 (into the post)" in stuck.reason and "post" in stuck.reason
+    for steps in ([TaskStep.detach("post")], [TaskStep.attach("post", "nothing")], [TaskStep.line("nothing", (0, 0, 1))], ["ready"]):
+        with pytest.raises((ValueError, TypeError)) as error:
+            leeway.plan(robot, world, start, steps=steps)
+        assert "\n" not in str(error.value)
+    with pytest.raises(ValueError, match="beside a goal"):
+        leeway.plan(robot, world, start, "tucked", steps=[TaskStep.move("ready")])
+    assert leeway.plan(stuck.problem, goal="tucked").steps == []
