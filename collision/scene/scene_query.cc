@@ -221,19 +221,31 @@ SceneResult clearance(const Scene& scene, Workspace& workspace, double tolerance
   ++workspace.statistics.queries;
   auto& impl = SceneAccess::impl(workspace);
   const std::span<const ScenePair> pairs = scene.pairs();
+  double largest_margin = -kInfinity;
   for (std::size_t p = 0; p < pairs.size(); ++p) {
     impl.order[p] = static_cast<int>(p);
     impl.lower[p] = coarseLower(scene, workspace, pairs[p]);
-    if (std::isnan(impl.lower[p])) impl.lower[p] = -kInfinity;  // NaN would break the sort
+    if (std::isnan(impl.lower[p])) impl.lower[p] = -kInfinity;  // NaN would break the order
+    largest_margin = std::max(largest_margin, pairs[p].margin);
   }
-  std::sort(impl.order.begin(), impl.order.end(), [&](int x, int y) {
-    return impl.lower[at(x)] < impl.lower[at(y)] ||
-           (impl.lower[at(x)] == impl.lower[at(y)] && x < y);
-  });
+  // A heap: of many pairs few are looked at, nearest first.
+  const auto farther = [&](int x, int y) {
+    return impl.lower[at(x)] > impl.lower[at(y)] ||
+           (impl.lower[at(x)] == impl.lower[at(y)] && x > y);
+  };
+  auto end = impl.order.end();
+  std::make_heap(impl.order.begin(), end, farther);
   SceneResult result;
   result.verdict = Verdict::kFree;
   result.clearance = {kInfinity, kInfinity};
-  for (const int p : impl.order) {
+  while (end != impl.order.begin()) {
+    std::pop_heap(impl.order.begin(), end, farther);
+    const int p = *--end;
+    if (impl.lower[at(p)] > std::max(result.clearance.upper, largest_margin)) {
+      // So are all that are left.
+      result.clearance.lower = std::min(result.clearance.lower, impl.lower[at(p)]);
+      break;
+    }
     const double margin = pairs[at(p)].margin;
     // Above this the pair is neither the closest nor at its margin.
     const double enough = std::max(result.clearance.upper, margin);
