@@ -25,10 +25,12 @@ py::object take(py::dict& keywords, const char* name) {
 /// What plan() takes besides the problem.
 struct CallOptions {
   planner::PlanOptions plan;
-  py::object stop, progress;
+  py::object stop, progress, on_path;
 
   explicit CallOptions(py::dict& keywords)
-      : stop(take(keywords, "stop")), progress(take(keywords, "progress")) {
+      : stop(take(keywords, "stop")),
+        progress(take(keywords, "progress")),
+        on_path(take(keywords, "on_path")) {
     const py::object certificate = take(keywords, "certificate");
     if (!certificate.is_none()) {
       const std::string word = py::str(certificate);
@@ -40,6 +42,8 @@ struct CallOptions {
     if (!(plan.clearance_tolerance > 0)) throw py::value_error("tolerance is not positive");
     if (!progress.is_none() && PyCallable_Check(progress.ptr()) == 0)
       throw py::type_error("progress is no function; one of (phase, seconds) is expected");
+    if (!on_path.is_none() && PyCallable_Check(on_path.ptr()) == 0)
+      throw py::type_error("on_path is no function; one of (path, length) is expected");
   }
   /// Stops where `interrupt` does, and tells the caller's function how far it is.
   planner::PlanOptions with(Interrupt& interrupt) const {
@@ -50,6 +54,16 @@ struct CallOptions {
         const py::gil_scoped_acquire locked;
         try {
           progress(phase, seconds);
+        } catch (...) {
+          interrupt.fail();
+        }
+      };
+    if (!on_path.is_none())
+      options.on_path = [this, &interrupt](const std::vector<std::vector<double>>& path,
+                                           double length) {
+        const py::gil_scoped_acquire locked;
+        try {
+          on_path(array(path, path.empty() ? 0 : path.front().size()), length);
         } catch (...) {
           interrupt.fail();
         }
@@ -140,7 +154,8 @@ py::list planMany(const py::object& given, const py::kwargs& kwargs) {
   py::dict keywords = kwargs.attr("copy")();
   const py::object wanted = take(keywords, "threads");
   const CallOptions options(keywords);
-  if (!options.progress.is_none()) throw py::type_error("plan_many(): progress is of plan() alone");
+  if (!options.progress.is_none() || !options.on_path.is_none())
+    throw py::type_error("plan_many(): progress and on_path are of plan() alone");
   std::vector<Problem> problems;
   for (const py::handle item : given) {
     if (!py::isinstance<Problem>(item))
@@ -285,13 +300,15 @@ planner::Path pathOf(const Problem& problem, const py::object& path) {
 
 void definePlan(py::module_& module) {
   define(module, "plan",
-         "(robot, world=None, start=None, goal=None, *, stop=None, progress=None, "
+         "(robot, world=None, start=None, goal=None, *, stop=None, progress=None, on_path=None, "
          "certificate='path', tolerance=0.0001, **settings)",
          "Plans a path, or a task's steps, and proves the clearance of every edge. Also "
          "plan(problem, **settings).\n\n"
          "Settings are those of Problem: margin=0.01, time=1, seed=2, planner='RRTstar', ... "
          "`stop()` is asked some fifty times a second and ends the run with True; "
-         "progress(phase, seconds) is told how far it is; a signal (Ctrl-C) ends it in the main "
+         "progress(phase, seconds) is told how far it is; on_path(path, length) each better path "
+         "while parameters={'improve': seconds} has Connect look for shorter ones; a signal "
+         "(Ctrl-C) ends it in the main "
          "thread. certificate='full' bounds every edge's clearance to within `tolerance` [m]. Runs "
          "without the interpreter's lock.\n"
          "Raises InputError for what a problem can get wrong.",

@@ -156,6 +156,14 @@ def test_stop_progress_and_failing_callbacks():
         leeway.plan(sealed, time=60, iterations=0, stop=lambda: 1 / 0)
     with pytest.raises(ZeroDivisionError):
         leeway.plan(sealed, time=60, iterations=0, progress=lambda phase, seconds: 1 / 0)
+    better = []
+    shelf = leeway.load("problems/shelf/reach.yaml")
+    result = leeway.plan(shelf, parameters={"improve": "0.3"}, on_path=lambda path, length: better.append((path, length)))
+    assert result and better and all(path.shape[1] == 7 and leeway.verify(shelf, path) for path, _ in better)
+    lengths = [length for _, length in better]
+    assert lengths == sorted(lengths, reverse=True)
+    with pytest.raises(ZeroDivisionError):
+        leeway.plan(shelf, parameters={"improve": "0.3"}, on_path=lambda path, length: 1 / 0)
     with pytest.raises(KeyError):
         leeway.plan_many([sealed, sealed], time=60, iterations=0, threads=2, stop=lambda: {}["no"])
 
