@@ -12,6 +12,7 @@ namespace {
 int running = 0;
 std::atomic<bool> ending = false;
 bool orphaned = false;
+unsigned long main_thread = 0;  ///< its identifier
 
 void check() {
   if (orphaned)
@@ -49,8 +50,9 @@ Interrupt::Interrupt(py::object stop) : stop_(std::move(stop)) {
     throw py::type_error(
         "stop is no function; one without arguments that returns a bool is "
         "expected");
-  const py::module_ threading = py::module_::import("threading");
-  sees_signals_ = threading.attr("current_thread")().is(threading.attr("main_thread")());
+  // No code of Python runs here: the interpreter ends threads that wait for its lock while it ends,
+  // and C++ frames do not survive that.
+  sees_signals_ = PyThread_get_thread_ident() == main_thread;
 }
 
 bool Interrupt::operator()() {
@@ -71,9 +73,14 @@ bool Interrupt::operator()() {
 }
 
 void defineLifetime(py::module_&) {
+  main_thread =
+      py::module_::import("threading").attr("main_thread")().attr("ident").cast<unsigned long>();
   py::module_::import("atexit").attr("register")(py::cpp_function(finish));
   py::module_::import("os").attr("register_at_fork")(
-      py::arg("after_in_child") = py::cpp_function([] { orphaned = orphaned || running > 0; }));
+      py::arg("after_in_child") = py::cpp_function([] {
+        orphaned = orphaned || running > 0;
+        main_thread = PyThread_get_thread_ident();  // the thread that forked is all there is
+      }));
 }
 
 }  // namespace leeway::python

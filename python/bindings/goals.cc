@@ -1,5 +1,3 @@
-#include "python/bindings/goals.h"
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -7,6 +5,7 @@
 
 #include "leeway/robots/text.h"
 #include "python/base/define.h"
+#include "python/bindings/settings.h"
 
 namespace leeway::python {
 namespace {

@@ -4,11 +4,11 @@
 #include "python/base/define.h"
 #include "python/base/released.h"
 #include "python/bindings/deforming.h"
-#include "python/bindings/goals.h"
 #include "python/bindings/plan.h"
 #include "python/bindings/problem.h"
 #include "python/bindings/robot.h"
 #include "python/bindings/scene.h"
+#include "python/bindings/settings.h"
 #include "python/bindings/shapes.h"
 #include "python/bindings/world.h"
 

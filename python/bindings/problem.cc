@@ -12,7 +12,6 @@
 #include "leeway/robots/text.h"
 #include "python/base/define.h"
 #include "python/base/released.h"
-#include "python/bindings/goals.h"
 #include "python/bindings/settings.h"
 
 namespace leeway::python {

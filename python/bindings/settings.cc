@@ -8,7 +8,6 @@
 #include "leeway/robots/text.h"
 #include "python/base/define.h"
 #include "python/base/released.h"
-#include "python/bindings/goals.h"
 
 namespace leeway::python {
 namespace {

@@ -6,7 +6,7 @@
 #include "leeway/planner/task.h"
 #include "leeway/robots/text.h"
 #include "python/base/define.h"
-#include "python/bindings/goals.h"
+#include "python/bindings/settings.h"
 
 namespace leeway::python {
 namespace {

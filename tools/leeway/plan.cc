@@ -247,10 +247,7 @@ int run(const Arguments& arguments) {
 
   planner::PlanOptions options = planOptions(arguments.overrides);
   view::SearchEdges searched;
-  if (!arguments.view.file.empty()) {
-    refuseSteps(problem, "--view");
-    view::recordSearch(options, searched);
-  }
+  if (!arguments.view.file.empty()) view::recordSearch(options, searched);
   const planner::PlanResult result = planner::solve(problem, options);
   endProgress();
   printWarnings(result.warnings);

@@ -5,6 +5,7 @@
 #include "leeway/planner/path_io.h"
 #include "leeway/planner/plan.h"
 #include "leeway/planner/replanner.h"
+#include "leeway/planner/task.h"
 #include "leeway/robots/input_error.h"
 #include "tools/leeway/support/exit_status.h"
 #include "tools/leeway/support/output_file.h"
@@ -39,7 +40,7 @@ view::Subject solve(const planner::Problem& problem, const Arguments& arguments)
   view::SearchEdges searched;
   planner::PlanOptions options = planOptions(arguments.overrides);
   view::recordSearch(options, searched);
-  const planner::PlanResult result = planner::plan(problem, options);
+  const planner::PlanResult result = planner::solve(problem, options);
   printWarnings(result.warnings);
   return view::subjectOfPlan(problem, name, result, std::move(searched));
 }
@@ -55,7 +56,6 @@ int run(Arguments& arguments) {
   if (!arguments.svg.empty()) view::expectPicture(arguments.svg);
   if (!only_picture) view::expectPage(arguments.page);
   planner::Problem problem = loadProblem(arguments.source);
-  refuseSteps(problem, "view");
   apply(arguments.overrides, problem);
   const view::Subject subject = path_file.empty()
                                     ? solve(problem, arguments)

@@ -1,5 +1,6 @@
 // What is drawn over the bodies: the nearest pair, trails, the way out of a collision, the search, coarse bounds.
 import { BufferAttribute, BufferGeometry, ConeGeometry, CylinderGeometry, Group, InstancedMesh, Line, LineBasicMaterial, LineSegments, Matrix4, Mesh, MeshBasicMaterial, SphereGeometry, Vector3 } from 'three';
+import { positions } from './shapes.js';
 import { colours } from './theme.js';
 
 // A line with a thickness in the world that is the same on the screen, and a ball at each end; drawn over everything.
@@ -53,10 +54,22 @@ export class Trail {
   }
 }
 
-export function searchLines(points) {
-  const geometry = new BufferGeometry();
-  geometry.setAttribute('position', new BufferAttribute(points, 3));
-  return new LineSegments(geometry, new LineBasicMaterial({ color: colours().search, transparent: true, opacity: 0.55 }));
+// The edges that a search found free, drawn where the middle of a body goes.
+export class Search {
+  constructor(page, bodies) {
+    const { ends, low, step, points } = page.document.search;
+    this.bodies = bodies;
+    this.points = positions(page.array(points), low, step);
+    this.lines = new LineSegments(new BufferGeometry(), new LineBasicMaterial({ color: colours().search, transparent: true, opacity: 0.55 }));
+    this.lines.geometry.setIndex(new BufferAttribute(page.array(ends), 1));
+    this.lines.frustumCulled = false;
+  }
+  set(body) {
+    const k = this.bodies.indexOf(body);
+    if (k < 0) return;
+    const count = this.points.length / this.bodies.length;
+    this.lines.geometry.setAttribute('position', new BufferAttribute(this.points.slice(k * count, (k + 1) * count), 3));
+  }
 }
 
 // Which way is out: an arrow from the body's middle along the translation that frees it.

@@ -2,7 +2,7 @@
 import { Matrix4, Vector3 } from 'three';
 import { Controls } from './controls.js';
 import { Deforming } from './deforming.js';
-import { Balls, NearestLine, Trail, searchLines, wayOut } from './figures.js';
+import { Balls, NearestLine, Search, Trail, wayOut } from './figures.js';
 import { Motion, Poses } from './motion.js';
 import { Panel } from './panel.js';
 import { picks } from './picking.js';
@@ -125,7 +125,7 @@ class App {
       layer('robot along the path', false, show(this.pathGhosts));
       layer('trail of a link', true, show([this.trail.line]));
     }
-    if (data.searched > 0) layer(`what the search found free (${data.searched} edges)`, !data.good, show([this.search]));
+    if (data.searched > 0) layer(`what the search found free (${data.searched} edges)`, !data.good, show([this.search.lines]));
     layer('balls that queries ask first', false, (on) => { this.balls.mesh.visible = on; });
     if (data.parts.pieces.length > 0) layer(`convex pieces of meshes (${data.parts.pieces.length})`, false, (on) => this.showPieces(on));
     stage.controls.addEventListener('change', () => this.nearest.update());
@@ -204,8 +204,11 @@ class App {
     this.trail.set(this.motion, this.parts, data.tip);
     this.balls = new Balls(this.parts, robot);
     stage.scene.add(this.nearest.group, this.trail.line, this.balls.mesh);
-    const search = this.page.array(data.search);
-    if (search.length > 0) stage.scene.add((this.search = searchLines(search)));
+    if (data.searched > 0) {
+      this.search = new Search(this.page, this.motion.bodies);
+      this.search.set(data.tip);
+      stage.scene.add(this.search.lines);
+    }
     for (const end of data.ends) {
       if (end.valid || !end.closest) continue;
       const matrices = this.endMatrices(end);
@@ -234,6 +237,7 @@ class App {
 
   showTrail(body) {
     this.trail.set(this.motion, this.parts, body);
+    this.search?.set(body);
     this.stage?.draw();
   }
 
@@ -292,6 +296,12 @@ class App {
     this.seek(this.motion.times[least]);
   }
 
+  // The step of a task that goes on at a time; where nothing moves in one, the one before it.
+  stepAt(time) {
+    const { steps } = this.data;
+    return steps.find((s) => time < s.end) ?? steps.filter((s) => s.end > s.begin).pop();
+  }
+
   refresh() {
     this.moment = this.motion.momentNear(this.time);
     this.motion.setTime(this.time);
@@ -324,6 +334,8 @@ class App {
     const lines = [element('strong', { id: 'distance', text: distanceText(closest) })];
     if (closest) lines.push(element('span', { id: 'pair', text: `${data.bodies[closest.a]} \u2013 ${data.bodies[closest.b]}` }));
     if (data.proven.length > 0) lines.push(element('span', { className: 'soft', text: proven === null ? 'not proven here' : `proven here: ${millimetres(proven)} mm` }));
+    const step = this.stepAt(this.time);
+    if (step) lines.push(element('span', { id: 'step', text: `${step.name} (${step.kind})` }));
     if (decision) {
       const word = element('span', { text: decision });
       word.style.color = decisionColour(decision) ?? '';

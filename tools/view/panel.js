@@ -26,7 +26,8 @@ export class Panel {
     const notes = data.notes.map((note) => element('p', { text: note }));
     const count = `${data.bodies.length} bodies in ${data.parts.count} parts, ${data.pairs} pairs checked`;
     const error = data.triangles > 0 ? `; meshes are shown to within ${(data.mesh_error * 1e3).toPrecision(2)} mm` : '';
-    return [...notes, element('p', { className: 'soft', text: `${data.source}: ${count}${error}.` })];
+    const steps = data.steps.map((step) => element('button', { className: 'link', text: `${step.begin.toFixed(2)} s: ${step.name} (${step.kind})`, onclick: () => { this.app.pause(); this.app.seek(step.begin); } }));
+    return [...notes, ...steps, element('p', { className: 'soft', text: `${data.source}: ${count}${error}.` })];
   }
 
   layers() {
@@ -73,7 +74,7 @@ export class Panel {
       const time = app.motion.times[moment];
       rows.push(element('button', { className: 'link', text: `least ${millimetres(app.leastClearance[body])} mm at ${time.toFixed(2)} s`, onclick: () => { app.pause(); app.seek(time); } }));
     }
-    if (app.motion.matrices.has(body)) rows.push(element('button', { className: 'link', text: 'show its trail', onclick: () => app.showTrail(body) }));
+    if (app.motion.matrices.has(body)) rows.push(element('button', { className: 'link', text: app.search ? 'show its trail and the search' : 'show its trail', onclick: () => app.showTrail(body) }));
     this.selection.replaceChildren(...rows);
     this.update();
   }

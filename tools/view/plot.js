@@ -97,7 +97,8 @@ export class ClearancePlot extends Plot {
     this.margin = data.margin === null ? null : data.margin * 1e3;
     const values = [...this.measured, ...this.proven, this.margin].filter((v) => v !== null && Number.isFinite(v));
     this.low = Math.min(0, ...values);
-    this.high = Math.max(this.low + 1, ...values) * 1.06;
+    // Names of steps stand above the curves.
+    this.high = Math.max(this.low + 1, ...values) * (data.steps.length > 0 ? 1.3 : 1.06);
     this.empty = values.length === 0;
   }
   paint() {
@@ -136,7 +137,22 @@ export class ClearancePlot extends Plot {
       this.stroke([[kLeft, this.y(this.margin)], [this.width - kRight, this.y(this.margin)]], [6, 4]);
     }
     this.decisions();
+    this.steps();
     this.cursor();
+  }
+  // Where the steps of a task begin. A name stands where its stretch has room for it.
+  steps() {
+    const { c, colours: colour, app } = this;
+    c.strokeStyle = colour.line;
+    c.fillStyle = colour.soft;
+    c.lineWidth = 1;
+    c.textAlign = 'left';
+    c.textBaseline = 'top';
+    for (const { name, begin, end } of app.data.steps) {
+      const [x, next] = [Math.round(this.x(begin)) + 0.5, this.x(end)];
+      this.stroke([[x, kTop], [x, this.height - kBottom]]);
+      if (end > begin && next - x > c.measureText(name).width + 6) c.fillText(name, x + 3, kTop + 2);
+    }
   }
   curve() {
     const { c, colours: colour, app } = this;

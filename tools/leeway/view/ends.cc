@@ -4,6 +4,8 @@
 #include <cmath>
 
 #include "leeway/collision/separation.h"
+#include "leeway/planner/plan.h"
+#include "leeway/robots/input_error.h"
 #include "leeway/robots/kinematics.h"
 
 namespace leeway::tools::view {
@@ -88,19 +90,33 @@ class WayOut {
 
 }  // namespace
 
-std::vector<End> endsOf(const planner::Problem& problem,
-                        const std::shared_ptr<const CompiledScene>& scene) {
+std::vector<End> endsOf(const planner::Problem& problem, const planner::Problem& first,
+                        const std::shared_ptr<const CompiledScene>& scene,
+                        const CompiledScene& shown) {
   std::vector<End> ends(1);
   ends[0].name = "start";
   for (const int v : problem.robot.variables) ends[0].position.push_back(problem.start[at(v)]);
   for (const planner::Goal& goal : problem.goals) {
     End end{goal.name, {}, {}};
-    for (const auto& [lower, upper] : goal.ranges) end.position.push_back(middle(lower, upper));
+    if (goal.poses.empty()) {
+      for (const auto& [lower, upper] : goal.ranges) end.position.push_back(middle(lower, upper));
+    } else {
+      planner::Problem at_goal = problem;
+      at_goal.start_poses = goal.poses;
+      try {
+        at_goal = planner::placeStart(at_goal);
+      } catch (const robots::InputError&) {
+        continue;  // out of reach, which the plan says
+      }
+      for (const int v : problem.robot.variables) end.position.push_back(at_goal.start[at(v)]);
+    }
     ends.push_back(std::move(end));
   }
   planner::EdgeCertifier certifier(scene);
   for (End& end : ends) {
     end.check = certifier.clearance(end.position, kEndTolerance);
+    end.closest = pairOf(end.check, *scene, shown);
+    end.placed = placedObjects(problem, shown, first, end.position);
     if (end.check.verdict == planner::Verdict::kFree || end.check.pair < 0) continue;
     const collision::ScenePair& pair = scene->scene().pairs()[at(end.check.pair)];
     end.way_out = WayOut(*scene, end.position).of(pair.body_a);

@@ -6,6 +6,7 @@
 
 #include "leeway/planner/edge_certifier.h"
 #include "leeway/planner/problem.h"
+#include "tools/leeway/view/timeline.h"
 
 namespace leeway::tools::view {
 
@@ -17,10 +18,14 @@ struct End {
   /// Moving the first body of the closest pair so frees it of all that it is checked against, as if
   /// it were loose [m]; 0: valid, or none was found.
   Eigen::Vector3d way_out = Eigen::Vector3d::Zero();
+  Pair closest = {};
+  std::vector<std::pair<int, collision::Pose>> placed = {};  ///< as Moment's
 };
 
-/// The start, then all goals.
-std::vector<End> endsOf(const planner::Problem& problem,
-                        const std::shared_ptr<const planner::CompiledScene>& scene);
+/// The start, then all goals that have joint values or for which some are found. `scene` is that of
+/// `first`, the world before the first step.
+std::vector<End> endsOf(const planner::Problem& problem, const planner::Problem& first,
+                        const std::shared_ptr<const planner::CompiledScene>& scene,
+                        const planner::CompiledScene& shown);
 
 }  // namespace leeway::tools::view

@@ -11,6 +11,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <limits>
+#include <map>
 
 #include "collision/mesh/mesh_tree.h"
 #include "leeway/collision/triangle_mesh.h"
@@ -111,6 +112,7 @@ class Document {
     addFrames(document);
     addSearch(document);
     addDropped(document);
+    addSteps(document);
     document["meshes"] = meshes_.document();
     document["triangles"] = meshes_.triangles();
     document["mesh_error"] = meshes_.largestError();
@@ -205,11 +207,15 @@ class Document {
                        [&](const Frames& f) { return &scene_.bodies()[at(f.body)] == &body; });
   }
 
-  void place(const std::vector<double>& position) {
+  void place(const std::vector<double>& position,
+             const std::vector<std::pair<int, Pose>>& placed = {}) {
     subject_.scene->expand(position, q_);
     robots::forwardKinematics(model_, q_, X_WL_);
+    placed_ = placed;
   }
   const Pose& poseOf(int body) const {
+    for (const auto& [known, X_WB] : placed_)
+      if (known == body) return X_WB;
     const collision::Body& b = scene_.bodies()[at(body)];
     return b.moving ? X_WL_[at(subject_.scene->bodyLink(body))] : b.X_WB;
   }
@@ -219,7 +225,7 @@ class Document {
     PoseColumns poses;  // moment by moment, then body by body
     for (const Moment& moment : subject_.timeline.moments) {
       times.push_back(moment.time);
-      place(moment.position);
+      place(moment.position, moment.placed);
       for (const int body : moving_) poses.add(poseOf(body));
     }
     document["times"] = times;
@@ -232,36 +238,38 @@ class Document {
 
   /// Names, points and both ends of the interval; points of what moves in its frame, others in the
   /// world's.
-  Json closest(const planner::StateCheck& check, const std::vector<double>& position) {
+  template <class At>
+  Json closest(const At& moment) {
+    const planner::StateCheck& check = moment.check;
+    const Pair& pair = moment.closest;
     if (check.pair < 0) return {};
-    place(position);
-    const collision::ScenePair& pair = scene_.pairs()[at(check.pair)];
+    place(moment.position, moment.placed);
     const auto local = [&](int body, const Vector3d& p_W) {
       return jsonVector(scene_.bodies()[at(body)].moving ? poseOf(body).inverse() * p_W : p_W);
     };
-    return {{"a", pair.body_a},
-            {"b", pair.body_b},
+    return {{"a", pair.a},
+            {"b", pair.b},
             {"lower", jsonNumber(check.clearance.lower)},
             {"upper", jsonNumber(check.clearance.upper)},
-            {"point_a", local(pair.body_a, check.closest.point_a)},
-            {"point_b", local(pair.body_b, check.closest.point_b)},
+            {"point_a", local(pair.a, check.closest.point_a)},
+            {"point_b", local(pair.b, check.closest.point_b)},
             {"margin", pair.margin}};
   }
 
   void addClearance(Json& document) {
     const Timeline& timeline = subject_.timeline;
     Json moments = Json::array();
-    for (const Moment& moment : timeline.moments)
-      moments.push_back(closest(moment.check, moment.position));
+    for (const Moment& moment : timeline.moments) moments.push_back(closest(moment));
     document["closest"] = moments;
     Json proven = Json::array();
     for (const planner::Interval& stretch : timeline.stretches)
       proven.push_back(jsonNumber(stretch.lower));
     document["proven"] = proven;
     double margin = std::numeric_limits<double>::infinity();
-    for (const collision::ScenePair& pair : scene_.pairs()) margin = std::min(margin, pair.margin);
+    const std::span<const collision::ScenePair> pairs = subject_.first_scene->scene().pairs();
+    for (const collision::ScenePair& pair : pairs) margin = std::min(margin, pair.margin);
     document["margin"] = jsonNumber(margin);
-    document["pairs"] = scene_.pairs().size();
+    document["pairs"] = pairs.size();
     std::vector<float> bodies;  // moment by moment, moving bodies alone
     for (const std::vector<double>& clearance : timeline.body_clearance)
       for (const int body : moving_) bodies.push_back(small(clearance[at(body)]));
@@ -302,11 +310,11 @@ class Document {
     Json ends = Json::array();
     for (const End& end : subject_.ends) {
       PoseColumns poses;
-      place(end.position);
+      place(end.position, end.placed);
       for (const int body : moving_) poses.add(poseOf(body));
       ends.push_back({{"name", end.name},
                       {"valid", end.check.verdict == planner::Verdict::kFree},
-                      {"closest", closest(end.check, end.position)},
+                      {"closest", closest(end)},
                       {"way_out", jsonVector(end.way_out)},
                       {"poses", poses.pack(pack_)}});
     }
@@ -346,31 +354,58 @@ class Document {
     document["frames"] = all;
   }
 
-  /// Where the tip is at both ends of each edge.
+  /// Where each moving body's middle is at both ends of each edge: body by body. A tree's node ends
+  /// many edges, and is placed once.
   void addSearch(Json& document) {
-    std::vector<float> points;
-    const int body = tip();
-    const std::size_t every = subject_.searched.size() / kShownEdges + 1;
-    for (std::size_t i = 0; body >= 0 && i < subject_.searched.size(); i += every) {
-      for (const std::vector<double>* q :
-           {&subject_.searched[i].first, &subject_.searched[i].second}) {
-        place(*q);
-        const collision::Geometry& g = scene_.bodies()[at(body)].geometries.front();
-        const Vector3d p_W = poseOf(body) * (g.X_BG * g.shape.boundingCenter());
-        for (int k = 0; k < 3; ++k) points.push_back(small(p_W[k]));
+    const auto& searched = subject_.searched;
+    const std::size_t every = searched.size() / kShownEdges + 1;
+    std::map<std::vector<double>, std::uint32_t> nodes;
+    std::vector<const std::vector<double>*> order;
+    std::vector<std::uint32_t> ends;
+    for (std::size_t i = 0; i < searched.size(); i += every)
+      for (const std::vector<double>* q : {&searched[i].first, &searched[i].second}) {
+        const auto [node, is_new] = nodes.emplace(*q, static_cast<std::uint32_t>(order.size()));
+        if (is_new) order.push_back(&node->first);
+        ends.push_back(node->second);
+      }
+    std::vector<Vector3d> points(moving_.size() * order.size());
+    for (std::size_t n = 0; n < order.size(); ++n) {
+      place(*order[n]);
+      for (std::size_t m = 0; m < moving_.size(); ++m) {
+        const auto& geometries = scene_.bodies()[at(moving_[m])].geometries;
+        if (geometries.empty()) continue;
+        const collision::Geometry& g = geometries.front();
+        points[m * order.size() + n] = poseOf(moving_[m]) * (g.X_BG * g.shape.boundingCenter());
       }
     }
-    document["search"] = pack_.add(points);
-    document["searched"] = subject_.searched.size();
+    const Quantised q = quantised(points);
+    const std::size_t by_two[] = {2};
+    document["search"] = {{"ends", pack_.add(ends, by_two)},
+                          {"low", jsonVector(q.low)},
+                          {"step", q.step},
+                          {"points", pack_.add(q.numbers)}};
+    document["searched"] = searched.size();
   }
 
   void addDropped(Json& document) const {
-    const auto& dropped = subject_.scene->dropped();
+    const auto& dropped = subject_.first_scene->dropped();
     Json list = Json::array();
     for (std::size_t i = 0; i < std::min(dropped.size(), kShownPairs); ++i)
       list.push_back({dropped[i].a, dropped[i].b, dropped[i].reason});
     document["dropped"] = list;
     document["dropped_count"] = dropped.size();
+  }
+
+  /// When each step of a task begins and ends.
+  void addSteps(Json& document) const {
+    Json steps = Json::array();
+    for (const Stage& stage : subject_.stages)
+      if (!stage.kind.empty())
+        steps.push_back({{"name", stage.name},
+                         {"kind", stage.kind},
+                         {"begin", subject_.timeline.waypoint_times.at(at(stage.first))},
+                         {"end", subject_.timeline.waypoint_times.at(at(stage.last))}});
+    document["steps"] = steps;
   }
 
   const Subject& subject_;
@@ -381,6 +416,7 @@ class Document {
   std::vector<int> moving_;
   std::vector<double> q_;
   std::vector<Pose> X_WL_;
+  std::vector<std::pair<int, Pose>> placed_;
 };
 
 /// Shows a file in the desktop's browser. Not through a shell: the name may hold anything.

@@ -24,7 +24,10 @@ void recordSearch(planner::PlanOptions& options, SearchEdges& edges);
 struct Subject {
   const planner::Problem& problem;
   std::string source;  ///< the problem's file, as the user named it
-  std::shared_ptr<const planner::CompiledScene> scene;
+  std::shared_ptr<const planner::CompiledScene> scene;  ///< shown; see shownProblem()
+  /// Of the world before the first step, whose pairs are told of; `scene` without steps.
+  std::shared_ptr<const planner::CompiledScene> first_scene;
+  std::vector<Stage> stages;
   std::vector<End> ends;
   Timeline timeline;
   std::string verdict;             ///< one word: "certified", "unsolved", ...
@@ -35,11 +38,11 @@ struct Subject {
 };
 
 /// The subject of a plan, of a path from a file, of an execution. Each compiles the problem and
-/// measures, which takes a second or so.
+/// measures, which takes a second or so. `certificate`: of the path, where it is known.
 Subject subjectOfPlan(const planner::Problem& problem, const std::string& source,
                       const planner::PlanResult& result, SearchEdges searched);
 Subject subjectOfPath(const planner::Problem& problem, const std::string& source,
-                      const planner::Path& path);
+                      const planner::Path& path, const planner::Certificate* certificate = nullptr);
 Subject subjectOfExecution(const planner::Problem& problem, const std::string& source,
                            const std::vector<planner::ReplanStep>& steps,
                            planner::ReplanStatus status);

@@ -113,7 +113,9 @@ class Picture {
 
  private:
   /// Poses of all bodies at one point of the space.
-  std::vector<Pose> place(const std::vector<double>& position) const {
+  template <class At>
+  std::vector<Pose> place(const At& moment) const {
+    const std::vector<double>& position = moment.position;
     const planner::CompiledScene& scene = *subject_.scene;
     std::vector<double> q(scene.model().variables.size());
     std::vector<Pose> X_WL(scene.model().links.size()), X_WB;
@@ -124,6 +126,7 @@ class Picture {
       X_WB.push_back(bodies[b].moving
                          ? X_WL[static_cast<std::size_t>(scene.bodyLink(static_cast<int>(b)))]
                          : bodies[b].X_WB);
+    for (const auto& [body, X_WO] : moment.placed) X_WB[static_cast<std::size_t>(body)] = X_WO;
     return X_WB;
   }
   bool moves(const Part& part) const {
@@ -132,13 +135,12 @@ class Picture {
 
   void placeAll() {
     const std::vector<Moment>& moments = subject_.timeline.moments;
-    start_ = place(moments.front().position);
+    start_ = place(moments.front());
     const bool still = moments.size() < 2;
-    goal_ = place(still && subject_.ends.size() > 1 ? subject_.ends[1].position
-                                                    : moments.back().position);
+    goal_ = still && subject_.ends.size() > 1 ? place(subject_.ends[1]) : place(moments.back());
     for (int g = 1; g <= kGhosts && !still; ++g)
       ghosts_.push_back(
-          place(moments[moments.size() * static_cast<std::size_t>(g) / (kGhosts + 1)].position));
+          place(moments[moments.size() * static_cast<std::size_t>(g) / (kGhosts + 1)]));
     for (const Part& part : parts_) {
       if (!moves(part)) continue;
       for (const auto* poses : allPoses())
@@ -148,7 +150,7 @@ class Picture {
     const std::size_t every = moments.size() / 200 + 1;
     for (std::size_t m = 0; m < moments.size() && tip_ >= 0 && !still; m += every) {
       const Part& part = parts_[static_cast<std::size_t>(tip_)];
-      trail_.push_back(place(moments[m].position)[static_cast<std::size_t>(part.body)] *
+      trail_.push_back(place(moments[m])[static_cast<std::size_t>(part.body)] *
                        (part.X_BG * part.center));
     }
   }

@@ -5,6 +5,7 @@
 #include <limits>
 #include <span>
 
+#include "leeway/planner/verify.h"
 #include "tools/leeway/support/scene_names.h"
 #include "tools/leeway/support/terminal.h"
 #include "tools/leeway/view/page.h"
@@ -13,18 +14,20 @@ namespace leeway::tools::view {
 namespace {
 
 Subject begin(const planner::Problem& problem, const std::string& source) {
-  Subject subject{problem, source, std::make_shared<const planner::CompiledScene>(problem),
-                  {},      {},     {},
-                  false,   {},     {},
-                  {}};
-  subject.ends = endsOf(problem, subject.scene);
+  Subject subject{problem, source, {}, {}, {}, {}, {}, {}, false, {}, {}, {}};
+  subject.scene = subject.first_scene =
+      std::make_shared<const planner::CompiledScene>(shownProblem(problem));
+  const planner::Problem first = firstProblem(problem);
+  if (!problem.steps.empty())
+    subject.first_scene = std::make_shared<const planner::CompiledScene>(first);
+  subject.ends = endsOf(problem, first, subject.first_scene, *subject.scene);
   return subject;
 }
 
 std::string millimetresDown(double metres) { return formatLower(metres * 1e3, 2); }
 
 std::string endNote(const Subject& subject, const End& end) {
-  const PairNames names = pairNames(*subject.scene, end.check.pair);
+  const PairNames names = pairNames(*subject.first_scene, end.check.pair);
   const planner::Interval& clearance = end.check.clearance;
   std::string text = clearance.upper <= 0
                          ? fmt::format("{} is in collision: {} and {}, {} mm deep.", end.name,
@@ -46,12 +49,36 @@ void noteEnds(Subject& subject) {
 /// Whether every stretch is proven above every margin, and the least bound of all.
 std::pair<bool, double> least(const Subject& subject) {
   double margin = -std::numeric_limits<double>::infinity();
-  for (const collision::ScenePair& pair : subject.scene->scene().pairs())
+  for (const collision::ScenePair& pair : subject.first_scene->scene().pairs())
     margin = std::max(margin, pair.margin);
   double lower = std::numeric_limits<double>::infinity();
   for (const planner::Interval& stretch : subject.timeline.stretches)
     lower = std::min(lower, stretch.lower);
   return {lower >= margin, lower};
+}
+
+/// What was asked for besides the margins, and the clearances from the world and to itself.
+void noteClearances(const planner::Certificate& certificate, Subject& subject) {
+  // Stretch by stretch the page may have proven more.
+  const double all = least(subject).second;
+  const auto millimetres = [all](const planner::PathClearance& part) {
+    return fmt::format("at least {} mm ({} and {})",
+                       millimetresDown(std::max(part.clearance.lower, all)), part.closest_a,
+                       part.closest_b);
+  };
+  if (certificate.world.closest_segment >= 0)
+    subject.notes.push_back("From the world " + millimetres(certificate.world) + ".");
+  if (certificate.self.closest_segment >= 0)
+    subject.notes.push_back("The robot from itself " + millimetres(certificate.self) + ".");
+  const planner::Objective& objective = subject.problem.objective;
+  if (const auto* clearance = std::get_if<planner::MaximumClearance>(&objective))
+    subject.notes.push_back(
+        fmt::format("Asked for: as much clearance as possible, {}.",
+                    clearance->of == planner::Pairs::kAll ? "of all pairs" : "from the world"));
+  else if (const double kept = std::get<planner::MinimumLength>(objective).clearance;
+           std::isfinite(kept))
+    subject.notes.push_back(
+        fmt::format("Asked for: a short path that keeps {:g} mm from the world.", kept * 1e3));
 }
 
 }  // namespace
@@ -65,10 +92,11 @@ void recordSearch(planner::PlanOptions& options, SearchEdges& edges) {
   };
 }
 
-Subject subjectOfPath(const planner::Problem& problem, const std::string& source,
-                      const planner::Path& path) {
-  Subject subject = begin(problem, source);
-  subject.timeline = timelineOfPath(problem, subject.scene, path);
+namespace {
+
+/// Each edge, with what is wrong with it; and the path's clearances where they are not known yet.
+void certifyPath(const planner::Path& path, const planner::Certificate* certificate,
+                 Subject& subject) {
   planner::EdgeCertifier certifier(subject.scene);
   subject.good = true;
   for (std::size_t i = 1; i < path.positions.size(); ++i) {
@@ -84,6 +112,33 @@ Subject subjectOfPath(const planner::Problem& problem, const std::string& source
                                 : fmt::format("Edge {} {} at t = {:.3f}: {} and {}.", i - 1, what,
                                               check.t, names.a, names.b));
   }
+  if (!subject.good) return;
+  noteClearances(certificate != nullptr
+                     ? *certificate
+                     : planner::certify(certifier, path, 1e-4, planner::CertificateDetail::kPath),
+                 subject);
+}
+
+/// A task's path, which has to keep its lines, too: as `leeway verify` proves it.
+void verifyTask(const planner::Path& path, const planner::Certificate* certificate,
+                Subject& subject) {
+  const planner::VerifyResult result = planner::verify(subject.problem, path);
+  subject.good = result.status == planner::VerifyStatus::kCertified;
+  if (!subject.good) subject.notes.push_back(result.reason);
+  if (subject.good && certificate != nullptr) noteClearances(*certificate, subject);
+}
+
+}  // namespace
+
+Subject subjectOfPath(const planner::Problem& problem, const std::string& source,
+                      const planner::Path& path, const planner::Certificate* certificate) {
+  Subject subject = begin(problem, source);
+  subject.stages = stagesOf(problem, subject.scene, path);
+  subject.timeline = timelineOfPath(problem, subject.scene, path, subject.stages);
+  if (problem.steps.empty())
+    certifyPath(path, certificate, subject);
+  else
+    verifyTask(path, certificate, subject);
   subject.verdict = subject.good ? "certified" : "not certified";
   const double lower = least(subject).second;
   if (subject.good)
@@ -99,7 +154,7 @@ Subject subjectOfPath(const planner::Problem& problem, const std::string& source
 Subject subjectOfPlan(const planner::Problem& problem, const std::string& source,
                       const planner::PlanResult& result, SearchEdges searched) {
   if (result.status == planner::PlanStatus::kSolved) {
-    Subject subject = subjectOfPath(problem, source, result.path);
+    Subject subject = subjectOfPath(problem, source, result.path, &result.certificate);
     subject.searched = std::move(searched);
     subject.notes.push_back(fmt::format("{} with {}, seed {}: {} edges, length {:.3f}.",
                                         toString(result.status), result.planner, result.seed,
@@ -108,7 +163,9 @@ Subject subjectOfPlan(const planner::Problem& problem, const std::string& source
   }
   Subject subject = begin(problem, source);
   subject.searched = std::move(searched);
-  subject.timeline = timelineOfState(subject.scene, subject.ends.front().position);
+  const Stage first{{}, {}, 0, 0, firstProblem(problem), subject.first_scene};
+  subject.timeline = timelineOfState(problem, subject.scene, first, subject.ends.front().position);
+  if (!result.reason.empty()) subject.notes.push_back(result.reason + ".");
   switch (result.status) {
     case planner::PlanStatus::kInvalidStart:
       subject.verdict = "start not valid";
@@ -132,8 +189,10 @@ Subject subjectOfExecution(const planner::Problem& problem, const std::string& s
                            const std::vector<planner::ReplanStep>& steps,
                            planner::ReplanStatus status) {
   Subject subject = begin(problem, source);
-  subject.timeline = steps.empty() ? timelineOfState(subject.scene, subject.ends.front().position)
-                                   : timelineOfSteps(problem, subject.scene, steps);
+  const Stage whole{{}, {}, 0, 0, problem, subject.scene};
+  subject.timeline =
+      steps.empty() ? timelineOfState(problem, subject.scene, whole, subject.ends.front().position)
+                    : timelineOfSteps(problem, subject.scene, steps);
   for (const planner::ReplanStep& step : steps)
     subject.decisions.emplace_back(step.time, toString(step.decision));
   const bool certified = std::all_of(steps.begin(), steps.end(),

@@ -116,6 +116,17 @@ void keepLeast(Timeline& timeline) {
   }
 }
 
+/// Clearances of the bodies of one scene as those of another that names them.
+std::vector<double> inShown(std::vector<double> clearance, const CompiledScene& asked,
+                            const CompiledScene& shown) {
+  if (&asked == &shown) return clearance;
+  std::vector<double> mapped(shown.scene().bodies().size(), kInfinity);
+  for (std::size_t b = 0; b < clearance.size(); ++b)
+    if (const int body = shown.scene().find(asked.scene().bodies()[b].name); body >= 0)
+      mapped[at(body)] = clearance[b];
+  return mapped;
+}
+
 double leastMargin(const CompiledScene& scene) {
   double least = kInfinity;
   for (const auto& pair : scene.scene().pairs()) least = std::min(least, pair.margin);
@@ -198,9 +209,19 @@ std::vector<double> positionAt(const planner::ConfigurationSpace& space,
 
 }  // namespace
 
+Pair pairOf(const planner::StateCheck& check, const CompiledScene& asked,
+            const CompiledScene& shown) {
+  if (check.pair < 0) return {};
+  const collision::ScenePair& pair = asked.scene().pairs()[at(check.pair)];
+  const auto body = [&](int b) {
+    return &asked == &shown ? b : shown.scene().find(asked.scene().bodies()[at(b)].name);
+  };
+  return {body(pair.body_a), body(pair.body_b), pair.margin};
+}
+
 Timeline timelineOfPath(const planner::Problem& problem,
                         const std::shared_ptr<const CompiledScene>& scene,
-                        const planner::Path& path) {
+                        const planner::Path& path, const std::vector<Stage>& stages) {
   // Without blends: a page shows the edges that the certificate is about.
   const planner::ConfigurationSpace& space = scene->space();
   const planner::Trajectory trajectory(std::make_shared<const planner::ConfigurationSpace>(space),
@@ -213,23 +234,31 @@ Timeline timelineOfPath(const planner::Problem& problem,
   std::sort(times.begin(), times.end());
   times.erase(std::unique(times.begin(), times.end()), times.end());
 
-  EdgeCertifier certifier(scene);
-  BodyClearances bodies(scene, times.size());
-  const double margin = leastMargin(*scene);
   std::size_t waypoint = 0;
-  for (const double time : times) {
-    Moment moment{time, std::vector<double>(at(space.size())), {}};
-    trajectory.configuration(time, moment.position);
-    // A waypoint is where the path has it, to the bit.
-    while (waypoint < timeline.waypoint_times.size() && timeline.waypoint_times[waypoint] <= time) {
-      if (timeline.waypoint_times[waypoint] == time) moment.position = path.positions[waypoint];
-      ++waypoint;
+  auto time = times.begin();
+  for (const Stage& stage : stages) {
+    if (!stage.scene) continue;  // nothing moves
+    EdgeCertifier certifier(stage.scene);
+    BodyClearances bodies(stage.scene, times.size());
+    const double margin = leastMargin(*stage.scene);
+    const double end = timeline.waypoint_times[at(stage.last)];
+    for (; time != times.end() && *time <= end; ++time) {
+      Moment moment{*time, std::vector<double>(at(space.size())), {}, {}};
+      trajectory.configuration(*time, moment.position);
+      // A waypoint is where the path has it, to the bit.
+      while (waypoint < timeline.waypoint_times.size() &&
+             timeline.waypoint_times[waypoint] <= *time) {
+        if (timeline.waypoint_times[waypoint] == *time) moment.position = path.positions[waypoint];
+        ++waypoint;
+      }
+      moment.check = certifier.clearance(moment.position, kMomentTolerance);
+      moment.closest = pairOf(moment.check, *stage.scene, *scene);
+      moment.placed = placedObjects(problem, *scene, stage.problem, moment.position);
+      timeline.body_clearance.push_back(inShown(bodies.at(moment.position), *stage.scene, *scene));
+      if (!timeline.moments.empty())
+        timeline.stretches.push_back(proven(certifier, timeline.moments.back(), moment, margin));
+      timeline.moments.push_back(std::move(moment));
     }
-    moment.check = certifier.clearance(moment.position, kMomentTolerance);
-    timeline.body_clearance.push_back(bodies.at(moment.position));
-    if (!timeline.moments.empty())
-      timeline.stretches.push_back(proven(certifier, timeline.moments.back(), moment, margin));
-    timeline.moments.push_back(std::move(moment));
   }
   keepLeast(timeline);
   return timeline;
@@ -253,8 +282,9 @@ Timeline timelineOfSteps(const planner::Problem& problem,
       bodies.rebind(now);
       if (timeline.moments.size() % every == 0 || last) obstacles.addFrames(time, timeline.frames);
     }
-    Moment moment{time, std::move(position), {}};
+    Moment moment{time, std::move(position), {}, {}};
     moment.check = certifier.clearance(moment.position, kMomentTolerance);
+    moment.closest = pairOf(moment.check, *scene, *scene);
     timeline.body_clearance.push_back(bodies.at(moment.position));
     timeline.moments.push_back(std::move(moment));
   };
@@ -272,13 +302,17 @@ Timeline timelineOfSteps(const planner::Problem& problem,
   return timeline;
 }
 
-Timeline timelineOfState(const std::shared_ptr<const CompiledScene>& scene,
+Timeline timelineOfState(const planner::Problem& problem,
+                         const std::shared_ptr<const CompiledScene>& scene, const Stage& stage,
                          const std::vector<double>& position) {
   Timeline timeline;
-  EdgeCertifier certifier(scene);
-  BodyClearances bodies(scene, 1);
-  timeline.moments.push_back({0, position, certifier.clearance(position, kMomentTolerance)});
-  timeline.body_clearance.push_back(bodies.at(position));
+  EdgeCertifier certifier(stage.scene);
+  BodyClearances bodies(stage.scene, 1);
+  Moment moment{0, position, certifier.clearance(position, kMomentTolerance), {}};
+  moment.closest = pairOf(moment.check, *stage.scene, *scene);
+  moment.placed = placedObjects(problem, *scene, stage.problem, position);
+  timeline.moments.push_back(std::move(moment));
+  timeline.body_clearance.push_back(inShown(bodies.at(position), *stage.scene, *scene));
   keepLeast(timeline);
   return timeline;
 }

@@ -7,14 +7,27 @@
 #include "leeway/planner/edge_certifier.h"
 #include "leeway/planner/plan.h"
 #include "leeway/planner/replanner.h"
+#include "tools/leeway/view/stages.h"
 
 namespace leeway::tools::view {
+
+/// Two bodies of the shown scene, as a check names its closest pair.
+struct Pair {
+  int a = -1, b = -1;  ///< -1: nothing is near
+  double margin = 0;   ///< [m]
+};
+/// The pair `check` found in the scene that it asked.
+Pair pairOf(const planner::StateCheck& check, const planner::CompiledScene& asked,
+            const planner::CompiledScene& shown);
 
 /// What is known at one instant.
 struct Moment {
   double time = 0;               ///< [s]
   std::vector<double> position;  ///< of the planned variables
-  planner::StateCheck check;     ///< closest pair of the scene, clearance to kMomentTolerance
+  planner::StateCheck check;     ///< closest pair of its scene, clearance to kMomentTolerance
+  Pair closest;
+  /// Bodies of the shown scene that are not where its robot would hold them: X_WB.
+  std::vector<std::pair<int, collision::Pose>> placed = {};
 };
 
 /// A deforming obstacle's vertices at some instants, in its frame.
@@ -44,18 +57,19 @@ inline constexpr double kMomentTolerance = 1e-6;
 
 /// The path at the velocities of the problem's execution, at rest in each waypoint, among the
 /// obstacles as they stand at the start of the execution. About 250 moments and one for each
-/// waypoint; fewer where a scene has very many pairs.
+/// waypoint; fewer where a scene has very many pairs. Of a task each stretch in its world.
 Timeline timelineOfPath(const planner::Problem& problem,
                         const std::shared_ptr<const planner::CompiledScene>& scene,
-                        const planner::Path& path);
+                        const planner::Path& path, const std::vector<Stage>& stages);
 
 /// What was executed, a moment a step, with the obstacles as they moved.
 Timeline timelineOfSteps(const planner::Problem& problem,
                          const std::shared_ptr<const planner::CompiledScene>& scene,
                          const std::vector<planner::ReplanStep>& steps);
 
-/// A single moment at the given point of the space.
-Timeline timelineOfState(const std::shared_ptr<const planner::CompiledScene>& scene,
-                         const std::vector<double>& position);
+/// A single moment at the given point of the space, in the world of a stage.
+Timeline timelineOfState(const planner::Problem& problem,
+                         const std::shared_ptr<const planner::CompiledScene>& scene,
+                         const Stage& stage, const std::vector<double>& position);
 
 }  // namespace leeway::tools::view
