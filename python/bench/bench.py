@@ -8,6 +8,7 @@ Prints least times, in the same run; on a busy machine run it several times. Pin
 """
 
 import math
+import multiprocessing
 import subprocess
 import sys
 import tempfile
@@ -36,6 +37,32 @@ def in_threads(call, count):
         thread.start()
     for thread in threads:
         thread.join()
+
+
+def in_processes(rounds, barrier, times):
+    """10 plans at a time, in each of two processes at once: what two threads are compared with."""
+    problem = leeway.load(PROBLEM)
+    for i in range(rounds):
+        barrier.wait()
+        start = time.perf_counter()
+        for _ in range(10):
+            leeway.plan(problem)
+        times.put((i, time.perf_counter() - start))
+
+
+def two_processes(rounds):
+    spawn = multiprocessing.get_context("spawn")
+    barrier, times = spawn.Barrier(2), spawn.Queue()
+    processes = [spawn.Process(target=in_processes, args=(rounds, barrier, times)) for _ in range(2)]
+    for process in processes:
+        process.start()
+    slower = [0.0] * rounds  # of each round the process that ends last
+    for _ in range(2 * rounds):
+        i, took = times.get()
+        slower[i] = max(slower[i], took)
+    for process in processes:
+        process.join()
+    return min(slower)
 
 
 def main():
@@ -67,6 +94,9 @@ def main():
     for _ in range(60):  # in turns
         single, double = min(single, least(many, 1)), min(double, least(lambda: in_threads(many, 2), 1))
     print(f"10 plans: {single * 1e3:.1f} ms in one thread; twice 10 in two threads {double * 1e3:.1f} ms: {double / single:.2f} of it")
+    # What else runs on the machine slows these as much: beyond them, threads would wait for each other.
+    apart = two_processes(60)
+    print(f"twice 10 in two processes: {apart * 1e3:.1f} ms; threads take {double / apart:.2f} of it")
 
 
 if __name__ == "__main__":

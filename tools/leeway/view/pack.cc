@@ -37,7 +37,7 @@ std::string compressed(const std::string& bytes) {
   std::string result(size, '\0');
   const int status = compress2(std::bit_cast<Bytef*>(result.data()), &size,
                                std::bit_cast<const Bytef*>(bytes.data()),
-                               static_cast<uLong>(bytes.size()), Z_BEST_COMPRESSION);
+                               static_cast<uLong>(bytes.size()), Z_DEFAULT_COMPRESSION);
   if (status == Z_MEM_ERROR) throw std::bad_alloc();
   if (status != Z_OK) throw std::logic_error("zlib does not compress");
   result.resize(size);
