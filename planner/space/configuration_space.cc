@@ -1,6 +1,7 @@
 #include "leeway/planner/configuration_space.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -8,6 +9,8 @@
 #include <utility>
 
 #include "collision/base/sine_cosine.h"
+#include "leeway/collision/convex_hull.h"
+#include "leeway/collision/triangle_mesh.h"
 #include "leeway/robots/kinematics.h"
 #include "planner/base/arc_tangent.h"
 #include "planner/base/tolerances.h"
@@ -16,6 +19,7 @@ namespace leeway::planner {
 namespace {
 
 using collision::kTwoPi;
+using robots::Pose;
 
 using Kind = ConfigurationSpace::Kind;
 
@@ -69,6 +73,59 @@ void rotationAdvance(const double* a, const double* r, double t, double* result)
   for (int i = 0; i < 4; ++i) result[i] = p[i] / norm;
 }
 
+/// The farthest that a point of `geometry` is from the line through `p_BC` along `axis_B`, or from
+/// that point where the axis is 0 [m]; of round shapes, that of the bounding sphere.
+double reachOf(const collision::Geometry& geometry, const Eigen::Vector3d& p_BC,
+               const Eigen::Vector3d& axis_B) {
+  const auto from = [&](const Eigen::Vector3d& p_GP) {
+    const Eigen::Vector3d r = geometry.X_BG * p_GP - p_BC;
+    return (r - axis_B.dot(r) * axis_B).norm();
+  };
+  const auto most = [&](std::span<const Eigen::Vector3d> points) {
+    double reach = 0;
+    for (const Eigen::Vector3d& p : points) reach = std::max(reach, from(p));
+    return reach;
+  };
+  const collision::Shape& shape = geometry.shape;
+  if (shape.hull() != nullptr) return most(shape.hull()->vertices());
+  if (shape.mesh() != nullptr) return most(shape.mesh()->vertices());
+  if (shape.type() != collision::ShapeType::kBox)
+    return from(shape.boundingCenter()) + shape.boundingRadius();
+  std::array<Eigen::Vector3d, 8> corners;
+  for (std::size_t i = 0; i < corners.size(); ++i)
+    for (int k = 0; k < 3; ++k)
+      corners[i][k] = ((i >> k & 1) != 0 ? 1 : -1) * shape.halfExtents()[k];
+  return most(corners);
+}
+
+/// The farthest that a point of what `joint` moves is from its origin, or from its axis where it is
+/// planar, with all other joints at their defaults [m].
+double reachOf(const robots::Model& model, int joint) {
+  std::vector<Pose> X_WL(model.links.size());
+  robots::forwardKinematics(model, model.defaultConfiguration(), X_WL);
+  const robots::Joint& turned = model.joints[at(joint)];
+  const Pose& X_WC = X_WL[at(turned.child_link)];
+  const Eigen::Vector3d axis_W = turned.type == robots::JointType::kPlanar
+                                     ? Eigen::Vector3d(X_WC.rotation * turned.axis)
+                                     : Eigen::Vector3d::Zero();
+  double reach = 0;
+  for (int l = turned.child_link; at(l) < model.links.size(); ++l) {
+    int above = l;
+    while (above > turned.child_link) above = model.joints[at(above)].parent_link;
+    if (above != turned.child_link) continue;
+    const Pose X_LW = X_WL[at(l)].inverse();
+    for (const collision::Geometry& geometry : model.links[at(l)].geometries)
+      reach = std::max(reach, reachOf(geometry, X_LW * X_WC.translation, X_LW.rotation * axis_W));
+  }
+  return reach;
+}
+
+/// The weight of a turn [m/rad]; 1 for what has no shape.
+double turnWeight(const robots::Model& model, int joint) {
+  const double reach = reachOf(model, joint);
+  return reach > 0 && std::isfinite(reach) ? kTurnShare * reach : 1;
+}
+
 }  // namespace
 
 ConfigurationSpace::ConfigurationSpace(std::shared_ptr<const robots::Model> model,
@@ -87,14 +144,14 @@ ConfigurationSpace::ConfigurationSpace(std::shared_ptr<const robots::Model> mode
             variables_[i + k] != v + static_cast<int>(k))
           throw std::invalid_argument("configuration space: the orientation of '" + joint.name +
                                       "' must be planned whole, its four variables in order");
-      parts_.push_back({Kind::kRotation, static_cast<int>(i), 1});
+      parts_.push_back({Kind::kRotation, static_cast<int>(i), turnWeight(*model_, variable.joint)});
       i += 4;
       continue;
     }
-    const bool angle = joint.type == robots::JointType::kContinuous ||
-                       (joint.type == robots::JointType::kPlanar && place == 2);
-    parts_.push_back(
-        {angle && unlimited(variable) ? Kind::kCircle : Kind::kLine, static_cast<int>(i), 1});
+    const bool turned = joint.type == robots::JointType::kPlanar && place == 2;
+    const bool angle = turned || joint.type == robots::JointType::kContinuous;
+    parts_.push_back({angle && unlimited(variable) ? Kind::kCircle : Kind::kLine,
+                      static_cast<int>(i), turned ? turnWeight(*model_, variable.joint) : 1});
     ++i;
   }
   for (const int v : variables_) {

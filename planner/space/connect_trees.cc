@@ -27,6 +27,22 @@ bool isAngle(const ConfigurationSpace& space, int i) {
          joint.type == robots::JointType::kContinuous || planar_angle;
 }
 
+/// The weight of a radian where all that is planned is one planar or floating joint; otherwise 0.
+double bodyTurn(const ConfigurationSpace& space) {
+  const robots::Model& model = space.model();
+  int joint = -1;
+  for (const int v : space.variables()) {
+    const int other = model.variables[static_cast<std::size_t>(v)].joint;
+    if (joint >= 0 && other != joint) return 0;
+    joint = other;
+  }
+  if (joint < 0) return 0;
+  const robots::JointType type = model.joints[static_cast<std::size_t>(joint)].type;
+  const bool body = type == robots::JointType::kPlanar || type == robots::JointType::kFloating;
+  const bool whole = space.size() == model.joints[static_cast<std::size_t>(joint)].variable_count;
+  return body && whole ? space.parts().back().weight : 0;
+}
+
 }  // namespace
 
 double usefulExtent(const ConfigurationSpace& space) {
@@ -46,7 +62,10 @@ double defaultRange(const ConfigurationSpace& space) {
   double dimension = 0;
   for (const ConfigurationSpace::Part& part : space.parts())
     dimension += part.kind == ConfigurationSpace::Kind::kRotation ? 3 : 1;
-  return usefulExtent(space) * std::min(kLongestRange, kRangeShare / (dimension * dimension));
+  const double range =
+      usefulExtent(space) * std::min(kLongestRange, kRangeShare / (dimension * dimension));
+  const double turn = bodyTurn(space);
+  return turn > 0 ? std::min(range, turn * kBodyTurn) : range;
 }
 
 ConnectTrees::ConnectTrees(const ConnectTask& task, const ConnectSettings& settings,

@@ -29,7 +29,8 @@ struct ConnectTask {
 double usefulExtent(const ConfigurationSpace& space);
 
 /// A range where none is given, in the space's distance: shorter with more joints, because fewer of
-/// the long edges are free then. O(parts).
+/// the long edges are free then; of a free body not above kBodyTurn, however large the world is.
+/// O(parts).
 double defaultRange(const ConfigurationSpace& space);
 
 struct ConnectSettings {

@@ -7,6 +7,7 @@
 #include <limits>
 #include <random>
 
+#include "leeway/collision/triangle_mesh.h"
 #include "planner/base/arc_tangent.h"
 
 namespace leeway::planner {
@@ -121,6 +122,61 @@ TEST(ConfigurationSpace, RefusesHalfAnOrientation) {
   EXPECT_THROW(ConfigurationSpace(everyKind(), {4, 3, 5, 6}), std::invalid_argument);
   EXPECT_THROW(ConfigurationSpace(everyKind(), {13}), std::invalid_argument);
   EXPECT_NO_THROW(ConfigurationSpace(everyKind(), {10, 3, 4, 5, 6}));
+}
+
+/// A body whose farthest point is known: `size` from the origin, half of it from the z axis.
+std::vector<collision::Geometry> bodyOfReach(double size, int kind) {
+  using collision::Pose;
+  using collision::Shape;
+  const double x = size / 2, z = size * std::sqrt(0.75);
+  const Eigen::Vector3d tip(x, 0, z);
+  const std::vector<Eigen::Vector3d> corners = {tip, {0, 0, 0}, {0, x / 2, 0}, {0, 0, -z / 2}};
+  const collision::TriangleMesh::Triangle faces[] = {{0, 1, 2}, {0, 2, 3}};
+  switch (kind) {
+    case 0:
+      return {{Shape::box({x / 2, 0, z / 2}), {Eigen::Matrix3d::Identity(), tip / 2}, "box"}};
+    case 1:
+      return {{Shape::convexHull(corners), Pose{}, "hull"}};
+    case 2:
+      return {{Shape::mesh(collision::TriangleMesh::make(corners, faces)), Pose{}, "mesh"}};
+    default:  // the farthest of several counts
+      return {{Shape::sphere(x / 8), {Eigen::Matrix3d::Identity(), tip * (1 - 1.0 / 16)}, "ball"},
+              {Shape::sphere(x / 4), Pose{}, "hub"},
+              {Shape::sphere(0), {Eigen::Matrix3d::Identity(), tip}, "tip"}};
+  }
+}
+
+TEST(ConfigurationSpace, TurnsWeighHalfOfWhatTheyMoveTheFarthestPointBy) {
+  const Eigen::Vector3d far(3, 3, 3);
+  for (const double size : {0.01, 1.0, 70.0})
+    for (int kind = 0; kind < 4; ++kind) {
+      const auto geometries = bodyOfReach(size, kind);
+      const ConfigurationSpace flying(
+          robots::freeBody("body", geometries, JointType::kFloating, -far, far),
+          {0, 1, 2, 3, 4, 5, 6});
+      EXPECT_NEAR(flying.parts()[3].weight, 0.5 * size, 1e-12 * size) << kind;
+      EXPECT_EQ(flying.parts()[0].weight, 1);
+      const ConfigurationSpace sliding(
+          robots::freeBody("body", geometries, JointType::kPlanar, -far, far), {0, 1, 2});
+      const double across = kind == 3 ? size / 2 * (1 - 1.0 / 16 + 1.0 / 8) : size / 2;
+      EXPECT_NEAR(sliding.parts()[2].weight, 0.5 * across, 1e-12 * size) << kind;
+      const std::vector<double> a = {0, 0, 0}, b = {3, 4, 1};
+      EXPECT_NEAR(sliding.distance(a, b), std::hypot(5, sliding.parts()[2].weight), 1e-12);
+    }
+  // What has no shape.
+  const ConfigurationSpace bare = everyKindSpace();
+  for (const auto& part : bare.parts()) EXPECT_EQ(part.weight, 1);
+}
+
+TEST(ConfigurationSpace, TurnsOfABaseWeighWhatItCarries) {
+  robots::RobotDescription robot = *everyKind();
+  robot.joints[1].axis = Eigen::Vector3d::UnitZ();
+  robot.links[0].geometries = {{collision::Shape::sphere(9), {}, "above"}};
+  robot.links[4].geometries = {
+      {collision::Shape::sphere(0.5), {Eigen::Matrix3d::Identity(), {2.5, 0, 40}}, "carried"}};
+  const ConfigurationSpace space(std::make_shared<robots::Model>(std::move(robot)), {7, 8, 9, 10});
+  EXPECT_NEAR(space.parts()[2].weight, 1.5, 1e-12);
+  EXPECT_EQ(space.parts()[3].weight, 1);
 }
 
 TEST(ConfigurationSpace, EndPointsToTheBit) {

@@ -51,12 +51,14 @@ TEST(OmplStateSpace, PassesOmplsSanityChecks) {
 TEST(OmplStateSpace, DimensionExtentAndMeasureFollowTheMetric) {
   const auto planar = spaceOf(test::disc());
   EXPECT_EQ(planar->getDimension(), 3u);
-  EXPECT_NEAR(planar->getMaximumExtent(), std::sqrt(16 + 16 + kPi * kPi), 1e-12);
-  EXPECT_NEAR(planar->getMeasure(), 16 * 2 * kPi, 1e-9);
+  const double disc = planar->space().parts()[2].weight;
+  EXPECT_NEAR(planar->getMaximumExtent(), std::hypot(4, 4, kPi * disc), 1e-12);
+  EXPECT_NEAR(planar->getMeasure(), 16 * 2 * kPi * disc, 1e-9);
   const auto flying = spaceOf(test::flyingBox());
   EXPECT_EQ(flying->getDimension(), 6u);
-  EXPECT_NEAR(flying->getMaximumExtent(), std::sqrt(12 + kPi * kPi), 1e-12);
-  EXPECT_NEAR(flying->getMeasure(), 8 * 8 * kPi * kPi, 1e-9);
+  const double box = flying->space().parts()[3].weight;
+  EXPECT_NEAR(flying->getMaximumExtent(), std::hypot(std::sqrt(12), kPi * box), 1e-12);
+  EXPECT_NEAR(flying->getMeasure(), 8 * 8 * kPi * kPi * box * box * box, 1e-9);
 }
 
 TEST(OmplStateSpace, MeasureOfRotationsIsWhatDistancesSay) {
@@ -80,14 +82,15 @@ TEST(OmplStateSpace, MeasureOfRotationsIsWhatDistancesSay) {
 
 TEST(OmplStateSpace, SmallRotationsAreNeitherEqualNorLost) {
   const auto space = spaceOf(test::flyingBox());
+  const double weight = space->space().parts()[3].weight;
   Held a(*space), b(*space), c(*space);
   a.set({0, 0, 0, 0, 0, 0, 1});
   for (double angle = 1e-3; angle > 1e-150; angle /= 7) {
     b.set({0, 0, 0, std::sin(angle / 2), 0, 0, std::cos(angle / 2)});
     EXPECT_FALSE(space->equalStates(a.state, b.state)) << angle;
-    EXPECT_NEAR(space->distance(a.state, b.state), angle, 1e-14 * angle);
+    EXPECT_NEAR(space->distance(a.state, b.state) / weight, angle, 1e-14 * angle);
     space->interpolate(a.state, b.state, 0.5, c.state);
-    EXPECT_NEAR(space->distance(a.state, c.state), angle / 2, 1e-14 * angle);
+    EXPECT_NEAR(space->distance(a.state, c.state) / weight, angle / 2, 1e-14 * angle);
   }
   b.set({0, 0, 0, 0, 0, 0, -1});
   EXPECT_TRUE(space->equalStates(a.state, b.state)) << "q and -q are one rotation";

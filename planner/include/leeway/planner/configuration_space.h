@@ -24,7 +24,7 @@ class ConfigurationSpace {
   struct Part {
     Kind kind;
     int first;      ///< index into the point
-    double weight;  ///< in distance()
+    double weight;  ///< in distance(): 1; a body's turn half its reach, the farthest point's [m]
   };
 
   /// `variables`: indices into Model::variables. Throws std::invalid_argument for one that does not
@@ -47,7 +47,7 @@ class ConfigurationSpace {
   /// Writes the point at t in [0, 1] of the edge from a to b; at 0 and 1 a and b to the bit.
   void interpolate(std::span<const double> a, std::span<const double> b, double t,
                    std::span<double> result) const;
-  /// Weighted Euclidean length of difference(): rad and m mixed by the weights, which are 1.
+  /// Weighted Euclidean length of difference(): rad and m mixed but for turns of whole bodies.
   double distance(std::span<const double> a, std::span<const double> b) const;
   /// True for finite numbers inside the limits, with orientations of unit length to within 1e-6.
   bool withinLimits(std::span<const double> a) const;
