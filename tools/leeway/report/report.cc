@@ -154,6 +154,33 @@ CLI::App* addIkReport(CLI::App* app, const std::shared_ptr<ReportIkArguments>& a
   return ik;
 }
 
+CLI::App* addPlanning(CLI::App* app, const std::shared_ptr<ReportPlanningArguments>& arguments) {
+  CLI::App* planning = app->add_subcommand(
+      "planning", "times, lengths and tails of plans, with OMPL's RRTConnect over FCL");
+  planning->add_option("inputs", arguments->inputs, "problem files or folders of them")
+      ->type_name("FILE|FOLDER ...")
+      ->required();
+  auto* robot = planning
+                    ->add_option("--robot", arguments->robot,
+                                 "URDF: problems are MoveIt scenes, requests beside them")
+                    ->type_name("URDF");
+  planning->add_option("--srdf", arguments->srdf, "its SRDF")->type_name("SRDF")->needs(robot);
+  planning->add_option("--output", arguments->output, "folder for CSV")
+      ->type_name("DIR")
+      ->capture_default_str();
+  planning->add_option("--seed", arguments->seed, "the first")->capture_default_str();
+  planning->add_option("--seeds", arguments->seeds, "runs of each problem, each with its own seed")
+      ->check(CLI::Range(1, 10000))
+      ->capture_default_str();
+  planning->add_option("--time", arguments->time, "limit of a run [s]")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  planning->add_flag("--no-rivals", arguments->no_rivals, "ours alone");
+  planning->add_flag("--json", arguments->json, "one JSON document");
+  planning->footer("Example:\n  leeway report planning problems/bodies --output /tmp/report");
+  return planning;
+}
+
 }  // namespace
 
 Verb addReport(CLI::App& command) {
@@ -167,6 +194,8 @@ Verb addReport(CLI::App& command) {
   CLI::App* motion = addMotion(app, motion_arguments);
   auto ik_arguments = std::make_shared<ReportIkArguments>();
   CLI::App* ik = addIkReport(app, ik_arguments);
+  auto planning_arguments = std::make_shared<ReportPlanningArguments>();
+  CLI::App* planning = addPlanning(app, planning_arguments);
   CLI::App* cases = app->add_subcommand("cases", "answers every pair of shapes of a case file");
   cases->add_option("file", arguments->file, "case file (tests/data/README.md)")
       ->type_name("FILE")
@@ -189,6 +218,7 @@ Verb addReport(CLI::App& command) {
             if (deform->parsed()) return runReportDeform(*deform_arguments);
             if (motion->parsed()) return runReportMotion(*motion_arguments);
             if (ik->parsed()) return runReportIk(*ik_arguments);
+            if (planning->parsed()) return runReportPlanning(*planning_arguments);
             return arguments->reference.empty()
                        ? runReportCases(arguments->file, arguments->raw)
                        : runReportCasesAgainst(arguments->file, arguments->reference);

@@ -92,4 +92,20 @@ struct ReportIkArguments {
 /// robots::InputError.
 int runReportIk(const ReportIkArguments& arguments);
 
+struct ReportPlanningArguments {
+  std::vector<std::string> inputs;  ///< as those of `batch`
+  std::string output = "report";
+  std::string robot, srdf;  ///< inputs then are MoveIt scenes, requests beside them
+  std::uint64_t seed = 1;   ///< the first
+  int seeds = 1;
+  double time = 10;  ///< limit of a run [s]
+  bool no_rivals = false;
+  bool json = false;
+};
+
+/// `leeway report planning`: times, lengths and tails of plans, with OMPL's RRTConnect over the
+/// rivals that are there in the same run. Writes planning.csv into `output`. Returns 0 when no path
+/// of ours collides, else 1; throws robots::InputError.
+int runReportPlanning(const ReportPlanningArguments& arguments);
+
 }  // namespace leeway::tools

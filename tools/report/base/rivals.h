@@ -8,6 +8,7 @@
 #include "tools/report/base/ik_engine.h"
 #include "tools/report/base/mesh_engine.h"
 #include "tools/report/base/motion_engine.h"
+#include "tools/report/base/state_engine.h"
 
 namespace leeway::tools::report {
 
@@ -17,12 +18,13 @@ struct Rivals {
   std::vector<std::unique_ptr<MeshEngine>> meshes;      ///< for `report deform`
   std::vector<std::unique_ptr<ContactEngine>> motions;  ///< for `report motion`
   std::vector<std::unique_ptr<IkEngine>> kinematics;    ///< for `report ik`
+  std::vector<std::unique_ptr<StateEngine>> states;     ///< for `report planning`
 };
 
 /// Each rival is a module loaded at run time, so that nothing else links its library. A module
 /// exports one function of this name and type.
 using MakeRivals = Rivals* (*)();
-inline constexpr const char* kMakeRivals = "leewayMakeRivals4";
+inline constexpr const char* kMakeRivals = "leewayMakeRivals5";
 
 /// A module, and why it is missing if it is.
 struct RivalModule {

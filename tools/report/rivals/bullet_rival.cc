@@ -98,7 +98,7 @@ class BulletEngine : public PairEngine {
 }  // namespace
 }  // namespace leeway::tools::report
 
-extern "C" leeway::tools::report::Rivals* leewayMakeRivals4() {
+extern "C" leeway::tools::report::Rivals* leewayMakeRivals5() {
   using namespace leeway::tools::report;
   auto rivals = std::make_unique<Rivals>();
   rivals->pairs.push_back(std::make_unique<BulletEngine<Epa2Query>>("Bullet epa2"));

@@ -161,7 +161,7 @@ class EmbreeEngine : public MeshEngine {
 }  // namespace
 }  // namespace leeway::tools::report
 
-extern "C" leeway::tools::report::Rivals* leewayMakeRivals4() {
+extern "C" leeway::tools::report::Rivals* leewayMakeRivals5() {
   using namespace leeway::tools::report;
   auto rivals = std::make_unique<Rivals>();
   const auto add = [&](const char* name, RTCBuildQuality quality) {

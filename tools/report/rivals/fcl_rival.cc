@@ -10,6 +10,7 @@
 #include "tools/report/rivals/fcl_mesh_rival.h"
 #include "tools/report/rivals/fcl_motion_rival.h"
 #include "tools/report/rivals/fcl_shape_rival.h"
+#include "tools/report/rivals/fcl_state_rival.h"
 
 namespace leeway::tools::report {
 namespace {
@@ -102,7 +103,7 @@ class FclEngine : public PairEngine {
 }  // namespace
 }  // namespace leeway::tools::report
 
-extern "C" leeway::tools::report::Rivals* leewayMakeRivals4() {
+extern "C" leeway::tools::report::Rivals* leewayMakeRivals5() {
   using namespace leeway::tools::report;
   auto rivals = std::make_unique<Rivals>();
   const auto add = [&](const char* name, fcl::GJKSolverType solver, FclEngine::Use use) {
@@ -113,5 +114,6 @@ extern "C" leeway::tools::report::Rivals* leewayMakeRivals4() {
   add("FCL contact", fcl::GST_LIBCCD, FclEngine::Use::kContacts);
   rivals->meshes = makeFclMeshEngines();
   rivals->motions = makeFclMotionEngines();
+  rivals->states.push_back(makeFclStateEngine());
   return rivals.release();
 }

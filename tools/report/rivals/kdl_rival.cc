@@ -125,7 +125,7 @@ class KdlEngine : public IkEngine {
 }  // namespace
 }  // namespace leeway::tools::report
 
-extern "C" leeway::tools::report::Rivals* leewayMakeRivals4() {
+extern "C" leeway::tools::report::Rivals* leewayMakeRivals5() {
   using namespace leeway::tools::report;
   auto rivals = std::make_unique<Rivals>();
   rivals->kinematics.push_back(std::make_unique<KdlEngine>(Method::kLma));

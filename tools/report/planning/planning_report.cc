@@ -1,0 +1,225 @@
+#include "tools/report/planning/planning_report.h"
+
+#include <fmt/format.h>
+#include <ompl/base/DiscreteMotionValidator.h>
+#include <ompl/base/ProblemDefinition.h>
+#include <ompl/base/SpaceInformation.h>
+#include <ompl/base/goals/GoalStates.h>
+#include <ompl/geometric/PathGeometric.h>
+#include <ompl/geometric/PathSimplifier.h>
+#include <ompl/geometric/planners/rrt/RRTConnect.h>
+
+#include <algorithm>
+#include <chrono>
+#include <memory>
+#include <optional>
+
+#include "leeway/planner/edge_certifier.h"
+#include "leeway/planner/ompl_state_space.h"
+#include "leeway/planner/plan.h"
+#include "leeway/planner/simplify.h"
+#include "leeway/robots/input_error.h"
+#include "leeway/robots/kinematics.h"
+#include "planner/space/ompl_lock.h"
+#include "planner/space/ompl_planners.h"
+
+namespace leeway::tools::report {
+namespace {
+
+namespace ob = ompl::base;
+namespace og = ompl::geometric;
+using Clock = std::chrono::steady_clock;
+using Rows = std::vector<std::vector<double>>;
+
+double secondsSince(Clock::time_point begin) {
+  return std::chrono::duration<double>(Clock::now() - begin).count();
+}
+
+/// A state of our space, seen by the rival's checker.
+class RivalValidity : public ob::StateValidityChecker {
+ public:
+  RivalValidity(const ob::SpaceInformationPtr& information, const planner::CompiledScene& scene,
+                StateChecker& checker)
+      : StateValidityChecker(information),
+        scene_(scene),
+        checker_(checker),
+        q_(scene.model().variables.size()),
+        X_WL_(scene.model().links.size()),
+        X_WB_(scene.scene().bodies().size()) {}
+
+  bool isValid(const ob::State* state) const override {
+    if (!si_->satisfiesBounds(state)) return false;
+    const auto& space = static_cast<const planner::OmplStateSpace&>(*si_->getStateSpace());
+    scene_.expand(space.point(state), q_);
+    robots::forwardKinematics(scene_.model(), q_, X_WL_);
+    for (std::size_t b = 0; b < X_WB_.size(); ++b)
+      if (const int link = scene_.bodyLink(static_cast<int>(b)); link >= 0)
+        X_WB_[b] = X_WL_[static_cast<std::size_t>(link)];
+    return checker_.isFree(X_WB_);
+  }
+
+ private:
+  const planner::CompiledScene& scene_;
+  StateChecker& checker_;
+  mutable std::vector<double> q_;
+  mutable std::vector<robots::Pose> X_WL_, X_WB_;
+};
+
+std::vector<double> startOf(const planner::Problem& problem) {
+  std::vector<double> start;
+  for (const int v : problem.robot.variables)
+    start.push_back(problem.start[static_cast<std::size_t>(v)]);
+  return start;
+}
+
+/// Goals that are single configurations.
+Rows pointsOf(const planner::Problem& problem) {
+  Rows points;
+  for (const planner::Goal& goal : problem.goals) {
+    const bool single = !goal.ranges.empty() && goal.poses.empty() &&
+                        std::all_of(goal.ranges.begin(), goal.ranges.end(),
+                                    [](const auto& range) { return range.first == range.second; });
+    if (!single) continue;
+    points.emplace_back();
+    for (const auto& range : goal.ranges) points.back().push_back(range.first);
+  }
+  return points;
+}
+
+bool collides(planner::EdgeCertifier& certifier, const Rows& path) {
+  for (std::size_t i = 1; i < path.size(); ++i)
+    if (certifier.certify(path[i - 1], path[i], planner::EdgeRequest::persistent()).verdict ==
+        collision::Verdict::kNotFree)
+      return true;
+  return false;
+}
+
+/// OMPL's RRTConnect and simplifier in steps.
+class RivalPlan {
+ public:
+  RivalPlan(std::shared_ptr<const planner::CompiledScene> scene, StateChecker& checker,
+            const PlanningReportOptions& options, std::uint64_t seed)
+      : scene_(std::move(scene)), seed_(seed) {
+    space_ = std::make_shared<planner::OmplStateSpace>(
+        std::shared_ptr<const planner::ConfigurationSpace>(scene_, &scene_->space()), seed);
+    information_ = std::make_shared<ob::SpaceInformation>(space_);
+    information_->setStateValidityChecker(
+        std::make_shared<RivalValidity>(information_, *scene_, checker));
+    information_->setMotionValidator(std::make_shared<ob::DiscreteMotionValidator>(information_));
+    information_->setStateValidityCheckingResolution(options.resolution);
+    information_->setup();
+  }
+
+  Rows run(const std::vector<double>& start, const Rows& goals, double time, PlanningRow& row) {
+    const auto begin = Clock::now();
+    auto definition = std::make_shared<ob::ProblemDefinition>(information_);
+    const auto state = [&](const std::vector<double>& point) {
+      ob::ScopedState<planner::OmplStateSpace> s(space_);
+      std::copy(point.begin(), point.end(), space_->point(s.get()).begin());
+      return s;
+    };
+    definition->addStartState(state(start));
+    const auto goal = std::make_shared<ob::GoalStates>(information_);
+    for (const std::vector<double>& point : goals) goal->addState(state(point));
+    definition->setGoal(goal);
+    std::optional<og::RRTConnect> planner;
+    std::optional<og::PathSimplifier> simplifier;
+    {
+      const std::lock_guard<std::recursive_mutex> lock(planner::omplSeedLock());
+      planner::seedOmpl(seed_);
+      planner.emplace(information_);
+      simplifier.emplace(information_);
+    }
+    planner->setProblemDefinition(definition);
+    planner->setup();
+    planner->solve(ob::timedPlannerTerminationCondition(time));
+    row.plan_s = secondsSince(begin);
+    row.status = definition->hasExactSolution() ? "solved" : "unsolved";
+    if (!row.solved()) return {};
+    auto path = std::static_pointer_cast<og::PathGeometric>(definition->getSolutionPath());
+    const auto simplify = Clock::now();
+    simplifier->simplify(*path, std::max(0.0, time - row.plan_s), true);
+    row.simplify_s = secondsSince(simplify);
+    Rows rows;
+    for (const ob::State* s : path->getStates()) {
+      const auto point = space_->point(s);
+      rows.emplace_back(point.begin(), point.end());
+    }
+    return rows;
+  }
+
+ private:
+  std::shared_ptr<const planner::CompiledScene> scene_;
+  std::uint64_t seed_;
+  std::shared_ptr<planner::OmplStateSpace> space_;
+  ob::SpaceInformationPtr information_;
+};
+
+PlanningRow ours(const PlanningProblem& named, std::uint64_t seed, double time, Rows& path) {
+  planner::Problem problem = named.problem;
+  problem.seed = seed;
+  problem.limits.time = time;
+  const planner::PlanResult result = planner::plan(problem);
+  PlanningRow row{named.name, named.set, "Leeway", seed};
+  row.status = planner::toString(result.status);
+  row.compile_s = result.compile_s, row.plan_s = result.plan_s;
+  row.simplify_s = result.simplify_s, row.improve_s = result.improve_s;
+  row.push_s = result.push_s, row.certify_s = result.certify_s;
+  row.iterations = result.iterations, row.length = result.length;
+  path = result.path.positions;
+  return row;
+}
+
+/// Behind our plan, whose last point is a goal where the problem has none that is a single one.
+PlanningRow theirs(const PlanningProblem& named, const StateEngine& engine,
+                   const PlanningReportOptions& options, std::uint64_t seed, const Rows& path) {
+  PlanningRow row{named.name, named.set,
+                  fmt::format("RRTConnect, {} at {:g} %", engine.name(), 100 * options.resolution),
+                  seed};
+  row.status = "left out";
+  Rows goals = pointsOf(named.problem);
+  if (goals.empty() && !path.empty()) goals.push_back(path.back());
+  if (goals.empty()) return row;
+  planner::Problem problem = named.problem;
+  problem.margins = {};
+  const auto scene = std::make_shared<const planner::CompiledScene>(problem);
+  const auto begin = Clock::now();
+  const auto checker = engine.prepare(scene->scene());
+  if (!checker) return row;
+  row.compile_s = secondsSince(begin);
+  const planner::QuietOmpl quiet;
+  RivalPlan plan(scene, *checker, options, seed);
+  const Rows rows = plan.run(startOf(problem), goals, options.time, row);
+  if (!row.solved()) return row;
+  row.length = planner::pathLength(scene->space(), rows);
+  planner::EdgeCertifier certifier(scene);
+  row.colliding = collides(certifier, rows);
+  return row;
+}
+
+}  // namespace
+
+std::vector<PlanningRow> measurePlanning(const std::vector<PlanningProblem>& problems,
+                                         const std::vector<const StateEngine*>& rivals,
+                                         const PlanningReportOptions& options) {
+  std::vector<PlanningRow> rows;
+  for (std::size_t i = 0; i < problems.size(); ++i)
+    for (int k = 0; k < options.seeds; ++k) {
+      const PlanningProblem& named = problems[i];
+      const std::uint64_t seed = options.seed + static_cast<std::uint64_t>(k);
+      if (options.progress)
+        options.progress(fmt::format("{} of {}, seed {}", i + 1, problems.size(), seed));
+      Rows path;
+      rows.push_back(ours(named, seed, options.time, path));
+      if (rows.back().solved()) {
+        const auto scene = std::make_shared<const planner::CompiledScene>(named.problem);
+        planner::EdgeCertifier certifier(scene);
+        rows.back().colliding = collides(certifier, path);
+      }
+      for (const StateEngine* engine : rivals)
+        rows.push_back(theirs(named, *engine, options, seed, path));
+    }
+  return rows;
+}
+
+}  // namespace leeway::tools::report
