@@ -277,6 +277,9 @@ constexpr double kShortestRange = 1e-4;
 /// through them, rooms are not. Of 0.25 to 1.2 those of 0.75 and above did best; the share of the
 /// extent alone took several times the iterations.
 constexpr double kBodyTurn = 1;
+/// But at least this share of the extent, or a small body would take too many steps to get
+/// anywhere.
+constexpr double kLeastBodyRange = 0.03;
 
 /// The dynamic domain of Connect: a node's radius after its first failure and the least one, in
 /// ranges, and the share by which it shrinks and grows (4, 1 and 1e-4 as in VAMP's).

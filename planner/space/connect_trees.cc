@@ -62,10 +62,9 @@ double defaultRange(const ConfigurationSpace& space) {
   double dimension = 0;
   for (const ConfigurationSpace::Part& part : space.parts())
     dimension += part.kind == ConfigurationSpace::Kind::kRotation ? 3 : 1;
-  const double range =
-      usefulExtent(space) * std::min(kLongestRange, kRangeShare / (dimension * dimension));
-  const double turn = bodyTurn(space);
-  return turn > 0 ? std::min(range, turn * kBodyTurn) : range;
+  const double extent = usefulExtent(space), turn = bodyTurn(space) * kBodyTurn;
+  const double range = extent * std::min(kLongestRange, kRangeShare / (dimension * dimension));
+  return turn > 0 ? std::min(range, std::max(turn, extent * kLeastBodyRange)) : range;
 }
 
 ConnectTrees::ConnectTrees(const ConnectTask& task, const ConnectSettings& settings,

@@ -29,7 +29,7 @@ struct ConnectTask {
 double usefulExtent(const ConfigurationSpace& space);
 
 /// A range where none is given, in the space's distance: shorter with more joints, because fewer of
-/// the long edges are free then; of a free body not above kBodyTurn, however large the world is.
+/// the long edges are free then; of a free body what kBodyTurn moves it by, within limits.
 /// O(parts).
 double defaultRange(const ConfigurationSpace& space);
 

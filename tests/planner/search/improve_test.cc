@@ -19,6 +19,7 @@ PlanResult planCorridor(std::uint64_t seed, const std::map<std::string, std::str
   Problem problem = test::corridorProblem();
   problem.seed = seed;
   problem.planner.parameters = parameters;
+  problem.planner.parameters.emplace("range", "0.9");  // long enough to jump the narrow way
   problem.limits.time = 0;
   problem.limits.iterations = 20000;
   return plan(problem);
@@ -43,7 +44,7 @@ TEST(Improve, FindsTheShorterWay) {
 
 TEST(Improve, TellsOfEachBetterPath) {
   Problem problem = test::corridorProblem();
-  problem.planner.parameters = {{"improve", "1000"}};
+  problem.planner.parameters = {{"improve", "1000"}, {"range", "0.9"}};
   problem.planner.push = false;
   problem.limits.time = 0;
   problem.limits.iterations = 20000;

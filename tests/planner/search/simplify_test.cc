@@ -21,7 +21,7 @@ Path_ zigzag(EdgeCertifier& certifier, std::uint64_t seed) {
   Random random(seed);
   Path_ path = {{-1, -1, 0}};
   const std::vector<std::vector<double>> by = {
-      {-0.6, 0.5, 1}, {-0.3, 1.2, -1}, {0.3, 1.2, 1}, {0.7, 0.2, 2}, {0.8, -0.5, 0}};
+      {-1.3, 0.5, 1}, {-0.3, 1.2, -1}, {0.3, 1.2, 1}, {0.7, 0.2, 2}, {0.8, -0.5, 0}};
   for (const std::vector<double>& b : by) {
     for (int tries = 0; tries < 100; ++tries) {
       std::vector<double> q = {b[0] + random.uniform(-0.1, 0.1), b[1] + random.uniform(-0.05, 0.05),
