@@ -177,7 +177,8 @@ CLI::App* addPlanning(CLI::App* app, const std::shared_ptr<ReportPlanningArgumen
       ->capture_default_str();
   planning->add_flag("--no-rivals", arguments->no_rivals, "ours alone");
   planning->add_flag("--json", arguments->json, "one JSON document");
-  planning->footer("Example:\n  leeway report planning problems/bodies --output /tmp/report");
+  planning->footer(
+      "Example:\n  leeway report planning problems/bodies --time 2 --output /tmp/report");
   return planning;
 }
 
