@@ -113,9 +113,9 @@ void blendPoint(const ConfigurationSpace& space, std::span<const double> corner,
                 std::span<const double> before, std::span<const double> after, double length,
                 double t, std::span<double> result) {
   const double a = length * (1 - t) * (1 - t) / norm(before), b = length * t * t / norm(after);
-  std::vector<double> way(corner.size());
-  for (std::size_t i = 0; i < way.size(); ++i) way[i] = b * after[i] - a * before[i];
-  space.advance(corner, way, 1, result);
+  // Each number of the result depends on its own of these alone: there are no rotations.
+  for (std::size_t i = 0; i < corner.size(); ++i) result[i] = b * after[i] - a * before[i];
+  space.advance(corner, result, 1, result);
 }
 
 std::vector<Blend> certifiedBlends(const std::shared_ptr<const CompiledScene>& scene,

@@ -66,12 +66,18 @@ RestToRest::State RestToRest::at(double time) const {
   return {1 - back.way, back.speed, -back.acceleration};
 }
 
-std::vector<double> RestToRest::knots() const {
-  std::vector<double> result;
+std::array<double, 8> RestToRest::knotArray() const {
   const double end = duration();
-  for (const double time : {0.0, ramp_, rise_ - ramp_, rise_, rise_ + cruise_,
-                            rise_ + cruise_ + ramp_, end - ramp_, end})
-    if (result.empty() || time > result.back()) result.push_back(time);
+  std::array<double, 8> times = {
+      0, ramp_, rise_ - ramp_, rise_, rise_ + cruise_, rise_ + cruise_ + ramp_, end - ramp_, end};
+  for (std::size_t i = 1; i < times.size(); ++i) times[i] = std::max(times[i], times[i - 1]);
+  return times;
+}
+
+std::vector<double> RestToRest::knots() const {
+  const std::array<double, 8> times = knotArray();
+  std::vector<double> result(times.begin(), times.end());
+  result.erase(std::unique(result.begin(), result.end()), result.end());
   return result;
 }
 

@@ -34,7 +34,7 @@ Trajectory::Place Trajectory::placeOn(const Stretch& stretch, double time) const
   if (stretch.profile) {
     double since = time - stretch.start;
     // Rounding must not put a time before its knot.
-    for (const double knot : stretch.profile->knots())
+    for (const double knot : stretch.profile->knotArray())
       if (stretch.start + knot <= time) since = std::max(since, knot);
     const RestToRest::State state = stretch.profile->at(since);
     const int last = stretch.first_edge + stretch.edges - 1;

@@ -9,6 +9,7 @@
 
 #include "leeway/planner/edge_certifier.h"
 #include "leeway/planner/problem.h"
+#include "tests/support/allocations.h"
 #include "tests/support/build_paths.h"
 
 namespace leeway::planner {
@@ -202,6 +203,15 @@ TEST_F(TrajectoryTest, BlendsKeepTheLimitsAndDoNotJump) {
   const double h = trajectory.duration() / steps;
   trajectory.configuration(0, before);
   trajectory.velocity(0, before_rate);
+  const std::size_t allocated = collision::testing::allocationCount();
+  for (const Trajectory* each : {&trajectory, &stopping})
+    for (int k = 0; k <= 1000; ++k) {
+      const double time = each->duration() * k / 1000;
+      each->configuration(time, q);
+      each->velocity(time, rate);
+      each->acceleration(time, second);
+    }
+  EXPECT_EQ(collision::testing::allocationCount(), allocated) << "a controller samples them";
   int on_blends = 0, at_a_limit = 0;
   for (int k = 1; k <= steps; ++k) {
     const double time = k * h;

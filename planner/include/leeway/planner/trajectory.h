@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <memory>
 #include <optional>
 #include <span>
@@ -42,6 +43,8 @@ class RestToRest {
   State at(double time) const;
   /// Times at which acceleration or its derivative jumps, both ends included, ascending [s].
   std::vector<double> knots() const;
+  /// The same without allocation: some may stand several times.
+  std::array<double, 8> knotArray() const;
 
  private:
   State rising(double time) const;
@@ -112,10 +115,11 @@ class Trajectory {
   Place place(double time) const;
   /// The time at t in [0, 1] of an edge [s]; nothing where a blend cuts it off. O(waypoints).
   std::optional<double> passes(int edge, double t) const;
-  /// The configuration at `time` [s] (held before 0 and after duration()); O(log waypoints).
+  /// The configuration at `time` [s] (held before 0 and after duration()). These three neither
+  /// allocate nor throw, and may be called from several threads; O(log waypoints).
   void configuration(double time, std::span<double> q) const;
   /// The configuration's first and second derivative, in the numbers of space.difference()
-  /// (rotations: of a rotation vector). O(log waypoints).
+  /// (rotations: of a rotation vector).
   void velocity(double time, std::span<double> rate) const;
   void acceleration(double time, std::span<double> second) const;
 
