@@ -34,7 +34,8 @@ class FclChecker : public StateChecker {
     for (const collision::Body& body : scene.bodies()) {
       first_.push_back(parts_.size());
       for (const collision::Geometry& geometry : body.geometries) {
-        parts_.push_back({makeGeometry(geometry.shape), {}, {}, geometry.shape.boundingRadius()});
+        parts_.push_back({makeGeometry(geometry.shape), fcl::Transform3d::Identity(),
+                          Eigen::Vector3d::Zero(), geometry.shape.boundingRadius()});
         complete_ = complete_ && parts_.back().shape;
       }
       if (!body.moving) place(parts_.size() - body.geometries.size(), body, body.X_WB);
