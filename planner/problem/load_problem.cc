@@ -312,6 +312,8 @@ Objective readObjective(const YamlReader& objective) {
           fmt::format("{} '{}' is not known; world or all is expected", of->where(), of->text()));
     maximum.of = of->text() == "all" ? Pairs::kAll : Pairs::kWorld;
   }
+  if (const auto longer = clearance->find("at_most_longer"))
+    maximum.at_most_longer = longer->sizeNumber();
   return maximum;
 }
 

@@ -15,6 +15,9 @@
 // demand half as much more; where that becomes too little to matter, double the budget and start
 // from half of the way again. This climbs much faster than a tree that measures the clearance of
 // every edge: an edge that is not good enough is refused by the first bound that says so.
+//
+// Where a path's length is limited, too, each path that is found is simplified in its raised scene,
+// and one that is too long counts as not found.
 
 namespace leeway::planner {
 namespace {
@@ -33,6 +36,9 @@ constexpr double kClimbShare = 0.85;
 constexpr double kShorterGain = 2e-3;
 constexpr int kShorterFailures = 12;
 
+/// Paths of which the shortest says how long a safer one may be [count].
+constexpr int kShortestRuns = 8;
+
 class ClearanceSearch {
  public:
   ClearanceSearch(const std::shared_ptr<const CompiledScene>& scene, Search& search,
@@ -41,6 +47,7 @@ class ClearanceSearch {
         search_(search),
         task_(task),
         objective_(std::get<MaximumClearance>(task.problem.objective)),
+        is_limited_(std::isfinite(objective_.at_most_longer)),
         bound_(bound),
         near_(std::clamp(kNearBound * bound, kNearestBound, kClearanceTolerance)) {}
 
@@ -49,6 +56,7 @@ class ClearanceSearch {
     pushTowardsBound();
     climb();
     if (task_.problem.planner.simplify) shorten();
+    best_.longest = longest();
     return std::move(best_);
   }
 
@@ -66,6 +74,9 @@ class ClearanceSearch {
   bool isOver() { return task_.limits.searchOver(); }
   bool isClimbOver() { return isOver() || task_.limits.isPast(kClimbShare); }
   double length(const Waypoints& path) const { return pathLength(scene_->space(), path); }
+  double longest() const {
+    return is_limited_ ? (1 + objective_.at_most_longer) * best_.shortest : kInfinity;
+  }
   double halfway() const { return best_.clearance + (bound_ - best_.clearance) / 2; }
 
   std::optional<Waypoints> find(Search& search, std::uint64_t budget) {
@@ -80,11 +91,23 @@ class ClearanceSearch {
     simplify(certifier, path, options);
   }
 
+  /// Where the length is limited, the shortest of some.
   bool findFirst() {
-    auto path = find(search_, 0);
-    if (!path) return false;
-    shortenPath(search_.certifier(), *path);
-    best_.path = std::move(*path);
+    double shortest = kInfinity;
+    for (int run = 0; run < (is_limited_ ? kShortestRuns : 1); ++run) {
+      if (run > 0 && isClimbOver()) break;
+      auto path = find(search_, run > 0 ? kFirstBudget : 0);
+      if (!path) {
+        if (run == 0) return false;
+        continue;
+      }
+      shortenPath(search_.certifier(), *path);
+      const double its = length(*path);
+      if (run > 0 && !(its < shortest)) continue;
+      shortest = its;
+      best_.path = std::move(*path);
+    }
+    if (is_limited_) best_.shortest = shortest;
     best_.clearance = measured(best_.path);
     pushAsPlain();
     return true;
@@ -97,7 +120,7 @@ class ClearanceSearch {
   PushOptions pushOptions() {
     PushOptions options;
     options.pairs = objective_.of;
-    options.longest = kInfinity;
+    options.longest = longest();
     options.stop = [this] { return isOver(); };
     return options;
   }
@@ -154,8 +177,10 @@ class ClearanceSearch {
   bool reach(double demand, std::uint64_t budget) {
     Raised wider(*scene_, objective_.of, demand, task_);
     auto path = find(wider.search, budget);
+    if (path && is_limited_) shortenPath(wider.pool->local().certifier, *path);
     count(wider);
-    if (!path) return false;
+    if (!path || !(length(*path) <= longest())) return false;
+    if (is_limited_) best_.shortest = std::min(best_.shortest, length(*path));
     best_.path = std::move(*path);
     best_.clearance = std::max(demand, measured(best_.path));
     return true;
@@ -180,6 +205,7 @@ class ClearanceSearch {
       best_.path = std::move(*path);
       failures = -1;
     }
+    if (is_limited_) best_.shortest = std::min(best_.shortest, shortest);
     count(wider);
   }
 
@@ -192,8 +218,9 @@ class ClearanceSearch {
   Search& search_;
   const SearchTask& task_;
   const MaximumClearance& objective_;
-  double bound_;  ///< no path keeps more [m]
-  double near_;   ///< the search ends so much below it [m]
+  bool is_limited_;  ///< the path's length is
+  double bound_;     ///< no path keeps more [m]
+  double near_;      ///< the search ends so much below it [m]
   std::uint64_t runs_ = 0;
   ClearancePath best_;
 };

@@ -167,12 +167,16 @@ class Plan {
     const double bound = clearanceBound();
     result_.clearance_bound = bound;
     Search search(scene_, pool_, task);
-    if (traits_->optimizing && traits_->any_cost)
+    const bool is_limited =
+        std::isfinite(std::get<MaximumClearance>(problem_.objective).at_most_longer);
+    if (traits_->optimizing && traits_->any_cost && !is_limited)
       return search.widest(problem_.seed, bound - kClearanceTolerance).value_or(Waypoints{});
     auto widest = searchClearance(scene_, search, task, bound);
     work_ += search.work();
     if (!widest) return {};
     work_ += widest->work;
+    result_.shortest_length = widest->shortest;
+    longest_ = widest->longest;
     kept_ = widest->clearance;
     simplified_ = widest->simplified;
     return std::move(widest->path);
@@ -320,7 +324,8 @@ class Plan {
     if (!kept_ || !std::isfinite(*kept_) || limits_.over()) return;
     PushElsewhereOptions options;
     options.kept = *kept_;
-    options.longest = (1 + kElsewhereLonger) * pathLength(scene_->space(), path);
+    options.longest =
+        std::min(longest_, (1 + kElsewhereLonger) * pathLength(scene_->space(), path));
     options.pairs = clearanceOf();
     options.stop = [this] { return limits_.over(); };
     work_ += planner::pushElsewhere(scene_, certifier(), path, options);
@@ -338,6 +343,7 @@ class Plan {
   EdgeCertifier::Statistics work_;
   double pushed_ = 0;           ///< clearance from the world that the path was pushed to [m]
   std::optional<double> kept_;  ///< clearance that a search for clearance has won [m]
+  double longest_ = kInfinity;  ///< length that its path may have
   bool simplified_ = false;     ///< its path is
   PlanResult result_;
 };

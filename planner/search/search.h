@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -79,6 +80,9 @@ class Search {
 struct ClearancePath {
   Waypoints path;
   double clearance = 0;  ///< certified lower bound [m]
+  /// Of MaximumClearance::at_most_longer: the shortest path's length; otherwise infinity.
+  double shortest = std::numeric_limits<double>::infinity();
+  double longest = std::numeric_limits<double>::infinity();  ///< length that the path may have
   bool simplified = false;
   EdgeCertifier::Statistics work = {};  ///< of the searches with raised margins
 };

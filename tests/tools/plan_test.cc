@@ -118,6 +118,21 @@ TEST_F(Plan, PushesUnlessToldNotToAndKeepsAFloor) {
   EXPECT_EQ(run("plan reach.yaml --keep 0.03 --objective clearance").status, 2);
 }
 
+TEST_F(Plan, IsAsSafeAsItsLengthAllows) {
+  const std::string pick = "plan '" + leeway::sourceFolder() + "/problems/bin/pick.yaml' --json ";
+  const json plain = run(pick).document();
+  EXPECT_TRUE(plain["shortest_length"].is_null());
+  const json safe = run(pick + "--at-most-longer 0.2 --time 0.2").document();
+  EXPECT_EQ(safe["objective"], "clearance");
+  EXPECT_LE(safe["length"].get<double>(), 1.2 * safe["shortest_length"].get<double>() + 1e-9);
+  EXPECT_GE(safe["certificate"]["world"]["clearance_lower"],
+            plain["certificate"]["world"]["clearance_lower"]);
+  for (const char* wrong : {"--at-most-longer -1", "--at-most-longer 0.2 --objective length",
+                            "--at-most-longer 0.2 --keep 0.03"}) {
+    EXPECT_EQ(run(pick + wrong).status, 2) << wrong;
+  }
+}
+
 TEST_F(Plan, WritesTrajectories) {
   const Answer stop = run("plan reach.yaml --json --trajectory stop.json");
   EXPECT_EQ(stop.status, 0) << stop.err;

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <map>
 #include <set>
 #include <string_view>
@@ -235,9 +236,14 @@ push: false
   const Problem wide = load(base + "objective: {clearance: {of: all}}\n");
   ASSERT_TRUE(std::holds_alternative<MaximumClearance>(wide.objective));
   EXPECT_EQ(std::get<MaximumClearance>(wide.objective).of, Pairs::kAll);
+  EXPECT_EQ(std::get<MaximumClearance>(wide.objective).at_most_longer,
+            std::numeric_limits<double>::infinity());
+  const Problem limited = load(base + "objective: {clearance: {at_most_longer: 0.2}}\n");
+  EXPECT_EQ(std::get<MaximumClearance>(limited.objective).at_most_longer, 0.2);
   for (const char* wrong :
        {"objective: {length: {clearance: -1}}\n", "objective: {clearance: {of: me}}\n",
-        "objective: {}\n", "objective: {length: {}, clearance: {}}\n",
+        "objective: {clearance: {at_most_longer: -0.1}}\n", "objective: {}\n",
+        "objective: {length: {}, clearance: {}}\n",
         "margins: [{between: [robot, thing], margin: 0}]\n"})
     EXPECT_THROW(load(base + wrong), robots::InputError) << wrong;
   for (const char* wrong :

@@ -88,6 +88,28 @@ TEST(WidestPathAlone, EndsWhenStartOrGoalAllowsNoMore) {
   EXPECT_NEAR(result.certificate.clearance.lower, 0.05, 2e-3);
 }
 
+TEST(WidestPathAlone, IsNoLongerThanItMayBe) {
+  Problem problem = test::corridorProblem();
+  problem.limits.time = 0;
+  problem.limits.iterations = 20000;
+  const PlanResult plain = plan(problem);
+  ASSERT_EQ(plain.status, PlanStatus::kSolved);
+  double before = 0;
+  for (const double longer : {0.0, 0.1, 1.0}) {
+    problem.objective = MaximumClearance{Pairs::kWorld, longer};
+    const PlanResult result = plan(problem);
+    expectHonest(problem, result);
+    EXPECT_LE(result.length, (1 + longer) * result.shortest_length * (1 + 1e-12));
+    EXPECT_LE(result.shortest_length, 1.05 * plain.length);
+    EXPECT_GE(result.certificate.clearance.lower, before) << longer;
+    before = result.certificate.clearance.lower;
+    if (longer < 0.2) {
+      EXPECT_LT(before, 0.35) << "as far as the length allows";
+    }
+  }
+  EXPECT_GT(before, 0.4) << "in the wide passage";
+}
+
 TEST(WidestPathAlone, BudgetThatIsLeftMakesItShorter) {
   Problem problem = test::problemOf(test::disc(), {-1, 0, 0}, {1, 0, 0});
   problem.world.objects.push_back(test::box("post", {0.1, 0.1, 0.5}, 0, 0.25, 0));

@@ -366,6 +366,7 @@ Json optionsJson(const Arguments& arguments) {
   if (overrides.keep) options["keep"] = *overrides.keep;
   if (overrides.no_push) options["push"] = false;
   add("objective", overrides.objective);
+  if (overrides.at_most_longer) options["at_most_longer"] = *overrides.at_most_longer;
   if (overrides.certificate != "path") options["certificate"] = overrides.certificate;
   if (arguments.repeat != 1) options["repeat"] = arguments.repeat;
   if (arguments.verify) options["verify"] = true;

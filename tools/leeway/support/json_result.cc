@@ -107,6 +107,7 @@ Json toJson(const planner::Problem& problem, const planner::PlanResult& result,
       result.goal >= 0 ? Json(problem.goals[static_cast<std::size_t>(result.goal)].name) : Json();
   document["path"] = Json();
   document["length"] = Json();
+  document["shortest_length"] = jsonNumber(result.shortest_length);
   document["clearance_bound"] = jsonNumber(result.clearance_bound);
   document["certificate"] = Json();
   document["trajectory"] = Json();

@@ -205,6 +205,11 @@ void addPlanOverrides(CLI::App& app, PlanOverrides& overrides) {
   app.add_option("--keep", overrides.keep,
                  "the shortest path that keeps this clearance from the world [m]")
       ->type_name("METRES");
+  app.add_option(
+         "--at-most-longer", overrides.at_most_longer,
+         "the safest path that is at most so much longer than the shortest found: 0.2 for a "
+         "fifth")
+      ->type_name("SHARE");
   app.add_flag("--no-push", overrides.no_push, "leave a simplified path where it hugs obstacles");
   app.add_option("--certificate", overrides.certificate,
                  "path: the path's least clearance to three tenths, as far as a little work "
@@ -337,6 +342,21 @@ void apply(const PlanOverrides& overrides, planner::Problem& problem) {
                       *overrides.keep));
     }
     length->clearance = *overrides.keep;
+  }
+  if (overrides.at_most_longer) {
+    if (overrides.objective.empty() && !overrides.keep &&
+        !std::holds_alternative<planner::MaximumClearance>(problem.objective)) {
+      problem.objective = planner::MaximumClearance{};
+    }
+    auto* clearance = std::get_if<planner::MaximumClearance>(&problem.objective);
+    if (clearance == nullptr || !(*overrides.at_most_longer >= 0) ||
+        std::isinf(*overrides.at_most_longer)) {
+      badUsage(fmt::format(
+          "--at-most-longer {}: a share of at least 0 is expected, beside the objective "
+          "clearance alone",
+          *overrides.at_most_longer));
+    }
+    clearance->at_most_longer = *overrides.at_most_longer;
   }
   if (overrides.no_push) problem.planner.push = false;
 }

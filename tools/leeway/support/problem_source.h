@@ -31,6 +31,7 @@ struct PlanOverrides {
   std::optional<std::int64_t> iteration_limit;
   std::string planner, objective, workers, improve;
   std::optional<double> keep;  ///< clearance from the world [m]
+  std::optional<double> at_most_longer;
   bool no_push = false;
   std::string certificate = "path";
 };

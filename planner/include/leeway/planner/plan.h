@@ -83,6 +83,9 @@ struct PlanResult {
   Path path;          ///< empty unless solved
   int goal = -1;      ///< index of the goal reached
   double length = 0;  ///< in the space's distance
+  /// MaximumClearance::at_most_longer: length of the shortest path that was found; otherwise
+  /// infinity.
+  double shortest_length = std::numeric_limits<double>::infinity();
   /// MaximumClearance: no path has more than that, because its start or its goals have not [m].
   double clearance_bound = std::numeric_limits<double>::infinity();
   Certificate certificate;

@@ -173,6 +173,9 @@ struct MinimumLength {
 /// The path whose least clearance is largest.
 struct MaximumClearance {
   Pairs of = Pairs::kWorld;  ///< the others keep their margins
+  /// How much longer the path may be than the shortest that is found, as a share of that one's
+  /// length.
+  double at_most_longer = std::numeric_limits<double>::infinity();
 };
 /// What the planner optimises.
 using Objective = std::variant<MinimumLength, MaximumClearance>;
@@ -186,7 +189,8 @@ struct PlannerChoice {
   std::map<std::string, std::string> parameters;  ///< by OMPL's names
   bool simplify = true;                           ///< the path that it finds
   /// Where length is the objective: a simplified path is pushed off what it hugs, by up to
-  /// 8 mm, and gets no more than 3 % longer. About 0.25 ms.
+  /// 8 mm, and gets no more than 3 % longer. About 0.25 ms. Where clearance is: also where the path
+  /// keeps more than its least clearance.
   bool push = true;
 };
 
