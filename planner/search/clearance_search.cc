@@ -108,7 +108,6 @@ class ClearanceSearch {
       best_.path = std::move(*path);
     }
     if (is_limited_) best_.shortest = shortest;
-    best_.clearance = measured(best_.path);
     pushAsPlain();
     return true;
   }
@@ -129,10 +128,11 @@ class ClearanceSearch {
   void pushAsPlain() {
     PushOptions options = pushOptions();
     options.target = std::min(kPushClearance, bound_ - near_);
-    options.least = std::max(kPushLeast, best_.clearance);
+    options.least = kPushLeast;
     options.work = kPushWork;
-    const double reached = push(search_.certifier(), best_.path, options);
-    best_.clearance = std::max(best_.clearance, reached);
+    best_.clearance = push(search_.certifier(), best_.path, options);
+    // Only then: to measure a path that hugs something is dear.
+    if (!(best_.clearance > 0)) best_.clearance = measured(best_.path);
   }
 
   /// Raises the clearance by moving waypoints alone: first to the bound, then by halves of what is
