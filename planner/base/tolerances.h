@@ -386,6 +386,64 @@ constexpr double kPushGap = 1e-7;
 constexpr double kLeastPushGradient = 1e-8;
 constexpr double kPushDifference = 1e-6;
 
+/// A place with more of an edge than this on one side is at its other end: that limits the path
+/// where it is an end of the path.
+constexpr double kAtEnd = 0.98;
+
+// Searching for clearance
+
+/// A search for clearance ends this share of the bound below it, at most kClearanceTolerance and
+/// not nearer than the second [m]: where ends leave 7 mm, 1 mm is much.
+constexpr double kNearBound = 0.02;
+constexpr double kNearestBound = 5e-5;
+
+/// The share of the limits after which the rest is left to shorter paths of the same clearance;
+/// what one of these must gain, as a share of the length, and how many in a row may fail to
+/// [count].
+constexpr double kClimbShare = 0.85;
+constexpr double kShorterGain = 2e-3;
+constexpr int kShorterFailures = 12;
+
+/// Paths of which the shortest says how long a safer one may be [count].
+constexpr int kShortestRuns = 8;
+
+/// How near the most that start and goals leave is known [m], and how much longer a path for
+/// clearance may get by pushes where it is not limited.
+constexpr double kEndTolerance = 1e-5;
+constexpr double kElsewhereLonger = 0.1;
+
+// Pushing what does not limit a path's least clearance
+
+/// Places of a part that are looked at [count], and how near their clearance is known [m].
+constexpr int kElsewhereSamples = 48;
+constexpr double kElsewhereTolerance = 2e-4;
+/// Targets grow by the first factor, as long as the ends of what is pushed have them, times the
+/// second; tries of one target [count], each less by half, and what one must gain, as a share.
+constexpr double kElsewhereGrowth = 1.5;
+constexpr double kElsewhereEnds = 0.95;
+constexpr int kElsewhereTries = 4;
+constexpr double kElsewhereGain = 0.05;
+/// Ends of parts are looked at when they are longer than this share of the path.
+constexpr double kElsewhereShort = 0.05;
+/// How often a part is divided, and pushes in all [count]; shortcuts after one.
+constexpr int kMostDivisions = 3;
+constexpr int kMostElsewhere = 60;
+constexpr int kElsewhereShortcuts = 30;
+/// Proofs of edges that only rounding has moved allow for that [m].
+constexpr double kElsewhereRounding = 1e-7;
+
+// Improving a path once there is one
+
+/// How long the best path so far is simplified once the caller has ended a run [s]: who waits for
+/// the end does not notice.
+constexpr double kLastSimplification = 0.2;
+
+/// What a search for a shorter path must gain at least, as a share of the length.
+constexpr double kImprovement = 1e-3;
+
+/// Between the seeds of two searches for shorter paths, in runs.
+constexpr std::uint64_t kImproveRuns = 1ULL << 20;
+
 // Streams of random numbers, far from each other and beyond any number of samplers
 
 constexpr unsigned long long kGoalStream = 1ULL << 40;      ///< goals, one each

@@ -24,21 +24,6 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// A search for clearance ends this share of the bound below it, at most kClearanceTolerance and
-/// not nearer than the second [m]: where ends leave 7 mm, 1 mm is much.
-constexpr double kNearBound = 0.02;
-constexpr double kNearestBound = 5e-5;
-
-/// The share of the limits after which the rest is left to shorter paths of the same clearance;
-/// what one of these must gain, as a share of the length, and how many in a row may fail to
-/// [count].
-constexpr double kClimbShare = 0.85;
-constexpr double kShorterGain = 2e-3;
-constexpr int kShorterFailures = 12;
-
-/// Paths of which the shortest says how long a safer one may be [count].
-constexpr int kShortestRuns = 8;
-
 class ClearanceSearch {
  public:
   ClearanceSearch(const std::shared_ptr<const CompiledScene>& scene, Search& search,

@@ -25,20 +25,6 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// How long the best path so far is simplified once the caller has ended a run [s]: who waits for
-/// the end does not notice.
-constexpr double kLastSimplification = 0.2;
-
-/// How near the most that start and goals leave is known [m], and how much longer a path for
-/// clearance may get by pushes where it is not limited.
-constexpr double kEndTolerance = 1e-5;
-constexpr double kElsewhereLonger = 0.1;
-/// What a search for a shorter path must gain at least, as a share of the length.
-constexpr double kImprovement = 1e-3;
-
-/// Between the seeds of two searches for shorter paths, in runs.
-constexpr std::uint64_t kImproveRuns = 1ULL << 20;
-
 /// One call of plan(), its stages in their order.
 class Plan {
  public:

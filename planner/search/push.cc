@@ -20,10 +20,6 @@ namespace {
 
 using Point = std::vector<double>;
 
-/// A place with more of an edge than this on one side is at its other end: that limits the path
-/// where it is an end of the path.
-constexpr double kAtEnd = 0.98;
-
 class Pusher {
  public:
   Pusher(EdgeCertifier& certifier, const std::vector<Point>& path, const PushOptions& options)

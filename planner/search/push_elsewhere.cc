@@ -29,24 +29,6 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// Places of a part that are looked at [count], and how near their clearance is known [m].
-constexpr int kElsewhereSamples = 48;
-constexpr double kElsewhereTolerance = 2e-4;
-/// Targets grow by the first factor, as long as the ends of what is pushed have them, times the
-/// second; tries of one target [count], each less by half, and what one must gain, as a share.
-constexpr double kElsewhereGrowth = 1.5;
-constexpr double kElsewhereEnds = 0.95;
-constexpr int kElsewhereTries = 4;
-constexpr double kElsewhereGain = 0.05;
-/// Ends of parts are looked at when they are longer than this share of the path.
-constexpr double kElsewhereShort = 0.05;
-/// How often a part is divided, and pushes in all [count]; shortcuts after one.
-constexpr int kMostDivisions = 3;
-constexpr int kMostElsewhere = 60;
-constexpr int kElsewhereShortcuts = 30;
-/// Proofs of edges that only rounding has moved allow for that [m].
-constexpr double kElsewhereRounding = 1e-7;
-
 class Elsewhere {
  public:
   Elsewhere(const std::shared_ptr<const CompiledScene>& scene, EdgeCertifier& certifier,
