@@ -225,6 +225,31 @@ TEST_F(Clearance, CollidingPathIsStatus1) {
   EXPECT_NE(run("clearance reach.yaml line.csv").out.find("Not every edge"), std::string::npos);
 }
 
+/// Each edge of a task is measured in the world of its step, as the planner proved it there.
+TEST_F(Clearance, TasksAreMeasuredStepByStep) {
+  const std::string can = "'" + leeway::sourceFolder() + "/problems/pick_place/can.yaml' ";
+  const json plan = run("plan " + can + "--certificate full --output can.json --json").document();
+  const Answer answer = run("clearance " + can + "can.json --csv can.csv --json");
+  ASSERT_EQ(answer.status, 0) << answer.err;
+  const json document = answer.document();
+  EXPECT_EQ(document["status"], "certified");
+  const json& proven = plan["certificate"]["segments"];
+  ASSERT_EQ(document["segments"].size(), proven.size());
+  std::vector<std::string> steps;
+  for (std::size_t i = 0; i < proven.size(); ++i) {
+    const json& segment = document["segments"][i];
+    EXPECT_LE(segment["clearance_lower"], proven[i]["clearance_upper"]) << i;
+    EXPECT_LE(proven[i]["clearance_lower"], segment["clearance_upper"]) << i;
+    if (steps.empty() || steps.back() != segment["step"]) steps.push_back(segment["step"]);
+  }
+  EXPECT_EQ(steps, (std::vector<std::string>{"above", "approach", "lift", "carry", "put down",
+                                             "retreat", "home"}));
+  const std::string table = read("can.csv");
+  EXPECT_NE(table.find("certified,step\n"), std::string::npos);
+  EXPECT_NE(table.find(",yes,put down\n"), std::string::npos) << table;
+  expectRefused("clearance " + can + "can.csv", {"can.csv"});
+}
+
 /// Paths in single precision miss start and goal by some 1e-8.
 TEST_F(Verify, EndsOfSinglePrecisionAreTakenWithAWarning) {
   write("short.csv", "-1.00000002,1e-8\n1,1.25\n");

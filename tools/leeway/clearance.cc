@@ -18,6 +18,7 @@
 #include "tools/leeway/support/verb.h"
 #include "tools/leeway/view/page.h"
 #include "tools/leeway/view/profile_svg.h"
+#include "tools/leeway/view/stages.h"
 
 namespace leeway::tools {
 namespace {
@@ -49,6 +50,7 @@ struct Near {
 struct Stretch {
   int segment = 0;
   double t0 = 0, t1 = 1;  ///< of the segment
+  std::string step;       ///< of a task; else empty
   Near world, self;
   Near all;  ///< the nearer of the two, with the lesser lower end
   bool keeps_margins = false;
@@ -125,28 +127,34 @@ Stretch measure(planner::EdgeCertifier& certifier, const planner::Path& path, in
   return stretch;
 }
 
-Profile measure(planner::EdgeCertifier& certifier, const planner::Path& path,
+/// Every stretch of a path in the world of its step; without steps there is one world.
+Profile measure(const std::vector<view::Stage>& stages, const planner::Path& path,
                 const Arguments& arguments, const planner::PlanOptions& options) {
   Profile profile;
-  const int segments = static_cast<int>(path.positions.size()) - 1;
-  for (int segment = 0; segment < segments; ++segment) {
-    for (int part = 0; part < arguments.parts; ++part) {
-      if (options.stop()) {
-        // What was not looked at may be anything.
-        for (Whole* whole : {&profile.all, &profile.world, &profile.self}) {
-          whole->clearance.lower = -kInfinity;
+  const auto segments = path.positions.size() - 1;
+  for (const view::Stage& stage : stages) {
+    if (stage.last == stage.first) continue;  // an object is taken or put down
+    planner::EdgeCertifier certifier(stage.scene);
+    for (int segment = stage.first; segment < stage.last; ++segment) {
+      for (int part = 0; part < arguments.parts; ++part) {
+        if (options.stop()) {
+          // What was not looked at may be anything.
+          for (Whole* whole : {&profile.all, &profile.world, &profile.self}) {
+            whole->clearance.lower = -kInfinity;
+          }
+          profile.certified = false;
+          return profile;
         }
-        profile.certified = false;
-        return profile;
+        showProgress(fmt::format("edge {} of {}", segment + 1, segments));
+        Stretch stretch = measure(certifier, path, segment, part, arguments);
+        stretch.step = stage.name;
+        const auto index = static_cast<int>(profile.stretches.size());
+        profile.all.add(stretch.all, index);
+        profile.world.add(stretch.world, index);
+        profile.self.add(stretch.self, index);
+        profile.certified = profile.certified && stretch.keeps_margins;
+        profile.stretches.push_back(std::move(stretch));
       }
-      showProgress(fmt::format("edge {} of {}", segment + 1, segments));
-      const Stretch stretch = measure(certifier, path, segment, part, arguments);
-      const auto index = static_cast<int>(profile.stretches.size());
-      profile.all.add(stretch.all, index);
-      profile.world.add(stretch.world, index);
-      profile.self.add(stretch.self, index);
-      profile.certified = profile.certified && stretch.keeps_margins;
-      profile.stretches.push_back(stretch);
     }
   }
   return profile;
@@ -172,6 +180,7 @@ Json stretchJson(const Stretch& stretch) {
   document["t0"] = stretch.t0;
   document["t1"] = stretch.t1;
   document["certified"] = stretch.keeps_margins;
+  if (!stretch.step.empty()) document["step"] = stretch.step;
   document["world"] = nearJson(stretch.world);
   document["self"] = nearJson(stretch.self);
   return document;
@@ -205,15 +214,16 @@ Json profileJson(const planner::Problem& problem, const Profile& profile) {
   return document;
 }
 
-/// One row a stretch; a field is empty where there is nothing to be near.
-void writeCsv(const std::string& file, const Profile& profile) {
+/// One row a stretch; a field is empty where there is nothing to be near. Of a task, the last
+/// column names the step.
+void writeCsv(const std::string& file, const Profile& profile, bool steps) {
   std::string text = "segment,t0,t1";
   for (const char* part : {"world", "self"}) {
     for (const char* column : {"lower", "upper", "t", "a", "b"}) {
       text += fmt::format(",{}_{}", part, column);
     }
   }
-  text += ",certified\n";
+  text += steps ? ",certified,step\n" : ",certified\n";
   const auto number = [](double x) {
     return std::isfinite(x) ? fmt::format("{:.17g}", x) : std::string();
   };
@@ -225,7 +235,8 @@ void writeCsv(const std::string& file, const Profile& profile) {
       for (const std::string* name : {&near->names.a, &near->names.b})
         text += "," + csvField(*name);
     }
-    text += stretch.keeps_margins ? ",yes\n" : ",no\n";
+    text += stretch.keeps_margins ? ",yes" : ",no";
+    text += steps ? "," + csvField(stretch.step) + "\n" : "\n";
   }
   planner::writeFileWhole(file, text);
 }
@@ -242,7 +253,7 @@ void writeSvg(const std::string& file, const planner::Problem& problem, const Pr
   planner::writeFileWhole(file, profileSvg(problem.name, note, "edge", stretches, margin));
 }
 
-void printText(const Profile& profile) {
+void printText(const Profile& profile, bool steps) {
   std::vector<std::vector<std::string>> rows;
   for (const Stretch& stretch : profile.stretches) {
     for (const Near* near : {&stretch.world, &stretch.self}) {
@@ -253,11 +264,14 @@ void printText(const Profile& profile) {
                       formatUpper(near->clearance.upper * 1e3, 3), fmt::format("{:.4f}", near->t),
                       fmt::format("{} - {}", near->names.a, near->names.b),
                       stretch.keeps_margins ? "yes" : "no"});
+      if (steps) rows.back().push_back(stretch.step);
     }
   }
-  fmt::print("{}", formatTable({"edge", "from t", "to t", "from", "at least [mm]", "at most [mm]",
-                                "at t", "between", "certified"},
-                               rows, {3, 7}));
+  std::vector<std::string> header = {"edge", "from t",        "to t",
+                                     "from", "at least [mm]", "at most [mm]",
+                                     "at t", "between",       "certified"};
+  if (steps) header.push_back("step");
+  fmt::print("{}", formatTable(header, rows, {3, 7, 8, 9}));
   for (const auto& [name, whole] :
        {std::pair("the world", &profile.world), std::pair("the robot itself", &profile.self)}) {
     if (whole->closest < 0) {
@@ -282,30 +296,36 @@ int run(Arguments& arguments) {
     checkOutputFile(arguments.csv, kTableEndings);
   }
   planner::Problem problem = loadProblem(arguments.source);
-  refuseSteps(problem, "clearance");
   apply(arguments.limits, problem);
   const planner::Path path = planner::readPath(path_file, problem);
   if (path.positions.size() < 2) {
     throw robots::InputError(path_file, 0,
                              "has fewer than two waypoints: there is no edge to measure");
   }
-  planner::EdgeCertifier certifier(std::make_shared<const planner::CompiledScene>(problem));
+  const std::vector<view::Stage> stages = view::stagesOf(
+      problem,
+      problem.steps.empty() ? std::make_shared<const planner::CompiledScene>(problem) : nullptr,
+      path);
+  const bool steps = !problem.steps.empty();
   const Profile profile =
-      measure(certifier, path, arguments, interactivePlanOptions(arguments.limits.time_limit));
+      measure(stages, path, arguments, interactivePlanOptions(arguments.limits.time_limit));
   endProgress();
   if (!arguments.view.file.empty()) {
     view::writePage(arguments.view, view::subjectOfPath(problem, arguments.source.problem, path));
   }
   if (!arguments.svg.empty()) {
-    writeSvg(arguments.svg, problem, profile, leastMargin(certifier.scene()));
+    double margin = kInfinity;
+    for (const view::Stage& stage : stages)
+      if (stage.scene) margin = std::min(margin, leastMargin(*stage.scene));
+    writeSvg(arguments.svg, problem, profile, margin);
   }
   if (!arguments.csv.empty()) {
-    writeCsv(arguments.csv, profile);
+    writeCsv(arguments.csv, profile, steps);
   }
   if (arguments.json) {
     printJson(profileJson(problem, profile));
   } else {
-    printText(profile);
+    printText(profile, steps);
   }
   return profile.certified ? kYes : kNo;
 }

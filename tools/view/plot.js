@@ -95,7 +95,8 @@ export class ClearancePlot extends Plot {
     this.measured = data.closest.map((c) => (c ? c.lower * 1e3 : null));
     this.proven = data.proven.map((p) => (p === null ? null : p * 1e3));
     this.margin = data.margin === null ? null : data.margin * 1e3;
-    const values = [...this.measured, ...this.proven, this.margin].filter((v) => v !== null && Number.isFinite(v));
+    this.keep = data.keep === null ? null : data.keep * 1e3;
+    const values = [...this.measured, ...this.proven, this.margin, this.keep].filter((v) => v !== null && Number.isFinite(v));
     this.low = Math.min(0, ...values);
     // Names of steps stand above the curves.
     this.high = Math.max(this.low + 1, ...values) * (data.steps.length > 0 ? 1.3 : 1.06);
@@ -131,10 +132,11 @@ export class ClearancePlot extends Plot {
     c.lineWidth = 1.6;
     c.stroke(edge);
     this.curve();
-    if (this.margin !== null) {
+    for (const [value, dash] of [[this.margin, [6, 4]], [this.keep, [2, 3]]]) {
+      if (value === null) continue;
       c.strokeStyle = colour.margin;
       c.lineWidth = 1.4;
-      this.stroke([[kLeft, this.y(this.margin)], [this.width - kRight, this.y(this.margin)]], [6, 4]);
+      this.stroke([[kLeft, this.y(value)], [this.width - kRight, this.y(value)]], dash);
     }
     this.decisions();
     this.steps();
@@ -179,6 +181,7 @@ export class ClearancePlot extends Plot {
   legend(from) {
     const { c, colours: colour } = this;
     const entries = [['proven', colour.proven, []], ['at moments', colour.measured, []], ['margin', colour.margin, [4, 3]], ['least', colour.nearest, null]];
+    if (this.keep !== null) entries.splice(3, 0, ['kept from the world', colour.margin, [2, 3]]);
     c.textBaseline = 'top';
     c.textAlign = 'left';
     let x = this.width - kRight - entries.reduce((sum, [name]) => sum + c.measureText(name).width + 30, 0);

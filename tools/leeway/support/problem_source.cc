@@ -267,8 +267,9 @@ planner::Problem loadProblem(const ProblemSource& source) {
 
 void refuseSteps(const planner::Problem& problem, const char* verb) {
   if (!problem.steps.empty())
-    badUsage(fmt::format("{} looks at one world, and {} has steps; plan and verify take them", verb,
-                         problem.name));
+    badUsage(fmt::format(
+        "{} looks at one world, and {} has steps; plan, verify, clearance and view take them", verb,
+        problem.name));
 }
 
 planner::Problem loadProblemOrRobot(const ProblemSource& source) {

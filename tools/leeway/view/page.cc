@@ -269,6 +269,9 @@ class Document {
     const std::span<const collision::ScenePair> pairs = subject_.first_scene->scene().pairs();
     for (const collision::ScenePair& pair : pairs) margin = std::min(margin, pair.margin);
     document["margin"] = jsonNumber(margin);
+    // What a short path was asked to keep from the world.
+    const auto* length = std::get_if<planner::MinimumLength>(&subject_.problem.objective);
+    document["keep"] = length != nullptr ? jsonNumber(length->clearance) : Json();
     document["pairs"] = pairs.size();
     std::vector<float> bodies;  // moment by moment, moving bodies alone
     for (const std::vector<double>& clearance : timeline.body_clearance)
