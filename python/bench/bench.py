@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Compares the Python module with the same work in C++ (bench_python.cc).
 
     cmake --build build --target leeway_python bench_python
