@@ -55,14 +55,21 @@ void Limits::enter(const char* phase) {
   if (!progress_) return;
   const std::lock_guard<std::mutex> lock(callbacks_);
   phase_ = phase;
+  state_ = nullptr;
   last_report_ = elapsed();
   progress_(phase_, last_report_);
+}
+
+void Limits::describe(std::function<std::string()> state) {
+  if (!progress_) return;
+  const std::lock_guard<std::mutex> lock(callbacks_);
+  state_ = std::move(state);
 }
 
 void Limits::report(double now) {
   if (!progress_ || now - last_report_ < kProgressPeriod) return;
   last_report_ = now;
-  progress_(phase_, now);
+  progress_(state_ ? phase_ + state_() : phase_, now);
 }
 
 }  // namespace leeway::planner

@@ -34,6 +34,9 @@ class Limits {
   /// Names what is done from now on; reported to the caller at once, and then every
   /// kProgressPeriod.
   void enter(const char* phase);
+  /// What reports say behind the phase, as long as it may be asked for: until the next describe() or
+  /// enter(). Called by whichever thread asks for the limits.
+  void describe(std::function<std::string()> state);
 
   std::uint64_t iterations() const { return iterations_.load(std::memory_order_relaxed); }
   double elapsed() const;
@@ -52,7 +55,8 @@ class Limits {
   std::atomic<std::uint64_t> iterations_{0};
   std::atomic<bool> over_{false};
   std::mutex callbacks_;  ///< held while one of the caller's functions is called
-  const char* phase_ = "";
+  std::string phase_;
+  std::function<std::string()> state_;
   double last_report_ = 0;
 };
 

@@ -256,6 +256,7 @@ class Plan {
     for (const std::vector<double>& goal : goals_.points)
       straight = std::min(straight, scene_->space().distance(start_, goal));
     if (options_.on_path) options_.on_path(path, length);
+    limits_.describe([&] { return search.describeLength(length); });
     for (std::uint64_t round = 1;; ++round) {
       const double bound = (1 - kImprovement) * length;
       const std::uint64_t before = limits_.iterations();
@@ -270,6 +271,7 @@ class Plan {
       length = now;
       if (options_.on_path) options_.on_path(path, length);
     }
+    limits_.describe(nullptr);
     work_ += search.work();
   }
 

@@ -9,6 +9,8 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
 #include <limits>
 
 #include "planner/base/tolerances.h"
@@ -150,6 +152,10 @@ std::optional<Waypoints> Search::runOnce(const ob::OptimizationObjectivePtr& obj
     planner->setup();
   }
   Limits& limits = task_.limits;
+  const bool tells_length = traits_->optimizing && traits_->deterministic &&
+                            dynamic_cast<const OmplLengthObjective*>(objective.get()) != nullptr;
+  if (tells_length) limits.describe([&] { return describeBest(*planner); });
+  const std::shared_ptr<void> forget(nullptr, [&limits](void*) { limits.describe(nullptr); });
   try {
     planner->solve(ob::PlannerTerminationCondition([&limits, last_iteration] {
       return limits.iterations() >= last_iteration || limits.iterate();
@@ -171,6 +177,30 @@ std::optional<Waypoints> Search::runOnce(const ob::OptimizationObjectivePtr& obj
   if (path.empty() || path.front() != task_.start) return std::nullopt;
   if (!endInGoal(path) || !isCertified(certifier(), path)) return std::nullopt;
   return path;
+}
+
+std::string Search::describeLength(double length) const {
+  if (!std::isfinite(length)) return {};
+  const auto text = [](double x) {
+    char buffer[32];
+    std::snprintf(buffer, sizeof buffer, "%.3f", x);
+    return std::string(buffer);
+  };
+  double straight = kInfinity;
+  for (const Goal& goal : task_.problem.goals) {
+    if (!isPoint(goal)) return ", length " + text(length);
+    std::vector<double> point;
+    for (const auto& [lower, upper] : goal.ranges) point.push_back(lower);
+    straight = std::min(straight, scene_->space().distance(task_.start, point));
+  }
+  return ", length " + text(length) + ", none is below " + text(straight);
+}
+
+/// What OMPL's planners tell of themselves while they run; empty for those that tell nothing.
+std::string Search::describeBest(const ob::Planner& planner) const {
+  for (const auto& [name, value] : planner.getPlannerProgressProperties())
+    if (name.rfind("best cost", 0) == 0) return describeLength(std::strtod(value().c_str(), nullptr));
+  return {};
 }
 
 ob::GoalPtr Search::goalFor(const ob::Planner& planner, std::uint64_t round) {

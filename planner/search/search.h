@@ -51,6 +51,9 @@ class Search {
   std::optional<Waypoints> shorter(std::uint64_t seed, double bound);
   /// For how long shorter paths are wanted [s]; 0 for other planners than Connect.
   double improves() const;
+  /// For the caller's progress: a length and, where all goals are points, the straight one that no
+  /// path undercuts.
+  std::string describeLength(double length) const;
   /// Of certifiers beside the pool's.
   const EdgeCertifier::Statistics& work() const { return work_; }
 
@@ -66,6 +69,7 @@ class Search {
   ompl::base::GoalPtr goalFor(const ompl::base::Planner& planner, std::uint64_t round);
   bool endInGoal(Waypoints& path);
   void reportGraph(const ompl::base::Planner& planner) const;
+  std::string describeBest(const ompl::base::Planner& planner) const;
 
   std::shared_ptr<const CompiledScene> scene_;
   std::shared_ptr<CertifierPool> pool_;

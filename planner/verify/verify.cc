@@ -9,6 +9,7 @@
 #include "leeway/planner/verify.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <deque>
 #include <limits>
@@ -81,6 +82,8 @@ class Verifier {
   }
 
  private:
+  using Clock = std::chrono::steady_clock;
+
   struct Span {
     double begin, end;
   };
@@ -117,6 +120,7 @@ class Verifier {
 
   /// False when the whole path is decided or the work is used up.
   bool checkSegment(std::size_t segment) {
+    if (options_.progress) options_.progress("edge", std::chrono::duration<double>(Clock::now() - begin_).count());
     a_ = path_.positions[segment];
     b_ = path_.positions[std::min(segment + 1, path_.positions.size() - 1)];
     space_.difference(a_, b_, difference_);
@@ -322,6 +326,7 @@ class Verifier {
   const Model& model_;
   const Path& path_;
   const PlanOptions& options_;
+  const Clock::time_point begin_ = Clock::now();
   ConfigurationSpace space_;
   std::vector<Body> bodies_;
   std::vector<BodyPair> pairs_;

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cstdlib>
@@ -123,7 +124,9 @@ class CommandTest : public ::testing::Test {
  protected:
   void SetUp() override {
     const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
-    std::string name = std::string("leeway_") + info->test_suite_name() + "_" + info->name();
+    // Two builds may be tested at once.
+    std::string name = std::string("leeway_") + info->test_suite_name() + "_" + info->name() + "_" +
+                       std::to_string(::getpid());
     std::replace(name.begin(), name.end(), '/', '_');
     folder_ = fs::path(::testing::TempDir()) / name;
     fs::remove_all(folder_);

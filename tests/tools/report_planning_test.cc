@@ -106,6 +106,27 @@ TEST_F(ReportPlanningVerb, WritesARowARun) {
   EXPECT_EQ(own, 2U);
 }
 
+TEST_F(ReportPlanningVerb, LeavesRowsWhereItIsInterrupted) {
+  const Answer answer =
+      shell("timeout -s INT 1 '" + leeway::commandFile() +
+            "' report planning reach.yaml --seeds 10000 --no-rivals --output out");
+  EXPECT_NE(answer.status, 0);
+  EXPECT_EQ(answer.out, "");
+  EXPECT_NE(answer.err.find("interrupted: out/planning.csv.partial holds the rows so far"),
+            std::string::npos)
+      << answer.err;
+  EXPECT_FALSE(fs::exists(path("out/planning.csv")));
+  const std::string csv = read("out/planning.csv.partial");
+  EXPECT_EQ(csv.rfind("problem,planner,seed,", 0), 0U) << csv;
+  EXPECT_EQ(csv.back(), '\n');
+  EXPECT_EQ(csv.find("problem,planner", 1), std::string::npos);
+  EXPECT_GT(std::count(csv.begin(), csv.end(), '\n'), 2);
+  // The next run puts whole rows in its place.
+  ASSERT_EQ(run("report planning reach.yaml --no-rivals --output out").status, 0);
+  EXPECT_FALSE(fs::exists(path("out/planning.csv.partial")));
+  EXPECT_TRUE(fs::exists(path("out/planning.csv")));
+}
+
 TEST_F(ReportPlanningVerb, RefusesWhatItCannotUse) {
   expectRefused("report planning nowhere.yaml", {"nowhere.yaml"});
   expectRefused("report planning reach.yaml --seeds 0", {"seeds"});

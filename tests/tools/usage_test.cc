@@ -83,6 +83,34 @@ TEST_F(Usage, QuietLeavesErrorsAlone) {
   expectRefused("check nowhere.yaml --quiet", {"nowhere.yaml"});
 }
 
+/// What long work shows on a terminal, which `script` is; never elsewhere.
+TEST_F(Usage, ProgressIsForTerminals) {
+  const auto shown = [&](const std::string& arguments) {
+    const Answer answer = shell("script -qec \"stty cols 60; '" + leeway::commandFile() + "' " +
+                                arguments + "\" log");
+    EXPECT_EQ(answer.status, 0) << arguments << answer.out;
+    return read("log");
+  };
+  const std::string improve = "plan reach.yaml --improve 0.4 --time 9";
+  const std::string log = shown(improve);
+  EXPECT_NE(log.find(" of at most 9 s: improve, length "), std::string::npos) << log;
+  EXPECT_NE(log.find(", none is below "), std::string::npos) << log;
+  EXPECT_EQ(shown(improve + " --quiet").find("\x1b"), std::string::npos);
+  EXPECT_EQ(run(improve).err, "");
+  EXPECT_NE(shown("plan reach.yaml --planner RRTstar --time 0.4").find("plan, length "),
+            std::string::npos);
+  run("plan reach.yaml --output path.csv");
+  EXPECT_NE(shown("verify reach.yaml path.csv").find("1 of "), std::string::npos);
+  EXPECT_NE(shown("batch reach.yaml empty.yaml").find("2 of 2, about 0 s left: empty.yaml"),
+            std::string::npos);
+  // Cut at the width of the terminal, so that the line can be rewritten.
+  const std::string name(80, 'x');
+  write(name + ".yaml", kEmpty);
+  const std::string cut = shown("batch " + name + ".yaml --quiet --output lines.json; '" +
+                                leeway::commandFile() + "' batch " + name + ".yaml --output b.json");
+  EXPECT_NE(cut.find("1 of 1: " + std::string(51, 'x') + "\r"), std::string::npos) << cut;
+}
+
 /// What completes words is made from the options, so each of them must be in it, and the script
 /// must work in its shell.
 TEST_F(Usage, CompletionsKnowVerbsOptionsAndChoices) {

@@ -131,11 +131,12 @@ Stretch measure(planner::EdgeCertifier& certifier, const planner::Path& path, in
 Profile measure(const std::vector<view::Stage>& stages, const planner::Path& path,
                 const Arguments& arguments, const planner::PlanOptions& options) {
   Profile profile;
-  const auto segments = path.positions.size() - 1;
+  UnitProgress progress(path.positions.size() - 1);
   for (const view::Stage& stage : stages) {
     if (stage.last == stage.first) continue;  // an object is taken or put down
     planner::EdgeCertifier certifier(stage.scene);
     for (int segment = stage.first; segment < stage.last; ++segment) {
+      progress.next("edge");
       for (int part = 0; part < arguments.parts; ++part) {
         if (options.stop()) {
           // What was not looked at may be anything.
@@ -145,7 +146,6 @@ Profile measure(const std::vector<view::Stage>& stages, const planner::Path& pat
           profile.certified = false;
           return profile;
         }
-        showProgress(fmt::format("edge {} of {}", segment + 1, segments));
         Stretch stretch = measure(certifier, path, segment, part, arguments);
         stretch.step = stage.name;
         const auto index = static_cast<int>(profile.stretches.size());

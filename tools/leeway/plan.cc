@@ -245,7 +245,7 @@ int run(const Arguments& arguments) {
   const double load_s =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 
-  planner::PlanOptions options = planOptions(arguments.overrides);
+  planner::PlanOptions options = planOptions(arguments.overrides, problem);
   view::SearchEdges searched;
   if (!arguments.view.file.empty()) view::recordSearch(options, searched);
   const planner::PlanResult result = planner::solve(problem, options);

@@ -223,9 +223,14 @@ int run(const Arguments& arguments) {
         arguments.source.problem)});
   }
   const bool json = arguments.json || (!arguments.text && isatty(STDOUT_FILENO) != 1);
-  const planner::PlanOptions interactive = interactivePlanOptions();
   planner::ReplanOptions options;
-  options.stop = interactive.stop;
+  options.stop = interactivePlanOptions().stop;
+  int begun = 1;
+  std::string state;
+  options.progress = [&](const std::string& phase, double) {
+    const std::string of = arguments.steps > 0 ? fmt::format(" of {}", arguments.steps) : "";
+    showProgress(fmt::format("step {}{}{}: {}", begun, of, state, phase));
+  };
   Rows rows;
   std::vector<planner::ReplanStep> shown;
   const planner::ReplanResult result = planner::replan(
@@ -233,12 +238,16 @@ int run(const Arguments& arguments) {
       [&](const planner::ReplanStep& step) {
         if (!arguments.view.file.empty()) shown.push_back(step);
         if (json) {
+          endProgress();
           fmt::print("{}\n", jsonText(versioned(stepJson(step))));
           std::fflush(stdout);
         } else {
           rows.add(step);
-          showProgress(fmt::format("{:.2f} s: {}", step.time, planner::toString(step.decision)));
         }
+        ++begun;
+        state = fmt::format(", {:.2f} s", step.time);
+        if (std::isfinite(step.remaining_s))
+          state += fmt::format(", {:.2f} s of path left", step.remaining_s);
       },
       arguments.steps);
   endProgress();

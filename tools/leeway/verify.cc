@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -61,8 +62,10 @@ int run(Arguments& arguments) {
     for (std::string& warning : warnings) warning = path_file + ": " + warning;
     printWarnings(warnings);
   }
-  const planner::VerifyResult result =
-      planner::verify(problem, path, interactivePlanOptions(arguments.limits.time_limit));
+  planner::PlanOptions options = interactivePlanOptions(arguments.limits.time_limit);
+  UnitProgress progress(std::max<std::size_t>(2, path.positions.size()) - 1);
+  options.progress = [&](const std::string& phase, double) { progress.next(phase); };
+  const planner::VerifyResult result = planner::verify(problem, path, options);
   endProgress();
   if (arguments.json) {
     Json document = toJson(result);

@@ -38,7 +38,7 @@ view::Subject solve(const planner::Problem& problem, const Arguments& arguments)
     return view::subjectOfExecution(problem, name, steps, result.status);
   }
   view::SearchEdges searched;
-  planner::PlanOptions options = planOptions(arguments.overrides);
+  planner::PlanOptions options = planOptions(arguments.overrides, problem);
   view::recordSearch(options, searched);
   const planner::PlanResult result = planner::solve(problem, options);
   printWarnings(result.warnings);

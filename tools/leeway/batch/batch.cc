@@ -180,9 +180,9 @@ Json solve(const Arguments& arguments, const std::shared_ptr<const robots::Model
   planner::Problem problem = load(arguments, model, item, outcome.warnings);
   apply(arguments.overrides, problem);
   const double load_s = secondsSince(start);
-  planner::PlanOptions options = planOptions(arguments.overrides);
-  // Of several problems at once only how many are done is shown.
-  if (arguments.jobs > 1) options.progress = nullptr;
+  planner::PlanOptions options = planOptions(arguments.overrides, problem);
+  // How many problems are done is shown, not how far each is.
+  options.progress = nullptr;
   const planner::PlanResult result = planRepeatedly(problem, options, arguments.repeat);
   outcome.warnings.insert(outcome.warnings.end(), result.warnings.begin(), result.warnings.end());
   std::optional<planner::Trajectory> trajectory;
@@ -387,13 +387,6 @@ std::vector<BatchItem> listItems(const Arguments& arguments) {
   return arguments.shard.empty() ? unique : selectShard(unique, arguments.shard);
 }
 
-/// For the progress line: at the pace so far.
-std::string timeLeft(double elapsed_s, std::size_t done, std::size_t left) {
-  if (done == 0) return {};
-  return fmt::format(", about {:.0f} s left",
-                     elapsed_s / static_cast<double>(done) * static_cast<double>(left));
-}
-
 int run(const Arguments& arguments) {
   if (arguments.resume && arguments.output.empty()) {
     throw robots::InputError("command line", 0, "--resume continues a file: name it with --output");
@@ -413,6 +406,7 @@ int run(const Arguments& arguments) {
   for (const BatchItem& item : items) {
     if (!output.has(item.problem)) open.push_back(&item);
   }
+  UnitProgress progress(items.size(), items.size() - open.size());
   Jobs jobs(arguments, model, std::move(open));
   Tally tally;
   std::vector<std::pair<std::string, Tally>> folders;
@@ -425,18 +419,13 @@ int run(const Arguments& arguments) {
     countLine(line, entry->second);
   };
   std::size_t done = 0;
-  std::size_t planned = 0;  // by this run
-  const Clock::time_point begin = Clock::now();
   for (const BatchItem& item : items) {
     ++done;
     if (output.has(item.problem)) {
       count(item.problem, Json::parse(output.line(item.problem)));
       continue;
     }
-    showProgress(fmt::format("{} of {}{}: {}", done, items.size(),
-                             timeLeft(secondsSince(begin), planned, items.size() + 1 - done),
-                             item.problem));
-    ++planned;
+    progress.next(item.problem);
     const Outcome outcome = jobs.take();
     warnings.print(outcome.warnings);
     if (!outcome.error.empty()) {

@@ -77,9 +77,12 @@ AccuracySet readSet(const std::string& cases, const std::string& reference) {
   return set;
 }
 
-/// Only the families whose names hold one of `words`; none given: all.
+/// Only the families whose names hold one of `words`; none given: all. Throws robots::InputError
+/// when there is none.
 void keepFamilies(AccuracySet& set, const std::vector<std::string>& words) {
   if (words.empty()) return;
+  std::vector<std::string> names;
+  for (const AccuracyFamily& family : set.families) names.push_back(family.name);
   const auto unwanted = [&](const AccuracyFamily& f) {
     return std::none_of(words.begin(), words.end(), [&](const std::string& word) {
       return f.name.find(word) != std::string::npos;
@@ -88,10 +91,10 @@ void keepFamilies(AccuracySet& set, const std::vector<std::string>& words) {
   set.families.erase(std::remove_if(set.families.begin(), set.families.end(), unwanted),
                      set.families.end());
   if (set.families.empty())
-    throw robots::InputError("--family", 0,
-                             "'" + words.front() +
-                                 "' is in no family's name; a part of the name of "
-                                 "a family in accuracy.csv is expected");
+    throw robots::InputError(
+        "--family", 0,
+        fmt::format("'{}' is in no family's name; a part of one of these is expected: {}",
+                    words.front(), fmt::join(names, ", ")));
 }
 
 void writeFiles(RivalReport& out, const std::vector<AccuracyRow>& rows, const std::string& note) {
@@ -118,6 +121,11 @@ int ownErrors(const std::vector<AccuracyRow>& rows) {
 
 int runReportAccuracy(const ReportAccuracyArguments& arguments) {
   RivalReport out(arguments.output);
+  if (arguments.cases.empty()) {
+    // The families, without cases: what is asked for is known before minutes are spent on truth.
+    AccuracySet names = report::makeAccuracySet(0, arguments.seed);
+    keepFamilies(names, arguments.families);
+  }
   AccuracySet set = arguments.cases.empty()
                         ? report::makeAccuracySet(
                               arguments.per_family, arguments.seed,
@@ -132,7 +140,11 @@ int runReportAccuracy(const ReportAccuracyArguments& arguments) {
   report::AccuracyOptions options;
   options.tolerances = report::accuracyTolerances();
   options.passes = arguments.passes;
-  options.progress = [](const std::string& family) { showProgress("measuring " + family); };
+  UnitProgress progress(set.families.size());
+  options.progress = [&](const std::string& family) { progress.next(family); };
+  options.on_rows = [&](const std::vector<AccuracyRow>& added) {
+    out.addRows("accuracy.csv", report::accuracyCsv(added));
+  };
   const int processor = report::pinToOneProcessor();
   const std::vector<AccuracyRow> rows = report::measureAccuracy(set, engines, options);
   endProgress();

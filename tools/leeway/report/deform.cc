@@ -22,7 +22,6 @@ report::DeformReportOptions optionsOf(const ReportDeformArguments& arguments) {
   options.frames = arguments.frames;
   options.engine_seconds = arguments.seconds;
   options.seed = arguments.seed;
-  options.progress = showProgress;
   return options;
 }
 
@@ -44,7 +43,13 @@ int runReportDeform(const ReportDeformArguments& arguments) {
   const auto engines = out.engines(own, &report::Rivals::meshes);
 
   const int processor = report::pinToOneProcessor();
-  const std::vector<DeformRow> rows = report::measureDeform(engines, optionsOf(arguments));
+  report::DeformReportOptions options = optionsOf(arguments);
+  UnitProgress progress(options.motions.size() * options.triangles.size());
+  options.progress = [&](const std::string& mesh) { progress.next(mesh); };
+  options.on_rows = [&](const std::vector<DeformRow>& added) {
+    out.addRows("deform.csv", report::deformCsv(added));
+  };
+  const std::vector<DeformRow> rows = report::measureDeform(engines, options);
   endProgress();
   const std::string note =
       fmt::format("{}; seed {}; {} frames; one pinned core, medians over the frames",

@@ -64,12 +64,19 @@ int runReportMotion(const ReportMotionArguments& arguments) {
   options.cases = arguments.cases;
   options.passes = arguments.passes;
   options.seed = arguments.seed;
-  options.progress = showProgress;
+  UnitProgress progress(options.families.size() + problems.size());
+  options.progress = [&](const std::string& unit) { progress.next(unit); };
+  options.on_rows = [&](const std::vector<MotionRow>& added) {
+    out.addRows("motion.csv", report::motionCsv(added));
+  };
   const int processor = report::pinToOneProcessor();
   const std::vector<MotionRow> rows = report::measureMotion(engines, options);
   report::EdgeReportOptions edge_options;
   edge_options.edges = arguments.edges;
-  edge_options.progress = showProgress;
+  edge_options.progress = options.progress;
+  edge_options.on_rows = [&](const std::vector<report::EdgeRow>& added) {
+    out.addRows("edges.csv", report::edgesCsv(added));
+  };
   const std::vector<report::EdgeRow> edges = report::measureEdges(problems, edge_options);
   endProgress();
   const std::string note = fmt::format(

@@ -46,7 +46,11 @@ int runReportPlanning(const ReportPlanningArguments& arguments) {
   options.seed = arguments.seed;
   options.seeds = arguments.seeds;
   options.time = arguments.time;
-  options.progress = showProgress;
+  UnitProgress progress(problems.size() * static_cast<std::size_t>(arguments.seeds));
+  options.progress = [&](const std::string& run) { progress.next(run); };
+  options.on_rows = [&](const std::vector<report::PlanningRow>& added) {
+    out.addRows("planning.csv", report::planningCsv(added));
+  };
   RivalReport::End end;
   end.processor = report::pinToOneProcessor();
   const std::vector<report::PlanningRow> rows = report::measurePlanning(problems, rivals, options);

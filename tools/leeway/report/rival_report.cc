@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
+#include <csignal>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
@@ -42,10 +44,40 @@ void requireWritable(const std::string& folder) {
                                          there.string(), std::strerror(reason)));
 }
 
+// What an interrupt prints: made before, since little may be called in a signal's handler.
+char partial_note[4096] = "";
+volatile std::sig_atomic_t partial_note_size = 0;
+pid_t reporter = 0;
+
+/// An interrupt ends a report at once: its rows so far are written. Of the children that measure
+/// it says nothing.
+void onInterrupt(int signal) {
+  if (getpid() == reporter && ::write(STDERR_FILENO, partial_note,
+                                      static_cast<std::size_t>(partial_note_size)) < 0)
+    _exit(1);
+  std::signal(signal, SIG_DFL);
+  std::raise(signal);
+}
+
+void setNote(const std::string& text) {
+  partial_note_size = 0;
+  const std::size_t size = std::min(text.size(), sizeof partial_note);
+  std::memcpy(partial_note, text.data(), size);
+  partial_note_size = static_cast<int>(size);
+}
+
+void tellOfPartial(const std::string& file) {
+  setNote(fmt::format("\ninterrupted: {} holds the rows so far\n", file));
+}
+
 }  // namespace
 
 RivalReport::RivalReport(std::string folder) : folder_(std::move(folder)) {
   requireWritable(folder_);
+  reporter = getpid();
+  setNote("\ninterrupted before there were rows\n");
+  std::signal(SIGINT, onInterrupt);
+  std::signal(SIGTERM, onInterrupt);
 }
 
 void RivalReport::loadRivals() {
@@ -57,11 +89,26 @@ void RivalReport::loadRivals() {
   }
 }
 
+void RivalReport::addRows(const std::string& name, const std::string& csv) {
+  const std::string file = within(folder_, name + ".partial");
+  const bool is_new = partial_.insert(name).second;
+  std::error_code error;  // what is wrong shows when the file is written
+  std::filesystem::create_directories(folder_, error);
+  const std::string rows = is_new ? csv : csv.substr(csv.find('\n') + 1);
+  std::FILE* out = std::fopen(file.c_str(), is_new ? "wb" : "ab");
+  const bool is_open = out != nullptr;
+  const bool is_written = is_open && std::fwrite(rows.data(), 1, rows.size(), out) == rows.size();
+  if ((is_open && std::fclose(out) != 0) || !is_written)
+    throw robots::InputError(file, 0, fmt::format("cannot be written: {}", std::strerror(errno)));
+  tellOfPartial(file);
+}
+
 void RivalReport::write(const std::string& name, const std::string& text) {
   std::error_code error;  // what is wrong shows when the file is written
   std::filesystem::create_directories(folder_, error);
   planner::writeFileWhole(within(folder_, name), text);
   names_.push_back(name);
+  if (partial_.count(name) != 0) std::filesystem::remove(within(folder_, name + ".partial"), error);
 }
 
 int RivalReport::end(bool json, const End& end) const {

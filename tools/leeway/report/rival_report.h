@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -37,8 +38,12 @@ class RivalReport {
     return all;
   }
 
-  /// Writes a file of the folder, which is made when it is not there. Throws robots::InputError
-  /// where that cannot be.
+  /// Adds rows of a CSV file, whose header `csv` begins with, to NAME.partial in the folder, which
+  /// is made when it is not there: what an interrupted report leaves, up to the last whole row.
+  /// Throws robots::InputError where that cannot be.
+  void addRows(const std::string& name, const std::string& csv);
+
+  /// Writes a file of the folder, in place of its rows in NAME.partial. Throws like addRows().
   void write(const std::string& name, const std::string& text);
 
   /// How the report ends. `text`: what people read, and `words`, the first of its last line.
@@ -60,6 +65,7 @@ class RivalReport {
   std::vector<report::RivalModule> modules_;
   std::vector<std::string> missing_;  // libraries of rivals
   std::vector<std::string> names_;    // of files
+  std::set<std::string> partial_;     // of files that addRows() began
 };
 
 }  // namespace leeway::tools

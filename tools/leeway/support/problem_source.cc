@@ -217,8 +217,8 @@ void addPlanOverrides(CLI::App& app, PlanOverrides& overrides) {
       ->check(CLI::IsMember({"path", "full"}));
 }
 
-planner::PlanOptions planOptions(const PlanOverrides& overrides) {
-  planner::PlanOptions options = interactivePlanOptions();
+planner::PlanOptions planOptions(const PlanOverrides& overrides, const planner::Problem& problem) {
+  planner::PlanOptions options = interactivePlanOptions({}, problem.limits.time);
   if (overrides.certificate == "full") options.detail = planner::CertificateDetail::kEveryEdge;
   return options;
 }

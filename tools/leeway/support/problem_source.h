@@ -35,8 +35,8 @@ struct PlanOverrides {
   bool no_push = false;
   std::string certificate = "path";
 };
-/// interactivePlanOptions() with the certificate that is asked for.
-planner::PlanOptions planOptions(const PlanOverrides& overrides);
+/// interactivePlanOptions() for a plan of `problem`, with the certificate that is asked for.
+planner::PlanOptions planOptions(const PlanOverrides& overrides, const planner::Problem& problem);
 
 void addRobotArguments(CLI::App& app, ProblemSource& source);
 void addProblemArguments(CLI::App& app, ProblemSource& source);

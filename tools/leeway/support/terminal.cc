@@ -1,12 +1,14 @@
 #include "tools/leeway/support/terminal.h"
 
 #include <fmt/format.h>
+#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <csignal>
+#include <cstdio>
 
 namespace leeway::tools {
 namespace {
@@ -37,9 +39,16 @@ std::string formatRounded(double value, int digits, double (*round)(double)) {
   return fmt::format("{:.{}f}", round(value * scale) / scale + 0.0, digits);
 }
 
+std::string formatDuration(double seconds) {
+  if (seconds < 100) return fmt::format("{:.0f} s", seconds);
+  if (seconds < 100 * 60) return fmt::format("{:.0f} min", seconds / 60);
+  return fmt::format("{:.1f} h", seconds / 3600);
+}
+
 }  // namespace
 
-planner::PlanOptions interactivePlanOptions(std::optional<double> time_limit) {
+planner::PlanOptions interactivePlanOptions(std::optional<double> time_limit,
+                                            double planning_limit) {
   using Clock = std::chrono::steady_clock;
   std::signal(SIGINT, onInterrupt);
   std::signal(SIGTERM, onInterrupt);
@@ -51,8 +60,10 @@ planner::PlanOptions interactivePlanOptions(std::optional<double> time_limit) {
     };
   }
   if (showsProgress()) {
-    options.progress = [](const std::string& phase, double elapsed) {
-      showProgress(fmt::format("{} {:.1f} s", phase, elapsed));
+    const bool is_limited = planning_limit > 0 && std::isfinite(planning_limit);
+    const std::string most = is_limited ? fmt::format(" of at most {:g}", planning_limit) : "";
+    options.progress = [most](const std::string& phase, double elapsed) {
+      showProgress(fmt::format("{:.1f}{} s: {}", elapsed, most, phase));
     };
   }
   return options;
@@ -64,10 +75,14 @@ void setQuiet() { quiet = true; }
 bool isQuiet() { return quiet; }
 
 void showProgress(const std::string& text) {
-  if (showsProgress()) {
-    fmt::print(stderr, "\r\x1b[K{}", text);
-    progress_shown = true;
-  }
+  if (!showsProgress()) return;
+  // A line that wraps around could not be rewritten.
+  winsize window{};
+  std::size_t width = 79;
+  if (ioctl(STDERR_FILENO, TIOCGWINSZ, &window) == 0 && window.ws_col > 1) width = window.ws_col - 1;
+  fmt::print(stderr, "\r\x1b[K{:.{}}", text, width);
+  std::fflush(stderr);
+  progress_shown = true;
 }
 
 void endProgress() {
@@ -75,6 +90,20 @@ void endProgress() {
     fmt::print(stderr, "\r\x1b[K");
     progress_shown = false;
   }
+}
+
+void UnitProgress::next(const std::string& unit) {
+  if (!showsProgress()) return;
+  std::string left;
+  if (begun_ > 0) {
+    const double elapsed =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
+    const std::size_t rest = total_ - std::min(total_, kept_ + begun_);
+    left = ", about " + formatDuration(elapsed / static_cast<double>(begun_) *
+                                       static_cast<double>(rest)) + " left";
+  }
+  ++begun_;
+  showProgress(fmt::format("{} of {}{}: {}", kept_ + begun_, total_, left, unit));
 }
 
 std::string formatTable(const std::vector<std::string>& heading,

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <chrono>
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <vector>
@@ -9,17 +11,34 @@
 namespace leeway::tools {
 
 /// Stop and progress for long work: an interrupt (Ctrl-C, SIGTERM) ends the run within its next
-/// step, a second one ends the program; progress is one line on stderr, rewritten, and only when
-/// stderr is a terminal. `time_limit` [s], from this call on, ends the run too.
-planner::PlanOptions interactivePlanOptions(std::optional<double> time_limit = {});
+/// step, a second one ends the program; progress is the line of showProgress(). `time_limit` [s],
+/// from this call on, ends the run too. `planning_limit` [s]: only shown, as what a plan may take;
+/// 0 or infinity: no limit.
+planner::PlanOptions interactivePlanOptions(std::optional<double> time_limit = {},
+                                            double planning_limit = 0);
 bool interrupted();
 /// --quiet: stderr gets errors alone, no warnings, progress or counts.
 void setQuiet();
 bool isQuiet();
+/// Shows `text` as the progress line: the last one of stderr, rewritten, cut at the terminal's
+/// width. Only when stderr is a terminal, and not with --quiet.
+void showProgress(const std::string& text);
 /// Wipes the progress line, if there is one.
 void endProgress();
-/// Shows `text` as the progress line, when stderr is a terminal.
-void showProgress(const std::string& text);
+
+/// Progress of work that consists of units: which of how many is in work, and how long the rest
+/// takes at the pace so far.
+class UnitProgress {
+ public:
+  /// `kept`: how many of the `total` an earlier run has done.
+  explicit UnitProgress(std::size_t total, std::size_t kept = 0) : total_(total), kept_(kept) {}
+  /// The next unit begins.
+  void next(const std::string& unit);
+
+ private:
+  std::size_t total_, kept_, begun_ = 0;
+  std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
+};
 
 /// A rule under the heading; the first column is left-aligned, the others right-aligned, and words
 /// (`left`) left-aligned too.

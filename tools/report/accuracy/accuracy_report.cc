@@ -261,7 +261,10 @@ std::vector<AccuracyRow> measureAccuracy(const AccuracySet& set,
             {&p, judge(p, family, p.tolerances[t], outcomes[t]), timedCases(outcomes[t])});
     }
     timeFamily(family, options.passes, measurements);
-    for (Measurement& m : measurements) rows.push_back(std::move(m.row));
+    std::vector<AccuracyRow> added;
+    for (Measurement& m : measurements) added.push_back(std::move(m.row));
+    if (options.on_rows) options.on_rows(added);
+    rows.insert(rows.end(), added.begin(), added.end());
   }
   return rows;
 }

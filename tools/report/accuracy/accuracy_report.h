@@ -16,6 +16,7 @@ inline constexpr double kWrong = 1e-6;
 /// A verdict counts as wrong only where |truth| exceeds this share of the largest coordinate: ten
 /// times the rounding of the input.
 inline constexpr double kDecided = 1e-15;
+struct AccuracyRow;
 
 struct AccuracyOptions {
   /// Relative to the sizes involved; NaN: the engine's default.
@@ -23,6 +24,8 @@ struct AccuracyOptions {
   int passes = 15;              ///< timed passes over a family's cases
   double query_seconds = 0.25;  ///< processor time [s] after which a query counts as endless
   std::function<void(const std::string&)> progress;  ///< called with each family's name
+  /// Called with the rows of each family when they are there.
+  std::function<void(const std::vector<AccuracyRow>&)> on_rows;
 };
 
 /// The default (NaN), then 1e-1 to 1e-15 by decades.

@@ -348,7 +348,10 @@ std::vector<DeformRow> measureDeform(const std::vector<const MeshEngine*>& engin
   for (const std::string& motion : options.motions) {
     for (const int triangles : options.triangles) {
       if (options.progress) options.progress(motion + ", " + std::to_string(triangles));
-      measureMesh(engines, makeDeformScene(motion, triangles, options.seed), options, rows);
+      std::vector<DeformRow> added;
+      measureMesh(engines, makeDeformScene(motion, triangles, options.seed), options, added);
+      if (options.on_rows) options.on_rows(added);
+      rows.insert(rows.end(), added.begin(), added.end());
     }
   }
   return rows;

@@ -10,6 +10,7 @@
 #include "tools/report/base/plot.h"
 
 namespace leeway::tools::report {
+struct DeformRow;
 
 struct DeformReportOptions {
   std::vector<std::string> motions;  ///< of deformMotions()
@@ -21,6 +22,8 @@ struct DeformReportOptions {
   /// Above this many triangles only updates are measured.
   int queries_up_to = 200000;
   std::function<void(const std::string&)> progress;
+  /// Called with the rows of each mesh when they are there.
+  std::function<void(const std::vector<DeformRow>&)> on_rows;
 };
 
 /// Times of one frame of one engine [ns]; NaN: not measured, or the engine lacks the query.

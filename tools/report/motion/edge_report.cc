@@ -167,7 +167,10 @@ std::vector<EdgeRow> measureEdges(const std::vector<NamedProblem>& problems,
   ompl::msg::noOutputHandler();
   for (const NamedProblem& named : problems) {
     if (options.progress) options.progress("edges of " + named.name);
-    measureProblem(named, options, rows);
+    std::vector<EdgeRow> added;
+    measureProblem(named, options, added);
+    if (options.on_rows) options.on_rows(added);
+    rows.insert(rows.end(), added.begin(), added.end());
   }
   ompl::msg::useOutputHandler(told);
   return rows;

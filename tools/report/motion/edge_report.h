@@ -11,12 +11,16 @@
 
 namespace leeway::tools::report {
 
+struct EdgeRow;
+
 /// Second part of `report motion`: whole edges of a planner. Methods: certified with second-order
 /// bounds, proven with first-order ones (verify()), and checked in steps.
 struct EdgeReportOptions {
   int edges = 200;  ///< a problem, evenly spaced among those that planning and simplifying ask for
   unsigned long long iterations = 2000;  ///< of the planner
   std::function<void(const std::string&)> progress;
+  /// Called with the rows of each problem when they are there.
+  std::function<void(const std::vector<EdgeRow>&)> on_rows;
 };
 
 /// Free edges whose clearance beyond the margin falls below this are a kind of their own [m].

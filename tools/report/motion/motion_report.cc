@@ -142,6 +142,7 @@ std::vector<MotionRow> measureMotion(const std::vector<const ContactEngine*>& en
           makeContactFamily(name, count, options.seed + chunk * 0x9e3779b97f4a7c15u);
       measureChunk(family, engines, options, tallies);
     }
+    std::vector<MotionRow> added;
     for (Tally& tally : tallies) {
       if (tally.row.cases == 0) continue;
       tally.row.error_median = quantile(tally.errors, 0.5);
@@ -149,8 +150,10 @@ std::vector<MotionRow> measureMotion(const std::vector<const ContactEngine*>& en
       tally.row.ns_median = quantile(tally.nanoseconds, 0.5);
       tally.row.ns_95 = quantile(tally.nanoseconds, 0.95);
       tally.row.ns_max = quantile(tally.nanoseconds, 1);
-      rows.push_back(std::move(tally.row));
+      added.push_back(std::move(tally.row));
     }
+    if (options.on_rows) options.on_rows(added);
+    rows.insert(rows.end(), added.begin(), added.end());
   }
   return rows;
 }

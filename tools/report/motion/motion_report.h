@@ -10,6 +10,7 @@
 #include "tools/report/base/plot.h"
 
 namespace leeway::tools::report {
+struct MotionRow;
 
 struct MotionReportOptions {
   std::vector<std::string> families;  ///< of contactFamilies()
@@ -18,6 +19,8 @@ struct MotionReportOptions {
   int passes = 5;               ///< timed passes over a family's cases
   double query_seconds = 0.25;  ///< processor time [s] after which a query counts as endless
   std::function<void(const std::string&)> progress;
+  /// Called with the rows of each family when they are there.
+  std::function<void(const std::vector<MotionRow>&)> on_rows;
 };
 
 /// A start counts as wrong when truth or answer is contact at 0 and the other is later than this

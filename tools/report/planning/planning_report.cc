@@ -203,21 +203,22 @@ std::vector<PlanningRow> measurePlanning(const std::vector<PlanningProblem>& pro
                                          const std::vector<const StateEngine*>& rivals,
                                          const PlanningReportOptions& options) {
   std::vector<PlanningRow> rows;
-  for (std::size_t i = 0; i < problems.size(); ++i)
+  for (const PlanningProblem& named : problems)
     for (int k = 0; k < options.seeds; ++k) {
-      const PlanningProblem& named = problems[i];
       const std::uint64_t seed = options.seed + static_cast<std::uint64_t>(k);
       if (options.progress)
-        options.progress(fmt::format("{} of {}, seed {}", i + 1, problems.size(), seed));
+        options.progress(fmt::format("{}, seed {}", named.name, seed));
       Rows path;
-      rows.push_back(ours(named, seed, options.time, path));
-      if (rows.back().solved()) {
+      std::vector<PlanningRow> added{ours(named, seed, options.time, path)};
+      if (added.back().solved()) {
         const auto scene = std::make_shared<const planner::CompiledScene>(named.problem);
         planner::EdgeCertifier certifier(scene);
-        rows.back().colliding = collides(certifier, path);
+        added.back().colliding = collides(certifier, path);
       }
       for (const StateEngine* engine : rivals)
-        rows.push_back(theirs(named, *engine, options, seed, path));
+        added.push_back(theirs(named, *engine, options, seed, path));
+      if (options.on_rows) options.on_rows(added);
+      rows.insert(rows.end(), added.begin(), added.end());
     }
   return rows;
 }

@@ -15,6 +15,7 @@ struct PlanningProblem {
   std::string set;   ///< its folder's name: problems of one set share a row of the table
   planner::Problem problem;
 };
+struct PlanningRow;
 
 struct PlanningReportOptions {
   std::uint64_t seed = 1;  ///< the first of
@@ -22,6 +23,8 @@ struct PlanningReportOptions {
   double time = 10;          ///< limit of one run [s]
   double resolution = 0.01;  ///< the rival's step: a share of the space's extent
   std::function<void(const std::string&)> progress;
+  /// Called with the rows of each run when they are there.
+  std::function<void(const std::vector<PlanningRow>&)> on_rows;
 };
 
 /// One planner on one problem with one seed.
