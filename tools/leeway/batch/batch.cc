@@ -1,10 +1,13 @@
+#include <fmt/chrono.h>
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <cmath>
 #include <condition_variable>
+#include <ctime>
 #include <filesystem>
 #include <memory>
 #include <mutex>
@@ -15,6 +18,7 @@
 #include <thread>
 #include <variant>
 
+#include "leeway/planner/path_io.h"
 #include "leeway/planner/plan.h"
 #include "leeway/planner/planners.h"
 #include "leeway/planner/task.h"
@@ -23,8 +27,10 @@
 #include "leeway/robots/kinematics.h"
 #include "tools/leeway/batch/batch_list.h"
 #include "tools/leeway/batch/batch_output.h"
+#include "tools/leeway/batch/ompl_log.h"
 #include "tools/leeway/support/exit_status.h"
 #include "tools/leeway/support/json_result.h"
+#include "tools/leeway/support/output_file.h"
 #include "tools/leeway/support/problem_source.h"
 #include "tools/leeway/support/terminal.h"
 #include "tools/leeway/support/verb.h"
@@ -41,7 +47,7 @@ struct Arguments {
   ProblemSource source;  ///< robot, srdf and packages only
   PlanOverrides overrides;
   std::vector<std::string> inputs;
-  std::string shard, output, view;
+  std::string shard, output, ompl_log, view;
   bool resume = false, verify = false, pose_goals = false;
   int repeat = 1, jobs = 1;
 };
@@ -70,8 +76,9 @@ struct Tally {
 struct Outcome {
   Json line;
   std::vector<std::string> warnings;
-  std::string error;  ///< for stderr; empty: none
-  bool cut = false;   ///< short, by an interrupt: no part of the answer
+  std::string error;      ///< for stderr; empty: none
+  bool cut = false;       ///< short, by an interrupt: no part of the answer
+  double time_limit = 0;  ///< of the plan [s]; 0: none
   view::FolderPage page;
 };
 
@@ -180,6 +187,7 @@ Json solve(const Arguments& arguments, const std::shared_ptr<const robots::Model
   planner::Problem problem = load(arguments, model, item, outcome.warnings);
   apply(arguments.overrides, problem);
   const double load_s = secondsSince(start);
+  outcome.time_limit = problem.limits.time;
   planner::PlanOptions options = planOptions(arguments.overrides, problem);
   // How many problems are done is shown, not how far each is.
   options.progress = nullptr;
@@ -387,11 +395,24 @@ std::vector<BatchItem> listItems(const Arguments& arguments) {
   return arguments.shard.empty() ? unique : selectShard(unique, arguments.shard);
 }
 
+constexpr std::array<std::string_view, 1> kLogEndings = {".log"};
+
+std::string oneWord(std::string text) {
+  std::replace(text.begin(), text.end(), ' ', '_');
+  return text;
+}
+
 int run(const Arguments& arguments) {
   if (arguments.resume && arguments.output.empty()) {
     throw robots::InputError("command line", 0, "--resume continues a file: name it with --output");
   }
+  if (!arguments.ompl_log.empty()) checkOutputFile(arguments.ompl_log, kLogEndings);
   const std::vector<BatchItem> items = listItems(arguments);
+  const Clock::time_point begin = Clock::now();
+  OmplLogHead head;
+  head.experiment = oneWord(std::filesystem::path(arguments.ompl_log).stem().string());
+  head.started = fmt::format("{:%Y-%m-%dT%H:%M:%S}", fmt::localtime(std::time(nullptr)));
+  std::vector<Json> logged;
   view::PageFolder pages(arguments.view);
   WarningLog warnings;
   std::shared_ptr<const robots::Model> model;
@@ -422,7 +443,9 @@ int run(const Arguments& arguments) {
   for (const BatchItem& item : items) {
     ++done;
     if (output.has(item.problem)) {
-      count(item.problem, Json::parse(output.line(item.problem)));
+      const Json line = Json::parse(output.line(item.problem));
+      count(item.problem, line);
+      if (!arguments.ompl_log.empty()) logged.push_back(line);
       continue;
     }
     progress.next(item.problem);
@@ -447,9 +470,17 @@ int run(const Arguments& arguments) {
     line.update(outcome.line);
     output.add(item.problem, jsonText(line));
     count(item.problem, line);
+    head.time_limit = std::max(head.time_limit, outcome.time_limit);
+    if (!arguments.ompl_log.empty()) logged.push_back(std::move(line));
   }
   endProgress();
   output.finish();
+  if (!arguments.ompl_log.empty()) {
+    head.setup = "options: " + jsonText(options) + "\nproblems, in the order of the runs:\n";
+    for (const BatchItem& item : items) head.setup += item.problem + "\n";
+    head.total_s = secondsSince(begin);
+    planner::writeFileWhole(arguments.ompl_log, omplLog(head, logged));
+  }
   pages.finish();
   warnings.printCounts();
   if (!isQuiet()) {
@@ -485,6 +516,10 @@ Verb addBatch(CLI::App& command) {
   app->add_option("--output", arguments->output,
                   "write the lines to FILE; FILE.partial grows until all are done")
       ->type_name("FILE");
+  app->add_option("--ompl-log", arguments->ompl_log,
+                  "also write OMPL's benchmark log, for ompl_benchmark_statistics.py and Planner "
+                  "Arena: a run for each problem")
+      ->type_name("FILE.log");
   app->add_option("--view", arguments->view,
                   "a page of each problem, and DIR/index.html with their pictures")
       ->type_name("DIR");
