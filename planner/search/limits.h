@@ -34,8 +34,8 @@ class Limits {
   /// Names what is done from now on; reported to the caller at once, and then every
   /// kProgressPeriod.
   void enter(const char* phase);
-  /// What reports say behind the phase, as long as it may be asked for: until the next describe() or
-  /// enter(). Called by whichever thread asks for the limits.
+  /// What reports say behind the phase, as long as it may be asked for: until the next describe()
+  /// or enter(). Called by whichever thread asks for the limits.
   void describe(std::function<std::string()> state);
 
   std::uint64_t iterations() const { return iterations_.load(std::memory_order_relaxed); }

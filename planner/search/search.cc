@@ -199,7 +199,8 @@ std::string Search::describeLength(double length) const {
 /// What OMPL's planners tell of themselves while they run; empty for those that tell nothing.
 std::string Search::describeBest(const ob::Planner& planner) const {
   for (const auto& [name, value] : planner.getPlannerProgressProperties())
-    if (name.rfind("best cost", 0) == 0) return describeLength(std::strtod(value().c_str(), nullptr));
+    if (name.rfind("best cost", 0) == 0)
+      return describeLength(std::strtod(value().c_str(), nullptr));
   return {};
 }
 

@@ -120,7 +120,8 @@ class Verifier {
 
   /// False when the whole path is decided or the work is used up.
   bool checkSegment(std::size_t segment) {
-    if (options_.progress) options_.progress("edge", std::chrono::duration<double>(Clock::now() - begin_).count());
+    if (options_.progress)
+      options_.progress("edge", std::chrono::duration<double>(Clock::now() - begin_).count());
     a_ = path_.positions[segment];
     b_ = path_.positions[std::min(segment + 1, path_.positions.size() - 1)];
     space_.difference(a_, b_, difference_);

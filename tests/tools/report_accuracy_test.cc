@@ -239,7 +239,8 @@ TEST_F(ReportAccuracyVerb, RefusesWhatItCannotUse) {
   expectRefused("report accuracy --cases none.txt --reference none.txt", {"none.txt"});
   expectRefused("report accuracy --cases none.txt", {"--reference"});
   expectRefused("report accuracy --per-family 0", {"per-family"});
-  expectRefused("report accuracy --per-family 1 --no-rivals --family teapot", {"teapot", "box-box, box-sphere"});
+  expectRefused("report accuracy --per-family 1 --no-rivals --family teapot",
+                {"teapot", "box-box, box-sphere"});
   write("file", "");
   expectRefused(
       "report accuracy --per-family 1 --passes 1 --no-rivals --family box-box --output file",

@@ -106,8 +106,9 @@ TEST_F(Usage, ProgressIsForTerminals) {
   // Cut at the width of the terminal, so that the line can be rewritten.
   const std::string name(80, 'x');
   write(name + ".yaml", kEmpty);
-  const std::string cut = shown("batch " + name + ".yaml --quiet --output lines.json; '" +
-                                leeway::commandFile() + "' batch " + name + ".yaml --output b.json");
+  const std::string cut =
+      shown("batch " + name + ".yaml --quiet --output lines.json; '" + leeway::commandFile() +
+            "' batch " + name + ".yaml --output b.json");
   EXPECT_NE(cut.find("1 of 1: " + std::string(51, 'x') + "\r"), std::string::npos) << cut;
 }
 

@@ -52,8 +52,8 @@ pid_t reporter = 0;
 /// An interrupt ends a report at once: its rows so far are written. Of the children that measure
 /// it says nothing.
 void onInterrupt(int signal) {
-  if (getpid() == reporter && ::write(STDERR_FILENO, partial_note,
-                                      static_cast<std::size_t>(partial_note_size)) < 0)
+  if (getpid() == reporter &&
+      ::write(STDERR_FILENO, partial_note, static_cast<std::size_t>(partial_note_size)) < 0)
     _exit(1);
   std::signal(signal, SIG_DFL);
   std::raise(signal);

@@ -79,7 +79,8 @@ void showProgress(const std::string& text) {
   // A line that wraps around could not be rewritten.
   winsize window{};
   std::size_t width = 79;
-  if (ioctl(STDERR_FILENO, TIOCGWINSZ, &window) == 0 && window.ws_col > 1) width = window.ws_col - 1;
+  if (ioctl(STDERR_FILENO, TIOCGWINSZ, &window) == 0 && window.ws_col > 1)
+    width = window.ws_col - 1;
   fmt::print(stderr, "\r\x1b[K{:.{}}", text, width);
   std::fflush(stderr);
   progress_shown = true;
@@ -99,8 +100,9 @@ void UnitProgress::next(const std::string& unit) {
     const double elapsed =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
     const std::size_t rest = total_ - std::min(total_, kept_ + begun_);
-    left = ", about " + formatDuration(elapsed / static_cast<double>(begun_) *
-                                       static_cast<double>(rest)) + " left";
+    left = ", about " +
+           formatDuration(elapsed / static_cast<double>(begun_) * static_cast<double>(rest)) +
+           " left";
   }
   ++begun_;
   showProgress(fmt::format("{} of {}{}: {}", kept_ + begun_, total_, left, unit));

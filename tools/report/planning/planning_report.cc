@@ -206,8 +206,7 @@ std::vector<PlanningRow> measurePlanning(const std::vector<PlanningProblem>& pro
   for (const PlanningProblem& named : problems)
     for (int k = 0; k < options.seeds; ++k) {
       const std::uint64_t seed = options.seed + static_cast<std::uint64_t>(k);
-      if (options.progress)
-        options.progress(fmt::format("{}, seed {}", named.name, seed));
+      if (options.progress) options.progress(fmt::format("{}, seed {}", named.name, seed));
       Rows path;
       std::vector<PlanningRow> added{ours(named, seed, options.time, path)};
       if (added.back().solved()) {
