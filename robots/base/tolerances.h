@@ -48,6 +48,13 @@ inline constexpr double kProofSlack = 1e-11;
 // ------------------------------------------------------------------------------------------------
 // Tuning: any positive value is safe.
 
+/// Axes that are parallel (the sine between them) or meet (their distance [m]) to within this have
+/// a closed form of inverse kinematics: what a URDF's digits lose. Larger ones are polished longer.
+inline constexpr double kSameAxis = 1e-7;
+/// A subproblem of a closed form this near to having one solution or none, or any angle, counts as
+/// singular (relative). It must exceed what kSameAxis leaves of the subproblem's numbers.
+inline constexpr double kSingular = 1e-6;
+
 /// provenApart(): boxes of configurations examined for a pair before it is left to be checked (a
 /// few ms).
 inline constexpr int kApartBoxes = 2000;

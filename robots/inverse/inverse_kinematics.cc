@@ -10,6 +10,7 @@
 #include "collision/base/pose_check.h"
 #include "collision/base/sine_cosine.h"
 #include "leeway/robots/kinematics.h"
+#include "robots/inverse/closed_form.h"
 #include "robots/inverse/reach_proof.h"
 #include "robots/inverse/search.h"
 
@@ -31,6 +32,17 @@ constexpr double kWholeTurnGap = 1e-4;
 /// as many, and with all its boxes after the last one.
 constexpr int kStartsBeforeProof = 20;
 constexpr int kEarlyProofBoxes = 2000;
+
+/// Closed forms of seven joints: angles of the given joint that are tried before the start counts
+/// as one for the numeric search.
+constexpr std::uint64_t kSweep = 8;
+
+/// A solution of a closed form this far outside of a limit is moved onto it and polished [rad].
+constexpr double kPolished = 1e-5;
+
+/// A redundant arm this near to its poses (the search's squared error) is moved there by the
+/// search, which moves all joints a little; the closed form would leave one where it is.
+constexpr double kNearSquared = 0.01;
 
 /// sample(): searches for one draw.
 constexpr int kStartsOfSample = 3;
@@ -116,7 +128,61 @@ class Task {
         configuration_(configuration.begin(), configuration.end()),
         sequence_(variables.size(), seed),
         X_WL_(model.links.size()),
-        search_(makeSearch()) {}
+        search_(makeSearch()),
+        closed_form_(search_.chains()[0]) {
+    const PreparedRegion& region = search_.regions()[0];
+    has_closed_form_ = regions.size() == 1 && closed_form_.exists() && region.exact_turn;
+    for (const auto& [low, high] : region.position) has_closed_form_ &= low == high;
+    for (const ChainJoint& joint : search_.chains()[0].joints)
+      has_closed_form_ = has_closed_form_ && periodic_[at(joint.column[0])];
+  }
+
+  bool hasClosedForm() const { return has_closed_form_; }
+  bool isRedundant() const { return closed_form_.given() >= 0; }
+  bool isNear(const std::vector<double>& q) { return search_.squaredError(q) < kNearSquared; }
+
+  /// Adds the solutions with the given joint of q, at most `most`: nearest to the configuration
+  /// first, or from number `first` on, counted around. False where some may be missing.
+  bool solveClosed(const std::vector<double>& q, int most, std::vector<IkSolution>& solutions,
+                   std::uint64_t first = 0) {
+    const std::vector<ChainJoint>& joints = search_.chains()[0].joints;
+    const PreparedRegion& region = search_.regions()[0];
+    std::array<double, 7> angles = {};
+    for (std::size_t i = 0; i < joints.size(); ++i)
+      angles[i] = q[at(joints[i].variable)] + joints[i].offset;
+    ClosedForm::Answer answer;
+    closed_form_.solve(
+        {region.target,
+         {region.position[0].first, region.position[1].first, region.position[2].first}},
+        angles, answer);
+    std::array<std::pair<double, std::vector<double>>, 8> candidates;
+    std::size_t count = 0;
+    for (int k = 0; k < answer.count; ++k) {
+      std::vector<double> values = configuration_;
+      for (std::size_t i = 0; i < joints.size(); ++i)
+        values[at(joints[i].variable)] = answer.angles[at(k)][i] - joints[i].offset;
+      const std::vector<double> free = values;
+      normalize(values);
+      double squared_distance = 0;
+      bool within = true;
+      for (const ChainJoint& joint : joints) {
+        const std::size_t v = at(joint.variable);
+        const double moved = values[v] - free[v];
+        within = within && std::fabs(moved - kTwoPi * std::floor(moved / kTwoPi + 0.5)) < kPolished;
+        squared_distance += (values[v] - configuration_[v]) * (values[v] - configuration_[v]);
+      }
+      if (within) candidates[count++] = {squared_distance, std::move(values)};
+    }
+    std::stable_sort(candidates.begin(), candidates.begin() + static_cast<std::ptrdiff_t>(count),
+                     [](const auto& a, const auto& b) { return a.first < b.first; });
+    IkSolution solution;
+    for (std::size_t k = 0; k < count && most > 0; ++k) {
+      if (!solveFrom(std::move(candidates[(first + k) % count].second), solution)) continue;
+      solutions.push_back(solution);
+      --most;
+    }
+    return !answer.singular;
+  }
 
   /// The configuration's own start, within the limits, or number `index` of the sequence.
   std::vector<double> start(std::uint64_t index) const {
@@ -261,6 +327,8 @@ class Task {
   std::vector<double> lower_, upper_;  // limits
   std::vector<double> low_, high_;     // of starts
   Search search_;
+  ClosedForm closed_form_;  // of the first region
+  bool has_closed_form_ = false;
 };
 
 }  // namespace
@@ -301,6 +369,13 @@ IkResult InverseKinematics::solve(std::span<const PoseRegion> regions,
       result.status = IkStatus::kUnreachable;
     return result.status == IkStatus::kUnreachable;
   };
+  std::vector<IkSolution> closed;
+  const auto add = [&](const IkSolution& found) {
+    if (static_cast<int>(result.solutions.size()) < options.max_solutions &&
+        std::none_of(result.solutions.begin(), result.solutions.end(),
+                     [&](const IkSolution& other) { return task.same(found, other); }))
+      result.solutions.push_back(found);
+  };
   while (result.starts < options.starts &&
          static_cast<int>(result.solutions.size()) < options.max_solutions) {
     stopped = options.stop && options.stop();
@@ -309,12 +384,25 @@ IkResult InverseKinematics::solve(std::span<const PoseRegion> regions,
                       : result.starts == kStartsBeforeProof ? kEarlyProofBoxes
                                                             : 0;
     if (early > 0 && prove(std::min(early, options.proof_boxes))) break;
-    const bool found =
-        task.solveFrom(task.start(static_cast<std::uint64_t>(result.starts++)), solution);
-    if (found) {
-      if (std::none_of(result.solutions.begin(), result.solutions.end(),
-                       [&](const IkSolution& other) { return task.same(solution, other); }))
-        result.solutions.push_back(solution);
+    const auto index = static_cast<std::uint64_t>(result.starts++);
+    std::vector<double> q = task.start(index);
+    const bool redundant = task.isRedundant();
+    if (options.closed_form && task.hasClosedForm() && (redundant || index == 0)) {
+      if (redundant && index == 0 && task.isNear(q) && task.solveFrom(q, solution)) {
+        add(solution);
+        continue;
+      }
+      closed.clear();
+      bool complete = false;
+      for (std::uint64_t k = 0; closed.empty() && k < (redundant ? kSweep : 1); ++k)
+        complete = task.solveClosed(k == 0 ? q : task.start(index * kSweep + k),
+                                    options.max_solutions, closed);
+      for (const IkSolution& other : closed) add(other);
+      if (!closed.empty() && complete && !redundant) break;
+      if (!closed.empty()) continue;
+    }
+    if (task.solveFrom(std::move(q), solution)) {
+      add(solution);
     } else if (const double error = solution.error.position + solution.error.angle; error < least) {
       least = error;
       result.nearest = solution;
@@ -349,6 +437,15 @@ std::optional<IkSolution> InverseKinematics::sample(std::span<const PoseRegion> 
       }
   Task task(*model_, variables_, periodic_, drawn, configuration, seed);
   IkSolution solution;
+  if (task.hasClosedForm()) {
+    std::vector<IkSolution> closed;
+    bool complete = false;
+    const std::uint64_t sweep = task.isRedundant() ? kSweep : 1;
+    for (std::uint64_t k = 0; closed.empty() && k < sweep; ++k)
+      complete = task.solveClosed(task.start(1 + index * sweep + k), 1, closed, index);
+    if (!closed.empty()) return closed.front();
+    if (complete && !task.isRedundant()) return std::nullopt;
+  }
   for (std::uint64_t k = 0; k < kStartsOfSample; ++k)
     if (task.solveFrom(task.start(1 + index * kStartsOfSample + k), solution)) return solution;
   return std::nullopt;

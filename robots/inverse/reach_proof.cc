@@ -11,6 +11,11 @@
 // these is less than what P, the frame, or |P - S| lack at c. P on the last axis, near the one
 // before it, and S on the first axis, near the second, make many terms vanish: for an arm with a
 // spherical wrist |P - S| depends on the elbow alone. Any P and S are right.
+//
+// So is a point M of a link on the way. Seen from F it moves with the joints after its link by at
+// most n, found as m from that end. If F is in its region, M is where the region has F's middle
+// rotation and M's place at c, but for the region's widths and n; and |M - S| changes with the
+// joints before its link alone. On an axis, where the one before meets it, M moves with neither.
 
 #include "robots/inverse/reach_proof.h"
 
@@ -58,6 +63,15 @@ struct Target {
   Eigen::Vector3d p_F = Eigen::Vector3d::Zero(), offset = Eigen::Vector3d::Zero();
   double radius = 0;
 };
+
+/// A point on the axis of joint `joint`, in its child's frame, where the axis before meets it.
+struct MidPoint {
+  std::size_t joint;
+  Eigen::Vector3d p_C;
+};
+
+/// Axes this near to each other meet [m]: a guess, no part of the proof.
+constexpr double kMeet = 1e-6;
 
 class Prover {
  public:
@@ -182,6 +196,14 @@ class Prover {
       if (last > 0 && turns(chain_.joints[1]))
         p_RS_ = nearestPoint(p_RS_, axisOf(0), X_RC_[1].translation, axisOf(1));
     }
+    for (std::size_t i = 1; i < last && has_base_point_; ++i) {
+      if (!turns(chain_.joints[i]) || !turns(chain_.joints[i - 1])) continue;
+      const Eigen::Vector3d& before = X_RC_[i - 1].translation;
+      const Eigen::Vector3d p =
+          nearestPoint(X_RC_[i].translation, axisOf(i), before, axisOf(i - 1));
+      if (distanceFromAxis(p, before, axisOf(i - 1)) < kMeet && (p - p_RS_).norm() > kMeet)
+        mid_points_.push_back({i, X_RC_[i].inverse() * p});
+    }
   }
 
   /// A bound: what is lacking at the middle of the box, how much the joints can change it, and how
@@ -247,6 +269,59 @@ class Prover {
       if (box.excluded) return;
       examinePoint(box, X_RF * target.p_F, target);
     }
+    for (const MidPoint& point : mid_points_) {
+      if (box.excluded) return;
+      examineMidPoint(box, X_RF, point);
+    }
+  }
+
+  void examineMidPoint(Box& box, const Pose& X_RF, const MidPoint& point) {
+    const std::size_t count = chain_.joints.size();
+    const Eigen::Vector3d p = X_RC_[point.joint] * point.p_C;
+    changed_.assign(count, 0);
+    double from_frame = 0;
+    for (std::size_t i = point.joint + 1; i < count; ++i) {
+      changed_[i] = chordOf(angle_[i]) * (awayFrom(i, p) + from_frame) + slide_[i];
+      from_frame += changed_[i];
+    }
+    double moves = 0, changes = from_frame;
+    for (std::size_t i = point.joint; i-- > 0;) {
+      const double chord = chordOf(angle_[i]), reach = awayFrom(i, p) + moves;
+      changed_[i] = chord * std::min(reach, awayFrom(i, p_RS_)) + slide_[i];
+      moves += chord * reach + slide_[i];
+      changes += changed_[i];
+    }
+    const Eigen::Vector3d p_F = X_RF.rotation.transpose() * (p - X_RF.translation);
+    const double length = p_F.norm() * (1 + kBoundRounding);
+    const Range range = distances(R_RF_ * p_F);
+    const double distance = (p - p_RS_).norm();
+    consider(box,
+             std::max(range.first - distance, distance - range.second) -
+                 length * std::min(2.0, half_turn_),
+             changes, region_.position_tolerance + (length + from_frame) * region_.angle_tolerance,
+             changed_);
+  }
+
+  /// Of a point from joint i's axis, about which it may turn; from the origin of a floating one.
+  double awayFrom(std::size_t i, const Eigen::Vector3d& point) const {
+    const Eigen::Vector3d& origin = X_RC_[i].translation;
+    return chain_.joints[i].type == JointType::kFloating
+               ? (point - origin).norm()
+               : distanceFromAxis(point, origin, X_RC_[i].rotation * chain_.joints[i].axis);
+  }
+
+  using Range = std::pair<double, double>;
+  /// The least and greatest distance from S of the box of positions moved by `offset`.
+  Range distances(const Eigen::Vector3d& offset) const {
+    double near = 0, far = 0;
+    for (int k = 0; k < 3; ++k) {
+      const auto& [first, second] = region_.position[at(k)];
+      const double a = first + offset(k) - p_RS_(k), b = second + offset(k) - p_RS_(k);
+      const double least = std::max({a, -b, 0.0}), most = std::max(std::fabs(a), std::fabs(b));
+      near += least * least;
+      far += most * most;
+    }
+    return {std::sqrt(near), std::sqrt(far)};
   }
 
   /// The last joint turns about the last axis, which stays.
@@ -266,17 +341,11 @@ class Prover {
     changed_.assign(count, 0);
     double moves = 0, changes = 0, moves_without_first = 0;
     for (std::size_t i = count; i-- > 0;) {
-      const Eigen::Vector3d axis = X_RC_[i].rotation * chain_.joints[i].axis;
-      const Eigen::Vector3d& origin = X_RC_[i].translation;
-      const bool floating = chain_.joints[i].type == JointType::kFloating;
-      const auto away = [&](const Eigen::Vector3d& point) {
-        return floating ? Eigen::Vector3d(point - origin).norm()
-                        : distanceFromAxis(point, origin, axis);
-      };
       const double chord = chordOf(angle_[i]);
-      const double reach = away(p) + moves;
+      const double reach = awayFrom(i, p) + moves;
       moved_[i] = chord * reach + slide_[i];
-      changed_[i] = chord * (has_base_point_ ? std::min(reach, away(p_RS_)) : reach) + slide_[i];
+      changed_[i] =
+          chord * (has_base_point_ ? std::min(reach, awayFrom(i, p_RS_)) : reach) + slide_[i];
       moves_without_first = moves;
       moves += moved_[i];
       changes += changed_[i];
@@ -294,16 +363,13 @@ class Prover {
 
     // Along the first axis the first joint moves nothing.
     const Eigen::Vector3d axis = X_RC_[0].rotation * chain_.joints[0].axis;
-    double low = 0, high = 0, near = 0, far = 0;
+    double low = 0, high = 0;
     for (int k = 0; k < 3; ++k) {
       const auto& [first, second] = region_.position[at(k)];
       const double a = first + target.offset(k) - p_RS_(k),
                    b = second + target.offset(k) - p_RS_(k);
       low += std::min(axis(k) * a, axis(k) * b);
       high += std::max(axis(k) * a, axis(k) * b);
-      const double least = std::max({a, -b, 0.0}), most = std::max(std::fabs(a), std::fabs(b));
-      near += least * least;
-      far += most * most;
     }
     const Eigen::Vector3d from_base = p - p_RS_;
     const double along = axis.dot(from_base);
@@ -314,7 +380,8 @@ class Prover {
     moved_[0] = first_moved;
     if (box.excluded) return;
     const double distance = from_base.norm();
-    consider(box, std::max(std::sqrt(near) - distance, distance - std::sqrt(far)) - target.radius,
+    const Range range = distances(target.offset);
+    consider(box, std::max(range.first - distance, distance - range.second) - target.radius,
              changes, tolerance, changed_);
   }
 
@@ -375,6 +442,7 @@ class Prover {
   Eigen::Vector3d half_angle_;
   double half_turn_ = 0, slack_ = 0;
   std::vector<Target> targets_;
+  std::vector<MidPoint> mid_points_;
   bool has_base_point_ = false;
   Eigen::Vector3d p_RS_ = Eigen::Vector3d::Zero();
   std::vector<Pose> X_RC_;

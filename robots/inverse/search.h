@@ -20,8 +20,11 @@ class Search {
   /// limits) until the frames are in their regions as nearly as rounding allows, or until the steps
   /// gain too little. Returns the sum of squared errors, positions in units of the chain's reach.
   double descend(std::span<double> q);
+  /// That sum at q.
+  double squaredError(std::span<const double> q) { return evaluate(q.data(), false); }
 
   const std::vector<Chain>& chains() const { return chains_; }
+  const std::vector<PreparedRegion>& regions() const { return regions_; }
   std::int64_t iterations() const { return iterations_; }
 
  private:

@@ -16,7 +16,8 @@ namespace leeway::robots {
 struct IkOptions {
   std::uint64_t seed = 1;
   int starts = 200;            ///< searches from different configurations, the given one first
-  int max_solutions = 1;       ///< the search ends with as many; those listed are nearest
+  int max_solutions = 1;       ///< the search ends with as many
+  bool closed_form = true;     ///< where there is one; false: numeric search alone
   bool prove = true;           ///< without a solution, try to prove that there is none
   int proof_boxes = 100'000;   ///< boxes of configurations examined by that proof
   std::function<bool()> stop;  ///< ends the search early when true; may be empty
@@ -51,6 +52,11 @@ struct IkResult {
 /// (Sugihara, Solvability-Unconcerned Inverse Kinematics by the Levenberg-Marquardt Method, IEEE
 /// Trans. Robotics 27(5), 2011), joints at a limit held there while the step points outwards, from
 /// starts of a low-discrepancy sequence. Every solution is checked by forwardKinematics().
+///
+/// Closed forms (robots/inverse/closed_form.h) for one exact pose, where the geometry of six or
+/// seven revolute joints has one: of six joints the first start gives all solutions, nearest first,
+/// and but for singular poses no other start is made; of seven each start gives those with one
+/// joint at its value there. The numeric search polishes them, and does what they leave.
 class InverseKinematics {
  public:
   /// Solves for `variables`, indices of the model's. Throws std::invalid_argument for one that the
