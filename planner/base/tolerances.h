@@ -311,10 +311,12 @@ constexpr double kClearanceTolerance = 1e-3;
 /// path can have. Together less than kClearanceTolerance, or it would not see that it has arrived.
 constexpr double kBoundTolerance = 2.5e-4;
 
-/// A first look at an edge's clearance: how wide the distances may be, what is far enough for any
-/// robot [m], the passes of lanes, each at half the clearance of the one before, and what it may
-/// cost [units of Work, about a thousand a microsecond].
+/// A first look at an edge's clearance: how wide the distances may be, how far it looks first, as
+/// most paths come as near as that to something, and if nothing is there [m], the passes of lanes,
+/// each at half the clearance of the one before, and what it may cost [units of Work, about a
+/// thousand a microsecond].
 constexpr double kRoughClearance = 1e-4;
+constexpr double kRoughFirst = 0.03;
 constexpr double kRoughMost = 0.1;
 constexpr int kRoughPasses = 6;
 constexpr std::int64_t kRoughWork = 30'000;

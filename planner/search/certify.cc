@@ -32,11 +32,15 @@ class Clearances {
   }
 
   /// The path's least clearance, to a share of itself as far as a little work goes. An edge that is
-  /// known to stay above it is not looked at closer. O(edges), beside the queries.
+  /// proven to stay above that share is not looked at closer. O(edges), beside the queries.
   void refineLeast() {
-    for (std::size_t i = 0; i < edges_.size(); ++i)
-      keep(i,
-           certifier_.roughClearance(path_[i], path_[i + 1], std::min(least_, kRoughMost), pairs_));
+    for (const double most : {kRoughFirst, kRoughMost}) {
+      for (std::size_t i = 0; i < edges_.size(); ++i) {
+        const double enough = std::min((1 - kLeastShare) * least_, most);
+        keep(i, certifier_.roughClearance(path_[i], path_[i + 1], enough, pairs_));
+      }
+      if (std::isfinite(least_)) break;
+    }
     const std::int64_t before = certifier_.statistics.work;
     while (certifier_.statistics.work - before < kAllProofsWork) {
       const int i = lowestUnproven();
