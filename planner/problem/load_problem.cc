@@ -12,7 +12,7 @@
 #include "leeway/planner/problem.h"
 #include "planner/base/nearest_name.h"
 #include "planner/problem/format_keys.h"
-#include "planner/problem/link_padding.h"
+#include "planner/problem/other_formats.h"
 #include "planner/problem/read_deforming.h"
 #include "planner/problem/read_execution.h"
 #include "planner/problem/read_poses.h"
@@ -421,6 +421,7 @@ std::optional<Objective> objectiveOfName(std::string_view name) {
 }
 
 Problem loadProblem(const std::string& yaml_path, const ProblemOptions& options) {
+  if (std::filesystem::path(yaml_path).extension() == ".cfg") return loadOmplApp(yaml_path);
   const YamlReader file = YamlReader::load(yaml_path);
   if (!file.isMap()) file.fail("is no map; a problem file (leeway: 1, ...) is expected");
   requireVersion(file);

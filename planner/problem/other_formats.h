@@ -1,7 +1,6 @@
 #pragma once
 
-// Private to planner/: padding of links in MoveIt's scenes. Margins name pairs, so they wait until
-// all objects are known.
+// Private to planner/: what loadProblem() needs of those who read the formats of other programs.
 
 #include <map>
 #include <memory>
@@ -11,7 +10,11 @@
 
 namespace leeway::planner {
 
-/// Distances that links, and what they hold, keep from the world: by name [m], above 0.
+/// An OMPL.app problem (.cfg) of one rigid body in SE(2) or SE(3). Throws robots::InputError.
+Problem loadOmplApp(const std::string& path);
+
+/// Distances that links, and what they hold, keep from the world in MoveIt's scenes: by name [m],
+/// above 0. Margins name pairs, so they wait until all objects are known.
 using LinkPadding = std::map<std::string, double>;
 
 /// loadMoveit() without applyLinkPadding(): objects may follow.

@@ -143,15 +143,24 @@ std::string keyOf(const std::string& path, const Eigen::Vector3d& scale,
   return key.finish();
 }
 
+/// Whose reading of a file it is to be.
+enum class Reader { kRviz, kOmplApp };
+
 /// Reads a file's bytes through Assimp. `fail` takes a message and throws.
 template <class Fail>
 Soup readSoup(const std::string& path, const Eigen::Vector3d& scale,
-              std::span<const std::byte> bytes, bool& reads_others, const Fail& fail) {
+              std::span<const std::byte> bytes, bool& reads_others, const Fail& fail,
+              Reader reader = Reader::kRviz) {
   Assimp::Importer importer;
   importer.SetIOHandler(new Files(path, bytes, reads_others));  // the importer's from here on
   // As RViz and MoveIt do: ignore the file's up axis, apply its unit of length.
-  importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
-  const aiScene* scene = importer.ReadFile(path, aiProcess_Triangulate);
+  importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, reader == Reader::kRviz);
+  const unsigned steps = reader == Reader::kRviz
+                             ? aiProcess_Triangulate
+                             : aiProcess_GenNormals | aiProcess_Triangulate |
+                                   aiProcess_JoinIdenticalVertices | aiProcess_SortByPType |
+                                   aiProcess_OptimizeGraph;
+  const aiScene* scene = importer.ReadFile(path, steps);
   if (scene == nullptr)
     fail("cannot be read: " + std::string(importer.GetErrorString()) +
          "; an intact STL, OBJ or DAE file would be accepted");
@@ -165,23 +174,48 @@ Soup readSoup(const std::string& path, const Eigen::Vector3d& scale,
   return soup;
 }
 
+template <class Fail>
+collision::LargeBuffer readBytes(const std::string& path, const Fail& fail) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error))
+    fail(std::string(std::filesystem::exists(path, error) ? "is a folder or a device"
+                                                          : "is not there") +
+         "; the path of a mesh file (STL, OBJ, DAE) would be accepted");
+  std::optional<collision::LargeBuffer> contents = contentsOf(path);
+  if (!contents) fail("cannot be read; an intact STL, OBJ or DAE file would be accepted");
+  return std::move(*contents);
+}
+
 }  // namespace
+
+CenteredMesh importForOmplApp(const std::string& path, const std::string& referrer, int line) {
+  const auto fail = [&](const std::string& message) {
+    throw InputError(referrer, line, "mesh " + path + ' ' + message);
+  };
+  const collision::LargeBuffer contents = readBytes(path, fail);
+  bool reads_others = false;
+  const Soup soup = readSoup(path, Eigen::Vector3d::Ones(), {contents.data(), contents.size()},
+                             reads_others, fail, Reader::kOmplApp);
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector3d& v : soup.vertices) sum += v;
+  try {
+    return {collision::Shape::mesh(TriangleMesh::make(soup.vertices, soup.triangles)),
+            sum / static_cast<double>(soup.vertices.size())};
+  } catch (const collision::InvalidShape& invalid) {
+    fail("cannot be used: " + std::string(invalid.what()));
+  }
+  throw InputError(referrer, line, path);  // not reached: fail() throws
+}
 
 ImportedMesh importMesh(const std::string& path, const Eigen::Vector3d& scale,
                         const std::string& referrer, int line, const DiskCache& cache) {
   const auto fail = [&](const std::string& message) {
     throw InputError(referrer, line, "mesh " + path + ' ' + message);
   };
-  std::error_code error;
-  if (!std::filesystem::is_regular_file(path, error))
-    fail(std::string(std::filesystem::exists(path, error) ? "is a folder or a device"
-                                                          : "is not there") +
-         "; the path of a mesh file (STL, OBJ, DAE) would be accepted");
   if (!scale.allFinite() || (scale.array() == 0).any())
     fail("has a scale that is zero or not finite; three other numbers would be accepted");
-  const std::optional<collision::LargeBuffer> contents = contentsOf(path);
-  if (!contents) fail("cannot be read; an intact STL, OBJ or DAE file would be accepted");
-  const std::span<const std::byte> bytes(contents->data(), contents->size());
+  const collision::LargeBuffer contents = readBytes(path, fail);
+  const std::span<const std::byte> bytes(contents.data(), contents.size());
   std::string key;
   const bool is_kept = bytes.size() >= kLeastKept;
   if (cache.isOn()) {

@@ -18,4 +18,12 @@ struct ImportedMesh {
 ImportedMesh importMesh(const std::string& path, const Eigen::Vector3d& scale,
                         const std::string& referrer, int line, const DiskCache& cache);
 
+struct CenteredMesh {
+  collision::Shape shape;
+  Eigen::Vector3d center;  ///< mean of the vertices that Assimp keeps apart by their normals [m]
+};
+
+/// A mesh file as OMPL.app sees it: turned by its up axis, to Assimp's y. Throws like loadMesh().
+CenteredMesh importForOmplApp(const std::string& path, const std::string& referrer, int line);
+
 }  // namespace leeway::robots

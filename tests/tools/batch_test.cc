@@ -43,6 +43,27 @@ std::string withoutMilliseconds(const std::string& text) {
   return std::regex_replace(text, std::regex(" *[0-9]+\\.[0-9]+"), "");
 }
 
+/// OMPL.app's files are problems like any other.
+TEST_F(Batch, TakesOmplAppProblems) {
+  write("app/body.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n");
+  const std::string problem =
+      "[problem]\nrobot = body.obj\nworld = body.obj\nstart.x = -3\nstart.y = 0\nstart.theta = 0\n"
+      "goal.x = 3\ngoal.y = 0\ngoal.theta = 1\nvolume.min.x = -4\nvolume.min.y = -4\n"
+      "volume.max.x = 4\nvolume.max.y = 4\n";
+  write("app/slide.cfg", problem);
+  write("app/other.cfg", "[main]\n");
+  const Answer answer = run("batch app --verify");
+  EXPECT_EQ(answer.status, 0) << answer.err;
+  ASSERT_EQ(answer.lines().size(), 1U);
+  EXPECT_EQ(answer.lines()[0]["problem"], "app/slide.cfg");
+  EXPECT_EQ(answer.lines()[0]["verify"]["status"], "certified");
+  EXPECT_NE(answer.err.find("other.cfg: left out"), std::string::npos) << answer.err;
+  EXPECT_EQ(run("info app/slide.cfg").status, 0);
+  EXPECT_EQ(run("lint app/slide.cfg").status, 0);
+  write("app/bad.cfg", problem + "goal.x = 4\n");
+  expectRefused("plan app/bad.cfg", {"app/bad.cfg:14", "goal.x", "line 7"});
+}
+
 TEST_F(Batch, PairsByNumberAndWalksIntoFolders) {
   const Answer answer = run("batch " + robot_ + "set");
   EXPECT_EQ(answer.status, 0) << answer.err;

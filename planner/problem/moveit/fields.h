@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "leeway/planner/problem.h"
-#include "planner/problem/link_padding.h"
+#include "planner/problem/other_formats.h"
 #include "planner/yaml/yaml_reader.h"
 
 namespace leeway::planner {

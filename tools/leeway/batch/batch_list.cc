@@ -22,11 +22,11 @@ bool isYaml(const fs::path& path) {
   return path.extension() == ".yaml" || path.extension() == ".yml";
 }
 
-/// All YAML files of a folder and the folders in it, sorted by path.
-std::vector<fs::path> yamlFilesBelow(const fs::path& folder) {
+/// All files of a folder and the folders in it that `isOf`, sorted by path.
+std::vector<fs::path> filesBelow(const fs::path& folder, bool (*isOf)(const fs::path&)) {
   std::vector<fs::path> files;
   for (const auto& entry : fs::recursive_directory_iterator(folder)) {
-    if (entry.is_regular_file() && isYaml(entry.path())) {
+    if (entry.is_regular_file() && isOf(entry.path())) {
       files.push_back(entry.path());
     }
   }
@@ -34,11 +34,15 @@ std::vector<fs::path> yamlFilesBelow(const fs::path& folder) {
   return files;
 }
 
-/// Whether a file found in a folder says that it is a problem: a line begins with the key `leeway`.
+bool isYamlOrCfg(const fs::path& path) { return isYaml(path) || path.extension() == ".cfg"; }
+
+/// Whether a file found in a folder says that it is a problem: a line begins with the key `leeway`,
+/// of OMPL.app's with the section [problem].
 bool isProblemFile(const fs::path& file) {
   std::ifstream in(file);
+  const char* word = isYaml(file) ? "leeway:" : "[problem]";
   for (std::string line; std::getline(in, line);) {
-    if (line.starts_with("leeway:")) {
+    if (line.starts_with(word)) {
       return true;
     }
   }
@@ -161,16 +165,16 @@ std::vector<BatchItem> listProblems(const std::vector<std::string>& inputs) {
       items.push_back({input, "", ""});
       continue;
     }
-    const auto files = yamlFilesBelow(input);
+    const auto files = filesBelow(input, isYamlOrCfg);
     if (files.empty()) {
-      throw robots::InputError(input, 0, "there is no .yaml file in this folder");
+      throw robots::InputError(input, 0, "there is no .yaml or .cfg file in this folder");
     }
     for (const fs::path& file : files) {
       if (isProblemFile(file)) {
         items.push_back({file.string(), "", ""});
       } else {
-        fmt::print(stderr, "{}: left out, it has no key 'leeway' and so is no problem file\n",
-                   file.string());
+        fmt::print(stderr, "{}: left out, it has no {} and so is no problem file\n", file.string(),
+                   isYaml(file) ? "key 'leeway'" : "[problem]");
       }
     }
   }
@@ -186,7 +190,7 @@ std::vector<BatchItem> listMoveitProblems(const std::vector<std::string>& inputs
       continue;
     }
     std::map<fs::path, Folder> folders;
-    for (const fs::path& file : yamlFilesBelow(input)) {
+    for (const fs::path& file : filesBelow(input, isYaml)) {
       const NumberedName name = parseName(file);
       if (name.kind != NumberedName::Kind::kOther) {
         addToFolder(folders[file.parent_path()], file, name);

@@ -13,9 +13,9 @@ struct BatchItem {
   std::string error;    ///< not empty: it cannot even be started (a scene without request, ...)
 };
 
-/// Problem files and folders of them (every .yaml below with the key `leeway`, the others are named
-/// on stderr), sorted within each input. Throws robots::InputError for an input that does not exist
-/// or a folder without problems.
+/// Problem files and folders of them (every .yaml below with the key `leeway` and .cfg with
+/// [problem], the others are named on stderr), sorted within each input. Throws robots::InputError
+/// for an input that does not exist or a folder without problems.
 std::vector<BatchItem> listProblems(const std::vector<std::string>& inputs);
 
 /// MoveIt scene files and folders of scene and request files (sceneNNNN.yaml, requestNNNN.yaml),

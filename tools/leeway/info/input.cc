@@ -82,11 +82,12 @@ FileKind kindOf(const std::string& file) {
   if (ending == ".urdf" || ending == ".xacro") {
     return FileKind::kUrdf;
   }
-  if (ending == ".yaml" || ending == ".yml") {
+  if (ending == ".yaml" || ending == ".yml" || ending == ".cfg") {
     return FileKind::kProblem;
   }
   throw robots::InputError(
-      file, 0, fmt::format("unknown ending '{}'; .urdf, .srdf and .yaml are accepted", ending));
+      file, 0,
+      fmt::format("unknown ending '{}'; .urdf, .srdf, .yaml and .cfg are accepted", ending));
 }
 
 planner::Problem loadFile(const std::string& file, FileKind kind, ProblemSource source) {
