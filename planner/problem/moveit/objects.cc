@@ -7,6 +7,7 @@
 #include "leeway/collision/triangle_mesh.h"
 #include "planner/problem/moveit/fields.h"
 #include "planner/problem/read_shapes.h"
+#include "robots/urdf/mesh_path.h"
 
 namespace leeway::planner {
 namespace {
@@ -52,8 +53,15 @@ Shape readPrimitive(const YamlReader& primitive) {
   });
 }
 
-/// Points, and triangles as their indices: shape_msgs/Mesh.
-Shape readInlineMesh(const YamlReader& mesh) {
+/// Points, and triangles as their indices: shape_msgs/Mesh. Or, as Robowflex and MotionBenchMaker
+/// write it, `resource`, a file by its package, path or URI, and `dimensions`, its scale.
+Shape readSceneMesh(const YamlReader& mesh) {
+  if (const auto resource = mesh.find("resource")) {
+    const auto scale = mesh.find("dimensions");
+    return robots::loadMesh(
+        robots::resolveMesh(resource->text(), resource->file(), resource->line(), nullptr),
+        scale ? scale->vector3() : Eigen::Vector3d(1, 1, 1), resource->file(), resource->line());
+  }
   const YamlReader points = mesh.at("vertices", "a list of points [m]");
   const YamlReader faces = mesh.at("triangles", "a list of three vertex_indices each");
   std::vector<Eigen::Vector3d> vertices;
@@ -143,7 +151,7 @@ Object readCollisionObject(const YamlReader& map, std::vector<std::string>& warn
   readShapes(map, "primitives", "primitive_poses", object, warnings,
              [](const YamlReader& shape) { return std::pair(readPrimitive(shape), Pose()); });
   readShapes(map, "meshes", "mesh_poses", object, warnings,
-             [](const YamlReader& mesh) { return std::pair(readInlineMesh(mesh), Pose()); });
+             [](const YamlReader& mesh) { return std::pair(readSceneMesh(mesh), Pose()); });
   readShapes(map, "planes", "plane_poses", object, warnings, [](const YamlReader& plane) {
     return std::pair(Shape::halfSpace(), readPlane(plane));
   });

@@ -121,6 +121,30 @@ std::string replaced(std::string text, const std::string& what, const std::strin
   return text.replace(place, what.size(), by);
 }
 
+/// As MotionBenchMaker's own library writes meshes: a file and its scale.
+TEST_F(MoveitImport, MeshesMayBeFiles) {
+  folder_.write("props/tip.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\n");
+  const auto withMesh = [&](const std::string& mesh) {
+    return replaced(
+        kScene, "id: box\n",
+        "id: box\n      mesh_poses: [{position: [0, 0, 7]}]\n      meshes: [" + mesh + "]\n");
+  };
+  for (const char* resource : {"package://props/tip.obj", "props/tip.obj"}) {
+    const Problem problem = load(
+        withMesh(std::string("{resource: '") + resource + "', dimensions: [2, 3, 4]}"), kRequest);
+    const robots::Geometry& mesh = problem.world.objects[1].geometries.back();
+    ASSERT_NE(mesh.shape.mesh(), nullptr);
+    double highest = 0;
+    for (const Eigen::Vector3d& v : mesh.shape.mesh()->vertices())
+      highest = std::max(highest, (mesh.X_BG * v).z());
+    EXPECT_EQ(highest, 11);
+  }
+  const std::string lost = messageOf(withMesh("{resource: 'package://lost/can.stl'}"), kRequest);
+  EXPECT_EQ(lost.rfind("scene.yaml:21: the mesh \"package://lost/can.stl\" was not found", 0), 0U)
+      << lost;
+  EXPECT_NE(lost.find("ROS_PACKAGE_PATH"), std::string::npos) << lost;
+}
+
 TEST_F(MoveitImport, ObjectsHaveFullEdgesHeightBeforeRadiusAndBothPoses) {
   const Problem problem = load(kScene, kRequest);
   ASSERT_EQ(problem.world.objects.size(), 2U);

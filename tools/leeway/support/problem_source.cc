@@ -212,8 +212,9 @@ void addPlanOverrides(CLI::App& app, PlanOverrides& overrides) {
       ->type_name("SHARE");
   app.add_flag("--no-push", overrides.no_push, "leave a simplified path where it hugs obstacles");
   app.add_option("--certificate", overrides.certificate,
-                 "path: the path's least clearance to three tenths, as far as a little work "
-                 "goes; full: that of each edge to 0.1 mm, whatever it takes")
+                 "how exactly clearance is told; every edge is proven either way. path: the "
+                 "path's least, roughly (to about three tenths); full: that of each edge to 0.1 "
+                 "mm, which may take longer")
       ->check(CLI::IsMember({"path", "full"}));
 }
 
