@@ -1,5 +1,6 @@
 // Runs a fuzz target without libFuzzer: TARGET [--seconds N] [--count N] [--seed S] [--only INDEX].
-// Input i depends on seed and i alone: --only i reproduces it.
+// Input i depends on seed, i and the corpus (tests/fuzz/corpus/TARGET) alone: --only i reproduces
+// it. --write FOLDER writes what libFuzzer begins with: seeds, and the words as FOLDER.dict.
 
 #include <unistd.h>
 
@@ -8,11 +9,14 @@
 #include <cstdlib>
 #include <cstring>
 #include <ctime>
+#include <filesystem>
+#include <fstream>
 #include <limits>
 #include <string>
 #include <vector>
 
 #include "tests/fuzz/target.h"
+#include "tests/fuzz/text_input.h"
 #include "tools/truth/oracle/generate.h"
 
 namespace {
@@ -105,6 +109,7 @@ struct Arguments {
   unsigned long long seed = 1;
   long long only = -1;
   bool show = false;  // with --only: prints the input
+  std::string write;
 };
 
 bool parse(int argc, char** argv, Arguments& arguments) {
@@ -119,6 +124,9 @@ bool parse(int argc, char** argv, Arguments& arguments) {
       arguments.seed = std::strtoull(argv[i + 1], &end, 10);
     } else if (name == "--only") {
       arguments.only = std::strtoll(argv[i + 1], &end, 10);
+    } else if (name == "--write") {
+      arguments.write = argv[i + 1];
+      continue;
     } else if (name == "--show") {
       arguments.show = std::strtoll(argv[i + 1], &end, 10) != 0;
     }
@@ -127,20 +135,46 @@ bool parse(int argc, char** argv, Arguments& arguments) {
   return argc % 2 == 1;
 }
 
+/// A number for each input and a quoted word for each line, as libFuzzer reads them.
+bool write(const std::string& folder, const std::vector<std::string>& seeds,
+           const std::vector<std::string>& words) {
+  std::filesystem::create_directories(folder);
+  for (std::size_t i = 0; i < seeds.size(); ++i)
+    std::ofstream(folder + "/" + std::to_string(i), std::ios::binary) << seeds[i];
+  std::ofstream dictionary(folder + ".dict");
+  for (const std::string& word : words) {
+    if (word.empty()) continue;
+    dictionary << '"';
+    for (const char c : word) {
+      char hex[8];
+      std::snprintf(hex, sizeof hex, "\\x%02x", static_cast<unsigned char>(c));
+      dictionary << hex;
+    }
+    dictionary << "\"\n";
+  }
+  return static_cast<bool>(dictionary.flush());
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   Arguments arguments;
   if (!parse(argc, argv, arguments)) {
     std::fprintf(stderr,
-                 "usage: %s [--seconds N] [--count N] [--seed S] [--only INDEX [--show 1]]\n",
+                 "usage: %s [--seconds N] [--count N] [--seed S] [--only INDEX [--show 1]] "
+                 "[--write FOLDER]\n",
                  argv[0]);
     return 2;
   }
   for (const int signal : {SIGALRM, SIGABRT, SIGSEGV, SIGFPE, SIGBUS, SIGILL})
     std::signal(signal, sayReplay);
-  const std::vector<std::string> seeds = leeway::fuzz::seedInputs(),
-                                 words = leeway::fuzz::dictionary();
+  std::vector<std::string> seeds = leeway::fuzz::seedInputs();
+  const std::vector<std::string> words = leeway::fuzz::dictionary();
+  if (!arguments.write.empty()) return write(arguments.write, seeds, words) ? 0 : 1;
+  std::string target = std::filesystem::path(argv[0]).filename().string();
+  target.resize(target.size() - std::min(target.size(), std::strlen("_fuzz")));
+  for (std::string& input : leeway::fuzz::sourceTextsUnder("tests/fuzz/corpus/" + target, ""))
+    seeds.push_back(std::move(input));
   const bool single = arguments.only >= 0;
   const std::time_t begin = std::time(nullptr);
   long long done = 0;
