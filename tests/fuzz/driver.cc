@@ -1,9 +1,12 @@
-// Runs a fuzz target without libFuzzer: TARGET [--seconds N] [--count N] [--seed S] [--only INDEX].
-// Input i depends on seed, i and the corpus (tests/fuzz/corpus/TARGET) alone: --only i reproduces
-// it. --write FOLDER writes what libFuzzer begins with: seeds, and the words as FOLDER.dict.
+// Runs a fuzz target without libFuzzer: TARGET [--seconds N] [--count N] [--seed S] [--only INDEX]
+// [--corpus FOLDER]. Input i depends on seed, i and the corpus, whose files are seeds as well,
+// alone:
+// --only i reproduces it. --write FOLDER writes what libFuzzer begins with: seeds, and the words as
+// FOLDER.dict.
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
@@ -16,7 +19,7 @@
 #include <vector>
 
 #include "tests/fuzz/target.h"
-#include "tests/fuzz/text_input.h"
+#include "tests/support/folder.h"
 #include "tools/truth/oracle/generate.h"
 
 namespace {
@@ -109,7 +112,7 @@ struct Arguments {
   unsigned long long seed = 1;
   long long only = -1;
   bool show = false;  // with --only: prints the input
-  std::string write;
+  std::string corpus, write;
 };
 
 bool parse(int argc, char** argv, Arguments& arguments) {
@@ -124,8 +127,8 @@ bool parse(int argc, char** argv, Arguments& arguments) {
       arguments.seed = std::strtoull(argv[i + 1], &end, 10);
     } else if (name == "--only") {
       arguments.only = std::strtoll(argv[i + 1], &end, 10);
-    } else if (name == "--write") {
-      arguments.write = argv[i + 1];
+    } else if (name == "--write" || name == "--corpus") {
+      (name == "--write" ? arguments.write : arguments.corpus) = argv[i + 1];
       continue;
     } else if (name == "--show") {
       arguments.show = std::strtoll(argv[i + 1], &end, 10) != 0;
@@ -133,6 +136,18 @@ bool parse(int argc, char** argv, Arguments& arguments) {
     if (end == nullptr || *end != '\0') return false;
   }
   return argc % 2 == 1;
+}
+
+/// All files of a folder, in the order of their names; none without a folder.
+std::vector<std::string> readCorpus(const std::string& folder) {
+  std::vector<std::filesystem::path> files;
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, error))
+    files.push_back(entry.path());
+  std::sort(files.begin(), files.end());
+  std::vector<std::string> texts;
+  for (const std::filesystem::path& file : files) texts.push_back(leeway::readText(file));
+  return texts;
 }
 
 /// A number for each input and a quoted word for each line, as libFuzzer reads them.
@@ -162,7 +177,7 @@ int main(int argc, char** argv) {
   if (!parse(argc, argv, arguments)) {
     std::fprintf(stderr,
                  "usage: %s [--seconds N] [--count N] [--seed S] [--only INDEX [--show 1]] "
-                 "[--write FOLDER]\n",
+                 "[--corpus FOLDER] [--write FOLDER]\n",
                  argv[0]);
     return 2;
   }
@@ -171,17 +186,15 @@ int main(int argc, char** argv) {
   std::vector<std::string> seeds = leeway::fuzz::seedInputs();
   const std::vector<std::string> words = leeway::fuzz::dictionary();
   if (!arguments.write.empty()) return write(arguments.write, seeds, words) ? 0 : 1;
-  std::string target = std::filesystem::path(argv[0]).filename().string();
-  target.resize(target.size() - std::min(target.size(), std::strlen("_fuzz")));
-  for (std::string& input : leeway::fuzz::sourceTextsUnder("tests/fuzz/corpus/" + target, ""))
-    seeds.push_back(std::move(input));
+  for (std::string& input : readCorpus(arguments.corpus)) seeds.push_back(std::move(input));
   const bool single = arguments.only >= 0;
   const std::time_t begin = std::time(nullptr);
   long long done = 0;
   for (long long i = single ? arguments.only : 0; done < arguments.count; ++i, ++done) {
     if (single ? done == 1 : std::difftime(std::time(nullptr), begin) >= arguments.seconds) break;
-    std::snprintf(replay_line, sizeof replay_line, "%s --seed %llu --only %lld\n", argv[0],
-                  arguments.seed, i);
+    std::snprintf(replay_line, sizeof replay_line, "%s --seed %llu --only %lld%s%s\n", argv[0],
+                  arguments.seed, i, arguments.corpus.empty() ? "" : " --corpus ",
+                  arguments.corpus.c_str());
     Random random(Random(arguments.seed).bits() ^
                   (static_cast<std::uint64_t>(i) * 0xd1342543de82ef95ull));
     std::string input;

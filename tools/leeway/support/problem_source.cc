@@ -131,7 +131,8 @@ void addStatesAndMoveitArguments(CLI::App& app, ProblemSource& source) {
 }  // namespace
 
 void addProblemArguments(CLI::App& app, ProblemSource& source) {
-  app.add_option("problem", source.problem, "problem file")->type_name("PROBLEM.yaml");
+  app.add_option("problem", source.problem, "problem file, or OMPL.app's .cfg")
+      ->type_name("PROBLEM.yaml");
   addStatesAndMoveitArguments(app, source);
 }
 

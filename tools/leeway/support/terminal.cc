@@ -105,7 +105,8 @@ void UnitProgress::next(const std::string& unit) {
            " left";
   }
   ++begun_;
-  showProgress(fmt::format("{} of {}{}: {}", kept_ + begun_, total_, left, unit));
+  const std::size_t now = kept_ + begun_;
+  showProgress(fmt::format("{} of {}{}: {}", now, std::max(now, total_), left, unit));
 }
 
 std::string formatTable(const std::vector<std::string>& heading,
