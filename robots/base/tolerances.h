@@ -55,9 +55,18 @@ inline constexpr double kSameAxis = 1e-7;
 /// singular (relative). It must exceed what kSameAxis leaves of the subproblem's numbers.
 inline constexpr double kSingular = 1e-6;
 
+/// provenApart(): configurations in which pairs are looked at first, as those that meet somewhere
+/// need no proof, and the step between them, for which any irrational number would do.
+inline constexpr int kApartSamples = 200;
+inline constexpr double kGoldenSection = 0.6180339887498949;
+
 /// provenApart(): boxes of configurations examined for a pair before it is left to be checked (a
 /// few ms).
 inline constexpr int kApartBoxes = 2000;
+/// provenApart(): after so many boxes such a share of all must be proven, or the rest is not tried:
+/// with many joints between two links it never ends.
+inline constexpr int kApartTrial = 150;
+inline constexpr double kApartTrialShare = 1e-3;
 
 /// provenApart(): no box is split below this half width [rad or m]. Pairs that need smaller ones
 /// stay checked.

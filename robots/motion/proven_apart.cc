@@ -26,15 +26,23 @@ class ApartProof {
 
   bool run() {
     if (!prepare()) return false;
-    std::vector<Box> stack{{center_, half_}};
+    std::vector<Box> stack{{center_, half_, 1}};
+    double proven = 0;  // share of the first box
     for (int work = 0; !stack.empty(); ++work) {
       if (work >= kApartBoxes) return false;
+      if (work == kApartTrial && proven < kApartTrialShare) return false;
       const Box box = stack.back();
       stack.pop_back();
-      if (isApart(box)) continue;
+      const Finding found = look(box);
+      if (found == Finding::kMeet) return false;
+      if (found == Finding::kApart) {
+        proven += box.share;
+        continue;
+      }
       const std::size_t v = widest(box);
       if (box.half[v] < kApartSmallest) return false;
       Box low = box, high = box;
+      low.share = high.share = box.share / 2;
       low.half[v] = high.half[v] = box.half[v] / 2 * (1 + kBoundRounding);
       low.center[v] -= box.half[v] / 2;
       high.center[v] += box.half[v] / 2;
@@ -47,7 +55,9 @@ class ApartProof {
  private:
   struct Box {
     std::vector<double> center, half;  // one a variable
+    double share;                      // of the first box
   };
+  enum class Finding { kApart, kMeet, kOpen };
 
   /// False when this proof cannot treat the pair: without shapes, with joints of several variables,
   /// unlimited, or without any motion between the two.
@@ -95,8 +105,8 @@ class ApartProof {
     return true;
   }
 
-  /// Proven over the whole box.
-  bool isApart(const Box& box) {
+  /// Apart over the whole box, or meeting in its middle.
+  Finding look(const Box& box) {
     forwardKinematics(model_, box.center, poses_);
     jointMotion(model_, box.half, joint_motion_);
     const Pose& X_WA = poses_[at(link_a_)];
@@ -115,10 +125,11 @@ class ApartProof {
         request.depth = false;
         const collision::DistanceResult result =
             collision::distance(a.shape, X_WA * a.X_BG, b.shape, X_WB * b.X_BG, request, scratch_);
-        if (!(result.distance.lower > motion)) return false;
+        if (result.distance.upper <= 0) return Finding::kMeet;
+        if (!(result.distance.lower > motion)) return Finding::kOpen;
       }
     }
-    return true;
+    return Finding::kApart;
   }
 
   /// The variable whose half width moves the body most.
@@ -153,12 +164,63 @@ class ApartProof {
   collision::Scratch scratch_;
 };
 
+/// Where each variable of a sample stands: over its limits, each in steps of its own.
+void sample(const Model& model, int number, std::vector<double>& q) {
+  for (std::size_t v = 0; v < q.size(); ++v) {
+    const Variable& variable = model.variables[v];
+    const JointType type = model.joints[at(variable.joint)].type;
+    if (type != JointType::kRevolute && type != JointType::kPrismatic &&
+        type != JointType::kContinuous)
+      continue;
+    const bool whole_turn = type == JointType::kContinuous;
+    const double lower = whole_turn ? -3.14 : variable.lower;
+    const double upper = whole_turn ? 3.14 : variable.upper;
+    if (!std::isfinite(upper - lower)) continue;
+    const double steps = (number + 1) * kGoldenSection * static_cast<double>(v + 1);
+    q[v] = lower + (upper - lower) * (steps - std::floor(steps));
+  }
+}
+
+bool meet(const Link& a, const Pose& X_WA, const Link& b, const Pose& X_WB,
+          collision::Scratch& scratch) {
+  collision::DistanceRequest request;
+  request.threshold = 0;
+  request.depth = false;
+  for (const Geometry& g : a.geometries)
+    for (const Geometry& h : b.geometries) {
+      const Pose X_WG = X_WA * g.X_BG, X_WH = X_WB * h.X_BG;
+      const double reach = g.shape.boundingRadius() + h.shape.boundingRadius();
+      if ((X_WG * g.shape.boundingCenter() - X_WH * h.shape.boundingCenter()).norm() > reach)
+        continue;
+      if (collision::distance(g.shape, X_WG, h.shape, X_WH, request, scratch).distance.upper <= 0)
+        return true;
+    }
+  return false;
+}
+
+/// Takes those pairs out that meet in one of some configurations: no proof needs to be tried.
+void leaveOutMeeting(const Model& model, std::vector<std::pair<int, int>>& pairs) {
+  std::vector<double> q = model.defaultConfiguration();
+  std::vector<Pose> X_WL(model.links.size());
+  collision::Scratch scratch;
+  for (int i = 0; i < kApartSamples && !pairs.empty(); ++i) {
+    sample(model, i, q);
+    forwardKinematics(model, q, X_WL);
+    const auto met = [&](const std::pair<int, int>& pair) {
+      const auto [a, b] = pair;
+      return meet(model.links[at(a)], X_WL[at(a)], model.links[at(b)], X_WL[at(b)], scratch);
+    };
+    pairs.erase(std::remove_if(pairs.begin(), pairs.end(), met), pairs.end());
+  }
+}
+
 }  // namespace
 
 std::vector<std::pair<int, int>> provenApart(const Model& model,
                                              std::span<const std::pair<int, int>> candidates) {
-  std::vector<std::pair<int, int>> proven;
-  for (const auto& [a, b] : candidates)
+  std::vector<std::pair<int, int>> open(candidates.begin(), candidates.end()), proven;
+  leaveOutMeeting(model, open);
+  for (const auto& [a, b] : open)
     if (ApartProof(model, a, b).run()) proven.emplace_back(a, b);
   return proven;
 }

@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "tools/report/deform/deform_scenes.h"
+#include "tools/report/growth/growth_worlds.h"
 #include "tools/report/motion/motion_cases.h"
 
 namespace leeway::tools {
@@ -182,6 +183,38 @@ CLI::App* addPlanning(CLI::App* app, const std::shared_ptr<ReportPlanningArgumen
   return planning;
 }
 
+CLI::App* addGrowth(CLI::App* app, const std::shared_ptr<ReportGrowthArguments>& arguments) {
+  CLI::App* growth = app->add_subcommand(
+      "growth", "worlds, edges and plans as boxes, triangles and joints grow, with FCL");
+  growth->add_option("--output", arguments->output, "folder for CSV and pictures")
+      ->type_name("DIR")
+      ->capture_default_str();
+  growth->add_option("--seed", arguments->seed, "of the plans")->capture_default_str();
+  growth->add_option("--family", arguments->families, "only these")
+      ->check(CLI::IsMember(report::growthFamilies()));
+  const auto addCounts = [&](const char* name, const std::string& family,
+                             std::vector<std::int64_t>& counts, const char* what) {
+    const auto [least, most] = report::growthRange(family);
+    growth->add_option(name, counts, what)
+        ->type_name("N ...")
+        ->check(CLI::Range(least, most))
+        ->capture_default_str();
+  };
+  addCounts("--boxes", "boxes", arguments->boxes, "how many, most of them out of reach");
+  addCounts("--triangles", "triangles", arguments->triangles, "of a ring around the arm");
+  addCounts("--joints", "joints", arguments->joints, "of the arm");
+  growth->add_option("--edges", arguments->edges, "that planning asks for, in each world")
+      ->check(CLI::Range(1, 100'000))
+      ->capture_default_str();
+  growth->add_option("--time", arguments->time, "limit of a plan [s]")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  growth->add_flag("--no-rivals", arguments->no_rivals, "ours alone");
+  growth->add_flag("--json", arguments->json, "one JSON document");
+  growth->footer("Example:\n  leeway report growth --family joints --output /tmp/report");
+  return growth;
+}
+
 }  // namespace
 
 Verb addReport(CLI::App& command) {
@@ -197,6 +230,8 @@ Verb addReport(CLI::App& command) {
   CLI::App* ik = addIkReport(app, ik_arguments);
   auto planning_arguments = std::make_shared<ReportPlanningArguments>();
   CLI::App* planning = addPlanning(app, planning_arguments);
+  auto growth_arguments = std::make_shared<ReportGrowthArguments>();
+  CLI::App* growth = addGrowth(app, growth_arguments);
   CLI::App* cases = app->add_subcommand("cases", "answers every pair of shapes of a case file");
   cases->add_option("file", arguments->file, "case file (tests/data/README.md)")
       ->type_name("FILE")
@@ -219,6 +254,7 @@ Verb addReport(CLI::App& command) {
             if (deform->parsed()) return runReportDeform(*deform_arguments);
             if (motion->parsed()) return runReportMotion(*motion_arguments);
             if (ik->parsed()) return runReportIk(*ik_arguments);
+            if (growth->parsed()) return runReportGrowth(*growth_arguments);
             if (planning->parsed()) return runReportPlanning(*planning_arguments);
             return arguments->reference.empty()
                        ? runReportCases(arguments->file, arguments->raw)

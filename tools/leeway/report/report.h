@@ -108,4 +108,22 @@ struct ReportPlanningArguments {
 /// of ours collides, else 1; throws robots::InputError.
 int runReportPlanning(const ReportPlanningArguments& arguments);
 
+struct ReportGrowthArguments {
+  std::string output = "report";
+  std::uint64_t seed = 1;
+  std::vector<std::int64_t> boxes = {10, 100, 1000, 10000, 100000};
+  std::vector<std::int64_t> triangles = {1000, 10000, 100000};
+  std::vector<std::int64_t> joints = {2, 4, 7, 14, 28, 40};
+  std::vector<std::string> families;  ///< none: all
+  int edges = 200;                    ///< of each family
+  double time = 30;                   ///< limit of a plan [s]
+  bool no_rivals = false;
+  bool json = false;
+};
+
+/// `leeway report growth`: what making a world, an edge and a plan cost as boxes, triangles and
+/// joints grow in number, with the rivals that are there. Writes growth.csv and growth.svg into
+/// `output`. Returns 0 when every plan of ours is solved, else 1; throws robots::InputError.
+int runReportGrowth(const ReportGrowthArguments& arguments);
+
 }  // namespace leeway::tools

@@ -74,7 +74,7 @@ Json Pack::addDifferences(const char* type, std::span<const Number> values,
   if (!strides.empty()) {
     constexpr int kSign = std::numeric_limits<Number>::digits - 1;
     for (Number& x : packed) {
-      x = static_cast<Number>((x << 1U) ^
+      x = static_cast<Number>((static_cast<std::uint32_t>(x) << 1U) ^
                               (x >> kSign != 0 ? std::numeric_limits<Number>::max() : 0U));
     }
   }

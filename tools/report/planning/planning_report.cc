@@ -19,9 +19,9 @@
 #include "leeway/planner/plan.h"
 #include "leeway/planner/simplify.h"
 #include "leeway/robots/input_error.h"
-#include "leeway/robots/kinematics.h"
 #include "planner/space/ompl_lock.h"
 #include "planner/space/ompl_planners.h"
+#include "tools/report/planning/rival_states.h"
 
 namespace leeway::tools::report {
 namespace {
@@ -40,29 +40,16 @@ class RivalValidity : public ob::StateValidityChecker {
  public:
   RivalValidity(const ob::SpaceInformationPtr& information, const planner::CompiledScene& scene,
                 StateChecker& checker)
-      : StateValidityChecker(information),
-        scene_(scene),
-        checker_(checker),
-        q_(scene.model().variables.size()),
-        X_WL_(scene.model().links.size()),
-        X_WB_(scene.scene().bodies().size()) {}
+      : StateValidityChecker(information), states_(scene, checker) {}
 
   bool isValid(const ob::State* state) const override {
     if (!si_->satisfiesBounds(state)) return false;
     const auto& space = static_cast<const planner::OmplStateSpace&>(*si_->getStateSpace());
-    scene_.expand(space.point(state), q_);
-    robots::forwardKinematics(scene_.model(), q_, X_WL_);
-    for (std::size_t b = 0; b < X_WB_.size(); ++b)
-      if (const int link = scene_.bodyLink(static_cast<int>(b)); link >= 0)
-        X_WB_[b] = X_WL_[static_cast<std::size_t>(link)];
-    return checker_.isFree(X_WB_);
+    return states_.isFree(space.point(state));
   }
 
  private:
-  const planner::CompiledScene& scene_;
-  StateChecker& checker_;
-  mutable std::vector<double> q_;
-  mutable std::vector<robots::Pose> X_WL_, X_WB_;
+  mutable RivalStates states_;
 };
 
 std::vector<double> startOf(const planner::Problem& problem) {

@@ -1,8 +1,13 @@
 #include "tools/report/rivals/fcl_state_rival.h"
 
+#include <fcl/broadphase/broadphase_dynamic_AABB_tree.h>
 #include <fcl/geometry/shape/halfspace.h>
 #include <fcl/narrowphase/collision.h>
 
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <unordered_set>
 #include <utility>
 #include <vector>
 
@@ -28,33 +33,43 @@ Geometry makeGeometry(const Shape& shape) {
   return makeFclShape(convex);
 }
 
+/// Things that stand still above which FCL's dynamic tree finds the near ones; few are quicker to
+/// look at one by one.
+constexpr std::size_t kTree = 64;
+
 class FclChecker : public StateChecker {
  public:
   explicit FclChecker(const collision::Scene& scene) : scene_(scene) {
+    std::vector<std::size_t> still;
     for (const collision::Body& body : scene.bodies()) {
       first_.push_back(parts_.size());
       for (const collision::Geometry& geometry : body.geometries) {
         parts_.push_back({makeGeometry(geometry.shape), fcl::Transform3d::Identity(),
                           Eigen::Vector3d::Zero(), geometry.shape.boundingRadius()});
         complete_ = complete_ && parts_.back().shape;
+        // A half-space has no box.
+        if (!body.moving && std::isfinite(parts_.back().radius)) still.push_back(parts_.size() - 1);
       }
-      if (!body.moving) place(parts_.size() - body.geometries.size(), body, body.X_WB);
+      if (body.moving)
+        moving_.push_back(first_.size() - 1);
+      else
+        place(first_.back(), body, body.X_WB);
     }
+    if (complete_ && still.size() > kTree) makeTree(still);
+    listPairs();
   }
 
   bool complete() const { return complete_; }
 
   bool isFree(std::span<const collision::Pose> X_WB) override {
-    for (std::size_t b = 0; b < first_.size(); ++b)
-      if (scene_.bodies()[b].moving) place(first_[b], scene_.bodies()[b], X_WB[b]);
-    for (const collision::ScenePair& pair : scene_.pairs()) {
-      const Part& a = partOf(pair.body_a, pair.geometry_a);
-      const Part& b = partOf(pair.body_b, pair.geometry_b);
-      const double reach = a.radius + b.radius;  // infinite for half-spaces
-      if ((a.p_WC - b.p_WC).squaredNorm() > reach * reach) continue;
-      fcl::CollisionResultd result;
-      if (fcl::collide(a.shape.get(), a.X_WG, b.shape.get(), b.X_WG, request_, result) > 0)
-        return false;
+    for (const std::size_t b : moving_) place(first_[b], scene_.bodies()[b], X_WB[b]);
+    for (const auto& [a, b] : listed_)
+      if (touch(a, b)) return false;
+    for (const std::size_t i : asks_tree_) {
+      fcl::CollisionObjectd object(parts_[i].shape, parts_[i].X_WG);
+      Query query{this, i};
+      tree_.collide(&object, &query, &FclChecker::meets);
+      if (query.found) return false;
     }
     return true;
   }
@@ -65,10 +80,66 @@ class FclChecker : public StateChecker {
     fcl::Transform3d X_WG;
     Eigen::Vector3d p_WC;  ///< centre of the bounding sphere
     double radius;
+    bool in_tree = false;
+  };
+  struct Query {
+    FclChecker* checker;
+    std::size_t part;
+    bool found = false;
   };
 
-  const Part& partOf(int body, int geometry) const {
-    return parts_[first_[static_cast<std::size_t>(body)] + static_cast<std::size_t>(geometry)];
+  std::size_t partOf(int body, int geometry) const {
+    return first_[static_cast<std::size_t>(body)] + static_cast<std::size_t>(geometry);
+  }
+  std::size_t keyOf(std::size_t a, std::size_t b) const {
+    return std::min(a, b) * parts_.size() + std::max(a, b);
+  }
+
+  void makeTree(const std::vector<std::size_t>& still) {
+    objects_.reserve(still.size());
+    std::vector<fcl::CollisionObjectd*> all;
+    for (const std::size_t i : still) {
+      parts_[i].in_tree = true;
+      objects_.emplace_back(parts_[i].shape, parts_[i].X_WG);
+      objects_.back().setUserData(reinterpret_cast<void*>(i + 1));  // null: not of the tree
+      all.push_back(&objects_.back());
+    }
+    tree_.registerObjects(all);
+    tree_.setup();
+  }
+
+  void listPairs() {
+    std::set<std::size_t> asks;
+    for (const collision::ScenePair& pair : scene_.pairs()) {
+      const std::size_t a = partOf(pair.body_a, pair.geometry_a);
+      const std::size_t b = partOf(pair.body_b, pair.geometry_b);
+      if (!parts_[a].in_tree && !parts_[b].in_tree) {
+        listed_.emplace_back(a, b);
+        continue;
+      }
+      checked_.insert(keyOf(a, b));
+      asks.insert(parts_[a].in_tree ? b : a);
+    }
+    asks_tree_.assign(asks.begin(), asks.end());
+  }
+
+  bool touch(std::size_t i, std::size_t k) {
+    const Part &a = parts_[i], &b = parts_[k];
+    const double reach = a.radius + b.radius;  // infinite for half-spaces
+    if ((a.p_WC - b.p_WC).squaredNorm() > reach * reach) return false;
+    fcl::CollisionResultd result;
+    return fcl::collide(a.shape.get(), a.X_WG, b.shape.get(), b.X_WG, request_, result) > 0;
+  }
+
+  /// FCL's callback; true ends the query. One of the two objects is of the tree.
+  static bool meets(fcl::CollisionObjectd* a, fcl::CollisionObjectd* b, void* data) {
+    Query& query = *static_cast<Query*>(data);
+    const fcl::CollisionObjectd* still = a->getUserData() != nullptr ? a : b;
+    const auto part = reinterpret_cast<std::size_t>(still->getUserData()) - 1;
+    FclChecker& checker = *query.checker;
+    if (checker.checked_.count(checker.keyOf(query.part, part)) > 0)
+      query.found = checker.touch(query.part, part);
+    return query.found;
   }
 
   void place(std::size_t first, const collision::Body& body, const collision::Pose& X_WB) {
@@ -81,7 +152,13 @@ class FclChecker : public StateChecker {
 
   const collision::Scene& scene_;
   std::vector<Part> parts_;
-  std::vector<std::size_t> first_;  ///< of each body
+  std::vector<std::size_t> first_;   ///< of each body
+  std::vector<std::size_t> moving_;  ///< bodies
+  std::vector<std::pair<std::size_t, std::size_t>> listed_;
+  fcl::DynamicAABBTreeCollisionManagerd tree_;
+  std::vector<fcl::CollisionObjectd> objects_;  ///< of the tree
+  std::vector<std::size_t> asks_tree_;          ///< parts that move
+  std::unordered_set<std::size_t> checked_;     ///< keys of pairs with the tree
   fcl::CollisionRequestd request_;
   bool complete_ = true;
 };
