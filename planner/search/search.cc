@@ -193,7 +193,8 @@ std::string Search::describeLength(double length) const {
     for (const auto& [lower, upper] : goal.ranges) point.push_back(lower);
     straight = std::min(straight, scene_->space().distance(task_.start, point));
   }
-  return ", length " + text(length) + ", none is below " + text(straight);
+  // Rounded down: it is a bound.
+  return ", length " + text(length) + ", none is below " + text(std::floor(1e3 * straight) / 1e3);
 }
 
 /// What OMPL's planners tell of themselves while they run; empty for those that tell nothing.

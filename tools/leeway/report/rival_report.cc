@@ -108,7 +108,10 @@ void RivalReport::write(const std::string& name, const std::string& text) {
   std::filesystem::create_directories(folder_, error);
   planner::writeFileWhole(within(folder_, name), text);
   names_.push_back(name);
-  if (partial_.count(name) != 0) std::filesystem::remove(within(folder_, name + ".partial"), error);
+  if (partial_.count(name) != 0) {
+    std::filesystem::remove(within(folder_, name + ".partial"), error);
+    setNote(fmt::format("\ninterrupted: {} is whole\n", within(folder_, name)));
+  }
 }
 
 int RivalReport::end(bool json, const End& end) const {
