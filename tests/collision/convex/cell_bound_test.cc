@@ -50,7 +50,7 @@ long double valueAt(const CurvedFaces& faces, const Pose& X_BA, const Vector3d& 
   const Wide local[2] = {x_a, x};
   for (int k = 0; k < 2; ++k) {
     const Wide scaled = faces.semiAxes(k).cast<long double>().cwiseProduct(local[k]);
-    value += faces.share(k, choice) * scaled.norm();
+    value += static_cast<long double>(faces.share(k, choice)) * scaled.norm();
   }
   return value;
 }
@@ -141,10 +141,11 @@ TEST(CellBound, WhatIsProvenHoldsInEveryDirection) {
     const double room = random.chance(0.5) ? random.logUniform(1e-15, 1e-3)
                                            : std::pow(width, 4) * random.logUniform(1e-3, 10);
     const double depth = reach - room * size;
+    const auto wide_depth = static_cast<long double>(depth);
     double margins[3];
     for (int k = 0; k < 3; ++k) {
       margins[k] = static_cast<double>(valueAt(faces, X_BA, x[k], choices[k]) -
-                                       depth * x[k].cast<long double>().norm());
+                                       wide_depth * x[k].cast<long double>().norm());
     }
     const double sizes[2] = {view_a.extent, view_b.extent};
     const NearlyBall parts[2] = {partOf(a), partOf(b)};
@@ -163,8 +164,8 @@ TEST(CellBound, WhatIsProvenHoldsInEveryDirection) {
       if (k < 20) mu[k % 3] = 0;
       const Wide n = (mu[0] * x[0] + mu[1] * x[1] + mu[2] * x[2]).cast<long double>();
       const long double rest = mostOf(view_b, n) + mostOf(view_a, -inA(X_BA, n)) -
-                               n.dot(X_BA.translation.cast<long double>()) - depth * n.norm();
-      EXPECT_GE(rest, -0.01L * roundoff) << "case " << i;
+                               n.dot(X_BA.translation.cast<long double>()) - wide_depth * n.norm();
+      EXPECT_GE(rest, -0.01L * static_cast<long double>(roundoff)) << "case " << i;
     }
   }
   EXPECT_GT(proven, casesToAsk(500));
