@@ -109,7 +109,7 @@ TEST(Plot, LogarithmicTicksLieWithinAndAreEnough) {
   }
   EXPECT_EQ(logarithmicTicks(1, 1000).labelled.front(), 1);
   EXPECT_TRUE(logarithmicTicks(0, 1).labelled.empty());
-  EXPECT_TRUE(logarithmicTicks(1, INFINITY).labelled.empty());
+  EXPECT_TRUE(logarithmicTicks(1, HUGE_VAL).labelled.empty());
 }
 
 TEST(Plot, LinearTicksAreRound) {
