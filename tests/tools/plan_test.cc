@@ -122,7 +122,7 @@ TEST_F(Plan, IsAsSafeAsItsLengthAllows) {
   const std::string pick = "plan '" + leeway::sourceFolder() + "/problems/bin/pick.yaml' --json ";
   const json plain = run(pick).document();
   EXPECT_TRUE(plain["shortest_length"].is_null());
-  const json safe = run(pick + "--at-most-longer 0.2 --time 0.2").document();
+  const json safe = run(pick + "--at-most-longer 0.2 --time 1").document();
   EXPECT_EQ(safe["objective"], "clearance");
   EXPECT_LE(safe["length"].get<double>(), 1.2 * safe["shortest_length"].get<double>() + 1e-9);
   EXPECT_GE(safe["certificate"]["world"]["clearance_lower"],
