@@ -224,8 +224,8 @@ constexpr double kReachGrowth = 4;
 constexpr int kGoalSamples = 16;
 constexpr int kGoalAttempts = 1000;
 
-/// Inverse kinematics for a goal of poses [count]: starts and solutions of a first search, which
-/// most goals need no more than, and of a second one, with a proof, for the others.
+/// Inverse kinematics for a goal of poses [count]: after one start, which most goals need no more
+/// than, starts and solutions of a second search, and of a third one, with a proof.
 constexpr int kFirstPoseStarts = 24;
 constexpr int kFirstPoseSolutions = 8;
 constexpr int kPoseStarts = 200;
@@ -233,13 +233,17 @@ constexpr int kPoseSolutions = 64;
 
 /// More solutions are drawn so many at a time [count]; after so many draws without a new one there
 /// seem to be no others (six joints have 16 at most); and so many are kept.
-constexpr int kPoseDraws = 4;
+constexpr int kPoseDraws = 1;
 constexpr int kIdleDraws = 32;
 constexpr std::size_t kMostPoseSolutions = 256;
 
 /// Positions of a pose are drawn evenly from ranges up to this width [m]: of wider ones most are
 /// out of any robot's reach.
 constexpr double kWidestDraw = 10;
+
+/// Connect begins with the first valid solution of a goal of poses, and asks for more after every
+/// so many iterations [count]: a goal costs about as much as one of them.
+constexpr std::uint64_t kGoalTurn = 32;
 
 /// Solutions that differ by less in every joint are one [rad or m].
 constexpr double kSameSolution = 1e-4;

@@ -49,6 +49,7 @@ class Worker {
         settings_(settings),
         index_(index),
         certifier_(certifier),
+        goals_(query.goals),
         is_free_([this](std::span<const double> a, std::span<const double> b) {
           // One iteration may ask many edges.
           if (++asked_ % kConnectTurn == 0) over_ = over_ || query_.limits.over();
@@ -65,11 +66,16 @@ class Worker {
     for (; count > 0; --count) {
       if (!trees_) {
         trees_.emplace(
-            ConnectTask{query_.scene->space(), query_.start, query_.goals, is_free_, query_.bound},
+            ConnectTask{query_.scene->space(), query_.start, goals_, is_free_, query_.bound},
             settings_, runSeed(query_.seed, index_ * kRunsApart + runs_));
         left_ = query_.run * luby(++runs_);
       }
       ++iterations_;
+      if (has_more_goals_ && iterations_ % kGoalTurn == 0) {
+        has_more_goals_ = query_.more_goals(goal_batches_, goals_);
+        ++goal_batches_;
+        trees_->takeGoals();
+      }
       const bool met = trees_->iterate();
       if (met) path_ = trees_->path();
       if (met || --left_ == 0) trees_.reset();
@@ -79,6 +85,7 @@ class Worker {
   }
 
   std::uint64_t iterations() const { return iterations_; }
+  std::size_t goalBatches() const { return goal_batches_; }
   Waypoints takePath() { return std::move(path_); }
   const EdgeCertifier::Statistics& work() const { return certifier_.statistics; }
 
@@ -87,6 +94,9 @@ class Worker {
   ConnectSettings settings_;
   std::uint64_t index_;
   EdgeCertifier& certifier_;
+  Waypoints goals_;
+  bool has_more_goals_ = static_cast<bool>(query_.more_goals);
+  std::size_t goal_batches_ = 0;
   std::function<bool(std::span<const double>, std::span<const double>)> is_free_;
   std::optional<ConnectTrees> trees_;
   std::uint64_t runs_ = 0, left_ = 0, iterations_ = 0;
@@ -103,10 +113,10 @@ ConnectResult searchAlone(const ConnectQuery& query, const ConnectSettings& sett
     const std::uint64_t before = worker.iterations();
     const bool found = worker.advance(std::min({kConnectTurn, limits.left(), query.most - before}));
     const bool over = limits.iterate(worker.iterations() - before);
-    if (found) return {worker.takePath(), {}};
+    if (found) return {worker.takePath(), {}, worker.goalBatches()};
     if (over) break;
   }
-  return {};
+  return {std::nullopt, {}, worker.goalBatches()};
 }
 
 /// Workers side by side, each in turns of kConnectTurn iterations. All of them make all turns up to
@@ -191,11 +201,13 @@ class Portfolio {
           (winner == nullptr || member.worker->iterations() < winner->worker->iterations()))
         winner = &member;
       iterations = std::max(iterations, member.worker->iterations());
+      result.goal_batches = std::max(result.goal_batches, member.worker->goalBatches());
       if (!member.work.empty())
         result.work += member.work[std::min<std::uint64_t>(last_turn_, member.work.size() - 1)];
     }
     if (winner != nullptr) {
       iterations = winner->worker->iterations();
+      result.goal_batches = winner->worker->goalBatches();
       result.path = winner->worker->takePath();
     }
     query_.limits.iterate(iterations);

@@ -44,11 +44,15 @@ struct ConnectQuery {
   const std::function<void(std::span<const double>, std::span<const double>)>& on_edge;
   double bound = std::numeric_limits<double>::infinity();  ///< of the path's length
   std::uint64_t run = kConnectRun;                         ///< iterations of a first run
+  /// Appends batch k = 0, 1, ... of further goals to a worker's own; false when there is none. May
+  /// be empty. Called by several threads.
+  std::function<bool(std::size_t k, Waypoints& goals)> more_goals = {};
 };
 
 struct ConnectResult {
   std::optional<Waypoints> path;
   EdgeCertifier::Statistics work;  ///< of the workers' own certifiers
+  std::size_t goal_batches = 0;    ///< asked for by the winner; without one the most
 };
 
 /// Runs with rising budgets: most problems are solved soon or by luck, so a run that is late is

@@ -45,7 +45,7 @@ bool canDrawEvenly(const Goal& goal) {
 }  // namespace
 
 GoalSampler::GoalSampler(EdgeCertifier& certifier, const Problem& problem, std::uint64_t seed)
-    : certifier_(certifier), problem_(problem), seed_(seed) {
+    : certifier_(&certifier), problem_(problem), seed_(seed) {
   const ConfigurationSpace& space = certifier.scene().space();
   for (std::size_t g = 0; g < problem.goals.size(); ++g) {
     checkGoal(problem, space, problem.goals[g]);
@@ -71,7 +71,7 @@ GoalPoints GoalSampler::first(const std::function<bool()>& stop) {
 }
 
 void GoalSampler::drawJoints(std::size_t g, GoalPoints& result, const std::function<bool()>& stop) {
-  const ConfigurationSpace& space = certifier_.scene().space();
+  const ConfigurationSpace& space = certifier_->scene().space();
   const Goal& goal = problem_.goals[g];
   std::vector<double> q(at(space.size()));
   Random random(seed_, kGoalStream + g);
@@ -84,18 +84,18 @@ void GoalSampler::drawJoints(std::size_t g, GoalPoints& result, const std::funct
       break;
     }
     drawPoint(space, goal, random, q);
-    if (certifier_.decide(q) == Verdict::kFree) {
+    if (certifier_->decide(q) == Verdict::kFree) {
       result.points.push_back(q);
       found = true;
     } else if (result.points.empty() && i < kGoalReports) {
-      keepBetter(result.closest, certifier_.clearance(q, kReportTolerance));
+      keepBetter(result.closest, certifier_->clearance(q, kReportTolerance));
     }
   }
   result.stopped = result.stopped || stopped;
   if (!found)
     result.warnings.push_back(
         "goal '" + goal.name + "' is left out: " +
-        (point     ? contactText(certifier_, certifier_.clearance(q, kReportTolerance))
+        (point     ? contactText(*certifier_, certifier_->clearance(q, kReportTolerance))
          : stopped ? "no valid point of it was found within the limits"
                    : "none of " + std::to_string(kGoalAttempts) + " points of it was valid"));
 }
@@ -108,20 +108,27 @@ void GoalSampler::drawPoses(PoseGoal& drawn, GoalPoints& result,
   robots::IkOptions options;
   options.seed = seed_;
   options.stop = stop;
-  // Most goals are met by the first few starts; the others are worth more of them, and a proof.
-  options.starts = kFirstPoseStarts;
-  options.max_solutions = kFirstPoseSolutions;
   options.prove = false;
-  robots::IkResult solved = kinematics_->solve(goal.poses, problem_.start, options);
-  take(drawn, solved.solutions, result);
-  int starts = solved.starts;
-  if (!found() && !stop()) {
-    options.starts = kPoseStarts;
-    options.max_solutions = kPoseSolutions;
-    options.prove = drawn.found.empty();
+  // One start is enough for most goals, a few more for most others; the rest is worth many, and a
+  // proof. Each of these searches begins as the one before.
+  struct Search {
+    int starts, solutions;
+  };
+  constexpr Search kSearches[] = {{1, kFirstPoseSolutions},
+                                  {kFirstPoseStarts, kFirstPoseSolutions},
+                                  {kPoseStarts, kPoseSolutions}};
+  robots::IkResult solved;
+  int starts = 0;
+  for (const Search& search : kSearches) {
+    if (drawn.complete || (starts > 0 && stop())) break;
+    options.starts = search.starts;
+    options.max_solutions = search.solutions;
+    options.prove = search.starts == kPoseStarts && drawn.found.empty();
     solved = kinematics_->solve(goal.poses, problem_.start, options);
-    take(drawn, solved.solutions, result);
-    starts += solved.starts;
+    starts = solved.starts;
+    drawn.complete = solved.complete;
+    drawn.pending = std::move(solved.solutions);
+    if (takePending(drawn, result)) break;
   }
   const bool unreachable = solved.status == robots::IkStatus::kUnreachable;
   while (!found() && !unreachable && !drawn.found.empty() && !isExhausted(drawn) && !stop())
@@ -151,7 +158,12 @@ void GoalSampler::drawPoses(PoseGoal& drawn, GoalPoints& result,
 bool GoalSampler::more(GoalPoints& points) {
   for (std::size_t i = 0; i < pose_goals_.size(); ++i) {
     PoseGoal& drawn = pose_goals_[turn_++ % pose_goals_.size()];
-    if (drawn.found.empty() || isExhausted(drawn)) continue;
+    if (drawn.found.empty()) continue;
+    if (!drawn.pending.empty()) {
+      takePending(drawn, points);
+      return true;
+    }
+    if (isExhausted(drawn)) continue;
     drawBatch(drawn, points);
     return true;
   }
@@ -159,7 +171,7 @@ bool GoalSampler::more(GoalPoints& points) {
 }
 
 bool GoalSampler::isExhausted(const PoseGoal& drawn) {
-  return drawn.idle >= kIdleDraws || drawn.found.size() >= kMostPoseSolutions;
+  return drawn.complete || drawn.idle >= kIdleDraws || drawn.found.size() >= kMostPoseSolutions;
 }
 
 void GoalSampler::drawBatch(PoseGoal& drawn, GoalPoints& points) {
@@ -179,7 +191,7 @@ void GoalSampler::drawBatch(PoseGoal& drawn, GoalPoints& points) {
 }
 
 std::vector<double> GoalSampler::anyConfiguration(PoseGoal& drawn) const {
-  const ConfigurationSpace& space = certifier_.scene().space();
+  const ConfigurationSpace& space = certifier_->scene().space();
   Goal all;
   for (int i = 0; i < space.size(); ++i) all.ranges.emplace_back(space.lower(i), space.upper(i));
   for (const ConfigurationSpace::Part& part : space.parts()) {
@@ -191,28 +203,38 @@ std::vector<double> GoalSampler::anyConfiguration(PoseGoal& drawn) const {
   std::vector<double> point(at(space.size())), configuration(problem_.start.size());
   Random random(Random(seed_, kGoalStream + drawn.goal).next(), drawn.draws++);
   drawPoint(space, all, random, point);
-  certifier_.scene().expand(point, configuration);
+  certifier_->scene().expand(point, configuration);
   return configuration;
+}
+
+bool GoalSampler::takePending(PoseGoal& drawn, GoalPoints& points) {
+  const std::size_t before = points.points.size();
+  std::size_t taken = 0;
+  while (taken < drawn.pending.size() && points.points.size() == before)
+    take(drawn, {&drawn.pending[taken++], 1}, points);
+  drawn.pending.erase(drawn.pending.begin(),
+                      drawn.pending.begin() + static_cast<std::ptrdiff_t>(taken));
+  return points.points.size() > before;
 }
 
 void GoalSampler::take(PoseGoal& drawn, std::span<const robots::IkSolution> solutions,
                        GoalPoints& points) {
   for (const robots::IkSolution& solution : solutions) {
     const std::vector<double>& q = solution.values;
-    if (isKnown(drawn, q) || !certifier_.scene().space().withinLimits(q) ||
-        !goalHolds(certifier_.scene(), problem_.goals[drawn.goal], q))
+    if (isKnown(drawn, q) || !certifier_->scene().space().withinLimits(q) ||
+        !goalHolds(certifier_->scene(), problem_.goals[drawn.goal], q))
       continue;
     drawn.idle = 0;
     drawn.found.push_back(q);
-    if (certifier_.decide(q) == Verdict::kFree)
+    if (certifier_->decide(q) == Verdict::kFree)
       points.points.push_back(q);
     else if (points.points.empty() && drawn.found.size() <= at(kGoalReports))
-      keepBetter(points.closest, certifier_.clearance(q, kReportTolerance));
+      keepBetter(points.closest, certifier_->clearance(q, kReportTolerance));
   }
 }
 
 bool GoalSampler::isKnown(const PoseGoal& drawn, const std::vector<double>& point) const {
-  const ConfigurationSpace& space = certifier_.scene().space();
+  const ConfigurationSpace& space = certifier_->scene().space();
   return std::any_of(drawn.found.begin(), drawn.found.end(), [&](const std::vector<double>& q) {
     space.difference(q, point, difference_);
     return std::all_of(difference_.begin(), difference_.end(),

@@ -20,8 +20,8 @@ class GoalSampler {
   GoalSampler(EdgeCertifier& certifier, const Problem& problem, std::uint64_t seed);
 
   /// Valid points of the goals: of a goal of one point that point; of a range up to kGoalSamples;
-  /// of poses the valid ones among the first few solutions, nearest to the start first. `stop`
-  /// ends the search for a goal's first point.
+  /// of poses the first that is found, of a few solutions the nearest to the start. `stop` ends the
+  /// search for a goal's first point.
   GoalPoints first(const std::function<bool()>& stop);
   /// Adds valid points of one of the goals that are poses, in turn. False when none can be
   /// expected any more.
@@ -30,25 +30,32 @@ class GoalSampler {
   const std::vector<std::vector<double>>& found(std::size_t k) const {
     return pose_goals_[k].found;
   }
+  bool hasPoses() const { return !pose_goals_.empty(); }
+  /// Looks at points by another certifier from now on. It must outlive the sampler, or its use.
+  void use(EdgeCertifier& certifier) { certifier_ = &certifier; }
 
  private:
   struct PoseGoal {
     std::size_t goal;
     bool evenly;  ///< drawn from the regions; else by their solutions nearest to any configuration
     std::uint64_t draws = 0;
-    int idle = 0;                                 ///< draws since the last new solution
-    std::vector<std::vector<double>> found = {};  ///< valid or not
+    bool complete = false;                         ///< there are no more than found and pending
+    int idle = 0;                                  ///< draws since the last new solution
+    std::vector<robots::IkSolution> pending = {};  ///< known, but not yet looked at
+    std::vector<std::vector<double>> found = {};   ///< valid or not
   };
   void drawJoints(std::size_t g, GoalPoints& result, const std::function<bool()>& stop);
   void drawPoses(PoseGoal& drawn, GoalPoints& result, const std::function<bool()>& stop);
   void drawBatch(PoseGoal& drawn, GoalPoints& points);
+  /// Looks at pending solutions up to the first that is valid. False when there is none.
+  bool takePending(PoseGoal& drawn, GoalPoints& points);
   /// Adds those of the solutions that are new, and the valid ones to the points.
   void take(PoseGoal& drawn, std::span<const robots::IkSolution> solutions, GoalPoints& points);
   std::vector<double> anyConfiguration(PoseGoal& drawn) const;
   static bool isExhausted(const PoseGoal& drawn);
   bool isKnown(const PoseGoal& drawn, const std::vector<double>& point) const;
 
-  EdgeCertifier& certifier_;
+  EdgeCertifier* certifier_;
   const Problem& problem_;
   std::uint64_t seed_;
   std::unique_ptr<robots::InverseKinematics> kinematics_;  ///< null without poses

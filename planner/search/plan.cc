@@ -19,6 +19,7 @@
 #include "planner/search/run_seed.h"
 #include "planner/search/search.h"
 #include "planner/space/ompl_lock.h"
+#include "planner/space/ompl_planners.h"
 
 namespace leeway::planner {
 namespace {
@@ -137,16 +138,20 @@ class Plan {
   /// A path with every edge certified; empty when none is found within the limits.
   Waypoints search() {
     if (Waypoints path = direct(); !path.empty()) return path;
-    while (goals_.points.size() < static_cast<std::size_t>(kGoalSamples) && !limits_.searchOver() &&
-           sampler_->more(goals_)) {
+    const bool lazy = wantsLength() && traits_->name == kOwnPlanner;
+    while (!lazy && goals_.points.size() < static_cast<std::size_t>(kGoalSamples) &&
+           !limits_.searchOver() && sampler_->more(goals_)) {
     }
     const QuietOmpl quiet;
-    const SearchTask task{problem_, start_, goals_, limits_, options_.on_edge};
+    SearchTask task{problem_, start_, goals_, limits_, options_.on_edge};
     if (traits_->optimizing) limits_.reserve(kSimplifyShare);
     if (wantsLength()) {
+      GoalSupply supply(scene_, *sampler_, goals_);
+      if (lazy && sampler_->hasPoses()) task.supply = &supply;
       Search search(scene_, pool_, task);
       auto path = search.shortest(problem_.seed);
       work_ += search.work();
+      work_ += supply.work();
       return std::move(path).value_or(Waypoints{});
     }
     limits_.reserve(kSimplifyShare);

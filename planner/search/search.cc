@@ -116,18 +116,25 @@ std::optional<Waypoints> Search::connect(std::uint64_t seed, std::uint64_t budge
                                                                         EdgeCertifier& own) {
     return endInGoal(path) && isCertified(own, path);
   };
-  const ConnectQuery query{scene_,
-                           task_.start,
-                           goals,
-                           seed,
-                           accept,
-                           task_.limits,
-                           budget > 0 ? budget : std::numeric_limits<std::uint64_t>::max(),
-                           task_.on_edge,
-                           bound,
-                           bound < kInfinity ? kImproveRun : kConnectRun};
-  ConnectResult result =
-      searchConnect(query, connectChoice(parameters_, scene_->space()), certifier());
+  ConnectQuery query{scene_,
+                     task_.start,
+                     goals,
+                     seed,
+                     accept,
+                     task_.limits,
+                     budget > 0 ? budget : std::numeric_limits<std::uint64_t>::max(),
+                     task_.on_edge,
+                     bound,
+                     bound < kInfinity ? kImproveRun : kConnectRun,
+                     {}};
+  const ConnectChoice choice = connectChoice(parameters_, scene_->space());
+  GoalSupply* supply = bound < kInfinity ? nullptr : task_.supply;
+  if (supply != nullptr) {
+    supply->open(choice.workers > 1);
+    query.more_goals = [supply](std::size_t k, Waypoints& more) { return supply->add(k, more); };
+  }
+  ConnectResult result = searchConnect(query, choice, certifier());
+  if (supply != nullptr) supply->close(result.goal_batches);
   work_ += result.work;
   return std::move(result.path);
 }

@@ -16,6 +16,7 @@
 #include "leeway/planner/ompl_objectives.h"
 #include "leeway/planner/planners.h"
 #include "planner/search/connect_search.h"
+#include "planner/search/goal_supply.h"
 #include "planner/search/goals.h"
 #include "planner/search/limits.h"
 
@@ -28,6 +29,8 @@ struct SearchTask {
   const GoalPoints& goals;
   Limits& limits;
   const std::function<void(std::span<const double>, std::span<const double>)>& on_edge;
+  /// Further goals for Connect's first path, drawn when it asks; may be null.
+  GoalSupply* supply = nullptr;
 };
 
 /// Searches in one scene by the problem's planner. A planner that gives up before the limits is

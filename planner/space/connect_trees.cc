@@ -83,8 +83,12 @@ ConnectTrees::ConnectTrees(const ConnectTask& task, const ConnectSettings& setti
   if (!(settings_.range >= kShortestRange * extent)) settings_.range = kShortestRange * extent;
   if (!(settings_.range > 0)) settings_.range = 1;  // all is locked, or two points are one
   add(trees_[0], task.start, 0, 0);
-  for (const std::vector<double>& goal : task.goals)
-    add(trees_[1], goal, static_cast<std::uint32_t>(trees_[1].nearest.size()), 0);
+  takeGoals();
+}
+
+void ConnectTrees::takeGoals() {
+  for (; goals_ < task_.goals.size(); ++goals_)
+    add(trees_[1], task_.goals[goals_], static_cast<std::uint32_t>(trees_[1].nearest.size()), 0);
 }
 
 std::span<const double> ConnectTrees::pointOf(const Tree& tree, std::uint32_t node) const {

@@ -60,6 +60,8 @@ class ConnectTrees {
   /// One sample, and what follows from it: an edge towards it and the connection to the other tree.
   /// True when the trees have met; then it must not be called again. O(nodes), and its edges.
   bool iterate();
+  /// Adds the goals that were appended to the task's since the last call. O(goals).
+  void takeGoals();
   /// After iterate() was true: from the start to a goal, every edge as isFree() was asked about it,
   /// some from their ends.
   std::vector<std::vector<double>> path() const;
@@ -91,7 +93,8 @@ class ConnectTrees {
   ConnectSettings settings_;
   Random random_;
   std::size_t size_;
-  Tree trees_[2];  ///< of the start, of the goals
+  std::size_t goals_ = 0;  ///< taken
+  Tree trees_[2];          ///< of the start, of the goals
   int growing_ = 1;
   std::vector<double> sample_, next_, from_, focus_, drawn_;
   std::uint32_t met_[2] = {0, 0};  ///< nodes of both trees with the same point

@@ -176,12 +176,13 @@ class Task {
     std::stable_sort(candidates.begin(), candidates.begin() + static_cast<std::ptrdiff_t>(count),
                      [](const auto& a, const auto& b) { return a.first < b.first; });
     IkSolution solution;
-    for (std::size_t k = 0; k < count && most > 0; ++k) {
+    std::size_t k = 0;
+    for (; k < count && most > 0; ++k) {
       if (!solveFrom(std::move(candidates[(first + k) % count].second), solution)) continue;
       solutions.push_back(solution);
       --most;
     }
-    return !answer.singular;
+    return !answer.singular && k == count;
   }
 
   /// The configuration's own start, within the limits, or number `index` of the sequence.
@@ -398,7 +399,10 @@ IkResult InverseKinematics::solve(std::span<const PoseRegion> regions,
         complete = task.solveClosed(k == 0 ? q : task.start(index * kSweep + k),
                                     options.max_solutions, closed);
       for (const IkSolution& other : closed) add(other);
-      if (!closed.empty() && complete && !redundant) break;
+      if (!closed.empty() && complete && !redundant) {
+        result.complete = true;
+        break;
+      }
       if (!closed.empty()) continue;
     }
     if (task.solveFrom(std::move(q), solution)) {

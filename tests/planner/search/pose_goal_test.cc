@@ -83,6 +83,36 @@ TEST(PoseGoal, RelativeToAnObjectAnyTurnAboutItsAxis) {
   EXPECT_EQ(plan(problem).path.positions, result.path.positions);
 }
 
+// Further solutions are drawn when the searches ask: the same for any number of threads.
+TEST(PoseGoal, DrawnGoalsDoNotDependOnThreads) {
+  Problem problem = load(
+      arm6("{pose: {frame: tip, position: [0.1, 0.55, [0.25, 0.3]], rpy: [3.1416, 0, any]}}",
+           "objects:\n  - {name: wall, position: [0.45, 0.2, 0.4], box: {size: [0.7, 0.02, 0.8]}}\n"
+           "  - {name: post, position: [0.05, 0.38, 0.5], box: {size: [0.1, 0.1, 1]}}\n"
+           "planner: {name: Connect}\n",
+           "{pan_joint: -0.6, lift_joint: -1.2, elbow_joint: 1.4, wrist1_joint: -0.2, "
+           "wrist2_joint: 0, wrist3_joint: 0}"));
+  std::uint64_t most = 0;
+  for (const std::uint64_t seed : {1U, 2U, 3U, 4U}) {
+    problem.seed = seed;
+    problem.planner.parameters = {{"workers", "5"}, {"threads", "1"}, {"range", "0.02"}};
+    const PlanResult alone = plan(problem);
+    ASSERT_EQ(alone.status, PlanStatus::kSolved) << alone.reason;
+    EXPECT_EQ(verify(problem, alone.path).status, VerifyStatus::kCertified);
+    most = std::max(most, alone.iterations);
+    for (const char* threads : {"2", "5"}) {
+      problem.planner.parameters["threads"] = threads;
+      const PlanResult result = plan(problem);
+      EXPECT_EQ(result.path.positions, alone.path.positions) << threads;
+      EXPECT_EQ(result.iterations, alone.iterations);
+      EXPECT_EQ(result.states, alone.states);
+      EXPECT_EQ(result.edges, alone.edges);
+      EXPECT_EQ(result.distance_queries, alone.distance_queries);
+    }
+  }
+  EXPECT_GT(most, 32u) << "nothing was drawn";
+}
+
 TEST(PoseGoal, OutOfReachIsProven) {
   const Problem problem = load(arm6("{pose: {frame: tip, position: [3, 0, 0.3]}}"));
   const PlanResult result = plan(problem);

@@ -36,6 +36,8 @@ enum class IkStatus {
 
 struct IkResult {
   IkStatus status = IkStatus::kNone;
+  /// By a closed form: the solutions are all that there are.
+  bool complete = false;
   /// No two are the same up to whole turns; the nearest to the given configuration first.
   std::vector<IkSolution> solutions;
   /// Without a solution: the configuration found whose frames are nearest to their regions.
