@@ -41,6 +41,11 @@ inline constexpr double kRelativeRounding = 1e-14;
 /// coordinates involved. Smaller breaks the guarantee.
 inline constexpr double kTransferRounding = 1e-14;
 
+/// Rounding of planeGap(), per sizes: two supports (6 units each, see farthest()), the products and
+/// sums around them, and a direction whose length is 1 to within 4 units. Smaller breaks the
+/// guarantee.
+inline constexpr double kPlaneGapRounding = 64 * kUnitRoundoff;
+
 // Poses (pose_check.h, convex_view.cc)
 
 /// Largest departure ||R^T R - 1|| (Frobenius) of a matrix that is accepted as a rotation; beyond,

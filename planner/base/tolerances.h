@@ -204,6 +204,26 @@ constexpr std::int64_t kClearanceWork = 100'000'000;
 constexpr int kClearancePasses = 3;
 constexpr int kClearanceLooks = 2;
 
+// Edges: what it costs to be near (edge_cost.cc)
+
+/// How near the least clearance is known, as a share of the distance of nearness, where the worst
+/// place of a path counts; and where its gradient is asked for.
+constexpr double kWorstCostShare = 5e-3;
+constexpr double kGradientShare = 1e-3;
+
+/// Rounding of a sum of at most kEdgeSlots means of at most 1, and of the points of a distance
+/// [m]. Smaller breaks the guarantee.
+constexpr double kCostRounding = 1e-12;
+constexpr double kWitness = 1e-9;
+
+/// How near distances are known, as a share of the distance at which nearness ends, or begins to
+/// fall; what the cost of an edge may cost that names no limit [units of Work].
+constexpr double kCostDistance = 1e-5;
+constexpr std::int64_t kCostWork = 20'000'000;
+
+/// The same of an edge that a search asks for: the interval is wider where that is not enough.
+constexpr std::int64_t kSearchCostWork = 1'000'000;
+
 /// Downhill along an edge from a place that is too near: first and last step, in t, and what it may
 /// cost [units of Work].
 constexpr double kDescentStep = 1.0 / 16;
@@ -437,6 +457,31 @@ constexpr int kMostElsewhere = 60;
 constexpr int kElsewhereShortcuts = 30;
 /// Proofs of edges that only rounding has moved allow for that [m].
 constexpr double kElsewhereRounding = 1e-7;
+
+// Lowering what a path costs
+
+/// How narrow intervals of costs are, as a share: of a candidate at first, then where the two do
+/// not decide, and of what is told.
+constexpr double kRoughCostTolerance = 0.1;
+constexpr double kCostTolerance = 0.01;
+/// The work of all intervals of a path that is told [units of Work].
+constexpr std::int64_t kCostReportWork = 1'000'000'000;
+/// Rounds of moves, those in a row that gain less than the share before they end, and what a move
+/// must gain.
+constexpr int kCostRounds = 200;
+constexpr int kIdleCostRounds = 3;
+constexpr double kCostRoundGain = 2e-3;
+constexpr double kCostGain = 1e-4;
+/// First step of a move, as a share of the shorter edge; steps that are tried [count].
+constexpr double kCostStep = 0.2;
+constexpr int kCostSteps = 4;
+/// Cuts, and edges that are bent, in a round; waypoints beyond which none is bent [count].
+constexpr int kCostCuts = 6;
+constexpr std::size_t kCostBends = 4;
+constexpr std::size_t kMostCostWaypoints = 48;
+/// Paths in a row that may be no cheaper by the share before a search ends [count].
+constexpr int kCheaperFailures = 8;
+constexpr double kCheaperGain = 2e-3;
 
 // Improving a path once there is one
 

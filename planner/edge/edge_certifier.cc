@@ -32,6 +32,7 @@ EdgeCertifier::Impl::Impl(std::shared_ptr<const CompiledScene> compiled)
   for (std::vector<EdgeInterval>* list : {&intervals, &next_intervals})
     list->reserve(kEdgeIntervals);
   spans.reserve(kEdgeSpans);
+  cost_parts.reserve(kEdgeSlots);
   edge_parts.reserve(kEdgeParts);
   all_pairs.resize(pairs);
   std::iota(all_pairs.begin(), all_pairs.end(), 0);

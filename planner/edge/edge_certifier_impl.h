@@ -64,6 +64,14 @@ struct EdgeInterval {
   int level;  ///< bisections so far
 };
 
+/// A part of an edge's cost.
+struct CostPart {
+  EdgeInterval interval;
+  int middle;                 ///< its configuration's slot; -1: none was left
+  double lower, upper;        ///< of the integral over it, in t
+  double clearance, nearest;  ///< bounds on its least clearance [m]
+};
+
 struct EdgeCertifier::Impl {
   explicit Impl(std::shared_ptr<const CompiledScene> scene);
 
@@ -265,6 +273,10 @@ struct EdgeCertifier::Impl {
   void searchOpenLanes(const EdgeLanes::Parts& parts, int count, ClearanceSearch& search);
   void searchIntervals(ClearanceSearch& search);
 
+  // The cost of an edge (objective/edge_cost.cc).
+
+  class CostSearch;
+
   // The scene, and what is placed of it.
 
   std::shared_ptr<const CompiledScene> scene;
@@ -317,6 +329,7 @@ struct EdgeCertifier::Impl {
   std::vector<EdgePart> edge_parts;
   std::vector<int> part_pairs;
   std::vector<collision::LaneSweep::Open> pass_pairs;
+  std::vector<CostPart> cost_parts;           ///< a heap by their width
   std::vector<int> all_pairs;                 ///< 0, 1, 2 ...
   std::vector<int> near_pairs, asked_pairs;   ///< of nearPairs(), and of the call before
   std::vector<int> never_parted;              ///< pairs for checkContainment()

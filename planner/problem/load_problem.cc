@@ -11,14 +11,15 @@
 #include "leeway/planner/planners.h"
 #include "leeway/planner/problem.h"
 #include "planner/base/nearest_name.h"
-#include "planner/problem/format_keys.h"
 #include "planner/problem/other_formats.h"
 #include "planner/problem/read_deforming.h"
 #include "planner/problem/read_execution.h"
+#include "planner/problem/read_objective.h"
 #include "planner/problem/read_poses.h"
 #include "planner/problem/read_shapes.h"
 #include "planner/problem/read_states.h"
 #include "planner/problem/read_steps.h"
+#include "planner/yaml/format_keys.h"
 #include "planner/yaml/yaml_reader.h"
 
 namespace leeway::planner {
@@ -264,6 +265,22 @@ double readMargin(const YamlReader& margin, Problem& problem) {
   return value;
 }
 
+double readAbove0(const YamlReader& reader) {
+  const double value = reader.number();
+  if (!(value > 0))
+    reader.fail(fmt::format("{} is {}; a number above 0 is expected", reader.where(), value));
+  return value;
+}
+
+Wish readWish(const YamlReader& entry, const YamlReader& between, const YamlReader& clearance,
+              std::vector<std::pair<std::string, std::string>> pairs) {
+  const std::vector<YamlReader> names = between.items();
+  Wish wish{fmt::format("{} and {}", names[0].text(), names[1].text()), std::move(pairs),
+            readAbove0(clearance)};
+  if (const auto weight = entry.find("weight")) wish.weight = readAbove0(*weight);
+  return wish;
+}
+
 void readPairs(const YamlReader& file, const LinkPadding& padding, Problem& problem) {
   KnownNames known(problem);
   if (const auto groups = file.find("groups")) readGroups(*groups, known);
@@ -278,43 +295,23 @@ void readPairs(const YamlReader& file, const LinkPadding& padding, Problem& prob
   if (!margins) return;
   for (const YamlReader& entry : margins->items()) {
     entry.expectKeys(keysOf("pair_margin"));
-    const auto pairs = readNamePairs(entry.at("between", "two names"), known);
-    const double margin = readMargin(entry.at("margin", "a number [m]"), problem);
-    for (const auto& [a, b] : pairs) problem.margins.pairs.push_back({a, b, margin});
+    if (const auto weight = entry.find("weight"); weight && !entry.find("wish"))
+      weight->fail("key 'weight' stands without 'wish', whose weight it is; both are expected");
+    const YamlReader between = entry.at("between", "two names");
+    const auto pairs = readNamePairs(between, known);
+    const auto wish = entry.find("wish");
+    // A wish alone leaves the margin as it is.
+    double margin = problem.margins.common;
+    if (!wish || entry.has("margin")) {
+      margin = readMargin(entry.at("margin", "a number [m]"), problem);
+      for (const auto& [a, b] : pairs) problem.margins.pairs.push_back({a, b, margin});
+    }
+    if (!wish) continue;
+    if (!(wish->number() > margin))
+      wish->fail(fmt::format("{} is {}, no more than the margin {}; more is expected",
+                             wish->where(), wish->number(), margin));
+    problem.margins.wishes.push_back(readWish(entry, between, *wish, pairs));
   }
-}
-
-/// A word, or a map of one word with what is asked besides.
-Objective readObjective(const YamlReader& objective) {
-  if (!objective.isMap()) {
-    const std::optional<Objective> known = objectiveOfName(objective.text());
-    if (!known)
-      objective.fail(fmt::format("objective '{}' is not known; length or clearance is expected",
-                                 objective.text()));
-    return *known;
-  }
-  objective.expectKeys(keysOf("objective"));
-  const auto length = objective.find("length"), clearance = objective.find("clearance");
-  if (length.has_value() == clearance.has_value())
-    objective.fail(fmt::format("{} has {}; one of length and clearance is expected",
-                               objective.where(), length ? "both" : "neither"));
-  if (length) {
-    length->expectKeys(keysOf("length_objective"));
-    MinimumLength minimum;
-    if (const auto floor = length->find("clearance")) minimum.clearance = floor->sizeNumber();
-    return minimum;
-  }
-  clearance->expectKeys(keysOf("clearance_objective"));
-  MaximumClearance maximum;
-  if (const auto of = clearance->find("of")) {
-    if (of->text() != "world" && of->text() != "all")
-      of->fail(
-          fmt::format("{} '{}' is not known; world or all is expected", of->where(), of->text()));
-    maximum.of = of->text() == "all" ? Pairs::kAll : Pairs::kWorld;
-  }
-  if (const auto longer = clearance->find("at_most_longer"))
-    maximum.at_most_longer = longer->sizeNumber();
-  return maximum;
 }
 
 void readPlanner(const YamlReader& file, Problem& problem) {
@@ -331,7 +328,14 @@ void readPlanner(const YamlReader& file, Problem& problem) {
           value.fail(*error);
       }
   }
-  if (const auto objective = file.find("objective")) problem.objective = readObjective(*objective);
+  if (const auto objective = file.find("objective")) {
+    problem.objective = readObjective(*objective);
+    if (std::holds_alternative<MaximumClearance>(problem.objective) &&
+        !problem.margins.wishes.empty())
+      objective->fail(
+          "objective is clearance, beside margins with a wish, whose cost it cannot weigh; another "
+          "objective, or margins alone, are expected");
+  }
   if (const auto simplify = file.find("simplify")) problem.planner.simplify = simplify->boolean();
   if (const auto push = file.find("push")) problem.planner.push = push->boolean();
   if (const auto limits = file.find("limits")) {
@@ -409,16 +413,6 @@ Problem fromOwnKeys(const YamlReader& file, const ProblemOptions& options) {
 }
 
 }  // namespace
-
-const char* toString(const Objective& objective) {
-  return std::holds_alternative<MinimumLength>(objective) ? "length" : "clearance";
-}
-
-std::optional<Objective> objectiveOfName(std::string_view name) {
-  for (const Objective& objective : {Objective(MinimumLength()), Objective(MaximumClearance())})
-    if (name == toString(objective)) return objective;
-  return std::nullopt;
-}
 
 Problem loadProblem(const std::string& yaml_path, const ProblemOptions& options) {
   if (std::filesystem::path(yaml_path).extension() == ".cfg") return loadOmplApp(yaml_path);

@@ -6,10 +6,10 @@
 #include <iterator>
 #include <span>
 
-#include "planner/problem/format_keys.h"
 #include "planner/problem/read_motion.h"
 #include "planner/problem/read_shapes.h"
 #include "planner/problem/vertex_cache.h"
+#include "planner/yaml/format_keys.h"
 
 namespace leeway::planner {
 namespace {

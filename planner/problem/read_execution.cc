@@ -6,7 +6,7 @@
 
 #include "planner/base/nearest_name.h"
 #include "planner/base/tolerances.h"
-#include "planner/problem/format_keys.h"
+#include "planner/yaml/format_keys.h"
 
 namespace leeway::planner {
 namespace {

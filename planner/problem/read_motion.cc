@@ -5,8 +5,8 @@
 #include <array>
 #include <filesystem>
 
-#include "planner/problem/format_keys.h"
 #include "planner/problem/read_shapes.h"
+#include "planner/yaml/format_keys.h"
 
 namespace leeway::planner {
 namespace {

@@ -13,7 +13,7 @@
 #include "leeway/robots/kinematics.h"
 #include "leeway/robots/model.h"
 #include "planner/base/tolerances.h"
-#include "planner/problem/format_keys.h"
+#include "planner/yaml/format_keys.h"
 
 namespace leeway::planner {
 namespace {

@@ -5,9 +5,9 @@
 #include <limits>
 
 #include "planner/base/nearest_name.h"
-#include "planner/problem/format_keys.h"
 #include "planner/problem/read_motion.h"
 #include "planner/problem/read_shapes.h"
+#include "planner/yaml/format_keys.h"
 
 namespace leeway::planner {
 namespace {

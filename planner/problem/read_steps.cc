@@ -8,9 +8,9 @@
 
 #include "planner/base/nearest_name.h"
 #include "planner/base/tolerances.h"
-#include "planner/problem/format_keys.h"
 #include "planner/problem/read_poses.h"
 #include "planner/problem/read_states.h"
+#include "planner/yaml/format_keys.h"
 
 namespace leeway::planner {
 namespace {

@@ -142,12 +142,6 @@ double leastMarginOf(const CompiledScene& compiled, Pairs pairs) {
 
 }  // namespace
 
-double leastMargin(const collision::Scene& scene) {
-  double least = kInfinity;
-  for (const collision::ScenePair& pair : scene.pairs()) least = std::min(least, pair.margin);
-  return least;
-}
-
 Certificate certify(EdgeCertifier& certifier, const Path& path, double tolerance,
                     CertificateDetail detail, double world_guess) {
   const ConfigurationSpace& space = certifier.scene().space();

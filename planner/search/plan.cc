@@ -12,8 +12,10 @@
 #include "leeway/robots/input_error.h"
 #include "planner/base/random.h"
 #include "planner/base/tolerances.h"
+#include "planner/objective/path_cost.h"
 #include "planner/search/goal_sampler.h"
 #include "planner/search/half_turns.h"
+#include "planner/search/lower_cost.h"
 #include "planner/search/push.h"
 #include "planner/search/push_elsewhere.h"
 #include "planner/search/run_seed.h"
@@ -38,6 +40,7 @@ class Plan {
 
   PlanResult run() {
     checkProblem();
+    cost_ = PathCost::of(*scene_, problem_);
     pool_ = std::make_shared<CertifierPool>(scene_);
     limits_.enter("plan");
     if (checkEnds()) {
@@ -49,6 +52,7 @@ class Plan {
     }
     result_.iterations = limits_.iterations();
     work_ += pool_->statistics();
+    if (cost_) work_ += cost_->statistics();
     result_.states = work_.states;
     result_.edges = work_.edges;
     result_.distance_queries = work_.distance_queries;
@@ -57,7 +61,13 @@ class Plan {
   }
 
  private:
-  bool wantsLength() const { return std::holds_alternative<MinimumLength>(problem_.objective); }
+  bool wantsCost() const { return cost_ != nullptr; }
+  bool wantsLength() const {
+    return !wantsCost() && std::holds_alternative<MinimumLength>(problem_.objective);
+  }
+  bool wantsClearance() const {
+    return std::holds_alternative<MaximumClearance>(problem_.objective);
+  }
   Pairs clearanceOf() const {
     const auto* wanted = std::get_if<MaximumClearance>(&problem_.objective);
     return wanted != nullptr ? wanted->of : Pairs::kAll;
@@ -75,6 +85,8 @@ class Plan {
     result_.planner = traits_->name;
     result_.deterministic = traits_->deterministic;
     result_.seed = problem_.seed;
+    if (const auto error = PathCost::error(problem_)) refuse(*error);
+    if (const auto error = costPlannerError(problem_)) refuse(*error);
     if (problem_.goals.empty()) refuse("there is no goal; at least one is expected");
     if (!problem_.start_poses.empty())
       refuse("the start is given by poses; placeStart() is expected to find its joint values");
@@ -117,6 +129,9 @@ class Plan {
     sampler_ = std::make_unique<GoalSampler>(certifier(), problem_, problem_.seed);
     goals_ = sampler_->first([this] { return limits_.over(); });
     result_.warnings = goals_.warnings;
+    if (cost_)
+      result_.warnings.insert(result_.warnings.end(), cost_->warnings().begin(),
+                              cost_->warnings().end());
     if (!goals_.points.empty()) return true;
     result_.reason = goals_.reason;
     result_.unreachable = goals_.unreachable;
@@ -155,6 +170,7 @@ class Plan {
       return std::move(path).value_or(Waypoints{});
     }
     limits_.reserve(kSimplifyShare);
+    if (wantsCost()) return searchCheapest(task);
     const double bound = clearanceBound();
     result_.clearance_bound = bound;
     Search search(scene_, pool_, task);
@@ -171,6 +187,21 @@ class Plan {
     kept_ = widest->clearance;
     simplified_ = widest->simplified;
     return std::move(widest->path);
+  }
+
+  Waypoints searchCheapest(const SearchTask& task) {
+    Search search(scene_, pool_, task);
+    double bound = kInfinity;
+    for (const std::vector<double>& goal : goals_.points)
+      bound = std::min(bound, cost_->leastBetween(start_, goal));
+    enough_ = (1 + kCostTolerance) * bound;
+    if (traits_->optimizing)
+      return search.cheapest(problem_.seed, cost_, enough_).value_or(Waypoints{});
+    auto cheapest = searchCost(search, *cost_, task, enough_);
+    work_ += search.work();
+    if (!cheapest) return {};
+    simplified_ = cheapest->simplified;
+    return std::move(cheapest->path);
   }
 
   /// The straight edge to the nearest goal, when length is the objective and it is free: no path is
@@ -206,13 +237,13 @@ class Plan {
     if (problem_.planner.simplify && !simplified_)
       timed("simplify", result_.simplify_s, [&] { simplifyPath(path, 0); });
     if (wantsLength()) timed("improve", result_.improve_s, [&] { improve(path); });
-    if (problem_.planner.simplify && problem_.planner.push)
+    if (problem_.planner.simplify && problem_.planner.push && !wantsCost())
       timed("push", result_.push_s, [&] { wantsLength() ? pushPath(path) : pushElsewhere(path); });
     for (int i = 0; i < scene_->space().size(); ++i) result_.path.names.push_back(variableName(i));
     timed("certify", result_.certify_s, [&] {
       // Every edge was certified before, but only what is certified now, as it stands, is reported.
       if (certifyPath(std::move(path)) || certifyPath(unsimplified)) return report();
-      result_.warnings.push_back("a path was found whose certificate could not be repeated");
+      result_.warnings.emplace_back("a path was found whose certificate could not be repeated");
       result_.path = {};
       result_.certificate = {};
     });
@@ -231,7 +262,7 @@ class Plan {
     result_.path.positions = std::move(path);
     // Who asks for clearance wants to know how much there is.
     const CertificateDetail detail =
-        wantsLength() ? options_.detail : CertificateDetail::kEveryEdge;
+        wantsClearance() ? CertificateDetail::kEveryEdge : options_.detail;
     result_.certificate =
         planner::certify(certifier(), result_.path, options_.clearance_tolerance, detail, pushed_);
     return result_.certificate.certified;
@@ -243,6 +274,9 @@ class Plan {
       if (goalHolds(*scene_, problem_.goals[g], result_.path.positions.back()))
         result_.goal = static_cast<int>(g);
     result_.status = PlanStatus::kSolved;
+    if (!wantsCost()) return;
+    result_.cost = cost_->reported(result_.path.positions);
+    result_.wishes = cost_->wishes(result_.path.positions, options_.clearance_tolerance);
   }
 
   double timeLimit() const { return problem_.limits.time > 0 ? problem_.limits.time : kInfinity; }
@@ -293,6 +327,10 @@ class Plan {
       simplify(certifier(), path, options);
       return;
     }
+    if (wantsCost()) {
+      lowerCost(certifier(), *cost_, path, {options.seed, enough_, options.stop});
+      return;
+    }
     // What was won is a margin from here on.
     const Pairs of = clearanceOf();
     if (!kept_)
@@ -334,10 +372,12 @@ class Plan {
   std::unique_ptr<GoalSampler> sampler_;
   GoalPoints goals_;
   EdgeCertifier::Statistics work_;
-  double pushed_ = 0;           ///< clearance from the world that the path was pushed to [m]
-  std::optional<double> kept_;  ///< clearance that a search for clearance has won [m]
-  double longest_ = kInfinity;  ///< length that its path may have
-  bool simplified_ = false;     ///< its path is
+  double pushed_ = 0;               ///< clearance from the world that the path was pushed to [m]
+  std::optional<double> kept_;      ///< clearance that a search for clearance has won [m]
+  double longest_ = kInfinity;      ///< length that its path may have
+  std::shared_ptr<PathCost> cost_;  ///< null: none is asked for
+  double enough_ = 0;               ///< no path costs less, but for the tolerance
+  bool simplified_ = false;         ///< its path is
   PlanResult result_;
 };
 

@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 #include <utility>
 
-#include "collision/base/work.h"
 #include "leeway/planner/simplify.h"
-#include "leeway/robots/kinematics.h"
 #include "planner/base/tolerances.h"
+#include "planner/objective/distance_gradient.h"
 
 // A path that was shortened touches its obstacles at few places. Each is found by a proof that
 // fails there; the nearest waypoint, or a new one, moves along the gradient of the distance by what
@@ -29,16 +29,7 @@ class Pusher {
         original_(path),
         options_(options),
         first_work_(certifier.statistics.work),
-        gradient_(path[0].size()),
-        direction_(path[0].size()),
-        near_(path[0].size()),
-        q_(scene_.model().variables.size()),
-        X_WL_(scene_.model().links.size()),
-        moved_(scene_.model().links.size()) {
-    for (const ConfigurationSpace::Part& part : space_.parts())
-      for (std::size_t k = 0; k < (part.kind == ConfigurationSpace::Kind::kRotation ? 3 : 1); ++k)
-        directions_.push_back(index(part) + k);
-  }
+        gradients_(scene_) {}
 
   /// The clearance that is proven for path(); 0: none.
   double run() {
@@ -108,9 +99,10 @@ class Pusher {
     }
     Point place(path_[i].size());
     space_.interpolate(path_[i], path_[i + 1], t, place);
-    if (!findGradient(place, found)) return false;
+    own_work_ += gradients_.work();
+    const std::span<const double> gradient = gradients_.find(place, found, scene_);
     double squared = 0;
-    for (const double g : gradient_) squared += g * g;
+    for (const double g : gradient) squared += g * g;
     if (!(squared > kLeastPushGradient)) return false;
     if (is_end || share < kPushSnap) {
       const auto at = static_cast<std::ptrdiff_t>(i) + 1;
@@ -123,7 +115,7 @@ class Pusher {
     const double step = std::min((kPushBeyond * target - found.clearance.upper) / share / squared,
                                  kLongestPush / std::sqrt(squared));
     Point& moved = path_[waypoint];
-    space_.advance(moved, gradient_, step, place);
+    space_.advance(moved, gradient, step, place);
     for (const ConfigurationSpace::Part& part : space_.parts())
       if (part.kind == ConfigurationSpace::Kind::kLine)
         place[index(part)] =
@@ -138,36 +130,6 @@ class Pusher {
     return static_cast<std::size_t>(part.first);
   }
 
-  /// How the distance of the closest pair changes along each direction of the space, by
-  /// differences.
-  bool findGradient(const Point& place, const EdgeClearance& found) {
-    const collision::ScenePair& pair = scene_.scene().pairs()[static_cast<std::size_t>(found.pair)];
-    const Eigen::Vector3d a = found.closest.point_a, b = found.closest.point_b;
-    const double gap = (b - a).norm();
-    const Eigen::Vector3d normal = gap > kPushGap ? ((b - a) / gap).eval() : found.closest.normal;
-    if (!(std::abs(normal.squaredNorm() - 1) < 0.5)) return false;
-    const int link_a = scene_.bodyLink(pair.body_a), link_b = scene_.bodyLink(pair.body_b);
-    own_work_ +=
-        static_cast<std::int64_t>((place.size() + 1) * X_WL_.size()) * collision::kPlacingWork;
-    scene_.expand(place, q_);
-    robots::forwardKinematics(scene_.model(), q_, X_WL_);
-    std::fill(gradient_.begin(), gradient_.end(), 0.0);
-    for (const std::size_t k : directions_) {
-      direction_[k] = 1;
-      space_.advance(place, direction_, kPushDifference, near_);
-      direction_[k] = 0;
-      scene_.expand(near_, q_);
-      robots::forwardKinematics(scene_.model(), q_, moved_);
-      const auto way = [&](int link, const Eigen::Vector3d& p_W) -> Eigen::Vector3d {
-        if (link < 0) return Eigen::Vector3d::Zero();
-        const auto l = static_cast<std::size_t>(link);
-        return moved_[l] * (X_WL_[l].inverse() * p_W) - p_W;
-      };
-      gradient_[k] = normal.dot(way(link_b, b) - way(link_a, a)) / kPushDifference;
-    }
-    return true;
-  }
-
   EdgeCertifier& certifier_;
   const CompiledScene& scene_;
   const ConfigurationSpace& space_;
@@ -178,9 +140,7 @@ class Pusher {
   std::vector<char> proven_;   ///< edges, to keep the present target
   std::vector<char> changed_;  ///< edges that are not the original's
   double room_ = kInfinity;    ///< of an end of the path that is too near [m]
-  Point gradient_, direction_, near_, q_;
-  std::vector<std::size_t> directions_;  ///< an orientation has three
-  std::vector<robots::Pose> X_WL_, moved_;
+  DistanceGradient gradients_;
 };
 
 }  // namespace

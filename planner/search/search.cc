@@ -82,6 +82,13 @@ std::optional<Waypoints> Search::widest(std::uint64_t seed, double enough) {
   return run(objective, seed, 0);
 }
 
+std::optional<Waypoints> Search::cheapest(std::uint64_t seed, const std::shared_ptr<PathCost>& cost,
+                                          double enough) {
+  auto objective = std::make_shared<OmplCostObjective>(space_information_, pool_, cost);
+  objective->setCostThreshold(ob::Cost(enough));
+  return run(objective, seed, 0);
+}
+
 std::optional<Waypoints> Search::run(const ob::OptimizationObjectivePtr& objective,
                                      std::uint64_t seed, std::uint64_t budget) {
   Limits& limits = task_.limits;

@@ -15,6 +15,7 @@
 #include "leeway/planner/ompl_motion_validator.h"
 #include "leeway/planner/ompl_objectives.h"
 #include "leeway/planner/planners.h"
+#include "planner/objective/path_cost.h"
 #include "planner/search/connect_search.h"
 #include "planner/search/goal_supply.h"
 #include "planner/search/goals.h"
@@ -50,6 +51,10 @@ class Search {
   /// The path of greatest clearance; ends early at `enough` [m]. For planners that optimise any
   /// cost.
   std::optional<Waypoints> widest(std::uint64_t seed, double enough);
+  /// The path of least cost, which adds up; ends early at `enough`. For planners that optimise, and
+  /// can minimise costs.
+  std::optional<Waypoints> cheapest(std::uint64_t seed, const std::shared_ptr<PathCost>& cost,
+                                    double enough);
   /// Connect alone: a path shorter than `bound`, in the space's distance.
   std::optional<Waypoints> shorter(std::uint64_t seed, double bound);
   /// For how long shorter paths are wanted [s]; 0 for other planners than Connect.
@@ -99,8 +104,15 @@ struct ClearancePath {
 std::optional<ClearancePath> searchClearance(const std::shared_ptr<const CompiledScene>& scene,
                                              Search& search, const SearchTask& task, double bound);
 
-/// The smallest margin of a pair [m]; infinity without pairs.
-double leastMargin(const collision::Scene& scene);
+struct CostPath {
+  Waypoints path;
+  bool simplified = false;
+};
+/// A path whose cost is as low as the limits allow, by a planner that knows nothing of costs: first
+/// paths, shortened, and each lowered by lowerCost(); the cheapest is taken. Ends when a number in
+/// a row are no cheaper, or where one costs no more than `enough`.
+std::optional<CostPath> searchCost(Search& search, PathCost& cost, const SearchTask& task,
+                                   double enough);
 
 /// Certified lower bound of a path's clearance, to within tolerance [m]; stops once it is below
 /// `cutoff`.

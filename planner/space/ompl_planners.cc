@@ -83,7 +83,9 @@ Entry entry(const char* name, bool deterministic, bool optimizing, bool projecti
   const bool exact = !std::is_same_v<Planner, og::SST>;
   // LazyPRM*'s A* adds and subtracts costs, and throws where they do not add up.
   const bool any_cost = !std::is_same_v<Planner, og::LazyPRMstar>;
-  return {{name, deterministic, optimizing, any_cost, projection, exact, summary},
+  // LBTRRT adds up distances, whatever the objective.
+  const bool costs = !std::is_same_v<Planner, og::LBTRRT>;
+  return {{name, deterministic, optimizing, any_cost, costs, projection, exact, summary},
           [](const ob::SpaceInformationPtr& si) { return std::make_shared<Planner>(si); }};
 }
 

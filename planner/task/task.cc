@@ -12,6 +12,7 @@
 #include "leeway/robots/input_error.h"
 #include "planner/base/random.h"
 #include "planner/base/tolerances.h"
+#include "planner/objective/path_cost.h"
 #include "planner/search/goal_sampler.h"
 #include "planner/task/line_motion.h"
 #include "planner/task/stages.h"
@@ -253,6 +254,32 @@ class TaskPlan {
     whole.clearance.lower = lower;
   }
 
+  /// What a stretch costs, where it is asked for.
+  void addCost(const Stretch& stretch) {
+    const auto cost = PathCost::of(CompiledScene(stretch.stage), stretch.stage);
+    if (cost == nullptr) return;
+    const Interval of_part = cost->reported(stretch.points);
+    if (std::isinf(result_.cost.lower)) result_.cost = {0, 0};
+    result_.cost = {result_.cost.lower + of_part.lower, result_.cost.upper + of_part.upper};
+    const std::vector<WishResult> wishes =
+        cost->wishes(stretch.points, options_.clearance_tolerance);
+    if (result_.wishes.empty())
+      result_.wishes = wishes;
+    else
+      for (std::size_t i = 0; i < wishes.size(); ++i) takeWish(result_.wishes[i], wishes[i]);
+  }
+
+  static void takeWish(WishResult& whole, const WishResult& part) {
+    whole.clearance = {std::min(whole.clearance.lower, part.clearance.lower),
+                       std::min(whole.clearance.upper, part.clearance.upper)};
+    whole.cost = {whole.cost.lower + part.cost.lower, whole.cost.upper + part.cost.upper};
+    const auto is = [](const WishResult& wish, bool kept) { return wish.kept == kept; };
+    if (is(whole, false) || is(part, false))
+      whole.kept = false;
+    else if (!is(whole, true) || !is(part, true))
+      whole.kept = std::nullopt;
+  }
+
   /// The stretches as one path, with one certificate.
   void finish() {
     const Clock::time_point begin = Clock::now();
@@ -278,6 +305,7 @@ class TaskPlan {
       takeLeast(whole, part, first);
       takeLeast(whole.world, part.world, first);
       takeLeast(whole.self, part.self, first);
+      if (whole.certified) addCost(stretch);
     }
     result_.certify_s = secondsSince(begin);
     if (!whole.certified) {

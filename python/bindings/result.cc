@@ -197,6 +197,34 @@ void defineResult(py::module_& module) {
       "unreachable", [](const Result& self) { return self.value.unreachable; },
       "Whether it is proven that a goal of poses has no configuration.");
   result.def_property_readonly(
+      "cost",
+      [](const Result& self) {
+        return std::isinf(self.value.cost.upper)
+                   ? py::object(py::none())
+                   : py::object(py::make_tuple(self.value.cost.lower, self.value.cost.upper));
+      },
+      "Bounds on what the path costs, (lower, upper), where the problem has such an objective, or "
+      "wishes; else None.");
+  result.def_property_readonly(
+      "wishes",
+      [](const Result& self) {
+        py::list wishes;
+        for (std::size_t i = 0; i < self.value.wishes.size(); ++i) {
+          const planner::WishResult& of = self.value.wishes[i];
+          py::dict wish;
+          wish["between"] = self.problem->margins.wishes[i].name;
+          wish["wish"] = self.problem->margins.wishes[i].clearance;
+          wish["kept"] = of.kept ? py::object(py::bool_(*of.kept)) : py::object(py::none());
+          wish["clearance"] = py::make_tuple(of.clearance.lower, of.clearance.upper);
+          wish["cost"] = py::make_tuple(of.cost.lower, of.cost.upper);
+          wishes.append(wish);
+        }
+        return wishes;
+      },
+      "What became of each of the problem's wishes: dicts of `between`, `wish` [m], `kept` "
+      "(everywhere: proven True or False; None: not decided), and bounds on its least `clearance` "
+      "[m] and on its `cost`. Empty unless solved.");
+  result.def_property_readonly(
       "clearance_bound", [](const Result& self) { return self.value.clearance_bound; },
       "With the objective 'clearance': no path has more than this, because its start or its goals "
       "have not [m].");

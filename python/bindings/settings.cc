@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "leeway/planner/plan.h"
 #include "leeway/planner/planners.h"
@@ -99,6 +100,135 @@ void setFrames(planner::Problem& problem, const py::object& value) {
   problem.robot.frames = std::move(frames);
 }
 
+// ---- What a path costs.
+
+py::object getWishes(const planner::Problem& problem) {
+  py::dict wishes;
+  for (const planner::Wish& wish : problem.margins.wishes) {
+    // As they were given: names of one side, and of the other.
+    std::vector<std::string> sides[2];
+    for (const auto& [a, b] : wish.pairs) {
+      if (std::find(sides[0].begin(), sides[0].end(), a) == sides[0].end()) sides[0].push_back(a);
+      if (std::find(sides[1].begin(), sides[1].end(), b) == sides[1].end()) sides[1].push_back(b);
+    }
+    const auto side = [](const std::vector<std::string>& names) {
+      return names.size() == 1 ? py::object(py::str(names[0]))
+                               : py::object(py::tuple(py::cast(names)));
+    };
+    wishes[py::make_tuple(side(sides[0]), side(sides[1]))] =
+        py::make_tuple(wish.clearance, wish.weight);
+  }
+  return wishes;
+}
+
+void setWishes(planner::Problem& problem, const py::object& value) {
+  std::vector<planner::Wish> wishes;
+  for (const auto& [key, entry] : dictOf(value, "wishes")) {
+    planner::Wish wish;
+    auto given = py::reinterpret_borrow<py::object>(entry);
+    if (py::isinstance<py::tuple>(given)) {
+      const auto pair = py::reinterpret_borrow<py::tuple>(given);
+      if (pair.size() != 2)
+        throw py::type_error("wishes: " + shown(given) + "; (clearance, weight) is expected");
+      wish.weight = positive(pair[1], "wishes: a weight");
+      given = pair[0];
+    }
+    wish.clearance = positive(given, "wishes: a clearance");
+    wish.pairs = namePairs(problem, key, "wishes");
+    const auto sides = py::reinterpret_borrow<py::tuple>(key);
+    for (std::size_t i = 0; i < 2; ++i)
+      wish.name += (i == 1 ? " and " : "") + (py::isinstance<py::str>(sides[i])
+                                                  ? std::string(py::str(sides[i]))
+                                                  : std::string(py::repr(sides[i])));
+    wishes.push_back(std::move(wish));
+  }
+  problem.margins.wishes = std::move(wishes);
+}
+
+const char* wordOf(planner::Pairs pairs) {
+  return pairs == planner::Pairs::kAll ? "all" : pairs == planner::Pairs::kSelf ? "self" : "world";
+}
+
+py::object getObjective(const planner::Problem& problem) {
+  const auto* cost = std::get_if<planner::MinimumCost>(&problem.objective);
+  if (cost == nullptr) return py::str(toString(problem.objective));
+  py::dict weighted, result;
+  py::list integral, worst;
+  weighted["length"] = cost->length;
+  for (const planner::CostTerm& term : cost->terms) {
+    py::dict entry;
+    const bool is_hinge = term.nearness.kind == planner::Nearness::Kind::kHinge;
+    entry[is_hinge ? "hinge" : "inverse"] = term.nearness.distance;
+    entry["of"] = wordOf(term.of);
+    entry["weight"] = term.weight;
+    (term.worst ? worst : integral).append(entry);
+  }
+  if (!integral.empty()) weighted["integral"] = integral;
+  if (!worst.empty()) weighted["worst"] = worst;
+  result["weighted"] = weighted;
+  return result;
+}
+
+void expectKeys(const py::dict& map, std::initializer_list<const char*> known,
+                const std::string& name) {
+  for (const auto& [key, value] : map) {
+    const std::string text = py::str(key);
+    if (std::find(known.begin(), known.end(), text) != known.end()) continue;
+    std::string expected;
+    for (const char* word : known) expected += (expected.empty() ? "" : ", ") + std::string(word);
+    throw py::value_error(name + " has the key '" + text + "'; one of " + expected +
+                          " is expected");
+  }
+}
+
+planner::CostTerm costTerm(const py::object& value, const std::string& name, bool weighs) {
+  const py::dict map = dictOf(value, name.c_str());
+  if (weighs)
+    expectKeys(map, {"hinge", "inverse", "of", "weight"}, name);
+  else
+    expectKeys(map, {"hinge", "inverse", "of"}, name);
+  if (map.contains("hinge") == map.contains("inverse"))
+    throw py::value_error(name + " is " + shown(value) + "; one of hinge and inverse is expected");
+  planner::CostTerm term;
+  const char* kind = map.contains("hinge") ? "hinge" : "inverse";
+  if (map.contains("inverse")) term.nearness.kind = planner::Nearness::Kind::kInverse;
+  term.nearness.distance = positive(map[kind], kind);
+  if (map.contains("weight")) term.weight = notNegative(map["weight"], "weight");
+  if (!map.contains("of")) return term;
+  const std::string of = word(map["of"], "of");
+  for (const planner::Pairs pairs :
+       {planner::Pairs::kWorld, planner::Pairs::kSelf, planner::Pairs::kAll})
+    if (of == wordOf(pairs)) {
+      term.of = pairs;
+      return term;
+    }
+  unknownWord("of", of, "'world', 'self' or 'all'");
+}
+
+planner::MinimumCost costOf(const py::dict& objective) {
+  expectKeys(objective, {"integral", "weighted"}, "objective");
+  if (objective.size() != 1)
+    throw py::value_error("objective is " + shown(objective) +
+                          "; one of integral and weighted is expected");
+  if (objective.contains("integral"))
+    return {0, {costTerm(objective["integral"], "integral", false)}};
+  const py::dict weighted = dictOf(objective["weighted"], "weighted");
+  expectKeys(weighted, {"length", "integral", "worst"}, "weighted");
+  planner::MinimumCost cost;
+  if (weighted.contains("length")) cost.length = notNegative(weighted["length"], "length");
+  for (const char* key : {"integral", "worst"}) {
+    if (!weighted.contains(key)) continue;
+    const py::object terms = weighted[key];
+    const py::list list = py::isinstance<py::dict>(terms) ? py::list() : py::list(terms);
+    if (py::isinstance<py::dict>(terms)) list.append(terms);
+    for (const py::handle term : list) {
+      cost.terms.push_back(costTerm(py::reinterpret_borrow<py::object>(term), key, true));
+      cost.terms.back().worst = std::string(key) == "worst";
+    }
+  }
+  return cost;
+}
+
 // ---- The table.
 
 struct Setting {
@@ -194,9 +324,23 @@ const Setting kSettings[] = {
            for (auto& names : namePairs(p, item, "allowed")) pairs.push_back(std::move(names));
        p.contacts.allowed = std::move(pairs);
      }},
-    {"objective", "'length', or 'clearance': the least clearance as large as possible.",
-     [](const P& p) { return py::object(py::str(toString(p.objective))); },
+    {"wishes",
+     "Clearances that pairs keep where that is not too dear, see `margins` for names: {(a, b): "
+     "clearance}, or {(a, b): (clearance, weight)} [m]. To miss one costs its weight, 1 by "
+     "default, "
+     "times the integral of 1 - d / clearance over the path's length, where the pair's clearance d "
+     "is below it. Not with the objective 'clearance'.",
+     getWishes, setWishes},
+    {"objective",
+     "'length'; 'clearance': the least clearance as large as possible; or a dict of what a path "
+     "costs, as in problem files: {'integral': {'hinge': 0.1}}, or {'weighted': {'length': 1, "
+     "'integral': {'hinge': 0.1, 'weight': 2}}}.",
+     getObjective,
      [](P& p, V v) {
+       if (py::isinstance<py::dict>(v)) {
+         p.objective = costOf(py::reinterpret_borrow<py::dict>(v));
+         return;
+       }
        const auto objective = planner::objectiveOfName(word(v, "objective"));
        if (!objective) unknownWord("objective", word(v, "objective"), "'length' or 'clearance'");
        // What is asked besides stays where the objective does.
@@ -215,8 +359,8 @@ const Setting kSettings[] = {
        if (!v.is_none()) {
          minimum.clearance = notNegative(v, "keep");
          if (!std::holds_alternative<planner::MinimumLength>(p.objective))
-           throw py::value_error(
-               "keep stands beside the objective 'clearance'; 'length' is expected");
+           throw py::value_error(std::string("keep stands beside the objective '") +
+                                 toString(p.objective) + "'; 'length' is expected");
        }
        if (std::holds_alternative<planner::MinimumLength>(p.objective)) p.objective = minimum;
      }},
@@ -235,9 +379,31 @@ const Setting kSettings[] = {
        if (of != "world" && of != "all") unknownWord("clearance_of", of, "'world' or 'all'");
        auto* clearance = std::get_if<planner::MaximumClearance>(&p.objective);
        if (clearance == nullptr)
-         throw py::value_error(
-             "clearance_of stands beside the objective 'length'; 'clearance' is expected");
+         throw py::value_error(std::string("clearance_of stands beside the objective '") +
+                               toString(p.objective) + "'; 'clearance' is expected");
        clearance->of = of == "all" ? planner::Pairs::kAll : planner::Pairs::kWorld;
+     }},
+    {"at_most_longer",
+     "With the objective 'clearance': how much longer the path may be than the shortest that is "
+     "found, as a share of that one's length.",
+     [](const P& p) {
+       const auto* clearance = std::get_if<planner::MaximumClearance>(&p.objective);
+       return clearance == nullptr || std::isinf(clearance->at_most_longer)
+                  ? py::object(py::none())
+                  : py::object(py::float_(clearance->at_most_longer));
+     },
+     [](P& p, V v) {
+       auto* clearance = std::get_if<planner::MaximumClearance>(&p.objective);
+       if (v.is_none()) {
+         if (clearance != nullptr)
+           clearance->at_most_longer = std::numeric_limits<double>::infinity();
+         return;
+       }
+       const double longer = notNegative(v, "at_most_longer");
+       if (clearance == nullptr)
+         throw py::value_error(std::string("at_most_longer stands beside the objective '") +
+                               toString(p.objective) + "'; 'clearance' is expected");
+       clearance->at_most_longer = longer;
      }},
     {"planner", "Name of the planner, see planners().",
      [](const P& p) { return py::object(py::str(p.planner.name)); },

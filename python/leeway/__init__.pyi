@@ -159,9 +159,11 @@ class Problem:
     margin: float
     margins: dict[Any, float]
     allowed: list[Any]
-    objective: str
+    objective: str | dict[str, Any]
     keep: float | None
     clearance_of: str | None
+    at_most_longer: float | None
+    wishes: Any
     planner: str
     parameters: dict[str, str]
     simplify: bool
@@ -233,6 +235,10 @@ class Result:
     def reason(self) -> str: ...
     @property
     def unreachable(self) -> bool: ...
+    @property
+    def cost(self) -> tuple[float, float] | None: ...
+    @property
+    def wishes(self) -> list[dict[str, Any]]: ...
     @property
     def clearance_bound(self) -> float: ...
     @property

@@ -122,7 +122,7 @@ def calls(robot, world, problem, scene):
         "result": lambda v: leeway.Result.save(v, "x"),
     }.items()
     for name in ("margin", "margins", "allowed", "objective", "planner", "parameters", "time", "iterations", "seed", "start", "goal",
-                 "goals", "others", "world", "velocities", "corners", "speed", "step", "name", "simplify", "push", "keep", "clearance_of", "frames", "steps"):
+                 "goals", "others", "world", "velocities", "corners", "speed", "step", "name", "simplify", "push", "keep", "clearance_of", "at_most_longer", "wishes", "frames", "steps"):
         yield "set " + name, lambda v, name=name: setattr(problem.copy(), name, v)
         yield "with " + name, lambda v, name=name: leeway.Problem(robot, world, q, q, **{name: v})
 

@@ -81,14 +81,21 @@ def test_problems_are_values(robot, world):
 
 def test_every_setting_reads_back(robot, world):
     settings = dict(name="n", margin=0.01, margins={("post", "hand"): 0.02}, allowed=[("post", "base")], objective="clearance",
-                    clearance_of="all", push=False, planner="RRTConnect", parameters={"range": "0.5"}, simplify=False, time=0.5, iterations=10, seed=4, start_time=1.0,
+                    clearance_of="all", at_most_longer=0.2, push=False, planner="RRTConnect", parameters={"range": "0.5"}, simplify=False, time=0.5, iterations=10, seed=4, start_time=1.0,
                     step=0.1, duration=3.0, speed=0.5, velocities={"joint1": 1.0}, accelerations={"joint2": 2.0}, jerks={},
                     corners="blend", foresight="speed_bound", look_ahead=0.3, buffer=0.0, patience=0.0)
     problem = leeway.Problem(robot, world, "ready", "tucked", **settings)
     for name, value in settings.items():
         assert getattr(problem, name) == value, name
         setattr(problem, name, value)
+    costs = {"weighted": {"length": 1.0, "integral": [{"hinge": 0.1, "of": "world", "weight": 2.0}],
+                          "worst": [{"inverse": 0.02, "of": "all", "weight": 1.0}]}}
+    problem.objective = costs
+    assert problem.objective == costs and problem.at_most_longer is None
     problem.objective = "length"
+    problem.wishes = {("robot", "post"): 0.1, ("hand", ("post",)): (0.2, 3.0)}
+    assert problem.wishes[("hand", "post")] == (0.2, 3.0) and len(problem.wishes) == 2
+    problem.wishes = {}
     problem.keep = 0.02
     assert problem.keep == 0.02 and problem.clearance_of is None
     problem.keep = None
@@ -96,6 +103,32 @@ def test_every_setting_reads_back(robot, world):
     assert problem.others["finger_joint"] == 0
     problem.others = {"finger_joint": 0.03}
     assert problem.others["finger_joint"] == 0.03
+
+
+def test_costs_are_told_as_intervals_and_wishes_as_kept_or_not(robot, world):
+    problem = leeway.Problem(robot, world, turned(robot, -0.8), turned(robot, 0.8), margin=0.005, iterations=300, time=20)
+    plain = leeway.plan(problem)
+    assert plain.cost is None and plain.wishes == []
+    cost = leeway.plan(problem, objective={"weighted": {"length": 0.2, "integral": {"hinge": 0.1}}})
+    lower, upper = cost.cost
+    assert 0.2 * cost.length <= upper and lower <= upper <= 1.02 * lower
+    for weight in (1e-3, 30):
+        wished = leeway.plan(problem, wishes={("robot", "post"): (0.04, weight)})
+        [wish] = wished.wishes
+        assert wish["between"] == "robot and post" and wish["wish"] == 0.04
+        assert wish["kept"] is (wish["clearance"][0] >= 0.04)
+        assert wish["kept"] == (weight > 1) and (wish["cost"][1] == 0) == wish["kept"]
+    safest = leeway.plan(problem, objective="clearance", at_most_longer=0.1)
+    assert safest.certificate.world.lower >= plain.certificate.world.lower
+    for wrong in ({"integral": {}}, {"integral": {"hinge": 0}}, {"integral": {"hinge": 1, "weight": 1}}, {"weighted": {"size": 1}}, {"total": 1}):
+        with pytest.raises(ValueError):
+            problem.objective = wrong
+    with pytest.raises(ValueError):
+        leeway.plan(problem, objective={"weighted": {}})
+    with pytest.raises(ValueError, match="beside the objective clearance"):
+        leeway.plan(problem, objective="clearance", wishes={("robot", "post"): 0.04})
+    with pytest.raises(ValueError):
+        problem.at_most_longer = 0.1
 
 
 def test_world_and_self_are_told_apart_and_a_clearance_is_kept(robot, world):

@@ -35,6 +35,17 @@ TEST_F(Lint, FindingsHaveFileLineAndLevel) {
   EXPECT_EQ(document["findings"][0]["line"], 10);
 }
 
+TEST_F(Lint, WishesOfPairsThatMayTouchAreOdd) {
+  write("wish.yaml", std::string(kReach) +
+                         "margins: [{between: [upper, lower], wish: 0.1}, "
+                         "{between: [lower, post], wish: 0.1}]\n");
+  const Answer answer = run("lint wish.yaml");
+  EXPECT_EQ(answer.status, 1);
+  EXPECT_EQ(answer.out,
+            "wish.yaml: warning: wish of 0.1 m between upper and lower: none of its pairs is "
+            "checked\n1 file, 1 finding\n");
+}
+
 /// What a robot is warned of is found once.
 TEST_F(Lint, FilesThatShareARobotFindItsOdditiesOnce) {
   std::string urdf = kUrdf;

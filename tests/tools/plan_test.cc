@@ -133,6 +133,36 @@ TEST_F(Plan, IsAsSafeAsItsLengthAllows) {
   }
 }
 
+TEST_F(Plan, TellsCostsAndWishes) {
+  const json plain = run("plan reach.yaml --json").document();
+  EXPECT_TRUE(plain["cost"].is_null());
+  EXPECT_EQ(plain["wishes"], json::array());
+  const json cost =
+      run("plan reach.yaml --json --hinge 0.2 --length-weight 0.5 --time 0.5").document();
+  EXPECT_EQ(cost["objective"], "weighted");
+  EXPECT_GT(cost["cost"]["lower"], 0);
+  EXPECT_LE(cost["cost"]["upper"].get<double>(), 1.02 * cost["cost"]["lower"].get<double>());
+  EXPECT_EQ(run("plan reach.yaml --json --inverse 0.02 --time 0.2").document()["objective"],
+            "integral");
+  for (const char* wrong :
+       {"--hinge 0", "--hinge 0.1 --inverse 0.1", "--length-weight 1", "--hinge 0.1 --keep 0.1",
+        "--hinge 0.1 --objective length", "--hinge 0.1 --planner LBTRRT"})
+    EXPECT_EQ(run(std::string("plan reach.yaml ") + wrong).status, 2) << wrong;
+  write("wish.yaml",
+        std::string(kReach) + "margins: [{between: [robot, post], wish: 0.05, weight: 2}]\n");
+  const json wished = run("plan wish.yaml --json --time 0.5").document();
+  ASSERT_EQ(wished["wishes"].size(), 1U);
+  const json& wish = wished["wishes"][0];
+  EXPECT_EQ(wish["between"], "robot and post");
+  EXPECT_EQ(wish["wish"], 0.05);
+  ASSERT_TRUE(wish["kept"].is_boolean());
+  EXPECT_EQ(wish["kept"].get<bool>(), wish["clearance_lower"].get<double>() >= 0.05);
+  const Answer text = run("plan wish.yaml --time 0.5");
+  EXPECT_NE(text.out.find("Wish of 50 mm between robot and post: "), std::string::npos) << text.out;
+  EXPECT_NE(text.out.find("Cost between "), std::string::npos);
+  EXPECT_EQ(run("plan wish.yaml --objective clearance").status, 2);
+}
+
 TEST_F(Plan, WritesTrajectories) {
   const Answer stop = run("plan reach.yaml --json --trajectory stop.json");
   EXPECT_EQ(stop.status, 0) << stop.err;

@@ -5,6 +5,8 @@
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <set>
+#include <utility>
 
 #include "leeway/planner/edge_certifier.h"
 #include "leeway/robots/input_error.h"
@@ -65,9 +67,27 @@ class Findings {
   std::vector<Finding> list_;
 };
 
-/// What only the compiled scene shows: a start or goal that keeps no margins.
-void lintStates(const planner::Problem& problem, const std::string& file, Findings& findings) {
+/// Wishes of pairs that may touch, or never meet, cost nothing.
+void lintWishes(const planner::Problem& problem, const planner::CompiledScene& scene,
+                const std::string& file, Findings& findings) {
+  std::set<std::pair<std::string, std::string>> checked;
+  for (int p = 0; p < static_cast<int>(scene.scene().pairs().size()); ++p) {
+    const PairNames names = pairNames(scene, p);
+    checked.emplace(names.a, names.b);
+    checked.emplace(names.b, names.a);
+  }
+  for (const planner::Wish& wish : problem.margins.wishes)
+    if (std::none_of(wish.pairs.begin(), wish.pairs.end(),
+                     [&](const auto& pair) { return checked.count(pair) != 0; }))
+      findings.add({file, 0, false,
+                    fmt::format("wish of {} m between {}: none of its pairs is checked",
+                                wish.clearance, wish.name)});
+}
+
+/// What only the compiled scene shows: a start or goal that keeps no margins, wishes of nothing.
+void lintScene(const planner::Problem& problem, const std::string& file, Findings& findings) {
   planner::EdgeCertifier certifier(std::make_shared<const planner::CompiledScene>(problem));
+  lintWishes(problem, certifier.scene(), file, findings);
   const auto look = [&](const std::string& name, const std::vector<double>& point) {
     constexpr double kTolerance = 1e-6;
     const planner::StateCheck check = certifier.clearance(point, kTolerance);
@@ -117,7 +137,7 @@ void lint(const std::string& file, const ProblemSource& source, Findings& findin
       findings.addWarnings(problem.robot.model->warnings, file);
     }
     findings.addWarnings(problem.warnings, file);
-    if (kind == info::FileKind::kProblem) lintStates(problem, file, findings);
+    if (kind == info::FileKind::kProblem) lintScene(problem, file, findings);
   } catch (const robots::InputError& error) {
     const std::string place =
         error.line() > 0 ? fmt::format("{}:{}: ", error.file(), error.line()) : error.file() + ": ";

@@ -118,6 +118,28 @@ std::string certificateText(const planner::Certificate& certificate) {
       certificate.closest_b, certificate.closest_segment, certificate.closest_t);
 }
 
+/// What the path costs, and which wishes it keeps.
+std::string costText(const planner::Problem& problem, const planner::PlanResult& result) {
+  if (!std::isfinite(result.cost.upper)) return "";
+  std::string text = fmt::format("Cost between {} and {}.\n", formatLower(result.cost.lower, 5),
+                                 formatUpper(result.cost.upper, 5));
+  for (std::size_t i = 0; i < result.wishes.size(); ++i) {
+    const planner::WishResult& of = result.wishes[i];
+    const planner::Wish& wish = problem.margins.wishes[i];
+    text += fmt::format("Wish of {} mm between {}: ", millimetres(wish.clearance), wish.name);
+    if (of.kept && *of.kept)
+      text += "kept everywhere, proven.\n";
+    else if (of.kept)
+      text += fmt::format("missed by {} to {} mm, which costs {} to {}.\n",
+                          formatLower(millimetres(wish.clearance - of.clearance.upper), 3),
+                          formatUpper(millimetres(wish.clearance - of.clearance.lower), 3),
+                          formatLower(of.cost.lower, 5), formatUpper(of.cost.upper, 5));
+    else
+      text += "not decided.\n";
+  }
+  return text;
+}
+
 std::string offendingText(const planner::PlanResult& result) {
   const auto& check = result.offending;
   if (!result.reason.empty()) {
@@ -186,6 +208,7 @@ void printText(const planner::Problem& problem, const planner::PlanResult& resul
       if (!result.path.steps.empty()) fmt::print("{}\n", stepTable(problem, result));
       fmt::print("{}", certificateText(result.certificate));
       fmt::print("Length {:.4f}, {} edges.\n", result.length, result.certificate.segments.size());
+      fmt::print("{}", costText(problem, result));
       fmt::print("{}", durationText(*trajectory));
       break;
     case planner::PlanStatus::kUnsolved:

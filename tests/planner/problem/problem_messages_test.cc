@@ -147,7 +147,8 @@ TEST(ProblemMessages, Types) {
       {withRobot("planner: RRTConnect\n"), 8,
        "planner is 'RRTConnect'; a map (key: value) is expected"},
       {withRobot("objective: speed\n"), 8,
-       "objective 'speed' is not known; length or clearance is expected"},
+       "objective 'speed' is not known; length, clearance, or a map with integral or weighted is "
+       "expected"},
   });
 }
 

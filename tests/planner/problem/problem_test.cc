@@ -18,7 +18,7 @@
 #include "leeway/robots/input_error.h"
 #include "leeway/robots/kinematics.h"
 #include "planner/base/nearest_name.h"
-#include "planner/problem/format_keys.h"
+#include "planner/yaml/format_keys.h"
 #include "tests/support/build_paths.h"
 #include "tests/support/folder.h"
 
@@ -254,6 +254,56 @@ push: false
                       wrong),
                  robots::InputError)
         << wrong;
+}
+
+TEST(Problem, WishesAndCostsAreTaken) {
+  const std::string base = robot("arm6", "arm") + kArm6Ends + R"(
+objects: [{name: o, sphere: {radius: 0.1}}, {name: p, sphere: {radius: 0.1}}]
+groups: {things: [o, p]}
+margin: 0.01
+)";
+  const Problem problem = load(base + R"(
+margins: [{between: [robot, things], margin: 0.02, wish: 0.1, weight: 3}, {between: [tool_body, p], wish: 0.2}]
+objective: {weighted: {length: 1, integral: [{hinge: 0.1, weight: 5}, {inverse: 0.02, of: self}], worst: {hinge: 0.05, of: all, weight: 2}}}
+)");
+  const std::size_t links = problem.robot.model->links.size();
+  EXPECT_EQ(problem.margins.pairs.size(), 2 * links) << "a wish alone is no margin";
+  ASSERT_EQ(problem.margins.wishes.size(), 2U);
+  const Wish& wish = problem.margins.wishes[0];
+  EXPECT_EQ(wish.name, "robot and things");
+  EXPECT_EQ(wish.pairs.size(), 2 * links);
+  EXPECT_EQ(wish.clearance, 0.1);
+  EXPECT_EQ(wish.weight, 3);
+  EXPECT_EQ(problem.margins.wishes[1].weight, 1);
+  ASSERT_TRUE(std::holds_alternative<MinimumCost>(problem.objective));
+  const auto& cost = std::get<MinimumCost>(problem.objective);
+  EXPECT_STREQ(toString(problem.objective), "weighted");
+  EXPECT_EQ(cost.length, 1);
+  ASSERT_EQ(cost.terms.size(), 3U);
+  EXPECT_EQ(cost.terms[0].weight, 5);
+  EXPECT_EQ(cost.terms[1].nearness.kind, Nearness::Kind::kInverse);
+  EXPECT_EQ(cost.terms[1].of, Pairs::kSelf);
+  EXPECT_FALSE(cost.terms[1].worst);
+  EXPECT_TRUE(cost.terms[2].worst);
+  EXPECT_EQ(cost.terms[2].of, Pairs::kAll);
+  const Problem integral = load(base + "objective: {integral: {hinge: 0.1}}\n");
+  EXPECT_STREQ(toString(integral.objective), "integral");
+  EXPECT_EQ(std::get<MinimumCost>(integral.objective).length, 0);
+  for (const char* wrong :
+       {"objective: {integral: {hinge: 0}}\n", "objective: {integral: {}}\n",
+        "objective: {integral: {hinge: 0.1, inverse: 0.1}}\n",
+        "objective: {integral: {hinge: 0.1, weight: 1}}\n", "objective: {weighted: {}}\n",
+        "objective: {weighted: {length: 0}}\n", "objective: {weighted: {length: -1}}\n",
+        "objective: {weighted: {integral: {hinge: 0.1, weight: 0}}}\n",
+        "objective: {integral: {hinge: 0.1, of: us}}\n",
+        "objective: {length: {}, integral: {hinge: 0.1}}\n", "objective: integral\n",
+        "margins: [{between: [o, tool_body], wish: 0.005}]\n",
+        "margins: [{between: [o, tool_body], margin: 0.2, wish: 0.2}]\n",
+        "margins: [{between: [o, tool_body], wish: 0.1, weight: 0}]\n",
+        "margins: [{between: [o, tool_body], margin: 0.1, weight: 1}]\n",
+        "margins: [{between: [o, tool_body]}]\n",
+        "margins: [{between: [o, tool_body], wish: 0.1}]\nobjective: clearance\n"})
+    EXPECT_THROW(load(base + wrong), robots::InputError) << wrong;
 }
 
 TEST(Problem, NumbersAreReadExactly) {

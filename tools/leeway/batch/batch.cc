@@ -375,6 +375,9 @@ Json optionsJson(const Arguments& arguments) {
   if (overrides.no_push) options["push"] = false;
   add("objective", overrides.objective);
   if (overrides.at_most_longer) options["at_most_longer"] = *overrides.at_most_longer;
+  if (overrides.hinge) options["hinge"] = *overrides.hinge;
+  if (overrides.inverse) options["inverse"] = *overrides.inverse;
+  if (overrides.length_weight) options["length_weight"] = *overrides.length_weight;
   if (overrides.certificate != "path") options["certificate"] = overrides.certificate;
   if (arguments.repeat != 1) options["repeat"] = arguments.repeat;
   if (arguments.verify) options["verify"] = true;

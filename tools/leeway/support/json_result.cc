@@ -69,6 +69,26 @@ Json trajectoryJson(const planner::Trajectory& trajectory) {
   return {{"duration", trajectory.duration()}, {"blended_corners", corners}};
 }
 
+Json costJson(const planner::Interval& cost) {
+  return std::isfinite(cost.upper) ? Json({{"lower", cost.lower}, {"upper", cost.upper}}) : Json();
+}
+
+Json wishesJson(const planner::Problem& problem, const planner::PlanResult& result) {
+  Json wishes = Json::array();
+  for (std::size_t i = 0; i < result.wishes.size(); ++i) {
+    const planner::WishResult& of = result.wishes[i];
+    const planner::Wish& wish = problem.margins.wishes[i];
+    wishes.push_back({{"between", wish.name},
+                      {"wish", wish.clearance},
+                      {"weight", wish.weight},
+                      {"kept", of.kept ? Json(*of.kept) : Json()},
+                      {"clearance_lower", jsonNumber(of.clearance.lower)},
+                      {"clearance_upper", jsonNumber(of.clearance.upper)},
+                      {"cost", costJson(of.cost)}});
+  }
+  return wishes;
+}
+
 }  // namespace
 
 Json jsonNumber(double value) { return std::isfinite(value) ? Json(value) : Json(); }
@@ -109,6 +129,8 @@ Json toJson(const planner::Problem& problem, const planner::PlanResult& result,
   document["length"] = Json();
   document["shortest_length"] = jsonNumber(result.shortest_length);
   document["clearance_bound"] = jsonNumber(result.clearance_bound);
+  document["cost"] = costJson(result.cost);
+  document["wishes"] = wishesJson(problem, result);
   document["certificate"] = Json();
   document["trajectory"] = Json();
   if (solved) {

@@ -211,6 +211,19 @@ void addPlanOverrides(CLI::App& app, PlanOverrides& overrides) {
          "the safest path that is at most so much longer than the shortest found: 0.2 for a "
          "fifth")
       ->type_name("SHARE");
+  app.add_option("--hinge", overrides.hinge,
+                 "the path of the least integral of 1 - d / M over its length, where its clearance "
+                 "d from the world is below M [m]")
+      ->type_name("M")
+      ->check(numberFrom(1e-9, 1e9));
+  app.add_option("--inverse", overrides.inverse,
+                 "the same of M / d, and at most 1, wherever the world is")
+      ->type_name("M")
+      ->check(numberFrom(1e-9, 1e9));
+  app.add_option("--length-weight", overrides.length_weight,
+                 "so much times the length is added to that integral; 0 by default")
+      ->type_name("W")
+      ->check(numberFrom(0, 1e9));
   app.add_flag("--no-push", overrides.no_push, "leave a simplified path where it hugs obstacles");
   app.add_option("--certificate", overrides.certificate,
                  "how exactly clearance is told; every edge is proven either way. path: the "
@@ -310,6 +323,29 @@ std::string takePathFile(ProblemSource& source, const std::vector<std::string>& 
   return files.back();
 }
 
+namespace {
+
+/// --hinge, --inverse, --length-weight: an objective of their own.
+void applyCost(const PlanOverrides& overrides, planner::Problem& problem) {
+  if (!overrides.hinge && !overrides.inverse) {
+    if (overrides.length_weight)
+      badUsage(fmt::format("--length-weight {}: --hinge or --inverse is expected beside it",
+                           *overrides.length_weight));
+    return;
+  }
+  if ((overrides.hinge && overrides.inverse) || !overrides.objective.empty() || overrides.keep ||
+      overrides.at_most_longer)
+    badUsage(
+        "--hinge and --inverse are objectives of their own: one of them is expected, and none of "
+        "--objective, --keep and --at-most-longer");
+  planner::CostTerm term;
+  if (overrides.inverse) term.nearness.kind = planner::Nearness::Kind::kInverse;
+  term.nearness.distance = overrides.inverse ? *overrides.inverse : *overrides.hinge;
+  problem.objective = planner::MinimumCost{overrides.length_weight.value_or(0), {term}};
+}
+
+}  // namespace
+
 void apply(const PlanOverrides& overrides, planner::Problem& problem) {
   if (overrides.seed) {
     problem.seed = *overrides.seed;
@@ -361,6 +397,7 @@ void apply(const PlanOverrides& overrides, planner::Problem& problem) {
     }
     clearance->at_most_longer = *overrides.at_most_longer;
   }
+  applyCost(overrides, problem);
   if (overrides.no_push) problem.planner.push = false;
 }
 

@@ -32,6 +32,8 @@ struct PlanOverrides {
   std::string planner, objective, workers, improve;
   std::optional<double> keep;  ///< clearance from the world [m]
   std::optional<double> at_most_longer;
+  std::optional<double> hinge, inverse;  ///< of an integral [m]
+  std::optional<double> length_weight;
   bool no_push = false;
   std::string certificate = "path";
 };

@@ -75,6 +75,8 @@ void noteClearances(const planner::Certificate& certificate, Subject& subject) {
     subject.notes.push_back(
         fmt::format("Asked for: as much clearance as possible, {}.",
                     clearance->of == planner::Pairs::kAll ? "of all pairs" : "from the world"));
+  else if (std::holds_alternative<planner::MinimumCost>(objective))
+    subject.notes.push_back("Asked for: a path that costs little, of length and nearness.");
   else if (const double kept = std::get<planner::MinimumLength>(objective).clearance;
            std::isfinite(kept))
     subject.notes.push_back(

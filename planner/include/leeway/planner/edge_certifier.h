@@ -21,6 +21,29 @@ struct StateCheck {
   collision::DistanceResult closest;  ///< in world coordinates
 };
 
+/// What is asked of an edge's cost.
+struct CostRequest {
+  Nearness nearness;
+  /// Width of the interval that is good enough, as a share of its upper end; kLeast of 1 always is.
+  double tolerance = 0.01;
+  /// Stops as soon as the mean is known to be above it.
+  double cutoff = std::numeric_limits<double>::infinity();
+  std::int64_t work_limit = 0;  ///< as EdgeRequest's; 0: about 20 ms
+  static constexpr double kLeast = 1e-5;
+};
+
+/// What it costs to be near along an edge: certified intervals.
+struct EdgeCost {
+  /// Of nearness, over the edge, every t counting alike: times the edge's length, its integral.
+  Interval mean{0, 1};
+  /// Of the greatest value along the edge.
+  Interval worst{0, 1};
+  /// Of the least clearance, as near as that needed [m]: an upper end of infinity was not looked
+  /// for.
+  Interval clearance{-std::numeric_limits<double>::infinity(),
+                     std::numeric_limits<double>::infinity()};
+};
+
 struct EdgeRequest {
   bool last_valid = false;       ///< find the largest t up to which the edge is certified
   double smallest_interval = 0;  ///< in t; 0: the default of tolerances (by motion, not by t)
@@ -117,6 +140,15 @@ class EdgeCertifier {
   /// of 0 is that of certify().
   EdgeClearance proveClearance(std::span<const double> a, std::span<const double> b,
                                const ClearanceRequest& request);
+
+  /// Integral and greatest value of nearness along the edge, of all pairs. The edge is halved where
+  /// that narrows the interval most: over a part, a plane that parts a pair in the middle bounds
+  /// its distance from below, its two nearest points from above, both by a line in t and how far
+  /// points leave their chords. So the width falls with the square of the parts. Where a body is
+  /// far from convex and its hull is nearer than itself, speeds are the bound, and the width falls
+  /// with the parts.
+  EdgeCost edgeCost(std::span<const double> a, std::span<const double> b,
+                    const CostRequest& request);
 
   struct Statistics {
     std::uint64_t states = 0, edges = 0, distance_queries = 0, intervals = 0;

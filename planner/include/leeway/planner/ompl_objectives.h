@@ -49,4 +49,35 @@ class OmplClearanceObjective : public ompl::base::OptimizationObjective {
   Pairs pairs_;
 };
 
+class PathCost;
+
+/// What a path costs by a problem's MinimumCost, or by its length and its wishes; smaller is
+/// better. Costs add up. An edge's cost is the upper end of a certified interval over the whole
+/// edge, which is 1 % wide, or more where that takes more than a millisecond; so a path never costs
+/// more than it says. Between two states nothing costs less than the weight of length times their
+/// distance, which is the heuristic. Satisfied at getCostThreshold(), 0 unless set. For planners
+/// whose arithmetic allows any cost, see PlannerTraits::costs. Thread-safe.
+class OmplCostObjective : public ompl::base::OptimizationObjective {
+ public:
+  /// Throws std::invalid_argument for a problem without such costs, or with one that makes no
+  /// sense, or that counts the worst place of a path: that does not add up.
+  OmplCostObjective(const ompl::base::SpaceInformationPtr& space_information,
+                    std::shared_ptr<CertifierPool> pool, const Problem& problem);
+  OmplCostObjective(const ompl::base::SpaceInformationPtr& space_information,
+                    std::shared_ptr<CertifierPool> pool, std::shared_ptr<PathCost> cost);
+
+  bool isSatisfied(ompl::base::Cost cost) const override;
+  ompl::base::Cost stateCost(const ompl::base::State* state) const override;
+  ompl::base::Cost motionCost(const ompl::base::State* s1,
+                              const ompl::base::State* s2) const override;
+  ompl::base::Cost motionCostHeuristic(const ompl::base::State* s1,
+                                       const ompl::base::State* s2) const override;
+  ompl::base::InformedSamplerPtr allocInformedStateSampler(
+      const ompl::base::ProblemDefinitionPtr& problem, unsigned int attempts) const override;
+
+ private:
+  std::shared_ptr<CertifierPool> pool_;
+  std::shared_ptr<PathCost> cost_;
+};
+
 }  // namespace leeway::planner

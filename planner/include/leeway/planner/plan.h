@@ -7,6 +7,7 @@
 
 #include "leeway/planner/edge_certifier.h"
 #include "leeway/planner/problem.h"
+#include "leeway/planner/wish_result.h"
 
 namespace leeway::planner {
 
@@ -88,6 +89,11 @@ struct PlanResult {
   double shortest_length = std::numeric_limits<double>::infinity();
   /// MaximumClearance: no path has more than that, because its start or its goals have not [m].
   double clearance_bound = std::numeric_limits<double>::infinity();
+  /// What the path costs where the problem has a MinimumCost or wishes, weights included: an
+  /// interval that holds it, 1 % of its upper end wide, or 1e-5 of the length times weights, where
+  /// a second of counted work is enough for that. Otherwise of infinities.
+  Interval cost{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
+  std::vector<WishResult> wishes;  ///< one each, in their order; empty unless solved
   Certificate certificate;
   StateCheck offending;  ///< for an invalid start or goal: pair, depth, place
   std::string offending_a, offending_b;
@@ -118,6 +124,10 @@ struct PlanResult {
 /// edges' costs being certified bounds; the others, Connect among them, are run again and again
 /// with rising margins, which climbs faster. Both end early when start or goal have no more
 /// clearance than the path. Simplification keeps the clearance that was reached.
+/// MinimumCost, and MinimumLength with wishes: planners that optimise minimise certified upper ends
+/// of their edges' costs; of the others first paths are taken again and again. All paths are then
+/// moved and cut as long as that lowers the cost that is proven. Refused are wishes beside
+/// MaximumClearance, and planners that cannot minimise such costs, see PlannerTraits::costs.
 ///
 /// The same problem, seed and iteration limit give the same bytes, except for times. This holds for
 /// deterministic planners (see PlannerTraits), and while no other thread makes generators of OMPL

@@ -16,9 +16,11 @@ struct PlannerTraits {
   bool optimizing = false;    ///< improves its path until the limits are reached
   bool any_cost = true;       ///< it can maximise clearance; false: its search needs costs that add
                               ///< up, and clearance takes rising margins, see plan()
-  bool projection = false;    ///< explores cells of the space's default projection
-  bool exact = true;          ///< reaches goals; false: it only comes near, and plan() adds an edge
-  std::string summary;        ///< half a line
+  bool costs = true;        ///< it can minimise a MinimumCost of integrals, as upper ends of edges'
+                            ///< costs or by first paths; false: its arithmetic knows lengths alone
+  bool projection = false;  ///< explores cells of the space's default projection
+  bool exact = true;        ///< reaches goals; false: it only comes near, and plan() adds an edge
+  std::string summary;      ///< half a line
 };
 
 /// A parameter that a problem file may set.

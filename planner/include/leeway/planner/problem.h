@@ -150,11 +150,24 @@ struct PairMargin {
   double margin;  ///< [m]
 };
 
+/// A clearance that pairs keep where that is not too dear. With the objectives length and cost, a
+/// path that does not keep it costs more, by
+///   weight * integral of max(0, 1 - d / clearance) over the path's length,
+/// where d is the least separation of the pairs, and at least 0: with a weight of 1, a stretch that
+/// touches costs as if it were twice as long.
+struct Wish {
+  std::string name;                                        ///< "robot and people"
+  std::vector<std::pair<std::string, std::string>> pairs;  ///< names as in Contacts
+  double clearance = 0;                                    ///< [m], above 0
+  double weight = 1;                                       ///< above 0
+};
+
 /// Separation that checked pairs keep: every pair is farther apart than its margin. Below 0, bodies
 /// may overlap by that much.
 struct Margins {
   double common = 0;              ///< of pairs without one of their own [m]
   std::vector<PairMargin> pairs;  ///< the last one that names a pair holds
+  std::vector<Wish> wishes;       ///< each counts, also where two name one pair
 };
 
 /// Pairs by what the robot is apart from. What it holds belongs to it, and so do its links that
@@ -177,11 +190,37 @@ struct MaximumClearance {
   /// length.
   double at_most_longer = std::numeric_limits<double>::infinity();
 };
+/// What it costs to be near, from 0 to 1: a function of the clearance d that never rises. Below 0,
+/// d counts as 0.
+struct Nearness {
+  enum class Kind : unsigned char {
+    kHinge,    ///< max(0, 1 - d / distance)
+    kInverse,  ///< min(1, distance / d)
+  };
+  Kind kind = Kind::kHinge;
+  double distance = 0.1;  ///< [m], above 0
+};
+/// A part of a path's cost.
+struct CostTerm {
+  Nearness nearness;
+  double weight = 1;  ///< 0 or more
+  /// The greatest value that nearness has along the path, in place of its integral over the path's
+  /// length (in the space's distance).
+  bool worst = false;
+  Pairs of = Pairs::kWorld;  ///< whose clearance; the others keep their margins
+};
+/// The path whose weighted sum is least.
+struct MinimumCost {
+  double length = 0;  ///< weight of the path's length, 0 or more
+  std::vector<CostTerm> terms;
+};
 /// What the planner optimises.
-using Objective = std::variant<MinimumLength, MaximumClearance>;
+using Objective = std::variant<MinimumLength, MaximumClearance, MinimumCost>;
 
-const char* toString(const Objective& objective);                 ///< "length", "clearance"
-std::optional<Objective> objectiveOfName(std::string_view name);  ///< inverse of toString()
+/// "length"; "clearance"; of costs "integral" where that is all, else "weighted".
+const char* toString(const Objective& objective);
+/// Of "length" and "clearance".
+std::optional<Objective> objectiveOfName(std::string_view name);
 
 /// Which planner runs, and how.
 struct PlannerChoice {

@@ -1,4 +1,4 @@
-#include "planner/problem/format_keys.h"
+#include "planner/yaml/format_keys.h"
 
 #include <array>
 #include <stdexcept>
@@ -31,8 +31,11 @@ constexpr Keys kEllipsoid[] = {"semi_axes"};
 constexpr Keys kMesh[] = {"file", "scale"};
 constexpr Keys kConvexHull[] = {"points", "file", "scale"};
 constexpr Keys kAttach[] = {"link", "touch"};
-constexpr Keys kPairMargin[] = {"between", "margin"};
-constexpr Keys kObjective[] = {"length", "clearance"};
+constexpr Keys kPairMargin[] = {"between", "margin", "wish", "weight"};
+constexpr Keys kObjective[] = {"length", "clearance", "integral", "weighted"};
+constexpr Keys kNearness[] = {"hinge", "inverse", "of"};
+constexpr Keys kWeightedObjective[] = {"length", "integral", "worst"};
+constexpr Keys kWeightedNearness[] = {"hinge", "inverse", "of", "weight"};
 constexpr Keys kLengthObjective[] = {"clearance"};
 constexpr Keys kClearanceObjective[] = {"of", "at_most_longer"};
 constexpr Keys kPlanner[] = {"name", "parameters"};
@@ -94,6 +97,9 @@ const std::array kFormats = {MapFormat{"problem", kProblem},
                              MapFormat{"objective", kObjective},
                              MapFormat{"length_objective", kLengthObjective},
                              MapFormat{"clearance_objective", kClearanceObjective},
+                             MapFormat{"nearness", kNearness},
+                             MapFormat{"weighted_objective", kWeightedObjective},
+                             MapFormat{"weighted_nearness", kWeightedNearness},
                              MapFormat{"planner", kPlanner},
                              MapFormat{"limits", kLimits},
                              MapFormat{"moveit", kMoveit},

@@ -5,9 +5,12 @@
 
 #include <algorithm>
 #include <limits>
+#include <stdexcept>
+#include <utility>
 
+#include "planner/base/tolerances.h"
 #include "planner/edge/ompl_point.h"
-#include "planner/search/search.h"
+#include "planner/objective/path_cost.h"
 #include "planner/space/ompl_lock.h"
 
 namespace leeway::planner {
@@ -20,6 +23,12 @@ ob::InformedSamplerPtr rejectionSampler(const ob::ProblemDefinitionPtr& problem,
                                         unsigned int attempts) {
   const std::lock_guard<std::recursive_mutex> lock(omplSeedLock());
   return std::make_shared<ob::RejectionInfSampler>(problem, attempts);
+}
+
+double smallestMargin(const collision::Scene& scene) {
+  double least = kInfinity;
+  for (const collision::ScenePair& pair : scene.pairs()) least = std::min(least, pair.margin);
+  return least;
 }
 
 }  // namespace
@@ -38,7 +47,7 @@ OmplClearanceObjective::OmplClearanceObjective(const ob::SpaceInformationPtr& sp
     : OptimizationObjective(space_information),
       pool_(std::move(pool)),
       tolerance_(tolerance),
-      cutoff_(leastMargin(pool_->scene().scene())),
+      cutoff_(smallestMargin(pool_->scene().scene())),
       pairs_(pairs) {
   description_ = "Least clearance, certified";
   threshold_ = ob::Cost(kInfinity);
@@ -75,6 +84,48 @@ ob::Cost OmplClearanceObjective::initialCost(const ob::State* state) const {
 }
 
 ob::InformedSamplerPtr OmplClearanceObjective::allocInformedStateSampler(
+    const ob::ProblemDefinitionPtr& problem, unsigned int attempts) const {
+  return rejectionSampler(problem, attempts);
+}
+
+OmplCostObjective::OmplCostObjective(const ob::SpaceInformationPtr& space_information,
+                                     std::shared_ptr<CertifierPool> pool, const Problem& problem)
+    : OmplCostObjective(space_information, pool, PathCost::of(pool->scene(), problem)) {}
+
+OmplCostObjective::OmplCostObjective(const ob::SpaceInformationPtr& space_information,
+                                     std::shared_ptr<CertifierPool> pool,
+                                     std::shared_ptr<PathCost> cost)
+    : OptimizationObjective(space_information), pool_(std::move(pool)), cost_(std::move(cost)) {
+  if (cost_ == nullptr)
+    throw std::invalid_argument(
+        "OmplCostObjective: the problem has no costs; a MinimumCost, or "
+        "wishes, are expected");
+  if (!cost_->isAdditive())
+    throw std::invalid_argument(
+        "OmplCostObjective: the cost of a path's worst place does not add "
+        "up; integrals are expected");
+  description_ = "Cost of length and nearness, certified";
+  threshold_ = ob::Cost(0);
+}
+
+bool OmplCostObjective::isSatisfied(ob::Cost cost) const {
+  return cost.value() <= threshold_.value();
+}
+
+ob::Cost OmplCostObjective::stateCost(const ob::State*) const { return identityCost(); }
+
+ob::Cost OmplCostObjective::motionCost(const ob::State* s1, const ob::State* s2) const {
+  return ob::Cost(cost_
+                      ->edge(pointOf(s1, pool_->scene()), pointOf(s2, pool_->scene()),
+                             {.work_limit = kSearchCostWork})
+                      .sum.upper);
+}
+
+ob::Cost OmplCostObjective::motionCostHeuristic(const ob::State* s1, const ob::State* s2) const {
+  return ob::Cost(cost_->leastBetween(pointOf(s1, pool_->scene()), pointOf(s2, pool_->scene())));
+}
+
+ob::InformedSamplerPtr OmplCostObjective::allocInformedStateSampler(
     const ob::ProblemDefinitionPtr& problem, unsigned int attempts) const {
   return rejectionSampler(problem, attempts);
 }

@@ -1,0 +1,282 @@
+// Integrals of nearness along an edge, by branch and bound over its parts.
+//
+// On a part [t0, t1] with middle m, seen from body b of a pair, no point of body a leaves the chord
+// of its places at t0 and m, or at m and t1, by more than g = (h/2)^2 A / 8. So in each half
+//   the gap that a fixed plane leaves is at least the line through its values at the ends, less g
+//     (the least over points of lines is above the line through the least at both ends);
+//   the distance of two fixed points is at most the line through its values, and g
+//     (a norm of a line is convex).
+// With the plane and the points of the distance at m, both lines meet there but for g, and what is
+// between them falls with h^2. The least of the pairs' lower lines at both ends of a half makes a
+// line that is below all of them. Nearness never rises with the distance, and its integral over a
+// line is known; so each half yields both ends of an interval. The part whose interval is widest is
+// halved next.
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "collision/distance/plane_gap.h"
+#include "collision/scene/scene_access.h"
+#include "planner/base/tolerances.h"
+#include "planner/edge/edge_certifier_impl.h"
+#include "planner/edge/edge_model.h"
+#include "planner/objective/nearness.h"
+
+namespace leeway::planner {
+
+/// How far below a pair's distance its planes may be, as a share of the distance of nearness,
+/// before nodes of its mesh get planes of their own; and how many of these may be looked at
+/// [count].
+constexpr double kPlaneSlack = 3e-4;
+constexpr int kPlaneNodes = 300;
+
+class EdgeCertifier::Impl::CostSearch {
+ public:
+  CostSearch(Impl& impl, const CostRequest& request)
+      : impl_(impl), request_(request), reach_(reachOf(request.nearness)) {}
+
+  EdgeCost run() {
+    const int start = impl_.frames.place(0), end = start < 0 ? -1 : impl_.frames.place(1);
+    if (end < 0) return {};
+    impl_.open_pairs.clear();
+    for (std::size_t p = 0; p < impl_.frames.pairs().size(); ++p)
+      if (impl_.isAsked(impl_.frames.pairs()[p])) impl_.open_pairs.push_back(static_cast<int>(p));
+    parts_.clear();
+    add({start, end, 0, 1, 0, static_cast<int>(impl_.open_pairs.size()), 0});
+    while (!isEnough() && splitWidest()) {
+    }
+    return result();
+  }
+
+ private:
+  /// Bounds at both ends of half a part, whose lines bound the clearance in between.
+  struct Line {
+    double begin, end;
+    double sum() const { return begin + end; }
+  };
+
+  bool isEnough() const {
+    return upper_ - lower_ <= std::max(request_.tolerance * upper_, CostRequest::kLeast) ||
+           lower_ > request_.cutoff || impl_.work.isSpent();
+  }
+
+  static bool isNarrower(const CostPart& x, const CostPart& y) {
+    return x.upper - x.lower < y.upper - y.lower;
+  }
+
+  void add(EdgeInterval interval) {
+    parts_.push_back(bounded(interval));
+    lower_ += parts_.back().lower;
+    upper_ += parts_.back().upper;
+    std::push_heap(parts_.begin(), parts_.end(), isNarrower);
+  }
+
+  /// False where there is no room for more parts.
+  bool splitWidest() {
+    const CostPart widest = parts_.front();
+    const EdgeInterval& whole = widest.interval;
+    const auto count = static_cast<std::size_t>(whole.end - whole.begin);
+    if (whole.level >= kDeepestLevel || widest.middle < 0 ||
+        parts_.size() + 1 >= parts_.capacity() ||
+        impl_.open_pairs.size() + count > impl_.open_pairs.capacity() ||
+        impl_.frames.used() + 2 > kEdgeSlots)
+      return false;
+    std::pop_heap(parts_.begin(), parts_.end(), isNarrower);
+    parts_.pop_back();
+    lower_ -= widest.lower;
+    upper_ -= widest.upper;
+    EdgeInterval left = whole, right = whole;
+    left.h = right.h = whole.h / 2;
+    left.level = right.level = whole.level + 1;
+    left.slot1 = right.slot0 = widest.middle;
+    right.t0 = whole.t0 + right.h;
+    right.begin = static_cast<int>(impl_.open_pairs.size());
+    for (int i = whole.begin; i < whole.end; ++i)
+      impl_.open_pairs.push_back(impl_.open_pairs[at(i)]);
+    right.end = static_cast<int>(impl_.open_pairs.size());
+    add(left);
+    add(right);
+    return true;
+  }
+
+  /// The integral of nearness over a part; of its pairs those that may be the nearest stay.
+  CostPart bounded(EdgeInterval& interval) {
+    ++impl_.statistics->intervals;
+    impl_.startInterval();
+    CostPart part{interval, -1, 0, interval.h, -kInfinity, kInfinity};
+    part.middle = impl_.frames.place(interval.t0 + interval.h / 2);
+    if (part.middle < 0) return part;
+    sortPairs(interval);
+    for (Line& line : uppers_) line = {kInfinity, kInfinity};
+    for (Line& line : lowers_) line = {reach_, reach_};
+    double enough = reach_;  // nothing beyond matters
+    int kept = interval.begin;
+    for (const auto& [lower, p] : impl_.order) {
+      if (lower >= enough || !bound(interval, part.middle, p, enough)) continue;
+      impl_.open_pairs[at(kept++)] = p;
+      enough = std::min(enough, std::max(highest(uppers_[0]), highest(uppers_[1])));
+    }
+    interval.end = kept;
+    part.interval = interval;
+    // Below 0 the lines say nothing: depths of meshes may grow faster than points move.
+    const double least = std::min(lowest(lowers_[0]), lowest(lowers_[1]));
+    part.clearance = least > 0 ? least : -kInfinity;
+    part.nearest = std::min({uppers_[0].begin, uppers_[0].end, uppers_[1].end});
+    part.upper = part.lower = 0;
+    for (int half = 0; half < 2; ++half) {
+      part.upper += interval.h / 2 * meanOver(lowers_[half].begin, lowers_[half].end).upper;
+      part.lower += interval.h / 2 * meanOver(uppers_[half].begin, uppers_[half].end).lower;
+    }
+    return part;
+  }
+
+  Interval meanOver(double begin, double end) const {
+    return meanNearness(request_.nearness, begin, end);
+  }
+  static double lowest(const Line& line) { return std::min(line.begin, line.end); }
+  static double highest(const Line& line) { return std::max(line.begin, line.end); }
+
+  /// The open pairs that may come within reach, nearest first as far as balls say.
+  void sortPairs(const EdgeInterval& interval) {
+    impl_.order.clear();
+    for (int i = interval.begin; i < interval.end; ++i) {
+      const int p = impl_.open_pairs[at(i)];
+      const EdgePair& pair = impl_.frames.pairs()[at(p)];
+      double growth = 0;
+      const double lower = impl_.coarseSweep(interval, pair, growth) - pair.rounding;
+      if (lower < reach_) impl_.order.emplace_back(lower, p);
+    }
+    std::sort(impl_.order.begin(), impl_.order.end());
+  }
+
+  /// Takes what a pair says of a part; false where it is never nearer than `enough`.
+  bool bound(const EdgeInterval& interval, int middle, int p, double enough) {
+    const EdgePair& pair = impl_.frames.pairs()[at(p)];
+    const robots::MotionBound& motion = impl_.motionOf(interval, pair.motion);
+    const double half_way = interval.h / 2 * motion.speed;
+    const double growth = interval.h * interval.h / 4 * motion.acceleration / 8 + pair.rounding;
+    collision::DistanceRequest request;
+    // Nearer than what points leave their chords by does not help.
+    request.tolerance = std::max(kCostDistance * request_.nearness.distance, growth / 4);
+    if (std::isfinite(enough)) request.threshold = enough + half_way + pair.rounding;
+    collision::DistanceResult found = impl_.stateDistance(middle, pair, request);
+    if (found.status == collision::DistanceStatus::kNotAboveThreshold &&
+        found.distance.width() > request.tolerance) {
+      request.threshold = std::numeric_limits<double>::quiet_NaN();
+      found = impl_.stateDistance(middle, pair, request);
+    }
+    const double lower = found.distance.lower - pair.rounding;
+    if (lower - half_way >= enough) return false;
+    const collision::ThreePoses X_BA{impl_.frames.relative(interval.slot0, pair),
+                                     impl_.frames.relative(middle, pair),
+                                     impl_.frames.relative(interval.slot1, pair)};
+    const collision::ThreeGaps above = boundAbove(pair, found, middle, X_BA, growth, half_way);
+    boundBelow(pair, found, middle, X_BA, growth, lower, half_way, above);
+    return true;
+  }
+
+  /// By the two nearest points; where there are none, by speed.
+  collision::ThreeGaps boundAbove(const EdgePair& pair, const collision::DistanceResult& found,
+                                  int middle, const collision::ThreePoses& X_BA, double growth,
+                                  double half_way) {
+    collision::ThreeGaps above;
+    const double upper = found.distance.upper + pair.rounding;
+    if (found.distance.lower > 0) {
+      const bool is_reversed = isReversed(pair);
+      const Eigen::Vector3d& a_W = is_reversed ? found.point_b : found.point_a;
+      const Eigen::Vector3d& b_W = is_reversed ? found.point_a : found.point_b;
+      const Eigen::Vector3d a_A = impl_.frames.piecePose(middle, pair.a).inverse() * a_W;
+      const Eigen::Vector3d b_B = impl_.frames.piecePose(middle, pair.b).inverse() * b_W;
+      // Points of hulls may stand out from meshes by what the upper end allows for.
+      const double excess = std::max(0.0, found.distance.upper - (a_W - b_W).norm());
+      for (std::size_t k = 0; k < above.size(); ++k)
+        above[k] = (X_BA[k] * a_A - b_B).norm() + excess + growth + kWitness;
+    } else {
+      // A meeting says nothing of where points go.
+      above[1] = std::max(upper, 0.0);
+      above[0] = above[2] = above[1] + half_way;
+    }
+    for (std::size_t half = 0; half < 2; ++half) {
+      const Line line{above[half], above[half + 1]};
+      if (line.sum() < uppers_[half].sum()) uppers_[half] = line;
+    }
+    return above;
+  }
+
+  /// By planes, or by speed.
+  void boundBelow(const EdgePair& pair, const collision::DistanceResult& found, int middle,
+                  const collision::ThreePoses& X_BA, double growth, double lower, double half_way,
+                  const collision::ThreeGaps& above) {
+    const collision::Shape& a = impl_.frames.pieces()[at(pair.a)].geometry->shape;
+    const collision::Shape& b = impl_.frames.pieces()[at(pair.b)].geometry->shape;
+    const Eigen::Vector3d away_W = isReversed(pair) ? found.normal : -found.normal;
+    const Eigen::Vector3d away_B =
+        impl_.frames.piecePose(middle, pair.b).rotation.transpose() * away_W;
+    collision::ThreeGaps below = collision::planeGaps(a, X_BA, b, away_B);
+    // A hull may be nearer than the mesh.
+    const double slack = std::max(kPlaneSlack * request_.nearness.distance, growth);
+    if (!impl_.frames.isConvex(pair) && lower > 0 && below[1] < lower - slack) {
+      collision::ThreeGaps wanted = above;
+      for (double& gap : wanted) gap = std::min(gap, reach_) - slack;
+      int nodes = kPlaneNodes;
+      const collision::ThreeGaps of_surface = collision::surfaceGaps(
+          a, X_BA, b, wanted, nodes, collision::SceneAccess::scratch(impl_.workspace));
+      impl_.work.add((kPlaneNodes - nodes) * collision::kPairWork);
+      if (of_surface[1] > below[1]) below = of_surface;
+    }
+    for (std::size_t half = 0; half < 2; ++half) {
+      const Line by_plane{below[half] - growth, below[half + 1] - growth};
+      Line by_speed{lower - half_way, lower - half_way};
+      (half == 0 ? by_speed.end : by_speed.begin) = lower;
+      const Line& line = meanOver(by_plane.begin, by_plane.end).upper <
+                                 meanOver(by_speed.begin, by_speed.end).upper
+                             ? by_plane
+                             : by_speed;
+      lowers_[half] = {std::min(lowers_[half].begin, line.begin),
+                       std::min(lowers_[half].end, line.end)};
+    }
+  }
+
+  bool isReversed(const EdgePair& pair) const {
+    return impl_.scene->edgeModel().pairs[at(pair.scene_pair)].is_reversed;
+  }
+
+  EdgeCost result() const {
+    EdgeCost cost;
+    cost.mean = cost.clearance = {kInfinity, kInfinity};
+    double lower = 0, upper = 0;
+    for (const CostPart& part : parts_) {
+      lower += part.lower;
+      upper += part.upper;
+      cost.clearance.lower = std::min(cost.clearance.lower, part.clearance);
+      cost.clearance.upper = std::min(cost.clearance.upper, part.nearest);
+    }
+    cost.mean = {std::max(0.0, lower - kCostRounding), std::min(1.0, upper + kCostRounding)};
+    if (upper == 0) cost.mean = {0, 0};
+    cost.worst = {nearnessAt(request_.nearness, cost.clearance.upper),
+                  nearnessAt(request_.nearness, cost.clearance.lower)};
+    return cost;
+  }
+
+  Impl& impl_;
+  const CostRequest& request_;
+  double reach_;  ///< nearness is 0 from there on [m]
+  std::vector<CostPart>& parts_ = impl_.cost_parts;
+  double lower_ = 0, upper_ = 0;  ///< sums over parts_
+  Line uppers_[2], lowers_[2];    ///< of the present part
+};
+
+EdgeCost EdgeCertifier::edgeCost(std::span<const double> a, std::span<const double> b,
+                                 const CostRequest& request) {
+  ++statistics.edges;
+  Impl& impl = *impl_;
+  impl.startWork(request.work_limit > 0 ? request.work_limit : kCostWork);
+  impl.queries = 0;
+  if (!impl.frames.begin(a, b)) return {};
+  const EdgeCost cost = Impl::CostSearch(impl, request).run();
+  statistics.work += impl.work.done;
+  return cost;
+}
+
+}  // namespace leeway::planner
