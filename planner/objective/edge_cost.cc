@@ -153,9 +153,9 @@ class EdgeCertifier::Impl::CostSearch {
   /// Takes what a pair says of a part; false where it is never nearer than `enough`.
   bool bound(const EdgeInterval& interval, int middle, int p, double enough) {
     const EdgePair& pair = impl_.frames.pairs()[at(p)];
-    const robots::MotionBound& motion = impl_.motionOf(interval, pair.motion);
-    const double half_way = interval.h / 2 * motion.speed;
-    const double growth = interval.h * interval.h / 4 * motion.acceleration / 8 + pair.rounding;
+    const robots::MotionBound& moves = impl_.motionOf(interval, pair.motion);
+    const double half_way = interval.h / 2 * moves.speed;
+    const double growth = interval.h * interval.h / 4 * moves.acceleration / 8 + pair.rounding;
     collision::DistanceRequest request;
     // Nearer than what points leave their chords by does not help.
     request.tolerance = std::max(kCostDistance * request_.nearness.distance, growth / 4);

@@ -219,7 +219,7 @@ planner::MinimumCost costOf(const py::dict& objective) {
   for (const char* key : {"integral", "worst"}) {
     if (!weighted.contains(key)) continue;
     const py::object terms = weighted[key];
-    const py::list list = py::isinstance<py::dict>(terms) ? py::list() : py::list(terms);
+    py::list list = py::isinstance<py::dict>(terms) ? py::list() : py::list(terms);
     if (py::isinstance<py::dict>(terms)) list.append(terms);
     for (const py::handle term : list) {
       cost.terms.push_back(costTerm(py::reinterpret_borrow<py::object>(term), key, true));

@@ -5,15 +5,13 @@
 #include "leeway/planner/plan.h"
 #include "leeway/robots/input_error.h"
 #include "tools/leeway/batch/batch_list.h"
-#include "tools/leeway/report/report.h"
+#include "tools/leeway/report/report_problems.h"
 #include "tools/leeway/report/rival_report.h"
 #include "tools/leeway/support/terminal.h"
 #include "tools/report/base/machine.h"
 #include "tools/report/planning/planning_report.h"
 
 namespace leeway::tools {
-namespace {
-
 std::vector<report::PlanningProblem> readProblems(const ReportPlanningArguments& arguments) {
   std::shared_ptr<const robots::Model> model;
   if (!arguments.robot.empty()) model = robots::loadModel(arguments.robot, arguments.srdf);
@@ -33,8 +31,6 @@ std::vector<report::PlanningProblem> readProblems(const ReportPlanningArguments&
   }
   return problems;
 }
-
-}  // namespace
 
 int runReportPlanning(const ReportPlanningArguments& arguments) {
   RivalReport out(arguments.output);

@@ -155,29 +155,33 @@ CLI::App* addIkReport(CLI::App* app, const std::shared_ptr<ReportIkArguments>& a
   return ik;
 }
 
+/// What reports of plans of problems share.
+void addProblems(CLI::App& app, ReportPlanningArguments& arguments) {
+  app.add_option("inputs", arguments.inputs, "problem files or folders of them")
+      ->type_name("FILE|FOLDER ...")
+      ->required();
+  auto* robot = app.add_option("--robot", arguments.robot,
+                               "URDF: problems are MoveIt scenes, requests beside them")
+                    ->type_name("URDF");
+  app.add_option("--srdf", arguments.srdf, "its SRDF")->type_name("SRDF")->needs(robot);
+  app.add_option("--output", arguments.output, "folder for CSV")
+      ->type_name("DIR")
+      ->capture_default_str();
+  app.add_option("--seed", arguments.seed, "the first")->capture_default_str();
+  app.add_option("--seeds", arguments.seeds, "runs of each problem, each with its own seed")
+      ->check(CLI::Range(1, 10000))
+      ->capture_default_str();
+  app.add_flag("--no-rivals", arguments.no_rivals, "ours alone");
+  app.add_flag("--json", arguments.json, "one JSON document");
+}
+
 CLI::App* addPlanning(CLI::App* app, const std::shared_ptr<ReportPlanningArguments>& arguments) {
   CLI::App* planning = app->add_subcommand(
       "planning", "times, lengths and tails of plans, with OMPL's RRTConnect over FCL");
-  planning->add_option("inputs", arguments->inputs, "problem files or folders of them")
-      ->type_name("FILE|FOLDER ...")
-      ->required();
-  auto* robot = planning
-                    ->add_option("--robot", arguments->robot,
-                                 "URDF: problems are MoveIt scenes, requests beside them")
-                    ->type_name("URDF");
-  planning->add_option("--srdf", arguments->srdf, "its SRDF")->type_name("SRDF")->needs(robot);
-  planning->add_option("--output", arguments->output, "folder for CSV")
-      ->type_name("DIR")
-      ->capture_default_str();
-  planning->add_option("--seed", arguments->seed, "the first")->capture_default_str();
-  planning->add_option("--seeds", arguments->seeds, "runs of each problem, each with its own seed")
-      ->check(CLI::Range(1, 10000))
-      ->capture_default_str();
+  addProblems(*planning, *arguments);
   planning->add_option("--time", arguments->time, "limit of a run [s]")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  planning->add_flag("--no-rivals", arguments->no_rivals, "ours alone");
-  planning->add_flag("--json", arguments->json, "one JSON document");
   planning->footer(
       "Example:\n  leeway report planning problems/bodies --time 2 --output /tmp/report");
   return planning;
@@ -215,6 +219,24 @@ CLI::App* addGrowth(CLI::App* app, const std::shared_ptr<ReportGrowthArguments>&
   return growth;
 }
 
+CLI::App* addClearance(CLI::App* app, const std::shared_ptr<ReportClearanceArguments>& arguments) {
+  CLI::App* clearance = app->add_subcommand(
+      "clearance",
+      "clearance from the world against time, with OMPL's objectives over FCL's distance");
+  addProblems(*clearance, *arguments);
+  clearance->add_option("--times", arguments->times, "limits of runs, with commas between [s]")
+      ->type_name("S,S ...")
+      ->delimiter(',')
+      ->check(CLI::PositiveNumber);
+  clearance->add_option("--hinge", arguments->hinge, "of the integral: 1 - clearance / M below M")
+      ->type_name("M")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  clearance->footer(
+      "Example:\n  leeway report clearance problems/bodies --times .1,1 --output /tmp/report");
+  return clearance;
+}
+
 }  // namespace
 
 Verb addReport(CLI::App& command) {
@@ -232,6 +254,8 @@ Verb addReport(CLI::App& command) {
   CLI::App* planning = addPlanning(app, planning_arguments);
   auto growth_arguments = std::make_shared<ReportGrowthArguments>();
   CLI::App* growth = addGrowth(app, growth_arguments);
+  auto clearance_arguments = std::make_shared<ReportClearanceArguments>();
+  CLI::App* clearance = addClearance(app, clearance_arguments);
   CLI::App* cases = app->add_subcommand("cases", "answers every pair of shapes of a case file");
   cases->add_option("file", arguments->file, "case file (tests/data/README.md)")
       ->type_name("FILE")
@@ -256,6 +280,7 @@ Verb addReport(CLI::App& command) {
             if (ik->parsed()) return runReportIk(*ik_arguments);
             if (growth->parsed()) return runReportGrowth(*growth_arguments);
             if (planning->parsed()) return runReportPlanning(*planning_arguments);
+            if (clearance->parsed()) return runReportClearance(*clearance_arguments);
             return arguments->reference.empty()
                        ? runReportCases(arguments->file, arguments->raw)
                        : runReportCasesAgainst(arguments->file, arguments->reference);

@@ -126,4 +126,15 @@ struct ReportGrowthArguments {
 /// `output`. Returns 0 when every plan of ours is solved, else 1; throws robots::InputError.
 int runReportGrowth(const ReportGrowthArguments& arguments);
 
+struct ReportClearanceArguments : ReportPlanningArguments {  // without its limit
+  std::vector<double> times = {0.01, 0.1, 1, 10, 30};        ///< limits of runs [s]
+  double hinge = 0.1;                                        ///< of the integral [m]
+};
+
+/// `leeway report clearance`: least clearance from the world and integral of a hinge against time,
+/// beside OMPL's objectives over the rivals' distances in the same run. Writes clearance.csv and
+/// clearance.svg into `output`. Returns 0 when what ours told held the dense values of all paths,
+/// else 1; throws robots::InputError.
+int runReportClearance(const ReportClearanceArguments& arguments);
+
 }  // namespace leeway::tools

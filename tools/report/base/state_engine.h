@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <memory>
 #include <span>
 
@@ -15,6 +16,11 @@ class StateChecker {
   /// Whether no pair of the scene touches. X_WB: one pose a body; those that stand still keep
   /// theirs.
   virtual bool isFree(std::span<const collision::Pose> X_WB) = 0;
+  /// The least distance of the scene's pairs, 0 or below where some touch [m]; NaN: the engine does
+  /// not measure one of them.
+  virtual double distance(std::span<const collision::Pose>) {
+    return std::numeric_limits<double>::quiet_NaN();
+  }
 };
 
 class StateEngine {

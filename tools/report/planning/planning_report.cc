@@ -1,11 +1,6 @@
 #include "tools/report/planning/planning_report.h"
 
 #include <fmt/format.h>
-#include <ompl/base/DiscreteMotionValidator.h>
-#include <ompl/base/ProblemDefinition.h>
-#include <ompl/base/SpaceInformation.h>
-#include <ompl/base/goals/GoalStates.h>
-#include <ompl/geometric/PathGeometric.h>
 #include <ompl/geometric/PathSimplifier.h>
 #include <ompl/geometric/planners/rrt/RRTConnect.h>
 
@@ -15,13 +10,12 @@
 #include <optional>
 
 #include "leeway/planner/edge_certifier.h"
-#include "leeway/planner/ompl_state_space.h"
 #include "leeway/planner/plan.h"
 #include "leeway/planner/simplify.h"
 #include "leeway/robots/input_error.h"
 #include "planner/space/ompl_lock.h"
 #include "planner/space/ompl_planners.h"
-#include "tools/report/planning/rival_states.h"
+#include "tools/report/planning/rival_space.h"
 
 namespace leeway::tools::report {
 namespace {
@@ -29,56 +23,9 @@ namespace {
 namespace ob = ompl::base;
 namespace og = ompl::geometric;
 using Clock = std::chrono::steady_clock;
-using Rows = std::vector<std::vector<double>>;
 
 double secondsSince(Clock::time_point begin) {
   return std::chrono::duration<double>(Clock::now() - begin).count();
-}
-
-/// A state of our space, seen by the rival's checker.
-class RivalValidity : public ob::StateValidityChecker {
- public:
-  RivalValidity(const ob::SpaceInformationPtr& information, const planner::CompiledScene& scene,
-                StateChecker& checker)
-      : StateValidityChecker(information), states_(scene, checker) {}
-
-  bool isValid(const ob::State* state) const override {
-    if (!si_->satisfiesBounds(state)) return false;
-    const auto& space = static_cast<const planner::OmplStateSpace&>(*si_->getStateSpace());
-    return states_.isFree(space.point(state));
-  }
-
- private:
-  mutable RivalStates states_;
-};
-
-std::vector<double> startOf(const planner::Problem& problem) {
-  std::vector<double> start;
-  for (const int v : problem.robot.variables)
-    start.push_back(problem.start[static_cast<std::size_t>(v)]);
-  return start;
-}
-
-/// Goals that are single configurations.
-Rows pointsOf(const planner::Problem& problem) {
-  Rows points;
-  for (const planner::Goal& goal : problem.goals) {
-    const bool single = !goal.ranges.empty() && goal.poses.empty() &&
-                        std::all_of(goal.ranges.begin(), goal.ranges.end(),
-                                    [](const auto& range) { return range.first == range.second; });
-    if (!single) continue;
-    points.emplace_back();
-    for (const auto& range : goal.ranges) points.back().push_back(range.first);
-  }
-  return points;
-}
-
-bool collides(planner::EdgeCertifier& certifier, const Rows& path) {
-  for (std::size_t i = 1; i < path.size(); ++i)
-    if (certifier.certify(path[i - 1], path[i], planner::EdgeRequest::persistent()).verdict ==
-        collision::Verdict::kNotFree)
-      return true;
-  return false;
 }
 
 /// OMPL's RRTConnect and simplifier in steps.
@@ -86,36 +33,18 @@ class RivalPlan {
  public:
   RivalPlan(std::shared_ptr<const planner::CompiledScene> scene, StateChecker& checker,
             const PlanningReportOptions& options, std::uint64_t seed)
-      : scene_(std::move(scene)), seed_(seed) {
-    space_ = std::make_shared<planner::OmplStateSpace>(
-        std::shared_ptr<const planner::ConfigurationSpace>(scene_, &scene_->space()), seed);
-    information_ = std::make_shared<ob::SpaceInformation>(space_);
-    information_->setStateValidityChecker(
-        std::make_shared<RivalValidity>(information_, *scene_, checker));
-    information_->setMotionValidator(std::make_shared<ob::DiscreteMotionValidator>(information_));
-    information_->setStateValidityCheckingResolution(options.resolution);
-    information_->setup();
-  }
+      : space_(std::move(scene), checker, nullptr, options.resolution, seed), seed_(seed) {}
 
   Rows run(const std::vector<double>& start, const Rows& goals, double time, PlanningRow& row) {
     const auto begin = Clock::now();
-    auto definition = std::make_shared<ob::ProblemDefinition>(information_);
-    const auto state = [&](const std::vector<double>& point) {
-      ob::ScopedState<planner::OmplStateSpace> s(space_);
-      std::copy(point.begin(), point.end(), space_->point(s.get()).begin());
-      return s;
-    };
-    definition->addStartState(state(start));
-    const auto goal = std::make_shared<ob::GoalStates>(information_);
-    for (const std::vector<double>& point : goals) goal->addState(state(point));
-    definition->setGoal(goal);
+    const ob::ProblemDefinitionPtr definition = space_.definition(start, goals);
     std::optional<og::RRTConnect> planner;
     std::optional<og::PathSimplifier> simplifier;
     {
       const std::lock_guard<std::recursive_mutex> lock(planner::omplSeedLock());
       planner::seedOmpl(seed_);
-      planner.emplace(information_);
-      simplifier.emplace(information_);
+      planner.emplace(space_.information());
+      simplifier.emplace(space_.information());
     }
     planner->setProblemDefinition(definition);
     planner->setup();
@@ -127,19 +56,12 @@ class RivalPlan {
     const auto simplify = Clock::now();
     simplifier->simplify(*path, std::max(0.0, time - row.plan_s), true);
     row.simplify_s = secondsSince(simplify);
-    Rows rows;
-    for (const ob::State* s : path->getStates()) {
-      const auto point = space_->point(s);
-      rows.emplace_back(point.begin(), point.end());
-    }
-    return rows;
+    return space_.rowsOf(*path);
   }
 
  private:
-  std::shared_ptr<const planner::CompiledScene> scene_;
+  RivalSpace space_;
   std::uint64_t seed_;
-  std::shared_ptr<planner::OmplStateSpace> space_;
-  ob::SpaceInformationPtr information_;
 };
 
 PlanningRow ours(const PlanningProblem& named, std::uint64_t seed, double time, Rows& path) {

@@ -27,13 +27,22 @@ class RivalStates {
 
   /// Whether the robot, with the planned variables at `point`, touches nothing.
   bool isFree(std::span<const double> point) {
-    scene_.expand(point, q_);
-    robots::forwardKinematics(scene_.model(), q_, X_WL_);
-    for (const auto& [body, link] : links_) X_WB_[body] = X_WL_[link];
+    place(point);
     return checker_.isFree(X_WB_);
+  }
+  /// Its least distance there, see StateChecker::distance() [m].
+  double distance(std::span<const double> point) {
+    place(point);
+    return checker_.distance(X_WB_);
   }
 
  private:
+  void place(std::span<const double> point) {
+    scene_.expand(point, q_);
+    robots::forwardKinematics(scene_.model(), q_, X_WL_);
+    for (const auto& [body, link] : links_) X_WB_[body] = X_WL_[link];
+  }
+
   const planner::CompiledScene& scene_;
   StateChecker& checker_;
   std::vector<std::pair<std::size_t, std::size_t>> links_;  ///< bodies and their links

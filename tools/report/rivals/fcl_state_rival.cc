@@ -3,9 +3,11 @@
 #include <fcl/broadphase/broadphase_dynamic_AABB_tree.h>
 #include <fcl/geometry/shape/halfspace.h>
 #include <fcl/narrowphase/collision.h>
+#include <fcl/narrowphase/distance.h>
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <set>
 #include <unordered_set>
 #include <utility>
@@ -72,6 +74,22 @@ class FclChecker : public StateChecker {
       if (query.found) return false;
     }
     return true;
+  }
+
+  double distance(std::span<const collision::Pose> X_WB) override {
+    for (const std::size_t b : moving_) place(first_[b], scene_.bodies()[b], X_WB[b]);
+    double least = std::numeric_limits<double>::infinity();
+    for (const collision::ScenePair& pair : scene_.pairs()) {
+      const Part& a = parts_[partOf(pair.body_a, pair.geometry_a)];
+      const Part& b = parts_[partOf(pair.body_b, pair.geometry_b)];
+      // FCL has no distances of half-spaces.
+      if (!std::isfinite(a.radius + b.radius)) return std::numeric_limits<double>::quiet_NaN();
+      if ((a.p_WC - b.p_WC).norm() - a.radius - b.radius >= least) continue;
+      fcl::DistanceResultd result;
+      fcl::distance(a.shape.get(), a.X_WG, b.shape.get(), b.X_WG, distance_request_, result);
+      least = std::min(least, result.min_distance);
+    }
+    return least;
   }
 
  private:
@@ -160,6 +178,7 @@ class FclChecker : public StateChecker {
   std::vector<std::size_t> asks_tree_;          ///< parts that move
   std::unordered_set<std::size_t> checked_;     ///< keys of pairs with the tree
   fcl::CollisionRequestd request_;
+  fcl::DistanceRequestd distance_request_;
   bool complete_ = true;
 };
 

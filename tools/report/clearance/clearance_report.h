@@ -1,0 +1,61 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "tools/report/base/plot.h"
+#include "tools/report/base/state_engine.h"
+#include "tools/report/planning/planning_report.h"
+
+namespace leeway::tools::report {
+
+struct ClearanceRow;
+
+struct ClearanceReportOptions {
+  std::uint64_t seed = 1;  ///< the first of
+  int seeds = 1;
+  std::vector<double> times = {0.01, 0.1, 1, 10, 30};  ///< limits of a run [s]
+  double hinge = 0.1;                                  ///< of the integral [m]
+  double resolution = 0.01;  ///< the rivals' step: a share of the space's extent
+  int samples = 1000;        ///< of a path, for its dense clearance and integral
+  std::function<void(const std::string&)> progress;
+  /// Called with the rows of each run when they are there.
+  std::function<void(const std::vector<ClearanceRow>&)> on_rows;
+};
+
+/// One planner on one problem with one objective, seed and limit. Clearances are from the world.
+struct ClearanceRow {
+  std::string problem, set, planner;
+  std::string objective;  ///< "least": the least clearance; "integral": that of a hinge
+  std::uint64_t seed = 0;
+  double time = 0;          ///< limit [s]
+  std::string status = {};  ///< as PlanningRow's
+  double took = 0;          ///< wall clock of all [s]
+  /// Dense, by the distance engine at samples: least clearance [m] and integral of the hinge.
+  double least = std::numeric_limits<double>::quiet_NaN();
+  double integral = std::numeric_limits<double>::quiet_NaN();
+  double length = 0;
+  bool colliding = false;  ///< as PlanningRow's
+  bool unsound = false;    ///< ours: what was told does not hold the dense value
+
+  bool solved() const { return status == "solved"; }
+};
+
+/// Our planner, for the greatest least clearance, and for the least integral; OMPL's BIT* and RRT*
+/// with its own objectives (MaximizeMinClearanceObjective, StateCostIntegralObjective), in steps,
+/// over each of the engines' distances. Every limit is a run of its own. Rivals go to goals as
+/// measurePlanning()'s do.
+std::vector<ClearanceRow> measureClearance(const std::vector<PlanningProblem>& problems,
+                                           const std::vector<const StateEngine*>& rivals,
+                                           const ClearanceReportOptions& options);
+
+std::string clearanceCsv(const std::vector<ClearanceRow>& rows);
+/// By objective, planner and limit: solved, colliding, medians of dense clearance and integral.
+std::string clearanceTable(const std::vector<ClearanceRow>& rows);
+/// Medians against the limit, a panel an objective.
+Figure clearanceFigure(const std::vector<ClearanceRow>& rows, const std::string& note);
+
+}  // namespace leeway::tools::report
