@@ -4,7 +4,7 @@
 #include "leeway/planner/simplify.h"
 #include "planner/base/random.h"
 #include "planner/base/tolerances.h"
-#include "planner/search/lower_cost.h"
+#include "planner/objective/lower_cost.h"
 #include "planner/search/search.h"
 
 // The least cost, by a planner that knows nothing of costs: a first path is shortened, and then

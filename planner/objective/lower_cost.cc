@@ -1,4 +1,4 @@
-#include "planner/search/lower_cost.h"
+#include "planner/objective/lower_cost.h"
 
 #include <algorithm>
 #include <cmath>
