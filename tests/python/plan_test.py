@@ -117,7 +117,7 @@ def test_costs_are_told_as_intervals_and_wishes_as_kept_or_not(robot, world):
         [wish] = wished.wishes
         assert wish["between"] == "robot and post" and wish["wish"] == 0.04
         assert wish["kept"] is (wish["clearance"][0] >= 0.04)
-        assert (wish["cost"][1] == 0) == wish["kept"] and (wish["kept"] or weight < 1)
+        assert (wish["cost"][1] == 0) == wish["kept"] and wish["cost"][0] <= wish["cost"][1]
     safest = leeway.plan(problem, objective="clearance", at_most_longer=0.1)
     assert safest.certificate.world.lower >= plain.certificate.world.lower
     for wrong in ({"integral": {}}, {"integral": {"hinge": 0}}, {"integral": {"hinge": 1, "weight": 1}}, {"weighted": {"size": 1}}, {"total": 1}):
