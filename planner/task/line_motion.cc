@@ -52,8 +52,15 @@ LineDeparture lineDeparture(const CompiledScene& scene, const LinePlace& place,
   for (std::size_t i = 0; i < a.size(); ++i) dq[at(space.variables()[i])] = difference[i];
   std::vector<robots::JointMotion> joints(model.joints.size());
   robots::jointMotion(model, dq, joints);
+  // What is not planned stays: a robot that its SRDF puts into the world with a floating joint has
+  // no reach otherwise.
+  std::vector<robots::VariableRange> ranges;
+  for (const double q : expanded(scene, a)) ranges.push_back({q, q});
+  for (std::size_t i = 0; i < a.size(); ++i)
+    ranges[at(space.variables()[i])] = {space.lower(static_cast<int>(i)),
+                                        space.upper(static_cast<int>(i))};
   const robots::RelativeMotion motion =
-      robots::relativeMotion(model, place.link, -1, place.X_LF.translation, 0);
+      robots::relativeMotion(model, place.link, -1, place.X_LF.translation, 0, ranges);
   const double acceleration =
       robots::localMotionBound(model, motion, joints, linksAt(scene, middle), 0.5).acceleration;
   double turns = 0;

@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <fstream>
+#include <iterator>
 #include <string>
 
 #include "leeway/planner/path_io.h"
@@ -126,6 +128,11 @@ INSTANTIATE_TEST_SUITE_P(PickPlace, Shipped, testing::Values("can.yaml", "carton
                            return file.substr(0, file.find('.'));
                          });
 
+std::string text(const std::string& file) {
+  std::ifstream in(file);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
 std::string withSteps(const std::string& steps) {
   const std::string robot = leeway::sourceFolder() + "/robots/arm6/arm6.";
   return "leeway: 1\nrobot: {urdf: " + robot + "urdf, srdf: " + robot +
@@ -148,6 +155,26 @@ TEST(Task, EarlierStepsTryOtherSolutions) {
           "[1.570796326794897, 0, any]}}\n")));
   const PlanResult result = planTask(problem);
   EXPECT_EQ(result.status, PlanStatus::kSolved) << result.reason;
+}
+
+// Most SRDFs put the robot into the world with a virtual joint, which nothing limits and no plan
+// moves.
+TEST(Task, LinesOfARobotOnAFloatingVirtualJoint) {
+  const Folder folder;
+  std::string srdf = text(leeway::sourceFolder() + "/robots/arm6/arm6.srdf");
+  srdf.insert(srdf.find("<group "),
+              "<virtual_joint name=\"place\" type=\"floating\" parent_frame=\"world\" "
+              "child_link=\"base\"/>\n  ");
+  const std::string file = folder.write("floating.srdf", srdf);
+  std::string task =
+      withSteps("  - move: ready\n  - line: {frame: tool, by: [0, 0, 0.05], relative_to: world}\n");
+  const std::string old = leeway::sourceFolder() + "/robots/arm6/arm6.srdf";
+  task.replace(task.find(old), old.size(), file);
+  const Problem problem = loadProblem(folder.write("task.yaml", task));
+  const PlanResult result = planTask(problem);
+  ASSERT_EQ(result.status, PlanStatus::kSolved) << result.reason;
+  EXPECT_LT(result.path.steps.at(1).deviation, 1e-3);
+  EXPECT_EQ(verify(problem, result.path).status, VerifyStatus::kCertified);
 }
 
 TEST(Task, SaysWhichStepGotNoFurther) {
