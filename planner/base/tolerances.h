@@ -52,6 +52,17 @@ constexpr double kGrowthRounding = 1e-14;
 /// sines and products by 1e-14.
 constexpr double kVerifyRounding = 4e-12;
 
+// Costs of being near
+
+/// A sum of at most kEdgeSlots means of at most 1 rounds by less than this.
+constexpr double kCostRounding = 1e-12;
+
+/// How far rounding moves the nearest points of a distance, in the frames of their bodies [m].
+constexpr double kWitness = 1e-9;
+
+/// A sum of products with lengths and weights rounds by less than this share of itself.
+constexpr double kSumRounding = 1e-13;
+
 // Blended corners
 
 /// A blend is proven as chords from which any point of the robot, seen from any other, departs by
@@ -210,11 +221,6 @@ constexpr int kClearanceLooks = 2;
 /// place of a path counts; and where its gradient is asked for.
 constexpr double kWorstCostShare = 5e-3;
 constexpr double kGradientShare = 1e-3;
-
-/// Rounding of a sum of at most kEdgeSlots means of at most 1, and of the points of a distance
-/// [m]. Smaller breaks the guarantee.
-constexpr double kCostRounding = 1e-12;
-constexpr double kWitness = 1e-9;
 
 /// How near distances are known, as a share of the distance at which nearness ends, or begins to
 /// fall; what the cost of an edge may cost that names no limit [units of Work].

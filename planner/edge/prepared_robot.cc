@@ -48,13 +48,15 @@ bool isSame(const Attachment& x, const Attachment& y) {
                     [](const auto& g, const auto& h) { return isSame(g, h); });
 }
 
-/// All that proofs ask of margins is which are positive.
+/// All that proofs ask of margins is which are positive, and which pairs wishes name.
 bool isSamePositive(const Margins& x, const Margins& y) {
   return (x.common > 0) == (y.common > 0) &&
          std::equal(x.pairs.begin(), x.pairs.end(), y.pairs.begin(), y.pairs.end(),
                     [](const PairMargin& m, const PairMargin& n) {
                       return m.a == n.a && m.b == n.b && (m.margin > 0) == (n.margin > 0);
-                    });
+                    }) &&
+         std::equal(x.wishes.begin(), x.wishes.end(), y.wishes.begin(), y.wishes.end(),
+                    [](const Wish& m, const Wish& n) { return m.pairs == n.pairs; });
 }
 
 std::vector<std::string> namesOf(const Contacts& contacts) {

@@ -165,11 +165,13 @@ void RobotPairs::dropProven() {
     }
 }
 
-/// The proof is that two links never touch; it says nothing of a margin.
+/// The proof is that two links never touch; it says nothing of a margin or a wish.
 bool RobotPairs::hasMargin(int i, int j) const {
   bool positive = problem_.margins.common > 0;
   for (const PairMargin& m : problem_.margins.pairs)
     if (areNamed(i, j, m.a, m.b)) positive = m.margin > 0;
+  for (const Wish& wish : problem_.margins.wishes)
+    for (const auto& [a, b] : wish.pairs) positive = positive || areNamed(i, j, a, b);
   return positive;
 }
 

@@ -233,10 +233,13 @@ class EdgeCertifier::Impl::CostSearch {
                                  meanOver(by_speed.begin, by_speed.end).upper
                              ? by_plane
                              : by_speed;
-      lowers_[half] = {std::min(lowers_[half].begin, line.begin),
-                       std::min(lowers_[half].end, line.end)};
+      lowers_[half] = {std::min(lowers_[half].begin, boundOf(line.begin)),
+                       std::min(lowers_[half].end, boundOf(line.end))};
     }
   }
+
+  /// What is no number bounds nothing.
+  static double boundOf(double lower) { return std::isnan(lower) ? -kInfinity : lower; }
 
   bool isReversed(const EdgePair& pair) const {
     return impl_.scene->edgeModel().pairs[at(pair.scene_pair)].is_reversed;

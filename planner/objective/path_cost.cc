@@ -23,8 +23,6 @@ bool isDistance(double distance) { return distance > 0 && std::isfinite(distance
 /// Of an edge beside others: how narrow its interval is at first, as a share.
 constexpr double kFirstCostTolerance = 0.3;
 
-/// A sum of a few products errs by less than that share of itself.
-constexpr double kSumRounding = 1e-13;
 Interval outwards(Interval sum) {
   return {sum.lower - kSumRounding * std::abs(sum.lower),
           sum.upper + kSumRounding * std::abs(sum.upper)};
@@ -42,6 +40,12 @@ std::shared_ptr<const CompiledScene> withPairsOf(const CompiledScene& scene, con
     return named.count({bodies[static_cast<std::size_t>(pair.body_a)].name,
                         bodies[static_cast<std::size_t>(pair.body_b)].name}) != 0;
   });
+}
+
+/// A place is an edge without length.
+std::vector<std::vector<double>> withAnEdge(std::vector<std::vector<double>> waypoints) {
+  if (waypoints.size() == 1) waypoints.push_back(waypoints[0]);
+  return waypoints;
 }
 
 std::shared_ptr<const CompiledScene> withPairsOf(const CompiledScene& scene, Pairs of) {
@@ -209,7 +213,8 @@ Interval PathCost::total(std::span<const Edge> edges) const {
   return outwards(sum);
 }
 
-Interval PathCost::path(const std::vector<std::vector<double>>& waypoints, const Request& request) {
+Interval PathCost::path(const std::vector<std::vector<double>>& path, const Request& request) {
+  const std::vector<std::vector<double>> waypoints = withAnEdge(path);
   std::vector<Edge> edges;
   for (std::size_t i = 1; i < waypoints.size(); ++i)
     edges.push_back(edge(waypoints[i - 1], waypoints[i], request));
@@ -228,15 +233,17 @@ Interval PathCost::reported(const std::vector<std::vector<double>>& waypoints) {
   return {std::max(rough.lower, fine.lower), std::min(rough.upper, fine.upper)};
 }
 
-std::vector<WishResult> PathCost::wishes(const std::vector<std::vector<double>>& waypoints,
+std::vector<WishResult> PathCost::wishes(const std::vector<std::vector<double>>& path,
                                          double tolerance) {
+  const std::vector<std::vector<double>> waypoints = withAnEdge(path);
   std::vector<WishResult> results;
   for (const Term& term : terms_) {
     if (!term.is_wish) continue;
     EdgeCertifier& certifier = term.pool->local().certifier;
     const double wanted = term.nearness.distance;
     WishResult result{{kInfinity, kInfinity}, std::nullopt, {0, 0}};
-    bool is_kept = true, is_missed = false;
+    // Of pairs that are not checked nothing is proven.
+    bool is_kept = !certifier.scene().scene().pairs().empty(), is_missed = false;
     for (std::size_t i = 1; i < waypoints.size(); ++i) {
       const std::vector<double>&a = waypoints[i - 1], &b = waypoints[i];
       const double scale = term.weight * scene_->space().distance(a, b);
@@ -258,7 +265,7 @@ std::vector<WishResult> PathCost::wishes(const std::vector<std::vector<double>>&
       result.clearance = {std::min(result.clearance.lower, found.lower),
                           std::min(result.clearance.upper, found.upper)};
     }
-    if (is_kept != is_missed) result.kept = is_kept;
+    if (is_kept || is_missed) result.kept = is_kept;
     result.cost = is_kept ? Interval{0, 0} : outwards(result.cost);
     results.push_back(result);
   }

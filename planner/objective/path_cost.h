@@ -46,13 +46,12 @@ class PathCost {
   Edge edge(std::span<const double> a, std::span<const double> b, const Request& request);
   /// Of a path's edges together.
   Interval total(std::span<const Edge> edges) const;
-  Interval path(const std::vector<std::vector<double>>& waypoints, const Request& request);
+  Interval path(const std::vector<std::vector<double>>& path, const Request& request);
   /// As it is told of a result: to 1 %, as far as a second of counted work goes.
   Interval reported(const std::vector<std::vector<double>>& waypoints);
 
   /// What becomes of the problem's wishes along a path, clearances to within `tolerance` [m].
-  std::vector<WishResult> wishes(const std::vector<std::vector<double>>& waypoints,
-                                 double tolerance);
+  std::vector<WishResult> wishes(const std::vector<std::vector<double>>& path, double tolerance);
 
   /// No term counts its worst: costs of edges add up.
   bool isAdditive() const;
@@ -67,7 +66,7 @@ class PathCost {
   };
   std::vector<Closest> closestAt(std::span<const double> point);
 
-  /// Of wishes none of whose pairs is checked: they are always kept.
+  /// Of wishes none of whose pairs is checked: they cost nothing, and stay undecided.
   const std::vector<std::string>& warnings() const { return warnings_; }
   EdgeCertifier::Statistics statistics() const;
 

@@ -67,7 +67,7 @@ class Findings {
   std::vector<Finding> list_;
 };
 
-/// Wishes of pairs that may touch, or never meet, cost nothing.
+/// Wishes of pairs that may touch cost nothing.
 void lintWishes(const planner::Problem& problem, const planner::CompiledScene& scene,
                 const std::string& file, Findings& findings) {
   std::set<std::pair<std::string, std::string>> checked;

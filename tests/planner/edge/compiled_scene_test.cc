@@ -123,6 +123,11 @@ TEST(CompiledScene, WithoutAnSrdfFixedJointsAreSeenThroughAndProofsCount) {
   Problem kept_apart = problemWith(margin);
   kept_apart.margins.common = 0.01;  // the proof covers contact only, not margins
   EXPECT_TRUE(kept(CompiledScene(kept_apart), "link0", "link2"));
+  // Nor wishes, also where the model has been compiled without them.
+  Problem wished = problemWith(stiff);
+  wished.margins.wishes = {{"links", {{"link2", "link0"}}, 0.1}};
+  EXPECT_TRUE(kept(CompiledScene(wished), "link0", "link2"));
+  EXPECT_EQ(reason(CompiledScene(problemWith(stiff)), "link0", "link2"), "proven never to meet");
 }
 
 TEST(CompiledScene, AttachedThingsMoveWithTheirLink) {

@@ -184,6 +184,49 @@ TEST(Wishes, AreKeptWhereThatIsNotTooDear) {
   }
 }
 
+/// A start that is a goal is a path of one place, which may be nearer than is wished.
+TEST(Wishes, OfAPlaceAreLookedAt) {
+  Problem problem = test::corridorProblem();
+  problem.goals[0].ranges.clear();
+  for (const int v : problem.robot.variables) {
+    const double q = problem.start[static_cast<std::size_t>(v)];
+    problem.goals[0].ranges.emplace_back(q, q);
+  }
+  problem.limits.time = 0;
+  problem.limits.iterations = 100;
+  problem.margins.wishes = {{"disc and ceiling", {{"disc", "ceiling"}}, 100},
+                            {"disc and ceiling", {{"disc", "ceiling"}}, 1e-3}};
+  PlanResult result = plan(problem);
+  ASSERT_EQ(result.status, PlanStatus::kSolved);
+  EXPECT_EQ(result.length, 0);
+  ASSERT_EQ(result.wishes.size(), 2U);
+  EXPECT_EQ(result.wishes[0].kept, std::optional(false));
+  EXPECT_EQ(result.wishes[1].kept, std::optional(true));
+  EXPECT_LT(result.wishes[0].clearance.upper, 100);
+  // The worst place of such a path costs what it does on any other.
+  problem.margins.wishes.clear();
+  problem.objective = MinimumCost{0, {{{Nearness::Kind::kHinge, 100}, 2, true, Pairs::kWorld}}};
+  result = plan(problem);
+  ASSERT_EQ(result.status, PlanStatus::kSolved);
+  EXPECT_GT(result.cost.lower, 1.5);
+  EXPECT_LT(result.cost.upper, 2);
+}
+
+/// Who may touch is not looked at: that is no proof of a distance.
+TEST(Wishes, OfPairsThatAreNotCheckedStayUndecided) {
+  Problem problem = test::corridorProblem();
+  problem.contacts.allowed.emplace_back("disc", "ceiling");
+  problem.margins.wishes = {{"disc and ceiling", {{"disc", "ceiling"}}, 0.3}};
+  problem.limits.time = 0;
+  problem.limits.iterations = 2000;
+  const PlanResult result = plan(problem);
+  ASSERT_EQ(result.status, PlanStatus::kSolved);
+  ASSERT_EQ(result.wishes.size(), 1U);
+  EXPECT_EQ(result.wishes[0].kept, std::nullopt);
+  ASSERT_EQ(result.warnings.size(), 1U);
+  EXPECT_NE(result.warnings[0].find("none of its pairs is checked"), std::string::npos);
+}
+
 TEST(PathCost, OfEdgesIsWhatOmplGetsAndTheHeuristicIsBelowIt) {
   const Problem problem = costProblem();
   const auto scene = std::make_shared<const CompiledScene>(problem);

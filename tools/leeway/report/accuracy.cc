@@ -158,10 +158,9 @@ int runReportAccuracy(const ReportAccuracyArguments& arguments) {
       "against quadruple precision",
       report::machineName(), cases, arguments.passes);
   writeFiles(out, rows, note);
-  RivalReport::End end;
+  RivalReport::End end{arguments.seed};
   end.text = fmt::format("{}\n{}\n", note, report::accuracyTable(rows));
   end.words = fmt::format("seed {}, {} families", arguments.seed, set.families.size());
-  end.seed = arguments.seed;
   end.counted = "families";
   end.count = set.families.size();
   end.own_errors = ownErrors(rows);

@@ -25,7 +25,7 @@ int runReportClearance(const ReportClearanceArguments& arguments) {
   options.on_rows = [&](const std::vector<report::ClearanceRow>& added) {
     out.addRows("clearance.csv", report::clearanceCsv(added));
   };
-  RivalReport::End end;
+  RivalReport::End end{arguments.seed};
   end.processor = report::pinToOneProcessor();
   const std::vector<report::ClearanceRow> rows =
       report::measureClearance(problems, rivals, options);
@@ -39,9 +39,6 @@ int runReportClearance(const ReportClearanceArguments& arguments) {
   out.write("clearance.svg", report::toSvg(report::clearanceFigure(rows, note)));
   for (const report::ClearanceRow& row : rows) end.own_errors += row.unsound ? 1 : 0;
   end.text = note + "\n" + report::clearanceTable(rows);
-  end.words = fmt::format("seed {}", arguments.seed);
-  end.seed = arguments.seed;
-  end.counted = "rows";
   end.count = rows.size();
   return out.end(arguments.json, end);
 }

@@ -58,12 +58,10 @@ int runReportDeform(const ReportDeformArguments& arguments) {
   out.write("deform_frames.csv", report::deformFramesCsv(rows));
   out.write("deform_update.svg", report::toSvg(report::deformUpdateFigure(rows, note)));
   out.write("deform_decay.svg", report::toSvg(report::deformDecayFigure(rows, note)));
-  RivalReport::End end;
+  RivalReport::End end{arguments.seed};
   end.text =
       fmt::format("{}\n{}\n{}\n", note, report::deformTable(rows), report::deformWords(rows));
   end.words = fmt::format("microseconds; seed {}", arguments.seed);
-  end.seed = arguments.seed;
-  end.counted = "rows";
   end.count = rows.size();
   end.own_errors = ownErrors(rows);
   end.processor = processor;

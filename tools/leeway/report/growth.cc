@@ -36,7 +36,7 @@ int runReportGrowth(const ReportGrowthArguments& arguments) {
   options.on_rows = [&](const std::vector<report::GrowthRow>& added) {
     out.addRows("growth.csv", report::growthCsv(added));
   };
-  RivalReport::End end;
+  RivalReport::End end{arguments.seed};
   end.processor = report::pinToOneProcessor();
   const std::vector<report::GrowthRow> rows = report::measureGrowth(rivals, options);
   endProgress();
@@ -48,9 +48,6 @@ int runReportGrowth(const ReportGrowthArguments& arguments) {
   for (const report::GrowthRow& row : rows)
     if (row.engine == "Leeway") end.own_errors += row.status == "solved" ? 0 : 1;
   end.text = fmt::format("{}\n{}", note, report::growthTable(rows));
-  end.words = fmt::format("seed {}", arguments.seed);
-  end.seed = arguments.seed;
-  end.counted = "rows";
   end.count = rows.size();
   return out.end(arguments.json, end);
 }

@@ -39,7 +39,7 @@ int runReportIk(const ReportIkArguments& arguments) {
   options.beyond = arguments.beyond;
   options.seed = arguments.seed;
   options.progress = showProgress;
-  RivalReport::End end;
+  RivalReport::End end{arguments.seed};
   end.processor = report::pinToOneProcessor();
   const std::vector<report::IkRow> rows = report::measureIk(robots, rivals, options);
   const std::vector<report::IkProofRow> proofs = report::measureIkProofs(robots, options);
@@ -52,9 +52,6 @@ int runReportIk(const ReportIkArguments& arguments) {
       "{}; seed {}; poses of random configurations, from random starts; one pinned core, processor "
       "time\n{}\nposes beyond reach, and proofs tried for reachable ones\n{}\n",
       report::machineName(), arguments.seed, report::ikTable(rows), report::ikProofTable(proofs));
-  end.words = fmt::format("seed {}", arguments.seed);
-  end.seed = arguments.seed;
-  end.counted = "rows";
   end.count = rows.size();
   return out.end(arguments.json, end);
 }

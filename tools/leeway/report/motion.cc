@@ -88,12 +88,9 @@ int runReportMotion(const ReportMotionArguments& arguments) {
     out.write("edges.csv", report::edgesCsv(edges));
     out.write("edges.svg", report::toSvg(report::edgesFigure(edges, note)));
   }
-  RivalReport::End end;
+  RivalReport::End end{arguments.seed};
   end.text = fmt::format("{}\n{}{}\n", note, report::motionTable(rows),
                          problems.empty() ? "" : report::edgesTable(edges));
-  end.words = fmt::format("seed {}", arguments.seed);
-  end.seed = arguments.seed;
-  end.counted = "rows";
   end.count = rows.size();
   end.own_errors = ownErrors(rows, edges);
   end.processor = processor;

@@ -12,6 +12,7 @@
 #include "tools/report/planning/planning_report.h"
 
 namespace leeway::tools {
+
 std::vector<report::PlanningProblem> readProblems(const ReportPlanningArguments& arguments) {
   std::shared_ptr<const robots::Model> model;
   if (!arguments.robot.empty()) model = robots::loadModel(arguments.robot, arguments.srdf);
@@ -47,7 +48,7 @@ int runReportPlanning(const ReportPlanningArguments& arguments) {
   options.on_rows = [&](const std::vector<report::PlanningRow>& added) {
     out.addRows("planning.csv", report::planningCsv(added));
   };
-  RivalReport::End end;
+  RivalReport::End end{arguments.seed};
   end.processor = report::pinToOneProcessor();
   const std::vector<report::PlanningRow> rows = report::measurePlanning(problems, rivals, options);
   endProgress();
@@ -59,9 +60,6 @@ int runReportPlanning(const ReportPlanningArguments& arguments) {
       report::machineName(), arguments.seed,
       arguments.seed + static_cast<std::uint64_t>(arguments.seeds) - 1, arguments.time,
       report::planningTable(rows));
-  end.words = fmt::format("seed {}", arguments.seed);
-  end.seed = arguments.seed;
-  end.counted = "rows";
   end.count = rows.size();
   return out.end(arguments.json, end);
 }

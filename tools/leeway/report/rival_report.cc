@@ -129,7 +129,8 @@ int RivalReport::end(bool json, const End& end) const {
                                       {"files", files}}
                            .dump());
   } else {
-    fmt::print("{}{}, {:.0f} s; in {}: {}\n", end.text, end.words, seconds, folder_,
+    fmt::print("{}{}, {:.0f} s; in {}: {}\n", end.text,
+               end.words.empty() ? fmt::format("seed {}", end.seed) : end.words, seconds, folder_,
                fmt::join(names_, ", "));
   }
   return end.own_errors == 0 ? kYes : kNo;

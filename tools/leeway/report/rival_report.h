@@ -46,14 +46,15 @@ class RivalReport {
   /// Writes a file of the folder, in place of its rows in NAME.partial. Throws like addRows().
   void write(const std::string& name, const std::string& text);
 
-  /// How the report ends. `text`: what people read, and `words`, the first of its last line.
+  /// How the report ends.
   struct End {
-    std::string text, words;
-    std::uint64_t seed = 0;
-    std::string counted;    ///< "rows" or "families"
-    std::size_t count = 0;  ///< of these
-    int own_errors = 0;     ///< what the exit status is about
-    int processor = -1;     ///< that was measured on; -1: any
+    std::uint64_t seed;
+    std::string text = {};         ///< what people read
+    std::string words = {};        ///< the first of its last line; empty: the seed
+    std::string counted = "rows";  ///< or "families"
+    std::size_t count = 0;         ///< of these
+    int own_errors = 0;            ///< what the exit status is about
+    int processor = -1;            ///< that was measured on; -1: any
   };
   /// Prints it to stdout, or `json` one document, with the time and the files. Returns the exit
   /// status: kYes without errors of ours.
