@@ -356,6 +356,17 @@ TEST_F(Plan, AnInterruptLeavesTheBestPathSoFar) {
   }
 }
 
+/// timeout(1) signals its child, and then its group with the child in it: that is one interrupt.
+TEST_F(Plan, ASignalSentTwiceAtOnceIsOneInterrupt) {
+  const Answer answer = shell("'" + leeway::commandFile() +
+                              "' plan reach.yaml --planner RRTstar --json --output out.json & "
+                              "pid=$!; sleep 1; kill -INT $pid; sleep 0.05; kill -INT $pid; "
+                              "wait $pid");
+  EXPECT_EQ(answer.status, 0) << answer.err;
+  EXPECT_EQ(answer.document()["interrupted"], true);
+  EXPECT_EQ(run("verify reach.yaml out.json").status, 0);
+}
+
 TEST_F(Plan, NoPathTellsTheTimeThatPassed) {
   std::string text = kReach;
   text.replace(text.find("  - {name: post"), text.find("limits") - text.find("  - {name: post"),

@@ -9,20 +9,44 @@
 #include <cmath>
 #include <csignal>
 #include <cstdio>
+#include <ctime>
 
 namespace leeway::tools {
 namespace {
 
-volatile std::sig_atomic_t interrupt_count = 0;
+volatile std::sig_atomic_t is_interrupted = 0;
+timespec first_interrupt{};
 bool progress_shown = false;
 bool quiet = false;
 
+/// The first interrupt ends planning with the best path so far; one more ends the program. What
+/// follows within a quarter of a second is the same interrupt: timeout(1) signals its child and
+/// then the child's group, a shell may do as much.
 void onInterrupt(int signal) {
-  interrupt_count = interrupt_count + 1;
-  if (interrupt_count > 1) {
-    std::signal(signal, SIG_DFL);
-    std::raise(signal);
+  timespec now{};
+  clock_gettime(CLOCK_MONOTONIC, &now);  // may be called in a handler, unlike std::chrono's clocks
+  if (is_interrupted == 0) {
+    first_interrupt = now;
+    is_interrupted = 1;
+    return;
   }
+  const double since = static_cast<double>(now.tv_sec - first_interrupt.tv_sec) +
+                       1e-9 * static_cast<double>(now.tv_nsec - first_interrupt.tv_nsec);
+  if (since < 0.25) return;
+  std::signal(signal, SIG_DFL);
+  std::raise(signal);
+}
+
+/// Both signals wait while one is handled.
+void handleInterrupts() {
+  struct sigaction action {};
+  action.sa_handler = onInterrupt;
+  action.sa_flags = SA_RESTART;
+  sigemptyset(&action.sa_mask);
+  sigaddset(&action.sa_mask, SIGINT);
+  sigaddset(&action.sa_mask, SIGTERM);
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
 }
 
 bool showsProgress() {
@@ -50,8 +74,7 @@ std::string formatDuration(double seconds) {
 planner::PlanOptions interactivePlanOptions(std::optional<double> time_limit,
                                             double planning_limit) {
   using Clock = std::chrono::steady_clock;
-  std::signal(SIGINT, onInterrupt);
-  std::signal(SIGTERM, onInterrupt);
+  handleInterrupts();
   planner::PlanOptions options;
   options.stop = [] { return interrupted(); };
   if (time_limit) {
@@ -69,7 +92,7 @@ planner::PlanOptions interactivePlanOptions(std::optional<double> time_limit,
   return options;
 }
 
-bool interrupted() { return interrupt_count > 0; }
+bool interrupted() { return is_interrupted != 0; }
 
 void setQuiet() { quiet = true; }
 bool isQuiet() { return quiet; }
