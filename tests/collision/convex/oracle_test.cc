@@ -5,10 +5,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdlib>
 #include <string>
 
 #include "leeway/collision/distance.h"
+#include "tests/support/from_environment.h"
 #include "tests/support/sanitized.h"
 #include "tools/truth/oracle/generate.h"
 
@@ -176,9 +176,8 @@ Pose beside(Random& random, const Placed& a, const Shape& b) {
 
 /// Other cases on demand: LEEWAY_TEST_SEED=N shifts every seed, for long runs.
 std::uint64_t seed(std::uint64_t base, ShapeType a, ShapeType b) {
-  const char* shift = std::getenv("LEEWAY_TEST_SEED");
   return base + 16 * static_cast<std::uint64_t>(a) + static_cast<std::uint64_t>(b) +
-         (shift != nullptr ? 100'000 * std::strtoull(shift, nullptr, 10) : 0);
+         100'000 * fromEnvironment("LEEWAY_TEST_SEED", 0);
 }
 
 std::string title(ShapeType a, ShapeType b) {

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
-#include <cstdlib>
 #include <limits>
 #include <memory>
 #include <string>
@@ -13,6 +12,7 @@
 
 #include "leeway/planner/edge_certifier.h"
 #include "planner/objective/nearness.h"
+#include "tests/support/from_environment.h"
 #include "tests/support/random_problem.h"
 
 namespace leeway::planner {
@@ -46,11 +46,6 @@ TEST(Nearness, MeansOverALineHoldSums) {
   EXPECT_EQ(meanNearness(hinge, 0.05, kInfinity).lower, 0);
   EXPECT_EQ(meanNearness(hinge, -kInfinity, 0.05).upper, 1);
   EXPECT_EQ(meanNearness(hinge, 0, 0.1).lower, 0.5);
-}
-
-std::uint64_t fromEnvironment(const char* name, std::uint64_t otherwise) {
-  const char* text = std::getenv(name);
-  return text == nullptr ? otherwise : std::strtoull(text, nullptr, 10);
 }
 
 /// Of an edge on samples, by the distance engine alone.

@@ -1,0 +1,15 @@
+#pragma once
+
+#include <cstdint>
+#include <cstdlib>
+
+namespace leeway {
+
+/// The number in an environment variable, for long runs: LEEWAY_TEST_SEED asks for other random
+/// cases, LEEWAY_TEST_PATHS and LEEWAY_TEST_CONTACTS for more of them.
+inline std::uint64_t fromEnvironment(const char* name, std::uint64_t otherwise) {
+  const char* text = std::getenv(name);
+  return text == nullptr ? otherwise : std::strtoull(text, nullptr, 10);
+}
+
+}  // namespace leeway
