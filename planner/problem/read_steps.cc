@@ -121,6 +121,10 @@ void readSteps(const YamlReader& reader, Problem& problem) {
     const auto name = map.find("name");
     const int count = name ? 0 : ++named[action];
     step.name = name ? name->text() : count == 1 ? action : fmt::format("{} {}", action, count);
+    for (const Step& other : problem.steps)
+      if (other.name == step.name)
+        name.value_or(map).fail(fmt::format(
+            "two steps are named '{}'; a name of its own is expected for each", step.name));
     if (const auto allowed = map.find("allowed")) {
       if (action == "attach" || action == "detach")
         allowed->fail(fmt::format("{}: nothing moves in this step; a step that moves is expected",

@@ -25,6 +25,13 @@ TEST_F(Check, ARobotNeedsNoStartAndGoal) {
   expectRefused(robot, {"--start"});
 }
 
+TEST_F(Check, ATaskHasAStartAndGoalsOfItsOwn) {
+  std::string text = kReach;
+  write("task.yaml", text.replace(text.find("goal: left"), 10, "steps: [{move: left}]"));
+  EXPECT_EQ(run("check task.yaml --state start").status, 0);
+  expectRefused("check task.yaml --state goal", {"a goal for each of its moves"});
+}
+
 TEST_F(Check, StartAndGoalByDefault) {
   const Answer answer = run("check reach.yaml --json");
   EXPECT_EQ(answer.status, 0) << answer.err;

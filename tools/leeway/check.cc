@@ -186,7 +186,9 @@ std::vector<NamedState> collectStates(const planner::Problem& problem,
                                       const std::vector<std::string>& wanted) {
   std::vector<NamedState> states;
   for (const std::string& text : wanted) {
-    if (problem.goals.empty() && (text == "start" || text == "goal")) {
+    if (text == "goal" && !problem.steps.empty())
+      badState(text, "a task has a goal for each of its moves; start or a named state is expected");
+    if (problem.goals.empty() && (text == "goal" || (text == "start" && problem.steps.empty()))) {
       badState(text, fmt::format("is given by --{0} or a problem file; or name a state", text));
     }
     if (text == "start") {

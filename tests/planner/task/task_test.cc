@@ -215,6 +215,9 @@ TEST(Task, BadStepsAreRefusedWithTheirLine) {
        "nothing moves in this step"},
       {"  - {move: home, allowed: [[can, cup]]}\n", 6, "unknown link or object 'cup'"},
       {"  - {move: hom}\n", 6, "no group state 'hom'"},
+      {"  - {name: go, move: home}\n  - {name: go, detach: can}\n", 7, "two steps are named 'go'"},
+      {"  - move: home\n  - {name: move, line: {frame: tool, by: [0, 0, 1]}}\n", 7,
+       "two steps are named 'move'"},
   };
   for (const auto& c : cases) try {
       loadProblem(folder.write("task.yaml", withSteps(c.steps)));
