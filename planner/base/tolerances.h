@@ -396,12 +396,13 @@ constexpr double kPullGain = 1e-2;
 
 /// Clearance that a plain plan is pushed to, and the least that is worth a push [m]; how much
 /// longer the path may get; what it may cost, and each of its proofs [units of Work]: a quarter of
-/// a millisecond.
+/// a millisecond; the share of what is left that is kept for lesser targets.
 constexpr double kPushClearance = 0.008;
 constexpr double kPushLeast = 1e-3;
 constexpr double kPushLonger = 0.03;
 constexpr std::int64_t kPushWork = 250'000;
 constexpr std::int64_t kPushProofWork = 40'000;
+constexpr double kPushKept = 0.4;
 
 /// Moves of waypoints [count]; how far beyond the target they aim, as a factor, because gradients
 /// turn; the share of an edge up to which its end is moved in place of a new waypoint; the share of

@@ -172,17 +172,19 @@ EdgeClearance EdgeCertifier::edgeClearance(std::span<const double> a, std::span<
     search.sweeps = false;
     impl.frames.release(end + 1);
     search.lower = kInfinity;
+    statistics.work += impl.work.done;
     impl.startWork(work_limit);
     impl.listWholeEdge(start, end);
     impl.searchIntervals(search);
   }
+  statistics.work += impl.work.done;
   search.best.clearance.lower =
       search.isCutOff() ? -kInfinity : std::min(search.lower, search.best.clearance.upper);
   return search.best;
 }
 
 EdgeClearance EdgeCertifier::roughClearance(std::span<const double> a, std::span<const double> b,
-                                            double most, Pairs pairs) {
+                                            double most, Pairs pairs, bool once) {
   ++statistics.edges;
   Impl& impl = *impl_;
   Impl::ClearanceSearch search{kRoughClearance, -kInfinity, kInfinity};
@@ -195,7 +197,8 @@ EdgeClearance EdgeCertifier::roughClearance(std::span<const double> a, std::span
   if (!impl.frames.begin(a, b) || !impl.lanes_fit || !impl.lanes.begin(impl.frames)) return best;
   const double least = impl.leastMargin();
   double beyond = std::max(0.0, most - least);
-  for (int pass = 0; pass < kRoughPasses && !impl.work.isSpent(); ++pass) {
+  const int passes = once ? 1 : kRoughPasses;
+  for (int pass = 0; pass < passes && !impl.work.isSpent(); ++pass) {
     if (impl.sweepAskedBeyond(beyond).id >= 0) break;
     if (impl.lanes.open().empty()) {
       best.clearance.lower = std::min(least + beyond, best.clearance.upper);
@@ -204,6 +207,7 @@ EdgeClearance EdgeCertifier::roughClearance(std::span<const double> a, std::span
     impl.searchOpenLanes(EdgeLanes::wholeEdge(), 1, search);
     beyond = std::min(beyond, std::max(0.0, best.clearance.upper - least)) / 2;
   }
+  statistics.work += impl.work.done;
   return best;
 }
 

@@ -10,10 +10,11 @@
 #include "planner/base/tolerances.h"
 #include "planner/objective/distance_gradient.h"
 
-// A path that was shortened touches its obstacles at few places. Each is found by a proof that
-// fails there; the nearest waypoint, or a new one, moves along the gradient of the distance by what
-// is missing, and the proof is tried again. Moves on the way prove nothing and need not: the path
-// is taken whole, once all of its edges are proven, or left.
+// A path that was shortened touches its obstacles at few places. Each is found by a rough look at
+// an edge, or by a proof that fails there, which costs much more; the nearest waypoint, or a new
+// one, moves along the gradient of the distance by what is missing, and the edge is asked again.
+// Moves on the way prove nothing and need not: the path is taken whole, once all of its edges are
+// proven, or left.
 
 namespace leeway::planner {
 namespace {
@@ -33,14 +34,15 @@ class Pusher {
 
   /// The clearance that is proven for path(); 0: none.
   double run() {
-    for (double target = options_.target; target >= options_.least && left() > 0; target /= 2) {
-      path_ = original_;
-      proven_.assign(path_.size() - 1, false);
-      changed_.assign(path_.size() - 1, false);
-      room_ = kInfinity;
+    const double most = std::min(options_.target, kPushEnds * roomOfEnds());
+    reset();
+    for (double target = most; target >= options_.least && left() > 0; target /= 2) {
+      keep_ = target / 2 >= options_.least
+                  ? static_cast<std::int64_t>(kPushKept * static_cast<double>(left()))
+                  : 0;
       if (reach(target)) return target;
-      // An end of the path limits what can be had.
-      if (room_ < target && kPushEnds * room_ > target / 2) target = 2 * kPushEnds * room_;
+      // Where only the work was spent, much of the path keeps the next target already.
+      if (left() > keep_) reset();
     }
     return 0;
   }
@@ -55,6 +57,39 @@ class Pusher {
     return options_.work - (certifier_.statistics.work - first_work_) - own_work_;
   }
 
+  /// What the ends keep, which never move; infinity where that is more than is aimed at.
+  double roomOfEnds() {
+    double room = kInfinity;
+    for (const Point* end : {&original_.front(), &original_.back()}) {
+      const Interval found = certifier_
+                                 .edgeClearance(*end, *end,
+                                                {.tolerance = kBoundTolerance,
+                                                 .wanted = options_.target / kPushEnds,
+                                                 .work_limit = kPushProofWork,
+                                                 .pairs = options_.pairs})
+                                 .clearance;
+      room = std::min(room, found.upper);
+    }
+    return room;
+  }
+
+  /// A rough look, and where that does not tell, a proof.
+  EdgeClearance ask(const Point& a, const Point& b, double target, std::int64_t work) {
+    const EdgeClearance found = certifier_.roughClearance(a, b, target, options_.pairs, true);
+    if (found.clearance.lower >= target || found.clearance.upper < target) return found;
+    return certifier_.proveClearance(a, b,
+                                     {.tolerance = kBoundTolerance,
+                                      .wanted = target,
+                                      .work_limit = work,
+                                      .pairs = options_.pairs});
+  }
+
+  void reset() {
+    path_ = original_;
+    proven_.assign(path_.size() - 1, false);
+    changed_.assign(path_.size() - 1, false);
+  }
+
   bool reach(double target) {
     int moves = 0;
     for (std::size_t i = 0; i + 1 < path_.size();) {
@@ -62,13 +97,9 @@ class Pusher {
         ++i;
         continue;
       }
-      const std::int64_t work = std::min(left(), kPushProofWork);
+      const std::int64_t work = std::min(left() - keep_, kPushProofWork);
       if (work <= 0) return false;
-      const EdgeClearance found = certifier_.proveClearance(path_[i], path_[i + 1],
-                                                            {.tolerance = kBoundTolerance,
-                                                             .wanted = target,
-                                                             .work_limit = work,
-                                                             .pairs = options_.pairs});
+      const EdgeClearance found = ask(path_[i], path_[i + 1], target, work);
       if (found.clearance.lower >= target) {
         proven_[i++] = true;
         continue;
@@ -93,10 +124,7 @@ class Pusher {
     double share = 1 - t;
     if (t > 0.5) waypoint = i + 1, share = t;
     const bool is_end = waypoint == 0 || waypoint == last;
-    if (is_end && share > kAtEnd) {
-      room_ = found.clearance.upper;
-      return false;
-    }
+    if (is_end && share > kAtEnd) return false;
     Point place(path_[i].size());
     space_.interpolate(path_[i], path_[i + 1], t, place);
     own_work_ += gradients_.work();
@@ -136,10 +164,10 @@ class Pusher {
   const std::vector<Point>& original_;
   const PushOptions& options_;
   std::int64_t first_work_, own_work_ = 0;
+  std::int64_t keep_ = 0;  ///< of the work, for lesser targets
   std::vector<Point> path_;
   std::vector<char> proven_;   ///< edges, to keep the present target
   std::vector<char> changed_;  ///< edges that are not the original's
-  double room_ = kInfinity;    ///< of an end of the path that is too near [m]
   DistanceGradient gradients_;
 };
 

@@ -130,8 +130,10 @@ class EdgeCertifier {
   /// Bounds on that minimum from a few passes of lanes and distances: some 10 us. The lower end is
   /// at least `most` [m], or mostly above a quarter of the upper one; -infinity where the passes
   /// prove nothing. The upper end is infinity where nothing nearer than `most` was met.
+  /// `once`: after one pass, which proves `most` or names a place, near the nearest, or tells
+  /// nothing.
   EdgeClearance roughClearance(std::span<const double> a, std::span<const double> b, double most,
-                               Pairs pairs = Pairs::kAll);
+                               Pairs pairs = Pairs::kAll, bool once = false);
 
   /// Proves that the edge keeps more than `request.wanted` [m], as certify() proves margins: that
   /// is the lower end then, otherwise -infinity. Where a place is found that does not keep it, the
