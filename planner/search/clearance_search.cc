@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <limits>
+#include <string>
 
 #include "leeway/planner/simplify.h"
 #include "planner/base/random.h"
@@ -38,10 +40,12 @@ class ClearanceSearch {
 
   std::optional<ClearancePath> run() {
     if (!findFirst()) return std::nullopt;
+    describe();
     pushTowardsBound();
     climb();
     if (task_.problem.planner.simplify) shorten();
     best_.longest = longest();
+    task_.limits.describe(nullptr);
     return std::move(best_);
   }
 
@@ -65,7 +69,20 @@ class ClearanceSearch {
   double halfway() const { return best_.clearance + (bound_ - best_.clearance) / 2; }
 
   std::optional<Waypoints> find(Search& search, std::uint64_t budget) {
-    return search.any(task_.problem.seed + runs_++, budget);
+    auto path = search.any(task_.problem.seed + runs_++, budget);
+    if (!best_.path.empty()) describe();  // a search may tell of itself
+    return path;
+  }
+
+  /// Tells the caller's progress the best so far. It changes only while no search runs.
+  void describe() {
+    task_.limits.describe([this] {
+      char text[64];
+      // Rounded outwards: they are bounds.
+      std::snprintf(text, sizeof text, ", keeps %.1f mm, none keeps above %.1f",
+                    std::floor(1e4 * best_.clearance) / 10, std::ceil(1e4 * bound_) / 10);
+      return std::string(text);
+    });
   }
 
   void shortenPath(EdgeCertifier& certifier, Waypoints& path) {

@@ -90,6 +90,9 @@ TEST_F(Ik, Report) {
   // robot, engine, poses, solved, coarse, wrong.
   EXPECT_NE(read("r/ik.csv").find("\narm,Leeway,30,30,0,0,"), std::string::npos)
       << read("r/ik.csv");
+  // robot, beyond, proven, found, open.
+  EXPECT_NE(read("r/ik_proofs.csv").find("\narm,5,5,0,0,"), std::string::npos)
+      << read("r/ik_proofs.csv");
   EXPECT_EQ(run("report ik arm.urdf:lower --poses 3 --beyond 2 --output r --json").status, 0);
   expectRefused("report ik arm.urdf --output r", {"arm.urdf", "URDF:LINK"});
   expectRefused("report ik arm.urdf:hand --output r", {"hand"});

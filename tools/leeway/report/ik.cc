@@ -39,12 +39,19 @@ int runReportIk(const ReportIkArguments& arguments) {
   options.beyond = arguments.beyond;
   options.seed = arguments.seed;
   options.progress = showProgress;
+  options.on_rows = [&](const std::vector<report::IkRow>& added) {
+    out.addRows("ik.csv", report::ikCsv(added));
+  };
+  options.on_proof_rows = [&](const std::vector<report::IkProofRow>& added) {
+    out.addRows("ik_proofs.csv", report::ikProofCsv(added));
+  };
   RivalReport::End end{arguments.seed};
   end.processor = report::pinToOneProcessor();
   const std::vector<report::IkRow> rows = report::measureIk(robots, rivals, options);
   const std::vector<report::IkProofRow> proofs = report::measureIkProofs(robots, options);
   endProgress();
   out.write("ik.csv", report::ikCsv(rows));
+  out.write("ik_proofs.csv", report::ikProofCsv(proofs));
   for (const report::IkRow& row : rows)
     end.own_errors += row.engine == "Leeway" ? row.wrong + row.coarse : 0;
   for (const report::IkProofRow& row : proofs) end.own_errors += row.wrong;

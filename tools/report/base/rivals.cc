@@ -24,11 +24,12 @@ constexpr bool kCanPreferOwnSymbols = false;  // the sanitizer refuses such modu
 constexpr bool kCanPreferOwnSymbols = true;
 #endif
 
-constexpr std::array<Known, 4> kModules = {
+constexpr std::array<Known, 5> kModules = {
     {{"FCL", "leeway_rival_fcl.so", "libfcl-dev libccd-dev"},
      {"Bullet", "leeway_rival_bullet.so", "libbullet-dev"},
      {"Embree", "leeway_rival_embree.so", "libembree-dev"},
-     {"KDL", "leeway_rival_kdl.so", "liborocos-kdl-dev", true}}};
+     {"KDL", "leeway_rival_kdl.so", "liborocos-kdl-dev", true},
+     {"NLopt", "leeway_rival_nlopt.so", "libnlopt-cxx-dev"}}};
 
 RivalModule load(const Known& known, const std::filesystem::path& folder) {
   RivalModule module{known.library, "", nullptr};

@@ -217,7 +217,10 @@ std::vector<IkRow> measureIk(const std::vector<IkRobot>& robots,
         tallies[1 + r].add(robot, cases, start, region, answer);
       }
     }
-    for (Tally& tally : tallies) rows.push_back(tally.row());
+    std::vector<IkRow> added;
+    for (Tally& tally : tallies) added.push_back(tally.row());
+    if (options.on_rows) options.on_rows(added);
+    rows.insert(rows.end(), added.begin(), added.end());
   }
   return rows;
 }
@@ -261,6 +264,7 @@ std::vector<IkProofRow> measureIkProofs(const std::vector<IkRobot>& robots,
       row.wrong +=
           robots::proveUnreachable(chain, region, q, lower, upper, kProofBoxes).proven ? 1 : 0;
     }
+    if (options.on_proof_rows) options.on_proof_rows({row});
     rows.push_back(row);
   }
   return rows;
@@ -289,6 +293,15 @@ std::string ikTable(const std::vector<IkRow>& rows) {
         r.engine, r.poses, 100.0 * r.solved / std::max(1, r.poses),
         100.0 * (r.solved + r.coarse) / std::max(1, r.poses), r.wrong, number(r.median_us),
         number(r.most_us), number(r.worst_error), number(r.all_us), number(r.branches));
+  return text;
+}
+
+std::string ikProofCsv(const std::vector<IkProofRow>& rows) {
+  std::string text = "robot,beyond,proven,found,open,proof_ms_median,proof_ms_95,reachable,wrong\n";
+  for (const IkProofRow& r : rows)
+    text +=
+        fmt::format("{},{},{},{},{},{:.4g},{:.4g},{},{}\n", r.robot, r.beyond, r.proven, r.found,
+                    r.beyond - r.proven - r.found, r.median_ms, r.most_ms, r.reachable, r.wrong);
   return text;
 }
 

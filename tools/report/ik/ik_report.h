@@ -18,13 +18,6 @@ struct IkRobot {
   int link = -1;
 };
 
-struct IkReportOptions {
-  int poses = 1000;  ///< of random configurations, each engine and robot
-  int beyond = 200;  ///< poses beyond reach; and as many tenfold reachable ones asked for a proof
-  std::uint64_t seed = 1;
-  std::function<void(const std::string&)> progress;
-};
-
 /// One engine on the poses of random configurations of one robot, from another random one.
 struct IkRow {
   std::string robot, engine;
@@ -45,6 +38,16 @@ struct IkProofRow {
   int reachable = 0, wrong = 0;           ///< wrong: proven to be out of reach
 };
 
+struct IkReportOptions {
+  int poses = 1000;  ///< of random configurations, each engine and robot
+  int beyond = 200;  ///< poses beyond reach; and as many tenfold reachable ones asked for a proof
+  std::uint64_t seed = 1;
+  std::function<void(const std::string&)> progress;
+  /// Called with the rows of each robot when they are there.
+  std::function<void(const std::vector<IkRow>&)> on_rows;
+  std::function<void(const std::vector<IkProofRow>&)> on_proof_rows;
+};
+
 /// Engines behind ours. A robot with joints that are not single ones, or with mimic joints on the
 /// way, is ours alone.
 std::vector<IkRow> measureIk(const std::vector<IkRobot>& robots,
@@ -55,6 +58,7 @@ std::vector<IkProofRow> measureIkProofs(const std::vector<IkRobot>& robots,
 
 std::string ikCsv(const std::vector<IkRow>& rows);
 std::string ikTable(const std::vector<IkRow>& rows);
+std::string ikProofCsv(const std::vector<IkProofRow>& rows);
 std::string ikProofTable(const std::vector<IkProofRow>& rows);
 
 }  // namespace leeway::tools::report
