@@ -4,11 +4,13 @@
 // kinematics", 2015, section III.
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <memory>
 #include <nlopt.hpp>
 #include <span>
+#include <stdexcept>
 #include <vector>
 
 #include "tools/report/base/rivals.h"
@@ -21,7 +23,7 @@ using collision::Pose;
 /// Squared error below which a search ends: 1e-10 m and rad, below what the report asks.
 constexpr double kGoodEnough = 1e-20;
 
-/// Evaluations of one search; those that succeed take some 30.
+/// Evaluations of one search.
 constexpr int kMostEvaluations = 200;
 
 class Random {
