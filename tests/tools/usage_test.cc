@@ -1,3 +1,5 @@
+#include <regex>
+
 #include "tests/support/build_paths.h"
 #include "tests/support/command.h"
 
@@ -99,6 +101,9 @@ TEST_F(Usage, ProgressIsForTerminals) {
   EXPECT_EQ(run(improve).err, "");
   EXPECT_NE(shown("plan reach.yaml --planner RRTstar --time 0.4").find("plan, length "),
             std::string::npos);
+  const std::string climb = shown("plan reach.yaml --objective clearance --time 0.6");
+  EXPECT_TRUE(std::regex_search(climb, std::regex(", keeps [0-9]+\\.[0-9] mm, none keeps ab")))
+      << climb;
   run("plan reach.yaml --output path.csv");
   EXPECT_NE(shown("verify reach.yaml path.csv").find("1 of "), std::string::npos);
   EXPECT_NE(shown("batch reach.yaml empty.yaml").find("2 of 2, about 0 s left: empty.yaml"),

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <vector>
@@ -39,5 +40,17 @@ class IkEngine {
 
 /// Starts that an engine may search from.
 inline constexpr int kIkStarts = 200;
+
+/// Where rivals start anew: uniform numbers, the same in every run and on every machine.
+class IkRandom {
+ public:
+  double uniform(double low, double high) {
+    state_ = state_ * 6364136223846793005U + 1442695040888963407U;
+    return low + (high - low) * static_cast<double>(state_ >> 11U) * 0x1p-53;
+  }
+
+ private:
+  std::uint64_t state_ = 1;
+};
 
 }  // namespace leeway::tools::report

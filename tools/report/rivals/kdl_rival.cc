@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <kdl/chain.hpp>
 #include <kdl/chainfksolverpos_recursive.hpp>
 #include <kdl/chainiksolverpos_lma.hpp>
@@ -41,17 +40,6 @@ KDL::Chain toKdl(const IkChain& chain) {
   }
   return result;
 }
-
-class Random {
- public:
-  double uniform(double low, double high) {
-    state_ = state_ * 6364136223846793005U + 1442695040888963407U;
-    return low + (high - low) * static_cast<double>(state_ >> 11U) * 0x1p-53;
-  }
-
- private:
-  std::uint64_t state_ = 1;
-};
 
 enum class Method { kLma, kNewtonRaphson };
 
@@ -107,7 +95,7 @@ class KdlSolver : public IkSolver {
   KDL::ChainFkSolverPos_recursive forward_;
   KDL::ChainIkSolverVel_pinv velocity_;
   std::unique_ptr<KDL::ChainIkSolverPos> solver_;
-  Random random_;
+  IkRandom random_;
 };
 
 class KdlEngine : public IkEngine {

@@ -6,7 +6,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <memory>
 #include <nlopt.hpp>
 #include <span>
@@ -25,17 +24,6 @@ constexpr double kGoodEnough = 1e-20;
 
 /// Evaluations of one search.
 constexpr int kMostEvaluations = 200;
-
-class Random {
- public:
-  double uniform(double low, double high) {
-    state_ = state_ * 6364136223846793005U + 1442695040888963407U;
-    return low + (high - low) * static_cast<double>(state_ >> 11U) * 0x1p-53;
-  }
-
- private:
-  std::uint64_t state_ = 1;
-};
 
 class NloptSolver : public IkSolver {
  public:
@@ -119,7 +107,7 @@ class NloptSolver : public IkSolver {
   nlopt::opt search_;
   Pose X_WF_;
   std::vector<Eigen::Vector3d> axes_W_, origins_W_;
-  Random random_;
+  IkRandom random_;
 };
 
 class NloptEngine : public IkEngine {
