@@ -62,7 +62,7 @@ std::vector<ClearanceRow> measured(bool measures) {
 
 TEST(ReportClearance, MeasuresBothObjectivesOfAllPlanners) {
   const std::vector<ClearanceRow> rows = measured(true);
-  ASSERT_EQ(rows.size(), 6U);
+  ASSERT_EQ(rows.size(), 8U);
   for (const ClearanceRow& row : rows) {
     EXPECT_FALSE(row.unsound) << row.planner;
     if (row.planner != "Leeway") continue;
@@ -72,11 +72,12 @@ TEST(ReportClearance, MeasuresBothObjectivesOfAllPlanners) {
   }
   // How good they are is a matter of time.
   EXPECT_GT(rows[0].least, 0);
-  EXPECT_GE(rows[3].integral, 0);
-  EXPECT_LE(rows[3].integral, rows[3].length);
+  EXPECT_GE(rows[4].integral, 0);
+  EXPECT_LE(rows[4].integral, rows[3].length);
   EXPECT_EQ(rows[1].planner, "BIT*, own at 1 %");
-  EXPECT_EQ(rows[5].planner, "RRT*, own at 1 %");
-  EXPECT_EQ(rows[5].objective, "integral");
+  EXPECT_EQ(rows[2].planner, "PRM*, own at 1 %");
+  EXPECT_EQ(rows[7].planner, "RRT*, own at 1 %");
+  EXPECT_EQ(rows[7].objective, "integral");
   const std::string table = clearanceTable(rows);
   EXPECT_NE(table.find("least     Leeway"), std::string::npos) << table;
   EXPECT_NE(clearanceCsv(rows).find("integral,1,0.3,"), std::string::npos);
@@ -85,7 +86,7 @@ TEST(ReportClearance, MeasuresBothObjectivesOfAllPlanners) {
 
 TEST(ReportClearance, WhatARivalDoesNotMeasureIsLeftOut) {
   const std::vector<ClearanceRow> rows = measured(false);
-  ASSERT_EQ(rows.size(), 6U);
+  ASSERT_EQ(rows.size(), 8U);
   for (const ClearanceRow& row : rows)
     EXPECT_EQ(row.status == "left out", row.planner != "Leeway") << row.status;
 }

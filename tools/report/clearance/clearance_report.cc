@@ -4,6 +4,7 @@
 #include <ompl/base/objectives/MaximizeMinClearanceObjective.h>
 #include <ompl/base/objectives/StateCostIntegralObjective.h>
 #include <ompl/geometric/planners/informedtrees/BITstar.h>
+#include <ompl/geometric/planners/prm/PRMstar.h>
 #include <ompl/geometric/planners/rrt/RRTstar.h>
 
 #include <algorithm>
@@ -82,6 +83,15 @@ class HingeIntegral : public ob::StateCostIntegralObjective {
   double hinge_;
 };
 
+constexpr const char *kBitStar = "BIT*", *kPrmStar = "PRM*", *kRrtStar = "RRT*";
+
+std::shared_ptr<ob::Planner> plannerOf(const std::string& name,
+                                       const ob::SpaceInformationPtr& information) {
+  if (name == kBitStar) return std::make_shared<og::BITstar>(information);
+  if (name == kPrmStar) return std::make_shared<og::PRMstar>(information);
+  return std::make_shared<og::RRTstar>(information);
+}
+
 class Measurement {
  public:
   Measurement(const PlanningProblem& named, const ClearanceReportOptions& options)
@@ -118,11 +128,11 @@ class Measurement {
     return row;
   }
 
-  ClearanceRow theirs(const StateEngine& engine, bool bit_star, bool integral, std::uint64_t seed,
-                      double time) {
-    ClearanceRow row = rowOf(fmt::format("{}, {} at {:g} %", bit_star ? "BIT*" : "RRT*",
-                                         engine.name(), 100 * options_.resolution),
-                             integral, seed, time);
+  ClearanceRow theirs(const StateEngine& engine, const char* name, bool integral,
+                      std::uint64_t seed, double time) {
+    ClearanceRow row =
+        rowOf(fmt::format("{}, {} at {:g} %", name, engine.name(), 100 * options_.resolution),
+              integral, seed, time);
     row.status = "left out";
     Rows goals = pointsOf(named_.problem);
     if (goals.empty() && !last_.empty()) goals.push_back(last_);
@@ -150,10 +160,7 @@ class Measurement {
     {
       const std::lock_guard<std::recursive_mutex> lock(planner::omplSeedLock());
       planner::seedOmpl(seed);
-      if (bit_star)
-        planner = std::make_shared<og::BITstar>(information);
-      else
-        planner = std::make_shared<og::RRTstar>(information);
+      planner = plannerOf(name, information);
     }
     planner->setProblemDefinition(definition);
     planner->setup();
@@ -209,8 +216,8 @@ std::vector<ClearanceRow> measureClearance(const std::vector<PlanningProblem>& p
                                          integral ? "integral" : "least", time));
           std::vector<ClearanceRow> added{measurement.ours(integral, seed, time)};
           for (const StateEngine* engine : rivals)
-            for (const bool bit_star : {true, false})
-              added.push_back(measurement.theirs(*engine, bit_star, integral, seed, time));
+            for (const char* name : {kBitStar, kPrmStar, kRrtStar})
+              added.push_back(measurement.theirs(*engine, name, integral, seed, time));
           if (options.on_rows) options.on_rows(added);
           rows.insert(rows.end(), added.begin(), added.end());
         }

@@ -44,10 +44,10 @@ struct ClearanceRow {
   bool solved() const { return status == "solved"; }
 };
 
-/// Our planner, for the greatest least clearance, and for the least integral; OMPL's BIT* and RRT*
-/// with its own objectives (MaximizeMinClearanceObjective, StateCostIntegralObjective), in steps,
-/// over each of the engines' distances. Every limit is a run of its own. Rivals go to goals as
-/// measurePlanning()'s do.
+/// Our planner, for the greatest least clearance, and for the least integral; OMPL's BIT*, PRM*
+/// and RRT* with its own objectives (MaximizeMinClearanceObjective, StateCostIntegralObjective), in
+/// steps, over each of the engines' distances. Every limit is a run of its own. Rivals go to goals
+/// as measurePlanning()'s do.
 std::vector<ClearanceRow> measureClearance(const std::vector<PlanningProblem>& problems,
                                            const std::vector<const StateEngine*>& rivals,
                                            const ClearanceReportOptions& options);

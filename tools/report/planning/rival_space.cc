@@ -5,6 +5,7 @@
 #include <ompl/base/goals/GoalStates.h>
 
 #include <algorithm>
+#include <mutex>
 #include <optional>
 #include <span>
 
@@ -25,9 +26,11 @@ class RivalValidity : public ob::StateValidityChecker {
   }
 
   bool isValid(const ob::State* state) const override {
+    const std::lock_guard<std::mutex> lock(mutex_);
     return si_->satisfiesBounds(state) && states_.isFree(pointOf(state));
   }
   double clearance(const ob::State* state) const override {
+    const std::lock_guard<std::mutex> lock(mutex_);
     return distances_ ? distances_->distance(pointOf(state)) : 0;
   }
 
@@ -36,6 +39,7 @@ class RivalValidity : public ob::StateValidityChecker {
     return static_cast<const planner::OmplStateSpace&>(*si_->getStateSpace()).point(state);
   }
 
+  mutable std::mutex mutex_;  ///< PRM* has a second thread, which asks what paths cost
   mutable RivalStates states_;
   mutable std::optional<RivalStates> distances_;
 };
