@@ -311,8 +311,9 @@ constexpr double kBodyTurn = 1;
 /// anywhere.
 constexpr double kLeastBodyRange = 0.03;
 
-/// The dynamic domain of Connect: a node's radius after its first failure and the least one, in
-/// ranges, and the share by which it shrinks and grows (4, 1 and 1e-4 as in VAMP's).
+/// The dynamic domain of Connect: a node's radius after its first failure and the least one, and
+/// the share by which it shrinks and grows (4, 1 and 1e-4 as in VAMP's). The first two are in
+/// ranges, of joints at least in kLongestRange of the extent.
 constexpr float kDomainRadius = 4;
 constexpr float kLeastDomain = 1;
 constexpr float kDomainRate = 1e-4F;

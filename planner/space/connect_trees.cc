@@ -82,6 +82,10 @@ ConnectTrees::ConnectTrees(const ConnectTask& task, const ConnectSettings& setti
   const double extent = usefulExtent(task.space);
   if (!(settings_.range >= kShortestRange * extent)) settings_.range = kShortestRange * extent;
   if (!(settings_.range > 0)) settings_.range = 1;  // all is locked, or two points are one
+  // With many joints ranges are short, and a domain of a few of them would hold no sample: nodes
+  // that have failed once would be out of the search.
+  const double least_domain = bodyTurn(task.space) > 0 ? 0 : kLongestRange * extent;
+  domain_ = static_cast<float>(std::max(settings_.range, least_domain));
   add(trees_[0], task.start, 0, 0);
   takeGoals();
 }
@@ -174,9 +178,8 @@ bool ConnectTrees::iterate() {
   }
   if (!stepTowards(tree, near.node, sample_, distance)) {
     if (settings_.dynamic_domain) {
-      const auto range = static_cast<float>(settings_.range);
-      radius = radius == kUnlimited ? kDomainRadius * range
-                                    : std::max(radius * (1 - kDomainRate), kLeastDomain * range);
+      radius = radius == kUnlimited ? kDomainRadius * domain_
+                                    : std::max(radius * (1 - kDomainRate), kLeastDomain * domain_);
     }
     return false;
   }

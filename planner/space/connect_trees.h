@@ -94,6 +94,7 @@ class ConnectTrees {
   Random random_;
   std::size_t size_;
   std::size_t goals_ = 0;  ///< taken
+  float domain_ = 0;       ///< the unit of radii of the dynamic domain
   Tree trees_[2];          ///< of the start, of the goals
   int growing_ = 1;
   std::vector<double> sample_, next_, from_, focus_, drawn_;

@@ -6,6 +6,7 @@
 #include <functional>
 #include <memory>
 #include <numbers>
+#include <numeric>
 #include <span>
 #include <vector>
 
@@ -55,6 +56,25 @@ double lengthOf(const ConfigurationSpace& space, const std::vector<std::vector<d
   double length = 0;
   for (std::size_t i = 1; i < path.size(); ++i) length += space.distance(path[i - 1], path[i]);
   return length;
+}
+
+/// With twelve joints a range is a twentieth of the extent, and no sample comes as near to a root
+/// as four of these: both trees stood still once their roots had failed.
+TEST(ConnectTrees, ManyJointsGrowAfterFailures) {
+  const int joints = 12;
+  robots::RobotDescription robot = robots::testing::chain(
+      joints + 1, robots::JointType::kRevolute, 2, [](int, robots::Link&, robots::Joint&) {});
+  std::vector<int> variables(joints);
+  std::iota(variables.begin(), variables.end(), 0);
+  const ConfigurationSpace space(std::make_shared<robots::Model>(std::move(robot)), variables);
+  const std::vector<double> start(joints, -1.5);
+  const std::vector<std::vector<double>> goals{std::vector<double>(joints, 1.5)};
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    int failures = 4;
+    const Edge edge = [&failures](Point, Point) { return failures-- <= 0; };
+    const Found found = search(space, start, goals, edge, {defaultRange(space)}, seed, 1000);
+    EXPECT_FALSE(found.path.empty()) << seed;
+  }
 }
 
 TEST(ConnectTrees, FindsPathsBelowABoundOnly) {
