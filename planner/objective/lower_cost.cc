@@ -7,7 +7,7 @@
 
 #include "planner/base/random.h"
 #include "planner/base/tolerances.h"
-#include "planner/objective/distance_gradient.h"
+#include "planner/contact/distance_gradient.h"
 
 namespace leeway::planner {
 namespace {

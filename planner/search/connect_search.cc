@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <bit>
+#include <cmath>
 #include <exception>
 #include <limits>
 #include <mutex>
@@ -10,6 +11,7 @@
 
 #include "planner/base/random.h"
 #include "planner/base/tolerances.h"
+#include "planner/contact/contact_slide.h"
 #include "planner/search/run_seed.h"
 #include "planner/space/ompl_planners.h"
 
@@ -18,6 +20,8 @@ namespace {
 
 /// Between the first runs of two workers, in runs: more than any of them makes.
 constexpr std::uint64_t kRunsApart = 1ULL << 32;
+/// From a worker's first run to its first narrow one.
+constexpr std::uint64_t kToNarrowRuns = kRunsApart / 2;
 
 /// The n-th term of 1, 1, 2, 1, 1, 2, 4, 1, 1, 2, ..., n >= 1.
 std::uint64_t luby(std::uint64_t n) {
@@ -50,26 +54,29 @@ class Worker {
         index_(index),
         certifier_(certifier),
         goals_(query.goals),
-        is_free_([this](std::span<const double> a, std::span<const double> b) {
+        check_([this](std::span<const double> a, std::span<const double> b) {
           // One iteration may ask many edges.
           if (++asked_ % kConnectTurn == 0) over_ = over_ || query_.limits.over();
-          const bool free =
-              !over_ && certifier_.certify(a, b, certifier_.searching()).verdict == Verdict::kFree;
-          if (free && index_ == 0 && query_.on_edge) query_.on_edge(a, b);
-          return free;
-        }) {}
+          if (over_) return EdgeCheck{};
+          EdgeCertifier& own = narrow_ ? narrow_->certifier : certifier_;
+          const EdgeCheck check = own.certify(a, b, own.searching());
+          if (check.verdict == Verdict::kFree && index_ == 0 && query_.on_edge)
+            query_.on_edge(a, b);
+          return check;
+        }),
+        is_free_([this](std::span<const double> a, std::span<const double> b) {
+          return check_(a, b).verdict == Verdict::kFree;
+        }),
+        slide_(
+            [this](std::span<const double> from, std::span<const double> target,
+                   std::vector<double>& points) { narrow_->slide.slide(from, target, points); }) {}
   Worker(const Worker&) = delete;
   Worker& operator=(const Worker&) = delete;
 
   /// Up to `count` iterations; fewer, and true, once a path is found.
   bool advance(std::uint64_t count) {
     for (; count > 0; --count) {
-      if (!trees_) {
-        trees_.emplace(
-            ConnectTask{query_.scene->space(), query_.start, goals_, is_free_, query_.bound},
-            settings_, runSeed(query_.seed, index_ * kRunsApart + runs_));
-        left_ = query_.run * luby(++runs_);
-      }
+      if (!trees_) begin();
       ++iterations_;
       if (has_more_goals_ && iterations_ % kGoalTurn == 0) {
         has_more_goals_ = query_.more_goals(goal_batches_, goals_);
@@ -78,7 +85,7 @@ class Worker {
       }
       const bool met = trees_->iterate();
       if (met) path_ = trees_->path();
-      if (met || --left_ == 0) trees_.reset();
+      if (met || --left_ == 0) end();
       if (met && query_.accept(path_, certifier_)) return true;
     }
     return false;
@@ -88,8 +95,48 @@ class Worker {
   std::size_t goalBatches() const { return goal_batches_; }
   Waypoints takePath() { return std::move(path_); }
   const EdgeCertifier::Statistics& work() const { return certifier_.statistics; }
+  /// Of the certifiers of narrow runs, beside that.
+  EdgeCertifier::Statistics narrowWork() const {
+    EdgeCertifier::Statistics work = narrow_work_;
+    if (narrow_) work += narrow_->certifier.statistics;
+    return work;
+  }
 
  private:
+  /// What a narrow run has beside trees. Its certifier is new and asked for nothing else: what it
+  /// tells of contacts, which history may change, is the same whatever was searched before.
+  struct Narrow {
+    Narrow(const std::shared_ptr<const CompiledScene>& scene, const ContactSlide::Edge& check,
+           double range)
+        : certifier(scene), slide(certifier, check, range) {}
+    EdgeCertifier certifier;
+    ContactSlide slide;
+  };
+
+  /// After the first run each other one is narrow: the two kinds have a series and seeds each. A
+  /// search for shorter paths, which are through already, has none.
+  void begin() {
+    ConnectTask task{query_.scene->space(), query_.start, goals_, is_free_, query_.bound};
+    ConnectSettings settings = settings_;
+    const bool is_narrow = narrow_runs_ < runs_ && std::isinf(query_.bound);
+    std::uint64_t& runs = is_narrow ? narrow_runs_ : runs_;
+    if (is_narrow) {
+      narrow_.emplace(query_.scene, check_, settings.range);
+      task.slide = &slide_;
+      settings.dynamic_domain = false;  // slides leave the nodes that it keeps back
+    }
+    trees_.emplace(
+        task, settings,
+        runSeed(query_.seed, index_ * kRunsApart + (is_narrow ? kToNarrowRuns : 0) + runs));
+    left_ = query_.run * luby(++runs);
+  }
+
+  void end() {
+    trees_.reset();
+    narrow_work_ = narrowWork();
+    narrow_.reset();
+  }
+
   const ConnectQuery& query_;
   ConnectSettings settings_;
   std::uint64_t index_;
@@ -97,9 +144,13 @@ class Worker {
   Waypoints goals_;
   bool has_more_goals_ = static_cast<bool>(query_.more_goals);
   std::size_t goal_batches_ = 0;
+  ContactSlide::Edge check_;
   std::function<bool(std::span<const double>, std::span<const double>)> is_free_;
+  ConnectSlide slide_;
+  std::optional<Narrow> narrow_;
   std::optional<ConnectTrees> trees_;
-  std::uint64_t runs_ = 0, left_ = 0, iterations_ = 0;
+  EdgeCertifier::Statistics narrow_work_;  ///< of runs that have ended
+  std::uint64_t runs_ = 0, narrow_runs_ = 0, left_ = 0, iterations_ = 0;
   unsigned asked_ = 0;
   bool over_ = false;
   Waypoints path_;
@@ -113,10 +164,10 @@ ConnectResult searchAlone(const ConnectQuery& query, const ConnectSettings& sett
     const std::uint64_t before = worker.iterations();
     const bool found = worker.advance(std::min({kConnectTurn, limits.left(), query.most - before}));
     const bool over = limits.iterate(worker.iterations() - before);
-    if (found) return {worker.takePath(), {}, worker.goalBatches()};
+    if (found) return {worker.takePath(), worker.narrowWork(), worker.goalBatches()};
     if (over) break;
   }
-  return {std::nullopt, {}, worker.goalBatches()};
+  return {std::nullopt, worker.narrowWork(), worker.goalBatches()};
 }
 
 /// Workers side by side, each in turns of kConnectTurn iterations. All of them make all turns up to
@@ -183,6 +234,7 @@ class Portfolio {
         }
         member.found = member.worker->advance(count);
         member.work.push_back(member.worker->work());
+        member.work.back() += member.worker->narrowWork();
         if (!member.found) continue;
         std::uint64_t last = last_turn_;
         while (turn < last && !last_turn_.compare_exchange_weak(last, turn)) {

@@ -51,13 +51,15 @@ struct ConnectQuery {
 
 struct ConnectResult {
   std::optional<Waypoints> path;
-  EdgeCertifier::Statistics work;  ///< of the workers' own certifiers
+  EdgeCertifier::Statistics work;  ///< of all certifiers but the caller's
   std::size_t goal_batches = 0;    ///< asked for by the winner; without one the most
 };
 
 /// Runs with rising budgets: most problems are solved soon or by luck, so a run that is late is
 /// started again with another seed (Luby, Sinclair, Zuckerman, "Optimal speedup of Las Vegas
-/// algorithms", 1993). One worker searches with `certifier`.
+/// algorithms", 1993). After the first, which finds most paths, each other run is narrow: where an
+/// edge meets something, it slides along it. One worker searches with `certifier`, narrow runs with
+/// one of their own.
 ///
 /// Several have certifiers, seeds and, where the choice leaves them open, settings of their own;
 /// the first is what one worker would be. The path that took its worker the fewest iterations

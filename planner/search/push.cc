@@ -8,7 +8,7 @@
 
 #include "leeway/planner/simplify.h"
 #include "planner/base/tolerances.h"
-#include "planner/objective/distance_gradient.h"
+#include "planner/contact/distance_gradient.h"
 
 // A path that was shortened touches its obstacles at few places. Each is found by a rough look at
 // an edge, or by a proof that fails there, which costs much more; the nearest waypoint, or a new

@@ -15,6 +15,12 @@ constexpr float kUnlimited = std::numeric_limits<float>::infinity();
 /// Halvings of a sample's way into the ellipsoid of shorter paths.
 constexpr int kInformedHalvings = 10;
 
+/// Of the samples of a search with slides that share is drawn from where both trees are: a trap is
+/// a small part of its world, and so is a door. The part is larger by so many ranges on either
+/// side.
+constexpr double kBetweenShare = 0.5;
+constexpr double kBetweenMore = 0.1;
+
 /// Whether a number of a point is an angle.
 bool isAngle(const ConfigurationSpace& space, int i) {
   const robots::Model& model = space.model();
@@ -103,6 +109,11 @@ std::uint32_t ConnectTrees::add(Tree& tree, std::span<const double> point, std::
                                 double step) {
   const auto node = static_cast<std::uint32_t>(tree.nearest.size());
   tree.nearest.add(point);
+  if (node == 0) tree.lower = tree.upper = {point.begin(), point.end()};
+  for (std::size_t i = 0; task_.slide != nullptr && i < size_; ++i) {
+    tree.lower[i] = std::min(tree.lower[i], point[i]);
+    tree.upper[i] = std::max(tree.upper[i], point[i]);
+  }
   tree.points.insert(tree.points.end(), point.begin(), point.end());
   tree.parent.push_back(parent);
   tree.radius.push_back(kUnlimited);
@@ -110,12 +121,24 @@ std::uint32_t ConnectTrees::add(Tree& tree, std::span<const double> point, std::
   return node;
 }
 
+double ConnectTrees::between(std::size_t i, double weight) {
+  const auto [low, high] = std::minmax(std::max(trees_[0].lower[i], trees_[1].lower[i]),
+                                       std::min(trees_[0].upper[i], trees_[1].upper[i]));
+  const double more = kBetweenMore * settings_.range / weight;
+  const int v = static_cast<int>(i);
+  return random_.uniform(std::max(low - more, task_.space.lower(v)),
+                         std::min(high + more, task_.space.upper(v)));
+}
+
 void ConnectTrees::sample() {
+  const bool is_between = task_.slide != nullptr && random_.uniform() < kBetweenShare;
   for (const ConfigurationSpace::Part& part : task_.space.parts()) {
     double& x = sample_[static_cast<std::size_t>(part.first)];
     switch (part.kind) {
       case ConfigurationSpace::Kind::kLine:
-        x = random_.uniform(task_.space.lower(part.first), task_.space.upper(part.first));
+        x = is_between
+                ? between(static_cast<std::size_t>(part.first), part.weight)
+                : random_.uniform(task_.space.lower(part.first), task_.space.upper(part.first));
         break;
       case ConfigurationSpace::Kind::kCircle:
         x = -std::numbers::pi + 2 * std::numbers::pi * random_.uniform();
@@ -159,6 +182,18 @@ bool ConnectTrees::stepTowards(const Tree& tree, std::uint32_t node, std::span<c
   return task_.isFree(from, next_);
 }
 
+std::uint32_t ConnectTrees::slideTowards(Tree& tree, std::uint32_t node,
+                                         std::span<const double> target) {
+  if (task_.slide == nullptr) return node;
+  slid_.clear();
+  (*task_.slide)(pointOf(tree, node), target, slid_);
+  for (std::size_t i = 0; i < slid_.size(); i += size_) {
+    const std::span<const double> point = std::span<const double>(slid_).subspan(i, size_);
+    node = add(tree, point, node, task_.space.distance(pointOf(tree, node), point));
+  }
+  return node;
+}
+
 bool ConnectTrees::iterate() {
   const std::size_t sizes[2] = {trees_[0].nearest.size(), trees_[1].nearest.size()};
   growing_ =
@@ -167,8 +202,7 @@ bool ConnectTrees::iterate() {
   Tree& other = trees_[1 - growing_];
   sample();
   const NearestNodes::Nearest near = tree.nearest.nearest(sample_);
-  float& radius = tree.radius[near.node];
-  if (near.distance > radius) return false;
+  if (near.distance > tree.radius[near.node]) return false;
   const double distance = task_.space.distance(pointOf(tree, near.node), sample_);
   if (!(distance > 0)) return false;
   const double step = std::min(settings_.range, distance);
@@ -176,7 +210,13 @@ bool ConnectTrees::iterate() {
     task_.space.interpolate(pointOf(tree, near.node), sample_, step / distance, next_);
     if (!(tree.cost[near.node] + step + toRoot(1 - growing_, next_) < task_.bound)) return false;
   }
-  if (!stepTowards(tree, near.node, sample_, distance)) {
+  std::uint32_t node = near.node;
+  if (stepTowards(tree, near.node, sample_, distance))
+    node = add(tree, next_, near.node, step);
+  else
+    node = slideTowards(tree, near.node, sample_);
+  float& radius = tree.radius[near.node];
+  if (node == near.node) {
     if (settings_.dynamic_domain) {
       radius = radius == kUnlimited ? kDomainRadius * domain_
                                     : std::max(radius * (1 - kDomainRate), kLeastDomain * domain_);
@@ -184,10 +224,10 @@ bool ConnectTrees::iterate() {
     return false;
   }
   radius *= 1 + kDomainRate;
-  std::uint32_t node = add(tree, next_, near.node, step);
   // Steps of equal length to the nearest node of the other tree, as far as they are free.
-  const std::uint32_t goal = other.nearest.nearest(next_).node;
-  from_ = next_;
+  const std::span<const double> end = pointOf(tree, node);
+  from_.assign(end.begin(), end.end());
+  const std::uint32_t goal = other.nearest.nearest(from_).node;
   const std::span<const double> to = pointOf(other, goal);
   const double gap = task_.space.distance(from_, to);
   if (!(tree.cost[node] + gap + other.cost[goal] < task_.bound)) return false;
@@ -197,7 +237,10 @@ bool ConnectTrees::iterate() {
       std::copy(to.begin(), to.end(), next_.begin());
     else
       task_.space.interpolate(from_, to, i / steps, next_);
-    if (!task_.isFree(pointOf(tree, node), next_)) return false;
+    if (!task_.isFree(pointOf(tree, node), next_)) {
+      slideTowards(tree, node, to);
+      return false;
+    }
     if (i < steps) node = add(tree, next_, node, gap / steps);
   }
   met_[growing_] = node;

@@ -13,6 +13,11 @@
 
 namespace leeway::planner {
 
+/// Appends points of a way from the first point towards the second, each joined to the one before
+/// by a free edge; none where it finds no way.
+using ConnectSlide = std::function<void(std::span<const double>, std::span<const double>,
+                                        std::vector<double>& points)>;
+
 /// What ConnectTrees searches. All must outlive it.
 struct ConnectTask {
   const ConfigurationSpace& space;
@@ -22,6 +27,9 @@ struct ConnectTask {
   const std::function<bool(std::span<const double>, std::span<const double>)>& isFree;
   /// Only paths shorter than that are searched, in the space's distance.
   double bound = std::numeric_limits<double>::infinity();
+  /// For narrow places: how to go on where an edge is not free. Then half of the samples are drawn
+  /// from where both trees are, or between them.
+  const ConnectSlide* slide = nullptr;
 };
 
 /// The space's extent with each joint's turn counted up to half a turn: beyond, a turn comes round
@@ -70,6 +78,7 @@ class ConnectTrees {
   struct Tree {
     explicit Tree(const ConfigurationSpace& space) : nearest(space) {}
     NearestNodes nearest;
+    std::vector<double> lower, upper;   ///< the box of all points, number by number
     std::vector<double> points;         ///< node by node
     std::vector<std::uint32_t> parent;  ///< of a root itself
     std::vector<float> radius;          ///< of the dynamic domain
@@ -84,6 +93,10 @@ class ConnectTrees {
   /// Moves a sample that no path below the bound visits to where one may: towards a point of the
   /// straight way from the start to a goal.
   void pullSample();
+  /// Adds what a slide from a node towards `target` reaches; returns the last node of it.
+  std::uint32_t slideTowards(Tree& tree, std::uint32_t node, std::span<const double> target);
+  /// A number of a sample where the trees' boxes meet, or between them.
+  double between(std::size_t i, double weight);
   /// From a node towards `target`, to the point at most `range` away; false when the edge is not
   /// free. `next_` is where it ends.
   bool stepTowards(const Tree& tree, std::uint32_t node, std::span<const double> target,
@@ -97,7 +110,7 @@ class ConnectTrees {
   float domain_ = 0;       ///< the unit of radii of the dynamic domain
   Tree trees_[2];          ///< of the start, of the goals
   int growing_ = 1;
-  std::vector<double> sample_, next_, from_, focus_, drawn_;
+  std::vector<double> sample_, next_, from_, focus_, drawn_, slid_;
   std::uint32_t met_[2] = {0, 0};  ///< nodes of both trees with the same point
 };
 

@@ -3,12 +3,16 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <functional>
 #include <map>
+#include <memory>
 #include <string>
 #include <tuple>
 
 #include "leeway/planner/plan.h"
 #include "leeway/planner/planners.h"
+#include "planner/base/tolerances.h"
 #include "tests/support/small_problems.h"
 
 namespace leeway::planner {
@@ -73,6 +77,89 @@ TEST(ConnectSearch, AnIterationLimitHoldsForEachWorker) {
     edges = result.edges;
   }
   EXPECT_GT(edges, planWith(problem, {}).edges);
+}
+
+/// A bar leaves a trap by a tube that is little wider than itself.
+Problem trap() {
+  Problem problem = test::problemOf(
+      robots::freeBody("bar", {{collision::Shape::box({0.25, 0.05, 0.05}), {}, "bar"}},
+                       robots::JointType::kFloating, {-2, -2, -2}, {2, 2, 2}),
+      {-0.4, 0, 0, 0, 0, std::sqrt(0.5), std::sqrt(0.5)}, {1.5, 0, 0, 0, 0, 0, 1});
+  const double a = 0.8, g = 0.12, t = 0.05;  // half the trap, half the opening, half the walls
+  problem.world.objects.push_back(test::box("back", {t, a, a}, -a, 0, 0));
+  for (const double s : {-1.0, 1.0}) {
+    const std::string name = s < 0 ? " -" : " +";
+    problem.world.objects.push_back(test::box("y" + name, {a, t, a}, 0, s * a, 0));
+    problem.world.objects.push_back(test::box("z" + name, {a, a, t}, 0, 0, s * a));
+    const double half = (a - g) / 2;
+    problem.world.objects.push_back(
+        test::box("front y" + name, {0.2, half, a}, a, s * (g + half), 0));
+    problem.world.objects.push_back(
+        test::box("front z" + name, {0.2, g, half}, a, 0, s * (g + half)));
+  }
+  return problem;
+}
+
+/// Searches the trap's way out, its first run that short.
+struct TrapSearch {
+  explicit TrapSearch(const Problem& problem)
+      : scene(std::make_shared<const CompiledScene>(problem)), start(problem.start) {}
+
+  ConnectResult search(Limits& limits, int workers, int threads, std::uint64_t first_run) const {
+    const ConnectQuery query{scene,  start,   goals, seed,     accept,
+                             limits, 100'000, {},    HUGE_VAL, first_run};
+    ConnectChoice choice = connectChoice({}, scene->space());
+    choice.workers = workers;
+    choice.threads = threads;
+    EdgeCertifier certifier(scene);
+    return searchConnect(query, choice, certifier);
+  }
+
+  std::shared_ptr<const CompiledScene> scene;
+  std::vector<double> start;
+  Waypoints goals{{1.5, 0, 0, 0, 0, 0, 1}};
+  std::uint64_t seed = 1;
+  std::function<bool(Waypoints&, EdgeCertifier&)> accept = [](Waypoints& path, EdgeCertifier&) {
+    return path.size() > 1;
+  };
+};
+
+TEST(ConnectSearch, NarrowRunsLeaveATrap) {
+  TrapSearch trapped(trap());
+  for (trapped.seed = 1; trapped.seed <= 2; ++trapped.seed) {
+    const auto run = [&](int workers, int threads) {
+      Limits limits(0, 100'000, {}, {});
+      const ConnectResult result = trapped.search(limits, workers, threads, 200);
+      return std::tuple(result.path, limits.iterations(), result.work.edges);
+    };
+    const auto alone = run(1, 1), several = run(3, 1);
+    ASSERT_TRUE(std::get<0>(alone)) << trapped.seed;
+    ASSERT_TRUE(std::get<0>(several)) << trapped.seed;
+    // The first run finds nothing, one of the narrow ones does.
+    EXPECT_GT(std::get<1>(alone), 200U);
+    EXPECT_GT(std::get<2>(alone), 0U);
+    EXPECT_LE(std::get<1>(several), std::get<1>(alone));
+    EXPECT_EQ(alone, run(1, 1));
+    EXPECT_EQ(several, run(3, 3));
+    EdgeCertifier judge(trapped.scene);
+    const Waypoints& path = *std::get<0>(alone);
+    for (std::size_t i = 1; i < path.size(); ++i)
+      EXPECT_EQ(judge.certify(path[i - 1], path[i], EdgeRequest::persistent()).verdict,
+                Verdict::kFree);
+  }
+}
+
+TEST(ConnectSearch, SlidesLookAtTheLimits) {
+  Problem problem = trap();
+  problem.world.objects.push_back(test::box("plug", {0.02, 0.2, 0.2}, 1.02, 0, 0));
+  const TrapSearch trapped(problem);
+  int asked = 0;
+  Limits limits(0, 0, [&asked] { return ++asked > 300; }, {});
+  const ConnectResult result = trapped.search(limits, 1, 1, 10);
+  EXPECT_FALSE(result.path);
+  // One look for each kConnectTurn edges at least, and slides make most of these.
+  EXPECT_GT(result.work.edges, limits.iterations());
+  EXPECT_LE(result.work.edges, 301 * kConnectTurn);
 }
 
 TEST(ConnectSearch, ClearanceTakesWorkersToo) {

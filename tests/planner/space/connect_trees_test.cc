@@ -166,6 +166,52 @@ TEST(ConnectTrees, RangesThatAreNoLengthsEndAllTheSame) {
   }
 }
 
+TEST(ConnectTrees, SlidesLeadThroughAGapThatSamplesMiss) {
+  const ConfigurationSpace space = square();
+  const std::vector<double> start{-1, -1};
+  const Edge edge = wallWithGap(0.004);
+  // Along the wall, then into the gap: half of what is left of the way up, and the rest.
+  int slides = 0, slid = 0;
+  const ConnectSlide slide = [&](Point from, Point target, std::vector<double>& points) {
+    ++slides;
+    if ((from[0] < 0) == (target[0] < 0)) return;
+    const double side = from[0] < 0 ? -0.01 : 0.01;
+    const double x[] = {side, side, -side}, y[] = {from[1], 1, 1};
+    std::vector<double> at(from.begin(), from.end());
+    for (int i = 0; i < 3; ++i) {
+      const std::vector<double> next{x[i], y[i]};
+      ASSERT_TRUE(edge(at, next));
+      points.insert(points.end(), next.begin(), next.end());
+      at = next;
+      ++slid;
+    }
+  };
+  for (const bool late : {false, true})
+    for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+      // The first goal cannot be reached where another comes late.
+      std::vector<std::vector<double>> goals{{late ? 5.0 : 1.0, -1}};
+      const Edge apart = [&](Point a, Point b) { return a[0] < 2 && b[0] < 2 && edge(a, b); };
+      ConnectTask task{space, start, goals, apart};
+      task.slide = &slide;
+      ConnectTrees trees(task, {0.3, true, false}, seed);
+      bool met = false;
+      for (int i = 0; i < 200 && !met; ++i) {
+        if (i == 20 && late) {
+          goals.push_back({1, -1});
+          trees.takeGoals();
+        }
+        met = trees.iterate();
+      }
+      ASSERT_TRUE(met) << seed;
+      const std::vector<std::vector<double>> path = trees.path();
+      EXPECT_EQ(path.front(), start);
+      EXPECT_EQ(path.back(), goals.back());
+      for (std::size_t i = 1; i < path.size(); ++i) EXPECT_TRUE(edge(path[i - 1], path[i]));
+    }
+  EXPECT_GT(slid, 0);
+  EXPECT_LT(search(space, start, {{1, -1}}, edge, {0.3, true, true}, 1, 200).path.size(), 2U);
+}
+
 TEST(ConnectTrees, ExtentCountsTurnsUpToHalfOnes) {
   // Two numbers from -2 to 2, and one of them a slide.
   EXPECT_NEAR(usefulExtent(square()), std::sqrt(32.0), 1e-12);

@@ -1,4 +1,4 @@
-#include "planner/objective/distance_gradient.h"
+#include "planner/contact/distance_gradient.h"
 
 #include <algorithm>
 #include <cmath>

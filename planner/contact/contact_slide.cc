@@ -1,0 +1,140 @@
+#include "planner/contact/contact_slide.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "planner/base/tolerances.h"
+
+namespace leeway::planner {
+namespace {
+
+/// Edges that a slide tries in all, and in a row without success; each of these halves the step.
+constexpr int kSlideEdges = 40;
+constexpr int kSlideMisses = 5;
+/// Contacts that are known at a time, and sweeps over them when a step is made.
+constexpr std::size_t kSlideContacts = 6;
+constexpr int kSlideSweeps = 12;
+/// How often the way to a contact is halved in search of a place just before it.
+constexpr int kSlideHalvings = 6;
+/// The room that is kept from contacts [m], as a share of the range: less makes edges dear, more
+/// keeps out of narrow places.
+constexpr double kSlideRoom = 0.01;
+/// What a step must gain, as a share of its length, or the slide is at its end.
+constexpr double kSlideGain = 0.02;
+
+}  // namespace
+
+ContactSlide::ContactSlide(EdgeCertifier& certifier, const Edge& check, double range)
+    : certifier_(certifier),
+      scene_(certifier.scene()),
+      space_(scene_.space()),
+      check_(check),
+      range_(range),
+      gradients_(scene_),
+      inverse_(static_cast<std::size_t>(space_.size())) {
+  for (const ConfigurationSpace::Part& part : space_.parts())
+    for (int k = 0; k < (part.kind == ConfigurationSpace::Kind::kRotation ? 3 : 1); ++k)
+      inverse_[static_cast<std::size_t>(part.first + k)] = 1 / (part.weight * part.weight);
+  for (std::vector<double>* point : {&at_, &next_, &place_, &step_, &moved_})
+    point->resize(inverse_.size());
+}
+
+/// The nearest step that nears no contact more than it may: Hildreth's method, a sweep over the
+/// contacts at a time.
+void ContactSlide::project(std::span<double> step) const {
+  double multiplier[kSlideContacts] = {};
+  for (int sweep = 0; sweep < kSlideSweeps; ++sweep)
+    for (std::size_t c = 0; c < contacts_.size(); ++c) {
+      const Contact& contact = contacts_[c];
+      double change = contact.least, squared = 0;
+      for (std::size_t i = 0; i < step.size(); ++i) {
+        change -= contact.gradient[i] * step[i];
+        squared += contact.gradient[i] * contact.gradient[i] * inverse_[i];
+      }
+      change = std::max(change / squared, -multiplier[c]);
+      multiplier[c] += change;
+      for (std::size_t i = 0; i < step.size(); ++i)
+        step[i] += change * contact.gradient[i] * inverse_[i];
+    }
+}
+
+/// Adds what is met between two points, at t; false where nothing is learnt of it.
+bool ContactSlide::meet(std::span<const double> from, std::span<const double> to, double t) {
+  double free = 0, met = t;
+  for (int i = 0; i < kSlideHalvings; ++i) {
+    const double middle = (free + met) / 2;
+    space_.interpolate(from, to, middle, place_);
+    (certifier_.decide(place_) == Verdict::kFree ? free : met) = middle;
+  }
+  space_.interpolate(from, to, free, place_);
+  const StateCheck state = certifier_.clearance(place_, kClearanceTolerance);
+  if (state.pair < 0) return false;
+  EdgeClearance found;
+  found.clearance = state.clearance;
+  found.pair = state.pair;
+  found.closest = state.closest;
+  const std::span<const double> gradient = gradients_.find(place_, found, scene_);
+  double squared = 0;
+  for (std::size_t i = 0; i < gradient.size(); ++i)
+    squared += gradient[i] * gradient[i] * inverse_[i];
+  if (!(squared > kLeastPushGradient)) return false;
+  const double room =
+      state.clearance.upper - scene_.scene().pairs()[static_cast<std::size_t>(state.pair)].margin;
+  contacts_.push_back({{gradient.begin(), gradient.end()}, kSlideRoom * range_ - room});
+  Contact& contact = contacts_.back();
+  space_.difference(from, place_, moved_);
+  for (std::size_t i = 0; i < moved_.size(); ++i) contact.least += contact.gradient[i] * moved_[i];
+  return true;
+}
+
+void ContactSlide::slide(std::span<const double> from, std::span<const double> target,
+                         std::vector<double>& points) {
+  at_.assign(from.begin(), from.end());
+  contacts_.clear();
+  double left = space_.distance(at_, target), length = range_;
+  int misses = 0;
+  std::size_t old = 0;  // contacts that were met from earlier places
+  for (int edges = 0; edges < kSlideEdges && left > 0 && misses < kSlideMisses; ++edges) {
+    space_.difference(at_, target, step_);
+    for (double& s : step_) s *= std::min(1.0, length / left);
+    project(step_);
+    space_.advance(at_, step_, 1, next_);
+    for (const ConfigurationSpace::Part& part : space_.parts())
+      if (part.kind == ConfigurationSpace::Kind::kLine) {
+        double& x = next_[static_cast<std::size_t>(part.first)];
+        x = std::clamp(x, space_.lower(part.first), space_.upper(part.first));
+      }
+    // Measured between the points, as limits hold some steps back.
+    const double next_left = space_.distance(next_, target);
+    if (!(left - next_left > kSlideGain * std::min(length, left))) {
+      // What was met from an earlier place may not be in the way any more.
+      if (old == 0) return;
+      contacts_.erase(contacts_.begin(), contacts_.begin() + static_cast<std::ptrdiff_t>(old));
+      old = 0;
+      continue;
+    }
+    const EdgeCheck check = check_(at_, next_);
+    if (check.verdict == Verdict::kFree) {
+      space_.difference(at_, next_, step_);
+      for (Contact& contact : contacts_)
+        for (std::size_t i = 0; i < step_.size(); ++i)
+          contact.least -= contact.gradient[i] * step_[i];
+      at_ = next_;
+      left = next_left;
+      points.insert(points.end(), at_.begin(), at_.end());
+      misses = 0;
+      old = contacts_.size();
+      length = std::min(2 * length, range_);
+      continue;
+    }
+    ++misses;
+    length /= 2;
+    if (contacts_.size() == kSlideContacts) {
+      contacts_.erase(contacts_.begin());
+      old -= old > 0;
+    }
+    if (!meet(at_, next_, check.t)) return;
+  }
+}
+
+}  // namespace leeway::planner
