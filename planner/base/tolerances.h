@@ -318,6 +318,26 @@ constexpr float kDomainRadius = 4;
 constexpr float kLeastDomain = 1;
 constexpr float kDomainRate = 1e-4F;
 
+/// Of the samples of a search with slides that share is drawn from where both trees are: a trap is
+/// a small part of its world, and so is a door. The part is larger by so many ranges on either
+/// side.
+constexpr double kBetweenShare = 0.5;
+constexpr double kBetweenMore = 0.1;
+
+/// Edges that a slide tries in all, and in a row without success; each of these halves the step.
+constexpr int kSlideEdges = 40;
+constexpr int kSlideMisses = 5;
+/// Contacts that are known at a time, and sweeps over them when a step is made.
+constexpr std::size_t kSlideContacts = 6;
+constexpr int kSlideSweeps = 12;
+/// How often the way to a contact is halved in search of a place just before it.
+constexpr int kSlideHalvings = 6;
+/// The room that is kept from contacts [m], as a share of the range: less makes edges dear, more
+/// keeps out of narrow places.
+constexpr double kSlideRoom = 0.01;
+/// What a step must gain, as a share of its length, or the slide is at its end.
+constexpr double kSlideGain = 0.02;
+
 /// Goals from which Connect's second tree grows when OMPL samples them.
 constexpr int kConnectGoals = 16;
 

@@ -15,12 +15,6 @@ constexpr float kUnlimited = std::numeric_limits<float>::infinity();
 /// Halvings of a sample's way into the ellipsoid of shorter paths.
 constexpr int kInformedHalvings = 10;
 
-/// Of the samples of a search with slides that share is drawn from where both trees are: a trap is
-/// a small part of its world, and so is a door. The part is larger by so many ranges on either
-/// side.
-constexpr double kBetweenShare = 0.5;
-constexpr double kBetweenMore = 0.1;
-
 /// Whether a number of a point is an angle.
 bool isAngle(const ConfigurationSpace& space, int i) {
   const robots::Model& model = space.model();
