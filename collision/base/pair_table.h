@@ -26,6 +26,13 @@ class PairTable {
     if (place.pair != pair) place = {pair, T()};
     return place.value;
   }
+  /// The same; make(pair) is the new value.
+  template <class Make>
+  T& of(std::int32_t pair, const Make& make) {
+    Place& place = places_[indexOf(pair)];
+    if (place.pair != pair) place = {pair, make(pair)};
+    return place.value;
+  }
   /// The value of a pair; null: nothing is known of it.
   const T* find(std::int32_t pair) const {
     const Place& place = places_[indexOf(pair)];

@@ -499,6 +499,12 @@ inline constexpr float kLaneTouching = 1e-4F;
 /// How near to the widest gap LaneSweep searches planes [m]: chords and radii leave more open.
 inline constexpr double kLanePlaneTolerance = 5e-4;
 
+// Scenes with runs of pairs (scene_query.cc)
+
+/// How far beyond the margins decide() looks, and clearance() at first [m]: farther costs looks, and
+/// nearer says less of what is free.
+inline constexpr double kDecideReach = 0.1;
+
 // Deforming meshes (deformable.cc, probe.cc)
 
 /// Triangles below which the hybrid strategy leaves nodes to the queries, where the caller does not

@@ -11,6 +11,7 @@
 #include <hwy/highway.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -40,7 +41,7 @@ class BallPass {
     ++scratch_.stamp;
     for (const Scratch::PastContact& last : scratch_.contacts) {
       if (last.pair < 0) break;
-      const Sweep::Pair& pair = s_.pairs[size(last.pair)];
+      const Sweep::Pair& pair = kernel_.pair(last.pair);
       std::int32_t point = last.point;
       const std::uint32_t lanes = point < 0
                                       ? contact(pair, kAll)
@@ -53,7 +54,7 @@ class BallPass {
   /// A contact of one pair by balls and all points.
   HWY_INLINE LaneSweepKernel::Contact one(std::int32_t number) {
     ++scratch_.stamp;
-    const Sweep::Pair& pair = s_.pairs[size(number)];
+    const Sweep::Pair& pair = kernel_.pair(number);
     const std::uint32_t by_balls = contact(pair, kAll);
     if (by_balls != 0) return kernel_.noteContact(number, -1, by_balls);
     const Sweep::LanePiece& a = s_.pieces[size(pair.a)];
@@ -69,7 +70,7 @@ class BallPass {
   /// near: for each pair of parts, the lanes of `lanes` in which their balls are not proven to keep
   /// the threshold.
   HWY_INLINE void nearParts(std::int32_t number, std::uint32_t lanes, std::uint32_t* near) {
-    const Sweep::Pair& whole = s_.pairs[size(number)];
+    const Sweep::Pair& whole = kernel_.pair(number);
     const float fixed = requiredGap(whole, whole.cover_above);
     const Sweep::Range of_a = s_.partsOfA(whole), of_b = s_.partsOfB(whole);
     for (int a = of_a.begin; a < of_a.end; ++a) {
@@ -95,6 +96,7 @@ class BallPass {
     scratch_.open.clear();
     scratch_.open_pairs.clear();
     scratch_.candidates.clear();
+    scratch_.is_full = false;
     placeOuter();
     cull();
     std::sort(scratch_.candidates.begin(), scratch_.candidates.end(),
@@ -104,14 +106,14 @@ class BallPass {
     // Inner balls before covers for obstacles: a contact with one is usually deep. Pairs of pieces
     // usually miss: the other way round, below.
     for (const Scratch::Candidate& c : scratch_.candidates) {
-      const Sweep::Pair& pair = s_.pairs[size(c.pair)];
+      const Sweep::Pair& pair = kernel_.pair(c.pair);
       const Sweep::LanePiece& a = s_.pieces[size(pair.a)];
       if (pair.pieces || !(c.key <= a.inner_reach - a.outer.radius)) continue;
       const std::uint32_t lanes = contact(pair, c.lanes);
       if (lanes != 0) return kernel_.noteContact(c.pair, -1, lanes);
     }
     for (const Scratch::Candidate& c : scratch_.candidates) {
-      const Sweep::Pair& pair = s_.pairs[size(c.pair)];
+      const Sweep::Pair& pair = kernel_.pair(c.pair);
       std::uint32_t open = c.lanes;
       // The plane that separated the pair last, in an earlier run, often does again.
       const Scratch::Plane* plane = scratch_.planes.find(c.pair);
@@ -170,18 +172,34 @@ class BallPass {
   }
 
   HWY_INLINE void cull() {
-    const auto levels = s_.boxes.levels();
-    for (std::size_t p = 0; p < s_.wholes && !levels.empty(); ++p)
-      if (s_.pieces[p].row >= 0) cullBoxes(p, levels.size() - 1, 0, levels.back().size());
+    const auto levels = s_.boxes->levels();
+    for (std::size_t p = 0; p < s_.wholes && !levels.empty(); ++p) {
+      if (s_.pieces[p].row < 0) continue;
+      const float *low = &scratch_.low[3 * p], *high = &scratch_.high[3 * p];
+      float grown_low[3], grown_high[3];
+      if (s_.runs) {  // boxes are as they are, and not grown by thresholds
+        const float above = s_.pieces[p].row_above;
+        for (int k = 0; k < 3; ++k) {
+          grown_low[k] = low[k] - above;
+          grown_low[k] -= std::abs(grown_low[k]) * 0x1p-22f;  // rounded outwards
+          grown_high[k] = high[k] + above;
+          grown_high[k] += std::abs(grown_high[k]) * 0x1p-22f;
+        }
+        low = grown_low;
+        high = grown_high;
+      }
+      cullBoxes(p, low, high, levels.size() - 1, 0, levels.back().size());
+    }
+    for (const std::int32_t pair : s_.loose_pairs)
+      considerObstacle(size(kernel_.pair(pair).a), pair);
     for (const std::int32_t pair : s_.piece_pairs) considerPieces(pair);
   }
 
   /// Boxes [begin, end) of a level against that around a piece's sweep.
-  void cullBoxes(std::size_t p, std::size_t level, std::size_t begin, std::size_t end) {
+  void cullBoxes(std::size_t p, const float* low, const float* high, std::size_t level,
+                 std::size_t begin, std::size_t end) {
     const D d;
-    const ObstacleBoxes::Level& boxes = s_.boxes.levels()[level];
-    const float* low = &scratch_.low[3 * p];
-    const float* high = &scratch_.high[3 * p];
+    const ObstacleBoxes::Level& boxes = s_.boxes->levels()[level];
     end = std::min(end, boxes.size());  // NaN meets nodes that are padding, too
     for (std::size_t i = begin; i < end; i += hn::Lanes(d)) {
       M apart = hn::Lt(hn::Set(d, high[0]), hn::LoadU(d, boxes.low[0].data() + i));
@@ -194,7 +212,8 @@ class BallPass {
       for (std::size_t j = i; near != 0; near >>= 1U, ++j) {
         if ((near & 1U) == 0) continue;
         if (level > 0)
-          cullBoxes(p, level - 1, ObstacleBoxes::kWidth * j, ObstacleBoxes::kWidth * (j + 1));
+          cullBoxes(p, low, high, level - 1, ObstacleBoxes::kWidth * j,
+                    ObstacleBoxes::kWidth * (j + 1));
         else
           considerObstacle(p, s_.pairOf(s_.pieces[p], j));
       }
@@ -203,18 +222,18 @@ class BallPass {
 
   HWY_INLINE void considerObstacle(std::size_t p, std::int32_t number) {
     if (number < 0) return;
-    const Sweep::Pair& pair = s_.pairs[size(number)];
+    const Sweep::Pair& pair = kernel_.pair(number);
     const Sweep::Obstacle& o = s_.obstacles[size(pair.b)];
     const Sweep::LanePiece& piece = s_.pieces[p];
     const float above = requiredGap(pair) + piece.outer.radius;
     float key;
     const std::uint32_t lanes = openToObstacle<kStill>(o, scratch_.outer[p], above, kAll, &key);
-    if (lanes != 0) scratch_.candidates.push_back({key - above, number, lanes});
+    if (lanes != 0) addCandidate({key - above, number, lanes});
     scratch_.work->add(kLaneBallWork);
   }
 
   HWY_INLINE void considerPieces(std::int32_t number) {
-    const Sweep::Pair& pair = s_.pairs[size(number)];
+    const Sweep::Pair& pair = kernel_.pair(number);
     const std::size_t a = size(pair.a), b = size(pair.b);
     for (std::size_t k = 0; k < 3; ++k)
       if (scratch_.low[3 * a + k] - scratch_.high[3 * b + k] > pair.free_above ||
@@ -225,7 +244,15 @@ class BallPass {
     const std::uint32_t lanes =
         openToBall<kStill>(scratch_.outer[a], scratch_.outer[b], above, kAll, &key);
     scratch_.work->add(kLaneBallWork);
-    if (lanes != 0) scratch_.candidates.push_back({key - above, number, lanes});
+    if (lanes != 0) addCandidate({key - above, number, lanes});
+  }
+
+  /// Of what is listed there is room for all.
+  HWY_INLINE void addCandidate(const Scratch::Candidate& candidate) {
+    if (scratch_.candidates.size() < scratch_.candidates.capacity())
+      scratch_.candidates.push_back(candidate);
+    else
+      scratch_.is_full = true;
   }
 
   /// What a pair's separation must exceed besides the radii of pieces.

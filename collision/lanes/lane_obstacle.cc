@@ -1,6 +1,7 @@
 // Obstacles of a LaneSweep: cores in single precision.
 
 #include <Eigen/Geometry>
+#include <algorithm>
 
 #include "collision/base/rounding.h"
 #include "collision/base/tolerances.h"
@@ -79,6 +80,17 @@ LaneSweep::Impl::Obstacle LaneSweep::Impl::obstacleOf(const Shape& shape, const 
   }
   o.has_view = shape.type() != ShapeType::kDeformable && shape.type() != ShapeType::kHalfSpace;
   return o;
+}
+
+ObstacleBoxes::Box LaneSweep::boxAround(const Shape& shape, const Pose& X_WG) {
+  const Impl::Obstacle o = Impl::obstacleOf(shape, X_WG);
+  const double rounding = kTransferRounding * (X_WG.translation.lpNorm<1>() + o.scale);
+  ObstacleBoxes::Box box;
+  for (int k = 0; k < 3; ++k) {
+    box.low[k] = std::max(floatBelow(o.low[k] - rounding), -kFar);
+    box.high[k] = std::min(floatAbove(o.high[k] + rounding), kFar);
+  }
+  return box;
 }
 
 // A part of a mesh: its hull, grown by how far the part stands out of it.

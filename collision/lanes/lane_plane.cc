@@ -35,7 +35,7 @@ LaneSweep::Contact LaneSweepKernel::noteContact(std::int32_t pair, std::int32_t 
     std::swap(contact, previous);
     if (previous.pair == pair || previous.pair < 0) break;
   }
-  return {sweep.pairs[at(pair)].id, std::countr_zero(lanes)};
+  return {sweep.runs ? pair : sweep.pairs[at(pair)].id, std::countr_zero(lanes)};
 }
 
 bool LaneSweepKernel::findPlane(const Sweep::Pair& pair, int lane, bool closely,

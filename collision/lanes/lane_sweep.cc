@@ -110,19 +110,47 @@ int LaneSweep::addObstacle(const Shape& shape, const Pose& X_WG) {
 
 void LaneSweep::addPair(int id, int piece, int obstacle, int balls, double threshold,
                         bool by_parts) {
-  const Impl::LanePiece& a = impl_->pieces[at(piece)];
-  const double rounding = kLaneSweepRounding * (a.reach + static_cast<double>(a.outer.radius) +
-                                                impl_->obstacles[at(obstacle)].scale);
-  const Impl::Obstacle& o = impl_->obstacles[at(obstacle)];
-  const bool points = a.frame >= 0 && a.points.begin < a.points.end;
-  const bool deforms = o.shape.type() == ShapeType::kDeformable;
-  impl_->pairs.push_back({id, piece, obstacle, balls, a.motion, false,
-                          floatAbove(threshold + rounding), floatBelow(threshold - rounding),
-                          floatAbove(std::max(threshold, 0.0) + rounding),
-                          points && o.has_view ? planeAbove(threshold, rounding) : -1.0F,
-                          points && !deforms ? ownPlaneAbove(threshold, rounding) : -1.0F,
-                          by_parts && points && !deforms});
+  impl_->pairs.push_back(impl_->pairWith(id, piece, obstacle, balls, threshold, by_parts));
 }
+
+LaneSweep::Impl::Pair LaneSweep::Impl::pairWith(int id, int piece, int obstacle, int balls_of,
+                                                double threshold, bool by_parts) const {
+  const LanePiece& a = pieces[at(piece)];
+  const Obstacle& o = obstacles[at(obstacle)];
+  const double rounding =
+      kLaneSweepRounding * (a.reach + static_cast<double>(a.outer.radius) + o.scale);
+  const bool has_points = a.frame >= 0 && a.points.begin < a.points.end;
+  const bool deforms = o.shape.type() == ShapeType::kDeformable;
+  return {id, piece, obstacle, balls_of, a.motion, false,
+          floatAbove(threshold + rounding), floatBelow(threshold - rounding),
+          floatAbove(std::max(threshold, 0.0) + rounding),
+          has_points && o.has_view ? planeAbove(threshold, rounding) : -1.0F,
+          has_points && !deforms ? ownPlaneAbove(threshold, rounding) : -1.0F,
+          by_parts && has_points && !deforms};
+}
+
+LaneSweep::Impl::Pair LaneSweep::Impl::ofRuns(std::int32_t id) const {
+  const LaneRuns::Pair of = runs->pairOf(id);
+  if (of.added >= 0) return pairs[at(of.added)];
+  const int obstacle = first_obstacle + of.place;
+  Pair pair = pairWith(id, rows[at(of.row)].piece, obstacle, obstacles[at(obstacle)].balls,
+                       of.threshold, of.by_parts);
+  setParts(pair);
+  pair.number_with_parts = id;
+  return pair;
+}
+
+void LaneSweep::setRuns(std::shared_ptr<const LaneRuns> runs, std::span<const Row> rows,
+                        int first_obstacle, std::shared_ptr<const ObstacleBoxes> boxes,
+                        std::size_t count) {
+  impl_->runs = std::move(runs);
+  impl_->rows.assign(rows.begin(), rows.end());
+  impl_->first_obstacle = first_obstacle;
+  impl_->boxes = std::move(boxes);
+  impl_->numbers = count;
+}
+
+void LaneSweep::setBalls(int obstacle, int balls) { impl_->obstacles[at(obstacle)].balls = balls; }
 
 void LaneSweep::addPiecePair(int id, int a, int b, int motion, double threshold, bool by_parts) {
   const Impl::LanePiece &x = impl_->pieces[at(a)], &y = impl_->pieces[at(b)];
@@ -141,7 +169,8 @@ void LaneSweep::addPiecePair(int id, int a, int b, int motion, double threshold,
 void LaneSweep::reservePairs(std::size_t count) { impl_->pairs.reserve(count); }
 
 bool LaneSweep::canMeet(int pair) const {
-  const Impl::Pair& p = impl_->pairs[static_cast<std::size_t>(pair)];
+  const Impl::Pair p =
+      impl_->runs ? impl_->ofRuns(pair) : impl_->pairs[static_cast<std::size_t>(pair)];
   const auto piece = [&](int i) -> const Impl::LanePiece& {
     return impl_->pieces[static_cast<std::size_t>(i)];
   };
@@ -234,13 +263,18 @@ void LaneSweep::Impl::addParts() {
   std::move(obstacle_parts.begin(), obstacle_parts.end(), std::back_inserter(obstacles));
   obstacle_parts.clear();
   for (Pair& pair : pairs) {
-    if (!pair.by_parts) continue;
-    const int count = partsOfA(pair).size() * partsOfB(pair).size();
-    if (count == 1 || count > kMostPartPairs) continue;
-    pair.parts = count;
-    pair.number_with_parts = static_cast<int>(pairs_with_parts++);
-    most_parts = std::max(most_parts, at(count));
+    setParts(pair);
+    if (pair.parts == 0) continue;
+    pair.number_with_parts = runs ? pair.id : static_cast<int>(pairs_with_parts);
+    ++pairs_with_parts;
+    most_parts = std::max(most_parts, at(pair.parts));
   }
+}
+
+void LaneSweep::Impl::setParts(Pair& pair) const {
+  if (!pair.by_parts) return;
+  const int count = partsOfA(pair).size() * partsOfB(pair).size();
+  if (count > 1 && count <= kMostPartPairs) pair.parts = count;
 }
 
 void LaneSweep::Impl::makeViews(std::vector<LanePiece>& of) const {
@@ -262,17 +296,46 @@ void LaneSweep::Impl::finish() {
   for (int k = 0; k < 3; ++k) point[k] = stock->point[k].data();
   nearest_fine = stock->nearest_fine.data();
   clusters = stock->clusters.data();
-  findObstacles();
+  if (runs)
+    findRuns();
+  else
+    findObstacles();
+}
+
+void LaneSweep::Impl::findRuns() {
+  for (std::int32_t& number : piece_pairs) number = pairs[at(number)].id;
+  for (const Pair& pair : pairs)
+    if (!pair.pieces) loose_pairs.push_back(pair.id);
+  double scale = 0;
+  std::size_t most_of_obstacles = 1, most_of_pieces = 1;
+  for (std::size_t o = at(first_obstacle); o < whole_obstacles; ++o) {
+    scale = std::max(scale, obstacles[o].scale);
+    most_of_obstacles = std::max(
+        most_of_obstacles, at(partsOf(obstacles, static_cast<int>(o)).size()));
+  }
+  for (std::size_t row = 0; row < rows.size(); ++row) {
+    LanePiece& piece = pieces[at(rows[row].piece)];
+    piece.row = static_cast<std::int32_t>(row);
+    // As pairWith() has it. What is never kept is near everything.
+    const double above =
+        rows[row].most_threshold +
+        kLaneSweepRounding * (piece.reach + static_cast<double>(piece.outer.radius) + scale);
+    piece.row_above = std::isnan(above) ? std::numeric_limits<float>::infinity() : floatAbove(above);
+    most_of_pieces = std::max(most_of_pieces, at(partsOf(pieces, rows[row].piece).size()));
+  }
+  if (most_of_obstacles * most_of_pieces == 1) return;
+  pairs_with_parts = std::max(pairs_with_parts, numbers);
+  most_parts = std::max(most_parts, std::min(most_of_obstacles * most_of_pieces, at(kMostPartPairs)));
 }
 
 // Boxes are rounded outwards; comparing them rounds by less than the pair's own rounding, which
 // free_above has.
 void LaneSweep::Impl::findObstacles() {
-  std::int32_t rows = 0;
+  std::int32_t rows_used = 0;
   std::vector<double> grown(whole_obstacles, 0.0);
   for (const Pair& pair : pairs) {
     if (pair.pieces) continue;
-    if (pieces[at(pair.a)].row < 0) pieces[at(pair.a)].row = rows++;
+    if (pieces[at(pair.a)].row < 0) pieces[at(pair.a)].row = rows_used++;
     // A threshold of NaN is never kept: such an obstacle is near everything.
     double& g = grown[at(pair.b)];
     g = std::isnan(pair.free_above) ? std::numeric_limits<double>::infinity()
@@ -284,15 +347,15 @@ void LaneSweep::Impl::findObstacles() {
       grown_boxes[i].low[k] = std::max(floatBelow(obstacles[i].low[k] - grown[i]), -kFar);
       grown_boxes[i].high[k] = std::min(floatAbove(obstacles[i].high[k] + grown[i]), kFar);
     }
-  boxes = ObstacleBoxes(grown_boxes);
+  boxes = std::make_shared<const ObstacleBoxes>(grown_boxes);
   std::vector<std::size_t> slot_of(whole_obstacles);
-  for (std::size_t slot = 0; slot < boxes.slots(); ++slot)
-    if (boxes.obstacle(slot) >= 0) slot_of[at(boxes.obstacle(slot))] = slot;
-  pair_of.assign(at(rows) * boxes.slots(), -1);
+  for (std::size_t slot = 0; slot < boxes->slots(); ++slot)
+    if (boxes->obstacle(slot) >= 0) slot_of[at(boxes->obstacle(slot))] = slot;
+  pair_of.assign(at(rows_used) * boxes->slots(), -1);
   for (std::size_t p = 0; p < pairs.size(); ++p) {
     const Pair& pair = pairs[p];
     if (pair.pieces) continue;
-    pair_of[at(pieces[at(pair.a)].row) * boxes.slots() + slot_of[at(pair.b)]] =
+    pair_of[at(pieces[at(pair.a)].row) * boxes->slots() + slot_of[at(pair.b)]] =
         static_cast<std::int32_t>(p);
   }
 }
@@ -303,7 +366,7 @@ void LaneSweep::nearPairs(int piece, const Eigen::Vector3d& low, const Eigen::Ve
   if (of.row < 0) return;
   ObstacleBoxes::Box box;
   for (int k = 0; k < 3; ++k) box.low[k] = floatBelow(low[k]), box.high[k] = floatAbove(high[k]);
-  impl_->boxes.forEachNear(box, [&](std::size_t slot) {
+  impl_->boxes->forEachNear(box, [&](std::size_t slot) {
     const std::int32_t pair = impl_->pairOf(of, slot);
     if (pair >= 0) ids.push_back(impl_->pairs[at(pair)].id);
   });
@@ -315,7 +378,7 @@ std::size_t LaneSweep::bytes() const {
          impl_->stock->points.size() *
              (sizeof(Eigen::Vector3d) + 3 * sizeof(float) + sizeof(std::int32_t)) +
          impl_->stock->clusters.size() * sizeof(Impl::Cluster) +
-         impl_->obstacles.size() * sizeof(Impl::Obstacle) + impl_->boxes.bytes() +
+         impl_->obstacles.size() * sizeof(Impl::Obstacle) + (impl_->boxes ? impl_->boxes->bytes() : 0) +
          impl_->pairs.size() * sizeof(Impl::Pair) + impl_->pair_of.size() * sizeof(std::int32_t);
 }
 

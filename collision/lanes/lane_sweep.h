@@ -11,8 +11,25 @@
 #include "collision/cover/coarse_shape.h"
 #include "collision/cover/point_cover.h"
 #include "collision/lanes/lane_frames.h"
+#include "collision/lanes/obstacle_boxes.h"
 
 namespace leeway::collision {
+
+/// Pairs of pieces with obstacles that are too many to be listed: told from their numbers. Rows are
+/// pieces, places are obstacles. Constant.
+class LaneRuns {
+ public:
+  virtual ~LaneRuns() = default;
+  struct Pair {
+    int added = -1;  ///< its number in the order of addition; -1: it is of a row and place
+    int row = -1, place = -1;
+    double threshold = 0;  ///< [m]
+    bool by_parts = true;
+  };
+  virtual Pair pairOf(int id) const = 0;
+  /// The id of a row's pair with the obstacle in a place; -1: there is none.
+  virtual int idOf(int row, int place) const = 0;
+};
 
 /// The coarse pass of edge certification: moving pieces against each other and against obstacles
 /// that stand still, over kLanes intervals of one motion at once. Constant once built.
@@ -52,6 +69,8 @@ class LaneSweep {
   /// A shape that stands still: spheres, capsules, boxes, cylinders and half-spaces as they are, a
   /// cone as a cylinder, all else as a box around it. O(vertices).
   int addObstacle(const Shape& shape, const Pose& X_WG);
+  /// Around such a shape in the world, rounding included.
+  static ObstacleBoxes::Box boxAround(const Shape& shape, const Pose& X_WG);
   /// Piece and obstacle must keep a separation above `threshold` [m]; answers name the pair by
   /// `id`. `balls`: a piece of the world whose balls hold the obstacle, too, or -1; they may settle
   /// lanes that the obstacle's box leaves open. `by_parts`: convex parts may settle them, too.
@@ -59,6 +78,19 @@ class LaneSweep {
   void reservePairs(std::size_t count);
   /// addPair() of two pieces; `motion` is that of A's points, seen from B's frame.
   void addPiecePair(int id, int a, int b, int motion, double threshold, bool by_parts = true);
+  /// Pairs of each row's piece with the obstacles from `first_obstacle` on, which stand in the order
+  /// of their places and in `boxes`. Numbers of pairs in the order of addition are ids from now on,
+  /// of which there are `count`; listed ones with obstacles should be few.
+  struct Row {
+    int piece;
+    double most_threshold;  ///< of its pairs, at least 0; NaN where one is [m]
+  };
+  void setRuns(std::shared_ptr<const LaneRuns> runs, std::span<const Row> rows, int first_obstacle,
+               std::shared_ptr<const ObstacleBoxes> boxes, std::size_t count);
+  /// See addPair(): for pairs in runs.
+  void setBalls(int obstacle, int balls);
+  /// Pairs that a pass has room for, where there are runs [count].
+  static constexpr std::size_t kMostNear = std::size_t{1} << 16U;
   /// Before a sweep is copied: what finish() makes of its pieces alone is made once, here.
   /// O(points).
   void finishPieces();
@@ -66,8 +98,8 @@ class LaneSweep {
   void finish();
   std::size_t bytes() const;
   /// Appends the ids of the pairs of a piece with obstacles that may not keep their thresholds,
-  /// where all of the piece is between `low` and `high` in the world [m]. Allocates only where
-  /// `ids` has no room. A descent of the obstacles' boxes: O(obstacles) at worst.
+  /// where all of the piece is between `low` and `high` in the world [m]; not of runs. Allocates
+  /// only where `ids` has no room. A descent of the obstacles' boxes: O(obstacles) at worst.
   void nearPairs(int piece, const Eigen::Vector3d& low, const Eigen::Vector3d& high,
                  std::vector<int>& ids) const;
 
@@ -92,6 +124,8 @@ class LaneSweep {
     ~Scratch();
     /// What the last run did not certify, where it found no contact.
     std::span<const Open> open() const;
+    /// More than kMostNear pairs were near in the last pass over all: nothing is known of some.
+    bool isFull() const;
     /// After run(): takes away, for each open() pair, lanes that the caller knows to be free; pairs
     /// without a lane left are no longer open. O(open pairs).
     void close(std::span<const std::uint32_t> lanes);

@@ -41,6 +41,7 @@ struct LaneSweep::Impl {
     bool has_view = false;
     Eigen::Vector3d low, high;           // in the world
     int parts_begin = 0, parts_end = 0;  // indices into obstacles
+    int balls = -1;                      // Pair::balls, of pairs in runs
   };
   struct LaneBall {
     float center[3], radius;
@@ -50,7 +51,8 @@ struct LaneSweep::Impl {
     LaneBall outer;
     int cover, inner, end;  // balls [cover, inner) and [inner, end)
     double reach;
-    std::int32_t row = -1;  // of pair_of; -1: it meets no obstacle
+    std::int32_t row = -1;  // of pair_of or runs; -1: it meets no obstacle
+    float row_above = 0;    // of runs: the greatest free_above of its pairs
     float inner_reach = 0;  // inner balls are within this of outer's centre [m]
     // Points whose hull, grown by a radius, holds the piece: `points` a few, `fine` more, with a
     // smaller radius. Both may be the same.
@@ -138,12 +140,25 @@ struct LaneSweep::Impl {
   std::vector<Pair> pairs;                           // of wholes
   std::size_t pairs_with_parts = 0, most_parts = 0;  // how many, and the largest Pair::parts
   std::vector<std::int32_t> piece_pairs;             // indices into pairs
-  ObstacleBoxes boxes;  // grown by the largest threshold of any pair of the obstacle
+  // Grown by the largest threshold of any pair of the obstacle; of runs as they are.
+  std::shared_ptr<const ObstacleBoxes> boxes;
   // The pair of a piece with the obstacle in a slot of `boxes`; -1: none.
   std::vector<std::int32_t> pair_of;
   std::int32_t pairOf(const LanePiece& piece, std::size_t slot) const {
-    return pair_of[static_cast<std::size_t>(piece.row) * boxes.slots() + slot];
+    if (!runs) return pair_of[static_cast<std::size_t>(piece.row) * boxes->slots() + slot];
+    const std::int32_t place = boxes->obstacle(slot);
+    return place < 0 ? -1 : runs->idOf(piece.row, place);
   }
+  // Runs, null where all pairs are listed. With them pairs are numbered by their ids.
+  std::shared_ptr<const LaneRuns> runs;
+  std::vector<Row> rows;
+  int first_obstacle = 0;
+  std::size_t numbers = 0;                 // how many
+  std::vector<std::int32_t> loose_pairs;  // with obstacles, in no run
+  Pair ofRuns(std::int32_t id) const;
+  Pair pairWith(int id, int piece, int obstacle, int balls, double threshold, bool by_parts) const;
+  void setParts(Pair& pair) const;
+  void findRuns();
   static Obstacle obstacleOf(const Shape& shape, const Pose& X_WG);
   static Obstacle partOf(const CoverPart& part, const Pose& X_WG);
   void finish();
@@ -170,6 +185,8 @@ struct LaneSweep::Scratch::Impl {
   std::vector<std::uint64_t> cover_stamp, inner_stamp, part_stamp;
   std::vector<float> low, high;  // boxes around pieces' sweeps, three numbers each
   std::vector<Candidate> candidates;
+  bool is_full = false;
+  PairTable<LaneSweep::Impl::Pair> known;  // of runs
   std::vector<Open> open;
   std::vector<std::int32_t> open_pairs;  // indices into pairs, one for each of `open`
   /// A plane in B's frame, its normal from B to A: nothing of B is beyond `offset` along it.
@@ -228,6 +245,11 @@ struct LaneSweepKernel {
   const float* growth;
   float slack;
 
+  /// Of runs, until the next one is asked.
+  const Sweep::Pair& pair(std::int32_t number) const {
+    if (!sweep.runs) return sweep.pairs[static_cast<std::size_t>(number)];
+    return scratch.known.of(number, [this](std::int32_t id) { return sweep.ofRuns(id); });
+  }
   /// Remembers a contact and returns it, in the first of `lanes`.
   Contact noteContact(std::int32_t pair, std::int32_t point, std::uint32_t lanes) const;
   /// A plane between the pair's bodies in the middle of a lane's interval; false where they are not

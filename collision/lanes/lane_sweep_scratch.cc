@@ -24,12 +24,15 @@ LaneSweep::Scratch::Scratch(const LaneSweep& sweep) : impl_(std::make_unique<Imp
   impl_->part_stamp.resize(s.pieces.size());
   impl_->low.resize(3 * s.pieces.size());
   impl_->high.resize(3 * s.pieces.size());
-  impl_->candidates.reserve(s.pairs.size());
-  impl_->open.reserve(s.pairs.size());
-  impl_->open_pairs.reserve(s.pairs.size());
-  impl_->planes.resize(s.pairs.size());
-  impl_->searches.resize(s.pairs.size());
-  impl_->part_hints.resize(s.pairs.size());
+  const std::size_t numbers = s.runs ? s.numbers : s.pairs.size();
+  const std::size_t most = s.runs ? std::min(numbers, kMostNear) : numbers;
+  impl_->candidates.reserve(most);
+  impl_->open.reserve(most);
+  impl_->open_pairs.reserve(most);
+  impl_->planes.resize(numbers);
+  impl_->searches.resize(numbers);
+  impl_->part_hints.resize(numbers);
+  if (s.runs) impl_->known.resize(numbers);
   impl_->part_owners.assign(std::min(s.pairs_with_parts, Impl::kPartBlocks), -1);
   impl_->part_memory = std::make_unique_for_overwrite<std::byte[]>(
       impl_->part_owners.size() * s.most_parts * sizeof(Impl::PartMemory));
@@ -64,6 +67,8 @@ LaneSweep::Scratch::Impl::PartMemory* LaneSweep::Scratch::Impl::partsOf(
   }
   return std::launder(reinterpret_cast<PartMemory*>(room));
 }
+
+bool LaneSweep::Scratch::isFull() const { return impl_->is_full; }
 
 std::span<const LaneSweep::Open> LaneSweep::Scratch::open() const { return impl_->open; }
 

@@ -162,7 +162,7 @@ LaneSweepKernel::Separation LaneSweepKernel::separateParts(const Sweep::Pair& pa
 LaneSweepKernel::Separation LaneSweepKernel::separateByParts(std::int32_t number,
                                                              std::uint32_t lanes,
                                                              bool closely) const {
-  const Sweep::Pair& pair = sweep.pairs[static_cast<std::size_t>(number)];
+  const Sweep::Pair& pair = this->pair(number);
   const Sweep::Range a = sweep.partsOfA(pair), b = sweep.partsOfB(pair);
   Scratch::PartMemory* const memory = scratch.partsOf(pair, sweep.most_parts);
   Sweep::Pair of_parts = pair;
@@ -195,7 +195,7 @@ LaneSweepKernel::Separation LaneSweepKernel::separateByParts(std::int32_t number
 LaneSweep::Contact LaneSweepKernel::contactOfOpen() const {
   for (std::size_t i = 0; i < scratch.open.size(); ++i) {
     const std::int32_t number = scratch.open_pairs[i];
-    const Sweep::Pair& pair = sweep.pairs[static_cast<std::size_t>(number)];
+    const Sweep::Pair& pair = this->pair(number);
     std::int32_t point = -1;
     const std::uint32_t met = HWY_DYNAMIC_DISPATCH(PointsInside)(
         *this, pair, sweep.pieces[static_cast<std::size_t>(pair.a)].points, scratch.open[i].lanes,
@@ -209,7 +209,7 @@ LaneSweep::Contact LaneSweepKernel::separateOpen(bool closely) const {
   std::size_t kept = 0;
   for (std::size_t i = 0; i < scratch.open.size(); ++i) {
     const std::int32_t number = scratch.open_pairs[i];
-    const Sweep::Pair& pair = sweep.pairs[static_cast<std::size_t>(number)];
+    const Sweep::Pair& pair = this->pair(number);
     const Sweep::LanePiece& a = sweep.pieces[static_cast<std::size_t>(pair.a)];
     std::uint32_t lanes = scratch.open[i].lanes;
     if (scratch.work->isSpent()) {
@@ -276,7 +276,7 @@ LaneSweep::Contact LaneSweep::runPairs(std::span<const Open> pairs,
   scratch.impl_->open.clear();
   scratch.impl_->open_pairs.clear();
   for (const auto& [number, lanes, apart] : pairs) {
-    const Impl::Pair& pair = impl_->pairs[static_cast<std::size_t>(number)];
+    const Impl::Pair& pair = kernel.pair(number);
     const Scratch::Impl::Plane* plane = scratch.impl_->planes.find(number);
     const std::uint32_t open = plane != nullptr && plane->known
                                    ? HWY_DYNAMIC_DISPATCH(SweepPlane)(kernel, pair, *plane, lanes)

@@ -3,7 +3,9 @@
 #include "leeway/collision/scene.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <span>
 #include <stdexcept>
@@ -12,12 +14,17 @@
 
 #include "collision/base/pose_check.h"
 #include "collision/base/tolerances.h"
+#include "collision/lanes/lane_sweep.h"
+#include "collision/lanes/obstacle_boxes.h"
 #include "collision/scene/scene_access.h"
 
 namespace leeway::collision {
 namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+/// What an int numbers, with room for pairs of what moves.
+constexpr std::size_t kMostNumbers = std::numeric_limits<int>::max() / 2;
 
 /// Bounds in frame F of a geometry whose body is placed in F by X_FB.
 GeometryBounds boundsOf(const Geometry& geometry, const Pose& X_FB) {
@@ -33,34 +40,94 @@ GeometryBounds boundsOf(const Geometry& geometry, const Pose& X_FB) {
 
 }  // namespace
 
-// Here because GeometryBounds is complete here only.
-Scene::Scene() = default;
+const std::shared_ptr<Scene::Things>& Scene::nothing() {
+  static const std::shared_ptr<Things> things = std::make_shared<Things>();
+  return things;
+}
+
+Scene::Scene() : things_(nothing()) {}
 Scene::~Scene() = default;
-Scene::Scene(const Scene&) = default;
-Scene& Scene::operator=(const Scene&) = default;
-Scene::Scene(Scene&&) noexcept = default;
-Scene& Scene::operator=(Scene&&) noexcept = default;
+
+Scene::Scene(const Scene& other)
+    : things_(other.things_), pairs_(other.pairs_), boxes_(other.boxes_) {
+  other.is_shared_.store(true, std::memory_order_relaxed);
+}
+
+Scene::Scene(Scene&& other) noexcept
+    : things_(std::exchange(other.things_, nothing())),
+      is_shared_(other.is_shared_.exchange(true, std::memory_order_relaxed)),
+      pairs_(std::exchange(other.pairs_, {})),
+      boxes_(std::move(other.boxes_)) {}
+
+Scene& Scene::operator=(const Scene& other) {
+  if (this != &other) *this = Scene(other);
+  return *this;
+}
+
+Scene& Scene::operator=(Scene&& other) noexcept {
+  things_ = std::exchange(other.things_, nothing());
+  is_shared_.store(other.is_shared_.exchange(true, std::memory_order_relaxed),
+                   std::memory_order_relaxed);
+  pairs_ = std::exchange(other.pairs_, {});
+  boxes_ = std::move(other.boxes_);
+  return *this;
+}
+
+Scene::Things& Scene::own() {
+  if (is_shared_.load(std::memory_order_relaxed)) {
+    things_ = std::make_shared<Things>(*things_);
+    is_shared_.store(false, std::memory_order_relaxed);
+  }
+  return *things_;
+}
 
 int Scene::find(const std::string& name) const {
-  for (std::size_t i = 0; i < bodies_.size(); ++i)
-    if (bodies_[i].name == name) return static_cast<int>(i);
+  for (std::size_t i = 0; i < bodies().size(); ++i)
+    if (bodies()[i].name == name) return static_cast<int>(i);
   return -1;
 }
 
+namespace {
+
+/// Around a geometry in the world, rounding included; everywhere, where that may change.
+ObstacleBoxes::Box boxOf(const Shape& shape, const Pose& X_WG) {
+  ObstacleBoxes::Box box = LaneSweep::boxAround(shape, X_WG);
+  if (shape.type() != ShapeType::kDeformable) return box;
+  std::fill_n(box.low, 3, -kFar);
+  std::fill_n(box.high, 3, kFar);
+  return box;
+}
+
+std::shared_ptr<const ObstacleBoxes> boxesAround(std::span<const Body> still, std::size_t count) {
+  std::vector<ObstacleBoxes::Box> boxes;
+  boxes.reserve(count);
+  for (const Body& body : still)
+    for (const Geometry& g : body.geometries) boxes.push_back(boxOf(g.shape, body.X_WB * g.X_BG));
+  return std::make_shared<const ObstacleBoxes>(boxes);
+}
+
+}  // namespace
+
 void Scene::setShape(int body, int geometry, const Shape& shape) {
-  Body& changed = bodies_[at(body)];
+  Things& things = own();
+  Body& changed = things.bodies[at(body)];
   Geometry& g = changed.geometries[at(geometry)];
+  const bool is_boxed =
+      pairs_.hasRuns() && body >= pairs_.firstStill() &&
+      !(g.shape.type() == ShapeType::kDeformable && shape.type() == ShapeType::kDeformable);
   g.shape = shape;
-  bounds_[at(SceneAccess::geometryIndex(*this, body, geometry))] =
+  things.bounds[at(SceneAccess::geometryIndex(*this, body, geometry))] =
       boundsOf(g, changed.moving ? Pose{} : changed.X_WB);
+  if (is_boxed) boxes_ = boxesAround(bodies().subspan(at(pairs_.firstStill())), pairs_.places());
 }
 
 void Scene::growMargins(int body, int geometry, double growth) {
   if (growth <= 0) return;
-  for (ScenePair& pair : pairs_)
-    if ((pair.body_a == body && pair.geometry_a == geometry) ||
-        (pair.body_b == body && pair.geometry_b == geometry))
-      pair.margin = std::max(pair.margin, 0.0) + growth;
+  const bool is_in_runs = pairs_.hasRuns() && body >= pairs_.firstStill();
+  const int first = is_in_runs ? things_->first_geometry[at(body)] -
+                                     things_->first_geometry[at(pairs_.firstStill())]
+                               : 0;
+  pairs_.grow(body, geometry, growth, at(first));
 }
 
 int SceneBuilder::add(Body body) {
@@ -92,18 +159,33 @@ void requirePose(const Pose& X, const std::string& body) {
 
 bool isHalfSpace(const Geometry& g) { return g.shape.type() == ShapeType::kHalfSpace; }
 
+[[noreturn]] void refuseHalfSpaces(const Body& a, const Body& b) {
+  throw std::invalid_argument("half-space of '" + a.name + "' with half-space of '" + b.name +
+                              "': two of them have no distance; a pair that may touch, or "
+                              "another shape for one of them is expected");
+}
+
+/// Of the pairs in runs.
+void requireNoHalfSpaces(std::span<const Body> bodies, const ScenePairs& pairs) {
+  for (std::size_t run = 0; run < pairs.runs().size(); ++run) {
+    const Body& a = bodies[at(pairs.runs()[run].body)];
+    if (!isHalfSpace(a.geometries[at(pairs.runs()[run].geometry)])) continue;
+    for (std::size_t p = pairs.runBegin(run); p < pairs.runBegin(run + 1); ++p) {
+      const ScenePair pair = pairs[p];
+      const Body& b = bodies[at(pair.body_b)];
+      if (isHalfSpace(b.geometries[at(pair.geometry_b)])) refuseHalfSpaces(a, b);
+    }
+  }
+}
+
 /// All pairs of geometries of two bodies, of which A moves.
 void addPairs(std::span<const Body> bodies, int a, int b, double margin,
               std::vector<ScenePair>& pairs) {
   const std::vector<Geometry>&of_a = bodies[at(a)].geometries, &of_b = bodies[at(b)].geometries;
   for (std::size_t g = 0; g < of_a.size(); ++g) {
     for (std::size_t h = 0; h < of_b.size(); ++h) {
-      if (isHalfSpace(of_a[g]) && isHalfSpace(of_b[h])) {
-        throw std::invalid_argument("half-space of '" + bodies[at(a)].name +
-                                    "' with half-space of '" + bodies[at(b)].name +
-                                    "': two of them have no distance; a pair that may touch, or "
-                                    "another shape for one of them is expected");
-      }
+      if (isHalfSpace(of_a[g]) && isHalfSpace(of_b[h]))
+        refuseHalfSpaces(bodies[at(a)], bodies[at(b)]);
       pairs.push_back({a, static_cast<std::int32_t>(g), b, static_cast<std::int32_t>(h), margin});
     }
   }
@@ -134,6 +216,12 @@ class Exceptions {
     const auto found = of_pair_.find(key(a, b));
     return found == of_pair_.end() ? nullptr : &found->second;
   }
+  /// Calls visit(a, b, exception) for all, a < b, in no order.
+  template <class Visit>
+  void forEach(const Visit& visit) const {
+    for (const auto& [key, exception] : of_pair_)
+      visit(static_cast<int>(key >> 32U), static_cast<int>(key & 0xffffffffU), exception);
+  }
 
  private:
   static std::uint64_t key(int a, int b) {
@@ -149,9 +237,8 @@ class Exceptions {
 };
 
 /// Pairs of geometries of which at least one moves and one is of a body from `added` on, at most.
-std::size_t mostPairs(const Scene& scene, int added, std::span<const int> moving) {
+std::size_t mostPairs(std::span<const Body> bodies, int added, std::span<const int> moving) {
   std::size_t all = 0, all_moving = 0, base = 0, base_moving = 0;
-  const std::span<const Body> bodies = scene.bodies();
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     all += bodies[i].geometries.size();
     if (i < at(added)) base += bodies[i].geometries.size();
@@ -174,23 +261,35 @@ Scene SceneBuilder::build() && {
   }
 
   Scene scene = std::move(base_);
-  const std::vector<ScenePair> base_pairs = std::move(scene.pairs_);
-  scene.pairs_.clear();
-  const auto added = static_cast<int>(scene.bodies_.size());
-  scene.bodies_.reserve(scene.bodies_.size() + bodies_.size());
-  scene.first_geometry_.reserve(scene.bodies_.capacity());
+  std::vector<ScenePair> base_pairs(scene.pairs_.begin(), scene.pairs_.end());
+  if (scene.pairs_.hasRuns())
+    std::stable_sort(base_pairs.begin(), base_pairs.end(), [](const auto& x, const auto& y) {
+      return std::minmax(x.body_a, x.body_b) < std::minmax(y.body_a, y.body_b);
+    });
+  scene.pairs_ = {};
+  scene.boxes_ = nullptr;
+  Scene::Things& things = scene.own();
+  const auto added = static_cast<int>(things.bodies.size());
+  things.bodies.reserve(things.bodies.size() + bodies_.size());
+  things.first_geometry.reserve(things.bodies.capacity());
+  std::size_t geometries = things.bounds.size();
+  for (const Body& body : bodies_) geometries += body.geometries.size();
+  things.bounds.reserve(geometries);
   for (Body& body : bodies_) {
-    scene.first_geometry_.push_back(static_cast<int>(scene.bounds_.size()));
+    things.first_geometry.push_back(static_cast<int>(things.bounds.size()));
     for (const Geometry& g : body.geometries)
-      scene.bounds_.push_back(boundsOf(g, body.moving ? Pose{} : body.X_WB));
-    scene.bodies_.push_back(std::move(body));
+      things.bounds.push_back(boundsOf(g, body.moving ? Pose{} : body.X_WB));
+    things.bodies.push_back(std::move(body));
   }
-  const std::span<const Body> bodies = scene.bodies_;
+  const std::span<const Body> bodies = things.bodies;
   const Exceptions exceptions(bodies.size(), allowed_, margins_);
   const auto count = static_cast<int>(bodies.size());
   std::vector<int> moving;
   for (int i = 0; i < count; ++i)
     if (bodies[at(i)].moving) moving.push_back(i);
+  addRuns(bodies, std::max(added, moving.empty() ? 0 : moving.back() + 1), scene.pairs_);
+  // Bodies from here on are in runs.
+  const int end = scene.pairs_.hasRuns() ? scene.pairs_.firstStill() : count;
   // The margin of two bodies; none: they may touch.
   const auto marginOf = [&](int i, int j) -> std::optional<double> {
     const Exception* exception = exceptions.find(i, j);
@@ -198,29 +297,83 @@ Scene SceneBuilder::build() && {
     if (exception->allowed) return std::nullopt;
     return exception->has_margin ? exception->margin : default_margin_;
   };
+  std::vector<ScenePair>& listed = scene.pairs_.listed_;
   const auto add = [&](int i, int j) {
     const int a = bodies[at(i)].moving ? i : j, b = a == i ? j : i;
     if (const std::optional<double> margin = marginOf(i, j))
-      addPairs(bodies, a, b, *margin, scene.pairs_);
+      addPairs(bodies, a, b, *margin, listed);
   };
-  scene.pairs_.reserve(mostPairs(scene, added, moving) + base_pairs.size());
-  // Pairs stand in the order of the first of their bodies, then of the second.
+  listed.reserve(mostPairs(bodies.first(at(end)), added, moving) + base_pairs.size());
+  // They stand in the order of the first of their bodies, then of the second.
   auto known = base_pairs.begin();
-  for (int i = 0; i < count; ++i) {
+  for (int i = 0; i < end; ++i) {
     for (; known != base_pairs.end() && std::min(known->body_a, known->body_b) == i; ++known)
       if (const std::optional<double> margin = marginOf(known->body_a, known->body_b)) {
-        scene.pairs_.push_back(*known);
-        scene.pairs_.back().margin = *margin;
+        listed.push_back(*known);
+        listed.back().margin = *margin;
       }
     const int first = std::max(i + 1, added);
     if (bodies[at(i)].moving) {
-      for (int j = first; j < count; ++j) add(i, j);
+      for (int j = first; j < end; ++j) add(i, j);
     } else {
       for (auto j = std::lower_bound(moving.begin(), moving.end(), first); j != moving.end(); ++j)
         add(i, *j);
     }
   }
+  scene.pairs_.size_ = listed.size();
+  if (!scene.pairs_.hasRuns()) return scene;
+  std::vector<std::size_t> left_out;
+  std::vector<ScenePairs::Own> own;
+  exceptions.forEach([&](int a, int b, const Exception& exception) {
+    if (!bodies[at(a)].moving || b < end) return;  // (a < b)
+    const auto first_place = at(things.first_geometry[at(b)] - things.first_geometry[at(end)]);
+    for (std::size_t run = 0; run < scene.pairs_.runs_.size(); ++run) {
+      if (scene.pairs_.runs_[run].body != a) continue;
+      for (std::size_t h = 0; h < bodies[at(b)].geometries.size(); ++h) {
+        const std::size_t position = run * scene.pairs_.places_ + first_place + h;
+        if (exception.allowed)
+          left_out.push_back(position);
+        else
+          own.push_back({position, exception.margin});
+      }
+    }
+  });
+  std::sort(left_out.begin(), left_out.end());
+  std::sort(own.begin(), own.end(),
+            [](const auto& x, const auto& y) { return x.position < y.position; });
+  scene.pairs_.own_ = std::move(own);
+  scene.pairs_.setLeftOut(std::move(left_out));
+  requireNoHalfSpaces(bodies, scene.pairs_);
+  scene.boxes_ = boxesAround(bodies.subspan(at(end)), scene.pairs_.places_);
   return scene;
+}
+
+/// Where there are many pairs with bodies from first_still on, which all stand still, runs for
+/// them.
+void SceneBuilder::addRuns(std::span<const Body> bodies, int first_still, ScenePairs& pairs) const {
+  std::vector<ScenePairs::Run> runs;
+  for (std::size_t b = 0; b < at(first_still); ++b)
+    for (std::size_t g = 0; bodies[b].moving && g < bodies[b].geometries.size(); ++g)
+      runs.push_back({static_cast<std::int32_t>(b), static_cast<std::int32_t>(g), default_margin_});
+  std::size_t places = 0;
+  bool is_one_each = true;
+  for (const Body& body : bodies.subspan(at(first_still))) {
+    places += body.geometries.size();
+    is_one_each = is_one_each && body.geometries.size() == 1;
+  }
+  if (runs.size() * places <= most_listed_) return;
+  if (places > kMostNumbers / runs.size())
+    throw std::invalid_argument(
+        "scene: " + std::to_string(runs.size()) + " moving geometries times " +
+        std::to_string(places) +
+        " that stand still are more pairs than can be numbered, which are " +
+        std::to_string(kMostNumbers));
+  for (std::size_t b = at(first_still); !is_one_each && b < bodies.size(); ++b)
+    for (std::size_t g = 0; g < bodies[b].geometries.size(); ++g)
+      pairs.geometries_.push_back({static_cast<std::int32_t>(b), static_cast<std::int32_t>(g)});
+  pairs.runs_ = std::move(runs);
+  pairs.places_ = places;
+  pairs.first_still_ = first_still;
 }
 
 }  // namespace leeway::collision

@@ -13,24 +13,30 @@ namespace leeway::collision {
 struct SceneAccess {
   /// Geometries of all bodies are numbered through: the number of one of them.
   static int geometryIndex(const Scene& scene, int body, int geometry) {
-    return scene.first_geometry_[static_cast<std::size_t>(body)] + geometry;
+    return scene.things_->first_geometry[static_cast<std::size_t>(body)] + geometry;
   }
   static const GeometryBounds& bounds(const Scene& scene, int geometry_index) {
-    return scene.bounds_[static_cast<std::size_t>(geometry_index)];
+    return scene.things_->bounds[static_cast<std::size_t>(geometry_index)];
   }
+  static std::size_t geometryCount(const Scene& scene) { return scene.things_->bounds.size(); }
   /// Where a moving body stands until a workspace moves it.
   static void place(Scene& scene, int body, const Pose& X_WB) {
-    scene.bodies_[static_cast<std::size_t>(body)].X_WB = X_WB;
+    scene.own().bodies[static_cast<std::size_t>(body)].X_WB = X_WB;
   }
-  /// Scene::raiseMargins() for some pairs.
-  static void raiseMargins(Scene& scene, double margin,
-                           const std::function<bool(const ScenePair&)>& raises) {
-    for (ScenePair& pair : scene.pairs_)
-      if (raises(pair) && pair.margin < margin) pair.margin = margin;
+  /// Scene::raiseMargins() for pairs with a body from `first_body` on. Where pairs have runs, no
+  /// more than their first that stands still.
+  static void raiseMargins(Scene& scene, double margin, int first_body) {
+    scene.pairs_.raise(margin, first_body);
   }
   /// Removes all pairs but those of which keep(pair) is true; asks each once, in their order.
   static void keepPairs(Scene& scene, const std::function<bool(const ScenePair&)>& keep) {
-    std::erase_if(scene.pairs_, [&](const ScenePair& pair) { return !keep(pair); });
+    scene.pairs_.keep(keep, SceneBuilder::kMostListed);
+    if (!scene.pairs_.hasRuns()) scene.boxes_ = nullptr;
+  }
+  /// Around what stands still of runs, one a place; null: there are no runs.
+  static const ObstacleBoxes* boxes(const Scene& scene) { return scene.boxes_.get(); }
+  static const std::shared_ptr<const ObstacleBoxes>& sharedBoxes(const Scene& scene) {
+    return scene.boxes_;
   }
 
   static Scratch& scratch(Workspace& workspace);

@@ -2,11 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <span>
+#include <utility>
 
 #include "collision/base/pair_table.h"
+#include "collision/base/rounding.h"
 #include "collision/base/tolerances.h"
+#include "collision/lanes/obstacle_boxes.h"
 #include "collision/scene/scene_access.h"
 #include "leeway/collision/deformable_mesh.h"
 
@@ -15,24 +19,28 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
+/// Pairs that clearance() sorts at once [count].
+constexpr std::size_t kMostNearest = 1U << 14U;
+
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 }  // namespace
 
 struct Workspace::Impl {
-  std::vector<Pose> poses;  // one a body
+  std::vector<Pose> poses;  // one a body, where pairs have runs one a body that they do not cover
   PairTable<PairCache> caches;
   Scratch scratch;
-  int blocking = -1;          // the pair that was not free last; -1: none
-  std::vector<double> lower;  // clearance(): coarse lower bound of each pair [m]
-  std::vector<int> order;     // clearance(): pairs, the nearest first
+  int blocking = -1;                            // the pair that was not free last; -1: none
+  std::vector<std::pair<double, int>> nearest;  // clearance(): coarse lower bounds [m], and pairs
 };
 
 Workspace::Workspace(const Scene& scene) : impl_(std::make_unique<Impl>()) {
-  for (const Body& body : scene.bodies()) impl_->poses.push_back(body.X_WB);
-  impl_->caches.resize(scene.pairs().size());
-  impl_->lower.resize(scene.pairs().size());
-  impl_->order.resize(scene.pairs().size());
+  const ScenePairs& pairs = scene.pairs();
+  const std::span<const Body> bodies = scene.bodies();
+  for (const Body& body : pairs.hasRuns() ? bodies.first(at(pairs.firstStill())) : bodies)
+    impl_->poses.push_back(body.X_WB);
+  impl_->caches.resize(pairs.size());
+  impl_->nearest.resize(std::min(pairs.size(), kMostNearest));
   prepare(scene);
 }
 
@@ -59,6 +67,11 @@ PairCache& SceneAccess::cache(Workspace& workspace, int pair) {
 
 namespace {
 
+const Pose& poseOf(const Scene& scene, const Workspace& workspace, int body) {
+  const Body& b = scene.bodies()[at(body)];
+  return b.moving ? workspace.pose(body) : b.X_WB;
+}
+
 /// A point from the frame of body `from` to that of body `to`. The frame of a body that stands
 /// still is the world's.
 Eigen::Vector3d transferred(const Scene& scene, const Workspace& workspace,
@@ -75,8 +88,9 @@ double transferSlack(const Scene& scene, const Workspace& workspace, int a, int 
                      const Eigen::Vector3d& p) {
   const double error =
       scene.bodies()[at(b)].moving ? 2 * workspace.pose_error : workspace.pose_error;
-  return error + kTransferRounding * (workspace.pose(a).translation.lpNorm<1>() +
-                                      workspace.pose(b).translation.lpNorm<1>() + p.lpNorm<1>());
+  return error +
+         kTransferRounding * (poseOf(scene, workspace, a).translation.lpNorm<1>() +
+                              poseOf(scene, workspace, b).translation.lpNorm<1>() + p.lpNorm<1>());
 }
 
 const GeometryBounds& boundsOf(const Scene& scene, int body, int geometry) {
@@ -130,10 +144,36 @@ Verdict worse(Verdict x, Verdict y) {
   return Verdict::kFree;
 }
 
+/// Calls visit(pair) for all pairs that are listed, and for those of runs that may be nearer than
+/// `reach` [m].
+template <class Visit>
+void forEachNear(const Scene& scene, const Workspace& workspace, double reach, const Visit& visit) {
+  const ScenePairs& pairs = scene.pairs();
+  for (std::size_t p = 0; p < pairs.listedCount(); ++p) visit(static_cast<int>(p));
+  for (std::size_t run = 0; run < pairs.runs().size(); ++run) {
+    const ScenePairs::Run& of = pairs.runs()[run];
+    const Ball& ball = boundsOf(scene, of.body, of.geometry).outer;
+    const Eigen::Vector3d center = workspace.pose(of.body) * ball.center;
+    const double slack = transferSlack(scene, workspace, of.body, of.body, ball.center);
+    const double radius = ball.radius + reach + 2 * slack;
+    ObstacleBoxes::Box box;
+    for (int k = 0; k < 3; ++k) {
+      box.low[k] = floatBelow(center[k] - radius);
+      box.high[k] = floatAbove(center[k] + radius);
+    }
+    const ObstacleBoxes& boxes = *SceneAccess::boxes(scene);
+    boxes.forEachNear(box, [&](std::size_t slot) {
+      const std::int32_t place = boxes.obstacle(slot);
+      const std::int32_t p = place < 0 ? -1 : pairs.numberOf(run, at(place));
+      if (p >= 0) visit(p);
+    });
+  }
+}
+
 /// One pair against its margin. `result` has at least the interval, and all else where the exact
 /// query was needed.
 Verdict decidePair(const Scene& scene, Workspace& workspace, int p, DistanceResult& result) {
-  const ScenePair& pair = scene.pairs()[at(p)];
+  const ScenePair pair = scene.pairs()[at(p)];
   ++workspace.statistics.pairs;
   result = {};
   result.distance = {coarseLower(scene, workspace, pair), kInfinity};
@@ -159,9 +199,11 @@ double coarseLowerBound(const Scene& scene, const Workspace& workspace, int pair
   return coarseLower(scene, workspace, scene.pairs()[at(pair)]);
 }
 
-DistanceResult pairDistance(const Scene& scene, Workspace& workspace, int p,
-                            const DistanceRequest& request) {
-  const ScenePair& pair = scene.pairs()[at(p)];
+namespace {
+
+DistanceResult distanceOf(const Scene& scene, Workspace& workspace, int p,
+                          const DistanceRequest& request, PairCache* cache) {
+  const ScenePair pair = scene.pairs()[at(p)];
   const Geometry& a = scene.bodies()[at(pair.body_a)].geometries[at(pair.geometry_a)];
   const Geometry& b = scene.bodies()[at(pair.body_b)].geometries[at(pair.geometry_b)];
   const double slack =
@@ -169,9 +211,9 @@ DistanceResult pairDistance(const Scene& scene, Workspace& workspace, int p,
       kTransferRounding * (a.X_BG.translation.lpNorm<1>() + b.X_BG.translation.lpNorm<1>());
   DistanceRequest raised = request;
   raised.threshold += slack;  // what is above it stays above when widened; NaN stays NaN
-  DistanceResult result = distance(
-      a.shape, workspace.pose(pair.body_a) * a.X_BG, b.shape, workspace.pose(pair.body_b) * b.X_BG,
-      raised, SceneAccess::scratch(workspace), &SceneAccess::cache(workspace, p));
+  DistanceResult result = distance(a.shape, poseOf(scene, workspace, pair.body_a) * a.X_BG, b.shape,
+                                   poseOf(scene, workspace, pair.body_b) * b.X_BG, raised,
+                                   SceneAccess::scratch(workspace), cache);
   ++workspace.statistics.exact;
   workspace.statistics.iterations += static_cast<std::uint64_t>(result.iterations);
   // A NaN interval would drop out of the minimum over pairs: std::min() ignores it.
@@ -183,6 +225,13 @@ DistanceResult pairDistance(const Scene& scene, Workspace& workspace, int p,
   result.distance.lower -= slack;
   result.distance.upper += slack;
   return result;
+}
+
+}  // namespace
+
+DistanceResult pairDistance(const Scene& scene, Workspace& workspace, int p,
+                            const DistanceRequest& request) {
+  return distanceOf(scene, workspace, p, request, &SceneAccess::cache(workspace, p));
 }
 
 SceneResult decide(const Scene& scene, Workspace& workspace) {
@@ -210,72 +259,142 @@ SceneResult decide(const Scene& scene, Workspace& workspace) {
   };
   // What blocked last is likely to block again.
   bool going = impl.blocking < 0 || look(impl.blocking);
-  const int count = static_cast<int>(scene.pairs().size());
-  for (int p = 0; going && p < count; ++p)
-    if (p != impl.blocking) going = look(p);
+  const int first = impl.blocking;
+  const double most = scene.pairs().hasRuns() ? scene.pairs().mostMargin() : kInfinity;
+  const double reach = std::isnan(most) ? kInfinity : std::max(most, 0.0) + kDecideReach;
+  forEachNear(scene, workspace, reach, [&](int p) {
+    if (going && p != first) going = look(p);
+  });
+  // What is not near is farther than that.
+  result.clearance.lower = std::min(result.clearance.lower, reach);
   if (!going) result.clearance.lower = -kInfinity;  // the other pairs were not looked at
   return result;
 }
 
-SceneResult clearance(const Scene& scene, Workspace& workspace, double tolerance) {
-  ++workspace.statistics.queries;
-  auto& impl = SceneAccess::impl(workspace);
-  const std::span<const ScenePair> pairs = scene.pairs();
-  double largest_margin = -kInfinity;
-  for (std::size_t p = 0; p < pairs.size(); ++p) {
-    impl.order[p] = static_cast<int>(p);
-    impl.lower[p] = coarseLower(scene, workspace, pairs[p]);
-    if (std::isnan(impl.lower[p])) impl.lower[p] = -kInfinity;  // NaN would break the order
-    largest_margin = std::max(largest_margin, pairs[p].margin);
+namespace {
+
+using Candidate = std::pair<double, int>;  // a coarse lower bound [m] and its pair
+
+Candidate candidateOf(const Scene& scene, const Workspace& workspace, int p) {
+  const double lower = coarseLower(scene, workspace, scene.pairs()[at(p)]);
+  return {std::isnan(lower) ? -kInfinity : lower, p};  // NaN would break the order
+}
+
+/// Of pairs that may be nearer than `reach` those that come after `last`, as many as have room:
+/// a heap, the nearest first. Returns how many; all that are left where they are fewer than there
+/// is room for.
+std::size_t collectNearest(const Scene& scene, const Workspace& workspace, double reach,
+                           const Candidate& last, std::span<Candidate> room) {
+  std::size_t count = 0;
+  forEachNear(scene, workspace, reach, [&](int p) {
+    const Candidate candidate = candidateOf(scene, workspace, p);
+    if (!(last < candidate)) return;
+    if (count < room.size()) {
+      room[count++] = candidate;
+      if (count == room.size()) std::make_heap(room.begin(), room.end());
+    } else if (candidate < room.front()) {
+      std::pop_heap(room.begin(), room.end());
+      room.back() = candidate;
+      std::push_heap(room.begin(), room.end());
+    }
+  });
+  std::make_heap(room.begin(), room.begin() + static_cast<std::ptrdiff_t>(count), std::greater<>());
+  return count;
+}
+
+/// How far the closest pair may be: the distance of one that seems near [m].
+double reachOfClosest(const Scene& scene, Workspace& workspace, double tolerance) {
+  for (double reach = kDecideReach; reach < static_cast<double>(kFar); reach *= 4) {
+    Candidate nearest{kInfinity, -1};
+    forEachNear(scene, workspace, reach,
+                [&](int p) { nearest = std::min(nearest, candidateOf(scene, workspace, p)); });
+    if (nearest.second < 0) continue;
+    DistanceRequest request;
+    request.tolerance = tolerance;
+    return distanceOf(scene, workspace, nearest.second, request, nullptr).distance.upper;
   }
-  // A heap: of many pairs few are looked at, nearest first.
-  const auto farther = [&](int x, int y) {
-    return impl.lower[at(x)] > impl.lower[at(y)] ||
-           (impl.lower[at(x)] == impl.lower[at(y)] && x > y);
-  };
-  auto end = impl.order.end();
-  std::make_heap(impl.order.begin(), end, farther);
+  return kInfinity;
+}
+
+/// Takes what a pair says, as far as it may be the closest or not keep its margin.
+void look(const Scene& scene, Workspace& workspace, const Candidate& candidate, double tolerance,
+          SceneResult& result) {
+  const auto& [lower, p] = candidate;
+  const double margin = scene.pairs()[at(p)].margin;
+  // Above this the pair is neither the closest nor at its margin. (One of NaN is never kept.)
+  const double enough = std::isnan(margin) ? kInfinity : std::max(result.clearance.upper, margin);
+  if (lower > enough) {
+    result.clearance.lower = std::min(result.clearance.lower, lower);
+    return;
+  }
+  DistanceRequest request;
+  request.tolerance = tolerance;
+  if (std::isfinite(enough)) request.threshold = enough;
+  DistanceResult pair = pairDistance(scene, workspace, p, request);
+  if (pair.status == DistanceStatus::kNotAboveThreshold && pair.distance.width() > tolerance) {
+    request.threshold = std::numeric_limits<double>::quiet_NaN();
+    pair = pairDistance(scene, workspace, p, request);
+  }
+  Verdict verdict = verdictOf(pair.distance, margin);
+  if (verdict == Verdict::kUndecided) {
+    request.threshold = margin;
+    request.tolerance = 0;
+    verdict = verdictOf(pairDistance(scene, workspace, p, request).distance, margin);
+  }
+  result.verdict = worse(result.verdict, verdict);
+  result.clearance.lower = std::min(result.clearance.lower, pair.distance.lower);
+  if (pair.distance.upper < result.clearance.upper) {
+    result.clearance.upper = pair.distance.upper;
+    result.pair = p;
+    result.closest = pair;
+  }
+}
+
+/// clearance() of the pairs that may be nearer than `reach`.
+SceneResult clearanceWithin(const Scene& scene, Workspace& workspace, double tolerance,
+                            double reach, double largest_margin) {
+  const std::span<Candidate> room = SceneAccess::impl(workspace).nearest;
   SceneResult result;
   result.verdict = Verdict::kFree;
   result.clearance = {kInfinity, kInfinity};
-  while (end != impl.order.begin()) {
-    std::pop_heap(impl.order.begin(), end, farther);
-    const int p = *--end;
-    if (impl.lower[at(p)] > std::max(result.clearance.upper, largest_margin)) {
+  // Of many pairs few are looked at, nearest first.
+  Candidate last{-kInfinity, -1};
+  std::size_t count = collectNearest(scene, workspace, reach, last, room);
+  bool has_more = count == room.size();
+  while (count > 0) {
+    std::pop_heap(room.begin(), room.begin() + static_cast<std::ptrdiff_t>(count),
+                  std::greater<>());
+    last = room[--count];
+    const auto& [lower, p] = last;
+    if (lower > std::max(result.clearance.upper, largest_margin)) {
       // So are all that are left.
-      result.clearance.lower = std::min(result.clearance.lower, impl.lower[at(p)]);
+      result.clearance.lower = std::min(result.clearance.lower, lower);
       break;
     }
-    const double margin = pairs[at(p)].margin;
-    // Above this the pair is neither the closest nor at its margin.
-    const double enough = std::max(result.clearance.upper, margin);
-    if (impl.lower[at(p)] > enough) {
-      result.clearance.lower = std::min(result.clearance.lower, impl.lower[at(p)]);
-      continue;
-    }
-    DistanceRequest request;
-    request.tolerance = tolerance;
-    if (std::isfinite(enough)) request.threshold = enough;
-    DistanceResult pair = pairDistance(scene, workspace, p, request);
-    if (pair.status == DistanceStatus::kNotAboveThreshold && pair.distance.width() > tolerance) {
-      request.threshold = std::numeric_limits<double>::quiet_NaN();
-      pair = pairDistance(scene, workspace, p, request);
-    }
-    Verdict verdict = verdictOf(pair.distance, margin);
-    if (verdict == Verdict::kUndecided) {
-      request.threshold = margin;
-      request.tolerance = 0;
-      verdict = verdictOf(pairDistance(scene, workspace, p, request).distance, margin);
-    }
-    result.verdict = worse(result.verdict, verdict);
-    result.clearance.lower = std::min(result.clearance.lower, pair.distance.lower);
-    if (pair.distance.upper < result.clearance.upper) {
-      result.clearance.upper = pair.distance.upper;
-      result.pair = p;
-      result.closest = pair;
-    }
+    look(scene, workspace, last, tolerance, result);
+    if (count > 0 || !has_more) continue;
+    count = collectNearest(scene, workspace, reach, last, room);
+    has_more = count == room.size();
   }
   return result;
+}
+
+}  // namespace
+
+SceneResult clearance(const Scene& scene, Workspace& workspace, double tolerance) {
+  ++workspace.statistics.queries;
+  // With a margin of NaN a pair is never free, however far.
+  const double most = scene.pairs().mostMargin();
+  const double largest_margin = std::isnan(most) ? kInfinity : most;
+  if (!scene.pairs().hasRuns())
+    return clearanceWithin(scene, workspace, tolerance, kInfinity, largest_margin);
+  double reach = reachOfClosest(scene, workspace, tolerance);
+  for (;;) {
+    reach = std::max(reach, largest_margin);
+    const SceneResult result = clearanceWithin(scene, workspace, tolerance, reach, largest_margin);
+    if (!(result.clearance.upper > reach)) return result;
+    reach = reach < result.clearance.upper ? 2 * result.clearance.upper : kInfinity;
+  }
 }
 
 }  // namespace leeway::collision

@@ -137,22 +137,10 @@ class Surroundings {
   std::shared_ptr<const std::vector<CompiledScene::Dropped>> dropped_;
 };
 
-/// `scene`: bodies and pairs of the robot, in their order, among those of a world.
-std::shared_ptr<const EdgeModel> makeEdgeModel(std::shared_ptr<const PreparedRobot> robot,
-                                               const collision::Scene& scene) {
+std::shared_ptr<const EdgeModel> makeEdgeModel(std::shared_ptr<const PreparedRobot> robot) {
   auto model = std::make_shared<EdgeModel>();
   const RobotMotions& motions = robot->motions();
-  const auto carried = static_cast<std::int32_t>(robot->scene().bodies().size());
-  model->pairs.reserve(scene.pairs().size());
-  auto next = motions.pairs.begin();
-  for (const collision::ScenePair& pair : scene.pairs()) {
-    if (pair.body_a < carried && pair.body_b < carried) {
-      model->pairs.push_back(*next++);
-    } else {
-      const int a = collision::SceneAccess::geometryIndex(scene, pair.body_a, pair.geometry_a);
-      model->pairs.push_back({motions.of_world[at(a)], false, nullptr});
-    }
-  }
+  model->pairs = motions.pairs;
   model->motions = motions.motions;
   model->rounding = motions.rounding;
   model->reach = motions.reach;
@@ -172,11 +160,11 @@ CompiledScene::CompiledScene(const Problem& problem)
   Surroundings world(problem, *robot);
   dropped_ = world.dropped();
   scene_ = std::move(world).build();
-  edge_model_ = makeEdgeModel(robot, scene_);
+  edge_model_ = makeEdgeModel(robot);
   // What moves stands as the start has it.
   std::vector<robots::Pose> X_WL(model_->links.size());
   robots::forwardKinematics(*model_, problem.start, X_WL);
-  body_link_.assign(scene_.bodies().size(), -1);
+  body_link_.assign(robot->carriers().size(), -1);
   for (std::size_t b = 0; b < robot->carriers().size(); ++b) {
     if (!scene_.bodies()[b].moving) continue;
     body_link_[b] = robot->carriers()[b];
@@ -216,7 +204,7 @@ std::shared_ptr<const CompiledScene> CompiledScene::withShapes(
   auto changed = std::make_shared<CompiledScene>(*this);
   for (const Replacement& r : shapes) {
     // The robot's lanes are made once.
-    if (at(r.body) < edgeModel().robot->scene().bodies().size())
+    if (isOfRobot(r.body))
       throw std::invalid_argument("CompiledScene::withShapes(): body " + std::to_string(r.body) +
                                   " is the robot's; a deforming obstacle is expected");
     changed->scene_.setShape(r.body, r.geometry, r.shape);
@@ -231,21 +219,16 @@ std::shared_ptr<const CompiledScene> CompiledScene::withMarginAtLeast(double mar
   return raised;
 }
 
-bool CompiledScene::isOfRobot(int body) const {
-  return at(body) < edgeModel().robot->scene().bodies().size();
-}
-
 std::shared_ptr<const CompiledScene> CompiledScene::withWorldMarginAtLeast(double margin) const {
   auto raised = std::make_shared<CompiledScene>(*this);
-  collision::SceneAccess::raiseMargins(
-      raised->scene_, margin,
-      [this](const collision::ScenePair& pair) { return !isOfRobot(pair); });
+  collision::SceneAccess::raiseMargins(raised->scene_, margin,
+                                       bodiesOfRobot());
   return raised;
 }
 
 std::shared_ptr<const CompiledScene> CompiledScene::withMarginsGrown(double growth) const {
   auto grown = std::make_shared<CompiledScene>(*this);
-  for (std::size_t body = 0; body < scene_.bodies().size(); ++body)
+  for (std::size_t body = 0; body < body_link_.size(); ++body)
     if (scene_.bodies()[body].moving)  // one of every pair is
       for (std::size_t g = 0; g < scene_.bodies()[body].geometries.size(); ++g)
         grown->scene_.growMargins(static_cast<int>(body), static_cast<int>(g), growth);
@@ -259,15 +242,14 @@ std::shared_ptr<const CompiledScene> CompiledScene::withPairs(
   model->pairs.clear();
   // keep() is called once a pair: were a second answer another, pairs would get the motions of
   // others, and proofs would not hold.
-  std::vector<char> kept;
-  kept.reserve(scene_.pairs().size());
-  for (std::size_t p = 0; p < scene_.pairs().size(); ++p) {
-    kept.push_back(keep(scene_.pairs()[p]) ? 1 : 0);
-    if (kept.back() != 0) model->pairs.push_back(edge_model_->pairs[p]);
-  }
-  std::size_t next = 0;
-  collision::SceneAccess::keepPairs(reduced->scene_,
-                                    [&](const collision::ScenePair&) { return kept[next++] != 0; });
+  auto next = edge_model_->pairs.begin();
+  collision::SceneAccess::keepPairs(reduced->scene_, [&](const collision::ScenePair& pair) {
+    const bool is_kept = keep(pair);
+    if (!isOfRobot(pair)) return is_kept;
+    if (is_kept) model->pairs.push_back(*next);
+    ++next;
+    return is_kept;
+  });
   reduced->edge_model_ = std::move(model);
   return reduced;
 }

@@ -17,7 +17,7 @@ EdgeCheck EdgeCertifier::Impl::certifyByBisection() {
   if (at_end != Verdict::kFree) return makeCheck(at_end, offender, 1);
   const int start = frames.place(0);
   if (start < 0) return makeCheck(Verdict::kUndecided);
-  listWholeEdge(start, end);
+  if (!listWholeEdge(start, end, beyondMargins())) return makeCheck(Verdict::kUndecided);
   return bisectIntervals();
 }
 
@@ -61,7 +61,7 @@ void EdgeCertifier::Impl::findLastValid(EdgeCheck& check) {
   int offender = -1;
   const int start = frames.place(0), end = frames.place(1);
   if (start < 0 || checkState(start, 0, offender) != Verdict::kFree || end < 0) return;
-  listWholeEdge(start, end);
+  if (!listWholeEdge(start, end, beyondMargins())) return;
   certifyPrefix(intervals.front(), check);
 }
 

@@ -1,7 +1,6 @@
 #include "leeway/planner/edge_certifier.h"
 
 #include <algorithm>
-#include <numeric>
 #include <stdexcept>
 #include <utility>
 
@@ -23,9 +22,12 @@ EdgeCertifier::Impl::Impl(std::shared_ptr<const CompiledScene> compiled)
   collision::countInto(collision::SceneAccess::scratch(workspace), work);
   lanes.countInto(work);
   frames.countInto(work);
-  const std::size_t pairs = frames.pairs().size();
+  const std::size_t all = frames.pairs().size();
+  // Of runs as many as a pass of lanes has room for.
+  const std::size_t pairs =
+      frames.pairs().hasRuns() ? std::min(all, collision::LaneSweep::kMostNear) : all;
   motion.resize(scene->edgeModel().motions.size());
-  world_balls.resize(frames.pieces().size());
+  world_balls.resize(scene->edges().moving.size());
   shared_slots.resize(kSharedSlots + 1);
   const std::size_t lists = std::max<std::size_t>(kEdgeOpen, collision::kLanes * pairs);
   for (std::vector<int>* list : {&open_pairs, &next_open_pairs, &part_pairs}) list->reserve(lists);
@@ -34,29 +36,29 @@ EdgeCertifier::Impl::Impl(std::shared_ptr<const CompiledScene> compiled)
   spans.reserve(kEdgeSpans);
   cost_parts.reserve(kEdgeSlots);
   edge_parts.reserve(kEdgeParts);
-  all_pairs.resize(pairs);
-  std::iota(all_pairs.begin(), all_pairs.end(), 0);
   near_pairs.reserve(pairs);
   asked_pairs.reserve(pairs);
   pass_pairs.reserve(pairs);
   never_parted.reserve(pairs);
-  order.reserve(pairs);
+  order.reserve(frames.pairs().hasRuns() ? lists : pairs);
   likely_looks.reserve(kContactLooks);
-  pair_memory.resize(pairs);
-  boundPairs();
+  pair_memory.resize(all);
+  listed_pairs.reserve(pairs);
+  takePairs();
 }
 
-void EdgeCertifier::Impl::boundPairs() {
-  most_rounding = 0;
-  least_margin.fill(kInfinity);
-  const std::span<const collision::ScenePair> pairs = scene->scene().pairs();
-  for (const EdgePair& pair : frames.pairs()) {
-    most_rounding = std::max(most_rounding, pair.rounding);
-    for (const Pairs kind : {Pairs::kAll, pair.is_self ? Pairs::kSelf : Pairs::kWorld}) {
-      double& least = least_margin[static_cast<std::size_t>(kind)];
-      least = std::min(least, pairs[at(pair.scene_pair)].margin);
-    }
-  }
+void EdgeCertifier::Impl::takePairs() {
+  const EdgePairs& pairs = frames.pairs();
+  listed_pairs.resize(pairs.listed().size());
+  for (std::size_t i = 0; i < listed_pairs.size(); ++i)
+    listed_pairs[i] = static_cast<int>(pairs.numberOfListed(i));
+  most_rounding = pairs.mostRounding();
+  const int robot = scene->bodiesOfRobot();
+  const double of_world = scene->scene().pairs().leastMargin(robot, true);
+  const double of_robot = scene->scene().pairs().leastMargin(robot, false);
+  least_margin[static_cast<std::size_t>(Pairs::kAll)] = std::min(of_world, of_robot);
+  least_margin[static_cast<std::size_t>(Pairs::kSelf)] = of_robot;
+  least_margin[static_cast<std::size_t>(Pairs::kWorld)] = of_world;
 }
 
 EdgeCertifier::EdgeCertifier(std::shared_ptr<const CompiledScene> scene)
@@ -83,7 +85,7 @@ void EdgeCertifier::rebind(std::shared_ptr<const CompiledScene> scene) {
   impl_->frames.rebind(scene);
   impl_->lanes_fit = false;
   impl_->scene = std::move(scene);
-  impl_->boundPairs();
+  impl_->takePairs();
   impl_->workspace.prepare(impl_->scene->scene());
   impl_->startInterval();
 }
@@ -107,9 +109,9 @@ StateCheck EdgeCertifier::clearance(std::span<const double> point, double tolera
   const int slot = impl.frames.place(0);
   if (slot < 0) return check;
   const std::span<const Pose> X_WL = impl.frames.links(slot);
-  for (std::size_t b = 0; b < impl.scene->scene().bodies().size(); ++b) {
-    const int link = impl.scene->bodyLink(static_cast<int>(b));
-    if (link >= 0) impl.workspace.setPose(static_cast<int>(b), X_WL[at(link)]);
+  for (int b = 0; b < impl.scene->bodiesOfRobot(); ++b) {
+    const int link = impl.scene->bodyLink(b);
+    if (link >= 0) impl.workspace.setPose(b, X_WL[at(link)]);
   }
   const std::uint64_t before = impl.workspace.statistics.exact;
   const collision::SceneResult result =
@@ -194,6 +196,7 @@ EdgeCheck EdgeCertifier::Impl::certifyByLanes() {
 
   // 1. Balls swept to capsules; planes and points that decided a pair before.
   if (const auto contact = lanes.sweep(); contact.id >= 0) return makeCheck(whole, contact);
+  if (lanes.isFull()) return makeCheck(Verdict::kUndecided);
   if (asked != Pairs::kAll) lanes.closeOthers(frames, asked == Pairs::kSelf);
   // 2. Gaps between two links that the angles of two joints prove.
   lanes.closeGaps(frames, demanded);

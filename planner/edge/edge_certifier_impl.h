@@ -97,8 +97,8 @@ struct EdgeCertifier::Impl {
     return makeCheck(Verdict::kNotFree, contact.id, parts.from[contact.lane] + parts.width / 2);
   }
 
-  /// Sets most_rounding and least_margin.
-  void boundPairs();
+  /// Sets listed_pairs, most_rounding and least_margin.
+  void takePairs();
 
   // What is asked: by certify() that all pairs keep their margins.
 
@@ -223,8 +223,9 @@ struct EdgeCertifier::Impl {
 
   // Lists of intervals (edge_intervals.cc).
 
-  /// One interval, with all pairs.
-  void listWholeEdge(int start, int end);
+  /// One interval, with all pairs; of those in runs with what may come as near as their thresholds
+  /// plus `reach` >= 0 [m]. False where there is no room for all.
+  bool listWholeEdge(int start, int end, double reach);
   /// Appends the pairs that the pass over the whole edge left and finer passes will not part, each
   /// over as many lanes at once as a sweep is tried on. False when full.
   bool listOpenLanes();
@@ -262,6 +263,7 @@ struct EdgeCertifier::Impl {
   struct ClearanceSearch;
   Interval refineState(int slot, double t, const EdgePair& pair, ClearanceSearch& search);
   void searchState(int slot, double t, ClearanceSearch& search);
+  void listWholeEdge(int start, int end, ClearanceSearch& search);
   void searchPairs(int slot, double t, std::span<const int> near, ClearanceSearch& search);
   void settlePairs(EdgeInterval& interval, ClearanceSearch& search);
   void settleFromMiddle(EdgeInterval& interval, int slot, bool last, ClearanceSearch& search);
@@ -309,7 +311,7 @@ struct EdgeCertifier::Impl {
 
   std::uint64_t interval_stamp = 0;
   std::vector<MotionMemory> motion;    ///< one a motion
-  std::vector<SweptBall> world_balls;  ///< one a piece
+  std::vector<SweptBall> world_balls;  ///< one a moving piece
 
   // Lists.
 
@@ -330,8 +332,9 @@ struct EdgeCertifier::Impl {
   std::vector<int> part_pairs;
   std::vector<collision::LaneSweep::Open> pass_pairs;
   std::vector<CostPart> cost_parts;           ///< a heap by their width
-  std::vector<int> all_pairs;                 ///< 0, 1, 2 ...
+  std::vector<int> listed_pairs;              ///< that are in no run: mostly all
   std::vector<int> near_pairs, asked_pairs;   ///< of nearPairs(), and of the call before
+  bool near_pairs_full = false;               ///< more were near than there was room for
   std::vector<int> never_parted;              ///< pairs for checkContainment()
   std::vector<std::pair<double, int>> order;  ///< pairs by coarse distance
   /// What searchLikelyContacts() has asked of this edge in vain.

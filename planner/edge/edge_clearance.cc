@@ -62,7 +62,7 @@ void EdgeCertifier::Impl::searchState(int slot, double t, ClearanceSearch& searc
     if (std::isfinite(known)) reach = std::max(known, 0.0) + most_rounding;
     const std::span<const int> near = nearPairs(slot, reach);
     searchPairs(slot, t, near, search);
-    if (near.size() == frames.pairs().size() ||
+    if (near.size() == frames.pairs().size() || near_pairs_full ||
         search.best.clearance.upper + most_rounding <= reach || search.isCutOff() || work.isSpent())
       return;
     asked_pairs = near_pairs;
@@ -72,7 +72,7 @@ void EdgeCertifier::Impl::searchState(int slot, double t, ClearanceSearch& searc
 /// Of some pairs those that have not been asked.
 void EdgeCertifier::Impl::searchPairs(int slot, double t, std::span<const int> near,
                                       ClearanceSearch& search) {
-  const std::span<const EdgePair> pairs = frames.pairs();
+  const EdgePairs& pairs = frames.pairs();
   order.clear();
   for (const int p : near) {
     if (std::binary_search(asked_pairs.begin(), asked_pairs.end(), p)) continue;
@@ -88,6 +88,12 @@ void EdgeCertifier::Impl::searchPairs(int slot, double t, std::span<const int> n
     if (lower >= search.best.clearance.upper || search.isCutOff() || work.isSpent()) break;
     refineState(slot, t, pairs[at(p)], search);
   }
+}
+
+/// Lists the pairs that may come as near as the least distance known.
+void EdgeCertifier::Impl::listWholeEdge(int start, int end, ClearanceSearch& search) {
+  const double reach = std::max(search.best.clearance.upper, 0.0) + most_rounding;
+  if (!listWholeEdge(start, end, reach)) search.settle(-kInfinity);
 }
 
 /// Settles the pairs of an interval that balls or sweeps prove to be far enough; the others stay in
@@ -162,7 +168,7 @@ EdgeClearance EdgeCertifier::edgeClearance(std::span<const double> a, std::span<
   if (!listed || !impl.intervals.empty()) {
     impl.searchState(end, 1, search);
     impl.searchState(start, 0, search);
-    if (!listed && !impl.listNearLanes(search)) impl.listWholeEdge(start, end);
+    if (!listed && !impl.listNearLanes(search)) impl.listWholeEdge(start, end, search);
     impl.searchIntervals(search);
   }
   // Containment is decided at the ends, and changes where surfaces meet. So where they may have,
@@ -174,7 +180,7 @@ EdgeClearance EdgeCertifier::edgeClearance(std::span<const double> a, std::span<
     search.lower = kInfinity;
     statistics.work += impl.work.done;
     impl.startWork(work_limit);
-    impl.listWholeEdge(start, end);
+    impl.listWholeEdge(start, end, search);
     impl.searchIntervals(search);
   }
   statistics.work += impl.work.done;
@@ -199,7 +205,7 @@ EdgeClearance EdgeCertifier::roughClearance(std::span<const double> a, std::span
   double beyond = std::max(0.0, most - least);
   const int passes = once ? 1 : kRoughPasses;
   for (int pass = 0; pass < passes && !impl.work.isSpent(); ++pass) {
-    if (impl.sweepAskedBeyond(beyond).id >= 0) break;
+    if (impl.sweepAskedBeyond(beyond).id >= 0 || impl.lanes.isFull()) break;
     if (impl.lanes.open().empty()) {
       best.clearance.lower = std::min(least + beyond, best.clearance.upper);
       break;
@@ -273,7 +279,7 @@ bool EdgeCertifier::Impl::listNearLanes(ClearanceSearch& search) {
   double beyond = 0;
   for (int pass = 0;; ++pass) {
     beyond = std::max(0.0, search.enough() - least);
-    if (sweepAskedBeyond(beyond).id >= 0) return false;
+    if (sweepAskedBeyond(beyond).id >= 0 || lanes.isFull()) return false;
     // A lower upper end leaves less open, and a pass costs less than intervals.
     const double known = search.best.clearance.upper;
     if (lanes.open().empty() || pass == kClearancePasses) break;

@@ -4,8 +4,10 @@
 #include <cmath>
 #include <utility>
 
+#include "collision/base/rounding.h"
 #include "collision/base/sine_cosine.h"
 #include "collision/base/tolerances.h"
+#include "collision/lanes/obstacle_boxes.h"
 #include "leeway/robots/kinematics.h"
 #include "planner/base/tolerances.h"
 #include "planner/edge/edge_model.h"
@@ -33,7 +35,6 @@ void EdgeFrames::rebind(std::shared_ptr<const CompiledScene> scene) {
 void EdgeFrames::take(const EdgeScene& edges) {
   edges_ = &edges;
   pieces_ = edges.pieces;
-  pairs_ = edges.pairs;
   moving_ = edges.moving;
   gaps_.clear();
   for (const robots::LinkGap* table : edges.gaps) gaps_.push_back({table, {}, {}});
@@ -138,6 +139,29 @@ int EdgeFrames::place(double t) {
   }
   ++used_;
   return slot;
+}
+
+bool EdgeFrames::nearInRow(std::size_t row, int slot, double reach, std::vector<int>& pairs) const {
+  const EdgePairs& all = edges_->pairs;
+  const EdgePairs::Row& of = all.rows()[row];
+  const Eigen::Vector3d& at_center = center(slot, of.piece);
+  // (Rounding of the sums is far below that of single precision, which is outwards.)
+  const double radius = pieces_[at(of.piece)].bounds->outer.radius + reach + of.most_threshold;
+  collision::ObstacleBoxes::Box box;
+  for (int k = 0; k < 3; ++k) {
+    box.low[k] = collision::roundedDown(at_center[k] - radius);
+    box.high[k] = collision::roundedUpToFloat(at_center[k] + radius);
+  }
+  const collision::ObstacleBoxes& boxes = *collision::SceneAccess::boxes(scene_->scene());
+  bool has_room = true;
+  boxes.forEachNear(box, [&](std::size_t i) {
+    const std::int32_t place = boxes.obstacle(i);
+    const std::int32_t pair = place < 0 ? -1 : all.numberOf(row, at(place));
+    if (pair < 0) return;
+    has_room = has_room && pairs.size() < pairs.capacity();
+    if (has_room) pairs.push_back(pair);
+  });
+  return has_room;
 }
 
 Pose EdgeFrames::piecePose(int slot, int piece) const {

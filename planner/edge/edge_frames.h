@@ -39,18 +39,67 @@ struct EdgePair {
   double threshold;  ///< that separation must exceed: margin + rounding [m]
   double rounding;   ///< of the poses that a separation is computed from [m]
   bool is_self;      ///< of two parts of the robot
+  bool is_reversed;  ///< a is the scene's second body
   bool by_surfaces;  ///< swept by collision::sweepMesh(); its margin is not negative
   int gap = -1;      ///< index of the table of its links' gap by joint angles; -1: none
 };
 
+/// The pairs of a scene by their first piece, then as in the scene. Where the scene has runs, so
+/// have these: they are told from their numbers, which are those of a list of all.
+class EdgePairs {
+ public:
+  std::size_t size() const { return size_; }
+  bool empty() const { return size_ == 0; }
+  EdgePair operator[](std::size_t number) const {
+    return rows_.empty() ? listed_[number] : find(number);
+  }
+  bool hasRuns() const { return !rows_.empty(); }
+
+  /// A piece with the run of its pairs; one for each of the scene's runs.
+  struct Row {
+    int piece, motion;
+    std::size_t begin;        ///< number of its first pair here
+    std::size_t scene_begin;  ///< and in the scene
+    std::size_t count;
+    double most_threshold;  ///< of its pairs, at least 0; NaN where one is [m]
+  };
+  std::span<const Row> rows() const { return rows_; }
+  /// The piece in a place of runs; that of the first place is the first.
+  int pieceIn(std::size_t place) const { return first_still_ + static_cast<int>(place); }
+  /// The number of a pair by row and place; -1: there is none.
+  std::int32_t numberOf(std::size_t row, std::size_t place) const;
+  /// The row of a pair; -1: it is in none.
+  int rowOf(std::size_t number) const;
+
+  /// The pairs that are in no run, and the numbers of these.
+  std::span<const EdgePair> listed() const { return listed_; }
+  std::size_t numberOfListed(std::size_t i) const;
+
+  /// Of all pairs, at most [m]; NaN where one is.
+  double mostRounding() const { return most_rounding_; }
+
+ private:
+  friend class EdgeSceneBuilder;
+  EdgePair find(std::size_t number) const;
+  std::vector<EdgePair> listed_;
+  std::vector<Row> rows_;
+  int first_still_ = 0;
+  std::size_t size_ = 0;
+  double most_rounding_ = 0;
+  const CompiledScene* compiled_ = nullptr;
+  const EdgeScene* edges_ = nullptr;
+};
+
 /// What all edges of a compiled scene ask of it. Constant; shared by its certifiers.
 struct EdgeScene {
-  /// Borrows from the scene. O(pairs).
+  /// Borrows from the scene. O(pairs); with runs, O(geometries).
   explicit EdgeScene(const CompiledScene& scene);
+  EdgeScene(const EdgeScene&) = delete;
+  EdgeScene& operator=(const EdgeScene&) = delete;
 
-  std::vector<Piece> pieces;    ///< one a geometry
-  std::vector<int> moving;      ///< the pieces that move
-  std::vector<EdgePair> pairs;  ///< by their first piece, then as in the scene
+  std::vector<Piece> pieces;  ///< one a geometry
+  std::vector<int> moving;    ///< the pieces that move
+  EdgePairs pairs;
   std::vector<const robots::LinkGap*> gaps;
   bool has_surface_pairs = false;  ///< some pair is by_surfaces
 };
@@ -95,7 +144,7 @@ class EdgeFrames {
   bool hasSurfacePairs() const { return edges_->has_surface_pairs; }
   bool isWithinLimits() const { return within_limits_; }
   std::span<const Piece> pieces() const { return pieces_; }
-  std::span<const EdgePair> pairs() const { return pairs_; }
+  const EdgePairs& pairs() const { return edges_->pairs; }
 
   std::span<const Pose> links(int slot) const { return {&poses_[at(slot) * links_], links_}; }
   /// Centre of a piece's ball, in the world.
@@ -108,6 +157,10 @@ class EdgeFrames {
     return pieces_[at(pair.a)].geometry->shape.isConvex() &&
            pieces_[at(pair.b)].geometry->shape.isConvex();
   }
+  /// Appends the pairs of a row that may not keep their thresholds plus `reach` >= 0 [m] at a
+  /// slot's configuration, in no order. False where `pairs` has no room for all. A descent of the
+  /// boxes of what stands still.
+  bool nearInRow(std::size_t row, int slot, double reach, std::vector<int>& pairs) const;
   Pose piecePose(int slot, int piece) const;
   /// X_BA of a pair's pieces.
   Pose relative(int slot, const EdgePair& pair) const;
@@ -127,7 +180,6 @@ class EdgeFrames {
   std::shared_ptr<const CompiledScene> scene_;
   const EdgeScene* edges_ = nullptr;  // the scene's
   std::span<const Piece> pieces_;
-  std::span<const EdgePair> pairs_;
   std::span<const int> moving_;
   /// A joint's angle at the edge's start, and how far it turns [rad].
   struct Turn {

@@ -8,12 +8,26 @@
 
 namespace leeway::planner {
 
-void EdgeCertifier::Impl::listWholeEdge(int start, int end) {
-  open_pairs.clear();
-  for (std::size_t p = 0; p < frames.pairs().size(); ++p)
-    if (isAsked(frames.pairs()[p])) open_pairs.push_back(static_cast<int>(p));
+bool EdgeCertifier::Impl::listWholeEdge(int start, int end, double reach) {
+  open_pairs.assign(listed_pairs.begin(), listed_pairs.end());
+  const EdgeInterval whole{start, end, 0, 1, 0, 0, 0};
+  startInterval();
+  bool has_room = true;
+  for (std::size_t row = 0; row < frames.pairs().rows().size(); ++row) {
+    // No point is farther than that from where the nearer end has it.
+    const double way = motionOf(whole, frames.pairs().rows()[row].motion).speed / 2;
+    for (const int slot : {start, end})
+      has_room = has_room && frames.nearInRow(row, slot, reach + way, open_pairs);
+  }
+  if (!frames.pairs().rows().empty()) {
+    std::sort(open_pairs.begin(), open_pairs.end());
+    open_pairs.erase(std::unique(open_pairs.begin(), open_pairs.end()), open_pairs.end());
+  }
+  std::erase_if(open_pairs, [&](int p) { return !isAsked(frames.pairs()[at(p)]); });
   intervals.clear();
-  intervals.push_back({start, end, 0, 1, 0, static_cast<int>(open_pairs.size()), 0});
+  intervals.push_back(whole);
+  intervals.back().end = static_cast<int>(open_pairs.size());
+  return has_room;
 }
 
 bool EdgeCertifier::Impl::addInterval(double from, double width) {
@@ -49,11 +63,13 @@ bool EdgeCertifier::Impl::isSweptOver(const collision::LaneSweep::Open& pair, in
 }
 
 bool EdgeCertifier::Impl::listOpenLanes() {
+  if (lanes.isFull()) return false;
   int slots[collision::kLanes + 1];
   std::fill(std::begin(slots), std::end(slots), -1);
   for (int width = collision::kLanes, level = 0; width >= 1; width /= 2, ++level) {
     for (int lane = 0; lane < collision::kLanes; lane += width) {
       const auto begin = static_cast<int>(open_pairs.size());
+      if (open_pairs.size() + lanes.open().size() > open_pairs.capacity()) return false;
       for (const collision::LaneSweep::Open& pair : lanes.open())
         if (!isForParts(pair) && isSweptOver(pair, lane, width)) open_pairs.push_back(pair.id);
       const auto end = static_cast<int>(open_pairs.size());

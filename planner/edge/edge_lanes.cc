@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 
 #include "collision/base/sine_cosine.h"
 #include "collision/base/tolerances.h"
+#include "collision/scene/scene_access.h"
 #include "leeway/robots/kinematics.h"
 #include "planner/base/tolerances.h"
 #include "planner/edge/edge_model.h"
@@ -45,10 +47,43 @@ void setTurn(double angle, double turn, collision::FrameStep& out) {
 
 }  // namespace
 
+namespace {
+
+/// The runs of a scene's pairs, as lanes ask for them.
+class EdgeRuns final : public collision::LaneRuns {
+ public:
+  explicit EdgeRuns(const EdgePairs& pairs) : pairs_(pairs) {
+    for (std::size_t i = 0; i < pairs.listed().size(); ++i)
+      listed_.push_back(pairs.numberOfListed(i));
+  }
+  Pair pairOf(int id) const override {
+    Pair result;
+    result.row = pairs_.rowOf(at(id));
+    if (result.row < 0) {
+      const auto listed = std::lower_bound(listed_.begin(), listed_.end(), at(id));
+      result.added = static_cast<int>(listed - listed_.begin());
+      return result;
+    }
+    const EdgePair pair = pairs_[at(id)];
+    result.place = pair.b - pairs_.pieceIn(0);
+    result.threshold = pair.threshold;
+    result.by_parts = !pair.by_surfaces;
+    return result;
+  }
+  int idOf(int row, int place) const override { return pairs_.numberOf(at(row), at(place)); }
+
+ private:
+  const EdgePairs& pairs_;
+  std::vector<std::size_t> listed_;  // their numbers, ascending
+};
+
+}  // namespace
+
 SceneLanes::SceneLanes(const CompiledScene& scene, const EdgeScene& edges)
     : robot(scene.edgeModel().robot->lanes(scene.model())), sweep(robot.sweep) {
   const std::vector<RobotLanes::Piece> pieces = addPieces(scene, edges);
   if (usable) addPairs(edges, pieces);
+  if (usable && edges.pairs.hasRuns()) addRuns(scene, edges, pieces);
   sweep.finish();
 }
 
@@ -56,10 +91,16 @@ std::vector<RobotLanes::Piece> SceneLanes::addPieces(const CompiledScene& scene,
                                                      const EdgeScene& edges) {
   std::vector<char> used(edges.pieces.size(), 0);
   bool is_bounded = true;
-  for (const EdgePair& pair : edges.pairs) {
+  for (const EdgePair& pair : edges.pairs.listed()) {
     used[at(pair.a)] = used[at(pair.b)] = 1;
     is_bounded = is_bounded && robot.is_bounded[at(pair.motion)] != 0;
   }
+  for (const EdgePairs::Row& row : edges.pairs.rows()) {
+    used[at(row.piece)] = 1;
+    is_bounded = is_bounded && robot.is_bounded[at(row.motion)] != 0;
+  }
+  // Obstacles stand in the order of their places.
+  if (edges.pairs.hasRuns()) std::fill(used.begin() + edges.pairs.pieceIn(0), used.end(), 1);
   const std::vector<int>& of_world = scene.edgeModel().robot->motions().of_world;
   std::vector<RobotLanes::Piece> lane_pieces = robot.pieces;
   lane_pieces.resize(edges.pieces.size());
@@ -79,10 +120,11 @@ std::vector<RobotLanes::Piece> SceneLanes::addPieces(const CompiledScene& scene,
 }
 
 void SceneLanes::addPairs(const EdgeScene& edges, std::span<const RobotLanes::Piece> lane_pieces) {
-  sweep.reservePairs(edges.pairs.size());
-  for (std::size_t p = 0; p < edges.pairs.size(); ++p) {
-    const EdgePair& pair = edges.pairs[p];
-    const auto id = static_cast<int>(p);
+  const std::span<const EdgePair> listed = edges.pairs.listed();
+  sweep.reservePairs(listed.size());
+  for (std::size_t p = 0; p < listed.size(); ++p) {
+    const EdgePair& pair = listed[p];
+    const auto id = static_cast<int>(edges.pairs.numberOfListed(p));
     const bool world_a = edges.pieces[at(pair.a)].link < 0,
                world_b = edges.pieces[at(pair.b)].link < 0;
     if (!world_a && !world_b) {
@@ -95,6 +137,18 @@ void SceneLanes::addPairs(const EdgeScene& edges, std::span<const RobotLanes::Pi
     const RobotLanes::Piece& still = lane_pieces[at(world_a ? pair.a : pair.b)];
     sweep.addPair(id, mover.piece, still.obstacle, still.piece, pair.threshold, !pair.by_surfaces);
   }
+}
+
+void SceneLanes::addRuns(const CompiledScene& scene, const EdgeScene& edges,
+                         std::span<const RobotLanes::Piece> lane_pieces) {
+  const EdgePairs& pairs = edges.pairs;
+  std::vector<LaneSweep::Row> rows;
+  for (const EdgePairs::Row& row : pairs.rows())
+    rows.push_back({lane_pieces[at(row.piece)].piece, row.most_threshold});
+  const std::span<const RobotLanes::Piece> still = lane_pieces.subspan(at(pairs.pieceIn(0)));
+  for (const RobotLanes::Piece& piece : still) sweep.setBalls(piece.obstacle, piece.piece);
+  sweep.setRuns(std::make_shared<EdgeRuns>(pairs), rows, still.front().obstacle,
+                collision::SceneAccess::sharedBoxes(scene.scene()), pairs.size());
 }
 
 EdgeLanes::EdgeLanes(const EdgeFrames& frames)
@@ -111,7 +165,7 @@ EdgeLanes::EdgeLanes(const EdgeFrames& frames)
   contact_frames_.resize(robot_.steps.size());
   growth_values_.resize(robot_.growth.paddedSize());
   pass_growth_.resize(growth_values_.size());
-  closed_.reserve(frames.pairs().size());
+  closed_.reserve(frames.pairs().hasRuns() ? LaneSweep::kMostNear : frames.pairs().size());
 }
 
 /// What the present edge makes of a joint's step. q_ is the configuration in the edge's middle, but

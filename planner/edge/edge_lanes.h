@@ -33,6 +33,8 @@ struct SceneLanes {
   /// Returns one for each of EdgeScene::pieces.
   std::vector<RobotLanes::Piece> addPieces(const CompiledScene& scene, const EdgeScene& edges);
   void addPairs(const EdgeScene& edges, std::span<const RobotLanes::Piece> lane_pieces);
+  void addRuns(const CompiledScene& scene, const EdgeScene& edges,
+               std::span<const RobotLanes::Piece> lane_pieces);
 };
 
 /// The intervals of one edge, a lane each, against all pairs, by balls, planes and points: see
@@ -78,6 +80,9 @@ class EdgeLanes {
   /// A place where a pair is in contact, if one is found at kLanes configurations spread over
   /// [from, from + width]. Where these are whole sixteenths, sweep() has looked at none of them.
   std::optional<double> findContact(int pair, double from, double width);
+  /// More was near in the last pass over the whole edge than there is room for: of some pairs
+  /// nothing is known.
+  bool isFull() const { return scratch_->isFull(); }
   /// What the last pass left open.
   std::span<const collision::LaneSweep::Open> open() const { return scratch_->open(); }
 
@@ -90,7 +95,7 @@ class EdgeLanes {
   /// Single configurations, at t = 1/2 + places.
   collision::LaneSweep::Contact checkStates(const collision::LaneValues& places);
 
-  /// Whether nearPairs() knows all pairs with obstacles.
+  /// Whether nearPairs() knows all pairs with obstacles, where none are in runs.
   bool isUsable() const { return lanes_.usable; }
   /// Appends, in no order, the pairs that may not keep their thresholds at a slot's configuration,
   /// or not be farther apart than `reach` >= 0 [m]: those of two moving pieces, and those with

@@ -16,7 +16,7 @@ class PreparedRobot;  // prepared_robot.h
 
 /// How the bodies of a scene's pairs move along any edge, and how exact their poses are. Constant.
 struct EdgeModel {
-  /// One of collision::Scene::pairs().
+  /// One of those of collision::Scene::pairs() that are of two bodies of the robot.
   struct Pair {
     int motion;  ///< index into `motions`: how body a moves seen from body b, static: the world
     bool is_reversed;  ///< `motion` is that of b seen from a: of two moving bodies the one near the

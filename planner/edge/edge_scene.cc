@@ -1,6 +1,8 @@
 // Pieces and pairs of a compiled scene, as edges ask for them.
 
 #include <algorithm>
+#include <cmath>
+#include <iterator>
 #include <numeric>
 #include <span>
 #include <utility>
@@ -10,6 +12,7 @@
 #include "collision/sweep/mesh_sweep.h"
 #include "planner/edge/edge_frames.h"
 #include "planner/edge/edge_model.h"
+#include "planner/edge/prepared_robot.h"
 
 namespace leeway::planner {
 namespace {
@@ -42,20 +45,58 @@ bool sweepsSurfaces(const Piece& a, const Piece& b, double margin) {
          collision::sweepsMesh(a.geometry->shape, b.geometry->shape);
 }
 
-class Builder {
+/// NaN where one is: that is never kept, and must not drop out.
+double most(double x, double y) { return std::isnan(x) || x >= y ? x : y; }
+
+/// What poses of a pair's pieces are exact to [m].
+double roundingOf(const EdgeModel& model, const Piece& a, const Piece& b) {
+  // All coordinates that a relative pose is made from are within this of their frame's origin.
+  const double scale = 2 * model.reach + a.scale + b.scale;
+  return (a.link >= 0 && b.link >= 0 ? 2 : 1) * model.rounding +
+         collision::kTransferRounding * scale;
+}
+
+/// Of a piece that moves with one that stands still, which is in the world.
+EdgePair pairWithWorld(const CompiledScene& scene, const EdgeScene& edges, int a, int b,
+                       double margin) {
+  const Piece &of_a = edges.pieces[at(a)], &of_b = edges.pieces[at(b)];
+  EdgePair e{};
+  e.a = a;
+  e.b = b;
+  e.motion = scene.edgeModel().robot->motions().of_world[at(a)];
+  e.rounding = roundingOf(scene.edgeModel(), of_a, of_b);
+  e.threshold = margin + e.rounding;
+  e.by_surfaces = sweepsSurfaces(of_a, of_b, margin);
+  e.gap = -1;
+  return e;
+}
+
+}  // namespace
+
+class EdgeSceneBuilder {
  public:
-  Builder(const CompiledScene& scene, EdgeScene& edges)
-      : compiled_(scene), scene_(scene.scene()), model_(scene.edgeModel()), edges_(edges) {}
+  EdgeSceneBuilder(const CompiledScene& scene, EdgeScene& edges)
+      : compiled_(scene),
+        scene_(scene.scene()),
+        model_(scene.edgeModel()),
+        edges_(edges),
+        pairs_(edges.pairs) {}
 
   void build() {
+    edges_.pieces.reserve(collision::SceneAccess::geometryCount(scene_));
     for (std::size_t b = 0; b < scene_.bodies().size(); ++b)
       for (const collision::Geometry& g : scene_.bodies()[b].geometries)
         addPiece(static_cast<int>(b), g);
     std::vector<EdgePair> pairs;
-    pairs.reserve(scene_.pairs().size());
-    for (std::size_t p = 0; p < scene_.pairs().size(); ++p)
+    pairs.reserve(scene_.pairs().listedCount());
+    for (std::size_t p = 0; p < scene_.pairs().listedCount(); ++p)
       pairs.push_back(pairOf(static_cast<int>(p)));
     sortPairs(pairs);
+    addRows();
+    for (const EdgePair& pair : pairs) {
+      edges_.has_surface_pairs = edges_.has_surface_pairs || pair.by_surfaces;
+      pairs_.most_rounding_ = most(pairs_.most_rounding_, pair.rounding);
+    }
   }
 
  private:
@@ -82,22 +123,26 @@ class Builder {
   }
 
   EdgePair pairOf(int p) {
-    const collision::ScenePair& pair = scene_.pairs()[at(p)];
-    const EdgeModel::Pair& known = model_.pairs[at(p)];
-    EdgePair e;
+    const collision::ScenePair pair = scene_.pairs()[at(p)];
+    const int a = collision::SceneAccess::geometryIndex(scene_, pair.body_a, pair.geometry_a);
+    const int b = collision::SceneAccess::geometryIndex(scene_, pair.body_b, pair.geometry_b);
+    EdgePair e{};
+    if (!compiled_.isOfRobot(pair)) {
+      e = pairWithWorld(compiled_, edges_, a, b, pair.margin);
+      e.scene_pair = p;
+      return e;
+    }
+    const EdgeModel::Pair& known = model_.pairs[next_of_robot_++];
     e.scene_pair = p;
-    e.is_self = compiled_.isOfRobot(pair);
-    e.a = collision::SceneAccess::geometryIndex(scene_, pair.body_a, pair.geometry_a);
-    e.b = collision::SceneAccess::geometryIndex(scene_, pair.body_b, pair.geometry_b);
+    e.is_self = true;
+    e.is_reversed = known.is_reversed;
+    e.a = known.is_reversed ? b : a;
+    e.b = known.is_reversed ? a : b;
     e.motion = known.motion;
-    e.rounding = (piece(e.b).link >= 0 ? 2 : 1) * model_.rounding;
-    if (known.is_reversed) std::swap(e.a, e.b);
-    // All coordinates that a relative pose is made from are within this of their frame's origin.
-    const double scale = 2 * model_.reach + piece(e.a).scale + piece(e.b).scale;
-    e.rounding += collision::kTransferRounding * scale;
+    e.rounding = roundingOf(model_, piece(e.a), piece(e.b));
     e.threshold = pair.margin + e.rounding;
     e.by_surfaces = sweepsSurfaces(piece(e.a), piece(e.b), pair.margin);
-    edges_.has_surface_pairs = edges_.has_surface_pairs || e.by_surfaces;
+    e.gap = -1;
     if (known.gap != nullptr && static_cast<double>(known.most_gap) > e.threshold) {
       e.gap = static_cast<int>(edges_.gaps.size());
       edges_.gaps.push_back(known.gap);
@@ -110,18 +155,100 @@ class Builder {
     std::vector<std::size_t> places(edges_.pieces.size() + 1, 0);
     for (const EdgePair& e : pairs) ++places[at(e.a) + 1];
     std::partial_sum(places.begin(), places.end(), places.begin());
-    edges_.pairs.resize(pairs.size());
-    for (const EdgePair& e : pairs) edges_.pairs[places[at(e.a)]++] = e;
+    pairs_.listed_.resize(pairs.size());
+    for (const EdgePair& e : pairs) pairs_.listed_[places[at(e.a)]++] = e;
+    pairs_.size_ = pairs.size();
+  }
+
+  void addRows() {
+    const collision::ScenePairs& all = scene_.pairs();
+    pairs_.compiled_ = &compiled_;
+    pairs_.edges_ = &edges_;
+    if (!all.hasRuns()) return;
+    pairs_.first_still_ = collision::SceneAccess::geometryIndex(scene_, all.firstStill(), 0);
+    double scale = 0;
+    bool has_mesh = false;
+    for (std::size_t place = 0; place < all.places(); ++place) {
+      const Piece& still = piece(pairs_.pieceIn(place));
+      scale = most(scale, still.scale);
+      has_mesh = has_mesh || still.geometry->shape.type() == collision::ShapeType::kMesh;
+    }
+    Piece farthest;
+    farthest.scale = scale;
+    std::size_t before = 0;
+    auto listed = pairs_.listed_.begin();
+    for (std::size_t run = 0; run < all.runs().size(); ++run) {
+      const collision::ScenePairs::Run& of = all.runs()[run];
+      EdgePairs::Row row{};
+      row.piece = collision::SceneAccess::geometryIndex(scene_, of.body, of.geometry);
+      row.motion = model_.robot->motions().of_world[at(row.piece)];
+      for (; listed != pairs_.listed_.end() && listed->a <= row.piece; ++listed) ++before;
+      row.begin = before;
+      row.scene_begin = all.runBegin(run);
+      row.count = all.runBegin(run + 1) - row.scene_begin;
+      before += row.count;
+      const double rounding = roundingOf(model_, piece(row.piece), farthest);
+      row.most_threshold = most(0, all.mostMarginOfRun(run) + rounding);
+      pairs_.most_rounding_ = most(pairs_.most_rounding_, rounding);
+      pairs_.rows_.push_back(row);
+      if (has_mesh && piece(row.piece).is_free_mesh) findSurfacePairs(row);
+    }
+    pairs_.size_ = all.size();
+  }
+
+  void findSurfacePairs(const EdgePairs::Row& row) {
+    pairs_.size_ = row.begin + row.count;
+    for (std::size_t i = 0; i < row.count && !edges_.has_surface_pairs; ++i)
+      edges_.has_surface_pairs = pairs_[row.begin + i].by_surfaces;
   }
 
   const CompiledScene& compiled_;
   const collision::Scene& scene_;
   const EdgeModel& model_;
   EdgeScene& edges_;
+  EdgePairs& pairs_;
+  std::size_t next_of_robot_ = 0;
 };
 
-}  // namespace
+EdgeScene::EdgeScene(const CompiledScene& scene) { EdgeSceneBuilder(scene, *this).build(); }
 
-EdgeScene::EdgeScene(const CompiledScene& scene) { Builder(scene, *this).build(); }
+int EdgePairs::rowOf(std::size_t number) const {
+  const auto after = std::partition_point(rows_.begin(), rows_.end(),
+                                          [&](const Row& row) { return row.begin <= number; });
+  if (after == rows_.begin()) return -1;
+  const auto row = std::prev(after);
+  return number < row->begin + row->count ? static_cast<int>(row - rows_.begin()) : -1;
+}
+
+std::size_t EdgePairs::numberOfListed(std::size_t i) const {
+  std::size_t number = i;
+  for (const Row& row : rows_)
+    if (listed_[i].a > row.piece) number += row.count;
+  return number;
+}
+
+std::int32_t EdgePairs::numberOf(std::size_t row, std::size_t place) const {
+  const std::int32_t in_scene = compiled_->scene().pairs().numberOf(row, place);
+  if (in_scene < 0) return -1;
+  return static_cast<std::int32_t>(at(in_scene) - rows_[row].scene_begin + rows_[row].begin);
+}
+
+EdgePair EdgePairs::find(std::size_t number) const {
+  std::size_t listed = number;
+  for (const Row& row : rows_) {
+    if (number < row.begin) break;
+    if (number < row.begin + row.count) {
+      const collision::ScenePairs& all = compiled_->scene().pairs();
+      const std::size_t in_scene = row.scene_begin + number - row.begin;
+      const collision::ScenePairs::Place of = all.placeOf(in_scene);
+      EdgePair pair =
+          pairWithWorld(*compiled_, *edges_, row.piece, pieceIn(of.place), all.marginOf(of));
+      pair.scene_pair = static_cast<int>(in_scene);
+      return pair;
+    }
+    listed -= row.count;
+  }
+  return listed_[listed];
+}
 
 }  // namespace leeway::planner

@@ -37,7 +37,7 @@ collision::DistanceResult EdgeCertifier::Impl::stateDistance(
       frames.pieces()[at(pair.b)].geometry->shape, frames.piecePose(slot, pair.b), request,
       collision::SceneAccess::scratch(workspace),
       &collision::SceneAccess::cache(workspace, pair.scene_pair));
-  if (scene->edgeModel().pairs[at(pair.scene_pair)].is_reversed) {
+  if (pair.is_reversed) {
     std::swap(result.point_a, result.point_b);
     std::swap(result.triangle_a, result.triangle_b);
     result.normal = -result.normal;
@@ -65,11 +65,20 @@ EdgeCertifier::Impl::PairState EdgeCertifier::Impl::exactState(int slot, const E
   return distance.upper <= threshold ? PairState::kNotFree : PairState::kOpen;
 }
 
-/// Lanes know where things are; without them, or where pairs are few, it is all pairs.
+/// The scene knows where things in runs are, and lanes where all are; without both, or where pairs
+/// are few, it is all pairs.
 std::span<const int> EdgeCertifier::Impl::nearPairs(int slot, double reach) {
-  if (frames.pairs().size() <= kManyPairs || !lanes_fit || !lanes.isUsable()) return all_pairs;
-  near_pairs.clear();
-  lanes.nearPairs(frames, slot, reach, near_pairs);
+  near_pairs_full = false;
+  if (frames.pairs().hasRuns()) {
+    near_pairs.assign(listed_pairs.begin(), listed_pairs.end());
+    for (std::size_t row = 0; row < frames.pairs().rows().size(); ++row)
+      near_pairs_full = !frames.nearInRow(row, slot, reach, near_pairs) || near_pairs_full;
+  } else if (frames.pairs().size() <= kManyPairs || !lanes_fit || !lanes.isUsable()) {
+    return listed_pairs;
+  } else {
+    near_pairs.clear();
+    lanes.nearPairs(frames, slot, reach, near_pairs);
+  }
   std::sort(near_pairs.begin(), near_pairs.end());
   return near_pairs;
 }
@@ -79,6 +88,7 @@ Verdict EdgeCertifier::Impl::checkState(int slot, double t, int& offender) {
   // Balls first, for all pairs: most collisions are deep. The last contact is likely to be the
   // next.
   const std::span<const int> near = nearPairs(slot, beyondMargins());
+  if (near_pairs_full) return Verdict::kUndecided;
   const auto count = static_cast<int>(near.size());
   const int first = last_contact;
   open_pairs.clear();

@@ -109,7 +109,7 @@ EdgeCertifier::Impl::SweptBall EdgeCertifier::Impl::sweptBall(const EdgeInterval
 
 const EdgeCertifier::Impl::SweptBall& EdgeCertifier::Impl::worldBall(const EdgeInterval& interval,
                                                                      const EdgePair& pair) {
-  SweptBall& ball = world_balls[at(pair.a)];
+  SweptBall& ball = world_balls[at(frames.pieces()[at(pair.a)].moving)];
   if (ball.interval_stamp == interval_stamp) return ball;
   ball = sweptBall(interval, pair, frames.center(interval.slot0, pair.a),
                    frames.center(interval.slot1, pair.a));

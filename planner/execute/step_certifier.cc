@@ -147,13 +147,8 @@ Interval StepCertifier::clearance(std::span<const TimedPoint> motion, double end
       closest = names(scene, edge.pair);
     }
   };
-  const auto leastMargin = [](const CompiledScene& scene) {
-    double margin = kInfinity;
-    for (const collision::ScenePair& pair : scene.scene().pairs())
-      margin = std::min(margin, pair.margin);
-    return margin;
-  };
-  const double still = leastMargin(*still_scene_), moving = leastMargin(*moving_scene_);
+  const double still = still_scene_->scene().pairs().leastMargin();
+  const double moving = moving_scene_->scene().pairs().leastMargin();
   const auto ask = [&](EdgeCertifier& certifier, const std::vector<TimedPoint>& part, double growth,
                        double proven) {
     for (std::size_t i = 1; i < part.size(); ++i)

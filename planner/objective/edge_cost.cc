@@ -39,9 +39,7 @@ class EdgeCertifier::Impl::CostSearch {
   EdgeCost run() {
     const int start = impl_.frames.place(0), end = start < 0 ? -1 : impl_.frames.place(1);
     if (end < 0) return {};
-    impl_.open_pairs.clear();
-    for (std::size_t p = 0; p < impl_.frames.pairs().size(); ++p)
-      if (impl_.isAsked(impl_.frames.pairs()[p])) impl_.open_pairs.push_back(static_cast<int>(p));
+    if (!impl_.listWholeEdge(start, end, reach_ + impl_.most_rounding)) return {};
     parts_.clear();
     add({start, end, 0, 1, 0, static_cast<int>(impl_.open_pairs.size()), 0});
     while (!isEnough() && splitWidest()) {
@@ -242,7 +240,7 @@ class EdgeCertifier::Impl::CostSearch {
   static double boundOf(double lower) { return std::isnan(lower) ? -kInfinity : lower; }
 
   bool isReversed(const EdgePair& pair) const {
-    return impl_.scene->edgeModel().pairs[at(pair.scene_pair)].is_reversed;
+    return pair.is_reversed;
   }
 
   EdgeCost result() const {

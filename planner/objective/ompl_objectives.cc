@@ -25,11 +25,7 @@ ob::InformedSamplerPtr rejectionSampler(const ob::ProblemDefinitionPtr& problem,
   return std::make_shared<ob::RejectionInfSampler>(problem, attempts);
 }
 
-double smallestMargin(const collision::Scene& scene) {
-  double least = kInfinity;
-  for (const collision::ScenePair& pair : scene.pairs()) least = std::min(least, pair.margin);
-  return least;
-}
+double smallestMargin(const collision::Scene& scene) { return scene.pairs().leastMargin(); }
 
 }  // namespace
 

@@ -134,10 +134,7 @@ class Clearances {
 
 /// The smallest margin of the pairs [m]; infinity without such pairs.
 double leastMarginOf(const CompiledScene& compiled, Pairs pairs) {
-  double least = kInfinity;
-  for (const collision::ScenePair& pair : compiled.scene().pairs())
-    if (compiled.isOfRobot(pair) == (pairs == Pairs::kSelf)) least = std::min(least, pair.margin);
-  return least;
+  return compiled.scene().pairs().leastMargin(compiled.bodiesOfRobot(), pairs != Pairs::kSelf);
 }
 
 }  // namespace

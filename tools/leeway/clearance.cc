@@ -84,11 +84,7 @@ std::string csvField(const std::string& name) {
 }
 
 double leastMargin(const planner::CompiledScene& scene) {
-  double least = kInfinity;
-  for (const auto& pair : scene.scene().pairs()) {
-    least = std::min(least, pair.margin);
-  }
-  return least;
+  return scene.scene().pairs().leastMargin();
 }
 
 Stretch measure(planner::EdgeCertifier& certifier, const planner::Path& path, int segment, int part,

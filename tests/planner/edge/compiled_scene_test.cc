@@ -211,12 +211,12 @@ TEST(CompiledScene, PairsThatAreKeptKeepTheirMotions) {
   auto model = column(7);
   model->has_srdf = true;
   const CompiledScene whole(problemWith(model));
-  const std::span<const collision::ScenePair> pairs = whole.scene().pairs();
+  const collision::ScenePairs& pairs = whole.scene().pairs();
   std::size_t asked = 0;
   const auto reduced =
       whole.withPairs([&](const collision::ScenePair&) { return asked++ % 4 == 1; });
   EXPECT_EQ(asked, pairs.size());
-  const std::span<const collision::ScenePair> left = reduced->scene().pairs();
+  const collision::ScenePairs& left = reduced->scene().pairs();
   ASSERT_EQ(left.size(), (pairs.size() + 2) / 4);
   for (std::size_t p = 0; p < left.size(); ++p) {
     EXPECT_EQ(left[p].body_a, pairs[4 * p + 1].body_a);

@@ -56,7 +56,7 @@ void samplePoint(const planner::ConfigurationSpace& space, Random& random,
 
 std::vector<PairSamples> samplePairs(const planner::CompiledScene& scene, int samples,
                                      std::uint64_t seed) {
-  const auto pairs = scene.scene().pairs();
+  const auto& pairs = scene.scene().pairs();
   const auto bodies = scene.scene().bodies();
   std::vector<PairSamples> result;
   for (std::size_t p = 0; p < pairs.size(); ++p) {

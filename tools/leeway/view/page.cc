@@ -266,7 +266,7 @@ class Document {
       proven.push_back(jsonNumber(stretch.lower));
     document["proven"] = proven;
     double margin = std::numeric_limits<double>::infinity();
-    const std::span<const collision::ScenePair> pairs = subject_.first_scene->scene().pairs();
+    const collision::ScenePairs& pairs = subject_.first_scene->scene().pairs();
     for (const collision::ScenePair& pair : pairs) margin = std::min(margin, pair.margin);
     document["margin"] = jsonNumber(margin);
     // What a short path was asked to keep from the world.

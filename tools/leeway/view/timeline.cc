@@ -128,9 +128,7 @@ std::vector<double> inShown(std::vector<double> clearance, const CompiledScene& 
 }
 
 double leastMargin(const CompiledScene& scene) {
-  double least = kInfinity;
-  for (const auto& pair : scene.scene().pairs()) least = std::min(least, pair.margin);
-  return least;
+  return scene.scene().pairs().leastMargin();
 }
 
 planner::Interval proven(EdgeCertifier& certifier, const Moment& from, const Moment& to,

@@ -47,7 +47,7 @@ class Stepper {
     int slots[kLanes];
     std::fill(slots, slots + kLanes, -1);
     for (const auto& open : lanes_.open()) {
-      const planner::EdgePair& pair = frames_.pairs()[static_cast<std::size_t>(open.id)];
+      const planner::EdgePair pair = frames_.pairs()[static_cast<std::size_t>(open.id)];
       for (int lane = 0; lane < kLanes; ++lane) {
         if ((open.lanes >> lane & 1U) == 0) continue;
         if (lane > 0 && t[lane] == t[lane - 1]) continue;  // past the last state

@@ -1,13 +1,15 @@
 #pragma once
 
-#include <algorithm>
+#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "leeway/collision/distance.h"
+#include "leeway/collision/scene_pairs.h"
 
 namespace leeway::collision {
 
@@ -27,19 +29,14 @@ struct Body {
   Pose X_WB;
 };
 
-/// Two geometries that must keep more than `margin` apart.
-struct ScenePair {
-  std::int32_t body_a, geometry_a;  // geometry index within its body
-  std::int32_t body_b, geometry_b;  // a is always moving; b may be
-  double margin;                    // [m]
-};
-
+class ObstacleBoxes;    // private to the library
 struct GeometryBounds;  // private to the library
 struct SceneAccess;     // private to the library
 class SceneBuilder;
 
 /// What must not touch what: constant while it is queried, shared by any number of Workspaces.
-/// Made by SceneBuilder. Has no pair of two bodies that stand still.
+/// Made by SceneBuilder. Has no pair of two bodies that stand still. A copy shares the bodies until
+/// one of both changes a shape.
 class Scene {
  public:
   Scene();
@@ -49,19 +46,18 @@ class Scene {
   Scene(Scene&&) noexcept;
   Scene& operator=(Scene&&) noexcept;
 
-  std::span<const Body> bodies() const { return bodies_; }
-  std::span<const ScenePair> pairs() const { return pairs_; }
+  std::span<const Body> bodies() const { return things_->bodies; }
+  const ScenePairs& pairs() const { return pairs_; }
   /// Index of the body with that name, -1 when there is none. O(bodies).
   int find(const std::string& name) const;
 
   /// Another shape for one geometry: the next snapshot of a deforming obstacle. No query may run
-  /// meanwhile; pairs and margins stay. O(1) for a snapshot.
+  /// meanwhile; pairs and margins stay. O(1) for a snapshot; O(bodies) for the first after this
+  /// scene was copied or is a copy, and where pairs have runs and the shape is not deforming.
   void setShape(int body, int geometry, const Shape& shape);
 
   /// Raises every pair's margin to at least this [m].
-  void raiseMargins(double margin) {
-    for (ScenePair& pair : pairs_) pair.margin = std::max(pair.margin, margin);
-  }
+  void raiseMargins(double margin) { pairs_.raise(margin, 0); }
 
   /// Adds `growth` >= 0 [m] to the margin of every pair of that geometry, negative margins raised
   /// to 0 first: a bound on how far vertices of a mesh move bounds its distances, not its depths. A
@@ -71,10 +67,21 @@ class Scene {
  private:
   friend class SceneBuilder;
   friend struct SceneAccess;
-  std::vector<Body> bodies_;
-  std::vector<ScenePair> pairs_;
-  std::vector<int> first_geometry_;  // of each body, in the numbering of all geometries
-  std::vector<GeometryBounds> bounds_;
+  struct Things {
+    std::vector<Body> bodies;
+    std::vector<int> first_geometry;  // of each body, in the numbering of all geometries
+    std::vector<GeometryBounds> bounds;
+  };
+  static const std::shared_ptr<Things>& nothing();
+  /// To change: no other scene has them from now on.
+  Things& own();
+  std::shared_ptr<Things> things_;
+  // Set, for good, in both where one is a copy of the other: counting owners would not order their
+  // reads before a change.
+  mutable std::atomic<bool> is_shared_ = true;
+  ScenePairs pairs_;
+  // Where pairs have runs: around the geometry of each place; a deforming one may be anywhere.
+  std::shared_ptr<const ObstacleBoxes> boxes_;
 };
 
 /// Collects bodies, allowed pairs and margins; build() makes the pairs.
@@ -85,6 +92,10 @@ class SceneBuilder {
   /// robot is prepared once, and worlds are added. What is known of its geometries is not computed
   /// again. O(bodies + pairs of base).
   explicit SceneBuilder(const Scene& base) : base_(base) {}
+  /// More pairs with what stands still are not listed but in runs (see ScenePairs) [count].
+  static constexpr std::size_t kMostListed = std::size_t{1} << 14U;
+  /// Another limit than that, for tests.
+  void listAtMost(std::size_t pairs) { most_listed_ = pairs; }
 
   /// The new body's index.
   int add(Body body);
@@ -93,12 +104,15 @@ class SceneBuilder {
   void setMargin(int body_a, int body_b, double margin);  ///< [m]; the last call for a pair counts
   /// All pairs with a moving body that are not allowed, each with its margin. Throws
   /// std::invalid_argument for a margin or a pose that is not finite, for a rotation that is not
-  /// orthogonal within kRotationTolerance, and for two half-spaces, naming their bodies.
-  /// O(bodies + pairs + allowed + margins).
+  /// orthogonal within kRotationTolerance, and for two half-spaces, naming their bodies; and where
+  /// moving geometries times those that stand still are more than an int numbers.
+  /// O(bodies + listed pairs + allowed + margins); O(n log n) in what stands still beside runs.
   Scene build() const& { return SceneBuilder(*this).build(); }
   Scene build() &&;
 
  private:
+  void addRuns(std::span<const Body> bodies, int first_still, ScenePairs& pairs) const;
+
   Scene base_;                // what build() begins with
   std::vector<Body> bodies_;  // added to those
   std::vector<std::pair<int, int>> allowed_;
@@ -108,10 +122,12 @@ class SceneBuilder {
   };
   std::vector<PairMargin> margins_;
   double default_margin_ = 0;
+  std::size_t most_listed_ = kMostListed;
 };
 
-/// What one thread changes while it queries a Scene: poses of moving bodies, a cache per pair,
-/// scratch memory, statistics. For that scene only, and those with the same bodies and pairs.
+/// What one thread changes while it queries a Scene: poses of moving bodies, caches of as many pairs
+/// as it has room for, scratch memory, statistics. For that scene only, and those with the same
+/// bodies and pairs.
 class Workspace {
  public:
   explicit Workspace(const Scene& scene);
@@ -121,6 +137,8 @@ class Workspace {
 
   /// Places a moving body. (A body that stands still is where the scene has it.)
   void setPose(int body, const Pose& X_WB);
+  /// Where a body stands; those after the last moving one are where the scene has them, and not
+  /// asked here.
   const Pose& pose(int body) const;
   /// Makes room for what queries of the scene's deforming shapes fill on demand (see prepare() in
   /// deformable_mesh.h). The constructor does it; call it when a snapshot may have more nodes than
@@ -159,11 +177,12 @@ struct SceneResult {
 };
 
 /// Decides every pair against its margin, coarse bounds first, and stops at the first pair that is
-/// not free: `clearance` is what is known by then. Never throws or allocates. O(pairs) queries.
+/// not free: `clearance` is what is known by then. Never throws or allocates. O(pairs) queries; of
+/// runs, of the pairs that are near.
 SceneResult decide(const Scene& scene, Workspace& workspace);
 
 /// The clearance to within `tolerance` [m], with the closest pair and its witness points, and the
-/// verdict of all pairs. Never throws or allocates. O(pairs log pairs).
+/// verdict of all pairs. Never throws or allocates. O(pairs log pairs); of runs, of those near.
 SceneResult clearance(const Scene& scene, Workspace& workspace, double tolerance);
 
 /// The distance of one pair, in world coordinates, as the workspace places its bodies; widened by

@@ -23,7 +23,8 @@ class CompiledScene {
  public:
   /// Throws robots::InputError for an object whose pose is not finite or no rotation, for margins
   /// that are not finite and for two half-spaces that may not touch; std::invalid_argument for
-  /// variables that do not exist or hold part of an orientation. O(pairs of geometries). What
+  /// variables that do not exist or hold part of an orientation, and for more pairs than an int
+  /// numbers. O(n log n) in things of the world, and O(pairs) as long as these are few. What
   /// concerns the robot alone is made once for its model and kept with it, for problems that plan
   /// the same variables, from the same values of the others, with the same held objects and allowed
   /// contacts: O(pairs of links * joints), plus milliseconds a pair of links for proofs where the
@@ -34,9 +35,14 @@ class CompiledScene {
   const ConfigurationSpace& space() const { return *space_; }
   const robots::Model& model() const { return *model_; }
   /// The link that carries a body of the scene; -1 for a static body.
-  int bodyLink(int body) const { return body_link_[static_cast<std::size_t>(body)]; }
+  int bodyLink(int body) const {
+    const auto i = static_cast<std::size_t>(body);
+    return i < body_link_.size() ? body_link_[i] : -1;
+  }
   /// Whether a body is a link or something that the robot holds; all else is the world.
-  bool isOfRobot(int body) const;
+  bool isOfRobot(int body) const { return body < bodiesOfRobot(); }
+  /// They are the first.
+  int bodiesOfRobot() const { return static_cast<int>(body_link_.size()); }
   bool isOfRobot(const collision::ScenePair& pair) const {
     return isOfRobot(pair.body_a) && isOfRobot(pair.body_b);
   }
@@ -101,7 +107,7 @@ class CompiledScene {
   std::shared_ptr<const ConfigurationSpace> space_;
   std::vector<double> base_configuration_;
   collision::Scene scene_;
-  std::vector<int> body_link_;
+  std::vector<int> body_link_;  // of the robot's bodies
   std::shared_ptr<const std::vector<Dropped>> dropped_;
   std::shared_ptr<const EdgeModel> edge_model_;
   OwnShared shared_;

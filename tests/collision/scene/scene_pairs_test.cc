@@ -1,0 +1,251 @@
+#include "leeway/collision/scene_pairs.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <random>
+#include <stdexcept>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "leeway/collision/scene.h"
+#include "tests/support/allocations.h"
+
+namespace leeway::collision {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr int kMoving = 3;
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+class Draw {
+ public:
+  explicit Draw(unsigned seed) : engine_(seed) {}
+  int below(int n) { return static_cast<int>(engine_() % static_cast<unsigned>(n)); }
+  double uniform(double low, double high) {
+    return low + (high - low) * static_cast<double>(engine_() >> 11U) * 0x1p-53;
+  }
+  Pose pose(double size) {
+    const auto vector = [&](double s) {
+      return Eigen::Vector3d(uniform(-s, s), uniform(-s, s), uniform(-s, s));
+    };
+    return {Eigen::AngleAxisd(uniform(-3, 3), vector(1).normalized()).toRotationMatrix(),
+            vector(size)};
+  }
+  Shape shape() {
+    if (below(2) == 0) return Shape::sphere(uniform(0.01, 0.2));
+    return Shape::box({uniform(0.01, 0.2), uniform(0.01, 0.2), uniform(0.01, 0.2)});
+  }
+
+ private:
+  std::mt19937_64 engine_;
+};
+
+/// Three bodies that move, then 30 to 60 that stand still, with exceptions.
+SceneBuilder randomBuilder(Draw& draw, bool one_each) {
+  SceneBuilder builder;
+  const int count = kMoving + 30 + draw.below(30);
+  for (int i = 0; i < count; ++i) {
+    Body body;
+    body.name = "body" + std::to_string(i);
+    body.moving = i < kMoving && i != 1;
+    body.X_WB = draw.pose(2);
+    for (int g = one_each ? 0 : draw.below(3); g >= 0; --g)
+      body.geometries.push_back({draw.shape(), draw.pose(0.2), ""});
+    if (!one_each && i > kMoving && i % 11 == 0) body.geometries.clear();
+    builder.add(std::move(body));
+  }
+  builder.setDefaultMargin(0.01);
+  for (int k = draw.below(12); k > 0; --k) builder.allow(draw.below(kMoving), draw.below(count));
+  for (int k = draw.below(12); k > 0; --k)
+    builder.setMargin(draw.below(count), draw.below(kMoving), draw.uniform(-0.01, 0.05));
+  return builder;
+}
+
+/// The same scene with all pairs listed, and with runs.
+struct Twins {
+  explicit Twins(SceneBuilder builder) : listed(builder.build()) {
+    builder.listAtMost(0);
+    runs = builder.build();
+  }
+  void both(const std::function<void(Scene&)>& change) {
+    change(listed);
+    change(runs);
+  }
+  Scene listed, runs;
+};
+
+using Key = std::tuple<int, int, int, int>;
+Key keyOf(const ScenePair& pair) {
+  return {pair.body_a, pair.geometry_a, pair.body_b, pair.geometry_b};
+}
+
+std::vector<ScenePair> sorted(const ScenePairs& pairs) {
+  std::vector<ScenePair> all(pairs.begin(), pairs.end());
+  std::sort(all.begin(), all.end(), [](const auto& x, const auto& y) { return keyOf(x) < keyOf(y); });
+  return all;
+}
+
+void expectSame(const Twins& twins, const std::string& what) {
+  const ScenePairs& pairs = twins.runs.pairs();
+  ASSERT_EQ(pairs.size(), twins.listed.pairs().size()) << what;
+  const std::vector<ScenePair> x = sorted(twins.listed.pairs()), y = sorted(pairs);
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    ASSERT_EQ(keyOf(x[i]), keyOf(y[i])) << what;
+    ASSERT_TRUE(x[i].margin == y[i].margin || (std::isnan(x[i].margin) && std::isnan(y[i].margin)))
+        << what;
+  }
+  for (const int body : {0, kMoving})
+    for (const bool with : {false, true})
+      EXPECT_EQ(twins.listed.pairs().leastMargin(body, with), pairs.leastMargin(body, with)) << what;
+  const double most = twins.listed.pairs().mostMargin();
+  EXPECT_TRUE(most == pairs.mostMargin() || (std::isnan(most) && std::isnan(pairs.mostMargin())));
+  for (std::size_t p = pairs.listedCount(); p < pairs.size(); ++p) {
+    const ScenePairs::Place of = pairs.placeOf(p);
+    EXPECT_EQ(pairs.numberOf(of.run, of.place), static_cast<int>(p)) << what;
+    EXPECT_EQ(pairs.marginOf(of), pairs[p].margin) << what;
+  }
+}
+
+TEST(ScenePairs, RunsAreWhatAListWouldBe) {
+  Draw draw(1);
+  for (int world = 0; world < 60; ++world) {
+    Twins twins(randomBuilder(draw, world % 2 == 0));
+    ASSERT_TRUE(twins.runs.pairs().hasRuns());
+    ASSERT_FALSE(twins.listed.pairs().hasRuns());
+    expectSame(twins, "built");
+    const int bodies = static_cast<int>(twins.listed.bodies().size());
+    for (int change = 0; change < 6; ++change) {
+      if (draw.below(3) == 0) {
+        const double margin = draw.uniform(-0.01, 0.04);
+        twins.both([&](Scene& scene) { scene.raiseMargins(margin); });
+      }
+      const int body = draw.below(2) == 0 ? draw.below(kMoving) : draw.below(bodies);
+      const auto geometries = static_cast<int>(twins.listed.bodies()[at(body)].geometries.size());
+      if (geometries == 0) continue;
+      const int geometry = draw.below(geometries);
+      const double growth = draw.uniform(-0.002, 0.01);
+      twins.both([&](Scene& scene) { scene.growMargins(body, geometry, growth); });
+      expectSame(twins, "changed");
+    }
+  }
+}
+
+TEST(ScenePairs, RunsAnswerAsAListWould) {
+  Draw draw(2);
+  int free = 0, not_free = 0;
+  for (int world = 0; world < 20; ++world) {
+    const Twins twins(randomBuilder(draw, world % 2 == 0));
+    Workspace listed(twins.listed), runs(twins.runs);
+    for (int state = 0; state < 20; ++state) {
+      for (const int body : {0, 2}) {
+        const Pose X = draw.pose(state < 10 ? 1.5 : 6);
+        listed.setPose(body, X);
+        runs.setPose(body, X);
+      }
+      const SceneResult x = clearance(twins.listed, listed, 1e-4);
+      const std::size_t before = testing::allocationCount();
+      const SceneResult y = clearance(twins.runs, runs, 1e-4);
+      const SceneResult decided = decide(twins.runs, runs);
+      EXPECT_EQ(testing::allocationCount(), before);
+      EXPECT_EQ(x.verdict, y.verdict);
+      EXPECT_NEAR(x.clearance.lower, y.clearance.lower, 1e-4);
+      EXPECT_NEAR(x.clearance.upper, y.clearance.upper, 1e-4);
+      EXPECT_EQ(decided.verdict, decide(twins.listed, listed).verdict);
+      EXPECT_LE(decided.clearance.lower, x.clearance.upper);
+      ++(x.verdict == Verdict::kFree ? free : not_free);
+    }
+  }
+  EXPECT_GT(free, 40);
+  EXPECT_GT(not_free, 40);
+}
+
+// Margins of left-out pairs, and one that every pair overrides, are no pair's margin.
+TEST(ScenePairs, OnlyMarginsOfPairsThatAreThereCount) {
+  SceneBuilder builder;
+  builder.add({"mover", {{Shape::sphere(0.1), {}, ""}}, true, {}});
+  for (int i = 0; i < 4; ++i)
+    builder.add({"still" + std::to_string(i), {{Shape::sphere(0.1), {}, ""}}, false, {}});
+  builder.setDefaultMargin(-1);
+  for (int i = 1; i <= 4; ++i) builder.setMargin(0, i, 0.1 * i);
+  builder.allow(0, 1);
+  builder.allow(4, 0);
+  builder.listAtMost(0);
+  const ScenePairs pairs = builder.build().pairs();
+  ASSERT_EQ(pairs.size(), 2U);
+  EXPECT_EQ(pairs.leastMargin(), 0.2);
+  EXPECT_EQ(pairs.mostMargin(), 0.1 * 3);
+  EXPECT_EQ(pairs.leastMargin(1, false), kInfinity);
+  EXPECT_EQ(pairs.numberOf(0, 0), -1);
+  EXPECT_EQ(pairs[0].body_b, 2);
+}
+
+// A growth of NaN stays NaN whatever comes before and after it: such a pair is never free.
+TEST(ScenePairs, GrowthsOfNaNAreNeverForgotten) {
+  for (const int victim : {1, 2, 3}) {
+    for (const bool in_runs : {false, true}) {
+      SceneBuilder builder;
+      builder.add({"mover", {{Shape::sphere(0.1), {}, ""}}, true, {}});
+      for (int i = 1; i < 4; ++i) {
+        Body still{"still", {{Shape::sphere(0.1), {}, ""}}, false, {}};
+        still.X_WB.translation.x() = 10.0 * i;
+        builder.add(still);
+      }
+      if (in_runs) builder.listAtMost(0);
+      Scene scene = builder.build();
+      scene.growMargins(1, 0, 0.1);
+      scene.growMargins(victim, 0, kNaN);
+      scene.growMargins(3, 0, 0.2);
+      scene.raiseMargins(0.5);
+      EXPECT_TRUE(std::isnan(scene.pairs().mostMargin()));
+      EXPECT_EQ(scene.pairs().leastMargin(), 0.5);
+      Workspace workspace(scene);
+      EXPECT_NE(decide(scene, workspace).verdict, Verdict::kFree);
+      EXPECT_NE(clearance(scene, workspace, 1e-3).verdict, Verdict::kFree);
+    }
+  }
+}
+
+TEST(ScenePairs, MoreThanAnIntNumbersAreRefused) {
+  SceneBuilder builder;
+  Body mover{"mover", {}, true, {}}, still{"still", {}, false, {}};
+  for (int i = 0; i < 33'000; ++i) mover.geometries.push_back({Shape::sphere(0.1), {}, ""});
+  still.geometries = mover.geometries;
+  builder.add(mover);
+  builder.add(still);
+  try {
+    builder.build();
+    FAIL();
+  } catch (const std::invalid_argument& error) {
+    EXPECT_NE(std::string(error.what()).find("33000 moving geometries times 33000"),
+              std::string::npos)
+        << error.what();
+  }
+}
+
+// A copy shares bodies, and neither sees what the other changes.
+TEST(ScenePairs, CopiesOfAScene) {
+  Draw draw(3);
+  Twins twins(randomBuilder(draw, true));
+  for (Scene* original : {&twins.listed, &twins.runs}) {
+    Scene copy = *original;
+    EXPECT_EQ(copy.bodies().data(), original->bodies().data());
+    original->setShape(5, 0, Shape::sphere(0.7));
+    copy.setShape(6, 0, Shape::sphere(0.8));
+    EXPECT_NE(copy.bodies().data(), original->bodies().data());
+    EXPECT_NE(copy.bodies()[5].geometries[0].shape.radius(), 0.7);
+    EXPECT_NE(original->bodies()[6].geometries[0].shape.radius(), 0.8);
+    const Scene moved = std::move(copy);
+    EXPECT_EQ(moved.bodies()[6].geometries[0].shape.radius(), 0.8);
+  }
+}
+
+}  // namespace
+}  // namespace leeway::collision
