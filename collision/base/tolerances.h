@@ -501,8 +501,8 @@ inline constexpr double kLanePlaneTolerance = 5e-4;
 
 // Scenes with runs of pairs (scene_query.cc)
 
-/// How far beyond the margins decide() looks, and clearance() at first [m]: farther costs looks, and
-/// nearer says less of what is free.
+/// How far beyond the margins decide() looks, and clearance() at first [m]: farther costs looks,
+/// and nearer says less of what is free.
 inline constexpr double kDecideReach = 0.1;
 
 // Deforming meshes (deformable.cc, probe.cc)

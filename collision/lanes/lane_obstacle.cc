@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <utility>
 
 #include "collision/base/rounding.h"
 #include "collision/base/tolerances.h"
@@ -13,82 +14,116 @@
 
 namespace leeway::collision {
 
-LaneSweep::Impl::Obstacle LaneSweep::Impl::obstacleOf(const Shape& shape, const Pose& X_WG) {
-  Obstacle o;
-  Eigen::Vector3d center_G = Eigen::Vector3d::Zero(), half = Eigen::Vector3d::Zero();
+namespace {
+
+/// The core of a shape, about its centre in its own frame.
+struct ShapeCore {
+  Eigen::Vector3d center = Eigen::Vector3d::Zero(), half = Eigen::Vector3d::Zero();
   double radius = 0;
-  o.exact = true;
+};
+
+ShapeCore coreOf(const Shape& shape) {
+  ShapeCore core;
   switch (shape.type()) {
     case ShapeType::kSphere:
-      radius = shape.radius();
+      core.radius = shape.radius();
       break;
     case ShapeType::kCapsule:
-      half.z() = shape.halfLength();
-      radius = shape.radius();
-      break;
-    case ShapeType::kBox:
-      half = shape.halfExtents();
+      core.half.z() = shape.halfLength();
+      core.radius = shape.radius();
       break;
     case ShapeType::kCylinder:
     case ShapeType::kCone:
-      o.kind = Kind::kCylinder;
-      o.exact = shape.type() == ShapeType::kCylinder;
-      half = {shape.radius(), shape.radius(), shape.halfLength()};
+      core.half = {shape.radius(), shape.radius(), shape.halfLength()};
       break;
     case ShapeType::kHalfSpace:
-      o.kind = Kind::kHalfSpace;
       break;
+    case ShapeType::kBox:
     case ShapeType::kEllipsoid:
-      o.exact = false;
-      half = shape.halfExtents();
+      core.half = shape.halfExtents();
       break;
     case ShapeType::kConvexHull:
     case ShapeType::kMesh:
     case ShapeType::kDeformable: {
-      o.exact = false;
       const AxisBox box = boxOf(shape);
-      center_G = box.center;
-      half = box.half;
+      core.center = box.center;
+      core.half = box.half;
       break;
     }
   }
+  return core;
+}
+
+/// The shape itself is its core.
+bool isCore(ShapeType type) {
+  return type == ShapeType::kSphere || type == ShapeType::kCapsule || type == ShapeType::kBox ||
+         type == ShapeType::kCylinder || type == ShapeType::kHalfSpace;
+}
+
+}  // namespace
+
+LaneSweep::Impl::Obstacle LaneSweep::Impl::obstacleOf(const Shape& shape, const Pose& X_WG) {
+  const ShapeType type = shape.type();
+  const ShapeCore core = coreOf(shape);
+  Obstacle o;
+  o.exact = isCore(type);
+  if (type == ShapeType::kCylinder || type == ShapeType::kCone) o.kind = Kind::kCylinder;
+  if (type == ShapeType::kHalfSpace) o.kind = Kind::kHalfSpace;
   const Eigen::Matrix3d rotation_GW = X_WG.rotation.transpose();
-  const Eigen::Vector3d center = X_WG * center_G;
+  const Eigen::Vector3d center = X_WG * core.center;
   o.aligned = rotation_GW.isIdentity(0);
   for (int row = 0; row < 3; ++row)
     for (int column = 0; column < 3; ++column)
       o.rotation[3 * row + column] = static_cast<float>(rotation_GW(row, column));
   setSingle(center, o.center);
   // Rounded to nearest: what that changes is relative to `scale`.
-  for (int k = 0; k < 3; ++k) o.half[k] = static_cast<float>(half[k]);
-  o.radius = static_cast<float>(radius);
-  o.scale = center.lpNorm<1>() + half.lpNorm<1>() + radius;
-  const Eigen::Vector3d extent =
-      rotation_GW.transpose().cwiseAbs() * half + Eigen::Vector3d::Constant(radius);
-  o.low = center - extent;
-  o.high = center + extent;
-  if (o.kind == Kind::kHalfSpace) {
-    o.low.setConstant(-static_cast<double>(kFar));
-    o.high.setConstant(static_cast<double>(kFar));
-  }
-  o.shape = shape;
-  o.X_WG = X_WG;
-  if (shape.isConvex()) {
-    o.view = viewOf(shape);
-  } else if (shape.type() == ShapeType::kMesh) {
-    o.view = shape.mesh()->tree().hullView();
-  }
-  o.has_view = shape.type() != ShapeType::kDeformable && shape.type() != ShapeType::kHalfSpace;
+  for (int k = 0; k < 3; ++k) o.half[k] = static_cast<float>(core.half[k]);
+  o.radius = static_cast<float>(core.radius);
+  o.scale = center.lpNorm<1>() + core.half.lpNorm<1>() + core.radius;
+  o.deforms = type == ShapeType::kDeformable;
+  o.has_view = !o.deforms && type != ShapeType::kHalfSpace;
   return o;
 }
 
+LaneSweep::Impl::Exact LaneSweep::Impl::exactOf(const Shape& shape, const Pose& X_WG) {
+  Exact exact{shape, X_WG, {}};
+  if (shape.isConvex()) {
+    exact.view = viewOf(shape);
+  } else if (shape.type() == ShapeType::kMesh) {
+    exact.view = shape.mesh()->tree().hullView();
+  }
+  return exact;
+}
+
+const LaneSweep::Impl::Exact& LaneSweep::Impl::exactOf(const Obstacle& obstacle,
+                                                       Exact& room) const {
+  if (obstacle.own) return *obstacle.own;
+  const auto [shape, X_WG] =
+      runs->placed(static_cast<int>(&obstacle - obstacles.data()) - first_obstacle);
+  return room = exactOf(*shape, X_WG);
+}
+
+Eigen::AlignedBox3d LaneSweep::Impl::boxOf(const Shape& shape, const Pose& X_WG) {
+  if (shape.type() == ShapeType::kHalfSpace) {
+    const Eigen::Vector3d far = Eigen::Vector3d::Constant(static_cast<double>(kFar));
+    return {-far, far};
+  }
+  const ShapeCore core = coreOf(shape);
+  const Eigen::Matrix3d rotation_GW = X_WG.rotation.transpose();
+  const Eigen::Vector3d center = X_WG * core.center;
+  const Eigen::Vector3d extent =
+      rotation_GW.transpose().cwiseAbs() * core.half + Eigen::Vector3d::Constant(core.radius);
+  return {center - extent, center + extent};
+}
+
 ObstacleBoxes::Box LaneSweep::boxAround(const Shape& shape, const Pose& X_WG) {
-  const Impl::Obstacle o = Impl::obstacleOf(shape, X_WG);
-  const double rounding = kTransferRounding * (X_WG.translation.lpNorm<1>() + o.scale);
+  const Eigen::AlignedBox3d exact = Impl::boxOf(shape, X_WG);
+  const double rounding = kTransferRounding * (2 * X_WG.translation.lpNorm<1>() +
+                                               exact.min().lpNorm<1>() + exact.max().lpNorm<1>());
   ObstacleBoxes::Box box;
   for (int k = 0; k < 3; ++k) {
-    box.low[k] = std::max(floatBelow(o.low[k] - rounding), -kFar);
-    box.high[k] = std::min(floatAbove(o.high[k] + rounding), kFar);
+    box.low[k] = std::max(roundedDown(exact.min()[k] - rounding), -kFar);
+    box.high[k] = std::min(roundedUpToFloat(exact.max()[k] + rounding), kFar);
   }
   return box;
 }
@@ -100,9 +135,12 @@ LaneSweep::Impl::Obstacle LaneSweep::Impl::partOf(const CoverPart& part, const P
       hullOfPart(fine ? part.points.fine : part.points.points);
   const double radius =
       (fine ? part.points.fine_radius : part.points.radius) * (1 + kRelativeRounding);
-  Obstacle o = obstacleOf(Shape::convexHull(hull), X_WG);
+  const Shape shape = Shape::convexHull(hull);
+  Obstacle o = obstacleOf(shape, X_WG);
   for (float& half : o.half) half = floatAbove(static_cast<double>(half) + radius);
-  o.view.excess += radius;
+  Exact exact = exactOf(shape, X_WG);
+  exact.view.excess += radius;
+  o.own = std::make_shared<const Exact>(std::move(exact));
   return o;
 }
 

@@ -43,11 +43,14 @@ bool LaneSweepKernel::findPlane(const Sweep::Pair& pair, int lane, bool closely,
   const Sweep::LanePiece& a = sweep.pieces[at(pair.a)];
   const Pose X_WA = poseOf(frames[a.frame], lane);
   const Sweep::Obstacle* o = pair.pieces ? nullptr : &sweep.obstacles[at(pair.b)];
-  const Pose X_WB = o != nullptr ? o->X_WG : poseOf(frames[sweep.pieces[at(pair.b)].frame], lane);
+  Sweep::Exact room;
+  const Sweep::Exact* exact = o != nullptr ? &sweep.exactOf(*o, room) : nullptr;
+  const Pose X_WB =
+      o != nullptr ? exact->X_WG : poseOf(frames[sweep.pieces[at(pair.b)].frame], lane);
   const auto viewOfPiece = [closely](const Sweep::LanePiece& piece) -> const ConvexView& {
     return closely ? piece.fine_view : piece.view;
   };
-  const ConvexView& b = o != nullptr ? o->view : viewOfPiece(sweep.pieces[at(pair.b)]);
+  const ConvexView& b = o != nullptr ? exact->view : viewOfPiece(sweep.pieces[at(pair.b)]);
   const Pose X_BA = X_WB.inverse() * X_WA;
   DistanceRequest request;
   request.depth = false;
@@ -78,10 +81,12 @@ void LaneSweepKernel::placePlane(const Sweep::Obstacle& o, Scratch::Plane& plane
   const Eigen::Vector3d n(static_cast<double>(plane.normal[0]),
                           static_cast<double>(plane.normal[1]),
                           static_cast<double>(plane.normal[2]));
-  const Eigen::Vector3d n_B = o.X_WG.rotation.transpose() * n;
+  Sweep::Exact room;
+  const auto& [shape, X_WG, view] = sweep.exactOf(o, room);
+  const Eigen::Vector3d n_B = X_WG.rotation.transpose() * n;
   int hint = 0;
-  plane.offset = floatAbove(n.dot(o.X_WG.translation) + n_B.dot(farthest(o.view, n_B, hint)) +
-                            (o.view.radius + o.view.excess) * kLanePlaneOutwards);
+  plane.offset = floatAbove(n.dot(X_WG.translation) + n_B.dot(farthest(view, n_B, hint)) +
+                            (view.radius + view.excess) * kLanePlaneOutwards);
 }
 
 void LaneSweepKernel::remember(const Sweep::Pair& pair, const OwnPlanes& planes, int lane,

@@ -95,8 +95,9 @@ int LaneSweep::addPiece(const Piece& piece) {
   return static_cast<int>(impl_->pieces.size()) - 1;
 }
 
-int LaneSweep::addObstacle(const Shape& shape, const Pose& X_WG) {
+int LaneSweep::addObstacle(const Shape& shape, const Pose& X_WG, bool in_runs) {
   Impl::Obstacle o = Impl::obstacleOf(shape, X_WG);
+  if (!in_runs) o.own = std::make_shared<const Impl::Exact>(Impl::exactOf(shape, X_WG));
   o.parts_begin = o.parts_end = static_cast<int>(impl_->obstacle_parts.size());
   if (shape.type() == ShapeType::kMesh) {
     for (const CoverPart& part : coverOf(shape)->parts) {
@@ -120,9 +121,15 @@ LaneSweep::Impl::Pair LaneSweep::Impl::pairWith(int id, int piece, int obstacle,
   const double rounding =
       kLaneSweepRounding * (a.reach + static_cast<double>(a.outer.radius) + o.scale);
   const bool has_points = a.frame >= 0 && a.points.begin < a.points.end;
-  const bool deforms = o.shape.type() == ShapeType::kDeformable;
-  return {id, piece, obstacle, balls_of, a.motion, false,
-          floatAbove(threshold + rounding), floatBelow(threshold - rounding),
+  const bool deforms = o.deforms;
+  return {id,
+          piece,
+          obstacle,
+          balls_of,
+          a.motion,
+          false,
+          floatAbove(threshold + rounding),
+          floatBelow(threshold - rounding),
           floatAbove(std::max(threshold, 0.0) + rounding),
           has_points && o.has_view ? planeAbove(threshold, rounding) : -1.0F,
           has_points && !deforms ? ownPlaneAbove(threshold, rounding) : -1.0F,
@@ -310,8 +317,8 @@ void LaneSweep::Impl::findRuns() {
   std::size_t most_of_obstacles = 1, most_of_pieces = 1;
   for (std::size_t o = at(first_obstacle); o < whole_obstacles; ++o) {
     scale = std::max(scale, obstacles[o].scale);
-    most_of_obstacles = std::max(
-        most_of_obstacles, at(partsOf(obstacles, static_cast<int>(o)).size()));
+    most_of_obstacles =
+        std::max(most_of_obstacles, at(partsOf(obstacles, static_cast<int>(o)).size()));
   }
   for (std::size_t row = 0; row < rows.size(); ++row) {
     LanePiece& piece = pieces[at(rows[row].piece)];
@@ -320,12 +327,14 @@ void LaneSweep::Impl::findRuns() {
     const double above =
         rows[row].most_threshold +
         kLaneSweepRounding * (piece.reach + static_cast<double>(piece.outer.radius) + scale);
-    piece.row_above = std::isnan(above) ? std::numeric_limits<float>::infinity() : floatAbove(above);
+    piece.row_above =
+        std::isnan(above) ? std::numeric_limits<float>::infinity() : floatAbove(above);
     most_of_pieces = std::max(most_of_pieces, at(partsOf(pieces, rows[row].piece).size()));
   }
   if (most_of_obstacles * most_of_pieces == 1) return;
   pairs_with_parts = std::max(pairs_with_parts, numbers);
-  most_parts = std::max(most_parts, std::min(most_of_obstacles * most_of_pieces, at(kMostPartPairs)));
+  most_parts =
+      std::max(most_parts, std::min(most_of_obstacles * most_of_pieces, at(kMostPartPairs)));
 }
 
 // Boxes are rounded outwards; comparing them rounds by less than the pair's own rounding, which
@@ -342,11 +351,13 @@ void LaneSweep::Impl::findObstacles() {
                                     : std::max(g, static_cast<double>(pair.free_above));
   }
   std::vector<ObstacleBoxes::Box> grown_boxes(whole_obstacles);
-  for (std::size_t i = 0; i < whole_obstacles; ++i)
+  for (std::size_t i = 0; i < whole_obstacles; ++i) {
+    const Eigen::AlignedBox3d box = boxOf(obstacles[i].own->shape, obstacles[i].own->X_WG);
     for (int k = 0; k < 3; ++k) {
-      grown_boxes[i].low[k] = std::max(floatBelow(obstacles[i].low[k] - grown[i]), -kFar);
-      grown_boxes[i].high[k] = std::min(floatAbove(obstacles[i].high[k] + grown[i]), kFar);
+      grown_boxes[i].low[k] = std::max(floatBelow(box.min()[k] - grown[i]), -kFar);
+      grown_boxes[i].high[k] = std::min(floatAbove(box.max()[k] + grown[i]), kFar);
     }
+  }
   boxes = std::make_shared<const ObstacleBoxes>(grown_boxes);
   std::vector<std::size_t> slot_of(whole_obstacles);
   for (std::size_t slot = 0; slot < boxes->slots(); ++slot)
@@ -378,8 +389,9 @@ std::size_t LaneSweep::bytes() const {
          impl_->stock->points.size() *
              (sizeof(Eigen::Vector3d) + 3 * sizeof(float) + sizeof(std::int32_t)) +
          impl_->stock->clusters.size() * sizeof(Impl::Cluster) +
-         impl_->obstacles.size() * sizeof(Impl::Obstacle) + (impl_->boxes ? impl_->boxes->bytes() : 0) +
-         impl_->pairs.size() * sizeof(Impl::Pair) + impl_->pair_of.size() * sizeof(std::int32_t);
+         impl_->obstacles.size() * sizeof(Impl::Obstacle) +
+         (impl_->boxes ? impl_->boxes->bytes() : 0) + impl_->pairs.size() * sizeof(Impl::Pair) +
+         impl_->pair_of.size() * sizeof(std::int32_t);
 }
 
 }  // namespace leeway::collision

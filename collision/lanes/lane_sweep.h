@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "collision/base/work.h"
@@ -29,6 +30,8 @@ class LaneRuns {
   virtual Pair pairOf(int id) const = 0;
   /// The id of a row's pair with the obstacle in a place; -1: there is none.
   virtual int idOf(int row, int place) const = 0;
+  /// What stands in a place.
+  virtual std::pair<const Shape*, Pose> placed(int place) const = 0;
 };
 
 /// The coarse pass of edge certification: moving pieces against each other and against obstacles
@@ -68,7 +71,8 @@ class LaneSweep {
   int addPiece(const Piece& piece);
   /// A shape that stands still: spheres, capsules, boxes, cylinders and half-spaces as they are, a
   /// cone as a cylinder, all else as a box around it. O(vertices).
-  int addObstacle(const Shape& shape, const Pose& X_WG);
+  /// `in_runs`: its shape is asked of LaneRuns.
+  int addObstacle(const Shape& shape, const Pose& X_WG, bool in_runs = false);
   /// Around such a shape in the world, rounding included.
   static ObstacleBoxes::Box boxAround(const Shape& shape, const Pose& X_WG);
   /// Piece and obstacle must keep a separation above `threshold` [m]; answers name the pair by
@@ -78,9 +82,9 @@ class LaneSweep {
   void reservePairs(std::size_t count);
   /// addPair() of two pieces; `motion` is that of A's points, seen from B's frame.
   void addPiecePair(int id, int a, int b, int motion, double threshold, bool by_parts = true);
-  /// Pairs of each row's piece with the obstacles from `first_obstacle` on, which stand in the order
-  /// of their places and in `boxes`. Numbers of pairs in the order of addition are ids from now on,
-  /// of which there are `count`; listed ones with obstacles should be few.
+  /// Pairs of each row's piece with the obstacles from `first_obstacle` on, which stand in the
+  /// order of their places and in `boxes`. Numbers of pairs in the order of addition are ids from
+  /// now on, of which there are `count`; listed ones with obstacles should be few.
   struct Row {
     int piece;
     double most_threshold;  ///< of its pairs, at least 0; NaN where one is [m]

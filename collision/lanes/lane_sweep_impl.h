@@ -2,6 +2,7 @@
 
 // The data of LaneSweep, as its kernels read it.
 
+#include <Eigen/Geometry>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -25,6 +26,16 @@ inline void setSingle(const Eigen::Vector3d& p, float* single) {
 
 struct LaneSweep::Impl {
   enum class Kind : unsigned char { kBox, kCylinder, kHalfSpace };
+  struct Obstacle;
+  /// The shape of an obstacle, in double precision.
+  struct Exact {
+    Shape shape = Shape::sphere(0);
+    Pose X_WG;
+    ConvexView view;  // of the shape or its hull; borrows from it
+  };
+  static Exact exactOf(const Shape& shape, const Pose& X_WG);
+  /// That of an obstacle: its own, or `room`, where it is put.
+  const Exact& exactOf(const Obstacle& obstacle, Exact& room) const;
   /// A core (box, cylinder, or the half-space z <= 0), grown by a radius. Points and segments are
   /// boxes without size in some axes.
   struct Obstacle {
@@ -35,13 +46,10 @@ struct LaneSweep::Impl {
     float center[3], half[3];
     float radius = 0;
     double scale = 0;  // magnitudes that its rounding is relative to [m]
-    Shape shape = Shape::sphere(0);
-    Pose X_WG;
-    ConvexView view;  // of the shape or its hull; borrows from it
-    bool has_view = false;
-    Eigen::Vector3d low, high;           // in the world
+    bool has_view = false, deforms = false;
     int parts_begin = 0, parts_end = 0;  // indices into obstacles
     int balls = -1;                      // Pair::balls, of pairs in runs
+    std::shared_ptr<const Exact> own;    // null: of runs
   };
   struct LaneBall {
     float center[3], radius;
@@ -153,13 +161,15 @@ struct LaneSweep::Impl {
   std::shared_ptr<const LaneRuns> runs;
   std::vector<Row> rows;
   int first_obstacle = 0;
-  std::size_t numbers = 0;                 // how many
+  std::size_t numbers = 0;                // how many
   std::vector<std::int32_t> loose_pairs;  // with obstacles, in no run
   Pair ofRuns(std::int32_t id) const;
   Pair pairWith(int id, int piece, int obstacle, int balls, double threshold, bool by_parts) const;
   void setParts(Pair& pair) const;
   void findRuns();
   static Obstacle obstacleOf(const Shape& shape, const Pose& X_WG);
+  /// Around a shape in the world, but for rounding [m].
+  static Eigen::AlignedBox3d boxOf(const Shape& shape, const Pose& X_WG);
   static Obstacle partOf(const CoverPart& part, const Pose& X_WG);
   void finish();
   void addParts();

@@ -11,7 +11,7 @@ namespace leeway::collision {
 struct GeometryBounds {
   Ball outer;  ///< holds the geometry, rounding included; infinite radius for a half-space
   CoarseShape coarse;
-  std::vector<Ball> inner;  ///< balls of the geometry itself
+  std::vector<Ball> inner;  ///< balls of the geometry itself, where its body moves
 };
 
 }  // namespace leeway::collision

@@ -26,15 +26,14 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 /// What an int numbers, with room for pairs of what moves.
 constexpr std::size_t kMostNumbers = std::numeric_limits<int>::max() / 2;
 
-/// Bounds in frame F of a geometry whose body is placed in F by X_FB.
-GeometryBounds boundsOf(const Geometry& geometry, const Pose& X_FB) {
-  const Pose X_FG = X_FB * geometry.X_BG;
+GeometryBounds boundsOf(const Body& body, const Geometry& geometry) {
+  const Pose X_FG = body.moving ? Pose{} * geometry.X_BG : body.X_WB * geometry.X_BG;
   GeometryBounds bounds;
   bounds.outer.center = X_FG * geometry.shape.boundingCenter();
   const double radius = geometry.shape.boundingRadius();
   bounds.outer.radius = radius + kTransferRounding * (bounds.outer.center.lpNorm<1>() + radius);
   bounds.coarse = CoarseShape(geometry.shape, X_FG);
-  bounds.inner = innerBalls(geometry.shape, X_FG);
+  if (body.moving) bounds.inner = innerBalls(geometry.shape, X_FG);
   return bounds;
 }
 
@@ -116,8 +115,7 @@ void Scene::setShape(int body, int geometry, const Shape& shape) {
       pairs_.hasRuns() && body >= pairs_.firstStill() &&
       !(g.shape.type() == ShapeType::kDeformable && shape.type() == ShapeType::kDeformable);
   g.shape = shape;
-  things.bounds[at(SceneAccess::geometryIndex(*this, body, geometry))] =
-      boundsOf(g, changed.moving ? Pose{} : changed.X_WB);
+  things.bounds[at(SceneAccess::geometryIndex(*this, body, geometry))] = boundsOf(changed, g);
   if (is_boxed) boxes_ = boxesAround(bodies().subspan(at(pairs_.firstStill())), pairs_.places());
 }
 
@@ -277,8 +275,7 @@ Scene SceneBuilder::build() && {
   things.bounds.reserve(geometries);
   for (Body& body : bodies_) {
     things.first_geometry.push_back(static_cast<int>(things.bounds.size()));
-    for (const Geometry& g : body.geometries)
-      things.bounds.push_back(boundsOf(g, body.moving ? Pose{} : body.X_WB));
+    for (const Geometry& g : body.geometries) things.bounds.push_back(boundsOf(body, g));
     things.bodies.push_back(std::move(body));
   }
   const std::span<const Body> bodies = things.bodies;

@@ -106,9 +106,8 @@ double ScenePairs::mostMargin() const {
 double ScenePairs::mostMarginOfRun(std::size_t run) const {
   double greatest = -kInfinity;
   std::size_t without_own = runBegin(run + 1) - runBegin(run);
-  auto own = std::partition_point(own_.begin(), own_.end(), [&](const Own& o) {
-    return o.position < run * places_;
-  });
+  auto own = std::partition_point(own_.begin(), own_.end(),
+                                  [&](const Own& o) { return o.position < run * places_; });
   for (; own != own_.end() && own->position < (run + 1) * places_; ++own, --without_own)
     greatest = most(greatest, own->margin);
   return without_own > 0 ? most(greatest, runs_[run].margin) : greatest;

@@ -221,8 +221,7 @@ std::shared_ptr<const CompiledScene> CompiledScene::withMarginAtLeast(double mar
 
 std::shared_ptr<const CompiledScene> CompiledScene::withWorldMarginAtLeast(double margin) const {
   auto raised = std::make_shared<CompiledScene>(*this);
-  collision::SceneAccess::raiseMargins(raised->scene_, margin,
-                                       bodiesOfRobot());
+  collision::SceneAccess::raiseMargins(raised->scene_, margin, bodiesOfRobot());
   return raised;
 }
 

@@ -174,7 +174,8 @@ Pose EdgeFrames::piecePose(int slot, int piece) const {
 Pose EdgeFrames::relative(int slot, const EdgePair& pair) const {
   const Pose X_WA = piecePose(slot, pair.a);
   const Piece& b = pieces_[at(pair.b)];
-  if (b.link < 0) return b.X_GW * X_WA;
+  if (b.link < 0)
+    return (scene_->scene().bodies()[at(b.body)].X_WB * b.geometry->X_BG).inverse() * X_WA;
   const Pose X_WB = piecePose(slot, pair.b);
   return {X_WB.rotation.transpose() * X_WA.rotation,
           X_WB.rotation.transpose() * (X_WA.translation - X_WB.translation)};

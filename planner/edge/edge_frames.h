@@ -26,9 +26,9 @@ struct Piece {
   const collision::GeometryBounds* bounds = nullptr;  ///< in the link's frame, or the world's
   bool at_origin = false;                             ///< X_BG is the identity
   bool is_free_mesh = false;  ///< a mesh that a planned floating or planar joint carries
-  // Only of pieces of the world:
-  Pose X_GW;
-  double scale = 0;  ///< coordinates of the pose and of the ball's centre, added up [m]
+  /// Of pieces of the world: coordinates of the inverse of their pose and of their ball's centre,
+  /// added up [m].
+  double scale = 0;
 };
 
 /// One pair of the scene. Piece a is swept, seen from piece b.

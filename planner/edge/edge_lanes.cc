@@ -52,7 +52,9 @@ namespace {
 /// The runs of a scene's pairs, as lanes ask for them.
 class EdgeRuns final : public collision::LaneRuns {
  public:
-  explicit EdgeRuns(const EdgePairs& pairs) : pairs_(pairs) {
+  EdgeRuns(const EdgeScene& edges, const collision::Scene& scene)
+      : edges_(edges), pairs_(edges.pairs), scene_(scene) {
+    const EdgePairs& pairs = edges.pairs;
     for (std::size_t i = 0; i < pairs.listed().size(); ++i)
       listed_.push_back(pairs.numberOfListed(i));
   }
@@ -72,8 +74,15 @@ class EdgeRuns final : public collision::LaneRuns {
   }
   int idOf(int row, int place) const override { return pairs_.numberOf(at(row), at(place)); }
 
+  std::pair<const collision::Shape*, collision::Pose> placed(int place) const override {
+    const Piece& piece = edges_.pieces[at(pairs_.pieceIn(at(place)))];
+    return {&piece.geometry->shape, scene_.bodies()[at(piece.body)].X_WB * piece.geometry->X_BG};
+  }
+
  private:
+  const EdgeScene& edges_;
   const EdgePairs& pairs_;
+  const collision::Scene& scene_;
   std::vector<std::size_t> listed_;  // their numbers, ascending
 };
 
@@ -109,7 +118,7 @@ std::vector<RobotLanes::Piece> SceneLanes::addPieces(const CompiledScene& scene,
     const Piece& piece = edges.pieces[i];
     if (i >= robot.pieces.size())
       lane_pieces[i] = addStill(*piece.geometry, scene.scene().bodies()[at(piece.body)].X_WB,
-                                piece.bounds->outer, sweep);
+                                piece.bounds->outer, sweep, edges.pairs.hasRuns());
     longest = std::max(longest, lane_pieces[i].reach);
     if (piece.link < 0) continue;
     is_bounded = is_bounded && robot.is_bounded[at(of_world[i])] != 0;
@@ -147,7 +156,7 @@ void SceneLanes::addRuns(const CompiledScene& scene, const EdgeScene& edges,
     rows.push_back({lane_pieces[at(row.piece)].piece, row.most_threshold});
   const std::span<const RobotLanes::Piece> still = lane_pieces.subspan(at(pairs.pieceIn(0)));
   for (const RobotLanes::Piece& piece : still) sweep.setBalls(piece.obstacle, piece.piece);
-  sweep.setRuns(std::make_shared<EdgeRuns>(pairs), rows, still.front().obstacle,
+  sweep.setRuns(std::make_shared<EdgeRuns>(edges, scene.scene()), rows, still.front().obstacle,
                 collision::SceneAccess::sharedBoxes(scene.scene()), pairs.size());
 }
 

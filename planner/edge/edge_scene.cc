@@ -111,8 +111,8 @@ class EdgeSceneBuilder {
     piece.bounds = &collision::SceneAccess::bounds(scene_, index);
     piece.at_origin = g.X_BG.rotation.isIdentity(0) && g.X_BG.translation.isZero(0);
     if (piece.link < 0) {
-      piece.X_GW = (scene_.bodies()[at(body)].X_WB * g.X_BG).inverse();
-      piece.scale = piece.X_GW.translation.lpNorm<1>() + piece.bounds->outer.center.lpNorm<1>();
+      const collision::Pose X_GW = (scene_.bodies()[at(body)].X_WB * g.X_BG).inverse();
+      piece.scale = X_GW.translation.lpNorm<1>() + piece.bounds->outer.center.lpNorm<1>();
     } else {
       piece.is_free_mesh =
           g.shape.type() == collision::ShapeType::kMesh && isCarriedFreely(compiled_, piece.link);

@@ -277,11 +277,11 @@ RobotLanes::RobotLanes(const robots::Model& model, const PreparedRobot& robot) {
 }
 
 RobotLanes::Piece addStill(const collision::Geometry& geometry, const Pose& X_WB, const Ball& outer,
-                           LaneSweep& sweep) {
+                           LaneSweep& sweep, bool in_runs) {
   const collision::Shape& shape = geometry.shape;
   const Pose X_WG = X_WB * geometry.X_BG;
   RobotLanes::Piece result;
-  result.obstacle = sweep.addObstacle(shape, X_WG);
+  result.obstacle = sweep.addObstacle(shape, X_WG, in_runs);
   // Of these two an obstacle is only their box: balls say more.
   if (shape.type() != collision::ShapeType::kMesh &&
       shape.type() != collision::ShapeType::kConvexHull)

@@ -239,9 +239,7 @@ class EdgeCertifier::Impl::CostSearch {
   /// What is no number bounds nothing.
   static double boundOf(double lower) { return std::isnan(lower) ? -kInfinity : lower; }
 
-  bool isReversed(const EdgePair& pair) const {
-    return pair.is_reversed;
-  }
+  bool isReversed(const EdgePair& pair) const { return pair.is_reversed; }
 
   EdgeCost result() const {
     EdgeCost cost;

@@ -43,7 +43,7 @@ std::vector<std::int32_t> near(const ObstacleBoxes& boxes, const Box& box) {
 // unbounded or all in one place.
 TEST(ObstacleBoxes, FindsWhatAListFinds) {
   Random random(7);
-  for (const int count : {0, 1, 15, 16, 17, 64, 65, 256, 257, 1000, 1025, 5000}) {
+  for (const int count : {0, 1, 15, 16, 17, 64, 65, 256, 257, 1000, 1025, 5000, 70000}) {
     for (const double size : {0.0, 0.1, 1.0}) {
       std::vector<Box> all;
       for (int i = 0; i < count; ++i) {

@@ -89,7 +89,8 @@ Key keyOf(const ScenePair& pair) {
 
 std::vector<ScenePair> sorted(const ScenePairs& pairs) {
   std::vector<ScenePair> all(pairs.begin(), pairs.end());
-  std::sort(all.begin(), all.end(), [](const auto& x, const auto& y) { return keyOf(x) < keyOf(y); });
+  std::sort(all.begin(), all.end(),
+            [](const auto& x, const auto& y) { return keyOf(x) < keyOf(y); });
   return all;
 }
 
@@ -104,7 +105,8 @@ void expectSame(const Twins& twins, const std::string& what) {
   }
   for (const int body : {0, kMoving})
     for (const bool with : {false, true})
-      EXPECT_EQ(twins.listed.pairs().leastMargin(body, with), pairs.leastMargin(body, with)) << what;
+      EXPECT_EQ(twins.listed.pairs().leastMargin(body, with), pairs.leastMargin(body, with))
+          << what;
   const double most = twins.listed.pairs().mostMargin();
   EXPECT_TRUE(most == pairs.mostMargin() || (std::isnan(most) && std::isnan(pairs.mostMargin())));
   for (std::size_t p = pairs.listedCount(); p < pairs.size(); ++p) {
@@ -141,7 +143,7 @@ TEST(ScenePairs, RunsAreWhatAListWouldBe) {
 TEST(ScenePairs, RunsAnswerAsAListWould) {
   Draw draw(2);
   int free = 0, not_free = 0;
-  for (int world = 0; world < 20; ++world) {
+  for (int world = 0; world < 30; ++world) {
     const Twins twins(randomBuilder(draw, world % 2 == 0));
     Workspace listed(twins.listed), runs(twins.runs);
     for (int state = 0; state < 20; ++state) {

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "leeway/planner/edge_certifier.h"
+#include "planner/edge/edge_frames.h"
 #include "tests/support/small_problems.h"
 #include "tools/truth/oracle/generate.h"
 
@@ -22,6 +23,8 @@ using oracle::Random;
 constexpr int kObjects = 600;
 // Worlds of so few things that no hierarchy stands above them.
 constexpr int kShare = 50;
+// So many that their pairs are in runs.
+constexpr int kFar = static_cast<int>(collision::SceneBuilder::kMostListed) + 128;
 
 collision::Shape someShape(Random& random) {
   const double r = random.uniform(0.01, 0.08), h = random.uniform(0.01, 0.2);
@@ -37,8 +40,8 @@ collision::Shape someShape(Random& random) {
   }
 }
 
-/// A flying box among shapes all around, on a floor.
-Problem crowd(Random& random) {
+/// A flying box among shapes all around, on a floor, and `far` things where it never is.
+Problem crowd(Random& random, int far = 0) {
   Problem problem =
       test::problemOf(test::flyingBox(), {0, 0, 0, 0, 0, 0, 1}, {0, 0, 0, 0, 0, 0, 1});
   collision::Pose X_WF;
@@ -49,6 +52,10 @@ Problem crowd(Random& random) {
     problem.world.objects.push_back(
         {"thing " + std::to_string(i), {{someShape(random), {}, "shape"}}, {random.rotation(), p}});
   }
+  for (int i = 0; i < far; ++i)
+    problem.world.objects.push_back({"far " + std::to_string(i),
+                                     {{collision::Shape::sphere(0.1), {}, "ball"}},
+                                     test::at(20 + i % 128, 20 + i / 128, 0)});
   problem.contacts.allowed.emplace_back("flyer", "thing 7");
   problem.margins.common = 0.01;
   problem.margins.pairs.push_back({"thing 8", "flyer", 0.3});
@@ -67,7 +74,7 @@ std::vector<double> somewhere(Random& random) {
 class Shares {
  public:
   explicit Shares(const CompiledScene& scene) {
-    const auto bodies = static_cast<int>(scene.scene().bodies().size());
+    const int bodies = std::min(kObjects + 1, static_cast<int>(scene.scene().bodies().size()));
     for (int first = 0; first < bodies; first += kShare)
       certifiers_.emplace_back(scene.withPairs([&](const collision::ScenePair& pair) {
         return pair.body_b >= first && pair.body_b < first + kShare;
@@ -90,11 +97,12 @@ class Shares {
   std::deque<EdgeCertifier> certifiers_;
 };
 
-TEST(ManyObjects, AnswersAreThoseOfSmallWorlds) {
+void expectAnswersOfSmallWorlds(int far) {
   Random random(31);
-  const Problem problem = crowd(random);
+  const Problem problem = crowd(random, far);
   const auto scene = std::make_shared<const CompiledScene>(problem);
-  EXPECT_EQ(scene->scene().pairs().size(), static_cast<std::size_t>(kObjects - 1));
+  EXPECT_EQ(scene->scene().pairs().size(), static_cast<std::size_t>(kObjects + far - 1));
+  EXPECT_EQ(scene->scene().pairs().hasRuns(), far > 0);
   EdgeCertifier certifier(scene);
   Shares shares(*scene);
   int free = 0, not_free = 0;
@@ -116,9 +124,12 @@ TEST(ManyObjects, AnswersAreThoseOfSmallWorlds) {
   EXPECT_GT(not_free, 30);
 }
 
-TEST(ManyObjects, ClearanceIsTheLeastOfSmallWorlds) {
+TEST(ManyObjects, AnswersAreThoseOfSmallWorlds) { expectAnswersOfSmallWorlds(0); }
+TEST(ManyObjects, AnswersInRunsAreThoseOfSmallWorlds) { expectAnswersOfSmallWorlds(kFar); }
+
+void expectClearanceOfSmallWorlds(int far) {
   Random random(32);
-  Problem problem = crowd(random);
+  Problem problem = crowd(random, far);
   const auto scene = std::make_shared<const CompiledScene>(problem);
   EdgeCertifier certifier(scene);
   Shares shares(*scene);
@@ -138,6 +149,83 @@ TEST(ManyObjects, ClearanceIsTheLeastOfSmallWorlds) {
     EXPECT_LE(whole.lower, upper) << i;
     EXPECT_LE(lower, whole.upper) << i;
     EXPECT_LE(whole.upper - whole.lower, 2 * kTolerance) << i;
+  }
+}
+
+TEST(ManyObjects, ClearanceIsTheLeastOfSmallWorlds) { expectClearanceOfSmallWorlds(0); }
+TEST(ManyObjects, ClearanceInRunsIsTheLeastOfSmallWorlds) { expectClearanceOfSmallWorlds(kFar); }
+
+// What is far changes neither pairs nor answers, not even their bytes; nor does a variant, after
+// which only exact sweeps are left.
+TEST(ManyObjects, RunsChangeNothing) {
+  Random random(34), again(34);
+  const auto few = std::make_shared<const CompiledScene>(crowd(random));
+  const auto many = std::make_shared<const CompiledScene>(crowd(again, kFar));
+  const EdgePairs &listed = few->edges().pairs, &runs = many->edges().pairs;
+  ASSERT_TRUE(runs.hasRuns());
+  ASSERT_EQ(runs.size(), listed.size() + kFar);
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    const EdgePair pair = runs[i];
+    const int row = runs.rowOf(i);
+    ASSERT_EQ(row, 0);
+    ASSERT_EQ(runs.numberOf(0, static_cast<std::size_t>(pair.b - runs.pieceIn(0))), int(i));
+    if (i >= listed.size()) continue;
+    EXPECT_EQ(pair.a, listed[i].a);
+    EXPECT_EQ(pair.b, listed[i].b);
+    EXPECT_EQ(pair.motion, listed[i].motion);
+    EXPECT_EQ(pair.threshold, listed[i].threshold);
+    EXPECT_EQ(pair.rounding, listed[i].rounding);
+    EXPECT_EQ(pair.scene_pair, listed[i].scene_pair);
+  }
+  EdgeCertifier x(few), y(many), swept_x(few), swept_y(many);
+  swept_x.rebind(few->withMarginAtLeast(0.02));
+  swept_y.rebind(many->withMarginAtLeast(0.02));
+  for (int i = 0; i < 100; ++i) {
+    const std::vector<double> a = somewhere(random);
+    std::vector<double> b = a;
+    for (int k = 0; k < 3; ++k) b[static_cast<std::size_t>(k)] += random.uniform(-0.2, 0.2);
+    const EdgeCheck p = x.certify(a, b), q = y.certify(a, b);
+    EXPECT_EQ(p.verdict, q.verdict);
+    EXPECT_EQ(p.t, q.t);
+    EXPECT_EQ(p.pair, q.pair);
+    EXPECT_EQ(swept_x.certify(a, b).verdict, swept_y.certify(a, b).verdict);
+    const StateCheck s = x.clearance(a, 1e-4), t = y.clearance(a, 1e-4);
+    EXPECT_EQ(s.clearance.lower, t.clearance.lower);
+    EXPECT_EQ(s.clearance.upper, t.clearance.upper);
+    EXPECT_EQ(s.pair, t.pair);
+    const EdgeClearance e = x.edgeClearance(a, b, 1e-3, 0), f = y.edgeClearance(a, b, 1e-3, 0);
+    EXPECT_EQ(e.clearance.lower, f.clearance.lower);
+    EXPECT_EQ(e.clearance.upper, f.clearance.upper);
+  }
+  EXPECT_EQ(x.statistics.work, y.statistics.work);
+}
+
+// One of many that is never free, however far.
+TEST(ManyObjects, AGrowthOfNaNIsNeverForgotten) {
+  Random random(35);
+  const CompiledScene scene(crowd(random, kFar));
+  const std::vector<double> q = {0, 0, 0.5, 0, 0, 0, 1};
+  for (const int body : {kObjects / 2, kObjects + 50, kObjects + kFar}) {
+    const std::vector<CompiledScene::Replacement> shapes = {
+        {body, 0, scene.scene().bodies()[static_cast<std::size_t>(body)].geometries[0].shape,
+         std::numeric_limits<double>::quiet_NaN()}};
+    const auto changed = scene.withShapes(shapes);
+    for (const auto& variant : {changed, changed->withMarginAtLeast(0.001)}) {
+      const auto only = [&](bool with) {
+        return EdgeCertifier(variant->withPairs([&](const collision::ScenePair& pair) {
+          return pair.body_b > kObjects && (with || pair.body_b != body);
+        }));
+      };
+      if (body > kObjects) {
+        EXPECT_NE(only(true).decide(q), Verdict::kFree);
+        EXPECT_NE(only(true).certify(q, q).verdict, Verdict::kFree);
+        EXPECT_NE(only(true).clearance(q, 1e-3).verdict, Verdict::kFree);
+        EXPECT_EQ(only(false).decide(q), Verdict::kFree);
+      }
+      EdgeCertifier certifier(variant);
+      EXPECT_NE(certifier.decide(q), Verdict::kFree);
+      EXPECT_NE(certifier.certify(q, q).verdict, Verdict::kFree);
+    }
   }
 }
 

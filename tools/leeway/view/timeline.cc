@@ -127,9 +127,7 @@ std::vector<double> inShown(std::vector<double> clearance, const CompiledScene& 
   return mapped;
 }
 
-double leastMargin(const CompiledScene& scene) {
-  return scene.scene().pairs().leastMargin();
-}
+double leastMargin(const CompiledScene& scene) { return scene.scene().pairs().leastMargin(); }
 
 planner::Interval proven(EdgeCertifier& certifier, const Moment& from, const Moment& to,
                          double margin) {

@@ -125,9 +125,9 @@ class SceneBuilder {
   std::size_t most_listed_ = kMostListed;
 };
 
-/// What one thread changes while it queries a Scene: poses of moving bodies, caches of as many pairs
-/// as it has room for, scratch memory, statistics. For that scene only, and those with the same
-/// bodies and pairs.
+/// What one thread changes while it queries a Scene: poses of moving bodies, caches of as many
+/// pairs as it has room for, scratch memory, statistics. For that scene only, and those with the
+/// same bodies and pairs.
 class Workspace {
  public:
   explicit Workspace(const Scene& scene);
