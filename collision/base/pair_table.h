@@ -16,9 +16,14 @@ template <class T>
 class PairTable {
  public:
   static constexpr std::size_t kMost = 1U << 14U;  ///< places [count]
+  /// Of so many pairs that they are in runs few are ever near, and a small table is made sooner.
+  static constexpr std::size_t kMostOfRuns = 1U << 11U;
 
-  /// Room for pairs [0, pairs). The only one that allocates.
-  void resize(std::size_t pairs) { places_.assign(std::min(pairs, kMost), {}); }
+  /// Room for pairs [0, pairs), in `most` places at most: a power of two. The only one that
+  /// allocates.
+  void resize(std::size_t pairs, std::size_t most = kMost) {
+    places_.assign(std::min(pairs, most), {});
+  }
 
   /// The value of a pair, a new one where another has its place.
   T& of(std::int32_t pair) {
@@ -46,7 +51,7 @@ class PairTable {
   };
   std::size_t indexOf(std::int32_t pair) const {
     const auto number = static_cast<std::size_t>(pair);
-    return number < places_.size() ? number : number & (kMost - 1);  // then there are kMost
+    return number < places_.size() ? number : number & (places_.size() - 1);
   }
   std::vector<Place> places_;
 };

@@ -25,14 +25,16 @@ LaneSweep::Scratch::Scratch(const LaneSweep& sweep) : impl_(std::make_unique<Imp
   impl_->low.resize(3 * s.pieces.size());
   impl_->high.resize(3 * s.pieces.size());
   const std::size_t numbers = s.runs ? s.numbers : s.pairs.size();
-  const std::size_t most = s.runs ? std::min(numbers, kMostNear) : numbers;
+  const std::size_t most = s.runs ? std::min(numbers, s.pairs.size() + kMostNear) : numbers;
+  using Planes = PairTable<Impl::Plane>;
+  const std::size_t places = s.runs ? Planes::kMostOfRuns : Planes::kMost;
   impl_->candidates.reserve(most);
   impl_->open.reserve(most);
   impl_->open_pairs.reserve(most);
-  impl_->planes.resize(numbers);
-  impl_->searches.resize(numbers);
-  impl_->part_hints.resize(numbers);
-  if (s.runs) impl_->known.resize(numbers);
+  impl_->planes.resize(numbers, places);
+  impl_->searches.resize(numbers, places);
+  impl_->part_hints.resize(numbers, places);
+  if (s.runs) impl_->known.resize(numbers, places);
   impl_->part_owners.assign(std::min(s.pairs_with_parts, Impl::kPartBlocks), -1);
   impl_->part_memory = std::make_unique_for_overwrite<std::byte[]>(
       impl_->part_owners.size() * s.most_parts * sizeof(Impl::PartMemory));

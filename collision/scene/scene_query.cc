@@ -39,7 +39,8 @@ Workspace::Workspace(const Scene& scene) : impl_(std::make_unique<Impl>()) {
   const std::span<const Body> bodies = scene.bodies();
   for (const Body& body : pairs.hasRuns() ? bodies.first(at(pairs.firstStill())) : bodies)
     impl_->poses.push_back(body.X_WB);
-  impl_->caches.resize(pairs.size());
+  using Caches = PairTable<PairCache>;
+  impl_->caches.resize(pairs.size(), pairs.hasRuns() ? Caches::kMostOfRuns : Caches::kMost);
   impl_->nearest.resize(std::min(pairs.size(), kMostNearest));
   prepare(scene);
 }

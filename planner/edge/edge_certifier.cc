@@ -24,12 +24,15 @@ EdgeCertifier::Impl::Impl(std::shared_ptr<const CompiledScene> compiled)
   frames.countInto(work);
   const std::size_t all = frames.pairs().size();
   // Of runs as many as a pass of lanes has room for.
+  const bool has_runs = frames.pairs().hasRuns();
   const std::size_t pairs =
-      frames.pairs().hasRuns() ? std::min(all, collision::LaneSweep::kMostNear) : all;
+      has_runs ? std::min(all, frames.pairs().listed().size() + collision::LaneSweep::kMostNear)
+               : all;
   motion.resize(scene->edgeModel().motions.size());
   world_balls.resize(scene->edges().moving.size());
   shared_slots.resize(kSharedSlots + 1);
-  const std::size_t lists = std::max<std::size_t>(kEdgeOpen, collision::kLanes * pairs);
+  const std::size_t lists =
+      std::max<std::size_t>(kEdgeOpen, (has_runs ? 4 : std::size_t{collision::kLanes}) * pairs);
   for (std::vector<int>* list : {&open_pairs, &next_open_pairs, &part_pairs}) list->reserve(lists);
   for (std::vector<EdgeInterval>* list : {&intervals, &next_intervals})
     list->reserve(kEdgeIntervals);
@@ -40,9 +43,10 @@ EdgeCertifier::Impl::Impl(std::shared_ptr<const CompiledScene> compiled)
   asked_pairs.reserve(pairs);
   pass_pairs.reserve(pairs);
   never_parted.reserve(pairs);
-  order.reserve(frames.pairs().hasRuns() ? lists : pairs);
+  order.reserve(has_runs ? lists : pairs);
   likely_looks.reserve(kContactLooks);
-  pair_memory.resize(all);
+  using Memory = collision::PairTable<PairMemory>;
+  pair_memory.resize(all, has_runs ? Memory::kMostOfRuns : Memory::kMost);
   listed_pairs.reserve(pairs);
   takePairs();
 }
