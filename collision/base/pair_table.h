@@ -17,7 +17,7 @@ class PairTable {
  public:
   static constexpr std::size_t kMost = 1U << 14U;  ///< places [count]
   /// Of so many pairs that they are in runs few are ever near, and a small table is made sooner.
-  static constexpr std::size_t kMostOfRuns = 1U << 11U;
+  static constexpr std::size_t kMostOfRuns = 1U << 10U;
 
   /// Room for pairs [0, pairs), in `most` places at most: a power of two. The only one that
   /// allocates.

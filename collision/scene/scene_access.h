@@ -35,6 +35,12 @@ struct SceneAccess {
   }
   /// Around what stands still of runs, one a place; null: there are no runs.
   static const ObstacleBoxes* boxes(const Scene& scene) { return scene.boxes_.get(); }
+  /// What stands in a place of runs.
+  static const Geometry& geometryIn(const Scene& scene, int place) {
+    const ScenePair pair = scene.pairs_.at(static_cast<std::size_t>(place));
+    return scene.bodies()[static_cast<std::size_t>(pair.body_b)]
+        .geometries[static_cast<std::size_t>(pair.geometry_b)];
+  }
   static const std::shared_ptr<const ObstacleBoxes>& sharedBoxes(const Scene& scene) {
     return scene.boxes_;
   }

@@ -41,17 +41,28 @@ Workspace::Workspace(const Scene& scene) : impl_(std::make_unique<Impl>()) {
     impl_->poses.push_back(body.X_WB);
   using Caches = PairTable<PairCache>;
   impl_->caches.resize(pairs.size(), pairs.hasRuns() ? Caches::kMostOfRuns : Caches::kMost);
-  impl_->nearest.resize(std::min(pairs.size(), kMostNearest));
+  impl_->nearest.resize(std::min(pairs.size(), pairs.hasRuns() ? kMostNearest / 8 : kMostNearest));
   prepare(scene);
 }
 
 void Workspace::prepare(const Scene& scene) {
-  for (const Body& body : scene.bodies()) {
-    for (const Geometry& g : body.geometries) {
-      if (g.shape.type() == ShapeType::kDeformable)
-        collision::prepare(impl_->scratch, *g.shape.deformable());
-    }
-  }
+  const auto take = [&](const Geometry& g) {
+    if (g.shape.type() == ShapeType::kDeformable)
+      collision::prepare(impl_->scratch, *g.shape.deformable());
+  };
+  const ScenePairs& pairs = scene.pairs();
+  const std::span<const Body> bodies = scene.bodies();
+  for (const Body& body : pairs.hasRuns() ? bodies.first(at(pairs.firstStill())) : bodies)
+    for (const Geometry& g : body.geometries) take(g);
+  if (!pairs.hasRuns()) return;
+  // What deforms may be anywhere: also where nothing else is but half-spaces.
+  ObstacleBoxes::Box nowhere;
+  std::fill_n(nowhere.low, 3, kFar);
+  std::fill_n(nowhere.high, 3, kFar);
+  const ObstacleBoxes& boxes = *SceneAccess::boxes(scene);
+  boxes.forEachNear(nowhere, [&](std::size_t slot) {
+    if (boxes.obstacle(slot) >= 0) take(SceneAccess::geometryIn(scene, boxes.obstacle(slot)));
+  });
 }
 
 Workspace::~Workspace() = default;

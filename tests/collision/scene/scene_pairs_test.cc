@@ -13,8 +13,10 @@
 #include <tuple>
 #include <vector>
 
+#include "leeway/collision/deformable_mesh.h"
 #include "leeway/collision/scene.h"
 #include "tests/support/allocations.h"
+#include "tests/support/deformable_cases.h"
 
 namespace leeway::collision {
 namespace {
@@ -230,6 +232,30 @@ TEST(ScenePairs, MoreThanAnIntNumbersAreRefused) {
               std::string::npos)
         << error.what();
   }
+}
+
+// A workspace has room for what queries fill of deforming meshes, in runs, too.
+TEST(ScenePairs, DeformingMeshesInRunsArePrepared) {
+  const testing::Sheet sheet = testing::cloth(20);
+  Deformable deformable(DeformableMesh::make(sheet.vertices, sheet.triangles), nullptr,
+                        testing::optionsOf(DeformStrategy::kLazy));
+  ASSERT_EQ(deformable.update(testing::waved(sheet.vertices, 0.3, 1), 1), UpdateStatus::kUpdated);
+  SceneBuilder builder;
+  builder.add({"mover", {{Shape::sphere(0.1), {}, ""}}, true, {}});
+  for (int i = 0; i < 100; ++i) {
+    Body still{"still", {{Shape::sphere(0.1), {}, ""}}, false, {}};
+    still.X_WB.translation = Eigen::Vector3d(4, i, 0);
+    if (i == 70) still = {"cloth", {{Shape::deformable(deformable.snapshot()), {}, ""}}, false, {}};
+    builder.add(still);
+  }
+  builder.listAtMost(0);
+  const Scene scene = builder.build();
+  Workspace workspace(scene);
+  workspace.setPose(0, Pose{Eigen::Matrix3d::Identity(), {0.1, 0.2, 0.2}});
+  const std::size_t before = testing::allocationCount();
+  const SceneResult result = clearance(scene, workspace, 1e-4);
+  EXPECT_EQ(testing::allocationCount(), before);
+  EXPECT_EQ(scene.pairs()[static_cast<std::size_t>(result.pair)].body_b, 71);
 }
 
 // A copy shares bodies, and neither sees what the other changes.

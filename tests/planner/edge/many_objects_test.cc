@@ -195,7 +195,8 @@ TEST(ManyObjects, RunsChangeNothing) {
     EXPECT_EQ(s.pair, t.pair);
     const EdgeClearance e = x.edgeClearance(a, b, 1e-3, 0), f = y.edgeClearance(a, b, 1e-3, 0);
     // (Warm starts of clearance(), which asks another pair first, move the last digits.)
-    EXPECT_NEAR(e.clearance.lower, f.clearance.lower, 1e-12);
+    if (e.clearance.lower != f.clearance.lower)
+      EXPECT_NEAR(e.clearance.lower, f.clearance.lower, 1e-12);
     EXPECT_NEAR(e.clearance.upper, f.clearance.upper, 1e-12);
   }
 }

@@ -18,13 +18,16 @@ using collision::Deformable;
 using collision::DeformableMesh;
 using collision::Shape;
 
-/// A disc, a post, and a deforming square.
+/// A disc, a post, and a deforming square; and things where the disc never is.
 struct DiscWorld {
-  DiscWorld() : problem(test::problemOf(test::disc(), {-1.5, 0, 0}, {1.5, 0, 0})) {
+  explicit DiscWorld(std::size_t far = 0)
+      : problem(test::problemOf(test::disc(), {-1.5, 0, 0}, {1.5, 0, 0})) {
     const std::vector<Eigen::Vector3d> rest = {
         {-0.3, 0, -0.3}, {0.3, 0, -0.3}, {0.3, 0, 0.3}, {-0.3, 0, 0.3}};
     mesh = DeformableMesh::make(rest, std::vector<DeformableMesh::Triangle>{{0, 1, 2}, {0, 2, 3}});
     problem.world.objects.push_back(test::box("post", {0.1, 0.1, 0.5}, 0, 1, 0));
+    for (std::size_t i = 0; i < far; ++i)
+      problem.world.objects.push_back(test::box("far", {0.1, 0.1, 0.1}, 50, 0.5 * double(i), 0));
     problem.world.deforming.push_back(makeDeformingObstacle("square", mesh, nullptr, {}));
     problem.margins.common = 0.01;
     scene = std::make_shared<const CompiledScene>(problem);
@@ -128,6 +131,39 @@ TEST(Rebind, PairsCanBeAskedApart) {
   EXPECT_EQ(EdgeCertifier(with(true)).decide(at_square), Verdict::kNotFree);
   EXPECT_EQ(EdgeCertifier(with(false)).decide(at_post), Verdict::kNotFree);
   EXPECT_EQ(EdgeCertifier(with(false)).decide(at_square), Verdict::kFree);
+}
+
+// Where pairs are in runs as where they are listed.
+TEST(Rebind, RunsAnswerAsListsDo) {
+  const DiscWorld few, many(collision::SceneBuilder::kMostListed);
+  ASSERT_TRUE(many.scene->scene().pairs().hasRuns());
+  Random random(6), same(6);
+  EdgeCertifier listed(few.scene), runs(many.scene);
+  int free = 0, not_free = 0;
+  for (int k = 0; k < 20; ++k) {
+    const double growth = k % 3 == 0 ? 0.05 : 0.0;
+    const std::vector<CompiledScene::Replacement> x = {{few.body, 0, few.pulled(random), growth}};
+    const std::vector<CompiledScene::Replacement> y = {{many.body, 0, many.pulled(same), growth}};
+    listed.rebind(few.scene->withShapes(x));
+    runs.rebind(many.scene->withShapes(y));
+    EdgeCertifier fresh(many.scene->withShapes(y));
+    for (int i = 0; i < 20; ++i) {
+      std::vector<double> a(3), b(3);
+      for (std::vector<double>* q : {&a, &b})
+        *q = {random.uniform(-1.9, 1.9), random.uniform(-1.9, 1.9), random.uniform(-3, 3)};
+      for (int n = 0; n < 6; ++n) same.uniform(0, 1);
+      const Verdict verdict = listed.certify(a, b).verdict;
+      EXPECT_EQ(runs.certify(a, b).verdict, verdict) << k << " " << i;
+      EXPECT_EQ(fresh.certify(a, b).verdict, verdict) << k << " " << i;
+      const Verdict state = listed.decide(a);
+      EXPECT_EQ(runs.decide(a), state) << k << " " << i;
+      EXPECT_EQ(fresh.decide(a), state) << k << " " << i;
+      free += verdict == Verdict::kFree;
+      not_free += verdict == Verdict::kNotFree;
+    }
+  }
+  EXPECT_GT(free, 60);
+  EXPECT_GT(not_free, 60);
 }
 
 }  // namespace
