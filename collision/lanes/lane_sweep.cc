@@ -352,6 +352,11 @@ void LaneSweep::Impl::findObstacles() {
   }
   std::vector<ObstacleBoxes::Box> grown_boxes(whole_obstacles);
   for (std::size_t i = 0; i < whole_obstacles; ++i) {
+    if (!obstacles[i].own) {  // it was to stand in a run, and has no pair here
+      std::fill_n(grown_boxes[i].low, 3, kFar);
+      std::fill_n(grown_boxes[i].high, 3, -kFar);
+      continue;
+    }
     const Eigen::AlignedBox3d box = boxOf(obstacles[i].own->shape, obstacles[i].own->X_WG);
     for (int k = 0; k < 3; ++k) {
       grown_boxes[i].low[k] = std::max(floatBelow(box.min()[k] - grown[i]), -kFar);

@@ -79,9 +79,12 @@ ScenePair ScenePairs::ofRun(std::size_t number) const {
 
 double ScenePairs::leastMargin(int first_body, bool with) const {
   double least = kInfinity;
+  // A pair with NaN is never free, and there: 0 says so, and is cautious.
+  const auto take = [&least](double margin) {
+    least = std::min(least, std::isnan(margin) ? 0.0 : margin);
+  };
   for (const ScenePair& pair : listed_)
-    if ((std::max(pair.body_a, pair.body_b) >= first_body) == with)
-      least = std::min(least, pair.margin);
+    if ((std::max(pair.body_a, pair.body_b) >= first_body) == with) take(pair.margin);
   // All of a run are with a body from first_still_ on.
   if (with != (first_still_ >= first_body)) return least;
   auto own = own_.begin();
@@ -89,8 +92,8 @@ double ScenePairs::leastMargin(int first_body, bool with) const {
     // A run's margin counts only where some pair has it.
     std::size_t without_own = runBegin(run + 1) - runBegin(run);
     for (; own != own_.end() && own->position < (run + 1) * places_; ++own, --without_own)
-      least = std::min(least, own->margin);
-    if (without_own > 0) least = std::min(least, runs_[run].margin);
+      take(own->margin);
+    if (without_own > 0) take(runs_[run].margin);
   }
   return least;
 }
@@ -140,7 +143,7 @@ void ScenePairs::raise(double margin, int first_body) {
   const auto raised = [&](double& m) { m = std::max(m, margin); };  // NaN stays
   for (ScenePair& pair : listed_)
     if (std::max(pair.body_a, pair.body_b) >= first_body) raised(pair.margin);
-  if (first_still_ < first_body) return;
+  // All of a run are with a body from first_still_ on; callers ask for all of these or more.
   for (Run& run : runs_) raised(run.margin);
   for (Own& own : own_) raised(own.margin);
 }

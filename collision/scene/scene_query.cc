@@ -172,6 +172,9 @@ void forEachNear(const Scene& scene, const Workspace& workspace, double reach, c
     for (int k = 0; k < 3; ++k) {
       box.low[k] = floatBelow(center[k] - radius);
       box.high[k] = floatAbove(center[k] + radius);
+      // Boxes end there, and those of half-spaces stand for everything: so must this one.
+      if (!(std::max(-box.low[k], box.high[k]) < kFar))
+        box.low[k] = box.high[k] = std::numeric_limits<float>::quiet_NaN();
     }
     const ObstacleBoxes& boxes = *SceneAccess::boxes(scene);
     boxes.forEachNear(box, [&](std::size_t slot) {

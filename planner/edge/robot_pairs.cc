@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 
 #include "collision/base/tolerances.h"
 #include "leeway/robots/input_error.h"
@@ -68,6 +69,8 @@ RobotPairs::RobotPairs(const Problem& problem, std::span<const robots::VariableR
 
 collision::SceneBuilder RobotPairs::builder() const {
   collision::SceneBuilder builder;
+  // Worlds are added to these pairs, and edges know them by their order: all are listed.
+  builder.listAtMost(std::numeric_limits<std::size_t>::max());
   for (const Entry& e : entries_) builder.add(e.body);
   for (const auto& [pair, why] : reasons_) builder.allow(pair.first, pair.second);
   return builder;

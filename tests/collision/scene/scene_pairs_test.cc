@@ -235,6 +235,22 @@ TEST(ScenePairs, MoreThanAnIntNumbersAreRefused) {
 }
 
 // A workspace has room for what queries fill of deforming meshes, in runs, too.
+// Boxes end at 1e30 m, and one of a half-space stands for everything: beyond it a sphere deep
+// inside met no box, and was free.
+TEST(ScenePairs, BeyondAllBoxesNothingIsFree) {
+  SceneBuilder builder;
+  Pose X_WB;
+  X_WB.translation.z() = -2e30;
+  builder.add({"mover", {{Shape::sphere(1), {}, ""}}, true, X_WB});
+  builder.add({"floor", {{Shape::halfSpace(), {}, ""}}, false, {}});
+  const Twins twins(std::move(builder));
+  for (const Scene* scene : {&twins.listed, &twins.runs}) {
+    Workspace workspace(*scene);
+    EXPECT_NE(decide(*scene, workspace).verdict, Verdict::kFree);
+    EXPECT_FALSE(clearance(*scene, workspace, 1e-6).clearance.lower > 0);
+  }
+}
+
 TEST(ScenePairs, DeformingMeshesInRunsArePrepared) {
   const testing::Sheet sheet = testing::cloth(20);
   Deformable deformable(DeformableMesh::make(sheet.vertices, sheet.triangles), nullptr,

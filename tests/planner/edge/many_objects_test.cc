@@ -12,6 +12,9 @@
 
 #include "leeway/planner/edge_certifier.h"
 #include "planner/edge/edge_frames.h"
+#include "planner/edge/edge_model.h"
+#include "planner/edge/prepared_robot.h"
+#include "tests/support/random_model.h"
 #include "tests/support/small_problems.h"
 #include "tools/truth/oracle/generate.h"
 
@@ -231,6 +234,62 @@ TEST(ManyObjects, AGrowthOfNaNIsNeverForgotten) {
 }
 
 // Names of allowed pairs and margins are looked up, not compared with all pairs.
+/// An arm of balls beside a rack that a link holds which stands still: pairs of the robot itself,
+/// beyond what a world would list. They took the motions of other pairs once.
+TEST(ManyObjects, PairsOfTheRobotWithItselfKeepTheirMotions) {
+  robots::RobotDescription arm = robots::testing::chain(
+      6, robots::JointType::kRevolute, 3, [](int i, robots::Link& link, robots::Joint& joint) {
+        link.geometries.push_back({collision::Shape::sphere(0.05), test::at(0, 0, 0.1), link.name});
+        joint.axis = Eigen::Vector3d::UnitY();
+        if (i > 0) joint.X_PJ = test::at(0, 0, 0.2);
+      });
+  const auto model = std::make_shared<robots::Model>(std::move(arm));
+  const std::vector<double> q = model->defaultConfiguration();
+  for (const int balls : {100, 4000}) {
+    Problem problem = test::problemOf(model, q, q);
+    problem.world.objects.push_back(test::box("table", {0.1, 0.1, 0.1}, 3, 0, 0));
+    Attachment held;
+    held.object.name = "rack";
+    held.link = 0;
+    for (int i = 0; i < balls; ++i)
+      held.object.geometries.push_back(
+          {collision::Shape::sphere(0.01), test::at(0.02 * (i % 64), 0.02 * (i / 64), -3), ""});
+    problem.robot.attachments.push_back(held);
+    const auto scene = std::make_shared<const CompiledScene>(problem);
+    const EdgePairs& pairs = scene->edges().pairs;
+    const std::vector<int>& of_world = scene->edgeModel().robot->motions().of_world;
+    std::size_t still = 0;
+    for (std::size_t p = 0; p < pairs.size(); ++p) {
+      const EdgePair pair = pairs[p];
+      if (scene->edges().pieces[static_cast<std::size_t>(pair.b)].link >= 0) continue;
+      ++still;
+      ASSERT_EQ(pair.motion, of_world[static_cast<std::size_t>(pair.a)]) << balls << " " << p;
+    }
+    EXPECT_GT(still, static_cast<std::size_t>(4 * balls));
+    EXPECT_EQ(EdgeCertifier(scene).certify(q, q).verdict, Verdict::kFree);
+  }
+}
+
+/// Where a thing is so large that lanes do without: their runs are never made, and nothing asks.
+TEST(ManyObjects, LanesThatAreNotUsableNeedNoRuns) {
+  Problem problem =
+      test::problemOf(test::flyingBox(), {0, 0, 0, 0, 0, 0, 1}, {0, 0, 0, 0, 0, 0, 1});
+  for (int i = 0; i < kFar; ++i)
+    problem.world.objects.push_back({"far " + std::to_string(i),
+                                     {{collision::Shape::sphere(0.1), {}, "ball"}},
+                                     test::at(20 + i % 128, 20 + i / 128, 0)});
+  const std::vector<Eigen::Vector3d> corners{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  problem.world.objects.push_back(
+      {"hill", {{collision::Shape::convexHull(corners), {}, "hull"}}, test::at(20000, 0, 0)});
+  const auto scene = std::make_shared<const CompiledScene>(problem);
+  ASSERT_TRUE(scene->scene().pairs().hasRuns());
+  EdgeCertifier certifier(scene);
+  std::vector<double> end = problem.start;
+  end[0] = 0.5;
+  EXPECT_EQ(certifier.certify(problem.start, end).verdict, Verdict::kFree);
+  EXPECT_EQ(certifier.decide(end), Verdict::kFree);
+}
+
 TEST(ManyObjects, PairsAndMarginsAreFoundByName) {
   Random random(33);
   const CompiledScene scene(crowd(random));

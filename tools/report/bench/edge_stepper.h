@@ -34,7 +34,7 @@ class Stepper {
         t[lane] = std::min(block + lane * blocks + 1, states) / static_cast<double>(states);
         places.at[lane] = static_cast<float>(t[lane] - 0.5);
       }
-      if (lanes_.checkStates(places).id >= 0 || !isOpenFree(t)) return false;
+      if (lanes_.checkStates(places).id >= 0 || lanes_.isFull() || !isOpenFree(t)) return false;
     }
     return true;
   }

@@ -94,7 +94,7 @@ class SceneBuilder {
   explicit SceneBuilder(const Scene& base) : base_(base) {}
   /// More pairs with what stands still are not listed but in runs (see ScenePairs) [count].
   static constexpr std::size_t kMostListed = std::size_t{1} << 14U;
-  /// Another limit than that, for tests.
+  /// Another limit than that: for tests, and where others rely on a list.
   void listAtMost(std::size_t pairs) { most_listed_ = pairs; }
 
   /// The new body's index.

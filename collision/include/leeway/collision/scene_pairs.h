@@ -55,7 +55,7 @@ class ScenePairs {
   bool hasRuns() const { return !runs_.empty(); }
 
   /// The least margin of all pairs that have one of these bodies from `first_body` on, or, where
-  /// `with` is false, of those that have none [m]; infinity: there are none. NaN is left out.
+  /// `with` is false, of those that have none [m]; infinity: there are none. NaN counts as 0.
   /// O(listed pairs + runs * differences).
   double leastMargin(int first_body = 0, bool with = true) const;
   /// The greatest of all, NaN where one is NaN [m]; -infinity: there are none.

@@ -92,13 +92,12 @@ class CompiledScene {
 
  private:
   struct Shared;
-  /// A copy of a scene has its own: it may become another scene.
+  /// A copy of a scene has its own, as it may become another scene; and so has what was moved, as
+  /// what is shared knows where its scene is.
   struct OwnShared {
     OwnShared();
     OwnShared(const OwnShared&) : OwnShared() {}
-    OwnShared(OwnShared&&) noexcept = default;
     OwnShared& operator=(const OwnShared& other);
-    OwnShared& operator=(OwnShared&&) noexcept = default;
     ~OwnShared() = default;
     std::shared_ptr<Shared> made;
   };
