@@ -333,6 +333,37 @@ TEST(Oracle, AgreesWithClosedForms) {
             -0.5);  // inside
 }
 
+/// A search that ends early has proven what it was asked for; what is wrong is searched to its end.
+TEST(Oracle, EndsEarlyOnlyWhereThatProvesTheAnswer) {
+  Random random(17);
+  int early = 0, overlapping = 0;
+  for (int i = 0; i < (kSanitized ? 20 : 200); ++i) {
+    const auto type = [&] { return kTypes[static_cast<std::size_t>(random.below(8))]; };
+    const Shape a = oracle::randomShape(random, type(), Flavour::kPlain),
+                b = oracle::randomShape(random, type(), Flavour::kPlain);
+    const Pose X_WA{random.rotation(), Vector3d::Zero()},
+        X_WB{random.rotation(), random.uniform(0, 1.5) * random.direction()};
+    const Truth full = oracle::signedSeparation(a, X_WA, b, X_WB);
+    if (!full.has_value) continue;
+    if (full.upper < 0) ++overlapping;
+    const oracle::Enough right{full.lower - 1e-3, full.upper + 1e-3};
+    const Truth soon = oracle::convexSeparation(a, X_WA, b, X_WB, right);
+    EXPECT_GE(soon.lower, right.lower) << i;
+    EXPECT_LE(soon.upper, right.upper) << i;
+    EXPECT_LE(soon.lower, full.upper) << i;
+    EXPECT_GE(soon.upper, full.lower) << i;
+    if (soon.upper - soon.lower > full.upper - full.lower) ++early;
+    for (const oracle::Enough& wrong : {oracle::Enough{full.upper + 1e-9, full.upper + 1},
+                                        oracle::Enough{full.lower - 1, full.lower - 1e-9}}) {
+      const Truth late = oracle::convexSeparation(a, X_WA, b, X_WB, wrong);
+      EXPECT_EQ(late.lower, full.lower) << i;
+      EXPECT_EQ(late.upper, full.upper) << i;
+    }
+  }
+  EXPECT_GT(early, kSanitized ? 2 : 20);
+  EXPECT_GT(overlapping, kSanitized ? 2 : 20);
+}
+
 /// Two needles whose tips touch: all facets near the origin are slivers. The surface once left the
 /// origin outside, and a depth of 1.17e-13 was claimed where a plane leaves 1.05e-14.
 TEST(Oracle, NeedlesWhoseTipsTouch) {

@@ -208,7 +208,8 @@ void Examiner::threshold(oracle::Random& random) {
 
 void Examiner::holdAgainstOracle() {
   const oracle::Truth truth =
-      oracle::signedSeparation(*case_->a, case_->X_WA, *case_->b, case_->X_WB);
+      oracle::convexSeparation(*case_->a, case_->X_WA, *case_->b, case_->X_WB,
+                               {exact_.distance.lower, exact_.distance.upper});
   ++tally_->oracle;
   Ask plain;
   plain.how = "against the oracle";

@@ -75,8 +75,8 @@ Vector ConvexBody::support(const Vector& d) const {
     const Vector scaled{axes_.x * l.x, axes_.y * l.y, axes_.z * l.z};
     const Quad length = norm(scaled);
     if (!(length > 0)) return translation_;
-    return place({axes_.x * (scaled.x / length), axes_.y * (scaled.y / length),
-                  axes_.z * (scaled.z / length)});
+    const Vector unit = (1 / length) * scaled;
+    return place({axes_.x * unit.x, axes_.y * unit.y, axes_.z * unit.z});
   }
   const Quad rho = norm({l.x, l.y, 0});
   Vector rim{0, 0, 0};

@@ -40,10 +40,15 @@ class ConvexBody {
 /// Bounds of a number in quadruple precision.
 struct Bounds {
   Quad lower, upper;
+  bool within(const Bounds& other) const { return lower >= other.lower && upper <= other.upper; }
 };
 
+/// No bounds are within these but by being exact: a search for them goes on to its last digit.
+inline constexpr Bounds toTheLastDigit() { return {infinity(), -infinity()}; }
+
 /// Signed separation of two convex bodies: GJK when apart, EPA when not, each with both bounds. The
-/// bounds include the computation's rounding.
-Bounds separation(const ConvexBody& a, const ConvexBody& b);
+/// bounds include the computation's rounding. The search ends where they are within `enough`.
+Bounds separation(const ConvexBody& a, const ConvexBody& b,
+                  const Bounds& enough = toTheLastDigit());
 
 }  // namespace leeway::oracle

@@ -226,4 +226,14 @@ Truth signedSeparation(const Shape& a, const Pose& X_WA, const Shape& b, const P
   return {roundDown(s.lower), roundUp(s.upper), true};
 }
 
+Truth convexSeparation(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
+                       const Enough& enough) {
+  const auto half_space = [](const Shape& s) { return s.type() == ShapeType::kHalfSpace; };
+  if (half_space(a) || half_space(b)) return signedSeparation(a, X_WA, b, X_WB);
+  const Vector origin = toVector(X_WA.translation);
+  const Bounds s = separation(ConvexBody(a, X_WA, origin), ConvexBody(b, X_WB, origin),
+                              {wide(enough.lower), wide(enough.upper)});
+  return {roundDown(s.lower), roundUp(s.upper), true};
+}
+
 }  // namespace leeway::oracle

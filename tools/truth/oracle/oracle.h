@@ -13,9 +13,21 @@ struct Truth {
   bool has_value;
 };
 
+/// Bounds of convexSeparation() that suffice [m].
+struct Enough {
+  double lower, upper;
+};
+
 /// The signed separation of any two shapes, in quadruple precision and without the engine's code.
 /// Slow: up to seconds. Half-space with half-space: (-inf, inf), no value.
 Truth signedSeparation(const collision::Shape& a, const collision::Pose& X_WA,
                        const collision::Shape& b, const collision::Pose& X_WB);
+
+/// Likewise for shapes other than meshes, and sooner: the search ends where it has proven the
+/// separation within `enough`. An answer to be judged is proven so; a wrong one never is, and the
+/// bounds that contradict it are as narrow as those above.
+Truth convexSeparation(const collision::Shape& a, const collision::Pose& X_WA,
+                       const collision::Shape& b, const collision::Pose& X_WB,
+                       const Enough& enough);
 
 }  // namespace leeway::oracle

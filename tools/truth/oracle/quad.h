@@ -9,8 +9,8 @@ namespace leeway::oracle {
 __extension__ typedef __float128 Quad;  // NOLINT(modernize-use-using): no __extension__ there
 
 /// Widens a double explicitly: some compilers warn of the implicit conversion.
-inline Quad wide(double x) { return static_cast<Quad>(x); }
-inline Quad infinity() { return wide(HUGE_VAL); }
+inline constexpr Quad wide(double x) { return static_cast<Quad>(x); }
+inline constexpr Quad infinity() { return wide(HUGE_VAL); }
 
 /// Unit roundoff of Quad, 2^-113.
 inline Quad quadRoundoff() { return wide(0x1p-113); }
@@ -33,7 +33,8 @@ inline double roundUp(Quad x) {
 /// Square root by Newton's method from the double root, within 2 ulp; 0 for x <= 0.
 inline Quad squareRoot(Quad x) {
   if (!(x > 0)) return 0;
-  // Scaled into the range of double first: squares of tiny lengths leave it.
+  // Scaled into the range of double first: squares of tiny lengths leave it. The scale is zero
+  // only for what underflows.
   Quad scale = 1;
   while (x < wide(1e-200)) {
     x *= wide(0x1p400);
@@ -45,7 +46,8 @@ inline Quad squareRoot(Quad x) {
     scale *= wide(0x1p200);
   }
   Quad r = wide(std::sqrt(static_cast<double>(x)));
-  for (int i = 0; i < 3; ++i) r = (r + x / r) / 2;
+  // 53 digits become 106, then all.
+  for (int i = 0; i < 2; ++i) r = wide(0.5) * (r + x / r);
   return r * scale;
 }
 
@@ -67,13 +69,7 @@ inline Vector cross(const Vector& a, const Vector& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 inline Quad squaredNorm(const Vector& a) { return dot(a, a); }
-inline Quad norm(const Vector& a) {
-  // Scaled, so that lengths far below 1 keep all their digits.
-  Quad m = absolute(a.x);
-  if (absolute(a.y) > m) m = absolute(a.y);
-  if (absolute(a.z) > m) m = absolute(a.z);
-  if (!(m > 0)) return 0;
-  return m * squareRoot(squaredNorm((1 / m) * a));
-}
+/// Exponents have 15 bits: no square of a double's leaves the range.
+inline Quad norm(const Vector& a) { return squareRoot(squaredNorm(a)); }
 
 }  // namespace leeway::oracle

@@ -108,8 +108,8 @@ Nearest nearestOfSimplex(const std::vector<Vector>& points) {
 }
 
 /// Distance of the origin from the difference: [lower, upper], lower <= 0 where it is not proven
-/// apart.
-Bounds distanceBounds(const Difference& c, Quad scale) {
+/// apart. Ends early within `enough`.
+Bounds distanceBounds(const Difference& c, Quad scale, const Bounds& enough) {
   Nearest nearest;
   const Vector start = c.support({1, 0, 0});
   nearest.least = {start, start};
@@ -125,6 +125,7 @@ Bounds distanceBounds(const Difference& c, Quad scale) {
     const Vector w = c.support(-direction);
     lower = std::max(lower, dot(direction, w) / direction_length);
     if (upper - lower <= kGjkWidth * scale) break;
+    if (lower > 0 && Bounds{lower, upper}.within(enough)) break;
     std::vector<Vector> points = nearest.simplex;
     const bool known = std::any_of(points.begin(), points.end(), [&](const Vector& p) {
       return p.x == w.x && p.y == w.y && p.z == w.z;
@@ -151,6 +152,7 @@ struct Facet {
   Quad offset;          // the triangle is at least this far out along `normal` ...
   Quad rounding;        // ... up to this rounding
   bool alive = true;
+  double roughly = 0;  // offset
 };
 
 /// A polytope with vertices on C, refined towards the origin.
@@ -158,14 +160,14 @@ class Polytope {
  public:
   Polytope(const Difference& c, Quad scale) : c_(c), scale_(scale) {}
 
-  Bounds depth() {
+  /// Ends early within `enough`.
+  Bounds depth(const Bounds& enough) {
     if (!start()) return {0, best_support_};
     for (int step = 0; step < kPolytopeSteps; ++step) {
-      std::size_t nearest = 0;
-      Quad least = infinity();
-      for (std::size_t i = 0; i < facets_.size(); ++i) {
-        if (facets_[i].alive && facets_[i].offset < least) least = facets_[i].offset, nearest = i;
-      }
+      const std::size_t nearest = nearestFacet();
+      if (nearest == facets_.size()) break;  // no numbers
+      const Quad least = facets_[nearest].offset;
+      if (Bounds{least - facets_[nearest].rounding, best_support_}.within(enough)) break;
       const Vector w = query(facets_[nearest].normal);
       if (dot(facets_[nearest].normal, w) - least <= kPolytopeWidth * scale_) break;
       if (!add(w, nearest) || alive_ > kMostFacets) break;
@@ -187,6 +189,21 @@ class Polytope {
     const Vector w = c_.support(unit);
     best_support_ = std::min(best_support_, dot(unit, w));
     return w;
+  }
+
+  /// All are compared: as doubles, and in full where these tell nothing.
+  std::size_t nearestFacet() const {
+    double least = HUGE_VAL;
+    for (const Facet& f : facets_) {
+      if (f.alive) least = std::min(least, f.roughly);
+    }
+    const double most = least + 1e-15 * std::abs(least);
+    std::size_t nearest = facets_.size();
+    for (std::size_t i = 0; i < facets_.size(); ++i) {
+      if (!facets_[i].alive || !(facets_[i].roughly <= most)) continue;
+      if (nearest == facets_.size() || facets_[i].offset < facets_[nearest].offset) nearest = i;
+    }
+    return nearest;
   }
 
   Vector unit(const Vector& v) const { return (1 / norm(v)) * v; }
@@ -240,7 +257,8 @@ class Polytope {
     const Vector e2 = vertices_[static_cast<std::size_t>(v[2])] - a;
     const Vector n = cross(e1, e2);
     const Quad area = norm(n);
-    const Quad longest = std::max({norm(e1), norm(e2), norm(e1 - e2)});
+    const Quad longest =
+        squareRoot(std::max({squaredNorm(e1), squaredNorm(e2), squaredNorm(e1 - e2)}));
     Facet facet{v, {0, 0, 0}, 0, {0, 0, 0}, 0, infinity()};
     if (area > 0) {
       facet.plane_normal = facet.normal = (1 / area) * n;
@@ -271,6 +289,7 @@ class Polytope {
   void addFacet(const std::array<int, 3>& v) {
     for (std::size_t i = 0; i < 3; ++i) at_edge_[{v[i], v[(i + 1) % 3]}] = facets_.size();
     facets_.push_back(makeFacet(v));
+    facets_.back().roughly = toDouble(facets_.back().offset);
   }
 
   /// A closed surface that stays out of a ball around the origin encloses the ball if it winds
@@ -278,14 +297,16 @@ class Polytope {
   /// (A. van Oosterom and J. Strackee, "The solid angle of a plane triangle", 1983): their sum is a
   /// whole number of turns, so double precision suffices.
   bool windsAroundOrigin() const {
+    std::vector<Vector> units;
+    units.reserve(vertices_.size());
+    for (const Vector& p : vertices_) units.push_back(norm(p) > 0 ? unit(p) : Vector{});
     double sum = 0;
     for (const Facet& f : facets_) {
       if (!f.alive) continue;
       Vector u[3];
       for (std::size_t i = 0; i < 3; ++i) {
-        const Vector& p = vertices_[static_cast<std::size_t>(f.v[i])];
-        if (!(norm(p) > 0)) return false;
-        u[i] = unit(p);
+        u[i] = units[static_cast<std::size_t>(f.v[i])];
+        if (!(squaredNorm(u[i]) > 0)) return false;
       }
       const Quad volume = dot(u[0], cross(u[1], u[2]));
       const Quad angles = 1 + dot(u[0], u[1]) + dot(u[1], u[2]) + dot(u[2], u[0]);
@@ -350,17 +371,18 @@ class Polytope {
 
 }  // namespace
 
-Bounds separation(const ConvexBody& a, const ConvexBody& b) {
+Bounds separation(const ConvexBody& a, const ConvexBody& b, const Bounds& enough) {
   const Difference c{a, b};
   const Quad scale = a.extent() + b.extent() + wide(1e-300);
-  Bounds core = distanceBounds(c, scale);
+  const Quad slack = 256 * quadRoundoff() * scale;
+  const Quad radii = a.radius() + b.radius();
+  const Bounds of_cores{enough.lower + radii + slack, enough.upper + radii - slack};
+  Bounds core = distanceBounds(c, scale, of_cores);
   if (!(core.lower > 0)) {
-    const Bounds depth = Polytope(c, scale).depth();
+    const Bounds depth = Polytope(c, scale).depth({-of_cores.upper, -of_cores.lower});
     core.lower = -depth.upper;
     if (depth.lower >= 0) core.upper = std::min(core.upper, -depth.lower);
   }
-  const Quad slack = 256 * quadRoundoff() * scale;
-  const Quad radii = a.radius() + b.radius();
   return {core.lower - radii - slack, core.upper - radii + slack};
 }
 
