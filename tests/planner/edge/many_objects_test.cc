@@ -4,12 +4,18 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <deque>
+#include <functional>
 #include <limits>
 #include <memory>
+#include <numbers>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "collision/lanes/lane_sweep.h"
 #include "leeway/planner/edge_certifier.h"
 #include "planner/edge/edge_frames.h"
 #include "planner/edge/edge_model.h"
@@ -29,36 +35,52 @@ constexpr int kShare = 50;
 // So many that their pairs are in runs.
 constexpr int kFar = static_cast<int>(collision::SceneBuilder::kMostListed) + 128;
 
-collision::Shape someShape(Random& random) {
+// The first kinds are round and closed forms; all are hulls and meshes, too.
+constexpr int kFirstKinds = 4, kAllKinds = 6;
+
+collision::Shape someShape(Random& random, int kinds) {
   const double r = random.uniform(0.01, 0.08), h = random.uniform(0.01, 0.2);
-  switch (random.below(4)) {
+  switch (random.below(kinds)) {
     case 0:
       return collision::Shape::sphere(r);
     case 1:
       return collision::Shape::capsule(r, h);
     case 2:
       return collision::Shape::cylinder(r, h);
-    default:
+    case 3:
       return collision::Shape::box({r, h, r});
+    case 4:
+      return collision::Shape::mesh(oracle::boxMesh({h, r, r}));
+    default: {
+      std::vector<Eigen::Vector3d> points;
+      for (int i = 0; i < 9; ++i) points.push_back(h * random.direction());
+      return collision::Shape::convexHull(points);
+    }
   }
 }
 
-/// A flying box among shapes all around, on a floor, and `far` things where it never is.
-Problem crowd(Random& random, int far = 0) {
-  Problem problem =
-      test::problemOf(test::flyingBox(), {0, 0, 0, 0, 0, 0, 1}, {0, 0, 0, 0, 0, 0, 1});
+/// Shapes all around, on a floor, and `far` things where no robot ever is.
+void addCrowd(Random& random, int far, int kinds, Problem& problem) {
   collision::Pose X_WF;
   X_WF.translation.z() = -1.2;
   problem.world.objects.push_back({"floor", {{collision::Shape::halfSpace(), {}, "floor"}}, X_WF});
   for (int i = 1; i < kObjects; ++i) {
     const Eigen::Vector3d p(random.uniform(-4, 4), random.uniform(-4, 4), random.uniform(-1, 4));
-    problem.world.objects.push_back(
-        {"thing " + std::to_string(i), {{someShape(random), {}, "shape"}}, {random.rotation(), p}});
+    problem.world.objects.push_back({"thing " + std::to_string(i),
+                                     {{someShape(random, kinds), {}, "shape"}},
+                                     {random.rotation(), p}});
   }
   for (int i = 0; i < far; ++i)
     problem.world.objects.push_back({"far " + std::to_string(i),
                                      {{collision::Shape::sphere(0.1), {}, "ball"}},
                                      test::at(20 + i % 128, 20 + i / 128, 0)});
+}
+
+/// A flying box in it.
+Problem crowd(Random& random, int far = 0, int kinds = kFirstKinds) {
+  Problem problem =
+      test::problemOf(test::flyingBox(), {0, 0, 0, 0, 0, 0, 1}, {0, 0, 0, 0, 0, 0, 1});
+  addCrowd(random, far, kinds, problem);
   problem.contacts.allowed.emplace_back("flyer", "thing 7");
   problem.margins.common = 0.01;
   problem.margins.pairs.push_back({"thing 8", "flyer", 0.3});
@@ -206,6 +228,115 @@ TEST(ManyObjects, RunsChangeNothing) {
   }
 }
 
+/// The bodies of a pair; of none where none decided.
+std::pair<int, int> bodiesOf(const CompiledScene& scene, int pair) {
+  if (pair < 0) return {-1, -1};
+  const collision::ScenePair of = scene.scene().pairs()[static_cast<std::size_t>(pair)];
+  return {of.body_a, of.body_b};
+}
+
+/// `runs` is the scene of `listed` with far things, whose pairs are in runs. Returns how many of
+/// `edges` are free.
+int expectSameAnswers(const std::shared_ptr<const CompiledScene>& listed,
+                      const std::shared_ptr<const CompiledScene>& runs,
+                      const std::vector<std::array<std::vector<double>, 2>>& edges) {
+  EXPECT_FALSE(listed->scene().pairs().hasRuns());
+  EXPECT_TRUE(runs->scene().pairs().hasRuns());
+  EdgeCertifier x(listed), y(runs);
+  int free = 0;
+  for (const auto& [a, b] : edges) {
+    EXPECT_EQ(x.decide(a), y.decide(a));
+    const EdgeCheck p = x.certify(a, b), q = y.certify(a, b);
+    EXPECT_EQ(p.verdict, q.verdict);
+    EXPECT_EQ(p.t, q.t);
+    EXPECT_EQ(bodiesOf(*listed, p.pair), bodiesOf(*runs, q.pair));
+    free += p.verdict == Verdict::kFree;
+    const StateCheck s = x.clearance(a, 1e-4), t = y.clearance(a, 1e-4);
+    EXPECT_EQ(bodiesOf(*listed, s.pair), bodiesOf(*runs, t.pair));
+    EXPECT_LE(s.clearance.lower, t.clearance.upper);
+    EXPECT_LE(t.clearance.lower, s.clearance.upper);
+  }
+  return free;
+}
+
+using Variant = std::function<std::shared_ptr<const CompiledScene>(
+    const std::shared_ptr<const CompiledScene>&)>;
+
+/// Margins and shapes that replace those of a compiled scene.
+std::vector<Variant> variants(int body) {
+  using Scene = std::shared_ptr<const CompiledScene>;
+  const auto replaced = [body](const Scene& scene, double radius, double growth) {
+    const std::vector<CompiledScene::Replacement> shapes = {
+        {body, 0, collision::Shape::sphere(radius), growth}};
+    return scene->withShapes(shapes);
+  };
+  return {[](const Scene& scene) { return scene; },
+          [](const Scene& scene) { return scene->withWorldMarginAtLeast(0.03); },
+          [](const Scene& scene) { return scene->withMarginsGrown(0.02); },
+          [=](const Scene& scene) { return replaced(scene, 0.3, 0); },
+          [=](const Scene& scene) { return replaced(scene, 1e-3, 0.2); },
+          [=](const Scene& scene) {
+            return replaced(scene->withMarginsGrown(0.01), 0.2, 0.01)->withMarginAtLeast(0.04);
+          }};
+}
+
+TEST(ManyObjects, VariantsOfRunsAnswerAsVariantsOfLists) {
+  Random random(37), again(37);
+  const auto few = std::make_shared<const CompiledScene>(crowd(random, 0, kAllKinds));
+  const auto many = std::make_shared<const CompiledScene>(crowd(again, kFar, kAllKinds));
+  std::vector<std::array<std::vector<double>, 2>> edges;
+  for (int i = 0; i < 60; ++i) {
+    const std::vector<double> a = somewhere(random);
+    std::vector<double> b = a;
+    for (int k = 0; k < 3; ++k) b[static_cast<std::size_t>(k)] += random.uniform(-0.2, 0.2);
+    edges.push_back({a, b});
+  }
+  std::vector<int> free;
+  for (const Variant& variant : variants(kObjects / 3))
+    free.push_back(expectSameAnswers(variant(few), variant(many), edges));
+  EXPECT_GT(free[0], 10);
+  EXPECT_LE(free[1], free[0]);
+  EXPECT_LE(free[2], free[0]);
+}
+
+/// Several links, a run for each, and pairs of the links with one another.
+TEST(ManyObjects, VariantsOfAnArmsRunsAnswerAsVariantsOfLists) {
+  constexpr int kLinks = 6;
+  robots::RobotDescription arm = robots::testing::chain(
+      kLinks, robots::JointType::kRevolute, 3, [](int i, robots::Link& link, robots::Joint& joint) {
+        link.geometries.push_back(
+            {collision::Shape::capsule(0.04, 0.08), test::at(0, 0, 0.1), link.name});
+        joint.axis = i % 2 == 0 ? Eigen::Vector3d::UnitY() : Eigen::Vector3d::UnitX();
+        if (i > 0) joint.X_PJ = test::at(0, 0, 0.25);
+      });
+  const auto model = std::make_shared<robots::Model>(std::move(arm));
+  const std::vector<double> home = model->defaultConfiguration();
+  const auto among = [&](int far) {
+    Random random(38);
+    Problem problem = test::problemOf(model, home, home);
+    addCrowd(random, far, kAllKinds, problem);
+    problem.margins.common = 0.005;
+    return std::make_shared<const CompiledScene>(problem);
+  };
+  const auto few = among(0), many = among(kFar);
+  Random random(39);
+  std::vector<std::array<std::vector<double>, 2>> edges;
+  for (int i = 0; i < 60; ++i) {
+    std::vector<double> a, b;
+    for (std::size_t k = 0; k < home.size(); ++k) {
+      a.push_back(random.uniform(-1.2, 1.2));
+      b.push_back(a.back() + random.uniform(-0.1, 0.1));
+    }
+    edges.push_back({a, b});
+  }
+  std::vector<int> free;
+  for (const Variant& variant : variants(few->bodiesOfRobot() + kObjects / 3))
+    free.push_back(expectSameAnswers(variant(few), variant(many), edges));
+  EXPECT_GT(free[0], 10);
+  EXPECT_LE(free[1], free[0]);
+  EXPECT_LE(free[2], free[0]);
+}
+
 // One of many that is never free, however far.
 TEST(ManyObjects, AGrowthOfNaNIsNeverForgotten) {
   Random random(35);
@@ -290,6 +421,40 @@ TEST(ManyObjects, LanesThatAreNotUsableNeedNoRuns) {
   end[0] = 0.5;
   EXPECT_EQ(certifier.certify(problem.start, end).verdict, Verdict::kFree);
   EXPECT_EQ(certifier.decide(end), Verdict::kFree);
+}
+
+/// More are near at once than are kept: nothing is known of some, and what touches is never free.
+TEST(ManyObjects, MoreThanAreKeptAreNearAtOnce) {
+  constexpr std::size_t kNear = collision::LaneSweep::kMostNear + 4000;
+  // Turned about x by an eighth: balls beside the box, within the box around it.
+  const double w = std::cos(0.125 * std::numbers::pi), x = std::sin(0.125 * std::numbers::pi);
+  const std::vector<double> a = {-0.05, 0, 0, x, 0, 0, w}, b = {0.05, 0, 0, x, 0, 0, w};
+  for (const std::size_t intruder : {kNear, std::size_t{0}, kNear / 2, kNear - 1}) {
+    Problem problem = test::problemOf(test::flyingBox(), a, b);
+    for (std::size_t i = 0; i < kNear; ++i) {
+      const collision::Pose X_WB =
+          i == intruder ? test::at(0, 0, 0)
+                        : test::at(-0.05 + 0.001 * static_cast<double>(i % 100),
+                                   0.040 + 0.0003 * static_cast<double>(i / 100 % 27),
+                                   0.040 + 0.0003 * static_cast<double>(i / 2700));
+      problem.world.objects.push_back(
+          {"ball " + std::to_string(i), {{collision::Shape::sphere(1e-4), {}, "ball"}}, X_WB});
+    }
+    const auto scene = std::make_shared<const CompiledScene>(problem);
+    ASSERT_TRUE(scene->scene().pairs().hasRuns());
+    EdgeCertifier certifier(scene);
+    const bool is_free = intruder == kNear;
+    // Undecided is allowed.
+    const Verdict wrong = is_free ? Verdict::kNotFree : Verdict::kFree;
+    EXPECT_NE(certifier.decide(a), wrong) << intruder;
+    EXPECT_NE(certifier.certify(a, b).verdict, wrong) << intruder;
+    const StateCheck state = certifier.clearance(a, 1e-4);
+    if (is_free) {
+      EXPECT_GT(state.clearance.upper, 0);
+    } else {
+      EXPECT_LT(state.clearance.lower, 0) << intruder;
+    }
+  }
 }
 
 TEST(ManyObjects, PairsAndMarginsAreFoundByName) {
