@@ -4,8 +4,6 @@
 #include <cmath>
 #include <cstdio>
 
-#include "tools/truth/oracle/oracle.h"
-
 namespace leeway::accuracy {
 
 using collision::DistanceRequest;
@@ -46,8 +44,8 @@ bool honest(const DistanceRequest& request, double default_tolerance, const Dist
 }  // namespace
 
 void Tally::add(const Tally& t) {
-  cases += t.cases, overlapping += t.overlapping, unsafe += t.unsafe, failures += t.failures,
-      open += t.open, oracle += t.oracle;
+  cases += t.cases, answers += t.answers, overlapping += t.overlapping, unsafe += t.unsafe,
+      failures += t.failures, open += t.open, oracle += t.oracle;
 }
 
 void Examiner::say(const char* what, const Ask& ask, const DistanceResult& r, Real value,
@@ -74,7 +72,9 @@ DistanceResult Examiner::ask(const Ask& ask) {
     std::swap(r.point_a, r.point_b);
     r.normal = -r.normal;
   }
+  ++tally_->answers;
   judge(ask, r);
+  if (truth_) holdAgainstOracle(ask, r);
   return r;
 }
 
@@ -206,18 +206,13 @@ void Examiner::threshold(oracle::Random& random) {
   }
 }
 
-void Examiner::holdAgainstOracle() {
-  const oracle::Truth truth =
-      oracle::convexSeparation(*case_->a, case_->X_WA, *case_->b, case_->X_WB,
-                               {exact_.distance.lower, exact_.distance.upper});
+void Examiner::holdAgainstOracle(const Ask& ask, const DistanceResult& r) {
   ++tally_->oracle;
-  Ask plain;
-  plain.how = "against the oracle";
-  if (exact_.distance.lower > truth.upper) {
-    say("above the truth", plain, exact_, static_cast<Real>(truth.upper), tally_->unsafe);
+  if (r.distance.lower > truth_->upper) {
+    say("above the truth", ask, r, static_cast<Real>(truth_->upper), tally_->unsafe);
   }
-  if (exact_.distance.upper < truth.lower) {
-    say("below the truth", plain, exact_, static_cast<Real>(truth.lower), tally_->unsafe);
+  if (r.distance.upper < truth_->lower) {
+    say("below the truth", ask, r, static_cast<Real>(truth_->lower), tally_->unsafe);
   }
 }
 
@@ -232,8 +227,15 @@ void Examiner::examine(const Case& c, oracle::Random& random, bool with_oracle,
   default_tolerance_ = collision::defaultTolerance(*c.a, c.X_WA, *c.b, c.X_WB);
   coordinate_ = c.X_WA.translation.norm() + c.X_WB.translation.norm();
   ++tally.cases;
+  truth_.reset();
   const Ask plain;
   exact_ = ask(plain);
+  if (with_oracle) {
+    // As narrow as the plain answer, which all others have to meet.
+    truth_ = oracle::convexSeparation(*c.a, c.X_WA, *c.b, c.X_WB,
+                                      {exact_.distance.lower, exact_.distance.upper});
+    holdAgainstOracle(plain, exact_);
+  }
   if (exact_.distance.upper < 0) {
     ++tally.overlapping;
     tryPlanes(plain, exact_, random);
@@ -265,7 +267,6 @@ void Examiner::examine(const Case& c, oracle::Random& random, bool with_oracle,
     limited.request.iteration_limit = random.below(12);
     meet(limited, ask(limited));
   }
-  if (with_oracle) holdAgainstOracle();
 }
 
 }  // namespace leeway::accuracy

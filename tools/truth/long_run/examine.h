@@ -1,20 +1,23 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "tools/truth/long_run/cases.h"
 #include "tools/truth/long_run/independent.h"
+#include "tools/truth/oracle/oracle.h"
 
 namespace leeway::accuracy {
 
 struct Tally {
   std::int64_t cases = 0;
+  std::int64_t answers = 0;      // to the queries of these cases, each judged
   std::int64_t overlapping = 0;  // the truth is below 0
   std::int64_t unsafe = 0;       // intervals that exclude the truth
   std::int64_t failures = 0;     // any other broken promise of distance.h
   std::int64_t open = 0;         // default tolerance not reached
-  std::int64_t oracle = 0;       // compared with quadruple precision
+  std::int64_t oracle = 0;       // answers compared with quadruple precision
 
   void add(const Tally& t);
 };
@@ -45,7 +48,7 @@ class Examiner {
   void tryPlanes(const Ask& ask, const collision::DistanceResult& r, oracle::Random& random);
   void meet(const Ask& ask, const collision::DistanceResult& r);
   void threshold(oracle::Random& random);
-  void holdAgainstOracle();
+  void holdAgainstOracle(const Ask& ask, const collision::DistanceResult& r);
   Real provenAlong(const Eigen::Vector3d& n) const;
   void say(const char* what, const Ask& ask, const collision::DistanceResult& r, Real value,
            std::int64_t& count);
@@ -58,6 +61,7 @@ class Examiner {
   double coordinate_ = 0;  // largest coordinate in the world [m]
   bool half_space_ = false;
   collision::DistanceResult exact_;
+  std::optional<oracle::Truth> truth_;  // where the oracle is asked
   collision::Scratch scratch_;
   collision::PairCache cache_;
   int said_ = 0;
