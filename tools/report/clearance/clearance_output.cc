@@ -46,8 +46,8 @@ std::string clearanceTable(const std::vector<ClearanceRow>& rows) {
                                  "objective", "planner", "limit s", "runs", "solved", "left out",
                                  "colliding", "least mm", "integral", "length");
   for (const auto& [key, group] : grouped(rows)) {
-    const auto count = [&](auto&& what) {
-      return std::count_if(group.begin(), group.end(),
+    const auto count = [&of = group](auto&& what) {  // (clang 14 captures no bindings)
+      return std::count_if(of.begin(), of.end(),
                            [&](const ClearanceRow* row) { return what(*row); });
     };
     text += fmt::format("{:<9} {:<20} {:>8g} {:>5} {:>6} {:>8} {:>9} {:>9.2f} {:>9.4f} {:>8.3f}\n",
