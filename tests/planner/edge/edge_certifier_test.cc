@@ -613,6 +613,14 @@ TEST(EdgeCertifier, ClearanceHoldsTheDenseMinimum) {
         const double dense = twin.along(a, b, 60, true);
         if (dense == kInfinity) continue;
         (dense > 0 ? apart : overlapping) += 1;
+        std::vector<double> difference(a.size());
+        compiled->space().difference(a, b, difference);
+        if (!compiled->edgeModel().isSmooth(a, b, difference)) {
+          // A mimic joint jumps where the one that it follows goes round its seam.
+          EXPECT_EQ(result.clearance.lower, -kInfinity);
+          ++wide;
+          continue;
+        }
         EXPECT_LE(result.clearance.lower, dense + 1e-9) << "problem " << p << " edge " << e << "\n"
                                                         << replay(a, b);
         // Samples cannot be below the minimum.
