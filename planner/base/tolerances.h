@@ -77,6 +77,10 @@ constexpr double kBlendReach = 1.5;
 /// stop. Cutting an edge rounds by less; velocity jumps by that share at such a corner.
 constexpr double kInLine = 1e-12;
 
+/// Reading a problem, and compiling it, may take as long as planning may, and this at least [s]: a
+/// limit of milliseconds is meant for planning.
+constexpr double kLeastReading = 10;
+
 // What input is accepted, and what counts as equal in it
 
 /// How far from 1 the length of a planned body's quaternion may be to count as a rotation. Rounding

@@ -28,10 +28,10 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 /// What a problem adds to its robot: objects of the world, and what is said of pairs by name.
 class Surroundings {
  public:
-  Surroundings(const Problem& problem, const PreparedRobot& robot)
+  Surroundings(const Problem& problem, const PreparedRobot& robot, const robots::Stop& stop)
       : problem_(problem), robot_(robot), builder_(robot.scene()) {
     names_matter_ = !problem.margins.pairs.empty() || !problem.world.deforming.empty();
-    addObjects();
+    addObjects(stop);
     if (names_matter_) listNames();
     for (const DeformingObstacle& o : problem.world.deforming) expectSnapshot(o);
     allow();
@@ -57,9 +57,14 @@ class Surroundings {
  private:
   int carried() const { return static_cast<int>(robot_.scene().bodies().size()); }
 
-  void addObjects() {
-    for (const Object& o : problem_.world.objects) add(o);
-    for (const DeformingObstacle& o : problem_.world.deforming) add(o.object);
+  void addObjects(const robots::Stop& stop) {
+    std::size_t added = 0;
+    const auto addOne = [&](const Object& object) {
+      if (++added % 1024 == 0) robots::throwIfStopped(stop, "the problem was compiled");
+      add(object);
+    };
+    for (const Object& o : problem_.world.objects) addOne(o);
+    for (const DeformingObstacle& o : problem_.world.deforming) addOne(o.object);
   }
 
   void add(const Object& object) {
@@ -152,13 +157,14 @@ std::shared_ptr<const EdgeModel> makeEdgeModel(std::shared_ptr<const PreparedRob
 
 }  // namespace
 
-CompiledScene::CompiledScene(const Problem& problem)
+CompiledScene::CompiledScene(const Problem& problem, const robots::Stop& stop)
     : model_(problem.robot.model),
       space_(std::make_shared<ConfigurationSpace>(problem.robot.model, problem.robot.variables)),
       base_configuration_(problem.start) {
-  const std::shared_ptr<const PreparedRobot> robot = PreparedRobot::of(problem, *space_);
-  Surroundings world(problem, *robot);
+  const std::shared_ptr<const PreparedRobot> robot = PreparedRobot::of(problem, *space_, stop);
+  Surroundings world(problem, *robot, stop);
   dropped_ = world.dropped();
+  robots::throwIfStopped(stop, "the problem was compiled");
   scene_ = std::move(world).build();
   edge_model_ = makeEdgeModel(robot);
   // What moves stands as the start has it.

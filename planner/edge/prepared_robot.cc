@@ -73,7 +73,7 @@ std::vector<std::string> namesOf(const Contacts& contacts) {
 }  // namespace
 
 PreparedRobot::PreparedRobot(const Problem& problem, std::vector<VariableRange> ranges,
-                             const ConfigurationSpace& space)
+                             const ConfigurationSpace& space, const robots::Stop& stop)
     : variables_(problem.robot.variables),
       ranges_(std::move(ranges)),
       attachments_(problem.robot.attachments),
@@ -81,7 +81,7 @@ PreparedRobot::PreparedRobot(const Problem& problem, std::vector<VariableRange> 
       margins_(problem.margins),
       has_srdf_(problem.robot.model->has_srdf),
       allowed_names_(namesOf(problem.contacts)) {
-  RobotPairs pairs(problem, ranges_);
+  RobotPairs pairs(problem, ranges_, stop);
   try {
     scene_ = pairs.builder().build();
   } catch (const std::invalid_argument& error) {
@@ -113,7 +113,8 @@ bool PreparedRobot::fits(const Problem& problem, std::span<const VariableRange> 
 }
 
 std::shared_ptr<const PreparedRobot> PreparedRobot::of(const Problem& problem,
-                                                       const ConfigurationSpace& space) {
+                                                       const ConfigurationSpace& space,
+                                                       const robots::Stop& stop) {
   std::vector<VariableRange> ranges = plannedRanges(problem);
   const auto fits = [&](const robots::PreparedStore::Entry& entry) {
     const auto* robot = dynamic_cast<const PreparedRobot*>(&entry);
@@ -123,7 +124,7 @@ std::shared_ptr<const PreparedRobot> PreparedRobot::of(const Problem& problem,
   std::shared_ptr<const robots::PreparedStore::Entry> entry = store.find(fits);
   if (!entry) {
     // (The constructor is private.)
-    std::shared_ptr<const PreparedRobot> robot(new PreparedRobot(problem, ranges, space));
+    std::shared_ptr<const PreparedRobot> robot(new PreparedRobot(problem, ranges, space, stop));
     entry = store.keep(std::move(robot), fits);
   }
   return std::static_pointer_cast<const PreparedRobot>(entry);

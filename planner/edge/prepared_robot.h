@@ -27,9 +27,10 @@ class PreparedRobot final : public robots::PreparedStore::Entry {
   /// That of a problem, prepared now if it is not yet. Thread-safe; two threads may both prepare
   /// it, and get the same. Throws robots::InputError for poses of held objects that are none, and
   /// for two half-spaces that may not touch. O(pairs of links * joints), plus milliseconds a pair
-  /// of links for proofs where the robot has no SRDF.
+  /// of links for proofs where the robot has no SRDF; these ask `stop`: throws robots::Stopped.
   static std::shared_ptr<const PreparedRobot> of(const Problem& problem,
-                                                 const ConfigurationSpace& space);
+                                                 const ConfigurationSpace& space,
+                                                 const robots::Stop& stop);
 
   /// Links with geometry, then held objects, and their pairs. Margins mean nothing; moving bodies
   /// stand where the first problem had them.
@@ -57,7 +58,7 @@ class PreparedRobot final : public robots::PreparedStore::Entry {
 
  private:
   PreparedRobot(const Problem& problem, std::vector<robots::VariableRange> ranges,
-                const ConfigurationSpace& space);
+                const ConfigurationSpace& space, const robots::Stop& stop);
   bool fits(const Problem& problem, std::span<const robots::VariableRange> ranges) const;
 
   // What it was prepared from.

@@ -45,7 +45,8 @@ void expectPose(const Problem& problem, const robots::Pose& X, const std::string
                   collision::kRotationTolerance));
 }
 
-RobotPairs::RobotPairs(const Problem& problem, std::span<const robots::VariableRange> ranges)
+RobotPairs::RobotPairs(const Problem& problem, std::span<const robots::VariableRange> ranges,
+                       const robots::Stop& stop)
     : problem_(problem),
       model_(*problem.robot.model),
       ranges_(ranges),
@@ -64,7 +65,7 @@ RobotPairs::RobotPairs(const Problem& problem, std::span<const robots::VariableR
     for (int j = i + 1; j < count(); ++j) drop(i, j, reason(i, j));
     dropped_ends_.push_back(dropped_.size());
   }
-  if (!model_.has_srdf && !problem_.contacts.replace_srdf) dropProven();
+  if (!model_.has_srdf && !problem_.contacts.replace_srdf) dropProven(stop);
 }
 
 collision::SceneBuilder RobotPairs::builder() const {
@@ -150,7 +151,7 @@ void RobotPairs::drop(int i, int j, const std::string& why) {
   dropped_.push_back({name(i), name(j), why});
 }
 
-void RobotPairs::dropProven() {
+void RobotPairs::dropProven(const robots::Stop& stop) {
   if (!isPassiveWithinLimits()) return;
   std::vector<std::pair<int, int>> candidates, bodies;
   for (int i = 0; i < count(); ++i)
@@ -160,7 +161,7 @@ void RobotPairs::dropProven() {
         candidates.emplace_back(entries_[at(i)].link, entries_[at(j)].link);
         bodies.emplace_back(i, j);
       }
-  const std::vector<std::pair<int, int>> proven = robots::provenApart(model_, candidates);
+  const std::vector<std::pair<int, int>> proven = robots::provenApart(model_, candidates, stop);
   for (std::size_t k = 0; k < candidates.size(); ++k)
     if (std::find(proven.begin(), proven.end(), candidates[k]) != proven.end()) {
       has_proven_ = true;

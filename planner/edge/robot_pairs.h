@@ -26,8 +26,9 @@ void expectPose(const Problem& problem, const robots::Pose& X, const std::string
 class RobotPairs {
  public:
   /// `ranges`: of the model's variables, in this problem. Throws robots::InputError for an object
-  /// whose pose is not finite or no rotation.
-  RobotPairs(const Problem& problem, std::span<const robots::VariableRange> ranges);
+  /// whose pose is not finite or no rotation, robots::Stopped.
+  RobotPairs(const Problem& problem, std::span<const robots::VariableRange> ranges,
+             const robots::Stop& stop);
 
   collision::SceneBuilder builder() const;
   /// The link that carries each body.
@@ -57,7 +58,7 @@ class RobotPairs {
   void findAllowed();
   std::string reason(int i, int j) const;
   void drop(int i, int j, const std::string& why);
-  void dropProven();
+  void dropProven(const robots::Stop& stop);
 
   int count() const { return static_cast<int>(entries_.size()); }
   const std::string& name(int i) const;

@@ -86,7 +86,7 @@ std::shared_ptr<const Model> loadRobot(const YamlReader& robot, const ProblemOpt
 }
 
 std::shared_ptr<const Model> loadBody(const YamlReader& body, std::vector<std::string>& warnings,
-                                      const std::string& cache) {
+                                      const robots::LoadOptions& load) {
   body.expectKeys(keysOf("body"));
   const YamlReader joint = body.at("joint", "planar or floating");
   const bool planar = joint.text() == "planar";
@@ -109,7 +109,7 @@ std::shared_ptr<const Model> loadBody(const YamlReader& body, std::vector<std::s
   const auto name = body.find("name");
   const std::string body_name = name ? name->text() : "body";
   body.at("shapes", "a list of shapes");
-  return robots::freeBody(body_name, readGeometries(body, body_name, warnings, cache),
+  return robots::freeBody(body_name, readGeometries(body, body_name, warnings, load),
                           planar ? robots::JointType::kPlanar : robots::JointType::kFloating, lower,
                           upper);
 }
@@ -158,14 +158,14 @@ int readLink(const YamlReader& reader, const Model& model) {
 }
 
 void readObject(const YamlReader& map, std::unordered_set<std::string>& taken,
-                const std::string& cache, Problem& problem) {
+                const robots::LoadOptions& load, Problem& problem) {
   map.expectKeys(keysOf("object"));
   const YamlReader name = map.at("name", "a name of its own");
   if (!taken.insert(name.text()).second || problem.robot.model->findLink(name.text()) >= 0)
     name.fail(
         fmt::format("{} '{}' is the name of another object or link; a name of its own is expected",
                     name.where(), name.text()));
-  Object object{name.text(), readGeometries(map, name.text(), problem.warnings, cache),
+  Object object{name.text(), readGeometries(map, name.text(), problem.warnings, load),
                 readPose(map, problem.warnings)};
   const auto attach = map.find("attach");
   if (!attach) {
@@ -249,10 +249,10 @@ std::vector<std::pair<std::string, std::string>> readNamePairs(const YamlReader&
   return pairs;
 }
 
-void readObjects(const YamlReader& objects, const std::string& cache, Problem& problem) {
+void readObjects(const YamlReader& objects, const robots::LoadOptions& load, Problem& problem) {
   std::unordered_set<std::string> taken;
   for (std::string& name : objectNames(problem)) taken.insert(std::move(name));
-  for (const YamlReader& object : objects.items()) readObject(object, taken, cache, problem);
+  for (const YamlReader& object : objects.items()) readObject(object, taken, load, problem);
 }
 
 /// Warns of a negative margin: some are meant, for models fatter than the robot, more are mistyped,
@@ -389,7 +389,7 @@ Problem fromMoveit(const YamlReader& file, const YamlReader& moveit, const Probl
   const YamlReader request = moveit.at("request", "the path of a motion plan request");
   return loadNamedAt(scene, [&](const std::string& scene_path) {
     return loadNamedAt(request, [&](const std::string& request_path) {
-      return loadMoveitUnpadded(model, scene_path, request_path, padding);
+      return loadMoveitUnpadded(model, scene_path, request_path, options, padding);
     });
   });
 }
@@ -401,7 +401,7 @@ Problem fromOwnKeys(const YamlReader& file, const ProblemOptions& options) {
     file.fail(fmt::format("the file has {}; one of them is expected",
                           robot ? "both 'robot' and 'body'" : "neither 'robot' nor 'body'"));
   problem.robot.model =
-      robot ? loadRobot(*robot, options) : loadBody(*body, problem.warnings, options.load.cache);
+      robot ? loadRobot(*robot, options) : loadBody(*body, problem.warnings, options.load);
   const auto group = robot ? robot->find("group") : std::nullopt;
   takeGroup(file.file(),
             group   ? group->line()
@@ -416,7 +416,7 @@ Problem fromOwnKeys(const YamlReader& file, const ProblemOptions& options) {
 
 Problem loadProblem(const std::string& yaml_path, const ProblemOptions& options) {
   if (std::filesystem::path(yaml_path).extension() == ".cfg") return loadOmplApp(yaml_path);
-  const YamlReader file = YamlReader::load(yaml_path);
+  const YamlReader file = YamlReader::load(yaml_path, options.load.stop);
   if (!file.isMap()) file.fail("is no map; a problem file (leeway: 1, ...) is expected");
   requireVersion(file);
   file.expectKeys(keysOf("problem"));
@@ -426,7 +426,7 @@ Problem loadProblem(const std::string& yaml_path, const ProblemOptions& options)
       moveit ? fromMoveit(file, *moveit, options, padding) : fromOwnKeys(file, options);
   const auto name = file.find("name");
   problem.name = name ? name->text() : std::filesystem::path(yaml_path).stem().string();
-  if (const auto objects = file.find("objects")) readObjects(*objects, options.load.cache, problem);
+  if (const auto objects = file.find("objects")) readObjects(*objects, options.load, problem);
   if (const auto frames = file.find("frames")) readFrames(*frames, problem);
   if (const auto execution = file.find("execution")) readExecution(*execution, problem);
   if (const auto deforming = file.find("deforming"))

@@ -20,7 +20,7 @@ using LinkPadding = std::map<std::string, double>;
 /// loadMoveit() without applyLinkPadding(): objects may follow.
 Problem loadMoveitUnpadded(std::shared_ptr<const robots::Model> model,
                            const std::string& scene_path, const std::string& request_path,
-                           LinkPadding& padding);
+                           const ProblemOptions& options, LinkPadding& padding);
 
 /// Adds margins of the pairs with all objects there are, where they are above the common one.
 void applyLinkPadding(const LinkPadding& padding, Problem& problem);

@@ -40,18 +40,18 @@ Eigen::Vector3d readScale(const YamlReader& mesh) {
   return factors;
 }
 
-Shape readMesh(const YamlReader& mesh, const std::string& cache) {
+Shape readMesh(const YamlReader& mesh, const robots::LoadOptions& load) {
   const YamlReader file = mesh.at("file", "a mesh file (STL, OBJ, DAE)");
-  return robots::loadMesh(resolvedPath(file), readScale(mesh), file.file(), file.line(), cache);
+  return robots::loadMesh(resolvedPath(file), readScale(mesh), file.file(), file.line(), load);
 }
 
-Shape readConvexHull(const YamlReader& hull, const std::string& cache) {
+Shape readConvexHull(const YamlReader& hull, const robots::LoadOptions& load) {
   const auto points = hull.find("points");
   if (points.has_value() == hull.has("file"))
     hull.fail(fmt::format("{} has {}; either is expected", hull.where(),
                           points ? "both 'points' and 'file'" : "neither 'points' nor 'file'"));
   if (!points) {
-    const Shape mesh = readMesh(hull, cache);
+    const Shape mesh = readMesh(hull, load);
     return mesh.mesh() != nullptr ? Shape::convexHull(mesh.mesh()->vertices()) : mesh;
   }
   if (const auto scale = hull.find("scale"))
@@ -63,7 +63,7 @@ Shape readConvexHull(const YamlReader& hull, const std::string& cache) {
   return Shape::convexHull(vertices);
 }
 
-Shape readShape(std::string_view word, const YamlReader& sizes, const std::string& cache) {
+Shape readShape(std::string_view word, const YamlReader& sizes, const robots::LoadOptions& load) {
   if (word != "half_space" || !sizes.isNull()) sizes.expectKeys(keysOf(word));
   if (word == "half_space") return Shape::halfSpace();
   const auto radius = [&] { return sizes.at("radius", "a number [m]").sizeNumber(); };
@@ -78,8 +78,8 @@ Shape readShape(std::string_view word, const YamlReader& sizes, const std::strin
     return Shape::cone(radius(), sizes.at("height", "a number [m]").sizeNumber() / 2);
   if (word == "ellipsoid")
     return Shape::ellipsoid(sizes.at("semi_axes", "three numbers [m]").sizeVector3());
-  if (word == "mesh") return readMesh(sizes, cache);
-  if (word == "convex_hull") return readConvexHull(sizes, cache);
+  if (word == "mesh") return readMesh(sizes, load);
+  if (word == "convex_hull") return readConvexHull(sizes, load);
   throw std::logic_error("no reader for the shape: " + std::string(word));
 }
 
@@ -97,10 +97,11 @@ std::string_view shapeWord(const YamlReader& map) {
   return found;
 }
 
-Shape readOneShape(const YamlReader& map, std::string_view word, const std::string& cache) {
+Shape readOneShape(const YamlReader& map, std::string_view word, const robots::LoadOptions& load) {
+  robots::throwIfStopped(load.stop, "objects were read");
   const YamlReader sizes = map.at(word, "its sizes");
   try {
-    return readShape(word, sizes, cache);
+    return readShape(word, sizes, load);
   } catch (const collision::InvalidShape& error) {
     sizes.fail(fmt::format("{}: {}", sizes.where(), error.what()));
   }
@@ -175,18 +176,19 @@ Pose readPose(const YamlReader& map, std::vector<std::string>& warnings) {
 }
 
 Geometry readGeometry(const YamlReader& map, const std::string& name,
-                      std::vector<std::string>& warnings, const std::string& cache) {
+                      std::vector<std::string>& warnings, const robots::LoadOptions& load) {
   map.expectKeys(keysOf("shape"));
   const std::string_view word = shapeWord(map);
   if (word.empty())
     map.fail(fmt::format("{} has no shape; {} is expected", map.where(), listed(shapeWords())));
   const auto own_name = map.find("name");
-  return {readOneShape(map, word, cache), readPose(map, warnings),
+  return {readOneShape(map, word, load), readPose(map, warnings),
           own_name ? own_name->text() : name};
 }
 
 std::vector<Geometry> readGeometries(const YamlReader& map, const std::string& owner,
-                                     std::vector<std::string>& warnings, const std::string& cache) {
+                                     std::vector<std::string>& warnings,
+                                     const robots::LoadOptions& load) {
   const std::string_view word = shapeWord(map);
   const auto shapes = map.find("shapes");
   if (shapes && !word.empty())
@@ -194,7 +196,7 @@ std::vector<Geometry> readGeometries(const YamlReader& map, const std::string& o
   std::vector<Geometry> geometries;
   if (shapes) {
     for (const YamlReader& shape : shapes->items())
-      geometries.push_back(readGeometry(shape, owner, warnings, cache));
+      geometries.push_back(readGeometry(shape, owner, warnings, load));
     if (geometries.empty())
       shapes->fail(fmt::format("{} is empty; at least one shape is expected", shapes->where()));
     return geometries;
@@ -202,7 +204,7 @@ std::vector<Geometry> readGeometries(const YamlReader& map, const std::string& o
   if (word.empty())
     map.fail(fmt::format("{} has no shape; {} or 'shapes' is expected", map.where(),
                          listed(shapeWords())));
-  geometries.push_back({readOneShape(map, word, cache), Pose(), owner});
+  geometries.push_back({readOneShape(map, word, load), Pose(), owner});
   return geometries;
 }
 

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "leeway/collision/scene.h"
+#include "leeway/robots/model.h"
 #include "planner/yaml/yaml_reader.h"
 
 namespace leeway::planner {
@@ -29,16 +30,16 @@ Eigen::Vector4d readOrientation(const YamlReader& map, std::vector<std::string>&
 /// `position`, and `orientation` or `rpy`, of a map. Absent ones are the identity's.
 collision::Pose readPose(const YamlReader& map, std::vector<std::string>& warnings);
 
-/// The one shape of a map, with its pose. `name` is the geometry's unless the map has one. `cache`:
-/// as in robots::LoadOptions.
+/// The one shape of a map, with its pose. `name` is the geometry's unless the map has one.
 collision::Geometry readGeometry(const YamlReader& map, const std::string& name,
-                                 std::vector<std::string>& warnings, const std::string& cache);
+                                 std::vector<std::string>& warnings,
+                                 const robots::LoadOptions& load);
 
 /// `shapes:`, a list of at least one shape, or the single shape in the map itself, in the map's own
 /// frame. `owner` names geometries without a name.
 std::vector<collision::Geometry> readGeometries(const YamlReader& map, const std::string& owner,
                                                 std::vector<std::string>& warnings,
-                                                const std::string& cache);
+                                                const robots::LoadOptions& load);
 
 /// A path named in a YAML file: absolute, or relative to that file's folder.
 std::string resolvedPath(const YamlReader& reader);

@@ -10,6 +10,7 @@
 #include "leeway/planner/planners.h"
 #include "leeway/planner/simplify.h"
 #include "leeway/robots/input_error.h"
+#include "leeway/robots/stopped.h"
 #include "planner/base/random.h"
 #include "planner/base/tolerances.h"
 #include "planner/objective/lower_cost.h"
@@ -400,11 +401,25 @@ const char* toString(PlanStatus status) {
 PlanResult plan(const Problem& problem, const PlanOptions& options) {
   const auto begin = std::chrono::steady_clock::now();
   if (options.progress) options.progress("compile", 0);
-  const auto scene = std::make_shared<const CompiledScene>(problem);
-  const double compile_s =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-  PlanResult result = plan(scene, problem, options);
-  result.compile_s = compile_s;
+  const auto elapsed = [begin] {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  };
+  const auto stop = [&] {
+    const double limit = problem.limits.time;
+    return (options.stop && options.stop()) ||
+           (limit > 0 && elapsed() > std::max(limit, kLeastReading));
+  };
+  PlanResult result;
+  try {
+    const auto scene = std::make_shared<const CompiledScene>(problem, stop);
+    const double compile_s = elapsed();
+    result = plan(scene, problem, options);
+    result.compile_s = compile_s;
+  } catch (const robots::Stopped&) {
+    result.planner = problem.planner.name;
+    result.seed = problem.seed;
+    result.compile_s = elapsed();
+  }
   return result;
 }
 

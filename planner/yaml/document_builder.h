@@ -19,6 +19,7 @@ class YamlDocument::Builder {
   /// A new entry of the open list or map, from `line`. The reference holds until the next one.
   YamlNode& add(YamlNode::Kind kind, int line) {
     std::vector<YamlNode>& nodes = document_.nodes_;
+    if (nodes.size() % 4096 == 0) robots::throwIfStopped(document_.stop_, "files were read");
     const auto index = static_cast<YamlIndex>(nodes.size());
     YamlNode node;
     node.kind = kind;

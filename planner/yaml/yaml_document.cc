@@ -58,11 +58,15 @@ class YamlDocument::YamlEvents : public Builder, public YAML::EventHandler {
   std::vector<YamlIndex> anchors_;
 };
 
-YamlDocument::YamlDocument(std::string file, std::string text) : file_(std::move(file)) {
+YamlDocument::YamlDocument(std::string file, std::string text, const robots::Stop& stop)
+    : file_(std::move(file)), stop_(stop) {
   const std::size_t first = text.find_first_not_of(" \t\r\n");
   const bool may_be_json = first != std::string::npos && (text[first] == '{' || text[first] == '[');
   int error_line = 0;
-  if (may_be_json && parseJson(text, error_line)) return;
+  if (may_be_json && parseJson(text, error_line)) {
+    stop_ = {};
+    return;
+  }
   if (text.size() > kLongestYaml)
     throw robots::InputError(
         file_, error_line,
@@ -71,6 +75,7 @@ YamlDocument::YamlDocument(std::string file, std::string text) : file_(std::move
                     : fmt::format("holds {} MiB of YAML; at most {} is expected, or JSON",
                                   text.size() >> 20, kLongestYaml >> 20));
   parseYaml(text);
+  stop_ = {};
   if (nodes_.empty()) nodes_.emplace_back();
 }
 

@@ -9,6 +9,8 @@
 #include <string_view>
 #include <vector>
 
+#include "leeway/robots/stopped.h"
+
 namespace leeway::planner {
 
 /// Longer YAML, which takes some 0.2 s a MiB, is refused; JSON up to robots::kLongestText is taken
@@ -38,8 +40,9 @@ struct YamlNode {
 class YamlDocument {
  public:
   /// Parses `text`, the content of `file`. Throws robots::InputError for bad syntax, for several
-  /// documents, and beyond the limits above. Without a document the root is null. O(text).
-  YamlDocument(std::string file, std::string text);
+  /// documents, and beyond the limits above; robots::Stopped, as `stop` is asked every some
+  /// thousand entries. Without a document the root is null. O(text).
+  YamlDocument(std::string file, std::string text, const robots::Stop& stop = {});
 
   const std::string& file() const { return file_; }
   const YamlNode& node(YamlIndex i) const { return nodes_[static_cast<std::size_t>(i)]; }
@@ -64,6 +67,7 @@ class YamlDocument {
   bool isAlias(YamlIndex i) const { return node(i).kind == YamlNode::Kind::kAlias; }
 
   std::string file_;
+  robots::Stop stop_;  // while it is parsed
   std::vector<YamlNode> nodes_;
   std::string texts_;  // of all scalars
 };

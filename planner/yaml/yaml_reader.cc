@@ -33,14 +33,15 @@ YamlReader::YamlReader(std::shared_ptr<const YamlDocument> document, YamlIndex p
   line_ = isNull() ? parent_line : document_->node(place).line;
 }
 
-YamlReader YamlReader::load(const std::string& path) {
+YamlReader YamlReader::load(const std::string& path, const robots::Stop& stop) {
+  robots::throwIfStopped(stop, "files were read");
   std::string text = robots::readTextFile(path, "a YAML or JSON file");
   const std::size_t first = text.find_first_not_of(" \t\r\n");
   if (first == std::string::npos)
     throw InputError(path, 0, "is empty; a YAML or JSON file is expected");
   if (text[first] == '<')
     throw InputError(path, 0, "is XML, as it begins with '<'; a YAML or JSON file is expected");
-  YamlReader root(std::make_shared<const YamlDocument>(path, std::move(text)), 0, 1);
+  YamlReader root(std::make_shared<const YamlDocument>(path, std::move(text), stop), 0, 1);
   if (root.isNull()) throw InputError(path, 0, "holds 0 YAML documents; exactly one is expected");
   return root;
 }

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "leeway/robots/input_error.h"
+#include "leeway/robots/stopped.h"
 #include "planner/yaml/yaml_document.h"
 
 namespace leeway::planner {
@@ -20,8 +21,8 @@ namespace leeway::planner {
 class YamlReader {
  public:
   /// The only document of a file. Throws for an unreadable file, bad syntax, no or several
-  /// documents.
-  static YamlReader load(const std::string& path);
+  /// documents, and robots::Stopped.
+  static YamlReader load(const std::string& path, const robots::Stop& stop = {});
 
   const std::string& file() const { return document_->file(); }
   int line() const { return line_; }

@@ -8,6 +8,9 @@
 #include <chrono>
 #include <exception>
 #include <functional>
+#include <utility>
+
+#include "leeway/robots/stopped.h"
 
 namespace leeway::python {
 
@@ -48,6 +51,16 @@ class Interrupt {
   /// What ended the call, if that was an exception. With the lock held.
   void rethrow() const {
     if (raised_) std::rethrow_exception(raised_);
+  }
+  /// Calls `function`, which may throw robots::Stopped, without the interpreter's lock.
+  template <typename Function>
+  auto released(Function&& function) {
+    try {
+      return python::released(std::forward<Function>(function));
+    } catch (const robots::Stopped&) {
+      rethrow();
+      throw;
+    }
   }
   /// Ends the call with the exception that is being handled, for callbacks that fail.
   void fail() {

@@ -51,7 +51,9 @@ py::object load(const py::object& file, const py::object& packages, bool cache) 
     for (const auto& [name, folder] : py::dict(packages))
       options.load.packages.emplace_back(py::str(name), py::str(folder));
   if (cache) options.load.cache = robots::cacheFolder();
-  return py::cast(released([&] {
+  Interrupt interrupt;
+  options.load.stop = interrupt.callback();
+  return py::cast(interrupt.released([&] {
     return Problem{std::make_shared<const planner::Problem>(
         planner::placeStart(planner::loadProblem(path, options)))};
   }));
@@ -61,9 +63,12 @@ Problem loadMoveit(const Robot& robot, const py::object& scene, const py::object
   const std::string scene_file = fileName(scene, "scene"),
                     request_file = fileName(request, "request");
   const auto model = robot.model;
-  return released([&] {
+  Interrupt interrupt;
+  planner::ProblemOptions options;
+  options.load.stop = interrupt.callback();
+  return interrupt.released([&] {
     return Problem{std::make_shared<const planner::Problem>(
-        planner::loadMoveit(model, scene_file, request_file))};
+        planner::loadMoveit(model, scene_file, request_file, options))};
   });
 }
 

@@ -51,10 +51,13 @@ robots::LoadOptions loadOptions(const py::object& packages, bool cache) {
 
 Robot load(const py::object& urdf, const py::object& srdf, const std::string& group,
            const py::object& packages, bool cache) {
-  const robots::LoadOptions options = loadOptions(packages, cache);
+  Interrupt interrupt;
+  robots::LoadOptions options = loadOptions(packages, cache);
+  options.stop = interrupt.callback();
   const std::string urdf_file = fileName(urdf, "urdf");
   const std::string srdf_file = srdf.is_none() ? "" : fileName(srdf, "srdf");
-  const auto model = released([&] { return robots::loadModel(urdf_file, srdf_file, options); });
+  const auto model =
+      interrupt.released([&] { return robots::loadModel(urdf_file, srdf_file, options); });
   return {model, group};
 }
 

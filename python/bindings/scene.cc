@@ -183,12 +183,19 @@ std::string stateText(const State& state) {
   return result + ">";
 }
 
+std::shared_ptr<const planner::CompiledScene> compile(const planner::Problem& problem) {
+  Interrupt interrupt;
+  return interrupt.released([&] {
+    return std::make_shared<const planner::CompiledScene>(problem, interrupt.callback());
+  });
+}
+
 Scene makeScene(const py::args& args, const py::kwargs& kwargs) {
   py::dict keywords = kwargs.attr("copy")();
   Problem problem = problemOf("Scene", args, keywords);
   noMore("Scene", keywords);
   const std::shared_ptr<const planner::Problem> value = problem.value;
-  auto compiled = released([&] { return std::make_shared<const planner::CompiledScene>(*value); });
+  auto compiled = compile(*value);
   return Scene(problem, std::move(compiled));
 }
 
@@ -202,7 +209,7 @@ State checkProblem(const py::args& args, const py::kwargs& kwargs) {
   Problem problem = problemOf("check", args, keywords);
   noMore("check", keywords);
   const std::shared_ptr<const planner::Problem> value = problem.value;
-  auto compiled = released([&] { return std::make_shared<const planner::CompiledScene>(*value); });
+  auto compiled = compile(*value);
   return check(Scene(problem, std::move(compiled)), state, tolerance);
 }
 

@@ -332,7 +332,7 @@ bool areNear(const Model& model, const std::vector<int>& depth, int a, int b) {
 
 }  // namespace
 
-std::vector<LinkGap> provenGaps(const Model& model) {
+std::vector<LinkGap> provenGaps(const Model& model, const Stop& stop) {
   std::vector<LinkGap> gaps;
   const auto links = static_cast<int>(model.links.size());
   std::vector<int> depth;
@@ -350,6 +350,7 @@ std::vector<LinkGap> provenGaps(const Model& model) {
                       [&](const DisabledPair& d) { return isPair(d.link_a, d.link_b); }))
         continue;
       if (!(has_triangles[at(a)] || has_triangles[at(b)]) || !areNear(model, depth, a, b)) continue;
+      throwIfStopped(stop, "links were proven apart");
       LinkGap gap = GapProof(model, a, b).run();
       if (!gap.gaps.empty()) gaps.push_back(std::move(gap));
     }

@@ -14,6 +14,6 @@ namespace leeway::robots {
 /// the other's turn is swept by arcs; what one angle leaves open is swept by both. Some hundred
 /// distance queries a pair, at most kGapQueries by one angle and as many by both: a fifth of the
 /// time that meshes take to load.
-std::vector<LinkGap> provenGaps(const Model& model);
+std::vector<LinkGap> provenGaps(const Model& model, const Stop& stop = {});
 
 }  // namespace leeway::robots

@@ -217,11 +217,14 @@ void leaveOutMeeting(const Model& model, std::vector<std::pair<int, int>>& pairs
 }  // namespace
 
 std::vector<std::pair<int, int>> provenApart(const Model& model,
-                                             std::span<const std::pair<int, int>> candidates) {
+                                             std::span<const std::pair<int, int>> candidates,
+                                             const Stop& stop) {
   std::vector<std::pair<int, int>> open(candidates.begin(), candidates.end()), proven;
   leaveOutMeeting(model, open);
-  for (const auto& [a, b] : open)
+  for (const auto& [a, b] : open) {
+    throwIfStopped(stop, "links were proven apart");
     if (ApartProof(model, a, b).run()) proven.emplace_back(a, b);
+  }
   return proven;
 }
 

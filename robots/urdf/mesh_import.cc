@@ -208,7 +208,9 @@ CenteredMesh importForOmplApp(const std::string& path, const std::string& referr
 }
 
 ImportedMesh importMesh(const std::string& path, const Eigen::Vector3d& scale,
-                        const std::string& referrer, int line, const DiskCache& cache) {
+                        const std::string& referrer, int line, const DiskCache& cache,
+                        const Stop& stop) {
+  throwIfStopped(stop, "meshes were read");
   const auto fail = [&](const std::string& message) {
     throw InputError(referrer, line, "mesh " + path + ' ' + message);
   };
@@ -227,6 +229,7 @@ ImportedMesh importMesh(const std::string& path, const Eigen::Vector3d& scale,
   bool reads_others = false;
   const Soup soup = readSoup(path, scale, bytes, reads_others, fail);
   if (reads_others) key.clear();
+  throwIfStopped(stop, "meshes were read");
   try {
     if (key.empty() || !is_kept)
       return {collision::Shape::mesh(TriangleMesh::make(soup.vertices, soup.triangles)),
@@ -246,8 +249,8 @@ ImportedMesh importMesh(const std::string& path, const Eigen::Vector3d& scale,
 }
 
 collision::Shape loadMesh(const std::string& path, const Eigen::Vector3d& scale,
-                          const std::string& referrer, int line, const std::string& cache) {
-  return importMesh(path, scale, referrer, line, DiskCache(cache)).shape;
+                          const std::string& referrer, int line, const LoadOptions& options) {
+  return importMesh(path, scale, referrer, line, DiskCache(options.cache), options.stop).shape;
 }
 
 }  // namespace leeway::robots

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "leeway/collision/shape.h"
+#include "leeway/robots/stopped.h"
 #include "robots/cache/disk_cache.h"
 
 namespace leeway::robots {
@@ -16,7 +17,8 @@ struct ImportedMesh {
 
 /// loadMesh(), with a cache for what it makes.
 ImportedMesh importMesh(const std::string& path, const Eigen::Vector3d& scale,
-                        const std::string& referrer, int line, const DiskCache& cache);
+                        const std::string& referrer, int line, const DiskCache& cache,
+                        const Stop& stop);
 
 struct CenteredMesh {
   collision::Shape shape;

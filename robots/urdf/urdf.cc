@@ -41,7 +41,8 @@ class Meshes {
       : urdf_path_(urdf_path), options_(options), cache_(options.cache) {}
 
   /// Loads all meshes of the links in parallel. Each is independent of the others, so the number of
-  /// threads changes nothing. load() reports failures, in the order of the links.
+  /// threads changes nothing. load() reports failures, in the order of the links. Throws Stopped;
+  /// this thread alone asks.
   void loadAll(const UrdfDocument& document, const std::vector<std::pair<int, int>>& order) {
     for (const auto& [link, joint] : order)
       for (const UrdfCollision& collision : document.links[index(link)].collisions)
@@ -53,6 +54,14 @@ class Meshes {
     const auto work = [&] {
       for (std::size_t i = next++; i < tasks_.size(); i = next++) run(tasks_[i]);
     };
+    bool stopped = false;
+    const auto workUntilStopped = [&] {
+      for (std::size_t i = next++; i < tasks_.size() && !stopped; i = next++) {
+        stopped = options_.stop && options_.stop();
+        if (!stopped) run(tasks_[i]);
+      }
+      if (stopped) next = tasks_.size();
+    };
     const std::size_t most =
         std::min<std::size_t>(std::thread::hardware_concurrency(), kMostThreads);
     std::vector<std::thread> threads;
@@ -61,8 +70,9 @@ class Meshes {
       while (threads.size() + 1 < std::min(most, tasks_.size())) threads.emplace_back(work);
     } catch (const std::system_error&) {  // fewer threads do it
     }
-    work();
+    workUntilStopped();
     for (std::thread& thread : threads) thread.join();
+    if (stopped) throw Stopped("stopped while meshes were read");
   }
 
   Shape load(const UrdfCollision& collision) {
@@ -73,6 +83,7 @@ class Meshes {
   }
 
   const DiskCache& cache() const { return cache_; }
+  const Stop& stop() const { return options_.stop; }
   /// ImportedMesh::key of each call of load().
   const std::vector<std::string>& keys() const { return keys_; }
 
@@ -115,7 +126,7 @@ class Meshes {
   void run(const Task& task) const {
     try {
       task.result->mesh = importMesh(std::get<0>(task.key), task.collision->mesh_scale, urdf_path_,
-                                     task.collision->line, cache_);
+                                     task.collision->line, cache_, {});
     } catch (...) {
       task.result->error = std::current_exception();
     }
@@ -302,11 +313,11 @@ std::string keyOfGaps(const Model& model, const std::vector<std::string>& meshes
 /// provenGaps(), kept on disk.
 std::vector<LinkGap> gapsOf(const Model& model, const Meshes& meshes) {
   // (Without meshes nothing is proven.)
-  if (!meshes.cache().isOn() || meshes.keys().empty()) return provenGaps(model);
+  if (!meshes.cache().isOn() || meshes.keys().empty()) return provenGaps(model, meshes.stop());
   const std::string key = keyOfGaps(model, meshes.keys());
   if (const auto kept = meshes.cache().read(key))
     if (auto gaps = gapsFromBytes({kept->data(), kept->size()}, model)) return std::move(*gaps);
-  std::vector<LinkGap> gaps = provenGaps(model);
+  std::vector<LinkGap> gaps = provenGaps(model, meshes.stop());
   meshes.cache().write(key, bytesOf(gaps));
   return gaps;
 }

@@ -291,7 +291,7 @@ int run(Arguments& arguments) {
   if (!arguments.csv.empty()) {
     checkOutputFile(arguments.csv, kTableEndings);
   }
-  planner::Problem problem = loadProblem(arguments.source);
+  planner::Problem problem = loadProblem(arguments.source, arguments.limits.time_limit);
   apply(arguments.limits, problem);
   const planner::Path path = planner::readPath(path_file, problem);
   if (path.positions.size() < 2) {

@@ -263,7 +263,7 @@ int run(const Arguments& arguments) {
   }
   view::expectPage(arguments.view);
   const auto start = std::chrono::steady_clock::now();
-  planner::Problem problem = loadProblem(arguments.source);
+  planner::Problem problem = loadProblem(arguments.source, arguments.overrides.time_limit);
   apply(arguments.overrides, problem);
   const double load_s =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

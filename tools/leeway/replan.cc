@@ -203,7 +203,7 @@ int run(const Arguments& arguments) {
   }
   view::expectPage(arguments.view);
   const auto start = std::chrono::steady_clock::now();
-  planner::Problem problem = loadProblem(arguments.source);
+  planner::Problem problem = loadProblem(arguments.source, arguments.overrides.time_limit);
   refuseSteps(problem, "replan");
   apply(arguments.overrides, problem);
   const double load_s =

@@ -53,7 +53,7 @@ int run(Arguments& arguments) {
   const std::string path_file = takePathFile(arguments.source, arguments.files);
   // A proof takes nothing over that an earlier run made.
   arguments.source.no_cache = true;
-  planner::Problem problem = loadProblem(arguments.source);
+  planner::Problem problem = loadProblem(arguments.source, arguments.limits.time_limit);
   apply(arguments.limits, problem);
   const planner::Path path = planner::readPath(path_file, problem);
   std::vector<std::string> warnings;

@@ -55,7 +55,7 @@ int run(Arguments& arguments) {
   const bool only_picture = !arguments.svg.empty() && arguments.page.file.empty();
   if (!arguments.svg.empty()) view::expectPicture(arguments.svg);
   if (!only_picture) view::expectPage(arguments.page);
-  planner::Problem problem = loadProblem(arguments.source);
+  planner::Problem problem = loadProblem(arguments.source, arguments.overrides.time_limit);
   apply(arguments.overrides, problem);
   const view::Subject subject = path_file.empty()
                                     ? solve(problem, arguments)

@@ -37,7 +37,8 @@ std::optional<robots::Pose> halfSpacePose(const Eigen::Vector3d& normal, double 
 
 /// A moveit_msgs/CollisionObject, in the frame of its header: primitives, meshes and planes. No
 /// shape at all is the caller's to judge.
-Object readCollisionObject(const YamlReader& map, std::vector<std::string>& warnings);
+Object readCollisionObject(const YamlReader& map, const robots::LoadOptions& load,
+                           std::vector<std::string>& warnings);
 
 /// Adds objects to problem.world, each with a shape and a name of its own.
 class SceneObjects {
@@ -51,14 +52,15 @@ class SceneObjects {
 };
 
 /// Objects of a moveit_msgs/PlanningScene, into problem.world.
-void readSceneObjects(const YamlReader& scene, Problem& problem);
+void readSceneObjects(const YamlReader& scene, const robots::LoadOptions& load, Problem& problem);
 
 /// Objects of MoveIt's text format (.scene), into problem.world.
-void readTextScene(const std::string& path, Problem& problem);
+void readTextScene(const std::string& path, const robots::LoadOptions& load, Problem& problem);
 
 /// What the robot holds at the problem's start, by the request's start_state and the scene's
 /// robot_state (null: none), into problem.robot.attachments; after start and objects.
-void readAttachedObjects(const YamlReader* scene, const YamlReader& request, Problem& problem);
+void readAttachedObjects(const YamlReader* scene, const YamlReader& request,
+                         const robots::LoadOptions& load, Problem& problem);
 
 /// `link_padding` of a scene, and refuses a `link_scale` other than 1.
 LinkPadding readLinkPadding(const YamlReader& scene, const robots::Model& model);

@@ -55,12 +55,13 @@ Shape readPrimitive(const YamlReader& primitive) {
 
 /// Points, and triangles as their indices: shape_msgs/Mesh. Or, as Robowflex and MotionBenchMaker
 /// write it, `resource`, a file by its package, path or URI, and `dimensions`, its scale.
-Shape readSceneMesh(const YamlReader& mesh) {
+Shape readSceneMesh(const YamlReader& mesh, const robots::LoadOptions& load) {
   if (const auto resource = mesh.find("resource")) {
     const auto scale = mesh.find("dimensions");
     return robots::loadMesh(
-        robots::resolveMesh(resource->text(), resource->file(), resource->line(), nullptr),
-        scale ? scale->vector3() : Eigen::Vector3d(1, 1, 1), resource->file(), resource->line());
+        robots::resolveMesh(resource->text(), resource->file(), resource->line(), &load),
+        scale ? scale->vector3() : Eigen::Vector3d(1, 1, 1), resource->file(), resource->line(),
+        load);
   }
   const YamlReader points = mesh.at("vertices", "a list of points [m]");
   const YamlReader faces = mesh.at("triangles", "a list of three vertex_indices each");
@@ -138,7 +139,9 @@ std::optional<Pose> halfSpacePose(const Eigen::Vector3d& normal, double offset) 
   return pose;
 }
 
-Object readCollisionObject(const YamlReader& map, std::vector<std::string>& warnings) {
+Object readCollisionObject(const YamlReader& map, const robots::LoadOptions& load,
+                           std::vector<std::string>& warnings) {
+  robots::throwIfStopped(load.stop, "objects were read");
   const YamlReader id = map.at("id", "the object's name");
   if (const auto operation = map.find("operation");
       hasContent(operation) && operation->text() != "0" && operation->text() != "add")
@@ -151,7 +154,7 @@ Object readCollisionObject(const YamlReader& map, std::vector<std::string>& warn
   readShapes(map, "primitives", "primitive_poses", object, warnings,
              [](const YamlReader& shape) { return std::pair(readPrimitive(shape), Pose()); });
   readShapes(map, "meshes", "mesh_poses", object, warnings,
-             [](const YamlReader& mesh) { return std::pair(readSceneMesh(mesh), Pose()); });
+             [&](const YamlReader& mesh) { return std::pair(readSceneMesh(mesh, load), Pose()); });
   readShapes(map, "planes", "plane_poses", object, warnings, [](const YamlReader& plane) {
     return std::pair(Shape::halfSpace(), readPlane(plane));
   });

@@ -111,7 +111,7 @@ void SceneObjects::add(const std::string& file, int line, Object object) {
   problem_.world.objects.push_back(std::move(object));
 }
 
-void readSceneObjects(const YamlReader& scene, Problem& problem) {
+void readSceneObjects(const YamlReader& scene, const robots::LoadOptions& load, Problem& problem) {
   const auto world = scene.find("world");
   if (!world || world->isNull()) return;
   if (const auto octomap = world->find("octomap"); octomap && octomap->isMap())
@@ -122,7 +122,7 @@ void readSceneObjects(const YamlReader& scene, Problem& problem) {
   const Frames frames = readFrames(scene, *problem.robot.model, problem.warnings);
   SceneObjects objects(problem);
   for (const YamlReader& entry : list->items()) {
-    Object object = readCollisionObject(entry, problem.warnings);
+    Object object = readCollisionObject(entry, load, problem.warnings);
     object.X_WO = framePose(entry, frames) * object.X_WO;
     objects.add(entry.file(), entry.line(), std::move(object));
   }
@@ -141,7 +141,8 @@ int readLink(const YamlReader& name, const Model& model) {
 
 /// One moveit_msgs/AttachedCollisionObject, held while the robot stands at the problem's start. An
 /// object without shapes is the world's of that name.
-void readAttached(const YamlReader& map, const Frames& scene_frames, Problem& problem) {
+void readAttached(const YamlReader& map, const Frames& scene_frames,
+                  const robots::LoadOptions& load, Problem& problem) {
   const Model& model = *problem.robot.model;
   const YamlReader link_name = map.at("link_name", "the link that holds it");
   const YamlReader of = map.at("object", "the object that is held");
@@ -150,7 +151,7 @@ void readAttached(const YamlReader& map, const Frames& scene_frames, Problem& pr
   if (const auto touch = map.find("touch_links"); hasContent(touch))
     for (const YamlReader& link : touch->items()) held.touch_links.push_back(readLink(link, model));
   refuseContent(of, "planes", "a held object of primitives or meshes");
-  held.object = readCollisionObject(of, problem.warnings);
+  held.object = readCollisionObject(of, load, problem.warnings);
 
   std::vector<Pose> X_WL(model.links.size());
   robots::forwardKinematics(model, problem.start, X_WL);
@@ -185,7 +186,8 @@ void readAttached(const YamlReader& map, const Frames& scene_frames, Problem& pr
 
 }  // namespace
 
-void readAttachedObjects(const YamlReader* scene, const YamlReader& request, Problem& problem) {
+void readAttachedObjects(const YamlReader* scene, const YamlReader& request,
+                         const robots::LoadOptions& load, Problem& problem) {
   const auto heldIn = [](const std::optional<YamlReader>& state) {
     const auto held = state && state->isMap() ? state->find("attached_collision_objects")
                                               : std::optional<YamlReader>();
@@ -195,7 +197,7 @@ void readAttachedObjects(const YamlReader* scene, const YamlReader& request, Pro
   if (scene != nullptr) frames = readFrames(*scene, *problem.robot.model, problem.warnings);
   std::set<std::string> names;
   const auto read = [&](const YamlReader& map) {
-    readAttached(map, frames, problem);
+    readAttached(map, frames, load, problem);
     if (!names.insert(problem.robot.attachments.back().object.name).second)
       map.fail("the object is held twice; once is expected");
   };

@@ -170,7 +170,7 @@ std::pair<Shape, Pose> readShape(Words& words) {
 
 }  // namespace
 
-void readTextScene(const std::string& path, Problem& problem) {
+void readTextScene(const std::string& path, const robots::LoadOptions& load, Problem& problem) {
   Words words(path, robots::readTextFile(path, "a scene as MoveIt saves it"));
   SceneObjects objects(problem);
   words.restOfLine();  // the scene's name
@@ -185,6 +185,7 @@ void readTextScene(const std::string& path, Problem& problem) {
                       "expected: is it a scene that MoveIt has saved as text?",
                       marker.substr(0, 40)));
     const int line = words.line();
+    robots::throwIfStopped(load.stop, "objects were read");
     Object object;
     object.name = words.restOfLine();
     if (object.name.empty()) words.fail("an object without a name; '* name' is expected");

@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "leeway/robots/input_error.h"
+#include "leeway/robots/stopped.h"
 #include "leeway/robots/text.h"
 #include "tools/leeway/support/exit_status.h"
 #include "tools/leeway/support/json_result.h"
@@ -175,6 +176,11 @@ int runGuarded(int argc, char** argv, const AddVerbs& add_verbs) {
   } catch (const robots::InputError& error) {
     reportError(error.what(), json);
     return kBadInput;
+  } catch (const robots::Stopped& stopped) {
+    reportError(fmt::format("{}: {}; nothing was planned", stopped.what(),
+                            interrupted() ? "interrupted" : "the time limit is over"),
+                json);
+    return kNo;
   } catch (const std::filesystem::filesystem_error& error) {
     reportError(fmt::format("{}: cannot be read: {}; a path that can be followed is expected",
                             error.path1().string(), error.code().message()),

@@ -48,7 +48,8 @@ planner::Problem loadFromRobot(const ProblemSource& source) {
     if (source.scene.empty() || source.request.empty()) {
       badUsage("--scene and --request go together");
     }
-    return planner::loadMoveit(loadRobot(source), source.scene, source.request);
+    return planner::loadMoveit(loadRobot(source), source.scene, source.request,
+                               {.load = loadOptions(source)});
   }
   if (source.group.empty() || source.start.empty() || (source.goal.empty() && !pose)) {
     badUsage(
@@ -180,7 +181,9 @@ void addRunLimits(CLI::App& app, PlanOverrides& overrides) {
   app.add_option("--seed", overrides.seed, "seed of the run; same seed, same answer")
       ->type_name("N")
       ->check(seedError);
-  app.add_option("--time", overrides.time_limit, "limit of the run [s]")
+  app.add_option(
+         "--time", overrides.time_limit,
+         "limit of the run [s]; reading and compiling may take as long, and ten seconds at least")
       ->type_name("SECONDS")
       ->check(numberFrom(kLeastTime, kMostTime));
 }
@@ -252,10 +255,14 @@ robots::LoadOptions loadOptions(const ProblemSource& source) {
     }
     options.packages.emplace_back(package.substr(0, equals), directory);
   }
+  options.stop = source.stop;
   return options;
 }
 
-planner::Problem loadProblem(const ProblemSource& source) {
+planner::Problem loadProblem(const ProblemSource& given, std::optional<double> time_limit) {
+  const InterruptibleReading reading(time_limit);
+  ProblemSource source = given;
+  source.stop = reading.stop();
   if (source.problem.empty() && source.robot.empty()) {
     badUsage(
         "a problem file is needed, or --robot with --group, --start and --goal, or --robot with "

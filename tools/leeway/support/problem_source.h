@@ -22,6 +22,7 @@ struct ProblemSource {
   std::vector<std::string> goal_pose;  ///< FRAME x y z qx qy qz qw; several: at once
   std::vector<std::string> packages;   ///< NAME=DIR
   bool no_cache = false;
+  robots::Stop stop;  ///< set while it is read
 };
 
 /// What the command line says over what the problem says.
@@ -57,8 +58,9 @@ void addRunLimits(CLI::App& app, PlanOverrides& overrides);
 /// Those and --iterations, --planner, --objective: for verbs that plan.
 void addPlanOverrides(CLI::App& app, PlanOverrides& overrides);
 
-/// Throws robots::InputError; prints the loader's warnings to stderr.
-planner::Problem loadProblem(const ProblemSource& source);
+/// Throws robots::InputError, and robots::Stopped for an interrupt or a `time_limit` [s] that is
+/// over (InterruptibleReading); prints the loader's warnings to stderr.
+planner::Problem loadProblem(const ProblemSource& source, std::optional<double> time_limit = {});
 /// For verbs that look at one world: throws robots::InputError for a problem with steps.
 void refuseSteps(const planner::Problem& problem, const char* verb);
 /// A problem without start, goal and world, when the source is a robot without them: the variables

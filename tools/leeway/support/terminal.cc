@@ -11,6 +11,8 @@
 #include <cstdio>
 #include <ctime>
 
+#include "planner/base/tolerances.h"
+
 namespace leeway::tools {
 namespace {
 
@@ -93,6 +95,28 @@ planner::PlanOptions interactivePlanOptions(std::optional<double> time_limit,
 }
 
 bool interrupted() { return is_interrupted != 0; }
+
+struct InterruptibleReading::Before {
+  struct sigaction interrupt, terminate;
+};
+
+InterruptibleReading::InterruptibleReading(std::optional<double> time_limit)
+    : before_(std::make_unique<Before>()) {
+  using Clock = std::chrono::steady_clock;
+  sigaction(SIGINT, nullptr, &before_->interrupt);
+  sigaction(SIGTERM, nullptr, &before_->terminate);
+  handleInterrupts();
+  stop_ = [] { return interrupted(); };
+  if (time_limit) {
+    const std::chrono::duration<double> limit(std::max(*time_limit, planner::kLeastReading));
+    stop_ = [start = Clock::now(), limit] { return interrupted() || Clock::now() - start > limit; };
+  }
+}
+
+InterruptibleReading::~InterruptibleReading() {
+  sigaction(SIGINT, &before_->interrupt, nullptr);
+  sigaction(SIGTERM, &before_->terminate, nullptr);
+}
 
 void setQuiet() { quiet = true; }
 bool isQuiet() { return quiet; }

@@ -2,11 +2,13 @@
 
 #include <chrono>
 #include <cstddef>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "leeway/planner/plan.h"
+#include "leeway/robots/stopped.h"
 
 namespace leeway::tools {
 
@@ -17,6 +19,21 @@ namespace leeway::tools {
 planner::PlanOptions interactivePlanOptions(std::optional<double> time_limit = {},
                                             double planning_limit = 0);
 bool interrupted();
+/// While it lives, an interrupt ends reading, which asks stop(); what was done before is left as it
+/// was. Reading may take `time_limit` [s], and kLeastReading at least.
+class InterruptibleReading {
+ public:
+  explicit InterruptibleReading(std::optional<double> time_limit);
+  ~InterruptibleReading();
+  InterruptibleReading(const InterruptibleReading&) = delete;
+  InterruptibleReading& operator=(const InterruptibleReading&) = delete;
+  const robots::Stop& stop() const { return stop_; }
+
+ private:
+  struct Before;
+  std::unique_ptr<Before> before_;
+  robots::Stop stop_;
+};
 /// --quiet: stderr gets errors alone, no warnings, progress or counts.
 void setQuiet();
 bool isQuiet();

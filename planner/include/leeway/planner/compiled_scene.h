@@ -29,7 +29,11 @@ class CompiledScene {
   /// the same variables, from the same values of the others, with the same held objects and allowed
   /// contacts: O(pairs of links * joints), plus milliseconds a pair of links for proofs where the
   /// robot has no SRDF.
-  explicit CompiledScene(const Problem& problem);
+  ///
+  /// `stop` is asked before each proof, now and then among objects, and before the world's
+  /// hierarchy is made, which for a million objects takes a second. Throws robots::Stopped once it
+  /// is true.
+  explicit CompiledScene(const Problem& problem, const robots::Stop& stop = {});
 
   const collision::Scene& scene() const { return scene_; }
   const ConfigurationSpace& space() const { return *space_; }

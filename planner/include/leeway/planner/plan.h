@@ -109,8 +109,9 @@ struct PlanResult {
 /// goal that cannot be met.
 ///
 /// Solved means that every edge of the path as returned is proven to keep its margins. The limits
-/// hold for planning and simplification together, counted from the end of compilation. A planner
-/// that gives up early is started again with other seeds, until the limits.
+/// hold for planning and simplification together, counted from the end of compilation; that may
+/// take as long as the time limit, and ten seconds at least. Once options.stop says so, either
+/// ends. A planner that gives up early is started again with other seeds, until the limits.
 ///
 /// A start that is not proven valid, or no valid goal, ends the call; the result says what is in
 /// the way. Of several goals the invalid ones are left out with a warning. Of a goal range points

@@ -301,16 +301,17 @@ struct Problem {
 };
 
 struct ProblemOptions {
-  robots::LoadOptions load;
+  robots::LoadOptions load;  ///< of robots and meshes; `stop` ends reading of all else, too
 };
 
-/// The project's own YAML (problems/README.md, problems/schema.json). Throws robots::InputError.
+/// The project's own YAML (problems/README.md, problems/schema.json). Throws robots::InputError,
+/// and robots::Stopped where options.load.stop says so.
 Problem loadProblem(const std::string& yaml_path, const ProblemOptions& options = {});
 
 /// MoveIt planning scene and motion plan request, as MotionBenchMaker writes them. Calls may share
-/// the model. Throws robots::InputError.
+/// the model. Throws robots::InputError, robots::Stopped.
 Problem loadMoveit(std::shared_ptr<const robots::Model> model, const std::string& scene_path,
-                   const std::string& request_path);
+                   const std::string& request_path, const ProblemOptions& options = {});
 
 /// A problem from group states, without obstacles. Throws robots::InputError (without a file) for
 /// unknown names.

@@ -12,6 +12,7 @@
 #include "leeway/collision/scene.h"
 #include "leeway/collision/shape.h"
 #include "leeway/robots/prepared_store.h"
+#include "leeway/robots/stopped.h"
 
 namespace leeway::robots {
 
@@ -165,6 +166,10 @@ struct LoadOptions {
   /// empty: nothing is kept. The answers are the same, byte for byte. cacheFolder()
   /// (cache_folder.h) is the usual one.
   std::string cache = {};
+  /// Asked between the parts of what is read: some thousand lines, an object, a mesh, a proof about
+  /// a pair of links. (A mesh of a million triangles takes seconds without asking.) Once it is
+  /// true, reading ends with Stopped.
+  Stop stop = {};
 };
 
 /// Reads a URDF and (unless `srdf_path` is empty) an SRDF, with the meshes that they name. Throws
@@ -181,8 +186,8 @@ std::shared_ptr<const Model> freeBody(const std::string& name, std::vector<Geome
 
 /// Reads a mesh file (Assimp). Applies the file's unit and node transforms, then `scale`; ignores
 /// its up axis, as RViz and MoveIt do. Throws InputError that names `referrer`:`line`, which asked
-/// for it. `cache`: as in LoadOptions.
+/// for it.
 collision::Shape loadMesh(const std::string& path, const Eigen::Vector3d& scale,
-                          const std::string& referrer, int line, const std::string& cache = {});
+                          const std::string& referrer, int line, const LoadOptions& options = {});
 
 }  // namespace leeway::robots

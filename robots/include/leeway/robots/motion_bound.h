@@ -86,8 +86,9 @@ MotionBound localMotionBound(const Model& model, const RelativeMotion& motion,
 
 /// Those of `candidates` that are proven never to touch at any configuration within the limits.
 /// Interval subdivision over the joints between the two links, with a work limit of milliseconds a
-/// pair.
+/// pair, before each of which `stop` is asked: throws Stopped.
 std::vector<std::pair<int, int>> provenApart(const Model& model,
-                                             std::span<const std::pair<int, int>> candidates);
+                                             std::span<const std::pair<int, int>> candidates,
+                                             const Stop& stop = {});
 
 }  // namespace leeway::robots

@@ -1,0 +1,150 @@
+// Reading and compiling end where their caller says so, and leave nothing half done.
+
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+
+#include "leeway/planner/compiled_scene.h"
+#include "leeway/planner/plan.h"
+#include "leeway/planner/problem.h"
+#include "leeway/robots/stopped.h"
+#include "tests/support/build_paths.h"
+#include "tests/support/folder.h"
+#include "tests/support/random_model.h"
+#include "tests/support/small_problems.h"
+
+namespace leeway::planner {
+namespace {
+
+using robots::Stop;
+using robots::Stopped;
+
+/// Asks `work(stop)` to stop at its first question, at its last, at some between, and never.
+/// Returns how many questions it has.
+template <class Work>
+int expectStops(const Work& work) {
+  int asked = 0;
+  work([&asked] { return ++asked < 0; });
+  EXPECT_GT(asked, 0);
+  for (const int last : std::set<int>{1, 2, asked / 3, asked / 2, asked - 1, asked}) {
+    if (last < 1) continue;
+    int count = 0;
+    EXPECT_THROW(work([&] { return ++count == last; }), Stopped) << last << " of " << asked;
+    EXPECT_EQ(count, last) << "asked again";
+  }
+  int count = 0;
+  work([&] { return ++count > asked; });
+  EXPECT_EQ(count, asked);
+  return asked;
+}
+
+std::string boxes(int count) {
+  std::string text;
+  for (int i = 0; i < count; ++i)
+    text += "  - {name: box_" + std::to_string(i) + ", position: [" + std::to_string(2 + i) +
+            ", 0, 0], box: {size: [1, 1, 1]}}\n";
+  return text;
+}
+
+TEST(Stop, ReadingObjects) {
+  const Folder folder;
+  const std::string file = folder.write("many.yaml", R"(leeway: 1
+body: {name: dot, joint: floating, bounds: {lower: [-1, -1, -1], upper: [1, 1, 1]}, shapes: [{sphere: {radius: 0.1}}]}
+start: {position: [0, 0, 0]}
+goal: {position: [0.5, 0, 0]}
+objects:
+)" + boxes(2000));
+  const int asked = expectStops([&](const Stop& stop) {
+    ProblemOptions options;
+    options.load.stop = stop;
+    EXPECT_EQ(loadProblem(file, options).world.objects.size(), 2000U);
+  });
+  EXPECT_GT(asked, 2000);
+}
+
+TEST(Stop, ReadingARobot) {
+  const std::string folder = leeway::sourceFolder() + "/problems";
+  const int asked = expectStops([&](const Stop& stop) {
+    ProblemOptions options;
+    options.load.stop = stop;
+    EXPECT_FALSE(loadProblem(folder + "/table/posts.yaml", options).world.objects.empty());
+  });
+  EXPECT_GT(asked, 5);
+}
+
+TEST(Stop, ReadingAMesh) {
+  const std::string folder = leeway::sourceFolder() + "/problems";
+  expectStops([&](const Stop& stop) {
+    ProblemOptions options;
+    options.load.stop = stop;
+    EXPECT_FALSE(loadProblem(folder + "/mesh/tote.yaml", options).world.objects.empty());
+  });
+}
+
+TEST(Stop, ReadingMoveit) {
+  const std::string folder = leeway::sourceFolder() + "/problems/moveit";
+  const auto model = loadProblem(folder + "/table.yaml").robot.model;
+  expectStops([&](const Stop& stop) {
+    ProblemOptions options;
+    options.load.stop = stop;
+    const Problem problem =
+        loadMoveit(model, folder + "/scene0001.yaml", folder + "/request0001.yaml", options);
+    EXPECT_FALSE(problem.world.objects.empty());
+  });
+}
+
+TEST(Stop, CompilingManyObjects) {
+  Problem problem =
+      test::problemOf(test::flyingBox(), {0, 0, 0, 0, 0, 0, 1}, {0.5, 0, 0, 0, 0, 0, 1});
+  for (int i = 0; i < 5000; ++i)
+    problem.world.objects.push_back(test::box("box " + std::to_string(i), {1, 1, 1}, 2 + i, 0, 3));
+  const int asked = expectStops([&](const Stop& stop) {
+    EXPECT_EQ(CompiledScene(problem, stop).scene().pairs().size(), 5000U);
+  });
+  EXPECT_GT(asked, 4);
+}
+
+/// A robot without an SRDF, whose links are proven apart; what was proven before a stop is not kept
+/// with the model as if it were all.
+TEST(Stop, CompilingARobot) {
+  robots::RobotDescription arm = robots::testing::chain(
+      6, robots::JointType::kRevolute, 0.3, [](int i, robots::Link& link, robots::Joint& joint) {
+        link.geometries.push_back({collision::Shape::sphere(0.05), test::at(0, 0, 0.1), link.name});
+        joint.axis = Eigen::Vector3d::UnitY();
+        if (i > 0) joint.X_PJ = test::at(0, 0, 0.3);
+      });
+  std::optional<std::size_t> pairs;
+  expectStops([&](const Stop& stop) {
+    // A new model each time: what is prepared is kept with it.
+    const auto model = std::make_shared<robots::Model>(robots::RobotDescription(arm));
+    const std::vector<double> q = model->defaultConfiguration();
+    const Problem problem = test::problemOf(model, q, q);
+    try {
+      const CompiledScene scene(problem, stop);
+      if (!pairs) pairs = scene.scene().pairs().size();
+      EXPECT_EQ(scene.scene().pairs().size(), *pairs);
+    } catch (const Stopped&) {
+      EXPECT_EQ(CompiledScene(problem).scene().pairs().size(), *pairs);
+      throw;
+    }
+  });
+}
+
+/// A plan whose problem is not compiled in time is unsolved.
+TEST(Stop, APlanSaysUnsolved) {
+  const Problem problem = test::wallProblem();
+  PlanOptions options;
+  options.stop = [] { return true; };
+  const PlanResult result = plan(problem, options);
+  EXPECT_EQ(result.status, PlanStatus::kUnsolved);
+  EXPECT_TRUE(result.path.positions.empty());
+  EXPECT_FALSE(result.certificate.certified);
+  EXPECT_EQ(result.planner, problem.planner.name);
+  EXPECT_EQ(result.seed, problem.seed);
+}
+
+}  // namespace
+}  // namespace leeway::planner
