@@ -220,38 +220,42 @@ void expectSame(const collision::Shape& a, const collision::Shape& b) {
 TEST(MeshImport, KeepsMeshesOnDisk) {
   const Folder folder;
   const std::string cache = folder.path("cache");
+  LoadOptions options;
+  options.cache = cache;
   const std::string file = folder.write("ball.stl", ballStl(0.5));
   const auto none = loadMesh(file, kOne, "r.urdf", 1);
   EXPECT_TRUE(filesIn(cache).empty());
-  const auto cold = loadMesh(file, kOne, "r.urdf", 1, cache);
+  const auto cold = loadMesh(file, kOne, "r.urdf", 1, options);
   EXPECT_EQ(filesIn(cache).size(), 1U);
-  const auto warm = loadMesh(file, kOne, "r.urdf", 1, cache);
+  const auto warm = loadMesh(file, kOne, "r.urdf", 1, options);
   expectSame(none, cold);
   expectSame(none, warm);
   // Of the same content under another name.
   std::filesystem::rename(file, folder.path("moved.stl"));
-  expectSame(none, loadMesh(folder.path("moved.stl"), kOne, "r.urdf", 1, cache));
+  expectSame(none, loadMesh(folder.path("moved.stl"), kOne, "r.urdf", 1, options));
   EXPECT_EQ(filesIn(cache).size(), 1U);
   // A name that is nothing but its ending chooses another importer.
   const std::string hidden = folder.write(".stl", ballStl(0.5));
-  expectSame(none, loadMesh(hidden, kOne, "r.urdf", 1, cache));
+  expectSame(none, loadMesh(hidden, kOne, "r.urdf", 1, options));
   EXPECT_EQ(filesIn(cache).size(), 1U);
   const std::string other = folder.write(".obj", ballStl(0.5));
-  EXPECT_THROW(loadMesh(other, kOne, "r.urdf", 1, cache), InputError);
+  EXPECT_THROW(loadMesh(other, kOne, "r.urdf", 1, options), InputError);
   // Other scales and contents.
-  EXPECT_EQ(extent(loadMesh(folder.path("moved.stl"), {2, 1, 1}, "r.urdf", 1, cache)).second.x(),
+  EXPECT_EQ(extent(loadMesh(folder.path("moved.stl"), {2, 1, 1}, "r.urdf", 1, options)).second.x(),
             2 * extent(none).second.x());
   EXPECT_EQ(filesIn(cache).size(), 2U);
   const std::string changed = folder.write("ball.stl", ballStl(0.25));
-  EXPECT_EQ(extent(loadMesh(changed, kOne, "r.urdf", 1, cache)).second.z(), 0.25);
+  EXPECT_EQ(extent(loadMesh(changed, kOne, "r.urdf", 1, options)).second.z(), 0.25);
   EXPECT_EQ(filesIn(cache).size(), 3U);
 }
 
 TEST(MeshImport, NeverBelievesADamagedFile) {
   const Folder folder;
   const std::string cache = folder.path("cache");
+  LoadOptions options;
+  options.cache = cache;
   const std::string file = folder.write("ball.stl", ballStl(0.5));
-  const auto truth = loadMesh(file, kOne, "r.urdf", 1, cache);
+  const auto truth = loadMesh(file, kOne, "r.urdf", 1, options);
   ASSERT_EQ(filesIn(cache).size(), 1U);
   const std::string kept = filesIn(cache)[0].string();
   const std::string whole = readText(kept);
@@ -264,7 +268,7 @@ TEST(MeshImport, NeverBelievesADamagedFile) {
       damaged[place] = static_cast<char>(damaged[place] ^ (1 << (i % 8)));
     }
     writeText(kept, damaged);
-    expectSame(truth, loadMesh(file, kOne, "r.urdf", 1, cache));
+    expectSame(truth, loadMesh(file, kOne, "r.urdf", 1, options));
     EXPECT_EQ(readText(kept), whole) << "not mended, place " << place;
   }
 }
@@ -272,6 +276,8 @@ TEST(MeshImport, NeverBelievesADamagedFile) {
 TEST(MeshImport, KeepsOnlyWhatDependsOnOneFile) {
   const Folder folder;
   const std::string cache = folder.path("cache");
+  LoadOptions options;
+  options.cache = cache;
   std::string vertices, faces;
   for (int i = 0; i < 400; ++i) {
     vertices += "v " + std::to_string(i % 20) + ' ' + std::to_string(i / 20) + " 0\n";
@@ -283,8 +289,8 @@ TEST(MeshImport, KeepsOnlyWhatDependsOnOneFile) {
   const std::string plain = folder.write("plain.obj", vertices + faces),
                     painted = folder.write("painted.obj", "mtllib paint.mtl\n" + vertices + faces);
   folder.write("paint.mtl", "newmtl blue\nKd 0 0 1\nnewmtl red\nKd 1 0 0\n");
-  expectSame(loadMesh(plain, kOne, "r.urdf", 1, cache),
-             loadMesh(painted, kOne, "r.urdf", 1, cache));
+  expectSame(loadMesh(plain, kOne, "r.urdf", 1, options),
+             loadMesh(painted, kOne, "r.urdf", 1, options));
   EXPECT_EQ(filesIn(cache).size(), 2U);
   // glTF has its numbers in a second file.
   std::string numbers(3 * 12, '\0');
@@ -298,10 +304,10 @@ TEST(MeshImport, KeepsOnlyWhatDependsOnOneFile) {
 "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}],
 "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
 "nodes": [{"mesh": 0}], "scenes": [{"nodes": [0]}], "scene": 0})");
-  EXPECT_EQ(loadMesh(gltf, kOne, "r.urdf", 1, cache).mesh()->triangles().size(), 1U);
+  EXPECT_EQ(loadMesh(gltf, kOne, "r.urdf", 1, options).mesh()->triangles().size(), 1U);
   EXPECT_EQ(filesIn(cache).size(), 2U);
   // Small files are imported as fast as they would be read.
-  loadMesh(folder.write("t.stl", tetrahedronStl()), kOne, "r.urdf", 1, cache);
+  loadMesh(folder.write("t.stl", tetrahedronStl()), kOne, "r.urdf", 1, options);
   EXPECT_EQ(filesIn(cache).size(), 2U);
 }
 
