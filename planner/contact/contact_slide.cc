@@ -14,7 +14,7 @@ ContactSlide::ContactSlide(EdgeCertifier& certifier, const Edge& check, double r
       check_(check),
       range_(range),
       gradients_(scene_),
-      inverse_(static_cast<std::size_t>(space_.size())) {
+      inverse_(space_.variables().size()) {
   for (const ConfigurationSpace::Part& part : space_.parts())
     for (int k = 0; k < (part.kind == ConfigurationSpace::Kind::kRotation ? 3 : 1); ++k)
       inverse_[static_cast<std::size_t>(part.first + k)] = 1 / (part.weight * part.weight);

@@ -24,11 +24,10 @@ void addPackage(const path& folder, const std::string& name, const std::string& 
 }
 
 std::vector<path> packagePlaces(const std::string& name, const std::string& rest,
-                                const path& urdf_folder, const LoadOptions* options) {
+                                const path& urdf_folder, const LoadOptions& options) {
   std::vector<path> places;
-  if (options != nullptr)
-    for (const auto& [package, folder] : options->packages)
-      if (package == name) places.push_back(path(folder) / rest);
+  for (const auto& [package, folder] : options.packages)
+    if (package == name) places.push_back(path(folder) / rest);
   if (const char* list = std::getenv("ROS_PACKAGE_PATH")) {
     std::string_view rest_of_list = list;
     while (!rest_of_list.empty()) {
@@ -47,7 +46,7 @@ std::vector<path> packagePlaces(const std::string& name, const std::string& rest
 }  // namespace
 
 std::string resolveMesh(const std::string& uri, const std::string& urdf_path, int line,
-                        const LoadOptions* options) {
+                        const LoadOptions& options) {
   std::error_code error;
   const path urdf_folder = std::filesystem::absolute(path(urdf_path), error).parent_path();
   std::vector<path> places;
@@ -61,8 +60,7 @@ std::string resolveMesh(const std::string& uri, const std::string& urdf_path, in
                            "\" names no file in a package; package://NAME/PATH would be accepted");
     const std::string name = tail.substr(0, slash);
     places = packagePlaces(name, tail.substr(slash + 1), urdf_folder, options);
-    advice = options != nullptr ? "--package " + name + "=FOLDER says where the package is"
-                                : "ROS_PACKAGE_PATH says where packages are";
+    advice = "--package " + name + "=FOLDER says where the package is";
   } else if (uri.starts_with(kFile)) {
     places = {path(uri.substr(kFile.size()))};
   } else if (uri.find("://") != std::string::npos) {

@@ -105,7 +105,7 @@ class Meshes {
   /// Throws for a file that is not found.
   Key keyOf(const UrdfCollision& collision) const {
     const Eigen::Vector3d& scale = collision.mesh_scale;
-    return {resolveMesh(collision.mesh_file, urdf_path_, collision.line, &options_), scale.x(),
+    return {resolveMesh(collision.mesh_file, urdf_path_, collision.line, options_), scale.x(),
             scale.y(), scale.z()};
   }
 

@@ -59,7 +59,7 @@ Shape readSceneMesh(const YamlReader& mesh, const robots::LoadOptions& load) {
   if (const auto resource = mesh.find("resource")) {
     const auto scale = mesh.find("dimensions");
     return robots::loadMesh(
-        robots::resolveMesh(resource->text(), resource->file(), resource->line(), &load),
+        robots::resolveMesh(resource->text(), resource->file(), resource->line(), load),
         scale ? scale->vector3() : Eigen::Vector3d(1, 1, 1), resource->file(), resource->line(),
         load);
   }

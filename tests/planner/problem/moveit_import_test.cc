@@ -142,7 +142,13 @@ TEST_F(MoveitImport, MeshesMayBeFiles) {
   const std::string lost = messageOf(withMesh("{resource: 'package://lost/can.stl'}"), kRequest);
   EXPECT_EQ(lost.rfind("scene.yaml:21: the mesh \"package://lost/can.stl\" was not found", 0), 0U)
       << lost;
-  EXPECT_NE(lost.find("ROS_PACKAGE_PATH"), std::string::npos) << lost;
+  EXPECT_NE(lost.find("--package lost=FOLDER"), std::string::npos) << lost;
+  ProblemOptions options;
+  options.load.packages = {{"lost", folder_.path("props")}};
+  const Problem found = loadMoveit(
+      model_, folder_.write("scene.yaml", withMesh("{resource: 'package://lost/tip.obj'}")),
+      folder_.write("request.yaml", kRequest), options);
+  EXPECT_NE(found.world.objects[1].geometries.back().shape.mesh(), nullptr);
 }
 
 TEST_F(MoveitImport, ObjectsHaveFullEdgesHeightBeforeRadiusAndBothPoses) {

@@ -130,7 +130,8 @@ planner::Problem load(const Arguments& arguments, const std::shared_ptr<const ro
   }
   planner::Problem problem;
   if (model) {
-    problem = planner::loadMoveit(model, item.problem, item.request);
+    problem = planner::loadMoveit(model, item.problem, item.request,
+                                  {.load = loadOptions(arguments.source)});
   } else {
     problem = planner::loadProblem(item.problem, {.load = loadOptions(arguments.source)});
     add(problem.robot.model->warnings);
