@@ -339,7 +339,7 @@ Scene SceneBuilder::build() && {
   std::sort(own.begin(), own.end(),
             [](const auto& x, const auto& y) { return x.position < y.position; });
   scene.pairs_.own_ = std::move(own);
-  scene.pairs_.setLeftOut(std::move(left_out));
+  scene.pairs_.setLeftOut(left_out);
   requireNoHalfSpaces(bodies, scene.pairs_);
   scene.boxes_ = boxesAround(bodies.subspan(at(end)), scene.pairs_.places_);
   return scene;

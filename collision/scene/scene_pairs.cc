@@ -116,7 +116,7 @@ double ScenePairs::mostMarginOfRun(std::size_t run) const {
   return without_own > 0 ? most(greatest, runs_[run].margin) : greatest;
 }
 
-void ScenePairs::setLeftOut(std::vector<std::size_t> positions) {
+void ScenePairs::setLeftOut(const std::vector<std::size_t>& positions) {
   left_out_.clear();
   std::size_t before = 0;
   for (const std::size_t position : positions) {
@@ -185,7 +185,7 @@ void ScenePairs::keep(const std::function<bool(const ScenePair&)>& keeps, std::s
   std::vector<std::size_t> left_out;
   for (std::size_t position = 0; position < runs_.size() * places_; ++position)
     if (isLeftOut(position) || !keeps(at(position))) left_out.push_back(position);
-  setLeftOut(std::move(left_out));
+  setLeftOut(left_out);
   if (hasRuns() && size_ <= most_listed) listAll();
 }
 

@@ -93,7 +93,7 @@ class ScenePairs {
   double marginAt(std::size_t position) const;
   bool isLeftOut(std::size_t position) const;
   std::size_t leftOutBefore(std::size_t position) const;
-  void setLeftOut(std::vector<std::size_t> positions);  // ascending
+  void setLeftOut(const std::vector<std::size_t>& positions);  // ascending
   void listAll();
 
   void raise(double margin, int first_body);
