@@ -45,7 +45,7 @@ bool honest(const DistanceRequest& request, double default_tolerance, const Dist
 
 void Tally::add(const Tally& t) {
   cases += t.cases, answers += t.answers, overlapping += t.overlapping, unsafe += t.unsafe,
-      failures += t.failures, open += t.open, oracle += t.oracle;
+      failures += t.failures, open += t.open, oracle += t.oracle, unproven += t.unproven;
 }
 
 void Examiner::say(const char* what, const Ask& ask, const DistanceResult& r, Real value,
@@ -206,8 +206,20 @@ void Examiner::threshold(oracle::Random& random) {
   }
 }
 
+/// Whether the oracle proves `answer`: it searches as far as that takes, once to its end.
+bool Examiner::proves(const collision::Interval& answer) {
+  const auto holds = [&] {
+    return truth_ && truth_->lower >= answer.lower && truth_->upper <= answer.upper;
+  };
+  if (holds() || truth_is_final_) return holds();
+  const Case& c = *case_;
+  truth_ = oracle::convexSeparation(*c.a, c.X_WA, *c.b, c.X_WB, {answer.lower, answer.upper});
+  truth_is_final_ = !holds();
+  return holds();
+}
+
 void Examiner::holdAgainstOracle(const Ask& ask, const DistanceResult& r) {
-  ++tally_->oracle;
+  ++(proves(r.distance) ? tally_->oracle : tally_->unproven);
   if (r.distance.lower > truth_->upper) {
     say("above the truth", ask, r, static_cast<Real>(truth_->upper), tally_->unsafe);
   }
@@ -228,12 +240,10 @@ void Examiner::examine(const Case& c, oracle::Random& random, bool with_oracle,
   coordinate_ = c.X_WA.translation.norm() + c.X_WB.translation.norm();
   ++tally.cases;
   truth_.reset();
+  truth_is_final_ = false;
   const Ask plain;
   exact_ = ask(plain);
   if (with_oracle) {
-    // As narrow as the plain answer, which all others have to meet.
-    truth_ = oracle::convexSeparation(*c.a, c.X_WA, *c.b, c.X_WB,
-                                      {exact_.distance.lower, exact_.distance.upper});
     holdAgainstOracle(plain, exact_);
   }
   if (exact_.distance.upper < 0) {

@@ -17,7 +17,8 @@ struct Tally {
   std::int64_t unsafe = 0;       // intervals that exclude the truth
   std::int64_t failures = 0;     // any other broken promise of distance.h
   std::int64_t open = 0;         // default tolerance not reached
-  std::int64_t oracle = 0;       // answers compared with quadruple precision
+  std::int64_t oracle = 0;       // answers that quadruple precision proves
+  std::int64_t unproven = 0;     // neither that nor refuted: the oracle's bounds are wider
 
   void add(const Tally& t);
 };
@@ -48,6 +49,7 @@ class Examiner {
   void tryPlanes(const Ask& ask, const collision::DistanceResult& r, oracle::Random& random);
   void meet(const Ask& ask, const collision::DistanceResult& r);
   void threshold(oracle::Random& random);
+  bool proves(const collision::Interval& answer);
   void holdAgainstOracle(const Ask& ask, const collision::DistanceResult& r);
   Real provenAlong(const Eigen::Vector3d& n) const;
   void say(const char* what, const Ask& ask, const collision::DistanceResult& r, Real value,
@@ -61,7 +63,8 @@ class Examiner {
   double coordinate_ = 0;  // largest coordinate in the world [m]
   bool half_space_ = false;
   collision::DistanceResult exact_;
-  std::optional<oracle::Truth> truth_;  // where the oracle is asked
+  std::optional<oracle::Truth> truth_;  // where the oracle is asked: as narrow as answers so far
+  bool truth_is_final_ = false;         // it was searched to its end
   collision::Scratch scratch_;
   collision::PairCache cache_;
   int said_ = 0;

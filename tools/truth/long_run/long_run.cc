@@ -5,11 +5,11 @@
 //
 // Each case is asked plainly, swapped, with a threshold, with a foreign and a warm cache, at times
 // with few iterations. Extended precision proves both ends of each answer from the normal and the
-// witness points; all answers of every N-th case are judged by the quadruple-precision oracle (0:
-// none). Each block of cases has
-// its own random numbers, so that --block repeats one. --state FILE stores totals after every
-// block; an interrupted run resumes from it. Exit status: 0; 1 where a check failed; 2 for bad
-// usage.
+// witness points. Every answer of every N-th case is held against the quadruple-precision oracle,
+// too (0: of none): proven, refuted, or left open where the oracle's own bounds are wider. Each
+// block of cases has its own random numbers, so that --block repeats one. --state FILE stores
+// totals after every block; an interrupted run resumes from it. Exit status: 0; 1 where a check
+// failed; 2 for bad usage.
 
 #include <array>
 #include <cstdint>
@@ -99,7 +99,8 @@ bool readState(const Options& o, State& state) {
   if (line != heading(o)) return false;
   file >> state.next_block;
   for (Tally& t : state.table) {
-    file >> t.cases >> t.answers >> t.overlapping >> t.unsafe >> t.failures >> t.open >> t.oracle;
+    file >> t.cases >> t.answers >> t.overlapping >> t.unsafe >> t.failures >> t.open >> t.oracle >>
+        t.unproven;
   }
   return static_cast<bool>(file);
 }
@@ -111,7 +112,7 @@ bool writeState(const Options& o, const State& state) {
     file << heading(o) << '\n' << state.next_block << '\n';
     for (const Tally& t : state.table) {
       file << t.cases << ' ' << t.answers << ' ' << t.overlapping << ' ' << t.unsafe << ' '
-           << t.failures << ' ' << t.open << ' ' << t.oracle << '\n';
+           << t.failures << ' ' << t.open << ' ' << t.oracle << ' ' << t.unproven << '\n';
     }
     if (!file.flush()) return false;
   }
@@ -135,14 +136,14 @@ void runBlock(const Options& o, std::int64_t block, std::int64_t count, Examiner
 }
 
 void print(const Table& table, Tally& all) {
-  std::printf("%-12s %12s %12s %11s %7s %8s %9s %9s\n", "family", "cases", "answers", "overlapping",
-              "unsafe", "failures", "open", "oracle");
+  std::printf("%-12s %12s %12s %11s %7s %8s %9s %9s %9s\n", "family", "cases", "answers",
+              "overlapping", "unsafe", "failures", "open", "oracle", "unproven");
   const auto row = [](const char* name, const Tally& t) {
-    std::printf("%-12s %12lld %12lld %11lld %7lld %8lld %9lld %9lld\n", name,
+    std::printf("%-12s %12lld %12lld %11lld %7lld %8lld %9lld %9lld %9lld\n", name,
                 static_cast<long long>(t.cases), static_cast<long long>(t.answers),
                 static_cast<long long>(t.overlapping), static_cast<long long>(t.unsafe),
                 static_cast<long long>(t.failures), static_cast<long long>(t.open),
-                static_cast<long long>(t.oracle));
+                static_cast<long long>(t.oracle), static_cast<long long>(t.unproven));
   };
   for (std::size_t f = 0; f < table.size(); ++f) {
     all.add(table[f]);

@@ -228,8 +228,10 @@ Truth signedSeparation(const Shape& a, const Pose& X_WA, const Shape& b, const P
 
 Truth convexSeparation(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
                        const Enough& enough) {
-  const auto half_space = [](const Shape& s) { return s.type() == ShapeType::kHalfSpace; };
-  if (half_space(a) || half_space(b)) return signedSeparation(a, X_WA, b, X_WB);
+  const auto is_searched = [](const Shape& s) {
+    return s.isConvex() && s.type() != ShapeType::kHalfSpace;
+  };
+  if (!is_searched(a) || !is_searched(b)) return signedSeparation(a, X_WA, b, X_WB);
   const Vector origin = toVector(X_WA.translation);
   const Bounds s = separation(ConvexBody(a, X_WA, origin), ConvexBody(b, X_WB, origin),
                               {wide(enough.lower), wide(enough.upper)});

@@ -23,9 +23,9 @@ struct Enough {
 Truth signedSeparation(const collision::Shape& a, const collision::Pose& X_WA,
                        const collision::Shape& b, const collision::Pose& X_WB);
 
-/// Likewise for shapes other than meshes, and sooner: the search ends where it has proven the
-/// separation within `enough`. An answer to be judged is proven so; a wrong one never is, and the
-/// bounds that contradict it are as narrow as those above.
+/// The same, and of two convex bodies sooner: the search ends where it has proven the separation
+/// within `enough`, the answer that is to be judged. A wrong answer is never proven so, and the
+/// bounds that contradict it are those above.
 Truth convexSeparation(const collision::Shape& a, const collision::Pose& X_WA,
                        const collision::Shape& b, const collision::Pose& X_WB,
                        const Enough& enough);

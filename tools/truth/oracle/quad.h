@@ -33,8 +33,8 @@ inline double roundUp(Quad x) {
 /// Square root by Newton's method from the double root, within 2 ulp; 0 for x <= 0.
 inline Quad squareRoot(Quad x) {
   if (!(x > 0)) return 0;
-  // Scaled into the range of double first: squares of tiny lengths leave it. The scale is zero
-  // only for what underflows.
+  if (x == infinity()) return x;
+  // Scaled into the range of double first: squares of tiny lengths leave it.
   Quad scale = 1;
   while (x < wide(1e-200)) {
     x *= wide(0x1p400);

@@ -167,11 +167,18 @@ class Polytope {
       const std::size_t nearest = nearestFacet();
       if (nearest == facets_.size()) break;  // no numbers
       const Quad least = facets_[nearest].offset;
-      if (Bounds{least - facets_[nearest].rounding, best_support_}.within(enough)) break;
+      const Bounds at_most{least - facets_[nearest].rounding, best_support_};
+      if (at_most.within(enough) && proven().within(enough)) break;
       const Vector w = query(facets_[nearest].normal);
       if (dot(facets_[nearest].normal, w) - least <= kPolytopeWidth * scale_) break;
       if (!add(w, nearest) || alive_ > kMostFacets) break;
     }
+    return proven();
+  }
+
+ private:
+  /// What the polytope proves as it is. O(facets).
+  Bounds proven() const {
     Quad inner = infinity();
     for (const Facet& f : facets_) {
       if (f.alive) inner = std::min(inner, f.offset - f.rounding);
@@ -183,7 +190,6 @@ class Polytope {
     return {inner, best_support_};
   }
 
- private:
   /// C's support point along a unit direction; every one asked bounds the depth from above.
   Vector query(const Vector& unit) {
     const Vector w = c_.support(unit);
