@@ -6,13 +6,12 @@
 #include <cmath>
 #include <utility>
 
+#include "collision/base/greatest.h"
+
 namespace leeway::collision {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-/// NaN where one is: such a margin is never kept, and must not drop out.
-double most(double x, double y) { return std::isnan(x) || x >= y ? x : y; }
 
 double grown(double margin, double growth) { return std::max(margin, 0.0) + growth; }
 
@@ -99,21 +98,21 @@ double ScenePairs::leastMargin(int first_body, bool with) const {
 }
 
 double ScenePairs::mostMargin() const {
-  double greatest = -kInfinity;
-  for (const ScenePair& pair : listed_) greatest = most(greatest, pair.margin);
+  double margin = -kInfinity;
+  for (const ScenePair& pair : listed_) margin = greatest(margin, pair.margin);
   for (std::size_t run = 0; run < runs_.size(); ++run)
-    greatest = most(greatest, mostMarginOfRun(run));
-  return greatest;
+    margin = greatest(margin, mostMarginOfRun(run));
+  return margin;
 }
 
 double ScenePairs::mostMarginOfRun(std::size_t run) const {
-  double greatest = -kInfinity;
+  double margin = -kInfinity;
   std::size_t without_own = runBegin(run + 1) - runBegin(run);
   auto own = std::partition_point(own_.begin(), own_.end(),
                                   [&](const Own& o) { return o.position < run * places_; });
   for (; own != own_.end() && own->position < (run + 1) * places_; ++own, --without_own)
-    greatest = most(greatest, own->margin);
-  return without_own > 0 ? most(greatest, runs_[run].margin) : greatest;
+    margin = greatest(margin, own->margin);
+  return without_own > 0 ? greatest(margin, runs_[run].margin) : margin;
 }
 
 void ScenePairs::setLeftOut(const std::vector<std::size_t>& positions) {

@@ -16,8 +16,10 @@ ContactSlide::ContactSlide(EdgeCertifier& certifier, const Edge& check, double r
       gradients_(scene_),
       inverse_(space_.variables().size()) {
   for (const ConfigurationSpace::Part& part : space_.parts())
-    for (int k = 0; k < (part.kind == ConfigurationSpace::Kind::kRotation ? 3 : 1); ++k)
-      inverse_[static_cast<std::size_t>(part.first + k)] = 1 / (part.weight * part.weight);
+    for (int k = 0; k < (part.kind == ConfigurationSpace::Kind::kRotation ? 3 : 1); ++k) {
+      const int i = part.first + k;
+      inverse_[static_cast<std::size_t>(i)] = 1 / (part.weight * part.weight);
+    }
   for (std::vector<double>* point : {&at_, &next_, &place_, &step_, &moved_})
     point->resize(inverse_.size());
 }

@@ -7,6 +7,7 @@
 #include <span>
 #include <utility>
 
+#include "collision/base/greatest.h"
 #include "collision/base/tolerances.h"
 #include "collision/scene/scene_access.h"
 #include "collision/sweep/mesh_sweep.h"
@@ -44,9 +45,6 @@ bool sweepsSurfaces(const Piece& a, const Piece& b, double margin) {
   return still.link < 0 && still.geometry->shape.type() == collision::ShapeType::kMesh &&
          collision::sweepsMesh(a.geometry->shape, b.geometry->shape);
 }
-
-/// NaN where one is: that is never kept, and must not drop out.
-double most(double x, double y) { return std::isnan(x) || x >= y ? x : y; }
 
 /// What poses of a pair's pieces are exact to [m].
 double roundingOf(const EdgeModel& model, const Piece& a, const Piece& b) {
@@ -95,7 +93,7 @@ class EdgeSceneBuilder {
     addRows();
     for (const EdgePair& pair : pairs) {
       edges_.has_surface_pairs = edges_.has_surface_pairs || pair.by_surfaces;
-      pairs_.most_rounding_ = most(pairs_.most_rounding_, pair.rounding);
+      pairs_.most_rounding_ = collision::greatest(pairs_.most_rounding_, pair.rounding);
     }
   }
 
@@ -170,7 +168,7 @@ class EdgeSceneBuilder {
     bool has_mesh = false;
     for (std::size_t place = 0; place < all.places(); ++place) {
       const Piece& still = piece(pairs_.pieceIn(place));
-      scale = most(scale, still.scale);
+      scale = collision::greatest(scale, still.scale);
       has_mesh = has_mesh || still.geometry->shape.type() == collision::ShapeType::kMesh;
     }
     Piece farthest;
@@ -188,8 +186,8 @@ class EdgeSceneBuilder {
       row.count = all.runBegin(run + 1) - row.scene_begin;
       before += row.count;
       const double rounding = roundingOf(model_, piece(row.piece), farthest);
-      row.most_threshold = most(0, all.mostMarginOfRun(run) + rounding);
-      pairs_.most_rounding_ = most(pairs_.most_rounding_, rounding);
+      row.most_threshold = collision::greatest(0, all.mostMarginOfRun(run) + rounding);
+      pairs_.most_rounding_ = collision::greatest(pairs_.most_rounding_, rounding);
       pairs_.rows_.push_back(row);
       if (has_mesh && piece(row.piece).is_free_mesh) findSurfacePairs(row);
     }

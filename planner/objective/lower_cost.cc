@@ -141,8 +141,10 @@ class CostLowering {
   Point randomDirection() {
     Point direction(path_[0].size(), 0.0);
     for (const ConfigurationSpace::Part& part : space_.parts())
-      for (int k = 0; k < (part.kind == ConfigurationSpace::Kind::kRotation ? 3 : 1); ++k)
-        direction[static_cast<std::size_t>(part.first + k)] = random_.uniform(-1, 1);
+      for (int k = 0; k < (part.kind == ConfigurationSpace::Kind::kRotation ? 3 : 1); ++k) {
+        const int i = part.first + k;
+        direction[static_cast<std::size_t>(i)] = random_.uniform(-1, 1);
+      }
     return direction;
   }
 

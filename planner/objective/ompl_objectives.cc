@@ -85,7 +85,8 @@ ob::InformedSamplerPtr OmplClearanceObjective::allocInformedStateSampler(
 }
 
 OmplCostObjective::OmplCostObjective(const ob::SpaceInformationPtr& space_information,
-                                     std::shared_ptr<CertifierPool> pool, const Problem& problem)
+                                     const std::shared_ptr<CertifierPool>& pool,
+                                     const Problem& problem)
     : OmplCostObjective(space_information, pool, PathCost::of(pool->scene(), problem)) {}
 
 OmplCostObjective::OmplCostObjective(const ob::SpaceInformationPtr& space_information,

@@ -204,11 +204,9 @@ bool ConnectTrees::iterate() {
     task_.space.interpolate(pointOf(tree, near.node), sample_, step / distance, next_);
     if (!(tree.cost[near.node] + step + toRoot(1 - growing_, next_) < task_.bound)) return false;
   }
-  std::uint32_t node = near.node;
-  if (stepTowards(tree, near.node, sample_, distance))
-    node = add(tree, next_, near.node, step);
-  else
-    node = slideTowards(tree, near.node, sample_);
+  std::uint32_t node = stepTowards(tree, near.node, sample_, distance)
+                           ? add(tree, next_, near.node, step)
+                           : slideTowards(tree, near.node, sample_);
   float& radius = tree.radius[near.node];
   if (node == near.node) {
     if (settings_.dynamic_domain) {

