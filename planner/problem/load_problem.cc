@@ -415,7 +415,8 @@ Problem fromOwnKeys(const YamlReader& file, const ProblemOptions& options) {
 }  // namespace
 
 Problem loadProblem(const std::string& yaml_path, const ProblemOptions& options) {
-  if (std::filesystem::path(yaml_path).extension() == ".cfg") return loadOmplApp(yaml_path);
+  if (std::filesystem::path(yaml_path).extension() == ".cfg")
+    return loadOmplApp(yaml_path, options);
   const YamlReader file = YamlReader::load(yaml_path, options.load.stop);
   if (!file.isMap()) file.fail("is no map; a problem file (leeway: 1, ...) is expected");
   requireVersion(file);
@@ -430,7 +431,10 @@ Problem loadProblem(const std::string& yaml_path, const ProblemOptions& options)
   if (const auto frames = file.find("frames")) readFrames(*frames, problem);
   if (const auto execution = file.find("execution")) readExecution(*execution, problem);
   if (const auto deforming = file.find("deforming"))
-    for (const YamlReader& entry : deforming->items()) readDeforming(entry, problem);
+    for (const YamlReader& entry : deforming->items()) {
+      robots::throwIfStopped(options.load.stop, "deforming obstacles were read");
+      readDeforming(entry, problem);
+    }
   // Poses may be relative to anything above.
   if (!moveit) readStartAndGoals(file, problem);
   readPairs(file, padding, problem);

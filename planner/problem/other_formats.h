@@ -10,8 +10,9 @@
 
 namespace leeway::planner {
 
-/// An OMPL.app problem (.cfg) of one rigid body in SE(2) or SE(3). Throws robots::InputError.
-Problem loadOmplApp(const std::string& path);
+/// An OMPL.app problem (.cfg) of one rigid body in SE(2) or SE(3). Throws robots::InputError,
+/// robots::Stopped.
+Problem loadOmplApp(const std::string& path, const ProblemOptions& options);
 
 /// Distances that links, and what they hold, keep from the world in MoveIt's scenes: by name [m],
 /// above 0. Margins name pairs, so they wait until all objects are known.

@@ -404,22 +404,29 @@ PlanResult plan(const Problem& problem, const PlanOptions& options) {
   const auto elapsed = [begin] {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   };
+  bool is_late = false;
   const auto stop = [&] {
     const double limit = problem.limits.time;
-    return (options.stop && options.stop()) ||
-           (limit > 0 && elapsed() > std::max(limit, kLeastReading));
+    is_late = limit > 0 && elapsed() > std::max(limit, kLeastReading);
+    return is_late || (options.stop && options.stop());
   };
-  PlanResult result;
+  std::shared_ptr<const CompiledScene> scene;
   try {
-    const auto scene = std::make_shared<const CompiledScene>(problem, stop);
-    const double compile_s = elapsed();
-    result = plan(scene, problem, options);
-    result.compile_s = compile_s;
+    scene = std::make_shared<const CompiledScene>(problem, stop);
   } catch (const robots::Stopped&) {
+    PlanResult result;
     result.planner = problem.planner.name;
     result.seed = problem.seed;
     result.compile_s = elapsed();
+    if (is_late)
+      result.warnings.emplace_back(
+          "the problem was not compiled within its time limit; a longer one (limits.time, --time) "
+          "is expected");
+    return result;
   }
+  const double compile_s = elapsed();
+  PlanResult result = plan(std::move(scene), problem, options);
+  result.compile_s = compile_s;
   return result;
 }
 

@@ -227,8 +227,9 @@ planner::Certificate clearance(const Problem& problem, const py::object& path, d
   if (!(tolerance > 0) || parts < 1 || parts > 100000)
     throw py::value_error("tolerance must be positive and parts between 1 and 100000");
   const std::shared_ptr<const planner::Problem> value = problem.value;
-  return released([&] {
-    const auto scene = std::make_shared<const planner::CompiledScene>(*value);
+  Interrupt interrupt;
+  return interrupt.released([&] {
+    const auto scene = std::make_shared<const planner::CompiledScene>(*value, interrupt.callback());
     planner::EdgeCertifier certifier(scene);
     const planner::Path in_parts = parts == 1 ? given : parted(scene->space(), given, parts);
     return planner::certify(certifier, in_parts, tolerance);

@@ -178,8 +178,8 @@ Result planWhere(const Problem& problem, const py::object& accept, const py::obj
   const std::shared_ptr<const planner::Problem> value = problem.value;
   Interrupt interrupt(stop);
   const Quiet quiet;
-  planner::PlanResult result = released([&] {
-    const auto scene = std::make_shared<const planner::CompiledScene>(*value);
+  planner::PlanResult result = interrupt.released([&] {
+    const auto scene = std::make_shared<const planner::CompiledScene>(*value, interrupt.callback());
     const ob::SpaceInformationPtr information = planner::makeSpaceInformation(scene, value->seed);
     Condition condition(accept, apart, scene->space(), interrupt);
     information->setMotionValidator(std::make_shared<ConditionalMotions>(

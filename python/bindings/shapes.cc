@@ -84,7 +84,10 @@ Shape mesh(const py::object& file, const py::object& vertices, const py::object&
                                 given.values.back());
   if (!file.is_none()) {
     const std::string path = fileName(file, "file");
-    return released([&] { return robots::loadMesh(path, factors, "mesh", 0); });
+    Interrupt interrupt;
+    robots::LoadOptions options;
+    options.stop = interrupt.callback();
+    return interrupt.released([&] { return robots::loadMesh(path, factors, "mesh", 0, options); });
   }
   std::vector<Eigen::Vector3d> scaled = points(vertices, "vertices");
   for (Eigen::Vector3d& vertex : scaled) vertex = vertex.cwiseProduct(factors);

@@ -54,14 +54,6 @@ class Meshes {
     const auto work = [&] {
       for (std::size_t i = next++; i < tasks_.size(); i = next++) run(tasks_[i]);
     };
-    bool stopped = false;
-    const auto workUntilStopped = [&] {
-      for (std::size_t i = next++; i < tasks_.size() && !stopped; i = next++) {
-        stopped = options_.stop && options_.stop();
-        if (!stopped) run(tasks_[i]);
-      }
-      if (stopped) next = tasks_.size();
-    };
     const std::size_t most =
         std::min<std::size_t>(std::thread::hardware_concurrency(), kMostThreads);
     std::vector<std::thread> threads;
@@ -70,9 +62,18 @@ class Meshes {
       while (threads.size() + 1 < std::min(most, tasks_.size())) threads.emplace_back(work);
     } catch (const std::system_error&) {  // fewer threads do it
     }
-    workUntilStopped();
+    std::exception_ptr ended;
+    try {
+      for (std::size_t i = next++; i < tasks_.size(); i = next++) {
+        throwIfStopped(options_.stop, "meshes were read");
+        run(tasks_[i]);
+      }
+    } catch (...) {  // also what the caller's function throws: the threads are joined first
+      ended = std::current_exception();
+      next = tasks_.size();
+    }
     for (std::thread& thread : threads) thread.join();
-    if (stopped) throw Stopped("stopped while meshes were read");
+    if (ended) std::rethrow_exception(ended);
   }
 
   Shape load(const UrdfCollision& collision) {

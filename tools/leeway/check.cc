@@ -350,8 +350,9 @@ std::string stateText(const CheckedState& checked) {
 }
 
 int run(const Arguments& arguments) {
-  planner::Problem problem = arguments.states.empty() ? loadProblem(arguments.source)
-                                                      : loadProblemOrRobot(arguments.source);
+  planner::Problem problem = arguments.states.empty()
+                                 ? loadProblem(arguments.source, arguments.limits.time_limit)
+                                 : loadProblemOrRobot(arguments.source);
   apply(arguments.limits, problem);
   const std::vector<NamedState> states = collectStates(problem, arguments.states);
   planner::EdgeCertifier certifier(std::make_shared<const planner::CompiledScene>(problem));

@@ -142,7 +142,7 @@ class Config {
 
 class Loader {
  public:
-  explicit Loader(const std::string& path) : config_(path) {}
+  Loader(const std::string& path, const robots::Stop& stop) : config_(path), stop_(stop) {}
 
   Problem load() {
     checkKeys();
@@ -219,6 +219,7 @@ class Loader {
 
   robots::CenteredMesh readMesh(const Config::Entry& entry) const {
     const std::filesystem::path folder = std::filesystem::path(config_.file()).parent_path();
+    robots::throwIfStopped(stop_, "meshes were read");
     return robots::importForOmplApp((folder / entry.text).string(), config_.file(), entry.line);
   }
 
@@ -281,6 +282,7 @@ class Loader {
   }
 
   Config config_;
+  robots::Stop stop_;
   Problem problem_;
   bool planar_ = true;
   std::vector<double> start_, goal_;
@@ -289,6 +291,8 @@ class Loader {
 
 }  // namespace
 
-Problem loadOmplApp(const std::string& path) { return Loader(path).load(); }
+Problem loadOmplApp(const std::string& path, const ProblemOptions& options) {
+  return Loader(path, options.load.stop).load();
+}
 
 }  // namespace leeway::planner

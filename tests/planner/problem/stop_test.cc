@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <set>
+#include <stdexcept>
 #include <string>
 
 #include "leeway/planner/compiled_scene.h"
@@ -75,6 +76,28 @@ TEST(Stop, ReadingARobot) {
   EXPECT_GT(asked, 5);
 }
 
+/// Meshes of links are read by several threads, of which the caller's asks.
+TEST(Stop, ReadingTheMeshesOfARobot) {
+  const Folder folder;
+  std::string urdf = "<robot name=\"stack\"><link name=\"link0\"/>\n";
+  for (int i = 1; i <= 12; ++i) {
+    const std::string name = "link" + std::to_string(i), mesh = name + ".obj";
+    folder.write(mesh, "v 0 0 " + std::to_string(i) +
+                           "\nv 1 0 0\nv 0 1 0\nv 0 0 -1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n");
+    urdf += "<link name=\"" + name + "\"><collision><geometry><mesh filename=\"" + mesh +
+            "\"/></geometry></collision></link>\n<joint name=\"joint" + std::to_string(i) +
+            "\" type=\"fixed\"><parent link=\"link0\"/><child link=\"" + name + "\"/></joint>\n";
+  }
+  const std::string file = folder.write("stack.urdf", urdf + "</robot>\n");
+  robots::LoadOptions options;
+  options.stop = [] { return true; };
+  EXPECT_THROW(robots::loadModel(file, "", options), Stopped);
+  options.stop = []() -> bool { throw std::logic_error("the caller's"); };
+  EXPECT_THROW(robots::loadModel(file, "", options), std::logic_error);
+  options.stop = [] { return false; };
+  EXPECT_EQ(robots::loadModel(file, "", options)->links.size(), 13U);
+}
+
 TEST(Stop, ReadingAMesh) {
   const std::string folder = leeway::sourceFolder() + "/problems";
   expectStops([&](const Stop& stop) {
@@ -138,10 +161,13 @@ TEST(Stop, APlanSaysUnsolved) {
   const Problem problem = test::wallProblem();
   PlanOptions options;
   options.stop = [] { return true; };
+  std::set<std::string> phases;
+  options.progress = [&](const std::string& phase, double) { phases.insert(phase); };
   const PlanResult result = plan(problem, options);
   EXPECT_EQ(result.status, PlanStatus::kUnsolved);
   EXPECT_TRUE(result.path.positions.empty());
   EXPECT_FALSE(result.certificate.certified);
+  EXPECT_EQ(phases, std::set<std::string>{"compile"});
   EXPECT_EQ(result.planner, problem.planner.name);
   EXPECT_EQ(result.seed, problem.seed);
 }

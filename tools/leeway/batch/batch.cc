@@ -25,6 +25,7 @@
 #include "leeway/planner/verify.h"
 #include "leeway/robots/input_error.h"
 #include "leeway/robots/kinematics.h"
+#include "leeway/robots/stopped.h"
 #include "tools/leeway/batch/batch_list.h"
 #include "tools/leeway/batch/batch_output.h"
 #include "tools/leeway/batch/ompl_log.h"
@@ -128,12 +129,13 @@ planner::Problem load(const Arguments& arguments, const std::shared_ptr<const ro
   if (!item.error.empty()) {
     throw robots::InputError(item.problem, 0, item.error);
   }
+  robots::LoadOptions load = loadOptions(arguments.source);
+  load.stop = interrupted;
   planner::Problem problem;
   if (model) {
-    problem = planner::loadMoveit(model, item.problem, item.request,
-                                  {.load = loadOptions(arguments.source)});
+    problem = planner::loadMoveit(model, item.problem, item.request, {.load = load});
   } else {
-    problem = planner::loadProblem(item.problem, {.load = loadOptions(arguments.source)});
+    problem = planner::loadProblem(item.problem, {.load = load});
     add(problem.robot.model->warnings);
   }
   add(problem.warnings);
@@ -253,6 +255,8 @@ Outcome solveOrReport(const Arguments& arguments, const std::shared_ptr<const ro
   Json answer;
   try {
     answer = solve(arguments, model, item, outcome);
+  } catch (const robots::Stopped& stopped) {  // by an interrupt, which cuts the outcome
+    answer = {{"status", "error"}, {"error", stopped.what()}};
   } catch (const robots::InputError& error) {
     answer = {{"status", "error"}, {"error", error.what()}};
   } catch (const std::exception& error) {

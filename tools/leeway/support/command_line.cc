@@ -177,7 +177,7 @@ int runGuarded(int argc, char** argv, const AddVerbs& add_verbs) {
     reportError(error.what(), json);
     return kBadInput;
   } catch (const robots::Stopped& stopped) {
-    reportError(fmt::format("{}: {}; nothing was planned", stopped.what(),
+    reportError(fmt::format("{}: {}; nothing was done", stopped.what(),
                             interrupted() ? "interrupted" : "the time limit is over"),
                 json);
     return kNo;

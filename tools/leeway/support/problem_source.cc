@@ -183,7 +183,7 @@ void addRunLimits(CLI::App& app, PlanOverrides& overrides) {
       ->check(seedError);
   app.add_option(
          "--time", overrides.time_limit,
-         "limit of the run [s]; reading and compiling may take as long, and ten seconds at least")
+         "limit of the run [s]; reading may take as long before it, and ten seconds at least")
       ->type_name("SECONDS")
       ->check(numberFrom(kLeastTime, kMostTime));
 }
@@ -259,10 +259,9 @@ robots::LoadOptions loadOptions(const ProblemSource& source) {
   return options;
 }
 
-planner::Problem loadProblem(const ProblemSource& given, std::optional<double> time_limit) {
-  const InterruptibleReading reading(time_limit);
-  ProblemSource source = given;
-  source.stop = reading.stop();
+namespace {
+
+planner::Problem readProblem(const ProblemSource& source) {
   if (source.problem.empty() && source.robot.empty()) {
     badUsage(
         "a problem file is needed, or --robot with --group, --start and --goal, or --robot with "
@@ -284,6 +283,20 @@ planner::Problem loadProblem(const ProblemSource& given, std::optional<double> t
   }
   printWarnings(problem.warnings);
   if (!source.goal_pose.empty()) takeGoalPose(source, problem);
+  return problem;
+}
+
+}  // namespace
+
+planner::Problem loadProblem(const ProblemSource& given, std::optional<double> time_limit) {
+  ProblemSource source = given;
+  planner::Problem problem;
+  {
+    const InterruptibleReading reading(time_limit);
+    source.stop = reading.stop();
+    problem = readProblem(source);
+  }
+  robots::throwIfStopped(interrupted, "the problem was read");  // after the last question
   return planner::placeStart(problem);
 }
 

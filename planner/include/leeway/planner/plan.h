@@ -101,7 +101,7 @@ struct PlanResult {
   /// in words. `offending` then says nothing.
   std::string reason;
   bool unreachable = false;           ///< that there is none is proven
-  std::vector<std::string> warnings;  ///< goals left out
+  std::vector<std::string> warnings;  ///< goals left out; that compiling took too long
 };
 
 /// Compiles, plans, simplifies, certifies. Throws robots::InputError only for what a problem file
