@@ -56,7 +56,7 @@ class LargeWorlds : public CommandTest {
       if (leaves(b)) balls += inYaml("ball_" + std::to_string(i++), b);
     }
     writeProblem("world.yaml", shipped, balls);
-    const Answer plan = run("plan world.yaml --output path.json --json");
+    const Answer plan = run("plan world.yaml --output path.json --time 200 --json");
     ASSERT_EQ(plan.status, 0) << plan.err;
     const json certificate = plan.document()["certificate"];
     EXPECT_EQ(certificate["certified"], true);
@@ -148,7 +148,7 @@ objects:
 margin: 0.005
 limits: {time: 20}
 )");
-  const Answer plan = run("plan hills.yaml --output path.json --json");
+  const Answer plan = run("plan hills.yaml --output path.json --time 200 --json");
   ASSERT_EQ(plan.status, 0) << plan.err;
   EXPECT_EQ(plan.document()["certificate"]["certified"], true);
   EXPECT_GE(plan.document()["certificate"]["clearance_lower"], 0.005);

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 #include <span>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -205,10 +206,11 @@ TEST(DeformKernels, AreTheSameBytes) {
   EXPECT_GE(onEveryTarget([&](const char* target) {
               const std::vector<float> other = results();
               ASSERT_EQ(best.size(), other.size());
-              // The emulated target's demotion of infinity ends at the largest float.
-              const auto finite = [](float x) {
+              // Of the emulated target alone: its demotion of infinity ends at the largest float.
+              const bool is_emulated = std::string_view(target) == "EMU128";
+              const auto finite = [is_emulated](float x) {
                 constexpr float kMost = std::numeric_limits<float>::max();
-                return std::clamp(x, -kMost, kMost);
+                return is_emulated ? std::clamp(x, -kMost, kMost) : x;
               };
               for (std::size_t i = 0; i < best.size(); ++i) {
                 // 0 and -0 give equal boxes but different bytes.
