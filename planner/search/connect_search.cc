@@ -84,9 +84,11 @@ class Worker {
         trees_->takeGoals();
       }
       const bool met = trees_->iterate();
+      // Slides ask their edges from the tree's root on, which is backwards in the goals' tree.
+      const bool is_certified = !narrow_;
       if (met) path_ = trees_->path();
       if (met || --left_ == 0) end();
-      if (met && query_.accept(path_, certifier_)) return true;
+      if (met && query_.accept(path_, certifier_, is_certified)) return true;
     }
     return false;
   }

@@ -36,8 +36,9 @@ struct ConnectQuery {
   const std::vector<double>& start;
   const Waypoints& goals;  ///< valid ones, at least one
   std::uint64_t seed;
-  /// Whether a path that was found will do; may change it. Called by several threads.
-  const std::function<bool(Waypoints&, EdgeCertifier&)>& accept;
+  /// Whether a path that was found will do; may change it. The last argument: whether every edge is
+  /// proven free as it stands. Called by several threads.
+  const std::function<bool(Waypoints&, EdgeCertifier&, bool)>& accept;
   Limits& limits;
   std::uint64_t most;  ///< iterations of this search, beside the limits
   /// Told of the free edges of the first worker, from one thread at a time; may be empty.

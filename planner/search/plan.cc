@@ -151,6 +151,10 @@ class Plan {
     result_.offending_b = scene.bodies()[static_cast<std::size_t>(pair.body_b)].name;
   }
 
+  SearchTask searchTask() {
+    return {problem_, start_, goals_, limits_, options_.on_edge, nullptr, scene_.get()};
+  }
+
   /// A path with every edge certified; empty when none is found within the limits.
   Waypoints search() {
     if (Waypoints path = direct(); !path.empty()) return path;
@@ -159,7 +163,7 @@ class Plan {
            !limits_.searchOver() && sampler_->more(goals_)) {
     }
     const QuietOmpl quiet;
-    SearchTask task{problem_, start_, goals_, limits_, options_.on_edge};
+    SearchTask task = searchTask();
     if (traits_->optimizing) limits_.reserve(kSimplifyShare);
     if (wantsLength()) {
       GoalSupply supply(scene_, *sampler_, goals_);
@@ -287,7 +291,7 @@ class Plan {
   void improve(Waypoints& path) {
     // Of Connect alone, and no work where nobody asks for it.
     if (problem_.planner.parameters.count("improve") == 0) return;
-    const SearchTask task{problem_, start_, goals_, limits_, options_.on_edge};
+    const SearchTask task = searchTask();
     Search search(scene_, pool_, task);
     const double seconds = search.improves();
     if (!(seconds > 0)) return;

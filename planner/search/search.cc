@@ -114,14 +114,20 @@ double Search::improves() const {
 }
 
 std::optional<Waypoints> Search::connect(std::uint64_t seed, std::uint64_t budget, double bound) {
-  Waypoints goals;
-  for (const std::vector<double>& goal : task_.goals.points)
-    if (certifier().decide(goal) == Verdict::kFree) goals.push_back(goal);
-  // A scene with raised margins may leave no room at the ends.
-  if (goals.empty() || certifier().decide(task_.start) != Verdict::kFree) return std::nullopt;
-  const std::function<bool(Waypoints&, EdgeCertifier&)> accept = [this](Waypoints& path,
-                                                                        EdgeCertifier& own) {
-    return endInGoal(path) && isCertified(own, path);
+  Waypoints goals = task_.goals.points;
+  if (task_.checked_in != scene_.get()) {  // raised margins may leave no room at the ends
+    std::erase_if(goals, [this](const std::vector<double>& goal) {
+      return certifier().decide(goal) != Verdict::kFree;
+    });
+    if (goals.empty() || certifier().decide(task_.start) != Verdict::kFree) return std::nullopt;
+  }
+  const std::function<bool(Waypoints&, EdgeCertifier&, bool)> accept = [this](Waypoints& path,
+                                                                              EdgeCertifier& own,
+                                                                              bool is_certified) {
+    const Waypoints::size_type size = path.size();
+    const std::vector<double> end = path.back();
+    if (!endInGoal(path)) return false;
+    return (is_certified && path.size() == size && path.back() == end) || isCertified(own, path);
   };
   ConnectQuery query{scene_,
                      task_.start,

@@ -32,6 +32,8 @@ struct SearchTask {
   const std::function<void(std::span<const double>, std::span<const double>)>& on_edge;
   /// Further goals for Connect's first path, drawn when it asks; may be null.
   GoalSupply* supply = nullptr;
+  /// The scene in which the start and the goals are known to be free.
+  const CompiledScene* checked_in = nullptr;
 };
 
 /// Searches in one scene by the problem's planner. A planner that gives up before the limits is

@@ -173,7 +173,11 @@ bool ConnectTrees::stepTowards(const Tree& tree, std::uint32_t node, std::span<c
                                double distance) {
   const std::span<const double> from = pointOf(tree, node);
   task_.space.interpolate(from, target, std::min(1.0, settings_.range / distance), next_);
-  return task_.isFree(from, next_);
+  return isFree(tree, from);
+}
+
+bool ConnectTrees::isFree(const Tree& tree, std::span<const double> from) const {
+  return &tree == &trees_[0] ? task_.isFree(from, next_) : task_.isFree(next_, from);
 }
 
 std::uint32_t ConnectTrees::slideTowards(Tree& tree, std::uint32_t node,
@@ -229,7 +233,7 @@ bool ConnectTrees::iterate() {
       std::copy(to.begin(), to.end(), next_.begin());
     else
       task_.space.interpolate(from_, to, i / steps, next_);
-    if (!task_.isFree(pointOf(tree, node), next_)) {
+    if (!isFree(tree, pointOf(tree, node))) {
       slideTowards(tree, node, to);
       return false;
     }

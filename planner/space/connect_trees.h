@@ -70,8 +70,8 @@ class ConnectTrees {
   bool iterate();
   /// Adds the goals that were appended to the task's since the last call. O(goals).
   void takeGoals();
-  /// After iterate() was true: from the start to a goal, every edge as isFree() was asked about it,
-  /// some from their ends.
+  /// After iterate() was true: from the start to a goal, every edge as isFree() was asked about it;
+  /// those of slides in the goals' tree from their ends.
   std::vector<std::vector<double>> path() const;
 
  private:
@@ -101,6 +101,8 @@ class ConnectTrees {
   /// free. `next_` is where it ends.
   bool stepTowards(const Tree& tree, std::uint32_t node, std::span<const double> target,
                    double distance);
+  /// The edge between a point of the tree and next_, in the direction in which a path takes it.
+  bool isFree(const Tree& tree, std::span<const double> from) const;
 
   ConnectTask task_;
   ConnectSettings settings_;

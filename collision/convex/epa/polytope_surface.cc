@@ -28,8 +28,8 @@ inline int nextEdge(int e) { return e == 2 ? 0 : e + 1; }
 }  // namespace
 
 PolytopeBuffers::PolytopeBuffers() {
-  vertices.resize(kVertexCapacity);
-  facets.resize(kFacetCapacity);
+  vertices.reserve(kVertexCapacity);
+  facets.reserve(kFacetCapacity);
   free_facets.reserve(kFacetCapacity);
   queue.reserve(kQueueCapacity);
   visible.reserve(kFacetCapacity);
@@ -49,6 +49,8 @@ int signOfDeterminant(const Vector& a, const Vector& b, const Vector& c) {
 
 PolytopeSurface::PolytopeSurface(PolytopeBuffers& buffers, double roundoff, const double& reach)
     : buffers_(buffers), roundoff_(roundoff), reach_(reach), mark_(buffers.mark) {
+  buffers_.vertices.clear();
+  buffers_.facets.clear();
   buffers_.queue.clear();
   buffers_.free_facets.clear();
   if (mark_ > kLastMark) {
@@ -57,10 +59,16 @@ PolytopeSurface::PolytopeSurface(PolytopeBuffers& buffers, double roundoff, cons
   }
 }
 
+SupportPoint& PolytopeSurface::nextVertex() {
+  const auto next = static_cast<std::size_t>(vertex_count_);
+  if (next == buffers_.vertices.size()) buffers_.vertices.emplace_back();
+  return buffers_.vertices[next];
+}
+
 bool PolytopeSurface::full() const { return vertex_count_ >= kVertexCapacity || room() < 8; }
 
 std::size_t PolytopeSurface::room() const {
-  return buffers_.free_facets.size() + static_cast<std::size_t>(kFacetCapacity - facet_count_);
+  return buffers_.free_facets.size() + static_cast<std::size_t>(kFacetCapacity - facetCount());
 }
 
 bool PolytopeSurface::makeTetrahedron() {
@@ -135,9 +143,9 @@ inline void PolytopeSurface::enqueue(int index, double longest_squared) {
 }
 
 inline int PolytopeSurface::newFacet(int a, int b, int c) {
-  int index = facet_count_;
+  int index = facetCount();
   if (buffers_.free_facets.empty()) {
-    ++facet_count_;
+    buffers_.facets.emplace_back();
   } else {
     index = buffers_.free_facets.back();
     buffers_.free_facets.pop_back();
@@ -261,7 +269,7 @@ void PolytopeSurface::expand(int first) {
 // How often a ray from the origin crosses the surface outwards; nothing when it meets an edge.
 std::optional<int> PolytopeSurface::windingAlong(const Vector& ray) const {
   int winding = 0;
-  for (int i = 0; i < facet_count_; ++i) {
+  for (int i = 0; i < facetCount(); ++i) {
     const PolytopeFacet& f = facet(i);
     if (!f.alive) continue;
     const Vector &a = w(f.vertex[0]), &b = w(f.vertex[1]), &c = w(f.vertex[2]);
@@ -285,7 +293,7 @@ bool PolytopeSurface::windsAroundOrigin() {
 // Along rays through the middle of facets, until one meets no edge.
 bool PolytopeSurface::computeWinding() const {
   int tried = 0;
-  for (int i = 0; i < facet_count_; ++i) {
+  for (int i = 0; i < facetCount(); ++i) {
     const PolytopeFacet& f = facet(i);
     if (!f.alive) continue;
     // (Not the centroid: symmetric input often puts that on other facets' edges.)

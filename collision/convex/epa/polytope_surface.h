@@ -31,7 +31,8 @@ struct PolytopeFacet {
   bool refined = false;
 };
 
-/// Memory of one penetration query; sized once.
+/// Memory of one penetration query; sized once. Reserved, and not filled before a query uses it:
+/// half a megabyte takes longer to fill than many paths take to find.
 struct PolytopeBuffers {
   PolytopeBuffers();
 
@@ -67,7 +68,7 @@ class PolytopeSurface {
   const SupportPoint& vertex(int i) const { return buffers_.vertices[static_cast<std::size_t>(i)]; }
   const Vector& w(int i) const { return vertex(i).w; }
   /// The slot of the next vertex, and the step that makes it one.
-  SupportPoint& nextVertex() { return buffers_.vertices[static_cast<std::size_t>(vertex_count_)]; }
+  SupportPoint& nextVertex();
   void addVertex() { ++vertex_count_; }
 
   /// Makes the surface of the tetrahedron of the first four vertices; false when they are flat.
@@ -76,7 +77,7 @@ class PolytopeSurface {
   void expand(int first);
 
   /// Slots of facets, alive or not.
-  int facetCount() const { return facet_count_; }
+  int facetCount() const { return static_cast<int>(buffers_.facets.size()); }
   PolytopeFacet& facet(int i) { return buffers_.facets[static_cast<std::size_t>(i)]; }
   const PolytopeFacet& facet(int i) const { return buffers_.facets[static_cast<std::size_t>(i)]; }
   /// The facet of the queue with the smallest key; -1 when none is left.
@@ -109,8 +110,7 @@ class PolytopeSurface {
   const double& reach_;
   std::int32_t& mark_;
   int vertex_count_ = 0;
-  int facet_count_ = 0;  // slots of buffers_.facets in use or free
-  bool winds_ = false;   // proven
+  bool winds_ = false;  // proven
 };
 
 inline double PolytopeSurface::leastAlong(const PolytopeFacet& f, const Vector& n) const {

@@ -119,9 +119,8 @@ struct TrapSearch {
   std::vector<double> start;
   Waypoints goals{{1.5, 0, 0, 0, 0, 0, 1}};
   std::uint64_t seed = 1;
-  std::function<bool(Waypoints&, EdgeCertifier&)> accept = [](Waypoints& path, EdgeCertifier&) {
-    return path.size() > 1;
-  };
+  std::function<bool(Waypoints&, EdgeCertifier&, bool)> accept =
+      [](Waypoints& path, EdgeCertifier&, bool) { return path.size() > 1; };
 };
 
 TEST(ConnectSearch, NarrowRunsLeaveATrap) {

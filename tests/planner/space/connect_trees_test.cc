@@ -7,7 +7,9 @@
 #include <memory>
 #include <numbers>
 #include <numeric>
+#include <set>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "tests/support/mixed_space.h"
@@ -56,6 +58,26 @@ double lengthOf(const ConfigurationSpace& space, const std::vector<std::vector<d
   double length = 0;
   for (std::size_t i = 1; i < path.size(); ++i) length += space.distance(path[i - 1], path[i]);
   return length;
+}
+
+/// So that what was proven of an edge is proven of the path's.
+TEST(ConnectTrees, AsksEdgesInThePathsDirection) {
+  using Points = std::vector<double>;
+  const ConfigurationSpace space = square();
+  const std::vector<std::vector<double>> goals{{1, -1}, {1, -1.5}};
+  const Edge gap = wallWithGap(0.4);
+  for (std::uint64_t seed = 1; seed <= 50; ++seed) {
+    std::set<std::pair<Points, Points>> free;
+    const Edge edge = [&](Point a, Point b) {
+      if (!gap(a, b)) return false;
+      free.insert({Points(a.begin(), a.end()), Points(b.begin(), b.end())});
+      return true;
+    };
+    const Found found = search(space, {-1, -1}, goals, edge, {0.3, seed % 2 == 0, true}, seed);
+    ASSERT_FALSE(found.path.empty()) << seed;
+    for (std::size_t i = 1; i < found.path.size(); ++i)
+      EXPECT_EQ(free.count({found.path[i - 1], found.path[i]}), 1) << seed << ", edge " << i;
+  }
 }
 
 /// With twelve joints a range is a twentieth of the extent, and no sample comes as near to a root
