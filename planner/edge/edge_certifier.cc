@@ -100,6 +100,7 @@ Verdict EdgeCertifier::decide(std::span<const double> point) {
   impl.startWork();
   int offender = -1;
   if (!impl.frames.begin(point, point)) return Verdict::kUndecided;
+  if (const std::optional<Verdict> verdict = impl.decideByLanes()) return *verdict;
   const int slot = impl.frames.place(0);
   return slot < 0 ? Verdict::kUndecided : impl.checkState(slot, 0, offender);
 }
@@ -199,7 +200,7 @@ EdgeCheck EdgeCertifier::Impl::certifyByLanes() {
   const EdgeLanes::Parts whole = EdgeLanes::wholeEdge();
 
   // 1. Balls swept to capsules; planes and points that decided a pair before.
-  if (const auto contact = lanes.sweep(); contact.id >= 0) return makeCheck(whole, contact);
+  if (const auto contact = lanes.sweep(frames); contact.id >= 0) return makeCheck(whole, contact);
   if (lanes.isFull()) return makeCheck(Verdict::kUndecided);
   if (asked != Pairs::kAll) lanes.closeOthers(frames, asked == Pairs::kSelf);
   // 2. Gaps between two links that the angles of two joints prove.

@@ -16,7 +16,7 @@
 //
 //   beneath these: one interval                     sweepOpenPairs              edge_sweep.cc
 //                  lists of intervals               listOpenLanes and below     edge_intervals.cc
-//                  one configuration                checkState                  edge_state.cc
+//                  one configuration                decideByLanes, checkState   edge_state.cc
 //   the least clearance in place of a verdict       ClearanceSearch             edge_clearance.cc
 //   a proof of more than the margins                Asking                      edge_clearance.cc
 // clang-format on
@@ -121,6 +121,8 @@ struct EdgeCertifier::Impl {
   /// The pairs, in their order, that may not keep their thresholds, or not be farther apart than
   /// `reach` >= 0 [m]; until the next call.
   std::span<const int> nearPairs(int slot, double reach);
+  /// Of an edge without length that frames have begun: stages 1, 2 and 4, which mostly tell.
+  std::optional<Verdict> decideByLanes();
   /// All pairs at t, placed in `slot`. `offender`: the pair that is not free or undecided.
   Verdict checkState(int slot, double t, int& offender);
   /// By balls and coarse shapes.

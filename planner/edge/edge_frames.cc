@@ -16,11 +16,15 @@ namespace leeway::planner {
 
 EdgeFrames::EdgeFrames(std::shared_ptr<const CompiledScene> scene, int capacity)
     : scene_(std::move(scene)), links_(scene_->model().links.size()), capacity_(capacity) {
-  take(scene_->edges());
-  const auto size = static_cast<std::size_t>(scene_->space().size());
+  const ConfigurationSpace& space = scene_->space();
+  const auto size = static_cast<std::size_t>(space.size());
   for (std::vector<double>* v : {&a_, &b_, &difference_, &point_}) v->resize(size);
   q_.resize(scene_->model().variables.size());
   dq_.resize(q_.size());
+  only_lines_ = std::all_of(space.parts().begin(), space.parts().end(), [](const auto& part) {
+    return part.kind == ConfigurationSpace::Kind::kLine;
+  });
+  take(scene_->edges());
   joint_motion_.resize(scene_->model().joints.size());
   poses_.reserve(at(capacity) * links_);
   centers_.reserve(at(capacity) * moving_.size());
@@ -37,7 +41,10 @@ void EdgeFrames::take(const EdgeScene& edges) {
   pieces_ = edges.pieces;
   moving_ = edges.moving;
   gaps_.clear();
-  for (const robots::LinkGap* table : edges.gaps) gaps_.push_back({table, {}, {}});
+  if (edges.gaps.empty()) return;
+  scene_->expand(point_, q_);  // what is not planned stands as there
+  for (const robots::LinkGap* table : edges.gaps)
+    gaps_.push_back({table, angleOf(table->joint), angleOf(table->other)});
 }
 
 namespace {
@@ -51,17 +58,25 @@ std::int64_t arcsIn(const robots::LinkGap::Range& range) {
 
 }  // namespace
 
-/// Needs q_ at the edge's start.
-EdgeFrames::Turn EdgeFrames::turnOf(int joint) const {
+EdgeFrames::Angle EdgeFrames::angleOf(int joint) const {
   const robots::KinematicStep& step = scene_->model().steps[at(joint)];
-  return {step.multiplier * q_[at(step.variable)] + step.offset,
-          step.multiplier * dq_[at(step.variable)]};
+  const std::span<const int> planned = scene_->space().variables();
+  const auto found = std::find(planned.begin(), planned.end(), static_cast<int>(step.variable));
+  if (found == planned.end()) return {-1, 0, step.multiplier * q_[at(step.variable)] + step.offset};
+  return {static_cast<int>(found - planned.begin()), step.multiplier, step.offset};
+}
+
+robots::LinkGap::Range EdgeFrames::range(const Angle& angle, double t0, double t1) const {
+  if (angle.place < 0) return {angle.offset, angle.offset};
+  const double start = angle.multiplier * a_[at(angle.place)] + angle.offset;
+  const double turn = angle.multiplier * difference_[at(angle.place)];
+  return {start + t0 * turn, start + t1 * turn};
 }
 
 bool EdgeFrames::keepsGap(const EdgePair& pair, double threshold, double t0, double t1) const {
   if (pair.gap < 0) return false;
   const Gap& gap = gaps_[at(pair.gap)];
-  const robots::LinkGap::Range angles = gap.turn.over(t0, t1), others = gap.other.over(t0, t1);
+  const robots::LinkGap::Range angles = range(gap.joint, t0, t1), others = range(gap.other, t0, t1);
   if (work_ != nullptr) work_->add(arcsIn(angles) * arcsIn(others) * collision::kCellWork);
   const double kept = gap.table->over(angles, others);
   // 0 means that nothing is proven, even where the margin lets bodies overlap.
@@ -90,22 +105,44 @@ bool EdgeFrames::isWellFormed(std::span<const double> point) const {
   return true;
 }
 
-bool EdgeFrames::begin(std::span<const double> a, std::span<const double> b) {
-  release(0);
+/// What takeAny() does, where each number of a point is a line of its own: most robots.
+bool EdgeFrames::takeLines(std::span<const double> a, std::span<const double> b) {
+  const ConfigurationSpace& space = scene_->space();
+  bool is_exact = true, is_well_formed = true, is_within = true;
+  for (std::size_t i = 0; i < a_.size(); ++i) {
+    const double x = a[i], y = b[i];
+    const double lower = space.lower(static_cast<int>(i)), upper = space.upper(static_cast<int>(i));
+    // All written so that NaN fails.
+    is_exact &= std::abs(x) <= kLargestAngle && std::abs(y) <= kLargestAngle;
+    is_well_formed &= lower != upper || (x == lower && y == lower);
+    is_within &= x >= lower && x <= upper && y >= lower && y <= upper;
+    a_[i] = x;
+    b_[i] = y;
+    difference_[i] = y - x;
+  }
+  within_limits_ = is_within;
+  return is_exact && is_well_formed;
+}
+
+bool EdgeFrames::takeAny(std::span<const double> a, std::span<const double> b) {
   if (!hasExactAngles(a) || !hasExactAngles(b) || !isWellFormed(a) || !isWellFormed(b))
     return false;
   const ConfigurationSpace& space = scene_->space();
   std::copy(a.begin(), a.end(), a_.begin());
   std::copy(b.begin(), b.end(), b_.begin());
   space.difference(a_, b_, difference_);
+  within_limits_ = space.withinLimits(a_) && space.withinLimits(b_);
+  return true;
+}
+
+bool EdgeFrames::begin(std::span<const double> a, std::span<const double> b) {
+  release(0);
+  if (only_lines_ ? !takeLines(a, b) : !takeAny(a, b)) return false;
   const EdgeModel& model = scene_->edgeModel();
   if (!model.isSmooth(a_, b_, difference_)) return false;
-  expandDifference(space, difference_, dq_);
-  robots::jointMotion(scene_->model(), dq_, joint_motion_);
-  within_limits_ = space.withinLimits(a_) && space.withinLimits(b_);
   if (!within_limits_ && model.needs_limits) return false;
-  if (!gaps_.empty()) scene_->expand(a_, q_);
-  for (Gap& gap : gaps_) gap.turn = turnOf(gap.table->joint), gap.other = turnOf(gap.table->other);
+  expandDifference(scene_->space(), difference_, dq_);
+  robots::jointMotion(scene_->model(), dq_, joint_motion_);
   watch_reach_ = !within_limits_ || model.reach >= kLargestReach;
   return true;
 }

@@ -174,6 +174,9 @@ class EdgeFrames {
  private:
   static std::size_t at(int i) { return static_cast<std::size_t>(i); }
   void take(const EdgeScene& edges);
+  /// Takes an edge's ends; false as begin().
+  bool takeLines(std::span<const double> a, std::span<const double> b);
+  bool takeAny(std::span<const double> a, std::span<const double> b);
   bool hasExactAngles(std::span<const double> point) const;
   bool isWellFormed(std::span<const double> point) const;
 
@@ -181,25 +184,27 @@ class EdgeFrames {
   const EdgeScene* edges_ = nullptr;  // the scene's
   std::span<const Piece> pieces_;
   std::span<const int> moving_;
-  /// A joint's angle at the edge's start, and how far it turns [rad].
-  struct Turn {
-    double angle = 0, turn = 0;
-    robots::LinkGap::Range over(double t0, double t1) const {
-      return {angle + t0 * turn, angle + t1 * turn};
-    }
+  /// A joint's angle is multiplier * a planned number + offset [rad]; place < 0: the offset alone.
+  struct Angle {
+    int place;
+    double multiplier, offset;
   };
-  /// The gap between a pair's links by two joints' angles, and how this edge turns the two.
+  /// The gap between a pair's links by two joints' angles.
   struct Gap {
     const robots::LinkGap* table;
-    Turn turn, other;
+    Angle joint, other;
   };
-  Turn turnOf(int joint) const;
+  /// Needs q_ for joints that are not planned.
+  Angle angleOf(int joint) const;
+  /// From t0 to t1.
+  robots::LinkGap::Range range(const Angle& angle, double t0, double t1) const;
   std::vector<Gap> gaps_;
   std::size_t links_;
   collision::Work* work_ = nullptr;
   int capacity_;
   int used_ = 0;
   std::uint64_t generation_ = 0;
+  bool only_lines_ = false;  // in the space
   bool within_limits_ = true, watch_reach_ = false;
   std::vector<double> a_, b_, difference_, point_, q_, dq_;
   std::vector<robots::JointMotion> joint_motion_;

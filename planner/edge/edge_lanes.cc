@@ -256,11 +256,6 @@ bool EdgeLanes::begin(const EdgeFrames& frames) {
   }
   turns /= 2 * collision::kLanes;
   slides /= 2 * collision::kLanes;
-  const std::size_t joints = scene_->model().joints.size();
-  for (std::size_t j = 0; j < joints; ++j) {
-    joint_motion_[j] = roundedUp(frames.jointMotion()[j].angle);
-    joint_motion_[joints + j] = roundedUp(frames.jointMotion()[j].travel);
-  }
   // Over every chain, the lengths from each of its steps on sum up to at most (steps + 1) times the
   // longest chain.
   const double rounding = collision::kLaneRounding * (robot_.deepest + 1) * lanes_.longest;
@@ -280,14 +275,23 @@ void EdgeLanes::placeFrames(const collision::LaneValues& places,
   collision::placeFrames(frame_steps_, places, frames);
 }
 
-LaneSweep::Contact EdgeLanes::sweep() {
+void EdgeLanes::beginPass(const EdgeFrames& frames, const collision::LaneValues& middles) {
+  collision::moveFrames(frame_steps_, middles, kWidth, lane_frames_);
+  const std::span<const robots::JointMotion> motion = frames.jointMotion();
+  for (std::size_t j = 0; j < motion.size(); ++j) {
+    joint_motion_[j] = roundedUp(motion[j].angle);
+    joint_motion_[motion.size() + j] = roundedUp(motion[j].travel);
+  }
+  robot_.growth.run(joint_motion_, growth_values_);
+  pass_growth_ = growth_values_;
+}
+
+LaneSweep::Contact EdgeLanes::sweep(const EdgeFrames& frames) {
   const collision::LaneValues middles = middlesOfEdge();
   placeFrames(middles, lane_frames_);
   const LaneSweep::Contact again = lanes_.sweep.meetAgain(lane_frames_, slack_, *scratch_);
   if (again.id >= 0) return again;
-  collision::moveFrames(frame_steps_, middles, kWidth, lane_frames_);
-  robot_.growth.run(joint_motion_, growth_values_);
-  pass_growth_ = growth_values_;
+  beginPass(frames, middles);
   demandInPass(beyond_);
   return lanes_.sweep.run(lane_frames_, pass_growth_, slack_, *scratch_);
 }
@@ -299,12 +303,10 @@ void EdgeLanes::demandInPass(double beyond) {
   for (float& growth : pass_growth_) growth = (growth + wider) * (1 + 0x1p-22F);  // rounded up
 }
 
-LaneSweep::Contact EdgeLanes::sweepBeyond(double beyond) {
+LaneSweep::Contact EdgeLanes::sweepBeyond(const EdgeFrames& frames, double beyond) {
   const collision::LaneValues middles = middlesOfEdge();
   placeFrames(middles, lane_frames_);
-  collision::moveFrames(frame_steps_, middles, kWidth, lane_frames_);
-  robot_.growth.run(joint_motion_, growth_values_);
-  pass_growth_ = growth_values_;
+  beginPass(frames, middles);
   demandInPass(beyond);
   return lanes_.sweep.run(lane_frames_, pass_growth_, slack_, *scratch_);
 }

@@ -53,8 +53,8 @@ class EdgeLanes {
   void demandBeyond(double beyond) { beyond_ = beyond; }
 
   /// All intervals [k, k + 1] / kLanes, by balls, and by the planes and points that decided a pair
-  /// last. See LaneSweep::run().
-  collision::LaneSweep::Contact sweep();
+  /// last. `frames` as begin() had it. See LaneSweep::run().
+  collision::LaneSweep::Contact sweep(const EdgeFrames& frames);
   /// After a sweep() without contact: closes the lanes in which EdgeFrames::keepsGap() holds for
   /// thresholds of at least `demanded` plus rounding [m].
   void closeGaps(const EdgeFrames& frames, double demanded);
@@ -63,7 +63,7 @@ class EdgeLanes {
   /// After a sweep() without contact: searches planes between what it left open.
   collision::LaneSweep::Contact searchPlanes();
   /// As sweep(), for separations above each pair's threshold plus `beyond` >= 0 [m].
-  collision::LaneSweep::Contact sweepBeyond(double beyond);
+  collision::LaneSweep::Contact sweepBeyond(const EdgeFrames& frames, double beyond);
 
   /// Parts of the edge, one a lane: from + [0, width]. Each `from` is a multiple of `width`, which
   /// is a power of two of at least 2^-16.
@@ -111,6 +111,8 @@ class EdgeLanes {
  private:
   using Step = RobotLanes::Step;
 
+  /// Motions of the placed frames over the whole edge, and what they leave their chords by.
+  void beginPass(const EdgeFrames& frames, const collision::LaneValues& middles);
   void demandInPass(double beyond);
 
   void placeFrames(const collision::LaneValues& places, std::vector<collision::LaneFrame>& frames);

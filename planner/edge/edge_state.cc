@@ -1,7 +1,9 @@
-// One configuration against the margins: coarse bounds first, then distance().
+// One configuration against the margins: as an edge without length by lanes; where these do not
+// tell, by coarse bounds, then distance().
 
 #include <algorithm>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "collision/scene/scene_access.h"
@@ -81,6 +83,16 @@ std::span<const int> EdgeCertifier::Impl::nearPairs(int slot, double reach) {
   }
   std::sort(near_pairs.begin(), near_pairs.end());
   return near_pairs;
+}
+
+std::optional<Verdict> EdgeCertifier::Impl::decideByLanes() {
+  if (!lanes_fit || !lanes.begin(frames)) return std::nullopt;
+  if (lanes.sweep(frames).id >= 0) return Verdict::kNotFree;
+  if (lanes.isFull()) return std::nullopt;
+  lanes.closeGaps(frames, demanded);
+  if (!lanes.open().empty() && lanes.searchPlanes().id >= 0) return Verdict::kNotFree;
+  if (lanes.open().empty()) return Verdict::kFree;
+  return std::nullopt;
 }
 
 Verdict EdgeCertifier::Impl::checkState(int slot, double t, int& offender) {
