@@ -37,7 +37,13 @@ struct FrameStep {
   float slide[3] = {0, 0, 0};                       ///< [m]
   float angle = 0;                                  ///< at t = 1/2, in [-pi, pi] [rad]
   float turn = 0;                                   ///< within kLargestLaneTurn [rad]
+  /// Where `rotation` maps axes to axes: its column i is axis |axis[i]| - 1, or the opposite where
+  /// axis[i] < 0. 0: it does not, or nobody has looked. placeFrames() then needs no product.
+  std::int8_t axis[3] = {0, 0, 0};
 };
+/// Sets `axis` where all entries of `rotation` are within 2^-24 of 0, 1 or -1, as those of most
+/// robots are. It is what placeFrames() takes from then on.
+void findAxes(FrameStep& step);
 
 /// Frame i of `frames` becomes that of steps[i] at t = 1/2 + places; its motion stays as it was.
 ///

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <limits>
 
 #include "collision/lanes/lane_frames.h"
@@ -80,11 +81,20 @@ HWY_INLINE void placeStep(D d, const FrameStep& step, const LaneFrame* parent, s
   } else {
     V p[9];
     for (int i = 0; i < 9; ++i) p[i] = hn::Load(d, parent->rotation[i].at + at);
-    for (int column = 0; column < 3; ++column)
+    for (int column = 0; column < 3; ++column) {
+      const int axis = step.axis[column];
+      if (axis != 0) {
+        const LaneValues* of = parent->rotation + 3 * (std::abs(axis) - 1);
+        const V sign = hn::Set(d, axis < 0 ? -0.0f : 0.0f);
+        for (int row = 0; row < 3; ++row)
+          m[3 * column + row] = hn::Xor(sign, hn::Load(d, of[row].at + at));
+        continue;
+      }
       for (int row = 0; row < 3; ++row)
         m[3 * column + row] = dot3(
             p[row], p[3 + row], p[6 + row], hn::Set(d, step.rotation[3 * column]),
             hn::Set(d, step.rotation[3 * column + 1]), hn::Set(d, step.rotation[3 * column + 2]));
+    }
     for (int i = 0; i < 3; ++i) {
       const V arm = dot3(p[i], p[3 + i], p[6 + i], t[0], t[1], t[2]);
       hn::Store(hn::Add(hn::Load(d, parent->origin[i].at + at), arm), d, frame.origin[i].at + at);
@@ -194,6 +204,7 @@ HWY_EXPORT(SumGrowth);
 //   their own rounding                                                4 u
 //   the product with the parent's rotation                            9 u
 //   the step's entries                                                2 u
+//   or, where axes map to axes, in place of both                      3 u
 // An origin:
 //   its arm, for each step above                                      72 u of the arm's length
 //   the arm itself                                                    4 u of it
@@ -205,6 +216,17 @@ HWY_EXPORT(SumGrowth);
 // The motion: turn is a sum of axes, each within 72 u a step, times half |turn| / kLanes; slide is
 // a sum of turns times arms; each errs as above.
 // clang-format on
+void findAxes(FrameStep& step) {
+  std::int8_t axis[3] = {0, 0, 0};
+  for (int i = 0; i < 9; ++i) {
+    const float size = std::abs(step.rotation[i]);
+    if (size <= 0x1p-24F) continue;
+    if (!(std::abs(size - 1) <= 0x1p-24F) || axis[i / 3] != 0) return;
+    axis[i / 3] = static_cast<std::int8_t>(step.rotation[i] < 0 ? -(i % 3 + 1) : i % 3 + 1);
+  }
+  if (axis[0] != 0 && axis[1] != 0 && axis[2] != 0) std::copy(axis, axis + 3, step.axis);
+}
+
 void placeFrames(std::span<const FrameStep> steps, const LaneValues& places,
                  std::span<LaneFrame> frames) {
   HWY_DYNAMIC_DISPATCH(PlaceFrames)(steps.data(), steps.size(), places, frames.data());

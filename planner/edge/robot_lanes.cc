@@ -145,6 +145,7 @@ class Builder {
     copyMatrix(step.X_PJ.rotation * align, lanes_.frame_steps[at(frame)].rotation);
     copyVector(step.X_PJ.translation, lanes_.frame_steps[at(frame)].translation);
     if (!floating) {
+      findAxes(lanes_.frame_steps[at(frame)]);
       places_[at(l)].X_FL.rotation = align.transpose();
       return;
     }

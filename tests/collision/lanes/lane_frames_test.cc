@@ -21,16 +21,31 @@ struct Chain {
   std::vector<double> lengths;
 };
 
+/// A turn that maps axes to axes, but for rounding.
+Eigen::Matrix3f axesToAxes(Random& random) {
+  Eigen::Matrix3f rotation = Eigen::Matrix3f::Zero();
+  const int first = random.below(3), second = (first + 1 + random.below(2)) % 3;
+  rotation(first, 0) = random.chance(0.5) ? 1 : -1;
+  rotation(second, 1) = random.chance(0.5) ? 1 : -1;
+  rotation.col(2) = rotation.col(0).cross(rotation.col(1));
+  for (int i = 0; i < 9; ++i)
+    if (random.chance(0.5)) rotation(i) += random.chance(0.5) ? 0x1p-24F : -0x1p-24F;
+  return rotation;
+}
+
 Chain randomChain(Random& random) {
   Chain chain;
   const int count = 1 + random.below(9);
   for (int i = 0; i < count; ++i) {
     FrameStep step;
     step.parent = i - 1;
-    const Eigen::Matrix3f rotation = random.rotation().cast<float>();
+    Eigen::Matrix3f rotation = random.rotation().cast<float>();
+    const bool has_axes = random.chance(0.5);
+    if (has_axes) rotation = axesToAxes(random);
     const Eigen::Vector3f t = (random.direction() * random.uniform(0, 0.6)).cast<float>();
     std::copy(rotation.data(), rotation.data() + 9, step.rotation);
     std::copy(t.data(), t.data() + 3, step.translation);
+    if (has_axes) findAxes(step);
     double length = t.cast<double>().norm();
     step.angle = static_cast<float>(random.uniform(-3.14, 3.14));
     if (random.chance(0.9)) step.turn = static_cast<float>(random.uniform(-7, 7));
@@ -119,6 +134,36 @@ TEST(LaneFrames, AreWithinTheirBoundOfDoublePrecision) {
   // Bounds are tight enough to reveal an error of a few units.
   EXPECT_GT(worst, 0.01);
   EXPECT_GT(worst_way, 0.001);
+}
+
+TEST(LaneFrames, FindAxesWhereTheyMapToAxes) {
+  Random random(13);
+  const auto axesOf = [](const Eigen::Matrix3f& rotation) {
+    FrameStep step;
+    std::copy(rotation.data(), rotation.data() + 9, step.rotation);
+    findAxes(step);
+    return std::vector<int>(step.axis, step.axis + 3);
+  };
+  const std::vector<int> none(3, 0);
+  Eigen::Matrix3f known;
+  known << 0, 0, -1, 1, 0, 0, 0, -1, 0;
+  EXPECT_EQ(axesOf(known), (std::vector<int>{2, -3, -1}));
+  for (int round = 0; round < 100; ++round) {
+    const Eigen::Matrix3f rotation = axesToAxes(random);
+    const std::vector<int> axes = axesOf(rotation);
+    ASSERT_NE(axes, none);
+    for (int i = 0; i < 3; ++i) {
+      const int axis = axes[static_cast<std::size_t>(i)];
+      const Eigen::Vector3f unit = Eigen::Vector3f::Unit(std::abs(axis) - 1) * (axis < 0 ? -1 : 1);
+      EXPECT_LE((rotation.col(i) - unit).cwiseAbs().maxCoeff(), 0x1p-24F);
+    }
+    EXPECT_EQ(axesOf(random.rotation().cast<float>()), none);
+    Eigen::Matrix3f turned = rotation;
+    turned(random.below(9)) += 0x1p-22F;
+    EXPECT_EQ(axesOf(turned), none);
+  }
+  EXPECT_EQ(axesOf(Eigen::Matrix3f::Zero()), none);
+  EXPECT_EQ(axesOf(Eigen::Matrix3f::Constant(NAN)), none);
 }
 
 TEST(LaneFrames, HaveTheSameBitsOnEveryInstructionSet) {
