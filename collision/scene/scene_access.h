@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <functional>
 
+#include "collision/lanes/obstacle_boxes.h"
 #include "collision/scene/geometry_bounds.h"
 #include "leeway/collision/scene.h"
 
@@ -53,5 +54,25 @@ struct SceneAccess {
 /// A lower bound on the separation of one pair [m], as the workspace places its bodies, from balls
 /// and stand-ins alone. Never throws or allocates. O(1).
 double coarseLowerBound(const Scene& scene, const Workspace& workspace, int pair);
+
+/// Around the geometry of a run, as the workspace places it, grown by `reach` [m]: what stands
+/// still and does not meet it is farther away than that. NaN, which meets everything, where it is
+/// too large for a box or not finite.
+ObstacleBoxes::Box boxOfRun(const Scene& scene, const Workspace& workspace, std::size_t run,
+                            double reach);
+
+/// Calls visit(pair) for the pairs of a run that may be nearer than `reach` [m], in an order that
+/// depends on the scene alone. O(near + log of all), mostly.
+template <class Visit>
+void forEachNearInRun(const Scene& scene, const Workspace& workspace, std::size_t run, double reach,
+                      const Visit& visit) {
+  const ObstacleBoxes& boxes = *SceneAccess::boxes(scene);
+  boxes.forEachNear(boxOfRun(scene, workspace, run, reach), [&](std::size_t slot) {
+    const std::int32_t place = boxes.obstacle(slot);
+    const std::int32_t pair =
+        place < 0 ? -1 : scene.pairs().numberOf(run, static_cast<std::size_t>(place));
+    if (pair >= 0) visit(static_cast<int>(pair));
+  });
+}
 
 }  // namespace leeway::collision

@@ -162,27 +162,8 @@ template <class Visit>
 void forEachNear(const Scene& scene, const Workspace& workspace, double reach, const Visit& visit) {
   const ScenePairs& pairs = scene.pairs();
   for (std::size_t p = 0; p < pairs.listedCount(); ++p) visit(static_cast<int>(p));
-  for (std::size_t run = 0; run < pairs.runs().size(); ++run) {
-    const ScenePairs::Run& of = pairs.runs()[run];
-    const Ball& ball = boundsOf(scene, of.body, of.geometry).outer;
-    const Eigen::Vector3d center = workspace.pose(of.body) * ball.center;
-    const double slack = transferSlack(scene, workspace, of.body, of.body, ball.center);
-    const double radius = ball.radius + reach + 2 * slack;
-    ObstacleBoxes::Box box;
-    for (int k = 0; k < 3; ++k) {
-      box.low[k] = floatBelow(center[k] - radius);
-      box.high[k] = floatAbove(center[k] + radius);
-      // Boxes end there, and those of half-spaces stand for everything: so must this one.
-      if (!(std::max(-box.low[k], box.high[k]) < kFar))
-        box.low[k] = box.high[k] = std::numeric_limits<float>::quiet_NaN();
-    }
-    const ObstacleBoxes& boxes = *SceneAccess::boxes(scene);
-    boxes.forEachNear(box, [&](std::size_t slot) {
-      const std::int32_t place = boxes.obstacle(slot);
-      const std::int32_t p = place < 0 ? -1 : pairs.numberOf(run, at(place));
-      if (p >= 0) visit(p);
-    });
-  }
+  for (std::size_t run = 0; run < pairs.runs().size(); ++run)
+    forEachNearInRun(scene, workspace, run, reach, visit);
 }
 
 /// One pair against its margin. `result` has at least the interval, and all else where the exact
@@ -209,6 +190,24 @@ Verdict decidePair(const Scene& scene, Workspace& workspace, int p, DistanceResu
 }
 
 }  // namespace
+
+ObstacleBoxes::Box boxOfRun(const Scene& scene, const Workspace& workspace, std::size_t run,
+                            double reach) {
+  const ScenePairs::Run& of = scene.pairs().runs()[run];
+  const Ball& ball = boundsOf(scene, of.body, of.geometry).outer;
+  const Eigen::Vector3d center = workspace.pose(of.body) * ball.center;
+  const double slack = transferSlack(scene, workspace, of.body, of.body, ball.center);
+  const double radius = ball.radius + reach + 2 * slack;
+  ObstacleBoxes::Box box;
+  for (int k = 0; k < 3; ++k) {
+    box.low[k] = floatBelow(center[k] - radius);
+    box.high[k] = floatAbove(center[k] + radius);
+    // Boxes end there, and those of half-spaces stand for everything: so must this one.
+    if (!(std::max(-box.low[k], box.high[k]) < kFar))
+      box.low[k] = box.high[k] = std::numeric_limits<float>::quiet_NaN();
+  }
+  return box;
+}
 
 double coarseLowerBound(const Scene& scene, const Workspace& workspace, int pair) {
   return coarseLower(scene, workspace, scene.pairs()[at(pair)]);

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
+#include "collision/base/greatest.h"
 #include "collision/base/tolerances.h"
 #include "collision/scene/scene_access.h"
 
@@ -10,6 +12,7 @@ namespace leeway::collision {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kBeyondAll{kFar};
 
 std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
@@ -20,8 +23,10 @@ double later(double time, double wait) {
 
 /// Whether bounds that hold from `old_time` on include all that `now` allows from `time` on.
 bool covers(const PointMotion& old, double old_time, const PointMotion& now, double time) {
-  const double reached =
-      std::min(old.speed_cap, old.speed + old.acceleration * std::max(0.0, time - old_time));
+  // The conditions keep 0 * infinity out: what stands still has stood since ever.
+  const double passed = time - old_time;
+  const double gained = passed > 0 && old.acceleration > 0 ? old.acceleration * passed : 0;
+  const double reached = std::min(old.speed_cap, old.speed + gained);
   return now.acceleration <= old.acceleration && now.speed_cap <= old.speed_cap &&
          std::min(now.speed, now.speed_cap) <= reached;
 }
@@ -58,29 +63,49 @@ double timeToImpact(double gap, const PointMotion& closing) {
 }
 
 ImpactSchedule::ImpactSchedule(const Scene& scene) : scene_(&scene) {
-  const std::size_t pairs = scene.pairs().size(), bodies = scene.bodies().size();
+  const ScenePairs& pairs = scene.pairs();
+  const std::size_t bodies = scene.bodies().size(), listed = pairs.listedCount();
+  const std::size_t runs = pairs.runs().size(), items = listed + runs;
   motions_.resize(bodies);
   for (std::size_t b = 0; b < bodies; ++b)
     if (scene.bodies()[b].moving) motions_[b].motion = {kInfinity, kInfinity, kInfinity};
-  due_.assign(pairs, -kInfinity);
-  heap_.resize(pairs);
-  slot_.resize(pairs);
-  looking_.resize(pairs);
-  imminent_.resize(pairs);
-  first_pair_.assign(bodies + 1, 0);
-  for (const ScenePair& pair : scene.pairs()) {
-    ++first_pair_[at(pair.body_a) + 1];
-    ++first_pair_[at(pair.body_b) + 1];
+  if (pairs.hasRuns()) {
+    is_moved_still_.assign(bodies, 0);
+    moved_still_.reserve(bodies - at(pairs.firstStill()));
   }
-  for (std::size_t b = 0; b < bodies; ++b) first_pair_[b + 1] += first_pair_[b];
-  pairs_of_body_.resize(2 * pairs);
-  std::vector<std::int32_t> next(first_pair_.begin(), first_pair_.end() - 1);
-  for (std::size_t p = 0; p < pairs; ++p) {
-    place(p, static_cast<std::int32_t>(p));  // all due at once: any order is a heap
-    const ScenePair& pair = scene.pairs()[p];
-    pairs_of_body_[at(next[at(pair.body_a)]++)] = static_cast<std::int32_t>(p);
-    pairs_of_body_[at(next[at(pair.body_b)]++)] = static_cast<std::int32_t>(p);
+  due_.assign(items, -kInfinity);
+  heap_.resize(items);
+  slot_.resize(items);
+  looking_.resize(items);
+  imminent_.resize(listed + std::min(pairs.size() - listed, kMostNamed));
+  first_item_.assign(bodies + 1, 0);
+  // Calls visit(body, item) for each item of each body.
+  const auto forEach = [&](const auto& visit) {
+    for (std::size_t p = 0; p < listed; ++p) {
+      visit(pairs[p].body_a, p);
+      visit(pairs[p].body_b, p);
+    }
+    for (std::size_t run = 0; run < runs; ++run) visit(pairs.runs()[run].body, listed + run);
+  };
+  forEach([&](int body, std::size_t) { ++first_item_[at(body) + 1]; });
+  for (std::size_t b = 0; b < bodies; ++b) first_item_[b + 1] += first_item_[b];
+  items_of_body_.resize(at(first_item_[bodies]));
+  std::vector<std::int32_t> next(first_item_.begin(), first_item_.end() - 1);
+  forEach([&](int body, std::size_t item) {
+    items_of_body_[at(next[at(body)]++)] = static_cast<std::int32_t>(item);
+  });
+  for (std::size_t item = 0; item < items; ++item)
+    place(item, static_cast<std::int32_t>(item));  // all due at once: any order is a heap
+  for (std::size_t run = 0; run < runs; ++run) {
+    const std::size_t begin = pairs.runBegin(run);
+    next_of_run_.push_back(begin < pairs.runBegin(run + 1) ? static_cast<std::int32_t>(begin) : -1);
   }
+}
+
+std::size_t ImpactSchedule::itemOf(int pair) const {
+  const ScenePairs& pairs = scene_->pairs();
+  const std::size_t listed = pairs.listedCount();
+  return at(pair) < listed ? at(pair) : listed + pairs.placeOf(at(pair)).run;
 }
 
 PointMotion ImpactSchedule::motionAt(int body, double time) const {
@@ -93,15 +118,31 @@ PointMotion ImpactSchedule::motionAt(int body, double time) const {
   return motion;
 }
 
+PointMotion ImpactSchedule::fastestStill(double time) const {
+  PointMotion most{0, 0, 0};
+  for (const std::int32_t body : moved_still_) {
+    const PointMotion motion = motionAt(body, time);
+    most = {greatest(most.speed, motion.speed), greatest(most.acceleration, motion.acceleration),
+            greatest(most.speed_cap, motion.speed_cap)};
+  }
+  return most;
+}
+
 void ImpactSchedule::setMotion(int body, const PointMotion& motion, double time) {
   TimedMotion& last = motions_[at(body)];
   const bool covered = covers(last.motion, last.time, motion, time);
   last = {motion, std::max(last.time, time)};
   if (covered) return;
-  for (std::int32_t i = first_pair_[at(body)]; i < first_pair_[at(body) + 1]; ++i) {
-    const std::int32_t pair = pairs_of_body_[at(i)];
-    if (due_[at(pair)] > time) setDue(pair, time);
-  }
+  const auto hasten = [&](std::int32_t item) {
+    if (due_[at(item)] > time) setDue(item, time);
+  };
+  for (std::int32_t i = first_item_[at(body)]; i < first_item_[at(body) + 1]; ++i)
+    hasten(items_of_body_[at(i)]);
+  const ScenePairs& pairs = scene_->pairs();
+  if (!pairs.hasRuns() || body < pairs.firstStill()) return;
+  if (!std::exchange(is_moved_still_[at(body)], true)) moved_still_.push_back(body);
+  for (std::size_t run = 0; run < pairs.runs().size(); ++run)
+    hasten(static_cast<std::int32_t>(pairs.listedCount() + run));
 }
 
 double ImpactSchedule::look(int p, double time, double horizon, Workspace& workspace,
@@ -122,32 +163,93 @@ double ImpactSchedule::look(int p, double time, double horizon, Workspace& works
   return std::max(due, later(time, timeToImpact(result.distance.lower - pair.margin, motion)));
 }
 
+double ImpactSchedule::lookAtRun(std::size_t run, double time, double horizon, Workspace& workspace,
+                                 ImpactReport& report) {
+  const ScenePairs& pairs = scene_->pairs();
+  const ScenePairs::Run& of = pairs.runs()[run];
+  const double end = time + horizon, margin = pairs.mostMarginOfRun(run);
+  const PointMotion motion = closing(motionAt(of.body, time), fastestStill(time));
+  const double radius =
+      SceneAccess::bounds(*scene_, SceneAccess::geometryIndex(*scene_, of.body, of.geometry))
+          .outer.radius;
+  // As far as motions reach before the run is due again, and on to the first pair.
+  const double wait = kImpactHorizons * horizon;
+  double reach =
+      std::min(motion.speed_cap * wait, (motion.speed + motion.acceleration * wait) * wait);
+  if (!(reach < kBeyondAll)) reach = 0;
+  reach = std::max(reach, std::min(radius, kBeyondAll));
+  const std::size_t first = imminent_count_;
+  const int imminent_before = report.imminent;
+  double due = kInfinity;
+  bool found = false;
+  const auto look_at = [&](std::int32_t pair) {
+    bool violated = false;
+    double pair_due = look(pair, time, horizon, workspace, violated);
+    if (std::isnan(pair_due)) pair_due = -kInfinity;
+    if (pair_due < end || violated) addImminent(pair, report);
+    if (violated) ++report.violated;
+    if (!found || pair_due < due) next_of_run_[run] = pair;
+    due = std::min(due, pair_due);
+    found = true;
+  };
+  for (;; reach *= 2) {
+    forEachNearInRun(*scene_, workspace, run,
+                     std::isnan(margin) ? kInfinity : std::max(margin, 0.0) + reach, look_at);
+    if (found || !(reach < kBeyondAll)) break;
+  }
+  const double due_of_others = later(time, timeToImpact(reach, motion));
+  if (due_of_others < end) {
+    // Nothing bounds how fast something moves.
+    imminent_count_ = first;
+    report.imminent = imminent_before;
+    for (std::size_t pair = pairs.runBegin(run); pair < pairs.runBegin(run + 1); ++pair)
+      addImminent(static_cast<std::int32_t>(pair), report);
+  } else {
+    std::sort(imminent_.begin() + static_cast<std::ptrdiff_t>(first),
+              imminent_.begin() + static_cast<std::ptrdiff_t>(imminent_count_));
+  }
+  return std::min(due, due_of_others);
+}
+
+void ImpactSchedule::addImminent(std::int32_t pair, ImpactReport& report) {
+  ++report.imminent;
+  if (imminent_count_ < imminent_.size()) imminent_[imminent_count_++] = pair;
+}
+
 ImpactReport ImpactSchedule::advance(double time, double horizon, Workspace& workspace) {
   ++statistics.advances;
-  const double end = time + std::max(0.0, horizon);
+  if (horizon < 0) horizon = 0;
+  const double end = time + horizon;
   ImpactReport report;
   imminent_count_ = 0;
   if (std::isnan(end)) {
     report.safe_until = -kInfinity;
     return report;
   }
-  // All due pairs are taken out before any goes back: one that stays due is looked at once.
+  // All due items are taken out before any goes back: one that stays due is looked at once.
   std::size_t count = 0;
   while (!heap_.empty() && due_[at(heap_.front())] < end) {
     looking_[count++] = heap_.front();
     setDue(heap_.front(), kInfinity);
   }
   std::sort(looking_.begin(), looking_.begin() + static_cast<std::ptrdiff_t>(count));
+  const std::size_t listed = scene_->pairs().listedCount();
   for (std::size_t i = 0; i < count; ++i) {
+    const std::int32_t item = looking_[i];
+    if (at(item) >= listed) {
+      setDue(item, lookAtRun(at(item) - listed, time, horizon, workspace, report));
+      continue;
+    }
     bool violated = false;
-    const double due = look(looking_[i], time, horizon, workspace, violated);
-    setDue(looking_[i], due);
-    if (due < end || violated) imminent_[imminent_count_++] = looking_[i];
+    const double due = look(item, time, horizon, workspace, violated);
+    setDue(item, due);
+    if (due < end || violated) addImminent(item, report);
     if (violated) ++report.violated;
   }
-  report.imminent = static_cast<int>(imminent_count_);
   report.safe_until = safeUntil();
-  report.next_pair = heap_.empty() ? -1 : heap_.front();
+  if (!heap_.empty())
+    report.next_pair =
+        at(heap_.front()) < listed ? heap_.front() : next_of_run_[at(heap_.front()) - listed];
   return report;
 }
 
@@ -159,35 +261,35 @@ bool ImpactSchedule::before(std::int32_t a, std::int32_t b) const {
   return due_[at(a)] != due_[at(b)] ? due_[at(a)] < due_[at(b)] : a < b;
 }
 
-void ImpactSchedule::place(std::size_t slot, std::int32_t pair) {
-  heap_[slot] = pair;
-  slot_[at(pair)] = static_cast<std::int32_t>(slot);
+void ImpactSchedule::place(std::size_t slot, std::int32_t item) {
+  heap_[slot] = item;
+  slot_[at(item)] = static_cast<std::int32_t>(slot);
 }
 
-void ImpactSchedule::setDue(std::int32_t pair, double due) {
+void ImpactSchedule::setDue(std::int32_t item, double due) {
   // NaN proves nothing: due now.
-  due_[at(pair)] = std::isnan(due) ? -kInfinity : due;
-  siftUp(at(slot_[at(pair)]));
-  siftDown(at(slot_[at(pair)]));
+  due_[at(item)] = std::isnan(due) ? -kInfinity : due;
+  siftUp(at(slot_[at(item)]));
+  siftDown(at(slot_[at(item)]));
 }
 
 void ImpactSchedule::siftUp(std::size_t slot) {
-  const std::int32_t pair = heap_[slot];
-  while (slot > 0 && before(pair, heap_[(slot - 1) / 2])) {
+  const std::int32_t item = heap_[slot];
+  while (slot > 0 && before(item, heap_[(slot - 1) / 2])) {
     place(slot, heap_[(slot - 1) / 2]);
     slot = (slot - 1) / 2;
   }
-  place(slot, pair);
+  place(slot, item);
 }
 
 void ImpactSchedule::siftDown(std::size_t slot) {
-  const std::int32_t pair = heap_[slot];
+  const std::int32_t item = heap_[slot];
   for (std::size_t child; (child = 2 * slot + 1) < heap_.size(); slot = child) {
     if (child + 1 < heap_.size() && before(heap_[child + 1], heap_[child])) ++child;
-    if (!before(heap_[child], pair)) break;
+    if (!before(heap_[child], item)) break;
     place(slot, heap_[child]);
   }
-  place(slot, pair);
+  place(slot, item);
 }
 
 }  // namespace leeway::collision

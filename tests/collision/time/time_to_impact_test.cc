@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -82,23 +83,27 @@ struct Swing {
 
 struct Crowd {
   Scene scene;
-  std::vector<Swing> swings;
+  std::vector<Swing> swings;  // of those that move
 
-  explicit Crowd(int count, std::uint64_t seed) {
+  Crowd(int moving, int still, std::uint64_t seed,
+        std::size_t most_listed = SceneBuilder::kMostListed) {
     oracle::Random random(seed);
     SceneBuilder builder;
-    for (int i = 0; i < count; ++i) {
+    builder.listAtMost(most_listed);
+    for (int i = 0; i < moving + still; ++i) {
       Body body;
       body.name = "body" + std::to_string(i);
-      body.moving = true;
+      body.moving = i < moving;
       const Eigen::Vector3d half(random.uniform(0.05, 0.3), random.uniform(0.05, 0.3),
                                  random.uniform(0.05, 0.3));
       body.geometries.push_back({Shape::box(half), Pose{}, ""});
-      builder.add(body);
       const auto vector = [&](double size) {
         return Eigen::Vector3d(random.uniform(-size, size), random.uniform(-size, size),
                                random.uniform(-size, size));
       };
+      if (!body.moving) body.X_WB.translation = vector(2);
+      builder.add(body);
+      if (!body.moving) continue;
       swings.push_back({vector(1), vector(0.5), vector(1).normalized(), random.uniform(0.1, 3),
                         random.uniform(0, 2), half.norm()});
     }
@@ -111,44 +116,152 @@ struct Crowd {
   }
 };
 
-TEST(ImpactSchedule, NothingTouchesBeforeItSays) {
-  const Crowd crowd(12, 3);
-  const int pairs = static_cast<int>(crowd.scene.pairs().size());
+/// What a schedule says of a crowd while it swings, held against looking at all pairs.
+struct Watch {
+  int pairs = 0, met = 0, unsafe = 0, missed = 0, imminent = 0;
+  std::uint64_t looks = 0, exact = 0;
+};
+
+Watch watched(const Crowd& crowd, int steps) {
+  Watch run;
+  run.pairs = static_cast<int>(crowd.scene.pairs().size());
   Workspace workspace(crowd.scene), truth(crowd.scene);
   ImpactSchedule schedule(crowd.scene);
-  std::vector<char> below(static_cast<std::size_t>(pairs), 0);
-  int met = 0, unsafe = 0, missed = 0;
+  std::vector<char> below(static_cast<std::size_t>(run.pairs), 0);
   const double dt = 0.01;
-  for (int k = 0; k < 800; ++k) {
+  for (int k = 0; k < steps; ++k) {
     const double t = k * dt;
     for (std::size_t b = 0; b < crowd.swings.size(); ++b)
       schedule.setMotion(static_cast<int>(b), crowd.swings[b].motion(t), t);
     crowd.place(t, workspace);
     const ImpactReport report = schedule.advance(t, dt, workspace);
     EXPECT_EQ(report.safe_until, schedule.safeUntil());
-    std::vector<char> imminent(static_cast<std::size_t>(pairs), 0);
+    EXPECT_EQ(schedule.due(report.next_pair), report.safe_until);
+    EXPECT_EQ(static_cast<std::size_t>(report.imminent), schedule.imminent().size());
+    EXPECT_TRUE(std::is_sorted(schedule.imminent().begin(), schedule.imminent().end()));
+    run.imminent += report.imminent;
+    std::vector<char> imminent(static_cast<std::size_t>(run.pairs), 0);
     for (const std::int32_t p : schedule.imminent()) imminent[static_cast<std::size_t>(p)] = 1;
     // Brute force: every pair at times within the step.
     for (int s = 0; s < 4; ++s) {
       const double now = t + dt * s / 4;
       crowd.place(now, truth);
-      for (int p = 0; p < pairs; ++p) {
+      for (int p = 0; p < run.pairs; ++p) {
         DistanceRequest request;
         request.threshold = 0.01;
         const bool touches = pairDistance(crowd.scene, truth, p, request).distance.upper <= 0.01;
         if (!touches) continue;
         below[static_cast<std::size_t>(p)] = 1;
-        unsafe += now < schedule.due(p);
-        missed += !imminent[static_cast<std::size_t>(p)];
+        run.unsafe += now < schedule.due(p);
+        run.missed += !imminent[static_cast<std::size_t>(p)];
       }
     }
   }
-  for (const char b : below) met += b;
-  EXPECT_EQ(unsafe, 0);
-  EXPECT_EQ(missed, 0);
-  EXPECT_GT(met, 10);     // pairs that meet
-  EXPECT_LT(met, pairs);  // and not all
-  EXPECT_LT(schedule.statistics.exact * 4, 800u * static_cast<unsigned>(pairs));
+  for (const char b : below) run.met += b;
+  run.looks = schedule.statistics.looks;
+  run.exact = schedule.statistics.exact;
+  return run;
+}
+
+TEST(ImpactSchedule, NothingTouchesBeforeItSays) {
+  const Watch run = watched(Crowd(12, 0, 3), 800);
+  EXPECT_EQ(run.unsafe, 0);
+  EXPECT_EQ(run.missed, 0);
+  EXPECT_GT(run.met, 10);         // pairs that meet
+  EXPECT_LT(run.met, run.pairs);  // and not all
+  EXPECT_LT(run.exact * 4, 800u * static_cast<unsigned>(run.pairs));
+}
+
+TEST(ImpactSchedule, NothingTouchesBeforeItSaysInRuns) {
+  const Crowd listed(3, 200, 3), runs(3, 200, 3, 0);
+  ASSERT_FALSE(listed.scene.pairs().hasRuns());
+  ASSERT_EQ(runs.scene.pairs().runs().size(), 3u);
+  const Watch twin = watched(listed, 300), run = watched(runs, 300);
+  EXPECT_EQ(run.pairs, twin.pairs);
+  EXPECT_EQ(run.met, twin.met);
+  EXPECT_GT(run.met, 5);
+  EXPECT_EQ(run.unsafe, 0);
+  EXPECT_EQ(run.missed, 0);
+  EXPECT_LT(run.exact * 40, 300u * static_cast<unsigned>(run.pairs));
+  EXPECT_LT(run.imminent, 2 * twin.imminent);
+  EXPECT_LT(run.looks * 10, 300u * static_cast<unsigned>(run.pairs));
+}
+
+/// A ball at the origin that moves, and boxes in a row along x, each 10 m from the next, in a run
+/// or listed.
+Scene rowOfBoxes(int boxes, std::size_t most_listed = 0) {
+  SceneBuilder builder;
+  builder.listAtMost(most_listed);
+  Body ball;
+  ball.name = "ball";
+  ball.moving = true;
+  ball.geometries.push_back({Shape::sphere(0.5), Pose{}, ""});
+  builder.add(ball);
+  for (int i = 1; i <= boxes; ++i) {
+    Body box;
+    box.name = "box" + std::to_string(i);
+    box.geometries.push_back({Shape::box({0.5, 0.5, 0.5}), Pose{}, ""});
+    box.X_WB.translation = {10.0 * i, 0, 0};
+    builder.add(box);
+  }
+  return builder.build();
+}
+
+TEST(ImpactSchedule, RunsAreDueWithTheirNearest) {
+  const Scene scene = rowOfBoxes(500);
+  Workspace workspace(scene);
+  ImpactSchedule schedule(scene);
+  EXPECT_EQ(schedule.safeUntil(), -kInfinity);
+  schedule.setMotion(0, {1, 0, 1}, 0);
+  const ImpactReport far = schedule.advance(0, 0.01, workspace);
+  EXPECT_GT(far.safe_until, 3);  // the gap is 9 m; looked for in reaches that double
+  EXPECT_LE(far.safe_until, 9);
+  EXPECT_EQ(far.next_pair, 0);
+  EXPECT_EQ(far.imminent, 0);
+  EXPECT_LT(schedule.statistics.looks, 10u);
+  // Between boxes 2 and 3, nearer to the former.
+  workspace.setPose(0, {Eigen::Matrix3d::Identity(), {21.1, 0, 0}});
+  const ImpactReport near = schedule.advance(9, 0.2, workspace);
+  EXPECT_NEAR(near.safe_until, 9.1, 1e-3);
+  EXPECT_EQ(near.next_pair, 1);
+  ASSERT_EQ(near.imminent, 1);
+  EXPECT_EQ(schedule.imminent()[0], 1);
+  EXPECT_EQ(near.violated, 0);
+}
+
+// A body that had stood still passed for one whose speed was known to be infinite: a speed without
+// acceleration hastened nothing.
+TEST(ImpactSchedule, WhatStandsStillMayMoveAllTheSame) {
+  for (const std::size_t most_listed : {std::size_t{0}, std::size_t{1000}}) {
+    const Scene scene = rowOfBoxes(500, most_listed);
+    EXPECT_EQ(scene.pairs().hasRuns(), most_listed == 0);
+    Workspace workspace(scene);
+    ImpactSchedule schedule(scene);
+    schedule.setMotion(0, {0, 0, 0}, 0);
+    EXPECT_EQ(schedule.advance(0, 0.01, workspace).safe_until, kInfinity);
+    schedule.setMotion(400, {90, 0, 90}, 1);  // at x = 4000
+    EXPECT_EQ(schedule.safeUntil(), 1);
+    const ImpactReport report = schedule.advance(1, 0.01, workspace);
+    EXPECT_LE(report.safe_until, 1 + 3999 / 90.0);
+    EXPECT_GT(report.safe_until, 1);
+    schedule.setMotion(400, {90, std::nan(""), 90}, 1);
+    EXPECT_EQ(schedule.advance(1, 0.01, workspace).imminent, most_listed == 0 ? 500 : 1);
+  }
+}
+
+TEST(ImpactSchedule, UnknownMotionsAreImminentInRunsToo) {
+  const Scene scene = rowOfBoxes(70'000);
+  Workspace workspace(scene);
+  ImpactSchedule schedule(scene);
+  const ImpactReport report = schedule.advance(0, 0.01, workspace);
+  EXPECT_EQ(report.imminent, 70'000);
+  ASSERT_EQ(schedule.imminent().size(), ImpactSchedule::kMostNamed);
+  EXPECT_EQ(schedule.imminent()[1], 1);
+  EXPECT_LE(report.safe_until, 0);
+  EXPECT_EQ(schedule.due(69'999), report.safe_until);
+  workspace.setPose(0, {Eigen::Matrix3d::Identity(), {std::nan(""), 0, 0}});
+  schedule.setMotion(0, {0, 0, 0}, 0);
+  EXPECT_EQ(schedule.advance(0, 0.01, workspace).imminent, 70'000);
 }
 
 TEST(ImpactSchedule, FasterThanSaidIsLookedAtAgain) {
@@ -175,8 +288,9 @@ TEST(ImpactSchedule, FasterThanSaidIsLookedAtAgain) {
   schedule.setMotion(0, {0.8, 0, 1}, 0.5);
   EXPECT_LE(schedule.safeUntil(), 0.5);
   EXPECT_NEAR(schedule.advance(0.5, 0.1, workspace).safe_until, 1.75, 1e-3);
-  const ImpactReport nowhere = schedule.advance(std::nan(""), 0.1, workspace);
-  EXPECT_EQ(nowhere.safe_until, -kInfinity);
+  const double nan = std::nan("");
+  EXPECT_EQ(schedule.advance(nan, 0.1, workspace).safe_until, -kInfinity);
+  EXPECT_EQ(schedule.advance(0.5, nan, workspace).safe_until, -kInfinity);
   workspace.setPose(1, {Eigen::Matrix3d::Identity(), {0.15, 0, 0}});
   schedule.setMotion(1, {9, 0, 9}, 0.5);
   const ImpactReport report = schedule.advance(0.6, 0.1, workspace);

@@ -30,38 +30,44 @@ double timeToImpact(double gap, const PointMotion& closing);
 struct ImpactReport {
   /// No pair can come down to its margin before this time [s].
   double safe_until = std::numeric_limits<double>::infinity();
-  /// The pair that is due next [index of Scene::pairs()]; -1 when there is none.
+  /// The pair that is due next [index of Scene::pairs()]; -1 when there is none. Where a run of
+  /// pairs is (see ScenePairs), the one of those that are near that is due first.
   int next_pair = -1;
   int imminent = 0;  ///< pairs not proven to keep their margin until time + horizon
   int violated = 0;  ///< those of them that are proven to be at or below it now
 };
 
 /// Monitors a scene: a queue of its pairs by the earliest time at which each can come down to its
-/// margin, so that only pairs that are due are looked at again. Has no clock: the caller passes the
-/// time and where bodies are. Compare the collision-time queues of B. Mirtich, "Impulse-based
-/// dynamic simulation of rigid body systems" (1996), section 2.3. The scene must outlive the
-/// schedule.
+/// margin, so that only pairs that are due are looked at again. A run of pairs (see ScenePairs) has
+/// one place in it: when it is due, its pairs that are near are looked at, and one distance stands
+/// for all others. Has no clock: the caller passes the time and where bodies are. Compare the
+/// collision-time queues of B. Mirtich, "Impulse-based dynamic simulation of rigid body systems"
+/// (1996), section 2.3. The scene must outlive the schedule.
 class ImpactSchedule {
  public:
   /// Every pair is due at once. Until setMotion() the motion of a moving body is unknown (infinite
-  /// speed). O(pairs); the only call that allocates.
+  /// speed). O(bodies + listed pairs + runs); the only call that allocates.
   explicit ImpactSchedule(const Scene& scene);
 
   /// Bounds the motion of a body from `time` [s] on. Where the new bounds exceed the last ones at
-  /// this time, the body's pairs become due at `time`: O(its pairs log pairs), else O(1). Times
-  /// must not run backwards (an earlier one counts as the latest).
+  /// this time, the body's pairs become due at `time`, of a body that stands still all runs:
+  /// O(n log n) in them, else O(1). Times must not run backwards (an earlier one counts as the
+  /// latest).
   void setMotion(int body, const PointMotion& motion, double time);
 
   /// Looks at the pairs that could come down to their margins before time + horizon [s], coarse
   /// bounds first. `workspace` has the poses of all bodies at `time`, within its pose_error. With a
   /// NaN nothing is looked at and safe_until is -infinity. Never throws or allocates;
-  /// O(due pairs (log pairs + a distance query)).
+  /// O(n (log n + a distance query)) in what is due and, of runs that are due, near.
   ImpactReport advance(double time, double horizon, Workspace& workspace);
 
   /// No pair can come down to its margin before this time [s].
   double safeUntil() const;
-  /// The pair cannot come down to its margin before this time [s].
-  double due(int pair) const { return due_[static_cast<std::size_t>(pair)]; }
+  /// The pair cannot come down to its margin before this time [s]. O(1); of a run, as
+  /// ScenePairs::placeOf().
+  double due(int pair) const { return due_[itemOf(pair)]; }
+  /// Of imminent pairs of runs so many are named, and all counted [count].
+  static constexpr std::size_t kMostNamed = std::size_t{1} << 16U;
   /// The imminent pairs of the last advance(), lowest index first.
   std::span<const std::int32_t> imminent() const { return {imminent_.data(), imminent_count_}; }
 
@@ -75,22 +81,32 @@ class ImpactSchedule {
     PointMotion motion;
     double time = -std::numeric_limits<double>::infinity();  // from when on it holds [s]
   };
+  std::size_t itemOf(int pair) const;
   PointMotion motionAt(int body, double time) const;
+  PointMotion fastestStill(double time) const;
   double look(int pair, double time, double horizon, Workspace& workspace, bool& violated);
-  void setDue(std::int32_t pair, double due);
+  double lookAtRun(std::size_t run, double time, double horizon, Workspace& workspace,
+                   ImpactReport& report);
+  void addImminent(std::int32_t pair, ImpactReport& report);
+  void setDue(std::int32_t item, double due);
   bool before(std::int32_t a, std::int32_t b) const;
-  void place(std::size_t slot, std::int32_t pair);
+  void place(std::size_t slot, std::int32_t item);
   void siftDown(std::size_t slot);
   void siftUp(std::size_t slot);
 
   const Scene* scene_;
-  std::vector<TimedMotion> motions_;       // one a body
-  std::vector<double> due_;                // one a pair [s]
-  std::vector<std::int32_t> heap_, slot_;  // binary heap of pairs by due time; each pair's slot
-  // Pairs of body b: pairs_of_body_[first_pair_[b]] to [first_pair_[b + 1]].
-  std::vector<std::int32_t> pairs_of_body_, first_pair_;
+  std::vector<TimedMotion> motions_;  // one a body
+  // Bodies that stand still in runs and have a motion: their shapes deform, or the caller knows.
+  std::vector<std::int32_t> moved_still_;
+  std::vector<char> is_moved_still_;
+  // Items are the listed pairs, and after them the runs.
+  std::vector<double> due_;                // one an item [s]
+  std::vector<std::int32_t> heap_, slot_;  // binary heap of items by due time; each item's slot
+  // Items of body b: items_of_body_[first_item_[b]] to [first_item_[b + 1]].
+  std::vector<std::int32_t> items_of_body_, first_item_;
+  std::vector<std::int32_t> next_of_run_;  // of each run the pair that is due first
   std::vector<std::int32_t> looking_, imminent_;
-  std::size_t imminent_count_ = 0;
+  std::size_t imminent_count_ = 0;  // of imminent_
 };
 
 }  // namespace leeway::collision
