@@ -175,6 +175,8 @@ void LaneSweep::addPiecePair(int id, int a, int b, int motion, double threshold,
 
 void LaneSweep::reservePairs(std::size_t count) { impl_->pairs.reserve(count); }
 
+void LaneSweep::reserveObstacles(std::size_t count) { impl_->obstacles.reserve(count); }
+
 bool LaneSweep::canMeet(int pair) const {
   const Impl::Pair p =
       impl_->runs ? impl_->ofRuns(pair) : impl_->pairs[static_cast<std::size_t>(pair)];

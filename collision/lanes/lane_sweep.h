@@ -80,6 +80,7 @@ class LaneSweep {
   /// lanes that the obstacle's box leaves open. `by_parts`: convex parts may settle them, too.
   void addPair(int id, int piece, int obstacle, int balls, double threshold, bool by_parts = true);
   void reservePairs(std::size_t count);
+  void reserveObstacles(std::size_t count);
   /// addPair() of two pieces; `motion` is that of A's points, seen from B's frame.
   void addPiecePair(int id, int a, int b, int motion, double threshold, bool by_parts = true);
   /// Pairs of each row's piece with the obstacles from `first_obstacle` on, which stand in the

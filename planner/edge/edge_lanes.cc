@@ -113,6 +113,7 @@ std::vector<RobotLanes::Piece> SceneLanes::addPieces(const CompiledScene& scene,
   const std::vector<int>& of_world = scene.edgeModel().robot->motions().of_world;
   std::vector<RobotLanes::Piece> lane_pieces = robot.pieces;
   lane_pieces.resize(edges.pieces.size());
+  sweep.reserveObstacles(edges.pieces.size());
   for (std::size_t i = 0; i < edges.pieces.size(); ++i) {
     if (used[i] == 0) continue;
     const Piece& piece = edges.pieces[i];
