@@ -41,8 +41,8 @@ struct FrameStep {
   /// axis[i] < 0. 0: it does not, or nobody has looked. placeFrames() then needs no product.
   std::int8_t axis[3] = {0, 0, 0};
 };
-/// Sets `axis` where all entries of `rotation` are within 2^-24 of 0, 1 or -1, as those of most
-/// robots are. It is what placeFrames() takes from then on.
+/// Sets `axis` where each column of `rotation` has one entry within 2^-24 of 1 or -1 and the others
+/// within that of 0, as in most robots; else all of it to 0. placeFrames() takes it from then on.
 void findAxes(FrameStep& step);
 
 /// Frame i of `frames` becomes that of steps[i] at t = 1/2 + places; its motion stays as it was.

@@ -217,6 +217,7 @@ HWY_EXPORT(SumGrowth);
 // a sum of turns times arms; each errs as above.
 // clang-format on
 void findAxes(FrameStep& step) {
+  std::fill_n(step.axis, 3, std::int8_t{0});
   std::int8_t axis[3] = {0, 0, 0};
   for (int i = 0; i < 9; ++i) {
     const float size = std::abs(step.rotation[i]);

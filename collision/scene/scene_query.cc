@@ -402,12 +402,12 @@ SceneResult clearance(const Scene& scene, Workspace& workspace, double tolerance
   const double largest_margin = std::isnan(most) ? kInfinity : most;
   if (!scene.pairs().hasRuns())
     return clearanceWithin(scene, workspace, tolerance, kInfinity, largest_margin);
-  double reach = reachOfClosest(scene, workspace, tolerance);
+  // At least 0, so that doubling what is above it grows also where margins are depths.
+  double reach = std::max({reachOfClosest(scene, workspace, tolerance), largest_margin, 0.0});
   for (;;) {
-    reach = std::max(reach, largest_margin);
     const SceneResult result = clearanceWithin(scene, workspace, tolerance, reach, largest_margin);
     if (!(result.clearance.upper > reach)) return result;
-    reach = reach < result.clearance.upper ? 2 * result.clearance.upper : kInfinity;
+    reach = 2 * result.clearance.upper;
   }
 }
 

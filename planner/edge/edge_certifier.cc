@@ -31,8 +31,9 @@ EdgeCertifier::Impl::Impl(std::shared_ptr<const CompiledScene> compiled)
   motion.resize(scene->edgeModel().motions.size());
   world_balls.resize(scene->edges().moving.size());
   shared_slots.resize(kSharedSlots + 1);
-  const std::size_t lists =
-      std::max<std::size_t>(kEdgeOpen, (has_runs ? 4 : std::size_t{collision::kLanes}) * pairs);
+  const std::size_t lists = std::max<std::size_t>(
+      {std::size_t{kEdgeOpen},
+       std::size_t{collision::kLanes} * std::min(pairs, std::size_t{1} << 14U), 4 * pairs});
   for (std::vector<int>* list : {&open_pairs, &next_open_pairs, &part_pairs}) list->reserve(lists);
   for (std::vector<EdgeInterval>* list : {&intervals, &next_intervals})
     list->reserve(kEdgeIntervals);

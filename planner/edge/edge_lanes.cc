@@ -175,8 +175,8 @@ EdgeLanes::EdgeLanes(const EdgeFrames& frames)
   contact_frames_.resize(robot_.steps.size());
   growth_values_.resize(robot_.growth.paddedSize());
   pass_growth_.resize(growth_values_.size());
-  closed_.reserve(frames.pairs().hasRuns() ? frames.pairs().listed().size() + LaneSweep::kMostNear
-                                           : frames.pairs().size());
+  const std::size_t most_kept = frames.pairs().listed().size() + LaneSweep::kMostNear;
+  closed_.reserve(std::min(frames.pairs().size(), most_kept));
 }
 
 /// What the present edge makes of a joint's step. q_ is the configuration in the edge's middle, but

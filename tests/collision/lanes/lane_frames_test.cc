@@ -141,6 +141,7 @@ TEST(LaneFrames, FindAxesWhereTheyMapToAxes) {
   const auto axesOf = [](const Eigen::Matrix3f& rotation) {
     FrameStep step;
     std::copy(rotation.data(), rotation.data() + 9, step.rotation);
+    std::fill_n(step.axis, 3, std::int8_t{2});  // of what it was before
     findAxes(step);
     return std::vector<int>(step.axis, step.axis + 3);
   };

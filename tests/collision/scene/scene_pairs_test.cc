@@ -45,13 +45,19 @@ class Draw {
     if (below(2) == 0) return Shape::sphere(uniform(0.01, 0.2));
     return Shape::box({uniform(0.01, 0.2), uniform(0.01, 0.2), uniform(0.01, 0.2)});
   }
+  /// Whose depth has no closed form.
+  Shape roundShape() {
+    if (below(2) == 0) return Shape::cylinder(uniform(0.05, 0.2), uniform(0.05, 0.2));
+    return Shape::ellipsoid({uniform(0.05, 0.2), uniform(0.05, 0.2), uniform(0.05, 0.2)});
+  }
 
  private:
   std::mt19937_64 engine_;
 };
 
-/// Three bodies that move, then 30 to 60 that stand still, with exceptions.
-SceneBuilder randomBuilder(Draw& draw, bool one_each) {
+/// Three bodies that move, then 30 to 60 that stand still, with exceptions; where the margin is a
+/// depth, of round shapes and without exceptions.
+SceneBuilder randomBuilder(Draw& draw, bool one_each, double margin = 0.01) {
   SceneBuilder builder;
   const int count = kMoving + 30 + draw.below(30);
   for (int i = 0; i < count; ++i) {
@@ -60,12 +66,14 @@ SceneBuilder randomBuilder(Draw& draw, bool one_each) {
     body.moving = i < kMoving && i != 1;
     body.X_WB = draw.pose(2);
     for (int g = one_each ? 0 : draw.below(3); g >= 0; --g)
-      body.geometries.push_back({draw.shape(), draw.pose(0.2), ""});
+      body.geometries.push_back(
+          {margin < 0 ? draw.roundShape() : draw.shape(), draw.pose(0.2), ""});
     if (!one_each && i > kMoving && i % 11 == 0) body.geometries.clear();
     builder.add(std::move(body));
   }
-  builder.setDefaultMargin(0.01);
+  builder.setDefaultMargin(margin);
   for (int k = draw.below(12); k > 0; --k) builder.allow(draw.below(kMoving), draw.below(count));
+  if (margin < 0) return builder;
   for (int k = draw.below(12); k > 0; --k)
     builder.setMargin(draw.below(count), draw.below(kMoving), draw.uniform(-0.01, 0.05));
   return builder;
@@ -169,6 +177,39 @@ TEST(ScenePairs, RunsAnswerAsAListWould) {
   }
   EXPECT_GT(free, 40);
   EXPECT_GT(not_free, 40);
+}
+
+// Between a negative margin and 0 the reach of a query went back to the margin again and again: it
+// never ended.
+TEST(ScenePairs, DepthsInRunsAnswerAsAListWould) {
+  Draw draw(7);
+  int between = 0;
+  for (int world = 0; world < 40; ++world) {
+    const Twins twins(randomBuilder(draw, false, -0.02));
+    Workspace listed(twins.listed), runs(twins.runs);
+    const auto ask = [&](const Pose& X) {
+      listed.setPose(0, X);
+      runs.setPose(0, X);
+      const SceneResult x = clearance(twins.listed, listed, 1e-4);
+      const SceneResult y = clearance(twins.runs, runs, 1e-4);
+      EXPECT_NEAR(x.clearance.upper, y.clearance.upper, 1e-4);
+      EXPECT_TRUE(x.verdict == y.verdict || std::abs(x.clearance.upper + 0.02) < 1e-4);
+      between += y.clearance.upper < 0 && y.clearance.upper > -0.02;
+      return y.clearance.upper;
+    };
+    for (int state = 0; state < 10; ++state) {
+      // From afar into depth, and there towards the margin.
+      Pose X = draw.pose(1.5);
+      Eigen::Vector3d out = draw.pose(1).translation.normalized() * 6, in = X.translation;
+      X.translation = out;
+      if (ask(X) <= 0) continue;
+      for (int step = 0; step < 40; ++step) {
+        X.translation = (out + in) / 2;
+        (ask(X) > -0.02 ? out : in) = X.translation;
+      }
+    }
+  }
+  EXPECT_GT(between, 1000);
 }
 
 // Margins of left-out pairs, and one that every pair overrides, are no pair's margin.
