@@ -32,6 +32,10 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 void requireVersion(const YamlReader& file) {
   const auto version = file.find("leeway");
+  if (!version && (file.has("robot_model_name") || file.has("group_name")))
+    file.fail(
+        "key 'leeway' is missing: as MoveIt writes scenes and requests; a problem file that names "
+        "both under 'moveit' is expected, or --robot with `leeway batch` or `leeway lint`");
   if (!version)
     file.fail("key 'leeway' is missing: no problem file of this program; 'leeway: 1' is expected");
   if (!version->isScalar() || version->text() != "1")

@@ -105,6 +105,9 @@ TEST(ProblemMessages, Version) {
   expectMessages({
       {"name: x\n", 1,
        "key 'leeway' is missing: no problem file of this program; 'leeway: 1' is expected"},
+      {"name: x\nrobot_model_name: arm\n", 1,
+       "key 'leeway' is missing: as MoveIt writes scenes and requests; a problem file that names "
+       "both under 'moveit' is expected, or --robot with `leeway batch` or `leeway lint`"},
       {"name: x\nleeway: 2\n", 2,
        "problem format version '2' is not known; 'leeway: 1' is expected"},
       {"leeway: [1]\n", 1, "problem format version '?' is not known; 'leeway: 1' is expected"},
