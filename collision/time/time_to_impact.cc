@@ -12,7 +12,7 @@ namespace leeway::collision {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kBeyondAll{kFar};
+constexpr auto kBeyondAll = static_cast<double>(kFar);
 
 std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
