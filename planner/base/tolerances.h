@@ -524,6 +524,11 @@ constexpr double kLastSimplification = 0.2;
 /// What a search for a shorter path must gain at least, as a share of the length.
 constexpr double kImprovement = 1e-3;
 
+/// Such a search's bound, in turns, as a multiple of what the path must become: simplifying makes
+/// paths shorter, and what goes another way may be the longer one before. Measured: MBM's paths get
+/// 2 % shorter than with 1, in the mean.
+constexpr double kImproveSlack[] = {1.1, 2};
+
 /// Between the seeds of two searches for shorter paths, in runs.
 constexpr std::uint64_t kImproveRuns = 1ULL << 20;
 

@@ -286,8 +286,8 @@ class Plan {
 
   double timeLimit() const { return problem_.limits.time > 0 ? problem_.limits.time : kInfinity; }
 
-  /// Looks for shorter paths as long as it is asked to. Each search has the best length as its
-  /// bound; one in vain leaves the best path to other random cuts.
+  /// Looks for shorter paths as long as it is asked to. Each search has a multiple of the best
+  /// length as its bound; one in vain leaves the best path to other random cuts.
   void improve(Waypoints& path) {
     // Of Connect alone, and no work where nobody asks for it.
     if (problem_.planner.parameters.count("improve") == 0) return;
@@ -302,9 +302,10 @@ class Plan {
     if (options_.on_path) options_.on_path(path, length);
     limits_.describe([&] { return search.describeLength(length); });
     for (std::uint64_t round = 1;; ++round) {
-      const double bound = (1 - kImprovement) * length;
+      const double aim = (1 - kImprovement) * length;
+      const double bound = aim * kImproveSlack[round % std::size(kImproveSlack)];
       const std::uint64_t before = limits_.iterations();
-      if (!(straight < bound) || limits_.searchOver() || limits_.elapsed() - begin > seconds) break;
+      if (!(straight < aim) || limits_.searchOver() || limits_.elapsed() - begin > seconds) break;
       Waypoints next =
           search.shorter(runSeed(problem_.seed, kImproveRuns * round), bound).value_or(path);
       if (limits_.iterations() == before) break;  // it would give up for ever
