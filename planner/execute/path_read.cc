@@ -149,11 +149,13 @@ bool areNumbers(const std::vector<std::string>& fields) {
   });
 }
 
-/// With a header of names, or rows alone in the group's order.
+/// With a header of names, or rows alone in the group's order, these with commas or blanks.
 Table readCsv(const std::string& file) {
   Table table;
   for (const auto& [number, line] : readLines(file)) {
-    const std::vector<std::string> fields = csvFields(file, number, line);
+    std::vector<std::string> fields = csvFields(file, number, line);
+    if (table.names.empty() && fields.size() == 1 && areNumbers(blankFields(line)))
+      fields = blankFields(line);
     if (table.names.empty() && table.rows.empty() && !areNumbers(fields)) {
       for (const std::string& field : fields) table.names.push_back(trimmed(field));
       table.names_line = number;
@@ -164,7 +166,8 @@ Table readCsv(const std::string& file) {
     table.rows.push_back(std::move(row));
   }
   if (table.names.empty() && table.rows.empty())
-    throw InputError(file, 0, "is empty; a header of 'time' and joint names is expected");
+    throw InputError(file, 0,
+                     "is empty; a header of joint names and rows, or rows alone, are expected");
   return table;
 }
 

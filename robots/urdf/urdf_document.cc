@@ -73,7 +73,12 @@ class Reader {
                                   "; numbers from -1e9 to 1e9 [m] would be accepted");
         pose.translation = *position;
       }
-      if (const auto angles = file_.vector(*origin, "rpy")) pose.rotation = rollPitchYaw(*angles);
+      if (const auto angles = file_.vector(*origin, "rpy")) {
+        if (!(angles->cwiseAbs().maxCoeff() <= kFarthestOrigin))
+          file_.fail(*origin, "rpy of <origin> is " + inQuotes(origin->Attribute("rpy")) +
+                                  "; numbers from -1e9 to 1e9 [rad] would be accepted");
+        pose.rotation = rollPitchYaw(*angles);
+      }
     }
     if (xyz != nullptr) *xyz = pose.translation;
     return pose;
@@ -254,6 +259,10 @@ class Reader {
                              " of joint " + inQuotes(joint.name) + " is above the upper limit " +
                              inQuotes(limit->Attribute("upper") ? limit->Attribute("upper") : "0") +
                              "; lower at most upper would be accepted");
+    if (!(joint.velocity <= kGreatestLimit))
+      file_.fail(*limit, "the velocity limit " + inQuotes(limit->Attribute("velocity")) +
+                             " of joint " + inQuotes(joint.name) +
+                             " is too large; numbers from 0 to 1e16 would be accepted");
     if (joint.velocity < 0)
       file_.fail(*limit, "the velocity limit " + inQuotes(limit->Attribute("velocity")) +
                              " of joint " + inQuotes(joint.name) +
@@ -276,6 +285,11 @@ class Reader {
     joint.mimic_line = mimic->GetLineNum();
     joint.multiplier = file_.number(*mimic, "multiplier").value_or(1);
     joint.offset = file_.number(*mimic, "offset").value_or(0);
+    for (const char* name : {"multiplier", "offset"})
+      if (!(std::abs(file_.number(*mimic, name).value_or(0)) <= kGreatestLimit))
+        file_.fail(*mimic, std::string("the ") + name + " " + inQuotes(mimic->Attribute(name)) +
+                               " of joint " + inQuotes(joint.name) +
+                               " is too large; numbers from -1e16 to 1e16 would be accepted");
     // Grippers are often frozen by making a mimic joint fixed.
     joint.has_mimic = joint.type != JointType::kFixed;
     if (!joint.has_mimic)

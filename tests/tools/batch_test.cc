@@ -293,8 +293,15 @@ TEST_F(Batch, ResumeRefusesAnotherRunsFile) {
   for (const char* options : {"", "--seed 1 --time 3", "--seed 1 --planner RRTConnect"})
     expectRefused(std::string("batch reach.yaml --output lines.json --resume ") + options,
                   {"lines.json:1", R"({"seed":1})"});
+  expectRefused("batch reach.yaml --output lines.json --resume --seed 1 --pose-goals",
+                {"lines.json:1", "pose_goals"});
   expectRefused("batch empty.yaml --output lines.json --resume", {"lines.json:1", "reach.yaml"});
   EXPECT_EQ(read("lines.json"), before);
+}
+
+TEST_F(Batch, NoProblemIsOverwritten) {
+  expectRefused("batch reach.yaml --output ./reach.yaml", {"./reach.yaml", "overwritten"});
+  EXPECT_EQ(read("reach.yaml"), kReach);
 }
 
 TEST_F(Batch, InterruptLeavesWhatIsDone) {

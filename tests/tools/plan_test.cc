@@ -400,5 +400,32 @@ TEST_F(Plan, NoPathTellsTheTimeThatPassed) {
       << answer.out;
 }
 
+TEST_F(Plan, NothingThatIsReadIsOverwritten) {
+  fs::create_symlink("reach.yaml", path("link.yaml"));
+  for (const char* file : {"reach.yaml", "./reach.yaml", "link.yaml"})
+    expectRefused(std::string("plan reach.yaml --output ") + file, {file, "overwritten"});
+  expectRefused("plan reach.yaml --output a.json --trajectory ./a.json", {"./a.json", "twice"});
+  EXPECT_EQ(read("reach.yaml"), kReach);
+  EXPECT_FALSE(fs::exists(path("a.json")));
+  ASSERT_EQ(run("plan reach.yaml --output path.csv").status, 0);
+  const std::string before = read("path.csv");
+  expectRefused("clearance reach.yaml path.csv --csv path.csv", {"path.csv", "overwritten"});
+  EXPECT_EQ(read("path.csv"), before);
+}
+
+TEST_F(Plan, AFolderThatMayNotBeWrittenIsToldAtOnce) {
+  if (::geteuid() == 0) GTEST_SKIP() << "root may write everywhere";
+  fs::create_directory(path("kept"));
+  fs::permissions(path("kept"), fs::perms::owner_read | fs::perms::owner_exec);
+  expectRefused("plan reach.yaml --output kept/a.json", {"kept/a.json", "Permission denied"});
+}
+
+// It was ignored.
+TEST_F(Plan, ImproveIsOfConnectAndLength) {
+  expectRefused("plan reach.yaml --improve 1 --planner RRTstar", {"--improve 1", "RRTstar"});
+  expectRefused("plan reach.yaml --improve 1 --objective clearance", {"--improve 1", "length"});
+  expectRefused("plan reach.yaml --improve 1 --at-most-longer 1.1", {"--improve 1", "length"});
+}
+
 }  // namespace
 }  // namespace leeway::tools::testing

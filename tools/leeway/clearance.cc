@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -291,6 +292,9 @@ int run(Arguments& arguments) {
   if (!arguments.csv.empty()) {
     checkOutputFile(arguments.csv, kTableEndings);
   }
+  std::vector<std::string> inputs = filesOf(arguments.source);
+  inputs.push_back(path_file);
+  expectApart(std::array{arguments.svg, arguments.csv, arguments.view.file}, inputs);
   planner::Problem problem = loadProblem(arguments.source, arguments.limits.time_limit);
   apply(arguments.limits, problem);
   const planner::Path path = planner::readPath(path_file, problem);
@@ -319,8 +323,11 @@ int run(Arguments& arguments) {
     writeCsv(arguments.csv, profile, steps);
   }
   if (arguments.json) {
-    printJson(profileJson(problem, profile));
+    Json document = profileJson(problem, profile);
+    document["interrupted"] = interrupted();
+    printJson(document);
   } else {
+    if (interrupted()) fmt::print("Interrupted: what is not measured yet is open.\n");
     printText(profile, steps);
   }
   return profile.certified ? kYes : kNo;

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <limits>
@@ -262,6 +263,8 @@ int run(const Arguments& arguments) {
     checkOutputFile(arguments.trajectory, kTrajectoryEndings);
   }
   view::expectPage(arguments.view);
+  expectApart(std::array{arguments.output, arguments.trajectory, arguments.view.file},
+              filesOf(arguments.source));
   const auto start = std::chrono::steady_clock::now();
   planner::Problem problem = loadProblem(arguments.source, arguments.overrides.time_limit);
   apply(arguments.overrides, problem);

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
@@ -202,6 +203,7 @@ int run(const Arguments& arguments) {
     checkOutputFile(arguments.output, kRowsEndings);
   }
   view::expectPage(arguments.view);
+  expectApart(std::array{arguments.output, arguments.view.file}, filesOf(arguments.source));
   const auto start = std::chrono::steady_clock::now();
   planner::Problem problem = loadProblem(arguments.source, arguments.overrides.time_limit);
   refuseSteps(problem, "replan");

@@ -71,6 +71,7 @@ int run(Arguments& arguments) {
     Json document = toJson(result);
     document["seed"] = problem.seed;
     document["warnings"] = warnings;
+    document["interrupted"] = interrupted();
     printJson(document);
   } else {
     fmt::print("{}", resultText(path, result));

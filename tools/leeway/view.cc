@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <array>
 #include <memory>
 
 #include "leeway/planner/path_io.h"
@@ -55,6 +56,10 @@ int run(Arguments& arguments) {
   const bool only_picture = !arguments.svg.empty() && arguments.page.file.empty();
   if (!arguments.svg.empty()) view::expectPicture(arguments.svg);
   if (!only_picture) view::expectPage(arguments.page);
+  std::vector<std::string> inputs = filesOf(arguments.source);
+  inputs.push_back(path_file);
+  expectApart(std::array{arguments.svg, only_picture ? std::string() : arguments.page.file},
+              inputs);
   planner::Problem problem = loadProblem(arguments.source, arguments.overrides.time_limit);
   apply(arguments.overrides, problem);
   const view::Subject subject = path_file.empty()
@@ -64,7 +69,7 @@ int run(Arguments& arguments) {
   endProgress();
   if (!arguments.svg.empty()) planner::writeFileWhole(arguments.svg, view::pictureSvg(subject));
   if (!only_picture) view::writePage(arguments.page, subject);
-  fmt::print("{}: {}\n", problem.name, subject.verdict);
+  fmt::print("{}: {}{}\n", problem.name, subject.verdict, interrupted() ? ", interrupted" : "");
   for (const std::string& note : subject.notes) fmt::print("{}\n", note);
   if (!arguments.svg.empty()) fmt::print("{}\n", arguments.svg);
   if (!only_picture) fmt::print("{}\n", arguments.page.file);

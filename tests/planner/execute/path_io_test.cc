@@ -458,6 +458,13 @@ TEST_F(PathIo, OtherShapesOfTrajectoryAreRead) {
       row);
 }
 
+TEST_F(PathIo, RowsOfACsvMayHaveBlanks) {
+  const Problem problem = armProblem();
+  const std::vector<std::vector<double>> rows = {{1, 2, 3, 4, 5, 6, 7}, {2, 2, 3, 4, 5, 6, 7}};
+  EXPECT_EQ(readPath(write("blanks.csv", "1 2  3 4 5 6 7\n2\t2 3 4 5 6 7 \n"), problem).positions,
+            rows);
+}
+
 TEST_F(PathIo, MessagesOfBadFiles) {
   const Problem problem = armProblem();
   const std::string header = "time,joint1,joint2,joint3,joint4,joint5,joint6,joint7\n";
@@ -469,7 +476,8 @@ TEST_F(PathIo, MessagesOfBadFiles) {
   expect(file("absent.json"), ": there is no such file; a YAML or JSON file is expected");
   expect(write("a.doc", ""),
          ": the ending '.doc' names no format; .json, .yaml, .csv, .path or .txt is expected");
-  expect(write("a.csv", ""), ": is empty; a header of 'time' and joint names is expected");
+  expect(write("a.csv", ""),
+         ": is empty; a header of joint names and rows, or rows alone, are expected");
   expect(write("b.csv", header), ": holds no waypoint; at least one is expected");
   expect(write("c.csv", header + "0,1,2,3,4,5,6\n"), ":2: a row of 7 numbers; 8 are expected");
   expect(write("d.csv", header + "0,1,2,3,4,x,6,7\n"),

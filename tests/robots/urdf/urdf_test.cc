@@ -157,6 +157,17 @@ const BadUrdf kBad[] = {
                      "\n<limit lower=\"0\" upper=\"1\" effort=\"1\" velocity=\"-1\"/>")),
      5,
      {"velocity limit \"-1\"", "zero or more"}},
+    {"HugeVelocity",
+     robot("<link name=\"b\"/>\n" +
+           jointLine("j", "revolute", "a", "b",
+                     "\n<limit lower=\"0\" upper=\"1\" effort=\"1\" velocity=\"1e308\"/>")),
+     5,
+     {"velocity limit \"1e308\"", "1e16"}},
+    {"HugeAngles",
+     robot("<link name=\"b\"/>\n" +
+           jointLine("j", "revolute", "a", "b", "\n<origin rpy=\"1e200 0 0\"/>" + kLimit)),
+     5,
+     {"rpy", "\"1e200 0 0\"", "1e9"}},
     {"ZeroAxis",
      robot("<link name=\"b\"/>\n" +
            jointLine("j", "revolute", "a", "b", "\n<axis xyz=\"0 0 0\"/>" + kLimit)),

@@ -386,6 +386,8 @@ Json optionsJson(const Arguments& arguments) {
   if (overrides.certificate != "path") options["certificate"] = overrides.certificate;
   if (arguments.repeat != 1) options["repeat"] = arguments.repeat;
   if (arguments.verify) options["verify"] = true;
+  if (arguments.pose_goals) options["pose_goals"] = true;
+  if (!arguments.source.packages.empty()) options["package"] = arguments.source.packages;
   return options;
 }
 
@@ -416,6 +418,9 @@ int run(const Arguments& arguments) {
   }
   if (!arguments.ompl_log.empty()) checkOutputFile(arguments.ompl_log, kLogEndings);
   const std::vector<BatchItem> items = listItems(arguments);
+  std::vector<std::string> inputs = filesOf(arguments.source);
+  for (const BatchItem& item : items) inputs.push_back(item.problem);
+  expectApart(std::array{arguments.output, arguments.ompl_log}, inputs);
   const Clock::time_point begin = Clock::now();
   OmplLogHead head;
   head.experiment = oneWord(std::filesystem::path(arguments.ompl_log).stem().string());

@@ -333,6 +333,10 @@ planner::Problem loadProblemOrRobot(const ProblemSource& source) {
   return problem;
 }
 
+std::vector<std::string> filesOf(const ProblemSource& source) {
+  return {source.problem, source.robot, source.srdf, source.scene, source.request};
+}
+
 std::string takePathFile(ProblemSource& source, const std::vector<std::string>& files) {
   if (files.empty() || (files.size() == 1 && source.robot.empty())) {
     badUsage("a problem file and a path file are needed, or --robot and a path file");
@@ -366,6 +370,22 @@ void applyCost(const PlanOverrides& overrides, planner::Problem& problem) {
 
 }  // namespace
 
+/// --improve is of one search and one objective: elsewhere it would be ignored.
+static void expectImproves(const PlanOverrides& overrides, const planner::Problem& problem) {
+  const auto refuse = [&](const std::string& why) {
+    badUsage(fmt::format("--improve {}: {}", overrides.improve, why));
+  };
+  if (problem.planner.name != "Connect")
+    refuse(
+        fmt::format("{} has no such time; Connect has, and planners that optimise go on for all "
+                    "of --time",
+                    problem.planner.name));
+  if (!std::holds_alternative<planner::MinimumLength>(problem.objective) ||
+      overrides.at_most_longer)
+    refuse("only paths of the objective length become shorter; others take all of --time");
+  if (!problem.steps.empty()) refuse("tasks are not improved; a problem without steps is expected");
+}
+
 void apply(const PlanOverrides& overrides, planner::Problem& problem) {
   if (overrides.seed) {
     problem.seed = *overrides.seed;
@@ -386,11 +406,12 @@ void apply(const PlanOverrides& overrides, planner::Problem& problem) {
   if (!overrides.workers.empty()) {
     problem.planner.parameters["workers"] = overrides.workers;
   }
-  if (!overrides.improve.empty()) {
-    problem.planner.parameters["improve"] = overrides.improve;
-  }
   if (!overrides.objective.empty()) {
     problem.objective = planner::objectiveOfName(overrides.objective).value();
+  }
+  if (!overrides.improve.empty()) {
+    expectImproves(overrides, problem);
+    problem.planner.parameters["improve"] = overrides.improve;
   }
   if (overrides.keep) {
     auto* length = std::get_if<planner::MinimumLength>(&problem.objective);

@@ -68,6 +68,8 @@ void refuseSteps(const planner::Problem& problem, const char* verb);
 /// Otherwise as loadProblem().
 planner::Problem loadProblemOrRobot(const ProblemSource& source);
 robots::LoadOptions loadOptions(const ProblemSource& source);
+/// The files that the source names; empty names among them.
+std::vector<std::string> filesOf(const ProblemSource& source);
 /// Moves the problem's file from `files` to `source` and returns the path's.
 std::string takePathFile(ProblemSource& source, const std::vector<std::string>& files);
 void apply(const PlanOverrides& overrides, planner::Problem& problem);
