@@ -28,7 +28,8 @@ std::vector<std::string> namesOf(const std::vector<Item>& items) {
 
 class Reader {
  public:
-  Reader(const std::string& path, RobotDescription& model) : file_(path, "SRDF"), model_(model) {}
+  Reader(const std::string& path, RobotDescription& model, const Stop& stop)
+      : file_(path, "SRDF", stop), model_(model) {}
 
   void read() {
     model_.has_srdf = true;
@@ -266,8 +267,8 @@ class Reader {
 
 }  // namespace
 
-std::optional<VirtualJoint> readVirtualJoint(const std::string& srdf_path) {
-  const XmlFile file(srdf_path, "SRDF");
+std::optional<VirtualJoint> readVirtualJoint(const std::string& srdf_path, const Stop& stop) {
+  const XmlFile file(srdf_path, "SRDF", stop);
   const XMLElement* e = file.onlyChild(file.root(), "virtual_joint");
   if (e == nullptr) return std::nullopt;
   VirtualJoint joint;
@@ -286,8 +287,8 @@ std::optional<VirtualJoint> readVirtualJoint(const std::string& srdf_path) {
   return joint;
 }
 
-void readSrdf(const std::string& srdf_path, RobotDescription& model) {
-  Reader(srdf_path, model).read();
+void readSrdf(const std::string& srdf_path, RobotDescription& model, const Stop& stop) {
+  Reader(srdf_path, model, stop).read();
 }
 
 }  // namespace leeway::robots

@@ -15,11 +15,12 @@ struct VirtualJoint {
   int line = 0;
 };
 
-/// The SRDF's virtual joint: nothing when it has none. Throws InputError; does not look at links.
-std::optional<VirtualJoint> readVirtualJoint(const std::string& srdf_path);
+/// The SRDF's virtual joint: nothing when it has none. Throws InputError, and Stopped while
+/// xacro is at work; does not look at links.
+std::optional<VirtualJoint> readVirtualJoint(const std::string& srdf_path, const Stop& stop);
 
 /// Adds groups, group states and disabled pairs to a model whose links, joints and variables are
 /// complete. Throws InputError.
-void readSrdf(const std::string& srdf_path, RobotDescription& model);
+void readSrdf(const std::string& srdf_path, RobotDescription& model, const Stop& stop);
 
 }  // namespace leeway::robots

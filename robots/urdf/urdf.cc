@@ -327,10 +327,10 @@ std::vector<LinkGap> gapsOf(const Model& model, const Meshes& meshes) {
 
 std::shared_ptr<const Model> loadModel(const std::string& urdf_path, const std::string& srdf_path,
                                        const LoadOptions& options) {
-  const UrdfDocument document = readUrdf(urdf_path);
+  const UrdfDocument document = readUrdf(urdf_path, options.stop);
   compareWithUrdfdom(document);
   std::optional<VirtualJoint> virtual_joint;
-  if (!srdf_path.empty()) virtual_joint = readVirtualJoint(srdf_path);
+  if (!srdf_path.empty()) virtual_joint = readVirtualJoint(srdf_path, options.stop);
 
   RobotDescription robot;
   robot.name = document.name;
@@ -367,7 +367,7 @@ std::shared_ptr<const Model> loadModel(const std::string& urdf_path, const std::
   }
   for (const UrdfJoint& joint : document.joints)
     if (joint.has_mimic) limitMaster(joint, robot);
-  if (!srdf_path.empty()) readSrdf(srdf_path, robot);
+  if (!srdf_path.empty()) readSrdf(srdf_path, robot, options.stop);
   auto model = std::make_shared<Model>(std::move(robot));
   model->link_gaps = gapsOf(*model, meshes);
   return model;

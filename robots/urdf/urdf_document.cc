@@ -25,7 +25,9 @@ std::string lineOf(int line) { return "line " + std::to_string(line); }
 
 class Reader {
  public:
-  explicit Reader(const std::string& path) : file_(path, "URDF") { document_.path = path; }
+  Reader(const std::string& path, const Stop& stop) : file_(path, "URDF", stop) {
+    document_.path = path;
+  }
 
   UrdfDocument read() {
     document_.name = file_.attribute(file_.root(), "name");
@@ -346,6 +348,8 @@ Eigen::Matrix3d rollPitchYaw(const Eigen::Vector3d& rpy) {
   return R;
 }
 
-UrdfDocument readUrdf(const std::string& path) { return Reader(path).read(); }
+UrdfDocument readUrdf(const std::string& path, const Stop& stop) {
+  return Reader(path, stop).read();
+}
 
 }  // namespace leeway::robots

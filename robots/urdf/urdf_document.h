@@ -54,8 +54,9 @@ struct UrdfDocument {
   std::string essence;  ///< the XML that bears on motion and collision
 };
 
-/// Reads and checks a URDF, by TinyXML2, which keeps line numbers. Throws InputError.
-UrdfDocument readUrdf(const std::string& path);
+/// Reads and checks a URDF, by TinyXML2, which keeps line numbers. Throws InputError, and
+/// Stopped while xacro is at work.
+UrdfDocument readUrdf(const std::string& path, const Stop& stop);
 
 /// Throws InputError unless the links form one tree, and every mimic leads to a joint of one
 /// position. Called by readUrdf().

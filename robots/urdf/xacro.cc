@@ -19,6 +19,7 @@ namespace leeway::robots {
 namespace {
 
 constexpr int kPatience = 60000;  // with a program that is silent [ms]
+constexpr int kAsk = 50;          // between two questions whether to stop [ms]
 
 /// The end of a pipe that this process reads.
 class Pipe {
@@ -52,7 +53,7 @@ std::string lastLine(std::string text) {
 
 }  // namespace
 
-std::optional<std::string> expandXacro(const std::string& path) {
+std::optional<std::string> expandXacro(const std::string& path, const Stop& stop) {
   const auto fail = [&](const std::string& what) {
     throw InputError(
         path, 0,
@@ -79,11 +80,15 @@ std::optional<std::string> expandXacro(const std::string& path) {
 
   std::string texts[2];
   std::string why;
+  bool stopped = false;
+  int silent = 0;  // [ms]
   pollfd waited[] = {{output.reader(), POLLIN, 0}, {messages.reader(), POLLIN, 0}};
-  while (why.empty() && (waited[0].fd >= 0 || waited[1].fd >= 0)) {
-    const int ready = ::poll(waited, 2, kPatience);
+  while (why.empty() && !stopped && (waited[0].fd >= 0 || waited[1].fd >= 0)) {
+    stopped = stop && stop();
+    const int ready = ::poll(waited, 2, kAsk);
     if (ready < 0 && errno == EINTR) continue;
-    if (ready <= 0) why = "it is silent for a minute";
+    silent = ready == 0 ? silent + kAsk : 0;
+    if (ready < 0 || silent >= kPatience) why = "it is silent for a minute";
     for (std::size_t i = 0; i < 2 && ready > 0; ++i) {
       if (waited[i].fd < 0 || waited[i].revents == 0) continue;
       char block[1 << 16];
@@ -96,10 +101,11 @@ std::optional<std::string> expandXacro(const std::string& path) {
       if (texts[i].size() > kLongestText) why = "it writes without end";
     }
   }
-  if (!why.empty()) ::kill(child, SIGKILL);
+  if (!why.empty() || stopped) ::kill(child, SIGKILL);
   int status = 0;
   while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
   }
+  if (stopped) throw Stopped("stopped while xacro expanded " + path);
   if (!why.empty()) fail(why);
   if (!WIFEXITED(status) || WEXITSTATUS(status) != 0)
     fail(texts[1].empty() ? "it fails without a word" : lastLine(texts[1]));

@@ -44,10 +44,10 @@ std::string suggestion(std::string_view wanted, std::span<const std::string> can
   return nearest == nullptr ? "" : "did you mean " + inQuotes(*nearest) + "?";
 }
 
-XmlFile::XmlFile(const std::string& path, const std::string& kind) : path_(path) {
+XmlFile::XmlFile(const std::string& path, const std::string& kind, const Stop& stop) : path_(path) {
   std::string text = readTextFile(path, "a " + kind + " file");
   if (std::filesystem::path(path).extension() == ".xacro") {
-    std::optional<std::string> expanded = expandXacro(path);
+    std::optional<std::string> expanded = expandXacro(path, stop);
     if (!expanded)
       throw InputError(path, 0,
                        "is a xacro file, which holds macros and no " + kind +

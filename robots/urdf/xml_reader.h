@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "leeway/robots/input_error.h"
+#include "leeway/robots/stopped.h"
 
 namespace leeway::robots {
 
@@ -21,7 +22,7 @@ class XmlFile {
   /// Reads and parses; `kind` ("URDF", "SRDF") and the root element's name are for messages.
   /// What ends in .xacro is expanded by `xacro`, and lines are those of its output; without that
   /// program, and for macros in other files, it is refused with the command that expands it.
-  XmlFile(const std::string& path, const std::string& kind);
+  XmlFile(const std::string& path, const std::string& kind, const Stop& stop = {});
 
   const std::string& path() const { return path_; }
   const tinyxml2::XMLElement& root() const { return *document_.RootElement(); }

@@ -333,6 +333,14 @@ TEST(Urdf, XacroIsExpandedByItsOwnCommand) {
     expectInputError([&] { loadModel(file, ""); }, file, 0,
                      {"xacro cannot expand it: undefined: x;"});
   }
+  {
+    // It was waited for, whatever the caller wanted.
+    const WithXacro xacro(folder, "exec sleep 50\n");
+    LoadOptions options;
+    int asked = 0;
+    options.stop = [&] { return ++asked > 2; };
+    EXPECT_THROW(loadModel(file, "", options), Stopped);
+  }
   const WithXacro xacro(folder, "kill -9 $$\n");
   expectInputError([&] { loadModel(file, ""); }, file, 0, {"it fails without a word"});
 }
