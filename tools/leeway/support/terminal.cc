@@ -10,6 +10,7 @@
 #include <csignal>
 #include <cstdio>
 #include <ctime>
+#include <limits>
 
 #include "planner/base/tolerances.h"
 
@@ -19,6 +20,9 @@ namespace {
 volatile std::sig_atomic_t is_interrupted = 0;
 timespec first_interrupt{};
 bool progress_shown = false;
+constexpr double kQuietReading = 1;  // nothing is shown of what is read sooner [s]
+constexpr std::size_t kManyUnits = 1000;
+constexpr double kRedraw = 0.1;  // between two looks of a line that changes by itself [s]
 bool quiet = false;
 
 /// The first interrupt ends planning with the best path so far; one more ends the program. What
@@ -106,14 +110,20 @@ InterruptibleReading::InterruptibleReading(std::optional<double> time_limit)
   sigaction(SIGINT, nullptr, &before_->interrupt);
   sigaction(SIGTERM, nullptr, &before_->terminate);
   handleInterrupts();
-  stop_ = [] { return interrupted(); };
-  if (time_limit) {
-    const std::chrono::duration<double> limit(std::max(*time_limit, planner::kLeastReading));
-    stop_ = [start = Clock::now(), limit] { return interrupted() || Clock::now() - start > limit; };
-  }
+  const double limit = time_limit ? std::max(*time_limit, planner::kLeastReading)
+                                  : std::numeric_limits<double>::infinity();
+  stop_ = [start = Clock::now(), limit, shown = kQuietReading]() mutable {
+    const double elapsed = std::chrono::duration<double>(Clock::now() - start).count();
+    if (elapsed >= shown) {
+      showProgress(fmt::format("{:.1f} s: reading", elapsed));
+      shown = elapsed + kRedraw;
+    }
+    return interrupted() || elapsed > limit;
+  };
 }
 
 InterruptibleReading::~InterruptibleReading() {
+  endProgress();
   sigaction(SIGINT, &before_->interrupt, nullptr);
   sigaction(SIGTERM, &before_->terminate, nullptr);
 }
@@ -142,10 +152,16 @@ void endProgress() {
 
 void UnitProgress::next(const std::string& unit) {
   if (!showsProgress()) return;
+  const double elapsed =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
+  // Of very many, few are seen.
+  if (total_ > kManyUnits && begun_ > 0 && elapsed < shown_ + kRedraw) {
+    ++begun_;
+    return;
+  }
+  shown_ = elapsed;
   std::string left;
   if (begun_ > 0) {
-    const double elapsed =
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
     const std::size_t rest = total_ - std::min(total_, kept_ + begun_);
     left = ", about " +
            formatDuration(elapsed / static_cast<double>(begun_) * static_cast<double>(rest)) +

@@ -20,7 +20,8 @@ planner::PlanOptions interactivePlanOptions(std::optional<double> time_limit = {
                                             double planning_limit = 0);
 bool interrupted();
 /// While it lives, an interrupt ends reading, which asks stop(); what was done before is left as it
-/// was. Reading may take `time_limit` [s], and kLeastReading at least.
+/// was. Reading may take `time_limit` [s], and kLeastReading at least. From a second on, stop()
+/// also shows for how long.
 class InterruptibleReading {
  public:
   explicit InterruptibleReading(std::optional<double> time_limit);
@@ -54,6 +55,7 @@ class UnitProgress {
 
  private:
   std::size_t total_, kept_, begun_ = 0;
+  double shown_ = 0;  // when, since begin_ [s]
   std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
 };
 
