@@ -8,7 +8,8 @@
 namespace leeway::robots {
 
 // ------------------------------------------------------------------------------------------------
-// Guarantees: smaller values make bounds untrue, larger ones only loosen them.
+// Guarantees. Of roundings and slacks, smaller values make bounds untrue, larger ones only loosen
+// them; of limits on input and of kGapInwards it is the other way.
 
 /// Rounding of a reach, relative to it and in metres. A walk over a hundred joints rounds by 1e-14
 /// of the coordinates.
@@ -46,7 +47,7 @@ inline constexpr double kGapInwards = 1 - 1e-6;
 inline constexpr double kProofSlack = 1e-11;
 
 // ------------------------------------------------------------------------------------------------
-// Tuning: any positive value is safe.
+// Tuning: any positive value is safe, where nothing else is said.
 
 /// Axes that are parallel (the sine between them) or meet (their distance [m]) to within this have
 /// a closed form of inverse kinematics: what a URDF's digits lose. Larger ones are polished longer.
