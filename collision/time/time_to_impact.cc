@@ -12,6 +12,7 @@ namespace leeway::collision {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr auto kBeyondAll = static_cast<double>(kFar);
 
 std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
@@ -21,21 +22,33 @@ double later(double time, double wait) {
   return wait == kInfinity ? kInfinity : std::nextafter(time + wait, -kInfinity);
 }
 
+/// All magnitudes are; false for NaN.
+bool isMotion(const PointMotion& m) {
+  return m.speed >= 0 && m.acceleration >= 0 && m.speed_cap >= 0;
+}
+
+/// What a motion never exceeds: what does not accelerate stays as fast as it is.
+double fastest(const PointMotion& m) {
+  return m.acceleration == 0 ? std::min(m.speed, m.speed_cap) : m.speed_cap;
+}
+
 /// Whether bounds that hold from `old_time` on include all that `now` allows from `time` on.
 bool covers(const PointMotion& old, double old_time, const PointMotion& now, double time) {
   // The conditions keep 0 * infinity out: what stands still has stood since ever.
   const double passed = time - old_time;
   const double gained = passed > 0 && old.acceleration > 0 ? old.acceleration * passed : 0;
   const double reached = std::min(old.speed_cap, old.speed + gained);
-  return now.acceleration <= old.acceleration && now.speed_cap <= old.speed_cap &&
+  return isMotion(now) && now.acceleration <= old.acceleration && now.speed_cap <= old.speed_cap &&
          std::min(now.speed, now.speed_cap) <= reached;
 }
 
 }  // namespace
 
 PointMotion closing(const PointMotion& a, const PointMotion& b) {
+  // In a sum a negative number would be lost.
+  if (!isMotion(a) || !isMotion(b)) return {kNaN, kNaN, kNaN};
   return {std::min(a.speed, a.speed_cap) + std::min(b.speed, b.speed_cap),
-          a.acceleration + b.acceleration, a.speed_cap + b.speed_cap};
+          a.acceleration + b.acceleration, fastest(a) + fastest(b)};
 }
 
 double timeToImpact(double gap, const PointMotion& closing) {
@@ -98,8 +111,15 @@ ImpactSchedule::ImpactSchedule(const Scene& scene) : scene_(&scene) {
     place(item, static_cast<std::int32_t>(item));  // all due at once: any order is a heap
   for (std::size_t run = 0; run < runs; ++run) {
     const std::size_t begin = pairs.runBegin(run);
-    next_of_run_.push_back(begin < pairs.runBegin(run + 1) ? static_cast<std::int32_t>(begin) : -1);
+    const bool is_empty = begin == pairs.runBegin(run + 1);
+    next_of_run_.push_back(is_empty ? -1 : static_cast<std::int32_t>(begin));
+    if (is_empty) setDue(static_cast<std::int32_t>(listed + run), kInfinity);
   }
+}
+
+bool ImpactSchedule::isEmptyRun(std::int32_t item) const {
+  const std::size_t listed = scene_->pairs().listedCount();
+  return at(item) >= listed && next_of_run_[at(item) - listed] < 0;
 }
 
 std::size_t ImpactSchedule::itemOf(int pair) const {
@@ -122,6 +142,7 @@ PointMotion ImpactSchedule::fastestStill(double time) const {
   PointMotion most{0, 0, 0};
   for (const std::int32_t body : moved_still_) {
     const PointMotion motion = motionAt(body, time);
+    if (!isMotion(motion)) return {kNaN, kNaN, kNaN};
     most = {greatest(most.speed, motion.speed), greatest(most.acceleration, motion.acceleration),
             greatest(most.speed_cap, motion.speed_cap)};
   }
@@ -133,13 +154,15 @@ void ImpactSchedule::setMotion(int body, const PointMotion& motion, double time)
   const bool covered = covers(last.motion, last.time, motion, time);
   last = {motion, std::max(last.time, time)};
   if (covered) return;
+  // Written so that a time of NaN hastens, too.
   const auto hasten = [&](std::int32_t item) {
-    if (due_[at(item)] > time) setDue(item, time);
+    if (!(due_[at(item)] <= time) && !isEmptyRun(item)) setDue(item, time);
   };
   for (std::int32_t i = first_item_[at(body)]; i < first_item_[at(body) + 1]; ++i)
     hasten(items_of_body_[at(i)]);
   const ScenePairs& pairs = scene_->pairs();
   if (!pairs.hasRuns() || body < pairs.firstStill()) return;
+  if (scene_->bodies()[at(body)].geometries.empty()) return;
   if (!std::exchange(is_moved_still_[at(body)], true)) moved_still_.push_back(body);
   for (std::size_t run = 0; run < pairs.runs().size(); ++run)
     hasten(static_cast<std::int32_t>(pairs.listedCount() + run));
@@ -177,7 +200,7 @@ double ImpactSchedule::lookAtRun(std::size_t run, double time, double horizon, W
   double reach =
       std::min(motion.speed_cap * wait, (motion.speed + motion.acceleration * wait) * wait);
   if (!(reach < kBeyondAll)) reach = 0;
-  reach = std::max(reach, std::min(radius, kBeyondAll));
+  reach = std::max({reach, std::min(radius, kBeyondAll), kImpactTolerance});  // above 0: it doubles
   const std::size_t first = imminent_count_;
   const int imminent_before = report.imminent;
   double due = kInfinity;

@@ -189,13 +189,13 @@ TEST(ImpactSchedule, NothingTouchesBeforeItSaysInRuns) {
 
 /// A ball at the origin that moves, and boxes in a row along x, each 10 m from the next, in a run
 /// or listed.
-Scene rowOfBoxes(int boxes, std::size_t most_listed = 0) {
+Scene rowOfBoxes(int boxes, std::size_t most_listed = 0, double radius = 0.5) {
   SceneBuilder builder;
   builder.listAtMost(most_listed);
   Body ball;
   ball.name = "ball";
   ball.moving = true;
-  ball.geometries.push_back({Shape::sphere(0.5), Pose{}, ""});
+  ball.geometries.push_back({Shape::sphere(radius), Pose{}, ""});
   builder.add(ball);
   for (int i = 1; i <= boxes; ++i) {
     Body box;
@@ -246,6 +246,65 @@ TEST(ImpactSchedule, WhatStandsStillMayMoveAllTheSame) {
     EXPECT_GT(report.safe_until, 1);
     schedule.setMotion(400, {90, std::nan(""), 90}, 1);
     EXPECT_EQ(schedule.advance(1, 0.01, workspace).imminent, most_listed == 0 ? 500 : 1);
+  }
+}
+
+// The first reach of a point that stands was 0, and doubled for ever.
+TEST(ImpactSchedule, PointsInRunsHaveAReach) {
+  for (const PointMotion& motion :
+       {PointMotion{0, 0, 0}, PointMotion{1, 0, 1}, PointMotion{kInfinity, kInfinity, kInfinity}}) {
+    for (const double horizon : {0.0, 0.01}) {
+      const Scene scene = rowOfBoxes(20, 0, 0);
+      Workspace workspace(scene);
+      ImpactSchedule schedule(scene);
+      schedule.setMotion(0, motion, 0);
+      const ImpactReport report = schedule.advance(0, horizon, workspace);
+      const double slowest = motion.speed == 0 ? kInfinity : 9.5 / motion.speed;
+      EXPECT_LE(report.safe_until, slowest);
+      EXPECT_GE(report.safe_until, slowest / 2 - 1e-9);
+    }
+  }
+}
+
+TEST(ImpactSchedule, RunsWithoutPairsAreNeverDue) {
+  SceneBuilder builder;
+  builder.listAtMost(0);
+  for (int i = 0; i < 5; ++i) {
+    Body body{"body" + std::to_string(i), {{Shape::sphere(0.5), {}, ""}}, i < 2, {}};
+    body.X_WB.translation.x() = i < 2 ? 0 : 10.0 * i;
+    builder.add(body);
+  }
+  for (int i = 0; i < 5; ++i) builder.allow(0, i);
+  const Scene scene = builder.build();
+  ASSERT_EQ(scene.pairs().size(), 3u);
+  Workspace workspace(scene);
+  ImpactSchedule schedule(scene);
+  schedule.setMotion(1, {1, 0, 1}, 0);  // nothing is known of body 0
+  const ImpactReport report = schedule.advance(0, 0.01, workspace);
+  EXPECT_GT(report.safe_until, 9);
+  EXPECT_LE(report.safe_until, 19);
+  EXPECT_EQ(report.next_pair, 0);
+  schedule.setMotion(0, {3, 0, 3}, 1);
+  EXPECT_EQ(schedule.safeUntil(), report.safe_until);
+}
+
+TEST(ImpactSchedule, WhatIsNoMotionIsDueAtOnce) {
+  EXPECT_EQ(timeToImpact(1, closing({2, 0, 2}, {-2, 0, 2})), 0);
+  EXPECT_EQ(timeToImpact(1, closing({2, 0, 2}, {0, std::nan(""), 2})), 0);
+  // What stands still leaves the other's cap, and one without acceleration its speed.
+  EXPECT_NEAR(timeToImpact(1, closing({0, kInfinity, 2}, {0, 0})), 0.5, 1e-12);
+  EXPECT_NEAR(timeToImpact(3, closing({0, kInfinity, 2}, {1, 0})), 1, 1e-12);
+  for (const std::size_t most_listed : {std::size_t{0}, std::size_t{1000}}) {
+    const Scene scene = rowOfBoxes(5, most_listed);
+    Workspace workspace(scene);
+    ImpactSchedule schedule(scene);
+    schedule.setMotion(0, {0, 0, 0}, 0);
+    schedule.advance(0, 0.01, workspace);
+    schedule.setMotion(0, {5, 0, 5}, std::nan(""));
+    EXPECT_EQ(schedule.safeUntil(), -kInfinity);
+    EXPECT_LE(schedule.advance(1, 0.01, workspace).safe_until, 1 + 9 / 5.0);
+    schedule.setMotion(3, {-5, 0, 5}, 1);
+    EXPECT_GT(schedule.advance(1, 0.01, workspace).imminent, 0);
   }
 }
 

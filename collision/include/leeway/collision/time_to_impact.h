@@ -17,7 +17,8 @@ struct PointMotion {
   double speed_cap = std::numeric_limits<double>::infinity();
 };
 
-/// How fast two such bodies can close on each other: the sums.
+/// How fast two such bodies can close on each other: the sums; NaN where a number is negative or
+/// NaN.
 PointMotion closing(const PointMotion& a, const PointMotion& b);
 
 /// The earliest time [s] at which a gap of `gap` [m] can be used up, rounded down: with closing
@@ -42,7 +43,8 @@ struct ImpactReport {
 /// one place in it: when it is due, its pairs that are near are looked at, and one distance stands
 /// for all others. Has no clock: the caller passes the time and where bodies are. Compare the
 /// collision-time queues of B. Mirtich, "Impulse-based dynamic simulation of rigid body systems"
-/// (1996), section 2.3. The scene must outlive the schedule.
+/// (1996), section 2.3. The scene must outlive the schedule; margins that are raised or
+/// grown meanwhile count from a pair's next look on.
 class ImpactSchedule {
  public:
   /// Every pair is due at once. Until setMotion() the motion of a moving body is unknown (infinite
@@ -82,6 +84,7 @@ class ImpactSchedule {
     double time = -std::numeric_limits<double>::infinity();  // from when on it holds [s]
   };
   std::size_t itemOf(int pair) const;
+  bool isEmptyRun(std::int32_t item) const;  // nothing is due in it, ever
   PointMotion motionAt(int body, double time) const;
   PointMotion fastestStill(double time) const;
   double look(int pair, double time, double horizon, Workspace& workspace, bool& violated);
