@@ -6,6 +6,7 @@
 
 #include "collision/base/greatest.h"
 #include "collision/base/tolerances.h"
+#include "collision/lanes/obstacle_boxes.h"
 #include "collision/scene/scene_access.h"
 
 namespace leeway::collision {
@@ -13,6 +14,7 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+/// From this reach on a box holds everything [m].
 constexpr auto kBeyondAll = static_cast<double>(kFar);
 
 std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }

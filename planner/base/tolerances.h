@@ -525,8 +525,8 @@ constexpr double kLastSimplification = 0.2;
 constexpr double kImprovement = 1e-3;
 
 /// Such a search's bound, in turns, as a multiple of what the path must become: simplifying makes
-/// paths shorter, and what goes another way may be the longer one before. Measured: MBM's paths get
-/// 2 % shorter than with 1, in the mean.
+/// paths shorter, and what goes another way may be the longer one before. Measured on panda's and
+/// ur5's problems of MotionBenchMaker: any from 1.2 to 4 gains 1 to 2 % of the mean length over 1.
 constexpr double kImproveSlack[] = {1.1, 2};
 
 /// Between the seeds of two searches for shorter paths, in runs.

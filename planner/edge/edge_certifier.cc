@@ -31,6 +31,7 @@ EdgeCertifier::Impl::Impl(std::shared_ptr<const CompiledScene> compiled)
   motion.resize(scene->edgeModel().motions.size());
   world_balls.resize(scene->edges().moving.size());
   shared_slots.resize(kSharedSlots + 1);
+  // Each of 2^14 pairs may be open in all lanes; of more, each in four.
   const std::size_t lists = std::max<std::size_t>(
       {std::size_t{kEdgeOpen},
        std::size_t{collision::kLanes} * std::min(pairs, std::size_t{1} << 14U), 4 * pairs});

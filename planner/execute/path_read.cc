@@ -154,8 +154,8 @@ Table readCsv(const std::string& file) {
   Table table;
   for (const auto& [number, line] : readLines(file)) {
     std::vector<std::string> fields = csvFields(file, number, line);
-    if (table.names.empty() && fields.size() == 1 && areNumbers(blankFields(line)))
-      fields = blankFields(line);
+    if (table.names.empty() && fields.size() == 1)
+      if (std::vector<std::string> row = blankFields(line); areNumbers(row)) fields.swap(row);
     if (table.names.empty() && table.rows.empty() && !areNumbers(fields)) {
       for (const std::string& field : fields) table.names.push_back(trimmed(field));
       table.names_line = number;

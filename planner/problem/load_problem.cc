@@ -32,7 +32,8 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 void requireVersion(const YamlReader& file) {
   const auto version = file.find("leeway");
-  if (!version && (file.has("robot_model_name") || file.has("group_name")))
+  const bool is_of_moveit = file.has("robot_model_name") || file.has("group_name");
+  if (!version && is_of_moveit)
     file.fail(
         "key 'leeway' is missing: as MoveIt writes scenes and requests; a problem file that names "
         "both under 'moveit' is expected, or --robot with `leeway batch` or `leeway lint`");

@@ -23,11 +23,6 @@ std::filesystem::path placeOf(const std::string& file) {
   return error ? std::filesystem::path(file) : place;
 }
 
-bool isSame(const std::string& a, const std::string& b) {
-  std::error_code error;
-  return placeOf(a) == placeOf(b) || (std::filesystem::equivalent(a, b, error) && !error);
-}
-
 }  // namespace
 
 void checkOutputFile(const std::string& file, std::span<const std::string_view> endings) {
@@ -58,13 +53,14 @@ void checkOutputFile(const std::string& file, std::span<const std::string_view> 
 void expectApart(std::span<const std::string> outputs, std::span<const std::string> inputs) {
   for (std::size_t i = 0; i < outputs.size(); ++i) {
     if (outputs[i].empty()) continue;
+    std::error_code none;  // what is not there is not the same
     for (const std::string& input : inputs)
-      if (!input.empty() && isSame(outputs[i], input))
+      if (!input.empty() && std::filesystem::equivalent(outputs[i], input, none))
         throw robots::InputError(outputs[i], 0,
                                  "is read, and would be overwritten; another name for what is "
                                  "written is expected");
     for (std::size_t k = 0; k < i; ++k)
-      if (!outputs[k].empty() && isSame(outputs[i], outputs[k]))
+      if (!outputs[k].empty() && placeOf(outputs[i]) == placeOf(outputs[k]))
         throw robots::InputError(outputs[i], 0,
                                  "is to be written twice; a name for each output is expected");
   }

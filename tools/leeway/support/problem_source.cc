@@ -368,10 +368,8 @@ void applyCost(const PlanOverrides& overrides, planner::Problem& problem) {
   problem.objective = planner::MinimumCost{overrides.length_weight.value_or(0), {term}};
 }
 
-}  // namespace
-
 /// --improve is of one search and one objective: elsewhere it would be ignored.
-static void expectImproves(const PlanOverrides& overrides, const planner::Problem& problem) {
+void expectImproves(const PlanOverrides& overrides, const planner::Problem& problem) {
   const auto refuse = [&](const std::string& why) {
     badUsage(fmt::format("--improve {}: {}", overrides.improve, why));
   };
@@ -385,6 +383,8 @@ static void expectImproves(const PlanOverrides& overrides, const planner::Proble
     refuse("only paths of the objective length become shorter; others take all of --time");
   if (!problem.steps.empty()) refuse("tasks are not improved; a problem without steps is expected");
 }
+
+}  // namespace
 
 void apply(const PlanOverrides& overrides, planner::Problem& problem) {
   if (overrides.seed) {

@@ -20,10 +20,11 @@ namespace {
 volatile std::sig_atomic_t is_interrupted = 0;
 timespec first_interrupt{};
 bool progress_shown = false;
-constexpr double kQuietReading = 1;  // nothing is shown of what is read sooner [s]
-constexpr std::size_t kManyUnits = 1000;
-constexpr double kRedraw = 0.1;  // between two looks of a line that changes by itself [s]
 bool quiet = false;
+
+constexpr double kQuietReading = 1;       // what is read sooner is not shown [s]
+constexpr double kRedraw = 0.1;           // from one progress line to the next, where many come [s]
+constexpr std::size_t kManyUnits = 1000;  // of more, not each one redraws the line
 
 /// The first interrupt ends planning with the best path so far; one more ends the program. What
 /// follows within a quarter of a second is the same interrupt: timeout(1) signals its child and
@@ -154,7 +155,6 @@ void UnitProgress::next(const std::string& unit) {
   if (!showsProgress()) return;
   const double elapsed =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
-  // Of very many, few are seen.
   if (total_ > kManyUnits && begun_ > 0 && elapsed < shown_ + kRedraw) {
     ++begun_;
     return;

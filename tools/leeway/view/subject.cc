@@ -178,8 +178,7 @@ Subject subjectOfPlan(const planner::Problem& problem, const std::string& source
     default:
       subject.verdict = "no path found";
       subject.notes.push_back(fmt::format(
-          "{} ended after {:.2f} s, {} iterations and {} edges, {} of them "
-          "undecided. "
+          "{} ended after {:.2f} s, {} iterations and {} edges, {} of them undecided. "
           "That no path was found does not prove that there is none.",
           result.planner, result.plan_s, result.iterations, result.edges, result.undecided_edges));
   }
