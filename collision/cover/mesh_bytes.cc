@@ -93,14 +93,19 @@ std::shared_ptr<const BallCover> unpackCover(ByteReader& from) {
 }  // namespace
 
 MeshAndBytes makeMeshAndBytes(std::span<const Vector3d> vertices,
-                              std::span<const TriangleMesh::Triangle> triangles) {
+                              std::span<const TriangleMesh::Triangle> triangles,
+                              const std::function<void()>& checkpoint) {
   BallCover cover;
-  const BuiltMesh built = MeshFile::build(vertices, triangles, true,
-                                          [&](const std::shared_ptr<const TriangleMesh>& mesh) {
-                                            cover = coverWithoutInnerBalls(Shape::mesh(mesh));
-                                          });
+  const BuiltMesh built = MeshFile::build(
+      vertices, triangles, true,
+      [&](const std::shared_ptr<const TriangleMesh>& mesh) {
+        cover = coverWithoutInnerBalls(Shape::mesh(mesh));
+      },
+      checkpoint);
+  if (checkpoint) checkpoint();
   addInnerBalls(Shape::mesh(built.mesh), cover);
   MeshFile::setCover(*built.mesh, std::make_shared<const BallCover>(cover));
+  if (checkpoint) checkpoint();
   ByteWriter bytes;
   MeshFile::pack(built, bytes);
   packCover(cover, bytes);

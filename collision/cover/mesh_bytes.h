@@ -5,6 +5,7 @@
 // (robots/cache/disk_cache.h).
 
 #include <cstddef>
+#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
@@ -19,9 +20,11 @@ struct MeshAndBytes {
 };
 
 /// The mesh as TriangleMesh::make() makes it, with its cover (coverOf()) made, too. Throws
-/// InvalidShape. O(n log n); about 250 bytes a triangle.
+/// InvalidShape, and what `checkpoint` throws, which is called between stages in any thread. O(n
+/// log n); about 250 bytes a triangle.
 MeshAndBytes makeMeshAndBytes(std::span<const Eigen::Vector3d> vertices,
-                              std::span<const TriangleMesh::Triangle> triangles);
+                              std::span<const TriangleMesh::Triangle> triangles,
+                              const std::function<void()>& checkpoint = {});
 
 /// The same mesh: every query has the same answer, byte for byte. Null where the bytes are none
 /// that makeMeshAndBytes() of this build made, as far as that can be seen in O(n): no bytes

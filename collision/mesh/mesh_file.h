@@ -22,13 +22,16 @@ struct BuiltMesh {
 /// What files read and write of a TriangleMesh.
 struct MeshFile {
   using Meanwhile = std::function<void(const std::shared_ptr<const TriangleMesh>&)>;
+  /// Called between stages, in any thread; what it throws ends the work. A million triangles take a
+  /// second or two between two calls.
+  using Checkpoint = std::function<void()>;
 
   /// As TriangleMesh::make(). `meanwhile` is called, perhaps in a thread of its own, with the mesh
   /// as soon as it has its triangles, hierarchy of nodes and hullExcess(): no query must be asked
   /// then.
   static BuiltMesh build(std::span<const Eigen::Vector3d> vertices,
                          std::span<const TriangleMesh::Triangle> triangles, bool decompose = true,
-                         const Meanwhile& meanwhile = {});
+                         const Meanwhile& meanwhile = {}, const Checkpoint& checkpoint = {});
   /// All of a mesh that takes time to find. O(n).
   static void pack(const BuiltMesh& built, ByteWriter& to);
   /// The mesh that pack() wrote, the same in every byte that queries read. Null where the bytes are

@@ -91,7 +91,11 @@ std::shared_ptr<const TriangleMesh> TriangleMesh::make(std::span<const Vector3d>
 }
 
 BuiltMesh MeshFile::build(std::span<const Vector3d> vertices, std::span<const Triangle> triangles,
-                          bool decompose, const Meanwhile& meanwhile) {
+                          bool decompose, const Meanwhile& meanwhile,
+                          const Checkpoint& checkpoint) {
+  const auto pause = [&] {
+    if (checkpoint) checkpoint();
+  };
   requireUsable(vertices, triangles);
   std::shared_ptr<TriangleMesh> mesh(new TriangleMesh);
   // Coordinates too small for the exact predicates become 0: 1e-70 m is far below the rounding of
@@ -107,11 +111,13 @@ BuiltMesh MeshFile::build(std::span<const Vector3d> vertices, std::span<const Tr
   mesh->triangle_component_ = std::move(components.component);
   mesh->component_closed_ = std::move(components.closed);
   const bool is_large = mesh->triangles_.size() >= kWorthAThread;
+  pause();
   MeshTreePlan plan;
   std::shared_ptr<const ConvexHull> hull;
   inParallel(
       is_large, [&] { plan = planTree(mesh->vertices_, mesh->triangles_); },
       [&] { hull = hullOfPart(mesh->vertices_); });
+  pause();
   auto tree = std::make_unique<MeshTree>(mesh->vertices_, mesh->triangles_,
                                          mesh->triangle_component_, plan, std::move(hull));
   MeshTree& made = *tree;
@@ -119,14 +125,17 @@ BuiltMesh MeshFile::build(std::span<const Vector3d> vertices, std::span<const Tr
   inParallel(
       is_large,
       [&] {
+        pause();
         ConvexPieces pieces;
         pieces.summary.use = PieceSummary::Use::kNotAsked;
         if (decompose) pieces = convexPieces(*mesh);
         mesh->pieces_ = pieces.summary;
+        pause();
         made.makeBoxes(mesh->vertices_, mesh->triangles_, pieces.pieces);
       },
       [&] {
         mesh->hull_excess_ = hullExcess(mesh->vertices_, made);
+        pause();
         if (meanwhile) meanwhile(mesh);
       });
   return {std::move(mesh), std::move(plan)};

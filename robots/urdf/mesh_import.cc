@@ -10,7 +10,9 @@
 
 #include <algorithm>
 #include <assimp/Importer.hpp>
+#include <assimp/ProgressHandler.hpp>
 #include <cctype>
+#include <exception>
 #include <filesystem>
 #include <fstream>
 #include <new>
@@ -21,9 +23,11 @@
 #include <vector>
 
 #include "collision/cover/mesh_bytes.h"
+#include "collision/mesh/mesh_file.h"
 #include "leeway/collision/triangle_mesh.h"
 #include "leeway/robots/input_error.h"
 #include "leeway/robots/model.h"
+#include "robots/base/interruptible.h"
 #include "robots/cache/content_key.h"
 #include "robots/cache/disk_cache.h"
 
@@ -35,6 +39,7 @@ using collision::TriangleMesh;
 
 // Smaller files are imported about as fast as a file from the cache is read [B].
 constexpr std::size_t kLeastKept = 4096;
+constexpr const char* kReading = "meshes were read";
 
 struct Soup {
   std::pmr::vector<Eigen::Vector3d> vertices{collision::largeArrays()};
@@ -143,6 +148,27 @@ std::string keyOf(const std::string& path, const Eigen::Vector3d& scale,
   return key.finish();
 }
 
+/// Ends an import, whose importer reports now and then how far it is. It takes what is thrown for
+/// trouble with the file: `ended` keeps it.
+class Questions final : public Assimp::ProgressHandler {
+ public:
+  Questions(const Stop& stop, std::exception_ptr& ended) : stop_(stop), ended_(ended) {}
+  bool Update(float) override {
+    if (ended_) std::rethrow_exception(ended_);
+    try {
+      throwIfStopped(stop_, kReading);
+    } catch (...) {
+      ended_ = std::current_exception();
+      throw;
+    }
+    return true;
+  }
+
+ private:
+  const Stop& stop_;
+  std::exception_ptr& ended_;
+};
+
 /// Whose reading of a file it is to be.
 enum class Reader { kRviz, kOmplApp };
 
@@ -150,9 +176,12 @@ enum class Reader { kRviz, kOmplApp };
 template <class Fail>
 Soup readSoup(const std::string& path, const Eigen::Vector3d& scale,
               std::span<const std::byte> bytes, bool& reads_others, const Fail& fail,
-              Reader reader = Reader::kRviz) {
+              const Stop& stop, Reader reader = Reader::kRviz) {
+  std::exception_ptr ended;  // outlives the importer
   Assimp::Importer importer;
-  importer.SetIOHandler(new Files(path, bytes, reads_others));  // the importer's from here on
+  // Both are the importer's from here on.
+  importer.SetIOHandler(new Files(path, bytes, reads_others));
+  importer.SetProgressHandler(new Questions(stop, ended));
   // As RViz and MoveIt do: ignore the file's up axis, apply its unit of length.
   importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, reader == Reader::kRviz);
   const unsigned steps = reader == Reader::kRviz
@@ -161,6 +190,7 @@ Soup readSoup(const std::string& path, const Eigen::Vector3d& scale,
                                    aiProcess_JoinIdenticalVertices | aiProcess_SortByPType |
                                    aiProcess_OptimizeGraph;
   const aiScene* scene = importer.ReadFile(path, steps);
+  if (ended) std::rethrow_exception(ended);
   if (scene == nullptr)
     fail("cannot be read: " + std::string(importer.GetErrorString()) +
          "; an intact STL, OBJ or DAE file would be accepted");
@@ -195,7 +225,7 @@ CenteredMesh importForOmplApp(const std::string& path, const std::string& referr
   const collision::LargeBuffer contents = readBytes(path, fail);
   bool reads_others = false;
   const Soup soup = readSoup(path, Eigen::Vector3d::Ones(), {contents.data(), contents.size()},
-                             reads_others, fail, Reader::kOmplApp);
+                             reads_others, fail, {}, Reader::kOmplApp);
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (const Eigen::Vector3d& v : soup.vertices) sum += v;
   try {
@@ -210,7 +240,7 @@ CenteredMesh importForOmplApp(const std::string& path, const std::string& referr
 ImportedMesh importMesh(const std::string& path, const Eigen::Vector3d& scale,
                         const std::string& referrer, int line, const DiskCache& cache,
                         const Stop& stop) {
-  throwIfStopped(stop, "meshes were read");
+  throwIfStopped(stop, kReading);
   const auto fail = [&](const std::string& message) {
     throw InputError(referrer, line, "mesh " + path + ' ' + message);
   };
@@ -227,20 +257,23 @@ ImportedMesh importMesh(const std::string& path, const Eigen::Vector3d& scale,
         return {collision::Shape::mesh(std::move(mesh)), std::move(key)};
   }
   bool reads_others = false;
-  const Soup soup = readSoup(path, scale, bytes, reads_others, fail);
+  const Soup soup = readSoup(path, scale, bytes, reads_others, fail, stop);
   if (reads_others) key.clear();
-  throwIfStopped(stop, "meshes were read");
+  throwIfStopped(stop, kReading);
+  const auto checkpoint = [&] { throwIfStopped(stop, kReading); };
+  const auto alone = [&]() -> ImportedMesh {
+    auto built = collision::MeshFile::build(soup.vertices, soup.triangles, true, {}, checkpoint);
+    return {collision::Shape::mesh(std::move(built.mesh)), std::move(key)};
+  };
   try {
-    if (key.empty() || !is_kept)
-      return {collision::Shape::mesh(TriangleMesh::make(soup.vertices, soup.triangles)),
-              std::move(key)};
+    if (key.empty() || !is_kept) return alone();
     try {
-      collision::MeshAndBytes made = collision::makeMeshAndBytes(soup.vertices, soup.triangles);
+      collision::MeshAndBytes made =
+          collision::makeMeshAndBytes(soup.vertices, soup.triangles, checkpoint);
       cache.write(key, made.bytes);
       return {collision::Shape::mesh(std::move(made.mesh)), std::move(key)};
     } catch (const std::bad_alloc&) {  // keeping takes more memory than the mesh itself
-      return {collision::Shape::mesh(TriangleMesh::make(soup.vertices, soup.triangles)),
-              std::move(key)};
+      return alone();
     }
   } catch (const collision::InvalidShape& invalid) {
     fail("cannot be used: " + std::string(invalid.what()));
@@ -250,7 +283,16 @@ ImportedMesh importMesh(const std::string& path, const Eigen::Vector3d& scale,
 
 collision::Shape loadMesh(const std::string& path, const Eigen::Vector3d& scale,
                           const std::string& referrer, int line, const LoadOptions& options) {
-  return importMesh(path, scale, referrer, line, DiskCache(options.cache), options.stop).shape;
+  const DiskCache cache(options.cache);
+  std::error_code error;
+  if (const std::uintmax_t bytes = std::filesystem::file_size(path, error);
+      error || bytes < kWorthAsking)
+    return importMesh(path, scale, referrer, line, cache, options.stop).shape;
+  std::optional<ImportedMesh> mesh;
+  workInterruptibly(options.stop, [&](const Stop& asked) {
+    mesh = importMesh(path, scale, referrer, line, cache, asked);
+  });
+  return std::move(mesh->shape);
 }
 
 }  // namespace leeway::robots

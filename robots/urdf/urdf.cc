@@ -16,6 +16,7 @@
 
 #include "leeway/collision/shape.h"
 #include "leeway/robots/input_error.h"
+#include "robots/base/interruptible.h"
 #include "robots/cache/content_key.h"
 #include "robots/cache/disk_cache.h"
 #include "robots/model/model_builder.h"
@@ -41,8 +42,7 @@ class Meshes {
       : urdf_path_(urdf_path), options_(options), cache_(options.cache) {}
 
   /// Loads all meshes of the links in parallel. Each is independent of the others, so the number of
-  /// threads changes nothing. load() reports failures, in the order of the links. Throws Stopped;
-  /// this thread alone asks.
+  /// threads changes nothing. load() reports failures, in the order of the links. Throws Stopped.
   void loadAll(const UrdfDocument& document, const std::vector<std::pair<int, int>>& order) {
     for (const auto& [link, joint] : order)
       for (const UrdfCollision& collision : document.links[index(link)].collisions)
@@ -50,30 +50,12 @@ class Meshes {
     // Largest first: else one thread may end with it alone.
     std::stable_sort(tasks_.begin(), tasks_.end(),
                      [](const Task& l, const Task& r) { return l.bytes > r.bytes; });
-    std::atomic<std::size_t> next = 0;
-    const auto work = [&] {
-      for (std::size_t i = next++; i < tasks_.size(); i = next++) run(tasks_[i]);
-    };
-    const std::size_t most =
-        std::min<std::size_t>(std::thread::hardware_concurrency(), kMostThreads);
-    std::vector<std::thread> threads;
-    threads.reserve(most);
-    try {
-      while (threads.size() + 1 < std::min(most, tasks_.size())) threads.emplace_back(work);
-    } catch (const std::system_error&) {  // fewer threads do it
-    }
-    std::exception_ptr ended;
-    try {
-      for (std::size_t i = next++; i < tasks_.size(); i = next++) {
-        throwIfStopped(options_.stop, "meshes were read");
-        run(tasks_[i]);
-      }
-    } catch (...) {  // also what the caller's function throws: the threads are joined first
-      ended = std::current_exception();
-      next = tasks_.size();
-    }
-    for (std::thread& thread : threads) thread.join();
-    if (ended) std::rethrow_exception(ended);
+    if (tasks_.empty()) return;
+    std::uintmax_t bytes = 0;
+    for (const Task& task : tasks_) bytes += task.bytes;
+    throwIfStopped(options_.stop, "meshes were read");
+    workInterruptibly(bytes < kWorthAsking ? Stop() : options_.stop,
+                      [&](const Stop& asked) { runAll(asked); });
   }
 
   Shape load(const UrdfCollision& collision) {
@@ -124,11 +106,30 @@ class Meshes {
     tasks_.push_back({key, &collision, error ? 0 : bytes, &place->second});
   }
 
-  void run(const Task& task) const {
+  /// `asked` may be called from any thread.
+  void runAll(const Stop& asked) const {
+    std::atomic<std::size_t> next = 0;
+    const auto work = [&] {
+      for (std::size_t i = next++; i < tasks_.size(); i = next++) run(tasks_[i], asked);
+    };
+    const std::size_t most =
+        std::min<std::size_t>(std::thread::hardware_concurrency(), kMostThreads);
+    std::vector<std::thread> threads;
+    threads.reserve(most);
+    try {
+      while (threads.size() + 1 < std::min(most, tasks_.size())) threads.emplace_back(work);
+    } catch (const std::system_error&) {  // fewer threads do it
+    }
+    work();
+    for (std::thread& thread : threads) thread.join();
+    throwIfStopped(asked, "meshes were read");
+  }
+
+  void run(const Task& task, const Stop& asked) const {
     try {
       task.result->mesh = importMesh(std::get<0>(task.key), task.collision->mesh_scale, urdf_path_,
-                                     task.collision->line, cache_, {});
-    } catch (...) {
+                                     task.collision->line, cache_, asked);
+    } catch (...) {  // Stopped, too
       task.result->error = std::current_exception();
     }
   }

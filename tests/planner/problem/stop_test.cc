@@ -76,7 +76,7 @@ TEST(Stop, ReadingARobot) {
   EXPECT_GT(asked, 5);
 }
 
-/// Meshes of links are read by several threads, of which the caller's asks.
+/// Meshes of links are read by several threads; the caller's alone asks.
 TEST(Stop, ReadingTheMeshesOfARobot) {
   const Folder folder;
   std::string urdf = "<robot name=\"stack\"><link name=\"link0\"/>\n";
@@ -98,12 +98,53 @@ TEST(Stop, ReadingTheMeshesOfARobot) {
   EXPECT_EQ(robots::loadModel(file, "", options)->links.size(), 13U);
 }
 
+/// A large mesh is left in the middle: what is asked is answered while it is made.
+TEST(Stop, ReadingALargeMesh) {
+  const Folder folder;
+  std::string obj;
+  constexpr int kSide = 300;
+  for (int i = 0; i <= kSide; ++i)
+    for (int j = 0; j <= kSide; ++j)
+      obj += "v " + std::to_string(i) + ' ' + std::to_string(j) + ' ' +
+             std::to_string((i * 7919 + j * 104729) % 97) + '\n';
+  for (int i = 1; i <= kSide; ++i)
+    for (int j = 1; j <= kSide; ++j) {
+      const int a = (i - 1) * (kSide + 1) + j;
+      obj += "f " + std::to_string(a) + ' ' + std::to_string(a + 1) + ' ' +
+             std::to_string(a + kSide + 1) + '\n';
+    }
+  const std::string mesh = folder.write("large.obj", obj);
+  const std::string urdf =
+      folder.write("large.urdf",
+                   "<robot name=\"large\"><link name=\"a\"><collision><geometry><mesh filename=\"" +
+                       mesh + "\"/></geometry></collision></link></robot>\n");
+  for (const int last : {1, 2, 4}) {
+    robots::LoadOptions options;
+    int asked = 0;
+    options.stop = [&] { return ++asked == last; };
+    const Eigen::Vector3d scale = Eigen::Vector3d::Ones();
+    EXPECT_THROW(robots::loadMesh(mesh, scale, urdf, 1, options), Stopped);
+    EXPECT_EQ(asked, last);
+    asked = 0;
+    EXPECT_THROW(robots::loadModel(urdf, "", options), Stopped);
+    EXPECT_EQ(asked, last);
+    options.stop = [&]() -> bool { throw std::logic_error("the caller's"); };
+    EXPECT_THROW(robots::loadMesh(mesh, scale, urdf, 1, options), std::logic_error);
+  }
+}
+
 TEST(Stop, ReadingAMesh) {
-  const std::string folder = leeway::sourceFolder() + "/problems";
+  const Folder folder;
+  const std::string file = folder.write("arch.yaml", R"(leeway: 1
+body: {name: dot, joint: floating, bounds: {lower: [-1, -1, -1], upper: [1, 1, 1]}, shapes: [{sphere: {radius: 0.1}}]}
+start: {position: [0, 0, 0]}
+goal: {position: [0.5, 0, 0]}
+objects: [{name: arch, mesh: {file: )" + leeway::sourceFolder() +
+                                                         "/problems/mesh/meshes/arch.stl}}]\n");
   expectStops([&](const Stop& stop) {
     ProblemOptions options;
     options.load.stop = stop;
-    EXPECT_FALSE(loadProblem(folder + "/mesh/tote.yaml", options).world.objects.empty());
+    EXPECT_FALSE(loadProblem(file, options).world.objects.empty());
   });
 }
 
