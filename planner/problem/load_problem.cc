@@ -21,6 +21,7 @@
 #include "planner/problem/read_steps.h"
 #include "planner/yaml/format_keys.h"
 #include "planner/yaml/yaml_reader.h"
+#include "robots/base/read_on.h"
 
 namespace leeway::planner {
 namespace {
@@ -170,13 +171,18 @@ void readObject(const YamlReader& map, std::unordered_set<std::string>& taken,
     name.fail(
         fmt::format("{} '{}' is the name of another object or link; a name of its own is expected",
                     name.where(), name.text()));
-  Object object{name.text(), readGeometries(map, name.text(), problem.warnings, load),
-                readPose(map, problem.warnings)};
+  Object object{name.text(), {}, {}};
+  // Where it is wrong, and reading goes on, its name is still known.
+  map.readOn([&] {
+    object.geometries = readGeometries(map, object.name, problem.warnings, load);
+    object.X_WO = readPose(map, problem.warnings);
+  });
   const auto attach = map.find("attach");
   if (!attach) {
     problem.world.objects.push_back(std::move(object));
     return;
   }
+  if (problem.robot.model->links.empty()) return;  // reading goes on without its robot
   attach->expectKeys(keysOf("attach"));
   Attachment attachment;
   attachment.link =
@@ -220,10 +226,10 @@ void readGroups(const YamlReader& groups, KnownNames& known) {
       list.fail(fmt::format("group '{}' has the name of {}; a name of its own is expected", name,
                             name == "robot" ? "the whole robot" : "a link or object"));
     std::vector<std::string> members;
-    for (const YamlReader& item : list.items()) {
-      expectKnown(item, list, known);
+    list.eachItem([&](const YamlReader& item) {
       members.push_back(item.text());
-    }
+      expectKnown(item, list, known);
+    });
     if (members.empty())
       list.fail(fmt::format("group '{}' is empty; names of links or objects are expected", name));
     known.groups[name] = std::move(members);
@@ -257,7 +263,7 @@ std::vector<std::pair<std::string, std::string>> readNamePairs(const YamlReader&
 void readObjects(const YamlReader& objects, const robots::LoadOptions& load, Problem& problem) {
   std::unordered_set<std::string> taken;
   for (std::string& name : objectNames(problem)) taken.insert(std::move(name));
-  for (const YamlReader& object : objects.items()) readObject(object, taken, load, problem);
+  objects.eachItem([&](const YamlReader& object) { readObject(object, taken, load, problem); });
 }
 
 /// Warns of a negative margin: some are meant, for models fatter than the robot, more are mistyped,
@@ -286,75 +292,94 @@ Wish readWish(const YamlReader& entry, const YamlReader& between, const YamlRead
   return wish;
 }
 
+void readPairMargin(const YamlReader& entry, const KnownNames& known, Problem& problem) {
+  entry.expectKeys(keysOf("pair_margin"));
+  if (const auto weight = entry.find("weight"); weight && !entry.find("wish"))
+    weight->fail("key 'weight' stands without 'wish', whose weight it is; both are expected");
+  const YamlReader between = entry.at("between", "two names");
+  const auto pairs = readNamePairs(between, known);
+  const auto wish = entry.find("wish");
+  // A wish alone leaves the margin as it is.
+  double margin = problem.margins.common;
+  if (!wish || entry.has("margin")) {
+    margin = readMargin(entry.at("margin", "a number [m]"), problem);
+    for (const auto& [a, b] : pairs) problem.margins.pairs.push_back({a, b, margin});
+  }
+  if (!wish) return;
+  if (!(wish->number() > margin))
+    wish->fail(fmt::format("{} is {}, no more than the margin {}; more is expected", wish->where(),
+                           wish->number(), margin));
+  problem.margins.wishes.push_back(readWish(entry, between, *wish, pairs));
+}
+
 void readPairs(const YamlReader& file, const LinkPadding& padding, Problem& problem) {
   KnownNames known(problem);
   if (const auto groups = file.find("groups")) readGroups(*groups, known);
   if (const auto allowed = file.find("allowed"))
-    for (const YamlReader& pair : allowed->items())
+    allowed->eachItem([&](const YamlReader& pair) {
       for (auto& names : readNamePairs(pair, known))
         problem.contacts.allowed.push_back(std::move(names));
+    });
   if (const auto margin = file.find("margin"))
     problem.margins.common = readMargin(*margin, problem);
   applyLinkPadding(padding, problem);
   const auto margins = file.find("margins");
   if (!margins) return;
-  for (const YamlReader& entry : margins->items()) {
-    entry.expectKeys(keysOf("pair_margin"));
-    if (const auto weight = entry.find("weight"); weight && !entry.find("wish"))
-      weight->fail("key 'weight' stands without 'wish', whose weight it is; both are expected");
-    const YamlReader between = entry.at("between", "two names");
-    const auto pairs = readNamePairs(between, known);
-    const auto wish = entry.find("wish");
-    // A wish alone leaves the margin as it is.
-    double margin = problem.margins.common;
-    if (!wish || entry.has("margin")) {
-      margin = readMargin(entry.at("margin", "a number [m]"), problem);
-      for (const auto& [a, b] : pairs) problem.margins.pairs.push_back({a, b, margin});
-    }
-    if (!wish) continue;
-    if (!(wish->number() > margin))
-      wish->fail(fmt::format("{} is {}, no more than the margin {}; more is expected",
-                             wish->where(), wish->number(), margin));
-    problem.margins.wishes.push_back(readWish(entry, between, *wish, pairs));
-  }
+  margins->eachItem([&](const YamlReader& entry) { readPairMargin(entry, known, problem); });
 }
 
-void readPlanner(const YamlReader& file, Problem& problem) {
-  if (const auto planner = file.find("planner")) {
-    planner->expectKeys(keysOf("planner"));
-    if (const auto name = planner->find("name")) {
-      problem.planner.name = name->text();
-      if (const auto error = plannerError(problem.planner.name, {})) name->fail(*error);
-    }
-    if (const auto parameters = planner->find("parameters"))
-      for (const auto& [name, value] : parameters->entries()) {
+void readPlannerOf(const YamlReader& planner, Problem& problem) {
+  planner.expectKeys(keysOf("planner"));
+  if (const auto name = planner.find("name")) {
+    problem.planner.name = name->text();
+    if (const auto error = plannerError(problem.planner.name, {})) name->fail(*error);
+  }
+  if (const auto parameters = planner.find("parameters"))
+    for (const auto& [name, value] : parameters->entries())
+      value.readOn([&] {
         problem.planner.parameters[name] = value.text();
         if (const auto error = plannerError(problem.planner.name, {{name, value.text()}}))
           value.fail(*error);
-      }
-  }
-  if (const auto objective = file.find("objective")) {
-    problem.objective = readObjective(*objective);
-    if (std::holds_alternative<MaximumClearance>(problem.objective) &&
-        !problem.margins.wishes.empty())
-      objective->fail(
-          "objective is clearance, beside margins with a wish, whose cost it cannot weigh; another "
-          "objective, or margins alone, are expected");
-  }
-  if (const auto simplify = file.find("simplify")) problem.planner.simplify = simplify->boolean();
-  if (const auto push = file.find("push")) problem.planner.push = push->boolean();
-  if (const auto limits = file.find("limits")) {
-    limits->expectKeys(keysOf("limits"));
-    if (const auto time = limits->find("time")) problem.limits.time = time->sizeNumber();
-    if (const auto iterations = limits->find("iterations"))
-      problem.limits.iterations = iterations->integer(0);
-  }
-  if (const auto seed = file.find("seed")) problem.seed = seed->seed();
+      });
+}
+
+void readObjectiveOf(const YamlReader& objective, Problem& problem) {
+  problem.objective = readObjective(objective);
+  if (std::holds_alternative<MaximumClearance>(problem.objective) &&
+      !problem.margins.wishes.empty())
+    objective.fail(
+        "objective is clearance, beside margins with a wish, whose cost it cannot weigh; another "
+        "objective, or margins alone, are expected");
+}
+
+void readLimits(const YamlReader& limits, Problem& problem) {
+  limits.expectKeys(keysOf("limits"));
+  if (const auto time = limits.find("time")) problem.limits.time = time->sizeNumber();
+  if (const auto iterations = limits.find("iterations"))
+    problem.limits.iterations = iterations->integer(0);
+}
+
+void readPlanner(const YamlReader& file, Problem& problem) {
+  const auto section = [&](const char* key, const auto& read) {
+    if (const auto found = file.find(key)) found->readOn([&] { read(*found, problem); });
+  };
+  section("planner", readPlannerOf);
+  section("objective", readObjectiveOf);
+  section("simplify", [](const YamlReader& simplify, Problem& of) {
+    of.planner.simplify = simplify.boolean();
+  });
+  section("push", [](const YamlReader& push, Problem& of) { of.planner.push = push.boolean(); });
+  section("limits", readLimits);
+  section("seed", [](const YamlReader& seed, Problem& of) { of.seed = seed.seed(); });
 }
 
 void readStartAndGoals(const YamlReader& file, Problem& problem) {
-  if (const auto joints = file.find("joints")) readPassiveJoints(*joints, problem);
-  readStart(file.at("start", "a group state, a list of values or a map by joint"), problem);
+  file.readOn([&] {
+    if (const auto joints = file.find("joints")) readPassiveJoints(*joints, problem);
+  });
+  file.readOn([&] {
+    readStart(file.at("start", "a group state, a list of values or a map by joint"), problem);
+  });
   const auto goal = file.find("goal"), goals = file.find("goals");
   if (const auto steps = file.find("steps")) {
     if (goal || goals)
@@ -369,10 +394,11 @@ void readStartAndGoals(const YamlReader& file, Problem& problem) {
     problem.goals.push_back(readGoal(*goal, "goal", problem));
     return;
   }
-  for (const YamlReader& item : goals->items())
-    problem.goals.push_back(
-        readGoal(item, fmt::format("goal {}", problem.goals.size() + 1), problem));
-  if (problem.goals.empty()) goals->fail("goals is empty; at least one goal is expected");
+  if (goals->items().empty()) goals->fail("goals is empty; at least one goal is expected");
+  int number = 0;
+  goals->eachItem([&](const YamlReader& item) {
+    problem.goals.push_back(readGoal(item, fmt::format("goal {}", ++number), problem));
+  });
 }
 
 /// Robot, start, goals and objects from MoveIt's files. The problem file may add objects, but not
@@ -422,28 +448,45 @@ Problem fromOwnKeys(const YamlReader& file, const ProblemOptions& options) {
 Problem loadProblem(const std::string& yaml_path, const ProblemOptions& options) {
   if (std::filesystem::path(yaml_path).extension() == ".cfg")
     return loadOmplApp(yaml_path, options);
-  const YamlReader file = YamlReader::load(yaml_path, options.load.stop);
+  const robots::ErrorsSince wrong(options.load.errors);
+  const YamlReader file = YamlReader::load(yaml_path, options.load.stop, options.load.errors);
   if (!file.isMap()) file.fail("is no map; a problem file (leeway: 1, ...) is expected");
   requireVersion(file);
   file.expectKeys(keysOf("problem"));
   const auto moveit = file.find("moveit");
   LinkPadding padding;
-  Problem problem =
-      moveit ? fromMoveit(file, *moveit, options, padding) : fromOwnKeys(file, options);
-  const auto name = file.find("name");
-  problem.name = name ? name->text() : std::filesystem::path(yaml_path).stem().string();
-  if (const auto objects = file.find("objects")) readObjects(*objects, options.load, problem);
-  if (const auto frames = file.find("frames")) readFrames(*frames, problem);
-  if (const auto execution = file.find("execution")) readExecution(*execution, problem);
-  if (const auto deforming = file.find("deforming"))
-    for (const YamlReader& entry : deforming->items()) {
+  Problem problem;
+  const bool has_robot = file.readOn([&] {
+    problem = moveit ? fromMoveit(file, *moveit, options, padding) : fromOwnKeys(file, options);
+  });
+  // Where reading goes on without its robot: nothing is a link then.
+  if (!has_robot) problem.robot.model = std::make_shared<const Model>(robots::RobotDescription());
+  file.readOn([&] {
+    const auto name = file.find("name");
+    problem.name = name ? name->text() : std::filesystem::path(yaml_path).stem().string();
+  });
+  const auto section = [&](const char* key, const auto& read) {
+    if (const auto found = file.find(key)) found->readOn([&] { read(*found); });
+  };
+  section("objects",
+          [&](const YamlReader& objects) { readObjects(objects, options.load, problem); });
+  if (has_robot) section("frames", [&](const YamlReader& frames) { readFrames(frames, problem); });
+  section("execution", [&](const YamlReader& execution) { readExecution(execution, problem); });
+  section("deforming", [&](const YamlReader& deforming) {
+    deforming.eachItem([&](const YamlReader& entry) {
       robots::throwIfStopped(options.load.stop, "deforming obstacles were read");
       readDeforming(entry, problem);
-    }
-  // Poses may be relative to anything above.
-  if (!moveit) readStartAndGoals(file, problem);
-  readPairs(file, padding, problem);
+    });
+  });
+  if (has_robot) {
+    // Poses may be relative to anything above.
+    file.readOn([&] {
+      if (!moveit) readStartAndGoals(file, problem);
+    });
+    file.readOn([&] { readPairs(file, padding, problem); });
+  }
   readPlanner(file, problem);
+  wrong.throwFirst();
   return problem;
 }
 

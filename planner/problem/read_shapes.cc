@@ -195,10 +195,11 @@ std::vector<Geometry> readGeometries(const YamlReader& map, const std::string& o
     map.fail(fmt::format("{} has both 'shapes' and '{}'; one is expected", map.where(), word));
   std::vector<Geometry> geometries;
   if (shapes) {
-    for (const YamlReader& shape : shapes->items())
-      geometries.push_back(readGeometry(shape, owner, warnings, load));
-    if (geometries.empty())
+    if (shapes->items().empty())
       shapes->fail(fmt::format("{} is empty; at least one shape is expected", shapes->where()));
+    shapes->eachItem([&](const YamlReader& shape) {
+      geometries.push_back(readGeometry(shape, owner, warnings, load));
+    });
     return geometries;
   }
   if (word.empty())

@@ -58,8 +58,9 @@ class YamlDocument::YamlEvents : public Builder, public YAML::EventHandler {
   std::vector<YamlIndex> anchors_;
 };
 
-YamlDocument::YamlDocument(std::string file, std::string text, const robots::Stop& stop)
-    : file_(std::move(file)), stop_(stop) {
+YamlDocument::YamlDocument(std::string file, std::string text, const robots::Stop& stop,
+                           robots::InputErrors* errors)
+    : file_(std::move(file)), stop_(stop), errors_(errors) {
   const std::size_t first = text.find_first_not_of(" \t\r\n");
   const bool may_be_json = first != std::string::npos && (text[first] == '{' || text[first] == '[');
   int error_line = 0;

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "leeway/robots/input_error.h"
 #include "leeway/robots/stopped.h"
 
 namespace leeway::planner {
@@ -42,9 +43,12 @@ class YamlDocument {
   /// Parses `text`, the content of `file`. Throws robots::InputError for bad syntax, for several
   /// documents, and beyond the limits above; robots::Stopped, as `stop` is asked every some
   /// thousand entries. Without a document the root is null. O(text).
-  YamlDocument(std::string file, std::string text, const robots::Stop& stop = {});
+  /// Errors of those who read the document go to `errors`, where that is not null.
+  YamlDocument(std::string file, std::string text, const robots::Stop& stop = {},
+               robots::InputErrors* errors = nullptr);
 
   const std::string& file() const { return file_; }
+  robots::InputErrors* errors() const { return errors_; }
   const YamlNode& node(YamlIndex i) const { return nodes_[static_cast<std::size_t>(i)]; }
   /// An alias' target; any other node itself.
   YamlIndex resolved(YamlIndex i) const { return isAlias(i) ? node(i).first : i; }
@@ -68,6 +72,7 @@ class YamlDocument {
 
   std::string file_;
   robots::Stop stop_;  // while it is parsed
+  robots::InputErrors* errors_ = nullptr;
   std::vector<YamlNode> nodes_;
   std::string texts_;  // of all scalars
 };

@@ -33,7 +33,8 @@ YamlReader::YamlReader(std::shared_ptr<const YamlDocument> document, YamlIndex p
   line_ = isNull() ? parent_line : document_->node(place).line;
 }
 
-YamlReader YamlReader::load(const std::string& path, const robots::Stop& stop) {
+YamlReader YamlReader::load(const std::string& path, const robots::Stop& stop,
+                            robots::InputErrors* errors) {
   robots::throwIfStopped(stop, "files were read");
   std::string text = robots::readTextFile(path, "a YAML or JSON file");
   const std::size_t first = text.find_first_not_of(" \t\r\n");
@@ -41,7 +42,7 @@ YamlReader YamlReader::load(const std::string& path, const robots::Stop& stop) {
     throw InputError(path, 0, "is empty; a YAML or JSON file is expected");
   if (text[first] == '<')
     throw InputError(path, 0, "is XML, as it begins with '<'; a YAML or JSON file is expected");
-  YamlReader root(std::make_shared<const YamlDocument>(path, std::move(text), stop), 0, 1);
+  YamlReader root(std::make_shared<const YamlDocument>(path, std::move(text), stop, errors), 0, 1);
   if (root.isNull()) throw InputError(path, 0, "holds 0 YAML documents; exactly one is expected");
   return root;
 }
@@ -118,10 +119,12 @@ void YamlReader::expectKeys(std::span<const std::string_view> known) const {
   forEachKey([&](YamlIndex key) {
     const std::string text(document_->text(keyNode(key)));
     if (std::find(known.begin(), known.end(), text) == known.end())
-      throw InputError(
-          file(), keyLine(key),
-          fmt::format("unknown key '{}' in {}{}", text, where(),
-                      nearestName(text, std::vector<std::string>(known.begin(), known.end()))));
+      robots::throwOrKeep(
+          InputError(
+              file(), keyLine(key),
+              fmt::format("unknown key '{}' in {}{}", text, where(),
+                          nearestName(text, std::vector<std::string>(known.begin(), known.end())))),
+          document_->errors());
     return true;
   });
 }

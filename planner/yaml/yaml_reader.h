@@ -13,6 +13,7 @@
 #include "leeway/robots/input_error.h"
 #include "leeway/robots/stopped.h"
 #include "planner/yaml/yaml_document.h"
+#include "robots/base/read_on.h"
 
 namespace leeway::planner {
 
@@ -22,13 +23,20 @@ class YamlReader {
  public:
   /// The only document of a file. Throws for an unreadable file, bad syntax, no or several
   /// documents, and robots::Stopped.
-  static YamlReader load(const std::string& path, const robots::Stop& stop = {});
+  /// With `errors`, reading goes on after an error where this class says so.
+  static YamlReader load(const std::string& path, const robots::Stop& stop = {},
+                         robots::InputErrors* errors = nullptr);
 
   const std::string& file() const { return document_->file(); }
   int line() const { return line_; }
   /// How messages call this place: "objects[2].box.size"; "the file" at the top.
   std::string where() const { return document_->where(place_); }
   [[noreturn]] void fail(const std::string& message) const;
+  /// Calls read(). False where it threw an InputError that was kept.
+  template <class Read>
+  bool readOn(const Read& read) const {
+    return robots::readOn(document_->errors(), read);
+  }
 
   bool isMap() const { return node().kind == YamlNode::Kind::kMap; }
   bool isList() const { return node().kind == YamlNode::Kind::kList; }
@@ -38,7 +46,8 @@ class YamlReader {
   bool isEmpty() const { return isNull() || (isScalar() ? node().text_size == 0 : size() == 0); }
 
   // Maps.
-  /// Fails unless this is a map whose keys are all in `known`, each once.
+  /// Fails unless this is a map whose keys are all in `known`, each once. Keeps each wrong key
+  /// where errors are gathered.
   void expectKeys(std::span<const std::string_view> known) const;
   /// All entries in file order; fails unless a map, and for a key that stands twice.
   std::vector<std::pair<std::string, YamlReader>> entries() const;
@@ -53,6 +62,12 @@ class YamlReader {
     return static_cast<std::size_t>(isMap() ? node().count / 2 : node().count);
   }
   std::vector<YamlReader> items() const;  ///< fails unless a list
+  /// Calls visit(item) for each of a list's; after an error with the next one where errors are
+  /// gathered.
+  template <class Visit>
+  void eachItem(const Visit& visit) const {
+    for (const YamlReader& item : items()) readOn([&] { visit(item); });
+  }
 
   // Values.
   std::string text() const;   ///< any scalar, not empty

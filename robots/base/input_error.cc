@@ -4,6 +4,8 @@
 #include <string_view>
 #include <utility>
 
+#include "robots/base/read_on.h"
+
 namespace leeway::robots {
 
 namespace {
@@ -36,5 +38,17 @@ std::string compose(const std::string& file, int line, const std::string& messag
 
 InputError::InputError(std::string file, int line, const std::string& message)
     : std::runtime_error(compose(file, line, message)), file_(std::move(file)), line_(line) {}
+
+void InputErrors::add(const InputError& error) {
+  const std::string_view text = error.what();
+  if (std::none_of(list_.begin(), list_.end(),
+                   [&](const InputError& other) { return other.what() == text; }))
+    list_.push_back(error);
+}
+
+void throwOrKeep(const InputError& error, InputErrors* errors) {
+  if (errors == nullptr || errors->list().size() >= InputErrors::kMost) throw InputError(error);
+  errors->add(error);
+}
 
 }  // namespace leeway::robots

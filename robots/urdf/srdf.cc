@@ -28,8 +28,11 @@ std::vector<std::string> namesOf(const std::vector<Item>& items) {
 
 class Reader {
  public:
-  Reader(const std::string& path, RobotDescription& model, const Stop& stop)
-      : file_(path, "SRDF", stop), model_(model) {}
+  Reader(const std::string& path, RobotDescription& model, const LoadOptions& options)
+      : file_(path, "SRDF", options),
+        errors_(options.errors),
+        wrong_(options.errors),
+        model_(model) {}
 
   void read() {
     model_.has_srdf = true;
@@ -41,11 +44,13 @@ class Reader {
                              inQuotes(model_.name));
     warnUnread();
     readGroups();
-    eachChild(file_.root(), "group_state", [&](const XMLElement& e) { readGroupState(e); });
-    eachChild(file_.root(), "disable_collisions",
-              [&](const XMLElement& e) { readDisabledPair(e); });
-    eachChild(file_.root(), "end_effector", [&](const XMLElement& e) { checkEndEffector(e); });
-    eachChild(file_.root(), "passive_joint", [&](const XMLElement& e) { checkPassiveJoint(e); });
+    file_.eachChild(file_.root(), "group_state", [&](const XMLElement& e) { readGroupState(e); });
+    file_.eachChild(file_.root(), "disable_collisions",
+                    [&](const XMLElement& e) { readDisabledPair(e); });
+    file_.eachChild(file_.root(), "end_effector",
+                    [&](const XMLElement& e) { checkEndEffector(e); });
+    file_.eachChild(file_.root(), "passive_joint",
+                    [&](const XMLElement& e) { checkPassiveJoint(e); });
   }
 
  private:
@@ -93,7 +98,7 @@ class Reader {
   void readGroups() {
     std::vector<const XMLElement*> elements;
     std::map<std::string, int> lines;
-    eachChild(file_.root(), "group", [&](const XMLElement& e) {
+    file_.eachChild(file_.root(), "group", [&](const XMLElement& e) {
       Group group;
       group.name = file_.attribute(e, "name");
       const auto [entry, fresh] = lines.emplace(group.name, e.GetLineNum());
@@ -107,6 +112,7 @@ class Reader {
     std::vector<int> state(elements.size(), 0);
     for (std::size_t i = 0; i < elements.size(); ++i) collect(elements, i, state);
     for (std::size_t i = 0; i < elements.size(); ++i) fill(model_.groups[i], group_joints_[i]);
+    groups_are_whole_ = !wrong_.any();
   }
 
   /// state: 0 not begun, 1 being collected, 2 done.
@@ -114,31 +120,35 @@ class Reader {
                std::vector<int>& state) {
     if (state[i] == 2) return;
     state[i] = 1;
-    std::set<int>& joints = group_joints_[i];
     for (const XMLElement* e = elements[i]->FirstChildElement(); e != nullptr;
-         e = e->NextSiblingElement()) {
-      const std::string kind = e->Name();
-      if (kind == "chain") {
-        addChain(*e, joints);
-      } else if (kind == "joint" || kind == "passive_joint") {
-        joints.insert(requireJoint(*e, "name"));
-      } else if (kind == "link") {
-        joints.insert(model_.links[static_cast<std::size_t>(requireLink(*e, "name"))].joint);
-      } else if (kind == "group") {
-        const auto other = static_cast<std::size_t>(requireGroup(*e, "name"));
-        if (state[other] == 1)
-          file_.fail(*e, "the group " + inQuotes(model_.groups[i].name) +
-                             " contains itself by way of " + inQuotes(model_.groups[other].name) +
-                             "; groups below it would be accepted");
-        collect(elements, other, state);
-        joints.insert(group_joints_[other].begin(), group_joints_[other].end());
-      } else {
-        file_.fail(*e,
-                   "<" + kind +
-                       "> in <group> is not known; chain, joint, link and group would be accepted");
-      }
-    }
+         e = e->NextSiblingElement())
+      readOn(errors_, [&] { collectMember(elements, i, *e, state); });
     state[i] = 2;
+  }
+
+  void collectMember(const std::vector<const XMLElement*>& elements, std::size_t i,
+                     const XMLElement& e, std::vector<int>& state) {
+    std::set<int>& joints = group_joints_[i];
+    const std::string kind = e.Name();
+    if (kind == "chain") {
+      addChain(e, joints);
+    } else if (kind == "joint" || kind == "passive_joint") {
+      joints.insert(requireJoint(e, "name"));
+    } else if (kind == "link") {
+      joints.insert(model_.links[static_cast<std::size_t>(requireLink(e, "name"))].joint);
+    } else if (kind == "group") {
+      const auto other = static_cast<std::size_t>(requireGroup(e, "name"));
+      if (state[other] == 1)
+        file_.fail(e, "the group " + inQuotes(model_.groups[i].name) +
+                          " contains itself by way of " + inQuotes(model_.groups[other].name) +
+                          "; groups below it would be accepted");
+      collect(elements, other, state);
+      joints.insert(group_joints_[other].begin(), group_joints_[other].end());
+    } else {
+      file_.fail(
+          e,
+          "<" + kind + "> in <group> is not known; chain, joint, link and group would be accepted");
+    }
   }
 
   /// The joints above `link`, nearest first, the root's last.
@@ -177,14 +187,14 @@ class Reader {
         file_.fail(e, "a second group_state " + inQuotes(state.name) + " of the group " +
                           inQuotes(state.group) + "; names must be unique in a group");
     std::map<int, int> lines;
-    eachChild(e, "joint", [&](const XMLElement& value) {
+    file_.eachChild(e, "joint", [&](const XMLElement& value) {
       const int joint = requireJoint(value, "name");
       const auto [entry, fresh] = lines.emplace(joint, value.GetLineNum());
       if (!fresh)
         file_.fail(value, "a second value for joint " + inQuotes(value.Attribute("name")) +
                               ", the first is in line " + std::to_string(entry->second) +
                               "; one would be accepted");
-      if (group_joints_[static_cast<std::size_t>(group)].count(joint) == 0)
+      if (groups_are_whole_ && group_joints_[static_cast<std::size_t>(group)].count(joint) == 0)
         file_.fail(value, "joint " + inQuotes(value.Attribute("name")) + " is not in the group " +
                               inQuotes(state.group) + "; a joint of that group would be accepted");
       addValue(value, model_.joints[static_cast<std::size_t>(joint)], state);
@@ -260,15 +270,19 @@ class Reader {
   }
 
   XmlFile file_;
+  InputErrors* errors_;
+  ErrorsSince wrong_;
   RobotDescription& model_;
   std::vector<std::set<int>> group_joints_;
+  bool groups_are_whole_ = true;  // none lacks a member that is wrong
   std::set<std::pair<int, int>> disabled_;
 };
 
 }  // namespace
 
-std::optional<VirtualJoint> readVirtualJoint(const std::string& srdf_path, const Stop& stop) {
-  const XmlFile file(srdf_path, "SRDF", stop);
+std::optional<VirtualJoint> readVirtualJoint(const std::string& srdf_path,
+                                             const LoadOptions& options) {
+  const XmlFile file(srdf_path, "SRDF", options);
   const XMLElement* e = file.onlyChild(file.root(), "virtual_joint");
   if (e == nullptr) return std::nullopt;
   VirtualJoint joint;
@@ -287,8 +301,8 @@ std::optional<VirtualJoint> readVirtualJoint(const std::string& srdf_path, const
   return joint;
 }
 
-void readSrdf(const std::string& srdf_path, RobotDescription& model, const Stop& stop) {
-  Reader(srdf_path, model, stop).read();
+void readSrdf(const std::string& srdf_path, RobotDescription& model, const LoadOptions& options) {
+  Reader(srdf_path, model, options).read();
 }
 
 }  // namespace leeway::robots

@@ -17,10 +17,11 @@ struct VirtualJoint {
 
 /// The SRDF's virtual joint: nothing when it has none. Throws InputError, and Stopped while
 /// xacro is at work; does not look at links.
-std::optional<VirtualJoint> readVirtualJoint(const std::string& srdf_path, const Stop& stop);
+std::optional<VirtualJoint> readVirtualJoint(const std::string& srdf_path,
+                                             const LoadOptions& options);
 
 /// Adds groups, group states and disabled pairs to a model whose links, joints and variables are
 /// complete. Throws InputError.
-void readSrdf(const std::string& srdf_path, RobotDescription& model, const Stop& stop);
+void readSrdf(const std::string& srdf_path, RobotDescription& model, const LoadOptions& options);
 
 }  // namespace leeway::robots

@@ -17,6 +17,7 @@
 #include "leeway/collision/shape.h"
 #include "leeway/robots/input_error.h"
 #include "robots/base/interruptible.h"
+#include "robots/base/read_on.h"
 #include "robots/cache/content_key.h"
 #include "robots/cache/disk_cache.h"
 #include "robots/model/model_builder.h"
@@ -211,13 +212,15 @@ Joint rootJoint(const UrdfDocument& document, const std::string& root_link,
 }
 
 void appendLink(const UrdfLink& source, int joint, Meshes& meshes, const std::string& urdf_path,
-                RobotDescription& model) {
+                InputErrors* errors, RobotDescription& model) {
   Link link;
   link.name = source.name;
   link.joint = joint;
   for (const UrdfCollision& collision : source.collisions)
-    link.geometries.push_back(
-        {makeShape(collision, meshes, urdf_path), collision.X_LG, collision.name});
+    readOn(errors, [&] {
+      link.geometries.push_back(
+          {makeShape(collision, meshes, urdf_path), collision.X_LG, collision.name});
+    });
   model.links.push_back(std::move(link));
 }
 
@@ -328,10 +331,11 @@ std::vector<LinkGap> gapsOf(const Model& model, const Meshes& meshes) {
 
 std::shared_ptr<const Model> loadModel(const std::string& urdf_path, const std::string& srdf_path,
                                        const LoadOptions& options) {
-  const UrdfDocument document = readUrdf(urdf_path, options.stop);
+  const ErrorsSince wrong(options.errors);
+  const UrdfDocument document = readUrdf(urdf_path, options);
   compareWithUrdfdom(document);
   std::optional<VirtualJoint> virtual_joint;
-  if (!srdf_path.empty()) virtual_joint = readVirtualJoint(srdf_path, options.stop);
+  if (!srdf_path.empty()) virtual_joint = readVirtualJoint(srdf_path, options);
 
   RobotDescription robot;
   robot.name = document.name;
@@ -346,7 +350,7 @@ std::shared_ptr<const Model> loadModel(const std::string& urdf_path, const std::
   meshes.loadAll(document, order);
   for (const auto& [link, joint] : order) {
     appendLink(document.links[index(link)], static_cast<int>(robot.joints.size()), meshes,
-               urdf_path, robot);
+               urdf_path, options.errors, robot);
     if (joint < 0)
       robot.joints.push_back(
           rootJoint(document, document.links[index(link)].name, virtual_joint, srdf_path));
@@ -368,7 +372,8 @@ std::shared_ptr<const Model> loadModel(const std::string& urdf_path, const std::
   }
   for (const UrdfJoint& joint : document.joints)
     if (joint.has_mimic) limitMaster(joint, robot);
-  if (!srdf_path.empty()) readSrdf(srdf_path, robot, options.stop);
+  if (!srdf_path.empty()) readSrdf(srdf_path, robot, options);
+  wrong.throwFirst();
   auto model = std::make_shared<Model>(std::move(robot));
   model->link_gaps = gapsOf(*model, meshes);
   return model;

@@ -25,7 +25,8 @@ std::string lineOf(int line) { return "line " + std::to_string(line); }
 
 class Reader {
  public:
-  Reader(const std::string& path, const Stop& stop) : file_(path, "URDF", stop) {
+  Reader(const std::string& path, const LoadOptions& options)
+      : file_(path, "URDF", options), errors_(options.errors), wrong_(options.errors) {
     document_.path = path;
   }
 
@@ -33,13 +34,15 @@ class Reader {
     document_.name = file_.attribute(file_.root(), "name");
     warnUnread(file_.root(), {"link", "joint", "material", "gazebo", "transmission", "sensor",
                               "ros2_control", "plugin"});
-    eachChild(file_.root(), "link", [&](const XMLElement& link) { readLink(link); });
+    file_.eachChild(file_.root(), "link", [&](const XMLElement& link) { readLink(link); });
     if (document_.links.empty())
       file_.fail(file_.root(), file_.root().FirstChildElement("group") != nullptr
                                    ? "the robot has no <link>, but a <group>: it is an SRDF; a "
                                      "URDF is expected"
                                    : "the robot has no <link>; at least one is needed");
-    eachChild(file_.root(), "joint", [&](const XMLElement& joint) { readJoint(joint); });
+    file_.eachChild(file_.root(), "joint", [&](const XMLElement& joint) { readJoint(joint); });
+    // What is between links and joints says little while some of them are wrong.
+    wrong_.throwFirst();
     checkStructure(document_);
     document_.essence = essence();
     return std::move(document_);
@@ -94,7 +97,7 @@ class Reader {
     link_names_.push_back(link.name);
     warnUnread(element,
                {"visual", "collision", "inertial", "contact", "sensor", "material", "gravity"});
-    eachChild(element, "collision", [&](const XMLElement& collision) {
+    file_.eachChild(element, "collision", [&](const XMLElement& collision) {
       link.collisions.push_back(readCollision(collision));
     });
     if (link.collisions.empty() && element.FirstChildElement("visual") != nullptr)
@@ -202,9 +205,8 @@ class Reader {
     joint.parent = readLinkReference(element, "parent");
     joint.child = readLinkReference(element, "child");
     joint.X_PJ = readOrigin(element, &joint.xyz);
-    readAxis(element, joint);
-    readLimit(element, joint);
-    readMimic(element, joint);
+    for (const auto part : {&Reader::readAxis, &Reader::readLimit, &Reader::readMimic})
+      readOn(errors_, [&] { (this->*part)(element, joint); });
     document_.joints.push_back(std::move(joint));
   }
 
@@ -329,6 +331,8 @@ class Reader {
   }
 
   XmlFile file_;
+  InputErrors* errors_;
+  ErrorsSince wrong_;
   UrdfDocument document_;
   std::map<std::string, int> link_lines_, joint_lines_, link_index_;
   std::vector<std::string> link_names_;
@@ -348,8 +352,8 @@ Eigen::Matrix3d rollPitchYaw(const Eigen::Vector3d& rpy) {
   return R;
 }
 
-UrdfDocument readUrdf(const std::string& path, const Stop& stop) {
-  return Reader(path, stop).read();
+UrdfDocument readUrdf(const std::string& path, const LoadOptions& options) {
+  return Reader(path, options).read();
 }
 
 }  // namespace leeway::robots

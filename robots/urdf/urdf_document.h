@@ -56,7 +56,7 @@ struct UrdfDocument {
 
 /// Reads and checks a URDF, by TinyXML2, which keeps line numbers. Throws InputError, and
 /// Stopped while xacro is at work.
-UrdfDocument readUrdf(const std::string& path, const Stop& stop);
+UrdfDocument readUrdf(const std::string& path, const LoadOptions& options);
 
 /// Throws InputError unless the links form one tree, and every mimic leads to a joint of one
 /// position. Called by readUrdf().

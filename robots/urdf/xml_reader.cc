@@ -44,10 +44,11 @@ std::string suggestion(std::string_view wanted, std::span<const std::string> can
   return nearest == nullptr ? "" : "did you mean " + inQuotes(*nearest) + "?";
 }
 
-XmlFile::XmlFile(const std::string& path, const std::string& kind, const Stop& stop) : path_(path) {
+XmlFile::XmlFile(const std::string& path, const std::string& kind, const LoadOptions& options)
+    : path_(path), errors_(options.errors) {
   std::string text = readTextFile(path, "a " + kind + " file");
   if (std::filesystem::path(path).extension() == ".xacro") {
-    std::optional<std::string> expanded = expandXacro(path, stop);
+    std::optional<std::string> expanded = expandXacro(path, options.stop);
     if (!expanded)
       throw InputError(path, 0,
                        "is a xacro file, which holds macros and no " + kind +
@@ -162,9 +163,10 @@ void XmlFile::allowAttributes(const XMLElement& element,
       continue;
     std::string list;
     for (const char* name : names) list += (list.empty() ? "" : ", ") + std::string(name);
-    throw InputError(path_, a->GetLineNum(),
-                     "<" + std::string(element.Name()) + "> has the unknown attribute " +
-                         inQuotes(a->Name()) + "; known are: " + list);
+    throwOrKeep(InputError(path_, a->GetLineNum(),
+                           "<" + std::string(element.Name()) + "> has the unknown attribute " +
+                               inQuotes(a->Name()) + "; known are: " + list),
+                errors_);
   }
 }
 

@@ -11,7 +11,8 @@
 #include <vector>
 
 #include "leeway/robots/input_error.h"
-#include "leeway/robots/stopped.h"
+#include "leeway/robots/model.h"
+#include "robots/base/read_on.h"
 
 namespace leeway::robots {
 
@@ -22,7 +23,8 @@ class XmlFile {
   /// Reads and parses; `kind` ("URDF", "SRDF") and the root element's name are for messages.
   /// What ends in .xacro is expanded by `xacro`, and lines are those of its output; without that
   /// program, and for macros in other files, it is refused with the command that expands it.
-  XmlFile(const std::string& path, const std::string& kind, const Stop& stop = {});
+  /// `options`: stop and errors.
+  XmlFile(const std::string& path, const std::string& kind, const LoadOptions& options);
 
   const std::string& path() const { return path_; }
   const tinyxml2::XMLElement& root() const { return *document_.RootElement(); }
@@ -31,6 +33,14 @@ class XmlFile {
   [[noreturn]] void fail(const tinyxml2::XMLElement& at, const std::string& message) const;
   /// "FILE:LINE: message", for warnings.
   std::string locate(const tinyxml2::XMLElement& at, const std::string& message) const;
+  /// Calls visit(child) for every child element of that name; after an error with the next one
+  /// where errors are gathered.
+  template <typename Visit>
+  void eachChild(const tinyxml2::XMLElement& parent, const char* name, const Visit& visit) const {
+    for (const tinyxml2::XMLElement* child = parent.FirstChildElement(name); child != nullptr;
+         child = child->NextSiblingElement(name))
+      readOn(errors_, [&] { visit(*child); });
+  }
 
   /// The attribute's text; must be there and not empty.
   std::string attribute(const tinyxml2::XMLElement& element, const char* name) const;
@@ -47,22 +57,15 @@ class XmlFile {
   const tinyxml2::XMLElement* onlyChild(const tinyxml2::XMLElement& parent, const char* name) const;
   const tinyxml2::XMLElement& requiredChild(const tinyxml2::XMLElement& parent,
                                             const char* name) const;
-  /// An attribute or child element that is not among the given names is an error that lists them.
+  /// An attribute that is not among the given names is an error that lists them.
   void allowAttributes(const tinyxml2::XMLElement& element,
                        std::initializer_list<const char*> names) const;
 
  private:
   std::string path_;
+  InputErrors* errors_;
   tinyxml2::XMLDocument document_;
 };
-
-/// Calls visit(child) for every child element of that name.
-template <typename Visit>
-void eachChild(const tinyxml2::XMLElement& parent, const char* name, const Visit& visit) {
-  for (const tinyxml2::XMLElement* child = parent.FirstChildElement(name); child != nullptr;
-       child = child->NextSiblingElement(name))
-    visit(*child);
-}
 
 /// "text", quotes included.
 std::string inQuotes(std::string_view text);

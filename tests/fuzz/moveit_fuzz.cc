@@ -5,6 +5,7 @@
 
 #include "leeway/planner/problem.h"
 #include "leeway/robots/input_error.h"
+#include "tests/fuzz/both_ways.h"
 #include "tests/fuzz/shapes.h"
 #include "tests/fuzz/target.h"
 #include "tests/fuzz/text_input.h"
@@ -99,7 +100,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::string scene = fuzz::writeInput("scene0001.yaml", bytes(input.substr(0, cut)));
   const std::string request = fuzz::writeInput("request0001.yaml", bytes(input.substr(next)));
   try {
-    const planner::Problem problem = planner::loadMoveit(model, scene, request);
+    const planner::Problem problem = fuzz::loadBothWays([&](robots::InputErrors* errors) {
+      planner::ProblemOptions options;
+      options.load.errors = errors;
+      return planner::loadMoveit(model, scene, request, options);
+    });
     if (problem.start.size() != problem.robot.model->variables.size())
       fuzz::fail("a start of the wrong size");
     if (problem.goals.empty()) fuzz::fail("a problem without a goal");

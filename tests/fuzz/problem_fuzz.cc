@@ -4,6 +4,7 @@
 
 #include "leeway/planner/problem.h"
 #include "leeway/robots/input_error.h"
+#include "tests/fuzz/both_ways.h"
 #include "tests/fuzz/shapes.h"
 #include "tests/fuzz/target.h"
 #include "tests/fuzz/text_input.h"
@@ -48,8 +49,13 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   }();
   (void)linked;
   for (const char* name : {"problems/fuzz/input.yaml", "problems/input.yaml"}) {
+    const std::string path = fuzz::writeInput(name, {data, size});
     try {
-      const planner::Problem problem = planner::loadProblem(fuzz::writeInput(name, {data, size}));
+      const planner::Problem problem = fuzz::loadBothWays([&](robots::InputErrors* errors) {
+        planner::ProblemOptions options;
+        options.load.errors = errors;
+        return planner::loadProblem(path, options);
+      });
       if (!problem.robot.model) fuzz::fail("a problem without a model");
       if (problem.start.size() != problem.robot.model->variables.size())
         fuzz::fail("a start of the wrong size");

@@ -3,6 +3,7 @@
 
 #include "leeway/robots/input_error.h"
 #include "leeway/robots/model.h"
+#include "tests/fuzz/both_ways.h"
 #include "tests/fuzz/shapes.h"
 #include "tests/fuzz/target.h"
 #include "tests/fuzz/text_input.h"
@@ -63,7 +64,12 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
                             {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
   }();
   try {
-    const auto model = robots::loadModel(urdf, fuzz::writeInput("input.srdf", {data, size}));
+    const std::string srdf = fuzz::writeInput("input.srdf", {data, size});
+    const auto model = fuzz::loadBothWays([&](robots::InputErrors* errors) {
+      robots::LoadOptions options;
+      options.errors = errors;
+      return robots::loadModel(urdf, srdf, options);
+    });
     const auto known = [](int index, std::size_t count) {
       return index >= 0 && static_cast<std::size_t>(index) < count;
     };

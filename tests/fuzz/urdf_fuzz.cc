@@ -3,6 +3,7 @@
 #include "leeway/robots/input_error.h"
 #include "leeway/robots/kinematics.h"
 #include "leeway/robots/model.h"
+#include "tests/fuzz/both_ways.h"
 #include "tests/fuzz/shapes.h"
 #include "tests/fuzz/target.h"
 #include "tests/fuzz/text_input.h"
@@ -57,7 +58,12 @@ std::vector<std::string> dictionary() {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace leeway;
   try {
-    const auto model = robots::loadModel(fuzz::writeInput("input.urdf", {data, size}), "");
+    const std::string path = fuzz::writeInput("input.urdf", {data, size});
+    const auto model = fuzz::loadBothWays([&](robots::InputErrors* errors) {
+      robots::LoadOptions options;
+      options.errors = errors;
+      return robots::loadModel(path, "", options);
+    });
     const std::vector<double> q = model->defaultConfiguration();
     std::vector<robots::Pose> X_WL(model->links.size());
     robots::forwardKinematics(*model, q, X_WL);

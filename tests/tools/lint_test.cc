@@ -25,14 +25,60 @@ TEST_F(Lint, FindingsHaveFileLineAndLevel) {
   const Answer answer = run("lint odd.yaml wrong.yaml contact.yaml nowhere.urdf notes.doc");
   EXPECT_EQ(answer.status, 1);
   EXPECT_EQ(answer.err, "");
-  for (const char* line : {"odd.yaml:10: warning: margin is -0.01", "wrong.yaml:5: error: ",
-                           "'gaol'", "contact.yaml: warning: start: lower and post collide\n",
-                           "nowhere.urdf: error: ", "notes.doc: error: ", "5 files, 5 findings\n"})
+  for (const char* line :
+       {"odd.yaml:10: warning: margin is -0.01", "wrong.yaml:5: error: ", "'gaol'",
+        "neither 'goal' nor 'goals'", "contact.yaml: warning: start: lower and post collide\n",
+        "nowhere.urdf: error: ", "notes.doc: error: ", "5 files, 6 findings\n"})
     EXPECT_NE(answer.out.find(line), std::string::npos) << line << "\n" << answer.out;
   const json document = run("lint odd.yaml --json").document();
   EXPECT_EQ(document["status"], "findings");
   EXPECT_EQ(document["findings"][0]["file"], "odd.yaml");
   EXPECT_EQ(document["findings"][0]["line"], 10);
+}
+
+TEST_F(Lint, TellsEveryErrorOfAFile) {
+  std::string urdf = kUrdf;
+  urdf.replace(urdf.find("size=\"0.4"), 9, "size=\"none");
+  urdf.replace(urdf.find("velocity=\"1\""), 12, "velocity=\"x\"");
+  write("bad.urdf", urdf);
+  write("bad.yaml", R"(leeway: 1
+robot: {urdf: bad.urdf}
+objects:
+  - {name: one, box: {size: [1, 2]}}
+  - {name: two, ball: {radius: 1}}
+  - {name: three, sphere: {radius: -1}}
+start: home
+limits: {time: never}
+sead: 1
+)");
+  const Answer answer = run("lint bad.urdf bad.yaml");
+  EXPECT_EQ(answer.status, 1);
+  for (const char* line : {"bad.urdf:", "size of <box> holds \"none\"",
+                           "bad.urdf:11: error: velocity of <limit> holds \"x\"",
+                           "bad.yaml:9: error: unknown key 'sead'",
+                           "bad.yaml:4: error: ", "bad.yaml:5: error: ", "bad.yaml:6: error: ",
+                           "bad.yaml:8: error: limits.time is 'never'", "2 files, 8 findings\n"})
+    EXPECT_NE(answer.out.find(line), std::string::npos) << line << "\n" << answer.out;
+}
+
+TEST_F(Lint, EndsAtAHundredErrors) {
+  std::string text = std::string(kReach);
+  for (int i = 0; i < 200; ++i) text += "no_key_" + std::to_string(i) + ": 1\n";
+  write("many.yaml", text);
+  const Answer answer = run("lint many.yaml");
+  EXPECT_EQ(answer.status, 1);
+  EXPECT_NE(answer.out.find("has more errors than are told"), std::string::npos) << answer.out;
+  // With the one that reading ends with.
+  EXPECT_NE(answer.out.find("1 file, 102 findings\n"), std::string::npos) << answer.out;
+}
+
+TEST_F(Lint, TextScenesNeedNoRobot) {
+  write("shelf.scene", "shelf\n* board\n1\nbox\n1 1 0.1\n0 0 1\n0 0 0 1\n0 0 0 0\n.\n");
+  EXPECT_EQ(run("lint shelf.scene").out, "1 file, 0 findings\n");
+  write("wrong.scene", "shelf\n* board\n1\nteapot\n1 1 0.1\n0 0 1\n0 0 0 1\n0 0 0 0\n.\n");
+  const Answer answer = run("lint wrong.scene");
+  EXPECT_EQ(answer.status, 1);
+  EXPECT_NE(answer.out.find("wrong.scene:4: error: "), std::string::npos) << answer.out;
 }
 
 TEST_F(Lint, WishesOfPairsThatMayTouchAreOdd) {
@@ -74,7 +120,7 @@ TEST_F(Lint, SarifNamesEveryPlace) {
   const json document = run("lint 'with space.yaml' wrong.yaml --format sarif").document();
   EXPECT_EQ(document["version"], "2.1.0");
   const json results = document["runs"][0]["results"];
-  ASSERT_EQ(results.size(), 2u);
+  ASSERT_EQ(results.size(), 3u);
   const json place = results[0]["locations"][0]["physicalLocation"];
   EXPECT_EQ(place["artifactLocation"]["uri"], "with%20space.yaml");
   EXPECT_EQ(place["region"]["startLine"], 10);

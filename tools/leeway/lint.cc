@@ -52,6 +52,14 @@ Finding findingOf(const std::string& warning, const std::string& file) {
   return {file, 0, false, warning};
 }
 
+Finding findingOf(const robots::InputError& error, const std::string& file) {
+  const std::string place =
+      error.line() > 0 ? fmt::format("{}:{}: ", error.file(), error.line()) : error.file() + ": ";
+  const std::string what = error.what();
+  return {error.file().empty() ? file : error.file(), error.line(), true,
+          what.starts_with(place) ? what.substr(place.size()) : what};
+}
+
 class Findings {
  public:
   /// Files that share a robot find the same of it.
@@ -124,27 +132,38 @@ std::string requestOf(const std::string& scene) {
   return (path.parent_path() / name.replace(at, 5, "request")).string();
 }
 
-void lint(const std::string& file, const ProblemSource& source, Findings& findings) {
-  try {
-    const info::FileKind kind = info::kindOf(file);
-    planner::Problem problem;
-    if (kind == info::FileKind::kProblem && !source.robot.empty()) {
-      const auto model = robots::loadModel(source.robot, source.srdf, loadOptions(source));
-      findings.addWarnings(model->warnings, source.robot);
-      problem = planner::loadMoveit(model, file, requestOf(file));
-    } else {
-      problem = info::loadFile(file, kind, source);
-      findings.addWarnings(problem.robot.model->warnings, file);
-    }
-    findings.addWarnings(problem.warnings, file);
-    if (kind == info::FileKind::kProblem) lintScene(problem, file, findings);
-  } catch (const robots::InputError& error) {
-    const std::string place =
-        error.line() > 0 ? fmt::format("{}:{}: ", error.file(), error.line()) : error.file() + ": ";
-    const std::string what = error.what();
-    findings.add({error.file().empty() ? file : error.file(), error.line(), true,
-                  what.starts_with(place) ? what.substr(place.size()) : what});
+void read(const std::string& file, const ProblemSource& source, Findings& findings) {
+  if (std::filesystem::path(file).extension() == ".scene") {
+    std::vector<std::string> warnings;
+    planner::loadMoveitWorld(file, {.load = loadOptions(source)}, warnings);
+    findings.addWarnings(warnings, file);
+    return;
   }
+  const info::FileKind kind = info::kindOf(file);
+  planner::Problem problem;
+  if (kind == info::FileKind::kProblem && !source.robot.empty()) {
+    const auto model = robots::loadModel(source.robot, source.srdf, loadOptions(source));
+    findings.addWarnings(model->warnings, source.robot);
+    problem = planner::loadMoveit(model, file, requestOf(file), {.load = loadOptions(source)});
+  } else {
+    problem = info::loadFile(file, kind, source);
+    findings.addWarnings(problem.robot.model->warnings, file);
+  }
+  findings.addWarnings(problem.warnings, file);
+  if (kind == info::FileKind::kProblem) lintScene(problem, file, findings);
+}
+
+void lint(const std::string& file, ProblemSource source, Findings& findings) {
+  robots::InputErrors errors;
+  source.errors = &errors;
+  try {
+    read(file, source, findings);
+  } catch (const robots::InputError& error) {
+    errors.add(error);  // mostly the first of them
+  }
+  for (const robots::InputError& error : errors.list()) findings.add(findingOf(error, file));
+  if (errors.list().size() >= robots::InputErrors::kMost)
+    findings.add({file, 0, true, "has more errors than are told"});
 }
 
 /// RFC 3986: what is no letter, digit or one of "-._~/" is written by its bytes.
@@ -218,8 +237,8 @@ Verb addLint(CLI::App& command) {
   auto arguments = std::make_shared<Arguments>();
   CLI::App* app = command.add_subcommand("lint", "what is wrong or odd in files, by file and line");
   app->add_option("files", arguments->files,
-                  "URDF, SRDF and problem files; with --robot MoveIt scenes sceneNNNN.yaml, with "
-                  "requestNNNN.yaml beside them")
+                  "URDF, SRDF and problem files, MoveIt's .scene; with --robot MoveIt scenes "
+                  "sceneNNNN.yaml, with requestNNNN.yaml beside them")
       ->type_name("FILE")
       ->required();
   addRobotArguments(*app, arguments->source);
@@ -228,8 +247,9 @@ Verb addLint(CLI::App& command) {
                      ->capture_default_str();
   app->add_flag("--json", arguments->json, "as --format json")->excludes(format);
   app->footer(
-      "Of what makes a file refused the first is found. Exit status 0: nothing found, 1: "
-      "something.\n\n"
+      "All errors of a file are told, up to a hundred, but for those that others hide: broken "
+      "syntax ends reading, an SRDF is read once its URDF is right, and names once what bears them "
+      "is. Exit status 0: nothing found, 1: something.\n\n"
       "Example:\n"
       "  leeway lint robots/arm7/arm7.urdf problems/shelf/reach.yaml");
   return {app, [arguments] { return run(*arguments); }};

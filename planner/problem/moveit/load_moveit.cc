@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include "planner/problem/moveit/fields.h"
+#include "robots/base/read_on.h"
 
 namespace leeway::planner {
 
@@ -15,35 +16,55 @@ Problem loadMoveitUnpadded(std::shared_ptr<const robots::Model> model,
   problem.name = path.stem().string();
   problem.start = problem.robot.model->defaultConfiguration();
 
-  const YamlReader request = YamlReader::load(request_path, options.load.stop);
+  robots::InputErrors* errors = options.load.errors;
+  const YamlReader request = YamlReader::load(request_path, options.load.stop, errors);
   readRequestGroup(request, problem);
   std::optional<YamlReader> scene;
   if (path.extension() == ".scene")
     readTextScene(scene_path, options.load, problem);
   else
-    scene = YamlReader::load(scene_path, options.load.stop);
-  if (scene) readSceneObjects(*scene, options.load, problem);
+    scene = YamlReader::load(scene_path, options.load.stop, errors);
+  robots::readOn(errors, [&] {
+    if (scene) readSceneObjects(*scene, options.load, problem);
+  });
   // The start is the request's: the scene's robot_state is all zeros in every file of
   // MotionBenchMaker.
-  readRequestStart(request, problem);
-  readAttachedObjects(scene ? &*scene : nullptr, request, options.load, problem);
-  if (scene) {
-    readAllowedCollisions(*scene, problem);
-    padding = readLinkPadding(*scene, *problem.robot.model);
-  }
-  readRequestGoals(request, problem);
-  if (const auto time = request.find("allowed_planning_time"); time && time->number() > 0)
-    problem.limits.time = time->number();
+  robots::readOn(errors, [&] { readRequestStart(request, problem); });
+  robots::readOn(errors, [&] {
+    readAttachedObjects(scene ? &*scene : nullptr, request, options.load, problem);
+  });
+  robots::readOn(errors, [&] {
+    if (scene) readAllowedCollisions(*scene, problem);
+  });
+  robots::readOn(errors, [&] {
+    if (scene) padding = readLinkPadding(*scene, *problem.robot.model);
+  });
+  robots::readOn(errors, [&] { readRequestGoals(request, problem); });
+  robots::readOn(errors, [&] {
+    if (const auto time = request.find("allowed_planning_time"); time && time->number() > 0)
+      problem.limits.time = time->number();
+  });
   return problem;
 }
 
 Problem loadMoveit(std::shared_ptr<const robots::Model> model, const std::string& scene_path,
                    const std::string& request_path, const ProblemOptions& options) {
   LinkPadding padding;
+  const robots::ErrorsSince wrong(options.load.errors);
   Problem problem =
       loadMoveitUnpadded(std::move(model), scene_path, request_path, options, padding);
+  wrong.throwFirst();
   applyLinkPadding(padding, problem);
   return problem;
+}
+
+World loadMoveitWorld(const std::string& scene_path, const ProblemOptions& options,
+                      std::vector<std::string>& warnings) {
+  Problem problem;
+  problem.robot.model = std::make_shared<const robots::Model>(robots::RobotDescription());
+  readTextScene(scene_path, options.load, problem);
+  warnings.insert(warnings.end(), problem.warnings.begin(), problem.warnings.end());
+  return std::move(problem.world);
 }
 
 }  // namespace leeway::planner

@@ -121,11 +121,11 @@ void readSceneObjects(const YamlReader& scene, const robots::LoadOptions& load, 
   if (!hasContent(list)) return;
   const Frames frames = readFrames(scene, *problem.robot.model, problem.warnings);
   SceneObjects objects(problem);
-  for (const YamlReader& entry : list->items()) {
+  list->eachItem([&](const YamlReader& entry) {
     Object object = readCollisionObject(entry, load, problem.warnings);
     object.X_WO = framePose(entry, frames) * object.X_WO;
     objects.add(entry.file(), entry.line(), std::move(object));
-  }
+  });
 }
 
 namespace {

@@ -256,6 +256,7 @@ robots::LoadOptions loadOptions(const ProblemSource& source) {
     options.packages.emplace_back(package.substr(0, equals), directory);
   }
   options.stop = source.stop;
+  options.errors = source.errors;
   return options;
 }
 

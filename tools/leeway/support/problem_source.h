@@ -23,6 +23,7 @@ struct ProblemSource {
   std::vector<std::string> packages;   ///< NAME=DIR
   bool no_cache = false;
   robots::Stop stop;  ///< set while it is read
+  robots::InputErrors* errors = nullptr;
 };
 
 /// What the command line says over what the problem says.

@@ -301,7 +301,8 @@ struct Problem {
 };
 
 struct ProblemOptions {
-  robots::LoadOptions load;  ///< of robots and meshes; `stop` ends reading of all else, too
+  /// Of robots and meshes; `stop` ends reading of all else, too, and `errors` gathers all of it.
+  robots::LoadOptions load;
 };
 
 /// The project's own YAML (problems/README.md, problems/schema.json). Throws robots::InputError,
@@ -312,6 +313,11 @@ Problem loadProblem(const std::string& yaml_path, const ProblemOptions& options 
 /// the model. Throws robots::InputError, robots::Stopped.
 Problem loadMoveit(std::shared_ptr<const robots::Model> model, const std::string& scene_path,
                    const std::string& request_path, const ProblemOptions& options = {});
+
+/// The world of a scene that MoveIt has saved as text (.scene), without a robot. Adds to
+/// `warnings`. Throws robots::InputError, robots::Stopped.
+World loadMoveitWorld(const std::string& scene_path, const ProblemOptions& options,
+                      std::vector<std::string>& warnings);
 
 /// A problem from group states, without obstacles. Throws robots::InputError (without a file) for
 /// unknown names.

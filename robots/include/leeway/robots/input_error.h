@@ -1,7 +1,9 @@
 #pragma once
 
+#include <cstddef>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 namespace leeway::robots {
 
@@ -17,6 +19,21 @@ class InputError : public std::runtime_error {
  private:
   std::string file_;
   int line_;
+};
+
+/// What is wrong with one file and all that it names, where reading goes on after an error. For one
+/// reading in one thread.
+class InputErrors {
+ public:
+  /// Further errors tell little: reading ends with the next one.
+  static constexpr std::size_t kMost = 100;
+
+  /// Each message once, in the order of reading.
+  const std::vector<InputError>& list() const { return list_; }
+  void add(const InputError& error);
+
+ private:
+  std::vector<InputError> list_;
 };
 
 }  // namespace leeway::robots

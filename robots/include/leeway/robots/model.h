@@ -11,6 +11,7 @@
 #include "leeway/collision/pose.h"
 #include "leeway/collision/scene.h"
 #include "leeway/collision/shape.h"
+#include "leeway/robots/input_error.h"
 #include "leeway/robots/prepared_store.h"
 #include "leeway/robots/stopped.h"
 
@@ -166,10 +167,13 @@ struct LoadOptions {
   /// empty: nothing is kept. The answers are the same, byte for byte. cacheFolder()
   /// (cache_folder.h) is the usual one.
   std::string cache = {};
-  /// Asked between the parts of what is read: some thousand lines, an object, a mesh, a proof about
-  /// a pair of links. (A mesh of a million triangles takes seconds without asking.) Once it is
+  /// Asked between the parts of what is read: some thousand lines, an object, a stage of a mesh (of
+  /// a million triangles a second or two), a proof about a pair of links. Once it is
   /// true, reading ends with Stopped.
   Stop stop = {};
+  /// Where it is set, it gathers all that is wrong: reading goes on after an error where it can,
+  /// and throws the first in the end.
+  InputErrors* errors = nullptr;
 };
 
 /// Reads a URDF and (unless `srdf_path` is empty) an SRDF, with the meshes that they name. Throws
