@@ -103,9 +103,9 @@ double CurvedFaces::support(const CurvedFace& face, CurvedChoice& choice) const 
     choice.parameter[k] = gain >= 0 ? 1 : low(k);
     most += gain * choice.parameter[k];
   }
-  choice.mixed = 0;
+  choice.vertices = 0;
   if (hull_ >= 0) {
-    choice.mixed = 1;
+    choice.vertices = 1;
     choice.vertex[0] = farthestOfHull(face.e, 0);
     choice.weight[0] = 1;
     most += face.e.dot(ofHull(vertex(choice.vertex[0])));
@@ -136,7 +136,7 @@ int CurvedFaces::edges(const CurvedChoice& choice, CurvedEdge edge[2]) const {
   for (int k = 0; k < parameters_ && count < 2; ++k) {
     if (choice.parameter[k] > low(k) && choice.parameter[k] < 1) edge[count++] = {k, 0, 0};
   }
-  for (int i = 1; i < choice.mixed && count < 2; ++i) {
+  for (int i = 1; i < choice.vertices && count < 2; ++i) {
     edge[count++] = {-1, choice.vertex[0], choice.vertex[i]};
   }
   return count;
@@ -154,7 +154,7 @@ Vector CurvedFaces::center(int part, const CurvedChoice& choice) const {
   if (part == hull_) {
     const Vector& first = vertex(choice.vertex[0]);
     center = first;
-    for (int k = 1; k < choice.mixed; ++k) {
+    for (int k = 1; k < choice.vertices; ++k) {
       center += choice.weight[k] * (vertex(choice.vertex[k]) - first);
     }
     return center;

@@ -10,16 +10,16 @@ namespace leeway::collision {
 /// Three of a box and one of a cone.
 inline constexpr int kMostCurvedParameters = 4;
 /// Most vertices of a hull that are blended in one direction [count].
-inline constexpr int kMostMixed = 4;
+inline constexpr int kMostBlendedVertices = 4;
 
 /// The weight of each piece of the cores. Parameters of segments, boxes and cylinders are from -1
 /// to 1, those of cones from 0 (apex) to 1 (rim). A hull's weights are multiples of 2^-52, so that
 /// their sum is exactly 1.
 struct CurvedChoice {
   double parameter[kMostCurvedParameters];
-  int mixed = 0;
-  int vertex[kMostMixed];
-  double weight[kMostMixed];
+  int vertices = 0;  // of the hull, blended [count]
+  int vertex[kMostBlendedVertices];
+  double weight[kMostBlendedVertices];
 };
 
 /// The pieces next to the face in a direction. Their members are base + sum parameter[k] way[k],
@@ -53,11 +53,11 @@ class CurvedFaces {
   /// How far the difference reaches along face.e, and the pieces that reach it.
   double support(const CurvedFace& face, CurvedChoice& choice) const;
   /// The member y, over all pieces, with the largest e . y - |y - (e . y) e|^2 / (2 s). Across the
-  /// direction s counts the bend of the round parts besides `stiffness`, the sum `times` as much.
+  /// direction s counts the bend of the round parts besides `stiffness`, the sum `scale` as much.
   /// While choosing, round parts may count in part: about the pole of a cap their arms reach to all
   /// sides, and other pieces would be chosen to balance them. The choice has all of them, which is
   /// farther out.
-  Vector blend(const CurvedFace& face, double stiffness, double times, CurvedChoice& choice) const;
+  Vector blend(const CurvedFace& face, double stiffness, double scale, CurvedChoice& choice) const;
   /// How far the round parts' farthest points move along v when the direction moves along w.
   double bend(const CurvedFace& face, const CurvedChoice& choice, const Vector& v,
               const Vector& w) const;
