@@ -7,8 +7,8 @@
 
 namespace leeway::collision {
 
-/// Throws InvalidShape where the largest of a shape's sizes [m], 0 or more, is beyond kSmallestSize
-/// and kLargestSize. 0 is accepted: a point. `what` begins the message: "sphere: radius".
+/// Throws InvalidShape unless the largest of a shape's sizes [m] is 0, a point, or from
+/// kSmallestSize to kLargestSize. `what` begins the message: "sphere: radius".
 void requireExtent(double largest, const char* what);
 
 /// Throws InvalidShape where a coordinate [m] is not finite or exceeds kLargestSize in magnitude,

@@ -87,7 +87,7 @@ Probe makeProbe(const Vector3d& low, const Vector3d& high, double radius, const 
 }
 
 double lowerBound(const Probe& probe, const float* low, const float* high) {
-  double squared = 0, squared_axes = 0, deepest = -kInfinity;
+  double squared = 0, squared_axes = 0, widest_gap = -kInfinity;
   bool turned = probe.turned;
   for (int k = 0; k < 3; ++k) {
     const double l = static_cast<double>(low[k]), h = static_cast<double>(high[k]);
@@ -95,7 +95,7 @@ double lowerBound(const Probe& probe, const float* low, const float* high) {
     const double gap =
         std::max(l - static_cast<double>(probe.high[k]), static_cast<double>(probe.low[k]) - h);
     if (!(gap >= -kInfinity)) continue;  // NaN: both are infinite
-    deepest = std::max(deepest, gap);
+    widest_gap = std::max(widest_gap, gap);
     squared += std::max(gap, 0.0) * std::max(gap, 0.0);
   }
   if (turned) {
@@ -113,12 +113,12 @@ double lowerBound(const Probe& probe, const float* low, const float* high) {
       const double gap = std::max(center - static_cast<double>(probe.axis_high[j]),
                                   static_cast<double>(probe.axis_low[j]) - center) -
                          reach;
-      deepest = std::max(deepest, gap);
+      widest_gap = std::max(widest_gap, gap);
       squared_axes += std::max(gap, 0.0) * std::max(gap, 0.0);
     }
   }
   double lower = std::sqrt(std::max(squared, squared_axes)) * (1 - kRotationTolerance);
-  if (!(lower > 0)) lower = deepest;
+  if (!(lower > 0)) lower = widest_gap;
   return lower - static_cast<double>(probe.radius) - static_cast<double>(probe.slack);
 }
 

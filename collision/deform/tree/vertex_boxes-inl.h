@@ -27,7 +27,7 @@ namespace {
 
 constexpr std::size_t kParts = 4 / kDoubleLanes;  // vectors a vertex
 
-// Whether all lanes are: x - x is 0 for finite x only.
+// Whether every lane of x is finite: x - x is 0 for finite x only.
 template <class D, class V>
 HWY_INLINE bool isFinite(D d, V x) {
   return hn::AllTrue(d, hn::Eq(hn::Sub(x, x), hn::Zero(d)));
