@@ -1,7 +1,8 @@
 #pragma once
 
 // Tolerances of robots/: unit, reason, and what a change breaks. First what guarantees rest on,
-// then what only trades time for tightness.
+// then what only trades time for tightness. What stands here and what beside its algorithm is
+// decided as in collision/base/tolerances.h.
 
 #include "collision/base/tolerances.h"
 
@@ -55,6 +56,34 @@ inline constexpr double kSameAxis = 1e-7;
 /// A subproblem of a closed form this near to having one solution or none, or any angle, counts as
 /// singular (relative). It must exceed what kSameAxis leaves of the subproblem's numbers.
 inline constexpr double kSingular = 1e-6;
+/// Axes that meet have at least this sine between them: their point is then known to a hundred
+/// times the axes' rounding.
+inline constexpr double kMeetingSine = 0.01;
+
+/// Solutions of inverse kinematics whose variables all differ by less are one [rad or m]: at a
+/// singular pose an error of 1e-13 leaves them apart by its root.
+inline constexpr double kSameSolution = 1e-5;
+/// Limits that leave out less than this of a turn are those of a whole one, written in few digits
+/// [rad].
+inline constexpr double kWholeTurnGap = 1e-4;
+/// A solution of a closed form this far outside of a limit is moved onto it and polished [rad].
+/// Smaller loses solutions on limits.
+inline constexpr double kPolished = 1e-5;
+/// A redundant arm this near to its poses (the search's squared error) is moved there by the
+/// search, which moves all joints a little; the closed form would leave one where it is.
+inline constexpr double kNearPosesSquared = 0.01;
+/// Below this squared error a search is near its solution, and only rounding ends it.
+inline constexpr double kNearSolutionSquared = 1e-10;
+/// Squared error that rounding of coordinates below one reach leaves: the search ends.
+inline constexpr double kSearchRoundingSquared = 1e-29;
+
+/// Proof that a pose is out of reach: a box whose best bound is below this is not split on [m or
+/// rad]. Smaller only delays giving up.
+inline constexpr double kSmallestSpread = 1e-6;
+/// Axes this near to each other meet [m], and those whose squared sine is no larger are parallel:
+/// they choose the points that the proof looks at, of which any are right.
+inline constexpr double kProofMeet = 1e-6;
+inline constexpr double kProofParallelSquared = 1e-6;
 
 /// provenApart(): configurations in which pairs are looked at first, as those that meet somewhere
 /// need no proof, and the step between them, for which any irrational number would do.

@@ -18,10 +18,6 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 /// misses the fewest poses with any angle of joint 5, then 3.
 constexpr int kGivenOrder[] = {4, 2, 6, 0, 5, 1, 3};
 
-/// Axes that meet are at least so far from parallel (sine): the point is known to a hundred times
-/// their rounding.
-constexpr double kMeetingSine = 0.01;
-
 /// A unit vector across a unit vector.
 Eigen::Vector3d acrossOf(const Eigen::Vector3d& unit) {
   int least;

@@ -10,6 +10,7 @@
 #include "collision/base/pose_check.h"
 #include "collision/base/sine_cosine.h"
 #include "leeway/robots/kinematics.h"
+#include "robots/base/tolerances.h"
 #include "robots/inverse/closed_form.h"
 #include "robots/inverse/reach_proof.h"
 #include "robots/inverse/search.h"
@@ -20,14 +21,6 @@ namespace {
 
 using collision::kTwoPi;
 
-/// Solutions whose variables all differ by less are one [rad or m]: at a singular pose an error of
-/// 1e-13 leaves them apart by its root.
-constexpr double kSameSolution = 1e-5;
-
-/// Limits that leave out less than this of a turn are those of a whole one, written in few digits
-/// [rad].
-constexpr double kWholeTurnGap = 1e-4;
-
 /// The proof that there is no solution is tried for one box after the first search, for some after
 /// as many, and with all its boxes after the last one.
 constexpr int kStartsBeforeProof = 20;
@@ -36,13 +29,6 @@ constexpr int kEarlyProofBoxes = 2000;
 /// Closed forms of seven joints: angles of the given joint that are tried before the start counts
 /// as one for the numeric search.
 constexpr std::uint64_t kSweep = 8;
-
-/// A solution of a closed form this far outside of a limit is moved onto it and polished [rad].
-constexpr double kPolished = 1e-5;
-
-/// A redundant arm this near to its poses (the search's squared error) is moved there by the
-/// search, which moves all joints a little; the closed form would leave one where it is.
-constexpr double kNearSquared = 0.01;
 
 /// sample(): searches for one draw.
 constexpr int kStartsOfSample = 3;
@@ -139,7 +125,7 @@ class Task {
 
   bool hasClosedForm() const { return has_closed_form_; }
   bool isRedundant() const { return closed_form_.given() >= 0; }
-  bool isNear(const std::vector<double>& q) { return search_.squaredError(q) < kNearSquared; }
+  bool isNear(const std::vector<double>& q) { return search_.squaredError(q) < kNearPosesSquared; }
 
   /// Adds the solutions with the given joint of q, at most `most`: nearest to the configuration
   /// first, or from number `first` on, counted around. False where some may be missing.

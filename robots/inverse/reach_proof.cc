@@ -37,9 +37,6 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 constexpr double kPi = std::numbers::pi;
 
-/// A box whose best bound is below this is not split on [m or rad].
-constexpr double kSmallestSpread = 1e-6;
-
 bool turns(const ChainJoint& joint) {
   return joint.type == JointType::kRevolute || joint.type == JointType::kContinuous;
 }
@@ -49,7 +46,9 @@ Eigen::Vector3d nearestPoint(const Eigen::Vector3d& p, const Eigen::Vector3d& u,
                              const Eigen::Vector3d& q, const Eigen::Vector3d& v) {
   const Eigen::Vector3d w = q - p;
   const double b = u.dot(v), across = 1 - b * b;
-  return across > 1e-6 ? Eigen::Vector3d(p + (w.dot(u) - b * w.dot(v)) / across * u) : p;
+  return across > kProofParallelSquared
+             ? Eigen::Vector3d(p + (w.dot(u) - b * w.dot(v)) / across * u)
+             : p;
 }
 
 double distanceFromAxis(const Eigen::Vector3d& point, const Eigen::Vector3d& origin,
@@ -69,9 +68,6 @@ struct MidPoint {
   std::size_t joint;
   Eigen::Vector3d p_C;
 };
-
-/// Axes this near to each other meet [m]: a guess, no part of the proof.
-constexpr double kMeet = 1e-6;
 
 class Prover {
  public:
@@ -187,7 +183,7 @@ class Prover {
       Target target;
       target.p_F = X_RF.rotation.transpose() * (p - X_RF.translation);
       target.offset = R_RF_ * target.p_F;
-      target.radius = target.p_F.norm() * std::min(2.0, half_turn_) * (1 + 1e-12);
+      target.radius = target.p_F.norm() * std::min(2.0, half_turn_) * (1 + kBoundRounding);
       targets_.push_back(target);
     }
     if (turns(chain_.joints[0])) {
@@ -201,7 +197,8 @@ class Prover {
       const Eigen::Vector3d& before = X_RC_[i - 1].translation;
       const Eigen::Vector3d p =
           nearestPoint(X_RC_[i].translation, axisOf(i), before, axisOf(i - 1));
-      if (distanceFromAxis(p, before, axisOf(i - 1)) < kMeet && (p - p_RS_).norm() > kMeet)
+      if (distanceFromAxis(p, before, axisOf(i - 1)) < kProofMeet &&
+          (p - p_RS_).norm() > kProofMeet)
         mid_points_.push_back({i, X_RC_[i].inverse() * p});
     }
   }

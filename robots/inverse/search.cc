@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "robots/base/tolerances.h"
+
 namespace leeway::robots {
 
 namespace {
@@ -14,12 +16,6 @@ constexpr int kSteps = 60;
 /// A search ends after so many steps that each leave more than this share of the error.
 constexpr int kSlowSteps = 6;
 constexpr double kSlowShare = 0.8;
-
-/// Below this squared error a search is near its solution, and only rounding ends it.
-constexpr double kNearSquared = 1e-10;
-
-/// Squared error that rounding of coordinates below one reach leaves.
-constexpr double kRoundedSquared = 1e-29;
 
 /// Damping as a share of the squared error: at first, and the least. Rejected steps raise it.
 constexpr double kFirstDamping = 0.1, kLeastDamping = 1e-4;
@@ -156,7 +152,7 @@ double Search::descend(std::span<double> q) {
   double squared = evaluate(q.data(), true);
   double damping = kFirstDamping;
   int slow = 0;
-  for (int i = 0; i < kSteps && squared > kRoundedSquared; ++i) {
+  for (int i = 0; i < kSteps && squared > kSearchRoundingSquared; ++i) {
     ++iterations_;
     step(damping, squared, q.data());
     for (std::size_t c = 0; c < columns_; ++c) {
@@ -167,7 +163,7 @@ double Search::descend(std::span<double> q) {
     const double tried = evaluate(trial_.data(), false);
     if (!(tried < squared)) {
       error_ = kept_error_;
-      if (squared < kNearSquared && ++slow > 2) break;  // rounding, or a singular pose
+      if (squared < kNearSolutionSquared && ++slow > 2) break;  // rounding, or a singular pose
       damping *= 16;
       if (++slow >= kSlowSteps) break;
       continue;
