@@ -219,7 +219,10 @@ constexpr std::int64_t kClearanceWork = 100'000'000;
 constexpr int kClearancePasses = 3;
 constexpr int kClearanceLooks = 2;
 
-// Edges: what it costs to be near (edge_cost.cc)
+// Edges: what it costs to be near (edge_cost.cc, path_cost.cc)
+
+/// How narrow the interval of an edge is at first, beside those of a path's others, as a share.
+constexpr double kFirstCostTolerance = 0.3;
 
 /// How near the least clearance is known, as a share of the distance of nearness, where the worst
 /// place of a path counts; and where its gradient is asked for.
@@ -233,6 +236,12 @@ constexpr std::int64_t kCostWork = 20'000'000;
 
 /// The same of an edge that a search asks for: the interval is wider where that is not enough.
 constexpr std::int64_t kSearchCostWork = 1'000'000;
+
+/// How far below a pair's distance its planes may be, as a share of the distance of nearness,
+/// before nodes of its mesh get planes of their own; and how many of these may be looked at
+/// [count].
+constexpr double kPlaneSlack = 3e-4;
+constexpr int kPlaneNodes = 300;
 
 /// Downhill along an edge from a place that is too near: first and last step, in t, and what it may
 /// cost [units of Work].

@@ -25,12 +25,6 @@
 
 namespace leeway::planner {
 
-/// How far below a pair's distance its planes may be, as a share of the distance of nearness,
-/// before nodes of its mesh get planes of their own; and how many of these may be looked at
-/// [count].
-constexpr double kPlaneSlack = 3e-4;
-constexpr int kPlaneNodes = 300;
-
 class EdgeCertifier::Impl::CostSearch {
  public:
   CostSearch(Impl& impl, const CostRequest& request)

@@ -20,9 +20,6 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 bool isWeight(double weight) { return weight >= 0 && std::isfinite(weight); }
 bool isDistance(double distance) { return distance > 0 && std::isfinite(distance); }
 
-/// Of an edge beside others: how narrow its interval is at first, as a share.
-constexpr double kFirstCostTolerance = 0.3;
-
 Interval outwards(Interval sum) {
   return {sum.lower - kSumRounding * std::abs(sum.lower),
           sum.upper + kSumRounding * std::abs(sum.upper)};
