@@ -7,7 +7,7 @@
 
 #include "leeway/planner/path_io.h"
 #include "leeway/robots/text.h"
-#include "planner/base/nearest_name.h"
+#include "planner/base/did_you_mean.h"
 #include "planner/base/tolerances.h"
 #include "planner/execute/trajectory_samples.h"
 #include "planner/yaml/yaml_reader.h"
@@ -207,7 +207,7 @@ std::vector<int> columnVariables(const std::string& file, const Table& table,
     if (v < 0 && name != "time" && !isDerivative(name, problem))
       throw InputError(file, table.names_line,
                        fmt::format("unknown joint '{}'{}", elided(name),
-                                   nearestName(elided(name), plannedNames(problem))));
+                                   didYouMean(elided(name), plannedNames(problem))));
     if (v >= 0 && std::find(columns.begin(), columns.end(), v) != columns.end())
       throw InputError(file, table.names_line,
                        fmt::format("joint '{}' stands twice; once is expected", name));

@@ -3,7 +3,7 @@
 
 #include "leeway/planner/problem.h"
 #include "leeway/robots/kinematics.h"
-#include "planner/base/nearest_name.h"
+#include "planner/base/did_you_mean.h"
 
 namespace leeway::planner {
 namespace {
@@ -17,7 +17,7 @@ int requireLink(const robots::Model& model, const std::string& name) {
   if (link >= 0) return link;
   std::vector<std::string> known;
   for (const robots::Link& candidate : model.links) known.push_back(candidate.name);
-  throw std::invalid_argument("unknown link '" + name + "'" + nearestName(name, known));
+  throw std::invalid_argument("unknown link '" + name + "'" + didYouMean(name, known));
 }
 
 Pose linkPose(const Problem& problem, int link, std::span<const double> configuration) {
@@ -46,8 +46,7 @@ Problem attachObject(const Problem& problem, const std::string& object, const st
   if (found == result.world.objects.end()) {
     std::vector<std::string> known;
     for (const Object& o : result.world.objects) known.push_back(o.name);
-    throw std::invalid_argument("no object '" + object + "' to attach" +
-                                nearestName(object, known));
+    throw std::invalid_argument("no object '" + object + "' to attach" + didYouMean(object, known));
   }
   Attachment attachment;
   attachment.link = requireLink(*problem.robot.model, link);
@@ -70,7 +69,7 @@ Problem detachObject(const Problem& problem, const std::string& object,
     std::vector<std::string> known;
     for (const Attachment& a : result.robot.attachments) known.push_back(a.object.name);
     throw std::invalid_argument("no attached object '" + object + "' to detach" +
-                                nearestName(object, known));
+                                didYouMean(object, known));
   }
   Object put_down = std::move(found->object);
   put_down.X_WO = linkPose(problem, found->link, configuration) * found->X_LO;

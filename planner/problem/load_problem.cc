@@ -10,7 +10,7 @@
 
 #include "leeway/planner/planners.h"
 #include "leeway/planner/problem.h"
-#include "planner/base/nearest_name.h"
+#include "planner/base/did_you_mean.h"
 #include "planner/problem/other_formats.h"
 #include "planner/problem/read_deforming.h"
 #include "planner/problem/read_execution.h"
@@ -147,7 +147,7 @@ void takeGroup(const std::string& file, int line, const std::string& name, Probl
   if (group < 0)
     throw InputError(file, line,
                      fmt::format("robot '{}' has no group '{}'{}", problem.robot.model->name, name,
-                                 nearestName(name, groupNames(*problem.robot.model))));
+                                 didYouMean(name, groupNames(*problem.robot.model))));
   problem.robot.variables = problem.robot.model->groups[at(group)].variables;
   if (problem.robot.variables.empty())
     throw InputError(
@@ -159,7 +159,7 @@ int readLink(const YamlReader& reader, const Model& model) {
   const int link = model.findLink(reader.text());
   if (link < 0)
     reader.fail(fmt::format("unknown link '{}' in {}{}", reader.text(), reader.where(),
-                            nearestName(reader.text(), linkNames(model))));
+                            didYouMean(reader.text(), linkNames(model))));
   return link;
 }
 
@@ -216,7 +216,7 @@ void expectKnown(const YamlReader& item, const YamlReader& list, const KnownName
   std::vector<std::string> names = known.all;
   for (const auto& [name, members] : known.groups) names.push_back(name);
   item.fail(fmt::format("unknown link or object '{}' in {}{}", item.text(), list.where(),
-                        nearestName(item.text(), names)));
+                        didYouMean(item.text(), names)));
 }
 
 /// Groups of links and objects, which stand for all of their members.

@@ -8,7 +8,7 @@
 #include "collision/base/pose_check.h"
 #include "leeway/planner/problem.h"
 #include "leeway/robots/kinematics.h"
-#include "planner/base/nearest_name.h"
+#include "planner/base/did_you_mean.h"
 
 namespace leeway::planner {
 namespace {
@@ -72,7 +72,7 @@ Pose referencePose(const Problem& problem, const std::string& name) {
     std::vector<std::string> known = namesOnRobot(problem);
     for (const Object& object : problem.world.objects) known.push_back(object.name);
     refuse(fmt::format("no object, link or frame '{}' to be relative to{}", name,
-                       nearestName(name, known)));
+                       didYouMean(name, known)));
   }
   if (moves(problem, place.link))
     refuse(fmt::format(
@@ -108,7 +108,7 @@ robots::PoseRegion poseRegion(const Problem& problem, const FramePose& pose) {
   Place place;
   if (!findOnRobot(problem, pose.frame, place))
     refuse(fmt::format("no frame, link or attached object '{}'{}", pose.frame,
-                       nearestName(pose.frame, namesOnRobot(problem))));
+                       didYouMean(pose.frame, namesOnRobot(problem))));
   if (!moves(problem, place.link))
     refuse(fmt::format(
         "'{}' is not moved by the planned joints; a frame that they move is expected", pose.frame));

@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <stdexcept>
 
-#include "planner/base/nearest_name.h"
+#include "planner/base/did_you_mean.h"
 #include "planner/problem/read_motion.h"
 #include "planner/problem/read_shapes.h"
 #include "planner/yaml/format_keys.h"
@@ -36,7 +36,7 @@ DeformOptions readOptions(const YamlReader& entry) {
     const auto known = collision::deformStrategy(strategy->text());
     if (!known)
       strategy->fail(fmt::format("strategy '{}' is unknown{}", strategy->text(),
-                                 nearestName(strategy->text(), wordsOf(DeformStrategy::kOctree))));
+                                 didYouMean(strategy->text(), wordsOf(DeformStrategy::kOctree))));
     options.strategy = *known;
   }
   if (const auto given = entry.find("options")) {
@@ -45,7 +45,7 @@ DeformOptions readOptions(const YamlReader& entry) {
       const auto known = collision::deformVolume(volume->text());
       if (!known)
         volume->fail(fmt::format("volume '{}' is unknown{}", volume->text(),
-                                 nearestName(volume->text(), wordsOf(DeformVolume::kBall))));
+                                 didYouMean(volume->text(), wordsOf(DeformVolume::kBall))));
       options.volume = *known;
     }
     if (const auto split = given->find("hybrid_split"))

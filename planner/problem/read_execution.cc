@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "planner/base/nearest_name.h"
+#include "planner/base/did_you_mean.h"
 #include "planner/base/tolerances.h"
 #include "planner/yaml/format_keys.h"
 
@@ -34,7 +34,7 @@ void readLimits(const YamlReader& execution, const char* key, const Problem& pro
   for (const auto& [name, value] : given->entries()) {
     if (std::find(known.begin(), known.end(), name) == known.end())
       value.fail(fmt::format("unknown planned variable '{}' in {}{}", name, given->where(),
-                             nearestName(name, known)));
+                             didYouMean(name, known)));
     limits[name] = limitOf(value);
   }
 }

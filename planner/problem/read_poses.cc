@@ -6,7 +6,7 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "planner/base/nearest_name.h"
+#include "planner/base/did_you_mean.h"
 #include "planner/base/tolerances.h"
 #include "planner/problem/read_shapes.h"
 #include "planner/yaml/format_keys.h"
@@ -117,7 +117,7 @@ void readFrames(const YamlReader& reader, Problem& problem) {
       std::vector<std::string> names;
       for (const robots::Link& candidate : model.links) names.push_back(candidate.name);
       link_name.fail(fmt::format("unknown link '{}' in {}{}", link_name.text(), map.where(),
-                                 nearestName(link_name.text(), names)));
+                                 didYouMean(link_name.text(), names)));
     }
     problem.robot.frames.push_back({name, link, readPose(map, problem.warnings)});
   }

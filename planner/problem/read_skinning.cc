@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "planner/base/nearest_name.h"
+#include "planner/base/did_you_mean.h"
 #include "planner/problem/read_motion.h"
 #include "planner/problem/read_shapes.h"
 #include "planner/yaml/format_keys.h"
@@ -43,7 +43,7 @@ class Skinning {
     const auto found = std::find(names_.begin(), names_.end(), name.text());
     if (found == names_.end())
       name.fail(fmt::format("unknown bone '{}' in {}{}", name.text(), name.where(),
-                            nearestName(name.text(), names_)));
+                            didYouMean(name.text(), names_)));
     return static_cast<int>(found - names_.begin());
   }
 
@@ -126,7 +126,7 @@ class Skinning {
         const auto found = std::find(names_.begin(), names_.end(), name);
         if (found == names_.end())
           pose.fail(fmt::format("unknown bone '{}' in {}{}", name, poses->where(),
-                                nearestName(name, names_)));
+                                didYouMean(name, names_)));
         pose.expectKeys(keysOf("pose"));
         BonePose& kept = key.poses[static_cast<std::size_t>(found - names_.begin())];
         kept = readBonePose(pose, kept);

@@ -7,7 +7,7 @@
 #include <limits>
 #include <numbers>
 
-#include "planner/base/nearest_name.h"
+#include "planner/base/did_you_mean.h"
 #include "planner/base/tolerances.h"
 #include "planner/problem/read_poses.h"
 #include "planner/problem/read_shapes.h"
@@ -107,7 +107,7 @@ class StateReader {
     const int index = model_.findJoint(name);
     if (index < 0)
       value.fail(fmt::format("unknown joint '{}' in {}{}", name, map.where(),
-                             nearestName(name, jointNames(model_))));
+                             didYouMean(name, jointNames(model_))));
     const Joint& joint = model_.joints[at(index)];
     if (joint.type == JointType::kPlanar || joint.type == JointType::kFloating)
       return readBodyPose(value, joint);
@@ -266,7 +266,7 @@ VariableRanges groupStateRanges(const std::string& file, int line, const std::st
   }
   throw InputError(
       file, line,
-      fmt::format("no group state '{}' for the planned joints{}", name, nearestName(name, known)));
+      fmt::format("no group state '{}' for the planned joints{}", name, didYouMean(name, known)));
 }
 
 void readStart(const YamlReader& reader, Problem& problem) {

@@ -6,7 +6,7 @@
 #include <map>
 #include <stdexcept>
 
-#include "planner/base/nearest_name.h"
+#include "planner/base/did_you_mean.h"
 #include "planner/base/tolerances.h"
 #include "planner/problem/read_poses.h"
 #include "planner/problem/read_states.h"
@@ -93,7 +93,7 @@ void readAllowed(const YamlReader& reader, const Problem& world, Step& step) {
     for (const YamlReader& name : names)
       if (std::find(known.begin(), known.end(), name.text()) == known.end())
         name.fail(fmt::format("unknown link or object '{}' in {}{}", name.text(), pair.where(),
-                              nearestName(name.text(), known)));
+                              didYouMean(name.text(), known)));
     step.allowed.emplace_back(names[0].text(), names[1].text());
   }
 }

@@ -51,7 +51,7 @@
 
 #include "leeway/planner/ompl_connect.h"
 #include "leeway/robots/text.h"
-#include "planner/base/nearest_name.h"
+#include "planner/base/did_you_mean.h"
 #include "planner/base/tolerances.h"
 #include "planner/space/ompl_lock.h"
 
@@ -199,7 +199,7 @@ std::optional<std::string> setParameter(ob::Planner& planner, const std::string&
     std::vector<std::string> names;
     parameters.getParamNames(names);
     if (names.empty()) return "planner parameter '" + key + "' is unknown: the planner has none";
-    return "planner parameter '" + key + "' is unknown" + nearestName(key, names);
+    return "planner parameter '" + key + "' is unknown" + didYouMean(key, names);
   }
   ob::GenericParam& parameter = parameters[key];
   const std::string wrong = "planner parameter '" + key + "' cannot be '" + value + "'; ";
@@ -257,7 +257,7 @@ bool isOwnParameter(const Entry& e, const std::string& key, const std::string& v
 std::string unknownPlanner(const std::string& name) {
   std::vector<std::string> names;
   for (const PlannerTraits& traits : plannerNames()) names.push_back(traits.name);
-  return "planner '" + name + "' is unknown" + nearestName(name, names);
+  return "planner '" + name + "' is unknown" + didYouMean(name, names);
 }
 
 }  // namespace

@@ -9,7 +9,7 @@
 #include <unordered_map>
 
 #include "leeway/robots/text.h"
-#include "planner/base/nearest_name.h"
+#include "planner/base/did_you_mean.h"
 #include "robots/base/read_file.h"
 
 namespace leeway::planner {
@@ -123,7 +123,7 @@ void YamlReader::expectKeys(std::span<const std::string_view> known) const {
           InputError(
               file(), keyLine(key),
               fmt::format("unknown key '{}' in {}{}", text, where(),
-                          nearestName(text, std::vector<std::string>(known.begin(), known.end())))),
+                          didYouMean(text, std::vector<std::string>(known.begin(), known.end())))),
           document_->errors());
     return true;
   });

@@ -8,7 +8,7 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "planner/base/nearest_name.h"
+#include "planner/base/did_you_mean.h"
 #include "planner/base/tolerances.h"
 #include "planner/problem/moveit/fields.h"
 #include "planner/problem/read_shapes.h"
@@ -47,7 +47,7 @@ int constrainedLink(const YamlReader& constraint, const Problem& problem) {
   std::vector<std::string> known;
   for (const robots::Link& candidate : problem.robot.model->links) known.push_back(candidate.name);
   name.fail(fmt::format("unknown link '{}' in {}{}", name.text(), constraint.where(),
-                        nearestName(name.text(), known)));
+                        didYouMean(name.text(), known)));
 }
 
 /// Half the edges of a box within the primitive.

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "planner/base/nearest_name.h"
+#include "planner/base/did_you_mean.h"
 #include "planner/base/tolerances.h"
 #include "planner/problem/moveit/fields.h"
 #include "planner/problem/read_shapes.h"
@@ -124,7 +124,7 @@ void readJointConstraint(const YamlReader& constraint, VariableRanges& given, Pr
     for (const int variable : problem.robot.variables)
       known.push_back(model.variables[at(variable)].name);
     name.fail(fmt::format("unknown joint '{}' in {}{}", name.text(), constraint.where(),
-                          nearestName(name.text(), known)));
+                          didYouMean(name.text(), known)));
   }
   if (given[at(v)].given)
     name.fail(fmt::format("joint '{}' has two constraints; one is expected", name.text()));
@@ -192,7 +192,7 @@ void readRequestGroup(const YamlReader& request, Problem& problem) {
     std::vector<std::string> known;
     for (const robots::Group& candidate : model.groups) known.push_back(candidate.name);
     name.fail(fmt::format("robot '{}' has no group '{}'{}", model.name, name.text(),
-                          nearestName(name.text(), known)));
+                          didYouMean(name.text(), known)));
   }
   problem.robot.variables = model.groups[at(group)].variables;
   if (problem.robot.variables.empty())

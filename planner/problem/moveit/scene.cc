@@ -7,7 +7,7 @@
 #include <set>
 
 #include "leeway/robots/kinematics.h"
-#include "planner/base/nearest_name.h"
+#include "planner/base/did_you_mean.h"
 #include "planner/problem/moveit/fields.h"
 #include "planner/problem/read_shapes.h"
 
@@ -48,7 +48,7 @@ Pose framePose(const YamlReader& object, const Frames& frames) {
     for (const auto& frame : frames)
       if (!frame.first.empty()) known.push_back(frame.first);
     header->fail(
-        fmt::format("unknown frame '{}' in {}{}", name, header->where(), nearestName(name, known)));
+        fmt::format("unknown frame '{}' in {}{}", name, header->where(), didYouMean(name, known)));
   }
   return found->second;
 }
@@ -136,7 +136,7 @@ int readLink(const YamlReader& name, const Model& model) {
   std::vector<std::string> known;
   for (const robots::Link& candidate : model.links) known.push_back(candidate.name);
   name.fail(fmt::format("unknown link '{}' in {}{}", name.text(), name.where(),
-                        nearestName(name.text(), known)));
+                        didYouMean(name.text(), known)));
 }
 
 /// One moveit_msgs/AttachedCollisionObject, held while the robot stands at the problem's start. An

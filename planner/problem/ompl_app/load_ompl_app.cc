@@ -21,7 +21,7 @@
 #include "leeway/collision/triangle_mesh.h"
 #include "leeway/robots/input_error.h"
 #include "leeway/robots/text.h"
-#include "planner/base/nearest_name.h"
+#include "planner/base/did_you_mean.h"
 #include "planner/problem/other_formats.h"
 #include "planner/problem/read_states.h"
 #include "robots/base/read_file.h"
@@ -186,7 +186,7 @@ class Loader {
       if (kOfNoUse.count(key) == 0 && std::find(kKeys.begin(), kKeys.end(), key) == kKeys.end())
         problem_.warnings.push_back(fmt::format("{}:{}: '{}' has no effect{}", config_.file(),
                                                 entry.line, key.substr(0, kShown),
-                                                nearestName(key, kKeys)));
+                                                didYouMean(key, kKeys)));
     }
   }
 

@@ -17,7 +17,7 @@
 #include "leeway/planner/edge_certifier.h"
 #include "leeway/robots/input_error.h"
 #include "leeway/robots/kinematics.h"
-#include "planner/base/nearest_name.h"
+#include "planner/base/did_you_mean.h"
 #include "planner/yaml/format_keys.h"
 #include "tests/support/build_paths.h"
 #include "tests/support/folder.h"
@@ -465,12 +465,12 @@ TEST(ShippedRobots, HaveThePublishedReach) {
   EXPECT_LT((reach("snake10", "link10", {}) - Eigen::Vector3d(9 * 0.12, 0, 0.03)).norm(), 1e-12);
 }
 
-TEST(NearestName, HelpsOnlyWhenNear) {
-  EXPECT_EQ(nearestName("forarm", {"base", "forearm"}), "; did you mean 'forearm'?");
-  EXPECT_EQ(nearestName("ofrearm", {"base", "forearm"}), "; did you mean 'forearm'?");
-  EXPECT_EQ(nearestName("FOREARM", {"base", "forearm"}), "; did you mean 'forearm'?");
-  EXPECT_EQ(nearestName("gripper", {"base", "forearm"}), "; known: base, forearm");
-  EXPECT_EQ(nearestName("x", {}), "; there is none");
+TEST(DidYouMean, HelpsOnlyWhenNear) {
+  EXPECT_EQ(didYouMean("forarm", {"base", "forearm"}), "; did you mean 'forearm'?");
+  EXPECT_EQ(didYouMean("ofrearm", {"base", "forearm"}), "; did you mean 'forearm'?");
+  EXPECT_EQ(didYouMean("FOREARM", {"base", "forearm"}), "; did you mean 'forearm'?");
+  EXPECT_EQ(didYouMean("gripper", {"base", "forearm"}), "; known: base, forearm");
+  EXPECT_EQ(didYouMean("x", {}), "; there is none");
 }
 
 }  // namespace

@@ -1,10 +1,10 @@
-#include "planner/base/nearest_name.h"
+#include "planner/base/did_you_mean.h"
 
 #include "leeway/robots/text.h"
 
 namespace leeway::planner {
 
-std::string nearestName(std::string_view name, const std::vector<std::string>& known) {
+std::string didYouMean(std::string_view name, const std::vector<std::string>& known) {
   if (known.empty()) return "; there is none";
   if (const std::string* nearest = robots::nearestName(name, known))
     return "; did you mean '" + *nearest + "'?";

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace leeway::planner {
+
+/// The end of a message about an unknown name: "; did you mean 'NAME'?" when robots::nearestName()
+/// finds one of `known` near, otherwise "; known: a, b, c" (the first twelve), or "; there is none"
+/// for an empty list. O(known * length^2).
+std::string didYouMean(std::string_view name, const std::vector<std::string>& known);
+
+}  // namespace leeway::planner
