@@ -133,6 +133,121 @@ ClosedForm::Kind ClosedForm::kindOf(const std::vector<Axis>& axes,
   return parallel(1) ? Kind::kWristParallel : Kind::kNone;
 }
 
+/// Joints 1 to 3 bring the wrist's centre to its target, 4 to 6 turn the hand about it.
+class ClosedForm::WristSolver {
+ public:
+  WristSolver(const Arm& arm, Answer& answer)
+      : arm_(arm),
+        answer_(answer),
+        wrist_(meetingPoint(arm.axes[4], arm.axes[5])),
+        target_(arm.G * wrist_),
+        roll_(acrossOf(arm.h(5))),
+        t_(arm.otherwise) {}
+
+  /// At O: |E3 wrist - O| = |target - O|.
+  void firstTwoMeet() {
+    const Eigen::Vector3d O = meetingPoint(arm_.axes[0], arm_.axes[1]);
+    const Eigen::Vector3d to = target_ - O;
+    const Angles elbows = anglesToDistance(arm_.h(2), wrist_ - arm_.p(2), O - arm_.p(2),
+                                           std::sqrt(to.squaredNorm()), arm_.otherwise[2]);
+    note(elbows);
+    for (int i = 0; i < elbows.count; ++i) {
+      t_[2] = elbows.value[at(i)];
+      const Eigen::Matrix3d R3 = turnAbout(arm_.h(2), t_[2]);
+      const Eigen::Vector3d from = arm_.turned(2, R3, wrist_) - O;
+      const MeetingPoints points = meetingPoints(arm_.h(0), to, arm_.h(1), from);
+      note(points);
+      for (int j = 0; j < points.count; ++j) {
+        const Angles first = angleBetween(arm_.h(0), points.point[at(j)], to, arm_.otherwise[0]);
+        note(first);
+        t_[0] = first.value[0];
+        turnHand(turnAbout(arm_.h(0), t_[0]), R3,
+                 angleBetween(arm_.h(1), from, points.point[at(j)], arm_.otherwise[1]));
+      }
+    }
+  }
+
+  /// E2 E3 wrist = E1^-1 target: as far from O, where their axes meet.
+  void nextTwoMeet() {
+    const Eigen::Vector3d O = meetingPoint(arm_.axes[1], arm_.axes[2]);
+    const Angles firsts =
+        anglesToDistance(-arm_.h(0), target_ - arm_.p(0), O - arm_.p(0),
+                         std::sqrt((wrist_ - O).squaredNorm()), arm_.otherwise[0]);
+    note(firsts);
+    for (int i = 0; i < firsts.count; ++i) {
+      t_[0] = firsts.value[at(i)];
+      const Eigen::Matrix3d R1 = turnAbout(arm_.h(0), t_[0]);
+      const Eigen::Vector3d to = arm_.turned(0, R1.transpose(), target_) - O;
+      const MeetingPoints points = meetingPoints(arm_.h(1), to, arm_.h(2), wrist_ - O);
+      note(points);
+      for (int j = 0; j < points.count; ++j) {
+        const Angles third =
+            angleBetween(arm_.h(2), wrist_ - O, points.point[at(j)], arm_.otherwise[2]);
+        note(third);
+        t_[2] = third.value[0];
+        turnHand(R1, turnAbout(arm_.h(2), t_[2]),
+                 angleBetween(arm_.h(1), points.point[at(j)], to, arm_.otherwise[1]));
+      }
+    }
+  }
+
+  /// E2 E3 wrist = E1^-1 target: as far along both axes.
+  void nextTwoParallel() {
+    const Eigen::Vector3d& h = arm_.h(1);
+    const Eigen::Vector3d& O = arm_.p(1);
+    const Angles firsts = anglesToPlane(h, -arm_.h(0), target_ - arm_.p(0),
+                                        h.dot(wrist_ - arm_.p(0)), arm_.otherwise[0]);
+    note(firsts);
+    for (int i = 0; i < firsts.count; ++i) {
+      t_[0] = firsts.value[at(i)];
+      const Eigen::Matrix3d R1 = turnAbout(arm_.h(0), t_[0]);
+      const Eigen::Vector3d to = arm_.turned(0, R1.transpose(), target_) - O;
+      const Angles elbows =
+          anglesToDistance(arm_.h(2), across(h, wrist_ - arm_.p(2)), across(h, O - arm_.p(2)),
+                           std::sqrt(across(h, to).squaredNorm()), arm_.otherwise[2]);
+      note(elbows);
+      for (int j = 0; j < elbows.count; ++j) {
+        t_[2] = elbows.value[at(j)];
+        const Eigen::Matrix3d R3 = turnAbout(arm_.h(2), t_[2]);
+        turnHand(R1, R3, angleBetween(h, arm_.turned(2, R3, wrist_) - O, to, arm_.otherwise[1]));
+      }
+    }
+  }
+
+ private:
+  template <typename Part>
+  void note(const Part& part) {
+    answer_.singular = answer_.singular || part.singular;
+  }
+
+  /// Adds the answers for joints 1 and 3 as they are in t_, turned by R1 and R3.
+  void turnHand(const Eigen::Matrix3d& R1, const Eigen::Matrix3d& R3, const Angles& second) {
+    note(second);
+    t_[1] = second.value[0];
+    const Eigen::Matrix3d R03 = R1 * turnAbout(arm_.h(1), t_[1]) * R3;
+    const Eigen::Matrix3d R36 = R03.transpose() * arm_.G.rotation;
+    const Eigen::Vector3d hand = R36 * arm_.h(5);
+    const Angles bends =
+        anglesToPlane(arm_.h(3), arm_.h(4), arm_.h(5), arm_.h(3).dot(hand), arm_.otherwise[4]);
+    note(bends);
+    for (int i = 0; i < bends.count; ++i) {
+      t_[4] = bends.value[at(i)];
+      const Eigen::Matrix3d R5 = turnAbout(arm_.h(4), t_[4]);
+      const Angles first = angleBetween(arm_.h(3), R5 * arm_.h(5), hand, arm_.otherwise[3]);
+      note(first);
+      t_[3] = first.value[0];
+      const Eigen::Matrix3d R45 = turnAbout(arm_.h(3), t_[3]) * R5;
+      t_[5] = angleBetween(arm_.h(5), roll_, R45.transpose() * (R36 * roll_), 0).value[0];
+      arm_.add(answer_, t_);
+    }
+  }
+
+  const Arm& arm_;
+  Answer& answer_;
+  const Eigen::Vector3d wrist_, target_, roll_;
+  std::array<double, 6> t_;
+};
+
 void ClosedForm::solve(const Pose& X_RF, const std::array<double, 7>& angles,
                        Answer& answer) const {
   answer.count = 0;
@@ -159,105 +274,17 @@ void ClosedForm::solve(const Pose& X_RF, const std::array<double, 7>& angles,
     arm.otherwise[at(i)] = angles[at(joint)];
   }
   if (backwards) arm.G = arm.G.inverse();
-  if (kind_ == Kind::kThreeParallel)
-    solveParallel(arm, answer);
-  else if (kind_ != Kind::kNone)
-    solveWrist(arm, kind_, answer);
-}
-
-void ClosedForm::solveWrist(const Arm& arm, Kind kind, Answer& answer) {
-  const Eigen::Vector3d wrist = meetingPoint(arm.axes[4], arm.axes[5]);
-  const Eigen::Vector3d target = arm.G * wrist;
-  const Eigen::Vector3d roll = acrossOf(arm.h(5));
-  std::array<double, 6> t = arm.otherwise;
-  const auto note = [&answer](const auto& part) {
-    answer.singular = answer.singular || part.singular;
-  };
-
-  // t[0], t[1], t[2] are known; R03 turns as their joints do.
-  const auto turnWrist = [&](const Eigen::Matrix3d& R03) {
-    const Eigen::Matrix3d R36 = R03.transpose() * arm.G.rotation;
-    const Eigen::Vector3d hand = R36 * arm.h(5);
-    const Angles bends =
-        anglesToPlane(arm.h(3), arm.h(4), arm.h(5), arm.h(3).dot(hand), arm.otherwise[4]);
-    note(bends);
-    for (int i = 0; i < bends.count; ++i) {
-      t[4] = bends.value[at(i)];
-      const Eigen::Matrix3d R5 = turnAbout(arm.h(4), t[4]);
-      const Angles first = angleBetween(arm.h(3), R5 * arm.h(5), hand, arm.otherwise[3]);
-      note(first);
-      t[3] = first.value[0];
-      const Eigen::Matrix3d R45 = turnAbout(arm.h(3), t[3]) * R5;
-      t[5] = angleBetween(arm.h(5), roll, R45.transpose() * (R36 * roll), 0).value[0];
-      arm.add(answer, t);
-    }
-  };
-
-  if (kind == Kind::kWristFirstTwoMeet) {  // at O; |E3 wrist - O| = |target - O|
-    const Eigen::Vector3d O = meetingPoint(arm.axes[0], arm.axes[1]);
-    const Eigen::Vector3d to = target - O;
-    const Angles elbows = anglesToDistance(arm.h(2), wrist - arm.p(2), O - arm.p(2),
-                                           std::sqrt(to.squaredNorm()), arm.otherwise[2]);
-    note(elbows);
-    for (int i = 0; i < elbows.count; ++i) {
-      t[2] = elbows.value[at(i)];
-      const Eigen::Matrix3d R3 = turnAbout(arm.h(2), t[2]);
-      const Eigen::Vector3d from = arm.turned(2, R3, wrist) - O;
-      const MeetingPoints points = meetingPoints(arm.h(0), to, arm.h(1), from);
-      note(points);
-      for (int j = 0; j < points.count; ++j) {
-        const Angles first = angleBetween(arm.h(0), points.point[at(j)], to, arm.otherwise[0]);
-        const Angles second = angleBetween(arm.h(1), from, points.point[at(j)], arm.otherwise[1]);
-        note(first);
-        note(second);
-        t[0] = first.value[0];
-        t[1] = second.value[0];
-        turnWrist(turnAbout(arm.h(0), t[0]) * turnAbout(arm.h(1), t[1]) * R3);
-      }
-    }
-    return;
-  }
-  const bool meet = kind == Kind::kWristNextTwoMeet;
-  // E2 E3 wrist = E1^-1 target: as far from where their axes meet, or as far along both.
-  const Eigen::Vector3d O = meet ? meetingPoint(arm.axes[1], arm.axes[2]) : arm.p(1);
-  const Angles firsts =
-      meet ? anglesToDistance(-arm.h(0), target - arm.p(0), O - arm.p(0),
-                              std::sqrt((wrist - O).squaredNorm()), arm.otherwise[0])
-           : anglesToPlane(arm.h(1), -arm.h(0), target - arm.p(0), arm.h(1).dot(wrist - arm.p(0)),
-                           arm.otherwise[0]);
-  note(firsts);
-  for (int i = 0; i < firsts.count; ++i) {
-    t[0] = firsts.value[at(i)];
-    const Eigen::Matrix3d R1 = turnAbout(arm.h(0), t[0]);
-    const Eigen::Vector3d to = arm.turned(0, R1.transpose(), target) - O;
-    const auto finish = [&](const Eigen::Matrix3d& R3, const Angles& second) {
-      note(second);
-      t[1] = second.value[0];
-      turnWrist(R1 * turnAbout(arm.h(1), t[1]) * R3);
-    };
-    if (meet) {
-      const MeetingPoints points = meetingPoints(arm.h(1), to, arm.h(2), wrist - O);
-      note(points);
-      for (int j = 0; j < points.count; ++j) {
-        const Angles third =
-            angleBetween(arm.h(2), wrist - O, points.point[at(j)], arm.otherwise[2]);
-        note(third);
-        t[2] = third.value[0];
-        finish(turnAbout(arm.h(2), t[2]),
-               angleBetween(arm.h(1), points.point[at(j)], to, arm.otherwise[1]));
-      }
-      continue;
-    }
-    const Eigen::Vector3d& h = arm.h(1);
-    const Angles elbows =
-        anglesToDistance(arm.h(2), across(h, wrist - arm.p(2)), across(h, O - arm.p(2)),
-                         std::sqrt(across(h, to).squaredNorm()), arm.otherwise[2]);
-    note(elbows);
-    for (int j = 0; j < elbows.count; ++j) {
-      t[2] = elbows.value[at(j)];
-      const Eigen::Matrix3d R3 = turnAbout(arm.h(2), t[2]);
-      finish(R3, angleBetween(h, arm.turned(2, R3, wrist) - O, to, arm.otherwise[1]));
-    }
+  switch (kind_) {
+    case Kind::kNone:
+      break;
+    case Kind::kWristFirstTwoMeet:
+      return WristSolver(arm, answer).firstTwoMeet();
+    case Kind::kWristNextTwoMeet:
+      return WristSolver(arm, answer).nextTwoMeet();
+    case Kind::kWristParallel:
+      return WristSolver(arm, answer).nextTwoParallel();
+    case Kind::kThreeParallel:
+      return solveParallel(arm, answer);
   }
 }
 

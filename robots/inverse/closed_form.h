@@ -44,8 +44,8 @@ class ClosedForm {
     Eigen::Vector3d direction, point;
   };
   struct Arm;
+  class WristSolver;
   static Kind kindOf(const std::vector<Axis>& axes, const std::array<int, 6>& joints);
-  static void solveWrist(const Arm& arm, Kind kind, Answer& answer);
   static void solveParallel(const Arm& arm, Answer& answer);
 
   std::vector<Axis> axes_;
