@@ -247,6 +247,28 @@ void countLine(const Json& document, Tally& tally) {
   }
 }
 
+/// What became of all problems, and of those of each folder, in the order of their first problems.
+class Tallies {
+ public:
+  using Folder = std::pair<std::string, Tally>;
+
+  void add(const std::string& problem, const Json& line) {
+    const std::string folder = std::filesystem::path(problem).parent_path().string();
+    auto entry = std::find_if(folders_.begin(), folders_.end(),
+                              [&](const Folder& other) { return other.first == folder; });
+    if (entry == folders_.end()) entry = folders_.insert(entry, {folder, {}});
+    countLine(line, all_);
+    countLine(line, entry->second);
+  }
+
+  const Tally& all() const { return all_; }
+  const std::vector<Folder>& folders() const { return folders_; }
+
+ private:
+  Tally all_;
+  std::vector<Folder> folders_;
+};
+
 /// One line, whatever happens: bad input and faults of our own are told in it and on stderr, and
 /// the batch goes on.
 Outcome solveOrReport(const Arguments& arguments, const std::shared_ptr<const robots::Model>& model,
@@ -343,8 +365,15 @@ void printSummary(const Tally& tally, std::size_t count, std::size_t kept, bool 
   fmt::print(stderr, "{}\n", text);
 }
 
-/// By folder, in the order of their first problems.
-void printTable(const std::vector<std::pair<std::string, Tally>>& folders) {
+void printInterrupted(std::size_t done, std::size_t count, const BatchOutput& output,
+                      const Arguments& arguments) {
+  fmt::print(stderr, "interrupted after {} of {} problems{}\n", done, count,
+             arguments.output.empty()
+                 ? ""
+                 : fmt::format("; {} holds them for --resume", output.partialPath()));
+}
+
+void printTable(const std::vector<Tallies::Folder>& folders) {
   std::vector<std::vector<std::string>> rows;
   for (const auto& [folder, tally] : folders) {
     const int other = tally.invalid + tally.bad_input + tally.faults;
@@ -412,28 +441,64 @@ std::string oneWord(std::string text) {
   return text;
 }
 
-int run(const Arguments& arguments) {
+/// The problems of the command line, none of which an output of its would overwrite.
+std::vector<BatchItem> checkedItems(const Arguments& arguments) {
   if (arguments.resume && arguments.output.empty()) {
     throw robots::InputError("command line", 0, "--resume continues a file: name it with --output");
   }
   if (!arguments.ompl_log.empty()) checkOutputFile(arguments.ompl_log, kLogEndings);
-  const std::vector<BatchItem> items = listItems(arguments);
+  std::vector<BatchItem> items = listItems(arguments);
   std::vector<std::string> inputs = filesOf(arguments.source);
   for (const BatchItem& item : items) inputs.push_back(item.problem);
   expectApart(std::array{arguments.output, arguments.ompl_log}, inputs);
-  const Clock::time_point begin = Clock::now();
-  OmplLogHead head;
-  head.experiment = oneWord(std::filesystem::path(arguments.ompl_log).stem().string());
-  head.started = fmt::format("{:%Y-%m-%dT%H:%M:%S}", fmt::localtime(std::time(nullptr)));
-  std::vector<Json> logged;
+  return items;
+}
+
+/// The robot of --robot; without it each problem names its own.
+std::shared_ptr<const robots::Model> commonRobot(const Arguments& arguments, WarningLog& warnings) {
+  const ProblemSource& source = arguments.source;
+  if (source.robot.empty()) return nullptr;
+  std::shared_ptr<const robots::Model> model =
+      robots::loadModel(source.robot, source.srdf, loadOptions(source));
+  warnings.print(model->warnings);
+  return model;
+}
+
+/// The log of --ompl-log; without it nothing is kept.
+class OmplLogFile {
+ public:
+  explicit OmplLogFile(std::string file) : file_(std::move(file)), begin_(Clock::now()) {
+    head_.experiment = oneWord(std::filesystem::path(file_).stem().string());
+    head_.started = fmt::format("{:%Y-%m-%dT%H:%M:%S}", fmt::localtime(std::time(nullptr)));
+  }
+
+  void add(const Json& line) {
+    if (!file_.empty()) lines_.push_back(line);
+  }
+  /// The log names the longest limit of its runs [s].
+  void limit(double time) { head_.time_limit = std::max(head_.time_limit, time); }
+
+  void write(const Json& options, const std::vector<BatchItem>& items) {
+    if (file_.empty()) return;
+    head_.setup = "options: " + jsonText(options) + "\nproblems, in the order of the runs:\n";
+    for (const BatchItem& item : items) head_.setup += item.problem + "\n";
+    head_.total_s = secondsSince(begin_);
+    planner::writeFileWhole(file_, omplLog(head_, lines_));
+  }
+
+ private:
+  std::string file_;
+  Clock::time_point begin_;
+  OmplLogHead head_;
+  std::vector<Json> lines_;
+};
+
+int run(const Arguments& arguments) {
+  const std::vector<BatchItem> items = checkedItems(arguments);
+  OmplLogFile log(arguments.ompl_log);
   view::PageFolder pages(arguments.view);
   WarningLog warnings;
-  std::shared_ptr<const robots::Model> model;
-  if (!arguments.source.robot.empty()) {
-    model = robots::loadModel(arguments.source.robot, arguments.source.srdf,
-                              loadOptions(arguments.source));
-    warnings.print(model->warnings);
-  }
+  const std::shared_ptr<const robots::Model> model = commonRobot(arguments, warnings);
   const Json options = optionsJson(arguments);
   BatchOutput output(arguments.output, items, arguments.resume, options);
   std::vector<const BatchItem*> open;
@@ -442,23 +507,16 @@ int run(const Arguments& arguments) {
   }
   UnitProgress progress(items.size(), items.size() - open.size());
   Jobs jobs(arguments, model, std::move(open));
-  Tally tally;
-  std::vector<std::pair<std::string, Tally>> folders;
+  Tallies tallies;
   const auto count = [&](const std::string& problem, const Json& line) {
-    const std::string folder = std::filesystem::path(problem).parent_path().string();
-    auto entry = std::find_if(folders.begin(), folders.end(),
-                              [&](const auto& other) { return other.first == folder; });
-    if (entry == folders.end()) entry = folders.insert(entry, {folder, {}});
-    countLine(line, tally);
-    countLine(line, entry->second);
+    tallies.add(problem, line);
+    log.add(line);
   };
   std::size_t done = 0;
   for (const BatchItem& item : items) {
-    ++done;
     if (output.has(item.problem)) {
-      const Json line = Json::parse(output.line(item.problem));
-      count(item.problem, line);
-      if (!arguments.ompl_log.empty()) logged.push_back(line);
+      count(item.problem, Json::parse(output.line(item.problem)));
+      ++done;
       continue;
     }
     progress.next(item.problem);
@@ -468,14 +526,10 @@ int run(const Arguments& arguments) {
       endProgress();
       fmt::print(stderr, "{}\n", outcome.error);
     }
-    if (outcome.cut) {
-      // This problem was cut short: it is not part of the answer.
+    if (outcome.cut) {  // no part of the answer
       endProgress();
       warnings.printCounts();
-      fmt::print(stderr, "interrupted after {} of {} problems{}\n", done - 1, items.size(),
-                 arguments.output.empty()
-                     ? ""
-                     : fmt::format("; {} holds them for --resume", output.partialPath()));
+      printInterrupted(done, items.size(), output, arguments);
       return kNo;
     }
     pages.add(outcome.page);
@@ -483,24 +537,19 @@ int run(const Arguments& arguments) {
     line.update(outcome.line);
     output.add(item.problem, jsonText(line));
     count(item.problem, line);
-    head.time_limit = std::max(head.time_limit, outcome.time_limit);
-    if (!arguments.ompl_log.empty()) logged.push_back(std::move(line));
+    log.limit(outcome.time_limit);
+    ++done;
   }
   endProgress();
   output.finish();
-  if (!arguments.ompl_log.empty()) {
-    head.setup = "options: " + jsonText(options) + "\nproblems, in the order of the runs:\n";
-    for (const BatchItem& item : items) head.setup += item.problem + "\n";
-    head.total_s = secondsSince(begin);
-    planner::writeFileWhole(arguments.ompl_log, omplLog(head, logged));
-  }
+  log.write(options, items);
   pages.finish();
   warnings.printCounts();
   if (!isQuiet()) {
-    if (items.size() > 1) printTable(folders);
-    printSummary(tally, items.size(), output.keptCount(), arguments.verify);
+    if (items.size() > 1) printTable(tallies.folders());
+    printSummary(tallies.all(), items.size(), output.keptCount(), arguments.verify);
   }
-  return tally.status();
+  return tallies.all().status();
 }
 
 }  // namespace
