@@ -161,6 +161,68 @@ std::string table(const robots::Model& model, const std::vector<int>& variables,
   return formatTable(heading, rows, {words, words + 1});
 }
 
+/// The variables of --group, or those that the problem plans, that move the link; at least one.
+std::vector<int> solvedVariables(const Arguments& arguments, const planner::Problem& problem,
+                                 int link) {
+  const robots::Model& model = *problem.robot.model;
+  std::vector<int> planned = problem.robot.variables;
+  if (!arguments.group.empty()) {
+    const int group = model.findGroup(arguments.group);
+    if (group < 0)
+      badUsage(fmt::format("--group '{}': the robot has no such group", arguments.group));
+    planned = model.groups[static_cast<std::size_t>(group)].variables;
+  }
+  std::vector<int> variables = variablesOf(model, planned, link);
+  if (variables.empty())
+    badUsage(fmt::format("--link {}: no planned joint moves it", arguments.link));
+  return variables;
+}
+
+Json answerJson(const Arguments& arguments, const robots::Model& model,
+                const std::vector<int>& variables, const robots::IkResult& result,
+                const std::vector<CheckedSolution>& list) {
+  Json names = Json::array(), solutions = Json::array(), near;
+  for (const int v : variables) names.push_back(model.variables[static_cast<std::size_t>(v)].name);
+  for (const CheckedSolution& checked : list) solutions.push_back(solutionJson(checked));
+  if (const auto& nearest = result.nearest; list.empty() && !nearest.values.empty())
+    near = {{"positions", nearest.values},
+            {"position_error", nearest.error.position},
+            {"angle_error", nearest.error.angle}};
+  return {{"status", statusOf(result, list)},
+          {"proven", result.status == robots::IkStatus::kUnreachable},
+          {"seed", arguments.seed},
+          {"link", arguments.link},
+          {"joint_names", names},
+          {"solutions", solutions},
+          {"nearest", near},
+          {"counts",
+           {{"starts", result.starts},
+            {"iterations", result.iterations},
+            {"proof_boxes", result.proof_boxes}}}};
+}
+
+void printNone(const std::string& link, const robots::IkResult& result) {
+  fmt::print(
+      "{}: {}\n", link,
+      result.status == robots::IkStatus::kUnreachable
+          ? fmt::format("unreachable: proven, with {} boxes of configurations", result.proof_boxes)
+          : fmt::format("no solution found from {} starts; there may be one", result.starts));
+  const robots::IkSolution& nearest = result.nearest;
+  if (!nearest.values.empty())
+    fmt::print("nearest found: {:.3f} mm and {:.6f} rad away, at {:.6f}\n",
+               nearest.error.position * 1e3, nearest.error.angle, fmt::join(nearest.values, ", "));
+}
+
+void printSolutions(const Arguments& arguments, const robots::Model& model,
+                    const std::vector<int>& variables, const std::vector<CheckedSolution>& list) {
+  const auto free =
+      std::count_if(list.begin(), list.end(), [](const CheckedSolution& c) { return c.free(); });
+  fmt::print("{}: {} solution{}, {} free; {} first\n{}", arguments.link, list.size(),
+             list.size() == 1 ? "" : "s", free,
+             arguments.order == "clearance" ? "most clearance" : "nearest to the state",
+             table(model, variables, list));
+}
+
 int run(const Arguments& arguments) {
   if (arguments.solutions < 1)
     badUsage(fmt::format("--solutions {} is below 1", arguments.solutions));
@@ -169,16 +231,7 @@ int run(const Arguments& arguments) {
       info::loadFile(arguments.file, info::kindOf(arguments.file), arguments.source);
   const robots::Model& model = *problem.robot.model;
   const int link = parseLink(model, arguments.link);
-  std::vector<int> planned = problem.robot.variables;
-  if (!arguments.group.empty()) {
-    const int group = model.findGroup(arguments.group);
-    if (group < 0)
-      badUsage(fmt::format("--group '{}': the robot has no such group", arguments.group));
-    planned = model.groups[static_cast<std::size_t>(group)].variables;
-  }
-  const std::vector<int> variables = variablesOf(model, planned, link);
-  if (variables.empty())
-    badUsage(fmt::format("--link {}: no planned joint moves it", arguments.link));
+  const std::vector<int> variables = solvedVariables(arguments, problem, link);
   const std::vector<double> q = parseConfiguration(problem, arguments.state);
   // Clearance is asked of the variables that are solved; the others stay.
   problem.start = q;
@@ -195,52 +248,13 @@ int run(const Arguments& arguments) {
   const robots::IkResult result = solver.solve(regions, q, options);
   const std::vector<CheckedSolution> list =
       checkAll(problem, q, variables, result, arguments.order == "clearance");
-  const char* status = statusOf(result, list);
-  const bool yes = !list.empty() && list.front().free();
-  const auto& nearest = result.nearest;
-
-  if (arguments.json) {
-    Json names = Json::array(), solutions = Json::array(), near;
-    for (const int v : variables)
-      names.push_back(model.variables[static_cast<std::size_t>(v)].name);
-    for (const CheckedSolution& checked : list) solutions.push_back(solutionJson(checked));
-    if (list.empty() && !nearest.values.empty())
-      near = {{"positions", nearest.values},
-              {"position_error", nearest.error.position},
-              {"angle_error", nearest.error.angle}};
-    printJson({{"status", status},
-               {"proven", result.status == robots::IkStatus::kUnreachable},
-               {"seed", arguments.seed},
-               {"link", arguments.link},
-               {"joint_names", names},
-               {"solutions", solutions},
-               {"nearest", near},
-               {"counts",
-                {{"starts", result.starts},
-                 {"iterations", result.iterations},
-                 {"proof_boxes", result.proof_boxes}}}});
-    return yes ? kYes : kNo;
-  }
-  if (list.empty()) {
-    fmt::print(
-        "{}: {}\n", arguments.link,
-        result.status == robots::IkStatus::kUnreachable
-            ? fmt::format("unreachable: proven, with {} boxes of configurations",
-                          result.proof_boxes)
-            : fmt::format("no solution found from {} starts; there may be one", result.starts));
-    if (!nearest.values.empty())
-      fmt::print("nearest found: {:.3f} mm and {:.6f} rad away, at {:.6f}\n",
-                 nearest.error.position * 1e3, nearest.error.angle,
-                 fmt::join(nearest.values, ", "));
-    return kNo;
-  }
-  const auto free =
-      std::count_if(list.begin(), list.end(), [](const CheckedSolution& c) { return c.free(); });
-  fmt::print("{}: {} solution{}, {} free; {} first\n{}", arguments.link, list.size(),
-             list.size() == 1 ? "" : "s", free,
-             arguments.order == "clearance" ? "most clearance" : "nearest to the state",
-             table(model, variables, list));
-  return yes ? kYes : kNo;
+  if (arguments.json)
+    printJson(answerJson(arguments, model, variables, result, list));
+  else if (list.empty())
+    printNone(arguments.link, result);
+  else
+    printSolutions(arguments, model, variables, list);
+  return !list.empty() && list.front().free() ? kYes : kNo;
 }
 
 }  // namespace
