@@ -195,6 +195,63 @@ void printSummary(const planner::Problem& problem, const planner::ReplanResult& 
              result.longest_step_s * 1e3);
 }
 
+/// What of the problem an execution does not use.
+void warnOfUnused(const planner::Problem& problem, const std::string& file) {
+  for (const planner::DeformingObstacle& obstacle : problem.world.deforming) {
+    if (!obstacle.motion) {
+      printWarnings({fmt::format("{}: obstacle '{}' has no motion: it stands still here", file,
+                                 obstacle.object.name)});
+    }
+  }
+  const planner::Execution& execution = problem.execution;
+  if (!execution.accelerations.empty() || !execution.jerks.empty() ||
+      execution.corners != planner::Corners::kStop) {
+    printWarnings({fmt::format(
+        "{}: accelerations, jerks and corners of 'execution' are for plan --trajectory: replan "
+        "goes at the velocity limits",
+        file)});
+  }
+}
+
+/// What steps leave while they come: JSON lines, or rows of a table for the end; how far the
+/// execution is, for progress; and the steps themselves, where a page will show them.
+class StepLog {
+ public:
+  StepLog(int most_steps, bool json, bool keep)
+      : most_steps_(most_steps), json_(json), keep_(keep) {}
+
+  void add(const planner::ReplanStep& step) {
+    if (keep_) kept_.push_back(step);
+    if (json_) {
+      endProgress();
+      fmt::print("{}\n", jsonText(versioned(stepJson(step))));
+      std::fflush(stdout);
+    } else {
+      rows_.add(step);
+    }
+    ++begun_;
+    state_ = fmt::format(", {:.2f} s", step.time);
+    if (std::isfinite(step.remaining_s))
+      state_ += fmt::format(", {:.2f} s of path left", step.remaining_s);
+  }
+
+  void show(const std::string& phase) const {
+    const std::string of = most_steps_ > 0 ? fmt::format(" of {}", most_steps_) : "";
+    showProgress(fmt::format("step {}{}{}: {}", begun_, of, state_, phase));
+  }
+
+  const std::vector<planner::ReplanStep>& kept() const { return kept_; }
+  std::string table() const { return rows_.text(); }
+
+ private:
+  int most_steps_;
+  bool json_, keep_;
+  int begun_ = 1;
+  std::string state_;
+  Rows rows_;
+  std::vector<planner::ReplanStep> kept_;
+};
+
 int run(const Arguments& arguments) {
   if (arguments.json && arguments.text) {
     throw robots::InputError("command line", 0, "--json and --text exclude each other");
@@ -210,60 +267,26 @@ int run(const Arguments& arguments) {
   apply(arguments.overrides, problem);
   const double load_s =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  for (const planner::DeformingObstacle& obstacle : problem.world.deforming) {
-    if (!obstacle.motion) {
-      printWarnings({fmt::format("{}: obstacle '{}' has no motion: it stands still here",
-                                 arguments.source.problem, obstacle.object.name)});
-    }
-  }
-  const planner::Execution& execution = problem.execution;
-  if (!execution.accelerations.empty() || !execution.jerks.empty() ||
-      execution.corners != planner::Corners::kStop) {
-    printWarnings({fmt::format(
-        "{}: accelerations, jerks and corners of 'execution' are for plan --trajectory: replan "
-        "goes at the velocity limits",
-        arguments.source.problem)});
-  }
+  warnOfUnused(problem, arguments.source.problem);
   const bool json = arguments.json || (!arguments.text && isatty(STDOUT_FILENO) != 1);
+  StepLog log(arguments.steps, json, !arguments.view.file.empty());
   planner::ReplanOptions options;
   options.stop = interactivePlanOptions().stop;
-  int begun = 1;
-  std::string state;
-  options.progress = [&](const std::string& phase, double) {
-    const std::string of = arguments.steps > 0 ? fmt::format(" of {}", arguments.steps) : "";
-    showProgress(fmt::format("step {}{}{}: {}", begun, of, state, phase));
-  };
-  Rows rows;
-  std::vector<planner::ReplanStep> shown;
+  options.progress = [&](const std::string& phase, double) { log.show(phase); };
   const planner::ReplanResult result = planner::replan(
-      problem, options,
-      [&](const planner::ReplanStep& step) {
-        if (!arguments.view.file.empty()) shown.push_back(step);
-        if (json) {
-          endProgress();
-          fmt::print("{}\n", jsonText(versioned(stepJson(step))));
-          std::fflush(stdout);
-        } else {
-          rows.add(step);
-        }
-        ++begun;
-        state = fmt::format(", {:.2f} s", step.time);
-        if (std::isfinite(step.remaining_s))
-          state += fmt::format(", {:.2f} s of path left", step.remaining_s);
-      },
-      arguments.steps);
+      problem, options, [&](const planner::ReplanStep& step) { log.add(step); }, arguments.steps);
   endProgress();
   if (!arguments.output.empty()) {
     planner::writeTrajectory(arguments.output, problem, result.trajectory);
   }
   if (!arguments.view.file.empty()) {
     view::writePage(arguments.view, view::subjectOfExecution(problem, arguments.source.problem,
-                                                             shown, result.status));
+                                                             log.kept(), result.status));
   }
   if (json) {
     fmt::print("{}\n", jsonText(versioned(summaryJson(problem, result, load_s))));
   } else {
-    fmt::print("{}", rows.text());
+    fmt::print("{}", log.table());
     printSummary(problem, result);
   }
   return result.status == planner::ReplanStatus::kReached && result.certified ? kYes : kNo;
