@@ -283,29 +283,34 @@ class Bench {
   volatile double sink_ = 0;
 };
 
-int run(int argc, char** argv) {
+struct Options {
   int placements = 12;
   std::uint64_t seed = 1;
   bool only_pieces = false;
-  std::vector<std::string> files;
+  std::vector<std::string> files;  // taken two by two
+
+  bool valid() const { return placements >= 1 && files.size() % 2 == 0; }
+};
+
+Options parse(int argc, char** argv) {
+  Options options;
   for (int i = 1; i < argc; ++i) {
     if (std::strcmp(argv[i], "--placements") == 0 && i + 1 < argc) {
-      placements = std::atoi(argv[++i]);
+      options.placements = std::atoi(argv[++i]);
     } else if (std::strcmp(argv[i], "--seed") == 0 && i + 1 < argc) {
-      seed = std::strtoull(argv[++i], nullptr, 10);
+      options.seed = std::strtoull(argv[++i], nullptr, 10);
     } else if (std::strcmp(argv[i], "--pieces") == 0) {
-      only_pieces = true;
+      options.only_pieces = true;
     } else {
-      files.emplace_back(argv[i]);
+      options.files.emplace_back(argv[i]);
     }
   }
-  if (placements < 1 || files.size() % 2 != 0) {
-    std::fprintf(stderr,
-                 "usage: bench_meshes [--placements N] [--seed S] [--pieces] [MESH MESH]...\n");
-    return 2;
-  }
+  return options;
+}
+
+std::vector<std::pair<Mesh, Mesh>> pairsOf(const Options& options) {
   std::vector<std::pair<Mesh, Mesh>> pairs;
-  if (!only_pieces) {
+  if (!options.only_pieces) {
     pairs.emplace_back(Mesh("link", link(24, 21)), Mesh("link", link(100, 100)));
     pairs.emplace_back(Mesh("link", link(24, 21)), Mesh("bumpy ball", bumpyBall(100, 100)));
     pairs.emplace_back(Mesh("link", link(24, 21)), Mesh("torus", torus(100, 100)));
@@ -317,68 +322,95 @@ int run(int argc, char** argv) {
   pairs.emplace_back(Mesh("dumbbell", dumbbell(32, 32)), Mesh("dumbbell", dumbbell(32, 32)));
   pairs.emplace_back(Mesh("dumbbell", dumbbell(24, 21)), Mesh("gear", gear(100, 100)));
   pairs.emplace_back(Mesh("gear", gear(25, 40)), Mesh("gear", gear(25, 40)));
-  for (std::size_t i = 0; i < files.size(); i += 2) {
-    pairs.emplace_back(readMesh(files[i]), readMesh(files[i + 1]));
+  for (std::size_t i = 0; i < options.files.size(); i += 2) {
+    pairs.emplace_back(readMesh(options.files[i]), readMesh(options.files[i + 1]));
   }
+  return pairs;
+}
+
+void printPieces(const Mesh& mesh) {
+  if (mesh.pieces() == 0) return;
+  const leeway::collision::PieceSummary& summary = mesh.shape.mesh()->pieces();
+  std::printf("%s: %d convex pieces, %d loose triangles, excess %.1e m\n", mesh.name.c_str(),
+              summary.pieces, summary.loose_triangles, summary.excess);
+}
+
+// By class and query.
+using Ratios = std::vector<double>[3][3];
+
+// The ratios of all placements, of pairs of triangles and of pairs with convex pieces.
+struct Summary {
+  Ratios over_triangles, over_pieces, against_triangles;
+};
+
+void addTo(std::vector<double>& all, const std::vector<double>& more) {
+  all.insert(all.end(), more.begin(), more.end());
+}
+
+// One row of the table, and its ratios into the summary.
+void measure(Bench& bench, const Mesh& a, const Mesh& b, Class kind, Query query,
+             const Options& options, Summary& summary) {
+  Random random(options.seed);
+  std::vector<double> cold, warm, triangles, fcl, cold_ratio, warm_ratio, triangle_ratio;
+  int differ = 0;
+  for (int i = 0; i < options.placements; ++i) {
+    const Timing t = bench.run(kind, query, random);
+    cold.push_back(t.cold);
+    warm.push_back(t.warm);
+    triangles.push_back(t.triangles);
+    fcl.push_back(t.fcl);
+    cold_ratio.push_back(t.cold / t.fcl);
+    warm_ratio.push_back(t.warm / t.fcl);
+    triangle_ratio.push_back(t.cold / t.triangles);
+    differ += t.differ;
+  }
+  const int k = static_cast<int>(kind), q = static_cast<int>(query);
+  const bool pieces = a.pieces() > 0 && b.pieces() > 0;
+  addTo((pieces ? summary.over_pieces : summary.over_triangles)[k][q], cold_ratio);
+  if (pieces) addTo(summary.against_triangles[k][q], triangle_ratio);
+  std::printf("%-38s %-9s %-10s %10.0f %10.0f %10.0f %10.0f %7.3f %7.3f %7.3f %7d\n",
+              (a.name + " - " + b.name).c_str(), kClassNames[k], kQueryNames[q], median(cold),
+              median(warm), median(triangles), median(fcl), median(cold_ratio), median(warm_ratio),
+              median(triangle_ratio), differ);
+  std::fflush(stdout);
+}
+
+void printRatios(const char* title, const Ratios& ratios) {
+  if (ratios[0][0].empty()) return;
+  std::printf("\nmedian ratio to %s, cold:\n", title);
+  for (int k = 0; k < 3; ++k) {
+    std::printf("  %-9s", kClassNames[k]);
+    for (int q = 0; q < 3; ++q) std::printf("  %s %.3f", kQueryNames[q], median(ratios[k][q]));
+    std::printf("\n");
+  }
+}
+
+int run(int argc, char** argv) {
+  const Options options = parse(argc, argv);
+  if (!options.valid()) {
+    std::fprintf(stderr,
+                 "usage: bench_meshes [--placements N] [--seed S] [--pieces] [MESH MESH]...\n");
+    return 2;
+  }
+  const std::vector<std::pair<Mesh, Mesh>> pairs = pairsOf(options);
   for (const auto& [a, b] : pairs) {
-    for (const Mesh* mesh : {&a, &b}) {
-      if (mesh->pieces() == 0) continue;
-      const leeway::collision::PieceSummary& summary = mesh->shape.mesh()->pieces();
-      std::printf("%s: %d convex pieces, %d loose triangles, excess %.1e m\n", mesh->name.c_str(),
-                  summary.pieces, summary.loose_triangles, summary.excess);
-    }
+    printPieces(a);
+    printPieces(b);
   }
   std::printf("%-38s %-9s %-10s %10s %10s %10s %10s %7s %7s %7s %7s\n", "pair (triangles)", "class",
               "query", "cold ns", "warm ns", "soup ns", "FCL ns", "cold/F", "warm/F", "cold/s",
               "differ");
-  // Pairs of triangles, and pairs with convex pieces.
-  std::vector<double> all[2][3][3], against_triangles[3][3];
+  Summary summary;
   for (const auto& [a, b] : pairs) {
     Bench bench(a, b);
-    const bool pieces = a.pieces() > 0 && b.pieces() > 0;
     for (const Class kind : {Class::kFar, Class::kNear, Class::kTouching}) {
-      for (const Query query : {Query::kDistance, Query::kTolerance, Query::kCollision}) {
-        Random random(seed);
-        std::vector<double> cold, warm, triangles, fcl, cold_ratio, warm_ratio, triangle_ratio;
-        int differ = 0;
-        for (int i = 0; i < placements; ++i) {
-          const Timing t = bench.run(kind, query, random);
-          cold.push_back(t.cold);
-          warm.push_back(t.warm);
-          triangles.push_back(t.triangles);
-          fcl.push_back(t.fcl);
-          cold_ratio.push_back(t.cold / t.fcl);
-          warm_ratio.push_back(t.warm / t.fcl);
-          triangle_ratio.push_back(t.cold / t.triangles);
-          differ += t.differ;
-        }
-        const int k = static_cast<int>(kind), q = static_cast<int>(query);
-        std::vector<double>& ratios = all[pieces ? 1 : 0][k][q];
-        ratios.insert(ratios.end(), cold_ratio.begin(), cold_ratio.end());
-        if (pieces) {
-          against_triangles[k][q].insert(against_triangles[k][q].end(), triangle_ratio.begin(),
-                                         triangle_ratio.end());
-        }
-        std::printf("%-38s %-9s %-10s %10.0f %10.0f %10.0f %10.0f %7.3f %7.3f %7.3f %7d\n",
-                    (a.name + " - " + b.name).c_str(), kClassNames[k], kQueryNames[q], median(cold),
-                    median(warm), median(triangles), median(fcl), median(cold_ratio),
-                    median(warm_ratio), median(triangle_ratio), differ);
-        std::fflush(stdout);
-      }
+      for (const Query query : {Query::kDistance, Query::kTolerance, Query::kCollision})
+        measure(bench, a, b, kind, query, options, summary);
     }
   }
-  const auto table = [](const char* title, const std::vector<double>(&ratios)[3][3]) {
-    if (ratios[0][0].empty()) return;
-    std::printf("\nmedian ratio to %s, cold:\n", title);
-    for (int k = 0; k < 3; ++k) {
-      std::printf("  %-9s", kClassNames[k]);
-      for (int q = 0; q < 3; ++q) std::printf("  %s %.3f", kQueryNames[q], median(ratios[k][q]));
-      std::printf("\n");
-    }
-  };
-  table("FCL over pairs of triangles", all[0]);
-  table("FCL over pairs with convex pieces", all[1]);
-  table("triangles over pairs with convex pieces", against_triangles);
+  printRatios("FCL over pairs of triangles", summary.over_triangles);
+  printRatios("FCL over pairs with convex pieces", summary.over_pieces);
+  printRatios("triangles over pairs with convex pieces", summary.against_triangles);
   return 0;
 }
 
