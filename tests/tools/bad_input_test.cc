@@ -71,6 +71,22 @@ TEST_F(BadInput, StatesGiveEachJointOnce) {
   EXPECT_EQ(run("check reach.yaml --state '1, +0'").status, 0);
 }
 
+TEST_F(BadInput, UnknownStatesNameTheNearest) {
+  expectRefused("check reach.yaml --state rihgt", {"'rihgt'", "did you mean 'right'?"});
+  expectRefused("check reach.yaml --state gaol", {"did you mean 'goal'?"});
+  expectRefused("check reach.yaml --state nowhere", {"known: start, goal, right, left"});
+  expectRefused("check reach.yaml --state elbo=1", {"no planned joint", "did you mean 'elbow'?"});
+  expectRefused("fk arm.urdf --srdf arm.srdf --state rihgt", {"did you mean 'right'?"});
+  expectRefused("fk arm.urdf --state elbo=1", {"did you mean 'elbow'?"});
+  // Numbers name nothing.
+  for (const char* state : {"1", "1,2,3", "nan"}) {
+    const Answer answer = run(std::string("check reach.yaml --state ") + state);
+    EXPECT_EQ(answer.status, 2) << state;
+    EXPECT_EQ(answer.err.find("mean"), std::string::npos) << answer.err;
+    EXPECT_EQ(answer.err.find("known"), std::string::npos) << answer.err;
+  }
+}
+
 /// As large as the command line's.
 TEST_F(BadInput, SeedsOfFilesGoUpToTheLargest) {
   write("seed.yaml", replaced(kReach, "seed: 7", "seed: 18446744073709551615"));

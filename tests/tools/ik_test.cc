@@ -111,6 +111,7 @@ TEST_F(Ik, BadInput) {
   expectRefused(good + "--quaternion 0 0 0 2", {"--quaternion", "length is 2"});
   expectRefused(good + "--quaternion 0 0 0 1 --rpy 0 0 0", {"--rpy and --quaternion"});
   expectRefused(good + "--group legs", {"legs"});
+  expectRefused(good + "--srdf arm.srdf --group amr", {"'amr'", "did you mean 'arm'?"});
   expectRefused(good + "--state up", {"'up'"});
   expectRefused(good + "--state knee=1", {"knee=1"});
   expectRefused(good + "--state elbow=1,elbow=2", {"elbow twice"});

@@ -1,5 +1,7 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <memory>
@@ -8,9 +10,11 @@
 #include "leeway/planner/edge_certifier.h"
 #include "leeway/robots/input_error.h"
 #include "leeway/robots/text.h"
+#include "planner/base/did_you_mean.h"
 #include "tools/leeway/support/exit_status.h"
 #include "tools/leeway/support/json_result.h"
 #include "tools/leeway/support/problem_source.h"
+#include "tools/leeway/support/robot_state.h"
 #include "tools/leeway/support/scene_names.h"
 #include "tools/leeway/support/terminal.h"
 #include "tools/leeway/support/verb.h"
@@ -44,10 +48,6 @@ struct CheckedState {
 
   bool valid() const { return limit.empty() && check.verdict == planner::Verdict::kFree; }
 };
-
-[[noreturn]] void badState(const std::string& text, const std::string& message) {
-  throw robots::InputError("command line", 0, fmt::format("--state '{}': {}", text, message));
-}
 
 std::vector<double> startPoint(const planner::Problem& problem) {
   std::vector<double> point;
@@ -84,7 +84,7 @@ NamedState solvedGoal(const planner::Problem& problem, const planner::Goal& goal
   return {goal.name, startPoint(at_goal)};
 }
 
-double parseNumber(const std::string& state, std::string_view text) {
+double parseValue(const std::string& state, std::string_view text) {
   constexpr std::string_view kSpace = " \t";
   const std::size_t begin = std::min(text.find_first_not_of(kSpace), text.size());
   text = text.substr(begin, text.find_last_not_of(kSpace) + 1 - begin);
@@ -93,62 +93,48 @@ double parseNumber(const std::string& state, std::string_view text) {
   return *value;
 }
 
-std::vector<std::string> split(const std::string& text) {
-  std::vector<std::string> parts(1);
-  for (const char c : text) {
-    if (c == ',') {
-      parts.emplace_back();
-    } else {
-      parts.back() += c;
-    }
-  }
-  return parts;
-}
-
-std::string plannedNames(const planner::Problem& problem) {
-  std::string names;
-  for (const int variable : problem.robot.variables) {
-    names += (names.empty() ? "" : ", ") +
-             problem.robot.model->variables[static_cast<std::size_t>(variable)].name;
-  }
+std::vector<std::string> plannedNames(const planner::Problem& problem) {
+  std::vector<std::string> names;
+  for (const int variable : problem.robot.variables)
+    names.push_back(problem.robot.model->variables[static_cast<std::size_t>(variable)].name);
   return names;
 }
 
 /// "1,2,3" (every planned variable, in group order) or "elbow=1,wrist=2" (the others as at the
 /// start).
 std::vector<double> parseValues(const planner::Problem& problem, const std::string& text) {
-  const std::vector<std::string> parts = split(text);
+  const std::vector<std::string> parts = splitAt(',', text), names = plannedNames(problem);
   std::vector<double> point = startPoint(problem);
   if (text.find('=') == std::string::npos) {
     if (parts.size() != point.size()) {
-      badState(text, fmt::format("is neither start, goal or a group state, nor {} numbers ({})",
-                                 point.size(), plannedNames(problem)));
+      badState(text, fmt::format("is neither start, goal or a group state, nor {} numbers ({}){}",
+                                 point.size(), fmt::join(names, ", "),
+                                 meantState(*problem.robot.model, text, {"start", "goal"})));
     }
     for (std::size_t i = 0; i < parts.size(); ++i) {
-      point[i] = parseNumber(text, parts[i]);
+      point[i] = parseValue(text, parts[i]);
     }
     return point;
   }
   std::vector<bool> given(point.size(), false);
   for (const std::string& part : parts) {
     const std::size_t equals = part.find('=');
-    const std::string name = part.substr(0, equals);
-    std::size_t i = 0;
-    while (
-        i < point.size() &&
-        problem.robot.model->variables[static_cast<std::size_t>(problem.robot.variables[i])].name !=
-            name) {
-      ++i;
-    }
-    if (equals == std::string::npos || i == point.size()) {
+    if (equals == std::string::npos) {
       badState(text,
-               fmt::format("'{}' is not NAME=VALUE with one of {}", part, plannedNames(problem)));
+               fmt::format("'{}' is not NAME=VALUE with one of {}", part, fmt::join(names, ", ")));
+    }
+    const std::string name = part.substr(0, equals);
+    const auto i =
+        static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin());
+    if (i == names.size()) {
+      badState(text,
+               fmt::format("no planned joint '{}'{}", name, planner::didYouMean(name, names)));
     }
     if (given[i]) {
       badState(text, fmt::format("gives {} twice; once is expected", name));
     }
     given[i] = true;
-    point[i] = parseNumber(text, part.substr(equals + 1));
+    point[i] = parseValue(text, part.substr(equals + 1));
   }
   return point;
 }

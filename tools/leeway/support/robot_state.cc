@@ -7,17 +7,29 @@
 
 #include "leeway/robots/input_error.h"
 #include "leeway/robots/text.h"
+#include "planner/base/did_you_mean.h"
 
 namespace leeway::tools {
 namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-[[noreturn]] void badState(const std::string& text, const std::string& message) {
+}  // namespace
+
+void badState(const std::string& text, const std::string& message) {
   throw robots::InputError("command line", 0, fmt::format("--state '{}': {}", text, message));
 }
 
-}  // namespace
+std::string meantState(const robots::Model& model, const std::string& text,
+                       std::vector<std::string> words) {
+  if (text.find_first_of(",=") != std::string::npos || robots::parseNumber(text)) return "";
+  for (const robots::GroupState& state : model.group_states) {
+    // Groups may have states of one name.
+    if (std::find(words.begin(), words.end(), state.name) == words.end())
+      words.push_back(state.name);
+  }
+  return planner::didYouMean(text, words);
+}
 
 std::vector<std::string> splitAt(char separator, const std::string& text) {
   std::vector<std::string> parts(1);
@@ -64,8 +76,8 @@ std::vector<double> parseConfiguration(const planner::Problem& problem, const st
     const std::vector<int>& planned = problem.robot.variables;
     if (parts.size() != planned.size()) {
       badState(text, fmt::format("is neither start or a group state, nor {} numbers, nor "
-                                 "NAME=VALUE,...",
-                                 planned.size()));
+                                 "NAME=VALUE,...{}",
+                                 planned.size(), meantState(model, text, {"start"})));
     }
     for (std::size_t i = 0; i < parts.size(); ++i)
       q[at(planned[i])] = parseNumber("--state", parts[i]);
@@ -74,11 +86,17 @@ std::vector<double> parseConfiguration(const planner::Problem& problem, const st
   std::vector<char> given(q.size(), 0);
   for (const std::string& part : parts) {
     const std::size_t equals = part.find('=');
-    const int variable = model.findVariable(part.substr(0, equals));
-    if (equals == std::string::npos || variable < 0) {
+    if (equals == std::string::npos)
       badState(text, fmt::format("'{}' is not NAME=VALUE of a joint's variable", part));
+    const std::string name = part.substr(0, equals);
+    const int variable = model.findVariable(name);
+    if (variable < 0) {
+      std::vector<std::string> known;
+      for (const robots::Variable& other : model.variables) known.push_back(other.name);
+      badState(text, fmt::format("the robot has no variable '{}'{}", name,
+                                 planner::didYouMean(name, known)));
     }
-    if (given[at(variable)]) badState(text, fmt::format("gives {} twice", part.substr(0, equals)));
+    if (given[at(variable)]) badState(text, fmt::format("gives {} twice", name));
     given[at(variable)] = 1;
     q[at(variable)] = parseNumber("--state", part.substr(equals + 1));
   }

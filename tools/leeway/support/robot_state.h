@@ -18,6 +18,14 @@ int parseLink(const robots::Model& model, const std::string& name);
 /// Like std::stod() of a whole text, and finite. Throws robots::InputError that names `option`.
 double parseNumber(const std::string& option, const std::string& text);
 
+/// Throws robots::InputError about `--state TEXT`.
+[[noreturn]] void badState(const std::string& text, const std::string& message);
+
+/// The end of a message about a `--state` that is no state: where it is a word, which of `words`
+/// and of the group states may be meant. Empty for anything else, such as too few numbers.
+std::string meantState(const robots::Model& model, const std::string& text,
+                       std::vector<std::string> words);
+
 std::vector<std::string> splitAt(char separator, const std::string& text);
 
 }  // namespace leeway::tools
