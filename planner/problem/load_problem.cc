@@ -365,6 +365,8 @@ void readPlanner(const YamlReader& file, Problem& problem) {
   };
   section("planner", readPlannerOf);
   section("objective", readObjectiveOf);
+  if (const auto error = improveError(problem))
+    file.readOn([&] { file.find("planner")->find("parameters")->find("improve")->fail(*error); });
   section("simplify", [](const YamlReader& simplify, Problem& of) {
     of.planner.simplify = simplify.boolean();
   });

@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "planner/space/ompl_planners.h"
 #include "planner/yaml/format_keys.h"
 
 namespace leeway::planner {
@@ -142,6 +143,21 @@ Objective readObjective(const YamlReader& objective) {
                     "expected",
                     objective.where()));
   return *found;
+}
+
+std::optional<std::string> improveError(const Problem& problem) {
+  const auto improve = problem.planner.parameters.find("improve");
+  if (improve == problem.planner.parameters.end()) return std::nullopt;
+  const bool is_asked = parameterNumber(improve->second).value_or(0) > 0;
+  const bool by_length =
+      std::holds_alternative<MinimumLength>(problem.objective) && problem.margins.wishes.empty();
+  if (!is_asked || by_length) return std::nullopt;
+  return fmt::format(
+      "planner parameter 'improve' is {}, beside {}: only paths of the objective length, without "
+      "wishes, become shorter; such a problem, or 0, is expected",
+      improve->second,
+      problem.margins.wishes.empty() ? fmt::format("the objective {}", toString(problem.objective))
+                                     : "margins with a wish");
 }
 
 }  // namespace leeway::planner

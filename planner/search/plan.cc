@@ -15,6 +15,7 @@
 #include "planner/base/tolerances.h"
 #include "planner/objective/lower_cost.h"
 #include "planner/objective/path_cost.h"
+#include "planner/problem/read_objective.h"
 #include "planner/search/goal_sampler.h"
 #include "planner/search/half_turns.h"
 #include "planner/search/push.h"
@@ -88,6 +89,7 @@ class Plan {
     result_.seed = problem_.seed;
     if (const auto error = PathCost::error(problem_)) refuse(*error);
     if (const auto error = costPlannerError(problem_)) refuse(*error);
+    if (const auto error = improveError(problem_)) refuse(*error);
     if (problem_.goals.empty()) refuse("there is no goal; at least one is expected");
     if (!problem_.start_poses.empty())
       refuse("the start is given by poses; placeStart() is expected to find its joint values");

@@ -425,6 +425,26 @@ TEST_F(Plan, ImproveIsOfConnectAndLength) {
   expectRefused("plan reach.yaml --improve 1 --planner RRTstar", {"--improve 1", "RRTstar"});
   expectRefused("plan reach.yaml --improve 1 --objective clearance", {"--improve 1", "length"});
   expectRefused("plan reach.yaml --improve 1 --at-most-longer 1.1", {"--improve 1", "length"});
+  expectRefused("plan reach.yaml --improve 1 --hinge 0.1", {"--improve 1", "length"});
+}
+
+// A file's, too.
+TEST_F(Plan, ImproveOfAFileIsOfTheObjectiveLength) {
+  const std::string improve = "planner: {parameters: {improve: 0.01}}\n";
+  write("improve.yaml", kReach + improve);
+  EXPECT_EQ(run("plan improve.yaml").status, 0);
+  const std::vector<std::string> expected = {"'improve' is 0.01", "objective length"};
+  const auto expectRefusedFile = [&](const std::string& text) {
+    write("odd.yaml", text);
+    expectRefused("plan odd.yaml", expected);
+    expectRefused("check odd.yaml", {"odd.yaml:10:"});
+  };
+  expectRefusedFile(kReach + improve + "objective: clearance\n");
+  expectRefusedFile(kReach + improve + "objective: {integral: {hinge: 0.1}}\n");
+  expectRefusedFile(kReach + improve +
+                    "margins: [{between: [robot, post], margin: 0.01, wish: 0.05}]\n");
+  expectRefused("plan improve.yaml --objective clearance", expected);
+  EXPECT_EQ(run("plan improve.yaml --objective clearance --improve 0 --time 0.1").status, 0);
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include "leeway/planner/plan.h"
 #include "leeway/planner/planners.h"
 #include "leeway/planner/simplify.h"
+#include "leeway/robots/input_error.h"
 #include "tests/support/small_problems.h"
 
 namespace leeway::planner {
@@ -84,6 +85,16 @@ TEST(Improve, RefusesWhatIsNoTime) {
   for (const char* value : {"-1", "nan", "long", ""})
     EXPECT_NE(plannerError("Connect", {{"improve", value}}), std::nullopt) << value;
   EXPECT_EQ(plannerError("Connect", {{"improve", "0.5"}}), std::nullopt);
+}
+
+TEST(Improve, IsRefusedWhereItWouldBeIgnored) {
+  Problem problem = test::corridorProblem();
+  problem.planner.parameters = {{"improve", "0.01"}};
+  problem.limits.time = 0.1;
+  problem.objective = MaximumClearance{};
+  EXPECT_THROW(plan(problem), robots::InputError);
+  problem.planner.parameters = {{"improve", "0"}};
+  EXPECT_EQ(plan(problem).status, PlanStatus::kSolved);
 }
 
 }  // namespace

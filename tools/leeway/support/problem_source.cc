@@ -15,6 +15,7 @@
 #include "leeway/robots/input_error.h"
 #include "leeway/robots/text.h"
 #include "planner/base/tolerances.h"
+#include "planner/problem/read_objective.h"
 #include "tools/leeway/support/terminal.h"
 
 namespace leeway::tools {
@@ -379,9 +380,10 @@ void expectImproves(const PlanOverrides& overrides, const planner::Problem& prob
         fmt::format("{} has no such time; Connect has, and planners that optimise go on for all "
                     "of --time",
                     problem.planner.name));
-  if (!std::holds_alternative<planner::MinimumLength>(problem.objective) ||
-      overrides.at_most_longer)
-    refuse("only paths of the objective length become shorter; others take all of --time");
+  if (planner::improveError(problem))
+    refuse(
+        "only paths of the objective length, without wishes, become shorter; others take all of "
+        "--time");
   if (!problem.steps.empty()) refuse("tasks are not improved; a problem without steps is expected");
 }
 
@@ -411,7 +413,6 @@ void apply(const PlanOverrides& overrides, planner::Problem& problem) {
     problem.objective = planner::objectiveOfName(overrides.objective).value();
   }
   if (!overrides.improve.empty()) {
-    expectImproves(overrides, problem);
     problem.planner.parameters["improve"] = overrides.improve;
   }
   if (overrides.keep) {
@@ -440,6 +441,7 @@ void apply(const PlanOverrides& overrides, planner::Problem& problem) {
     clearance->at_most_longer = *overrides.at_most_longer;
   }
   applyCost(overrides, problem);
+  if (!overrides.improve.empty()) expectImproves(overrides, problem);
   if (overrides.no_push) problem.planner.push = false;
 }
 
