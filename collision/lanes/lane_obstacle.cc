@@ -71,7 +71,7 @@ LaneSweep::Impl::Obstacle LaneSweep::Impl::obstacleOf(const Shape& shape, const 
   if (type == ShapeType::kHalfSpace) o.kind = Kind::kHalfSpace;
   const Eigen::Matrix3d rotation_GW = X_WG.rotation.transpose();
   const Eigen::Vector3d center = X_WG * core.center;
-  o.aligned = rotation_GW.isIdentity(0);
+  o.aligned = rotation_GW == Eigen::Matrix3d::Identity();
   for (int row = 0; row < 3; ++row)
     for (int column = 0; column < 3; ++column)
       o.rotation[3 * row + column] = static_cast<float>(rotation_GW(row, column));

@@ -128,6 +128,8 @@ void Scene::growMargins(int body, int geometry, double growth) {
   pairs_.grow(body, geometry, growth, at(first));
 }
 
+void SceneBuilder::reserve(std::size_t bodies) { bodies_.reserve(bodies); }
+
 int SceneBuilder::add(Body body) {
   bodies_.push_back(std::move(body));
   return static_cast<int>(base_.bodies().size() + bodies_.size()) - 1;

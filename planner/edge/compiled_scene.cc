@@ -58,6 +58,9 @@ class Surroundings {
   int carried() const { return static_cast<int>(robot_.scene().bodies().size()); }
 
   void addObjects(const robots::Stop& stop) {
+    const std::size_t most = problem_.world.objects.size() + problem_.world.deforming.size();
+    builder_.reserve(most);
+    objects_.reserve(most);
     std::size_t added = 0;
     const auto addOne = [&](const Object& object) {
       if (++added % 1024 == 0) robots::throwIfStopped(stop, "the problem was compiled");

@@ -107,7 +107,8 @@ class EdgeSceneBuilder {
     piece.link = compiled_.bodyLink(body);
     piece.geometry = &g;
     piece.bounds = &collision::SceneAccess::bounds(scene_, index);
-    piece.at_origin = g.X_BG.rotation.isIdentity(0) && g.X_BG.translation.isZero(0);
+    piece.at_origin = g.X_BG.rotation == Eigen::Matrix3d::Identity() &&
+                      g.X_BG.translation == Eigen::Vector3d::Zero();
     if (piece.link < 0) {
       const collision::Pose X_GW = (scene_.bodies()[at(body)].X_WB * g.X_BG).inverse();
       piece.scale = X_GW.translation.lpNorm<1>() + piece.bounds->outer.center.lpNorm<1>();

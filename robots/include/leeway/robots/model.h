@@ -161,8 +161,8 @@ class Model : public RobotDescription {
 
 /// Where package://NAME/... and relative mesh paths are looked for.
 struct LoadOptions {
-  std::vector<std::pair<std::string, std::string>>
-      packages;  ///< NAME, DIR; searched before ROS_PACKAGE_PATH and the URDF's own folders
+  /// NAME, DIR; searched before ROS_PACKAGE_PATH and the URDF's own folders.
+  std::vector<std::pair<std::string, std::string>> packages = {};
   /// The folder that keeps what takes time to make of mesh files and robots, for the next process;
   /// empty: nothing is kept. The answers are the same, byte for byte. cacheFolder()
   /// (cache_folder.h) is the usual one.
