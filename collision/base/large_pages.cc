@@ -60,8 +60,8 @@ class LargePages final : public std::pmr::memory_resource {
     if (!isShared(bytes, alignment))
       return std::pmr::new_delete_resource()->deallocate(p, bytes, alignment);
     const std::lock_guard<std::mutex> lock(mutex_);
-    auto* const shared =
-        reinterpret_cast<Shared*>(reinterpret_cast<std::uintptr_t>(p) / kPage * kPage);
+    auto* const shared = reinterpret_cast<Shared*>(static_cast<std::byte*>(p) -
+                                                   reinterpret_cast<std::uintptr_t>(p) % kPage);
     if (--shared->arrays > 0) return;
     if (shared == open_) {
       open_->used = kAlignment;
@@ -100,10 +100,9 @@ class LargeArrays final : public std::pmr::memory_resource {
     void* const result = std::pmr::new_delete_resource()->allocate(bytes, alignment);
     if (bytes >= kLeastArray) {
       // The whole pages within; only a hint.
-      const std::uintptr_t begin = reinterpret_cast<std::uintptr_t>(result);
-      const std::uintptr_t first = (begin + kPage - 1) / kPage * kPage,
-                           last = (begin + bytes) / kPage * kPage;
-      static_cast<void>(madvise(reinterpret_cast<void*>(first), last - first, MADV_HUGEPAGE));
+      const std::size_t before = (kPage - reinterpret_cast<std::uintptr_t>(result) % kPage) % kPage;
+      const std::size_t whole = (bytes - before) / kPage * kPage;
+      static_cast<void>(madvise(static_cast<std::byte*>(result) + before, whole, MADV_HUGEPAGE));
     }
     return result;
   }

@@ -20,6 +20,8 @@ struct Scratch::Impl {
   SweepFrontScratch& fronts;
   Work* work;  ///< where work is counted; the scratch's own until countInto()
 
+  Impl(const Impl&) = delete;
+  Impl& operator=(const Impl&) = delete;
   virtual ~Impl() = default;
 
  protected:
@@ -30,8 +32,6 @@ struct Scratch::Impl {
         sweep(sweep_scratch),
         fronts(sweep_fronts),
         work(&own_work) {}
-  Impl(const Impl&) = delete;
-  Impl& operator=(const Impl&) = delete;
 };
 
 }  // namespace leeway::collision
