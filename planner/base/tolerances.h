@@ -639,6 +639,8 @@ constexpr double kVerifySmallestMotion = 1e-9;
 constexpr long kVerifyPairWork = 500'000;
 constexpr long kVerifyOpenWork = 20'000;
 constexpr long kVerifyWork = 10'000'000;
+/// And so many more for each pair of shapes on each edge: most pairs take one.
+constexpr double kVerifyLooks = 4;
 
 /// What the distances of these looks may cost [units of collision::Work]: as long, where each is a
 /// depth of meshes that takes milliseconds.

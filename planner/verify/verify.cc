@@ -73,6 +73,10 @@ class Verifier {
     collectShapes();
     // One waypoint is an edge without motion.
     const std::size_t segments = std::max<std::size_t>(1, path_.positions.size() - 1);
+    // Long paths may take long.
+    const double looks = kVerifyLooks * static_cast<double>(segments * shapes_.size());
+    most_work_ = kVerifyWork + static_cast<long>(looks);
+    most_cost_ = kVerifyCost * (most_work_ / kVerifyWork);
     for (std::size_t s = 0; s < segments; ++s)
       if (!checkSegment(s)) break;
     if (refuted_) return *refuted_;
@@ -124,6 +128,7 @@ class Verifier {
       options_.progress("edge", std::chrono::duration<double>(Clock::now() - begin_).count());
     a_ = path_.positions[segment];
     b_ = path_.positions[std::min(segment + 1, path_.positions.size() - 1)];
+    placed_at_ = std::numeric_limits<double>::quiet_NaN();
     space_.difference(a_, b_, difference_);
     std::fill(dq_.begin(), dq_.end(), 0.0);
     for (std::size_t i = 0; i < difference_.size(); ++i)
@@ -173,10 +178,14 @@ class Verifier {
     Motion a, b;
   };
 
-  std::vector<Pose> poses(double t) {
+  /// The links at t. All pairs of an edge are first looked at in its middle.
+  const std::vector<Pose>& poses(double t) {
+    if (t == placed_at_) return X_WL_;
     space_.interpolate(a_, b_, t, point_);
     for (std::size_t i = 0; i < point_.size(); ++i) q_[at(problem_.robot.variables[i])] = point_[i];
-    return placeLinks(model_, q_);
+    X_WL_ = placeLinks(model_, q_);
+    placed_at_ = t;
+    return X_WL_;
   }
 
   Pose place(std::size_t body, const std::vector<Pose>& X_WL) const {
@@ -185,7 +194,7 @@ class Verifier {
   }
 
   Look look(const ShapePair& pair, double t, double half) {
-    const std::vector<Pose> X_WL = poses(t);
+    const std::vector<Pose>& X_WL = poses(t);
     const Pose X_WA = place(pair.bodies->a, X_WL) * pair.a->X_BG,
                X_WB = place(pair.bodies->b, X_WL) * pair.b->X_BG;
     Look look;
@@ -257,13 +266,13 @@ class Verifier {
     const double margin = pair.bodies->margin, floor = provableMargin(pair);
     std::deque<Span> open{{0, 1}};
     long limit = kVerifyPairWork;
-    cost_.limit = std::min(kVerifyCost, cost_.done + kVerifyPairCost);
+    cost_.limit = std::min(most_cost_, cost_.done + kVerifyPairCost);
     for (long work = 0; !open.empty(); ++work) {
       const Span span = open.front();
       open.pop_front();
-      if (work >= limit || ++work_ > kVerifyWork || cost_.isSpent()) {
+      if (work >= limit || ++work_ > most_work_ || cost_.isSpent()) {
         leaveOpen(segment, span, &pair, "not decided within the work limit");
-        return work_ <= kVerifyWork && cost_.done <= kVerifyCost;
+        return work_ <= most_work_ && cost_.done <= most_cost_;
       }
       if (work_ % 64 == 0 && options_.stop && options_.stop()) {
         leaveOpen(segment, span, &pair, "stopped before it was decided");
@@ -337,7 +346,10 @@ class Verifier {
   collision::Scratch scratch_;
   VerifyResult result_;
   std::optional<VerifyResult> refuted_, undecided_;
-  long work_ = 0;
+  std::vector<Pose> X_WL_;  // at placed_at_
+  double placed_at_ = std::numeric_limits<double>::quiet_NaN();
+  long work_ = 0, most_work_ = 0;
+  std::int64_t most_cost_ = 0;
 };
 
 }  // namespace

@@ -111,6 +111,22 @@ TEST(Verify, FreePathIsCertifiedWithAClearanceThatHolds) {
   EXPECT_GE(result.clearance_lower, 0.1);
 }
 
+/// A trajectory in samples has many edges: what they may cost grows with them.
+TEST(Verify, PathsOfManyEdgesAreDecided) {
+  Problem problem = problemFor(arm(), {1.5, 0});
+  for (int i = 0; i < 500; ++i)
+    problem.world.objects.push_back(
+        box("box " + std::to_string(i), {0.1, 0.1, 0.1}, 4 + 0.3 * i, 0, 0));
+  std::vector<std::vector<double>> rows;
+  constexpr int kEdges = 11'000;
+  for (int i = 0; i <= kEdges; ++i) rows.push_back({1.5 * i / kEdges, 0});
+  const Path path = pathOf(problem, rows);
+  ASSERT_GT(kEdges * problem.world.objects.size() * 2, 10'000'000U) << "the limit of a short path";
+  const VerifyResult result = verify(problem, path);
+  EXPECT_EQ(result.status, VerifyStatus::kCertified) << result.segment << ' ' << result.reason;
+  EXPECT_GT(result.clearance_lower, 1);
+}
+
 TEST(Verify, ObstacleBetweenWaypointsIsFoundInItsSegment) {
   Problem problem = problemFor(arm(), {1.5, 0});
   problem.world.objects.push_back(
