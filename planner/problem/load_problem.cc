@@ -163,6 +163,17 @@ int readLink(const YamlReader& reader, const Model& model) {
   return link;
 }
 
+/// Which link holds an object, and what it may touch.
+Attachment readAttachment(const YamlReader& attach, const Model& model) {
+  attach.expectKeys(keysOf("attach"));
+  Attachment attachment;
+  attachment.link = readLink(attach.at("link", "the name of the link that holds it"), model);
+  if (const auto touch = attach.find("touch"))
+    for (const YamlReader& link : touch->items())
+      attachment.touch_links.push_back(readLink(link, model));
+  return attachment;
+}
+
 void readObject(const YamlReader& map, std::unordered_set<std::string>& taken,
                 const robots::LoadOptions& load, Problem& problem) {
   map.expectKeys(keysOf("object"));
@@ -172,27 +183,22 @@ void readObject(const YamlReader& map, std::unordered_set<std::string>& taken,
         fmt::format("{} '{}' is the name of another object or link; a name of its own is expected",
                     name.where(), name.text()));
   Object object{name.text(), {}, {}};
-  // Where it is wrong, and reading goes on, its name is still known.
+  // Where something of it is wrong, and reading goes on, its name is still known.
   map.readOn([&] {
     object.geometries = readGeometries(map, object.name, problem.warnings, load);
     object.X_WO = readPose(map, problem.warnings);
   });
+  Attachment attachment;
   const auto attach = map.find("attach");
-  if (!attach) {
+  const bool is_held = attach && !problem.robot.model->links.empty() && attach->readOn([&] {
+    attachment = readAttachment(*attach, *problem.robot.model);
+  });
+  if (!is_held) {
     problem.world.objects.push_back(std::move(object));
     return;
   }
-  if (problem.robot.model->links.empty()) return;  // reading goes on without its robot
-  attach->expectKeys(keysOf("attach"));
-  Attachment attachment;
-  attachment.link =
-      readLink(attach->at("link", "the name of the link that holds it"), *problem.robot.model);
-  attachment.X_LO = object.X_WO;
-  object.X_WO = robots::Pose();
+  attachment.X_LO = std::exchange(object.X_WO, robots::Pose());
   attachment.object = std::move(object);
-  if (const auto touch = attach->find("touch"))
-    for (const YamlReader& link : touch->items())
-      attachment.touch_links.push_back(readLink(link, *problem.robot.model));
   problem.robot.attachments.push_back(std::move(attachment));
 }
 
@@ -221,19 +227,18 @@ void expectKnown(const YamlReader& item, const YamlReader& list, const KnownName
 
 /// Groups of links and objects, which stand for all of their members.
 void readGroups(const YamlReader& groups, KnownNames& known) {
-  for (const auto& [name, list] : groups.entries()) {
+  groups.eachEntry([&](const std::string& name, const YamlReader& list) {
     if (known.set.count(name) != 0 || name == "robot")
       list.fail(fmt::format("group '{}' has the name of {}; a name of its own is expected", name,
                             name == "robot" ? "the whole robot" : "a link or object"));
-    std::vector<std::string> members;
-    list.eachItem([&](const YamlReader& item) {
-      members.push_back(item.text());
-      expectKnown(item, list, known);
-    });
-    if (members.empty())
+    if (list.items().empty())
       list.fail(fmt::format("group '{}' is empty; names of links or objects are expected", name));
-    known.groups[name] = std::move(members);
-  }
+    std::vector<std::string>& members = known.groups[name];
+    list.eachItem([&](const YamlReader& item) {
+      expectKnown(item, list, known);
+      members.push_back(item.text());
+    });
+  });
 }
 
 /// The pairs that two different names of links, objects or groups stand for.
@@ -335,12 +340,11 @@ void readPlannerOf(const YamlReader& planner, Problem& problem) {
     if (const auto error = plannerError(problem.planner.name, {})) name->fail(*error);
   }
   if (const auto parameters = planner.find("parameters"))
-    for (const auto& [name, value] : parameters->entries())
-      value.readOn([&] {
-        problem.planner.parameters[name] = value.text();
-        if (const auto error = plannerError(problem.planner.name, {{name, value.text()}}))
-          value.fail(*error);
-      });
+    parameters->eachEntry([&](const std::string& name, const YamlReader& value) {
+      problem.planner.parameters[name] = value.text();
+      if (const auto error = plannerError(problem.planner.name, {{name, value.text()}}))
+        value.fail(*error);
+    });
 }
 
 void readObjectiveOf(const YamlReader& objective, Problem& problem) {
@@ -427,6 +431,11 @@ Problem fromMoveit(const YamlReader& file, const YamlReader& moveit, const Probl
   });
 }
 
+/// Of a deforming obstacle that is wrong, where reading goes on: others may name it.
+void keepName(const YamlReader& entry, Problem& problem) {
+  if (const auto name = entry.find("name")) problem.world.objects.push_back({name->text(), {}, {}});
+}
+
 Problem fromOwnKeys(const YamlReader& file, const ProblemOptions& options) {
   Problem problem;
   const auto robot = file.find("robot"), body = file.find("body");
@@ -472,12 +481,15 @@ Problem loadProblem(const std::string& yaml_path, const ProblemOptions& options)
   };
   section("objects",
           [&](const YamlReader& objects) { readObjects(objects, options.load, problem); });
-  if (has_robot) section("frames", [&](const YamlReader& frames) { readFrames(frames, problem); });
-  section("execution", [&](const YamlReader& execution) { readExecution(execution, problem); });
+  if (has_robot) {
+    section("frames", [&](const YamlReader& frames) { readFrames(frames, problem); });
+    section("execution", [&](const YamlReader& execution) { readExecution(execution, problem); });
+  }
   section("deforming", [&](const YamlReader& deforming) {
     deforming.eachItem([&](const YamlReader& entry) {
       robots::throwIfStopped(options.load.stop, "deforming obstacles were read");
-      readDeforming(entry, problem);
+      if (!entry.readOn([&] { readDeforming(entry, problem); }))
+        entry.readOn([&] { keepName(entry, problem); });
     });
   });
   if (has_robot) {

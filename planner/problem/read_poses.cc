@@ -98,11 +98,25 @@ FramePose readFramePose(const YamlReader& map, std::vector<std::string>& warning
 
 }  // namespace
 
+namespace {
+
+int readFrameLink(const YamlReader& frame, const robots::Model& model) {
+  const YamlReader name = frame.at("link", "the name of a link");
+  const int link = model.findLink(name.text());
+  if (link >= 0) return link;
+  std::vector<std::string> names;
+  for (const robots::Link& candidate : model.links) names.push_back(candidate.name);
+  name.fail(fmt::format("unknown link '{}' in {}{}", name.text(), frame.where(),
+                        didYouMean(name.text(), names)));
+}
+
+}  // namespace
+
 void readFrames(const YamlReader& reader, Problem& problem) {
   const robots::Model& model = *problem.robot.model;
-  for (const auto& [name, map] : reader.entries()) {
+  reader.eachEntry([&](const std::string& name, const YamlReader& map) {
     map.expectKeys(keysOf("frame"));
-    const auto taken = [&, &name = name](const auto& named) { return named.name == name; };
+    const auto taken = [&](const auto& named) { return named.name == name; };
     bool known = model.findLink(name) >= 0;
     for (const Object& object : problem.world.objects) known = known || taken(object);
     for (const Attachment& held : problem.robot.attachments) known = known || taken(held.object);
@@ -111,16 +125,14 @@ void readFrames(const YamlReader& reader, Problem& problem) {
           fmt::format("frame '{}' has the name of a link or object; a name of its own is "
                       "expected",
                       name));
-    const YamlReader link_name = map.at("link", "the name of a link");
-    const int link = model.findLink(link_name.text());
-    if (link < 0) {
-      std::vector<std::string> names;
-      for (const robots::Link& candidate : model.links) names.push_back(candidate.name);
-      link_name.fail(fmt::format("unknown link '{}' in {}{}", link_name.text(), map.where(),
-                                 didYouMean(link_name.text(), names)));
-    }
-    problem.robot.frames.push_back({name, link, readPose(map, problem.warnings)});
-  }
+    // Where something of it is wrong, and reading goes on, its name is still known.
+    Frame frame{name, 0, {}};
+    map.readOn([&] {
+      frame.link = readFrameLink(map, model);
+      frame.X_LF = readPose(map, problem.warnings);
+    });
+    problem.robot.frames.push_back(std::move(frame));
+  });
 }
 
 bool givesPoses(const YamlReader& map, const robots::Model& model) {

@@ -1,5 +1,6 @@
 #include "planner/space/ompl_planners.h"
 
+#include <fmt/format.h>
 #include <ompl/base/SpaceInformation.h>
 #include <ompl/base/spaces/RealVectorStateSpace.h>
 #include <ompl/geometric/planners/AnytimePathShortening.h>
@@ -246,9 +247,9 @@ bool isOwnParameter(const Entry& e, const std::string& key, const std::string& v
       return true;
     }
     if (!meant || !(*meant >= least && *meant <= kMostWorkers) || *meant != std::floor(*meant))
-      error = "planner parameter '" + key + "' cannot be '" + value + "'; a whole number from " +
-              std::to_string(static_cast<int>(least)) + " to " + std::to_string(kMostWorkers) +
-              " is expected";
+      error = fmt::format(
+          "planner parameter '{}' cannot be '{}'; a whole number from {} to {} is expected", key,
+          value, static_cast<int>(least), kMostWorkers);
     return true;
   }
   return false;

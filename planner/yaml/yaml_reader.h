@@ -51,6 +51,13 @@ class YamlReader {
   void expectKeys(std::span<const std::string_view> known) const;
   /// All entries in file order; fails unless a map, and for a key that stands twice.
   std::vector<std::pair<std::string, YamlReader>> entries() const;
+  /// Calls visit(key, value) for all entries; after an error with the next one where errors are
+  /// gathered.
+  template <class Visit>
+  void eachEntry(const Visit& visit) const {
+    for (const std::pair<std::string, YamlReader>& entry : entries())
+      readOn([&] { visit(entry.first, entry.second); });
+  }
   bool has(std::string_view key) const { return find(key).has_value(); }
   std::optional<YamlReader> find(std::string_view key) const;
   /// The value of a key that must be there; `accepted` says what is expected of it.

@@ -39,16 +39,19 @@ std::string compose(const std::string& file, int line, const std::string& messag
 InputError::InputError(std::string file, int line, const std::string& message)
     : std::runtime_error(compose(file, line, message)), file_(std::move(file)), line_(line) {}
 
-void InputErrors::add(const InputError& error) {
+bool InputErrors::keep(const InputError& error) {
   const std::string_view text = error.what();
-  if (std::none_of(list_.begin(), list_.end(),
-                   [&](const InputError& other) { return other.what() == text; }))
-    list_.push_back(error);
+  const auto found = std::find_if(list_.begin(), list_.end(),
+                                  [&](const InputError& other) { return other.what() == text; });
+  const auto place = static_cast<std::size_t>(found - list_.begin());
+  if (place == kMost) return false;
+  if (found == list_.end()) list_.push_back(error);
+  kept_.push_back(place);
+  return true;
 }
 
 void throwOrKeep(const InputError& error, InputErrors* errors) {
-  if (errors == nullptr || errors->list().size() >= InputErrors::kMost) throw InputError(error);
-  errors->add(error);
+  if (errors == nullptr || !errors->keep(error)) throw InputError(error);
 }
 
 }  // namespace leeway::robots

@@ -53,6 +53,7 @@ void workInterruptibly(const Stop& stop, const std::function<void(const Stop& as
   worker.join();
   if (of_stop) std::rethrow_exception(of_stop);
   if (of_work) std::rethrow_exception(of_work);
+  if (stopped) throw Stopped("stopped while files were read");  // it was not noticed in time
 }
 
 }  // namespace leeway::robots

@@ -13,10 +13,10 @@ namespace leeway::robots {
 class ErrorsSince {
  public:
   explicit ErrorsSince(const InputErrors* errors)
-      : errors_(errors), before_(errors == nullptr ? 0 : errors->list().size()) {}
-  bool any() const { return errors_ != nullptr && errors_->list().size() > before_; }
+      : errors_(errors), before_(errors == nullptr ? 0 : errors->count()) {}
+  bool any() const { return errors_ != nullptr && errors_->count() > before_; }
   void throwFirst() const {
-    if (any()) throw InputError(errors_->list()[before_]);
+    if (any()) throw InputError(errors_->kept(before_));
   }
 
  private:

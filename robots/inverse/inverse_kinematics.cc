@@ -251,14 +251,14 @@ class Task {
       away =
           std::max(away, poseError(region, X_WL_[at(region.link)]).position + chains.back().reach);
     }
-    for (std::size_t c = 0; c < variables_.size(); ++c) {
-      const Variable& variable = model_.variables[at(variables_[c])];
+    for (const int v : variables_) {
+      const Variable& variable = model_.variables[at(v)];
       lower_.push_back(variable.lower);
       upper_.push_back(variable.upper);
       // Unlimited ones start within half a turn, within the distance to go, or as a quaternion.
-      const double now = configuration_[at(variables_[c])];
+      const double now = configuration_[at(v)];
       const Joint& joint = model_.joints[at(variable.joint)];
-      const int k = variables_[c] - joint.first_variable;
+      const int k = v - joint.first_variable;
       const bool quaternion = joint.type == JointType::kFloating && k >= 3;
       const bool angle =
           joint.type == JointType::kContinuous || (joint.type == JointType::kPlanar && k == 2);

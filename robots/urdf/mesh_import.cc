@@ -286,8 +286,10 @@ collision::Shape loadMesh(const std::string& path, const Eigen::Vector3d& scale,
   const DiskCache cache(options.cache);
   std::error_code error;
   if (const std::uintmax_t bytes = std::filesystem::file_size(path, error);
-      error || bytes < kWorthAsking)
-    return importMesh(path, scale, referrer, line, cache, options.stop).shape;
+      error || bytes < kWorthAsking) {
+    throwIfStopped(options.stop, kReading);
+    return importMesh(path, scale, referrer, line, cache, {}).shape;
+  }
   std::optional<ImportedMesh> mesh;
   workInterruptibly(options.stop, [&](const Stop& asked) {
     mesh = importMesh(path, scale, referrer, line, cache, asked);

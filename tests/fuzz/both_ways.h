@@ -16,7 +16,7 @@ auto loadBothWays(const Load& load) {
     load(&errors);
     if (!errors.list().empty()) fail("read in spite of: %s", errors.list().front().what());
   } catch (const robots::InputError& error) {
-    errors.add(error);
+    errors.keep(error);
   }
   try {
     auto loaded = load(static_cast<robots::InputErrors*>(nullptr));

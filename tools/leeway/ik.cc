@@ -81,8 +81,8 @@ std::vector<int> variablesOf(const robots::Model& model, const std::vector<int>&
   for (int l = link; l >= 0; l = model.joints[static_cast<std::size_t>(l)].parent_link) {
     const robots::Joint* joint = &model.joints[static_cast<std::size_t>(l)];
     if (joint->mimic >= 0) joint = &model.joints[static_cast<std::size_t>(joint->mimic)];
-    for (int k = 0; k < joint->variable_count; ++k)
-      moves[static_cast<std::size_t>(joint->first_variable + k)] = 1;
+    for (int v = joint->first_variable; v < joint->first_variable + joint->variable_count; ++v)
+      moves[static_cast<std::size_t>(v)] = 1;
   }
   std::vector<int> variables;
   for (const int v : planned)

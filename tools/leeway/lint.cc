@@ -156,14 +156,14 @@ void read(const std::string& file, const ProblemSource& source, Findings& findin
 void lint(const std::string& file, ProblemSource source, Findings& findings) {
   robots::InputErrors errors;
   source.errors = &errors;
+  bool has_more = false;
   try {
     read(file, source, findings);
   } catch (const robots::InputError& error) {
-    errors.add(error);  // mostly the first of them
+    has_more = !errors.keep(error);  // mostly the first of them
   }
   for (const robots::InputError& error : errors.list()) findings.add(findingOf(error, file));
-  if (errors.list().size() >= robots::InputErrors::kMost)
-    findings.add({file, 0, true, "has more errors than are told"});
+  if (has_more) findings.add({file, 0, true, "has more errors than are told"});
 }
 
 /// RFC 3986: what is no letter, digit or one of "-._~/" is written by its bytes.

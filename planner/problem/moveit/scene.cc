@@ -122,9 +122,14 @@ void readSceneObjects(const YamlReader& scene, const robots::LoadOptions& load, 
   const Frames frames = readFrames(scene, *problem.robot.model, problem.warnings);
   SceneObjects objects(problem);
   list->eachItem([&](const YamlReader& entry) {
-    Object object = readCollisionObject(entry, load, problem.warnings);
-    object.X_WO = framePose(entry, frames) * object.X_WO;
-    objects.add(entry.file(), entry.line(), std::move(object));
+    const bool is_whole = entry.readOn([&] {
+      Object object = readCollisionObject(entry, load, problem.warnings);
+      object.X_WO = framePose(entry, frames) * object.X_WO;
+      objects.add(entry.file(), entry.line(), std::move(object));
+    });
+    // Where reading goes on, what is held may still name it.
+    if (!is_whole)
+      problem.world.objects.push_back({entry.at("id", "the object's name").text(), {}, {}});
   });
 }
 

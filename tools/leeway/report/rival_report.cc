@@ -62,7 +62,7 @@ void onInterrupt(int signal) {
 void setNote(const std::string& text) {
   partial_note_size = 0;
   const std::size_t size = std::min(text.size(), sizeof partial_note);
-  std::memcpy(partial_note, text.data(), size);
+  std::copy_n(text.data(), size, partial_note);
   partial_note_size = static_cast<int>(size);
 }
 

@@ -16,6 +16,7 @@
 #include "leeway/robots/text.h"
 #include "planner/base/tolerances.h"
 #include "planner/problem/read_objective.h"
+#include "planner/space/ompl_planners.h"
 #include "tools/leeway/support/terminal.h"
 
 namespace leeway::tools {
@@ -372,6 +373,7 @@ void applyCost(const PlanOverrides& overrides, planner::Problem& problem) {
 
 /// --improve is of one search and one objective: elsewhere it would be ignored.
 void expectImproves(const PlanOverrides& overrides, const planner::Problem& problem) {
+  if (planner::parameterNumber(overrides.improve) == 0.0) return;
   const auto refuse = [&](const std::string& why) {
     badUsage(fmt::format("--improve {}: {}", overrides.improve, why));
   };
@@ -384,7 +386,6 @@ void expectImproves(const PlanOverrides& overrides, const planner::Problem& prob
     refuse(
         "only paths of the objective length, without wishes, become shorter; others take all of "
         "--time");
-  if (!problem.steps.empty()) refuse("tasks are not improved; a problem without steps is expected");
 }
 
 }  // namespace

@@ -218,8 +218,8 @@ void timeFamily(const AccuracyFamily& family, int passes, std::vector<Measuremen
         if (m.timed.empty()) continue;
         const Prepared& prepared = *m.prepared;
         // Untimed: the previous engine evicted this one's code and data.
-        if (std::exchange(in_cache, &prepared) != &prepared)
-          timePass(prepared, family, m.row.tolerance, m.timed);
+        if (in_cache != &prepared) timePass(prepared, family, m.row.tolerance, m.timed);
+        in_cache = &prepared;
         nanoseconds[k * count + pass] = timeRepeatedPass(prepared, m, family, repeats[k]);
       }
     }
@@ -262,6 +262,7 @@ std::vector<AccuracyRow> measureAccuracy(const AccuracySet& set,
     }
     timeFamily(family, options.passes, measurements);
     std::vector<AccuracyRow> added;
+    added.reserve(measurements.size());
     for (Measurement& m : measurements) added.push_back(std::move(m.row));
     if (options.on_rows) options.on_rows(added);
     rows.insert(rows.end(), added.begin(), added.end());

@@ -70,7 +70,8 @@ void addBoxes(Problem& problem, int count) {
     box.name = fmt::format("box {}", k);
     box.geometries.push_back(
         {leeway::collision::Shape::box({0.1, 0.05 + 0.01 * (k % 7), 0.05}), {}, box.name});
-    box.X_WO.translation = {3 + 0.5 * (k / 20 % side), 3 + 0.5 * (k / 20 / side), 0.5 * (k % 20)};
+    const int row = k / 20 % side, column = k / 20 / side;
+    box.X_WO.translation = {3 + 0.5 * row, 3 + 0.5 * column, 0.5 * (k % 20)};
     problem.world.objects.push_back(std::move(box));
   }
 }

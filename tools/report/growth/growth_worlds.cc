@@ -97,7 +97,8 @@ void addFar(planner::Problem& problem, std::int64_t count) {
 }
 
 Shape makeRing(std::int64_t triangles) {
-  const int around = std::max(3, static_cast<int>(std::sqrt(static_cast<double>(triangles)) + 0.5));
+  const int around =
+      std::max(3, static_cast<int>(std::lround(std::sqrt(static_cast<double>(triangles)))));
   const int across = std::max(3, around / 2);
   std::vector<Vector3d> vertices;
   for (int i = 0; i < around; ++i)

@@ -218,6 +218,7 @@ std::vector<IkRow> measureIk(const std::vector<IkRobot>& robots,
       }
     }
     std::vector<IkRow> added;
+    added.reserve(tallies.size());
     for (Tally& tally : tallies) added.push_back(tally.row());
     if (options.on_rows) options.on_rows(added);
     rows.insert(rows.end(), added.begin(), added.end());

@@ -98,7 +98,7 @@ class SceneBuilder {
   /// Another limit than that: for tests, and where others rely on a list.
   void listAtMost(std::size_t pairs) { most_listed_ = pairs; }
 
-  void reserve(std::size_t bodies);  ///< room for so many to be added
+  void reserve(std::size_t bodies);  ///< room for so many that are added, in all
   /// The new body's index.
   int add(Body body);
   void allow(int body_a, int body_b);    ///< the two may touch: no pair of theirs is kept

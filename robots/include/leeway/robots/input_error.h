@@ -25,15 +25,20 @@ class InputError : public std::runtime_error {
 /// reading in one thread.
 class InputErrors {
  public:
-  /// Further errors tell little: reading ends with the next one.
+  /// More tell little: reading ends with the first that has no room.
   static constexpr std::size_t kMost = 100;
 
   /// Each message once, in the order of reading.
   const std::vector<InputError>& list() const { return list_; }
-  void add(const InputError& error);
+  /// False, and nothing done, where there is no room.
+  bool keep(const InputError& error);
+  /// How often an error was kept, and the n-th of them.
+  std::size_t count() const { return kept_.size(); }
+  const InputError& kept(std::size_t n) const { return list_[kept_[n]]; }
 
  private:
   std::vector<InputError> list_;
+  std::vector<std::size_t> kept_;  // places in the list
 };
 
 }  // namespace leeway::robots
