@@ -391,7 +391,7 @@ TEST_F(Plan, NoPathTellsTheTimeThatPassed) {
   text.replace(text.find("  - {name: post"), text.find("limits") - text.find("  - {name: post"),
                "  - {name: wall, position: [0.3, 0, 0], box: {size: [0.2, 0.02, 1]}}\n");
   write("wall.yaml", text);
-  const Answer stopped = shell("timeout -s INT 0.5 '" + leeway::commandFile() + "' plan wall.yaml");
+  const Answer stopped = shell("timeout -s INT 2 '" + leeway::commandFile() + "' plan wall.yaml");
   EXPECT_NE(stopped.out.find("interrupted"), std::string::npos) << stopped.out;
   EXPECT_EQ(stopped.out.find("20 s"), std::string::npos) << stopped.out;
   const Answer answer = run("plan wall.yaml --iterations 10");
