@@ -73,7 +73,7 @@ class Verifier {
     collectShapes();
     // One waypoint is an edge without motion.
     const std::size_t segments = std::max<std::size_t>(1, path_.positions.size() - 1);
-    // Long paths may take long.
+    // A trajectory in samples has many edges: what it may cost grows with them.
     const double looks = kVerifyLooks * static_cast<double>(segments * shapes_.size());
     most_work_ = kVerifyWork + static_cast<long>(looks);
     most_cost_ = kVerifyCost * (most_work_ / kVerifyWork);

@@ -9,10 +9,10 @@
 
 namespace leeway::robots {
 
-/// Calls work(asked), in a thread of its own, while this one asks `stop` every some hundredths of a
-/// second: `asked` says so from then on, in any thread. Returns when work() has ended, and throws
-/// Stopped if it was to be. Without
-/// `stop`, or a thread, work({}) is called here. Throws what work() or `stop` throws. O(50 us).
+/// Calls work(asked) in a thread of its own. Meanwhile this thread asks `stop`, every 20 ms; once
+/// that is true, so is `asked`, in any thread, and nobody asks again. Returns when work() has ended.
+/// Throws what work() or `stop` throws, and Stopped where work() did not notice in time. Without
+/// `stop`, or where no thread is to be had, work({}) is called here. The thread takes some 50 us.
 void workInterruptibly(const Stop& stop, const std::function<void(const Stop& asked)>& work);
 
 }  // namespace leeway::robots

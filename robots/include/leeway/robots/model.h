@@ -168,8 +168,8 @@ struct LoadOptions {
   /// (cache_folder.h) is the usual one.
   std::string cache = {};
   /// Asked between the parts of what is read: some thousand lines, an object, a stage of a mesh (of
-  /// a million triangles a second or two), a proof about a pair of links. Once it is
-  /// true, reading ends with Stopped.
+  /// a million triangles a second or two), a proof about a pair of links. Once it is true, reading
+  /// ends with Stopped.
   Stop stop = {};
   /// Where it is set, it gathers all that is wrong: reading goes on after an error where it can,
   /// and throws the first in the end.
