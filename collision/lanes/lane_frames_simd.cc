@@ -82,7 +82,7 @@ HWY_INLINE void placeStep(D d, const FrameStep& step, const LaneFrame* parent, s
     V p[9];
     for (int i = 0; i < 9; ++i) p[i] = hn::Load(d, parent->rotation[i].at + at);
     for (int column = 0; column < 3; ++column) {
-      const auto axis = static_cast<int>(step.axis[column]);
+      const int axis = step.axis[column];  // a number: NOLINT(bugprone-signed-char-misuse)
       if (axis != 0) {
         const LaneValues* of = parent->rotation + 3 * (std::abs(axis) - 1);
         const V sign = hn::Set(d, axis < 0 ? -0.0f : 0.0f);
