@@ -212,15 +212,16 @@ void timeFamily(const AccuracyFamily& family, int passes, std::vector<Measuremen
           std::clamp(std::ceil(kShortestPass / std::max(1.0, pass)), 1.0, kMostRepeats)));
     }
     for (std::size_t pass = 0; pass < count; ++pass) {
-      const Prepared* in_cache = nullptr;
+      const Measurement* previous = nullptr;
       for (std::size_t k = 0; k < measurements.size(); ++k) {
         const Measurement& m = measurements[k];
         if (m.timed.empty()) continue;
-        const Prepared& prepared = *m.prepared;
         // Untimed: the previous engine evicted this one's code and data.
-        if (in_cache != &prepared) timePass(prepared, family, m.row.tolerance, m.timed);
-        in_cache = &prepared;
-        nanoseconds[k * count + pass] = timeRepeatedPass(prepared, m, family, repeats[k]);
+        if (previous == nullptr || previous->prepared != m.prepared) {
+          timePass(*m.prepared, family, m.row.tolerance, m.timed);
+        }
+        previous = &m;
+        nanoseconds[k * count + pass] = timeRepeatedPass(*m.prepared, m, family, repeats[k]);
       }
     }
   });
