@@ -83,8 +83,8 @@ class BallPass {
           *near = openToBall<kStill>(scratch_.outer[size(a)], scratch_.outer[size(b)],
                                      above + s_.pieces[size(b)].outer.radius, lanes);
         } else {
-          *near =
-              openToObstacle<kStill>(s_.obstacles[size(b)], scratch_.outer[size(a)], above, lanes);
+          *near = openToObstacle<kStill>(kernel_.obstacle(whole, b), scratch_.outer[size(a)], above,
+                                         lanes);
         }
       }
     }
@@ -223,7 +223,7 @@ class BallPass {
   HWY_INLINE void considerObstacle(std::size_t p, std::int32_t number) {
     if (number < 0) return;
     const Sweep::Pair& pair = kernel_.pair(number);
-    const Sweep::Obstacle& o = s_.obstacles[size(pair.b)];
+    const Sweep::Obstacle& o = kernel_.obstacle(pair);
     const Sweep::LanePiece& piece = s_.pieces[p];
     const float above = requiredGap(pair) + piece.outer.radius;
     float key;
@@ -260,7 +260,7 @@ class BallPass {
   float requiredGap(const Sweep::Pair& pair, float above) const {
     const float growth = growthOf(pair.motion);
     if (pair.pieces) return above + growth + 2 * kernel_.slack;
-    return above + growth + kernel_.slack + s_.obstacles[size(pair.b)].radius;
+    return above + growth + kernel_.slack + kernel_.obstacle(pair).radius;
   }
 
   HWY_INLINE void placePart(std::size_t p) {
@@ -294,8 +294,8 @@ class BallPass {
     const Sweep::LanePiece& a = s_.pieces[size(pair.a)];
     if (a.inner == a.end) return 0;
     placeInner(size(pair.a));
-    if (!pair.pieces && s_.obstacles[size(pair.b)].exact) {
-      const Sweep::Obstacle& o = s_.obstacles[size(pair.b)];
+    if (!pair.pieces && kernel_.obstacle(pair).exact) {
+      const Sweep::Obstacle& o = kernel_.obstacle(pair);
       const float below = pair.contact_below - kernel_.slack + o.radius;
       for (int i = a.inner; i < a.end; ++i) {
         const std::uint32_t found = lanes & contactWithObstacle(o, scratch_.balls[size(i)],
@@ -323,7 +323,7 @@ class BallPass {
     placeCover(size(pair.a));
     const Sweep::LanePiece& a = s_.pieces[size(pair.a)];
     if (!pair.pieces) {
-      const Sweep::Obstacle& o = s_.obstacles[size(pair.b)];
+      const Sweep::Obstacle& o = kernel_.obstacle(pair);
       const float fixed = requiredGap(pair, pair.cover_above);
       std::uint32_t open = 0;
       for (int i = a.cover; i < a.inner && open != lanes; ++i)

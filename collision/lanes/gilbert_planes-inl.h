@@ -51,7 +51,7 @@ class GilbertPlanes {
       : kernel_(kernel),
         s_(kernel.sweep),
         a_(s_.pieces[static_cast<std::size_t>(pair.a)]),
-        o_(s_.obstacles[static_cast<std::size_t>(pair.b)]),
+        o_(kernel.obstacle(pair)),
         frame_(kernel.frames[a_.frame]),
         above_(pair.own_plane_above + o_.radius + (kStill ? 0 : kernel.growth[pair.motion]) +
                kernel.slack) {}

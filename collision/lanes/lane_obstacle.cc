@@ -98,9 +98,20 @@ LaneSweep::Impl::Exact LaneSweep::Impl::exactOf(const Shape& shape, const Pose& 
 const LaneSweep::Impl::Exact& LaneSweep::Impl::exactOf(const Obstacle& obstacle,
                                                        Exact& room) const {
   if (obstacle.own) return *obstacle.own;
-  const auto [shape, X_WG] =
-      runs->placed(static_cast<int>(&obstacle - obstacles.data()) - first_obstacle);
+  const auto [shape, X_WG] = runs->placed(obstacle.place);
   return room = exactOf(*shape, X_WG);
+}
+
+LaneSweep::Impl::Obstacle LaneSweep::Impl::obstacleIn(std::int32_t place) const {
+  const auto [shape, X_WG] = runs->placed(place);
+  Obstacle o = obstacleOf(*shape, X_WG);
+  o.place = place;
+  return o;
+}
+
+double LaneSweep::scaleOf(const Shape& shape, const Pose& X_WG) {
+  const ShapeCore core = coreOf(shape);
+  return (X_WG * core.center).lpNorm<1>() + core.half.lpNorm<1>() + core.radius;
 }
 
 Eigen::AlignedBox3d LaneSweep::Impl::boxOf(const Shape& shape, const Pose& X_WG) {

@@ -42,7 +42,7 @@ bool LaneSweepKernel::findPlane(const Sweep::Pair& pair, int lane, bool closely,
                                 Scratch::Plane& plane, PairCache* cache) const {
   const Sweep::LanePiece& a = sweep.pieces[at(pair.a)];
   const Pose X_WA = poseOf(frames[a.frame], lane);
-  const Sweep::Obstacle* o = pair.pieces ? nullptr : &sweep.obstacles[at(pair.b)];
+  const Sweep::Obstacle* o = pair.pieces ? nullptr : &obstacle(pair);
   Sweep::Exact room;
   const Sweep::Exact* exact = o != nullptr ? &sweep.exactOf(*o, room) : nullptr;
   const Pose X_WB =
@@ -91,7 +91,7 @@ void LaneSweepKernel::placePlane(const Sweep::Obstacle& o, Scratch::Plane& plane
 
 void LaneSweepKernel::remember(const Sweep::Pair& pair, const OwnPlanes& planes, int lane,
                                Scratch::Plane& plane) const {
-  const Sweep::Obstacle& o = sweep.obstacles[at(pair.b)];
+  const Sweep::Obstacle& o = obstacle(pair);
   if (!o.has_view) return;
   for (int k = 0; k < 3; ++k) plane.normal[k] = planes.normal[k].at[lane];
   placePlane(o, plane);

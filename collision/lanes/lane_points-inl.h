@@ -64,7 +64,7 @@ HWY_INLINE std::uint32_t pointsInside(const LaneSweepKernel& kernel, const Sweep
   const Sweep& s = kernel.sweep;
   const Sweep::LanePiece& a = s.pieces[static_cast<std::size_t>(pair.a)];
   if (pair.pieces || a.frame < 0 || a.own < 0) return 0;
-  const Sweep::Obstacle& o = s.obstacles[static_cast<std::size_t>(pair.b)];
+  const Sweep::Obstacle& o = kernel.obstacle(pair);
   if (!o.exact) return 0;
   const float below = pair.contact_below - kernel.slack - a.own + o.radius;
   const std::uint32_t met =

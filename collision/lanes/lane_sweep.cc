@@ -95,9 +95,10 @@ int LaneSweep::addPiece(const Piece& piece) {
   return static_cast<int>(impl_->pieces.size()) - 1;
 }
 
-int LaneSweep::addObstacle(const Shape& shape, const Pose& X_WG, bool in_runs) {
+int LaneSweep::addObstacle(const Shape& shape, const Pose& X_WG, int place) {
   Impl::Obstacle o = Impl::obstacleOf(shape, X_WG);
-  if (!in_runs) o.own = std::make_shared<const Impl::Exact>(Impl::exactOf(shape, X_WG));
+  o.place = place;
+  if (place < 0) o.own = std::make_shared<const Impl::Exact>(Impl::exactOf(shape, X_WG));
   o.parts_begin = o.parts_end = static_cast<int>(impl_->obstacle_parts.size());
   if (shape.type() == ShapeType::kMesh) {
     for (const CoverPart& part : coverOf(shape)->parts) {
@@ -111,20 +112,21 @@ int LaneSweep::addObstacle(const Shape& shape, const Pose& X_WG, bool in_runs) {
 
 void LaneSweep::addPair(int id, int piece, int obstacle, int balls, double threshold,
                         bool by_parts) {
-  impl_->pairs.push_back(impl_->pairWith(id, piece, obstacle, balls, threshold, by_parts));
+  impl_->pairs.push_back(impl_->pairWith(id, piece, impl_->obstacles[at(obstacle)], obstacle, balls,
+                                         threshold, by_parts));
 }
 
-LaneSweep::Impl::Pair LaneSweep::Impl::pairWith(int id, int piece, int obstacle, int balls_of,
-                                                double threshold, bool by_parts) const {
+LaneSweep::Impl::Pair LaneSweep::Impl::pairWith(int id, int piece, const Obstacle& o, int b,
+                                                int balls_of, double threshold,
+                                                bool by_parts) const {
   const LanePiece& a = pieces[at(piece)];
-  const Obstacle& o = obstacles[at(obstacle)];
   const double rounding =
       kLaneSweepRounding * (a.reach + static_cast<double>(a.outer.radius) + o.scale);
   const bool has_points = a.frame >= 0 && a.points.begin < a.points.end;
   const bool deforms = o.deforms;
   return {id,
           piece,
-          obstacle,
+          b,
           balls_of,
           a.motion,
           false,
@@ -139,22 +141,35 @@ LaneSweep::Impl::Pair LaneSweep::Impl::pairWith(int id, int piece, int obstacle,
 LaneSweep::Impl::Pair LaneSweep::Impl::ofRuns(std::int32_t id) const {
   const LaneRuns::Pair of = runs->pairOf(id);
   if (of.added >= 0) return pairs[at(of.added)];
-  const int obstacle = first_obstacle + of.place;
-  Pair pair = pairWith(id, rows[at(of.row)].piece, obstacle, obstacles[at(obstacle)].balls,
-                       of.threshold, of.by_parts);
+  const int added = obstacleAt(of.place);
+  const int piece = rows[at(of.row)].piece;
+  Pair pair;
+  if (added < 0) {
+    pair = pairWith(id, piece, obstacleIn(of.place), -1 - of.place, -1, of.threshold, of.by_parts);
+  } else {
+    const Obstacle& o = obstacles[at(added)];
+    pair = pairWith(id, piece, o, added, o.balls, of.threshold, of.by_parts);
+  }
   setParts(pair);
   pair.number_with_parts = id;
   return pair;
 }
 
+int LaneSweep::Impl::obstacleAt(std::int32_t place) const {
+  const auto found =
+      std::lower_bound(placed_obstacles.begin(), placed_obstacles.end(), place,
+                       [&](int o, std::int32_t p) { return obstacles[at(o)].place < p; });
+  return found != placed_obstacles.end() && obstacles[at(*found)].place == place ? *found : -1;
+}
+
 void LaneSweep::setRuns(std::shared_ptr<const LaneRuns> runs, std::span<const Row> rows,
-                        int first_obstacle, std::shared_ptr<const ObstacleBoxes> boxes,
-                        std::size_t count) {
+                        std::shared_ptr<const ObstacleBoxes> boxes, std::size_t count,
+                        double scale) {
   impl_->runs = std::move(runs);
   impl_->rows.assign(rows.begin(), rows.end());
-  impl_->first_obstacle = first_obstacle;
   impl_->boxes = std::move(boxes);
   impl_->numbers = count;
+  impl_->scale_of_runs = scale;
 }
 
 void LaneSweep::setBalls(int obstacle, int balls) { impl_->obstacles[at(obstacle)].balls = balls; }
@@ -175,8 +190,6 @@ void LaneSweep::addPiecePair(int id, int a, int b, int motion, double threshold,
 
 void LaneSweep::reservePairs(std::size_t count) { impl_->pairs.reserve(count); }
 
-void LaneSweep::reserveObstacles(std::size_t count) { impl_->obstacles.reserve(count); }
-
 bool LaneSweep::canMeet(int pair) const {
   const Impl::Pair p =
       impl_->runs ? impl_->ofRuns(pair) : impl_->pairs[static_cast<std::size_t>(pair)];
@@ -184,7 +197,8 @@ bool LaneSweep::canMeet(int pair) const {
     return impl_->pieces[static_cast<std::size_t>(i)];
   };
   const Impl::LanePiece& a = piece(p.a);
-  const bool exact = !p.pieces && impl_->obstacles[static_cast<std::size_t>(p.b)].exact;
+  const bool exact = !p.pieces && (p.hasObstacle() ? impl_->obstacles[at(p.b)].exact
+                                                   : impl_->obstacleIn(p.place()).exact);
   const bool by_balls = exact || (p.balls >= 0 && piece(p.balls).inner < piece(p.balls).end);
   return (a.inner < a.end && by_balls) || (exact && a.frame >= 0 && a.own >= 0);
 }
@@ -315,20 +329,23 @@ void LaneSweep::Impl::findRuns() {
   for (std::int32_t& number : piece_pairs) number = pairs[at(number)].id;
   for (const Pair& pair : pairs)
     if (!pair.pieces) loose_pairs.push_back(pair.id);
-  double scale = 0;
   std::size_t most_of_obstacles = 1, most_of_pieces = 1;
-  for (std::size_t o = at(first_obstacle); o < whole_obstacles; ++o) {
-    scale = std::max(scale, obstacles[o].scale);
+  for (std::size_t o = 0; o < whole_obstacles; ++o) {
+    if (obstacles[o].place < 0) continue;
+    placed_obstacles.push_back(static_cast<int>(o));
     most_of_obstacles =
         std::max(most_of_obstacles, at(partsOf(obstacles, static_cast<int>(o)).size()));
   }
+  std::sort(placed_obstacles.begin(), placed_obstacles.end(),
+            [&](int x, int y) { return obstacles[at(x)].place < obstacles[at(y)].place; });
   for (std::size_t row = 0; row < rows.size(); ++row) {
     LanePiece& piece = pieces[at(rows[row].piece)];
     piece.row = static_cast<std::int32_t>(row);
     // As pairWith() has it. What is never kept is near everything.
     const double above =
         rows[row].most_threshold +
-        kLaneSweepRounding * (piece.reach + static_cast<double>(piece.outer.radius) + scale);
+        kLaneSweepRounding *
+            (piece.reach + static_cast<double>(piece.outer.radius) + scale_of_runs);
     piece.row_above =
         std::isnan(above) ? std::numeric_limits<float>::infinity() : floatAbove(above);
     most_of_pieces = std::max(most_of_pieces, at(partsOf(pieces, rows[row].piece).size()));

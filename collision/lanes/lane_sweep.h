@@ -71,27 +71,33 @@ class LaneSweep {
   int addPiece(const Piece& piece);
   /// A shape that stands still: spheres, capsules, boxes, cylinders and half-spaces as they are, a
   /// cone as a cylinder, all else as a box around it. O(vertices).
-  /// `in_runs`: its shape is asked of LaneRuns.
-  int addObstacle(const Shape& shape, const Pose& X_WG, bool in_runs = false);
+  /// `place`: where it stands in runs, -1 in none; then its shape is asked of LaneRuns.
+  int addObstacle(const Shape& shape, const Pose& X_WG, int place = -1);
   /// Around such a shape in the world, rounding included.
   static ObstacleBoxes::Box boxAround(const Shape& shape, const Pose& X_WG);
+  /// Whether a shape in runs must be added as an obstacle: it has balls or parts besides its box.
+  /// All others are made from LaneRuns when they are near.
+  static bool needsObstacle(const Shape& shape) {
+    return shape.type() == ShapeType::kMesh || shape.type() == ShapeType::kConvexHull;
+  }
+  /// What rounding of such an obstacle is relative to, as it stands in the world [m].
+  static double scaleOf(const Shape& shape, const Pose& X_WG);
   /// Piece and obstacle must keep a separation above `threshold` [m]; answers name the pair by
   /// `id`. `balls`: a piece of the world whose balls hold the obstacle, too, or -1; they may settle
   /// lanes that the obstacle's box leaves open. `by_parts`: convex parts may settle them, too.
   void addPair(int id, int piece, int obstacle, int balls, double threshold, bool by_parts = true);
   void reservePairs(std::size_t count);
-  void reserveObstacles(std::size_t count);
   /// addPair() of two pieces; `motion` is that of A's points, seen from B's frame.
   void addPiecePair(int id, int a, int b, int motion, double threshold, bool by_parts = true);
-  /// Pairs of each row's piece with the obstacles from `first_obstacle` on, which stand in the
-  /// order of their places and in `boxes`. Numbers of pairs in the order of addition are ids from
-  /// now on, of which there are `count`; listed ones with obstacles should be few.
+  /// Pairs of each row's piece with what stands in `boxes`, a place each. Numbers of pairs in the
+  /// order of addition are ids from now on, of which there are `count`; listed ones with obstacles
+  /// should be few. `scale`: at least scaleOf() of everything in a place [m].
   struct Row {
     int piece;
     double most_threshold;  ///< of its pairs, at least 0; NaN where one is [m]
   };
-  void setRuns(std::shared_ptr<const LaneRuns> runs, std::span<const Row> rows, int first_obstacle,
-               std::shared_ptr<const ObstacleBoxes> boxes, std::size_t count);
+  void setRuns(std::shared_ptr<const LaneRuns> runs, std::span<const Row> rows,
+               std::shared_ptr<const ObstacleBoxes> boxes, std::size_t count, double scale);
   /// See addPair(): for pairs in runs.
   void setBalls(int obstacle, int balls);
   /// Pairs that a pass has room for, where there are runs [count].

@@ -48,8 +48,9 @@ struct LaneSweep::Impl {
     double scale = 0;  // magnitudes that its rounding is relative to [m]
     bool has_view = false, deforms = false;
     int parts_begin = 0, parts_end = 0;  // indices into obstacles
+    std::int32_t place = -1;             // in runs; -1: in none
     int balls = -1;                      // Pair::balls, of pairs in runs
-    std::shared_ptr<const Exact> own;    // null: of runs
+    std::shared_ptr<const Exact> own;    // null: in runs
   };
   struct LaneBall {
     float center[3], radius;
@@ -76,7 +77,8 @@ struct LaneSweep::Impl {
     int parts_begin = 0, parts_end = 0;  // indices into pieces
   };
   struct Pair {
-    int id, a, b;
+    int id, a;
+    int b;      // of a thing in runs that has no obstacle: -1 - its place
     int balls;  // the piece whose balls hold b, where b is an obstacle; else b; -1: none
     int motion;
     bool pieces;  // b is a piece, too
@@ -93,6 +95,9 @@ struct LaneSweep::Impl {
     // where the hulls of wholes are not apart; those of b's parts side by side. Not listed; 0: it
     // is not tried by parts. And its number among pairs that have them.
     int parts = 0, number_with_parts = -1;
+    const Obstacle* made = nullptr;  // where b is none: see LaneSweepKernel::pair()
+    bool hasObstacle() const { return b >= 0; }
+    std::int32_t place() const { return -1 - b; }
   };
   /// A pair with more pairs of parts is not tried by parts [count].
   static constexpr int kMostPartPairs = kCoverParts * kCoverParts;
@@ -109,6 +114,7 @@ struct LaneSweep::Impl {
   }
   Range partsOfA(const Pair& pair) const { return partsOf(pieces, pair.a); }
   Range partsOfB(const Pair& pair) const {
+    if (!pair.hasObstacle()) return {pair.b, pair.b + 1};
     return pair.pieces ? partsOf(pieces, pair.b) : partsOf(obstacles, pair.b);
   }
 
@@ -160,11 +166,18 @@ struct LaneSweep::Impl {
   // Runs, null where all pairs are listed. With them pairs are numbered by their ids.
   std::shared_ptr<const LaneRuns> runs;
   std::vector<Row> rows;
-  int first_obstacle = 0;
-  std::size_t numbers = 0;                // how many
+  std::size_t numbers = 0;                // how many pairs
+  double scale_of_runs = 0;               // see setRuns() [m]
   std::vector<std::int32_t> loose_pairs;  // with obstacles, in no run
+  std::vector<int> placed_obstacles;      // those in places, ascending by these
+  /// The obstacle in a place; -1: none was added.
+  int obstacleAt(std::int32_t place) const;
+  /// That of a thing in runs that was not added.
+  Obstacle obstacleIn(std::int32_t place) const;
   Pair ofRuns(std::int32_t id) const;
-  Pair pairWith(int id, int piece, int obstacle, int balls, double threshold, bool by_parts) const;
+  /// `o` is the obstacle of number `b`.
+  Pair pairWith(int id, int piece, const Obstacle& o, int b, int balls, double threshold,
+                bool by_parts) const;
   void setParts(Pair& pair) const;
   void findRuns();
   static Obstacle obstacleOf(const Shape& shape, const Pose& X_WG);
@@ -196,7 +209,8 @@ struct LaneSweep::Scratch::Impl {
   std::vector<float> low, high;  // boxes around pieces' sweeps, three numbers each
   std::vector<Candidate> candidates;
   bool is_full = false;
-  PairTable<LaneSweep::Impl::Pair> known;  // of runs
+  PairTable<LaneSweep::Impl::Pair> known;     // of runs
+  PairTable<LaneSweep::Impl::Obstacle> made;  // by places of runs
   std::vector<Open> open;
   std::vector<std::int32_t> open_pairs;  // indices into pairs, one for each of `open`
   /// A plane in B's frame, its normal from B to A: nothing of B is beyond `offset` along it.
@@ -258,7 +272,17 @@ struct LaneSweepKernel {
   /// Of runs, until the next one is asked.
   const Sweep::Pair& pair(std::int32_t number) const {
     if (!sweep.runs) return sweep.pairs[static_cast<std::size_t>(number)];
-    return scratch.known.of(number, [this](std::int32_t id) { return sweep.ofRuns(id); });
+    Sweep::Pair& pair =
+        scratch.known.of(number, [this](std::int32_t id) { return sweep.ofRuns(id); });
+    if (!pair.hasObstacle())
+      pair.made = &scratch.made.of(pair.place(),
+                                   [this](std::int32_t place) { return sweep.obstacleIn(place); });
+    return pair;
+  }
+  /// Of a pair that is none of two pieces; `b`: one of partsOfB().
+  const Sweep::Obstacle& obstacle(const Sweep::Pair& pair) const { return obstacle(pair, pair.b); }
+  const Sweep::Obstacle& obstacle(const Sweep::Pair& pair, int b) const {
+    return b >= 0 ? sweep.obstacles[static_cast<std::size_t>(b)] : *pair.made;
   }
   /// Remembers a contact and returns it, in the first of `lanes`.
   Contact noteContact(std::int32_t pair, std::int32_t point, std::uint32_t lanes) const;

@@ -11,6 +11,9 @@ namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
+/// Obstacles that are made when they are near and kept [count].
+constexpr std::size_t kMostMade = std::size_t{1} << 8U;
+
 }  // namespace
 
 LaneSweep::Scratch::Scratch(const LaneSweep& sweep) : impl_(std::make_unique<Impl>()) {
@@ -34,7 +37,10 @@ LaneSweep::Scratch::Scratch(const LaneSweep& sweep) : impl_(std::make_unique<Imp
   impl_->planes.resize(numbers, places);
   impl_->searches.resize(numbers, places);
   impl_->part_hints.resize(numbers, places);
-  if (s.runs) impl_->known.resize(numbers, places);
+  if (s.runs) {
+    impl_->known.resize(numbers, places);
+    impl_->made.resize(s.boxes->slots(), kMostMade);
+  }
   impl_->part_owners.assign(std::min(s.pairs_with_parts, Impl::kPartBlocks), -1);
   impl_->part_memory = std::make_unique_for_overwrite<std::byte[]>(
       impl_->part_owners.size() * s.most_parts * sizeof(Impl::PartMemory));

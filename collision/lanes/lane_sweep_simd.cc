@@ -140,8 +140,7 @@ LaneSweepKernel::Separation LaneSweepKernel::separatePair(const Sweep::Pair& pai
   Separation found{lanes, false, false};
   if (pair.own_plane_above >= 0) found = separateByOwnPlanes(pair, memory, lanes);
   // At the box around a hull, a piece may still be apart from the hull itself.
-  const bool touching =
-      found.touching && (!pair.by_parts || sweep.obstacles[static_cast<std::size_t>(pair.b)].exact);
+  const bool touching = found.touching && (!pair.by_parts || obstacle(pair).exact);
   if (pair.plane_above >= 0 && !found.apart && !touching)
     found.apart = separateByQueries(pair, memory, closely, found.open);
   return found;

@@ -12,6 +12,7 @@
 #include <unordered_map>
 #include <utility>
 
+#include "collision/base/greatest.h"
 #include "collision/base/pose_check.h"
 #include "collision/base/tolerances.h"
 #include "collision/lanes/lane_sweep.h"
@@ -48,7 +49,7 @@ Scene::Scene() : things_(nothing()) {}
 Scene::~Scene() = default;
 
 Scene::Scene(const Scene& other)
-    : things_(other.things_), pairs_(other.pairs_), boxes_(other.boxes_) {
+    : things_(other.things_), pairs_(other.pairs_), still_(other.still_) {
   other.is_shared_.store(true, std::memory_order_relaxed);
 }
 
@@ -56,7 +57,7 @@ Scene::Scene(Scene&& other) noexcept
     : things_(std::exchange(other.things_, nothing())),
       is_shared_(other.is_shared_.exchange(true, std::memory_order_relaxed)),
       pairs_(std::exchange(other.pairs_, {})),
-      boxes_(std::move(other.boxes_)) {}
+      still_(std::exchange(other.still_, {})) {}
 
 Scene& Scene::operator=(const Scene& other) {
   if (this != &other) *this = Scene(other);
@@ -68,7 +69,7 @@ Scene& Scene::operator=(Scene&& other) noexcept {
   is_shared_.store(other.is_shared_.exchange(true, std::memory_order_relaxed),
                    std::memory_order_relaxed);
   pairs_ = std::exchange(other.pairs_, {});
-  boxes_ = std::move(other.boxes_);
+  still_ = std::exchange(other.still_, {});
   return *this;
 }
 
@@ -97,15 +98,34 @@ ObstacleBoxes::Box boxOf(const Shape& shape, const Pose& X_WG) {
   return box;
 }
 
-std::shared_ptr<const ObstacleBoxes> boxesAround(std::span<const Body> still, std::size_t count) {
-  std::vector<ObstacleBoxes::Box> boxes;
-  boxes.reserve(count);
-  for (const Body& body : still)
-    for (const Geometry& g : body.geometries) boxes.push_back(boxOf(g.shape, body.X_WB * g.X_BG));
-  return std::make_shared<const ObstacleBoxes>(boxes);
+/// Of a geometry in the world, see SceneAccess::scaleOfStill() [m].
+double scaleOf(const Shape& shape, const Pose& X_WG, const Ball& outer) {
+  return greatest(
+      (X_WG.rotation.transpose() * X_WG.translation).lpNorm<1>() + outer.center.lpNorm<1>(),
+      LaneSweep::scaleOf(shape, X_WG));
 }
 
 }  // namespace
+
+Scene::Still Scene::stillOf(const Things& things, int first, std::size_t count) {
+  std::vector<ObstacleBoxes::Box> boxes;
+  boxes.reserve(count);
+  std::vector<std::int32_t> covered;
+  Still still;
+  const auto* bounds = things.bounds.data() + things.first_geometry[at(first)];
+  for (const Body& body : std::span(things.bodies).subspan(at(first))) {
+    for (const Geometry& g : body.geometries) {
+      const Pose X_WG = body.X_WB * g.X_BG;
+      if (LaneSweep::needsObstacle(g.shape))
+        covered.push_back(static_cast<std::int32_t>(boxes.size()));
+      boxes.push_back(boxOf(g.shape, X_WG));
+      still.scale = greatest(still.scale, scaleOf(g.shape, X_WG, (bounds++)->outer));
+    }
+  }
+  still.boxes = std::make_shared<const ObstacleBoxes>(boxes);
+  still.covered = std::make_shared<const std::vector<std::int32_t>>(std::move(covered));
+  return still;
+}
 
 void Scene::setShape(int body, int geometry, const Shape& shape) {
   Things& things = own();
@@ -115,8 +135,12 @@ void Scene::setShape(int body, int geometry, const Shape& shape) {
       pairs_.hasRuns() && body >= pairs_.firstStill() &&
       !(g.shape.type() == ShapeType::kDeformable && shape.type() == ShapeType::kDeformable);
   g.shape = shape;
-  things.bounds[at(SceneAccess::geometryIndex(*this, body, geometry))] = boundsOf(changed, g);
-  if (is_boxed) boxes_ = boxesAround(bodies().subspan(at(pairs_.firstStill())), pairs_.places());
+  GeometryBounds& bounds = things.bounds[at(SceneAccess::geometryIndex(*this, body, geometry))];
+  bounds = boundsOf(changed, g);
+  if (is_boxed)
+    still_ = stillOf(things, pairs_.firstStill(), pairs_.places());
+  else if (still_.boxes)
+    still_.scale = greatest(still_.scale, scaleOf(shape, changed.X_WB * g.X_BG, bounds.outer));
 }
 
 void Scene::growMargins(int body, int geometry, double growth) {
@@ -267,7 +291,7 @@ Scene SceneBuilder::build() && {
       return std::minmax(x.body_a, x.body_b) < std::minmax(y.body_a, y.body_b);
     });
   scene.pairs_ = {};
-  scene.boxes_ = nullptr;
+  scene.still_ = {};
   Scene::Things& things = scene.own();
   const auto added = static_cast<int>(things.bodies.size());
   things.bodies.reserve(things.bodies.size() + bodies_.size());
@@ -343,7 +367,7 @@ Scene SceneBuilder::build() && {
   scene.pairs_.own_ = std::move(own);
   scene.pairs_.setLeftOut(left_out);
   requireNoHalfSpaces(bodies, scene.pairs_);
-  scene.boxes_ = boxesAround(bodies.subspan(at(end)), scene.pairs_.places_);
+  scene.still_ = Scene::stillOf(things, end, scene.pairs_.places_);
   return scene;
 }
 

@@ -3,7 +3,9 @@
 // What the library itself reads of a Scene and a Workspace besides their public interface.
 
 #include <cstddef>
+#include <cstdint>
 #include <functional>
+#include <span>
 
 #include "collision/lanes/obstacle_boxes.h"
 #include "collision/scene/geometry_bounds.h"
@@ -32,19 +34,24 @@ struct SceneAccess {
   /// Removes all pairs but those of which keep(pair) is true; asks each once, in their order.
   static void keepPairs(Scene& scene, const std::function<bool(const ScenePair&)>& keep) {
     scene.pairs_.keep(keep, SceneBuilder::kMostListed);
-    if (!scene.pairs_.hasRuns()) scene.boxes_ = nullptr;
+    if (!scene.pairs_.hasRuns()) scene.still_ = {};
   }
   /// Around what stands still of runs, one a place; null: there are no runs.
-  static const ObstacleBoxes* boxes(const Scene& scene) { return scene.boxes_.get(); }
+  static const ObstacleBoxes* boxes(const Scene& scene) { return scene.still_.boxes.get(); }
   /// What stands in a place of runs.
   static const Geometry& geometryIn(const Scene& scene, int place) {
-    const ScenePair pair = scene.pairs_.at(static_cast<std::size_t>(place));
-    return scene.bodies()[static_cast<std::size_t>(pair.body_b)]
-        .geometries[static_cast<std::size_t>(pair.geometry_b)];
+    const auto [body, geometry] = scene.pairs_.geometryIn(static_cast<std::size_t>(place));
+    return scene.bodies()[static_cast<std::size_t>(body)]
+        .geometries[static_cast<std::size_t>(geometry)];
   }
   static const std::shared_ptr<const ObstacleBoxes>& sharedBoxes(const Scene& scene) {
-    return scene.boxes_;
+    return scene.still_.boxes;
   }
+  /// The places of hulls and meshes, ascending; there are runs.
+  static std::span<const std::int32_t> covered(const Scene& scene) { return *scene.still_.covered; }
+  /// Of everything in a place at most [m]: the coordinates of its pose's inverse and of its ball's
+  /// centre, added up; LaneSweep::scaleOf().
+  static double scaleOfStill(const Scene& scene) { return scene.still_.scale; }
 
   static Scratch& scratch(Workspace& workspace);
   static PairCache& cache(Workspace& workspace, int pair);

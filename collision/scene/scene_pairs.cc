@@ -65,9 +65,7 @@ double ScenePairs::marginAt(std::size_t position) const {
 ScenePair ScenePairs::at(std::size_t position) const {
   const Run& run = runs_[position / places_];
   const std::size_t place = position % places_;
-  const Geometry still = geometries_.empty()
-                             ? Geometry{first_still_ + static_cast<std::int32_t>(place), 0}
-                             : geometries_[place];
+  const Geometry still = geometryIn(place);
   return {run.body, run.geometry, still.body, still.geometry, marginAt(position)};
 }
 

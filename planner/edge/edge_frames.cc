@@ -38,7 +38,6 @@ void EdgeFrames::rebind(std::shared_ptr<const CompiledScene> scene) {
 
 void EdgeFrames::take(const EdgeScene& edges) {
   edges_ = &edges;
-  pieces_ = edges.pieces;
   moving_ = edges.moving;
   gaps_.clear();
   if (edges.gaps.empty()) return;
@@ -166,8 +165,9 @@ int EdgeFrames::place(double t) {
   const std::span<Pose> X_WL{poses_.data() + at(slot) * links_, links_};
   robots::forwardKinematics(scene_->model(), q_, X_WL);
   Eigen::Vector3d* centers = centers_.data() + at(slot) * moving_.size();
+  const std::span<const Piece> listed = pieces().listed();  // what moves is
   for (std::size_t i = 0; i < moving_.size(); ++i) {
-    const Piece& piece = pieces_[at(moving_[i])];
+    const Piece& piece = listed[at(moving_[i])];
     centers[i] = X_WL[at(piece.link)] * piece.bounds->outer.center;
     // Beyond the reach the bound on rounding does not hold. Limits keep bodies within it.
     if (watch_reach_ &&
@@ -183,7 +183,7 @@ bool EdgeFrames::nearInRow(std::size_t row, int slot, double reach, std::vector<
   const EdgePairs::Row& of = all.rows()[row];
   const Eigen::Vector3d& at_center = center(slot, of.piece);
   // (Rounding of the sums is far below that of single precision, which is outwards.)
-  const double radius = pieces_[at(of.piece)].bounds->outer.radius + reach + of.most_threshold;
+  const double radius = pieces()[at(of.piece)].bounds->outer.radius + reach + of.most_threshold;
   collision::ObstacleBoxes::Box box;
   for (int k = 0; k < 3; ++k) {
     box.low[k] = collision::roundedDown(at_center[k] - radius);
@@ -202,7 +202,7 @@ bool EdgeFrames::nearInRow(std::size_t row, int slot, double reach, std::vector<
 }
 
 Pose EdgeFrames::piecePose(int slot, int piece) const {
-  const Piece& p = pieces_[at(piece)];
+  const Piece p = pieces()[at(piece)];
   const Pose& X_WB =
       p.link >= 0 ? links(slot)[at(p.link)] : scene_->scene().bodies()[at(p.body)].X_WB;
   return p.at_origin ? X_WB : X_WB * p.geometry->X_BG;
@@ -210,7 +210,7 @@ Pose EdgeFrames::piecePose(int slot, int piece) const {
 
 Pose EdgeFrames::relative(int slot, const EdgePair& pair) const {
   const Pose X_WA = piecePose(slot, pair.a);
-  const Piece& b = pieces_[at(pair.b)];
+  const Piece b = pieces()[at(pair.b)];
   if (b.link < 0)
     return (scene_->scene().bodies()[at(b.body)].X_WB * b.geometry->X_BG).inverse() * X_WA;
   const Pose X_WB = piecePose(slot, pair.b);
@@ -219,7 +219,7 @@ Pose EdgeFrames::relative(int slot, const EdgePair& pair) const {
 }
 
 Eigen::Vector3d EdgeFrames::inFrameOf(int slot, int piece, const Eigen::Vector3d& p_W) const {
-  const int link = pieces_[at(piece)].link;
+  const int link = pieces()[at(piece)].link;
   if (link < 0) return p_W;
   const Pose& X_WL = links(slot)[at(link)];
   return X_WL.rotation.transpose() * (p_W - X_WL.translation);

@@ -31,6 +31,22 @@ struct Piece {
   double scale = 0;
 };
 
+/// The geometries of a scene. What stands in runs is made when it is asked for: there may be a
+/// million of it.
+class Pieces {
+ public:
+  /// O(1).
+  Piece operator[](std::size_t i) const { return i < listed_.size() ? listed_[i] : inPlace(i); }
+  /// All that are in no run: the first.
+  std::span<const Piece> listed() const { return listed_; }
+
+ private:
+  friend class EdgeSceneBuilder;
+  Piece inPlace(std::size_t i) const;
+  std::vector<Piece> listed_;
+  const CompiledScene* scene_ = nullptr;
+};
+
 /// One pair of the scene. Piece a is swept, seen from piece b.
 struct EdgePair {
   int scene_pair;
@@ -92,13 +108,13 @@ class EdgePairs {
 
 /// What all edges of a compiled scene ask of it. Constant; shared by its certifiers.
 struct EdgeScene {
-  /// Borrows from the scene. O(pairs); with runs, O(geometries).
+  /// Borrows from the scene. O(geometries + pairs) but for those in runs.
   explicit EdgeScene(const CompiledScene& scene);
   EdgeScene(const EdgeScene&) = delete;
   EdgeScene& operator=(const EdgeScene&) = delete;
 
-  std::vector<Piece> pieces;  ///< one a geometry
-  std::vector<int> moving;    ///< the pieces that move
+  Pieces pieces;            ///< one a geometry
+  std::vector<int> moving;  ///< the pieces that move
   EdgePairs pairs;
   std::vector<const robots::LinkGap*> gaps;
   bool has_surface_pairs = false;  ///< some pair is by_surfaces
@@ -143,19 +159,19 @@ class EdgeFrames {
   /// Whether some pair is by_surfaces.
   bool hasSurfacePairs() const { return edges_->has_surface_pairs; }
   bool isWithinLimits() const { return within_limits_; }
-  std::span<const Piece> pieces() const { return pieces_; }
+  const Pieces& pieces() const { return edges_->pieces; }
   const EdgePairs& pairs() const { return edges_->pairs; }
 
   std::span<const Pose> links(int slot) const { return {&poses_[at(slot) * links_], links_}; }
   /// Centre of a piece's ball, in the world.
   const Eigen::Vector3d& center(int slot, int piece) const {
-    const Piece& p = pieces_[at(piece)];
+    const Piece p = pieces()[at(piece)];
     return p.link < 0 ? p.bounds->outer.center : centers_[at(slot) * moving_.size() + at(p.moving)];
   }
   /// Both shapes are convex: then a sweep sees containment, too.
   bool isConvex(const EdgePair& pair) const {
-    return pieces_[at(pair.a)].geometry->shape.isConvex() &&
-           pieces_[at(pair.b)].geometry->shape.isConvex();
+    return pieces()[at(pair.a)].geometry->shape.isConvex() &&
+           pieces()[at(pair.b)].geometry->shape.isConvex();
   }
   /// Appends the pairs of a row that may not keep their thresholds plus `reach` >= 0 [m] at a
   /// slot's configuration, in no order. False where `pairs` has no room for all. A descent of the
@@ -182,7 +198,6 @@ class EdgeFrames {
 
   std::shared_ptr<const CompiledScene> scene_;
   const EdgeScene* edges_ = nullptr;  // the scene's
-  std::span<const Piece> pieces_;
   std::span<const int> moving_;
   /// A joint's angle is multiplier * a planned number + offset [rad]; place < 0: the offset alone.
   struct Angle {

@@ -75,7 +75,7 @@ class EdgeRuns final : public collision::LaneRuns {
   int idOf(int row, int place) const override { return pairs_.numberOf(at(row), at(place)); }
 
   std::pair<const collision::Shape*, collision::Pose> placed(int place) const override {
-    const Piece& piece = edges_.pieces[at(pairs_.pieceIn(at(place)))];
+    const Piece piece = edges_.pieces[at(pairs_.pieceIn(at(place)))];
     return {&piece.geometry->shape, scene_.bodies()[at(piece.body)].X_WB * piece.geometry->X_BG};
   }
 
@@ -92,13 +92,14 @@ SceneLanes::SceneLanes(const CompiledScene& scene, const EdgeScene& edges)
     : robot(scene.edgeModel().robot->lanes(scene.model())), sweep(robot.sweep) {
   const std::vector<RobotLanes::Piece> pieces = addPieces(scene, edges);
   if (usable) addPairs(edges, pieces);
-  if (usable && edges.pairs.hasRuns()) addRuns(scene, edges, pieces);
+  if (usable && edges.pairs.hasRuns()) setRuns(scene, edges, pieces);
   sweep.finish();
 }
 
 std::vector<RobotLanes::Piece> SceneLanes::addPieces(const CompiledScene& scene,
                                                      const EdgeScene& edges) {
-  std::vector<char> used(edges.pieces.size(), 0);
+  const std::span<const Piece> listed = edges.pieces.listed();
+  std::vector<char> used(listed.size(), 0);
   bool is_bounded = true;
   for (const EdgePair& pair : edges.pairs.listed()) {
     used[at(pair.a)] = used[at(pair.b)] = 1;
@@ -108,25 +109,34 @@ std::vector<RobotLanes::Piece> SceneLanes::addPieces(const CompiledScene& scene,
     used[at(row.piece)] = 1;
     is_bounded = is_bounded && robot.is_bounded[at(row.motion)] != 0;
   }
-  // Obstacles stand in the order of their places.
-  if (edges.pairs.hasRuns()) std::fill(used.begin() + edges.pairs.pieceIn(0), used.end(), 1);
   const std::vector<int>& of_world = scene.edgeModel().robot->motions().of_world;
   std::vector<RobotLanes::Piece> lane_pieces = robot.pieces;
-  lane_pieces.resize(edges.pieces.size());
-  sweep.reserveObstacles(edges.pieces.size());
-  for (std::size_t i = 0; i < edges.pieces.size(); ++i) {
+  lane_pieces.resize(listed.size());
+  for (std::size_t i = 0; i < listed.size(); ++i) {
     if (used[i] == 0) continue;
-    const Piece& piece = edges.pieces[i];
+    const Piece& piece = listed[i];
     if (i >= robot.pieces.size())
       lane_pieces[i] = addStill(*piece.geometry, scene.scene().bodies()[at(piece.body)].X_WB,
-                                piece.bounds->outer, sweep, edges.pairs.hasRuns());
+                                piece.bounds->outer, sweep);
     longest = std::max(longest, lane_pieces[i].reach);
     if (piece.link < 0) continue;
     is_bounded = is_bounded && robot.is_bounded[at(of_world[i])] != 0;
     moving.push_back({static_cast<int>(i), lane_pieces[i].piece});
   }
+  if (edges.pairs.hasRuns()) addCovered(scene, edges);
   usable = is_bounded && longest < kLargestReach;
   return lane_pieces;
+}
+
+void SceneLanes::addCovered(const CompiledScene& scene, const EdgeScene& edges) {
+  for (const std::int32_t place : collision::SceneAccess::covered(scene.scene())) {
+    const Piece piece = edges.pieces[at(edges.pairs.pieceIn(at(place)))];
+    const RobotLanes::Piece added =
+        addStill(*piece.geometry, scene.scene().bodies()[at(piece.body)].X_WB, piece.bounds->outer,
+                 sweep, place);
+    sweep.setBalls(added.obstacle, added.piece);
+    longest = std::max(longest, added.reach);
+  }
 }
 
 void SceneLanes::addPairs(const EdgeScene& edges, std::span<const RobotLanes::Piece> lane_pieces) {
@@ -135,8 +145,8 @@ void SceneLanes::addPairs(const EdgeScene& edges, std::span<const RobotLanes::Pi
   for (std::size_t p = 0; p < listed.size(); ++p) {
     const EdgePair& pair = listed[p];
     const auto id = static_cast<int>(edges.pairs.numberOfListed(p));
-    const bool world_a = edges.pieces[at(pair.a)].link < 0,
-               world_b = edges.pieces[at(pair.b)].link < 0;
+    const bool world_a = edges.pieces.listed()[at(pair.a)].link < 0,
+               world_b = edges.pieces.listed()[at(pair.b)].link < 0;
     if (!world_a && !world_b) {
       moving_pairs.push_back(id);
       sweep.addPiecePair(id, lane_pieces[at(pair.a)].piece, lane_pieces[at(pair.b)].piece,
@@ -149,16 +159,15 @@ void SceneLanes::addPairs(const EdgeScene& edges, std::span<const RobotLanes::Pi
   }
 }
 
-void SceneLanes::addRuns(const CompiledScene& scene, const EdgeScene& edges,
+void SceneLanes::setRuns(const CompiledScene& scene, const EdgeScene& edges,
                          std::span<const RobotLanes::Piece> lane_pieces) {
   const EdgePairs& pairs = edges.pairs;
   std::vector<LaneSweep::Row> rows;
   for (const EdgePairs::Row& row : pairs.rows())
     rows.push_back({lane_pieces[at(row.piece)].piece, row.most_threshold});
-  const std::span<const RobotLanes::Piece> still = lane_pieces.subspan(at(pairs.pieceIn(0)));
-  for (const RobotLanes::Piece& piece : still) sweep.setBalls(piece.obstacle, piece.piece);
-  sweep.setRuns(std::make_shared<EdgeRuns>(edges, scene.scene()), rows, still.front().obstacle,
-                collision::SceneAccess::sharedBoxes(scene.scene()), pairs.size());
+  sweep.setRuns(std::make_shared<EdgeRuns>(edges, scene.scene()), rows,
+                collision::SceneAccess::sharedBoxes(scene.scene()), pairs.size(),
+                collision::SceneAccess::scaleOfStill(scene.scene()));
 }
 
 EdgeLanes::EdgeLanes(const EdgeFrames& frames)

@@ -54,10 +54,26 @@ double roundingOf(const EdgeModel& model, const Piece& a, const Piece& b) {
          collision::kTransferRounding * scale;
 }
 
+/// The geometry of number `index` in the scene. Of what moves, without what is known of pieces that
+/// move alone.
+Piece pieceOf(const CompiledScene& scene, int body, const collision::Geometry& g, int index) {
+  Piece piece;
+  piece.body = body;
+  piece.link = scene.bodyLink(body);
+  piece.geometry = &g;
+  piece.bounds = &collision::SceneAccess::bounds(scene.scene(), index);
+  piece.at_origin = g.X_BG.rotation == Eigen::Matrix3d::Identity() &&
+                    g.X_BG.translation == Eigen::Vector3d::Zero();
+  if (piece.link >= 0) return piece;
+  const collision::Pose X_GW = (scene.scene().bodies()[at(body)].X_WB * g.X_BG).inverse();
+  piece.scale = X_GW.translation.lpNorm<1>() + piece.bounds->outer.center.lpNorm<1>();
+  return piece;
+}
+
 /// Of a piece that moves with one that stands still, which is in the world.
 EdgePair pairWithWorld(const CompiledScene& scene, const EdgeScene& edges, int a, int b,
                        double margin) {
-  const Piece &of_a = edges.pieces[at(a)], &of_b = edges.pieces[at(b)];
+  const Piece of_a = edges.pieces[at(a)], of_b = edges.pieces[at(b)];
   EdgePair e{};
   e.a = a;
   e.b = b;
@@ -81,8 +97,11 @@ class EdgeSceneBuilder {
         pairs_(edges.pairs) {}
 
   void build() {
-    edges_.pieces.reserve(collision::SceneAccess::geometryCount(scene_));
-    for (std::size_t b = 0; b < scene_.bodies().size(); ++b)
+    const collision::ScenePairs& all = scene_.pairs();
+    const std::size_t end = all.hasRuns() ? at(all.firstStill()) : scene_.bodies().size();
+    edges_.pieces.scene_ = &compiled_;
+    edges_.pieces.listed_.reserve(collision::SceneAccess::geometryCount(scene_) - all.places());
+    for (std::size_t b = 0; b < end; ++b)
       for (const collision::Geometry& g : scene_.bodies()[b].geometries)
         addPiece(static_cast<int>(b), g);
     std::vector<EdgePair> pairs;
@@ -98,27 +117,18 @@ class EdgeSceneBuilder {
   }
 
  private:
-  const Piece& piece(int i) const { return edges_.pieces[at(i)]; }
+  Piece piece(int i) const { return edges_.pieces[at(i)]; }
 
   void addPiece(int body, const collision::Geometry& g) {
-    const auto index = static_cast<int>(edges_.pieces.size());
-    Piece piece;
-    piece.body = body;
-    piece.link = compiled_.bodyLink(body);
-    piece.geometry = &g;
-    piece.bounds = &collision::SceneAccess::bounds(scene_, index);
-    piece.at_origin = g.X_BG.rotation == Eigen::Matrix3d::Identity() &&
-                      g.X_BG.translation == Eigen::Vector3d::Zero();
-    if (piece.link < 0) {
-      const collision::Pose X_GW = (scene_.bodies()[at(body)].X_WB * g.X_BG).inverse();
-      piece.scale = X_GW.translation.lpNorm<1>() + piece.bounds->outer.center.lpNorm<1>();
-    } else {
+    const auto index = static_cast<int>(edges_.pieces.listed().size());
+    Piece piece = pieceOf(compiled_, body, g, index);
+    if (piece.link >= 0) {
       piece.is_free_mesh =
           g.shape.type() == collision::ShapeType::kMesh && isCarriedFreely(compiled_, piece.link);
       piece.moving = static_cast<int>(edges_.moving.size());
       edges_.moving.push_back(index);
     }
-    edges_.pieces.push_back(piece);
+    edges_.pieces.listed_.push_back(piece);
   }
 
   EdgePair pairOf(int p) {
@@ -151,7 +161,7 @@ class EdgeSceneBuilder {
 
   /// Stable, by counting.
   void sortPairs(std::span<const EdgePair> pairs) {
-    std::vector<std::size_t> places(edges_.pieces.size() + 1, 0);
+    std::vector<std::size_t> places(edges_.pieces.listed().size() + 1, 0);
     for (const EdgePair& e : pairs) ++places[at(e.a) + 1];
     std::partial_sum(places.begin(), places.end(), places.begin());
     pairs_.listed_.resize(pairs.size());
@@ -165,15 +175,13 @@ class EdgeSceneBuilder {
     pairs_.edges_ = &edges_;
     if (!all.hasRuns()) return;
     pairs_.first_still_ = collision::SceneAccess::geometryIndex(scene_, all.firstStill(), 0);
-    double scale = 0;
-    bool has_mesh = false;
-    for (std::size_t place = 0; place < all.places(); ++place) {
-      const Piece& still = piece(pairs_.pieceIn(place));
-      scale = collision::greatest(scale, still.scale);
-      has_mesh = has_mesh || still.geometry->shape.type() == collision::ShapeType::kMesh;
-    }
+    const std::span<const std::int32_t> covered = collision::SceneAccess::covered(scene_);
+    const bool has_mesh = std::any_of(covered.begin(), covered.end(), [&](std::int32_t place) {
+      const Piece still = piece(pairs_.pieceIn(at(place)));
+      return still.geometry->shape.type() == collision::ShapeType::kMesh;
+    });
     Piece farthest;
-    farthest.scale = scale;
+    farthest.scale = collision::SceneAccess::scaleOfStill(scene_);
     std::size_t before = 0;
     auto listed = pairs_.listed_.begin();
     for (std::size_t run = 0; run < all.runs().size(); ++run) {
@@ -208,6 +216,13 @@ class EdgeSceneBuilder {
   EdgePairs& pairs_;
   std::size_t next_of_robot_ = 0;
 };
+
+Piece Pieces::inPlace(std::size_t i) const {
+  const collision::Scene& scene = scene_->scene();
+  const auto [body, geometry] = scene.pairs().geometryIn(i - listed_.size());
+  return pieceOf(*scene_, body, scene.bodies()[at(body)].geometries[at(geometry)],
+                 static_cast<int>(i));
+}
 
 EdgeScene::EdgeScene(const CompiledScene& scene) { EdgeSceneBuilder(scene, *this).build(); }
 

@@ -118,7 +118,7 @@ const EdgeCertifier::Impl::SweptBall& EdgeCertifier::Impl::worldBall(const EdgeI
 
 double EdgeCertifier::Impl::coarseSweep(const EdgeInterval& interval, const EdgePair& pair,
                                         double& growth) {
-  const Piece& b = frames.pieces()[at(pair.b)];
+  const Piece b = frames.pieces()[at(pair.b)];
   const auto centerAt = [&](int slot) {
     return frames.inFrameOf(slot, pair.b, frames.center(slot, pair.a));
   };

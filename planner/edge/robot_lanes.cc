@@ -278,15 +278,13 @@ RobotLanes::RobotLanes(const robots::Model& model, const PreparedRobot& robot) {
 }
 
 RobotLanes::Piece addStill(const collision::Geometry& geometry, const Pose& X_WB, const Ball& outer,
-                           LaneSweep& sweep, bool in_runs) {
+                           LaneSweep& sweep, int place) {
   const collision::Shape& shape = geometry.shape;
   const Pose X_WG = X_WB * geometry.X_BG;
   RobotLanes::Piece result;
-  result.obstacle = sweep.addObstacle(shape, X_WG, in_runs);
+  result.obstacle = sweep.addObstacle(shape, X_WG, place);
   // Of these two an obstacle is only their box: balls say more.
-  if (shape.type() != collision::ShapeType::kMesh &&
-      shape.type() != collision::ShapeType::kConvexHull)
-    return result;
+  if (!LaneSweep::needsObstacle(shape)) return result;
   LaneSweep::Piece lane;
   lane.outer = placed(Pose{}, outer);
   addCover(*collision::coverOf(shape), X_WG, lane);

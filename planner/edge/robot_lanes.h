@@ -50,10 +50,10 @@ struct RobotLanes {
 };
 
 /// Adds a geometry of the world to a sweep as an obstacle and, where balls say more than its box,
-/// as a piece. `outer`: its ball, in the world; `in_runs`: see LaneSweep::addObstacle().
+/// as a piece. `outer`: its ball, in the world; `place`: see LaneSweep::addObstacle().
 RobotLanes::Piece addStill(const collision::Geometry& geometry, const collision::Pose& X_WB,
                            const collision::Ball& outer, collision::LaneSweep& sweep,
-                           bool in_runs = false);
+                           int place = -1);
 
 /// A rotation that turns z onto the unit vector `axis`, orthogonal to rounding.
 inline Eigen::Matrix3d turningZ(const Eigen::Vector3d& axis) {

@@ -35,8 +35,9 @@ constexpr int kShare = 50;
 // So many that their pairs are in runs.
 constexpr int kFar = static_cast<int>(collision::SceneBuilder::kMostListed) + 128;
 
-// The first kinds are round and closed forms; all are hulls and meshes, too.
-constexpr int kFirstKinds = 4, kAllKinds = 6;
+// The first kinds are round and closed forms; all are hulls and meshes, too, and what lanes take
+// for a cylinder or a box.
+constexpr int kFirstKinds = 4, kAllKinds = 8;
 
 collision::Shape someShape(Random& random, int kinds) {
   const double r = random.uniform(0.01, 0.08), h = random.uniform(0.01, 0.2);
@@ -51,6 +52,10 @@ collision::Shape someShape(Random& random, int kinds) {
       return collision::Shape::box({r, h, r});
     case 4:
       return collision::Shape::mesh(oracle::boxMesh({h, r, r}));
+    case 5:
+      return collision::Shape::cone(r, h);
+    case 6:
+      return collision::Shape::ellipsoid({r, h, r});
     default: {
       std::vector<Eigen::Vector3d> points;
       for (int i = 0; i < 9; ++i) points.push_back(h * random.direction());

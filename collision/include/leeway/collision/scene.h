@@ -80,8 +80,15 @@ class Scene {
   // reads before a change.
   mutable std::atomic<bool> is_shared_ = true;
   ScenePairs pairs_;
-  // Where pairs have runs: around the geometry of each place; a deforming one may be anywhere.
-  std::shared_ptr<const ObstacleBoxes> boxes_;
+  // Where pairs have runs: what is known of the geometries in places.
+  struct Still {
+    std::shared_ptr<const ObstacleBoxes> boxes;  // around each; a deforming one may be anywhere
+    std::shared_ptr<const std::vector<std::int32_t>> covered;  // places of hulls and meshes
+    double scale = 0;  // sums of their coordinates are at most this, see SceneAccess [m]
+  };
+  // Of the bodies from `first` on, which have `count` geometries. O(n log n).
+  static Still stillOf(const Things& things, int first, std::size_t count);
+  Still still_;
 };
 
 /// Collects bodies, allowed pairs and margins; build() makes the pairs.

@@ -70,6 +70,14 @@ class ScenePairs {
   const std::vector<Run>& runs() const { return runs_; }
   std::size_t places() const { return places_; }
   int firstStill() const { return first_still_; }
+  /// What stands in a place: a body, and which of its geometries. O(1).
+  struct Geometry {
+    std::int32_t body, geometry;
+  };
+  Geometry geometryIn(std::size_t place) const {
+    return geometries_.empty() ? Geometry{first_still_ + static_cast<std::int32_t>(place), 0}
+                               : geometries_[place];
+  }
   /// The number of the first pair of a run; after the last run, size(). O(log left out).
   std::size_t runBegin(std::size_t run) const;
   /// The run and place of a pair that is in one. O(log left out).
@@ -106,9 +114,6 @@ class ScenePairs {
   std::vector<Run> runs_;
   std::size_t places_ = 0;
   int first_still_ = 0;
-  struct Geometry {
-    std::int32_t body, geometry;
-  };
   std::vector<Geometry> geometries_;  // one a place; empty: each body has one
   // Positions number the runs' pairs with those that are left out: run * places + place.
   struct LeftOut {
