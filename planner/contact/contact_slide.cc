@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "leeway/robots/kinematics.h"
 #include "planner/base/tolerances.h"
 
 namespace leeway::planner {
@@ -14,7 +15,10 @@ ContactSlide::ContactSlide(EdgeCertifier& certifier, const Edge& check, double r
       check_(check),
       range_(range),
       gradients_(scene_),
-      inverse_(space_.variables().size()) {
+      workspace_(scene_.scene()),
+      inverse_(space_.variables().size()),
+      q_(scene_.model().variables.size()),
+      X_WL_(scene_.model().links.size()) {
   for (const ConfigurationSpace::Part& part : space_.parts())
     for (int k = 0; k < (part.kind == ConfigurationSpace::Kind::kRotation ? 3 : 1); ++k) {
       const int i = part.first + k;
@@ -43,8 +47,42 @@ void ContactSlide::project(std::span<double> step) const {
     }
 }
 
-/// Adds what is met between two points, at t; false where nothing is learnt of it.
-bool ContactSlide::meet(std::span<const double> from, std::span<const double> to, double t) {
+collision::DistanceResult ContactSlide::distanceOf(int pair,
+                                                   const collision::DistanceRequest& request) {
+  scene_.expand(place_, q_);
+  robots::forwardKinematics(scene_.model(), q_, X_WL_);
+  const collision::ScenePair of = scene_.scene().pairs()[static_cast<std::size_t>(pair)];
+  for (const int body : {of.body_a, of.body_b}) {
+    const int link = scene_.bodyLink(body);
+    if (link >= 0) workspace_.setPose(body, X_WL_[static_cast<std::size_t>(link)]);
+  }
+  return collision::pairDistance(scene_.scene(), workspace_, pair, request);
+}
+
+EdgeClearance ContactSlide::nearestOfPair(std::span<const double> from, std::span<const double> to,
+                                          double t, int pair) {
+  const double margin = scene_.scene().pairs()[static_cast<std::size_t>(pair)].margin;
+  collision::DistanceRequest request;
+  request.threshold = margin;
+  request.depth = margin < 0;
+  double free = 0, met = t;
+  for (int i = 0; i < kSlideHalvings; ++i) {
+    const double middle = (free + met) / 2;
+    space_.interpolate(from, to, middle, place_);
+    (distanceOf(pair, request).distance.lower > margin ? free : met) = middle;
+  }
+  space_.interpolate(from, to, free, place_);
+  EdgeClearance found;
+  found.pair = pair;
+  request = {};
+  request.tolerance = kClearanceTolerance;
+  found.closest = distanceOf(pair, request);
+  found.clearance = found.closest.distance;
+  return found;
+}
+
+EdgeClearance ContactSlide::nearestBefore(std::span<const double> from, std::span<const double> to,
+                                          double t) {
   double free = 0, met = t;
   for (int i = 0; i < kSlideHalvings; ++i) {
     const double middle = (free + met) / 2;
@@ -53,18 +91,26 @@ bool ContactSlide::meet(std::span<const double> from, std::span<const double> to
   }
   space_.interpolate(from, to, free, place_);
   const StateCheck state = certifier_.clearance(place_, kClearanceTolerance);
-  if (state.pair < 0) return false;
   EdgeClearance found;
   found.clearance = state.clearance;
   found.pair = state.pair;
   found.closest = state.closest;
+  return found;
+}
+
+/// Adds what is met between two points, where `check` says; false where nothing is learnt of it.
+bool ContactSlide::meet(std::span<const double> from, std::span<const double> to,
+                        const EdgeCheck& check) {
+  const EdgeClearance found = check.pair < 0 ? nearestBefore(from, to, check.t)
+                                             : nearestOfPair(from, to, check.t, check.pair);
+  if (found.pair < 0) return false;
   const std::span<const double> gradient = gradients_.find(place_, found, scene_);
   double squared = 0;
   for (std::size_t i = 0; i < gradient.size(); ++i)
     squared += gradient[i] * gradient[i] * inverse_[i];
   if (!(squared > kLeastPushGradient)) return false;
   const double room =
-      state.clearance.upper - scene_.scene().pairs()[static_cast<std::size_t>(state.pair)].margin;
+      found.clearance.upper - scene_.scene().pairs()[static_cast<std::size_t>(found.pair)].margin;
   contacts_.push_back({{gradient.begin(), gradient.end()}, kSlideRoom * range_ - room});
   Contact& contact = contacts_.back();
   space_.difference(from, place_, moved_);
@@ -118,7 +164,7 @@ void ContactSlide::slide(std::span<const double> from, std::span<const double> t
       contacts_.erase(contacts_.begin());
       old -= old > 0;
     }
-    if (!meet(at_, next_, check.t)) return;
+    if (!meet(at_, next_, check)) return;
   }
 }
 

@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "leeway/collision/scene.h"
 #include "leeway/planner/edge_certifier.h"
 #include "planner/contact/distance_gradient.h"
 
@@ -40,7 +41,14 @@ class ContactSlide {
     double least;
   };
   void project(std::span<double> step) const;
-  bool meet(std::span<const double> from, std::span<const double> to, double t);
+  bool meet(std::span<const double> from, std::span<const double> to, const EdgeCheck& check);
+  /// What is nearest at the last place before a meeting that is free, which place_ is then. By one
+  /// pair: of that pair alone, which is asked far sooner than all.
+  EdgeClearance nearestBefore(std::span<const double> from, std::span<const double> to, double t);
+  EdgeClearance nearestOfPair(std::span<const double> from, std::span<const double> to, double t,
+                              int pair);
+  /// Between the pair's bodies at place_.
+  collision::DistanceResult distanceOf(int pair, const collision::DistanceRequest& request);
 
   EdgeCertifier& certifier_;
   const CompiledScene& scene_;
@@ -48,8 +56,11 @@ class ContactSlide {
   const Edge& check_;
   double range_;
   DistanceGradient gradients_;
+  collision::Workspace workspace_;
   std::vector<double> inverse_;  ///< of the squared weight of each direction
   std::vector<double> at_, next_, place_, step_, moved_;
+  std::vector<double> q_;  ///< place_ as a configuration of the whole model
+  std::vector<robots::Pose> X_WL_;
   std::vector<Contact> contacts_;
 };
 

@@ -87,7 +87,7 @@ class Worker {
       // Slides ask their edges from the tree's root on, which is backwards in the goals' tree.
       const bool is_certified = !narrow_;
       if (met) path_ = trees_->path();
-      if (met || --left_ == 0) end();
+      if (met || (--left_ == 0 && !goesOn())) end();
       if (met && query_.accept(path_, certifier_, is_certified)) return true;
     }
     return false;
@@ -131,6 +131,18 @@ class Worker {
         task, settings,
         runSeed(query_.seed, index_ * kRunsApart + (is_narrow ? kToNarrowRuns : 0) + runs));
     left_ = query_.run * luby(++runs);
+    work_before_ = certifier_.statistics.work;
+  }
+
+  /// Whether the first run has more iterations: its edges have cost little so far. Narrow ones, of
+  /// which each costs as much as hundreds of such edges, come no sooner than they must.
+  bool goesOn() {
+    const bool is_first = runs_ == 1 && !narrow_ && std::isinf(query_.bound);
+    if (!is_first || iterations_ >= kLongestFirstRun * query_.run ||
+        certifier_.statistics.work - work_before_ >= kFirstRunWork)
+      return false;
+    left_ = kConnectTurn;
+    return true;
   }
 
   void end() {
@@ -153,6 +165,7 @@ class Worker {
   std::optional<ConnectTrees> trees_;
   EdgeCertifier::Statistics narrow_work_;  ///< of runs that have ended
   std::uint64_t runs_ = 0, narrow_runs_ = 0, left_ = 0, iterations_ = 0;
+  std::int64_t work_before_ = 0;  ///< the present run
   unsigned asked_ = 0;
   bool over_ = false;
   Waypoints path_;

@@ -17,6 +17,7 @@
 #include "leeway/collision/scene.h"
 #include "tests/support/allocations.h"
 #include "tests/support/deformable_cases.h"
+#include "tests/support/sanitized.h"
 
 namespace leeway::collision {
 namespace {
@@ -184,7 +185,7 @@ TEST(ScenePairs, RunsAnswerAsAListWould) {
 TEST(ScenePairs, DepthsInRunsAnswerAsAListWould) {
   Draw draw(7);
   int between = 0;
-  for (int world = 0; world < 40; ++world) {
+  for (int world = 0; world < casesToAsk(40); ++world) {
     const Twins twins(randomBuilder(draw, false, -0.02));
     Workspace listed(twins.listed), runs(twins.runs);
     const auto ask = [&](const Pose& X) {
@@ -209,7 +210,7 @@ TEST(ScenePairs, DepthsInRunsAnswerAsAListWould) {
       }
     }
   }
-  EXPECT_GT(between, 1000);
+  EXPECT_GT(between, casesToAsk(1000));
 }
 
 // Margins of left-out pairs, and one that every pair overrides, are no pair's margin.
